@@ -1,0 +1,189 @@
+# Makefile - builds digbox. `make help` lists what it can do.
+#
+# Nothing is registered here: sources, tests, worlds and Lua files are found by
+# wildcard. Products go to build/, pictures to out/, and nowhere else.
+
+.DEFAULT_GOAL := all
+.DELETE_ON_ERROR:
+.SUFFIXES:
+
+# One job per core, unless -j says otherwise.
+ifeq ($(MAKELEVEL),0)
+MAKEFLAGS += -j$(shell nproc 2>/dev/null || echo 2) --no-print-directory --no-builtin-rules
+endif
+
+# ---- options: make SANITIZE=1, DEBUG=1, RENDER=0, CC=clang, V=1, T=pattern ----
+ifeq ($(origin CC),default)
+CC := gcc
+endif
+SANITIZE ?= 0
+DEBUG    ?= 0
+RENDER   ?= 1
+V        ?= 0
+T        ?=
+PREFIX   ?= /usr/local
+export V T
+
+# Each kind of build has its own folder, so that switching costs nothing.
+variant := $(if $(filter 1,$(SANITIZE)),-sanitize)$(if $(filter 1,$(DEBUG)),-debug)$(if $(filter 0,$(RENDER)),-norender)
+BUILD   ?= build$(patsubst -%,/%,$(variant))
+
+# ---- flags ----
+WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes -Werror
+# The same bits on every machine and at every -O: no fused multiply-add, no -ffast-math.
+CFLAGS   ?= -O2 -g
+BASE     := -std=c17 $(CFLAGS) -ffp-contract=off -fno-math-errno -pthread $(WARNINGS) -Iengine
+LINK     := $(CC) -pthread
+ifeq ($(DEBUG),1)
+BASE     += -O0 -DDIG_DEBUG
+endif
+ifeq ($(SANITIZE),1)
+sanitize := -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
+BASE     += -O1 -DDIG_DEBUG $(sanitize)
+LINK     += $(sanitize)
+endif
+ifeq ($(RENDER),0)
+BASE     += -DDIGBOX_NO_RENDER
+endif
+
+# pkg-config where it knows, Debian's places where it does not. $(call flags,--cflags|--libs,package,fallback)
+flags    = $(or $(shell pkg-config $(1) $(2) 2>/dev/null),$(3))
+system   = $(patsubst -I%,-isystem %,$(1))
+LUA_CFLAGS    := $(call system,$(call flags,--cflags,lua5.4,-I/usr/include/lua5.4))
+RENDER_CFLAGS := $(call system,$(call flags,--cflags,freetype2 libpng,-I/usr/include/freetype2))
+CORE_LIBS     := -lqhull_r -lm
+LUA_LIBS      := $(call flags,--libs,lua5.4,-llua5.4)
+RENDER_LIBS   := $(call flags,--libs,osmesa libpng freetype2,-lOSMesa -lpng -lfreetype) -ldeflate -ldl
+
+# ---- what there is ----
+render_src := $(if $(filter 1,$(RENDER)),$(wildcard engine/render/*.c))
+core_src   := $(filter-out engine/render/%,$(wildcard engine/*/*.c))
+lua_src    := $(filter-out lua/main.c,$(wildcard lua/*.c))
+lua_files  := $(wildcard lua/digbox/*.lua lua/digbox/*/*.lua)
+unit_src   := $(wildcard tests/unit/test_*.c)
+bench_src  := $(wildcard tests/bench/*.c)
+# Only a test that includes a header of render/ (or of lua/) is linked with it.
+unit_render := $(shell grep -lE '^\#include "render/' $(unit_src) $(bench_src) /dev/null)
+unit_lua    := $(shell grep -lE '^\#include ("lua/|<lua)' $(unit_src) $(bench_src) /dev/null)
+ifeq ($(RENDER),0)
+unit_src   := $(filter-out $(unit_render),$(unit_src))
+endif
+
+objects  = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
+core_a   := $(BUILD)/libdigbox.a
+render_a := $(if $(render_src),$(BUILD)/libdigbox_render.a)
+lua_a    := $(BUILD)/libdigbox_lua.a
+program  := $(BUILD)/digbox
+unit_all := $(patsubst tests/unit/%.c,$(BUILD)/unit/%,$(unit_src))
+unit     := $(if $(T),$(foreach p,$(unit_all),$(if $(findstring $(T),tests/unit/$(notdir $(p)).c),$(p))),$(unit_all))
+bench    := $(patsubst tests/bench/%.c,$(BUILD)/bench/%,$(bench_src))
+
+ifeq ($(V),1)
+say :=
+Q   :=
+else
+say = @printf '  %-5s %s\n' $(1) $(2);
+Q   := @
+endif
+
+.PHONY: all libs demo test asan lint bench install deps clean help unit check-run
+.PHONY: FORCE
+
+all: $(program)                                 ## build/digbox, the program
+
+libs: $(core_a) $(render_a)
+
+$(program): $(call objects,lua/main.c) $(lua_a) $(render_a) $(core_a)
+	$(call say,LINK,$@)$(LINK) -o $@ $^ -Wl,--as-needed $(LUA_LIBS) $(if $(render_a),$(RENDER_LIBS)) $(CORE_LIBS)
+
+$(core_a):   $(call objects,$(core_src))
+$(render_a): $(call objects,$(render_src))
+$(lua_a):    $(call objects,$(lua_src)) $(BUILD)/obj/embedded.o
+$(core_a) $(render_a) $(lua_a): $(BUILD)/sources.txt
+	$(call say,AR,$@)rm -f $@ && ar rcsD $@ $(filter %.o,$^)
+
+$(BUILD)/obj/lua/%.o $(BUILD)/obj/embedded.o: extra = $(LUA_CFLAGS) -Ilua
+$(BUILD)/obj/engine/render/%.o:               extra = $(RENDER_CFLAGS)
+
+$(BUILD)/obj/%.o: %.c $(BUILD)/flags.txt
+	@mkdir -p $(@D)
+	$(call say,CC,$<)$(CC) $(BASE) $(extra) -MMD -MP -c -o $@ $<
+
+$(BUILD)/obj/embedded.o: $(BUILD)/embedded.c $(BUILD)/flags.txt
+	@mkdir -p $(@D)
+	$(call say,CC,$<)$(CC) $(BASE) $(extra) -MMD -MP -c -o $@ $<
+
+# The Lua half of the program travels inside it.
+$(BUILD)/embedded.c: lua/embed.sh $(lua_files) $(BUILD)/sources.txt
+	$(call say,EMBED,$@)sh lua/embed.sh $(lua_files) > $@.new && mv $@.new $@
+
+# Changed flags rebuild everything, an added or removed source its library.
+$(BUILD)/flags.txt: FORCE
+	@mkdir -p $(@D); echo '$(CC) $(BASE) $(LUA_CFLAGS) $(RENDER_CFLAGS)' | cmp -s - $@ || \
+	    echo '$(CC) $(BASE) $(LUA_CFLAGS) $(RENDER_CFLAGS)' > $@
+$(BUILD)/sources.txt: FORCE
+	@mkdir -p $(@D); echo '$(core_src) $(render_src) $(lua_src) $(lua_files)' | cmp -s - $@ || \
+	    echo '$(core_src) $(render_src) $(lua_src) $(lua_files)' > $@
+
+# ---- tests: one program per file; what is stale is gone before it is built ----
+with_lua    = $(if $(filter $<,$(unit_lua)),$(lua_a))
+with_render = $(if $(render_a),$(if $(filter $<,$(unit_render) $(unit_lua)),$(render_a)))
+define build_test
+	@mkdir -p $(@D)
+	$(call say,CC,$<)rm -f $@ && $(CC) $(BASE) $(LUA_CFLAGS) -Itests -I. -Ilua -MMD -MP -MF $@.d $< -o $@ $(with_lua) $(with_render) \
+	    $(core_a) -Wl,--as-needed $(if $(with_lua),$(LUA_LIBS)) $(if $(with_render),$(RENDER_LIBS)) $(1) $(CORE_LIBS)
+endef
+$(BUILD)/unit/%: tests/unit/%.c $(core_a) $(render_a) $(lua_a)
+	$(call build_test,-lcmocka)
+$(BUILD)/bench/%: tests/bench/%.c $(core_a) $(render_a) $(lua_a)
+	$(call build_test)
+
+unit: $(unit)
+
+test:                                           ## everything that must hold; T=pattern takes the tests with it in their path
+	@sh .ci/install.sh build test
+	@$(MAKE) all || { echo "0 passed, 1 failed"; exit 1; }
+	@$(MAKE) -k unit || true
+	@BUILD=$(BUILD) SANITIZE=$(SANITIZE) RENDER=$(RENDER) CC=$(CC) bash tests/run.sh $(unit_src)
+
+asan:                                           ## the tests again, under AddressSanitizer and UBSan
+	@$(MAKE) test SANITIZE=1
+
+lint:                                           ## what the compiler cannot see: floors, sizes, names, globals, Lua
+	@sh .ci/install.sh build test
+	@$(MAKE) libs || { echo "0 passed, 1 failed"; exit 1; }
+	@BUILD=$(BUILD) CC=$(CC) T=tests/lint/ bash tests/run.sh
+
+bench: all $(bench)                             ## measures; SCENE=name ENGINE=name choose
+	@for b in $(bench); do echo "$$b"; SCENE='$(SCENE)' ENGINE='$(ENGINE)' $$b || exit 1; done
+	@$(if $(bench),,echo "no benchmarks yet: tests/bench/ is empty")
+
+# ---- the first command of a newcomer ----
+demo_world := ball_table_bucket
+demo:                                           ## a film of worlds/ball_table_bucket.lua in out/
+	@sh .ci/install.sh build
+	@$(MAKE) all
+	@mkdir -p out && rm -f out/$(demo_world)*
+	@$(program) run worlds/$(demo_world).lua -o out
+	@sh .ci/film.sh out/$(demo_world)
+
+install: all                                    ## program, libraries and header below PREFIX (default /usr/local)
+	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib $(DESTDIR)$(PREFIX)/include $(DESTDIR)$(PREFIX)/share/doc/digbox/worlds
+	install -m 755 $(program) $(DESTDIR)$(PREFIX)/bin/digbox
+	install -m 644 $(core_a) $(render_a) $(DESTDIR)$(PREFIX)/lib
+	install -m 644 engine/digbox.h $(DESTDIR)$(PREFIX)/include
+	install -m 644 LICENSE README.md $(DESTDIR)$(PREFIX)/share/doc/digbox
+	$(if $(wildcard worlds/*.lua),install -m 644 $(wildcard worlds/*.lua) $(DESTDIR)$(PREFIX)/share/doc/digbox/worlds)
+	$(if $(wildcard docs/*.1),install -d $(DESTDIR)$(PREFIX)/share/man/man1 && install -m 644 $(wildcard docs/*.1) $(DESTDIR)$(PREFIX)/share/man/man1)
+
+deps:                                           ## installs the Debian packages that are missing (.ci/packages.txt)
+	@sh .ci/install.sh build test
+
+clean:                                          ## removes build/ and out/
+	rm -rf build out
+
+help:                                           ## this list
+	@sed -n 's/^\([a-z]*\):.*## /\1	/p' Makefile | awk -F '\t' '{ printf "  make %-8s %s\n", $$1, $$2 }'
+	@echo "  options: SANITIZE=1 DEBUG=1 RENDER=0 CC=clang V=1 T=pattern -jN"
+
+-include $(wildcard $(BUILD)/obj/*.d $(BUILD)/obj/*/*.d $(BUILD)/obj/*/*/*.d $(BUILD)/unit/*.d $(BUILD)/bench/*.d)

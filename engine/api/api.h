@@ -1,0 +1,21 @@
+/* api/api.h - what the files behind digbox.h share. They check arguments, then call down.
+ *
+ * Floor: api. Includes everything but render.
+ */
+#ifndef DIG_API_H
+#define DIG_API_H
+
+#include "base/param.h"
+#include "step/step.h"
+#include "world/joint.h"
+
+/* Finds the body or fails with a sentence. */
+Body     *api_body(const World *w, dig_body b, const char *call);
+JointRec *api_joint(const World *w, dig_joint j, const char *call);
+/* The joint as its type sees it, from the present state; memory is a copy. */
+void api_joint_view(const World *w, uint32_t slot, JointView *view, real memory[JOINT_MEMORY]);
+/* Adds b unless it is there; returns the new number. */
+int api_add_unique(dig_body *out, int n, int capacity, dig_body b);
+dig_status api_finite(const World *w, vec3 v, const char *call, const char *what, const char *unit);
+
+#endif

@@ -1,0 +1,291 @@
+/* api/body.c - bodies: creation, reading, pushing, setting. */
+#include "api/api.h"
+
+#include <stdio.h>
+
+dig_body_def dig_body_defaults(void)
+{
+    dig_body_def def;
+    memset(&def, 0, sizeof def);
+    dig_schema_defaults(dig_schema_at("body", 0), &def);
+    def.rotation = quat_identity();
+    return def;
+}
+
+dig_status dig_body_create(dig_world *w, const dig_body_def *def, dig_body *out)
+{
+    char subject[96], why[256];
+    *out = (dig_body){0, 0};
+    snprintf(subject, sizeof subject, "body '%s'", def->name.s);
+    dig_status s = param_check(dig_schema_at("body", 0)->rows, def, subject, why, sizeof why);
+    if (s != DIG_OK)
+        return world_fail(w, s, "%s", why);
+    return body_create(w, def, out);
+}
+
+dig_status dig_body_remove(dig_world *w, dig_body b)
+{
+    if (!api_body(w, b, "remove"))
+        return DIG_E_DEAD;
+    body_remove(w, b.slot);
+    return DIG_OK;
+}
+
+bool dig_body_alive(const dig_world *w, dig_body b) { return world_body(w, b) != NULL; }
+
+static void write_mat3(real out[9], mat3 m)
+{
+    const real flat[9] = {m.r0.x, m.r0.y, m.r0.z, m.r1.x, m.r1.y, m.r1.z, m.r2.x, m.r2.y, m.r2.z};
+    memcpy(out, flat, sizeof flat);
+}
+
+static box3 body_bounds(const World *w, const Body *b)
+{
+    box3 box = {b->x, b->x};
+    for (uint32_t s = b->shape_first; s != NONE; s = w->solids.data[s].next) {
+        const Solid *solid = &w->solids.data[s];
+        box = box3_union(box, solid->shape.type->bounds(&solid->shape, solid_pose(w, solid)));
+    }
+    return box;
+}
+
+dig_status dig_body_get(const dig_world *w, dig_body handle, dig_body_state *out)
+{
+    const Body *b = api_body(w, handle, "body");
+    if (!b)
+        return DIG_E_DEAD;
+    memset(out, 0, sizeof *out);
+    pose at = body_pose(b);
+    box3 box = body_bounds(w, b);
+    out->name = b->name;
+    out->kind = b->kind;
+    out->mode = b->kind == DIG_STATIC ? DIG_FIXED : b->mode;
+    out->awake = b->kind == DIG_DYNAMIC ? b->awake : b->kind == DIG_KINEMATIC;
+    out->position = at.p;
+    out->rotation = at.q;
+    out->centre = b->x;
+    out->velocity = b->v;
+    out->spin = b->w;
+    out->mass = b->kind == DIG_DYNAMIC ? b->mass : INFINITY;
+    write_mat3(out->inertia, body_inertia_world(b));
+    out->force = b->force;
+    out->torque = b->torque;
+    out->low = box.low;
+    out->high = box.high;
+    out->energy = body_energy(w, b);
+    out->work_received = b->work;
+    out->dig = dig_of(w, handle);
+    out->shape_count = b->shape_count;
+    return DIG_OK;
+}
+
+static void inspect_motion(const World *w, const Body *b, dig_body_debug *out)
+{
+    pose at = body_pose(b);
+    mat3 r = quat_matrix(b->q), inverse = mat3_mul(mat3_mul(r, b->inv_inertia), mat3_transpose(r));
+    out->floor = b->mode == DIG_RESTING;
+    out->collided = b->collided;
+    out->euler = b->euler;
+    out->curr_pos = b->x;
+    out->prev_pos = b->prev_x;
+    out->next_pos = b->awake ? vec3_mad(b->x, w->def.step, b->v) : b->x;
+    if (b->kind == DIG_DYNAMIC && b->awake && !b->euler)
+        out->next_pos = vec3_mad(out->next_pos, 0.5 * w->def.step * w->def.step * b->gravity_scale, w->def.gravity);
+    out->curr_rot = b->q;
+    out->prev_rot = b->prev_q;
+    out->next_rot = quat_mul(quat_exp(vec3_scale(w->def.step, b->w)), b->q);
+    write_mat3(out->itensor, b->inertia);
+    write_mat3(out->iti, b->inv_inertia);
+    write_mat3(out->itiws, inverse);
+    out->mo_inertia = (b->inertia.r0.x + b->inertia.r1.y + b->inertia.r2.z) / 3;
+    out->res_force = b->force;
+    out->torque = b->torque;
+    out->c_mass = b->x;
+    out->ang_mom = mat3_mul_vec(body_inertia_world(b), b->w);
+    out->velocity = b->v;
+    out->omega = b->w;
+    const real m[16] = {r.r0.x, r.r0.y, r.r0.z, at.p.x, r.r1.x, r.r1.y, r.r1.z, at.p.y, r.r2.x, r.r2.y, r.r2.z, at.p.z, 0, 0, 0, 1};
+    memcpy(out->matrix, m, sizeof m);
+}
+
+dig_status dig_body_inspect(const dig_world *w, dig_body handle, dig_body_debug *out)
+{
+    const Body *b = api_body(w, handle, "debug");
+    if (!b)
+        return DIG_E_DEAD;
+    memset(out, 0, sizeof *out);
+    inspect_motion(w, b, out);
+    out->m_id = b->message_id;
+    out->db_id = handle.slot;
+    out->mess_type = b->message_kind;
+    out->dig_id = graph_of(w->graph, handle.slot);
+    out->mess_time = b->message_time;
+    out->mass = b->kind == DIG_DYNAMIC ? b->mass : INFINITY;
+    out->rest = surface_resolve(w, &b->surface).restitution;
+    out->origin = b->message_from;
+    out->material = w->materials.data[b->surface.material].name;
+    out->object_type = b->shape_first == NONE ? "" : w->solids.data[b->shape_first].shape.type->name;
+    return DIG_OK;
+}
+
+/* ---- forces ---- */
+
+static Body *pushable(World *w, dig_body handle, const char *call, dig_status *status)
+{
+    Body *b = api_body(w, handle, call);
+    *status = b ? DIG_OK : DIG_E_DEAD;
+    if (b && b->kind != DIG_DYNAMIC) {
+        *status = world_fail(w, DIG_E_KIND, "%s: body '%s' is %s: nothing can push it", call, b->name, b->kind == DIG_STATIC ? "fixed" : "kinematic");
+        return NULL;
+    }
+    return b;
+}
+
+static dig_status add_push(World *w, dig_body handle, Push p, real lasts, const char *call)
+{
+    if (isnan(lasts))
+        return world_fail(w, DIG_E_ARG, "%s: lasts = nan s, must be a time", call);
+    if (list_push(&w->pushes, &w->allocations) != DIG_OK)
+        return world_fail(w, DIG_E_MEMORY, "%s: not enough memory", call);
+    p.body = handle.slot;
+    p.from = world_time(w);
+    p.until = p.from + (lasts > 0 ? lasts : w->def.step);
+    w->pushes.data[w->pushes.count - 1] = p;
+    body_wake(w, handle.slot);
+    return DIG_OK;
+}
+
+dig_status dig_body_push(dig_world *w, dig_body handle, vec3 force, vec3 at, bool has_at, real lasts)
+{
+    dig_status s;
+    const Body *b = pushable(w, handle, "push", &s);
+    if (!b)
+        return s;
+    DIG_TRY(api_finite(w, force, "push", "force", "N"));
+    if (has_at)
+        DIG_TRY(api_finite(w, at, "push", "at", "m"));
+    Push p = {.force = force, .has_at = has_at, .at = has_at ? quat_unrotate(b->q, vec3_sub(at, b->x)) : vec3_zero()};
+    return add_push(w, handle, p, lasts, "push");
+}
+
+dig_status dig_body_twist(dig_world *w, dig_body handle, vec3 torque, real lasts)
+{
+    dig_status s;
+    if (!pushable(w, handle, "twist", &s))
+        return s;
+    DIG_TRY(api_finite(w, torque, "twist", "torque", "N m"));
+    return add_push(w, handle, (Push){.torque = torque}, lasts, "twist");
+}
+
+dig_status dig_body_hit(dig_world *w, dig_body handle, vec3 impulse, vec3 at, bool has_at)
+{
+    dig_status s;
+    Body *b = pushable(w, handle, "hit", &s);
+    if (!b)
+        return s;
+    DIG_TRY(api_finite(w, impulse, "hit", "impulse", "N s"));
+    if (has_at)
+        DIG_TRY(api_finite(w, at, "hit", "at", "m"));
+    body_wake(w, handle.slot);
+    real before = body_energy(w, b);
+    mat3 r = quat_matrix(b->q), inverse = mat3_mul(mat3_mul(r, b->inv_inertia), mat3_transpose(r));
+    vec3 dv = vec3_scale(b->inv_mass, impulse);
+    vec3 dw = has_at ? mat3_mul_vec(inverse, vec3_cross(vec3_sub(at, b->x), impulse)) : vec3_zero();
+    b->v = vec3_add(b->v, dv);
+    b->w = vec3_add(b->w, dw);
+    b->hit_v = vec3_add(b->hit_v, dv);
+    b->hit_w = vec3_add(b->hit_w, dw);
+    real work = body_energy(w, b) - before;
+    b->work += work;
+    w->ledger.work_in += w->ledger.started ? work : 0;
+    return DIG_OK;
+}
+
+dig_status dig_body_teleport(dig_world *w, dig_body handle, const vec3 *at, const quat *rotation, const vec3 *velocity, const vec3 *spin)
+{
+    Body *b = api_body(w, handle, "teleport");
+    if (!b)
+        return DIG_E_DEAD;
+    if (at)
+        DIG_TRY(api_finite(w, *at, "teleport", "at", "m"));
+    if (velocity)
+        DIG_TRY(api_finite(w, *velocity, "teleport", "velocity", "m/s"));
+    if (spin)
+        DIG_TRY(api_finite(w, *spin, "teleport", "spin", "rad/s"));
+    if (rotation && !(quat_norm2(*rotation) > 0.98 && quat_norm2(*rotation) < 1.02))
+        return world_fail(w, DIG_E_ARG, "teleport: rotation has length %g, must be 1", sqrt(quat_norm2(*rotation)));
+    real before = body_energy(w, b);
+    touches_wake(w, handle.slot);
+    body_wake(w, handle.slot);
+    vec3 origin = at ? *at : body_pose(b).p;
+    b->q = rotation ? quat_unit(*rotation) : b->q;
+    b->x = vec3_add(origin, quat_rotate(b->q, b->centre));
+    b->prev_x = b->x;
+    b->prev_q = b->q;
+    if (velocity && b->kind != DIG_STATIC)
+        b->v = *velocity;
+    if (spin && b->kind != DIG_STATIC)
+        b->w = *spin;
+    b->still = 0;
+    b->out = false;
+    body_refit(w, handle.slot);
+    w->ledger.initial += w->ledger.started ? body_energy(w, b) - before : 0;
+    return DIG_OK;
+}
+
+static Body *kinematic(World *w, dig_body handle, const char *call, dig_status *status)
+{
+    Body *b = api_body(w, handle, call);
+    *status = b ? DIG_OK : DIG_E_DEAD;
+    if (b && b->kind != DIG_KINEMATIC) {
+        *status = world_fail(w, DIG_E_KIND, "%s: body '%s' is not kinematic; use :push, :hit or :teleport", call, b->name);
+        return NULL;
+    }
+    return b;
+}
+
+dig_status dig_body_move_to(dig_world *w, dig_body handle, vec3 at, const quat *rotation, real over)
+{
+    dig_status s;
+    Body *b = kinematic(w, handle, "move_to", &s);
+    if (!b)
+        return s;
+    DIG_TRY(api_finite(w, at, "move_to", "at", "m"));
+    if (!(over > 0 && isfinite(over)))
+        return world_fail(w, DIG_E_ARG, "move_to: over = %g s, must be > 0", over);
+    quat q = rotation ? quat_unit(*rotation) : b->q;
+    b->move_from = b->x;
+    b->move_to = vec3_add(at, quat_rotate(q, b->centre));
+    b->turn_from = b->q;
+    b->turn_to = q;
+    b->move_start = world_time(w);
+    b->move_end = b->move_start + real_max(over, w->def.step);
+    real time = b->move_end - b->move_start;
+    b->v = vec3_scale(1 / time, vec3_sub(b->move_to, b->x));
+    b->w = vec3_scale(1 / time, quat_log(quat_mul(q, quat_conjugate(b->q))));
+    touches_wake(w, handle.slot);
+    return DIG_OK;
+}
+
+dig_status dig_body_set_velocity(dig_world *w, dig_body handle, vec3 velocity, vec3 spin)
+{
+    dig_status s;
+    Body *b = kinematic(w, handle, "set_velocity", &s);
+    if (!b)
+        return s;
+    DIG_TRY(api_finite(w, velocity, "set_velocity", "velocity", "m/s"));
+    DIG_TRY(api_finite(w, spin, "set_velocity", "spin", "rad/s"));
+    b->v = velocity;
+    b->w = spin;
+    b->move_end = b->move_start - 1;
+    touches_wake(w, handle.slot);
+    return DIG_OK;
+}
+
+dig_status dig_body_wake(dig_world *w, dig_body handle)
+{
+    if (!api_body(w, handle, "wake"))
+        return DIG_E_DEAD;
+    body_wake(w, handle.slot);
+    return DIG_OK;
+}

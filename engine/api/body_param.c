@@ -1,0 +1,125 @@
+/* api/body_param.c - parameters of a body that may change while it lives, by the names of the body schema. */
+#include "api/api.h"
+
+#include <stdio.h>
+
+/* The surfaces of all its solids, too. */
+static void set_surface(World *w, uint32_t slot, const char *name, real value)
+{
+    Body *b = &w->bodies.data[slot];
+    for (uint32_t s = b->shape_first;; s = w->solids.data[s].next) {
+        Surface *surface = s == NONE ? &b->surface : &w->solids.data[s].surface;
+        if (strcmp(name, "friction") == 0)
+            surface->friction = value;
+        else if (strcmp(name, "friction_dynamic") == 0)
+            surface->friction_dynamic = value;
+        else if (strcmp(name, "rolling_friction") == 0)
+            surface->rolling = value;
+        else
+            surface->restitution = value;
+        if (s == NONE)
+            break;
+    }
+    pairs_refresh_surfaces(w, slot);
+}
+
+static dig_status set_material(World *w, uint32_t slot, const char *name)
+{
+    int material = material_find(w, name);
+    if (material < 0)
+        return world_fail(w, DIG_E_ARG, "body '%s': there is no material '%s'", w->bodies.data[slot].name, name);
+    Body *b = &w->bodies.data[slot];
+    if (b->kind == DIG_DYNAMIC && b->density > 0)
+        body_set_mass(b, b->mass * w->materials.data[material].def.density / b->density);
+    b->surface.material = material;
+    for (uint32_t s = b->shape_first; s != NONE; s = w->solids.data[s].next)
+        w->solids.data[s].surface.material = material;
+    pairs_refresh_surfaces(w, slot);
+    return DIG_OK;
+}
+
+static dig_status set_mass(World *w, Body *b, real mass)
+{
+    if (b->kind != DIG_DYNAMIC)
+        return world_fail(w, DIG_E_KIND, "body '%s' is not dynamic: it has no mass to set", b->name);
+    real before = body_energy(w, b);
+    body_set_mass(b, mass);
+    w->ledger.initial += w->ledger.started ? body_energy(w, b) - before : 0;
+    return DIG_OK;
+}
+
+dig_status dig_body_set(dig_world *w, dig_body handle, const char *name, const void *value)
+{
+    Body *b = api_body(w, handle, name);
+    if (!b)
+        return DIG_E_DEAD;
+    const dig_param *row = param_find(dig_schema_at("body", 0)->rows, name);
+    char subject[96], why[256];
+    snprintf(subject, sizeof subject, "body '%s'", b->name);
+    if (!row)
+        return world_fail(w, DIG_E_ARG, "body '%s' has no parameter '%s'", b->name, name);
+    if (param_check_field(row, value, subject, why, sizeof why) != DIG_OK)
+        return world_fail(w, DIG_E_ARG, "%s", why);
+    const real *number = value;
+    dig_status status = DIG_OK;
+    if (strcmp(name, "mass") == 0)
+        status = set_mass(w, b, *number);
+    else if (strcmp(name, "density") == 0)
+        status = set_mass(w, b, b->density > 0 ? b->mass * *number / b->density : *number);
+    else if (strcmp(name, "material") == 0)
+        status = set_material(w, handle.slot, ((const dig_text *)value)->s);
+    else if (strstr(name, "friction") || strcmp(name, "restitution") == 0)
+        set_surface(w, handle.slot, name, *number);
+    else if (strcmp(name, "gravity_scale") == 0)
+        b->gravity_scale = *number;
+    else if (strcmp(name, "group") == 0)
+        b->group = *(const int64_t *)value;
+    else if (strcmp(name, "collides") == 0)
+        b->collides = *(const bool *)value;
+    else if (strcmp(name, "name") == 0)
+        memcpy(b->name, value, sizeof b->name);
+    else if (strcmp(name, "colour") == 0)
+        b->colour = *(const vec3 *)value;
+    else
+        return world_fail(w, DIG_E_ARG, "body '%s': '%s' is fixed at creation or is state; use :teleport for state", b->name, name);
+    if (status == DIG_OK && (strcmp(name, "group") == 0 || strcmp(name, "collides") == 0))
+        body_refit(w, handle.slot);
+    if (strcmp(name, "name") != 0 && strcmp(name, "colour") != 0) {
+        touches_wake(w, handle.slot);
+        body_wake(w, handle.slot);
+    }
+    return status;
+}
+
+dig_status dig_body_param(const dig_world *w, dig_body handle, const char *name, void *value)
+{
+    const Body *b = api_body(w, handle, name);
+    if (!b)
+        return DIG_E_DEAD;
+    const dig_param *row = param_find(dig_schema_at("body", 0)->rows, name);
+    if (!row)
+        return world_fail(w, DIG_E_ARG, "body '%s' has no parameter '%s'", b->name, name);
+    Surface s = surface_resolve(w, &b->surface);
+    dig_body_def def = dig_body_defaults();
+    memcpy(def.name.s, b->name, sizeof def.name.s);
+    pose at = body_pose(b);
+    def.at = at.p;
+    def.rotation = at.q;
+    def.velocity = b->v;
+    def.spin = b->w;
+    def.mass = b->kind == DIG_DYNAMIC ? b->mass : INFINITY;
+    def.density = b->density;
+    snprintf(def.material.s, sizeof def.material.s, "%s", w->materials.data[s.material].name);
+    def.friction = s.friction;
+    def.friction_dynamic = s.friction_dynamic;
+    def.rolling_friction = s.rolling;
+    def.restitution = s.restitution;
+    def.fixed = b->kind == DIG_STATIC;
+    def.kinematic = b->kind == DIG_KINEMATIC;
+    def.gravity_scale = b->gravity_scale;
+    def.collides = b->collides;
+    def.group = b->group;
+    def.colour = b->colour.x >= 0 ? b->colour : w->materials.data[s.material].def.colour;
+    memcpy(value, (const char *)&def + row->offset, param_size(row));
+    return DIG_OK;
+}

@@ -1,0 +1,290 @@
+/* api/joint.c - joints: creation from a type's table, reading, setting. */
+#include "api/api.h"
+
+#include <stdio.h>
+
+static const JointType *find_type(const char *name)
+{
+    for (int i = 0; joint_types[i]; i++)
+        if (strcmp(joint_types[i]->name, name) == 0)
+            return joint_types[i];
+    return NULL;
+}
+
+static void view_end(const World *w, JointEnd *e, uint32_t body, vec3 anchor, quat frame)
+{
+    if (body == NONE) {
+        joint_end_set(e, vec3_zero(), quat_identity(), vec3_zero(), vec3_zero(), anchor, frame);
+        e->body = -1;
+        return;
+    }
+    const Body *b = &w->bodies.data[body];
+    joint_end_set(e, b->x, b->q, b->v, b->w, anchor, frame);
+    e->body = (int)body;
+}
+
+static void view_of(const World *w, const JointRec *r, JointView *view, real memory[JOINT_MEMORY])
+{
+    memset(view, 0, sizeof *view);
+    memcpy(memory, r->memory, sizeof r->memory);
+    view->params = r->params;
+    view->memory = memory;
+    view->type = r->type;
+    view_end(w, &view->a, r->a, r->ra, r->fa);
+    view_end(w, &view->b, r->b, r->rb, r->fb);
+}
+
+void api_joint_view(const World *w, uint32_t slot, JointView *view, real memory[JOINT_MEMORY])
+{
+    view_of(w, &w->joints.data[slot], view, memory);
+}
+
+dig_joint_def dig_joint_defaults(void)
+{
+    dig_joint_def def;
+    memset(&def, 0, sizeof def);
+    param_defaults(dig_schema_at("joint.common", 0)->rows, &def);
+    return def;
+}
+
+/* Which bodies? For a type that couples joints, those that the two joints move. */
+static dig_status find_bodies(const World *w, const JointType *type, const dig_joint_def *def, JointRec *r)
+{
+    r->a = r->b = r->other[0] = r->other[1] = r->link = NONE;
+    if (type->couples) {
+        const dig_joint *joints = def->data;
+        for (int k = 0; k < 2; k++) {
+            const JointRec *j = api_joint(w, joints[k], type->name);
+            if (!j)
+                return DIG_E_DEAD;
+            uint32_t body = j->b != NONE && w->bodies.data[j->b].kind == DIG_DYNAMIC && !(j->a != NONE && w->bodies.data[j->a].kind == DIG_DYNAMIC) ? j->b : j->a;
+            *(k ? &r->b : &r->a) = body;
+            r->other[k] = joints[k].slot;
+        }
+        return r->other[0] != r->other[1] ? DIG_OK : world_fail(w, DIG_E_ARG, "%s: a and b are the same joint", type->name);
+    }
+    if (!api_body(w, def->a, type->name))
+        return DIG_E_DEAD;
+    r->a = def->a.slot;
+    if (def->b.gen) {
+        if (!api_body(w, def->b, type->name))
+            return DIG_E_DEAD;
+        r->b = def->b.slot;
+    }
+    const Body *a = &w->bodies.data[r->a], *b = r->b == NONE ? NULL : &w->bodies.data[r->b];
+    if (r->a == r->b)
+        return world_fail(w, DIG_E_ARG, "%s: a and b are the same body '%s'", type->name, a->name);
+    if (a->kind != DIG_DYNAMIC && (!b || b->kind != DIG_DYNAMIC))
+        return world_fail(w, DIG_E_ARG, "%s: nothing to hold: neither '%s' nor '%s' can move", type->name, a->name, b ? b->name : "the world");
+    return DIG_OK;
+}
+
+/* Anchors and frames in the bodies' own axes, from world points. */
+static dig_status place(const World *w, const JointType *type, const dig_joint_def *def, JointRec *r)
+{
+    const Body *a = &w->bodies.data[r->a], *b = r->b == NONE ? NULL : &w->bodies.data[r->b];
+    vec3 at = isnan(def->at.x) ? a->x : def->at, pa = at, pb = at;
+    DIG_TRY(api_finite(w, at, type->name, "at", "m"));
+    if (type->two_anchors) {
+        const vec3 *anchors = (const vec3 *)(const void *)r->params;
+        pa = isnan(anchors[0].x) ? a->x : anchors[0];
+        pb = !isnan(anchors[1].x) ? anchors[1] : b ? b->x : at;
+        if (!b && isnan(anchors[1].x) && isnan(def->at.x))
+            return world_fail(w, DIG_E_ARG, "%s: a joint to the world needs 'at' or 'at_b', the point where it hangs", type->name);
+    }
+    vec3 axis = isnan(def->axis.x) ? (vec3){0, 1, 0} : def->axis, u, n;
+    DIG_TRY(api_finite(w, axis, type->name, "axis", ""));
+    if (!(vec3_length(axis) > 1e-9))
+        return world_fail(w, DIG_E_ARG, "%s: axis = {%g, %g, %g} has no direction", type->name, axis.x, axis.y, axis.z);
+    axis = vec3_unit(axis);
+    vec3_basis(axis, &u, &n);
+    quat frame = quat_from_matrix(mat3_transpose((mat3){axis, u, n}));
+    r->ra = quat_unrotate(a->q, vec3_sub(pa, a->x));
+    r->fa = quat_mul(quat_conjugate(a->q), frame);
+    r->rb = b ? quat_unrotate(b->q, vec3_sub(pb, b->x)) : pb;
+    r->fb = b ? quat_mul(quat_conjugate(b->q), frame) : frame;
+    return DIG_OK;
+}
+
+static dig_status add_link(World *w, uint32_t slot)
+{
+    JointRec *r = &w->joints.data[slot];
+    uint32_t a = r->a, b = r->b;
+    if (a == NONE || b == NONE || a == b)
+        return DIG_OK;                      /* to the world: nothing to link */
+    bool dynamic_a = w->bodies.data[a].kind == DIG_DYNAMIC, dynamic_b = w->bodies.data[b].kind == DIG_DYNAMIC;
+    graph_begin(w->graph);
+    dig_status s = graph_link_add(w->graph, dynamic_a ? a : b, dynamic_a ? b : a, !dynamic_a || !dynamic_b, DIG_LINK_JOINT, slot, world_time(w), &r->link);
+    DIG_TRY(graph_end(w->graph));
+    if (s != DIG_OK) {
+        r->link = NONE;
+        return s;
+    }
+    dig_event *e = event_post(w, DIG_EVENT_LINK, a, b);
+    if (e)
+        e->link = DIG_LINK_JOINT;
+    post_graph_changes(w);
+    return DIG_OK;
+}
+
+static dig_status prepare(World *w, const dig_joint_def *def, JointRec *r)
+{
+    const JointType *type = def->type ? find_type(def->type) : NULL;
+    if (!type)
+        return world_fail(w, DIG_E_ARG, "there is no joint type '%s'", def->type ? def->type : "(null)");
+    memset(r, 0, sizeof *r);
+    r->type = type;
+    if (type->params_size > sizeof r->params)
+        return world_fail(w, DIG_E_ARG, "%s: its parameters take %zu bytes, at most %zu", type->name, type->params_size, sizeof r->params);
+    if (def->data)
+        memcpy(r->params, def->data, type->params_size);
+    else
+        param_defaults(type->params, r->params);
+    char why[256] = "";
+    if (param_check(type->params, r->params, type->name, why, sizeof why) != DIG_OK)
+        return world_fail(w, DIG_E_ARG, "%s", why);
+    if (!(def->breaks_at > 0))
+        return world_fail(w, DIG_E_ARG, "%s: breaks_at = %g N, must be > 0", type->name, def->breaks_at);
+    DIG_TRY(find_bodies(w, type, def, r));
+    DIG_TRY(place(w, type, def, r));
+    memcpy(r->name, def->name.s, sizeof r->name);
+    r->breaks_at = isfinite(def->breaks_at) ? def->breaks_at : 0;
+    r->collides = def->collides || type->couples;
+    if (type->check) {
+        JointView view;
+        real memory[JOINT_MEMORY];
+        view_of(w, r, &view, memory);
+        if (type->check(r->params, &view, why, sizeof why) != DIG_OK)
+            return world_fail(w, DIG_E_ARG, "%s: %s", type->name, why);
+    }
+    return DIG_OK;
+}
+
+dig_status dig_joint_create(dig_world *w, const dig_joint_def *def, dig_joint *out)
+{
+    JointRec r;
+    uint32_t slot;
+    *out = (dig_joint){0, 0};
+    DIG_TRY(prepare(w, def, &r));
+    if (world_slot(w, &w->joints, &w->free_joints, &slot) != DIG_OK)
+        return world_fail(w, DIG_E_MEMORY, "%s: not enough memory", def->type);
+    r.alive = true;
+    r.gen = w->gen_start + (uint32_t)w->serial++;
+    r.next_a = r.next_b = NONE;
+    w->joints.data[slot] = r;
+    if (add_link(w, slot) != DIG_OK) {
+        w->joints.data[slot].alive = false;
+        slot_give(w, &w->free_joints, slot);
+        return world_fail(w, DIG_E_MEMORY, "%s: not enough memory", def->type);
+    }
+    joint_attach(w, slot);
+    body_wake(w, r.a);
+    if (r.b != NONE)
+        body_wake(w, r.b);
+    if (!r.collides && r.b != NONE) {       /* pairs that may no longer touch go at the next step */
+        body_refit(w, r.a);
+        body_refit(w, r.b);
+    }
+    *out = (dig_joint){slot, r.gen};
+    return DIG_OK;
+}
+
+dig_status dig_joint_remove(dig_world *w, dig_joint j)
+{
+    const JointRec *r = api_joint(w, j, "remove");
+    if (!r)
+        return DIG_E_DEAD;
+    uint32_t a = r->a, b = r->b;
+    joint_remove(w, j.slot);
+    if (a != NONE && b != NONE) {           /* they may touch again */
+        body_refit(w, a);
+        body_refit(w, b);
+    }
+    return DIG_OK;
+}
+
+bool dig_joint_alive(const dig_world *w, dig_joint j) { return world_joint(w, j) != NULL; }
+
+dig_status dig_joint_get(const dig_world *w, dig_joint handle, dig_joint_state *out)
+{
+    const JointRec *r = api_joint(w, handle, "joint");
+    if (!r)
+        return DIG_E_DEAD;
+    JointView view;
+    real memory[JOINT_MEMORY];
+    view_of(w, r, &view, memory);
+    memset(out, 0, sizeof *out);
+    out->type = r->type->name;
+    out->name = r->name;
+    out->a = body_handle(w, r->a);
+    out->b = body_handle(w, r->b);
+    out->at = view.a.p;
+    out->error = vec3_distance(view.a.p, view.b.p);
+    if (r->type->coordinate)
+        *(r->type->angular ? &out->angle : &out->distance) = r->type->coordinate(&view);
+    if (r->type->two_anchors)
+        out->distance = out->error;
+    out->speed = r->type->speed ? r->type->speed(&view) : 0;
+    out->force = r->force;
+    out->torque = r->torque;
+    out->at_limit = r->type->at_limit && r->type->at_limit(&view);
+    Row rows[JOINT_SLOTS];
+    RowList list = {rows, 0, JOINT_SLOTS};
+    if (!r->type->couples) {
+        r->type->rows(&view, &list);
+        out->error = 0;
+        for (int i = 0; i < list.count; i++)
+            if (rows[i].kind == ROW_HARD && !rows[i].angular)
+                out->error = hypot(out->error, rows[i].error);
+    }
+    return DIG_OK;
+}
+
+dig_status dig_joint_set(dig_world *w, dig_joint handle, const char *name, const void *value)
+{
+    JointRec *r = api_joint(w, handle, name);
+    if (!r)
+        return DIG_E_DEAD;
+    if (strcmp(name, "breaks_at") == 0) {
+        const real *force = value;
+        if (!(*force > 0))
+            return world_fail(w, DIG_E_ARG, "%s: breaks_at = %g N, must be > 0", r->type->name, *force);
+        r->breaks_at = isfinite(*force) ? *force : 0;
+        return DIG_OK;
+    }
+    size_t offset;
+    const dig_param *row = param_find_path(r->type->params, name, &offset);
+    char why[256];
+    if (!row)
+        return world_fail(w, DIG_E_ARG, "%s has no parameter '%s'", r->type->name, name);
+    if (row->kind == DIG_JOINT || row->kind == DIG_BODY)
+        return world_fail(w, DIG_E_ARG, "%s: '%s' is fixed at creation", r->type->name, name);
+    if (param_check_field(row, value, r->type->name, why, sizeof why) != DIG_OK)
+        return world_fail(w, DIG_E_ARG, "%s", why);
+    memcpy((char *)r->params + offset, value, param_size(row));
+    if (r->a != NONE)
+        body_wake(w, r->a);
+    if (r->b != NONE)
+        body_wake(w, r->b);
+    return DIG_OK;
+}
+
+int dig_joints(const dig_world *w, dig_joint *out, int capacity)
+{
+    int n = 0;
+    for (int i = 0; i < w->joints.count; i++)
+        if (w->joints.data[i].alive) {
+            if (n < capacity)
+                out[n] = joint_handle(w, (uint32_t)i);
+            n++;
+        }
+    return n;
+}
+
+dig_joint dig_joint_find(const dig_world *w, const char *name)
+{
+    for (int i = 0; i < w->joints.count; i++)
+        if (w->joints.data[i].alive && strcmp(w->joints.data[i].name, name) == 0)
+            return joint_handle(w, (uint32_t)i);
+    return (dig_joint){0, 0};
+}

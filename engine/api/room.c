@@ -1,0 +1,89 @@
+/* api/room.c - the six-sided room: walls that have no body of their own and can be opened one by one. */
+#include "api/api.h"
+
+static const char *const wall_names[6] = {"+x", "-x", "+y", "-y", "+z", "-z"};
+
+/* The wall on side i faces inwards; it is a plane of the world itself. */
+static dig_status add_wall(World *w, int i)
+{
+    const dig_room_def *r = &w->room;
+    vec3 middle = vec3_add(r->at, (vec3){0, 0.5 * r->size.y, 0});
+    real sign = i % 2 ? -1 : 1;
+    vec3 outward = {i / 2 == 0 ? sign : 0, i / 2 == 1 ? sign : 0, i / 2 == 2 ? sign : 0};
+    vec3 normal = vec3_neg(outward);
+    vec3 at = vec3_add(middle, vec3_mul(outward, vec3_scale(0.5, r->size)));
+    dig_plane_def plane = {normal, vec3_dot(normal, at)};
+    Surface surface = {0, r->friction, r->friction, NAN, r->restitution};
+    Shape shape;
+    char why[128];
+    dig_status s = shape_make("plane", &plane, &shape, why, sizeof why);
+    if (s == DIG_OK) {
+        s = solid_add(w, NONE, &shape, pose_identity(), vec3_zero(), &surface, (vec3){-1, -1, -1}, &w->room_solid[i]);
+        if (s != DIG_OK)
+            shape_free(&shape);
+        else
+            w->solids.data[w->room_solid[i]].wall = (uint8_t)(i + 1);
+    }
+    if (s != DIG_OK)
+        w->room_solid[i] = NONE;
+    return s;
+}
+
+static void wake_all(World *w)
+{
+    for (int i = 0; i < w->bodies.count; i++)
+        if (w->bodies.data[i].alive)
+            body_wake(w, (uint32_t)i);
+}
+
+/* Bodies that touched the wall leave it. */
+static void remove_wall(World *w, int i)
+{
+    if (w->room_solid[i] == NONE)
+        return;
+    solid_remove(w, w->room_solid[i]);
+    w->room_solid[i] = NONE;
+    for (int t = 0; t < w->touches.count; t++)
+        if (w->touches.data[t].alive && w->touches.data[t].wall == i + 1 && w->touches.data[t].pairs == 0) {
+            dig_event *e = event_post(w, DIG_EVENT_CONTACT_END, w->touches.data[t].body_a, NONE);
+            if (e)
+                e->wall = (uint8_t)(i + 1);
+            touch_remove(w, (uint32_t)t);
+        }
+}
+
+dig_status dig_room_set(dig_world *w, const dig_room_def *def)
+{
+    char why[256];
+    if (param_check(dig_schema_at("room", 0)->rows, def, "room", why, sizeof why) != DIG_OK)
+        return world_fail(w, DIG_E_ARG, "%s", why);
+    for (int i = 0; i < 6 && w->has_room; i++)
+        remove_wall(w, i);
+    w->room = *def;
+    w->has_room = true;
+    for (int i = 0; i < 6; i++)
+        w->room_solid[i] = NONE;
+    for (int i = 0; i < 6; i++)
+        if (add_wall(w, i) != DIG_OK)
+            return world_fail(w, DIG_E_MEMORY, "room: not enough memory");
+    wake_all(w);
+    return DIG_OK;
+}
+
+dig_status dig_room_open(dig_world *w, const char *wall, bool open)
+{
+    if (!w->has_room)
+        return world_fail(w, DIG_E_ARG, "room: this world has none");
+    for (int i = 0; i < 6; i++) {
+        if (strcmp(wall, wall_names[i]) != 0)
+            continue;
+        bool there = w->room_solid[i] != NONE;
+        if (open && there)
+            remove_wall(w, i);
+        if (!open && !there)
+            DIG_TRY(add_wall(w, i));
+        wake_all(w);
+        return DIG_OK;
+    }
+    return world_fail(w, DIG_E_ARG, "room: there is no wall '%s'; they are +x -x +y -y +z -z", wall);
+}

@@ -1,0 +1,255 @@
+/* api/world.c - opening, stepping and reading a world. */
+#include "api/api.h"
+
+#include <stdio.h>
+
+Body *api_body(const World *w, dig_body b, const char *call)
+{
+    Body *body = world_body(w, b);
+    if (!body)
+        world_fail(w, DIG_E_DEAD, b.gen == 0 ? "%s: no body was given" : "%s: this body was removed, or belongs to another world", call);
+    return body;
+}
+
+JointRec *api_joint(const World *w, dig_joint j, const char *call)
+{
+    JointRec *joint = world_joint(w, j);
+    if (!joint)
+        world_fail(w, DIG_E_DEAD, j.gen == 0 ? "%s: no joint was given" : "%s: this joint was removed, or belongs to another world", call);
+    return joint;
+}
+
+dig_status api_finite(const World *w, vec3 v, const char *call, const char *what, const char *unit)
+{
+    if (vec3_finite(v))
+        return DIG_OK;
+    return world_fail(w, DIG_E_ARG, "%s: %s = {%g, %g, %g} %s must be finite", call, what, v.x, v.y, v.z, unit);
+}
+
+dig_world_def dig_world_defaults(void)
+{
+    dig_world_def def;
+    memset(&def, 0, sizeof def);
+    dig_schema_defaults(dig_schema_at("world", 0), &def);
+    def.gravity = (vec3){0, -9.81, 0};
+    return def;
+}
+
+static dig_status check_world_def(const dig_world_def *def, char *why, size_t capacity)
+{
+    DIG_TRY(param_check(dig_schema_at("world", 0)->rows, def, "world", why, capacity));
+    const char *p = def->plane.s, *f = def->friction_law.s;
+    if (p[0] && strcmp(p, "xy") != 0 && strcmp(p, "yz") != 0 && strcmp(p, "xz") != 0) {
+        snprintf(why, capacity, "world: plane = '%s', must be 'xy', 'yz' or 'xz'", p);
+        return DIG_E_ARG;
+    }
+    if (f[0] && strcmp(f, "coulomb") != 0 && strcmp(f, "decay") != 0) {
+        snprintf(why, capacity, "world: friction_law = '%s', must be 'coulomb' or 'decay'", f);
+        return DIG_E_ARG;
+    }
+    if (def->accuracy.s[0] && plan_find(def->accuracy.s) < 0) {
+        snprintf(why, capacity, "world: accuracy = '%s', must be sketch, play, study, reference or a length", def->accuracy.s);
+        return DIG_E_ARG;
+    }
+    return DIG_OK;
+}
+
+static void open_effects(World *w)
+{
+    for (int i = 0; effect_types[i] && i < MAX_EFFECTS; i++)
+        w->effects[w->effect_count++] = (EffectSlot){.type = effect_types[i], .on = true};
+}
+
+dig_status dig_world_open(const dig_world_def *def, dig_world **out, char *why, size_t capacity)
+{
+    *out = NULL;
+    DIG_TRY(check_world_def(def, why, capacity));
+    World *w;
+    DIG_TRY(world_open(def, &w, why, capacity));
+    w->plan = !isnan(def->tolerance) ? plan_for_tolerance(def->tolerance) : def->accuracy.s[0] ? plan_find(def->accuracy.s) : plan_find("play");
+    open_effects(w);
+    if (def->threads > 1) {
+        dig_status s = workers_open((int)def->threads, &w->workers);
+        if (s != DIG_OK) {
+            snprintf(why, capacity, "world: not enough memory for %d threads", (int)def->threads);
+            world_close(w);
+            return s;
+        }
+    }
+    *out = w;
+    return DIG_OK;
+}
+
+void dig_world_close(dig_world *w)
+{
+    if (w)
+        workers_close(w->workers);
+    world_close(w);
+}
+
+const char *dig_error(const dig_world *w) { return w->error; }
+
+dig_status dig_world_step(dig_world *w)
+{
+    if (w->busy)
+        return world_fail(w, DIG_E_BUSY, "world:step() cannot be called while the world is stepping");
+    if (!w->ledger.started) {
+        w->ledger.started = true;
+        w->ledger.initial = dig_world_energy(w).total;
+    }
+    w->busy = true;
+    int pending = w->pending.count;
+    dig_status s = step_world(w);
+    if (s != DIG_OK)
+        w->pending.count = int_min(pending, w->pending.count);
+    w->busy = false;
+    return s;
+}
+
+real dig_world_time(const dig_world *w) { return world_time(w); }
+uint64_t dig_world_steps(const dig_world *w) { return w->steps; }
+real dig_world_frame(const dig_world *w) { return w->def.step; }
+vec3 dig_world_gravity(const dig_world *w) { return w->def.gravity; }
+uint64_t dig_world_checksum(const dig_world *w) { return world_hash(w); }
+dig_status dig_world_check(dig_world *w) { return world_check(w); }
+
+dig_status dig_world_set_gravity(dig_world *w, vec3 g)
+{
+    DIG_TRY(api_finite(w, g, "world", "gravity", "m/s^2"));
+    real before = dig_world_energy(w).potential;
+    w->def.gravity = g;
+    if (w->ledger.started)
+        w->ledger.initial += dig_world_energy(w).potential - before;
+    for (int i = 0; i < w->bodies.count; i++)
+        if (w->bodies.data[i].alive)
+            body_wake(w, (uint32_t)i);
+    return DIG_OK;
+}
+
+dig_status dig_world_set_accuracy(dig_world *w, const char *plan, real tolerance)
+{
+    if (!plan && !(tolerance > 0 && tolerance <= 1))
+        return world_fail(w, DIG_E_ARG, "world: accuracy = %g m, must be > 0 and at most 1 m", tolerance);
+    int index = plan ? plan_find(plan) : plan_for_tolerance(tolerance);
+    if (index < 0)
+        return world_fail(w, DIG_E_ARG, "world: accuracy = '%s', must be sketch, play, study, reference or a length", plan);
+    w->plan = index;
+    return DIG_OK;
+}
+
+const char *dig_world_accuracy(const dig_world *w) { return accuracy_plans[w->plan].name; }
+
+static real elastic_energy(const World *w)
+{
+    real sum = 0;
+    for (int i = 0; i < w->joints.count; i++) {
+        const JointRec *r = &w->joints.data[i];
+        if (!r->alive || !r->type->energy)
+            continue;
+        real memory[JOINT_MEMORY];
+        JointView view;
+        api_joint_view(w, (uint32_t)i, &view, memory);
+        sum += r->type->energy(&view);
+    }
+    return sum;
+}
+
+dig_energy dig_world_energy(const dig_world *w)
+{
+    dig_energy e = {.work_in = w->ledger.work_in, .lost = w->ledger.lost, .initial = w->ledger.initial};
+    for (int i = 0; i < w->bodies.count; i++) {
+        const Body *b = &w->bodies.data[i];
+        if (!b->alive || b->kind != DIG_DYNAMIC)
+            continue;
+        vec3 wl = quat_unrotate(b->q, b->w);
+        e.kinetic += 0.5 * b->mass * vec3_length2(b->v) + 0.5 * vec3_dot(wl, mat3_mul_vec(b->inertia, wl));
+        e.potential -= b->mass * b->gravity_scale * vec3_dot(w->def.gravity, b->x);
+    }
+    e.elastic = elastic_energy(w);
+    e.total = e.kinetic + e.potential + e.elastic + e.heat + e.electric;
+    if (!w->ledger.started)
+        e.initial = e.total;
+    e.numerical = e.total + e.lost - e.initial - e.work_in;
+    return e;
+}
+
+vec3 dig_world_momentum(const dig_world *w)
+{
+    vec3 p = vec3_zero();
+    for (int i = 0; i < w->bodies.count; i++)
+        if (w->bodies.data[i].alive && w->bodies.data[i].kind == DIG_DYNAMIC)
+            p = vec3_mad(p, w->bodies.data[i].mass, w->bodies.data[i].v);
+    return p;
+}
+
+vec3 dig_world_angular_momentum(const dig_world *w)
+{
+    vec3 l = vec3_zero();
+    for (int i = 0; i < w->bodies.count; i++) {
+        const Body *b = &w->bodies.data[i];
+        if (!b->alive || b->kind != DIG_DYNAMIC)
+            continue;
+        l = vec3_add(l, vec3_scale(b->mass, vec3_cross(b->x, b->v)));
+        l = vec3_add(l, mat3_mul_vec(body_inertia_world(b), b->w));
+    }
+    return l;
+}
+
+static int alive_contacts(const World *w)
+{
+    int n = 0;
+    for (int i = 0; i < w->touches.count; i++)
+        n += w->touches.data[i].alive && w->touches.data[i].pairs > 0;
+    return n;
+}
+
+dig_stats dig_world_stats(const dig_world *w)
+{
+    dig_stats s = w->stats;
+    s.bodies = w->bodies.count - w->free_bodies.count;
+    s.awake = 0;
+    for (int i = 0; i < w->awake.count; i++) {
+        const Body *b = &w->bodies.data[w->awake.data[i]];
+        s.awake += b->alive && b->awake && b->kind == DIG_DYNAMIC;
+    }
+    s.digs = graph_count(w->graph);
+    s.pairs = w->pairs.count - w->free_pairs.count;
+    s.joints = w->joints.count - w->free_joints.count;
+    s.contacts = alive_contacts(w);
+    s.bytes = world_bytes(w) + (w->workers ? workers_bytes(w->workers) : 0);
+    s.allocations = w->allocations + w->scratch.allocations;
+    return s;
+}
+
+int dig_effect_count(const dig_world *w) { return w->effect_count; }
+
+dig_status dig_effect_get(const dig_world *w, int index, dig_effect_info *info)
+{
+    if (index < 0 || index >= w->effect_count)
+        return world_fail(w, DIG_E_ARG, "effect %d: there are %d", index, w->effect_count);
+    const EffectSlot *e = &w->effects[index];
+    *info = (dig_effect_info){.name = e->type->name, .law = e->type->law, .on = e->on && (e->bodies > 0), .bodies = e->bodies, .us = e->us, .bytes = e->bytes};
+    snprintf(info->why, sizeof info->why, "%s", !e->on ? "switched off" : e->bodies > 0 ? "the scene calls for it" : "nothing calls for it");
+    return DIG_OK;
+}
+
+dig_status dig_effect_set(dig_world *w, const char *name, bool on)
+{
+    for (int i = 0; i < w->effect_count; i++) {
+        if (strcmp(w->effects[i].type->name, name) != 0)
+            continue;
+        w->effects[i].on = on;
+        w->effects[i].forced = true;
+        for (int k = 0; k < w->bodies.count; k++)
+            if (w->bodies.data[k].alive)
+                body_wake(w, (uint32_t)k);
+        return DIG_OK;
+    }
+    return world_fail(w, DIG_E_ARG, "there is no effect '%s'", name);
+}
+
+int dig_events(const dig_world *w, const dig_event **out)
+{
+    *out = w->events.data;
+    return w->events.count;
+}

@@ -1,0 +1,138 @@
+/* base/arena.c - chunks of scratch memory in a list, filled one after the other. */
+#include "base/arena.h"
+
+#include <stdlib.h>
+
+struct ArenaChunk {
+    ArenaChunk    *next;
+    unsigned char *data;        /* first aligned byte                  */
+    size_t         size, used;  /* bytes, multiples of ARENA_ALIGN     */
+};
+
+static size_t round_up(size_t bytes)
+{
+    return (bytes + (ARENA_ALIGN - 1)) & ~(size_t)(ARENA_ALIGN - 1);
+}
+
+static void poison(void *data, size_t bytes)
+{
+#ifdef DIG_DEBUG
+    memset(data, 0xFF, bytes);
+#else
+    (void)data;
+    (void)bytes;
+#endif
+}
+
+static ArenaChunk *chunk_open(Arena *a, size_t size)
+{
+    ArenaChunk *c = malloc(sizeof *c + size + ARENA_ALIGN);
+    if (!c)
+        return NULL;
+    unsigned char *data = (unsigned char *)(c + 1);
+    data += (ARENA_ALIGN - (uintptr_t)data % ARENA_ALIGN) % ARENA_ALIGN;
+    *c = (ArenaChunk){.data = data, .size = size};
+    a->held += size;
+    a->allocations++;
+    return c;
+}
+
+static void chunks_close(Arena *a)
+{
+    for (ArenaChunk *c = a->first, *next; c; c = next) {
+        next = c->next;
+        free(c);
+    }
+    a->first = a->current = NULL;
+    a->live = a->held = 0;
+}
+
+/* Makes a chunk with room for `size` bytes the current one: the next in the list when it is large enough, else a new one
+ * put in front of it. */
+static ArenaChunk *next_chunk(Arena *a, size_t size)
+{
+    ArenaChunk **link = a->current ? &a->current->next : &a->first;
+    ArenaChunk *c = *link;
+    if (!c || c->size < size) {
+        size_t doubled = a->held > ARENA_FIRST ? a->held : ARENA_FIRST;
+        c = chunk_open(a, size > doubled ? size : doubled);
+        if (!c)
+            return NULL;
+        c->next = *link;
+        *link = c;
+    }
+    c->used = 0;
+    a->current = c;
+    return c;
+}
+
+void *arena_alloc(Arena *a, size_t bytes)
+{
+    if (bytes > (size_t)PTRDIFF_MAX / 2)
+        return NULL;
+    size_t size = bytes ? round_up(bytes) : ARENA_ALIGN;
+    ArenaChunk *c = a->current;
+    if (!c || c->size - c->used < size) {
+        c = next_chunk(a, size);
+        if (!c)
+            return NULL;
+    }
+    void *piece = c->data + c->used;
+    c->used += size;
+    a->live += size;
+    if (a->live > a->high)
+        a->high = a->live;
+    poison(piece, size);
+    return piece;
+}
+
+void *arena_zero(Arena *a, size_t bytes)
+{
+    void *piece = arena_alloc(a, bytes);
+    if (piece)
+        memset(piece, 0, bytes);
+    return piece;
+}
+
+ArenaMark arena_mark(const Arena *a)
+{
+    return (ArenaMark){a->current, a->current ? a->current->used : 0, a->live};
+}
+
+void arena_rewind(Arena *a, ArenaMark m)
+{
+    DIG_ASSERT(m.live <= a->live);
+    ArenaChunk *c = m.chunk ? m.chunk : a->first;
+    size_t keep = m.used;                               /* bytes of c that stay */
+    while (c && a->current) {
+        poison(c->data + keep, c->used - keep);
+        c->used = keep;
+        keep = 0;
+        if (c == a->current)
+            break;
+        c = c->next;
+    }
+    a->current = m.chunk;
+    a->live = m.live;
+}
+
+void arena_reset(Arena *a)
+{
+    arena_rewind(a, (ArenaMark){0});
+    if (!a->first || !a->first->next)
+        return;
+    size_t size = a->held;
+    chunks_close(a);
+    a->first = chunk_open(a, size);     /* NULL: the next arena_alloc tries again */
+}
+
+void arena_close(Arena *a)
+{
+    chunks_close(a);
+    *a = (Arena){0};
+}
+
+size_t arena_bytes(const Arena *a)
+{
+    return a->held;
+}

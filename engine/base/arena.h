@@ -1,0 +1,45 @@
+/* base/arena.h - scratch memory that is taken piece by piece and given back all at once.
+ *
+ * A step takes what it needs with arena_alloc and gives everything back with arena_reset; an inner piece of work that needs
+ * scratch brackets it with arena_mark and arena_rewind. When a step needed more than one chunk, arena_reset replaces the chunks
+ * by one that would have been enough, so that the steady state never calls the allocator.
+ *
+ * Owns:      its chunks. A zeroed Arena is empty and valid; arena_close makes it so again.
+ * Invariant: every piece is aligned to ARENA_ALIGN bytes; contents are undefined until written. With DIG_DEBUG, fresh and
+ *            given-back memory is filled with 0xFF, which reads as NaN, as -1 and as an index out of range.
+ * Floor:     base.
+ */
+#ifndef DIG_ARENA_H
+#define DIG_ARENA_H
+
+#include "base/base.h"
+
+#define ARENA_ALIGN 32u                 /* bytes: one row of four reals */
+#define ARENA_FIRST 65536u              /* bytes: the smallest chunk    */
+
+typedef struct ArenaChunk ArenaChunk;
+
+typedef struct Arena {
+    ArenaChunk *first, *current;        /* current NULL: nothing taken; chunks after it are kept for reuse */
+    size_t   live;                      /* bytes taken now                         */
+    size_t   high;                      /* bytes, most ever taken at the same time */
+    size_t   held;                      /* bytes of all chunks                     */
+    uint64_t allocations;               /* calls to malloc so far                  */
+} Arena;
+
+typedef struct ArenaMark {
+    ArenaChunk *chunk;
+    size_t      used, live;             /* bytes */
+} ArenaMark;
+
+/* bytes = 0 gives a valid piece too. NULL: out of memory; the arena is unchanged and usable. */
+void     *arena_alloc(Arena *a, size_t bytes);
+void     *arena_zero(Arena *a, size_t bytes);           /* the same, filled with 0 */
+
+ArenaMark arena_mark(const Arena *a);
+void      arena_rewind(Arena *a, ArenaMark m);          /* gives back all taken since the mark; marks nest */
+void      arena_reset(Arena *a);                        /* gives back everything; invalidates marks */
+void      arena_close(Arena *a);
+size_t    arena_bytes(const Arena *a);                  /* held */
+
+#endif

@@ -1,0 +1,46 @@
+/* base/base.h - what every file of the engine may use: types, assertions, DIG_TRY.
+ *
+ * Floor: base.
+ */
+#ifndef DIG_BASE_H
+#define DIG_BASE_H
+
+#include <math.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "digbox.h"
+
+#define DIG_PI 3.14159265358979323846
+
+/* Checked in debug and test builds; a release build compiles it away. */
+#ifdef DIG_DEBUG
+#include <assert.h>
+#define DIG_ASSERT(condition) assert(condition)
+#else
+#define DIG_ASSERT(condition) ((void)sizeof((condition) ? 1 : 0))
+#endif
+
+/* Passes a failure on to the caller. */
+#define DIG_TRY(call)                       \
+    do {                                    \
+        dig_status try_status_ = (call);    \
+        if (try_status_ != DIG_OK)          \
+            return try_status_;             \
+    } while (0)
+
+#if defined(__GNUC__)
+#define DIG_PRINTF(text, first) __attribute__((format(printf, text, first)))
+#else
+#define DIG_PRINTF(text, first)
+#endif
+
+static inline real real_min(real a, real b) { return a < b ? a : b; }
+static inline real real_max(real a, real b) { return a > b ? a : b; }
+static inline real real_clamp(real x, real lo, real hi) { return x < lo ? lo : x > hi ? hi : x; }
+static inline int int_min(int a, int b) { return a < b ? a : b; }
+static inline int int_max(int a, int b) { return a > b ? a : b; }
+
+#endif

@@ -1,0 +1,46 @@
+/* base/list.c - growth of typed arrays. */
+#include "base/list.h"
+
+#include <stdlib.h>
+
+dig_status list_reserve_any(void **data, int *capacity, size_t item, int want, uint64_t *allocations)
+{
+    if (want <= *capacity)
+        return DIG_OK;
+    int grown = *capacity < 16 ? 16 : *capacity + *capacity / 2;
+    if (grown < want)
+        grown = want;
+    char *moved = realloc(*data, (size_t)grown * item);
+    if (!moved)
+        return DIG_E_MEMORY;
+    memset(moved + (size_t)*capacity * item, 0, (size_t)(grown - *capacity) * item);
+    *data = moved;
+    *capacity = grown;
+    if (allocations)
+        ++*allocations;
+    return DIG_OK;
+}
+
+dig_status list_push_any(void **data, int *count, int *capacity, size_t item, uint64_t *allocations)
+{
+    DIG_TRY(list_reserve_any(data, capacity, item, *count + 1, allocations));
+    memset((char *)*data + (size_t)*count * item, 0, item);
+    ++*count;
+    return DIG_OK;
+}
+
+dig_status list_copy_any(void **to, int *to_count, int *to_capacity, const void *from, int count, size_t item, uint64_t *allocations)
+{
+    DIG_TRY(list_reserve_any(to, to_capacity, item, count, allocations));
+    if (count > 0)
+        memcpy(*to, from, (size_t)count * item);
+    *to_count = count;
+    return DIG_OK;
+}
+
+void list_free_any(void **data, int *count, int *capacity)
+{
+    free(*data);
+    *data = NULL;
+    *count = *capacity = 0;
+}

@@ -1,0 +1,43 @@
+/* base/list.h - typed growable arrays: LIST(Body) bodies;
+ *
+ * Owns:      `data`; list_close frees it.
+ * Invariant: count <= capacity. New items are zeroed. Data moves when the list
+ *            grows, so hold indices, not pointers, across list_push.
+ * Floor:     base.
+ */
+#ifndef DIG_LIST_H
+#define DIG_LIST_H
+
+#include "base/base.h"
+
+#define LIST(type)              \
+    struct {                    \
+        type *data;             \
+        int   count, capacity;  \
+    }
+
+/* The common shape of every LIST. */
+typedef struct ListAny { void *data; int count, capacity; } ListAny;
+
+/* Makes room for `want` items in all; *allocations counts the calls to the allocator. */
+dig_status list_reserve_any(void **data, int *capacity, size_t item, int want, uint64_t *allocations);
+dig_status list_copy_any(void **to, int *to_count, int *to_capacity, const void *from, int count, size_t item, uint64_t *allocations);
+
+#define list_reserve(list, want, allocations) \
+    list_reserve_any((void **)&(list)->data, &(list)->capacity, sizeof *(list)->data, (want), (allocations))
+
+/* Adds one zeroed item at the end; its index is (list)->count - 1 afterwards. */
+#define list_push(list, allocations) \
+    list_push_any((void **)&(list)->data, &(list)->count, &(list)->capacity, sizeof *(list)->data, (allocations))
+
+dig_status list_push_any(void **data, int *count, int *capacity, size_t item, uint64_t *allocations);
+
+#define list_copy(to, from, allocations) \
+    list_copy_any((void **)&(to)->data, &(to)->count, &(to)->capacity, (from)->data, (from)->count, sizeof *(from)->data, (allocations))
+
+void list_free_any(void **data, int *count, int *capacity);
+#define list_close(list) list_free_any((void **)&(list)->data, &(list)->count, &(list)->capacity)
+
+#define list_bytes(list) ((size_t)(list)->capacity * sizeof *(list)->data)
+
+#endif

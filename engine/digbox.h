@@ -1,0 +1,473 @@
+/* digbox.h - the public C API of digbox, a 3D physics sandbox built on
+ * dynamic interaction graphs (DIGs).
+ *
+ * Units are SI, angles are radians, y is up by habit only: nothing in the
+ * engine prefers an axis. Every fallible call returns a dig_status and leaves
+ * the world as it was when it fails; dig_error(w) then holds one sentence
+ * with the value, its unit and its bound.
+ *
+ * Handles are values. A zeroed handle is null; a handle to something removed
+ * is dead and detected. Nothing here prints, exits or keeps global state, so
+ * any number of worlds can live side by side, one thread each.
+ *
+ * This header includes nothing of the engine: it lies below floor 0.
+ */
+#ifndef DIGBOX_H
+#define DIGBOX_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define DIGBOX_VERSION "0.1.0"
+
+typedef double real;
+
+typedef struct vec3 { real x, y, z; } vec3;
+typedef struct quat { real x, y, z, w; } quat;          /* w is the scalar part */
+typedef struct pose { vec3 p; quat q; } pose;           /* q rotates local to world */
+
+typedef struct dig_world dig_world;
+
+/* ---- status ---------------------------------------------------------- */
+
+typedef enum dig_status {
+    DIG_OK = 0,
+    DIG_E_ARG,          /* an argument is out of its range          */
+    DIG_E_DEAD,         /* the handle's object was removed          */
+    DIG_E_KIND,         /* the object is of another kind or world   */
+    DIG_E_FULL,         /* a documented limit is reached            */
+    DIG_E_MEMORY,       /* no memory                                */
+    DIG_E_FINITE,       /* a number stopped being finite            */
+    DIG_E_BUSY,         /* not allowed while the world is stepping  */
+    DIG_E_FILE,         /* a file could not be read or written      */
+    DIG_E_FORMAT,       /* a file is not what it should be          */
+    DIG_STATUS_COUNT
+} dig_status;
+
+const char *dig_status_name(dig_status s);
+
+/* ---- parameters: declared once, read by Lua, docs, checks and files -- */
+
+typedef enum dig_kind {
+    DIG_REAL,           /* real                                          */
+    DIG_INT,            /* int64_t                                       */
+    DIG_BOOL,           /* bool                                          */
+    DIG_VEC3,           /* vec3                                          */
+    DIG_DIR,            /* vec3, not zero; stored normalised             */
+    DIG_QUAT,           /* quat, normalised                              */
+    DIG_SIZE3,          /* vec3 > 0; a single number means a cube        */
+    DIG_RANGE,          /* real[2], lo <= hi                             */
+    DIG_COLOUR,         /* vec3, 0..1 linear; x < 0 means "not given"    */
+    DIG_TEXT,           /* dig_text                                      */
+    DIG_MATERIAL,       /* dig_text: name of a material                  */
+    DIG_BODY,           /* dig_body                                      */
+    DIG_JOINT,          /* dig_joint                                     */
+    DIG_POINTS,         /* dig_points                                    */
+    DIG_INDICES,        /* dig_indices                                   */
+    DIG_TABLE,          /* nested struct with rows of its own            */
+    DIG_CHOICE          /* int64_t: index into the row's choices         */
+} dig_kind;
+
+typedef struct dig_text    { char s[64]; } dig_text;    /* zero-terminated, at most 63 bytes */
+typedef struct dig_points  { const vec3 *v; int count; } dig_points;       /* borrowed for the call */
+typedef struct dig_indices { const int64_t *v; int count; } dig_indices;   /* borrowed for the call */
+
+typedef struct dig_param dig_param;
+struct dig_param {
+    const char *name;       /* Lua key                                            */
+    dig_kind    kind;
+    const char *unit;       /* "m", "kg", "N*m/rad", "1"; "" when it has none     */
+    const char *doc;        /* one sentence                                       */
+    real        fallback;   /* default, for REAL INT BOOL CHOICE; NaN = no default,
+                             * stays NaN when not given; vectors default to this
+                             * in each component                                  */
+    real        min, max;   /* inclusive range; NaN is never inside               */
+    size_t      offset;     /* into the def struct                                */
+    const dig_param  *rows; /* DIG_TABLE: its own rows, offsets from this offset  */
+    const char *const *choices;   /* DIG_CHOICE: NULL-terminated                  */
+    bool        required;
+};
+
+/* One set of rows with the size of the struct they describe. */
+typedef struct dig_schema {
+    const char      *name;      /* "body", "box", "hinge"      */
+    const char      *doc;       /* one sentence                */
+    const dig_param *rows;      /* ends with a row of name NULL */
+    size_t           size;      /* bytes of the def struct     */
+} dig_schema;
+
+/* kinds: "world", "body", "material", "room", "joint.common" (one each), "shape", "joint" (one per type). Index from 0;
+ * NULL past the end, so that a caller can list them all. */
+const dig_schema *dig_schema_at(const char *kind, int index);
+const dig_schema *dig_schema_find(const char *kind, const char *name);
+
+/* Fills def with the defaults of the rows (recursively). */
+void dig_schema_defaults(const dig_schema *s, void *def);
+
+/* Parses "4 cm", "9.81 m/s^2", "30 deg", "2 N m" into SI. want is the unit of
+ * the row. On failure writes one sentence into why (capacity bytes). */
+dig_status dig_unit_parse(const char *text, const char *want, real *value, char *why, size_t capacity);
+
+/* The nearest of the candidates to name, or NULL when none is near enough
+ * (edit distance above max(1, length / 3)). */
+const char *dig_suggest(const char *name, const char *const *candidates, int count);
+
+/* ---- handles ---------------------------------------------------------- */
+
+typedef struct dig_body  { uint32_t slot, gen; } dig_body;
+typedef struct dig_joint { uint32_t slot, gen; } dig_joint;
+typedef struct dig_dig   { uint32_t id; uint32_t layer; } dig_dig;      /* ids are never reused; 0 = none */
+
+#define DIG_LAYER_MECHANICAL 0u
+
+/* ---- world -------------------------------------------------------------- */
+
+typedef struct dig_world_def {
+    vec3     gravity;       /* m/s^2                                     */
+    real     step;          /* s, frame step                             */
+    dig_text accuracy;      /* plan name, or empty when tolerance given  */
+    real     tolerance;     /* m; NaN = by name                          */
+    int64_t  seed;
+    int64_t  threads;       /* 1..64                                     */
+    dig_text plane;         /* "", "xy", "yz", "xz": motion kept in it   */
+    dig_text friction_law;  /* "coulomb" (default) or "decay"            */
+    bool     sleeping;      /* DIGs at rest fall asleep                  */
+} dig_world_def;
+
+dig_world_def dig_world_defaults(void);
+dig_status    dig_world_open(const dig_world_def *def, dig_world **w, char *why, size_t capacity);
+void          dig_world_close(dig_world *w);
+const char   *dig_error(const dig_world *w);            /* of the last call that failed */
+dig_status    dig_world_step(dig_world *w);             /* one frame step, or nothing */
+real          dig_world_time(const dig_world *w);       /* s = steps * step */
+uint64_t      dig_world_steps(const dig_world *w);
+real          dig_world_frame(const dig_world *w);      /* s, the frame step */
+vec3          dig_world_gravity(const dig_world *w);
+dig_status    dig_world_set_gravity(dig_world *w, vec3 g);
+dig_status    dig_world_set_accuracy(dig_world *w, const char *plan, real tolerance);
+const char   *dig_world_accuracy(const dig_world *w);
+uint64_t      dig_world_checksum(const dig_world *w);   /* of the whole state; same state, same value */
+dig_status    dig_world_check(dig_world *w);            /* every invariant; DIG_OK or the first broken one */
+
+typedef struct dig_snapshot dig_snapshot;
+dig_status dig_world_snapshot(dig_world *w, dig_snapshot **s);
+dig_status dig_world_restore(dig_world *w, const dig_snapshot *s);      /* bit exact; only into its own world */
+void       dig_snapshot_free(dig_snapshot *s);
+dig_status dig_world_save(dig_world *w, const char *path);
+dig_status dig_world_load(const char *path, dig_world **w, char *why, size_t capacity);
+
+typedef struct dig_energy {     /* J */
+    real kinetic, potential, elastic, heat, electric;
+    real work_in;       /* by pushes, hits, movers, motors and other outside acts since the start */
+    real lost;          /* to friction, impacts and dampers since the start                       */
+    real numerical;     /* total + lost - initial - work_in: what the integration made up         */
+    real total;         /* kinetic + potential + elastic + heat + electric                        */
+    real initial;       /* total at the first step, plus what bodies added since brought          */
+} dig_energy;
+
+dig_energy dig_world_energy(const dig_world *w);
+vec3       dig_world_momentum(const dig_world *w);              /* kg m/s    */
+vec3       dig_world_angular_momentum(const dig_world *w);      /* kg m^2/s about the origin */
+
+typedef struct dig_stats {
+    int      bodies, awake, digs, contacts, pairs, joints;
+    uint64_t events, steps;             /* since the start                              */
+    uint64_t rejected;                  /* steps that failed and were undone            */
+    int      groups;                    /* sets of DIGs advanced together, last step    */
+    int      iterations;                /* solver sweeps, summed over groups            */
+    int      substeps;                  /* parts of the step, summed over groups        */
+    int      located;                   /* impacts located in time, last step           */
+    real     residual;                  /* m/s, worst velocity change of the last sweep */
+    real     penetration;               /* m, worst at the end of the step              */
+    real     joint_error;               /* m or rad, worst at the end of the step       */
+    real     us_sense, us_touch, us_graph, us_advance, us_commit, us_report;  /* us CPU, last step */
+    size_t   bytes;                     /* all memory of the world                      */
+    uint64_t allocations;               /* calls to the allocator since the start       */
+} dig_stats;
+
+dig_stats dig_world_stats(const dig_world *w);
+
+/* ---- effects ------------------------------------------------------------ */
+
+typedef struct dig_effect_info {
+    const char *name, *law;
+    bool   on;
+    int    bodies;      /* taking part in the last step  */
+    real   us;          /* us of the last step           */
+    size_t bytes;
+    char   why[64];     /* what called for it            */
+} dig_effect_info;
+
+int        dig_effect_count(const dig_world *w);
+dig_status dig_effect_get(const dig_world *w, int index, dig_effect_info *info);
+dig_status dig_effect_set(dig_world *w, const char *name, bool on);
+
+/* ---- materials ------------------------------------------------------------ */
+
+typedef struct dig_material_def {
+    real density;               /* kg/m^3                                */
+    real friction;              /* 1, static                             */
+    real friction_dynamic;      /* 1, NaN = as static                    */
+    real rolling_friction;      /* 1, lever arm over radius              */
+    real restitution;           /* 1, 0..1                               */
+    real heat_capacity;         /* J/(kg K)                              */
+    real conductivity;          /* W/(m K)                               */
+    real resistivity;           /* ohm m                                 */
+    real strength;              /* Pa                                    */
+    vec3 colour;                /* linear RGB 0..1                       */
+    real roughness;             /* 1, of the surface as drawn            */
+    real metallic;              /* 1, 0 or 1 as drawn                    */
+    dig_text pattern;           /* drawn as: plain wood brick tile stripe */
+    dig_text sound;
+} dig_material_def;
+
+/* Friction of a pair that has a row of its own. */
+typedef struct dig_pair_def {
+    dig_text a, b;
+    real friction, friction_dynamic, rolling_friction, restitution;     /* NaN = by the general rule */
+} dig_pair_def;
+
+dig_status dig_material_add(dig_world *w, const char *name, const dig_material_def *def);
+dig_status dig_material_get(const dig_world *w, const char *name, dig_material_def *def);
+dig_status dig_material_pair(dig_world *w, const dig_pair_def *def);
+const char *dig_material_name(const dig_world *w, int index);           /* NULL past the end */
+
+/* ---- shapes and bodies ------------------------------------------------------ */
+
+/* A solid of one shape type, placed in its body. data points to a struct
+ * described by dig_schema_find("shape", type). */
+typedef struct dig_shape_def {
+    const char *type;       /* sphere box capsule cylinder cone plane hull mesh heightfield */
+    const void *data;
+    pose        at;         /* in the body; a zero quaternion means none */
+    dig_text    material;   /* empty = the body's                        */
+    vec3        colour;     /* x < 0 = the body's                        */
+} dig_shape_def;
+
+typedef struct dig_sphere_def   { real radius; } dig_sphere_def;                /* m */
+typedef struct dig_box_def      { vec3 size; } dig_box_def;                     /* m, full extents */
+typedef struct dig_capsule_def  { real radius, length; } dig_capsule_def;       /* m, straight part along y */
+typedef struct dig_cylinder_def { real radius, height; } dig_cylinder_def;      /* m, axis y, origin at the middle */
+typedef struct dig_cone_def     { real radius, height; } dig_cone_def;          /* m, axis y, apex up, origin = centre of mass */
+typedef struct dig_plane_def    { vec3 normal; real offset; } dig_plane_def;    /* solid below normal.x = offset */
+typedef struct dig_hull_def     { dig_points points; } dig_hull_def;            /* m */
+typedef struct dig_mesh_def     { dig_points vertices; dig_indices triangles; } dig_mesh_def;  /* indices from 1 */
+typedef struct dig_heightfield_def {            /* y = height(x, z), centred on the origin */
+    dig_points  unused;
+    const real *heights;                        /* m, [rows * columns], row = z, column = x */
+    int64_t     columns, rows;
+    vec3        size;                           /* m, x and z extents; y is ignored */
+} dig_heightfield_def;
+
+typedef enum dig_body_kind { DIG_DYNAMIC, DIG_KINEMATIC, DIG_STATIC } dig_body_kind;
+typedef enum dig_mode { DIG_MOVING, DIG_RESTING, DIG_FIXED } dig_mode;
+
+typedef struct dig_body_def {
+    dig_text name;
+    vec3     at;                /* m, origin of the body                            */
+    quat     rotation;
+    vec3     velocity, spin;    /* m/s, rad/s; of the centre of mass                */
+    real     mass;              /* kg; NaN = from density                           */
+    real     density;           /* kg/m^3; NaN = from the material                  */
+    dig_text material;
+    real     friction, friction_dynamic, rolling_friction, restitution;   /* NaN = from the material */
+    bool     fixed, kinematic;
+    real     gravity_scale;
+    bool     collides;
+    int64_t  group;             /* bodies of the same negative group never touch    */
+    vec3     colour;
+    bool     bullet;            /* reserved: continuous collision is always on      */
+    const dig_shape_def *shapes;
+    int      shape_count;
+} dig_body_def;
+
+dig_body_def dig_body_defaults(void);
+dig_status   dig_body_create(dig_world *w, const dig_body_def *def, dig_body *out);
+dig_status   dig_body_remove(dig_world *w, dig_body b);     /* its joints go with it */
+bool         dig_body_alive(const dig_world *w, dig_body b);
+
+typedef struct dig_body_state {
+    const char   *name;
+    dig_body_kind kind;
+    dig_mode      mode;
+    bool          awake;
+    vec3          position;         /* m, body origin                   */
+    quat          rotation;
+    vec3          centre;           /* m, centre of mass, world         */
+    vec3          velocity, spin;   /* m/s at the centre of mass, rad/s */
+    real          mass;             /* kg; infinite for fixed           */
+    real          inertia[9];       /* kg m^2, world axes, row by row   */
+    vec3          force, torque;    /* N, N m: mean resultant over the last step */
+    vec3          low, high;        /* m, bounds                        */
+    real          energy;           /* J, kinetic + potential           */
+    real          work_received;    /* J by pushes and hits             */
+    dig_dig       dig;              /* id 0 for static bodies           */
+    int           shape_count;
+} dig_body_state;
+
+dig_status dig_body_get(const dig_world *w, dig_body b, dig_body_state *out);
+
+/* Every field of the thesis' Appendix B (MAV_newton); see docs/dig.md. */
+typedef struct dig_body_debug {
+    uint64_t m_id;              /* last message received, 0 = none   */
+    uint32_t db_id;             /* slot                              */
+    const char *mess_type;      /* "" = none                         */
+    uint32_t dig_id;
+    real     mess_time;         /* s                                 */
+    bool     floor;             /* constraint mode (at rest)         */
+    bool     collided;          /* struck something in the last step */
+    bool     euler;             /* Euler was used for the last step  */
+    vec3     curr_pos, prev_pos, next_pos;      /* m; next = predicted */
+    quat     curr_rot, prev_rot, next_rot;
+    real     itensor[9], iti[9], itiws[9];      /* local inertia, its inverse, inverse in world axes */
+    real     mo_inertia;        /* kg m^2, mean of the principal moments */
+    vec3     res_force, torque, c_mass, ang_mom, velocity, omega;
+    real     mass, rest;        /* kg, coefficient of restitution    */
+    dig_body origin;            /* sender of the last message        */
+    const char *material;       /* sp: surface                       */
+    real     matrix[16];        /* local to world, row by row        */
+    const char *object_type;    /* type of the first shape           */
+} dig_body_debug;
+
+dig_status dig_body_inspect(const dig_world *w, dig_body b, dig_body_debug *out);
+
+dig_status dig_body_push(dig_world *w, dig_body b, vec3 force, vec3 at, bool has_at, real lasts);  /* N, world point; lasts <= 0: next step */
+dig_status dig_body_twist(dig_world *w, dig_body b, vec3 torque, real lasts);                      /* N m */
+dig_status dig_body_hit(dig_world *w, dig_body b, vec3 impulse, vec3 at, bool has_at);             /* N s, at once */
+dig_status dig_body_teleport(dig_world *w, dig_body b, const vec3 *at, const quat *rotation, const vec3 *velocity, const vec3 *spin);
+dig_status dig_body_move_to(dig_world *w, dig_body b, vec3 at, const quat *rotation, real over);   /* kinematic only; s */
+dig_status dig_body_set_velocity(dig_world *w, dig_body b, vec3 velocity, vec3 spin);              /* kinematic only */
+dig_status dig_body_set(dig_world *w, dig_body b, const char *param, const void *value);           /* a row of the body schema that may change: mass friction ... gravity_scale colour name collides group */
+dig_status dig_body_param(const dig_world *w, dig_body b, const char *param, void *value);         /* reads the same rows */
+dig_status dig_body_wake(dig_world *w, dig_body b);
+
+bool dig_body_touches(const dig_world *w, dig_body a, dig_body b);
+bool dig_body_contains(const dig_world *w, dig_body outer, dig_body inner);     /* inner's centre of mass lies inside outer's convex outline */
+vec3 dig_body_point_velocity(const dig_world *w, dig_body b, vec3 at);          /* m/s */
+
+/* Lists fill at most capacity entries and return the number there are. */
+int dig_bodies(const dig_world *w, dig_body *out, int capacity);
+int dig_joints(const dig_world *w, dig_joint *out, int capacity);
+dig_body dig_body_find(const dig_world *w, const char *name);                   /* first by slot, or null */
+
+/* ---- the room ------------------------------------------------------------------ */
+/* Six walls without a body. A wall that is opened lets bodies out. */
+typedef struct dig_room_def { vec3 size; vec3 at; real friction, restitution; } dig_room_def;   /* at = centre of the floor */
+dig_status dig_room_set(dig_world *w, const dig_room_def *def);
+dig_status dig_room_open(dig_world *w, const char *wall, bool open);            /* "+x" "-x" "+y" "-y" "+z" "-z" */
+
+/* ---- joints ------------------------------------------------------------------ */
+
+typedef struct dig_joint_def {
+    const char *type;           /* hinge slider ball weld distance rope spring gear rack wheel bolt motor */
+    dig_text    name;
+    dig_body    a, b;           /* b null = the world                                 */
+    vec3        at;             /* m, world point; x NaN = the type's default         */
+    vec3        axis;           /* world; NaN = the type's default                    */
+    real        breaks_at;      /* N; infinite = never                                */
+    bool        collides;       /* do a and b still touch each other? default no      */
+    const void *data;           /* struct described by dig_schema_find("joint", type) */
+} dig_joint_def;
+
+dig_joint_def dig_joint_defaults(void);
+dig_status    dig_joint_create(dig_world *w, const dig_joint_def *def, dig_joint *out);
+dig_status    dig_joint_remove(dig_world *w, dig_joint j);
+bool          dig_joint_alive(const dig_world *w, dig_joint j);
+
+typedef struct dig_joint_state {
+    const char *type, *name;
+    dig_body    a, b;
+    vec3        at;             /* m, world, now                              */
+    real        angle;          /* rad, about the axis since creation         */
+    real        distance;       /* m, along the axis, or between the ends     */
+    real        speed;          /* rad/s or m/s of the free coordinate        */
+    vec3        force, torque;  /* N, N m: what the joint does to a, mean over the last step */
+    real        error;          /* m, how far the ends are apart              */
+    bool        at_limit;
+} dig_joint_state;
+
+dig_status dig_joint_get(const dig_world *w, dig_joint j, dig_joint_state *out);
+dig_status dig_joint_set(dig_world *w, dig_joint j, const char *param, const void *value);    /* "motor.speed", "friction", ... */
+dig_joint  dig_joint_find(const dig_world *w, const char *name);
+
+/* ---- dynamic interaction graphs ---------------------------------------------------- */
+
+typedef struct dig_dig_state { int size; bool awake; real energy; const char *plan; } dig_dig_state;
+
+dig_dig    dig_of(const dig_world *w, dig_body b);                              /* id 0: in none */
+dig_status dig_dig_get(const dig_world *w, dig_dig d, dig_dig_state *out);      /* DIG_E_DEAD: it is no more */
+int        dig_digs(const dig_world *w, dig_dig *out, int capacity);            /* mechanical layer, by id */
+int        dig_members(const dig_world *w, dig_dig d, dig_body *out, int capacity);
+dig_status dig_dig_accuracy(dig_world *w, dig_dig d, const char *plan);
+
+typedef enum dig_link_kind { DIG_LINK_CONTACT, DIG_LINK_JOINT, DIG_LINK_PORT, DIG_LINK_RANGE, DIG_LINK_KINDS } dig_link_kind;
+
+typedef struct dig_link {
+    dig_body      a, b;
+    dig_link_kind kind;
+    dig_joint     joint;        /* null for contacts                  */
+    vec3          effort;       /* N on b, mean over the last step    */
+    vec3          flow;         /* m/s of b relative to a             */
+    real          power;        /* W = effort . flow                  */
+    real          began;        /* s                                  */
+    vec3          point, normal;/* m; normal from a to b              */
+    bool          bound;        /* to a static body: outside all DIGs */
+} dig_link;
+
+int dig_links_of(const dig_world *w, dig_body b, dig_link *out, int capacity);
+int dig_links_in(const dig_world *w, dig_dig d, dig_link *out, int capacity);
+int dig_neighbours(const dig_world *w, dig_body b, int kind, dig_body *out, int capacity);      /* kind < 0: any */
+int dig_path(const dig_world *w, dig_body from, dig_body to, int kind, dig_body *out, int capacity);   /* shortest, both ends included; 0 = none */
+
+/* ---- events and messages ------------------------------------------------------------- */
+
+typedef enum dig_event_kind {
+    DIG_EVENT_CONTACT_BEGIN, DIG_EVENT_CONTACT_END, DIG_EVENT_IMPACT, DIG_EVENT_BROKEN, DIG_EVENT_MOVED,
+    DIG_EVENT_SLEPT, DIG_EVENT_WOKE, DIG_EVENT_REMOVED, DIG_EVENT_MERGED, DIG_EVENT_SPLIT, DIG_EVENT_LINK,
+    DIG_EVENT_UNLINK, DIG_EVENT_MESSAGE, DIG_EVENT_LIMIT_REACHED, DIG_EVENT_OUT_OF_WORLD, DIG_EVENT_KINDS
+} dig_event_kind;
+
+const char *dig_event_name(dig_event_kind k);       /* "contact_begin", ... */
+
+typedef struct dig_event {
+    dig_event_kind kind;
+    real      time;             /* s                                                   */
+    dig_body  a, b;             /* b may be null (a wall of the room)                  */
+    dig_joint joint;            /* broken, limit_reached                               */
+    uint32_t  dig, other_dig;   /* merged: kept and gone; split: kept and new          */
+    int       wall;             /* 1..6 for +x -x +y -y +z -z of the room, else 0      */
+    real      speed;            /* m/s approach, > 0                                   */
+    real      impulse;          /* N s                                                 */
+    vec3      point, normal;
+    dig_link_kind link;         /* link, unlink                                        */
+    uint64_t  message;          /* id of the message                                   */
+} dig_event;
+
+/* Events of the last step in the order (time, kind, lower slot, higher slot). Valid until the next step. */
+int dig_events(const dig_world *w, const dig_event **out);
+
+typedef struct dig_message {
+    uint64_t id;
+    real     time;
+    dig_body from, to;
+    char     kind[32];
+    real     value[4];
+    vec3     direction;         /* from -> to at a collision, else zero */
+} dig_message;
+
+int dig_messages(const dig_world *w, dig_message *out, int capacity);           /* the last 4096, oldest first */
+dig_status dig_message_send(dig_world *w, dig_body from, dig_body to, const char *kind, const real value[4]);
+dig_status dig_message_broadcast(dig_world *w, dig_dig d, dig_body from, const char *kind, const real value[4]);
+
+/* ---- questions in space --------------------------------------------------------------- */
+
+typedef struct dig_hit { dig_body body; vec3 point, normal; real distance; real fraction; } dig_hit;
+
+int dig_ray(const dig_world *w, vec3 from, vec3 along, real length, dig_hit *out, int capacity);        /* by distance */
+int dig_overlap(dig_world *w, const dig_shape_def *shape, pose at, dig_body *out, int capacity);
+/* Moves a shape along from + velocity t + acceleration t^2/2 for `time` s and returns the first thing it meets:
+ * 1 = out is filled (distance = travelled, fraction = t / time), 0 = nothing, < 0 = bad argument (dig_error). */
+int dig_sweep(dig_world *w, const dig_shape_def *shape, pose at, vec3 velocity, vec3 acceleration, real time, dig_hit *out);
+
+#endif

@@ -1,0 +1,8 @@
+/* effect/effects.c - the list of effects. Its order is the order within a stage. */
+#include "effect/effect.h"
+
+extern const EffectType effect_gravity, effect_push, effect_contact, effect_friction, effect_rolling, effect_joints;
+
+const EffectType *const effect_types[] = {
+    &effect_gravity, &effect_push, &effect_contact, &effect_friction, &effect_rolling, &effect_joints, NULL,
+};

@@ -1,0 +1,79 @@
+/* effect/friction.c - dry friction on contact points: a round cone, static and dynamic. Or, when the world asks for it, the
+ * founding document's alternative: sliding speed decays at a rate in proportion to the coefficient. */
+#include "effect/effect.h"
+#include "solve/direction.h"
+
+/* 1/s per unit of friction coefficient, of the scalar decay law. */
+#define DECAY_RATE 10.0
+
+static bool wanted(const World *w, const Group *g)
+{
+    (void)w;
+    for (int i = 0; i < g->pair_count; i++)
+        if (g->pairs[i].friction > 0)
+            return true;
+    return false;
+}
+
+static int members(const Group *g)
+{
+    int n = 0;
+    for (int i = 0; i < g->contact_count; i++)
+        n += g->contacts[i].live && g->pairs[g->contacts[i].pair].friction > 0;
+    return n;
+}
+
+static dig_status decay(Group *g)
+{
+    for (int i = 0; i < g->contact_count; i++) {
+        const GroupContact *c = &g->contacts[i];
+        if (!c->live || !(c->memory[0].normal > 0))
+            continue;
+        real rate = DECAY_RATE * g->pairs[c->pair].friction_dynamic;
+        vec3 slip = vec3_sub(g->vel[c->b].v, g->vel[c->a].v);
+        slip = vec3_mad(slip, -vec3_dot(slip, c->manifold.normal), c->manifold.normal);
+        for (int k = 0; k < 2; k++) {
+            Member *m = &g->member[k ? c->b : c->a];
+            /* the exact decay over the substep, as a mean force */
+            real factor = -expm1(-rate * g->h) / g->h;
+            if (m->moves)
+                m->force = vec3_mad(m->force, (k ? -1 : 1) * factor * m->mass, slip);
+        }
+    }
+    return DIG_OK;
+}
+
+static dig_status force(void *state, Group *g)
+{
+    (void)state;
+    return g->decay_friction ? decay(g) : DIG_OK;
+}
+
+static dig_status rows(void *state, Group *g)
+{
+    (void)state;
+    if (g->decay_friction)
+        return DIG_OK;
+    for (int i = 0; i < g->point_count; i++) {
+        PointRow *r = &g->points[i];
+        const GroupPair *q = &g->pairs[g->contacts[r->contact].pair];
+        r->friction = q->friction;
+        r->friction_dynamic = q->friction_dynamic;
+        Vel va = g->member[r->a].moves ? g->member[r->a].start_vel : g->vel[r->a];
+        Vel vb = g->member[r->b].moves ? g->member[r->b].start_vel : g->vel[r->b];
+        real slip[2];
+        for (int k = 0; k < 2; k++)
+            slip[k] = vec3_dot(r->t[k].n, vec3_sub(vb.v, va.v)) + vec3_dot(r->t[k].aa, va.w) + vec3_dot(r->t[k].ab, vb.w);
+        r->slides = hypot(slip[0], slip[1]) > 0.1 * g->close_speed + 1e-9;
+    }
+    return DIG_OK;
+}
+
+const EffectType effect_friction = {
+    .name = "friction",
+    .law = "|F_t| <= mu_s F_n at rest; F_t = -mu_d F_n v_t / |v_t| sliding",
+    .cite = "coulomb1785",
+    .wanted = wanted,
+    .members = members,
+    .run = {[STAGE_FORCE] = force, [STAGE_ROWS] = rows},
+};

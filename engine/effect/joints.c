@@ -1,0 +1,26 @@
+/* effect/joints.c - joints: each type writes its rows (joint/), the solver does the rest. */
+#include "effect/effect.h"
+
+static bool wanted(const World *w, const Group *g)
+{
+    (void)w;
+    return g->joint_count > 0;
+}
+
+static int members(const Group *g) { return g->joint_count; }
+
+static dig_status rows(void *state, Group *g)
+{
+    (void)state;
+    group_build_joints(g);
+    return DIG_OK;
+}
+
+const EffectType effect_joints = {
+    .name = "joints",
+    .law = "C(q) = 0, force along the gradient of C",
+    .cite = "lanczos1949",
+    .wanted = wanted,
+    .members = members,
+    .run = {[STAGE_ROWS] = rows},
+};

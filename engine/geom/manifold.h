@@ -1,0 +1,51 @@
+/* geom/manifold.h - where two shapes touch, or nearly do.
+ *
+ * Floor: geom.
+ */
+#ifndef DIG_MANIFOLD_H
+#define DIG_MANIFOLD_H
+
+#include "geom/shape.h"
+
+#define MANIFOLD_POINTS 4
+
+typedef struct ManifoldPoint {
+    vec3     a, b;          /* m   surface points in world axes: on shape a, on shape b; gap = (b - a) . normal */
+    real     gap;           /* m   < 0 where they overlap                                         */
+    uint32_t feature;       /*     same number in the next step for the same pair of features     */
+} ManifoldPoint;
+
+typedef struct Manifold {
+    vec3          normal;   /* unit, world, from a to b                     */
+    int           count;    /* 0..MANIFOLD_POINTS; the deepest point is kept */
+    ManifoldPoint points[MANIFOLD_POINTS];
+} Manifold;
+
+/* Hint kept between steps for one pair of shapes: any values are safe, zeroes mean none. */
+typedef struct ManifoldCache { uint32_t kind, feature_a, feature_b; real axis[3]; } ManifoldCache;
+
+/* Contact of two shapes where the gap is at most `reach` (>= 0, m). At most `capacity` manifolds; a convex pair or a plane
+ * gives at most one, a mesh or height field one per touching piece, with `piece[i]` its number (0 otherwise). Ghost contacts
+ * at inner edges of meshes are removed. Returns the number of manifolds. Results depend on the relative pose only (the same
+ * pair elsewhere gives the same digits up to rounding), swapping a and b mirrors them. cache may be NULL. */
+int manifold_collide(const Shape *a, pose pa, const Shape *b, pose pb, real reach, ManifoldCache *cache,
+                     Manifold *out, uint32_t *piece, int capacity);
+
+/* Signed distance of two shapes, exact where they are apart (to 1e-12 of their size); negative depth where they overlap.
+ * normal (from a to b) and the two nearest points in world axes may be NULL. `enough`: may stop early once the distance is
+ * known to exceed it (pass INFINITY for the exact value). */
+real shape_distance(const Shape *a, pose pa, const Shape *b, pose pb, real enough, vec3 *normal, vec3 *on_a, vec3 *on_b);
+
+/* A motion over time: p + v t + a t^2 / 2 for the centre of mass, which lies at `centre` in the shape's frame, turned by
+ * exp(w t) in world axes. */
+typedef struct Motion { pose start; vec3 centre; vec3 v, w, a; } Motion;
+
+pose motion_at(const Motion *m, real t);
+
+/* First time in [0, time] at which the gap of the moving shapes falls to `target` (m): conservative advancement (Mirtich
+ * 1996) closed by bracketing on the true gap, so that |gap - target| <= 1e-10 * size at the returned time. Returns time of
+ * impact, or INFINITY when they stay apart. A pair that starts at or below the target and is separating returns INFINITY; one
+ * that starts there and approaches returns 0. Never misses a crossing of convex cores, whatever the speed or spin. */
+real time_of_impact(const Shape *a, const Motion *ma, const Shape *b, const Motion *mb, real target, real time, int *iterations);
+
+#endif

@@ -1,0 +1,163 @@
+/* geom/mesh.c - the triangle mesh: always static; a closed one has an inside and an exact mass. */
+#include "geom/mesh_build.h"
+
+static const dig_param mesh_params[] = {
+    {.name = "vertices", .kind = DIG_POINTS, .unit = "m", .doc = "corners of the triangles", .fallback = NAN, .min = -SHAPE_LENGTH_MAX,
+     .max = SHAPE_LENGTH_MAX, .offset = offsetof(dig_mesh_def, vertices), .required = true},
+    {.name = "triangles", .kind = DIG_INDICES, .unit = "", .doc = "three vertex numbers a triangle, from 1, counter-clockwise outside",
+     .fallback = NAN, .min = 1, .max = MESH_TRIANGLES, .offset = offsetof(dig_mesh_def, triangles), .required = true},
+    {0}
+};
+
+static dig_status mesh_make(const void *def, Shape *s, char *why, size_t capacity)
+{
+    return mesh_build(def, s, why, capacity);
+}
+
+static void corners_of(const MeshData *d, uint32_t piece, vec3 corners[3])
+{
+    const uint32_t *t = mesh_triangles(d) + 3 * (size_t)piece;
+    for (int k = 0; k < 3; k++)
+        corners[k] = mesh_vertices(d)[t[k]];
+}
+
+/* Of the box about the triangles: not tight where the mesh is turned, but meshes stand still. */
+static box3 mesh_bounds(const Shape *s, pose at)
+{
+    box3 local = mesh_nodes(s->data)->box;
+    mat3 R = quat_matrix(at.q);
+    vec3 half = vec3_scale(0.5, vec3_sub(local.high, local.low)), middle = pose_point(at, vec3_lerp(local.low, local.high, 0.5));
+    vec3 e = {vec3_dot(vec3_abs(R.r0), half), vec3_dot(vec3_abs(R.r1), half), vec3_dot(vec3_abs(R.r2), half)};
+    return (box3){vec3_sub(middle, e), vec3_add(middle, e)};
+}
+
+static void mesh_mass(const Shape *s, MassProps *out)
+{
+    *out = ((const MeshData *)s->data)->mass;
+}
+
+bool shape_mesh_closed(const Shape *s)
+{
+    return s->type == &shape_mesh && ((const MeshData *)s->data)->closed;
+}
+
+/* The nearest crossing. Where a closed surface is left before it is entered, the ray started inside. */
+static bool mesh_ray(const Shape *s, const Ray *ray, RayHit *hit)
+{
+    const MeshData *d = s->data;
+    const MeshNode *nodes = mesh_nodes(d);
+    TriangleRay prepared = shape_triangle_ray(ray);
+    real best = INFINITY, limit = ray->length, enter, t;
+    vec3 normal = {0, 0, 0}, c[3];
+
+    for (uint32_t i = 0; i < (uint32_t)d->node_count;) {
+        const MeshNode *node = &nodes[i];
+        if (!shape_ray_box(ray, node->box, limit, &enter)) {
+            i = node->next;
+            continue;
+        }
+        for (uint32_t k = node->first; k < node->first + node->count; k++) {
+            corners_of(d, k, c);
+            if (!shape_ray_triangle(&prepared, c, &t) || t > limit)
+                continue;
+            vec3 n = vec3_cross(vec3_sub(c[1], c[0]), vec3_sub(c[2], c[0]));
+            if (t < best || vec3_dot(n, ray->along) < 0) {      /* at a silhouette both sides are met at once: the front counts */
+                best = limit = t;
+                normal = n;
+            }
+        }
+        i++;
+    }
+    bool behind = vec3_dot(normal, ray->along) > 0;
+    if (!isfinite(best) || (behind && d->closed))
+        return false;
+    return shape_hit(ray, best, vec3_unit(behind ? vec3_neg(normal) : normal), hit);
+}
+
+/* How often the surface winds round the point: the sum of the solid angles of the triangles over 4 pi.
+ *
+ * Source: Van Oosterom & Strackee, The solid angle of a plane triangle, IEEE Trans. Biomed. Eng. 30(2), 1983. */
+static bool mesh_contains(const Shape *s, vec3 p)
+{
+    const MeshData *d = s->data;
+    box3 point = {p, p};
+    if (!d->closed || !box3_overlap(mesh_nodes(d)->box, point))
+        return false;
+
+    real angle = 0;         /* half of the solid angle */
+    for (uint32_t i = 0; i < (uint32_t)d->triangle_count; i++) {
+        vec3 c[3];
+        corners_of(d, i, c);
+        for (int k = 0; k < 3; k++)
+            c[k] = vec3_sub(c[k], p);
+        real a = vec3_length(c[0]), b = vec3_length(c[1]), e = vec3_length(c[2]);
+        real below = a * b * e + vec3_dot(c[0], c[1]) * e + vec3_dot(c[1], c[2]) * a + vec3_dot(c[2], c[0]) * b;
+        angle += atan2(vec3_dot(c[0], vec3_cross(c[1], c[2])), below);
+    }
+    return angle > DIG_PI;
+}
+
+static dig_status mesh_mesh(const Shape *s, ShapeMesh *out)
+{
+    const MeshData *d = s->data;
+    DIG_TRY(shape_mesh_open(out, d->vertex_count, 3 * d->triangle_count, false));
+    for (int i = 0; i < d->vertex_count; i++)
+        shape_mesh_vertex(out, i, mesh_vertices(d)[i]);
+    memcpy(out->indices, mesh_triangles(d), 3 * (size_t)d->triangle_count * sizeof *out->indices);
+    return DIG_OK;
+}
+
+/* ---- pieces: the triangles ---- */
+
+static void mesh_piece(const Shape *s, uint32_t piece, vec3 corners[3])
+{
+    corners_of(s->data, piece, corners);
+}
+
+static int mesh_pieces(const Shape *s, box3 box, uint32_t *piece, int capacity)
+{
+    const MeshData *d = s->data;
+    const MeshNode *nodes = mesh_nodes(d);
+    int count = 0;
+
+    for (uint32_t i = 0; i < (uint32_t)d->node_count;) {
+        const MeshNode *node = &nodes[i];
+        if (!box3_overlap(node->box, box)) {
+            i = node->next;
+            continue;
+        }
+        for (uint32_t k = node->first; k < node->first + node->count; k++) {
+            vec3 c[3];
+            corners_of(d, k, c);
+            box3 around = {vec3_min(c[0], vec3_min(c[1], c[2])), vec3_max(c[0], vec3_max(c[1], c[2]))};
+            if (!box3_overlap(around, box))
+                continue;
+            if (count < capacity)
+                piece[count] = k;
+            count++;
+        }
+        i++;
+    }
+    return count;
+}
+
+static uint32_t mesh_neighbour(const Shape *s, uint32_t piece, int edge)
+{
+    return mesh_neighbours(s->data)[3 * (size_t)piece + (size_t)edge];
+}
+
+const ShapeType shape_mesh = {
+    .name     = "mesh",
+    .doc      = "A surface of triangles; always static.",
+    .params   = mesh_params,
+    .def_size = sizeof(dig_mesh_def),
+    .make     = mesh_make,
+    .bounds   = mesh_bounds,
+    .mass     = mesh_mass,
+    .ray      = mesh_ray,
+    .contains = mesh_contains,
+    .mesh     = mesh_mesh,
+    .pieces   = mesh_pieces,
+    .piece    = mesh_piece,
+    .neighbour = mesh_neighbour,
+};

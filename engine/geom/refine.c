@@ -1,0 +1,137 @@
+/* geom/refine.c - the last digits of the gap between shapes with rims and round sides, where a polytope closes in by halves only.
+ *
+ * The gap is the greatest of -h(n), h(n) = n . s(n) the distance of the origin from the support plane of the difference a - b
+ * across n, s(n) the support point. Near it the surface is a flat patch (a face, or two lines that cross), a patch curved one way
+ * (a rim and a line), or curved both ways (two rims): each is tried, and kept where h comes out smaller. */
+#include "geom/gjk.h"
+
+#define ARC        0.02         /* rad  how far the normal may still be off */
+#define DIFFERENCE 1e-5         /* rad  step of difference quotients */
+#define AS_GOOD    1e-15        /* of the size: how much worse an exact normal of a feature may seem by rounding */
+
+static vec3 support(const ConvexPair *p, vec3 n, ConvexGap *g)
+{
+    g->normal = n;
+    g->on_a = convex_support_a(p, n);
+    g->on_b = convex_support_b(p, vec3_neg(n));
+    vec3 w = vec3_sub(g->on_a, g->on_b);
+    g->gap = -vec3_dot(n, w);
+    return w;
+}
+
+static bool try_normal(const ConvexPair *p, vec3 n, ConvexGap *best)
+{
+    ConvexGap g;
+    n = vec3_unit_or(n, vec3_zero());
+    if (vec3_dot(n, best->normal) < 0)
+        n = vec3_neg(n);
+    if (!(vec3_length2(n) > 0) || !(vec3_length(vec3_cross(n, best->normal)) < ARC))
+        return false;
+    support(p, n, &g);
+    if (!(g.gap >= best->gap - AS_GOOD * p->size))
+        return false;
+    *best = g;
+    return true;
+}
+
+/* Face of a core towards d, in the frame of a: its normal, and the edge of it that lies farthest out. */
+static void feature_of(const ConvexPair *p, bool of_a, vec3 d, vec3 *normal, vec3 *edge)
+{
+    vec3 c[16];
+    uint32_t feature;
+    const Shape *s = of_a ? p->a : p->b;
+    int count = s->type->face(s, of_a ? d : mat3_mul_vec(p->back, d), c, &feature);
+    real most = -INFINITY;
+    *normal = *edge = vec3_zero();
+    for (int i = 0; i < count && !of_a; i++)
+        c[i] = mat3_mul_vec(p->turn, c[i]);
+    for (int i = 1; i + 1 < count; i++)
+        *normal = vec3_add(*normal, vec3_cross(vec3_sub(c[i], c[0]), vec3_sub(c[i + 1], c[0])));
+    for (int i = 0; i < count && count > 1; i++) {
+        vec3 from = c[i], to = c[(i + 1) % count];
+        if (vec3_dot(d, vec3_add(from, to)) > most) {
+            most = vec3_dot(d, vec3_add(from, to));
+            *edge = vec3_sub(to, from);
+        }
+    }
+}
+
+/* Least h among the normals across the line e: h' along that arc is the support point's component along it. */
+static void along_arc(const ConvexPair *p, vec3 e, ConvexGap *best)
+{
+    vec3 n = vec3_unit_or(vec3_mad(best->normal, -vec3_dot(best->normal, e) / vec3_length2(e), e), vec3_zero());
+    vec3 t = vec3_unit_or(vec3_cross(e, n), vec3_zero());
+    ConvexGap g;
+    if (!(vec3_length2(t) > 0) || vec3_dot(n, best->normal) < 1 - ARC * ARC)
+        return;
+    real lo = -ARC, hi = ARC, flo = -1, fhi = 1;        /* signs are enough to start with: halving first */
+    for (int round = 0; round < 50 && hi - lo > 1e-15; round++) {
+        real x = round % 3 == 0 || round < 2 ? 0.5 * (lo + hi) : (lo * fhi - hi * flo) / (fhi - flo);
+        real c = cos(x), s = sin(x);
+        vec3 w = support(p, vec3_add(vec3_scale(c, n), vec3_scale(s, t)), &g);
+        real f = vec3_dot(w, vec3_sub(vec3_scale(c, t), vec3_scale(s, n)));
+        if (fabs(f) < 1e-16 * p->size)
+            break;
+        if (f < 0) {
+            lo = x;
+            flo = f;
+        } else {
+            hi = x;
+            fhi = f;
+        }
+    }
+    try_normal(p, g.normal, best);
+}
+
+/* Newton on the two components of s(n) across n, which vanish where h is least; derivatives by differences. */
+static void both_ways(const ConvexPair *p, ConvexGap *best)
+{
+    for (int round = 0; round < 8; round++) {
+        vec3 n = best->normal, s, r;
+        ConvexGap g;
+        vec3_basis(n, &s, &r);
+        vec3 w = support(p, n, &g);
+        vec3 ws = vec3_sub(support(p, vec3_unit(vec3_mad(n, DIFFERENCE, s)), &g), w);
+        vec3 wr = vec3_sub(support(p, vec3_unit(vec3_mad(n, DIFFERENCE, r)), &g), w);
+        /* turning n by (x, y) turns the tangents too: d(w . s) = dw . s - x (w . n) */
+        real depth = vec3_dot(w, n);
+        real a = vec3_dot(ws, s) / DIFFERENCE - depth, b = vec3_dot(wr, s) / DIFFERENCE;
+        real c = vec3_dot(ws, r) / DIFFERENCE, d = vec3_dot(wr, r) / DIFFERENCE - depth;
+        real f = vec3_dot(w, s), k = vec3_dot(w, r), det = a * d - b * c;
+        if (!(a > 0 && det > 0))                /* not a least distance of a smooth patch */
+            return;
+        real x = (b * k - d * f) / det, y = (c * f - a * k) / det;
+        if (!try_normal(p, vec3_mad(vec3_mad(n, x, s), y, r), best) || x * x + y * y < 1e-20)
+            return;
+    }
+}
+
+bool convex_is_round(const ConvexPair *p)
+{
+    const Shape *both[2] = {p->a, p->b};
+    for (int i = 0; i < 2; i++) {
+        const ShapeType *t = both[i]->type;
+        if (t->face && t != &shape_box && t != &shape_hull && t != &shape_capsule && t != &shape_sphere && t != &shape_triangle)
+            return both[1 - i]->type->face != NULL;
+    }
+    return false;
+}
+
+void convex_refine(const ConvexPair *p, ConvexGap *g)
+{
+    vec3 face_a, face_b, edge_a, edge_b, on_a = g->on_a, on_b = g->on_b;
+    support(p, g->normal, g);
+    feature_of(p, true, g->normal, &face_a, &edge_a);
+    feature_of(p, false, vec3_neg(g->normal), &face_b, &edge_b);
+    both_ways(p, g);
+    along_arc(p, edge_a, g);
+    along_arc(p, edge_b, g);
+    /* last, so that of equally good normals the exact ones stay */
+    try_normal(p, vec3_cross(edge_a, edge_b), g);
+    try_normal(p, face_b, g);
+    try_normal(p, face_a, g);
+
+    /* support points may lie anywhere on a flat patch: the nearest points were right but for their distance from the planes */
+    g->on_a = vec3_mad(on_a, vec3_dot(g->normal, vec3_sub(g->on_a, on_a)), g->normal);
+    g->on_b = vec3_mad(on_b, vec3_dot(g->normal, vec3_sub(g->on_b, on_b)), g->normal);
+}

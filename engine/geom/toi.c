@@ -1,0 +1,318 @@
+/* geom/toi.c - when two moving shapes meet: conservative advancement (Mirtich 1996) along the normal between them, closed by
+ * bracketing on the true gap.
+ *
+ * While both shapes move for h seconds, no gap along the unit normal n closes by more than
+ *     c1 h + c2 h^2 / 2 + min(s h, 2 (Ra + Rb)),    c1 = -n.(vb - va), c2 = -n.(ab - aa), s = |n x wa| Ra + |n x wb| Rb,
+ * with R the radius of each core about its centre of mass: a point at r moves along n at n.(w x r) = (n x w).r. */
+#include "geom/pair.h"
+
+#define TOLERANCE   1e-10       /* of the size */
+#define SURE_STEPS  64          /* conservative steps before parts of the core are stepped over instead */
+#define ALL_STEPS   20000
+#define SMALL_TURN  0.1         /* rad  in less than this a gap that has begun to close crosses the target once */
+#define SLICES      64          /* parts of a path over a surface */
+
+pose motion_at(const Motion *m, real t)
+{
+    vec3 arm = quat_rotate(m->start.q, m->centre), moved = vec3_mad(vec3_scale(t, m->v), 0.5 * t * t, m->a);
+    if (!(vec3_length2(m->w) > 0))
+        return (pose){vec3_add(m->start.p, moved), m->start.q};
+    quat turn = quat_exp(vec3_scale(t, m->w));
+    vec3 swing = vec3_sub(arm, quat_rotate(turn, arm));
+    return (pose){vec3_add(m->start.p, vec3_add(moved, swing)), quat_unit(quat_mul(turn, m->start.q))};
+}
+
+typedef struct Flight {
+    const Shape  *a, *b;
+    const Motion *ma, *mb;
+    real target, time, size;
+    real reach_a, reach_b;      /* m  of the cores about the centres of mass */
+    vec3 v, acceleration;       /* of b against a */
+    vec3 axis;                  /* where the last normal was, for GJK */
+    int  count;                 /* gaps computed */
+} Flight;
+
+typedef struct Moment { real t, gap, rate; vec3 normal; } Moment;   /* gap - target; rate: how fast it closes at the nearest points */
+
+static vec3 velocity_of(const Motion *m, pose at, real t, vec3 point)
+{
+    vec3 centre = pose_point(at, m->centre);
+    return vec3_add(vec3_mad(m->v, t, m->a), vec3_cross(m->w, vec3_sub(point, centre)));
+}
+
+static Moment moment_at(Flight *f, real t)
+{
+    pose pa = motion_at(f->ma, t), pb = motion_at(f->mb, t);
+    Pair p = pair_make(f->a, pa, f->b, pb);
+    ConvexGap g;
+    pair_gap(&p, INFINITY, &f->axis, &g);
+    Moment m = {.t = t, .gap = g.gap - f->target, .normal = pair_direction(&p, g.normal)};
+    vec3 va = velocity_of(f->ma, pa, t, pair_point(&p, g.on_a)), vb = velocity_of(f->mb, pb, t, pair_point(&p, g.on_b));
+    m.rate = -vec3_dot(m.normal, vec3_sub(vb, va));
+    f->count++;
+    return m;
+}
+
+/* Smallest h > 0 with a h^2 + b h = d, d > 0. */
+static real first_root(real a, real b, real d)
+{
+    real disc = b * b + 4 * a * d;
+    if (!(d > 0))
+        return 0;
+    if (a == 0)
+        return b > 0 ? d / b : INFINITY;
+    if (a < 0 && (!(b > 0) || disc < 0))
+        return INFINITY;
+    return b > 0 ? 2 * d / (b + sqrt(disc)) : (sqrt(disc) - b) / (2 * a);
+}
+
+static real core_reach(const Shape *s, vec3 centre)
+{
+    return s->outer < INFINITY ? s->outer - s->round + vec3_length(centre) : 0;
+}
+
+/* The longest step in which the gap certainly stays above the target. */
+static real safe_step(const Flight *f, const Moment *m)
+{
+    vec3 n = m->normal;
+    real c1 = -vec3_dot(n, vec3_mad(f->v, m->t, f->acceleration)), c2 = -0.5 * vec3_dot(n, f->acceleration);
+    real turning = vec3_length(vec3_cross(n, f->ma->w)) * f->reach_a + vec3_length(vec3_cross(n, f->mb->w)) * f->reach_b;
+    real most = 2 * ((vec3_length2(f->ma->w) > 0 ? f->reach_a : 0) + (vec3_length2(f->mb->w) > 0 ? f->reach_b : 0));
+    return real_max(first_root(c2, c1 + turning, m->gap), first_root(c2, c1, m->gap - most));
+}
+
+/* The zero in [lo, hi], lo.gap > 0 >= hi.gap: regula falsi, Illinois variant (Dowell & Jarratt 1971), halving when that is slow. */
+static real close_in(Flight *f, Moment lo, Moment hi)
+{
+    real flo = lo.gap, fhi = hi.gap, width = hi.t - lo.t;
+    int side = 0;
+    for (int round = 0; round < 120; round++) {
+        real t = round % 4 == 3 && hi.t - lo.t > 0.5 * width ? 0.5 * (lo.t + hi.t) : (lo.t * fhi - hi.t * flo) / (fhi - flo);
+        if (round % 4 == 3)
+            width = hi.t - lo.t;
+        if (!(t > lo.t && t < hi.t))
+            t = 0.5 * (lo.t + hi.t);
+        if (!(t > lo.t && t < hi.t))
+            break;
+        Moment m = moment_at(f, t);
+        if (fabs(m.gap) <= 1e-15 * f->size)
+            return t;
+        if (m.gap > 0) {
+            fhi = side > 0 ? 0.5 * fhi : fhi;
+            side = 1;
+            lo = m;
+            flo = m.gap;
+        } else {
+            flo = side < 0 ? 0.5 * flo : flo;
+            side = -1;
+            hi = m;
+            fhi = m.gap;
+        }
+        if (fabs(m.gap) <= 1e-13 * f->size)
+            return t;
+    }
+    return fabs(lo.gap) < fabs(hi.gap) ? lo.t : hi.t;
+}
+
+/* Within the tolerance already: one more Newton step costs little and often reaches rounding. */
+static real finish(Flight *f, Moment m)
+{
+    if (fabs(m.gap) > 1e-14 * f->size && m.rate > 0) {
+        Moment next = moment_at(f, real_clamp(m.t + m.gap / m.rate, 0, f->time));
+        if (fabs(next.gap) < fabs(m.gap))
+            return next.t;
+    }
+    return m.t;
+}
+
+/* At or below the target at the start: 0 when the gap closes further, else INFINITY. */
+static real from_below(Flight *f, const Moment *m)
+{
+    real turning = vec3_length(f->ma->w) * f->reach_a + vec3_length(f->mb->w) * f->reach_b;
+    real speed = vec3_length(f->v) + turning, still = 1e-12 * speed;
+    if (m->rate > still)
+        return 0;
+    if (turning > 0) {                          /* flat on a face, other corners may come down while the nearest point rises */
+        real dt = real_min(f->time, 1e-4 * f->size / speed);
+        if (moment_at(f, dt).gap < m->gap - 1e-6 * speed * dt)
+            return 0;
+    }
+    return m->rate >= -still && vec3_dot(m->normal, f->acceleration) < 0 ? 0 : INFINITY;
+}
+
+/* Where the gap closes now, a Newton step shows its far side; what lies between is closed in on. INFINITY: not yet. */
+static real try_bracket(Flight *f, const Moment *m)
+{
+    real turn = vec3_length(f->ma->w) + vec3_length(f->mb->w);
+    if (!(m->rate > 0))
+        return INFINITY;
+    real step = 1.01 * m->gap / m->rate;
+    if (!(step * turn < SMALL_TURN) || m->t + step > f->time)
+        return INFINITY;
+    Moment next = moment_at(f, m->t + step);
+    if (next.gap > 0)
+        return INFINITY;
+    return close_in(f, *m, next);
+}
+
+/* Half of this and no ball inside either shape is stepped over. */
+static real core_step(const Flight *f)
+{
+    real ball = (f->a->inner < INFINITY ? f->a->inner : 0) + (f->b->inner < INFINITY ? f->b->inner : 0);
+    real turning = vec3_length(f->ma->w) * f->reach_a + vec3_length(f->mb->w) * f->reach_b;
+    real speed = vec3_length(f->v) + vec3_length(f->acceleration) * f->time + turning;
+    return speed > 0 ? 0.25 * ball / speed : f->time;
+}
+
+static real advance(Flight *f)
+{
+    Moment m = moment_at(f, 0);
+    real tolerance = TOLERANCE * f->size;
+    if (m.gap <= tolerance)
+        return from_below(f, &m);
+
+    for (int step = 0; step < ALL_STEPS; step++) {
+        real h = safe_step(f, &m);
+        if (m.t + h > f->time * (1 + 1e-14))
+            return INFINITY;
+        if (step >= SURE_STEPS)
+            h = real_max(h, core_step(f));
+        Moment before = m;
+        m = moment_at(f, real_min(m.t + h, f->time));
+        if (fabs(m.gap) <= tolerance)
+            return finish(f, m);
+        if (m.gap < 0)
+            return close_in(f, before, m);
+        if (m.t >= f->time)
+            return INFINITY;
+        if (step % 3 == 2) {
+            real t = try_bracket(f, &m);
+            if (t < INFINITY)
+                return t;
+        }
+    }
+    return INFINITY;
+}
+
+/* Range of x + v t + a t^2 / 2 for t in [0, time]. */
+static void path_range(real x, real v, real a, real time, real *low, real *high)
+{
+    real end = x + (v + 0.5 * a * time) * time, turn = a != 0 ? -v / a : -1;
+    *low = real_min(x, end);
+    *high = real_max(x, end);
+    if (turn > 0 && turn < time) {
+        real top = x + 0.5 * v * turn;
+        *low = real_min(*low, top);
+        *high = real_max(*high, top);
+    }
+}
+
+static box3 path_box(vec3 x, vec3 v, vec3 a, real time)
+{
+    box3 b;
+    path_range(x.x, v.x, a.x, time, &b.low.x, &b.high.x);
+    path_range(x.y, v.y, a.y, time, &b.low.y, &b.high.y);
+    path_range(x.z, v.z, a.z, time, &b.low.z, &b.high.z);
+    return b;
+}
+
+static vec3 centre_between(const Motion *ma, const Motion *mb)
+{
+    return vec3_sub(pose_point(mb->start, mb->centre), pose_point(ma->start, ma->centre));
+}
+
+/* Balls about the centres of mass that stay apart need no further look. */
+static bool stays_far(const Flight *f)
+{
+    real sum = f->reach_a + f->a->round + f->reach_b + f->b->round + f->target;
+    if (!(f->a->outer < INFINITY && f->b->outer < INFINITY))
+        return false;
+    box3 box = path_box(centre_between(f->ma, f->mb), f->v, f->acceleration, f->time);
+    vec3 gap = vec3_max(vec3_max(box.low, vec3_neg(box.high)), vec3_zero());
+    return vec3_length2(gap) > sum * sum * (1 + 1e-12);
+}
+
+static real scale_of(const Shape *s)
+{
+    return s->inner > 0 ? s->inner : s->outer > 0 ? s->outer : INFINITY;
+}
+
+static real convex_impact(const Shape *a, const Motion *ma, const Shape *b, const Motion *mb, real target, real time, int *iterations)
+{
+    Flight f = {.a = a, .b = b, .ma = ma, .mb = mb, .target = target, .time = time, .size = real_min(scale_of(a), scale_of(b)),
+                .reach_a = core_reach(a, ma->centre), .reach_b = core_reach(b, mb->centre),
+                .v = vec3_sub(mb->v, ma->v), .acceleration = vec3_sub(mb->a, ma->a)};
+    if (stays_far(&f))
+        return INFINITY;
+    real t = advance(&f);
+    *iterations += f.count;
+    return t;
+}
+
+/* ---- surfaces: the first of their pieces ---- */
+
+typedef struct SurfaceFlight { const Motion *ma; const Shape *b; const Motion *mb; real target, first; int *iterations; } SurfaceFlight;
+
+static bool take_piece(void *context, const SurfacePiece *piece)
+{
+    SurfaceFlight *s = context;
+    Shape triangle = triangle_shape(piece->corners);
+    Motion m = *s->ma;
+    m.start.p = pose_point(m.start, piece->origin);
+    m.centre = vec3_sub(m.centre, piece->origin);
+    s->first = real_min(s->first, convex_impact(&triangle, &m, s->b, s->mb, s->target, s->first, s->iterations));
+    return s->first > 0;
+}
+
+/* Where b goes in `time`, in the frame of the surface at its start; everything when the surface turns. */
+static box3 swept_box(const Shape *a, const Motion *ma, const Shape *b, const Motion *mb, real target, real time)
+{
+    if (vec3_length2(ma->w) > 0)
+        return a->type->bounds(a, pose_identity());
+    quat back = quat_conjugate(ma->start.q);
+    vec3 x = pose_unpoint(ma->start, pose_point(mb->start, mb->centre));
+    vec3 v = quat_rotate(back, vec3_sub(mb->v, ma->v)), acceleration = quat_rotate(back, vec3_sub(mb->a, ma->a));
+    return box3_grow(path_box(x, v, acceleration, time), core_reach(b, mb->centre) + b->round + target);
+}
+
+static Motion motion_from(const Motion *m, real t)
+{
+    Motion later = *m;
+    later.start = motion_at(m, t);
+    later.v = vec3_mad(m->v, t, m->a);
+    return later;
+}
+
+/* A long path is cut: a box about all of it would hold far too many pieces. */
+static real surface_impact(const Shape *a, const Motion *ma, const Shape *b, const Motion *mb, real target, real time, int *iterations)
+{
+    real speed = vec3_length(vec3_sub(mb->v, ma->v)) + vec3_length(vec3_sub(mb->a, ma->a)) * time;
+    real parts = ceil(speed * time / (4 * b->outer));
+    int count = (int)real_clamp(parts, 1, SLICES);
+    for (int i = 0; i < count; i++) {
+        real t0 = time * i / count, t1 = time * (i + 1) / count;
+        Motion la = motion_from(ma, t0), lb = motion_from(mb, t0);
+        SurfaceFlight s = {&la, b, &lb, target, t1 - t0, iterations};
+        box3 box = swept_box(a, &la, b, &lb, target, t1 - t0);
+        real before = s.first = nextafter(s.first, INFINITY);
+        surface_visit(a, box, take_piece, &s);
+        if (s.first < before)
+            return real_min(t0 + s.first, time);
+    }
+    return INFINITY;
+}
+
+real time_of_impact(const Shape *a, const Motion *ma, const Shape *b, const Motion *mb, real target, real time, int *iterations)
+{
+    int count = 0;
+    int *counted = iterations ? iterations : &count;
+    ShapeKind ka = shape_kind(a), kb = shape_kind(b);
+    *counted = 0;
+    if ((ka >= KIND_PLANE && kb >= KIND_PLANE) || !(time >= 0))
+        return INFINITY;
+    if (ka == KIND_SURFACE)
+        return surface_impact(a, ma, b, mb, target, time, counted);
+    if (kb == KIND_SURFACE)
+        return surface_impact(b, mb, a, ma, target, time, counted);
+    return convex_impact(a, ma, b, mb, target, time, counted);
+}

@@ -1,0 +1,332 @@
+/* geom/tree.c - the dynamic tree of bounding boxes: insertion by least surface, rotations on the way up, queries without a stack. */
+#include "geom/tree.h"
+
+#include <stdlib.h>
+
+/* Half the surface of a box, the measure of how often it is met. */
+static real area_of(box3 b)
+{
+    vec3 d = vec3_sub(b.high, b.low);
+    return d.x * d.y + d.y * d.z + d.z * d.x;
+}
+
+static bool is_leaf(const TreeNode *n) { return n->child[0] < 0; }
+
+void tree_open(Tree *t)
+{
+    *t = (Tree){.root = -1, .free = -1};
+}
+
+void tree_close(Tree *t)
+{
+    free(t->nodes);
+    tree_open(t);
+}
+
+/* Room for `capacity` nodes in all. New ones join the end of the free list, so that which number comes next does not depend
+ * on when the array grew. */
+static dig_status grow_to(Tree *t, int capacity)
+{
+    if (capacity <= t->capacity)
+        return DIG_OK;
+    TreeNode *nodes = realloc(t->nodes, (size_t)capacity * sizeof *nodes);
+    if (!nodes)
+        return DIG_E_MEMORY;
+    for (int i = t->capacity; i < capacity; i++)
+        nodes[i] = (TreeNode){.parent = i + 1 < capacity ? i + 1 : -1, .child = {-1, -1}, .height = -1};
+    int32_t *last = &t->free;
+    while (*last >= 0)
+        last = &nodes[*last].parent;
+    *last = t->capacity;
+    t->nodes = nodes;
+    t->capacity = capacity;
+    return DIG_OK;
+}
+
+dig_status tree_reserve(Tree *t, int leaves)
+{
+    return leaves > 0 ? grow_to(t, 2 * leaves) : DIG_OK;
+}
+
+static int32_t take_node(Tree *t)
+{
+    int32_t i = t->free;
+    t->free = t->nodes[i].parent;
+    t->nodes[i] = (TreeNode){.parent = -1, .child = {-1, -1}};
+    t->count++;
+    return i;
+}
+
+static void give_node(Tree *t, int32_t i)
+{
+    t->nodes[i] = (TreeNode){.parent = t->free, .child = {-1, -1}, .height = -1};
+    t->free = i;
+    t->count--;
+}
+
+/* The node to become the leaf's sibling: goes down as long as the surface added on the way and below is less than the
+ * surface of a new parent here. */
+static int32_t best_sibling(const Tree *t, box3 box)
+{
+    int32_t i = t->root;
+    while (!is_leaf(&t->nodes[i])) {
+        const TreeNode *n = &t->nodes[i];
+        real joined = area_of(box3_union(n->box, box));
+        real inherited = joined - area_of(n->box), least = INFINITY;
+        int32_t next = -1;
+
+        for (int k = 0; k < 2; k++) {
+            const TreeNode *c = &t->nodes[n->child[k]];
+            real with = area_of(box3_union(c->box, box));
+            real cost = inherited + (is_leaf(c) ? with : with - area_of(c->box));
+            if (cost < least) {
+                least = cost;
+                next = n->child[k];
+            }
+        }
+        if (joined <= least)
+            break;
+        i = next;
+    }
+    return i;
+}
+
+static void refit(Tree *t, int32_t i)
+{
+    TreeNode *n = &t->nodes[i];
+    const TreeNode *a = &t->nodes[n->child[0]], *b = &t->nodes[n->child[1]];
+    n->box = box3_union(a->box, b->box);
+    n->height = 1 + int_max(a->height, b->height);
+}
+
+/* Exchanges a child of `top` with a grandchild on its other side where that makes the inner box smaller. */
+static void rotate(Tree *t, int32_t top)
+{
+    TreeNode *n = t->nodes;
+    real most = 0;
+    int side = -1, which = -1;
+
+    for (int k = 0; k < 2; k++) {
+        const TreeNode *inner = &n[n[top].child[k]], *other = &n[n[top].child[1 - k]];
+        if (is_leaf(inner))
+            continue;
+        real now = area_of(inner->box);
+        for (int g = 0; g < 2; g++) {           /* grandchild g goes up, `other` takes its place */
+            real gain = now - area_of(box3_union(n[inner->child[1 - g]].box, other->box));
+            if (gain > most) {
+                most = gain;
+                side = k;
+                which = g;
+            }
+        }
+    }
+    if (side < 0)
+        return;
+    int32_t inner = n[top].child[side], other = n[top].child[1 - side], up = n[inner].child[which];
+    n[top].child[1 - side] = up;
+    n[up].parent = top;
+    n[inner].child[which] = other;
+    n[other].parent = inner;
+    refit(t, inner);
+    refit(t, top);
+}
+
+static void repair_upwards(Tree *t, int32_t i)
+{
+    for (; i >= 0; i = t->nodes[i].parent) {
+        refit(t, i);
+        rotate(t, i);
+    }
+}
+
+/* Puts `child` where `old` hangs below `parent`, or at the root. */
+static void replace_child(Tree *t, int32_t parent, int32_t old, int32_t child)
+{
+    t->nodes[child].parent = parent;
+    if (parent < 0)
+        t->root = child;
+    else
+        t->nodes[parent].child[t->nodes[parent].child[0] == old ? 0 : 1] = child;
+}
+
+/* Takes one free node unless the tree is empty. */
+static void link_leaf(Tree *t, int32_t leaf)
+{
+    if (t->root < 0) {
+        t->root = leaf;
+        t->nodes[leaf].parent = -1;
+        return;
+    }
+    int32_t sibling = best_sibling(t, t->nodes[leaf].box), parent = take_node(t);
+    replace_child(t, t->nodes[sibling].parent, sibling, parent);
+    t->nodes[parent].child[0] = sibling;
+    t->nodes[parent].child[1] = leaf;
+    t->nodes[sibling].parent = parent;
+    t->nodes[leaf].parent = parent;
+    repair_upwards(t, parent);
+}
+
+static void unlink_leaf(Tree *t, int32_t leaf)
+{
+    int32_t parent = t->nodes[leaf].parent;
+    if (parent < 0) {
+        t->root = -1;
+        return;
+    }
+    int32_t sibling = t->nodes[parent].child[t->nodes[parent].child[0] == leaf ? 1 : 0];
+    int32_t above = t->nodes[parent].parent;
+    replace_child(t, above, parent, sibling);
+    give_node(t, parent);
+    repair_upwards(t, above);
+}
+
+dig_status tree_insert(Tree *t, box3 box, uint32_t user, int32_t *leaf)
+{
+    if (t->count + 2 > t->capacity)
+        DIG_TRY(grow_to(t, int_max(16, 2 * t->capacity)));
+    int32_t i = take_node(t);
+    t->nodes[i].box = box;
+    t->nodes[i].user = user;
+    link_leaf(t, i);
+    *leaf = i;
+    return DIG_OK;
+}
+
+void tree_remove(Tree *t, int32_t leaf)
+{
+    unlink_leaf(t, leaf);
+    give_node(t, leaf);
+}
+
+void tree_move(Tree *t, int32_t leaf, box3 box)
+{
+    unlink_leaf(t, leaf);               /* frees the parent that link_leaf takes again */
+    t->nodes[leaf].box = box;
+    link_leaf(t, leaf);
+}
+
+/* The next node depth-first when nothing below i is of interest: parents lead the way, so no stack can overflow. */
+static int32_t after(const Tree *t, int32_t i)
+{
+    for (;;) {
+        int32_t parent = t->nodes[i].parent;
+        if (parent < 0)
+            return -1;
+        if (t->nodes[parent].child[0] == i)
+            return t->nodes[parent].child[1];
+        i = parent;
+    }
+}
+
+void tree_query(const Tree *t, box3 box, TreeHit *hit, void *context)
+{
+    int32_t i = t->root;
+    while (i >= 0) {
+        const TreeNode *n = &t->nodes[i];
+        bool meets = box3_overlap(n->box, box);
+        if (meets && !is_leaf(n)) {
+            i = n->child[0];
+            continue;
+        }
+        if (meets && !hit(context, n->user))
+            return;
+        i = after(t, i);
+    }
+}
+
+/* Does the ray pass the box within its length? Slabs; an axis the ray does not move along only needs to start inside. */
+static bool ray_meets(box3 b, vec3 from, vec3 along, real length)
+{
+    real enter = 0, leave = length;
+    for (int k = 0; k < 3; k++) {
+        real o = vec3_at(from, k), d = vec3_at(along, k), low = vec3_at(b.low, k), high = vec3_at(b.high, k);
+        if (d == 0) {
+            if (o < low || o > high)
+                return false;
+            continue;
+        }
+        real t0 = (low - o) / d, t1 = (high - o) / d;
+        enter = real_max(enter, real_min(t0, t1));
+        leave = real_min(leave, real_max(t0, t1));
+    }
+    return enter <= leave * (1 + 4e-16);        /* rounding of the quotients must not lose a box of no thickness */
+}
+
+void tree_ray(const Tree *t, vec3 from, vec3 along, real length, TreeRayHit *hit, void *context)
+{
+    int32_t i = t->root;
+    while (i >= 0) {
+        const TreeNode *n = &t->nodes[i];
+        bool meets = ray_meets(n->box, from, along, length);
+        if (meets && !is_leaf(n)) {
+            i = n->child[0];
+            continue;
+        }
+        if (meets && !hit(context, n->user, &length))
+            return;
+        i = after(t, i);
+    }
+}
+
+static bool check_inner(const Tree *t, int32_t i)
+{
+    const TreeNode *n = &t->nodes[i];
+    for (int k = 0; k < 2; k++) {
+        int32_t c = n->child[k];
+        if (c < 0 || c >= t->capacity || t->nodes[c].parent != i || !box3_inside(n->box, t->nodes[c].box))
+            return false;
+    }
+    const TreeNode *a = &t->nodes[n->child[0]], *b = &t->nodes[n->child[1]];
+    box3 both = box3_union(a->box, b->box);
+    return n->child[0] != n->child[1] && n->height == 1 + int_max(a->height, b->height) && vec3_equal(both.low, n->box.low) &&
+           vec3_equal(both.high, n->box.high);
+}
+
+bool tree_check(const Tree *t)
+{
+    int seen = 0, unused = 0, inner = 0;
+    if (t->root >= 0 && (t->root >= t->capacity || t->nodes[t->root].parent != -1))
+        return false;
+    for (int32_t i = t->root; i >= 0;) {
+        const TreeNode *n = &t->nodes[i];
+        if (++seen > t->count)
+            return false;
+        if (is_leaf(n)) {
+            if (n->height != 0)
+                return false;
+            i = after(t, i);
+            continue;
+        }
+        inner++;
+        if (!check_inner(t, i))
+            return false;
+        i = n->child[0];
+    }
+    for (int32_t i = t->free; i >= 0; i = t->nodes[i].parent)
+        if (i >= t->capacity || ++unused > t->capacity || t->nodes[i].height != -1)
+            return false;
+    return seen == t->count && seen + unused == t->capacity && (seen == 0 || seen == 2 * inner + 1);
+}
+
+dig_status tree_copy(Tree *to, const Tree *from)
+{
+    int capacity = int_max(to->capacity, from->capacity);
+    to->capacity = 0;                           /* every node is written anew */
+    to->free = -1;
+    if (capacity > 0) {
+        TreeNode *nodes = realloc(to->nodes, (size_t)capacity * sizeof *nodes);
+        if (!nodes) {
+            free(to->nodes);
+            tree_open(to);
+            return DIG_E_MEMORY;
+        }
+        to->nodes = nodes;
+    }
+    if (from->capacity > 0)
+        memcpy(to->nodes, from->nodes, (size_t)from->capacity * sizeof *to->nodes);
+    to->capacity = from->capacity;
+    to->count = from->count;
+    to->root = from->root;
+    to->free = from->free;
+    return grow_to(to, capacity);
+}

@@ -1,0 +1,91 @@
+/* joint/ball.c - the ball joint: a turns freely against b about one point; a cone and a range of twist may bound it.
+ *
+ * The swing is the angle between the axes of a and b, the twist what is left after the shortest rotation that makes the axes
+ * parallel.
+ */
+#include "solve/joint_type.h"
+
+enum { POINT = 0, SWING = 3, TWIST = 5, FRICTION = 7 };         /* slots */
+
+typedef struct Ball {
+    real swing;         /* rad  half angle of the cone; NaN = none */
+    real twist[2];      /* rad  NaN = none                         */
+    real friction;      /* N m                                     */
+} Ball;
+
+static const dig_param ball_rows[] = {
+    {.name = "swing", .kind = DIG_REAL, .unit = "rad", .doc = "greatest angle between the axes of a and b", .fallback = NAN,
+     .min = 1e-3, .max = DIG_PI, .offset = offsetof(Ball, swing)},
+    {.name = "twist", .kind = DIG_RANGE, .unit = "rad", .doc = "least and greatest twist of a about its axis", .fallback = NAN,
+     .min = -INFINITY, .max = INFINITY, .offset = offsetof(Ball, twist)},
+    {.name = "friction", .kind = DIG_REAL, .unit = "N*m", .doc = "dry friction torque", .min = 0, .max = 1e12,
+     .offset = offsetof(Ball, friction)},
+    {.name = NULL},
+};
+
+/* rad in [0, pi], exact at both ends */
+static real swing_of(const JointView *j)
+{
+    return atan2(vec3_length(vec3_cross(j->b.axis, j->a.axis)), vec3_dot(j->b.axis, j->a.axis));
+}
+
+static real twist_of(const JointView *j)
+{
+    real last = j->memory[0];
+    return joint_angle(j, &last);
+}
+
+/* The swing grows with the spin of a about eb x ea. Without swing it has no direction, and no stop is near. */
+static void add_swing(const JointView *j, const Ball *ball, RowList *out)
+{
+    Row like;
+    RowList one = {&like, 0, 1};
+    real swing = swing_of(j);
+    if (isnan(ball->swing) || !(swing > 1e-9))
+        return;
+    rows_spin(&one, j, ROW_SOFT, vec3_unit_or(vec3_cross(j->b.axis, j->a.axis), j->b.u), SWING);
+    rows_limits(out, &like, swing, NAN, ball->swing, SWING);
+}
+
+/* The first of the three rows lies along the present spin, so that the torque of a turning ball is the one given in every
+ * direction, not up to sqrt(3) times as much. */
+static void add_friction(const JointView *j, real friction, RowList *out)
+{
+    vec3 spin = vec3_sub(j->a.w, j->b.w), d[3] = {j->b.axis, j->b.u, j->b.n};
+    if (!(friction > 0))
+        return;
+    if (vec3_length2(spin) > 1e-6) {
+        d[0] = vec3_unit(spin);
+        vec3_basis(d[0], &d[1], &d[2]);
+    }
+    for (int i = 0; i < 3; i++)
+        rows_spin(out, j, ROW_DRY, d[i], FRICTION + i)->hi = friction;
+}
+
+static void rows(const JointView *j, RowList *out)
+{
+    const Ball *ball = j->params;
+    Row like;
+    RowList one = {&like, 0, 1};
+    rows_point(out, j, POINT);
+    add_swing(j, ball, out);
+    rows_twist(&one, j, ROW_SOFT, TWIST);
+    rows_limits(out, &like, joint_angle(j, j->memory), ball->twist[0], ball->twist[1], TWIST);
+    add_friction(j, ball->friction, out);
+}
+
+static bool at_limit(const JointView *j)
+{
+    const Ball *ball = j->params;
+    return at_limits(swing_of(j), NAN, ball->swing) || at_limits(twist_of(j), ball->twist[0], ball->twist[1]);
+}
+
+const JointType joint_ball = {
+    .name = "ball",
+    .doc = "a turns freely against b about a point",
+    .params = ball_rows,
+    .params_size = sizeof(Ball),
+    .free_axes = 3,
+    .rows = rows,
+    .at_limit = at_limit,
+};

@@ -1,0 +1,10 @@
+/* joint/joints.c - the list of joint types. */
+#include "solve/joint_type.h"
+
+extern const JointType joint_hinge, joint_slider, joint_ball, joint_weld, joint_distance, joint_rope, joint_spring, joint_gear,
+    joint_rack, joint_wheel, joint_bolt, joint_motor;
+
+const JointType *const joint_types[] = {
+    &joint_hinge, &joint_slider, &joint_ball, &joint_weld, &joint_distance, &joint_rope, &joint_spring, &joint_gear,
+    &joint_rack, &joint_wheel, &joint_bolt, &joint_motor, NULL,
+};

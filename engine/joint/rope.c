@@ -1,0 +1,68 @@
+/* joint/rope.c - the rope: two points are never farther apart than its length. It pulls and never pushes. */
+#include <stdio.h>
+
+#include "solve/joint_type.h"
+
+enum { TAUT = 0 };          /* slots: TAUT + 1 is the upper limit */
+
+typedef struct Rope {
+    vec3 at_a, at_b;    /* m  world points at creation */
+    real length;        /* m                           */
+} Rope;
+
+static const dig_param rope_rows[] = {
+    {.name = "at_a", .kind = DIG_VEC3, .unit = "m", .doc = "its end on a; default the centre of mass", .fallback = NAN,
+     .min = -1e9, .max = 1e9, .offset = offsetof(Rope, at_a)},
+    {.name = "at_b", .kind = DIG_VEC3, .unit = "m", .doc = "its end on b; default the centre of mass", .fallback = NAN,
+     .min = -1e9, .max = 1e9, .offset = offsetof(Rope, at_b)},
+    {.name = "length", .kind = DIG_REAL, .unit = "m", .doc = "greatest distance of the ends; default as they are",
+     .fallback = NAN, .min = 1e-6, .max = 1e9, .offset = offsetof(Rope, length)},
+    {.name = NULL},
+};
+
+static real coordinate(const JointView *j) { return vec3_distance(j->a.p, j->b.p); }
+
+static dig_status check(void *params, const JointView *now, char *why, size_t capacity)
+{
+    Rope *rope = params;
+    if (isnan(rope->length))
+        rope->length = coordinate(now);
+    if (rope->length >= 1e-6)
+        return DIG_OK;
+    snprintf(why, capacity, "its ends are %g m apart, which is no length for a rope: give length", rope->length);
+    return DIG_E_ARG;
+}
+
+static real speed(const JointView *j)
+{
+    Row r;
+    RowList one = {&r, 0, 1};
+    real length;
+    return rows_length(&one, j, ROW_SOFT, &length, TAUT) ? joint_rate(j, &r) : 0;
+}
+
+static void rows(const JointView *j, RowList *out)
+{
+    Row like;
+    RowList one = {&like, 0, 1};
+    real length;
+    if (rows_length(&one, j, ROW_LIMIT, &length, TAUT))         /* ends that coincide leave it slack */
+        rows_limits(out, &like, length, NAN, ((const Rope *)j->params)->length, TAUT);
+}
+
+static bool at_limit(const JointView *j) { return at_limits(coordinate(j), NAN, ((const Rope *)j->params)->length); }
+
+const JointType joint_rope = {
+    .name = "rope",
+    .doc = "two points are never farther apart than its length",
+    .params = rope_rows,
+    .params_size = sizeof(Rope),
+    .free_axes = 6,
+    .no_axis = true,
+    .two_anchors = true,
+    .check = check,
+    .rows = rows,
+    .coordinate = coordinate,
+    .speed = speed,
+    .at_limit = at_limit,
+};

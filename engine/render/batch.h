@@ -1,0 +1,60 @@
+/* render/batch.h - the things to draw, sorted so that each program and mesh is bound once.
+ *
+ * Owns:  the list, the packed instances and their GPU buffer; batches_close frees them.
+ * Floor: render.
+ */
+#ifndef DIG_BATCH_H
+#define DIG_BATCH_H
+
+#include "render/mesh.h"
+#include "render/program.h"
+#include "render/stage.h"
+
+typedef struct Instance {       /* as the vertex shader reads it; scene units */
+    float    place[4];          /* relative to the eye; [3] a seed for the pattern          */
+    float    turn[4];           /* quaternion                                               */
+    float    size[4];           /* factors of the unit solid; [3] shift along y             */
+    float    colour[4];         /* linear; [3] roughness                                    */
+    float    look[4];           /* metallic, bevel, 1 / cell of the pattern, grain axis     */
+    float    half[4];           /* half extents; planes: offset of the tiles                */
+    uint32_t number[2];         /* body, DIG                                                */
+} Instance;
+
+typedef struct DrawItem {
+    uint64_t   order;           /* program, then mesh                    */
+    float      distance;        /* from the eye: nearer first            */
+    int        index;           /* in the view: settles ties             */
+    ProgramKey key;
+    int        mesh;
+    bool       closed, caster;  /* back faces hidden; throws a shadow    */
+    Instance   instance;
+} DrawItem;
+
+typedef struct Batches {
+    DrawItem *items;
+    Instance *packed;
+    int      *meshes;           /* [view's mesh_count] entry of each mesh of the view, -1 = cannot be drawn */
+    int       count, capacity, mesh_capacity;
+    GLuint    buffer;
+} Batches;
+
+typedef struct BatchEye {       /* from where it is drawn */
+    vec3 at;                    /* scene                                     */
+    real pixels;                /* height of the picture / (2 tan(fov / 2))  */
+    real reach;                 /* scene units: planes end here, in the fog  */
+    int  lamps;
+    bool shadows, overlay_dig;
+    bool fine;                  /* the finest meshes, for data layers        */
+} BatchEye;
+
+dig_status batches_build(Batches *b, Meshes *meshes, const Gl *gl, const View *v, const Stage *s, const BatchEye *eye, uint64_t draw);
+void       batches_close(Batches *b, const Gl *gl);
+
+/* Draws everything with programs of `kind`; casters only for PROGRAM_CASTER, which takes the matrix `to_map`. */
+dig_status batches_draw(const Batches *b, const Meshes *meshes, Programs *programs, const Gl *gl, ProgramKind kind, const float *to_map,
+                        char *why, size_t capacity);
+
+/* A colour for each DIG, well apart from those of its neighbours; linear. */
+void dig_colour(uint32_t dig, float colour[3]);
+
+#endif

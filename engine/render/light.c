@@ -1,0 +1,375 @@
+/* render/light.c - draws the shadow casters and works out the light on the floor. */
+#include "render/light.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+static const real SUN_DEPTH = 2;        /* scene units before and behind the middle that the sun map tells apart  */
+static const real SPREAD = 0.09;        /* rad, how fast a shadow's edge widens: a hazy sun, wider than the real one */
+static const real MID_BLUR = 0.022, WIDE_BLUR = 0.085;      /* scene units, half widths of the softer shadows     */
+
+/* ---- textures --------------------------------------------------------- */
+
+static GLuint make_texture(const Gl *gl, GLint format, GLenum layout, GLenum type, int size, GLint filter)
+{
+    GLuint name = 0;
+    gl->GenTextures(1, &name);
+    gl->BindTexture(GL_TEXTURE_2D, name);
+    gl->TexImage2D(GL_TEXTURE_2D, 0, format, size, size, 0, layout, type, NULL);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    return name;
+}
+
+static GLuint make_target(const Gl *gl, GLuint depth)
+{
+    GLuint name = 0;
+    gl->GenFramebuffers(1, &name);
+    gl->BindFramebuffer(GL_FRAMEBUFFER, name);
+    gl->FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth, 0);
+    gl->DrawBuffer(GL_NONE);
+    gl->ReadBuffer(GL_NONE);
+    return name;
+}
+
+static void make_sun_map(Light *l, const Gl *gl)
+{
+    static const float far[4] = {1, 1, 1, 1};
+    l->sun_map = make_texture(gl, GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, SUN_SIZE, GL_LINEAR);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
+    gl->TexParameterfv(GL_TEXTURE_2D, GL_TEXTURE_BORDER_COLOR, far);
+    l->sun_target = make_target(gl, l->sun_map);
+}
+
+dig_status light_open(Light *l, const Gl *gl, char *why, size_t capacity)
+{
+    enum { HEIGHTS = HEIGHT_SIZE * HEIGHT_SIZE, FLOORS = FLOOR_SIZE * FLOOR_SIZE, SUNS = SUN_SIZE * SUN_SIZE };
+    make_sun_map(l, gl);
+    bool whole = gl->CheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
+    l->height_depth = make_texture(gl, GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, HEIGHT_SIZE, GL_NEAREST);
+    l->height_target = make_target(gl, l->height_depth);
+    whole = whole && gl->CheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
+    l->height_map = make_texture(gl, GL_RG32F, GL_RG, GL_FLOAT, HEIGHT_SIZE, GL_LINEAR);
+    l->floor_map = make_texture(gl, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, FLOOR_SIZE, GL_LINEAR);
+    if (!whole) {
+        snprintf(why, capacity, "the driver cannot draw into a depth texture");
+        return DIG_E_FULL;
+    }
+    l->sun = malloc(SUNS * sizeof *l->sun);
+    l->above = malloc(2 * HEIGHTS * sizeof *l->above);
+    l->pair = malloc(2 * HEIGHTS * sizeof *l->pair);
+    l->shade = malloc(5 * (size_t)FLOORS * sizeof *l->shade);
+    l->texels = malloc(4 * (size_t)FLOORS);
+    if (!l->sun || !l->above || !l->pair || !l->shade || !l->texels) {
+        snprintf(why, capacity, "no memory for the light maps");
+        return DIG_E_MEMORY;
+    }
+    l->below = l->above + HEIGHTS;
+    l->mid = l->shade + FLOORS;
+    l->wide = l->mid + FLOORS;
+    l->gap = l->wide + FLOORS;
+    l->scratch = l->gap + FLOORS;
+    return DIG_OK;
+}
+
+void light_close(Light *l, const Gl *gl)
+{
+    GLuint textures[] = {l->sun_map, l->height_depth, l->height_map, l->floor_map}, targets[] = {l->sun_target, l->height_target};
+    gl->DeleteTextures(4, textures);
+    gl->DeleteFramebuffers(2, targets);
+    free(l->sun);
+    free(l->above);
+    free(l->pair);
+    free(l->shade);
+    free(l->texels);
+    *l = (Light){0};
+}
+
+/* ---- where the maps lie ------------------------------------------------ */
+
+typedef struct Ground {         /* the square that the height and floor maps cover, scene units */
+    real x, y, half;
+    real low, high;             /* z that the heights tell apart */
+} Ground;
+
+/* Moves x (scene units; `at` m is where scene 0 lies on that axis) to a whole number of texels of the world, so that
+ * shadows do not swim when the scene's middle moves. */
+static real snap(real x, real at, real texel, real unit)
+{
+    real texels = (at / unit + x) / texel;
+    return x + (round(texels) - texels) * texel;
+}
+
+static Ground find_ground(const Stage *s, vec3 sun)
+{
+    vec3 low = s->low, high = s->high;
+    real fall = sun.z > 0.05 ? real_min(2, (s->high.z - s->floor) / sun.z) : 0;     /* how far shadows reach */
+    low.x += real_min(0, -sun.x * fall);
+    low.y += real_min(0, -sun.y * fall);
+    high.x += real_max(0, -sun.x * fall);
+    high.y += real_max(0, -sun.y * fall);
+    real half = 0.53 * real_max(high.x - low.x, high.y - low.y) + 1.5 * s->typical;
+    half = exp2(ceil(4 * log2(half)) / 4);
+    vec3 at = mat3_mul_vec(s->axes, s->centre);
+    real texel = 2 * half / HEIGHT_SIZE;
+    return (Ground){.x = snap(0.5 * (low.x + high.x), at.x, texel, s->unit), .y = snap(0.5 * (low.y + high.y), at.y, texel, s->unit),
+                    .half = half, .low = s->floor - 0.01, .high = real_max(s->high.z, s->floor) + 0.5};
+}
+
+/* Column-major matrix with these rows. */
+static void set_rows(float m[16], const vec3 row[3], const real last[3])
+{
+    for (int i = 0; i < 3; i++) {
+        m[i] = (float)row[i].x;
+        m[4 + i] = (float)row[i].y;
+        m[8 + i] = (float)row[i].z;
+        m[12 + i] = (float)last[i];
+    }
+    m[3] = m[7] = m[11] = 0;
+    m[15] = 1;
+}
+
+/* Points relative to the eye into the clip space of the sun map. */
+static void sun_matrix(float m[16], const Stage *s, vec3 sun, vec3 eye)
+{
+    vec3 t, u, at = mat3_mul_vec(s->axes, s->centre);
+    vec3_basis(sun, &t, &u);
+    real texel = 2.0 / SUN_SIZE;
+    vec3 row[3] = {t, u, vec3_scale(-1 / SUN_DEPTH, sun)};
+    real last[3] = {vec3_dot(t, eye) - snap(0, vec3_dot(at, t), texel, s->unit), vec3_dot(u, eye) - snap(0, vec3_dot(at, u), texel, s->unit),
+                    -vec3_dot(sun, eye) / SUN_DEPTH};
+    set_rows(m, row, last);
+}
+
+/* From above (direction 1) or below (-1). */
+static void height_matrix(float m[16], const Ground *g, vec3 eye, real direction)
+{
+    real middle = 0.5 * (g->high + g->low), half = 0.5 * (g->high - g->low);
+    vec3 row[3] = {{1 / g->half, 0, 0}, {0, 1 / g->half, 0}, {0, 0, -direction / half}};
+    real last[3] = {(eye.x - g->x) / g->half, (eye.y - g->y) / g->half, -direction * (eye.z - middle) / half};
+    set_rows(m, row, last);
+}
+
+static void clip_to_unit(float out[16], const float in[16])
+{
+    for (int i = 0; i < 16; i++)
+        out[i] = 0.5f * in[i] + (i % 4 == 3 ? 0.5f * in[i] : 0.5f * in[i - i % 4 + 3]);
+}
+
+/* ---- heights ---------------------------------------------------------- */
+
+typedef struct Cast {           /* what every pass of casters needs */
+    const Batches *batches;
+    const Meshes  *meshes;
+    Programs      *programs;
+    const Gl      *gl;
+    char          *why;
+    size_t         capacity;
+} Cast;
+
+static dig_status cast_depth(const Cast *c, GLuint target, int size, const float *to_map, float *out)
+{
+    const Gl *gl = c->gl;
+    gl->BindFramebuffer(GL_FRAMEBUFFER, target);
+    gl->Viewport(0, 0, size, size);
+    gl->Clear(GL_DEPTH_BUFFER_BIT);
+    DIG_TRY(batches_draw(c->batches, c->meshes, c->programs, gl, PROGRAM_CASTER, to_map, c->why, c->capacity));
+    if (out)
+        gl->ReadPixels(0, 0, size, size, GL_DEPTH_COMPONENT, GL_FLOAT, out);
+    return DIG_OK;
+}
+
+static dig_status cast_heights(Light *l, const Cast *c, const Ground *g, vec3 eye)
+{
+    float to_map[16];
+    height_matrix(to_map, g, eye, 1);
+    DIG_TRY(cast_depth(c, l->height_target, HEIGHT_SIZE, to_map, l->above));
+    height_matrix(to_map, g, eye, -1);
+    c->gl->CullFace(GL_FRONT);
+    dig_status status = cast_depth(c, l->height_target, HEIGHT_SIZE, to_map, l->below);
+    c->gl->CullFace(GL_BACK);
+    return status;
+}
+
+static int texels_of(real length, real texel) { return (int)real_clamp(length / texel + 0.5, 1, HEIGHT_SIZE / 4); }
+
+/* For bodies: heights smoothed over a small and a large width. */
+static void fill_heights(Light *l, const Gl *gl, const Stage *s, const Ground *g)
+{
+    enum { N = HEIGHT_SIZE };
+    float range = (float)(g->high - g->low), high = (float)g->high, floor = (float)s->floor;
+    real texel = 2 * g->half / N;
+    for (int i = 0; i < N * N; i++) {
+        bool edge = i < N || i >= N * (N - 1) || i % N == 0 || i % N == N - 1;
+        float depth = l->above[i];
+        l->mid[i] = edge || !(depth < 1) ? floor : high - depth * range;
+        l->wide[i] = l->mid[i];
+    }
+    for (int pass = 0; pass < 2; pass++) {
+        blur_box(l->mid, l->scratch, N, texels_of(0.22 * s->typical, texel));
+        blur_box(l->wide, l->scratch, N, texels_of(0.75 * s->typical, texel));
+    }
+    for (int i = 0; i < N * N; i++) {
+        l->pair[2 * i] = l->mid[i];
+        l->pair[2 * i + 1] = l->wide[i];
+    }
+    gl->BindTexture(GL_TEXTURE_2D, l->height_map);
+    gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, N, N, GL_RG, GL_FLOAT, l->pair);
+}
+
+/* For the floor: the sky hidden by what stands on it or hovers just above, into mid[HEIGHT_SIZE^2], 0..1. */
+static void hide_sky(Light *l, const Stage *s, const Ground *g)
+{
+    enum { N = HEIGHT_SIZE };
+    float low = (float)(g->low - s->floor), range = (float)(g->high - g->low), reach = (float)(1 / (1.6 * s->typical));
+    real texel = 2 * g->half / N;
+    for (int i = 0; i < N * N; i++) {
+        float gap = low + l->below[i] * range, a = 1 - (gap > 0 ? gap : 0) * reach;
+        bool under = l->below[i] < 1 && a > 0;
+        l->mid[i] = under ? a * a : 0;
+        l->wide[i] = l->mid[i];
+    }
+    for (int pass = 0; pass < 2; pass++) {
+        blur_box(l->mid, l->scratch, N, texels_of(0.16 * s->typical, texel));
+        blur_box(l->wide, l->scratch, N, texels_of(0.80 * s->typical, texel));
+    }
+    for (int i = 0; i < N * N; i++)
+        l->mid[i] = 1 / (1 + 1.1f * l->mid[i] + 1.3f * l->wide[i]);
+}
+
+/* ---- the sun on the floor ---------------------------------------------- */
+
+/* Share of the sun hidden at each texel of the floor (shade), and that times the distance of what hides it (gap). */
+static void project_shadows(Light *l, const Stage *s, const Ground *g, const float to_sun[16], vec3 eye)
+{
+    enum { N = FLOOR_SIZE, M = SUN_SIZE };
+    float step = (float)(2 * g->half / N), x0 = (float)(g->x - g->half - eye.x) + 0.5f * step, y0 = (float)(g->y - g->half - eye.y) + 0.5f * step;
+    float z = (float)(s->floor - eye.z), range = (float)(2 * SUN_DEPTH);
+    for (int j = 0; j < N; j++) {
+        float y = y0 + step * (float)j;
+        for (int i = 0; i < N; i++) {
+            float x = x0 + step * (float)i, p[3];
+            for (int k = 0; k < 3; k++)
+                p[k] = to_sun[k] * x + to_sun[4 + k] * y + to_sun[8 + k] * z + to_sun[12 + k];
+            float u = p[0] * M - 0.5f, v = p[1] * M - 0.5f, hidden = 0, gap = 0;
+            if (u >= 0 && v >= 0 && u < M - 1 && v < M - 1) {
+                int a = (int)u, b = (int)v;
+                float fu = u - (float)a, fv = v - (float)b;
+                const float *d = l->sun + (size_t)b * M + (size_t)a;
+                float weight[4] = {(1 - fu) * (1 - fv), fu * (1 - fv), (1 - fu) * fv, fu * fv}, depth[4] = {d[0], d[1], d[M], d[M + 1]};
+                for (int k = 0; k < 4; k++) {
+                    float over = p[2] - depth[k];
+                    float w = over > 0.0004f ? weight[k] : 0;
+                    hidden += w;
+                    gap += w * over * range;
+                }
+            }
+            l->shade[j * N + i] = hidden;
+            l->gap[j * N + i] = gap;
+        }
+    }
+}
+
+/* Picks, texel by texel, between a sharp shadow and two blurred ones by the mean distance of what throws it. */
+static void soften_shadows(Light *l, const Ground *g)
+{
+    enum { N = FLOOR_SIZE };
+    real texel = 2 * g->half / N;
+    int mid = (int)real_clamp(MID_BLUR / texel + 0.5, 1, 40), wide = (int)real_clamp(WIDE_BLUR / texel + 0.5, 2, 80);
+    memcpy(l->mid, l->shade, N * N * sizeof *l->mid);
+    blur_box(l->shade, l->scratch, N, 1);
+    blur_box(l->mid, l->scratch, N, mid);
+    memcpy(l->wide, l->mid, N * N * sizeof *l->wide);
+    blur_box(l->mid, l->scratch, N, mid / 2);
+    blur_box(l->wide, l->scratch, N, wide);
+    blur_box(l->gap, l->scratch, N, mid);
+    blur_box(l->gap, l->scratch, N, wide);
+    float spread = (float)SPREAD, to_mid = (float)(1 / MID_BLUR), to_wide = (float)(1 / (WIDE_BLUR - MID_BLUR)), start = (float)MID_BLUR;
+    for (int i = 0; i < N * N; i++) {
+        float width = spread * l->gap[i] / (l->wide[i] + 1e-4f);
+        float a = width * to_mid, b = (width - start) * to_wide;
+        a = a < 1 ? a : 1;
+        b = b < 0 ? 0 : b < 1 ? b : 1;
+        float soft = l->shade[i] + a * (l->mid[i] - l->shade[i]);
+        l->shade[i] = soft + b * (l->wide[i] - soft);
+    }
+}
+
+static unsigned char to_byte(float x) { return (unsigned char)(x <= 0 ? 0 : x >= 1 ? 255 : x * 255 + 0.5f); }
+
+/* Both lights side by side into the floor map; `sky` is HEIGHT_SIZE^2, half as fine. The rim is unshaded, so that the
+ * map ends without a seam. */
+static void pack_floor(Light *l, const Gl *gl, const float *sky)
+{
+    enum { N = FLOOR_SIZE, M = HEIGHT_SIZE };
+    for (int j = 0; j < N; j++) {
+        int b = int_max(0, int_min(M - 2, (j - 1) / 2));
+        float fv = 0.5f * (float)j - 0.25f - (float)b;
+        for (int i = 0; i < N; i++) {
+            int a = int_max(0, int_min(M - 2, (i - 1) / 2));
+            float fu = 0.5f * (float)i - 0.25f - (float)a;
+            const float *s = sky + b * M + a;
+            float top = s[0] + fu * (s[1] - s[0]), low = s[M] + fu * (s[M + 1] - s[M]);
+            bool rim = i == 0 || j == 0 || i == N - 1 || j == N - 1;
+            unsigned char *t = l->texels + 4 * (j * N + i);
+            t[0] = rim ? 255 : to_byte(1 - l->shade[j * N + i]);
+            t[1] = rim ? 255 : to_byte(top + fv * (low - top));
+            t[2] = 0;
+            t[3] = 255;
+        }
+    }
+    gl->BindTexture(GL_TEXTURE_2D, l->floor_map);
+    gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, N, N, GL_RGBA, GL_UNSIGNED_BYTE, l->texels);
+}
+
+static void set_shading(Frame *f, const Stage *s, const Ground *g)
+{
+    f->top[0] = (float)(0.5 / g->half);
+    f->top[1] = (float)(0.5 / g->half * 0.45 * s->typical);
+    f->top[2] = (float)(0.5 - 0.5 * g->x / g->half);
+    f->top[3] = (float)(0.5 - 0.5 * g->y / g->half);
+    f->shade[0] = (float)(0.30 / s->typical);
+    f->shade[1] = (float)(0.28 / s->typical);
+    f->shade[2] = (float)s->floor;
+    f->shade[3] = (float)(2.5 * s->typical);
+    f->sun_colour[3] = (float)(1.1 / SUN_SIZE);
+}
+
+dig_status light_cast(Light *l, const Batches *b, const Meshes *meshes, Programs *programs, const Gl *gl, const Stage *s, bool shadows,
+                      Frame *frame, char *why, size_t capacity)
+{
+    Cast cast = {b, meshes, programs, gl, why, capacity};
+    vec3 eye = vec3_from(frame->eye), sun = vec3_from(frame->sun);
+    Ground ground = find_ground(s, sun);
+    bool floor = s->floor_item >= 0, floor_shadow = floor && shadows && sun.z > 0.02;
+    float to_map[16];
+    gl->Enable(GL_DEPTH_CLAMP);
+    gl->Enable(GL_POLYGON_OFFSET_FILL);
+    gl->PolygonOffset(1.5f, 4.0f);
+    sun_matrix(to_map, s, sun, eye);
+    clip_to_unit(frame->to_sun, to_map);
+    dig_status status = shadows ? cast_depth(&cast, l->sun_target, SUN_SIZE, to_map, floor_shadow ? l->sun : NULL) : DIG_OK;
+    gl->Disable(GL_POLYGON_OFFSET_FILL);
+    if (status == DIG_OK)
+        status = cast_heights(l, &cast, &ground, eye);
+    gl->Disable(GL_DEPTH_CLAMP);
+    DIG_TRY(status);
+    set_shading(frame, s, &ground);
+    fill_heights(l, gl, s, &ground);
+    if (!floor)
+        return DIG_OK;
+    if (floor_shadow) {
+        project_shadows(l, s, &ground, frame->to_sun, eye);
+        soften_shadows(l, &ground);
+    } else {
+        memset(l->shade, 0, FLOOR_SIZE * FLOOR_SIZE * sizeof *l->shade);
+    }
+    hide_sky(l, s, &ground);
+    pack_floor(l, gl, l->mid);
+    return DIG_OK;
+}

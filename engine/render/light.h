@@ -1,0 +1,38 @@
+/* render/light.h - what the sun and the sky reach: a sun map, a height map, and a map of the light on the floor.
+ *
+ * The sun map is an ordinary depth map along the sun, compared four times a pixel on bodies. The floor fills most of a
+ * picture, so its light is worked out beforehand on the CPU: shadows that are sharp where things touch it and soft far
+ * from them, and the part of the sky hidden by what stands on it; a pixel of the floor costs one fetch.
+ * Bodies take the hidden sky from heights seen from above, smoothed over two widths: each column counts as filled.
+ *
+ * Owns:  textures, framebuffers and working arrays.
+ * Floor: render.
+ */
+#ifndef DIG_LIGHT_H
+#define DIG_LIGHT_H
+
+#include "render/batch.h"
+
+enum { SUN_SIZE = 1024, HEIGHT_SIZE = 256, FLOOR_SIZE = 512 };      /* texels a side */
+
+typedef struct Light {
+    GLuint sun_target, sun_map, height_target, height_depth, height_map, floor_map;
+    float *sun;                         /* [SUN_SIZE^2] depths read back                     */
+    float *above, *below;               /* [HEIGHT_SIZE^2] top of the highest, bottom of the lowest body, scene units */
+    float *shade, *mid, *wide, *gap;    /* [FLOOR_SIZE^2]                                    */
+    float *scratch;                     /* [FLOOR_SIZE^2]                                    */
+    float *pair;                        /* [2 HEIGHT_SIZE^2]                                 */
+    unsigned char *texels;              /* [4 FLOOR_SIZE^2]                                  */
+} Light;
+
+dig_status light_open(Light *l, const Gl *gl, char *why, size_t capacity);
+void       light_close(Light *l, const Gl *gl);
+
+/* Draws the casters and fills the maps; sets the frame's to_sun, top and shade. frame->sun and ->eye are set before. */
+dig_status light_cast(Light *l, const Batches *b, const Meshes *meshes, Programs *programs, const Gl *gl, const Stage *s, bool shadows,
+                      Frame *frame, char *why, size_t capacity);
+
+/* Smooths n x n values in place by a running mean over 2 radius + 1 texels, both ways; edges repeat. */
+void blur_box(float *data, float *scratch, int n, int radius);
+
+#endif

@@ -1,0 +1,301 @@
+/* render/overlay.c - lines, arrows and text over a finished picture. */
+#include "render/overlay.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "render/batch.h"
+
+static const float rim = 1.1f;      /* px, dark line round every stroke */
+
+/* ---- lists ------------------------------------------------------------ */
+
+static void put_stroke(StrokeList *list, Stroke stroke)
+{
+    if (list->count == list->capacity) {
+        int capacity = list->capacity ? 2 * list->capacity : 256;
+        Stroke *data = realloc(list->data, (size_t)capacity * sizeof *data);
+        if (!data) {
+            list->full = true;
+            return;
+        }
+        list->data = data;
+        list->capacity = capacity;
+    }
+    list->data[list->count++] = stroke;
+}
+
+/* Pixel position of a point; false when it lies behind the eye. */
+static bool project(const OverlayEye *eye, vec3 p, real out[2])
+{
+    vec3 r = vec3_sub(p, eye->at);
+    real depth = vec3_dot(r, eye->forward);
+    if (!(depth > 0) || !vec3_finite(r))
+        return false;
+    out[0] = 0.5 * eye->width + eye->pixels * vec3_dot(r, eye->right) / depth;
+    out[1] = 0.5 * eye->height - eye->pixels * vec3_dot(r, eye->up) / depth;
+    /* far outside is as good as the limit, and keeps floats exact */
+    return fabs(out[0]) < 1e5 && fabs(out[1]) < 1e5;
+}
+
+/* Cuts a segment where it passes behind the eye. */
+static bool project_segment(const OverlayEye *eye, vec3 a, vec3 b, real pa[2], real pb[2])
+{
+    real da = vec3_dot(vec3_sub(a, eye->at), eye->forward), db = vec3_dot(vec3_sub(b, eye->at), eye->forward);
+    real near = 0.01 * real_max(da, db);
+    if (!(near > 0))
+        return false;
+    if (da < near)
+        a = vec3_lerp(a, b, (near - da) / (db - da));
+    else if (db < near)
+        b = vec3_lerp(b, a, (near - db) / (da - db));
+    return project(eye, a, pa) && project(eye, b, pb);
+}
+
+static Stroke stroke_of(const real a[2], const real b[2], real ra, real rb, const float colour[3], float alpha)
+{
+    return (Stroke){{(float)a[0], (float)a[1], (float)b[0], (float)b[1]}, {(float)ra, (float)rb, rim, 0}, {colour[0], colour[1], colour[2], alpha}};
+}
+
+/* ---- shapes ----------------------------------------------------------- */
+
+typedef struct Pen { Overlay *o; const OverlayEye *eye; real scale; } Pen;      /* scale: px of a thin line's half width */
+
+static void draw_line(const Pen *pen, vec3 a, vec3 b, real width, const float colour[3], float alpha)
+{
+    real pa[2], pb[2];
+    if (project_segment(pen->eye, a, b, pa, pb))
+        put_stroke(&pen->o->strokes, stroke_of(pa, pb, width * pen->scale + (real)rim, width * pen->scale + (real)rim, colour, alpha));
+}
+
+static void draw_dot(const Pen *pen, vec3 p, real radius, const float colour[3])
+{
+    real at[2];
+    if (project(pen->eye, p, at))
+        put_stroke(&pen->o->strokes, stroke_of(at, at, radius * pen->scale + (real)rim, radius * pen->scale + (real)rim, colour, 1));
+}
+
+/* A shaft, then a head that narrows to a point at the tip. */
+static void draw_arrow(const Pen *pen, vec3 from, vec3 to, real width, const float colour[3])
+{
+    real a[2], b[2];
+    if (!project_segment(pen->eye, from, to, a, b))
+        return;
+    real length = hypot(b[0] - a[0], b[1] - a[1]), head = real_min(6.5 * width * pen->scale, 0.7 * length), w = width * pen->scale + (real)rim;
+    real t = length > 0 ? 1 - head / length : 0;
+    real neck[2] = {a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])};
+    put_stroke(&pen->o->strokes, stroke_of(a, neck, w, w, colour, 1));
+    put_stroke(&pen->o->strokes, stroke_of(neck, b, real_min(2.6 * w, 0.8 * head + w), 0.6 + (real)rim, colour, 1));
+}
+
+static real text_width(const Font *f, const char *text)
+{
+    real width = 0;
+    for (const Glyph *g; (g = font_next(f, &text));)
+        width += (real)g->advance;
+    return width;
+}
+
+/* Text on a rounded plate; (x, y) is the left end of the baseline. */
+static void draw_text(Overlay *o, real x, real y, const char *text)
+{
+    const Font *f = &o->font;
+    if (f->missing || !*text)
+        return;
+    static const float ink[4] = {1, 1, 1, 1}, plate[3] = {0.07f, 0.08f, 0.10f};
+    real half = 0.62 * f->size, middle = y - 0.36 * f->size, left[2] = {x, middle}, right[2] = {x + text_width(f, text), middle};
+    Stroke back = stroke_of(left, right, half, half, plate, 0.62f);
+    back.widths[2] = 0;
+    put_stroke(&o->strokes, back);
+    real pen = floor(x);
+    for (const Glyph *g; (g = font_next(f, &text)); pen += (real)g->advance) {
+        float gx = (float)floor(pen + 0.5) + g->left, gy = (float)floor(y) - g->top;
+        put_stroke(&o->glyphs, (Stroke){{gx, gy, gx + g->width, gy + g->height}, {g->x, g->y, (float)(g->x + g->width), (float)(g->y + g->height)},
+                                        {ink[0], ink[1], ink[2], ink[3]}});
+    }
+}
+
+/* ---- what is shown ----------------------------------------------------- */
+
+/* Colours here are as displayed, not linear. */
+static void display_colour(const float linear[3], float out[3])
+{
+    for (int i = 0; i < 3; i++)
+        out[i] = sqrtf(linear[i] < 0 ? 0 : linear[i] > 1 ? 1 : linear[i]);
+}
+
+static void show_dig(const Pen *pen, const View *v)
+{
+    for (int i = 0; i < v->edge_count; i++) {
+        const ViewEdge *e = &v->edges[i];
+        float linear[3], colour[3];
+        dig_colour(e->dig, linear);
+        display_colour(linear, colour);
+        draw_line(pen, vec3_from(e->a), vec3_from(e->b), 1.1, colour, 1);
+        draw_dot(pen, vec3_from(e->a), 2.6, colour);
+        draw_dot(pen, vec3_from(e->b), 2.6, colour);
+    }
+}
+
+static void show_joints(const Pen *pen, const View *v)
+{
+    for (int i = 0; i < v->line_count; i++) {
+        const ViewLine *l = &v->lines[i];
+        float colour[3];
+        display_colour(l->colour, colour);
+        draw_line(pen, vec3_from(l->a), vec3_from(l->b), 0.9, colour, 1);
+        draw_dot(pen, vec3_from(l->a), 1.6, colour);
+        draw_dot(pen, vec3_from(l->b), 1.6, colour);
+    }
+}
+
+static void show_contacts(const Pen *pen, const View *v, real size)
+{
+    static const float colour[3] = {1.0f, 0.80f, 0.16f};
+    for (int i = 0; i < v->contact_count; i++) {
+        vec3 p = vec3_from(v->contacts[i].p);
+        draw_line(pen, p, vec3_mad(p, 0.05 * size, vec3_from(v->contacts[i].n)), 0.7, colour, 1);
+        draw_dot(pen, p, 1.8, colour);
+    }
+}
+
+/* Arrows as long as the root of the force, the largest a fifth of the scene: a pile's feet and its top both show. */
+static void show_forces(const Pen *pen, const View *v, real size)
+{
+    static const float contact[3] = {0.95f, 0.27f, 0.20f};
+    real largest = 0;
+    for (int i = 0; i < v->contact_count; i++)
+        largest = real_max(largest, vec3_length(vec3_from(v->contacts[i].force)));
+    for (int i = 0; i < v->arrow_count; i++)
+        largest = real_max(largest, vec3_length(vec3_from(v->arrows[i].v)));
+    if (!(largest > 0 && isfinite(largest)))
+        return;
+    for (int i = 0; i < v->contact_count + v->arrow_count; i++) {
+        bool pushed = i >= v->contact_count;
+        const ViewArrow *arrow = pushed ? &v->arrows[i - v->contact_count] : NULL;
+        vec3 p = vec3_from(pushed ? arrow->p : v->contacts[i].p), force = vec3_from(pushed ? arrow->v : v->contacts[i].force);
+        real f = vec3_length(force);
+        if (!(f > 1e-6 * largest))
+            continue;
+        float colour[3];
+        if (pushed)
+            display_colour(arrow->colour, colour);
+        else
+            memcpy(colour, contact, sizeof colour);
+        draw_arrow(pen, p, vec3_mad(p, 0.4 * size * sqrt(f / largest) / f, force), 1.4, colour);
+    }
+}
+
+static void show_texts(const Pen *pen, const View *v, unsigned flags)
+{
+    Overlay *o = pen->o;
+    for (int i = 0; (flags & OVERLAY_NAMES) && i < v->label_count; i++) {
+        real at[2];
+        char text[sizeof v->labels[i].text];
+        snprintf(text, sizeof text, "%s", v->labels[i].text);
+        if (project(pen->eye, vec3_from(v->labels[i].p), at))
+            draw_text(o, at[0] - 0.5 * text_width(&o->font, text), at[1] + 0.36 * o->font.size, text);
+    }
+    if (flags & OVERLAY_TIME) {
+        char text[80];
+        snprintf(text, sizeof text, "t = %.3f s   step %llu", v->time, (unsigned long long)v->step);
+        draw_text(o, 1.2 * o->font.size, pen->eye->height - 0.9 * o->font.size, text);
+    }
+}
+
+/* ---- drawing ---------------------------------------------------------- */
+
+void overlay_open(Overlay *o, const Gl *gl)
+{
+    *o = (Overlay){0};
+    gl->GenVertexArrays(1, &o->array);
+    gl->GenBuffers(1, &o->buffer);
+    gl->BindVertexArray(o->array);
+    gl->BindBuffer(GL_ARRAY_BUFFER, o->buffer);
+    for (GLuint i = 0; i < 3; i++) {
+        gl->EnableVertexAttribArray(i);
+        gl->VertexAttribPointer(i, 4, GL_FLOAT, GL_FALSE, sizeof(Stroke), (const void *)(i * sizeof(float[4])));
+        gl->VertexAttribDivisor(i, 1);
+    }
+}
+
+void overlay_close(Overlay *o, const Gl *gl)
+{
+    gl->DeleteVertexArrays(1, &o->array);
+    gl->DeleteBuffers(1, &o->buffer);
+    if (o->font.texture)
+        gl->DeleteTextures(1, &o->font.texture);
+    font_close(&o->font);
+    free(o->strokes.data);
+    free(o->glyphs.data);
+    *o = (Overlay){0};
+}
+
+static void load_font(Overlay *o, const Gl *gl, int size)
+{
+    Font *f = &o->font;
+    if (f->missing || f->size == size)
+        return;
+    font_make(f, size);
+    if (f->missing)
+        return;
+    if (!f->texture)
+        gl->GenTextures(1, &f->texture);
+    gl->BindTexture(GL_TEXTURE_2D, f->texture);
+    gl->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    gl->TexImage2D(GL_TEXTURE_2D, 0, GL_R8, FONT_SIDE, FONT_SIDE, 0, GL_RED, GL_UNSIGNED_BYTE, f->picture);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+}
+
+static dig_status draw_list(const Overlay *o, Programs *programs, const Gl *gl, const StrokeList *list, ProgramKind kind, char *why, size_t capacity)
+{
+    if (list->count == 0)
+        return DIG_OK;
+    const Program *program = programs_get(programs, gl, (ProgramKey){.kind = kind}, why, capacity);
+    if (!program)
+        return DIG_E_FORMAT;
+    gl->UseProgram(program->name);
+    gl->BindVertexArray(o->array);
+    gl->BindBuffer(GL_ARRAY_BUFFER, o->buffer);
+    gl->BufferData(GL_ARRAY_BUFFER, list->count * (GLsizeiptr)sizeof *list->data, list->data, GL_STREAM_DRAW);
+    gl->DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, list->count);
+    return DIG_OK;
+}
+
+dig_status overlay_draw(Overlay *o, Programs *programs, const Gl *gl, const View *v, const Stage *s, const OverlayEye *eye, unsigned flags,
+                        char *why, size_t capacity)
+{
+    o->strokes.count = o->glyphs.count = 0;
+    o->strokes.full = o->glyphs.full = false;
+    Pen pen = {o, eye, real_clamp(eye->height / 720, 0.6, 6)};
+    if (flags & OVERLAY_DIG)
+        show_dig(&pen, v);
+    if (flags & OVERLAY_JOINTS)
+        show_joints(&pen, v);
+    if (flags & OVERLAY_CONTACTS)
+        show_contacts(&pen, v, s->unit);
+    if (flags & OVERLAY_FORCES)
+        show_forces(&pen, v, s->unit);
+    if (flags & (OVERLAY_NAMES | OVERLAY_TIME)) {
+        gl->ActiveTexture(GL_TEXTURE0 + UNIT_FONT);
+        load_font(o, gl, (int)real_clamp(round(eye->height / 45), 11, 48));
+        show_texts(&pen, v, flags);
+    }
+    if (o->strokes.full || o->glyphs.full) {
+        snprintf(why, capacity, "no memory for the overlay");
+        return DIG_E_MEMORY;
+    }
+    gl->ActiveTexture(GL_TEXTURE0 + UNIT_FONT);
+    if (o->font.texture)
+        gl->BindTexture(GL_TEXTURE_2D, o->font.texture);
+    gl->Disable(GL_DEPTH_TEST);
+    gl->Disable(GL_CULL_FACE);
+    gl->Enable(GL_BLEND);
+    gl->BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+    dig_status status = draw_list(o, programs, gl, &o->strokes, PROGRAM_STROKE, why, capacity);
+    if (status == DIG_OK)
+        status = draw_list(o, programs, gl, &o->glyphs, PROGRAM_GLYPH, why, capacity);
+    gl->Disable(GL_BLEND);
+    return status;
+}

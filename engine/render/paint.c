@@ -1,0 +1,243 @@
+/* render/paint.c - draws one picture. */
+#include "render/paint.h"
+
+#include <stdio.h>
+
+/* ---- light and air ----------------------------------------------------- */
+
+/* Linear colours. The tone curve c / (c + 0.155) shows 0.5 as 79 %, so a pale floor in the sun is about 0.5. */
+typedef struct Air {
+    float sun[3], zenith[3], horizon[3], ground[3];     /* light */
+    float sky_top[3], sky_rim[3], sky_low[3], glow;     /* what is seen */
+} Air;
+
+static const Air airs[] = {
+    {{0.98f, 0.91f, 0.80f}, {0.29f, 0.33f, 0.41f}, {0.52f, 0.56f, 0.62f}, {0.17f, 0.155f, 0.135f},
+     {0.150f, 0.255f, 0.450f}, {0.46f, 0.52f, 0.59f}, {0.30f, 0.31f, 0.32f}, 0.16f},                    /* clear    */
+    {{0.26f, 0.26f, 0.26f}, {0.60f, 0.62f, 0.66f}, {0.55f, 0.57f, 0.60f}, {0.20f, 0.19f, 0.18f},
+     {0.36f, 0.39f, 0.43f}, {0.56f, 0.58f, 0.61f}, {0.34f, 0.34f, 0.35f}, 0.02f},                       /* overcast */
+    {{0.060f, 0.080f, 0.125f}, {0.020f, 0.026f, 0.045f}, {0.024f, 0.030f, 0.046f}, {0.010f, 0.010f, 0.012f},
+     {0.004f, 0.007f, 0.018f}, {0.017f, 0.024f, 0.042f}, {0.010f, 0.012f, 0.018f}, 0.05f},              /* night    */
+    {{1.00f, 0.95f, 0.88f}, {0.17f, 0.18f, 0.20f}, {0.22f, 0.23f, 0.24f}, {0.10f, 0.10f, 0.10f},
+     {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, 0},                                                               /* black    */
+};
+
+static void put3(float out[4], const float in[3])
+{
+    for (int i = 0; i < 3; i++)
+        out[i] = in[i];
+}
+
+static void put_vec3(float out[4], vec3 v)
+{
+    out[0] = (float)v.x;
+    out[1] = (float)v.y;
+    out[2] = (float)v.z;
+}
+
+static void set_air(Frame *f, const Air *air)
+{
+    put3(f->sun_colour, air->sun);
+    put3(f->zenith, air->zenith);
+    put3(f->horizon, air->horizon);
+    put3(f->ground, air->ground);
+    put3(f->sky_top, air->sky_top);
+    put3(f->sky_rim, air->sky_rim);
+    put3(f->sky_low, air->sky_low);
+    f->sky_top[3] = air->glow;
+}
+
+/* ---- camera ------------------------------------------------------------ */
+
+typedef struct Sight {
+    vec3 at;                        /* scene units */
+    vec3 right, up, forward;        /* scene axes, unit */
+    real tan_x, tan_y;              /* half the picture's width and height at distance one */
+} Sight;
+
+static vec3 vec3_of_array(const real a[3]) { return (vec3){a[0], a[1], a[2]}; }
+
+/* The camera's eye relative to the view's origin, m. */
+static vec3 eye_in_view(const View *v, const RenderCamera *c) { return vec3_sub(vec3_of_array(c->at), vec3_of_array(v->origin)); }
+
+static Sight find_sight(const View *v, const Stage *s, const RenderOptions *o)
+{
+    const RenderCamera *c = &o->camera;
+    Sight e;
+    e.at = stage_point(s, eye_in_view(v, c));
+    e.forward = mat3_mul_vec(s->axes, vec3_unit(vec3_sub(vec3_of_array(c->look_at), vec3_of_array(c->at))));
+    vec3 up = mat3_mul_vec(s->axes, vec3_unit(vec3_of_array(c->up))), other, unused;
+    vec3_basis(e.forward, &other, &unused);
+    vec3 right = vec3_cross(e.forward, up);
+    e.right = vec3_length(right) > 1e-6 ? vec3_unit(right) : other;     /* straight along up: any side will do */
+    e.up = vec3_cross(e.right, e.forward);
+    e.tan_y = tan(0.5 * c->fov);
+    e.tan_x = e.tan_y * o->width / o->height;
+    return e;
+}
+
+/* Depth from `near` to infinity: planes reach the horizon. */
+static void set_projection(Frame *f, const Sight *e, real near)
+{
+    vec3 row[4] = {vec3_scale(1 / e->tan_x, e->right), vec3_scale(1 / e->tan_y, e->up), e->forward, e->forward};
+    real last[4] = {0, 0, -2 * near, 0};
+    for (int i = 0; i < 4; i++) {
+        f->to_clip[i] = (float)row[i].x;
+        f->to_clip[4 + i] = (float)row[i].y;
+        f->to_clip[8 + i] = (float)row[i].z;
+        f->to_clip[12 + i] = (float)last[i];
+    }
+}
+
+static vec3 find_sun(const Stage *s, const RenderOptions *o)
+{
+    vec3 given = vec3_from(o->sun);
+    /* from the left of the usual camera and a little behind it: tops bright, one side half lit, one dark */
+    vec3 usual = vec3_unit((vec3){-0.73, -0.30, 0.90});
+    return vec3_unit_or(mat3_mul_vec(s->axes, given), usual);
+}
+
+static void set_lamps(Frame *f, const View *v, const Stage *s, const RenderOptions *o, vec3 eye)
+{
+    const real response = 0.25;     /* brightness of a white surface per W/m^2: lamps count beside the hazy sun */
+    for (int i = 0; i < o->lamp_count; i++) {
+        const RenderLamp *lamp = &o->lamps[i];
+        vec3 at = vec3_sub(vec3_of_array(lamp->at), vec3_of_array(v->origin));
+        put_vec3(f->lamp_at[i], vec3_sub(stage_point(s, at), eye));
+        real k = response * (real)lamp->power / (4 * DIG_PI * s->unit * s->unit);
+        put_vec3(f->lamp_colour[i], vec3_scale(k, vec3_from(lamp->colour)));
+    }
+}
+
+static void set_frame(Frame *f, const View *v, const Stage *s, const Sight *e, const RenderOptions *o, real reach)
+{
+    real distance = vec3_length(e->at);
+    *f = (Frame){0};
+    set_projection(f, e, 0.004 * real_max(distance, 0.5));
+    put_vec3(f->eye, e->at);
+    f->eye[3] = (float)s->unit;
+    put_vec3(f->forward, e->forward);
+    f->forward[3] = (float)(1 / (reach * reach));
+    put_vec3(f->ray[0], vec3_scale(e->tan_x, e->right));
+    put_vec3(f->ray[1], vec3_scale(e->tan_y, e->up));
+    put_vec3(f->ray[2], e->forward);
+    put_vec3(f->sun, find_sun(s, o));
+    set_air(f, &airs[o->sky]);
+    mat3 to_world = mat3_transpose(s->axes);
+    put_vec3(f->world[0], to_world.r0);
+    put_vec3(f->world[1], to_world.r1);
+    put_vec3(f->world[2], to_world.r2);
+    set_lamps(f, v, s, o, e->at);
+    f->screen[0] = 2.0f / (float)o->width;
+    f->screen[1] = 2.0f / (float)o->height;
+}
+
+/* ---- passes ------------------------------------------------------------ */
+
+static void set_state(const Gl *gl)
+{
+    gl->Enable(GL_DEPTH_TEST);
+    gl->DepthFunc(GL_LESS);
+    gl->DepthMask(GL_TRUE);
+    gl->Disable(GL_BLEND);
+    gl->Enable(GL_CULL_FACE);
+    gl->CullFace(GL_BACK);
+    gl->PixelStorei(GL_PACK_ALIGNMENT, 1);
+    gl->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+}
+
+static void use_textures(const Gl *gl, const Light *l)
+{
+    const GLuint names[] = {[UNIT_SUN] = l->sun_map, [UNIT_HEIGHT] = l->height_map, [UNIT_FLOOR] = l->floor_map};
+    for (unsigned unit = UNIT_SUN; unit <= UNIT_FLOOR; unit++) {
+        gl->ActiveTexture(GL_TEXTURE0 + unit);
+        gl->BindTexture(GL_TEXTURE_2D, names[unit]);
+    }
+}
+
+static void clear(const Gl *gl, RenderLayer layer)
+{
+    static const float sky_depth[4] = {INFINITY, 0, 0, 0}, nothing[4] = {0, 0, 0, 0}, far = 1;
+    static const GLuint no_body[4] = {0, 0, 0, 0};
+    gl->ClearBufferfv(GL_DEPTH, 0, &far);
+    if (layer == RENDER_DEPTH)
+        gl->ClearBufferfv(GL_COLOR, 0, sky_depth);
+    else if (layer == RENDER_ID)
+        gl->ClearBufferuiv(GL_COLOR, 0, no_body);
+    else if (layer == RENDER_NORMAL)
+        gl->ClearBufferfv(GL_COLOR, 0, nothing);
+    /* the sky covers a colour picture */
+}
+
+/* Last and at the far end, so that only what shows is shaded. */
+static dig_status paint_sky(Renderer *r)
+{
+    const Gl *gl = &r->gl;
+    const Program *program = programs_get(&r->programs, gl, (ProgramKey){.kind = PROGRAM_SKY}, r->error, sizeof r->error);
+    if (!program)
+        return DIG_E_FORMAT;
+    gl->UseProgram(program->name);
+    gl->BindVertexArray(r->empty);
+    gl->DepthFunc(GL_LEQUAL);
+    gl->Disable(GL_CULL_FACE);
+    gl->DrawArrays(GL_TRIANGLES, 0, 3);
+    return DIG_OK;
+}
+
+static void resolve(const Gl *gl, const Target *t)
+{
+    if (!t->whole)
+        return;
+    gl->BindFramebuffer(GL_READ_FRAMEBUFFER, t->draw);
+    gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, t->whole);
+    gl->BlitFramebuffer(0, 0, t->width, t->height, 0, 0, t->width, t->height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    gl->BindFramebuffer(GL_FRAMEBUFFER, t->whole);
+}
+
+static dig_status paint_overlay(Renderer *r, const View *v, const Stage *s, const Sight *e, const RenderOptions *o)
+{
+    mat3 to_world = mat3_transpose(s->axes);
+    OverlayEye eye = {.at = eye_in_view(v, &o->camera), .right = mat3_mul_vec(to_world, e->right), .up = mat3_mul_vec(to_world, e->up),
+                      .forward = mat3_mul_vec(to_world, e->forward), .pixels = o->height / (2 * e->tan_y), .width = o->width, .height = o->height};
+    return overlay_draw(&r->overlay, &r->programs, &r->gl, v, s, &eye, o->overlay, r->error, sizeof r->error);
+}
+
+static dig_status paint_layer(Renderer *r, const RenderOptions *o, const Target *t)
+{
+    static const ProgramKind kinds[LAYER_COUNT] = {PROGRAM_SURFACE, PROGRAM_DEPTH, PROGRAM_ID, PROGRAM_NORMAL};
+    const Gl *gl = &r->gl;
+    gl->BindFramebuffer(GL_FRAMEBUFFER, t->draw);
+    gl->Viewport(0, 0, t->width, t->height);
+    clear(gl, o->layer);
+    DIG_TRY(batches_draw(&r->batches, &r->meshes, &r->programs, gl, kinds[o->layer], NULL, r->error, sizeof r->error));
+    return o->layer == RENDER_COLOUR ? paint_sky(r) : DIG_OK;
+}
+
+dig_status paint(Renderer *r, const View *v, const RenderOptions *o, const Target *t)
+{
+    const Gl *gl = &r->gl;
+    bool colour = o->layer == RENDER_COLOUR;
+    Stage s = stage_of(v, true);
+    Sight e = find_sight(v, &s, o);
+    real reach = real_max(16, 4.5 * vec3_length(e.at));
+    BatchEye eye = {.at = e.at, .pixels = o->height / (2 * e.tan_y), .reach = reach, .lamps = colour ? o->lamp_count : 0, .shadows = o->shadows,
+                    .overlay_dig = (o->overlay & OVERLAY_DIG) != 0, .fine = !colour};
+    Frame frame;
+    set_frame(&frame, v, &s, &e, o, reach);
+    set_state(gl);
+    gl->ActiveTexture(GL_TEXTURE0 + UNIT_HEIGHT);       /* uploads must not unbind another unit's texture */
+    dig_status status = batches_build(&r->batches, &r->meshes, gl, v, &s, &eye, ++r->draw);
+    if (status != DIG_OK) {
+        snprintf(r->error, sizeof r->error, "no memory for %d items", v->item_count);
+        return status;
+    }
+    if (colour)
+        DIG_TRY(light_cast(&r->light, &r->batches, &r->meshes, &r->programs, gl, &s, o->shadows, &frame, r->error, sizeof r->error));
+    programs_set_frame(&r->programs, gl, &frame);
+    use_textures(gl, &r->light);
+    DIG_TRY(paint_layer(r, o, t));
+    if (!colour)
+        return DIG_OK;
+    resolve(gl, t);
+    return o->overlay ? paint_overlay(r, v, &s, &e, o) : DIG_OK;
+}

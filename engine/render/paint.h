@@ -1,0 +1,32 @@
+/* render/paint.h - one picture: the frame's numbers, then the passes in order.
+ *
+ * Floor: render.
+ */
+#ifndef DIG_PAINT_H
+#define DIG_PAINT_H
+
+#include "render/light.h"
+#include "render/overlay.h"
+#include "render/target.h"
+
+struct Renderer {
+    const ContextBackend *backend;
+    void      *context;
+    Gl         gl;
+    Programs   programs;
+    Meshes     meshes;
+    Batches    batches;
+    Light      light;
+    Overlay    overlay;
+    Targets    targets;
+    GLuint     empty;               /* vertex array without attributes, for the sky */
+    uint64_t   draw;                /* pictures so far */
+    void      *pixels, *raw;        /* of the last picture: as handed out; as read, bottom row first */
+    size_t     pixel_capacity, raw_capacity;
+    char       description[200], error[400];
+};
+
+/* Draws one picture into `t` (resolved, overlays on top). The context is bound. */
+dig_status paint(Renderer *r, const View *v, const RenderOptions *o, const Target *t);
+
+#endif

@@ -1,0 +1,66 @@
+/* render/render.h - a View becomes pixels.
+ *
+ * A renderer owns one off-screen GL context (OSMesa, or EGL without a surface)
+ * and its buffers; use it from the thread that opened it. The same view and
+ * options give the same bytes. Everything is drawn into own framebuffers,
+ * OpenGL core 3.3.
+ *
+ * Floor: render. Includes base, math, view only.
+ */
+#ifndef DIG_RENDER_H
+#define DIG_RENDER_H
+
+#include "view/view.h"
+
+typedef enum RenderLayer { RENDER_COLOUR, RENDER_DEPTH, RENDER_ID, RENDER_NORMAL } RenderLayer;
+
+enum {      /* RenderOptions.overlay, or-ed */
+    OVERLAY_DIG = 1, OVERLAY_CONTACTS = 2, OVERLAY_FORCES = 4, OVERLAY_NAMES = 8, OVERLAY_JOINTS = 16, OVERLAY_TIME = 32
+};
+
+typedef struct RenderCamera {
+    real at[3], look_at[3], up[3];      /* m, world */
+    real fov;                           /* rad, vertical */
+} RenderCamera;
+
+typedef struct RenderLamp { real at[3]; float power; float colour[3]; } RenderLamp;    /* W, isotropic */
+
+typedef struct RenderOptions {
+    int          width, height;         /* 1..16384 px                              */
+    int          samples;               /* 0, 2 or 4                                */
+    RenderLayer  layer;
+    unsigned     overlay;
+    RenderCamera camera;
+    float        sun[3];                /* from where it shines; zero = default sun */
+    bool         shadows;
+    int          sky;                   /* 0 clear, 1 overcast, 2 night, 3 black    */
+    RenderLamp   lamps[4]; int lamp_count;
+} RenderOptions;
+
+typedef struct Renderer Renderer;
+
+RenderOptions render_defaults(void);                        /* 1280x720, 4 samples, sun, shadows */
+RenderCamera  render_camera_for(const View *v, real fov, real aspect);   /* a sensible one that sees everything */
+
+/* backend: "osmesa", "egl" or NULL for the first that works. why gets one sentence on failure. */
+dig_status  render_open(const char *backend, Renderer **r, char *why, size_t capacity);
+void        render_close(Renderer *r);
+const char *render_describe(const Renderer *r);             /* "osmesa: 4.5 (Core Profile) Mesa 22.3.6, llvmpipe ..." */
+const char *render_error(const Renderer *r);
+
+/* Draws into pixels, rows from the top: RENDER_COLOUR and RENDER_NORMAL 8-bit RGB (3 bytes), RENDER_DEPTH float metres
+ * along the view (infinite = sky), RENDER_ID uint32 body slot + 1 (0 = none). *pixels belongs to the renderer and stays
+ * valid until its next draw. */
+dig_status render_draw(Renderer *r, const View *v, const RenderOptions *o, const void **pixels);
+
+typedef struct PngText { const char *key; const char *value; } PngText;
+
+/* Writes an image under a temporary name in the same folder and renames it: under `path` there is either nothing, the old
+ * file, or the whole new one. Depth is written as 16-bit grey in mm, saturating; ids as 24-bit RGB (r low byte). */
+dig_status png_write(const char *path, RenderLayer layer, int width, int height, const void *pixels,
+                     const PngText *texts, int text_count, char *why, size_t capacity);
+
+/* Reads an 8-bit RGB png back (for golden tests). Free *pixels with free(). */
+dig_status png_read(const char *path, int *width, int *height, unsigned char **pixels, char *why, size_t capacity);
+
+#endif

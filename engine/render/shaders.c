@@ -1,0 +1,368 @@
+/* render/shaders.c - the GLSL of every program.
+ *
+ * Prices on llvmpipe (a full 1280x720 screen): multiply-add 0.06 ms, inverse square root 0.5, bilinear fetch 3,
+ * hardware-compared shadow tap 3.3, one octave of hash noise 1.4. An `if` never skips anything; hence the #ifs.
+ */
+#include "render/shaders.h"
+
+/* ---- shared ----------------------------------------------------------- */
+
+static const char frame_block[] =
+    "layout(std140) uniform Frame {\n"
+    "    mat4 to_clip, to_sun;\n"
+    "    vec4 eye, forward, ray[3], sun, sun_colour, zenith, horizon, ground, sky_top, sky_rim, sky_low, top, shade, world[3];\n"
+    "    vec4 lamp_at[4], lamp_colour[4], screen;\n"
+    "};\n";
+
+/* Instance attributes and the way from a unit solid into the scene. */
+static const char solid_inputs[] =
+    "layout(location = 0) in vec3 shape;\n"
+    "layout(location = 1) in vec4 shape_normal;\n"         /* w: share of the shift */
+    "layout(location = 2) in vec4 place;\n"                /* relative to the eye; w: seed */
+    "layout(location = 3) in vec4 turning;\n"
+    "layout(location = 4) in vec4 size;\n"                 /* w: shift along y */
+    "layout(location = 5) in vec4 colour;\n"               /* w: roughness */
+    "layout(location = 6) in vec4 look;\n"                 /* metallic, bevel, 1 / cell, grain axis */
+    "layout(location = 7) in vec4 half_size;\n"            /* of the solid; planes: offset of the tiles */
+    "layout(location = 8) in uvec2 number;\n"
+    "vec3 turn(vec4 q, vec3 v) { vec3 t = 2.0 * cross(q.xyz, v); return v + q.w * t + cross(q.xyz, t); }\n"
+    "vec3 own() { return shape * size.xyz + vec3(0.0, shape_normal.w * size.w, 0.0); }\n";
+
+/* ---- surfaces --------------------------------------------------------- */
+
+static const char surface_vertex[] =
+    "out vec3 v_rel, v_p, v_n, v_sun, v_top;\n"
+    "flat out vec4 f_colour, f_look, f_half;\n"
+    "flat out vec3 f_x, f_y, f_z;\n"
+    "flat out float f_seed;\n"
+    "flat out vec2 f_grain;\n"
+    "void main() {\n"
+    "    vec3 p = own();\n"
+    "    v_p = p;\n"
+    "    v_rel = turn(turning, p) + place.xyz;\n"
+    "    v_n = turn(turning, shape_normal.xyz / max(size.xyz, 1e-12));\n"
+    "    f_x = turn(turning, vec3(1, 0, 0));\n"
+    "    f_y = turn(turning, vec3(0, 1, 0));\n"
+    "    f_z = turn(turning, vec3(0, 0, 1));\n"
+    "    v_sun = (to_sun * vec4(v_rel, 1.0)).xyz;\n"
+    "    vec3 w = v_rel + eye.xyz;\n"
+    "    v_top = vec3(w.xy * top.x + top.zw, w.z);\n"
+    "    f_colour = colour;\n"
+    "    f_look = look;\n"
+    "    f_half = half_size;\n"
+    "    f_seed = place.w;\n"
+    "    f_grain = vec2(look.w == 1.0, look.w == 2.0);\n"
+    "    gl_Position = to_clip * vec4(v_rel, 1.0);\n"
+    "}\n";
+
+static const char surface_inputs[] =
+    "in vec3 v_rel, v_p, v_n, v_sun, v_top;\n"
+    "flat in vec4 f_colour, f_look, f_half;\n"
+    "flat in vec3 f_x, f_y, f_z;\n"
+    "flat in float f_seed;\n"
+    "flat in vec2 f_grain;\n"
+    "uniform sampler2DShadow sun_map;\n"
+    "uniform sampler2D height_map, floor_map;\n"
+    "layout(location = 0) out vec4 pixel;\n";
+
+/* Normal in scene axes. The edges of a box look rounded: outside the box shrunk by the bevel, the normal points away
+ * from the nearest point of that smaller box, as on a rounded one. A cylinder likewise, in (radius, height). */
+static const char surface_normal[] =
+    "vec3 normal() {\n"
+    "#if FORM == 2\n"
+    "    vec3 t = max(abs(v_p) - f_half.xyz + f_look.y, 0.0) + 1e-5;\n"
+    "    vec3 n = t * sign(v_p);\n"
+    "    return normalize(f_x * n.x + f_y * n.y + f_z * n.z);\n"
+    "#elif FORM == 3\n"
+    "    float d = max(length(v_p.xz), 1e-9);\n"
+    "    vec2 t = max(vec2(d, abs(v_p.y)) - f_half.xy + f_look.y, 0.0) + 1e-6;\n"
+    "    vec3 n = vec3(v_p.xz * (t.x / d), sign(v_p.y) * t.y).xzy;\n"
+    "    return normalize(f_x * n.x + f_y * n.y + f_z * n.z);\n"
+    "#elif FORM == 4\n"
+    "    return normalize(dot(v_n, v_rel) > 0.0 ? -v_n : v_n);\n"
+    "#else\n"
+    "    return normalize(v_n);\n"
+    "#endif\n"
+    "}\n";
+
+static const char noise_functions[] =
+    "float hash(ivec2 c) {\n"
+    "    uint h = uint(c.x) * 0x27d4eb2du ^ uint(c.y) * 0x9e3779b1u;\n"
+    "    h = (h ^ (h >> 15)) * 0x85ebca6bu;\n"
+    "    return float((h ^ (h >> 13)) & 0xffffu) * (1.0 / 65535.0);\n"
+    "}\n"
+    "float noise(vec2 p) {\n"
+    "    vec2 i = floor(p), f = p - i;\n"
+    "    f = f * f * (3.0 - 2.0 * f);\n"
+    "    ivec2 c = ivec2(i);\n"
+    "    return mix(mix(hash(c), hash(c + ivec2(1, 0)), f.x), mix(hash(c + ivec2(0, 1)), hash(c + ivec2(1, 1)), f.x), f.y);\n"
+    "}\n"
+    /* coordinates on the face of a solid that a point lies on */
+    "vec2 face(vec3 p) {\n"
+    "    vec3 a = abs(p / f_half.xyz);\n"
+    "    vec3 w = step(a.yzx, a) * step(a.zxy, a);\n"
+    "    return w.x * p.zy + w.y * p.xz + w.z * p.xy;\n"
+    "}\n"
+    /* 1 on a joint of the given half width round whole numbers, 0 off it; turns into the mean where pixels are coarse */
+    "float joints(vec2 uv, vec2 width) {\n"
+    "    vec2 d = 0.5 - abs(fract(uv) - 0.5), w = fwidth(uv) + 1e-5;\n"
+    "    vec2 l = clamp((width - d) / w + 0.5, 0.0, 1.0), mean = 2.0 * width;\n"
+    "    l = mix(l, mean, clamp(w * 2.0 - 0.4, 0.0, 1.0));\n"
+    "    return l.x + l.y - l.x * l.y;\n"
+    "}\n";
+
+static const char surface_patterns[] =
+    "vec3 albedo() {\n"
+    "    vec3 c = f_colour.rgb;\n"
+    "#if PLANE\n"
+    "    vec2 uv = v_p.xz * f_look.z + f_half.xy;\n"
+    "    float fine = clamp(1.5 - 2.0 * max(fwidth(uv.x), fwidth(uv.y)), 0.0, 1.0);\n"
+    "#if PATTERN == 5\n"
+    "    vec2 q = abs(fract(uv * 0.5) - 0.5) - 0.25, s = clamp(q / (0.5 * fwidth(uv) + 1e-5), -0.5, 0.5);\n"
+    "    return c * (1.0 - 0.42 * (0.5 - 2.0 * s.x * s.y * fine));\n"
+    "#elif PATTERN == 4\n"
+    "    float q = abs(fract(uv.x * 0.5) - 0.5) - 0.25, s = clamp(q / (0.5 * fwidth(uv.x) + 1e-5), -0.5, 0.5);\n"
+    "    return c * (1.0 - 0.40 * (0.5 - s * fine));\n"
+    "#else\n"
+    "    ivec2 cell = ivec2(floor(uv));\n"
+    "    float tint = (hash(cell) - 0.5) * 0.10 + (noise(uv * 1.7) - 0.5) * 0.10;\n"
+    "    return c * (1.0 + tint * fine) * (1.0 - 0.45 * joints(uv, vec2(0.011)));\n"
+    "#endif\n"
+    "#elif PATTERN == 1\n"
+    "    vec3 g = mix(mix(v_p, v_p.yzx, f_grain.x), v_p.zxy, f_grain.y) * f_look.z;\n"
+    "    float slow = noise(vec2(g.x * 0.5 + f_seed, g.y * 1.1 + g.z * 1.6 + f_seed * 0.7));\n"
+    "    float fibre = noise(vec2(g.x * 1.6 + f_seed, (g.y * 1.3 + g.z * 1.9) * 14.0));\n"
+    "    vec2 q = g.yz * 0.5 + vec2(0.31, 0.47) + (slow - 0.5) * 0.16;\n"
+    "    float r = length(q) * 9.0 + slow * 0.8, w = fwidth(r);\n"
+    "    float ring = fract(r);\n"
+    "    ring = ring * ring * (1.0 - ring) * 5.0;\n"
+    "    ring = mix(ring, 0.42, clamp(w * 2.0 - 0.4, 0.0, 1.0));\n"
+    "    return mix(c * 1.22, c * vec3(0.50, 0.42, 0.36), clamp(ring * 0.55 + fibre * fibre * 0.75 - 0.12, 0.0, 1.0));\n"
+    "#elif PATTERN == 2\n"
+    "    vec2 uv = face(v_p) * f_look.z * vec2(1.0, 2.4);\n"
+    "    uv.x += 0.5 * mod(floor(uv.y), 2.0);\n"
+    "    float tint = hash(ivec2(floor(uv)) + ivec2(int(f_seed * 64.0), 0));\n"
+    "    float joint = joints(uv, vec2(0.035, 0.085));\n"
+    "    vec3 brick = c * (0.72 + 0.56 * tint) + vec3(0.03, 0.012, 0.004) * (noise(uv * 9.0) - 0.5);\n"
+    "    return mix(brick, vec3(0.50, 0.47, 0.43), joint);\n"
+    "#elif PATTERN == 3\n"
+    "    vec2 uv = face(v_p) * f_look.z;\n"
+    "    float tint = hash(ivec2(floor(uv)) + ivec2(int(f_seed * 64.0), 0));\n"
+    "    return c * (0.90 + 0.2 * tint) * (1.0 - 0.5 * joints(uv, vec2(0.035)));\n"
+    "#elif PATTERN == 4\n"
+    "    float s = abs(v_p.y * f_look.z), w = fwidth(s) + 1e-5;\n"
+    "    float band = clamp((0.25 - abs(s - floor(s + 0.5))) / w + 0.5, 0.0, 1.0);\n"
+    "    return mix(c, vec3(0.80, 0.79, 0.77), f_look.w > 0.5 ? band : 1.0 - band);\n"
+    "#elif PATTERN == 5\n"
+    "    vec3 q = v_p * f_look.z + 0.25, w = fwidth(q) + 1e-4;\n"
+    "    vec3 s = clamp((0.25 - abs(fract(q) - 0.5)) / w, -0.5, 0.5);\n"
+    "    return mix(c, vec3(0.80, 0.79, 0.77), 0.5 - 4.0 * s.x * s.y * s.z);\n"
+    "#else\n"
+    "    return c;\n"
+    "#endif\n"
+    "}\n";
+
+/* x: share of the sun that arrives; y: share of the sky that is seen */
+static const char surface_light[] =
+    "vec2 arriving(vec3 n) {\n"
+    "#if FLOOR\n"
+    "    return texture(floor_map, v_top.xy).xy;\n"
+    "#else\n"
+    "    float lit = 1.0;\n"
+    "#if SHADOWS\n"
+    "    vec3 s = v_sun + mat3(to_sun) * n * (3.0 * sun_colour.w);\n"
+    "    float o = sun_colour.w;\n"
+    "    s.z = min(s.z - 0.0008, 1.0);\n"
+    "    lit = 0.25 * (texture(sun_map, s + vec3(-0.35 * o, -o, 0.0)) + texture(sun_map, s + vec3(o, -0.35 * o, 0.0)) +\n"
+    "                  texture(sun_map, s + vec3(0.35 * o, o, 0.0)) + texture(sun_map, s + vec3(-o, 0.35 * o, 0.0)));\n"
+    "#endif\n"
+    "    vec2 h = clamp(texture(height_map, v_top.xy + n.xy * top.y).xy - v_top.z, 0.0, shade.w);\n"
+    "    return vec2(lit, 1.0 / (1.0 + shade.x * h.x + shade.y * h.y));\n"
+    "#endif\n"
+    "}\n"
+    /* GGX with its masking folded in (after Karis 2013), Schlick's Fresnel, hemisphere light, a sky for mirrors */
+    "vec3 gloss(vec3 n, vec3 v, vec3 l, vec3 f0, float rough) {\n"
+    "    vec3 h = normalize(l + v);\n"
+    "    float nh = max(dot(n, h), 0.0), lh = dot(l, h), a2 = rough * rough * rough * rough;\n"
+    "    float d = nh * nh * (a2 - 1.0) + 1.00001;\n"
+    "    return f0 * (a2 / (d * d * max(0.1, lh * lh) * (4.0 * rough + 2.0)));\n"
+    "}\n";
+
+static const char surface_main[] =
+    "void main() {\n"
+    "    vec3 n = normal(), v = -normalize(v_rel), c = albedo();\n"
+    "    vec2 come = arriving(n);\n"
+    "    float rough = f_colour.a, metal = f_look.x;\n"
+    "    float nu = n.z;\n"
+    "#if PLANE\n"
+    "    vec3 lit = c * (max(dot(n, sun.xyz), 0.0) * come.x * sun_colour.rgb + mix(ground.rgb, zenith.rgb, nu * 0.5 + 0.5) * come.y);\n"
+    "#else\n"
+    "    float nv = max(dot(n, v), 0.0), nl = max(dot(n, sun.xyz), 0.0);\n"
+    "    vec3 f0 = mix(vec3(0.04), c, metal), diffuse = c * (1.0 - metal);\n"
+    "    float f = 1.0 - nv, f2 = f * f;\n"
+    "    vec3 fresnel = f0 + (1.0 - f0) * (f2 * f2 * f * (1.0 - rough));\n"
+    "    float up = 2.0 * nv * nu - v.z;\n"
+    "    vec3 mirror = mix(mix(ground.rgb * 0.8, horizon.rgb, clamp(up * 2.0 + 0.6, 0.0, 1.0)), zenith.rgb, clamp(up, 0.0, 1.0));\n"
+    "    vec3 lit = (diffuse + gloss(n, v, sun.xyz, f0, rough)) * (nl * come.x) * sun_colour.rgb +\n"
+    "               (diffuse * mix(ground.rgb, zenith.rgb, nu * 0.5 + 0.5) + fresnel * mirror) * come.y;\n"
+    "#endif\n"
+    "#if LAMPS\n"
+    "    for (int i = 0; i < LAMPS; i++) {\n"
+    "        vec3 to = lamp_at[i].xyz - v_rel;\n"
+    "        float near = 1.0 / max(dot(to, to), 1e-6);\n"
+    "        vec3 l = to * sqrt(near), e = lamp_colour[i].rgb * (near * max(dot(n, l), 0.0));\n"
+    "        lit += (c * (1.0 - metal) + gloss(n, v, l, mix(vec3(0.04), c, metal), rough)) * e;\n"
+    "    }\n"
+    "#endif\n"
+    "    float far = 1.0 - min(dot(v_rel, v_rel) * forward.w, 1.0);\n"
+    "    lit = mix(sky_rim.rgb, lit, far * far);\n"
+    /* one curve for tone and for the display's gamma: white is reached softly */
+    "    pixel = vec4(lit * 1.03 / (lit + 0.155), 1.0);\n"
+    "}\n";
+
+/* ---- sky -------------------------------------------------------------- */
+
+static const char sky_vertex[] =
+    "out vec3 v_ray;\n"
+    "void main() {\n"
+    "    vec2 p = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);\n"
+    "    v_ray = ray[0].xyz * p.x + ray[1].xyz * p.y + ray[2].xyz;\n"
+    "    gl_Position = vec4(p, 1.0, 1.0);\n"
+    "}\n";
+
+static const char sky_fragment[] =
+    "in vec3 v_ray;\n"
+    "layout(location = 0) out vec4 pixel;\n"
+    "void main() {\n"
+    "    vec3 d = normalize(v_ray);\n"
+    "    float high = 1.0 - clamp(d.z * 1.15, 0.0, 1.0), low = clamp(-d.z * 1.6 - 0.12, 0.0, 1.0), s = max(dot(d, sun.xyz), 0.0);\n"
+    "    s = s * s * s;\n"
+    "    vec3 c = mix(mix(sky_top.rgb, sky_rim.rgb, high * high * high), sky_low.rgb, low) + sun_colour.rgb * (s * s * sky_top.w);\n"
+    "    pixel = vec4(c * 1.03 / (c + 0.155), 1.0);\n"
+    "}\n";
+
+/* ---- depth, id, normal, shadow casters -------------------------------- */
+
+static const char plain_vertex[] =
+    "out vec3 v_rel, v_p, v_n;\n"
+    "flat out vec4 f_half, f_ball, f_look;\n"
+    "flat out vec3 f_x, f_y, f_z;\n"
+    "flat out uint f_number;\n"
+    "void main() {\n"
+    "    v_p = own();\n"
+    "    v_rel = turn(turning, v_p) + place.xyz;\n"
+    "    v_n = turn(turning, shape_normal.xyz / max(size.xyz, 1e-12));\n"
+    "    f_x = turn(turning, vec3(1, 0, 0));\n"
+    "    f_y = turn(turning, vec3(0, 1, 0));\n"
+    "    f_z = turn(turning, vec3(0, 0, 1));\n"
+    "    f_half = half_size;\n"
+    "    f_ball = vec4(place.xyz, size.x);\n"
+    "    f_look = vec4(0.0, 0.002 * min(half_size.x, min(half_size.y, half_size.z)), 0.0, 0.0);\n"     /* all but sharp edges */
+    "    f_number = number.x;\n"
+    "    gl_Position = to_clip * vec4(v_rel, 1.0);\n"
+    "}\n";
+
+static const char plain_inputs[] =
+    "in vec3 v_rel, v_p, v_n;\n"
+    "flat in vec4 f_half, f_ball, f_look;\n"
+    "flat in vec3 f_x, f_y, f_z;\n"
+    "flat in uint f_number;\n"
+    /* where the ray through this pixel meets the true sphere; its mesh lies a little inside */
+    "vec3 point() {\n"
+    "#if FORM == 1\n"
+    "    vec3 d = normalize(v_rel);\n"
+    "    float b = dot(d, f_ball.xyz);\n"
+    "    vec3 off = f_ball.xyz - d * b;\n"
+    "    return d * (b - sqrt(max(f_ball.w * f_ball.w - dot(off, off), 0.0)));\n"
+    "#else\n"
+    "    return v_rel;\n"
+    "#endif\n"
+    "}\n";
+
+static const char depth_main[] =
+    "layout(location = 0) out float metres;\n"
+    "void main() { metres = dot(point(), forward.xyz) * eye.w; }\n";
+
+static const char id_main[] =
+    "layout(location = 0) out uint body;\n"
+    "void main() { body = f_number; }\n";
+
+static const char normal_main[] =
+    "layout(location = 0) out vec4 pixel;\n"
+    "void main() {\n"
+    "#if FORM == 1\n"
+    "    vec3 n = normalize(point() - f_ball.xyz);\n"
+    "#else\n"
+    "    vec3 n = normal();\n"
+    "#endif\n"
+    "    pixel = vec4(vec3(dot(world[0].xyz, n), dot(world[1].xyz, n), dot(world[2].xyz, n)) * 0.5 + 0.5, 1.0);\n"
+    "}\n";
+
+static const char caster_vertex[] =
+    "uniform mat4 to_map;\n"
+    "void main() { gl_Position = to_map * vec4(turn(turning, own()) + place.xyz, 1.0); }\n";
+
+static const char caster_fragment[] = "void main() {}\n";
+
+/* ---- overlay: strokes and glyphs in pixels ----------------------------- */
+
+static const char stroke_vertex[] =
+    "layout(location = 0) in vec4 ends;\n"
+    "layout(location = 1) in vec4 widths;\n"       /* radius at either end, width of the dark rim */
+    "layout(location = 2) in vec4 colour;\n"
+    "out vec2 v_p;\n"
+    "flat out vec4 f_ends, f_widths, f_colour;\n"
+    "void main() {\n"
+    "    vec2 a = ends.xy, b = ends.zw, d = b - a;\n"
+    "    float l = length(d), r = max(widths.x, widths.y) + 1.5;\n"
+    "    vec2 x = l > 1e-6 ? d / l : vec2(1.0, 0.0), y = vec2(-x.y, x.x);\n"
+    "    v_p = ((gl_VertexID & 1) == 0 ? a - x * r : b + x * r) + y * ((gl_VertexID & 2) == 0 ? -r : r);\n"
+    "    f_ends = ends;\n"
+    "    f_widths = widths;\n"
+    "    f_colour = colour;\n"
+    "    gl_Position = vec4(v_p.x * screen.x - 1.0, 1.0 - v_p.y * screen.y, 0.0, 1.0);\n"
+    "}\n";
+
+static const char stroke_fragment[] =
+    "in vec2 v_p;\n"
+    "flat in vec4 f_ends, f_widths, f_colour;\n"
+    "layout(location = 0) out vec4 pixel;\n"
+    "void main() {\n"
+    "    vec2 p = v_p - f_ends.xy, d = f_ends.zw - f_ends.xy;\n"
+    "    float t = clamp(dot(p, d) / max(dot(d, d), 1e-6), 0.0, 1.0);\n"
+    "    float off = length(p - d * t) - mix(f_widths.x, f_widths.y, t);\n"
+    "    float core = clamp(0.5 - off - f_widths.z, 0.0, 1.0);\n"
+    "    pixel = vec4(mix(vec3(0.06), f_colour.rgb, core), f_colour.a * clamp(0.5 - off, 0.0, 1.0));\n"
+    "}\n";
+
+static const char glyph_vertex[] =
+    "layout(location = 0) in vec4 ends;\n"         /* left, top, right, bottom in pixels */
+    "layout(location = 1) in vec4 widths;\n"       /* the same in the font's picture, texels */
+    "layout(location = 2) in vec4 colour;\n"
+    "out vec2 v_at;\n"
+    "flat out vec4 f_colour;\n"
+    "void main() {\n"
+    "    vec2 p = vec2((gl_VertexID & 1) == 0 ? ends.x : ends.z, (gl_VertexID & 2) == 0 ? ends.y : ends.w);\n"
+    "    v_at = vec2((gl_VertexID & 1) == 0 ? widths.x : widths.z, (gl_VertexID & 2) == 0 ? widths.y : widths.w);\n"
+    "    f_colour = colour;\n"
+    "    gl_Position = vec4(p.x * screen.x - 1.0, 1.0 - p.y * screen.y, 0.0, 1.0);\n"
+    "}\n";
+
+static const char glyph_fragment[] =
+    "in vec2 v_at;\n"
+    "flat in vec4 f_colour;\n"
+    "uniform sampler2D font;\n"
+    "layout(location = 0) out vec4 pixel;\n"
+    "void main() { pixel = vec4(f_colour.rgb, f_colour.a * texelFetch(font, ivec2(floor(v_at)), 0).r); }\n";
+
+const ShaderSource shader_sources[PROGRAM_KIND_COUNT] = {
+    [PROGRAM_SURFACE] = {{frame_block, solid_inputs, surface_vertex},
+                         {frame_block, surface_inputs, surface_normal, noise_functions, surface_patterns, surface_light, surface_main}},
+    [PROGRAM_SKY] = {{frame_block, sky_vertex}, {frame_block, sky_fragment}},
+    [PROGRAM_DEPTH] = {{frame_block, solid_inputs, plain_vertex}, {frame_block, plain_inputs, depth_main}},
+    [PROGRAM_ID] = {{frame_block, solid_inputs, plain_vertex}, {frame_block, plain_inputs, id_main}},
+    [PROGRAM_NORMAL] = {{frame_block, solid_inputs, plain_vertex}, {frame_block, plain_inputs, surface_normal, normal_main}},
+    [PROGRAM_CASTER] = {{solid_inputs, caster_vertex}, {caster_fragment}},
+    [PROGRAM_STROKE] = {{frame_block, stroke_vertex}, {stroke_fragment}},
+    [PROGRAM_GLYPH] = {{frame_block, glyph_vertex}, {glyph_fragment}},
+};

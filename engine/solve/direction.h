@@ -1,0 +1,17 @@
+/* solve/direction.h - directions of contact points, shared by the solvers and the contact effects.
+ *
+ * Floor: solve.
+ */
+#ifndef DIG_DIRECTION_H
+#define DIG_DIRECTION_H
+
+#include "solve/group.h"
+
+void dir_make(const Group *g, Dir *d, int a, int b, vec3 n, vec3 ra, vec3 rb);
+real dir_rate(const Group *g, const Dir *d, int a, int b);              /* m/s, of b relative to a */
+void dir_apply(Group *g, const Dir *d, int a, int b, real p);           /* N s on b, minus on a */
+real dir_coupling(const Group *g, const Dir *d, const Dir *e, int a, int b);
+void dir_mask(const Group *g, vec3 *linear, vec3 *angular);             /* drops the dead axis of a planar world */
+void point_row_make(const Group *g, PointRow *r, int contact, int point);
+
+#endif

@@ -1,0 +1,365 @@
+/* solve/gather.c - the world's records become compact copies, and come back. */
+#include "solve/group.h"
+
+#include "world/joint.h"
+
+#include <stdlib.h>
+
+#define MESH_CONTACTS_MAX 8
+
+static int compare_u32(const void *a, const void *b)
+{
+    uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+    return x < y ? -1 : x > y;
+}
+
+/* Local index of a body slot: moving members first, then what stands still, each sorted by slot. */
+static int local_of(const Group *g, uint32_t slot)
+{
+    int lo = 0, hi = g->moving_count;
+    for (int part = 0; part < 2; part++) {
+        int end = hi;
+        while (lo < hi) {
+            int mid = (lo + hi) / 2;
+            if (g->member[mid].slot < slot)
+                lo = mid + 1;
+            else
+                hi = mid;
+        }
+        if (lo < end && g->member[lo].slot == slot)
+            return lo;
+        lo = g->moving_count;
+        hi = g->body_count;
+    }
+    DIG_ASSERT(!"body of the group");
+    return -1;
+}
+
+void group_refresh_mass(Group *g, int i)
+{
+    Member *m = &g->member[i];
+    if (!m->moves)
+        return;
+    if (m->round) {
+        g->mass[i].ii = m->inv_inertia;
+        return;
+    }
+    mat3 r = quat_matrix(g->pos[i].q);
+    mat3 ii = mat3_mul(mat3_mul(r, m->inv_inertia), mat3_transpose(r));
+    if (g->planar) {
+        real k = g->planar == 1 ? ii.r0.x : g->planar == 2 ? ii.r1.y : ii.r2.z;
+        ii = mat3_diagonal((vec3){g->planar == 1 ? k : 0, g->planar == 2 ? k : 0, g->planar == 3 ? k : 0});
+    }
+    g->mass[i].ii = ii;
+}
+
+static void gather_body(Group *g, int i, uint32_t slot, bool awake)
+{
+    Member *m = &g->member[i];
+    memset(m, 0, sizeof *m);
+    m->slot = slot;
+    g->mass[i] = (Mass){0, mat3_zero()};
+    g->shift[i] = (Vel){vec3_zero(), vec3_zero()};
+    g->push_work[i] = 0;
+    if (slot == NONE) {
+        g->pos[i] = (Pos){vec3_zero(), quat_identity()};
+        g->vel[i] = (Vel){vec3_zero(), vec3_zero()};
+        return;
+    }
+    const Body *b = &g->world->bodies.data[slot];
+    g->pos[i] = (Pos){b->x, b->q};
+    g->vel[i] = (Vel){b->v, b->w};
+    m->kinematic = b->kind == DIG_KINEMATIC;
+    m->dormant = b->kind == DIG_DYNAMIC && !awake;
+    m->moves = b->kind == DIG_DYNAMIC && awake;
+    m->round = b->round_inertia && !g->planar;
+    m->mass = b->mass;
+    m->gravity_scale = b->gravity_scale;
+    m->inertia = b->inertia;
+    m->inv_inertia = b->inv_inertia;
+    m->centre = b->centre;
+    m->outer = b->outer;
+    if (m->moves)
+        g->mass[i].im = b->inv_mass;
+    if (m->dormant)
+        g->vel[i] = (Vel){vec3_zero(), vec3_zero()};
+    group_refresh_mass(g, i);
+}
+
+static dig_status gather_bodies(Group *g, const uint32_t *pairs, int pair_count)
+{
+    const World *w = g->world;
+    int moving = 0, joints = 0;
+    for (int d = 0; d < g->dig_count; d++)
+        moving += graph_size(w->graph, g->digs[d]);
+    uint32_t *slots = arena_alloc(g->arena, (size_t)(moving + 1) * sizeof *slots);
+    if (!slots)
+        return DIG_E_MEMORY;
+    int n = 0;
+    for (int d = 0; d < g->dig_count; d++)
+        for (uint32_t m = graph_first(w->graph, g->digs[d]); m != NONE; m = graph_next(w->graph, m))
+            slots[n++] = m;
+    qsort(slots, (size_t)n, sizeof *slots, compare_u32);
+    for (int i = 0; i < n; i++)
+        for (uint32_t j = w->bodies.data[slots[i]].joint_first; j != NONE; j = joint_next(w, j, slots[i]))
+            joints++;
+
+    uint32_t *still = arena_alloc(g->arena, (size_t)(2 * pair_count + 2 * joints + 1) * sizeof *still);
+    if (!still)
+        return DIG_E_MEMORY;
+    int still_count = 0;
+    for (int i = 0; i < pair_count; i++) {
+        const Pair *p = &w->pairs.data[pairs[i]];
+        for (int k = 0; k < 2; k++) {
+            uint32_t body = k ? p->body_b : p->body_a;
+            if (body == NONE || w->bodies.data[body].kind != DIG_DYNAMIC)
+                still[still_count++] = body;
+        }
+    }
+    for (int i = 0; i < n; i++)
+        for (uint32_t j = w->bodies.data[slots[i]].joint_first; j != NONE; j = joint_next(w, j, slots[i])) {
+            const JointRec *r = &w->joints.data[j];
+            uint32_t other = r->a == slots[i] ? r->b : r->a;
+            if (other != NONE && w->bodies.data[other].kind != DIG_DYNAMIC)
+                still[still_count++] = other;
+        }
+    qsort(still, (size_t)still_count, sizeof *still, compare_u32);
+    int unique = 0;
+    for (int i = 0; i < still_count; i++)
+        if (i == 0 || still[i] != still[i - 1])
+            still[unique++] = still[i];
+
+    int total = n + unique;
+    g->moving_count = n;
+    g->body_count = total;
+    g->pos = arena_alloc(g->arena, (size_t)total * sizeof *g->pos);
+    g->vel = arena_alloc(g->arena, (size_t)total * sizeof *g->vel);
+    g->mass = arena_alloc(g->arena, (size_t)total * sizeof *g->mass);
+    g->member = arena_alloc(g->arena, (size_t)total * sizeof *g->member);
+    g->shift = arena_alloc(g->arena, (size_t)total * sizeof *g->shift);
+    g->push_work = arena_alloc(g->arena, (size_t)total * sizeof *g->push_work);
+    if (!g->pos || !g->vel || !g->mass || !g->member || !g->shift || !g->push_work)
+        return DIG_E_MEMORY;
+    for (int i = 0; i < n; i++)
+        gather_body(g, i, slots[i], w->bodies.data[slots[i]].awake);
+    for (int i = 0; i < unique; i++)
+        gather_body(g, n + i, still[i], false);
+    return DIG_OK;
+}
+
+static real pair_size(const Shape *a, const Shape *b)
+{
+    real size = real_min(isfinite(a->outer) ? a->outer : INFINITY, isfinite(b->outer) ? b->outer : INFINITY);
+    return isfinite(size) ? size : 1;
+}
+
+static bool body_moving(const World *w, uint32_t body) { return body != NONE && w->bodies.data[body].mode == DIG_MOVING; }
+
+static dig_status gather_pairs(Group *g, const uint32_t *pairs, int pair_count)
+{
+    const World *w = g->world;
+    int contacts = 0;
+    for (int i = 0; i < pair_count; i++)
+        for (uint32_t c = w->pairs.data[pairs[i]].contact; c != NONE; c = w->contacts.data[c].next)
+            contacts++;
+    g->pair_count = pair_count;
+    g->contact_count = contacts;
+    g->pairs = arena_zero(g->arena, (size_t)(pair_count + 1) * sizeof *g->pairs);
+    g->contacts = arena_zero(g->arena, (size_t)(contacts + 1) * sizeof *g->contacts);
+    if (!g->pairs || !g->contacts)
+        return DIG_E_MEMORY;
+    int n = 0;
+    for (int i = 0; i < pair_count; i++) {
+        const Pair *p = &w->pairs.data[pairs[i]];
+        const Solid *a = &w->solids.data[p->solid_a], *b = &w->solids.data[p->solid_b];
+        GroupPair *q = &g->pairs[i];
+        q->slot = pairs[i];
+        q->a = local_of(g, p->body_a);
+        q->b = local_of(g, p->body_b);
+        q->sa = &a->shape;
+        q->sb = &b->shape;
+        q->la = (pose){vec3_sub(a->at.p, g->member[q->a].centre), a->at.q};
+        q->lb = (pose){vec3_sub(b->at.p, g->member[q->b].centre), b->at.q};
+        q->cache = p->cache;
+        q->friction = p->friction;
+        q->friction_dynamic = p->friction_dynamic;
+        q->rolling = p->rolling;
+        q->restitution = p->restitution;
+        q->size = pair_size(q->sa, q->sb);
+        q->fresh = p->fresh;
+        q->was_touching = p->touching;
+        q->both_moved = body_moving(w, p->body_a) && body_moving(w, p->body_b);
+        q->contact = n;
+        for (uint32_t c = p->contact; c != NONE; c = w->contacts.data[c].next) {
+            const Contact *from = &w->contacts.data[c];
+            GroupContact *to = &g->contacts[n++];
+            *to = (GroupContact){.pair = i, .a = q->a, .b = q->b, .slot = c, .piece = from->piece, .manifold = from->manifold,
+                                 .rolling = from->rolling, .live = from->manifold.count > 0, .sliding = from->sliding};
+            memcpy(to->memory, from->memory, sizeof to->memory);
+        }
+        q->contacts = n - q->contact;
+    }
+    return DIG_OK;
+}
+
+static int joint_index(const Group *g, uint32_t slot)
+{
+    for (int i = 0; i < g->joint_count; i++)
+        if (g->joints[i].slot == slot)
+            return i;
+    return -1;
+}
+
+static dig_status gather_joints(Group *g)
+{
+    const World *w = g->world;
+    int count = 0;
+    for (int pass = 0; pass < 2; pass++) {
+        int n = 0;
+        for (int i = 0; i < g->moving_count; i++) {
+            uint32_t body = g->member[i].slot;
+            for (uint32_t s = w->bodies.data[body].joint_first; s != NONE; s = joint_next(w, s, body)) {
+                const JointRec *r = &w->joints.data[s];
+                /* once per joint: at its first dynamic body */
+                bool a_dynamic = r->a != NONE && w->bodies.data[r->a].kind == DIG_DYNAMIC;
+                if ((r->b == body && a_dynamic) || g->member[i].dormant)
+                    continue;
+                if (pass) {
+                    GroupJoint *j = &g->joints[n];
+                    *j = (GroupJoint){.slot = s, .ra = r->ra, .rb = r->rb, .fa = r->fa, .fb = r->fb};
+                    j->a = r->a == NONE ? -1 : local_of(g, r->a);
+                    j->b = r->b == NONE ? -1 : local_of(g, r->b);
+                    memcpy(j->memory, r->memory, sizeof j->memory);
+                    memcpy(j->force, r->impulse, sizeof j->force);
+                }
+                n++;
+            }
+        }
+        if (pass == 0) {
+            count = n;
+            g->joints = arena_zero(g->arena, (size_t)(count + 1) * sizeof *g->joints);
+            if (!g->joints)
+                return DIG_E_MEMORY;
+        }
+    }
+    g->joint_count = count;
+    for (int i = 0; i < count; i++) {
+        const JointRec *r = &w->joints.data[g->joints[i].slot];
+        for (int k = 0; k < 2; k++)
+            g->joints[i].other[k] = r->other[k] == NONE ? -1 : joint_index(g, r->other[k]);
+        g->joints[i].view.type = r->type;
+        g->joints[i].view.params = r->params;
+        g->joints[i].view.memory = g->joints[i].memory;
+    }
+    return DIG_OK;
+}
+
+/* The share of this step during which a push acts scales its force: its impulse is exact. */
+static dig_status gather_pushes(Group *g, real dt)
+{
+    const World *w = g->world;
+    g->pushes = arena_alloc(g->arena, (size_t)(w->pushes.count + 1) * sizeof *g->pushes);
+    if (!g->pushes)
+        return DIG_E_MEMORY;
+    real now = world_time(w);
+    for (int i = 0; i < w->pushes.count; i++) {
+        const Push *p = &w->pushes.data[i];
+        uint32_t id = graph_of(w->graph, p->body);
+        bool here = false;
+        for (int d = 0; d < g->dig_count && !here; d++)
+            here = g->digs[d] == id;
+        real share = (real_min(p->until, now + dt) - real_max(p->from, now)) / dt;
+        if (!here || !(share > 1e-9))
+            continue;
+        share = real_min(share, 1);
+        g->pushes[g->push_count++] = (GroupPush){local_of(g, p->body), vec3_scale(share, p->force), vec3_scale(share, p->torque), p->at, p->has_at};
+    }
+    return DIG_OK;
+}
+
+dig_status group_gather(Group *g, const World *w, const uint32_t *digs, int dig_count, const uint32_t *pairs, int pair_count, Arena *arena)
+{
+    g->world = w;
+    g->arena = arena;
+    g->digs = digs;
+    g->dig_count = dig_count;
+    g->gravity = w->def.gravity;
+    g->planar = strcmp(w->def.plane.s, "yz") == 0 ? 1 : strcmp(w->def.plane.s, "xz") == 0 ? 2 : strcmp(w->def.plane.s, "xy") == 0 ? 3 : 0;
+    g->decay_friction = strcmp(w->def.friction_law.s, "decay") == 0;
+    g->touch = 1e-7;
+    g->culprit = -1;
+    DIG_TRY(gather_bodies(g, pairs, pair_count));
+    DIG_TRY(gather_pairs(g, pairs, pair_count));
+    DIG_TRY(gather_joints(g));
+    return gather_pushes(g, w->def.step);
+}
+
+/* ---- back into the world ---- */
+
+static void commit_body(World *w, const Group *g, int i, real dt)
+{
+    const Member *m = &g->member[i];
+    Body *b = &w->bodies.data[m->slot];
+    if (!m->moves)
+        return;
+    vec3 old_v = vec3_sub(b->v, b->hit_v), old_w = vec3_sub(b->w, b->hit_w);
+    mat3 old_inertia = body_inertia_world(b);
+    vec3 old_l = mat3_mul_vec(old_inertia, old_w);
+    b->prev_x = b->x;
+    b->prev_q = b->q;
+    b->x = g->pos[i].x;
+    b->q = g->pos[i].q;
+    b->v = g->vel[i].v;
+    b->w = g->vel[i].w;
+    b->collided = m->collided;
+    b->euler = m->collided || m->constrained;
+    b->work += g->push_work[i];
+    b->force = vec3_scale(b->mass / dt, vec3_sub(b->v, old_v));
+    b->torque = vec3_scale(1 / dt, vec3_sub(mat3_mul_vec(body_inertia_world(b), b->w), old_l));
+    b->hit_v = b->hit_w = vec3_zero();
+}
+
+static void commit_pair(World *w, const Group *g, const GroupPair *q, real dt)
+{
+    Pair *p = &w->pairs.data[q->slot];
+    p->cache = q->cache;
+    p->fresh = false;
+    p->touching = false;
+    for (int i = 0; i < q->contacts; i++) {
+        const GroupContact *from = &g->contacts[q->contact + i];
+        Contact *to = &w->contacts.data[from->slot];
+        to->piece = from->piece;
+        to->manifold = from->manifold;
+        memcpy(to->memory, from->memory, sizeof to->memory);
+        to->rolling = from->rolling;
+        to->sliding = from->sliding;
+        to->force = vec3_scale(1 / dt, from->impulse);
+        to->point = from->point_weight > 0 ? vec3_scale(1 / from->point_weight, from->point_sum)
+                                           : from->manifold.count ? from->manifold.points[0].a : vec3_zero();
+        to->touching = false;
+        real tolerance = 100 * g->touch * q->size;
+        for (int k = 0; k < from->manifold.count; k++)
+            to->touching = to->touching || (from->manifold.points[k].gap <= tolerance && (from->memory[k].normal > 0 || q->was_touching));
+        p->touching = p->touching || to->touching;
+    }
+}
+
+static void commit_joint(World *w, const GroupJoint *j, real dt)
+{
+    JointRec *r = &w->joints.data[j->slot];
+    memcpy(r->memory, j->memory, sizeof r->memory);
+    memcpy(r->impulse, j->force, sizeof r->impulse);
+    r->force = vec3_scale(1 / dt, j->impulse);
+    r->torque = vec3_scale(1 / dt, j->angular_impulse);
+}
+
+void group_commit(World *w, const Group *g)
+{
+    real dt = w->def.step;
+    for (int i = 0; i < g->moving_count; i++)
+        commit_body(w, g, i, dt);
+    for (int i = 0; i < g->pair_count; i++)
+        commit_pair(w, g, &g->pairs[i], dt);
+    for (int i = 0; i < g->joint_count; i++)
+        commit_joint(w, &g->joints[i], dt);
+}

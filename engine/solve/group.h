@@ -1,0 +1,227 @@
+/* solve/group.h - a group: the DIGs that may meet in this step, gathered for advancing.
+ *
+ * The world's records stay as they are while a group is advanced; everything
+ * here is a copy in the step's scratch memory. group_commit writes it back and
+ * cannot fail. Bodies are addressed by local index.
+ *
+ * Floor: solve. Includes base, math, geom, world.
+ */
+#ifndef DIG_GROUP_H
+#define DIG_GROUP_H
+
+#include "base/arena.h"
+#include "solve/joint_type.h"
+#include "solve/plan.h"
+#include "world/world.h"
+
+/* When an effect takes part in a substep; SETTLE comes once, at the end of the step. */
+typedef enum Stage { STAGE_FORCE, STAGE_ROWS, STAGE_FLOW, STAGE_SETTLE, STAGE_COUNT } Stage;
+
+/* Small structs in compact arrays: what is read together lies together. */
+typedef struct Pos  { vec3 x; quat q; } Pos;                    /* m, 1  centre of mass                     */
+typedef struct Vel  { vec3 v, w; } Vel;                         /* m/s, rad/s                               */
+typedef struct Mass { real im; mat3 ii; } Mass;                 /* 1/kg, 1/(kg m^2) world axes, now         */
+
+typedef struct Member {         /* the rest of a gathered body */
+    uint32_t slot;              /* in world->bodies; NONE = the world itself           */
+    bool     moves;             /* dynamic and awake in this try: impulses move it     */
+    bool     dormant;           /* dynamic but asleep: wakes when something pushes it  */
+    bool     pushed;            /* dormant and pushed in this try: its DIG must wake   */
+    bool     kinematic;
+    bool     round;             /* isotropic inertia                                   */
+    bool     constrained;       /* a row acts on it in this substep                    */
+    bool     implicit_move;     /* move with the end velocity, not the mean            */
+    bool     collided;          /* struck in this step                                 */
+    real     mass, gravity_scale;
+    mat3     inertia, inv_inertia;      /* body axes                                   */
+    vec3     centre;            /* m   centre of mass in the body frame                */
+    vec3     force, torque;     /* N, N m, of this substep                             */
+    real     outer;             /* m                                                   */
+    Pos      start_pos; Vel start_vel;  /* at the start of the substep                 */
+} Member;
+
+/* One direction of one contact point: Jacobian and effective mass. */
+typedef struct Dir {
+    vec3 n;                     /* linear, on b (+) and a (-)       */
+    vec3 aa, ab;                /* m  angular, on a and on b        */
+    vec3 ia, ib;                /*    I^-1 aa, I^-1 ab              */
+    real k;                     /* 1/kg                             */
+} Dir;
+
+typedef struct PointRow {       /* a contact point in the solve     */
+    int  contact, point;        /* of the group's contacts          */
+    int  a, b;
+    Dir  n, t[2];
+    real ktt;                   /* 1/kg coupling of the tangents    */
+    real kmax;                  /* 1/kg largest tangential eigenvalue */
+    real target;                /* m/s  normal velocity wanted at least */
+    real rate_before;           /* m/s  normal velocity at the start of the substep */
+    real friction, friction_dynamic;        /* filled by effect/friction.c; 0 = no tangential work */
+    bool slides;                /* dynamic friction holds           */
+    real jn, jt[2];             /* N s                              */
+} PointRow;
+
+typedef struct RollRow {        /* rolling resistance of one contact: three angular directions */
+    int  contact, first, count; /* its point rows                   */
+    int  a, b;
+    real lever;                 /* m    |torque| <= lever * normal force */
+    real reach;                 /* m    size, to compare spin with speed */
+    mat3 inv_k;                 /* kg m^2                            */
+    vec3 j;                     /* N m s                             */
+} RollRow;
+
+typedef struct JointBlock {     /* the rows of one joint, hard ones first */
+    int  joint;                 /* of the group's joints            */
+    int  first, hard, count;    /* rows                             */
+    real l[6 * 6];              /* LDL^T factor of the hard block   */
+} JointBlock;
+
+typedef struct JointRow {
+    Row  row;
+    vec3 im[ROW_BODIES], ii[ROW_BODIES];    /* M^-1 J^T             */
+    real k;                     /* J M^-1 J^T                       */
+    real gamma, bias;           /* soft: rate + bias + gamma p = 0  */
+    real p;                     /* N s or N m s                     */
+} JointRow;
+
+typedef struct GroupContact {
+    int      pair;              /* of the group's pairs             */
+    int      a, b;              /* local bodies                     */
+    uint32_t slot;              /* world contact; NONE = spare      */
+    uint32_t piece;
+    Manifold manifold;
+    PointMemory memory[MANIFOLD_POINTS];
+    vec3     rolling;           /* N m                              */
+    bool     live;              /* has points                       */
+    bool     sliding;
+    vec3     impulse;           /* N s on b, over the whole step    */
+    vec3     point_sum; real point_weight;      /* where, weighted by impulse */
+} GroupContact;
+
+typedef struct GroupPair {
+    uint32_t slot;              /* world pair                       */
+    int      a, b;              /* local bodies                     */
+    const Shape *sa, *sb;
+    pose     la, lb;            /* shape in its body, about the centre of mass */
+    ManifoldCache cache;
+    int      contact, contacts; /* range of the group's contacts    */
+    real     friction, friction_dynamic, rolling, restitution;
+    real     size;              /* m   of the smaller solid: scale of tolerances */
+    bool     fresh;             /* the manifold must be made anew  */
+    bool     was_touching;      /* at the end of the last step     */
+    bool     both_moved;        /* neither was at rest before      */
+    real     approach;          /* m/s  fastest approach seen by the rows */
+    bool     struck;            /* an impact happened in this step  */
+    real     struck_time, struck_speed, struck_impulse;  vec3 struck_point, struck_normal;
+} GroupPair;
+
+typedef struct GroupJoint {
+    uint32_t slot;
+    JointView view;
+    real     memory[JOINT_MEMORY];
+    real     force[JOINT_SLOTS];            /* N or N m, warm start */
+    vec3     impulse, angular_impulse;      /* on a, over the step  */
+    int      other[2];          /* local joints, < 0 none           */
+    vec3     ra, rb; quat fa, fb;
+    int      a, b;
+} GroupJoint;
+
+typedef struct GroupPush { int body; vec3 force, torque, at; bool has_at; } GroupPush;    /* scaled by the share of the step it acts */
+
+typedef struct Strike {         /* an impact, for events and messages */
+    real time;                  /* s from the start of the step     */
+    int  pair;
+    real speed, impulse;
+    vec3 point, normal;
+} Strike;
+
+typedef struct Group Group;
+struct Group {
+    const World *world;
+    const AccuracyPlan *plan;
+    Arena    *arena;
+    vec3      gravity;
+    uint32_t  effects;          /* bit per effect of the list that this group calls for */
+    dig_status (*stage)(Group *g, int stage);           /* runs the effects of one stage (step/step.c) */
+    bool      decay_friction;   /* the founding document's alternative to Coulomb */
+    int       planar;           /* 0 or 1..3: x, y, z is the dead axis */
+
+    const uint32_t *digs; int dig_count;
+
+    Pos      *pos; Vel *vel; Mass *mass; Member *member; int body_count, moving_count;
+    Vel      *shift;            /* m, rad  position correction of a projection */
+    GroupPair *pairs;       int pair_count;
+    GroupContact *contacts; int contact_count;
+    GroupJoint *joints;     int joint_count;
+    GroupPush *pushes;      int push_count;
+    PointRow *points;       int point_count, point_capacity;
+    RollRow  *rolls;        int roll_count;
+    JointBlock *blocks;     int block_count;
+    JointRow *rows;         int row_count;
+    Strike   *strikes;      int strike_count, strike_capacity;
+
+    real      t, h;             /* s   since the start of the step, this substep */
+    real      touch;            /* m   gap at which contacts count as touching, per metre of size */
+    real      close_speed;      /* m/s below which a bounce is over */
+    bool      locate;           /* impacts are located in time in this group */
+    int       events_left;
+
+    /* what it took and achieved */
+    int       substeps, sweeps, located;
+    real      residual, penetration, joint_error;
+    real      lost, work_in;    /* J */
+    real     *push_work;        /* [body_count] J */
+    dig_status status;
+    int       culprit;          /* local body that became non-finite */
+    const char *culprit_effect;
+    bool      woke;             /* a sleeping body was pushed: its DIG wakes and the step starts again */
+    bool      blame;            /* check after each effect, to name the culprit */
+};
+
+/* gather.c */
+dig_status group_gather(Group *g, const World *w, const uint32_t *digs, int dig_count, const uint32_t *pairs, int pair_count,
+                        Arena *arena);
+void       group_commit(World *w, const Group *g);
+/* Pose of a pair's shape a or b from the present positions. */
+static inline pose group_shape_pose(const Group *g, int body, pose local)
+{
+    return (pose){vec3_add(g->pos[body].x, quat_rotate(g->pos[body].q, local.p)), quat_mul(g->pos[body].q, local.q)};
+}
+void       group_refresh_mass(Group *g, int body);      /* inverse inertia in world axes */
+void       group_joint_view(Group *g, int joint);       /* its ends from the present positions and velocities */
+
+/* joint_view.c: frames, from anchors and orientations */
+void joint_end_set(JointEnd *e, vec3 x, quat q, vec3 v, vec3 w, vec3 local_anchor, quat local_frame);
+
+/* touch.c: contacts of the present positions, looking `time` s ahead; all = false: only pairs whose manifold is stale */
+void group_touch(Group *g, real time, bool all);
+
+/* joint_rows.c */
+void group_build_joints(Group *g);
+void joint_row_warm(Group *g, JointRow *r);
+
+/* sweep.c: the sub-stepped way */
+dig_status sweep_advance(Group *g, real dt);
+real group_kinetic(const Group *g);                     /* J */
+/* impact.c: what touches and approaches is struck, now */
+void impacts(Group *g);
+/* relax.c: Gauss-Seidel sweeps over rows; each returns the largest velocity change, m/s */
+real relax_points(Group *g, int first, int count);
+real relax_joints(Group *g);
+real relax_rolls(Group *g);
+int  relax(Group *g, int sweeps, real residual);        /* until the change is below residual; returns sweeps done */
+/* project.c: position errors are removed without touching velocities */
+void project(Group *g);
+/* locate.c: s into the substep of the first impact, or INFINITY */
+real locate_impact(Group *g);
+
+/* ways.c: a way to advance a group. The choice is by counts, never by the clock. */
+typedef struct Way {
+    const char *name;
+    bool       (*suits)(const Group *g);
+    dig_status (*advance)(Group *g, real dt);
+} Way;
+extern const Way *const ways[];         /* in order of preference; the last suits everything */
+dig_status group_advance(Group *g, real dt);
+
+#endif

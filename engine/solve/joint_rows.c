@@ -1,0 +1,141 @@
+/* solve/joint_rows.c - joints write their rows; blocks are factored, soft rows get their implicit numbers. */
+#include "solve/group.h"
+
+#include "solve/direction.h"
+
+void joint_end_set(JointEnd *e, vec3 x, quat q, vec3 v, vec3 w, vec3 local_anchor, quat local_frame)
+{
+    e->x = x;
+    e->v = v;
+    e->w = w;
+    e->r = quat_rotate(q, local_anchor);
+    e->p = vec3_add(x, e->r);
+    mat3 f = mat3_transpose(quat_matrix(quat_mul(q, local_frame)));
+    e->axis = f.r0;
+    e->u = f.r1;
+    e->n = f.r2;
+}
+
+static void set_end(const Group *g, JointEnd *e, int body, vec3 anchor, quat frame)
+{
+    e->body = body;
+    if (body < 0)
+        joint_end_set(e, vec3_zero(), quat_identity(), vec3_zero(), vec3_zero(), anchor, frame);
+    else
+        joint_end_set(e, g->pos[body].x, g->pos[body].q, g->vel[body].v, g->vel[body].w, anchor, frame);
+}
+
+void group_joint_view(Group *g, int joint)
+{
+    GroupJoint *j = &g->joints[joint];
+    set_end(g, &j->view.a, j->a, j->ra, j->fa);
+    set_end(g, &j->view.b, j->b, j->rb, j->fb);
+    for (int k = 0; k < 2; k++)
+        j->view.other[k] = j->other[k] < 0 ? NULL : &g->joints[j->other[k]].view;
+}
+
+static void finish_row(const Group *g, const GroupJoint *j, JointRow *r)
+{
+    real k = 0;
+    for (int i = 0; i < r->row.count; i++) {
+        int b = r->row.body[i];
+        if (b < 0) {
+            r->im[i] = r->ii[i] = vec3_zero();
+            continue;
+        }
+        dir_mask(g, &r->row.lin[i], &r->row.ang[i]);
+        r->im[i] = vec3_scale(g->mass[b].im, r->row.lin[i]);
+        r->ii[i] = mat3_mul_vec(g->mass[b].ii, r->row.ang[i]);
+        k += vec3_dot(r->row.lin[i], r->im[i]) + vec3_dot(r->row.ang[i], r->ii[i]);
+    }
+    r->k = k;
+    r->gamma = r->bias = 0;
+    r->p = j->force[r->row.slot] * g->h;
+    if (r->row.kind == ROW_MOTOR)
+        r->bias = r->row.rate;
+    if (r->row.kind == ROW_LIMIT)
+        r->bias = r->row.error > 0 ? -r->row.error / g->h : 0;
+    if (r->row.kind == ROW_SOFT) {
+        /* force at the end of the step: p = -h (k (error + h rate) + c rate), solved for a row rate + gamma p = bias */
+        real s = g->h * (g->h * r->row.stiffness + r->row.damping);
+        r->gamma = s > 0 ? 1 / s : 0;
+        r->bias = s > 0 ? -r->row.error * g->h * r->row.stiffness / s : 0;
+        if (!(s > 0))
+            r->k = 0;           /* neither stiff nor damped: no row */
+    }
+}
+
+/* L D L^T of J M^-1 J^T over the hard rows. A row that repeats another gets a pivot of its own share (1e-9), so that
+ * redundant joints share their load instead of failing. */
+static void factor_block(Group *g, JointBlock *b)
+{
+    for (int i = 0; i < b->hard; i++) {
+        const JointRow *ri = &g->rows[b->first + i];
+        for (int k = 0; k <= i; k++) {
+            const JointRow *rk = &g->rows[b->first + k];
+            real s = 0;
+            for (int m = 0; m < ri->row.count; m++)
+                for (int n = 0; n < rk->row.count; n++)
+                    if (ri->row.body[m] >= 0 && ri->row.body[m] == rk->row.body[n])
+                        s += vec3_dot(ri->row.lin[m], rk->im[n]) + vec3_dot(ri->row.ang[m], rk->ii[n]);
+            b->l[i * 6 + k] = s;
+        }
+        b->l[i * 6 + i] *= 1 + 1e-12;
+    }
+    real d[6];
+    for (int i = 0; i < b->hard; i++) {
+        real diagonal = b->l[i * 6 + i];
+        for (int k = 0; k < i; k++) {
+            real s = b->l[i * 6 + k];
+            for (int m = 0; m < k; m++)
+                s -= b->l[i * 6 + m] * b->l[k * 6 + m] * d[m];
+            b->l[i * 6 + k] = s / d[k];
+        }
+        real pivot = diagonal;
+        for (int k = 0; k < i; k++)
+            pivot -= b->l[i * 6 + k] * b->l[i * 6 + k] * d[k];
+        d[i] = pivot > 1e-9 * diagonal ? pivot : diagonal > 0 ? diagonal : 1;
+    }
+    for (int i = 0; i < b->hard; i++)
+        b->l[i * 6 + i] = 1 / d[i];
+}
+
+/* Hard rows first, so that a block is contiguous. */
+static void sort_hard_first(Row *rows, int count)
+{
+    for (int i = 1; i < count; i++)
+        for (int k = i; k > 0 && rows[k].kind == ROW_HARD && rows[k - 1].kind != ROW_HARD; k--) {
+            Row t = rows[k];
+            rows[k] = rows[k - 1];
+            rows[k - 1] = t;
+        }
+}
+
+static void build_joint(Group *g, int joint)
+{
+    GroupJoint *j = &g->joints[joint];
+    Row rows[JOINT_SLOTS];
+    RowList list = {rows, 0, JOINT_SLOTS};
+    j->view.type->rows(&j->view, &list);
+    sort_hard_first(rows, list.count);
+    JointBlock *b = &g->blocks[g->block_count++];
+    *b = (JointBlock){.joint = joint, .first = g->row_count};
+    for (int i = 0; i < list.count; i++) {
+        JointRow *r = &g->rows[g->row_count++];
+        memset(r, 0, sizeof *r);
+        r->row = rows[i];
+        finish_row(g, j, r);
+        b->hard += rows[i].kind == ROW_HARD;
+        b->count++;
+    }
+    factor_block(g, b);
+}
+
+void group_build_joints(Group *g)
+{
+    g->block_count = g->row_count = 0;
+    for (int i = 0; i < g->joint_count; i++)
+        group_joint_view(g, i);
+    for (int i = 0; i < g->joint_count; i++)
+        build_joint(g, i);
+}

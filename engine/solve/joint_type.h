@@ -1,0 +1,44 @@
+/* solve/joint_type.h - what a joint type must supply. One type is one file in joint/ ending in one const table.
+ *
+ * Floor: solve.
+ */
+#ifndef DIG_JOINT_TYPE_H
+#define DIG_JOINT_TYPE_H
+
+#include "solve/rows.h"
+
+typedef struct JointType {
+    union {                         /* the same four fields, as the public API shows them */
+        dig_schema schema;
+        struct {
+            const char      *name;          /* Lua key: world:hinge{...}             */
+            const char      *doc;           /* one sentence                          */
+            const dig_param *params;        /* rows of the params struct             */
+            size_t           params_size;
+        };
+    };
+    int              free_axes;     /* degrees of freedom left, 0..6                 */
+    int              couples;       /* 0, or 2: a and b are joints, not bodies: the params struct then begins with two dig_joint */
+    bool             no_axis;       /* the type ignores `axis`                       */
+    bool             two_anchors;   /* params begin with vec3 at_a, at_b (world points at creation; x NaN = centre of mass of that body,
+                                     * or the common `at` for a world end): anchors differ */
+    /* Checks what ranges cannot (limits against each other, ...). why gets one sentence. May complete params (a length left NaN
+     * = the present distance). May be NULL. */
+    dig_status (*check)(void *params, const JointView *now, char *why, size_t capacity);
+    /* Writes the rows of this joint for the present poses. Pure but for j->memory. */
+    void       (*rows)(const JointView *j, RowList *out);
+    /* The free coordinate (rad or m), and its rate. NULL when it has none. */
+    real       (*coordinate)(const JointView *j);
+    real       (*speed)(const JointView *j);
+    bool         angular;           /* coordinate is an angle                        */
+    /* Adds a row of any kind whose rate is `speed`, for gears and racks. NULL = cannot be coupled. */
+    Row       *(*coordinate_row)(RowList *list, const JointView *j, RowKind kind, int slot);
+    /* Energy stored in springs, J. NULL = none. */
+    real       (*energy)(const JointView *j);
+    /* Is the coordinate at a limit (within 1e-4)? NULL = no limits. */
+    bool       (*at_limit)(const JointView *j);
+} JointType;
+
+extern const JointType *const joint_types[];        /* NULL-terminated; defined in joint/joints.c */
+
+#endif

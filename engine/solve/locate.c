@@ -1,0 +1,106 @@
+/* solve/locate.c - when, within this substep, does something strike?
+ *
+ * Looks along the motion that the substep would make. Pairs that are apart are
+ * followed by conservative advancement; of pairs that already touch at some
+ * point, the other points are followed one by one.
+ */
+#include "solve/direction.h"
+
+/* Motion of a pair's shape a or b through the substep. */
+static Motion shape_motion(const Group *g, int body, pose local)
+{
+    const Member *m = &g->member[body];
+    Motion r = {.start = group_shape_pose(g, body, local), .centre = pose_unpoint(local, vec3_zero())};
+    Vel now = g->vel[body];
+    if (!m->moves) {
+        r.v = now.v;
+        r.w = now.w;
+        return r;
+    }
+    Vel old = m->start_vel;
+    r.w = vec3_scale(0.5, vec3_add(old.w, now.w));
+    if (m->constrained) {
+        r.v = m->implicit_move ? now.v : vec3_scale(0.5, vec3_add(old.v, now.v));
+        r.w = m->implicit_move ? now.w : r.w;
+    } else {
+        r.v = old.v;
+        r.a = vec3_scale(1 / g->h, vec3_sub(now.v, old.v));
+    }
+    return r;
+}
+
+static bool cannot_meet(const Group *g, const GroupPair *q, const Motion *a, const Motion *b)
+{
+    if (!isfinite(q->sa->outer) || !isfinite(q->sb->outer))
+        return false;
+    real h = g->h;
+    vec3 v = vec3_sub(b->v, a->v), acc = vec3_sub(b->a, a->a);
+    real travel = vec3_length(v) * h + 0.5 * vec3_length(acc) * h * h;
+    travel += 2 * (g->member[q->a].outer + g->member[q->b].outer) * real_min(1, 0.5 * h * (vec3_length(a->w) + vec3_length(b->w)));
+    return vec3_distance(a->start.p, b->start.p) - q->sa->outer - q->sb->outer > travel;
+}
+
+static vec3 velocity_at(const Motion *m, vec3 at, real t)
+{
+    vec3 c = pose_point(m->start, m->centre);
+    vec3 x = vec3_add(vec3_mad(c, t, m->v), vec3_scale(0.5 * t * t, m->a));
+    return vec3_add(vec3_mad(m->v, t, m->a), vec3_cross(m->w, vec3_sub(at, x)));
+}
+
+static real locate_apart(const Group *g, const GroupPair *q)
+{
+    Motion a = shape_motion(g, q->a, q->la), b = shape_motion(g, q->b, q->lb);
+    if (cannot_meet(g, q, &a, &b))
+        return INFINITY;
+    real t = time_of_impact(q->sa, &a, q->sb, &b, 0.25 * g->touch * q->size, g->h, NULL);
+    if (!(t <= g->h))
+        return INFINITY;
+    vec3 n, pa, pb;
+    shape_distance(q->sa, motion_at(&a, t), q->sb, motion_at(&b, t), INFINITY, &n, &pa, &pb);
+    real speed = -vec3_dot(n, vec3_sub(velocity_at(&b, pb, t), velocity_at(&a, pa, t)));
+    return speed > g->close_speed ? t : INFINITY;
+}
+
+/* The other points of a pair that touches already: their gaps as parabolas of time. */
+static real locate_points(const Group *g, const GroupPair *q, real tolerance)
+{
+    real first = INFINITY;
+    Motion a = shape_motion(g, q->a, q->la), b = shape_motion(g, q->b, q->lb);
+    for (int i = q->contact; i < q->contact + q->contacts; i++) {
+        const GroupContact *c = &g->contacts[i];
+        for (int k = 0; c->live && k < c->manifold.count; k++) {
+            const ManifoldPoint *p = &c->manifold.points[k];
+            if (p->gap <= tolerance)
+                continue;
+            vec3 n = c->manifold.normal;
+            real v0 = vec3_dot(n, vec3_sub(velocity_at(&b, p->b, 0), velocity_at(&a, p->a, 0)));
+            real acc = vec3_dot(n, vec3_sub(b.a, a.a));
+            /* gap + v0 t + acc t^2 / 2 = 0, the root without cancellation */
+            real d = v0 * v0 - 2 * acc * p->gap;
+            if (!(d > 0) || !(sqrt(d) > g->close_speed))
+                continue;
+            real t = 2 * p->gap / (sqrt(d) - v0);
+            if (t > 0 && t <= g->h)
+                first = real_min(first, t);
+        }
+    }
+    return first;
+}
+
+real locate_impact(Group *g)
+{
+    real first = INFINITY;
+    for (int i = 0; i < g->pair_count; i++) {
+        const GroupPair *q = &g->pairs[i];
+        const Member *ma = &g->member[q->a], *mb = &g->member[q->b];
+        if (!ma->moves && !mb->moves)
+            continue;
+        real tolerance = g->touch * q->size;
+        bool touching = false;
+        for (int k = q->contact; k < q->contact + q->contacts; k++)
+            for (int p = 0; g->contacts[k].live && p < g->contacts[k].manifold.count; p++)
+                touching = touching || g->contacts[k].manifold.points[p].gap <= tolerance;
+        first = real_min(first, touching ? locate_points(g, q, tolerance) : locate_apart(g, q));
+    }
+    return first;
+}

@@ -1,0 +1,118 @@
+/* solve/project.c - position errors are removed without touching velocities, so that what overlaps is moved apart and
+ * nothing is launched, whatever the step. One linearised pass over penetrating points and joint errors. */
+#include "solve/direction.h"
+
+/* m/s per sqrt(m): overlaps heal at most as fast as a body would fall by its own size under 10 m/s^2. */
+#define HEAL_SPEED 3.0
+
+/* Works on g->shift in the place of velocities: directions and rows apply to Vel. */
+static real wanted_gap(const Group *g, const PointRow *r)
+{
+    const GroupContact *c = &g->contacts[r->contact];
+    real depth = -c->manifold.points[r->point].gap;
+    if (!(depth > 0))
+        return depth;           /* may close by its gap, no more */
+    real most = HEAL_SPEED * sqrt(g->pairs[c->pair].size) * g->h;
+    return real_min(depth, most);
+}
+
+static bool needed(const Group *g)
+{
+    for (int i = 0; i < g->point_count; i++)
+        if (g->contacts[g->points[i].contact].manifold.points[g->points[i].point].gap < -1e-3 * g->touch)
+            return true;
+    for (int i = 0; i < g->row_count; i++) {
+        const Row *r = &g->rows[i].row;
+        if ((r->kind == ROW_HARD && fabs(r->error) > 1e-12) || (r->kind == ROW_LIMIT && r->error < -1e-9))
+            return true;
+    }
+    return false;
+}
+
+static void start_shift(Group *g, real *saved)
+{
+    for (int i = 0; i < g->point_count; i++) {
+        PointRow *r = &g->points[i];
+        saved[4 * i] = r->jn;
+        saved[4 * i + 1] = r->target;
+        saved[4 * i + 2] = r->friction;
+        r->jn = 0;
+        r->target = wanted_gap(g, r);
+        r->friction = 0;
+    }
+    for (int i = 0; i < g->row_count; i++) {
+        JointRow *r = &g->rows[i];
+        real *s = saved + 4 * g->point_count + 4 * i;
+        s[0] = r->p;
+        s[1] = r->bias;
+        s[2] = r->gamma;
+        s[3] = r->k;
+        r->p = 0;
+        r->gamma = 0;
+        r->bias = -r->row.error;
+        bool acts = r->row.kind == ROW_HARD || (r->row.kind == ROW_LIMIT && r->row.error < 0);
+        real most = (r->row.angular ? 20.0 : HEAL_SPEED) * g->h;
+        r->bias = real_clamp(r->bias, -most, most);
+        if (!acts)
+            r->k = 0;
+    }
+}
+
+static void end_shift(Group *g, const real *saved)
+{
+    for (int i = 0; i < g->point_count; i++) {
+        PointRow *r = &g->points[i];
+        ManifoldPoint *p = &g->contacts[r->contact].manifold.points[r->point];
+        p->gap += dir_rate(g, &r->n, r->a, r->b);
+        r->jn = saved[4 * i];
+        r->target = saved[4 * i + 1];
+        r->friction = saved[4 * i + 2];
+    }
+    for (int i = 0; i < g->row_count; i++) {
+        JointRow *r = &g->rows[i];
+        const real *s = saved + 4 * g->point_count + 4 * i;
+        r->p = s[0];
+        r->bias = s[1];
+        r->gamma = s[2];
+        r->k = s[3];
+    }
+}
+
+static void swap_velocities(Group *g)
+{
+    Vel *t = g->vel;
+    g->vel = g->shift;
+    g->shift = t;
+}
+
+void project(Group *g)
+{
+    if (!needed(g))
+        return;
+    ArenaMark mark = arena_mark(g->arena);
+    real *saved = arena_alloc(g->arena, (size_t)(4 * (g->point_count + g->row_count) + 1) * sizeof *saved);
+    if (!saved) {
+        g->status = DIG_E_MEMORY;
+        return;
+    }
+    for (int i = 0; i < g->body_count; i++)
+        g->shift[i] = (Vel){vec3_zero(), vec3_zero()};
+    swap_velocities(g);
+    start_shift(g, saved);
+    int sweeps = (int)real_clamp(20000.0 / (g->point_count + g->row_count + 1), 3, 100);
+    for (int i = 0; i < sweeps; i++) {
+        real worst = relax_joints(g);
+        worst = real_max(worst, relax_points(g, 0, g->point_count));
+        if (worst < 1e-13)
+            break;
+    }
+    end_shift(g, saved);
+    swap_velocities(g);
+    for (int i = 0; i < g->moving_count; i++) {
+        if (!g->member[i].moves)
+            continue;
+        g->pos[i].x = vec3_add(g->pos[i].x, g->shift[i].v);
+        g->pos[i].q = quat_unit(quat_mul(quat_exp(g->shift[i].w), g->pos[i].q));
+    }
+    arena_rewind(g->arena, mark);
+}

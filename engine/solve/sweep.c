@@ -1,0 +1,356 @@
+/* solve/sweep.c - the sub-stepped way to advance a group.
+ *
+ * Each substep: forces; rows; position errors out; velocities by Gauss-Seidel;
+ * then everything moves. Free bodies move on exact parabolas; bodies whose
+ * contacts and joints were there before move with the mean of old and new
+ * velocity (second order), others with the new one. In groups small enough the
+ * substep is cut at the first impact, which is then struck at its own time.
+ */
+#include "solve/direction.h"
+
+static void predict(Group *g)
+{
+    for (int i = 0; i < g->moving_count; i++) {
+        Member *m = &g->member[i];
+        m->start_pos = g->pos[i];
+        m->start_vel = g->vel[i];
+        m->constrained = m->implicit_move = false;
+        if (!m->moves)
+            continue;
+        vec3 dv = vec3_scale(g->h * g->mass[i].im, m->force), dw = vec3_scale(g->h, mat3_mul_vec(g->mass[i].ii, m->torque));
+        dir_mask(g, &dv, &dw);
+        g->vel[i].v = vec3_add(g->vel[i].v, dv);
+        g->vel[i].w = vec3_add(g->vel[i].w, dw);
+    }
+}
+
+/* q' = w q / 2 with constant angular momentum L, classical fourth-order Runge-Kutta. */
+static quat turn(const Member *m, quat q, vec3 l, real h)
+{
+    quat k[4], y = q;
+    static const real at[4] = {0, 0.5, 0.5, 1}, weight[4] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
+    quat sum = {0, 0, 0, 0};
+    for (int i = 0; i < 4; i++) {
+        if (i > 0)
+            y = (quat){q.x + h * at[i] * k[i - 1].x, q.y + h * at[i] * k[i - 1].y, q.z + h * at[i] * k[i - 1].z, q.w + h * at[i] * k[i - 1].w};
+        quat u = quat_unit(y);
+        vec3 w = quat_rotate(u, mat3_mul_vec(m->inv_inertia, quat_unrotate(u, l)));
+        quat r = quat_mul((quat){w.x, w.y, w.z, 0}, y);
+        k[i] = (quat){0.5 * r.x, 0.5 * r.y, 0.5 * r.z, 0.5 * r.w};
+        sum = (quat){sum.x + weight[i] * k[i].x, sum.y + weight[i] * k[i].y, sum.z + weight[i] * k[i].z, sum.w + weight[i] * k[i].w};
+    }
+    return quat_unit((quat){q.x + h * sum.x, q.y + h * sum.y, q.z + h * sum.z, q.w + h * sum.w});
+}
+
+/* The angular momentum that the impulses left is kept while the body turns. Fast spins are cut into turns of at most 0.1 rad. */
+static void turn_body(Group *g, int i, vec3 mean_w)
+{
+    Member *m = &g->member[i];
+    if (m->round || g->planar) {
+        g->pos[i].q = quat_unit(quat_mul(quat_exp(vec3_scale(g->h, mean_w)), g->pos[i].q));
+        return;
+    }
+    quat q = g->pos[i].q;
+    vec3 end = quat_rotate(q, mat3_mul_vec(m->inertia, quat_unrotate(q, g->vel[i].w)));
+    vec3 mean = quat_rotate(q, mat3_mul_vec(m->inertia, quat_unrotate(q, mean_w)));
+    int parts = (int)real_clamp(ceil(vec3_length(mean_w) * g->h / 0.1), 1, 256);
+    for (int k = 0; k < parts; k++)
+        q = turn(m, q, mean, g->h / parts);
+    g->pos[i].q = q;
+    g->vel[i].w = quat_rotate(q, mat3_mul_vec(m->inv_inertia, quat_unrotate(q, end)));
+    group_refresh_mass(g, i);
+}
+
+static void move(Group *g)
+{
+    for (int i = 0; i < g->body_count; i++) {
+        Member *m = &g->member[i];
+        if (m->moves) {
+            vec3 v = m->implicit_move ? g->vel[i].v : vec3_scale(0.5, vec3_add(m->start_vel.v, g->vel[i].v));
+            vec3 w = m->implicit_move ? g->vel[i].w : vec3_scale(0.5, vec3_add(m->start_vel.w, g->vel[i].w));
+            g->pos[i].x = vec3_mad(g->pos[i].x, g->h, v);
+            turn_body(g, i, w);
+        } else if (m->kinematic) {
+            g->pos[i].x = vec3_mad(g->pos[i].x, g->h, g->vel[i].v);
+            g->pos[i].q = quat_unit(quat_mul(quat_exp(vec3_scale(g->h, g->vel[i].w)), g->pos[i].q));
+        }
+    }
+}
+
+static void warm_start(Group *g)
+{
+    for (int i = 0; i < g->point_count; i++) {
+        PointRow *r = &g->points[i];
+        dir_apply(g, &r->n, r->a, r->b, r->jn);
+        dir_apply(g, &r->t[0], r->a, r->b, r->jt[0]);
+        dir_apply(g, &r->t[1], r->a, r->b, r->jt[1]);
+    }
+    for (int i = 0; i < g->roll_count; i++) {
+        RollRow *r = &g->rolls[i];
+        g->vel[r->a].w = vec3_sub(g->vel[r->a].w, mat3_mul_vec(g->mass[r->a].ii, r->j));
+        g->vel[r->b].w = vec3_add(g->vel[r->b].w, mat3_mul_vec(g->mass[r->b].ii, r->j));
+    }
+    for (int i = 0; i < g->row_count; i++)
+        joint_row_warm(g, &g->rows[i]);
+}
+
+/* Which bodies have rows, and whether the mean velocity is good enough to move them. */
+static void mark_constrained(Group *g)
+{
+    for (int i = 0; i < g->point_count; i++) {
+        const PointRow *r = &g->points[i];
+        if (!(r->jn > 0))
+            continue;               /* it could have touched, but did not: free flight */
+        bool rough = !g->locate || r->target < 0 || r->rate_before < -1e-6;
+        for (int k = 0; k < 2; k++) {
+            Member *m = &g->member[k ? r->b : r->a];
+            m->constrained = true;
+            m->implicit_move = m->implicit_move || rough;
+        }
+    }
+    for (int i = 0; i < g->row_count; i++) {
+        const JointRow *r = &g->rows[i];
+        for (int k = 0; k < r->row.count; k++)
+            if (r->row.body[k] >= 0) {
+                Member *m = &g->member[r->row.body[k]];
+                m->constrained = true;
+                m->implicit_move = m->implicit_move || r->row.kind == ROW_SOFT || !g->locate;
+            }
+    }
+}
+
+/* ---- bookkeeping after a substep: forces remembered, energy booked, sleepers that were pushed ---- */
+
+static vec3 mean_point_velocity(const Group *g, int body, vec3 at)
+{
+    const Member *m = &g->member[body];
+    vec3 v = g->vel[body].v, w = g->vel[body].w;
+    if (m->moves) {
+        v = vec3_scale(0.5, vec3_add(v, m->start_vel.v));
+        w = vec3_scale(0.5, vec3_add(w, m->start_vel.w));
+    }
+    return vec3_add(v, vec3_cross(w, vec3_sub(at, g->pos[body].x)));
+}
+
+static void book_point(Group *g, PointRow *r)
+{
+    GroupContact *c = &g->contacts[r->contact];
+    const ManifoldPoint *p = &c->manifold.points[r->point];
+    vec3 tangent = vec3_add(vec3_scale(r->jt[0], r->t[0].n), vec3_scale(r->jt[1], r->t[1].n));
+    vec3 impulse = vec3_mad(tangent, r->jn, c->manifold.normal);
+    c->memory[r->point].normal = r->jn / g->h;
+    c->memory[r->point].tangent = vec3_scale(1 / g->h, tangent);
+    c->impulse = vec3_add(c->impulse, impulse);
+    c->point_sum = vec3_mad(c->point_sum, r->jn, p->a);
+    c->point_weight += r->jn;
+    c->sliding = r->slides;
+    vec3 va = mean_point_velocity(g, r->a, p->a), vb = mean_point_velocity(g, r->b, p->a);
+    g->lost -= vec3_dot(impulse, vec3_sub(vb, va));
+    if (g->member[r->a].kinematic)
+        g->work_in += vec3_dot(impulse, va);
+    if (g->member[r->b].kinematic)
+        g->work_in -= vec3_dot(impulse, vb);
+    if (r->jn > 0)
+        for (int k = 0; k < 2; k++) {
+            Member *m = &g->member[k ? r->b : r->a];
+            if (m->dormant)
+                m->pushed = g->woke = true;
+        }
+}
+
+static void book_roll(Group *g, RollRow *r)
+{
+    g->contacts[r->contact].rolling = vec3_scale(1 / g->h, r->j);
+    const Member *a = &g->member[r->a], *b = &g->member[r->b];
+    vec3 wa = a->moves ? vec3_scale(0.5, vec3_add(g->vel[r->a].w, a->start_vel.w)) : g->vel[r->a].w;
+    vec3 wb = b->moves ? vec3_scale(0.5, vec3_add(g->vel[r->b].w, b->start_vel.w)) : g->vel[r->b].w;
+    g->lost -= vec3_dot(r->j, vec3_sub(wb, wa));
+}
+
+static real mean_row_rate(const Group *g, const Row *r)
+{
+    real rate = 0;
+    for (int k = 0; k < r->count; k++) {
+        int b = r->body[k];
+        if (b < 0)
+            continue;
+        const Member *m = &g->member[b];
+        vec3 v = g->vel[b].v, w = g->vel[b].w;
+        if (m->moves) {
+            v = vec3_scale(0.5, vec3_add(v, m->start_vel.v));
+            w = vec3_scale(0.5, vec3_add(w, m->start_vel.w));
+        }
+        rate += vec3_dot(r->lin[k], v) + vec3_dot(r->ang[k], w);
+    }
+    return rate;
+}
+
+static void book_joint(Group *g, const JointBlock *b)
+{
+    GroupJoint *j = &g->joints[b->joint];
+    memset(j->force, 0, sizeof j->force);
+    for (int i = 0; i < b->count; i++) {
+        const JointRow *r = &g->rows[b->first + i];
+        j->force[r->row.slot] = r->p / g->h;
+        for (int k = 0; k < r->row.count; k++)
+            if (r->row.body[k] == j->a && j->a >= 0) {
+                j->impulse = vec3_mad(j->impulse, r->p, r->row.lin[k]);
+                j->angular_impulse = vec3_mad(j->angular_impulse, r->p, r->row.ang[k]);
+            }
+        if (r->row.kind == ROW_DRY || r->row.kind == ROW_MOTOR) {
+            real work = r->p * mean_row_rate(g, &r->row);
+            *(r->row.kind == ROW_DRY ? &g->lost : &g->work_in) += r->row.kind == ROW_DRY ? -work : work;
+        }
+        if (r->row.kind == ROW_SOFT) {
+            real rate = mean_row_rate(g, &r->row);
+            g->lost += r->row.damping * rate * rate * g->h;
+        }
+    }
+}
+
+static void book(Group *g)
+{
+    for (int i = 0; i < g->point_count; i++)
+        book_point(g, &g->points[i]);
+    for (int i = 0; i < g->roll_count; i++)
+        book_roll(g, &g->rolls[i]);
+    for (int i = 0; i < g->block_count; i++)
+        book_joint(g, &g->blocks[i]);
+    for (int i = 0; i < g->push_count; i++) {
+        const GroupPush *p = &g->pushes[i];
+        const Member *m = &g->member[p->body];
+        vec3 at = p->has_at ? vec3_add(g->pos[p->body].x, quat_rotate(g->pos[p->body].q, p->at)) : g->pos[p->body].x;
+        vec3 w = vec3_scale(0.5, vec3_add(g->vel[p->body].w, m->start_vel.w));
+        real work = g->h * (vec3_dot(p->force, mean_point_velocity(g, p->body, at)) + vec3_dot(p->torque, w));
+        g->push_work[p->body] += work;
+        g->work_in += work;
+    }
+}
+
+/* Points that took no part in this solve remember no force. */
+static void forget_idle(Group *g)
+{
+    for (int i = 0; i < g->contact_count; i++)
+        for (int k = 0; k < MANIFOLD_POINTS; k++) {
+            g->contacts[i].memory[k].normal = 0;
+            g->contacts[i].memory[k].tangent = vec3_zero();
+        }
+}
+
+static void restore(Group *g)
+{
+    for (int i = 0; i < g->moving_count; i++) {
+        g->pos[i] = g->member[i].start_pos;
+        g->vel[i] = g->member[i].start_vel;
+        group_refresh_mass(g, i);
+    }
+}
+
+static dig_status solve_substep(Group *g, int sweeps)
+{
+    for (int i = 0; i < g->moving_count; i++)
+        g->member[i].force = g->member[i].torque = vec3_zero();
+    DIG_TRY(g->stage(g, STAGE_FORCE));
+    predict(g);
+    g->point_count = g->roll_count = g->block_count = g->row_count = 0;
+    DIG_TRY(g->stage(g, STAGE_ROWS));
+    project(g);
+    warm_start(g);
+    relax(g, sweeps, g->plan->residual);
+    mark_constrained(g);
+    return g->status;
+}
+
+static int sweeps_for(const Group *g)
+{
+    int rows = g->contact_count + 2 * g->joint_count + 1;
+    return (int)real_clamp(20000.0 / rows, 4, g->plan->sweeps);
+}
+
+static dig_status substep(Group *g, real until)
+{
+    g->h = until - g->t;
+    DIG_TRY(solve_substep(g, sweeps_for(g)));
+    if (g->locate && g->events_left > 0) {
+        real hit = locate_impact(g);
+        if (hit < g->h * (1 - 1e-9)) {
+            restore(g);
+            g->h = real_max(hit, 1e-9 * g->h);
+            until = g->t + g->h;
+            DIG_TRY(solve_substep(g, sweeps_for(g)));
+        }
+        if (hit <= g->h) {
+            g->events_left--;
+            g->located++;
+        }
+    }
+    forget_idle(g);
+    book(g);
+    if (g->woke)
+        return DIG_OK;          /* this try is thrown away: the sleeper wakes and the step starts again */
+    move(g);
+    g->t = until;
+    g->substeps++;
+    return g->stage(g, STAGE_FLOW);
+}
+
+static dig_status reserve(Group *g)
+{
+    int points = 0;
+    for (int i = 0; i < g->contact_count; i++)
+        points += MANIFOLD_POINTS;
+    g->point_capacity = points;
+    g->strike_capacity = g->plan->events + g->pair_count;
+    g->points = arena_alloc(g->arena, (size_t)(points + 1) * sizeof *g->points);
+    g->rolls = arena_alloc(g->arena, (size_t)(g->contact_count + 1) * sizeof *g->rolls);
+    g->blocks = arena_alloc(g->arena, (size_t)(g->joint_count + 1) * sizeof *g->blocks);
+    g->rows = arena_alloc(g->arena, (size_t)(g->joint_count * JOINT_SLOTS + 1) * sizeof *g->rows);
+    g->strikes = arena_alloc(g->arena, (size_t)(g->strike_capacity + 1) * sizeof *g->strikes);
+    return g->points && g->rolls && g->blocks && g->rows && g->strikes ? DIG_OK : DIG_E_MEMORY;
+}
+
+static void measure(Group *g)
+{
+    for (int i = 0; i < g->contact_count; i++)
+        for (int k = 0; g->contacts[i].live && k < g->contacts[i].manifold.count; k++)
+            g->penetration = real_max(g->penetration, -g->contacts[i].manifold.points[k].gap);
+    if (g->joint_count == 0)
+        return;
+    group_build_joints(g);
+    for (int i = 0; i < g->row_count; i++)
+        if (g->rows[i].row.kind == ROW_HARD)
+            g->joint_error = real_max(g->joint_error, fabs(g->rows[i].row.error));
+}
+
+dig_status sweep_advance(Group *g, real dt)
+{
+    DIG_TRY(reserve(g));
+    real part = dt / g->plan->substeps;
+    /* A bounce is over when it would rise less than a hundred-thousandth of the size of what bounces. */
+    real size = INFINITY;
+    for (int i = 0; i < g->pair_count; i++)
+        size = real_min(size, g->pairs[i].size);
+    g->close_speed = isfinite(size) ? sqrt(2e-5 * size * vec3_length(g->gravity)) + 1e-9 * size : 0;
+    g->locate = g->moving_count <= g->plan->events_bodies;
+    g->events_left = int_min(g->plan->events, int_max(4, 4000 / (g->pair_count + 1)));
+    g->h = part;
+    group_touch(g, part, false);
+    impacts(g);
+    for (int k = 0; k < g->plan->substeps && !g->woke; k++) {
+        real until = k + 1 < g->plan->substeps ? part * (k + 1) : dt;
+        while (g->t < until && !g->woke) {
+            DIG_TRY(substep(g, until));
+            if (g->woke)
+                break;
+            group_touch(g, part, true);
+            impacts(g);
+            if (g->status != DIG_OK)
+                return g->status;
+        }
+    }
+    if (!g->woke) {
+        measure(g);
+        DIG_TRY(g->stage(g, STAGE_SETTLE));
+    }
+    return g->status;
+}

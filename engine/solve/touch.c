@@ -1,0 +1,99 @@
+/* solve/touch.c - contacts of the present positions: manifolds, and what their points remember. */
+#include "solve/group.h"
+
+#define PIECES 8
+
+/* Keeps the forces of points that are still the same features. */
+static void keep_memory(GroupContact *c, const Manifold *old, const PointMemory old_memory[MANIFOLD_POINTS])
+{
+    for (int i = 0; i < c->manifold.count; i++) {
+        c->memory[i] = (PointMemory){.feature = c->manifold.points[i].feature};
+        for (int k = 0; k < old->count; k++)
+            if (old->points[k].feature == c->manifold.points[i].feature) {
+                c->memory[i] = old_memory[k];
+                break;
+            }
+    }
+}
+
+/* A plane has no rim: it does not spin either. */
+static real rim_speed(const Vel *v, const Member *m)
+{
+    real spin = vec3_length(v->w);
+    return spin > 0 && isfinite(m->outer) ? spin * m->outer : 0;
+}
+
+/* The farthest the two solids can close on each other in `time`: what contacts must look ahead for. */
+static real pair_reach(const Group *g, const GroupPair *q, real time)
+{
+    const Vel *a = &g->vel[q->a], *b = &g->vel[q->b];
+    real closing = vec3_length(vec3_sub(b->v, a->v)) + rim_speed(a, &g->member[q->a]) + rim_speed(b, &g->member[q->b]);
+    return closing * time + vec3_length(g->gravity) * time * time + 0.01 * q->size;
+}
+
+static bool far_apart(const GroupPair *q, pose pa, pose pb, real reach)
+{
+    return vec3_length(vec3_sub(pb.p, pa.p)) - q->sa->outer - q->sb->outer > reach;    /* infinite outer: never */
+}
+
+/* A mesh pair has one contact per touching piece; each keeps the memory of its piece. */
+static void touch_pieces(Group *g, GroupPair *q, const Manifold *found, const uint32_t *pieces, int count)
+{
+    GroupContact old[PIECES];
+    int contacts = int_min(q->contacts, PIECES);
+    memcpy(old, &g->contacts[q->contact], (size_t)contacts * sizeof *old);
+    for (int i = 0; i < contacts; i++) {
+        GroupContact *c = &g->contacts[q->contact + i];
+        c->live = i < count;
+        c->manifold.count = 0;
+        if (!c->live)
+            continue;
+        c->piece = pieces[i];
+        c->manifold = found[i];
+        c->rolling = vec3_zero();
+        Manifold none = {.count = 0};
+        keep_memory(c, &none, old[0].memory);
+        for (int k = 0; k < contacts; k++)
+            if (old[k].live && old[k].piece == pieces[i]) {
+                keep_memory(c, &old[k].manifold, old[k].memory);
+                c->rolling = old[k].rolling;
+                break;
+            }
+    }
+}
+
+static void touch_pair(Group *g, GroupPair *q, real time)
+{
+    pose pa = group_shape_pose(g, q->a, q->la), pb = group_shape_pose(g, q->b, q->lb);
+    real reach = pair_reach(g, q, time);
+    q->fresh = false;
+    if (q->contacts == 1) {
+        GroupContact *c = &g->contacts[q->contact];
+        Manifold old = c->manifold;
+        PointMemory old_memory[MANIFOLD_POINTS];
+        memcpy(old_memory, c->memory, sizeof old_memory);
+        uint32_t piece;
+        c->manifold.count = 0;
+        if (!far_apart(q, pa, pb, reach))
+            manifold_collide(q->sa, pa, q->sb, pb, reach, &q->cache, &c->manifold, &piece, 1);
+        c->live = c->manifold.count > 0;
+        keep_memory(c, &old, old_memory);
+        return;
+    }
+    Manifold found[PIECES];
+    uint32_t pieces[PIECES];
+    int count = manifold_collide(q->sa, pa, q->sb, pb, reach, &q->cache, found, pieces, int_min(q->contacts, PIECES));
+    touch_pieces(g, q, found, pieces, count);
+}
+
+static bool pair_moves(const Group *g, const GroupPair *q)
+{
+    return g->member[q->a].moves || g->member[q->b].moves || g->member[q->a].kinematic || g->member[q->b].kinematic;
+}
+
+void group_touch(Group *g, real time, bool all)
+{
+    for (int i = 0; i < g->pair_count; i++)
+        if (g->pairs[i].fresh || (all && pair_moves(g, &g->pairs[i])))
+            touch_pair(g, &g->pairs[i], time);
+}

@@ -1,0 +1,136 @@
+/* step/advance.c - groups are advanced on private copies, in parallel, and checked. */
+#include "step/step.h"
+
+/* ---- the effects of a stage ---- */
+
+static bool vel_finite(const Vel *v) { return vec3_finite(v->v) && vec3_finite(v->w); }
+
+/* Blame mode: the first effect after which something is not finite. */
+static bool find_culprit(Group *g, const char *effect, bool forces)
+{
+    for (int i = 0; i < g->moving_count && g->culprit < 0; i++) {
+        const Member *m = &g->member[i];
+        bool fine = vec3_finite(g->pos[i].x) && quat_finite(g->pos[i].q) && vel_finite(&g->vel[i]);
+        if (forces)
+            fine = fine && vec3_finite(m->force) && vec3_finite(m->torque);
+        if (m->moves && !fine) {
+            g->culprit = i;
+            g->culprit_effect = effect;
+        }
+    }
+    return g->culprit >= 0;
+}
+
+static dig_status run_stage(Group *g, int stage)
+{
+    const World *w = g->world;
+    if (g->blame && find_culprit(g, stage == STAGE_FORCE ? "state" : "solver", false))
+        return DIG_E_FINITE;
+    for (int i = 0; i < w->effect_count; i++) {
+        const EffectSlot *slot = &w->effects[i];
+        if (!(g->effects & 1u << i) || !slot->type->run[stage])
+            continue;
+        DIG_TRY(slot->type->run[stage](slot->state, g));
+        if (g->blame && find_culprit(g, slot->type->name, stage == STAGE_FORCE))
+            return DIG_E_FINITE;
+    }
+    return DIG_OK;
+}
+
+/* ---- one group ---- */
+
+static void call_effects(Group *g)
+{
+    const World *w = g->world;
+    for (int i = 0; i < w->effect_count; i++)
+        if (w->effects[i].on && w->effects[i].type->wanted(w, g))
+            g->effects |= 1u << i;
+}
+
+typedef struct Context { World *w; Step *s; bool blame; } Context;
+
+static void advance_one(void *context, int i, Arena *arena)
+{
+    Context *c = context;
+    const struct StepGroup *part = &c->s->parts[i];
+    Group *g = &c->s->groups[i];
+    memset(g, 0, sizeof *g);
+    g->plan = &accuracy_plans[part->plan];
+    g->stage = run_stage;
+    g->blame = c->blame;
+    g->status = group_gather(g, c->w, c->s->digs + part->dig_first, part->dig_count, c->s->pairs + part->pair_first, part->pair_count, arena);
+    if (g->status != DIG_OK)
+        return;
+    call_effects(g);
+    g->status = group_advance(g, c->s->dt);
+}
+
+static dig_status wake_pushed(World *w, const Step *s)
+{
+    bool woke = false;
+    for (int i = 0; i < s->count; i++) {
+        const Group *g = &s->groups[i];
+        for (int k = 0; g->woke && k < g->moving_count; k++)
+            if (g->member[k].pushed) {
+                body_wake(w, g->member[k].slot);
+                woke = true;
+            }
+    }
+    return woke ? DIG_E_BUSY : DIG_OK;
+}
+
+static dig_status name_culprit(World *w, const Group *g)
+{
+    const char *effect = g->culprit_effect ? g->culprit_effect : "solver";
+    const Body *b = g->culprit >= 0 ? &w->bodies.data[g->member[g->culprit].slot] : NULL;
+    return world_fail(w, DIG_E_FINITE, "at t = %g s effect '%s' gave body '%s' a non-finite %s", world_time(w), effect, b ? b->name : "?",
+                      strcmp(effect, "solver") == 0 || strcmp(effect, "state") == 0 ? "velocity" : "force");
+}
+
+dig_status advance_groups(World *w, Step *s)
+{
+    Context c = {w, s, false};
+    if (w->workers)
+        workers_run(w->workers, &w->scratch, advance_one, &c, s->count);
+    else
+        for (int i = 0; i < s->count; i++)
+            advance_one(&c, i, &w->scratch);
+    for (int i = 0; i < s->count; i++) {
+        dig_status status = s->groups[i].status;
+        if (status == DIG_E_MEMORY)
+            return world_fail(w, status, "at t = %g s: not enough memory for a group of %d bodies", world_time(w), s->groups[i].moving_count);
+        if (status != DIG_OK && status != DIG_E_FINITE)
+            return status;
+    }
+    return wake_pushed(w, s);
+}
+
+/* ---- the finite check ---- */
+
+static bool group_finite(Group *g)
+{
+    for (int i = 0; i < g->moving_count; i++)
+        if (g->member[i].moves && !(vec3_finite(g->pos[i].x) && quat_finite(g->pos[i].q) && vel_finite(&g->vel[i])))
+            return false;
+    for (int i = 0; i < g->joint_count; i++)
+        if (!vec3_finite(g->joints[i].impulse) || !vec3_finite(g->joints[i].angular_impulse))
+            return false;
+    return g->status == DIG_OK;
+}
+
+/* One pass a step; only after a hit is the group advanced again in blame mode, checking after each effect. That works because a
+ * failed step changed nothing. */
+dig_status check_finite(World *w, Step *s)
+{
+    for (int i = 0; i < s->count; i++) {
+        if (group_finite(&s->groups[i]))
+            continue;
+        Context c = {w, s, true};
+        advance_one(&c, i, &w->scratch);
+        if (s->groups[i].culprit < 0)
+            find_culprit(&s->groups[i], "solver", false);
+        w->stats.rejected++;
+        return name_culprit(w, &s->groups[i]);
+    }
+    return DIG_OK;
+}

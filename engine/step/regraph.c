@@ -1,0 +1,234 @@
+/* step/regraph.c - touches begin and end; DIGs merge and split; overloaded joints break.
+ *
+ * A contact that is still there at the end of the step is a link. A bounce
+ * within the step makes no lasting link: on a body at rest none at all (one
+ * update when the ball comes to rest, none per bounce), between two moving
+ * bodies one that lives a single step.
+ */
+#include "step/step.h"
+
+static uint8_t pair_wall(const World *w, const Pair *p) { return w->solids.data[p->solid_a].wall | w->solids.data[p->solid_b].wall; }
+
+/* All that regraph may need: a touch and a link for each pair of this step. */
+dig_status reserve_regraph(World *w, const Step *s)
+{
+    int pairs = 0;
+    for (int i = 0; i < s->count; i++)
+        pairs += s->groups[i].pair_count;
+    DIG_TRY(list_reserve(&w->touches, w->touches.count + pairs, &w->allocations));
+    DIG_TRY(list_reserve(&w->free_touches, w->touches.capacity, &w->allocations));
+    DIG_TRY(list_reserve(&w->brief, w->touches.capacity, &w->allocations));
+    DIG_TRY(map_reserve(&w->touch_map, w->touches.capacity));
+    DIG_TRY(list_reserve(&w->pending, w->pending.count + 8 * pairs + 4 * w->awake.count + 64, &w->allocations));
+    return graph_reserve(w->graph, w->bodies.capacity, w->touches.capacity + w->joints.capacity);
+}
+
+static bool is_dynamic(const World *w, uint32_t body) { return body != NONE && w->bodies.data[body].kind == DIG_DYNAMIC; }
+
+static void begin_link(World *w, uint32_t touch)
+{
+    Touch *t = &w->touches.data[touch];
+    uint32_t a = t->body_a, b = t->body_b;
+    if (t->link != NONE || b == NONE)
+        return;                             /* a wall has no body: a touch, but no link */
+    bool bound = !is_dynamic(w, a) || !is_dynamic(w, b);
+    if (bound && !is_dynamic(w, a)) {       /* the static end comes second */
+        uint32_t x = a;
+        a = b;
+        b = x;
+    }
+    if (graph_link_add(w->graph, a, b, bound, DIG_LINK_CONTACT, touch, world_time(w), &t->link) != DIG_OK) {
+        t->link = NONE;
+        return;
+    }
+    dig_event *e = event_post(w, DIG_EVENT_LINK, t->body_a, t->body_b);
+    if (e)
+        e->link = DIG_LINK_CONTACT;
+}
+
+static void end_link(World *w, Touch *t)
+{
+    if (t->link == NONE)
+        return;
+    graph_link_remove(w->graph, t->link);
+    t->link = NONE;
+    dig_event *e = event_post(w, DIG_EVENT_UNLINK, t->body_a, t->body_b);
+    if (e)
+        e->link = DIG_LINK_CONTACT;
+}
+
+static void fill_event(dig_event *e, const GroupPair *q, uint8_t wall, real time, real speed, real impulse)
+{
+    if (!e)
+        return;
+    e->time = time;
+    e->wall = wall;
+    e->speed = speed;
+    e->impulse = impulse;
+    e->point = q->struck_point;
+    e->normal = q->struck_normal;
+}
+
+/* A collision message to each member of the DIG of every body that was struck by something outside its DIG. */
+static void tell_members(World *w, uint32_t struck, uint32_t striker, real time, real speed)
+{
+    if (!is_dynamic(w, struck))
+        return;
+    uint32_t id = graph_of(w->graph, struck);
+    if (striker != NONE && is_dynamic(w, striker) && graph_of(w->graph, striker) == id)
+        return;
+    vec3 from = striker == NONE ? vec3_zero() : w->bodies.data[striker].x;
+    for (uint32_t m = graph_first(w->graph, id); m != NONE; m = graph_next(w->graph, m)) {
+        Body *b = &w->bodies.data[m];
+        dig_message message = {.time = time, .from = body_handle(w, striker), .to = body_handle(w, m), .kind = "collision", .value = {speed}};
+        bool plane = striker == NONE || !isfinite(w->bodies.data[striker].outer);
+        message.direction = plane ? vec3_zero() : vec3_sub(b->x, from);
+        b->message_id = message_post(&w->messages, &message);
+        b->message_time = time;
+        b->message_from = message.from;
+        memcpy(b->message_kind, message.kind, sizeof b->message_kind);
+    }
+}
+
+static void strikes_of(World *w, const Group *g, real start)
+{
+    for (int i = 0; i < g->strike_count; i++) {
+        const Strike *k = &g->strikes[i];
+        const GroupPair *q = &g->pairs[k->pair];
+        const Pair *p = &w->pairs.data[q->slot];
+        dig_event *e = event_post(w, DIG_EVENT_IMPACT, p->body_a, p->body_b);
+        fill_event(e, q, pair_wall(w, p), start + k->time, k->speed, k->impulse);
+        if (e) {
+            e->point = k->point;
+            e->normal = k->normal;
+        }
+        tell_members(w, p->body_a, p->body_b, start + k->time, k->speed);
+        tell_members(w, p->body_b, p->body_a, start + k->time, k->speed);
+        w->stats.events++;
+    }
+}
+
+/* Begin, end, or a bounce of one pair. Additions to the graph only; ends are noted in w->brief for later. */
+static void touch_pair(World *w, const Group *g, const GroupPair *q, bool was, real start)
+{
+    Pair *p = &w->pairs.data[q->slot];
+    uint8_t wall = pair_wall(w, p);
+    bool now = p->touching;
+    if (!now && !was && !q->struck)
+        return;
+    uint32_t slot;
+    if (touch_find_or_add(w, p->body_a, p->body_b, wall, &slot) != DIG_OK)
+        return;
+    Touch *t = &w->touches.data[slot];
+    bool fresh = t->pairs == 0 && !t->brief && t->began <= 0 && t->link == NONE;
+    t->pairs += (int)now - (int)was;
+    real time = start + (q->struck ? q->struck_time : g->t);
+    real speed = q->struck ? q->struck_speed : q->approach;
+    if (fresh && (now || q->struck)) {
+        t->began = time + 1e-300;           /* > 0: has begun, even at t = 0 */
+        t->speed = speed;
+        t->impulse = q->struck_impulse;
+        fill_event(event_post(w, DIG_EVENT_CONTACT_BEGIN, p->body_a, p->body_b), q, wall, time, speed, q->struck_impulse);
+    }
+    if (t->pairs > 0) {
+        begin_link(w, slot);
+        return;
+    }
+    /* ended, or a bounce: remembered until the end of this step's regraph, or of the next one's */
+    const Body *a = p->body_a == NONE ? NULL : &w->bodies.data[p->body_a], *b = p->body_b == NONE ? NULL : &w->bodies.data[p->body_b];
+    bool both_move = a && b && is_dynamic(w, p->body_a) && is_dynamic(w, p->body_b) && q->both_moved;
+    if (q->struck && both_move)
+        begin_link(w, slot);
+    if (!t->brief && w->brief.count < w->brief.capacity) {
+        t->brief = true;
+        t->bounced = q->struck && both_move;
+        w->brief.data[w->brief.count++] = slot;
+    }
+}
+
+/* Touches that are over give up their link; a bounce of two moving bodies keeps it for one step. */
+static void end_touches(World *w, real start, real dt)
+{
+    int n = 0;
+    for (int i = 0; i < w->brief.count; i++) {
+        uint32_t slot = w->brief.data[i];
+        Touch *t = &w->touches.data[slot];
+        if (!t->alive)
+            continue;
+        if (t->pairs > 0) {
+            t->brief = t->bounced = false;
+            continue;
+        }
+        if (t->bounced) {
+            t->bounced = false;
+            w->brief.data[n++] = slot;
+            continue;
+        }
+        end_link(w, t);
+        dig_event *e = event_post(w, DIG_EVENT_CONTACT_END, t->body_a, t->body_b);
+        if (e) {
+            e->time = start + dt;
+            e->wall = t->wall;
+        }
+        touch_remove(w, slot);
+    }
+    w->brief.count = n;
+}
+
+static void joints_of(World *w, const Group *g)
+{
+    for (int i = 0; i < g->joint_count; i++) {
+        const GroupJoint *j = &g->joints[i];
+        JointRec *r = &w->joints.data[j->slot];
+        const JointType *type = r->type;
+        bool limit = type->at_limit && type->at_limit(&j->view);
+        if (limit && !r->at_limit) {
+            dig_event *e = event_post(w, DIG_EVENT_LIMIT_REACHED, r->a, r->b);
+            if (e)
+                e->joint = joint_handle(w, j->slot);
+        }
+        r->at_limit = limit;
+    }
+}
+
+/* The weakest first: of the joints of one group that are over their limit, the one with the largest share breaks. */
+static void break_worst(World *w, const Group *g)
+{
+    uint32_t worst = NONE;
+    real share = 1;
+    for (int i = 0; i < g->joint_count; i++) {
+        const JointRec *r = &w->joints.data[g->joints[i].slot];
+        real s = r->alive && r->breaks_at > 0 ? vec3_length(r->force) / r->breaks_at : 0;
+        if (s > share) {
+            share = s;
+            worst = g->joints[i].slot;
+        }
+    }
+    if (worst == NONE)
+        return;
+    JointRec *r = &w->joints.data[worst];
+    dig_event *e = event_post(w, DIG_EVENT_BROKEN, r->a, r->b);
+    if (e) {
+        e->joint = joint_handle(w, worst);
+        e->impulse = vec3_length(r->force) * w->def.step;
+    }
+    joint_remove(w, worst);
+}
+
+void regraph(World *w, const Step *s)
+{
+    real start = (real)(w->steps - 1) * s->dt;
+    for (int i = 0; i < s->count; i++)
+        strikes_of(w, &s->groups[i], start);
+    graph_begin(w->graph);
+    for (int i = 0; i < s->count; i++)
+        for (int k = 0; k < s->groups[i].pair_count; k++)
+            touch_pair(w, &s->groups[i], &s->groups[i].pairs[k], s->groups[i].pairs[k].was_touching, start);
+    end_touches(w, start, s->dt);
+    graph_end(w->graph);
+    post_graph_changes(w);
+    for (int i = 0; i < s->count; i++) {
+        joints_of(w, &s->groups[i]);
+        break_worst(w, &s->groups[i]);
+    }
+}

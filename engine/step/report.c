@@ -1,0 +1,122 @@
+/* step/report.c - events, residuals, expired pushes, the energy ledger. */
+#define _POSIX_C_SOURCE 200809L
+#include "step/step.h"
+
+#include <stdlib.h>
+#include <time.h>
+
+real cpu_us(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return 1e6 * (real)t.tv_sec + 1e-3 * (real)t.tv_nsec;
+}
+
+dig_status reserve_report(World *w)
+{
+    return list_reserve(&w->events, w->pending.capacity, &w->allocations);
+}
+
+static uint32_t slot_low(const dig_event *e) { return e->b.gen && e->b.slot < e->a.slot ? e->b.slot : e->a.slot; }
+static uint32_t slot_high(const dig_event *e) { return e->b.gen && e->b.slot < e->a.slot ? e->a.slot : e->b.slot; }
+
+static int compare_events(const void *a, const void *b)
+{
+    const dig_event *x = a, *y = b;
+    if (x->time != y->time)
+        return x->time < y->time ? -1 : 1;
+    if (x->kind != y->kind)
+        return x->kind < y->kind ? -1 : 1;
+    if (slot_low(x) != slot_low(y))
+        return slot_low(x) < slot_low(y) ? -1 : 1;
+    if (slot_high(x) != slot_high(y))
+        return slot_high(x) < slot_high(y) ? -1 : 1;
+    if (x->dig != y->dig)
+        return x->dig < y->dig ? -1 : 1;
+    return x->other_dig < y->other_dig ? -1 : x->other_dig > y->other_dig;
+}
+
+static void deliver_events(World *w)
+{
+    if (list_reserve(&w->events, w->pending.count, &w->allocations) != DIG_OK)
+        w->pending.count = int_min(w->pending.count, w->events.capacity);
+    if (w->pending.count > 0)
+        memcpy(w->events.data, w->pending.data, (size_t)w->pending.count * sizeof *w->events.data);
+    w->events.count = w->pending.count;
+    w->pending.count = 0;
+    if (w->events.count > 1)
+        qsort(w->events.data, (size_t)w->events.count, sizeof *w->events.data, compare_events);
+}
+
+/* A push that has ended wakes what it held; order of the rest is kept. */
+static void end_pushes(World *w)
+{
+    real now = world_time(w);
+    int n = 0;
+    for (int i = 0; i < w->pushes.count; i++) {
+        Push p = w->pushes.data[i];
+        if (p.until <= now + 1e-9 * w->def.step)
+            body_wake(w, p.body);
+        else
+            w->pushes.data[n++] = p;
+    }
+    w->pushes.count = n;
+}
+
+/* Bodies that left the room, or went farther than anyone looks. */
+#define WORLD_EDGE 1e4
+
+static void watch_edge(World *w)
+{
+    for (int i = 0; i < w->awake.count; i++) {
+        Body *b = &w->bodies.data[w->awake.data[i]];
+        if (b->kind != DIG_DYNAMIC || b->out)
+            continue;
+        vec3 d = w->has_room ? vec3_abs(vec3_sub(b->x, vec3_add(w->room.at, (vec3){0, 0.5 * w->room.size.y, 0}))) : vec3_abs(b->x);
+        vec3 edge = w->has_room ? vec3_scale(0.5, w->room.size) : (vec3){WORLD_EDGE, WORLD_EDGE, WORLD_EDGE};
+        if (d.x > edge.x || d.y > edge.y || d.z > edge.z) {
+            b->out = true;
+            event_post(w, DIG_EVENT_OUT_OF_WORLD, w->awake.data[i], NONE);
+        }
+    }
+}
+
+static void sum_groups(World *w, const Step *s)
+{
+    dig_stats *t = &w->stats;
+    t->groups = s->count;
+    t->iterations = t->substeps = t->located = 0;
+    t->residual = t->penetration = t->joint_error = 0;
+    for (int i = 0; i < s->count; i++) {
+        const Group *g = &s->groups[i];
+        t->iterations += g->sweeps;
+        t->substeps += g->substeps;
+        t->located += g->located;
+        t->residual = real_max(t->residual, g->residual);
+        t->penetration = real_max(t->penetration, g->penetration);
+        t->joint_error = real_max(t->joint_error, g->joint_error);
+        w->ledger.lost += g->lost;
+        w->ledger.work_in += g->work_in;
+    }
+}
+
+static void count_effects(World *w, const Step *s)
+{
+    for (int i = 0; i < w->effect_count; i++) {
+        EffectSlot *e = &w->effects[i];
+        e->bodies = 0;
+        for (int k = 0; k < s->count; k++)
+            if (s->groups[k].effects & 1u << i)
+                e->bodies += e->type->members ? e->type->members(&s->groups[k]) : s->groups[k].moving_count;
+    }
+}
+
+void report(World *w, const Step *s)
+{
+    sum_groups(w, s);
+    count_effects(w, s);
+    end_pushes(w);
+    watch_edge(w);
+    w->stats.steps = w->steps;
+    deliver_events(w);
+}

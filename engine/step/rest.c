@@ -1,0 +1,81 @@
+/* step/rest.c - who comes to rest, and which DIGs fall asleep.
+ *
+ * Rest is a mode, not a small speed: a body whose contacts or joints have held
+ * it still for two steps gets exactly zero velocity (constraint mode of the
+ * founding document). A DIG all of whose members are slow for half a second
+ * sleeps and costs nothing until something disturbs it.
+ */
+#include "step/step.h"
+
+/* m/s; solver noise of a body at rest is far below, real motion passes it within a step or two */
+#define REST_SPEED 1e-6
+/* m/s and s: slower than this for so long, and a DIG sleeps */
+#define SLEEP_SPEED 2e-3
+#define SLEEP_TIME 0.5
+
+static real speed_of(const Body *b) { return vec3_length(b->v) + vec3_length(b->w) * b->outer; }
+
+static bool is_held(const World *w, const Body *b)
+{
+    if (b->joint_first != NONE)
+        return true;
+    for (uint32_t s = b->shape_first; s != NONE; s = w->solids.data[s].next)
+        for (uint32_t l = w->solids.data[s].pair_first; l != NONE; l = w->pairs.data[l / 2].next[l % 2])
+            if (w->pairs.data[l / 2].touching)
+                return true;
+    return false;
+}
+
+static void settle(World *w, Body *b, real dt)
+{
+    real speed = speed_of(b);
+    b->still = speed < SLEEP_SPEED ? b->still + dt : 0;
+    if (speed < REST_SPEED && b->still >= 2 * dt && is_held(w, b)) {
+        b->v = b->w = vec3_zero();
+        b->mode = DIG_RESTING;
+    } else if (speed >= REST_SPEED) {
+        b->mode = DIG_MOVING;
+    }
+}
+
+/* A member that a mover carries, or that nothing holds, keeps its DIG awake. */
+static bool may_sleep(const World *w, uint32_t id)
+{
+    for (uint32_t m = graph_first(w->graph, id); m != NONE; m = graph_next(w->graph, m)) {
+        const Body *b = &w->bodies.data[m];
+        if (b->still < SLEEP_TIME || !is_held(w, b))
+            return false;
+    }
+    return true;
+}
+
+static void fall_asleep(World *w, uint32_t id)
+{
+    for (uint32_t m = graph_first(w->graph, id); m != NONE; m = graph_next(w->graph, m)) {
+        Body *b = &w->bodies.data[m];
+        b->awake = false;
+        b->mode = DIG_RESTING;
+        b->v = b->w = vec3_zero();
+        b->force = b->torque = vec3_zero();
+        event_post(w, DIG_EVENT_SLEPT, m, NONE);
+    }
+}
+
+void rest(World *w, real dt)
+{
+    for (int i = 0; i < w->awake.count; i++) {
+        Body *b = &w->bodies.data[w->awake.data[i]];
+        if (b->kind == DIG_DYNAMIC)
+            settle(w, b, dt);
+    }
+    if (!w->def.sleeping)
+        return;
+    for (int i = 0; i < w->awake.count; i++) {
+        uint32_t slot = w->awake.data[i];
+        const Body *b = &w->bodies.data[slot];
+        uint32_t id = graph_of(w->graph, slot);
+        /* asked once per DIG: at its first member */
+        if (b->kind == DIG_DYNAMIC && b->awake && b->still >= SLEEP_TIME && graph_first(w->graph, id) == slot && may_sleep(w, id))
+            fall_asleep(w, id);
+    }
+}

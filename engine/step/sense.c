@@ -1,0 +1,185 @@
+/* step/sense.c - whose boxes may meet in this step.
+ *
+ * Every awake solid gets a reach box: its bounds swept by its motion through
+ * the step and grown by what a neighbour's blow could add. Leaves of the tree
+ * hold fat boxes; only solids that left theirs ask the tree anew, and a pair
+ * lives while the fat boxes overlap.
+ */
+#include "step/step.h"
+
+#include <stdlib.h>
+
+static int compare_u32(const void *a, const void *b)
+{
+    uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+    return x < y ? -1 : x > y;
+}
+
+/* Drops from the list who fell asleep or stands still; ascending, so that results do not depend on who woke first. */
+static void tidy_awake(World *w)
+{
+    int n = 0;
+    bool sorted = true;
+    for (int i = 0; i < w->awake.count; i++) {
+        uint32_t slot = w->awake.data[i];
+        Body *b = &w->bodies.data[slot];
+        bool keep = b->alive && ((b->kind == DIG_DYNAMIC && b->awake) || b->kind == DIG_KINEMATIC);
+        if (!keep) {
+            b->listed = false;
+            continue;
+        }
+        sorted = sorted && (n == 0 || w->awake.data[n - 1] < slot);
+        w->awake.data[n++] = slot;
+    }
+    w->awake.count = n;
+    if (!sorted)
+        qsort(w->awake.data, (size_t)n, sizeof *w->awake.data, compare_u32);
+}
+
+/* m/s  Largest speed of any point of the body. */
+static real point_speed(const Body *b) { return vec3_length(b->v) + vec3_length(b->w) * b->outer; }
+
+static box3 reach_of(const World *w, const Solid *s, const Body *b, real dt)
+{
+    box3 box = s->shape.type->bounds(&s->shape, solid_pose(w, s));
+    if (b->kind == DIG_STATIC || (b->kind == DIG_DYNAMIC && !b->awake))
+        return box;
+    vec3 fall = vec3_scale(0.5 * dt * dt * b->gravity_scale, w->def.gravity);
+    box = box3_swept(box, vec3_mad(b->kind == DIG_DYNAMIC ? fall : vec3_zero(), dt, b->v));
+    real angle = real_min(2, vec3_length(b->w) * dt);
+    real arm = vec3_length(vec3_sub(s->at.p, b->centre)) + s->shape.outer;
+    /* a fast body may bounce anywhere within its speed; a slow one has the margin that contacts look ahead anyway */
+    real bounce = vec3_length(b->v) * dt > 0.25 * s->shape.inner ? vec3_length(b->v) * dt : 0;
+    return box3_grow(box, angle * arm + real_max(bounce, 0.02 * s->shape.outer + vec3_length(w->def.gravity) * dt * dt));
+}
+
+typedef struct Ask { World *w; uint32_t solid; dig_status status; } Ask;
+
+static bool found(void *context, uint32_t other)
+{
+    Ask *a = context;
+    World *w = a->w;
+    if (other == a->solid || !bodies_may_touch(w, &w->solids.data[a->solid], &w->solids.data[other]))
+        return true;
+    a->status = pair_add(w, a->solid, other);
+    return a->status == DIG_OK;
+}
+
+static dig_status ask(World *w, uint32_t solid)
+{
+    Solid *s = &w->solids.data[solid];
+    if (s->leaf < 0)
+        return DIG_OK;
+    Ask a = {w, solid, DIG_OK};
+    tree_query(&w->tree, tree_box(&w->tree, s->leaf), found, &a);
+    return a.status;
+}
+
+/* Planes are in no tree: they are compared with the boxes directly. */
+static bool plane_near(const World *w, uint32_t plane, box3 box)
+{
+    const Solid *p = &w->solids.data[plane];
+    pose at = solid_pose(w, p);
+    const PlaneData *def = p->shape.data;
+    vec3 n = quat_rotate(at.q, def->normal);
+    vec3 lowest = {n.x > 0 ? box.low.x : box.high.x, n.y > 0 ? box.low.y : box.high.y, n.z > 0 ? box.low.z : box.high.z};
+    return vec3_dot(n, vec3_sub(lowest, at.p)) <= def->offset;
+}
+
+static dig_status ask_planes(World *w, uint32_t solid)
+{
+    for (int i = 0; i < w->unbounded.count; i++) {
+        uint32_t plane = w->unbounded.data[i];
+        const Solid *s = &w->solids.data[solid], *p = &w->solids.data[plane];
+        if (plane != solid && s->leaf >= 0 && plane_near(w, plane, s->reach) && bodies_may_touch(w, s, p))
+            DIG_TRY(pair_add(w, solid, plane));
+    }
+    return DIG_OK;
+}
+
+/* A pair whose fat boxes have parted is forgotten. */
+static void drop_parted(World *w, uint32_t solid)
+{
+    for (uint32_t l = w->solids.data[solid].pair_first; l != NONE;) {
+        const Pair *p = &w->pairs.data[l / 2];
+        uint32_t next = p->next[l % 2], other = l % 2 ? p->solid_a : p->solid_b;
+        const Solid *o = &w->solids.data[other], *s = &w->solids.data[solid];
+        bool near = o->leaf < 0 ? plane_near(w, other, tree_box(&w->tree, s->leaf))
+                                : s->leaf >= 0 && box3_overlap(tree_box(&w->tree, s->leaf), tree_box(&w->tree, o->leaf));
+        if (!near || !bodies_may_touch(w, s, o))
+            pair_remove(w, l / 2);
+        l = next;
+    }
+}
+
+static dig_status sense_body(World *w, uint32_t slot, real dt)
+{
+    const Body *b = &w->bodies.data[slot];
+    for (uint32_t i = b->shape_first; i != NONE; i = w->solids.data[i].next) {
+        Solid *s = &w->solids.data[i];
+        s->reach = reach_of(w, s, b, dt);
+        if (s->leaf < 0)
+            continue;
+        bool inside = box3_inside(tree_box(&w->tree, s->leaf), s->reach);
+        if (!inside) {
+            tree_move(&w->tree, s->leaf, box3_grow(box3_swept(s->reach, vec3_scale(dt, b->v)), 0.1 * s->shape.outer));
+            s->asks = false;            /* asked below */
+        }
+        if (!inside) {
+            drop_parted(w, i);
+            DIG_TRY(ask(w, i));
+        }
+        DIG_TRY(ask_planes(w, i));
+    }
+    return DIG_OK;
+}
+
+/* A blow can hand a body the speed of what strikes it, twice at most for a heavy striker: reach grows along the pairs. */
+static dig_status spread_from(World *w, uint32_t solid, real far)
+{
+    for (uint32_t l = w->solids.data[solid].pair_first; l != NONE; l = w->pairs.data[l / 2].next[l % 2]) {
+        const Pair *p = &w->pairs.data[l / 2];
+        uint32_t other = l % 2 ? p->solid_a : p->solid_b;
+        Solid *o = &w->solids.data[other];
+        if (o->body == NONE || w->bodies.data[o->body].kind != DIG_DYNAMIC || !w->bodies.data[o->body].awake)
+            continue;
+        o->reach = box3_grow(o->reach, far);
+        if (o->leaf >= 0 && !box3_inside(tree_box(&w->tree, o->leaf), o->reach)) {
+            tree_move(&w->tree, o->leaf, o->reach);
+            DIG_TRY(ask(w, other));
+            DIG_TRY(ask_planes(w, other));
+        }
+    }
+    return DIG_OK;
+}
+
+static dig_status spread_speed(World *w, real dt)
+{
+    for (int i = 0; i < w->awake.count; i++) {
+        const Body *b = &w->bodies.data[w->awake.data[i]];
+        if (point_speed(b) * dt <= 0.25 * b->outer)
+            continue;
+        for (uint32_t s = b->shape_first; s != NONE; s = w->solids.data[s].next)
+            DIG_TRY(spread_from(w, s, 2 * point_speed(b) * dt));
+    }
+    return DIG_OK;
+}
+
+dig_status sense_pairs(World *w, real dt)
+{
+    tidy_awake(w);
+    for (int i = 0; i < w->asking.count; i++) {
+        Solid *s = &w->solids.data[w->asking.data[i]];
+        if (s->alive && s->asks) {
+            s->asks = false;
+            s->reach = s->leaf >= 0 ? tree_box(&w->tree, s->leaf) : s->reach;
+            drop_parted(w, w->asking.data[i]);
+            DIG_TRY(ask(w, w->asking.data[i]));
+            DIG_TRY(ask_planes(w, w->asking.data[i]));
+        }
+    }
+    w->asking.count = 0;
+    for (int i = 0; i < w->awake.count; i++)
+        DIG_TRY(sense_body(w, w->awake.data[i], dt));
+    return spread_speed(w, dt);
+}

@@ -1,0 +1,67 @@
+/* step/step.c - the order of things. */
+#include "step/step.h"
+
+/* Forms groups and advances them; a sleeper that something pushes wakes, and this is done again. Each round wakes at least one
+ * DIG, so that it ends. */
+static dig_status advance(World *w, Step *s)
+{
+    dig_status status;
+    do {
+        arena_reset(&w->scratch);
+        if (w->workers)
+            workers_reset(w->workers);
+        DIG_TRY(sense_pairs(w, s->dt));
+        DIG_TRY(form_groups(w, s));
+        status = advance_groups(w, s);
+    } while (status == DIG_E_BUSY);
+    return status;
+}
+
+static void commit(World *w, const Step *s)
+{
+    for (int i = 0; i < s->count; i++)
+        group_commit(w, &s->groups[i]);
+}
+
+/* Kinematic bodies that are on their way end the step exactly where they should be. */
+static void move_movers(World *w, real dt);
+
+/* Advances the world by one frame step. The order below is the whole story.
+ * If it fails, motion and effect state are those before the call. */
+dig_status step_world(World *w)
+{
+    Step s = {.dt = w->def.step};
+
+    DIG_TRY(reserve_report(w));         /* 0 memory for what may not fail later              */
+    DIG_TRY(advance(w, &s));            /* 1 whose boxes may meet, in which groups;          */
+                                        /*   each group on private copies                    */
+    DIG_TRY(check_finite(w, &s));       /* 2 all numbers finite, or name the culprit         */
+    DIG_TRY(reserve_regraph(w, &s));    /* 3 from here on nothing can fail                   */
+    commit(w, &s);                      /* 4 the copies become the world                     */
+    move_movers(w, s.dt);               /* 5 kinematic bodies                                */
+    w->steps++;
+    regraph(w, &s);                     /* 6 contacts begin and end, DIGs merge and split    */
+    rest(w, s.dt);                      /* 7 who comes to rest, who falls asleep             */
+    report(w, &s);                      /* 8 events, residuals, energy ledger                */
+    return DIG_OK;
+}
+
+static void move_movers(World *w, real dt)
+{
+    real end = (real)(w->steps + 1) * dt;
+    for (int i = 0; i < w->awake.count; i++) {
+        Body *b = &w->bodies.data[w->awake.data[i]];
+        if (b->kind != DIG_KINEMATIC)
+            continue;
+        b->prev_x = b->x;
+        b->prev_q = b->q;
+        b->x = vec3_mad(b->x, dt, b->v);
+        b->q = quat_unit(quat_mul(quat_exp(vec3_scale(dt, b->w)), b->q));
+        if (b->move_end > b->move_start && end >= b->move_end - 1e-9 * dt) {
+            b->x = b->move_to;
+            b->q = b->turn_to;
+            b->v = b->w = vec3_zero();
+            b->move_end = b->move_start - 1;
+        }
+    }
+}

@@ -1,0 +1,47 @@
+/* step/step.h - one frame step of a world.
+ *
+ * Floor: step. Includes base, math, geom, world, solve, joint, effect.
+ */
+#ifndef DIG_STEP_H
+#define DIG_STEP_H
+
+#include "effect/effect.h"
+
+/* Advances the world by one frame step, or leaves motion and effects as they were and says why. */
+dig_status step_world(World *w);
+
+typedef struct Step {           /* what the stages hand to each other; lives in the world's scratch memory */
+    real      dt;
+    uint32_t *digs;             /* DIGs of all groups, group by group       */
+    uint32_t *pairs;            /* pairs of all groups, group by group      */
+    struct StepGroup { int dig_first, dig_count, pair_first, pair_count, plan; } *parts;
+    Group    *groups;
+    int       count;
+} Step;
+
+/* sense.c */
+dig_status sense_pairs(World *w, real dt);          /* whose boxes may meet in this step                    */
+/* groups.c */
+dig_status form_groups(World *w, Step *s);          /* DIGs that may meet are advanced together             */
+/* advance.c */
+dig_status advance_groups(World *w, Step *s);       /* on private copies, in parallel; DIG_E_BUSY = a sleeper woke: form groups again */
+dig_status check_finite(World *w, Step *s);         /* all numbers finite, or name the culprit              */
+/* regraph.c */
+dig_status reserve_regraph(World *w, const Step *s);
+void       regraph(World *w, const Step *s);        /* touches begin and end; DIGs merge and split; breaks  */
+/* rest.c */
+void       rest(World *w, real dt);                 /* who comes to rest, who falls asleep                  */
+/* report.c */
+dig_status reserve_report(World *w);
+void       report(World *w, const Step *s);
+real       cpu_us(void);                            /* us of CPU time of this thread, for statistics only   */
+
+/* workers.c: runs job(context, i) for i in 0..count-1 on the world's threads; arenas[thread]. */
+typedef void Job(void *context, int i, Arena *arena);
+dig_status workers_open(int threads, struct Workers **out);
+void       workers_close(struct Workers *p);
+void       workers_run(struct Workers *p, Arena *own, Job *job, void *context, int count);
+void       workers_reset(struct Workers *p);        /* their arenas */
+size_t     workers_bytes(const struct Workers *p);
+
+#endif

@@ -1,0 +1,402 @@
+/* world/body.c - bodies and their solids: creation, removal, mass, boxes, waking. */
+#include "world/world.h"
+
+#include "geom/mass.h"
+
+#include <stdio.h>
+
+/* ---- solids ---- */
+
+/* Its box is to be compared with all others at the next step. */
+static void solid_ask(World *w, uint32_t slot)
+{
+    if (w->solids.data[slot].asks)
+        return;
+    w->solids.data[slot].asks = true;
+    w->asking.data[w->asking.count++] = slot;
+}
+
+dig_status solid_add(World *w, uint32_t body, const Shape *shape, pose at, vec3 centre, const Surface *surface, vec3 colour, uint32_t *slot)
+{
+    DIG_TRY(world_slot(w, &w->solids, &w->free_solids, slot));
+    Solid *s = &w->solids.data[*slot];
+    *s = (Solid){.alive = true, .body = body, .next = NONE, .shape = *shape, .at = at, .centre = centre, .surface = *surface,
+                 .colour = colour, .leaf = -1, .pair_first = NONE};
+    bool collides = body == NONE || w->bodies.data[body].collides;
+    if (!isfinite(shape->outer)) {
+        DIG_TRY(list_push(&w->unbounded, &w->allocations));
+        w->unbounded.data[w->unbounded.count - 1] = *slot;
+    } else if (collides) {
+        DIG_TRY(tree_insert(&w->tree, shape->type->bounds(shape, solid_pose(w, s)), *slot, &s->leaf));
+    }
+    /* room for every solid at once, so that asking cannot fail later */
+    DIG_TRY(list_reserve(&w->asking, w->solids.capacity, &w->allocations));
+    solid_ask(w, *slot);
+    return DIG_OK;
+}
+
+void solid_remove(World *w, uint32_t slot)
+{
+    Solid *s = &w->solids.data[slot];
+    pairs_of_solid_remove(w, slot);
+    if (s->leaf >= 0)
+        tree_remove(&w->tree, s->leaf);
+    for (int i = 0; i < w->unbounded.count; i++) {
+        if (w->unbounded.data[i] == slot) {
+            memmove(&w->unbounded.data[i], &w->unbounded.data[i + 1], (size_t)(w->unbounded.count - i - 1) * sizeof(uint32_t));
+            w->unbounded.count--;
+            break;
+        }
+    }
+    if (s->asks)
+        for (int i = 0; i < w->asking.count; i++)
+            if (w->asking.data[i] == slot)
+                w->asking.data[i] = w->asking.data[--w->asking.count];
+    shape_free(&s->shape);
+    s->alive = false;
+    slot_give(w, &w->free_solids, slot);
+}
+
+/* May these two solids ever touch? Not within one body, not when nothing of them can move, not across a joint that
+ * forbids it, not within a negative group. */
+bool bodies_may_touch(const World *w, const Solid *a, const Solid *b)
+{
+    if (a->body == b->body)
+        return false;
+    const Body *ba = a->body == NONE ? NULL : &w->bodies.data[a->body], *bb = b->body == NONE ? NULL : &w->bodies.data[b->body];
+    bool da = ba && ba->kind == DIG_DYNAMIC, db = bb && bb->kind == DIG_DYNAMIC;
+    if (!da && !db)
+        return false;
+    if ((ba && !ba->collides) || (bb && !bb->collides))
+        return false;
+    if (ba && bb && ba->group < 0 && ba->group == bb->group)
+        return false;
+    return !(ba && bb && joint_forbids_contact(w, a->body, b->body));
+}
+
+void body_refit(World *w, uint32_t slot)
+{
+    const Body *b = &w->bodies.data[slot];
+    for (uint32_t s = b->shape_first; s != NONE; s = w->solids.data[s].next) {
+        Solid *solid = &w->solids.data[s];
+        if (solid->leaf >= 0)
+            tree_move(&w->tree, solid->leaf, solid->shape.type->bounds(&solid->shape, solid_pose(w, solid)));
+        solid_ask(w, s);
+        for (uint32_t l = solid->pair_first; l != NONE; l = w->pairs.data[l / 2].next[l % 2])
+            w->pairs.data[l / 2].fresh = true;
+    }
+}
+
+/* ---- mass ---- */
+
+/* Scales mass and inertia to a new mass. */
+void body_set_mass(Body *b, real mass)
+{
+    real scale = mass / b->mass;
+    b->inertia = mat3_scale(scale, b->inertia);
+    b->inv_inertia = mat3_inverse(b->inertia);
+    b->density *= scale;
+    b->mass = mass;
+    b->inv_mass = 1 / mass;
+}
+
+/* Are the principal moments equal to rounding? Then the body feels no gyroscopic torque. */
+static bool is_isotropic(mat3 m)
+{
+    real size = 1e-12 * (m.r0.x + m.r1.y + m.r2.z);
+    return fabs(m.r0.x - m.r1.y) < size && fabs(m.r0.x - m.r2.z) < size && fabs(m.r0.y) < size && fabs(m.r0.z) < size && fabs(m.r1.z) < size;
+}
+
+static dig_status set_mass_from_shapes(World *w, Body *b, const dig_body_def *def, const Shape *shapes, const int *materials)
+{
+    MassProps sum = {0};
+    for (int i = 0; i < def->shape_count; i++) {
+        const ShapeType *type = shapes[i].type;
+        if (!type->mass)
+            return world_fail(w, DIG_E_ARG, "body '%s': a %s has no mass: make the body fixed or kinematic", b->name, type->name);
+        MassProps unit;
+        type->mass(&shapes[i], &unit);
+        if (!(unit.volume > 0))
+            return world_fail(w, DIG_E_ARG, "body '%s': its %s has volume %g m^3, must be > 0 (is the mesh closed?)", b->name, type->name, unit.volume);
+        real density = isnan(def->density) ? w->materials.data[materials[i]].def.density : def->density;
+        pose at = quat_norm2(def->shapes[i].at.q) > 0 ? def->shapes[i].at : (pose){def->shapes[i].at.p, quat_identity()};
+        mass_add(&sum, &unit, density, at);
+    }
+    b->centre = sum.centre;
+    b->mass = sum.volume;           /* mass_add weighs with density: "volume" is kg here */
+    b->inertia = sum.inertia;
+    b->density = b->mass;
+    real volume = 0;
+    for (int i = 0; i < def->shape_count; i++) {
+        MassProps unit;
+        shapes[i].type->mass(&shapes[i], &unit);
+        volume += unit.volume;
+    }
+    b->density = b->mass / volume;
+    body_set_mass(b, isnan(def->mass) ? b->mass : def->mass);
+    b->round_inertia = is_isotropic(b->inertia);
+    return DIG_OK;
+}
+
+/* ---- creation ---- */
+
+static dig_status check_def(const World *w, const dig_body_def *def)
+{
+    const char *name = def->name.s[0] ? def->name.s : "(no name)";
+    if (def->fixed && def->kinematic)
+        return world_fail(w, DIG_E_ARG, "body '%s': fixed and kinematic exclude each other", name);
+    if (!vec3_finite(def->at) || !vec3_finite(def->velocity) || !vec3_finite(def->spin) || !quat_finite(def->rotation))
+        return world_fail(w, DIG_E_ARG, "body '%s': at, rotation, velocity and spin must be finite", name);
+    if (!isnan(def->mass) && !(def->mass > 0 && isfinite(def->mass)))
+        return world_fail(w, DIG_E_ARG, "body '%s': mass = %g kg, must be > 0%s", name, def->mass,
+                          def->mass == 0 ? " (a body without mass is fixed = true or kinematic = true)" : "");
+    if (!isnan(def->density) && !(def->density > 0 && isfinite(def->density)))
+        return world_fail(w, DIG_E_ARG, "body '%s': density = %g kg/m^3, must be > 0", name, def->density);
+    if (!(quat_norm2(def->rotation) > 0.98 && quat_norm2(def->rotation) < 1.02))
+        return world_fail(w, DIG_E_ARG, "body '%s': rotation has length %g, must be 1", name, sqrt(quat_norm2(def->rotation)));
+    if (def->shape_count < 1 || def->shape_count > 4096)
+        return world_fail(w, DIG_E_ARG, "body '%s': %d shapes, must be 1..4096", name, def->shape_count);
+    if (def->material.s[0] && material_find(w, def->material.s) < 0)
+        return world_fail(w, DIG_E_ARG, "body '%s': there is no material '%s'", name, def->material.s);
+    return DIG_OK;
+}
+
+static dig_status make_shapes(World *w, const dig_body_def *def, Shape *shapes, int *materials)
+{
+    int base = def->material.s[0] ? material_find(w, def->material.s) : 0;
+    for (int i = 0; i < def->shape_count; i++) {
+        const dig_shape_def *s = &def->shapes[i];
+        char why[256] = "";
+        materials[i] = s->material.s[0] ? material_find(w, s->material.s) : base;
+        dig_status status = materials[i] < 0 ? DIG_E_ARG : shape_make(s->type, s->data, &shapes[i], why, sizeof why);
+        if (status == DIG_OK && !shapes[i].type->solid && !shapes[i].type->mass && !def->fixed && !def->kinematic) {
+            shape_free(&shapes[i]);
+            snprintf(why, sizeof why, "a %s has no mass: make the body fixed or kinematic", s->type);
+            status = DIG_E_ARG;
+        }
+        if (status != DIG_OK) {
+            while (--i >= 0)
+                shape_free(&shapes[i]);
+            return materials[0] < 0 || !why[0] ? world_fail(w, status, "body '%s': there is no material '%s'", def->name.s, s->material.s)
+                                               : world_fail(w, status, "body '%s': %s", def->name.s, why);
+        }
+    }
+    return DIG_OK;
+}
+
+static real outer_radius(const World *w, const Body *b)
+{
+    real outer = 0;
+    for (uint32_t s = b->shape_first; s != NONE; s = w->solids.data[s].next) {
+        const Solid *solid = &w->solids.data[s];
+        outer = real_max(outer, vec3_length(vec3_sub(solid->at.p, b->centre)) + solid->shape.outer);
+    }
+    return outer;
+}
+
+static dig_status attach_solids(World *w, uint32_t slot, const dig_body_def *def, const Shape *shapes, const int *materials)
+{
+    Body *b = &w->bodies.data[slot];
+    uint32_t *link = &b->shape_first;
+    for (int i = 0; i < def->shape_count; i++) {
+        pose at = def->shapes[i].at;
+        at.q = quat_norm2(at.q) > 0 ? quat_unit(at.q) : quat_identity();
+        Surface surface = {materials[i], def->friction, def->friction_dynamic, def->rolling_friction, def->restitution};
+        vec3 colour = def->shapes[i].colour.x >= 0 ? def->shapes[i].colour : def->colour;
+        uint32_t solid;
+        Shape kept = shape_keep(&shapes[i]);
+        dig_status s = solid_add(w, slot, &kept, at, pose_unpoint(at, b->centre), &surface, colour, &solid);
+        if (s != DIG_OK) {
+            shape_free(&kept);
+            return world_fail(w, s, "body '%s': not enough memory", b->name);
+        }
+        *link = solid;
+        link = &w->solids.data[solid].next;
+        b->shape_count++;
+    }
+    return DIG_OK;
+}
+
+static void fill_body(World *w, Body *b, const dig_body_def *def)
+{
+    b->alive = true;
+    b->awake = true;
+    b->collides = def->collides;
+    b->kind = def->fixed ? DIG_STATIC : def->kinematic ? DIG_KINEMATIC : DIG_DYNAMIC;
+    b->mode = def->fixed ? DIG_FIXED : DIG_MOVING;
+    memcpy(b->name, def->name.s, sizeof b->name);
+    b->q = quat_unit(def->rotation);
+    b->v = def->fixed ? vec3_zero() : def->velocity;
+    b->w = def->fixed ? vec3_zero() : def->spin;
+    b->gravity_scale = def->gravity_scale;
+    b->group = def->group;
+    b->colour = def->colour;
+    b->shape_first = b->joint_first = NONE;
+    b->inertia = b->inv_inertia = mat3_zero();
+    b->surface = (Surface){def->material.s[0] ? material_find(w, def->material.s) : 0, def->friction, def->friction_dynamic,
+                           def->rolling_friction, def->restitution};
+    b->move_end = -1;
+    b->euler = true;
+}
+
+static dig_status finish_body(World *w, uint32_t slot, const dig_body_def *def, const Shape *shapes, const int *materials)
+{
+    Body *b = &w->bodies.data[slot];
+    fill_body(w, b, def);
+    if (b->kind == DIG_DYNAMIC)
+        DIG_TRY(set_mass_from_shapes(w, b, def, shapes, materials));
+    b->x = vec3_add(def->at, quat_rotate(b->q, b->centre));
+    b->prev_x = b->x;
+    b->prev_q = b->q;
+    DIG_TRY(attach_solids(w, slot, def, shapes, materials));
+    b = &w->bodies.data[slot];
+    b->outer = outer_radius(w, b);
+    DIG_TRY(list_reserve(&w->awake, w->bodies.capacity, &w->allocations));
+    while (w->parent.count < w->bodies.capacity) {
+        DIG_TRY(list_push(&w->parent, &w->allocations));
+        w->parent.data[w->parent.count - 1] = NONE;
+    }
+    if (b->kind == DIG_DYNAMIC)
+        DIG_TRY(graph_node_add(w->graph, slot));
+    if (b->kind != DIG_STATIC)
+        body_list(w, slot);
+    return DIG_OK;
+}
+
+static void detach_solids(World *w, uint32_t slot)
+{
+    for (uint32_t s = w->bodies.data[slot].shape_first; s != NONE;) {
+        uint32_t next = w->solids.data[s].next;
+        solid_remove(w, s);
+        s = next;
+    }
+}
+
+dig_status body_create(World *w, const dig_body_def *def, dig_body *out)
+{
+    DIG_TRY(check_def(w, def));
+    arena_reset(&w->scratch);
+    Shape *shapes = arena_zero(&w->scratch, (size_t)def->shape_count * sizeof *shapes);
+    int *materials = arena_zero(&w->scratch, (size_t)def->shape_count * sizeof *materials);
+    if (!shapes || !materials)
+        return world_fail(w, DIG_E_MEMORY, "body '%s': not enough memory", def->name.s);
+    DIG_TRY(make_shapes(w, def, shapes, materials));
+
+    uint32_t slot;
+    uint32_t old_count = (uint32_t)w->bodies.count;
+    dig_status s = world_slot(w, &w->bodies, &w->free_bodies, &slot);
+    if (s == DIG_OK) {
+        /* One counter for all slots of the world: a handle of a removed body is never valid again. */
+        w->bodies.data[slot].gen = w->gen_start + (uint32_t)w->serial++;
+        s = finish_body(w, slot, def, shapes, materials);
+        if (s != DIG_OK) {
+            detach_solids(w, slot);
+            w->bodies.data[slot].alive = false;
+            slot_give(w, &w->free_bodies, slot);
+        }
+    } else {
+        world_fail(w, s, "body '%s': not enough memory after %u bodies", def->name.s, old_count);
+    }
+    for (int i = 0; i < def->shape_count; i++)
+        shape_free(&shapes[i]);         /* the solids hold references of their own */
+    if (s != DIG_OK)
+        return s;
+    *out = (dig_body){slot, w->bodies.data[slot].gen};
+    if (w->ledger.started && w->bodies.data[slot].kind == DIG_DYNAMIC)
+        w->ledger.initial += body_energy(w, &w->bodies.data[slot]);
+    return DIG_OK;
+}
+
+real body_energy(const World *w, const Body *b)
+{
+    if (b->kind != DIG_DYNAMIC)
+        return 0;
+    vec3 wl = quat_unrotate(b->q, b->w);
+    real kinetic = 0.5 * b->mass * vec3_length2(b->v) + 0.5 * vec3_dot(wl, mat3_mul_vec(b->inertia, wl));
+    return kinetic - b->mass * b->gravity_scale * vec3_dot(w->def.gravity, b->x);
+}
+
+/* ---- removal and waking ---- */
+
+void body_list(World *w, uint32_t slot)
+{
+    if (w->bodies.data[slot].listed)
+        return;
+    w->bodies.data[slot].listed = true;
+    w->awake.data[w->awake.count++] = slot;
+}
+
+void body_wake(World *w, uint32_t slot)
+{
+    uint32_t id = graph_of(w->graph, slot);
+    if (id == GRAPH_NONE) {
+        if (w->bodies.data[slot].kind == DIG_KINEMATIC)
+            body_list(w, slot);
+        return;
+    }
+    for (uint32_t m = graph_first(w->graph, id); m != NONE; m = graph_next(w->graph, m)) {
+        Body *b = &w->bodies.data[m];
+        if (!b->awake) {
+            event_post(w, DIG_EVENT_WOKE, m, NONE);
+            body_list(w, m);
+        }
+        b->awake = true;
+        b->still = 0;
+        b->mode = DIG_MOVING;
+    }
+}
+
+void touches_wake(World *w, uint32_t slot)
+{
+    for (uint32_t s = w->bodies.data[slot].shape_first; s != NONE; s = w->solids.data[s].next)
+        for (uint32_t l = w->solids.data[s].pair_first; l != NONE; l = w->pairs.data[l / 2].next[l % 2]) {
+            const Pair *p = &w->pairs.data[l / 2];
+            uint32_t other = p->body_a == slot ? p->body_b : p->body_a;
+            if (p->touching && other != NONE)
+                body_wake(w, other);
+        }
+}
+
+/* Wakes what touches the body, and drops its touches and links. */
+static void leave_touches(World *w, uint32_t slot)
+{
+    for (int i = 0; i < w->touches.count; i++) {
+        Touch *t = &w->touches.data[i];
+        if (!t->alive || (t->body_a != slot && t->body_b != slot))
+            continue;
+        uint32_t other = t->body_a == slot ? t->body_b : t->body_a;
+        if (other != NONE)
+            body_wake(w, other);
+        if (t->link != NONE)
+            graph_link_remove(w->graph, t->link);
+        touch_remove(w, (uint32_t)i);
+    }
+}
+
+void body_remove(World *w, uint32_t slot)
+{
+    Body *b = &w->bodies.data[slot];
+    if (w->ledger.started)
+        w->ledger.initial -= body_energy(w, b);
+    while (w->bodies.data[slot].joint_first != NONE)
+        joint_remove(w, w->bodies.data[slot].joint_first);
+    graph_begin(w->graph);
+    leave_touches(w, slot);
+    graph_end(w->graph);
+    post_graph_changes(w);
+    event_post(w, DIG_EVENT_REMOVED, slot, NONE);
+    if (graph_has_node(w->graph, slot))
+        graph_node_remove(w->graph, slot);
+    detach_solids(w, slot);
+    for (int i = w->pushes.count - 1; i >= 0; i--)
+        if (w->pushes.data[i].body == slot)
+            w->pushes.data[i] = w->pushes.data[--w->pushes.count];
+    b = &w->bodies.data[slot];
+    b->alive = false;
+    for (int i = 0; b->listed && i < w->awake.count; i++)
+        if (w->awake.data[i] == slot) {
+            w->awake.data[i] = w->awake.data[--w->awake.count];
+            b->listed = false;
+        }
+    slot_give(w, &w->free_bodies, slot);
+}

@@ -1,0 +1,71 @@
+/* world/check.c - every invariant of the state, for tests and debug builds. */
+#include "world/joint.h"
+
+static dig_status check_bodies(const World *w)
+{
+    for (int i = 0; i < w->bodies.count; i++) {
+        const Body *b = &w->bodies.data[i];
+        if (!b->alive)
+            continue;
+        if (!vec3_finite(b->x) || !vec3_finite(b->v) || !vec3_finite(b->w) || !quat_finite(b->q))
+            return world_fail(w, DIG_E_FINITE, "body '%s' has a non-finite position or velocity", b->name);
+        if (!(fabs(quat_norm2(b->q) - 1) < 1e-12))
+            return world_fail(w, DIG_E_ARG, "body '%s': |q|^2 - 1 = %g", b->name, quat_norm2(b->q) - 1);
+        if ((b->kind == DIG_DYNAMIC) != graph_has_node(w->graph, (uint32_t)i))
+            return world_fail(w, DIG_E_ARG, "body '%s': dynamic bodies, and only they, are in a DIG", b->name);
+        if (b->kind == DIG_DYNAMIC && b->awake && !b->listed)
+            return world_fail(w, DIG_E_ARG, "body '%s': awake = %d but listed = %d", b->name, b->awake, b->listed);
+        if (b->kind == DIG_DYNAMIC && !b->awake && (vec3_length2(b->v) > 0 || vec3_length2(b->w) > 0))
+            return world_fail(w, DIG_E_ARG, "body '%s' sleeps but moves", b->name);
+    }
+    return DIG_OK;
+}
+
+static dig_status check_pairs(const World *w)
+{
+    for (int i = 0; i < w->pairs.count; i++) {
+        const Pair *p = &w->pairs.data[i];
+        if (!p->alive)
+            continue;
+        if (!w->solids.data[p->solid_a].alive || !w->solids.data[p->solid_b].alive || p->solid_a >= p->solid_b)
+            return world_fail(w, DIG_E_ARG, "pair %d joins solids %u and %u, one of them gone", i, p->solid_a, p->solid_b);
+        uint32_t found;
+        if (!map_find(&w->pair_map, (MapKey){p->solid_a, p->solid_b, 0}, &found) || found != (uint32_t)i)
+            return world_fail(w, DIG_E_ARG, "pair %d is not in the map", i);
+    }
+    return DIG_OK;
+}
+
+/* Every touch has as many touching pairs as it says, and a link while it lasts. */
+static dig_status check_touches(const World *w)
+{
+    for (int i = 0; i < w->touches.count; i++) {
+        const Touch *t = &w->touches.data[i];
+        if (!t->alive)
+            continue;
+        int pairs = 0;
+        for (int k = 0; k < w->pairs.count; k++) {
+            const Pair *p = &w->pairs.data[k];
+            uint8_t wall = p->alive ? w->solids.data[p->solid_a].wall | w->solids.data[p->solid_b].wall : 0;
+            bool same = (p->body_a == t->body_a && p->body_b == t->body_b) || (p->body_a == t->body_b && p->body_b == t->body_a);
+            pairs += p->alive && p->touching && same && wall == t->wall;
+        }
+        if (pairs != t->pairs)
+            return world_fail(w, DIG_E_ARG, "touch %d of slots %u and %u counts %d pairs, there are %d", i, t->body_a, t->body_b, t->pairs, pairs);
+        if (t->pairs > 0 && t->link == NONE && t->body_b != NONE)
+            return world_fail(w, DIG_E_ARG, "touch %d of slots %u and %u has no link", i, t->body_a, t->body_b);
+    }
+    return DIG_OK;
+}
+
+dig_status world_check(const World *w)
+{
+    DIG_TRY(check_bodies(w));
+    DIG_TRY(check_pairs(w));
+    DIG_TRY(check_touches(w));
+    if (!graph_check(w->graph))
+        return world_fail(w, DIG_E_ARG, "the DIGs are not the connected components of the links");
+    if (!tree_check(&w->tree))
+        return world_fail(w, DIG_E_ARG, "the tree of boxes is broken");
+    return DIG_OK;
+}

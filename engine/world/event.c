@@ -1,0 +1,42 @@
+/* world/event.c - events waiting to be delivered after the next step. */
+#include "world/world.h"
+
+dig_event *event_post(World *w, dig_event_kind kind, uint32_t a, uint32_t b)
+{
+    if (list_push(&w->pending, &w->allocations) != DIG_OK)
+        return NULL;
+    dig_event *e = &w->pending.data[w->pending.count - 1];
+    memset(e, 0, sizeof *e);
+    e->kind = kind;
+    e->time = world_time(w);
+    e->a = body_handle(w, a);
+    e->b = body_handle(w, b);
+    return e;
+}
+
+/* MERGED and SPLIT events for the last batch of the graph. */
+void post_graph_changes(World *w)
+{
+    const GraphChange *changes;
+    int count = graph_changes(w->graph, &changes);
+    for (int i = 0; i < count; i++) {
+        dig_event *e = event_post(w, changes[i].kind == GRAPH_MERGED ? DIG_EVENT_MERGED : DIG_EVENT_SPLIT, NONE, NONE);
+        if (e) {
+            e->dig = changes[i].kept;
+            e->other_dig = changes[i].other;
+        }
+    }
+}
+
+const char *dig_event_name(dig_event_kind k)
+{
+    static const char *const names[DIG_EVENT_KINDS] = {
+        [DIG_EVENT_CONTACT_BEGIN] = "contact_begin", [DIG_EVENT_CONTACT_END] = "contact_end",
+        [DIG_EVENT_IMPACT] = "impact", [DIG_EVENT_BROKEN] = "broken", [DIG_EVENT_MOVED] = "moved",
+        [DIG_EVENT_SLEPT] = "slept", [DIG_EVENT_WOKE] = "woke", [DIG_EVENT_REMOVED] = "removed",
+        [DIG_EVENT_MERGED] = "merged", [DIG_EVENT_SPLIT] = "split", [DIG_EVENT_LINK] = "link",
+        [DIG_EVENT_UNLINK] = "unlink", [DIG_EVENT_MESSAGE] = "message", [DIG_EVENT_LIMIT_REACHED] = "limit_reached",
+        [DIG_EVENT_OUT_OF_WORLD] = "out_of_world",
+    };
+    return (unsigned)k < DIG_EVENT_KINDS ? names[k] : "";
+}

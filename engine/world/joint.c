@@ -1,0 +1,78 @@
+/* world/joint.c - joint records in the lists of their bodies. What a joint does is its type's business (solve/joint_type.h);
+ * creation, which needs the type, is in api/joint.c. */
+#include "world/joint.h"
+
+static uint32_t *next_of(JointRec *j, uint32_t body) { return j->a == body ? &j->next_a : &j->next_b; }
+
+static void list_insert(World *w, uint32_t joint, uint32_t body)
+{
+    if (body == NONE)
+        return;
+    *next_of(&w->joints.data[joint], body) = w->bodies.data[body].joint_first;
+    w->bodies.data[body].joint_first = joint;
+}
+
+static void list_remove(World *w, uint32_t joint, uint32_t body)
+{
+    if (body == NONE)
+        return;
+    uint32_t *link = &w->bodies.data[body].joint_first;
+    while (*link != joint)
+        link = next_of(&w->joints.data[*link], body);
+    *link = *next_of(&w->joints.data[joint], body);
+}
+
+void joint_attach(World *w, uint32_t joint)
+{
+    list_insert(w, joint, w->joints.data[joint].a);
+    list_insert(w, joint, w->joints.data[joint].b);
+}
+
+uint32_t joint_next(const World *w, uint32_t joint, uint32_t body)
+{
+    const JointRec *j = &w->joints.data[joint];
+    return j->a == body ? j->next_a : j->next_b;
+}
+
+/* Joints that couple this one (gear, rack) go with it. */
+static void remove_dependants(World *w, uint32_t slot)
+{
+    for (int i = 0; i < w->joints.count; i++) {
+        const JointRec *j = &w->joints.data[i];
+        if (j->alive && (uint32_t)i != slot && (j->other[0] == slot || j->other[1] == slot))
+            joint_remove(w, (uint32_t)i);
+    }
+}
+
+void joint_remove(World *w, uint32_t slot)
+{
+    remove_dependants(w, slot);
+    JointRec *j = &w->joints.data[slot];
+    if (j->a != NONE)
+        body_wake(w, j->a);
+    if (j->b != NONE)
+        body_wake(w, j->b);
+    list_remove(w, slot, j->a);
+    list_remove(w, slot, j->b);
+    if (j->link != NONE) {
+        graph_begin(w->graph);
+        graph_link_remove(w->graph, j->link);
+        graph_end(w->graph);
+        dig_event *e = event_post(w, DIG_EVENT_UNLINK, j->a, j->b);
+        if (e)
+            e->link = DIG_LINK_JOINT;
+        post_graph_changes(w);
+    }
+    j->alive = false;
+    slot_give(w, &w->free_joints, slot);
+}
+
+bool joint_forbids_contact(const World *w, uint32_t a, uint32_t b)
+{
+    for (uint32_t s = w->bodies.data[a].joint_first; s != NONE; s = joint_next(w, s, a)) {
+        const JointRec *j = &w->joints.data[s];
+        if (!j->collides && ((j->a == a && j->b == b) || (j->a == b && j->b == a)))
+            return true;
+    }
+    return false;
+}

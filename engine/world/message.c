@@ -1,0 +1,102 @@
+/* world/message.c - a ring of messages that stays sorted by (time, id). */
+#include "world/message.h"
+
+static dig_message *ring_at(MessageLog *log, uint32_t index)
+{
+    return &log->ring[(log->start + index) % MESSAGE_KEPT];
+}
+
+/* Field by field into zeroed memory: padding and the rest of `kind` are the same in every run. */
+static void store(dig_message *to, const dig_message *from, uint64_t id)
+{
+    memset(to, 0, sizeof *to);
+    to->id = id;
+    to->time = from->time;
+    to->from.slot = from->from.slot;
+    to->from.gen = from->from.gen;
+    to->to.slot = from->to.slot;
+    to->to.gen = from->to.gen;
+    for (size_t i = 0; i + 1 < sizeof to->kind && from->kind[i]; i++)
+        to->kind[i] = from->kind[i];
+    memcpy(to->value, from->value, sizeof to->value);
+    to->direction.x = from->direction.x;
+    to->direction.y = from->direction.y;
+    to->direction.z = from->direction.z;
+}
+
+static bool finite(const dig_message *m)
+{
+    for (int i = 0; i < 4; i++)
+        if (!isfinite(m->value[i]))
+            return false;
+    return isfinite(m->time) && isfinite(m->direction.x) && isfinite(m->direction.y) && isfinite(m->direction.z);
+}
+
+void message_open(MessageLog *log)
+{
+    memset(log, 0, sizeof *log);
+}
+
+uint64_t message_post(MessageLog *log, const dig_message *message)
+{
+    if (!finite(message))
+        return 0;
+    uint64_t id = ++log->last_id;
+    if (log->count == MESSAGE_KEPT) {
+        if (message->time < ring_at(log, 0)->time)
+            return id;
+        log->start = (log->start + 1) % MESSAGE_KEPT;
+        log->count--;
+    }
+    /* Its id is the greatest, so it goes behind all that are not later in time. */
+    uint32_t place = log->count++;
+    for (; place > 0 && ring_at(log, place - 1)->time > message->time; place--)
+        memcpy(ring_at(log, place), ring_at(log, place - 1), sizeof(dig_message));
+    store(ring_at(log, place), message, id);
+    return id;
+}
+
+int message_count(const MessageLog *log)
+{
+    return (int)log->count;
+}
+
+const dig_message *message_at(const MessageLog *log, int index)
+{
+    if (index < 0 || (uint32_t)index >= log->count)
+        return NULL;
+    return &log->ring[(log->start + (uint32_t)index) % MESSAGE_KEPT];
+}
+
+const dig_message *message_find(const MessageLog *log, uint64_t id)
+{
+    for (int i = message_count(log) - 1; i >= 0; i--)
+        if (message_at(log, i)->id == id)
+            return message_at(log, i);
+    return NULL;
+}
+
+int message_list(const MessageLog *log, dig_message *out, int capacity)
+{
+    int count = message_count(log);
+    for (int i = 0; i < count && i < capacity; i++)
+        memcpy(&out[i], message_at(log, i), sizeof out[i]);
+    return count;
+}
+
+/* FNV-1a (Fowler, Noll, Vo; 64 bits) over the bytes in order; the position in the ring does not count. */
+static uint64_t hash_bytes(uint64_t hash, const void *data, size_t bytes)
+{
+    const unsigned char *byte = data;
+    for (size_t i = 0; i < bytes; i++)
+        hash = (hash ^ byte[i]) * 1099511628211u;
+    return hash;
+}
+
+uint64_t message_hash(const MessageLog *log)
+{
+    uint64_t hash = hash_bytes(14695981039346656037u, &log->last_id, sizeof log->last_id);
+    for (int i = 0; i < message_count(log); i++)
+        hash = hash_bytes(hash, message_at(log, i), sizeof(dig_message));
+    return hash;
+}

@@ -1,0 +1,138 @@
+/* world/pair.c - pairs of solids that may touch, their contacts, and which bodies touch.
+ *
+ * A pair lives while the fat boxes of its solids overlap. It owns a fixed
+ * number of contacts from its birth, so that a step never allocates one.
+ */
+#include "world/world.h"
+
+/* Triangles of a mesh or height field that one convex solid may touch at once. */
+#define MESH_CONTACTS 8
+
+static int contacts_needed(const World *w, uint32_t solid_a, uint32_t solid_b)
+{
+    const ShapeType *a = w->solids.data[solid_a].shape.type, *b = w->solids.data[solid_b].shape.type;
+    return a->pieces || b->pieces ? MESH_CONTACTS : 1;
+}
+
+static void link_in(World *w, uint32_t pair, uint32_t side, uint32_t solid)
+{
+    Pair *p = &w->pairs.data[pair];
+    Solid *s = &w->solids.data[solid];
+    p->next[side] = s->pair_first;
+    p->prev[side] = NONE;
+    if (s->pair_first != NONE)
+        w->pairs.data[s->pair_first / 2].prev[s->pair_first % 2] = 2 * pair + side;
+    s->pair_first = 2 * pair + side;
+}
+
+static void link_out(World *w, uint32_t pair, uint32_t side, uint32_t solid)
+{
+    const Pair *p = &w->pairs.data[pair];
+    uint32_t next = p->next[side], prev = p->prev[side];
+    if (prev == NONE)
+        w->solids.data[solid].pair_first = next;
+    else
+        w->pairs.data[prev / 2].next[prev % 2] = next;
+    if (next != NONE)
+        w->pairs.data[next / 2].prev[next % 2] = prev;
+}
+
+dig_status pair_add(World *w, uint32_t solid_a, uint32_t solid_b)
+{
+    if (solid_a > solid_b) {
+        uint32_t t = solid_a;
+        solid_a = solid_b;
+        solid_b = t;
+    }
+    MapKey key = {solid_a, solid_b, 0};
+    uint32_t slot, found;
+    if (map_find(&w->pair_map, key, &found))
+        return DIG_OK;
+    int want = contacts_needed(w, solid_a, solid_b);
+    uint32_t contact[MESH_CONTACTS];
+    for (int i = 0; i < want; i++)
+        DIG_TRY(world_slot(w, &w->contacts, &w->free_contacts, &contact[i]));
+    DIG_TRY(world_slot(w, &w->pairs, &w->free_pairs, &slot));
+    DIG_TRY(map_put(&w->pair_map, key, slot));
+    for (int i = 0; i < want; i++)
+        w->contacts.data[contact[i]].next = i + 1 < want ? contact[i + 1] : NONE;
+    Pair *p = &w->pairs.data[slot];
+    const Solid *a = &w->solids.data[solid_a], *b = &w->solids.data[solid_b];
+    *p = (Pair){.alive = true, .solid_a = solid_a, .solid_b = solid_b, .body_a = a->body, .body_b = b->body, .contact = contact[0], .fresh = true};
+    surface_pair(w, &a->surface, &b->surface, p);
+    link_in(w, slot, 0, solid_a);
+    link_in(w, slot, 1, solid_b);
+    return DIG_OK;
+}
+
+/* A touching pair that goes ends its share of the touch. */
+static void leave_touch(World *w, const Pair *p)
+{
+    uint8_t wall = w->solids.data[p->solid_a].wall | w->solids.data[p->solid_b].wall;
+    Touch *t = touch_find(w, p->body_a, p->body_b, wall);
+    if (t && t->pairs > 0)
+        t->pairs--;
+}
+
+void pair_remove(World *w, uint32_t pair)
+{
+    Pair *p = &w->pairs.data[pair];
+    for (uint32_t c = p->contact; c != NONE;) {
+        uint32_t next = w->contacts.data[c].next;
+        slot_give(w, &w->free_contacts, c);
+        c = next;
+    }
+    if (p->touching)
+        leave_touch(w, p);
+    link_out(w, pair, 0, p->solid_a);
+    link_out(w, pair, 1, p->solid_b);
+    map_remove(&w->pair_map, (MapKey){p->solid_a, p->solid_b, 0});
+    p->alive = false;
+    slot_give(w, &w->free_pairs, pair);
+}
+
+void pairs_of_solid_remove(World *w, uint32_t solid)
+{
+    while (w->solids.data[solid].pair_first != NONE)
+        pair_remove(w, w->solids.data[solid].pair_first / 2);
+}
+
+void pairs_refresh_surfaces(World *w, uint32_t body)
+{
+    for (uint32_t s = w->bodies.data[body].shape_first; s != NONE; s = w->solids.data[s].next)
+        for (uint32_t l = w->solids.data[s].pair_first; l != NONE; l = w->pairs.data[l / 2].next[l % 2]) {
+            Pair *p = &w->pairs.data[l / 2];
+            surface_pair(w, &w->solids.data[p->solid_a].surface, &w->solids.data[p->solid_b].surface, p);
+        }
+}
+
+dig_status touch_find_or_add(World *w, uint32_t a, uint32_t b, uint8_t wall, uint32_t *slot)
+{
+    if (a > b) {            /* NONE, the world, is the largest: it stays second */
+        uint32_t t = a;
+        a = b;
+        b = t;
+    }
+    MapKey key = {a, b, wall};
+    if (map_find(&w->touch_map, key, slot))
+        return DIG_OK;
+    DIG_TRY(world_slot(w, &w->touches, &w->free_touches, slot));
+    DIG_TRY(map_put(&w->touch_map, key, *slot));
+    w->touches.data[*slot] = (Touch){.alive = true, .body_a = a, .body_b = b, .wall = wall, .link = NONE};
+    return DIG_OK;
+}
+
+Touch *touch_find(const World *w, uint32_t a, uint32_t b, uint8_t wall)
+{
+    uint32_t slot;
+    MapKey key = {a < b ? a : b, a < b ? b : a, wall};
+    return map_find(&w->touch_map, key, &slot) ? &w->touches.data[slot] : NULL;
+}
+
+void touch_remove(World *w, uint32_t slot)
+{
+    Touch *t = &w->touches.data[slot];
+    map_remove(&w->touch_map, (MapKey){t->body_a, t->body_b, t->wall});
+    t->alive = false;
+    slot_give(w, &w->free_touches, slot);
+}

@@ -1,0 +1,161 @@
+/* world/world.c - opening, closing and measuring a world; slots; errors. */
+#include "world/world.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+dig_status world_fail(const World *w, dig_status status, const char *format, ...)
+{
+    /* The text buffer is the one part of a const world that a failing query may write. */
+    World *mutable_world = (World *)(uintptr_t)w;
+    va_list args;
+    va_start(args, format);
+    vsnprintf(mutable_world->error, sizeof mutable_world->error, format, args);
+    va_end(args);
+    return status;
+}
+
+dig_status slot_take(World *w, void **data, int *count, int *capacity, size_t item, void *free_list, uint32_t *slot)
+{
+    LIST(uint32_t) *list = free_list;
+    if (list->count > 0) {
+        *slot = list->data[--list->count];
+        memset((char *)*data + (size_t)*slot * item, 0, item);
+        return DIG_OK;
+    }
+    /* Room in the free list for every slot there is, so that slot_give cannot fail. */
+    DIG_TRY(list_reserve_any((void **)&list->data, &list->capacity, sizeof *list->data, *count + 1, &w->allocations));
+    DIG_TRY(list_push_any(data, count, capacity, item, &w->allocations));
+    *slot = (uint32_t)(*count - 1);
+    return DIG_OK;
+}
+
+void slot_give(World *w, void *free_list, uint32_t slot)
+{
+    (void)w;
+    LIST(uint32_t) *list = free_list;
+    DIG_ASSERT(list->count < list->capacity);
+    list->data[list->count++] = slot;
+}
+
+dig_status world_open(const dig_world_def *def, World **out, char *why, size_t capacity)
+{
+    World *w = calloc(1, sizeof *w);
+    if (!w) {
+        snprintf(why, capacity, "not enough memory for a world");
+        return DIG_E_MEMORY;
+    }
+    w->def = *def;
+    w->rng = (uint64_t)def->seed;
+    /* Handles of different worlds start at different generations, so that one shown to the wrong world is caught. The
+     * number comes from the world's own address and is not part of the state hash. */
+    uint64_t mixed = hash_u64(HASH_START, (uint64_t)(uintptr_t)w);
+    w->gen_start = (uint32_t)(mixed % 0x3fffffffu) + 1;
+    tree_open(&w->tree);
+    dig_status s = graph_open(&w->graph);
+    if (s == DIG_OK)
+        s = materials_open(w);
+    if (s != DIG_OK) {
+        snprintf(why, capacity, "not enough memory for a world");
+        world_close(w);
+        return s;
+    }
+    *out = w;
+    return DIG_OK;
+}
+
+void world_close(World *w)
+{
+    if (!w)
+        return;
+    for (int i = 0; i < w->solids.count; i++)
+        if (w->solids.data[i].alive)
+            shape_free(&w->solids.data[i].shape);
+    for (int i = 0; i < w->effect_count; i++)
+        free(w->effects[i].state);
+    list_close(&w->bodies);
+    list_close(&w->solids);
+    list_close(&w->pairs);
+    list_close(&w->contacts);
+    list_close(&w->touches);
+    list_close(&w->joints);
+    list_close(&w->pushes);
+    list_close(&w->free_bodies);
+    list_close(&w->free_solids);
+    list_close(&w->free_pairs);
+    list_close(&w->free_contacts);
+    list_close(&w->free_touches);
+    list_close(&w->free_joints);
+    list_close(&w->unbounded);
+    list_close(&w->awake);
+    list_close(&w->asking);
+    list_close(&w->brief);
+    list_close(&w->parent);
+    list_close(&w->materials);
+    list_close(&w->material_pairs);
+    list_close(&w->events);
+    list_close(&w->pending);
+    map_close(&w->pair_map);
+    map_close(&w->touch_map);
+    tree_close(&w->tree);
+    graph_close(w->graph);
+    arena_close(&w->scratch);
+    free(w);
+}
+
+size_t world_bytes(const World *w)
+{
+    size_t bytes = sizeof *w;
+    bytes += list_bytes(&w->bodies) + list_bytes(&w->solids) + list_bytes(&w->pairs) + list_bytes(&w->contacts);
+    bytes += list_bytes(&w->touches) + list_bytes(&w->joints) + list_bytes(&w->pushes) + list_bytes(&w->events) + list_bytes(&w->pending);
+    bytes += list_bytes(&w->materials) + list_bytes(&w->material_pairs);
+    bytes += map_bytes(&w->pair_map) + map_bytes(&w->touch_map) + (size_t)w->tree.capacity * sizeof(TreeNode);
+    bytes += graph_bytes(w->graph) + arena_bytes(&w->scratch);
+    for (int i = 0; i < w->solids.count; i++)
+        if (w->solids.data[i].alive)
+            bytes += shape_bytes(&w->solids.data[i].shape);
+    return bytes;
+}
+
+static uint64_t hash_body(uint64_t h, const Body *b)
+{
+    h = hash_vec3(hash_quat(hash_vec3(h, b->x), b->q), b->v);
+    h = hash_vec3(h, b->w);
+    h = hash_real(hash_real(h, b->mass), b->still);
+    h = hash_u64(h, (uint64_t)b->kind | (uint64_t)b->mode << 8 | (uint64_t)b->awake << 16 | (uint64_t)b->collides << 17);
+    return hash_real(hash_real(h, b->move_end), b->gravity_scale);
+}
+
+/* Everything the future depends on: motion, sleep, warm start, joints, pushes. Not generations: they differ between worlds. */
+uint64_t world_hash(const World *w)
+{
+    uint64_t h = hash_u64(hash_u64(HASH_START, w->steps), w->rng);
+    h = hash_vec3(h, w->def.gravity);
+    for (int i = 0; i < w->bodies.count; i++)
+        if (w->bodies.data[i].alive)
+            h = hash_body(hash_u64(h, (uint64_t)i), &w->bodies.data[i]);
+    for (int i = 0; i < w->pairs.count; i++) {
+        const Pair *p = &w->pairs.data[i];
+        if (!p->alive)
+            continue;
+        h = hash_u64(h, (uint64_t)p->solid_a << 32 | p->solid_b);
+        for (uint32_t c = p->contact; c != NONE; c = w->contacts.data[c].next) {
+            const Contact *contact = &w->contacts.data[c];
+            for (int k = 0; k < contact->manifold.count; k++)
+                h = hash_vec3(hash_real(h, contact->memory[k].normal), contact->memory[k].tangent);
+        }
+    }
+    for (int i = 0; i < w->joints.count; i++) {
+        const JointRec *j = &w->joints.data[i];
+        if (!j->alive)
+            continue;
+        h = hash_u64(h, (uint64_t)i);
+        for (int k = 0; k < 12; k++)
+            h = hash_real(h, j->impulse[k]);
+        for (int k = 0; k < 48; k++)
+            h = hash_real(h, j->params[k]);
+    }
+    for (int i = 0; i < w->pushes.count; i++)
+        h = hash_real(hash_vec3(hash_vec3(h, w->pushes.data[i].force), w->pushes.data[i].torque), w->pushes.data[i].until);
+    return hash_u64(h, graph_hash(w->graph));
+}

@@ -1,0 +1,310 @@
+/* world/world.h - the state of a world: every table, grouped.
+ *
+ * Storage stands still: a handle's slot is its row. Solvers work on gathered
+ * copies (solve/group.h) that are committed only when the whole step succeeded.
+ *
+ * Owns:      everything below. Tables grow between steps or in the first stages of step_world only.
+ * Invariant: world_check() in check.c.
+ * Floor:     world. Includes base, math, geom.
+ */
+#ifndef DIG_WORLD_H
+#define DIG_WORLD_H
+
+#include "base/arena.h"
+#include "base/hash.h"
+#include "base/list.h"
+#include "base/map.h"
+#include "geom/manifold.h"
+#include "geom/tree.h"
+#include "world/graph.h"
+#include "world/message.h"
+
+#define NONE UINT32_MAX
+
+/* ---- bodies and their solids ---- */
+
+typedef struct Surface {        /* what friction and restitution need of a surface     */
+    int  material;              /* index into world->materials                         */
+    real friction, friction_dynamic, rolling, restitution;     /* NaN = the material's  */
+} Surface;
+
+typedef struct Body {
+    uint32_t gen;               /*        generation of the handle                     */
+    bool     alive, awake, collides, out;   /* out: already reported out of the world  */
+    bool     listed;            /*        in world->awake                              */
+    dig_body_kind kind;
+    dig_mode mode;
+    char     name[64];
+    vec3     x;                 /* m      centre of mass, world                        */
+    quat     q;                 /* 1      body to world                                */
+    vec3     v, w;              /* m/s, rad/s of the centre of mass, world             */
+    vec3     centre;            /* m      centre of mass in the body frame             */
+    real     mass, inv_mass;    /* kg; 0 and 0 for static and kinematic                */
+    real     density;           /* kg/m^3 mean                                         */
+    mat3     inertia, inv_inertia;      /* kg m^2, body axes, about the centre         */
+    bool     round_inertia;     /*        isotropic: no gyroscopic torque              */
+    real     gravity_scale;
+    int64_t  group;
+    Surface  surface;
+    vec3     colour;            /* x < 0 = the material's                              */
+    uint32_t shape_first;       /* list through Solid.next                             */
+    int      shape_count;
+    uint32_t joint_first;       /* list through JointRec.next                          */
+    vec3     prev_x;  quat prev_q;      /* before the last step                        */
+    vec3     force, torque;     /* N, N m mean resultant of the last step              */
+    vec3     hit_v, hit_w;      /* m/s, rad/s change by hits since the last step, for reports */
+    real     work;              /* J      received from pushes and hits                */
+    real     outer;             /* m      no point of it is farther from the centre    */
+    real     still;             /* s      time spent slower than the sleep threshold   */
+    bool     collided, euler;   /*        in the last step: struck; was not in free flight before */
+    vec3     move_from, move_to; quat turn_from, turn_to; real move_start, move_end;   /* kinematic: s, end < start = none */
+    uint64_t message_id; real message_time; dig_body message_from; char message_kind[32];
+    uint8_t  plan;              /* accuracy plan asked for this DIG's sake, 0 = the world's */
+} Body;
+
+typedef struct Solid {          /* one shape in a body, or of the world itself (body == NONE) */
+    bool     alive;
+    uint32_t body, next;
+    Shape    shape;
+    pose     at;                /* in the body frame (origin), or in the world         */
+    vec3     centre;            /* m   centre of mass of the body in the shape's frame */
+    Surface  surface;
+    vec3     colour;
+    int32_t  leaf;              /* in world->tree; < 0: unbounded (planes) or no collisions */
+    uint8_t  wall;              /* 1..6 for the room's, else 0                         */
+    bool     asks;              /* in world->asking: its box wants to be compared with the tree */
+    uint32_t pair_first;        /* list through Pair.next, as 2 * pair + side          */
+    box3     reach;             /* m   where it may get in this step                   */
+} Solid;
+
+/* ---- contacts ---- */
+
+typedef struct PointMemory {    /* what a contact point remembers between steps        */
+    uint32_t feature;
+    real     normal;            /* N   force, for warm starting                        */
+    vec3     tangent;           /* N   friction, world axes                            */
+} PointMemory;
+
+typedef struct Contact {        /* one manifold of a pair; a convex pair has one       */
+    uint32_t next;              /* of the same pair                                    */
+    uint32_t piece;
+    Manifold manifold;          /* at the end of the last step                         */
+    PointMemory memory[MANIFOLD_POINTS];
+    vec3     rolling;           /* N m                                                 */
+    vec3     force;             /* N on b, mean over the last step                     */
+    vec3     point;             /* m   where                                           */
+    bool     touching, sliding;
+} Contact;
+
+typedef struct Pair {           /* two solids whose fat boxes overlap                  */
+    bool     alive;
+    uint32_t solid_a, solid_b, body_a, body_b;     /* body NONE: the world; solid_a < solid_b */
+    uint32_t contact;           /* first of its contacts (fixed number)                */
+    ManifoldCache cache;
+    real     friction, friction_dynamic, rolling, restitution; /* of this pair of surfaces */
+    uint32_t next[2], prev[2];  /* lists of the two solids, as 2 * pair + side         */
+    uint64_t seen;              /* step in which it was last collected                 */
+    bool     touching, fresh;   /* fresh: the stored manifold is not that of the present poses */
+} Pair;
+
+typedef struct Touch {          /* two bodies that touch by at least one pair          */
+    bool     alive;
+    uint32_t body_a, body_b;    /* a < b by slot; b may be NONE (room wall)            */
+    uint32_t link;              /* in the graph; NONE for walls                        */
+    int      pairs;             /* touching pairs of solids                            */
+    uint8_t  wall;
+    bool     brief, bounced;    /* over: in w->brief; bounced: its link lives one step  */
+    real     began;
+    vec3     point, normal, force;
+    real     speed, impulse;    /* of the impact that began it                         */
+} Touch;
+
+/* ---- joints ---- */
+
+struct JointType;
+
+typedef struct JointRec {
+    uint32_t gen;
+    bool     alive, collides;
+    const struct JointType *type;
+    char     name[64];
+    uint32_t a, b;              /* body slots; NONE = the world                        */
+    uint32_t next_a, next_b;    /* lists of the bodies' joints                         */
+    uint32_t other[2];          /* joint slots, for gear and rack                      */
+    uint32_t link;
+    vec3     ra, rb;            /* m   anchors from the centre of mass, body axes      */
+    quat     fa, fb;            /*     joint frames in body axes: x axis = the joint's */
+    real     breaks_at;         /* N                                                   */
+    real     params[48];        /* the type's struct                                   */
+    real     memory[4];         /* JOINT_MEMORY                                        */
+    real     impulse[12];       /* JOINT_SLOTS  N or N m, force of the last substep    */
+    vec3     force, torque;     /* on a, mean over the last step                       */
+    real     error;
+    bool     at_limit;
+} JointRec;
+
+/* ---- outside acts ---- */
+
+typedef struct Push {
+    uint32_t body;
+    vec3     force, torque;     /* N, N m                                              */
+    vec3     at;                /* m   from the centre, body axes                      */
+    bool     has_at;
+    real     from, until;       /* s                                                   */
+} Push;
+
+typedef struct Material { char name[64]; dig_material_def def; } Material;
+typedef struct MaterialPair { int a, b; real friction, friction_dynamic, rolling, restitution; } MaterialPair;
+
+typedef struct Ledger {         /* J since the start                                   */
+    real work_in, lost, initial, last_total;
+    bool started;
+} Ledger;
+
+struct EffectType;
+typedef struct EffectSlot {     /* one per entry of the effect list                    */
+    const struct EffectType *type;
+    bool     on, forced;        /* forced: set by hand                                 */
+    int      bodies;            /* in the last step                                    */
+    real     us;
+    void    *state;
+    size_t   bytes;
+    char     why[64];
+} EffectSlot;
+
+#define MAX_EFFECTS 32
+
+struct dig_world {
+    dig_world_def def;
+    int      plan;                      /* index into accuracy_plans                   */
+    uint64_t steps, serial;             /* serial: distinguishes worlds' handles       */
+    uint64_t rng;
+    bool     busy;
+    uint32_t gen_start;
+
+    LIST(Body)     bodies;
+    LIST(Solid)    solids;
+    LIST(Pair)     pairs;
+    LIST(Contact)  contacts;
+    LIST(Touch)    touches;
+    LIST(JointRec) joints;
+    LIST(Push)     pushes;
+    LIST(uint32_t) free_bodies, free_solids, free_pairs, free_contacts, free_touches, free_joints;
+    LIST(uint32_t) unbounded;           /* solids that are planes                      */
+    LIST(uint32_t) awake;               /* bodies to be advanced, ascending            */
+    LIST(uint32_t) asking;              /* solids that are new or were moved by hand   */
+    LIST(uint32_t) brief;               /* touches whose link lives one step           */
+    LIST(uint32_t) parent;              /* union-find over body slots, NONE between steps */
+    LIST(Material) materials;
+    LIST(MaterialPair) material_pairs;
+    LIST(dig_event) events;             /* of the last step                            */
+    LIST(dig_event) pending;            /* of calls since then                         */
+
+    Map      pair_map;                  /* (solid, solid, 0) -> pair                   */
+    Map      touch_map;                 /* (body, body, wall) -> touch                 */
+    Tree     tree;
+    Graph   *graph;
+    MessageLog messages;
+    EffectSlot effects[MAX_EFFECTS]; int effect_count;
+    dig_room_def room; bool has_room; uint32_t room_solid[6];
+
+    Ledger   ledger;
+    dig_stats stats;
+    Arena    scratch;                   /* of the calling thread                       */
+    struct Workers *workers;            /* step/workers.h; NULL for one thread         */
+    uint64_t allocations;
+    char     error[512];
+};
+
+typedef struct dig_world World;
+
+/* Writes one sentence into the world's error buffer and returns `status`. */
+dig_status world_fail(const World *w, dig_status status, const char *format, ...) DIG_PRINTF(3, 4);
+
+static inline Body *world_body(const World *w, dig_body b)
+{
+    if (b.slot >= (uint32_t)w->bodies.count || !w->bodies.data[b.slot].alive || w->bodies.data[b.slot].gen != b.gen)
+        return NULL;
+    return &w->bodies.data[b.slot];
+}
+static inline JointRec *world_joint(const World *w, dig_joint j)
+{
+    if (j.slot >= (uint32_t)w->joints.count || !w->joints.data[j.slot].alive || w->joints.data[j.slot].gen != j.gen)
+        return NULL;
+    return &w->joints.data[j.slot];
+}
+static inline dig_body body_handle(const World *w, uint32_t slot)
+{
+    return slot == NONE ? (dig_body){0, 0} : (dig_body){slot, w->bodies.data[slot].gen};
+}
+static inline dig_joint joint_handle(const World *w, uint32_t slot)
+{
+    return slot == NONE ? (dig_joint){0, 0} : (dig_joint){slot, w->joints.data[slot].gen};
+}
+static inline real world_time(const World *w) { return (real)w->steps * w->def.step; }
+
+/* Pose of the body's origin. */
+static inline pose body_pose(const Body *b) { return (pose){vec3_sub(b->x, quat_rotate(b->q, b->centre)), b->q}; }
+static inline pose solid_pose(const World *w, const Solid *s)
+{
+    return s->body == NONE ? s->at : pose_mul(body_pose(&w->bodies.data[s->body]), s->at);
+}
+static inline mat3 body_inertia_world(const Body *b)
+{
+    mat3 r = quat_matrix(b->q);
+    return mat3_mul(mat3_mul(r, b->inertia), mat3_transpose(r));
+}
+
+/* Takes a free slot of a list or adds one. */
+dig_status slot_take(World *w, void **data, int *count, int *capacity, size_t item, void *free_list, uint32_t *slot);
+#define world_slot(w, list, free_list, slot) \
+    slot_take((w), (void **)&(list)->data, &(list)->count, &(list)->capacity, sizeof *(list)->data, (free_list), (slot))
+void slot_give(World *w, void *free_list, uint32_t slot);
+
+/* world.c */
+dig_status world_open(const dig_world_def *def, World **out, char *why, size_t capacity);
+void       world_close(World *w);
+size_t     world_bytes(const World *w);
+uint64_t   world_hash(const World *w);
+
+/* body.c */
+dig_status body_create(World *w, const dig_body_def *def, dig_body *out);
+void       body_remove(World *w, uint32_t slot);
+void       body_wake(World *w, uint32_t slot);          /* its whole DIG */
+void       body_list(World *w, uint32_t slot);          /* into world->awake; there is always room */
+void       touches_wake(World *w, uint32_t slot);       /* all that touches the body */
+void       body_set_mass(Body *b, real mass);
+void       body_refit(World *w, uint32_t slot);         /* its solids' boxes in the tree */
+bool       bodies_may_touch(const World *w, const Solid *a, const Solid *b);
+real       body_energy(const World *w, const Body *b);  /* J, kinetic + potential */
+dig_status solid_add(World *w, uint32_t body, const Shape *shape, pose at, vec3 centre, const Surface *surface, vec3 colour, uint32_t *slot);
+void       solid_remove(World *w, uint32_t slot);
+Surface    surface_resolve(const World *w, const Surface *s);           /* no NaN left */
+void       surface_pair(const World *w, const Surface *a, const Surface *b, Pair *p);
+
+/* pair.c */
+dig_status pair_add(World *w, uint32_t solid_a, uint32_t solid_b);
+void       pair_remove(World *w, uint32_t pair);
+static inline uint32_t pair_side(const Pair *p, uint32_t solid) { return p->solid_a == solid ? 0 : 1; }
+void       pairs_of_solid_remove(World *w, uint32_t solid);
+void       pairs_refresh_surfaces(World *w, uint32_t body);
+dig_status touch_find_or_add(World *w, uint32_t a, uint32_t b, uint8_t wall, uint32_t *slot);
+void       touch_remove(World *w, uint32_t slot);
+Touch     *touch_find(const World *w, uint32_t a, uint32_t b, uint8_t wall);
+
+/* joint.c */
+void       joint_remove(World *w, uint32_t slot);
+bool       joint_forbids_contact(const World *w, uint32_t a, uint32_t b);
+
+/* event.c */
+dig_event *event_post(World *w, dig_event_kind kind, uint32_t a, uint32_t b);       /* NULL when there is no memory */
+void       post_graph_changes(World *w);
+
+/* material.c */
+dig_status materials_open(World *w);
+int        material_find(const World *w, const char *name);             /* < 0 = none */
+
+/* check.c */
+dig_status world_check(const World *w);
+
+#endif

@@ -1,0 +1,603 @@
+/* lua/bind.c - types, errors at the script's line, and opening the module. */
+
+#include "bind.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { LIST_LIMIT = 600 };      /* bytes of names listed in an error */
+
+/* ---- errors ------------------------------------------------------------------ */
+
+void bind_where(lua_State *L)
+{
+    lua_Debug ar;
+    for (int level = 0; lua_getstack(L, level, &ar); level++) {
+        lua_getinfo(L, "Sl", &ar);
+        if (ar.source[0] == '@' && ar.currentline > 0) {
+            lua_pushfstring(L, "%s:%d: ", ar.source + 1, ar.currentline);
+            return;
+        }
+    }
+    lua_pushliteral(L, "");
+}
+
+static int raise_text(lua_State *L, const char *format, va_list arguments)
+{
+    char text[2048];
+    vsnprintf(text, sizeof text, format, arguments);
+    bind_where(L);
+    lua_pushstring(L, text);
+    lua_concat(L, 2);
+    return lua_error(L);
+}
+
+int bind_error(lua_State *L, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    raise_text(L, format, arguments);
+    va_end(arguments);
+    return 0;
+}
+
+static int exit_code_of(dig_status status)
+{
+    switch (status) {
+    case DIG_E_MEMORY: return 3;
+    case DIG_E_FINITE: return 10;
+    case DIG_E_FILE: return 9;
+    case DIG_E_FORMAT: return 8;
+    default: return 1;
+    }
+}
+
+int bind_fail_text(lua_State *L, dig_status status, const char *format, ...)
+{
+    char text[2048];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    bind_where(L);
+    lua_pushstring(L, text);
+    lua_concat(L, 2);
+    lua_pushvalue(L, -1);
+    lua_setfield(L, LUA_REGISTRYINDEX, "digbox.failure");
+    lua_pushinteger(L, exit_code_of(status));
+    lua_setfield(L, LUA_REGISTRYINDEX, "digbox.failure_code");
+    return lua_error(L);
+}
+
+int bind_fail(lua_State *L, const dig_world *w, dig_status status)
+{
+    const char *text = w ? dig_error(w) : NULL;
+    return bind_fail_text(L, status, "%s", text && *text ? text : dig_status_name(status));
+}
+
+int bind_exit_code(lua_State *L, const char *message)
+{
+    int code = 1;
+    lua_getfield(L, LUA_REGISTRYINDEX, "digbox.failure");
+    const char *failure = lua_tostring(L, -1);
+    if (failure && message && strstr(message, failure)) {
+        lua_getfield(L, LUA_REGISTRYINDEX, "digbox.failure_code");
+        code = (int)lua_tointeger(L, -1);
+        lua_pop(L, 1);
+    }
+    lua_pop(L, 1);
+    return code;
+}
+
+static int compare_names(const void *a, const void *b)
+{
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+/* Collects the string keys of the tables into one sorted array on the stack. */
+static const char **collect_names(lua_State *L, int first, int last, int *count)
+{
+    int n = 0;
+    for (int t = first; t <= last; t++)
+        for (lua_pushnil(L); lua_next(L, t); lua_pop(L, 1))
+            n += lua_type(L, -2) == LUA_TSTRING;
+    const char **names = lua_newuserdatauv(L, (size_t)(n + 1) * sizeof *names, 0);
+    *count = 0;
+    for (int t = first; t <= last; t++)
+        for (lua_pushnil(L); lua_next(L, t); lua_pop(L, 1))
+            if (lua_type(L, -2) == LUA_TSTRING && *count < n)
+                names[(*count)++] = lua_tostring(L, -2);
+    qsort((void *)names, (size_t)*count, sizeof *names, compare_names);
+    return names;
+}
+
+int bind_unknown(lua_State *L, const char *what, const char *kind, const char *name, int first, int last)
+{
+    int count;
+    char known[LIST_LIMIT + 8] = "";
+    luaL_checkstack(L, 8, "too many values");
+    const char **names = collect_names(L, first, last, &count);
+    const char *near = dig_suggest(name, names, count);
+    if (near)
+        return bind_error(L, "%s %s '%.60s' (did you mean '%s'?)", what, kind, name, near);
+    size_t used = 0;
+    for (int i = 0; i < count; i++) {
+        size_t length = strlen(names[i]);
+        if (names[i][0] == '_' || (i > 0 && strcmp(names[i], names[i - 1]) == 0))
+            continue;
+        if (used + length + 2 > LIST_LIMIT) {
+            used += (size_t)snprintf(known + used, sizeof known - used, " ...");
+            break;
+        }
+        used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", used ? ", " : "", names[i]);
+    }
+    return bind_error(L, "%s %s '%.60s' (known: %s)", what, kind, name, known);
+}
+
+/* ---- types -------------------------------------------------------------------- */
+
+/* upvalues: methods, getters, type name, fallback or nil */
+static int object_index(lua_State *L)
+{
+    if (lua_type(L, 2) == LUA_TSTRING) {
+        lua_pushvalue(L, 2);
+        if (lua_rawget(L, lua_upvalueindex(1)) != LUA_TNIL)
+            return 1;
+        lua_pushvalue(L, 2);
+        if (lua_rawget(L, lua_upvalueindex(2)) != LUA_TNIL) {
+            lua_pushvalue(L, 1);
+            lua_call(L, 1, 1);
+            return 1;
+        }
+        lua_settop(L, 2);
+    }
+    if (!lua_isnil(L, lua_upvalueindex(4))) {
+        lua_pushvalue(L, lua_upvalueindex(4));
+        lua_pushvalue(L, 1);
+        lua_pushvalue(L, 2);
+        int before = lua_gettop(L) - 3;
+        lua_call(L, 2, LUA_MULTRET);
+        if (lua_gettop(L) > before)
+            return 1;
+    }
+    const char *key = luaL_tolstring(L, 2, NULL);
+    lua_pushvalue(L, lua_upvalueindex(1));
+    lua_pushvalue(L, lua_upvalueindex(2));
+    int top = lua_gettop(L);
+    return bind_unknown(L, lua_tostring(L, lua_upvalueindex(3)), "has no field or method", key, top - 1, top);
+}
+
+static int read_only(lua_State *L)
+{
+    const char *key = luaL_tolstring(L, 2, NULL);
+    return bind_error(L, "%s.%s cannot be assigned", lua_tostring(L, lua_upvalueindex(1)), key);
+}
+
+void bind_type(lua_State *L, int core, const char *name, const luaL_Reg *methods, const luaL_Reg *getters, lua_CFunction fallback,
+               const luaL_Reg *metamethods)
+{
+    luaL_newmetatable(L, name);
+    lua_newtable(L);
+    luaL_setfuncs(L, methods, 0);
+    lua_newtable(L);
+    if (getters)
+        luaL_setfuncs(L, getters, 0);
+
+    lua_getfield(L, core, "types");
+    lua_newtable(L);
+    lua_pushvalue(L, -4);
+    lua_setfield(L, -2, "methods");
+    lua_pushvalue(L, -3);
+    lua_setfield(L, -2, "getters");
+    lua_pushvalue(L, -5);
+    lua_setfield(L, -2, "meta");
+    lua_setfield(L, -2, name);
+    lua_pop(L, 1);
+
+    lua_pushstring(L, name);
+    if (fallback)
+        lua_pushcfunction(L, fallback);
+    else
+        lua_pushnil(L);
+    lua_pushcclosure(L, object_index, 4);
+    lua_setfield(L, -2, "__index");
+    lua_pushstring(L, name);
+    lua_pushcclosure(L, read_only, 1);
+    lua_setfield(L, -2, "__newindex");
+    lua_pushboolean(L, 0);
+    lua_setfield(L, -2, "__metatable");
+    luaL_setfuncs(L, metamethods, 0);
+    lua_pop(L, 1);
+}
+
+static const char *name_of_type(lua_State *L, int arg)
+{
+    if (luaL_getmetafield(L, arg, "__name") == LUA_TSTRING) {
+        const char *name = lua_tostring(L, -1);
+        lua_pop(L, 1);
+        return name;        /* stays alive in the metatable */
+    }
+    return luaL_typename(L, arg);
+}
+
+static void *check_type(lua_State *L, int arg, const char *name)
+{
+    void *ref = luaL_testudata(L, arg, name);
+    if (!ref)
+        bind_error(L, "expected a %s, got %s%s", name, name_of_type(L, arg),
+                   arg == 1 && !lua_isuserdata(L, 1) ? " (methods are called with ':')" : "");
+    return ref;
+}
+
+WorldRef *bind_check_world(lua_State *L, int arg)
+{
+    WorldRef *ref = check_type(L, arg, BIND_WORLD);
+    if (!ref->w)
+        bind_error(L, "the world is closed");
+    return ref;
+}
+
+static void fail_removed(lua_State *L, int arg, const char *type)
+{
+    lua_getiuservalue(L, arg, REF_REMOVED);
+    lua_getiuservalue(L, arg, REF_NAME);
+    const char *how = lua_tostring(L, -2), *name = lua_tostring(L, -1);
+    if (how)
+        bind_error(L, "%s", how);
+    else if (name)
+        bind_error(L, "%s '%s' was removed", type, name);
+    else
+        bind_error(L, "this %s was removed", type);
+}
+
+BodyRef *bind_check_body(lua_State *L, int arg)
+{
+    BodyRef *ref = check_type(L, arg, BIND_BODY);
+    if (!ref->world->w)
+        bind_error(L, "the body's world is closed");
+    if (!dig_body_alive(ref->world->w, ref->id))
+        fail_removed(L, arg, BIND_BODY);
+    return ref;
+}
+
+JointRef *bind_check_joint(lua_State *L, int arg)
+{
+    JointRef *ref = check_type(L, arg, BIND_JOINT);
+    if (!ref->world->w)
+        bind_error(L, "the joint's world is closed");
+    if (!dig_joint_alive(ref->world->w, ref->id))
+        fail_removed(L, arg, BIND_JOINT);
+    return ref;
+}
+
+DigRef *bind_check_dig(lua_State *L, int arg)
+{
+    DigRef *ref = check_type(L, arg, BIND_DIG);
+    if (!ref->world->w)
+        bind_error(L, "the DIG's world is closed");
+    return ref;
+}
+
+ShapeRef *bind_check_shape(lua_State *L, int arg)
+{
+    return check_type(L, arg, BIND_SHAPE);
+}
+
+BodyRef *bind_body_of(lua_State *L, int arg, const WorldRef *world)
+{
+    BodyRef *ref = bind_check_body(L, arg);
+    if (ref->world != world) {
+        bind_push_body_name(L, ref);
+        bind_error(L, "%s belongs to another world", lua_tostring(L, -1));
+    }
+    return ref;
+}
+
+/* ---- handles ---------------------------------------------------------------------- */
+
+void bind_push_state(lua_State *L, int world)
+{
+    lua_getiuservalue(L, world, 1);
+}
+
+static lua_Integer handle_key(uint32_t slot, uint32_t gen)
+{
+    return (lua_Integer)(((uint64_t)slot << 32) | gen);
+}
+
+/* Pushes the cached handle and returns true, or leaves the cache table on the stack and returns false. */
+static bool push_cached(lua_State *L, int world, const char *cache, lua_Integer key)
+{
+    bind_push_state(L, world);
+    lua_getfield(L, -1, cache);
+    lua_remove(L, -2);
+    if (lua_rawgeti(L, -1, key) != LUA_TNIL) {
+        lua_remove(L, -2);
+        return true;
+    }
+    lua_pop(L, 1);
+    return false;
+}
+
+static void *new_handle(lua_State *L, int world, size_t size, const char *type, lua_Integer key, const char *name)
+{
+    void *ref = lua_newuserdatauv(L, size, 3);
+    lua_pushvalue(L, world);
+    lua_setiuservalue(L, -2, REF_WORLD);
+    if (name && *name) {
+        lua_pushstring(L, name);
+        lua_setiuservalue(L, -2, REF_NAME);
+    }
+    luaL_setmetatable(L, type);
+    lua_pushvalue(L, -1);
+    lua_rawseti(L, -3, key);
+    lua_remove(L, -2);
+    return ref;
+}
+
+void bind_push_body(lua_State *L, int world, dig_body id)
+{
+    world = lua_absindex(L, world);
+    WorldRef *w = lua_touserdata(L, world);
+    lua_Integer key = handle_key(id.slot, id.gen);
+    luaL_checkstack(L, 8, "too many values");
+    if (id.slot == 0 && id.gen == 0) {
+        lua_pushnil(L);
+        return;
+    }
+    if (push_cached(L, world, "bodies", key))
+        return;
+    dig_body_state s;
+    const char *name = dig_body_get(w->w, id, &s) == DIG_OK ? s.name : NULL;
+    BodyRef *ref = new_handle(L, world, sizeof *ref, BIND_BODY, key, name);
+    ref->world = w;
+    ref->id = id;
+}
+
+void bind_push_joint(lua_State *L, int world, dig_joint id)
+{
+    world = lua_absindex(L, world);
+    WorldRef *w = lua_touserdata(L, world);
+    lua_Integer key = handle_key(id.slot, id.gen);
+    luaL_checkstack(L, 8, "too many values");
+    if (id.slot == 0 && id.gen == 0) {
+        lua_pushnil(L);
+        return;
+    }
+    if (push_cached(L, world, "joints", key))
+        return;
+    dig_joint_state s;
+    const char *name = dig_joint_get(w->w, id, &s) == DIG_OK ? s.name : NULL;
+    JointRef *ref = new_handle(L, world, sizeof *ref, BIND_JOINT, key, name);
+    ref->world = w;
+    ref->id = id;
+}
+
+void bind_push_dig(lua_State *L, int world, dig_dig id)
+{
+    world = lua_absindex(L, world);
+    WorldRef *w = lua_touserdata(L, world);
+    lua_Integer key = handle_key(id.id, id.layer);
+    luaL_checkstack(L, 8, "too many values");
+    if (id.id == 0) {
+        lua_pushnil(L);
+        return;
+    }
+    if (push_cached(L, world, "digs", key))
+        return;
+    DigRef *ref = new_handle(L, world, sizeof *ref, BIND_DIG, key, NULL);
+    ref->world = w;
+    ref->id = id;
+}
+
+void bind_mark_removed(lua_State *L, int world, const char *kind, uint32_t slot, uint32_t gen, const char *how)
+{
+    if (push_cached(L, world, kind, handle_key(slot, gen))) {
+        lua_getiuservalue(L, -1, REF_REMOVED);
+        if (lua_isnil(L, -1)) {
+            lua_pushstring(L, how);
+            lua_setiuservalue(L, -3, REF_REMOVED);
+        }
+        lua_pop(L, 1);
+    }
+    lua_pop(L, 1);
+}
+
+void bind_push_world_of(lua_State *L, int handle)
+{
+    lua_getiuservalue(L, handle, REF_WORLD);
+}
+
+void bind_push_body_name(lua_State *L, const BodyRef *b)
+{
+    dig_body_state s;
+    if (dig_body_get(b->world->w, b->id, &s) == DIG_OK && s.name && *s.name)
+        lua_pushfstring(L, "body '%s'", s.name);
+    else
+        lua_pushfstring(L, "body #%d", (int)b->id.slot);
+}
+
+/* ---- lists ---------------------------------------------------------------------------- */
+
+static int list_tostring(lua_State *L)
+{
+    luaL_Buffer b;
+    lua_Integer n = (lua_Integer)lua_rawlen(L, 1);
+    luaL_buffinit(L, &b);
+    luaL_addchar(&b, '{');
+    for (lua_Integer i = 1; i <= n && i <= 100; i++) {
+        luaL_addstring(&b, i > 1 ? ", " : "");
+        lua_rawgeti(L, 1, i);
+        luaL_tolstring(L, -1, NULL);
+        lua_remove(L, -2);
+        luaL_addvalue(&b);
+    }
+    luaL_addstring(&b, n > 100 ? ", ...}" : "}");
+    luaL_pushresult(&b);
+    return 1;
+}
+
+void bind_push_list(lua_State *L, int size)
+{
+    lua_createtable(L, size, 0);
+    if (luaL_newmetatable(L, "list")) {
+        lua_pushcfunction(L, list_tostring);
+        lua_setfield(L, -2, "__tostring");
+        lua_pushnil(L);
+        lua_setfield(L, -2, "__name");
+        lua_pushboolean(L, 0);
+        lua_setfield(L, -2, "__metatable");
+    }
+    lua_setmetatable(L, -2);
+}
+
+void bind_push_matrix(lua_State *L, const real *m, int size)
+{
+    lua_createtable(L, size, 0);
+    for (int i = 0; i < size; i++) {
+        lua_createtable(L, size, 0);
+        for (int j = 0; j < size; j++) {
+            lua_pushnumber(L, m[i * size + j]);
+            lua_rawseti(L, -2, j + 1);
+        }
+        lua_rawseti(L, -2, i + 1);
+    }
+}
+
+/* ---- opening ------------------------------------------------------------------------------ */
+
+static const struct digbox_source *find_source(const char *name)
+{
+    for (const struct digbox_source *s = digbox_embedded; s->name; s++)
+        if (strcmp(s->name, name) == 0)
+            return s;
+    return NULL;
+}
+
+bool bind_use(lua_State *L, const char *name)
+{
+    const struct digbox_source *s = find_source(name);
+    if (!s)
+        return false;
+    luaL_getsubtable(L, LUA_REGISTRYINDEX, "digbox.loaded");
+    if (lua_getfield(L, -1, name) == LUA_TNIL) {
+        lua_pop(L, 1);
+        char chunk[64];
+        snprintf(chunk, sizeof chunk, "=digbox/%s.lua", name);
+        if (luaL_loadbufferx(L, s->text, s->size, chunk, "t") != LUA_OK)
+            lua_error(L);
+        lua_getfield(L, LUA_REGISTRYINDEX, "digbox.core");
+        lua_call(L, 1, 1);
+        if (lua_isnil(L, -1)) {
+            lua_pop(L, 1);
+            lua_pushboolean(L, 1);
+        }
+        lua_pushvalue(L, -1);
+        lua_setfield(L, -3, name);
+    }
+    lua_remove(L, -2);
+    return true;
+}
+
+/* core.use(name) -> the value of an embedded file */
+static int core_use(lua_State *L)
+{
+    const char *name = luaL_checkstring(L, 1);
+    if (!bind_use(L, name))
+        return bind_error(L, "no embedded file '%s'", name);
+    return 1;
+}
+
+/* core.fail(format, ...) raises with the script's position */
+static int core_fail(lua_State *L)
+{
+    int n = lua_gettop(L);
+    lua_getglobal(L, "string");
+    lua_getfield(L, -1, "format");
+    lua_remove(L, -2);
+    lua_insert(L, 1);
+    lua_call(L, n, 1);
+    return bind_error(L, "%s", lua_tostring(L, -1));
+}
+
+/* core.where() -> "world.lua:12: " */
+static int core_where(lua_State *L)
+{
+    bind_where(L);
+    return 1;
+}
+
+/* core.unknown(what, kind, name, table...) raises "what kind 'name' (did you mean ...)" */
+static int core_unknown(lua_State *L)
+{
+    return bind_unknown(L, luaL_checkstring(L, 1), luaL_checkstring(L, 2), luaL_checkstring(L, 3), 4, lua_gettop(L));
+}
+
+/* core.raise(code, message): no position; the program ends with that exit code if nobody catches it */
+static int core_raise(lua_State *L)
+{
+    lua_pushvalue(L, 1);
+    lua_setfield(L, LUA_REGISTRYINDEX, "digbox.failure_code");
+    lua_pushvalue(L, 2);
+    lua_setfield(L, LUA_REGISTRYINDEX, "digbox.failure");
+    lua_settop(L, 2);
+    return lua_error(L);
+}
+
+/* core.poll(): before each step. The program puts its own in place, which stops at Ctrl-C and at limits. */
+static int core_poll(lua_State *L)
+{
+    (void)L;
+    return 0;
+}
+
+static const luaL_Reg core_functions[] = {
+    {"use", core_use}, {"fail", core_fail}, {"where", core_where}, {"unknown", core_unknown}, {"raise", core_raise},
+    {"poll", core_poll}, {NULL, NULL},
+};
+
+int bind_open(lua_State *L)
+{
+    lua_newtable(L);
+    int core = lua_gettop(L);
+    lua_newtable(L);
+    lua_setfield(L, core, "types");
+    lua_newtable(L);
+    lua_setfield(L, core, "options");
+    luaL_setfuncs(L, core_functions, 0);
+    lua_pushvalue(L, core);
+    lua_setfield(L, LUA_REGISTRYINDEX, "digbox.core");
+    bind_vec_open(L, core);
+    bind_world_open(L, core);
+    bind_body_open(L, core);
+    bind_shape_open(L, core);
+    bind_joint_open(L, core);
+    bind_graph_open(L, core);
+    bind_film_open(L, core);
+    bind_file_open(L, core);
+    lua_settop(L, core - 1);
+    bind_use(L, "init");
+    return 1;
+}
+
+static int open_test(lua_State *L)
+{
+    bind_use(L, "test");
+    return 1;
+}
+
+/* For a plain lua5.4: require "digbox" of digbox.so. */
+int luaopen_digbox(lua_State *L)
+{
+    bind_open(L);
+    lua_getglobal(L, "package");
+    if (lua_istable(L, -1) && lua_getfield(L, -1, "preload") == LUA_TTABLE) {
+        lua_pushcfunction(L, open_test);
+        lua_setfield(L, -2, "digbox.test");
+        lua_pop(L, 1);
+    }
+    lua_pop(L, 1);
+    return 1;
+}

@@ -1,0 +1,149 @@
+/* lua/bind.h - what the Lua binding shares: handles, vectors, tables that fill def structs, errors at the script's line.
+ *
+ * Handles are userdata {world, id}; the world's userdata is their first user value, so a world outlives its handles. A removed
+ * body is found by its generation and named by the text that its removal left on the handle.
+ *
+ * Nothing here owns memory across a call that can raise: buffers are Lua userdata.
+ */
+#ifndef DIGBOX_BIND_H
+#define DIGBOX_BIND_H
+
+#include <lauxlib.h>
+#include <lua.h>
+
+#include "digbox.h"
+
+typedef struct WorldRef { dig_world *w; } WorldRef;             /* NULL: closed */
+typedef struct BodyRef  { WorldRef *world; dig_body id; } BodyRef;
+typedef struct JointRef { WorldRef *world; dig_joint id; } JointRef;
+typedef struct DigRef   { WorldRef *world; dig_dig id; } DigRef;
+typedef struct ShapeRef { dig_shape_def def; } ShapeRef;        /* its data struct follows it in the same block */
+
+/* Names of the metatables; also what errors call the types. */
+#define BIND_WORLD "world"
+#define BIND_BODY  "body"
+#define BIND_JOINT "joint"
+#define BIND_DIG   "DIG"
+#define BIND_SHAPE "shape"
+#define BIND_VEC   "vector"
+#define BIND_QUAT  "rotation"
+
+enum { REF_WORLD = 1, REF_REMOVED = 2, REF_NAME = 3 };          /* user values of body and joint handles */
+
+/* Files of lua/digbox, put into the program by lua/embed.sh; ends with name NULL. */
+struct digbox_source { const char *name; const char *text; size_t size; };
+extern const struct digbox_source digbox_embedded[];
+
+/* ---- modules: each adds its functions to the table `core` at the given index ---- */
+
+void bind_vec_open(lua_State *L, int core);
+void bind_world_open(lua_State *L, int core);
+void bind_body_open(lua_State *L, int core);
+void bind_shape_open(lua_State *L, int core);
+void bind_joint_open(lua_State *L, int core);
+void bind_graph_open(lua_State *L, int core);
+void bind_film_open(lua_State *L, int core);
+void bind_file_open(lua_State *L, int core);
+
+/* Opens everything and leaves the module `digbox` on the stack; the core table stands in the registry as "digbox.core". */
+int  bind_open(lua_State *L);
+int  luaopen_digbox(lua_State *L);
+
+/* Pushes the value of an embedded file, run once with the core table as its argument; false when there is no such file. */
+bool bind_use(lua_State *L, const char *name);
+
+/* ---- errors ---------------------------------------------------------------------- */
+
+/* "world.lua:12: ": the innermost frame of the script, not of the files embedded here. Pushes it ("" when there is none). */
+void bind_where(lua_State *L);
+
+/* Raises position + message. */
+int bind_error(lua_State *L, const char *format, ...);
+
+/* Raises the message of a call that failed; the status decides the program's exit code if nobody catches it. */
+int bind_fail(lua_State *L, const dig_world *w, dig_status status);
+int bind_fail_text(lua_State *L, dig_status status, const char *format, ...);
+
+/* The exit code that belongs to an uncaught error message (1 for errors of the script itself). */
+int bind_exit_code(lua_State *L, const char *message);
+
+/* "unknown field 'radus' (did you mean 'radius'?)", or the list of what is known. Candidates are the string keys of the tables
+ * at first..last of the stack. */
+int bind_unknown(lua_State *L, const char *what, const char *kind, const char *name, int first, int last);
+
+/* ---- types ------------------------------------------------------------------------- */
+
+/* Makes a locked metatable: methods and getters (name -> function of self) become reachable as core.types[name].methods and
+ * .getters, so that lua/digbox/ can add to them. fallback (may be NULL) gets (self, key) and returns how many values it pushed. */
+void bind_type(lua_State *L, int core, const char *name, const luaL_Reg *methods, const luaL_Reg *getters, lua_CFunction fallback,
+               const luaL_Reg *metamethods);
+
+WorldRef *bind_check_world(lua_State *L, int arg);
+BodyRef  *bind_check_body(lua_State *L, int arg);       /* alive, or an error that names it */
+JointRef *bind_check_joint(lua_State *L, int arg);
+DigRef   *bind_check_dig(lua_State *L, int arg);
+ShapeRef *bind_check_shape(lua_State *L, int arg);
+BodyRef  *bind_body_of(lua_State *L, int arg, const WorldRef *world);  /* alive and of this world */
+
+/* world: stack index of the world's userdata. A null id pushes nil. */
+void bind_push_body(lua_State *L, int world, dig_body id);
+void bind_push_joint(lua_State *L, int world, dig_joint id);
+void bind_push_dig(lua_State *L, int world, dig_dig id);
+void bind_push_world_of(lua_State *L, int handle);      /* the world's userdata of a handle */
+void bind_push_vec3(lua_State *L, vec3 v);
+void bind_push_quat(lua_State *L, quat q);
+void bind_push_list(lua_State *L, int size);            /* a list that prints its items */
+void bind_push_matrix(lua_State *L, const real *m, int size);   /* list of rows */
+
+/* "body 'crate'", "body #12" */
+void bind_push_body_name(lua_State *L, const BodyRef *b);
+
+/* Leaves the reason on a handle that stops being valid, if there is one. */
+void bind_mark_removed(lua_State *L, int world, const char *kind, uint32_t slot, uint32_t gen, const char *how);
+
+/* The Lua side of a world: a table {bodies = {}, joints = {}, data = {}, ...}. */
+void bind_push_state(lua_State *L, int world);
+
+/* ---- values ------------------------------------------------------------------------- */
+
+bool bind_is_vec3(lua_State *L, int index);
+vec3 bind_vec3(lua_State *L, int index, const char *unit, const char *what, const char *field);
+quat bind_quat(lua_State *L, int index, const char *what, const char *field);
+real bind_real(lua_State *L, int index, const char *unit, const char *what, const char *field);
+lua_Integer bind_int(lua_State *L, int index, const char *what, const char *field);
+real bind_seconds(lua_State *L, int index, const char *what);
+
+/* Fields of a table of arguments. A nil field leaves *value alone and returns false. */
+void bind_arguments(lua_State *L, int table, const char *what, const char *const *names);    /* checks type and keys */
+bool bind_get_vec3(lua_State *L, int table, const char *what, const char *field, const char *unit, vec3 *value);
+bool bind_get_quat(lua_State *L, int table, const char *what, const char *field, quat *value);
+bool bind_get_real(lua_State *L, int table, const char *what, const char *field, const char *unit, real *value);
+
+/* ---- def structs from tables ----------------------------------------------------------- */
+
+typedef struct Fill {
+    lua_State      *L;
+    int             table;      /* stack index of the table that is read             */
+    int             anchor;     /* stack index of a table that keeps arrays alive    */
+    const char     *what;       /* "world:sphere"                                    */
+    const char     *subject;    /* "body 'plank 7'", or what: starts range errors    */
+    const WorldRef *world;      /* for handles and materials; may be NULL            */
+} Fill;
+
+/* Fills one field from the value on top of the stack (which stays). */
+void bind_fill_field(const Fill *f, const dig_param *row, void *field);
+
+/* Fills every field that the table has. */
+void bind_fill(const Fill *f, const dig_param *rows, void *base);
+
+/* Raises an error for a key that is neither in the row sets (NULL-terminated) nor in extras (NULL-terminated, may be NULL). */
+void bind_check_keys(lua_State *L, int table, const char *what, const dig_param *const *sets, const char *const *extras);
+
+/* Pushes a field of a def struct as a Lua value. */
+void bind_push_field(lua_State *L, int world, const dig_param *row, const void *field);
+
+/* A body whose shapes are given; the table at index 2 holds the body's fields. */
+int bind_create_body(lua_State *L, const char *what, const dig_shape_def *shapes, int count, bool fixed, const dig_param *own,
+                     const char *const *extras);
+
+#endif

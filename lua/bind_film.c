@@ -1,0 +1,550 @@
+/* lua/bind_film.c - pictures and film: a view of the world, drawn and written as PNG or piped to ffmpeg.
+ *
+ * What a camera is and when a frame is due is decided in lua/digbox/film.lua; here a view becomes a file. A frame between two
+ * steps is drawn from a view blended between them, so that frame times never touch the physics.
+ */
+
+#define _XOPEN_SOURCE 700       /* posix_spawn, waitpid */
+
+#include "bind.h"
+
+#include <errno.h>
+#include <math.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "render/render.h"
+
+#ifdef DIGBOX_NO_RENDER
+
+static int no_renderer(lua_State *L)
+{
+    return bind_error(L, "this build of digbox draws no pictures (it was made with RENDER=0)");
+}
+
+void bind_film_open(lua_State *L, int core)
+{
+    static const char *const names[] = {"view", "blend", "view_camera", "picture", "pipe", "compare_pictures", "png_text", "renderer"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        lua_pushcfunction(L, no_renderer);
+        lua_setfield(L, core, names[i]);
+    }
+    lua_pushboolean(L, 0);
+    lua_setfield(L, core, "can_render");
+}
+
+#else
+
+#define VIEW     "view"
+#define PIPE     "pipe"
+#define RENDERER "renderer"
+
+/* ---- views --------------------------------------------------------------------- */
+
+typedef struct ViewRef {
+    View *v;
+    real  time;         /* s, as taken; blending sets v->time      */
+    int   count;        /* items whose own poses stand in user value 1 */
+} ViewRef;
+
+typedef struct ItemPose { float p[3], q[4]; } ItemPose;
+
+/* core.view(world) -> view */
+static int view_take(lua_State *L)
+{
+    WorldRef *ref = bind_check_world(L, 1);
+    ViewRef *view = lua_newuserdatauv(L, sizeof *view, 1);
+    *view = (ViewRef){NULL, 0, 0};
+    luaL_setmetatable(L, VIEW);
+    dig_status s = dig_view_take(ref->w, &view->v);
+    if (s != DIG_OK)
+        return bind_fail_text(L, s, "no memory for a picture of the world");
+    view->time = view->v->time;
+    bind_push_state(L, 1);
+    lua_getfield(L, -1, "seed");
+    view->v->seed = (uint64_t)lua_tointeger(L, -1);
+    lua_pop(L, 2);
+    return 1;
+}
+
+static int view_gc(lua_State *L)
+{
+    ViewRef *view = luaL_checkudata(L, 1, VIEW);
+    dig_view_free(view->v);
+    view->v = NULL;
+    return 0;
+}
+
+/* The poses of a view as taken, kept on first use. */
+static const ItemPose *own_poses(lua_State *L, int index, ViewRef *view)
+{
+    if (lua_getiuservalue(L, index, 1) != LUA_TUSERDATA) {
+        int n = view->v->item_count;
+        ItemPose *poses = lua_newuserdatauv(L, (size_t)(n + 1) * sizeof *poses, 0);
+        for (int i = 0; i < n; i++) {
+            memcpy(poses[i].p, view->v->items[i].p, sizeof poses[i].p);
+            memcpy(poses[i].q, view->v->items[i].q, sizeof poses[i].q);
+        }
+        lua_setiuservalue(L, index, 1);
+        view->count = n;
+        lua_pop(L, 1);
+        lua_getiuservalue(L, index, 1);
+    }
+    const ItemPose *poses = lua_touserdata(L, -1);
+    lua_pop(L, 1);
+    return poses;
+}
+
+/* Straight line between positions; normalised linear blend between rotations, which for a step apart is within 1e-4 of the arc. */
+static void blend_item(ViewItem *out, const ItemPose *a, const ItemPose *b, const float shift[3], float f)
+{
+    float dot = 0, length = 0;
+    for (int k = 0; k < 3; k++)
+        out->p[k] = (1 - f) * (a->p[k] + shift[k]) + f * b->p[k];
+    for (int k = 0; k < 4; k++)
+        dot += a->q[k] * b->q[k];
+    for (int k = 0; k < 4; k++) {
+        out->q[k] = (1 - f) * (dot < 0 ? -a->q[k] : a->q[k]) + f * b->q[k];
+        length += out->q[k] * out->q[k];
+    }
+    for (int k = 0; k < 4 && length > 0; k++)
+        out->q[k] /= sqrtf(length);
+}
+
+/* core.blend(before, after, fraction): moves the items of `after` to where they were at that fraction of the step */
+static int view_blend(lua_State *L)
+{
+    ViewRef *a = luaL_checkudata(L, 1, VIEW), *b = luaL_checkudata(L, 2, VIEW);
+    real f = luaL_checknumber(L, 3);
+    const ItemPose *from = own_poses(L, 1, a), *to = own_poses(L, 2, b);
+    float shift[3];
+    for (int k = 0; k < 3; k++)
+        shift[k] = (float)(a->v->origin[k] - b->v->origin[k]);
+    for (int i = 0; i < b->count; i++) {
+        ViewItem *item = &b->v->items[i];
+        memcpy(item->p, to[i].p, sizeof item->p);
+        memcpy(item->q, to[i].q, sizeof item->q);
+        if (i < a->count && a->v->items[i].body == item->body && a->v->items[i].mesh == item->mesh)
+            blend_item(item, &from[i], &to[i], shift, (float)f);
+    }
+    b->v->time = a->time + f * (b->time - a->time);
+    return 0;
+}
+
+static void push_triple(lua_State *L, const real v[3])
+{
+    bind_push_vec3(L, (vec3){v[0], v[1], v[2]});
+}
+
+/* core.view_camera(view, fov, aspect) -> at, look_at, up of a camera that sees everything */
+static int view_camera(lua_State *L)
+{
+    ViewRef *view = luaL_checkudata(L, 1, VIEW);
+    RenderCamera c = render_camera_for(view->v, luaL_checknumber(L, 2), luaL_checknumber(L, 3));
+    push_triple(L, c.at);
+    push_triple(L, c.look_at);
+    push_triple(L, c.up);
+    return 3;
+}
+
+/* ---- options: a table of checked values made by film.lua --------------------------- */
+
+static real number_field(lua_State *L, int table, const char *name, real otherwise)
+{
+    real x = lua_getfield(L, table, name) == LUA_TNUMBER ? lua_tonumber(L, -1) : otherwise;
+    lua_pop(L, 1);
+    return x;
+}
+
+static void triple_field(lua_State *L, int table, const char *name, real out[3])
+{
+    if (lua_getfield(L, table, name) != LUA_TNIL) {
+        vec3 v = bind_vec3(L, -1, "m", "camera", name);
+        out[0] = v.x;
+        out[1] = v.y;
+        out[2] = v.z;
+    }
+    lua_pop(L, 1);
+}
+
+static void read_lamps(lua_State *L, int table, RenderOptions *o)
+{
+    if (lua_getfield(L, table, "lamps") == LUA_TTABLE)
+        for (int i = 0; i < 4 && lua_rawgeti(L, -1, i + 1) == LUA_TTABLE; i++) {
+            RenderLamp *lamp = &o->lamps[o->lamp_count++];
+            real colour[3] = {1, 1, 1};
+            int at = lua_gettop(L);
+            triple_field(L, at, "at", lamp->at);
+            triple_field(L, at, "colour", colour);
+            lamp->power = (float)number_field(L, at, "power", 60);
+            for (int k = 0; k < 3; k++)
+                lamp->colour[k] = (float)colour[k];
+            lua_pop(L, 1);
+        }
+    lua_settop(L, table);
+}
+
+static RenderOptions read_options(lua_State *L, int table)
+{
+    RenderOptions o = render_defaults();
+    real sun[3] = {0, 0, 0};
+    luaL_checktype(L, table, LUA_TTABLE);
+    lua_settop(L, table);
+    o.width = (int)number_field(L, table, "width", o.width);
+    o.height = (int)number_field(L, table, "height", o.height);
+    o.samples = (int)number_field(L, table, "samples", o.samples);
+    o.layer = (RenderLayer)(int)number_field(L, table, "layer", RENDER_COLOUR);
+    o.overlay = (unsigned)number_field(L, table, "overlay", 0);
+    o.sky = (int)number_field(L, table, "sky", o.sky);
+    o.camera.fov = number_field(L, table, "fov", 0.7);
+    triple_field(L, table, "at", o.camera.at);
+    triple_field(L, table, "look_at", o.camera.look_at);
+    triple_field(L, table, "up", o.camera.up);
+    triple_field(L, table, "sun", sun);
+    for (int k = 0; k < 3; k++)
+        o.sun[k] = (float)sun[k];
+    if (lua_getfield(L, table, "shadows") == LUA_TBOOLEAN)
+        o.shadows = lua_toboolean(L, -1);
+    read_lamps(L, table, &o);
+    return o;
+}
+
+/* ---- the renderer: one a Lua state, opened by the first picture ---------------------- */
+
+typedef struct RendererRef { Renderer *r; } RendererRef;
+
+static Renderer *renderer(lua_State *L)
+{
+    if (lua_getfield(L, LUA_REGISTRYINDEX, "digbox.renderer") != LUA_TUSERDATA) {
+        char why[256] = "";
+        RendererRef *ref = lua_newuserdatauv(L, sizeof *ref, 0);
+        ref->r = NULL;
+        luaL_setmetatable(L, RENDERER);
+        dig_status s = render_open(NULL, &ref->r, why, sizeof why);
+        if (s != DIG_OK)
+            bind_fail_text(L, DIG_E_FILE, "no picture can be drawn: %s", why);
+        lua_pushvalue(L, -1);
+        lua_setfield(L, LUA_REGISTRYINDEX, "digbox.renderer");
+        lua_replace(L, -2);
+    }
+    Renderer *r = ((RendererRef *)lua_touserdata(L, -1))->r;
+    lua_pop(L, 1);
+    return r;
+}
+
+static int renderer_gc(lua_State *L)
+{
+    RendererRef *ref = luaL_checkudata(L, 1, RENDERER);
+    if (ref->r)
+        render_close(ref->r);
+    ref->r = NULL;
+    return 0;
+}
+
+/* core.renderer() -> "osmesa: 4.5 (Core Profile) ..." */
+static int renderer_describe(lua_State *L)
+{
+    lua_pushstring(L, render_describe(renderer(L)));
+    return 1;
+}
+
+static const void *draw(lua_State *L, const ViewRef *view, const RenderOptions *o)
+{
+    Renderer *r = renderer(L);
+    const void *pixels = NULL;
+    dig_status s = render_draw(r, view->v, o, &pixels);
+    if (s != DIG_OK)
+        bind_fail_text(L, s, "%s", render_error(r));
+    return pixels;
+}
+
+enum { TEXT_COUNT = 16 };
+
+/* core.picture(view, options, path, {key = value, ...}) */
+static int film_picture(lua_State *L)
+{
+    ViewRef *view = luaL_checkudata(L, 1, VIEW);
+    const char *path = luaL_checkstring(L, 3);
+    PngText texts[TEXT_COUNT];
+    int count = 0;
+    char why[512] = "";
+    luaL_checkstack(L, 4 * TEXT_COUNT, "too many values");
+    lua_settop(L, 4);
+    lua_pushvalue(L, 2);
+    RenderOptions o = read_options(L, 5);
+    const void *pixels = draw(L, view, &o);
+    if (lua_istable(L, 4))
+        for (int i = 1; i < 2 * TEXT_COUNT && lua_rawgeti(L, 4, i) != LUA_TNIL; i += 2) {
+            lua_rawgeti(L, 4, i + 1);
+            texts[count++] = (PngText){lua_tostring(L, -2), lua_tostring(L, -1)};    /* the table keeps both */
+        }
+    dig_status s = png_write(path, o.layer, o.width, o.height, pixels, texts, count, why, sizeof why);
+    if (s != DIG_OK)
+        return bind_fail_text(L, DIG_E_FILE, "%s", *why ? why : path);
+    return 0;
+}
+
+/* ---- ffmpeg ------------------------------------------------------------------------------ */
+
+typedef struct Pipe {
+    pid_t pid;              /* 0 = closed */
+    int   fd;
+    int   width, height;
+    char  path[1200], temporary[1300];
+} Pipe;
+
+extern char **environ;
+
+static const char *extension_of(const char *path)
+{
+    const char *dot = strrchr(path, '.');
+    return dot ? dot : "";
+}
+
+/* Starts ffmpeg in a process group of its own, so that Ctrl-C does not cut the film short. Returns an errno. */
+static int start_ffmpeg(Pipe *p, const char *fps)
+{
+    char size[32];
+    bool webm = strcmp(extension_of(p->path), ".webm") == 0;
+    snprintf(size, sizeof size, "%dx%d", p->width, p->height);
+    const char *arguments[] = {
+        "ffmpeg", "-nostdin", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", size, "-r", fps, "-i", "-",
+        "-an", "-c:v", webm ? "libvpx-vp9" : "libx264", "-crf", webm ? "30" : "18", "-b:v", "0", "-vf",
+        "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p", "-bitexact", p->temporary, NULL,
+    };
+    int ends[2];
+    posix_spawn_file_actions_t actions;
+    posix_spawnattr_t attributes;
+    if (pipe(ends) != 0)
+        return errno;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, ends[0], 0);
+    posix_spawn_file_actions_addclose(&actions, ends[0]);
+    posix_spawn_file_actions_addclose(&actions, ends[1]);
+    posix_spawnattr_init(&attributes);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+    posix_spawnattr_setpgroup(&attributes, 0);
+    int error = posix_spawnp(&p->pid, "ffmpeg", &actions, &attributes, (char *const *)(uintptr_t)arguments, environ);
+    posix_spawn_file_actions_destroy(&actions);
+    posix_spawnattr_destroy(&attributes);
+    close(ends[0]);
+    if (error != 0) {
+        p->pid = 0;
+        close(ends[1]);
+        return error;
+    }
+    p->fd = ends[1];
+    return 0;
+}
+
+/* core.pipe(path, width, height, fps) -> pipe, or nil when there is no ffmpeg */
+static int film_pipe(lua_State *L)
+{
+    const char *path = luaL_checkstring(L, 1);
+    Pipe *p = lua_newuserdatauv(L, sizeof *p, 0);
+    memset(p, 0, sizeof *p);
+    p->width = (int)luaL_checkinteger(L, 2);
+    p->height = (int)luaL_checkinteger(L, 3);
+    snprintf(p->path, sizeof p->path, "%s", path);
+    snprintf(p->temporary, sizeof p->temporary, "%s.part%s", path, extension_of(path));
+    luaL_setmetatable(L, PIPE);
+    signal(SIGPIPE, SIG_IGN);
+    int error = start_ffmpeg(p, lua_pushfstring(L, "%f", luaL_checknumber(L, 4)));
+    if (error == ENOENT)
+        return 0;
+    if (error != 0)
+        return bind_fail_text(L, DIG_E_FILE, "ffmpeg does not start: %s", strerror(error));
+    lua_pop(L, 1);
+    return 1;
+}
+
+/* pipe:frame(view, options) */
+static int pipe_frame(lua_State *L)
+{
+    Pipe *p = luaL_checkudata(L, 1, PIPE);
+    ViewRef *view = luaL_checkudata(L, 2, VIEW);
+    RenderOptions o = read_options(L, 3);
+    o.width = p->width;
+    o.height = p->height;
+    o.layer = o.layer == RENDER_NORMAL ? RENDER_NORMAL : RENDER_COLOUR;     /* three bytes a pixel */
+    const char *pixels = draw(L, view, &o);
+    size_t left = (size_t)p->width * (size_t)p->height * 3;
+    while (left > 0) {
+        ssize_t n = write(p->fd, pixels, left);
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n <= 0)
+            return bind_fail_text(L, DIG_E_FILE, "%s: ffmpeg takes no more frames: %s", p->path, strerror(errno));
+        pixels += n;
+        left -= (size_t)n;
+    }
+    return 0;
+}
+
+static bool finish_pipe(Pipe *p)
+{
+    int status = 0;
+    if (p->pid == 0)
+        return true;
+    close(p->fd);
+    while (waitpid(p->pid, &status, 0) < 0 && errno == EINTR)
+        continue;
+    p->pid = 0;
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0)
+        return rename(p->temporary, p->path) == 0;
+    remove(p->temporary);
+    return false;
+}
+
+/* pipe:close(): the film is under its name only when it is whole */
+static int pipe_close(lua_State *L)
+{
+    Pipe *p = luaL_checkudata(L, 1, PIPE);
+    if (!finish_pipe(p))
+        return bind_fail_text(L, DIG_E_FILE, "%s: ffmpeg could not write the film", p->path);
+    return 0;
+}
+
+static int pipe_gc(lua_State *L)
+{
+    finish_pipe(luaL_checkudata(L, 1, PIPE));
+    return 0;
+}
+
+/* ---- comparing pictures -------------------------------------------------------------------- */
+
+enum { TILE = 8 };
+
+/* Mean absolute difference of a tile, in levels of 255. */
+static double tile_difference(const unsigned char *a, const unsigned char *b, int width, int height, int x0, int y0)
+{
+    double sum = 0;
+    int n = 0;
+    for (int y = y0; y < y0 + TILE && y < height; y++)
+        for (int x = x0; x < x0 + TILE && x < width; x++, n += 3)
+            for (int k = 0; k < 3; k++) {
+                size_t i = ((size_t)y * (size_t)width + (size_t)x) * 3 + (size_t)k;
+                sum += abs((int)a[i] - (int)b[i]);
+            }
+    return n > 0 ? sum / n : 0;
+}
+
+static void compare_pixels(lua_State *L, const unsigned char *a, const unsigned char *b, int width, int height, double tolerance)
+{
+    double worst = 0;
+    int bad = 0, tiles = 0, bad_x = 0, bad_y = 0;
+    for (int y = 0; y < height; y += TILE)
+        for (int x = 0; x < width; x += TILE, tiles++) {
+            double d = tile_difference(a, b, width, height, x, y);
+            bad += d > tolerance;
+            if (d > worst) {
+                worst = d;
+                bad_x = x;
+                bad_y = y;
+            }
+        }
+    lua_pushboolean(L, memcmp(a, b, (size_t)width * (size_t)height * 3) == 0);
+    lua_setfield(L, -2, "same");
+    lua_pushnumber(L, worst);
+    lua_setfield(L, -2, "worst");
+    lua_pushinteger(L, bad);
+    lua_setfield(L, -2, "bad");
+    lua_pushinteger(L, tiles);
+    lua_setfield(L, -2, "tiles");
+    lua_pushfstring(L, "%d,%d", bad_x, bad_y);
+    lua_setfield(L, -2, "where");
+}
+
+/* core.compare_pictures(a, b, tolerance) -> {same, worst, bad, tiles, where} or {why} */
+static int film_compare(lua_State *L)
+{
+    char why[512] = "";
+    unsigned char *a = NULL, *b = NULL;
+    int wa, ha, wb, hb;
+    const char *path_a = luaL_checkstring(L, 1), *path_b = luaL_checkstring(L, 2);
+    double tolerance = luaL_checknumber(L, 3);
+    lua_newtable(L);
+    if (png_read(path_a, &wa, &ha, &a, why, sizeof why) != DIG_OK || png_read(path_b, &wb, &hb, &b, why, sizeof why) != DIG_OK)
+        lua_pushstring(L, *why ? why : "cannot be read");
+    else if (wa != wb || ha != hb)
+        lua_pushfstring(L, "%dx%d against %dx%d", wa, ha, wb, hb);
+    else
+        lua_pushnil(L);
+    lua_setfield(L, -2, "why");
+    if (a && b && wa == wb && ha == hb)
+        compare_pixels(L, a, b, wa, ha, tolerance);
+    free(a);
+    free(b);
+    return 1;
+}
+
+/* core.png_text(path, key) -> the text chunk of that key, or nil. Walks the chunks: length, type, data, checksum (PNG 5.3). */
+static int film_png_text(lua_State *L)
+{
+    unsigned char head[8], body[512];
+    const char *key = luaL_checkstring(L, 2);
+    FILE *f = fopen(luaL_checkstring(L, 1), "rb");
+    bool found = false;
+    size_t key_length = strlen(key), length = 0;
+    if (!f)
+        return 0;
+    fseek(f, 8, SEEK_SET);
+    while (!found && fread(head, 1, 8, f) == 8) {
+        length = (size_t)head[0] << 24 | (size_t)head[1] << 16 | (size_t)head[2] << 8 | head[3];
+        if (memcmp(head + 4, "tEXt", 4) == 0 && length < sizeof body && fread(body, 1, length, f) == length) {
+            found = length > key_length && memcmp(body, key, key_length + 1) == 0;
+            fseek(f, 4, SEEK_CUR);
+        } else if (length > 0x7fffffff || fseek(f, (long)length + 4, SEEK_CUR) != 0) {
+            break;
+        }
+    }
+    fclose(f);
+    if (!found)
+        return 0;
+    lua_pushlstring(L, (const char *)body + key_length + 1, length - key_length - 1);
+    return 1;
+}
+
+/* ---- tables ---------------------------------------------------------------------------------- */
+
+static const luaL_Reg functions[] = {
+    {"view", view_take}, {"blend", view_blend}, {"view_camera", view_camera}, {"picture", film_picture}, {"pipe", film_pipe},
+    {"compare_pictures", film_compare}, {"png_text", film_png_text}, {"renderer", renderer_describe}, {NULL, NULL},
+};
+
+static void plain_type(lua_State *L, int core, const char *name, const luaL_Reg *methods, lua_CFunction gc)
+{
+    const luaL_Reg meta[] = {{"__gc", gc}, {NULL, NULL}};
+    bind_type(L, core, name, methods, NULL, NULL, meta);
+}
+
+void bind_film_open(lua_State *L, int core)
+{
+    static const luaL_Reg none[] = {{NULL, NULL}};
+    static const luaL_Reg pipe_methods[] = {{"frame", pipe_frame}, {"close", pipe_close}, {NULL, NULL}};
+    plain_type(L, core, VIEW, none, view_gc);
+    plain_type(L, core, RENDERER, none, renderer_gc);
+    plain_type(L, core, PIPE, pipe_methods, pipe_gc);
+    lua_pushvalue(L, core);
+    luaL_setfuncs(L, functions, 0);
+    lua_pushboolean(L, 1);
+    lua_setfield(L, -2, "can_render");
+    lua_newtable(L);
+    static const struct { const char *name; int bit; } overlays[] = {
+        {"dig", OVERLAY_DIG}, {"contacts", OVERLAY_CONTACTS}, {"forces", OVERLAY_FORCES}, {"names", OVERLAY_NAMES},
+        {"joints", OVERLAY_JOINTS}, {"time", OVERLAY_TIME},
+    };
+    for (size_t i = 0; i < sizeof overlays / sizeof *overlays; i++) {
+        lua_pushinteger(L, overlays[i].bit);
+        lua_setfield(L, -2, overlays[i].name);
+    }
+    lua_setfield(L, -2, "overlays");
+    lua_pop(L, 1);
+}
+
+#endif

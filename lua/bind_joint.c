@@ -1,0 +1,343 @@
+/* lua/bind_joint.c - joints: constructors made from the list of joint types, reading, setting parameters, removing. */
+
+#include "bind.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const dig_param common_rows[] = {
+    {"name", DIG_TEXT, "", "name of the joint", 0, 0, 0, offsetof(dig_joint_def, name), NULL, NULL, false},
+    {"a", DIG_BODY, "", "one body", 0, 0, 0, offsetof(dig_joint_def, a), NULL, NULL, false},
+    {"b", DIG_BODY, "", "the other; none = the world", 0, 0, 0, offsetof(dig_joint_def, b), NULL, NULL, false},
+    {"at", DIG_VEC3, "m", "where", NAN, -1e6, 1e6, offsetof(dig_joint_def, at), NULL, NULL, false},
+    {"axis", DIG_DIR, "1", "about or along which", NAN, 0, 0, offsetof(dig_joint_def, axis), NULL, NULL, false},
+    {"breaks_at", DIG_REAL, "N", "force that breaks it", INFINITY, 0, INFINITY, offsetof(dig_joint_def, breaks_at), NULL, NULL, false},
+    {"collides", DIG_BOOL, "", "do a and b still touch?", 0, 0, 0, offsetof(dig_joint_def, collides), NULL, NULL, false},
+    {.name = NULL},
+};
+
+/* Other names of common fields; a type that has a row of that name keeps it. */
+static const struct { const char *alias, *name; } aliases[] = {
+    {"along", "axis"}, {"holds", "a"}, {"into", "b"}, {"strength", "breaks_at"},
+};
+enum { ALIAS_COUNT = sizeof aliases / sizeof *aliases };
+
+static const dig_param *find_row(const dig_param *rows, const char *name)
+{
+    for (const dig_param *row = rows; row && row->name; row++)
+        if (strcmp(row->name, name) == 0)
+            return row;
+    return NULL;
+}
+
+/* ---- creating --------------------------------------------------------------------- */
+
+/* Makes a copy of the table at 2 in which aliases have their own names. */
+static void resolve_aliases(lua_State *L, const char *what, const dig_schema *schema)
+{
+    lua_newtable(L);
+    for (lua_pushnil(L); lua_next(L, 2); lua_pop(L, 1)) {
+        lua_pushvalue(L, -2);
+        lua_pushvalue(L, -2);
+        lua_rawset(L, -5);
+    }
+    lua_replace(L, 2);
+    for (int i = 0; i < ALIAS_COUNT; i++) {
+        if (find_row(schema->rows, aliases[i].alias))
+            continue;
+        if (lua_getfield(L, 2, aliases[i].alias) != LUA_TNIL) {
+            if (lua_getfield(L, 2, aliases[i].name) != LUA_TNIL)
+                bind_error(L, "%s: %s and %s are the same field", what, aliases[i].alias, aliases[i].name);
+            lua_pop(L, 1);
+            lua_setfield(L, 2, aliases[i].name);
+            lua_pushnil(L);
+            lua_setfield(L, 2, aliases[i].alias);
+        } else {
+            lua_pop(L, 1);
+        }
+    }
+}
+
+/* A gear couples joints: a and b then stand for the type's own handles of joints, in order. */
+static void take_coupled_joints(const Fill *f, const dig_schema *schema, char *data)
+{
+    static const char *const ends[] = {"a", "b"};
+    lua_State *L = f->L;
+    int next = 0;
+    for (const dig_param *row = schema->rows; row->name && next < 2; row++) {
+        if (row->kind != DIG_JOINT)
+            continue;
+        if (lua_getfield(L, f->table, ends[next]) != LUA_TNIL && !find_row(schema->rows, ends[next])) {
+            dig_param named = *row;
+            named.name = ends[next];
+            bind_fill_field(f, &named, data + row->offset);
+            lua_pushnil(L);
+            lua_setfield(L, f->table, ends[next]);
+        }
+        lua_pop(L, 1);
+        next++;
+    }
+}
+
+static void fill_common(const Fill *f, const dig_schema *schema, dig_joint_def *def)
+{
+    lua_State *L = f->L;
+    for (const dig_param *row = common_rows; row->name; row++) {
+        if (find_row(schema->rows, row->name))
+            continue;
+        if (lua_getfield(L, f->table, row->name) != LUA_TNIL)
+            bind_fill_field(f, row, (char *)def + row->offset);
+        lua_pop(L, 1);
+    }
+}
+
+static void check_joint_keys(lua_State *L, const char *what, const dig_schema *schema)
+{
+    const dig_param *sets[] = {schema->rows, common_rows, NULL};
+    const char *names[ALIAS_COUNT + 1] = {NULL};
+    for (int i = 0; i < ALIAS_COUNT; i++)
+        names[i] = aliases[i].alias;
+    bind_check_keys(L, 2, what, sets, names);
+}
+
+/* upvalues: schema, "world:hinge" */
+static int make_joint(lua_State *L)
+{
+    const dig_schema *schema = lua_touserdata(L, lua_upvalueindex(1));
+    const char *what = lua_tostring(L, lua_upvalueindex(2));
+    WorldRef *ref = bind_check_world(L, 1);
+    dig_joint_def def = dig_joint_defaults();
+    dig_joint id;
+
+    lua_settop(L, 2);
+    if (!lua_istable(L, 2))
+        return bind_error(L, "%s wants a table of fields; got %s", what, luaL_typename(L, 2));
+    check_joint_keys(L, what, schema);
+    resolve_aliases(L, what, schema);
+    char *data = lua_newuserdatauv(L, schema->size > 0 ? schema->size : 1, 0);
+    dig_schema_defaults(schema, data);
+    lua_newtable(L);
+    Fill fill = {L, 2, 4, what, what, ref};
+    if (lua_getfield(L, 2, "name") == LUA_TSTRING && lua_rawlen(L, -1) > 0)
+        fill.subject = lua_pushfstring(L, "joint '%s'", lua_tostring(L, -1));
+    take_coupled_joints(&fill, schema, data);
+    bind_fill(&fill, schema->rows, data);
+    fill_common(&fill, schema, &def);
+    def.type = schema->name;
+    def.data = data;
+    dig_status s = dig_joint_create(ref->w, &def, &id);
+    if (s != DIG_OK) {
+        const char *text = dig_error(ref->w);
+        bool named = strncmp(text, "joint '", 7) == 0;
+        return bind_fail_text(L, s, "%s%s%s", named ? "" : what, named ? "" : ": ", text);
+    }
+    bind_push_joint(L, 1, id);
+    return 1;
+}
+
+/* ---- reading ------------------------------------------------------------------------ */
+
+static dig_joint_state state(lua_State *L)
+{
+    JointRef *j = bind_check_joint(L, 1);
+    dig_joint_state s;
+    dig_status status = dig_joint_get(j->world->w, j->id, &s);
+    if (status != DIG_OK)
+        bind_fail(L, j->world->w, status);
+    return s;
+}
+
+static int push_end(lua_State *L, dig_body id)
+{
+    bind_push_world_of(L, 1);
+    bind_push_body(L, lua_gettop(L), id);
+    return 1;
+}
+
+static int get_type(lua_State *L) { lua_pushstring(L, state(L).type); return 1; }
+static int get_a(lua_State *L) { return push_end(L, state(L).a); }
+static int get_b(lua_State *L) { return push_end(L, state(L).b); }
+static int get_at(lua_State *L) { bind_push_vec3(L, state(L).at); return 1; }
+static int get_angle(lua_State *L) { lua_pushnumber(L, state(L).angle); return 1; }
+static int get_distance(lua_State *L) { lua_pushnumber(L, state(L).distance); return 1; }
+static int get_speed(lua_State *L) { lua_pushnumber(L, state(L).speed); return 1; }
+static int get_force(lua_State *L) { bind_push_vec3(L, state(L).force); return 1; }
+static int get_torque(lua_State *L) { bind_push_vec3(L, state(L).torque); return 1; }
+static int get_error(lua_State *L) { lua_pushnumber(L, state(L).error); return 1; }
+static int get_at_limit(lua_State *L) { lua_pushboolean(L, state(L).at_limit); return 1; }
+
+static int get_valid(lua_State *L)
+{
+    JointRef *j = luaL_checkudata(L, 1, BIND_JOINT);
+    lua_pushboolean(L, j->world->w && dig_joint_alive(j->world->w, j->id));
+    return 1;
+}
+
+static int get_name(lua_State *L)
+{
+    JointRef *j = luaL_checkudata(L, 1, BIND_JOINT);
+    if (j->world->w && dig_joint_alive(j->world->w, j->id))
+        lua_pushstring(L, state(L).name);
+    else
+        lua_getiuservalue(L, 1, REF_NAME);
+    return 1;
+}
+
+/* ---- setting -------------------------------------------------------------------------- */
+
+enum { FIELD_BYTES = 256 };
+
+static void set_row(lua_State *L, JointRef *j, const dig_param *row, const char *path, const char *subject)
+{
+    union { real align; char bytes[FIELD_BYTES]; } field;
+    if (row->kind == DIG_TABLE) {
+        if (!lua_istable(L, -1))
+            bind_error(L, "joint.%s wants a table; got %s", path, luaL_typename(L, -1));
+        const dig_param *sets[] = {row->rows, NULL};
+        int table = lua_gettop(L);
+        bind_check_keys(L, table, path, sets, NULL);
+        for (const dig_param *inner = row->rows; inner && inner->name; inner++) {
+            if (lua_getfield(L, table, inner->name) != LUA_TNIL) {
+                const char *name = lua_pushfstring(L, "%s.%s", path, inner->name);
+                lua_insert(L, -2);
+                set_row(L, j, inner, name, subject);
+                lua_remove(L, -2);
+            }
+            lua_pop(L, 1);
+        }
+        return;
+    }
+    Fill fill = {L, lua_gettop(L), lua_gettop(L), "joint", subject, j->world};
+    bind_fill_field(&fill, row, field.bytes);
+    dig_status s = dig_joint_set(j->world->w, j->id, path, field.bytes);
+    if (s != DIG_OK)
+        bind_fail(L, j->world->w, s);
+}
+
+/* joint.friction = 0.2   joint.motor = {speed = 3}   joint.breaks_at = "200 N" */
+static int joint_newindex(lua_State *L)
+{
+    JointRef *j = bind_check_joint(L, 1);
+    lua_settop(L, 3);
+    const char *key = luaL_tolstring(L, 2, NULL);
+    dig_joint_state now = state(L);
+    const dig_schema *schema = dig_schema_find("joint", now.type);
+    const dig_param *row = schema ? find_row(schema->rows, key) : NULL;
+    if (!row && (strcmp(key, "breaks_at") == 0 || strcmp(key, "collides") == 0))
+        row = find_row(common_rows, key);
+    if (!row) {
+        lua_newtable(L);
+        lua_pushboolean(L, 1);
+        lua_setfield(L, -2, "breaks_at");
+        for (row = schema ? schema->rows : common_rows; row->name; row++) {
+            lua_pushboolean(L, 1);
+            lua_setfield(L, -2, row->name);
+        }
+        return bind_unknown(L, lua_pushfstring(L, "%s", now.type), "has no parameter", key, lua_gettop(L) - 1, lua_gettop(L) - 1);
+    }
+    const char *subject = lua_pushfstring(L, "joint '%s'", now.name);
+    lua_pushvalue(L, 3);
+    set_row(L, j, row, key, subject);
+    return 0;
+}
+
+/* joint:set{motor = {speed = 2}, friction = 0.1} -> joint */
+static int joint_set(lua_State *L)
+{
+    bind_check_joint(L, 1);
+    if (!lua_istable(L, 2))
+        return bind_error(L, "joint:set wants a table; got %s", luaL_typename(L, 2));
+    lua_settop(L, 2);
+    for (lua_pushnil(L); lua_next(L, 2); lua_pop(L, 1)) {
+        lua_pushcfunction(L, joint_newindex);
+        lua_pushvalue(L, 1);
+        lua_pushvalue(L, -4);
+        lua_pushvalue(L, -4);
+        lua_call(L, 3, 0);
+    }
+    lua_settop(L, 1);
+    return 1;
+}
+
+/* A parameter is set, not read: say so rather than "no such field". */
+static int joint_parameter(lua_State *L)
+{
+    JointRef *j = luaL_testudata(L, 1, BIND_JOINT);
+    if (!j || lua_type(L, 2) != LUA_TSTRING || !j->world->w || !dig_joint_alive(j->world->w, j->id))
+        return 0;
+    dig_joint_state now = state(L);
+    const dig_schema *schema = dig_schema_find("joint", now.type);
+    const char *key = lua_tostring(L, 2);
+    if (schema && find_row(schema->rows, key))
+        return bind_error(L, "joint '%s': parameter '%s' can be set, not read", now.name, key);
+    return 0;
+}
+
+/* joint:remove() */
+static int joint_remove(lua_State *L)
+{
+    JointRef *j = bind_check_joint(L, 1);
+    dig_joint_state s = state(L);
+    lua_settop(L, 1);
+    bind_push_world_of(L, 1);
+    bind_where(L);
+    const char *where = luaL_gsub(L, lua_tostring(L, -1), ": ", "");
+    const char *how = lua_pushfstring(L, "joint '%s' was removed%s%s", s.name, *where ? " at " : "", where);
+    bind_mark_removed(L, 2, "joints", j->id.slot, j->id.gen, how);
+    dig_status status = dig_joint_remove(j->world->w, j->id);
+    return status == DIG_OK ? 0 : bind_fail(L, j->world->w, status);
+}
+
+static int joint_tostring(lua_State *L)
+{
+    JointRef *j = luaL_checkudata(L, 1, BIND_JOINT);
+    if (!j->world->w || !dig_joint_alive(j->world->w, j->id)) {
+        lua_getiuservalue(L, 1, REF_NAME);
+        lua_pushfstring(L, "removed joint '%s'", lua_isstring(L, -1) ? lua_tostring(L, -1) : "");
+        return 1;
+    }
+    dig_joint_state s = state(L);
+    if (s.name && *s.name)
+        lua_pushfstring(L, "%s '%s'", s.type, s.name);
+    else
+        lua_pushfstring(L, "%s #%d", s.type, (int)j->id.slot);
+    return 1;
+}
+
+static int joint_eq(lua_State *L)
+{
+    const JointRef *a = luaL_testudata(L, 1, BIND_JOINT), *b = luaL_testudata(L, 2, BIND_JOINT);
+    lua_pushboolean(L, a && b && a->world == b->world && a->id.slot == b->id.slot && a->id.gen == b->id.gen);
+    return 1;
+}
+
+static const luaL_Reg methods[] = {{"set", joint_set}, {"remove", joint_remove}, {"withdraw", joint_remove}, {NULL, NULL}};
+static const luaL_Reg getters[] = {
+    {"type", get_type}, {"name", get_name}, {"a", get_a}, {"b", get_b}, {"at", get_at}, {"angle", get_angle}, {"distance", get_distance},
+    {"speed", get_speed}, {"force", get_force}, {"torque", get_torque}, {"error", get_error}, {"at_limit", get_at_limit},
+    {"valid", get_valid}, {NULL, NULL},
+};
+static const luaL_Reg meta[] = {{"__newindex", joint_newindex}, {"__tostring", joint_tostring}, {"__eq", joint_eq}, {NULL, NULL}};
+
+/* The method of type "hinge" is world:hinge; where that name is taken (ball is the sphere), world:ball_joint. */
+void bind_joint_open(lua_State *L, int core)
+{
+    bind_type(L, core, BIND_JOINT, methods, getters, joint_parameter, meta);
+    int top = lua_gettop(L);
+    lua_getfield(L, core, "types");
+    lua_getfield(L, -1, BIND_WORLD);
+    lua_getfield(L, -1, "methods");
+    int world = lua_gettop(L);
+    const dig_schema *schema;
+    for (int i = 0; (schema = dig_schema_at("joint", i)) != NULL; i++) {
+        bool taken = lua_getfield(L, world, schema->name) != LUA_TNIL;
+        const char *key = lua_pushfstring(L, "%s%s", schema->name, taken ? "_joint" : "");
+        lua_pushlightuserdata(L, (void *)(uintptr_t)schema);
+        lua_pushfstring(L, "world:%s", key);
+        lua_pushcclosure(L, make_joint, 2);
+        lua_setfield(L, world, key);
+        lua_settop(L, world);
+    }
+    lua_settop(L, top);
+}

@@ -1,0 +1,224 @@
+/* lua/bind_value.c - numbers, vectors and rotations from Lua values: plain SI numbers or strings with a unit. */
+
+#include "bind.h"
+
+#include <math.h>
+#include <string.h>
+
+/* "world:sphere.radius"; just one of them when the other is missing. */
+static void push_path(lua_State *L, const char *what, const char *field)
+{
+    if (!field)
+        lua_pushstring(L, what);
+    else if (!what)
+        lua_pushstring(L, field);
+    else
+        lua_pushfstring(L, "%s.%s", what, field);
+}
+
+static int wrong_type(lua_State *L, int index, const char *what, const char *field, const char *wanted)
+{
+    const char *got = luaL_typename(L, index);
+    if (luaL_getmetafield(L, index, "__name") == LUA_TSTRING)
+        got = lua_tostring(L, -1);
+    push_path(L, what, field);
+    return bind_error(L, "%s wants %s; got %s", lua_tostring(L, -1), wanted, got);
+}
+
+static real parse_text(lua_State *L, const char *text, const char *unit, const char *what, const char *field)
+{
+    char why[256];
+    real value = 0;
+    if (dig_unit_parse(text, unit, &value, why, sizeof why) != DIG_OK) {
+        push_path(L, what, field);
+        bind_error(L, "%s%s%s", lua_tostring(L, -1), strncmp(why, "wants ", 6) == 0 ? " " : ": ", why);
+    }
+    return value;
+}
+
+real bind_real(lua_State *L, int index, const char *unit, const char *what, const char *field)
+{
+    if (lua_type(L, index) == LUA_TSTRING)
+        return parse_text(L, lua_tostring(L, index), unit, what, field);
+    if (lua_type(L, index) != LUA_TNUMBER) {
+        bool plain = !unit || !*unit || strcmp(unit, "1") == 0;
+        index = lua_absindex(L, index);
+        wrong_type(L, index, what, field, plain ? "a number" : lua_pushfstring(L, "a number or a string such as '1 %s'", unit));
+    }
+    real value = lua_tonumber(L, index);
+    if (isnan(value)) {
+        push_path(L, what, field);
+        bind_error(L, "%s = nan, must be a finite number", lua_tostring(L, -1));
+    }
+    return value;
+}
+
+lua_Integer bind_int(lua_State *L, int index, const char *what, const char *field)
+{
+    int whole = 0;
+    lua_Integer value = lua_type(L, index) == LUA_TNUMBER ? lua_tointegerx(L, index, &whole) : 0;
+    if (lua_type(L, index) != LUA_TNUMBER)
+        wrong_type(L, index, what, field, "a whole number");
+    if (!whole) {
+        lua_Number x = lua_tonumber(L, index);
+        push_path(L, what, field);
+        bind_error(L, "%s wants a whole number; got %f", lua_tostring(L, -1), x);
+    }
+    return value;
+}
+
+real bind_seconds(lua_State *L, int index, const char *what)
+{
+    real s = bind_real(L, index, "s", what, NULL);
+    if (!(s >= 0) || isinf(s))
+        bind_error(L, "%s: the time = %f s, must be finite and >= 0", what, s);
+    return s;
+}
+
+bool bind_is_vec3(lua_State *L, int index)
+{
+    return lua_istable(L, index) || luaL_testudata(L, index, BIND_VEC);
+}
+
+/* One component: t[i], or t.x .y .z */
+static real component(lua_State *L, int table, int i, const char *unit, const char *what, const char *field)
+{
+    static const char *const names[3] = {"x", "y", "z"};
+    if (lua_rawgeti(L, table, i + 1) == LUA_TNIL) {
+        lua_pop(L, 1);
+        lua_pushstring(L, names[i]);
+        lua_rawget(L, table);
+    }
+    if (lua_isnil(L, -1)) {
+        push_path(L, what, field);
+        bind_error(L, "%s wants {x, y, z}; component %s is missing", lua_tostring(L, -1), names[i]);
+    }
+    const char *inner = field ? lua_pushfstring(L, "%s.%s", field, names[i]) : names[i];
+    real value = bind_real(L, field ? -2 : -1, unit, what, inner);
+    if (isinf(value)) {
+        push_path(L, what, inner);
+        bind_error(L, "%s = inf, must be a finite number", lua_tostring(L, -1));
+    }
+    lua_pop(L, field ? 2 : 1);
+    return value;
+}
+
+vec3 bind_vec3(lua_State *L, int index, const char *unit, const char *what, const char *field)
+{
+    vec3 *v = luaL_testudata(L, index, BIND_VEC);
+    if (v) {
+        if (!isfinite(v->x) || !isfinite(v->y) || !isfinite(v->z)) {
+            push_path(L, what, field);
+            bind_error(L, "%s = {%f, %f, %f}, must be finite", lua_tostring(L, -1), v->x, v->y, v->z);
+        }
+        return *v;
+    }
+    if (!lua_istable(L, index))
+        wrong_type(L, index, what, field, "a vector {x, y, z}");
+    index = lua_absindex(L, index);
+    if (lua_rawlen(L, index) > 3) {
+        push_path(L, what, field);
+        bind_error(L, "%s wants {x, y, z}; got %d components", lua_tostring(L, -1), (int)lua_rawlen(L, index));
+    }
+    vec3 out;
+    out.x = component(L, index, 0, unit, what, field);
+    out.y = component(L, index, 1, unit, what, field);
+    out.z = component(L, index, 2, unit, what, field);
+    return out;
+}
+
+/* {axis =, angle =}: sine and cosine of half the angle about the unit axis */
+static quat from_axis_angle(lua_State *L, int table, const char *what)
+{
+    static const char *const names[] = {"axis", "angle", NULL};
+    vec3 axis = {0, 1, 0};
+    real angle = 0;
+    bind_arguments(L, table, what, names);
+    bind_get_vec3(L, table, what, "axis", "1", &axis);
+    bind_get_real(L, table, what, "angle", "rad", &angle);
+    real length = sqrt(axis.x * axis.x + axis.y * axis.y + axis.z * axis.z);
+    if (!(length > 0) || isinf(length))
+        bind_error(L, "%s.axis = {%f, %f, %f}, must not be zero: it is a direction", what, axis.x, axis.y, axis.z);
+    if (isinf(angle))
+        bind_error(L, "%s.angle = inf rad, must be a finite number", what);
+    real s = sin(angle / 2) / length;
+    return (quat){s * axis.x, s * axis.y, s * axis.z, cos(angle / 2)};
+}
+
+quat bind_quat(lua_State *L, int index, const char *what, const char *field)
+{
+    quat *q = luaL_testudata(L, index, BIND_QUAT);
+    if (q)
+        return *q;
+    if (!lua_istable(L, index))
+        wrong_type(L, index, what, field, "a rotation: digbox.quat{axis=, angle=} or {x, y, z, w}");
+    index = lua_absindex(L, index);
+    push_path(L, what, field);
+    const char *path = lua_tostring(L, -1);
+    if (lua_rawlen(L, index) == 0) {
+        quat turned = from_axis_angle(L, index, path);
+        lua_pop(L, 1);
+        return turned;
+    }
+    if (lua_rawlen(L, index) != 4)
+        bind_error(L, "%s wants {x, y, z, w}; got %d components", path, (int)lua_rawlen(L, index));
+    real c[4];
+    for (int i = 0; i < 4; i++) {
+        lua_rawgeti(L, index, i + 1);
+        c[i] = bind_real(L, -1, "1", path, NULL);
+        lua_pop(L, 1);
+    }
+    real length = sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2] + c[3] * c[3]);
+    if (!(length > 0.9 && length < 1.1))
+        bind_error(L, "%s = {%f, %f, %f, %f}, must have length 1: it is a rotation", path, c[0], c[1], c[2], c[3]);
+    lua_pop(L, 1);
+    return (quat){c[0] / length, c[1] / length, c[2] / length, c[3] / length};
+}
+
+/* ---- tables of arguments ---------------------------------------------------- */
+
+void bind_arguments(lua_State *L, int table, const char *what, const char *const *names)
+{
+    if (!lua_istable(L, table))
+        wrong_type(L, table, what, NULL, "a table");
+    bind_check_keys(L, table, what, NULL, names);
+}
+
+static bool get_field(lua_State *L, int table, const char *field)
+{
+    table = lua_absindex(L, table);
+    lua_pushstring(L, field);
+    if (lua_rawget(L, table) != LUA_TNIL)
+        return true;
+    lua_pop(L, 1);
+    return false;
+}
+
+bool bind_get_vec3(lua_State *L, int table, const char *what, const char *field, const char *unit, vec3 *value)
+{
+    if (!get_field(L, table, field))
+        return false;
+    *value = bind_vec3(L, -1, unit, what, field);
+    lua_pop(L, 1);
+    return true;
+}
+
+bool bind_get_quat(lua_State *L, int table, const char *what, const char *field, quat *value)
+{
+    if (!get_field(L, table, field))
+        return false;
+    *value = bind_quat(L, -1, what, field);
+    lua_pop(L, 1);
+    return true;
+}
+
+bool bind_get_real(lua_State *L, int table, const char *what, const char *field, const char *unit, real *value)
+{
+    if (!get_field(L, table, field))
+        return false;
+    *value = bind_real(L, -1, unit, what, field);
+    if (isinf(*value))
+        bind_error(L, "%s.%s = inf, must be a finite number", what, field);
+    lua_pop(L, 1);
+    return true;
+}

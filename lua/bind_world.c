@@ -1,0 +1,634 @@
+/* lua/bind_world.c - worlds: opening, stepping, books, snapshots, questions in space. */
+
+#include "bind.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+typedef struct SnapshotRef { dig_snapshot *s; WorldRef *world; } SnapshotRef;
+
+#define SNAPSHOT "snapshot"
+
+/* ---- opening ----------------------------------------------------------------- */
+
+static void weak_table(lua_State *L, const char *name)
+{
+    lua_newtable(L);
+    lua_createtable(L, 0, 1);
+    lua_pushliteral(L, "v");
+    lua_setfield(L, -2, "__mode");
+    lua_setmetatable(L, -2);
+    lua_setfield(L, -2, name);
+}
+
+static WorldRef *new_world(lua_State *L)
+{
+    WorldRef *ref = lua_newuserdatauv(L, sizeof *ref, 1);
+    ref->w = NULL;
+    luaL_setmetatable(L, BIND_WORLD);
+    lua_newtable(L);
+    weak_table(L, "bodies");
+    weak_table(L, "joints");
+    weak_table(L, "digs");
+    lua_newtable(L);
+    lua_setfield(L, -2, "data");
+    lua_setiuservalue(L, -2, 1);
+    return ref;
+}
+
+/* accuracy = "play" | 0.001 | "1 mm" */
+static void read_accuracy(lua_State *L, int index, dig_text *plan, real *tolerance)
+{
+    const char *text = lua_type(L, index) == LUA_TSTRING ? lua_tostring(L, index) : NULL;
+    memset(plan, 0, sizeof *plan);
+    *tolerance = (real)NAN;
+    if (text && !strchr("0123456789.+-", text[0]))
+        snprintf(plan->s, sizeof plan->s, "%s", text);
+    else
+        *tolerance = bind_real(L, index, "m", "digbox.world", "accuracy");
+}
+
+/* core.world{...} -> world */
+static int world_open(lua_State *L)
+{
+    const dig_schema *schema = dig_schema_at("world", 0);
+    const dig_param *sets[] = {schema->rows, NULL};
+    static const char *const extras[] = {"accuracy", NULL};
+    dig_world_def def = dig_world_defaults();
+    char why[512] = "";
+
+    luaL_checktype(L, 1, LUA_TTABLE);
+    lua_settop(L, 1);
+    bind_check_keys(L, 1, "digbox.world", sets, extras);
+    if (lua_getfield(L, 1, "accuracy") != LUA_TNIL) {
+        read_accuracy(L, 2, &def.accuracy, &def.tolerance);
+        lua_pushnil(L);
+        lua_setfield(L, 1, "accuracy");         /* the table is a copy made by init.lua */
+    }
+    lua_newtable(L);
+    Fill fill = {L, 1, 3, "digbox.world", "digbox.world", NULL};
+    bind_fill(&fill, schema->rows, &def);
+    WorldRef *ref = new_world(L);
+    dig_status s = dig_world_open(&def, &ref->w, why, sizeof why);
+    if (s != DIG_OK)
+        return bind_fail_text(L, s, "digbox.world: %s", why);
+    bind_push_state(L, -1);
+    lua_pushinteger(L, def.seed);
+    lua_setfield(L, -2, "seed");
+    lua_pop(L, 1);
+    return 1;
+}
+
+/* core.load(path) -> world */
+static int world_load(lua_State *L)
+{
+    char why[512] = "";
+    const char *path = luaL_checkstring(L, 1);
+    WorldRef *ref = new_world(L);
+    dig_status s = dig_world_load(path, &ref->w, why, sizeof why);
+    if (s != DIG_OK)
+        return bind_fail_text(L, s, "digbox.load: %s", why);
+    return 1;
+}
+
+static int world_gc(lua_State *L)
+{
+    WorldRef *ref = luaL_checkudata(L, 1, BIND_WORLD);
+    dig_world_close(ref->w);
+    ref->w = NULL;
+    return 0;
+}
+
+/* core.state(world) -> the table that the Lua side keeps with a world */
+static int world_state(lua_State *L)
+{
+    bind_check_world(L, 1);
+    bind_push_state(L, 1);
+    return 1;
+}
+
+/* core.is_open(world) */
+static int world_is_open(lua_State *L)
+{
+    const WorldRef *ref = luaL_checkudata(L, 1, BIND_WORLD);
+    lua_pushboolean(L, ref->w != NULL);
+    return 1;
+}
+
+/* core.step(world): one frame step */
+static int world_step(lua_State *L)
+{
+    WorldRef *ref = bind_check_world(L, 1);
+    dig_status s = dig_world_step(ref->w);
+    return s == DIG_OK ? 0 : bind_fail(L, ref->w, s);
+}
+
+/* core.save(world, path) */
+static int world_save(lua_State *L)
+{
+    WorldRef *ref = bind_check_world(L, 1);
+    dig_status s = dig_world_save(ref->w, luaL_checkstring(L, 2));
+    return s == DIG_OK ? 0 : bind_fail(L, ref->w, s);
+}
+
+/* world:check() raises when an invariant of the state is broken */
+static int world_check(lua_State *L)
+{
+    WorldRef *ref = bind_check_world(L, 1);
+    dig_status s = dig_world_check(ref->w);
+    return s == DIG_OK ? 0 : bind_fail(L, ref->w, s);
+}
+
+/* ---- snapshots ------------------------------------------------------------------ */
+
+/* world:snapshot() -> snap */
+static int world_snapshot(lua_State *L)
+{
+    WorldRef *ref = bind_check_world(L, 1);
+    SnapshotRef *snap = lua_newuserdatauv(L, sizeof *snap, 1);
+    *snap = (SnapshotRef){NULL, ref};
+    lua_pushvalue(L, 1);
+    lua_setiuservalue(L, -2, 1);
+    luaL_setmetatable(L, SNAPSHOT);
+    dig_status s = dig_world_snapshot(ref->w, &snap->s);
+    return s == DIG_OK ? 1 : bind_fail(L, ref->w, s);
+}
+
+/* core.restore(world, snap) */
+static int world_restore(lua_State *L)
+{
+    WorldRef *ref = bind_check_world(L, 1);
+    SnapshotRef *snap = luaL_testudata(L, 2, SNAPSHOT);
+    if (!snap)
+        return bind_error(L, "world:restore wants a snapshot; got %s", luaL_typename(L, 2));
+    if (snap->world != ref)
+        return bind_error(L, "world:restore: the snapshot belongs to another world");
+    dig_status s = dig_world_restore(ref->w, snap->s);
+    return s == DIG_OK ? 0 : bind_fail(L, ref->w, s);
+}
+
+static int snapshot_gc(lua_State *L)
+{
+    SnapshotRef *snap = luaL_checkudata(L, 1, SNAPSHOT);
+    dig_snapshot_free(snap->s);
+    snap->s = NULL;
+    return 0;
+}
+
+/* ---- lists ----------------------------------------------------------------------- */
+
+/* world:bodies() -> list */
+static int world_bodies(lua_State *L)
+{
+    WorldRef *ref = bind_check_world(L, 1);
+    int n = dig_bodies(ref->w, NULL, 0);
+    dig_body *ids = lua_newuserdatauv(L, (size_t)(n + 1) * sizeof *ids, 0);
+    n = dig_bodies(ref->w, ids, n);
+    bind_push_list(L, n);
+    for (int i = 0; i < n; i++) {
+        bind_push_body(L, 1, ids[i]);
+        lua_rawseti(L, -2, i + 1);
+    }
+    return 1;
+}
+
+/* world:joints() -> list */
+static int world_joints(lua_State *L)
+{
+    WorldRef *ref = bind_check_world(L, 1);
+    int n = dig_joints(ref->w, NULL, 0);
+    dig_joint *ids = lua_newuserdatauv(L, (size_t)(n + 1) * sizeof *ids, 0);
+    n = dig_joints(ref->w, ids, n);
+    bind_push_list(L, n);
+    for (int i = 0; i < n; i++) {
+        bind_push_joint(L, 1, ids[i]);
+        lua_rawseti(L, -2, i + 1);
+    }
+    return 1;
+}
+
+/* world:find "name" -> body or joint of that name, or nil */
+static int world_find(lua_State *L)
+{
+    WorldRef *ref = bind_check_world(L, 1);
+    if (lua_type(L, 2) != LUA_TSTRING)
+        return bind_error(L, "world:find wants a name; got %s", luaL_typename(L, 2));
+    const char *name = lua_tostring(L, 2);
+    bind_push_body(L, 1, dig_body_find(ref->w, name));
+    if (lua_isnil(L, -1))
+        bind_push_joint(L, 1, dig_joint_find(ref->w, name));
+    return 1;
+}
+
+/* ---- books ----------------------------------------------------------------------- */
+
+static void set_real(lua_State *L, const char *name, real x)
+{
+    lua_pushnumber(L, x);
+    lua_setfield(L, -2, name);
+}
+
+static void set_int(lua_State *L, const char *name, lua_Integer x)
+{
+    lua_pushinteger(L, x);
+    lua_setfield(L, -2, name);
+}
+
+/* world.energy -> table, J */
+static int world_energy(lua_State *L)
+{
+    dig_energy e = dig_world_energy(bind_check_world(L, 1)->w);
+    lua_newtable(L);
+    set_real(L, "kinetic", e.kinetic);
+    set_real(L, "potential", e.potential);
+    set_real(L, "elastic", e.elastic);
+    set_real(L, "heat", e.heat);
+    set_real(L, "electric", e.electric);
+    set_real(L, "work_in", e.work_in);
+    set_real(L, "lost", e.lost);
+    set_real(L, "numerical", e.numerical);
+    set_real(L, "total", e.total);
+    set_real(L, "initial", e.initial);
+    return 1;
+}
+
+/* world:stats() -> table */
+static int world_stats(lua_State *L)
+{
+    dig_stats s = dig_world_stats(bind_check_world(L, 1)->w);
+    lua_newtable(L);
+    set_int(L, "bodies", s.bodies);
+    set_int(L, "awake", s.awake);
+    set_int(L, "digs", s.digs);
+    set_int(L, "contacts", s.contacts);
+    set_int(L, "pairs", s.pairs);
+    set_int(L, "joints", s.joints);
+    set_int(L, "events", (lua_Integer)s.events);
+    set_int(L, "steps", (lua_Integer)s.steps);
+    set_int(L, "rejected", (lua_Integer)s.rejected);
+    set_int(L, "groups", s.groups);
+    set_int(L, "iterations", s.iterations);
+    set_int(L, "substeps", s.substeps);
+    set_int(L, "located", s.located);
+    set_real(L, "residual", s.residual);
+    set_real(L, "penetration", s.penetration);
+    set_real(L, "joint_error", s.joint_error);
+    set_int(L, "bytes", (lua_Integer)s.bytes);
+    set_int(L, "allocations", (lua_Integer)s.allocations);
+    lua_newtable(L);
+    set_real(L, "sense", s.us_sense);
+    set_real(L, "touch", s.us_touch);
+    set_real(L, "graph", s.us_graph);
+    set_real(L, "advance", s.us_advance);
+    set_real(L, "commit", s.us_commit);
+    set_real(L, "report", s.us_report);
+    lua_setfield(L, -2, "us");
+    return 1;
+}
+
+/* world:effects() -> {name = {on, bodies, us, bytes, law, why}} */
+static int world_effects(lua_State *L)
+{
+    dig_world *w = bind_check_world(L, 1)->w;
+    dig_effect_info info;
+    lua_newtable(L);
+    for (int i = 0; i < dig_effect_count(w); i++) {
+        if (dig_effect_get(w, i, &info) != DIG_OK)
+            continue;
+        lua_newtable(L);
+        lua_pushboolean(L, info.on);
+        lua_setfield(L, -2, "on");
+        set_int(L, "bodies", info.bodies);
+        set_real(L, "us", info.us);
+        set_int(L, "bytes", (lua_Integer)info.bytes);
+        lua_pushstring(L, info.law);
+        lua_setfield(L, -2, "law");
+        lua_pushstring(L, info.why);
+        lua_setfield(L, -2, "why");
+        lua_setfield(L, -2, info.name);
+    }
+    return 1;
+}
+
+/* world:effect(name, on) */
+static int world_effect(lua_State *L)
+{
+    WorldRef *ref = bind_check_world(L, 1);
+    const char *name = luaL_checkstring(L, 2);
+    dig_effect_info info;
+    bool known = false;
+    lua_newtable(L);
+    for (int i = 0; i < dig_effect_count(ref->w); i++)
+        if (dig_effect_get(ref->w, i, &info) == DIG_OK) {
+            known = known || strcmp(info.name, name) == 0;
+            set_int(L, info.name, i);
+        }
+    if (!known)
+        return bind_unknown(L, "world:effect:", "unknown effect", name, lua_gettop(L), lua_gettop(L));
+    if (!lua_isboolean(L, 3))
+        return bind_error(L, "world:effect('%s', on) wants true or false; got %s", name, luaL_typename(L, 3));
+    dig_status s = dig_effect_set(ref->w, name, lua_toboolean(L, 3));
+    return s == DIG_OK ? 0 : bind_fail(L, ref->w, s);
+}
+
+/* world:checksum() -> text */
+static int world_checksum(lua_State *L)
+{
+    char text[32];
+    snprintf(text, sizeof text, "%016" PRIx64, dig_world_checksum(bind_check_world(L, 1)->w));
+    lua_pushstring(L, text);
+    return 1;
+}
+
+static int world_time(lua_State *L) { lua_pushnumber(L, dig_world_time(bind_check_world(L, 1)->w)); return 1; }
+static int world_steps(lua_State *L) { lua_pushinteger(L, (lua_Integer)dig_world_steps(bind_check_world(L, 1)->w)); return 1; }
+static int world_frame(lua_State *L) { lua_pushnumber(L, dig_world_frame(bind_check_world(L, 1)->w)); return 1; }
+static int world_gravity(lua_State *L) { bind_push_vec3(L, dig_world_gravity(bind_check_world(L, 1)->w)); return 1; }
+static int world_accuracy(lua_State *L) { lua_pushstring(L, dig_world_accuracy(bind_check_world(L, 1)->w)); return 1; }
+static int world_momentum(lua_State *L) { bind_push_vec3(L, dig_world_momentum(bind_check_world(L, 1)->w)); return 1; }
+static int world_angular(lua_State *L) { bind_push_vec3(L, dig_world_angular_momentum(bind_check_world(L, 1)->w)); return 1; }
+
+/* world.gravity = {..}   world.accuracy = "study" */
+static int world_newindex(lua_State *L)
+{
+    WorldRef *ref = bind_check_world(L, 1);
+    const char *key = luaL_tolstring(L, 2, NULL);
+    dig_status s;
+    if (strcmp(key, "gravity") == 0) {
+        s = dig_world_set_gravity(ref->w, bind_vec3(L, 3, "m/s^2", "world", "gravity"));
+    } else if (strcmp(key, "accuracy") == 0) {
+        dig_text plan;
+        real tolerance;
+        read_accuracy(L, 3, &plan, &tolerance);
+        s = dig_world_set_accuracy(ref->w, plan.s, tolerance);
+    } else {
+        return bind_error(L, "world.%s cannot be assigned (gravity and accuracy can)", key);
+    }
+    return s == DIG_OK ? 0 : bind_fail(L, ref->w, s);
+}
+
+/* ---- questions in space ---------------------------------------------------------------- */
+
+static void push_hit(lua_State *L, const dig_hit *hit)
+{
+    lua_createtable(L, 0, 5);
+    bind_push_body(L, 1, hit->body);
+    lua_setfield(L, -2, "body");
+    bind_push_vec3(L, hit->point);
+    lua_setfield(L, -2, "point");
+    bind_push_vec3(L, hit->normal);
+    lua_setfield(L, -2, "normal");
+    set_real(L, "distance", hit->distance);
+    set_real(L, "fraction", hit->fraction);
+}
+
+/* world:ray{from=, to=} or {from=, along=, length=} -> hits by distance */
+static int world_ray(lua_State *L)
+{
+    static const char *const names[] = {"from", "to", "along", "length", NULL};
+    WorldRef *ref = bind_check_world(L, 1);
+    vec3 from = {0, 0, 0}, to = {0, 0, 0}, along = {0, 0, 0};
+    real length = 1e4;
+    bind_arguments(L, 2, "world:ray", names);
+    if (!bind_get_vec3(L, 2, "world:ray", "from", "m", &from))
+        return bind_error(L, "world:ray: from is missing");
+    bool has_to = bind_get_vec3(L, 2, "world:ray", "to", "m", &to);
+    bool has_along = bind_get_vec3(L, 2, "world:ray", "along", "1", &along);
+    if (has_to == has_along)
+        return bind_error(L, "world:ray wants either to or along");
+    if (has_to) {
+        along = (vec3){to.x - from.x, to.y - from.y, to.z - from.z};
+        length = sqrt(along.x * along.x + along.y * along.y + along.z * along.z);
+    }
+    bind_get_real(L, 2, "world:ray", "length", "m", &length);
+    if (!(along.x * along.x + along.y * along.y + along.z * along.z > 0))
+        return bind_error(L, "world:ray: the ray has no direction");
+    dig_hit hits[256];
+    int n = dig_ray(ref->w, from, along, length, hits, 256);
+    if (n > 256)
+        n = 256;
+    bind_push_list(L, n > 0 ? n : 0);
+    for (int i = 0; i < n; i++) {
+        push_hit(L, &hits[i]);
+        lua_rawseti(L, -2, i + 1);
+    }
+    return 1;
+}
+
+/* The shape argument {digbox.sphere{...}, ...} or {shape = ...}, and its pose */
+static const dig_shape_def *shape_argument(lua_State *L, const char *what, const char *const *names, pose *at)
+{
+    if (!lua_istable(L, 2))
+        bind_error(L, "%s wants a table", what);
+    lua_rawgeti(L, 2, 1);
+    if (!lua_isnil(L, -1)) {            /* a copy without the positional shape, for the check of names */
+        lua_newtable(L);
+        for (lua_pushnil(L); lua_next(L, 2); lua_pop(L, 1))
+            if (lua_type(L, -2) == LUA_TSTRING) {
+                lua_pushvalue(L, -2);
+                lua_pushvalue(L, -2);
+                lua_rawset(L, -5);
+            }
+        lua_pushvalue(L, -2);
+        lua_setfield(L, -2, "shape");
+        lua_replace(L, 2);
+    }
+    bind_arguments(L, 2, what, names);
+    *at = (pose){{0, 0, 0}, {0, 0, 0, 1}};
+    bind_get_vec3(L, 2, what, "at", "m", &at->p);
+    bind_get_quat(L, 2, what, "rotation", &at->q);
+    lua_getfield(L, 2, "shape");
+    if (!luaL_testudata(L, -1, BIND_SHAPE))
+        bind_error(L, "%s wants a shape such as digbox.sphere{radius = 1}", what);
+    return &bind_check_shape(L, lua_gettop(L))->def;
+}
+
+/* world:overlap{shape, at=, rotation=} -> bodies */
+static int world_overlap(lua_State *L)
+{
+    static const char *const names[] = {"shape", "at", "rotation", NULL};
+    WorldRef *ref = bind_check_world(L, 1);
+    pose at;
+    const dig_shape_def *shape = shape_argument(L, "world:overlap", names, &at);
+    int n = dig_overlap(ref->w, shape, at, NULL, 0);
+    if (n < 0)
+        return bind_fail(L, ref->w, DIG_E_ARG);
+    dig_body *ids = lua_newuserdatauv(L, (size_t)(n + 1) * sizeof *ids, 0);
+    n = dig_overlap(ref->w, shape, at, ids, n);
+    bind_push_list(L, n);
+    for (int i = 0; i < n; i++) {
+        bind_push_body(L, 1, ids[i]);
+        lua_rawseti(L, -2, i + 1);
+    }
+    return 1;
+}
+
+/* world:sweep{shape, at=, rotation=, velocity=, acceleration=, time=} -> hit or nil */
+static int world_sweep(lua_State *L)
+{
+    static const char *const names[] = {"shape", "at", "rotation", "velocity", "acceleration", "time", NULL};
+    WorldRef *ref = bind_check_world(L, 1);
+    pose at;
+    vec3 velocity = {0, 0, 0}, acceleration = {0, 0, 0};
+    real time = 1;
+    dig_hit hit;
+    const dig_shape_def *shape = shape_argument(L, "world:sweep", names, &at);
+    bind_get_vec3(L, 2, "world:sweep", "velocity", "m/s", &velocity);
+    bind_get_vec3(L, 2, "world:sweep", "acceleration", "m/s^2", &acceleration);
+    bind_get_real(L, 2, "world:sweep", "time", "s", &time);
+    int found = dig_sweep(ref->w, shape, at, velocity, acceleration, time, &hit);
+    if (found < 0)
+        return bind_fail(L, ref->w, DIG_E_ARG);
+    if (found == 0)
+        lua_pushnil(L);
+    else
+        push_hit(L, &hit);
+    return 1;
+}
+
+/* ---- the room, and materials ---------------------------------------------------------------- */
+
+static const dig_param room_rows[] = {
+    {"size", DIG_SIZE3, "m", "extents between the walls", 10, 1e-3, 1e6, offsetof(dig_room_def, size), NULL, NULL, false},
+    {"at", DIG_VEC3, "m", "centre of the floor", 0, -1e6, 1e6, offsetof(dig_room_def, at), NULL, NULL, false},
+    {"friction", DIG_REAL, "1", "friction of the walls", 0.5, 0, 1e3, offsetof(dig_room_def, friction), NULL, NULL, false},
+    {"restitution", DIG_REAL, "1", "restitution of the walls", 0, 0, 1, offsetof(dig_room_def, restitution), NULL, NULL, false},
+    {.name = NULL},
+};
+
+/* core.room(world, {size=, at=, friction=, restitution=}) */
+static int world_room(lua_State *L)
+{
+    WorldRef *ref = bind_check_world(L, 1);
+    const dig_param *sets[] = {room_rows, NULL};
+    dig_room_def def = {{10, 10, 10}, {0, 0, 0}, 0.5, 0};
+    luaL_checktype(L, 2, LUA_TTABLE);
+    bind_check_keys(L, 2, "world:room", sets, NULL);
+    Fill fill = {L, 2, 2, "world:room", "world:room", ref};
+    bind_fill(&fill, room_rows, &def);
+    dig_status s = dig_room_set(ref->w, &def);
+    return s == DIG_OK ? 0 : bind_fail(L, ref->w, s);
+}
+
+/* core.room_open(world, wall, open) */
+static int world_room_open(lua_State *L)
+{
+    WorldRef *ref = bind_check_world(L, 1);
+    dig_status s = dig_room_open(ref->w, luaL_checkstring(L, 2), lua_toboolean(L, 3));
+    return s == DIG_OK ? 0 : bind_fail(L, ref->w, s);
+}
+
+/* core.material(world, name, {...}): like = "oak" takes what is not given from there */
+static int world_material(lua_State *L)
+{
+    WorldRef *ref = bind_check_world(L, 1);
+    const dig_schema *schema = dig_schema_at("material", 0);
+    const dig_param *sets[] = {schema->rows, NULL};
+    static const char *const extras[] = {"like", NULL};
+    dig_material_def def;
+    const char *name = luaL_checkstring(L, 2);
+    luaL_checktype(L, 3, LUA_TTABLE);
+    lua_settop(L, 3);
+    const char *what = lua_pushfstring(L, "digbox.material '%s'", name);
+    bind_check_keys(L, 3, what, sets, extras);
+    dig_schema_defaults(schema, &def);
+    lua_newtable(L);
+    Fill fill = {L, 3, 5, what, what, ref};
+    if (lua_getfield(L, 3, "like") != LUA_TNIL) {
+        dig_text like;
+        const dig_param row = {.name = "like", .kind = DIG_MATERIAL};
+        bind_fill_field(&fill, &row, &like);
+        dig_material_get(ref->w, like.s, &def);
+    }
+    lua_pop(L, 1);
+    bind_fill(&fill, schema->rows, &def);
+    dig_status s = dig_material_add(ref->w, name, &def);
+    return s == DIG_OK ? 0 : bind_fail(L, ref->w, s);
+}
+
+static const dig_param pair_rows[] = {
+    {"a", DIG_MATERIAL, "", "one material", 0, 0, 0, offsetof(dig_pair_def, a), NULL, NULL, true},
+    {"b", DIG_MATERIAL, "", "the other", 0, 0, 0, offsetof(dig_pair_def, b), NULL, NULL, true},
+    {"friction", DIG_REAL, "1", "static", NAN, 0, 1e3, offsetof(dig_pair_def, friction), NULL, NULL, false},
+    {"friction_dynamic", DIG_REAL, "1", "sliding", NAN, 0, 1e3, offsetof(dig_pair_def, friction_dynamic), NULL, NULL, false},
+    {"rolling_friction", DIG_REAL, "1", "rolling", NAN, 0, 1e3, offsetof(dig_pair_def, rolling_friction), NULL, NULL, false},
+    {"restitution", DIG_REAL, "1", "bounce", NAN, 0, 1, offsetof(dig_pair_def, restitution), NULL, NULL, false},
+    {.name = NULL},
+};
+
+/* core.material_pair(world, {a=, b=, friction=, ...}) */
+static int world_material_pair(lua_State *L)
+{
+    WorldRef *ref = bind_check_world(L, 1);
+    const dig_param *sets[] = {pair_rows, NULL};
+    const real none = (real)NAN;
+    dig_pair_def def = {{""}, {""}, none, none, none, none};
+    luaL_checktype(L, 2, LUA_TTABLE);
+    bind_check_keys(L, 2, "digbox.material_pair", sets, NULL);
+    Fill fill = {L, 2, 2, "digbox.material_pair", "digbox.material_pair", ref};
+    bind_fill(&fill, pair_rows, &def);
+    dig_status s = dig_material_pair(ref->w, &def);
+    return s == DIG_OK ? 0 : bind_fail(L, ref->w, s);
+}
+
+/* ---- tables --------------------------------------------------------------------------- */
+
+static int world_eq(lua_State *L)
+{
+    lua_pushboolean(L, lua_rawequal(L, 1, 2));
+    return 1;
+}
+
+static int world_tostring(lua_State *L)
+{
+    WorldRef *ref = luaL_checkudata(L, 1, BIND_WORLD);
+    if (ref->w)
+        lua_pushfstring(L, "world at t = %f s", dig_world_time(ref->w));
+    else
+        lua_pushliteral(L, "closed world");
+    return 1;
+}
+
+static int snapshot_tostring(lua_State *L)
+{
+    lua_pushliteral(L, "snapshot");
+    return 1;
+}
+
+/* world:close(): frees the world; its handles are dead from then on */
+static int world_close(lua_State *L)
+{
+    bind_check_world(L, 1);
+    return world_gc(L);
+}
+
+static const luaL_Reg methods[] = {
+    {"bodies", world_bodies}, {"joints", world_joints}, {"find", world_find}, {"checksum", world_checksum}, {"check", world_check},
+    {"stats", world_stats}, {"effects", world_effects}, {"effect", world_effect}, {"ray", world_ray}, {"overlap", world_overlap},
+    {"sweep", world_sweep}, {"snapshot", world_snapshot}, {NULL, NULL},
+};
+static const luaL_Reg getters[] = {
+    {"time", world_time}, {"steps", world_steps}, {"frame", world_frame}, {"gravity", world_gravity}, {"accuracy", world_accuracy},
+    {"momentum", world_momentum}, {"angular_momentum", world_angular}, {"energy", world_energy}, {NULL, NULL},
+};
+static const luaL_Reg meta[] = {
+    {"__newindex", world_newindex}, {"__gc", world_gc}, {"__eq", world_eq}, {"__tostring", world_tostring}, {NULL, NULL},
+};
+static const luaL_Reg snapshot_methods[] = {{NULL, NULL}};
+static const luaL_Reg snapshot_meta[] = {{"__gc", snapshot_gc}, {"__tostring", snapshot_tostring}, {NULL, NULL}};
+static const luaL_Reg functions[] = {
+    {"world", world_open}, {"load", world_load}, {"state", world_state}, {"is_open", world_is_open}, {"step", world_step}, {"save", world_save},
+    {"restore", world_restore}, {"close", world_close}, {"room", world_room}, {"room_open", world_room_open},
+    {"material", world_material}, {"material_pair", world_material_pair}, {NULL, NULL},
+};
+
+void bind_world_open(lua_State *L, int core)
+{
+    bind_type(L, core, BIND_WORLD, methods, getters, NULL, meta);
+    bind_type(L, core, SNAPSHOT, snapshot_methods, NULL, NULL, snapshot_meta);
+    lua_pushvalue(L, core);
+    luaL_setfuncs(L, functions, 0);
+    lua_pop(L, 1);
+}

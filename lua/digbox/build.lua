@@ -1,0 +1,247 @@
+-- digbox/build.lua - ready-made bodies out of the engine's shapes: floor, room, rod, bucket, rope of segments, meshes from files.
+
+local core = ...
+local next, type = next, type
+
+local methods = core.types.world.methods
+
+-- Splits a table of fields: those named in spec, checked; the others, which must be fields of a body.
+local function split(what, fields, spec, also)
+  if type(fields) ~= "table" then core.fail("%s wants a table of fields; got %s", what, core.type(fields)) end
+  local own, rest = {}, {}
+  local strange
+  for key, value in next, fields do
+    if spec[key] then
+      own[key] = value
+    else
+      rest[key] = value
+      local known = core.body_fields[key] or also and also[key]
+      if not known and (not strange or tostring(key) < tostring(strange)) then strange = key end
+    end
+  end
+  if strange ~= nil then core.unknown(what .. ":", "unknown field", tostring(strange), spec, core.body_fields, also or {}) end
+  return core.check(own, what, spec), rest
+end
+
+local function need(what, own, ...)
+  for _, key in ipairs { ... } do
+    if own[key] == nil then core.fail("%s: %s is missing", what, key) end
+  end
+end
+
+-- ---- floor and room ----
+
+local plane = core.constructor("plane", "world:floor")
+
+-- world:floor{...}: the fixed plane y = 0
+function methods.floor(world, fields)
+  local _, rest = split("world:floor", fields or {}, {})
+  rest.normal, rest.offset = { 0, 1, 0 }, 0
+  if rest.name == nil then rest.name = "floor" end
+  return plane(world, rest)
+end
+
+local Room = {}
+local walls = { ["+x"] = true, ["-x"] = true, ["+y"] = true, ["-y"] = true, ["+z"] = true, ["-z"] = true }
+Room.__index = function(_, key)
+  local method = Room[key]
+  if not method then core.unknown("room", "has no field or method", tostring(key), { open = true, close = true }) end
+  return method
+end
+Room.__metatable = false
+Room.__name = "room"
+Room.__tostring = function() return "room" end
+
+local function check_wall(what, wall)
+  if type(wall) ~= "string" or not walls[wall] then core.unknown(what .. ":", "unknown wall", tostring(wall), walls) end
+  return wall
+end
+
+-- room:open "+x": that wall lets bodies out
+function Room.open(room, wall)
+  core.room_open(room.world, check_wall("room:open", wall), true)
+  return room
+end
+
+function Room.close(room, wall)
+  core.room_open(room.world, check_wall("room:close", wall), false)
+  return room
+end
+
+-- world:room{size=, at=, friction=, restitution=} -> room: six walls without a body
+function methods.room(world, fields)
+  if type(fields) ~= "table" then core.fail("world:room wants a table of fields; got %s", core.type(fields)) end
+  core.room(world, fields)
+  return setmetatable({ world = world }, Room)
+end
+
+-- ---- rod ----
+
+local cylinder = core.constructor("cylinder", "world:rod")
+local rod_fields = { length = "real m >0", radius = "real m >0", from = "vec m", to = "vec m", along = "dir 1" }
+
+-- world:rod{length=, radius=, from=, along=} or {from=, to=, radius=} or {at=, rotation=, length=, radius=}: a round bar
+function methods.rod(world, fields)
+  local own, rest = split("world:rod", fields, rod_fields)
+  if own.to then
+    need("world:rod", own, "from")
+    if own.along or own.length then core.fail "world:rod: to already says along and length" end
+    own.along, own.length = own.to - own.from, #(own.to - own.from)
+    if own.length <= 0 then core.fail "world:rod: from and to are the same point" end
+    own.along = own.along:normalized()
+  end
+  need("world:rod", own, "length", "radius")
+  if own.from and rest.at ~= nil then core.fail "world:rod: from and at both say where" end
+  if own.along and rest.rotation ~= nil then core.fail "world:rod: along and rotation both say which way" end
+  if own.along then rest.rotation = core.quat { from = { 0, 1, 0 }, to = own.along } end
+  if own.from then
+    local along = own.along or core.vec(0, 1, 0)
+    if rest.rotation ~= nil and not own.along then along = core.quat(rest.rotation):rotate { 0, 1, 0 } end
+    rest.at = own.from + along * (own.length / 2)
+  end
+  rest.radius, rest.height = own.radius, own.length
+  return cylinder(world, rest)
+end
+
+-- ---- bucket ----
+
+local compound = core.constructor("body", "world:bucket")
+local bucket_fields = { height = "real m >0", top_radius = "real m >0", bottom_radius = "real m >0", wall = "real m >0",
+  segments = "int 1 >0" }
+
+-- Boxes around a tapered wall. Their inner faces touch the cone from outside at mid-width, so the hollow is at least the one asked for.
+local function bucket_wall(own, n)
+  local parts = {}
+  local slope = (own.top_radius - own.bottom_radius) / own.height
+  local tilt = math.atan(slope)
+  -- A wall that leans outwards would stick out below the floor by its outer edge: start it that much higher.
+  local skip = math.max(0, own.wall * math.tan(tilt))
+  local slant = own.height / math.cos(tilt) - skip
+  local width = 2 * (math.max(own.top_radius, own.bottom_radius) + own.wall) * math.tan(math.pi / n)
+  local middle = (own.top_radius + own.bottom_radius) / 2 + own.wall / 2 * math.cos(tilt)
+  for i = 0, n - 1 do
+    local turn = core.quat { axis = { 0, 1, 0 }, angle = 2 * math.pi * i / n }
+    -- Leaning outwards (towards +x before the turn) is a negative rotation about z.
+    local lean = core.quat { axis = { 0, 0, 1 }, angle = -tilt }
+    local at = core.vec(middle + skip / 2 * math.sin(tilt), own.height / 2 - own.wall / 2 * math.sin(tilt) + skip / 2 * math.cos(tilt), 0)
+    parts[#parts + 1] = core.shapes.box { size = { own.wall, slant, width }, at = turn:rotate(at), rotation = turn * lean }
+  end
+  return parts
+end
+
+-- world:bucket{height=, top_radius=, bottom_radius=, wall=, at=, ...}: open at the top; `at` is the middle of its underside
+function methods.bucket(world, fields)
+  local own, rest = split("world:bucket", fields, bucket_fields)
+  need("world:bucket", own, "height", "top_radius")
+  own.bottom_radius = own.bottom_radius or own.top_radius
+  own.wall = own.wall or math.min(own.height, own.bottom_radius) * 0.05
+  local n = own.segments or 24
+  if n < 3 or n > 256 then core.fail("world:bucket: segments = %d, must be 3 to 256", n) end
+  if own.wall * 2 > own.height then core.fail("world:bucket: wall = %g m, must be at most half the height", own.wall) end
+  rest.parts = bucket_wall(own, n)
+  rest.parts[n + 1] = core.shapes.cylinder { radius = own.bottom_radius, height = own.wall, at = { 0, own.wall / 2, 0 } }
+  return compound(world, rest)
+end
+
+-- ---- rope ----
+
+local engine_rope = methods.rope
+local rope_fields = { a = "any", b = "any", at = "vec m", to = "vec m", length = "real m >0", segments = "int 1 >0", radius = "real m >0",
+  breaks_at = "real N >0" }
+
+-- Corners of a rope of the given length hung between two points: straight, or a V when it is longer than their distance.
+local function rope_corners(from, to, length, down, n)
+  local span, middle = #(to - from), (from + to) / 2
+  local sag = math.sqrt(math.max(0, (length / 2) ^ 2 - (span / 2) ^ 2))
+  local apex = middle + down * sag
+  local corners = {}
+  for i = 0, n do
+    local s = i / n
+    corners[i] = s <= 0.5 and from + (apex - from) * (2 * s) or apex + (to - apex) * (2 * s - 1)
+  end
+  return corners
+end
+
+local function rope_of_segments(world, fields)
+  local own, rest = split("world:rope", fields, rope_fields)
+  need("world:rope", own, "a")
+  local from = own.at or own.a.position
+  local to = own.to or own.b and own.b.position
+  if not to then core.fail "world:rope: a rope of segments wants b or to" end
+  local length = own.length or #(to - from)
+  if length < #(to - from) * (1 - 1e-9) then
+    core.fail("world:rope: length = %g m, must be at least the distance of its ends (%g m)", length, #(to - from))
+  end
+  local g = world.gravity
+  local n = own.segments + own.segments % 2
+  local corners = rope_corners(from, to, length, #g > 0 and g:normalized() or core.vec(0, -1, 0), n)
+  local radius, name = own.radius or length / n / 10, rest.name or "rope"
+  local links, joints, before = {}, {}, own.a
+  for i = 1, n do
+    local p, q = corners[i - 1], corners[i]
+    local piece = {}
+    for k, v in next, rest do piece[k] = v end
+    piece.name, piece.from, piece.to, piece.radius = ("%s %d"):format(name, i), p, q, radius
+    links[i] = methods.rod(world, piece)
+    joints[i] = methods.ball_joint(world, { a = before, b = links[i], at = p, breaks_at = own.breaks_at })
+    before = links[i]
+  end
+  joints[n + 1] = methods.ball_joint(world, { a = before, b = own.b, at = to, breaks_at = own.breaks_at })
+  return { links = core.list(links), joints = core.list(joints) }
+end
+
+-- world:rope{a=, b=, length=}: ends never farther apart than length, without mass.
+-- world:rope{a=, b=, length=, segments=, radius=}: a chain of rods -> {links=, joints=}
+function methods.rope(world, fields)
+  if type(fields) == "table" and fields.segments ~= nil then return rope_of_segments(world, fields) end
+  if not engine_rope then core.fail "world:rope: this engine only has ropes of segments: give segments = 20" end
+  return engine_rope(world, fields)
+end
+
+-- ---- meshes from files ----
+
+-- Wavefront .obj: `v x y z` and `f a b c ...` (a/b/c: the first number counts; negative: from the end); polygons become fans.
+local function read_obj(text, path)
+  local vertices, triangles, line_number = {}, {}, 0
+  for line in text:gmatch "[^\n]*" do
+    line_number = line_number + 1
+    local word, rest = line:match "^%s*(%a+)%s+(.-)%s*$"
+    if word == "v" then
+      local x, y, z = rest:match "^(%S+)%s+(%S+)%s+(%S+)"
+      x, y, z = tonumber(x), tonumber(y), tonumber(z)
+      if not (x and y and z) then core.fail("%s:%d: a vertex wants three numbers", path, line_number) end
+      vertices[#vertices + 1] = { x, y, z }
+    elseif word == "f" then
+      local corners = {}
+      for corner in rest:gmatch "%S+" do
+        local index = math.tointeger(tonumber(corner:match "^%-?%d+"))
+        if not index then core.fail("%s:%d: '%s' is no vertex number", path, line_number, corner) end
+        corners[#corners + 1] = index < 0 and #vertices + 1 + index or index
+      end
+      if #corners < 3 then core.fail("%s:%d: a face wants three corners", path, line_number) end
+      for i = 2, #corners - 1 do
+        triangles[#triangles + 1] = { corners[1], corners[i], corners[i + 1] }
+      end
+    end
+  end
+  return vertices, triangles
+end
+
+local engine_mesh = methods.mesh
+
+-- world:mesh{file = "beside/the/script.obj"} or {vertices=, triangles=}
+function methods.mesh(world, fields)
+  if type(fields) ~= "table" or fields.file == nil then return engine_mesh(world, fields) end
+  if type(fields.file) ~= "string" then core.fail("world:mesh.file wants a file name; got %s", core.type(fields.file)) end
+  local path, why = core.beside(fields.file)
+  local text
+  if path then text, why = core.read(path) end
+  if not text then core.fail("world:mesh.file: %s", why) end
+  local copy = {}
+  for k, v in next, fields do copy[k] = v end
+  copy.file = nil
+  copy.vertices, copy.triangles = read_obj(text, fields.file)
+  return engine_mesh(world, copy)
+end
+
+return true

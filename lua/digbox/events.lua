@@ -1,0 +1,223 @@
+-- digbox/events.lua - world:on, body:on, and delivery after the step.
+--
+-- Order: events as the engine lists them (time, kind, lower slot, higher slot); for one event, handlers in the order they were
+-- added. Each handler gets a copy of its own. Anything may be created or removed in a handler; the world cannot be stepped there.
+
+local core = ...
+local next, type, pcall, error = next, type, pcall, error
+
+local kinds = core.event_kinds
+
+-- ---- subscriptions ----
+
+local Subscription = {}
+Subscription.__index = function(_, key)
+  local method = Subscription[key]
+  if not method then core.unknown("subscription", "has no field or method", tostring(key), { off = true }) end
+  return method
+end
+Subscription.__metatable = false
+Subscription.__name = "subscription"
+
+-- sub:off(): no more calls
+function Subscription.off(sub)
+  sub.active = false
+  sub.book.stale = true
+end
+
+local function book_of(state, kind)
+  local book = state.handlers[kind]
+  if not book then
+    book = { everyone = {}, by_body = {}, stale = false }
+    state.handlers[kind] = book
+    state.mask = state.mask | (1 << kinds[kind])
+  end
+  return book
+end
+
+local filter_fields = { with = "any", faster_than = "real m/s", harder_than = "real N*s", wall = "text", kind = "text" }
+
+local function read_filter(filter, what)
+  if filter == nil then return nil end
+  local f = core.check(filter, what, filter_fields)
+  if f.with ~= nil and core.type(f.with) ~= "body" then
+    if type(f.with) ~= "table" then core.fail("%s.with wants a body or a list of bodies; got %s", what, core.type(f.with)) end
+    for i, b in ipairs(f.with) do
+      if core.type(b) ~= "body" then core.fail("%s.with[%d] wants a body; got %s", what, i, core.type(b)) end
+    end
+  elseif f.with ~= nil then
+    f.with = { f.with }
+  end
+  return f
+end
+
+local function subscribe(world, body, what, kind, filter, fn)
+  if type(kind) ~= "string" then core.fail("%s wants the name of an event; got %s", what, core.type(kind)) end
+  if not kinds[kind] then core.unknown(what .. ":", "unknown event", kind, kinds) end
+  if fn == nil and (type(filter) == "function" or core.type(filter) ~= "table") then filter, fn = nil, filter end
+  if type(fn) ~= "function" then core.fail("%s('%s') wants a function; got %s", what, kind, core.type(fn)) end
+  local state = core.lua_state(world)
+  local book = book_of(state, kind)
+  state.subscriptions = state.subscriptions + 1
+  local sub = setmetatable({ id = state.subscriptions, fn = fn, body = body, kind = kind, active = true, book = book,
+    filter = read_filter(filter, what) }, Subscription)
+  local list = book.everyone
+  if body then
+    list = book.by_body[body] or {}
+    book.by_body[body] = list
+  end
+  list[#list + 1] = sub
+  return sub
+end
+
+-- world:on(event, [filter], fn) -> subscription with :off()
+function core.types.world.methods.on(world, kind, filter, fn)
+  return subscribe(world, nil, "world:on", kind, filter, fn)
+end
+
+-- body:on(event, [filter], fn) -> subscription; in the event, self is this body and other the one it met
+function core.types.body.methods.on(body, kind, filter, fn)
+  return subscribe(body.world, body, "body:on", kind, filter, fn)
+end
+
+-- ---- delivery ----
+
+local function accepts(f, e)
+  if not f then return true end
+  if f.faster_than and e.speed <= f.faster_than then return false end
+  if f.harder_than and e.impulse <= f.harder_than then return false end
+  if f.wall and e.wall ~= f.wall then return false end
+  if f.kind and e.kind ~= f.kind then return false end
+  if not f.with then return true end
+  for _, b in ipairs(f.with) do
+    if b == e.other or (e.from and (b == e.from or b == e.to)) then return true end
+  end
+  return false
+end
+
+local function copy_for(e, body)
+  local copy = {}
+  for k, v in next, e do copy[k] = v end
+  if body and e.b == body then
+    copy.self, copy.other, copy.normal = e.b, e.a, -e.normal
+  else
+    copy.self, copy.other = e.a, e.b
+  end
+  return copy
+end
+
+local function add_all(to, from)
+  for _, sub in ipairs(from or {}) do to[#to + 1] = sub end
+end
+
+-- Handlers of one event in the order they were added.
+local function handlers_for(book, e)
+  local list = {}
+  add_all(list, book.everyone)
+  if next(book.by_body) then
+    if e.a then add_all(list, book.by_body[e.a]) end
+    if e.b and e.b ~= e.a then add_all(list, book.by_body[e.b]) end
+    if #list > 1 then table.sort(list, function(p, q) return p.id < q.id end) end
+  end
+  return list
+end
+
+local function sweep(list)
+  local kept = {}
+  for _, sub in ipairs(list) do
+    if sub.active then kept[#kept + 1] = sub end
+  end
+  return kept
+end
+
+local function drop_stale(book)
+  book.stale = false
+  book.everyone = sweep(book.everyone)
+  for body, list in next, book.by_body do
+    local kept = sweep(list)
+    book.by_body[body] = #kept > 0 and kept or nil
+  end
+end
+
+local function call(state, sub, e)
+  state.in_handler = sub.kind
+  local ok, message = pcall(sub.fn, copy_for(e, sub.body))
+  state.in_handler = nil
+  if ok then return end
+  if type(message) == "string" then
+    message = ("%s (in a handler of '%s' at t = %.6g s)"):format(message, sub.kind, e.time)
+  end
+  error(message, 0)
+end
+
+-- Keeps the last events as text, for the reports of failed scenarios.
+local function remember(state, events)
+  local log = state.event_log
+  for _, e in ipairs(events) do
+    local others = e.b and " " .. tostring(e.b) or e.wall and " wall " .. e.wall or ""
+    log[#log + 1] = ("t = %.4f s  %-13s %s%s%s"):format(e.time, e.event, e.a and tostring(e.a) or "", others,
+      e.speed and e.speed > 0 and ("  %.4g m/s"):format(e.speed) or "")
+  end
+  if #log > 60 then
+    state.event_log = table.move(log, #log - 29, #log, 1, {})
+  end
+end
+
+-- Called once after each step.
+function core.deliver(world, state)
+  local mask = state.mask | (state.log_mask or 0)
+  if mask == 0 then return end
+  local events = core.events(world, mask)
+  if state.log_mask then remember(state, events) end
+  for _, e in ipairs(events) do
+    local book = state.handlers[e.event]
+    if book then
+      for _, sub in ipairs(handlers_for(book, e)) do
+        if sub.active and accepts(sub.filter, copy_for(e, sub.body)) then call(state, sub, e) end
+      end
+      if book.stale then drop_stale(book) end
+    end
+  end
+end
+
+-- The Lua side of a world, made on first use.
+function core.lua_state(world)
+  local state = core.state(world)
+  if not state.handlers then
+    state.handlers, state.mask, state.subscriptions = {}, 0, 0
+    state.tasks, state.films, state.scene, state.event_log = {}, {}, { lamps = {} }, {}
+  end
+  return state
+end
+
+function core.forbid_in_handler(world, what)
+  local state = core.lua_state(world)
+  if state.in_handler then core.fail("%s cannot be called inside a handler of '%s'", what, state.in_handler) end
+  if state.in_task then core.fail("%s cannot be called inside a task", what) end
+end
+
+-- body:flood(name, value, {kind=, hops=, transform=}) -> number of bodies reached
+-- A message travels along the links, outwards from this body. transform(value, hop) gives the value of the next hop.
+function core.types.body.methods.flood(body, name, value, fields)
+  local f = core.check(fields or {}, "body:flood", { kind = "text", layer = "text", hops = "int", transform = "any" })
+  local seen, front, hop, reached = { [body] = true }, { body }, 0, 0
+  while #front > 0 and (not f.hops or hop < f.hops) do
+    local following = {}
+    hop = hop + 1
+    if f.transform then value = f.transform(value, hop) end
+    for _, from in ipairs(front) do
+      for _, to in ipairs(from:neighbours(f.kind and { kind = f.kind } or nil)) do
+        if not seen[to] then
+          seen[to] = true
+          from:send(to, name, value)
+          reached = reached + 1
+          if to.kind == "dynamic" then following[#following + 1] = to end
+        end
+      end
+    end
+    front = following
+  end
+  return reached
+end
+
+return true

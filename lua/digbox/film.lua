@@ -1,0 +1,343 @@
+-- digbox/film.lua - sun, lamps, sky, cameras, pictures and films.
+--
+-- A film has a frame at every multiple of 1/fps from the moment it starts to the moment it closes, both included. Frames between
+-- two steps are blended between them, so fps never changes the physics.
+
+local core = ...
+local next, type = next, type
+
+local methods = core.types.world.methods
+local ON_TIME = 1e-9       -- s; nearer than this a frame falls on a step
+
+local default_fov = 40 * math.pi / 180
+local layers = { colour = 0, depth = 1, id = 2, normal = 3 }
+local skies = { clear = 0, overcast = 1, night = 2, black = 3 }
+local overlays = { stress = 0 }      -- no body has stress yet: drawn as nothing
+for name, bit in next, core.overlays or {} do overlays[name] = bit end
+
+local function scene_of(world) return core.lua_state(world).scene end
+
+-- ---- light ----
+
+-- world:sun{from = {3, 6, 2}, shadows = true}
+function methods.sun(world, fields)
+  local f = core.check(fields, "world:sun", { from = "dir 1", shadows = "bool" })
+  local scene = scene_of(world)
+  scene.sun = f.from or scene.sun
+  if f.shadows ~= nil then scene.shadows = f.shadows end
+end
+
+-- world:lamp{at=, power = "60 W", colour=}
+function methods.lamp(world, fields)
+  local f = core.check(fields, "world:lamp", { at = "vec m", power = "real W >0", colour = "colour 1" })
+  local lamps = scene_of(world).lamps
+  if not f.at then core.fail "world:lamp: at is missing" end
+  if #lamps == 4 then core.fail "world:lamp: there are 4 lamps already, more cannot be drawn" end
+  lamps[#lamps + 1] = { at = f.at, power = f.power or 60, colour = f.colour }
+end
+
+-- world:sky "clear" | "overcast" | "night" | "black"
+function methods.sky(world, name)
+  if type(name) ~= "string" or not skies[name] then core.unknown("world:sky:", "unknown sky", tostring(name), skies) end
+  scene_of(world).sky = skies[name]
+end
+
+-- ---- cameras ----
+
+local camera_fields = { name = "text", at = "vec m", look_at = "any", fov = "real rad >0", up = "dir 1", follow = "body" }
+
+local function check_camera(fields, what, world)
+  local f = core.check(fields, what, camera_fields, world)
+  if f.look_at ~= nil and core.type(f.look_at) ~= "body" then
+    f.look_at = core.check({ look_at = f.look_at }, what, { look_at = "vec m" }).look_at
+  end
+  if f.fov and f.fov > 3 then core.fail("%s: fov = %.4g rad, must be below 3 rad", what, f.fov) end
+  return f
+end
+
+local is_camera = setmetatable({}, { __mode = "k" })
+local Camera = { __name = "camera", __metatable = false }
+Camera.__index = function(cam, key)
+  if not camera_fields[key] then core.unknown("camera", "has no field", tostring(key), camera_fields) end
+  return cam[1][key]
+end
+Camera.__newindex = function(cam, key, value)
+  local checked = check_camera({ [key] = value }, "camera", cam[2])
+  cam[1][key] = checked[key]
+  if key == "follow" or key == "at" then cam[3] = cam[1].follow and cam[1].follow.position end
+end
+Camera.__tostring = function(cam) return ("camera '%s'"):format(cam[1].name or "") end
+
+-- world:camera{at=, look_at = body or point, fov = "40 deg", follow = body, up=, name=} -> camera
+function methods.camera(world, fields)
+  local f = check_camera(fields or {}, "world:camera", world)
+  local state = core.lua_state(world)
+  local cam = setmetatable({ f, world, f.follow and f.follow.position }, Camera)
+  is_camera[cam] = true
+  state.cameras = state.cameras or {}
+  state.cameras[#state.cameras + 1] = cam
+  return cam
+end
+
+local function place(target)
+  if core.type(target) == "body" then return target.valid and target.centre or nil end
+  return target
+end
+
+-- Where the camera stands now: {at, look_at, up, fov}. What it does not say is chosen so that everything is seen.
+local function resolve(cam, view, aspect)
+  local f = cam and cam[1] or {}
+  local fov = f.fov or default_fov
+  local at, look_at, up = core.view_camera(view, fov, aspect)
+  local target = place(f.look_at) or f.follow and place(f.follow)
+  if f.at then
+    local moved = f.follow and f.follow.valid and f.follow.position - cam[3] or core.vec(0, 0, 0)
+    at = f.at + moved
+    look_at = target or look_at
+  elseif target then
+    at, look_at = at + (target - look_at), target
+  end
+  if #(look_at - at) <= 0 then core.fail "the camera looks at the point it stands at" end
+  return { at = at, look_at = look_at, up = f.up or up, fov = fov }
+end
+
+local function blend_cameras(a, b, s)
+  return { at = a.at * (1 - s) + b.at * s, look_at = a.look_at * (1 - s) + b.look_at * s, up = b.up, fov = b.fov }
+end
+
+-- ---- options common to pictures and films ----
+
+local function check_size(size, what)
+  local w, h = 1280, 720
+  if size ~= nil then
+    if type(size) ~= "table" then core.fail("%s.size wants {width, height}; got %s", what, core.type(size)) end
+    w, h = size[1], size[2]
+  end
+  for name, n in next, { width = w or false, height = h or false } do
+    if math.type(n) ~= "integer" or n < 1 or n > 16384 then
+      core.fail("%s.size: %s = %s, must be a whole number from 1 to 16384", what, name, tostring(n))
+    end
+  end
+  return w, h
+end
+
+local function check_overlay(list, what)
+  local bits = 0
+  if type(list) == "string" then list = { list } end
+  if list ~= nil and type(list) ~= "table" then core.fail("%s.overlay wants a list of names; got %s", what, core.type(list)) end
+  for _, name in ipairs(list or {}) do
+    if type(name) ~= "string" or not overlays[name] then core.unknown(what .. ".overlay:", "unknown overlay", tostring(name), overlays) end
+    bits = bits | overlays[name]
+  end
+  return bits
+end
+
+local function drawing_options(f, what, world)
+  local o = {}
+  o.width, o.height = check_size(f.size, what)
+  o.overlay = check_overlay(f.overlay, what)
+  o.samples = f.samples or 4
+  if o.samples ~= 0 and o.samples ~= 2 and o.samples ~= 4 then core.fail("%s: samples = %d, must be 0, 2 or 4", what, o.samples) end
+  local layer = f.layer or "colour"
+  if not layers[layer] then core.unknown(what .. ":", "unknown layer", layer, layers) end
+  o.layer = layers[layer]
+  if f.camera ~= nil and not is_camera[f.camera] then core.fail("%s.camera wants a camera; got %s", what, core.type(f.camera)) end
+  if f.camera and f.camera[2] ~= world then core.fail("%s.camera belongs to another world", what) end
+  return o
+end
+
+-- The options of one frame: size and so on, where the camera is, how the scene is lit.
+local function frame_options(o, camera, scene)
+  return { width = o.width, height = o.height, samples = o.samples, layer = o.layer, overlay = o.overlay,
+    at = camera.at, look_at = camera.look_at, up = camera.up, fov = camera.fov,
+    sun = scene.sun, shadows = scene.shadows, sky = scene.sky, lamps = scene.lamps }
+end
+
+local function texts(world, time)
+  local options = core.options
+  return { "Software", "digbox " .. core.version, "Time", ("%.17g"):format(time), "Step", ("%d"):format(world.steps),
+    "Seed", ("%d"):format(core.state(world).seed or 0), "Script", options.script_name or "", "Script-Hash", options.script_hash or "",
+    "Renderer", core.renderer() }
+end
+
+local function default_camera(world)
+  local cameras = core.lua_state(world).cameras
+  return cameras and cameras[1]
+end
+
+-- ---- pictures ----
+
+local render_fields = { camera = "any", to = "any", size = "any", samples = "int", layer = "text", overlay = "any" }
+
+local function check_target(to, what)
+  if type(to) ~= "string" then core.fail("%s: to is missing (a file name such as 'out/a.png')", what) end
+  return to
+end
+
+-- world:render{camera=, to = "out/a.png", size = {w, h}, samples=, layer=, overlay=} -> path
+function methods.render(world, fields)
+  local f = core.check(fields, "world:render", render_fields)
+  local o = drawing_options(f, "world:render", world)
+  local to = check_target(f.to, "world:render")
+  if not to:match "%.png$" then core.fail("world:render: '%s' must end in .png", to) end
+  local path = core.out_path(to)
+  local view = core.view(world)
+  local camera = resolve(f.camera or default_camera(world), view, o.width / o.height)
+  core.picture(view, frame_options(o, camera, scene_of(world)), path, texts(world, world.time))
+  core.lua_state(world).recorded = true
+  return path
+end
+
+-- ---- films ----
+
+local Film = { __name = "film", __metatable = false }
+local film_methods, film_readable = {}, { frames = true, fps = true, path = true, closed = true }
+Film.__index = function(film, key)
+  if film_methods[key] then return film_methods[key] end
+  if film_readable[key] then return film[1][key] end
+  core.unknown("film", "has no field or method", tostring(key), film_methods, film_readable)
+end
+Film.__newindex = function(_, key) core.fail("film.%s cannot be assigned", tostring(key)) end
+Film.__tostring = function(film) return ("film '%s', %d frames"):format(film[1].path, film[1].frames) end
+
+local record_fields = { camera = "any", to = "any", fps = "real Hz >0", size = "any", samples = "int", layer = "text", overlay = "any" }
+
+local function open_video(film, to)
+  local pipe = core.pipe(core.out_path(to), film.options.width, film.options.height, film.fps)
+  if pipe then
+    film.pipe = pipe
+    return
+  end
+  film.pattern = to:gsub("%.%w+$", "-%%05d.png")
+  core.tell(("digbox: no ffmpeg here: writing %s; later: ffmpeg -r %g -i %s %s\n"):format(film.pattern, film.fps, film.pattern, to))
+end
+
+-- world:record{camera=, to = "out/f-%05d.png" | "out/f.mp4" | "out/f.webm", fps = 30, size=, overlay=} -> film
+function methods.record(world, fields)
+  local f = core.check(fields, "world:record", record_fields)
+  local to = check_target(f.to, "world:record")
+  local fps = f.fps or 30
+  if fps > 1e5 then core.fail("world:record: fps = %g Hz, must be at most 100000 Hz", fps) end
+  local film = { fps = fps, frames = 0, path = to, closed = false, world = world, camera = f.camera,
+    options = drawing_options(f, "world:record", world) }
+  -- The first frame: at the first multiple of 1/fps that is not past.
+  film.first = math.ceil(world.time * fps - ON_TIME * fps)
+  if to:match "%.png$" then
+    film.pattern = to
+    if not core.frame_path(to, 0) then core.fail("world:record: '%s' needs a place for the number: 'out/f-%%05d.png'", to) end
+    core.out_path(core.frame_path(to, 0))
+  elseif to:match "%.mp4$" or to:match "%.webm$" then
+    if film.options.layer ~= 0 and film.options.layer ~= 3 then
+      core.fail "world:record: a video holds the layers colour and normal; write depth and id as PNG"
+    end
+    open_video(film, to)
+  else
+    core.fail("world:record: '%s' must end in .png, .mp4 or .webm", to)
+  end
+  local state = core.lua_state(world)
+  state.films[#state.films + 1] = film
+  state.recorded = true
+  core.open_films = core.open_films or {}
+  core.open_films[film] = true
+  return setmetatable({ film }, Film)
+end
+
+local function next_time(film) return (film.first + film.frames) / film.fps end
+
+local function take(film, view, camera, time)
+  local o = frame_options(film.options, camera, scene_of(film.world))
+  if film.pipe then
+    film.pipe:frame(view, o)
+  else
+    core.picture(view, o, core.out_path(core.frame_path(film.pattern, film.frames)), texts(film.world, time))
+  end
+  film.frames = film.frames + 1
+  core.frames = (core.frames or 0) + 1
+end
+
+local function camera_of(film, view)
+  return resolve(film.camera or default_camera(film.world), view, film.options.width / film.options.height)
+end
+
+-- Frames that fall on the present time.
+local function take_present(film, view)
+  local now = film.world.time
+  while next_time(film) <= now + ON_TIME do
+    view = view or core.view(film.world)
+    take(film, view, camera_of(film, view), now)
+  end
+  return view
+end
+
+-- Before a step: frames of this moment; keeps a view when a frame falls inside the step.
+function core.film_before_step(world, state)
+  local view
+  local after = world.time + world.frame
+  state.view_before = nil
+  for _, film in ipairs(state.films) do
+    view = take_present(film, view)
+    if next_time(film) < after - ON_TIME then
+      view = view or core.view(world)
+      state.view_before = view
+      film.camera_before = camera_of(film, view)
+    end
+  end
+end
+
+-- After a step: frames strictly inside it.
+function core.film_after_step(world, state)
+  local before = state.view_before
+  if not before then return end
+  local view, now, dt = core.view(world), world.time, world.frame
+  for _, film in ipairs(state.films) do
+    if film.camera_before then
+      local camera = camera_of(film, view)
+      while next_time(film) < now - ON_TIME do
+        local s = (next_time(film) - (now - dt)) / dt
+        core.blend(before, view, s)
+        take(film, view, blend_cameras(film.camera_before, camera, s), next_time(film))
+      end
+      film.camera_before = nil
+    end
+  end
+  state.view_before = nil
+end
+
+local function close_film(film)
+  if film.closed then return end
+  film.closed = true
+  core.open_films[film] = nil
+  local state = core.lua_state(film.world)
+  for i, f in ipairs(state.films) do
+    if f == film then
+      table.remove(state.films, i)
+      break
+    end
+  end
+  if not core.stopping then take_present(film) end
+  if film.pipe then film.pipe:close() end
+end
+
+-- film:close(): the last frame, and the end of the file
+function film_methods.close(film)
+  close_film(film[1])
+end
+
+-- core.close_films([world]): all that are open
+function core.close_films(world)
+  local list = {}
+  for film in next, core.open_films or {} do
+    if not world or film.world == world then list[#list + 1] = film end
+  end
+  table.sort(list, function(a, b) return a.path < b.path end)
+  for _, film in ipairs(list) do close_film(film) end
+end
+
+-- The picture of the end state, for a run that recorded nothing. Returns its path or nil.
+function core.final_picture(name)
+  local world = core.last_world
+  if not (core.can_render and world and core.is_open(world)) or core.lua_state(world).recorded then return nil end
+  return methods.render(world, { to = name .. ".png" })
+end
+
+return true

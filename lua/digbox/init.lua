@@ -1,0 +1,229 @@
+-- digbox/init.lua - the module `digbox`: worlds, vectors, shapes, materials, arguments, paths.
+--
+-- Runs once, with the table of C functions. Errors raised here point at the script's own line.
+
+local core = ...
+local next, type, tonumber, rawset, setmetatable = next, type, tonumber, rawset, setmetatable
+
+local digbox = {}
+core.digbox = digbox
+core.materials, core.pairs_of_materials = {}, {}
+core.worlds = setmetatable({}, { __mode = "k" })
+
+local methods = core.types.world.methods
+
+-- ---- ways to end a script ----
+
+core.print = print
+core.finished = setmetatable({}, { __tostring = function() return "finished" end })
+
+-- Ends the script as if it had run to its end.
+function core.finish_early()
+  error(core.finished, 0)
+end
+
+-- A mistake on the command line: exit code 2, no script position.
+function core.usage(format, ...)
+  core.raise(2, format:format(...))
+end
+
+function core.usage_unknown(kind, name, known)
+  local _, message = pcall(core.unknown, "", "unknown " .. kind, name, known)
+  core.usage("%s", (message:gsub("^.-unknown", "unknown")))
+end
+
+core.use "events"
+core.use "run"
+core.use "build"
+core.use "film"
+
+-- ---- values ----
+
+digbox.vec, digbox.quat = core.vec, core.quat
+digbox.path = core.path
+digbox.version = core.version
+for name, make in next, core.shapes do digbox[name] = make end
+
+-- digbox.quantity("4 cm") -> 0.04; digbox.quantity("4 cm", "m") also checks the dimension
+function digbox.quantity(value, unit)
+  return core.quantity(value, unit, "digbox.quantity")
+end
+
+-- ---- worlds ----
+
+local function furnish(world)
+  for _, m in ipairs(core.materials) do core.material(world, m.name, m.fields) end
+  for _, p in ipairs(core.pairs_of_materials) do core.material_pair(world, p) end
+  core.worlds[world] = true
+  core.last_world = world
+  return world
+end
+
+-- digbox.world{gravity=, step=, accuracy=, seed=, threads=, ...} -> world
+function digbox.world(fields)
+  if fields ~= nil and type(fields) ~= "table" then
+    core.fail("digbox.world wants a table of fields; got %s", core.type(fields))
+  end
+  local copy = {}
+  for k, v in next, fields or {} do copy[k] = v end
+  for _, key in ipairs { "accuracy", "seed", "threads" } do
+    local given = core.options[key]
+    if given ~= nil then copy[key] = given end
+  end
+  local world = core.world(copy)
+  math.randomseed(core.state(world).seed)
+  return furnish(world)
+end
+
+-- digbox.load(path) -> world, from a file in the output folder or beside the script
+function digbox.load(path)
+  if type(path) ~= "string" then core.fail("digbox.load wants a file name; got %s", core.type(path)) end
+  local place = core.out_path(path)
+  if not core.exists(place) then
+    local beside, why = core.beside(path)
+    if not beside then core.fail("digbox.load: %s", why) end
+    place = beside
+  end
+  return furnish(core.load(place))
+end
+
+function methods.save(world, path)
+  if type(path) ~= "string" then core.fail("world:save wants a file name; got %s", core.type(path)) end
+  core.save(world, core.out_path(path))
+end
+
+function methods.restore(world, snapshot)
+  core.forbid_in_handler(world, "world:restore")
+  core.restore(world, snapshot)
+end
+
+function methods.close(world)
+  core.forbid_in_handler(world, "world:close")
+  core.close_films(world)
+  core.close(world)
+end
+
+-- ---- materials ----
+
+-- Tries a definition on a world made for it, so that an error appears at the script's own line.
+local function try(apply, ...)
+  local scratch = core.world {}
+  for _, m in ipairs(core.materials) do core.material(scratch, m.name, m.fields) end
+  apply(scratch, ...)
+  core.close(scratch)
+  for world in next, core.worlds do
+    if core.is_open(world) then apply(world, ...) end
+  end
+end
+
+-- digbox.material("cork", {density=, friction=, ..., like = "oak"})
+function digbox.material(name, fields)
+  if type(name) ~= "string" or type(fields) ~= "table" then
+    core.fail("digbox.material wants a name and a table of fields; got %s and %s", core.type(name), core.type(fields))
+  end
+  local copy = {}
+  for k, v in next, fields do copy[k] = v end
+  try(core.material, name, copy)
+  core.materials[#core.materials + 1] = { name = name, fields = copy }
+end
+
+-- digbox.material_pair{a = "oak", b = "steel", friction=, ...}
+function digbox.material_pair(fields)
+  if type(fields) ~= "table" then core.fail("digbox.material_pair wants a table of fields; got %s", core.type(fields)) end
+  local copy = {}
+  for k, v in next, fields do copy[k] = v end
+  try(core.material_pair, copy)
+  core.pairs_of_materials[#core.pairs_of_materials + 1] = copy
+end
+
+-- ---- arguments of the world ----
+
+local function show_arguments(names, declared)
+  local lines = {}
+  for _, name in ipairs(names) do
+    local d = declared[name]
+    lines[#lines + 1] = ("  --%s VALUE   %s (default %s%s)"):format(name, d.help or "", tostring(d.default),
+      d.unit and type(d.default) == "number" and " " .. d.unit or "")
+  end
+  core.print("Arguments of this world, after --, or as --set NAME=VALUE:")
+  core.print(table.concat(lines, "\n"))
+  core.finish_early()
+end
+
+-- Options after `--`: --name value, --name=value, --flag
+local function read_command_line(list, declared)
+  local given, i = {}, 1
+  while i <= #list do
+    local name, value = list[i]:match "^%-%-([%w_%-]+)=?(.*)$"
+    if not name then core.usage("'%s' after --: expected --NAME VALUE", list[i]) end
+    if name == "help" then return nil end
+    local d = declared[name]
+    if value == "" and not list[i]:find("=", 1, true) then
+      if d and type(d.default) == "boolean" and (not list[i + 1] or list[i + 1]:match "^%-%-") then
+        value = "true"
+      else
+        i = i + 1
+        value = list[i]
+        if not value then core.usage("--%s after --: the value is missing", name) end
+      end
+    end
+    given[name] = value
+    i = i + 1
+  end
+  return given
+end
+
+local function read_argument(name, d, text)
+  local default = d.default
+  if type(default) == "boolean" then
+    if text == "true" or text == "yes" or text == "1" then return true end
+    if text == "false" or text == "no" or text == "0" then return false end
+    core.usage("argument '%s' wants true or false; got '%s'", name, text)
+  elseif type(default) == "string" and not d.unit then
+    return text
+  end
+  local value = tonumber(text)
+  if not value or value ~= value then
+    local ok, result = pcall(core.quantity, text, d.unit or "1", "argument", name)
+    if not ok then core.usage("%s", (result:gsub("^.-:%d+: ", ""))) end
+    value = result
+  end
+  return value
+end
+
+-- digbox.args{height = {default = 0.75, unit = "m", help = "drop height"}} -> {height = 0.75}
+-- A value comes from `--set height=0.6` or, after `--`, `--height 0.6`; units are allowed: "60 cm".
+function digbox.args(declared)
+  if type(declared) ~= "table" then core.fail("digbox.args wants a table; got %s", core.type(declared)) end
+  local names, values = {}, {}
+  for name, d in next, declared do
+    if type(name) ~= "string" then core.fail("digbox.args: arguments have names; got %s", core.type(name)) end
+    if type(d) ~= "table" then d = { default = d } end
+    core.check(d, "digbox.args." .. name, { default = "any", unit = "text", help = "text" })
+    if d.default == nil then core.fail("digbox.args.%s: default is missing", name) end
+    names[#names + 1] = name
+    rawset(declared, name, d)
+    values[name] = d.default
+    if type(d.default) == "string" and d.unit then values[name] = core.quantity(d.default, d.unit, "digbox.args", name) end
+  end
+  table.sort(names)
+  core.args_declared = true
+  local given = read_command_line(core.options.args or {}, declared)
+  if not given then show_arguments(names, declared) end
+  for name, text in next, core.options.set or {} do given[name] = text end
+  local asked = {}
+  for name in next, given do asked[#asked + 1] = name end
+  table.sort(asked)
+  for _, name in ipairs(asked) do
+    if not declared[name] then core.usage_unknown("argument", name, declared) end
+    values[name] = read_argument(name, declared[name], given[name])
+  end
+  return values
+end
+
+setmetatable(digbox, {
+  __index = function(_, key) core.unknown("digbox", "has no function", tostring(key), digbox) end,
+  __newindex = function(_, key) core.fail("digbox.%s cannot be assigned", tostring(key)) end,
+  __metatable = false,
+})
+return digbox

@@ -1,0 +1,187 @@
+-- digbox/run.lua - world:step, world:run and tasks: the order of things around one frame step.
+
+local core = ...
+local type, pcall, error = type, pcall, error
+local create, resume, status, yield, running = coroutine.create, coroutine.resume, coroutine.status, coroutine.yield, coroutine.running
+
+local methods, getters = core.types.world.methods, core.types.world.getters
+
+-- ---- tasks ----
+
+local Task = {}
+Task.__index = function(_, key)
+  local method = Task[key]
+  if not method then core.unknown("task", "has no field or method", tostring(key), { wait = true, wait_until = true }) end
+  return method
+end
+Task.__metatable = false
+Task.__name = "task"
+
+local function check_inside(task, what)
+  if running() ~= task.thread then core.fail("%s can only be called inside the task itself", what) end
+end
+
+-- task:wait "0.5 s"
+function Task.wait(task, time)
+  check_inside(task, "task:wait")
+  task.wake, task.condition = task.world.time + core.seconds(time, "task:wait"), nil
+  yield()
+end
+
+-- task:wait_until(condition [, limit]) -> true, or false when the limit passed first
+function Task.wait_until(task, condition, limit)
+  check_inside(task, "task:wait_until")
+  if type(condition) ~= "function" then core.fail("task:wait_until wants a function; got %s", core.type(condition)) end
+  task.wake = limit ~= nil and task.world.time + core.seconds(limit, "task:wait_until") or math.huge
+  task.condition = condition
+  return yield()
+end
+
+local function go_on(state, task, ...)
+  state.in_task = true
+  local ok, message = resume(task.thread, ...)
+  state.in_task = nil
+  if not ok then
+    task.done = true
+    error(message, 0)
+  end
+  task.done = status(task.thread) == "dead"
+end
+
+local function is_due(task, now)
+  if task.condition then
+    if task.condition() then return true, true end
+    return now >= task.wake - 1e-9, false
+  end
+  return now >= task.wake - 1e-9, true
+end
+
+local function run_tasks(world, state)
+  if #state.tasks == 0 then return end
+  local list, kept = state.tasks, {}
+  state.tasks = {}
+  for _, task in ipairs(list) do
+    if not task.done then
+      state.in_task = true
+      local ok, due, result = pcall(is_due, task, world.time)
+      state.in_task = nil
+      if not ok then error(due, 0) end
+      if due then go_on(state, task, result) end
+    end
+    if not task.done then kept[#kept + 1] = task end
+  end
+  for _, task in ipairs(state.tasks) do kept[#kept + 1] = task end     -- spawned meanwhile
+  state.tasks = kept
+end
+
+-- world:spawn(function(task) ... end) -> task: runs at once up to its first wait, then after steps
+function methods.spawn(world, fn)
+  if type(fn) ~= "function" then core.fail("world:spawn wants a function; got %s", core.type(fn)) end
+  local state = core.lua_state(world)
+  local outer = state.in_task
+  local task = setmetatable({ world = world, done = false, wake = world.time }, Task)
+  task.thread = create(function() fn(task) end)
+  go_on(state, task)
+  state.in_task = outer
+  if not task.done then state.tasks[#state.tasks + 1] = task end
+  return task
+end
+
+-- world.tasks: how many are still at work
+function getters.tasks(world)
+  return #core.lua_state(world).tasks
+end
+
+function getters.seed(world)
+  return core.state(world).seed
+end
+
+-- ---- stepping ----
+
+local function advance(world, state)
+  core.poll()
+  if state.before_first_step and world.steps == 0 then state.before_first_step(world) end
+  local filming = #state.films > 0
+  if filming then core.film_before_step(world, state) end
+  core.step(world)
+  if filming then core.film_after_step(world, state) end
+  core.deliver(world, state)
+  run_tasks(world, state)
+end
+
+local function past_end(world)
+  local limit = core.options.seconds
+  return limit and world.time >= limit - 1e-9
+end
+
+-- world:step([n])
+function methods.step(world, n)
+  core.forbid_in_handler(world, "world:step()")
+  if n == nil then n = 1 end
+  if math.type(n) ~= "integer" or n < 0 then core.fail("world:step wants a whole number of steps >= 0; got %s", tostring(n)) end
+  local state = core.lua_state(world)
+  for _ = 1, n do
+    if core.options.dry or past_end(world) then core.finish_early() end
+    advance(world, state)
+  end
+end
+
+local run_fields = { seconds = "real s >=0", steps = "int 1 >=0", stop_when = "any" }
+
+local function read_run(what)
+  local fields = core.type(what) == "table" and what or { seconds = core.seconds(what, "world:run") }
+  local f = core.check(fields, "world:run", run_fields)
+  if f.stop_when ~= nil and type(f.stop_when) ~= "function" then
+    core.fail("world:run.stop_when wants a function; got %s", core.type(f.stop_when))
+  end
+  if not f.seconds and not f.steps and not f.stop_when then core.fail("world:run: seconds is missing") end
+  if f.seconds == math.huge then core.fail("world:run: seconds = inf s, must be a finite number") end
+  return f
+end
+
+-- world:run(3)   world:run "3 s"   world:run{seconds=, steps=, stop_when=} -> true when stop_when ended it
+function methods.run(world, what)
+  core.forbid_in_handler(world, "world:run()")
+  local f = read_run(what)
+  local state = core.lua_state(world)
+  if core.options.dry then core.finish_early() end
+  local count = f.steps or math.huge
+  if f.seconds then count = math.min(count, math.ceil(f.seconds / world.frame - 1e-6)) end
+  local finish = count < math.huge and world.time + count * world.frame or nil
+  if core.options.seconds then finish = math.min(finish or math.huge, core.options.seconds) end
+  local done, stopped = 0, false
+  while done < count and not past_end(world) do
+    if f.stop_when and f.stop_when() then
+      stopped = true
+      break
+    end
+    advance(world, state)
+    done = done + 1
+    core.progress(world, finish)
+  end
+  return stopped or (f.stop_when ~= nil and f.stop_when() and true or false)
+end
+
+-- ---- the progress line ----
+
+local progress = { shown = false, start = nil, next = 0 }
+
+-- One line on a terminal: simulated time, times real time, frames, time left.
+function core.progress(world, finish)
+  if not core.options.progress then return end
+  local now = core.clock()
+  if not progress.start then progress.start, progress.from = now, world.time - world.frame end
+  if now < progress.next or now - progress.start < 0.3 then return end
+  progress.next = now + 0.2
+  local simulated, wall = world.time - progress.from, now - progress.start
+  local left = finish and simulated > 0 and ("  %.0f s left"):format((finish - world.time) * wall / simulated) or ""
+  core.tell(("\rt = %.2f s  %.2fx real time  %d frames%s \27[K"):format(world.time, simulated / wall, core.frames or 0, left))
+  progress.shown = true
+end
+
+function core.clear_progress()
+  if progress.shown then core.tell "\r\27[K" end
+  progress.shown = false
+end
+
+return true

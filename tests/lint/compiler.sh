@@ -1,0 +1,11 @@
+#!/usr/bin/env bash
+# tests/lint/compiler.sh - the other compiler has nothing to say either: gcc and clang both build without a warning.
+#
+# Checks syntax and warnings only. Skipped when there is no second compiler.
+set -u
+case ${CC:-gcc} in *clang*) other=gcc ;; *) other=clang ;; esac
+command -v "$other" >/dev/null 2>&1 || { echo "no $other here: skipped"; exit 77; }
+flags=$(sed "s/^[^ ]* //" "${BUILD:-build}/flags.txt") || exit 1
+# shellcheck disable=SC2086  # flags are words
+find engine lua tests/unit -name '*.c' | sort | xargs -r -n 16 -P "$(nproc 2>/dev/null || echo 2)" \
+    "$other" $flags -fsyntax-only -Itests -I. -Ilua

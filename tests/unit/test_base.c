@@ -1,0 +1,267 @@
+/* test_base.c - scratch memory and the hash map against models of what they should do. */
+#include "check.h"
+
+#include "base/arena.h"
+#include "base/map.h"
+
+/* Repeatable noise: x' = x * a + c mod 2^64 (Knuth's MMIX constants), upper half returned. */
+static uint32_t noise(uint64_t *x)
+{
+    *x = *x * 6364136223846793005u + 1442695040888963407u;
+    return (uint32_t)(*x >> 32);
+}
+
+/* ---- arena ---- */
+
+TEST(pieces_are_aligned_and_do_not_overlap)
+{
+    Arena a = {0};
+    uint64_t seed = 1;
+    enum { COUNT = 2000 };
+    unsigned char *piece[COUNT];
+    size_t size[COUNT];
+    for (int i = 0; i < COUNT; i++) {
+        size[i] = noise(&seed) % 700;
+        piece[i] = arena_alloc(&a, size[i]);
+        CHECK(piece[i] != NULL);
+        CHECK_INT((uintptr_t)piece[i] % 32, 0);
+        memset(piece[i], i & 0xFF, size[i]);
+    }
+    for (int i = 0; i < COUNT; i++)
+        for (size_t k = 0; k < size[i]; k++)
+            CHECK_INT(piece[i][k], i & 0xFF);
+    CHECK(a.live <= arena_bytes(&a));
+    arena_close(&a);
+    CHECK_INT(arena_bytes(&a), 0);
+}
+
+TEST(zeroed_pieces_are_zero_even_in_used_memory)
+{
+    Arena a = {0};
+    unsigned char *p = arena_alloc(&a, 1000);
+    memset(p, 0x5A, 1000);
+    arena_reset(&a);
+    unsigned char *q = arena_zero(&a, 1000);
+    CHECK(p == q);                      /* the same memory again, or the test shows nothing */
+    for (int i = 0; i < 1000; i++)
+        CHECK_INT(q[i], 0);
+    arena_close(&a);
+}
+
+TEST(rewinding_gives_back_what_was_taken_since_the_mark_and_keeps_the_rest)
+{
+    Arena a = {0};
+    char *outer = arena_alloc(&a, 100);
+    memset(outer, 'o', 100);
+    ArenaMark m = arena_mark(&a);
+    void *first = arena_alloc(&a, 64);
+    ArenaMark inner = arena_mark(&a);
+    for (int i = 0; i < 100; i++)
+        CHECK(arena_alloc(&a, 10000) != NULL);          /* many chunks */
+    arena_rewind(&a, inner);
+    arena_rewind(&a, m);
+    CHECK_INT(a.live, 128);
+    CHECK(arena_alloc(&a, 64) == first);
+    for (int i = 0; i < 100; i++)
+        CHECK_INT(outer[i], 'o');
+    arena_close(&a);
+}
+
+TEST(after_one_reset_the_same_step_never_allocates_again)
+{
+    Arena a = {0};
+    for (int step = 0; step < 20; step++) {
+        uint64_t before = a.allocations;
+        for (int i = 0; i < 1000; i++)
+            CHECK(arena_alloc(&a, 999) != NULL);
+        if (step > 0)
+            CHECK_INT(a.allocations, before);
+        arena_reset(&a);
+        if (step > 0)
+            CHECK_INT(a.allocations, before);
+        CHECK_INT(a.live, 0);
+    }
+    CHECK_INT(a.high, 1000 * 1024);
+    arena_close(&a);
+}
+
+TEST(a_rewound_chain_of_chunks_is_filled_again_without_the_allocator)
+{
+    Arena a = {0};
+    ArenaMark empty = arena_mark(&a);
+    for (int i = 0; i < 30; i++)
+        arena_alloc(&a, 50000);
+    uint64_t allocations = a.allocations;
+    CHECK(allocations > 1);
+    for (int pass = 0; pass < 5; pass++) {
+        arena_rewind(&a, empty);
+        for (int i = 0; i < 30; i++)
+            CHECK(arena_alloc(&a, 50000) != NULL);
+    }
+    CHECK_INT(a.allocations, allocations);
+    arena_close(&a);
+}
+
+TEST(a_demand_beyond_all_memory_is_refused_and_changes_nothing)
+{
+    Arena a = {0};
+    char *p = arena_alloc(&a, 10);
+    size_t held = arena_bytes(&a);
+    CHECK(arena_alloc(&a, SIZE_MAX) == NULL);
+    CHECK(arena_alloc(&a, SIZE_MAX / 2) == NULL);
+    CHECK(arena_zero(&a, SIZE_MAX - 8) == NULL);
+    CHECK_INT(arena_bytes(&a), held);
+    CHECK_INT(a.live, 32);
+    CHECK((char *)arena_alloc(&a, 10) == p + 32);
+    arena_close(&a);
+}
+
+TEST(with_dig_debug_fresh_and_given_back_memory_reads_as_nan)
+{
+#ifdef DIG_DEBUG
+    Arena a = {0};
+    ArenaMark m = arena_mark(&a);
+    real *x = arena_alloc(&a, 4 * sizeof *x);
+    CHECK(isnan(x[0]) && isnan(x[3]));
+    x[0] = x[3] = 1;
+    arena_rewind(&a, m);
+    CHECK(isnan(x[0]) && isnan(x[3]));          /* the chunk is still held */
+    arena_close(&a);
+#else
+    skip();
+#endif
+}
+
+/* ---- map ---- */
+
+enum { KEYS = 512 };
+
+static MapKey key_at(int i)
+{
+    return (MapKey){(uint32_t)i % 8, (uint32_t)i / 8 % 8, (uint32_t)i / 64};
+}
+
+TEST(a_map_agrees_with_a_plain_table_over_many_random_calls)
+{
+    Map m = {0};
+    bool there[KEYS] = {false};
+    uint32_t value[KEYS] = {0};
+    uint32_t count = 0;
+    uint64_t seed = 7;
+    for (int round = 0; round < 200000; round++) {
+        int i = (int)(noise(&seed) % KEYS);
+        uint32_t got = 0xABCD, fresh = noise(&seed);
+        switch (noise(&seed) % 3) {
+        case 0:
+            CHECK_INT(map_put(&m, key_at(i), fresh), DIG_OK);
+            count += !there[i];
+            there[i] = true;
+            value[i] = fresh;
+            break;
+        case 1:
+            CHECK_INT(map_remove(&m, key_at(i)), there[i]);
+            count -= there[i];
+            there[i] = false;
+            break;
+        default:
+            CHECK_INT(map_find(&m, key_at(i), &got), there[i]);
+            CHECK_INT(got, there[i] ? value[i] : 0xABCD);
+        }
+        CHECK_INT(m.count, count);
+    }
+    for (int i = 0; i < KEYS; i++) {
+        uint32_t got = 0;
+        CHECK_INT(map_find(&m, key_at(i), &got), there[i]);
+        CHECK_INT(got, there[i] ? value[i] : 0);
+    }
+    map_close(&m);
+}
+
+TEST(nothing_is_allocated_within_the_reserve)
+{
+    Map m = {0};
+    CHECK_INT(map_reserve(&m, 1000), DIG_OK);
+    size_t bytes = map_bytes(&m);
+    for (int round = 0; round < 100; round++) {
+        for (uint32_t i = 0; i < 1000; i++)
+            CHECK_INT(map_put(&m, (MapKey){i, (uint32_t)round, 0}, i), DIG_OK);
+        CHECK_INT(m.count, 1000);
+        for (uint32_t i = 0; i < 1000; i++)
+            CHECK(map_remove(&m, (MapKey){i, (uint32_t)round, 0}));
+    }
+    CHECK_INT(m.allocations, 1);
+    CHECK_INT(map_bytes(&m), bytes);
+    CHECK_INT(m.count, 0);
+    for (uint32_t i = 0; i < m.size; i++)               /* nothing rots: the table is as empty as a new one */
+        CHECK_INT(m.entries[i].hash, 0);
+    map_close(&m);
+}
+
+/* Mean number of places looked at is 1/2 (1 + 1/(1-load)) for linear probing with good hashing (Knuth 6.4, theorem K);
+ * at the largest load of 2/3 that is 2. Regular keys must not do worse than twice that. */
+TEST(regular_keys_stay_near_their_home)
+{
+    Map m = {0};
+    for (uint32_t i = 0; i < 300; i++)
+        for (uint32_t j = 0; j < 145; j++)
+            CHECK_INT(map_put(&m, (MapKey){i, j, 0}, 1), DIG_OK);
+    double places = 0;
+    for (uint32_t i = 0; i < m.size; i++)
+        if (m.entries[i].hash)
+            places += 1 + ((i - m.entries[i].hash) & (m.size - 1));
+    double load = (double)m.count / m.size, mean = places / m.count;
+    CHECK(load > 0.6);
+    CHECK_NEAR(mean, 0.5 * (1 + 1 / (1 - load)), 0.5);
+    map_close(&m);
+}
+
+TEST(a_copy_is_the_same_table_and_lives_on_its_own)
+{
+    Map m = {0}, copy = {0};
+    for (uint32_t i = 0; i < 100; i++)
+        map_put(&m, map_key((uint64_t)i << 30), i);
+    CHECK_INT(map_copy(&copy, &m), DIG_OK);
+    CHECK_INT(copy.size, m.size);
+    CHECK_INT(memcmp(copy.entries, m.entries, m.size * sizeof *m.entries), 0);
+    map_remove(&m, map_key((uint64_t)5 << 30));
+    uint32_t value = 0;
+    CHECK(map_find(&copy, map_key((uint64_t)5 << 30), &value));
+    CHECK_INT(value, 5);
+    uint64_t allocations = copy.allocations;
+    CHECK_INT(map_copy(&copy, &m), DIG_OK);             /* same size: memory is used again */
+    CHECK_INT(copy.allocations, allocations);
+    CHECK(!map_find(&copy, map_key((uint64_t)5 << 30), NULL));
+    Map empty = {0};
+    CHECK_INT(map_copy(&copy, &empty), DIG_OK);
+    CHECK(!map_find(&copy, map_key((uint64_t)6 << 30), NULL));
+    CHECK_INT(map_bytes(&copy), 0);
+    map_close(&copy);
+    map_close(&m);
+}
+
+TEST(an_impossible_reserve_is_refused)
+{
+    Map m = {0};
+    CHECK_INT(map_reserve(&m, -1), DIG_E_ARG);
+    CHECK_INT(map_reserve(&m, INT32_MAX), DIG_E_ARG);
+    CHECK_INT(map_bytes(&m), 0);
+    CHECK(!map_remove(&m, map_key(1)));
+}
+
+int main(void)
+{
+    RUN_TESTS(
+        unit_test(pieces_are_aligned_and_do_not_overlap),
+        unit_test(zeroed_pieces_are_zero_even_in_used_memory),
+        unit_test(rewinding_gives_back_what_was_taken_since_the_mark_and_keeps_the_rest),
+        unit_test(after_one_reset_the_same_step_never_allocates_again),
+        unit_test(a_rewound_chain_of_chunks_is_filled_again_without_the_allocator),
+        unit_test(a_demand_beyond_all_memory_is_refused_and_changes_nothing),
+        unit_test(with_dig_debug_fresh_and_given_back_memory_reads_as_nan),
+        unit_test(a_map_agrees_with_a_plain_table_over_many_random_calls),
+        unit_test(nothing_is_allocated_within_the_reserve),
+        unit_test(regular_keys_stay_near_their_home),
+        unit_test(a_copy_is_the_same_table_and_lives_on_its_own),
+        unit_test(an_impossible_reserve_is_refused)
+    );
+}
