@@ -488,6 +488,8 @@ bool bind_use(lua_State *L, const char *name)
         snprintf(chunk, sizeof chunk, "=digbox/%s.lua", name);
         if (luaL_loadbufferx(L, s->text, s->size, chunk, "t") != LUA_OK)
             lua_error(L);
+        lua_getfield(L, LUA_REGISTRYINDEX, "digbox.env");
+        lua_setupvalue(L, -2, 1);
         lua_getfield(L, LUA_REGISTRYINDEX, "digbox.core");
         lua_call(L, 1, 1);
         if (lua_isnil(L, -1)) {
@@ -514,10 +516,11 @@ static int core_use(lua_State *L)
 static int core_fail(lua_State *L)
 {
     int n = lua_gettop(L);
-    lua_getglobal(L, "string");
+    lua_getfield(L, LUA_REGISTRYINDEX, "digbox.env");
+    lua_getfield(L, -1, "string");
     lua_getfield(L, -1, "format");
-    lua_remove(L, -2);
     lua_insert(L, 1);
+    lua_settop(L, n + 1);
     lua_call(L, n, 1);
     return bind_error(L, "%s", lua_tostring(L, -1));
 }
@@ -558,10 +561,40 @@ static const luaL_Reg core_functions[] = {
     {"poll", core_poll}, {NULL, NULL},
 };
 
+static void copy_table(lua_State *L, int from)
+{
+    from = lua_absindex(L, from);
+    lua_newtable(L);
+    for (lua_pushnil(L); lua_next(L, from); lua_pop(L, 1)) {
+        lua_pushvalue(L, -2);
+        lua_pushvalue(L, -2);
+        lua_rawset(L, -5);
+    }
+}
+
+/* The embedded files see copies of the libraries, so that a script which changes a global does not change them. */
+static void make_environment(lua_State *L)
+{
+    static const char *const libraries[] = {"string", "table", "math", "coroutine"};
+    lua_pushglobaltable(L);
+    copy_table(L, -1);
+    for (size_t i = 0; i < sizeof libraries / sizeof *libraries; i++) {
+        lua_getfield(L, -1, libraries[i]);
+        copy_table(L, -1);
+        lua_setfield(L, -3, libraries[i]);
+        lua_pop(L, 1);
+    }
+    lua_setfield(L, LUA_REGISTRYINDEX, "digbox.env");
+    lua_pop(L, 1);
+}
+
 int bind_open(lua_State *L)
 {
+    make_environment(L);
     lua_newtable(L);
     int core = lua_gettop(L);
+    lua_pushglobaltable(L);
+    lua_setfield(L, core, "globals");
     lua_newtable(L);
     lua_setfield(L, core, "types");
     lua_newtable(L);

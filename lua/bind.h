@@ -19,6 +19,12 @@ typedef struct JointRef { WorldRef *world; dig_joint id; } JointRef;
 typedef struct DigRef   { WorldRef *world; dig_dig id; } DigRef;
 typedef struct ShapeRef { dig_shape_def def; } ShapeRef;        /* its data struct follows it in the same block */
 
+#if defined(__GNUC__)
+#define BIND_PRINTF(text, first) __attribute__((format(printf, text, first)))
+#else
+#define BIND_PRINTF(text, first)
+#endif
+
 /* Names of the metatables; also what errors call the types. */
 #define BIND_WORLD "world"
 #define BIND_BODY  "body"
@@ -58,11 +64,11 @@ bool bind_use(lua_State *L, const char *name);
 void bind_where(lua_State *L);
 
 /* Raises position + message. */
-int bind_error(lua_State *L, const char *format, ...);
+int bind_error(lua_State *L, const char *format, ...) BIND_PRINTF(2, 3);
 
 /* Raises the message of a call that failed; the status decides the program's exit code if nobody catches it. */
 int bind_fail(lua_State *L, const dig_world *w, dig_status status);
-int bind_fail_text(lua_State *L, dig_status status, const char *format, ...);
+int bind_fail_text(lua_State *L, dig_status status, const char *format, ...) BIND_PRINTF(3, 4);
 
 /* The exit code that belongs to an uncaught error message (1 for errors of the script itself). */
 int bind_exit_code(lua_State *L, const char *message);

@@ -248,7 +248,8 @@ static int read_parameter(lua_State *L)
             lua_newtable(L);
             for (row = dig_schema_at("body", 0)->rows; row->name; row++)
                 set_bool(L, row->name, true);
-            return bind_unknown(L, who, "has no field or method", luaL_tolstring(L, 2, NULL), lua_gettop(L) - 3, lua_gettop(L) - 1);
+            int last = lua_gettop(L);
+            return bind_unknown(L, who, "has no field or method", luaL_tolstring(L, 2, NULL), last - 2, last);
         }
         return 0;
     }

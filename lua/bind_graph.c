@@ -87,7 +87,9 @@ static int kind_argument(lua_State *L, int arg, const char *what)
     for (size_t i = 0; i < sizeof later / sizeof *later; i++)
         if (strcmp(kind, later[i]) == 0)
             return -2;
-    return bind_unknown(L, lua_pushfstring(L, "%s:", what), "unknown kind", kind, lua_gettop(L) - 1, lua_gettop(L) - 1);
+    int names_at = lua_gettop(L);
+    const char *start = lua_pushfstring(L, "%s:", what);
+    return bind_unknown(L, start, "unknown kind", kind, names_at, names_at);
 }
 
 /* body:neighbours{kind=} -> bodies */

@@ -234,7 +234,7 @@ static int joint_newindex(lua_State *L)
             lua_pushboolean(L, 1);
             lua_setfield(L, -2, row->name);
         }
-        return bind_unknown(L, lua_pushfstring(L, "%s", now.type), "has no parameter", key, lua_gettop(L) - 1, lua_gettop(L) - 1);
+        return bind_unknown(L, now.type, "has no parameter", key, lua_gettop(L), lua_gettop(L));
     }
     const char *subject = lua_pushfstring(L, "joint '%s'", now.name);
     lua_pushvalue(L, 3);

@@ -62,7 +62,7 @@ lua_Integer bind_int(lua_State *L, int index, const char *what, const char *fiel
     if (!whole) {
         lua_Number x = lua_tonumber(L, index);
         push_path(L, what, field);
-        bind_error(L, "%s wants a whole number; got %f", lua_tostring(L, -1), x);
+        bind_error(L, "%s wants a whole number; got %g", lua_tostring(L, -1), x);
     }
     return value;
 }
@@ -71,7 +71,7 @@ real bind_seconds(lua_State *L, int index, const char *what)
 {
     real s = bind_real(L, index, "s", what, NULL);
     if (!(s >= 0) || isinf(s))
-        bind_error(L, "%s: the time = %f s, must be finite and >= 0", what, s);
+        bind_error(L, "%s: the time = %g s, must be finite and >= 0", what, s);
     return s;
 }
 
@@ -109,7 +109,7 @@ vec3 bind_vec3(lua_State *L, int index, const char *unit, const char *what, cons
     if (v) {
         if (!isfinite(v->x) || !isfinite(v->y) || !isfinite(v->z)) {
             push_path(L, what, field);
-            bind_error(L, "%s = {%f, %f, %f}, must be finite", lua_tostring(L, -1), v->x, v->y, v->z);
+            bind_error(L, "%s = {%g, %g, %g}, must be finite", lua_tostring(L, -1), v->x, v->y, v->z);
         }
         return *v;
     }
@@ -138,7 +138,7 @@ static quat from_axis_angle(lua_State *L, int table, const char *what)
     bind_get_real(L, table, what, "angle", "rad", &angle);
     real length = sqrt(axis.x * axis.x + axis.y * axis.y + axis.z * axis.z);
     if (!(length > 0) || isinf(length))
-        bind_error(L, "%s.axis = {%f, %f, %f}, must not be zero: it is a direction", what, axis.x, axis.y, axis.z);
+        bind_error(L, "%s.axis = {%g, %g, %g}, must not be zero: it is a direction", what, axis.x, axis.y, axis.z);
     if (isinf(angle))
         bind_error(L, "%s.angle = inf rad, must be a finite number", what);
     real s = sin(angle / 2) / length;
@@ -170,7 +170,7 @@ quat bind_quat(lua_State *L, int index, const char *what, const char *field)
     }
     real length = sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2] + c[3] * c[3]);
     if (!(length > 0.9 && length < 1.1))
-        bind_error(L, "%s = {%f, %f, %f, %f}, must have length 1: it is a rotation", path, c[0], c[1], c[2], c[3]);
+        bind_error(L, "%s = {%g, %g, %g, %g}, must have length 1: it is a rotation", path, c[0], c[1], c[2], c[3]);
     lua_pop(L, 1);
     return (quat){c[0] / length, c[1] / length, c[2] / length, c[3] / length};
 }

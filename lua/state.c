@@ -162,8 +162,6 @@ static int base_print(lua_State *L)
         lua_pop(L, 1);
     }
     fputc('\n', stdout);
-    if (caught || n == 0)
-        return 0;
     return 0;
 }
 

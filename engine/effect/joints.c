@@ -12,7 +12,7 @@ static int members(const Group *g) { return g->joint_count; }
 static dig_status rows(void *state, Group *g)
 {
     (void)state;
-    group_build_joints(g);
+    group_build_joints(g, g->locate);
     return DIG_OK;
 }
 

@@ -162,9 +162,10 @@ static void fill(const Simplex *s, vec3 v, ConvexGap *out)
     }
     if (s->count != 3)
         return;
-    /* the normal of a triangle keeps its digits however near the origin is */
-    vec3 n = vec3_cross(vec3_sub(s->w[1], s->w[0]), vec3_sub(s->w[2], s->w[0]));
-    if (vec3_length2(n) > 0)
+    /* the normal of a triangle keeps its digits however near the origin is, if only the triangle is larger than the distance */
+    vec3 e = vec3_sub(s->w[1], s->w[0]), f = vec3_sub(s->w[2], s->w[0]), n = vec3_cross(e, f);
+    real longest2 = real_max(vec3_length2(vec3_sub(e, f)), real_max(vec3_length2(e), vec3_length2(f)));
+    if (vec3_length2(n) > longest2 * length * length)
         out->normal = vec3_unit(vec3_dot(n, v) > 0 ? vec3_neg(n) : n);
 }
 
@@ -206,7 +207,7 @@ bool gjk_distance(const ConvexPair *p, real enough, vec3 start, ConvexGap *out)
         v2 = next2;
     }
     if (v2 <= TOUCHING * TOUCHING * size2) {
-        out->gap = sqrt(v2);
+        out->gap = proven;
         return false;
     }
     fill(&s, v, out);

@@ -37,7 +37,7 @@ void convex_gap(const ConvexPair *p, real enough, vec3 *axis, ConvexGap *out);
 
 /* ---- the two parts, for tests ---- */
 
-/* False when the cores touch or overlap: then only out->gap is filled, with a distance too small to have a direction, or 0. */
+/* False when the cores touch or overlap: then only out->gap is filled, with what the distance certainly exceeds: 0 or next to it. */
 bool gjk_distance(const ConvexPair *p, real enough, vec3 start, ConvexGap *out);
 
 /* Nearest face of the difference of the cores, whether the origin is inside or (barely) outside. */

@@ -258,6 +258,24 @@ static int parallel_axis(const real n[3])
     return fabs(n[0]) >= fabs(n[1]) && fabs(n[0]) >= fabs(n[2]) ? 0 : fabs(n[1]) >= fabs(n[2]) ? 1 : 2;
 }
 
+static vec3 unit_axis(int i) { return (vec3){i == 0, i == 1, i == 2}; }
+
+/* The nearest points of the two edges of axis e that face each other, unless the edges end before they cross. */
+static void add_crossing(const Pair *p, const Boxes *x, const Axis *e, const real na[3], const real nb[3], Contacts *c)
+{
+    real ca[3], cb[3], s, t;
+    for (int k = 0; k < 3; k++) {
+        ca[k] = k == e->i ? 0 : na[k] < 0 ? -x->ha[k] : x->ha[k];
+        cb[k] = k == e->j ? 0 : nb[k] < 0 ? -x->hb[k] : x->hb[k];
+    }
+    vec3 middle_a = {ca[0], ca[1], ca[2]}, middle_b = convex_point_b(&p->c, (vec3){cb[0], cb[1], cb[2]});
+    vec3 da = vec3_scale(x->ha[e->i], unit_axis(e->i)), db = vec3_scale(x->hb[e->j], mat3_mul_vec(p->c.turn, unit_axis(e->j)));
+    vec3 a0 = vec3_sub(middle_a, da), a1 = vec3_add(middle_a, da), b0 = vec3_sub(middle_b, db), b1 = vec3_add(middle_b, db);
+    segment_nearest(a0, a1, b0, b1, &s, &t);
+    if (s > 0 && s < 1 && t > 0 && t < 1)
+        contacts_add(c, p->reach, vec3_lerp(a0, a1, s), vec3_lerp(b0, b1, t), 1u << 16 | edge_number(e->j, cb) << 8 | edge_number(e->i, ca));
+}
+
 /* Crossing edges: nearly flat boxes still touch along an area, measured along the edges' normal; others in one point. */
 static void use_edges(const Pair *p, const Boxes *x, const Axis *e, Contacts *c)
 {
@@ -269,22 +287,11 @@ static void use_edges(const Pair *p, const Boxes *x, const Axis *e, Contacts *c)
     if (fabs(na[ia]) > FLAT_ENOUGH || fabs(nb[jb]) > FLAT_ENOUGH) {
         bool ref_is_a = fabs(na[ia]) >= fabs(nb[jb]);
         use_face(p, x, ref_is_a, ref_is_a ? ia : jb, (ref_is_a ? na[ia] : nb[jb]) < 0 ? -1 : 1, c);
-        return;
     }
-    real ca[3], cb[3], point[3], s, t;
-    for (int k = 0; k < 3; k++) {
-        ca[k] = k == e->i ? 0 : na[k] < 0 ? -x->ha[k] : x->ha[k];
-        cb[k] = k == e->j ? 0 : nb[k] < 0 ? -x->hb[k] : x->hb[k];
-    }
-    for (int i = 0; i < 3; i++)
-        point[i] = x->o[i] + x->r[i][0] * cb[0] + x->r[i][1] * cb[1] + x->r[i][2] * cb[2];
-    vec3 da = {e->i == 0 ? x->ha[0] : 0, e->i == 1 ? x->ha[1] : 0, e->i == 2 ? x->ha[2] : 0};
-    vec3 db = vec3_scale(x->hb[e->j], (vec3){x->r[0][e->j], x->r[1][e->j], x->r[2][e->j]});
-    vec3 ma = {ca[0], ca[1], ca[2]}, mb = {point[0], point[1], point[2]};
-    vec3 a0 = vec3_sub(ma, da), a1 = vec3_add(ma, da), b0 = vec3_sub(mb, db), b1 = vec3_add(mb, db);
-    segment_nearest(a0, a1, b0, b1, &s, &t);
-    if (s > 0 && s < 1 && t > 0 && t < 1)       /* else the edges pass each other: no contact of their insides */
-        contacts_add(c, p->reach, vec3_lerp(a0, a1, s), vec3_lerp(b0, b1, t), 1u << 16 | edge_number(e->j, cb) << 8 | edge_number(e->i, ca));
+    for (int i = 0; i < c->count; i++)
+        if (c->at[i].gap <= e->gap + ON_SIDE * p->c.size)
+            return;                             /* the crossing is one of the corners */
+    add_crossing(p, x, e, na, nb, c);
 }
 
 int collide_boxes(const Pair *p, ManifoldCache *cache, Manifold *out)

@@ -5,7 +5,8 @@
  * (a rim and a line), or curved both ways (two rims): each is tried, and kept where h comes out smaller. */
 #include "geom/gjk.h"
 
-#define ARC        0.02         /* rad  how far the normal may still be off */
+#define ARC        0.05         /* rad  how far along a line the normal may still be off */
+#define ROUNDS     4            /* the line on a cone's side turns with the normal */
 #define DIFFERENCE 1e-5         /* rad  step of difference quotients */
 #define AS_GOOD    1e-15        /* of the size: how much worse an exact normal of a feature may seem by rounding */
 
@@ -25,7 +26,7 @@ static bool try_normal(const ConvexPair *p, vec3 n, ConvexGap *best)
     n = vec3_unit_or(n, vec3_zero());
     if (vec3_dot(n, best->normal) < 0)
         n = vec3_neg(n);
-    if (!(vec3_length2(n) > 0) || !(vec3_length(vec3_cross(n, best->normal)) < ARC))
+    if (!(vec3_length2(n) > 0))
         return false;
     support(p, n, &g);
     if (!(g.gap >= best->gap - AS_GOOD * p->size))
@@ -86,7 +87,7 @@ static void along_arc(const ConvexPair *p, vec3 e, ConvexGap *best)
 /* Newton on the two components of s(n) across n, which vanish where h is least; derivatives by differences. */
 static void both_ways(const ConvexPair *p, ConvexGap *best)
 {
-    for (int round = 0; round < 8; round++) {
+    for (int round = 0; round < 12; round++) {
         vec3 n = best->normal, s, r;
         ConvexGap g;
         vec3_basis(n, &s, &r);
@@ -121,15 +122,20 @@ void convex_refine(const ConvexPair *p, ConvexGap *g)
 {
     vec3 face_a, face_b, edge_a, edge_b, on_a = g->on_a, on_b = g->on_b;
     support(p, g->normal, g);
-    feature_of(p, true, g->normal, &face_a, &edge_a);
-    feature_of(p, false, vec3_neg(g->normal), &face_b, &edge_b);
-    both_ways(p, g);
-    along_arc(p, edge_a, g);
-    along_arc(p, edge_b, g);
-    /* last, so that of equally good normals the exact ones stay */
-    try_normal(p, vec3_cross(edge_a, edge_b), g);
-    try_normal(p, face_b, g);
-    try_normal(p, face_a, g);
+    for (int round = 0; round < ROUNDS; round++) {
+        vec3 before = g->normal;
+        feature_of(p, true, g->normal, &face_a, &edge_a);
+        feature_of(p, false, vec3_neg(g->normal), &face_b, &edge_b);
+        both_ways(p, g);
+        along_arc(p, edge_a, g);
+        along_arc(p, edge_b, g);
+        /* last, so that of equally good normals the exact ones stay */
+        try_normal(p, vec3_cross(edge_a, edge_b), g);
+        try_normal(p, face_b, g);
+        try_normal(p, face_a, g);
+        if (vec3_distance(before, g->normal) < 1e-12)
+            break;
+    }
 
     /* support points may lie anywhere on a flat patch: the nearest points were right but for their distance from the planes */
     g->on_a = vec3_mad(on_a, vec3_dot(g->normal, vec3_sub(g->on_a, on_a)), g->normal);

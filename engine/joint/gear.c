@@ -48,6 +48,8 @@ static void rows(const JointView *j, RowList *out)
 {
     const Gear *g = j->params;
     real largest = real_max(fabs(g->ratio[0]), fabs(g->ratio[1]));
+    if (!(largest > 0))
+        return;
     Row *r = rows_coupled(out, j, g->ratio[0] / largest, -g->ratio[1] / largest, 0);
     if (r)
         r->angular = true;

@@ -37,9 +37,8 @@ static Solid round_solid(int mesh, ProgramForm form, real radius, real length, r
 /* A cylinder's or a cone's wall lies between the circle and its chords: the bevel starts from the chords. */
 static Solid turned_solid(int mesh, ProgramForm form, real radius, real height, real pixels_per_unit, bool fine)
 {
-    static const real chord[MESH_LEVELS] = {0.951057, 0.987688, 0.996917, 0.999229};     /* cos(pi / 10, 20, 40, 80) */
     int level = fine ? MESH_LEVELS - 1 : mesh_level(radius * pixels_per_unit);
-    real inner = 0.9999 * radius * chord[level];
+    real inner = 0.9999 * radius * mesh_chord(level);
     return (Solid){mesh + level, form, {radius, height, radius}, {inner, 0.5 * height, inner}, 0, hypot(radius, 0.5 * height)};
 }
 
@@ -66,8 +65,8 @@ static real pattern_cell(int pattern, const ViewMesh *m, vec3 half)
     case PATTERN_WOOD:   return real_max(small, 0.25 * large);
     case PATTERN_BRICK:  return large / ceil(real_clamp(large / (1.6 * small), 1, 40)) / 1.5;
     case PATTERN_TILE:   return small / 2;
-    case PATTERN_STRIPE: return 2.6 * half.y;
-    case PATTERN_CHECK:  return m->form == VIEW_BOX ? small : 2 * large;
+    case PATTERN_STRIPE: return m->form == VIEW_BOX ? half.y : 2.6 * half.y;
+    case PATTERN_CHECK:  return m->form == VIEW_BOX ? small / 2 : 2 * large;
     default:             return 1;
     }
 }
@@ -78,6 +77,12 @@ static real pattern_axis(int pattern, const ViewMesh *m, vec3 half)
     if (pattern == PATTERN_STRIPE)
         return m->form == VIEW_SPHERE || m->form == VIEW_BOX;
     return half.x >= half.y && half.x >= half.z ? 0 : half.y >= half.z ? 1 : 2;
+}
+
+/* Half the width of a band in repeats: balls and capsules have one slim band, boxes even stripes. */
+static real pattern_band(const ViewMesh *m)
+{
+    return m->form == VIEW_SPHERE ? 0.125 : m->form == VIEW_CAPSULE || m->form == VIEW_CYLINDER ? 0.16 : 0.25;
 }
 
 /* An own mesh's half extents, for its patterns. */
@@ -162,7 +167,7 @@ static bool describe(DrawItem *d, const Batches *b, const Meshes *meshes, const 
     put4(d->instance.size, solid.size.x, solid.size.y, solid.size.z, solid.shift);
     put4(d->instance.look, real_clamp((real)item->metallic, 0, 1), bevel, 1 / real_max(pattern_cell(pattern, m, half), 1e-9),
          pattern_axis(pattern, m, half));
-    put4(d->instance.half, half.x, half.y, half.z, 0);
+    put4(d->instance.half, half.x, half.y, half.z, pattern_band(m));
     d->mesh = solid.mesh;
     d->closed = solid.form != FORM_TWO_SIDED;
     d->caster = true;

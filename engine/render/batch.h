@@ -16,7 +16,7 @@ typedef struct Instance {       /* as the vertex shader reads it; scene units */
     float    size[4];           /* factors of the unit solid; [3] shift along y             */
     float    colour[4];         /* linear; [3] roughness                                    */
     float    look[4];           /* metallic, bevel, 1 / cell of the pattern, grain axis     */
-    float    half[4];           /* half extents; planes: offset of the tiles                */
+    float    half[4];           /* half extents, half width of a stripe; planes: offset of the tiles */
     uint32_t number[2];         /* body, DIG                                                */
 } Instance;
 

@@ -10,25 +10,56 @@ RenderOptions render_defaults(void)
     };
 }
 
-/* From the right and the front, a little above. The distance is the smallest at which each corner of the box lies
- * inside the picture: a corner at (x, y) across and z towards the camera needs d >= z + |x| / tan(half width). */
+/* The smallest distance from which everything is inside the picture, from a given side. A point at x across, z towards
+ * the camera is inside if |x - cx| <= (d - z) tan; so d >= z + x / tan - cx / tan and d >= z - x / tan + cx / tan: the
+ * largest of either kind give the best centre cx and the distance. The same up and down. */
+typedef struct Fit { real right, left, above, below; } Fit;
+
+static void fit_point(Fit *f, vec3 p, real tan_x, real tan_y)
+{
+    f->right = real_max(f->right, p.z + p.x / tan_x);
+    f->left = real_max(f->left, p.z - p.x / tan_x);
+    f->above = real_max(f->above, p.z + p.y / tan_y);
+    f->below = real_max(f->below, p.z - p.y / tan_y);
+}
+
+/* Corners of the box of an item, in the camera's axes (right, up, back), scene units. */
+static void fit_item(Fit *f, const View *v, const Stage *s, const ViewItem *item, mat3 camera, real tan_x, real tan_y)
+{
+    box3 own;
+    if (!item_sound(v, item) || !item_bounds(v, item, &own))
+        return;
+    quat q = quat_from(item->q);
+    for (int corner = 0; corner < 8; corner++) {
+        vec3 p = {corner & 1 ? own.high.x : own.low.x, corner & 2 ? own.high.y : own.low.y, corner & 4 ? own.high.z : own.low.z};
+        p = stage_point(s, vec3_add(vec3_from(item->p), quat_rotate(q, p)));
+        /* of huge fixed bodies only the part near the others, as in the stage */
+        p = vec3_max(s->low, vec3_min(s->high, p));
+        fit_point(f, mat3_mul_vec(camera, p), tan_x, tan_y);
+    }
+}
+
+/* From the right and the front, a little above. */
 RenderCamera render_camera_for(const View *v, real fov, real aspect)
 {
-    const real azimuth = 0.52, elevation = 0.36, margin = 1.10;      /* rad, rad, 1 */
+    const real azimuth = 0.50, elevation = 0.34, margin = 1.12;      /* rad, rad, 1 */
     Stage s = stage_of(v, false);
     vec3 back = {cos(elevation) * sin(azimuth), -cos(elevation) * cos(azimuth), sin(elevation)};
-    vec3 right = vec3_unit(vec3_cross((vec3){0, 0, 1}, back)), up = vec3_cross(back, right);
+    vec3 right = vec3_unit(vec3_cross((vec3){0, 0, 1}, back));
+    mat3 camera = {right, vec3_cross(back, right), back};
     real tan_y = tan(0.5 * real_clamp(fov, 0.01, 3.0)) / margin, tan_x = tan_y * real_clamp(aspect, 0.01, 100);
-    real distance = 0.1;
-    for (int corner = 0; corner < 8; corner++) {
-        vec3 p = {corner & 1 ? s.high.x : s.low.x, corner & 2 ? s.high.y : s.low.y, corner & 4 ? s.high.z : s.low.z};
-        real across = real_max(fabs(vec3_dot(p, right)) / tan_x, fabs(vec3_dot(p, up)) / tan_y);
-        distance = real_max(distance, vec3_dot(p, back) + across);
-    }
-    mat3 to_world = mat3_transpose(s.axes);
+    Fit f = {-INFINITY, -INFINITY, -INFINITY, -INFINITY};
+    for (int i = 0; i < v->item_count; i++)
+        fit_item(&f, v, &s, &v->items[i], camera, tan_x, tan_y);
+    if (!isfinite(f.right))
+        f = (Fit){3, 3, 3, 3};          /* nothing there: the stage has a default size */
+    real distance = real_max(0.05, real_max(0.5 * (f.right + f.left), 0.5 * (f.above + f.below)));
+    vec3 middle = {0.5 * tan_x * (f.right - f.left), 0.5 * tan_y * (f.above - f.below), 0};
+    mat3 from_camera = mat3_transpose(camera), to_world = mat3_transpose(s.axes);
+    vec3 centre = mat3_mul_vec(from_camera, middle);
     vec3 origin = {v->origin[0], v->origin[1], v->origin[2]};
-    vec3 look_at = vec3_add(origin, s.centre);
+    vec3 look_at = vec3_add(vec3_add(origin, s.centre), vec3_scale(s.unit, mat3_mul_vec(to_world, centre)));
     vec3 at = vec3_mad(look_at, distance * s.unit, mat3_mul_vec(to_world, back));
-    vec3 world_up = s.axes.r2;
-    return (RenderCamera){{at.x, at.y, at.z}, {look_at.x, look_at.y, look_at.z}, {world_up.x, world_up.y, world_up.z}, fov};
+    vec3 up = s.axes.r2;
+    return (RenderCamera){{at.x, at.y, at.z}, {look_at.x, look_at.y, look_at.z}, {up.x, up.y, up.z}, fov};
 }

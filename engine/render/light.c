@@ -61,19 +61,24 @@ dig_status light_open(Light *l, const Gl *gl, char *why, size_t capacity)
         return DIG_E_FULL;
     }
     l->sun = malloc(SUNS * sizeof *l->sun);
-    l->above = malloc(2 * HEIGHTS * sizeof *l->above);
-    l->pair = malloc(2 * HEIGHTS * sizeof *l->pair);
-    l->shade = malloc(5 * (size_t)FLOORS * sizeof *l->shade);
-    l->texels = malloc(4 * (size_t)FLOORS);
-    if (!l->sun || !l->above || !l->pair || !l->shade || !l->texels) {
+    /* zeroed: the shadow fields are read, with no weight, even when there is no sun */
+    l->above = calloc(7 * HEIGHTS, sizeof *l->above);
+    l->shade = calloc(4 * (size_t)FLOORS, sizeof *l->shade);
+    l->texels = malloc(5 * (size_t)FLOORS);
+    if (!l->sun || !l->above || !l->shade || !l->texels) {
         snprintf(why, capacity, "no memory for the light maps");
         return DIG_E_MEMORY;
     }
     l->below = l->above + HEIGHTS;
+    l->sky = l->below + HEIGHTS;
+    l->wide = l->sky + HEIGHTS;
+    l->blur = l->wide + HEIGHTS;
+    l->pair = l->blur + HEIGHTS;
     l->mid = l->shade + FLOORS;
-    l->wide = l->mid + FLOORS;
-    l->gap = l->wide + FLOORS;
+    l->gap = l->mid + FLOORS;
     l->scratch = l->gap + FLOORS;
+    l->marble = l->texels + 4 * (size_t)FLOORS;
+    marble_fill(l->marble, FLOOR_SIZE);
     return DIG_OK;
 }
 
@@ -84,7 +89,6 @@ void light_close(Light *l, const Gl *gl)
     gl->DeleteFramebuffers(2, targets);
     free(l->sun);
     free(l->above);
-    free(l->pair);
     free(l->shade);
     free(l->texels);
     *l = (Light){0};
@@ -95,6 +99,7 @@ void light_close(Light *l, const Gl *gl)
 typedef struct Ground {         /* the square that the height and floor maps cover, scene units */
     real x, y, half;
     real low, high;             /* z that the heights tell apart */
+    int  row, column;           /* of the world's grid of floor texels, at the map's first */
 } Ground;
 
 /* Moves x (scene units; `at` m is where scene 0 lies on that axis) to a whole number of texels of the world, so that
@@ -104,6 +109,9 @@ static real snap(real x, real at, real texel, real unit)
     real texels = (at / unit + x) / texel;
     return x + (round(texels) - texels) * texel;
 }
+
+/* x in texels, wrapped to one repeat of the marbling. */
+static int grid_index(real x, real texel) { return (int)(fmod(round(x / texel), FLOOR_SIZE) + FLOOR_SIZE) % FLOOR_SIZE; }
 
 static Ground find_ground(const Stage *s, vec3 sun)
 {
@@ -117,8 +125,11 @@ static Ground find_ground(const Stage *s, vec3 sun)
     half = exp2(ceil(4 * log2(half)) / 4);
     vec3 at = mat3_mul_vec(s->axes, s->centre);
     real texel = 2 * half / HEIGHT_SIZE;
-    return (Ground){.x = snap(0.5 * (low.x + high.x), at.x, texel, s->unit), .y = snap(0.5 * (low.y + high.y), at.y, texel, s->unit),
-                    .half = half, .low = s->floor - 0.01, .high = real_max(s->high.z, s->floor) + 0.5};
+    Ground g = {.x = snap(0.5 * (low.x + high.x), at.x, texel, s->unit), .y = snap(0.5 * (low.y + high.y), at.y, texel, s->unit),
+                .half = half, .low = s->floor - 0.01, .high = real_max(s->high.z, s->floor) + 0.5};
+    g.column = grid_index(at.x / s->unit + g.x, 0.5 * texel);
+    g.row = grid_index(at.y / s->unit + g.y, 0.5 * texel);
+    return g;
 }
 
 /* Column-major matrix with these rows. */
@@ -203,124 +214,177 @@ static void fill_heights(Light *l, const Gl *gl, const Stage *s, const Ground *g
 {
     enum { N = HEIGHT_SIZE };
     float range = (float)(g->high - g->low), high = (float)g->high, floor = (float)s->floor;
+    float *near = l->sky, *far = l->wide;
     real texel = 2 * g->half / N;
     for (int i = 0; i < N * N; i++) {
         bool edge = i < N || i >= N * (N - 1) || i % N == 0 || i % N == N - 1;
         float depth = l->above[i];
-        l->mid[i] = edge || !(depth < 1) ? floor : high - depth * range;
-        l->wide[i] = l->mid[i];
+        near[i] = far[i] = edge || !(depth < 1) ? floor : high - depth * range;
     }
     for (int pass = 0; pass < 2; pass++) {
-        blur_box(l->mid, l->scratch, N, texels_of(0.22 * s->typical, texel));
-        blur_box(l->wide, l->scratch, N, texels_of(0.75 * s->typical, texel));
+        blur_box(near, l->scratch, N, texels_of(0.22 * s->typical, texel));
+        blur_box(far, l->scratch, N, texels_of(0.75 * s->typical, texel));
     }
     for (int i = 0; i < N * N; i++) {
-        l->pair[2 * i] = l->mid[i];
-        l->pair[2 * i + 1] = l->wide[i];
+        l->pair[2 * i] = near[i];
+        l->pair[2 * i + 1] = far[i];
     }
     gl->BindTexture(GL_TEXTURE_2D, l->height_map);
     gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, N, N, GL_RG, GL_FLOAT, l->pair);
 }
 
-/* For the floor: the sky hidden by what stands on it or hovers just above, into mid[HEIGHT_SIZE^2], 0..1. */
+/* For the floor: the sky hidden by what stands on it or hovers just above, into sky[HALF^2], 0..1. */
 static void hide_sky(Light *l, const Stage *s, const Ground *g)
 {
     enum { N = HEIGHT_SIZE };
     float low = (float)(g->low - s->floor), range = (float)(g->high - g->low), reach = (float)(1 / (1.6 * s->typical));
     real texel = 2 * g->half / N;
+    float *near = l->sky, *far = l->pair;       /* pair is free by now */
     for (int i = 0; i < N * N; i++) {
         float gap = low + l->below[i] * range, a = 1 - (gap > 0 ? gap : 0) * reach;
-        bool under = l->below[i] < 1 && a > 0;
-        l->mid[i] = under ? a * a : 0;
-        l->wide[i] = l->mid[i];
+        near[i] = far[i] = l->below[i] < 1 && a > 0 ? a * a : 0;
     }
     for (int pass = 0; pass < 2; pass++) {
-        blur_box(l->mid, l->scratch, N, texels_of(0.16 * s->typical, texel));
-        blur_box(l->wide, l->scratch, N, texels_of(0.80 * s->typical, texel));
+        blur_box(near, l->scratch, N, texels_of(0.16 * s->typical, texel));
+        blur_box(far, l->scratch, N, texels_of(0.80 * s->typical, texel));
     }
     for (int i = 0; i < N * N; i++)
-        l->mid[i] = 1 / (1 + 1.1f * l->mid[i] + 1.3f * l->wide[i]);
+        near[i] = 1 / (1 + 1.1f * near[i] + 1.3f * far[i]);
 }
 
 /* ---- the sun on the floor ---------------------------------------------- */
 
-/* Share of the sun hidden at each texel of the floor (shade), and that times the distance of what hides it (gap). */
-static void project_shadows(Light *l, const Stage *s, const Ground *g, const float to_sun[16], vec3 eye)
+/* One row of the floor in the sun map: place (u, v) in texels and depth, at texel 0 and per texel. */
+typedef struct SunRow { float u, v, depth, du, dv, ddepth; } SunRow;
+
+/* The texels [first, last) of a row for which start + i step lies in [0, end). */
+static void clip_row(float start, float step, float end, int *first, int *last)
+{
+    if (fabsf(step) < 1e-9f) {
+        if (!(start >= 0 && start < end))
+            *last = *first;
+        return;
+    }
+    float a = -start / step, b = (end - start) / step, low = a < b ? a : b, high = a < b ? b : a;
+    if (low > (float)*first)
+        *first = low >= (float)*last ? *last : (int)ceilf(low);
+    if (high < (float)*last)
+        *last = high <= (float)*first ? *first : (int)floorf(high);
+}
+
+/* Share of the sun hidden at each texel of a row (shade), and that times the distance of what hides it (gap). */
+static void project_row(const Light *l, const SunRow *r, float *shade, float *gap)
 {
     enum { N = FLOOR_SIZE, M = SUN_SIZE };
-    float step = (float)(2 * g->half / N), x0 = (float)(g->x - g->half - eye.x) + 0.5f * step, y0 = (float)(g->y - g->half - eye.y) + 0.5f * step;
-    float z = (float)(s->floor - eye.z), range = (float)(2 * SUN_DEPTH);
-    for (int j = 0; j < N; j++) {
-        float y = y0 + step * (float)j;
-        for (int i = 0; i < N; i++) {
-            float x = x0 + step * (float)i, p[3];
-            for (int k = 0; k < 3; k++)
-                p[k] = to_sun[k] * x + to_sun[4 + k] * y + to_sun[8 + k] * z + to_sun[12 + k];
-            float u = p[0] * M - 0.5f, v = p[1] * M - 0.5f, hidden = 0, gap = 0;
-            if (u >= 0 && v >= 0 && u < M - 1 && v < M - 1) {
-                int a = (int)u, b = (int)v;
-                float fu = u - (float)a, fv = v - (float)b;
-                const float *d = l->sun + (size_t)b * M + (size_t)a;
-                float weight[4] = {(1 - fu) * (1 - fv), fu * (1 - fv), (1 - fu) * fv, fu * fv}, depth[4] = {d[0], d[1], d[M], d[M + 1]};
-                for (int k = 0; k < 4; k++) {
-                    float over = p[2] - depth[k];
-                    float w = over > 0.0004f ? weight[k] : 0;
-                    hidden += w;
-                    gap += w * over * range;
-                }
-            }
-            l->shade[j * N + i] = hidden;
-            l->gap[j * N + i] = gap;
-        }
+    const float range = (float)(2 * SUN_DEPTH), bias = 0.0004f;
+    int first = 0, last = N;
+    clip_row(r->u, r->du, M - 1.01f, &first, &last);
+    clip_row(r->v, r->dv, M - 1.01f, &first, &last);
+    memset(shade, 0, N * sizeof *shade);
+    memset(gap, 0, N * sizeof *gap);
+    for (int i = first; i < last; i++) {
+        float u = r->u + r->du * (float)i, v = r->v + r->dv * (float)i, z = r->depth + r->ddepth * (float)i - bias;
+        int a = (int)u, b = (int)v;
+        const float *d = l->sun + (size_t)b * M + (size_t)a;
+        float o0 = z - d[0], o1 = z - d[1], o2 = z - d[M], o3 = z - d[M + 1];
+        if (o0 <= 0 && o1 <= 0 && o2 <= 0 && o3 <= 0)
+            continue;
+        float fu = u - (float)a, fv = v - (float)b;
+        float w0 = o0 > 0 ? (1 - fu) * (1 - fv) : 0, w1 = o1 > 0 ? fu * (1 - fv) : 0;
+        float w2 = o2 > 0 ? (1 - fu) * fv : 0, w3 = o3 > 0 ? fu * fv : 0;
+        shade[i] = w0 + w1 + w2 + w3;
+        gap[i] = (w0 * o0 + w1 * o1 + w2 * o2 + w3 * o3) * range;
     }
 }
 
-/* Picks, texel by texel, between a sharp shadow and two blurred ones by the mean distance of what throws it. */
+static void project_shadows(Light *l, const Stage *s, const Ground *g, const float m[16], vec3 eye)
+{
+    enum { N = FLOOR_SIZE, M = SUN_SIZE };
+    float step = (float)(2 * g->half / N), x = (float)(g->x - g->half - eye.x) + 0.5f * step, z = (float)(s->floor - eye.z);
+    for (int j = 0; j < N; j++) {
+        float y = (float)(g->y - g->half - eye.y) + step * ((float)j + 0.5f), p[3];
+        for (int k = 0; k < 3; k++)
+            p[k] = m[k] * x + m[4 + k] * y + m[8 + k] * z + m[12 + k];
+        SunRow row = {p[0] * M - 0.5f, p[1] * M - 0.5f, p[2], m[0] * step * M, m[1] * step * M, m[2] * step};
+        project_row(l, &row, l->shade + j * N, l->gap + j * N);
+    }
+}
+
+/* Means of 2 x 2 texels: FLOOR_SIZE^2 to HEIGHT_SIZE^2. */
+static void halve(const float *in, float *out)
+{
+    enum { N = HEIGHT_SIZE, M = FLOOR_SIZE };
+    for (int j = 0; j < N; j++) {
+        const float *a = in + 2 * j * M, *b = a + M;
+        for (int i = 0; i < N; i++)
+            out[j * N + i] = 0.25f * ((a[2 * i] + a[2 * i + 1]) + (b[2 * i] + b[2 * i + 1]));
+    }
+}
+
+/* Makes three softnesses of the shadow: shade and mid at full fineness, wide at half, and there also how wide the edges
+ * should be (blur), from the mean distance of what throws it. */
 static void soften_shadows(Light *l, const Ground *g)
 {
-    enum { N = FLOOR_SIZE };
+    enum { N = FLOOR_SIZE, M = HEIGHT_SIZE };
     real texel = 2 * g->half / N;
-    int mid = (int)real_clamp(MID_BLUR / texel + 0.5, 1, 40), wide = (int)real_clamp(WIDE_BLUR / texel + 0.5, 2, 80);
+    int mid = (int)real_clamp(MID_BLUR / texel + 0.5, 1, 40), wide = (int)real_clamp(0.5 * WIDE_BLUR / texel + 0.5, 2, 60);
     memcpy(l->mid, l->shade, N * N * sizeof *l->mid);
     blur_box(l->shade, l->scratch, N, 1);
     blur_box(l->mid, l->scratch, N, mid);
-    memcpy(l->wide, l->mid, N * N * sizeof *l->wide);
-    blur_box(l->mid, l->scratch, N, mid / 2);
-    blur_box(l->wide, l->scratch, N, wide);
-    blur_box(l->gap, l->scratch, N, mid);
-    blur_box(l->gap, l->scratch, N, wide);
-    float spread = (float)SPREAD, to_mid = (float)(1 / MID_BLUR), to_wide = (float)(1 / (WIDE_BLUR - MID_BLUR)), start = (float)MID_BLUR;
-    for (int i = 0; i < N * N; i++) {
-        float width = spread * l->gap[i] / (l->wide[i] + 1e-4f);
-        float a = width * to_mid, b = (width - start) * to_wide;
-        a = a < 1 ? a : 1;
-        b = b < 0 ? 0 : b < 1 ? b : 1;
-        float soft = l->shade[i] + a * (l->mid[i] - l->shade[i]);
-        l->shade[i] = soft + b * (l->wide[i] - soft);
-    }
+    blur_box(l->mid, l->scratch, N, int_max(1, mid / 2));
+    halve(l->mid, l->wide);
+    halve(l->gap, l->blur);
+    blur_box(l->wide, l->scratch, M, wide);
+    blur_box(l->wide, l->scratch, M, int_max(1, wide / 2));
+    blur_box(l->blur, l->scratch, M, int_max(1, mid / 2));
+    blur_box(l->blur, l->scratch, M, wide);
+    blur_box(l->blur, l->scratch, M, int_max(1, wide / 2));
+    for (int i = 0; i < M * M; i++)
+        l->blur[i] = (float)SPREAD * l->blur[i] / (l->wide[i] + 1e-4f);
 }
 
 static unsigned char to_byte(float x) { return (unsigned char)(x <= 0 ? 0 : x >= 1 ? 255 : x * 255 + 0.5f); }
 
-/* Both lights side by side into the floor map; `sky` is HEIGHT_SIZE^2, half as fine. The rim is unshaded, so that the
- * map ends without a seam. */
-static void pack_floor(Light *l, const Gl *gl, const float *sky)
+/* Row j of the floor from three half-fine fields: rows blended, columns left to the caller. */
+static void blend_rows(const Light *l, int j, float rows[3][HEIGHT_SIZE])
+{
+    enum { M = HEIGHT_SIZE };
+    const float *fields[3] = {l->sky, l->wide, l->blur};
+    int b = int_max(0, int_min(M - 2, (j - 1) / 2));
+    float t = 0.5f * (float)j - 0.25f - (float)b;
+    for (int k = 0; k < 3; k++) {
+        const float *low = fields[k] + b * M, *high = low + M;
+        for (int i = 0; i < M; i++)
+            rows[k][i] = low[i] + t * (high[i] - low[i]);
+    }
+}
+
+/* Sun, sky and marbling side by side into the floor map. The marbling is fixed to the world and fades out towards the rim;
+ * the rim itself is unshaded, so that the map ends without a seam. */
+static void pack_floor(Light *l, const Gl *gl, const Ground *g, bool sunny)
 {
     enum { N = FLOOR_SIZE, M = HEIGHT_SIZE };
+    const float to_mid = (float)(1 / MID_BLUR), to_wide = (float)(1 / (WIDE_BLUR - MID_BLUR)), start = (float)MID_BLUR;
+    float rows[3][M];
     for (int j = 0; j < N; j++) {
-        int b = int_max(0, int_min(M - 2, (j - 1) / 2));
-        float fv = 0.5f * (float)j - 0.25f - (float)b;
+        blend_rows(l, j, rows);
+        const unsigned char *marble = l->marble + (size_t)((j + g->row) & (N - 1)) * N;
+        int edge_j = int_min(j, N - 1 - j);
         for (int i = 0; i < N; i++) {
-            int a = int_max(0, int_min(M - 2, (i - 1) / 2));
-            float fu = 0.5f * (float)i - 0.25f - (float)a;
-            const float *s = sky + b * M + a;
-            float top = s[0] + fu * (s[1] - s[0]), low = s[M] + fu * (s[M + 1] - s[M]);
-            bool rim = i == 0 || j == 0 || i == N - 1 || j == N - 1;
-            unsigned char *t = l->texels + 4 * (j * N + i);
-            t[0] = rim ? 255 : to_byte(1 - l->shade[j * N + i]);
-            t[1] = rim ? 255 : to_byte(top + fv * (low - top));
-            t[2] = 0;
-            t[3] = 255;
+            int a = int_max(0, int_min(M - 2, (i - 1) / 2)), edge = int_min(edge_j, int_min(i, N - 1 - i));
+            float t = 0.5f * (float)i - 0.25f - (float)a, field[3];
+            for (int k = 0; k < 3; k++)
+                field[k] = rows[k][a] + t * (rows[k][a + 1] - rows[k][a]);
+            float soft = field[2] * to_mid, softer = (field[2] - start) * to_wide;
+            soft = soft < 1 ? soft : 1;
+            softer = softer < 0 ? 0 : softer < 1 ? softer : 1;
+            float shade = sunny ? l->shade[j * N + i] + soft * (l->mid[j * N + i] - l->shade[j * N + i]) : 0;
+            shade += sunny ? softer * (field[1] - shade) : 0;
+            unsigned char *texel = l->texels + 4 * (j * N + i);
+            texel[0] = edge > 0 ? to_byte(1 - shade) : 255;
+            texel[1] = edge > 0 ? to_byte(field[0]) : 255;
+            texel[2] = (unsigned char)(128 + (marble[(i + g->column) & (N - 1)] - 128) * int_min(edge, 64) / 64);
+            texel[3] = 255;
         }
     }
     gl->BindTexture(GL_TEXTURE_2D, l->floor_map);
@@ -363,13 +427,11 @@ dig_status light_cast(Light *l, const Batches *b, const Meshes *meshes, Programs
     fill_heights(l, gl, s, &ground);
     if (!floor)
         return DIG_OK;
+    hide_sky(l, s, &ground);
     if (floor_shadow) {
         project_shadows(l, s, &ground, frame->to_sun, eye);
         soften_shadows(l, &ground);
-    } else {
-        memset(l->shade, 0, FLOOR_SIZE * FLOOR_SIZE * sizeof *l->shade);
     }
-    hide_sky(l, s, &ground);
-    pack_floor(l, gl, l->mid);
+    pack_floor(l, gl, &ground, floor_shadow);
     return DIG_OK;
 }

@@ -17,12 +17,13 @@ enum { SUN_SIZE = 1024, HEIGHT_SIZE = 256, FLOOR_SIZE = 512 };      /* texels a 
 
 typedef struct Light {
     GLuint sun_target, sun_map, height_target, height_depth, height_map, floor_map;
-    float *sun;                         /* [SUN_SIZE^2] depths read back                     */
-    float *above, *below;               /* [HEIGHT_SIZE^2] top of the highest, bottom of the lowest body, scene units */
-    float *shade, *mid, *wide, *gap;    /* [FLOOR_SIZE^2]                                    */
-    float *scratch;                     /* [FLOOR_SIZE^2]                                    */
-    float *pair;                        /* [2 HEIGHT_SIZE^2]                                 */
-    unsigned char *texels;              /* [4 FLOOR_SIZE^2]                                  */
+    float *sun;                         /* [SUN_SIZE^2] depths read back                                        */
+    float *above, *below;               /* [HEIGHT_SIZE^2] depths from above and below: tops and undersides      */
+    float *sky, *wide, *blur;           /* [HEIGHT_SIZE^2] of the floor: sky seen, soft shadow, width of its edges */
+    float *pair;                        /* [2 HEIGHT_SIZE^2] heights for bodies, smoothed narrowly and widely    */
+    float *shade, *mid, *gap;           /* [FLOOR_SIZE^2] sharp shadow, softened, distance of what throws it     */
+    float *scratch;                     /* [FLOOR_SIZE^2]                                                        */
+    unsigned char *texels, *marble;     /* [4 FLOOR_SIZE^2], [FLOOR_SIZE^2]                                      */
 } Light;
 
 dig_status light_open(Light *l, const Gl *gl, char *why, size_t capacity);
@@ -34,5 +35,8 @@ dig_status light_cast(Light *l, const Batches *b, const Meshes *meshes, Programs
 
 /* Smooths n x n values in place by a running mean over 2 radius + 1 texels, both ways; edges repeat. */
 void blur_box(float *data, float *scratch, int n, int radius);
+
+/* Fills n x n (a power of two) with a marbling round 128 that repeats without a seam. */
+void marble_fill(unsigned char *out, int n);
 
 #endif

@@ -12,16 +12,18 @@ typedef struct MeshDraft {      /* a mesh while it is built */
     int         vertex_count, index_count;
 } MeshDraft;
 
-static const int level_segments[MESH_LEVELS] = {10, 20, 40, 80};    /* round the equator */
+static const int level_segments[MESH_LEVELS] = {12, 20, 32, 48, 80};     /* round the equator, multiples of 4 */
 
 int mesh_level(real radius)
 {
     /* a chord of n segments sags by r (1 - cos(pi / n)) ~ 4.93 r / n^2 */
     for (int level = 0; level < MESH_LEVELS - 1; level++)
-        if (4.93 * radius < 0.25 * level_segments[level] * level_segments[level])
+        if (4.93 * radius < 0.5 * level_segments[level] * level_segments[level])
             return level;
     return MESH_LEVELS - 1;
 }
+
+real mesh_chord(int level) { return cos(DIG_PI / level_segments[level]); }
 
 static bool draft_open(MeshDraft *d, int vertex_count, int index_count)
 {
@@ -315,9 +317,9 @@ dig_status meshes_open(Meshes *meshes, const Gl *gl)
     bool ok = keep(meshes, gl, MESH_BOX, &d, draft_box(&d));
     ok = ok && keep(meshes, gl, MESH_QUAD, &d, draft_quad(&d));
     for (int level = 0; ok && level < MESH_LEVELS; level++) {
-        int n = level_segments[level], even = n - n % 4;
-        ok = keep(meshes, gl, MESH_SPHERE + level, &d, draft_ball(&d, even + 4 * (level == 0), false));
-        ok = ok && keep(meshes, gl, MESH_CAPSULE + level, &d, draft_ball(&d, even + 4 * (level == 0), true));
+        int n = level_segments[level];
+        ok = keep(meshes, gl, MESH_SPHERE + level, &d, draft_ball(&d, n, false));
+        ok = ok && keep(meshes, gl, MESH_CAPSULE + level, &d, draft_ball(&d, n, true));
         ok = ok && keep(meshes, gl, MESH_CYLINDER + level, &d, draft_cylinder(&d, n));
         ok = ok && keep(meshes, gl, MESH_CONE + level, &d, draft_cone(&d, n));
     }

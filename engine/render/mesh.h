@@ -14,7 +14,7 @@
 #include "render/gl.h"
 #include "view/view.h"
 
-enum { MESH_LEVELS = 4 };       /* finenesses of the round solids */
+enum { MESH_LEVELS = 5 };       /* finenesses of the round solids */
 
 enum { MESH_BOX, MESH_QUAD, MESH_SPHERE, MESH_CAPSULE = MESH_SPHERE + MESH_LEVELS, MESH_CYLINDER = MESH_CAPSULE + MESH_LEVELS,
        MESH_CONE = MESH_CYLINDER + MESH_LEVELS, MESH_BUILT_IN = MESH_CONE + MESH_LEVELS, MESH_CAPACITY = 4096,
@@ -41,7 +41,10 @@ void       meshes_close(Meshes *meshes, const Gl *gl);
 int      meshes_find(Meshes *meshes, const Gl *gl, const ViewMesh *m, uint64_t key, uint64_t draw);
 uint64_t mesh_hash(const ViewMesh *m);
 
-/* Fineness at which the outline of a solid of `radius` pixels is off by a quarter of a pixel at most. */
+/* Fineness at which the outline of a solid of `radius` pixels is off by half a pixel at most. */
 int mesh_level(real radius);
+
+/* Cosine of half a segment: how far the middles of the chords lie from the axis, in radii. */
+real mesh_chord(int level);
 
 #endif

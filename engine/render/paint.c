@@ -109,6 +109,19 @@ static void set_lamps(Frame *f, const View *v, const Stage *s, const RenderOptio
     }
 }
 
+/* The lowest place in the picture (-1..1) where the sky may show. With four samples a pixel even hidden sky is dear, so
+ * none is drawn where the floor is sure to be: below the edge of its quad, which lies `reach` away, seen at the
+ * picture's farthest corner. */
+static real find_skyline(const Stage *s, const Sight *e, real reach)
+{
+    real height = e->at.z - s->floor;
+    if (s->floor_item < 0 || height <= 0 || e->up.z < 0.05)
+        return -1;
+    real longest = sqrt(1 + e->tan_x * e->tan_x + e->tan_y * e->tan_y);
+    real y = (-height / reach * longest - e->forward.z - fabs(e->tan_x * e->right.z)) / (e->tan_y * e->up.z);
+    return real_clamp(y, -1, 1);
+}
+
 static void set_frame(Frame *f, const View *v, const Stage *s, const Sight *e, const RenderOptions *o, real reach)
 {
     real distance = vec3_length(e->at);
@@ -130,6 +143,7 @@ static void set_frame(Frame *f, const View *v, const Stage *s, const Sight *e, c
     set_lamps(f, v, s, o, e->at);
     f->screen[0] = 2.0f / (float)o->width;
     f->screen[1] = 2.0f / (float)o->height;
+    f->screen[2] = (float)find_skyline(s, e, reach);
 }
 
 /* ---- passes ------------------------------------------------------------ */
@@ -180,7 +194,7 @@ static dig_status paint_sky(Renderer *r)
     gl->BindVertexArray(r->empty);
     gl->DepthFunc(GL_LEQUAL);
     gl->Disable(GL_CULL_FACE);
-    gl->DrawArrays(GL_TRIANGLES, 0, 3);
+    gl->DrawArrays(GL_TRIANGLE_STRIP, 0, 4);
     return DIG_OK;
 }
 

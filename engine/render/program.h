@@ -44,7 +44,7 @@ typedef struct Frame {
     float shade[4];                             /* near and wide weight of hidden sky, floor z, largest step */
     float world[3][4];                          /* rows: scene to world axes                                 */
     float lamp_at[FRAME_LAMPS][4], lamp_colour[FRAME_LAMPS][4];     /* colour times power                    */
-    float screen[4];                            /* 2 / width, 2 / height                                     */
+    float screen[4];                            /* 2 / width, 2 / height, lower end of the sky (-1..1)        */
 } Frame;
 
 typedef struct Program { uint32_t key; GLuint name; GLint matrix; } Program;

@@ -163,6 +163,7 @@ struct Group {
     real      t, h;             /* s   since the start of the step, this substep */
     real      touch;            /* m   gap at which contacts count as touching, per metre of size */
     real      close_speed;      /* m/s below which a bounce is over */
+    bool      midpoint;         /* joint rows hold for the mean velocity of the substep */
     bool      locate;           /* impacts are located in time in this group */
     int       events_left;
 
@@ -197,7 +198,8 @@ void joint_end_set(JointEnd *e, vec3 x, quat q, vec3 v, vec3 w, vec3 local_ancho
 void group_touch(Group *g, real time, bool all);
 
 /* joint_rows.c */
-void group_build_joints(Group *g);
+void group_build_joints(Group *g, bool midpoint);
+void group_clean_joints(Group *g);
 void joint_row_warm(Group *g, JointRow *r);
 
 /* sweep.c: the sub-stepped way */

@@ -47,7 +47,7 @@ static void build_rows(Group *g)
             r->friction_dynamic = q->friction_dynamic;
         }
     }
-    group_build_joints(g);
+    group_build_joints(g, false);
     for (int i = 0; i < g->row_count; i++) {
         JointRow *r = &g->rows[i];
         r->p = 0;
@@ -72,16 +72,28 @@ real group_kinetic(const Group *g)
     return sum;
 }
 
+/* m/s  No velocity change below this can be told from rounding. */
+static real rounding_floor(const Group *g)
+{
+    real fastest = 0;
+    for (int i = 0; i < g->body_count; i++) {
+        real rim = isfinite(g->member[i].outer) ? vec3_length(g->vel[i].w) * g->member[i].outer : 0;
+        fastest = real_max(fastest, vec3_length(g->vel[i].v) + rim);
+    }
+    return 1e-15 * fastest;
+}
+
 /* Solves the chosen rows together with the joints; on[] marks them. */
 static void solve_marked(Group *g, const bool *on, real speed)
 {
+    real enough = IMPACT_RESIDUAL * speed + rounding_floor(g);
     for (int sweep = 0; sweep < IMPACT_SWEEPS; sweep++) {
         real worst = relax_joints(g);
         for (int i = 0; i < g->point_count; i++)
             if (on[i])
                 worst = real_max(worst, relax_points(g, i, 1));
         g->sweeps++;
-        if (worst <= IMPACT_RESIDUAL * speed)
+        if (worst <= enough)
             return;
     }
 }

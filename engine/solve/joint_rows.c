@@ -34,6 +34,32 @@ void group_joint_view(Group *g, int joint)
         j->view.other[k] = j->other[k] < 0 ? NULL : &g->joints[j->other[k]].view;
 }
 
+static real start_rate(const Group *g, const Row *r)
+{
+    real rate = 0;
+    for (int k = 0; k < r->count; k++) {
+        int b = r->body[k];
+        if (b < 0)
+            continue;
+        Vel v = g->member[b].moves ? g->member[b].start_vel : g->vel[b];
+        rate += vec3_dot(r->lin[k], v.v) + vec3_dot(r->ang[k], v.w);
+    }
+    return rate;
+}
+
+/* Spring and damper, implicit. With the end velocity it damps (backward Euler); with the mean velocity it keeps energy. */
+static void finish_soft(const Group *g, JointRow *r)
+{
+    real h = g->h, k = r->row.stiffness, c = r->row.damping;
+    real s = g->midpoint ? 0.5 * h * (0.5 * h * k + c) : h * (h * k + c);
+    if (!(s > 0)) {
+        r->k = 0;               /* neither stiff nor damped: no row */
+        return;
+    }
+    r->gamma = 1 / s;
+    r->bias = -r->row.error * h * k / s - (g->midpoint ? start_rate(g, &r->row) : 0);
+}
+
 static void finish_row(const Group *g, const GroupJoint *j, JointRow *r)
 {
     real k = 0;
@@ -53,16 +79,12 @@ static void finish_row(const Group *g, const GroupJoint *j, JointRow *r)
     r->p = j->force[r->row.slot] * g->h;
     if (r->row.kind == ROW_MOTOR)
         r->bias = r->row.rate;
-    if (r->row.kind == ROW_LIMIT)
+    else if (r->row.kind == ROW_LIMIT)
         r->bias = r->row.error > 0 ? -r->row.error / g->h : 0;
-    if (r->row.kind == ROW_SOFT) {
-        /* force at the end of the step: p = -h (k (error + h rate) + c rate), solved for a row rate + gamma p = bias */
-        real s = g->h * (g->h * r->row.stiffness + r->row.damping);
-        r->gamma = s > 0 ? 1 / s : 0;
-        r->bias = s > 0 ? -r->row.error * g->h * r->row.stiffness / s : 0;
-        if (!(s > 0))
-            r->k = 0;           /* neither stiff nor damped: no row */
-    }
+    else if (r->row.kind == ROW_SOFT)
+        finish_soft(g, r);
+    else if (r->row.kind == ROW_HARD && g->midpoint)
+        r->bias = -start_rate(g, &r->row);          /* the mean velocity keeps the constraint: no work is done */
 }
 
 /* L D L^T of J M^-1 J^T over the hard rows. A row that repeats another gets a pivot of its own share (1e-9), so that
@@ -111,7 +133,7 @@ static void sort_hard_first(Row *rows, int count)
         }
 }
 
-static void build_joint(Group *g, int joint)
+static void build_joint(Group *g, int joint, const real *errors)
 {
     GroupJoint *j = &g->joints[joint];
     Row rows[JOINT_SLOTS];
@@ -124,6 +146,8 @@ static void build_joint(Group *g, int joint)
         JointRow *r = &g->rows[g->row_count++];
         memset(r, 0, sizeof *r);
         r->row = rows[i];
+        if (errors)
+            r->row.error = errors[joint * JOINT_SLOTS + rows[i].slot];
         finish_row(g, j, r);
         b->hard += rows[i].kind == ROW_HARD;
         b->count++;
@@ -131,11 +155,84 @@ static void build_joint(Group *g, int joint)
     factor_block(g, b);
 }
 
-void group_build_joints(Group *g)
+static void build_all(Group *g, const real *errors)
 {
     g->block_count = g->row_count = 0;
     for (int i = 0; i < g->joint_count; i++)
         group_joint_view(g, i);
     for (int i = 0; i < g->joint_count; i++)
-        build_joint(g, i);
+        build_joint(g, i, errors);
+}
+
+/* A soft row whose own oscillation the step cannot follow makes the whole group move with end velocities. */
+static bool any_stiff(const Group *g)
+{
+    for (int i = 0; i < g->row_count; i++) {
+        const JointRow *r = &g->rows[i];
+        if (r->row.kind == ROW_SOFT && r->k * g->h * (g->h * r->row.stiffness + r->row.damping) > 0.25)
+            return true;
+    }
+    return false;
+}
+
+static void read_errors(const Group *g, real *errors)
+{
+    for (int i = 0; i < g->block_count; i++)
+        for (int k = 0; k < g->blocks[i].count; k++) {
+            const Row *r = &g->rows[g->blocks[i].first + k].row;
+            errors[g->blocks[i].joint * JOINT_SLOTS + r->slot] = r->error;
+        }
+}
+
+/* Everybody half a substep on, along the start velocities, and back. */
+static void shift_half(Group *g, const Pos *back)
+{
+    for (int i = 0; i < g->body_count; i++) {
+        const Member *m = &g->member[i];
+        if (!m->moves && !m->kinematic)
+            continue;
+        Vel v = m->moves ? m->start_vel : g->vel[i];
+        g->pos[i] = back ? back[i] : (Pos){vec3_mad(g->pos[i].x, 0.5 * g->h, v.v),
+                                           quat_unit(quat_mul(quat_exp(vec3_scale(0.5 * g->h, v.w)), g->pos[i].q))};
+        group_refresh_mass(g, i);
+    }
+}
+
+/* Rows at the present positions; or, for the midpoint rule, their directions at the middle of the substep and their errors
+ * at its start. */
+void group_build_joints(Group *g, bool midpoint)
+{
+    g->midpoint = false;
+    build_all(g, NULL);
+    if (!midpoint || g->joint_count == 0 || any_stiff(g))
+        return;
+    ArenaMark mark = arena_mark(g->arena);
+    real *errors = arena_zero(g->arena, (size_t)(g->joint_count * JOINT_SLOTS) * sizeof *errors);
+    Pos *back = arena_alloc(g->arena, (size_t)g->body_count * sizeof *back);
+    if (!errors || !back) {
+        g->status = DIG_E_MEMORY;
+        return;
+    }
+    memcpy(back, g->pos, (size_t)g->body_count * sizeof *back);
+    read_errors(g, errors);
+    g->midpoint = true;
+    shift_half(g, NULL);
+    build_all(g, errors);
+    shift_half(g, back);
+    arena_rewind(g->arena, mark);
+}
+
+/* Velocities that break a joint (a hit, a new joint) would be mirrored for ever by the midpoint rule: they are put right first. */
+void group_clean_joints(Group *g)
+{
+    if (g->joint_count == 0)
+        return;
+    group_build_joints(g, false);
+    for (int i = 0; i < g->row_count; i++) {
+        g->rows[i].p = g->rows[i].bias = 0;
+        if (g->rows[i].row.kind != ROW_HARD)
+            g->rows[i].k = 0;
+    }
+    for (int i = 0; i < 200 && relax_joints(g) > g->plan->residual; i++)
+        g->sweeps++;
 }

@@ -56,9 +56,11 @@ static real locate_apart(const Group *g, const GroupPair *q)
     if (!(t <= g->h))
         return INFINITY;
     vec3 n, pa, pb;
-    shape_distance(q->sa, motion_at(&a, t), q->sb, motion_at(&b, t), INFINITY, &n, &pa, &pb);
+    real gap = shape_distance(q->sa, motion_at(&a, t), q->sb, motion_at(&b, t), INFINITY, &n, &pa, &pb);
     real speed = -vec3_dot(n, vec3_sub(velocity_at(&b, pb, t), velocity_at(&a, pa, t)));
-    return speed > g->close_speed ? t : INFINITY;
+    if (!(speed > g->close_speed))
+        return INFINITY;
+    return gap > 0 ? t + gap / speed : t;       /* Newton's last step: from the tolerance to the rounding error */
 }
 
 /* The other points of a pair that touches already: their gaps as parabolas of time. */

@@ -37,7 +37,6 @@ static real relax_friction(Group *g, PointRow *r)
         sticks = j0 * j0 + j1 * j1 <= bound * bound;
     }
     if (!sticks) {
-        bound = r->jn * r->friction_dynamic;
         j0 = r->jt[0] - u0 / r->kmax;
         j1 = r->jt[1] - u1 / r->kmax;
         real length = sqrt(j0 * j0 + j1 * j1);

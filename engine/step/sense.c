@@ -112,6 +112,13 @@ static void drop_parted(World *w, uint32_t solid)
     }
 }
 
+/* A leaf left over from faster days finds too many pairs. */
+static bool oversized(box3 leaf, box3 reach)
+{
+    vec3 l = vec3_sub(leaf.high, leaf.low), r = vec3_sub(reach.high, reach.low);
+    return l.x + l.y + l.z > 3 * (r.x + r.y + r.z);
+}
+
 static dig_status sense_body(World *w, uint32_t slot, real dt)
 {
     const Body *b = &w->bodies.data[slot];
@@ -120,7 +127,8 @@ static dig_status sense_body(World *w, uint32_t slot, real dt)
         s->reach = reach_of(w, s, b, dt);
         if (s->leaf < 0)
             continue;
-        bool inside = box3_inside(tree_box(&w->tree, s->leaf), s->reach);
+        s->blow = 0;
+        bool inside = box3_inside(tree_box(&w->tree, s->leaf), s->reach) && !oversized(tree_box(&w->tree, s->leaf), s->reach);
         if (!inside) {
             tree_move(&w->tree, s->leaf, box3_grow(box3_swept(s->reach, vec3_scale(dt, b->v)), 0.1 * s->shape.outer));
             s->asks = false;            /* asked below */
@@ -134,16 +142,22 @@ static dig_status sense_body(World *w, uint32_t slot, real dt)
     return DIG_OK;
 }
 
-/* A blow can hand a body the speed of what strikes it, twice at most for a heavy striker: reach grows along the pairs. */
-static dig_status spread_from(World *w, uint32_t solid, real far)
+/* A blow can hand a body the speed of what strikes it, twice at most for a heavy striker: the reach of what a fast body may
+ * strike grows by that, once, by the fastest. */
+static dig_status spread_from(World *w, uint32_t solid, const Body *striker, real dt)
 {
     for (uint32_t l = w->solids.data[solid].pair_first; l != NONE; l = w->pairs.data[l / 2].next[l % 2]) {
         const Pair *p = &w->pairs.data[l / 2];
         uint32_t other = l % 2 ? p->solid_a : p->solid_b;
         Solid *o = &w->solids.data[other];
-        if (o->body == NONE || w->bodies.data[o->body].kind != DIG_DYNAMIC || !w->bodies.data[o->body].awake)
+        const Body *b = o->body == NONE ? NULL : &w->bodies.data[o->body];
+        if (!b || b->kind != DIG_DYNAMIC || !b->awake || !box3_overlap(w->solids.data[solid].reach, o->reach))
             continue;
-        o->reach = box3_grow(o->reach, far);
+        real far = 2 * dt * (vec3_length(vec3_sub(striker->v, b->v)) + vec3_length(striker->w) * striker->outer);
+        if (far <= 0.25 * b->outer || far <= o->blow)
+            continue;
+        o->reach = box3_grow(o->reach, far - o->blow);
+        o->blow = far;
         if (o->leaf >= 0 && !box3_inside(tree_box(&w->tree, o->leaf), o->reach)) {
             tree_move(&w->tree, o->leaf, o->reach);
             DIG_TRY(ask(w, other));
@@ -160,7 +174,7 @@ static dig_status spread_speed(World *w, real dt)
         if (point_speed(b) * dt <= 0.25 * b->outer)
             continue;
         for (uint32_t s = b->shape_first; s != NONE; s = w->solids.data[s].next)
-            DIG_TRY(spread_from(w, s, 2 * point_speed(b) * dt));
+            DIG_TRY(spread_from(w, s, b, dt));
     }
     return DIG_OK;
 }

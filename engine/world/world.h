@@ -75,6 +75,7 @@ typedef struct Solid {          /* one shape in a body, or of the world itself (
     bool     asks;              /* in world->asking: its box wants to be compared with the tree */
     uint32_t pair_first;        /* list through Pair.next, as 2 * pair + side          */
     box3     reach;             /* m   where it may get in this step                   */
+    real     blow;              /* m   of that, what a blow could add                  */
 } Solid;
 
 /* ---- contacts ---- */

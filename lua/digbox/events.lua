@@ -20,7 +20,8 @@ Subscription.__metatable = false
 Subscription.__name = "subscription"
 
 -- sub:off(): no more calls
-function Subscription.off(sub)
+function Subscription.off(handle)
+  local sub = handle[1]
   sub.active = false
   sub.book.stale = true
 end
@@ -59,15 +60,15 @@ local function subscribe(world, body, what, kind, filter, fn)
   local state = core.lua_state(world)
   local book = book_of(state, kind)
   state.subscriptions = state.subscriptions + 1
-  local sub = setmetatable({ id = state.subscriptions, fn = fn, body = body, kind = kind, active = true, book = book,
-    filter = read_filter(filter, what) }, Subscription)
+  local sub = { id = state.subscriptions, fn = fn, body = body, kind = kind, active = true, book = book,
+    filter = read_filter(filter, what) }
   local list = book.everyone
   if body then
     list = book.by_body[body] or {}
     book.by_body[body] = list
   end
   list[#list + 1] = sub
-  return sub
+  return setmetatable({ sub }, Subscription)
 end
 
 -- world:on(event, [filter], fn) -> subscription with :off()

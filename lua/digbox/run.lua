@@ -17,20 +17,22 @@ end
 Task.__metatable = false
 Task.__name = "task"
 
-local function check_inside(task, what)
+local function check_inside(handle, what)
+  local task = handle[1]
   if running() ~= task.thread then core.fail("%s can only be called inside the task itself", what) end
+  return task
 end
 
 -- task:wait "0.5 s"
-function Task.wait(task, time)
-  check_inside(task, "task:wait")
+function Task.wait(handle, time)
+  local task = check_inside(handle, "task:wait")
   task.wake, task.condition = task.world.time + core.seconds(time, "task:wait"), nil
   yield()
 end
 
 -- task:wait_until(condition [, limit]) -> true, or false when the limit passed first
-function Task.wait_until(task, condition, limit)
-  check_inside(task, "task:wait_until")
+function Task.wait_until(handle, condition, limit)
+  local task = check_inside(handle, "task:wait_until")
   if type(condition) ~= "function" then core.fail("task:wait_until wants a function; got %s", core.type(condition)) end
   task.wake = limit ~= nil and task.world.time + core.seconds(limit, "task:wait_until") or math.huge
   task.condition = condition
@@ -79,12 +81,13 @@ function methods.spawn(world, fn)
   if type(fn) ~= "function" then core.fail("world:spawn wants a function; got %s", core.type(fn)) end
   local state = core.lua_state(world)
   local outer = state.in_task
-  local task = setmetatable({ world = world, done = false, wake = world.time }, Task)
-  task.thread = create(function() fn(task) end)
+  local task = { world = world, done = false, wake = world.time }
+  local handle = setmetatable({ task }, Task)
+  task.thread = create(function() fn(handle) end)
   go_on(state, task)
   state.in_task = outer
   if not task.done then state.tasks[#state.tasks + 1] = task end
-  return task
+  return handle
 end
 
 -- world.tasks: how many are still at work
@@ -182,6 +185,32 @@ end
 function core.clear_progress()
   if progress.shown then core.tell "\r\27[K" end
   progress.shown = false
+end
+
+-- ---- the end of a run ----
+
+-- Goes on to --seconds, and closes what is open.
+function core.finish_run()
+  if core.options.set and next(core.options.set) and not core.args_declared then
+    core.usage("this world declares no arguments (digbox.args); --set %s has no meaning", (next(core.options.set)))
+  end
+  if core.options.args and core.options.args[1] and not core.args_declared then
+    core.usage("this world declares no arguments (digbox.args); '%s' has no meaning", core.options.args[1])
+  end
+  local world = core.last_world
+  if core.options.seconds and world and core.is_open(world) then methods.run(world, { seconds = core.options.seconds }) end
+  core.close_films()
+end
+
+-- After an error or Ctrl-C: films end with the frames they have.
+function core.report_stop()
+  core.stopping = true
+  local world, frames = core.last_world, core.frames or 0
+  if world and core.is_open(world) then
+    core.lua_state(world).in_handler, core.lua_state(world).in_task = nil, nil
+    core.tell(("digbox: stopped at t = %.6g s, step %d; %d frames are complete\n"):format(world.time, world.steps, frames))
+  end
+  core.close_films()
 end
 
 return true

@@ -5,6 +5,7 @@
 #ifndef DIG_JOINT_FIXTURE_H
 #define DIG_JOINT_FIXTURE_H
 
+#include "base/param.h"
 #include "check.h"
 #include "solve/joint_type.h"
 
@@ -99,5 +100,123 @@ static inline void rig_disturb(Rig *g, Dice *d, real by)
 static inline real difference(const real f[4], real t) { return (8 * (f[2] - f[1]) - (f[3] - f[0])) / (12 * t); }
 
 static const real ticks[4] = {-2 * TICK, -TICK, TICK, 2 * TICK};
+
+/* ---- joints of the types in the list ---- */
+
+/* A joint under test: a rig, parameters and memory. */
+typedef struct Joint {
+    Rig  rig;
+    const JointType *type;
+    real params[48];
+    real memory[JOINT_MEMORY];
+    const JointView *other[2];
+} Joint;
+
+static inline const JointType *type_of(const char *name)
+{
+    for (int i = 0; joint_types[i]; i++)
+        if (strcmp(joint_types[i]->name, name) == 0)
+            return joint_types[i];
+    fail_msg("no joint type '%s'", name);
+    return NULL;
+}
+
+static inline void *field(Joint *t, const char *path)
+{
+    size_t offset;
+    if (!param_find_path(t->type->params, path, &offset))
+        fail_msg("%s has no parameter '%s'", t->type->name, path);
+    return (char *)t->params + offset;
+}
+
+static inline void set(Joint *t, const char *path, real x) { memcpy(field(t, path), &x, sizeof x); }
+
+static inline void set_range(Joint *t, const char *path, real lo, real hi)
+{
+    real r[2] = {lo, hi};
+    memcpy(field(t, path), r, sizeof r);
+}
+
+static inline bool has(const JointType *type, const char *name) { return param_find(type->params, name) != NULL; }
+
+static inline JointView view_of(Joint *t, const Rig *g)
+{
+    return (JointView){.params = t->params, .a = rig_end(g, 0), .b = rig_end(g, 1), .memory = t->memory,
+                       .other = {t->other[0], t->other[1]}, .type = t->type};
+}
+
+static inline dig_status check(Joint *t, char *why, size_t capacity)
+{
+    JointView now = view_of(t, &t->rig);
+    return t->type->check ? t->type->check(t->params, &now, why, capacity) : DIG_OK;
+}
+
+static inline int rows_of(Joint *t, const Rig *g, Row rows[JOINT_SLOTS])
+{
+    RowList list = {rows, 0, JOINT_SLOTS};
+    JointView j = view_of(t, g);
+    t->type->rows(&j, &list);
+    return list.count;
+}
+
+static inline real coordinate_at(Joint *t, const Rig *g)
+{
+    JointView j = view_of(t, g);
+    return t->type->coordinate(&j);
+}
+
+static inline real speed_of(Joint *t)
+{
+    JointView j = view_of(t, &t->rig);
+    return t->type->speed(&j);
+}
+
+static inline const Row *row_of(const Row *rows, int count, RowKind kind)
+{
+    for (int i = 0; i < count; i++)
+        if (rows[i].kind == kind)
+            return &rows[i];
+    return NULL;
+}
+
+/* Types with two anchors get their ends half a metre apart, as a bare joint of that kind would be used. */
+static inline Joint joint_make(const char *name, Dice *d, bool bound)
+{
+    Joint t = {.type = type_of(name), .rig = rig_make(d, bound)};
+    param_defaults(t.type->params, t.params);
+    if (t.type->two_anchors) {
+        vec3 at[2] = {dice_vec(d), dice_vec(d)};
+        at[1] = vec3_mad(at[0], 0.5, vec3_unit(vec3_sub(at[1], at[0])));
+        rig_join(&t.rig, at, dice_quat(d));
+    }
+    if (has(t.type, "stiffness"))
+        set(&t, "stiffness", 30);
+    if (strcmp(name, "motor") == 0)
+        set(&t, "speed", 2);
+    char why[200] = "";
+    if (!t.type->couples && check(&t, why, sizeof why) != DIG_OK)
+        fail_msg("%s: %s", name, why);
+    return t;
+}
+
+/* A body at the origin and the world, the joint at the origin with axis z. */
+static inline Joint simple(const char *name)
+{
+    Joint t = {.type = type_of(name)};
+    Rig *g = &t.rig;
+    *g = (Rig){.body = {0, -1}, .q = {quat_identity(), quat_identity()}};
+    vec3 at[2] = {vec3_zero(), vec3_zero()};
+    rig_join(g, at, quat_between((vec3){1, 0, 0}, (vec3){0, 0, 1}));
+    param_defaults(t.type->params, t.params);
+    return t;
+}
+
+static inline void check_refused(Joint *t, const char *want)
+{
+    char why[200] = "";
+    CHECK_INT(check(t, why, sizeof why), DIG_E_ARG);
+    if (!strstr(why, want))
+        fail_msg("%s: \"%s\" lacks \"%s\"", t->type->name, why, want);
+}
 
 #endif

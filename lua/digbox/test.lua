@@ -1,0 +1,478 @@
+-- digbox/test.lua - the scenario kit: scenarios, what they wait for, what they expect, and the report when one fails.
+
+local core = ...
+local next, type, pcall, error = next, type, pcall, error
+
+local test = {}
+local Scenario = {}
+local current                    -- the scenario that runs, or nil
+core.scenarios = {}
+core.globals.digbox = core.digbox       -- specs may leave out the require
+
+local picture_size = { 640, 360 }
+local golden_size = { 320, 180 }
+local levels = { "sketch", "play", "study", "reference" }
+
+-- ---- registering ----
+
+local function register(name, fn, accuracy)
+  if type(name) ~= "string" or name == "" then core.fail("test.scenario wants a name; got %s", core.type(name)) end
+  if type(fn) ~= "function" then core.fail("test.scenario('%s') wants a function; got %s", name, core.type(fn)) end
+  for _, other in ipairs(core.scenarios) do
+    if other.name == name then core.fail("test.scenario: there is a scenario '%s' already (%s)", name, other.where) end
+  end
+  local entry = { name = name, fn = fn, accuracy = accuracy, where = (core.where():gsub(": $", "")) }
+  core.scenarios[#core.scenarios + 1] = entry
+  if core.options.mode ~= "test" and core.options.mode ~= "check" then
+    local report = core.run_scenario(entry)
+    core.print((report.passed and "ok    " or "FAIL  ") .. name .. "\n" .. report.text)
+    if not report.passed then core.raise(6, report.text) end
+  end
+end
+
+-- test.scenario(name, function(s) ... end)
+function test.scenario(name, fn) register(name, fn) end
+
+-- test.each_accuracy(name, function(s, accuracy) ... end): one scenario for each level
+function test.each_accuracy(name, fn)
+  for _, level in ipairs(levels) do register(("%s [%s]"):format(name, level), fn, level) end
+end
+
+-- ---- checks ----
+
+local function count_check()
+  if current then current.checks = current.checks + 1 end
+end
+
+-- Raises with the script's line; a script that catches it has failed all the same.
+local function fail(format, ...)
+  local text = core.where() .. format:format(...)
+  if current and not current.forgiving then current.failure = current.failure or text end
+  error(text, 0)
+end
+
+-- ---- expectations ----
+
+local function show(value)
+  local kind = type(value)
+  if kind == "string" then return ("%q"):format(value) end
+  if kind == "number" then
+    return math.type(value) == "integer" and ("%d"):format(value) or ("%.9g"):format(value)
+  end
+  if kind ~= "table" then return tostring(value) end
+  local parts, named = {}, {}
+  for i = 1, #value do parts[i] = show(value[i]) end
+  for k, v in next, value do
+    if type(k) == "string" then named[#named + 1] = ("%s = %s"):format(k, show(v)) end
+  end
+  table.sort(named)
+  return "{" .. table.concat(table.move(named, 1, #named, #parts + 1, parts), ", ") .. "}"
+end
+
+-- A bound in SI, and how to write a value beside it: "1 mm/s" -> 0.001 and values in mm/s.
+local function bound(value, what)
+  if type(value) == "string" then
+    local unit = value:match "^%s*[+-]?[%d.]+[eE]?[+-]?%d*%s*(.-)%s*$" or ""
+    local si = core.quantity(value, nil, what)
+    local size = unit ~= "" and unit ~= "degC" and core.quantity("1 " .. unit, nil, what) or 1
+    return si, function(x) return unit ~= "" and ("%.6g %s"):format(x / size, unit) or ("%.9g"):format(x) end
+  end
+  if type(value) ~= "number" then core.fail("%s wants a number or a string with a unit; got %s", what, core.type(value)) end
+  return value, function(x) return ("%.9g"):format(x) end
+end
+
+local function same(a, b, depth)
+  if a == b then return true end
+  if type(a) ~= "table" or type(b) ~= "table" or depth > 20 then return false end
+  for k, v in next, a do
+    if not same(v, b[k], depth + 1) then return false end
+  end
+  for k in next, b do
+    if a[k] == nil then return false end
+  end
+  return true
+end
+
+local function number_of(e, what)
+  if type(e.value) ~= "number" then fail("%s: the value is %s, not a number", what, show(e.value)) end
+  return e.value
+end
+
+local Expect = {}
+
+function Expect.is(e, wanted)
+  count_check()
+  if not same(e.value, wanted, 0) then fail("expected %s, got %s", show(wanted), show(e.value)) end
+end
+
+function Expect.is_not(e, unwanted)
+  count_check()
+  if same(e.value, unwanted, 0) then fail("expected anything but %s", show(unwanted)) end
+end
+
+function Expect.near(e, wanted, tolerance)
+  count_check()
+  local tol, write_tol = bound(tolerance, "expect:near")
+  if core.type(e.value) == "vector" then
+    local v = core.vec(wanted)
+    local off = #(e.value - v)
+    local close = off <= tol            -- false for NaN
+    if not close then
+      fail("expected %s within %s, got %s (off by %s)", tostring(v), write_tol(tol), show(e.value), write_tol(off))
+    end
+    return
+  end
+  local want, write = bound(wanted, "expect:near")
+  local got = number_of(e, "expect:near")
+  local close = math.abs(got - want) <= tol
+  if not close then
+    fail("expected %s within %s, got %s (off by %s)", write(want), write_tol(tol), write(got), write_tol(math.abs(got - want)))
+  end
+end
+
+local function compare(name, words, holds)
+  Expect[name] = function(e, limit)
+    count_check()
+    local want, write = bound(limit, "expect:" .. name)
+    local got = number_of(e, "expect:" .. name)
+    if not holds(got, want) then fail("expected %s %s, got %s", words, write(want), write(got)) end
+  end
+end
+
+compare("below", "below", function(a, b) return a < b end)
+compare("above", "above", function(a, b) return a > b end)
+compare("at_most", "at most", function(a, b) return a <= b end)
+compare("at_least", "at least", function(a, b) return a >= b end)
+
+function Expect.between(e, low, high)
+  count_check()
+  local lo, write = bound(low, "expect:between")
+  local hi = bound(high, "expect:between")
+  local got = number_of(e, "expect:between")
+  if not (got >= lo and got <= hi) then fail("expected %s to %s, got %s", write(lo), write(hi), write(got)) end
+end
+
+function Expect.is_empty(e)
+  count_check()
+  local empty = e.value == "" or type(e.value) == "table" and next(e.value) == nil
+  if not empty then fail("expected nothing in it, got %s", show(e.value)) end
+end
+
+-- A text that holds another, a list that holds a value
+function Expect.contains(e, part)
+  count_check()
+  local found = false
+  if type(e.value) == "string" then
+    found = e.value:find(tostring(part), 1, true) ~= nil
+  elseif type(e.value) == "table" then
+    for _, v in next, e.value do found = found or same(v, part, 0) end
+  end
+  if not found then fail("expected %s in it, got %s", show(part), show(e.value)) end
+end
+
+-- The function raises an error; returns its text
+function Expect.fails(e)
+  count_check()
+  if type(e.value) ~= "function" then fail("expect:fails wants a function; got %s", core.type(e.value)) end
+  local outer = current and current.forgiving
+  if current then current.forgiving = true end
+  local ok, message = pcall(e.value)
+  if current then current.forgiving = outer end
+  if ok then fail "expected an error, and there was none" end
+  if message == core.finished then error(message, 0) end
+  return type(message) == "string" and message or tostring(message)
+end
+
+local expect_meta = {
+  __index = function(_, key)
+    if key == "value" then return nil end
+    if not Expect[key] then core.unknown("expect", "has no check", tostring(key), Expect) end
+    return Expect[key]
+  end,
+  __metatable = false,
+}
+
+-- test.expect(value):below "1 mm/s"
+function test.expect(value)
+  return setmetatable({ value = value }, expect_meta)
+end
+
+-- ---- the scenario object ----
+
+local function new_world(s, fields)
+  local copy = {}
+  for k, v in next, fields or {} do copy[k] = v end
+  if copy.accuracy == nil then copy.accuracy = s.accuracy end
+  local world = core.digbox.world(copy)
+  local state = core.lua_state(world)
+  state.scenario = s
+  state.log_mask = 0
+  for name, kind in next, core.event_kinds do
+    if name ~= "moved" and name ~= "link" and name ~= "unlink" and name ~= "message" then
+      state.log_mask = state.log_mask | (1 << kind)
+    end
+  end
+  if s.jitter then state.before_first_step = s.jitter end
+  return world
+end
+
+local function world_of(s)
+  if not s.own_world then s.own_world = new_world(s) end
+  return s.own_world
+end
+
+-- s.world is the scenario's world; s:world{...} makes a fresh one with options and is s.world from then on.
+core.types.world.meta.__call = function(world, s, fields)
+  if getmetatable(s) ~= "scenario" then core.fail "a world is not a function (s:world{...} makes one in a scenario)" end
+  if s.own_world == world and world.steps == 0 and #world:bodies() == 0 then world:close() end
+  s.own_world = new_world(s, fields)
+  return s.own_world
+end
+
+local scenario_meta = { __metatable = "scenario" }
+scenario_meta.__index = function(s, key)
+  if key == "world" then return world_of(s) end
+  if Scenario[key] then return Scenario[key] end
+  if key == "own_world" or key == "jitter" or key == "accuracy" or key == "failure" or key == "perturbed" or key == "forgiving" then
+    return nil
+  end
+  core.unknown("scenario", "has no field or method", tostring(key), Scenario, { world = true })
+end
+
+-- s:settle "1 s": lets things come to rest
+function Scenario.settle(s, time)
+  world_of(s):run(core.seconds(time, "s:settle"))
+end
+
+local function check_claim(what, text, condition)
+  if type(text) ~= "string" then core.fail("%s wants a text that says what should be; got %s", what, core.type(text)) end
+  if type(condition) ~= "function" then core.fail("%s wants a function; got %s", what, core.type(condition)) end
+end
+
+-- s:eventually("the ball is asleep", "5 s", function() return ball.asleep end)
+function Scenario.eventually(s, text, time, condition)
+  check_claim("s:eventually", text, condition)
+  local world, limit = world_of(s), core.seconds(time, "s:eventually")
+  local begin = world.time
+  count_check()
+  repeat
+    if condition() then return world.time - begin end
+    if world.time - begin >= limit - 1e-9 then break end
+    world:step()
+  until false
+  fail("not within %g s: %s", limit, text)
+end
+
+-- s:always("it stays", "1 s", function() return table_.dig == ball.dig end)
+function Scenario.always(s, text, time, condition)
+  check_claim("s:always", text, condition)
+  local world, limit = world_of(s), core.seconds(time, "s:always")
+  local begin = world.time
+  count_check()
+  repeat
+    if not condition() then fail("no more after %.6g s: %s", world.time - begin, text) end
+    if world.time - begin >= limit - 1e-9 then return end
+    world:step()
+  until false
+end
+
+-- ---- golden pictures ----
+
+local function slug(text)
+  return (text:lower():gsub("[^%w]+", "_"):gsub("^_", ""):gsub("_$", ""):sub(1, 80))
+end
+
+local function golden_paths(s, name)
+  local options = core.options
+  local base = options.script_name:gsub("%.lua$", "")
+  local inner = ("golden/%s/%s-%s.png"):format(base, slug(s.name), slug(name))
+  return (options.script:match "^(.*/)" or "") .. inner, inner
+end
+
+-- Exact where the golden was drawn by the same renderer; else each 8x8 tile within 10 of 255 levels in the mean, but for 1 in 200.
+local function compare_golden(golden, picture)
+  local strict = core.png_text(golden, "Renderer") == core.renderer()
+  local c = core.compare_pictures(golden, picture, 10)
+  if c.why then return c.why end
+  if c.same then return nil end
+  if strict then return ("differs, tile at %s by %.3g levels (same renderer: must be exact)"):format(c.where, c.worst) end
+  if c.bad * 200 <= c.tiles then return nil end
+  return ("%d of %d tiles differ, the worst at %s by %.3g levels"):format(c.bad, c.tiles, c.where, c.worst)
+end
+
+-- s:golden("after", {camera = cam, size = {320, 180}})
+-- A picture compared with golden/<spec>/<scenario>-<name>.png beside the spec; --update-goldens writes it.
+function Scenario.golden(s, name, fields)
+  if type(name) ~= "string" then core.fail("s:golden wants a name; got %s", core.type(name)) end
+  if s.jitter then return end
+  local f = core.check(fields or {}, "s:golden", { camera = "any", size = "any", overlay = "any" })
+  local world = world_of(s)
+  local golden, inner = golden_paths(s, name)
+  local picture = world:render { to = inner, camera = f.camera, size = f.size or golden_size, overlay = f.overlay }
+  if core.options.update_goldens then
+    core.make_folders(golden)
+    core.write(golden, core.read(picture))
+    s.notes[#s.notes + 1] = "wrote " .. golden
+  elseif not core.exists(golden) then
+    s.notes[#s.notes + 1] = ("no golden yet: %s (look at %s, then --update-goldens)"):format(golden, picture)
+    return
+  end
+  count_check()
+  local why = compare_golden(golden, picture)
+  if why then fail("golden '%s': %s\n  golden:  %s\n  now:     %s", name, why, golden, picture) end
+end
+
+-- ---- perturbation ----
+
+-- Numbers in [-1, 1] that depend on the seed alone (xorshift64*: Vigna 2016).
+local function random_numbers(seed)
+  local x = (seed * 0x9E3779B97F4A7C15) | 1
+  return function()
+    x = x ~ (x << 13)
+    x = x ~ (x >> 7)
+    x = x ~ (x << 17)
+    return ((x * 0x2545F4914F6CDD1D) >> 11) / (1 << 52) - 1
+  end
+end
+
+-- Bodies held together by joints move together; those held by the world stay.
+local function joined_groups(world)
+  local group, fixed = {}, {}
+  local function find(b)
+    while group[b] and group[b] ~= b do b = group[b] end
+    return b
+  end
+  for _, j in ipairs(world:joints()) do
+    local a, b = j.a, j.b
+    if a and b then
+      group[find(a)] = find(b)
+    elseif a or b then
+      fixed[a or b] = true
+    end
+  end
+  local held = {}
+  for _, b in ipairs(world:bodies()) do
+    if fixed[b] or b.kind ~= "dynamic" then held[find(b)] = true end
+  end
+  return find, held
+end
+
+-- Moves every free dynamic body a little; never down, so that what stands does not start inside what it stands on.
+local function jitter_by(amount, seed)
+  return function(world)
+    local random, find, held = random_numbers(seed), joined_groups(world)
+    local g = world.gravity
+    local up = #g > 0 and -g:normalized() or nil
+    local offsets = {}
+    for _, b in ipairs(world:bodies()) do
+      if b.kind == "dynamic" then
+        local root = find(b)
+        if not offsets[root] then
+          local d = core.vec(random(), random(), random()) * amount
+          if up and d:dot(up) < 0 then d = d - up * (2 * d:dot(up)) end
+          offsets[root] = d
+        end
+        if not held[root] then b:teleport { at = b.position + offsets[root] } end
+      end
+    end
+  end
+end
+
+-- s:perturb{seeds = 5, position = "1 mm"}: the whole scenario again, as often, with jittered starts
+function Scenario.perturb(s, fields)
+  local f = core.check(fields, "s:perturb", { seeds = "int 1 >0", position = "real m >0" })
+  if s.jitter then return end
+  s.perturbed = { seeds = f.seeds or 5, position = f.position or 1e-3 }
+end
+
+-- ---- running one ----
+
+local function close_world(s)
+  local world = rawget(s, "own_world")
+  if world and core.is_open(world) then
+    core.lua_state(world).in_handler, core.lua_state(world).in_task = nil, nil
+    world:close()
+  end
+end
+
+local function new_scenario(entry, jitter)
+  return setmetatable({ name = entry.name, accuracy = entry.accuracy, checks = 0, notes = {}, jitter = jitter }, scenario_meta)
+end
+
+local function dot_of(world)
+  local lines = { "graph digs {" }
+  for _, d in ipairs(world:digs()) do
+    lines[#lines + 1] = ('  subgraph cluster_%d { label = "DIG %d (%s)";'):format(d.id, d.id, d.awake and "awake" or "asleep")
+    for _, b in ipairs(d:members()) do lines[#lines + 1] = ("    %q;"):format(tostring(b)) end
+    lines[#lines + 1] = "  }"
+    for _, k in ipairs(d:links()) do
+      lines[#lines + 1] = ('  %q -- %q [label = "%s%s, %.4g N"];'):format(tostring(k.a), tostring(k.b), k.kind,
+        k.joint and " " .. tostring(k.joint) or "", #k.effort)
+    end
+  end
+  lines[#lines + 1] = "}"
+  return table.concat(lines, "\n") .. "\n"
+end
+
+-- What is left of a failed scenario: the last events, a picture, the DIGs, and the command to see it again.
+local function autopsy(s, lines)
+  local world = rawget(s, "own_world")
+  local base = ("%s-%s"):format((core.options.script_name:gsub("%.lua$", "")), slug(s.name))
+  if world and core.is_open(world) then
+    local state = core.lua_state(world)
+    lines[#lines + 1] = ("at t = %.6g s, step %d"):format(world.time, world.steps)
+    local log = state.event_log
+    if #log > 0 then lines[#lines + 1] = "last events:" end
+    for i = math.max(1, #log - 7), #log do lines[#lines + 1] = "  " .. log[i] end
+    local drawn, path = pcall(world.render, world, { to = base .. ".png", size = picture_size })
+    lines[#lines + 1] = drawn and "picture: " .. path or nil
+    local dumped, place = pcall(core.out_path, base .. ".dot")
+    if dumped and pcall(function() core.write(place, dot_of(world)) end) then lines[#lines + 1] = "DIGs:    " .. place end
+  end
+  lines[#lines + 1] = ("again:   digbox test %s -k '%s'"):format(core.options.script, (s.name:gsub("'", "'\\''")))
+end
+
+local function run_once(entry, jitter)
+  local s = new_scenario(entry, jitter)
+  current = s
+  local ok, message = xpcall(entry.fn, function(m)
+    if type(m) == "string" or m == core.finished then return m end
+    return core.where() .. ("(error object is a %s value)"):format(type(m))
+  end, s, entry.accuracy)
+  current = nil
+  if not ok and message == core.finished then ok = true end
+  if ok and s.failure then ok, message = false, s.failure end
+  if ok and s.checks == 0 then ok, message = false, entry.where .. ": the scenario checks nothing" end
+  return s, ok, message
+end
+
+-- core.run_scenario(entry) -> {passed, text, checks}
+function core.run_scenario(entry)
+  local s, ok, message = run_once(entry)
+  local lines, checks, perturbed = {}, s.checks, s.perturbed
+  for i = 1, ok and perturbed and perturbed.seeds or 0 do
+    close_world(s)
+    local again
+    again, ok, message = run_once(entry, jitter_by(perturbed.position, i))
+    checks = checks + again.checks
+    again.notes = table.move(s.notes, 1, #s.notes, 1, {})
+    s = again
+    if not ok then
+      message = ("%s\nperturbed by up to %g m, seed %d of %d"):format(message, perturbed.position, i, perturbed.seeds)
+      break
+    end
+  end
+  if not ok then
+    lines[1] = tostring(message)
+    pcall(autopsy, s, lines)
+  end
+  for _, note in ipairs(s.notes) do lines[#lines + 1] = note end
+  pcall(close_world, s)
+  return { passed = ok, text = table.concat(lines, "\n"), checks = checks, message = message }
+end
+
+setmetatable(test, {
+  __index = function(_, key) core.unknown("digbox.test", "has no function", tostring(key), test) end,
+  __metatable = false,
+})
+return test

@@ -1,0 +1,375 @@
+/* lua/main.c - the program `digbox`: run, test, check, --help, --version.
+ *
+ * Exit codes are in state.h. Errors go to stderr as `digbox: FILE:LINE: message`.
+ */
+
+#define _XOPEN_SOURCE 700       /* isatty, strdup */
+
+#include <errno.h>
+#include <getopt.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <lauxlib.h>
+
+#include "command.h"
+#include "state.h"
+
+/* ---- help ------------------------------------------------------------------ */
+
+static const char help_text[] =
+    "digbox - a 3D physics sandbox with dynamic interaction graphs\n"
+    "\n"
+    "  digbox run WORLD.lua [options] [-- ARGUMENTS]   run a world; a picture of its end when it records nothing\n"
+    "  digbox test [PATH...] [options]                 run scenarios: files, or folders with *_spec.lua and other scenarios\n"
+    "  digbox check FILE...                            compile, and build the world up to its first step\n"
+    "  digbox --help | --version\n"
+    "\n"
+    "run:\n"
+    "  -o, --output DIR        where pictures go (default out)\n"
+    "      --seconds N         simulate to t = N s, whatever the world asks for\n"
+    "      --accuracy A        sketch, play, study, reference, or a tolerance in metres\n"
+    "      --seed N            seed of the world and of math.random\n"
+    "      --threads N         1 to 64; the result is the same for any number\n"
+    "      --set NAME=VALUE    an argument that the world declares (digbox.args); so does -- --NAME VALUE\n"
+    "      --time-limit S      stop after S seconds of wall time (exit code 5)\n"
+    "      --memory-limit MiB  memory that the script may use (exit code 3)\n"
+    "      --fuel N            Lua instructions that the script may use (exit code 4)\n"
+    "      --trust             the script may use io and os, and write anywhere\n"
+    "  -q, --quiet             no progress line\n"
+    "\n"
+    "test:\n"
+    "  -k PATTERN              only scenarios with this text in their name\n"
+    "  -j, --jobs N            so many at the same time (default 1)\n"
+    "      --tap               results as Test Anything Protocol\n"
+    "      --junit FILE        results as JUnit XML, too\n"
+    "      --update-goldens    take the pictures of today as right\n"
+    "      --time-limit S      for one scenario (default 300)\n"
+    "  -o, --output DIR        where pictures of failures go (default out)\n"
+    "\n"
+    "Exit codes: 0 ok, 1 script error, 2 usage, 3 memory, 4 fuel, 5 time, 6 scenario failed, 8 bad input file, 9 output failed,\n"
+    "10 non-finite state, 11 internal, 130 SIGINT, 143 SIGTERM.\n";
+
+int usage_error(const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    fputs("digbox: ", stderr);
+    vfprintf(stderr, format, arguments);
+    fputs("\nTry 'digbox --help'.\n", stderr);
+    va_end(arguments);
+    return EXIT_USAGE;
+}
+
+/* ---- values of options ------------------------------------------------------- */
+
+bool read_number_option(const char *name, const char *text, const char *unit, double low, double high, double *value)
+{
+    char why[256] = "", *end;
+    double x = strtod(text, &end);
+    bool plain = *text && *end == '\0' && strspn(text, "0123456789+-.eE") == strlen(text);
+    if (!plain && dig_unit_parse(text, unit, &x, why, sizeof why) != DIG_OK) {
+        usage_error("--%s: %s", name, why);
+        return false;
+    }
+    if (!(x >= low && x <= high)) {
+        usage_error("--%s: %s is not from %g to %g", name, text, low, high);
+        return false;
+    }
+    *value = x;
+    return true;
+}
+
+bool read_whole_option(const char *name, const char *text, long long low, long long high, long long *value)
+{
+    char *end;
+    errno = 0;
+    long long x = strtoll(text, &end, 10);
+    if (!*text || *end || errno == ERANGE || x < low || x > high) {
+        usage_error("--%s: '%s' is not a whole number from %lld to %lld", name, text, low, high);
+        return false;
+    }
+    *value = x;
+    return true;
+}
+
+void print_error(const char *text)
+{
+    /* One message: at most 4,000 bytes, no control bytes but line feeds. */
+    fputs("digbox: ", stderr);
+    for (int i = 0; text[i] && i < 4000; i++)
+        fputc(((unsigned char)text[i] >= 0x20 && text[i] != 0x7f) || text[i] == '\n' ? text[i] : '?', stderr);
+    fputc('\n', stderr);
+}
+
+/* Results that cannot be written are a failure, but for a reader who went away. */
+int flush_output(int code)
+{
+    errno = 0;
+    bool failed = fflush(stdout) != 0 || ferror(stdout);
+    if (!failed || errno == EPIPE)
+        return code;
+    fprintf(stderr, "digbox: standard output: %s\n", errno ? strerror(errno) : "cannot be written");
+    return EXIT_OUTPUT;
+}
+
+/* ---- run ----------------------------------------------------------------------- */
+
+typedef struct RunOptions {
+    const char *world, *out, *accuracy;
+    double      seconds, time_limit;        /* < 0 = not given */
+    long long   seed, threads, memory, fuel;
+    bool        trust, quiet, dry;
+    int         set_count, argument_count;
+    char      **set;                        /* [set_count] NAME=VALUE */
+    char      **arguments;                  /* [argument_count] after -- */
+} RunOptions;
+
+enum { OPT_SECONDS = 256, OPT_ACCURACY, OPT_SEED, OPT_THREADS, OPT_SET, OPT_TIME, OPT_MEMORY, OPT_FUEL, OPT_TRUST };
+
+static const struct option run_options[] = {
+    {"output", required_argument, NULL, 'o'}, {"seconds", required_argument, NULL, OPT_SECONDS},
+    {"accuracy", required_argument, NULL, OPT_ACCURACY}, {"seed", required_argument, NULL, OPT_SEED},
+    {"threads", required_argument, NULL, OPT_THREADS}, {"set", required_argument, NULL, OPT_SET},
+    {"time-limit", required_argument, NULL, OPT_TIME}, {"memory-limit", required_argument, NULL, OPT_MEMORY},
+    {"fuel", required_argument, NULL, OPT_FUEL}, {"trust", no_argument, NULL, OPT_TRUST}, {"quiet", no_argument, NULL, 'q'},
+    {"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0},
+};
+
+static bool read_run_option(RunOptions *o, int key)
+{
+    switch (key) {
+    case 'o': o->out = optarg; return *optarg || usage_error("--output: the folder is missing") == 0;
+    case 'q': o->quiet = true; return true;
+    case OPT_SECONDS: return read_number_option("seconds", optarg, "s", 0, 1e9, &o->seconds);
+    case OPT_ACCURACY: o->accuracy = optarg; return true;
+    case OPT_SEED: return read_whole_option("seed", optarg, -9000000000000000000, 9000000000000000000, &o->seed);
+    case OPT_THREADS: return read_whole_option("threads", optarg, 1, 64, &o->threads);
+    case OPT_TIME: return read_number_option("time-limit", optarg, "s", 1e-3, 1e9, &o->time_limit);
+    case OPT_MEMORY: return read_whole_option("memory-limit", optarg, 1, 1 << 20, &o->memory);
+    case OPT_FUEL: return read_whole_option("fuel", optarg, 1, 1000000000000000000, &o->fuel);
+    case OPT_TRUST: o->trust = true; return true;
+    case OPT_SET:
+        if (!strchr(optarg, '=') || optarg[0] == '=')
+            return usage_error("--set: '%s' is not NAME=VALUE", optarg) == 0;
+        o->set[o->set_count++] = optarg;
+        return true;
+    default: return usage_error("see 'digbox run'") == 0;
+    }
+}
+
+/* What stands after a bare -- is for the world. */
+static int cut_arguments(int argc, char **argv, RunOptions *o)
+{
+    for (int i = 1; i < argc; i++)
+        if (strcmp(argv[i], "--") == 0) {
+            o->arguments = argv + i + 1;
+            o->argument_count = argc - i - 1;
+            return i;
+        }
+    return argc;
+}
+
+static void push_list(lua_State *L, char **list, int count)
+{
+    lua_createtable(L, count, 0);
+    for (int i = 0; i < count; i++) {
+        lua_pushstring(L, list[i]);
+        lua_rawseti(L, -2, i + 1);
+    }
+}
+
+static void push_settings(lua_State *L, const RunOptions *o)
+{
+    lua_newtable(L);
+    for (int i = 0; i < o->set_count; i++) {
+        const char *equals = strchr(o->set[i], '=');
+        lua_pushlstring(L, o->set[i], (size_t)(equals - o->set[i]));
+        lua_pushstring(L, equals + 1);
+        lua_rawset(L, -3);
+    }
+}
+
+static void set_text(lua_State *L, const char *name, const char *text)
+{
+    lua_pushstring(L, text);
+    app_set_option(L, name);
+}
+
+static int set_options(lua_State *L)
+{
+    const RunOptions *o = lua_touserdata(L, 1);
+    char *end;
+    set_text(L, "mode", o->dry ? "check" : "run");
+    set_text(L, "out", o->out);
+    lua_pushboolean(L, o->trust);
+    app_set_option(L, "trust");
+    lua_pushboolean(L, o->dry);
+    app_set_option(L, "dry");
+    lua_pushboolean(L, !o->quiet && isatty(2) && !getenv("NO_COLOR"));
+    app_set_option(L, "progress");
+    if (o->seconds >= 0) {
+        lua_pushnumber(L, o->seconds);
+        app_set_option(L, "seconds");
+    }
+    if (o->accuracy) {
+        double tolerance = strtod(o->accuracy, &end);
+        if (*end == '\0')
+            lua_pushnumber(L, tolerance);
+        else
+            lua_pushstring(L, o->accuracy);
+        app_set_option(L, "accuracy");
+    }
+    if (o->seed != LLONG_MIN) {
+        lua_pushinteger(L, o->seed);
+        app_set_option(L, "seed");
+    }
+    if (o->threads > 0) {
+        lua_pushinteger(L, o->threads);
+        app_set_option(L, "threads");
+    }
+    push_settings(L, o);
+    app_set_option(L, "set");
+    push_list(L, o->arguments, o->argument_count);
+    app_set_option(L, "args");
+    return 0;
+}
+
+/* After the script: the rest of --seconds, open films, the picture of the end. */
+static int finish_run(lua_State *L, App *app, const RunOptions *o)
+{
+    int code = app_call_core(L, app, "finish_run", 0, 0);
+    const char *slash = strrchr(o->world, '/'), *name = slash ? slash + 1 : o->world;
+    if (code != EXIT_FINE)
+        return code;
+    lua_pushlstring(L, name, strlen(name) - (strlen(name) > 4 && strcmp(name + strlen(name) - 4, ".lua") == 0 ? 4 : 0));
+    code = app_call_core(L, app, "final_picture", 1, 1);
+    if (code == EXIT_FINE && lua_isstring(L, -1) && !o->quiet)
+        fprintf(stderr, "digbox: nothing was recorded; the end is in %s\n", lua_tostring(L, -1));
+    return code;
+}
+
+static void report_stop(lua_State *L, App *app)
+{
+    app->stop_code = 0;                 /* what follows may take its time */
+    app->fuel = -1;
+    app->deadline = 0;
+    if (app_call_core(L, app, "report_stop", 0, 0) != EXIT_FINE)
+        lua_pop(L, 1);
+}
+
+static int run_world(const RunOptions *o, App *app)
+{
+    lua_State *L = app_open(app);
+    if (!L)
+        return EXIT_INTERNAL;
+    lua_pushcfunction(L, set_options);
+    lua_pushlightuserdata(L, (void *)(uintptr_t)o);
+    int code = app_call(L, app, 1, 0);
+    if (code == EXIT_FINE)
+        code = app_run_file(L, app);
+    if (code == EXIT_FINE && !o->dry)
+        code = finish_run(L, app, o);
+    if (app_call_core(L, app, "clear_progress", 0, 0) != EXIT_FINE)
+        lua_pop(L, 1);
+    if (code != EXIT_FINE && lua_isstring(L, -1))
+        print_error(lua_tostring(L, -1));
+    if (code != EXIT_FINE)
+        report_stop(L, app);
+    lua_close(L);
+    return code;
+}
+
+static int command_run(int argc, char **argv)
+{
+    RunOptions o = {.out = "out", .seconds = -1, .time_limit = -1, .seed = LLONG_MIN, .fuel = -1};
+    int key, code = EXIT_USAGE;
+    argc = cut_arguments(argc, argv, &o);
+    o.set = calloc((size_t)argc + 1, sizeof *o.set);
+    if (!o.set)
+        return EXIT_MEMORY;
+    argv[argc] = NULL;
+    while ((key = getopt_long(argc, argv, "o:q", run_options, NULL)) != -1) {
+        if (key == 'h') {
+            fputs(help_text, stdout);
+            free(o.set);
+            return flush_output(EXIT_FINE);
+        }
+        if (!read_run_option(&o, key))
+            goto done;
+    }
+    if (optind >= argc) {
+        usage_error("run: which world? (digbox run WORLD.lua)");
+    } else if (optind + 1 < argc) {
+        usage_error("run: one world at a time; '%s' is too many (arguments of the world stand after --)", argv[optind + 1]);
+    } else {
+        o.world = argv[optind];
+        App app = {.memory_limit = (size_t)o.memory << 20, .fuel = o.fuel, .trust = o.trust, .script = o.world,
+                   .deadline = o.time_limit > 0 ? app_clock() + o.time_limit : 0};
+        code = flush_output(run_world(&o, &app));
+    }
+done:
+    free(o.set);
+    return code;
+}
+
+/* ---- check ------------------------------------------------------------------------ */
+
+static int command_check(int argc, char **argv)
+{
+    int worst = EXIT_FINE;
+    if (argc < 2)
+        return usage_error("check: which files? (digbox check FILE...)");
+    for (int i = 1; i < argc; i++) {
+        RunOptions o = {.out = "out", .seconds = -1, .time_limit = -1, .seed = LLONG_MIN, .fuel = -1, .dry = true, .quiet = true,
+                        .world = argv[i]};
+        App app = {.fuel = -1, .script = argv[i]};
+        if (strcmp(argv[i], "--") == 0)
+            continue;
+        if (argv[i][0] == '-' && argv[i][1])
+            return usage_error("check: unknown option '%s'", argv[i]);
+        int code = run_world(&o, &app);
+        if (code == EXIT_FINE)
+            printf("%s: ok\n", argv[i]);
+        worst = code > worst ? code : worst;
+    }
+    return flush_output(worst);
+}
+
+/* ---- commands ------------------------------------------------------------------------ */
+
+static const struct { const char *name; int (*run)(int argc, char **argv); } commands[] = {
+    {"run", command_run}, {"test", command_test}, {"check", command_check},
+};
+enum { COMMAND_COUNT = sizeof commands / sizeof *commands };
+
+int main(int argc, char **argv)
+{
+    const char *names[COMMAND_COUNT];
+    const char *word = argc > 1 ? argv[1] : "";
+    if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0 || strcmp(word, "help") == 0) {
+        fputs(help_text, stdout);
+        return flush_output(EXIT_FINE);
+    }
+    if (strcmp(word, "--version") == 0 || strcmp(word, "-V") == 0) {
+        printf("digbox %s\n", DIGBOX_VERSION);
+        return flush_output(EXIT_FINE);
+    }
+    app_catch_signals();
+    for (int i = 0; i < COMMAND_COUNT; i++) {
+        if (strcmp(word, commands[i].name) == 0) {
+            argv[1] = argv[0];
+            return commands[i].run(argc - 1, argv + 1);
+        }
+        names[i] = commands[i].name;
+    }
+    if (!*word)
+        return usage_error("what shall be done? (digbox run WORLD.lua)");
+    const char *near = dig_suggest(word, names, COMMAND_COUNT);
+    if (near)
+        return usage_error("unknown command '%s' (did you mean '%s'?)", word, near);
+    return usage_error("unknown command '%s'", word);
+}

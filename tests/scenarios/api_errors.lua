@@ -1,0 +1,175 @@
+-- api_errors.lua: what the API says when it is misused: the script's line, what, which, value, unit, bound. Never ignored.
+local digbox = require "digbox"
+local test = require "digbox.test"
+local scenario, expect = test.scenario, test.expect
+
+-- The message without its position, and the position's line.
+local function message_of(fn)
+  local text = expect(fn):fails()
+  local line, rest = text:match "^[^:]*api_errors%.lua:(%d+): (.*)$"
+  expect(line):is_not(nil)
+  return rest or text, tonumber(line)
+end
+
+local function says(fn, wanted)
+  expect((message_of(fn))):is(wanted)
+end
+
+scenario("an unknown field is named, with the one that was meant", function(s)
+  local world = s.world
+  says(function() world:sphere { radus = 0.1 } end, "world:sphere: unknown field 'radus' (did you mean 'radius'?)")
+  says(function() world:ball { radius = 0.1, frictoin = 1 } end, "world:ball: unknown field 'frictoin' (did you mean 'friction'?)")
+  says(function() world:hinge { axsi = { 0, 1, 0 } } end, "world:hinge: unknown field 'axsi' (did you mean 'axis'?)")
+  says(function() world:bucket { heigt = 1 } end, "world:bucket: unknown field 'heigt' (did you mean 'height'?)")
+  says(function() world:rod { lenght = 1 } end, "world:rod: unknown field 'lenght' (did you mean 'length'?)")
+  says(function() world:sun { form = { 1, 1, 1 } } end, "world:sun: unknown field 'form' (did you mean 'from'?)")
+  says(function() digbox.world { gravty = 0 } end, "digbox.world: unknown field 'gravty' (did you mean 'gravity'?)")
+  says(function() digbox.box { siez = 1 } end, "digbox.box: unknown field 'siez' (did you mean 'size'?)")
+  says(function() world:sphere { 0.1 } end, "world:sphere: unknown field 1 (fields have names)")
+  expect((message_of(function() world:sphere { zzzzzz = 1 } end))):contains "(known: at, collides, colour, "
+end)
+
+scenario("a far-off name lists what is known", function(s)
+  local text = message_of(function() s.world:sphere { bounciness = 1 } end)
+  expect(text):contains "world:sphere: unknown field 'bounciness' (known: "
+  expect(text):contains "radius"
+  expect(text):contains "restitution"
+end)
+
+scenario("a wrong dimension says both", function(s)
+  local world = s.world
+  says(function() world:sphere { radius = "5 kg" } end, "world:sphere.radius wants a length; '5 kg' is a mass")
+  says(function() world:sphere { radius = "5 cm", mass = "5 cm" } end, "world:sphere.mass wants a mass; '5 cm' is a length")
+  says(function() world:run "3 m" end, "world:run wants a time; '3 m' is a length")
+  says(function() world:sphere { radius = "5" } end, "world:sphere.radius: '5' has no unit (write '5 m' or a plain number)")
+  says(function() world:sphere { radius = "5 furlong" } end, "world:sphere.radius: '5 furlong': unknown unit 'furlong'")
+  says(function() world:box { size = { "1 m", "2 kg", 1 } } end, "world:box.size.y wants a length; '2 kg' is a mass")
+  says(function() world:sphere { radius = {} } end, "world:sphere.radius wants a number or a string such as '1 m'; got table")
+  local ball = world:sphere { radius = 1 }
+  says(function() ball:push { force = "5 kg", along = { 1, 0, 0 } } end, "body:push.force wants a force; '5 kg' is a mass")
+end)
+
+scenario("a value out of bounds comes with its unit and the bound", function(s)
+  local world = s.world
+  says(function() world:box { name = "plank 7", size = 1, mass = -3 } end, "body 'plank 7': mass = -3 kg, must be > 0")
+  says(function() world:box { name = "plank 7", size = 1, mass = 0 } end, "body 'plank 7': mass = 0 kg, must be > 0")
+  says(function() world:box { name = "plank 7", size = 1, friction = -1 } end, "body 'plank 7': friction = -1, must be >= 0")
+  says(function() world:sphere { radius = -1 } end, "world:sphere: radius = -1 m, must be > 0")
+  says(function() world:sphere { radius = 0 } end, "world:sphere: radius = 0 m, must be > 0")
+  says(function() world:box { size = { 1, 0, 1 } } end, "world:box: size.y = 0 m, must be > 0")
+end)
+
+scenario("no number that is not finite gets in", function(s)
+  local world = s.world
+  local nan, before = 0 / 0, s.world:checksum()
+  says(function() world:sphere { name = "b", radius = 1, mass = nan } end, "body 'b': mass = nan kg, must be a finite number")
+  says(function() world:sphere { radius = nan } end, "world:sphere: radius = nan m, must be a finite number")
+  says(function() world:sphere { radius = 1, at = { 0, nan, 0 } } end, "world:sphere.at.y = nan, must be a finite number")
+  says(function() world:sphere { radius = 1, at = { 0, 1 / 0, 0 } } end, "world:sphere.at.y = inf, must be a finite number")
+  expect(world:checksum()):is(before)
+  local ball = world:sphere { radius = 1 }
+  before = world:checksum()
+  says(function() ball:push { force = { nan, 0, 0 } } end, "body:push.force.x = nan, must be a finite number")
+  says(function() ball:hit { impulse = { 0, 0, 1 / 0 } } end, "body:hit.impulse.z = inf, must be a finite number")
+  says(function() ball:teleport { velocity = { 0, nan, 0 } } end, "body:teleport.velocity.y = nan, must be a finite number")
+  says(function() world.gravity = { 0, nan, 0 } end, "world.gravity.y = nan, must be a finite number")
+  says(function() world:run(nan) end, "world:run = nan, must be a finite number")
+  expect(world:checksum()):is(before)
+end)
+
+scenario("a removed body is named, with the line that removed it", function(s)
+  local world = s.world
+  local crate = world:box { name = "crate", size = 1 }
+  local other = world:box { name = "other", size = 1, at = { 3, 0, 0 } }
+  local pin = world:hinge { name = "pin", a = crate, b = other, at = { 1, 0, 0 }, axis = { 0, 1, 0 } }
+  local _, line = message_of(function() error("here", 1) end)
+  crate:remove()
+  local removed = ("body 'crate' was removed at %s:%d"):format("tests/scenarios/api_errors.lua", line + 1)
+  local function gone(fn)
+    local text = message_of(fn)
+    expect(text:gsub("at .*/", "at ")):is(removed:gsub("at .*/", "at "))
+  end
+  gone(function() return crate.position end)
+  gone(function() crate:push { force = { 1, 0, 0 } } end)
+  gone(function() crate:remove() end)
+  gone(function() crate.friction = 1 end)
+  gone(function() return other:touches(crate) end)
+  expect(crate.valid):is(false)
+  expect(crate.name):is "crate"
+  expect(pin.valid):is(false)
+  expect((message_of(function() return pin.angle end))):contains "joint 'pin' was removed with its body at"
+end)
+
+scenario("a slot that is used again does not bring a handle back", function(s)
+  local world = s.world
+  local first = world:sphere { name = "first", radius = 1 }
+  first:remove()
+  local second = world:sphere { name = "second", radius = 1 }
+  expect(first.valid):is(false)
+  expect(first == second):is(false)
+  expect((message_of(function() return first.mass end))):contains "body 'first' was removed at"
+end)
+
+scenario("fields, methods, events and modules that do not exist are errors", function(s)
+  local world = s.world
+  local ball = world:ball { name = "ball", radius = 1 }
+  says(function() return world.bll end, "world has no field or method 'bll' (did you mean 'ball'?)")
+  says(function() return ball.positon end, "body 'ball' has no field or method 'positon' (did you mean 'position'?)")
+  says(function() ball:psuh {} end, "body 'ball' has no field or method 'psuh' (did you mean 'push'?)")
+  says(function() ball.frction = 1 end, "body has no parameter 'frction' (did you mean 'friction'?)")
+  says(function() world:on("contact_begn", print) end, "world:on: unknown event 'contact_begn' (did you mean 'contact_begin'?)")
+  says(function() ball:on("slpt", print) end, "body:on: unknown event 'slpt' (did you mean 'slept'?)")
+  says(function() world:on("impact", { faster = 1 }, print) end,
+    "world:on: unknown field 'faster' (known: faster_than, harder_than, kind, wall, with)")
+  says(function() return digbox.wrold end, "digbox has no function 'wrold' (did you mean 'world'?)")
+  says(function() return ball.position.w end, "vector has no field or method 'w' (did you mean 'x'?)")
+  says(function() world:sphere { radius = 1, material = "oka" } end, "world:sphere.material: unknown material 'oka' (did you mean 'oak'?)")
+  says(function() require "nonsense" end, "module 'nonsense' not found beside the script")
+end)
+
+scenario("state cannot be assigned", function(s)
+  local ball = s.world:ball { radius = 1 }
+  says(function() ball.position = { 0, 1, 0 } end, "body.position is state and cannot be assigned: use :teleport")
+  says(function() ball.velocity = { 0, 1, 0 } end, "body.velocity is state and cannot be assigned: use :teleport")
+  says(function() ball.position.x = 1 end, "vector.x cannot be assigned")
+  says(function() s.world.time = 1 end, "world.time cannot be assigned (gravity and accuracy can)")
+end)
+
+scenario("what is called or passed wrongly is said", function(s)
+  local world = s.world
+  local ball = world:ball { name = "ball", radius = 1 }
+  local elsewhere = digbox.world {}
+  local stranger = elsewhere:ball { name = "stranger", radius = 1 }
+  says(function() world.sphere { radius = 1 } end, "expected a world, got table (methods are called with ':')")
+  says(function() ball:touches(stranger) end, "body 'stranger' belongs to another world")
+  says(function() ball:touches(3) end, "expected a body, got number")
+  says(function() ball:touches(world) end, "expected a body, got world")
+  says(function() world:sphere(3) end, "world:sphere wants a table of fields; got number")
+  says(function() world:sphere { radius = 1, fixed = 1 } end, "world:sphere.fixed wants true or false; got number")
+  says(function() world:sphere { radius = 1, at = { 1, 2 } } end, "world:sphere.at wants {x, y, z}; component z is missing")
+  says(function() world:sphere { radius = 1, at = { 1, 2, 3, 4 } } end, "world:sphere.at wants {x, y, z}; got 4 components")
+  says(function() world:sphere { radius = 1, group = 1.5 } end, "world:sphere.group wants a whole number; got 1.5")
+  says(function() world:sphere { radius = 1, group = "7" } end, "world:sphere.group wants a whole number; got string")
+  says(function() world:sphere { radius = 1, name = ("x"):rep(100) } end, "world:sphere.name has 100 bytes, must have at most 63")
+  says(function() world:sphere { radius = 1, name = "a\nb" } end, "world:sphere.name holds a control character")
+  says(function() world:sphere {} end, "world:sphere: radius is missing (radius)")
+  says(function() ball:push { force = 3 } end, "body:push: force is a number; it needs along = {x, y, z}")
+  elsewhere:close()
+  says(function() return stranger.position end, "the body's world is closed")
+  says(function() elsewhere:step() end, "the world is closed")
+end)
+
+scenario("handles and vectors keep their secrets", function(s)
+  local ball = s.world:ball { radius = 1 }
+  expect(getmetatable(ball)):is(false)
+  expect(getmetatable(ball.position)):is(false)
+  expect(getmetatable("")):is(false)
+  expect(function() setmetatable(ball, {}) end):fails()
+  expect(rawget(_G, "os")):is(nil)
+  expect(rawget(_G, "io")):is(nil)
+  expect(rawget(_G, "debug")):is(nil)
+  expect(rawget(_G, "package")):is(nil)
+  expect(string.dump):is(nil)
+  expect(load("\27Lua")):is(nil)
+  expect(tostring({}):find "0x"):is(nil)
+end)
