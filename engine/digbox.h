@@ -58,6 +58,7 @@ typedef enum dig_kind {
     DIG_QUAT,           /* quat, normalised                              */
     DIG_SIZE3,          /* vec3 > 0; a single number means a cube        */
     DIG_RANGE,          /* real[2], lo <= hi                             */
+    DIG_PAIR,           /* real[2], in any order                         */
     DIG_COLOUR,         /* vec3, 0..1 linear; x < 0 means "not given"    */
     DIG_TEXT,           /* dig_text                                      */
     DIG_MATERIAL,       /* dig_text: name of a material                  */

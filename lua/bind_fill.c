@@ -110,13 +110,13 @@ static void fill_range(const Fill *f, const dig_param *row, real *field)
 {
     lua_State *L = f->L;
     if (!lua_istable(L, -1) || lua_rawlen(L, -1) != 2)
-        wrong_kind(f, row, "{lowest, highest}");
+        wrong_kind(f, row, row->kind == DIG_RANGE ? "{lowest, highest}" : "{first, second}");
     for (int i = 0; i < 2; i++) {
         lua_rawgeti(L, -1, i + 1);
         field[i] = checked_real(f, row, -1, i == 0 ? "[1]" : "[2]");
         lua_pop(L, 1);
     }
-    if (!(field[0] <= field[1]))
+    if (row->kind == DIG_RANGE && !(field[0] <= field[1]))
         bind_error(L, "%s: %s = {%s, %s}%s%s, must have the lower bound first", f->subject, row->name,
                    lua_pushfstring(L, "%f", field[0]), lua_pushfstring(L, "%f", field[1]), *unit_of(row) ? " " : "", unit_of(row));
 }
@@ -291,7 +291,7 @@ void bind_fill_field(const Fill *f, const dig_param *row, void *field)
         break;
     case DIG_VEC3: case DIG_DIR: case DIG_SIZE3: fill_vec3(f, row, field); break;
     case DIG_QUAT: *(quat *)field = bind_quat(L, -1, f->what, row->name); break;
-    case DIG_RANGE: fill_range(f, row, field); break;
+    case DIG_RANGE: case DIG_PAIR: fill_range(f, row, field); break;
     case DIG_COLOUR: fill_colour(f, row, field); break;
     case DIG_TEXT: fill_text(f, row, field); break;
     case DIG_MATERIAL: fill_material(f, row, field); break;
@@ -378,7 +378,7 @@ void bind_push_field(lua_State *L, int world, const dig_param *row, const void *
     case DIG_BODY: bind_push_body(L, world, *(const dig_body *)field); break;
     case DIG_JOINT: bind_push_joint(L, world, *(const dig_joint *)field); break;
     case DIG_CHOICE: lua_pushstring(L, row->choices[*(const int64_t *)field]); break;
-    case DIG_RANGE:
+    case DIG_RANGE: case DIG_PAIR:
         lua_createtable(L, 2, 0);
         for (int i = 0; i < 2; i++) {
             lua_pushnumber(L, ((const real *)field)[i]);

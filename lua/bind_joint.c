@@ -6,16 +6,11 @@
 #include <stdio.h>
 #include <string.h>
 
-static const dig_param common_rows[] = {
-    {"name", DIG_TEXT, "", "name of the joint", 0, 0, 0, offsetof(dig_joint_def, name), NULL, NULL, false},
-    {"a", DIG_BODY, "", "one body", 0, 0, 0, offsetof(dig_joint_def, a), NULL, NULL, false},
-    {"b", DIG_BODY, "", "the other; none = the world", 0, 0, 0, offsetof(dig_joint_def, b), NULL, NULL, false},
-    {"at", DIG_VEC3, "m", "where", NAN, -1e6, 1e6, offsetof(dig_joint_def, at), NULL, NULL, false},
-    {"axis", DIG_DIR, "1", "about or along which", NAN, 0, 0, offsetof(dig_joint_def, axis), NULL, NULL, false},
-    {"breaks_at", DIG_REAL, "N", "force that breaks it", INFINITY, 0, INFINITY, offsetof(dig_joint_def, breaks_at), NULL, NULL, false},
-    {"collides", DIG_BOOL, "", "do a and b still touch?", 0, 0, 0, offsetof(dig_joint_def, collides), NULL, NULL, false},
-    {.name = NULL},
-};
+/* name a b at axis breaks_at collides; offsets into dig_joint_def */
+static const dig_param *common_rows(void)
+{
+    return dig_schema_at("joint.common", 0)->rows;
+}
 
 /* Other names of common fields; a type that has a row of that name keeps it. */
 static const struct { const char *alias, *name; } aliases[] = {
@@ -83,7 +78,7 @@ static void take_coupled_joints(const Fill *f, const dig_schema *schema, char *d
 static void fill_common(const Fill *f, const dig_schema *schema, dig_joint_def *def)
 {
     lua_State *L = f->L;
-    for (const dig_param *row = common_rows; row->name; row++) {
+    for (const dig_param *row = common_rows(); row->name; row++) {
         if (find_row(schema->rows, row->name))
             continue;
         if (lua_getfield(L, f->table, row->name) != LUA_TNIL)
@@ -94,7 +89,7 @@ static void fill_common(const Fill *f, const dig_schema *schema, dig_joint_def *
 
 static void check_joint_keys(lua_State *L, const char *what, const dig_schema *schema)
 {
-    const dig_param *sets[] = {schema->rows, common_rows, NULL};
+    const dig_param *sets[] = {schema->rows, common_rows(), NULL};
     const char *names[ALIAS_COUNT + 1] = {NULL};
     for (int i = 0; i < ALIAS_COUNT; i++)
         names[i] = aliases[i].alias;
@@ -225,12 +220,12 @@ static int joint_newindex(lua_State *L)
     const dig_schema *schema = dig_schema_find("joint", now.type);
     const dig_param *row = schema ? find_row(schema->rows, key) : NULL;
     if (!row && (strcmp(key, "breaks_at") == 0 || strcmp(key, "collides") == 0))
-        row = find_row(common_rows, key);
+        row = find_row(common_rows(), key);
     if (!row) {
         lua_newtable(L);
         lua_pushboolean(L, 1);
         lua_setfield(L, -2, "breaks_at");
-        for (row = schema ? schema->rows : common_rows; row->name; row++) {
+        for (row = schema ? schema->rows : common_rows(); row->name; row++) {
             lua_pushboolean(L, 1);
             lua_setfield(L, -2, row->name);
         }

@@ -490,24 +490,18 @@ static int world_sweep(lua_State *L)
 
 /* ---- the room, and materials ---------------------------------------------------------------- */
 
-static const dig_param room_rows[] = {
-    {"size", DIG_SIZE3, "m", "extents between the walls", 10, 1e-3, 1e6, offsetof(dig_room_def, size), NULL, NULL, false},
-    {"at", DIG_VEC3, "m", "centre of the floor", 0, -1e6, 1e6, offsetof(dig_room_def, at), NULL, NULL, false},
-    {"friction", DIG_REAL, "1", "friction of the walls", 0.5, 0, 1e3, offsetof(dig_room_def, friction), NULL, NULL, false},
-    {"restitution", DIG_REAL, "1", "restitution of the walls", 0, 0, 1, offsetof(dig_room_def, restitution), NULL, NULL, false},
-    {.name = NULL},
-};
-
 /* core.room(world, {size=, at=, friction=, restitution=}) */
 static int world_room(lua_State *L)
 {
     WorldRef *ref = bind_check_world(L, 1);
-    const dig_param *sets[] = {room_rows, NULL};
-    dig_room_def def = {{10, 10, 10}, {0, 0, 0}, 0.5, 0};
+    const dig_schema *schema = dig_schema_at("room", 0);
+    const dig_param *sets[] = {schema->rows, NULL};
+    dig_room_def def;
     luaL_checktype(L, 2, LUA_TTABLE);
     bind_check_keys(L, 2, "world:room", sets, NULL);
     Fill fill = {L, 2, 2, "world:room", "world:room", ref};
-    bind_fill(&fill, room_rows, &def);
+    dig_schema_defaults(schema, &def);
+    bind_fill(&fill, schema->rows, &def);
     dig_status s = dig_room_set(ref->w, &def);
     return s == DIG_OK ? 0 : bind_fail(L, ref->w, s);
 }

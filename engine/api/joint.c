@@ -57,8 +57,7 @@ static dig_status find_bodies(const World *w, const JointType *type, const dig_j
             const JointRec *j = api_joint(w, joints[k], type->name);
             if (!j)
                 return DIG_E_DEAD;
-            uint32_t body = j->b != NONE && w->bodies.data[j->b].kind == DIG_DYNAMIC && !(j->a != NONE && w->bodies.data[j->a].kind == DIG_DYNAMIC) ? j->b : j->a;
-            *(k ? &r->b : &r->a) = body;
+            *(k ? &r->b : &r->a) = w->bodies.data[j->a].kind == DIG_DYNAMIC || j->b == NONE ? j->a : j->b;
             r->other[k] = joints[k].slot;
         }
         return r->other[0] != r->other[1] ? DIG_OK : world_fail(w, DIG_E_ARG, "%s: a and b are the same joint", type->name);
@@ -127,6 +126,24 @@ static dig_status add_link(World *w, uint32_t slot)
     return DIG_OK;
 }
 
+/* What ranges cannot check; may complete params. */
+static dig_status check_params(const World *w, const JointRec *r, void *params)
+{
+    JointView view, other[2];
+    real memory[3][JOINT_MEMORY];
+    char why[256] = "";
+    if (!r->type->check)
+        return DIG_OK;
+    view_of(w, r, &view, memory[0]);
+    for (int k = 0; k < 2 && r->type->couples; k++) {
+        view_of(w, &w->joints.data[r->other[k]], &other[k], memory[k + 1]);
+        view.other[k] = &other[k];
+    }
+    view.params = params;
+    dig_status s = r->type->check(params, &view, why, sizeof why);
+    return s == DIG_OK ? s : world_fail(w, s, "%s: %s", r->type->name, why);
+}
+
 static dig_status prepare(World *w, const dig_joint_def *def, JointRec *r)
 {
     const JointType *type = def->type ? find_type(def->type) : NULL;
@@ -150,14 +167,7 @@ static dig_status prepare(World *w, const dig_joint_def *def, JointRec *r)
     memcpy(r->name, def->name.s, sizeof r->name);
     r->breaks_at = isfinite(def->breaks_at) ? def->breaks_at : 0;
     r->collides = def->collides || type->couples;
-    if (type->check) {
-        JointView view;
-        real memory[JOINT_MEMORY];
-        view_of(w, r, &view, memory);
-        if (type->check(r->params, &view, why, sizeof why) != DIG_OK)
-            return world_fail(w, DIG_E_ARG, "%s: %s", type->name, why);
-    }
-    return DIG_OK;
+    return check_params(w, r, r->params);
 }
 
 dig_status dig_joint_create(dig_world *w, const dig_joint_def *def, dig_joint *out)
@@ -219,20 +229,18 @@ dig_status dig_joint_get(const dig_world *w, dig_joint handle, dig_joint_state *
     out->a = body_handle(w, r->a);
     out->b = body_handle(w, r->b);
     out->at = view.a.p;
-    out->error = vec3_distance(view.a.p, view.b.p);
     if (r->type->coordinate)
         *(r->type->angular ? &out->angle : &out->distance) = r->type->coordinate(&view);
     if (r->type->two_anchors)
-        out->distance = out->error;
+        out->distance = vec3_distance(view.a.p, view.b.p);
     out->speed = r->type->speed ? r->type->speed(&view) : 0;
     out->force = r->force;
-    out->torque = r->torque;
+    out->torque = vec3_sub(r->torque, vec3_cross(view.a.r, r->force));      /* the couple at the anchor */
     out->at_limit = r->type->at_limit && r->type->at_limit(&view);
     Row rows[JOINT_SLOTS];
     RowList list = {rows, 0, JOINT_SLOTS};
     if (!r->type->couples) {
         r->type->rows(&view, &list);
-        out->error = 0;
         for (int i = 0; i < list.count; i++)
             if (rows[i].kind == ROW_HARD && !rows[i].angular)
                 out->error = hypot(out->error, rows[i].error);
@@ -261,7 +269,11 @@ dig_status dig_joint_set(dig_world *w, dig_joint handle, const char *name, const
         return world_fail(w, DIG_E_ARG, "%s: '%s' is fixed at creation", r->type->name, name);
     if (param_check_field(row, value, r->type->name, why, sizeof why) != DIG_OK)
         return world_fail(w, DIG_E_ARG, "%s", why);
-    memcpy((char *)r->params + offset, value, param_size(row));
+    real params[sizeof r->params / sizeof(real)];
+    memcpy(params, r->params, sizeof params);
+    memcpy((char *)params + offset, value, param_size(row));
+    DIG_TRY(check_params(w, r, params));
+    memcpy(r->params, params, sizeof params);
     if (r->a != NONE)
         body_wake(w, r->a);
     if (r->b != NONE)

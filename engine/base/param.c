@@ -49,7 +49,7 @@ size_t param_size(const dig_param *row)
     case DIG_BOOL: return sizeof(bool);
     case DIG_VEC3: case DIG_DIR: case DIG_SIZE3: case DIG_COLOUR: return sizeof(vec3);
     case DIG_QUAT: return sizeof(quat);
-    case DIG_RANGE: return 2 * sizeof(real);
+    case DIG_RANGE: case DIG_PAIR: return 2 * sizeof(real);
     case DIG_TEXT: case DIG_MATERIAL: return sizeof(dig_text);
     case DIG_BODY: return sizeof(dig_body);
     case DIG_JOINT: return sizeof(dig_joint);
@@ -89,7 +89,7 @@ static void default_field(const dig_param *row, char *field)
         memcpy(field, &q, sizeof q);
         break;
     }
-    case DIG_RANGE: {
+    case DIG_RANGE: case DIG_PAIR: {
         real r[2] = {x, x};
         memcpy(field, r, sizeof r);
         break;
@@ -206,7 +206,7 @@ static dig_status check_range(const dig_param *row, const void *field, const cha
     for (int i = 0; i < 2; i++)
         if (isnan(r[i]) || (has_range(row) && !(r[i] >= row->min && r[i] <= row->max)))
             return fail_bound(row, i == 0 ? "[1]" : "[2]", r[i], subject, why, capacity);
-    if (r[0] <= r[1])
+    if (row->kind == DIG_PAIR || r[0] <= r[1])
         return DIG_OK;
     snprintf(why, capacity, "%s: %s = {%g, %g} %s, must have the lower bound first", subject, row->name, r[0], r[1],
              shown_unit(row));
@@ -303,7 +303,7 @@ dig_status param_check_field(const dig_param *row, const void *field, const char
     case DIG_BOOL: return DIG_OK;
     case DIG_VEC3: case DIG_DIR: case DIG_SIZE3: case DIG_COLOUR: return check_vector(row, field, subject, why, capacity);
     case DIG_QUAT: return check_quat(row, field, subject, why, capacity);
-    case DIG_RANGE: return check_range(row, field, subject, why, capacity);
+    case DIG_RANGE: case DIG_PAIR: return check_range(row, field, subject, why, capacity);
     case DIG_TEXT: case DIG_MATERIAL: return check_text(row, field, subject, why, capacity);
     case DIG_POINTS: case DIG_INDICES: return check_list(row, field, subject, why, capacity);
     case DIG_BODY: case DIG_JOINT: return check_handle(row, field, subject, why, capacity);

@@ -64,7 +64,7 @@ static dig_status rows(void *state, Group *g)
         real slip[2];
         for (int k = 0; k < 2; k++)
             slip[k] = vec3_dot(r->t[k].n, vec3_sub(vb.v, va.v)) + vec3_dot(r->t[k].aa, va.w) + vec3_dot(r->t[k].ab, vb.w);
-        r->slides = hypot(slip[0], slip[1]) > 0.1 * g->close_speed + 1e-9;
+        r->slides = hypot(slip[0], slip[1]) > 0.01 * g->close_speed + 1e-9;
     }
     return DIG_OK;
 }

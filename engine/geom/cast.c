@@ -15,7 +15,13 @@ static box3 ball_bounds(const Shape *s, pose at)
     return box3_grow((box3){at.p, at.p}, s->round);
 }
 
-static const ShapeType ball_type = {.name = "ball", .doc = "What a cast moves.", .convex = true, .support = ball_support, .bounds = ball_bounds};
+static const ShapeType ball_type = {
+    .name    = "ball",
+    .doc     = "What a cast moves.",
+    .convex  = true,
+    .support = ball_support,
+    .bounds  = ball_bounds,
+};
 
 bool cast_ray(const Shape *s, pose at, vec3 from, vec3 velocity, real time, CastHit *hit)
 {
@@ -41,7 +47,8 @@ bool cast_arc(const Shape *s, pose at, vec3 from, real radius, vec3 velocity, ve
     Motion still = {.start = at}, flight = {.start = {from, quat_identity()}, .v = velocity, .a = acceleration};
     vec3 normal, point;
 
-    real t = shape_distance(s, at, &ball, flight.start, 0, &normal, &point, NULL) <= 0 ? 0 : time_of_impact(s, &still, &ball, &flight, 0, time, NULL);
+    bool inside = shape_distance(s, at, &ball, flight.start, 0, NULL, NULL, NULL) <= 0;
+    real t = inside ? 0 : time_of_impact(s, &still, &ball, &flight, 0, time, NULL);
     if (!(t <= time))
         return false;
     shape_distance(s, at, &ball, motion_at(&flight, t), INFINITY, &normal, &point, NULL);

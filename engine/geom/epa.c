@@ -213,25 +213,64 @@ static void fill(const Polytope *t, const EpaFace *face, ConvexGap *out)
     }
 }
 
-void epa_depth(const ConvexPair *p, vec3 hint, ConvexGap *out)
+static bool grow(Polytope *t, ConvexGap *out)
+{
+    real size = t->pair->size, enough = (convex_is_round(t->pair) ? ROUND_ENOUGH : ON_SURFACE) * size;
+    EpaFace best = nearest_face(t);
+    bool exact = false;
+    while (t->corner_count < EPA_CORNERS) {
+        EpaFace next = nearest_face(t);
+        if (best.offset > 0 && next.offset < best.offset - 1e-9 * size)     /* from inside it only ever grows: rounding broke it */
+            break;
+        best = next;
+        int i = add_corner(t, best.normal);
+        real out_by = vec3_dot(best.normal, t->w[i]) - best.offset;
+        exact = out_by <= ON_SURFACE * size;
+        if (out_by <= enough || !expand(t, i))
+            break;
+    }
+    fill(t, &best, out);
+    return exact;
+}
+
+bool epa_depth(const ConvexPair *p, vec3 hint, ConvexGap *out)
 {
     Polytope t;
     t.pair = p;
     t.corner_count = t.face_count = 0;
     *out = (ConvexGap){.normal = {0, 1, 0}};
-    if (!first_polytope(&t, hint, out))
-        return;
+    return !first_polytope(&t, hint, out) || grow(&t, out);
+}
 
-    real enough = (convex_is_round(p) ? ROUND_ENOUGH : ON_SURFACE) * p->size;
-    EpaFace best = nearest_face(&t);
-    while (t.corner_count < EPA_CORNERS) {
-        EpaFace next = nearest_face(&t);
-        if (best.offset > 0 && next.offset < best.offset - 1e-9 * p->size)  /* from inside it only ever grows: rounding broke it */
-            break;
-        best = next;
-        int i = add_corner(&t, best.normal);
-        if (vec3_dot(best.normal, t.w[i]) - best.offset <= enough || !expand(&t, i))
-            break;
+/* A pyramid over the patch. */
+bool epa_from_patch(const ConvexPair *p, const Patch *patch, ConvexGap *out)
+{
+    Polytope t;
+    ConvexGap found;
+    int n = patch->count;
+    t.pair = p;
+    t.face_count = 0;
+    t.corner_count = n;
+    for (int i = 0; i < n; i++) {
+        t.w[i] = patch->w[i];
+        t.a[i] = patch->a[i];
+        t.b[i] = patch->b[i];
     }
-    fill(&t, &best, out);
+    int apex = add_corner(&t, vec3_neg(patch->normal));
+    if (!(patch->offset - vec3_dot(patch->normal, t.w[apex]) > FLAT * p->size))
+        return false;
+    for (int i = 1; i + 1 < n; i++) {
+        if (!add_face(&t, 0, i, i + 1))
+            return false;
+        t.face[t.face_count - 1].normal = patch->normal;       /* the face's own: more exact than from the corners */
+        t.face[t.face_count - 1].offset = patch->offset;
+    }
+    for (int i = 0; i < n; i++)
+        if (!add_face(&t, (i + 1) % n, i, apex))
+            return false;
+    if (!grow(&t, &found))
+        return false;
+    if (!(vec3_dot(found.normal, patch->normal) > 0.5) || found.gap > -patch->offset + ON_SURFACE * p->size)
+        *out = found;                           /* nearer another way; else out holds the foot on the patch already */
+    return true;
 }

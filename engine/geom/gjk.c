@@ -214,18 +214,26 @@ bool gjk_distance(const ConvexPair *p, real enough, vec3 start, ConvexGap *out)
     return true;
 }
 
-void convex_gap(const ConvexPair *p, real enough, vec3 *axis, ConvexGap *out)
+static void search_gap(const ConvexPair *p, real enough, vec3 guess, ConvexGap *out)
 {
-    vec3 guess = axis && vec3_finite(*axis) ? *axis : vec3_zero();
-    bool apart = gjk_distance(p, enough, guess, out);
+    bool apart = gjk_distance(p, enough, guess, out), exact = false;
     real distance = out->gap;
+    if (apart && distance > enough)
+        return;
     if (!apart)
-        epa_depth(p, guess, out);
-    if (!(distance > enough) && convex_is_round(p))
+        exact = epa_depth(p, guess, out);
+    if (!exact && convex_is_round(p))
         convex_refine(p, out);
     /* beside an edge, planes of faces are nearer than the edge itself */
     if (!apart && out->gap > 0)
         out->gap = real_max(out->gap, distance);
+}
+
+void convex_gap(const ConvexPair *p, real enough, vec3 *axis, ConvexGap *out)
+{
+    vec3 guess = axis && vec3_finite(*axis) ? *axis : vec3_zero();
+    if (!patch_gap(p, guess, enough, out))
+        search_gap(p, enough, guess, out);
     if (axis)
         *axis = out->normal;
 }

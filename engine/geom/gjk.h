@@ -40,8 +40,20 @@ void convex_gap(const ConvexPair *p, real enough, vec3 *axis, ConvexGap *out);
 /* False when the cores touch or overlap: then only out->gap is filled, with what the distance certainly exceeds: 0 or next to it. */
 bool gjk_distance(const ConvexPair *p, real enough, vec3 start, ConvexGap *out);
 
-/* Nearest face of the difference of the cores, whether the origin is inside or (barely) outside. */
-void epa_depth(const ConvexPair *p, vec3 hint, ConvexGap *out);
+/* Nearest face of the difference of the cores, whether the origin is inside or (barely) outside. True when it is exact, not
+ * one of many small faces on a round side. */
+bool epa_depth(const ConvexPair *p, vec3 hint, ConvexGap *out);
+
+/* A flat patch of the difference's surface: three or four of its corners, counter-clockwise about the normal. */
+typedef struct Patch { vec3 normal; real offset; int count; vec3 w[4], a[4], b[4]; } Patch;
+
+bool patch_find(const ConvexPair *p, vec3 n, Patch *out);
+
+/* Tries the faces that look along the guess (zero: towards b). False proves nothing; true: out is the exact gap. */
+bool patch_gap(const ConvexPair *p, vec3 guess, real enough, ConvexGap *out);
+
+/* As epa_depth, starting from the patch: at once done when that is the nearest. */
+bool epa_from_patch(const ConvexPair *p, const Patch *patch, ConvexGap *out);
 
 /* Shapes with rims and round sides: GJK and the polytope close in on them by parts only. */
 bool convex_is_round(const ConvexPair *p);

@@ -222,7 +222,8 @@ static void clip_faces(const Pair *p, const Frame *f, const real n[3], bool ref_
         if (ref_is_a)
             contacts_add(c, p->reach, on_ref, on_incident, 1u << 16 | k->incident << 8 | k->ref);
         else
-            contacts_add(c, p->reach, convex_point_b(&p->c, on_incident), convex_point_b(&p->c, on_ref), 1u << 16 | k->ref << 8 | k->incident);
+            contacts_add(c, p->reach, convex_point_b(&p->c, on_incident), convex_point_b(&p->c, on_ref),
+                         1u << 16 | k->ref << 8 | k->incident);
     }
 }
 
@@ -273,7 +274,8 @@ static void add_crossing(const Pair *p, const Boxes *x, const Axis *e, const rea
     vec3 a0 = vec3_sub(middle_a, da), a1 = vec3_add(middle_a, da), b0 = vec3_sub(middle_b, db), b1 = vec3_add(middle_b, db);
     segment_nearest(a0, a1, b0, b1, &s, &t);
     if (s > 0 && s < 1 && t > 0 && t < 1)
-        contacts_add(c, p->reach, vec3_lerp(a0, a1, s), vec3_lerp(b0, b1, t), 1u << 16 | edge_number(e->j, cb) << 8 | edge_number(e->i, ca));
+        contacts_add(c, p->reach, vec3_lerp(a0, a1, s), vec3_lerp(b0, b1, t),
+                     1u << 16 | edge_number(e->j, cb) << 8 | edge_number(e->i, ca));
 }
 
 /* Crossing edges: nearly flat boxes still touch along an area, measured along the edges' normal; others in one point. */

@@ -87,14 +87,9 @@ static Corner cut(const Corner *in, const Corner *out, const Corner *first, int 
 }
 
 /* One side plane (Sutherland & Hodgman 1974). Corners on it within `same` count as inside and are not cut again. */
-static int clip(const Corner *from, int count, Corner *to, vec3 at, vec3 outward, int side, real same)
+static int clip(const Corner *in, int count, Corner *to, int side, real same)
 {
-    Corner in[CORNERS];
     int n = 0;
-    for (int i = 0; i < count; i++) {
-        in[i] = from[i];
-        in[i].outside = vec3_dot(outward, vec3_sub(in[i].p, at));
-    }
     for (int i = 0; i < count; i++) {
         const Corner *c = &in[i], *next = &in[(i + 1) % count];
         bool here = c->outside <= same, there = next->outside <= same;
@@ -126,7 +121,14 @@ static void clip_polygon(const Face *ref, const Face *incident, real same, Clipp
     for (int s = 0; s < ref->count && out->count > 0; s++) {
         vec3 e = vec3_sub(ref->corner[(s + 1) % ref->count], ref->corner[s]);
         vec3 outward = vec3_unit_or(vec3_cross(e, ref->normal), vec3_zero());
-        int n = clip(out->at, out->count, other, ref->corner[s], outward, s, same);
+        bool crosses = false;
+        for (int i = 0; i < out->count; i++) {
+            out->at[i].outside = vec3_dot(outward, vec3_sub(out->at[i].p, ref->corner[s]));
+            crosses = crosses || out->at[i].outside > same;
+        }
+        if (!crosses)
+            continue;
+        int n = clip(out->at, out->count, other, s, same);
         memcpy(out->at, other, (size_t)n * sizeof *other);
         out->count = n;
     }

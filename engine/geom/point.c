@@ -96,7 +96,8 @@ static bool cone_point(const Shape *s, vec3 p, real *gap, vec3 *normal, vec3 *on
         *on = from_half_plane(radial, side_rho, side_y);
         bool plain = (along >= 0 && along <= c->slant) || !(to_side > 0);       /* on the side itself the normal is its own */
         *gap = plain ? side : to_side;
-        *normal = plain ? from_half_plane(radial, c->height / c->slant, c->radius / c->slant) : from_half_plane(radial, x / to_side, y / to_side);
+        *normal = plain ? from_half_plane(radial, c->height / c->slant, c->radius / c->slant)
+                        : from_half_plane(radial, x / to_side, y / to_side);
         return true;
     }
     *gap = to_base;

@@ -18,7 +18,7 @@ typedef struct Gear {
 static const dig_param gear_rows[] = {
     {.name = "a", .kind = DIG_JOINT, .unit = "", .doc = "one hinge", .offset = offsetof(Gear, a), .required = true},
     {.name = "b", .kind = DIG_JOINT, .unit = "", .doc = "the other hinge", .offset = offsetof(Gear, b), .required = true},
-    {.name = "ratio", .kind = DIG_RANGE, .unit = "1", .doc = "speed of a * first = speed of b * second", .fallback = 1,
+    {.name = "ratio", .kind = DIG_PAIR, .unit = "1", .doc = "speed of a * first = speed of b * second", .fallback = 1,
      .min = -1e6, .max = 1e6, .offset = offsetof(Gear, ratio)},
     {.name = NULL},
 };

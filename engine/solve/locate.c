@@ -63,7 +63,7 @@ static real locate_apart(const Group *g, const GroupPair *q)
     return gap > 0 ? t + gap / speed : t;       /* Newton's last step: from the tolerance to the rounding error */
 }
 
-/* The other points of a pair that touches already: their gaps as parabolas of time. */
+/* Points of a pair that touches already: their gaps as parabolas of time. */
 static real locate_points(const Group *g, const GroupPair *q, real tolerance)
 {
     real first = INFINITY;
@@ -72,11 +72,14 @@ static real locate_points(const Group *g, const GroupPair *q, real tolerance)
         const GroupContact *c = &g->contacts[i];
         for (int k = 0; c->live && k < c->manifold.count; k++) {
             const ManifoldPoint *p = &c->manifold.points[k];
-            if (p->gap <= tolerance)
-                continue;
             vec3 n = c->manifold.normal;
             real v0 = vec3_dot(n, vec3_sub(velocity_at(&b, p->b, 0), velocity_at(&a, p->a, 0)));
             real acc = vec3_dot(n, vec3_sub(b.a, a.a));
+            if (p->gap <= tolerance) {
+                if (v0 > g->close_speed && -2 * v0 >= acc * g->h)       /* leaves and comes back */
+                    first = real_min(first, -2 * v0 / acc);
+                continue;
+            }
             /* gap + v0 t + acc t^2 / 2 = 0, the root without cancellation */
             real d = v0 * v0 - 2 * acc * p->gap;
             if (!(d > 0) || !(sqrt(d) > g->close_speed))

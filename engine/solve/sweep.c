@@ -57,7 +57,10 @@ static void turn_body(Group *g, int i, vec3 mean_w)
     for (int k = 0; k < parts; k++)
         q = turn(m, q, mean, g->h / parts);
     g->pos[i].q = q;
-    g->vel[i].w = quat_rotate(q, mat3_mul_vec(m->inv_inertia, quat_unrotate(q, end)));
+    vec3 l = quat_unrotate(q, end), w = mat3_mul_vec(m->inv_inertia, l);
+    /* refined once: the rounding of inertia times inverse would add up to a drift of the angular momentum */
+    w = vec3_add(w, mat3_mul_vec(m->inv_inertia, vec3_sub(l, mat3_mul_vec(m->inertia, w))));
+    g->vel[i].w = quat_rotate(q, w);
     group_refresh_mass(g, i);
 }
 
@@ -103,7 +106,7 @@ static void mark_constrained(Group *g)
             continue;               /* it could have touched, but did not: free flight */
         /* a point that carries on is smooth, though turning bodies approach there a little at each substep's start */
         bool carries = g->contacts[r->contact].memory[r->point].normal > 0;
-        bool rough = !g->locate || r->target < -1e-6 || (r->rate_before < -1e-6 && !carries);
+        bool rough = !g->locate || r->target < -1e-6 || (fabs(r->rate_before) > 1e-6 && !carries);
         for (int k = 0; k < 2; k++) {
             Member *m = &g->member[k ? r->b : r->a];
             m->constrained = true;

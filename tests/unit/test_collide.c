@@ -367,7 +367,8 @@ TEST(any_cache_gives_the_same_contact)
 int main(void)
 {
     RUN_TESTS(unit_test(spheres_touch_on_the_line_of_centres), unit_test(a_sphere_meets_a_box_at_face_edge_and_from_inside),
-              unit_test(spheres_near_cones_and_cylinders_have_sampled_distances), unit_test(a_box_resting_on_a_box_keeps_its_normal_and_points),
+              unit_test(spheres_near_cones_and_cylinders_have_sampled_distances),
+              unit_test(a_box_resting_on_a_box_keeps_its_normal_and_points),
               unit_test(a_hovering_box_gets_its_four_corners), unit_test(four_of_eight_points_span_the_largest_area),
               unit_test(the_deepest_point_is_always_kept), unit_test(crossed_edges_touch_in_one_point),
               unit_test(a_lying_capsule_has_two_points_and_a_steep_one_has_one), unit_test(parallel_capsules_touch_along_a_line),

@@ -124,7 +124,8 @@ TEST(small_gaps_and_depths_are_exact)
     Random r = {5};
     for (int i = 0; i < 400; i++) {
         real gap = pow(10, -random_between(&r, 3, 16)) * (i % 2 ? -1 : 1);
-        pose over = {{random_between(&r, -0.4, 0.4), 1 + gap, random_between(&r, -0.4, 0.4)}, quat_axis_angle((vec3){0, 1, 0}, random_between(&r, 0, 3))};
+        quat turn = quat_axis_angle((vec3){0, 1, 0}, random_between(&r, 0, 3));
+        pose over = {{random_between(&r, -0.4, 0.4), 1 + gap, random_between(&r, -0.4, 0.4)}, turn};
         vec3 n;
         CHECK_NEAR(shape_distance(&box, pose_identity(), &hull, over, INFINITY, &n, NULL, NULL), gap, 1e-15);
         CHECK_NEAR(n.y, 1, 1e-15);
@@ -182,6 +183,7 @@ int main(void)
 {
     RUN_TESTS(unit_test(boxes_agree_with_their_separating_axes), unit_test(moving_by_the_depth_makes_contact_end),
               unit_test(capsules_and_spheres_have_segment_distances), unit_test(needles_and_plates_keep_their_digits),
-              unit_test(far_shapes_have_exact_distances), unit_test(small_gaps_and_depths_are_exact), unit_test(enough_stops_early_but_never_lies),
+              unit_test(far_shapes_have_exact_distances), unit_test(small_gaps_and_depths_are_exact),
+              unit_test(enough_stops_early_but_never_lies),
               unit_test(round_depths_equal_the_least_support_distance));
 }

@@ -73,7 +73,8 @@ TEST(sliding_over_flat_triangles_shows_only_the_planes_normal)
     vec3 up = {0, 1, 0}, out = vec3_unit((vec3){-0.2, 1, 0});
     quat along = quat_between(up, out);
     Shape ground[4] = {mesh_of(flat), field_of(flat), mesh_of(ramp), field_of(ramp)};
-    Shape ball = fixture_sphere(0.3), box = fixture_box(0.7, 0.4, 0.9), capsule = fixture_capsule(0.2, 0.8), cylinder = fixture_cylinder(0.3, 0.5);
+    Shape ball = fixture_sphere(0.3), box = fixture_box(0.7, 0.4, 0.9);
+    Shape capsule = fixture_capsule(0.2, 0.8), cylinder = fixture_cylinder(0.3, 0.5);
     quat lying = quat_axis_angle((vec3){0, 0, 1}, DIG_PI / 2), turned = quat_axis_angle(up, 0.4);
     for (int k = 0; k < 4; k++) {
         vec3 n = k < 2 ? up : out;

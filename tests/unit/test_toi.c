@@ -227,7 +227,8 @@ TEST(far_shapes_cost_no_gap_at_all)
 
 int main(void)
 {
-    RUN_TESTS(unit_test(free_fall_of_a_sphere_takes_the_root_of_2h_over_g), unit_test(a_thrown_ball_that_does_not_reach_the_ceiling_meets_nothing),
+    RUN_TESTS(unit_test(free_fall_of_a_sphere_takes_the_root_of_2h_over_g),
+              unit_test(a_thrown_ball_that_does_not_reach_the_ceiling_meets_nothing),
               unit_test(a_turning_rod_meets_a_wall_when_its_end_gets_there), unit_test(fast_spheres_never_pass_a_thin_wall),
               unit_test(spinning_rods_are_never_missed), unit_test(tumbling_shapes_meet_at_the_target_and_not_before),
               unit_test(what_starts_at_the_target_counts_only_when_it_approaches),

@@ -160,7 +160,8 @@ static bool slab(box3 b, vec3 from, vec3 along, real length)
 {
     real enter = 0, leave = length;
     for (int k = 0; k < 3; k++) {
-        real t0 = (vec3_at(b.low, k) - vec3_at(from, k)) / vec3_at(along, k), t1 = (vec3_at(b.high, k) - vec3_at(from, k)) / vec3_at(along, k);
+        real t0 = (vec3_at(b.low, k) - vec3_at(from, k)) / vec3_at(along, k);
+        real t1 = (vec3_at(b.high, k) - vec3_at(from, k)) / vec3_at(along, k);
         enter = real_max(enter, real_min(t0, t1));
         leave = real_min(leave, real_max(t0, t1));
     }

@@ -1,0 +1,205 @@
+-- api_events.lua: events, messages, DIGs and tasks.
+local digbox = require "digbox"
+local test = require "digbox.test"
+local scenario, expect = test.scenario, test.expect
+
+-- A ball 1 m above a floor.
+local function drop(world)
+  local floor = world:floor {}
+  local ball = world:ball { name = "ball", radius = 0.1, at = { 0, 1.1, 0 }, restitution = 0.5 }
+  return floor, ball
+end
+
+scenario("a contact begins when and as fast as free fall says", function(s)
+  local world = s.world
+  local floor, ball = drop(world)
+  local seen = {}
+  ball:on("contact_begin", function(e) seen[#seen + 1] = e end)
+  world:run(1)
+  local e = seen[1]
+  expect(e.time):near(math.sqrt(2 / 9.81), "1 ms")
+  expect(e.speed):near(math.sqrt(2 * 9.81), "1 cm/s")
+  expect(e.self):is(ball)
+  expect(e.other):is(floor)
+  expect(e.point):near({ 0, 0, 0 }, "2 mm")
+  expect(math.abs(e.normal.y)):near(1, 1e-6)
+  expect(e.event):is "contact_begin"
+end)
+
+scenario("the normal of an event points away from its body", function(s)
+  local world = s.world
+  local floor, ball = drop(world)
+  local from_ball, from_floor
+  ball:on("contact_begin", function(e) from_ball = from_ball or e.normal end)
+  floor:on("contact_begin", function(e) from_floor = from_floor or e.normal end)
+  world:run(1)
+  expect(from_ball):near({ 0, -1, 0 }, 1e-6)
+  expect(from_floor):near({ 0, 1, 0 }, 1e-6)
+end)
+
+scenario("filters keep what is not asked for away", function(s)
+  local world = s.world
+  local floor, ball = drop(world)
+  local other = world:ball { radius = 0.1, at = { 5, 1.1, 0 } }
+  local counts = { slow = 0, fast = 0, floor = 0, other = 0, all = 0 }
+  local function counter(key) return function() counts[key] = counts[key] + 1 end end
+  ball:on("impact", { faster_than = "0.1 m/s" }, counter "slow")
+  ball:on("impact", { faster_than = "100 m/s" }, counter "fast")
+  ball:on("impact", { with = floor }, counter "floor")
+  ball:on("impact", { with = other }, counter "other")
+  world:on("impact", counter "all")
+  world:run(1)
+  expect(counts.slow):above(0)
+  expect(counts.fast):is(0)
+  expect(counts.floor):at_least(counts.slow)
+  expect(counts.other):is(0)
+  expect(counts.all):above(counts.floor)
+end)
+
+scenario("handlers run in the order they were added, and off means off", function(s)
+  local world = s.world
+  local _, ball = drop(world)
+  local order = {}
+  world:on("contact_begin", function() order[#order + 1] = "w1" end)
+  ball:on("contact_begin", function() order[#order + 1] = "b" end)
+  local sub = world:on("contact_begin", function() order[#order + 1] = "off" end)
+  world:on("contact_begin", function() order[#order + 1] = "w2" end)
+  sub:off()
+  s:eventually("contact", "1 s", function() return #order > 0 end)
+  expect(order):is { "w1", "b", "w2" }
+end)
+
+scenario("anything may be made and removed in a handler, but not stepped", function(s)
+  local world = s.world
+  local _, ball = drop(world)
+  local message, made
+  ball:on("contact_begin", function(e)
+    message = expect(function() world:step() end):fails()
+    expect(function() world:run(1) end):fails()
+    expect(function() world:close() end):fails()
+    made = world:ball { name = "made", radius = 0.1, at = { 3, 1, 0 } }
+    e.self:remove()
+  end)
+  world:run(1)
+  expect(message):contains "world:step() cannot be called inside a handler of 'contact_begin'"
+  expect(ball.valid):is(false)
+  expect(made.valid):is(true)
+  expect(made.position.y):below(1)
+end)
+
+scenario("an error in a handler names the event and the time", function(s)
+  local world = s.world
+  local _, ball = drop(world)
+  ball:on("contact_begin", function() error "oops" end)
+  local message = expect(function() world:run(1) end):fails()
+  expect(message):contains "oops (in a handler of 'contact_begin' at t = 0.45"
+  world:step()                              -- and the world goes on
+end)
+
+scenario("a body falls asleep and wakes", function(s)
+  local world = s.world
+  world:floor {}
+  local box = world:box { size = 0.2, at = { 0, 0.1, 0 } }
+  local slept, woke = 0, 0
+  box:on("slept", function() slept = slept + 1 end)
+  box:on("woke", function() woke = woke + 1 end)
+  s:eventually("asleep", "5 s", function() return box.asleep end)
+  expect(slept):is(1)
+  expect(box.mode):is "resting"
+  box:hit { impulse = { 0, box.mass, 0 } }
+  world:step(2)
+  expect(woke):is(1)
+  expect(box.awake):is(true)
+end)
+
+scenario("DIGs merge when things meet and split when they part", function(s)
+  local world = s:world { gravity = { 0, 0, 0 } }
+  local a = world:ball { name = "a", radius = 0.5, at = { 0, 0, 0 }, restitution = 1 }
+  local b = world:ball { name = "b", radius = 0.5, at = { 2, 0, 0 }, velocity = { -1, 0, 0 }, restitution = 1 }
+  local merged, split = 0, 0
+  world:on("merged", function(e) merged = merged + 1; expect(e.dig):is_not(nil) end)
+  world:on("split", function(e) split = split + 1; expect(e.other_dig):is_not(nil) end)
+  expect(a.dig == b.dig):is(false)
+  expect(#world:digs()):is(2)
+  s:eventually("met", "2 s", function() return merged == 1 end)
+  s:eventually("parted", "2 s", function() return split == 1 end)
+  expect(a.dig == b.dig):is(false)
+  expect(a.dig.size):is(1)
+  expect(a.velocity):near({ -1, 0, 0 }, "1 mm/s")
+end)
+
+scenario("who acts on whom, through whom", function(s)
+  local world = s.world
+  local floor = world:floor {}
+  local low = world:box { name = "low", size = 0.2, at = { 0, 0.1, 0 }, mass = 1 }
+  local high = world:box { name = "high", size = 0.2, at = { 0, 0.3, 0 }, mass = 1 }
+  s:settle "1 s"
+  expect(high:neighbours()):is { low }
+  expect(low:neighbours { kind = "contact" }):contains(floor)
+  expect(low:neighbours { kind = "joint" }):is_empty()
+  expect(low.dig == high.dig):is(true)
+  expect(floor.dig):is(nil)
+  expect(low.dig.size):is(2)
+  expect(low.dig:members()):is { low, high }
+  expect(digbox.path(high, floor)):is { high, low, floor }
+  expect(high:links()[1].kind):is "contact"
+  expect(#high:links()[1].effort):near("9.81 N", "0.1 N")
+  expect(high:dig_of "mechanical"):is(high.dig)
+  expect(high:dig_of "electrical"):is(nil)
+  expect(function() high:neighbours { kind = "contakt" } end):fails()
+end)
+
+scenario("messages reach who they are sent to", function(s)
+  local world = s.world
+  world:floor {}
+  local low = world:box { name = "low", size = 0.2, at = { 0, 0.1, 0 } }
+  local high = world:box { name = "high", size = 0.2, at = { 0, 0.3, 0 } }
+  local got = {}
+  world:on("message", { kind = "hello" }, function(e) got[#got + 1] = e end)
+  s:settle "0.5 s"
+  high:send(low, "hello", { 1, 2, 3 })
+  world:step(2)
+  expect(#got):is(1)
+  expect(got[1].from):is(high)
+  expect(got[1].to):is(low)
+  expect(got[1].value):is(1.0)
+  expect(got[1].values):is { 1.0, 2.0, 3.0, 0.0 }
+  low.dig:broadcast("hello", 7)
+  world:step(2)
+  expect(#got):is(3)
+  local all = world:messages()
+  expect(all[#all].kind):is "hello"
+  expect(high:flood("hello", 1)):at_least(1)
+end)
+
+scenario("tasks wait for times and for conditions", function(s)
+  local world = s:world { step = 0.01 }
+  local ball = world:ball { radius = 0.1, at = { 0, 10, 0 } }
+  local log = {}
+  world:spawn(function(task)
+    log[#log + 1] = world.time
+    task:wait "0.5 s"
+    log[#log + 1] = world.time
+    log[#log + 1] = task:wait_until(function() return ball.position.y < 8 end, "3 s")
+    log[#log + 1] = world.time
+    log[#log + 1] = task:wait_until(function() return false end, "0.1 s")
+  end)
+  expect(world.tasks):is(1)
+  world:run(2)
+  expect(world.tasks):is(0)
+  expect(log[1]):is(0.0)
+  expect(log[2]):near(0.5, 1e-9)
+  expect(log[3]):is(true)
+  expect(log[4]):near(math.sqrt(4 / 9.81), 0.011)
+  expect(log[5]):is(false)
+end)
+
+scenario("an error in a task comes out with its own line", function(s)
+  local world = s.world
+  world:spawn(function(task)
+    task:wait(0.1)
+    error "in the task"
+  end)
+  expect(expect(function() world:run(1) end):fails()):contains "in the task"
+  expect(function() world:spawn(3) end):fails()
+end)

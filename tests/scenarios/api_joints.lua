@@ -1,0 +1,144 @@
+-- api_joints.lua: every joint type from Lua: its fields, what it reads, what it refuses.
+local test = require "digbox.test"
+local scenario, expect = test.scenario, test.expect
+
+-- A bar of 1 m along x with its left end at the origin, and nothing else.
+local function bar(world, fields)
+  local f = { size = { 1, 0.1, 0.1 }, at = { 0.5, 0, 0 }, mass = 1, name = "bar" }
+  for k, v in pairs(fields or {}) do f[k] = v end
+  return world:box(f)
+end
+
+scenario("a hinge swings like a pendulum, and reads its angle", function(s)
+  local world = s.world
+  local b = bar(world)
+  local hinge = world:hinge { name = "pivot", a = b, at = { 0, 0, 0 }, axis = { 0, 0, 1 } }
+  expect(hinge.type):is "hinge"
+  expect(hinge.name):is "pivot"
+  expect(hinge.a):is(b)
+  expect(hinge.b):is(nil)
+  expect(hinge.angle):near(0, 1e-9)
+  s:eventually("hangs down", "2 s", function() return hinge.angle < -1.5 end)
+  -- A uniform bar let go level: omega^2 = 3 g sin(angle) / l
+  expect(math.abs(hinge.speed)):near(math.sqrt(3 * 9.81 * math.sin(-hinge.angle)), "0.1 rad/s")
+  expect(hinge.error):below("1 mm")
+  expect(tostring(hinge)):is "hinge 'pivot'"
+  expect(world:joints()):is { hinge }
+  expect(world:find "pivot"):is(hinge)
+end)
+
+scenario("limits, springs and motors are tables with units", function(s)
+  local world = s:world { gravity = { 0, 0, 0 } }
+  local b = bar(world)
+  local hinge = world:hinge { a = b, at = { 0, 0, 0 }, axis = { 0, 1, 0 }, limits = { "-45 deg", "45 deg" },
+    motor = { speed = "10 rpm", max_torque = "5 N m" } }
+  s:settle "0.5 s"
+  expect(hinge.speed):near("10 rpm", "0.1 rpm")
+  hinge.motor = { speed = "-10 rpm" }
+  s:settle "0.5 s"
+  expect(hinge.speed):near("-10 rpm", "0.1 rpm")
+  hinge:set { motor = { speed = 3 } }
+  s:settle "2 s"
+  expect(hinge.angle):near("45 deg", "1 deg")
+  expect(hinge.at_limit):is(true)
+  expect(function() hinge.limits = { 1, -1 } end):fails()
+  local text = expect(function() hinge.moter = {} end):fails()
+  expect(text):contains "hinge has no parameter 'moter' (did you mean 'motor'?)"
+  text = expect(function() return hinge.motor end):fails()
+  expect(text):contains "can be set, not read"
+end)
+
+scenario("a slider keeps to its line", function(s)
+  local world = s.world
+  local b = bar(world)
+  local slider = world:slider { a = b, along = { 1, 0, 0 }, limits = { 0, "30 cm" } }
+  b:push { force = "1 N", along = { 1, 0, 0 }, lasts = "2 s" }
+  s:settle "1.5 s"
+  expect(slider.distance):near("30 cm", "1 mm")
+  expect(b.position.y):near(0, "1 mm")
+end)
+
+scenario("ball joints, welds, distances, ropes and springs hold", function(s)
+  local world = s.world
+  local function hung(x, name) return bar(world, { at = { x, 0, 0 }, size = 0.2, name = name }) end
+  local ball = world:ball_joint { a = hung(0, "b"), at = { 0, 0.5, 0 } }
+  local weld = world:weld { a = hung(2, "w") }
+  local rope = world:rope { a = hung(4, "r"), at = { 4, 1, 0 }, length = "1.2 m" }
+  local mass = hung(6, "s")
+  local spring = world:spring { a = mass, at = { 6, 1, 0 }, stiffness = "200 N/m", damping = "20 N s/m", length = "1 m" }
+  expect(ball.type):is "ball"
+  s:settle "4 s"
+  expect(ball.error):below("1 mm")
+  expect(weld.a.position):near({ 2, 0, 0 }, "1 mm")
+  expect(rope.distance):near("1.2 m", "2 mm")
+  expect(spring.distance):near(1 + 9.81 / 200, "2 mm")
+end)
+
+scenario("a gear couples two hinges by the ratio of their teeth", function(s)
+  local world = s:world { gravity = { 0, 0, 0 } }
+  local small = world:cylinder { radius = 0.1, height = 0.1, at = { 0, 0, 0 } }
+  local large = world:cylinder { radius = 0.3, height = 0.1, at = { 1, 0, 0 } }
+  local h1 = world:hinge { a = small, at = { 0, 0, 0 }, axis = { 0, 1, 0 }, motor = { speed = "12 rad/s", max_torque = 100 } }
+  local h2 = world:hinge { a = large, at = { 1, 0, 0 }, axis = { 0, 1, 0 } }
+  world:gear { a = h1, b = h2, ratio = { 1, 12 } }
+  s:settle "1 s"
+  expect(h1.speed):near(12, 0.05)
+  expect(h2.speed):near(1, 0.01)
+  expect(function() world:gear { a = h1, b = small, ratio = { 1, 2 } } end):fails()
+end)
+
+scenario("a bolt holds until it is withdrawn", function(s)
+  local world = s.world
+  local cabinet = world:box { name = "cabinet", fixed = true, size = 0.5, at = { 0, 1, 0 } }
+  local box = world:box { name = "box", size = 0.2, at = { 0, 0.6, 0 }, mass = 2 }
+  local bolt = world:bolt { name = "bolt", holds = box, into = cabinet, strength = "500 N" }
+  expect(bolt.a):is(box)
+  expect(bolt.b):is(cabinet)
+  s:settle "1 s"
+  expect(box.position):near({ 0, 0.6, 0 }, "1 mm")
+  expect(#bolt.force):near("19.62 N", "0.5 N")
+  bolt:withdraw()
+  expect(bolt.valid):is(false)
+  s:eventually("it falls", "1 s", function() return box.position.y < 0 end)
+  expect(expect(function() return bolt.force end):fails()):contains "joint 'bolt' was removed at "
+end)
+
+scenario("a joint breaks at its limit and says so", function(s)
+  local world = s.world
+  local box = world:box { name = "box", size = 0.2, at = { 0, 2, 0 }, mass = 2 }
+  local joint = world:weld { name = "glue", a = box, breaks_at = "10 N" }
+  local broken
+  world:on("broken", function(e) broken = e.joint and e.joint.name or "?" end)
+  s:eventually("it breaks", "1 s", function() return not joint.valid end)
+  expect(broken):is "glue"
+end)
+
+scenario("a rope of segments hangs between its ends", function(s)
+  local world = s.world
+  local a = world:box { name = "a", fixed = true, size = 0.1, at = { -1, 3, 0 } }
+  local b = world:box { name = "b", fixed = true, size = 0.1, at = { 1, 3, 0 } }
+  local rope = world:rope { name = "rope", a = a, b = b, length = "3 m", segments = 10, radius = "1 cm", mass = "0.1 kg" }
+  expect(#rope.links):is(10)
+  expect(#rope.joints):is(11)
+  s:settle "3 s"
+  local lowest = 3
+  for _, link in ipairs(rope.links) do lowest = math.min(lowest, link.position.y) end
+  expect(lowest):between(1.5, 2.2)
+  expect(function() world:rope { a = a, b = b, length = 1, segments = 4 } end):fails()
+end)
+
+scenario("what a joint cannot be is refused, with its name", function(s)
+  local world = s.world
+  local b, other = bar(world), world:box { size = 0.1, at = { 5, 0, 0 } }
+  local function says(fn, wanted) expect((expect(fn):fails():gsub("^.-:%d+: ", ""))):contains(wanted) end
+  says(function() world:hinge { a = b, axis = { 0, 0, 0 } } end, "axis = {0, 0, 0}, must not be zero: it is a direction")
+  says(function() world:hinge { a = b, limits = { 1, -1 } } end, "limits = {1.0, -1.0} rad, must have the lower bound first")
+  says(function() world:hinge { name = "h", a = b, breaks_at = -1 } end, "joint 'h': breaks_at = -1 N, must be >= 0")
+  says(function() world:hinge { a = b, motor = { sped = 1 } } end, "world:hinge.motor: unknown field 'sped' (did you mean 'speed'?)")
+  says(function() world:hinge { a = b, motor = { speed = "1 m/s" } } end,
+    "world:hinge.motor.speed wants an angular speed; '1 m/s' is a speed")
+  says(function() world:hinge { a = b, b = b } end, "world:hinge")
+  says(function() world:hinge { a = world } end, "world:hinge.a wants a body; got userdata")
+  says(function() world:bolt { holds = b, a = other } end, "world:bolt: holds and a are the same field")
+  says(function() world:spring { a = b, stiffness = "5 N" } end, "world:spring.stiffness wants a stiffness; '5 N' is a force")
+end)

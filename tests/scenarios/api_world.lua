@@ -1,0 +1,256 @@
+-- api_world.lua: worlds, values, bodies, time: what lua-api.md promises, checked on scenes with known answers.
+local digbox = require "digbox"
+local test = require "digbox.test"
+local scenario, expect = test.scenario, test.expect
+
+local g = 9.81
+
+scenario("vectors are values", function()
+  local v, w = digbox.vec(1, 2, 3), digbox.vec { 4, 5, 6 }
+  expect(v + w):is(digbox.vec(5, 7, 9))
+  expect(v - w):is(digbox.vec(-3, -3, -3))
+  expect(2 * v):is(v * 2)
+  expect(v / 2):is(digbox.vec(0.5, 1, 1.5))
+  expect(-v):is(digbox.vec(-1, -2, -3))
+  expect(v:dot(w)):is(32.0)
+  expect(v:cross(w)):is(digbox.vec(-3, 6, -3))
+  expect(#digbox.vec(3, 4, 0)):is(5.0)
+  expect(v:length()):near(math.sqrt(14), 1e-15)
+  expect(#v:normalized()):near(1, 1e-15)
+  expect(v == digbox.vec(1, 2, 3)):is(true)
+  expect(v + { 1, 1, 1 }):is(digbox.vec(2, 3, 4))
+  expect(v[2]):is(2.0)
+  expect(tostring(v)):is "(1, 2, 3)"
+  expect(digbox.vec("4 cm", 0, 0).x):near(0.04, 1e-18)
+end)
+
+scenario("rotations turn vectors", function()
+  local q = digbox.quat { axis = { 0, 0, 1 }, angle = "90 deg" }
+  expect(q:rotate { 1, 0, 0 }):near({ 0, 1, 0 }, 1e-15)
+  expect(q * digbox.vec(0, 1, 0)):near({ -1, 0, 0 }, 1e-15)
+  expect((q * q):rotate { 1, 0, 0 }):near({ -1, 0, 0 }, 1e-15)
+  expect(q:inverse():rotate { 0, 1, 0 }):near({ 1, 0, 0 }, 1e-15)
+  expect(q.angle):near("90 deg", 1e-12)
+  expect(digbox.quat { from = { 0, 1, 0 }, to = { 1, 0, 0 } }:rotate { 0, 5, 0 }):near({ 5, 0, 0 }, 1e-14)
+  expect(digbox.quat { from = { 0, 1, 0 }, to = { 0, -1, 0 } }:rotate { 0, 1, 0 }):near({ 0, -1, 0 }, 1e-14)
+end)
+
+scenario("time is a count of steps", function(s)
+  local world = s:world { step = 0.01 }
+  for _ = 1, 7 do world:step() end
+  world:step(3)
+  expect(world.steps):is(10)
+  expect(world.time):is(10 * 0.01)
+  world:run "0.5 s"
+  expect(world.steps):is(60)
+  world:run(0.1)
+  expect(world.steps):is(70)
+  world:run { steps = 5 }
+  expect(world.steps):is(75)
+  local stopped = world:run { seconds = 10, stop_when = function() return world.steps >= 80 end }
+  expect(stopped):is(true)
+  expect(world.steps):is(80)
+  expect(world:run { seconds = 0.01, stop_when = function() return false end }):is(false)
+end)
+
+scenario("a ball falls as Galilei says", function(s)
+  local world = s.world
+  local ball = world:ball { radius = "10 cm", at = { 0, 100, 0 } }
+  world:run(1)
+  expect(ball.velocity):near({ 0, -g, 0 }, 1e-9)
+  expect(ball.position.y):near(100 - g / 2, 1e-9)
+  expect(ball.speed):near(g, 1e-9)
+  expect(ball.mode):is "moving"
+  expect(world.momentum):near({ 0, -g * ball.mass, 0 }, 1e-6)
+end)
+
+scenario("mass comes from the material, the density or the field", function(s)
+  local world = s.world
+  local volume = 4 / 3 * math.pi * 0.1 ^ 3
+  expect(world:ball { radius = 0.1 }.mass):near(1000 * volume, 1e-9)
+  expect(world:ball { radius = 0.1, at = { 1, 0, 0 }, density = "2 g/cm^3" }.mass):near(2000 * volume, 1e-9)
+  expect(world:ball { radius = 0.1, at = { 2, 0, 0 }, mass = "3 kg" }.mass):near("3 kg", 1e-12)
+  expect(world:box { size = 0.5, at = { 4, 0, 0 } }.mass):near(125, 1e-9)
+  digbox.material("cork of the test", { density = 240, friction = 0.3, restitution = 0.2 })
+  local cork = world:box { size = 1, at = { 6, 0, 0 }, material = "cork of the test" }
+  expect(cork.mass):near(240, 1e-9)
+  expect(cork.friction):is(0.3)
+end)
+
+scenario("parameters can be read and set", function(s)
+  local ball = s.world:ball { name = "ball", radius = 0.1, friction = 0.7 }
+  expect(ball.friction):is(0.7)
+  ball.friction = 0.3
+  expect(ball.friction):is(0.3)
+  ball.name = "sphere"
+  expect(ball.name):is "sphere"
+  expect(s.world:find "sphere"):is(ball)
+  ball.data = { any = "thing" }
+  expect(ball.data.any):is "thing"
+  expect(s.world:ball { radius = 1, at = { 5, 0, 0 }, data = 7 }.data):is(7)
+end)
+
+scenario("pushes, twists and hits do what Newton says", function(s)
+  local world = s:world { gravity = { 0, 0, 0 } }
+  local a = world:box { size = 1, mass = 2, at = { 0, 0, 0 } }
+  local b = world:box { size = 1, mass = 2, at = { 5, 0, 0 } }
+  local c = world:box { size = 1, mass = 6, at = { 10, 0, 0 } }
+  a:push { force = "4 N", along = { 0, 0, 2 }, lasts = "1 s" }
+  b:hit { impulse = { 0, 3, 0 } }
+  c:twist { torque = "1 N m", along = { 0, 1, 0 }, lasts = "1 s" }        -- inertia of a cube: m a^2 / 6 = 1
+  world:run(1)
+  expect(a.velocity):near({ 0, 0, 2 }, 1e-9)
+  expect(b.velocity):near({ 0, 1.5, 0 }, 1e-9)
+  expect(c.spin):near({ 0, 1, 0 }, 1e-9)
+  expect(a.work_received):near(4, 1e-3)
+  world:run(1)
+  expect(a.velocity):near({ 0, 0, 2 }, 1e-9)
+end)
+
+scenario("bodies of one world are one and the same", function(s)
+  local world = s.world
+  local a = world:ball { name = "a", radius = 0.1 }
+  local b = world:ball { name = "b", radius = 0.1, at = { 1, 0, 0 } }
+  expect(world:bodies()):is { a, b }
+  expect(world:find "b" == b):is(true)
+  expect(rawequal(world:find "b", b)):is(true)
+  expect(world:find "c"):is(nil)
+  expect(tostring(a)):is "body 'a'"
+  expect(tostring(world:bodies())):is "{body 'a', body 'b'}"
+  a:remove()
+  expect(world:bodies()):is { b }
+end)
+
+scenario("a snapshot brings every bit back", function(s)
+  local world = s.world
+  world:floor {}
+  local ball = world:ball { radius = 0.1, at = { 0, 1, 0 }, velocity = { 1, 0, 0 }, material = "rubber" }
+  world:run(0.3)
+  local snap, sum, p = world:snapshot(), world:checksum(), ball.position
+  world:run(1)
+  expect(world:checksum()):is_not(sum)
+  local later = world:checksum()
+  world:restore(snap)
+  expect(world:checksum()):is(sum)
+  expect(ball.position):is(p)
+  world:run(1)
+  expect(world:checksum()):is(later)
+end)
+
+scenario("the same script gives the same bits, with any number of threads", function()
+  local function run(threads)
+    local world = digbox.world { threads = threads, seed = 5 }
+    world:floor {}
+    for i = 1, 6 do
+      world:box { size = 0.2, at = { math.random() * 0.1, 0.3 * i, 0 } }
+      world:ball { radius = 0.1, at = { 2 + math.random() * 0.1, 0.3 * i, 0 } }
+    end
+    world:run(0.5)
+    return world:checksum()
+  end
+  local sum = run(1)
+  expect(run(1)):is(sum)
+  expect(run(2)):is(sum)
+  expect(run(4)):is(sum)
+end)
+
+scenario("rays, overlaps and sweeps find what is there", function(s)
+  local world = s:world { gravity = { 0, 0, 0 } }
+  local near = world:ball { name = "near", radius = 0.5, at = { 2, 0, 0 } }
+  local far = world:box { name = "far", size = 1, at = { 5, 0, 0 } }
+  local hits = world:ray { from = { 0, 0, 0 }, to = { 10, 0, 0 } }
+  expect(#hits):at_least(2)
+  expect(hits[1].body):is(near)
+  expect(hits[1].distance):near("1.5 m", 1e-9)
+  expect(hits[1].normal):near({ -1, 0, 0 }, 1e-9)
+  expect(world:ray { from = { 0, 5, 0 }, along = { 1, 0, 0 }, length = 10 }):is_empty()
+  expect(world:overlap { digbox.sphere { radius = 1 }, at = { 5, 0, 0 } }):is { far }
+  expect(world:overlap { shape = digbox.box { size = 0.1 }, at = { 0, 3, 0 } }):is_empty()
+  local hit = world:sweep { digbox.sphere { radius = 0.5 }, velocity = { 1, 0, 0 }, time = 10 }
+  expect(hit.body):is(near)
+  expect(hit.distance):near(1, 1e-6)
+  expect(world:sweep { digbox.sphere { radius = 0.5 }, velocity = { -1, 0, 0 }, time = 10 }):is(nil)
+end)
+
+scenario("compounds, rods and buckets have the mass and place of their parts", function(s)
+  local world = s:world { gravity = { 0, 0, 0 } }
+  local dumbbell = world:body { name = "dumbbell", density = 1000, at = { 0, 5, 0 }, parts = {
+    digbox.box { size = 1, at = { -1, 0, 0 } }, digbox.box { size = 1, at = { 1, 0, 0 } } } }
+  expect(dumbbell.mass):near(2000, 1e-6)
+  expect(dumbbell.centre):near({ 0, 5, 0 }, 1e-9)
+  local rod = world:rod { length = "40 cm", radius = "6 mm", from = { 1, 0, 0 }, along = { 2, 0, 0 }, density = 1000 }
+  expect(rod.centre):near({ 1.2, 0, 0 }, 1e-12)
+  expect(rod.mass):near(1000 * math.pi * 0.006 ^ 2 * 0.4, 1e-9)
+  expect(rod.bounds.low.x):near(1, 1e-6)
+  expect(rod.bounds.high.x):near(1.4, 1e-6)
+  local bucket = world:bucket { height = 0.3, top_radius = 0.2, bottom_radius = 0.16, wall = 0.005, at = { 5, 0, 0 } }
+  expect(bucket.bounds.low.y):near(0, "0.1 mm")
+  expect(bucket.bounds.high.y):near("30 cm", "1 mm")
+  local inside = world:ball { radius = 0.02, at = { 5, 0.1, 0 } }
+  local outside = world:ball { radius = 0.02, at = { 5.3, 0.1, 0 } }
+  expect(bucket:contains(inside)):is(true)
+  expect(bucket:contains(outside)):is(false)
+  expect(bucket:touches(inside)):is(false)
+end)
+
+scenario("a bucket stands, and keeps what falls into it", function(s)
+  local world = s.world
+  world:floor {}
+  local bucket = world:bucket { height = 0.3, top_radius = 0.2, bottom_radius = 0.16, material = "tin" }
+  local ball = world:ball { radius = 0.03, at = { 0.02, 0.5, 0 }, material = "oak" }
+  s:settle "3 s"
+  expect(bucket:contains(ball)):is(true)
+  expect(bucket.position):near({ 0, 0, 0 }, "2 mm")
+end)
+
+scenario("a room holds its bodies until a wall is opened", function(s)
+  local world = s:world { gravity = { 0, 0, 0 } }
+  local room = world:room { size = { 2, 2, 2 }, restitution = 1, friction = 0 }
+  local ball = world:ball { radius = 0.1, at = { 0, 1, 0 }, velocity = { 3, 0, 0 }, restitution = 1, friction = 0 }
+  local walls = {}
+  world:on("impact", function(e) walls[#walls + 1] = e.wall end)
+  s:always("inside", "2 s", function() return math.abs(ball.position.x) < 1 end)
+  expect(walls[1]):is "+x"
+  expect(walls[2]):is "-x"
+  room:open "+x"
+  s:eventually("outside", "3 s", function() return ball.position.x > 1.2 end)
+  expect(function() room:open "x" end):fails()
+end)
+
+scenario("the books close: energy comes from somewhere", function(s)
+  local world = s.world
+  world:floor {}
+  local ball = world:ball { radius = 0.1, at = { 0, 1, 0 }, mass = 1, restitution = 0.5 }
+  world:step()
+  local start = world.energy.initial
+  world:run(1)
+  local e = world.energy
+  expect(e.total):near(e.kinetic + e.potential + e.elastic + e.heat + e.electric, 1e-9)
+  expect(e.total + e.lost):near(start + e.work_in + e.numerical, 1e-9)
+  expect(e.total):at_most(start + 1e-6)
+  expect(ball.energy):near(e.total, 1e-6)
+end)
+
+scenario("stats and effects say what goes on", function(s)
+  local world = s.world
+  world:floor {}
+  world:ball { radius = 0.1, at = { 0, 0.1, 0 } }
+  world:step(5)
+  local stats = world:stats()
+  expect(stats.bodies):is(2)
+  expect(stats.steps):is(5)
+  expect(stats.bytes):above(0)
+  expect(stats.us.advance):at_least(0)
+  expect(world:effects().gravity.on):is(true)
+  expect(function() world:effect("gravty", false) end):fails()
+end)
+
+scenario("a mesh comes from a list, and points make a hull", function(s)
+  local world = s.world
+  local tetra = world:hull { points = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }, density = 600 }
+  expect(tetra.mass):near(100, 1e-6)                  -- volume 1/6
+  local ramp = world:mesh { fixed = true, vertices = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 0, 1 } }, triangles = { { 1, 3, 2 } } }
+  expect(ramp.kind):is "static"
+  local ground = world:heightfield { size = { 4, 0, 4 }, heights = { { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 0 } }, at = { 0, -5, 0 } }
+  expect(ground.kind):is "static"
+end)
