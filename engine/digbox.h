@@ -98,7 +98,7 @@ typedef struct dig_schema {
     size_t           size;      /* bytes of the def struct     */
 } dig_schema;
 
-/* kinds: "world", "body", "material", "room", "joint.common" (one each), "shape", "joint" (one per type). Index from 0;
+/* kinds: "world", "body", "material", "room", "region", "joint.common" (one each), "shape", "joint" (one per type). Index from 0;
  * NULL past the end, so that a caller can list them all. */
 const dig_schema *dig_schema_at(const char *kind, int index);
 const dig_schema *dig_schema_find(const char *kind, const char *name);
@@ -339,8 +339,9 @@ dig_status dig_body_hit(dig_world *w, dig_body b, vec3 impulse, vec3 at, bool ha
 dig_status dig_body_teleport(dig_world *w, dig_body b, const vec3 *at, const quat *rotation, const vec3 *velocity, const vec3 *spin);
 dig_status dig_body_move_to(dig_world *w, dig_body b, vec3 at, const quat *rotation, real over);   /* kinematic only; s */
 dig_status dig_body_set_velocity(dig_world *w, dig_body b, vec3 velocity, vec3 spin);              /* kinematic only */
-dig_status dig_body_set(dig_world *w, dig_body b, const char *param, const void *value);           /* a row of the body schema that may change: mass friction ... gravity_scale colour name collides group */
-dig_status dig_body_param(const dig_world *w, dig_body b, const char *param, void *value);         /* reads the same rows */
+/* A row of the body schema that may change: mass density material friction... restitution gravity_scale group collides name colour. */
+dig_status dig_body_set(dig_world *w, dig_body b, const char *param, const void *value);
+dig_status dig_body_param(const dig_world *w, dig_body b, const char *param, void *value);         /* reads any row */
 dig_status dig_body_wake(dig_world *w, dig_body b);
 
 bool dig_body_touches(const dig_world *w, dig_body a, dig_body b);
@@ -357,6 +358,24 @@ dig_body dig_body_find(const dig_world *w, const char *name);                   
 typedef struct dig_room_def { vec3 size; vec3 at; real friction, restitution; } dig_room_def;   /* at = centre of the floor */
 dig_status dig_room_set(dig_world *w, const dig_room_def *def);
 dig_status dig_room_open(dig_world *w, const char *wall, bool open);            /* "+x" "-x" "+y" "-y" "+z" "-z" */
+
+/* ---- regions ------------------------------------------------------------------- */
+/* Inside a region other laws hold for bodies whose centre of mass is there. */
+typedef struct dig_region { uint32_t slot, gen; } dig_region;
+
+typedef struct dig_region_def {
+    dig_shape_def shape;
+    pose at;
+    vec3 gravity;               /* m/s^2; NaN = the world's      */
+    real drag;                  /* 1/s  rate at which speed and spin decay */
+    real friction_scale;        /* 1                             */
+    real restitution_scale;     /* 1                             */
+} dig_region_def;
+
+dig_region_def dig_region_defaults(void);
+dig_status     dig_region_create(dig_world *w, const dig_region_def *def, dig_region *out);
+dig_status     dig_region_remove(dig_world *w, dig_region r);
+int            dig_region_bodies(const dig_world *w, dig_region r, dig_body *out, int capacity);
 
 /* ---- joints ------------------------------------------------------------------ */
 

@@ -29,13 +29,6 @@ static dig_status add_wall(World *w, int i)
     return s;
 }
 
-static void wake_all(World *w)
-{
-    for (int i = 0; i < w->bodies.count; i++)
-        if (w->bodies.data[i].alive)
-            body_wake(w, (uint32_t)i);
-}
-
 /* Bodies that touched the wall leave it. */
 static void remove_wall(World *w, int i)
 {
@@ -66,7 +59,7 @@ dig_status dig_room_set(dig_world *w, const dig_room_def *def)
     for (int i = 0; i < 6; i++)
         if (add_wall(w, i) != DIG_OK)
             return world_fail(w, DIG_E_MEMORY, "room: not enough memory");
-    wake_all(w);
+    world_wake_all(w);
     return DIG_OK;
 }
 
@@ -82,7 +75,7 @@ dig_status dig_room_open(dig_world *w, const char *wall, bool open)
             remove_wall(w, i);
         if (!open && !there)
             DIG_TRY(add_wall(w, i));
-        wake_all(w);
+        world_wake_all(w);
         return DIG_OK;
     }
     return world_fail(w, DIG_E_ARG, "room: there is no wall '%s'; they are +x -x +y -y +z -z", wall);

@@ -15,6 +15,7 @@ static dig_status copy_tables(World *to, const World *from)
     DIG_TRY(list_copy(&to->touches, &from->touches, n));
     DIG_TRY(list_copy(&to->joints, &from->joints, n));
     DIG_TRY(list_copy(&to->pushes, &from->pushes, n));
+    DIG_TRY(list_copy(&to->free_regions, &from->free_regions, n));
     DIG_TRY(list_copy(&to->unbounded, &from->unbounded, n));
     DIG_TRY(list_copy(&to->awake, &from->awake, n));
     DIG_TRY(list_copy(&to->asking, &from->asking, n));
@@ -57,18 +58,25 @@ static dig_status reserve_like(World *to, const World *from)
     return list_reserve(&to->brief, from->brief.capacity, n);
 }
 
-static void drop_solids(World *w)
+/* Everything that holds a shape gives up its reference. */
+static void drop_shapes(World *w)
 {
     for (int i = 0; i < w->solids.count; i++)
         if (w->solids.data[i].alive)
             shape_free(&w->solids.data[i].shape);
-    w->solids.count = 0;
+    for (int i = 0; i < w->regions.count; i++)
+        if (w->regions.data[i].alive)
+            shape_free(&w->regions.data[i].shape);
+    list_close(&w->solids);
+    list_close(&w->regions);
 }
 
 static dig_status copy_world(World *to, const World *from)
 {
-    LIST(Solid) solids = {0};
-    dig_status s = list_copy(&solids, &from->solids, &to->allocations);
+    struct { LIST(Solid) solids; LIST(Region) regions; } fresh = {0};
+    dig_status s = list_copy(&fresh.solids, &from->solids, &to->allocations);
+    if (s == DIG_OK)
+        s = list_copy(&fresh.regions, &from->regions, &to->allocations);
     if (s == DIG_OK)
         s = copy_tables(to, from);
     if (s == DIG_OK)
@@ -76,17 +84,20 @@ static dig_status copy_world(World *to, const World *from)
     if (s == DIG_OK)
         s = reserve_like(to, from);
     if (s != DIG_OK) {
-        list_close(&solids);
+        list_close(&fresh.solids);
+        list_close(&fresh.regions);
         return s;
     }
-    for (int i = 0; i < solids.count; i++)
-        if (solids.data[i].alive)
-            solids.data[i].shape = shape_keep(&from->solids.data[i].shape);
-    drop_solids(to);
-    list_close(&to->solids);
-    to->solids.data = solids.data;
-    to->solids.count = solids.count;
-    to->solids.capacity = solids.capacity;
+    for (int i = 0; i < fresh.solids.count; i++)
+        if (fresh.solids.data[i].alive)
+            fresh.solids.data[i].shape = shape_keep(&from->solids.data[i].shape);
+    for (int i = 0; i < fresh.regions.count; i++)
+        if (fresh.regions.data[i].alive)
+            fresh.regions.data[i].shape = shape_keep(&from->regions.data[i].shape);
+    drop_shapes(to);
+    memcpy(&to->solids, &fresh.solids, sizeof to->solids);      /* LISTs are anonymous types: alike, but not assignable */
+    memcpy(&to->regions, &fresh.regions, sizeof to->regions);
+    to->region_count = from->region_count;
     to->def = from->def;
     to->plan = from->plan;
     to->steps = from->steps;

@@ -120,9 +120,7 @@ dig_status dig_world_set_gravity(dig_world *w, vec3 g)
     w->def.gravity = g;
     if (w->ledger.started)
         w->ledger.initial += dig_world_energy(w).potential - before;
-    for (int i = 0; i < w->bodies.count; i++)
-        if (w->bodies.data[i].alive)
-            body_wake(w, (uint32_t)i);
+    world_wake_all(w);
     return DIG_OK;
 }
 
@@ -240,9 +238,7 @@ dig_status dig_effect_set(dig_world *w, const char *name, bool on)
             continue;
         w->effects[i].on = on;
         w->effects[i].forced = true;
-        for (int k = 0; k < w->bodies.count; k++)
-            if (w->bodies.data[k].alive)
-                body_wake(w, (uint32_t)k);
+        world_wake_all(w);
         return DIG_OK;
     }
     return world_fail(w, DIG_E_ARG, "there is no effect '%s'", name);

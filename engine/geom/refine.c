@@ -5,7 +5,9 @@
  * (a rim and a line), or curved both ways (two rims): each is tried, and kept where h comes out smaller. */
 #include "geom/gjk.h"
 
-#define ARC        0.05         /* rad  how far along a line the normal may still be off */
+#define ARC        0.3          /* rad  how far along a line the normal may still be off */
+#define ARC_FIRST  1e-6         /* rad  ... and mostly is not */
+#define SETTLED    1e-7         /* rad  a normal that moved less is not refined again: what is left is its square */
 #define ROUNDS     4            /* the line on a cone's side turns with the normal */
 #define DIFFERENCE 1e-5         /* rad  step of difference quotients */
 #define AS_GOOD    1e-15        /* of the size: how much worse an exact normal of a feature may seem by rounding */
@@ -57,28 +59,52 @@ static void feature_of(const ConvexPair *p, bool of_a, vec3 d, vec3 *normal, vec
     }
 }
 
-/* Least h among the normals across the line e: h' along that arc is the support point's component along it. */
+typedef struct Arc { const ConvexPair *p; vec3 n, t; } Arc;
+
+/* h' at the normal turned by x along the arc: the component of its support point along the arc. */
+static real slope_at(const Arc *arc, real x, ConvexGap *g)
+{
+    real c = cos(x), s = sin(x);
+    vec3 w = support(arc->p, vec3_add(vec3_scale(c, arc->n), vec3_scale(s, arc->t)), g);
+    return vec3_dot(w, vec3_sub(vec3_scale(c, arc->t), vec3_scale(s, arc->n)));
+}
+
+/* Least h among the normals across the line e. */
 static void along_arc(const ConvexPair *p, vec3 e, ConvexGap *best)
 {
-    vec3 n = vec3_unit_or(vec3_mad(best->normal, -vec3_dot(best->normal, e) / vec3_length2(e), e), vec3_zero());
-    vec3 t = vec3_unit_or(vec3_cross(e, n), vec3_zero());
+    Arc arc = {.p = p};
     ConvexGap g;
-    if (!(vec3_length2(t) > 0) || vec3_dot(n, best->normal) < 1 - ARC * ARC)
+    if (!(vec3_length2(e) > 0))
         return;
-    real lo = -ARC, hi = ARC, flo = -1, fhi = 1;        /* signs are enough to start with: halving first */
-    for (int round = 0; round < 50 && hi - lo > 1e-15; round++) {
-        real x = round % 3 == 0 || round < 2 ? 0.5 * (lo + hi) : (lo * fhi - hi * flo) / (fhi - flo);
-        real c = cos(x), s = sin(x);
-        vec3 w = support(p, vec3_add(vec3_scale(c, n), vec3_scale(s, t)), &g);
-        real f = vec3_dot(w, vec3_sub(vec3_scale(c, t), vec3_scale(s, n)));
+    arc.n = vec3_unit_or(vec3_mad(best->normal, -vec3_dot(best->normal, e) / vec3_length2(e), e), vec3_zero());
+    arc.t = vec3_unit_or(vec3_cross(e, arc.n), vec3_zero());
+    if (!(vec3_dot(arc.n, best->normal) > 1 - ARC * ARC))
+        return;
+    real reach = ARC_FIRST, lo, hi, flo, fhi;
+    do {                                        /* the normal is nearly right as a rule */
+        lo = -reach;
+        hi = reach;
+        flo = slope_at(&arc, lo, &g);
+        fhi = slope_at(&arc, hi, &g);
+        reach *= 50;
+    } while (!(flo < 0 && fhi > 0) && reach < ARC);
+    if (!(flo < 0 && fhi > 0))
+        return;
+    int side = 0;
+    for (int round = 0; round < 40 && hi - lo > 1e-16; round++) {       /* Illinois: see close_in in toi.c */
+        real x = round % 8 == 7 ? 0.5 * (lo + hi) : (lo * fhi - hi * flo) / (fhi - flo), f = slope_at(&arc, x, &g);
         if (fabs(f) < 1e-16 * p->size)
             break;
         if (f < 0) {
             lo = x;
             flo = f;
+            fhi = side < 0 ? 0.5 * fhi : fhi;
+            side = -1;
         } else {
             hi = x;
             fhi = f;
+            flo = side > 0 ? 0.5 * flo : flo;
+            side = 1;
         }
     }
     try_normal(p, g.normal, best);
@@ -133,7 +159,7 @@ void convex_refine(const ConvexPair *p, ConvexGap *g)
         try_normal(p, vec3_cross(edge_a, edge_b), g);
         try_normal(p, face_b, g);
         try_normal(p, face_a, g);
-        if (vec3_distance(before, g->normal) < 1e-12)
+        if (vec3_distance(before, g->normal) < SETTLED)
             break;
     }
 

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static const real SUN_DEPTH = 2;        /* scene units before and behind the middle that the sun map tells apart  */
+static const float OCTAVES = 220;        /* exponentials from 2^-110 to 2^110: all that a float holds, summed nine times */
 static const real SPREAD = 0.09;        /* rad, how fast a shadow's edge widens: a hazy sun, wider than the real one */
 static const real MID_BLUR = 0.022, WIDE_BLUR = 0.085;      /* scene units, half widths of the softer shadows     */
 
@@ -34,22 +34,12 @@ static GLuint make_target(const Gl *gl, GLuint depth)
     return name;
 }
 
-static void make_sun_map(Light *l, const Gl *gl)
-{
-    static const float far[4] = {1, 1, 1, 1};
-    l->sun_map = make_texture(gl, GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, SUN_SIZE, GL_LINEAR);
-    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
-    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
-    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
-    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
-    gl->TexParameterfv(GL_TEXTURE_2D, GL_TEXTURE_BORDER_COLOR, far);
-    l->sun_target = make_target(gl, l->sun_map);
-}
-
 dig_status light_open(Light *l, const Gl *gl, char *why, size_t capacity)
 {
     enum { HEIGHTS = HEIGHT_SIZE * HEIGHT_SIZE, FLOORS = FLOOR_SIZE * FLOOR_SIZE, SUNS = SUN_SIZE * SUN_SIZE };
-    make_sun_map(l, gl);
+    l->sun_depth = make_texture(gl, GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, SUN_SIZE, GL_NEAREST);
+    l->sun_target = make_target(gl, l->sun_depth);
+    l->sun_map = make_texture(gl, GL_R32F, GL_RED, GL_FLOAT, SUN_SIZE, GL_LINEAR);
     bool whole = gl->CheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
     l->height_depth = make_texture(gl, GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, HEIGHT_SIZE, GL_NEAREST);
     l->height_target = make_target(gl, l->height_depth);
@@ -60,7 +50,7 @@ dig_status light_open(Light *l, const Gl *gl, char *why, size_t capacity)
         snprintf(why, capacity, "the driver cannot draw into a depth texture");
         return DIG_E_FULL;
     }
-    l->sun = malloc(SUNS * sizeof *l->sun);
+    l->sun = malloc(2 * SUNS * sizeof *l->sun);
     /* zeroed: the shadow fields are read, with no weight, even when there is no sun */
     l->above = calloc(7 * HEIGHTS, sizeof *l->above);
     l->shade = calloc(4 * (size_t)FLOORS, sizeof *l->shade);
@@ -69,6 +59,7 @@ dig_status light_open(Light *l, const Gl *gl, char *why, size_t capacity)
         snprintf(why, capacity, "no memory for the light maps");
         return DIG_E_MEMORY;
     }
+    l->veil = l->sun + SUNS;
     l->below = l->above + HEIGHTS;
     l->sky = l->below + HEIGHTS;
     l->wide = l->sky + HEIGHTS;
@@ -84,8 +75,8 @@ dig_status light_open(Light *l, const Gl *gl, char *why, size_t capacity)
 
 void light_close(Light *l, const Gl *gl)
 {
-    GLuint textures[] = {l->sun_map, l->height_depth, l->height_map, l->floor_map}, targets[] = {l->sun_target, l->height_target};
-    gl->DeleteTextures(4, textures);
+    GLuint textures[] = {l->sun_depth, l->sun_map, l->height_depth, l->height_map, l->floor_map}, targets[] = {l->sun_target, l->height_target};
+    gl->DeleteTextures(5, textures);
     gl->DeleteFramebuffers(2, targets);
     free(l->sun);
     free(l->above);
@@ -145,16 +136,32 @@ static void set_rows(float m[16], const vec3 row[3], const real last[3])
     m[15] = 1;
 }
 
-/* Points relative to the eye into the clip space of the sun map. */
-static void sun_matrix(float m[16], const Stage *s, vec3 sun, vec3 eye)
+/* The span along the sun that holds what matters; *half of it, about the returned middle. The shorter, the crisper are
+ * shadows of things on things. */
+static real find_span(const Stage *s, vec3 sun, real *half)
 {
+    real low = INFINITY, high = -INFINITY;
+    for (int i = 0; i < 8; i++) {
+        vec3 p = {i & 1 ? s->high.x : s->low.x, i & 2 ? s->high.y : s->low.y, i & 4 ? s->high.z : s->low.z};
+        low = real_min(low, vec3_dot(p, sun));
+        high = real_max(high, vec3_dot(p, sun));
+    }
+    *half = exp2(ceil(4 * log2(0.51 * (high - low) + 0.02)) / 4);
+    return 0.5 * (low + high);
+}
+
+/* Points relative to the eye into the clip space of the sun map. Returns half the span that depths 0..1 cover. */
+static real sun_matrix(float m[16], const Stage *s, vec3 sun, vec3 eye)
+{
+    real half, middle = find_span(s, sun, &half);
     vec3 t, u, at = mat3_mul_vec(s->axes, s->centre);
     vec3_basis(sun, &t, &u);
     real texel = 2.0 / SUN_SIZE;
-    vec3 row[3] = {t, u, vec3_scale(-1 / SUN_DEPTH, sun)};
+    vec3 row[3] = {t, u, vec3_scale(-1 / half, sun)};
     real last[3] = {vec3_dot(t, eye) - snap(0, vec3_dot(at, t), texel, s->unit), vec3_dot(u, eye) - snap(0, vec3_dot(at, u), texel, s->unit),
-                    -vec3_dot(sun, eye) / SUN_DEPTH};
+                    (middle - vec3_dot(sun, eye)) / half};
     set_rows(m, row, last);
+    return half;
 }
 
 /* From above (direction 1) or below (-1). */
@@ -190,8 +197,7 @@ static dig_status cast_depth(const Cast *c, GLuint target, int size, const float
     gl->Viewport(0, 0, size, size);
     gl->Clear(GL_DEPTH_BUFFER_BIT);
     DIG_TRY(batches_draw(c->batches, c->meshes, c->programs, gl, PROGRAM_CASTER, to_map, c->why, c->capacity));
-    if (out)
-        gl->ReadPixels(0, 0, size, size, GL_DEPTH_COMPONENT, GL_FLOAT, out);
+    gl->ReadPixels(0, 0, size, size, GL_DEPTH_COMPONENT, GL_FLOAT, out);
     return DIG_OK;
 }
 
@@ -205,6 +211,52 @@ static dig_status cast_heights(Light *l, const Cast *c, const Ground *g, vec3 ey
     dig_status status = cast_depth(c, l->height_target, HEIGHT_SIZE, to_map, l->below);
     c->gl->CullFace(GL_BACK);
     return status;
+}
+
+/* 2^x to 1e-4, for |x| < 126: the bits of the exponent and a parabola with a cubic touch for the rest. Vectorises. */
+static float quick_exp2(float x)
+{
+    float whole = (float)((int)(x + 256)) - 256, f = x - whole;
+    float rest = 1 + f * (0.6954f + f * (0.2262f + f * 0.0784f));
+    uint32_t bits;
+    memcpy(&bits, &rest, sizeof bits);
+    bits += (uint32_t)((int)whole) << 23;
+    memcpy(&rest, &bits, sizeof rest);
+    return rest;
+}
+
+/* A 1 2 1 blur both ways. Sums are made afresh for each texel: running sums would lose the small exponentials. */
+static void blur_veil(float *data, float *scratch, int n)
+{
+    for (int y = 0; y < n; y++) {
+        const float *in = data + y * n;
+        float *out = scratch + y * n;
+        out[0] = in[0];
+        out[n - 1] = in[n - 1];
+        for (int x = 1; x < n - 1; x++)
+            out[x] = 0.25f * (in[x - 1] + in[x + 1]) + 0.5f * in[x];
+    }
+    for (int y = 1; y < n - 1; y++) {
+        const float *in = scratch + y * n;
+        float *out = data + y * n;
+        for (int x = 0; x < n; x++)
+            out[x] = 0.25f * (in[x - n] + in[x + n]) + 0.5f * in[x];
+    }
+}
+
+/* For bodies: smoothed exponentials of the depths. The rim is lit: beyond the map there is no shadow. */
+static void fill_sun(Light *l, const Gl *gl)
+{
+    enum { N = SUN_SIZE };
+    for (int i = 0; i < N * N; i++)
+        l->veil[i] = quick_exp2(OCTAVES * (l->sun[i] - 0.5f));
+    blur_veil(l->veil, l->scratch, N);
+    blur_veil(l->veil, l->scratch, N);
+    float lit = quick_exp2(0.5f * OCTAVES);
+    for (int i = 0; i < N; i++)
+        l->veil[i] = l->veil[N * (N - 1) + i] = l->veil[N * i] = l->veil[N * i + N - 1] = lit;
+    gl->BindTexture(GL_TEXTURE_2D, l->sun_map);
+    gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, N, N, GL_RED, GL_FLOAT, l->veil);
 }
 
 static int texels_of(real length, real texel) { return (int)real_clamp(length / texel + 0.5, 1, HEIGHT_SIZE / 4); }
@@ -254,8 +306,8 @@ static void hide_sky(Light *l, const Stage *s, const Ground *g)
 
 /* ---- the sun on the floor ---------------------------------------------- */
 
-/* One row of the floor in the sun map: place (u, v) in texels and depth, at texel 0 and per texel. */
-typedef struct SunRow { float u, v, depth, du, dv, ddepth; } SunRow;
+/* One row of the floor in the sun map: place (u, v) in texels and depth, at texel 0 and per texel; scene units a depth. */
+typedef struct SunRow { float u, v, depth, du, dv, ddepth, range; } SunRow;
 
 /* The texels [first, last) of a row for which start + i step lies in [0, end). */
 static void clip_row(float start, float step, float end, int *first, int *last)
@@ -276,14 +328,15 @@ static void clip_row(float start, float step, float end, int *first, int *last)
 static void project_row(const Light *l, const SunRow *r, float *shade, float *gap)
 {
     enum { N = FLOOR_SIZE, M = SUN_SIZE };
-    const float range = (float)(2 * SUN_DEPTH), bias = 0.0004f;
+    const float bias = 0.0012f / r->range;
     int first = 0, last = N;
     clip_row(r->u, r->du, M - 1.01f, &first, &last);
     clip_row(r->v, r->dv, M - 1.01f, &first, &last);
     memset(shade, 0, N * sizeof *shade);
     memset(gap, 0, N * sizeof *gap);
     for (int i = first; i < last; i++) {
-        float u = r->u + r->du * (float)i, v = r->v + r->dv * (float)i, z = r->depth + r->ddepth * (float)i - bias;
+        float u = r->u + r->du * (float)i, v = r->v + r->dv * (float)i, z = r->depth + r->ddepth * (float)i;
+        z = (z < 1 ? z : 1) - bias;      /* the map's floor is at 1: nothing there */
         int a = (int)u, b = (int)v;
         const float *d = l->sun + (size_t)b * M + (size_t)a;
         float o0 = z - d[0], o1 = z - d[1], o2 = z - d[M], o3 = z - d[M + 1];
@@ -293,11 +346,11 @@ static void project_row(const Light *l, const SunRow *r, float *shade, float *ga
         float w0 = o0 > 0 ? (1 - fu) * (1 - fv) : 0, w1 = o1 > 0 ? fu * (1 - fv) : 0;
         float w2 = o2 > 0 ? (1 - fu) * fv : 0, w3 = o3 > 0 ? fu * fv : 0;
         shade[i] = w0 + w1 + w2 + w3;
-        gap[i] = (w0 * o0 + w1 * o1 + w2 * o2 + w3 * o3) * range;
+        gap[i] = (w0 * o0 + w1 * o1 + w2 * o2 + w3 * o3) * r->range;
     }
 }
 
-static void project_shadows(Light *l, const Stage *s, const Ground *g, const float m[16], vec3 eye)
+static void project_shadows(Light *l, const Stage *s, const Ground *g, const float m[16], vec3 eye, real range)
 {
     enum { N = FLOOR_SIZE, M = SUN_SIZE };
     float step = (float)(2 * g->half / N), x = (float)(g->x - g->half - eye.x) + 0.5f * step, z = (float)(s->floor - eye.z);
@@ -305,7 +358,7 @@ static void project_shadows(Light *l, const Stage *s, const Ground *g, const flo
         float y = (float)(g->y - g->half - eye.y) + step * ((float)j + 0.5f), p[3];
         for (int k = 0; k < 3; k++)
             p[k] = m[k] * x + m[4 + k] * y + m[8 + k] * z + m[12 + k];
-        SunRow row = {p[0] * M - 0.5f, p[1] * M - 0.5f, p[2], m[0] * step * M, m[1] * step * M, m[2] * step};
+        SunRow row = {p[0] * M - 0.5f, p[1] * M - 0.5f, p[2], m[0] * step * M, m[1] * step * M, m[2] * step, (float)range};
         project_row(l, &row, l->shade + j * N, l->gap + j * N);
     }
 }
@@ -401,7 +454,6 @@ static void set_shading(Frame *f, const Stage *s, const Ground *g)
     f->shade[1] = (float)(0.28 / s->typical);
     f->shade[2] = (float)s->floor;
     f->shade[3] = (float)(2.5 * s->typical);
-    f->sun_colour[3] = (float)(1.1 / SUN_SIZE);
 }
 
 dig_status light_cast(Light *l, const Batches *b, const Meshes *meshes, Programs *programs, const Gl *gl, const Stage *s, bool shadows,
@@ -415,21 +467,24 @@ dig_status light_cast(Light *l, const Batches *b, const Meshes *meshes, Programs
     gl->Enable(GL_DEPTH_CLAMP);
     gl->Enable(GL_POLYGON_OFFSET_FILL);
     gl->PolygonOffset(1.5f, 4.0f);
-    sun_matrix(to_map, s, sun, eye);
+    real half = sun_matrix(to_map, s, sun, eye);
     clip_to_unit(frame->to_sun, to_map);
-    dig_status status = shadows ? cast_depth(&cast, l->sun_target, SUN_SIZE, to_map, floor_shadow ? l->sun : NULL) : DIG_OK;
+    dig_status status = shadows ? cast_depth(&cast, l->sun_target, SUN_SIZE, to_map, l->sun) : DIG_OK;
     gl->Disable(GL_POLYGON_OFFSET_FILL);
     if (status == DIG_OK)
         status = cast_heights(l, &cast, &ground, eye);
     gl->Disable(GL_DEPTH_CLAMP);
     DIG_TRY(status);
     set_shading(frame, s, &ground);
+    frame->sun_colour[3] = OCTAVES;
+    if (shadows)
+        fill_sun(l, gl);
     fill_heights(l, gl, s, &ground);
     if (!floor)
         return DIG_OK;
     hide_sky(l, s, &ground);
     if (floor_shadow) {
-        project_shadows(l, s, &ground, frame->to_sun, eye);
+        project_shadows(l, s, &ground, frame->to_sun, eye, 2 * half);
         soften_shadows(l, &ground);
     }
     pack_floor(l, gl, &ground, floor_shadow);

@@ -24,6 +24,9 @@ static void predict(Group *g)
     }
 }
 
+static vec3 momentum_of(const Member *m, quat q, vec3 w) { return quat_rotate(q, mat3_mul_vec(m->inertia, quat_unrotate(q, w))); }
+static vec3 spin_of(const Member *m, quat q, vec3 l) { return quat_rotate(q, mat3_mul_vec(m->inv_inertia, quat_unrotate(q, l))); }
+
 /* q' = w q / 2 with constant angular momentum L, classical fourth-order Runge-Kutta. */
 static quat turn(const Member *m, quat q, vec3 l, real h)
 {
@@ -34,7 +37,7 @@ static quat turn(const Member *m, quat q, vec3 l, real h)
         if (i > 0)
             y = (quat){q.x + h * at[i] * k[i - 1].x, q.y + h * at[i] * k[i - 1].y, q.z + h * at[i] * k[i - 1].z, q.w + h * at[i] * k[i - 1].w};
         quat u = quat_unit(y);
-        vec3 w = quat_rotate(u, mat3_mul_vec(m->inv_inertia, quat_unrotate(u, l)));
+        vec3 w = spin_of(m, u, l);
         quat r = quat_mul((quat){w.x, w.y, w.z, 0}, y);
         k[i] = (quat){0.5 * r.x, 0.5 * r.y, 0.5 * r.z, 0.5 * r.w};
         sum = (quat){sum.x + weight[i] * k[i].x, sum.y + weight[i] * k[i].y, sum.z + weight[i] * k[i].z, sum.w + weight[i] * k[i].w};
@@ -51,16 +54,14 @@ static void turn_body(Group *g, int i, vec3 mean_w)
         return;
     }
     quat q = g->pos[i].q;
-    vec3 end = quat_rotate(q, mat3_mul_vec(m->inertia, quat_unrotate(q, g->vel[i].w)));
-    vec3 mean = quat_rotate(q, mat3_mul_vec(m->inertia, quat_unrotate(q, mean_w)));
+    vec3 end = momentum_of(m, q, g->vel[i].w), mean = momentum_of(m, q, mean_w);
     int parts = (int)real_clamp(ceil(vec3_length(mean_w) * g->h / 0.1), 1, 256);
     for (int k = 0; k < parts; k++)
         q = turn(m, q, mean, g->h / parts);
     g->pos[i].q = q;
-    vec3 l = quat_unrotate(q, end), w = mat3_mul_vec(m->inv_inertia, l);
-    /* refined once: the rounding of inertia times inverse would add up to a drift of the angular momentum */
-    w = vec3_add(w, mat3_mul_vec(m->inv_inertia, vec3_sub(l, mat3_mul_vec(m->inertia, w))));
-    g->vel[i].w = quat_rotate(q, w);
+    vec3 w = spin_of(m, q, end);
+    /* refined once: |q| is 1 within rounding only, and that bias would add up to a drift of the angular momentum */
+    g->vel[i].w = vec3_add(w, spin_of(m, q, vec3_sub(end, momentum_of(m, q, w))));
     group_refresh_mass(g, i);
 }
 

@@ -346,6 +346,13 @@ void body_wake(World *w, uint32_t slot)
     }
 }
 
+void world_wake_all(World *w)
+{
+    for (int i = 0; i < w->bodies.count; i++)
+        if (w->bodies.data[i].alive)
+            body_wake(w, (uint32_t)i);
+}
+
 void touches_wake(World *w, uint32_t slot)
 {
     for (uint32_t s = w->bodies.data[slot].shape_first; s != NONE; s = w->solids.data[s].next)

@@ -73,6 +73,11 @@ void world_close(World *w)
             shape_free(&w->solids.data[i].shape);
     for (int i = 0; i < w->effect_count; i++)
         free(w->effects[i].state);
+    for (int i = 0; i < w->regions.count; i++)
+        if (w->regions.data[i].alive)
+            shape_free(&w->regions.data[i].shape);
+    list_close(&w->regions);
+    list_close(&w->free_regions);
     list_close(&w->bodies);
     list_close(&w->solids);
     list_close(&w->pairs);

@@ -122,6 +122,16 @@ typedef struct Touch {          /* two bodies that touch by at least one pair   
 
 /* ---- joints ---- */
 
+/* ---- regions ---- */
+
+typedef struct Region {
+    uint32_t gen;
+    bool     alive;
+    Shape    shape;
+    pose     at;
+    dig_region_def laws;        /* its shape pointers are not used */
+} Region;
+
 struct JointType;
 
 typedef struct JointRec {
@@ -190,7 +200,8 @@ struct dig_world {
     LIST(Touch)    touches;
     LIST(JointRec) joints;
     LIST(Push)     pushes;
-    LIST(uint32_t) free_bodies, free_solids, free_pairs, free_contacts, free_touches, free_joints;
+    LIST(Region)   regions; int region_count;
+    LIST(uint32_t) free_bodies, free_solids, free_pairs, free_contacts, free_touches, free_joints, free_regions;
     LIST(uint32_t) unbounded;           /* solids that are planes                      */
     LIST(uint32_t) awake;               /* bodies to be advanced, ascending            */
     LIST(uint32_t) asking;              /* solids that are new or were moved by hand   */
@@ -272,6 +283,7 @@ uint64_t   world_hash(const World *w);
 dig_status body_create(World *w, const dig_body_def *def, dig_body *out);
 void       body_remove(World *w, uint32_t slot);
 void       body_wake(World *w, uint32_t slot);          /* its whole DIG */
+void       world_wake_all(World *w);
 void       body_list(World *w, uint32_t slot);          /* into world->awake; there is always room */
 void       touches_wake(World *w, uint32_t slot);       /* all that touches the body */
 void       body_set_mass(Body *b, real mass);

@@ -1,0 +1,75 @@
+/* api/region.c - regions where other laws hold. */
+#include "api/api.h"
+
+#include "world/region.h"
+
+#include <stdio.h>
+
+dig_region_def dig_region_defaults(void)
+{
+    dig_region_def def;
+    memset(&def, 0, sizeof def);
+    param_defaults(dig_schema_at("region", 0)->rows, &def);
+    def.at.q = quat_identity();
+    return def;
+}
+
+dig_status dig_region_create(dig_world *w, const dig_region_def *def, dig_region *out)
+{
+    char why[256];
+    Shape shape;
+    uint32_t slot;
+    *out = (dig_region){0, 0};
+    if (param_check(dig_schema_at("region", 0)->rows, def, "region", why, sizeof why) != DIG_OK)
+        return world_fail(w, DIG_E_ARG, "%s", why);
+    if (!isnan(def->gravity.x))
+        DIG_TRY(api_finite(w, def->gravity, "region", "gravity", "m/s^2"));
+    if (!def->shape.type || shape_make(def->shape.type, def->shape.data, &shape, why, sizeof why) != DIG_OK)
+        return world_fail(w, DIG_E_ARG, "region: %s", def->shape.type ? why : "it needs a shape");
+    if (world_slot(w, &w->regions, &w->free_regions, &slot) != DIG_OK) {
+        shape_free(&shape);
+        return world_fail(w, DIG_E_MEMORY, "region: not enough memory");
+    }
+    pose at = def->at;
+    at.q = quat_norm2(at.q) > 0 ? quat_unit(at.q) : quat_identity();
+    w->regions.data[slot] = (Region){.gen = w->gen_start + (uint32_t)w->serial++, .alive = true, .shape = shape, .at = at, .laws = *def};
+    w->region_count++;
+    world_wake_all(w);
+    *out = (dig_region){slot, w->regions.data[slot].gen};
+    return DIG_OK;
+}
+
+static Region *find(const World *w, dig_region r)
+{
+    if (r.slot >= (uint32_t)w->regions.count || !w->regions.data[r.slot].alive || w->regions.data[r.slot].gen != r.gen)
+        return NULL;
+    return &w->regions.data[r.slot];
+}
+
+dig_status dig_region_remove(dig_world *w, dig_region handle)
+{
+    Region *r = find(w, handle);
+    if (!r)
+        return world_fail(w, DIG_E_DEAD, "region: this region was removed");
+    shape_free(&r->shape);
+    r->alive = false;
+    w->region_count--;
+    slot_give(w, &w->free_regions, handle.slot);
+    world_wake_all(w);
+    return DIG_OK;
+}
+
+int dig_region_bodies(const dig_world *w, dig_region handle, dig_body *out, int capacity)
+{
+    const Region *r = find(w, handle);
+    int n = 0;
+    for (int i = 0; r && i < w->bodies.count; i++) {
+        const Body *b = &w->bodies.data[i];
+        if (!b->alive || b->kind != DIG_DYNAMIC || !region_holds(r, b->x))
+            continue;
+        if (n < capacity)
+            out[n] = body_handle(w, (uint32_t)i);
+        n++;
+    }
+    return n;
+}
