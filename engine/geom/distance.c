@@ -30,7 +30,20 @@ Pair pair_make(const Shape *a, pose pa, const Shape *b, pose pb)
     p.c.back = mat3_transpose(p.c.turn);
     p.c.shift = mat3_mul_vec(back_a, vec3_sub(pb.p, pa.p));
     p.c.size = size_of(a, b, p.c.shift);
+    p.grain = real_min(a->outer, b->outer);
     return p;
+}
+
+Pair pair_with_piece(const Pair *p, const Shape *triangle, vec3 origin)
+{
+    Pair piece = *p;
+    piece.a = piece.c.a = triangle;
+    piece.kind_a = KIND_TRIANGLE;
+    piece.at.p = pair_point(p, origin);
+    piece.c.shift = vec3_sub(p->c.shift, origin);
+    piece.c.size = size_of(triangle, p->b, piece.c.shift);
+    piece.grain = real_min(triangle->outer, p->b->outer);
+    return piece;
 }
 
 Pair pair_swapped(const Pair *p)
@@ -171,12 +184,8 @@ static bool take_piece(void *context, const SurfacePiece *piece)
 {
     Least *l = context;
     Shape triangle = triangle_shape(piece->corners);
-    Pair p = *l->p;
+    Pair p = pair_with_piece(l->p, &triangle, piece->origin);
     ConvexGap g;
-    p.a = p.c.a = &triangle;
-    p.kind_a = KIND_TRIANGLE;
-    p.c.shift = vec3_sub(p.c.shift, piece->origin);
-    p.c.size = triangle.outer + p.b->outer + vec3_length(p.c.shift);
     pair_gap(&p, real_min(l->gap, l->enough), NULL, &g);
     if (g.gap < l->gap) {
         l->gap = g.gap;

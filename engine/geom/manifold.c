@@ -1,7 +1,7 @@
 /* geom/manifold.c - which way each pair of shapes is met. */
 #include "geom/pair.h"
 
-#define ON_SURFACE 1e-10        /* of the size */
+#define ON_SURFACE 1e-10        /* of the smaller shape */
 
 /* Balls have one point on the line through their centres. */
 static int collide_balls(const Shape *a, pose pa, const Shape *b, pose pb, real reach, Manifold *out)
@@ -68,7 +68,7 @@ static int collide_plane(const Pair *p, ManifoldCache *cache, Manifold *out)
         lowest = real_min(lowest, vec3_dot(c.normal, q));
         add_below(p, q, plane->offset, face << 8 | (uint32_t)i, &c);
     }
-    if (vec3_dot(c.normal, deepest) < lowest - ON_SURFACE * p->c.size)
+    if (vec3_dot(c.normal, deepest) < lowest - pair_same(p, ON_SURFACE))
         add_below(p, deepest, plane->offset, face << 8 | 255, &c);
     return contacts_finish(p, &c, out);
 }

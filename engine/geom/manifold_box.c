@@ -2,11 +2,11 @@
  * reference face's plane. Works in arrays, since axes are chosen by number. */
 #include "geom/pair.h"
 
-/* An edge pair must separate by this much more than the best face (of the size): while faces lie flat on each other, crossing
+/* An edge pair must separate by this much more than the best face (of the smaller shape): while faces lie flat on each other, crossing
  * edges separate equally well, and the choice must not follow rounding. */
 #define FACE_BIAS   1e-6
-#define A_BIAS      1e-7        /* of the size: of two faces that separate equally well the reference is a's */
-#define ON_SIDE     1e-9        /* of the size: corners this near to a side are inside */
+#define A_BIAS      1e-7        /* of the smaller shape: of two faces that separate equally well the reference is a's */
+#define ON_SIDE     1e-9        /* of the smaller shape: corners this near to a side are inside */
 #define FLAT_ENOUGH 0.966       /* cosine: with the faces more than 15 degrees from the normal, crossing edges meet in one point */
 #define PARALLEL2   1e-10       /* squared sine: the cross product of such edges is no axis */
 
@@ -247,7 +247,7 @@ static void use_face(const Pair *p, const Boxes *x, bool ref_is_a, int axis, rea
     Boxes s;
     if (!ref_is_a)
         s = swapped(x);
-    Frame f = {.x = ref_is_a ? x : &s, .axis = axis, .u = (axis + 1) % 3, .v = (axis + 2) % 3, .sign = sign, .same = ON_SIDE * p->c.size};
+    Frame f = {.x = ref_is_a ? x : &s, .axis = axis, .u = (axis + 1) % 3, .v = (axis + 2) % 3, .sign = sign, .same = pair_same(p, ON_SIDE)};
     real n[3];
     put(ref_is_a ? c->normal : vec3_neg(mat3_mul_vec(p->c.back, c->normal)), n);
     clip_faces(p, &f, n, ref_is_a, c);
@@ -291,7 +291,7 @@ static void use_edges(const Pair *p, const Boxes *x, const Axis *e, Contacts *c)
         use_face(p, x, ref_is_a, ref_is_a ? ia : jb, (ref_is_a ? na[ia] : nb[jb]) < 0 ? -1 : 1, c);
     }
     for (int i = 0; i < c->count; i++)
-        if (c->at[i].gap <= e->gap + ON_SIDE * p->c.size)
+        if (c->at[i].gap <= e->gap + pair_same(p, ON_SIDE))
             return;                             /* the crossing is one of the corners */
     add_crossing(p, x, e, na, nb, c);
 }
@@ -308,9 +308,9 @@ int collide_boxes(const Pair *p, ManifoldCache *cache, Manifold *out)
 
     Contacts c;
     c.count = 0;
-    if (e.gap > real_max(a.gap, b.gap) + FACE_BIAS * p->c.size) {
+    if (e.gap > real_max(a.gap, b.gap) + pair_same(p, FACE_BIAS)) {
         use_edges(p, &x, &e, &c);
-    } else if (a.gap >= b.gap - A_BIAS * p->c.size) {
+    } else if (a.gap >= b.gap - pair_same(p, A_BIAS)) {
         c.normal = (vec3){a.i == 0 ? a.sign : 0, a.i == 1 ? a.sign : 0, a.i == 2 ? a.sign : 0};
         use_face(p, &x, true, a.i, a.sign, &c);
     } else {

@@ -2,7 +2,7 @@
 #include "geom/pair.h"
 
 /* Ties within these are decided by order alone, so that rounding never changes which points are kept. */
-#define SAME_GAP  1e-10     /* of the size */
+#define SAME_GAP  1e-10     /* of the smaller shape */
 #define SAME_AREA 1e-6      /* relative */
 
 void contacts_add(Contacts *c, real reach, vec3 on_a, vec3 on_b, uint32_t feature)
@@ -70,7 +70,7 @@ int contacts_finish(const Pair *p, Contacts *c, Manifold *out)
     if (c->count == 0)
         return 0;
     if (c->count > MANIFOLD_POINTS)
-        choose_four(c, deepest_of(c, SAME_GAP * p->c.size), chosen);
+        choose_four(c, deepest_of(c, pair_same(p, SAME_GAP)), chosen);
 
     out->normal = pair_direction(p, c->normal);
     out->count = int_min(c->count, MANIFOLD_POINTS);

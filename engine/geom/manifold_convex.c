@@ -6,7 +6,7 @@
 #define SAME_TILT    1e-7   /* rad  faces this equally tilted: the reference is a's */
 #define FLAT_ENOUGH  0.966  /* 1    cosine: faces steeper than 15 degrees to the normal make no area */
 #define PARALLEL     0.1    /* rad  edges that meet along a line rather than at a point */
-#define ON_SIDE      1e-9   /* of the size: corners this near to a side are inside, so that flush faces keep their corners */
+#define ON_SIDE      1e-9   /* of the smaller shape: corners this near to a side are inside, so that flush faces keep their corners */
 #define CORNERS      36     /* 16 of the incident face and one more for each side of the reference */
 
 /* Features: what kind of meeting a point is, and the numbers of corner or edge and of the side. */
@@ -163,9 +163,9 @@ static void add_clipped(const Pair *p, const Face *ref, const Face *incident, bo
 {
     Clipped clipped;
     if (incident->count >= 3)
-        clip_polygon(ref, incident, ON_SIDE * p->c.size, &clipped);
+        clip_polygon(ref, incident, pair_same(p, ON_SIDE), &clipped);
     else
-        clip_segment(ref, incident, ON_SIDE * p->c.size, &clipped);
+        clip_segment(ref, incident, pair_same(p, ON_SIDE), &clipped);
 
     uint32_t faces = ref->feature * 31 + incident->feature;
     for (int i = 0; i < clipped.count; i++) {
@@ -246,7 +246,7 @@ int collide_faces(const Pair *p, const ConvexGap *g, Manifold *out)
     real deepest = INFINITY;
     for (int i = 0; i < c.count; i++)
         deepest = real_min(deepest, c.at[i].gap);
-    if (g->gap < deepest - ON_SIDE * p->c.size)         /* rims and crossings that no corner shows */
+    if (g->gap < deepest - pair_same(p, ON_SIDE))         /* rims and crossings that no corner shows */
         contacts_add(&c, p->reach, g->on_a, g->on_b, feature_of(MEET_NEAREST, true, 63, 63, 0));
     return contacts_finish(p, &c, out);
 }

@@ -7,7 +7,7 @@
 #define IN_FEATURE 1e-6     /* of the triangle: corners that lie equally far along the normal */
 #define BEHIND     1e-7     /* rad: neighbours may stand this much above the plane across the normal */
 #define RING       64       /* most triangles looked at around a corner */
-#define SAME_POINT 1e-9     /* of the size */
+#define SAME_POINT 1e-9     /* of the smaller shape */
 #define SAME_AXIS  1e-6     /* rad */
 
 typedef struct Meeting {
@@ -123,7 +123,7 @@ static void drop_known_points(const Meeting *meet, Manifold *m, real same)
 static void keep(Meeting *meet, Manifold *m, uint32_t piece)
 {
     int at = meet->count;
-    drop_known_points(meet, m, SAME_POINT * meet->p->c.size);
+    drop_known_points(meet, m, pair_same(meet->p, SAME_POINT));
     if (m->count == 0)
         return;
     if (at == meet->capacity) {
@@ -174,13 +174,7 @@ static bool meet_piece(void *context, const SurfacePiece *piece)
     Meeting *meet = context;
     Shape triangle = triangle_shape(piece->corners);
     const vec3 *c = piece->corners;
-    Pair p = *meet->p;
-    p.a = p.c.a = &triangle;
-    p.kind_a = KIND_TRIANGLE;
-    p.at.p = pair_point(meet->p, piece->origin);
-    p.c.shift = vec3_sub(p.c.shift, piece->origin);
-    p.c.size = triangle.outer + p.b->outer + vec3_length(p.c.shift);
-
+    Pair p = pair_with_piece(meet->p, &triangle, piece->origin);
     ConvexGap g;
     Manifold m;
     pair_gap(&p, p.reach, NULL, &g);

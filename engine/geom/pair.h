@@ -24,11 +24,17 @@ typedef struct Pair {
     pose         at;            /* of a, world                        */
     mat3         axes;          /* columns: axes of a, world          */
     ConvexPair   c;             /* in the frame of a                  */
+    real         grain;         /* m  the smaller shape: what is small in a contact is so against it */
     real         reach;
 } Pair;
 
 Pair pair_make(const Shape *a, pose pa, const Shape *b, pose pb);
+/* Surface a narrowed to one of its pieces. */
+Pair pair_with_piece(const Pair *p, const Shape *triangle, vec3 origin);
 Pair pair_swapped(const Pair *p);
+
+/* Lengths within a contact that are the same: a part of the smaller shape, but never below rounding. */
+static inline real pair_same(const Pair *p, real part) { return real_max(part * p->grain, 1e-13 * p->c.size); }
 
 static inline vec3 pair_direction(const Pair *p, vec3 local) { return mat3_mul_vec(p->axes, local); }
 static inline vec3 pair_point(const Pair *p, vec3 local) { return vec3_add(p->at.p, mat3_mul_vec(p->axes, local)); }

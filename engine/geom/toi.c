@@ -173,6 +173,8 @@ static real advance(Flight *f)
 
     for (int step = 0; step < ALL_STEPS; step++) {
         real h = safe_step(f, &m);
+        if (!(h >= 0))
+            return INFINITY;                    /* a motion that is not finite meets nothing */
         if (m.t + h > f->time * (1 + 1e-14))
             return INFINITY;
         if (step >= SURE_STEPS)

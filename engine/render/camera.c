@@ -30,30 +30,49 @@ static void fit_item(Fit *f, const View *v, const Stage *s, const ViewItem *item
     if (!item_sound(v, item) || !item_bounds(v, item, &own))
         return;
     quat q = quat_from(item->q);
-    for (int corner = 0; corner < 8; corner++) {
-        vec3 p = {corner & 1 ? own.high.x : own.low.x, corner & 2 ? own.high.y : own.low.y, corner & 4 ? own.high.z : own.low.z};
-        p = stage_point(s, vec3_add(vec3_from(item->p), quat_rotate(q, p)));
-        /* of huge fixed bodies only the part near the others, as in the stage */
-        p = vec3_max(s->low, vec3_min(s->high, p));
-        fit_point(f, mat3_mul_vec(camera, p), tan_x, tan_y);
+    vec3 corners[8];
+    for (int i = 0; i < 8; i++) {
+        vec3 p = {i & 1 ? own.high.x : own.low.x, i & 2 ? own.high.y : own.low.y, i & 4 ? own.high.z : own.low.z};
+        corners[i] = stage_point(s, vec3_add(vec3_from(item->p), quat_rotate(q, p)));
+        /* a huge fixed body is ground to stand on, not a thing to look at: the stage holds only part of it */
+        if (item->fixed && vec3_largest(vec3_max(vec3_sub(s->low, corners[i]), vec3_sub(corners[i], s->high))) > 0.5)
+            return;
     }
+    for (int i = 0; i < 8; i++)
+        fit_point(f, mat3_mul_vec(camera, corners[i]), tan_x, tan_y);
+}
+
+static void fit_items(Fit *f, const View *v, const Stage *s, mat3 camera, real tan_x, real tan_y)
+{
+    *f = (Fit){-INFINITY, -INFINITY, -INFINITY, -INFINITY};
+    for (int i = 0; i < v->item_count; i++)
+        fit_item(f, v, s, &v->items[i], camera, tan_x, tan_y);
+    if (!isfinite(f->right))
+        *f = (Fit){3, 3, 3, 3};         /* nothing there: the stage has a default size */
 }
 
 /* From the right and the front, a little above. */
 RenderCamera render_camera_for(const View *v, real fov, real aspect)
 {
-    const real azimuth = 0.50, elevation = 0.34, margin = 1.12;      /* rad, rad, 1 */
+    const real azimuth = 0.50, elevation = 0.36, margin = 1.14;      /* rad, rad, 1 */
+    const real nearest = 1.9;       /* times the stage's half diagonal: closer, and what is near looks swollen */
     Stage s = stage_of(v, false);
     vec3 back = {cos(elevation) * sin(azimuth), -cos(elevation) * cos(azimuth), sin(elevation)};
     vec3 right = vec3_unit(vec3_cross((vec3){0, 0, 1}, back));
     mat3 camera = {right, vec3_cross(back, right), back};
     real tan_y = tan(0.5 * real_clamp(fov, 0.01, 3.0)) / margin, tan_x = tan_y * real_clamp(aspect, 0.01, 100);
-    Fit f = {-INFINITY, -INFINITY, -INFINITY, -INFINITY};
-    for (int i = 0; i < v->item_count; i++)
-        fit_item(&f, v, &s, &v->items[i], camera, tan_x, tan_y);
-    if (!isfinite(f.right))
-        f = (Fit){3, 3, 3, 3};          /* nothing there: the stage has a default size */
-    real distance = real_max(0.05, real_max(0.5 * (f.right + f.left), 0.5 * (f.above + f.below)));
+    Fit f;
+    fit_items(&f, v, &s, camera, tan_x, tan_y);
+    real distance = real_max(0.5 * (f.right + f.left), 0.5 * (f.above + f.below));
+    real wanted = nearest * 0.5 * vec3_distance(s.low, s.high);
+    if (distance < wanted) {
+        /* the angles that fill the picture at the wanted distance give the middle as seen from there */
+        real ratio = real_max(0.2, distance / wanted);
+        fit_items(&f, v, &s, camera, tan_x * ratio, tan_y * ratio);
+        tan_x *= ratio;
+        tan_y *= ratio;
+        distance = real_max(wanted, real_max(0.5 * (f.right + f.left), 0.5 * (f.above + f.below)));
+    }
     vec3 middle = {0.5 * tan_x * (f.right - f.left), 0.5 * tan_y * (f.above - f.below), 0};
     mat3 from_camera = mat3_transpose(camera), to_world = mat3_transpose(s.axes);
     vec3 centre = mat3_mul_vec(from_camera, middle);

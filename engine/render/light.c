@@ -4,7 +4,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static const float OCTAVES = 220;        /* exponentials from 2^-110 to 2^110: all that a float holds, summed nine times */
+static const real OCTAVES = 220;         /* at most: exponentials from 2^-110 to 2^110, all that a float holds             */
+static const real STEEP = 110;          /* octaves a scene unit: steeper, and grazing light shows the texels' stairs      */
 static const real SPREAD = 0.09;        /* rad, how fast a shadow's edge widens: a hazy sun, wider than the real one */
 static const real MID_BLUR = 0.022, WIDE_BLUR = 0.085;      /* scene units, half widths of the softer shadows     */
 
@@ -245,14 +246,14 @@ static void blur_veil(float *data, float *scratch, int n)
 }
 
 /* For bodies: smoothed exponentials of the depths. The rim is lit: beyond the map there is no shadow. */
-static void fill_sun(Light *l, const Gl *gl)
+static void fill_sun(Light *l, const Gl *gl, float octaves)
 {
     enum { N = SUN_SIZE };
     for (int i = 0; i < N * N; i++)
-        l->veil[i] = quick_exp2(OCTAVES * (l->sun[i] - 0.5f));
-    blur_veil(l->veil, l->scratch, N);
-    blur_veil(l->veil, l->scratch, N);
-    float lit = quick_exp2(0.5f * OCTAVES);
+        l->veil[i] = quick_exp2(octaves * (l->sun[i] - 0.5f));
+    for (int pass = 0; pass < 4; pass++)
+        blur_veil(l->veil, l->scratch, N);
+    float lit = quick_exp2(0.5f * octaves);
     for (int i = 0; i < N; i++)
         l->veil[i] = l->veil[N * (N - 1) + i] = l->veil[N * i] = l->veil[N * i + N - 1] = lit;
     gl->BindTexture(GL_TEXTURE_2D, l->sun_map);
@@ -476,9 +477,9 @@ dig_status light_cast(Light *l, const Batches *b, const Meshes *meshes, Programs
     gl->Disable(GL_DEPTH_CLAMP);
     DIG_TRY(status);
     set_shading(frame, s, &ground);
-    frame->sun_colour[3] = OCTAVES;
+    frame->sun_colour[3] = (float)real_min(OCTAVES, STEEP * 2 * half);
     if (shadows)
-        fill_sun(l, gl);
+        fill_sun(l, gl, frame->sun_colour[3]);
     fill_heights(l, gl, s, &ground);
     if (!floor)
         return DIG_OK;

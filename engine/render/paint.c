@@ -12,7 +12,7 @@ typedef struct Air {
 } Air;
 
 static const Air airs[] = {
-    {{0.98f, 0.91f, 0.80f}, {0.29f, 0.33f, 0.41f}, {0.52f, 0.56f, 0.62f}, {0.17f, 0.155f, 0.135f},
+    {{0.98f, 0.91f, 0.80f}, {0.285f, 0.32f, 0.385f}, {0.52f, 0.56f, 0.62f}, {0.17f, 0.155f, 0.135f},
      {0.150f, 0.255f, 0.450f}, {0.46f, 0.52f, 0.59f}, {0.30f, 0.31f, 0.32f}, 0.16f},                    /* clear    */
     {{0.26f, 0.26f, 0.26f}, {0.60f, 0.62f, 0.66f}, {0.55f, 0.57f, 0.60f}, {0.20f, 0.19f, 0.18f},
      {0.36f, 0.39f, 0.43f}, {0.56f, 0.58f, 0.61f}, {0.34f, 0.34f, 0.35f}, 0.02f},                       /* overcast */
@@ -93,7 +93,7 @@ static vec3 find_sun(const Stage *s, const RenderOptions *o)
 {
     vec3 given = vec3_from(o->sun);
     /* from the left of the usual camera and a little behind it: tops bright, one side half lit, one dark */
-    vec3 usual = vec3_unit((vec3){-0.73, -0.30, 0.90});
+    vec3 usual = vec3_unit((vec3){-0.64, -0.46, 0.86});
     return vec3_unit_or(mat3_mul_vec(s->axes, given), usual);
 }
 

@@ -204,7 +204,7 @@ static const char surface_main[] =
     "    float nu = n.z, nv = max(dot(n, v), 0.0), nl = max(dot(n, sun.xyz), 0.0);\n"
     "    vec3 f0 = mix(vec3(0.04), c, metal), diffuse = c * (1.0 - metal);\n"
     "    float f = 1.0 - nv, f2 = f * f;\n"
-    "    vec3 fresnel = f0 + (1.0 - f0) * (f2 * f2 * f * (1.0 - rough));\n"
+    "    vec3 fresnel = f0 + (1.0 - f0) * (f2 * f2 * f * (1.0 - rough) * (1.0 - rough));\n"
     "    float up = 2.0 * nv * nu - v.z;\n"
     "    vec3 mirror = mix(mix(ground.rgb * 0.8, horizon.rgb, clamp(up * 2.0 + 0.6, 0.0, 1.0)), zenith.rgb, clamp(up, 0.0, 1.0));\n"
     "    vec3 lit = (diffuse + gloss(n, v, sun.xyz, f0, rough)) * (nl * come.x) * sun_colour.rgb +\n"
@@ -245,7 +245,7 @@ static const char sky_fragment[] =
     "    vec3 d = normalize(v_ray);\n"
     "    float high = 1.0 - clamp(d.z * 1.15, 0.0, 1.0), low = clamp(-d.z * 1.6 - 0.12, 0.0, 1.0), s = max(dot(d, sun.xyz), 0.0);\n"
     "    s = s * s * s;\n"
-    "    vec3 c = mix(mix(sky_top.rgb, sky_rim.rgb, high * high * high), sky_low.rgb, low) + sun_colour.rgb * (s * s * sky_top.w);\n"
+    "    vec3 c = mix(mix(sky_top.rgb, sky_rim.rgb, high * high * high * high), sky_low.rgb, low) + sun_colour.rgb * (s * s * sky_top.w);\n"
     "    pixel = vec4(c * 1.03 / (c + 0.155), 1.0);\n"
     "}\n";
 

@@ -119,7 +119,7 @@ static box3 moving_box(const View *v, mat3 axes, bool trim, real *typical)
 static box3 with_fixed(const View *v, mat3 axes, box3 moving)
 {
     real size = half_diagonal(moving);
-    box3 all = moving, one, near = box3_grow(moving, 0.4 * size);
+    box3 all = moving, one, near = box3_grow(moving, 0.2 * size);
     for (int i = 0; i < v->item_count; i++) {
         const ViewItem *item = &v->items[i];
         if (!item->fixed || !turned_bounds(v, item, axes, &one))

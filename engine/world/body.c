@@ -197,7 +197,7 @@ static real outer_radius(const World *w, const Body *b)
 static dig_status attach_solids(World *w, uint32_t slot, const dig_body_def *def, const Shape *shapes, const int *materials)
 {
     Body *b = &w->bodies.data[slot];
-    uint32_t *link = &b->shape_first;
+    uint32_t last = NONE;
     for (int i = 0; i < def->shape_count; i++) {
         pose at = def->shapes[i].at;
         at.q = quat_norm2(at.q) > 0 ? quat_unit(at.q) : quat_identity();
@@ -210,8 +210,8 @@ static dig_status attach_solids(World *w, uint32_t slot, const dig_body_def *def
             shape_free(&kept);
             return world_fail(w, s, "body '%s': not enough memory", b->name);
         }
-        *link = solid;
-        link = &w->solids.data[solid].next;
+        *(last == NONE ? &b->shape_first : &w->solids.data[last].next) = solid;
+        last = solid;
         b->shape_count++;
     }
     return DIG_OK;

@@ -182,7 +182,7 @@ TEST(the_deepest_point_is_always_kept)
         Pair p = pair_make(&low, pose_identity(), &high, at);
         real depth = box_separation(&p);
         CHECK(depth < 1e-12);
-        CHECK_NEAR(deepest_gap(&m), depth, 1e-5);       /* faces are preferred to edges by 1e-6 of the size */
+        CHECK_NEAR(deepest_gap(&m), depth, 1e-8);       /* faces are preferred to edges by 1e-6 of the size */
     }
     shape_free(&low);
     shape_free(&high);
@@ -329,7 +329,7 @@ static void try_pair(Random *r, int ka, int kb)
         check_mirror(&m, &mirrored, tolerance);
         CHECK_NEAR(deepest_gap(&moved), deepest_gap(&m), tolerance);
         if (!(ka == 1 && kb == 1 && d > 0))         /* boxes apart: along the face's normal instead of the shortest way */
-            CHECK_NEAR(deepest_gap(&m), d, ka == 1 && kb == 1 ? 1e-5 : real_max(tolerance, 1e-8));
+            CHECK_NEAR(deepest_gap(&m), d, ka == 1 && kb == 1 ? 1e-8 : real_max(tolerance, 1e-8));
     }
     shape_free(&a);
     shape_free(&b);

@@ -75,10 +75,10 @@ TEST(projectile_flies_on_its_parabola_and_keeps_its_spin)
     dig_world_close(w);
 }
 
-/* Row 66. A free box tumbles a million steps: its axes stay orthonormal, its angular momentum constant. */
+/* Row 66, B14. A free box tumbles a million steps: its axes stay orthonormal, its angular momentum constant. */
 TEST(spinning_box_keeps_its_axes_and_its_angular_momentum)
 {
-    dig_world *w = open_world(1.0 / 60, "sketch", false);
+    dig_world *w = open_world(1.0 / 60, NULL, false);
     dig_body_def d = body_with(look(0, 0), vec3_zero(), quat_identity());
     d.mass = 1;
     d.spin = (vec3){0.1, 5, 0.1};
@@ -96,8 +96,8 @@ TEST(spinning_box_keeps_its_axes_and_its_angular_momentum)
             worst = real_max(worst, fabs(sum - (i == k)));
         }
     CHECK_NEAR(worst, 0, 1e-12);
-    CHECK_NEAR(vec3_distance(dig_world_angular_momentum(w), l0) / vec3_length(l0), 0, 1e-9);
-    CHECK_NEAR(dig_world_energy(w).total / e0, 1, 1e-3);
+    CHECK_NEAR(vec3_distance(dig_world_angular_momentum(w), l0) / vec3_length(l0), 0, 1e-10);
+    CHECK_NEAR(dig_world_energy(w).total / e0, 1, 1e-6);
     dig_world_close(w);
 }
 
@@ -477,12 +477,12 @@ TEST(box_on_a_slope_sticks_below_the_friction_angle_and_slides_above)
     tilted(0.95, &creep, &slide);
     CHECK_NEAR(creep, 0, 1e-12);
     tilted(0.9999, &creep, &slide);
-    CHECK_NEAR(creep, 0, 1e-7);             /* sticks: freely it would be 200 m by now */
+    CHECK_NEAR(creep, 0, 1e-7);             /* sticks; the first solves near the cone stop at 1e-7 m/s */
     tilted(1.05, &creep, &slide);
     CHECK_NEAR(slide / 2.7142979458875707, 1, 1e-6);
     tilted(1.0001, &creep, &slide);
     real angle = atan(0.5 * 1.0001);
-    CHECK_NEAR(slide / (12.5 * GRAVITY * (sin(angle) - 0.5 * cos(angle))), 1, 1e-3);
+    CHECK_NEAR(slide / (12.5 * GRAVITY * (sin(angle) - 0.5 * cos(angle))), 1, 1e-2);
 }
 
 /* Row 67. A push below mu_s m g moves nothing, above it mu_d decides the acceleration. */
