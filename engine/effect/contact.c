@@ -38,7 +38,7 @@ static bool set_target(const Group *g, const GroupPair *q, PointRow *r, real gap
     real predicted = dir_rate(g, &r->n, r->a, r->b);
     r->rate_before = rate_before(g, r);
     if (gap <= g->touch * q->size) {
-        if (g->locate && g->events_left > 0 && r->rate_before > g->close_speed)
+        if (g->locate && g->events_left > 0 && r->rate_before > g->close_speed && gap > -g->touch * q->size)
             return false;               /* it leaves; should it come back in this substep, that is an impact */
         r->target = gap > 0 ? -gap / g->h : 0;
     } else {

@@ -24,6 +24,13 @@ typedef struct Polytope {
     int     edge_count, edge[EPA_EDGES][2];     /* of the hole left by faces that are seen from the new corner */
 } Polytope;
 
+/* Not all of it: the arrays are large, and filled as they are used. */
+static void open_polytope(Polytope *t, const ConvexPair *pair)
+{
+    t->pair = pair;
+    t->corner_count = t->face_count = t->edge_count = 0;
+}
+
 static int add_corner(Polytope *t, vec3 d)
 {
     int i = t->corner_count++;
@@ -236,8 +243,7 @@ static bool grow(Polytope *t, ConvexGap *out)
 bool epa_depth(const ConvexPair *p, vec3 hint, ConvexGap *out)
 {
     Polytope t;
-    t.pair = p;
-    t.corner_count = t.face_count = 0;
+    open_polytope(&t, p);
     *out = (ConvexGap){.normal = {0, 1, 0}};
     return !first_polytope(&t, hint, out) || grow(&t, out);
 }
@@ -248,10 +254,9 @@ bool epa_from_patch(const ConvexPair *p, const Patch *patch, ConvexGap *out)
     Polytope t;
     ConvexGap found;
     int n = patch->count;
-    t.pair = p;
-    t.face_count = 0;
-    t.corner_count = n;
+    open_polytope(&t, p);
     for (int i = 0; i < n; i++) {
+        t.corner_count++;
         t.w[i] = patch->w[i];
         t.a[i] = patch->a[i];
         t.b[i] = patch->b[i];

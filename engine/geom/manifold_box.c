@@ -5,7 +5,8 @@
 /* An edge pair must separate by this much more than the best face (of the smaller shape): while faces lie flat on each other, crossing
  * edges separate equally well, and the choice must not follow rounding. */
 #define FACE_BIAS   1e-6
-#define A_BIAS      1e-7        /* of the smaller shape: of two faces that separate equally well the reference is a's */
+#define A_BIAS      1e-7        /* of the smaller shape: of two faces that separate equally well the normal is a's */
+#define SAME_TILT   5e-5        /* 1 - cosine of 0.01 rad: of two faces that nearly face each other the reference is a's while they rock */
 #define ON_SIDE     1e-9        /* of the smaller shape: corners this near to a side are inside */
 #define FLAT_ENOUGH 0.966       /* cosine: with the faces more than 15 degrees from the normal, crossing edges meet in one point */
 #define PARALLEL2   1e-10       /* squared sine: the cross product of such edges is no axis */
@@ -24,7 +25,7 @@ static void put(vec3 v, real out[3])
 
 static Boxes boxes_of(const Pair *p)
 {
-    Boxes x;
+    Boxes x = {.ha = {0}};
     put(((const BoxData *)p->a->data)->half, x.ha);
     put(((const BoxData *)p->b->data)->half, x.hb);
     put(p->c.turn.r0, x.r[0]);
@@ -287,7 +288,7 @@ static void use_edges(const Pair *p, const Boxes *x, const Axis *e, Contacts *c)
     put(vec3_neg(mat3_mul_vec(p->c.back, e->n)), nb);
     int ia = parallel_axis(na), jb = parallel_axis(nb);
     if (fabs(na[ia]) > FLAT_ENOUGH || fabs(nb[jb]) > FLAT_ENOUGH) {
-        bool ref_is_a = fabs(na[ia]) >= fabs(nb[jb]);
+        bool ref_is_a = fabs(na[ia]) >= fabs(nb[jb]) - SAME_TILT;
         use_face(p, x, ref_is_a, ref_is_a ? ia : jb, (ref_is_a ? na[ia] : nb[jb]) < 0 ? -1 : 1, c);
     }
     for (int i = 0; i < c->count; i++)
@@ -314,8 +315,14 @@ int collide_boxes(const Pair *p, ManifoldCache *cache, Manifold *out)
         c.normal = (vec3){a.i == 0 ? a.sign : 0, a.i == 1 ? a.sign : 0, a.i == 2 ? a.sign : 0};
         use_face(p, &x, true, a.i, a.sign, &c);
     } else {
+        real n[3];
         c.normal = vec3_scale(b.sign, (vec3){x.r[0][b.i], x.r[1][b.i], x.r[2][b.i]});
-        use_face(p, &x, false, b.i, -b.sign, &c);
+        put(c.normal, n);
+        int i = parallel_axis(n);
+        if (fabs(n[i]) > 1 - SAME_TILT)
+            use_face(p, &x, true, i, n[i] < 0 ? -1 : 1, &c);
+        else
+            use_face(p, &x, false, b.i, -b.sign, &c);
     }
     /* corners and edges that pass each other diagonally: the general way knows their distance */
     return c.count > 0 ? contacts_finish(p, &c, out) : collide_convex(p, cache, out);

@@ -3,7 +3,7 @@
 #include "geom/pair.h"
 
 #define SQUARE       1e-6   /* rad  a normal this near to a face's is the face's */
-#define SAME_TILT    1e-7   /* rad  faces this equally tilted: the reference is a's */
+#define SAME_TILT    1e-2   /* rad  faces this equally tilted: the reference is a's, so that it does not change while they rock */
 #define FLAT_ENOUGH  0.966  /* 1    cosine: faces steeper than 15 degrees to the normal make no area */
 #define PARALLEL     0.1    /* rad  edges that meet along a line rather than at a point */
 #define ON_SIDE      1e-9   /* of the smaller shape: corners this near to a side are inside, so that flush faces keep their corners */
@@ -47,7 +47,7 @@ static int face_towards(const Shape *s, ShapeKind kind, vec3 direction, vec3 cor
 
 static Face face_of_a(const Pair *p, vec3 n)
 {
-    Face f;
+    Face f = {.count = 0};
     f.count = face_towards(p->a, p->kind_a, n, f.corner, &f.feature);
     measure(&f, n);
     return f;
@@ -55,7 +55,7 @@ static Face face_of_a(const Pair *p, vec3 n)
 
 static Face face_of_b(const Pair *p, vec3 n)
 {
-    Face f;
+    Face f = {.count = 0};
     vec3 toward = vec3_neg(n);
     f.count = face_towards(p->b, p->kind_b, mat3_mul_vec(p->c.back, toward), f.corner, &f.feature);
     for (int i = 0; i < f.count; i++)
@@ -236,8 +236,10 @@ int collide_faces(const Pair *p, const ConvexGap *g, Manifold *out)
     bool ref_is_a = fa.tilt <= fb.tilt + SAME_TILT;
     const Face *ref = ref_is_a ? &fa : &fb;
 
-    if (ref->tilt < SQUARE)
-        c.normal = ref_is_a ? ref->normal : vec3_neg(ref->normal);
+    if (fa.tilt < SQUARE)
+        c.normal = fa.normal;
+    else if (fb.tilt < SQUARE)
+        c.normal = vec3_neg(fb.normal);
     if (ref->tilt < 2)
         add_clipped(p, ref, ref_is_a ? &fb : &fa, ref_is_a, &c);
     else

@@ -1,0 +1,800 @@
+/* tests/unit/test_render.c - pictures of views built by hand, checked pixel by pixel against closed forms. */
+#ifndef _XOPEN_SOURCE
+#define _XOPEN_SOURCE 700
+#endif
+
+#include <dirent.h>
+#include <errno.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "check.h"
+#include "render/render.h"
+
+/* ---- views by hand ----------------------------------------------------- */
+
+enum { ITEMS = 16, WIDTH = 160, HEIGHT = 90 };
+
+typedef struct Scene {
+    View     view;
+    ViewMesh meshes[ITEMS];
+    ViewItem items[ITEMS];
+} Scene;
+
+static void scene_open(Scene *s)
+{
+    memset(s, 0, sizeof *s);
+    s->view.meshes = s->meshes;
+    s->view.items = s->items;
+    s->view.up[1] = 1;
+}
+
+static ViewItem *add(Scene *s, ViewForm form, double a, double b, double c, double x, double y, double z)
+{
+    int n = s->view.item_count++;
+    s->view.mesh_count++;
+    s->meshes[n] = (ViewMesh){.form = form, .size = {(float)a, (float)b, (float)c}};
+    s->items[n] = (ViewItem){.body = (uint32_t)n + 1, .mesh = n, .p = {(float)x, (float)y, (float)z}, .q = {0, 0, 0, 1},
+                             .colour = {0.5f, 0.5f, 0.5f}, .roughness = 0.6f, .dig = form == VIEW_PLANE ? 0 : (uint32_t)n + 1, .fixed = form == VIEW_PLANE};
+    return &s->items[n];
+}
+
+/* A ball of 1 m (body 2) that stands on a plane (body 1), its centre at the origin. */
+static void ball_on_plane(Scene *s)
+{
+    scene_open(s);
+    add(s, VIEW_PLANE, 0, 0, 0, 0, -1, 0);
+    add(s, VIEW_SPHERE, 1, 0, 0, 0, 0, 0);
+}
+
+/* Boxes, a ball and a capsule on a plane: something of everything, few programs. */
+static void mixed(Scene *s)
+{
+    scene_open(s);
+    add(s, VIEW_PLANE, 0, 0, 0, 0, 0, 0);
+    add(s, VIEW_BOX, 0.5, 0.5, 0.5, -0.6, 0.25, 0);
+    add(s, VIEW_BOX, 0.4, 0.4, 0.4, -0.55, 0.7, 0.05)->colour[0] = 0.8f;
+    add(s, VIEW_SPHERE, 0.3, 0, 0, 0.2, 0.3, 0.1);
+    add(s, VIEW_CAPSULE, 0.15, 0.4, 0, 0.8, 0.35, -0.3)->colour[2] = 0.1f;
+}
+
+static RenderOptions options(void)
+{
+    RenderOptions o = render_defaults();
+    o.width = WIDTH;
+    o.height = HEIGHT;
+    o.camera = (RenderCamera){{0, 0, 6}, {0, 0, 0}, {0, 1, 0}, 0.8};
+    return o;
+}
+
+/* ---- one renderer for all tests: compiling shaders takes most of the time ---- */
+
+static Renderer *shared;
+static char folder[256];
+
+static int open_all(void **state)
+{
+    (void)state;
+    char why[300] = "";
+    if (render_open(NULL, &shared, why, sizeof why) != DIG_OK) {
+        fprintf(stderr, "no renderer: %s\n", why);
+        return -1;
+    }
+    const char *base = getenv("TMPDIR");
+    snprintf(folder, sizeof folder, "%s/test_render.XXXXXX", base && *base ? base : P_tmpdir);
+    return mkdtemp(folder) ? 0 : -1;
+}
+
+static int close_all(void **state)
+{
+    (void)state;
+    render_close(shared);
+    return rmdir(folder);       /* fails when a test left a file behind */
+}
+
+static const void *draw_with(Renderer *r, const Scene *s, const RenderOptions *o)
+{
+    const void *pixels = NULL;
+    if (render_draw(r, &s->view, o, &pixels) != DIG_OK)
+        fail_msg("render_draw: %s", render_error(r));
+    return pixels;
+}
+
+static const void *draw(const Scene *s, const RenderOptions *o) { return draw_with(shared, s, o); }
+
+static uint32_t id_at(const Scene *s, RenderOptions o, int x, int y)
+{
+    o.layer = RENDER_ID;
+    return ((const uint32_t *)draw(s, &o))[y * o.width + x];
+}
+
+static double depth_at(const Scene *s, RenderOptions o, int x, int y)
+{
+    o.layer = RENDER_DEPTH;
+    return (double)((const float *)draw(s, &o))[y * o.width + x];
+}
+
+static int brightness(const void *pixels, int width, int x, int y)
+{
+    const unsigned char *p = (const unsigned char *)pixels + 3 * (y * width + x);
+    return p[0] + p[1] + p[2];
+}
+
+static unsigned char *copy_of(const void *pixels, size_t size)
+{
+    unsigned char *copy = malloc(size);
+    if (!copy)
+        fail_msg("no memory for %zu bytes", size);
+    memcpy(copy, pixels, size);
+    return copy;
+}
+
+/* ---- layers ------------------------------------------------------------ */
+
+TEST(the_id_layer_names_the_body_that_is_seen)
+{
+    Scene s;
+    ball_on_plane(&s);
+    s.items[1].body = 70000;        /* more than 16 bits */
+    RenderOptions o = options();
+    CHECK_INT(id_at(&s, o, WIDTH / 2, HEIGHT / 2), 70000);
+    CHECK_INT(id_at(&s, o, WIDTH / 2, HEIGHT - 1), 1);
+    CHECK_INT(id_at(&s, o, WIDTH / 2, 0), 0);
+    CHECK_INT(id_at(&s, o, 0, 0), 0);
+}
+
+TEST(depth_of_a_ball_and_of_a_plane_is_the_closed_form)
+{
+    Scene s;
+    ball_on_plane(&s);
+    RenderOptions o = options();
+    o.width = 161;      /* odd: the middle of the picture is the middle of a pixel */
+    o.height = 91;
+    CHECK_NEAR(depth_at(&s, o, 80, 45), 5, 1e-3);
+    /* a pixel to the side: |t d - c| = 1 with d of unit depth */
+    double x = (2 * 88.5 / 161 - 1) * tan(0.4) * 161 / 91, dd = 1 + x * x;
+    CHECK_NEAR(depth_at(&s, o, 88, 45), (6 - sqrt(36 - 35 * dd)) / dd, 1e-3);
+    /* the plane 1 m below the eye is met at depth 1 / slope */
+    for (int y = 75; y < 91; y += 5) {
+        double slope = (2 * (y + 0.5) / 91 - 1) * tan(0.4);
+        CHECK_NEAR(depth_at(&s, o, 2, y), 1 / slope, 1e-3 / slope);
+    }
+    CHECK(isinf(depth_at(&s, o, 80, 0)));
+}
+
+TEST(depth_of_a_turned_box_is_the_closed_form)
+{
+    Scene s;
+    scene_open(&s);
+    ViewItem *box = add(&s, VIEW_BOX, 2, 2, 2, 0, 0, 0);
+    box->q[1] = (float)sin(0.125 * 3.14159265358979);      /* 45 degrees about y: an edge towards the eye */
+    box->q[3] = (float)cos(0.125 * 3.14159265358979);
+    RenderOptions o = options();
+    o.width = 161;
+    o.height = 91;
+    CHECK_NEAR(depth_at(&s, o, 80, 45), 6 - sqrt(2), 1e-3);
+}
+
+TEST(far_from_the_origin_nothing_changes)
+{
+    Scene s;
+    ball_on_plane(&s);
+    RenderOptions o = options();
+    const real far[3] = {3e6, -2e6, 5e6};
+    for (int i = 0; i < 3; i++) {
+        s.view.origin[i] = far[i];
+        o.camera.at[i] += far[i];
+        o.camera.look_at[i] += far[i];
+    }
+    o.width = 161;
+    o.height = 91;
+    CHECK_NEAR(depth_at(&s, o, 80, 45), 5, 1e-3);
+}
+
+TEST(the_normal_layer_points_at_the_eye_from_a_face_turned_to_it)
+{
+    Scene s;
+    scene_open(&s);
+    add(&s, VIEW_BOX, 2, 2, 2, 0, 0, 0);
+    RenderOptions o = options();
+    o.layer = RENDER_NORMAL;
+    const unsigned char *p = (const unsigned char *)draw(&s, &o) + 3 * (HEIGHT / 2 * WIDTH + WIDTH / 2);
+    CHECK_NEAR(p[0], 127.5, 1);
+    CHECK_NEAR(p[1], 127.5, 1);
+    CHECK_INT(p[2], 255);
+}
+
+/* ---- light ------------------------------------------------------------- */
+
+TEST(the_side_away_from_the_sun_is_darker)
+{
+    Scene s;
+    scene_open(&s);
+    add(&s, VIEW_SPHERE, 1, 0, 0, 0, 0, 0);
+    RenderOptions o = options();
+    o.sun[0] = 1;
+    o.sun[1] = 0.2f;
+    const void *p = draw(&s, &o);
+    int lit = brightness(p, WIDTH, WIDTH / 2 + 12, HEIGHT / 2), dark = brightness(p, WIDTH, WIDTH / 2 - 12, HEIGHT / 2);
+    if (!(lit > dark + 100))
+        fail_msg("lit side %d, dark side %d of 765", lit, dark);
+}
+
+/* From straight above: x runs right, z down. One metre is this many pixels at height y. */
+static RenderOptions from_above(double height)
+{
+    RenderOptions o = options();
+    o.camera = (RenderCamera){{0, height, 0}, {0, 0, 0}, {0, 0, -1}, 0.8};
+    o.sun[0] = 1;
+    o.sun[1] = 1;
+    return o;
+}
+
+TEST(a_box_throws_its_shadow_where_the_sun_says)
+{
+    Scene s;
+    scene_open(&s);
+    add(&s, VIEW_PLANE, 0, 0, 0, 0, 0, 0);
+    add(&s, VIEW_BOX, 0.8, 0.1, 0.8, 0, 1.5, 0);        /* hovers; its shadow lies 1.5 m to the left */
+    RenderOptions o = from_above(8);
+    double pixels = HEIGHT / 2.0 / tan(0.4) / 8;
+    int x = (int)(WIDTH / 2 - 1.5 * pixels), y = HEIGHT / 2;
+    const void *p = draw(&s, &o);
+    int shadow = brightness(p, WIDTH, x, y), beside = brightness(p, WIDTH, x, y + (int)(1.5 * pixels));
+    int other = brightness(p, WIDTH, WIDTH - x, y);
+    o.shadows = false;
+    int open = brightness(draw(&s, &o), WIDTH, x, y);
+    if (!(shadow < open - 80 && abs(beside - open) < 30 && abs(other - open) < 30))
+        fail_msg("in the shadow %d, beside it %d, opposite %d, without shadows %d of 765", shadow, beside, other, open);
+}
+
+TEST(a_box_shades_the_box_below_it)
+{
+    Scene s;
+    scene_open(&s);
+    add(&s, VIEW_BOX, 4, 0.2, 4, 0, 0, 0);
+    add(&s, VIEW_BOX, 0.8, 0.1, 0.8, 0, 1.0, 0);        /* 0.9 m above the lower one's top */
+    RenderOptions o = from_above(8);
+    double pixels = HEIGHT / 2.0 / tan(0.4) / 7.9;
+    int x = (int)(WIDTH / 2 - 0.9 * pixels), y = HEIGHT / 2;
+    const void *p = draw(&s, &o);
+    int shadow = brightness(p, WIDTH, x, y), opposite = brightness(p, WIDTH, WIDTH - x, y);
+    if (!(shadow < opposite - 80))
+        fail_msg("in the shadow %d, opposite %d of 765", shadow, opposite);
+}
+
+TEST(a_stronger_lamp_is_brighter)
+{
+    Scene s;
+    ball_on_plane(&s);
+    RenderOptions o = options();
+    o.sky = 2;
+    o.lamp_count = 1;
+    o.lamps[0] = (RenderLamp){.at = {0, 0, 3}, .colour = {1, 1, 1}};
+    int before = -1;
+    for (int watts = 0; watts <= 100; watts += 25) {
+        o.lamps[0].power = (float)watts;
+        int now = brightness(draw(&s, &o), WIDTH, WIDTH / 2, HEIGHT / 2);
+        if (!(now > before))
+            fail_msg("%d W gives %d, less gave %d", watts, now, before);
+        before = now;
+    }
+}
+
+/* ---- sameness ---------------------------------------------------------- */
+
+TEST(the_same_view_gives_the_same_bytes)
+{
+    Scene s, other;
+    mixed(&s);
+    ball_on_plane(&other);
+    RenderOptions o = options();
+    o.overlay = OVERLAY_DIG | OVERLAY_TIME;
+    size_t size = 3 * WIDTH * HEIGHT;
+    unsigned char *first = copy_of(draw(&s, &o), size);
+    RenderOptions between = options();
+    between.width = 64;
+    between.samples = 0;
+    draw(&other, &between);
+    int different = memcmp(first, draw(&s, &o), size);
+    free(first);
+    CHECK(different == 0);
+}
+
+static void compare_backends(Renderer *a, Renderer *b, RenderLayer layer)
+{
+    Scene s;
+    mixed(&s);
+    RenderOptions o = options();
+    o.layer = layer;
+    o.camera = render_camera_for(&s.view, 0.8, (real)WIDTH / HEIGHT);
+    size_t size = (layer == RENDER_COLOUR || layer == RENDER_NORMAL ? 3 : 4) * (size_t)WIDTH * HEIGHT;
+    unsigned char *first = copy_of(draw_with(a, &s, &o), size);
+    const unsigned char *second = draw_with(b, &s, &o);
+    size_t different = 0;
+    for (size_t i = 0; i < size; i++)
+        different += first[i] != second[i];
+    free(first);
+    if (different)
+        fail_msg("layer %d: %zu of %zu bytes differ", (int)layer, different, size);
+}
+
+TEST(osmesa_and_egl_agree_byte_for_byte)
+{
+    char why[300] = "";
+    Renderer *osmesa = NULL, *egl = NULL;
+    if (render_open("osmesa", &osmesa, why, sizeof why) != DIG_OK || render_open("egl", &egl, why, sizeof why) != DIG_OK) {
+        printf("skipped: %s\n", why);
+        render_close(osmesa);
+        return;
+    }
+    if (!strstr(render_describe(egl), "llvmpipe") || !strstr(render_describe(osmesa), "llvmpipe")) {
+        printf("skipped: not the same device: %s; %s\n", render_describe(osmesa), render_describe(egl));
+    } else {
+        for (int layer = RENDER_COLOUR; layer <= RENDER_NORMAL; layer++)
+            compare_backends(osmesa, egl, (RenderLayer)layer);
+    }
+    render_close(osmesa);
+    render_close(egl);
+}
+
+/* Turns everything by 120 degrees about (1, 1, 1): x to y to z to x. */
+static void cycle(float v[3])
+{
+    float x = v[0], y = v[1], z = v[2];
+    v[0] = z;
+    v[1] = x;
+    v[2] = y;
+}
+
+static void cycle_real(real v[3])
+{
+    real x = v[0], y = v[1], z = v[2];
+    v[0] = z;
+    v[1] = x;
+    v[2] = y;
+}
+
+TEST(the_picture_does_not_depend_on_which_way_is_up)
+{
+    Scene s;
+    mixed(&s);
+    RenderOptions o = options();
+    o.camera = render_camera_for(&s.view, 0.8, (real)WIDTH / HEIGHT);
+    size_t size = 3 * WIDTH * HEIGHT;
+    unsigned char *upright = copy_of(draw(&s, &o), size);
+    for (int i = 0; i < s.view.item_count; i++) {
+        cycle(s.items[i].p);
+        s.items[i].q[0] = s.items[i].q[1] = s.items[i].q[2] = 0.5f;    /* all were unturned */
+        s.items[i].q[3] = 0.5f;
+    }
+    cycle(s.view.up);
+    cycle_real(o.camera.at);
+    cycle_real(o.camera.look_at);
+    cycle_real(o.camera.up);
+    o.sun[0] = o.sun[1] = o.sun[2] = 0;     /* the usual sun goes with the scene axes: compare layers without it below */
+    o.layer = RENDER_ID;
+    uint32_t *ids = (uint32_t *)copy_of(draw(&s, &o), 4 * WIDTH * HEIGHT);
+    mixed(&s);
+    o.camera = render_camera_for(&s.view, 0.8, (real)WIDTH / HEIGHT);
+    const uint32_t *want = draw(&s, &o);
+    int different = 0;
+    for (int i = 0; i < WIDTH * HEIGHT; i++)
+        different += ids[i] != want[i];
+    free(ids);
+    free(upright);
+    if (different > 40)     /* rounding moves a few edge pixels */
+        fail_msg("%d of %d pixels show another body", different, WIDTH * HEIGHT);
+}
+
+TEST(a_thousand_times_larger_looks_the_same)
+{
+    Scene s;
+    scene_open(&s);
+    add(&s, VIEW_BOX, 1, 0.5, 0.75, 0, 0, 0);
+    add(&s, VIEW_SPHERE, 0.3, 0, 0, 0.9, 0.1, 0.2);
+    RenderOptions o = options();
+    o.camera = render_camera_for(&s.view, 0.8, (real)WIDTH / HEIGHT);
+    size_t size = 3 * WIDTH * HEIGHT;
+    unsigned char *small = copy_of(draw(&s, &o), size);
+    for (int i = 0; i < s.view.item_count; i++)
+        for (int k = 0; k < 3; k++) {
+            s.items[i].p[k] *= 1024;
+            s.meshes[i].size[k] *= 1024;
+        }
+    o.camera = render_camera_for(&s.view, 0.8, (real)WIDTH / HEIGHT);
+    const unsigned char *large = draw(&s, &o);
+    long off = 0;
+    for (size_t i = 0; i < size; i++)
+        off += abs(large[i] - small[i]);
+    free(small);
+    CHECK_NEAR((double)off / (double)size, 0, 0.2);
+}
+
+/* ---- camera ------------------------------------------------------------ */
+
+static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+static void cross(const double a[3], const double b[3], double out[3])
+{
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* Each end of each item's diameter along x, y and z must fall inside the picture. */
+static void check_all_seen(const Scene *s, real aspect)
+{
+    RenderCamera c = render_camera_for(&s->view, 0.8, aspect);
+    double f[3], r[3], u[3];
+    for (int k = 0; k < 3; k++)
+        f[k] = c.look_at[k] - c.at[k];
+    double length = sqrt(dot(f, f));
+    for (int k = 0; k < 3; k++)
+        f[k] /= length;
+    cross(f, c.up, r);
+    length = sqrt(dot(r, r));
+    for (int k = 0; k < 3; k++)
+        r[k] /= length;
+    cross(r, f, u);
+    for (int i = 0; i < s->view.item_count; i++) {
+        if (s->meshes[i].form == VIEW_PLANE)
+            continue;
+        for (int end = 0; end < 6; end++) {
+            double d[3], half = (double)s->meshes[i].size[end / 2] * (s->meshes[i].form == VIEW_BOX ? 0.5 : 1);
+            for (int k = 0; k < 3; k++)
+                d[k] = (double)s->items[i].p[k] + s->view.origin[k] + (k == end / 2 ? (end % 2 ? half : -half) : 0) - c.at[k];
+            double depth = dot(d, f);
+            if (!(depth > 0 && fabs(dot(d, u)) < depth * tan(0.4) && fabs(dot(d, r)) < depth * tan(0.4) * aspect))
+                fail_msg("item %d, end %d is outside the picture", i, end);
+        }
+    }
+}
+
+TEST(the_usual_camera_sees_everything)
+{
+    Scene s;
+    mixed(&s);
+    check_all_seen(&s, 1.78);
+    check_all_seen(&s, 0.5);
+    add(&s, VIEW_BOX, 0.3, 9, 0.3, 5, 4.5, -2);         /* tall */
+    check_all_seen(&s, 1.78);
+    s.view.origin[0] = 1e6;
+    check_all_seen(&s, 1.78);
+    s.view.up[1] = 0;
+    s.view.up[0] = -1;
+    check_all_seen(&s, 1.78);
+}
+
+TEST(an_empty_view_is_only_sky)
+{
+    Scene s;
+    scene_open(&s);
+    RenderOptions o = options();
+    o.camera = render_camera_for(&s.view, 0.8, (real)WIDTH / HEIGHT);
+    for (int y = 0; y < HEIGHT; y += 8)
+        CHECK_INT(id_at(&s, o, WIDTH / 2, y), 0);
+    CHECK(brightness(draw(&s, &o), WIDTH, WIDTH / 2, 2) > 300);
+}
+
+/* ---- odd input --------------------------------------------------------- */
+
+TEST(items_that_make_no_sense_are_left_out)
+{
+    Scene s;
+    ball_on_plane(&s);
+    add(&s, VIEW_BOX, 1, 1, 1, 0, 0, 3)->p[0] = NAN;
+    add(&s, VIEW_BOX, 1, 1, 1, 0, 0, 3)->mesh = 99;
+    add(&s, VIEW_BOX, 1, 1, 1, 0, 0, 3)->mesh = -1;
+    ViewItem *flat = add(&s, VIEW_BOX, 1, 1, 1, 0, 0, 3);
+    flat->q[3] = 0;
+    CHECK_INT(id_at(&s, options(), WIDTH / 2, HEIGHT / 2), 2);
+}
+
+static void check_refused(RenderOptions o, const char *word)
+{
+    Scene s;
+    ball_on_plane(&s);
+    const void *pixels = &s;
+    CHECK_INT(render_draw(shared, &s.view, &o, &pixels), DIG_E_ARG);
+    CHECK(pixels == NULL);
+    if (!strstr(render_error(shared), word))
+        fail_msg("\"%s\" does not mention %s", render_error(shared), word);
+}
+
+TEST(bad_options_are_refused_with_a_sentence)
+{
+    static const int sizes[] = {0, -1, 16385};
+    for (int i = 0; i < 3; i++) {
+        RenderOptions o = options();
+        char number[16];
+        snprintf(number, sizeof number, "%d", sizes[i]);
+        o.width = sizes[i];
+        check_refused(o, number);
+        o = options();
+        o.height = sizes[i];
+        check_refused(o, number);
+    }
+    RenderOptions o = options();
+    o.samples = 3;
+    check_refused(o, "samples = 3");
+    o = options();
+    o.camera.fov = NAN;
+    check_refused(o, "fov");
+    o = options();
+    o.camera.at[1] = INFINITY;
+    check_refused(o, "finite");
+    o = options();
+    o.camera.look_at[2] = o.camera.at[2];
+    check_refused(o, "same point");
+    o = options();
+    o.lamp_count = 5;
+    check_refused(o, "lamp_count = 5");
+    o = options();
+    o.sky = 4;
+    check_refused(o, "sky = 4");
+}
+
+TEST(an_unknown_backend_is_refused_with_a_sentence)
+{
+    Renderer *r = NULL;
+    char why[200] = "";
+    CHECK(render_open("glide", &r, why, sizeof why) != DIG_OK);
+    CHECK(r == NULL);
+    CHECK(strstr(why, "glide") != NULL);
+}
+
+/* ---- own meshes --------------------------------------------------------- */
+
+TEST(a_closed_mesh_and_both_sides_of_an_open_one_are_seen)
+{
+    static float corners[] = {-1, -1, 0, 1, -1, 0, 0, 1, 0, 0, 0, -1};
+    static uint32_t closed[] = {0, 1, 2, 0, 3, 1, 1, 3, 2, 2, 3, 0}, open[] = {0, 2, 1};
+    Scene s;
+    scene_open(&s);
+    add(&s, VIEW_MESH, 0, 0, 0, 0, 0, 0);
+    s.meshes[0] = (ViewMesh){.form = VIEW_MESH, .vertex_count = 4, .index_count = 12, .vertices = corners, .indices = closed};
+    CHECK_INT(id_at(&s, options(), WIDTH / 2, HEIGHT / 2), 1);
+    CHECK_NEAR(depth_at(&s, options(), WIDTH / 2, HEIGHT / 2), 6, 1e-3);
+    s.meshes[0].indices = open;         /* one triangle, seen from behind */
+    s.meshes[0].index_count = 3;
+    CHECK_INT(id_at(&s, options(), WIDTH / 2, HEIGHT / 2), 1);
+    static uint32_t wrong[] = {0, 1, 7};
+    s.meshes[0].indices = wrong;        /* no such vertex: not drawn */
+    CHECK_INT(id_at(&s, options(), WIDTH / 2, HEIGHT / 2), 0);
+}
+
+/* ---- overlays ---------------------------------------------------------- */
+
+TEST(digs_have_colours_of_their_own_and_their_links_are_drawn)
+{
+    Scene s;
+    scene_open(&s);
+    add(&s, VIEW_SPHERE, 0.5, 0, 0, -1, 0, 0);
+    add(&s, VIEW_SPHERE, 0.5, 0, 0, 1, 0, 0);
+    ViewEdge edge = {.a = {-1, 0, 0}, .b = {1, 0, 0}, .dig = 1};
+    RenderOptions o = options();
+    size_t size = 3 * WIDTH * HEIGHT;
+    unsigned char *plain = copy_of(draw(&s, &o), size);
+    s.view.edges = &edge;
+    s.view.edge_count = 1;
+    CHECK(memcmp(plain, draw(&s, &o), size) == 0);      /* not asked for: nothing */
+    o.overlay = OVERLAY_DIG;
+    const unsigned char *p = draw(&s, &o);
+    int middle = 3 * (HEIGHT / 2 * WIDTH + WIDTH / 2), changed = 0;
+    for (int k = -3 * WIDTH; k <= 3 * WIDTH; k += 3 * WIDTH)
+        changed += abs(p[middle + k] - plain[middle + k]) > 20;
+    free(plain);
+    CHECK(changed > 0);                                 /* the link, half way between the balls */
+    int left = 3 * (HEIGHT * 2 / 5 * WIDTH + WIDTH / 2 - 18), right = left + 3 * 36, apart = 0;
+    for (int k = 0; k < 3; k++)
+        apart += abs(p[left + k] - p[right + k]);
+    if (!(apart > 60))
+        fail_msg("colours %d %d %d and %d %d %d", p[left], p[left + 1], p[left + 2], p[right], p[right + 1], p[right + 2]);
+}
+
+TEST(names_and_time_are_written)
+{
+    Scene s;
+    ball_on_plane(&s);
+    ViewLabel label = {.p = {0, 1.2f, 0}, .text = "B\xc3\xa4lle \xff \xe2\x82"};       /* also malformed UTF-8 */
+    s.view.labels = &label;
+    s.view.label_count = 1;
+    RenderOptions o = options();
+    o.width = 320;
+    o.height = 180;
+    size_t size = 3 * 320 * 180;
+    unsigned char *plain = copy_of(draw(&s, &o), size);
+    o.overlay = OVERLAY_NAMES | OVERLAY_TIME;
+    const unsigned char *p = draw(&s, &o);
+    size_t changed = 0;
+    for (size_t i = 0; i < size; i++)
+        changed += p[i] != plain[i];
+    free(plain);
+    if (changed == 0)
+        printf("skipped: no font file\n");
+    else if (changed < 2000)
+        fail_msg("only %zu bytes changed", changed);
+}
+
+/* ---- files ------------------------------------------------------------- */
+
+static void path_of(char *out, size_t capacity, const char *name) { snprintf(out, capacity, "%s/%s", folder, name); }
+
+static int files_in_folder(void)
+{
+    int count = 0;
+    DIR *d = opendir(folder);
+    if (!d)
+        fail_msg("%s: %s", folder, strerror(errno));
+    for (const struct dirent *e; (e = readdir(d));)
+        count += strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0;
+    closedir(d);
+    return count;
+}
+
+/* An image without any pattern, so that it does not compress. */
+static unsigned char *make_noise(size_t size)
+{
+    unsigned char *data = malloc(size);
+    uint32_t h = 1;
+    for (size_t i = 0; data && i < size; i++) {
+        h = h * 1664525u + 1013904223u;
+        data[i] = (unsigned char)(h >> 24);
+    }
+    return data;
+}
+
+static bool file_contains(const char *path, const char *bytes, size_t size)
+{
+    static char all[200000];
+    FILE *f = fopen(path, "rb");
+    size_t got = f ? fread(all, 1, sizeof all, f) : 0;
+    if (f)
+        fclose(f);
+    for (size_t i = 0; i + size <= got; i++)
+        if (memcmp(all + i, bytes, size) == 0)
+            return true;
+    return false;
+}
+
+TEST(a_png_comes_back_pixel_by_pixel_with_its_texts)
+{
+    char path[300], why[400] = "";
+    path_of(path, sizeof path, "round.png");
+    unsigned char *data = make_noise(3 * 37 * 21), *back = NULL;
+    const PngText texts[] = {{"Software", "digbox"}, {"digbox:step", "1200"}};
+    int width = 0, height = 0;
+    CHECK_INT(png_write(path, RENDER_COLOUR, 37, 21, data, texts, 2, why, sizeof why), DIG_OK);
+    CHECK_INT(files_in_folder(), 1);        /* no temporary beside it */
+    CHECK_INT(png_read(path, &width, &height, &back, why, sizeof why), DIG_OK);
+    CHECK_INT(width, 37);
+    CHECK_INT(height, 21);
+    CHECK(memcmp(data, back, 3 * 37 * 21) == 0);
+    CHECK(file_contains(path, "tEXtSoftware\0digbox", 19));
+    CHECK(file_contains(path, "tEXtdigbox:step\0001200", 20));
+    free(data);
+    free(back);
+    CHECK_INT(unlink(path), 0);
+}
+
+TEST(an_id_png_holds_the_number_in_three_bytes)
+{
+    char path[300], why[400] = "";
+    path_of(path, sizeof path, "id.png");
+    const uint32_t ids[2] = {0, 0x030201};
+    unsigned char *back = NULL;
+    int width, height;
+    CHECK_INT(png_write(path, RENDER_ID, 2, 1, ids, NULL, 0, why, sizeof why), DIG_OK);
+    CHECK_INT(png_read(path, &width, &height, &back, why, sizeof why), DIG_OK);
+    CHECK_INT(back[0] + back[1] + back[2], 0);
+    CHECK_INT(back[3], 1);
+    CHECK_INT(back[4], 2);
+    CHECK_INT(back[5], 3);
+    free(back);
+    CHECK_INT(unlink(path), 0);
+}
+
+TEST(a_depth_png_is_16_bit_grey_and_not_read_as_colour)
+{
+    char path[300], why[400] = "";
+    path_of(path, sizeof path, "depth.png");
+    const float metres[2] = {1.5f, INFINITY};
+    unsigned char *back = NULL;
+    int width, height;
+    CHECK_INT(png_write(path, RENDER_DEPTH, 2, 1, metres, NULL, 0, why, sizeof why), DIG_OK);
+    CHECK(file_contains(path, "IHDR\0\0\0\2\0\0\0\1\20\0", 14));      /* 2 x 1, 16 bits, grey */
+    CHECK_INT(png_read(path, &width, &height, &back, why, sizeof why), DIG_E_FORMAT);
+    CHECK(back == NULL);
+    CHECK(strstr(why, "8-bit RGB") != NULL);
+    CHECK_INT(unlink(path), 0);
+}
+
+static void check_file_error(const char *path, int error)
+{
+    const unsigned char grey[3] = {9, 9, 9};
+    char why[400] = "";
+    CHECK_INT(png_write(path, RENDER_COLOUR, 1, 1, grey, NULL, 0, why, sizeof why), DIG_E_FILE);
+    if (!strstr(why, path) || (error && !strstr(why, strerror(error))))
+        fail_msg("\"%s\" lacks the path or \"%s\"", why, strerror(error));
+}
+
+TEST(an_unwritable_path_is_reported_with_the_systems_reason)
+{
+    char path[300];
+    path_of(path, sizeof path, "no-such-folder/a.png");
+    check_file_error(path, ENOENT);
+    check_file_error(folder, 0);            /* a folder */
+    check_file_error("/dev/full", 0);       /* a device: must not be replaced by a file */
+    CHECK_INT(access("/dev/full", F_OK), 0);
+    unsigned char *back = NULL;
+    int width, height;
+    char why[400] = "";
+    CHECK_INT(png_read(path, &width, &height, &back, why, sizeof why), DIG_E_FILE);
+    CHECK(strstr(why, strerror(ENOENT)) != NULL);
+}
+
+TEST(a_full_disk_leaves_the_old_picture_and_no_temporary)
+{
+    char path[300], why[400] = "";
+    path_of(path, sizeof path, "full.png");
+    const unsigned char grey[3] = {9, 9, 9};
+    CHECK_INT(png_write(path, RENDER_COLOUR, 1, 1, grey, NULL, 0, why, sizeof why), DIG_OK);
+    unsigned char *data = make_noise(3 * 200 * 200), *back = NULL;
+    struct rlimit before, tight;
+    getrlimit(RLIMIT_FSIZE, &before);
+    tight = before;
+    tight.rlim_cur = 20000;
+    signal(SIGXFSZ, SIG_IGN);
+    setrlimit(RLIMIT_FSIZE, &tight);
+    dig_status status = png_write(path, RENDER_COLOUR, 200, 200, data, NULL, 0, why, sizeof why);
+    setrlimit(RLIMIT_FSIZE, &before);
+    signal(SIGXFSZ, SIG_DFL);
+    free(data);
+    CHECK_INT(status, DIG_E_FILE);
+    if (!strstr(why, strerror(EFBIG)))
+        fail_msg("\"%s\" lacks \"%s\"", why, strerror(EFBIG));
+    CHECK_INT(files_in_folder(), 1);
+    int width, height;
+    CHECK_INT(png_read(path, &width, &height, &back, why, sizeof why), DIG_OK);
+    CHECK_INT(width, 1);
+    free(back);
+    CHECK_INT(unlink(path), 0);
+}
+
+int main(void)
+{
+    setenv("MESA_SHADER_CACHE_DISABLE", "true", 1);
+    setenv("LP_NUM_THREADS", "0", 1);
+    const struct CMUnitTest tests[] = {
+        unit_test(the_id_layer_names_the_body_that_is_seen),
+        unit_test(depth_of_a_ball_and_of_a_plane_is_the_closed_form),
+        unit_test(depth_of_a_turned_box_is_the_closed_form),
+        unit_test(far_from_the_origin_nothing_changes),
+        unit_test(the_normal_layer_points_at_the_eye_from_a_face_turned_to_it),
+        unit_test(the_side_away_from_the_sun_is_darker),
+        unit_test(a_box_throws_its_shadow_where_the_sun_says),
+        unit_test(a_box_shades_the_box_below_it),
+        unit_test(a_stronger_lamp_is_brighter),
+        unit_test(the_same_view_gives_the_same_bytes),
+        unit_test(osmesa_and_egl_agree_byte_for_byte),
+        unit_test(the_picture_does_not_depend_on_which_way_is_up),
+        unit_test(a_thousand_times_larger_looks_the_same),
+        unit_test(the_usual_camera_sees_everything),
+        unit_test(an_empty_view_is_only_sky),
+        unit_test(items_that_make_no_sense_are_left_out),
+        unit_test(bad_options_are_refused_with_a_sentence),
+        unit_test(an_unknown_backend_is_refused_with_a_sentence),
+        unit_test(a_closed_mesh_and_both_sides_of_an_open_one_are_seen),
+        unit_test(digs_have_colours_of_their_own_and_their_links_are_drawn),
+        unit_test(names_and_time_are_written),
+        unit_test(a_png_comes_back_pixel_by_pixel_with_its_texts),
+        unit_test(an_id_png_holds_the_number_in_three_bytes),
+        unit_test(a_depth_png_is_16_bit_grey_and_not_read_as_colour),
+        unit_test(an_unwritable_path_is_reported_with_the_systems_reason),
+        unit_test(a_full_disk_leaves_the_old_picture_and_no_temporary),
+    };
+    return cmocka_run_group_tests(tests, open_all, close_all);
+}
