@@ -14,7 +14,7 @@ local ball = world:ball {
   name = "ball", material = "rubber", radius = r, at = { -3, r, 0 }, velocity = { v0, 0, 0 },
   friction = mu, friction_dynamic = mu, rolling_friction = 0, restitution = 0,
 }
-local eye = world:camera { at = { -1, 1.4, 4.4 }, look_at = { -0.4, 0, 0 }, fov = "50 deg" }
+local eye = world:camera { at = { 0, 0.7, 2.4 }, look_at = { -0.7, 0.2, 0 }, fov = "48 deg" }
 if opt.film then world:record { camera = eye, to = "03_rolling-%05d.png", fps = 30 } end
 
 local function slip() return ball.velocity.x + ball.spin.z * r end          -- speed of the point on the floor

@@ -13,7 +13,7 @@ local bar = world:box { name = "bar", material = "oak", mass = M, size = { w, l,
 local ball = world:ball {
   name = "ball", material = "rubber", mass = m, radius = 0.1, at = { -1.2, s, 0 }, velocity = { v, 0, 0 }, restitution = e, friction = 0,
 }
-local eye = world:camera { at = { 0.4, 0.6, 5 }, look_at = { 0.4, 0, 0 }, fov = "40 deg" }
+local eye = world:camera { at = { 0.3, 0.5, 3.4 }, look_at = { 0.1, 0.05, 0 }, fov = "36 deg" }
 if opt.film then world:record { camera = eye, to = "04_collision-%05d.png", fps = 30 } end
 
 local before, turning = world.momentum, world.angular_momentum

@@ -62,7 +62,6 @@ int dig_members(const dig_world *w, dig_dig d, dig_body *out, int capacity)
     return n;
 }
 
-/* The finer plan wins when DIGs merge: the graph keeps the survivor's number, so set both on every change. */
 dig_status dig_dig_accuracy(dig_world *w, dig_dig d, const char *plan)
 {
     int index = plan_find(plan);
@@ -70,6 +69,7 @@ dig_status dig_dig_accuracy(dig_world *w, dig_dig d, const char *plan)
         return world_fail(w, DIG_E_ARG, "accuracy = '%s', must be sketch, play, study or reference", plan);
     if (graph_size(w->graph, d.id) == 0)
         return world_fail(w, DIG_E_DEAD, "DIG %u is no more", d.id);
+    w->dig_plans = true;
     graph_set_user(w->graph, d.id, (uint64_t)index + 1);
     for (uint32_t m = graph_first(w->graph, d.id); m != NONE; m = graph_next(w->graph, m))
         w->bodies.data[m].plan = (uint8_t)(index + 1);

@@ -100,6 +100,7 @@ static dig_status copy_world(World *to, const World *from)
     to->region_count = from->region_count;
     to->def = from->def;
     to->plan = from->plan;
+    to->dig_plans = from->dig_plans;
     to->steps = from->steps;
     to->rng = from->rng;
     to->messages = from->messages;

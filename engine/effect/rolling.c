@@ -28,6 +28,19 @@ static real rolling_radius(const GroupPair *q)
     return a > 0 && b > 0 ? a * b / (a + b) : real_max(a, b);
 }
 
+/* In a planar world only the spin about the dead axis is left. */
+static bool invert(const Group *g, mat3 k, mat3 *inverse)
+{
+    if (!g->planar) {
+        *inverse = mat3_det(k) > 0 ? mat3_inverse(k) : mat3_zero();
+        return mat3_det(k) > 0;
+    }
+    real s = g->planar == 1 ? k.r0.x : g->planar == 2 ? k.r1.y : k.r2.z;
+    real i = s > 0 ? 1 / s : 0;
+    *inverse = mat3_diagonal((vec3){g->planar == 1 ? i : 0, g->planar == 2 ? i : 0, g->planar == 3 ? i : 0});
+    return s > 0;
+}
+
 static dig_status rows(void *state, Group *g)
 {
     (void)state;
@@ -38,11 +51,11 @@ static dig_status rows(void *state, Group *g)
             i++;
         const GroupContact *c = &g->contacts[contact];
         const GroupPair *q = &g->pairs[c->pair];
-        mat3 k = mat3_add(g->mass[c->a].ii, g->mass[c->b].ii);
-        if (!rolls(q) || !(mat3_det(k) > 0))
+        mat3 inverse;
+        if (!rolls(q) || !invert(g, mat3_add(g->mass[c->a].ii, g->mass[c->b].ii), &inverse))
             continue;
         RollRow *r = &g->rolls[g->roll_count++];
-        *r = (RollRow){.contact = contact, .first = first, .count = i - first, .a = c->a, .b = c->b, .inv_k = mat3_inverse(k)};
+        *r = (RollRow){.contact = contact, .first = first, .count = i - first, .a = c->a, .b = c->b, .inv_k = inverse};
         r->reach = rolling_radius(q);
         r->lever = q->rolling * r->reach;
         r->j = vec3_scale(g->h, c->rolling);

@@ -21,7 +21,7 @@ typedef struct TreeNode {
 
 typedef struct Tree {
     TreeNode *nodes;
-    int       capacity, count, root, free;      /* root < 0 = empty */
+    int       capacity, count, root, free;      /* count: nodes in use, 2 leaves - 1; root < 0 = empty */
 } Tree;
 
 void       tree_open(Tree *t);

@@ -89,6 +89,8 @@ static void set_projection(Frame *f, const Sight *e, real near)
     }
 }
 
+static real find_near(const Sight *e) { return 0.004 * real_max(vec3_length(e->at), 0.5); }
+
 static vec3 find_sun(const Stage *s, const RenderOptions *o)
 {
     vec3 given = vec3_from(o->sun);
@@ -111,22 +113,21 @@ static void set_lamps(Frame *f, const View *v, const Stage *s, const RenderOptio
 
 /* The lowest place in the picture (-1..1) where the sky may show. With four samples a pixel even hidden sky is dear, so
  * none is drawn where the floor is sure to be: below the edge of its quad, which lies `reach` away, seen at the
- * picture's farthest corner. */
+ * picture's farthest corner. With the eye on the floor, or below it, the whole sky is drawn. */
 static real find_skyline(const Stage *s, const Sight *e, real reach)
 {
     real height = e->at.z - s->floor;
-    if (s->floor_item < 0 || height <= 0 || e->up.z < 0.05)
+    if (s->floor_item < 0 || !(height > 5 * find_near(e)) || e->up.z < 0.05)
         return -1;
     real longest = sqrt(1 + e->tan_x * e->tan_x + e->tan_y * e->tan_y);
     real y = (-height / reach * longest - e->forward.z - fabs(e->tan_x * e->right.z)) / (e->tan_y * e->up.z);
-    return real_clamp(y, -1, 1);
+    return real_clamp(y - 0.02, -1, 1);
 }
 
 static void set_frame(Frame *f, const View *v, const Stage *s, const Sight *e, const RenderOptions *o, real reach)
 {
-    real distance = vec3_length(e->at);
     *f = (Frame){0};
-    set_projection(f, e, 0.004 * real_max(distance, 0.5));
+    set_projection(f, e, find_near(e));
     put_vec3(f->eye, e->at);
     f->eye[3] = (float)s->unit;
     put_vec3(f->forward, e->forward);

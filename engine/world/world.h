@@ -192,6 +192,7 @@ struct dig_world {
     uint64_t rng;
     bool     busy;
     uint32_t gen_start;
+    bool     dig_plans;                 /* some DIG has a plan of its own              */
 
     LIST(Body)     bodies;
     LIST(Solid)    solids;

@@ -179,11 +179,39 @@ TEST(round_depths_equal_the_least_support_distance)
     }
 }
 
+/* The gap is the greatest distance of support planes: tilting the normal found must never show a greater one. */
+TEST(no_tilted_support_plane_shows_less_depth)
+{
+    Random r = {8};
+    int inexact = 0;
+    for (int i = 0; i < 400; i++) {
+        real most = -INFINITY;
+        Shape a = fixture_cylinder(random_between(&r, 0.3, 0.8), random_between(&r, 0.3, 1.5));
+        Shape b = i % 3 == 0   ? fixture_cone(random_between(&r, 0.3, 0.8), random_between(&r, 0.3, 1.5))
+                  : i % 3 == 1 ? fixture_cylinder(random_between(&r, 0.3, 0.8), 0.2)
+                               : fixture_box(1, 0.6, 0.8);
+        pose pb = {random_vec3(&r, 1.2), random_turn(&r)};
+        Pair p = pair_make(&a, pose_identity(), &b, pb);
+        vec3 n;
+        real d = shape_distance(&a, pose_identity(), &b, pb, INFINITY, &n, NULL, NULL);
+        for (int k = 0; k < 200; k++) {
+            vec3 m = vec3_unit(vec3_mad(n, pow(10, -random_between(&r, 2, 9)), random_direction(&r)));
+            real shown = vec3_dot(m, vec3_sub(convex_support_b(&p.c, vec3_neg(m)), convex_support_a(&p.c, m)));
+            most = real_max(most, shown);
+        }
+        CHECK(most <= d + 1e-8);
+        inexact += most > d + 1e-13;
+        shape_free(&a);
+        shape_free(&b);
+    }
+    CHECK(inexact <= 2);                        /* two round sides, deep in each other, now and then keep 1e-9 of their size */
+}
+
 int main(void)
 {
     RUN_TESTS(unit_test(boxes_agree_with_their_separating_axes), unit_test(moving_by_the_depth_makes_contact_end),
               unit_test(capsules_and_spheres_have_segment_distances), unit_test(needles_and_plates_keep_their_digits),
               unit_test(far_shapes_have_exact_distances), unit_test(small_gaps_and_depths_are_exact),
               unit_test(enough_stops_early_but_never_lies),
-              unit_test(round_depths_equal_the_least_support_distance));
+              unit_test(round_depths_equal_the_least_support_distance), unit_test(no_tilted_support_plane_shows_less_depth));
 }
