@@ -13,9 +13,10 @@ local world = digbox.world {}
 local floor = world:floor { material = "tile" }
 local pillar, row = {}, {}
 for i = 1, 3 do
-  pillar[i] = world:ball { name = "pillar " .. i, material = "ivory", mass = 1, radius = r, restitution = 0, at = { -0.8, (2 * i - 1) * r + 0.02 * i, 0 } }
-  row[i] = world:ball { name = "ball " .. i, material = i == 2 and "ivory" or "rubber", mass = 1, radius = r, restitution = e, friction = 0,
-                        at = { (i - 2) * 1 + 0.4, r, 0 }, velocity = { (2 - i) * v, 0, 0 } }
+  pillar[i] = world:ball { name = "pillar " .. i, material = "ivory", mass = 1, radius = r, restitution = 0,
+                           at = { -0.8, (2 * i - 1) * r + 0.02 * i, 0 } }
+  row[i] = world:ball { name = "ball " .. i, material = i == 2 and "ivory" or "rubber", mass = 1, radius = r,
+                        restitution = e, friction = 0, at = { (i - 2) * 1 + 0.4, r, 0 }, velocity = { (2 - i) * v, 0, 0 } }
 end
 local eye = world:camera { at = { 0.5, 1, 2.6 }, look_at = { -0.1, 0.2, 0 }, fov = "42 deg" }
 if opt.film then world:record { camera = eye, to = "14_three_spheres-%05d.png", fps = 30 } end

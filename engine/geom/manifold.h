@@ -27,7 +27,9 @@ typedef struct ManifoldCache { uint32_t kind, feature_a, feature_b; real axis[3]
 /* Contact of two shapes where the gap is at most `reach` (>= 0, m). At most `capacity` manifolds; a convex pair or a plane
  * gives at most one, a mesh or height field one per touching piece, with `piece[i]` its number (0 otherwise). Ghost contacts
  * at inner edges of meshes are removed. Returns the number of manifolds. Results depend on the relative pose only (the same
- * pair elsewhere gives the same digits up to rounding), swapping a and b mirrors them. cache may be NULL. */
+ * pair elsewhere gives the same digits up to rounding), swapping a and b mirrors them. cache and piece may be NULL.
+ * Planes and surfaces do not meet each other. Open meshes are met from both sides, closed ones and height fields from outside.
+ * Points of one manifold come in order around the contact area. */
 int manifold_collide(const Shape *a, pose pa, const Shape *b, pose pb, real reach, ManifoldCache *cache,
                      Manifold *out, uint32_t *piece, int capacity);
 

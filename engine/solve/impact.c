@@ -9,8 +9,8 @@
 #include "solve/direction.h"
 
 /* An impact solve stops when the velocities change by less than this part of the approach speed. */
-#define IMPACT_RESIDUAL 1e-13
-#define IMPACT_SWEEPS 2000
+#define IMPACT_RESIDUAL 1e-12
+#define IMPACT_SWEEPS 1000
 
 static real touch_tolerance(const Group *g, const GroupContact *c) { return g->touch * g->pairs[c->pair].size; }
 
@@ -84,8 +84,12 @@ static real rounding_floor(const Group *g)
 }
 
 /* Solves the chosen rows together with the joints; on[] marks them. */
-static void solve_marked(Group *g, const bool *on, real speed)
+static void solve_marked(Group *g, const bool *on, bool all, real speed)
 {
+    if (all) {
+        relax(g, IMPACT_SWEEPS, IMPACT_RESIDUAL * speed);
+        return;
+    }
     real enough = IMPACT_RESIDUAL * speed + rounding_floor(g);
     for (int sweep = 0; sweep < IMPACT_SWEEPS; sweep++) {
         real worst = relax_joints(g);
@@ -181,7 +185,7 @@ static bool strike_once(Group *g, bool *on, real *rate, bool allow_elastic)
         if (!elastic)
             on[i] = true;
     }
-    solve_marked(g, on, approach);
+    solve_marked(g, on, !elastic, approach);
     for (int i = 0; i < g->point_count; i++)
         if (on[i])
             note_strike(g, &g->points[i], real_max(0, -rate[i]));
