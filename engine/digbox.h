@@ -195,7 +195,7 @@ typedef struct dig_effect_info {
     const char *name, *law;
     bool   on;
     int    bodies;      /* taking part in the last step  */
-    real   us;          /* us of the last step           */
+    real   us;          /* us of the last timed step (every 16th) */
     size_t bytes;
     char   why[64];     /* what called for it            */
 } dig_effect_info;

@@ -308,7 +308,9 @@ static int command_run(int argc, char **argv)
     } else {
         o.world = argv[optind];
         App app = {.memory_limit = (size_t)o.memory << 20, .fuel = o.fuel, .trust = o.trust, .script = o.world,
-                   .deadline = o.time_limit > 0 ? app_clock() + o.time_limit : 0};
+};
+        if (o.time_limit > 0)
+            app_limit_time(&app, o.time_limit);
         code = flush_output(run_world(&o, &app));
     }
 done:

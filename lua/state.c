@@ -22,6 +22,8 @@ enum { HOOK_EVERY = 100000, SCRIPT_LIMIT = 16 * 1024 * 1024 };
 
 /* ---- signals --------------------------------------------------------------- */
 
+enum { PATIENCE = 10 };         /* s from the first signal to the end of a script that does not respond */
+
 static volatile sig_atomic_t caught;
 
 static void on_signal(int number)
@@ -29,6 +31,24 @@ static void on_signal(int number)
     if (caught)
         _exit(128 + number);
     caught = number;
+    alarm(PATIENCE);
+}
+
+/* A C function of Lua can run for ever without a hook being called: the last resort of limits and of signals. Films end torn
+ * under their temporary names only. */
+static void on_alarm(int number)
+{
+    static const char text[] = "digbox: the script does not respond; killed\n";
+    (void)number;
+    ssize_t ignored = write(2, text, sizeof text - 1);
+    (void)ignored;
+    _exit(caught ? 128 + caught : EXIT_TIME);
+}
+
+void app_limit_time(App *app, double seconds)
+{
+    app->deadline = app_clock() + seconds;
+    alarm((unsigned)(1.5 * seconds) + 1);
 }
 
 void app_catch_signals(void)
@@ -39,6 +59,8 @@ void app_catch_signals(void)
     sigemptyset(&action.sa_mask);
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
+    action.sa_handler = on_alarm;
+    sigaction(SIGALRM, &action, NULL);
     signal(SIGPIPE, SIG_IGN);
 #ifdef SIGXFSZ
     signal(SIGXFSZ, SIG_IGN);

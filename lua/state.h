@@ -30,6 +30,9 @@ void app_catch_signals(void);
 /* The signal that came, or 0. */
 int app_signal(void);
 
+/* The script is stopped after so many seconds of wall time; where it does not respond, the program is, after half as many more. */
+void app_limit_time(App *app, double seconds);
+
 double app_clock(void);         /* s, monotonic */
 
 /* NULL when there is no memory. The core table stands in the registry as "digbox.core". */

@@ -238,7 +238,8 @@ static int child_runs(lua_State *L, App *app, const TestOptions *o, int index, F
 
 static void run_child(const TestOptions *o, const char *file, int index, FILE *output, FILE *result)
 {
-    App app = {.fuel = -1, .script = file, .deadline = app_clock() + o->time_limit};
+    App app = {.fuel = -1, .script = file};
+    app_limit_time(&app, o->time_limit);
     dup2(fileno(output), 1);
     dup2(fileno(output), 2);
     lua_State *L = app_open(&app);

@@ -9,6 +9,7 @@
 #define RING       64       /* most triangles looked at around a corner */
 #define SAME_POINT 1e-9     /* of the smaller shape */
 #define SAME_AXIS  1e-6     /* rad */
+#define BACKWARD   -0.999999    /* cosine: straight through the triangle */
 
 typedef struct Meeting {
     const Pair *p;          /* a: the surface, b: the convex */
@@ -143,30 +144,68 @@ static void keep(Meeting *meet, Manifold *m, uint32_t piece)
 
 /* ---- one triangle ---- */
 
-/* A normal that the surface does not have: only the triangle's own remains, with what of b lies over the triangle. */
-static bool use_own_normal(const Meeting *meet, const Pair *p, vec3 front, ConvexGap *g)
+/* Has the surface an edge here that juts out, or ends? If not, the triangle can only be met along its own normal: what its
+ * corners may be part of belongs to other triangles too. */
+static bool juts_out(const Shape *s, const SurfacePiece *piece, vec3 front)
 {
-    bool from_behind = vec3_dot(g->normal, front) < 0;
-    if (from_behind && (g->gap > 0 || !meet->solid))
-        return false;
-    const vec3 *c = p->a->data;
-    real centre = vec3_dot(front, vec3_sub(p->c.shift, c[0]));
-    if (!meet->field && centre < -p->b->inner)
-        return false;                           /* through a wall: its other side decides */
-    vec3 lowest = vec3_mad(convex_support_b(&p->c, vec3_neg(front)), -p->b->round, front);
-    g->normal = front;
-    g->gap = vec3_dot(front, vec3_sub(lowest, c[0]));
-    g->on_b = lowest;
-    g->on_a = vec3_mad(lowest, -g->gap, front);
-    return g->gap <= p->reach;
+    vec3 c[3], far_side[3];
+    s->type->piece(s, piece->number, c);
+    for (int k = 0; k < 3; k++) {
+        uint32_t other = s->type->neighbour(s, piece->number, k);
+        if (other == SHAPE_NO_PIECE)
+            return true;
+        s->type->piece(s, other, far_side);
+        for (int i = 0; i < 3; i++) {
+            vec3 d = vec3_sub(far_side[i], c[k]);
+            if (vec3_dot(front, d) < -BEHIND * vec3_length(d))
+                return true;
+        }
+    }
+    return false;
 }
 
-static bool over_triangle(const vec3 c[3], vec3 n, vec3 q)
+static bool over_triangle(const vec3 c[3], vec3 q)
 {
+    vec3 n = vec3_cross(vec3_sub(c[1], c[0]), vec3_sub(c[2], c[0]));
     for (int k = 0; k < 3; k++)
         if (vec3_dot(vec3_cross(n, vec3_sub(c[(k + 1) % 3], c[k])), vec3_sub(q, c[k])) < 0)
             return false;
     return true;
+}
+
+/* The triangle met along its own normal: with what of b lies over it. */
+static int meet_flat(const Pair *p, vec3 front, Manifold *m)
+{
+    const vec3 *c = p->a->data;
+    ConvexGap g = {.normal = front};
+    g.on_b = vec3_mad(convex_support_b(&p->c, vec3_neg(front)), -p->b->round, front);
+    g.gap = vec3_dot(front, vec3_sub(g.on_b, c[0]));
+    g.on_a = vec3_mad(g.on_b, -g.gap, front);
+    bool over = over_triangle(c, g.on_b);
+    if (p->kind_b == KIND_BALL)
+        return over ? contacts_single(p, &g, m) : 0;
+    if (!over)
+        g.gap = INFINITY;                       /* its lowest point lies beside: only clipped corners count */
+    return collide_faces(p, &g, m);
+}
+
+/* The general way: the nearest points decide, if the surface can push that way at all. */
+static int meet_sharp(const Meeting *meet, const Pair *p, const SurfacePiece *piece, vec3 front, real centre, Manifold *m)
+{
+    ConvexGap g;
+    pair_gap(p, p->reach, NULL, &g);
+    if (g.gap > p->reach)
+        return 0;
+    real cosine = vec3_dot(front, g.normal);
+    bool own = cosine > 0 && vec3_length(vec3_cross(front, g.normal)) < SAME_AXIS;
+    if (own || (cosine > BACKWARD && allowed(meet->p->a, piece, p->a->outer, g.normal)))
+        return p->kind_b == KIND_BALL ? contacts_single(p, &g, m) : collide_faces(p, &g, m);
+
+    if (cosine < 0 && (g.gap > 0 || !meet->solid))
+        return 0;                               /* from behind */
+    if (!meet->field && centre < -p->b->inner)
+        return 0;                               /* through a wall: its other side decides */
+    return meet_flat(p, front, m);
 }
 
 static bool meet_piece(void *context, const SurfacePiece *piece)
@@ -175,28 +214,18 @@ static bool meet_piece(void *context, const SurfacePiece *piece)
     Shape triangle = triangle_shape(piece->corners);
     const vec3 *c = piece->corners;
     Pair p = pair_with_piece(meet->p, &triangle, piece->origin);
-    ConvexGap g;
     Manifold m;
-    pair_gap(&p, p.reach, NULL, &g);
-    if (g.gap > p.reach)
-        return true;
     vec3 front = vec3_unit_or(vec3_cross(vec3_sub(c[1], c[0]), vec3_sub(c[2], c[0])), vec3_zero());
-    if (!meet->solid && vec3_dot(front, p.c.shift) < 0)
+    real centre = vec3_dot(front, vec3_sub(p.c.shift, c[0]));
+    if (!meet->solid && centre < 0) {
         front = vec3_neg(front);
-    bool own = vec3_dot(front, g.normal) > 0 && vec3_length(vec3_cross(front, g.normal)) < SAME_AXIS;
-    bool forced = !own && (vec3_dot(front, g.normal) < -0.999999 || !allowed(meet->p->a, piece, triangle.outer, g.normal));
-    if (forced && !use_own_normal(meet, &p, front, &g))
-        return true;
-
-    if (p.kind_b == KIND_BALL) {
-        if (!forced || over_triangle(c, front, g.on_b))
-            if (contacts_single(&p, &g, &m))
-                keep(meet, &m, piece->number);
-        return true;
+        centre = -centre;
     }
-    if (forced)
-        g.gap = INFINITY;                       /* its lowest point may lie beside the triangle: only clipped corners count */
-    if (collide_faces(&p, &g, &m))
+    real lowest = vec3_dot(front, vec3_sub(convex_support_b(&p.c, vec3_neg(front)), c[0])) - p.b->round;
+    if (lowest > p.reach)
+        return true;
+    bool flat = (meet->field || centre >= 0) && !juts_out(meet->p->a, piece, front);
+    if (flat ? meet_flat(&p, front, &m) : meet_sharp(meet, &p, piece, front, centre, &m))
         keep(meet, &m, piece->number);
     return true;
 }

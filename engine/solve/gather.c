@@ -153,7 +153,12 @@ static real pair_size(const Shape *a, const Shape *b)
     return isfinite(size) ? size : 1;
 }
 
-static bool body_moving(const World *w, uint32_t body) { return body != NONE && w->bodies.data[body].mode == DIG_MOVING; }
+/* A body woken by what is about to strike it was at rest: waking makes its mode moving, and leaves its velocity zero. */
+static bool body_moving(const World *w, uint32_t body)
+{
+    const Body *b = body == NONE ? NULL : &w->bodies.data[body];
+    return b && b->mode == DIG_MOVING && (vec3_length2(b->v) > 0 || vec3_length2(b->w) > 0);
+}
 
 static dig_status gather_pairs(Group *g, const uint32_t *pairs, int pair_count)
 {
@@ -319,6 +324,14 @@ static void commit_body(World *w, const Group *g, int i, real dt)
     b->hit_v = b->hit_w = vec3_zero();
 }
 
+/* Does the point lie still against the other body? Then it touches, though nothing presses: books side by side. */
+static bool point_rests(const Group *g, const GroupContact *c, const ManifoldPoint *p)
+{
+    vec3 va = vec3_add(g->vel[c->a].v, vec3_cross(g->vel[c->a].w, vec3_sub(p->a, g->pos[c->a].x)));
+    vec3 vb = vec3_add(g->vel[c->b].v, vec3_cross(g->vel[c->b].w, vec3_sub(p->b, g->pos[c->b].x)));
+    return fabs(vec3_dot(c->manifold.normal, vec3_sub(vb, va))) <= 0.1 * g->close_speed;
+}
+
 static void commit_pair(World *w, const Group *g, const GroupPair *q, real dt)
 {
     Pair *p = &w->pairs.data[q->slot];
@@ -338,8 +351,10 @@ static void commit_pair(World *w, const Group *g, const GroupPair *q, real dt)
                                            : from->manifold.count ? from->manifold.points[0].a : vec3_zero();
         to->touching = false;
         real tolerance = 100 * g->touch * q->size;
-        for (int k = 0; k < from->manifold.count; k++)
-            to->touching = to->touching || (from->manifold.points[k].gap <= tolerance && (from->memory[k].normal > 0 || q->was_touching));
+        for (int k = 0; k < from->manifold.count && !to->touching; k++) {
+            const ManifoldPoint *p = &from->manifold.points[k];
+            to->touching = p->gap <= tolerance && (from->memory[k].normal > 0 || q->was_touching || point_rests(g, from, p));
+        }
         p->touching = p->touching || to->touching;
     }
 }

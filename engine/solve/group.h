@@ -172,6 +172,8 @@ struct Group {
     real      residual, penetration, joint_error;
     real      lost, work_in;    /* J */
     real     *push_work;        /* [body_count] J */
+    real      effect_us[MAX_EFFECTS];   /* us, only in timed steps */
+    bool      timed;
     dig_status status;
     int       culprit;          /* local body that became non-finite */
     const char *culprit_effect;

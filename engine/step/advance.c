@@ -1,6 +1,9 @@
 /* step/advance.c - groups are advanced on private copies, in parallel, and checked. */
 #include "step/step.h"
 
+/* Effects are timed in every so many steps only: reading the clock costs as much as a small effect. */
+#define TIMED_EVERY 16
+
 /* ---- the effects of a stage ---- */
 
 static bool vel_finite(const Vel *v) { return vec3_finite(v->v) && vec3_finite(v->w); }
@@ -30,7 +33,10 @@ static dig_status run_stage(Group *g, int stage)
         const EffectSlot *slot = &w->effects[i];
         if (!(g->effects & 1u << i) || !slot->type->run[stage])
             continue;
+        real start = g->timed ? wall_us() : 0;
         DIG_TRY(slot->type->run[stage](slot->state, g));
+        if (g->timed)
+            g->effect_us[i] += wall_us() - start;
         if (g->blame && find_culprit(g, slot->type->name, stage == STAGE_FORCE))
             return DIG_E_FINITE;
     }
@@ -58,6 +64,7 @@ static void advance_one(void *context, int i, Arena *arena)
     g->plan = &accuracy_plans[part->plan];
     g->stage = run_stage;
     g->blame = c->blame;
+    g->timed = c->w->steps % TIMED_EVERY == 0;
     g->status = group_gather(g, c->w, c->s->digs + part->dig_first, part->dig_count, c->s->pairs + part->pair_first, part->pair_count, arena);
     if (g->status != DIG_OK)
         return;

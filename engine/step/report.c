@@ -12,6 +12,13 @@ real cpu_us(void)
     return 1e6 * (real)t.tv_sec + 1e-3 * (real)t.tv_nsec;
 }
 
+real wall_us(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return 1e6 * (real)t.tv_sec + 1e-3 * (real)t.tv_nsec;
+}
+
 dig_status reserve_report(World *w)
 {
     return list_reserve(&w->events, w->pending.capacity, &w->allocations);
@@ -105,6 +112,10 @@ static void count_effects(World *w, const Step *s)
     for (int i = 0; i < w->effect_count; i++) {
         EffectSlot *e = &w->effects[i];
         e->bodies = 0;
+        bool timed = s->count > 0 && s->groups[0].timed;
+        e->us = timed || s->count == 0 ? 0 : e->us;
+        for (int k = 0; k < s->count && timed; k++)
+            e->us += s->groups[k].effect_us[i];
         for (int k = 0; k < s->count; k++)
             if (s->groups[k].effects & 1u << i)
                 e->bodies += e->type->members ? e->type->members(&s->groups[k]) : s->groups[k].moving_count;

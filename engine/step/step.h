@@ -34,6 +34,7 @@ void       rest(World *w, real dt);                 /* who comes to rest, who fa
 /* report.c */
 dig_status reserve_report(World *w);
 void       report(World *w, const Step *s);
+real       wall_us(void);                           /* us, for statistics only */
 real       cpu_us(void);                            /* us of CPU time of this thread, for statistics only   */
 
 /* workers.c: runs job(context, i) for i in 0..count-1 on the world's threads; arenas[thread]. */

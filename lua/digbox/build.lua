@@ -107,7 +107,7 @@ end
 
 local compound = core.constructor("body", "world:bucket")
 local bucket_fields = { height = "real m >0", top_radius = "real m >0", bottom_radius = "real m >0", wall = "real m >0",
-  segments = "int 1 >0" }
+  segments = "int 1 >0", parts = "any" }
 
 -- Boxes around a tapered wall. Their inner faces touch the cone from outside at mid-width, so the hollow is at least the one asked for.
 local function bucket_wall(own, n)
@@ -129,7 +129,8 @@ local function bucket_wall(own, n)
   return parts
 end
 
--- world:bucket{height=, top_radius=, bottom_radius=, wall=, at=, ...}: open at the top; `at` is the middle of its underside
+-- world:bucket{height=, top_radius=, bottom_radius=, wall=, parts=, at=, ...}: open at the top; `at` is the middle of its underside;
+-- parts: a list of further shapes that belong to it, such as a rim or pins for a handle
 function methods.bucket(world, fields)
   local own, rest = split("world:bucket", fields, bucket_fields)
   need("world:bucket", own, "height", "top_radius")
@@ -140,6 +141,10 @@ function methods.bucket(world, fields)
   if own.wall * 2 > own.height then core.fail("world:bucket: wall = %g m, must be at most half the height", own.wall) end
   rest.parts = bucket_wall(own, n)
   rest.parts[n + 1] = core.shapes.cylinder { radius = own.bottom_radius, height = own.wall, at = { 0, own.wall / 2, 0 } }
+  if own.parts ~= nil and type(own.parts) ~= "table" then
+    core.fail("world:bucket.parts wants a list of shapes; got %s", core.type(own.parts))
+  end
+  for _, part in ipairs(own.parts or {}) do rest.parts[#rest.parts + 1] = part end
   return compound(world, rest)
 end
 

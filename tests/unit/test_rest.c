@@ -94,28 +94,28 @@ TEST(struck_sleeper_moves_within_the_same_step)
 
 /* ---- row 86: DIGs of 3 to 100 bodies -------------------------------------------------- */
 
-/* A row of n bodies side by side, each touching the next. */
-static int make_row(dig_world *w, bool boxes, int n, dig_body *b)
+/* n bodies side by side or, as in the founding document's last test, on top of each other. */
+static void make_row(dig_world *w, bool boxes, bool stacked, int n, dig_body *b)
 {
-    for (int i = 0; i < n; i++)
-        b[i] = boxes ? add_box(w, look(0.5, 0), (vec3){1, 1, 1}, 1, (vec3){i, 0.5, 0}, quat_identity())
-                     : add_ball(w, look(0.5, 0), 0.5, 1, (vec3){i, 0.5, 0}, vec3_zero());
-    return n;
+    for (int i = 0; i < n; i++) {
+        vec3 at = stacked ? (vec3){0, 0.5 + i, 0} : (vec3){i, 0.5, 0};
+        b[i] = boxes ? add_box(w, look(0.5, 0), (vec3){1, 1, 1}, 1, at, quat_identity()) : add_ball(w, look(0.5, 0), 0.5, 1, at, vec3_zero());
+    }
 }
 
-static void hit_a_row(bool boxes, int n)
+static void hit_a_row(bool boxes, bool stacked, int n)
 {
     dig_world *w = open_world(1.0 / 60, NULL, true);
     add_floor(w, look(0.5, 0));
     dig_body b[100];
-    make_row(w, boxes, n, b);
+    make_row(w, boxes, stacked, n, b);
     step(w, 5);
     dig_dig_state dig;
     CHECK(dig_dig_get(w, dig_of(w, b[0]), &dig) == DIG_OK);
     CHECK_INT(dig.size, n);
     for (int i = 1; i < n; i++)
         CHECK_INT(dig_of(w, b[i]).id, dig_of(w, b[0]).id);
-    dig_body striker = add_ball(w, look(0.5, 0), 0.3, 2, (vec3){-1.2, 0.5, 0}, (vec3){3, 0, 0});
+    dig_body striker = add_ball(w, look(0.5, 0), 0.3, 2, (vec3){-1.2, stacked ? 0.5 + n / 2 : 0.5, 0}, (vec3){3, 0, 0});
     static dig_message messages[4096];
     int told[100] = {0}, count = 0, hits = 0;
     for (int i = 0; i < 30 && hits == 0; i++) {
@@ -144,8 +144,10 @@ TEST(each_member_of_a_struck_dig_is_told_once)
 {
     const int sizes[] = {3, 4, 10, 30, 100};
     for (int i = 0; i < 5; i++) {
-        hit_a_row(false, sizes[i]);
-        hit_a_row(true, sizes[i]);
+        hit_a_row(false, false, sizes[i]);
+        hit_a_row(true, false, sizes[i]);
+        hit_a_row(false, true, sizes[i]);
+        hit_a_row(true, true, sizes[i]);
     }
 }
 

@@ -261,10 +261,42 @@ TEST(distances_to_surfaces_equal_the_least_over_all_triangles)
     shape_free(&ball);
 }
 
+/* Taking ghosts away must not take the true nearest contact: its normal is one the surface has. */
+TEST(the_nearest_contact_of_a_bumpy_surface_is_never_lost)
+{
+    Shape ground[2] = {mesh_of(bumps), field_of(bumps)};
+    Shape body[4] = {fixture_sphere(0.25), fixture_box(0.5, 0.3, 0.7), fixture_capsule(0.1, 0.6), fixture_cylinder(0.2, 0.5)};
+    Random r = {10};
+    int near_by = 0;
+    for (int i = 0; i < 4000; i++) {
+        const Shape *g = &ground[i % 2], *b = &body[i / 2 % 4];
+        pose at = {{random_between(&r, -3, 3), random_between(&r, 0.2, 0.8), random_between(&r, -3, 3)}, random_turn(&r)};
+        real d = shape_distance(g, pose_identity(), b, at, INFINITY, NULL, NULL, NULL), reach = 0.1;
+        Manifold m[MANY];
+        uint32_t piece[MANY];
+        if (!(d > 0 && fabs(d - reach) > 1e-9))
+            continue;
+        int count = manifold_collide(g, pose_identity(), b, at, reach, NULL, m, piece, MANY);
+        if (d > reach) {
+            CHECK_INT(count, 0);
+            continue;
+        }
+        CHECK(count > 0);
+        CHECK_NEAR(deepest_of(m, count), d, 1e-9);
+        near_by++;
+    }
+    CHECK(near_by > 200);
+    for (int i = 0; i < 4; i++)
+        shape_free(&body[i]);
+    shape_free(&ground[0]);
+    shape_free(&ground[1]);
+}
+
 int main(void)
 {
     RUN_TESTS(unit_test(sliding_over_flat_triangles_shows_only_the_planes_normal), unit_test(a_box_on_many_triangles_stands_on_its_corners),
               unit_test(a_ball_in_a_valley_touches_both_sides), unit_test(a_ridge_is_met_across_its_edge_once),
               unit_test(the_rim_of_an_open_mesh_is_real), unit_test(what_sank_into_a_height_field_is_pushed_up),
-              unit_test(with_little_room_the_deepest_are_kept), unit_test(distances_to_surfaces_equal_the_least_over_all_triangles));
+              unit_test(with_little_room_the_deepest_are_kept), unit_test(distances_to_surfaces_equal_the_least_over_all_triangles),
+              unit_test(the_nearest_contact_of_a_bumpy_surface_is_never_lost));
 }
