@@ -44,6 +44,7 @@ extern const struct digbox_source digbox_embedded[];
 
 void bind_vec_open(lua_State *L, int core);
 void bind_world_open(lua_State *L, int core);
+void bind_space_open(lua_State *L, int core);
 void bind_body_open(lua_State *L, int core);
 void bind_shape_open(lua_State *L, int core);
 void bind_joint_open(lua_State *L, int core);
@@ -83,6 +84,9 @@ int bind_unknown(lua_State *L, const char *what, const char *kind, const char *n
  * .getters, so that lua/digbox/ can add to them. fallback (may be NULL) gets (self, key) and returns how many values it pushed. */
 void bind_type(lua_State *L, int core, const char *name, const luaL_Reg *methods, const luaL_Reg *getters, lua_CFunction fallback,
                const luaL_Reg *metamethods);
+
+/* Adds methods to a type that exists. */
+void bind_extend(lua_State *L, int core, const char *type, const luaL_Reg *methods);
 
 WorldRef *bind_check_world(lua_State *L, int arg);
 BodyRef  *bind_check_body(lua_State *L, int arg);       /* alive, or an error that names it */

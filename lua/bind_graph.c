@@ -436,20 +436,11 @@ static const luaL_Reg functions[] = {
     {"path", graph_path}, {"events", graph_events}, {"mark_removed", graph_mark_removed}, {NULL, NULL},
 };
 
-static void extend(lua_State *L, int core, const char *type, const luaL_Reg *more)
-{
-    lua_getfield(L, core, "types");
-    lua_getfield(L, -1, type);
-    lua_getfield(L, -1, "methods");
-    luaL_setfuncs(L, more, 0);
-    lua_pop(L, 3);
-}
-
 void bind_graph_open(lua_State *L, int core)
 {
     bind_type(L, core, BIND_DIG, methods, getters, NULL, meta);
-    extend(L, core, BIND_BODY, body_methods);
-    extend(L, core, BIND_WORLD, world_methods);
+    bind_extend(L, core, BIND_BODY, body_methods);
+    bind_extend(L, core, BIND_WORLD, world_methods);
     lua_newtable(L);
     for (int k = 0; k < DIG_EVENT_KINDS; k++) {
         lua_pushinteger(L, k);

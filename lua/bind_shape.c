@@ -86,7 +86,8 @@ static void read_heights(lua_State *L, int table, int anchor, const char *what, 
 
 static const char *const height_keys[] = {"data", "heights", NULL};
 static const char *const plain_keys[] = {"data", NULL};
-static const char *const part_keys[] = {"at", "rotation", "material", "colour", "heights", NULL};
+static const char *const part_keys[] = {"at", "rotation", "material", "colour", NULL};
+static const char *const grid_part_keys[] = {"at", "rotation", "material", "colour", "heights", NULL};
 
 static bool is_heightfield(const dig_schema *schema)
 {
@@ -165,7 +166,7 @@ static int make_shape(lua_State *L)
     const dig_param *sets[] = {schema->rows, NULL};
     lua_settop(L, 1);
     want_table(L, 1, what);
-    bind_check_keys(L, 1, what, sets, is_heightfield(schema) ? part_keys : (const char *const[]){"at", "rotation", "material", "colour", NULL});
+    bind_check_keys(L, 1, what, sets, is_heightfield(schema) ? grid_part_keys : part_keys);
     check_required(L, 1, what, schema);
 
     size_t head = (sizeof(ShapeRef) + 15) / 16 * 16;

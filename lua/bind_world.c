@@ -1,4 +1,4 @@
-/* lua/bind_world.c - worlds: opening, stepping, books, snapshots, questions in space. */
+/* lua/bind_world.c - worlds: opening, stepping, books, snapshots, the room, materials. */
 
 #include "bind.h"
 
@@ -369,125 +369,6 @@ static int world_newindex(lua_State *L)
     return s == DIG_OK ? 0 : bind_fail(L, ref->w, s);
 }
 
-/* ---- questions in space ---------------------------------------------------------------- */
-
-static void push_hit(lua_State *L, const dig_hit *hit)
-{
-    lua_createtable(L, 0, 5);
-    bind_push_body(L, 1, hit->body);
-    lua_setfield(L, -2, "body");
-    bind_push_vec3(L, hit->point);
-    lua_setfield(L, -2, "point");
-    bind_push_vec3(L, hit->normal);
-    lua_setfield(L, -2, "normal");
-    set_real(L, "distance", hit->distance);
-    set_real(L, "fraction", hit->fraction);
-}
-
-/* world:ray{from=, to=} or {from=, along=, length=} -> hits by distance */
-static int world_ray(lua_State *L)
-{
-    static const char *const names[] = {"from", "to", "along", "length", NULL};
-    WorldRef *ref = bind_check_world(L, 1);
-    vec3 from = {0, 0, 0}, to = {0, 0, 0}, along = {0, 0, 0};
-    real length = 1e4;
-    bind_arguments(L, 2, "world:ray", names);
-    if (!bind_get_vec3(L, 2, "world:ray", "from", "m", &from))
-        return bind_error(L, "world:ray: from is missing");
-    bool has_to = bind_get_vec3(L, 2, "world:ray", "to", "m", &to);
-    bool has_along = bind_get_vec3(L, 2, "world:ray", "along", "1", &along);
-    if (has_to == has_along)
-        return bind_error(L, "world:ray wants either to or along");
-    if (has_to) {
-        along = (vec3){to.x - from.x, to.y - from.y, to.z - from.z};
-        length = sqrt(along.x * along.x + along.y * along.y + along.z * along.z);
-    }
-    bind_get_real(L, 2, "world:ray", "length", "m", &length);
-    if (!(along.x * along.x + along.y * along.y + along.z * along.z > 0))
-        return bind_error(L, "world:ray: the ray has no direction");
-    dig_hit hits[256];
-    int n = dig_ray(ref->w, from, along, length, hits, 256);
-    if (n > 256)
-        n = 256;
-    bind_push_list(L, n > 0 ? n : 0);
-    for (int i = 0; i < n; i++) {
-        push_hit(L, &hits[i]);
-        lua_rawseti(L, -2, i + 1);
-    }
-    return 1;
-}
-
-/* The shape argument {digbox.sphere{...}, ...} or {shape = ...}, and its pose */
-static const dig_shape_def *shape_argument(lua_State *L, const char *what, const char *const *names, pose *at)
-{
-    if (!lua_istable(L, 2))
-        bind_error(L, "%s wants a table", what);
-    lua_rawgeti(L, 2, 1);
-    if (!lua_isnil(L, -1)) {            /* a copy without the positional shape, for the check of names */
-        lua_newtable(L);
-        for (lua_pushnil(L); lua_next(L, 2); lua_pop(L, 1))
-            if (lua_type(L, -2) == LUA_TSTRING) {
-                lua_pushvalue(L, -2);
-                lua_pushvalue(L, -2);
-                lua_rawset(L, -5);
-            }
-        lua_pushvalue(L, -2);
-        lua_setfield(L, -2, "shape");
-        lua_replace(L, 2);
-    }
-    bind_arguments(L, 2, what, names);
-    *at = (pose){{0, 0, 0}, {0, 0, 0, 1}};
-    bind_get_vec3(L, 2, what, "at", "m", &at->p);
-    bind_get_quat(L, 2, what, "rotation", &at->q);
-    lua_getfield(L, 2, "shape");
-    if (!luaL_testudata(L, -1, BIND_SHAPE))
-        bind_error(L, "%s wants a shape such as digbox.sphere{radius = 1}", what);
-    return &bind_check_shape(L, lua_gettop(L))->def;
-}
-
-/* world:overlap{shape, at=, rotation=} -> bodies */
-static int world_overlap(lua_State *L)
-{
-    static const char *const names[] = {"shape", "at", "rotation", NULL};
-    WorldRef *ref = bind_check_world(L, 1);
-    pose at;
-    const dig_shape_def *shape = shape_argument(L, "world:overlap", names, &at);
-    int n = dig_overlap(ref->w, shape, at, NULL, 0);
-    if (n < 0)
-        return bind_fail(L, ref->w, DIG_E_ARG);
-    dig_body *ids = lua_newuserdatauv(L, (size_t)(n + 1) * sizeof *ids, 0);
-    n = dig_overlap(ref->w, shape, at, ids, n);
-    bind_push_list(L, n);
-    for (int i = 0; i < n; i++) {
-        bind_push_body(L, 1, ids[i]);
-        lua_rawseti(L, -2, i + 1);
-    }
-    return 1;
-}
-
-/* world:sweep{shape, at=, rotation=, velocity=, acceleration=, time=} -> hit or nil */
-static int world_sweep(lua_State *L)
-{
-    static const char *const names[] = {"shape", "at", "rotation", "velocity", "acceleration", "time", NULL};
-    WorldRef *ref = bind_check_world(L, 1);
-    pose at;
-    vec3 velocity = {0, 0, 0}, acceleration = {0, 0, 0};
-    real time = 1;
-    dig_hit hit;
-    const dig_shape_def *shape = shape_argument(L, "world:sweep", names, &at);
-    bind_get_vec3(L, 2, "world:sweep", "velocity", "m/s", &velocity);
-    bind_get_vec3(L, 2, "world:sweep", "acceleration", "m/s^2", &acceleration);
-    bind_get_real(L, 2, "world:sweep", "time", "s", &time);
-    int found = dig_sweep(ref->w, shape, at, velocity, acceleration, time, &hit);
-    if (found < 0)
-        return bind_fail(L, ref->w, DIG_E_ARG);
-    if (found == 0)
-        lua_pushnil(L);
-    else
-        push_hit(L, &hit);
-    return 1;
-}
-
 /* ---- the room, and materials ---------------------------------------------------------------- */
 
 /* core.room(world, {size=, at=, friction=, restitution=}) */
@@ -600,8 +481,8 @@ static int world_close(lua_State *L)
 
 static const luaL_Reg methods[] = {
     {"bodies", world_bodies}, {"joints", world_joints}, {"find", world_find}, {"checksum", world_checksum}, {"check", world_check},
-    {"stats", world_stats}, {"effects", world_effects}, {"effect", world_effect}, {"ray", world_ray}, {"overlap", world_overlap},
-    {"sweep", world_sweep}, {"snapshot", world_snapshot}, {NULL, NULL},
+    {"stats", world_stats}, {"effects", world_effects}, {"effect", world_effect},
+    {"snapshot", world_snapshot}, {NULL, NULL},
 };
 static const luaL_Reg getters[] = {
     {"time", world_time}, {"steps", world_steps}, {"frame", world_frame}, {"gravity", world_gravity}, {"accuracy", world_accuracy},
@@ -613,8 +494,8 @@ static const luaL_Reg meta[] = {
 static const luaL_Reg snapshot_methods[] = {{NULL, NULL}};
 static const luaL_Reg snapshot_meta[] = {{"__gc", snapshot_gc}, {"__tostring", snapshot_tostring}, {NULL, NULL}};
 static const luaL_Reg functions[] = {
-    {"world", world_open}, {"load", world_load}, {"state", world_state}, {"is_open", world_is_open}, {"step", world_step}, {"save", world_save},
-    {"restore", world_restore}, {"close", world_close}, {"room", world_room}, {"room_open", world_room_open},
+    {"world", world_open}, {"load", world_load}, {"state", world_state}, {"is_open", world_is_open},
+    {"step", world_step}, {"save", world_save}, {"restore", world_restore}, {"close", world_close}, {"room", world_room}, {"room_open", world_room_open},
     {"material", world_material}, {"material_pair", world_material_pair}, {NULL, NULL},
 };
 

@@ -255,6 +255,7 @@ static int finish_run(lua_State *L, App *app, const RunOptions *o)
 static void report_stop(lua_State *L, App *app)
 {
     app->stop_code = 0;                 /* what follows may take its time */
+    alarm(0);
     app->fuel = -1;
     app->deadline = 0;
     if (app_call_core(L, app, "report_stop", 0, 0) != EXIT_FINE)
@@ -307,8 +308,7 @@ static int command_run(int argc, char **argv)
         usage_error("run: one world at a time; '%s' is too many (arguments of the world stand after --)", argv[optind + 1]);
     } else {
         o.world = argv[optind];
-        App app = {.memory_limit = (size_t)o.memory << 20, .fuel = o.fuel, .trust = o.trust, .script = o.world,
-};
+        App app = {.memory_limit = (size_t)o.memory << 20, .fuel = o.fuel, .trust = o.trust, .script = o.world};
         if (o.time_limit > 0)
             app_limit_time(&app, o.time_limit);
         code = flush_output(run_world(&o, &app));

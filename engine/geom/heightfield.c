@@ -7,13 +7,6 @@
 
 #define GRID_MAX 4096
 
-typedef struct HeightfieldData {
-    int  columns, rows;
-    real x0, z0;            /* m  corner of the grid        */
-    real dx, dz;            /* m  size of a cell            */
-    real low, high;         /* m  range of the heights, which follow [rows * columns] */
-} HeightfieldData;
-
 static const dig_param heightfield_params[] = {
     {.name = "columns", .kind = DIG_INT, .unit = "", .doc = "number of heights along x", .fallback = NAN, .min = 2, .max = GRID_MAX,
      .offset = offsetof(dig_heightfield_def, columns), .required = true},
@@ -28,7 +21,7 @@ static const HeightfieldData *data_of(const Shape *s) { return s->data; }
 
 static real height_at(const HeightfieldData *d, int i, int j)
 {
-    return ((const real *)(const void *)(d + 1))[(size_t)j * (size_t)d->columns + (size_t)i];
+    return heightfield_heights(d)[(size_t)j * (size_t)d->columns + (size_t)i];
 }
 
 static vec3 point_at(const HeightfieldData *d, int i, int j)

@@ -58,7 +58,7 @@ static void copy_work(const HullWork *work, HullData *d)
                 edges[edge++] = (HullEdge){(uint8_t)a, (uint8_t)b, (uint16_t)(work->side[a][b] - 1), (uint16_t)(work->side[b][a] - 1)};
 }
 
-static dig_status make_data(const HullWork *work, Shape *s)
+dig_status hull_make_data(const HullWork *work, Shape *s)
 {
     HullData header = {.vertex_count = work->vertex_count, .face_count = work->face_count, .edge_count = work->corner_count / 2,
                        .corner_count = work->corner_count};
@@ -85,7 +85,7 @@ static dig_status hull_make(const void *def, Shape *s, char *why, size_t capacit
         return DIG_E_MEMORY;
     dig_status status = hull_build(&((const dig_hull_def *)def)->points, work, why, capacity);
     if (status == DIG_OK)
-        status = make_data(work, s);
+        status = hull_make_data(work, s);
     free(work);
     return status;
 }

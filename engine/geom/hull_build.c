@@ -239,6 +239,8 @@ static bool is_convex(const HullWork *work)
     return true;
 }
 
+bool hull_is_sound(HullWork *work) { return is_closed(work) && is_convex(work); }
+
 typedef enum Outcome { HULL_GOOD, HULL_FAILED, HULL_TOO_MANY } Outcome;
 
 /* Qhull leaves by longjmp when it fails; nothing that lives across that is a local variable that changes. */
@@ -270,7 +272,7 @@ static Outcome run_qhull(Qhull *q, const dig_points *points, const char *options
         outcome = copy_hull(q, points, work);
     qh_freeqhull(&q->qh, !qh_ALL);
     qh_memfreeshort(&q->qh, &left_long, &left_total);
-    return outcome == HULL_GOOD && !(is_closed(work) && is_convex(work)) ? HULL_FAILED : outcome;
+    return outcome == HULL_GOOD && !hull_is_sound(work) ? HULL_FAILED : outcome;
 }
 
 /* ---- order ---- */

@@ -1,4 +1,4 @@
-/* geom/hull_build.h - from a cloud of points to the corners and polygons of its convex hull. For hull.c only.
+/* geom/hull_build.h - from a cloud of points to the corners and polygons of its convex hull. For hull.c and hull_save.c only.
  *
  * Floor: geom.
  */
@@ -21,6 +21,12 @@ typedef struct HullWork {
 
 /* Builds the hull; fails with a sentence. The result depends on the points and their order only. */
 dig_status hull_build(const dig_points *points, HullWork *work, char *why, size_t capacity);
+
+/* Is it a closed surface of one piece whose polygons are convex? Fills `side`. */
+bool hull_is_sound(HullWork *work);
+
+/* Makes the shape's data from a sound hull (hull.c). */
+dig_status hull_make_data(const HullWork *work, Shape *s);
 
 /* Twice the area vector of a face (Newell): along the outward normal, sound when the polygon is flat only to rounding. */
 vec3 hull_area(const HullWork *work, int face);

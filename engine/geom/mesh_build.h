@@ -1,4 +1,4 @@
-/* geom/mesh_build.h - the data of a triangle mesh, and how it is made from lists. For mesh.c only.
+/* geom/mesh_build.h - the data of a triangle mesh, and how it is made from lists. For mesh.c and mesh_save.c only.
  *
  * Floor: geom.
  */

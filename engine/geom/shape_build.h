@@ -33,6 +33,15 @@ bool shape_ray_triangle(const TriangleRay *ray, const vec3 corners[3], real *t);
 /* Does the ray pass the box before `length`? */
 bool shape_ray_box(const Ray *ray, box3 box, real length, real *enter);
 
+/* What `data` of a height field points to. */
+typedef struct HeightfieldData {
+    int  columns, rows;
+    real x0, z0;            /* m  corner of the grid        */
+    real dx, dz;            /* m  size of a cell            */
+    real low, high;         /* m  range of the heights, which follow [rows * columns] */
+} HeightfieldData;
+static inline const real *heightfield_heights(const HeightfieldData *d) { return (const real *)(const void *)(d + 1); }
+
 /* ---- drawing ---- */
 
 dig_status shape_mesh_open(ShapeMesh *m, int vertex_count, int index_count, bool smooth);

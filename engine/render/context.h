@@ -3,9 +3,13 @@
  * A backend is one file that ends in one const table. The renderer draws into framebuffers of its own and never
  * touches a default one, so a backend needs neither window nor surface.
  *
- * The program (not this library, which leaves the environment alone) may set MESA_SHADER_CACHE_DISABLE=true to keep
- * Mesa from writing ~/.cache/mesa_shader_cache, and LP_NUM_THREADS=0 for one thread a process. It must not fork after
- * opening a context unless LP_NUM_THREADS is 0, nor set LP_NATIVE_VECTOR_WIDTH=512 (crashes with multisampling).
+ * The program (not this library, which leaves the environment alone) may set, before the first context:
+ *   MESA_SHADER_CACHE_DISABLE=true  Mesa then does not write ~/.cache/mesa_shader_cache. Tests want that; but the first
+ *                                   picture of a process takes about 0.1 s for each kind of surface without the cache.
+ *   MESA_SHADER_CACHE_DIR           the cache elsewhere.
+ *   LP_NUM_THREADS=0                one thread a process: for frame ranges in parallel processes.
+ * It must not fork after opening a context unless LP_NUM_THREADS is 0, nor set LP_NATIVE_VECTOR_WIDTH=512 (crashes with
+ * multisampling).
  *
  * Floor: render.
  */

@@ -5,7 +5,7 @@
 
 bool gl_load(Gl *gl, const ContextBackend *backend, void *context, char *why, size_t capacity)
 {
-    /* Mesa hands out a stub for any name, so NULL catches a missing function only on other drivers; the version
+    /* Mesa answers any name with some function, so NULL catches a missing function only on other drivers; the version
      * below is the test that counts. */
 #define ENTRY_FILL(type, entry)                                             \
     gl->entry = (type)backend->proc(context, "gl" #entry);                \

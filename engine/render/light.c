@@ -4,8 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static const real OCTAVES = 220;         /* at most: exponentials from 2^-110 to 2^110, all that a float holds             */
-static const real STEEP = 110;          /* octaves a scene unit: steeper, and grazing light shows the texels' stairs      */
+static const real BIAS = 0.0015;        /* scene units by which a thing must lie behind another to be in its shadow   */
 static const real SPREAD = 0.09;        /* rad, how fast a shadow's edge widens: a hazy sun, wider than the real one */
 static const real MID_BLUR = 0.022, WIDE_BLUR = 0.085;      /* scene units, half widths of the softer shadows     */
 
@@ -35,12 +34,23 @@ static GLuint make_target(const Gl *gl, GLuint depth)
     return name;
 }
 
+/* Compared by the hardware, smoothly between texels; beyond the map there is no shadow. */
+static void make_sun_map(Light *l, const Gl *gl)
+{
+    static const float far[4] = {1, 1, 1, 1};
+    l->sun_map = make_texture(gl, GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, SUN_SIZE, GL_LINEAR);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
+    gl->TexParameterfv(GL_TEXTURE_2D, GL_TEXTURE_BORDER_COLOR, far);
+    l->sun_target = make_target(gl, l->sun_map);
+}
+
 dig_status light_open(Light *l, const Gl *gl, char *why, size_t capacity)
 {
     enum { HEIGHTS = HEIGHT_SIZE * HEIGHT_SIZE, FLOORS = FLOOR_SIZE * FLOOR_SIZE, SUNS = SUN_SIZE * SUN_SIZE };
-    l->sun_depth = make_texture(gl, GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, SUN_SIZE, GL_NEAREST);
-    l->sun_target = make_target(gl, l->sun_depth);
-    l->sun_map = make_texture(gl, GL_R32F, GL_RED, GL_FLOAT, SUN_SIZE, GL_LINEAR);
+    make_sun_map(l, gl);
     bool whole = gl->CheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
     l->height_depth = make_texture(gl, GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, HEIGHT_SIZE, GL_NEAREST);
     l->height_target = make_target(gl, l->height_depth);
@@ -51,7 +61,7 @@ dig_status light_open(Light *l, const Gl *gl, char *why, size_t capacity)
         snprintf(why, capacity, "the driver cannot draw into a depth texture");
         return DIG_E_FULL;
     }
-    l->sun = malloc(2 * SUNS * sizeof *l->sun);
+    l->sun = malloc(SUNS * sizeof *l->sun);
     /* zeroed: the shadow fields are read, with no weight, even when there is no sun */
     l->above = calloc(7 * HEIGHTS, sizeof *l->above);
     l->shade = calloc(4 * (size_t)FLOORS, sizeof *l->shade);
@@ -60,7 +70,6 @@ dig_status light_open(Light *l, const Gl *gl, char *why, size_t capacity)
         snprintf(why, capacity, "no memory for the light maps");
         return DIG_E_MEMORY;
     }
-    l->veil = l->sun + SUNS;
     l->below = l->above + HEIGHTS;
     l->sky = l->below + HEIGHTS;
     l->wide = l->sky + HEIGHTS;
@@ -76,8 +85,8 @@ dig_status light_open(Light *l, const Gl *gl, char *why, size_t capacity)
 
 void light_close(Light *l, const Gl *gl)
 {
-    GLuint textures[] = {l->sun_depth, l->sun_map, l->height_depth, l->height_map, l->floor_map}, targets[] = {l->sun_target, l->height_target};
-    gl->DeleteTextures(5, textures);
+    GLuint textures[] = {l->sun_map, l->height_depth, l->height_map, l->floor_map}, targets[] = {l->sun_target, l->height_target};
+    gl->DeleteTextures(4, textures);
     gl->DeleteFramebuffers(2, targets);
     free(l->sun);
     free(l->above);
@@ -137,8 +146,7 @@ static void set_rows(float m[16], const vec3 row[3], const real last[3])
     m[15] = 1;
 }
 
-/* The span along the sun that holds what matters; *half of it, about the returned middle. The shorter, the crisper are
- * shadows of things on things. */
+/* The span along the sun that holds what matters; *half of it, about the returned middle. */
 static real find_span(const Stage *s, vec3 sun, real *half)
 {
     real low = INFINITY, high = -INFINITY;
@@ -159,7 +167,8 @@ static real sun_matrix(float m[16], const Stage *s, vec3 sun, vec3 eye)
     vec3_basis(sun, &t, &u);
     real texel = 2.0 / SUN_SIZE;
     vec3 row[3] = {t, u, vec3_scale(-1 / half, sun)};
-    real last[3] = {vec3_dot(t, eye) - snap(0, vec3_dot(at, t), texel, s->unit), vec3_dot(u, eye) - snap(0, vec3_dot(at, u), texel, s->unit),
+    real shift_t = snap(0, vec3_dot(at, t), texel, s->unit), shift_u = snap(0, vec3_dot(at, u), texel, s->unit);
+    real last[3] = {vec3_dot(t, eye) - shift_t, vec3_dot(u, eye) - shift_u,
                     (middle - vec3_dot(sun, eye)) / half};
     set_rows(m, row, last);
     return half;
@@ -198,7 +207,8 @@ static dig_status cast_depth(const Cast *c, GLuint target, int size, const float
     gl->Viewport(0, 0, size, size);
     gl->Clear(GL_DEPTH_BUFFER_BIT);
     DIG_TRY(batches_draw(c->batches, c->meshes, c->programs, gl, PROGRAM_CASTER, to_map, c->why, c->capacity));
-    gl->ReadPixels(0, 0, size, size, GL_DEPTH_COMPONENT, GL_FLOAT, out);
+    if (out)
+        gl->ReadPixels(0, 0, size, size, GL_DEPTH_COMPONENT, GL_FLOAT, out);
     return DIG_OK;
 }
 
@@ -212,52 +222,6 @@ static dig_status cast_heights(Light *l, const Cast *c, const Ground *g, vec3 ey
     dig_status status = cast_depth(c, l->height_target, HEIGHT_SIZE, to_map, l->below);
     c->gl->CullFace(GL_BACK);
     return status;
-}
-
-/* 2^x to 1e-4, for |x| < 126: the bits of the exponent and a parabola with a cubic touch for the rest. Vectorises. */
-static float quick_exp2(float x)
-{
-    float whole = (float)((int)(x + 256)) - 256, f = x - whole;
-    float rest = 1 + f * (0.6954f + f * (0.2262f + f * 0.0784f));
-    uint32_t bits;
-    memcpy(&bits, &rest, sizeof bits);
-    bits += (uint32_t)((int)whole) << 23;
-    memcpy(&rest, &bits, sizeof rest);
-    return rest;
-}
-
-/* A 1 2 1 blur both ways. Sums are made afresh for each texel: running sums would lose the small exponentials. */
-static void blur_veil(float *data, float *scratch, int n)
-{
-    for (int y = 0; y < n; y++) {
-        const float *in = data + y * n;
-        float *out = scratch + y * n;
-        out[0] = in[0];
-        out[n - 1] = in[n - 1];
-        for (int x = 1; x < n - 1; x++)
-            out[x] = 0.25f * (in[x - 1] + in[x + 1]) + 0.5f * in[x];
-    }
-    for (int y = 1; y < n - 1; y++) {
-        const float *in = scratch + y * n;
-        float *out = data + y * n;
-        for (int x = 0; x < n; x++)
-            out[x] = 0.25f * (in[x - n] + in[x + n]) + 0.5f * in[x];
-    }
-}
-
-/* For bodies: smoothed exponentials of the depths. The rim is lit: beyond the map there is no shadow. */
-static void fill_sun(Light *l, const Gl *gl, float octaves)
-{
-    enum { N = SUN_SIZE };
-    for (int i = 0; i < N * N; i++)
-        l->veil[i] = quick_exp2(octaves * (l->sun[i] - 0.5f));
-    for (int pass = 0; pass < 4; pass++)
-        blur_veil(l->veil, l->scratch, N);
-    float lit = quick_exp2(0.5f * octaves);
-    for (int i = 0; i < N; i++)
-        l->veil[i] = l->veil[N * (N - 1) + i] = l->veil[N * i] = l->veil[N * i + N - 1] = lit;
-    gl->BindTexture(GL_TEXTURE_2D, l->sun_map);
-    gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, N, N, GL_RED, GL_FLOAT, l->veil);
 }
 
 static int texels_of(real length, real texel) { return (int)real_clamp(length / texel + 0.5, 1, HEIGHT_SIZE / 4); }
@@ -329,7 +293,7 @@ static void clip_row(float start, float step, float end, int *first, int *last)
 static void project_row(const Light *l, const SunRow *r, float *shade, float *gap)
 {
     enum { N = FLOOR_SIZE, M = SUN_SIZE };
-    const float bias = 0.0012f / r->range;
+    const float bias = (float)BIAS / r->range;
     int first = 0, last = N;
     clip_row(r->u, r->du, M - 1.01f, &first, &last);
     clip_row(r->v, r->dv, M - 1.01f, &first, &last);
@@ -470,16 +434,15 @@ dig_status light_cast(Light *l, const Batches *b, const Meshes *meshes, Programs
     gl->PolygonOffset(1.5f, 4.0f);
     real half = sun_matrix(to_map, s, sun, eye);
     clip_to_unit(frame->to_sun, to_map);
-    dig_status status = shadows ? cast_depth(&cast, l->sun_target, SUN_SIZE, to_map, l->sun) : DIG_OK;
+    dig_status status = shadows ? cast_depth(&cast, l->sun_target, SUN_SIZE, to_map, floor_shadow ? l->sun : NULL) : DIG_OK;
     gl->Disable(GL_POLYGON_OFFSET_FILL);
     if (status == DIG_OK)
         status = cast_heights(l, &cast, &ground, eye);
     gl->Disable(GL_DEPTH_CLAMP);
     DIG_TRY(status);
     set_shading(frame, s, &ground);
-    frame->sun_colour[3] = (float)real_min(OCTAVES, STEEP * 2 * half);
-    if (shadows)
-        fill_sun(l, gl, frame->sun_colour[3]);
+    frame->sun_colour[3] = (float)(0.9 / SUN_SIZE);
+    frame->sun[3] = (float)(0.5 * BIAS / half);
     fill_heights(l, gl, s, &ground);
     if (!floor)
         return DIG_OK;

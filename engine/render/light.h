@@ -1,8 +1,8 @@
 /* render/light.h - what the sun and the sky reach: a sun map, a height map, and a map of the light on the floor.
  *
- * The sun map holds depths along the sun. Bodies read it as exponentials, smoothed on the CPU (exponential shadow maps:
- * Annen et al., Graphics Interface 2008): one fetch a pixel where percentage-closer filtering takes four compared ones.
- * The floor fills most of a picture, so its light is worked out beforehand on the CPU: shadows that are sharp where things touch it and soft far
+ * The sun map holds depths along the sun; bodies compare with it at a few places a pixel (percentage-closer filtering:
+ * Reeves et al., SIGGRAPH 1987; exponential maps were faster, but frayed where the sun grazes). The floor fills most of
+ * a picture, so its light is worked out beforehand on the CPU: shadows that are sharp where things touch it and soft far
  * from them, and the part of the sky hidden by what stands on it; a pixel of the floor costs one fetch.
  * Bodies take the hidden sky from heights seen from above, smoothed over two widths: each column counts as filled.
  *
@@ -14,11 +14,11 @@
 
 #include "render/batch.h"
 
-enum { SUN_SIZE = 512, HEIGHT_SIZE = 256, FLOOR_SIZE = 512 };      /* texels a side */
+enum { SUN_SIZE = 1024, HEIGHT_SIZE = 256, FLOOR_SIZE = 512 };      /* texels a side */
 
 typedef struct Light {
-    GLuint sun_target, sun_depth, sun_map, height_target, height_depth, height_map, floor_map;
-    float *sun, *veil;                  /* [SUN_SIZE^2] depths read back; their exponentials                    */
+    GLuint sun_target, sun_map, height_target, height_depth, height_map, floor_map;
+    float *sun;                         /* [SUN_SIZE^2] depths read back                                        */
     float *above, *below;               /* [HEIGHT_SIZE^2] depths from above and below: tops and undersides      */
     float *sky, *wide, *blur;           /* [HEIGHT_SIZE^2] of the floor: sky seen, soft shadow, width of its edges */
     float *pair;                        /* [2 HEIGHT_SIZE^2] heights for bodies, smoothed narrowly and widely    */

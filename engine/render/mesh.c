@@ -27,7 +27,9 @@ real mesh_chord(int level) { return cos(DIG_PI / level_segments[level]); }
 
 static bool draft_open(MeshDraft *d, int vertex_count, int index_count)
 {
-    *d = (MeshDraft){.vertices = calloc((size_t)vertex_count, sizeof *d->vertices), .indices = calloc((size_t)index_count, sizeof *d->indices)};
+    *d = (MeshDraft){0};
+    d->vertices = calloc((size_t)vertex_count, sizeof *d->vertices);
+    d->indices = calloc((size_t)index_count, sizeof *d->indices);
     return d->vertices && d->indices;
 }
 

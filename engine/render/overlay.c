@@ -54,7 +54,8 @@ static bool project_segment(const OverlayEye *eye, vec3 a, vec3 b, real pa[2], r
 
 static Stroke stroke_of(const real a[2], const real b[2], real ra, real rb, const float colour[3], float alpha)
 {
-    return (Stroke){{(float)a[0], (float)a[1], (float)b[0], (float)b[1]}, {(float)ra, (float)rb, rim, 0}, {colour[0], colour[1], colour[2], alpha}};
+    return (Stroke){{(float)a[0], (float)a[1], (float)b[0], (float)b[1]}, {(float)ra, (float)rb, rim, 0},
+                    {colour[0], colour[1], colour[2], alpha}};
 }
 
 /* ---- shapes ----------------------------------------------------------- */
@@ -81,7 +82,7 @@ static void draw_arrow(const Pen *pen, vec3 from, vec3 to, real width, const flo
     real a[2], b[2];
     if (!project_segment(pen->eye, from, to, a, b))
         return;
-    real length = hypot(b[0] - a[0], b[1] - a[1]), head = real_min(6.5 * width * pen->scale, 0.7 * length), w = width * pen->scale + (real)rim;
+    real w = width * pen->scale + (real)rim, length = hypot(b[0] - a[0], b[1] - a[1]), head = real_min(4.6 * w, 0.7 * length);
     real t = length > 0 ? 1 - head / length : 0;
     real neck[2] = {a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])};
     put_stroke(&pen->o->strokes, stroke_of(a, neck, w, w, colour, 1));
@@ -110,7 +111,8 @@ static void draw_text(Overlay *o, real x, real y, const char *text)
     real pen = floor(x);
     for (const Glyph *g; (g = font_next(f, &text)); pen += (real)g->advance) {
         float gx = (float)floor(pen + 0.5) + g->left, gy = (float)floor(y) - g->top;
-        put_stroke(&o->glyphs, (Stroke){{gx, gy, gx + g->width, gy + g->height}, {g->x, g->y, (float)(g->x + g->width), (float)(g->y + g->height)},
+        put_stroke(&o->glyphs, (Stroke){{gx, gy, gx + g->width, gy + g->height},
+                                        {g->x, g->y, (float)(g->x + g->width), (float)(g->y + g->height)},
                                         {ink[0], ink[1], ink[2], ink[3]}});
     }
 }
@@ -248,7 +250,8 @@ static void load_font(Overlay *o, const Gl *gl, int size)
     gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
 }
 
-static dig_status draw_list(const Overlay *o, Programs *programs, const Gl *gl, const StrokeList *list, ProgramKind kind, char *why, size_t capacity)
+static dig_status draw_list(const Overlay *o, Programs *programs, const Gl *gl, const StrokeList *list, ProgramKind kind, char *why,
+                            size_t capacity)
 {
     if (list->count == 0)
         return DIG_OK;

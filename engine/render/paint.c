@@ -213,7 +213,8 @@ static dig_status paint_overlay(Renderer *r, const View *v, const Stage *s, cons
 {
     mat3 to_world = mat3_transpose(s->axes);
     OverlayEye eye = {.at = eye_in_view(v, &o->camera), .right = mat3_mul_vec(to_world, e->right), .up = mat3_mul_vec(to_world, e->up),
-                      .forward = mat3_mul_vec(to_world, e->forward), .pixels = o->height / (2 * e->tan_y), .width = o->width, .height = o->height};
+                      .forward = mat3_mul_vec(to_world, e->forward), .pixels = o->height / (2 * e->tan_y), .width = o->width,
+                      .height = o->height};
     return overlay_draw(&r->overlay, &r->programs, &r->gl, v, s, &eye, o->overlay, r->error, sizeof r->error);
 }
 
@@ -235,8 +236,8 @@ dig_status paint(Renderer *r, const View *v, const RenderOptions *o, const Targe
     Stage s = stage_of(v, true);
     Sight e = find_sight(v, &s, o);
     real reach = real_max(16, 4.5 * vec3_length(e.at));
-    BatchEye eye = {.at = e.at, .pixels = o->height / (2 * e.tan_y), .reach = reach, .lamps = colour ? o->lamp_count : 0, .shadows = o->shadows,
-                    .overlay_dig = (o->overlay & OVERLAY_DIG) != 0, .fine = !colour};
+    BatchEye eye = {.at = e.at, .pixels = o->height / (2 * e.tan_y), .reach = reach, .lamps = colour ? o->lamp_count : 0,
+                    .shadows = o->shadows, .overlay_dig = (o->overlay & OVERLAY_DIG) != 0, .fine = !colour};
     Frame frame;
     set_frame(&frame, v, &s, &e, o, reach);
     set_state(gl);

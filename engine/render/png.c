@@ -114,10 +114,10 @@ static bool encode(png_structp png, png_infop info, const PngJob *job, unsigned 
         return false;
     bool grey = job->layer == RENDER_DEPTH;
     png_set_user_limits(png, 16384, 16384);
-    png_set_IHDR(png, info, (png_uint_32)job->width, (png_uint_32)job->height, grey ? 16 : 8, grey ? PNG_COLOR_TYPE_GRAY : PNG_COLOR_TYPE_RGB,
-                 PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-    /* Measured on 1280x720 pictures: shaded ones take 15 ms and 350 KB as runs of differences, 18 ms and 390 KB unfiltered
-     * at level 3, 26 ms or more by libpng's own choice. Flat layers (ids, depth) are best left unfiltered. */
+    png_set_IHDR(png, info, (png_uint_32)job->width, (png_uint_32)job->height, grey ? 16 : 8,
+                 grey ? PNG_COLOR_TYPE_GRAY : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    /* Measured on 1280x720 pictures: shaded ones take 15 ms and 350 KB as runs of differences, 18 ms and 390 KB
+     * unfiltered at level 3, 26 ms or more by libpng's own choice. Flat layers (ids, depth) are best left unfiltered. */
     bool shaded = job->layer == RENDER_COLOUR || job->layer == RENDER_NORMAL;
     png_set_filter(png, PNG_FILTER_TYPE_BASE, shaded ? PNG_FILTER_SUB : PNG_FILTER_NONE);
     png_set_compression_level(png, shaded ? 1 : 3);

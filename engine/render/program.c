@@ -61,7 +61,9 @@ static bool attach(const Gl *gl, GLuint program, GLenum stage, const char *defin
 
 static void wire_textures(const Gl *gl, GLuint program)
 {
-    static const char *const names[] = {[UNIT_SUN] = "sun_map", [UNIT_HEIGHT] = "height_map", [UNIT_FLOOR] = "floor_map", [UNIT_FONT] = "font"};
+    static const char *const names[] = {
+        [UNIT_SUN] = "sun_map", [UNIT_HEIGHT] = "height_map", [UNIT_FLOOR] = "floor_map", [UNIT_FONT] = "font",
+    };
     gl->UseProgram(program);
     for (int unit = 0; unit <= UNIT_FONT; unit++) {
         GLint place = gl->GetUniformLocation(program, names[unit]);
@@ -76,8 +78,9 @@ static void wire_textures(const Gl *gl, GLuint program)
 static bool build(const Gl *gl, ProgramKey key, Program *out, char *why, size_t capacity)
 {
     char defines[256];
-    snprintf(defines, sizeof defines, "#define KIND %d\n#define FORM %d\n#define PATTERN %d\n#define LAMPS %d\n#define SHADOWS %d\n#define PLANE %d\n#define FLOOR %d\n",
-             (int)key.kind, (int)key.form, key.pattern, key.lamps, key.shadows, key.plane, key.floor);
+    snprintf(defines, sizeof defines,
+             "#define FORM %d\n#define PATTERN %d\n#define LAMPS %d\n#define SHADOWS %d\n#define PLANE %d\n#define FLOOR %d\n",
+             (int)key.form, key.pattern, key.lamps, key.shadows, key.plane, key.floor);
     const ShaderSource *source = &shader_sources[key.kind];
     GLuint program = gl->CreateProgram();
     bool ok = attach(gl, program, GL_VERTEX_SHADER, defines, source->vertex, why, capacity) &&

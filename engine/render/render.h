@@ -1,9 +1,10 @@
 /* render/render.h - a View becomes pixels.
  *
  * A renderer owns one off-screen GL context (OSMesa, or EGL without a surface)
- * and its buffers; use it from the thread that opened it. The same view and
+ * and its buffers; use it from one thread at a time. The same view and
  * options give the same bytes. Everything is drawn into own framebuffers,
- * OpenGL core 3.3.
+ * OpenGL core 3.3. What the program may set in the environment is said in
+ * render/context.h; this library leaves it alone.
  *
  * Floor: render. Includes base, math, view only.
  */
@@ -49,8 +50,12 @@ const char *render_describe(const Renderer *r);             /* "osmesa: 4.5 (Cor
 const char *render_error(const Renderer *r);
 
 /* Draws into pixels, rows from the top: RENDER_COLOUR and RENDER_NORMAL 8-bit RGB (3 bytes), RENDER_DEPTH float metres
- * along the view (infinite = sky), RENDER_ID uint32 body slot + 1 (0 = none). *pixels belongs to the renderer and stays
- * valid until its next draw. */
+ * along the view (infinite = sky), RENDER_ID uint32 body slot + 1 (0 = none). Normals are in world axes, -1..1 as
+ * 0..255; black = none. The data layers have one sample a pixel. *pixels belongs to the renderer and stays valid until
+ * its next draw. Items whose numbers make no sense are left out.
+ *   DIG_E_ARG     an option is out of range: render_error names it
+ *   DIG_E_MEMORY  no room for a picture of that size
+ *   DIG_E_FULL, DIG_E_FORMAT  the driver failed, or did not compile a shader: render_error has its words */
 dig_status render_draw(Renderer *r, const View *v, const RenderOptions *o, const void **pixels);
 
 typedef struct PngText { const char *key; const char *value; } PngText;

@@ -63,7 +63,8 @@ static const char surface_inputs[] =
     "flat in vec3 f_x, f_y, f_z, f_direct, f_sky;\n"
     "flat in float f_seed;\n"
     "flat in vec2 f_grain;\n"
-    "uniform sampler2D sun_map, height_map, floor_map;\n"
+    "uniform sampler2DShadow sun_map;\n"
+    "uniform sampler2D height_map, floor_map;\n"
     "layout(location = 0) out vec4 pixel;\n";
 
 /* Normal in scene axes. The edges of a box look rounded: outside the box shrunk by the bevel, the normal points away
@@ -173,8 +174,11 @@ static const char surface_light[] =
     "#else\n"
     "    float lit = 1.0;\n"
     "#if SHADOWS\n"
-    "    float behind = exp2(sun_colour.w * (0.5 - clamp(v_sun.z, 0.0, 1.0)));\n"
-    "    lit = clamp(texture(sun_map, v_sun.xy).x * behind * 1.3 - 0.15, 0.0, 1.0);\n"
+    "    vec3 s = v_sun + mat3(to_sun) * n * (2.5 * sun_colour.w);\n"
+    "    float o = sun_colour.w;\n"
+    "    s.z = min(s.z - sun.w, 1.0);\n"
+    "    lit = 0.25 * (texture(sun_map, s + vec3(-0.4 * o, -o, 0.0)) + texture(sun_map, s + vec3(o, -0.4 * o, 0.0)) +\n"
+    "                  texture(sun_map, s + vec3(0.4 * o, o, 0.0)) + texture(sun_map, s + vec3(-o, 0.4 * o, 0.0)));\n"
     "#endif\n"
     "    vec2 h = clamp(texture(height_map, v_top.xy + n.xy * top.y).xy - v_top.z, 0.0, shade.w);\n"
     "    return vec2(lit, 1.0 / (1.0 + shade.x * h.x + shade.y * h.y));\n"

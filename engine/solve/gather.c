@@ -5,7 +5,6 @@
 
 #include <stdlib.h>
 
-#define MESH_CONTACTS_MAX 8
 
 static int compare_u32(const void *a, const void *b)
 {
@@ -352,8 +351,8 @@ static void commit_pair(World *w, const Group *g, const GroupPair *q, real dt)
         to->touching = false;
         real tolerance = 100 * g->touch * q->size;
         for (int k = 0; k < from->manifold.count && !to->touching; k++) {
-            const ManifoldPoint *p = &from->manifold.points[k];
-            to->touching = p->gap <= tolerance && (from->memory[k].normal > 0 || q->was_touching || point_rests(g, from, p));
+            const ManifoldPoint *at = &from->manifold.points[k];
+            to->touching = at->gap <= tolerance && (from->memory[k].normal > 0 || q->was_touching || point_rests(g, from, at));
         }
         p->touching = p->touching || to->touching;
     }

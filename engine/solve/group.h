@@ -112,6 +112,7 @@ typedef struct GroupPair {
     bool     both_moved;        /* neither was at rest before      */
     real     approach;          /* m/s  fastest approach seen by the rows */
     bool     struck;            /* an impact happened in this step  */
+    int      strike;            /* its last entry of strikes + 1; 0 = none  */
     real     struck_time, struck_speed, struck_impulse;  vec3 struck_point, struck_normal;
 } GroupPair;
 

@@ -125,6 +125,8 @@ static void note_strike(Group *g, const PointRow *r, real speed)
             g->lost += (k ? -1 : 1) * vec3_dot(impulse, v);
         }
     }
+    if (!(speed > 0.1 * g->close_speed))
+        return;                     /* it only hands the blow on: no impact of its own to report */
     if (!q->struck) {
         q->struck = true;
         q->struck_time = g->t;
@@ -134,11 +136,14 @@ static void note_strike(Group *g, const PointRow *r, real speed)
     }
     q->struck_speed = real_max(q->struck_speed, speed);
     q->struck_impulse += r->jn;
-    Strike *last = g->strike_count > 0 ? &g->strikes[g->strike_count - 1] : NULL;
-    if (last && last->pair == c->pair && last->time == g->t)
+    /* A blow that goes to and fro along a row of touching bodies within one instant is one impact of each pair. */
+    Strike *last = q->strike > 0 && q->strike <= g->strike_count ? &g->strikes[q->strike - 1] : NULL;
+    if (last && last->pair == c->pair && last->time == g->t) {
         last->impulse += r->jn;
-    else if (g->strike_count < g->strike_capacity)
+    } else if (g->strike_count < g->strike_capacity) {
         g->strikes[g->strike_count++] = (Strike){g->t, c->pair, speed, r->jn, p->a, c->manifold.normal};
+        q->strike = g->strike_count;
+    }
 }
 
 /* Sets targets for one solve; returns the fastest approach, m/s, and marks the rows. */

@@ -1,7 +1,7 @@
 /* solve/touch.c - contacts of the present positions: manifolds, and what their points remember. */
 #include "solve/group.h"
 
-#define PIECES 8
+#define PIECES 16
 
 /* Keeps the forces of points that are still the same features. */
 static void keep_memory(GroupContact *c, const Manifold *old, const PointMemory old_memory[MANIFOLD_POINTS])

@@ -6,7 +6,7 @@
 #include "world/world.h"
 
 /* Triangles of a mesh or height field that one convex solid may touch at once. */
-#define MESH_CONTACTS 8
+#define MESH_CONTACTS 16
 
 static int contacts_needed(const World *w, uint32_t solid_a, uint32_t solid_b)
 {

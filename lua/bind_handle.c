@@ -1,0 +1,257 @@
+/* lua/bind_handle.c - handles: checking them, one userdata for each body, joint and DIG, why a dead one is dead; lists. */
+
+#include "bind.h"
+
+static const char *name_of_type(lua_State *L, int arg)
+{
+    if (luaL_getmetafield(L, arg, "__name") == LUA_TSTRING) {
+        const char *name = lua_tostring(L, -1);
+        lua_pop(L, 1);
+        return name;        /* stays alive in the metatable */
+    }
+    return luaL_typename(L, arg);
+}
+
+static void *check_type(lua_State *L, int arg, const char *name)
+{
+    void *ref = luaL_testudata(L, arg, name);
+    if (!ref)
+        bind_error(L, "expected a %s, got %s%s", name, name_of_type(L, arg),
+                   arg == 1 && !lua_isuserdata(L, 1) ? " (methods are called with ':')" : "");
+    return ref;
+}
+
+WorldRef *bind_check_world(lua_State *L, int arg)
+{
+    WorldRef *ref = check_type(L, arg, BIND_WORLD);
+    if (!ref->w)
+        bind_error(L, "the world is closed");
+    return ref;
+}
+
+static void fail_removed(lua_State *L, int arg, const char *type)
+{
+    lua_getiuservalue(L, arg, REF_REMOVED);
+    lua_getiuservalue(L, arg, REF_NAME);
+    const char *how = lua_tostring(L, -2), *name = lua_tostring(L, -1);
+    if (how)
+        bind_error(L, "%s", how);
+    else if (name)
+        bind_error(L, "%s '%s' was removed", type, name);
+    else
+        bind_error(L, "this %s was removed", type);
+}
+
+BodyRef *bind_check_body(lua_State *L, int arg)
+{
+    BodyRef *ref = check_type(L, arg, BIND_BODY);
+    if (!ref->world->w)
+        bind_error(L, "the body's world is closed");
+    if (!dig_body_alive(ref->world->w, ref->id))
+        fail_removed(L, arg, BIND_BODY);
+    return ref;
+}
+
+JointRef *bind_check_joint(lua_State *L, int arg)
+{
+    JointRef *ref = check_type(L, arg, BIND_JOINT);
+    if (!ref->world->w)
+        bind_error(L, "the joint's world is closed");
+    if (!dig_joint_alive(ref->world->w, ref->id))
+        fail_removed(L, arg, BIND_JOINT);
+    return ref;
+}
+
+DigRef *bind_check_dig(lua_State *L, int arg)
+{
+    DigRef *ref = check_type(L, arg, BIND_DIG);
+    if (!ref->world->w)
+        bind_error(L, "the DIG's world is closed");
+    return ref;
+}
+
+ShapeRef *bind_check_shape(lua_State *L, int arg)
+{
+    return check_type(L, arg, BIND_SHAPE);
+}
+
+BodyRef *bind_body_of(lua_State *L, int arg, const WorldRef *world)
+{
+    BodyRef *ref = bind_check_body(L, arg);
+    if (ref->world != world) {
+        bind_push_body_name(L, ref);
+        bind_error(L, "%s belongs to another world", lua_tostring(L, -1));
+    }
+    return ref;
+}
+
+/* ---- handles ---------------------------------------------------------------------- */
+
+void bind_push_state(lua_State *L, int world)
+{
+    lua_getiuservalue(L, world, 1);
+}
+
+static lua_Integer handle_key(uint32_t slot, uint32_t gen)
+{
+    return (lua_Integer)(((uint64_t)slot << 32) | gen);
+}
+
+/* Pushes the cached handle and returns true, or leaves the cache table on the stack and returns false. */
+static bool push_cached(lua_State *L, int world, const char *cache, lua_Integer key)
+{
+    bind_push_state(L, world);
+    lua_getfield(L, -1, cache);
+    lua_remove(L, -2);
+    if (lua_rawgeti(L, -1, key) != LUA_TNIL) {
+        lua_remove(L, -2);
+        return true;
+    }
+    lua_pop(L, 1);
+    return false;
+}
+
+static void *new_handle(lua_State *L, int world, size_t size, const char *type, lua_Integer key, const char *name)
+{
+    void *ref = lua_newuserdatauv(L, size, 3);
+    lua_pushvalue(L, world);
+    lua_setiuservalue(L, -2, REF_WORLD);
+    if (name && *name) {
+        lua_pushstring(L, name);
+        lua_setiuservalue(L, -2, REF_NAME);
+    }
+    luaL_setmetatable(L, type);
+    lua_pushvalue(L, -1);
+    lua_rawseti(L, -3, key);
+    lua_remove(L, -2);
+    return ref;
+}
+
+void bind_push_body(lua_State *L, int world, dig_body id)
+{
+    world = lua_absindex(L, world);
+    WorldRef *w = lua_touserdata(L, world);
+    lua_Integer key = handle_key(id.slot, id.gen);
+    luaL_checkstack(L, 8, "too many values");
+    if (id.slot == 0 && id.gen == 0) {
+        lua_pushnil(L);
+        return;
+    }
+    if (push_cached(L, world, "bodies", key))
+        return;
+    dig_body_state s;
+    const char *name = dig_body_get(w->w, id, &s) == DIG_OK ? s.name : NULL;
+    BodyRef *ref = new_handle(L, world, sizeof *ref, BIND_BODY, key, name);
+    ref->world = w;
+    ref->id = id;
+}
+
+void bind_push_joint(lua_State *L, int world, dig_joint id)
+{
+    world = lua_absindex(L, world);
+    WorldRef *w = lua_touserdata(L, world);
+    lua_Integer key = handle_key(id.slot, id.gen);
+    luaL_checkstack(L, 8, "too many values");
+    if (id.slot == 0 && id.gen == 0) {
+        lua_pushnil(L);
+        return;
+    }
+    if (push_cached(L, world, "joints", key))
+        return;
+    dig_joint_state s;
+    const char *name = dig_joint_get(w->w, id, &s) == DIG_OK ? s.name : NULL;
+    JointRef *ref = new_handle(L, world, sizeof *ref, BIND_JOINT, key, name);
+    ref->world = w;
+    ref->id = id;
+}
+
+void bind_push_dig(lua_State *L, int world, dig_dig id)
+{
+    world = lua_absindex(L, world);
+    WorldRef *w = lua_touserdata(L, world);
+    lua_Integer key = handle_key(id.id, id.layer);
+    luaL_checkstack(L, 8, "too many values");
+    if (id.id == 0) {
+        lua_pushnil(L);
+        return;
+    }
+    if (push_cached(L, world, "digs", key))
+        return;
+    DigRef *ref = new_handle(L, world, sizeof *ref, BIND_DIG, key, NULL);
+    ref->world = w;
+    ref->id = id;
+}
+
+void bind_mark_removed(lua_State *L, int world, const char *kind, uint32_t slot, uint32_t gen, const char *how)
+{
+    if (push_cached(L, world, kind, handle_key(slot, gen))) {
+        lua_getiuservalue(L, -1, REF_REMOVED);
+        if (lua_isnil(L, -1)) {
+            lua_pushstring(L, how);
+            lua_setiuservalue(L, -3, REF_REMOVED);
+        }
+        lua_pop(L, 1);
+    }
+    lua_pop(L, 1);
+}
+
+void bind_push_world_of(lua_State *L, int handle)
+{
+    lua_getiuservalue(L, handle, REF_WORLD);
+}
+
+void bind_push_body_name(lua_State *L, const BodyRef *b)
+{
+    dig_body_state s;
+    if (dig_body_get(b->world->w, b->id, &s) == DIG_OK && s.name && *s.name)
+        lua_pushfstring(L, "body '%s'", s.name);
+    else
+        lua_pushfstring(L, "body #%d", (int)b->id.slot);
+}
+
+/* ---- lists ---------------------------------------------------------------------------- */
+
+static int list_tostring(lua_State *L)
+{
+    luaL_Buffer b;
+    lua_Integer n = (lua_Integer)lua_rawlen(L, 1);
+    luaL_buffinit(L, &b);
+    luaL_addchar(&b, '{');
+    for (lua_Integer i = 1; i <= n && i <= 100; i++) {
+        luaL_addstring(&b, i > 1 ? ", " : "");
+        lua_rawgeti(L, 1, i);
+        luaL_tolstring(L, -1, NULL);
+        lua_remove(L, -2);
+        luaL_addvalue(&b);
+    }
+    luaL_addstring(&b, n > 100 ? ", ...}" : "}");
+    luaL_pushresult(&b);
+    return 1;
+}
+
+void bind_push_list(lua_State *L, int size)
+{
+    lua_createtable(L, size, 0);
+    if (luaL_newmetatable(L, "list")) {
+        lua_pushcfunction(L, list_tostring);
+        lua_setfield(L, -2, "__tostring");
+        lua_pushnil(L);
+        lua_setfield(L, -2, "__name");
+        lua_pushboolean(L, 0);
+        lua_setfield(L, -2, "__metatable");
+    }
+    lua_setmetatable(L, -2);
+}
+
+void bind_push_matrix(lua_State *L, const real *m, int size)
+{
+    lua_createtable(L, size, 0);
+    for (int i = 0; i < size; i++) {
+        lua_createtable(L, size, 0);
+        for (int j = 0; j < size; j++) {
+            lua_pushnumber(L, m[i * size + j]);
+            lua_rawseti(L, -2, j + 1);
+        }
+        lua_rawseti(L, -2, i + 1);
+    }
+}
