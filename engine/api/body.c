@@ -201,6 +201,13 @@ dig_status dig_body_hit(dig_world *w, dig_body handle, vec3 impulse, vec3 at, bo
     return DIG_OK;
 }
 
+static dig_status check_rotation(const World *w, const quat *q, const char *call)
+{
+    if (!q || (quat_norm2(*q) > 0.98 && quat_norm2(*q) < 1.02))
+        return DIG_OK;
+    return world_fail(w, DIG_E_ARG, "%s: rotation has length %g, must be 1", call, sqrt(quat_norm2(*q)));
+}
+
 dig_status dig_body_teleport(dig_world *w, dig_body handle, const vec3 *at, const quat *rotation, const vec3 *velocity, const vec3 *spin)
 {
     Body *b = api_body(w, handle, "teleport");
@@ -212,8 +219,7 @@ dig_status dig_body_teleport(dig_world *w, dig_body handle, const vec3 *at, cons
         DIG_TRY(api_finite(w, *velocity, "teleport", "velocity", "m/s"));
     if (spin)
         DIG_TRY(api_finite(w, *spin, "teleport", "spin", "rad/s"));
-    if (rotation && !(quat_norm2(*rotation) > 0.98 && quat_norm2(*rotation) < 1.02))
-        return world_fail(w, DIG_E_ARG, "teleport: rotation has length %g, must be 1", sqrt(quat_norm2(*rotation)));
+    DIG_TRY(check_rotation(w, rotation, "teleport"));
     real before = body_energy(w, b);
     touches_wake(w, handle.slot);
     body_wake(w, handle.slot);
@@ -251,6 +257,7 @@ dig_status dig_body_move_to(dig_world *w, dig_body handle, vec3 at, const quat *
     if (!b)
         return s;
     DIG_TRY(api_finite(w, at, "move_to", "at", "m"));
+    DIG_TRY(check_rotation(w, rotation, "move_to"));
     if (!(over > 0 && isfinite(over)))
         return world_fail(w, DIG_E_ARG, "move_to: over = %g s, must be > 0", over);
     quat q = rotation ? quat_unit(*rotation) : b->q;

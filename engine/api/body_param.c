@@ -42,6 +42,8 @@ static dig_status set_mass(World *w, Body *b, real mass)
 {
     if (b->kind != DIG_DYNAMIC)
         return world_fail(w, DIG_E_KIND, "body '%s' is not dynamic: it has no mass to set", b->name);
+    if (!(mass > 0 && isfinite(mass)))
+        return world_fail(w, DIG_E_ARG, "body '%s': mass = %g kg, must be > 0 and finite", b->name, mass);
     real before = body_energy(w, b);
     body_set_mass(b, mass);
     w->ledger.initial += w->ledger.started ? body_energy(w, b) - before : 0;
@@ -84,7 +86,7 @@ dig_status dig_body_set(dig_world *w, dig_body handle, const char *name, const v
         return world_fail(w, DIG_E_ARG, "body '%s': '%s' is fixed at creation or is state; use :teleport for state", b->name, name);
     if (status == DIG_OK && (strcmp(name, "group") == 0 || strcmp(name, "collides") == 0))
         body_refit(w, handle.slot);
-    if (strcmp(name, "name") != 0 && strcmp(name, "colour") != 0) {
+    if (status == DIG_OK && strcmp(name, "name") != 0 && strcmp(name, "colour") != 0) {
         touches_wake(w, handle.slot);
         body_wake(w, handle.slot);
     }

@@ -144,6 +144,13 @@ static bool overlap_leaf(void *context, uint32_t slot)
     return true;
 }
 
+static int compare_slots(const void *a, const void *b)
+{
+    uint32_t x = ((const dig_body *)a)->slot, y = ((const dig_body *)b)->slot;
+    return (x > y) - (x < y);
+}
+
+/* By slot: the order in the tree is nobody's business. */
 int dig_overlap(dig_world *w, const dig_shape_def *def, pose at, dig_body *out, int capacity)
 {
     Shape shape;
@@ -154,6 +161,8 @@ int dig_overlap(dig_world *w, const dig_shape_def *def, pose at, dig_body *out, 
     for (int i = 0; i < w->unbounded.count; i++)
         overlap_leaf(&q, w->unbounded.data[i]);
     shape_free(&shape);
+    if (q.count > 1 && capacity > 1)
+        qsort(out, (size_t)int_min(q.count, capacity), sizeof *out, compare_slots);
     return q.count;
 }
 

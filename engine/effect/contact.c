@@ -32,21 +32,23 @@ static real rate_before(const Group *g, const PointRow *r)
     return vec3_dot(r->n.n, vec3_sub(vb.v, va.v)) + vec3_dot(r->n.aa, va.w) + vec3_dot(r->n.ab, vb.w);
 }
 
-/* Does the point need a row, and what velocity may it keep? */
-static bool set_target(const Group *g, const GroupPair *q, PointRow *r, real gap)
+/* Does the point need a row, and what velocity may it keep? A point that carried force before keeps its row: a ball that rolls
+ * over an edge seems to leave, while its normal turns. */
+static bool set_target(const Group *g, const GroupPair *q, PointRow *r, real gap, bool carried)
 {
     real predicted = dir_rate(g, &r->n, r->a, r->b);
     r->rate_before = rate_before(g, r);
     if (gap <= g->touch * q->size) {
-        if (g->locate && g->events_left > 0 && r->rate_before > g->close_speed && gap > -g->touch * q->size)
-            return false;               /* it leaves; should it come back in this substep, that is an impact */
+        if (g->locate && g->events_left > 0 && !carried && r->rate_before > g->close_speed && gap > -g->touch * q->size)
+            return false;               /* it bounced off: should it come back in this substep, that is an impact */
         r->target = gap > 0 ? -gap / g->h : 0;
     } else {
-        if (gap + g->h * real_min(predicted, 0) > 0.5 * gap + 1e-3 * q->size)
+        if (!carried && gap + g->h * real_min(predicted, 0) > 0.5 * gap + 1e-3 * q->size)
             return false;               /* not this substep */
         real closing = real_max(0, r->rate_before - predicted) / g->h;      /* m/s^2 */
         real strike = sqrt(r->rate_before * r->rate_before + 2 * closing * gap);
-        if (g->locate && g->events_left > 0 && strike > g->close_speed)
+        real plastic = carried ? real_max(g->close_speed, 0.1 * sqrt(vec3_length(g->gravity) * q->size)) : g->close_speed;
+        if (g->locate && g->events_left > 0 && strike > plastic)
             return false;               /* an impact: it will be located */
         r->target = -gap / g->h;
     }
@@ -55,6 +57,41 @@ static bool set_target(const Group *g, const GroupPair *q, PointRow *r, real gap
     if (!located && q->restitution > 0 && -r->rate_before > slow && gap + g->h * predicted < 0)
         r->target = real_max(r->target, -q->restitution * r->rate_before);
     return true;
+}
+
+static Vel start_velocity(const Group *g, int body) { return g->member[body].moves ? g->member[body].start_vel : g->vel[body]; }
+
+/* Where a body will be half a substep on, along its start velocity. */
+static Pos half_way(const Group *g, int body)
+{
+    Vel v = start_velocity(g, body);
+    return (Pos){vec3_mad(g->pos[body].x, 0.5 * g->h, v.v), quat_unit(quat_mul(quat_exp(vec3_scale(0.5 * g->h, v.w)), g->pos[body].q))};
+}
+
+/* Where the normal turns as things roll (over an edge, over a ball, in a bowl) the row is taken in the middle of the substep
+ * and holds for the mean velocity, as joints do: with J at the middle and v0 the start velocity, J (v0 + v1) / 2 >= 0, less
+ * what v0 already breaks at the start, which is to decay. */
+static void follow_curve(Group *g, GroupPair *q, PointRow *r, real gap)
+{
+    Vel va = start_velocity(g, r->a), vb = start_velocity(g, r->b);
+    real far = g->h * (vec3_length(vec3_sub(vb.v, va.v)) + vec3_length(vb.w) * q->size + vec3_length(va.w) * q->size);
+    if (far < 1e-5 * q->size)
+        return;
+    Pos a = half_way(g, r->a), b = half_way(g, r->b);
+    pose pa = {vec3_add(a.x, quat_rotate(a.q, q->la.p)), quat_mul(a.q, q->la.q)};
+    pose pb = {vec3_add(b.x, quat_rotate(b.q, q->lb.p)), quat_mul(b.q, q->lb.q)};
+    Manifold m = {.count = 0};
+    uint32_t piece;
+    ManifoldCache cache = q->cache;
+    if (manifold_collide(q->sa, pa, q->sb, pb, far, &cache, &m, &piece, 1) != 1 || m.count != 1)
+        return;
+    if (vec3_dot(m.normal, r->n.n) > 1 - 1e-14 || vec3_dot(m.normal, r->n.n) < 0.5)
+        return;                             /* flat, or another side altogether */
+    PointRow middle = *r;
+    point_row_set(g, &middle, m.normal, vec3_scale(0.5, vec3_add(m.points[0].a, m.points[0].b)), a.x, b.x);
+    middle.target = -(rate_before(g, &middle) - r->rate_before) - 2 * real_max(gap, 0) / g->h;
+    middle.curved = true;
+    *r = middle;
 }
 
 static void warm(const Group *g, PointRow *r, const PointMemory *m)
@@ -75,8 +112,10 @@ static dig_status rows(void *state, Group *g)
         for (int k = 0; k < c->manifold.count; k++) {
             PointRow *r = &g->points[g->point_count];
             point_row_make(g, r, i, k);
-            if (!set_target(g, q, r, c->manifold.points[k].gap))
+            if (!set_target(g, q, r, c->manifold.points[k].gap, c->memory[k].held > 0))
                 continue;
+            if (g->locate && c->manifold.count == 1 && c->memory[k].held > 0 && q->contacts == 1)
+                follow_curve(g, q, r, c->manifold.points[k].gap);
             warm(g, r, &c->memory[k]);
             q->approach = real_max(q->approach, -r->rate_before);
             g->point_count++;

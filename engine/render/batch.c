@@ -191,11 +191,13 @@ static dig_status reserve(Batches *b, const View *v)
     if (v->item_count > b->capacity) {
         size_t n = (size_t)v->item_count + (size_t)v->item_count / 2;
         DrawItem *items = realloc(b->items, n * sizeof *items);
-        b->items = items ? items : b->items;
-        Instance *packed = realloc(b->packed, n * sizeof *packed);
-        b->packed = packed ? packed : b->packed;
-        if (!items || !packed)
+        if (!items)
             return DIG_E_MEMORY;
+        b->items = items;
+        Instance *packed = realloc(b->packed, n * sizeof *packed);
+        if (!packed)
+            return DIG_E_MEMORY;
+        b->packed = packed;
         b->capacity = (int)n;
     }
     if (v->mesh_count > b->mesh_capacity) {

@@ -326,7 +326,7 @@ static bool keep(Meshes *meshes, const Gl *gl, int entry, MeshDraft *d, bool dra
 
 dig_status meshes_open(Meshes *meshes, const Gl *gl)
 {
-    MeshDraft d;
+    MeshDraft d = {0};
     bool ok = keep(meshes, gl, MESH_BOX, &d, draft_box(&d));
     ok = ok && keep(meshes, gl, MESH_QUAD, &d, draft_quad(&d));
     for (int level = 0; ok && level < MESH_LEVELS; level++) {
@@ -358,7 +358,7 @@ int meshes_find(Meshes *meshes, const Gl *gl, const ViewMesh *m, uint64_t key, u
         if (mesh->used < draw && (oldest < 0 || mesh->used < meshes->entry[oldest].used))
             oldest = i;
     }
-    MeshDraft d;
+    MeshDraft d = {0};
     if (oldest < 0 || !m->vertices || !m->indices || !indices_sound(m))
         return -1;
     bool drafted = draft_view(&d, m);

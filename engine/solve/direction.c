@@ -50,19 +50,24 @@ real dir_coupling(const Group *g, const Dir *d, const Dir *e, int a, int b)
     return (g->mass[a].im + g->mass[b].im) * vec3_dot(d->n, e->n) + vec3_dot(d->aa, e->ia) + vec3_dot(d->ab, e->ib);
 }
 
-/* Fills the three directions of a contact point. Tangents follow the normal alone, so that warm starting can be projected. */
+/* The three directions of a contact point at `at`, for centres of mass at xa and xb. Tangents follow the normal alone, so that
+ * warm starting can be projected. */
+void point_row_set(const Group *g, PointRow *r, vec3 normal, vec3 at, vec3 xa, vec3 xb)
+{
+    vec3 t, u, ra = vec3_sub(at, xa), rb = vec3_sub(at, xb);
+    vec3_basis(normal, &t, &u);
+    dir_make(g, &r->n, r->a, r->b, normal, ra, rb);
+    dir_make(g, &r->t[0], r->a, r->b, t, ra, rb);
+    dir_make(g, &r->t[1], r->a, r->b, u, ra, rb);
+    r->ktt = dir_coupling(g, &r->t[0], &r->t[1], r->a, r->b);
+    real mean = 0.5 * (r->t[0].k + r->t[1].k), half = 0.5 * (r->t[0].k - r->t[1].k);
+    r->kmax = mean + sqrt(half * half + r->ktt * r->ktt);
+}
+
 void point_row_make(const Group *g, PointRow *r, int contact, int point)
 {
     const GroupContact *c = &g->contacts[contact];
     const ManifoldPoint *p = &c->manifold.points[point];
-    vec3 at = vec3_scale(0.5, vec3_add(p->a, p->b)), t, u;
-    vec3 ra = vec3_sub(at, g->pos[c->a].x), rb = vec3_sub(at, g->pos[c->b].x);
     *r = (PointRow){.contact = contact, .point = point, .a = c->a, .b = c->b};
-    vec3_basis(c->manifold.normal, &t, &u);
-    dir_make(g, &r->n, c->a, c->b, c->manifold.normal, ra, rb);
-    dir_make(g, &r->t[0], c->a, c->b, t, ra, rb);
-    dir_make(g, &r->t[1], c->a, c->b, u, ra, rb);
-    r->ktt = dir_coupling(g, &r->t[0], &r->t[1], c->a, c->b);
-    real mean = 0.5 * (r->t[0].k + r->t[1].k), half = 0.5 * (r->t[0].k - r->t[1].k);
-    r->kmax = mean + sqrt(half * half + r->ktt * r->ktt);
+    point_row_set(g, r, c->manifold.normal, vec3_scale(0.5, vec3_add(p->a, p->b)), g->pos[c->a].x, g->pos[c->b].x);
 }

@@ -1,4 +1,5 @@
 /* solve/gather.c - the world's records become compact copies, and come back. */
+#include "solve/direction.h"
 #include "solve/group.h"
 
 #include "world/joint.h"
@@ -68,6 +69,8 @@ static void gather_body(Group *g, int i, uint32_t slot, bool awake)
     const Body *b = &g->world->bodies.data[slot];
     g->pos[i] = (Pos){b->x, b->q};
     g->vel[i] = (Vel){b->v, b->w};
+    if (b->kind == DIG_DYNAMIC)
+        dir_mask(g, &g->vel[i].v, &g->vel[i].w);        /* what was given along the dead axis does not count */
     m->kinematic = b->kind == DIG_KINEMATIC;
     m->dormant = b->kind == DIG_DYNAMIC && !awake;
     m->moves = b->kind == DIG_DYNAMIC && awake;
@@ -349,7 +352,9 @@ static void commit_pair(World *w, const Group *g, const GroupPair *q, real dt)
         to->point = from->point_weight > 0 ? vec3_scale(1 / from->point_weight, from->point_sum)
                                            : from->manifold.count ? from->manifold.points[0].a : vec3_zero();
         to->touching = false;
-        real tolerance = 100 * g->touch * q->size;
+        /* a touch begins with force and ends with distance: a hop of a thousandth of the size is no end while force comes back */
+        bool hops = q->was_touching && from->last > 0.5 * dt;
+        real tolerance = (hops ? 2e-3 : 100 * g->touch) * q->size;
         for (int k = 0; k < from->manifold.count && !to->touching; k++) {
             const ManifoldPoint *at = &from->manifold.points[k];
             to->touching = at->gap <= tolerance && (from->memory[k].normal > 0 || q->was_touching || point_rests(g, from, at));

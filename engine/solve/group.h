@@ -9,6 +9,9 @@
 #ifndef DIG_GROUP_H
 #define DIG_GROUP_H
 
+/* A contact that carried force less than so many substeps ago is the same contact: it closes without bouncing. */
+#define HELD_SUBSTEPS 4
+
 #include "base/arena.h"
 #include "solve/joint_type.h"
 #include "solve/plan.h"
@@ -58,6 +61,7 @@ typedef struct PointRow {       /* a contact point in the solve     */
     real rate_before;           /* m/s  normal velocity at the start of the substep */
     real friction, friction_dynamic;        /* filled by effect/friction.c; 0 = no tangential work */
     bool slides;                /* dynamic friction holds           */
+    bool curved;                /* the normal turns: the row holds for the mean velocity of the substep */
     real jn, jt[2];             /* N s                              */
 } PointRow;
 
@@ -95,6 +99,7 @@ typedef struct GroupContact {
     bool     live;              /* has points                       */
     bool     sliding;
     vec3     impulse;           /* N s on b, over the whole step    */
+    real     last;              /* s   into the step, when force last acted */
     vec3     point_sum; real point_weight;      /* where, weighted by impulse */
 } GroupContact;
 
@@ -210,6 +215,7 @@ dig_status sweep_advance(Group *g, real dt);
 real group_kinetic(const Group *g);                     /* J */
 /* impact.c: what touches and approaches is struck, now */
 void impacts(Group *g);
+void strike_report(Group *g, const PointRow *r, real speed);
 /* relax.c: Gauss-Seidel sweeps over rows; each returns the largest velocity change, m/s */
 real relax_points(Group *g, int first, int count);
 real relax_joints(Group *g);

@@ -105,7 +105,6 @@ static void solve_marked(Group *g, const bool *on, bool all, real speed)
 static void note_strike(Group *g, const PointRow *r, real speed)
 {
     GroupContact *c = &g->contacts[r->contact];
-    GroupPair *q = &g->pairs[c->pair];
     const ManifoldPoint *p = &c->manifold.points[r->point];
     vec3 impulse = vec3_add(vec3_scale(r->jn, c->manifold.normal), vec3_add(vec3_scale(r->jt[0], r->t[0].n), vec3_scale(r->jt[1], r->t[1].n)));
     c->impulse = vec3_add(c->impulse, impulse);
@@ -113,6 +112,9 @@ static void note_strike(Group *g, const PointRow *r, real speed)
     c->point_weight += r->jn;
     if (!(r->jn > 0))
         return;
+    c->last = g->t;
+    if (speed > 0.1 * g->close_speed)
+        c->memory[r->point].held = 0;   /* if it bounces, it flies; if not, the next substep holds it */
     g->member[c->a].collided = g->member[c->b].collided = true;
     for (int k = 0; k < 2; k++) {
         Member *m = &g->member[k ? c->b : c->a];
@@ -125,8 +127,16 @@ static void note_strike(Group *g, const PointRow *r, real speed)
             g->lost += (k ? -1 : 1) * vec3_dot(impulse, v);
         }
     }
-    if (!(speed > 0.1 * g->close_speed))
-        return;                     /* it only hands the blow on: no impact of its own to report */
+    if (speed > 0.1 * g->close_speed)       /* else it only hands the blow on: no impact of its own to report */
+        strike_report(g, r, speed);
+}
+
+/* An impact is remembered for events and messages. */
+void strike_report(Group *g, const PointRow *r, real speed)
+{
+    const GroupContact *c = &g->contacts[r->contact];
+    GroupPair *q = &g->pairs[c->pair];
+    const ManifoldPoint *p = &c->manifold.points[r->point];
     if (!q->struck) {
         q->struck = true;
         q->struck_time = g->t;
@@ -136,9 +146,10 @@ static void note_strike(Group *g, const PointRow *r, real speed)
     }
     q->struck_speed = real_max(q->struck_speed, speed);
     q->struck_impulse += r->jn;
-    /* A blow that goes to and fro along a row of touching bodies within one instant is one impact of each pair. */
+    /* A blow that goes to and fro along a row of touching bodies within one instant is one impact of each pair; where
+     * impacts are not located, all of a step's are. */
     Strike *last = q->strike > 0 && q->strike <= g->strike_count ? &g->strikes[q->strike - 1] : NULL;
-    if (last && last->pair == c->pair && last->time == g->t) {
+    if (last && last->pair == c->pair && (last->time == g->t || !g->locate)) {
         last->impulse += r->jn;
     } else if (g->strike_count < g->strike_capacity) {
         g->strikes[g->strike_count++] = (Strike){g->t, c->pair, speed, r->jn, p->a, c->manifold.normal};
@@ -166,6 +177,10 @@ static real choose_elastic(Group *g, bool *on, const real *rate)
     return fastest;
 }
 
+/* A contact that already presses takes its share of a neighbour's blow at once, and does not bounce from it: a ball struck
+ * sideways stays on its table, a table struck by a ball stays on its floor. */
+static bool is_held(const Group *g, const PointRow *r) { return g->contacts[r->contact].memory[r->point].held > 0; }
+
 /* One solve; true when something was left to do. */
 static bool strike_once(Group *g, bool *on, real *rate, bool allow_elastic)
 {
@@ -185,9 +200,9 @@ static bool strike_once(Group *g, bool *on, real *rate, bool allow_elastic)
         return false;
     bool elastic = allow_elastic && choose_elastic(g, on, rate) > 0;
     for (int i = 0; i < g->point_count; i++) {
-        real e = elastic ? g->pairs[g->contacts[g->points[i].contact].pair].restitution : 0;
+        real e = elastic && on[i] ? g->pairs[g->contacts[g->points[i].contact].pair].restitution : 0;
         g->points[i].target = rate[i] < 0 ? -e * rate[i] : 0;
-        if (!elastic)
+        if (!elastic || is_held(g, &g->points[i]))
             on[i] = true;
     }
     solve_marked(g, on, !elastic, approach);

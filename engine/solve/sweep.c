@@ -106,8 +106,8 @@ static void mark_constrained(Group *g)
         if (!(r->jn > 0))
             continue;               /* it could have touched, but did not: free flight */
         /* a point that carries on is smooth, though turning bodies approach there a little at each substep's start */
-        bool carries = g->contacts[r->contact].memory[r->point].normal > 0;
-        bool rough = !g->locate || r->target < -1e-6 || (fabs(r->rate_before) > 1e-6 && !carries);
+        bool carries = g->contacts[r->contact].memory[r->point].held > 0;
+        bool rough = !g->locate || (!r->curved && (r->target < -1e-6 || (fabs(r->rate_before) > 1e-6 && !carries)));
         for (int k = 0; k < 2; k++) {
             Member *m = &g->member[k ? r->b : r->a];
             m->constrained = true;
@@ -138,18 +138,29 @@ static vec3 mean_point_velocity(const Group *g, int body, vec3 at)
     return vec3_add(v, vec3_cross(w, vec3_sub(at, g->pos[body].x)));
 }
 
+/* s  A substep cut short by an impact may be a billionth of the others. What stopped an approach in it, divided by so short a
+ * time, would start the next solve with impulses a billion times too large. */
+static real remembered_over(const Group *g) { return real_max(g->h, 0.01 * g->world->def.step / g->plan->substeps); }
+
 static void book_point(Group *g, PointRow *r)
 {
     GroupContact *c = &g->contacts[r->contact];
     const ManifoldPoint *p = &c->manifold.points[r->point];
     vec3 tangent = vec3_add(vec3_scale(r->jt[0], r->t[0].n), vec3_scale(r->jt[1], r->t[1].n));
-    vec3 impulse = vec3_mad(tangent, r->jn, c->manifold.normal);
-    c->memory[r->point].normal = r->jn / g->h;
-    c->memory[r->point].tangent = vec3_scale(1 / g->h, tangent);
+    vec3 impulse = vec3_mad(tangent, r->jn, r->n.n);
+    c->memory[r->point].normal = r->jn / remembered_over(g);
+    c->last = r->jn > 0 ? g->t + g->h : c->last;
+    c->memory[r->point].held = r->jn > 0 ? HELD_SUBSTEPS : c->memory[r->point].held;
+    c->memory[r->point].tangent = vec3_scale(1 / remembered_over(g), tangent);
     c->impulse = vec3_add(c->impulse, impulse);
     c->point_sum = vec3_mad(c->point_sum, r->jn, p->a);
     c->point_weight += r->jn;
     c->sliding = r->slides;
+    /* where impacts are not located, a fast approach that ends in this substep is one */
+    if (!g->locate && r->jn > 0 && -r->rate_before > g->close_speed + 2 * vec3_length(g->gravity) * g->h) {
+        g->member[r->a].collided = g->member[r->b].collided = true;
+        strike_report(g, r, -r->rate_before);
+    }
     vec3 va = mean_point_velocity(g, r->a, p->a), vb = mean_point_velocity(g, r->b, p->a);
     g->lost -= vec3_dot(impulse, vec3_sub(vb, va));
     if (g->member[r->a].kinematic)
@@ -166,7 +177,7 @@ static void book_point(Group *g, PointRow *r)
 
 static void book_roll(Group *g, RollRow *r)
 {
-    g->contacts[r->contact].rolling = vec3_scale(1 / g->h, r->j);
+    g->contacts[r->contact].rolling = vec3_scale(1 / remembered_over(g), r->j);
     const Member *a = &g->member[r->a], *b = &g->member[r->b];
     vec3 wa = a->moves ? vec3_scale(0.5, vec3_add(g->vel[r->a].w, a->start_vel.w)) : g->vel[r->a].w;
     vec3 wb = b->moves ? vec3_scale(0.5, vec3_add(g->vel[r->b].w, b->start_vel.w)) : g->vel[r->b].w;
@@ -197,7 +208,7 @@ static void book_joint(Group *g, const JointBlock *b)
     memset(j->force, 0, sizeof j->force);
     for (int i = 0; i < b->count; i++) {
         const JointRow *r = &g->rows[b->first + i];
-        j->force[r->row.slot] = r->p / g->h;
+        j->force[r->row.slot] = r->p / remembered_over(g);
         for (int k = 0; k < r->row.count; k++)
             if (r->row.body[k] == j->a && j->a >= 0) {
                 j->impulse = vec3_mad(j->impulse, r->p, r->row.lin[k]);
@@ -239,6 +250,7 @@ static void forget_idle(Group *g)
     for (int i = 0; i < g->contact_count; i++)
         for (int k = 0; k < MANIFOLD_POINTS; k++) {
             g->contacts[i].memory[k].normal = 0;
+            g->contacts[i].memory[k].held = int_max(0, g->contacts[i].memory[k].held - 1);
             g->contacts[i].memory[k].tangent = vec3_zero();
         }
 }

@@ -8,6 +8,11 @@ static void keep_memory(GroupContact *c, const Manifold *old, const PointMemory 
 {
     for (int i = 0; i < c->manifold.count; i++) {
         c->memory[i] = (PointMemory){.feature = c->manifold.points[i].feature};
+        if (c->manifold.count == 1 && old->count == 1) {       /* a ball rolls over an edge: another feature, the same contact */
+            c->memory[0] = old_memory[0];
+            c->memory[0].feature = c->manifold.points[0].feature;
+            return;
+        }
         for (int k = 0; k < old->count; k++)
             if (old->points[k].feature == c->manifold.points[i].feature) {
                 c->memory[i] = old_memory[k];

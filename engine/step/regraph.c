@@ -108,6 +108,15 @@ static void strikes_of(World *w, const Group *g, real start)
     }
 }
 
+/* m/s: a body that a blow left slower than this was not set in motion by it. */
+#define SET_IN_MOTION 5e-3
+
+static bool moves_now(const World *w, uint32_t body)
+{
+    const Body *b = &w->bodies.data[body];
+    return vec3_length(b->v) + vec3_length(b->w) * b->outer > SET_IN_MOTION;
+}
+
 /* Begin, end, or a bounce of one pair. Additions to the graph only; ends are noted in w->brief for later. */
 static void touch_pair(World *w, const Group *g, const GroupPair *q, bool was, real start)
 {
@@ -135,8 +144,8 @@ static void touch_pair(World *w, const Group *g, const GroupPair *q, bool was, r
         return;
     }
     /* ended, or a bounce: remembered until the end of this step's regraph, or of the next one's */
-    const Body *a = p->body_a == NONE ? NULL : &w->bodies.data[p->body_a], *b = p->body_b == NONE ? NULL : &w->bodies.data[p->body_b];
-    bool both_move = a && b && is_dynamic(w, p->body_a) && is_dynamic(w, p->body_b) && q->both_moved;
+    bool both_move = is_dynamic(w, p->body_a) && is_dynamic(w, p->body_b) &&
+                     (q->both_moved || (moves_now(w, p->body_a) && moves_now(w, p->body_b)));
     if (q->struck && both_move)
         begin_link(w, slot);
     if (!t->brief && w->brief.count < w->brief.capacity) {

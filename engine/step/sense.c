@@ -119,14 +119,34 @@ static bool oversized(box3 leaf, box3 reach)
     return l.x + l.y + l.z > 3 * (r.x + r.y + r.z);
 }
 
+/* The tree of boxes must never see NaN or what overflows as an area. */
+#define FARTHEST 1e100
+
+static bool box_sane(box3 b)
+{
+    vec3 most = vec3_max(vec3_abs(b.low), vec3_abs(b.high));
+    return vec3_finite(b.low) && vec3_finite(b.high) && vec3_largest(most) < FARTHEST;
+}
+
+static bool body_sane(const Body *b)
+{
+    return vec3_length2(b->x) < FARTHEST && vec3_length2(b->v) < FARTHEST && vec3_length2(b->w) < FARTHEST && quat_finite(b->q);
+}
+
 static dig_status sense_body(World *w, uint32_t slot, real dt)
 {
     const Body *b = &w->bodies.data[slot];
+    if (!body_sane(b)) {
+        w->stats.rejected++;
+        return world_fail(w, DIG_E_FINITE, "at t = %g s the state of body '%s' has a non-finite position or velocity", world_time(w), b->name);
+    }
     for (uint32_t i = b->shape_first; i != NONE; i = w->solids.data[i].next) {
         Solid *s = &w->solids.data[i];
         s->reach = reach_of(w, s, b, dt);
         if (s->leaf < 0)
             continue;
+        if (!box_sane(s->reach))        /* not by its motion so far: the step will find out what does it */
+            s->reach = s->shape.type->bounds(&s->shape, solid_pose(w, s));
         s->blow = 0;
         bool inside = box3_inside(tree_box(&w->tree, s->leaf), s->reach) && !oversized(tree_box(&w->tree, s->leaf), s->reach);
         if (!inside) {

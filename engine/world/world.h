@@ -84,6 +84,7 @@ typedef struct PointMemory {    /* what a contact point remembers between steps 
     uint32_t feature;
     real     normal;            /* N   force, for warm starting                        */
     vec3     tangent;           /* N   friction, world axes                            */
+    int      held;              /* substeps since it carried force, counted down to 0  */
 } PointMemory;
 
 typedef struct Contact {        /* one manifold of a pair; a convex pair has one       */

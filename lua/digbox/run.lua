@@ -162,6 +162,7 @@ function methods.run(world, what)
     done = done + 1
     core.progress(world, finish)
   end
+  core.clear_progress()
   return stopped or (f.stop_when ~= nil and f.stop_when() and true or false)
 end
 

@@ -183,6 +183,40 @@ scenario("row 88, row 86: the same with 3, 10 and 40 members, each told once, wi
   end
 end)
 
+scenario("row 86: boxes too: a wall of twelve is hit from the side, and each is told once by the one that hits", function(s)
+  local world = s.world
+  world:floor { friction = 0.6 }
+  local wall = {}
+  for i = 0, 11 do
+    wall[#wall + 1] = world:box { name = "member " .. i + 1, size = { 0.4, 0.2, 0.2 }, friction = 0.6,
+                                  at = { 0.4 * (i % 3) + 0.2 * (i // 3 % 2), 0.1 + 0.2 * (i // 3), 0 } }
+  end
+  local striker = world:ball { name = "striker", radius = 0.15, material = "steel", at = { 0.5, 0.5, 2 } }
+  striker.gravity_scale = 0
+  s:eventually("the wall sleeps", "3 s", function() return wall[1].asleep end)
+  expect(wall[1].dig.size):is(12)
+  striker:hit { impulse = { 0, 0, -6 * striker.mass } }
+  s:eventually("it hits", "1 s", function() return striker.debug.collided end)
+  local count, time = {}, nil
+  for _, m in ipairs(messages_of(world, "collision")) do
+    if m.from == striker then
+      time = time or m.time
+      if m.time == time then count[m.to.name] = (count[m.to.name] or 0) + 1 end
+    end
+  end
+  for _, b in ipairs(wall) do
+    expect(count[b.name]):is(1)
+    expect(b.awake):is(true)
+  end
+  world:run "3 s"
+  local moved = 0
+  for _, b in ipairs(wall) do
+    expect(b.position.y):above(0.09)                    -- none fell through
+    if math.abs(b.position.z) > 0.2 then moved = moved + 1 end
+  end
+  expect(moved):at_least(2)
+end)
+
 scenario("row 93: a bounce on a moving table uses its speed and leaves a link for one step", function(s)
   local world = s:world { gravity = { 0, 0, 0 } }
   local e, u, v, m, M = 0.6, 0.7, -2, 1, 50

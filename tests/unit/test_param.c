@@ -10,7 +10,7 @@ typedef struct Thing {
     bool     on;
     vec3     at, axis, size, colour;
     quat     turn;
-    real     limits[2];
+    real     limits[2], teeth[2];
     dig_text name;
     Motor    motor;
     dig_points points;
@@ -37,6 +37,7 @@ static const dig_param rows[] = {
     {"colour", DIG_COLOUR, "1", "", -1, 0, 1, offsetof(Thing, colour), NULL, NULL, false},
     {"turn", DIG_QUAT, "", "", 0, 0, 0, offsetof(Thing, turn), NULL, NULL, false},
     {"limits", DIG_RANGE, "rad", "", NAN, -INFINITY, INFINITY, offsetof(Thing, limits), NULL, NULL, false},
+    {"teeth", DIG_PAIR, "1", "", 1, -100, 100, offsetof(Thing, teeth), NULL, NULL, false},
     {"name", DIG_TEXT, "", "", 0, 0, 0, offsetof(Thing, name), NULL, NULL, false},
     {"motor", DIG_TABLE, "", "", 0, 0, 0, offsetof(Thing, motor), motor_rows, NULL, false},
     {"points", DIG_POINTS, "m", "", 0, 0, 0, offsetof(Thing, points), NULL, NULL, false},
@@ -124,6 +125,12 @@ TEST(odd_values_of_every_other_kind_are_refused)
     t.limits[1] = -1;
     refused(&t, "body 'plank 7': limits = {1, -1} rad, must have the lower bound first");
     t = fresh();
+    t.teeth[0] = 40;            /* a pair has no order, but bounds */
+    t.teeth[1] = -20;
+    accepted(&t);
+    t.teeth[1] = -101;
+    refused(&t, "body 'plank 7': teeth[2] = -101, must be at least -100");
+    t = fresh();
     t.turn = (quat){0, 0, 0, 0};
     refused(&t, "body 'plank 7': turn = {0, 0, 0, 0}, must be finite and not zero: it is a rotation");
     t = fresh();
@@ -149,7 +156,7 @@ TEST(rows_are_found_by_name_and_by_path)
     size_t offset = 0;
     CHECK(param_find(rows, "limits") == &rows[10]);
     CHECK(param_find(rows, "limit") == NULL);
-    CHECK_INT(param_count(rows), 15);
+    CHECK_INT(param_count(rows), 16);
     CHECK(param_find_path(rows, "motor.max_torque", &offset) == &motor_rows[1]);
     CHECK_INT(offset, offsetof(Thing, motor) + offsetof(Motor, max_torque));
     CHECK(param_find_path(rows, "mass.x", &offset) == NULL);

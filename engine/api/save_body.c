@@ -1,0 +1,135 @@
+/* api/save_body.c - the sections of bodies and of their solids. */
+#include "api/save.h"
+
+#include <stdlib.h>
+
+enum { BODY_BYTES = 350, SOLID_BYTES = 125 + SHAPE_PACKED };        /* at least */
+
+/* Follows from the rest: inverses, list membership, the number of shapes, the outer radius. */
+static void pack_mass(Pack *p, Body *b)
+{
+    pack_real_in(p, &b->mass, 1e-30, 1e30, "mass of a body");
+    pack_real_in(p, &b->density, 0, 1e60, "density of a body");
+    pack_vec3(p, &b->inertia.r0, 1e60, "inertia of a body");
+    pack_vec3(p, &b->inertia.r1, 1e60, "inertia of a body");
+    pack_vec3(p, &b->inertia.r2, 1e60, "inertia of a body");
+    pack_bool(p, &b->round_inertia);
+}
+
+/* Rotations are zero until the body is first told to move. */
+static void pack_turn(Pack *p, quat *q, bool used)
+{
+    if (used)
+        pack_quat(p, q, "rotation of a mover");
+    else if (p->reading)
+        *q = (quat){0, 0, 0, 0};
+}
+
+static void pack_mover(Pack *p, Body *b)
+{
+    pack_real_in(p, &b->move_start, -SAVE_LONG, SAVE_LONG, "start of a move");
+    pack_real_in(p, &b->move_end, -SAVE_LONG, SAVE_LONG, "end of a move");
+    bool used = b->turn_to.w != 0 || b->turn_to.x != 0 || b->turn_to.y != 0 || b->turn_to.z != 0;
+    pack_bool(p, &used);
+    pack_check(p, used || !(b->move_end > b->move_start), "a body moves to nowhere");
+    pack_vec3(p, &b->move_from, SAVE_FAR, "start of a move");
+    pack_vec3(p, &b->move_to, SAVE_FAR, "end of a move");
+    pack_turn(p, &b->turn_from, used);
+    pack_turn(p, &b->turn_to, used);
+}
+
+static void pack_last_message(Pack *p, const World *w, Body *b)
+{
+    pack_u64(p, &b->message_id);
+    if (b->message_id == 0)
+        return;
+    pack_real_in(p, &b->message_time, -SAVE_LONG, SAVE_LONG, "time of a message");
+    save_body_handle(p, w, &b->message_from);
+    pack_text(p, b->message_kind, sizeof b->message_kind);
+}
+
+static void pack_motion(Pack *p, Body *b)
+{
+    pack_vec3(p, &b->x, SAVE_FAR, "position of a body");
+    pack_quat(p, &b->q, "rotation of a body");
+    pack_vec3(p, &b->v, SAVE_FAST, "velocity of a body");
+    pack_vec3(p, &b->w, SAVE_FAST, "spin of a body");
+    pack_vec3(p, &b->prev_x, SAVE_FAR, "last position of a body");
+    pack_quat(p, &b->prev_q, "last rotation of a body");
+    pack_vec3(p, &b->force, SAVE_STRONG, "force on a body");
+    pack_vec3(p, &b->torque, SAVE_STRONG, "torque on a body");
+    pack_vec3(p, &b->hit_v, 2 * SAVE_FAST, "hits of a body");
+    pack_vec3(p, &b->hit_w, 2 * SAVE_FAST, "hits of a body");
+    pack_real_in(p, &b->work, -SAVE_MUCH, SAVE_MUCH, "work on a body");
+    pack_real_in(p, &b->still, 0, SAVE_LONG, "time a body was still");
+    pack_bool(p, &b->collided);
+    pack_bool(p, &b->euler);
+    bool moves = vec3_length2(b->v) > 0 || vec3_length2(b->w) > 0;
+    pack_check(p, !moves || (b->kind != DIG_STATIC && (b->awake || b->kind == DIG_KINEMATIC)), "a body that is asleep or fixed moves");
+}
+
+static void pack_body(Pack *p, const World *w, Body *b)
+{
+    b->alive = true;
+    save_gen(p, w, &b->gen, true);
+    pack_bool(p, &b->awake);
+    pack_bool(p, &b->collides);
+    pack_bool(p, &b->out);
+    pack_enum(p, &b->kind, 3, "kind of a body");
+    pack_enum(p, &b->mode, 3, "mode of a body");
+    pack_check(p, (b->mode == DIG_FIXED) == (b->kind == DIG_STATIC), "the mode of a body is not one of its kind");
+    pack_text(p, b->name, sizeof b->name);
+    pack_vec3(p, &b->centre, SAVE_FAR, "centre of mass of a body");
+    if (b->kind == DIG_DYNAMIC)
+        pack_mass(p, b);
+    pack_real_in(p, &b->gravity_scale, -1000, 1000, "gravity_scale of a body");
+    pack_i64(p, &b->group);
+    save_surface(p, w, &b->surface);
+    pack_real(p, &b->colour.x);
+    pack_real(p, &b->colour.y);
+    pack_real(p, &b->colour.z);
+    pack_motion(p, b);
+    if (b->kind == DIG_KINEMATIC)
+        pack_mover(p, b);
+    else if (p->reading)
+        b->move_end = -1;
+    pack_u32(p, &b->shape_first);
+    pack_u32(p, &b->joint_first);
+    pack_last_message(p, w, b);
+    pack_small(p, &b->plan, save_plan_count() + 1, "plan of a body");
+}
+
+void save_bodies(Pack *p, World *w)
+{
+    unsigned char *unused = SAVE_TABLE(p, w, &w->bodies, &w->free_bodies, BODY_BYTES, "bodies");
+    for (int i = 0; unused && i < w->bodies.count && pack_good(p); i++)
+        if (!unused[i])
+            pack_body(p, w, &w->bodies.data[i]);
+    free(unused);
+}
+
+static void pack_solid(Pack *p, const World *w, Solid *s)
+{
+    pack_index(p, &s->body, (uint32_t)w->bodies.count, true, "body of a solid");
+    pack_index(p, &s->next, (uint32_t)w->solids.count, true, "next solid of a body");
+    save_pose(p, &s->at, "place of a solid");
+    save_surface(p, w, &s->surface);
+    pack_real(p, &s->colour.x);
+    pack_real(p, &s->colour.y);
+    pack_real(p, &s->colour.z);
+    pack_i32(p, &s->leaf);
+    pack_small(p, &s->wall, 7, "wall of a solid");
+    pack_u32(p, &s->pair_first);
+    shape_pack(p, &s->shape);
+    if (p->reading)
+        s->alive = s->shape.type != NULL;
+}
+
+void save_solids(Pack *p, World *w)
+{
+    unsigned char *unused = SAVE_TABLE(p, w, &w->solids, &w->free_solids, SOLID_BYTES, "solids");
+    for (int i = 0; unused && i < w->solids.count && pack_good(p); i++)
+        if (!unused[i])
+            pack_solid(p, w, &w->solids.data[i]);
+    free(unused);
+}

@@ -1,0 +1,245 @@
+-- laws_joints.lua: one scenario for each type of joint, against a closed form.
+local digbox = require "digbox"
+local test = require "digbox.test"
+local scenario, expect = test.scenario, test.expect
+
+local g = 9.81
+local none = { gravity = { 0, 0, 0 } }
+
+-- Where a quantity goes from down to up through 0, between frames
+local function crossings(world, count, value)
+  local list, last = {}, value()
+  while #list < count and world.time < 20 do
+    world:step()
+    local now = value()
+    if last < 0 and now >= 0 then list[#list + 1] = world.time - world.frame * now / (now - last) end
+    last = now
+  end
+  return list
+end
+
+scenario("hinge: a small swing takes 2 pi sqrt(I / (m g d))", function(s)
+  local world = s:world { accuracy = "study" }
+  local w, h, a = 0.2, 0.6, 0.02
+  local turn = digbox.quat { axis = { 0, 0, 1 }, angle = a }
+  local bar = world:box { size = { w, h, 0.1 }, at = turn:rotate { 0, -h / 2, 0 }, rotation = turn }
+  local hinge = world:hinge { a = bar, at = { 0, 0, 0 }, axis = { 0, 0, 1 } }
+  local t = crossings(world, 4, function() return hinge.angle + a end)
+  local I = (w * w + h * h) / 12 + h * h / 4            -- over the mass
+  local T = 2 * math.pi * math.sqrt(I / (g * h / 2))
+  expect((t[4] - t[1]) / 3):near(T, 2e-4 * T)           -- a^2 / 16 = 2.5e-5 of it is the amplitude
+  expect(#hinge.force):between(bar.mass * g * 0.99, bar.mass * g * 1.01)
+end)
+
+scenario("hinge: its motor gives no more than its torque, its friction no more than its own", function(s)
+  local world = s:world(none)
+  local wheel = world:cylinder { radius = 0.2, height = 0.1, mass = 5 }     -- I = m r^2 / 2 = 0.1 about y
+  local hinge = world:hinge { a = wheel, at = { 0, 0, 0 }, axis = { 0, 1, 0 }, motor = { speed = 100, max_torque = 0.2 } }
+  world:run "1 s"
+  expect(hinge.speed):near(2, 1e-3)                     -- 0.2 N m on 0.1 kg m^2 for 1 s
+  expect(hinge.angle):near(1, 0.02)
+  hinge:set { motor = { speed = 0, max_torque = 0 }, friction = 0.1 }
+  world:run "1 s"
+  expect(hinge.speed):near(1, 1e-3)                     -- dry friction takes 1 rad/s every second
+  world:run "1.5 s"
+  expect(hinge.speed):near(0, 1e-6)
+end)
+
+scenario("hinge: a mass on its spring swings with 2 pi sqrt(I / k), and its limits stop it", function(s)
+  local world = s:world { gravity = { 0, 0, 0 }, accuracy = "study" }
+  local wheel = world:cylinder { radius = 0.2, height = 0.1, mass = 5, spin = { 0, 2, 0 } }     -- I = 0.1
+  local hinge = world:hinge { a = wheel, at = { 0, 0, 0 }, axis = { 0, 1, 0 }, spring = { stiffness = 10 } }
+  local t = crossings(world, 4, function() return hinge.angle end)
+  expect((t[4] - t[1]) / 3):near(2 * math.pi * math.sqrt(0.1 / 10), 1e-3)
+  expect(world.energy.total):near(0.1 * 2 ^ 2 / 2, 1e-3)
+  hinge:set { spring = { stiffness = 0 }, limits = { -0.1, 0.1 } }
+  s:always("within its limits", "2 s", function() return math.abs(hinge.angle) < 0.1 + 1e-2 end)
+end)
+
+scenario("slider: on a slope it runs down with g sin, and stops at its limit", function(s)
+  local world = s.world
+  local along = digbox.vec(1, -1, 0):normalized()
+  local box = world:box { size = 0.2, mass = 3, at = { 0, 0, 0 } }
+  local slider = world:slider { a = box, along = along, limits = { -1, 2 } }
+  world:run "0.5 s"
+  local a = g * math.sqrt(0.5)
+  expect(slider.distance):near(a * 0.125, 1e-3)
+  expect(slider.speed):near(a * 0.5, 1e-3)
+  expect(#slider.force):near(3 * g * math.sqrt(0.5), 0.05)                  -- what keeps it on the line
+  expect(box.position:cross(along)):near({ 0, 0, 0 }, 1e-4)
+  s:eventually("at the limit", "2 s", function() return slider.at_limit end)
+  world:run "2 s"
+  expect(slider.distance):near(2, 1e-3)
+  expect(box.rotation.angle):near(0, 1e-4)
+end)
+
+scenario("slider: its motor holds a load up to its force, its friction likewise", function(s)
+  local world = s.world
+  local function lift(most, friction)
+    local box = world:box { size = 0.2, mass = 2, at = { 1 + #world:bodies(), 0, 0 } }
+    local motor = most and { speed = 0.5, max_force = most }
+    return world:slider { a = box, along = { 0, 1, 0 }, motor = motor, friction = friction }
+  end
+  local strong, weak, stuck, slips = lift(30), lift(15), lift(nil, 25), lift(nil, 10)
+  world:run "1 s"
+  expect(strong.speed):near(0.5, 1e-4)
+  expect(strong.force.y):near(2 * g, 0.05)
+  expect(weak.speed):near((15 - 2 * g) / 2, 1e-2)       -- falls with what is left
+  expect(stuck.distance):near(0, 1e-6)
+  expect(slips.speed):near((10 - 2 * g) / 2, 1e-2)
+end)
+
+scenario("ball joint: a conical pendulum goes round with omega^2 = g / (l cos)", function(s)
+  local world = s:world { accuracy = "study" }
+  local l, tilt = 0.8, math.rad(30)
+  local omega = math.sqrt(g / (l * math.cos(tilt)))
+  local r = l * math.sin(tilt)
+  local bob = world:ball { radius = 0.01, mass = 1, at = { r, -l * math.cos(tilt), 0 }, velocity = { 0, 0, -omega * r },
+                           spin = { 0, omega, 0 } }
+  local joint = world:ball_joint { a = bob, at = { 0, 0, 0 } }
+  local T = 2 * math.pi / omega
+  local lowest, highest = math.huge, -math.huge
+  while world.time < T do
+    world:step()
+    lowest, highest = math.min(lowest, bob.position.y), math.max(highest, bob.position.y)
+  end
+  expect(highest - lowest):below("1 mm")
+  local over = (world.time - T) * omega                 -- the last frame ends a little after a whole turn
+  expect(bob.position):near({ r * math.cos(over), -l * math.cos(tilt), -r * math.sin(over) }, "4 mm")
+  expect(#joint.force):near(g / math.cos(tilt), 0.02 * g)
+  expect(joint.error):below(1e-4)
+end)
+
+scenario("weld: two boxes move as one body about their common centre", function(s)
+  local world = s:world(none)
+  local a = world:box { size = 0.2, mass = 1, at = { -0.3, 0, 0 } }
+  local b = world:box { size = 0.2, mass = 2, at = { 0.3, 0, 0 } }
+  local weld = world:weld { a = a, b = b, at = { 0, 0, 0 } }
+  b:hit { impulse = { 0, 0, 3 } }
+  world:run "1 s"
+  local I = (1 + 2) * 0.2 ^ 2 / 6 + 1 * 0.4 ^ 2 + 2 * 0.2 ^ 2               -- about the centre at x = 0.1
+  local spin = -3 * 0.2 / I
+  expect(a.spin):near({ 0, spin, 0 }, 1e-3)
+  expect(b.spin):near({ 0, spin, 0 }, 1e-3)
+  expect((a.position + b.position * 2) / 3):near({ 0.1, 0, 1 }, 1e-6)
+  expect(#(a.position - b.position)):near(0.6, 1e-4)
+  expect(weld.error):below(1e-4)
+end)
+
+scenario("distance: two bodies whirl about each other with the tension m omega^2 r", function(s)
+  local world = s:world(none)
+  local omega = 3
+  local a = world:ball { radius = 0.05, mass = 2, at = { 0.5, 0, 0 }, velocity = { 0, 0, -0.5 * omega } }
+  local b = world:ball { radius = 0.05, mass = 2, at = { -0.5, 0, 0 }, velocity = { 0, 0, 0.5 * omega } }
+  local rod = world:distance { a = a, b = b }
+  world:run(2 * math.pi / omega)
+  expect(rod.distance):near(1, 1e-4)
+  expect(#rod.force):near(2 * omega ^ 2 * 0.5, 0.02)
+  expect(a.speed):near(0.5 * omega, 1e-3)
+end)
+
+scenario("distance: between min and max it is free, at either it holds", function(s)
+  local world = s:world(none)
+  local post = world:box { size = 0.1, fixed = true, at = { 0, 0, 0 } }
+  local a = world:ball { radius = 0.05, mass = 1, at = { 1, 0, 0 }, velocity = { 1, 0, 0 } }
+  local joint = world:distance { a = a, b = post, min = 0.5, max = 1.25 }
+  world:run "0.2 s"
+  expect(a.velocity):near({ 1, 0, 0 }, 1e-9)
+  world:run "1 s"
+  expect(joint.distance):near(1.25, 1e-3)
+  expect(joint.at_limit):is(true)
+end)
+
+scenario("rope: slack it does nothing, taut it bears the weight", function(s)
+  local world = s.world
+  local ball = world:ball { radius = 0.05, mass = 1.5, at = { 0, 0, 0 } }
+  local rope = world:rope { a = ball, at = { 0, 0.5, 0 }, length = 1.5 }
+  world:run "0.4 s"
+  expect(ball.velocity):near({ 0, -g * 0.4, 0 }, 1e-9)  -- falls free
+  expect(#rope.force):near(0, 1e-9)
+  s:settle "3 s"
+  expect(rope.distance):near(1.5, 1e-3)
+  expect(rope.force.y):near(1.5 * g, 0.02)
+end)
+
+scenario("spring: in series with a mass it swings with 2 pi sqrt(m / k)", function(s)
+  local world = s:world(none)
+  local k, m, M = 50, 1, 3                              -- two free masses: the reduced mass counts
+  local a = world:ball { radius = 0.05, mass = m, at = { 0, 0, 0 } }
+  local b = world:ball { radius = 0.05, mass = M, at = { 1, 0, 0 }, velocity = { 0, 0, 0 } }
+  local spring = world:spring { a = a, b = b, stiffness = k, length = 0.9 }
+  local t = crossings(world, 4, function() return spring.distance - 0.9 end)
+  local T = 2 * math.pi * math.sqrt(m * M / (m + M) / k)
+  expect((t[4] - t[1]) / 3):near(T, 1e-3 * T)
+  expect(world.energy.total):near(k * 0.1 ^ 2 / 2, 1e-3)
+  expect(#world.momentum):near(0, 1e-12)
+end)
+
+scenario("gear: torque goes up as speed goes down", function(s)
+  local world = s:world(none)
+  local small = world:cylinder { radius = 0.1, height = 0.1, mass = 2, at = { 0, 0, 0 } }       -- I = 0.01
+  local large = world:cylinder { radius = 0.4, height = 0.1, mass = 5, at = { 1, 0, 0 } }       -- I = 0.4
+  local h1 = world:hinge { a = small, at = { 0, 0, 0 }, axis = { 0, 1, 0 } }
+  local h2 = world:hinge { a = large, at = { 1, 0, 0 }, axis = { 0, 1, 0 } }
+  world:gear { a = h1, b = h2, ratio = { 1, 4 } }       -- speed of a * 1 = speed of b * 4
+  small:twist { torque = { 0, 0.7, 0 }, lasts = "1 s" }
+  world:run "1 s"
+  expect(h1.speed):near(0.7 / (0.01 + 0.4 / 16), 0.01)  -- the large wheel weighs 1 / 4^2 of its inertia
+  expect(h1.speed / h2.speed):near(4, 1e-6)
+end)
+
+scenario("rack: a pinion drives it by its radius", function(s)
+  local world = s:world(none)
+  local pinion = world:cylinder { radius = 0.1, height = 0.1, mass = 2, at = { 0, 0, 0 } }      -- I = 0.01
+  local bar = world:box { size = { 1, 0.1, 0.1 }, mass = 3, at = { 0, 0, 1 } }
+  local hinge = world:hinge { a = pinion, at = { 0, 0, 0 }, axis = { 0, 1, 0 } }
+  local slider = world:slider { a = bar, along = { 1, 0, 0 } }
+  world:rack { a = hinge, b = slider, ratio = 0.1 }
+  pinion:twist { torque = { 0, 0.4, 0 }, lasts = "1 s" }
+  world:run "1 s"
+  local omega = 0.4 / (0.01 + 3 * 0.1 ^ 2)
+  expect(hinge.speed):near(omega, 0.01)
+  expect(slider.speed):near(omega * 0.1, 1e-3)
+  expect(math.abs(slider.distance / hinge.angle)):near(0.1, 1e-4)
+end)
+
+scenario("wheel: its spring sinks by m g / k, its motor spins it", function(s)
+  local world = s.world
+  local body = world:box { size = { 1, 0.2, 0.5 }, mass = 10, at = { 0, 1, 0 }, fixed = true }
+  local tyre = world:cylinder { radius = 0.2, height = 0.1, mass = 4, at = { 0, 0.5, 0 },       -- I = 0.08 about its axis
+                                rotation = digbox.quat { axis = { 1, 0, 0 }, angle = "90 deg" } }
+  local wheel = world:wheel { a = tyre, b = body, axis = { 0, 1, 0 }, spin_axis = { 0, 0, 1 },
+                              spring = { stiffness = 400, damping = 40 }, motor = { speed = 50, max_torque = 0.4 } }
+  world:run "4 s"
+  expect(tyre.position.y):near(0.5 - 4 * g / 400, 1e-3)
+  expect(math.abs(wheel.speed)):near(0.4 / 0.08 * 4, 0.05)
+  expect(math.abs(tyre.spin.z)):near(0.4 / 0.08 * 4, 0.05)
+  expect(tyre.position.x):near(0, 1e-4)
+end)
+
+scenario("bolt: it holds up to its strength and breaks above it", function(s)
+  local world = s.world
+  local function hung(mass, x)
+    local box = world:box { size = 0.2, mass = mass, at = { x, 0, 0 } }
+    return box, world:bolt { holds = box, strength = "50 N" }
+  end
+  local light, holds = hung(5, 0)                       -- 49.05 N
+  local heavy, breaks = hung(5.2, 1)                    -- 51.01 N
+  world:run "1 s"
+  expect(holds.valid):is(true)
+  expect(light.position.y):near(0, 1e-6)
+  expect(breaks.valid):is(false)
+  expect(heavy.position.y):below(-4)
+end)
+
+scenario("motor: it spins a against b, and b takes the reaction", function(s)
+  local world = s:world(none)
+  local a = world:cylinder { radius = 0.2, height = 0.1, mass = 5, at = { 0, 0, 0 } }           -- I = 0.1
+  local b = world:cylinder { radius = 0.2, height = 0.1, mass = 15, at = { 0, 1, 0 } }          -- I = 0.3
+  local motor = world:motor { a = a, b = b, axis = { 0, 1, 0 }, speed = 8, max_torque = 100 }
+  world:run "0.5 s"
+  expect(motor.speed):near(8, 1e-6)
+  expect(a.spin.y):near(6, 1e-6)                        -- 0.1 * 6 = 0.3 * 2
+  expect(b.spin.y):near(-2, 1e-6)
+  expect(#world.angular_momentum):near(0, 1e-9)
+end)

@@ -1,0 +1,162 @@
+-- laws_movers.lua: kinematic movers, snapshot and restore, and questions in space: against what they must give.
+local digbox = require "digbox"
+local test = require "digbox.test"
+local scenario, expect = test.scenario, test.expect
+
+local g = 9.81
+
+scenario("mover: it goes where it is told, on time, whatever stands in its way", function(s)
+  local world = s.world
+  world:floor {}
+  local lift = world:box { name = "lift", kinematic = true, size = { 1, 0.1, 1 }, at = { 0, 0.05, 0 } }
+  local load = world:box { name = "load", size = 0.3, mass = 400, at = { 0, 0.25, 0 } }
+  world:run "0.2 s"
+  lift:move_to { at = { 0, 2.05, 0 }, over = "2 s" }
+  world:run "1 s"
+  expect(lift.position.y):near(1.05, 1e-9)
+  expect(lift.velocity.y):near(1, 1e-9)
+  expect(load.velocity.y):near(1, 1e-3)                 -- it rides along
+  world:run "1 s"
+  expect(lift.position):near({ 0, 2.05, 0 }, 1e-9)
+  world:run "0.5 s"
+  expect(lift.velocity):is(digbox.vec(0, 0, 0))
+  expect(load.position.y):near(2.25, 2e-3)
+  -- The books: the mover lifted 400 kg by 2 m, and started it with a plastic hit, which takes m v^2: half stays, half is lost.
+  -- What it had when the lift stopped at once carried it on, up 5 cm and down again.
+  expect(world.energy.work_in):near(400 * g * 2 + 400 * 1 ^ 2, 1)
+  expect(lift.dig == nil or lift.dig ~= load.dig):is(true)                  -- a mover is no member of its load's DIG
+end)
+
+scenario("mover: a conveyor drags what lies on it up to its own speed, with mu g", function(s)
+  local world = s.world
+  local belt = world:box { name = "belt", kinematic = true, size = { 100, 0.1, 1 }, at = { 0, -0.05, 0 }, friction = 0.25 }
+  local box = world:box { size = 0.2, at = { 0, 0.1, 0 }, friction = 0.25 }
+  belt:drive { velocity = { 2, 0, 0 } }
+  world:run "0.5 s"
+  expect(box.velocity.x):near(0.25 * g * 0.5, 0.05)     -- up to one frame later
+  world:run "1 s"
+  expect(box.velocity.x):near(2, 1e-4)
+  expect(belt.velocity):is(digbox.vec(2, 0, 0))
+end)
+
+scenario("mover: a ball bounces off a wall that comes towards it with e of the relative speed", function(s)
+  local world = s:world { gravity = { 0, 0, 0 } }
+  local wall = world:box { kinematic = true, size = { 0.2, 2, 2 }, at = { 3, 0, 0 }, restitution = 0.5 }
+  local ball = world:ball { radius = 0.1, at = { 0, 0, 0 }, velocity = { 2, 0, 0 }, restitution = 0.5 }
+  wall:drive { velocity = { -1, 0, 0 } }
+  world:run "1.5 s"
+  expect(ball.velocity):near({ -1 - 0.5 * 3, 0, 0 }, 1e-6)
+  expect(wall.position.x):near(3 - 1.5, 1e-9)
+end)
+
+scenario("only what is kinematic can be driven", function(s)
+  local ball = s.world:ball { radius = 0.1 }
+  expect(function() ball:move_to { at = { 1, 0, 0 }, over = 1 } end):fails()
+  expect(function() ball:drive { velocity = { 1, 0, 0 } } end):fails()
+end)
+
+-- A world with a bit of everything: a stack, a pendulum, a rolling ball, a push under way
+local function busy(world)
+  world:floor { friction = 0.6 }
+  for i = 1, 4 do world:box { size = 0.2, at = { 0.01 * i, 0.2 * i - 0.1, 0 }, restitution = 0.1 } end
+  local bar = world:box { size = { 0.1, 0.6, 0.1 }, at = { 2, 1.3, 0 } }
+  world:hinge { a = bar, at = { 2, 1.6, 0 }, axis = { 0, 0, 1 }, friction = 0.01 }
+  bar:hit { impulse = { 5, 0, 0 } }
+  local ball = world:ball { radius = 0.1, at = { -2, 0.1, 0 }, velocity = { 1, 0, 0 }, material = "rubber" }
+  ball:push { force = { 3, 0, 0 }, lasts = "1 s" }
+  return ball
+end
+
+scenario("snapshot: what happens after restore is what happened before, bit for bit, as often as one likes", function(s)
+  local world = s.world
+  local ball = busy(world)
+  world:run "0.7 s"                                     -- in the middle of the push, some asleep
+  local snap = world:snapshot()
+  local start, trace = world:checksum(), {}
+  for i = 1, 60 do
+    world:step()
+    trace[i] = world:checksum()
+  end
+  ball:remove()
+  world:box { size = 0.3, at = { 0, 3, 0 } }
+  world:run "0.5 s"
+  for _ = 1, 2 do
+    world:restore(snap)
+    expect(world:checksum()):is(start)
+    expect(world.steps):is(42)
+    for i = 1, 60 do
+      world:step()
+      if world:checksum() ~= trace[i] then expect(i):is "the same bits" end
+    end
+  end
+  expect(ball.valid):is(true)
+end)
+
+scenario("snapshot: it remembers sleep, and only its own world takes it", function(s)
+  local world = s.world
+  world:floor {}
+  local box = world:box { size = 0.2, at = { 0, 0.1, 0 } }
+  s:eventually("asleep", "2 s", function() return box.asleep end)
+  local snap = world:snapshot()
+  box:hit { impulse = { 0, 20, 0 } }
+  world:run "0.1 s"
+  expect(box.asleep):is(false)
+  world:restore(snap)
+  expect(box.asleep):is(true)
+  expect(world:stats().awake):is(0)
+  local other = digbox.world {}
+  expect(function() other:restore(snap) end):fails()
+end)
+
+scenario("ray: all it meets, in order, with points and normals that lie on them", function(s)
+  local world = s:world { gravity = { 0, 0, 0 } }
+  local ball = world:ball { name = "ball", radius = 0.5, at = { 2, 0.3, 0 } }
+  local box = world:box { name = "box", size = { 1, 1, 1 }, at = { 4, 0, 0 }, rotation = digbox.quat { axis = { 0, 1, 0 }, angle = "45 deg" } }
+  local cylinder = world:cylinder { name = "cylinder", radius = 0.5, height = 2, at = { 6, 0, 0.3 } }
+  local hits = world:ray { from = { 0, 0, 0 }, to = { 10, 0, 0 } }
+  local found = {}
+  for _, h in ipairs(hits) do
+    if h.body ~= found[#found] then found[#found + 1] = h.body end
+  end
+  expect(found):is { ball, box, cylinder }
+  local function first(body)
+    for _, h in ipairs(hits) do if h.body == body then return h end end
+  end
+  expect(first(ball).distance):near(2 - 0.4, 1e-9)      -- sqrt(0.5^2 - 0.3^2)
+  expect(first(ball).normal):near({ -0.8, -0.6, 0 }, 1e-9)
+  expect(first(box).distance):near(4 - math.sqrt(0.5), 1e-9)
+  expect(first(cylinder).distance):near(6 - 0.4, 1e-9)
+  expect(first(cylinder).normal):near({ -0.8, 0, -0.6 }, 1e-9)
+  for i, h in ipairs(hits) do
+    expect(h.point):near({ h.distance, 0, 0 }, 1e-9)
+    expect(h.distance):at_least(i > 1 and hits[i - 1].distance or 0)
+  end
+end)
+
+scenario("overlap: what lies in it, and nothing else", function(s)
+  local world = s:world { gravity = { 0, 0, 0 } }
+  local list = {}
+  for i = 1, 10 do list[i] = world:ball { name = "ball " .. i, radius = 0.1, at = { i, 0, 0 } } end
+  -- a sphere of radius 2 at x = 5: touches those whose centre is nearer than 2.1
+  expect(world:overlap { digbox.sphere { radius = 2 }, at = { 5, 0, 0 } }):is { list[3], list[4], list[5], list[6], list[7] }
+  expect(world:overlap { digbox.sphere { radius = 1.89 }, at = { 5, 0, 0 } }):is { list[4], list[5], list[6] }
+  expect(world:overlap { digbox.box { size = { 20, 0.1, 0.1 } }, at = { 0, 0.2, 0 } }):is_empty()
+end)
+
+scenario("sweep: a falling ball meets a floor after sqrt(2 h / g), an arc misses what a line would hit", function(s)
+  local world = s:world { gravity = { 0, 0, 0 } }
+  world:floor {}
+  local bar = world:box { name = "bar", fixed = true, size = { 0.05, 0.05, 2 }, at = { 1, 1.2, 0 } }
+  local ball = { digbox.sphere { radius = 0.1 }, at = { -2, 3.1, 0 }, acceleration = { 0, -g, 0 }, time = 5 }
+  local hit = world:sweep(ball)
+  local t = math.sqrt(2 * 3 / g)
+  expect(hit.body.name):is "floor"
+  expect(hit.fraction * 5):near(t, 1e-6)
+  expect(hit.normal):near({ 0, 1, 0 }, 1e-6)
+  -- thrown from x = 0 at the same height as the bar: up and over it, while a straight line meets it
+  local arc = { digbox.sphere { radius = 0.1 }, at = { 0, 1.2, 0 }, velocity = { 2, 5, 0 }, acceleration = { 0, -g, 0 }, time = 0.9 }
+  expect(world:sweep(arc)):is(nil)
+  local line = { digbox.sphere { radius = 0.1 }, at = { 0, 1.2, 0 }, velocity = { 2, 0, 0 }, time = 0.9 }
+  expect(world:sweep(line).body):is(bar)
+  expect(world:sweep(line).distance):near(1 - 0.025 - 0.1, 1e-6)
+end)
