@@ -52,6 +52,8 @@ static dig_status check_touches(const World *w)
         }
         if (pairs != t->pairs)
             return world_fail(w, DIG_E_ARG, "touch %d of slots %u and %u counts %d pairs, there are %d", i, t->body_a, t->body_b, t->pairs, pairs);
+        if (t->pairs == 0 && !t->brief)
+            return world_fail(w, DIG_E_ARG, "touch %d of slots %u and %u is over but was not ended", i, t->body_a, t->body_b);
         if (t->pairs > 0 && t->link == NONE && t->body_b != NONE)
             return world_fail(w, DIG_E_ARG, "touch %d of slots %u and %u has no link", i, t->body_a, t->body_b);
     }

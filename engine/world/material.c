@@ -40,10 +40,12 @@ static const Material standard[] = {
     {"teflon",   {2200, 0.04, 0.04, 0.002,  0.3,   1000,  0.25,   1e18,   25e6, {0.82, 0.82, 0.82},    0.4,  0, TEXT("plain"),  TEXT("plastic")}},
 };
 
-static const struct { const char *a, *b; real friction, friction_dynamic; } standard_pairs[] = {
-    {"steel", "steel", 0.74, 0.57},  {"steel", "ice", 0.03, 0.02},     {"steel", "teflon", 0.04, 0.04},  {"steel", "copper", 0.53, 0.36},
-    {"oak", "oak", 0.54, 0.48},      {"wood", "stone", 0.6, 0.5},      {"rubber", "concrete", 1.0, 0.8}, {"rubber", "ice", 0.15, 0.1},
-    {"glass", "glass", 0.94, 0.4},   {"aluminium", "steel", 0.61, 0.47}, {"brass", "steel", 0.51, 0.44}, {"leather", "oak", 0.6, 0.5},
+static const struct { const char *a, *b; real friction, friction_dynamic, restitution; } standard_pairs[] = {
+    /* thin sheet metal swallows most of a blow */
+    {"rubber", "tin", 0.6, 0.5, 0.4}, {"steel", "tin", 0.35, 0.3, 0.3},
+    {"steel", "steel", 0.74, 0.57, 0},  {"steel", "ice", 0.03, 0.02, 0},     {"steel", "teflon", 0.04, 0.04, 0},  {"steel", "copper", 0.53, 0.36, 0},
+    {"oak", "oak", 0.54, 0.48, 0},      {"wood", "stone", 0.6, 0.5, 0},      {"rubber", "concrete", 1.0, 0.8, 0}, {"rubber", "ice", 0.15, 0.1, 0},
+    {"glass", "glass", 0.94, 0.4, 0},   {"aluminium", "steel", 0.61, 0.47, 0}, {"brass", "steel", 0.51, 0.44, 0}, {"leather", "oak", 0.6, 0.5, 0},
 };
 
 int material_find(const World *w, const char *name)
@@ -63,7 +65,8 @@ dig_status materials_open(World *w)
     w->materials.count = count;
     for (int i = 0; i < pairs; i++)
         w->material_pairs.data[i] = (MaterialPair){material_find(w, standard_pairs[i].a), material_find(w, standard_pairs[i].b),
-                                                   standard_pairs[i].friction, standard_pairs[i].friction_dynamic, NAN, NAN};
+                                                   standard_pairs[i].friction, standard_pairs[i].friction_dynamic, NAN,
+                                                   standard_pairs[i].restitution > 0 ? standard_pairs[i].restitution : NAN};
     w->material_pairs.count = pairs;
     return DIG_OK;
 }

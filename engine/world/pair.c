@@ -70,8 +70,13 @@ static void leave_touch(World *w, const Pair *p)
 {
     uint8_t wall = w->solids.data[p->solid_a].wall | w->solids.data[p->solid_b].wall;
     Touch *t = touch_find(w, p->body_a, p->body_b, wall);
-    if (t && t->pairs > 0)
-        t->pairs--;
+    if (!t || t->pairs == 0)
+        return;
+    t->pairs--;
+    if (t->pairs == 0 && !t->brief && w->brief.count < w->brief.capacity) {     /* there is room for every touch */
+        t->brief = true;
+        w->brief.data[w->brief.count++] = (uint32_t)(t - w->touches.data);
+    }
 }
 
 void pair_remove(World *w, uint32_t pair)
