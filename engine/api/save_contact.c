@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 enum { PAIR_BYTES = 80, CONTACT_BYTES = 106, TOUCH_BYTES = 115 };       /* at least */
-enum { CONTACTS_MAX = 8 };      /* of one pair */
+enum { CONTACTS_MAX = 64 };     /* of one pair; pair.c makes fewer */
 
 /* ---- contacts ---- */
 
@@ -52,7 +52,7 @@ static void pack_contacts(Pack *p, World *w, Pair *pair, unsigned char *taken)
     pack_check(p, count > 0, "a pair has no contact");
     for (uint8_t i = 0; i < count; i++) {
         pack_index(p, &slot, (uint32_t)w->contacts.count, false, "contact of a pair");
-        if (!pack_check(p, !taken[slot], "a contact is in two places") || !pack_good(p))
+        if (!pack_good(p) || !pack_check(p, !taken[slot], "a contact is in two places"))
             return;
         taken[slot] = 1;
         Contact *c = &w->contacts.data[slot];

@@ -83,15 +83,18 @@ static real rounding_floor(const Group *g)
     return 1e-15 * fastest;
 }
 
+/* Counts bound the work: few rows are solved to rounding, many as well as a substep's. */
+static int impact_sweeps(const Group *g) { return (int)real_clamp(40000.0 / (g->point_count + g->row_count + 1), 40, IMPACT_SWEEPS); }
+
 /* Solves the chosen rows together with the joints; on[] marks them. */
 static void solve_marked(Group *g, const bool *on, bool all, real speed)
 {
     if (all) {
-        relax(g, IMPACT_SWEEPS, IMPACT_RESIDUAL * speed);
+        relax(g, impact_sweeps(g), IMPACT_RESIDUAL * speed);
         return;
     }
     real enough = IMPACT_RESIDUAL * speed + rounding_floor(g);
-    for (int sweep = 0; sweep < IMPACT_SWEEPS; sweep++) {
+    for (int sweep = impact_sweeps(g); sweep > 0; sweep--) {
         real worst = relax_joints(g);
         for (int i = 0; i < g->point_count; i++)
             if (on[i])

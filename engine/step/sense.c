@@ -48,9 +48,7 @@ static box3 reach_of(const World *w, const Solid *s, const Body *b, real dt)
     box = box3_swept(box, vec3_mad(b->kind == DIG_DYNAMIC ? fall : vec3_zero(), dt, b->v));
     real angle = real_min(2, vec3_length(b->w) * dt);
     real arm = vec3_length(vec3_sub(s->at.p, b->centre)) + s->shape.outer;
-    /* a fast body may bounce anywhere within its speed; a slow one has the margin that contacts look ahead anyway */
-    real bounce = vec3_length(b->v) * dt > 0.25 * s->shape.inner ? vec3_length(b->v) * dt : 0;
-    return box3_grow(box, angle * arm + real_max(bounce, 0.02 * s->shape.outer + vec3_length(w->def.gravity) * dt * dt));
+    return box3_grow(box, angle * arm + 0.02 * s->shape.outer + vec3_length(w->def.gravity) * dt * dt);
 }
 
 typedef struct Ask { World *w; uint32_t solid; dig_status status; } Ask;
@@ -162,27 +160,38 @@ static dig_status sense_body(World *w, uint32_t slot, real dt)
     return DIG_OK;
 }
 
-/* A blow can hand a body the speed of what strikes it, twice at most for a heavy striker: the reach of what a fast body may
- * strike grows by that, once, by the fastest. */
+/* Lets a solid reach `far` farther in this step, in any direction; once, by the largest. */
+static dig_status grow_reach(World *w, uint32_t solid, real far)
+{
+    Solid *s = &w->solids.data[solid];
+    if (far <= s->blow)
+        return DIG_OK;
+    s->reach = box3_grow(s->reach, far - s->blow);
+    s->blow = far;
+    if (s->leaf < 0 || box3_inside(tree_box(&w->tree, s->leaf), s->reach))
+        return DIG_OK;
+    tree_move(&w->tree, s->leaf, s->reach);
+    DIG_TRY(ask(w, solid));
+    return ask_planes(w, solid);
+}
+
+/* What strikes fast enough to pass through something before the next step may bounce anywhere within that speed, and can hand
+ * what it strikes twice as much. Only the speed against the other counts: a swarm that falls together strikes nothing. */
 static dig_status spread_from(World *w, uint32_t solid, const Body *striker, real dt)
 {
     for (uint32_t l = w->solids.data[solid].pair_first; l != NONE; l = w->pairs.data[l / 2].next[l % 2]) {
         const Pair *p = &w->pairs.data[l / 2];
         uint32_t other = l % 2 ? p->solid_a : p->solid_b;
-        Solid *o = &w->solids.data[other];
+        const Solid *s = &w->solids.data[solid], *o = &w->solids.data[other];
         const Body *b = o->body == NONE ? NULL : &w->bodies.data[o->body];
-        if (!b || b->kind != DIG_DYNAMIC || !b->awake || !box3_overlap(w->solids.data[solid].reach, o->reach))
+        bool dynamic = b && b->kind == DIG_DYNAMIC && b->awake;
+        vec3 speed = b ? vec3_sub(striker->v, b->v) : striker->v;
+        real far = dt * (vec3_length(speed) + vec3_length(striker->w) * striker->outer);
+        if (far <= 0.9 * s->shape.inner || (o->leaf >= 0 && !box3_overlap(s->reach, dynamic ? o->reach : tree_box(&w->tree, o->leaf))))
             continue;
-        real far = 2 * dt * (vec3_length(vec3_sub(striker->v, b->v)) + vec3_length(striker->w) * striker->outer);
-        if (far <= 0.25 * b->outer || far <= o->blow)
-            continue;
-        o->reach = box3_grow(o->reach, far - o->blow);
-        o->blow = far;
-        if (o->leaf >= 0 && !box3_inside(tree_box(&w->tree, o->leaf), o->reach)) {
-            tree_move(&w->tree, o->leaf, o->reach);
-            DIG_TRY(ask(w, other));
-            DIG_TRY(ask_planes(w, other));
-        }
+        DIG_TRY(grow_reach(w, solid, far));
+        if (dynamic)
+            DIG_TRY(grow_reach(w, other, 2 * far));
     }
     return DIG_OK;
 }
@@ -190,11 +199,10 @@ static dig_status spread_from(World *w, uint32_t solid, const Body *striker, rea
 static dig_status spread_speed(World *w, real dt)
 {
     for (int i = 0; i < w->awake.count; i++) {
-        const Body *b = &w->bodies.data[w->awake.data[i]];
-        if (point_speed(b) * dt <= 0.25 * b->outer)
-            continue;
-        for (uint32_t s = b->shape_first; s != NONE; s = w->solids.data[s].next)
-            DIG_TRY(spread_from(w, s, b, dt));
+        uint32_t slot = w->awake.data[i];
+        for (uint32_t s = w->bodies.data[slot].shape_first; s != NONE; s = w->solids.data[s].next)
+            if (point_speed(&w->bodies.data[slot]) * dt > 0.9 * w->solids.data[s].shape.inner)
+                DIG_TRY(spread_from(w, s, &w->bodies.data[slot], dt));
     }
     return DIG_OK;
 }

@@ -111,7 +111,8 @@ end)
 scenario("ray: all it meets, in order, with points and normals that lie on them", function(s)
   local world = s:world { gravity = { 0, 0, 0 } }
   local ball = world:ball { name = "ball", radius = 0.5, at = { 2, 0.3, 0 } }
-  local box = world:box { name = "box", size = { 1, 1, 1 }, at = { 4, 0, 0 }, rotation = digbox.quat { axis = { 0, 1, 0 }, angle = "45 deg" } }
+  local box = world:box { name = "box", size = { 1, 1, 1 }, at = { 4, 0, 0 },
+                          rotation = digbox.quat { axis = { 0, 1, 0 }, angle = "45 deg" } }
   local cylinder = world:cylinder { name = "cylinder", radius = 0.5, height = 2, at = { 6, 0, 0.3 } }
   local hits = world:ray { from = { 0, 0, 0 }, to = { 10, 0, 0 } }
   local found = {}

@@ -164,7 +164,8 @@ scenario("row 90: every field of the thesis' Appendix B can be read, and says wh
   world:step()
   local d = ball.debug
   for _, field in ipairs { "m_id", "db_id", "mess_type", "dig_id", "mess_time", "floor", "collided", "euler", "curr_pos", "prev_pos",
-    "next_pos", "curr_rot", "prev_rot", "next_rot", "itensor", "iti", "itiws", "mo_inertia", "res_force", "torque", "c_mass", "ang_mom", "velocity",
+    "next_pos", "curr_rot", "prev_rot",
+    "next_rot", "itensor", "iti", "itiws", "mo_inertia", "res_force", "torque", "c_mass", "ang_mom", "velocity",
     "omega", "mass", "rest", "sp", "matrix", "object_type" } do
     expect(d[field]):is_not(nil)
   end
