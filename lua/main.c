@@ -100,7 +100,7 @@ void print_error(const char *text)
 {
     /* One message: at most 4,000 bytes, no control bytes but line feeds. */
     fputs("digbox: ", stderr);
-    for (int i = 0; text[i] && i < 4000; i++)
+    for (int i = 0; i < 4000 && text[i]; i++)
         fputc(((unsigned char)text[i] >= 0x20 && text[i] != 0x7f) || text[i] == '\n' ? text[i] : '?', stderr);
     fputc('\n', stderr);
 }

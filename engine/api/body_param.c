@@ -44,9 +44,20 @@ static dig_status set_mass(World *w, Body *b, real mass)
         return world_fail(w, DIG_E_KIND, "body '%s' is not dynamic: it has no mass to set", b->name);
     if (!(mass > 0 && isfinite(mass)))
         return world_fail(w, DIG_E_ARG, "body '%s': mass = %g kg, must be > 0 and finite", b->name, mass);
-    real before = body_energy(w, b);
     body_set_mass(b, mass);
-    w->ledger.initial += w->ledger.started ? body_energy(w, b) - before : 0;
+    return DIG_OK;
+}
+
+/* A body made without collisions has no boxes in the tree yet. */
+static dig_status set_collides(World *w, Body *b, bool collides)
+{
+    for (uint32_t s = b->shape_first; collides && s != NONE; s = w->solids.data[s].next) {
+        Solid *solid = &w->solids.data[s];
+        if (solid->leaf < 0 && isfinite(solid->shape.outer) &&
+            tree_insert(&w->tree, solid->shape.type->bounds(&solid->shape, solid_pose(w, solid)), s, &solid->leaf) != DIG_OK)
+            return world_fail(w, DIG_E_MEMORY, "body '%s': not enough memory", b->name);
+    }
+    b->collides = collides;
     return DIG_OK;
 }
 
@@ -63,6 +74,7 @@ dig_status dig_body_set(dig_world *w, dig_body handle, const char *name, const v
     if (param_check_field(row, value, subject, why, sizeof why) != DIG_OK)
         return world_fail(w, DIG_E_ARG, "%s", why);
     const real *number = value;
+    real before = body_energy(w, b);
     dig_status status = DIG_OK;
     if (strcmp(name, "mass") == 0)
         status = set_mass(w, b, *number);
@@ -77,13 +89,14 @@ dig_status dig_body_set(dig_world *w, dig_body handle, const char *name, const v
     else if (strcmp(name, "group") == 0)
         b->group = *(const int64_t *)value;
     else if (strcmp(name, "collides") == 0)
-        b->collides = *(const bool *)value;
+        status = set_collides(w, b, *(const bool *)value);
     else if (strcmp(name, "name") == 0)
         memcpy(b->name, value, sizeof b->name);
     else if (strcmp(name, "colour") == 0)
         b->colour = *(const vec3 *)value;
     else
         return world_fail(w, DIG_E_ARG, "body '%s': '%s' is fixed at creation or is state; use :teleport for state", b->name, name);
+    w->ledger.initial += w->ledger.started ? body_energy(w, b) - before : 0;      /* mass, material, gravity_scale */
     if (status == DIG_OK && (strcmp(name, "group") == 0 || strcmp(name, "collides") == 0))
         body_refit(w, handle.slot);
     if (status == DIG_OK && strcmp(name, "name") != 0 && strcmp(name, "colour") != 0) {

@@ -60,6 +60,14 @@ static dig_status find_bodies(const World *w, const JointType *type, const dig_j
             *(k ? &r->b : &r->a) = w->bodies.data[j->a].kind == DIG_DYNAMIC || j->b == NONE ? j->a : j->b;
             r->other[k] = joints[k].slot;
         }
+        /* a carrier of both wheels: the wheel itself, then */
+        for (int k = 1; k >= 0 && r->a == r->b; k--) {
+            const JointRec *j = &w->joints.data[r->other[k]];
+            uint32_t other = j->a == r->a ? j->b : j->a;
+            *(k ? &r->b : &r->a) = other == NONE ? r->a : other;
+        }
+        if (r->a == r->b && r->other[0] != r->other[1])
+            return world_fail(w, DIG_E_ARG, "%s: a and b both join the body '%s' to the world", type->name, w->bodies.data[r->a].name);
         return r->other[0] != r->other[1] ? DIG_OK : world_fail(w, DIG_E_ARG, "%s: a and b are the same joint", type->name);
     }
     if (!api_body(w, def->a, type->name))

@@ -17,6 +17,7 @@ static void pack_point(Pack *p, ManifoldPoint *point, PointMemory *memory)
     pack_u32(p, &memory->feature);
     pack_real_in(p, &memory->normal, -SAVE_STRONG, SAVE_STRONG, "force of a contact");
     pack_vec3(p, &memory->tangent, SAVE_STRONG, "friction of a contact");
+    pack_enum(p, &memory->held, 256, "memory of a contact");
 }
 
 static void pack_contact(Pack *p, Contact *c)

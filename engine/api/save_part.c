@@ -53,13 +53,16 @@ void save_pose(Pack *p, pose *at, const char *what)
 
 /* ---- structs described by rows ---- */
 
-/* Whole numbers and reals of a field, through copies: fields are reached by offset. */
+#define SPECK 1e-250    /* numbers nearer to 0 than this have no finite inverse once they are multiplied */
+
+/* Reals and whole numbers of a field, through copies: fields are reached by offset. */
 static void pack_reals(Pack *p, char *field, int count)
 {
     for (int i = 0; i < count; i++) {
         real x;
         memcpy(&x, field + (size_t)i * sizeof x, sizeof x);
         pack_real(p, &x);
+        pack_check(p, x == 0 || !(fabs(x) < SPECK), "a number is too small to be divided by");
         memcpy(field + (size_t)i * sizeof x, &x, sizeof x);
     }
 }

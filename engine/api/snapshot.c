@@ -109,8 +109,10 @@ static dig_status copy_world(World *to, const World *from)
     memcpy(to->room_solid, from->room_solid, sizeof to->room_solid);
     to->ledger = from->ledger;
     to->stats = from->stats;
-    for (int i = 0; i < from->effect_count; i++)
+    for (int i = 0; i < from->effect_count; i++) {
         to->effects[i].on = from->effects[i].on;
+        to->effects[i].forced = from->effects[i].forced;
+    }
     return DIG_OK;
 }
 

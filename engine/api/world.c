@@ -56,7 +56,7 @@ static dig_status check_world_def(const dig_world_def *def, char *why, size_t ca
 
 static void open_effects(World *w)
 {
-    for (int i = 0; effect_types[i] && i < MAX_EFFECTS; i++)
+    for (int i = 0; i < MAX_EFFECTS && effect_types[i]; i++)
         w->effects[w->effect_count++] = (EffectSlot){.type = effect_types[i], .on = true};
 }
 

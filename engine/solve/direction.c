@@ -29,21 +29,6 @@ void dir_make(const Group *g, Dir *d, int a, int b, vec3 n, vec3 ra, vec3 rb)
     d->k = (ma->im + mb->im) * vec3_dot(d->n, d->n) + vec3_dot(d->aa, d->ia) + vec3_dot(d->ab, d->ib);
 }
 
-real dir_rate(const Group *g, const Dir *d, int a, int b)
-{
-    const Vel *va = &g->vel[a], *vb = &g->vel[b];
-    return vec3_dot(d->n, vec3_sub(vb->v, va->v)) + vec3_dot(d->aa, va->w) + vec3_dot(d->ab, vb->w);
-}
-
-void dir_apply(Group *g, const Dir *d, int a, int b, real p)
-{
-    Vel *va = &g->vel[a], *vb = &g->vel[b];
-    va->v = vec3_mad(va->v, -p * g->mass[a].im, d->n);
-    va->w = vec3_mad(va->w, p, d->ia);
-    vb->v = vec3_mad(vb->v, p * g->mass[b].im, d->n);
-    vb->w = vec3_mad(vb->w, p, d->ib);
-}
-
 /* J_1 M^-1 J_2^T of two directions of one point. */
 real dir_coupling(const Group *g, const Dir *d, const Dir *e, int a, int b)
 {

@@ -264,7 +264,29 @@ static void restore(Group *g)
     }
 }
 
-static dig_status solve_substep(Group *g, int sweeps)
+/* m/s: a small group whose velocities are worse than this gets more sweeps than its plan gives. */
+#define COARSE 1e-3
+
+static int sweeps_for(const Group *g, int most)
+{
+    int rows = g->contact_count + 2 * g->joint_count + 1;
+    return (int)real_clamp(8000.0 / rows, 4, most);
+}
+
+static void relax_group(Group *g)
+{
+    real worst = g->residual;
+    g->residual = 0;
+    int sweeps = sweeps_for(g, g->plan->sweeps);
+    relax(g, sweeps, g->plan->residual);
+    if (g->residual > COARSE) {
+        g->residual = 0;
+        relax(g, sweeps_for(g, 10 * g->plan->sweeps) - sweeps, COARSE);
+    }
+    g->residual = real_max(g->residual, worst);
+}
+
+static dig_status solve_substep(Group *g)
 {
     for (int i = 0; i < g->moving_count; i++)
         g->member[i].force = g->member[i].torque = vec3_zero();
@@ -274,15 +296,9 @@ static dig_status solve_substep(Group *g, int sweeps)
     DIG_TRY(g->stage(g, STAGE_ROWS));
     project(g);
     warm_start(g);
-    relax(g, sweeps, g->plan->residual);
+    relax_group(g);
     mark_constrained(g);
     return g->status;
-}
-
-static int sweeps_for(const Group *g)
-{
-    int rows = g->contact_count + 2 * g->joint_count + 1;
-    return (int)real_clamp(8000.0 / rows, 4, g->plan->sweeps);
 }
 
 static dig_status substep(Group *g, real until)
@@ -290,14 +306,14 @@ static dig_status substep(Group *g, real until)
     g->h = until - g->t;
     if (g->locate)
         group_clean_joints(g);
-    DIG_TRY(solve_substep(g, sweeps_for(g)));
+    DIG_TRY(solve_substep(g));
     if (g->locate && g->events_left > 0) {
         real hit = locate_impact(g);
         if (hit < g->h * (1 - 1e-9)) {
             restore(g);
             g->h = real_max(hit, 1e-9 * g->h);
             until = g->t + g->h;
-            DIG_TRY(solve_substep(g, sweeps_for(g)));
+            DIG_TRY(solve_substep(g));
         }
         if (hit <= g->h) {
             g->events_left--;
@@ -342,6 +358,32 @@ static void measure(Group *g)
             g->joint_error = real_max(g->joint_error, fabs(g->rows[i].row.error));
 }
 
+/* rad: what is not round and touches turns no farther in one piece, or its corners would be missed. */
+#define TURN_MOST 0.15
+
+static bool angular_shape(const Shape *s) { return s->outer - s->inner > 0.01 * s->outer; }
+
+/* s  How long the next substep may be. */
+static real longest_piece(const Group *g, real dt)
+{
+    if (!g->locate)
+        return dt;
+    if (g->events_left <= 0)
+        return dt / 16;         /* no more impacts are located in this step: short pieces keep what is missed small */
+    real fastest = 0;
+    for (int i = 0; i < g->pair_count; i++) {
+        const GroupPair *q = &g->pairs[i];
+        bool live = false;
+        for (int k = q->contact; k < q->contact + q->contacts; k++)
+            live = live || g->contacts[k].live;
+        if (live && angular_shape(q->sa))
+            fastest = real_max(fastest, vec3_length2(g->vel[q->a].w));
+        if (live && angular_shape(q->sb))
+            fastest = real_max(fastest, vec3_length2(g->vel[q->b].w));
+    }
+    return real_max(dt / 32, TURN_MOST / real_max(sqrt(fastest), 1e-9));
+}
+
 dig_status sweep_advance(Group *g, real dt)
 {
     DIG_TRY(reserve(g));
@@ -360,7 +402,7 @@ dig_status sweep_advance(Group *g, real dt)
     for (int k = 0; k < g->plan->substeps && !g->woke; k++) {
         real until = k + 1 < g->plan->substeps ? part * (k + 1) : dt;
         while (g->t < until && !g->woke) {
-            DIG_TRY(substep(g, until));
+            DIG_TRY(substep(g, real_min(until, g->t + longest_piece(g, dt))));
             if (g->woke)
                 break;
             group_touch(g, part, true);

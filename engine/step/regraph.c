@@ -179,6 +179,7 @@ static void end_touches(World *w, real start, real dt)
             e->time = start + dt;
             e->wall = t->wall;
         }
+        t->brief = false;                   /* it is in the part of the list that is left behind */
         touch_remove(w, slot);
     }
     w->brief.count = n;
@@ -221,7 +222,12 @@ static void break_worst(World *w, const Group *g)
         e->joint = joint_handle(w, worst);
         e->impulse = vec3_length(r->force) * w->def.step;
     }
+    uint32_t a = r->a, b = r->b;
     joint_remove(w, worst);
+    if (a != NONE && b != NONE) {           /* they may touch again */
+        body_refit(w, a);
+        body_refit(w, b);
+    }
 }
 
 void regraph(World *w, const Step *s)

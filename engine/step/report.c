@@ -40,7 +40,13 @@ static int compare_events(const void *a, const void *b)
         return slot_high(x) < slot_high(y) ? -1 : 1;
     if (x->dig != y->dig)
         return x->dig < y->dig ? -1 : 1;
-    return x->other_dig < y->other_dig ? -1 : x->other_dig > y->other_dig;
+    if (x->other_dig != y->other_dig)
+        return x->other_dig < y->other_dig ? -1 : 1;
+    if (x->wall != y->wall)
+        return x->wall < y->wall ? -1 : 1;
+    if (x->joint.slot != y->joint.slot)
+        return x->joint.slot < y->joint.slot ? -1 : 1;
+    return x->speed < y->speed ? -1 : x->speed > y->speed;
 }
 
 static void deliver_events(World *w)

@@ -38,12 +38,27 @@ static void settle(World *w, Body *b, real dt)
     }
 }
 
+/* Would the mover wake it at once? (groups.c) */
+static bool is_carried(const World *w, const Body *b)
+{
+    for (uint32_t s = b->shape_first; s != NONE; s = w->solids.data[s].next)
+        for (uint32_t l = w->solids.data[s].pair_first; l != NONE; l = w->pairs.data[l / 2].next[l % 2]) {
+            const Pair *p = &w->pairs.data[l / 2];
+            const Solid *other = &w->solids.data[l % 2 ? p->solid_a : p->solid_b];
+            const Body *o = other->body == NONE ? NULL : &w->bodies.data[other->body];
+            if (o && o->kind == DIG_KINEMATIC && (vec3_length2(o->v) > 0 || vec3_length2(o->w) > 0) &&
+                box3_overlap(w->solids.data[s].reach, other->reach))
+                return true;
+        }
+    return false;
+}
+
 /* A member that a mover carries, or that nothing holds, keeps its DIG awake. */
 static bool may_sleep(const World *w, uint32_t id)
 {
     for (uint32_t m = graph_first(w->graph, id); m != NONE; m = graph_next(w->graph, m)) {
         const Body *b = &w->bodies.data[m];
-        if (b->still < SLEEP_TIME || !is_held(w, b))
+        if (b->still < SLEEP_TIME || !is_held(w, b) || is_carried(w, b))
             return false;
     }
     return true;

@@ -207,6 +207,30 @@ static dig_status spread_speed(World *w, real dt)
     return DIG_OK;
 }
 
+static void wake_if_near(World *w, uint32_t solid, uint32_t other)
+{
+    const Solid *s = &w->solids.data[solid], *o = &w->solids.data[other];
+    if (!o->alive || o->leaf < 0 || o->body == NONE || w->bodies.data[o->body].kind != DIG_DYNAMIC || w->bodies.data[o->body].awake)
+        return;
+    box3 box = o->shape.type->bounds(&o->shape, solid_pose(w, o));
+    if (s->leaf < 0 ? plane_near(w, solid, box) && bodies_may_touch(w, s, o)
+                    : box3_overlap(s->shape.type->bounds(&s->shape, solid_pose(w, s)), box))
+        body_wake(w, o->body);
+}
+
+/* What cannot be pushed, and was put where it is by hand, wakes the sleepers it was put into: no impulse would tell them. */
+static void wake_near(World *w, uint32_t solid)
+{
+    const Solid *s = &w->solids.data[solid];
+    if (s->body == NONE || w->bodies.data[s->body].kind == DIG_DYNAMIC || !w->bodies.data[s->body].collides)
+        return;
+    if (!isfinite(s->shape.outer))
+        for (int i = 0; i < w->solids.count; i++)
+            wake_if_near(w, solid, (uint32_t)i);
+    for (uint32_t l = s->pair_first; l != NONE; l = w->pairs.data[l / 2].next[l % 2])
+        wake_if_near(w, solid, l % 2 ? w->pairs.data[l / 2].solid_a : w->pairs.data[l / 2].solid_b);
+}
+
 dig_status sense_pairs(World *w, real dt)
 {
     tidy_awake(w);
@@ -218,9 +242,11 @@ dig_status sense_pairs(World *w, real dt)
             drop_parted(w, w->asking.data[i]);
             DIG_TRY(ask(w, w->asking.data[i]));
             DIG_TRY(ask_planes(w, w->asking.data[i]));
+            wake_near(w, w->asking.data[i]);
         }
     }
     w->asking.count = 0;
+    tidy_awake(w);                      /* who was woken just now has its place in the order */
     for (int i = 0; i < w->awake.count; i++)
         DIG_TRY(sense_body(w, w->awake.data[i], dt));
     return spread_speed(w, dt);

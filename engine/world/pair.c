@@ -134,9 +134,15 @@ Touch *touch_find(const World *w, uint32_t a, uint32_t b, uint8_t wall)
     return map_find(&w->touch_map, key, &slot) ? &w->touches.data[slot] : NULL;
 }
 
+/* Its slot may be another touch's before the next regraph: it leaves the list of those that are over, too. */
 void touch_remove(World *w, uint32_t slot)
 {
     Touch *t = &w->touches.data[slot];
+    int n = 0;
+    for (int i = 0; t->brief && i < w->brief.count; i++)
+        if (w->brief.data[i] != slot)
+            w->brief.data[n++] = w->brief.data[i];
+    w->brief.count = t->brief ? n : w->brief.count;
     map_remove(&w->touch_map, (MapKey){t->body_a, t->body_b, t->wall});
     t->alive = false;
     slot_give(w, &w->free_touches, slot);

@@ -367,13 +367,14 @@ TEST(bounce_on_a_moving_table_uses_the_speed_of_its_surface)
 
 /* ---- friction -------------------------------------------------------------------- */
 
-/* A03. Stopping distance, the same for every heading. */
-TEST(block_slides_to_rest_alike_in_every_heading)
+/* A03. Stopping distance, the same for every heading. The instant of stopping is not located: the distance errs by up to
+ * mu g h^2 / 8 of the substep h. */
+static void slide_to_rest(const char *plan, real tolerance)
 {
     const real headings[] = {0, 15, 30, 45}, want = 2.0387359836901121;
     real distance[4];
     for (int i = 0; i < 4; i++) {
-        dig_world *w = open_world(1.0 / 60, NULL, true);
+        dig_world *w = open_world(1.0 / 60, plan, true);
         add_floor(w, look(0.4, 0));
         dig_body_def d = body_with(look(0.4, 0), (vec3){0, 0.1, 0}, quat_identity());
         real c = cos(headings[i] * DIG_PI / 180), s = sin(headings[i] * DIG_PI / 180);
@@ -382,13 +383,21 @@ TEST(block_slides_to_rest_alike_in_every_heading)
         step(w, 120);
         dig_body_state st = state_of(w, b);
         distance[i] = hypot(st.position.x, st.position.z);
-        CHECK_NEAR(hypot(st.position.x - want * c, st.position.z - want * s) / want, 0, 1e-6);
-        CHECK_NEAR(st.position.x * s - st.position.z * c, 0, 1e-6);
+        CHECK_NEAR(hypot(st.position.x - want * c, st.position.z - want * s) / want, 0, tolerance);
+        CHECK_NEAR(st.position.x * s - st.position.z * c, 0, 1e-8);
         CHECK_NEAR(vec3_length(st.velocity), 0, 1e-9);
         dig_world_close(w);
     }
     for (int i = 1; i < 4; i++)
         CHECK_NEAR(distance[i], distance[0], 1e-9);
+}
+
+TEST(block_slides_to_rest_alike_in_every_heading)
+{
+    slide_to_rest("play", 5e-6);
+    slide_to_rest("study", 4e-7);
+    if (!SANITIZED)
+        slide_to_rest("reference", 3e-8);
 }
 
 /* A04. A ball rolls down 20 degrees without slip. */
@@ -554,6 +563,33 @@ TEST(rolling_ball_does_not_move_the_table)
     dig_world_close(w);
 }
 
+/* Row 80. Motion kept in a plane: no drift out of it, and turns about its normal only. */
+TEST(planar_world_never_leaves_its_plane)
+{
+    dig_world_def def = dig_world_defaults();
+    def.gravity = (vec3){0, -GRAVITY, 0};
+    snprintf(def.plane.s, sizeof def.plane.s, "xy");
+    dig_world *w = open_with(def);
+    add_floor(w, look(0.5, 0.3));
+    dig_body b[8];
+    for (int i = 0; i < 8; i++) {
+        vec3 at = {0.1 * (i % 3), 0.6 + 1.1 * i, 0.05 * (i % 2)};
+        quat q = quat_exp((vec3){0, 0, 0.4 * i});
+        b[i] = i % 2 ? add_box(w, look(0.5, 0.3), (vec3){1, 0.6, 0.8}, 2, at, q) : add_ball(w, look(0.5, 0.3), 0.4, 2, at, vec3_zero());
+    }
+    for (int i = 0; i < 240; i++) {
+        step(w, 1);
+        for (int k = 0; k < 8; k++) {
+            dig_body_state s = state_of(w, b[k]);
+            CHECK_NEAR(s.position.z, 0.05 * (k % 2), 0);
+            CHECK_NEAR(s.velocity.z, 0, 0);
+            CHECK_NEAR(hypot(s.rotation.x, s.rotation.y), 0, 0);
+            CHECK_NEAR(hypot(s.spin.x, s.spin.y), 0, 0);
+        }
+    }
+    dig_world_close(w);
+}
+
 /* ---- moments -------------------------------------------------------------------- */
 
 /* Row 85. A box on one edge, `off` degrees before (-) or past (+) the balance, whose lower edge points along `heading`. */
@@ -588,38 +624,46 @@ TEST(box_on_its_edge_tips_when_its_centre_passes_the_edge)
         }
 }
 
-/* A12. Housner's rocking block: both edges are struck at once. */
-TEST(rocking_block_loses_housners_share_at_each_impact)
+/* A12. Housner's rocking block: both edges are struck at once. A turning contact is of first order in the substep. */
+static void rock(const char *plan, real time_tolerance, real peak_tolerance)
 {
     static const real want_times[] = {0.493803215079, 1.29747023707, 1.97939093115, 2.57072083484};
     static const real want_peaks[] = {0.094736793120816732, 0.075060698006574959, 0.060278831127240896};
     const real alpha = 0.24497866312686415;
-    dig_world *w = open_world(1.0 / 60, NULL, true);
+    dig_world *w = open_world(1.0 / 60, plan, true);
     add_floor(w, look(2, 0));
     quat q = quat_exp((vec3){0, 0, -0.5 * alpha});
     vec3 corner = quat_rotate(q, (vec3){0.25, -1, 0});
     dig_body b = add_box(w, look(2, 0), (vec3){0.5, 2, 0.5}, 500, (vec3){0, -corner.y, 0}, q);
-    real old = -0.5 * alpha, peaks[8] = {0}, times[8] = {0}, turn = 0;
-    int passes = 0;
-    for (int i = 0; i < 170; i++) {
+    real peaks[8] = {0}, times[8] = {0}, highest = 0;
+    int impacts = 0;
+    while (dig_world_time(w) < 2.7) {
         step(w, 1);
+        const dig_event *e;
+        int n = dig_events(w, &e);
+        for (int i = 0; i < n; i++)         /* an impact ends each swing */
+            if (e[i].kind == DIG_EVENT_IMPACT && impacts < 8 && (impacts == 0 || e[i].time > times[impacts - 1] + 0.1)) {
+                if (impacts > 0)
+                    peaks[impacts - 1] = highest;
+                times[impacts++] = e[i].time;
+                highest = 0;
+            }
         vec3 x = quat_rotate(state_of(w, b).rotation, (vec3){1, 0, 0});
-        real tilt = atan2(x.y, x.x);
-        if (old * tilt < 0 && passes < 8) {     /* uniform turning through the upright: linear interpolation is good to 1e-3 */
-            if (passes > 0)
-                peaks[passes - 1] = turn;
-            times[passes++] = dig_world_time(w) - tilt / (tilt - old) / 60;
-            turn = 0;
-        }
-        turn = real_max(turn, fabs(tilt));
-        old = tilt;
+        highest = real_max(highest, fabs(atan2(x.y, x.x)));
     }
-    CHECK(passes >= 4);
+    CHECK(impacts >= 4);
     for (int i = 0; i < 4; i++)
-        CHECK_NEAR(times[i], want_times[i], 2e-3);
+        CHECK_NEAR(times[i], want_times[i], time_tolerance);
     for (int i = 0; i < 3; i++)
-        CHECK_NEAR(peaks[i] / want_peaks[i], 1, 1e-2);
+        CHECK_NEAR(peaks[i] / want_peaks[i], 1, peak_tolerance);
     dig_world_close(w);
+}
+
+TEST(rocking_block_loses_housners_share_at_each_impact)
+{
+    rock("play", 0.1, 0.11);
+    if (!SANITIZED)
+        rock("reference", 0.006, 0.008);
 }
 
 int main(void)
@@ -644,6 +688,7 @@ int main(void)
               unit_test(static_friction_holds_and_dynamic_friction_brakes),
               unit_test(decay_law_is_selectable_and_decays_exponentially),
               unit_test(rolling_ball_does_not_move_the_table),
+              unit_test(planar_world_never_leaves_its_plane),
               unit_test(box_on_its_edge_tips_when_its_centre_passes_the_edge),
               unit_test(rocking_block_loses_housners_share_at_each_impact));
 }

@@ -6,6 +6,7 @@
 #include "base/rng.h"
 #include "physics_fixture.h"
 
+#include <pthread.h>
 #include <stdlib.h>
 
 static real uniform(uint64_t *rng, real lo, real hi) { return lo + (hi - lo) * rng_real(rng); }
@@ -52,7 +53,7 @@ static void random_run(uint64_t seed, Tally *t)
     uint64_t rng = seed * 0x9E3779B97F4A7C15u + 1;
     static const real steps[] = {1.0 / 30, 1.0 / 60, 1.0 / 120};
     real h = steps[(int)uniform(&rng, 0, 3)];
-    dig_world *w = open_world(h, uniform(&rng, 0, 1) < 0.3 ? "sketch" : "play", true);
+    dig_world *w = open_world(h, uniform(&rng, 0, 1) < 0.9 ? "sketch" : "play", true);
     Look l = {uniform(&rng, 0, 1), NAN, 0, uniform(&rng, 0, 1) < 0.5 ? 0 : uniform(&rng, 0, 0.9)};
     add_floor(w, l);
     int n = 3 + (int)uniform(&rng, 0, 4), count = 40 + (int)uniform(&rng, 0, 51);
@@ -101,12 +102,39 @@ static void random_run(uint64_t seed, Tally *t)
     dig_world_close(w);
 }
 
+/* Worlds share nothing: the runs are dealt out to threads. */
+#define THREADS 2
+
+typedef struct Share { int64_t first, end; Tally tally; } Share;
+
+static void *run_share(void *arg)
+{
+    Share *s = arg;
+    for (int64_t i = s->first; i < s->end; i++)
+        random_run((uint64_t)i + 1, &s->tally);
+    return NULL;
+}
+
 TEST(random_stacks_that_are_knocked_keep_everything)
 {
+    const int64_t runs = SANITIZED ? 1000 : 10000;
+    Share shares[THREADS];
+    pthread_t threads[THREADS];
     Tally t = {0};
-    int64_t runs = SANITIZED ? 1000 : 10000;
-    for (int64_t i = 0; i < runs; i++)
-        random_run((uint64_t)i + 1, &t);
+    for (int i = 0; i < THREADS; i++) {
+        shares[i] = (Share){.first = runs * i / THREADS, .end = runs * (i + 1) / THREADS};
+        CHECK(pthread_create(&threads[i], NULL, run_share, &shares[i]) == 0);
+    }
+    for (int i = 0; i < THREADS; i++) {
+        pthread_join(threads[i], NULL);
+        const Tally *s = &shares[i].tally;
+        t.runs += s->runs;
+        t.steps += s->steps;
+        t.immaterial += s->immaterial;
+        t.lost += s->lost;
+        t.labels += s->labels;
+        t.deepest = real_max(t.deepest, s->deepest);
+    }
     printf("%lld runs, %lld steps: %lld immaterial, %lld lost, %lld label errors; deepest overlap %.2e of the smallest size\n",
            (long long)t.runs, (long long)t.steps, (long long)t.immaterial, (long long)t.lost, (long long)t.labels, t.deepest);
     CHECK_INT(t.runs, runs);

@@ -541,14 +541,14 @@ static int number_from(const char *name, int otherwise)
     return text ? atoi(text) : otherwise;
 }
 
-static void mutate(dig_world *w, int mutants, uint64_t random)
+static void mutate(dig_world *w, const char *name, int mutants, uint64_t random)
 {
     char path[512];
     int worlds = 0;
     Bytes b = bytes_of(w, "seed.dig");
     unsigned char *copy = malloc(b.size);
     size_t header = u32_at(b.data + 12);
-    scratch_path(path, sizeof path, "mutant.dig");
+    scratch_path(path, sizeof path, name);        /* stays there when the test fails */
     for (int i = 0; i < mutants; i++) {
         memcpy(copy, b.data, b.size);
         int changes = 1 + (int)(next_random(&random) % 3);
@@ -571,14 +571,14 @@ static void mutate(dig_world *w, int mutants, uint64_t random)
 
 TEST(mutants_of_a_small_world_are_refused_or_sound)
 {
-    mutate(open_small_scene(), number_from("DIG_MUTANTS", SANITIZED ? 1000 : 1400), (uint64_t)number_from("DIG_SEED", 1) * 2654435761u);
+    mutate(open_small_scene(), "small-mutant.dig", number_from("DIG_MUTANTS", SANITIZED ? 1000 : 1400), (uint64_t)number_from("DIG_SEED", 1) * 2654435761u);
 }
 
 TEST(mutants_of_a_world_with_everything_are_refused_or_sound)
 {
     dig_world *w = open_scene();
     step(w, 60);
-    mutate(w, number_from("DIG_MUTANTS", SANITIZED ? 100 : 600), (uint64_t)number_from("DIG_SEED", 2) * 2654435761u);
+    mutate(w, "mutant.dig", number_from("DIG_MUTANTS", SANITIZED ? 100 : 600), (uint64_t)number_from("DIG_SEED", 2) * 2654435761u);
 }
 
 int main(void)
