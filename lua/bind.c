@@ -221,6 +221,48 @@ void bind_extend(lua_State *L, int core, const char *type, const luaL_Reg *metho
     lua_pop(L, 3);
 }
 
+/* Pushes the name of the type of which the function at index 1 is a method, and that of the method; or nothing. */
+static bool push_method_name(lua_State *L)
+{
+    lua_getfield(L, LUA_REGISTRYINDEX, "digbox.core");
+    lua_getfield(L, -1, "types");
+    int types = lua_gettop(L);
+    for (lua_pushnil(L); lua_next(L, types); lua_pop(L, 1)) {
+        lua_getfield(L, -1, "methods");
+        for (lua_pushnil(L); lua_next(L, types + 3); lua_pop(L, 1))
+            if (lua_rawequal(L, -1, 1)) {
+                lua_pushvalue(L, types + 1);
+                lua_pushvalue(L, types + 4);
+                return true;
+            }
+        lua_pop(L, 1);
+    }
+    return false;
+}
+
+static int function_index(lua_State *L)
+{
+    lua_settop(L, 2);
+    if (push_method_name(L)) {
+        const char *type = lua_tostring(L, -2), *method = lua_tostring(L, -1);
+        return bind_error(L, "%s is a method: %s:%s()", method, type, method);
+    }
+    const char *key = luaL_tolstring(L, 2, NULL);
+    return bind_error(L, "attempt to index a function value (field '%s')", key);
+}
+
+void bind_hint_methods(lua_State *L)
+{
+    lua_pushcfunction(L, function_index);
+    lua_createtable(L, 0, 2);
+    lua_pushcfunction(L, function_index);
+    lua_setfield(L, -2, "__index");
+    lua_pushboolean(L, 0);
+    lua_setfield(L, -2, "__metatable");
+    lua_setmetatable(L, -2);            /* of all functions */
+    lua_pop(L, 1);
+}
+
 /* ---- opening ------------------------------------------------------------------------------ */
 
 static const struct digbox_source *find_source(const char *name)
@@ -360,6 +402,7 @@ int bind_open(lua_State *L)
     bind_vec_open(L, core);
     bind_world_open(L, core);
     bind_space_open(L, core);
+    bind_region_open(L, core);
     bind_body_open(L, core);
     bind_shape_open(L, core);
     bind_joint_open(L, core);

@@ -31,6 +31,7 @@ typedef struct ShapeRef { dig_shape_def def; } ShapeRef;        /* its data stru
 #define BIND_JOINT "joint"
 #define BIND_DIG   "DIG"
 #define BIND_SHAPE "shape"
+#define BIND_REGION "region"
 #define BIND_VEC   "vector"
 #define BIND_QUAT  "rotation"
 
@@ -45,6 +46,7 @@ extern const struct digbox_source digbox_embedded[];
 void bind_vec_open(lua_State *L, int core);
 void bind_world_open(lua_State *L, int core);
 void bind_space_open(lua_State *L, int core);
+void bind_region_open(lua_State *L, int core);
 void bind_body_open(lua_State *L, int core);
 void bind_shape_open(lua_State *L, int core);
 void bind_joint_open(lua_State *L, int core);
@@ -84,6 +86,9 @@ int bind_unknown(lua_State *L, const char *what, const char *kind, const char *n
  * .getters, so that lua/digbox/ can add to them. fallback (may be NULL) gets (self, key) and returns how many values it pushed. */
 void bind_type(lua_State *L, int core, const char *name, const luaL_Reg *methods, const luaL_Reg *getters, lua_CFunction fallback,
                const luaL_Reg *metamethods);
+
+/* Indexing a function (world.stats.bodies) then says that a method wants a call; for the program's own states only. */
+void bind_hint_methods(lua_State *L);
 
 /* Adds methods to a type that exists. */
 void bind_extend(lua_State *L, int core, const char *type, const luaL_Reg *methods);
@@ -151,6 +156,10 @@ void bind_check_keys(lua_State *L, int table, const char *what, const dig_param 
 
 /* Pushes a field of a def struct as a Lua value. */
 void bind_push_field(lua_State *L, int world, const dig_param *row, const void *field);
+
+/* The shape and the pose in the table of arguments at 2: {digbox.sphere{...}, at=, rotation=}, {shape = ...} or {sphere = {...}}.
+ * The table is replaced by a copy that has the shape as its field "shape"; names: the fields it may have. */
+const dig_shape_def *bind_shape_argument(lua_State *L, const char *what, const char *const *names, pose *at);
 
 /* A body whose shapes are given; the table at index 2 holds the body's fields. */
 int bind_create_body(lua_State *L, const char *what, const dig_shape_def *shapes, int count, bool fixed, const dig_param *own,

@@ -169,6 +169,12 @@ static void set_real(lua_State *L, const char *name, real x)
     lua_setfield(L, -2, name);
 }
 
+static void set_int(lua_State *L, const char *name, lua_Integer x)
+{
+    lua_pushinteger(L, x);
+    lua_setfield(L, -2, name);
+}
+
 static void set_matrix(lua_State *L, const char *name, const real *m, int size)
 {
     bind_push_matrix(L, m, size);
@@ -185,10 +191,10 @@ static int get_debug(lua_State *L)
     bind_push_world_of(L, 1);
     int world = lua_gettop(L);
     lua_newtable(L);
-    set_real(L, "m_id", (real)d.m_id);
-    set_real(L, "db_id", d.db_id);
+    set_int(L, "m_id", (lua_Integer)d.m_id);
+    set_int(L, "db_id", d.db_id);
     set_text(L, "mess_type", d.mess_type);
-    set_real(L, "dig_id", d.dig_id);
+    set_int(L, "dig_id", d.dig_id);
     set_real(L, "mess_time", d.mess_time);
     set_bool(L, "floor", d.floor);
     set_bool(L, "collided", d.collided);

@@ -56,41 +56,13 @@ static int world_ray(lua_State *L)
     return 1;
 }
 
-/* The shape argument {digbox.sphere{...}, ...} or {shape = ...}, and its pose */
-static const dig_shape_def *shape_argument(lua_State *L, const char *what, const char *const *names, pose *at)
-{
-    if (!lua_istable(L, 2))
-        bind_error(L, "%s wants a table", what);
-    lua_rawgeti(L, 2, 1);
-    if (!lua_isnil(L, -1)) {            /* a copy without the positional shape, for the check of names */
-        lua_newtable(L);
-        for (lua_pushnil(L); lua_next(L, 2); lua_pop(L, 1))
-            if (lua_type(L, -2) == LUA_TSTRING) {
-                lua_pushvalue(L, -2);
-                lua_pushvalue(L, -2);
-                lua_rawset(L, -5);
-            }
-        lua_pushvalue(L, -2);
-        lua_setfield(L, -2, "shape");
-        lua_replace(L, 2);
-    }
-    bind_arguments(L, 2, what, names);
-    *at = (pose){{0, 0, 0}, {0, 0, 0, 1}};
-    bind_get_vec3(L, 2, what, "at", "m", &at->p);
-    bind_get_quat(L, 2, what, "rotation", &at->q);
-    lua_getfield(L, 2, "shape");
-    if (!luaL_testudata(L, -1, BIND_SHAPE))
-        bind_error(L, "%s wants a shape such as digbox.sphere{radius = 1}", what);
-    return &bind_check_shape(L, lua_gettop(L))->def;
-}
-
 /* world:overlap{shape, at=, rotation=} -> bodies */
 static int world_overlap(lua_State *L)
 {
     static const char *const names[] = {"shape", "at", "rotation", NULL};
     WorldRef *ref = bind_check_world(L, 1);
     pose at;
-    const dig_shape_def *shape = shape_argument(L, "world:overlap", names, &at);
+    const dig_shape_def *shape = bind_shape_argument(L, "world:overlap", names, &at);
     int n = dig_overlap(ref->w, shape, at, NULL, 0);
     if (n < 0)
         return bind_fail(L, ref->w, DIG_E_ARG);
@@ -113,7 +85,7 @@ static int world_sweep(lua_State *L)
     vec3 velocity = {0, 0, 0}, acceleration = {0, 0, 0};
     real time = 1;
     dig_hit hit;
-    const dig_shape_def *shape = shape_argument(L, "world:sweep", names, &at);
+    const dig_shape_def *shape = bind_shape_argument(L, "world:sweep", names, &at);
     bind_get_vec3(L, 2, "world:sweep", "velocity", "m/s", &velocity);
     bind_get_vec3(L, 2, "world:sweep", "acceleration", "m/s^2", &acceleration);
     bind_get_real(L, 2, "world:sweep", "time", "s", &time);

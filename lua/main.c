@@ -20,38 +20,56 @@
 
 /* ---- help ------------------------------------------------------------------ */
 
+#define RUN_USE   "  digbox run WORLD.lua [options] [-- ARGUMENTS]   run a world; a picture of its end when it records nothing\n"
+#define TEST_USE  "  digbox test [PATH...] [options]                 run scenarios: files, or folders with *_spec.lua and other scenarios\n"
+#define CHECK_USE "  digbox check FILE...                            compile, and build the world up to its first step\n"
+#define RUN_OPTIONS \
+    "  -o, --output DIR        where pictures go (default out)\n" \
+    "      --seconds N         simulate to t = N s, whatever the world asks for\n" \
+    "      --accuracy A        sketch, play, study, reference, or a tolerance in metres\n" \
+    "      --seed N            seed of the world and of math.random\n" \
+    "      --threads N         1 to 64; the result is the same for any number\n" \
+    "      --set NAME=VALUE    an argument that the world declares (digbox.args); so does -- --NAME VALUE\n" \
+    "      --time-limit S      stop after S seconds of wall time (exit code 5)\n" \
+    "      --memory-limit MiB  memory that the script may use (exit code 3)\n" \
+    "      --fuel N            Lua instructions that the script may use (exit code 4)\n" \
+    "      --trust             the script may use io and os, and write anywhere\n" \
+    "  -q, --quiet             no progress line\n"
+#define TEST_OPTIONS \
+    "  -k PATTERN              only scenarios with this text in their name\n" \
+    "  -j, --jobs N            so many at the same time (default 1)\n" \
+    "      --tap               results as Test Anything Protocol\n" \
+    "      --junit FILE        results as JUnit XML, too\n" \
+    "      --update-goldens    take the pictures of today as right\n" \
+    "      --time-limit S      for one scenario (default 300)\n" \
+    "  -o, --output DIR        where pictures of failures go (default out)\n"
+
 static const char help_text[] =
     "digbox - a 3D physics sandbox with dynamic interaction graphs\n"
-    "\n"
-    "  digbox run WORLD.lua [options] [-- ARGUMENTS]   run a world; a picture of its end when it records nothing\n"
-    "  digbox test [PATH...] [options]                 run scenarios: files, or folders with *_spec.lua and other scenarios\n"
-    "  digbox check FILE...                            compile, and build the world up to its first step\n"
+    "\n" RUN_USE TEST_USE CHECK_USE
     "  digbox --help | --version\n"
     "\n"
-    "run:\n"
-    "  -o, --output DIR        where pictures go (default out)\n"
-    "      --seconds N         simulate to t = N s, whatever the world asks for\n"
-    "      --accuracy A        sketch, play, study, reference, or a tolerance in metres\n"
-    "      --seed N            seed of the world and of math.random\n"
-    "      --threads N         1 to 64; the result is the same for any number\n"
-    "      --set NAME=VALUE    an argument that the world declares (digbox.args); so does -- --NAME VALUE\n"
-    "      --time-limit S      stop after S seconds of wall time (exit code 5)\n"
-    "      --memory-limit MiB  memory that the script may use (exit code 3)\n"
-    "      --fuel N            Lua instructions that the script may use (exit code 4)\n"
-    "      --trust             the script may use io and os, and write anywhere\n"
-    "  -q, --quiet             no progress line\n"
+    "run:\n" RUN_OPTIONS
     "\n"
-    "test:\n"
-    "  -k PATTERN              only scenarios with this text in their name\n"
-    "  -j, --jobs N            so many at the same time (default 1)\n"
-    "      --tap               results as Test Anything Protocol\n"
-    "      --junit FILE        results as JUnit XML, too\n"
-    "      --update-goldens    take the pictures of today as right\n"
-    "      --time-limit S      for one scenario (default 300)\n"
-    "  -o, --output DIR        where pictures of failures go (default out)\n"
+    "test:\n" TEST_OPTIONS
     "\n"
     "Exit codes: 0 ok, 1 script error, 2 usage, 3 memory, 4 fuel, 5 time, 6 scenario failed, 8 bad input file, 9 output failed,\n"
     "10 non-finite state, 11 internal, 130 SIGINT, 143 SIGTERM.\n";
+
+int print_help(const char *command)
+{
+    static const struct { const char *name, *text; } helps[] = {
+        {"run", RUN_USE "\n" RUN_OPTIONS "\nThe arguments that a world declares: digbox run WORLD.lua -- --help\n"},
+        {"test", TEST_USE "\n" TEST_OPTIONS},
+        {"check", CHECK_USE},
+    };
+    const char *text = help_text;
+    for (size_t i = 0; i < sizeof helps / sizeof *helps; i++)
+        if (command && strcmp(helps[i].name, command) == 0)
+            text = helps[i].text;
+    fputs(text, stdout);
+    return flush_output(EXIT_FINE);
+}
 
 int usage_error(const char *format, ...)
 {
@@ -293,11 +311,10 @@ static int command_run(int argc, char **argv)
     if (!o.set)
         return EXIT_MEMORY;
     argv[argc] = NULL;
-    while ((key = getopt_long(argc, argv, "o:q", run_options, NULL)) != -1) {
+    while ((key = getopt_long(argc, argv, "o:qh", run_options, NULL)) != -1) {
         if (key == 'h') {
-            fputs(help_text, stdout);
-            free(o.set);
-            return flush_output(EXIT_FINE);
+            code = print_help("run");
+            goto done;
         }
         if (!read_run_option(&o, key))
             goto done;
@@ -331,6 +348,8 @@ static int command_check(int argc, char **argv)
         App app = {.fuel = -1, .script = argv[i]};
         if (strcmp(argv[i], "--") == 0)
             continue;
+        if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0)
+            return print_help("check");
         if (argv[i][0] == '-' && argv[i][1])
             return usage_error("check: unknown option '%s'", argv[i]);
         int code = run_world(&o, &app);
@@ -352,14 +371,16 @@ int main(int argc, char **argv)
 {
     const char *names[COMMAND_COUNT];
     const char *word = argc > 1 ? argv[1] : "";
-    if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0 || strcmp(word, "help") == 0) {
-        fputs(help_text, stdout);
-        return flush_output(EXIT_FINE);
-    }
+    if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0 || strcmp(word, "help") == 0)
+        return print_help(argc > 2 ? argv[2] : NULL);
     if (strcmp(word, "--version") == 0 || strcmp(word, "-V") == 0) {
         printf("digbox %s\n", DIGBOX_VERSION);
         return flush_output(EXIT_FINE);
     }
+    /* llvmpipe with vectors of 512 bits crashes on multisampled pictures; its own choice, 256, works everywhere. */
+    const char *width = getenv("LP_NATIVE_VECTOR_WIDTH");
+    if (width && strcmp(width, "512") == 0)
+        unsetenv("LP_NATIVE_VECTOR_WIDTH");
     app_catch_signals();
     for (int i = 0; i < COMMAND_COUNT; i++) {
         if (strcmp(word, commands[i].name) == 0) {

@@ -393,6 +393,7 @@ static int open_state(lua_State *L)
     lua_pushcfunction(L, poll_limits);
     lua_setfield(L, -2, "poll");
     bind_use(L, "sandbox");
+    bind_hint_methods(L);
     lua_newtable(L);
     lua_pushcclosure(L, base_require, 1);
     lua_setglobal(L, "require");

@@ -517,7 +517,8 @@ enum { OPT_TAP = 256, OPT_JUNIT, OPT_UPDATE, OPT_TIME };
 static const struct option test_options[] = {
     {"jobs", required_argument, NULL, 'j'}, {"output", required_argument, NULL, 'o'}, {"tap", no_argument, NULL, OPT_TAP},
     {"junit", required_argument, NULL, OPT_JUNIT}, {"update-goldens", no_argument, NULL, OPT_UPDATE},
-    {"time-limit", required_argument, NULL, OPT_TIME}, {NULL, 0, NULL, 0},
+    {"time-limit", required_argument, NULL, OPT_TIME}, {"help", no_argument, NULL, 'h'},
+    {NULL, 0, NULL, 0},
 };
 
 static bool read_test_option(TestOptions *o, int key)
@@ -538,8 +539,10 @@ int command_test(int argc, char **argv)
 {
     Run r = {.o = {.out = "out", .time_limit = 300, .jobs = 1}};
     int key, code = EXIT_FINE;
-    while ((key = getopt_long(argc, argv, "k:j:o:", test_options, NULL)) != -1)
-        if (!read_test_option(&r.o, key))
+    while ((key = getopt_long(argc, argv, "k:j:o:h", test_options, NULL)) != -1)
+        if (key == 'h')
+            return print_help("test");
+        else if (!read_test_option(&r.o, key))
             return EXIT_USAGE;
     for (int i = optind; i < argc && code == EXIT_FINE; i++)
         code = add_path(&r, argv[i]) ? EXIT_FINE : EXIT_USAGE;

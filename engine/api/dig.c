@@ -288,6 +288,8 @@ bool dig_body_touches(const dig_world *w, dig_body a, dig_body b)
 static dig_status post(World *w, dig_body from, dig_body to, const char *kind, const real value[4])
 {
     dig_message m = {.time = world_time(w), .from = from, .to = to};
+    if (!kind[0])
+        return world_fail(w, DIG_E_ARG, "send: a message needs a kind that is not empty");
     snprintf(m.kind, sizeof m.kind, "%s", kind);
     if (value)
         memcpy(m.value, value, sizeof m.value);

@@ -6,6 +6,8 @@
 /* A snapshot is a world that never steps: the same tables, copied. */
 struct dig_snapshot { World *state; const World *of; };
 
+/* ---- copying ---- */
+
 static dig_status copy_tables(World *to, const World *from)
 {
     uint64_t *n = &to->allocations;
@@ -15,7 +17,6 @@ static dig_status copy_tables(World *to, const World *from)
     DIG_TRY(list_copy(&to->touches, &from->touches, n));
     DIG_TRY(list_copy(&to->joints, &from->joints, n));
     DIG_TRY(list_copy(&to->pushes, &from->pushes, n));
-    DIG_TRY(list_copy(&to->free_regions, &from->free_regions, n));
     DIG_TRY(list_copy(&to->unbounded, &from->unbounded, n));
     DIG_TRY(list_copy(&to->awake, &from->awake, n));
     DIG_TRY(list_copy(&to->asking, &from->asking, n));
@@ -41,12 +42,14 @@ static dig_status copy_free_lists(World *to, const World *from)
     DIG_TRY(list_reserve(&to->free_contacts, from->free_contacts.capacity, n));
     DIG_TRY(list_reserve(&to->free_touches, from->free_touches.capacity, n));
     DIG_TRY(list_reserve(&to->free_joints, from->free_joints.capacity, n));
+    DIG_TRY(list_reserve(&to->free_regions, from->free_regions.capacity, n));
     DIG_TRY(list_copy(&to->free_bodies, &from->free_bodies, n));
     DIG_TRY(list_copy(&to->free_solids, &from->free_solids, n));
     DIG_TRY(list_copy(&to->free_pairs, &from->free_pairs, n));
     DIG_TRY(list_copy(&to->free_contacts, &from->free_contacts, n));
     DIG_TRY(list_copy(&to->free_touches, &from->free_touches, n));
-    return list_copy(&to->free_joints, &from->free_joints, n);
+    DIG_TRY(list_copy(&to->free_joints, &from->free_joints, n));
+    return list_copy(&to->free_regions, &from->free_regions, n);
 }
 
 /* Lists that a call may only fill, never grow, need the capacity they had. */
@@ -58,45 +61,22 @@ static dig_status reserve_like(World *to, const World *from)
     return list_reserve(&to->brief, from->brief.capacity, n);
 }
 
-/* Everything that holds a shape gives up its reference. */
-static void drop_shapes(World *w)
+/* Shapes never change: both worlds hold the same ones. */
+static dig_status copy_shapes(World *to, const World *from)
 {
-    for (int i = 0; i < w->solids.count; i++)
-        if (w->solids.data[i].alive)
-            shape_free(&w->solids.data[i].shape);
-    for (int i = 0; i < w->regions.count; i++)
-        if (w->regions.data[i].alive)
-            shape_free(&w->regions.data[i].shape);
-    list_close(&w->solids);
-    list_close(&w->regions);
+    DIG_TRY(list_copy(&to->solids, &from->solids, &to->allocations));
+    for (int i = 0; i < to->solids.count; i++)
+        if (to->solids.data[i].alive)
+            to->solids.data[i].shape = shape_keep(&from->solids.data[i].shape);
+    DIG_TRY(list_copy(&to->regions, &from->regions, &to->allocations));
+    for (int i = 0; i < to->regions.count; i++)
+        if (to->regions.data[i].alive)
+            to->regions.data[i].shape = shape_keep(&from->regions.data[i].shape);
+    return DIG_OK;
 }
 
-static dig_status copy_world(World *to, const World *from)
+static void copy_numbers(World *to, const World *from)
 {
-    struct { LIST(Solid) solids; LIST(Region) regions; } fresh = {0};
-    dig_status s = list_copy(&fresh.solids, &from->solids, &to->allocations);
-    if (s == DIG_OK)
-        s = list_copy(&fresh.regions, &from->regions, &to->allocations);
-    if (s == DIG_OK)
-        s = copy_tables(to, from);
-    if (s == DIG_OK)
-        s = copy_free_lists(to, from);
-    if (s == DIG_OK)
-        s = reserve_like(to, from);
-    if (s != DIG_OK) {
-        list_close(&fresh.solids);
-        list_close(&fresh.regions);
-        return s;
-    }
-    for (int i = 0; i < fresh.solids.count; i++)
-        if (fresh.solids.data[i].alive)
-            fresh.solids.data[i].shape = shape_keep(&from->solids.data[i].shape);
-    for (int i = 0; i < fresh.regions.count; i++)
-        if (fresh.regions.data[i].alive)
-            fresh.regions.data[i].shape = shape_keep(&from->regions.data[i].shape);
-    drop_shapes(to);
-    memcpy(&to->solids, &fresh.solids, sizeof to->solids);      /* LISTs are anonymous types: alike, but not assignable */
-    memcpy(&to->regions, &fresh.regions, sizeof to->regions);
     to->region_count = from->region_count;
     to->def = from->def;
     to->plan = from->plan;
@@ -109,40 +89,95 @@ static dig_status copy_world(World *to, const World *from)
     memcpy(to->room_solid, from->room_solid, sizeof to->room_solid);
     to->ledger = from->ledger;
     to->stats = from->stats;
-    for (int i = 0; i < from->effect_count; i++) {
-        to->effects[i].on = from->effects[i].on;
-        to->effects[i].forced = from->effects[i].forced;
+}
+
+static void copy_effects(EffectSlot *to, const EffectSlot *from)
+{
+    for (int i = 0; i < MAX_EFFECTS; i++) {
+        to[i].on = from[i].on;
+        to[i].forced = from[i].forced;
+        to[i].bodies = from[i].bodies;
     }
+}
+
+/* A world of its own with the same state. */
+static dig_status clone_world(const World *from, World **out)
+{
+    char why[64];
+    World *to;
+    DIG_TRY(world_open(&from->def, &to, why, sizeof why));
+    dig_status s = copy_shapes(to, from);
+    if (s == DIG_OK)
+        s = copy_tables(to, from);
+    if (s == DIG_OK)
+        s = copy_free_lists(to, from);
+    if (s == DIG_OK)
+        s = reserve_like(to, from);
+    if (s != DIG_OK) {
+        world_close(to);
+        return s;
+    }
+    copy_numbers(to, from);
+    copy_effects(to->effects, from->effects);
+    *out = to;
     return DIG_OK;
 }
 
+/* ---- the calls ---- */
+
 dig_status dig_world_snapshot(dig_world *w, dig_snapshot **out)
 {
-    char why[64];
     *out = NULL;
+    if (w->busy)
+        return world_fail(w, DIG_E_BUSY, "world:snapshot() cannot be called while the world is stepping");
     dig_snapshot *s = calloc(1, sizeof *s);
-    if (!s || world_open(&w->def, &s->state, why, sizeof why) != DIG_OK) {
+    if (!s || clone_world(w, &s->state) != DIG_OK) {
         free(s);
         return world_fail(w, DIG_E_MEMORY, "not enough memory for a snapshot");
     }
     s->of = w;
-    s->state->effect_count = w->effect_count;
-    if (copy_world(s->state, w) != DIG_OK) {
-        s->state->effect_count = 0;
-        dig_snapshot_free(s);
-        return world_fail(w, DIG_E_MEMORY, "not enough memory for a snapshot");
-    }
     *out = s;
     return DIG_OK;
 }
 
-/* Handle numbers go on counting from where the world is: a body made after the snapshot stays dead afterwards. */
+static void swap_bytes(void *a, void *b, size_t size)
+{
+    unsigned char *x = a, *y = b, part[512];
+    for (size_t n; size > 0; x += n, y += n, size -= n) {
+        n = size < sizeof part ? size : sizeof part;
+        memcpy(part, x, n);
+        memcpy(x, y, n);
+        memcpy(y, part, n);
+    }
+}
+
+/* The world gets the state of the other, which gets the old one. What is no state stays: threads, scratch memory, effects but
+ * for their switches. Handle numbers go on counting, so that a body made after the snapshot is dead for ever. */
+static void exchange(World *w, World *other)
+{
+    swap_bytes(w, other, sizeof *w);
+    swap_bytes(&w->serial, &other->serial, sizeof w->serial);
+    swap_bytes(&w->gen_start, &other->gen_start, sizeof w->gen_start);
+    swap_bytes(&w->scratch, &other->scratch, sizeof w->scratch);
+    swap_bytes(&w->workers, &other->workers, sizeof w->workers);
+    swap_bytes(&w->effects, &other->effects, sizeof w->effects);
+    swap_bytes(&w->effect_count, &other->effect_count, sizeof w->effect_count);
+    swap_bytes(&w->error, &other->error, sizeof w->error);
+    w->allocations += other->allocations;
+    copy_effects(w->effects, other->effects);
+}
+
 dig_status dig_world_restore(dig_world *w, const dig_snapshot *s)
 {
+    World *fresh;
+    if (w->busy)
+        return world_fail(w, DIG_E_BUSY, "world:restore() cannot be called while the world is stepping");
     if (s->of != w)
         return world_fail(w, DIG_E_KIND, "restore: the snapshot is of another world");
-    if (copy_world(w, s->state) != DIG_OK)
-        return world_fail(w, DIG_E_MEMORY, "not enough memory to restore a snapshot; the world may be half restored");
+    if (clone_world(s->state, &fresh) != DIG_OK)
+        return world_fail(w, DIG_E_MEMORY, "not enough memory to restore a snapshot");
+    exchange(w, fresh);
+    world_close(fresh);
     return DIG_OK;
 }
 

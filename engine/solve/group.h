@@ -225,6 +225,7 @@ int  relax(Group *g, int sweeps, real residual);        /* until the change is b
 void project(Group *g);
 /* locate.c: s into the substep of the first impact, or INFINITY */
 real locate_impact(Group *g);
+bool overshoots(const Group *g);        /* would the substep press bodies deep into each other? */
 
 /* ways.c: a way to advance a group. The choice is by counts, never by the clock. */
 typedef struct Way {

@@ -109,3 +109,30 @@ real locate_impact(Group *g)
     }
     return first;
 }
+
+/* Share of the smaller size that a pair may sink into each other in one substep. */
+#define SINK_MOST 0.02
+
+/* Would a corner that no contact point stands for yet be deep in the other body after this substep? */
+bool overshoots(const Group *g)
+{
+    for (int i = 0; i < g->pair_count; i++) {
+        const GroupPair *q = &g->pairs[i];
+        const GroupContact *c = &g->contacts[q->contact];
+        if (q->contacts != 1 || !c->live || (!g->member[q->a].moves && !g->member[q->b].moves))
+            continue;
+        Motion a = shape_motion(g, q->a, q->la), b = shape_motion(g, q->b, q->lb);
+        real most = SINK_MOST * q->size;
+        real travel = g->h * (vec3_length(vec3_sub(b.v, a.v)) + vec3_length(vec3_sub(b.a, a.a)) * g->h);
+        travel += isfinite(q->sa->outer) ? g->h * vec3_length(a.w) * g->member[q->a].outer : 0;
+        travel += isfinite(q->sb->outer) ? g->h * vec3_length(b.w) * g->member[q->b].outer : 0;
+        if (travel <= most)
+            continue;
+        real depth = 0;
+        for (int k = 0; k < c->manifold.count; k++)
+            depth = real_max(depth, -c->manifold.points[k].gap);
+        if (-shape_distance(q->sa, motion_at(&a, g->h), q->sb, motion_at(&b, g->h), 0, NULL, NULL, NULL) > depth + most)
+            return true;
+    }
+    return false;
+}

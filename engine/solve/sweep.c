@@ -320,6 +320,12 @@ static dig_status substep(Group *g, real until)
             g->located++;
         }
     }
+    for (real shortest = g->h / 16; g->locate && g->h > shortest && overshoots(g);) {
+        restore(g);
+        g->h *= 0.5;
+        until = g->t + g->h;
+        DIG_TRY(solve_substep(g));
+    }
     forget_idle(g);
     book(g);
     if (g->woke)

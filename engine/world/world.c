@@ -146,8 +146,11 @@ uint64_t world_hash(const World *w)
         h = hash_u64(h, (uint64_t)p->solid_a << 32 | p->solid_b);
         for (uint32_t c = p->contact; c != NONE; c = w->contacts.data[c].next) {
             const Contact *contact = &w->contacts.data[c];
-            for (int k = 0; k < contact->manifold.count; k++)
-                h = hash_vec3(hash_real(h, contact->memory[k].normal), contact->memory[k].tangent);
+            for (int k = 0; k < contact->manifold.count; k++) {
+                const PointMemory *m = &contact->memory[k];
+                h = hash_u64(hash_vec3(hash_real(h, m->normal), m->tangent), (uint64_t)m->held);
+            }
+            h = hash_vec3(h, contact->rolling);
         }
     }
     for (int i = 0; i < w->joints.count; i++) {
@@ -159,8 +162,13 @@ uint64_t world_hash(const World *w)
             h = hash_real(h, j->impulse[k]);
         for (int k = 0; k < 48; k++)
             h = hash_real(h, j->params[k]);
+        for (int k = 0; k < 4; k++)
+            h = hash_real(h, j->memory[k]);
     }
-    for (int i = 0; i < w->pushes.count; i++)
-        h = hash_real(hash_vec3(hash_vec3(h, w->pushes.data[i].force), w->pushes.data[i].torque), w->pushes.data[i].until);
+    for (int i = 0; i < w->pushes.count; i++) {
+        const Push *p = &w->pushes.data[i];
+        h = hash_real(hash_vec3(hash_vec3(hash_u64(h, p->body), p->force), p->torque), p->until);
+        h = p->has_at ? hash_vec3(h, p->at) : h;
+    }
     return hash_u64(h, graph_hash(w->graph));
 }

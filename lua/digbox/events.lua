@@ -186,7 +186,7 @@ function core.lua_state(world)
   local state = core.state(world)
   if not state.handlers then
     state.handlers, state.mask, state.subscriptions = {}, 0, 0
-    state.tasks, state.films, state.scene, state.event_log = {}, {}, { lamps = {} }, {}
+    state.tasks, state.films, state.scene, state.event_log, state.forces = {}, {}, { lamps = {} }, {}, {}
   end
   return state
 end

@@ -99,11 +99,39 @@ function getters.seed(world)
   return core.state(world).seed
 end
 
+-- ---- regions ----
+
+-- world:region{shape, at=, rotation=, laws={gravity=, drag=, friction_scale=, restitution_scale=, force=function(body) end}} -> region
+-- force is asked before each step for each body inside: a force in N for that step, or nil. It is not part of saved worlds.
+function methods.region(world, fields)
+  local region = core.region(world, fields)
+  local state, kept = core.lua_state(world), {}
+  -- After world:restore, a new region can have the number of one that was made after the snapshot.
+  for _, law in ipairs(state.forces) do
+    if law.region ~= region then kept[#kept + 1] = law end
+  end
+  local force = fields.laws and fields.laws.force
+  if force then kept[#kept + 1] = { region = region, force = force } end
+  state.forces = kept
+  return region
+end
+
+-- Laws of removed regions stay in the list, since world:restore can bring the region back; they have no bodies.
+function core.push_regions(state)
+  for _, law in ipairs(state.forces) do
+    state.in_handler = "laws.force"
+    local ok, message = pcall(core.region_force, law.region, law.force)
+    state.in_handler = nil
+    if not ok then error(message, 0) end
+  end
+end
+
 -- ---- stepping ----
 
 local function advance(world, state)
   core.poll()
   if state.before_first_step and world.steps == 0 then state.before_first_step(world) end
+  core.push_regions(state)
   local filming = #state.films > 0
   if filming then core.film_before_step(world, state) end
   core.step(world)
@@ -209,7 +237,9 @@ function core.report_stop()
   local world, frames = core.last_world, core.frames or 0
   if world and core.is_open(world) then
     core.lua_state(world).in_handler, core.lua_state(world).in_task = nil, nil
-    core.tell(("digbox: stopped at t = %.6g s, step %d; %d frames are complete\n"):format(world.time, world.steps, frames))
+    if world.steps > 0 then
+      core.tell(("digbox: stopped at t = %.6g s, step %d; %d frames are complete\n"):format(world.time, world.steps, frames))
+    end
   end
   core.close_films()
 end
