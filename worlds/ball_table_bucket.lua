@@ -22,7 +22,8 @@ digbox.material("cloth", { like = "oak", pattern = "wood" })
 digbox.material("glide", { like = "felt", friction = 0.1, friction_dynamic = 0.1, restitution = 0 })
 digbox.material("sleeve", { like = "rubber", restitution = 0 })
 digbox.material_pair { a = "glide", b = "tile", friction = 0.1, friction_dynamic = 0.1, restitution = 0 }
-digbox.material_pair { a = "rubber", b = "cloth", friction = 0.7, friction_dynamic = 0.6, rolling_friction = scene.rolling, restitution = 0.45 }
+digbox.material_pair { a = "rubber", b = "cloth", friction = 0.7, friction_dynamic = 0.6, rolling_friction = scene.rolling,
+  restitution = 0.45 }
 digbox.material_pair { a = "rubber", b = "aluminium", friction = 0.4, friction_dynamic = 0.35, rolling_friction = 0.015, restitution = 0.2 }
 digbox.material_pair { a = "sleeve", b = "aluminium", friction = 0.75, friction_dynamic = 0.64, restitution = 0 }
 
@@ -110,4 +111,42 @@ function scene.act(s)
   end)
 end
 
-return scene
+-- The DIGs as text, in the order of their ids: "{table,ball} {bucket,handle} {rod}".
+function scene.sets(world)
+  local sets = {}
+  for _, dig in ipairs(world:digs()) do
+    local names = {}
+    for _, member in ipairs(dig:members()) do names[#names + 1] = member.name end
+    sets[#sets + 1] = "{" .. table.concat(names, ",") .. "}"
+  end
+  return table.concat(sets, " ")
+end
+
+if ... == "ball_table_bucket" then return scene end       -- the spec builds its own world
+
+local world = digbox.world {}
+local s = scene.build(world)
+scene.act(s)
+world:sun { from = { 2, 5, 4 }, shadows = true }
+local eye = world:camera { at = { -1.0, 1.35, 4.1 }, look_at = digbox.vec(-1.35, 0.62, 0), fov = "44 deg" }
+
+local before = ""
+local function tell(what)
+  local now = scene.sets(world)
+  if what or now ~= before then print(("%7.3f s  %-46s %s"):format(world.time, now, what or "")) end
+  before = now
+end
+
+tell "the ball falls"
+local film = world:record { camera = eye, to = "out/ball_table_bucket-%05d.png", fps = 30, size = { 1280, 720 } }
+local notes = { [pull.at] = "the table is pulled gently", [stop.at] = "the table is stopped", [lift.at] = "the handle is pulled up" }
+while world.time < 13 do
+  local time = world.time + world.frame
+  world:step()
+  local note
+  for at, text in pairs(notes) do if math.abs(time - at) < world.frame / 2 then note = text end end
+  tell(note)
+end
+film:close()
+print(("the ball lies on the table, %.2f m from its edge; the bucket hangs by its handle"):format(
+  s.table.position.x + 0.8 - s.ball.position.x))

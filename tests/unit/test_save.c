@@ -555,7 +555,10 @@ static void mutate(dig_world *w, const char *name, int mutants, uint64_t random)
         for (int k = 0; k < changes; k++) {
             size_t at = header + next_random(&random) % (b.size - header);
             uint64_t r = next_random(&random);
-            copy[at] = (unsigned char)(r % 2 ? copy[at] ^ 1 << r / 2 % 8 : r >> 8);
+            if (r % 2)
+                copy[at] ^= (unsigned char)(1 << r / 2 % 8);
+            else
+                copy[at] = (unsigned char)(r >> 8);
         }
         mend_checksums((Bytes){copy, b.size});
         write_bytes(path, copy, b.size);
