@@ -9,8 +9,8 @@
  * Not written: what the next step makes anew (reach boxes, scratch), times of the clock, capacities. Handles are written
  * relative to the world's first: equal worlds give equal files, and a handle of the saved world is dead in the loaded one.
  *
- * Memory: a table is allocated only when the bytes that are left can hold its records. No record takes more than 250 bytes of
- * memory per byte of file (a free slot of the body table; the rest less than 20), besides 2 MB for any world.
+ * Memory: a table is allocated only when the bytes that are left can hold its records. A world takes at most 300 bytes of
+ * memory per byte of file (where all slots of the body table are free; else some 5), besides 2 MB for any world.
  *
  * Floor: api.
  */

@@ -16,7 +16,7 @@ static real uniform(uint64_t *rng, real lo, real hi) { return lo + (hi - lo) * r
 typedef struct Tally { int64_t runs, steps, immaterial, lost, labels; real deepest; } Tally;
 
 /* Overlap of a pile at the end of a step: more than this share of the smallest size is more than a blow presses in. */
-#define IMMATERIAL 0.2
+#define IMMATERIAL 0.1
 
 static void look_at(dig_world *w, const dig_body *b, int n, real smallest, Tally *t)
 {
