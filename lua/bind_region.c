@@ -91,11 +91,12 @@ const dig_shape_def *bind_shape_argument(lua_State *L, const char *what, const c
 static RegionRef *check_region(lua_State *L)
 {
     RegionRef *ref = luaL_testudata(L, 1, BIND_REGION);
-    if (!ref)
-        bind_error(L, "expected a region, got %s (methods are called with ':')", luaL_typename(L, 1));
-    if (!ref->world->w)
+    if (ref && ref->world->w)
+        return ref;
+    if (ref)
         bind_error(L, "the region's world is closed");
-    return ref;
+    bind_error(L, "expected a region, got %s (methods are called with ':')", luaL_typename(L, 1));
+    return NULL;
 }
 
 static void read_laws(lua_State *L, const WorldRef *world, dig_region_def *def)

@@ -37,7 +37,7 @@ log_of() { echo "$results/${1//\//_}.log"; }
 
 # run_one NUMBER KIND PATH: leaves the log and, last of all, NUMBER.result (passed failed status).
 run_one() {
-    local number=$1 kind=$2 path=$3 limit=300 log status passed failed
+    local number=$1 kind=$2 path=$3 limit=900 log status passed failed
     log=$(log_of "$path")
     export TMPDIR=$results/scratch-$number
     mkdir -p "$TMPDIR"

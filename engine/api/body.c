@@ -191,6 +191,9 @@ dig_status dig_body_hit(dig_world *w, dig_body handle, vec3 impulse, vec3 at, bo
     mat3 r = quat_matrix(b->q), inverse = mat3_mul(mat3_mul(r, b->inv_inertia), mat3_transpose(r));
     vec3 dv = vec3_scale(b->inv_mass, impulse);
     vec3 dw = has_at ? mat3_mul_vec(inverse, vec3_cross(vec3_sub(at, b->x), impulse)) : vec3_zero();
+    if (!vec3_finite(vec3_add(b->v, dv)) || !vec3_finite(vec3_add(b->w, dw)))
+        return world_fail(w, DIG_E_ARG, "hit: impulse = {%g, %g, %g} N s makes body '%s' too fast for a number", impulse.x, impulse.y,
+                          impulse.z, b->name);
     b->v = vec3_add(b->v, dv);
     b->w = vec3_add(b->w, dw);
     b->hit_v = vec3_add(b->hit_v, dv);

@@ -168,6 +168,8 @@ static dig_status prepare(World *w, const dig_joint_def *def, JointRec *r)
     char why[256] = "";
     if (param_check(type->params, r->params, type->name, why, sizeof why) != DIG_OK)
         return world_fail(w, DIG_E_ARG, "%s", why);
+    if (!memchr(def->name.s, 0, sizeof def->name.s))
+        return world_fail(w, DIG_E_ARG, "%s: its name is longer than 63 bytes", type->name);
     if (!(def->breaks_at > 0))
         return world_fail(w, DIG_E_ARG, "%s: breaks_at = %g N, must be > 0", type->name, def->breaks_at);
     DIG_TRY(find_bodies(w, type, def, r));

@@ -52,7 +52,7 @@ static void finish_soft(const Group *g, JointRow *r)
 {
     real h = g->h, k = r->row.stiffness, c = r->row.damping;
     real s = g->midpoint ? 0.5 * h * (0.5 * h * k + c) : h * (h * k + c);
-    if (!(s > 0)) {
+    if (!(s > 1e-290)) {        /* below, 1 / s overflows */
         r->k = 0;               /* neither stiff nor damped: no row */
         return;
     }

@@ -136,7 +136,8 @@ static dig_status sense_body(World *w, uint32_t slot, real dt)
     const Body *b = &w->bodies.data[slot];
     if (!body_sane(b)) {
         w->stats.rejected++;
-        return world_fail(w, DIG_E_FINITE, "at t = %g s the state of body '%s' has a non-finite position or velocity", world_time(w), b->name);
+        return world_fail(w, DIG_E_FINITE, "at t = %g s the state of body '%s' has a non-finite position or velocity",
+                          world_time(w), b->name);
     }
     for (uint32_t i = b->shape_first; i != NONE; i = w->solids.data[i].next) {
         Solid *s = &w->solids.data[i];

@@ -156,6 +156,9 @@ static dig_status check_def(const World *w, const dig_body_def *def)
         return world_fail(w, DIG_E_ARG, "body '%s': rotation has length %g, must be 1", name, sqrt(quat_norm2(def->rotation)));
     if (def->shape_count < 1 || def->shape_count > 4096)
         return world_fail(w, DIG_E_ARG, "body '%s': %d shapes, must be 1..4096", name, def->shape_count);
+    for (int i = 0; i < def->shape_count; i++)
+        if (!vec3_finite(def->shapes[i].at.p) || !quat_finite(def->shapes[i].at.q))
+            return world_fail(w, DIG_E_ARG, "body '%s': the place of its shape %d must be finite", name, i + 1);
     if (def->material.s[0] && material_find(w, def->material.s) < 0)
         return world_fail(w, DIG_E_ARG, "body '%s': there is no material '%s'", name, def->material.s);
     return DIG_OK;

@@ -160,7 +160,7 @@ uint64_t world_hash(const World *w)
         h = hash_u64(h, (uint64_t)i);
         for (int k = 0; k < 12; k++)
             h = hash_real(h, j->impulse[k]);
-        for (int k = 0; k < 48; k++)
+        for (int k = j->other[0] != NONE ? 2 : 0; k < 48; k++)     /* gear and rack begin with two handles */
             h = hash_real(h, j->params[k]);
         for (int k = 0; k < 4; k++)
             h = hash_real(h, j->memory[k]);

@@ -260,7 +260,8 @@ TEST(calls_with_bad_numbers_are_refused)
     m.density = NAN;
     REFUSED(dig_material_add(w, "antimatter", &m), DIG_E_ARG);
     REFUSED(dig_material_get(w, "antimatter", &m), DIG_E_ARG);
-    dig_pair_def p = {.a = {"steel"}, .b = {"antimatter"}, .friction = 0.1, .friction_dynamic = NAN, .rolling_friction = NAN, .restitution = NAN};
+    dig_pair_def p = {.a = {"steel"}, .b = {"antimatter"}, .friction = 0.1, .friction_dynamic = NAN, .rolling_friction = NAN,
+                      .restitution = NAN};
     REFUSED(dig_material_pair(w, &p), DIG_E_ARG);
     step(w, 5);
     check_world(w);

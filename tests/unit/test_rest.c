@@ -99,7 +99,8 @@ static void make_row(dig_world *w, bool boxes, bool stacked, int n, dig_body *b)
 {
     for (int i = 0; i < n; i++) {
         vec3 at = stacked ? (vec3){0, 0.5 + i, 0} : (vec3){i, 0.5, 0};
-        b[i] = boxes ? add_box(w, look(0.5, 0), (vec3){1, 1, 1}, 1, at, quat_identity()) : add_ball(w, look(0.5, 0), 0.5, 1, at, vec3_zero());
+        b[i] = boxes ? add_box(w, look(0.5, 0), (vec3){1, 1, 1}, 1, at, quat_identity())
+                     : add_ball(w, look(0.5, 0), 0.5, 1, at, vec3_zero());
     }
 }
 
@@ -133,7 +134,8 @@ static void hit_a_row(bool boxes, bool stacked, int n)
         fail_msg("%d %s, %s: no hit", n, boxes ? "boxes" : "balls", stacked ? "stacked" : "in a row");
     for (int k = 0; k < count; k++)
         for (int i = 0; i < n; i++)
-            told[i] += messages[k].to.slot == b[i].slot && messages[k].from.slot == striker.slot && strcmp(messages[k].kind, "collision") == 0;
+            told[i] += messages[k].to.slot == b[i].slot && messages[k].from.slot == striker.slot &&
+                       strcmp(messages[k].kind, "collision") == 0;
     for (int i = 0; i < n; i++)
         if (told[i] != hits)
             fail_msg("%s %d of %d was told %d times of %d hits", boxes ? "box" : "ball", i, n, told[i], hits);
@@ -166,7 +168,8 @@ TEST(deep_overlaps_part_without_launching)
         add_floor(w, look(0.5, 0));
         dig_body b[8];
         for (int k = 0; k < 8; k++)
-            b[k] = add_box(w, look(0.5, 0), (vec3){1, 1, 1}, 1, (vec3){0.05 * (k & 1), 0.6 + 0.05 * (k >> 2), 0.05 * (k >> 1 & 1)}, quat_identity());
+            b[k] = add_box(w, look(0.5, 0), (vec3){1, 1, 1}, 1, (vec3){0.05 * (k & 1), 0.6 + 0.05 * (k >> 2), 0.05 * (k >> 1 & 1)},
+                           quat_identity());
         real fastest = 0, lowest = 1;
         real end = SANITIZED || i == 2 ? 2 : 10;
         while (dig_world_time(w) < end) {
@@ -177,7 +180,8 @@ TEST(deep_overlaps_part_without_launching)
                 lowest = real_min(lowest, s.low.y);
             }
         }
-        printf("dt %g: v_max %.3f m/s, overlap at the end %.2e m, lowest point %.2e m\n", steps[i], fastest, dig_world_stats(w).penetration, lowest);
+        printf("dt %g: v_max %.3f m/s, overlap at the end %.2e m, lowest point %.2e m\n", steps[i], fastest,
+               dig_world_stats(w).penetration, lowest);
         CHECK(fastest < 3);
         CHECK(lowest > -0.5);
         if (end > 2) {
