@@ -6,7 +6,7 @@ set -eu
 first=$(ls "$1"*[0-9].png 2>/dev/null | sort | head -n 1)
 [ -n "$first" ] || { echo "digbox: no frames at $1*.png" >&2; exit 1; }
 
-digits=$(expr "$first" : '.*[^0-9]\([0-9][0-9]*\)\.png$')
+digits=$(expr "$first" : '.*[^0-9]\([0-9][0-9]*\)\.png$' || :)     # expr fails on a number that is zero
 stem=${first%"$digits".png}
 film=$(ls "$1"*.mp4 2>/dev/null | head -n 1)
 echo "frames: $(ls "$stem"*[0-9].png | wc -l), from $first"
