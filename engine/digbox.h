@@ -179,10 +179,16 @@ typedef struct dig_stats {
     int      iterations;                /* solver sweeps, summed over groups            */
     int      substeps;                  /* parts of the step, summed over groups        */
     int      located;                   /* impacts located in time, last step           */
+    int      traced, conserved, swept;  /* groups by the way they were advanced, last step */
+    int      evaluations;               /* of the equations of motion, by traced and conserved groups, last step */
+    int      refused;                   /* integration steps refused by their error estimate, last step */
+    int      trace_events;              /* impacts, slips, stops and limits traced, last step */
+    uint64_t gave_up;                   /* times since the start that a group left a finer way within its budget */
+    char     gave_up_why[64];           /* reason of the last time                      */
     real     residual;                  /* m/s, worst velocity change of the last sweep */
     real     penetration;               /* m, worst at the end of the step              */
     real     joint_error;               /* m or rad, worst at the end of the step       */
-    real     us_sense, us_touch, us_graph, us_advance, us_commit, us_report;  /* us CPU, last step */
+    real     us_sense, us_touch, us_graph, us_advance, us_commit, us_report;  /* us CPU, last timed step (every 16th) */
     size_t   bytes;                     /* all memory of the world                      */
     uint64_t allocations;               /* calls to the allocator since the start       */
 } dig_stats;
@@ -263,6 +269,9 @@ typedef struct dig_heightfield_def {            /* y = height(x, z), centred on 
 
 typedef enum dig_body_kind { DIG_DYNAMIC, DIG_KINEMATIC, DIG_STATIC } dig_body_kind;
 typedef enum dig_mode { DIG_MOVING, DIG_RESTING, DIG_FIXED } dig_mode;
+/* How a body is moved, to compare: auto = by the accuracy; else once a substep by the rule of that name. switch = Euler in its first
+ * step, from an impact to the end of that step and in the one after it, Verlet otherwise. */
+typedef enum dig_integrator { DIG_AUTO, DIG_EULER, DIG_VERLET, DIG_SWITCH, DIG_INTEGRATORS } dig_integrator;
 
 typedef struct dig_body_def {
     dig_text name;
@@ -277,6 +286,7 @@ typedef struct dig_body_def {
     real     gravity_scale;
     bool     collides;
     int64_t  group;             /* bodies of the same negative group never touch    */
+    int64_t  integrator;        /* dig_integrator                                   */
     vec3     colour;
     bool     bullet;            /* reserved: continuous collision is always on      */
     const dig_shape_def *shapes;
@@ -318,7 +328,7 @@ typedef struct dig_body_debug {
     real     mess_time;         /* s                                 */
     bool     floor;             /* constraint mode (at rest)         */
     bool     collided;          /* struck something in the last step */
-    bool     euler;             /* Euler was used for the last step  */
+    bool     euler;             /* no history for Verlet: not in free flight in the last step, or before its first; see integrator */
     vec3     curr_pos, prev_pos, next_pos;      /* m; next = predicted */
     quat     curr_rot, prev_rot, next_rot;
     real     itensor[9], iti[9], itiws[9];      /* local inertia, its inverse, inverse in world axes */
@@ -339,7 +349,8 @@ dig_status dig_body_hit(dig_world *w, dig_body b, vec3 impulse, vec3 at, bool ha
 dig_status dig_body_teleport(dig_world *w, dig_body b, const vec3 *at, const quat *rotation, const vec3 *velocity, const vec3 *spin);
 dig_status dig_body_move_to(dig_world *w, dig_body b, vec3 at, const quat *rotation, real over);   /* kinematic only; s */
 dig_status dig_body_set_velocity(dig_world *w, dig_body b, vec3 velocity, vec3 spin);              /* kinematic only */
-/* A row of the body schema that may change: mass density material friction... restitution gravity_scale group collides name colour. */
+/* A row of the body schema that may change: mass density material friction... restitution gravity_scale group collides integrator
+ * name colour. */
 dig_status dig_body_set(dig_world *w, dig_body b, const char *param, const void *value);
 dig_status dig_body_param(const dig_world *w, dig_body b, const char *param, void *value);         /* reads any row */
 dig_status dig_body_wake(dig_world *w, dig_body b);
@@ -419,7 +430,7 @@ dig_dig    dig_of(const dig_world *w, dig_body b);                              
 dig_status dig_dig_get(const dig_world *w, dig_dig d, dig_dig_state *out);      /* DIG_E_DEAD: it is no more */
 int        dig_digs(const dig_world *w, dig_dig *out, int capacity);            /* mechanical layer, by id */
 int        dig_members(const dig_world *w, dig_dig d, dig_body *out, int capacity);
-dig_status dig_dig_accuracy(dig_world *w, dig_dig d, const char *plan);
+dig_status dig_dig_accuracy(dig_world *w, dig_dig d, const char *plan, real tolerance);    /* plan NULL: the tolerance, m */
 
 typedef enum dig_link_kind { DIG_LINK_CONTACT, DIG_LINK_JOINT, DIG_LINK_PORT, DIG_LINK_RANGE, DIG_LINK_KINDS } dig_link_kind;
 

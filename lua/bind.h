@@ -125,6 +125,8 @@ bool bind_is_vec3(lua_State *L, int index);
 vec3 bind_vec3(lua_State *L, int index, const char *unit, const char *what, const char *field);
 quat bind_quat(lua_State *L, int index, const char *what, const char *field);
 real bind_real(lua_State *L, int index, const char *unit, const char *what, const char *field);
+/* "play" (plan), 0.001 or "1 mm" (tolerance, m; plan is then empty). */
+void bind_accuracy(lua_State *L, int index, const char *what, dig_text *plan, real *tolerance);
 lua_Integer bind_int(lua_State *L, int index, const char *what, const char *field);
 real bind_seconds(lua_State *L, int index, const char *what);
 

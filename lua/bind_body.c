@@ -225,6 +225,18 @@ static int get_debug(lua_State *L)
     return 1;
 }
 
+/* body.integrating: "euler" while it has no history, else "verlet"; see the parameter integrator */
+static int get_integrating(lua_State *L)
+{
+    BodyRef *b = bind_check_body(L, 1);
+    dig_body_debug d;
+    dig_status s = dig_body_inspect(b->world->w, b->id, &d);
+    if (s != DIG_OK)
+        return bind_fail(L, b->world->w, s);
+    lua_pushstring(L, d.euler ? "euler" : "verlet");
+    return 1;
+}
+
 /* ---- parameters ---------------------------------------------------------------------- */
 
 static const dig_param *find_row(const char *key)
@@ -272,7 +284,7 @@ static bool is_state(const char *key)
 {
     static const char *const names[] = {
         "position", "at", "rotation", "velocity", "speed", "spin", "centre", "inertia", "awake", "asleep", "valid", "dig", "energy",
-        "force", "torque", "bounds", "mode", "debug", "work_received", "kind", "world", NULL,
+        "force", "torque", "bounds", "mode", "integrating", "debug", "work_received", "kind", "world", NULL,
     };
     for (int i = 0; names[i]; i++)
         if (strcmp(names[i], key) == 0)
@@ -533,7 +545,8 @@ static const luaL_Reg getters[] = {
     {"position", get_position}, {"rotation", get_rotation}, {"centre", get_centre}, {"velocity", get_velocity}, {"speed", get_speed},
     {"spin", get_spin}, {"mass", get_mass}, {"inertia", get_inertia}, {"awake", get_awake}, {"asleep", get_asleep}, {"valid", get_valid},
     {"dig", get_dig}, {"energy", get_energy}, {"force", get_force}, {"torque", get_torque}, {"bounds", get_bounds}, {"mode", get_mode},
-    {"kind", get_kind}, {"debug", get_debug}, {"name", get_name}, {"work_received", get_work}, {"world", get_world}, {"data", get_data},
+    {"kind", get_kind}, {"integrating", get_integrating}, {"debug", get_debug},
+    {"name", get_name}, {"work_received", get_work}, {"world", get_world}, {"data", get_data},
     {NULL, NULL},
 };
 static const luaL_Reg meta[] = {{"__newindex", body_newindex}, {"__tostring", body_tostring}, {"__eq", body_eq}, {NULL, NULL}};

@@ -214,12 +214,15 @@ static int dig_get_links(lua_State *L)
     return push_links(L, lua_gettop(L), links, n);
 }
 
-/* dig:accuracy "reference" -> dig */
+/* dig:accuracy "reference" | 1e-6 | "1 um" -> dig */
 static int dig_set_accuracy(lua_State *L)
 {
     dig_state(L);
     DigRef *d = lua_touserdata(L, 1);
-    dig_status s = dig_dig_accuracy(d->world->w, d->id, luaL_checkstring(L, 2));
+    dig_text plan;
+    real tolerance;
+    bind_accuracy(L, 2, "dig", &plan, &tolerance);
+    dig_status s = dig_dig_accuracy(d->world->w, d->id, plan.s[0] ? plan.s : NULL, tolerance);
     if (s != DIG_OK)
         return bind_fail(L, d->world->w, s);
     lua_settop(L, 1);

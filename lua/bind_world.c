@@ -1,11 +1,14 @@
 /* lua/bind_world.c - worlds: opening, stepping, books, snapshots, the room, materials. */
 
+#define _POSIX_C_SOURCE 200809L /* clock_gettime */
+
 #include "bind.h"
 
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <time.h>
 
 typedef struct SnapshotRef { dig_snapshot *s; WorldRef *world; } SnapshotRef;
 
@@ -39,7 +42,7 @@ static WorldRef *new_world(lua_State *L)
 }
 
 /* accuracy = "play" | 0.001 | "1 mm" */
-static void read_accuracy(lua_State *L, int index, dig_text *plan, real *tolerance)
+void bind_accuracy(lua_State *L, int index, const char *what, dig_text *plan, real *tolerance)
 {
     const char *text = lua_type(L, index) == LUA_TSTRING ? lua_tostring(L, index) : NULL;
     memset(plan, 0, sizeof *plan);
@@ -47,7 +50,7 @@ static void read_accuracy(lua_State *L, int index, dig_text *plan, real *toleran
     if (text && !strchr("0123456789.+-", text[0]))
         snprintf(plan->s, sizeof plan->s, "%s", text);
     else
-        *tolerance = bind_real(L, index, "m", "digbox.world", "accuracy");
+        *tolerance = bind_real(L, index, "m", what, "accuracy");
 }
 
 /* core.world{...} -> world */
@@ -63,7 +66,7 @@ static int world_open(lua_State *L)
     lua_settop(L, 1);
     bind_check_keys(L, 1, "digbox.world", sets, extras);
     if (lua_getfield(L, 1, "accuracy") != LUA_TNIL) {
-        read_accuracy(L, 2, &def.accuracy, &def.tolerance);
+        bind_accuracy(L, 2, "digbox.world", &def.accuracy, &def.tolerance);
         lua_pushnil(L);
         lua_setfield(L, 1, "accuracy");         /* the table is a copy made by init.lua */
     }
@@ -123,6 +126,15 @@ static int world_step(lua_State *L)
     WorldRef *ref = bind_check_world(L, 1);
     dig_status s = dig_world_step(ref->w);
     return s == DIG_OK ? 0 : bind_fail(L, ref->w, s);
+}
+
+/* core.cpu_seconds() -> s of CPU time of this process, all threads. Scripts cannot reach it: they see simulated time alone. */
+static int cpu_seconds(lua_State *L)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    lua_pushnumber(L, (double)t.tv_sec + 1e-9 * (double)t.tv_nsec);
+    return 1;
 }
 
 /* core.save(world, path) */
@@ -257,8 +269,10 @@ static int world_energy(lua_State *L)
 /* world:stats() -> table */
 static int world_stats(lua_State *L)
 {
-    dig_stats s = dig_world_stats(bind_check_world(L, 1)->w);
+    const dig_world *w = bind_check_world(L, 1)->w;
+    dig_stats s = dig_world_stats(w);
     lua_newtable(L);
+    set_real(L, "energy_drift", dig_world_energy(w).numerical);
     set_int(L, "bodies", s.bodies);
     set_int(L, "awake", s.awake);
     set_int(L, "digs", s.digs);
@@ -272,6 +286,17 @@ static int world_stats(lua_State *L)
     set_int(L, "iterations", s.iterations);
     set_int(L, "substeps", s.substeps);
     set_int(L, "located", s.located);
+    set_int(L, "traced", s.traced);
+    set_int(L, "conserved", s.conserved);
+    set_int(L, "swept", s.swept);
+    set_int(L, "evaluations", s.evaluations);
+    set_int(L, "refused", s.refused);
+    set_int(L, "trace_events", s.trace_events);
+    set_int(L, "gave_up", (lua_Integer)s.gave_up);
+    if (s.gave_up_why[0]) {
+        lua_pushstring(L, s.gave_up_why);
+        lua_setfield(L, -2, "gave_up_why");
+    }
     set_real(L, "residual", s.residual);
     set_real(L, "penetration", s.penetration);
     set_real(L, "joint_error", s.joint_error);
@@ -361,7 +386,7 @@ static int world_newindex(lua_State *L)
     } else if (strcmp(key, "accuracy") == 0) {
         dig_text plan;
         real tolerance;
-        read_accuracy(L, 3, &plan, &tolerance);
+        bind_accuracy(L, 3, "digbox.world", &plan, &tolerance);
         s = dig_world_set_accuracy(ref->w, plan.s, tolerance);
     } else {
         return bind_error(L, "world.%s cannot be assigned (gravity and accuracy can)", key);
@@ -496,7 +521,8 @@ static const luaL_Reg snapshot_meta[] = {{"__gc", snapshot_gc}, {"__tostring", s
 static const luaL_Reg functions[] = {
     {"world", world_open}, {"load", world_load}, {"state", world_state}, {"is_open", world_is_open},
     {"step", world_step}, {"save", world_save}, {"restore", world_restore}, {"close", world_close}, {"room", world_room}, {"room_open", world_room_open},
-    {"material", world_material}, {"material_pair", world_material_pair}, {NULL, NULL},
+    {"material", world_material}, {"material_pair", world_material_pair},
+    {"cpu_seconds", cpu_seconds}, {NULL, NULL},
 };
 
 void bind_world_open(lua_State *L, int core)

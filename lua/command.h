@@ -6,6 +6,18 @@
 #include <stdarg.h>
 #include <stdbool.h>
 
+#include <lua.h>
+
+typedef struct RunOptions {
+    const char *world, *out, *accuracy;
+    double      seconds, time_limit;        /* < 0 = not given */
+    long long   seed, threads, memory, fuel;
+    bool        trust, quiet, dry;
+    int         set_count, argument_count;
+    char      **set;                        /* [set_count] NAME=VALUE */
+    char      **arguments;                  /* [argument_count] after -- */
+} RunOptions;
+
 /* Prints `digbox: ...` and where help is; returns the exit code. */
 int usage_error(const char *format, ...);
 
@@ -21,6 +33,13 @@ void print_error(const char *text);
 /* The code, or that of failed output when stdout cannot take the rest. */
 int flush_output(int code);
 
+/* What stands after a bare -- is for the world: the number of arguments before it. */
+int cut_arguments(int argc, char **argv, RunOptions *o);
+
+/* A Lua function: core.options from the RunOptions in its argument. */
+int run_set_options(lua_State *L);
+
 int command_test(int argc, char **argv);
+int command_cost(int argc, char **argv);
 
 #endif

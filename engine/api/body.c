@@ -231,6 +231,7 @@ dig_status dig_body_teleport(dig_world *w, dig_body handle, const vec3 *at, cons
     b->x = vec3_add(origin, quat_rotate(b->q, b->centre));
     b->prev_x = b->x;
     b->prev_q = b->q;
+    b->euler = b->euler || b->integrator == DIG_SWITCH;     /* what it did before is no history of where it is now */
     if (velocity && b->kind != DIG_STATIC)
         b->v = *velocity;
     if (spin && b->kind != DIG_STATIC)

@@ -48,6 +48,12 @@ static dig_status set_mass(World *w, Body *b, real mass)
     return DIG_OK;
 }
 
+static void set_integrator(Body *b, int64_t integrator)
+{
+    b->integrator = (uint8_t)integrator;
+    b->euler = integrator != DIG_VERLET;
+}
+
 /* A body made without collisions has no boxes in the tree yet. */
 static dig_status set_collides(World *w, Body *b, bool collides)
 {
@@ -88,6 +94,8 @@ dig_status dig_body_set(dig_world *w, dig_body handle, const char *name, const v
         b->gravity_scale = *number;
     else if (strcmp(name, "group") == 0)
         b->group = *(const int64_t *)value;
+    else if (strcmp(name, "integrator") == 0)
+        set_integrator(b, *(const int64_t *)value);
     else if (strcmp(name, "collides") == 0)
         status = set_collides(w, b, *(const bool *)value);
     else if (strcmp(name, "name") == 0)
@@ -134,6 +142,7 @@ dig_status dig_body_param(const dig_world *w, dig_body handle, const char *name,
     def.gravity_scale = b->gravity_scale;
     def.collides = b->collides;
     def.group = b->group;
+    def.integrator = b->integrator;
     def.colour = b->colour.x >= 0 ? b->colour : w->materials.data[s.material].def.colour;
     memcpy(value, (const char *)&def + row->offset, param_size(row));
     return DIG_OK;

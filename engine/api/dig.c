@@ -22,8 +22,8 @@ dig_status dig_dig_get(const dig_world *w, dig_dig d, dig_dig_state *out)
     int size = graph_size(w->graph, d.id);
     if (size == 0)
         return world_fail(w, DIG_E_DEAD, "DIG %u is no more", d.id);
-    int plan = int_max(w->plan, (int)graph_user(w->graph, d.id) - 1);
-    *out = (dig_dig_state){size, w->bodies.data[graph_first(w->graph, d.id)].awake, dig_energy_of(w, d.id), accuracy_plans[plan].name};
+    int accuracy = int_max(w->accuracy, (int)graph_user(w->graph, d.id));
+    *out = (dig_dig_state){size, w->bodies.data[graph_first(w->graph, d.id)].awake, dig_energy_of(w, d.id), accuracy_plan(accuracy)->name};
     return DIG_OK;
 }
 
@@ -62,17 +62,19 @@ int dig_members(const dig_world *w, dig_dig d, dig_body *out, int capacity)
     return n;
 }
 
-dig_status dig_dig_accuracy(dig_world *w, dig_dig d, const char *plan)
+dig_status dig_dig_accuracy(dig_world *w, dig_dig d, const char *plan, real tolerance)
 {
-    int index = plan_find(plan);
-    if (index < 0)
-        return world_fail(w, DIG_E_ARG, "accuracy = '%s', must be sketch, play, study or reference", plan);
+    if (!plan && !(tolerance > 0 && tolerance <= 1))
+        return world_fail(w, DIG_E_ARG, "accuracy = %g m, must be > 0 and at most 1 m", tolerance);
+    int accuracy = plan ? accuracy_find(plan) : accuracy_for(tolerance);
+    if (accuracy == 0)
+        return world_fail(w, DIG_E_ARG, "accuracy = '%s', must be sketch, play, study, reference or a length", plan);
     if (graph_size(w->graph, d.id) == 0)
         return world_fail(w, DIG_E_DEAD, "DIG %u is no more", d.id);
-    w->dig_plans = true;
-    graph_set_user(w->graph, d.id, (uint64_t)index + 1);
+    w->dig_accuracies = true;
+    graph_set_user(w->graph, d.id, (uint64_t)accuracy);
     for (uint32_t m = graph_first(w->graph, d.id); m != NONE; m = graph_next(w->graph, m))
-        w->bodies.data[m].plan = (uint8_t)(index + 1);
+        w->bodies.data[m].accuracy = (uint8_t)accuracy;
     return DIG_OK;
 }
 

@@ -21,7 +21,7 @@
 #include "base/pack.h"
 #include "geom/save.h"
 
-#define SAVE_FORMAT 1u
+#define SAVE_FORMAT 2u
 
 #define SAVE_FAR    1e15        /* m         */
 #define SAVE_FAST   1e12        /* m/s, rad/s */
@@ -52,7 +52,6 @@ void save_connect(Pack *p, World *w);
 
 /* ---- parts of records ---- */
 
-unsigned save_plan_count(void);
 /* Generation of a handle; `own`: of a record of this world, which is checked. */
 void save_gen(Pack *p, const World *w, uint32_t *gen, bool own);
 void save_body_handle(Pack *p, const World *w, dig_body *b);

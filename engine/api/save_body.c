@@ -96,7 +96,11 @@ static void pack_body(Pack *p, const World *w, Body *b)
     pack_u32(p, &b->shape_first);
     pack_u32(p, &b->joint_first);
     pack_last_message(p, w, b);
-    pack_small(p, &b->plan, save_plan_count() + 1, "plan of a body");
+    pack_small(p, &b->accuracy, ACCURACY_FINEST + 1, "accuracy of a body");
+    pack_u16(p, &b->trace_wait);
+    pack_u16(p, &b->trace_pause);
+    pack_real_in(p, &b->trace_step, 0, 1, "traced step of a body");
+    pack_small(p, &b->integrator, DIG_INTEGRATORS, "integrator of a body");
 }
 
 void save_bodies(Pack *p, World *w)

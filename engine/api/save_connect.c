@@ -349,7 +349,7 @@ static void connect_graph(Pack *p, World *w)
         pack_check(p, graph_has_node(w->graph, (uint32_t)i) == node, "the DIGs hold other bodies than there are");
     }
     for (int i = 0; i < graph_count(w->graph); i++)
-        pack_check(p, graph_user(w->graph, graph_by_index(w->graph, i)) <= save_plan_count(), "a DIG has no such plan");
+        pack_check(p, graph_user(w->graph, graph_by_index(w->graph, i)) <= ACCURACY_FINEST, "a DIG has no such accuracy");
     if (pack_good(p))
         connect_links(p, w);
 }

@@ -3,14 +3,6 @@
 
 #include <stdlib.h>
 
-unsigned save_plan_count(void)
-{
-    unsigned n = 0;
-    while (accuracy_plans[n].name)
-        n++;
-    return n;
-}
-
 void save_gen(Pack *p, const World *w, uint32_t *gen, bool own)
 {
     uint32_t number = *gen ? *gen - w->gen_start + 1 : 0;

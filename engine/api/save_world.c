@@ -91,11 +91,11 @@ static void pack_room(Pack *p, World *w)
 
 void save_settings(Pack *p, World *w)
 {
-    pack_enum(p, &w->plan, save_plan_count(), "plan");
+    pack_enum(p, &w->accuracy, ACCURACY_FINEST + 1, "accuracy");
     pack_u64(p, &w->steps);
     pack_u64(p, &w->serial);
     pack_u64(p, &w->rng);
-    pack_bool(p, &w->dig_plans);
+    pack_bool(p, &w->dig_accuracies);
     pack_check(p, w->steps <= (uint64_t)1 << 52, "the number of steps is too large");
     pack_check(p, w->serial <= 3000000000u, "the number of handles is too large");
     pack_ledger(p, &w->ledger);

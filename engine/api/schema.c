@@ -26,6 +26,8 @@ static const dig_param world_rows[] = {
     {.name = NULL},
 };
 
+static const char *const integrators[] = {"auto", "euler", "verlet", "switch", NULL};      /* dig_integrator */
+
 static const dig_param body_rows[] = {
     {.name = "name", .kind = DIG_TEXT, .unit = "",
      .doc = "for messages, events and world:find", .offset = AT(dig_body_def, name)},
@@ -61,6 +63,9 @@ static const dig_param body_rows[] = {
      .doc = "touches other bodies", .fallback = 1, .max = 1, .offset = AT(dig_body_def, collides)},
     {.name = "group", .kind = DIG_INT, .unit = "1",
      .doc = "bodies of the same negative group never touch each other", .min = -9e15, .max = 9e15, .offset = AT(dig_body_def, group)},
+    {.name = "integrator", .kind = DIG_CHOICE, .unit = "",
+     .doc = "auto, or once a substep by Euler, by Verlet, or switch: Euler at birth and after an impact, then Verlet",
+     .max = DIG_INTEGRATORS - 1, .offset = AT(dig_body_def, integrator), .choices = integrators},
     {.name = "colour", .kind = DIG_COLOUR, .unit = "1",
      .doc = "linear red, green, blue; default the material's", .fallback = -1, .min = -1, .max = 1, .offset = AT(dig_body_def, colour)},
     {.name = NULL},

@@ -79,8 +79,8 @@ static void copy_numbers(World *to, const World *from)
 {
     to->region_count = from->region_count;
     to->def = from->def;
-    to->plan = from->plan;
-    to->dig_plans = from->dig_plans;
+    to->accuracy = from->accuracy;
+    to->dig_accuracies = from->dig_accuracies;
     to->steps = from->steps;
     to->rng = from->rng;
     to->messages = from->messages;

@@ -47,7 +47,7 @@ static dig_status check_world_def(const dig_world_def *def, char *why, size_t ca
         snprintf(why, capacity, "world: friction_law = '%s', must be 'coulomb' or 'decay'", f);
         return DIG_E_ARG;
     }
-    if (def->accuracy.s[0] && plan_find(def->accuracy.s) < 0) {
+    if (def->accuracy.s[0] && accuracy_find(def->accuracy.s) == 0) {
         snprintf(why, capacity, "world: accuracy = '%s', must be sketch, play, study, reference or a length", def->accuracy.s);
         return DIG_E_ARG;
     }
@@ -66,7 +66,7 @@ dig_status dig_world_open(const dig_world_def *def, dig_world **out, char *why, 
     DIG_TRY(check_world_def(def, why, capacity));
     World *w;
     DIG_TRY(world_open(def, &w, why, capacity));
-    w->plan = !isnan(def->tolerance) ? plan_for_tolerance(def->tolerance) : def->accuracy.s[0] ? plan_find(def->accuracy.s) : plan_find("play");
+    w->accuracy = !isnan(def->tolerance) ? accuracy_for(def->tolerance) : accuracy_find(def->accuracy.s[0] ? def->accuracy.s : "play");
     open_effects(w);
     if (def->threads > 1) {
         dig_status s = workers_open((int)def->threads, &w->workers);
@@ -128,14 +128,14 @@ dig_status dig_world_set_accuracy(dig_world *w, const char *plan, real tolerance
 {
     if (!plan && !(tolerance > 0 && tolerance <= 1))
         return world_fail(w, DIG_E_ARG, "world: accuracy = %g m, must be > 0 and at most 1 m", tolerance);
-    int index = plan ? plan_find(plan) : plan_for_tolerance(tolerance);
-    if (index < 0)
+    int accuracy = plan ? accuracy_find(plan) : accuracy_for(tolerance);
+    if (accuracy == 0)
         return world_fail(w, DIG_E_ARG, "world: accuracy = '%s', must be sketch, play, study, reference or a length", plan);
-    w->plan = index;
+    w->accuracy = accuracy;
     return DIG_OK;
 }
 
-const char *dig_world_accuracy(const dig_world *w) { return accuracy_plans[w->plan].name; }
+const char *dig_world_accuracy(const dig_world *w) { return accuracy_plan(w->accuracy)->name; }
 
 static real elastic_energy(const World *w)
 {

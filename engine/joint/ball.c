@@ -35,7 +35,9 @@ static real twist_of(const JointView *j)
     return joint_angle(j, &last);
 }
 
-/* The swing grows with the spin of a about eb x ea. Without swing it has no direction, and no stop is near. */
+/* The swing grows with the spin of a about d = D / |D|, D = eb x ea. Without swing it has no direction, and no stop is near.
+ *   dD/dt = (wb x eb) x ea + eb x (wa x ea),   dd/dt = (dD/dt - (d . dD/dt) d) / |D|
+ * With opposite axes |D| = 0, and any direction normal to them will do: one fixed in b. */
 static void add_swing(const JointView *j, const Ball *ball, RowList *out)
 {
     Row like;
@@ -43,23 +45,32 @@ static void add_swing(const JointView *j, const Ball *ball, RowList *out)
     real swing = swing_of(j);
     if (isnan(ball->swing) || !(swing > 1e-9))
         return;
-    rows_spin(&one, j, ROW_SOFT, vec3_unit_or(vec3_cross(j->b.axis, j->a.axis), j->b.u), SWING);
+    vec3 ea = j->a.axis, eb = j->b.axis, across = vec3_cross(eb, ea), d = vec3_unit_or(across, j->b.u);
+    vec3 turn = vec3_add(vec3_cross(vec3_cross(j->b.w, eb), ea), vec3_cross(eb, vec3_cross(j->a.w, ea)));
+    real size = vec3_dot(d, across);
+    row_turns(rows_spin(&one, j, ROW_SOFT, d, SWING), j,
+              size > 0 ? vec3_scale(1 / size, vec3_mad(turn, -vec3_dot(d, turn), d)) : vec3_cross(j->b.w, d));
     rows_limits(out, &like, swing, NAN, ball->swing, SWING);
 }
 
 /* The first of the three rows lies along the present spin, so that the torque of a turning ball is the one given in every
- * direction, not up to sqrt(3) times as much. */
+ * direction, not up to sqrt(3) times as much. Without accelerations that spin keeps its direction, and with it all three rows:
+ * their drift is 0. A ball that hardly turns takes the frame of b instead, which turns with b. */
 static void add_friction(const JointView *j, real friction, RowList *out)
 {
     vec3 spin = vec3_sub(j->a.w, j->b.w), d[3] = {j->b.axis, j->b.u, j->b.n};
     if (!(friction > 0))
         return;
-    if (vec3_length2(spin) > 1e-6) {
+    bool turning = vec3_length2(spin) > 1e-6;
+    if (turning) {
         d[0] = vec3_unit(spin);
         vec3_basis(d[0], &d[1], &d[2]);
     }
-    for (int i = 0; i < 3; i++)
-        rows_spin(out, j, ROW_DRY, d[i], FRICTION + i)->hi = friction;
+    for (int i = 0; i < 3; i++) {
+        Row *r = rows_spin(out, j, ROW_DRY, d[i], FRICTION + i);
+        r->hi = friction;
+        row_turns(r, j, turning ? vec3_zero() : vec3_cross(j->b.w, d[i]));
+    }
 }
 
 static void rows(const JointView *j, RowList *out)

@@ -24,7 +24,7 @@ static void rows(const JointView *j, RowList *out)
 {
     Row like;
     RowList one = {&like, 0, 1};
-    rows_spin(&one, j, ROW_MOTOR, j->b.axis, SPIN);
+    row_turns(rows_spin(&one, j, ROW_MOTOR, j->b.axis, SPIN), j, vec3_cross(j->b.w, j->b.axis));
     rows_motor(out, &like, j->params, SPIN);
     joint_angle(j, j->memory);
 }

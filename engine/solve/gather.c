@@ -77,6 +77,8 @@ static void gather_body(Group *g, int i, uint32_t slot, bool awake)
     m->round = b->round_inertia && !g->planar;
     m->mass = b->mass;
     m->gravity_scale = b->gravity_scale;
+    m->integrator = b->integrator;
+    m->fresh = b->euler;
     m->inertia = b->inertia;
     m->inv_inertia = b->inv_inertia;
     m->centre = b->centre;
@@ -142,8 +144,14 @@ static dig_status gather_bodies(Group *g, const uint32_t *pairs, int pair_count)
     g->push_work = arena_alloc(g->arena, (size_t)total * sizeof *g->push_work);
     if (!g->pos || !g->vel || !g->mass || !g->member || !g->shift || !g->push_work)
         return DIG_E_MEMORY;
-    for (int i = 0; i < n; i++)
-        gather_body(g, i, slots[i], w->bodies.data[slots[i]].awake);
+    for (int i = 0; i < n; i++) {
+        const Body *b = &w->bodies.data[slots[i]];
+        gather_body(g, i, slots[i], b->awake);
+        if (b->awake) {
+            g->trace_wait = int_max(g->trace_wait, b->trace_wait);
+            g->trace_step = b->trace_step > 0 && (g->trace_step == 0 || b->trace_step < g->trace_step) ? b->trace_step : g->trace_step;
+        }
+    }
     for (int i = 0; i < unique; i++)
         gather_body(g, n + i, still[i], false);
     return DIG_OK;
@@ -303,6 +311,22 @@ dig_status group_gather(Group *g, const World *w, const uint32_t *digs, int dig_
 
 /* ---- back into the world ---- */
 
+/* A group that the traced way handed on is not tried again for 16 steps, then 32, 64, ...; each step that succeeds forgets one. */
+static void commit_trace(const Group *g, Body *b)
+{
+    if (g->trace_failed) {
+        b->trace_pause = (uint16_t)int_min(1024, int_max(16, 2 * b->trace_pause));
+        b->trace_wait = b->trace_pause;
+        b->trace_step = 0;
+        return;
+    }
+    if (b->trace_wait > 0)
+        b->trace_wait--;
+    else if (b->trace_pause > 0)
+        b->trace_pause--;
+    b->trace_step = g->trace_step;
+}
+
 static void commit_body(World *w, const Group *g, int i, real dt)
 {
     const Member *m = &g->member[i];
@@ -319,8 +343,9 @@ static void commit_body(World *w, const Group *g, int i, real dt)
     b->v = g->vel[i].v;
     b->w = g->vel[i].w;
     b->collided = m->collided;
-    b->euler = m->collided || m->constrained;
+    b->euler = m->integrator == DIG_AUTO ? m->collided || m->constrained : m->integrator == DIG_SWITCH ? m->collided : m->integrator == DIG_EULER;
     b->work += g->push_work[i];
+    commit_trace(g, b);
     b->force = vec3_scale(b->mass / dt, vec3_sub(b->v, old_v));
     b->torque = vec3_scale(1 / dt, vec3_sub(mat3_mul_vec(body_inertia_world(b), b->w), old_l));
     b->hit_v = b->hit_w = vec3_zero();

@@ -35,6 +35,8 @@ typedef struct Member {         /* the rest of a gathered body */
     bool     constrained;       /* a row acts on it in this substep                    */
     bool     implicit_move;     /* move with the end velocity, not the mean            */
     bool     collided;          /* struck in this step                                 */
+    int      integrator;        /* dig_integrator; all but DIG_AUTO are the sweep's alone */
+    bool     fresh;             /* no history: new, teleported or struck in the last step */
     real     mass, gravity_scale;
     mat3     inertia, inv_inertia;      /* body axes                                   */
     vec3     centre;            /* m   centre of mass in the body frame                */
@@ -174,7 +176,15 @@ struct Group {
     int       events_left;
 
     /* what it took and achieved */
+    const char *way;            /* that advanced it                 */
+    const char *gave_up;        /* why a finer way handed it on in this step; NULL = it did not */
     int       substeps, sweeps, located;
+    int       evaluations, refused, events;
+    real      tolerance;        /* 1   local error of the traced way over the size of the bodies */
+    real      trace_step;       /* s   its last step length; 0 = none                  */
+    int       trace_wait;       /*     steps for which it is not tried again           */
+    bool      may_trace;        /*     the world's budget for traced groups reaches it */
+    bool      trace_failed;     /*     it was tried in this step, and handed on        */
     real      residual, penetration, joint_error;
     real      lost, work_in;    /* J */
     real     *push_work;        /* [body_count] J */
@@ -227,13 +237,14 @@ void project(Group *g);
 real locate_impact(Group *g);
 bool overshoots(const Group *g);        /* would the substep press bodies deep into each other? */
 
-/* ways.c: a way to advance a group. The choice is by counts, never by the clock. */
+/* A way to advance a group. The choice is by counts, never by the clock.
+ *
+ * advance moves g from t = 0 to t = dt, or fails, or finds that it cannot do it within its budget: then it puts the group back
+ * as it was, sets g->gave_up to the reason and returns DIG_OK, and the next way takes the group. */
 typedef struct Way {
     const char *name;
     bool       (*suits)(const Group *g);
     dig_status (*advance)(Group *g, real dt);
 } Way;
-extern const Way *const ways[];         /* in order of preference; the last suits everything */
-dig_status group_advance(Group *g, real dt);
 
 #endif

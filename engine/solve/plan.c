@@ -2,26 +2,38 @@
 #include "solve/plan.h"
 
 const AccuracyPlan accuracy_plans[] = {
-    /* name       sub  sweeps residual events bodies tolerance */
-    {"sketch",     2,   30,   1e-5,    8,     16,    1e-2},
-    {"play",       4,  200,   1e-9,   64,     48,    1e-3},
-    {"study",     16,  400,   1e-11, 256,     96,    1e-5},
-    {"reference", 64, 1000,   1e-13, 1024,   200,    1e-7},
+    /*                                                    traced groups: most
+     * name       sub  sweeps residual events bodies  bodies rows  total    work   tolerance */
+    {"sketch",     2,   30,   1e-5,    8,     16,      0,    0,        0,      0,  1e-1},
+    {"play",       4,  200,   1e-9,   64,     48,     12,  120,      256,    500,  1e-4},
+    {"study",     16,  400,   1e-11, 256,     96,     48,  300,     4096,   5000,  1e-7},
+    {"reference", 64, 1000,   1e-13, 1024,   200,    100,  600, INT32_MAX,  50000,  1e-10},
     {0}
 };
 
-int plan_find(const char *name)
+#define STEPS 16.0              /* of the accuracy number in a decade */
+
+int accuracy_for(real metres)
 {
-    for (int i = 0; accuracy_plans[i].name; i++)
-        if (strcmp(accuracy_plans[i].name, name) == 0)
-            return i;
-    return -1;
+    return (int)real_clamp(ceil(-STEPS * log10(metres) - 1e-9), 1, ACCURACY_FINEST);
 }
 
-int plan_for_tolerance(real metres)
+int accuracy_find(const char *plan)
+{
+    for (int i = 0; accuracy_plans[i].name; i++)
+        if (strcmp(accuracy_plans[i].name, plan) == 0)
+            return accuracy_for(accuracy_plans[i].tolerance);
+    return 0;
+}
+
+const AccuracyPlan *accuracy_plan(int accuracy)
 {
     int i = 0;
-    while (accuracy_plans[i + 1].name && accuracy_plans[i].tolerance > metres)
+    while (accuracy_plans[i + 1].name && accuracy_for(accuracy_plans[i].tolerance) < accuracy)
         i++;
-    return i;
+    return &accuracy_plans[i];
 }
+
+/* A hundredth of the tolerance, for local errors add up. Traced groups are never coarser than a millionth: beyond that, events
+ * are missed. */
+real accuracy_local(int accuracy) { return real_clamp(0.01 * pow(10, -accuracy / STEPS), 1e-13, 1e-6); }

@@ -16,12 +16,23 @@ typedef struct AccuracyPlan {
     real        residual;       /* m/s  velocity change per sweep at which a solve stops            */
     int         events;         /* 1    most impacts located in time per group and step             */
     int         events_bodies;  /* 1    groups with more moving bodies than this locate none         */
+    int         trace_bodies;   /* 1    groups with more moving bodies than this are not traced           */
+    int         trace_rows;     /* 1    most rows of a traced group's direct solve                        */
+    int         trace_total;    /* 1    most bodies and pairs of all traced groups of a world together    */
+    int         trace_work;     /* 1    most evaluations of a traced group per step                       */
     real        tolerance;      /* m    the promise; picks the plan when a script gives a number    */
 } AccuracyPlan;
 
 extern const AccuracyPlan accuracy_plans[];         /* ends with a NULL name; ordered from coarse to fine */
 
-int plan_find(const char *name);                    /* index, < 0 = none */
-int plan_for_tolerance(real metres);                /* the coarsest that keeps it; the finest when none does */
+/* How accurate a world, a DIG or a group is to be: one number, the larger the finer, so that of several the largest counts.
+ * It is 16 times the decimal logarithm of one over the tolerance in metres, rounded up, in 1..ACCURACY_FINEST; 0 = nothing was
+ * asked for. A plan's name stands for its own tolerance. */
+#define ACCURACY_FINEST 192                         /* 1e-12 m */
+
+int accuracy_find(const char *plan);                /* 0 = there is no such plan */
+int accuracy_for(real metres);                      /* > 0 */
+const AccuracyPlan *accuracy_plan(int accuracy);    /* the coarsest that keeps it; the finest when none does */
+real accuracy_local(int accuracy);                  /* 1  local error of the traced way over the size of the bodies */
 
 #endif

@@ -1,7 +1,8 @@
 /* solve/rows.c - the parts that joints are built from: rows with their Jacobians.
  *
  * Notation: pa, pb anchors; e, u, n the joint frame (axis, u, n); indices a and b for the body it is fixed in. For a vector c
- * fixed in body b, dc/dt = wb x c; x . (w x y) = w . (y x x). Each row's comment derives its rate from its error.
+ * fixed in body b, dc/dt = wb x c; x . (w x y) = w . (y x x). Each row's comment derives its rate from its error, and its drift
+ * from its rate: d(rate)/dt with wa, wb and the velocities va, vb of the centres of mass constant.
  */
 #include "solve/joint_type.h"
 
@@ -42,10 +43,18 @@ static Row *add_like(RowList *list, const Row *like, RowKind kind, int slot)
 
 /* ---- translation ------------------------------------------------------------ */
 
+/* m/s and, without accelerations, m/s^2, of a joint's anchor in its body */
+static vec3 anchor_velocity(const JointEnd *e) { return vec3_add(e->v, vec3_cross(e->w, e->r)); }
+static vec3 anchor_turning(const JointEnd *e) { return vec3_cross(e->w, vec3_cross(e->w, e->r)); }
+
 /* error = d . (pa - pb), d fixed in b:
  *   rate = d . (va + wa x ra) - d . (vb + wb x rb) + (wb x d) . (pa - pb)
  *        = d . va + wa . (ra x d) - d . vb - wb . ((pa - xb) x d)
- * Both forces act in the one line through pa: no torque is left over. */
+ * Both forces act in the one line through pa: no torque is left over.
+ *
+ * With P = pa - xb, dP/dt = va + wa x ra - vb:  rate = d . s, s = dP/dt - wb x P the velocity of pa as seen from b, and
+ *   drift = (wb x d) . s + d . (wa x (wa x ra) - wb x dP/dt)
+ *         = d . (wa x (wa x ra) - wb x (s + dP/dt)) */
 Row *rows_translation(RowList *list, const JointView *j, RowKind kind, vec3 d, int slot)
 {
     Row *r = add_pair(list, j, kind, slot);
@@ -54,6 +63,9 @@ Row *rows_translation(RowList *list, const JointView *j, RowKind kind, vec3 d, i
     r->ang[0] = vec3_cross(j->a.r, d);
     r->ang[1] = vec3_neg(vec3_cross(vec3_sub(j->a.p, j->b.x), d));
     r->error = vec3_dot(d, vec3_sub(j->a.p, j->b.p));
+    vec3 moves = vec3_sub(anchor_velocity(&j->a), j->b.v);
+    vec3 seen = vec3_sub(moves, vec3_cross(j->b.w, vec3_sub(j->a.p, j->b.x)));
+    r->drift = vec3_dot(d, vec3_sub(anchor_turning(&j->a), vec3_cross(j->b.w, vec3_add(seen, moves))));
     return r;
 }
 
@@ -66,7 +78,9 @@ void rows_point(RowList *list, const JointView *j, int slot)
     rows_along(list, j, j->b.n, slot + 2);
 }
 
-/* length = |pa - pb|, d = (pa - pb) / length:  rate = d . (d/dt pa - d/dt pb); the change of d is normal to d. */
+/* length = |pa - pb|, d = (pa - pb) / length:  rate = d . (d/dt pa - d/dt pb); the change of d is normal to d. With
+ * u = d/dt pa - d/dt pb, dd/dt = (u - (d . u) d) / length, so
+ *   drift = |u - (d . u) d|^2 / length + d . (wa x (wa x ra) - wb x (wb x rb)) */
 Row *rows_length(RowList *list, const JointView *j, RowKind kind, real *length, int slot)
 {
     vec3 between = vec3_sub(j->a.p, j->b.p);
@@ -79,6 +93,9 @@ Row *rows_length(RowList *list, const JointView *j, RowKind kind, real *length, 
     r->lin[1] = vec3_neg(d);
     r->ang[0] = vec3_cross(j->a.r, d);
     r->ang[1] = vec3_neg(vec3_cross(j->b.r, d));
+    vec3 moves = vec3_sub(anchor_velocity(&j->a), anchor_velocity(&j->b));
+    vec3 across = vec3_mad(moves, -vec3_dot(d, moves), d);
+    r->drift = vec3_length2(across) / *length + vec3_dot(d, vec3_sub(anchor_turning(&j->a), anchor_turning(&j->b)));
     return r;
 }
 
@@ -93,11 +110,15 @@ Row *rows_spin(RowList *list, const JointView *j, RowKind kind, vec3 d, int slot
     return r;
 }
 
-/* error = y . x with x fixed in a and y in b:  rate = (wa - wb) . (x x y) */
+/* rate = d . (wa - wb), and the spins are constant:  drift = dd/dt . (wa - wb) */
+void row_turns(Row *r, const JointView *j, vec3 turn) { r->drift = vec3_dot(turn, vec3_sub(j->a.w, j->b.w)); }
+
+/* error = y . x with x fixed in a and y in b:  rate = (wa - wb) . (x x y);  d(x x y)/dt = (wa x x) x y + x x (wb x y) */
 static void add_normal(RowList *list, const JointView *j, vec3 x, vec3 y, int slot)
 {
     Row *r = rows_spin(list, j, ROW_HARD, vec3_cross(x, y), slot);
     r->error = vec3_dot(x, y);
+    row_turns(r, j, vec3_add(vec3_cross(vec3_cross(j->a.w, x), y), vec3_cross(x, vec3_cross(j->b.w, y))));
 }
 
 void rows_parallel(RowList *list, const JointView *j, int slot)
@@ -127,17 +148,34 @@ real joint_angle(const JointView *j, real *memory)
     return *memory;
 }
 
+#define OPPOSITE 1e-9           /* 1 + ea . eb of axes so nearly opposite that the twist has no meaning */
+
 vec3 joint_twist(const JointView *j)
 {
     real c = 1 + vec3_dot(j->a.axis, j->b.axis);
-    if (!(c > 1e-9))            /* opposite axes: the twist has no meaning */
+    if (!(c > OPPOSITE))
         return j->b.axis;
     return vec3_scale(1 / c, vec3_add(j->a.axis, j->b.axis));
 }
 
+/* d = (ea + eb) / c, c = 1 + ea . eb:  dd/dt = (wa x ea + wb x eb - dc/dt d) / c,
+ *   dc/dt = (wa x ea) . eb + ea . (wb x eb)
+ * Where the axes are opposite d = eb stands for it, which is fixed in b. */
+static vec3 twist_turn(const JointView *j, vec3 d)
+{
+    vec3 ea = j->a.axis, eb = j->b.axis, a = vec3_cross(j->a.w, ea), b = vec3_cross(j->b.w, eb);
+    real c = 1 + vec3_dot(ea, eb);
+    if (!(c > OPPOSITE))
+        return b;
+    return vec3_scale(1 / c, vec3_mad(vec3_add(a, b), -(vec3_dot(a, eb) + vec3_dot(ea, b)), d));
+}
+
 Row *rows_twist(RowList *list, const JointView *j, RowKind kind, int slot)
 {
-    return rows_spin(list, j, kind, joint_twist(j), slot);
+    vec3 d = joint_twist(j);
+    Row *r = rows_spin(list, j, kind, d, slot);
+    row_turns(r, j, twist_turn(j, d));
+    return r;
 }
 
 real joint_rate(const JointView *j, const Row *r)
@@ -147,7 +185,8 @@ real joint_rate(const JointView *j, const Row *r)
 
 /* ---- limits, motors, springs, friction ------------------------------------------ */
 
-/* lo: error = x - lo, rate = dx/dt.  hi: error = hi - x, rate = -dx/dt.  Either impulse >= 0 drives away from its stop. */
+/* lo: error = x - lo, rate = dx/dt.  hi: error = hi - x, rate = -dx/dt, and so its drift. Either impulse >= 0 drives away
+ * from its stop. */
 void rows_limits(RowList *list, const Row *like, real coordinate, real lo, real hi, int slot)
 {
     if (isfinite(lo))
@@ -156,6 +195,7 @@ void rows_limits(RowList *list, const Row *like, real coordinate, real lo, real 
         return;
     Row *r = add_like(list, like, ROW_LIMIT, slot + 1);
     r->error = hi - coordinate;
+    r->drift = -like->drift;
     for (int i = 0; i < r->count; i++) {
         r->lin[i] = vec3_neg(r->lin[i]);
         r->ang[i] = vec3_neg(r->ang[i]);
@@ -205,10 +245,11 @@ bool at_limits(real x, real lo, real hi) { return x <= lo + LIMIT_TOLERANCE || x
 
 /* ---- couplings --------------------------------------------------------------------- */
 
-/* r += k times the row of one joint. A body that both joints share is one body of the row, so that its effective mass is right;
- * the world has no part. */
+/* r += k times the row of one joint, its drift too, which is linear in the Jacobian. A body that both joints share is one body
+ * of the row, so that its effective mass is right; the world has no part. */
 static void mix(Row *r, real k, const Row *add)
 {
+    r->drift += k * add->drift;
     for (int i = 0; i < add->count; i++) {
         if (add->body[i] < 0)
             continue;

@@ -8,6 +8,9 @@
  * A joint does not solve itself: it writes rows. Warm starting, static bodies,
  * softness and sleeping are thus written once, in the solver.
  *
+ * With J(x) the row's Jacobian, rate = J v and d(rate)/dt = J dv/dt + drift: the drift is (dJ/dt) v, what the rate gains
+ * where no velocity changes (v and w of every body constant in world axes).
+ *
  * Kinds:  HARD    rate = 0 now and `error` = 0 in position; all hard rows of a joint are solved as one block
  *         LIMIT   one-sided: rate >= 0 when error <= 0 (error = distance to the stop, > 0 while free; the solver
  *                 lets the joint approach the stop at error / h); impulse >= 0
@@ -34,6 +37,7 @@ typedef struct Row {
     vec3    ang[ROW_BODIES];            /* m or 1, Jacobian of w                                           */
     real    error;                      /* m or rad                                                        */
     real    rate;                       /* m/s or rad/s, wanted (MOTOR)                                    */
+    real    drift;                      /* m/s^2 or rad/s^2, (dJ/dt) v: what the rate gains without accelerations */
     real    hi;                         /* N or N m, bound on |force| (MOTOR, DRY), INFINITY = none        */
     real    stiffness, damping;         /* SOFT: N/m, N s/m or N m/rad, N m s/rad                          */
     int     slot;                       /* 0..JOINT_SLOTS-1, the same for the same row in every step: warm starting */
@@ -71,8 +75,8 @@ struct JointView {
  * seen from b: a door (a) hinged to the world (b) has the angle of the door, a
  * drawer (a) in its cabinet (b) is out by a positive distance along the axis.
  * Directions d are unit and fixed in b. Every row's rate is the exact time
- * derivative of its error, at any pose, and its impulse neither makes linear nor
- * angular momentum.
+ * derivative of its error, at any pose, its drift that of the rate without
+ * accelerations, and its impulse neither makes linear nor angular momentum.
  *
  * Each adds its rows and returns the first one added. */
 Row *rows_add(RowList *list, RowKind kind, int slot);
@@ -83,8 +87,11 @@ Row *rows_along(RowList *list, const JointView *j, vec3 d, int slot);
 /* Row of any kind on the translation of a's anchor relative to b's along d: error = d . (pa - pb), and rate its derivative,
  * with the lever of b taken at a's anchor, so that no spurious torque appears. */
 Row *rows_translation(RowList *list, const JointView *j, RowKind kind, vec3 d, int slot);
-/* Row on the relative spin of a to b about d: rate = d . (wa - wb). */
+/* Row on the relative spin of a to b about d: rate = d . (wa - wb). Its drift is 0, right for a d at rest in the world, until
+ * row_turns says how d turns. */
 Row *rows_spin(RowList *list, const JointView *j, RowKind kind, vec3 d, int slot);
+/* Gives a spin row about d its drift; turn = dd/dt, 1/s (wb x d where d is fixed in b). */
+void row_turns(Row *r, const JointView *j, vec3 turn);
 /* Row on joint_angle: a spin row about joint_twist. */
 Row *rows_twist(RowList *list, const JointView *j, RowKind kind, int slot);
 /* 2 HARD rows: the axes of a and b stay parallel. */

@@ -8,13 +8,28 @@
  */
 #include "solve/direction.h"
 
+/* x' = x + h v' (semi-implicit Euler). All others: x' = x + h (v + v') / 2, which is Verlet's 2 x - x'' + a h^2 written with the
+ * velocity: it needs no equal steps and no position before the last impact. */
+static bool moves_by_euler(const Member *m)
+{
+    return m->integrator == DIG_EULER || (m->integrator == DIG_SWITCH && (m->fresh || m->collided));
+}
+
+static bool any_euler(const Group *g)
+{
+    for (int i = 0; i < g->moving_count; i++)
+        if (g->member[i].moves && moves_by_euler(&g->member[i]))
+            return true;
+    return false;
+}
+
 static void predict(Group *g)
 {
     for (int i = 0; i < g->moving_count; i++) {
         Member *m = &g->member[i];
         m->start_pos = g->pos[i];
         m->start_vel = g->vel[i];
-        m->constrained = m->implicit_move = false;
+        m->constrained = m->implicit_move = moves_by_euler(m);
         if (!m->moves)
             continue;
         vec3 dv = vec3_scale(g->h * g->mass[i].im, m->force), dw = vec3_scale(g->h, mat3_mul_vec(g->mass[i].ii, m->torque));
@@ -294,6 +309,8 @@ static dig_status solve_substep(Group *g)
     predict(g);
     g->point_count = g->roll_count = g->block_count = g->row_count = 0;
     DIG_TRY(g->stage(g, STAGE_ROWS));
+    if (g->midpoint && any_euler(g))
+        group_build_joints(g, false);       /* who moves with the new velocity needs rows for it, not for the mean */
     project(g);
     warm_start(g);
     relax_group(g);

@@ -1,9 +1,6 @@
 /* step/advance.c - groups are advanced on private copies, in parallel, and checked. */
 #include "step/step.h"
 
-/* Effects are timed in every so many steps only: reading the clock costs as much as a small effect. */
-#define TIMED_EVERY 16
-
 /* ---- the effects of a stage ---- */
 
 static bool vel_finite(const Vel *v) { return vec3_finite(v->v) && vec3_finite(v->w); }
@@ -61,10 +58,12 @@ static void advance_one(void *context, int i, Arena *arena)
     const struct StepGroup *part = &c->s->parts[i];
     Group *g = &c->s->groups[i];
     memset(g, 0, sizeof *g);
-    g->plan = &accuracy_plans[part->plan];
+    g->plan = accuracy_plan(part->accuracy);
+    g->tolerance = accuracy_local(part->accuracy);
+    g->may_trace = part->may_trace;
     g->stage = run_stage;
     g->blame = c->blame;
-    g->timed = c->w->steps % TIMED_EVERY == 0;
+    g->timed = c->s->timed;
     g->status = group_gather(g, c->w, c->s->digs + part->dig_first, part->dig_count, c->s->pairs + part->pair_first, part->pair_count, arena);
     if (g->status != DIG_OK)
         return;

@@ -110,12 +110,23 @@ static void forget_seen(World *w, const ActivePair *pairs, int count)
         w->pairs.data[pairs[i].pair].seen = 0;
 }
 
-static int group_plan(const World *w, const uint32_t *digs, int count)
+static int group_accuracy(const World *w, const uint32_t *digs, int count)
 {
-    int plan = w->plan;
+    int accuracy = w->accuracy;
     for (int i = 0; i < count; i++)
-        plan = int_max(plan, (int)graph_user(w->graph, digs[i]) - 1);
-    return plan;
+        accuracy = int_max(accuracy, (int)graph_user(w->graph, digs[i]));
+    return accuracy;
+}
+
+/* The sum of what traced groups may cost is bounded by counts, never by the clock, so that results do not depend on the machine. */
+static bool within_budget(const World *w, const Step *s, const struct StepGroup *g, int64_t *spent)
+{
+    int64_t cost = g->pair_count;
+    for (int i = 0; i < g->dig_count; i++)
+        cost += graph_size(w->graph, s->digs[g->dig_first + i]);
+    bool fits = *spent + cost <= accuracy_plan(g->accuracy)->trace_total;
+    *spent += fits ? cost : 0;
+    return fits;
 }
 
 typedef struct NodeRoot { uint32_t root, node; } NodeRoot;
@@ -124,6 +135,7 @@ typedef struct NodeRoot { uint32_t root, node; } NodeRoot;
 static dig_status cut(World *w, Step *s, const NodeRoot *nodes, int node_count, const ActivePair *pairs, int pair_count)
 {
     int p = 0;
+    int64_t spent = 0;
     for (int i = 0; i < node_count; s->count++) {
         struct StepGroup *g = &s->parts[s->count];
         uint32_t root = nodes[i].root;
@@ -132,7 +144,8 @@ static dig_status cut(World *w, Step *s, const NodeRoot *nodes, int node_count, 
             s->digs[i] = graph_of(w->graph, nodes[i].node);
         for (; p < pair_count && pairs[p].root == root; p++, g->pair_count++)
             s->pairs[p] = pairs[p].pair;
-        g->plan = group_plan(w, s->digs + g->dig_first, g->dig_count);
+        g->accuracy = group_accuracy(w, s->digs + g->dig_first, g->dig_count);
+        g->may_trace = within_budget(w, s, g, &spent);
     }
     return DIG_OK;
 }

@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "step/step.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
 
@@ -98,13 +99,22 @@ static void sum_groups(World *w, const Step *s)
 {
     dig_stats *t = &w->stats;
     t->groups = s->count;
-    t->iterations = t->substeps = t->located = 0;
+    t->iterations = t->substeps = t->located = t->evaluations = t->refused = t->trace_events = 0;
+    t->traced = t->conserved = t->swept = 0;
     t->residual = t->penetration = t->joint_error = 0;
     for (int i = 0; i < s->count; i++) {
         const Group *g = &s->groups[i];
         t->iterations += g->sweeps;
         t->substeps += g->substeps;
         t->located += g->located;
+        t->evaluations += g->evaluations;
+        t->refused += g->refused;
+        t->trace_events += g->events;
+        *(strcmp(g->way, "trace") == 0 || strcmp(g->way, "flight") == 0 ? &t->traced : strcmp(g->way, "conserve") == 0 ? &t->conserved : &t->swept) += 1;
+        if (g->gave_up) {
+            t->gave_up++;
+            snprintf(t->gave_up_why, sizeof t->gave_up_why, "%s", g->gave_up);
+        }
         t->residual = real_max(t->residual, g->residual);
         t->penetration = real_max(t->penetration, g->penetration);
         t->joint_error = real_max(t->joint_error, g->joint_error);

@@ -10,11 +10,15 @@
 /* Advances the world by one frame step, or leaves motion and effects as they were and says why. */
 dig_status step_world(World *w);
 
+/* Time is taken in every so many steps only: reading the clock costs as much as a small group. */
+#define TIMED_EVERY 16
+
 typedef struct Step {           /* what the stages hand to each other; lives in the world's scratch memory */
     real      dt;
+    bool      timed;            /* phases and effects are timed in this step */
     uint32_t *digs;             /* DIGs of all groups, group by group       */
     uint32_t *pairs;            /* pairs of all groups, group by group      */
-    struct StepGroup { int dig_first, dig_count, pair_first, pair_count, plan; } *parts;
+    struct StepGroup { int dig_first, dig_count, pair_first, pair_count, accuracy; bool may_trace; } *parts;
     Group    *groups;
     int       count;
 } Step;
@@ -26,6 +30,8 @@ dig_status form_groups(World *w, Step *s);          /* DIGs that may meet are ad
 /* advance.c */
 dig_status advance_groups(World *w, Step *s);       /* on private copies, in parallel; DIG_E_BUSY = a sleeper woke: form groups again */
 dig_status check_finite(World *w, Step *s);         /* all numbers finite, or name the culprit              */
+/* ways.c */
+dig_status group_advance(Group *g, real dt);        /* by the first way that suits and can                  */
 /* regraph.c */
 dig_status reserve_regraph(World *w, const Step *s);
 void       regraph(World *w, const Step *s);        /* touches begin and end; DIGs merge and split; breaks  */

@@ -239,7 +239,8 @@ static void fill_body(World *w, Body *b, const dig_body_def *def)
     b->surface = (Surface){def->material.s[0] ? material_find(w, def->material.s) : 0, def->friction, def->friction_dynamic,
                            def->rolling_friction, def->restitution};
     b->move_end = -1;
-    b->euler = true;
+    b->integrator = (uint8_t)def->integrator;
+    b->euler = b->integrator != DIG_VERLET;
 }
 
 static dig_status finish_body(World *w, uint32_t slot, const dig_body_def *def, const Shape *shapes, const int *materials)

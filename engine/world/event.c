@@ -14,13 +14,13 @@ dig_event *event_post(World *w, dig_event_kind kind, uint32_t a, uint32_t b)
     return e;
 }
 
-/* On a merge the finer accuracy plan wins. Bodies carry what was asked for their DIG; 0 = nothing was. */
-static void keep_finer_plan(World *w, uint32_t id)
+/* On a merge the finer accuracy wins. Bodies carry what was asked for their DIG; 0 = nothing was. */
+static void keep_finer(World *w, uint32_t id)
 {
-    uint64_t plan = 0;
+    uint64_t accuracy = 0;
     for (uint32_t m = graph_first(w->graph, id); m != NONE; m = graph_next(w->graph, m))
-        plan = w->bodies.data[m].plan > plan ? w->bodies.data[m].plan : plan;
-    graph_set_user(w->graph, id, plan);
+        accuracy = w->bodies.data[m].accuracy > accuracy ? w->bodies.data[m].accuracy : accuracy;
+    graph_set_user(w->graph, id, accuracy);
 }
 
 /* MERGED and SPLIT events for the last batch of the graph. */
@@ -29,8 +29,8 @@ void post_graph_changes(World *w)
     const GraphChange *changes;
     int count = graph_changes(w->graph, &changes);
     for (int i = 0; i < count; i++) {
-        if (w->dig_plans && changes[i].kind == GRAPH_MERGED)
-            keep_finer_plan(w, changes[i].kept);
+        if (w->dig_accuracies && changes[i].kind == GRAPH_MERGED)
+            keep_finer(w, changes[i].kept);
         dig_event *e = event_post(w, changes[i].kind == GRAPH_MERGED ? DIG_EVENT_MERGED : DIG_EVENT_SPLIT, NONE, NONE);
         if (e) {
             e->dig = changes[i].kept;

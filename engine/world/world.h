@@ -59,7 +59,10 @@ typedef struct Body {
     bool     collided, euler;   /*        in the last step: struck; was not in free flight before */
     vec3     move_from, move_to; quat turn_from, turn_to; real move_start, move_end;   /* kinematic: s, end < start = none */
     uint64_t message_id; real message_time; dig_body message_from; char message_kind[32];
-    uint8_t  plan;              /* accuracy plan asked for this DIG's sake, 0 = the world's */
+    uint8_t  accuracy;          /* asked for this DIG's sake, 0 = the world's          */
+    uint16_t trace_wait, trace_pause;   /* steps until its group is traced again; how many it was put off for last */
+    real     trace_step;        /* s      length of the last step of its traced motion; 0 = none */
+    uint8_t  integrator;        /* dig_integrator                                      */
 } Body;
 
 typedef struct Solid {          /* one shape in a body, or of the world itself (body == NONE) */
@@ -188,12 +191,12 @@ typedef struct EffectSlot {     /* one per entry of the effect list             
 
 struct dig_world {
     dig_world_def def;
-    int      plan;                      /* index into accuracy_plans                   */
+    int      accuracy;                  /* see solve/plan.h                            */
     uint64_t steps, serial;             /* serial: distinguishes worlds' handles       */
     uint64_t rng;
     bool     busy;
     uint32_t gen_start;
-    bool     dig_plans;                 /* some DIG has a plan of its own              */
+    bool     dig_accuracies;            /* some DIG has an accuracy of its own         */
 
     LIST(Body)     bodies;
     LIST(Solid)    solids;

@@ -244,6 +244,12 @@ function Scenario.settle(s, time)
   world_of(s):run(core.seconds(time, "s:settle"))
 end
 
+-- s:cpu_seconds(): CPU time of the process so far, for measurements of what accuracy costs; 0 where it is not known
+function Scenario.cpu_seconds()
+  local clock = rawget(core, "cpu_seconds")
+  return clock and clock() or 0
+end
+
 local function check_claim(what, text, condition)
   if type(text) ~= "string" then core.fail("%s wants a text that says what should be; got %s", what, core.type(text)) end
   if type(condition) ~= "function" then core.fail("%s wants a function; got %s", what, core.type(condition)) end

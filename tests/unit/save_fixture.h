@@ -214,7 +214,7 @@ static inline void add_stacks(dig_world *w, vec3 at)
     dig_body b = {0, 0};
     for (int i = 0; i < 3; i++)
         b = add_box(w, look(0.6, 0), (vec3){0.3, 0.2, 0.3}, 2, vec3_add(at, (vec3){1.5, 0.105 + 0.21 * i, 0}), quat_identity());
-    fail_unless(w, dig_dig_accuracy(w, dig_of(w, b), "study"), "plan");
+    fail_unless(w, dig_dig_accuracy(w, dig_of(w, b), "study", 0), "plan");
 }
 
 static inline void add_materials(dig_world *w)

@@ -438,8 +438,8 @@ TEST(dead_null_and_foreign_handles_are_refused)
     dig_dig_state dig;
     REFUSED(dig_dig_get(w, (dig_dig){0, 0}, &dig), DIG_E_DEAD);
     REFUSED(dig_dig_get(w, (dig_dig){12345, 0}, &dig), DIG_E_DEAD);
-    REFUSED(dig_dig_accuracy(w, (dig_dig){12345, 0}, "study"), DIG_E_DEAD);
-    REFUSED(dig_dig_accuracy(w, dig_of(w, s.box), "perfect"), DIG_E_ARG);
+    REFUSED(dig_dig_accuracy(w, (dig_dig){12345, 0}, "study", 0), DIG_E_DEAD);
+    REFUSED(dig_dig_accuracy(w, dig_of(w, s.box), "perfect", 0), DIG_E_ARG);
     REFUSED(dig_message_broadcast(w, (dig_dig){12345, 0}, s.box, "hello", (real[4]){0}), DIG_E_DEAD);
     step(w, 5);
     check_world(w);

@@ -251,6 +251,34 @@ TEST(settings_events_and_messages_come_back)
     dig_world_close(w);
 }
 
+/* A ball that switches is saved before its first step (Euler), in flight (Verlet) and after a bounce (Euler again). */
+TEST(how_a_body_is_integrated_comes_back)
+{
+    dig_world *w = open_world(1.0 / 60, NULL, true);
+    add_floor(w, look(0, 1));
+    dig_body_def d = body_with(look(0, 1), (vec3){0, 1.1, 0}, quat_identity());
+    d.integrator = DIG_SWITCH;
+    dig_body b = add_body(w, d, "sphere", &(dig_sphere_def){0.1});
+    snprintf(d.name.s, sizeof d.name.s, "euler");
+    d.integrator = DIG_EULER;
+    d.at.x = 1;
+    add_body(w, d, "sphere", &(dig_sphere_def){0.1});
+    const int until[] = {0, 10, 28};            /* it strikes at sqrt(2 / g) = 0.4515 s, in step 28 */
+    for (int i = 0; i < 3; i++) {
+        step(w, until[i] - (int)dig_world_steps(w));
+        dig_body_debug flags;
+        CHECK_INT(dig_body_inspect(w, b, &flags), DIG_OK);
+        CHECK_INT(flags.euler, i != 1);
+        dig_world *copy = reloaded(w, "integrator.dig");
+        int64_t integrator = DIG_AUTO;
+        CHECK_INT(dig_body_param(copy, dig_body_find(copy, "euler"), "integrator", &integrator), DIG_OK);
+        CHECK_INT(integrator, DIG_EULER);
+        same_future(w, copy, 3);
+        dig_world_close(copy);
+    }
+    dig_world_close(w);
+}
+
 TEST(handles_of_the_saved_world_are_dead_in_the_loaded_one)
 {
     dig_world *w = open_scene(), *copy = reloaded(w, "handles.dig");
@@ -265,7 +293,7 @@ TEST(handles_of_the_saved_world_are_dead_in_the_loaded_one)
 /* A field that is added to a record must be added to engine/api/save_*.c too, or made anew there; then change the number here. */
 TEST(every_field_of_the_records_is_known_to_the_file)
 {
-    CHECK_INT(sizeof(Body), 864);
+    CHECK_INT(sizeof(Body), 880);
     CHECK_INT(sizeof(Solid), 288);
     CHECK_INT(sizeof(Pair), 128);
     CHECK_INT(sizeof(Contact), 568);
@@ -436,7 +464,7 @@ TEST(other_formats_are_told_apart)
     memset(b.data + 24, 0, 16);
     memcpy(b.data + 24, "0.9", 3);
     CHECK_INT(load_bytes(path, b.data, b.size, why, sizeof why), DIG_E_FORMAT);
-    snprintf(want, sizeof want, "%s: made by digbox 0.9 (format 7); this is %s (format 1)", path, DIGBOX_VERSION);
+    snprintf(want, sizeof want, "%s: made by digbox 0.9 (format 7); this is %s (format 2)", path, DIGBOX_VERSION);
     CHECK_TEXT(why, want);
     CHECK_INT(load_bytes(path, (const unsigned char *)"-- a script\nreturn 1 + 1 -- of some length\n", 43, why, sizeof why), DIG_E_FORMAT);
     CHECK(strstr(why, "not a world") != NULL);
@@ -589,7 +617,8 @@ int main(void)
     RUN_TESTS(unit_test(saved_loaded_saved_is_the_same_file), unit_test(an_empty_world_is_saved_too), unit_test(equal_worlds_give_equal_files),
               unit_test(a_loaded_world_has_the_same_future), unit_test(what_is_made_after_loading_gets_the_same_numbers),
               unit_test(a_gear_goes_on_turning), unit_test(shapes_come_back_bit_for_bit), unit_test(what_follows_from_the_file_is_what_it_was),
-              unit_test(settings_events_and_messages_come_back), unit_test(handles_of_the_saved_world_are_dead_in_the_loaded_one),
+              unit_test(settings_events_and_messages_come_back), unit_test(how_a_body_is_integrated_comes_back),
+              unit_test(handles_of_the_saved_world_are_dead_in_the_loaded_one),
               unit_test(every_field_of_the_records_is_known_to_the_file), unit_test(what_cannot_be_written_or_read_is_named),
               unit_test(saving_replaces_the_file_whole), unit_test(a_file_cut_anywhere_says_so),
               unit_test(every_flipped_bit_of_the_header_is_noticed), unit_test(flipped_bits_elsewhere_are_noticed),

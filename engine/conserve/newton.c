@@ -1,0 +1,314 @@
+/* conserve/newton.c - one step of the energy-momentum rule, by Newton's method. */
+#include "conserve/system.h"
+
+#define ITERATIONS 12
+#define EXACT 1e-13             /* m  residual at which a precise step is done               */
+#define FINE 1e-11              /* m  for other steps, and when an iteration gains little    */
+#define ENOUGH 1e-9             /* m  residual that is taken when rounding allows no better  */
+#define TURN_AT_ONCE 0.5        /* rad, of one Newton iteration                              */
+#define TURN_MOST 6.0           /* of the Cayley vector: 143 degrees                         */
+
+static mat3 in_world(mat3 r, mat3 m) { return mat3_mul(mat3_mul(r, m), mat3_transpose(r)); }
+
+static bool imply(System *s, Piece *b)
+{
+    b->r = quat_matrix(b->q);
+    if (!b->moves)
+        return true;
+    quat d = quat_mul(quat_conjugate(b->q0), b->q);
+    vec3 c = vec3_scale(2 / d.w, (vec3){d.x, d.y, d.z});
+    b->w = vec3_mad(vec3_neg(b->w0), 2 / s->h, c);
+    b->turn = mat3_mul_vec(b->r0, c);
+    return vec3_length2(c) < TURN_MOST * TURN_MOST;        /* false for NaN too */
+}
+
+static vec3 implied_velocity(const System *s, const Piece *b)
+{
+    return vec3_mad(vec3_neg(b->v0), 2 / s->h, vec3_sub(b->x, b->x0));
+}
+
+static void put3(real *to, vec3 v)
+{
+    to[0] = v.x;
+    to[1] = v.y;
+    to[2] = v.z;
+}
+
+static vec3 get3(const real *v) { return (vec3){v[0], v[1], v[2]}; }
+
+/* Residuals into side, negated; the largest in metres. False: a body turns too far. */
+static bool evaluate(System *s)
+{
+    int bodies = s->g->moving_count;
+    for (int i = 0; i < s->piece_count; i++)
+        if (!imply(s, &s->piece[i]))
+            return false;
+    parts_evaluate(s);
+    s->residual = 0;
+    for (int i = 0; i < bodies; i++) {
+        const Piece *b = &s->piece[i];
+        real *side = s->side + 6 * i;
+        put3(side, vec3_zero());
+        put3(side + 3, vec3_zero());
+        if (!b->moves)
+            continue;
+        vec3 linear = vec3_sub(vec3_add(b->p0, b->push), vec3_scale(b->mass, implied_velocity(s, b)));
+        vec3 angular = vec3_sub(vec3_add(b->l0, b->twist), mat3_mul_vec(b->r, mat3_mul_vec(b->inertia, b->w)));
+        put3(side, linear);
+        put3(side + 3, angular);
+        s->residual = real_max(s->residual, fabs(s->h) * vec3_largest(vec3_abs(linear)) / b->mass);
+        s->residual = real_max(s->residual, fabs(s->h) * vec3_largest(vec3_abs(angular)) / b->reach);
+    }
+    for (int i = 0; i < s->tie_count; i++) {
+        const Tie *t = &s->tie[i];
+        for (int k = 0; k < t->rows; k++) {
+            s->side[6 * (bodies + i) + k] = -t->error[k];
+            s->residual = real_max(s->residual, fabs(t->error[k]));
+        }
+    }
+    return isfinite(s->residual);
+}
+
+/* ---- the matrix ---- */
+
+static void put_mat(real *to, int stride, mat3 m)
+{
+    put3(to, m.r0);
+    put3(to + stride, m.r1);
+    put3(to + 2 * stride, m.r2);
+}
+
+static void body_block(System *s, int i)
+{
+    const Piece *b = &s->piece[i];
+    Block at = order_diagonal(s, i);
+    real *d = s->value + at.at;
+    if (!b->moves) {
+        for (int k = 0; k < 6; k++)
+            d[7 * k] = 1;
+        return;
+    }
+    real m = s->resting ? b->mass : 2 * b->mass / s->h;
+    mat3 turn = in_world(b->r, b->inertia);
+    if (!s->resting) {
+        vec3 g = vec3_scale(0.5, mat3_mul_vec(mat3_transpose(b->r0), b->turn));
+        mat3 slope = mat3_add(mat3_add(mat3_identity(), mat3_skew(g)), mat3_outer(g, g));
+        turn = mat3_scale(2 / s->h, in_world(b->r, mat3_mul(b->inertia, slope)));
+        turn = mat3_sub(turn, mat3_skew(mat3_mul_vec(b->r, mat3_mul_vec(b->inertia, b->w))));
+    }
+    d[0] = d[7] = d[14] = m;
+    put_mat(d + 21, 6, turn);
+}
+
+static void subtract_block(System *s, Block to, real k[12][12], int row, int column)
+{
+    for (int i = 0; i < 6; i++)
+        for (int c = 0; c < 6; c++)
+            s->value[to.at + i * to.stride + c] -= k[row + i][column + c];
+}
+
+static void stiffness_blocks(System *s, const Tie *t, const TieBlocks *at)
+{
+    real k[12][12];
+    bool a = s->piece[t->a].moves, b = s->piece[t->b].moves;
+    parts_stiffness(s, t, k);
+    if (a)
+        subtract_block(s, order_diagonal(s, t->a), k, 0, 0);
+    if (b)
+        subtract_block(s, order_diagonal(s, t->b), k, 6, 6);
+    if (a && b && t->coupled) {
+        subtract_block(s, at->ab, k, 0, 6);
+        subtract_block(s, at->ba, k, 6, 0);
+    }
+}
+
+static void tie_blocks(System *s, int i)
+{
+    const Tie *t = &s->tie[i];
+    const TieBlocks *at = &s->blocks[i];
+    Block own = order_diagonal(s, s->g->moving_count + i);
+    for (int k = 0; k < t->rows; k++)
+        s->value[own.at + k * own.stride + k] = t->give[k];
+    for (int side = 0; side < 2; side++) {
+        if (!s->piece[side ? t->b : t->a].moves)
+            continue;
+        for (int k = 0; k < t->rows; k++)
+            for (int c = 0; c < 6; c++) {
+                s->value[at->ja[side].at + k * at->ja[side].stride + c] = t->end[k][6 * side + c];
+                s->value[at->aj[side].at + c * at->aj[side].stride + k] = -t->mid[k][6 * side + c];
+            }
+    }
+    if (!s->resting)
+        stiffness_blocks(s, t, at);
+}
+
+static bool solve(System *s)
+{
+    memset(s->value, 0, (size_t)s->value_count * sizeof *s->value);
+    for (int i = 0; i < s->g->moving_count; i++)
+        body_block(s, i);
+    for (int i = 0; i < s->tie_count; i++)
+        tie_blocks(s, i);
+    return factor_solve(s);
+}
+
+/* ---- the step ---- */
+
+static void improve(System *s)
+{
+    int bodies = s->g->moving_count;
+    for (int i = 0; i < bodies; i++) {
+        Piece *b = &s->piece[i];
+        if (!b->moves)
+            continue;
+        vec3 turn = get3(s->side + 6 * i + 3);
+        real length = vec3_length(turn);
+        b->x = vec3_add(b->x, get3(s->side + 6 * i));
+        if (length > TURN_AT_ONCE)
+            turn = vec3_scale(TURN_AT_ONCE / length, turn);
+        b->q = quat_unit(quat_mul(quat_exp(turn), b->q));
+    }
+    for (int i = 0; i < s->tie_count; i++)
+        for (int k = 0; k < s->tie[i].rows; k++)
+            s->p[s->tie[i].row + k] += s->side[6 * (bodies + i) + k];
+}
+
+static void predict(System *s)
+{
+    for (int i = 0; i < s->piece_count; i++) {
+        Piece *b = &s->piece[i];
+        if (!b->moves)
+            continue;
+        vec3 g = vec3_scale(0.5 * s->h, b->w0);
+        b->x = vec3_mad(b->x0, 0.5 * s->h, vec3_mad(b->v0, 1 / b->mass, b->p0));
+        b->q = quat_unit(quat_mul(b->q0, (quat){g.x, g.y, g.z, 1}));
+    }
+    for (int i = 0; i < s->row_count; i++)
+        s->p[i] = s->h * s->p_last[i];
+}
+
+/* The velocities from the impulses, not from the poses: momentum is then exact to rounding whatever the tolerance. */
+static void finish(System *s)
+{
+    for (int i = 0; i < s->g->moving_count; i++) {
+        Piece *b = &s->piece[i];
+        if (!b->moves)
+            continue;
+        b->v0 = vec3_scale(1 / b->mass, vec3_add(b->p0, b->push));
+        vec3 l = mat3_mul_vec(mat3_transpose(b->r), vec3_add(b->l0, b->twist));
+        b->w = mat3_mul_vec(b->inv_inertia, l);
+    }
+    for (int i = 0; i < s->row_count; i++)
+        s->p_last[i] = s->p[i] / s->h;
+}
+
+bool newton_step(System *s)
+{
+    real best = INFINITY;
+    predict(s);
+    for (int i = 0; i <= ITERATIONS; i++) {
+        if (!evaluate(s))
+            return false;
+        s->g->evaluations++;
+        if (s->residual < (s->precise ? EXACT : FINE) || (s->residual < FINE && s->residual > 0.01 * best) || (s->residual < ENOUGH && i >= 7)) {
+            finish(s);
+            return true;
+        }
+        if (i == ITERATIONS || (i >= 6 && s->residual > 10 * best) || !solve(s))
+            return false;
+        best = real_min(best, s->residual);
+        improve(s);
+    }
+    return false;
+}
+
+/* ---- at fixed poses: what broke the joints from outside is put right ---- */
+
+static void zero_soft(const System *s, Tie *t)
+{
+    for (int n = t->part; n < t->part + t->parts; n++)
+        for (int k = s->part[n].at; k < s->part[n].at + s->part[n].rows; k++) {
+            t->give[k] *= 2 / s->h;
+            if (!s->part[n].soft)
+                continue;
+            memset(t->end[k], 0, sizeof t->end[k]);
+            memset(t->mid[k], 0, sizeof t->mid[k]);
+            t->give[k] = 1;
+            t->error[k] = 0;
+        }
+}
+
+static void evaluate_resting(System *s)
+{
+    for (int i = 0; i < s->piece_count; i++)
+        s->piece[i].turn = vec3_zero();
+    memset(s->p, 0, (size_t)s->row_count * sizeof *s->p);
+    parts_evaluate(s);
+    memset(s->side, 0, (size_t)(6 * s->node_count) * sizeof *s->side);
+    for (int i = 0; i < s->tie_count; i++)
+        zero_soft(s, &s->tie[i]);
+}
+
+static bool solve_resting(System *s)
+{
+    s->resting = true;
+    bool fine = solve(s);
+    s->resting = false;
+    return fine;
+}
+
+/* Least move of the bodies, weighed by mass, after which the hard rows have no error. */
+bool newton_place(System *s)
+{
+    int bodies = s->g->moving_count;
+    for (int n = 0; n < ITERATIONS; n++) {
+        real worst = 0;
+        evaluate_resting(s);
+        for (int i = 0; i < s->tie_count; i++)
+            for (int k = 0; k < s->tie[i].rows; k++) {
+                s->side[6 * (bodies + i) + k] = -s->tie[i].error[k];
+                worst = real_max(worst, fabs(s->tie[i].error[k]));
+            }
+        if (worst < ENOUGH)
+            return true;
+        if (!isfinite(worst) || !solve_resting(s))
+            return false;
+        improve(s);
+        for (int i = 0; i < bodies; i++) {
+            Piece *b = &s->piece[i];
+            vec3 w = mat3_mul_vec(b->r0, b->w0);
+            b->x0 = b->x;
+            b->q0 = b->q;
+            b->r = b->r0 = quat_matrix(b->q);
+            b->w0 = mat3_mul_vec(mat3_transpose(b->r0), w);
+        }
+    }
+    return false;
+}
+
+/* Least change of the velocities, weighed by mass, after which the hard rows have no rate. */
+bool newton_clean(System *s)
+{
+    int bodies = s->g->moving_count;
+    evaluate_resting(s);
+    for (int i = 0; i < s->tie_count; i++) {
+        const Tie *t = &s->tie[i];
+        for (int k = 0; k < t->rows; k++) {
+            real rate = 0;
+            for (int side = 0; side < 2; side++) {
+                const Piece *b = &s->piece[side ? t->b : t->a];
+                rate += vec3_dot(get3(t->end[k] + 6 * side), b->v0) +
+                        vec3_dot(get3(t->end[k] + 6 * side + 3), mat3_mul_vec(b->r0, b->w0));
+            }
+            s->side[6 * (bodies + i) + k] = -rate;
+        }
+    }
+    bool fine = solve_resting(s);
+    for (int i = 0; i < bodies && fine; i++) {
+        Piece *b = &s->piece[i];
+        b->v0 = vec3_add(b->v0, get3(s->side + 6 * i));
+        b->w0 = vec3_add(b->w0, mat3_mul_vec(mat3_transpose(b->r0), get3(s->side + 6 * i + 3)));
+    }
+    parts_push(s, s->side + 6 * bodies);
+    return fine;
+}

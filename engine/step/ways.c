@@ -1,0 +1,28 @@
+/* step/ways.c - the ways to advance a group, in order of preference. Counts decide, never the clock. */
+#include "conserve/conserve.h"
+#include "step/step.h"
+#include "trace/trace.h"
+
+static bool suits_all(const Group *g)
+{
+    (void)g;
+    return true;
+}
+
+static const Way way_sweep = {.name = "sweep", .suits = suits_all, .advance = sweep_advance};
+
+static const Way *const ways[] = {&way_flight, &way_trace, &way_conserve, &way_sweep};
+
+dig_status group_advance(Group *g, real dt)
+{
+    for (size_t i = 0; i < sizeof ways / sizeof *ways; i++) {
+        if (!ways[i]->suits(g))
+            continue;
+        const char *before = g->gave_up;
+        g->way = ways[i]->name;
+        dig_status status = ways[i]->advance(g, dt);
+        if (status != DIG_OK || g->gave_up == before)
+            return status;
+    }
+    return DIG_E_ARG;
+}

@@ -1,0 +1,250 @@
+/* trace/feature.c - what touches at a contact point: a vertex on a face, an edge across an edge, a ball on either.
+ *
+ * A feature is frozen: as long as it is the right one, its gap is a smooth function of the two poses, and every rate below is
+ * exact. Derivations: the material of a body moves as v + w x r; a direction c fixed in it as dc/dt = w x c.
+ */
+#include "trace/trace.h"
+
+#define ALIGNED  1e-6       /* sine: a face this square to the normal is the one that touches   */
+#define ON_EDGE  1e-7       /* of the size: a point this near to an edge is on it               */
+#define CROSSING 0.05       /* sine: edges more parallel than this meet along a line            */
+
+bool feature_kind_known(const Shape *s)
+{
+    return s->type == &shape_sphere || s->type == &shape_box || s->type == &shape_capsule || s->type == &shape_hull || s->type == &shape_plane;
+}
+
+/* ---- finding ---- */
+
+typedef enum Spot { SPOT_POINT, SPOT_LINE, SPOT_FACE } Spot;
+/* In the shape's frame. On a face: 2 at one of its corners, 1 on an edge of its rim, 0 inside. */
+typedef struct Place { Spot spot; vec3 p, d; int rim; vec3 edge; } Place;
+
+static real component(vec3 v, int i) { return i == 0 ? v.x : i == 1 ? v.y : v.z; }
+static void set_component(vec3 *v, int i, real to) { *(i == 0 ? &v->x : i == 1 ? &v->y : &v->z) = to; }
+
+static Place place_on_box(const Shape *s, vec3 p, vec3 toward)
+{
+    vec3 h = ((const BoxData *)s->data)->half;
+    real same = ON_EDGE * s->outer;
+    Place r = {.p = p};
+    int on = 0, across = 0, along = 0;
+    for (int i = 0; i < 3; i++) {
+        bool at = fabs(component(p, i)) >= component(h, i) - same;
+        on += at;
+        if (at)
+            set_component(&r.p, i, copysign(component(h, i), component(p, i)));     /* onto it, without the manifold's rounding */
+        else
+            along = i;
+        if (fabs(component(toward, i)) > fabs(component(toward, across)))
+            across = i;
+    }
+    vec3 face = vec3_zero(), line = vec3_zero();
+    set_component(&face, across, copysign(1, component(toward, across)));
+    set_component(&line, along, 1);
+    r.rim = on >= 3 ? 2 : on == 2 ? 1 : 0;
+    r.edge = line;
+    if (vec3_length(vec3_cross(face, toward)) < ALIGNED) {
+        r.spot = SPOT_FACE;
+        r.d = face;
+        set_component(&r.p, across, component(face, across) * component(h, across));
+    } else {
+        r.spot = on >= 3 ? SPOT_POINT : on == 2 ? SPOT_LINE : SPOT_FACE;
+        r.d = on == 2 ? line : face;
+    }
+    return r;
+}
+
+static Place place_on_hull(const Shape *s, vec3 p, vec3 toward)
+{
+    const HullData *h = hull_data(s);
+    const vec3 *v = hull_vertices(h);
+    real same = ON_EDGE * s->outer;
+    Place r = {.spot = SPOT_FACE, .p = p};
+    int best = 0;
+    for (int i = 1; i < h->face_count; i++)
+        if (vec3_dot(hull_faces(h)[i].normal, toward) > vec3_dot(hull_faces(h)[best].normal, toward))
+            best = i;
+    r.d = hull_faces(h)[best].normal;
+    bool square = vec3_length(vec3_cross(r.d, toward)) < ALIGNED;
+    if (square)
+        r.p = vec3_mad(p, hull_faces(h)[best].offset - vec3_dot(r.d, p), r.d);
+    for (int i = 0; i < h->vertex_count; i++)
+        if (vec3_distance(v[i], p) < same) {
+            r.p = v[i];
+            r.spot = square ? SPOT_FACE : SPOT_POINT;
+            r.rim = 2;
+            return r;
+        }
+    for (int i = 0; i < h->edge_count; i++) {
+        vec3 tail = v[hull_edges(h)[i].tail], head = v[hull_edges(h)[i].head], d = vec3_unit(vec3_sub(head, tail)), from = vec3_sub(p, tail);
+        if (vec3_length(vec3_mad(from, -vec3_dot(from, d), d)) > same)
+            continue;
+        r.rim = 1;
+        r.edge = d;
+        r.p = vec3_mad(tail, vec3_dot(from, d), d);
+        if (!square) {
+            r.spot = SPOT_LINE;
+            r.d = d;
+        }
+        return r;
+    }
+    return r;
+}
+
+static Place place_on_capsule(const Shape *s, vec3 p)
+{
+    real h = ((const CapsuleData *)s->data)->half;
+    bool end = fabs(p.y) >= h * (1 - ON_EDGE);
+    return (Place){.spot = end ? SPOT_POINT : SPOT_LINE, .p = {0, end ? copysign(h, p.y) : p.y, 0}, .d = {0, 1, 0}};
+}
+
+static Place place_on(const Shape *s, vec3 p, vec3 toward)
+{
+    if (s->type == &shape_box)
+        return place_on_box(s, p, toward);
+    if (s->type == &shape_hull)
+        return place_on_hull(s, p, toward);
+    if (s->type == &shape_capsule)
+        return place_on_capsule(s, p);
+    if (s->type == &shape_plane) {
+        const PlaneData *plane = s->data;
+        return (Place){.spot = SPOT_FACE, .p = vec3_mad(p, plane->offset - vec3_dot(plane->normal, p), plane->normal), .d = plane->normal};
+    }
+    return (Place){.spot = SPOT_POINT};                 /* a sphere: its centre */
+}
+
+/* Faces that lie on each other touch where their outlines cross: there the two edges are the feature, and follow when one slides.
+ * Elsewhere a corner of the one lies in the face of the other. */
+static FeatureKind kind_of(const Place *a, const Place *b)
+{
+    if (a->spot == SPOT_FACE && b->spot == SPOT_FACE)
+        return a->rim > b->rim ? POINT_PLANE : PLANE_POINT;
+    if (a->spot == SPOT_FACE)
+        return PLANE_POINT;
+    if (b->spot == SPOT_FACE)
+        return POINT_PLANE;
+    if (a->spot == SPOT_LINE && b->spot == SPOT_LINE)
+        return LINE_LINE;
+    return a->spot == SPOT_LINE ? LINE_POINT : b->spot == SPOT_LINE ? POINT_LINE : POINT_POINT;
+}
+
+static vec3 to_body(const GroupPair *q, bool b, vec3 local) { return pose_point(b ? q->lb : q->la, local); }
+static vec3 turn_to_body(const GroupPair *q, bool b, vec3 d) { return quat_rotate(b ? q->lb.q : q->la.q, d); }
+
+bool feature_find(const Group *g, const GroupPair *q, const Manifold *manifold, const ManifoldPoint *p, Feature *out)
+{
+    pose pa = group_shape_pose(g, q->a, q->la), pb = group_shape_pose(g, q->b, q->lb);
+    vec3 core_a = vec3_mad(p->a, -q->sa->round, manifold->normal), core_b = vec3_mad(p->b, q->sb->round, manifold->normal);
+    Place a = place_on(q->sa, pose_unpoint(pa, core_a), quat_unrotate(pa.q, manifold->normal));
+    Place b = place_on(q->sb, pose_unpoint(pb, core_b), quat_unrotate(pb.q, vec3_neg(manifold->normal)));
+    *out = (Feature){.kind = kind_of(&a, &b), .ra = q->sa->round, .rb = q->sb->round};
+    bool rims = a.spot == SPOT_FACE && b.spot == SPOT_FACE && a.rim == 1 && b.rim == 1;
+    if (rims || out->kind == LINE_LINE) {
+        vec3 da = rims ? a.edge : a.d, db = rims ? b.edge : b.d, m = vec3_cross(quat_rotate(pa.q, da), quat_rotate(pb.q, db));
+        if (vec3_length(m) > CROSSING) {
+            out->kind = LINE_LINE;
+            a.d = vec3_dot(m, manifold->normal) < 0 ? vec3_neg(da) : da;        /* so that da x db points from a to b */
+            b.d = db;
+        } else if (!rims) {
+            out->kind = LINE_POINT;
+        }
+    }
+    out->pa = to_body(q, false, a.p);
+    out->pb = to_body(q, true, b.p);
+    out->da = turn_to_body(q, false, a.d);
+    out->db = turn_to_body(q, true, b.d);
+    return true;
+}
+
+/* ---- moving ---- */
+
+typedef struct Spin { vec3 x, v, w; quat q; } Spin;     /* one body */
+
+static Spin spin_of(const Group *g, int i) { return (Spin){g->pos[i].x, g->vel[i].v, g->vel[i].w, g->pos[i].q}; }
+static vec3 material(const Spin *s, vec3 at) { return vec3_add(s->v, vec3_cross(s->w, vec3_sub(at, s->x))); }
+static vec3 along_normal_removed(vec3 v, vec3 n) { return vec3_mad(v, -vec3_dot(v, n), n); }
+
+typedef struct Turning { vec3 n, ndot, at, atdot; real gap; } Turning;
+
+/* Plane of s through o, point p of the other body with its velocity: n fixed in s. */
+static Turning on_plane(const Spin *s, vec3 o, vec3 normal, vec3 p, vec3 pdot, real round)
+{
+    vec3 ndot = vec3_cross(s->w, normal);
+    return (Turning){normal, ndot, vec3_mad(p, -round, normal), vec3_mad(pdot, -round, ndot), vec3_dot(normal, vec3_sub(p, o)) - round};
+}
+
+/* f: nearest geometric point of a (itself for a point), p of b. */
+static Turning between(vec3 f, vec3 fdot, vec3 p, vec3 pdot, real ra, real rb)
+{
+    vec3 d = vec3_sub(p, f);
+    real length = vec3_length(d);
+    vec3 n = vec3_unit_or(d, (vec3){0, 1, 0});
+    vec3 ndot = length > 0 ? vec3_scale(1 / length, along_normal_removed(vec3_sub(pdot, fdot), n)) : vec3_zero();
+    return (Turning){n, ndot, vec3_mad(p, -rb, n), vec3_mad(pdot, -rb, ndot), length - ra - rb};
+}
+
+/* Foot of p on the line of s through o along d: o + s d, s = (p - o) . d. */
+static void foot_of(const Spin *s, vec3 o, vec3 d, vec3 p, vec3 pdot, vec3 *f, vec3 *fdot)
+{
+    vec3 odot = material(s, o), ddot = vec3_cross(s->w, d), r = vec3_sub(p, o);
+    real at = vec3_dot(r, d), atdot = vec3_dot(vec3_sub(pdot, odot), d) + vec3_dot(r, ddot);
+    *f = vec3_mad(o, at, d);
+    *fdot = vec3_add(vec3_mad(odot, atdot, d), vec3_scale(at, ddot));
+}
+
+/* m = da x db points from a to b; the nearest point of line b lies at s = (ob - oa) . (da x m) / m^2 along it. */
+static Turning crossing(const Spin *a, vec3 oa, vec3 da, const Spin *b, vec3 ob, vec3 db, const Feature *f)
+{
+    vec3 m = vec3_cross(da, db), dadot = vec3_cross(a->w, da), dbdot = vec3_cross(b->w, db);
+    vec3 mdot = vec3_add(vec3_cross(dadot, db), vec3_cross(da, dbdot));
+    real k = vec3_length2(m), size = sqrt(k);
+    vec3 r = vec3_sub(ob, oa), rdot = vec3_sub(material(b, ob), material(a, oa));
+    vec3 e = vec3_cross(da, m), edot = vec3_add(vec3_cross(dadot, m), vec3_cross(da, mdot));
+    real s = vec3_dot(r, e) / k, sdot = (vec3_dot(rdot, e) + vec3_dot(r, edot) - 2 * s * vec3_dot(m, mdot)) / k;
+    vec3 n = vec3_scale(1 / size, m), ndot = vec3_scale(1 / size, along_normal_removed(mdot, n));
+    vec3 p = vec3_mad(ob, s, db), pdot = vec3_add(vec3_mad(material(b, ob), sdot, db), vec3_scale(s, dbdot));
+    return (Turning){n, ndot, vec3_mad(p, -f->rb, n), vec3_mad(pdot, -f->rb, ndot), vec3_dot(n, r) - f->ra - f->rb};
+}
+
+static Turning turning_of(const Spin *a, const Spin *b, const Feature *f)
+{
+    vec3 pa = vec3_add(a->x, quat_rotate(a->q, f->pa)), pb = vec3_add(b->x, quat_rotate(b->q, f->pb));
+    vec3 foot, footdot;
+    Turning t;
+    switch (f->kind) {
+    case PLANE_POINT:
+        return on_plane(a, pa, quat_rotate(a->q, f->da), pb, material(b, pb), f->rb);
+    case POINT_PLANE:
+        t = on_plane(b, pb, quat_rotate(b->q, f->db), pa, material(a, pa), f->ra);
+        t.n = vec3_neg(t.n);
+        t.ndot = vec3_neg(t.ndot);
+        return t;
+    case LINE_POINT:
+        foot_of(a, pa, quat_rotate(a->q, f->da), pb, material(b, pb), &foot, &footdot);
+        return between(foot, footdot, pb, material(b, pb), f->ra, f->rb);
+    case POINT_LINE:
+        foot_of(b, pb, quat_rotate(b->q, f->db), pa, material(a, pa), &foot, &footdot);
+        return between(pa, material(a, pa), foot, footdot, f->ra, f->rb);
+    case LINE_LINE:
+        return crossing(a, pa, quat_rotate(a->q, f->da), b, pb, quat_rotate(b->q, f->db), f);
+    case POINT_POINT:
+        break;
+    }
+    return between(pa, material(a, pa), pb, material(b, pb), f->ra, f->rb);
+}
+
+/* u = material velocity of b against a at the contact point c. Without accelerations c' - v stays of the body's own velocity at the
+ * moving point:  du/dt = wb x (c' - vb) - wa x (c' - va),  d(n . u)/dt = n . du/dt + n' . u. */
+void feature_move(const Group *g, const Feature *f, int a, int b, Kinematics *k)
+{
+    Spin sa = spin_of(g, a), sb = spin_of(g, b);
+    Turning t = turning_of(&sa, &sb, f);
+    k->n = t.n;
+    k->at = t.at;
+    k->gap = t.gap;
+    k->u = vec3_sub(material(&sb, t.at), material(&sa, t.at));
+    k->rate = vec3_dot(t.n, k->u);
+    k->drift = vec3_sub(vec3_cross(sb.w, vec3_sub(t.atdot, sb.v)), vec3_cross(sa.w, vec3_sub(t.atdot, sa.v)));
+    k->drift_n = vec3_dot(t.n, k->drift) + vec3_dot(t.ndot, k->u);
+}

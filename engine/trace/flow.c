@@ -1,0 +1,287 @@
+/* trace/flow.c - the motion between events: an explicit Runge-Kutta pair with error control.
+ *
+ * Order 5 with an embedded order 4 (Dormand & Prince 1980) and its dense output (Hairer, Norsett & Wanner, Solving Ordinary
+ * Differential Equations I, II.6). Where forces are constant - free flight, sliding, rolling, rest - two evaluations show it, and
+ * the motion is the parabola itself.
+ */
+#include "trace/trace.h"
+
+static const real node[STAGES] = {0, 1.0 / 5, 3.0 / 10, 4.0 / 5, 8.0 / 9, 1, 1};
+const real dormand_prince[STAGES][STAGES - 1] = {
+    {0},
+    {1.0 / 5},
+    {3.0 / 40, 9.0 / 40},
+    {44.0 / 45, -56.0 / 15, 32.0 / 9},
+    {19372.0 / 6561, -25360.0 / 2187, 64448.0 / 6561, -212.0 / 729},
+    {9017.0 / 3168, -355.0 / 33, 46732.0 / 5247, 49.0 / 176, -5103.0 / 18656},
+    {35.0 / 384, 0, 500.0 / 1113, 125.0 / 192, -2187.0 / 6784, 11.0 / 84},
+};
+static const real error_weight[STAGES] = {71.0 / 57600, 0, -71.0 / 16695, 71.0 / 1920, -17253.0 / 339200, 22.0 / 525, -1.0 / 40};
+static const real dense_weight[STAGES] = {
+    -12715105075.0 / 11282082432.0, 0, 87487479700.0 / 32700410799.0, -10690763975.0 / 1880347072.0,
+    701980252875.0 / 199316789632.0, -1453857185.0 / 822651844.0, 69997945.0 / 29380423.0,
+};
+
+/* ---- state and group ---- */
+
+static vec3 angular_momentum(const Group *g, int i)
+{
+    const Member *m = &g->member[i];
+    return quat_rotate(g->pos[i].q, mat3_mul_vec(m->inertia, quat_unrotate(g->pos[i].q, g->vel[i].w)));
+}
+
+void trace_load(Tracer *t, const State *y, real time)
+{
+    Group *g = t->g;
+    for (int i = 0; i < g->body_count; i++) {
+        const Member *m = &g->member[i];
+        if (m->moves) {
+            g->pos[i] = (Pos){y[i].x, quat_unit(y[i].q)};
+            g->vel[i].v = y[i].v;
+            group_refresh_mass(g, i);
+            g->vel[i].w = mat3_mul_vec(g->mass[i].ii, y[i].l);
+        } else if (m->kinematic) {
+            const Pos *p = &t->mover_start[i];
+            g->pos[i] = (Pos){vec3_mad(p->x, time, g->vel[i].v), quat_unit(quat_mul(quat_exp(vec3_scale(time, g->vel[i].w)), p->q))};
+        }
+    }
+}
+
+void trace_store(Tracer *t, State *y)
+{
+    const Group *g = t->g;
+    for (int i = 0; i < g->moving_count; i++)
+        y[i] = (State){g->pos[i].x, g->pos[i].q, g->vel[i].v, angular_momentum(g, i)};
+}
+
+/* |q| is 1 within rounding only: without this the bias of w = I^-1 L would add up, frame by frame, to a drift of L. */
+void trace_refine(Tracer *t, const State *y)
+{
+    Group *g = t->g;
+    for (int i = 0; i < g->moving_count; i++)
+        if (g->member[i].moves && !g->member[i].round)
+            g->vel[i].w = vec3_add(g->vel[i].w, mat3_mul_vec(g->mass[i].ii, vec3_sub(y[i].l, angular_momentum(g, i))));
+}
+
+/* ---- rates ---- */
+
+static quat quat_rate(vec3 w, quat q)
+{
+    quat r = quat_mul((quat){w.x, w.y, w.z, 0}, q);
+    return (quat){0.5 * r.x, 0.5 * r.y, 0.5 * r.z, 0.5 * r.w};
+}
+
+/* Sliding follows the slip through the stages; where that turns round, the sign keeps the rates smooth beyond the stop. */
+static void follow_slip(Tracer *t)
+{
+    for (int i = 0; i < t->touch_count; i++) {
+        Cone *both[2] = {&t->touch[i].slip, &t->touch[i].roll};
+        for (int k = 0; k < 2; k++) {
+            Cone *c = both[k];
+            real speed = c->axes && c->grip == GRIP_SLIP && !c->locked ? vec3_length(c->u) : 0;
+            if (speed > 0)
+                c->d = vec3_scale((vec3_dot(c->u, c->from) < 0 ? -1 : 1) / speed, c->u);
+        }
+    }
+}
+
+static void keep_quad(const Tracer *t, real *q)
+{
+    const Group *g = t->g;
+    real lost = 0, gained = 0;
+    for (int i = 0; i < t->touch_count; i++, q += 4) {
+        const Touching *c = &t->touch[i];
+        vec3 f = c->gate.presses ? vec3_mad(c->slip.force, c->gate.force, c->k.n) : vec3_zero();
+        q[0] = f.x;
+        q[1] = f.y;
+        q[2] = f.z;
+        q[3] = c->gate.presses ? c->gate.force : 0;
+        if (!c->gate.presses)
+            continue;
+        lost -= vec3_dot(c->slip.force, c->slip.u) + vec3_dot(c->roll.force, c->roll.u);
+        for (int k = 0; k < 2; k++) {
+            int b = k ? c->b : c->a;
+            if (g->member[b].kinematic) {
+                vec3 v = vec3_add(g->vel[b].v, vec3_cross(g->vel[b].w, vec3_sub(c->k.at, g->pos[b].x)));
+                gained += (k ? -1 : 1) * (vec3_dot(f, v) + vec3_dot(c->roll.force, g->vel[b].w));
+            }
+        }
+    }
+    for (int j = 0; j < g->joint_count; j++, q += 6) {
+        memset(q, 0, 6 * sizeof *q);
+        for (int k = 0; k < t->row_count[j]; k++) {
+            const Row *r = &t->rows[j * JOINT_SLOTS + k];
+            real force = t->joint_force[j * JOINT_SLOTS + r->slot], rate = 0;
+            for (int m = 0; m < r->count && force != 0; m++) {
+                int b = r->body[m];
+                if (b < 0)
+                    continue;
+                rate += vec3_dot(r->lin[m], g->vel[b].v) + vec3_dot(r->ang[m], g->vel[b].w);
+                real power = force * (vec3_dot(r->lin[m], g->vel[b].v) + vec3_dot(r->ang[m], g->vel[b].w));
+                gained += g->member[b].kinematic ? -power : 0;
+                if (b == g->joints[j].a) {
+                    q[0] += force * r->lin[m].x;
+                    q[1] += force * r->lin[m].y;
+                    q[2] += force * r->lin[m].z;
+                    q[3] += force * r->ang[m].x;
+                    q[4] += force * r->ang[m].y;
+                    q[5] += force * r->ang[m].z;
+                }
+            }
+            lost += r->kind == ROW_DRY ? -force * rate : r->kind == ROW_SOFT ? r->damping * rate * rate : 0;
+            gained += r->kind == ROW_MOTOR ? force * rate : 0;
+        }
+    }
+    for (int i = 0; i < g->push_count; i++, q++) {
+        const GroupPush *p = &g->pushes[i];
+        vec3 arm = p->has_at ? quat_rotate(g->pos[p->body].q, p->at) : vec3_zero();
+        *q = vec3_dot(p->force, vec3_add(g->vel[p->body].v, vec3_cross(g->vel[p->body].w, arm))) + vec3_dot(p->torque, g->vel[p->body].w);
+        gained += *q;
+    }
+    q[0] = lost;
+    q[1] = gained;
+}
+
+void trace_keep(Tracer *t, int stage)
+{
+    const Group *g = t->g;
+    State *k = t->stage[stage];
+    for (int i = 0; i < g->moving_count; i++)
+        k[i] = (State){g->vel[i].v, quat_rate(g->vel[i].w, g->pos[i].q), t->acc[i], t->torque[i]};
+    keep_quad(t, t->quad[stage]);
+}
+
+bool trace_rate(Tracer *t, const State *y, real time, int stage)
+{
+    trace_load(t, y, time);
+    t->g->evaluations++;
+    trace_kinematics(t);
+    follow_slip(t);
+    if (!trace_accelerate(t))
+        return false;
+    trace_keep(t, stage);
+    return true;
+}
+
+/* ---- constant accelerations ---- */
+
+static void parabola(const Tracer *t, real h, State *out)
+{
+    const Group *g = t->g;
+    for (int i = 0; i < g->moving_count; i++) {
+        const State *y = &t->y[i], *k = &t->stage[0][i];
+        vec3 w = t->spin0[i], al = t->alpha0[i];
+        /* Magnus: the rotation of an angular velocity that grows evenly */
+        vec3 turn = vec3_add(vec3_scale(h, w), vec3_add(vec3_scale(0.5 * h * h, al), vec3_scale(h * h * h / 12, vec3_cross(al, w))));
+        out[i] = (State){vec3_mad(vec3_mad(y->x, h, y->v), 0.5 * h * h, k->v), quat_unit(quat_mul(quat_exp(turn), y->q)),
+                         vec3_mad(y->v, h, k->v), vec3_mad(y->l, h, k->l)};
+    }
+}
+
+static bool same_accelerations(Tracer *t, real h, real part)
+{
+    parabola(t, part * h, t->y1);
+    if (!trace_rate(t, t->y1, t->t + part * h, STAGES - 1))
+        return false;
+    real most = 0.1 * t->tolerance / h * t->pace;
+    for (int i = 0; i < t->g->moving_count; i++) {
+        real arm = t->g->member[i].outer;
+        if (vec3_distance(t->acc[i], t->stage[0][i].v) > most || arm * vec3_distance(t->alpha[i], t->alpha0[i]) > most)
+            return false;
+    }
+    return true;
+}
+
+/* Forces of joints turn with the bodies. */
+#define TURNS 1e-3      /* rad */
+
+static bool may_probe(const Tracer *t, real h)
+{
+    for (int i = 0; i < t->g->moving_count && t->g->joint_count > 0; i++)
+        if (vec3_length(t->spin0[i]) * h > TURNS)
+            return false;
+    for (int i = 0; i < t->g->moving_count; i++) {
+        real bend = vec3_length(vec3_cross(t->alpha0[i], t->spin0[i])) * h * h * h;
+        if (bend * t->g->member[i].outer > 0.1 * t->tolerance)
+            return false;
+    }
+    return true;
+}
+
+/* ---- the pair ---- */
+
+static void combine(const Tracer *t, const real *weight, int stages, real h, const State *from, State *out)
+{
+    int n = t->g->moving_count * STATE_REALS;
+    const real *a = (const real *)(const void *)from;
+    real *b = (real *)(void *)out;
+    for (int i = 0; i < n; i++) {
+        real sum = 0;
+        for (int s = 0; s < stages; s++)
+            sum += weight[s] * ((const real *)(const void *)t->stage[s])[i];
+        b[i] = (a ? a[i] : 0) + h * sum;
+    }
+}
+
+static real error_of(const Tracer *t, real h)
+{
+    real worst = 0;
+    combine(t, error_weight, STAGES, h, NULL, t->y2);
+    for (int i = 0; i < t->g->moving_count; i++) {
+        const State *e = &t->y2[i];
+        const Member *m = &t->g->member[i];
+        real arm = m->outer;
+        vec3 dw = mat3_mul_vec(t->g->mass[i].ii, e->l);
+        worst = real_max(worst, real_max(vec3_length(e->x), vec3_length(e->v) / t->pace));
+        worst = real_max(worst, arm * real_max(2 * sqrt(quat_norm2(e->q)), vec3_length(dw) / t->pace));
+    }
+    return worst / t->tolerance;
+}
+
+static real pair_step(Tracer *t, real h)
+{
+    for (int s = 1; s < STAGES; s++) {
+        combine(t, dormand_prince[s], s, h, t->y, s == STAGES - 1 ? t->y1 : t->y2);
+        if (!trace_rate(t, s == STAGES - 1 ? t->y1 : t->y2, t->t + node[s] * h, s))
+            return INFINITY;
+    }
+    for (int i = 0; i < t->g->moving_count; i++)
+        t->y1[i].q = quat_unit(t->y1[i].q);
+    return error_of(t, h);
+}
+
+real trace_try(Tracer *t, real h)
+{
+    t->h = h;
+    t->probed = false;
+    if (t->probe_wait == 0 && may_probe(t, h)) {
+        if (same_accelerations(t, h, 0.4142) && same_accelerations(t, h, 1)) {
+            t->probed = true;
+            t->h_probe = h;
+            t->probe_fails = 0;
+            return 0;
+        }
+        if (t->fault)
+            return INFINITY;
+        t->probe_wait = int_min(16, (1 << int_min(++t->probe_fails, 5)) - 1);
+    }
+    return pair_step(t, h);
+}
+
+void trace_dense(const Tracer *t, real part, State *out)
+{
+    if (t->probed) {
+        parabola(t, part * t->h, out);
+        return;
+    }
+    int n = t->g->moving_count * STATE_REALS;
+    const real *y0 = (const real *)(const void *)t->y, *y1 = (const real *)(const void *)t->y1;
+    const real *first = (const real *)(const void *)t->stage[0], *last = (const real *)(const void *)t->stage[STAGES - 1];
+    real *o = (real *)(void *)out, rest = 1 - part;
+    for (int i = 0; i < n; i++) {
+        real r2 = y1[i] - y0[i], r3 = t->h * first[i] - r2, r4 = r2 - t->h * last[i] - r3, r5 = 0;
+        for (int s = 0; s < STAGES; s++)
+            r5 += dense_weight[s] * ((const real *)(const void *)t->stage[s])[i];
+        o[i] = y0[i] + part * (r2 + rest * (r3 + part * (r4 + rest * t->h * r5)));
+    }
+}

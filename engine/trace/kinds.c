@@ -1,0 +1,319 @@
+/* trace/kinds.c - who presses, sticks or slides now, at the level of accelerations.
+ *
+ * Everything closed is first taken to press, to stick where it does not move and to slide where it does. Then one gate at a
+ * time is opened (it would pull) or closed again (it would sink in), and grips whose force leaves the cone are put on its
+ * edge, the brink, until nothing contradicts. On the brink the force's direction is the one the slip is about to take; it is
+ * found by a damped fixed point  d <- (rho d + a) / |rho d + a|,  whose damping rho is the acceleration that the whole bound of
+ * friction could cause: with less, it diverges wherever the slip is slow to grow.
+ */
+#include "trace/trace.h"
+
+#define PULLS      1e-9         /* of the largest force: less is rounding           */
+#define SINKS      1e-9         /* of the largest acceleration                      */
+#define TURNED     1e-10        /* a direction that moves less has settled          */
+#define DIRECTIONS 400          /* passes of the fixed point                        */
+
+static real acceleration_scale(const Tracer *t)
+{
+    real most = vec3_length(t->g->gravity) + 1e-9 * t->size * t->pace * t->pace;
+    for (int i = 0; i < t->g->moving_count; i++)
+        most = real_max(most, vec3_length(t->acc0[i]));
+    return most;
+}
+
+static void close_gate(const Tracer *t, Gate *g, real unit)
+{
+    g->closed = fabs(g->gap) * unit <= t->gap_zero && fabs(g->rate) * unit <= t->speed_zero;
+    g->presses = g->closed;
+    if (!g->closed)
+        g->force = 0;
+}
+
+/* What slid before slides on, however slowly: whether it is coming to rest its acceleration will tell. */
+static void take_grip(Cone *c, real zero)
+{
+    real speed = vec3_length(c->u);
+    c->locked = false;
+    c->grip = c->axes && (speed > zero || (c->grip == GRIP_SLIP && speed > 1e-6 * zero)) ? GRIP_SLIP : GRIP_STICK;
+    if (c->grip == GRIP_SLIP)
+        c->d = vec3_scale(1 / speed, c->u);
+}
+
+static real arm_term(const Group *g, int body, vec3 at, vec3 e)
+{
+    vec3 r = vec3_cross(vec3_sub(at, g->pos[body].x), e);
+    return g->mass[body].im + vec3_dot(r, mat3_mul_vec(g->mass[body].ii, r));
+}
+
+static void measure_mobility(const Group *g, Touching *c)
+{
+    vec3 e[2];
+    vec3_basis(c->k.n, &e[0], &e[1]);
+    c->slip.mobility = 0;
+    for (int k = 0; k < 2; k++)
+        c->slip.mobility = real_max(c->slip.mobility, arm_term(g, c->a, c->k.at, e[k]) + arm_term(g, c->b, c->k.at, e[k]));
+    mat3 ii = mat3_add(g->mass[c->a].ii, g->mass[c->b].ii);
+    c->roll.mobility = real_max(ii.r0.x, real_max(ii.r1.y, ii.r2.z));
+}
+
+static void start_kinds(Tracer *t)
+{
+    for (int i = 0; i < t->touch_count; i++) {
+        Touching *c = &t->touch[i];
+        close_gate(t, &c->gate, 1);
+        take_grip(&c->slip, t->slip_zero);
+        take_grip(&c->roll, t->slip_zero / t->size);
+        measure_mobility(t->g, c);
+    }
+    for (int i = 0; i < t->stop_count; i++) {
+        const Row *r = trace_row(t, t->stops[i].joint, t->stops[i].slot);
+        close_gate(t, &t->stops[i].gate, r && r->angular ? t->size : 1);
+    }
+    for (int i = 0; i < t->hold_count; i++) {
+        Hold *h = &t->holds[i];
+        const Row *r = trace_row(t, h->joint, h->slot);
+        real off = h->target - h->rate;
+        h->side = fabs(off) * (r && r->angular ? t->size : 1) <= t->slip_zero ? 0 : off > 0 ? 1 : -1;
+    }
+}
+
+/* Where one slip comes to its end, those as slow that lose speed end with it: one at a time they would drag each other on. */
+static void halt_slow(Tracer *t)
+{
+    for (int i = 0; i < t->touch_count; i++) {
+        Cone *both[2] = {&t->touch[i].slip, &t->touch[i].roll};
+        for (int k = 0; k < 2; k++) {
+            Cone *c = both[k];
+            if (c->axes && c->grip == GRIP_SLIP && vec3_length(c->u) * (k ? t->size : 1) <= 10 * t->slip_zero && vec3_dot(c->acc, c->u) <= 0)
+                c->grip = GRIP_STICK;
+        }
+    }
+}
+
+/* The event that brought us here forces its transition: at its exact root both kinds pass every tolerant test. */
+static void apply_hint(Tracer *t)
+{
+    const Event *e = &t->hint;
+    switch (e->kind) {
+    case EVENT_OPEN: e->gate->presses = false; break;
+    case EVENT_PRESS: e->gate->presses = true; break;
+    case EVENT_YIELD:
+        if (e->cone) {
+            e->cone->grip = GRIP_BRINK;
+            e->cone->d = vec3_unit_or(vec3_neg(e->cone->force), e->cone->d);
+        } else {
+            e->hold->side = e->hold->force > 0 ? 1 : -1;
+        }
+        break;
+    case EVENT_HALT:
+        if (e->cone)
+            halt_slow(t);
+        /* fall through */
+    case EVENT_GRIP:
+        if (e->cone) {
+            e->cone->grip = GRIP_STICK;
+            e->cone->locked = false;
+        } else {
+            e->hold->side = 0;
+        }
+        break;
+    default: break;
+    }
+    t->hint.kind = EVENT_NONE;
+}
+
+/* ---- gates: one change at a time ---- */
+
+typedef struct Change { Gate *gate; real worst; bool press; } Change;
+
+static void consider(Change *c, Gate *g, real force_zero, real acc_zero, bool first_wins)
+{
+    real off = g->presses ? -g->force / force_zero : -g->acc / acc_zero;
+    if (!g->closed || off <= 1 || (first_wins && c->gate) || off <= c->worst)
+        return;
+    *c = (Change){g, off, !g->presses};
+}
+
+static bool change_gate(Tracer *t, real acc_scale, bool first_wins)
+{
+    Change c = {NULL, 0, false};
+    real force_zero = PULLS * t->gate_most + 1e-300, acc_zero = SINKS * acc_scale + 1e-300;
+    for (int i = 0; i < t->touch_count; i++)
+        consider(&c, &t->touch[i].gate, force_zero, acc_zero, first_wins);
+    for (int i = 0; i < t->stop_count; i++)
+        consider(&c, &t->stops[i].gate, force_zero, acc_zero, first_wins);
+    if (c.gate)
+        c.gate->presses = c.press;
+    return c.gate;
+}
+
+/* Tangential load is shared in proportion to the normal forces, so that all corners of a face reach the brink together. */
+static bool change_weights(Tracer *t)
+{
+    bool changed = false;
+    for (int i = 0; i < t->touch_count;) {
+        int first = i, sticking = 0;
+        real most = 0;
+        for (; i < t->touch_count && t->touch[i].contact == t->touch[first].contact; i++) {
+            const Touching *c = &t->touch[i];
+            sticking += c->gate.presses && c->slip.axes && c->slip.grip == GRIP_STICK;
+            most = real_max(most, c->gate.presses ? c->gate.force : 0);
+        }
+        for (int k = first; k < i && sticking > 1; k++) {
+            Cone *c = &t->touch[k].slip;
+            real w = t->touch[k].gate.presses && most > 0 ? real_max(t->touch[k].gate.force / most, 1e-4) : 1;
+            changed = changed || fabs(w - c->weight) > 1e-6;
+            c->weight = w;
+        }
+    }
+    return changed;
+}
+
+/* ---- grips ---- */
+
+static bool leaves_cone(const Cone *c, real normal, real force_zero)
+{
+    return c->axes && c->grip == GRIP_STICK && vec3_length(c->force) > c->still * normal * (1 + 1e-11) + force_zero;
+}
+
+/* The normal force of all points of the contact's pair: a patch moves as one. */
+static real patch_force(const Tracer *t, int contact)
+{
+    real sum = 0;
+    for (int i = 0; i < t->touch_count; i++)
+        if (t->touch[i].contact == contact && t->touch[i].gate.presses)
+            sum += real_max(0, t->touch[i].gate.force);
+    return sum;
+}
+
+/* Points of one patch that slide alike slide the same way: a difference in the last digits would make the rows across the
+ * slip contradict each other. */
+#define ALIKE 1e-5
+
+void trace_align(Tracer *t)
+{
+    for (int i = 0; i < t->touch_count; i++) {
+        Cone *c = &t->touch[i].slip;
+        for (int k = 0; k < i && c->axes && c->grip != GRIP_STICK; k++) {
+            const Cone *o = &t->touch[k].slip;
+            if (t->touch[k].contact == t->touch[i].contact && o->grip != GRIP_STICK && t->touch[k].gate.presses && vec3_distance(o->d, c->d) < ALIKE) {
+                c->d = o->d;
+                break;
+            }
+        }
+    }
+}
+
+typedef enum Move { MOVE_NONE, MOVE_DIRECTION, MOVE_GRIP } Move;
+
+static Move settle_brink(Cone *c, real rho, real acc_zero)
+{
+    vec3 v = vec3_mad(c->acc, rho, c->d), d = vec3_unit_or(v, c->d);
+    if (vec3_distance(d, c->d) > TURNED) {
+        c->d = d;
+        return MOVE_DIRECTION;
+    }
+    if (vec3_dot(c->acc, c->d) < -acc_zero) {
+        c->grip = GRIP_STICK;
+        return MOVE_GRIP;
+    }
+    return MOVE_NONE;
+}
+
+static Move change_grips(Tracer *t, real acc_scale)
+{
+    real force_zero = PULLS * t->gate_most;
+    Move move = MOVE_NONE;
+    for (int i = 0; i < t->touch_count; i++) {
+        Touching *c = &t->touch[i];
+        Cone *both[2] = {&c->slip, &c->roll};
+        for (int k = 0; k < 2 && c->gate.presses; k++)
+            if (leaves_cone(both[k], c->gate.force, force_zero * (k ? t->size : 1))) {
+                both[k]->grip = GRIP_BRINK;
+                both[k]->d = vec3_unit_or(vec3_neg(both[k]->force), both[k]->d);
+                move = MOVE_GRIP;
+            }
+    }
+    for (int i = 0; i < t->touch_count; i++) {
+        Touching *c = &t->touch[i];
+        Cone *both[2] = {&c->slip, &c->roll};
+        for (int k = 0; k < 2 && c->gate.presses; k++) {
+            real unit = k ? t->size : 1;
+            bool slow = both[k]->axes && both[k]->grip == GRIP_SLIP && unit * vec3_length(both[k]->u) <= t->slip_zero;
+            if (slow && unit * vec3_dot(both[k]->acc, both[k]->d) < -SINKS * acc_scale) {
+                both[k]->grip = GRIP_STICK;
+                move = MOVE_GRIP;
+            }
+        }
+    }
+    for (int i = 0; i < t->hold_count; i++) {
+        Hold *h = &t->holds[i];
+        real zero = SINKS * acc_scale;
+        if (h->side == 0 && fabs(h->force) > h->most * (1 + 1e-11)) {
+            h->side = h->force > 0 ? 1 : -1;
+            move = MOVE_GRIP;
+        } else if (h->side != 0 && fabs(h->rate - h->target) <= t->slip_zero && h->side * h->acc > zero) {
+            h->side = 0;
+            move = MOVE_GRIP;
+        }
+    }
+    if (move != MOVE_NONE)
+        return move;
+    for (int i = 0; i < t->touch_count; i++) {
+        Touching *c = &t->touch[i];
+        Cone *both[2] = {&c->slip, &c->roll};
+        for (int k = 0; k < 2 && c->gate.presses; k++)
+            if (both[k]->axes && both[k]->grip == GRIP_BRINK) {
+                Move m = settle_brink(both[k], both[k]->still * patch_force(t, c->contact) * both[k]->mobility,
+                                      SINKS * acc_scale / (k ? t->size : 1));
+                move = m > move ? m : move;
+            }
+    }
+    return move;
+}
+
+/* What is on the brink and moves on starts to slide. */
+static bool start_slips(Tracer *t, real acc_scale)
+{
+    bool weaker = false;
+    for (int i = 0; i < t->touch_count; i++) {
+        Touching *c = &t->touch[i];
+        Cone *both[2] = {&c->slip, &c->roll};
+        for (int k = 0; k < 2 && c->gate.presses; k++)
+            if (both[k]->axes && both[k]->grip == GRIP_BRINK && vec3_length(both[k]->acc) > SINKS * acc_scale / (k ? t->size : 1)) {
+                both[k]->grip = GRIP_SLIP;
+                both[k]->locked = true;
+                weaker = weaker || both[k]->moving != both[k]->still;
+            }
+    }
+    return weaker;
+}
+
+bool trace_kinds(Tracer *t)
+{
+    int n = t->touch_count + t->stop_count + t->hold_count, directions = 0;
+    start_kinds(t);
+    apply_hint(t);
+    t->sys.redundant = false;
+    real acc_scale = acceleration_scale(t);
+    for (int pivots = 0; pivots < 20 + 6 * n && directions < DIRECTIONS;) {
+        trace_align(t);
+        if (!trace_accelerate(t))
+            return false;
+        if (change_gate(t, acc_scale, pivots > 2 * n)) {
+            pivots++;
+            continue;
+        }
+        if (change_weights(t)) {
+            directions++;
+            continue;
+        }
+        Move move = change_grips(t, acc_scale);
+        if (move == MOVE_NONE)
+            return !start_slips(t, acc_scale) || trace_accelerate(t);
+        pivots += move == MOVE_GRIP;
+        directions += move == MOVE_DIRECTION;
+    }
+    t->fault = "contacts that find no agreement";
+    return false;
+}

@@ -1,0 +1,438 @@
+/* trace/rows.c - the equations at one instant: kinematics of contacts and joints, their rows, forces and accelerations. */
+#include "trace/trace.h"
+
+/* Part of the largest acceleration by which redundant rows may contradict each other: the stages of a step are off their loops by its
+ * local error, and what that does moves nothing. More than this is no drift. */
+#define CONTRADICTION 1e-2
+
+Row *trace_row(const Tracer *t, int joint, int slot)
+{
+    Row *rows = &t->rows[joint * JOINT_SLOTS];
+    for (int i = 0; i < t->row_count[joint]; i++)
+        if (rows[i].slot == slot)
+            return &rows[i];
+    return NULL;
+}
+
+static bool moves(const Tracer *t, int body) { return body >= 0 && t->g->member[body].moves; }
+
+static real row_rate(const Tracer *t, const Row *r)
+{
+    real rate = 0;
+    for (int k = 0; k < r->count; k++)
+        if (r->body[k] >= 0)
+            rate += vec3_dot(r->lin[k], t->g->vel[r->body[k]].v) + vec3_dot(r->ang[k], t->g->vel[r->body[k]].w);
+    return rate;
+}
+
+/* ---- kinematics ---- */
+
+static void move_joint(Tracer *t, int joint)
+{
+    Group *g = t->g;
+    RowList list = {&t->rows[joint * JOINT_SLOTS], 0, JOINT_SLOTS};
+    g->joints[joint].view.type->rows(&g->joints[joint].view, &list);
+    t->row_count[joint] = list.count;
+    for (int i = 0; i < list.count; i++)
+        for (int k = 0; k < list.rows[i].count; k++)
+            dir_mask(g, &list.rows[i].lin[k], &list.rows[i].ang[k]);
+}
+
+/* Springs and dampers are forces. */
+static void push_soft(Tracer *t, const Row *r, real *kept)
+{
+    real force = -r->stiffness * r->error - r->damping * row_rate(t, r);
+    *kept = force;
+    for (int k = 0; k < r->count; k++) {
+        int b = r->body[k];
+        if (!moves(t, b))
+            continue;
+        t->acc0[b] = vec3_mad(t->acc0[b], force * t->g->mass[b].im, r->lin[k]);
+        t->torque0[b] = vec3_mad(t->torque0[b], force, r->ang[k]);
+    }
+}
+
+static void free_motion(Tracer *t)
+{
+    Group *g = t->g;
+    for (int i = 0; i < g->moving_count; i++)
+        g->member[i].force = g->member[i].torque = vec3_zero();
+    dig_status status = g->stage(g, STAGE_FORCE);
+    if (status != DIG_OK)
+        g->status = status;
+    for (int i = 0; i < g->moving_count; i++) {
+        t->acc0[i] = vec3_scale(g->mass[i].im, g->member[i].force);
+        t->torque0[i] = g->member[i].torque;
+        dir_mask(g, &t->acc0[i], &t->torque0[i]);
+    }
+}
+
+void trace_kinematics(Tracer *t)
+{
+    Group *g = t->g;
+    free_motion(t);
+    for (int i = 0; i < g->joint_count; i++)
+        group_joint_view(g, i);
+    for (int i = 0; i < g->joint_count; i++) {
+        move_joint(t, i);
+        for (int k = 0; k < t->row_count[i]; k++) {
+            const Row *r = &t->rows[i * JOINT_SLOTS + k];
+            if (r->kind == ROW_SOFT)
+                push_soft(t, r, &t->joint_force[i * JOINT_SLOTS + r->slot]);
+        }
+    }
+    for (int i = 0; i < t->stop_count; i++) {
+        Stop *s = &t->stops[i];
+        const Row *r = trace_row(t, s->joint, s->slot);
+        s->gate.gap = r ? r->error : INFINITY;
+        s->gate.rate = r ? row_rate(t, r) : 0;
+    }
+    for (int i = 0; i < t->hold_count; i++) {
+        Hold *h = &t->holds[i];
+        const Row *r = trace_row(t, h->joint, h->slot);
+        h->rate = r ? row_rate(t, r) : h->target;
+    }
+    for (int i = 0; i < t->touch_count; i++) {
+        Touching *c = &t->touch[i];
+        feature_move(g, &c->feature, c->a, c->b, &c->k);
+        c->gate.gap = c->k.gap;
+        c->gate.rate = c->k.rate;
+        c->slip.u = vec3_mad(c->k.u, -c->k.rate, c->k.n);
+        c->roll.u = vec3_sub(g->vel[c->b].w, g->vel[c->a].w);
+    }
+}
+
+/* ---- rows ---- */
+
+Line *trace_line(Tracer *t, LineKind kind, int owner)
+{
+    System *s = &t->sys;
+    if (s->count == s->capacity) {
+        t->fault = "more rows than its budget";
+        return NULL;
+    }
+    Line *l = &s->lines[s->count++];
+    l->kind = kind;
+    l->owner = owner;
+    l->count = l->points = 0;
+    l->drift = l->error = l->want = 0;
+    return l;
+}
+
+void trace_line_body(Tracer *t, Line *l, int body, vec3 lin, vec3 ang, vec3 glin, vec3 gang)
+{
+    if (!moves(t, body))
+        return;
+    dir_mask(t->g, &lin, &ang);
+    dir_mask(t->g, &glin, &gang);
+    int k = l->count++;
+    l->body[k] = body;
+    l->lin[k] = lin;
+    l->ang[k] = ang;
+    l->glin[k] = glin;
+    l->gang[k] = gang;
+    l->mlin[k] = vec3_scale(t->g->mass[body].im, glin);
+    l->mang[k] = mat3_mul_vec(t->g->mass[body].ii, gang);
+}
+
+static void line_joint(Tracer *t, LineKind kind, int owner, int joint, const Row *r)
+{
+    Line *l = trace_line(t, kind, owner);
+    if (!l)
+        return;
+    l->slot = joint * JOINT_SLOTS + r->slot;
+    l->drift = r->drift;
+    l->error = r->error;
+    for (int k = 0; k < r->count; k++)
+        trace_line_body(t, l, r->body[k], r->lin[k], r->ang[k], r->lin[k], r->ang[k]);
+}
+
+static int stop_at(const Tracer *t, int joint, int slot)
+{
+    for (int i = 0; i < t->stop_count; i++)
+        if (t->stops[i].joint == joint && t->stops[i].slot == slot)
+            return i;
+    return -1;
+}
+
+static int hold_at(const Tracer *t, int joint, int slot)
+{
+    for (int i = 0; i < t->hold_count; i++)
+        if (t->holds[i].joint == joint && t->holds[i].slot == slot)
+            return i;
+    return -1;
+}
+
+static void joint_lines(Tracer *t, int j, bool positions)
+{
+    for (int k = 0; k < t->row_count[j]; k++) {
+        const Row *r = &t->rows[j * JOINT_SLOTS + k];
+        int i;
+        if (r->kind == ROW_HARD) {
+            line_joint(t, LINE_HARD, j, j, r);
+        } else if (r->kind == ROW_LIMIT && (i = stop_at(t, j, r->slot)) >= 0 && t->stops[i].gate.presses) {
+            line_joint(t, LINE_STOP, i, j, r);
+        } else if (!positions && (r->kind == ROW_MOTOR || r->kind == ROW_DRY) && (i = hold_at(t, j, r->slot)) >= 0 && t->holds[i].side == 0) {
+            line_joint(t, LINE_HOLD, i, j, r);
+            if (t->sys.count > 0)
+                t->sys.lines[t->sys.count - 1].want = t->holds[i].target;
+        }
+    }
+}
+
+/* forces: with the columns of sliding friction. */
+static void build_lines(Tracer *t, bool forces, bool positions)
+{
+    t->sys.count = 0;
+    t->sys.sliding = false;
+    for (int i = 0; i < t->item_count && !t->fault; i++) {
+        if (t->item[i] >= 0)
+            joint_lines(t, t->item[i], positions);
+        else
+            trace_patch(t, -1 - t->item[i], forces, positions);
+    }
+}
+
+/* ---- forces and accelerations ---- */
+
+static void read_forces(Tracer *t)
+{
+    t->gate_most = 0;
+    for (int i = 0; i < t->touch_count; i++) {
+        t->touch[i].gate.force = t->touch[i].slip.lateral = 0;
+        t->touch[i].slip.force = t->touch[i].roll.force = vec3_zero();
+    }
+    for (int i = 0; i < t->stop_count; i++)
+        t->stops[i].gate.force = t->joint_force[t->stops[i].joint * JOINT_SLOTS + t->stops[i].slot] = 0;
+    for (int i = 0; i < t->hold_count; i++) {
+        Hold *h = &t->holds[i];
+        h->force = h->side * h->most;
+        t->joint_force[h->joint * JOINT_SLOTS + h->slot] = h->force;
+    }
+    for (int i = 0; i < t->sys.count; i++) {
+        const Line *l = &t->sys.lines[i];
+        real force = t->sys.x[i];
+        switch (l->kind) {
+        case LINE_NORMAL:
+            for (int k = 0; k < l->points; k++)
+                t->touch[l->point[k]].gate.force += l->share[k] * force;
+            continue;
+        case LINE_LATERAL:
+            for (int k = 0; k < l->points; k++)
+                t->touch[l->point[k]].slip.lateral += vec3_length(l->e[k]) * force;
+            /* fall through */
+        case LINE_SLIP:
+            for (int k = 0; k < l->points; k++)
+                t->touch[l->point[k]].slip.force = vec3_mad(t->touch[l->point[k]].slip.force, force, l->e[k]);
+            continue;
+        case LINE_ROLL:
+            t->touch[l->owner].roll.force = vec3_mad(t->touch[l->owner].roll.force, force, l->e[0]);
+            continue;
+        case LINE_STOP:
+            t->stops[l->owner].gate.force = force;
+            t->gate_most = real_max(t->gate_most, fabs(force));
+            break;
+        case LINE_HOLD: t->holds[l->owner].force = force; break;
+        case LINE_HARD: break;
+        }
+        t->joint_force[l->slot] = force;
+    }
+    for (int i = 0; i < t->touch_count; i++) {      /* sliding friction follows the normal force */
+        Touching *c = &t->touch[i];
+        if (!c->gate.presses)
+            continue;
+        t->gate_most = real_max(t->gate_most, fabs(c->gate.force));
+        if (c->slip.axes && c->slip.grip != GRIP_STICK)
+            c->slip.force = vec3_mad(c->slip.force, -cone_bound(&c->slip) * c->gate.force, c->slip.d);
+        if (c->roll.axes && c->roll.grip != GRIP_STICK)
+            c->roll.force = vec3_mad(c->roll.force, -cone_bound(&c->roll) * c->gate.force, c->roll.d);
+    }
+}
+
+static vec3 point_acceleration(const Tracer *t, int body, vec3 at)
+{
+    if (!moves(t, body))
+        return vec3_zero();
+    return vec3_add(t->acc[body], vec3_cross(t->alpha[body], vec3_sub(at, t->g->pos[body].x)));
+}
+
+static real row_acceleration(const Tracer *t, const Row *r)
+{
+    real a = r->drift;
+    for (int k = 0; k < r->count; k++)
+        if (moves(t, r->body[k]))
+            a += vec3_dot(r->lin[k], t->acc[r->body[k]]) + vec3_dot(r->ang[k], t->alpha[r->body[k]]);
+    return a;
+}
+
+static void read_accelerations(Tracer *t)
+{
+    for (int i = 0; i < t->touch_count; i++) {
+        Touching *c = &t->touch[i];
+        if (!c->gate.closed)
+            continue;
+        vec3 a = vec3_sub(point_acceleration(t, c->b, c->k.at), point_acceleration(t, c->a, c->k.at));
+        c->gate.acc = vec3_dot(c->k.n, a) + c->k.drift_n;
+        a = vec3_add(a, c->k.drift);
+        c->slip.acc = vec3_mad(a, -vec3_dot(c->k.n, a), c->k.n);
+        vec3 aa = moves(t, c->a) ? t->alpha[c->a] : vec3_zero(), ab = moves(t, c->b) ? t->alpha[c->b] : vec3_zero();
+        c->roll.acc = vec3_sub(ab, aa);
+    }
+    for (int i = 0; i < t->stop_count; i++) {
+        const Row *r = trace_row(t, t->stops[i].joint, t->stops[i].slot);
+        t->stops[i].gate.acc = r ? row_acceleration(t, r) : 0;
+    }
+    for (int i = 0; i < t->hold_count; i++) {
+        const Row *r = trace_row(t, t->holds[i].joint, t->holds[i].slot);
+        t->holds[i].acc = r ? row_acceleration(t, r) : 0;
+    }
+}
+
+/* alpha = I^-1 (tau - w x L) */
+static vec3 spin_up(const Tracer *t, int i, vec3 torque)
+{
+    const Group *g = t->g;
+    const Member *m = &g->member[i];
+    if (!m->round && !g->planar) {
+        vec3 w = g->vel[i].w, l = quat_rotate(g->pos[i].q, mat3_mul_vec(m->inertia, quat_unrotate(g->pos[i].q, w)));
+        torque = vec3_sub(torque, vec3_cross(w, l));
+    }
+    return mat3_mul_vec(g->mass[i].ii, torque);
+}
+
+/* Saturated motors and friction of joints push as forces. */
+static void push_holds(Tracer *t)
+{
+    for (int i = 0; i < t->hold_count; i++) {
+        const Hold *h = &t->holds[i];
+        const Row *r = h->side ? trace_row(t, h->joint, h->slot) : NULL;
+        for (int k = 0; r && k < r->count; k++) {
+            int b = r->body[k];
+            if (!moves(t, b))
+                continue;
+            t->acc[b] = vec3_mad(t->acc[b], h->side * h->most * t->g->mass[b].im, r->lin[k]);
+            t->torque[b] = vec3_mad(t->torque[b], h->side * h->most, r->ang[k]);
+        }
+    }
+}
+
+bool trace_accelerate(Tracer *t)
+{
+    Group *g = t->g;
+    System *s = &t->sys;
+    memcpy(t->acc, t->acc0, (size_t)g->moving_count * sizeof *t->acc);
+    memcpy(t->torque, t->torque0, (size_t)g->moving_count * sizeof *t->torque);
+    push_holds(t);
+    for (int i = 0; i < g->moving_count; i++)
+        t->alpha[i] = spin_up(t, i, t->torque[i]);
+    build_lines(t, true, false);
+    if (t->fault)
+        return false;
+    if (s->count > 0) {
+        for (int i = 0; i < s->count; i++) {
+            const Line *l = &s->lines[i];
+            real a = l->drift;
+            for (int k = 0; k < l->count; k++)
+                a += vec3_dot(l->lin[k], t->acc[l->body[k]]) + vec3_dot(l->ang[k], t->alpha[l->body[k]]);
+            s->b[i] = -a;
+        }
+        if (!system_factor(s) || !system_solve(s, CONTRADICTION)) {
+            t->fault = "rows that contradict each other";
+            return false;
+        }
+        g->residual = real_max(g->residual, s->residual);
+    }
+    read_forces(t);
+    for (int i = 0; i < s->count; i++) {
+        const Line *l = &s->lines[i];
+        real force = s->x[i];
+        for (int k = 0; k < l->count; k++) {
+            t->acc[l->body[k]] = vec3_mad(t->acc[l->body[k]], force, l->mlin[k]);
+            t->alpha[l->body[k]] = vec3_mad(t->alpha[l->body[k]], force, l->mang[k]);
+            t->torque[l->body[k]] = vec3_mad(t->torque[l->body[k]], force, l->gang[k]);
+        }
+    }
+    read_accelerations(t);
+    return true;
+}
+
+/* ---- what drifts is put back ---- */
+
+real trace_violation(const Tracer *t)
+{
+    real worst = 0;
+    for (int i = 0; i < t->g->joint_count; i++)
+        for (int k = 0; k < t->row_count[i]; k++) {
+            const Row *r = &t->rows[i * JOINT_SLOTS + k];
+            real unit = r->angular ? t->size : 1;
+            if (r->kind == ROW_HARD)
+                worst = real_max(worst, unit * real_max(fabs(r->error), fabs(row_rate(t, r)) / t->pace));
+        }
+    for (int i = 0; i < t->stop_count; i++)
+        if (t->stops[i].gate.presses)
+            worst = real_max(worst, real_max(fabs(t->stops[i].gate.gap), fabs(t->stops[i].gate.rate) / t->pace));
+    for (int i = 0; i < t->touch_count; i++) {
+        const Touching *c = &t->touch[i];
+        if (!c->gate.presses)
+            continue;
+        worst = real_max(worst, real_max(fabs(c->gate.gap), fabs(c->gate.rate) / t->pace));
+        if (c->slip.axes && c->slip.grip == GRIP_STICK)
+            worst = real_max(worst, vec3_length(c->slip.u) / t->pace);
+        if (c->roll.axes && c->roll.grip == GRIP_STICK)
+            worst = real_max(worst, t->size * vec3_length(c->roll.u) / t->pace);
+    }
+    return worst;
+}
+
+static void shift(Tracer *t, const Line *l, real amount, bool positions)
+{
+    Group *g = t->g;
+    for (int k = 0; k < l->count; k++) {
+        int b = l->body[k];
+        if (positions) {
+            g->pos[b].x = vec3_mad(g->pos[b].x, amount, l->mlin[k]);
+            g->pos[b].q = quat_unit(quat_mul(quat_exp(vec3_scale(amount, l->mang[k])), g->pos[b].q));
+        } else {
+            g->vel[b].v = vec3_mad(g->vel[b].v, amount, l->mlin[k]);
+            g->vel[b].w = vec3_mad(g->vel[b].w, amount, l->mang[k]);
+        }
+    }
+}
+
+/* The rate of a row that should be what it wants: against what moves by itself, too. */
+static real off_rate(const Tracer *t, const Line *l)
+{
+    real off = 0;
+    switch (l->kind) {
+    case LINE_NORMAL:
+        for (int k = 0; k < l->points; k++)
+            off += l->share[k] * t->touch[l->point[k]].gate.rate;
+        return off;
+    case LINE_SLIP:
+    case LINE_LATERAL:
+        for (int k = 0; k < l->points; k++)
+            off += vec3_dot(l->e[k], t->touch[l->point[k]].slip.u);
+        return off;
+    case LINE_ROLL: return vec3_dot(l->e[0], t->touch[l->owner].roll.u);
+    default: return row_rate(t, trace_row(t, l->slot / JOINT_SLOTS, l->slot % JOINT_SLOTS)) - l->want;
+    }
+}
+
+bool trace_project(Tracer *t, bool positions)
+{
+    System *s = &t->sys;
+    build_lines(t, false, positions);
+    if (s->count == 0 || t->fault)
+        return !t->fault;
+    for (int i = 0; i < s->count; i++) {
+        const Line *l = &s->lines[i];
+        s->b[i] = -(positions ? l->error : off_rate(t, l));
+    }
+    if (!system_factor(s) || !system_solve(s, INFINITY)) {        /* passes are repeated until nothing is off */
+        t->fault = "rows that contradict each other";
+        return false;
+    }
+    for (int i = 0; i < s->count; i++)
+        shift(t, &s->lines[i], s->x[i], positions);
+    return true;
+}

@@ -1,0 +1,162 @@
+/* trace/touch.c - contacts of the present state become frozen features; those that stay keep their kinds. */
+#include "trace/trace.h"
+
+#include <stdlib.h>
+
+static bool same_contact(const Touching *old, const GroupContact *c, int contact, int point, uint32_t id)
+{
+    return old->contact == contact && ((c->manifold.count == 1 && old->point == 0) || old->id == id) && point >= 0;
+}
+
+static const Touching *find_old(const Tracer *t, const GroupContact *c, int contact, int point, uint32_t id)
+{
+    for (int i = 0; i < t->old_count; i++)
+        if (same_contact(&t->old_touch[i], c, contact, point, id))
+            return &t->old_touch[i];
+    return NULL;
+}
+
+static void new_contact(const Tracer *t, Touching *c, const GroupPair *q, const PointMemory *memory)
+{
+    memset(&c->gate, 0, sizeof c->gate);
+    memset(&c->slip, 0, sizeof c->slip);
+    memset(&c->roll, 0, sizeof c->roll);
+    c->slip.weight = c->roll.weight = 1;
+    c->gate.force = memory->normal;
+    c->slip.axes = q->friction > 0 ? 2 : 0;
+    c->slip.still = q->friction;
+    c->slip.moving = q->friction_dynamic;
+    real a = q->sa->rolling, b = q->sb->rolling, radius = a > 0 && b > 0 ? a * b / (a + b) : real_max(a, b);
+    c->roll.axes = q->rolling > 0 && radius > 0 && !t->g->planar ? 3 : 0;
+    c->roll.still = c->roll.moving = q->rolling * radius;
+}
+
+static bool inverse_exists(const Group *g, int a, int b) { return g->member[a].moves || g->member[b].moves; }
+
+/* A contact that pressed in the last step still does, though another way may have left it a little off. */
+static bool held_before(const Tracer *t, const GroupContact *c, int point, const Kinematics *k, real size)
+{
+    return c->memory[point].held > 0 && fabs(k->gap) < 1e-3 * size && fabs(k->rate) < 1e-4 * t->size * t->pace;
+}
+
+static bool add_point(Tracer *t, int contact, int point, bool first)
+{
+    Group *g = t->g;
+    GroupContact *c = &g->contacts[contact];
+    const GroupPair *q = &g->pairs[c->pair];
+    const ManifoldPoint *p = &c->manifold.points[point];
+    Touching *n = &t->touch[t->touch_count];
+    const Touching *old = find_old(t, c, contact, point, p->feature);
+    if (old)
+        *n = *old;
+    else
+        new_contact(t, n, q, &c->memory[point]);
+    n->contact = contact;
+    n->point = point;
+    n->pair = c->pair;
+    n->a = c->a;
+    n->b = c->b;
+    n->id = p->feature;
+    if (!feature_find(g, q, &c->manifold, p, &n->feature))
+        return false;
+    feature_move(g, &n->feature, n->a, n->b, &n->k);
+    if (fabs(n->k.gap - p->gap) > 1e-7 * q->size) {         /* the frozen feature is not what the manifold means */
+        t->fault = "a contact without a frozen feature";
+        return false;
+    }
+    n->gate.gap = n->k.gap;
+    n->gate.rate = n->k.rate;
+    n->slip.u = vec3_mad(n->k.u, -n->k.rate, n->k.n);
+    n->roll.u = vec3_sub(g->vel[n->b].w, g->vel[n->a].w);
+    if (first) {
+        n->gate.closed = n->gate.presses = held_before(t, c, point, &n->k, q->size);
+        n->slip.grip = c->sliding || vec3_length(n->slip.u) > t->slip_zero ? GRIP_SLIP : GRIP_STICK;
+        n->roll.grip = t->size * vec3_length(n->roll.u) > t->slip_zero ? GRIP_SLIP : GRIP_STICK;
+    }
+    if (!old && !n->gate.closed && fabs(n->k.gap) <= t->gap_zero && n->k.rate <= t->speed_zero)
+        t->dirty = true;
+    t->touch_count++;
+    return true;
+}
+
+/* Items in order along chains and stacks keep the profile of the system narrow. */
+typedef struct Item { int key, low, what; } Item;
+
+static int compare_items(const void *a, const void *b)
+{
+    const Item *x = a, *y = b;
+    if (x->key != y->key)
+        return x->key - y->key;
+    return x->low != y->low ? x->low - y->low : y->what - x->what;
+}
+
+static Item item_of(const Tracer *t, int a, int b, int what)
+{
+    int oa = a >= 0 && t->g->member[a].moves ? t->order[a] : -1, ob = b >= 0 && t->g->member[b].moves ? t->order[b] : -1;
+    return (Item){int_max(oa, ob), int_min(oa, ob), what};
+}
+
+bool trace_items(Tracer *t)
+{
+    int most = t->g->joint_count + t->touch_count, n = 0;
+    ArenaMark mark = arena_mark(t->g->arena);
+    Item *items = arena_alloc(t->g->arena, (size_t)(most + 1) * sizeof *items);
+    if (!items)
+        return false;
+    for (int i = 0; i < t->g->joint_count; i++)
+        items[n++] = item_of(t, t->g->joints[i].a, t->g->joints[i].b, i);
+    for (int i = 0; i < t->touch_count; i++)
+        if (i == 0 || t->touch[i].contact != t->touch[i - 1].contact)
+            items[n++] = item_of(t, t->touch[i].a, t->touch[i].b, -1 - i);
+    if (n > 1)
+        qsort(items, (size_t)n, sizeof *items, compare_items);
+    for (int i = 0; i < n; i++)
+        t->item[i] = items[i].what;
+    t->item_count = n;
+    arena_rewind(t->g->arena, mark);
+    return true;
+}
+
+static bool lost_a_pressing_one(const Tracer *t)
+{
+    int before = 0, now = 0;
+    for (int i = 0; i < t->old_count; i++)
+        before += t->old_touch[i].gate.presses;
+    for (int i = 0; i < t->touch_count; i++)
+        now += t->touch[i].gate.presses;
+    return now != before;
+}
+
+bool trace_touch(Tracer *t, bool first)
+{
+    Group *g = t->g;
+    Touching *swap = t->old_touch;
+    t->old_touch = t->touch;
+    t->old_count = t->touch_count;
+    t->touch = swap;
+    t->touch_count = 0;
+    group_touch(g, real_max(t->end - t->t, 0.25 * t->end), true);
+    for (int i = 0; i < g->contact_count; i++) {
+        const GroupContact *c = &g->contacts[i];
+        for (int k = 0; c->live && inverse_exists(g, c->a, c->b) && k < c->manifold.count; k++)
+            if (t->touch_count == t->touch_capacity || !add_point(t, i, k, first)) {
+                t->fault = t->fault ? t->fault : "more contact points than its budget";
+                return false;
+            }
+    }
+    if (!first && lost_a_pressing_one(t))
+        t->dirty = true;
+    return trace_items(t);
+}
+
+bool trace_missed(const Tracer *t)
+{
+    for (int i = 0; i < t->touch_count; i++) {
+        const Gate *g = &t->touch[i].gate;
+        if (!g->presses && g->gap < -t->gap_zero)
+            return true;
+        if (g->presses && fabs(g->gap) > 0.01 * t->tolerance + t->gap_zero)     /* it rolled over an edge */
+            return true;
+    }
+    return false;
+}

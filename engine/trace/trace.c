@@ -1,0 +1,464 @@
+/* trace/trace.c - the traced way: from event to event through a frame, on a private copy, within a budget of counts. */
+#include "trace/trace.h"
+
+#define CHATTER       40        /* events within CHATTER_TIME of the frame                   */
+#define CHATTER_TIME  1e-10
+#define SMALL         4         /* bodies, joints and pairs                                   */
+#define STEP_LEAST    1e-10     /* of the frame: a step this short without an event is none  */
+#define SHORTER_MOST  1e-4      /* of the frame: a step longer than this may fail once more   */
+#define BOUNCE_LEAST  1e-13     /* of the size: bounces lower than this are over             */
+
+/* ---- does it suit? ---- */
+
+static int root_of(const int *parent, int i)
+{
+    while (parent[i] != i)
+        i = parent[i];
+    return i;
+}
+
+#define FAST_LOOP  0.3          /* rad in a step */
+#define LOOP_BODIES 128         /* more than any plan traces */
+
+/* Do the joints close a loop, by themselves or through what does not move? Loops pass through singular positions; the way that
+ * holds joints in place passes them better than this one, which holds accelerations, unless they turn fast against the step. */
+static bool has_loop(const Group *g)
+{
+    int parent[LOOP_BODIES + 1];
+    if (g->moving_count > LOOP_BODIES)
+        return true;
+    for (int i = 0; i <= g->moving_count; i++)
+        parent[i] = i;
+    for (int j = 0; j < g->joint_count; j++) {
+        if (g->joints[j].view.type->free_axes == 6 || g->joints[j].view.type->couples)
+            continue;
+        int a = g->joints[j].a, b = g->joints[j].b, n = g->moving_count;
+        a = root_of(parent, a >= 0 && a < n && g->member[a].moves ? a : n);
+        b = root_of(parent, b >= 0 && b < n && g->member[b].moves ? b : n);
+        if (a == b)
+            return true;
+        parent[a] = b;
+    }
+    return false;
+}
+
+static real fastest_spin(const Group *g)
+{
+    real w = 0;
+    for (int i = 0; i < g->moving_count; i++)
+        w = real_max(w, vec3_length2(g->vel[i].w));
+    return sqrt(w);
+}
+
+static bool suits(const Group *g)
+{
+    const AccuracyPlan *p = g->plan;
+    if (g->moving_count > p->trace_bodies || g->decay_friction || g->trace_wait > 0 || !g->may_trace)
+        return false;
+    for (int i = 0; i < g->moving_count; i++)
+        if (g->member[i].moves && g->member[i].integrator != DIG_AUTO)
+            return false;
+    if (g->pair_count == 0 && has_loop(g) && fastest_spin(g) * g->world->def.step < FAST_LOOP)
+        return false;
+    for (int i = 0; i < g->pair_count; i++) {
+        const GroupPair *q = &g->pairs[i];
+        if (!feature_kind_known(q->sa) || !feature_kind_known(q->sb) || q->contacts != 1)
+            return false;
+    }
+    return true;
+}
+
+/* ---- what a frame that fails must not leave behind ---- */
+
+typedef struct Start {
+    Pos *pos; Vel *vel; Mass *mass; Member *member; GroupPair *pairs; GroupContact *contacts; GroupJoint *joints; real *push_work;
+    Group scalars;
+} Start;
+
+static void *copy(Arena *a, const void *from, size_t bytes)
+{
+    void *to = arena_alloc(a, bytes + 1);
+    if (to)
+        memcpy(to, from, bytes);
+    return to;
+}
+
+#define COPY(field, count) ((s->field = copy(g->arena, g->field, (size_t)(count) * sizeof *g->field)))
+
+static bool keep_start(const Group *g, Start *s)
+{
+    s->scalars = *g;
+    return COPY(pos, g->body_count) && COPY(vel, g->body_count) && COPY(mass, g->body_count) && COPY(member, g->body_count)
+        && COPY(pairs, g->pair_count) && COPY(contacts, g->contact_count) && COPY(joints, g->joint_count) && COPY(push_work, g->body_count);
+}
+
+#define BACK(field, count) memcpy(g->field, s->field, (size_t)(count) * sizeof *g->field)
+
+static void hand_on(Group *g, const Start *s, const char *why)
+{
+    int evaluations = g->evaluations, refused = g->refused;
+    BACK(pos, g->body_count);
+    BACK(vel, g->body_count);
+    BACK(mass, g->body_count);
+    BACK(member, g->body_count);
+    BACK(pairs, g->pair_count);
+    BACK(contacts, g->contact_count);
+    BACK(joints, g->joint_count);
+    BACK(push_work, g->body_count);
+    *g = s->scalars;
+    g->evaluations = evaluations;
+    g->refused = refused;
+    g->gave_up = why;
+    g->trace_failed = true;
+}
+
+/* ---- a frame ---- */
+
+static void list_drives(Tracer *t)
+{
+    t->stop_count = t->hold_count = 0;
+    for (int j = 0; j < t->g->joint_count; j++)
+        for (int k = 0; k < t->row_count[j]; k++) {
+            const Row *r = &t->rows[j * JOINT_SLOTS + k];
+            if (r->kind == ROW_LIMIT)
+                t->stops[t->stop_count++] = (Stop){.joint = j, .slot = r->slot};
+            else if (r->kind == ROW_MOTOR || r->kind == ROW_DRY)
+                t->holds[t->hold_count++] = (Hold){.joint = j, .slot = r->slot, .most = r->hi, .target = r->kind == ROW_MOTOR ? r->rate : 0};
+        }
+}
+
+static void set_scales(Tracer *t)
+{
+    Group *g = t->g;
+    real size = 0, weight = vec3_length(g->gravity);
+    for (int i = 0; i < g->moving_count; i++)
+        size = real_max(size, g->member[i].outer);
+    t->size = size > 0 && isfinite(size) ? size : 1;
+    t->pace = weight > 0 ? sqrt(weight / t->size) : 1;
+    t->tolerance = g->tolerance * t->size;
+    t->gap_zero = 1e-10 * t->size;
+    g->close_speed = sqrt(2 * weight * BOUNCE_LEAST * t->size) + 1e-9 * t->size;
+    t->speed_zero = g->close_speed;
+    t->slip_zero = real_max(1e-7 * t->size * t->pace, 10 * t->tolerance * t->pace);
+    g->touch = 1e-9;
+    g->locate = true;
+    g->h = 1e-14;               /* forces are those of this instant */
+    g->events_left = g->plan->events;
+}
+
+static bool approaching(const Tracer *t)
+{
+    for (int i = 0; i < t->touch_count; i++)
+        if (t->touch[i].gate.gap <= t->gap_zero && t->touch[i].gate.rate < -0.1 * t->g->close_speed)
+            return true;
+    for (int i = 0; i < t->stop_count; i++)
+        if (t->stops[i].gate.gap <= 1e-9 && t->stops[i].gate.rate < -0.1 * t->g->close_speed)
+            return true;
+    return false;
+}
+
+/* What drifted or was overlooked by a solver with other habits is put right, first in place, then in velocity. */
+static bool put_right(Tracer *t, bool *moved)
+{
+    for (int pass = 0; pass < 8; pass++) {
+        real off = trace_violation(t);
+        if (off <= real_max(1e-13 * t->size, 1e-4 * t->tolerance))
+            return true;
+        *moved = true;
+        if (!trace_project(t, true))
+            return false;
+        trace_store(t, t->y);
+        trace_load(t, t->y, t->t);
+        trace_kinematics(t);
+        if (!trace_project(t, false))
+            return false;
+        trace_store(t, t->y);
+        trace_load(t, t->y, t->t);
+        trace_kinematics(t);
+        if (trace_violation(t) > 0.5 * off)
+            return off < real_max(1e-8 * t->size, t->tolerance) || (t->fault = "joints or contacts that cannot be closed", false);
+    }
+    return true;
+}
+
+static void mark_start(Tracer *t)
+{
+    for (int i = 0; i < t->touch_count; i++) {
+        Touching *c = &t->touch[i];
+        c->gate.gap0 = c->gate.gap;
+        c->gate.rate0 = c->gate.rate;
+        c->gate.acc0 = c->gate.acc;
+        c->slip.from = c->slip.d;
+        c->roll.from = c->roll.d;
+    }
+    for (int i = 0; i < t->stop_count; i++) {
+        Gate *g = &t->stops[i].gate;
+        g->gap0 = g->gap;
+        g->rate0 = g->rate;
+        g->acc0 = g->acc;
+    }
+    for (int i = 0; i < t->g->moving_count; i++) {
+        t->spin0[i] = t->g->vel[i].w;
+        t->alpha0[i] = t->alpha[i];
+    }
+}
+
+/* Finds the kinds anew at the present state: blows first, then who presses and slides. */
+static bool settle(Tracer *t, bool first)
+{
+    Group *g = t->g;
+    trace_kinematics(t);
+    if (approaching(t)) {
+        trace_remember(t);
+        g->t = t->t;
+        impacts(g);
+        g->located++;
+        if (g->status != DIG_OK)
+            return false;
+        trace_store(t, t->y);
+        trace_load(t, t->y, t->t);
+        trace_kinematics(t);
+    }
+    bool moved = false;
+    if (first && !put_right(t, &moved))         /* another way may have left the closed ones a little off */
+        return false;
+    moved = false;
+    g->evaluations++;
+    if (!trace_kinds(t) || !put_right(t, &moved) || (moved && !trace_accelerate(t)))
+        return false;
+    trace_keep(t, 0);
+    t->dirty = false;
+    t->probe_wait = 0;
+    return true;
+}
+
+/* A slip so slow that its direction would turn within the step is held in its direction, with a row across it. */
+static bool hold_slow_slips(Tracer *t, real h)
+{
+    bool changed = false;
+    for (int i = 0; i < t->touch_count; i++) {
+        Touching *c = &t->touch[i];
+        if (!c->gate.presses || !c->slip.axes || c->slip.grip != GRIP_SLIP)
+            continue;
+        real speed = vec3_length(c->slip.u), press = c->slip.moving * c->gate.force;
+        bool slow = speed < 2 * press * (t->g->mass[c->a].im + t->g->mass[c->b].im) * h;
+        if (slow && !c->slip.locked && speed > 0)
+            c->slip.d = vec3_scale(1 / speed, c->slip.u);
+        changed = changed || slow != c->slip.locked;
+        c->slip.locked = slow;
+    }
+    if (!changed)
+        return true;
+    trace_align(t);
+    if (!trace_accelerate(t))
+        return false;
+    for (int i = 0; i < t->touch_count; i++) {
+        Touching *c = &t->touch[i];
+        real press = c->slip.moving * c->gate.force;
+        if (c->slip.locked && fabs(c->slip.lateral) > 1e-6 * press && vec3_length(c->slip.u) * fabs(c->slip.lateral) > t->tolerance * t->pace * press)
+            c->slip.locked = false;
+    }
+    if (!trace_accelerate(t))
+        return false;
+    trace_keep(t, 0);
+    return true;
+}
+
+static bool count_event(Tracer *t)
+{
+    Group *g = t->g;
+    g->events++;
+    if (t->t - t->event_time > CHATTER_TIME * t->end)
+        t->near_events = 0;
+    t->near_events++;
+    t->event_time = t->t;
+    if (t->near_events > CHATTER || g->events > 4 * g->plan->events)
+        t->fault = "events that do not end";
+    return !t->fault;
+}
+
+static void go_back(Tracer *t)
+{
+    trace_load(t, t->y, t->t);
+    t->dirty = true;            /* the contacts found there are not those of before: their kinds are found anew */
+}
+
+/* The tried step becomes the state. Contacts are looked for at its end; should something be deep in something that nobody
+ * watched, the step is taken back. */
+static bool accept_step(Tracer *t, const Event *e)
+{
+    Group *g = t->g;
+    real end = t->t + t->h >= t->end * (1 - 1e-14) ? t->end : t->t + t->h, begin = t->t;
+    bool look = g->pair_count > 0 && (e->kind == EVENT_NONE || e->kind == EVENT_CLOSE);
+    trace_mean(t);
+    t->t = end;
+    if (look && !trace_touch(t, false))
+        return false;
+    if (look && trace_missed(t) && t->h > 1e-7 * t->end) {
+        t->t = begin;
+        t->h_next = 0.5 * t->h;
+        g->refused++;
+        go_back(t);
+        return trace_touch(t, false);
+    }
+    trace_book(t, look ? t->old_touch : t->touch, look ? t->old_count : t->touch_count, begin);
+    State *old = t->y;
+    t->y = t->y1;
+    t->y1 = old;
+    return true;
+}
+
+static real grown(const Tracer *t, real h, real error)
+{
+    real factor = t->probed || !(error > 0) ? 5 : real_clamp(0.9 * pow(error, -0.2), 0.2, 5);
+    return real_min(t->end, real_max(t->h_next > h ? t->h_next * real_min(factor, 1) : 0, h * factor));
+}
+
+static bool shorten(Tracer *t, real h, real factor)
+{
+    t->g->refused++;
+    t->h_next = h * factor;
+    if (t->h_next < STEP_LEAST * t->end)
+        t->fault = "steps that become too short";
+    go_back(t);
+    trace_kinematics(t);
+    return !t->fault;
+}
+
+/* After a step without event: what drifted is put back, and the rates are taken again unless the change is beneath notice. */
+static bool tidy(Tracer *t)
+{
+    trace_load(t, t->y, t->t);
+    trace_kinematics(t);
+    bool moved = false;
+    if (!put_right(t, &moved))
+        return false;
+    for (int i = 0; i < t->touch_count; i++) {
+        Touching *c = &t->touch[i];
+        if (c->gate.closed && !c->gate.presses && c->gate.gap > t->gap_zero)
+            c->gate.closed = false;
+        if (c->gate.presses && c->slip.axes && c->slip.grip == GRIP_BRINK && vec3_length(c->slip.u) > t->slip_zero)
+            t->dirty = true;
+        bool stops = c->gate.presses && c->slip.axes && c->slip.grip == GRIP_SLIP && vec3_length(c->slip.u) < t->slip_zero
+            && vec3_dot(c->slip.acc, c->slip.u) < 0;
+        if (stops) {
+            t->hint = (Event){.kind = EVENT_HALT, .cone = &c->slip};
+            t->dirty = true;
+        }
+    }
+    if (t->dirty)
+        return true;
+    if (moved) {                /* else the accelerations are those of the step's last evaluation */
+        t->g->evaluations++;
+        if (!trace_accelerate(t))
+            return false;
+    }
+    trace_keep(t, 0);
+    return true;
+}
+
+static bool one_step(Tracer *t)
+{
+    real rest = t->end - t->t, h = real_min(rest, t->h_next);
+    if (rest - h < 0.01 * h)
+        h = rest;
+    if (!hold_slow_slips(t, h))
+        return false;
+    mark_start(t);
+    real error = trace_try(t, h);
+    if (t->fault && h > SHORTER_MOST * t->end) {    /* a stage far off its constraints: nearer it will do */
+        t->fault = NULL;
+        return shorten(t, h, 0.25);
+    }
+    Event e = {.kind = EVENT_NONE};
+    if (!t->fault && error <= 1)
+        e = trace_scan(t);
+    if (t->fault)
+        return false;
+    if (!(error <= 1))
+        return shorten(t, h, isfinite(error) ? real_max(0.2, 0.9 * pow(error, -0.2)) : 0.2);
+    if (e.kind == EVENT_SHORTER)
+        return shorten(t, h, 0.25);
+    if (e.kind == EVENT_NONE) {
+        t->h_next = grown(t, h, error);
+        trace_load(t, t->y1, t->t + t->h);
+        if (!accept_step(t, &e))
+            return false;
+        t->probe_wait = int_max(0, t->probe_wait - 1);
+        return t->dirty || t->t >= t->end ? true : tidy(t);
+    }
+    if (!trace_stop_at(t, &e) || !accept_step(t, &e) || !count_event(t))
+        return false;
+    if (e.kind != EVENT_CLOSE && !t->dirty)
+        t->hint = e;
+    t->dirty = true;
+    return true;
+}
+
+/* Evaluations of a small group cost less: it may use more. */
+static bool over_budget(Tracer *t)
+{
+    const Group *g = t->g;
+    int scale = g->moving_count + g->joint_count + g->pair_count <= SMALL ? 2 : 1;
+    if (g->evaluations > scale * g->plan->trace_work && t->t < t->end)
+        t->fault = "more evaluations than its budget";
+    return t->fault;
+}
+
+static bool run(Tracer *t)
+{
+    Group *g = t->g;
+    trace_store(t, t->y);
+    for (int i = 0; i < g->body_count; i++)
+        t->mover_start[i] = g->pos[i];
+    for (int i = 0; i < g->joint_count; i++)
+        group_joint_view(g, i);
+    trace_kinematics(t);
+    list_drives(t);
+    if (g->pair_count > 0 ? !trace_touch(t, true) : !trace_items(t))
+        return false;
+    if (trace_missed(t)) {
+        t->fault = "bodies that overlap";
+        return false;
+    }
+    t->dirty = true;
+    for (bool first = true; t->t < t->end && !g->woke; first = false) {
+        if ((t->dirty && !settle(t, first)) || g->woke || over_budget(t) || !one_step(t))
+            return g->woke && !t->fault;
+    }
+    return true;
+}
+
+static dig_status advance(Group *g, real dt)
+{
+    Tracer tracer = {.g = g, .end = dt};
+    Tracer *t = &tracer;
+    Start start;
+    set_scales(t);
+    t->h_next = g->trace_step > 0 ? real_min(g->trace_step, dt) : dt;
+    if (!keep_start(g, &start))
+        return DIG_E_MEMORY;
+    DIG_TRY(trace_reserve(t));
+    bool fine = run(t);
+    if (g->status != DIG_OK)
+        return g->status;
+    if (!fine) {
+        hand_on(g, &start, t->fault ? t->fault : "no step");
+        return DIG_OK;
+    }
+    g->t = dt;
+    if (!g->woke) {
+        trace_load(t, t->y, dt);
+        trace_refine(t, t->y);
+        trace_kinematics(t);
+        trace_finish(t);
+        g->trace_step = t->h_next;
+        g->h = dt;
+        DIG_TRY(g->stage(g, STAGE_FLOW));
+        DIG_TRY(g->stage(g, STAGE_SETTLE));
+    }
+    g->touch = 1e-7;
+    return g->status;
+}
+
+const Way way_trace = {.name = "trace", .suits = suits, .advance = advance};

@@ -1,0 +1,208 @@
+/* trace/trace.h - the traced way: a small group's motion followed at high order between located events.
+ *
+ * The state is (x, q, v, L) of every moving body, L its angular momentum about the centre of mass in world axes. Between
+ * events nothing changes its kind: contacts that press stay closed, what sticks sticks, what slides slides. Then
+ *
+ *     M a = f + G lambda,    J a + (dJ/dt) v = 0
+ *
+ * is an ordinary differential equation, integrated with error control. An event (an impact, a contact that lets go, slip
+ * that ends or begins, a joint's stop) is located in time on the step's dense output, and the kinds are found anew.
+ *
+ * Floor: trace. Includes base, math, geom, world, solve.
+ */
+#ifndef DIG_TRACE_H
+#define DIG_TRACE_H
+
+#include "solve/direction.h"
+
+extern const Way way_flight, way_trace;
+
+/* ---- contact features: what touches what, frozen for a step ---- */
+
+typedef enum FeatureKind { POINT_PLANE, PLANE_POINT, POINT_POINT, POINT_LINE, LINE_POINT, LINE_LINE } FeatureKind;    /* on a, on b */
+
+typedef struct Feature {
+    FeatureKind kind;
+    vec3 pa, pb;                /* m   a point of the core, from the centre of mass, body axes */
+    vec3 da, db;                /*     outward normal of the plane, or direction of the line   */
+    real ra, rb;                /* m   rounding radii                                           */
+} Feature;
+
+typedef struct Kinematics {     /* of a contact, world axes */
+    vec3 n, at;                 /*     normal from a to b; contact point, m                     */
+    vec3 u;                     /* m/s   material of b against that of a                        */
+    vec3 drift;                 /* m/s^2 rate of u without accelerations                        */
+    real drift_n;               /* m/s^2 rate of n . u without accelerations                    */
+    real gap, rate;             /* m, m/s                                                       */
+} Kinematics;
+
+/* What touches at a manifold's point. False: this pair of shapes has no frozen feature here. */
+bool feature_find(const Group *g, const GroupPair *q, const Manifold *m, const ManifoldPoint *p, Feature *out);
+bool feature_kind_known(const Shape *s);
+void feature_move(const Group *g, const Feature *f, int a, int b, Kinematics *k);
+
+/* ---- what may press, slide or hold ---- */
+
+typedef enum Grip { GRIP_STICK, GRIP_SLIP, GRIP_BRINK } Grip;   /* brink: at the bound of friction, not moving yet */
+
+typedef struct Gate {           /* one-sided: a contact's normal or a joint's stop */
+    real gap, rate, acc;        /* m, m/s, m/s^2                                          */
+    real force;                 /* N                                                      */
+    bool closed, presses;       /* closed: gap and rate are zero; presses: has a row      */
+    real gap0, rate0, acc0;     /* at the start of the step                               */
+} Gate;
+
+typedef struct Cone {           /* friction (2 directions) or rolling resistance (3) of a contact */
+    int  axes;                  /* 0 = none                                               */
+    real still, moving;         /* bound over the normal force                            */
+    Grip grip;
+    bool locked;                /* slips so slowly that the direction is held             */
+    vec3 d, from;               /* unit, of the slip; at the start of the step            */
+    vec3 u, acc;                /* relative velocity and acceleration                     */
+    vec3 force;                 /* on b                                                   */
+    real weight;                /* of its rows in the least-norm sharing                  */
+    real lateral;               /* N   of the lock                                        */
+    real mobility;              /* 1/kg  velocity per impulse along it                    */
+} Cone;
+
+static inline real cone_bound(const Cone *c) { return c->grip == GRIP_BRINK ? c->still : c->moving; }
+
+typedef struct Touching {       /* a contact point */
+    Gate gate;
+    Cone slip, roll;
+    Feature feature;
+    Kinematics k;
+    int  contact, point, pair;  /* of the group                                           */
+    int  a, b;
+    uint32_t id;                /* the manifold point's feature number                    */
+    int  order;
+} Touching;
+
+typedef struct Stop { Gate gate; int joint, slot; } Stop;       /* a LIMIT row of a joint */
+
+typedef struct Hold {           /* a motor or dry friction of a joint */
+    int  joint, slot, side;     /* side 0: holds its speed; +-1: at its bound             */
+    real most, target, rate, acc, force;
+} Hold;
+
+/* ---- rows of the direct solve ---- */
+
+typedef enum LineKind { LINE_HARD, LINE_NORMAL, LINE_STOP, LINE_SLIP, LINE_ROLL, LINE_HOLD, LINE_LATERAL } LineKind;
+
+typedef struct Line {           /* one row: J of the moving bodies, and M^-1 G */
+    LineKind kind;
+    int  owner, slot;           /* touching, stop, hold or joint; slot: row of the joint */
+    int  points, point[MANIFOLD_POINTS];        /* of a patch: the touching points that share the row's force, */
+    real share[MANIFOLD_POINTS];                /* by how much (normal),  */
+    vec3 e[MANIFOLD_POINTS];                    /* or along what (tangential) */
+    int  count, body[ROW_BODIES];
+    vec3 lin[ROW_BODIES], ang[ROW_BODIES];      /* J                     */
+    vec3 mlin[ROW_BODIES], mang[ROW_BODIES];    /* M^-1 G                */
+    vec3 glin[ROW_BODIES], gang[ROW_BODIES];    /* G                     */
+    real drift, error, want;    /* m/s^2, m, m/s                         */
+    real soft;                  /* softening of its diagonal             */
+} Line;
+
+typedef struct System {         /* A x = b with A = J M^-1 G: profile L D L^T, or LU where friction slides */
+    int   count, capacity;
+    Line *lines;
+    real *a, *f, *b, *x, *r, *dx;
+    int  *first, *swap;
+    bool  sliding;              /* A is not symmetric                    */
+    bool  redundant;            /* softened and refined                  */
+    real  residual;             /* over the right side                   */
+    int   factors;
+} System;
+
+bool system_factor(System *s);                  /* assembles A from the lines and factors it */
+bool system_solve(System *s, real accept);      /* x from b; false: redundant rows contradict each other by more of the right side than that */
+
+/* ---- the tracer ---- */
+
+#define STAGES 7
+
+typedef struct State { vec3 x; quat q; vec3 v, l; } State;      /* 13 reals */
+#define STATE_REALS 13
+
+/* An event and its function, which falls through zero: a gap, a force, a force's distance from its bound, a speed. */
+typedef enum EventKind {
+    EVENT_NONE,
+    EVENT_CLOSE,                /* an open gate meets: gap                                  */
+    EVENT_OPEN,                 /* a pressing gate would pull: force                        */
+    EVENT_PRESS,                /* a closed gate without force sinks in: acceleration       */
+    EVENT_YIELD,                /* what sticks or holds reaches its bound                   */
+    EVENT_HALT,                 /* slip, or a motor's lag, comes to its end: speed          */
+    EVENT_GRIP,                 /* what was on the brink sticks again: acceleration         */
+    EVENT_SHORTER               /* none, but the step must be shorter to tell               */
+} EventKind;
+
+typedef struct Event { EventKind kind; real at; Gate *gate; Cone *cone; Hold *hold; const Gate *normal; } Event;
+
+typedef struct Tracer {
+    Group *g;
+    real   t, end;              /* s  within the step                     */
+    real   tolerance;           /* m  local error                         */
+    real   size, pace;          /* m; 1/s: what turns velocities into lengths */
+    real   gap_zero, speed_zero, slip_zero;     /* m, m/s, m/s            */
+    Touching *touch, *old_touch; int touch_count, old_count, touch_capacity;
+    Stop  *stops; int stop_count;
+    Hold  *holds; int hold_count;
+    Row   *rows; int *row_count;                /* JOINT_SLOTS per joint   */
+    System sys;
+    int   *order;               /* of bodies along chains and stacks       */
+    int   *item; int item_count;                /* joints (>= 0) and contacts (-1 - i) in that order */
+    real  *joint_force;         /* N or N m, JOINT_SLOTS per joint         */
+    real   gate_most;           /* N   largest one-sided force of the last solve */
+
+    vec3  *acc0, *torque0, *acc, *torque, *alpha;       /* per moving body: m/s^2, N m, rad/s^2 */
+    vec3  *spin0, *alpha0;      /* rad/s, rad/s^2 at the start of the step */
+    Pos   *mover_start;         /* poses of kinematic bodies at t = 0      */
+
+    State *y, *y1, *y2, *stage[STAGES];         /* states and their rates  */
+    real  *quad[STAGES], *sum; int quad_count;  /* forces and powers to be integrated */
+    real   h, h_next, h_probe;  /* s  of the present step, of the next, of the probe that the present one is part of */
+    bool   probed;              /* the present step has constant accelerations */
+    int    probe_wait, probe_fails;
+    bool   dirty;               /* kinds must be found anew                */
+    Event  hint;
+    const char *fault;          /* why it cannot go on                     */
+    int    near_events; real event_time;
+} Tracer;
+
+/* rows.c */
+void trace_kinematics(Tracer *t);               /* contacts, joint rows and free accelerations of the group's present state */
+Line *trace_line(Tracer *t, LineKind kind, int owner);      /* NULL: the budget is used up */
+void trace_line_body(Tracer *t, Line *l, int body, vec3 lin, vec3 ang, vec3 glin, vec3 gang);
+bool trace_accelerate(Tracer *t);               /* forces and accelerations for the present kinds */
+bool trace_project(Tracer *t, bool positions);  /* puts what drifted back on its constraints; true when anything was moved */
+real trace_violation(const Tracer *t);          /* m  worst of gaps, errors and (over pace) rates that should be zero */
+Row *trace_row(const Tracer *t, int joint, int slot);
+/* patch.c: rows of one contact, from its first touching point on */
+void trace_patch(Tracer *t, int first, bool forces, bool positions);
+/* kinds.c */
+bool trace_kinds(Tracer *t);                    /* who presses, sticks, slides */
+void trace_align(Tracer *t);                    /* slip directions of one patch */
+/* flow.c */
+extern const real dormand_prince[STAGES][STAGES - 1];       /* its last row: the weights of the fifth order */
+void trace_load(Tracer *t, const State *y, real time);  /* into the group */
+void trace_store(Tracer *t, State *y);                  /* from the group */
+void trace_refine(Tracer *t, const State *y);   /* angular velocities to the last digit */
+void trace_keep(Tracer *t, int stage);          /* rates and powers of the present state, as evaluated */
+bool trace_rate(Tracer *t, const State *y, real time, int stage);
+real trace_try(Tracer *t, real h);              /* one step from y to y1; its error over the tolerance; INFINITY = fault */
+void trace_dense(const Tracer *t, real part, State *out);   /* y .. y1 at a part of the tried step */
+/* happen.c */
+Event trace_scan(Tracer *t);                    /* the first event of the tried step */
+bool  trace_stop_at(Tracer *t, const Event *e); /* cuts the tried step at it: y1, t->h */
+/* touch.c */
+bool trace_touch(Tracer *t, bool first);        /* contacts of the present state; sets dirty when what touches has changed */
+bool trace_items(Tracer *t);                     /* joints and contacts in the order of the rows */
+bool trace_missed(const Tracer *t);             /* is something deep in something that was not watched? */
+/* book.c */
+dig_status trace_reserve(Tracer *t);
+void trace_remember(Tracer *t);                 /* into the points' memories */
+void trace_mean(Tracer *t);                     /* means of forces and powers over the tried step */
+void trace_book(Tracer *t, const Touching *touch, int count, real begin);   /* them into the group; the contacts of that step */
+void trace_finish(Tracer *t);                   /* what the world wants to know of the frame */
+
+#endif

@@ -1,0 +1,48 @@
+-- A16 a mass of 1 kg on a spring: damped and slow (a), stiff (b), and stiff without damping, where no energy may come from nowhere (c).
+local exact = require "exact"
+
+-- x'' = -k x - c x', x(0) = x0, at rest
+local function damped(k, c, x0, t)
+  local w = math.sqrt(k - c * c / 4)
+  return x0 * math.exp(-c * t / 2) * (math.cos(w * t) + c / (2 * w) * math.sin(w * t))
+end
+
+local function oscillator(letter, k, c, seconds, reference_time, reference)
+  return {
+    id = "A16" .. letter, title = ("oscillator, k = %g, c = %g"):format(k, c), metric = "m", scale = 0.1, seconds = seconds,
+    world = { gravity = { 0, 0, 0 } },
+    check = function() return math.abs(damped(k, c, 0.1, reference_time) - reference) end,
+    build = function(world)
+      local ball = world:ball { radius = 0.05, mass = 1, at = { 1.1, 0, 0 }, collides = false }
+      world:spring { a = ball, at_b = { 0, 0, 0 }, length = 1, stiffness = k, damping = c }
+      return { ball = ball, worst = 0 }
+    end,
+    frame = function(s, t)
+      s.worst = math.max(s.worst, #(s.ball.position - { 1 + damped(k, c, 0.1, t), 0, 0 }))
+    end,
+    finish = function(s) return { error = s.worst, last = s.ball.position.x - 1 } end,
+  }
+end
+
+local sag = exact.g / 1e8
+
+return {
+  oscillator("a", 100, 2, 5, 5, 0.00055261033069326944), oscillator("b", 1e6, 10, 1, 1, 0.000388624507131149),
+  {
+    -- It hangs from its unloaded length on: between 0 and twice the sag of 9.81e-8 m for ever, with 1592 turns a second.
+    id = "A16c", title = "oscillator, k = 1e8, no damping, under gravity", metric = "relative", scale = 1, seconds = 2,
+    conserves = { energy = true },
+    build = function(world)
+      local ball = world:ball { radius = 0.05, mass = 1, at = { 0, 0, -1 }, collides = false }
+      world:spring { a = ball, at_b = { 0, 0, 0 }, length = 1, stiffness = 1e8 }
+      return { ball = ball, gain = 0 }
+    end,
+    frame = function(s)
+      local x, v = s.ball.position.z + 1 + sag, s.ball.velocity.z
+      s.kept = math.sqrt(x * x + v * v / 1e8) / sag
+      s.gain = math.max(s.gain, s.kept - 1)
+      s.low = math.min(s.low or 0, s.ball.position.z + 1)
+    end,
+    finish = function(s) return { error = math.max(0, s.gain), lowest = s.low, kept = s.kept } end,
+  },
+}

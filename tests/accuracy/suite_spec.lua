@@ -1,0 +1,63 @@
+-- tests/accuracy/suite_spec.lua - the fast part of the accuracy suite: every scene at the default plan stays within its bound.
+--
+-- Bounds are errors in the unit of the scene (its metric). They are never about time. The whole suite: run.lua and judge.lua.
+local test = require "digbox.test"
+local suite = require "suite"
+local verdicts = require "verdicts"
+
+-- Error at "play". Where the scene has a goal, that is its bound; these are the others.
+local bounds = {
+  A02z = 1e-9, A03h = 1e-8, A05b = 1e-8, A07p = 1e-6, A08l = 1e-2, A08p = 1e-5, A09n = 1e-6, A10c = 1e-9,
+  A15a = 1e-6, A15b = 1e-6, A15c = 1e-5, A16a = 1e-6, A16b = 1e-5, A16c = 1e-9,
+  A17a = 1e-9, A17b = 1e-9, A17c = 1e-8, A17d = 1e-9, A18 = 1e-6, A18p = 1e-9, A19a = 1e-5, A19b = 1e-5, A20 = 1e-5,
+}
+
+for _, scene in ipairs(suite.scenes()) do
+  local bound = bounds[scene.id] or scene.goal and scene.goal.fast[1] or scene.metric == "verdict" and 0
+  if bound and not scene.slow then
+    test.scenario(("%s %s: within %g %s"):format(scene.id, scene.title, bound, scene.metric), function(s)
+      local row = suite.run(scene, "play", s.cpu_seconds)
+      test.expect(row.error):at_most(bound)
+      test.expect(row.rejected):is(0)
+    end)
+  end
+end
+
+test.scenario("the references of the scenes agree with the published digits", function()
+  for _, scene in ipairs(suite.scenes()) do
+    if scene.check then test.expect(scene.check(scene.world and scene.world.step or 1 / 60)):below(2e-12) end
+  end
+end)
+
+-- ---- the judge itself ----
+
+-- Rows of an imaginary integrator: error = factor tol^power, never below floor; work as order p needs it
+local function rungs(power, floor, p, factor)
+  local rows = {}
+  for _, tolerance in ipairs(suite.ladder) do
+    local error = math.max((factor or 1) * tolerance ^ power, floor)
+    rows[#rows + 1] = { engine = "digbox", setting = tostring(tolerance), error = error, evaluations = 100 * tolerance ^ (-power / p) }
+  end
+  return rows
+end
+
+local function passes(rows, scene)
+  local text = {}
+  for i, v in ipairs(verdicts.judge(scene or { id = "X" }, rows)) do text[i] = v.name .. "=" .. tostring(v.pass) end
+  return table.concat(text, " ")
+end
+
+test.scenario("verdicts tell a good integrator from bad ones", function()
+  test.expect(passes(rungs(1, 1e-14, 5))):is "order=true floor=true proportionality=true bound=true"
+  test.expect(passes(rungs(1, 1e-14, 2))):is "order=false floor=true proportionality=true bound=true"
+  test.expect(passes(rungs(1, 1e-7, 5))):is "order=true floor=false proportionality=true bound=false"
+  test.expect(passes(rungs(0.5, 1e-14, 5))):is "order=true floor=false proportionality=false bound=false"
+  test.expect(passes(rungs(1, 1e-14, 5, 50))):is "order=true floor=false proportionality=true bound=false"
+end)
+
+test.scenario("verdicts read CSV, and judge the goal without looking at the time", function()
+  local rows = verdicts.read(suite.header .. "\nX,digbox,play,1e-7,1000,1,1,0,0,0,,0\nX,digbox,reference,1e-9,1,1,1,0,0,0,,0\n")
+  test.expect(#rows):is(2)
+  local goal = { fast = { 1e-6, 0.1 }, accurate = { 1e-10, 0.1 } }
+  test.expect(passes(rows, { id = "X", goal = goal })):is "goal at play=true goal at reference=false"
+end)
