@@ -86,7 +86,7 @@ say = @printf '  %-5s %s\n' $(1) $(2);
 Q   := @
 endif
 
-.PHONY: all libs demo test asan lint bench install deps clean help unit check-run
+.PHONY: all libs demo test asan lint bench accuracy install deps clean help unit check-run
 .PHONY: FORCE
 
 all: $(program)                                 ## build/digbox, the program
@@ -158,6 +158,9 @@ bench: all $(bench)                             ## measures; SCENE=name ENGINE=n
 	@for b in $(bench); do echo "$$b"; SCENE='$(SCENE)' ENGINE='$(ENGINE)' $$b || exit 1; done
 	@$(if $(bench),,echo "no benchmarks yet: tests/bench/ is empty")
 
+# ---- what accuracy costs ----
+-include tests/accuracy/accuracy.mk
+
 # ---- the first command of a newcomer ----
 demo_world := ball_table_bucket
 demo:                                           ## a film of worlds/ball_table_bucket.lua in out/
@@ -183,7 +186,7 @@ clean:                                          ## removes build/ and out/
 	rm -rf build out
 
 help:                                           ## this list
-	@sed -n 's/^\([a-z]*\):.*## /\1	/p' Makefile | awk -F '\t' '{ printf "  make %-8s %s\n", $$1, $$2 }'
+	@sed -n 's/^\([a-z]*\):.*## /\1	/p' Makefile tests/accuracy/accuracy.mk | awk -F '\t' '{ printf "  make %-8s %s\n", $$1, $$2 }'
 	@echo "  options: SANITIZE=1 DEBUG=1 RENDER=0 CC=clang V=1 T=pattern -jN"
 
 -include $(wildcard $(BUILD)/obj/*.d $(BUILD)/obj/*/*.d $(BUILD)/obj/*/*/*.d $(BUILD)/unit/*.d $(BUILD)/bench/*.d)

@@ -183,6 +183,9 @@ typedef struct dig_stats {
     int      evaluations;               /* of the equations of motion, by traced and conserved groups, last step */
     int      refused;                   /* integration steps refused by their error estimate, last step */
     int      trace_events;              /* impacts, slips, stops and limits traced, last step */
+    /* since the start, or since the file was loaded: what was reached, and by which ways */
+    uint64_t all_traced, all_conserved, all_swept, all_refused;         /* groups times steps; integration steps */
+    real     worst_residual, worst_penetration, worst_joint_error;      /* as residual ... below, over all steps  */
     uint64_t gave_up;                   /* times since the start that a group left a finer way within its budget */
     char     gave_up_why[64];           /* reason of the last time                      */
     real     residual;                  /* m/s, worst velocity change of the last sweep */

@@ -300,6 +300,13 @@ static int world_stats(lua_State *L)
     set_real(L, "residual", s.residual);
     set_real(L, "penetration", s.penetration);
     set_real(L, "joint_error", s.joint_error);
+    set_int(L, "all_traced", (lua_Integer)s.all_traced);
+    set_int(L, "all_conserved", (lua_Integer)s.all_conserved);
+    set_int(L, "all_swept", (lua_Integer)s.all_swept);
+    set_int(L, "all_refused", (lua_Integer)s.all_refused);
+    set_real(L, "worst_residual", s.worst_residual);
+    set_real(L, "worst_penetration", s.worst_penetration);
+    set_real(L, "worst_joint_error", s.worst_joint_error);
     set_int(L, "bytes", (lua_Integer)s.bytes);
     set_int(L, "allocations", (lua_Integer)s.allocations);
     lua_newtable(L);

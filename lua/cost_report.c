@@ -83,9 +83,9 @@ static void print_errors(const Cost *c)
 
 static void print_work(const Cost *c)
 {
-    printf("\n%-10s %9s %9s %8s %8s %8s  where the time went, %%:", "setting", "substeps", "evals", "refused", "traced", "gave up");
+    printf("\n%-10s %9s %9s %8s %8s %8s  where the time went, %%:", "setting", "substeps", "evals", "refused", "located", "gave up");
     printf("%*s%7s\n%*s", 3, "", "", 57, "");
-    for (int k = 0; k < COST_PHASES; k++)
+    for (int k = 0; k < COST_PHASES - 1; k++)
         printf(" %7s", phases[k]);
     putchar('\n');
     for (int i = 0; i < c->count; i++) {
@@ -94,8 +94,11 @@ static void print_work(const Cost *c)
             continue;
         printf("%-10s %9" PRIu64 " %9" PRIu64 " %8" PRIu64 " %8" PRIu64 " %8" PRIu64 "  ", c->settings[i].name, r->substeps, r->evaluations,
                r->refused, r->trace_events, r->gave_up);
-        for (int k = 0; k < COST_PHASES; k++)
-            printf(" %7.1f", r->cpu > 0 ? fmax(0, r->us[k]) / (1e4 * r->cpu) : 0);
+        real sum = 0;           /* phases are timed in every sixteenth step: their shares are those of the timed ones */
+        for (int k = 0; k < COST_PHASES - 1; k++)
+            sum += r->us[k];
+        for (int k = 0; k < COST_PHASES - 1; k++)
+            printf(" %7.1f", sum > 0 ? 100 * r->us[k] / sum : 0);
         putchar('\n');
     }
 }

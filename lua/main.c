@@ -275,6 +275,10 @@ static int finish_run(lua_State *L, App *app, const RunOptions *o)
     code = app_call_core(L, app, "final_picture", 1, 1);
     if (code == EXIT_FINE && lua_isstring(L, -1) && !o->quiet)
         fprintf(stderr, "digbox: nothing was recorded; the end is in %s\n", lua_tostring(L, -1));
+    if (code == EXIT_FINE && !o->quiet)
+        code = app_call_core(L, app, "summary", 0, 1);
+    if (code == EXIT_FINE && !o->quiet && lua_tostring(L, -1)[0])
+        fprintf(stderr, "digbox: %s\n", lua_tostring(L, -1));
     return code;
 }
 

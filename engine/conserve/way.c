@@ -118,7 +118,7 @@ static void put_back(void *to, const void *from, int count, size_t size)
 }
 
 /* What it cost stays in the report. */
-static dig_status give_up(Group *g, const Saved *s, const char *why)
+static void go_back(Group *g, const Saved *s)
 {
     int evaluations = g->evaluations, refused = g->refused;
     put_back(g->pos, s->pos, g->body_count, sizeof *g->pos);
@@ -132,7 +132,15 @@ static dig_status give_up(Group *g, const Saved *s, const char *why)
     *g = s->g;
     g->evaluations = evaluations;
     g->refused = refused;
-    g->gave_up = why;
+}
+
+/* why: what was tried in vain; NULL: nothing was tried, the group is not for this way. */
+static dig_status hand_on(Group *g, const Saved *s, const char *why)
+{
+    go_back(g, s);
+    g->handed_on = true;
+    if (why)
+        g->gave_up = why;
     return DIG_OK;
 }
 
@@ -155,11 +163,12 @@ static real turning_rate(const Group *g)
 }
 
 /* Composed parts: the local error of the fourth order goes with the fifth power of the angle turned. 0.16 rad at "play", 0.04 at
- * "study", 0.01 at "reference". */
+ * "study", 0.01 at "reference". What is larger than a traced group takes no more than there are substeps: a long chain that cracks
+ * like a whip would ask for many, and is beyond prediction then. */
 static int composed_parts(const Group *g, real dt)
 {
-    real angle = 2.5 * pow(g->tolerance, 0.2);
-    return (int)real_clamp(ceil(turning_rate(g) * dt / angle), ceil(sqrt(parts_of(g->plan))), COMPOSED_MOST);
+    real angle = 2.5 * pow(g->tolerance, 0.2), most = g->moving_count > g->plan->trace_bodies ? g->plan->substeps : COMPOSED_MOST;
+    return (int)real_clamp(ceil(turning_rate(g) * dt / angle), ceil(sqrt(parts_of(g->plan))), most);
 }
 
 static real fastest_spin(const Group *g)
@@ -281,25 +290,25 @@ static dig_status advance(Group *g, real dt)
     DIG_TRY(save(g, &saved));
     group_touch(g, 2 * dt, true);
     if (any_closes(g, dt))
-        return give_up(g, &saved, "conserve: something may touch");
+        return hand_on(g, &saved, NULL);                /* something may touch */
     for (int i = 0; i < g->joint_count; i++)
         group_joint_view(g, i);
     bool composed = is_small(g) && may_compose(g);
     int parts = composed ? composed_parts(g, dt) : is_small(g) ? g->plan->substeps : parts_of(g->plan);
     DIG_TRY(run(g, dt, parts, composed, &s, &why));
     if (why && composed) {
-        give_up(g, &saved, saved.g.gave_up);            /* back to the start: single steps then */
+        go_back(g, &saved);                             /* single steps then */
         DIG_TRY(run(g, dt, parts_of(g->plan), false, &s, &why));
     }
     if (why)
-        return give_up(g, &saved, why);
+        return hand_on(g, &saved, why);
     if (g->woke)
         return DIG_OK;
     if (!step_watch(g, true))
-        return give_up(g, &saved, "conserve: a joint met its stop");
+        return hand_on(g, &saved, "conserve: a joint met its stop");
     group_touch(g, dt / g->plan->substeps, true);
     if (any_deep(g))
-        return give_up(g, &saved, "conserve: bodies met");
+        return hand_on(g, &saved, "conserve: bodies met");
     step_remember(&s);
     DIG_TRY(g->stage(g, STAGE_SETTLE));
     return g->status;

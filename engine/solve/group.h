@@ -177,7 +177,8 @@ struct Group {
 
     /* what it took and achieved */
     const char *way;            /* that advanced it                 */
-    const char *gave_up;        /* why a finer way handed it on in this step; NULL = it did not */
+    bool      handed_on;        /* the last way tried put it back for the next one to take */
+    const char *gave_up;        /* why a finer way failed within its budget in this step; NULL = none did */
     int       substeps, sweeps, located;
     int       evaluations, refused, events;
     real      tolerance;        /* 1   local error of the traced way over the size of the bodies */
@@ -239,8 +240,9 @@ bool overshoots(const Group *g);        /* would the substep press bodies deep i
 
 /* A way to advance a group. The choice is by counts, never by the clock.
  *
- * advance moves g from t = 0 to t = dt, or fails, or finds that it cannot do it within its budget: then it puts the group back
- * as it was, sets g->gave_up to the reason and returns DIG_OK, and the next way takes the group. */
+ * advance moves g from t = 0 to t = dt, or fails, or finds that it cannot do it: then it puts the group back as it was, sets
+ * g->handed_on and returns DIG_OK, and the next way takes the group. Work done in vain has its reason in g->gave_up; a way that
+ * only after a look sees that the group is not for it leaves that alone. */
 typedef struct Way {
     const char *name;
     bool       (*suits)(const Group *g);

@@ -118,9 +118,20 @@ static void sum_groups(World *w, const Step *s)
         t->residual = real_max(t->residual, g->residual);
         t->penetration = real_max(t->penetration, g->penetration);
         t->joint_error = real_max(t->joint_error, g->joint_error);
+        t->worst_residual = real_max(t->worst_residual, g->residual);
+        t->worst_penetration = real_max(t->worst_penetration, g->penetration);
+        t->worst_joint_error = real_max(t->worst_joint_error, g->joint_error);
         w->ledger.lost += g->lost;
         w->ledger.work_in += g->work_in;
     }
+}
+
+static void sum_ways(dig_stats *t)
+{
+    t->all_traced += (uint64_t)t->traced;
+    t->all_conserved += (uint64_t)t->conserved;
+    t->all_swept += (uint64_t)t->swept;
+    t->all_refused += (uint64_t)t->refused;
 }
 
 static void count_effects(World *w, const Step *s)
@@ -141,6 +152,7 @@ static void count_effects(World *w, const Step *s)
 void report(World *w, const Step *s)
 {
     sum_groups(w, s);
+    sum_ways(&w->stats);
     count_effects(w, s);
     end_pushes(w);
     watch_edge(w);

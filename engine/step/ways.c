@@ -18,10 +18,10 @@ dig_status group_advance(Group *g, real dt)
     for (size_t i = 0; i < sizeof ways / sizeof *ways; i++) {
         if (!ways[i]->suits(g))
             continue;
-        const char *before = g->gave_up;
         g->way = ways[i]->name;
+        g->handed_on = false;
         dig_status status = ways[i]->advance(g, dt);
-        if (status != DIG_OK || g->gave_up == before)
+        if (status != DIG_OK || !g->handed_on)
             return status;
     }
     return DIG_E_ARG;

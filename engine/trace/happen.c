@@ -196,6 +196,16 @@ static int list_violated(Tracer *t, Violated *v)
     return n;
 }
 
+/* A slip that turned round through a side has not stopped. */
+static void finish_halt(Tracer *t, Event *e)
+{
+    if (e->kind != EVENT_HALT || !e->cone)
+        return;
+    value_at(t, e, e->at);
+    if (vec3_length(e->cone->u) > t->slip_zero)
+        *e = (Event){.kind = EVENT_SHORTER, .at = 0};
+}
+
 static void scan_forces(Tracer *t, Event *first)
 {
     Violated v[WATCHED];
@@ -203,20 +213,39 @@ static void scan_forces(Tracer *t, Event *first)
     for (int i = 0; i < n; i++) {
         real start = value_at(t, &v[i].e, 0);
         v[i].e.at = start > 0 ? root_of(t, &v[i].e, 0, start, 1, v[i].end) : 0;
-        if (v[i].e.kind == EVENT_HALT && v[i].e.cone) {
-            value_at(t, &v[i].e, v[i].e.at);
-            real turning = vec3_length(v[i].e.cone->u);         /* a slip that turned round through a side has not stopped */
-            if (turning > t->slip_zero)
-                v[i].e = (Event){.kind = EVENT_SHORTER, .at = 0};
-        }
+        finish_halt(t, &v[i].e);
         earlier(first, &v[i].e);
     }
+}
+
+/* A slip that stops and turns back may have its old direction again at the end of the step. */
+static void scan_turns(Tracer *t, Event *first)
+{
+    Event list[WATCHED];
+    int n = 0;
+    for (int i = 0; i < t->touch_count && n < WATCHED; i++) {
+        Touching *c = &t->touch[i];
+        real turn = 2 * t->h * vec3_length(c->slip.acc);
+        if (c->gate.presses && c->slip.axes && c->slip.grip == GRIP_SLIP && vec3_length(c->slip.u) < turn)
+            list[n++] = (Event){.kind = EVENT_HALT, .cone = &c->slip, .normal = &c->gate};
+    }
+    for (int i = 0; i < n; i++)
+        for (int s = 0; s < 3; s++) {
+            real end = value_at(t, &list[i], samples[s]), start;
+            if (!(end < 0) || !((start = value_at(t, &list[i], s > 0 ? samples[s - 1] : 0)) > 0))
+                continue;
+            list[i].at = root_of(t, &list[i], s > 0 ? samples[s - 1] : 0, start, samples[s], end);
+            finish_halt(t, &list[i]);
+            earlier(first, &list[i]);
+            break;
+        }
 }
 
 Event trace_scan(Tracer *t)
 {
     Event first = {.kind = EVENT_NONE};
     scan_forces(t, &first);         /* first: the forces at the end are still those of the last evaluation */
+    scan_turns(t, &first);
     scan_gaps(t, &first);
     return first;
 }

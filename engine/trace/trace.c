@@ -3,6 +3,7 @@
 
 #define CHATTER       40        /* events within CHATTER_TIME of the frame                   */
 #define CHATTER_TIME  1e-10
+#define STIFF         40        /* rad of a spring's swing in the frame                       */
 #define SMALL         4         /* bodies, joints and pairs                                   */
 #define STEP_LEAST    1e-10     /* of the frame: a step this short without an event is none  */
 #define SHORTER_MOST  1e-4      /* of the frame: a step longer than this may fail once more   */
@@ -108,6 +109,7 @@ static void hand_on(Group *g, const Start *s, const char *why)
     *g = s->scalars;
     g->evaluations = evaluations;
     g->refused = refused;
+    g->handed_on = true;
     g->gave_up = why;
     g->trace_failed = true;
 }
@@ -213,6 +215,8 @@ static bool settle(Tracer *t, bool first)
         g->t = t->t;
         impacts(g);
         g->located++;
+        for (int i = 0; i < t->touch_count; i++)        /* what a blow stopped does not go on sliding the way its rounding points */
+            t->touch[i].slip.grip = t->touch[i].roll.grip = GRIP_STICK;
         if (g->status != DIG_OK)
             return false;
         trace_store(t, t->y);
@@ -399,10 +403,29 @@ static bool one_step(Tracer *t)
 static bool over_budget(Tracer *t)
 {
     const Group *g = t->g;
-    int scale = g->moving_count + g->joint_count + g->pair_count <= SMALL ? 2 : 1;
+    int scale = g->moving_count + g->joint_count + g->pair_count <= SMALL ? 4 : 1;
     if (g->evaluations > scale * g->plan->trace_work && t->t < t->end)
         t->fault = "more evaluations than its budget";
     return t->fault;
+}
+
+/* Springs that swing many times within the step are not followed, but kept in their energy: that is another way's work. */
+static bool too_stiff(const Tracer *t)
+{
+    const Group *g = t->g;
+    for (int j = 0; j < g->joint_count; j++)
+        for (int i = 0; i < t->row_count[j]; i++) {
+            const Row *r = &t->rows[j * JOINT_SLOTS + i];
+            real mobility = 0;
+            for (int k = 0; k < r->count && r->kind == ROW_SOFT; k++) {
+                int b = r->body[k];
+                if (b >= 0)
+                    mobility += g->mass[b].im * vec3_length2(r->lin[k]) + vec3_dot(r->ang[k], mat3_mul_vec(g->mass[b].ii, r->ang[k]));
+            }
+            if (sqrt(r->stiffness * mobility) * t->end > STIFF)
+                return true;
+        }
+    return false;
 }
 
 static bool run(Tracer *t)
@@ -415,6 +438,10 @@ static bool run(Tracer *t)
         group_joint_view(g, i);
     trace_kinematics(t);
     list_drives(t);
+    if (too_stiff(t)) {
+        t->fault = "springs too stiff for its steps";
+        return false;
+    }
     if (g->pair_count > 0 ? !trace_touch(t, true) : !trace_items(t))
         return false;
     if (trace_missed(t)) {

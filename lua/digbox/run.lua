@@ -219,6 +219,25 @@ end
 -- ---- the end of a run ----
 
 -- Goes on to --seconds, and closes what is open.
+-- One line on what the run reached: by which ways its groups went, and how far off it may be. "" when nothing moved.
+function core.summary()
+  local world = core.last_world
+  if not world then return "" end
+  local s = world:stats()
+  local all = s.all_traced + s.all_conserved + s.all_swept
+  if all == 0 then return "" end
+  local ways = {}
+  for _, way in ipairs { "traced", "conserved", "swept" } do
+    local n = s["all_" .. way]
+    if n > 0 then ways[#ways + 1] = ("%s %.3g %%"):format(way, 100 * n / all) end
+  end
+  local line = ("%.4g s, %d steps: %s; worst residual %.1e, penetration %.1e m, joint error %.1e; energy drift %.1e J"):format(
+    world.time, s.steps, table.concat(ways, ", "), s.worst_residual, s.worst_penetration, s.worst_joint_error, s.energy_drift)
+  if s.all_refused > 0 then line = ("%s; %d steps refused by their error"):format(line, s.all_refused) end
+  if s.gave_up > 0 then line = ("%s; gave up %d times (last: %s)"):format(line, s.gave_up, s.gave_up_why) end
+  return line
+end
+
 function core.finish_run()
   if core.options.set and next(core.options.set) and not core.args_declared then
     core.usage("this world declares no arguments (digbox.args); --set %s has no meaning", (next(core.options.set)))

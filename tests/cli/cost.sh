@@ -86,7 +86,7 @@ holds 'no pictures of the world' test "$(find out -name '*.png' ! -name cost.png
 if command -v gnuplot >/dev/null; then
     printed 'the plot in out/cost.svg and out/cost.png'
     holds 'a PNG' grep -qa IHDR out/cost.png
-    holds 'an SVG that names the plans' grep -q '>study' out/cost.svg
+    holds 'an SVG that names the plans' grep -q '>reference' out/cost.svg
 fi
 gives 0 'quiet, another folder, another start' cost -q -o "it's there/deep" --set 'start=10 deg' --seconds 0.25 pendulum.lua
 printed '0.25 s simulated'

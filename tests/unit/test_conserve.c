@@ -1,4 +1,7 @@
-/* tests/unit/test_conserve.c - jointed groups that touch nothing: joints hold, energy and both momenta stay. */
+/* tests/unit/test_conserve.c - jointed groups that touch nothing: joints hold, energy and both momenta stay.
+ *
+ * Bounds on what is conserved are about three times what a run leaves: single steps are solved to 1e-11 m, composed ones to 1e-13 m,
+ * and hundreds of them add up. Momentum needs no solve: it stays to rounding. */
 #include "base/param.h"
 #include "physics_fixture.h"
 
@@ -69,6 +72,8 @@ static vec3 tip(const dig_world *w, dig_body rod)
     return vec3_add(s.position, quat_rotate(s.rotation, (vec3){0.5, 0, 0}));
 }
 
+/* Groups of up to 12 bodies are traced at "play" unless their joints close a loop, and none at "sketch": the worlds here are longer,
+ * closed, or "sketch". */
 static void check_conserved(const dig_world *w)
 {
     dig_stats s = dig_world_stats(w);
@@ -105,8 +110,8 @@ TEST(chain_with_a_thousand_times_its_link_keeps_length_and_energy_at_one_step_a_
     for (int i = 0; i < (SANITIZED ? 120 : 300); i++) {
         step(w, 1);
         check_conserved(w);
-        CHECK_NEAR(dig_world_stats(w).joint_error, 0, 1e-8);
-        CHECK_NEAR((dig_world_energy(w).total - e0) / (1000 * GRAVITY * length), 0, 1e-8);
+        CHECK_NEAR(dig_world_stats(w).joint_error, 0, 1e-11);
+        CHECK_NEAR((dig_world_energy(w).total - e0) / (1000 * GRAVITY * length), 0, 2e-10);
         fastest = real_max(fastest, vec3_length(state_of(w, bob).velocity));
     }
     CHECK_NEAR(fastest / fall, 1.0068, 6e-4);
@@ -133,9 +138,10 @@ TEST(iterations_do_not_grow_with_the_chain)
 
 TEST(free_chain_keeps_momentum_and_angular_momentum_to_rounding)
 {
+    enum { LINKS = 14 };
     dig_world *w = open_world(1.0 / 60, "play", false);
     dig_body last = nobody;
-    for (int i = 0; i < 10; i++) {
+    for (int i = 0; i < LINKS; i++) {
         dig_body_def d = ghost((vec3){0.2 * i + 0.1, 0, 0}, quat_identity(), 1);
         d.velocity = (vec3){0, 0.3 * i - 1, 0.2 * (i % 3)};
         d.spin = (vec3){1, 0.3 * i, 2};
@@ -144,17 +150,18 @@ TEST(free_chain_keeps_momentum_and_angular_momentum_to_rounding)
             join(w, "ball", b, last, (vec3){0.2 * i, 0, 0}, z_axis);
         last = b;
     }
-    join(w, "ball", add_bob(w, (vec3){2, 0, 0}, 100, 0.1), last, (vec3){2, 0, 0}, z_axis);
+    vec3 end = {0.2 * LINKS, 0, 0};
+    join(w, "ball", add_bob(w, end, 100, 0.1), last, end, z_axis);
     vec3 p = dig_world_momentum(w), l = dig_world_angular_momentum(w);
     step(w, 1);             /* the velocities given break the joints: the first step puts them right, without momentum */
     real e = dig_world_energy(w).total;
     for (int i = 0; i < 1200; i++) {
         step(w, 1);
         CHECK_NEAR(vec3_distance(dig_world_momentum(w), p) / vec3_length(p), 0, 1e-13);
-        CHECK_NEAR(vec3_distance(dig_world_angular_momentum(w), l) / vec3_length(l), 0, 1e-12);
-        CHECK_NEAR(dig_world_energy(w).total / e, 1, 1e-10);
+        CHECK_NEAR(vec3_distance(dig_world_angular_momentum(w), l) / vec3_length(l), 0, 1e-13);
+        CHECK_NEAR(dig_world_energy(w).total / e, 1, 4e-11);
+        check_conserved(w);
     }
-    check_conserved(w);
     dig_world_close(w);
 }
 
@@ -194,13 +201,13 @@ TEST(four_bar_loop_stays_in_its_plane_and_follows_its_equation)
     for (int i = 1; i <= 1200; i++) {
         step(w, 1);
         check_conserved(w);
-        CHECK_NEAR(dig_world_stats(w).joint_error, 0, 1e-9);
-        CHECK_NEAR(dig_world_energy(w).total, e, 1e-9);
+        CHECK_NEAR(dig_world_stats(w).joint_error, 0, 1e-12);
+        CHECK_NEAR(dig_world_energy(w).total, e, 5e-12);
         for (int k = 0; k < 3; k++)
-            CHECK_NEAR(state_of(w, all[k]).position.z, 0, 1e-12);
+            CHECK_NEAR(state_of(w, all[k]).position.z, 0, 1e-14);
         if (i == 120) {
             real phi = parallelogram_angle(section, 1, 2);
-            CHECK_NEAR(vec3_distance(tip(w, a), (vec3){sin(phi), cos(phi), 0}), 0, 5e-8);
+            CHECK_NEAR(vec3_distance(tip(w, a), (vec3){sin(phi), cos(phi), 0}), 0, 2e-8);
         }
     }
     dig_world_close(w);
@@ -222,8 +229,8 @@ static real bricard_error(real h, const char *plan)
     real e = dig_world_energy(w).total;
     step(w, (int)lround(1 / h));
     check_conserved(w);
-    CHECK_NEAR(dig_world_energy(w).total, e, 1e-8);
-    CHECK_NEAR(dig_world_stats(w).joint_error, 0, 1e-9);
+    CHECK_NEAR(dig_world_energy(w).total, e, 4e-10);
+    CHECK_NEAR(dig_world_stats(w).joint_error, 0, 5e-12);
     real error = vec3_distance(tip(w, rod[2]), (vec3){0.510501461187219736, -1.64916759939480631, 0.140123114553185828});
     dig_world_close(w);
     return error;
@@ -234,11 +241,11 @@ TEST(bricard_linkage_moves_and_converges_with_its_order)
 {
     real coarse = bricard_error(1.0 / 60, "sketch"), fine = bricard_error(1.0 / 120, "sketch");
     CHECK(coarse < 3e-4);
-    CHECK_NEAR(log2(coarse / fine), 2, 0.1);
+    CHECK_NEAR(log2(coarse / fine), 2, 0.01);
     coarse = bricard_error(1.0 / 60, "play");
     fine = bricard_error(1.0 / 120, "play");
     CHECK(coarse < 1e-8);
-    CHECK_NEAR(log2(coarse / fine), 4, 0.2);
+    CHECK_NEAR(log2(coarse / fine), 4, 0.01);
 }
 
 /* B20. Forty rows on six freedoms: who bears what is not determined, but the sum is the weight and nothing is huge. */
@@ -262,9 +269,9 @@ TEST(door_on_eight_hinges_has_moderate_forces)
             CHECK(vec3_length(s.force) < 100);
             sum += s.force.y;
         }
-        CHECK_NEAR(sum, 20 * GRAVITY, 1e-6);
+        CHECK_NEAR(sum, 20 * GRAVITY, 5e-9);
     }
-    CHECK_NEAR(state_of(w, door).spin.y, 1, 1e-10);
+    CHECK_NEAR(state_of(w, door).spin.y, 1, 1e-11);
     dig_world_close(w);
 }
 
@@ -304,12 +311,12 @@ static void run_lattice(real stiffness, real damping, real tolerance)
 
 TEST(spring_lattice_makes_no_energy_at_any_stiffness)
 {
-    run_lattice(1e4, 0, 1e-8);
-    run_lattice(1e6, 0, 1e-8);
-    run_lattice(1e8, 0, 1e-8);
+    run_lattice(1e4, 0, 2e-12);
+    run_lattice(1e6, 0, 2e-12);
+    run_lattice(1e8, 0, 2e-12);
 }
 
-TEST(dampers_lose_what_the_ledger_says) { run_lattice(1e4, 20, 1e-8); }
+TEST(dampers_lose_what_the_ledger_says) { run_lattice(1e4, 20, 2e-12); }
 
 /* x = x0 cos(w t); the rule turns by 2 atan(w h / 2) a step instead of w h. */
 TEST(mass_on_a_slider_with_a_spring_swings_with_the_phase_of_the_rule)
@@ -324,36 +331,44 @@ TEST(mass_on_a_slider_with_a_spring_swings_with_the_phase_of_the_rule)
         check_conserved(w);
         dig_joint_state s;
         CHECK_INT(dig_joint_get(w, j, &s), DIG_OK);
-        CHECK_NEAR(s.distance, 0.3 * (1 - cos(turn * i)), 1e-9);
-        CHECK_NEAR(dig_world_energy(w).numerical, 0, 1e-10);
+        CHECK_NEAR(s.distance, 0.3 * (1 - cos(turn * i)), 1e-13);
+        CHECK_NEAR(dig_world_energy(w).numerical, 0, 1e-13);
     }
     dig_world_close(w);
 }
 
-/* A hinge with a torsion spring on a moving base: the discrete gradient of an angle. */
-TEST(sprung_hinge_between_free_bodies_keeps_energy_and_angular_momentum)
+/* A hinge with a torsion spring on a moving base: the discrete gradient of an angle. Closed: a second hinge on the same axis. */
+static void run_sprung_hinge(const char *plan, bool closed)
 {
-    dig_world *w = open_world(1.0 / 60, "play", false);
+    dig_world *w = open_world(1.0 / 60, plan, false);
     dig_body a = add_rod(w, vec3_zero(), x_axis, 0.1);
     dig_body_def d = ghost((vec3){-0.4, 0.1, 0}, quat_identity(), 3);
     d.spin = (vec3){0.7, -0.4, 3};
     dig_body b = add_body(w, d, "box", &(dig_box_def){{0.8, 0.5, 0.3}});
     join_with(w, "hinge", a, b, vec3_zero(), z_axis, (Value){"spring.stiffness", 15}, (Value){"spring.rest", 1});
+    if (closed)
+        join(w, "hinge", a, b, (vec3){0, 0, 0.5}, z_axis);
     step(w, 1);
     real e = dig_world_energy(w).total;
     vec3 l = dig_world_angular_momentum(w);
     for (int i = 0; i < 600; i++) {
         step(w, 1);
         check_conserved(w);
-        CHECK_NEAR(dig_world_energy(w).total / e, 1, 1e-9);
-        CHECK_NEAR(vec3_distance(dig_world_angular_momentum(w), l), 0, 1e-11);
+        CHECK_NEAR(dig_world_energy(w).total / e, 1, 3e-10);
+        CHECK_NEAR(vec3_distance(dig_world_angular_momentum(w), l), 0, 1.2e-10);
     }
     dig_world_close(w);
 }
 
+TEST(sprung_hinge_between_free_bodies_keeps_energy_and_angular_momentum)
+{
+    run_sprung_hinge("sketch", false);          /* single steps */
+    run_sprung_hinge("play", true);             /* composed ones */
+}
+
 TEST(distance_joints_and_welds_hold_in_a_swing)
 {
-    dig_world *w = open_world(1.0 / 60, "play", true);
+    dig_world *w = open_world(1.0 / 60, "sketch", true);
     dig_body a = add_rod(w, x_axis, (vec3){2, 0, 0}, 0.1), b = add_rod(w, (vec3){2, 0, 0}, (vec3){2, 0, 1}, 0.1);
     dig_body bob = add_bob(w, (vec3){2, 1, 1}, 5, 0.1);
     join(w, "weld", a, b, (vec3){2, 0, 0}, z_axis);
@@ -364,9 +379,9 @@ TEST(distance_joints_and_welds_hold_in_a_swing)
     for (int i = 0; i < 300; i++) {
         step(w, 1);
         check_conserved(w);
-        CHECK_NEAR(vec3_distance(state_of(w, a).position, state_of(w, bob).position), apart, 1e-10);
-        CHECK_NEAR(dig_world_stats(w).joint_error, 0, 1e-9);
-        CHECK_NEAR(dig_world_energy(w).total, e, 1e-7);
+        CHECK_NEAR(vec3_distance(state_of(w, a).position, state_of(w, bob).position), apart, 2e-11);
+        CHECK_NEAR(dig_world_stats(w).joint_error, 0, 4e-11);
+        CHECK_NEAR(dig_world_energy(w).total, e, 2e-9);
     }
     dig_world_close(w);
 }
@@ -376,7 +391,7 @@ TEST(distance_joints_and_welds_hold_in_a_swing)
 /* What a driven body puts in through a joint is booked. */
 TEST(driven_pivot_and_a_push_leave_a_balanced_ledger)
 {
-    dig_world *w = open_world(1.0 / 60, "play", true);
+    dig_world *w = open_world(1.0 / 60, "sketch", true);
     dig_body_def d = ghost(vec3_zero(), quat_identity(), NAN);
     d.kinematic = true;
     d.velocity = (vec3){0.5, 0.2, 0};
@@ -388,7 +403,7 @@ TEST(driven_pivot_and_a_push_leave_a_balanced_ledger)
     for (int i = 0; i < 120; i++) {
         step(w, 1);
         check_conserved(w);
-        CHECK_NEAR(dig_world_energy(w).numerical, 0, 1e-8);
+        CHECK_NEAR(dig_world_energy(w).numerical, 0, 3e-10);
         if (i == 0)         /* the rod was at rest: the pivot jerks it */
             CHECK(dig_world_energy(w).lost > 0.01);
     }
@@ -409,25 +424,27 @@ TEST(motors_and_friction_and_near_stops_and_contacts_are_left_to_the_sweep)
     const char *types[3] = {"hinge", "hinge", "rope"};      /* the rope is taut from the start */
     const Value cases[3] = {{"motor.speed", 1}, {"friction", 0.1}, {"length", 0.5}};
     for (int i = 0; i < 3; i++) {
-        dig_world *w = open_world(1.0 / 60, "play", true);
+        dig_world *w = open_world(1.0 / 60, "sketch", true);
         join_with(w, types[i], add_rod(w, vec3_zero(), x_axis, 0.1), nobody, vec3_zero(), z_axis, cases[i], (Value){0});
         step(w, 1);
         check_swept(w);
         dig_world_close(w);
     }
-    dig_world *w = open_world(1.0 / 60, "play", true);
+    dig_world *w = open_world(1.0 / 60, "sketch", true);
     add_floor(w, look(0.5, 0));
     dig_body_def d = body_with(look(0.5, 0), (vec3){0.5, 1, 0}, quat_identity());
     dig_body b = add_body(w, d, "box", &(dig_box_def){{1, 0.1, 0.1}});
     join(w, "hinge", b, nobody, (vec3){0, 1, 0}, z_axis);
     step(w, 1);
     check_conserved(w);
-    for (int i = 0; i < 300; i++)
+    int swept = 0;
+    for (int i = 0; i < 300; i++) {
         step(w, 1);
-    CHECK(state_of(w, b).position.y > 0.4);         /* the floor stops the rod: the group was handed on */
-    dig_stats s = dig_world_stats(w);
-    CHECK(s.gave_up > 0);
-    CHECK_INT(strncmp(s.gave_up_why, "conserve: ", 10), 0);
+        swept += dig_world_stats(w).swept;
+    }
+    CHECK(swept > 0);
+    CHECK(state_of(w, b).position.y > 0.4);         /* the floor stops the rod */
+    CHECK_INT(dig_world_stats(w).gave_up, 0);       /* handed on in time, before work was done in vain */
     dig_world_close(w);
 }
 
