@@ -4,8 +4,8 @@
  *
  * Where impacts are located in time, a point that would strike faster than the
  * closing speed gets no row: the substep is cut at its impact instead. Where
- * they are not (large groups, or the step's events are used up), restitution
- * is a target of the substep in which the gap closes.
+ * they are not (large groups, or the step's events are used up), the point
+ * bounces in the substep in which the gap closes (solve/sweep.c).
  */
 #include "effect/effect.h"
 #include "solve/direction.h"
@@ -52,10 +52,7 @@ static bool set_target(const Group *g, const GroupPair *q, PointRow *r, real gap
             return false;               /* an impact: it will be located */
         r->target = -gap / g->h;
     }
-    bool located = g->locate && g->events_left > 0;
-    real slow = 2 * vec3_length(g->gravity) * g->h;
-    if (!located && q->restitution > 0 && -r->rate_before > slow && gap + g->h * predicted < 0)
-        r->target = real_max(r->target, -q->restitution * r->rate_before);
+    r->bounce = g->locate && g->events_left > 0 ? 0 : q->restitution;
     return true;
 }
 

@@ -60,11 +60,13 @@ typedef struct PointRow {       /* a contact point in the solve     */
     real ktt;                   /* 1/kg coupling of the tangents    */
     real kmax;                  /* 1/kg largest tangential eigenvalue */
     real target;                /* m/s  normal velocity wanted at least */
+    real bounce;                /* restitution where blows are not located in time, else 0 */
     real rate_before;           /* m/s  normal velocity at the start of the substep */
     real friction, friction_dynamic;        /* filled by effect/friction.c; 0 = no tangential work */
     bool slides;                /* dynamic friction holds           */
     bool curved;                /* the normal turns: the row holds for the mean velocity of the substep */
     real jn, jt[2];             /* N s                              */
+    real blow;                  /* N s  of the normal impulse, what a bounce gave: the solve does not take it back */
 } PointRow;
 
 typedef struct RollRow {        /* rolling resistance of one contact: three angular directions */

@@ -29,7 +29,7 @@ static real relax_friction(Group *g, PointRow *r)
     real u0 = dir_rate(g, &r->t[0], r->a, r->b), u1 = dir_rate(g, &r->t[1], r->a, r->b);
     real det = r->t[0].k * r->t[1].k - r->ktt * r->ktt;
     real j0, j1;
-    real bound = r->jn * (r->slides ? r->friction_dynamic : r->friction);
+    real bound = (r->jn + r->blow) * (r->slides ? r->friction_dynamic : r->friction);
     bool sticks = false;
     if (det > 1e-12 * r->kmax * r->kmax) {
         j0 = r->jt[0] - (r->t[1].k * u0 - r->ktt * u1) / det;
@@ -71,7 +71,7 @@ real relax_rolls(Group *g)
         RollRow *r = &g->rolls[i];
         real normal = 0;
         for (int k = 0; k < r->count; k++)
-            normal += g->points[r->first + k].jn;
+            normal += g->points[r->first + k].jn + g->points[r->first + k].blow;
         vec3 rate = vec3_sub(g->vel[r->b].w, g->vel[r->a].w);
         vec3 j = vec3_sub(r->j, mat3_mul_vec(r->inv_k, rate));
         real length = vec3_length(j), bound = r->lever * normal;

@@ -113,6 +113,29 @@ static void warm_start(Group *g)
         joint_row_warm(g, &g->rows[i]);
 }
 
+#define BOUNCE_PASSES 64
+
+/* Blows that are not located in time: one after the other, each with the speed that those before it have left. A pair that bounces
+ * off its present approach never gains energy; all pairs at once off their approaches before the substep would. */
+static void bounce(Group *g)
+{
+    real slow = 2 * vec3_length(g->gravity) * g->h;
+    for (int pass = 0, more = 1; pass < BOUNCE_PASSES && more; pass++) {
+        more = 0;
+        for (int i = 0; i < g->point_count; i++) {
+            PointRow *r = &g->points[i];
+            real rate = r->bounce > 0 ? dir_rate(g, &r->n, r->a, r->b) : 0;
+            real gap = g->contacts[r->contact].manifold.points[r->point].gap;
+            if (!(rate < -slow) || gap + g->h * rate >= 0 || !(r->n.k > 0))
+                continue;
+            real p = -(1 + r->bounce) * rate / r->n.k;
+            dir_apply(g, &r->n, r->a, r->b, p);
+            r->blow += p;
+            more = 1;
+        }
+    }
+}
+
 /* Which bodies have rows, and whether the mean velocity is good enough to move them. */
 static void mark_constrained(Group *g)
 {
@@ -163,7 +186,7 @@ static void book_point(Group *g, PointRow *r)
     const ManifoldPoint *p = &c->manifold.points[r->point];
     vec3 tangent = vec3_add(vec3_scale(r->jt[0], r->t[0].n), vec3_scale(r->jt[1], r->t[1].n));
     vec3 impulse = vec3_mad(tangent, r->jn, r->n.n);
-    c->memory[r->point].normal = r->jn / remembered_over(g);
+    c->memory[r->point].normal = (r->jn - r->blow) / remembered_over(g);
     c->last = r->jn > 0 ? g->t + g->h : c->last;
     c->memory[r->point].held = r->jn > 0 ? HELD_SUBSTEPS : c->memory[r->point].held;
     c->memory[r->point].tangent = vec3_scale(1 / remembered_over(g), tangent);
@@ -313,7 +336,10 @@ static dig_status solve_substep(Group *g)
         group_build_joints(g, false);       /* who moves with the new velocity needs rows for it, not for the mean */
     project(g);
     warm_start(g);
+    bounce(g);
     relax_group(g);
+    for (int i = 0; i < g->point_count; i++)
+        g->points[i].jn += g->points[i].blow;
     mark_constrained(g);
     return g->status;
 }

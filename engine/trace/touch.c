@@ -61,6 +61,8 @@ static bool add_point(Tracer *t, int contact, int point, bool first)
         return false;
     feature_move(g, &n->feature, n->a, n->b, &n->k);
     if (fabs(n->k.gap - p->gap) > 1e-7 * q->size) {         /* the frozen feature is not what the manifold means */
+        if (p->gap > 1e-6 * q->size)
+            return true;        /* and does not touch: it is looked for again when it is nearer */
         t->fault = "a contact without a frozen feature";
         return false;
     }

@@ -461,10 +461,10 @@ static dig_status advance(Group *g, real dt)
     Tracer tracer = {.g = g, .end = dt};
     Tracer *t = &tracer;
     Start start;
+    if (!keep_start(g, &start))             /* before anything is set: the next way is to find what was gathered */
+        return DIG_E_MEMORY;
     set_scales(t);
     t->h_next = g->trace_step > 0 ? real_min(g->trace_step, dt) : dt;
-    if (!keep_start(g, &start))
-        return DIG_E_MEMORY;
     DIG_TRY(trace_reserve(t));
     bool fine = run(t);
     if (g->status != DIG_OK)
