@@ -142,6 +142,8 @@ static dig_status sense_body(World *w, uint32_t slot, real dt)
     for (uint32_t i = b->shape_first; i != NONE; i = w->solids.data[i].next) {
         Solid *s = &w->solids.data[i];
         s->reach = reach_of(w, s, b, dt);
+        if (s->astray > 0)
+            s->reach = box3_grow(s->reach, s->astray);
         if (s->leaf < 0)
             continue;
         if (!box_sane(s->reach))        /* not by its motion so far: the step will find out what does it */

@@ -39,6 +39,9 @@ static dig_status advance(World *w, Step *s)
 
 static void commit(World *w, const Step *s)
 {
+    if (s->tries > 0)
+        for (int i = 0; i < w->solids.count; i++)
+            w->solids.data[i].astray = 0;
     for (int i = 0; i < s->count; i++)
         group_commit(w, &s->groups[i]);
 }

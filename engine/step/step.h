@@ -15,6 +15,7 @@ dig_status step_world(World *w);
 
 typedef struct Step {           /* what the stages hand to each other; lives in the world's scratch memory */
     real      dt;
+    int       tries;            /* of the step, because something got farther than foreseen */
     bool      timed;            /* phases and effects are timed in this step */
     uint32_t *digs;             /* DIGs of all groups, group by group       */
     uint32_t *pairs;            /* pairs of all groups, group by group      */

@@ -23,7 +23,7 @@ static real acceleration_scale(const Tracer *t)
 
 static void close_gate(const Tracer *t, Gate *g, real unit)
 {
-    g->closed = fabs(g->gap) * unit <= t->gap_zero && fabs(g->rate) * unit <= t->speed_zero;
+    g->closed = g->gap * unit <= t->gap_zero && g->gap * unit >= -t->gap_deep && fabs(g->rate) * unit <= t->speed_zero;
     g->presses = g->closed;
     if (!g->closed)
         g->force = 0;

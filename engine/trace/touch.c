@@ -75,6 +75,8 @@ static bool add_point(Tracer *t, int contact, int point, bool first)
         n->slip.grip = c->sliding || vec3_length(n->slip.u) > t->slip_zero ? GRIP_SLIP : GRIP_STICK;
         n->roll.grip = t->size * vec3_length(n->roll.u) > t->slip_zero ? GRIP_SLIP : GRIP_STICK;
     }
+    if (!old)
+        n->gate.gap0 = first ? n->k.gap : 0;
     if (!old && !n->gate.closed && fabs(n->k.gap) <= t->gap_zero && n->k.rate <= t->speed_zero)
         t->dirty = true;
     t->touch_count++;
@@ -155,7 +157,7 @@ bool trace_missed(const Tracer *t)
 {
     for (int i = 0; i < t->touch_count; i++) {
         const Gate *g = &t->touch[i].gate;
-        if (!g->presses && g->gap < -t->gap_zero)
+        if (!g->presses && g->gap < real_min(0, g->gap0) - t->gap_zero)        /* deeper than it was */
             return true;
         if (g->presses && fabs(g->gap) > 0.01 * t->tolerance + t->gap_zero)     /* it rolled over an edge */
             return true;

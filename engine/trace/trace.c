@@ -139,6 +139,7 @@ static void set_scales(Tracer *t)
     t->pace = weight > 0 ? sqrt(weight / t->size) : 1;
     t->tolerance = g->tolerance * t->size;
     t->gap_zero = 1e-10 * t->size;
+    t->gap_deep = 1e-6 * t->size;
     g->close_speed = sqrt(2 * weight * BOUNCE_LEAST * t->size) + 1e-9 * t->size;
     t->speed_zero = g->close_speed;
     t->slip_zero = real_max(1e-7 * t->size * t->pace, 10 * t->tolerance * t->pace);
@@ -428,6 +429,14 @@ static bool too_stiff(const Tracer *t)
     return false;
 }
 
+static bool overlaps(const Tracer *t)
+{
+    for (int i = 0; i < t->touch_count; i++)
+        if (!t->touch[i].gate.presses && t->touch[i].gate.gap < -t->gap_deep)
+            return true;
+    return false;
+}
+
 static bool run(Tracer *t)
 {
     Group *g = t->g;
@@ -444,7 +453,7 @@ static bool run(Tracer *t)
     }
     if (g->pair_count > 0 ? !trace_touch(t, true) : !trace_items(t))
         return false;
-    if (trace_missed(t)) {
+    if (overlaps(t)) {
         t->fault = "bodies that overlap";
         return false;
     }

@@ -143,7 +143,8 @@ typedef struct Tracer {
     real   t, end;              /* s  within the step                     */
     real   tolerance;           /* m  local error                         */
     real   size, pace;          /* m; 1/s: what turns velocities into lengths */
-    real   gap_zero, speed_zero, slip_zero;     /* m, m/s, m/s            */
+    real   gap_zero, gap_deep;  /* m  what touches; how deep it may be found to lie by another way's doing */
+    real   speed_zero, slip_zero;               /* m/s                    */
     Touching *touch, *old_touch; int touch_count, old_count, touch_capacity;
     Stop  *stops; int stop_count;
     Hold  *holds; int hold_count;

@@ -79,6 +79,7 @@ typedef struct Solid {          /* one shape in a body, or of the world itself (
     uint32_t pair_first;        /* list through Pair.next, as 2 * pair + side          */
     box3     reach;             /* m   where it may get in this step                   */
     real     blow;              /* m   of that, what a blow could add                  */
+    real     astray;            /* m   how much farther than foreseen it got in the tries of this step, not kept between steps */
 } Solid;
 
 /* ---- contacts ---- */
