@@ -9,6 +9,7 @@
 #define FLAT        1e-12       /* of the size: thinner differences have no volume */
 #define ON_SURFACE  1e-13       /* of the size: a face that moves out by less is final */
 #define ROUND_ENOUGH 1e-9       /* of the size: the same where convex_refine takes over */
+#define COPLANAR    0.999999    /* cosine: triangles of one flat patch, whatever rounding does to slivers */
 
 typedef struct EpaFace {
     vec3 normal;                /* unit, outward */
@@ -197,26 +198,63 @@ static EpaFace nearest_face(const Polytope *t)
     return t->face[best];
 }
 
-/* Nearest points: the foot of the origin on the face, in barycentric weights; clamped, since the foot of an origin outside
- * may miss the face. */
-static void fill(const Polytope *t, const EpaFace *face, ConvexGap *out)
+/* Barycentric weights of the point of a face nearest to the foot of the origin on its plane; returns the squared distance of the two. */
+static real foot_weights(const Polytope *t, const EpaFace *face, real weight[3])
 {
-    const int *c = face->c;
-    vec3 foot = vec3_scale(face->offset, face->normal), d[3];
-    real weight[3], sum = 0;
+    const vec3 foot = vec3_scale(face->offset, face->normal);
+    vec3 d[3];
+    real sum = 0, least = INFINITY;
+    bool inside = true;
     for (int k = 0; k < 3; k++)
-        d[k] = vec3_sub(t->w[c[k]], foot);
+        d[k] = vec3_sub(t->w[face->c[k]], foot);
     for (int k = 0; k < 3; k++) {
-        weight[k] = real_max(0, vec3_dot(face->normal, vec3_cross(d[(k + 1) % 3], d[(k + 2) % 3])));
+        weight[k] = vec3_dot(face->normal, vec3_cross(d[(k + 1) % 3], d[(k + 2) % 3]));
+        inside = inside && weight[k] >= 0;
         sum += weight[k];
+    }
+    if (inside && sum > 0) {
+        for (int k = 0; k < 3; k++)
+            weight[k] /= sum;
+        return 0;
+    }
+    for (int k = 0; k < 3; k++) {
+        int next = (k + 1) % 3;
+        vec3 e = vec3_sub(d[next], d[k]);
+        real along = real_clamp(-vec3_dot(d[k], e) / vec3_length2(e), 0, 1), far = vec3_length2(vec3_mad(d[k], along, e));
+        if (far < least) {
+            least = far;
+            weight[k] = 1 - along;
+            weight[next] = along;
+            weight[(k + 2) % 3] = 0;
+        }
+    }
+    return least;
+}
+
+/* The face that is nearest to the origin may be one of several triangles of the same flat patch: the foot of the origin lies on one of
+ * them, or, when the origin is outside, next to it. */
+static void fill(const Polytope *t, const EpaFace *face, real same, ConvexGap *out)
+{
+    real weight[3], trial[3];
+    const int *c = face->c;
+    real least = foot_weights(t, face, weight);
+    for (int f = 0; f < t->face_count && least > 0; f++) {
+        const EpaFace *other = &t->face[f];
+        if (!(other->offset <= face->offset + same) || !(vec3_dot(other->normal, face->normal) > COPLANAR))
+            continue;
+        real far = foot_weights(t, other, trial);
+        if (far < least) {
+            least = far;
+            c = other->c;
+            memcpy(weight, trial, sizeof weight);
+        }
     }
     out->gap = -face->offset;
     out->normal = face->normal;
     out->on_a = out->on_b = vec3_zero();
     for (int k = 0; k < 3; k++) {
-        real share = sum > 0 ? weight[k] / sum : 1.0 / 3;
-        out->on_a = vec3_mad(out->on_a, share, t->a[c[k]]);
-        out->on_b = vec3_mad(out->on_b, share, t->b[c[k]]);
+        out->on_a = vec3_mad(out->on_a, weight[k], t->a[c[k]]);
+        out->on_b = vec3_mad(out->on_b, weight[k], t->b[c[k]]);
     }
 }
 
@@ -236,7 +274,7 @@ static bool grow(Polytope *t, ConvexGap *out)
         if (out_by <= enough || !expand(t, i))
             break;
     }
-    fill(t, &best, out);
+    fill(t, &best, enough, out);
     return exact;
 }
 

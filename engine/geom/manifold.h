@@ -29,7 +29,11 @@ typedef struct ManifoldCache { uint32_t kind, feature_a, feature_b; real axis[3]
  * at inner edges of meshes are removed. Returns the number of manifolds. Results depend on the relative pose only (the same
  * pair elsewhere gives the same digits up to rounding), swapping a and b mirrors them. cache and piece may be NULL.
  * Planes and surfaces do not meet each other. Open meshes are met from both sides, closed ones and height fields from outside.
- * Points of one manifold come in order around the contact area. */
+ * Points of one manifold come in order around the contact area. They lie on the surfaces and face each other along the normal, to 1e-7
+ * of the size; two exceptions, both above the deepest point or beside it: points of rounded shapes (capsules) may lie inside by what
+ * they are higher than the deepest, and edges or lines that run side by side within 0.1 rad give the ends of their common stretch, each
+ * on its own line. Corners nearer than 1e-9 of the size have a normal of the faces or edges about them, not that of the nearest
+ * points; overlaps below 1e-9 of the smaller shape may come out as gaps as small. */
 int manifold_collide(const Shape *a, pose pa, const Shape *b, pose pb, real reach, ManifoldCache *cache,
                      Manifold *out, uint32_t *piece, int capacity);
 

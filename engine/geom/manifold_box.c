@@ -109,7 +109,16 @@ typedef struct Frame {
     int  axis, u, v;            /* of the reference face and of its plane */
     real sign;                  /* the face lies at sign * ha[axis] */
     real same;                  /* m */
+    real lean[3];               /* of the contact normal per height over the face: along u and v, 0 along axis */
 } Frame;
+
+/* Moves a point along the contact normal as if its height over the face were 0 (way = -1), and back (1). */
+static void slide(const Frame *f, real way, real p[3])
+{
+    real height = p[f->axis] - f->sign * f->x->ha[f->axis];
+    for (int i = 0; i < 3; i++)
+        p[i] += way * height * f->lean[i];
+}
 
 /* Sides in turn: +u, +v, -u, -v. */
 static int  side_axis(const Frame *f, int side) { return side % 2 ? f->v : f->u; }
@@ -199,12 +208,14 @@ static int clip_side(const Frame *f, const Corner *from, int count, Corner *to, 
     return n;
 }
 
-/* Clips and adds the corners within reach. n: contact normal out of the reference box, in its frame. */
+/* Clips along the contact normal and adds the corners within reach. n: contact normal out of the reference box, in its frame. */
 static void clip_faces(const Pair *p, const Frame *f, const real n[3], bool ref_is_a, Contacts *c)
 {
     Corner corner[12], other[12];
     uint32_t incident = incident_face(f, n, corner);
     int count = 4;
+    for (int i = 0; i < count; i++)
+        slide(f, -1, corner[i].p);
     for (int side = 0; side < 4 && count > 0; side++) {
         bool crosses = false;
         int k = side_axis(f, side);
@@ -216,9 +227,10 @@ static void clip_faces(const Pair *p, const Frame *f, const real n[3], bool ref_
         memcpy(corner, other, (size_t)count * sizeof *corner);
     }
     for (int i = 0; i < count; i++) {
-        const Corner *k = &corner[i];
+        Corner *k = &corner[i];
         real flat[3] = {k->p[0], k->p[1], k->p[2]};
         flat[f->axis] = f->sign * f->x->ha[f->axis];
+        slide(f, 1, k->p);
         vec3 on_incident = {k->p[0], k->p[1], k->p[2]}, on_ref = {flat[0], flat[1], flat[2]};
         if (ref_is_a)
             contacts_add(c, p->reach, on_ref, on_incident, 1u << 16 | k->incident << 8 | k->ref);
@@ -251,6 +263,8 @@ static void use_face(const Pair *p, const Boxes *x, bool ref_is_a, int axis, rea
     Frame f = {.x = ref_is_a ? x : &s, .axis = axis, .u = (axis + 1) % 3, .v = (axis + 2) % 3, .sign = sign, .same = pair_same(p, ON_SIDE)};
     real n[3];
     put(ref_is_a ? c->normal : vec3_neg(mat3_mul_vec(p->c.back, c->normal)), n);
+    f.lean[f.u] = n[f.u] / n[axis];
+    f.lean[f.v] = n[f.v] / n[axis];
     clip_faces(p, &f, n, ref_is_a, c);
 }
 
@@ -279,6 +293,14 @@ static void add_crossing(const Pair *p, const Boxes *x, const Axis *e, const rea
                      1u << 16 | edge_number(e->j, cb) << 8 | edge_number(e->i, ca));
 }
 
+static bool shows(const Contacts *c, real gap, real same)
+{
+    for (int i = 0; i < c->count; i++)
+        if (c->at[i].gap <= gap + same)
+            return true;
+    return false;
+}
+
 /* Crossing edges: nearly flat boxes still touch along an area, measured along the edges' normal; others in one point. */
 static void use_edges(const Pair *p, const Boxes *x, const Axis *e, Contacts *c)
 {
@@ -291,10 +313,8 @@ static void use_edges(const Pair *p, const Boxes *x, const Axis *e, Contacts *c)
         bool ref_is_a = fabs(na[ia]) >= fabs(nb[jb]) - SAME_TILT;
         use_face(p, x, ref_is_a, ref_is_a ? ia : jb, (ref_is_a ? na[ia] : nb[jb]) < 0 ? -1 : 1, c);
     }
-    for (int i = 0; i < c->count; i++)
-        if (c->at[i].gap <= e->gap + pair_same(p, ON_SIDE))
-            return;                             /* the crossing is one of the corners */
-    add_crossing(p, x, e, na, nb, c);
+    if (!shows(c, e->gap, pair_same(p, ON_SIDE)))       /* else the crossing is one of the corners */
+        add_crossing(p, x, e, na, nb, c);
 }
 
 int collide_boxes(const Pair *p, ManifoldCache *cache, Manifold *out)
@@ -307,9 +327,11 @@ int collide_boxes(const Pair *p, ManifoldCache *cache, Manifold *out)
     if (e.gap > p->reach)
         return 0;
 
+    real faces = real_max(a.gap, b.gap);
+    bool crossing = e.gap > faces + pair_same(p, FACE_BIAS);
     Contacts c;
     c.count = 0;
-    if (e.gap > real_max(a.gap, b.gap) + pair_same(p, FACE_BIAS)) {
+    if (crossing) {
         use_edges(p, &x, &e, &c);
     } else if (a.gap >= b.gap - pair_same(p, A_BIAS)) {
         c.normal = (vec3){a.i == 0 ? a.sign : 0, a.i == 1 ? a.sign : 0, a.i == 2 ? a.sign : 0};
@@ -325,5 +347,7 @@ int collide_boxes(const Pair *p, ManifoldCache *cache, Manifold *out)
             use_face(p, &x, false, b.i, -b.sign, &c);
     }
     /* corners and edges that pass each other diagonally: the general way knows their distance */
-    return c.count > 0 ? contacts_finish(p, &c, out) : collide_convex(p, cache, out);
+    real apart = crossing ? e.gap : faces;
+    bool diagonal = apart > 0 && !shows(&c, apart, pair_same(p, ON_SIDE));
+    return c.count > 0 && !diagonal ? contacts_finish(p, &c, out) : collide_convex(p, cache, out);
 }

@@ -1,5 +1,5 @@
 /* geom/manifold_convex.c - manifold of two convex shapes from the normal between them: the face that lies most squarely across
- * the normal (reference) stays, the face of the other that looks at it (incident) is clipped by its sides. */
+ * the normal (reference) stays, the face of the other that looks at it (incident) is clipped by its sides, all along the normal. */
 #include "geom/pair.h"
 
 #define SQUARE       1e-6   /* rad  a normal this near to a face's is the face's */
@@ -86,6 +86,13 @@ static Corner cut(const Corner *in, const Corner *out, const Corner *first, int 
     return c;
 }
 
+/* Outward normal of the plane through side s of the reference along the contact normal n: points face each other along n. */
+static vec3 side_normal(const Face *ref, int s, vec3 n)
+{
+    vec3 e = vec3_sub(ref->corner[(s + 1) % ref->count], ref->corner[s]);
+    return vec3_unit_or(vec3_cross(e, vec3_dot(n, ref->normal) < 0 ? vec3_neg(n) : n), vec3_zero());
+}
+
 /* One side plane (Sutherland & Hodgman 1974). Corners on it within `same` count as inside and are not cut again. */
 static int clip(const Corner *in, int count, Corner *to, int side, real same)
 {
@@ -111,7 +118,7 @@ static int clip(const Corner *in, int count, Corner *to, int side, real same)
 
 typedef struct Clipped { int count; Corner at[CORNERS]; } Clipped;
 
-static void clip_polygon(const Face *ref, const Face *incident, real same, Clipped *out)
+static void clip_polygon(const Face *ref, const Face *incident, vec3 n, real same, Clipped *out)
 {
     Corner other[CORNERS];
     out->count = incident->count;
@@ -119,8 +126,7 @@ static void clip_polygon(const Face *ref, const Face *incident, real same, Clipp
         out->at[i] = (Corner){.p = incident->corner[i], .edge = i, .side = -1, .kind = MEET_CORNER, .number = i, .by = 63};
 
     for (int s = 0; s < ref->count && out->count > 0; s++) {
-        vec3 e = vec3_sub(ref->corner[(s + 1) % ref->count], ref->corner[s]);
-        vec3 outward = vec3_unit_or(vec3_cross(e, ref->normal), vec3_zero());
+        vec3 outward = side_normal(ref, s, n);
         bool crosses = false;
         for (int i = 0; i < out->count; i++) {
             out->at[i].outside = vec3_dot(outward, vec3_sub(out->at[i].p, ref->corner[s]));
@@ -128,22 +134,20 @@ static void clip_polygon(const Face *ref, const Face *incident, real same, Clipp
         }
         if (!crosses)
             continue;
-        int n = clip(out->at, out->count, other, s, same);
-        memcpy(out->at, other, (size_t)n * sizeof *other);
-        out->count = n;
+        out->count = clip(out->at, out->count, other, s, same);
+        memcpy(out->at, other, (size_t)out->count * sizeof *other);
     }
 }
 
 /* A segment or a point against the sides. */
-static void clip_segment(const Face *ref, const Face *incident, real same, Clipped *out)
+static void clip_segment(const Face *ref, const Face *incident, vec3 n, real same, Clipped *out)
 {
     Corner end[2];
     for (int i = 0; i < 2; i++)
         end[i] = (Corner){.p = incident->corner[int_min(i, incident->count - 1)], .kind = MEET_CORNER, .number = i, .by = 63};
     out->count = 0;
     for (int s = 0; s < ref->count; s++) {
-        vec3 e = vec3_sub(ref->corner[(s + 1) % ref->count], ref->corner[s]);
-        vec3 outward = vec3_unit_or(vec3_cross(e, ref->normal), vec3_zero());
+        vec3 outward = side_normal(ref, s, n);
         for (int i = 0; i < 2; i++)
             end[i].outside = vec3_dot(outward, vec3_sub(end[i].p, ref->corner[s]));
         if (end[0].outside > same && end[1].outside > same)
@@ -163,14 +167,15 @@ static void add_clipped(const Pair *p, const Face *ref, const Face *incident, bo
 {
     Clipped clipped;
     if (incident->count >= 3)
-        clip_polygon(ref, incident, pair_same(p, ON_SIDE), &clipped);
+        clip_polygon(ref, incident, c->normal, pair_same(p, ON_SIDE), &clipped);
     else
-        clip_segment(ref, incident, pair_same(p, ON_SIDE), &clipped);
+        clip_segment(ref, incident, c->normal, pair_same(p, ON_SIDE), &clipped);
 
     uint32_t faces = ref->feature * 31 + incident->feature;
+    real upright = vec3_dot(ref->normal, c->normal);
     for (int i = 0; i < clipped.count; i++) {
         const Corner *k = &clipped.at[i];
-        vec3 on_ref = vec3_mad(k->p, -vec3_dot(ref->normal, vec3_sub(k->p, ref->corner[0])), ref->normal);
+        vec3 on_ref = vec3_mad(k->p, -vec3_dot(ref->normal, vec3_sub(k->p, ref->corner[0])) / upright, c->normal);
         vec3 on_a = vec3_mad(ref_is_a ? on_ref : k->p, p->a->round, c->normal);
         vec3 on_b = vec3_mad(ref_is_a ? k->p : on_ref, -p->b->round, c->normal);
         contacts_add(c, p->reach, on_a, on_b, feature_of(k->kind, ref_is_a, k->number, k->by, faces));

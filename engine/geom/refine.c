@@ -10,6 +10,10 @@
 #define SETTLED    1e-7         /* rad  a normal that moved less is not refined again: what is left is its square */
 #define ROUNDS     4            /* the line on a cone's side turns with the normal */
 #define DIFFERENCE 1e-5         /* rad  step of difference quotients */
+#define FACING     1e-9         /* of the size: nearest points that miss each other by more are settled anew ... */
+#define CORNER     1e-12        /* of the size: support points this near are the same corner */
+#define NEXT_TO    1000         /* of what they miss: points of rims as near to them as this ... */
+#define ROUND_SPOT 1e-4         /* of the size: ... and this are where they should be */
 #define AS_GOOD    1e-15        /* of the size: how much worse an exact normal of a feature may seem by rounding */
 
 static vec3 support(const ConvexPair *p, vec3 n, ConvexGap *g)
@@ -133,15 +137,39 @@ static void both_ways(const ConvexPair *p, ConvexGap *best)
     }
 }
 
+static bool has_rim(const ShapeType *t)
+{
+    return t->face && t != &shape_box && t != &shape_hull && t != &shape_capsule && t != &shape_sphere && t != &shape_triangle;
+}
+
 bool convex_is_round(const ConvexPair *p)
 {
-    const Shape *both[2] = {p->a, p->b};
-    for (int i = 0; i < 2; i++) {
-        const ShapeType *t = both[i]->type;
-        if (t->face && t != &shape_box && t != &shape_hull && t != &shape_capsule && t != &shape_sphere && t != &shape_triangle)
-            return both[1 - i]->type->face != NULL;
-    }
-    return false;
+    const ShapeType *a = p->a->type, *b = p->b->type;
+    return (has_rim(a) && b->face) || (has_rim(b) && a->face);
+}
+
+/* Is the support point `top` the nearest point itself, rather than somewhere on a flat patch or a line that `on` lies on too? It is at a
+ * corner, and on a rim next to `on`. */
+static bool is_spot(const Shape *s, real size, vec3 top, vec3 on, real miss)
+{
+    real apart = vec3_distance(top, on);
+    return apart <= CORNER * size || (has_rim(s->type) && apart < real_min(NEXT_TO * miss, ROUND_SPOT * size));
+}
+
+/* Nearest points for the refined normal, from those (on_a, on_b) that were nearly right. They were right but for their distance from the
+ * support planes; where they miss each other, corners and points of rims are more exact, and the other point faces them. */
+static void settle_points(const ConvexPair *p, vec3 on_a, vec3 on_b, ConvexGap *g)
+{
+    vec3 n = g->normal, top_a = g->on_a, top_b = g->on_b;
+    on_a = vec3_mad(on_a, vec3_dot(n, vec3_sub(top_a, on_a)), n);
+    on_b = vec3_mad(on_b, vec3_dot(n, vec3_sub(top_b, on_b)), n);
+    real miss = vec3_distance(on_b, vec3_mad(on_a, g->gap, n));
+    bool misses = miss > FACING * p->size;
+    bool spot_a = misses && is_spot(p->a, p->size, top_a, on_a, miss), spot_b = misses && is_spot(p->b, p->size, top_b, on_b, miss);
+    if (spot_a && spot_b && vec3_distance(top_b, vec3_mad(top_a, g->gap, n)) > miss)
+        spot_a = spot_b = false;                /* one of them is elsewhere on a line */
+    g->on_a = spot_a ? top_a : spot_b ? vec3_mad(top_b, -g->gap, n) : on_a;
+    g->on_b = spot_b ? top_b : spot_a ? vec3_mad(top_a, g->gap, n) : on_b;
 }
 
 void convex_refine(const ConvexPair *p, ConvexGap *g)
@@ -163,7 +191,5 @@ void convex_refine(const ConvexPair *p, ConvexGap *g)
             break;
     }
 
-    /* support points may lie anywhere on a flat patch: the nearest points were right but for their distance from the planes */
-    g->on_a = vec3_mad(on_a, vec3_dot(g->normal, vec3_sub(g->on_a, on_a)), g->normal);
-    g->on_b = vec3_mad(on_b, vec3_dot(g->normal, vec3_sub(g->on_b, on_b)), g->normal);
+    settle_points(p, on_a, on_b, g);
 }

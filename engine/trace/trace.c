@@ -246,7 +246,7 @@ static bool hold_slow_slips(Tracer *t, real h)
         if (!c->gate.presses || !c->slip.axes || c->slip.grip != GRIP_SLIP)
             continue;
         real speed = vec3_length(c->slip.u), press = c->slip.moving * c->gate.force;
-        bool slow = speed < 2 * press * (t->g->mass[c->a].im + t->g->mass[c->b].im) * h;
+        bool slow = speed < 2 * h * real_max(press * (t->g->mass[c->a].im + t->g->mass[c->b].im), vec3_length(c->slip.acc));
         if (slow && !c->slip.locked && speed > 0)
             c->slip.d = vec3_scale(1 / speed, c->slip.u);
         changed = changed || slow != c->slip.locked;

@@ -9,7 +9,7 @@ local verdicts = require "verdicts"
 local bounds = {
   A02z = 1e-9, A03h = 1e-8, A05b = 1e-8, A07p = 1e-6, A08l = 1e-2, A08p = 1e-5, A09n = 1e-6, A10c = 1e-9,
   A15a = 1e-5, A15b = 1e-4, A15c = 1e-5, A16a = 1e-6, A16b = 1e-6, A16c = 1e-7,
-  A17a = 1e-9, A17b = 1e-9, A17c = 1e-8, A17d = 1e-9, A18 = 1e-3, A18p = 1e-9, A19a = 1e-5, A19b = 1e-5, A20 = 1e-5,
+  A17a = 1e-9, A17b = 1e-9, A17c = 1e-8, A17d = 1e-9, A18 = 1e-6, A18p = 1e-9, A19a = 1e-5, A19b = 1e-5, A20 = 1e-5,
 }
 
 for _, scene in ipairs(suite.scenes()) do

@@ -189,8 +189,10 @@ static void large_world(BenchScene *s)
     int side = (int)ceil(sqrt(s->n));
     for (int i = 0; i < s->n; i++)
         add_fixed(s, 0.5, 0.5, 0.5, i % side - 0.5 * (side - 1), -0.5, i / side - 0.5 * (side - 1), false);
-    for (int i = 0; i < 100; i++)
-        add_top(s, add(s, BENCH_SPHERE, (double[3]){0.25, 0, 0}, (i % 10 - 4.5) * side / 11.0, 1 + 0.02 * i, (i / 10 - 4.5) * side / 11.0), true);
+    for (int i = 0; i < 100; i++) {
+        double x = (i % 10 - 4.5) * side / 11, z = (i / 10 - 4.5) * side / 11;
+        add_top(s, add(s, BENCH_SPHERE, (double[3]){0.25, 0, 0}, x, 1 + 0.02 * i, z), true);
+    }
 }
 
 static const struct { const char *name; void (*build)(BenchScene *); int n, steps; } scenes[] = {

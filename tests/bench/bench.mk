@@ -1,0 +1,51 @@
+# tests/bench/bench.mk - `make bench`: time per step of digbox beside other engines on the same large scenes.
+#
+#   make bench                                   the scenes of the published tables; writes build/bench.json and prints a table
+#   make bench SCENE=towers ENGINE=digbox N=200  one scene, one engine, one size
+#   make bench FULL=1                            also 16,000 spheres, 100,000 bodies in a room, 1,000,000 fixed boxes
+#   make bench LIMIT=60 TOTAL=1200 REPEATS=5     seconds for one run, for all of them, and how often
+#   make bench REPORT=only                       the table again, from the rows of the last run
+#
+# The peers are Debian's packages and are built for this only; one that is not installed is left out.
+
+.PHONY: bench bench-run
+bench_dir     := $(BUILD)/bench
+bench_common  := tests/bench/run.c tests/bench/scene.c tests/bench/check.c
+bench_flags   := -O2 -g -ffp-contract=off -D_GNU_SOURCE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror
+bench_headers := $(wildcard tests/bench/*.h)
+CXX           ?= g++
+
+ifneq ($(filter bench bench-run,$(MAKECMDGOALS)),)
+bench_has      = $(shell pkg-config --exists $(1) 2>/dev/null && echo yes)
+bench_engines := digbox $(if $(call bench_has,bullet),bullet) $(if $(call bench_has,ode),ode) \
+                 $(if $(wildcard /usr/include/mujoco/mujoco.h),mujoco)
+endif
+bench_programs = $(patsubst %,$(bench_dir)/bench-%,$(strip $(bench_engines)))
+
+bench:                                          ## time per step against other engines; SCENE=towers ENGINE=digbox N=200 FULL=1 choose
+	@sh .ci/install.sh build bench || echo "bench: goes on with what is installed" >&2
+	@$(MAKE) bench-run
+
+bench-run: $(bench_programs) $(bench_dir)/selftest
+	@$(bench_dir)/selftest
+	@$(if $(filter only,$(REPORT)),,BUILD='$(BUILD)' SCENE='$(SCENE)' ENGINE='$(ENGINE)' N='$(N)' FULL='$(FULL)' LIMIT='$(LIMIT)' \
+	    TOTAL='$(TOTAL)' REPEATS='$(REPEATS)' PLAN='$(PLAN)' sh tests/bench/measure.sh)
+	@lua5.4 tests/bench/report.lua $(bench_dir)/rows.lua $(BUILD)/bench.json
+
+$(bench_dir)/obj/%.o: tests/bench/%.c $(bench_headers)
+	@mkdir -p $(@D)
+	$(call say,CC,$<)$(CC) -std=c17 -Iengine $(bench_flags) -c -o $@ $<
+$(bench_dir)/obj/%.o: tests/bench/%.cpp $(bench_headers)
+	@mkdir -p $(@D)
+	$(call say,CXX,$<)$(CXX) -std=c++17 $(bench_flags) $(call system,$(shell pkg-config --cflags bullet)) -c -o $@ $<
+
+bench_libs-digbox = $(core_a) -pthread $(CORE_LIBS)
+bench_libs-bullet = $(shell pkg-config --libs bullet)
+bench_libs-ode    = $(shell pkg-config --libs ode)
+bench_libs-mujoco = -lmujoco
+$(bench_dir)/selftest: $(patsubst %,$(bench_dir)/obj/%.o,selftest scene check)
+	$(call say,LINK,$@)$(CC) -o $@ $^ -lm
+$(bench_dir)/bench-digbox: $(core_a)
+$(bench_dir)/bench-%: $(bench_dir)/obj/%.o $(patsubst tests/bench/%.c,$(bench_dir)/obj/%.o,$(bench_common))
+	$(call say,LINK,$@)$(if $(filter digbox,$*),$(CC),$(CXX)) -o $@ $(filter %.o,$^) $(bench_libs-$*) -lm
+.SECONDARY: $(patsubst %,$(bench_dir)/obj/%.o,run scene check selftest digbox bullet ode mujoco)
