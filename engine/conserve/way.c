@@ -67,6 +67,8 @@ static bool any_deep(const Group *g)
 
 static bool suits(const Group *g)
 {
+    if (!g->may_trace)          /* thousands of small mechanisms are swept */
+        return false;
     if (g->joint_count == 0 || g->planar || any_deep(g))
         return false;
     for (int i = 0; i < g->moving_count; i++)

@@ -186,7 +186,7 @@ struct Group {
     real      tolerance;        /* 1   local error of the traced way over the size of the bodies */
     real      trace_step;       /* s   its last step length; 0 = none                  */
     int       trace_wait;       /*     steps for which it is not tried again           */
-    bool      may_trace;        /*     the world's budget for traced groups reaches it */
+    bool      may_trace;        /*     the world's budget for traced and conserved groups reaches it */
     bool      trace_failed;     /*     it was tried in this step, and handed on        */
     real      residual, penetration, joint_error;
     real      lost, work_in;    /* J */

@@ -18,7 +18,7 @@ typedef struct AccuracyPlan {
     int         events_bodies;  /* 1    groups with more moving bodies than this locate none         */
     int         trace_bodies;   /* 1    groups with more moving bodies than this are not traced           */
     int         trace_rows;     /* 1    most rows of a traced group's direct solve                        */
-    int         trace_total;    /* 1    most bodies and pairs of all traced groups of a world together    */
+    int         trace_total;    /* 1    most bodies and pairs of all traced and conserved groups of a world together */
     int         trace_work;     /* 1    most evaluations of a traced group per step                       */
     real        tolerance;      /* m    the promise; picks the plan when a script gives a number    */
 } AccuracyPlan;

@@ -118,13 +118,14 @@ static int group_accuracy(const World *w, const uint32_t *digs, int count)
     return accuracy;
 }
 
-/* The sum of what traced groups may cost is bounded by counts, never by the clock, so that results do not depend on the machine. */
+/* The sum of what traced groups may cost is bounded by counts, never by the clock, so that results do not depend on the machine.
+ * The first group fits always: one long chain is a world's main business, not one of a thousand. */
 static bool within_budget(const World *w, const Step *s, const struct StepGroup *g, int64_t *spent)
 {
     int64_t cost = g->pair_count;
     for (int i = 0; i < g->dig_count; i++)
         cost += graph_size(w->graph, s->digs[g->dig_first + i]);
-    bool fits = *spent + cost <= accuracy_plan(g->accuracy)->trace_total;
+    bool fits = *spent == 0 || *spent + cost <= accuracy_plan(g->accuracy)->trace_total;
     *spent += fits ? cost : 0;
     return fits;
 }
