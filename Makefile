@@ -61,10 +61,9 @@ core_src   := $(filter-out engine/render/%,$(wildcard engine/*/*.c))
 lua_src    := $(filter-out lua/main.c,$(wildcard lua/*.c))
 lua_files  := $(wildcard lua/digbox/*.lua lua/digbox/*/*.lua)
 unit_src   := $(wildcard tests/unit/test_*.c)
-bench_src  := $(wildcard tests/bench/*.c)
 # Only a test that includes a header of render/ (or of lua/) is linked with it.
-unit_render := $(shell grep -lE '^\#include "render/' $(unit_src) $(bench_src) /dev/null)
-unit_lua    := $(shell grep -lE '^\#include ("lua/|<lua)' $(unit_src) $(bench_src) /dev/null)
+unit_render := $(shell grep -lE '^\#include "render/' $(unit_src) /dev/null)
+unit_lua    := $(shell grep -lE '^\#include ("lua/|<lua)' $(unit_src) /dev/null)
 ifeq ($(RENDER),0)
 unit_src   := $(filter-out $(unit_render),$(unit_src))
 endif
@@ -76,7 +75,6 @@ lua_a    := $(BUILD)/libdigbox_lua.a
 program  := $(BUILD)/digbox
 unit_all := $(patsubst tests/unit/%.c,$(BUILD)/unit/%,$(unit_src))
 unit     := $(if $(T),$(foreach p,$(unit_all),$(if $(findstring $(T),tests/unit/$(notdir $(p)).c),$(p))),$(unit_all))
-bench    := $(patsubst tests/bench/%.c,$(BUILD)/bench/%,$(bench_src))
 
 ifeq ($(V),1)
 say :=
@@ -86,7 +84,7 @@ say = @printf '  %-5s %s\n' $(1) $(2);
 Q   := @
 endif
 
-.PHONY: all libs demo test asan lint bench accuracy install deps clean help unit check-run
+.PHONY: all libs demo test asan lint accuracy install deps clean help unit check-run
 .PHONY: FORCE
 
 all: $(program)                                 ## build/digbox, the program
@@ -135,8 +133,6 @@ define build_test
 endef
 $(BUILD)/unit/%: tests/unit/%.c $(core_a) $(render_a) $(lua_a)
 	$(call build_test,-lcmocka)
-$(BUILD)/bench/%: tests/bench/%.c $(core_a) $(render_a) $(lua_a)
-	$(call build_test)
 
 unit: $(unit)
 
@@ -154,12 +150,10 @@ lint:                                           ## what the compiler cannot see:
 	@$(MAKE) libs || { echo "0 passed, 1 failed"; exit 1; }
 	@BUILD=$(BUILD) CC=$(CC) T=tests/lint/ bash tests/run.sh
 
-bench: all $(bench)                             ## measures; SCENE=name ENGINE=name choose
-	@for b in $(bench); do echo "$$b"; SCENE='$(SCENE)' ENGINE='$(ENGINE)' $$b || exit 1; done
-	@$(if $(bench),,echo "no benchmarks yet: tests/bench/ is empty")
-
 # ---- what accuracy costs ----
 -include tests/accuracy/accuracy.mk
+-include tests/bench/bench.mk
+-include tests/hard/hard.mk
 
 # ---- the first command of a newcomer ----
 demo_world := ball_table_bucket
@@ -186,7 +180,7 @@ clean:                                          ## removes build/ and out/
 	rm -rf build out
 
 help:                                           ## this list
-	@sed -n 's/^\([a-z]*\):.*## /\1	/p' Makefile tests/accuracy/accuracy.mk | awk -F '\t' '{ printf "  make %-8s %s\n", $$1, $$2 }'
+	@sed -n 's/^\([a-z-]*\):.*## /\1	/p' Makefile tests/*/*.mk | awk -F '\t' '{ printf "  make %-8s %s\n", $$1, $$2 }'
 	@echo "  options: SANITIZE=1 DEBUG=1 RENDER=0 CC=clang V=1 T=pattern -jN"
 
--include $(wildcard $(BUILD)/obj/*.d $(BUILD)/obj/*/*.d $(BUILD)/obj/*/*/*.d $(BUILD)/unit/*.d $(BUILD)/bench/*.d)
+-include $(wildcard $(BUILD)/obj/*.d $(BUILD)/obj/*/*.d $(BUILD)/obj/*/*/*.d $(BUILD)/unit/*.d)

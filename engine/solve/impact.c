@@ -182,7 +182,87 @@ static real choose_elastic(Group *g, bool *on, const real *rate)
 
 /* A contact that already presses takes its share of a neighbour's blow at once, and does not bounce from it: a ball struck
  * sideways stays on its table, a table struck by a ball stays on its floor. */
-static bool is_held(const Group *g, const PointRow *r) { return g->contacts[r->contact].memory[r->point].held > 0; }
+static bool is_held(const Group *g, const PointRow *r, real rate)
+{
+    return g->contacts[r->contact].memory[r->point].held > 0 && rate <= 0.1 * g->close_speed;       /* and not leaving already */
+}
+
+/* ---- no blow makes energy ----
+ *
+ * Restitution by speeds (Newton's) can, where several contacts of a body share a blow with friction or with what is held. Then the
+ * largest part of it is taken, between the plastic and the elastic outcome, that keeps the energy; both keep all bounds, and so
+ * does what lies between them. */
+
+typedef struct Outcome { Vel *vel; real *impulse; } Outcome;
+
+static void keep_outcome(const Group *g, Outcome *o)
+{
+    memcpy(o->vel, g->vel, (size_t)g->moving_count * sizeof *o->vel);
+    for (int i = 0; i < g->point_count; i++)
+        memcpy(&o->impulse[3 * i], (real[]){g->points[i].jn, g->points[i].jt[0], g->points[i].jt[1]}, 3 * sizeof(real));
+}
+
+static real mix(real a, real b, real s) { return a + s * (b - a); }
+static vec3 mix3(vec3 a, vec3 b, real s) { return vec3_mad(a, s, vec3_sub(b, a)); }
+
+static void set_between(Group *g, const Outcome *a, const Outcome *b, real s)
+{
+    for (int i = 0; i < g->moving_count; i++)
+        g->vel[i] = (Vel){mix3(a->vel[i].v, b->vel[i].v, s), mix3(a->vel[i].w, b->vel[i].w, s)};
+    for (int i = 0; i < g->point_count; i++) {
+        PointRow *r = &g->points[i];
+        r->jn = mix(a->impulse[3 * i], b->impulse[3 * i], s);
+        r->jt[0] = mix(a->impulse[3 * i + 1], b->impulse[3 * i + 1], s);
+        r->jt[1] = mix(a->impulse[3 * i + 2], b->impulse[3 * i + 2], s);
+    }
+}
+
+/* A mover may give energy. */
+static bool struck_by_mover(const Group *g, const bool *on)
+{
+    for (int i = 0; i < g->point_count; i++)
+        if (on[i] && (g->member[g->points[i].a].kinematic || g->member[g->points[i].b].kinematic))
+            return true;
+    return false;
+}
+
+static bool outcome_open(Group *g, Outcome *o)
+{
+    o->vel = arena_alloc(g->arena, (size_t)(g->moving_count + 1) * sizeof *o->vel);
+    o->impulse = arena_alloc(g->arena, (size_t)(3 * g->point_count + 3) * sizeof *o->impulse);
+    return o->vel && o->impulse;
+}
+
+/* The elastic solve; then, had it made energy, the largest part of it that does not. */
+static void solve_capped(Group *g, const bool *on, real approach)
+{
+    ArenaMark mark = arena_mark(g->arena);
+    Outcome start, elastic, plastic;
+    if (!outcome_open(g, &start) || !outcome_open(g, &elastic) || !outcome_open(g, &plastic)) {
+        g->status = DIG_E_MEMORY;
+        return;
+    }
+    real before = group_kinetic(g);
+    keep_outcome(g, &start);
+    solve_marked(g, on, false, approach);
+    if (g->row_count == 0 && group_kinetic(g) > before * (1 + 1e-9)) {
+        keep_outcome(g, &elastic);
+        set_between(g, &start, &start, 0);
+        for (int i = 0; i < g->point_count; i++)
+            g->points[i].target = 0;
+        solve_marked(g, on, false, approach);
+        keep_outcome(g, &plastic);
+        /* kinetic energy is a quadratic of the share s: e0 + b s + c s^2 */
+        real e0 = group_kinetic(g);
+        set_between(g, &plastic, &elastic, 0.5);
+        real half = group_kinetic(g);
+        set_between(g, &plastic, &elastic, 1);
+        real e1 = group_kinetic(g), c = 2 * (e1 + e0 - 2 * half), b = e1 - e0 - c, d = b * b + 4 * c * (before - e0);
+        real s = c > 0 && d > 0 ? (sqrt(d) - b) / (2 * c) : 0;
+        set_between(g, &plastic, &elastic, real_clamp(s, 0, 1));
+    }
+    arena_rewind(g->arena, mark);
+}
 
 /* One solve; true when something was left to do. */
 static bool strike_once(Group *g, bool *on, real *rate, bool allow_elastic)
@@ -205,10 +285,13 @@ static bool strike_once(Group *g, bool *on, real *rate, bool allow_elastic)
     for (int i = 0; i < g->point_count; i++) {
         real e = elastic && on[i] ? g->pairs[g->contacts[g->points[i].contact].pair].restitution : 0;
         g->points[i].target = rate[i] < 0 ? -e * rate[i] : 0;
-        if (!elastic || is_held(g, &g->points[i]))
+        if (!elastic || is_held(g, &g->points[i], rate[i]))
             on[i] = true;
     }
-    solve_marked(g, on, !elastic, approach);
+    if (elastic && !struck_by_mover(g, on))
+        solve_capped(g, on, approach);
+    else
+        solve_marked(g, on, !elastic, approach);
     for (int i = 0; i < g->point_count; i++)
         if (on[i])
             note_strike(g, &g->points[i], real_max(0, -rate[i]));

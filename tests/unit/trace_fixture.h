@@ -119,7 +119,7 @@ static inline void hand_mass(Hand *h, int body, real mass, vec3 inertia)
 static inline void hand_trace(Hand *h)
 {
     Tracer *t = &h->t;
-    *t = (Tracer){.g = &h->g, .end = 1, .size = 1, .pace = 1, .tolerance = 1e-9, .gap_zero = 1e-10, .speed_zero = 1e-9, .slip_zero = 1e-7};
+    *t = (Tracer){.g = &h->g, .end = 1, .size = 1, .pace = 1, .tolerance = 1e-9, .gap_zero = 1e-10, .gap_deep = 1e-6, .speed_zero = 1e-9, .slip_zero = 1e-7};
     CHECK_INT(trace_reserve(t), DIG_OK);
     for (int i = 0; i < h->g.body_count; i++)
         t->mover_start[i] = h->pos[i];
