@@ -11,7 +11,7 @@ local scene = {}
 -- The forces and their times: N, s.
 local pull = { at = 2.0, force = 32, lasts = 2.3 }      -- table: a = 32/20.1 - 0.1 g = 0.61 m/s^2, below what rolling friction holds
 local stop = { at = 4.3, force = 260, lasts = 0.1 }     -- table: 1.4 m/s to nothing within 7 cm
-local lift = { at = 7.0, force = 32.6 }                 -- handle: 1.11 times the weight of bucket, handle and ball
+local lift = { at = 7.0, force = 32.5 }                 -- handle: 1.11 times the weight of bucket, handle and ball
 scene.pull, scene.stop, scene.lift = pull, stop, lift
 
 scene.rolling = 0.12        -- rolling friction of the ball on the table: holds it up to 0.12 g = 1.18 m/s^2

@@ -182,6 +182,7 @@ struct Group {
     bool      handed_on;        /* the last way tried put it back for the next one to take */
     const char *gave_up;        /* why a finer way failed within its budget in this step; NULL = none did */
     int       substeps, sweeps, located;
+    int       direct_failures;  /*     direct solves of this step that did not converge */
     int       evaluations, refused, events;
     real      tolerance;        /* 1   local error of the traced way over the size of the bodies */
     real      trace_step;       /* s   its last step length; 0 = none                  */
@@ -234,6 +235,9 @@ real relax_points(Group *g, int first, int count);
 real relax_joints(Group *g);
 real relax_rolls(Group *g);
 int  relax(Group *g, int sweeps, real residual);        /* until the change is below residual; returns sweeps done */
+/* direct.c: all contacts at once, exactly, from the present impulses; false: not for this group, or it failed, and nothing changed */
+bool direct_solve(Group *g, real residual);
+real direct_wanted(const Group *g);     /* m/s  sweeps that stop above this are to be followed by direct_solve; 0 = never */
 /* project.c: position errors are removed without touching velocities */
 void project(Group *g);
 /* locate.c: s into the substep of the first impact, or INFINITY */

@@ -200,6 +200,8 @@ static void keep_outcome(const Group *g, Outcome *o)
     memcpy(o->vel, g->vel, (size_t)g->moving_count * sizeof *o->vel);
     for (int i = 0; i < g->point_count; i++)
         memcpy(&o->impulse[3 * i], (real[]){g->points[i].jn, g->points[i].jt[0], g->points[i].jt[1]}, 3 * sizeof(real));
+    for (int i = 0; i < g->row_count; i++)
+        o->impulse[3 * g->point_count + i] = g->rows[i].p;
 }
 
 static real mix(real a, real b, real s) { return a + s * (b - a); }
@@ -215,6 +217,21 @@ static void set_between(Group *g, const Outcome *a, const Outcome *b, real s)
         r->jt[0] = mix(a->impulse[3 * i + 1], b->impulse[3 * i + 1], s);
         r->jt[1] = mix(a->impulse[3 * i + 2], b->impulse[3 * i + 2], s);
     }
+    for (int i = 0; i < g->row_count; i++)
+        g->rows[i].p = mix(a->impulse[3 * g->point_count + i], b->impulse[3 * g->point_count + i], s);
+}
+
+/* The largest share of b over a that keeps the energy at `most`, J: along s it is a quadratic, e0 + f s + c s^2. */
+static void set_capped(Group *g, const Outcome *a, const Outcome *b, real most)
+{
+    set_between(g, a, b, 0);
+    real e0 = group_kinetic(g);
+    set_between(g, a, b, 0.5);
+    real half = group_kinetic(g);
+    set_between(g, a, b, 1);
+    real e1 = group_kinetic(g), c = 2 * (e1 + e0 - 2 * half), f = e1 - e0 - c, d = f * f + 4 * c * (most - e0);
+    real s = c > 0 && d > 0 ? (sqrt(d) - f) / (2 * c) : 0;
+    set_between(g, a, b, isfinite(s) ? real_clamp(s, 0, 1) : 0);
 }
 
 /* A mover may give energy. */
@@ -229,12 +246,15 @@ static bool struck_by_mover(const Group *g, const bool *on)
 static bool outcome_open(Group *g, Outcome *o)
 {
     o->vel = arena_alloc(g->arena, (size_t)(g->moving_count + 1) * sizeof *o->vel);
-    o->impulse = arena_alloc(g->arena, (size_t)(3 * g->point_count + 3) * sizeof *o->impulse);
+    o->impulse = arena_alloc(g->arena, (size_t)(3 * g->point_count + g->row_count + 1) * sizeof *o->impulse);
     return o->vel && o->impulse;
 }
 
-/* The elastic solve; then, had it made energy, the largest part of it that does not. */
-static void solve_capped(Group *g, const bool *on, real approach)
+#define ENERGY_KEPT (1 + 1e-9)
+
+/* The solve; then, had it made energy, the largest part of it that does not: between the plastic and the elastic outcome, and where
+ * the plastic one makes energy too, because joints and mass ratios keep it from converging, between nothing and that. */
+static void solve_capped(Group *g, const bool *on, bool all, real approach)
 {
     ArenaMark mark = arena_mark(g->arena);
     Outcome start, elastic, plastic;
@@ -244,22 +264,18 @@ static void solve_capped(Group *g, const bool *on, real approach)
     }
     real before = group_kinetic(g);
     keep_outcome(g, &start);
-    solve_marked(g, on, false, approach);
-    if (g->row_count == 0 && group_kinetic(g) > before * (1 + 1e-9)) {
+    solve_marked(g, on, all, approach);
+    if (!(group_kinetic(g) <= before * ENERGY_KEPT)) {
         keep_outcome(g, &elastic);
         set_between(g, &start, &start, 0);
         for (int i = 0; i < g->point_count; i++)
             g->points[i].target = 0;
-        solve_marked(g, on, false, approach);
+        solve_marked(g, on, all, approach);
         keep_outcome(g, &plastic);
-        /* kinetic energy is a quadratic of the share s: e0 + b s + c s^2 */
-        real e0 = group_kinetic(g);
-        set_between(g, &plastic, &elastic, 0.5);
-        real half = group_kinetic(g);
-        set_between(g, &plastic, &elastic, 1);
-        real e1 = group_kinetic(g), c = 2 * (e1 + e0 - 2 * half), b = e1 - e0 - c, d = b * b + 4 * c * (before - e0);
-        real s = c > 0 && d > 0 ? (sqrt(d) - b) / (2 * c) : 0;
-        set_between(g, &plastic, &elastic, real_clamp(s, 0, 1));
+        if (group_kinetic(g) <= before * ENERGY_KEPT)
+            set_capped(g, &plastic, &elastic, before);
+        else
+            set_capped(g, &start, &plastic, before);
     }
     arena_rewind(g->arena, mark);
 }
@@ -288,10 +304,10 @@ static bool strike_once(Group *g, bool *on, real *rate, bool allow_elastic)
         if (!elastic || is_held(g, &g->points[i], rate[i]))
             on[i] = true;
     }
-    if (elastic && !struck_by_mover(g, on))
-        solve_capped(g, on, approach);
-    else
+    if (struck_by_mover(g, on))
         solve_marked(g, on, !elastic, approach);
+    else
+        solve_capped(g, on, !elastic, approach);
     for (int i = 0; i < g->point_count; i++)
         if (on[i])
             note_strike(g, &g->points[i], real_max(0, -rate[i]));

@@ -311,12 +311,25 @@ static int sweeps_for(const Group *g, int most)
     return (int)real_clamp(8000.0 / rows, 4, most);
 }
 
+/* So many are tried; where they do not get there, all rows are solved at once, and checked by so many more. */
+#define FIRST_SWEEPS 12
+#define LAST_SWEEPS 3
+
 static void relax_group(Group *g)
 {
     real worst = g->residual;
     g->residual = 0;
     int sweeps = sweeps_for(g, g->plan->sweeps);
-    relax(g, sweeps, g->plan->residual);
+    real wanted = direct_wanted(g);
+    int first = wanted > 0 ? int_min(sweeps, FIRST_SWEEPS) : sweeps;
+    relax(g, first, wanted > 0 ? wanted : g->plan->residual);
+    if (wanted > 0 && g->residual > wanted && direct_solve(g, wanted)) {
+        g->residual = 0;
+        relax(g, LAST_SWEEPS, g->plan->residual);
+    } else if (g->residual > g->plan->residual && sweeps > first) {
+        g->residual = 0;
+        relax(g, sweeps - first, g->plan->residual);
+    }
     if (g->residual > COARSE) {
         g->residual = 0;
         relax(g, sweeps_for(g, 10 * g->plan->sweeps) - sweeps, COARSE);

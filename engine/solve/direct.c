@@ -1,0 +1,314 @@
+/* solve/direct.c - all contacts of a group at once, with round friction cones and rolling resistance.
+ *
+ * Gauss-Seidel sweeps hand an impulse on by one body per sweep, so that towers, arches and heavy things on light ones take
+ * hundreds of them, or never get there. Here the velocities v minimise
+ *
+ *     1/2 |v - v^|^2_M + sum over rows of 1/2 R |f|^2,   f = nearest point of the row's set to  p + (target - J v) / R
+ *
+ * with v^ the velocities without impulses, by Newton's method with an exact line search; then p <- f, which is an augmented
+ * Lagrangian: its limit has R (f - p) = 0, hard rows, whatever R is (Rockafellar 1976; Hestenes 1969). A convex model of
+ * friction lifts what slides; De Saxce & Feng 1998 take mu |slip| off the normal target, to be followed from round to round.
+ * The matrix M + J^T D J is positive definite whatever the rows are: repeated ones do no harm, and nothing cycles. It has one
+ * 6x6 block per body and link (solve/blocks.h). Groups with joints are not for it: a solve of joints to rounding without their
+ * geometric stiffness blows taut chains up at these step lengths.
+ */
+#include "solve/direct.h"
+
+#define HEAVY         30.0      /*      times the lightest mass: an error that is nothing to what is heavy throws what is light */
+/* Counts that bound the work, without and with something heavy */
+static const int most_points[2] = {1000, 4000}, most_failures[2] = {1, 64};     /* failures in a step */
+static const real most_work[2] = {1e6, 4e6};                                    /* multiplications of one factorisation */
+#define MOST_BODIES   512
+#define MOST_ROUNDS   12
+#define MOST_STEPS    30        /*      of Newton's method in a round */
+#define MOST_FACTORS  60        /*      in all rounds; where nothing is heavy also so many as points times factors allow, or few */
+#define FACTOR_POINTS 4000
+#define FEW_FACTORS   12
+#define FAST          0.03      /*      of the speed of a fall by its own size: such a contact slides or tumbles */
+#define MOST_FAST     0.05      /*      of the points may: else Newton's method takes long, and creep does not matter */
+#define AIM           1e-9      /* m/s  wanted at least: what is left adds up to creep */
+#define LOOSE         0.1       /*      a round is done to this part of what it is off */
+#define GOOD          1e-7      /* m/s  the rows hold within this: the solve has worked */
+
+/* ---- storage ---- */
+
+static unsigned char *links(const Direct *d, int n)
+{
+    const Group *g = d->g;
+    unsigned char *linked = arena_zero(g->arena, (size_t)(n * n) + 1);
+    if (!linked)
+        return NULL;
+    for (int i = 0; i < g->point_count; i++) {
+        int a = d->place[g->points[i].a], b = d->place[g->points[i].b];
+        if (a >= 0 && b >= 0)
+            linked[a * n + b] = linked[b * n + a] = 1;
+    }
+    return linked;
+}
+
+/* Mass and tensor of inertia, the inverse of what the sweeps use; 0 in what a planar world keeps still counts as 1: no row
+ * reaches there. */
+static bool masses(Direct *d)
+{
+    const Group *g = d->g;
+    for (int i = 0; i < d->blocks.n; i++) {
+        const Mass *m = &g->mass[d->body[i]];
+        mat3 ii = m->ii;
+        if (g->planar) {
+            ii.r0.x += ii.r0.x > 0 ? 0 : 1;
+            ii.r1.y += ii.r1.y > 0 ? 0 : 1;
+            ii.r2.z += ii.r2.z > 0 ? 0 : 1;
+        }
+        if (!(m->im > 0) || !(mat3_det(ii) > 0))
+            return false;
+        mat3 t = mat3_inverse(ii);
+        d->mass[10 * i] = 1 / m->im;
+        memcpy(d->mass + 10 * i + 1, &t, sizeof t);
+    }
+    return true;
+}
+
+/* False: not for this group, or no memory (then g->status says so). */
+static bool open_direct(Direct *d)
+{
+    Group *g = d->g;
+    int n = 0;
+    d->place = arena_alloc(g->arena, (size_t)(g->body_count + 1) * sizeof *d->place);
+    for (int i = 0; d->place && i < g->body_count; i++)
+        d->place[i] = g->member[i].moves ? n++ : -1;
+    if (!d->place || n == 0)
+        return false;
+    unsigned char *linked = links(d, n);
+    size_t size = (size_t)n;
+    d->body = arena_alloc(g->arena, size * sizeof *d->body);
+    d->mass = arena_alloc(g->arena, 10 * size * sizeof *d->mass);
+    d->v = arena_zero(g->arena, 6 * size * sizeof *d->v);
+    d->v0 = arena_zero(g->arena, 6 * size * sizeof *d->v0);
+    d->dv = arena_alloc(g->arena, 6 * size * sizeof *d->dv);
+    d->grad = arena_alloc(g->arena, 6 * size * sizeof *d->grad);
+    if (!linked || !d->body || !d->mass || !d->v || !d->v0 || !d->dv || !d->grad || !blocks_plan(&d->blocks, g->arena, n, linked)) {
+        g->status = DIG_E_MEMORY;
+        return false;
+    }
+    if (d->blocks.work > most_work[d->heavy])
+        return false;
+    for (int i = 0; i < g->body_count; i++)
+        if (d->place[i] >= 0) {
+            d->place[i] = d->blocks.place[d->place[i]];
+            d->body[d->place[i]] = i;
+        }
+    if (!blocks_reserve(&d->blocks, g->arena) || !direct_rows(d)) {
+        g->status = DIG_E_MEMORY;
+        return false;
+    }
+    return masses(d);
+}
+
+static Vel start_velocity(const Group *g, int body) { return g->member[body].moves ? g->member[body].start_vel : g->vel[body]; }
+
+static bool top_heavy(const Group *g)
+{
+    real lightest = INFINITY, heaviest = 0;
+    for (int i = 0; i < g->moving_count; i++)
+        if (g->member[i].moves) {
+            lightest = real_min(lightest, g->member[i].mass);
+            heaviest = real_max(heaviest, g->member[i].mass);
+        }
+    return heaviest > HEAVY * lightest;
+}
+
+static bool calm(const Group *g)
+{
+    int fast = 0;
+    for (int i = 0; i < g->point_count; i++) {
+        const PointRow *r = &g->points[i];
+        const GroupContact *c = &g->contacts[r->contact];
+        Vel a = start_velocity(g, r->a), b = start_velocity(g, r->b);
+        vec3 at = c->manifold.points[r->point].a;
+        vec3 va = vec3_add(a.v, vec3_cross(a.w, vec3_sub(at, g->pos[r->a].x)));
+        vec3 vb = vec3_add(b.v, vec3_cross(b.w, vec3_sub(at, g->pos[r->b].x)));
+        fast += vec3_length2(vec3_sub(vb, va)) > FAST * FAST * g->pairs[c->pair].size * vec3_length(g->gravity);
+    }
+    return fast <= MOST_FAST * g->point_count;
+}
+
+/* ---- Newton's method ---- */
+
+/* m/s  The velocity change that the gradient stands for, rims included. */
+static real size_of_gradient(const Direct *d)
+{
+    real worst = 0;
+    for (int i = 0; i < d->blocks.n; i++) {
+        const real *r = d->grad + 6 * i;
+        const Mass *m = &d->g->mass[d->body[i]];
+        real reach = d->g->member[d->body[i]].outer;
+        vec3 w = mat3_mul_vec(m->ii, (vec3){r[3], r[4], r[5]});
+        worst = real_max(worst, m->im * vec3_length((vec3){r[0], r[1], r[2]}));
+        worst = real_max(worst, (isfinite(reach) ? reach : 1) * vec3_length(w));
+    }
+    return worst;
+}
+
+/* How far along dv the merit function falls: its slope is monotone, for the function is convex. */
+static real search(const Direct *d)
+{
+    real lo = 0, hi = 1, at_lo = direct_slope(d, 0), at_hi = direct_slope(d, 1), start = fabs(at_lo);
+    if (!(at_hi > 0.3 * start) || !(at_lo < 0))
+        return 1;
+    for (int i = 0, side = 0; i < 20; i++) {        /* false position, Illinois variant */
+        real x = (lo * at_hi - hi * at_lo) / (at_hi - at_lo), s = direct_slope(d, x);
+        if (fabs(s) < 0.05 * start)
+            return x;
+        if (s > 0) {
+            hi = x;
+            at_hi = s;
+            at_lo *= side == 1 ? 0.5 : 1;
+            side = 1;
+        } else {
+            lo = x;
+            at_lo = s;
+            at_hi *= side == -1 ? 0.5 : 1;
+            side = -1;
+        }
+    }
+    return lo > 0 ? lo : hi;
+}
+
+/* dv by the present forces. False: the matrix could not be factored. */
+static bool newton(Direct *d, bool fresh)
+{
+    if (!d->kept) {
+        direct_assemble(d, fresh);
+        d->factors++;
+        d->kept = blocks_factor(&d->blocks);
+    }
+    for (int k = 0; k < 6 * d->blocks.n; k++)
+        d->dv[k] = -d->grad[k];
+    if (d->kept)
+        blocks_solve(&d->blocks, d->dv);
+    return d->kept;
+}
+
+/* Where the new estimate would lead, were every row to answer as at the end of the last round. Without it a change of the lift
+ * throws all contacts open, and they come back one by one. */
+static bool carry_on(Direct *d)
+{
+    direct_gradient(d);
+    if (!newton(d, false))
+        return false;
+    direct_changes(d);
+    direct_move(d, 1);
+    return true;
+}
+
+/* One round. False: the matrix could not be factored. */
+static bool minimise(Direct *d, real enough)
+{
+    real best = INFINITY;
+    int worse = 0;
+    for (int i = 0; i < MOST_STEPS && d->factors < d->most_factors; i++) {
+        direct_forces(d);
+        direct_gradient(d);
+        real now = size_of_gradient(d);
+        if (now <= real_max(enough, LOOSE * direct_off(d)) || (worse > 2 && best < GOOD))
+            return true;
+        worse = now < 0.5 * best ? 0 : worse + 1;
+        best = real_min(best, now);
+        if (!newton(d, true))
+            return false;
+        direct_changes(d);
+        direct_move(d, search(d));
+    }
+    direct_forces(d);
+    return true;
+}
+
+/* ---- */
+
+/* The impulses change the velocities, so that momentum is kept whatever the solve has reached. */
+static void write_back(const Direct *d)
+{
+    Group *g = d->g;
+    for (int i = 0; i < d->triple_count; i++) {
+        const Triple *t = &d->triples[i];
+        real p[3];
+        for (int k = 0; k < 3; k++)
+            p[k] = t->prox[k] - t->start[k];
+        if (t->set == SET_BALL) {
+            RollRow *r = &g->rolls[t->index];
+            vec3 by = {p[0], p[1], p[2]};
+            r->j = vec3_add(r->j, by);
+            g->vel[r->a].w = vec3_sub(g->vel[r->a].w, mat3_mul_vec(g->mass[r->a].ii, by));
+            g->vel[r->b].w = vec3_add(g->vel[r->b].w, mat3_mul_vec(g->mass[r->b].ii, by));
+            continue;
+        }
+        PointRow *r = &g->points[t->index];
+        r->jn = t->prox[0];
+        r->jt[0] = t->prox[1];
+        r->jt[1] = t->prox[2];
+        dir_apply(g, &r->n, r->a, r->b, p[0]);
+        dir_apply(g, &r->t[0], r->a, r->b, p[1]);
+        dir_apply(g, &r->t[1], r->a, r->b, p[2]);
+    }
+}
+
+/* The velocities before the substep are near those after it, whatever the impulses so far are worth. */
+static void start_from(Direct *d)
+{
+    const Group *g = d->g;
+    for (int i = 0; i < d->blocks.n; i++) {
+        const Vel *now = &g->vel[d->body[i]], *before = &g->member[d->body[i]].start_vel;
+        vec3 change[2] = {vec3_sub(before->v, now->v), vec3_sub(before->w, now->w)};
+        memcpy(d->dv + 6 * i, change, sizeof change);
+    }
+    direct_changes(d);
+    direct_move(d, 1);
+}
+
+real direct_wanted(const Group *g)
+{
+    bool heavy = top_heavy(g);
+    if (g->row_count > 0 || g->point_count == 0 || g->point_count > most_points[heavy] || g->moving_count > MOST_BODIES)
+        return 0;
+    if (g->direct_failures >= most_failures[heavy] || !(heavy || calm(g)))
+        return 0;
+    return heavy ? real_min(g->plan->residual, AIM) : g->plan->residual;
+}
+
+/* Rounds until the rows hold. Where a round takes off less than nine tenths, the next has harder rows. */
+static bool solve(Direct *d, real residual)
+{
+    real speed = 0, off = INFINITY;
+    for (int i = 0; i < d->triple_count; i++)
+        speed = real_max(speed, real_max(fabs(d->triples[i].rate[0]), fabs(d->triples[i].target[0])));
+    real enough = real_max(0.1 * residual, 1e-14 * speed);
+    start_from(d);
+    direct_begin(d);
+    d->error = INFINITY;
+    for (int stalled = 0; d->rounds < MOST_ROUNDS && d->error > residual && d->factors < d->most_factors; d->rounds++) {
+        real before = d->error, off_before = off;
+        if (!carry_on(d) || !minimise(d, enough))
+            return false;
+        off = direct_off(d);
+        d->error = direct_round(d, off > 0.1 * off_before);
+        stalled = d->error > 0.5 * before ? stalled + 1 : 0;
+        if (stalled >= 2 && d->error < GOOD)
+            break;
+    }
+    return d->error < real_max(GOOD, 1e-9 * speed);
+}
+
+bool direct_solve(Group *g, real residual)
+{
+    ArenaMark mark = arena_mark(g->arena);
+    Direct d = {.g = g, .hardened = 1, .heavy = top_heavy(g), .most_factors = MOST_FACTORS};
+    if (!d.heavy)
+        d.most_factors = int_min(MOST_FACTORS, int_max(FEW_FACTORS, FACTOR_POINTS / g->point_count));
+    bool fine = open_direct(&d) && solve(&d, real_min(residual, AIM));
+    if (fine)
+        write_back(&d);
+    g->sweeps += d.factors;
+    g->direct_failures += !fine;
+    arena_rewind(g->arena, mark);
+    return fine;
+}

@@ -1,0 +1,65 @@
+/* solve/direct.h - the direct solve of a group's rows: what its two files share.
+ *
+ * Floor:  solve.
+ */
+#ifndef DIG_DIRECT_H
+#define DIG_DIRECT_H
+
+#include "solve/blocks.h"
+#include "solve/direction.h"
+
+/* Where the impulse of a row may lie. */
+typedef enum Set {
+    SET_CONE,                   /* normal >= 0, |tangent| <= mu normal                             */
+    SET_DISC,                   /* normal >= 0, |tangent| <= bound, which follows from outside     */
+    SET_BALL                    /* |all three| <= bound                                            */
+} Set;
+
+typedef enum Held { HELD_NOT, HELD_NORMAL, HELD_ALL, HELD_SLIPS } Held;     /* how an impulse answers to its velocities */
+
+/* A contact point (normal, two tangents), or rolling resistance (three spins). */
+typedef struct Triple {
+    int  place[2];              /* of bodies a and b in the matrix; < 0: does not move             */
+    int  index;                 /* of the group's points, or rolls                                 */
+    Set  set;
+    real j[3][12];              /* Jacobian: v and w of a, of b                                    */
+    real r;                     /* 1/kg  compliance of the augmented Lagrangian                    */
+    real target[3];             /* m/s */
+    real mu, bound;
+    real lift;                  /* m/s   De Saxce's: mu times the slip                             */
+    real start[3];              /* N s   already in the velocities                                 */
+    real prox[3], force[3];     /* N s   of the last round, and now                                */
+    real rate[3], change[3];    /* m/s   J v, and J dv                                             */
+    real w[9];                  /* d force / d wish                                                */
+    Held held, factored;        /* now, and in the factor                                          */
+} Triple;
+
+typedef struct Direct {
+    Group  *g;
+    Blocks  blocks;
+    Triple *triples; int triple_count;
+    int    *place;              /* [bodies] < 0: no unknown                                        */
+    int    *body;               /* [places]                                                        */
+    real   *mass;               /* [places][10]  kg, kg m^2: m and the tensor                      */
+    real   *v, *v0, *dv, *grad; /* [6 places]                                                      */
+    bool    heavy;              /* something in the group is heavy on what is light                 */
+    bool    kept;               /* the factor is that of the present sets                          */
+    int     factors, rounds, most_factors;
+    real    hardened;           /* 1    compliances over what they were at first                   */
+    real    error;              /* m/s  reached                                                    */
+} Direct;
+
+/* direct_rows.c */
+bool direct_rows(Direct *d);                            /* false: out of memory */
+void direct_changes(Direct *d);                         /* what dv does to the rates */
+void direct_move(Direct *d, real along);                /* takes this part of dv */
+void direct_forces(Direct *d);                          /* impulses of the present rates */
+void direct_begin(Direct *d);                           /* forces predicted from the first estimate */
+void direct_gradient(Direct *d);
+void direct_assemble(Direct *d, bool fresh);            /* fresh: as the forces answer now, else as at the end of the last round */
+real direct_slope(const Direct *d, real along);         /* of the merit function, this part of the step on */
+real direct_off(const Direct *d);                       /* m/s  how far off the estimate is */
+/* The impulses are the new estimate, with harder rows if asked. m/s  how far off the last one was; leaves predicted forces. */
+real direct_round(Direct *d, bool harden);
+
+#endif

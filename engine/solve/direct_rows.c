@@ -1,0 +1,378 @@
+/* solve/direct_rows.c - rows of the direct solve: Jacobians, impulses as functions of velocities, gradient and matrix. */
+#include "solve/direct.h"
+
+/* Compliance of the augmented Lagrangian over a row's own effective mass. The smaller, the fewer rounds; too small, and
+ * Newton's method stalls on the kinks: with the method's prototype 1e-5 let a 10,000:1 stack creep, and 1e-8 stalled. */
+#define COMPLIANCE 1e-6
+
+/* Where a round takes off less than nine tenths, the next one has a tenth of the compliance, down to this part. */
+#define HARDEN  0.1
+#define HARDEST 1e-3
+
+/* ---- rows ---- */
+
+static void set_line(real *j, const Dir *d)
+{
+    vec3 part[4] = {vec3_neg(d->n), d->aa, d->n, d->ab};
+    memcpy(j, part, sizeof part);
+}
+
+static void add_point(Direct *d, int i)
+{
+    const PointRow *p = &d->g->points[i];
+    if (!(p->n.k > 0))
+        return;
+    Triple *t = &d->triples[d->triple_count++];
+    *t = (Triple){.place = {d->place[p->a], d->place[p->b]}, .index = i, .set = p->blow > 0 ? SET_DISC : SET_CONE};
+    set_line(t->j[0], &p->n);
+    set_line(t->j[1], &p->t[0]);
+    set_line(t->j[2], &p->t[1]);
+    t->r = COMPLIANCE * d->hardened * (p->n.k + p->t[0].k + p->t[1].k) / 3;
+    t->target[0] = p->target;
+    t->mu = p->friction > 0 && p->kmax > 0 ? p->slides ? p->friction_dynamic : p->friction : 0;
+    t->bound = t->mu * (p->jn + p->blow);
+    real start[3] = {p->jn, p->jt[0], p->jt[1]};
+    memcpy(t->start, start, sizeof start);
+    memcpy(t->prox, start, sizeof start);
+    t->rate[0] = dir_rate(d->g, &p->n, p->a, p->b);
+    t->rate[1] = dir_rate(d->g, &p->t[0], p->a, p->b);
+    t->rate[2] = dir_rate(d->g, &p->t[1], p->a, p->b);
+    if (t->set == SET_CONE && p->slides && p->jn > 0)
+        t->lift = t->mu * hypot(t->rate[1], t->rate[2]);
+}
+
+static void add_roll(Direct *d, int i)
+{
+    const RollRow *p = &d->g->rolls[i];
+    Triple *t = &d->triples[d->triple_count++];
+    *t = (Triple){.place = {d->place[p->a], d->place[p->b]}, .index = i, .set = SET_BALL};
+    for (int k = 0; k < 3; k++) {
+        t->j[k][3 + k] = -1;
+        t->j[k][9 + k] = 1;
+    }
+    mat3 k = mat3_add(d->g->mass[p->a].ii, d->g->mass[p->b].ii);
+    t->r = COMPLIANCE * d->hardened * (k.r0.x + k.r1.y + k.r2.z) / 3;
+    for (int m = 0; m < p->count; m++)
+        t->bound += p->lever * (d->g->points[p->first + m].jn + d->g->points[p->first + m].blow);
+    real start[3] = {p->j.x, p->j.y, p->j.z};
+    memcpy(t->start, start, sizeof start);
+    memcpy(t->prox, start, sizeof start);
+    vec3 spin = vec3_sub(d->g->vel[p->b].w, d->g->vel[p->a].w);
+    memcpy(t->rate, &spin, sizeof spin);
+}
+
+bool direct_rows(Direct *d)
+{
+    const Group *g = d->g;
+    d->triples = arena_alloc(g->arena, (size_t)(g->point_count + g->roll_count + 1) * sizeof *d->triples);
+    if (!d->triples)
+        return false;
+    for (int i = 0; i < g->point_count; i++)
+        add_point(d, i);
+    for (int i = 0; i < g->roll_count; i++)
+        add_roll(d, i);
+    return true;
+}
+
+/* ---- impulses ---- */
+
+static real dot6(const real *a, const real *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5]; }
+
+/* What dv does to the rates. */
+void direct_changes(Direct *d)
+{
+    for (int i = 0; i < d->triple_count; i++) {
+        Triple *t = &d->triples[i];
+        for (int k = 0; k < 3; k++) {
+            t->change[k] = 0;
+            for (int m = 0; m < 2; m++)
+                if (t->place[m] >= 0)
+                    t->change[k] += dot6(t->j[k] + 6 * m, d->dv + 6 * t->place[m]);
+        }
+    }
+}
+
+void direct_move(Direct *d, real along)
+{
+    for (int i = 0; i < 6 * d->blocks.n; i++)
+        d->v[i] += along * d->dv[i];
+    for (int i = 0; i < d->triple_count; i++)
+        for (int k = 0; k < 3; k++)
+            d->triples[i].rate[k] += along * d->triples[i].change[k];
+}
+
+/* The nearest point y of the set. */
+static Held nearest(const Triple *t, const real *y, real *f)
+{
+    real s = hypot(y[1], y[2]);
+    if (t->set == SET_BALL) {
+        real length = hypot(y[0], s), scale = length > t->bound ? t->bound / length : 1;
+        for (int k = 0; k < 3; k++)
+            f[k] = scale * y[k];
+        return length > t->bound ? HELD_SLIPS : HELD_ALL;
+    }
+    if (t->set == SET_DISC) {
+        f[0] = real_max(y[0], 0);
+        real scale = s > t->bound ? t->bound / s : 1;
+        f[1] = scale * y[1];
+        f[2] = scale * y[2];
+        return s > t->bound || !(y[0] > 0) ? HELD_SLIPS : HELD_ALL;
+    }
+    f[1] = f[2] = 0;
+    if (!(t->mu > 0)) {
+        f[0] = real_max(y[0], 0);
+        return y[0] > 0 ? HELD_NORMAL : HELD_NOT;
+    }
+    if (s <= t->mu * y[0]) {
+        memcpy(f, y, 3 * sizeof *f);
+        return HELD_ALL;
+    }
+    f[0] = (y[0] + t->mu * s) / (1 + t->mu * t->mu);
+    if (!(f[0] > 0)) {
+        f[0] = 0;
+        return HELD_NOT;
+    }
+    f[1] = t->mu * f[0] * y[1] / s;
+    f[2] = t->mu * f[0] * y[2] / s;
+    return HELD_SLIPS;
+}
+
+static void wish(const Triple *t, real along, real *y)
+{
+    for (int k = 0; k < 3; k++)
+        y[k] = t->prox[k] + (t->target[k] - t->rate[k] - along * t->change[k]) / t->r;
+    if (t->set == SET_CONE)
+        y[0] -= t->lift / t->r;
+}
+
+void direct_forces(Direct *d)
+{
+    bool same = true;
+    for (int i = 0; i < d->triple_count; i++) {
+        Triple *t = &d->triples[i];
+        real y[3];
+        wish(t, 0, y);
+        t->held = nearest(t, y, t->force);
+        same = same && t->held == t->factored && t->held != HELD_SLIPS;
+    }
+    d->kept = d->kept && same;
+}
+
+/* ---- merit function: 1/2 |v - v^|^2_M + sum 1/2 R |force|^2 ---- */
+
+static void mass_times(const real *m, const real *x, real *y)
+{
+    for (int k = 0; k < 3; k++) {
+        y[k] += m[0] * x[k];
+        y[3 + k] += m[1 + 3 * k] * x[3] + m[2 + 3 * k] * x[4] + m[3 + 3 * k] * x[5];
+    }
+}
+
+void direct_gradient(Direct *d)
+{
+    memset(d->grad, 0, (size_t)d->blocks.n * 6 * sizeof *d->grad);
+    for (int i = 0; i < d->blocks.n; i++) {
+        real off[6];
+        for (int k = 0; k < 6; k++)
+            off[k] = d->v[6 * i + k] - d->v0[6 * i + k];
+        mass_times(d->mass + 10 * i, off, d->grad + 6 * i);
+    }
+    for (int i = 0; i < d->triple_count; i++) {
+        const Triple *t = &d->triples[i];
+        for (int k = 0; k < 3; k++)
+            for (int m = 0; m < 2; m++)
+                for (int c = 0; t->place[m] >= 0 && c < 6; c++)
+                    d->grad[6 * t->place[m] + c] -= t->j[k][6 * m + c] * (t->force[k] - t->start[k]);
+    }
+}
+
+real direct_slope(const Direct *d, real along)
+{
+    real slope = 0;
+    for (int i = 0; i < d->blocks.n; i++) {
+        real off[6], p[6] = {0};
+        for (int k = 0; k < 6; k++)
+            off[k] = d->v[6 * i + k] + along * d->dv[6 * i + k] - d->v0[6 * i + k];
+        mass_times(d->mass + 10 * i, off, p);
+        slope += dot6(p, d->dv + 6 * i);
+    }
+    for (int i = 0; i < d->triple_count; i++) {
+        const Triple *t = &d->triples[i];
+        real y[3], f[3];
+        wish(t, along, y);
+        nearest(t, y, f);
+        for (int k = 0; k < 3; k++)
+            slope -= t->change[k] * (f[k] - t->start[k]);
+    }
+    return slope;
+}
+
+/* ---- the matrix M + sum J^T (d force / d wish) / R J ---- */
+
+/* s times the projector on what is normal to the unit vector e of n dimensions, and `radial` along it */
+static void turn_part(real *w, int first, const real *e, real across, real radial)
+{
+    for (int i = first; i < 3; i++)
+        for (int k = first; k < 3; k++)
+            w[3 * i + k] = (i == k ? across : 0) + (radial - across) * e[i] * e[k];
+}
+
+static void derivative(const Triple *t, const real *y, real *w)
+{
+    real e[3] = {0};
+    memset(w, 0, 9 * sizeof *w);
+    if (t->held == HELD_ALL || t->held == HELD_NORMAL)
+        w[0] = 1;
+    if (t->held == HELD_ALL)
+        w[4] = w[8] = 1;
+    if (t->held != HELD_SLIPS)
+        return;
+    real s = t->set == SET_BALL ? hypot(y[0], hypot(y[1], y[2])) : hypot(y[1], y[2]);
+    for (int k = t->set == SET_BALL ? 0 : 1; k < 3; k++)
+        e[k] = s > 0 ? y[k] / s : 0;
+    if (t->set != SET_CONE) {
+        bool out = s > t->bound;
+        turn_part(w, t->set == SET_BALL ? 0 : 1, e, out ? t->bound / s : 1, out ? 0 : 1);
+        if (t->set == SET_DISC)
+            w[0] = y[0] > 0;
+        return;
+    }
+    real a = 1 / (1 + t->mu * t->mu), line[3] = {1, t->mu * e[1], t->mu * e[2]};
+    turn_part(w, 1, e, t->mu * t->force[0] / s, 0);
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+            w[3 * i + k] += a * line[i] * line[k];
+}
+
+/* h += J^T W, both three rows of which six columns count */
+static void add_block(real *restrict h, const real *restrict j, const real *restrict w)
+{
+    for (int k = 0; k < 3; k++)
+        for (int r = 0; r < 6; r++)
+            for (int c = 0; c < 6; c++)
+                h[6 * r + c] += j[12 * k + r] * w[12 * k + c];
+}
+
+static void assemble_triple(Direct *d, const Triple *t)
+{
+    if (t->held == HELD_NOT)
+        return;
+    const real *w = t->w;
+    real x[36];
+    for (int i = 0; i < 3; i++)
+        for (int c = 0; c < 12; c++)
+            x[12 * i + c] = (w[3 * i] * t->j[0][c] + w[3 * i + 1] * t->j[1][c] + w[3 * i + 2] * t->j[2][c]) / t->r;
+    for (int m = 0; m < 2; m++)
+        if (t->place[m] >= 0)
+            add_block(d->blocks.diagonal + BLOCK * t->place[m], t->j[0] + 6 * m, x + 6 * m);
+    if (t->place[0] < 0 || t->place[1] < 0)
+        return;
+    int row = t->place[0] > t->place[1] ? 0 : 1;
+    add_block(blocks_at(&d->blocks, t->place[row], t->place[1 - row]), t->j[0] + 6 * row, x + 6 * (1 - row));
+}
+
+void direct_assemble(Direct *d, bool fresh)
+{
+    blocks_clear(&d->blocks);
+    for (int i = 0; i < d->blocks.n; i++) {
+        real *h = d->blocks.diagonal + BLOCK * i;
+        const real *m = d->mass + 10 * i;
+        for (int k = 0; k < 3; k++) {
+            h[7 * k] = m[0];
+            memcpy(h + 6 * (3 + k) + 3, m + 1 + 3 * k, 3 * sizeof *h);
+        }
+    }
+    for (int i = 0; i < d->triple_count; i++) {
+        if (fresh) {
+            real y[3];
+            wish(&d->triples[i], 0, y);
+            derivative(&d->triples[i], y, d->triples[i].w);
+        }
+        assemble_triple(d, &d->triples[i]);
+        d->triples[i].factored = d->triples[i].held;
+    }
+}
+
+/* ---- the outer loop ---- */
+
+static void follow_bounds(Direct *d, int i)
+{
+    Triple *t = &d->triples[i];
+    const Group *g = d->g;
+    if (t->set == SET_DISC)
+        t->bound = t->mu * (t->force[0] + g->points[t->index].blow);
+    if (t->set != SET_BALL)
+        return;
+    const RollRow *p = &g->rolls[t->index];
+    t->bound = 0;
+    for (int k = 0; k < i; k++) {
+        int point = d->triples[k].index - p->first;
+        if (d->triples[k].set != SET_BALL && point >= 0 && point < p->count)
+            t->bound += p->lever * (d->triples[k].force[0] + g->points[d->triples[k].index].blow);
+    }
+}
+
+real direct_off(const Direct *d)
+{
+    real worst = 0;
+    for (int i = 0; i < d->triple_count; i++) {
+        const Triple *t = &d->triples[i];
+        real reach = t->set == SET_BALL ? d->g->rolls[t->index].reach : 1;
+        for (int k = 0; k < 3; k++)
+            worst = real_max(worst, reach * t->r * fabs(t->force[k] - t->prox[k]));
+    }
+    return worst;
+}
+
+/* What pressed still presses, and sticks unless it slid. */
+void direct_begin(Direct *d)
+{
+    for (int i = 0; i < d->triple_count; i++) {
+        Triple *t = &d->triples[i];
+        real y[3], far = t->lift > 0 ? 1.001 : 1;
+        t->held = t->set != SET_BALL && !(t->prox[0] > 0) ? HELD_NOT : t->lift > 0 ? HELD_SLIPS : t->mu > 0 ? HELD_ALL : HELD_NORMAL;
+        wish(t, 0, y);
+        real from[3] = {t->prox[0], far * t->prox[1], far * t->prox[2]};
+        memcpy(t->force, t->prox, sizeof t->force);
+        derivative(t, from, t->w);
+        for (int k = 0; k < 3; k++)
+            for (int m = 0; m < 3; m++)
+                t->force[k] += t->w[3 * k + m] * (y[m] - t->prox[m]);
+    }
+}
+
+/* The estimate of one triple; returns how far it was off. The forces are carried on in a straight line to what the new
+ * estimate wishes for: friction and gaps answer to it as they do now. */
+static real next_triple(Direct *d, int i, real harder)
+{
+    Triple *t = &d->triples[i];
+    real reach = t->set == SET_BALL ? d->g->rolls[t->index].reach : 1, lift = 0, bound = t->bound, worst = 0, y[3], y1[3];
+    wish(t, 0, y);
+    derivative(t, y, t->w);
+    for (int k = 0; k < 3; k++) {
+        worst = real_max(worst, reach * t->r * fabs(t->force[k] - t->prox[k]));
+        t->prox[k] = t->force[k];
+    }
+    if (t->set == SET_CONE && t->held == HELD_SLIPS)
+        lift = t->mu * hypot(t->rate[1], t->rate[2]);
+    worst = real_max(worst, fabs(lift - t->lift));
+    t->lift = lift;
+    follow_bounds(d, i);
+    worst = real_max(worst, reach * t->r / (COMPLIANCE * d->hardened) * fabs(t->bound - bound));
+    t->r *= harder;
+    wish(t, 0, y1);
+    for (int k = 0; k < 3; k++)
+        for (int m = 0; m < 3; m++)
+            t->force[k] += t->w[3 * k + m] * (y1[m] - y[m]);
+    return worst;
+}
+
+real direct_round(Direct *d, bool harden)
+{
+    real worst = 0, harder = harden && d->hardened > HARDEST ? HARDEN : 1;
+    for (int i = 0; i < d->triple_count; i++)
+        worst = real_max(worst, next_triple(d, i, harder));
+    d->hardened *= harder;
+    d->kept = d->kept && harder == 1;
+    return worst;
+}
