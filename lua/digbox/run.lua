@@ -222,8 +222,8 @@ end
 -- One line on what the run reached: by which ways its groups went, and how far off it may be. "" when nothing moved.
 function core.summary()
   local world = core.last_world
-  if not world then return "" end
-  local s = world:stats()
+  local open, s = pcall(function() return world:stats() end)          -- the script may have closed it
+  if not open then return "" end
   local all = s.all_traced + s.all_conserved + s.all_swept
   if all == 0 then return "" end
   local ways = {}
