@@ -87,7 +87,7 @@ local function largest(way)
   return most
 end
 local function behind(way) return exact(lanes[way].from, t_end).y - lanes[way].ball.position.y end
-local h, shown = steps[3] / n, world.frame / 2                                -- "sketch" has two substeps
+local h, shown = steps[3] / n, world.frame / 3                                -- "sketch" has three substeps
 local law = {
   { "euler: slope", slope "euler", 1, 1e-6 },
   { "switch: slope", slope "switch", 2, 1e-6 },
