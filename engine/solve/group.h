@@ -178,7 +178,7 @@ struct Group {
     int       events_left;
 
     /* what it took and achieved */
-    const char *way;            /* that advanced it                 */
+    const struct Way *way;      /* that advanced it                 */
     bool      handed_on;        /* the last way tried put it back for the next one to take */
     const char *gave_up;        /* why a finer way failed within its budget in this step; NULL = none did */
     int       substeps, sweeps, located;
@@ -244,6 +244,8 @@ void project(Group *g);
 real locate_impact(Group *g);
 bool overshoots(const Group *g);        /* would the substep press bodies deep into each other? */
 
+typedef enum WayTally { WAY_TRACED, WAY_CONSERVED, WAY_SWEPT } WayTally;
+
 /* A way to advance a group. The choice is by counts, never by the clock.
  *
  * advance moves g from t = 0 to t = dt, or fails, or finds that it cannot do it: then it puts the group back as it was, sets
@@ -251,6 +253,7 @@ bool overshoots(const Group *g);        /* would the substep press bodies deep i
  * only after a look sees that the group is not for it leaves that alone. */
 typedef struct Way {
     const char *name;
+    WayTally    tally;          /* where dig_stats counts its groups */
     bool       (*suits)(const Group *g);
     dig_status (*advance)(Group *g, real dt);
 } Way;

@@ -110,7 +110,7 @@ static void sum_groups(World *w, const Step *s)
         t->evaluations += g->evaluations;
         t->refused += g->refused;
         t->trace_events += g->events;
-        *(strcmp(g->way, "trace") == 0 || strcmp(g->way, "flight") == 0 ? &t->traced : strcmp(g->way, "conserve") == 0 ? &t->conserved : &t->swept) += 1;
+        *(g->way->tally == WAY_TRACED ? &t->traced : g->way->tally == WAY_CONSERVED ? &t->conserved : &t->swept) += 1;
         if (g->gave_up) {
             t->gave_up++;
             snprintf(t->gave_up_why, sizeof t->gave_up_why, "%s", g->gave_up);

@@ -13,35 +13,49 @@ static real book_time(const Step *s, real *us, real start)
     return now;
 }
 
-/* Forms groups and advances them; a sleeper that something pushes wakes, and this is done again. Each round wakes at least one
- * DIG, so that it ends. */
+static dig_status try_once(World *w, Step *s)
+{
+    dig_stats *t = &w->stats;
+    arena_reset(&w->scratch);
+    if (w->workers)
+        workers_reset(w->workers);
+    real clock = now_if(s);
+    DIG_TRY(sense_pairs(w, s->dt));
+    clock = book_time(s, &t->us_sense, clock);
+    dig_status status = form_groups(w, s);
+    clock = book_time(s, &t->us_graph, clock);
+    if (status == DIG_OK)
+        status = advance_groups(w, s);
+    book_time(s, &t->us_advance, clock);
+    return status;
+}
+
+/* What the tries of this step found out about who gets farther than foreseen is not for the next one. */
+static void forget_strays(World *w)
+{
+    for (int i = 0; i < w->awake.count; i++)
+        for (uint32_t s = w->bodies.data[w->awake.data[i]].shape_first; s != NONE; s = w->solids.data[s].next)
+            w->solids.data[s].astray = 0;
+}
+
+/* Forms groups and advances them. Where something pushes a sleeper, or gets where nobody looked, this is done again: each round
+ * wakes at least one DIG, or is one of a few (look_for_strays), so that it ends. */
 static dig_status advance(World *w, Step *s)
 {
     dig_stats *t = &w->stats;
     if (s->timed)
         t->us_sense = t->us_touch = t->us_graph = t->us_advance = t->us_commit = t->us_report = 0;
     dig_status status;
-    do {
-        arena_reset(&w->scratch);
-        if (w->workers)
-            workers_reset(w->workers);
-        real clock = now_if(s);
-        DIG_TRY(sense_pairs(w, s->dt));
-        clock = book_time(s, &t->us_sense, clock);
-        status = form_groups(w, s);
-        clock = book_time(s, &t->us_graph, clock);
-        if (status == DIG_OK)
-            status = advance_groups(w, s);
-        book_time(s, &t->us_advance, clock);
-    } while (status == DIG_E_BUSY);
+    do
+        status = try_once(w, s);
+    while (status == DIG_E_BUSY);
+    if (s->tries > 0)
+        forget_strays(w);
     return status;
 }
 
 static void commit(World *w, const Step *s)
 {
-    if (s->tries > 0)
-        for (int i = 0; i < w->solids.count; i++)
-            w->solids.data[i].astray = 0;
     for (int i = 0; i < s->count; i++)
         group_commit(w, &s->groups[i]);
 }

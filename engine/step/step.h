@@ -29,7 +29,7 @@ dig_status sense_pairs(World *w, real dt);          /* whose boxes may meet in t
 /* groups.c */
 dig_status form_groups(World *w, Step *s);          /* DIGs that may meet are advanced together             */
 /* advance.c */
-dig_status advance_groups(World *w, Step *s);       /* on private copies, in parallel; DIG_E_BUSY = a sleeper woke: form groups again */
+dig_status advance_groups(World *w, Step *s);       /* on private copies, in parallel; DIG_E_BUSY = a sleeper woke or a body went astray: again */
 dig_status check_finite(World *w, Step *s);         /* all numbers finite, or name the culprit              */
 /* ways.c */
 dig_status group_advance(Group *g, real dt);        /* by the first way that suits and can                  */

@@ -9,7 +9,7 @@ static bool suits_all(const Group *g)
     return true;
 }
 
-static const Way way_sweep = {.name = "sweep", .suits = suits_all, .advance = sweep_advance};
+static const Way way_sweep = {.name = "sweep", .tally = WAY_SWEPT, .suits = suits_all, .advance = sweep_advance};
 
 static const Way *const ways[] = {&way_flight, &way_trace, &way_conserve, &way_sweep};
 
@@ -18,7 +18,7 @@ dig_status group_advance(Group *g, real dt)
     for (size_t i = 0; i < sizeof ways / sizeof *ways; i++) {
         if (!ways[i]->suits(g))
             continue;
-        g->way = ways[i]->name;
+        g->way = ways[i];
         g->handed_on = false;
         dig_status status = ways[i]->advance(g, dt);
         if (status != DIG_OK || !g->handed_on)

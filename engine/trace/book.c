@@ -81,14 +81,14 @@ dig_status trace_reserve(Tracer *t)
     const Group *g = t->g;
     int n = g->moving_count, joints = g->joint_count;
     t->touch_capacity = g->contact_count * MANIFOLD_POINTS;
-    t->quad_count = 4 * t->touch_capacity + 6 * joints + g->push_count + 2;
+    int powers = 4 * t->touch_capacity + 6 * joints + g->push_count + 2;
     bool fine = GET(touch, t->touch_capacity) && GET(old_touch, t->touch_capacity) && GET(stops, joints * JOINT_SLOTS)
         && GET(holds, joints * JOINT_SLOTS) && GET(rows, joints * JOINT_SLOTS) && GET(row_count, joints) && GET(order, n)
         && GET(item, joints + t->touch_capacity) && GET(joint_force, joints * JOINT_SLOTS) && GET(acc0, n) && GET(torque0, n)
         && GET(acc, n) && GET(torque, n) && GET(alpha, n) && GET(spin0, n) && GET(alpha0, n) && GET(mover_start, g->body_count)
-        && GET(y, n) && GET(y1, n) && GET(y2, n) && GET(sum, t->quad_count);
+        && GET(y, n) && GET(y1, n) && GET(y2, n) && GET(sum, powers);
     for (int s = 0; s < STAGES && fine; s++)
-        fine = GET(stage[s], n) && GET(quad[s], t->quad_count);
+        fine = GET(stage[s], n) && GET(quad[s], powers);
     int *queue = get(t, 2 * (size_t)n + 4, sizeof *queue);
     if (!fine || !queue)
         return DIG_E_MEMORY;

@@ -132,7 +132,7 @@ static FeatureKind kind_of(const Place *a, const Place *b)
 static vec3 to_body(const GroupPair *q, bool b, vec3 local) { return pose_point(b ? q->lb : q->la, local); }
 static vec3 turn_to_body(const GroupPair *q, bool b, vec3 d) { return quat_rotate(b ? q->lb.q : q->la.q, d); }
 
-bool feature_find(const Group *g, const GroupPair *q, const Manifold *manifold, const ManifoldPoint *p, Feature *out)
+void feature_find(const Group *g, const GroupPair *q, const Manifold *manifold, const ManifoldPoint *p, Feature *out)
 {
     pose pa = group_shape_pose(g, q->a, q->la), pb = group_shape_pose(g, q->b, q->lb);
     vec3 core_a = vec3_mad(p->a, -q->sa->round, manifold->normal), core_b = vec3_mad(p->b, q->sb->round, manifold->normal);
@@ -154,7 +154,6 @@ bool feature_find(const Group *g, const GroupPair *q, const Manifold *manifold, 
     out->pb = to_body(q, true, b.p);
     out->da = turn_to_body(q, false, a.d);
     out->db = turn_to_body(q, true, b.d);
-    return true;
 }
 
 /* ---- moving ---- */

@@ -82,4 +82,4 @@ static dig_status advance(Group *g, real dt)
     return g->stage(g, STAGE_SETTLE);
 }
 
-const Way way_flight = {.name = "flight", .suits = suits, .advance = advance};
+const Way way_flight = {.name = "flight", .tally = WAY_TRACED, .suits = suits, .advance = advance};

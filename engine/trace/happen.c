@@ -11,9 +11,8 @@
 #define CORRECTIONS 6
 static const real samples[] = {0.25, 0.5, 0.75, 1};
 
-static real value_of(const Tracer *t, const Event *e)
+static real value_of(const Event *e)
 {
-    (void)t;
     switch (e->kind) {
     case EVENT_CLOSE: return e->gate->gap;
     case EVENT_OPEN: return e->gate->force;
@@ -38,7 +37,7 @@ static real value_at(Tracer *t, const Event *e, real part)
         if (!trace_accelerate(t))
             return NAN;
     }
-    return value_of(t, e);
+    return value_of(e);
 }
 
 /* Illinois false position with a bisection every eighth pass; f(lo) > 0 >= f(hi). */
@@ -120,24 +119,22 @@ static bool watched(const Tracer *t, const Gate *g)
     return !g->closed && isfinite(g->gap) && (g->gap <= 0 || g->gap0 <= reach || g->gap <= reach);
 }
 
-static int list_watched(Tracer *t, Watch *w, int most)
+static int list_watched(Tracer *t, Watch *w)
 {
     int n = 0;
-    for (int i = 0; i < t->touch_count && n < most; i++)
+    for (int i = 0; i < t->touch_count; i++)
         if (watched(t, &t->touch[i].gate))
             w[n++].gate = &t->touch[i].gate;
-    for (int i = 0; i < t->stop_count && n < most; i++)
+    for (int i = 0; i < t->stop_count; i++)
         if (watched(t, &t->stops[i].gate))
             w[n++].gate = &t->stops[i].gate;
     return n;
 }
 
-#define WATCHED 256
-
 static void scan_gaps(Tracer *t, Event *first)
 {
     Watch w[WATCHED];
-    int n = list_watched(t, w, WATCHED);
+    int n = list_watched(t, w);
     for (int i = 0; i < n; i++)
         w[i].gaps[3] = w[i].gate->gap;
     for (int s = 0; s < 3 && n > 0; s++) {
@@ -155,10 +152,10 @@ static void scan_gaps(Tracer *t, Event *first)
 
 typedef struct Violated { Event e; real end; } Violated;
 
-static void note(Violated *list, int *n, Event e, const Tracer *t, real below)
+static void note(Violated *list, int *n, Event e, real below)
 {
-    real end = value_of(t, &e);
-    if (end < -below && *n < WATCHED)
+    real end = value_of(&e);
+    if (end < -below)
         list[(*n)++] = (Violated){e, end};
 }
 
@@ -169,9 +166,9 @@ static int list_violated(Tracer *t, Violated *v)
     for (int i = 0; i < t->touch_count; i++) {
         Touching *c = &t->touch[i];
         if (c->gate.presses)
-            note(v, &n, (Event){.kind = EVENT_OPEN, .gate = &c->gate}, t, force_zero);
+            note(v, &n, (Event){.kind = EVENT_OPEN, .gate = &c->gate}, force_zero);
         else if (c->gate.closed)
-            note(v, &n, (Event){.kind = EVENT_PRESS, .gate = &c->gate}, t, acc_zero);
+            note(v, &n, (Event){.kind = EVENT_PRESS, .gate = &c->gate}, acc_zero);
         Cone *both[2] = {&c->slip, &c->roll};
         for (int k = 0; k < 2 && c->gate.presses; k++) {
             if (!both[k]->axes)
@@ -179,19 +176,19 @@ static int list_violated(Tracer *t, Violated *v)
             Event e = {.kind = both[k]->grip == GRIP_STICK ? EVENT_YIELD : both[k]->grip == GRIP_SLIP ? EVENT_HALT : EVENT_GRIP,
                        .cone = both[k], .normal = &c->gate};
             real unit = k ? t->size : 1;
-            note(v, &n, e, t, e.kind == EVENT_YIELD ? force_zero * unit : e.kind == EVENT_GRIP ? acc_zero / unit : 0);
+            note(v, &n, e, e.kind == EVENT_YIELD ? force_zero * unit : e.kind == EVENT_GRIP ? acc_zero / unit : 0);
         }
     }
     for (int i = 0; i < t->stop_count; i++) {
         Gate *g = &t->stops[i].gate;
         if (g->presses)
-            note(v, &n, (Event){.kind = EVENT_OPEN, .gate = g}, t, force_zero);
+            note(v, &n, (Event){.kind = EVENT_OPEN, .gate = g}, force_zero);
         else if (g->closed)
-            note(v, &n, (Event){.kind = EVENT_PRESS, .gate = g}, t, acc_zero);
+            note(v, &n, (Event){.kind = EVENT_PRESS, .gate = g}, acc_zero);
     }
     for (int i = 0; i < t->hold_count; i++) {
         Hold *h = &t->holds[i];
-        note(v, &n, (Event){.kind = h->side ? EVENT_HALT : EVENT_YIELD, .hold = h}, t, h->side ? 0 : BELOW * h->most);
+        note(v, &n, (Event){.kind = h->side ? EVENT_HALT : EVENT_YIELD, .hold = h}, h->side ? 0 : BELOW * h->most);
     }
     return n;
 }
@@ -208,7 +205,7 @@ static void finish_halt(Tracer *t, Event *e)
 
 static void scan_forces(Tracer *t, Event *first)
 {
-    Violated v[WATCHED];
+    Violated v[3 * WATCHED];        /* a contact point has a gate and two cones */
     int n = list_violated(t, v);
     for (int i = 0; i < n; i++) {
         real start = value_at(t, &v[i].e, 0);
@@ -223,7 +220,7 @@ static void scan_turns(Tracer *t, Event *first)
 {
     Event list[WATCHED];
     int n = 0;
-    for (int i = 0; i < t->touch_count && n < WATCHED; i++) {
+    for (int i = 0; i < t->touch_count; i++) {
         Touching *c = &t->touch[i];
         real turn = 2 * t->h * vec3_length(c->slip.acc);
         if (c->gate.presses && c->slip.axes && c->slip.grip == GRIP_SLIP && vec3_length(c->slip.u) < turn)
@@ -272,7 +269,7 @@ bool trace_stop_at(Tracer *t, const Event *e)
         }
         if (!trace_rate(t, t->y, t->t, 0) || trace_try(t, h) == INFINITY)
             return false;
-        real f = value_of(t, e);
+        real f = value_of(e);
         if (e->kind != EVENT_CLOSE || fabs(f) <= 1e-15 * t->size || f == last)
             break;
         real slope = isnan(last) ? (e->gate->rate != 0 ? e->gate->rate : -1) : (f - last) / (h - before);

@@ -111,7 +111,6 @@ static bool factor_general(System *s)
 bool system_factor(System *s)
 {
     assemble(s);
-    s->factors++;
     for (int i = 0; i < s->count; i++)      /* a row without any effect holds nothing: it stands for itself */
         if (!(s->a[i * s->count + i] > 0) && !s->sliding)
             s->a[i * s->count + i] = 1;

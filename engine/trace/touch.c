@@ -3,16 +3,14 @@
 
 #include <stdlib.h>
 
-static bool same_contact(const Touching *old, const GroupContact *c, int contact, int point, uint32_t id)
+/* The same contact before: a ball that rolls over an edge has another feature, and is the same still. */
+static const Touching *find_old(const Tracer *t, const GroupContact *c, int contact, uint32_t id)
 {
-    return old->contact == contact && ((c->manifold.count == 1 && old->point == 0) || old->id == id) && point >= 0;
-}
-
-static const Touching *find_old(const Tracer *t, const GroupContact *c, int contact, int point, uint32_t id)
-{
-    for (int i = 0; i < t->old_count; i++)
-        if (same_contact(&t->old_touch[i], c, contact, point, id))
-            return &t->old_touch[i];
+    for (int i = 0; i < t->old_count; i++) {
+        const Touching *o = &t->old_touch[i];
+        if (o->contact == contact && (o->id == id || (c->manifold.count == 1 && o->point == 0)))
+            return o;
+    }
     return NULL;
 }
 
@@ -31,7 +29,7 @@ static void new_contact(const Tracer *t, Touching *c, const GroupPair *q, const 
     c->roll.still = c->roll.moving = q->rolling * radius;
 }
 
-static bool inverse_exists(const Group *g, int a, int b) { return g->member[a].moves || g->member[b].moves; }
+static bool any_moves(const Group *g, const GroupContact *c) { return g->member[c->a].moves || g->member[c->b].moves; }
 
 /* A contact that pressed in the last step still does, though another way may have left it a little off. */
 static bool held_before(const Tracer *t, const GroupContact *c, int point, const Kinematics *k, real size)
@@ -46,19 +44,17 @@ static bool add_point(Tracer *t, int contact, int point, bool first)
     const GroupPair *q = &g->pairs[c->pair];
     const ManifoldPoint *p = &c->manifold.points[point];
     Touching *n = &t->touch[t->touch_count];
-    const Touching *old = find_old(t, c, contact, point, p->feature);
+    const Touching *old = find_old(t, c, contact, p->feature);
     if (old)
         *n = *old;
     else
         new_contact(t, n, q, &c->memory[point]);
     n->contact = contact;
     n->point = point;
-    n->pair = c->pair;
     n->a = c->a;
     n->b = c->b;
     n->id = p->feature;
-    if (!feature_find(g, q, &c->manifold, p, &n->feature))
-        return false;
+    feature_find(g, q, &c->manifold, p, &n->feature);
     feature_move(g, &n->feature, n->a, n->b, &n->k);
     if (fabs(n->k.gap - p->gap) > 1e-7 * q->size) {         /* the frozen feature is not what the manifold means */
         if (p->gap > 1e-6 * q->size)
@@ -102,6 +98,10 @@ static Item item_of(const Tracer *t, int a, int b, int what)
 
 bool trace_items(Tracer *t)
 {
+    if (t->touch_count + t->stop_count + t->hold_count > WATCHED) {
+        t->fault = "more contact points and stops than its budget";
+        return false;
+    }
     int most = t->g->joint_count + t->touch_count, n = 0;
     ArenaMark mark = arena_mark(t->g->arena);
     Item *items = arena_alloc(t->g->arena, (size_t)(most + 1) * sizeof *items);
@@ -142,7 +142,7 @@ bool trace_touch(Tracer *t, bool first)
     group_touch(g, real_max(t->end - t->t, 0.25 * t->end), true);
     for (int i = 0; i < g->contact_count; i++) {
         const GroupContact *c = &g->contacts[i];
-        for (int k = 0; c->live && inverse_exists(g, c->a, c->b) && k < c->manifold.count; k++)
+        for (int k = 0; c->live && any_moves(g, c) && k < c->manifold.count; k++)
             if (t->touch_count == t->touch_capacity || !add_point(t, i, k, first)) {
                 t->fault = t->fault ? t->fault : "more contact points than its budget";
                 return false;

@@ -497,4 +497,4 @@ static dig_status advance(Group *g, real dt)
     return g->status;
 }
 
-const Way way_trace = {.name = "trace", .suits = suits, .advance = advance};
+const Way way_trace = {.name = "trace", .tally = WAY_TRACED, .suits = suits, .advance = advance};

@@ -36,8 +36,8 @@ typedef struct Kinematics {     /* of a contact, world axes */
     real gap, rate;             /* m, m/s                                                       */
 } Kinematics;
 
-/* What touches at a manifold's point. False: this pair of shapes has no frozen feature here. */
-bool feature_find(const Group *g, const GroupPair *q, const Manifold *m, const ManifoldPoint *p, Feature *out);
+/* What touches at a manifold's point of two shapes of known kind. */
+void feature_find(const Group *g, const GroupPair *q, const Manifold *m, const ManifoldPoint *p, Feature *out);
 bool feature_kind_known(const Shape *s);
 void feature_move(const Group *g, const Feature *f, int a, int b, Kinematics *k);
 
@@ -72,10 +72,9 @@ typedef struct Touching {       /* a contact point */
     Cone slip, roll;
     Feature feature;
     Kinematics k;
-    int  contact, point, pair;  /* of the group                                           */
+    int  contact, point;        /* of the group                                           */
     int  a, b;
     uint32_t id;                /* the manifold point's feature number                    */
-    int  order;
 } Touching;
 
 typedef struct Stop { Gate gate; int joint, slot; } Stop;       /* a LIMIT row of a joint */
@@ -103,7 +102,7 @@ typedef struct Line {           /* one row: J of the moving bodies, and M^-1 G *
     real soft;                  /* softening of its diagonal             */
 } Line;
 
-typedef struct System {         /* A x = b with A = J M^-1 G: profile L D L^T, or LU where friction slides */
+typedef struct System {         /* A x = b with A = J M^-1 G: Cholesky in its profile, or LU where friction slides */
     int   count, capacity;
     Line *lines;
     real *a, *f, *b, *x, *r, *dx;
@@ -111,7 +110,6 @@ typedef struct System {         /* A x = b with A = J M^-1 G: profile L D L^T, o
     bool  sliding;              /* A is not symmetric                    */
     bool  redundant;            /* softened and refined                  */
     real  residual;             /* over the right side                   */
-    int   factors;
 } System;
 
 bool system_factor(System *s);                  /* assembles A from the lines and factors it */
@@ -120,6 +118,7 @@ bool system_solve(System *s, real accept);      /* x from b; false: redundant ro
 /* ---- the tracer ---- */
 
 #define STAGES 7
+#define WATCHED 256             /* most contact points, stops and holds of a group: all of them are watched for events */
 
 typedef struct State { vec3 x; quat q; vec3 v, l; } State;      /* 13 reals */
 #define STATE_REALS 13
@@ -160,7 +159,7 @@ typedef struct Tracer {
     Pos   *mover_start;         /* poses of kinematic bodies at t = 0      */
 
     State *y, *y1, *y2, *stage[STAGES];         /* states and their rates  */
-    real  *quad[STAGES], *sum; int quad_count;  /* forces and powers to be integrated */
+    real  *quad[STAGES], *sum;  /* forces and powers to be integrated: see flow.c */
     real   h, h_next, h_probe;  /* s  of the present step, of the next, of the probe that the present one is part of */
     bool   probed;              /* the present step has constant accelerations */
     int    probe_wait, probe_fails;
@@ -175,7 +174,7 @@ void trace_kinematics(Tracer *t);               /* contacts, joint rows and free
 Line *trace_line(Tracer *t, LineKind kind, int owner);      /* NULL: the budget is used up */
 void trace_line_body(Tracer *t, Line *l, int body, vec3 lin, vec3 ang, vec3 glin, vec3 gang);
 bool trace_accelerate(Tracer *t);               /* forces and accelerations for the present kinds */
-bool trace_project(Tracer *t, bool positions);  /* puts what drifted back on its constraints; true when anything was moved */
+bool trace_project(Tracer *t, bool positions);  /* puts what drifted back on its constraints; false = fault */
 real trace_violation(const Tracer *t);          /* m  worst of gaps, errors and (over pace) rates that should be zero */
 Row *trace_row(const Tracer *t, int joint, int slot);
 /* patch.c: rows of one contact, from its first touching point on */
@@ -197,7 +196,7 @@ Event trace_scan(Tracer *t);                    /* the first event of the tried 
 bool  trace_stop_at(Tracer *t, const Event *e); /* cuts the tried step at it: y1, t->h */
 /* touch.c */
 bool trace_touch(Tracer *t, bool first);        /* contacts of the present state; sets dirty when what touches has changed */
-bool trace_items(Tracer *t);                     /* joints and contacts in the order of the rows */
+bool trace_items(Tracer *t);                    /* joints and contacts in the order of the rows */
 bool trace_missed(const Tracer *t);             /* is something deep in something that was not watched? */
 /* book.c */
 dig_status trace_reserve(Tracer *t);
