@@ -1,31 +1,8 @@
 #!/usr/bin/env bash
 # tests/cli/cost.sh - digbox cost: table, CSV, plot, closing sentence; chaotic, motionless, failing and endless worlds; wrong arguments.
 set -u
-work=${TMPDIR:-/tmp}/digbox-cost-$$
-mkdir -p "$work" && cd "$work" || exit 1
-trap 'rm -rf "$work"' EXIT
-passed=0 failed=0
+. "${0%/*}/../check.sh"
 
-# holds WHAT COMMAND...: the command succeeds.
-holds() {
-    local what=$1
-    shift
-    if "$@" >/dev/null 2>&1; then passed=$((passed + 1)); else failed=$((failed + 1)); echo "not so: $what"; fi
-}
-# gives CODE WHAT ARGUMENTS...: exit code of digbox; leaves its output in out.txt and err.txt.
-gives() {
-    local want=$1 what=$2 got
-    shift 2
-    "$DIGBOX" "$@" >out.txt 2>err.txt </dev/null
-    got=$?
-    if [ "$got" = "$want" ]; then passed=$((passed + 1)); return; fi
-    failed=$((failed + 1))
-    echo "$what: exit code $got, want $want"
-    head -n 5 err.txt
-}
-said()    { holds "stderr says: $1" grep -qF -- "$1" err.txt; }
-printed() { holds "stdout says: $1" grep -qF -- "$1" out.txt; }
-lacks()   { holds "stdout does not say: $1" test "$(grep -cF -- "$1" out.txt)" = 0; }
 # cell SETTING COLUMN: of out/cost.csv
 cell() {
     awk -F, -v setting="$1" -v column="$2" 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == column) k = i }
@@ -171,5 +148,4 @@ sleep 0.5
 kill -INT "$child"; wait "$child"; code=$?
 holds 'Ctrl-C ends with 130' test "$code" = 130
 
-echo "$passed passed, $failed failed"
-[ "$failed" -eq 0 ]
+checked

@@ -1,31 +1,9 @@
 #!/usr/bin/env bash
 # tests/cli/program.sh - the program from outside: help, exit codes, arguments, where output goes, Ctrl-C, the test command.
 set -u
-work=${TMPDIR:-/tmp}/digbox-program-$$
-mkdir -p "$work" && cd "$work" || exit 1
-trap 'rm -rf "$work"' EXIT
-passed=0 failed=0
+. "${0%/*}/../check.sh"
 
-# holds WHAT COMMAND...: the command succeeds.
-holds() {
-    local what=$1
-    shift
-    if "$@" >/dev/null 2>&1; then passed=$((passed + 1)); else failed=$((failed + 1)); echo "not so: $what"; fi
-}
-# gives CODE WHAT ARGUMENTS...: exit code of digbox; leaves its output in out.txt and err.txt.
-gives() {
-    local want=$1 what=$2 got
-    shift 2
-    "$DIGBOX" "$@" >out.txt 2>err.txt </dev/null
-    got=$?
-    if [ "$got" = "$want" ]; then passed=$((passed + 1)); return; fi
-    failed=$((failed + 1))
-    echo "$what: exit code $got, want $want"
-    head -n 5 err.txt
-}
-said()    { holds "stderr says: $1" grep -qF -- "$1" err.txt; }
-printed() { holds "stdout says: $1" grep -qF -- "$1" out.txt; }
-frames()  { find "$1" -name '*.png' | wc -l; }
+frames() { find "$1" -name '*.png' | wc -l; }
 
 # ---- help and usage ----
 gives 0 'help' --help;                    printed 'digbox run WORLD.lua'
@@ -223,5 +201,4 @@ LUA
 gives 0 'a run says what it reached' run ends.lua;      said 'traced 100 %'; said 'energy drift'
 gives 0 'a closed world is fine' run ends.lua -- --close
 
-echo "$passed passed, $failed failed"
-[ "$failed" -eq 0 ]
+checked
