@@ -19,6 +19,7 @@ static dig_status copy_tables(World *to, const World *from)
     DIG_TRY(list_copy(&to->pushes, &from->pushes, n));
     DIG_TRY(list_copy(&to->unbounded, &from->unbounded, n));
     DIG_TRY(list_copy(&to->awake, &from->awake, n));
+    DIG_TRY(list_copy(&to->near, &from->near, n));
     DIG_TRY(list_copy(&to->asking, &from->asking, n));
     DIG_TRY(list_copy(&to->brief, &from->brief, n));
     DIG_TRY(list_copy(&to->parent, &from->parent, n));

@@ -16,13 +16,7 @@ static bool wanted(const World *w, const Group *g)
     return g->pair_count > 0;
 }
 
-static int members(const Group *g)
-{
-    int n = 0;
-    for (int i = 0; i < g->contact_count; i++)
-        n += g->contacts[i].live;
-    return n;
-}
+static int members(const Group *g) { return g->live_count; }
 
 /* Normal velocity before the substep's forces. */
 static real rate_before(const Group *g, const PointRow *r)

@@ -15,13 +15,7 @@ static bool wanted(const World *w, const Group *g)
     return false;
 }
 
-static int members(const Group *g)
-{
-    int n = 0;
-    for (int i = 0; i < g->contact_count; i++)
-        n += g->contacts[i].live && g->pairs[g->contacts[i].pair].friction > 0;
-    return n;
-}
+static int members(const Group *g) { return g->rubbing_count; }
 
 static dig_status decay(Group *g)
 {

@@ -56,8 +56,11 @@ static void rows(const JointView *j, RowList *out)
     RowList one = {&like, 0, 1};
     rows_point(out, j, POINT);
     rows_parallel(out, j, PARALLEL);
+    real angle = joint_angle(j, j->memory);         /* unwound even where nothing needs it now */
+    if (!drive_acts(j->params))
+        return;
     rows_twist(&one, j, ROW_SOFT, DRIVE);
-    rows_drive(out, &like, joint_angle(j, j->memory), j->params, DRIVE);
+    rows_drive(out, &like, angle, j->params, DRIVE);
 }
 
 static real energy(const JointView *j) { return spring_energy(&((const Drive *)j->params)->spring, coordinate(j)); }

@@ -1,38 +1,34 @@
 /* solve/gather.c - the world's records become compact copies, and come back. */
+#include "base/sort.h"
 #include "solve/direction.h"
 #include "solve/group.h"
 
 #include "world/joint.h"
 
-#include <stdlib.h>
-
-
-static int compare_u32(const void *a, const void *b)
+static int find_slot(const uint32_t *slots, int count, uint32_t slot)
 {
-    uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
-    return x < y ? -1 : x > y;
+    int lo = 0, hi = count;
+    if (count > 0 && slot - slots[0] < (uint32_t)count && slots[slot - slots[0]] == slot)
+        return (int)(slot - slots[0]);      /* most slots of a group follow each other */
+    while (lo < hi) {
+        int mid = (lo + hi) / 2;
+        if (slots[mid] < slot)
+            lo = mid + 1;
+        else
+            hi = mid;
+    }
+    return lo < count && slots[lo] == slot ? lo : -1;
 }
 
-/* Local index of a body slot: moving members first, then what stands still, each sorted by slot. */
+/* Local index of a body slot: moving members first, then what stands still. */
 static int local_of(const Group *g, uint32_t slot)
 {
-    int lo = 0, hi = g->moving_count;
-    for (int part = 0; part < 2; part++) {
-        int end = hi;
-        while (lo < hi) {
-            int mid = (lo + hi) / 2;
-            if (g->member[mid].slot < slot)
-                lo = mid + 1;
-            else
-                hi = mid;
-        }
-        if (lo < end && g->member[lo].slot == slot)
-            return lo;
-        lo = g->moving_count;
-        hi = g->body_count;
-    }
-    DIG_ASSERT(!"body of the group");
-    return -1;
+    int i = find_slot(g->slots, g->moving_count, slot);
+    if (i >= 0)
+        return i;
+    i = find_slot(g->still, g->body_count - g->moving_count, slot);
+    DIG_ASSERT(i >= 0);
+    return g->moving_count + i;
 }
 
 void group_refresh_mass(Group *g, int i)
@@ -90,70 +86,91 @@ static void gather_body(Group *g, int i, uint32_t slot, bool awake)
     group_refresh_mass(g, i);
 }
 
-static dig_status gather_bodies(Group *g, const uint32_t *pairs, int pair_count)
+/* Members of the DIGs, ascending; their joints are counted. */
+static dig_status list_moving(Group *g, int *joints)
 {
     const World *w = g->world;
-    int moving = 0, joints = 0;
-    for (int d = 0; d < g->dig_count; d++)
-        moving += graph_size(w->graph, g->digs[d]);
-    uint32_t *slots = arena_alloc(g->arena, (size_t)(moving + 1) * sizeof *slots);
-    if (!slots)
-        return DIG_E_MEMORY;
     int n = 0;
     for (int d = 0; d < g->dig_count; d++)
-        for (uint32_t m = graph_first(w->graph, g->digs[d]); m != NONE; m = graph_next(w->graph, m))
+        n += graph_fellows(w->graph, g->leads[d]);
+    uint32_t *slots = arena_alloc(g->arena, (size_t)n * sizeof *slots);
+    if (!slots)
+        return DIG_E_MEMORY;
+    g->slots = slots;
+    g->moving_count = n;
+    n = 0;
+    for (int d = 0; d < g->dig_count; d++)
+        for (uint32_t m = g->leads[d]; m != NONE; m = graph_next(w->graph, m)) {
             slots[n++] = m;
-    qsort(slots, (size_t)n, sizeof *slots, compare_u32);
-    for (int i = 0; i < n; i++)
-        for (uint32_t j = w->bodies.data[slots[i]].joint_first; j != NONE; j = joint_next(w, j, slots[i]))
-            joints++;
+            for (uint32_t j = w->bodies.data[m].joint_first; j != NONE; j = joint_next(w, j, m))
+                (*joints)++;
+        }
+    return sort_u32(slots, n, g->arena);
+}
 
-    uint32_t *still = arena_alloc(g->arena, (size_t)(2 * pair_count + 2 * joints + 1) * sizeof *still);
+/* Unless it can move by itself; the last one noted is mostly the same: the ground. */
+static void note_still(const World *w, uint32_t *still, int *count, uint32_t body)
+{
+    bool stands = body == NONE || w->bodies.data[body].kind != DIG_DYNAMIC;
+    if (stands && (*count == 0 || still[*count - 1] != body))
+        still[(*count)++] = body;
+}
+
+/* What stands still and may be met or holds a joint, ascending: NONE, the world itself, comes last. */
+static dig_status list_still(Group *g, const uint32_t *pairs, int pair_count, int joints)
+{
+    const World *w = g->world;
+    int n = 0, unique = 0;
+    g->body_count = g->moving_count;
+    if (pair_count + joints == 0)
+        return DIG_OK;
+    uint32_t *still = arena_alloc(g->arena, (size_t)(2 * pair_count + joints) * sizeof *still);
     if (!still)
         return DIG_E_MEMORY;
-    int still_count = 0;
     for (int i = 0; i < pair_count; i++) {
-        const Pair *p = &w->pairs.data[pairs[i]];
-        for (int k = 0; k < 2; k++) {
-            uint32_t body = k ? p->body_b : p->body_a;
-            if (body == NONE || w->bodies.data[body].kind != DIG_DYNAMIC)
-                still[still_count++] = body;
-        }
+        note_still(w, still, &n, w->pairs.data[pairs[i]].body_a);
+        note_still(w, still, &n, w->pairs.data[pairs[i]].body_b);
     }
-    for (int i = 0; i < n; i++)
-        for (uint32_t j = w->bodies.data[slots[i]].joint_first; j != NONE; j = joint_next(w, j, slots[i])) {
+    for (int i = 0; i < g->moving_count && joints > 0; i++)
+        for (uint32_t j = w->bodies.data[g->slots[i]].joint_first; j != NONE; j = joint_next(w, j, g->slots[i])) {
             const JointRec *r = &w->joints.data[j];
-            uint32_t other = r->a == slots[i] ? r->b : r->a;
-            if (other != NONE && w->bodies.data[other].kind != DIG_DYNAMIC)
-                still[still_count++] = other;
+            uint32_t other = r->a == g->slots[i] ? r->b : r->a;
+            if (other != NONE)
+                note_still(w, still, &n, other);
         }
-    qsort(still, (size_t)still_count, sizeof *still, compare_u32);
-    int unique = 0;
-    for (int i = 0; i < still_count; i++)
+    DIG_TRY(sort_u32(still, n, g->arena));
+    for (int i = 0; i < n; i++)
         if (i == 0 || still[i] != still[i - 1])
             still[unique++] = still[i];
+    g->still = still;
+    g->body_count += unique;
+    return DIG_OK;
+}
 
-    int total = n + unique;
-    g->moving_count = n;
-    g->body_count = total;
-    g->pos = arena_alloc(g->arena, (size_t)total * sizeof *g->pos);
-    g->vel = arena_alloc(g->arena, (size_t)total * sizeof *g->vel);
-    g->mass = arena_alloc(g->arena, (size_t)total * sizeof *g->mass);
-    g->member = arena_alloc(g->arena, (size_t)total * sizeof *g->member);
-    g->shift = arena_alloc(g->arena, (size_t)total * sizeof *g->shift);
-    g->push_work = arena_alloc(g->arena, (size_t)total * sizeof *g->push_work);
+static dig_status gather_bodies(Group *g, const uint32_t *pairs, int pair_count, int *joints)
+{
+    const World *w = g->world;
+    DIG_TRY(list_moving(g, joints));
+    DIG_TRY(list_still(g, pairs, pair_count, *joints));
+    size_t total = (size_t)g->body_count;
+    g->pos = arena_alloc(g->arena, total * sizeof *g->pos);
+    g->vel = arena_alloc(g->arena, total * sizeof *g->vel);
+    g->mass = arena_alloc(g->arena, total * sizeof *g->mass);
+    g->member = arena_alloc(g->arena, total * sizeof *g->member);
+    g->shift = arena_alloc(g->arena, total * sizeof *g->shift);
+    g->push_work = arena_alloc(g->arena, total * sizeof *g->push_work);
     if (!g->pos || !g->vel || !g->mass || !g->member || !g->shift || !g->push_work)
         return DIG_E_MEMORY;
-    for (int i = 0; i < n; i++) {
-        const Body *b = &w->bodies.data[slots[i]];
-        gather_body(g, i, slots[i], b->awake);
+    for (int i = 0; i < g->moving_count; i++) {
+        const Body *b = &w->bodies.data[g->slots[i]];
+        gather_body(g, i, g->slots[i], b->awake);
         if (b->awake) {
             g->trace_wait = int_max(g->trace_wait, b->trace_wait);
             g->trace_step = b->trace_step > 0 && (g->trace_step == 0 || b->trace_step < g->trace_step) ? b->trace_step : g->trace_step;
         }
     }
-    for (int i = 0; i < unique; i++)
-        gather_body(g, n + i, still[i], false);
+    for (int i = g->moving_count; i < g->body_count; i++)
+        gather_body(g, i, g->still[i - g->moving_count], false);
     return DIG_OK;
 }
 
@@ -170,48 +187,79 @@ static bool body_moving(const World *w, uint32_t body)
     return b && b->mode == DIG_MOVING && (vec3_length2(b->v) > 0 || vec3_length2(b->w) > 0);
 }
 
+static void gather_pair(Group *g, GroupPair *q, uint32_t slot)
+{
+    const World *w = g->world;
+    const Pair *p = &w->pairs.data[slot];
+    const Solid *a = &w->solids.data[p->solid_a], *b = &w->solids.data[p->solid_b];
+    q->slot = slot;
+    q->a = local_of(g, p->body_a);
+    q->b = local_of(g, p->body_b);
+    q->sa = &a->shape;
+    q->sb = &b->shape;
+    q->la = (pose){vec3_sub(a->at.p, g->member[q->a].centre), a->at.q};
+    q->lb = (pose){vec3_sub(b->at.p, g->member[q->b].centre), b->at.q};
+    q->cache = p->cache;
+    q->friction = p->friction;
+    q->friction_dynamic = p->friction_dynamic;
+    q->rolling = p->rolling;
+    q->restitution = p->restitution;
+    q->size = pair_size(q->sa, q->sb);
+    q->fresh = p->fresh;
+    q->was_touching = p->touching;
+    q->both_moved = body_moving(w, p->body_a) && body_moving(w, p->body_b);
+    q->struck = false;
+    q->strike = 0;
+    q->approach = q->struck_time = q->struck_speed = q->struck_impulse = 0;
+    q->struck_point = q->struck_normal = vec3_zero();
+}
+
+/* Only what there is: most pairs of a crowd are near each other without a contact point. Points beyond the count stay unwritten. */
+static void gather_contact(const World *w, const GroupPair *q, int pair, uint32_t slot, GroupContact *to)
+{
+    const Contact *from = &w->contacts.data[slot];
+    to->pair = pair;
+    to->a = q->a;
+    to->b = q->b;
+    to->slot = slot;
+    to->piece = from->piece;
+    to->idle = from->idle;
+    to->live = from->manifold.count > 0;
+    to->sliding = from->sliding;
+    to->rolling = from->idle ? vec3_zero() : from->rolling;
+    to->impulse = to->point_sum = vec3_zero();
+    to->last = to->point_weight = 0;
+    to->manifold.normal = from->manifold.normal;
+    to->manifold.count = from->manifold.count;
+    for (int k = 0; k < from->manifold.count; k++) {
+        to->manifold.points[k] = from->manifold.points[k];
+        to->memory[k] = from->memory[k];
+    }
+}
+
 static dig_status gather_pairs(Group *g, const uint32_t *pairs, int pair_count)
 {
     const World *w = g->world;
     int contacts = 0;
+    if (pair_count == 0)
+        return DIG_OK;
     for (int i = 0; i < pair_count; i++)
         for (uint32_t c = w->pairs.data[pairs[i]].contact; c != NONE; c = w->contacts.data[c].next)
             contacts++;
     g->pair_count = pair_count;
     g->contact_count = contacts;
-    g->pairs = arena_zero(g->arena, (size_t)(pair_count + 1) * sizeof *g->pairs);
-    g->contacts = arena_zero(g->arena, (size_t)(contacts + 1) * sizeof *g->contacts);
-    if (!g->pairs || !g->contacts)
+    g->pairs = arena_alloc(g->arena, (size_t)pair_count * sizeof *g->pairs);
+    g->contacts = arena_alloc(g->arena, (size_t)contacts * sizeof *g->contacts);
+    g->changed = arena_alloc(g->arena, (size_t)pair_count * sizeof *g->changed);
+    if (!g->pairs || !g->contacts || !g->changed)
         return DIG_E_MEMORY;
     int n = 0;
     for (int i = 0; i < pair_count; i++) {
-        const Pair *p = &w->pairs.data[pairs[i]];
-        const Solid *a = &w->solids.data[p->solid_a], *b = &w->solids.data[p->solid_b];
         GroupPair *q = &g->pairs[i];
-        q->slot = pairs[i];
-        q->a = local_of(g, p->body_a);
-        q->b = local_of(g, p->body_b);
-        q->sa = &a->shape;
-        q->sb = &b->shape;
-        q->la = (pose){vec3_sub(a->at.p, g->member[q->a].centre), a->at.q};
-        q->lb = (pose){vec3_sub(b->at.p, g->member[q->b].centre), b->at.q};
-        q->cache = p->cache;
-        q->friction = p->friction;
-        q->friction_dynamic = p->friction_dynamic;
-        q->rolling = p->rolling;
-        q->restitution = p->restitution;
-        q->size = pair_size(q->sa, q->sb);
-        q->fresh = p->fresh;
-        q->was_touching = p->touching;
-        q->both_moved = body_moving(w, p->body_a) && body_moving(w, p->body_b);
+        gather_pair(g, q, pairs[i]);
         q->contact = n;
-        for (uint32_t c = p->contact; c != NONE; c = w->contacts.data[c].next) {
-            const Contact *from = &w->contacts.data[c];
-            GroupContact *to = &g->contacts[n++];
-            *to = (GroupContact){.pair = i, .a = q->a, .b = q->b, .slot = c, .piece = from->piece, .manifold = from->manifold,
-                                 .rolling = from->rolling, .live = from->manifold.count > 0, .sliding = from->sliding};
-            memcpy(to->memory, from->memory, sizeof to->memory);
-        }
+        for (uint32_t c = w->pairs.data[pairs[i]].contact; c != NONE; c = w->contacts.data[c].next)
+            gather_contact(w, q, i, c, &g->contacts[n++]);
         q->contacts = n - q->contact;
     }
     return DIG_OK;
@@ -225,10 +273,12 @@ static int joint_index(const Group *g, uint32_t slot)
     return -1;
 }
 
-static dig_status gather_joints(Group *g)
+static dig_status gather_joints(Group *g, int joints)
 {
     const World *w = g->world;
     int count = 0;
+    if (joints == 0)
+        return DIG_OK;
     for (int pass = 0; pass < 2; pass++) {
         int n = 0;
         for (int i = 0; i < g->moving_count; i++) {
@@ -241,7 +291,7 @@ static dig_status gather_joints(Group *g)
                     continue;
                 if (pass) {
                     GroupJoint *j = &g->joints[n];
-                    *j = (GroupJoint){.slot = s, .ra = r->ra, .rb = r->rb, .fa = r->fa, .fb = r->fb};
+                    *j = (GroupJoint){.slot = s, .ra = r->ra, .rb = r->rb, .fa = r->fa, .fb = r->fb, .breaks_at = r->breaks_at};
                     j->a = r->a == NONE ? -1 : local_of(g, r->a);
                     j->b = r->b == NONE ? -1 : local_of(g, r->b);
                     memcpy(j->memory, r->memory, sizeof j->memory);
@@ -273,16 +323,15 @@ static dig_status gather_joints(Group *g)
 static dig_status gather_pushes(Group *g, real dt)
 {
     const World *w = g->world;
-    g->pushes = arena_alloc(g->arena, (size_t)(w->pushes.count + 1) * sizeof *g->pushes);
+    if (w->pushes.count == 0)
+        return DIG_OK;
+    g->pushes = arena_alloc(g->arena, (size_t)w->pushes.count * sizeof *g->pushes);
     if (!g->pushes)
         return DIG_E_MEMORY;
     real now = world_time(w);
     for (int i = 0; i < w->pushes.count; i++) {
         const Push *p = &w->pushes.data[i];
-        uint32_t id = graph_of(w->graph, p->body);
-        bool here = false;
-        for (int d = 0; d < g->dig_count && !here; d++)
-            here = g->digs[d] == id;
+        bool here = find_slot(g->slots, g->moving_count, p->body) >= 0;
         real share = (real_min(p->until, now + dt) - real_max(p->from, now)) / dt;
         if (!here || !(share > 1e-9))
             continue;
@@ -292,21 +341,65 @@ static dig_status gather_pushes(Group *g, real dt)
     return DIG_OK;
 }
 
-dig_status group_gather(Group *g, const World *w, const uint32_t *digs, int dig_count, const uint32_t *pairs, int pair_count, Arena *arena)
+dig_status group_gather(Group *g, const World *w, const uint32_t *leads, int dig_count, const uint32_t *pairs, int pair_count, Arena *arena)
 {
     g->world = w;
     g->arena = arena;
-    g->digs = digs;
+    g->leads = leads;
     g->dig_count = dig_count;
     g->gravity = w->def.gravity;
     g->planar = strcmp(w->def.plane.s, "yz") == 0 ? 1 : strcmp(w->def.plane.s, "xz") == 0 ? 2 : strcmp(w->def.plane.s, "xy") == 0 ? 3 : 0;
     g->decay_friction = strcmp(w->def.friction_law.s, "decay") == 0;
     g->touch = 1e-7;
     g->culprit = -1;
-    DIG_TRY(gather_bodies(g, pairs, pair_count));
+    int joints = 0;                 /* ends of joints at members */
+    DIG_TRY(gather_bodies(g, pairs, pair_count, &joints));
     DIG_TRY(gather_pairs(g, pairs, pair_count));
-    DIG_TRY(gather_joints(g));
+    DIG_TRY(gather_joints(g, joints));
     return gather_pushes(g, w->def.step);
+}
+
+/* ---- at the end of the step ---- */
+
+/* Does the point lie still against the other body? Then it touches, though nothing presses: books side by side. */
+static bool point_rests(const Group *g, const GroupContact *c, const ManifoldPoint *p)
+{
+    vec3 va = vec3_add(g->vel[c->a].v, vec3_cross(g->vel[c->a].w, vec3_sub(p->a, g->pos[c->a].x)));
+    vec3 vb = vec3_add(g->vel[c->b].v, vec3_cross(g->vel[c->b].w, vec3_sub(p->b, g->pos[c->b].x)));
+    return fabs(vec3_dot(c->manifold.normal, vec3_sub(vb, va))) <= 0.1 * g->close_speed;
+}
+
+/* Does it touch? A touch begins with force and ends with distance: a hop of a thousandth of the size is no end while force comes
+ * back. */
+static bool contact_touches(const Group *g, const GroupPair *q, const GroupContact *c, real dt)
+{
+    bool hops = q->was_touching && c->last > 0.5 * dt;
+    real tolerance = (hops ? 2e-3 : 100 * g->touch) * q->size;
+    for (int k = 0; k < c->manifold.count; k++) {
+        const ManifoldPoint *at = &c->manifold.points[k];
+        if (at->gap <= tolerance && (c->memory[k].normal > 0 || q->was_touching || point_rests(g, c, at)))
+            return true;
+    }
+    return false;
+}
+
+/* Lists the pairs that regraph must look at: begun, over, or struck and apart again. */
+void group_judge(Group *g, real dt)
+{
+    g->changed_count = g->live_count = g->rubbing_count = 0;
+    for (int i = 0; i < g->pair_count; i++) {
+        GroupPair *q = &g->pairs[i];
+        q->touching = false;
+        for (int k = q->contact; k < q->contact + q->contacts; k++) {
+            GroupContact *c = &g->contacts[k];
+            c->touching = contact_touches(g, q, c, dt);
+            q->touching = q->touching || c->touching;
+            g->live_count += c->live;
+            g->rubbing_count += c->live && q->friction > 0;
+        }
+        if (q->touching != q->was_touching || (q->struck && !q->touching))
+            g->changed[g->changed_count++] = i;
+    }
 }
 
 /* ---- back into the world ---- */
@@ -334,8 +427,7 @@ static void commit_body(World *w, const Group *g, int i, real dt)
     if (!m->moves)
         return;
     vec3 old_v = vec3_sub(b->v, b->hit_v), old_w = vec3_sub(b->w, b->hit_w);
-    mat3 old_inertia = body_inertia_world(b);
-    vec3 old_l = mat3_mul_vec(old_inertia, old_w);
+    vec3 old_l = body_spin_momentum(b, old_w);
     b->prev_x = b->x;
     b->prev_q = b->q;
     b->x = g->pos[i].x;
@@ -347,16 +439,31 @@ static void commit_body(World *w, const Group *g, int i, real dt)
     b->work += g->push_work[i];
     commit_trace(g, b);
     b->force = vec3_scale(b->mass / dt, vec3_sub(b->v, old_v));
-    b->torque = vec3_scale(1 / dt, vec3_sub(mat3_mul_vec(body_inertia_world(b), b->w), old_l));
+    b->torque = vec3_scale(1 / dt, vec3_sub(body_spin_momentum(b, b->w), old_l));
     b->hit_v = b->hit_w = vec3_zero();
 }
 
-/* Does the point lie still against the other body? Then it touches, though nothing presses: books side by side. */
-static bool point_rests(const Group *g, const GroupContact *c, const ManifoldPoint *p)
+static bool is_zero(vec3 v) { return v.x == 0 && v.y == 0 && v.z == 0; }
+
+static void commit_contact(Contact *to, const GroupContact *from, real dt)
 {
-    vec3 va = vec3_add(g->vel[c->a].v, vec3_cross(g->vel[c->a].w, vec3_sub(p->a, g->pos[c->a].x)));
-    vec3 vb = vec3_add(g->vel[c->b].v, vec3_cross(g->vel[c->b].w, vec3_sub(p->b, g->pos[c->b].x)));
-    return fabs(vec3_dot(c->manifold.normal, vec3_sub(vb, va))) <= 0.1 * g->close_speed;
+    bool idle = from->manifold.count == 0 && is_zero(from->impulse) && is_zero(from->rolling) && !from->sliding;
+    if (idle && from->idle)
+        return;
+    to->idle = idle;
+    to->piece = from->piece;
+    to->manifold.normal = from->manifold.normal;
+    to->manifold.count = from->manifold.count;
+    for (int k = 0; k < from->manifold.count; k++) {
+        to->manifold.points[k] = from->manifold.points[k];
+        to->memory[k] = from->memory[k];
+    }
+    to->rolling = from->rolling;
+    to->sliding = from->sliding;
+    to->touching = from->touching;
+    to->force = vec3_scale(1 / dt, from->impulse);
+    to->point = from->point_weight > 0 ? vec3_scale(1 / from->point_weight, from->point_sum)
+                                       : from->manifold.count ? from->manifold.points[0].a : vec3_zero();
 }
 
 static void commit_pair(World *w, const Group *g, const GroupPair *q, real dt)
@@ -364,28 +471,9 @@ static void commit_pair(World *w, const Group *g, const GroupPair *q, real dt)
     Pair *p = &w->pairs.data[q->slot];
     p->cache = q->cache;
     p->fresh = false;
-    p->touching = false;
-    for (int i = 0; i < q->contacts; i++) {
-        const GroupContact *from = &g->contacts[q->contact + i];
-        Contact *to = &w->contacts.data[from->slot];
-        to->piece = from->piece;
-        to->manifold = from->manifold;
-        memcpy(to->memory, from->memory, sizeof to->memory);
-        to->rolling = from->rolling;
-        to->sliding = from->sliding;
-        to->force = vec3_scale(1 / dt, from->impulse);
-        to->point = from->point_weight > 0 ? vec3_scale(1 / from->point_weight, from->point_sum)
-                                           : from->manifold.count ? from->manifold.points[0].a : vec3_zero();
-        to->touching = false;
-        /* a touch begins with force and ends with distance: a hop of a thousandth of the size is no end while force comes back */
-        bool hops = q->was_touching && from->last > 0.5 * dt;
-        real tolerance = (hops ? 2e-3 : 100 * g->touch) * q->size;
-        for (int k = 0; k < from->manifold.count && !to->touching; k++) {
-            const ManifoldPoint *at = &from->manifold.points[k];
-            to->touching = at->gap <= tolerance && (from->memory[k].normal > 0 || q->was_touching || point_rests(g, from, at));
-        }
-        p->touching = p->touching || to->touching;
-    }
+    p->touching = q->touching;
+    for (int i = q->contact; i < q->contact + q->contacts; i++)
+        commit_contact(&w->contacts.data[g->contacts[i].slot], &g->contacts[i], dt);
 }
 
 static void commit_joint(World *w, const GroupJoint *j, real dt)

@@ -101,6 +101,8 @@ typedef struct GroupContact {
     PointMemory memory[MANIFOLD_POINTS];
     vec3     rolling;           /* N m                              */
     bool     live;              /* has points                       */
+    bool     idle;              /* had none, and no force, in the world's record */
+    bool     touching;          /* at the end of the step, by group_judge */
     bool     sliding;
     vec3     impulse;           /* N s on b, over the whole step    */
     real     last;              /* s   into the step, when force last acted */
@@ -118,6 +120,7 @@ typedef struct GroupPair {
     real     size;              /* m   of the smaller solid: scale of tolerances */
     bool     fresh;             /* the manifold must be made anew  */
     bool     was_touching;      /* at the end of the last step     */
+    bool     touching;          /* of this one, by group_judge     */
     bool     both_moved;        /* neither was at rest before      */
     real     approach;          /* m/s  fastest approach seen by the rows */
     bool     struck;            /* an impact happened in this step  */
@@ -134,6 +137,9 @@ typedef struct GroupJoint {
     int      other[2];          /* local joints, < 0 none           */
     vec3     ra, rb; quat fa, fb;
     int      a, b;
+    real     breaks_at;         /* N   0 = never                    */
+    bool     broken;            /* in this step, at the time        */
+    real     broke;             /* s   into it                      */
 } GroupJoint;
 
 typedef struct GroupPush { int body; vec3 force, torque, at; bool has_at; } GroupPush;    /* scaled by the share of the step it acts */
@@ -156,11 +162,14 @@ struct Group {
     bool      decay_friction;   /* the founding document's alternative to Coulomb */
     int       planar;           /* 0 or 1..3: x, y, z is the dead axis */
 
-    const uint32_t *digs; int dig_count;
+    const uint32_t *leads; int dig_count;       /* first members of its DIGs */
+    const uint32_t *slots, *still;              /* of the bodies, ascending: of those that may move, and of the rest */
 
     Pos      *pos; Vel *vel; Mass *mass; Member *member; int body_count, moving_count;
     Vel      *shift;            /* m, rad  position correction of a projection */
     GroupPair *pairs;       int pair_count;
+    int      *changed;      int changed_count;  /* group_judge: pairs whose touch began or ended, or that were struck apart */
+    int       live_count, rubbing_count;        /* group_judge: contacts with points, and those of them with friction */
     GroupContact *contacts; int contact_count;
     GroupJoint *joints;     int joint_count;
     GroupPush *pushes;      int push_count;
@@ -175,6 +184,7 @@ struct Group {
     real      close_speed;      /* m/s below which a bounce is over */
     bool      midpoint;         /* joint rows hold for the mean velocity of the substep */
     bool      locate;           /* impacts are located in time in this group */
+    bool      joints_direct;    /* joints and contacts are solved together, directly */
     int       events_left;
 
     /* what it took and achieved */
@@ -188,11 +198,14 @@ struct Group {
     real      trace_step;       /* s   its last step length; 0 = none                  */
     int       trace_wait;       /*     steps for which it is not tried again           */
     bool      may_trace;        /*     the world's budget for traced and conserved groups reaches it */
+    bool      crowded;          /*     the world has so much else to advance that small groups are no exception */
+    bool      joined;           /*     perhaps of several, each of which the crowd takes */
     bool      trace_failed;     /*     it was tried in this step, and handed on        */
+    bool      conserve_failed;  /*     the same of the way that conserves energy       */
     real      residual, penetration, joint_error;
     real      lost, work_in;    /* J */
     real     *push_work;        /* [body_count] J */
-    real      effect_us[MAX_EFFECTS];   /* us, only in timed steps */
+    real      effect_us[MAX_EFFECTS], touch_us;     /* us, only in timed steps */
     bool      timed;
     dig_status status;
     int       culprit;          /* local body that became non-finite */
@@ -202,8 +215,9 @@ struct Group {
 };
 
 /* gather.c */
-dig_status group_gather(Group *g, const World *w, const uint32_t *digs, int dig_count, const uint32_t *pairs, int pair_count,
+dig_status group_gather(Group *g, const World *w, const uint32_t *leads, int dig_count, const uint32_t *pairs, int pair_count,
                         Arena *arena);
+void       group_judge(Group *g, real dt);              /* at the end of the step: who touches */
 void       group_commit(World *w, const Group *g);
 /* Pose of a pair's shape a or b from the present positions. */
 static inline pose group_shape_pose(const Group *g, int body, pose local)
@@ -212,12 +226,14 @@ static inline pose group_shape_pose(const Group *g, int body, pose local)
 }
 void       group_refresh_mass(Group *g, int body);      /* inverse inertia in world axes */
 void       group_joint_view(Group *g, int joint);       /* its ends from the present positions and velocities */
+void       group_joint_move(Group *g, int joint);       /* once viewed: those of its ends that can move, again */
 
 /* joint_view.c: frames, from anchors and orientations */
 void joint_end_set(JointEnd *e, vec3 x, quat q, vec3 v, vec3 w, vec3 local_anchor, quat local_frame);
 
 /* touch.c: contacts of the present positions, looking `time` s ahead; all = false: only pairs whose manifold is stale */
 void group_touch(Group *g, real time, bool all);
+void group_touch_pair(Group *g, GroupPair *q, real time);
 
 /* joint_rows.c */
 void group_build_joints(Group *g, bool midpoint);
@@ -227,6 +243,7 @@ void joint_row_warm(Group *g, JointRow *r);
 /* sweep.c: the sub-stepped way */
 dig_status sweep_advance(Group *g, real dt);
 real group_kinetic(const Group *g);                     /* J */
+real group_close_speed(const Group *g);                 /* m/s  slower impacts are no impacts */
 /* impact.c: what touches and approaches is struck, now */
 void impacts(Group *g);
 void strike_report(Group *g, const PointRow *r, real speed);
@@ -237,6 +254,8 @@ real relax_rolls(Group *g);
 int  relax(Group *g, int sweeps, real residual);        /* until the change is below residual; returns sweeps done */
 /* direct.c: all contacts at once, exactly, from the present impulses; false: not for this group, or it failed, and nothing changed */
 bool direct_solve(Group *g, real residual);
+bool group_top_heavy(const Group *g);   /* is something much heavier than something else? */
+bool direct_joints(const Group *g);     /* should joints and contacts be solved together? */
 real direct_wanted(const Group *g);     /* m/s  sweeps that stop above this are to be followed by direct_solve; 0 = never */
 /* project.c: position errors are removed without touching velocities */
 void project(Group *g);

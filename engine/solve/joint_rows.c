@@ -34,6 +34,15 @@ void group_joint_view(Group *g, int joint)
         j->view.other[k] = j->other[k] < 0 ? NULL : &g->joints[j->other[k]].view;
 }
 
+void group_joint_move(Group *g, int joint)
+{
+    GroupJoint *j = &g->joints[joint];
+    if (j->a >= 0 && (g->member[j->a].moves || g->member[j->a].kinematic))
+        set_end(g, &j->view.a, j->a, j->ra, j->fa);
+    if (j->b >= 0 && (g->member[j->b].moves || g->member[j->b].kinematic))
+        set_end(g, &j->view.b, j->b, j->rb, j->fb);
+}
+
 static real start_rate(const Group *g, const Row *r)
 {
     real rate = 0;

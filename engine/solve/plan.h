@@ -16,6 +16,8 @@ typedef struct AccuracyPlan {
     real        residual;       /* m/s  velocity change per sweep at which a solve stops            */
     int         events;         /* 1    most impacts located in time per group and step             */
     int         events_bodies;  /* 1    groups with more moving bodies than this locate none         */
+    int         crowd_bodies;   /* 1    groups with more moving bodies than this are advanced as a crowd   */
+    int         crowd_total;    /* 1    so are all groups beyond trace_total, with more awake bodies and pairs in the world */
     int         trace_bodies;   /* 1    groups with more moving bodies than this are not traced           */
     int         trace_rows;     /* 1    most rows of a traced group's direct solve                        */
     int         trace_total;    /* 1    most bodies and pairs of all traced and conserved groups of a world together */

@@ -10,7 +10,7 @@
 #define SHORTEST 1e-12
 #define LIMIT_TOLERANCE 1e-4    /* m or rad */
 
-Row *rows_add(RowList *list, RowKind kind, int slot)
+static inline Row *add_row(RowList *list, RowKind kind, int slot)
 {
     DIG_ASSERT(list->count < list->capacity && slot >= 0 && slot < JOINT_SLOTS);
     Row *r = &list->rows[list->count++];
@@ -21,9 +21,11 @@ Row *rows_add(RowList *list, RowKind kind, int slot)
     return r;
 }
 
-static Row *add_pair(RowList *list, const JointView *j, RowKind kind, int slot)
+Row *rows_add(RowList *list, RowKind kind, int slot) { return add_row(list, kind, slot); }
+
+static inline Row *add_pair(RowList *list, const JointView *j, RowKind kind, int slot)
 {
-    Row *r = rows_add(list, kind, slot);
+    Row *r = add_row(list, kind, slot);
     r->count = 2;
     r->body[0] = j->a.body;
     r->body[1] = j->b.body;
@@ -55,27 +57,40 @@ static vec3 anchor_turning(const JointEnd *e) { return vec3_cross(e->w, vec3_cro
  * With P = pa - xb, dP/dt = va + wa x ra - vb:  rate = d . s, s = dP/dt - wb x P the velocity of pa as seen from b, and
  *   drift = (wb x d) . s + d . (wa x (wa x ra) - wb x dP/dt)
  *         = d . (wa x (wa x ra) - wb x (s + dP/dt)) */
-Row *rows_translation(RowList *list, const JointView *j, RowKind kind, vec3 d, int slot)
+typedef struct Translation { vec3 arm, between, turning; } Translation;        /* what does not depend on d: P, pa - pb, the drift's vector */
+
+static Translation translation_of(const JointView *j)
+{
+    vec3 arm = vec3_sub(j->a.p, j->b.x), moves = vec3_sub(anchor_velocity(&j->a), j->b.v), seen = vec3_sub(moves, vec3_cross(j->b.w, arm));
+    return (Translation){arm, vec3_sub(j->a.p, j->b.p), vec3_sub(anchor_turning(&j->a), vec3_cross(j->b.w, vec3_add(seen, moves)))};
+}
+
+static inline Row *add_translation(RowList *list, const JointView *j, RowKind kind, const Translation *t, const vec3 *d, int slot)
 {
     Row *r = add_pair(list, j, kind, slot);
-    r->lin[0] = d;
-    r->lin[1] = vec3_neg(d);
-    r->ang[0] = vec3_cross(j->a.r, d);
-    r->ang[1] = vec3_neg(vec3_cross(vec3_sub(j->a.p, j->b.x), d));
-    r->error = vec3_dot(d, vec3_sub(j->a.p, j->b.p));
-    vec3 moves = vec3_sub(anchor_velocity(&j->a), j->b.v);
-    vec3 seen = vec3_sub(moves, vec3_cross(j->b.w, vec3_sub(j->a.p, j->b.x)));
-    r->drift = vec3_dot(d, vec3_sub(anchor_turning(&j->a), vec3_cross(j->b.w, vec3_add(seen, moves))));
+    r->lin[0] = *d;
+    r->lin[1] = vec3_neg(*d);
+    r->ang[0] = vec3_cross(j->a.r, *d);
+    r->ang[1] = vec3_cross(*d, t->arm);
+    r->error = vec3_dot(*d, t->between);
+    r->drift = vec3_dot(*d, t->turning);
     return r;
+}
+
+Row *rows_translation(RowList *list, const JointView *j, RowKind kind, vec3 d, int slot)
+{
+    Translation t = translation_of(j);
+    return add_translation(list, j, kind, &t, &d, slot);
 }
 
 Row *rows_along(RowList *list, const JointView *j, vec3 d, int slot) { return rows_translation(list, j, ROW_HARD, d, slot); }
 
 void rows_point(RowList *list, const JointView *j, int slot)
 {
-    rows_along(list, j, j->b.axis, slot);
-    rows_along(list, j, j->b.u, slot + 1);
-    rows_along(list, j, j->b.n, slot + 2);
+    Translation t = translation_of(j);
+    add_translation(list, j, ROW_HARD, &t, &j->b.axis, slot);
+    add_translation(list, j, ROW_HARD, &t, &j->b.u, slot + 1);
+    add_translation(list, j, ROW_HARD, &t, &j->b.n, slot + 2);
 }
 
 /* length = |pa - pb|, d = (pa - pb) / length:  rate = d . (d/dt pa - d/dt pb); the change of d is normal to d. With
@@ -101,36 +116,39 @@ Row *rows_length(RowList *list, const JointView *j, RowKind kind, real *length, 
 
 /* ---- rotation ----------------------------------------------------------------- */
 
-Row *rows_spin(RowList *list, const JointView *j, RowKind kind, vec3 d, int slot)
+static inline Row *add_spin(RowList *list, const JointView *j, RowKind kind, const vec3 *d, int slot)
 {
     Row *r = add_pair(list, j, kind, slot);
     r->angular = true;
-    r->ang[0] = d;
-    r->ang[1] = vec3_neg(d);
+    r->ang[0] = *d;
+    r->ang[1] = vec3_neg(*d);
     return r;
 }
+
+Row *rows_spin(RowList *list, const JointView *j, RowKind kind, vec3 d, int slot) { return add_spin(list, j, kind, &d, slot); }
 
 /* rate = d . (wa - wb), and the spins are constant:  drift = dd/dt . (wa - wb) */
 void row_turns(Row *r, const JointView *j, vec3 turn) { r->drift = vec3_dot(turn, vec3_sub(j->a.w, j->b.w)); }
 
 /* error = y . x with x fixed in a and y in b:  rate = (wa - wb) . (x x y);  d(x x y)/dt = (wa x x) x y + x x (wb x y) */
-static void add_normal(RowList *list, const JointView *j, vec3 x, vec3 y, int slot)
+static void add_normal(RowList *list, const JointView *j, const vec3 *x, const vec3 *y, int slot)
 {
-    Row *r = rows_spin(list, j, ROW_HARD, vec3_cross(x, y), slot);
-    r->error = vec3_dot(x, y);
-    row_turns(r, j, vec3_add(vec3_cross(vec3_cross(j->a.w, x), y), vec3_cross(x, vec3_cross(j->b.w, y))));
+    vec3 d = vec3_cross(*x, *y), turn = vec3_add(vec3_cross(vec3_cross(j->a.w, *x), *y), vec3_cross(*x, vec3_cross(j->b.w, *y)));
+    Row *r = add_spin(list, j, ROW_HARD, &d, slot);
+    r->error = vec3_dot(*x, *y);
+    r->drift = vec3_dot(turn, vec3_sub(j->a.w, j->b.w));
 }
 
 void rows_parallel(RowList *list, const JointView *j, int slot)
 {
-    add_normal(list, j, j->a.axis, j->b.u, slot);
-    add_normal(list, j, j->a.axis, j->b.n, slot + 1);
+    add_normal(list, j, &j->a.axis, &j->b.u, slot);
+    add_normal(list, j, &j->a.axis, &j->b.n, slot + 1);
 }
 
 void rows_aligned(RowList *list, const JointView *j, int slot)
 {
     rows_parallel(list, j, slot);
-    add_normal(list, j, j->a.u, j->b.n, slot + 2);
+    add_normal(list, j, &j->a.u, &j->b.n, slot + 2);
 }
 
 /* Twist of a against b. The shortest rotation T that takes ea to eb maps ua to
@@ -225,6 +243,12 @@ void rows_friction(RowList *list, const Row *like, real friction, int slot)
 {
     if (friction > 0)
         add_like(list, like, ROW_DRY, slot)->hi = friction;
+}
+
+bool drive_acts(const Drive *d)
+{
+    return isfinite(d->limits[0]) || isfinite(d->limits[1]) || (!isnan(d->motor.speed) && d->motor.most > 0) || d->spring.stiffness > 0
+        || d->spring.damping > 0 || d->friction > 0;
 }
 
 void rows_drive(RowList *list, const Row *like, real x, const Drive *d, int slot)

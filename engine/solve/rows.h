@@ -132,6 +132,7 @@ typedef struct Drive {
 void rows_motor(RowList *list, const Row *like, const DriveMotor *m, int slot);
 void rows_spring(RowList *list, const Row *like, real x, const DriveSpring *s, int slot);
 void rows_friction(RowList *list, const Row *like, real friction, int slot);
+bool drive_acts(const Drive *d);                                /* would rows_drive add any? */
 void rows_drive(RowList *list, const Row *like, real x, const Drive *d, int slot);
 
 real spring_energy(const DriveSpring *s, real x);               /* J */

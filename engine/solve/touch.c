@@ -1,7 +1,9 @@
 /* solve/touch.c - contacts of the present positions: manifolds, and what their points remember. */
+#include "base/clock.h"
 #include "solve/group.h"
 
 #define PIECES 16
+#define LONG_TOUCH 64           /* pairs: fewer are done before anything interrupts, and the wall clock will do */
 
 /* Keeps the forces of points that are still the same features. */
 static void keep_memory(GroupContact *c, const Manifold *old, const PointMemory old_memory[MANIFOLD_POINTS])
@@ -67,13 +69,17 @@ static void touch_pieces(Group *g, GroupPair *q, const Manifold *found, const ui
     }
 }
 
-static void touch_pair(Group *g, GroupPair *q, real time)
+void group_touch_pair(Group *g, GroupPair *q, real time)
 {
     pose pa = group_shape_pose(g, q->a, q->la), pb = group_shape_pose(g, q->b, q->lb);
     real reach = pair_reach(g, q, time);
     q->fresh = false;
     if (q->contacts == 1) {
         GroupContact *c = &g->contacts[q->contact];
+        if (c->manifold.count == 0 && far_apart(q, pa, pb, reach)) {
+            c->live = false;
+            return;
+        }
         Manifold old = c->manifold;
         PointMemory old_memory[MANIFOLD_POINTS];
         memcpy(old_memory, c->memory, sizeof old_memory);
@@ -98,7 +104,11 @@ static bool pair_moves(const Group *g, const GroupPair *q)
 
 void group_touch(Group *g, real time, bool all)
 {
+    real (*clock)(void) = g->pair_count > LONG_TOUCH ? cpu_us : wall_us;
+    real start = g->timed ? clock() : 0;
     for (int i = 0; i < g->pair_count; i++)
         if (g->pairs[i].fresh || (all && pair_moves(g, &g->pairs[i])))
-            touch_pair(g, &g->pairs[i], time);
+            group_touch_pair(g, &g->pairs[i], time);
+    if (g->timed)
+        g->touch_us += clock() - start;
 }

@@ -28,9 +28,9 @@ static dig_status run_stage(Group *g, int stage)
     const World *w = g->world;
     if (g->blame && find_culprit(g, stage == STAGE_FORCE ? "state" : "solver", false))
         return DIG_E_FINITE;
-    for (int i = 0; i < w->effect_count; i++) {
+    for (int i = 0; i < w->effect_count && g->effects >> i; i++) {
         const EffectSlot *slot = &w->effects[i];
-        if (!(g->effects & 1u << i) || !slot->type->run[stage])
+        if (!(g->effects >> i & 1) || !slot->type->run[stage])
             continue;
         real start = g->timed ? wall_us() : 0;
         DIG_TRY(slot->type->run[stage](slot->state, g));
@@ -63,14 +63,18 @@ static void advance_one(void *context, int i, Arena *arena)
     g->plan = accuracy_plan(part->accuracy);
     g->tolerance = accuracy_local(part->accuracy);
     g->may_trace = part->may_trace;
+    g->crowded = part->crowded;
+    g->joined = part->joined;
     g->stage = run_stage;
     g->blame = c->blame;
     g->timed = c->s->timed;
-    g->status = group_gather(g, c->w, c->s->digs + part->dig_first, part->dig_count, c->s->pairs + part->pair_first, part->pair_count, arena);
+    g->status = group_gather(g, c->w, c->s->leads + part->dig_first, part->dig_count, c->s->pairs + part->pair_first, part->pair_count, arena);
     if (g->status != DIG_OK)
         return;
     call_effects(g);
     g->status = group_advance(g, c->s->dt);
+    if (g->status == DIG_OK)
+        group_judge(g, c->s->dt);
 }
 
 static dig_status wake_pushed(World *w, const Step *s)

@@ -5,9 +5,9 @@
  * that the ground does not join all piles into one. Groups share no writable
  * data: any order, or any number of threads, gives the same bits.
  */
+#include "base/sort.h"
+#include "crowd/crowd.h"
 #include "step/step.h"
-
-#include <stdlib.h>
 
 static uint32_t find_root(World *w, uint32_t i)
 {
@@ -30,35 +30,28 @@ static void unite(World *w, uint32_t a, uint32_t b)
         w->parent.data[a] = b;
 }
 
+/* What there is to share out: the DIGs concerned, by their first members, and the pairs that may meet. */
+typedef struct Found { uint32_t *nodes, *pairs; int node_count, pair_count; } Found;
+
 /* Every DIG is represented by its first member. */
-static uint32_t dig_node(World *w, uint32_t body, uint32_t *nodes, int *count)
+static uint32_t dig_node(World *w, uint32_t body, Found *f)
 {
-    uint32_t rep = graph_first(w->graph, graph_of(w->graph, body));
-    if (w->parent.data[rep] == NONE) {
-        w->parent.data[rep] = rep;
-        nodes[(*count)++] = rep;
+    uint32_t lead = graph_lead(w->graph, body);
+    if (w->parent.data[lead] == NONE) {
+        w->parent.data[lead] = lead;
+        f->nodes[f->node_count++] = lead;
     }
-    return rep;
+    return lead;
 }
 
 static bool is_dynamic(const World *w, uint32_t body) { return body != NONE && w->bodies.data[body].kind == DIG_DYNAMIC; }
 
-static box3 reach_now(const World *w, const Solid *s)
+/* Only what is listed has a reach of this step. */
+static box3 reach_now(const World *w, const Solid *s, bool listed)
 {
-    const Body *b = s->body == NONE ? NULL : &w->bodies.data[s->body];
-    if (b && b->listed)
+    if (listed)
         return s->reach;
     return s->leaf >= 0 ? tree_box(&w->tree, s->leaf) : (box3){{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}};
-}
-
-typedef struct ActivePair { uint32_t root, pair; } ActivePair;
-
-static int compare_active(const void *a, const void *b)
-{
-    const ActivePair *x = a, *y = b;
-    if (x->root != y->root)
-        return x->root < y->root ? -1 : 1;
-    return x->pair < y->pair ? -1 : x->pair > y->pair;
 }
 
 /* A mover that may reach a sleeper wakes it: neither has an inverse mass, so no impulse would tell. */
@@ -71,50 +64,57 @@ static bool mover_wakes(World *w, uint32_t mover, uint32_t other)
     return true;
 }
 
-/* Pairs of awake bodies whose reach boxes overlap; unites DIGs across them. DIG_E_BUSY: a mover woke a sleeper. */
-static dig_status collect_pairs(World *w, uint32_t *nodes, int *node_count, ActivePair *pairs, int *pair_count)
+static bool is_listed(const World *w, uint32_t body) { return body != NONE && w->bodies.data[body].listed; }
+
+/* One pair with a listed end; unites the DIGs of both. DIG_E_BUSY: a mover woke a sleeper. */
+static dig_status collect_pair(World *w, uint32_t slot, Found *f)
 {
-    uint64_t stamp = 2 * w->steps + 1;
-    for (int i = 0; i < w->awake.count; i++) {
-        uint32_t body = w->awake.data[i];
-        bool moves = is_dynamic(w, body);
-        if (moves)
-            dig_node(w, body, nodes, node_count);
-        for (uint32_t s = w->bodies.data[body].shape_first; s != NONE; s = w->solids.data[s].next)
-            for (uint32_t l = w->solids.data[s].pair_first; l != NONE; l = w->pairs.data[l / 2].next[l % 2]) {
-                Pair *p = &w->pairs.data[l / 2];
-                uint32_t other = l % 2 ? p->body_a : p->body_b;
-                if (p->seen == stamp || (!moves && !is_dynamic(w, other)))
-                    continue;
-                if (!box3_overlap(reach_now(w, &w->solids.data[p->solid_a]), reach_now(w, &w->solids.data[p->solid_b])))
-                    continue;
-                if (!moves && mover_wakes(w, body, other))
-                    return DIG_E_BUSY;
-                if (!moves && !w->bodies.data[other].awake)
-                    continue;               /* a mover at rest and a sleeper */
-                p->seen = stamp;
-                uint32_t a = moves ? body : other;
-                if (is_dynamic(w, other) && moves)
-                    unite(w, dig_node(w, a, nodes, node_count), dig_node(w, other, nodes, node_count));
-                else
-                    dig_node(w, a, nodes, node_count);
-                pairs[(*pair_count)++] = (ActivePair){a, l / 2};
-            }
+    const Pair *p = &w->pairs.data[slot];
+    bool a = is_dynamic(w, p->body_a), b = is_dynamic(w, p->body_b);
+    if ((!a && !b) || !box3_overlap(reach_now(w, &w->solids.data[p->solid_a], is_listed(w, p->body_a)),
+                                    reach_now(w, &w->solids.data[p->solid_b], is_listed(w, p->body_b))))
+        return DIG_OK;
+    if (a && b) {
+        uint32_t one = dig_node(w, p->body_a, f), other = dig_node(w, p->body_b, f);
+        if (one != other)
+            unite(w, one, other);
+    } else {
+        uint32_t body = a ? p->body_a : p->body_b, other = a ? p->body_b : p->body_a;
+        if (!w->bodies.data[body].awake)    /* the other is a mover, for one end is listed */
+            return mover_wakes(w, other, body) ? DIG_E_BUSY : DIG_OK;
+        dig_node(w, body, f);
     }
+    f->pairs[f->pair_count++] = slot;
     return DIG_OK;
 }
 
-static void forget_seen(World *w, const ActivePair *pairs, int count)
+/* Goes through the pairs in the order of their storage, and drops those that are gone or fell asleep. */
+static dig_status collect_pairs(World *w, Found *f)
 {
-    for (int i = 0; i < count; i++)
-        w->pairs.data[pairs[i].pair].seen = 0;
+    uint32_t *near = w->near.data;
+    int n = 0, count = w->near.count;
+    DIG_TRY(sort_u32(near, count, &w->scratch));
+    dig_status status = DIG_OK;
+    for (int i = 0; i < count; i++) {
+        Pair *p = &w->pairs.data[near[i]];
+        if (!p->alive || (n > 0 && near[n - 1] == near[i]))
+            continue;                       /* gone; or gone, and its slot was given to a new pair */
+        p->listed = is_listed(w, p->body_a) || is_listed(w, p->body_b);
+        if (!p->listed)
+            continue;
+        near[n++] = near[i];
+        if (status == DIG_OK)
+            status = collect_pair(w, near[i], f);
+    }
+    w->near.count = n;
+    return status;
 }
 
-static int group_accuracy(const World *w, const uint32_t *digs, int count)
+static int group_accuracy(const World *w, const uint32_t *leads, int count)
 {
     int accuracy = w->accuracy;
-    for (int i = 0; i < count; i++)
-        accuracy = int_max(accuracy, (int)graph_user(w->graph, digs[i]));
+    for (int i = 0; i < count && w->dig_accuracies; i++)
+        accuracy = int_max(accuracy, (int)graph_user_of(w->graph, leads[i]));
     return accuracy;
 }
 
@@ -124,67 +124,157 @@ static bool within_budget(const World *w, const Step *s, const struct StepGroup 
 {
     int64_t cost = g->pair_count;
     for (int i = 0; i < g->dig_count; i++)
-        cost += graph_size(w->graph, s->digs[g->dig_first + i]);
+        cost += graph_fellows(w->graph, s->leads[g->dig_first + i]);
     bool fits = *spent == 0 || *spent + cost <= accuracy_plan(g->accuracy)->trace_total;
     *spent += fits ? cost : 0;
     return fits;
 }
 
-typedef struct NodeRoot { uint32_t root, node; } NodeRoot;
-
-/* Cuts the sorted lists into groups. */
-static dig_status cut(World *w, Step *s, const NodeRoot *nodes, int node_count, const ActivePair *pairs, int pair_count)
+/* The dynamic end of a pair: its group is the pair's. */
+static uint32_t pair_root(World *w, uint32_t pair)
 {
-    int p = 0;
-    int64_t spent = 0;
-    for (int i = 0; i < node_count; s->count++) {
-        struct StepGroup *g = &s->parts[s->count];
-        uint32_t root = nodes[i].root;
-        *g = (struct StepGroup){.dig_first = i, .pair_first = p};
-        for (; i < node_count && nodes[i].root == root; i++, g->dig_count++)
-            s->digs[i] = graph_of(w->graph, nodes[i].node);
-        for (; p < pair_count && pairs[p].root == root; p++, g->pair_count++)
-            s->pairs[p] = pairs[p].pair;
-        g->accuracy = group_accuracy(w, s->digs + g->dig_first, g->dig_count);
-        g->may_trace = within_budget(w, s, g, &spent);
+    const Pair *p = &w->pairs.data[pair];
+    return find_root(w, graph_lead(w->graph, is_dynamic(w, p->body_a) ? p->body_a : p->body_b));
+}
+
+/* Shares the sorted nodes and pairs out to the groups, the one with the lowest root first. A root is the lowest node of its group, so
+ * that it comes before the others. number[root]: which group. */
+static void share_out(World *w, Step *s, const Found *f, uint32_t *number)
+{
+    for (int i = 0; i < f->node_count; i++) {
+        uint32_t root = find_root(w, f->nodes[i]);
+        if (root == f->nodes[i]) {
+            number[root] = (uint32_t)s->count;
+            s->parts[s->count++] = (struct StepGroup){0};
+        }
+        s->parts[number[root]].dig_count++;
     }
-    return DIG_OK;
+    for (int i = 0; i < f->pair_count; i++)
+        s->parts[number[pair_root(w, f->pairs[i])]].pair_count++;
+    for (int i = 0, digs = 0, pairs = 0; i < s->count; i++) {
+        struct StepGroup *g = &s->parts[i];
+        g->dig_first = digs;
+        g->pair_first = pairs;
+        digs += g->dig_count;
+        pairs += g->pair_count;
+        g->dig_count = g->pair_count = 0;
+    }
+    for (int i = 0; i < f->node_count; i++) {
+        struct StepGroup *g = &s->parts[number[find_root(w, f->nodes[i])]];
+        s->leads[g->dig_first + g->dig_count++] = f->nodes[i];
+    }
+    for (int i = 0; i < f->pair_count; i++) {
+        struct StepGroup *g = &s->parts[number[pair_root(w, f->pairs[i])]];
+        s->pairs[g->pair_first + g->pair_count++] = f->pairs[i];
+    }
+}
+
+/* One group: the lists are its own. */
+static void keep_together(Step *s, const Found *f)
+{
+    s->count = 1;
+    s->parts[0] = (struct StepGroup){.dig_count = f->node_count, .pair_count = f->pair_count};
+    s->leads = f->nodes;
+    s->pairs = f->pairs;
+}
+
+/* Will the crowd take it, also together with others? */
+static bool joins_crowd(const World *w, const Step *s, const struct StepGroup *g)
+{
+    real light = INFINITY, heavy = 0;
+    if (!g->crowded || !crowd_allows(w))
+        return false;
+    for (int i = 0; i < g->dig_count; i++)
+        for (uint32_t m = s->leads[g->dig_first + i]; m != NONE; m = graph_next(w->graph, m)) {
+            const Body *b = &w->bodies.data[m];
+            if (b->joint_first != NONE || b->integrator != DIG_AUTO)
+                return false;
+            light = real_min(light, b->mass);
+            heavy = real_max(heavy, b->mass);
+        }
+    for (int i = 0; i < g->pair_count; i++)
+        if (w->pairs.data[s->pairs[g->pair_first + i]].restitution > CROWD_LIVELY)
+            return false;
+    return heavy <= CROWD_MASS_RATIO * light;
+}
+
+#define JOINED_MOST 256         /* bodies, about */
+
+static int bodies_of(const World *w, const Step *s, const struct StepGroup *g)
+{
+    int bodies = 0;
+    for (int i = 0; i < g->dig_count; i++)
+        bodies += graph_fellows(w->graph, s->leads[g->dig_first + i]);
+    return bodies;
+}
+
+/* Small groups of a crowd are advanced together, so that rows are solved eight at a time: lists of neighbours stand side by side. */
+static void join_crowds(const World *w, Step *s)
+{
+    int n = 0, bodies = JOINED_MOST;    /* of the last group; as good as full: none may join it */
+    for (int i = 0; i < s->count; i++) {
+        struct StepGroup g = s->parts[i];
+        g.joined = joins_crowd(w, s, &g);
+        int own = g.joined ? bodies_of(w, s, &g) : JOINED_MOST;
+        if (n > 0 && bodies + own <= JOINED_MOST && s->parts[n - 1].accuracy == g.accuracy) {
+            s->parts[n - 1].dig_count += g.dig_count;
+            s->parts[n - 1].pair_count += g.pair_count;
+            bodies += own;
+        } else {
+            s->parts[n++] = g;
+            bodies = own;
+        }
+    }
+    s->count = n;
+}
+
+static dig_status cut(World *w, Step *s, const Found *f)
+{
+    size_t nodes = (size_t)f->node_count;
+    DIG_TRY(sort_u32(f->nodes, f->node_count, &w->scratch));
+    s->parts = arena_alloc(&w->scratch, nodes * sizeof *s->parts);
+    if (!s->parts)
+        return DIG_E_MEMORY;
+    bool one = true;
+    for (int i = 1; i < f->node_count && one; i++)
+        one = find_root(w, f->nodes[i]) == f->nodes[0];
+    if (one && f->node_count > 0)
+        keep_together(s, f);
+    else {
+        uint32_t *number = arena_alloc(&w->scratch, (size_t)w->bodies.count * sizeof *number);
+        s->leads = arena_alloc(&w->scratch, nodes * sizeof *s->leads);
+        s->pairs = arena_alloc(&w->scratch, (size_t)f->pair_count * sizeof *s->pairs);
+        if (!number || !s->leads || !s->pairs)
+            return DIG_E_MEMORY;
+        share_out(w, s, f, number);
+    }
+    int64_t spent = 0;
+    for (int i = 0; i < s->count; i++) {
+        struct StepGroup *g = &s->parts[i];
+        g->accuracy = group_accuracy(w, s->leads + g->dig_first, g->dig_count);
+        g->may_trace = within_budget(w, s, g, &spent);
+        g->crowded = !g->may_trace && w->awake.count + f->pair_count > accuracy_plan(g->accuracy)->crowd_total;
+    }
+    if (w->awake.count + f->pair_count > accuracy_plan(w->accuracy)->crowd_total)
+        join_crowds(w, s);
+    s->groups = arena_alloc(&w->scratch, (size_t)s->count * sizeof *s->groups);
+    return s->groups ? DIG_OK : DIG_E_MEMORY;
 }
 
 dig_status form_groups(World *w, Step *s)
 {
-    int capacity = 0;
-    for (int i = 0; i < w->awake.count; i++)
-        for (uint32_t k = w->bodies.data[w->awake.data[i]].shape_first; k != NONE; k = w->solids.data[k].next)
-            for (uint32_t l = w->solids.data[k].pair_first; l != NONE; l = w->pairs.data[l / 2].next[l % 2])
-                capacity++;
-    int most_nodes = w->awake.count + capacity;
-    uint32_t *nodes = arena_alloc(&w->scratch, (size_t)(most_nodes + 1) * sizeof *nodes);
-    ActivePair *pairs = arena_alloc(&w->scratch, (size_t)(capacity + 1) * sizeof *pairs);
-    if (!nodes || !pairs)
+    Found f = {.nodes = arena_alloc(&w->scratch, (size_t)graph_count(w->graph) * sizeof *f.nodes),
+               .pairs = arena_alloc(&w->scratch, (size_t)w->near.count * sizeof *f.pairs)};
+    if (!f.nodes || !f.pairs)
         return world_fail(w, DIG_E_MEMORY, "not enough memory for the step's groups");
-    int node_count = 0, pair_count = 0;
-    dig_status status = collect_pairs(w, nodes, &node_count, pairs, &pair_count);
-
-    NodeRoot *roots = arena_alloc(&w->scratch, (size_t)(node_count + 1) * sizeof *roots);
-    s->digs = arena_alloc(&w->scratch, (size_t)(node_count + 1) * sizeof *s->digs);
-    s->pairs = arena_alloc(&w->scratch, (size_t)(pair_count + 1) * sizeof *s->pairs);
-    s->parts = arena_alloc(&w->scratch, (size_t)(node_count + 1) * sizeof *s->parts);
-    s->groups = arena_zero(&w->scratch, (size_t)(node_count + 1) * sizeof *s->groups);
+    for (int i = 0; i < w->awake.count; i++)
+        if (is_dynamic(w, w->awake.data[i]))
+            dig_node(w, w->awake.data[i], &f);
     s->count = 0;
-    if (!roots || !s->digs || !s->pairs || !s->parts || !s->groups)
-        status = world_fail(w, DIG_E_MEMORY, "not enough memory for the step's groups");
-    if (status == DIG_OK) {
-        for (int i = 0; i < node_count; i++)
-            roots[i] = (NodeRoot){find_root(w, nodes[i]), nodes[i]};
-        for (int i = 0; i < pair_count; i++)
-            pairs[i].root = find_root(w, graph_first(w->graph, graph_of(w->graph, pairs[i].root)));
-        qsort(roots, (size_t)node_count, sizeof *roots, compare_active);
-        qsort(pairs, (size_t)pair_count, sizeof *pairs, compare_active);
-        status = cut(w, s, roots, node_count, pairs, pair_count);
-    }
-    for (int i = 0; i < node_count; i++)
-        w->parent.data[nodes[i]] = NONE;
-    forget_seen(w, pairs, pair_count);
-    return status;
+    dig_status status = collect_pairs(w, &f);
+    if (status == DIG_OK)
+        status = cut(w, s, &f);
+    for (int i = 0; i < f.node_count; i++)
+        w->parent.data[f.nodes[i]] = NONE;
+    return status == DIG_E_MEMORY ? world_fail(w, status, "not enough memory for the step's groups") : status;
 }

@@ -9,17 +9,20 @@
 
 static uint8_t pair_wall(const World *w, const Pair *p) { return w->solids.data[p->solid_a].wall | w->solids.data[p->solid_b].wall; }
 
-/* All that regraph may need: a touch and a link for each pair of this step. */
-dig_status reserve_regraph(World *w, const Step *s)
+/* All that regraph and what follows may need: a touch, a link and their events for each pair whose touch changes. */
+dig_status reserve_regraph(World *w, Step *s)
 {
-    int pairs = 0;
-    for (int i = 0; i < s->count; i++)
-        pairs += s->groups[i].pair_count;
-    DIG_TRY(list_reserve(&w->touches, w->touches.count + pairs, &w->allocations));
+    DIG_TRY(reserve_tell(w, s));
+    int changed = 0, others = 2 * w->awake.count + 64;      /* events: who falls asleep or leaves the world */
+    for (int i = 0; i < s->count; i++) {
+        changed += s->groups[i].changed_count;
+        others += s->groups[i].strike_count + 4 * s->groups[i].joint_count;
+    }
+    DIG_TRY(list_reserve(&w->touches, w->touches.count + changed, &w->allocations));
     DIG_TRY(list_reserve(&w->free_touches, w->touches.capacity, &w->allocations));
     DIG_TRY(list_reserve(&w->brief, w->touches.capacity, &w->allocations));
     DIG_TRY(map_reserve(&w->touch_map, w->touches.capacity));
-    DIG_TRY(list_reserve(&w->pending, w->pending.count + 8 * pairs + 4 * w->awake.count + 64, &w->allocations));
+    DIG_TRY(list_reserve(&w->pending, w->pending.count + 4 * (changed + w->brief.count) + others, &w->allocations));
     return graph_reserve(w->graph, w->bodies.capacity, w->touches.capacity + w->joints.capacity);
 }
 
@@ -69,28 +72,7 @@ static void fill_event(dig_event *e, const GroupPair *q, uint8_t wall, real time
     e->normal = q->struck_normal;
 }
 
-/* A collision message to each member of the DIG of every body that was struck by something outside its DIG. */
-static void tell_members(World *w, uint32_t struck, uint32_t striker, real time, real speed)
-{
-    if (!is_dynamic(w, struck))
-        return;
-    uint32_t id = graph_of(w->graph, struck);
-    if (striker != NONE && is_dynamic(w, striker) && graph_of(w->graph, striker) == id)
-        return;
-    vec3 from = striker == NONE ? vec3_zero() : w->bodies.data[striker].x;
-    for (uint32_t m = graph_first(w->graph, id); m != NONE; m = graph_next(w->graph, m)) {
-        Body *b = &w->bodies.data[m];
-        dig_message message = {.time = time, .from = body_handle(w, striker), .to = body_handle(w, m), .kind = "collision", .value = {speed}};
-        bool plane = striker == NONE || !isfinite(w->bodies.data[striker].outer);
-        message.direction = plane ? vec3_zero() : vec3_sub(b->x, from);
-        b->message_id = message_post(&w->messages, &message);
-        b->message_time = time;
-        b->message_from = message.from;
-        memcpy(b->message_kind, message.kind, sizeof b->message_kind);
-    }
-}
-
-static void strikes_of(World *w, const Group *g, real start)
+static void strikes_of(World *w, Step *s, const Group *g, real start)
 {
     for (int i = 0; i < g->strike_count; i++) {
         const Strike *k = &g->strikes[i];
@@ -102,8 +84,8 @@ static void strikes_of(World *w, const Group *g, real start)
             e->point = k->point;
             e->normal = k->normal;
         }
-        tell_members(w, p->body_a, p->body_b, start + k->time, k->speed);
-        tell_members(w, p->body_b, p->body_a, start + k->time, k->speed);
+        tell(w, s, p->body_a, p->body_b, start + k->time, k->speed);
+        tell(w, s, p->body_b, p->body_a, start + k->time, k->speed);
         w->stats.events++;
     }
 }
@@ -118,13 +100,11 @@ static bool moves_now(const World *w, uint32_t body)
 }
 
 /* Begin, end, or a bounce of one pair. Additions to the graph only; ends are noted in w->brief for later. */
-static void touch_pair(World *w, const Group *g, const GroupPair *q, bool was, real start)
+static void touch_pair(World *w, const Group *g, const GroupPair *q, real start)
 {
     Pair *p = &w->pairs.data[q->slot];
     uint8_t wall = pair_wall(w, p);
-    bool now = p->touching;
-    if (!now && !was && !q->struck)
-        return;
+    bool now = q->touching, was = q->was_touching;
     uint32_t slot;
     if (touch_find_or_add(w, p->body_a, p->body_b, wall, &slot) != DIG_OK)
         return;
@@ -201,49 +181,69 @@ static void joints_of(World *w, const Group *g)
     }
 }
 
-/* The weakest first: of the joints of one group that are over their limit, the one with the largest share breaks. */
-static void break_worst(World *w, const Group *g)
+/* load in N; time in s of the world */
+static void break_joint(World *w, uint32_t slot, real load, real time)
 {
-    uint32_t worst = NONE;
-    real share = 1;
-    for (int i = 0; i < g->joint_count; i++) {
-        const JointRec *r = &w->joints.data[g->joints[i].slot];
-        real s = r->alive && r->breaks_at > 0 ? vec3_length(r->force) / r->breaks_at : 0;
-        if (s > share) {
-            share = s;
-            worst = g->joints[i].slot;
-        }
-    }
-    if (worst == NONE)
-        return;
-    JointRec *r = &w->joints.data[worst];
-    dig_event *e = event_post(w, DIG_EVENT_BROKEN, r->a, r->b);
-    if (e) {
-        e->joint = joint_handle(w, worst);
-        e->impulse = vec3_length(r->force) * w->def.step;
-    }
+    JointRec *r = &w->joints.data[slot];
     uint32_t a = r->a, b = r->b;
-    joint_remove(w, worst);
+    int first = w->pending.count;
+    dig_event *e = event_post(w, DIG_EVENT_BROKEN, a, b);
+    if (e) {
+        e->joint = joint_handle(w, slot);
+        e->impulse = load * w->def.step;
+    }
+    joint_remove(w, slot);
+    for (int i = first; i < w->pending.count; i++)      /* what follows from it happened with it */
+        w->pending.data[i].time = time;
     if (a != NONE && b != NONE) {           /* they may touch again */
         body_refit(w, a);
         body_refit(w, b);
     }
 }
 
-void regraph(World *w, const Step *s)
+/* A group that is followed in time has found its breaks. Else the weakest first: of the joints of one group that are over their
+ * limit in the mean of the step, the one with the largest share breaks. A blow is no force: it counts by the mean in either. */
+static void break_joints(World *w, const Group *g, real start)
+{
+    int broken = 0;
+    uint32_t worst = NONE;
+    real share = 1;
+    for (int i = 0; i < g->joint_count; i++) {
+        const GroupJoint *j = &g->joints[i];
+        const JointRec *r = &w->joints.data[j->slot];
+        if (j->broken && r->alive) {
+            break_joint(w, j->slot, r->breaks_at, start + j->broke);
+            broken++;
+            continue;
+        }
+        real s = r->alive && r->breaks_at > 0 ? vec3_length(r->force) / r->breaks_at : 0;
+        if (s > share) {
+            share = s;
+            worst = j->slot;
+        }
+    }
+    bool followed = g->way && g->way->tally == WAY_TRACED && g->located == 0;
+    if (worst != NONE && broken == 0 && !followed)
+        break_joint(w, worst, vec3_length(w->joints.data[worst].force), world_time(w));
+}
+
+void regraph(World *w, Step *s)
 {
     real start = (real)(w->steps - 1) * s->dt;
     for (int i = 0; i < s->count; i++)
-        strikes_of(w, &s->groups[i], start);
+        strikes_of(w, s, &s->groups[i], start);
+    tell_all(w, s);
     graph_begin(w->graph);
-    for (int i = 0; i < s->count; i++)
-        for (int k = 0; k < s->groups[i].pair_count; k++)
-            touch_pair(w, &s->groups[i], &s->groups[i].pairs[k], s->groups[i].pairs[k].was_touching, start);
+    for (int i = 0; i < s->count; i++) {
+        const Group *g = &s->groups[i];
+        for (int k = 0; k < g->changed_count; k++)
+            touch_pair(w, g, &g->pairs[g->changed[k]], start);
+    }
     end_touches(w, start, s->dt);
     graph_end(w->graph);
     post_graph_changes(w);
     for (int i = 0; i < s->count; i++) {
         joints_of(w, &s->groups[i]);
-        break_worst(w, &s->groups[i]);
+        break_joints(w, &s->groups[i], start);
     }
 }

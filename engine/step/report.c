@@ -1,29 +1,8 @@
 /* step/report.c - events, residuals, expired pushes, the energy ledger. */
-#define _POSIX_C_SOURCE 200809L
 #include "step/step.h"
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
-
-real cpu_us(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return 1e6 * (real)t.tv_sec + 1e-3 * (real)t.tv_nsec;
-}
-
-real wall_us(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return 1e6 * (real)t.tv_sec + 1e-3 * (real)t.tv_nsec;
-}
-
-dig_status reserve_report(World *w)
-{
-    return list_reserve(&w->events, w->pending.capacity, &w->allocations);
-}
 
 static uint32_t slot_low(const dig_event *e) { return e->b.gen && e->b.slot < e->a.slot ? e->b.slot : e->a.slot; }
 static uint32_t slot_high(const dig_event *e) { return e->b.gen && e->b.slot < e->a.slot ? e->a.slot : e->b.slot; }
@@ -50,14 +29,17 @@ static int compare_events(const void *a, const void *b)
     return x->speed < y->speed ? -1 : x->speed > y->speed;
 }
 
+/* What was waiting is delivered; the room of the last step's events is for the next ones. */
 static void deliver_events(World *w)
 {
-    if (list_reserve(&w->events, w->pending.count, &w->allocations) != DIG_OK)
-        w->pending.count = int_min(w->pending.count, w->events.capacity);
-    if (w->pending.count > 0)
-        memcpy(w->events.data, w->pending.data, (size_t)w->pending.count * sizeof *w->events.data);
+    dig_event *room = w->events.data;
+    int capacity = w->events.capacity;
+    w->events.data = w->pending.data;
     w->events.count = w->pending.count;
+    w->events.capacity = w->pending.capacity;
+    w->pending.data = room;
     w->pending.count = 0;
+    w->pending.capacity = capacity;
     if (w->events.count > 1)
         qsort(w->events.data, (size_t)w->events.count, sizeof *w->events.data, compare_events);
 }
@@ -115,6 +97,7 @@ static void sum_groups(World *w, const Step *s)
             t->gave_up++;
             snprintf(t->gave_up_why, sizeof t->gave_up_why, "%s", g->gave_up);
         }
+        t->us_touch += g->touch_us / (real)int_max(1, (int)w->def.threads);     /* as the others: of one thread */
         t->residual = real_max(t->residual, g->residual);
         t->penetration = real_max(t->penetration, g->penetration);
         t->joint_error = real_max(t->joint_error, g->joint_error);
@@ -124,6 +107,13 @@ static void sum_groups(World *w, const Step *s)
         w->ledger.lost += g->lost;
         w->ledger.work_in += g->work_in;
     }
+}
+
+/* Contacts are found while groups are advanced: their time is told apart. */
+static void part_touch(dig_stats *t)
+{
+    t->us_touch = real_min(t->us_touch, t->us_advance);
+    t->us_advance -= t->us_touch;
 }
 
 static void sum_ways(dig_stats *t)
@@ -153,6 +143,8 @@ void report(World *w, const Step *s)
 {
     sum_groups(w, s);
     sum_ways(&w->stats);
+    if (s->timed)
+        part_touch(&w->stats);
     count_effects(w, s);
     end_pushes(w);
     watch_edge(w);

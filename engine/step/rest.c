@@ -54,19 +54,22 @@ static bool is_carried(const World *w, const Body *b)
 }
 
 /* A member that a mover carries, or that nothing holds, keeps its DIG awake. */
-static bool may_sleep(const World *w, uint32_t id)
+static bool may_sleep(const World *w, uint32_t lead)
 {
-    for (uint32_t m = graph_first(w->graph, id); m != NONE; m = graph_next(w->graph, m)) {
+    for (uint32_t m = lead; m != NONE; m = graph_next(w->graph, m))      /* mostly one of them says no at once */
+        if (w->bodies.data[m].still < SLEEP_TIME)
+            return false;
+    for (uint32_t m = lead; m != NONE; m = graph_next(w->graph, m)) {
         const Body *b = &w->bodies.data[m];
-        if (b->still < SLEEP_TIME || !is_held(w, b) || is_carried(w, b))
+        if (!is_held(w, b) || is_carried(w, b))
             return false;
     }
     return true;
 }
 
-static void fall_asleep(World *w, uint32_t id)
+static void fall_asleep(World *w, uint32_t lead)
 {
-    for (uint32_t m = graph_first(w->graph, id); m != NONE; m = graph_next(w->graph, m)) {
+    for (uint32_t m = lead; m != NONE; m = graph_next(w->graph, m)) {
         Body *b = &w->bodies.data[m];
         b->awake = false;
         b->mode = DIG_RESTING;
@@ -88,9 +91,8 @@ void rest(World *w, real dt)
     for (int i = 0; i < w->awake.count; i++) {
         uint32_t slot = w->awake.data[i];
         const Body *b = &w->bodies.data[slot];
-        uint32_t id = graph_of(w->graph, slot);
         /* asked once per DIG: at its first member */
-        if (b->kind == DIG_DYNAMIC && b->awake && b->still >= SLEEP_TIME && graph_first(w->graph, id) == slot && may_sleep(w, id))
-            fall_asleep(w, id);
+        if (b->kind == DIG_DYNAMIC && b->awake && b->still >= SLEEP_TIME && graph_lead(w->graph, slot) == slot && may_sleep(w, slot))
+            fall_asleep(w, slot);
     }
 }

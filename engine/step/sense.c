@@ -25,7 +25,7 @@ static void tidy_awake(World *w)
         Body *b = &w->bodies.data[slot];
         bool keep = b->alive && ((b->kind == DIG_DYNAMIC && b->awake) || b->kind == DIG_KINEMATIC);
         if (!keep) {
-            b->listed = false;
+            b->listed = b->paired = false;
             continue;
         }
         sorted = sorted && (n == 0 || w->awake.data[n - 1] < slot);
@@ -49,6 +49,20 @@ static box3 reach_of(const World *w, const Solid *s, const Body *b, real dt)
     real angle = real_min(2, vec3_length(b->w) * dt);
     real arm = vec3_length(vec3_sub(s->at.p, b->centre)) + s->shape.outer;
     return box3_grow(box, angle * arm + 0.02 * s->shape.outer + vec3_length(w->def.gravity) * dt * dt);
+}
+
+/* Who was listed lately brings its pairs along. */
+static dig_status list_pairs(World *w, Body *b)
+{
+    b->paired = true;
+    for (uint32_t s = b->shape_first; s != NONE; s = w->solids.data[s].next)
+        for (uint32_t l = w->solids.data[s].pair_first; l != NONE; l = w->pairs.data[l / 2].next[l % 2])
+            if (!w->pairs.data[l / 2].listed) {
+                DIG_TRY(list_reserve(&w->near, w->near.count + 1, &w->allocations));
+                w->near.data[w->near.count++] = l / 2;
+                w->pairs.data[l / 2].listed = true;
+            }
+    return DIG_OK;
 }
 
 typedef struct Ask { World *w; uint32_t solid; dig_status status; } Ask;
@@ -133,7 +147,9 @@ static bool body_sane(const Body *b)
 
 static dig_status sense_body(World *w, uint32_t slot, real dt)
 {
-    const Body *b = &w->bodies.data[slot];
+    Body *b = &w->bodies.data[slot];
+    if (!b->paired)
+        DIG_TRY(list_pairs(w, b));
     if (!body_sane(b)) {
         w->stats.rejected++;
         return world_fail(w, DIG_E_FINITE, "at t = %g s the state of body '%s' has a non-finite position or velocity",

@@ -1,16 +1,11 @@
 /* step/step.c - the order of things. */
 #include "step/step.h"
 
-static real now_if(const Step *s) { return s->timed ? cpu_us() : 0; }
-
-/* In a timed step, books the CPU time since `start` and returns now. Statistics only: nothing depends on it. */
-static real book_time(const Step *s, real *us, real start)
+/* In a timed step, books the CPU time since the last call. Statistics only: nothing depends on it. */
+static void book_time(Step *s, real *us)
 {
-    if (!s->timed)
-        return 0;
-    real now = cpu_us();
-    *us += now - start;
-    return now;
+    if (s->timed)
+        *us += stopwatch_lap(&s->watch);
 }
 
 static dig_status try_once(World *w, Step *s)
@@ -19,14 +14,13 @@ static dig_status try_once(World *w, Step *s)
     arena_reset(&w->scratch);
     if (w->workers)
         workers_reset(w->workers);
-    real clock = now_if(s);
     DIG_TRY(sense_pairs(w, s->dt));
-    clock = book_time(s, &t->us_sense, clock);
+    book_time(s, &t->us_sense);
     dig_status status = form_groups(w, s);
-    clock = book_time(s, &t->us_graph, clock);
+    book_time(s, &t->us_graph);
     if (status == DIG_OK)
         status = advance_groups(w, s);
-    book_time(s, &t->us_advance, clock);
+    book_time(s, &t->us_advance);
     return status;
 }
 
@@ -43,8 +37,10 @@ static void forget_strays(World *w)
 static dig_status advance(World *w, Step *s)
 {
     dig_stats *t = &w->stats;
-    if (s->timed)
+    if (s->timed) {
         t->us_sense = t->us_touch = t->us_graph = t->us_advance = t->us_commit = t->us_report = 0;
+        s->watch = stopwatch_start();
+    }
     dig_status status;
     do
         status = try_once(w, s);
@@ -69,21 +65,19 @@ dig_status step_world(World *w)
 {
     Step s = {.dt = w->def.step, .timed = w->steps % TIMED_EVERY == 0};
 
-    DIG_TRY(reserve_report(w));         /* 0 memory for what may not fail later              */
     DIG_TRY(advance(w, &s));            /* 1 whose boxes may meet, in which groups;          */
                                         /*   each group on private copies                    */
     DIG_TRY(check_finite(w, &s));       /* 2 all numbers finite, or name the culprit         */
     DIG_TRY(reserve_regraph(w, &s));    /* 3 from here on nothing can fail                   */
-    real clock = now_if(&s);
     commit(w, &s);                      /* 4 the copies become the world                     */
     move_movers(w, s.dt);               /* 5 kinematic bodies                                */
     w->steps++;
-    clock = book_time(&s, &w->stats.us_commit, clock);
+    book_time(&s, &w->stats.us_commit);
     regraph(w, &s);                     /* 6 contacts begin and end, DIGs merge and split    */
-    clock = book_time(&s, &w->stats.us_graph, clock);
+    book_time(&s, &w->stats.us_graph);
     rest(w, s.dt);                      /* 7 who comes to rest, who falls asleep             */
     report(w, &s);                      /* 8 events, residuals, energy ledger                */
-    book_time(&s, &w->stats.us_report, clock);
+    book_time(&s, &w->stats.us_report);
     return DIG_OK;
 }
 

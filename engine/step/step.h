@@ -5,23 +5,27 @@
 #ifndef DIG_STEP_H
 #define DIG_STEP_H
 
+#include "base/clock.h"
 #include "effect/effect.h"
 
 /* Advances the world by one frame step, or leaves motion and effects as they were and says why. */
 dig_status step_world(World *w);
 
-/* Time is taken in every so many steps only: reading the clock costs as much as a small group. */
+/* Time is taken in every so many steps only: looking at the clock costs something, too. */
 #define TIMED_EVERY 16
 
 typedef struct Step {           /* what the stages hand to each other; lives in the world's scratch memory */
     real      dt;
     int       tries;            /* of the step, because something got farther than foreseen */
     bool      timed;            /* phases and effects are timed in this step */
-    uint32_t *digs;             /* DIGs of all groups, group by group       */
+    Stopwatch watch;            /* in a timed step                          */
+    uint32_t *leads;            /* first members of the DIGs of all groups, group by group */
     uint32_t *pairs;            /* pairs of all groups, group by group      */
-    struct StepGroup { int dig_first, dig_count, pair_first, pair_count, accuracy; bool may_trace; } *parts;
+    struct StepGroup { int dig_first, dig_count, pair_first, pair_count, accuracy; bool may_trace, crowded, joined; } *parts;
     Group    *groups;
     int       count;
+    struct Telling *tellings;   /* tell.c: who is to hear of which strike   */
+    int       telling_count;
 } Step;
 
 /* sense.c */
@@ -34,15 +38,16 @@ dig_status check_finite(World *w, Step *s);         /* all numbers finite, or na
 /* ways.c */
 dig_status group_advance(Group *g, real dt);        /* by the first way that suits and can                  */
 /* regraph.c */
-dig_status reserve_regraph(World *w, const Step *s);
-void       regraph(World *w, const Step *s);        /* touches begin and end; DIGs merge and split; breaks  */
+dig_status reserve_regraph(World *w, Step *s);
+void       regraph(World *w, Step *s);              /* touches begin and end; DIGs merge and split; breaks  */
+/* tell.c: collision messages */
+dig_status reserve_tell(World *w, Step *s);
+void       tell(World *w, Step *s, uint32_t struck, uint32_t striker, real time, real speed);
+void       tell_all(World *w, Step *s);             /* before the DIGs of the step change                   */
 /* rest.c */
 void       rest(World *w, real dt);                 /* who comes to rest, who falls asleep                  */
 /* report.c */
-dig_status reserve_report(World *w);
 void       report(World *w, const Step *s);
-real       wall_us(void);                           /* us, for statistics only */
-real       cpu_us(void);                            /* us of CPU time of this thread, for statistics only   */
 
 /* workers.c: runs job(context, i) for i in 0..count-1 on the world's threads; arenas[thread]. */
 typedef void Job(void *context, int i, Arena *arena);

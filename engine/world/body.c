@@ -407,7 +407,7 @@ void body_remove(World *w, uint32_t slot)
     for (int i = 0; b->listed && i < w->awake.count; i++)
         if (w->awake.data[i] == slot) {
             w->awake.data[i] = w->awake.data[--w->awake.count];
-            b->listed = false;
+            b->listed = b->paired = false;
         }
     slot_give(w, &w->free_bodies, slot);
 }

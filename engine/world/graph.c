@@ -391,6 +391,29 @@ uint32_t graph_next(const Graph *g, uint32_t node)
     return graph_has_node(g, node) ? g->nodes[node].next : GRAPH_END;
 }
 
+static const GraphDig *record_of(const Graph *g, uint32_t node)
+{
+    return graph_has_node(g, node) ? &g->digs[g->nodes[node].dig] : NULL;
+}
+
+uint32_t graph_lead(const Graph *g, uint32_t node)
+{
+    const GraphDig *d = record_of(g, node);
+    return d ? d->first : GRAPH_END;
+}
+
+int graph_fellows(const Graph *g, uint32_t node)
+{
+    const GraphDig *d = record_of(g, node);
+    return d ? (int)d->size : 0;
+}
+
+uint64_t graph_user_of(const Graph *g, uint32_t node)
+{
+    const GraphDig *d = record_of(g, node);
+    return d ? d->user : 0;
+}
+
 uint32_t graph_link_first(const Graph *g, uint32_t node)
 {
     uint32_t entry = graph_has_node(g, node) ? g->nodes[node].links : NIL;

@@ -88,6 +88,10 @@ uint32_t   graph_by_index(const Graph *g, int index);           /* id; a fixed o
 int        graph_size(const Graph *g, uint32_t id);             /* 0 = no such DIG */
 uint32_t   graph_first(const Graph *g, uint32_t id);            /* first member, members in list order; GRAPH_END: no such DIG */
 uint32_t   graph_next(const Graph *g, uint32_t node);           /* next member; GRAPH_END at the end */
+/* The DIG of a node without looking up its id: what a step asks for every body. GRAPH_END and 0 when it is no node. */
+uint32_t   graph_lead(const Graph *g, uint32_t node);           /* first member of its DIG */
+int        graph_fellows(const Graph *g, uint32_t node);        /* members of its DIG, itself included */
+uint64_t   graph_user_of(const Graph *g, uint32_t node);        /* graph_user of its DIG */
 /* Links of a node, newest first; GRAPH_END at the end. Includes bound links. */
 uint32_t   graph_link_first(const Graph *g, uint32_t node);
 uint32_t   graph_link_next(const Graph *g, uint32_t node, uint32_t link);

@@ -37,22 +37,40 @@ void message_open(MessageLog *log)
     memset(log, 0, sizeof *log);
 }
 
-uint64_t message_post(MessageLog *log, const dig_message *message)
+uint64_t message_ids(MessageLog *log, uint64_t count)
 {
-    if (!finite(message))
-        return 0;
-    uint64_t id = ++log->last_id;
+    uint64_t first = log->last_id + 1;
+    log->last_id += count;
+    return first;
+}
+
+static void insert(MessageLog *log, const dig_message *message, uint64_t id)
+{
     if (log->count == MESSAGE_KEPT) {
         if (message->time < ring_at(log, 0)->time)
-            return id;
+            return;
         log->start = (log->start + 1) % MESSAGE_KEPT;
         log->count--;
     }
-    /* Its id is the greatest, so it goes behind all that are not later in time. */
+    /* Its id is the greatest of its time, so it goes behind all that are not later. */
     uint32_t place = log->count++;
     for (; place > 0 && ring_at(log, place - 1)->time > message->time; place--)
         memcpy(ring_at(log, place), ring_at(log, place - 1), sizeof(dig_message));
     store(ring_at(log, place), message, id);
+}
+
+void message_keep(MessageLog *log, const dig_message *m)
+{
+    if (finite(m))
+        insert(log, m, m->id);
+}
+
+uint64_t message_post(MessageLog *log, const dig_message *message)
+{
+    if (!finite(message))
+        return 0;
+    uint64_t id = message_ids(log, 1);
+    insert(log, message, id);
     return id;
 }
 

@@ -27,6 +27,10 @@ void     message_open(MessageLog *log);                         /* empties it an
 /* Logs a message; the id in it is ignored, the kind is cut at 31 bytes. Returns its new id, or 0, and logs nothing, when a
  * number in it is not finite. A message older than all of a full log gets an id but is not kept. */
 uint64_t message_post(MessageLog *log, const dig_message *message);
+/* The two halves of message_post, for many messages at once: the next `count` ids (returns the first of them), and one message
+ * under an id so given, `m->id`. Dropped when a number in it is not finite. Messages of the same time in ascending order. */
+uint64_t message_ids(MessageLog *log, uint64_t count);
+void     message_keep(MessageLog *log, const dig_message *m);
 int      message_count(const MessageLog *log);
 const dig_message *message_at(const MessageLog *log, int index);        /* 0 = oldest; NULL: no such; valid until the next post */
 const dig_message *message_find(const MessageLog *log, uint64_t id);    /* NULL: forgotten or never posted; searches the log */

@@ -52,13 +52,16 @@ dig_status pair_add(World *w, uint32_t solid_a, uint32_t solid_b)
     uint32_t contact[MESH_CONTACTS];
     for (int i = 0; i < want; i++)
         DIG_TRY(world_slot(w, &w->contacts, &w->free_contacts, &contact[i]));
+    DIG_TRY(list_reserve(&w->near, w->near.count + 1, &w->allocations));
     DIG_TRY(world_slot(w, &w->pairs, &w->free_pairs, &slot));
     DIG_TRY(map_put(&w->pair_map, key, slot));
     for (int i = 0; i < want; i++)
         w->contacts.data[contact[i]].next = i + 1 < want ? contact[i + 1] : NONE;
     Pair *p = &w->pairs.data[slot];
     const Solid *a = &w->solids.data[solid_a], *b = &w->solids.data[solid_b];
-    *p = (Pair){.alive = true, .solid_a = solid_a, .solid_b = solid_b, .body_a = a->body, .body_b = b->body, .contact = contact[0], .fresh = true};
+    *p = (Pair){.alive = true, .solid_a = solid_a, .solid_b = solid_b, .body_a = a->body, .body_b = b->body, .contact = contact[0],
+                .listed = true, .fresh = true};
+    w->near.data[w->near.count++] = slot;
     surface_pair(w, &a->surface, &b->surface, p);
     link_in(w, slot, 0, solid_a);
     link_in(w, slot, 1, solid_b);

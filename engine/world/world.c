@@ -93,6 +93,7 @@ void world_close(World *w)
     list_close(&w->free_joints);
     list_close(&w->unbounded);
     list_close(&w->awake);
+    list_close(&w->near);
     list_close(&w->asking);
     list_close(&w->brief);
     list_close(&w->parent);
@@ -115,7 +116,7 @@ size_t world_bytes(const World *w)
     bytes += list_bytes(&w->touches) + list_bytes(&w->joints) + list_bytes(&w->pushes) + list_bytes(&w->events) + list_bytes(&w->pending);
     bytes += list_bytes(&w->materials) + list_bytes(&w->material_pairs);
     bytes += map_bytes(&w->pair_map) + map_bytes(&w->touch_map) + (size_t)w->tree.capacity * sizeof(TreeNode);
-    bytes += graph_bytes(w->graph) + arena_bytes(&w->scratch);
+    bytes += list_bytes(&w->near) + graph_bytes(w->graph) + arena_bytes(&w->scratch);
     for (int i = 0; i < w->solids.count; i++)
         if (w->solids.data[i].alive)
             bytes += shape_bytes(&w->solids.data[i].shape);

@@ -32,6 +32,7 @@ typedef struct Body {
     uint32_t gen;               /*        generation of the handle                     */
     bool     alive, awake, collides, out;   /* out: already reported out of the world  */
     bool     listed;            /*        in world->awake                              */
+    bool     paired;            /*        listed, and its pairs are in world->near     */
     dig_body_kind kind;
     dig_mode mode;
     char     name[64];
@@ -67,17 +68,17 @@ typedef struct Body {
 
 typedef struct Solid {          /* one shape in a body, or of the world itself (body == NONE) */
     bool     alive;
+    bool     asks;              /* in world->asking: its box wants to be compared with the tree */
+    uint8_t  wall;              /* 1..6 for the room's, else 0                         */
     uint32_t body, next;
+    uint32_t pair_first;        /* list through Pair.next, as 2 * pair + side          */
+    int32_t  leaf;              /* in world->tree; < 0: unbounded (planes) or no collisions */
+    box3     reach;             /* m   where it may get in this step                   */
     Shape    shape;
     pose     at;                /* in the body frame (origin), or in the world         */
     vec3     centre;            /* m   centre of mass of the body in the shape's frame */
     Surface  surface;
     vec3     colour;
-    int32_t  leaf;              /* in world->tree; < 0: unbounded (planes) or no collisions */
-    uint8_t  wall;              /* 1..6 for the room's, else 0                         */
-    bool     asks;              /* in world->asking: its box wants to be compared with the tree */
-    uint32_t pair_first;        /* list through Pair.next, as 2 * pair + side          */
-    box3     reach;             /* m   where it may get in this step                   */
     real     blow;              /* m   of that, what a blow could add                  */
     real     astray;            /* m   how much farther than foreseen it got in the tries of this step, not kept between steps */
 } Solid;
@@ -94,23 +95,24 @@ typedef struct PointMemory {    /* what a contact point remembers between steps 
 typedef struct Contact {        /* one manifold of a pair; a convex pair has one       */
     uint32_t next;              /* of the same pair                                    */
     uint32_t piece;
+    bool     idle;              /* no point, and no force in the last step: nothing to gather, mostly nothing to write back */
+    bool     touching, sliding;
     Manifold manifold;          /* at the end of the last step                         */
     PointMemory memory[MANIFOLD_POINTS];
     vec3     rolling;           /* N m                                                 */
     vec3     force;             /* N on b, mean over the last step                     */
     vec3     point;             /* m   where                                           */
-    bool     touching, sliding;
 } Contact;
 
-typedef struct Pair {           /* two solids whose fat boxes overlap                  */
+typedef struct Pair {           /* two solids whose fat boxes overlap; what every step reads comes first */
     bool     alive;
+    bool     listed;            /* in world->near                                      */
+    bool     touching, fresh;   /* fresh: the stored manifold is not that of the present poses */
     uint32_t solid_a, solid_b, body_a, body_b;     /* body NONE: the world; solid_a < solid_b */
+    uint32_t next[2], prev[2];  /* lists of the two solids, as 2 * pair + side         */
     uint32_t contact;           /* first of its contacts (fixed number)                */
     ManifoldCache cache;
     real     friction, friction_dynamic, rolling, restitution; /* of this pair of surfaces */
-    uint32_t next[2], prev[2];  /* lists of the two solids, as 2 * pair + side         */
-    uint64_t seen;              /* step in which it was last collected                 */
-    bool     touching, fresh;   /* fresh: the stored manifold is not that of the present poses */
 } Pair;
 
 typedef struct Touch {          /* two bodies that touch by at least one pair          */
@@ -210,6 +212,7 @@ struct dig_world {
     LIST(uint32_t) free_bodies, free_solids, free_pairs, free_contacts, free_touches, free_joints, free_regions;
     LIST(uint32_t) unbounded;           /* solids that are planes                      */
     LIST(uint32_t) awake;               /* bodies to be advanced, ascending            */
+    LIST(uint32_t) near;                /* pairs of listed bodies, and some that were; nearly ascending */
     LIST(uint32_t) asking;              /* solids that are new or were moved by hand   */
     LIST(uint32_t) brief;               /* touches whose link lives one step           */
     LIST(uint32_t) parent;              /* union-find over body slots, NONE between steps */
@@ -271,6 +274,14 @@ static inline mat3 body_inertia_world(const Body *b)
 {
     mat3 r = quat_matrix(b->q);
     return mat3_mul(mat3_mul(r, b->inertia), mat3_transpose(r));
+}
+
+/* kg m^2/s  about the centre of mass, at spin w */
+static inline vec3 body_spin_momentum(const Body *b, vec3 w)
+{
+    if (b->round_inertia)
+        return mat3_mul_vec(b->inertia, w);
+    return quat_rotate(b->q, mat3_mul_vec(b->inertia, quat_unrotate(b->q, w)));
 }
 
 /* Takes a free slot of a list or adds one. */

@@ -1,8 +1,9 @@
-/* test_base.c - scratch memory and the hash map against models of what they should do. */
+/* test_base.c - scratch memory, the hash map and sorting against models of what they should do. */
 #include "check.h"
 
 #include "base/arena.h"
 #include "base/map.h"
+#include "base/sort.h"
 
 /* Repeatable noise: x' = x * a + c mod 2^64 (Knuth's MMIX constants), upper half returned. */
 static uint32_t noise(uint64_t *x)
@@ -248,6 +249,45 @@ TEST(an_impossible_reserve_is_refused)
     CHECK(!map_remove(&m, map_key(1)));
 }
 
+/* ---- sorting ---- */
+
+static void check_sorted(uint32_t *list, int count, Arena *a)
+{
+    uint64_t sum = 0, mixed = 0, after = 0, mixed_after = 0;
+    for (int i = 0; i < count; i++) {
+        sum += list[i];
+        mixed ^= list[i] * 0x9E3779B97F4A7C15u;
+    }
+    CHECK_INT(sort_u32(list, count, a), DIG_OK);
+    for (int i = 0; i < count; i++) {
+        CHECK(i == 0 || list[i - 1] <= list[i]);
+        after += list[i];
+        mixed_after ^= list[i] * 0x9E3779B97F4A7C15u;
+    }
+    CHECK(sum == after && mixed == mixed_after);        /* the same numbers */
+    CHECK_INT(a->live, 0);
+}
+
+TEST(numbers_of_any_size_and_count_come_out_ascending)
+{
+    enum { MOST = 5000 };
+    static const int counts[] = {0, 1, 2, 3, 47, 48, 49, 300, MOST};
+    static const uint32_t masks[] = {0, 1, 0xFF, 0xFFFF, 0xFF00FF00, UINT32_MAX};
+    uint32_t list[MOST];
+    Arena a = {0};
+    uint64_t seed = 7;
+    for (size_t c = 0; c < sizeof counts / sizeof *counts; c++)
+        for (size_t m = 0; m < sizeof masks / sizeof *masks; m++) {
+            for (int i = 0; i < counts[c]; i++)
+                list[i] = noise(&seed) & masks[m];
+            check_sorted(list, counts[c], &a);
+            for (int i = 0; i < counts[c]; i++)
+                list[i] = (uint32_t)(counts[c] - i) << 4;       /* descending */
+            check_sorted(list, counts[c], &a);
+        }
+    arena_close(&a);
+}
+
 int main(void)
 {
     RUN_TESTS(
@@ -262,6 +302,7 @@ int main(void)
         unit_test(nothing_is_allocated_within_the_reserve),
         unit_test(regular_keys_stay_near_their_home),
         unit_test(a_copy_is_the_same_table_and_lives_on_its_own),
-        unit_test(an_impossible_reserve_is_refused)
+        unit_test(an_impossible_reserve_is_refused),
+        unit_test(numbers_of_any_size_and_count_come_out_ascending)
     );
 }

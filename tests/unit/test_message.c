@@ -146,6 +146,30 @@ TEST(a_copy_is_the_same_log_and_bytes_do_not_depend_on_the_sender)
     free(log);
 }
 
+TEST(many_messages_at_once_leave_the_log_that_one_by_one_would)
+{
+    MessageLog *one = log_new(), *many = log_new();
+    uint32_t x = 99;
+    for (int round = 0; round < 40; round++) {
+        x = x * 1664525u + 1013904223u;
+        int count = 1 + (int)(x >> 22);                         /* up to 1024 of one time */
+        dig_message m = at_time(round + (int)(x >> 30));
+        m.id = message_ids(many, (uint64_t)count);
+        for (int i = 0; i < count; i++, m.id++) {
+            message_keep(many, &m);
+            CHECK_INT(message_post(one, &m), m.id);
+        }
+    }
+    dig_message bad = at_time(NAN);
+    bad.id = message_ids(many, 1);
+    message_keep(many, &bad);
+    message_ids(one, 1);
+    CHECK_INT(message_count(one), 4096);
+    CHECK(message_hash(one) == message_hash(many));
+    free(one);
+    free(many);
+}
+
 int main(void)
 {
     RUN_TESTS(
@@ -154,6 +178,7 @@ int main(void)
         unit_test(the_last_4096_are_kept_and_the_counter_goes_on),
         unit_test(a_long_kind_is_cut_and_zero_terminated),
         unit_test(numbers_that_are_not_finite_are_refused),
-        unit_test(a_copy_is_the_same_log_and_bytes_do_not_depend_on_the_sender)
+        unit_test(a_copy_is_the_same_log_and_bytes_do_not_depend_on_the_sender),
+        unit_test(many_messages_at_once_leave_the_log_that_one_by_one_would)
     );
 }

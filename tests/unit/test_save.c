@@ -294,8 +294,8 @@ TEST(handles_of_the_saved_world_are_dead_in_the_loaded_one)
 TEST(every_field_of_the_records_is_known_to_the_file)
 {
     CHECK_INT(sizeof(Body), 880);
-    CHECK_INT(sizeof(Solid), 296);
-    CHECK_INT(sizeof(Pair), 128);
+    CHECK_INT(sizeof(Solid), 288);
+    CHECK_INT(sizeof(Pair), 112);
     CHECK_INT(sizeof(Contact), 568);
     CHECK_INT(sizeof(Touch), 120);
     CHECK_INT(sizeof(JointRec), 808);
