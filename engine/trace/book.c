@@ -1,9 +1,17 @@
 /* trace/book.c - storage of a tracer, and what the world wants to know: impulses, work, what points remember. */
 #include "trace/trace.h"
 
-/* Not cleared: everything is written before it is read. Clearing took a quarter of a pendulum's frame. */
-static void *get(Tracer *t, size_t count, size_t size) { return arena_alloc(t->g->arena, (count + 1) * size); }
-#define GET(field, count) (t->field = get(t, (size_t)(count), sizeof *t->field))
+/* One block for all, laid out twice: to measure it, and to hand it out. Not cleared: everything is written before it is read.
+ * Clearing took a quarter of a pendulum's frame, and a block for each array a tenth. */
+typedef struct Block { unsigned char *data; size_t used; } Block;
+
+static void *take(Block *b, int count, size_t size)
+{
+    void *at = b->data ? b->data + b->used : NULL;
+    b->used += ((size_t)(count + 1) * size + ARENA_ALIGN - 1) & ~(size_t)(ARENA_ALIGN - 1);
+    return at;
+}
+#define TAKE(of, field, count) ((of)->field = take(b, count, sizeof *(of)->field))
 
 /* Breadth first from a body with the fewest neighbours (Cuthill & McKee 1969). */
 static void order_bodies(Tracer *t, int *queue)
@@ -44,60 +52,85 @@ static void order_bodies(Tracer *t, int *queue)
     }
 }
 
-static dig_status reserve_system(Tracer *t)
+static void lay_out_system(Tracer *t, Block *b)
 {
-    const Group *g = t->g;
     System *s = &t->sys;
-    s->capacity = int_min(g->plan->trace_rows, g->joint_count * 8 + t->touch_capacity * 6);
-    size_t n = (size_t)s->capacity + 1;
-    s->lines = get(t, n, sizeof *s->lines);
-    s->a = arena_alloc(g->arena, n * n * sizeof *s->a);
-    s->f = arena_alloc(g->arena, n * n * sizeof *s->f);
-    s->b = get(t, n, sizeof *s->b);
-    s->x = get(t, n, sizeof *s->x);
-    s->r = get(t, n, sizeof *s->r);
-    s->dx = get(t, n, sizeof *s->dx);
-    s->first = get(t, n, sizeof *s->first);
-    s->swap = get(t, n, sizeof *s->swap);
-    return s->lines && s->a && s->f && s->b && s->x && s->r && s->dx && s->first && s->swap ? DIG_OK : DIG_E_MEMORY;
+    int n = s->capacity;
+    TAKE(s, lines, n);
+    TAKE(s, a, n * n);
+    TAKE(s, f, n * n);
+    TAKE(s, b, n);
+    TAKE(s, x, n);
+    TAKE(s, r, n);
+    TAKE(s, dx, n);
+    TAKE(s, first, n);
+    TAKE(s, swap, n);
 }
 
 /* The points, rows and strikes of the shared impact solver. */
-static dig_status reserve_impacts(Tracer *t)
+static void lay_out_impacts(const Tracer *t, Block *b)
 {
     Group *g = t->g;
-    g->point_capacity = t->touch_capacity;
-    g->strike_capacity = g->plan->events + g->pair_count;
-    g->points = get(t, (size_t)t->touch_capacity, sizeof *g->points);
-    g->rolls = get(t, (size_t)g->contact_count, sizeof *g->rolls);
-    g->blocks = get(t, (size_t)g->joint_count, sizeof *g->blocks);
-    g->rows = get(t, (size_t)g->joint_count * JOINT_SLOTS, sizeof *g->rows);
-    g->strikes = get(t, (size_t)g->strike_capacity, sizeof *g->strikes);
-    return g->points && g->rolls && g->blocks && g->rows && g->strikes ? DIG_OK : DIG_E_MEMORY;
+    TAKE(g, points, t->touch_capacity);
+    TAKE(g, rolls, g->contact_count);
+    TAKE(g, blocks, g->joint_count);
+    TAKE(g, rows, g->joint_count * JOINT_SLOTS);
+    TAKE(g, strikes, g->strike_capacity);
+}
+
+static void lay_out(Tracer *t, Block *b)
+{
+    const Group *g = t->g;
+    int n = g->moving_count, joints = g->joint_count, powers = 4 * t->touch_capacity + 6 * joints + g->push_count + 2;
+    TAKE(t, touch, t->touch_capacity);
+    TAKE(t, old_touch, t->touch_capacity);
+    TAKE(t, stops, joints * JOINT_SLOTS);
+    TAKE(t, holds, joints * JOINT_SLOTS);
+    TAKE(t, bonds, joints);
+    TAKE(t, rows, joints * JOINT_SLOTS);
+    TAKE(t, row_count, joints);
+    TAKE(t, order, n);
+    TAKE(t, item, joints + t->touch_capacity);
+    TAKE(t, joint_force, joints * JOINT_SLOTS);
+    TAKE(t, acc0, n);
+    TAKE(t, torque0, n);
+    TAKE(t, acc, n);
+    TAKE(t, torque, n);
+    TAKE(t, alpha, n);
+    TAKE(t, spin0, n);
+    TAKE(t, alpha0, n);
+    TAKE(t, mover_start, g->body_count);
+    TAKE(t, y, n);
+    TAKE(t, y1, n);
+    TAKE(t, y2, n);
+    TAKE(t, sum, powers);
+    for (int s = 0; s < STAGES; s++) {
+        TAKE(t, stage[s], n);
+        TAKE(t, quad[s], powers);
+    }
+    lay_out_system(t, b);
+    lay_out_impacts(t, b);
 }
 
 dig_status trace_reserve(Tracer *t)
 {
-    const Group *g = t->g;
+    Group *g = t->g;
     int n = g->moving_count, joints = g->joint_count;
-    t->touch_capacity = g->contact_count * MANIFOLD_POINTS;
-    int powers = 4 * t->touch_capacity + 6 * joints + g->push_count + 2;
-    bool fine = GET(touch, t->touch_capacity) && GET(old_touch, t->touch_capacity) && GET(stops, joints * JOINT_SLOTS)
-        && GET(holds, joints * JOINT_SLOTS) && GET(rows, joints * JOINT_SLOTS) && GET(row_count, joints) && GET(order, n)
-        && GET(item, joints + t->touch_capacity) && GET(joint_force, joints * JOINT_SLOTS) && GET(acc0, n) && GET(torque0, n)
-        && GET(acc, n) && GET(torque, n) && GET(alpha, n) && GET(spin0, n) && GET(alpha0, n) && GET(mover_start, g->body_count)
-        && GET(y, n) && GET(y1, n) && GET(y2, n) && GET(sum, powers);
-    for (int s = 0; s < STAGES && fine; s++)
-        fine = GET(stage[s], n) && GET(quad[s], powers);
-    int *queue = get(t, 2 * (size_t)n + 4, sizeof *queue);
-    if (!fine || !queue)
+    t->touch_capacity = g->point_capacity = g->contact_count * MANIFOLD_POINTS;
+    t->sys.capacity = int_min(g->plan->trace_rows, joints * 8 + t->touch_capacity * 6);
+    g->strike_capacity = g->plan->events + g->pair_count;
+    Block b = {NULL, 0};
+    lay_out(t, &b);
+    int *queue = arena_alloc(g->arena, (2 * (size_t)n + 4) * sizeof *queue);
+    b = (Block){arena_alloc(g->arena, b.used), 0};
+    if (!b.data || !queue)
         return DIG_E_MEMORY;
+    lay_out(t, &b);
     memset(queue, 0, (2 * (size_t)n + 4) * sizeof *queue);
     memset(t->joint_force, 0, (size_t)(joints * JOINT_SLOTS) * sizeof *t->joint_force);
     memset(t->row_count, 0, (size_t)joints * sizeof *t->row_count);
     order_bodies(t, queue);
-    DIG_TRY(reserve_system(t));
-    return reserve_impacts(t);
+    return DIG_OK;
 }
 
 /* ---- sums over the step ---- */
@@ -105,15 +138,15 @@ dig_status trace_reserve(Tracer *t)
 /* Means over the step: the quadrature of the pair is that of its positions; powers of a probed step are linear in time. */
 void trace_mean(Tracer *t)
 {
-    static const real weight[STAGES] = {35.0 / 384, 0, 500.0 / 1113, 125.0 / 192, -2187.0 / 6784, 11.0 / 84, 0};
-    int n = 4 * t->touch_count + 6 * t->g->joint_count + t->g->push_count + 2;
-    for (int i = 0; i < n; i++) {
-        t->sum[i] = 0;
-        if (t->probed)
-            t->sum[i] = t->quad[0][i] + 0.5 * t->h / t->h_probe * (t->quad[STAGES - 1][i] - t->quad[0][i]);
-        else
-            for (int s = 0; s < STAGES; s++)
-                t->sum[i] += weight[s] * t->quad[s][i];
+    int n = trace_powers(t);
+    const real *first = t->quad[0], *last = t->quad[STAGES - 1], *weight = dormand_prince[STAGES - 1];
+    real part = 0.5 * t->h / t->h_probe;
+    for (int i = 0; i < n && t->probed; i++)
+        t->sum[i] = first[i] + part * (last[i] - first[i]);
+    for (int i = 0; i < n && !t->probed; i++) {
+        t->sum[i] = weight[0] * first[i];
+        for (int s = 2; s < STAGES - 1; s++)
+            t->sum[i] += weight[s] * t->quad[s][i];
     }
 }
 

@@ -1,4 +1,4 @@
-/* trace/feature.c - what touches at a contact point: a vertex on a face, an edge across an edge, a ball on either.
+/* trace/feature.c - what touches at a contact point: a vertex on a face, an edge across an edge, a ball or a rim on either.
  *
  * A feature is frozen: as long as it is the right one, its gap is a smooth function of the two poses, and every rate below is
  * exact. Derivations: the material of a body moves as v + w x r; a direction c fixed in it as dc/dt = w x c.
@@ -11,14 +11,15 @@
 
 bool feature_kind_known(const Shape *s)
 {
-    return s->type == &shape_sphere || s->type == &shape_box || s->type == &shape_capsule || s->type == &shape_hull || s->type == &shape_plane;
+    return s->type == &shape_sphere || s->type == &shape_box || s->type == &shape_capsule || s->type == &shape_hull || s->type == &shape_plane
+        || s->type == &shape_cylinder;
 }
 
 /* ---- finding ---- */
 
-typedef enum Spot { SPOT_POINT, SPOT_LINE, SPOT_FACE } Spot;
+typedef enum Spot { SPOT_POINT, SPOT_LINE, SPOT_FACE, SPOT_RIM } Spot;
 /* In the shape's frame. On a face: 2 at one of its corners, 1 on an edge of its rim, 0 inside. */
-typedef struct Place { Spot spot; vec3 p, d; int rim; vec3 edge; } Place;
+typedef struct Place { Spot spot; vec3 p, d; int rim; vec3 edge; real round; } Place;      /* round: m, of what is round about p or d */
 
 static real component(vec3 v, int i) { return i == 0 ? v.x : i == 1 ? v.y : v.z; }
 static void set_component(vec3 *v, int i, real to) { *(i == 0 ? &v->x : i == 1 ? &v->y : &v->z) = to; }
@@ -99,8 +100,23 @@ static Place place_on_capsule(const Shape *s, vec3 p)
     return (Place){.spot = end ? SPOT_POINT : SPOT_LINE, .p = {0, end ? copysign(h, p.y) : p.y, 0}, .d = {0, 1, 0}};
 }
 
+/* An end square to the normal is a face, and what touches is fixed to it. Elsewhere the circle round the end touches where it is
+ * nearest, or the side along a line. */
+static Place place_on_cylinder(const Shape *s, vec3 p, vec3 toward)
+{
+    const CylinderData *c = s->data;
+    real same = ON_EDGE * s->outer, from_axis = hypot(p.x, p.z), end = copysign(c->half, toward.y);
+    if (hypot(toward.x, toward.z) < ALIGNED * vec3_length(toward))
+        return (Place){.spot = SPOT_FACE, .p = {p.x, end, p.z}, .d = {0, copysign(1, end), 0}, .rim = from_axis > c->radius - same ? 2 : 0};
+    if (fabs(p.y) > c->half - same && from_axis > c->radius - same)
+        return (Place){.spot = SPOT_RIM, .p = {0, copysign(c->half, p.y), 0}, .d = {0, 1, 0}, .round = c->radius};
+    return (Place){.spot = SPOT_LINE, .p = {0, p.y, 0}, .d = {0, 1, 0}, .round = c->radius};
+}
+
 static Place place_on(const Shape *s, vec3 p, vec3 toward)
 {
+    if (s->type == &shape_cylinder)
+        return place_on_cylinder(s, p, toward);
     if (s->type == &shape_box)
         return place_on_box(s, p, toward);
     if (s->type == &shape_hull)
@@ -118,6 +134,10 @@ static Place place_on(const Shape *s, vec3 p, vec3 toward)
  * Elsewhere a corner of the one lies in the face of the other. */
 static FeatureKind kind_of(const Place *a, const Place *b)
 {
+    if (a->spot == SPOT_RIM)
+        return b->spot == SPOT_FACE ? RIM_PLANE : RIM_POINT;
+    if (b->spot == SPOT_RIM)
+        return a->spot == SPOT_FACE ? PLANE_RIM : POINT_RIM;
     if (a->spot == SPOT_FACE && b->spot == SPOT_FACE)
         return a->rim > b->rim ? POINT_PLANE : PLANE_POINT;
     if (a->spot == SPOT_FACE)
@@ -129,8 +149,8 @@ static FeatureKind kind_of(const Place *a, const Place *b)
     return a->spot == SPOT_LINE ? LINE_POINT : b->spot == SPOT_LINE ? POINT_LINE : POINT_POINT;
 }
 
-static vec3 to_body(const GroupPair *q, bool b, vec3 local) { return pose_point(b ? q->lb : q->la, local); }
-static vec3 turn_to_body(const GroupPair *q, bool b, vec3 d) { return quat_rotate(b ? q->lb.q : q->la.q, d); }
+static inline vec3 to_body(const GroupPair *q, bool b, vec3 local) { return pose_point(b ? q->lb : q->la, local); }
+static inline vec3 turn_to_body(const GroupPair *q, bool b, vec3 d) { return quat_rotate(b ? q->lb.q : q->la.q, d); }
 
 void feature_find(const Group *g, const GroupPair *q, const Manifold *manifold, const ManifoldPoint *p, Feature *out)
 {
@@ -138,7 +158,7 @@ void feature_find(const Group *g, const GroupPair *q, const Manifold *manifold, 
     vec3 core_a = vec3_mad(p->a, -q->sa->round, manifold->normal), core_b = vec3_mad(p->b, q->sb->round, manifold->normal);
     Place a = place_on(q->sa, pose_unpoint(pa, core_a), quat_unrotate(pa.q, manifold->normal));
     Place b = place_on(q->sb, pose_unpoint(pb, core_b), quat_unrotate(pb.q, vec3_neg(manifold->normal)));
-    *out = (Feature){.kind = kind_of(&a, &b), .ra = q->sa->round, .rb = q->sb->round};
+    *out = (Feature){.kind = kind_of(&a, &b), .ra = q->sa->round + a.round, .rb = q->sb->round + b.round};
     bool rims = a.spot == SPOT_FACE && b.spot == SPOT_FACE && a.rim == 1 && b.rim == 1;
     if (rims || out->kind == LINE_LINE) {
         vec3 da = rims ? a.edge : a.d, db = rims ? b.edge : b.d, m = vec3_cross(quat_rotate(pa.q, da), quat_rotate(pb.q, db));
@@ -160,14 +180,14 @@ void feature_find(const Group *g, const GroupPair *q, const Manifold *manifold, 
 
 typedef struct Spin { vec3 x, v, w; quat q; } Spin;     /* one body */
 
-static Spin spin_of(const Group *g, int i) { return (Spin){g->pos[i].x, g->vel[i].v, g->vel[i].w, g->pos[i].q}; }
-static vec3 material(const Spin *s, vec3 at) { return vec3_add(s->v, vec3_cross(s->w, vec3_sub(at, s->x))); }
+static inline Spin spin_of(const Group *g, int i) { return (Spin){g->pos[i].x, g->vel[i].v, g->vel[i].w, g->pos[i].q}; }
+static inline vec3 material(const Spin *s, vec3 at) { return vec3_add(s->v, vec3_cross(s->w, vec3_sub(at, s->x))); }
 static vec3 along_normal_removed(vec3 v, vec3 n) { return vec3_mad(v, -vec3_dot(v, n), n); }
 
 typedef struct Turning { vec3 n, ndot, at, atdot; real gap; } Turning;
 
 /* Plane of s through o, point p of the other body with its velocity: n fixed in s. */
-static Turning on_plane(const Spin *s, vec3 o, vec3 normal, vec3 p, vec3 pdot, real round)
+static inline Turning on_plane(const Spin *s, vec3 o, vec3 normal, vec3 p, vec3 pdot, real round)
 {
     vec3 ndot = vec3_cross(s->w, normal);
     return (Turning){normal, ndot, vec3_mad(p, -round, normal), vec3_mad(pdot, -round, ndot), vec3_dot(normal, vec3_sub(p, o)) - round};
@@ -192,6 +212,32 @@ static void foot_of(const Spin *s, vec3 o, vec3 d, vec3 p, vec3 pdot, vec3 *f, v
     *fdot = vec3_add(vec3_mad(odot, atdot, d), vec3_scale(at, ddot));
 }
 
+/* Where the circle of radius r about o, across d, goes farthest along q: f = o + r e, e the unit vector of q' = q - (q . d) d. */
+static void rim_toward(const Spin *s, vec3 o, vec3 d, real r, vec3 q, vec3 qdot, vec3 *f, vec3 *fdot)
+{
+    vec3 ddot = vec3_cross(s->w, d), in = along_normal_removed(q, d);
+    vec3 indot = vec3_mad(vec3_mad(qdot, -vec3_dot(qdot, d) - vec3_dot(q, ddot), d), -vec3_dot(q, d), ddot);
+    real size = vec3_length(in);
+    vec3 e = vec3_unit_or(in, vec3_zero());
+    *f = vec3_mad(o, r, e);
+    *fdot = size > 0 ? vec3_mad(material(s, o), r / size, along_normal_removed(indot, e)) : material(s, *f);
+}
+
+/* The rim of r, centre o and axis d, on the plane of s through p: its lowest point. */
+static Turning rim_on_plane(const Spin *r, vec3 o, vec3 d, real radius, const Spin *s, vec3 p, vec3 normal)
+{
+    vec3 f, fdot;
+    rim_toward(r, o, d, radius, vec3_neg(normal), vec3_neg(vec3_cross(s->w, normal)), &f, &fdot);
+    return on_plane(s, p, normal, f, fdot, 0);
+}
+
+static Turning turned_round(Turning t)
+{
+    t.n = vec3_neg(t.n);
+    t.ndot = vec3_neg(t.ndot);
+    return t;
+}
+
 /* m = da x db points from a to b; the nearest point of line b lies at s = (ob - oa) . (da x m) / m^2 along it. */
 static Turning crossing(const Spin *a, vec3 oa, vec3 da, const Spin *b, vec3 ob, vec3 db, const Feature *f)
 {
@@ -206,19 +252,25 @@ static Turning crossing(const Spin *a, vec3 oa, vec3 da, const Spin *b, vec3 ob,
     return (Turning){n, ndot, vec3_mad(p, -f->rb, n), vec3_mad(pdot, -f->rb, ndot), vec3_dot(n, r) - f->ra - f->rb};
 }
 
-static Turning turning_of(const Spin *a, const Spin *b, const Feature *f)
+static inline Turning turning_of(const Spin *a, const Spin *b, const Feature *f)
 {
     vec3 pa = vec3_add(a->x, quat_rotate(a->q, f->pa)), pb = vec3_add(b->x, quat_rotate(b->q, f->pb));
     vec3 foot, footdot;
-    Turning t;
     switch (f->kind) {
     case PLANE_POINT:
         return on_plane(a, pa, quat_rotate(a->q, f->da), pb, material(b, pb), f->rb);
     case POINT_PLANE:
-        t = on_plane(b, pb, quat_rotate(b->q, f->db), pa, material(a, pa), f->ra);
-        t.n = vec3_neg(t.n);
-        t.ndot = vec3_neg(t.ndot);
-        return t;
+        return turned_round(on_plane(b, pb, quat_rotate(b->q, f->db), pa, material(a, pa), f->ra));
+    case PLANE_RIM:
+        return rim_on_plane(b, pb, quat_rotate(b->q, f->db), f->rb, a, pa, quat_rotate(a->q, f->da));
+    case RIM_PLANE:
+        return turned_round(rim_on_plane(a, pa, quat_rotate(a->q, f->da), f->ra, b, pb, quat_rotate(b->q, f->db)));
+    case RIM_POINT:
+        rim_toward(a, pa, quat_rotate(a->q, f->da), f->ra, vec3_sub(pb, pa), vec3_sub(material(b, pb), material(a, pa)), &foot, &footdot);
+        return between(foot, footdot, pb, material(b, pb), 0, f->rb);
+    case POINT_RIM:
+        rim_toward(b, pb, quat_rotate(b->q, f->db), f->rb, vec3_sub(pa, pb), vec3_sub(material(a, pa), material(b, pb)), &foot, &footdot);
+        return between(pa, material(a, pa), foot, footdot, f->ra, 0);
     case LINE_POINT:
         foot_of(a, pa, quat_rotate(a->q, f->da), pb, material(b, pb), &foot, &footdot);
         return between(foot, footdot, pb, material(b, pb), f->ra, f->rb);

@@ -1,7 +1,7 @@
 /* trace/flow.c - the motion between events: an explicit Runge-Kutta pair with error control.
  *
  * Order 5 with an embedded order 4 (Dormand & Prince 1980) and its dense output (Hairer, Norsett & Wanner, Solving Ordinary
- * Differential Equations I, II.6). Where forces are constant - free flight, sliding, rolling, rest - two evaluations show it, and
+ * Differential Equations I, II.6). Where forces are constant - free flight, sliding, rolling - an evaluation or two show it, and
  * the motion is the parabola itself.
  */
 #include "trace/trace.h"
@@ -33,6 +33,7 @@ static vec3 angular_momentum(const Group *g, int i)
 void trace_load(Tracer *t, const State *y, real time)
 {
     Group *g = t->g;
+    t->known = NULL;
     for (int i = 0; i < g->body_count; i++) {
         const Member *m = &g->member[i];
         if (m->moves) {
@@ -72,7 +73,7 @@ static quat quat_rate(vec3 w, quat q)
 }
 
 /* Sliding follows the slip through the stages; where that turns round, the sign keeps the rates smooth beyond the stop. */
-static void follow_slip(Tracer *t)
+void trace_follow(Tracer *t)
 {
     for (int i = 0; i < t->touch_count; i++) {
         Cone *both[2] = {&t->touch[i].slip, &t->touch[i].roll};
@@ -111,15 +112,12 @@ static void keep_quad(const Tracer *t, real *q)
         memset(q, 0, 6 * sizeof *q);
         for (int k = 0; k < t->row_count[j]; k++) {
             const Row *r = &t->rows[j * JOINT_SLOTS + k];
-            real force = t->joint_force[j * JOINT_SLOTS + r->slot], rate = 0;
+            real force = t->joint_force[j * JOINT_SLOTS + r->slot], rate = r->kind == ROW_HARD || r->kind == ROW_LIMIT ? 0 : trace_row_rate(t, r);
             for (int m = 0; m < r->count && force != 0; m++) {
                 int b = r->body[m];
-                if (b < 0)
-                    continue;
-                rate += vec3_dot(r->lin[m], g->vel[b].v) + vec3_dot(r->ang[m], g->vel[b].w);
-                real power = force * (vec3_dot(r->lin[m], g->vel[b].v) + vec3_dot(r->ang[m], g->vel[b].w));
-                gained += g->member[b].kinematic ? -power : 0;
-                if (b == g->joints[j].a) {
+                if (b >= 0 && g->member[b].kinematic)
+                    gained -= force * (vec3_dot(r->lin[m], g->vel[b].v) + vec3_dot(r->ang[m], g->vel[b].w));
+                if (b >= 0 && b == g->joints[j].a) {
                     q[0] += force * r->lin[m].x;
                     q[1] += force * r->lin[m].y;
                     q[2] += force * r->lin[m].z;
@@ -148,7 +146,8 @@ void trace_keep(Tracer *t, int stage)
     State *k = t->stage[stage];
     for (int i = 0; i < g->moving_count; i++)
         k[i] = (State){g->vel[i].v, quat_rate(g->vel[i].w, g->pos[i].q), t->acc[i], t->torque[i]};
-    keep_quad(t, t->quad[stage]);
+    if (stage != 1)             /* has no weight in their means */
+        keep_quad(t, t->quad[stage]);
 }
 
 bool trace_rate(Tracer *t, const State *y, real time, int stage)
@@ -156,10 +155,12 @@ bool trace_rate(Tracer *t, const State *y, real time, int stage)
     trace_load(t, y, time);
     t->g->evaluations++;
     trace_kinematics(t);
-    follow_slip(t);
-    if (!trace_accelerate(t))
+    trace_follow(t);
+    bool inside = stage > 0 && stage < STAGES - 1;      /* of the step: nothing is looked for there */
+    if (inside ? !trace_solve(t) : !trace_accelerate(t))
         return false;
     trace_keep(t, stage);
+    t->known = y;
     return true;
 }
 
@@ -178,11 +179,17 @@ static void parabola(const Tracer *t, real h, State *out)
     }
 }
 
-static bool same_accelerations(Tracer *t, real h, real part)
+void trace_parabola(Tracer *t, real h)
 {
-    parabola(t, part * h, t->y1);
-    if (!trace_rate(t, t->y1, t->t + part * h, STAGES - 1))
-        return false;
+    parabola(t, h, t->y1);
+    t->h = t->h_probe = h;
+    t->probed = true;
+    memcpy(t->quad[STAGES - 1], t->quad[0], (size_t)trace_powers(t) * sizeof *t->quad[0]);
+}
+
+/* Those of the last evaluation and those at the start. */
+static bool same_accelerations(const Tracer *t, real h)
+{
     real most = 0.1 * t->tolerance / h * t->pace;
     for (int i = 0; i < t->g->moving_count; i++) {
         real arm = t->g->member[i].outer;
@@ -193,7 +200,8 @@ static bool same_accelerations(Tracer *t, real h, real part)
 }
 
 /* Forces of joints turn with the bodies. */
-#define TURNS 1e-3      /* rad */
+#define TURNS  1e-3     /* rad */
+#define STEADY 1e-9     /* rad */
 
 static bool may_probe(const Tracer *t, real h)
 {
@@ -210,16 +218,21 @@ static bool may_probe(const Tracer *t, real h)
 
 /* ---- the pair ---- */
 
+static State state_mad(const State *a, real h, const State *k)
+{
+    return (State){vec3_mad(a->x, h, k->x), {a->q.x + h * k->q.x, a->q.y + h * k->q.y, a->q.z + h * k->q.z, a->q.w + h * k->q.w},
+                   vec3_mad(a->v, h, k->v), vec3_mad(a->l, h, k->l)};
+}
+
 static void combine(const Tracer *t, const real *weight, int stages, real h, const State *from, State *out)
 {
-    int n = t->g->moving_count * STATE_REALS;
-    const real *a = (const real *)(const void *)from;
-    real *b = (real *)(void *)out;
-    for (int i = 0; i < n; i++) {
-        real sum = 0;
+    static const State none = {.q = {0, 0, 0, 0}};
+    for (int i = 0; i < t->g->moving_count; i++) {
+        State sum = from ? from[i] : none;
         for (int s = 0; s < stages; s++)
-            sum += weight[s] * ((const real *)(const void *)t->stage[s])[i];
-        b[i] = (a ? a[i] : 0) + h * sum;
+            if (weight[s] != 0)
+                sum = state_mad(&sum, h * weight[s], &t->stage[s][i]);
+        out[i] = sum;
     }
 }
 
@@ -238,11 +251,13 @@ static real error_of(const Tracer *t, real h)
     return worst / t->tolerance;
 }
 
-static real pair_step(Tracer *t, real h)
+/* The stages from `first` on. */
+static real pair_step(Tracer *t, real h, int first)
 {
-    for (int s = 1; s < STAGES; s++) {
-        combine(t, dormand_prince[s], s, h, t->y, s == STAGES - 1 ? t->y1 : t->y2);
-        if (!trace_rate(t, s == STAGES - 1 ? t->y1 : t->y2, t->t + node[s] * h, s))
+    for (int s = first; s < STAGES; s++) {
+        State *y = s == STAGES - 1 ? t->y1 : t->y2;
+        combine(t, dormand_prince[s], s, h, t->y, y);
+        if (!trace_rate(t, y, t->t + node[s] * h, s))
             return INFINITY;
     }
     for (int i = 0; i < t->g->moving_count; i++)
@@ -250,22 +265,48 @@ static real pair_step(Tracer *t, real h)
     return error_of(t, h);
 }
 
+/* Bodies that do not turn, or look the same when they do, on planes that do not turn: the forces of contacts are constant while
+ * the kinds are. One probe, at the end, shows whether all others are. */
+static bool looks_steady(const Tracer *t, real h)
+{
+    const Group *g = t->g;
+    if (g->joint_count > 0)
+        return false;
+    for (int i = 0; i < g->body_count; i++)
+        if (!(g->member[i].moves && g->member[i].round) && vec3_length(g->vel[i].w) * h > STEADY)
+            return false;
+    for (int i = 0; i < t->touch_count; i++)
+        if (t->touch[i].gate.presses && t->touch[i].feature.kind != POINT_PLANE && t->touch[i].feature.kind != PLANE_POINT)
+            return false;
+    return true;
+}
+
+/* The pair's first stage is the first probe, too. */
 real trace_try(Tracer *t, real h)
 {
     t->h = h;
     t->probed = false;
-    if (t->probe_wait == 0 && may_probe(t, h)) {
-        if (same_accelerations(t, h, 0.4142) && same_accelerations(t, h, 1)) {
+    bool may = t->probe_wait == 0 && may_probe(t, h), steady = may && looks_steady(t, h);
+    int first = 1;
+    if (!steady) {
+        combine(t, dormand_prince[1], 1, h, t->y, t->y2);
+        if (!trace_rate(t, t->y2, t->t + node[1] * h, 1))
+            return INFINITY;
+        first = 2;
+    }
+    if (steady || (may && same_accelerations(t, h))) {
+        parabola(t, h, t->y1);
+        if (!trace_rate(t, t->y1, t->t + h, STAGES - 1))
+            return INFINITY;
+        if (same_accelerations(t, h)) {
             t->probed = true;
             t->h_probe = h;
             t->probe_fails = 0;
             return 0;
         }
-        if (t->fault)
-            return INFINITY;
         t->probe_wait = int_min(16, (1 << int_min(++t->probe_fails, 5)) - 1);
     }
-    return pair_step(t, h);
+    return pair_step(t, h, first);
 }
 
 void trace_dense(const Tracer *t, real part, State *out)

@@ -11,7 +11,7 @@
 #define CORRECTIONS 6
 static const real samples[] = {0.25, 0.5, 0.75, 1};
 
-static real value_of(const Event *e)
+static real value_of(const Tracer *t, const Event *e)
 {
     switch (e->kind) {
     case EVENT_CLOSE: return e->gate->gap;
@@ -20,11 +20,12 @@ static real value_of(const Event *e)
     case EVENT_YIELD: return e->hold ? e->hold->most - fabs(e->hold->force) : e->cone->still * e->normal->force - vec3_length(e->cone->force);
     case EVENT_HALT: return e->hold ? e->hold->side * (e->hold->target - e->hold->rate) : vec3_dot(e->cone->u, e->cone->from);
     case EVENT_GRIP: return vec3_dot(e->cone->acc, e->cone->d);
+    case EVENT_BREAK: return e->bond->strength - trace_load_on(t, e->bond->joint);
     default: return 0;
     }
 }
 
-static bool needs_forces(EventKind k) { return k == EVENT_OPEN || k == EVENT_PRESS || k == EVENT_YIELD || k == EVENT_GRIP; }
+static bool needs_forces(EventKind k) { return k != EVENT_CLOSE && k != EVENT_HALT; }
 
 /* The event's function at a part of the tried step. */
 static real value_at(Tracer *t, const Event *e, real part)
@@ -34,10 +35,11 @@ static real value_at(Tracer *t, const Event *e, real part)
     trace_kinematics(t);
     if (needs_forces(e->kind)) {
         t->g->evaluations++;
+        trace_follow(t);        /* else friction would point as at the end of the step: forces would jump where slips are slow */
         if (!trace_accelerate(t))
             return NAN;
     }
-    return value_of(e);
+    return value_of(t, e);
 }
 
 /* Illinois false position with a bisection every eighth pass; f(lo) > 0 >= f(hi). */
@@ -152,9 +154,9 @@ static void scan_gaps(Tracer *t, Event *first)
 
 typedef struct Violated { Event e; real end; } Violated;
 
-static void note(Violated *list, int *n, Event e, real below)
+static void note(const Tracer *t, Violated *list, int *n, Event e, real below)
 {
-    real end = value_of(&e);
+    real end = value_of(t, &e);
     if (end < -below)
         list[(*n)++] = (Violated){e, end};
 }
@@ -166,9 +168,9 @@ static int list_violated(Tracer *t, Violated *v)
     for (int i = 0; i < t->touch_count; i++) {
         Touching *c = &t->touch[i];
         if (c->gate.presses)
-            note(v, &n, (Event){.kind = EVENT_OPEN, .gate = &c->gate}, force_zero);
+            note(t, v, &n, (Event){.kind = EVENT_OPEN, .gate = &c->gate}, force_zero);
         else if (c->gate.closed)
-            note(v, &n, (Event){.kind = EVENT_PRESS, .gate = &c->gate}, acc_zero);
+            note(t, v, &n, (Event){.kind = EVENT_PRESS, .gate = &c->gate}, acc_zero);
         Cone *both[2] = {&c->slip, &c->roll};
         for (int k = 0; k < 2 && c->gate.presses; k++) {
             if (!both[k]->axes)
@@ -176,19 +178,19 @@ static int list_violated(Tracer *t, Violated *v)
             Event e = {.kind = both[k]->grip == GRIP_STICK ? EVENT_YIELD : both[k]->grip == GRIP_SLIP ? EVENT_HALT : EVENT_GRIP,
                        .cone = both[k], .normal = &c->gate};
             real unit = k ? t->size : 1;
-            note(v, &n, e, e.kind == EVENT_YIELD ? force_zero * unit : e.kind == EVENT_GRIP ? acc_zero / unit : 0);
+            note(t, v, &n, e, e.kind == EVENT_YIELD ? force_zero * unit : e.kind == EVENT_GRIP ? acc_zero / unit : 0);
         }
     }
     for (int i = 0; i < t->stop_count; i++) {
         Gate *g = &t->stops[i].gate;
         if (g->presses)
-            note(v, &n, (Event){.kind = EVENT_OPEN, .gate = g}, force_zero);
+            note(t, v, &n, (Event){.kind = EVENT_OPEN, .gate = g}, force_zero);
         else if (g->closed)
-            note(v, &n, (Event){.kind = EVENT_PRESS, .gate = g}, acc_zero);
+            note(t, v, &n, (Event){.kind = EVENT_PRESS, .gate = g}, acc_zero);
     }
     for (int i = 0; i < t->hold_count; i++) {
         Hold *h = &t->holds[i];
-        note(v, &n, (Event){.kind = h->side ? EVENT_HALT : EVENT_YIELD, .hold = h}, h->side ? 0 : BELOW * h->most);
+        note(t, v, &n, (Event){.kind = h->side ? EVENT_HALT : EVENT_YIELD, .hold = h}, h->side ? 0 : BELOW * h->most);
     }
     return n;
 }
@@ -238,16 +240,107 @@ static void scan_turns(Tracer *t, Event *first)
         }
 }
 
+/* ---- joints that break ---- */
+
+#define UNLOADED 0.1            /* of the strength: a load this small at both ends of a step did not get over it in between */
+#define SETTLED  0.9            /* the same where accelerations are constant */
+#define NEAR     0.8            /* of the strength: whether the peak of such a load is over it is looked at more closely */
+#define PEAKS    6
+
+/* The load may have its peak within the step: its three largest samples in a row are followed to the top of their parabola. */
+static bool find_peak(Tracer *t, const Event *e, const real value[5], real *top)
+{
+    static const real at[5] = {0, 0.25, 0.5, 0.75, 1};
+    int k = 1;
+    for (int i = 2; i < 4; i++)
+        k = value[i] < value[k] ? i : k;
+    real x[3] = {at[k - 1], at[k], at[k + 1]}, f[3] = {value[k - 1], value[k], value[k + 1]};
+    for (int pass = 0; pass < PEAKS && f[1] > 0 && f[1] < (1 - NEAR) * e->bond->strength; pass++) {
+        real p = (x[1] - x[0]) * (f[1] - f[2]), q = (x[1] - x[2]) * (f[1] - f[0]);
+        real y = x[1] - 0.5 * ((x[1] - x[0]) * p - (x[1] - x[2]) * q) / (p - q);
+        if (!(y > x[0] && y < x[2]) || fabs(y - x[1]) < 1e-6)
+            return false;
+        real v = value_at(t, e, y);
+        int side = y > x[1] ? 0 : 2;            /* the sample that is left behind, or the new one is the new bound */
+        if (v < f[1]) {
+            x[side] = x[1];
+            f[side] = f[1];
+            x[1] = y;
+            f[1] = v;
+        } else {
+            x[2 - side] = y;
+            f[2 - side] = v;
+        }
+    }
+    *top = x[1];
+    return f[1] <= 0;
+}
+
+static void find_break(Tracer *t, const Bond *b, Event *first)
+{
+    static const real at[5] = {0, 0.25, 0.5, 0.75, 1};
+    Event e = {.kind = EVENT_BREAK, .bond = b};
+    real value[5] = {[0] = b->strength - b->start, [4] = b->strength - b->end};
+    if (value[0] < -BELOW * b->strength) {      /* at once; of several the one that is loaded the most */
+        if (first->kind != EVENT_BREAK || first->at > 0 || first->bond->start / first->bond->strength < b->start / b->strength)
+            *first = e;
+        return;
+    }
+    real most = real_max(b->start, b->end) / b->strength, top;
+    if (most < UNLOADED || (t->probed && most < SETTLED))
+        return;
+    int k = 1;
+    for (; k < 4 && !((value[k] = value_at(t, &e, at[k])) <= 0); k++);
+    if (k < 4 || value[4] < -BELOW * b->strength) {
+        real lo = real_max(value[k - 1], 0);
+        e.at = lo > 0 ? root_of(t, &e, at[k - 1], lo, at[k], value[k]) : at[k - 1];
+    } else if (find_peak(t, &e, value, &top)) {
+        e.at = root_of(t, &e, 0, value[0], top, value_at(t, &e, top));
+    } else {
+        return;
+    }
+    earlier(first, &e);
+}
+
+static void scan_breaks(Tracer *t, Event *first)
+{
+    int before = t->g->evaluations;
+    for (int i = 0; i < t->bond_count; i++)
+        find_break(t, &t->bonds[i], first);
+    if (t->g->evaluations == before || first->kind != EVENT_NONE)
+        return;
+    trace_load(t, t->y1, t->t + t->h);          /* the step is accepted with the forces at its end */
+    trace_kinematics(t);
+    t->g->evaluations++;
+    trace_follow(t);
+    trace_accelerate(t);
+}
+
 Event trace_scan(Tracer *t)
 {
     Event first = {.kind = EVENT_NONE};
+    for (int i = 0; i < t->bond_count; i++)
+        t->bonds[i].end = trace_load_on(t, t->bonds[i].joint);
     scan_forces(t, &first);         /* first: the forces at the end are still those of the last evaluation */
     scan_turns(t, &first);
     scan_gaps(t, &first);
+    scan_breaks(t, &first);
     return first;
 }
 
 /* ---- cutting the step ---- */
+
+/* 1/s  How fast the event's function falls at the root that the dense output has. */
+static real slope_at(Tracer *t, const Event *e)
+{
+    if (e->kind == EVENT_CLOSE)
+        return e->gate->rate != 0 ? e->gate->rate : -1;
+    real back = real_min(1e-3, 0.5 * e->at);
+    return (value_at(t, e, e->at) - value_at(t, e, e->at - back)) / (back * t->h);
+}
+
+/* Those located to the last digit: not by the dense output alone. */
+static bool exact(EventKind k) { return k == EVENT_CLOSE || k == EVENT_BREAK; }
 
 bool trace_stop_at(Tracer *t, const Event *e)
 {
@@ -258,7 +351,8 @@ bool trace_stop_at(Tracer *t, const Event *e)
         trace_load(t, t->y1, t->t + h);
         return true;
     }
-    real before = NAN, last = NAN;
+    real before = NAN, last = NAN, first_slope = e->kind == EVENT_BREAK && h > 0 ? slope_at(t, e) : NAN;
+    real enough = e->kind == EVENT_BREAK ? 1e-14 * e->bond->strength : 1e-15 * t->size;
     t->probe_wait = int_max(t->probe_wait, 1);
     for (int i = 0; i < CORRECTIONS; i++) {
         if (!(h > 0)) {
@@ -269,10 +363,10 @@ bool trace_stop_at(Tracer *t, const Event *e)
         }
         if (!trace_rate(t, t->y, t->t, 0) || trace_try(t, h) == INFINITY)
             return false;
-        real f = value_of(e);
-        if (e->kind != EVENT_CLOSE || fabs(f) <= 1e-15 * t->size || f == last)
+        real f = value_of(t, e);
+        if (!exact(e->kind) || fabs(f) <= enough || f == last)
             break;
-        real slope = isnan(last) ? (e->gate->rate != 0 ? e->gate->rate : -1) : (f - last) / (h - before);
+        real slope = !isnan(last) ? (f - last) / (h - before) : !isnan(first_slope) ? first_slope : slope_at(t, e);
         before = h;
         last = f;
         real next = h - f / slope;

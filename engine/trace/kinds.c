@@ -45,15 +45,16 @@ static real arm_term(const Group *g, int body, vec3 at, vec3 e)
     return g->mass[body].im + vec3_dot(r, mat3_mul_vec(g->mass[body].ii, r));
 }
 
-static void measure_mobility(const Group *g, Touching *c)
+/* 1/kg or 1/(kg m^2)  The largest velocity per impulse along the contact's plane, or spin per angular impulse. */
+static real mobility_of(const Group *g, const Touching *c, bool roll)
 {
     vec3 e[2];
+    real most = 0;
     vec3_basis(c->k.n, &e[0], &e[1]);
-    c->slip.mobility = 0;
-    for (int k = 0; k < 2; k++)
-        c->slip.mobility = real_max(c->slip.mobility, arm_term(g, c->a, c->k.at, e[k]) + arm_term(g, c->b, c->k.at, e[k]));
     mat3 ii = mat3_add(g->mass[c->a].ii, g->mass[c->b].ii);
-    c->roll.mobility = real_max(ii.r0.x, real_max(ii.r1.y, ii.r2.z));
+    for (int k = 0; k < 2; k++)
+        most = real_max(most, arm_term(g, c->a, c->k.at, e[k]) + arm_term(g, c->b, c->k.at, e[k]));
+    return roll ? real_max(ii.r0.x, real_max(ii.r1.y, ii.r2.z)) : most;
 }
 
 static void start_kinds(Tracer *t)
@@ -63,7 +64,6 @@ static void start_kinds(Tracer *t)
         close_gate(t, &c->gate, 1);
         take_grip(&c->slip, t->slip_zero);
         take_grip(&c->roll, t->slip_zero / t->size);
-        measure_mobility(t->g, c);
     }
     for (int i = 0; i < t->stop_count; i++) {
         const Row *r = trace_row(t, t->stops[i].joint, t->stops[i].slot);
@@ -264,7 +264,7 @@ static Move change_grips(Tracer *t, real acc_scale)
         Cone *both[2] = {&c->slip, &c->roll};
         for (int k = 0; k < 2 && c->gate.presses; k++)
             if (both[k]->axes && both[k]->grip == GRIP_BRINK) {
-                Move m = settle_brink(both[k], both[k]->still * patch_force(t, c->contact) * both[k]->mobility,
+                Move m = settle_brink(both[k], both[k]->still * patch_force(t, c->contact) * mobility_of(t->g, c, k),
                                       SINKS * acc_scale / (k ? t->size : 1));
                 move = m > move ? m : move;
             }
@@ -294,6 +294,7 @@ bool trace_kinds(Tracer *t)
     int n = t->touch_count + t->stop_count + t->hold_count, directions = 0;
     start_kinds(t);
     apply_hint(t);
+    change_weights(t);          /* by the forces of before: most often they are those of now */
     t->sys.redundant = false;
     real acc_scale = acceleration_scale(t);
     for (int pivots = 0; pivots < 20 + 6 * n && directions < DIRECTIONS;) {

@@ -12,13 +12,25 @@
 #define THIN    1e-6        /* of the patch's size: a way that narrow is none                   */
 
 typedef struct Patch {
-    const Touching *touch;
     int  count, point[MANIFOLD_POINTS];         /* that press */
     vec3 centre, n, t[2];
     vec3 arm[MANIFOLD_POINTS];                  /* m  from the centre */
 } Patch;
 
-/* A row whose rate is sum_i e_i . u_i and whose force on b at point i is c_i, with the torque tau_i. */
+/* sum_i e_i at the points, on one side; tau_i are torques. */
+static Arrow arrow_of(const Tracer *t, const Patch *p, const int *which, int count, int body, real sign, const vec3 *e, const vec3 *tau)
+{
+    vec3 x = t->g->pos[body].x, lin = vec3_zero(), ang = vec3_zero();
+    for (int i = 0; i < count; i++) {
+        lin = vec3_add(lin, e[i]);
+        ang = vec3_add(ang, vec3_cross(vec3_sub(t->touch[p->point[which[i]]].k.at, x), e[i]));
+        if (tau)
+            ang = vec3_add(ang, tau[i]);
+    }
+    return (Arrow){vec3_scale(sign, lin), vec3_scale(sign, ang)};
+}
+
+/* A row whose rate is sum_i e_i . u_i and whose force on b at point i is c_i, with the torque tau_i; NULL: as e_i, without torques. */
 static Line *add_line(Tracer *t, LineKind kind, const Patch *p, const int *which, int count, const vec3 *e, const vec3 *c, const vec3 *tau)
 {
     const Touching *first = &t->touch[p->point[which[0]]];
@@ -27,16 +39,13 @@ static Line *add_line(Tracer *t, LineKind kind, const Patch *p, const int *which
         return NULL;
     for (int side = 0; side < 2; side++) {
         int body = side ? first->b : first->a;
+        if (!trace_moves(t, body))
+            continue;
         real sign = side ? 1 : -1;
-        vec3 lin = vec3_zero(), ang = vec3_zero(), glin = vec3_zero(), gang = vec3_zero();
-        for (int i = 0; i < count; i++) {
-            vec3 arm = vec3_sub(t->touch[p->point[which[i]]].k.at, t->g->pos[body].x);
-            lin = vec3_mad(lin, sign, e[i]);
-            ang = vec3_mad(ang, sign, vec3_cross(arm, e[i]));
-            glin = vec3_mad(glin, sign, c[i]);
-            gang = vec3_mad(gang, sign, vec3_add(vec3_cross(arm, c[i]), tau[i]));
-        }
-        trace_line_body(t, l, body, lin, ang, glin, gang);
+        Arrow j = arrow_of(t, p, which, count, body, sign, e, NULL), g;
+        if (c)
+            g = arrow_of(t, p, which, count, body, sign, c, tau);
+        trace_line_body(t, l, body, &j, c ? &g : &j);
     }
     l->points = count;
     for (int i = 0; i < count; i++) {
@@ -53,14 +62,21 @@ static int independent(real field[][MANIFOLD_POINTS], int fields, int points, re
     for (int f = 0; f < fields; f++) {
         real v[MANIFOLD_POINTS], norm = 0;
         memcpy(v, field[f], sizeof v);
-        for (int pass = 0; pass < 2; pass++)
+        bool again = rank > 0;
+        for (int pass = 0; pass < 2 && again; pass++) {
+            real taken = 0, left = 0;
             for (int k = 0; k < rank; k++) {
                 real dot = 0;
                 for (int i = 0; i < points; i++)
                     dot += v[i] * field[k][i];
                 for (int i = 0; i < points; i++)
                     v[i] -= dot * field[k][i];
+                taken += dot * dot;
             }
+            for (int i = 0; i < points; i++)
+                left += v[i] * v[i];
+            again = taken > left;           /* little is left: once more takes the rounding out */
+        }
         for (int i = 0; i < points; i++)
             norm += v[i] * v[i];
         norm = sqrt(norm);
@@ -75,32 +91,60 @@ static int independent(real field[][MANIFOLD_POINTS], int fields, int points, re
 
 /* ---- normal forces, with sliding friction and rolling resistance in their columns ---- */
 
-static void normal_rows(Tracer *t, const Patch *p, bool forces)
+/* What pushes with a normal force of 1 at a point that slides or rolls: friction along it, resistance against the roll. */
+static void add_sliding(const Touching *q, vec3 *push, vec3 *turn)
 {
-    real field[3][MANIFOLD_POINTS], size = 0;
-    int which[MANIFOLD_POINTS] = {0, 1, 2, 3};
+    *push = q->slip.axes && q->slip.grip != GRIP_STICK ? vec3_mad(q->k.n, -cone_bound(&q->slip), q->slip.d) : q->k.n;
+    *turn = q->roll.axes && q->roll.grip != GRIP_STICK ? vec3_scale(-cone_bound(&q->roll), q->roll.d) : vec3_zero();
+}
+
+static bool slides(const Touching *q)
+{
+    return (q->slip.axes && q->slip.grip != GRIP_STICK) || (q->roll.axes && q->roll.grip != GRIP_STICK);
+}
+
+/* f = a + b x + c y over the patch, as independent distributions. */
+static int distributions(const Patch *p, real field[3][MANIFOLD_POINTS])
+{
+    real size = 0;
+    field[0][0] = 1;
+    if (p->count == 1)
+        return 1;
     for (int i = 0; i < p->count; i++) {
         field[0][i] = 1;
         field[1][i] = vec3_dot(p->arm[i], p->t[0]);
         field[2][i] = vec3_dot(p->arm[i], p->t[1]);
         size = real_max(size, vec3_length(p->arm[i]));
     }
-    int rank = independent(field, 3, p->count, size);
+    return independent(field, 3, p->count, size);
+}
+
+static void normal_rows(Tracer *t, const Patch *p, bool forces)
+{
+    static const int which[MANIFOLD_POINTS] = {0, 1, 2, 3};
+    real field[3][MANIFOLD_POINTS];
+    vec3 push[MANIFOLD_POINTS], turn[MANIFOLD_POINTS];
+    bool sliding = false;
+    for (int i = 0; i < p->count && forces; i++)
+        sliding = sliding || slides(&t->touch[p->point[i]]);
+    for (int i = 0; i < p->count && sliding; i++)
+        add_sliding(&t->touch[p->point[i]], &push[i], &turn[i]);
+    t->sys.sliding = t->sys.sliding || sliding;
+    int rank = distributions(p, field);
     for (int f = 0; f < rank; f++) {
         vec3 e[MANIFOLD_POINTS], c[MANIFOLD_POINTS], tau[MANIFOLD_POINTS];
         real drift = 0, error = 0;
         for (int i = 0; i < p->count; i++) {
-            const Touching *q = &t->touch[p->point[i]];
-            bool slips = forces && q->slip.axes && q->slip.grip != GRIP_STICK, rolls = forces && q->roll.axes && q->roll.grip != GRIP_STICK;
-            vec3 push = slips ? vec3_mad(q->k.n, -cone_bound(&q->slip), q->slip.d) : q->k.n;
-            e[i] = vec3_scale(field[f][i], q->k.n);
-            c[i] = vec3_scale(field[f][i], push);
-            tau[i] = rolls ? vec3_scale(-field[f][i] * cone_bound(&q->roll), q->roll.d) : vec3_zero();
-            t->sys.sliding = t->sys.sliding || slips || rolls;
-            drift += field[f][i] * q->k.drift_n;
-            error += field[f][i] * q->k.gap;
+            const Kinematics *k = &t->touch[p->point[i]].k;
+            e[i] = vec3_scale(field[f][i], k->n);
+            drift += field[f][i] * k->drift_n;
+            error += field[f][i] * k->gap;
         }
-        Line *l = add_line(t, LINE_NORMAL, p, which, p->count, e, c, tau);
+        for (int i = 0; i < p->count && sliding; i++) {
+            c[i] = vec3_scale(field[f][i], push[i]);
+            tau[i] = vec3_scale(field[f][i], turn[i]);
+        }
+        Line *l = add_line(t, LINE_NORMAL, p, which, p->count, e, sliding ? c : NULL, tau);
         if (!l)
             return;
         l->drift = drift;
@@ -113,8 +157,7 @@ static void normal_rows(Tracer *t, const Patch *p, bool forces)
 
 static void tangential_row(Tracer *t, LineKind kind, const Patch *p, const int *which, int count, const vec3 *e)
 {
-    static const vec3 none[MANIFOLD_POINTS] = {{0, 0, 0}};
-    Line *l = add_line(t, kind, p, which, count, e, e, none);
+    Line *l = add_line(t, kind, p, which, count, e, NULL, NULL);
     for (int i = 0; l && i < count; i++)
         l->drift += vec3_dot(e[i], t->touch[p->point[which[i]]].k.drift);
 }
@@ -132,8 +175,7 @@ static void stick_rows(Tracer *t, const Patch *p)
         vec3 e[MANIFOLD_POINTS];
         for (int i = 0; i < count; i++) {
             real weight = count > 1 ? t->touch[p->point[which[i]]].slip.weight : 1;
-            vec3 turn = vec3_scale(1 / size, vec3_cross(p->n, p->arm[which[i]]));
-            e[i] = vec3_scale(weight, way == 2 ? turn : p->t[way]);
+            e[i] = way == 2 ? vec3_scale(weight / size, vec3_cross(p->n, p->arm[which[i]])) : vec3_scale(weight, p->t[way]);
         }
         tangential_row(t, LINE_SLIP, p, which, count, e);
     }
@@ -180,8 +222,9 @@ static void roll_rows(Tracer *t, int owner)
         if (!l)
             return;
         vec3 e = {way == 0, way == 1, way == 2};
-        trace_line_body(t, l, q->a, vec3_zero(), vec3_neg(e), vec3_zero(), vec3_neg(e));
-        trace_line_body(t, l, q->b, vec3_zero(), e, vec3_zero(), e);
+        Arrow on_a = {vec3_zero(), vec3_neg(e)}, on_b = {vec3_zero(), e};
+        trace_line_body(t, l, q->a, &on_a, &on_a);
+        trace_line_body(t, l, q->b, &on_b, &on_b);
         l->e[0] = e;
     }
 }

@@ -14,9 +14,7 @@ Row *trace_row(const Tracer *t, int joint, int slot)
     return NULL;
 }
 
-static bool moves(const Tracer *t, int body) { return body >= 0 && t->g->member[body].moves; }
-
-static real row_rate(const Tracer *t, const Row *r)
+real trace_row_rate(const Tracer *t, const Row *r)
 {
     real rate = 0;
     for (int k = 0; k < r->count; k++)
@@ -33,7 +31,7 @@ static void move_joint(Tracer *t, int joint)
     RowList list = {&t->rows[joint * JOINT_SLOTS], 0, JOINT_SLOTS};
     g->joints[joint].view.type->rows(&g->joints[joint].view, &list);
     t->row_count[joint] = list.count;
-    for (int i = 0; i < list.count; i++)
+    for (int i = 0; i < list.count && g->planar; i++)
         for (int k = 0; k < list.rows[i].count; k++)
             dir_mask(g, &list.rows[i].lin[k], &list.rows[i].ang[k]);
 }
@@ -41,11 +39,11 @@ static void move_joint(Tracer *t, int joint)
 /* Springs and dampers are forces. */
 static void push_soft(Tracer *t, const Row *r, real *kept)
 {
-    real force = -r->stiffness * r->error - r->damping * row_rate(t, r);
+    real force = -r->stiffness * r->error - r->damping * trace_row_rate(t, r);
     *kept = force;
     for (int k = 0; k < r->count; k++) {
         int b = r->body[k];
-        if (!moves(t, b))
+        if (!trace_moves(t, b))
             continue;
         t->acc0[b] = vec3_mad(t->acc0[b], force * t->g->mass[b].im, r->lin[k]);
         t->torque0[b] = vec3_mad(t->torque0[b], force, r->ang[k]);
@@ -63,7 +61,23 @@ static void free_motion(Tracer *t)
     for (int i = 0; i < g->moving_count; i++) {
         t->acc0[i] = vec3_scale(g->mass[i].im, g->member[i].force);
         t->torque0[i] = g->member[i].torque;
-        dir_mask(g, &t->acc0[i], &t->torque0[i]);
+        if (g->planar)
+            dir_mask(g, &t->acc0[i], &t->torque0[i]);
+    }
+}
+
+void trace_drives(Tracer *t)
+{
+    for (int i = 0; i < t->stop_count; i++) {
+        Stop *s = &t->stops[i];
+        const Row *r = trace_row(t, s->joint, s->slot);
+        s->gate.gap = r ? r->error : INFINITY;
+        s->gate.rate = r ? trace_row_rate(t, r) : 0;
+    }
+    for (int i = 0; i < t->hold_count; i++) {
+        Hold *h = &t->holds[i];
+        const Row *r = trace_row(t, h->joint, h->slot);
+        h->rate = r ? trace_row_rate(t, r) : h->target;
     }
 }
 
@@ -72,7 +86,7 @@ void trace_kinematics(Tracer *t)
     Group *g = t->g;
     free_motion(t);
     for (int i = 0; i < g->joint_count; i++)
-        group_joint_view(g, i);
+        group_joint_move(g, i);
     for (int i = 0; i < g->joint_count; i++) {
         move_joint(t, i);
         for (int k = 0; k < t->row_count[i]; k++) {
@@ -81,17 +95,7 @@ void trace_kinematics(Tracer *t)
                 push_soft(t, r, &t->joint_force[i * JOINT_SLOTS + r->slot]);
         }
     }
-    for (int i = 0; i < t->stop_count; i++) {
-        Stop *s = &t->stops[i];
-        const Row *r = trace_row(t, s->joint, s->slot);
-        s->gate.gap = r ? r->error : INFINITY;
-        s->gate.rate = r ? row_rate(t, r) : 0;
-    }
-    for (int i = 0; i < t->hold_count; i++) {
-        Hold *h = &t->holds[i];
-        const Row *r = trace_row(t, h->joint, h->slot);
-        h->rate = r ? row_rate(t, r) : h->target;
-    }
+    trace_drives(t);
     for (int i = 0; i < t->touch_count; i++) {
         Touching *c = &t->touch[i];
         feature_move(g, &c->feature, c->a, c->b, &c->k);
@@ -119,22 +123,6 @@ Line *trace_line(Tracer *t, LineKind kind, int owner)
     return l;
 }
 
-void trace_line_body(Tracer *t, Line *l, int body, vec3 lin, vec3 ang, vec3 glin, vec3 gang)
-{
-    if (!moves(t, body))
-        return;
-    dir_mask(t->g, &lin, &ang);
-    dir_mask(t->g, &glin, &gang);
-    int k = l->count++;
-    l->body[k] = body;
-    l->lin[k] = lin;
-    l->ang[k] = ang;
-    l->glin[k] = glin;
-    l->gang[k] = gang;
-    l->mlin[k] = vec3_scale(t->g->mass[body].im, glin);
-    l->mang[k] = mat3_mul_vec(t->g->mass[body].ii, gang);
-}
-
 static void line_joint(Tracer *t, LineKind kind, int owner, int joint, const Row *r)
 {
     Line *l = trace_line(t, kind, owner);
@@ -143,8 +131,10 @@ static void line_joint(Tracer *t, LineKind kind, int owner, int joint, const Row
     l->slot = joint * JOINT_SLOTS + r->slot;
     l->drift = r->drift;
     l->error = r->error;
-    for (int k = 0; k < r->count; k++)
-        trace_line_body(t, l, r->body[k], r->lin[k], r->ang[k], r->lin[k], r->ang[k]);
+    for (int k = 0; k < r->count; k++) {
+        Arrow j = {r->lin[k], r->ang[k]};
+        trace_line_body(t, l, r->body[k], &j, &j);
+    }
 }
 
 static int stop_at(const Tracer *t, int joint, int slot)
@@ -251,7 +241,7 @@ static void read_forces(Tracer *t)
 
 static vec3 point_acceleration(const Tracer *t, int body, vec3 at)
 {
-    if (!moves(t, body))
+    if (!trace_moves(t, body))
         return vec3_zero();
     return vec3_add(t->acc[body], vec3_cross(t->alpha[body], vec3_sub(at, t->g->pos[body].x)));
 }
@@ -260,7 +250,7 @@ static real row_acceleration(const Tracer *t, const Row *r)
 {
     real a = r->drift;
     for (int k = 0; k < r->count; k++)
-        if (moves(t, r->body[k]))
+        if (trace_moves(t, r->body[k]))
             a += vec3_dot(r->lin[k], t->acc[r->body[k]]) + vec3_dot(r->ang[k], t->alpha[r->body[k]]);
     return a;
 }
@@ -275,7 +265,7 @@ static void read_accelerations(Tracer *t)
         c->gate.acc = vec3_dot(c->k.n, a) + c->k.drift_n;
         a = vec3_add(a, c->k.drift);
         c->slip.acc = vec3_mad(a, -vec3_dot(c->k.n, a), c->k.n);
-        vec3 aa = moves(t, c->a) ? t->alpha[c->a] : vec3_zero(), ab = moves(t, c->b) ? t->alpha[c->b] : vec3_zero();
+        vec3 aa = trace_moves(t, c->a) ? t->alpha[c->a] : vec3_zero(), ab = trace_moves(t, c->b) ? t->alpha[c->b] : vec3_zero();
         c->roll.acc = vec3_sub(ab, aa);
     }
     for (int i = 0; i < t->stop_count; i++) {
@@ -308,7 +298,7 @@ static void push_holds(Tracer *t)
         const Row *r = h->side ? trace_row(t, h->joint, h->slot) : NULL;
         for (int k = 0; r && k < r->count; k++) {
             int b = r->body[k];
-            if (!moves(t, b))
+            if (!trace_moves(t, b))
                 continue;
             t->acc[b] = vec3_mad(t->acc[b], h->side * h->most * t->g->mass[b].im, r->lin[k]);
             t->torque[b] = vec3_mad(t->torque[b], h->side * h->most, r->ang[k]);
@@ -316,7 +306,7 @@ static void push_holds(Tracer *t)
     }
 }
 
-bool trace_accelerate(Tracer *t)
+bool trace_solve(Tracer *t)
 {
     Group *g = t->g;
     System *s = &t->sys;
@@ -352,36 +342,43 @@ bool trace_accelerate(Tracer *t)
             t->torque[l->body[k]] = vec3_mad(t->torque[l->body[k]], force, l->gang[k]);
         }
     }
+    return true;
+}
+
+bool trace_accelerate(Tracer *t)
+{
+    if (!trace_solve(t))
+        return false;
     read_accelerations(t);
     return true;
 }
 
 /* ---- what drifts is put back ---- */
 
-real trace_violation(const Tracer *t)
+Violation trace_violation(const Tracer *t)
 {
-    real worst = 0;
+    Violation v = {0, 0};
     for (int i = 0; i < t->g->joint_count; i++)
         for (int k = 0; k < t->row_count[i]; k++) {
             const Row *r = &t->rows[i * JOINT_SLOTS + k];
             real unit = r->angular ? t->size : 1;
             if (r->kind == ROW_HARD)
-                worst = real_max(worst, unit * real_max(fabs(r->error), fabs(row_rate(t, r)) / t->pace));
+                v.joints = real_max(v.joints, unit * real_max(fabs(r->error), fabs(trace_row_rate(t, r)) / t->pace));
         }
     for (int i = 0; i < t->stop_count; i++)
         if (t->stops[i].gate.presses)
-            worst = real_max(worst, real_max(fabs(t->stops[i].gate.gap), fabs(t->stops[i].gate.rate) / t->pace));
+            v.gates = real_max(v.gates, real_max(fabs(t->stops[i].gate.gap), fabs(t->stops[i].gate.rate) / t->pace));
     for (int i = 0; i < t->touch_count; i++) {
         const Touching *c = &t->touch[i];
         if (!c->gate.presses)
             continue;
-        worst = real_max(worst, real_max(fabs(c->gate.gap), fabs(c->gate.rate) / t->pace));
+        v.gates = real_max(v.gates, real_max(fabs(c->gate.gap), fabs(c->gate.rate) / t->pace));
         if (c->slip.axes && c->slip.grip == GRIP_STICK)
-            worst = real_max(worst, vec3_length(c->slip.u) / t->pace);
+            v.gates = real_max(v.gates, vec3_length(c->slip.u) / t->pace);
         if (c->roll.axes && c->roll.grip == GRIP_STICK)
-            worst = real_max(worst, t->size * vec3_length(c->roll.u) / t->pace);
+            v.gates = real_max(v.gates, t->size * vec3_length(c->roll.u) / t->pace);
     }
-    return worst;
+    return v;
 }
 
 static void shift(Tracer *t, const Line *l, real amount, bool positions)
@@ -414,7 +411,7 @@ static real off_rate(const Tracer *t, const Line *l)
             off += vec3_dot(l->e[k], t->touch[l->point[k]].slip.u);
         return off;
     case LINE_ROLL: return vec3_dot(l->e[0], t->touch[l->owner].roll.u);
-    default: return row_rate(t, trace_row(t, l->slot / JOINT_SLOTS, l->slot % JOINT_SLOTS)) - l->want;
+    default: return trace_row_rate(t, trace_row(t, l->slot / JOINT_SLOTS, l->slot % JOINT_SLOTS)) - l->want;
     }
 }
 

@@ -16,63 +16,85 @@
 #define SOFTENING    1e-7       /* part of the diagonal */
 #define ENOUGH       2e-15
 
-static real coupling(const Line *i, const Line *k)
+static inline bool same_bodies(const Line *i, const Line *k)
 {
-    real s = 0;
+    if (i->count != k->count)
+        return false;
     for (int m = 0; m < i->count; m++)
-        for (int n = 0; n < k->count; n++)
-            if (i->body[m] == k->body[n])
-                s += vec3_dot(i->lin[m], k->mlin[n]) + vec3_dot(i->ang[m], k->mang[n]);
-    return s;
+        if (i->body[m] != k->body[m])
+            return false;
+    return true;
 }
 
-static bool meet(const Line *i, const Line *k)
+/* Rows i .. i_end of A in the columns k .. k_end, where all rows have the same bodies, and so have all columns. */
+static void couple(System *s, int i, int i_end, int k, int k_end)
 {
-    for (int m = 0; m < i->count; m++)
-        for (int n = 0; n < k->count; n++)
-            if (i->body[m] == k->body[n])
-                return true;
-    return false;
+    const Line *own = &s->lines[i], *other = &s->lines[k];
+    int count = 0, m[ROW_BODIES * ROW_BODIES], n[ROW_BODIES * ROW_BODIES];
+    for (int p = 0; p < own->count; p++)
+        for (int q = 0; q < other->count; q++)
+            if (own->body[p] == other->body[q]) {
+                m[count] = p;
+                n[count++] = q;
+            }
+    for (; i < i_end; i++, own++) {
+        real *a = s->a + i * s->count;
+        int last = s->sliding ? k_end : int_min(k_end, i + 1);
+        other = &s->lines[k];
+        for (int c = k; c < last; c++, other++) {
+            real sum = 0;
+            for (int p = 0; p < count; p++)
+                sum += vec3_dot(own->lin[m[p]], other->mlin[n[p]]) + vec3_dot(own->ang[m[p]], other->mang[n[p]]);
+            a[c] = sum;
+        }
+        if (count > 0)
+            s->first[i] = int_min(s->first[i], k);
+    }
+}
+
+/* From `from` on. Rows of one joint or patch follow each other and have the same bodies. */
+static int run_end(const System *s, int from)
+{
+    int end = from + 1;
+    while (end < s->count && same_bodies(&s->lines[end], &s->lines[from]))
+        end++;
+    return end;
 }
 
 /* a holds the rows by their own stride `count`. */
 static void assemble(System *s)
 {
-    int n = s->count;
-    for (int i = 0; i < n; i++) {
-        s->lines[i].soft = SOFTENING * coupling(&s->lines[i], &s->lines[i]);
-        int first = i;
-        if (s->sliding)
-            first = 0;
-        else
-            for (int k = 0; k < i && first == i; k++)
-                if (meet(&s->lines[i], &s->lines[k]))
-                    first = k;
-        s->first[i] = first;
-        int last = s->sliding ? n - 1 : i;
-        for (int k = first; k <= last; k++)
-            s->a[i * n + k] = coupling(&s->lines[i], &s->lines[k]);
+    for (int i = 0; i < s->count; i++)
+        s->first[i] = s->sliding ? 0 : i;
+    for (int i = 0, i_end; i < s->count; i = i_end) {
+        i_end = run_end(s, i);
+        for (int k = 0, k_end; k < (s->sliding ? s->count : i_end); k = k_end) {
+            k_end = run_end(s, k);
+            couple(s, i, i_end, k, k_end);
+        }
     }
 }
 
-/* Cholesky within the profile. False: a pivot vanished. */
+/* Cholesky within the profile, the diagonal inverted. False: a pivot vanished. */
 static bool factor_symmetric(System *s)
 {
     int n = s->count;
+    real softer = s->redundant ? 1 + SOFTENING : 1, least = s->redundant ? 0 : SINGULAR;
     for (int i = 0; i < n; i++) {
-        real *li = s->f + i * n;
-        real diagonal = s->a[i * n + i] + (s->redundant ? s->lines[i].soft : 0), pivot = diagonal;
-        for (int k = s->first[i]; k < i; k++) {
+        const real *a = s->a + i * n;
+        real *li = s->f + i * n, diagonal = a[i] * softer, pivot = diagonal;
+        int first = s->first[i];
+        for (int k = first; k < i; k++) {
             const real *lk = s->f + k * n;
-            real sum = s->a[i * n + k];
-            for (int m = int_max(s->first[i], s->first[k]); m < k; m++)
+            real sum = a[k];
+            for (int m = int_max(first, s->first[k]); m < k; m++)
                 sum -= li[m] * lk[m];
-            li[k] = sum / lk[k];
+            li[k] = sum * lk[k];
             pivot -= li[k] * li[k];
         }
-        if (!(pivot > (s->redundant ? 0 : SINGULAR) * diagonal))
+        if (!(pivot > least * diagonal))
             return false;
-        li[i] = sqrt(pivot);
+        li[i] = 1 / sqrt(pivot);
     }
     return true;
 }
@@ -82,7 +104,7 @@ static bool factor_general(System *s)
     int n = s->count;
     memcpy(s->f, s->a, (size_t)n * (size_t)n * sizeof *s->f);
     for (int i = 0; s->redundant && i < n; i++)
-        s->f[i * n + i] += s->lines[i].soft;
+        s->f[i * n + i] *= 1 + SOFTENING;
     for (int i = 0; i < n; i++) {
         int best = i;
         for (int k = i + 1; k < n; k++)
@@ -125,16 +147,18 @@ bool system_factor(System *s)
 static void back_symmetric(const System *s, real *x)
 {
     int n = s->count;
-    for (int i = 0; i < n; i++) {
+    const real *f = s->f;
+    for (int i = 0; i < n; i++, f += n) {
         real sum = x[i];
         for (int k = s->first[i]; k < i; k++)
-            sum -= s->f[i * n + k] * x[k];
-        x[i] = sum / s->f[i * n + i];
+            sum -= f[k] * x[k];
+        x[i] = sum * f[i];
     }
     for (int i = n - 1; i >= 0; i--) {
-        real v = x[i] /= s->f[i * n + i];
+        f -= n;
+        real v = x[i] *= f[i];
         for (int k = s->first[i]; k < i; k++)
-            x[k] -= s->f[i * n + k] * v;
+            x[k] -= f[k] * v;
     }
 }
 
@@ -161,49 +185,52 @@ static void back_general(const System *s, real *x)
 static real remainder_of(const System *s)
 {
     int n = s->count;
+    const real *a = s->a, *x = s->x;
     real worst = 0;
-    memcpy(s->r, s->b, (size_t)n * sizeof *s->r);
-    for (int i = 0; i < n; i++) {
-        if (s->sliding) {
-            for (int k = 0; k < n; k++)
-                s->r[i] -= s->a[i * n + k] * s->x[k];
-            continue;
-        }
+    for (int i = 0; i < n; i++, a += n) {
+        real sum = s->b[i] - a[i] * x[i];
         for (int k = s->first[i]; k < i; k++) {
-            s->r[i] -= s->a[i * n + k] * s->x[k];
-            s->r[k] -= s->a[i * n + k] * s->x[i];
+            sum -= a[k] * x[k];
+            if (!s->sliding)
+                s->r[k] -= a[k] * x[i];
         }
-        s->r[i] -= s->a[i * n + i] * s->x[i];
+        for (int k = i + 1; s->sliding && k < n; k++)
+            sum -= a[k] * x[k];
+        s->r[i] = sum;
     }
     for (int i = 0; i < n; i++)
         worst = real_max(worst, fabs(s->r[i]));
     return worst;
 }
 
+static void back(const System *s, real *x)
+{
+    if (s->sliding)
+        back_general(s, x);
+    else
+        back_symmetric(s, x);
+}
+
 bool system_solve(System *s, real accept)
 {
     int n = s->count;
     real scale = 0;
-    for (int i = 0; i < n; i++)
+    for (int i = 0; i < n; i++) {
+        s->x[i] = s->b[i];
         scale = real_max(scale, fabs(s->b[i]));
-    memset(s->x, 0, (size_t)n * sizeof *s->x);
-    memcpy(s->r, s->b, (size_t)n * sizeof *s->r);
+    }
     s->residual = 0;
     if (!(scale > 0))
         return scale == 0;
-    real worst = scale, last = INFINITY;
-    for (int pass = 0; pass < REFINE_MOST && worst > ENOUGH * scale && worst < 0.5 * last; pass++) {
+    back(s, s->x);
+    real worst = remainder_of(s), last = scale, good = (s->redundant ? ENOUGH : 1e-13) * scale;
+    for (int pass = 1; pass < REFINE_MOST && worst > good && worst < 0.5 * last; pass++) {
         memcpy(s->dx, s->r, (size_t)n * sizeof *s->dx);
-        if (s->sliding)
-            back_general(s, s->dx);
-        else
-            back_symmetric(s, s->dx);
+        back(s, s->dx);
         for (int i = 0; i < n; i++)
             s->x[i] += s->dx[i];
         last = worst;
         worst = remainder_of(s);
-        if (!s->redundant && worst < 1e-13 * scale)
-            break;
     }
     s->residual = worst / scale;
     return s->residual <= (s->redundant ? accept : 1e-8);

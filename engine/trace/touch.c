@@ -3,6 +3,10 @@
 
 #include <stdlib.h>
 
+#define RIM 0xf0000000u         /* numbers of rims, apart from those of manifold points */
+
+#define SAME_SPOT 1e-12     /* of the size */
+
 /* The same contact before: a ball that rolls over an edge has another feature, and is the same still. */
 static const Touching *find_old(const Tracer *t, const GroupContact *c, int contact, uint32_t id)
 {
@@ -37,6 +41,36 @@ static bool held_before(const Tracer *t, const GroupContact *c, int point, const
     return c->memory[point].held > 0 && fabs(k->gap) < 1e-3 * size && fabs(k->rate) < 1e-4 * t->size * t->pace;
 }
 
+/* Is the feature of before, in its present place, what the manifold's point means? Edges across each other are looked at anew. */
+static bool still_fits(const Group *g, Touching *c, const ManifoldPoint *p, real size)
+{
+    if (c->feature.kind != POINT_PLANE && c->feature.kind != PLANE_POINT)
+        return false;
+    feature_move(g, &c->feature, c->a, c->b, &c->k);
+    return fabs(c->k.gap - p->gap) <= SAME_SPOT * size && vec3_distance(c->k.at, p->a) <= fabs(p->gap) + SAME_SPOT * size;
+}
+
+/* A rim touches in one place, whichever of its points the manifold has, and is the same rim wherever that is. 0: it is none. */
+static uint32_t rim_of(const Group *g, const GroupPair *q, const Manifold *m, const ManifoldPoint *p, Feature *out)
+{
+    if (q->sa->type != &shape_cylinder && q->sb->type != &shape_cylinder)
+        return 0;
+    feature_find(g, q, m, p, out);
+    if (!feature_has_rim(out))
+        return 0;
+    bool on_b = out->kind == PLANE_RIM || out->kind == POINT_RIM;
+    vec3 centre = vec3_sub(on_b ? out->pb : out->pa, on_b ? q->lb.p : q->la.p), axis = on_b ? out->db : out->da;
+    return RIM | (on_b ? 2u : 0u) | (vec3_dot(centre, axis) > 0 ? 1u : 0u);
+}
+
+static bool has_rim(const Tracer *t, int contact, uint32_t id)
+{
+    for (int i = t->touch_count - 1; i >= 0 && t->touch[i].contact == contact; i--)
+        if (t->touch[i].id == id)
+            return true;
+    return false;
+}
+
 static bool add_point(Tracer *t, int contact, int point, bool first)
 {
     Group *g = t->g;
@@ -44,7 +78,11 @@ static bool add_point(Tracer *t, int contact, int point, bool first)
     const GroupPair *q = &g->pairs[c->pair];
     const ManifoldPoint *p = &c->manifold.points[point];
     Touching *n = &t->touch[t->touch_count];
-    const Touching *old = find_old(t, c, contact, p->feature);
+    Feature rim;
+    uint32_t id = rim_of(g, q, &c->manifold, p, &rim);
+    if (id && has_rim(t, contact, id))
+        return true;
+    const Touching *old = find_old(t, c, contact, id ? id : p->feature);
     if (old)
         *n = *old;
     else
@@ -53,10 +91,15 @@ static bool add_point(Tracer *t, int contact, int point, bool first)
     n->point = point;
     n->a = c->a;
     n->b = c->b;
-    n->id = p->feature;
-    feature_find(g, q, &c->manifold, p, &n->feature);
-    feature_move(g, &n->feature, n->a, n->b, &n->k);
-    if (fabs(n->k.gap - p->gap) > 1e-7 * q->size) {         /* the frozen feature is not what the manifold means */
+    n->id = id ? id : p->feature;
+    if (id) {
+        n->feature = rim;
+        feature_move(g, &n->feature, n->a, n->b, &n->k);
+    } else if (!old || !still_fits(g, n, p, q->size)) {
+        feature_find(g, q, &c->manifold, p, &n->feature);
+        feature_move(g, &n->feature, n->a, n->b, &n->k);
+    }
+    if (id ? n->k.gap > p->gap + 1e-7 * q->size : fabs(n->k.gap - p->gap) > 1e-7 * q->size) {         /* the frozen feature is not what the manifold means */
         if (p->gap > 1e-6 * q->size)
             return true;        /* and does not touch: it is looked for again when it is nearer */
         t->fault = "a contact without a frozen feature";
@@ -131,6 +174,22 @@ static bool lost_a_pressing_one(const Tracer *t)
     return now != before;
 }
 
+/* Manifolds are kept from step to step, and are those of the present poses unless marked as fresh. Where every pair that moves
+ * presses since the last step, they serve; what comes near elsewhere is found at the end of the step. */
+static bool all_held(const Tracer *t)
+{
+    const Group *g = t->g;
+    for (int i = 0; i < g->contact_count; i++) {
+        const GroupContact *c = &g->contacts[i];
+        bool held = false;
+        for (int k = 0; k < c->manifold.count; k++)
+            held = held || c->memory[k].held == HELD_SUBSTEPS;
+        if (!held && any_moves(g, c))
+            return false;
+    }
+    return g->trace_step > 0;
+}
+
 bool trace_touch(Tracer *t, bool first)
 {
     Group *g = t->g;
@@ -139,7 +198,7 @@ bool trace_touch(Tracer *t, bool first)
     t->old_count = t->touch_count;
     t->touch = swap;
     t->touch_count = 0;
-    group_touch(g, real_max(t->end - t->t, 0.25 * t->end), true);
+    group_touch(g, t->end, !first || !all_held(t));
     for (int i = 0; i < g->contact_count; i++) {
         const GroupContact *c = &g->contacts[i];
         for (int k = 0; c->live && any_moves(g, c) && k < c->manifold.count; k++)

@@ -3,71 +3,12 @@
 
 #define CHATTER       40        /* events within CHATTER_TIME of the frame                   */
 #define CHATTER_TIME  1e-10
-#define STIFF         40        /* rad of a spring's swing in the frame                       */
 #define SMALL         4         /* bodies, joints and pairs                                   */
 #define STEP_LEAST    1e-10     /* of the frame: a step this short without an event is none  */
 #define SHORTER_MOST  1e-4      /* of the frame: a step longer than this may fail once more   */
+#define JOINT_DRIFT   1e-2      /* of the tolerance: a joint that much off is put right       */
+#define GATE_DRIFT    1e-4      /* the same of what touches: more would count as open        */
 #define BOUNCE_LEAST  1e-13     /* of the size: bounces lower than this are over             */
-
-/* ---- does it suit? ---- */
-
-static int root_of(const int *parent, int i)
-{
-    while (parent[i] != i)
-        i = parent[i];
-    return i;
-}
-
-#define FAST_LOOP  0.3          /* rad in a step */
-#define LOOP_BODIES 128         /* more than any plan traces */
-
-/* Do the joints close a loop, by themselves or through what does not move? Loops pass through singular positions; the way that
- * holds joints in place passes them better than this one, which holds accelerations, unless they turn fast against the step. */
-static bool has_loop(const Group *g)
-{
-    int parent[LOOP_BODIES + 1];
-    if (g->moving_count > LOOP_BODIES)
-        return true;
-    for (int i = 0; i <= g->moving_count; i++)
-        parent[i] = i;
-    for (int j = 0; j < g->joint_count; j++) {
-        if (g->joints[j].view.type->free_axes == 6 || g->joints[j].view.type->couples)
-            continue;
-        int a = g->joints[j].a, b = g->joints[j].b, n = g->moving_count;
-        a = root_of(parent, a >= 0 && a < n && g->member[a].moves ? a : n);
-        b = root_of(parent, b >= 0 && b < n && g->member[b].moves ? b : n);
-        if (a == b)
-            return true;
-        parent[a] = b;
-    }
-    return false;
-}
-
-static real fastest_spin(const Group *g)
-{
-    real w = 0;
-    for (int i = 0; i < g->moving_count; i++)
-        w = real_max(w, vec3_length2(g->vel[i].w));
-    return sqrt(w);
-}
-
-static bool suits(const Group *g)
-{
-    const AccuracyPlan *p = g->plan;
-    if (g->moving_count > p->trace_bodies || g->decay_friction || g->trace_wait > 0 || !g->may_trace)
-        return false;
-    for (int i = 0; i < g->moving_count; i++)
-        if (g->member[i].moves && g->member[i].integrator != DIG_AUTO)
-            return false;
-    if (g->pair_count == 0 && has_loop(g) && fastest_spin(g) * g->world->def.step < FAST_LOOP)
-        return false;
-    for (int i = 0; i < g->pair_count; i++) {
-        const GroupPair *q = &g->pairs[i];
-        if (!feature_kind_known(q->sa) || !feature_kind_known(q->sb) || q->contacts != 1)
-            return false;
-    }
-    return true;
-}
 
 /* ---- what a frame that fails must not leave behind ---- */
 
@@ -79,7 +20,7 @@ typedef struct Start {
 static void *copy(Arena *a, const void *from, size_t bytes)
 {
     void *to = arena_alloc(a, bytes + 1);
-    if (to)
+    if (to && bytes > 0)
         memcpy(to, from, bytes);
     return to;
 }
@@ -93,7 +34,13 @@ static bool keep_start(const Group *g, Start *s)
         && COPY(pairs, g->pair_count) && COPY(contacts, g->contact_count) && COPY(joints, g->joint_count) && COPY(push_work, g->body_count);
 }
 
-#define BACK(field, count) memcpy(g->field, s->field, (size_t)(count) * sizeof *g->field)
+static void put_back(void *to, const void *from, size_t bytes)
+{
+    if (bytes > 0)              /* there may be none, and nowhere to put them */
+        memcpy(to, from, bytes);
+}
+
+#define BACK(field, count) put_back(g->field, s->field, (size_t)(count) * sizeof *g->field)
 
 static void hand_on(Group *g, const Start *s, const char *why)
 {
@@ -164,8 +111,9 @@ static bool approaching(const Tracer *t)
 static bool put_right(Tracer *t, bool *moved)
 {
     for (int pass = 0; pass < 8; pass++) {
-        real off = trace_violation(t);
-        if (off <= real_max(1e-13 * t->size, 1e-4 * t->tolerance))
+        Violation v = trace_violation(t);
+        real off = real_max(v.joints, v.gates);
+        if (v.joints <= real_max(1e-13 * t->size, JOINT_DRIFT * t->tolerance) && v.gates <= real_max(1e-13 * t->size, GATE_DRIFT * t->tolerance))
             return true;
         *moved = true;
         if (!trace_project(t, true))
@@ -178,7 +126,8 @@ static bool put_right(Tracer *t, bool *moved)
         trace_store(t, t->y);
         trace_load(t, t->y, t->t);
         trace_kinematics(t);
-        if (trace_violation(t) > 0.5 * off)
+        v = trace_violation(t);
+        if (real_max(v.joints, v.gates) > 0.5 * off)
             return off < real_max(1e-8 * t->size, t->tolerance) || (t->fault = "joints or contacts that cannot be closed", false);
     }
     return true;
@@ -200,9 +149,23 @@ static void mark_start(Tracer *t)
         g->rate0 = g->rate;
         g->acc0 = g->acc;
     }
+    for (int i = 0; i < t->bond_count; i++)
+        t->bonds[i].start = trace_load_on(t, t->bonds[i].joint);
     for (int i = 0; i < t->g->moving_count; i++) {
         t->spin0[i] = t->g->vel[i].w;
         t->alpha0[i] = t->alpha[i];
+    }
+}
+
+/* What a blow stopped does not go on sliding the way its rounding points. */
+static void end_slips(Tracer *t)
+{
+    for (int i = 0; i < t->touch_count; i++) {
+        Touching *c = &t->touch[i];
+        if (vec3_length(c->slip.u) <= t->slip_zero)
+            c->slip.grip = GRIP_STICK;
+        if (t->size * vec3_length(c->roll.u) <= t->slip_zero)
+            c->roll.grip = GRIP_STICK;
     }
 }
 
@@ -210,19 +173,21 @@ static void mark_start(Tracer *t)
 static bool settle(Tracer *t, bool first)
 {
     Group *g = t->g;
-    trace_kinematics(t);
+    if (!first)
+        trace_kinematics(t);
     if (approaching(t)) {
         trace_remember(t);
         g->t = t->t;
         impacts(g);
         g->located++;
-        for (int i = 0; i < t->touch_count; i++)        /* what a blow stopped does not go on sliding the way its rounding points */
-            t->touch[i].slip.grip = t->touch[i].roll.grip = GRIP_STICK;
         if (g->status != DIG_OK)
             return false;
         trace_store(t, t->y);
         trace_load(t, t->y, t->t);
         trace_kinematics(t);
+        end_slips(t);
+        if (!trace_bounce(t))
+            return false;
     }
     bool moved = false;
     if (first && !put_right(t, &moved))         /* another way may have left the closed ones a little off */
@@ -333,8 +298,10 @@ static bool shorten(Tracer *t, real h, real factor)
 /* After a step without event: what drifted is put back, and the rates are taken again unless the change is beneath notice. */
 static bool tidy(Tracer *t)
 {
-    trace_load(t, t->y, t->t);
-    trace_kinematics(t);
+    if (t->known != t->y) {
+        trace_load(t, t->y, t->t);
+        trace_kinematics(t);
+    }
     bool moved = false;
     if (!put_right(t, &moved))
         return false;
@@ -362,6 +329,40 @@ static bool tidy(Tracer *t)
     return true;
 }
 
+/* Does nothing move farther than rounding until the end? Then no force changes either, and nothing can happen. */
+static bool at_rest(const Tracer *t, real h)
+{
+    const Group *g = t->g;
+    real least = 1e-3 * t->gap_zero;
+    for (int i = 0; i < t->bond_count; i++)
+        if (t->bonds[i].start >= t->bonds[i].strength)
+            return false;
+    for (int i = 0; i < g->body_count; i++) {
+        const Member *m = &g->member[i];
+        if (m->kinematic && (vec3_length2(g->vel[i].v) > 0 || vec3_length2(g->vel[i].w) > 0))
+            return false;
+        if (m->moves && h * (vec3_length(g->vel[i].v) + h * vec3_length(t->acc[i])) > least)
+            return false;
+        if (m->moves && h * m->outer * (vec3_length(g->vel[i].w) + h * vec3_length(t->alpha[i])) > least)
+            return false;
+    }
+    return true;
+}
+
+static void rest_on(Tracer *t, real h)
+{
+    trace_parabola(t, h);
+    trace_mean(t);
+    trace_book(t, t->touch, t->touch_count, t->t);
+    State *old = t->y;
+    t->y = t->y1;
+    t->y1 = old;
+    trace_load(t, t->y, t->end);
+    t->known = t->y;            /* as far as rounding goes */
+    t->t = t->end;
+    t->h_next = t->end;
+}
+
 static bool one_step(Tracer *t)
 {
     real rest = t->end - t->t, h = real_min(rest, t->h_next);
@@ -370,6 +371,10 @@ static bool one_step(Tracer *t)
     if (!hold_slow_slips(t, h))
         return false;
     mark_start(t);
+    if (at_rest(t, rest)) {
+        rest_on(t, rest);
+        return true;
+    }
     real error = trace_try(t, h);
     if (t->fault && h > SHORTER_MOST * t->end) {    /* a stage far off its constraints: nearer it will do */
         t->fault = NULL;
@@ -386,7 +391,8 @@ static bool one_step(Tracer *t)
         return shorten(t, h, 0.25);
     if (e.kind == EVENT_NONE) {
         t->h_next = grown(t, h, error);
-        trace_load(t, t->y1, t->t + t->h);
+        if (t->known != t->y1)
+            trace_load(t, t->y1, t->t + t->h);
         if (!accept_step(t, &e))
             return false;
         t->probe_wait = int_max(0, t->probe_wait - 1);
@@ -394,7 +400,9 @@ static bool one_step(Tracer *t)
     }
     if (!trace_stop_at(t, &e) || !accept_step(t, &e) || !count_event(t))
         return false;
-    if (e.kind != EVENT_CLOSE && !t->dirty)
+    if (e.kind == EVENT_BREAK)
+        trace_part(t, &e);
+    else if (e.kind != EVENT_CLOSE && !t->dirty)
         t->hint = e;
     t->dirty = true;
     return true;
@@ -408,25 +416,6 @@ static bool over_budget(Tracer *t)
     if (g->evaluations > scale * g->plan->trace_work && t->t < t->end)
         t->fault = "more evaluations than its budget";
     return t->fault;
-}
-
-/* Springs that swing many times within the step are not followed, but kept in their energy: that is another way's work. */
-static bool too_stiff(const Tracer *t)
-{
-    const Group *g = t->g;
-    for (int j = 0; j < g->joint_count; j++)
-        for (int i = 0; i < t->row_count[j]; i++) {
-            const Row *r = &t->rows[j * JOINT_SLOTS + i];
-            real mobility = 0;
-            for (int k = 0; k < r->count && r->kind == ROW_SOFT; k++) {
-                int b = r->body[k];
-                if (b >= 0)
-                    mobility += g->mass[b].im * vec3_length2(r->lin[k]) + vec3_dot(r->ang[k], mat3_mul_vec(g->mass[b].ii, r->ang[k]));
-            }
-            if (sqrt(r->stiffness * mobility) * t->end > STIFF)
-                return true;
-        }
-    return false;
 }
 
 static bool overlaps(const Tracer *t)
@@ -445,9 +434,11 @@ static bool run(Tracer *t)
         t->mover_start[i] = g->pos[i];
     for (int i = 0; i < g->joint_count; i++)
         group_joint_view(g, i);
-    trace_kinematics(t);
+    trace_kinematics(t);        /* its joints; contacts are found below */
     list_drives(t);
-    if (too_stiff(t)) {
+    trace_drives(t);
+    trace_bonds(t);
+    if (trace_too_stiff(t)) {
         t->fault = "springs too stiff for its steps";
         return false;
     }
@@ -484,9 +475,11 @@ static dig_status advance(Group *g, real dt)
     }
     g->t = dt;
     if (!g->woke) {
-        trace_load(t, t->y, dt);
+        if (t->known != t->y) {
+            trace_load(t, t->y, dt);
+            trace_kinematics(t);
+        }
         trace_refine(t, t->y);
-        trace_kinematics(t);
         trace_finish(t);
         g->trace_step = t->h_next;
         g->h = dt;
@@ -497,4 +490,4 @@ static dig_status advance(Group *g, real dt)
     return g->status;
 }
 
-const Way way_trace = {.name = "trace", .tally = WAY_TRACED, .suits = suits, .advance = advance};
+const Way way_trace = {.name = "trace", .tally = WAY_TRACED, .suits = trace_suits, .advance = advance};

@@ -19,13 +19,15 @@ extern const Way way_flight, way_trace;
 
 /* ---- contact features: what touches what, frozen for a step ---- */
 
-typedef enum FeatureKind { POINT_PLANE, PLANE_POINT, POINT_POINT, POINT_LINE, LINE_POINT, LINE_LINE } FeatureKind;    /* on a, on b */
+typedef enum FeatureKind {      /* on a, on b; RIM: the circle round the end of a cylinder */
+    POINT_PLANE, PLANE_POINT, POINT_POINT, POINT_LINE, LINE_POINT, LINE_LINE, RIM_PLANE, PLANE_RIM, RIM_POINT, POINT_RIM
+} FeatureKind;
 
 typedef struct Feature {
     FeatureKind kind;
-    vec3 pa, pb;                /* m   a point of the core, from the centre of mass, body axes */
-    vec3 da, db;                /*     outward normal of the plane, or direction of the line   */
-    real ra, rb;                /* m   rounding radii                                           */
+    vec3 pa, pb;                /* m   a point of the core, from the centre of mass, body axes; a rim's centre */
+    vec3 da, db;                /*     outward normal of the plane, or direction of the line, or axis of the rim */
+    real ra, rb;                /* m   rounding radii; of a rim: the circle's                   */
 } Feature;
 
 typedef struct Kinematics {     /* of a contact, world axes */
@@ -39,6 +41,7 @@ typedef struct Kinematics {     /* of a contact, world axes */
 /* What touches at a manifold's point of two shapes of known kind. */
 void feature_find(const Group *g, const GroupPair *q, const Manifold *m, const ManifoldPoint *p, Feature *out);
 bool feature_kind_known(const Shape *s);
+static inline bool feature_has_rim(const Feature *f) { return f->kind >= RIM_PLANE; }
 void feature_move(const Group *g, const Feature *f, int a, int b, Kinematics *k);
 
 /* ---- what may press, slide or hold ---- */
@@ -62,7 +65,6 @@ typedef struct Cone {           /* friction (2 directions) or rolling resistance
     vec3 force;                 /* on b                                                   */
     real weight;                /* of its rows in the least-norm sharing                  */
     real lateral;               /* N   of the lock                                        */
-    real mobility;              /* 1/kg  velocity per impulse along it                    */
 } Cone;
 
 static inline real cone_bound(const Cone *c) { return c->grip == GRIP_BRINK ? c->still : c->moving; }
@@ -84,9 +86,16 @@ typedef struct Hold {           /* a motor or dry friction of a joint */
     real most, target, rate, acc, force;
 } Hold;
 
+typedef struct Bond {           /* a joint that can break              */
+    int  joint;
+    real strength, start, end;  /* N   load at the start and at the end of the step */
+} Bond;
+
 /* ---- rows of the direct solve ---- */
 
 typedef enum LineKind { LINE_HARD, LINE_NORMAL, LINE_STOP, LINE_SLIP, LINE_ROLL, LINE_HOLD, LINE_LATERAL } LineKind;
+
+typedef struct Arrow { vec3 lin, ang; } Arrow;
 
 typedef struct Line {           /* one row: J of the moving bodies, and M^-1 G */
     LineKind kind;
@@ -97,9 +106,8 @@ typedef struct Line {           /* one row: J of the moving bodies, and M^-1 G *
     int  count, body[ROW_BODIES];
     vec3 lin[ROW_BODIES], ang[ROW_BODIES];      /* J                     */
     vec3 mlin[ROW_BODIES], mang[ROW_BODIES];    /* M^-1 G                */
-    vec3 glin[ROW_BODIES], gang[ROW_BODIES];    /* G                     */
+    vec3 gang[ROW_BODIES];      /* G, its torques; G = J without sliding */
     real drift, error, want;    /* m/s^2, m, m/s                         */
-    real soft;                  /* softening of its diagonal             */
 } Line;
 
 typedef struct System {         /* A x = b with A = J M^-1 G: Cholesky in its profile, or LU where friction slides */
@@ -132,10 +140,11 @@ typedef enum EventKind {
     EVENT_YIELD,                /* what sticks or holds reaches its bound                   */
     EVENT_HALT,                 /* slip, or a motor's lag, comes to its end: speed          */
     EVENT_GRIP,                 /* what was on the brink sticks again: acceleration         */
+    EVENT_BREAK,                /* a joint's load reaches its strength: what is left of it  */
     EVENT_SHORTER               /* none, but the step must be shorter to tell               */
 } EventKind;
 
-typedef struct Event { EventKind kind; real at; Gate *gate; Cone *cone; Hold *hold; const Gate *normal; } Event;
+typedef struct Event { EventKind kind; real at; Gate *gate; Cone *cone; Hold *hold; const Gate *normal; const struct Bond *bond; } Event;
 
 typedef struct Tracer {
     Group *g;
@@ -147,6 +156,7 @@ typedef struct Tracer {
     Touching *touch, *old_touch; int touch_count, old_count, touch_capacity;
     Stop  *stops; int stop_count;
     Hold  *holds; int hold_count;
+    Bond  *bonds; int bond_count;
     Row   *rows; int *row_count;                /* JOINT_SLOTS per joint   */
     System sys;
     int   *order;               /* of bodies along chains and stacks       */
@@ -159,6 +169,7 @@ typedef struct Tracer {
     Pos   *mover_start;         /* poses of kinematic bodies at t = 0      */
 
     State *y, *y1, *y2, *stage[STAGES];         /* states and their rates  */
+    const State *known;         /* the state of which the present rows and forces are; NULL: of another one */
     real  *quad[STAGES], *sum;  /* forces and powers to be integrated: see flow.c */
     real   h, h_next, h_probe;  /* s  of the present step, of the next, of the probe that the present one is part of */
     bool   probed;              /* the present step has constant accelerations */
@@ -169,14 +180,42 @@ typedef struct Tracer {
     int    near_events; real event_time;
 } Tracer;
 
+/* How many forces and powers are integrated: 4 a contact point, 6 a joint, 1 a push, and two sums. */
+static inline int trace_powers(const Tracer *t) { return 4 * t->touch_count + 6 * t->g->joint_count + t->g->push_count + 2; }
+
+/* suits.c */
+bool trace_suits(const Group *g);
+bool trace_too_stiff(const Tracer *t);          /* springs that swing too often within the step */
 /* rows.c */
 void trace_kinematics(Tracer *t);               /* contacts, joint rows and free accelerations of the group's present state */
+void trace_drives(Tracer *t);                   /* of stops and holds alone, from the joints' rows */
 Line *trace_line(Tracer *t, LineKind kind, int owner);      /* NULL: the budget is used up */
-void trace_line_body(Tracer *t, Line *l, int body, vec3 lin, vec3 ang, vec3 glin, vec3 gang);
-bool trace_accelerate(Tracer *t);               /* forces and accelerations for the present kinds */
+static inline bool trace_moves(const Tracer *t, int body) { return body >= 0 && t->g->member[body].moves; }
+/* J and G of a line for one of its bodies; nothing for what does not move. */
+static inline void trace_line_body(const Tracer *t, Line *l, int body, const Arrow *j, const Arrow *g)
+{
+    if (!trace_moves(t, body))
+        return;
+    Arrow own = *j, push = *g;
+    if (t->g->planar) {
+        dir_mask(t->g, &own.lin, &own.ang);
+        dir_mask(t->g, &push.lin, &push.ang);
+    }
+    int k = l->count++;
+    l->body[k] = body;
+    l->lin[k] = own.lin;
+    l->ang[k] = own.ang;
+    l->gang[k] = push.ang;
+    l->mlin[k] = vec3_scale(t->g->mass[body].im, push.lin);
+    l->mang[k] = mat3_mul_vec(t->g->mass[body].ii, push.ang);
+}
+bool trace_solve(Tracer *t);                    /* forces for the present kinds, and what they do to the bodies */
+bool trace_accelerate(Tracer *t);               /* the same, and the accelerations of contacts, stops and holds */
 bool trace_project(Tracer *t, bool positions);  /* puts what drifted back on its constraints; false = fault */
-real trace_violation(const Tracer *t);          /* m  worst of gaps, errors and (over pace) rates that should be zero */
+typedef struct Violation { real joints, gates; } Violation;
+Violation trace_violation(const Tracer *t);     /* m  worst of errors and gaps and (over pace) rates that should be zero */
 Row *trace_row(const Tracer *t, int joint, int slot);
+real trace_row_rate(const Tracer *t, const Row *r);
 /* patch.c: rows of one contact, from its first touching point on */
 void trace_patch(Tracer *t, int first, bool forces, bool positions);
 /* kinds.c */
@@ -188,12 +227,20 @@ void trace_load(Tracer *t, const State *y, real time);  /* into the group */
 void trace_store(Tracer *t, State *y);                  /* from the group */
 void trace_refine(Tracer *t, const State *y);   /* angular velocities to the last digit */
 void trace_keep(Tracer *t, int stage);          /* rates and powers of the present state, as evaluated */
+void trace_follow(Tracer *t);                   /* slip directions of the present velocities */
 bool trace_rate(Tracer *t, const State *y, real time, int stage);
+void trace_parabola(Tracer *t, real h);         /* a step whose forces are those at its start throughout, untried */
 real trace_try(Tracer *t, real h);              /* one step from y to y1; its error over the tolerance; INFINITY = fault */
 void trace_dense(const Tracer *t, real part, State *out);   /* y .. y1 at a part of the tried step */
 /* happen.c */
 Event trace_scan(Tracer *t);                    /* the first event of the tried step */
 bool  trace_stop_at(Tracer *t, const Event *e); /* cuts the tried step at it: y1, t->h */
+/* bond.c: joints that break */
+void trace_bonds(Tracer *t);                    /* lists them */
+real trace_load_on(const Tracer *t, int joint); /* N  now */
+void trace_part(Tracer *t, const Event *e);     /* lets go what the event broke */
+/* bounce.c */
+bool trace_bounce(Tracer *t);                   /* after a blow: what follows in closed form, if it can be; false = fault */
 /* touch.c */
 bool trace_touch(Tracer *t, bool first);        /* contacts of the present state; sets dirty when what touches has changed */
 bool trace_items(Tracer *t);                    /* joints and contacts in the order of the rows */

@@ -5,9 +5,10 @@
  */
 #include "trace_fixture.h"
 
-enum { TRIES = 500, KINDS = LINE_LINE + 1 };
+enum { TRIES = 500, KINDS = POINT_RIM + 1 };
 
-static const char *const kind_names[KINDS] = {"point-plane", "plane-point", "point-point", "point-line", "line-point", "line-line"};
+static const char *const kind_names[KINDS] = {"point-plane", "plane-point", "point-point", "point-line", "line-point", "line-line",
+                                               "rim-plane", "plane-rim", "rim-point", "point-rim"};
 
 /* ---- the plain computation ---- */
 
@@ -25,6 +26,15 @@ static void nearest_of_lines(vec3 oa, vec3 da, vec3 ob, vec3 db, vec3 *on_a, vec
     *on_b = vec3_mad(ob, (wa * ab - wb * aa) / det, db);
 }
 
+/* The point of a circle that is farthest along q, by its angle. */
+static vec3 farthest_on_rim(vec3 o, vec3 d, real r, vec3 q)
+{
+    vec3 u, v;
+    vec3_basis(vec3_unit(d), &u, &v);
+    real angle = atan2(vec3_dot(q, v), vec3_dot(q, u));
+    return vec3_mad(vec3_mad(o, r * cos(angle), u), r * sin(angle), v);
+}
+
 static vec3 velocity_at(const Pos *p, const Vel *v, vec3 at) { return vec3_add(v->v, vec3_cross(v->w, vec3_sub(at, p->x))); }
 
 static Plain plain(const Pos p[2], const Vel v[2], const Feature *f)
@@ -34,6 +44,26 @@ static Plain plain(const Pos p[2], const Vel v[2], const Feature *f)
     Plain r;
     switch (f->kind) {
     case PLANE_POINT: r = (Plain){.gap = vec3_dot(da, vec3_sub(b, a)) - f->rb, .n = da, .at = vec3_mad(b, -f->rb, da)}; break;
+    case PLANE_RIM:
+        r.at = farthest_on_rim(b, db, f->rb, vec3_neg(da));
+        r = (Plain){.gap = vec3_dot(da, vec3_sub(r.at, a)), .n = da, .at = r.at};
+        break;
+    case RIM_PLANE:
+        r.at = farthest_on_rim(a, da, f->ra, vec3_neg(db));
+        r = (Plain){.gap = vec3_dot(db, vec3_sub(r.at, b)), .n = vec3_neg(db), .at = r.at};
+        break;
+    case RIM_POINT:
+        a = farthest_on_rim(a, da, f->ra, vec3_sub(b, a));
+        r.n = vec3_unit(vec3_sub(b, a));
+        r.gap = vec3_distance(a, b) - f->rb;
+        r.at = vec3_mad(b, -f->rb, r.n);
+        break;
+    case POINT_RIM:
+        b = farthest_on_rim(b, db, f->rb, vec3_sub(a, b));
+        r.n = vec3_unit(vec3_sub(b, a));
+        r.gap = vec3_distance(a, b) - f->ra;
+        r.at = b;
+        break;
     case POINT_PLANE: r = (Plain){.gap = vec3_dot(db, vec3_sub(a, b)) - f->ra, .n = vec3_neg(db), .at = vec3_mad(a, -f->ra, db)}; break;
     default:
         if (f->kind == POINT_LINE)
@@ -60,6 +90,10 @@ static Feature random_feature(Dice *d, FeatureKind kind)
         f.ra = 0;
     if (kind == POINT_PLANE)
         f.rb = 0;
+    if (kind == RIM_PLANE || kind == RIM_POINT)
+        f.ra += 0.1;
+    if (kind == PLANE_RIM || kind == POINT_RIM)
+        f.rb += 0.1;
     return f;
 }
 
@@ -74,6 +108,14 @@ static Feature random_meeting(Hand *h, Dice *d, FeatureKind kind)
         }
         vec3 m = vec3_cross(quat_rotate(h->pos[0].q, f.da), quat_rotate(h->pos[1].q, f.db));
         Plain p = plain(h->pos, h->vel, &f);
+        if (kind >= RIM_PLANE) {        /* across the axis by a good part, and not near the nearest point */
+            vec3 axis = kind == RIM_PLANE || kind == RIM_POINT ? quat_rotate(h->pos[0].q, f.da) : quat_rotate(h->pos[1].q, f.db);
+            vec3 q = kind == PLANE_RIM ? quat_rotate(h->pos[0].q, f.da) : kind == RIM_PLANE ? quat_rotate(h->pos[1].q, f.db)
+                : vec3_sub(vec3_add(h->pos[1].x, quat_rotate(h->pos[1].q, f.pb)), vec3_add(h->pos[0].x, quat_rotate(h->pos[0].q, f.pa)));
+            if (vec3_length(vec3_cross(axis, q)) > 0.5 && (kind <= PLANE_RIM || p.gap + (kind == RIM_POINT ? f.rb : f.ra) > 0.5))
+                return f;
+            continue;
+        }
         bool far = p.gap + f.ra + f.rb > 0.5 || kind == PLANE_POINT || kind == POINT_PLANE;
         if (kind == LINE_LINE && vec3_dot(m, p.n) < 0)
             f.da = vec3_neg(f.da);
@@ -469,7 +511,7 @@ TEST(only_the_shapes_with_a_frozen_feature_are_known)
 {
     for (int i = 0; shape_types[i]; i++) {
         Shape s = {.type = shape_types[i]};
-        bool want = false;
+        bool want = strcmp(shape_types[i]->name, "cylinder") == 0;
         for (int k = 0; k < SHAPES; k++)
             want = want || strcmp(shape_types[i]->name, solid_names[k]) == 0;
         CHECK_INT(feature_kind_known(&s), want);

@@ -37,7 +37,6 @@ static void put_body(Bench *t, Line *l, int body, vec3 lin, vec3 ang, vec3 glin,
     l->body[k] = body;
     l->lin[k] = lin;
     l->ang[k] = ang;
-    l->glin[k] = glin;
     l->gang[k] = gang;
     l->mlin[k] = vec3_scale(t->im[body], glin);
     l->mang[k] = mat3_mul_vec(t->ii[body], gang);

@@ -1,0 +1,64 @@
+/* trace/bond.c - joints that break: the load on them, and what is left when one has let go.
+ *
+ * A joint's load is the force by which it acts on one of its ends: for springs a function of the state, for what is rigid the
+ * solution of the rows. It is smooth between events, and where it reaches the strength is an event like any other.
+ */
+#include "trace/trace.h"
+
+void trace_bonds(Tracer *t)
+{
+    t->bond_count = 0;
+    for (int j = 0; j < t->g->joint_count; j++)
+        if (t->g->joints[j].breaks_at > 0)
+            t->bonds[t->bond_count++] = (Bond){.joint = j, .strength = t->g->joints[j].breaks_at};
+}
+
+real trace_load_on(const Tracer *t, int joint)
+{
+    const GroupJoint *j = &t->g->joints[joint];
+    int end = j->a >= 0 ? j->a : j->b;
+    vec3 sum = vec3_zero();
+    for (int i = 0; i < t->row_count[joint]; i++) {
+        const Row *r = &t->rows[joint * JOINT_SLOTS + i];
+        for (int k = 0; k < r->count; k++)
+            if (r->body[k] == end && end >= 0)
+                sum = vec3_mad(sum, t->joint_force[joint * JOINT_SLOTS + r->slot], r->lin[k]);
+    }
+    return vec3_length(sum);
+}
+
+/* What holds no more. Joints that couple it find no coordinate in it, and add no rows either. */
+static void no_rows(const JointView *j, RowList *out)
+{
+    (void)j;
+    (void)out;
+}
+
+static const JointType parted = {.name = "parted", .doc = "broken in this step", .free_axes = 6, .rows = no_rows};
+
+void trace_part(Tracer *t, const Event *e)
+{
+    int joint = e->bond->joint, n = 0;
+    GroupJoint *j = &t->g->joints[joint];
+    j->broken = true;
+    j->broke = t->t;
+    j->view.type = &parted;
+    memset(&t->joint_force[joint * JOINT_SLOTS], 0, JOINT_SLOTS * sizeof *t->joint_force);
+    memset(j->force, 0, sizeof j->force);
+    for (int i = 0; i < t->stop_count; i++)
+        if (t->stops[i].joint != joint)
+            t->stops[n++] = t->stops[i];
+    t->stop_count = n;
+    n = 0;
+    for (int i = 0; i < t->hold_count; i++)
+        if (t->holds[i].joint != joint)
+            t->holds[n++] = t->holds[i];
+    t->hold_count = n;
+    n = 0;
+    for (int i = 0; i < t->bond_count; i++)
+        if (t->bonds[i].joint != joint)
+            t->bonds[n++] = t->bonds[i];
+    t->bond_count = n;
+    t->g->located++;
+    t->dirty = true;
+}
