@@ -67,7 +67,7 @@ local function build_bucket(world)
       digbox.capsule { radius = 0.012, length = 0.44, at = { 0, reach, 0 }, rotation = across },
     } }
   local hinge = world:hinge { name = "pins", a = handle, b = bucket, at = { 0, pin, 0 }, axis = { 0, 0, 1 },
-    friction = "0.05 N m", spring = { damping = 0.16 } }
+    friction = "0.03 N m", spring = { damping = 0.16 } }     -- hangs within 5 degrees of upright
   local grip = digbox.vec(reach * math.sin(lean), pin + reach * math.cos(lean), 0)
   return bucket, handle, hinge, grip
 end

@@ -141,6 +141,7 @@ static dig_status hand_on(Group *g, const Saved *s, const char *why)
 {
     go_back(g, s);
     g->handed_on = true;
+    g->conserve_failed = why != NULL;
     if (why)
         g->gave_up = why;
     return DIG_OK;

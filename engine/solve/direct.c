@@ -9,8 +9,10 @@
  * Lagrangian: its limit has R (f - p) = 0, hard rows, whatever R is (Rockafellar 1976; Hestenes 1969). A convex model of
  * friction lifts what slides; De Saxce & Feng 1998 take mu |slip| off the normal target, to be followed from round to round.
  * The matrix M + J^T D J is positive definite whatever the rows are: repeated ones do no harm, and nothing cycles. It has one
- * 6x6 block per body and link (solve/blocks.h). Groups with joints are not for it: a solve of joints to rounding without their
- * geometric stiffness blows taut chains up at these step lengths.
+ * 6x6 block per body and link (solve/blocks.h).
+ *
+ * Joints that carry what is heavy take part with their geometric stiffness (solve/direct_joints.c): chains and bridges under
+ * contact. There the rows start softer and harden from round to round, and slip is followed only as far as the rounds go.
  */
 #include "solve/direct.h"
 
@@ -28,6 +30,13 @@ static const real most_work[2] = {1e6, 4e6};                                    
 #define MOST_FAST     0.05      /*      of the points may: else Newton's method takes long, and creep does not matter */
 #define AIM           1e-9      /* m/s  wanted at least: what is left adds up to creep */
 #define LOOSE         0.1       /*      a round is done to this part of what it is off */
+/* With joints */
+#define JOINT_SOFT    1e3       /*      times the compliance of a contact at first */
+#define JOINT_FACTORS 300
+#define JOINT_STEPS   75
+#define JOINT_ROUNDS  4         /*      so many, and on while rows are off by more than JOINT_POOR */
+#define JOINT_AIM     1e-6      /* m/s */
+#define JOINT_POOR    1e-3      /* m/s */
 #define GOOD          1e-7      /* m/s  the rows hold within this: the solve has worked */
 
 /* ---- storage ---- */
@@ -43,10 +52,11 @@ static unsigned char *links(const Direct *d, int n)
         if (a >= 0 && b >= 0)
             linked[a * n + b] = linked[b * n + a] = 1;
     }
+    singles_link(d, linked, n);
     return linked;
 }
 
-/* Mass and tensor of inertia, the inverse of what the sweeps use; 0 in what a planar world keeps still counts as 1: no row
+/* Mass and tensor of inertia, the inverse of what the sweeps use, and what taut joints add to it; 0 in what a planar world keeps still counts as 1: no row
  * reaches there. */
 static bool masses(Direct *d)
 {
@@ -61,7 +71,10 @@ static bool masses(Direct *d)
         }
         if (!(m->im > 0) || !(mat3_det(ii) > 0))
             return false;
-        mat3 t = mat3_inverse(ii);
+        mat3 k = d->stiff[d->body[i]], t = mat3_add(mat3_inverse(ii), k);
+        vec3 back = mat3_mul_vec(mat3_inverse(t), mat3_mul_vec(k, g->vel[d->body[i]].w));
+        real rest[3] = {-back.x, -back.y, -back.z};
+        memcpy(d->v0 + 6 * i + 3, rest, sizeof rest);
         d->mass[10 * i] = 1 / m->im;
         memcpy(d->mass + 10 * i + 1, &t, sizeof t);
     }
@@ -97,7 +110,7 @@ static bool open_direct(Direct *d)
             d->place[i] = d->blocks.place[d->place[i]];
             d->body[d->place[i]] = i;
         }
-    if (!blocks_reserve(&d->blocks, g->arena) || !direct_rows(d)) {
+    if (!blocks_reserve(&d->blocks, g->arena) || !direct_rows(d) || !stiffness_open(d)) {
         g->status = DIG_E_MEMORY;
         return false;
     }
@@ -106,7 +119,7 @@ static bool open_direct(Direct *d)
 
 static Vel start_velocity(const Group *g, int body) { return g->member[body].moves ? g->member[body].start_vel : g->vel[body]; }
 
-static bool top_heavy(const Group *g)
+bool group_top_heavy(const Group *g)
 {
     real lightest = INFINITY, heaviest = 0;
     for (int i = 0; i < g->moving_count; i++)
@@ -146,6 +159,15 @@ static real size_of_gradient(const Direct *d)
         worst = real_max(worst, m->im * vec3_length((vec3){r[0], r[1], r[2]}));
         worst = real_max(worst, (isfinite(reach) ? reach : 1) * vec3_length(w));
     }
+    return worst;
+}
+
+/* m/s, rad/s */
+static real size_of_step(const Direct *d)
+{
+    real worst = 0;
+    for (int k = 0; k < 6 * d->blocks.n; k++)
+        worst = real_max(worst, fabs(d->dv[k]));
     return worst;
 }
 
@@ -206,7 +228,8 @@ static bool minimise(Direct *d, real enough)
 {
     real best = INFINITY;
     int worse = 0;
-    for (int i = 0; i < MOST_STEPS && d->factors < d->most_factors; i++) {
+    int most = d->g->joints_direct ? JOINT_STEPS : MOST_STEPS;
+    for (int i = 0; i < most && d->factors < d->most_factors; i++) {
         direct_forces(d);
         direct_gradient(d);
         real now = size_of_gradient(d);
@@ -218,6 +241,8 @@ static bool minimise(Direct *d, real enough)
             return false;
         direct_changes(d);
         direct_move(d, search(d));
+        if (d->g->joints_direct && size_of_step(d) <= real_max(enough, LOOSE * direct_off(d)))
+            break;
     }
     direct_forces(d);
     return true;
@@ -225,10 +250,12 @@ static bool minimise(Direct *d, real enough)
 
 /* ---- */
 
-/* The impulses change the velocities, so that momentum is kept whatever the solve has reached. */
-static void write_back(const Direct *d)
+/* The impulses change the velocities, so that momentum is kept whatever the solve has reached; not so with joints, where
+ * impulses that the solve has not got to the last digit would throw what is light. */
+static void write_back(Direct *d)
 {
     Group *g = d->g;
+    bool push = !g->joints_direct;
     for (int i = 0; i < d->triple_count; i++) {
         const Triple *t = &d->triples[i];
         real p[3];
@@ -238,6 +265,8 @@ static void write_back(const Direct *d)
             RollRow *r = &g->rolls[t->index];
             vec3 by = {p[0], p[1], p[2]};
             r->j = vec3_add(r->j, by);
+            if (!push)
+                continue;
             g->vel[r->a].w = vec3_sub(g->vel[r->a].w, mat3_mul_vec(g->mass[r->a].ii, by));
             g->vel[r->b].w = vec3_add(g->vel[r->b].w, mat3_mul_vec(g->mass[r->b].ii, by));
             continue;
@@ -246,10 +275,14 @@ static void write_back(const Direct *d)
         r->jn = t->prox[0];
         r->jt[0] = t->prox[1];
         r->jt[1] = t->prox[2];
+        if (!push)
+            continue;
         dir_apply(g, &r->n, r->a, r->b, p[0]);
         dir_apply(g, &r->t[0], r->a, r->b, p[1]);
         dir_apply(g, &r->t[1], r->a, r->b, p[2]);
     }
+    if (!push)
+        singles_write(d);
 }
 
 /* The velocities before the substep are near those after it, whatever the impulses so far are worth. */
@@ -265,9 +298,16 @@ static void start_from(Direct *d)
     direct_move(d, 1);
 }
 
+bool direct_joints(const Group *g)
+{
+    return g->joint_count > 0 && !g->planar && (g->conserve_failed || (g->contact_count > 0 && group_top_heavy(g)));
+}
+
 real direct_wanted(const Group *g)
 {
-    bool heavy = top_heavy(g);
+    bool heavy = group_top_heavy(g);
+    if (g->joints_direct)
+        return g->point_count > most_points[heavy] || g->moving_count > MOST_BODIES ? 0 : g->plan->residual;
     if (g->row_count > 0 || g->point_count == 0 || g->point_count > most_points[heavy] || g->moving_count > MOST_BODIES)
         return 0;
     if (g->direct_failures >= most_failures[heavy] || !(heavy || calm(g)))
@@ -298,15 +338,38 @@ static bool solve(Direct *d, real residual)
     return d->error < real_max(GOOD, 1e-9 * speed);
 }
 
+/* The same for joints, whose rows are solved from soft to hard. Poor is better than what sweeps leave. */
+static bool solve_joints(Direct *d)
+{
+    start_from(d);
+    direct_begin(d);
+    d->error = INFINITY;
+    while (d->rounds < MOST_ROUNDS && d->factors < d->most_factors && d->error > JOINT_AIM) {
+        if (!carry_on(d) || !minimise(d, 0.1 * AIM))
+            return false;
+        d->error = direct_off(d);
+        direct_round(d, true);
+        if (++d->rounds >= JOINT_ROUNDS && d->error < JOINT_POOR)
+            break;
+    }
+    return isfinite(d->error);
+}
+
 bool direct_solve(Group *g, real residual)
 {
     ArenaMark mark = arena_mark(g->arena);
-    Direct d = {.g = g, .hardened = 1, .heavy = top_heavy(g), .most_factors = MOST_FACTORS};
-    if (!d.heavy)
+    Direct d = {.g = g, .hardened = 1, .heavy = group_top_heavy(g), .most_factors = MOST_FACTORS};
+    if (g->joints_direct) {
+        d.hardened = JOINT_SOFT;
+        d.most_factors = JOINT_FACTORS;
+    } else if (!d.heavy) {
         d.most_factors = int_min(MOST_FACTORS, int_max(FEW_FACTORS, FACTOR_POINTS / g->point_count));
-    bool fine = open_direct(&d) && solve(&d, real_min(residual, AIM));
+    }
+    bool fine = open_direct(&d) && (g->joints_direct ? solve_joints(&d) : solve(&d, real_min(residual, AIM)));
     if (fine)
         write_back(&d);
+    if (fine && g->joints_direct)
+        g->residual = d.error;
     g->sweeps += d.factors;
     g->direct_failures += !fine;
     arena_rewind(g->arena, mark);

@@ -34,10 +34,25 @@ typedef struct Triple {
     Held held, factored;        /* now, and in the factor                                          */
 } Triple;
 
+/* A row of a joint. */
+typedef struct Single {
+    int  row;                   /* of the group's                                                  */
+    int  count, place[ROW_BODIES];
+    real j[ROW_BODIES][6];
+    real r;                     /* compliance: of the augmented Lagrangian, or a spring's own      */
+    bool bounded, soft;         /* the impulse has a bound; it is a spring's                       */
+    real target, lo, hi;
+    real start, prox, force;    /* as of a triple                                                  */
+    real rate, change;
+    bool answers, factored;     /* the force follows the velocities: it is not at a bound          */
+} Single;
+
 typedef struct Direct {
     Group  *g;
     Blocks  blocks;
     Triple *triples; int triple_count;
+    Single *singles; int single_count;
+    mat3   *stiff;              /* [bodies] kg m^2  h^2 times the geometric stiffness              */
     int    *place;              /* [bodies] < 0: no unknown                                        */
     int    *body;               /* [places]                                                        */
     real   *mass;               /* [places][10]  kg, kg m^2: m and the tensor                      */
@@ -48,6 +63,21 @@ typedef struct Direct {
     real    hardened;           /* 1    compliances over what they were at first                   */
     real    error;              /* m/s  reached                                                    */
 } Direct;
+
+/* direct_joints.c: the same for rows of joints, called by what is below */
+bool singles_open(Direct *d);                           /* false: out of memory */
+void singles_link(const Direct *d, unsigned char *linked, int n);       /* n * n, by d->place */
+void singles_changes(Direct *d);
+void singles_move(Direct *d, real along);
+bool singles_forces(Direct *d);                         /* false: the factor is not of these any more */
+void singles_begin(Direct *d);
+void singles_gradient(Direct *d);
+void singles_assemble(Direct *d);
+real singles_slope(const Direct *d, real along);
+real singles_off(const Direct *d);
+void singles_round(Direct *d, real harder);             /* harder: times the compliance of what has a bound */
+void singles_write(Direct *d);                          /* impulses and velocities into the group */
+bool stiffness_open(Direct *d);                         /* false: out of memory */
 
 /* direct_rows.c */
 bool direct_rows(Direct *d);                            /* false: out of memory */

@@ -71,7 +71,7 @@ bool direct_rows(Direct *d)
         add_point(d, i);
     for (int i = 0; i < g->roll_count; i++)
         add_roll(d, i);
-    return true;
+    return singles_open(d);
 }
 
 /* ---- impulses ---- */
@@ -90,6 +90,7 @@ void direct_changes(Direct *d)
                     t->change[k] += dot6(t->j[k] + 6 * m, d->dv + 6 * t->place[m]);
         }
     }
+    singles_changes(d);
 }
 
 void direct_move(Direct *d, real along)
@@ -99,6 +100,7 @@ void direct_move(Direct *d, real along)
     for (int i = 0; i < d->triple_count; i++)
         for (int k = 0; k < 3; k++)
             d->triples[i].rate[k] += along * d->triples[i].change[k];
+    singles_move(d, along);
 }
 
 /* The nearest point y of the set. */
@@ -147,7 +149,7 @@ static void wish(const Triple *t, real along, real *y)
 
 void direct_forces(Direct *d)
 {
-    bool same = true;
+    bool same = singles_forces(d);
     for (int i = 0; i < d->triple_count; i++) {
         Triple *t = &d->triples[i];
         real y[3];
@@ -184,11 +186,12 @@ void direct_gradient(Direct *d)
                 for (int c = 0; t->place[m] >= 0 && c < 6; c++)
                     d->grad[6 * t->place[m] + c] -= t->j[k][6 * m + c] * (t->force[k] - t->start[k]);
     }
+    singles_gradient(d);
 }
 
 real direct_slope(const Direct *d, real along)
 {
-    real slope = 0;
+    real slope = singles_slope(d, along);
     for (int i = 0; i < d->blocks.n; i++) {
         real off[6], p[6] = {0};
         for (int k = 0; k < 6; k++)
@@ -291,6 +294,7 @@ void direct_assemble(Direct *d, bool fresh)
         assemble_triple(d, &d->triples[i]);
         d->triples[i].factored = d->triples[i].held;
     }
+    singles_assemble(d);
 }
 
 /* ---- the outer loop ---- */
@@ -314,7 +318,7 @@ static void follow_bounds(Direct *d, int i)
 
 real direct_off(const Direct *d)
 {
-    real worst = 0;
+    real worst = singles_off(d);
     for (int i = 0; i < d->triple_count; i++) {
         const Triple *t = &d->triples[i];
         real reach = t->set == SET_BALL ? d->g->rolls[t->index].reach : 1;
@@ -327,12 +331,17 @@ real direct_off(const Direct *d)
 /* What pressed still presses, and sticks unless it slid. */
 void direct_begin(Direct *d)
 {
+    singles_begin(d);
     for (int i = 0; i < d->triple_count; i++) {
         Triple *t = &d->triples[i];
-        real y[3], far = t->lift > 0 ? 1.001 : 1;
-        t->held = t->set != SET_BALL && !(t->prox[0] > 0) ? HELD_NOT : t->lift > 0 ? HELD_SLIPS : t->mu > 0 ? HELD_ALL : HELD_NORMAL;
+        real y[3], from[3] = {t->prox[0], 1.001 * t->prox[1], 1.001 * t->prox[2]};
         wish(t, 0, y);
-        real from[3] = {t->prox[0], far * t->prox[1], far * t->prox[2]};
+        if (t->lift > 0 && from[1] == 0 && from[2] == 0) {      /* what slides without friction so far does so as it would like to */
+            from[1] = y[1];
+            from[2] = y[2];
+        }
+        bool slips = t->lift > 0 && (from[1] != 0 || from[2] != 0);
+        t->held = t->set != SET_BALL && !(t->prox[0] > 0) ? HELD_NOT : slips ? HELD_SLIPS : t->mu > 0 ? HELD_ALL : HELD_NORMAL;
         memcpy(t->force, t->prox, sizeof t->force);
         derivative(t, from, t->w);
         for (int k = 0; k < 3; k++)
@@ -369,7 +378,8 @@ static real next_triple(Direct *d, int i, real harder)
 
 real direct_round(Direct *d, bool harden)
 {
-    real worst = 0, harder = harden && d->hardened > HARDEST ? HARDEN : 1;
+    real worst = singles_off(d), harder = harden && d->hardened > HARDEST ? HARDEN : 1;
+    singles_round(d, harder);
     for (int i = 0; i < d->triple_count; i++)
         worst = real_max(worst, next_triple(d, i, harder));
     d->hardened *= harder;

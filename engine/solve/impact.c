@@ -86,11 +86,22 @@ static real rounding_floor(const Group *g)
 /* Counts bound the work: few rows are solved to rounding, many as well as a substep's. */
 static int impact_sweeps(const Group *g) { return (int)real_clamp(40000.0 / (g->point_count + g->row_count + 1), 40, IMPACT_SWEEPS); }
 
+/* Where something is heavy, what sweeps do not get to is solved at once. */
+static void solve_all(Group *g, real residual)
+{
+    real worst = g->residual;
+    g->residual = 0;
+    relax(g, impact_sweeps(g), residual);
+    if (g->residual > residual && group_top_heavy(g) && direct_wanted(g) > 0 && direct_solve(g, residual))
+        g->residual = residual;
+    g->residual = real_max(g->residual, worst);
+}
+
 /* Solves the chosen rows together with the joints; on[] marks them. */
 static void solve_marked(Group *g, const bool *on, bool all, real speed)
 {
     if (all) {
-        relax(g, impact_sweeps(g), IMPACT_RESIDUAL * speed);
+        solve_all(g, IMPACT_RESIDUAL * speed);
         return;
     }
     real enough = IMPACT_RESIDUAL * speed + rounding_floor(g);

@@ -252,6 +252,8 @@ static void book_joint(Group *g, const JointBlock *b)
                 j->impulse = vec3_mad(j->impulse, r->p, r->row.lin[k]);
                 j->angular_impulse = vec3_mad(j->angular_impulse, r->p, r->row.ang[k]);
             }
+        if (r->row.kind == ROW_HARD)        /* what a jerk of a joint takes */
+            g->lost -= r->p * mean_row_rate(g, &r->row);
         if (r->row.kind == ROW_DRY || r->row.kind == ROW_MOTOR) {
             real work = r->p * mean_row_rate(g, &r->row);
             *(r->row.kind == ROW_DRY ? &g->lost : &g->work_in) += r->row.kind == ROW_DRY ? -work : work;
@@ -321,6 +323,10 @@ static void relax_group(Group *g)
     g->residual = 0;
     int sweeps = sweeps_for(g, g->plan->sweeps);
     real wanted = direct_wanted(g);
+    if (g->joints_direct && wanted > 0 && direct_solve(g, wanted)) {
+        g->residual = real_max(g->residual, worst);
+        return;
+    }
     int first = wanted > 0 ? int_min(sweeps, FIRST_SWEEPS) : sweeps;
     relax(g, first, wanted > 0 ? wanted : g->plan->residual);
     if (wanted > 0 && g->residual > wanted && direct_solve(g, wanted)) {
@@ -337,6 +343,30 @@ static void relax_group(Group *g)
     g->residual = real_max(g->residual, worst);
 }
 
+/* Part of a position error that velocities take off in a substep, and the most, m/s and rad/s. */
+#define HEAL_PART 0.2
+#define HEAL_SPEED 3.0
+#define HEAL_SPIN 20.0
+
+static real heal_rate(const Group *g, real error, real most) { return real_clamp(HEAL_PART * error / g->h, -most, most); }
+
+/* Where joints are solved with their contacts, position errors heal by velocities: a body moved by itself would pull at joints
+ * so stiff that it is thrown back. */
+static void heal(Group *g)
+{
+    for (int i = 0; i < g->row_count; i++) {
+        JointRow *r = &g->rows[i];
+        if (r->row.kind == ROW_HARD || (r->row.kind == ROW_LIMIT && r->row.error < 0))
+            r->bias -= heal_rate(g, r->row.error, r->row.angular ? HEAL_SPIN : HEAL_SPEED);
+    }
+    for (int i = 0; i < g->point_count; i++) {
+        PointRow *r = &g->points[i];
+        real gap = g->contacts[r->contact].manifold.points[r->point].gap;
+        if (gap < 0)
+            r->target = real_max(r->target, heal_rate(g, -gap, HEAL_SPEED));
+    }
+}
+
 static dig_status solve_substep(Group *g)
 {
     for (int i = 0; i < g->moving_count; i++)
@@ -345,9 +375,12 @@ static dig_status solve_substep(Group *g)
     predict(g);
     g->point_count = g->roll_count = g->block_count = g->row_count = 0;
     DIG_TRY(g->stage(g, STAGE_ROWS));
-    if (g->midpoint && any_euler(g))
+    if (g->midpoint && (any_euler(g) || g->joints_direct))
         group_build_joints(g, false);       /* who moves with the new velocity needs rows for it, not for the mean */
-    project(g);
+    if (g->joints_direct)
+        heal(g);
+    else
+        project(g);
     warm_start(g);
     bounce(g);
     relax_group(g);
@@ -446,16 +479,22 @@ static real longest_piece(const Group *g, real dt)
     return real_max(dt / 32, TURN_MOST / real_max(sqrt(fastest), 1e-9));
 }
 
+/* A bounce is over when it would rise less than a hundred-thousandth of the size of what bounces. */
+real group_close_speed(const Group *g)
+{
+    real size = INFINITY;
+    for (int i = 0; i < g->pair_count; i++)
+        size = real_min(size, g->pairs[i].size);
+    return isfinite(size) ? sqrt(2e-5 * size * vec3_length(g->gravity)) + 1e-9 * size : 0;
+}
+
 dig_status sweep_advance(Group *g, real dt)
 {
     DIG_TRY(reserve(g));
     real part = dt / g->plan->substeps;
-    /* A bounce is over when it would rise less than a hundred-thousandth of the size of what bounces. */
-    real size = INFINITY;
-    for (int i = 0; i < g->pair_count; i++)
-        size = real_min(size, g->pairs[i].size);
-    g->close_speed = isfinite(size) ? sqrt(2e-5 * size * vec3_length(g->gravity)) + 1e-9 * size : 0;
-    g->locate = g->moving_count <= g->plan->events_bodies;
+    g->close_speed = group_close_speed(g);
+    g->joints_direct = direct_joints(g);
+    g->locate = g->moving_count <= g->plan->events_bodies && !g->joints_direct;
     g->events_left = int_min(g->plan->events, int_max(4, 4000 / (g->pair_count + 1)));
     g->h = part;
     group_touch(g, part, false);

@@ -26,11 +26,13 @@ static void open_pile(Pile *p, const char *plan, int threads)
     p->w = open_with(def);
 }
 
-static void put(Pile *p, real mass, vec3 at)
+static void put_sized(Pile *p, real size, real mass, vec3 at)
 {
     p->start[p->count] = at;
-    p->b[p->count++] = add_box(p->w, dull, (vec3){1, 1, 1}, mass, at, quat_identity());
+    p->b[p->count++] = add_box(p->w, dull, (vec3){size, size, size}, mass, at, quat_identity());
 }
+
+static void put(Pile *p, real mass, vec3 at) { put_sized(p, 1, mass, at); }
 
 /* Unit boxes on each other, 1 kg but for the top; each `aside` m off the one below, to and fro. */
 static void tower(Pile *p, const char *plan, int count, real top, real aside)
@@ -258,6 +260,87 @@ TEST(stack_on_a_steep_slope_slides_by_coulombs_law)
     dig_world_close(p.w);
 }
 
+/* ---- joints that carry what is heavy ---- */
+
+static dig_joint hinge(dig_world *w, dig_body a, dig_body b, vec3 at)
+{
+    char data[1024];
+    dig_joint_def def = dig_joint_defaults();
+    const dig_schema *schema = dig_schema_find("joint", "hinge");
+    CHECK(schema && schema->size <= sizeof data);
+    dig_schema_defaults(schema, data);
+    def.type = "hinge";
+    def.a = a;
+    def.b = b;
+    def.at = at;
+    def.axis = (vec3){0, 0, 1};
+    def.data = data;
+    dig_joint j;
+    CHECK_INT(dig_joint_create(w, &def, &j), DIG_OK);
+    return j;
+}
+
+/* Sixteen planks of 1 kg and 0.5 m, hinged in a line between two fixed points as far apart as they are long; boxes of 60 kg. */
+static void bridge(Pile *p, real drop, dig_joint ends[2])
+{
+    open_pile(p, "play", 1);
+    for (int i = 0; i < 16; i++) {
+        p->start[i] = (vec3){0.5 * i + 0.25, 0, 0};
+        p->b[p->count++] = add_box(p->w, dull, (vec3){0.5, 0.1, 1}, 1, p->start[i], quat_identity());
+    }
+    for (int i = 0; i < 17; i++) {
+        dig_body a = i < 16 ? p->b[i] : p->b[15], b = i > 0 && i < 16 ? p->b[i - 1] : (dig_body){0};
+        dig_joint j = hinge(p->w, a, b, (vec3){0.5 * i, 0, 0});
+        if (i % 16 == 0)
+            ends[i / 16] = j;
+    }
+    for (int i = 0; i < 4; i++)
+        put_sized(p, 0.4, 60, (vec3){1 + 2 * i, 0.25 + drop, 0});
+}
+
+static void check_carries(Pile *p, const dig_joint ends[2])
+{
+    real up = 0, weight = (16 + 4 * 60) * GRAVITY;
+    for (int i = 0; i < 2; i++) {
+        dig_joint_state s;
+        CHECK_INT(dig_joint_get(p->w, ends[i], &s), DIG_OK);
+        up += s.force.y;
+    }
+    CHECK_NEAR(up, weight, 1e-3 * weight);
+    CHECK_NEAR(dig_world_stats(p->w).joint_error, 0, 1e-4);
+    for (int i = 0; i < p->count; i++)
+        CHECK_NEAR(state_of(p->w, p->b[i]).position.y, i < 16 ? 0 : 0.25, 1e-3);
+}
+
+TEST(bridge_of_light_planks_carries_heavy_boxes)
+{
+    Pile p;
+    dig_joint ends[2];
+    bridge(&p, 0, ends);
+    run(&p, 3);
+    check_carries(&p, ends);
+    CHECK_NEAR(p.fastest, 0, 1e-3);
+    dig_world_close(p.w);
+}
+
+TEST(bridge_holds_when_heavy_boxes_fall_on_it)
+{
+    Pile p;
+    dig_joint ends[2];
+    real worst = 0, fastest = 0;
+    bridge(&p, 1, ends);
+    for (int i = 0; i < 360; i++) {
+        step(p.w, 1);
+        worst = real_max(worst, dig_world_stats(p.w).joint_error);
+        for (int k = 0; k < p.count; k++)
+            fastest = real_max(fastest, vec3_length(state_of(p.w, p.b[k]).velocity));
+    }
+    CHECK_NEAR(worst, 0, 2e-3);
+    CHECK(fastest < 1.05 * sqrt(2 * GRAVITY));      /* nothing is faster than what fell */
+    check_carries(&p, ends);
+    dig_world_close(p.w);
+}
+
 /* ---- arches ---- */
 
 /* Half circle of `count` stones, mean radius 1 m, friction 1. Its limit is t/R = 0.1075 (Milankovitch 1907). */
@@ -334,6 +417,8 @@ int main(void)
                      unit_test(a_stack_of_fourteen_stands_when_a_heavy_box_is_dropped_on_it),
                      unit_test(pyramid_of_fifty_five_carries_three_hundred_times_its_box), unit_test(tower_of_twenty_stands),
                      unit_test(tower_of_forty_stands), unit_test(tower_falls_asleep), unit_test(tower_that_leans_too_far_falls),
-                     unit_test(stack_on_a_steep_slope_slides_by_coulombs_law), unit_test(arch_of_fifteen_stones_stands_when_it_is_thick),
+                     unit_test(stack_on_a_steep_slope_slides_by_coulombs_law),
+                     unit_test(bridge_of_light_planks_carries_heavy_boxes), unit_test(bridge_holds_when_heavy_boxes_fall_on_it),
+                     unit_test(arch_of_fifteen_stones_stands_when_it_is_thick),
                      unit_test(arch_of_fifteen_stones_falls_when_it_is_thin), unit_test(any_number_of_threads_gives_the_same_bits));
 }

@@ -1,0 +1,252 @@
+/* solve/direct_joints.c - rows of joints in the direct solve, and the geometric stiffness of the bodies they pull at.
+ *
+ * A taut joint turns with its bodies within the substep: a restoring torque that velocities alone do not see, and that makes
+ * an exact solve of chains and bridges explode when the substep is long against their transverse swing. It is taken implicitly,
+ * with the joint's last force F at the arm r:  I + h^2 K in place of I,  K = (F . r) 1 - sym(r F^T)  (Tournier, Nesme,
+ * Gilles & Faure 2015, "Stable constrained dynamics", ACM Trans. Graph. 34(4)).
+ */
+#include "solve/direct.h"
+
+/* Compliance of the augmented Lagrangian over a row's own effective mass. Equations have no kinks, and may be harder than what
+ * has a bound. */
+#define COMPLIANCE         1e-8
+#define BOUNDED_COMPLIANCE 1e-6
+
+/* ---- rows ---- */
+
+static void add_single(Direct *d, int i)
+{
+    const Group *g = d->g;
+    const JointRow *p = &g->rows[i];
+    if (!(p->k > 0))
+        return;
+    Single *t = &d->singles[d->single_count++];
+    *t = (Single){.row = i, .target = p->bias, .start = p->p, .prox = p->p, .lo = -INFINITY, .hi = INFINITY, .r = COMPLIANCE * p->k};
+    if (p->row.kind == ROW_LIMIT)
+        t->lo = 0;
+    if (p->row.kind == ROW_MOTOR || p->row.kind == ROW_DRY) {
+        t->hi = p->row.hi * g->h;
+        t->lo = -t->hi;
+    }
+    t->bounded = t->lo > -INFINITY || t->hi < INFINITY;
+    if (t->bounded)
+        t->r = BOUNDED_COMPLIANCE * d->hardened * p->k;
+    if (p->row.kind == ROW_SOFT) {      /* a spring gives by itself: force = (target - rate) / gamma, and no estimate beside it */
+        t->soft = true;
+        t->r = p->gamma;
+        t->prox = 0;
+    }
+    for (int k = 0; k < p->row.count; k++) {
+        int b = p->row.body[k];
+        if (b < 0)
+            continue;
+        t->rate += vec3_dot(p->row.lin[k], g->vel[b].v) + vec3_dot(p->row.ang[k], g->vel[b].w);
+        if (d->place[b] < 0)
+            continue;
+        vec3 part[2] = {p->row.lin[k], p->row.ang[k]};
+        memcpy(t->j[t->count], part, sizeof part);
+        t->place[t->count++] = d->place[b];
+    }
+}
+
+bool singles_open(Direct *d)
+{
+    d->singles = arena_alloc(d->g->arena, (size_t)(d->g->row_count + 1) * sizeof *d->singles);
+    for (int i = 0; d->singles && i < d->g->row_count; i++)
+        add_single(d, i);
+    return d->singles;
+}
+
+void singles_link(const Direct *d, unsigned char *linked, int n)
+{
+    for (int i = 0; i < d->g->row_count; i++) {
+        const Row *r = &d->g->rows[i].row;
+        for (int k = 0; k < r->count; k++)
+            for (int m = 0; m < r->count; m++) {
+                int a = r->body[k] < 0 ? -1 : d->place[r->body[k]], b = r->body[m] < 0 ? -1 : d->place[r->body[m]];
+                if (a >= 0 && b >= 0 && a != b)
+                    linked[a * n + b] = 1;
+            }
+    }
+}
+
+/* ---- impulses ---- */
+
+static real dot6(const real *a, const real *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5]; }
+
+static real wish(const Single *t, real along) { return t->prox + (t->target - t->rate - along * t->change) / t->r; }
+
+void singles_changes(Direct *d)
+{
+    for (int i = 0; i < d->single_count; i++) {
+        Single *t = &d->singles[i];
+        t->change = 0;
+        for (int m = 0; m < t->count; m++)
+            t->change += dot6(t->j[m], d->dv + 6 * t->place[m]);
+    }
+}
+
+void singles_move(Direct *d, real along)
+{
+    for (int i = 0; i < d->single_count; i++)
+        d->singles[i].rate += along * d->singles[i].change;
+}
+
+/* False: what is at a bound has changed since the factor was made. */
+bool singles_forces(Direct *d)
+{
+    bool same = true;
+    for (int i = 0; i < d->single_count; i++) {
+        Single *t = &d->singles[i];
+        real y = wish(t, 0);
+        t->force = real_clamp(y, t->lo, t->hi);
+        t->answers = t->force == y;
+        same = same && t->answers == t->factored;
+    }
+    return same;
+}
+
+void singles_gradient(Direct *d)
+{
+    for (int i = 0; i < d->single_count; i++) {
+        const Single *t = &d->singles[i];
+        for (int m = 0; m < t->count; m++)
+            for (int c = 0; c < 6; c++)
+                d->grad[6 * t->place[m] + c] -= t->j[m][c] * (t->force - t->start);
+    }
+}
+
+real singles_slope(const Direct *d, real along)
+{
+    real slope = 0;
+    for (int i = 0; i < d->single_count; i++) {
+        const Single *t = &d->singles[i];
+        slope -= t->change * (real_clamp(wish(t, along), t->lo, t->hi) - t->start);
+    }
+    return slope;
+}
+
+/* h += s x y^T, six by six */
+static void add_outer(real *restrict h, const real *restrict x, const real *restrict y, real s)
+{
+    for (int r = 0; r < 6; r++)
+        for (int c = 0; c < 6; c++)
+            h[6 * r + c] += s * x[r] * y[c];
+}
+
+void singles_assemble(Direct *d)
+{
+    for (int i = 0; i < d->single_count; i++) {
+        Single *t = &d->singles[i];
+        t->factored = t->answers;
+        for (int m = 0; t->answers && m < t->count; m++)
+            for (int n = 0; n < t->count; n++) {
+                if (t->place[m] == t->place[n])
+                    add_outer(d->blocks.diagonal + BLOCK * t->place[m], t->j[m], t->j[n], 1 / t->r);
+                else if (t->place[m] > t->place[n])
+                    add_outer(blocks_at(&d->blocks, t->place[m], t->place[n]), t->j[m], t->j[n], 1 / t->r);
+            }
+    }
+}
+
+/* ---- the outer loop ---- */
+
+void singles_begin(Direct *d)
+{
+    for (int i = 0; i < d->single_count; i++) {
+        Single *t = &d->singles[i];
+        t->answers = !(t->lo == 0 && t->prox == 0);
+        t->force = t->answers ? wish(t, 0) : 0;
+    }
+}
+
+/* m/s or rad/s  how far off the estimates are */
+real singles_off(const Direct *d)
+{
+    real worst = 0;
+    for (int i = 0; i < d->single_count; i++) {
+        const Single *t = &d->singles[i];
+        if (!t->soft)
+            worst = real_max(worst, t->r * fabs(t->force - t->prox));
+    }
+    return worst;
+}
+
+void singles_round(Direct *d, real harder)
+{
+    for (int i = 0; i < d->single_count; i++) {
+        Single *t = &d->singles[i];
+        real before = wish(t, 0);
+        if (!t->soft)
+            t->prox = t->force;
+        t->r *= t->bounded ? harder : 1;
+        t->force += t->answers ? wish(t, 0) - before : 0;
+    }
+}
+
+/* Impulses of the rows, and the velocities. */
+void singles_write(Direct *d)
+{
+    Group *g = d->g;
+    for (int i = 0; i < d->single_count; i++)
+        g->rows[d->singles[i].row].p = d->singles[i].soft ? d->singles[i].force : d->singles[i].prox;
+    for (int i = 0; i < d->blocks.n; i++) {
+        int b = d->body[i];
+        const real *v = d->v + 6 * i;
+        Vel end = {vec3_add(g->vel[b].v, (vec3){v[0], v[1], v[2]}), vec3_add(g->vel[b].w, (vec3){v[3], v[4], v[5]})};
+        vec3 mean = vec3_scale(0.5, vec3_add(g->member[b].start_vel.w, end.w));
+        g->lost += vec3_dot(mat3_mul_vec(d->stiff[b], end.w), mean);
+        g->vel[b] = end;
+    }
+}
+
+/* ---- geometric stiffness ---- */
+
+/* N  The last force of a joint on the side `a` of it. */
+static vec3 joint_pull(const Group *g, const JointBlock *b)
+{
+    const GroupJoint *j = &g->joints[b->joint];
+    vec3 f = vec3_zero();
+    for (int i = b->first; i < b->first + b->count; i++) {
+        const Row *r = &g->rows[i].row;
+        for (int k = 0; k < r->count; k++)
+            if (r->body[k] == j->a)
+                f = vec3_mad(f, j->force[r->slot], r->lin[k]);
+    }
+    return f;
+}
+
+static void add_stiffness(mat3 *k, vec3 f, vec3 r)
+{
+    mat3 both = mat3_add(mat3_outer(r, f), mat3_outer(f, r));
+    *k = mat3_add(*k, mat3_add(mat3_scale(vec3_dot(f, r), mat3_identity()), mat3_scale(-0.5, both)));
+}
+
+static bool positive_definite(mat3 m)
+{
+    return m.r0.x > 0 && m.r0.x * m.r1.y - m.r0.y * m.r1.x > 0 && mat3_det(m) > 0;
+}
+
+bool stiffness_open(Direct *d)
+{
+    const Group *g = d->g;
+    d->stiff = arena_zero(g->arena, (size_t)(g->body_count + 1) * sizeof *d->stiff);
+    if (!d->stiff)
+        return false;
+    for (int i = 0; i < g->block_count; i++) {
+        const GroupJoint *j = &g->joints[g->blocks[i].joint];
+        vec3 f = joint_pull(g, &g->blocks[i]);
+        if (j->a >= 0)
+            add_stiffness(&d->stiff[j->a], f, j->view.a.r);
+        if (j->b >= 0)
+            add_stiffness(&d->stiff[j->b], vec3_neg(f), j->view.b.r);
+    }
+    for (int i = 0; i < g->body_count; i++) {
+        mat3 *k = &d->stiff[i];
+        *k = mat3_scale(g->h * g->h, *k);
+        bool pulls = k->r0.x + k->r1.y + k->r2.z > 0 && d->place[i] >= 0 && !g->planar;
+        if (!pulls || !positive_definite(mat3_add(*k, mat3_inverse(g->mass[i].ii))))
+            *k = (mat3){vec3_zero(), vec3_zero(), vec3_zero()};
+    }
+    return true;
+}
