@@ -102,6 +102,7 @@ $(core_a) $(render_a) $(lua_a): $(BUILD)/sources.txt
 
 $(BUILD)/obj/lua/%.o $(BUILD)/obj/embedded.o: extra = $(LUA_CFLAGS) -Ilua
 $(BUILD)/obj/engine/render/%.o:               extra = $(RENDER_CFLAGS)
+$(BUILD)/obj/engine/crowd/%.o:                extra = -Wno-psabi  # of wide numbers: they are passed to inlined functions only
 
 $(BUILD)/obj/%.o: %.c $(BUILD)/flags.txt
 	@mkdir -p $(@D)

@@ -1,0 +1,134 @@
+/* crowd/bodies.c - bodies to scaled coordinates and back.
+ *
+ * u = v / root with root = 1/sqrt(m), and w = S s with S = R C, C C^T the body's inverse inertia (Cholesky). In u and s the kinetic
+ * energy is half the sum of squares, and an impulse p along a row with Jacobian J changes them by p J^T.
+ */
+#include "crowd/system.h"
+
+/* Lower root of a symmetric positive matrix; what does not turn about an axis has a zero there. */
+static mat3 root_of(mat3 m)
+{
+    real l00 = sqrt(real_max(0, m.r0.x)), i0 = l00 > 0 ? 1 / l00 : 0;
+    real l10 = m.r1.x * i0, l20 = m.r2.x * i0;
+    real l11 = sqrt(real_max(0, m.r1.y - l10 * l10)), i1 = l11 > 0 ? 1 / l11 : 0;
+    real l21 = (m.r2.y - l20 * l10) * i1, l22 = sqrt(real_max(0, m.r2.z - l20 * l20 - l21 * l21));
+    return (mat3){{l00, 0, 0}, {l10, l11, 0}, {l20, l21, l22}};
+}
+
+static mat3 spin_root(const Member *m, quat q)
+{
+    if (m->round)
+        return mat3_diagonal((vec3){sqrt(m->inv_inertia.r0.x), sqrt(m->inv_inertia.r0.x), sqrt(m->inv_inertia.r0.x)});
+    return mat3_mul(quat_matrix(q), root_of(m->inv_inertia));
+}
+
+/* S^T I w = S^-1 w */
+static vec3 scaled_spin(const Member *m, quat q, const mat3 *s, vec3 w)
+{
+    vec3 l = quat_rotate(q, mat3_mul_vec(m->inertia, quat_unrotate(q, w)));
+    return mat3_mul_vec(mat3_transpose(*s), l);
+}
+
+static Six six_of(vec3 linear, vec3 angular)
+{
+    return (Six){{(float)linear.x, (float)linear.y, (float)linear.z, (float)angular.x, (float)angular.y, (float)angular.z}};
+}
+
+dig_status bodies_open(Crowd *c)
+{
+    Group *g = c->g;
+    size_t n = (size_t)c->bodies + 1;
+    Six *six = arena_zero(g->arena, 5 * n * sizeof *six);
+    c->frame = arena_alloc(g->arena, n * sizeof *c->frame);
+    if (!six || !c->frame)
+        return DIG_E_MEMORY;
+    c->vel = six;
+    c->move = six + n;
+    c->last = six + 2 * n;
+    c->push = six + 3 * n;
+    c->start = six + 4 * n;
+    for (int i = 0; i < c->bodies; i++) {
+        Member *m = &g->member[i];
+        m->start_pos = g->pos[i];
+        m->start_vel = g->vel[i];
+        if (!m->moves)
+            continue;
+        Frame *f = &c->frame[i];
+        *f = (Frame){.s = spin_root(m, g->pos[i].q), .root = sqrt(g->mass[i].im)};
+        c->vel[i] = six_of(vec3_scale(1 / f->root, g->vel[i].v), scaled_spin(m, g->pos[i].q, &f->s, g->vel[i].w));
+        c->last[i] = c->start[i] = c->vel[i];
+        vec3 torque = vec3_length2(m->torque) > 0 ? mat3_mul_vec(mat3_transpose(f->s), m->torque) : vec3_zero();
+        c->push[i] = six_of(vec3_scale((real)c->h * f->root, m->force), vec3_scale((real)c->h, torque));
+    }
+    return DIG_OK;
+}
+
+static vec3 change(const Six *now, const Six *before, int at)
+{
+    return (vec3){(real)now->at[at] - (real)before->at[at], (real)now->at[at + 1] - (real)before->at[at + 1],
+                  (real)now->at[at + 2] - (real)before->at[at + 2]};
+}
+
+static vec3 momentum_of(const Member *m, quat q, vec3 w) { return quat_rotate(q, mat3_mul_vec(m->inertia, quat_unrotate(q, w))); }
+static vec3 spin_of(const Member *m, quat q, vec3 l) { return quat_rotate(q, mat3_mul_vec(m->inv_inertia, quat_unrotate(q, l))); }
+
+/* Turned by `angle`, world axes; the angular momentum stays. A body that turns far meanwhile does so with the spin that belongs to
+ * the middle of its turn. */
+static void turn(Crowd *c, int i, vec3 angle)
+{
+    Group *g = c->g;
+    const Member *m = &g->member[i];
+    quat q = g->pos[i].q;
+    if (m->round) {
+        g->pos[i].q = quat_unit(quat_mul(quat_exp(angle), q));
+        return;
+    }
+    vec3 w = g->vel[i].w, l = momentum_of(m, q, w);
+    if (vec3_length2(angle) > 1e-6) {
+        quat middle = quat_unit(quat_mul(quat_exp(vec3_scale(0.5, angle)), q));
+        angle = vec3_mad(angle, c->dt, vec3_sub(spin_of(m, middle, l), w));
+    }
+    g->pos[i].q = quat_unit(quat_mul(quat_exp(angle), q));
+    g->vel[i].w = spin_of(m, g->pos[i].q, l);
+}
+
+/* On its parabola, with the exact end of its turn as for others. */
+static vec3 fly(Crowd *c, int i)
+{
+    Group *g = c->g;
+    const Member *m = &g->member[i];
+    vec3 a = vec3_scale(g->mass[i].im, m->force);
+    g->pos[i].x = vec3_mad(vec3_mad(g->pos[i].x, c->dt, g->vel[i].v), 0.5 * c->dt * c->dt, a);
+    g->vel[i].v = vec3_mad(g->vel[i].v, c->dt, a);
+    vec3 before = g->vel[i].w;
+    g->vel[i].w = vec3_add(before, spin_of(m, g->pos[i].q, vec3_scale(c->dt, m->torque)));
+    return vec3_scale(0.5 * c->dt, vec3_add(before, g->vel[i].w));
+}
+
+void bodies_close(Crowd *c)
+{
+    Group *g = c->g;
+    for (int i = 0; i < c->bodies; i++) {
+        const Frame *f = &c->frame[i];
+        Member *m = &g->member[i];
+        if (!m->moves)
+            continue;
+        m->constrained = f->held;
+        vec3 angle;
+        if (f->held) {
+            g->vel[i].v = vec3_mad(g->vel[i].v, f->root, change(&c->vel[i], &c->start[i], 0));
+            g->vel[i].w = vec3_add(g->vel[i].w, mat3_mul_vec(f->s, change(&c->vel[i], &c->start[i], 3)));
+            g->pos[i].x = vec3_mad(g->pos[i].x, f->root, (vec3){c->move[i].at[0], c->move[i].at[1], c->move[i].at[2]});
+            angle = mat3_mul_vec(f->s, (vec3){c->move[i].at[3], c->move[i].at[4], c->move[i].at[5]});
+        } else {
+            angle = fly(c, i);
+        }
+        turn(c, i, angle);
+        group_refresh_mass(g, i);
+    }
+    for (int i = 0; i < g->body_count; i++)
+        if (g->member[i].kinematic) {
+            g->pos[i].x = vec3_mad(g->pos[i].x, c->dt, g->vel[i].v);
+            g->pos[i].q = quat_unit(quat_mul(quat_exp(vec3_scale(c->dt, g->vel[i].w)), g->pos[i].q));
+        }
+}

@@ -1,0 +1,37 @@
+/* crowd/crowd.h - the way for crowds: large contact groups, and worlds of very many small ones, at the speed of a game engine.
+ *
+ * The accurate ways collide several times a step and iterate until nothing changes. Here each step
+ *
+ *   1 collides once; a manifold whose points have hardly moved against each other is carried along instead;
+ *   2 writes one row for each contact point that may act within the step, with its Jacobian kept for the whole step;
+ *   3 makes the plan's substeps: velocities; one pass of soft rows that also push bodies apart; positions; one pass of hard rows
+ *     that takes the pushing velocity out again (small steps: Macklin et al. 2019; soft constraints with a relaxing pass: Catto,
+ *     "Solver2D", 2024). Restitution comes once, at the end.
+ *
+ * What is done differently, and why:
+ *
+ *   - Velocities are scaled by the square root of the mass, u = sqrt(m) v, and spins by a root of the inertia, w = S s with
+ *     S S^T = I^-1. A row then needs its Jacobian only: M^-1 J^T = J^T. Half the numbers of a row are gone.
+ *   - With J fixed in the step, applying the impulses of the last substep again changes every body by what they changed it
+ *     then. Warm starting needs no pass over the rows: a body's velocity goes on by its last difference.
+ *   - Eight rows that share no body are solved side by side (wide.c); rows are as large as their number of points.
+ *   - Rows are single precision, and hold differences from the start of the step only; state and positions stay double.
+ *   - Friction acts at the middle of the contact area, two directions in a round cone and a torque about the normal.
+ *
+ * Price: penetration of about a millimetre for metre-sized boxes, impacts at the ends of steps, errors of 1e-7 of the impulses.
+ *
+ * Floor: crowd. Includes base, math, geom, world, solve.
+ */
+#ifndef DIG_CROWD_H
+#define DIG_CROWD_H
+
+#include "solve/group.h"
+
+extern const Way way_crowd;
+
+/* What a crowd does not take, see way.c; the step asks it before it puts small groups together. */
+#define CROWD_MASS_RATIO 30.0   /* of the bodies of a group: beyond it, single passes do not carry the load */
+#define CROWD_LIVELY     0.5    /* restitution: what bounces better deserves better                         */
+bool crowd_allows(const World *w);
+
+#endif

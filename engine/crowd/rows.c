@@ -1,0 +1,351 @@
+/* crowd/rows.c - which contacts act in this step, in batches of eight that share no moving body, and their rows.
+ *
+ * Batches are found by greedy colouring: a contact takes the lowest colour that neither of its moving bodies has yet. Contacts with
+ * what does not move have colours of their own and are solved last in every pass, so that nothing is pushed through the ground.
+ */
+#include "crowd/system.h"
+
+#define COLOURS 64              /* what finds none of them is solved alone                        */
+#define NEAR    0.01            /* of the size: points nearer than this act in any case           */
+
+typedef struct Chosen { int contact; uint8_t colour, points; bool fixed; } Chosen;
+
+/* One place for each kind of batch: fixed or not, colour, points. */
+#define KINDS (2 * (COLOURS + 1) * (MANIFOLD_POINTS + 1))
+static int kind_of(const Chosen *x)
+{
+    return ((int)x->fixed * (COLOURS + 1) + x->colour) * (MANIFOLD_POINTS + 1) + MANIFOLD_POINTS - x->points;
+}
+
+static vec3 velocity_at(const Group *g, int body, vec3 at)
+{
+    return vec3_add(g->vel[body].v, vec3_cross(g->vel[body].w, vec3_sub(at, g->pos[body].x)));
+}
+
+/* Do they pass each other side by side before the gap could close? A row holds for the present direction only. */
+static bool passes_by(const Group *g, const GroupContact *t, real gap, real closing, real speed)
+{
+    const GroupPair *q = &g->pairs[t->pair];
+    real across2 = speed * speed - closing * closing, reach = q->sa->outer + q->sb->outer;
+    return gap > q->size && closing > 0 && across2 * gap * gap > reach * reach * closing * closing;
+}
+
+/* Might it act within the step? Others may push as hard as the bodies move. */
+static bool may_act(const Crowd *c, const GroupContact *t)
+{
+    const Group *g = c->g;
+    real size = g->pairs[t->pair].size, near = NEAR * size + vec3_length(g->gravity) * c->dt * c->dt;
+    for (int k = 0; k < t->manifold.count; k++) {
+        const ManifoldPoint *p = &t->manifold.points[k];
+        if (p->gap <= near)
+            return true;
+        vec3 v = vec3_sub(velocity_at(g, t->b, p->b), velocity_at(g, t->a, p->a));
+        real closing = -vec3_dot(v, t->manifold.normal), speed = vec3_length(v);
+        if (p->gap <= near + c->dt * (0.5 * speed + real_max(0, closing)) && !passes_by(g, t, p->gap, closing, speed))
+            return true;
+    }
+    return false;
+}
+
+/* ---- colours ---- */
+
+static int lowest(uint64_t taken) { return taken == UINT64_MAX ? COLOURS : __builtin_ctzll(~taken); }
+
+static void colour(Crowd *c, Chosen *x, uint64_t (*taken)[2])
+{
+    const GroupContact *t = &c->g->contacts[x->contact];
+    int a = crowd_index(c, t->a), b = crowd_index(c, t->b);
+    x->fixed = a == c->bodies || b == c->bodies;
+    uint64_t used = (a < c->bodies ? taken[a][x->fixed] : 0) | (b < c->bodies ? taken[b][x->fixed] : 0);
+    int at = lowest(used);
+    x->colour = (uint8_t)at;
+    if (at == COLOURS)
+        return;
+    if (a < c->bodies)
+        taken[a][x->fixed] |= (uint64_t)1 << at;
+    if (b < c->bodies)
+        taken[b][x->fixed] |= (uint64_t)1 << at;
+}
+
+static int choose(Crowd *c, Chosen *out, uint64_t (*taken)[2], int count[KINDS])
+{
+    Group *g = c->g;
+    int n = 0;
+    for (int i = 0; i < g->contact_count; i++) {
+        GroupContact *t = &g->contacts[i];
+        if (!t->live || (!g->member[t->a].moves && !g->member[t->b].moves) || !may_act(c, t))
+            continue;
+        Chosen *x = &out[n++];
+        *x = (Chosen){.contact = i, .points = (uint8_t)t->manifold.count};
+        colour(c, x, taken);
+        count[kind_of(x)]++;
+    }
+    return n;
+}
+
+/* ---- filling lanes ---- */
+
+static void put(wide v[3], int lane, vec3 x)
+{
+    v[0][lane] = (float)x.x;
+    v[1][lane] = (float)x.y;
+    v[2][lane] = (float)x.z;
+}
+
+static float dot3(const wide v[3], int lane) { return v[0][lane] * v[0][lane] + v[1][lane] * v[1][lane] + v[2][lane] * v[2][lane]; }
+
+typedef struct Ends {           /* of one contact                                              */
+    const GroupContact *c;
+    int  a, b;                  /* who does not move: the spare one                            */
+    vec3 xa, xb;
+    mat3 sa, sb;                /* S^T; zero for who does not move                             */
+    real k;                     /* 1/kg  sum of the inverse masses                             */
+    bool driven;                /* a mover takes part                                          */
+} Ends;
+
+/* Angular Jacobians of direction n at the point: those of b and, with their sign, of a. */
+static void put_angular(wide a[3], wide b[3], int lane, const Ends *e, vec3 n, vec3 on_a, vec3 on_b)
+{
+    put(a, lane, mat3_mul_vec(e->sa, vec3_cross(n, vec3_sub(on_a, e->xa))));
+    put(b, lane, mat3_mul_vec(e->sb, vec3_cross(vec3_sub(on_b, e->xb), n)));
+}
+
+/* Movers at a point: what their speed adds to a rate. */
+static vec3 driven_velocity(const Group *g, const Ends *e, vec3 at)
+{
+    vec3 v = vec3_zero();
+    if (g->member[e->c->b].kinematic)
+        v = vec3_add(v, velocity_at(g, e->c->b, at));
+    if (g->member[e->c->a].kinematic)
+        v = vec3_sub(v, velocity_at(g, e->c->a, at));
+    return v;
+}
+
+static void fill_point(const Crowd *c, const Ends *e, WidePoint *p, int lane, int k)
+{
+    const Group *g = c->g;
+    const ManifoldPoint *m = &e->c->manifold.points[k];
+    vec3 n = e->c->manifold.normal;
+    put_angular(p->a, p->b, lane, e, n, m->a, m->b);
+    p->mass[lane] = 1 / ((float)e->k + dot3(p->a, lane) + dot3(p->b, lane));
+    p->gap[lane] = (float)m->gap;
+    p->rate_before[lane] = (float)vec3_dot(n, vec3_sub(velocity_at(g, e->c->b, m->b), velocity_at(g, e->c->a, m->a)));
+    p->drive[lane] = e->driven ? (float)vec3_dot(n, driven_velocity(g, e, m->a)) : 0;
+    p->j[lane] = (float)e->c->memory[k].normal * c->h;
+}
+
+static void middles_of(const Manifold *m, vec3 *on_a, vec3 *on_b)
+{
+    *on_a = *on_b = vec3_zero();
+    for (int k = 0; k < m->count; k++) {
+        *on_a = vec3_mad(*on_a, 1.0 / m->count, m->points[k].a);
+        *on_b = vec3_mad(*on_b, 1.0 / m->count, m->points[k].b);
+    }
+}
+
+static void fill_twist(const Ends *e, WidePatch *p, int lane, vec3 n, vec3 middle, real h)
+{
+    const Manifold *m = &e->c->manifold;
+    real reach = 0, torque = 0;
+    for (int k = 0; k < m->count; k++) {
+        vec3 r = vec3_sub(m->points[k].a, middle);
+        reach += vec3_length(r) / m->count;
+        torque += vec3_dot(n, vec3_cross(r, e->c->memory[k].tangent));
+    }
+    put(p->wa, lane, vec3_neg(mat3_mul_vec(e->sa, n)));
+    put(p->wb, lane, mat3_mul_vec(e->sb, n));
+    float k = dot3(p->wa, lane) + dot3(p->wb, lane);
+    p->twist[lane] = k > 0 ? 1 / k : 0;
+    p->reach[lane] = (float)reach;
+    p->jw[lane] = (float)(torque * h);
+}
+
+static float cross_dot(const WidePatch *p, int lane)
+{
+    float s = 0;
+    for (int i = 0; i < 3; i++)
+        s += p->ta[i][lane] * p->ua[i][lane] + p->tb[i][lane] * p->ub[i][lane];
+    return s;
+}
+
+static void fill_patch(const Crowd *c, const Ends *e, WidePatch *p, int lane)
+{
+    const Manifold *m = &e->c->manifold;
+    vec3 t, u, n = m->normal, middle, on_b, force = vec3_zero();
+    middles_of(m, &middle, &on_b);
+    vec3_basis(n, &t, &u);
+    put(p->t, lane, t);
+    put_angular(p->ta, p->tb, lane, e, t, middle, on_b);
+    put_angular(p->ua, p->ub, lane, e, u, middle, on_b);
+    float ktt = (float)e->k + dot3(p->ta, lane) + dot3(p->tb, lane), kuu = (float)e->k + dot3(p->ua, lane) + dot3(p->ub, lane);
+    float ktu = cross_dot(p, lane), mean = 0.5f * (ktt + kuu), half = 0.5f * (ktt - kuu);
+    p->ktt[lane] = kuu;         /* the inverse of a 2 x 2 matrix exchanges them */
+    p->kuu[lane] = ktt;
+    p->ktu[lane] = -ktu;
+    p->det[lane] = 1 / (ktt * kuu - ktu * ktu);
+    p->step[lane] = 1 / (mean + sqrtf(half * half + ktu * ktu));
+    for (int k = 0; k < m->count; k++)
+        force = vec3_add(force, e->c->memory[k].tangent);
+    p->j[0][lane] = (float)vec3_dot(force, t) * c->h;
+    p->j[1][lane] = (float)vec3_dot(force, u) * c->h;
+    if (e->driven) {
+        vec3 v = driven_velocity(c->g, e, middle);
+        p->drive[0][lane] = (float)vec3_dot(v, t);
+        p->drive[1][lane] = (float)vec3_dot(v, u);
+    }
+    if (m->count > 1)
+        fill_twist(e, p, lane, n, middle, (real)c->h);
+}
+
+/* m  Radius at which the pair rolls (effect/rolling.c); 0: it does not. */
+static real rolling_radius(const GroupPair *q)
+{
+    real a = q->sa->rolling, b = q->sb->rolling;
+    return a > 0 && b > 0 ? a * b / (a + b) : real_max(a, b);
+}
+
+static void put_matrix(wide *v, int lane, mat3 m)
+{
+    put(v, lane, m.r0);
+    put(v + 3, lane, m.r1);
+    put(v + 6, lane, m.r2);
+}
+
+static void fill_roll(const Crowd *c, const Ends *e, const GroupPair *q, WideRoll *r, int lane)
+{
+    const Group *g = c->g;
+    mat3 k = mat3_add(g->mass[e->c->a].ii, g->mass[e->c->b].ii);
+    if (!(mat3_det(k) > 0))
+        return;
+    k = mat3_inverse(k);
+    put_matrix(r->sa, lane, mat3_transpose(e->sa));
+    put_matrix(r->sb, lane, mat3_transpose(e->sb));
+    put(r->k, lane, k.r0);
+    r->k[3][lane] = (float)k.r1.y;
+    r->k[4][lane] = (float)k.r1.z;
+    r->k[5][lane] = (float)k.r2.z;
+    vec3 spin = vec3_zero();
+    if (g->member[e->c->b].kinematic)
+        spin = vec3_add(spin, g->vel[e->c->b].w);
+    if (g->member[e->c->a].kinematic)
+        spin = vec3_sub(spin, g->vel[e->c->a].w);
+    put(r->drive, lane, spin);
+    r->lever[lane] = (float)(q->rolling * rolling_radius(q));
+    put(r->j, lane, vec3_scale((real)c->h, e->c->rolling));
+}
+
+static Ends ends_of(const Crowd *c, const GroupContact *t)
+{
+    const Group *g = c->g;
+    Ends e = {.c = t, .a = crowd_index(c, t->a), .b = crowd_index(c, t->b), .xa = g->pos[t->a].x, .xb = g->pos[t->b].x};
+    e.sa = e.a < c->bodies ? mat3_transpose(c->frame[e.a].s) : mat3_zero();
+    e.sb = e.b < c->bodies ? mat3_transpose(c->frame[e.b].s) : mat3_zero();
+    e.k = g->mass[t->a].im + g->mass[t->b].im;
+    e.driven = g->member[t->a].kinematic || g->member[t->b].kinematic;
+    return e;
+}
+
+/* m/s per square root of the size in metres: slower slip than this sticks */
+#define SLIPS 1e-3
+
+static bool slides(const Group *g, const GroupContact *c, const GroupPair *q)
+{
+    vec3 at = c->manifold.points[0].a, v = vec3_sub(velocity_at(g, c->b, at), velocity_at(g, c->a, at));
+    vec3 slip = vec3_mad(v, -vec3_dot(v, c->manifold.normal), c->manifold.normal);
+    return vec3_length2(slip) > SLIPS * SLIPS * q->size * vec3_length(g->gravity);
+}
+
+static void fill_lane(Crowd *c, Batch *b, int lane, int contact)
+{
+    Group *g = c->g;
+    GroupContact *t = &g->contacts[contact];
+    const GroupPair *q = &g->pairs[t->pair];
+    Ends e = ends_of(c, t);
+    b->contact[lane] = contact;
+    b->a[lane] = e.a;
+    b->b[lane] = e.b;
+    for (int k = 0; k < 2; k++)
+        if ((k ? e.b : e.a) < c->bodies)
+            c->frame[k ? e.b : e.a].held = true;
+    b->ra[lane] = e.a < c->bodies ? (float)c->frame[e.a].root : 0;
+    b->rb[lane] = e.b < c->bodies ? (float)c->frame[e.b].root : 0;
+    put(b->n, lane, t->manifold.normal);
+    b->driven = b->driven || e.driven;
+    b->bounces = b->bounces || q->restitution > 0;
+    b->restitution[lane] = (float)q->restitution;
+    t->sliding = q->friction > q->friction_dynamic && slides(g, t, q);
+    b->friction[lane] = (float)(t->sliding ? q->friction_dynamic : q->friction);
+    for (int k = 0; k < t->manifold.count; k++)
+        fill_point(c, &e, &b->point[k], lane, k);
+    if (b->patch)
+        fill_patch(c, &e, b->patch, lane);
+    if (b->roll && q->rolling > 0 && rolling_radius(q) > 0)
+        fill_roll(c, &e, q, b->roll, lane);
+}
+
+static void *zeroed(Crowd *c, size_t bytes, dig_status *status)
+{
+    void *p = arena_zero(c->g->arena, bytes);
+    *status = p ? *status : DIG_E_MEMORY;
+    return p;
+}
+
+static dig_status fill_batch(Crowd *c, Batch *b, const Chosen *x, int count)
+{
+    dig_status status = DIG_OK;
+    const Group *g = c->g;
+    bool rubs = false, rolls = false;
+    for (int i = 0; i < count; i++) {
+        const GroupPair *q = &g->pairs[g->contacts[x[i].contact].pair];
+        rubs = rubs || (q->friction > 0 && !g->decay_friction);
+        rolls = rolls || (q->rolling > 0 && rolling_radius(q) > 0);
+    }
+    *b = (Batch){.points = x->points, .fixed = x->fixed};
+    b->point = zeroed(c, (size_t)b->points * sizeof *b->point, &status);
+    b->patch = rubs ? zeroed(c, sizeof *b->patch, &status) : NULL;
+    b->roll = rolls ? zeroed(c, sizeof *b->roll, &status) : NULL;
+    for (int i = 0; i < LANES; i++) {
+        b->a[i] = b->b[i] = c->bodies;
+        b->contact[i] = -1;
+    }
+    for (int i = 0; i < count && status == DIG_OK; i++)
+        fill_lane(c, b, i, x[i].contact);
+    return status;
+}
+
+/* Contacts of one colour, those with most points first, eight by eight. */
+static dig_status make_batches(Crowd *c, const Chosen *sorted, int count)
+{
+    c->batch = arena_alloc(c->g->arena, (size_t)(count + 1) * sizeof *c->batch);
+    if (!c->batch)
+        return DIG_E_MEMORY;
+    for (int i = 0; i < count;) {
+        int n = 1;
+        while (n < LANES && i + n < count && sorted[i].colour < COLOURS && sorted[i + n].colour == sorted[i].colour &&
+               sorted[i + n].fixed == sorted[i].fixed)
+            n++;
+        DIG_TRY(fill_batch(c, &c->batch[c->batches++], &sorted[i], n));
+        i += n;
+    }
+    return DIG_OK;
+}
+
+dig_status rows_open(Crowd *c)
+{
+    Group *g = c->g;
+    Chosen *chosen = arena_alloc(g->arena, 2 * (size_t)(g->contact_count + 1) * sizeof *chosen), *sorted;
+    uint64_t (*taken)[2] = arena_zero(g->arena, (size_t)(c->bodies + 1) * sizeof *taken);
+    if (!chosen || !taken)
+        return DIG_E_MEMORY;
+    int place[KINDS] = {0};
+    sorted = chosen + g->contact_count + 1;
+    int count = choose(c, chosen, taken, place);
+    for (int i = 0, sum = 0; i < KINDS; i++) {
+        int n = place[i];
+        place[i] = sum;
+        sum += n;
+    }
+    for (int i = 0; i < count; i++)
+        sorted[place[kind_of(&chosen[i])]++] = chosen[i];
+    return make_batches(c, sorted, count);
+}

@@ -1,0 +1,105 @@
+/* crowd/system.h - what the files of this room share.
+ *
+ * Floor: crowd. Includes base, math, geom, world, solve.
+ */
+#ifndef DIG_CROWD_SYSTEM_H
+#define DIG_CROWD_SYSTEM_H
+
+#include "solve/group.h"
+
+/* ---- wide numbers: eight rows side by side ---- */
+
+#define LANES 8
+typedef float   wide __attribute__((vector_size(LANES * sizeof(float))));
+typedef int32_t wide_int __attribute__((vector_size(LANES * sizeof(int32_t))));
+
+/* A body as the rows see it: six scaled coordinates, linear then angular, and two that fill the line. */
+typedef struct Six { float at[LANES]; } Six;
+
+typedef struct WidePoint {      /* contact points, one a lane                                  */
+    wide a[3], b[3];            /* 1/sqrt(kg)  angular Jacobian in scaled spins                */
+    wide mass;                  /* kg   1 / (J M^-1 J^T); 0 = no point in this lane            */
+    wide gap;                   /* m    at the start of the step                               */
+    wide drive;                 /* m/s  part of the rate that movers give                      */
+    wide room;                  /* m/s  at which a gap may still close in this substep         */
+    wide j, sum;                /* N s  impulse of this substep, of the whole step             */
+    wide rate_before;           /* m/s  normal velocity at the start of the step               */
+} WidePoint;
+
+typedef struct WidePatch {      /* friction of one contact, at the middle of its points        */
+    wide t[3];                  /*      first tangent; the second is n x t                     */
+    wide ta[3], tb[3], ua[3], ub[3];
+    wide ktt, kuu, ktu, det;    /* kg   inverse of the 2 x 2 tangential matrix, times det; 1 / det */
+    wide step;                  /* kg   1 / its largest eigenvalue                             */
+    wide drive[2];              /* m/s  of movers                                              */
+    wide j[2], sum[2];          /* N s                                                         */
+    wide wa[3], wb[3], twist;   /*      about the normal                                       */
+    wide reach;                 /* m    mean distance of the points from the middle            */
+    wide jw;                    /* N m s                                                       */
+} WidePatch;
+
+typedef struct WideRoll {       /* rolling resistance                                          */
+    wide sa[9], sb[9];          /*      S of the bodies, row by row                            */
+    wide k[6];                  /* kg m^2  inverse of I_a^-1 + I_b^-1: xx xy xz yy yz zz       */
+    wide drive[3];              /* rad/s of movers                                             */
+    wide lever;                 /* m    |torque| <= lever * normal force                       */
+    wide j[3];                  /* N m s                                                       */
+} WideRoll;
+
+typedef struct Batch {          /* up to eight contacts that share no moving body              */
+    int32_t a[LANES], b[LANES]; /*      Six of each body; who does not move has the spare one  */
+    int32_t contact[LANES];     /*      of the group's contacts; < 0 = empty lane              */
+    int  points;                /*      most points of a lane                                  */
+    bool fixed;                 /*      one side of each contact does not move                 */
+    bool driven, bounces;
+    wide n[3];                  /*      from a to b                                            */
+    wide ra, rb;                /* 1/sqrt(kg)  roots of the inverse masses                     */
+    wide friction, restitution;
+    WidePoint *point;
+    WidePatch *patch;           /* NULL: no friction                                           */
+    WideRoll  *roll;            /* NULL: no rolling resistance                                 */
+} Batch;
+
+typedef struct Soft {           /* how a pass corrects overlap                                 */
+    float rate;                 /* 1/s  overlap lost per time                                  */
+    float mass, keep;           /* 1    share of the effective mass; share of the impulse given up */
+} Soft;
+
+typedef struct Frame {          /* a moving body at the start of the step                      */
+    mat3 s;                     /* spin = s * scaled spin                                      */
+    real root;                  /* 1/sqrt(kg)                                                  */
+    bool held;                  /* some row acts on it                                         */
+} Frame;
+
+typedef struct Crowd {
+    Group *g;
+    real   dt;
+    int    substeps;
+    float  h;                   /* s   of a substep                                            */
+    int    bodies;              /* moving ones; the spare Six comes after them                 */
+    Frame *frame;
+    Six   *vel, *move;          /* scaled velocity; scaled displacement since the start        */
+    Six   *last, *push;         /* velocity at the last substep's start; change by forces per substep */
+    Six   *start;               /* velocity at the start of the step                           */
+    Batch *batch; int batches;
+    Soft   soft[2];             /* between moving bodies; against what does not move           */
+    float  push_most;           /* m/s  at which overlap is corrected at most                  */
+    float  bounce_least;        /* m/s  slower approaches do not bounce                        */
+} Crowd;
+
+/* touch.c: contacts of the present poses; points carried on at the end of the step */
+void       crowd_touch(Group *g, real time);
+void       crowd_sign(const Group *g, GroupPair *q);
+/* bodies.c */
+dig_status bodies_open(Crowd *c);       /* scaled, from the group's */
+void       bodies_close(Crowd *c);      /* and back */
+static inline int crowd_index(const Crowd *c, int body) { return body < c->bodies && c->g->member[body].moves ? body : c->bodies; }
+/* rows.c: which contacts act, in batches */
+dig_status rows_open(Crowd *c);
+/* wide.c: the substeps. width: 0 = the widest this machine has, else 1 = without special instructions, 2 = AVX2 */
+void       wide_solve(Crowd *c, int width);
+/* book.c: forces, points, impacts and energy for the group's records */
+void       book_open(Crowd *c);
+void       book_close(Crowd *c);
+
+#endif

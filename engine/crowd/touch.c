@@ -1,0 +1,52 @@
+/* crowd/touch.c - contacts of the present poses, once a step.
+ *
+ * A manifold of three or four points whose two sides have hardly moved against each other is not made anew: its points, carried along
+ * with their bodies at the end of the last step, still face each other. That they belong to the present poses is told by a sign
+ * of the poses, kept where the pair has its hint.
+ */
+#include "crowd/system.h"
+
+#define CARRIED 0x63617272u     /* kind of a hint that holds a sign; no shape pair has this one   */
+#define SLID    2e-3            /* of the size: points that have slid farther are found anew      */
+#define TILTED  4e-3            /* of the size: so are manifolds whose gaps differ by more        */
+
+/* Three numbers that are the same as long as neither body moves. */
+static vec3 sign_of(const Group *g, const GroupPair *q)
+{
+    const Pos *a = &g->pos[q->a], *b = &g->pos[q->b];
+    vec3 turns = {0.5 * a->q.x + 0.25 * b->q.x, 0.5 * a->q.y + 0.25 * b->q.y, 0.5 * a->q.z + 0.25 * b->q.z};
+    return vec3_add(turns, vec3_mad(b->x, 0.75, a->x));
+}
+
+void crowd_sign(const Group *g, GroupPair *q)
+{
+    vec3 s = sign_of(g, q);
+    q->cache = (ManifoldCache){.kind = CARRIED, .axis = {s.x, s.y, s.z}};
+}
+
+static bool keeps(const Group *g, GroupPair *q)
+{
+    if (q->fresh || q->contacts != 1 || q->cache.kind != CARRIED)
+        return false;
+    GroupContact *c = &g->contacts[q->contact];
+    vec3 s = sign_of(g, q), n = c->manifold.normal;
+    if (c->manifold.count < 3 || s.x != q->cache.axis[0] || s.y != q->cache.axis[1] || s.z != q->cache.axis[2])
+        return false;
+    real low = INFINITY, high = -INFINITY, slid = 0;
+    for (int k = 0; k < c->manifold.count; k++) {
+        ManifoldPoint *p = &c->manifold.points[k];
+        vec3 d = vec3_sub(p->b, p->a);
+        p->gap = vec3_dot(d, n);
+        low = real_min(low, p->gap);
+        high = real_max(high, p->gap);
+        slid = real_max(slid, vec3_length2(vec3_mad(d, -p->gap, n)));
+    }
+    return slid < SLID * SLID * q->size * q->size && high - low < TILTED * q->size && high < SLID * q->size;
+}
+
+void crowd_touch(Group *g, real time)
+{
+    for (int i = 0; i < g->pair_count; i++)
+        if (!keeps(g, &g->pairs[i]))
+            group_touch_pair(g, &g->pairs[i], time);
+}

@@ -1,0 +1,404 @@
+/* crowd/wide.c - the substeps, eight rows at a time.
+ *
+ * Written once in vectors of eight floats, which the compiler splits where registers are shorter, and compiled for several sets of
+ * instructions. Every lane computes with the same rounded operations in the same order, without fused multiply-adds: the bits are
+ * the same on all.
+ */
+#include "crowd/system.h"
+
+#if defined(__GNUC__)
+#pragma GCC diagnostic ignored "-Wpsabi"        /* vectors are passed to inlined functions only */
+#endif
+/* Loops over lanes, rows and coordinates must go, so that vectors stay in registers. */
+#if defined(__clang__)
+#define UNROLL _Pragma("clang loop unroll(full)")
+#else
+#define UNROLL _Pragma("GCC unroll 8")
+#endif
+#define INLINE static inline __attribute__((always_inline))
+
+INLINE wide pick(wide_int which, wide yes, wide no) { return (wide)((which & (wide_int)yes) | (~which & (wide_int)no)); }
+INLINE wide most(wide a, wide b) { return pick(a > b, a, b); }
+INLINE wide least(wide a, wide b) { return pick(a < b, a, b); }
+INLINE wide dot(const wide a[3], const wide b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+INLINE wide all(float x) { return (wide){x, x, x, x, x, x, x, x}; }
+
+INLINE wide root(wide x)
+{
+    UNROLL
+    for (int i = 0; i < LANES; i++)
+        x[i] = __builtin_sqrtf(x[i]);
+    return x;
+}
+
+#define SHUFFLE __builtin_shufflevector
+
+/* Eight rows of eight become eight columns. */
+INLINE void transpose(wide r[8])
+{
+    wide s[8];
+    UNROLL
+    for (int i = 0; i < 8; i += 2) {
+        s[i] = SHUFFLE(r[i], r[i + 1], 0, 8, 1, 9, 4, 12, 5, 13);
+        s[i + 1] = SHUFFLE(r[i], r[i + 1], 2, 10, 3, 11, 6, 14, 7, 15);
+    }
+    UNROLL
+    for (int i = 0; i < 8; i += 4) {
+        r[i] = SHUFFLE(s[i], s[i + 2], 0, 1, 8, 9, 4, 5, 12, 13);
+        r[i + 1] = SHUFFLE(s[i], s[i + 2], 2, 3, 10, 11, 6, 7, 14, 15);
+        r[i + 2] = SHUFFLE(s[i + 1], s[i + 3], 0, 1, 8, 9, 4, 5, 12, 13);
+        r[i + 3] = SHUFFLE(s[i + 1], s[i + 3], 2, 3, 10, 11, 6, 7, 14, 15);
+    }
+    UNROLL
+    for (int i = 0; i < 4; i++) {
+        wide low = SHUFFLE(r[i], r[i + 4], 0, 1, 2, 3, 8, 9, 10, 11), high = SHUFFLE(r[i], r[i + 4], 4, 5, 6, 7, 12, 13, 14, 15);
+        s[i] = low;
+        s[i + 4] = high;
+    }
+    UNROLL
+    for (int i = 0; i < 8; i++)
+        r[i] = s[i];
+}
+
+INLINE void gather(const Six *from, const int32_t at[LANES], wide to[8])
+{
+    UNROLL
+    for (int i = 0; i < LANES; i++)
+        to[i] = *(const wide *)(const void *)&from[at[i]];
+    transpose(to);
+}
+
+INLINE void scatter(Six *to, const int32_t at[LANES], wide from[8])
+{
+    transpose(from);
+    UNROLL
+    for (int i = 0; i < LANES; i++)
+        *(wide *)(void *)&to[at[i]] = from[i];
+}
+
+/* ---- one batch ---- */
+
+typedef struct Both { wide a[8], b[8]; } Both;      /* of the two bodies of each lane */
+
+/* b's linear coordinates less a's, as velocities (or displacements). */
+INLINE void between(const Batch *x, const Both *v, wide out[3])
+{
+    UNROLL
+    for (int i = 0; i < 3; i++)
+        out[i] = x->rb * v->b[i] - x->ra * v->a[i];
+}
+
+INLINE void push_linear(const Batch *x, Both *v, const wide n[3], wide p)
+{
+    wide pa = p * x->ra, pb = p * x->rb;
+    UNROLL
+    for (int i = 0; i < 3; i++) {
+        v->a[i] -= pa * n[i];
+        v->b[i] += pb * n[i];
+    }
+}
+
+INLINE void push_angular(Both *v, const wide a[3], const wide b[3], wide p)
+{
+    UNROLL
+    for (int i = 0; i < 3; i++) {
+        v->a[3 + i] += p * a[i];
+        v->b[3 + i] += p * b[i];
+    }
+}
+
+INLINE wide normal_sum(const Batch *x)
+{
+    wide sum = x->point[0].j;
+    for (int k = 1; k < x->points; k++)
+        sum += x->point[k].j;
+    return sum;
+}
+
+/* Sticks where the cone allows it; else a step along the slip, back onto the cone: friction then opposes slip for any matrix. */
+INLINE void solve_friction(const Batch *x, Both *v, wide bound)
+{
+    WidePatch *f = x->patch;
+    wide d[3], u[3] = {x->n[1] * f->t[2] - x->n[2] * f->t[1], x->n[2] * f->t[0] - x->n[0] * f->t[2], x->n[0] * f->t[1] - x->n[1] * f->t[0]};
+    between(x, v, d);
+    wide rt = dot(f->t, d) + dot(f->ta, &v->a[3]) + dot(f->tb, &v->b[3]), ru = dot(u, d) + dot(f->ua, &v->a[3]) + dot(f->ub, &v->b[3]);
+    if (x->driven) {
+        rt += f->drive[0];
+        ru += f->drive[1];
+    }
+    wide st = f->j[0] - f->det * (f->ktt * rt + f->ktu * ru), su = f->j[1] - f->det * (f->ktu * rt + f->kuu * ru);
+    wide gt = f->j[0] - f->step * rt, gu = f->j[1] - f->step * ru;
+    wide length = root(gt * gt + gu * gu), scale = bound / most(length, all(1e-30f));
+    scale = least(scale, all(1));
+    wide_int sticks = st * st + su * su <= bound * bound;
+    wide jt = pick(sticks, st, gt * scale), ju = pick(sticks, su, gu * scale);
+    wide pt = jt - f->j[0], pu = ju - f->j[1];
+    f->j[0] = jt;
+    f->j[1] = ju;
+    push_linear(x, v, f->t, pt);
+    push_linear(x, v, u, pu);
+    push_angular(v, f->ta, f->tb, pt);
+    push_angular(v, f->ua, f->ub, pu);
+}
+
+INLINE void solve_twist(const Batch *x, Both *v, wide bound)
+{
+    WidePatch *f = x->patch;
+    wide rate = dot(f->wa, &v->a[3]) + dot(f->wb, &v->b[3]), top = bound * f->reach;
+    wide j = least(top, most(-top, f->jw - f->twist * rate)), p = j - f->jw;
+    f->jw = j;
+    push_angular(v, f->wa, f->wb, p);
+}
+
+INLINE void push_roll(Both *v, const WideRoll *r, const wide p[3])
+{
+    UNROLL
+    for (int i = 0; i < 3; i++) {
+        UNROLL
+        for (int k = 0; k < 3; k++) {
+            v->a[3 + k] -= r->sa[3 * i + k] * p[i];
+            v->b[3 + k] += r->sb[3 * i + k] * p[i];
+        }
+    }
+}
+
+INLINE void solve_roll(const Batch *x, Both *v, wide load)
+{
+    WideRoll *r = x->roll;
+    wide rate[3], j[3], p[3];
+    UNROLL
+    for (int i = 0; i < 3; i++)
+        rate[i] = dot(&r->sb[3 * i], &v->b[3]) - dot(&r->sa[3 * i], &v->a[3]) + r->drive[i];
+    j[0] = r->j[0] - (r->k[0] * rate[0] + r->k[1] * rate[1] + r->k[2] * rate[2]);
+    j[1] = r->j[1] - (r->k[1] * rate[0] + r->k[3] * rate[1] + r->k[4] * rate[2]);
+    j[2] = r->j[2] - (r->k[2] * rate[0] + r->k[4] * rate[1] + r->k[5] * rate[2]);
+    wide scale = least(all(1), r->lever * load / most(root(dot(j, j)), all(1e-30f)));
+    UNROLL
+    for (int i = 0; i < 3; i++) {
+        j[i] *= scale;
+        p[i] = j[i] - r->j[i];
+        r->j[i] = j[i];
+    }
+    push_roll(v, r, p);
+}
+
+/* How overlap and gap bear on a row: rate wanted, and how firmly. */
+typedef struct Care { wide rate, push_most, mass, keep, per_step, time; bool push; } Care;
+
+/* The pushing pass: an overlap is pushed out softly, a gap may close within the substep. What is left of it is for the other pass. */
+INLINE wide pushed_impulse(WidePoint *p, const Care *k, wide rate, wide gap)
+{
+    wide_int open = gap > 0;
+    wide bias = pick(open, gap * k->per_step, most(gap * k->rate, -k->push_most));
+    wide j = p->j - pick(open, p->mass, p->mass * k->mass) * (rate + bias) - pick(open, all(0), p->j * k->keep);
+    j = most(j, all(0));
+    p->room = most(all(0), gap * k->per_step + rate + (j - p->j) / most(p->mass, all(1e-30f)));
+    return j;
+}
+
+/* One direction for all points of a contact: rate along the normal of the centres of mass is kept up by hand. */
+INLINE void solve_points(const Crowd *c, const Batch *x, Both *v, const Care *k)
+{
+    wide b[3], inverse = x->ra * x->ra + x->rb * x->rb, pushed = all(0), closed = all(0);
+    Both d = {.a = {all(0)}};
+    if (k->push) {
+        gather(c->move, x->a, d.a);
+        gather(c->move, x->b, d.b);
+        between(x, &d, b);
+        closed = dot(x->n, b);
+    }
+    between(x, v, b);
+    wide rate0 = dot(x->n, b);
+    for (int i = 0; i < x->points; i++) {
+        WidePoint *p = &x->point[i];
+        wide rate = rate0 + dot(p->a, &v->a[3]) + dot(p->b, &v->b[3]), j;
+        if (x->driven)
+            rate += p->drive;
+        if (k->push) {
+            wide gap = p->gap + closed + dot(p->a, &d.a[3]) + dot(p->b, &d.b[3]);
+            j = pushed_impulse(p, k, rate, x->driven ? gap + p->drive * k->time : gap);
+        } else {
+            j = most(p->j - p->mass * (rate + p->room), all(0));
+            p->sum += j;
+        }
+        wide change = j - p->j;
+        p->j = j;
+        pushed += change;
+        rate0 += inverse * change;
+        push_angular(v, p->a, p->b, change);
+    }
+    push_linear(x, v, x->n, pushed);
+}
+
+INLINE void solve_batch(const Crowd *c, const Batch *x, const Care *k)
+{
+    Both v;
+    gather(c->vel, x->a, v.a);
+    gather(c->vel, x->b, v.b);
+    wide load = normal_sum(x);
+    if (x->roll)
+        solve_roll(x, &v, load);
+    if (x->patch) {
+        if (x->points > 1)
+            solve_twist(x, &v, load * x->friction);
+        solve_friction(x, &v, load * x->friction);
+    }
+    solve_points(c, x, &v, k);
+    if (x->patch && !k->push) {
+        x->patch->sum[0] += x->patch->j[0];
+        x->patch->sum[1] += x->patch->j[1];
+    }
+    scatter(c->vel, x->a, v.a);
+    scatter(c->vel, x->b, v.b);
+}
+
+INLINE void pass(const Crowd *c, bool push, float time)
+{
+    for (int i = 0; i < c->batches; i++) {
+        const Batch *x = &c->batch[i];
+        const Soft *s = &c->soft[x->fixed];
+        Care k = {.rate = all(s->rate), .push_most = all(c->push_most), .mass = all(s->mass), .keep = all(s->keep),
+                  .per_step = all(1 / c->h), .time = all(time), .push = push};
+        solve_batch(c, x, &k);
+    }
+}
+
+/* ---- the substeps ---- */
+
+INLINE void warm_start(const Crowd *c)
+{
+    for (int i = 0; i < c->batches; i++) {
+        const Batch *x = &c->batch[i];
+        Both v;
+        gather(c->vel, x->a, v.a);
+        gather(c->vel, x->b, v.b);
+        push_linear(x, &v, x->n, normal_sum(x));
+        for (int k = 0; k < x->points; k++)
+            push_angular(&v, x->point[k].a, x->point[k].b, x->point[k].j);
+        if (x->patch) {
+            WidePatch *f = x->patch;
+            wide u[3] = {x->n[1] * f->t[2] - x->n[2] * f->t[1], x->n[2] * f->t[0] - x->n[0] * f->t[2], x->n[0] * f->t[1] - x->n[1] * f->t[0]};
+            push_linear(x, &v, f->t, f->j[0]);
+            push_linear(x, &v, u, f->j[1]);
+            push_angular(&v, f->ta, f->tb, f->j[0]);
+            push_angular(&v, f->ua, f->ub, f->j[1]);
+            push_angular(&v, f->wa, f->wb, f->jw);
+        }
+        if (x->roll)
+            push_roll(&v, x->roll, x->roll->j);
+        scatter(c->vel, x->a, v.a);
+        scatter(c->vel, x->b, v.b);
+    }
+}
+
+/* The forces and, by the last difference, the impulses of the substep before. */
+INLINE void speed_up(const Crowd *c, bool first)
+{
+    for (int i = 0; i < c->bodies; i++) {
+        wide *v = (wide *)(void *)&c->vel[i], *last = (wide *)(void *)&c->last[i];
+        wide now = *v;
+        *v = now + (first ? *(const wide *)(const void *)&c->push[i] : now - *last);
+        *last = now;
+    }
+}
+
+INLINE void move_on(const Crowd *c)
+{
+    for (int i = 0; i < c->bodies; i++)
+        *(wide *)(void *)&c->move[i] += all(c->h) * *(const wide *)(const void *)&c->vel[i];
+}
+
+/* What approached and was stopped leaves with its share of the approach. */
+INLINE void bounce(const Crowd *c, const Batch *x)
+{
+    Both v;
+    gather(c->vel, x->a, v.a);
+    gather(c->vel, x->b, v.b);
+    for (int i = 0; i < x->points; i++) {
+        WidePoint *p = &x->point[i];
+        wide b[3];
+        between(x, &v, b);
+        wide rate = dot(x->n, b) + dot(p->a, &v.a[3]) + dot(p->b, &v.b[3]) + p->drive;
+        wide_int struck = (p->rate_before < all(-c->bounce_least)) & (p->sum > 0);
+        wide j = most(p->j - p->mass * (rate + x->restitution * p->rate_before), all(0));
+        wide change = pick(struck, j - p->j, all(0));
+        p->room = change;
+        push_linear(x, &v, x->n, change);
+        push_angular(&v, p->a, p->b, change);
+    }
+    scatter(c->vel, x->a, v.a);
+    scatter(c->vel, x->b, v.b);
+}
+
+/* Many that bounce at once, each off its approach before the step, may gain energy. So much of all bounces is taken as the energy
+ * before the step, with what forces gave, allows: |plastic + share (bounced - plastic)|^2 = allowed. c->last has the plastic velocity. */
+static float allowed_share(const Crowd *c)
+{
+    double allowed = 0, plastic = 0, mixed = 0, gain = 0;
+    for (int i = 0; i < c->bodies; i++)
+        for (int k = 0; k < 6; k++) {
+            double start = (double)c->start[i].at[k], last = (double)c->last[i].at[k], change = (double)c->vel[i].at[k] - last;
+            allowed += start * start + 2 * (double)c->push[i].at[k] / (double)c->h * (double)c->move[i].at[k];
+            plastic += last * last;
+            mixed += last * change;
+            gain += change * change;
+        }
+    double room = allowed - plastic;
+    if (plastic + 2 * mixed + gain <= allowed || !(gain > 0))
+        return 1;
+    return room > 0 ? (float)((sqrt(mixed * mixed + gain * room) - mixed) / gain) : 0;
+}
+
+static void take_share(Crowd *c, float share)
+{
+    for (int i = 0; i < c->bodies; i++)
+        for (int k = 0; k < 6; k++)
+            c->vel[i].at[k] = c->last[i].at[k] + share * (c->vel[i].at[k] - c->last[i].at[k]);
+    for (int i = 0; i < c->batches; i++)
+        for (int k = 0; k < c->batch[i].points && c->batch[i].bounces; k++) {
+            WidePoint *p = &c->batch[i].point[k];
+            p->sum += all(share) * p->room;      /* not to j: the next step does not begin with a blow */
+        }
+}
+
+INLINE void solve(Crowd *c)
+{
+    for (int s = 0; s < c->substeps; s++) {
+        speed_up(c, s == 0);
+        if (s == 0)
+            warm_start(c);
+        pass(c, true, (float)s * c->h);
+        move_on(c);
+        pass(c, false, (float)(s + 1) * c->h);
+    }
+    bool bounces = false;
+    for (int i = 0; i < c->batches; i++)
+        bounces = bounces || c->batch[i].bounces;
+    if (!bounces)
+        return;
+    memcpy(c->last, c->vel, (size_t)c->bodies * sizeof *c->last);
+    for (int i = 0; i < c->batches; i++)
+        if (c->batch[i].bounces)
+            bounce(c, &c->batch[i]);
+    take_share(c, allowed_share(c));
+}
+
+static void solve_plain(Crowd *c) { solve(c); }
+
+#if defined(__x86_64__)
+__attribute__((target("avx2"))) static void solve_avx2(Crowd *c) { solve(c); }
+
+void wide_solve(Crowd *c, int width)
+{
+    if (width == 2 || (width == 0 && __builtin_cpu_supports("avx2")))
+        solve_avx2(c);
+    else
+        solve_plain(c);
+}
+#else
+void wide_solve(Crowd *c, int width)
+{
+    (void)width;
+    solve_plain(c);
+}
+#endif

@@ -1,0 +1,214 @@
+/* tests/unit/test_crowd.c - the way for crowds, against closed forms, and the same bits on all instructions and threads. */
+#include "base/rng.h"
+#include "crowd/system.h"
+#include "physics_fixture.h"
+
+#include <stdlib.h>
+
+#define STEP (1.0 / 60)
+#define ROWS 10                 /* of a pyramid: 55 boxes, more than the plan's crowd */
+
+static const Look rough = {0.5, NAN, 0, 0};
+
+/* Boxes of a metre and a tonne. Returns how many. */
+static int add_pyramid(dig_world *w, dig_body *b)
+{
+    int n = 0;
+    for (int i = 0; i < ROWS; i++)
+        for (int j = 0; j < ROWS - i; j++)
+            b[n++] = add_box(w, rough, (vec3){1, 1, 1}, 1000, (vec3){(j - 0.5 * (ROWS - i - 1)) * 1.1, 0.5 + i, 0}, quat_identity());
+    return n;
+}
+
+/* The links of the lowest row to the floor carry all of it. */
+TEST(a_pyramid_rests_and_the_floor_carries_its_weight)
+{
+    dig_world *w = open_world(STEP, NULL, true);
+    dig_body b[64], floor = add_floor(w, rough);
+    int n = add_pyramid(w, b);
+    step(w, 240);
+    CHECK_INT(n, ROWS * (ROWS + 1) / 2);
+    real sum = 0;
+    dig_link list[16];
+    for (int i = 0; i < ROWS; i++) {
+        int links = dig_links_of(w, b[i], list, 16);
+        for (int k = 0; k < links; k++)
+            if (list[k].a.slot == floor.slot || list[k].b.slot == floor.slot)
+                sum += fabs(list[k].effort.y);
+    }
+    CHECK_NEAR(sum, n * 1000 * GRAVITY, 0.01 * n * 1000 * GRAVITY);
+    for (int i = 0; i < n; i++)
+        CHECK(vec3_length(state_of(w, b[i]).velocity) < 0.02);
+    CHECK_NEAR(state_of(w, b[n - 1]).position.y, ROWS - 0.5, 5e-3 * ROWS);
+    CHECK(dig_world_stats(w).penetration < 5e-3);
+    CHECK_INT(dig_world_stats(w).iterations, 4);        /* passes: the sweep would take hundreds */
+    check_world(w);
+    dig_world_close(w);
+}
+
+/* Sixty boxes side by side, in reach of each other, on a slope of which the tangent is `share` of the friction coefficient. */
+static real speed_on_slope(real share, real seconds)
+{
+    real angle = atan(share * rough.friction), sum = 0;
+    dig_world_def def = dig_world_defaults();
+    def.step = STEP;
+    def.sleeping = false;
+    def.gravity = (vec3){GRAVITY * sin(angle), -GRAVITY * cos(angle), 0};
+    dig_world *w = open_with(def);
+    dig_body b[60];
+    add_floor(w, rough);
+    for (int i = 0; i < 60; i++)
+        b[i] = add_box(w, rough, (vec3){1, 0.2, 1}, 100, (vec3){1.01 * i, 0.1, 0}, quat_identity());
+    step(w, (int)(seconds / STEP + 0.5));
+    CHECK_INT(dig_world_stats(w).groups, 1);
+    CHECK_INT(dig_world_stats(w).iterations, 4);
+    for (int i = 0; i < 60; i++)
+        sum += state_of(w, b[i]).velocity.x / 60;
+    dig_world_close(w);
+    return sum;
+}
+
+/* Below the threshold nothing moves; above it a = g cos (tan - mu). */
+TEST(friction_holds_up_to_its_coefficient)
+{
+    CHECK_NEAR(speed_on_slope(0.99, 1), 0, 1e-4);
+    real a = 0.01 * rough.friction * GRAVITY * cos(atan(1.01 * rough.friction));
+    CHECK_NEAR(speed_on_slope(1.01, 1), a, 0.2 * a);     /* a fifth of a hundredth of the friction */
+    a = rough.friction * GRAVITY * cos(atan(2 * rough.friction));
+    CHECK_NEAR(speed_on_slope(2, 1), a, 0.002 * a);
+}
+
+typedef struct Momentum { vec3 p, l; real scale; } Momentum;
+
+static Momentum momentum_of(const dig_world *w, const dig_body *b, int n)
+{
+    Momentum m = {vec3_zero(), vec3_zero(), 0};
+    for (int i = 0; i < n; i++) {
+        dig_body_state s = state_of(w, b[i]);
+        dig_body_debug d = debug_of(w, b[i]);
+        vec3 p = vec3_scale(s.mass, s.velocity);
+        m.p = vec3_add(m.p, p);
+        m.l = vec3_add(m.l, vec3_add(d.ang_mom, vec3_cross(s.centre, p)));
+        m.scale += vec3_length(p);
+    }
+    return m;
+}
+
+/* What a row takes from one body it gives to the other: both momenta of a cloud that falls together stay, to single precision. */
+TEST(a_cloud_that_collides_keeps_its_momenta)
+{
+    dig_world *w = open_world(STEP, NULL, false);
+    dig_body b[64];
+    uint64_t rng = 7;
+    for (int i = 0; i < 64; i++) {
+        vec3 at = {i % 4 - 1.5, i / 4 % 4 - 1.5, i / 16 - 1.5};
+        vec3 v = vec3_mad((vec3){rng_real(&rng), rng_real(&rng), rng_real(&rng)}, -1.0, at);
+        b[i] = add_ball(w, rough, 0.45, 100, at, v);
+    }
+    Momentum before = momentum_of(w, b, 64);
+    step(w, 60);
+    CHECK_INT(dig_world_stats(w).swept > 0, 1);
+    Momentum after = momentum_of(w, b, 64);
+    CHECK(vec3_distance(after.p, before.p) < 1e-6 * before.scale);
+    CHECK(vec3_distance(after.l, before.l) < 1e-3 * before.scale);      /* friction acts across the gap of a closing pair */
+    dig_world_close(w);
+}
+
+/* ---- the same bits ---- */
+
+static uint64_t towers(int threads)
+{
+    dig_world_def def = dig_world_defaults();
+    def.step = STEP;
+    def.threads = threads;
+    dig_world *w = open_with(def);
+    add_floor(w, rough);
+    for (int t = 0; t < 100; t++)
+        for (int i = 0; i < 10; i++)
+            add_box(w, rough, (vec3){1, 1, 1}, 1000, (vec3){3.0 * (t % 10), 0.5 + 1.001 * i, 3.0 * (t / 10)}, quat_identity());
+    step(w, 30);
+    CHECK(dig_world_stats(w).penetration < 5e-3);
+    uint64_t sum = dig_world_checksum(w);
+    dig_world_close(w);
+    return sum;
+}
+
+TEST(two_threads_give_the_same_bits)
+{
+    CHECK(towers(1) == towers(2));
+}
+
+#define BODIES 40
+#define BATCHES 12
+
+typedef struct Sample { Six six[5][BODIES + 1]; Batch batch[BATCHES]; WidePoint point[BATCHES][4]; WidePatch patch[BATCHES]; WideRoll roll[BATCHES]; } Sample;
+
+static void fill(void *to, size_t bytes, uint64_t *rng)
+{
+    float *f = to;
+    for (size_t i = 0; i < bytes / sizeof *f; i++)
+        f[i] = (float)(2 * rng_real(rng) - 1);
+}
+
+/* Batches of numbers that mean nothing, but are rows: no body twice in one, masses positive. */
+static void make_sample(Sample *s, Crowd *c)
+{
+    uint64_t rng = 99;
+    memset(s, 0, sizeof *s);
+    fill(s->six, sizeof s->six, &rng);
+    for (int i = 0; i < BATCHES; i++) {
+        Batch *b = &s->batch[i];
+        fill(s->point[i], sizeof s->point[i], &rng);
+        fill(&s->patch[i], sizeof s->patch[i], &rng);
+        fill(&s->roll[i], sizeof s->roll[i], &rng);
+        fill(b->n, sizeof b->n + 4 * sizeof b->ra, &rng);
+        for (int k = 0; k < LANES; k++) {
+            b->a[k] = (5 * k + i) % BODIES;
+            b->b[k] = i % 2 ? BODIES : (5 * k + i + 2) % BODIES;
+            b->friction[k] = 0.5f;
+            b->restitution[k] = 0.3f;
+            s->patch[i].det[k] = 1;
+        }
+        b->points = 1 + i % 4;
+        b->fixed = i % 2;
+        b->bounces = i % 3 == 0;
+        b->driven = i % 5 == 0;
+        b->point = s->point[i];
+        b->patch = i % 3 ? &s->patch[i] : NULL;
+        b->roll = i % 4 == 2 ? &s->roll[i] : NULL;
+        for (int p = 0; p < 4; p++)
+            for (int k = 0; k < LANES; k++)
+                s->point[i][p].mass[k] = 0.1f;
+    }
+    *c = (Crowd){.dt = STEP, .substeps = 4, .h = (float)(STEP / 4), .bodies = BODIES, .vel = s->six[0], .move = s->six[1], .last = s->six[2],
+                 .push = s->six[3], .start = s->six[4], .batch = s->batch, .batches = BATCHES, .push_most = 3, .bounce_least = 0.1f,
+                 .soft = {{9, 0.9f, 0.1f}, {9, 0.9f, 0.1f}}};
+    memset(s->six[1], 0, sizeof s->six[1]);
+}
+
+TEST(wide_rows_give_the_same_bits_on_all_instructions)
+{
+    Sample *s[2];
+    for (int i = 0; i < 2; i++) {
+        Crowd c;
+        s[i] = aligned_alloc(32, sizeof **s);
+        assert_non_null(s[i]);
+        make_sample(s[i], &c);
+        Six before = s[i]->six[0][3];
+        wide_solve(&c, 1 + i);
+        CHECK(memcmp(&before, &s[i]->six[0][3], sizeof before) != 0);
+    }
+    CHECK(memcmp(s[0]->six, s[1]->six, sizeof s[0]->six) == 0);
+    CHECK(memcmp(s[0]->point, s[1]->point, sizeof s[0]->point) == 0);
+    CHECK(memcmp(s[0]->patch, s[1]->patch, sizeof s[0]->patch) == 0);
+    CHECK(memcmp(s[0]->roll, s[1]->roll, sizeof s[0]->roll) == 0);
+    free(s[0]);
+    free(s[1]);
+}
+
+int main(void)
+{
+    RUN_TESTS(unit_test(a_pyramid_rests_and_the_floor_carries_its_weight), unit_test(friction_holds_up_to_its_coefficient),
+              unit_test(a_cloud_that_collides_keeps_its_momenta), unit_test(two_threads_give_the_same_bits),
+              unit_test(wide_rows_give_the_same_bits_on_all_instructions));
+}
