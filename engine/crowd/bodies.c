@@ -38,7 +38,7 @@ dig_status bodies_open(Crowd *c)
 {
     Group *g = c->g;
     size_t n = (size_t)c->bodies + 1;
-    Six *six = arena_zero(g->arena, 5 * n * sizeof *six);
+    Six *six = arena_zero(g->arena, 7 * n * sizeof *six);
     c->frame = arena_alloc(g->arena, n * sizeof *c->frame);
     if (!six || !c->frame)
         return DIG_E_MEMORY;
@@ -47,6 +47,8 @@ dig_status bodies_open(Crowd *c)
     c->last = six + 2 * n;
     c->push = six + 3 * n;
     c->start = six + 4 * n;
+    c->axes[0] = six + 5 * n;
+    c->axes[1] = six + 6 * n;
     for (int i = 0; i < c->bodies; i++) {
         Member *m = &g->member[i];
         m->start_pos = g->pos[i];
@@ -55,6 +57,10 @@ dig_status bodies_open(Crowd *c)
             continue;
         Frame *f = &c->frame[i];
         *f = (Frame){.s = spin_root(m, g->pos[i].q), .root = sqrt(g->mass[i].im)};
+        const mat3 *s = &f->s;
+        c->axes[0][i] = (Six){{(float)s->r0.x, (float)s->r1.x, (float)s->r2.x, (float)s->r0.y,
+                               (float)s->r1.y, (float)s->r2.y, (float)s->r0.z, (float)s->r1.z}};
+        c->axes[1][i] = (Six){{(float)s->r2.z, (float)f->root}};
         c->vel[i] = six_of(vec3_scale(1 / f->root, g->vel[i].v), scaled_spin(m, g->pos[i].q, &f->s, g->vel[i].w));
         c->last[i] = c->start[i] = c->vel[i];
         vec3 torque = vec3_length2(m->torque) > 0 ? mat3_mul_vec(mat3_transpose(f->s), m->torque) : vec3_zero();

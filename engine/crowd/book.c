@@ -79,7 +79,7 @@ static void book_lane(Crowd *c, const Batch *b, int lane)
         }
     }
     if (b->roll)
-        t->rolling = (vec3){(real)b->roll->j[0][lane] / (real)c->h, (real)b->roll->j[1][lane] / (real)c->h, (real)b->roll->j[2][lane] / (real)c->h};
+        t->rolling = vec3_scale(1 / (real)c->h, (vec3){(real)b->roll->j[0][lane], (real)b->roll->j[1][lane], (real)b->roll->j[2][lane]});
     for (int k = 0; k < 2 && sum > 0; k++) {
         Member *m = &g->member[k ? t->b : t->a];
         if (m->dormant)
@@ -111,7 +111,8 @@ static void forget(Group *g)
             c->memory[k].held = 0;
             c->memory[k].tangent = vec3_zero();
         }
-        c->rolling = vec3_zero();
+        if (c->live)
+            c->rolling = vec3_zero();
     }
 }
 
@@ -154,11 +155,11 @@ void book_close(Crowd *c)
     book_energy(c);
     for (int i = 0; i < g->contact_count; i++) {
         GroupContact *t = &g->contacts[i];
+        if (!t->live)
+            continue;
         real given = movers_work(g, t);
         g->work_in += given;
         g->lost += given;
-        if (!t->live)
-            continue;
         carry(g, t);
         for (int k = 0; k < t->manifold.count; k++)
             g->penetration = real_max(g->penetration, -t->manifold.points[k].gap);

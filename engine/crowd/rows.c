@@ -92,23 +92,12 @@ static void put(wide v[3], int lane, vec3 x)
     v[2][lane] = (float)x.z;
 }
 
-static float dot3(const wide v[3], int lane) { return v[0][lane] * v[0][lane] + v[1][lane] * v[1][lane] + v[2][lane] * v[2][lane]; }
-
 typedef struct Ends {           /* of one contact                                              */
     const GroupContact *c;
     int  a, b;                  /* who does not move: the spare one                            */
     vec3 xa, xb;
-    mat3 sa, sb;                /* S^T; zero for who does not move                             */
-    real k;                     /* 1/kg  sum of the inverse masses                             */
     bool driven;                /* a mover takes part                                          */
 } Ends;
-
-/* Angular Jacobians of direction n at the point: those of b and, with their sign, of a. */
-static void put_angular(wide a[3], wide b[3], int lane, const Ends *e, vec3 n, vec3 on_a, vec3 on_b)
-{
-    put(a, lane, mat3_mul_vec(e->sa, vec3_cross(n, vec3_sub(on_a, e->xa))));
-    put(b, lane, mat3_mul_vec(e->sb, vec3_cross(vec3_sub(on_b, e->xb), n)));
-}
 
 /* Movers at a point: what their speed adds to a rate. */
 static vec3 driven_velocity(const Group *g, const Ends *e, vec3 at)
@@ -123,78 +112,46 @@ static vec3 driven_velocity(const Group *g, const Ends *e, vec3 at)
 
 static void fill_point(const Crowd *c, const Ends *e, WidePoint *p, int lane, int k)
 {
-    const Group *g = c->g;
     const ManifoldPoint *m = &e->c->manifold.points[k];
-    vec3 n = e->c->manifold.normal;
-    put_angular(p->a, p->b, lane, e, n, m->a, m->b);
-    p->mass[lane] = 1 / ((float)e->k + dot3(p->a, lane) + dot3(p->b, lane));
+    if (e->a < c->bodies)
+        put(p->a, lane, vec3_sub(m->a, e->xa));
+    if (e->b < c->bodies)
+        put(p->b, lane, vec3_sub(m->b, e->xb));
+    p->mass[lane] = 1;
     p->gap[lane] = (float)m->gap;
-    p->rate_before[lane] = (float)vec3_dot(n, vec3_sub(velocity_at(g, e->c->b, m->b), velocity_at(g, e->c->a, m->a)));
-    p->drive[lane] = e->driven ? (float)vec3_dot(n, driven_velocity(g, e, m->a)) : 0;
     p->j[lane] = (float)e->c->memory[k].normal * c->h;
+    if (e->driven)
+        p->drive[lane] = (float)vec3_dot(e->c->manifold.normal, driven_velocity(c->g, e, m->a));
 }
 
-static void middles_of(const Manifold *m, vec3 *on_a, vec3 *on_b)
+/* The torque of what the points remember, about their middle. */
+static real twist_of(const GroupContact *c, vec3 middle)
 {
-    *on_a = *on_b = vec3_zero();
-    for (int k = 0; k < m->count; k++) {
-        *on_a = vec3_mad(*on_a, 1.0 / m->count, m->points[k].a);
-        *on_b = vec3_mad(*on_b, 1.0 / m->count, m->points[k].b);
-    }
-}
-
-static void fill_twist(const Ends *e, WidePatch *p, int lane, vec3 n, vec3 middle, real h)
-{
-    const Manifold *m = &e->c->manifold;
-    real reach = 0, torque = 0;
-    for (int k = 0; k < m->count; k++) {
-        vec3 r = vec3_sub(m->points[k].a, middle);
-        reach += vec3_length(r) / m->count;
-        torque += vec3_dot(n, vec3_cross(r, e->c->memory[k].tangent));
-    }
-    put(p->wa, lane, vec3_neg(mat3_mul_vec(e->sa, n)));
-    put(p->wb, lane, mat3_mul_vec(e->sb, n));
-    float k = dot3(p->wa, lane) + dot3(p->wb, lane);
-    p->twist[lane] = k > 0 ? 1 / k : 0;
-    p->reach[lane] = (float)reach;
-    p->jw[lane] = (float)(torque * h);
-}
-
-static float cross_dot(const WidePatch *p, int lane)
-{
-    float s = 0;
-    for (int i = 0; i < 3; i++)
-        s += p->ta[i][lane] * p->ua[i][lane] + p->tb[i][lane] * p->ub[i][lane];
-    return s;
+    vec3 torque = vec3_zero();
+    for (int k = 0; k < c->manifold.count; k++)
+        torque = vec3_add(torque, vec3_cross(vec3_sub(c->manifold.points[k].a, middle), c->memory[k].tangent));
+    return vec3_dot(c->manifold.normal, torque);
 }
 
 static void fill_patch(const Crowd *c, const Ends *e, WidePatch *p, int lane)
 {
     const Manifold *m = &e->c->manifold;
-    vec3 t, u, n = m->normal, middle, on_b, force = vec3_zero();
-    middles_of(m, &middle, &on_b);
-    vec3_basis(n, &t, &u);
+    vec3 t, u, middle = vec3_zero(), force = vec3_zero();
+    vec3_basis(m->normal, &t, &u);
     put(p->t, lane, t);
-    put_angular(p->ta, p->tb, lane, e, t, middle, on_b);
-    put_angular(p->ua, p->ub, lane, e, u, middle, on_b);
-    float ktt = (float)e->k + dot3(p->ta, lane) + dot3(p->tb, lane), kuu = (float)e->k + dot3(p->ua, lane) + dot3(p->ub, lane);
-    float ktu = cross_dot(p, lane), mean = 0.5f * (ktt + kuu), half = 0.5f * (ktt - kuu);
-    p->ktt[lane] = kuu;         /* the inverse of a 2 x 2 matrix exchanges them */
-    p->kuu[lane] = ktt;
-    p->ktu[lane] = -ktu;
-    p->det[lane] = 1 / (ktt * kuu - ktu * ktu);
-    p->step[lane] = 1 / (mean + sqrtf(half * half + ktu * ktu));
-    for (int k = 0; k < m->count; k++)
+    for (int k = 0; k < m->count; k++) {
         force = vec3_add(force, e->c->memory[k].tangent);
+        middle = vec3_mad(middle, 1.0 / m->count, m->points[k].a);
+    }
     p->j[0][lane] = (float)vec3_dot(force, t) * c->h;
     p->j[1][lane] = (float)vec3_dot(force, u) * c->h;
+    if (m->count > 1)
+        p->jw[lane] = (float)twist_of(e->c, middle) * c->h;
     if (e->driven) {
         vec3 v = driven_velocity(c->g, e, middle);
         p->drive[0][lane] = (float)vec3_dot(v, t);
         p->drive[1][lane] = (float)vec3_dot(v, u);
     }
-    if (m->count > 1)
-        fill_twist(e, p, lane, n, middle, (real)c->h);
 }
 
 /* m  Radius at which the pair rolls (effect/rolling.c); 0: it does not. */
@@ -218,8 +175,10 @@ static void fill_roll(const Crowd *c, const Ends *e, const GroupPair *q, WideRol
     if (!(mat3_det(k) > 0))
         return;
     k = mat3_inverse(k);
-    put_matrix(r->sa, lane, mat3_transpose(e->sa));
-    put_matrix(r->sb, lane, mat3_transpose(e->sb));
+    if (e->a < c->bodies)
+        put_matrix(r->sa, lane, c->frame[e->a].s);
+    if (e->b < c->bodies)
+        put_matrix(r->sb, lane, c->frame[e->b].s);
     put(r->k, lane, k.r0);
     r->k[3][lane] = (float)k.r1.y;
     r->k[4][lane] = (float)k.r1.z;
@@ -238,9 +197,6 @@ static Ends ends_of(const Crowd *c, const GroupContact *t)
 {
     const Group *g = c->g;
     Ends e = {.c = t, .a = crowd_index(c, t->a), .b = crowd_index(c, t->b), .xa = g->pos[t->a].x, .xb = g->pos[t->b].x};
-    e.sa = e.a < c->bodies ? mat3_transpose(c->frame[e.a].s) : mat3_zero();
-    e.sb = e.b < c->bodies ? mat3_transpose(c->frame[e.b].s) : mat3_zero();
-    e.k = g->mass[t->a].im + g->mass[t->b].im;
     e.driven = g->member[t->a].kinematic || g->member[t->b].kinematic;
     return e;
 }
@@ -267,8 +223,6 @@ static void fill_lane(Crowd *c, Batch *b, int lane, int contact)
     for (int k = 0; k < 2; k++)
         if ((k ? e.b : e.a) < c->bodies)
             c->frame[k ? e.b : e.a].held = true;
-    b->ra[lane] = e.a < c->bodies ? (float)c->frame[e.a].root : 0;
-    b->rb[lane] = e.b < c->bodies ? (float)c->frame[e.b].root : 0;
     put(b->n, lane, t->manifold.normal);
     b->driven = b->driven || e.driven;
     b->bounces = b->bounces || q->restitution > 0;

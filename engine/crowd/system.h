@@ -17,8 +17,8 @@ typedef int32_t wide_int __attribute__((vector_size(LANES * sizeof(int32_t))));
 typedef struct Six { float at[LANES]; } Six;
 
 typedef struct WidePoint {      /* contact points, one a lane                                  */
-    wide a[3], b[3];            /* 1/sqrt(kg)  angular Jacobian in scaled spins                */
-    wide mass;                  /* kg   1 / (J M^-1 J^T); 0 = no point in this lane            */
+    wide a[3], b[3];            /* 1/sqrt(kg)  angular Jacobian in scaled spins; until wide.c prepares it m, from the centres of mass */
+    wide mass;                  /* kg   1 / (J M^-1 J^T); 0 = no point in this lane; before that 1, 0 */
     wide gap;                   /* m    at the start of the step                               */
     wide drive;                 /* m/s  part of the rate that movers give                      */
     wide room;                  /* m/s  at which a gap may still close in this substep         */
@@ -26,7 +26,7 @@ typedef struct WidePoint {      /* contact points, one a lane                   
     wide rate_before;           /* m/s  normal velocity at the start of the step               */
 } WidePoint;
 
-typedef struct WidePatch {      /* friction of one contact, at the middle of its points        */
+typedef struct WidePatch {      /* friction of one contact, at the middle of its points; all but t, drive and j by wide.c */
     wide t[3];                  /*      first tangent; the second is n x t                     */
     wide ta[3], tb[3], ua[3], ub[3];
     wide ktt, kuu, ktu, det;    /* kg   inverse of the 2 x 2 tangential matrix, times det; 1 / det */
@@ -53,7 +53,7 @@ typedef struct Batch {          /* up to eight contacts that share no moving bod
     bool fixed;                 /*      one side of each contact does not move                 */
     bool driven, bounces;
     wide n[3];                  /*      from a to b                                            */
-    wide ra, rb;                /* 1/sqrt(kg)  roots of the inverse masses                     */
+    wide ra, rb;                /* 1/sqrt(kg)  roots of the inverse masses; wide.c             */
     wide friction, restitution;
     WidePoint *point;
     WidePatch *patch;           /* NULL: no friction                                           */
@@ -81,6 +81,7 @@ typedef struct Crowd {
     Six   *vel, *move;          /* scaled velocity; scaled displacement since the start        */
     Six   *last, *push;         /* velocity at the last substep's start; change by forces per substep */
     Six   *start;               /* velocity at the start of the step                           */
+    Six   *axes[2];             /* frames: columns of s, root                                  */
     Batch *batch; int batches;
     Soft   soft[2];             /* between moving bodies; against what does not move           */
     float  push_most;           /* m/s  at which overlap is corrected at most                  */
@@ -88,7 +89,7 @@ typedef struct Crowd {
 } Crowd;
 
 /* touch.c: contacts of the present poses; points carried on at the end of the step */
-void       crowd_touch(Group *g, real time);
+dig_status crowd_touch(Group *g, real time);
 void       crowd_sign(const Group *g, GroupPair *q);
 /* bodies.c */
 dig_status bodies_open(Crowd *c);       /* scaled, from the group's */

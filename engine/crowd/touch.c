@@ -44,9 +44,37 @@ static bool keeps(const Group *g, GroupPair *q)
     return slid < SLID * SLID * q->size * q->size && high - low < TILTED * q->size && high < SLID * q->size;
 }
 
-void crowd_touch(Group *g, real time)
+/* m  Within this of its centre of mass is all that the body is, and gets to in the time without gravity. */
+static real span_of(const Group *g, int body, real time)
 {
-    for (int i = 0; i < g->pair_count; i++)
-        if (!keeps(g, &g->pairs[i]))
-            group_touch_pair(g, &g->pairs[i], time);
+    const Member *m = &g->member[body];
+    const Vel *v = &g->vel[body];
+    if (m->slot == NONE)
+        return INFINITY;                /* the world itself */
+    return m->outer + time * (vec3_length(v->v) + (vec3_length2(v->w) > 0 ? vec3_length(v->w) * m->outer : 0));
+}
+
+/* Most pairs of a pile had no contact, and have none now. */
+static bool stays_apart(const Group *g, const GroupPair *q, const real *span, real fall)
+{
+    real reach = span[q->a] + span[q->b] + fall + 0.01 * q->size;
+    return q->contacts == 1 && g->contacts[q->contact].manifold.count == 0 &&
+           vec3_length2(vec3_sub(g->pos[q->b].x, g->pos[q->a].x)) > reach * reach;
+}
+
+dig_status crowd_touch(Group *g, real time)
+{
+    real *span = arena_alloc(g->arena, (size_t)g->body_count * sizeof *span), fall = vec3_length(g->gravity) * time * time;
+    if (!span)
+        return DIG_E_MEMORY;
+    for (int i = 0; i < g->body_count; i++)
+        span[i] = span_of(g, i, time);
+    for (int i = 0; i < g->pair_count; i++) {
+        GroupPair *q = &g->pairs[i];
+        if (stays_apart(g, q, span, fall))
+            q->fresh = false;
+        else if (!keeps(g, q))
+            group_touch_pair(g, q, time);
+    }
+    return DIG_OK;
 }

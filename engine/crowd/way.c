@@ -88,7 +88,7 @@ static dig_status advance(Group *g, real dt)
 {
     Crowd c = {.g = g, .dt = dt, .substeps = g->plan->substeps, .h = (float)(dt / g->plan->substeps), .bodies = g->moving_count};
     DIG_TRY(open(&c));
-    crowd_touch(g, dt);
+    DIG_TRY(crowd_touch(g, dt));
     DIG_TRY(bodies_open(&c));
     DIG_TRY(rows_open(&c));
     book_open(&c);

@@ -76,6 +76,114 @@ INLINE void scatter(Six *to, const int32_t at[LANES], wide from[8])
         *(wide *)(void *)&to[at[i]] = from[i];
 }
 
+/* ---- rows from points ---- */
+
+INLINE void cross(const wide a[3], const wide b[3], wide out[3])
+{
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+typedef struct Axes { wide s[9], root; } Axes;      /* columns of S */
+
+INLINE void gather_axes(const Crowd *c, const int32_t at[LANES], Axes *to)
+{
+    wide first[8], second[8];
+    gather(c->axes[0], at, first);
+    gather(c->axes[1], at, second);
+    UNROLL
+    for (int i = 0; i < 8; i++)
+        to->s[i] = first[i];
+    to->s[8] = second[0];
+    to->root = second[1];
+}
+
+/* S^T v */
+INLINE void scaled(const Axes *x, const wide v[3], wide out[3])
+{
+    wide w[3] = {v[0], v[1], v[2]};
+    out[0] = dot(&x->s[0], w);
+    out[1] = dot(&x->s[3], w);
+    out[2] = dot(&x->s[6], w);
+}
+
+/* Angular Jacobians of direction n at points ra, rb from the centres of mass. */
+INLINE void angular(const Axes *a, const Axes *b, const wide n[3], const wide ra[3], const wide rb[3], wide ja[3], wide jb[3])
+{
+    wide ta[3], tb[3];
+    cross(n, ra, ta);
+    cross(rb, n, tb);
+    scaled(a, ta, ja);
+    scaled(b, tb, jb);
+}
+
+INLINE wide inverse_of(wide x) { return all(1) / most(x, all(1e-30f)); }
+
+INLINE void prepare_patch(const Batch *x, const Axes *a, const Axes *b, const wide middle[2][3], wide linear)
+{
+    WidePatch *f = x->patch;
+    wide u[3], minus[3] = {-x->n[0], -x->n[1], -x->n[2]};
+    cross(x->n, f->t, u);
+    angular(a, b, f->t, middle[0], middle[1], f->ta, f->tb);
+    angular(a, b, u, middle[0], middle[1], f->ua, f->ub);
+    wide ktt = linear + dot(f->ta, f->ta) + dot(f->tb, f->tb), kuu = linear + dot(f->ua, f->ua) + dot(f->ub, f->ub);
+    wide ktu = dot(f->ta, f->ua) + dot(f->tb, f->ub), half = all(0.5f) * (ktt - kuu);
+    f->ktt = kuu;               /* the inverse of a 2 x 2 matrix exchanges them */
+    f->kuu = ktt;
+    f->ktu = -ktu;
+    f->det = inverse_of(ktt * kuu - ktu * ktu);
+    f->step = inverse_of(all(0.5f) * (ktt + kuu) + root(half * half + ktu * ktu));
+    scaled(a, minus, f->wa);
+    scaled(b, x->n, f->wb);
+    f->twist = inverse_of(dot(f->wa, f->wa) + dot(f->wb, f->wb));
+}
+
+/* What is one vector a point becomes its Jacobian, and the middle of the points the place of friction. */
+INLINE void prepare(const Crowd *c, Batch *x)
+{
+    Axes a, b;
+    wide va[8], vb[8], middle[2][3], count = all(0), reach = all(0);
+    gather_axes(c, x->a, &a);
+    gather_axes(c, x->b, &b);
+    gather(c->vel, x->a, va);
+    gather(c->vel, x->b, vb);
+    x->ra = a.root;
+    x->rb = b.root;
+    for (int i = 0; i < x->points; i++)
+        count += x->point[i].mass;
+    UNROLL
+    for (int k = 0; k < 3; k++) {
+        middle[0][k] = middle[1][k] = all(0);
+        for (int i = 0; i < x->points; i++) {
+            middle[0][k] += x->point[i].a[k];
+            middle[1][k] += x->point[i].b[k];
+        }
+        middle[0][k] *= inverse_of(count);
+        middle[1][k] *= inverse_of(count);
+    }
+    wide linear = x->ra * x->ra + x->rb * x->rb, closing = all(0);
+    UNROLL
+    for (int k = 0; k < 3; k++)
+        closing += x->n[k] * (x->rb * vb[k] - x->ra * va[k]);
+    for (int i = 0; i < x->points; i++) {
+        WidePoint *p = &x->point[i];
+        wide_int moves = x->ra > 0;
+        wide off[3], present = p->mass;
+        UNROLL
+        for (int k = 0; k < 3; k++)
+            off[k] = pick(moves, p->a[k] - middle[0][k], p->b[k] - middle[1][k]);
+        reach += present * root(dot(off, off));
+        angular(&a, &b, x->n, p->a, p->b, p->a, p->b);
+        p->mass = present * inverse_of(linear + dot(p->a, p->a) + dot(p->b, p->b));
+        p->rate_before = present * (closing + dot(p->a, &va[3]) + dot(p->b, &vb[3]) + p->drive);
+    }
+    if (x->patch) {
+        prepare_patch(x, &a, &b, (const wide(*)[3])middle, linear);
+        x->patch->reach = reach * inverse_of(count);
+    }
+}
+
 /* ---- one batch ---- */
 
 typedef struct Both { wide a[8], b[8]; } Both;      /* of the two bodies of each lane */
@@ -119,7 +227,8 @@ INLINE wide normal_sum(const Batch *x)
 INLINE void solve_friction(const Batch *x, Both *v, wide bound)
 {
     WidePatch *f = x->patch;
-    wide d[3], u[3] = {x->n[1] * f->t[2] - x->n[2] * f->t[1], x->n[2] * f->t[0] - x->n[0] * f->t[2], x->n[0] * f->t[1] - x->n[1] * f->t[0]};
+    wide d[3], u[3];
+    cross(x->n, f->t, u);
     between(x, v, d);
     wide rt = dot(f->t, d) + dot(f->ta, &v->a[3]) + dot(f->tb, &v->b[3]), ru = dot(u, d) + dot(f->ua, &v->a[3]) + dot(f->ub, &v->b[3]);
     if (x->driven) {
@@ -277,7 +386,8 @@ INLINE void warm_start(const Crowd *c)
             push_angular(&v, x->point[k].a, x->point[k].b, x->point[k].j);
         if (x->patch) {
             WidePatch *f = x->patch;
-            wide u[3] = {x->n[1] * f->t[2] - x->n[2] * f->t[1], x->n[2] * f->t[0] - x->n[0] * f->t[2], x->n[0] * f->t[1] - x->n[1] * f->t[0]};
+            wide u[3];
+            cross(x->n, f->t, u);
             push_linear(x, &v, f->t, f->j[0]);
             push_linear(x, &v, u, f->j[1]);
             push_angular(&v, f->ta, f->tb, f->j[0]);
@@ -363,6 +473,8 @@ static void take_share(Crowd *c, float share)
 
 INLINE void solve(Crowd *c)
 {
+    for (int i = 0; i < c->batches; i++)
+        prepare(c, &c->batch[i]);
     for (int s = 0; s < c->substeps; s++) {
         speed_up(c, s == 0);
         if (s == 0)
