@@ -11,6 +11,9 @@ const AccuracyPlan accuracy_plans[] = {
     {0}
 };
 
+/* accuracy_for of their tolerances: every group of every step asks, and logarithms take longer than the flight of a ball. */
+static const int numbers[] = {16, 64, 112, 160};
+
 #define STEPS 16.0              /* of the accuracy number in a decade */
 
 int accuracy_for(real metres)
@@ -22,14 +25,14 @@ int accuracy_find(const char *plan)
 {
     for (int i = 0; accuracy_plans[i].name; i++)
         if (strcmp(accuracy_plans[i].name, plan) == 0)
-            return accuracy_for(accuracy_plans[i].tolerance);
+            return numbers[i];
     return 0;
 }
 
 const AccuracyPlan *accuracy_plan(int accuracy)
 {
     int i = 0;
-    while (accuracy_plans[i + 1].name && accuracy_for(accuracy_plans[i].tolerance) < accuracy)
+    while (accuracy_plans[i + 1].name && numbers[i] < accuracy)
         i++;
     return &accuracy_plans[i];
 }

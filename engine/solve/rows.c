@@ -10,19 +10,30 @@
 #define SHORTEST 1e-12
 #define LIMIT_TOLERANCE 1e-4    /* m or rad */
 
+/* Without its bodies. */
 static inline Row *add_row(RowList *list, RowKind kind, int slot)
 {
     DIG_ASSERT(list->count < list->capacity && slot >= 0 && slot < JOINT_SLOTS);
     Row *r = &list->rows[list->count++];
-    memset(r, 0, sizeof *r);
     r->kind = kind;
     r->slot = slot;
+    r->error = r->rate = r->drift = r->stiffness = r->damping = 0;
     r->hi = INFINITY;
+    r->angular = false;
     return r;
 }
 
-Row *rows_add(RowList *list, RowKind kind, int slot) { return add_row(list, kind, slot); }
+Row *rows_add(RowList *list, RowKind kind, int slot)
+{
+    Row *r = add_row(list, kind, slot);
+    r->count = 0;
+    memset(r->body, 0, sizeof r->body);
+    memset(r->lin, 0, sizeof r->lin);
+    memset(r->ang, 0, sizeof r->ang);
+    return r;
+}
 
+/* Of the two bodies of the joint, without its Jacobian. */
 static inline Row *add_pair(RowList *list, const JointView *j, RowKind kind, int slot)
 {
     Row *r = add_row(list, kind, slot);
@@ -32,14 +43,23 @@ static inline Row *add_pair(RowList *list, const JointView *j, RowKind kind, int
     return r;
 }
 
+/* Of the same bodies and with the same Jacobian. */
+static void copy_jacobian(Row *r, const Row *from)
+{
+    r->count = from->count;
+    for (int i = 0; i < from->count; i++) {
+        r->body[i] = from->body[i];
+        r->lin[i] = from->lin[i];
+        r->ang[i] = from->ang[i];
+    }
+}
+
 static Row *add_like(RowList *list, const Row *like, RowKind kind, int slot)
 {
-    Row *r = rows_add(list, kind, slot);
-    *r = *like;
-    r->kind = kind;
-    r->slot = slot;
-    r->error = r->rate = r->stiffness = r->damping = 0;
-    r->hi = INFINITY;
+    Row *r = add_row(list, kind, slot);
+    copy_jacobian(r, like);
+    r->drift = like->drift;
+    r->angular = like->angular;
     return r;
 }
 
@@ -120,6 +140,7 @@ static inline Row *add_spin(RowList *list, const JointView *j, RowKind kind, con
 {
     Row *r = add_pair(list, j, kind, slot);
     r->angular = true;
+    r->lin[0] = r->lin[1] = vec3_zero();
     r->ang[0] = *d;
     r->ang[1] = vec3_neg(*d);
     return r;
@@ -162,7 +183,8 @@ real joint_angle(const JointView *j, real *memory)
     const JointEnd *a = &j->a, *b = &j->b;
     real s = vec3_dot(b->n, a->u) - vec3_dot(b->u, a->n), c = vec3_dot(b->u, a->u) + vec3_dot(b->n, a->n);
     real now = atan2(s, c);
-    *memory += remainder(now - *memory, 2 * DIG_PI);
+    real more = now - *memory;
+    *memory += fabs(more) < DIG_PI ? more : remainder(more, 2 * DIG_PI);
     return *memory;
 }
 

@@ -65,6 +65,7 @@ static void lay_out_system(Tracer *t, Block *b)
     TAKE(s, dx, n);
     TAKE(s, first, n);
     TAKE(s, swap, n);
+    TAKE(s, run, n);
 }
 
 /* The points, rows and strikes of the shared impact solver. */
@@ -94,9 +95,12 @@ static void lay_out(Tracer *t, Block *b)
     TAKE(t, joint_force, joints * JOINT_SLOTS);
     TAKE(t, acc0, n);
     TAKE(t, torque0, n);
+    TAKE(t, pull, n);
+    TAKE(t, twist, n);
     TAKE(t, acc, n);
     TAKE(t, torque, n);
     TAKE(t, alpha, n);
+    TAKE(t, spin_l, n);
     TAKE(t, spin0, n);
     TAKE(t, alpha0, n);
     TAKE(t, mover_start, g->body_count);

@@ -152,19 +152,27 @@ static FeatureKind kind_of(const Place *a, const Place *b)
 static inline vec3 to_body(const GroupPair *q, bool b, vec3 local) { return pose_point(b ? q->lb : q->la, local); }
 static inline vec3 turn_to_body(const GroupPair *q, bool b, vec3 d) { return quat_rotate(b ? q->lb.q : q->la.q, d); }
 
-void feature_find(const Group *g, const GroupPair *q, const Manifold *manifold, const ManifoldPoint *p, Feature *out)
+void feature_sides(const Group *g, const GroupPair *q, const Manifold *m, Sides *out)
 {
-    pose pa = group_shape_pose(g, q->a, q->la), pb = group_shape_pose(g, q->b, q->lb);
-    vec3 core_a = vec3_mad(p->a, -q->sa->round, manifold->normal), core_b = vec3_mad(p->b, q->sb->round, manifold->normal);
-    Place a = place_on(q->sa, pose_unpoint(pa, core_a), quat_unrotate(pa.q, manifold->normal));
-    Place b = place_on(q->sb, pose_unpoint(pb, core_b), quat_unrotate(pb.q, vec3_neg(manifold->normal)));
+    out->a = group_shape_pose(g, q->a, q->la);
+    out->b = group_shape_pose(g, q->b, q->lb);
+    out->n = m->normal;
+    out->out_a = quat_unrotate(out->a.q, m->normal);
+    out->out_b = quat_unrotate(out->b.q, vec3_neg(m->normal));
+}
+
+void feature_find(const GroupPair *q, const Sides *s, const ManifoldPoint *p, Feature *out)
+{
+    vec3 core_a = vec3_mad(p->a, -q->sa->round, s->n), core_b = vec3_mad(p->b, q->sb->round, s->n);
+    Place a = place_on(q->sa, pose_unpoint(s->a, core_a), s->out_a);
+    Place b = place_on(q->sb, pose_unpoint(s->b, core_b), s->out_b);
     *out = (Feature){.kind = kind_of(&a, &b), .ra = q->sa->round + a.round, .rb = q->sb->round + b.round};
     bool rims = a.spot == SPOT_FACE && b.spot == SPOT_FACE && a.rim == 1 && b.rim == 1;
     if (rims || out->kind == LINE_LINE) {
-        vec3 da = rims ? a.edge : a.d, db = rims ? b.edge : b.d, m = vec3_cross(quat_rotate(pa.q, da), quat_rotate(pb.q, db));
+        vec3 da = rims ? a.edge : a.d, db = rims ? b.edge : b.d, m = vec3_cross(quat_rotate(s->a.q, da), quat_rotate(s->b.q, db));
         if (vec3_length(m) > CROSSING) {
             out->kind = LINE_LINE;
-            a.d = vec3_dot(m, manifold->normal) < 0 ? vec3_neg(da) : da;        /* so that da x db points from a to b */
+            a.d = vec3_dot(m, s->n) < 0 ? vec3_neg(da) : da;        /* so that da x db points from a to b */
             b.d = db;
         } else if (!rims) {
             out->kind = LINE_POINT;

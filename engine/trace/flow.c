@@ -41,6 +41,7 @@ void trace_load(Tracer *t, const State *y, real time)
             g->vel[i].v = y[i].v;
             group_refresh_mass(g, i);
             g->vel[i].w = mat3_mul_vec(g->mass[i].ii, y[i].l);
+            t->spin_l[i] = y[i].l;
         } else if (m->kinematic) {
             const Pos *p = &t->mover_start[i];
             g->pos[i] = (Pos){vec3_mad(p->x, time, g->vel[i].v), quat_unit(quat_mul(quat_exp(vec3_scale(time, g->vel[i].w)), p->q))};
@@ -51,8 +52,10 @@ void trace_load(Tracer *t, const State *y, real time)
 void trace_store(Tracer *t, State *y)
 {
     const Group *g = t->g;
-    for (int i = 0; i < g->moving_count; i++)
-        y[i] = (State){g->pos[i].x, g->pos[i].q, g->vel[i].v, angular_momentum(g, i)};
+    for (int i = 0; i < g->moving_count; i++) {
+        t->spin_l[i] = angular_momentum(g, i);
+        y[i] = (State){g->pos[i].x, g->pos[i].q, g->vel[i].v, t->spin_l[i]};
+    }
 }
 
 /* |q| is 1 within rounding only: without this the bias of w = I^-1 L would add up, frame by frame, to a drift of L. */
@@ -86,6 +89,27 @@ void trace_follow(Tracer *t)
     }
 }
 
+/* Force and torque of one row on the joint's body a, and what it takes from or gives to the energy. */
+static void keep_row(const Tracer *t, int joint, const Row *r, Arrow *sum, real *lost, real *gained)
+{
+    const Group *g = t->g;
+    real force = t->joint_force[joint * JOINT_SLOTS + r->slot];
+    for (int m = 0; m < r->count && force != 0; m++) {
+        int b = r->body[m];
+        if (b >= 0 && g->member[b].kinematic)
+            *gained -= force * (vec3_dot(r->lin[m], g->vel[b].v) + vec3_dot(r->ang[m], g->vel[b].w));
+        if (b < 0 || b != g->joints[joint].a)
+            continue;
+        sum->lin = vec3_mad(sum->lin, force, r->lin[m]);
+        sum->ang = vec3_mad(sum->ang, force, r->ang[m]);
+    }
+    if (r->kind == ROW_HARD || r->kind == ROW_LIMIT)
+        return;
+    real rate = trace_row_rate(t, r);
+    *lost += r->kind == ROW_DRY ? -force * rate : r->kind == ROW_SOFT ? r->damping * rate * rate : 0;
+    *gained += r->kind == ROW_MOTOR ? force * rate : 0;
+}
+
 static void keep_quad(const Tracer *t, real *q)
 {
     const Group *g = t->g;
@@ -109,26 +133,10 @@ static void keep_quad(const Tracer *t, real *q)
         }
     }
     for (int j = 0; j < g->joint_count; j++, q += 6) {
-        memset(q, 0, 6 * sizeof *q);
-        for (int k = 0; k < t->row_count[j]; k++) {
-            const Row *r = &t->rows[j * JOINT_SLOTS + k];
-            real force = t->joint_force[j * JOINT_SLOTS + r->slot], rate = r->kind == ROW_HARD || r->kind == ROW_LIMIT ? 0 : trace_row_rate(t, r);
-            for (int m = 0; m < r->count && force != 0; m++) {
-                int b = r->body[m];
-                if (b >= 0 && g->member[b].kinematic)
-                    gained -= force * (vec3_dot(r->lin[m], g->vel[b].v) + vec3_dot(r->ang[m], g->vel[b].w));
-                if (b >= 0 && b == g->joints[j].a) {
-                    q[0] += force * r->lin[m].x;
-                    q[1] += force * r->lin[m].y;
-                    q[2] += force * r->lin[m].z;
-                    q[3] += force * r->ang[m].x;
-                    q[4] += force * r->ang[m].y;
-                    q[5] += force * r->ang[m].z;
-                }
-            }
-            lost += r->kind == ROW_DRY ? -force * rate : r->kind == ROW_SOFT ? r->damping * rate * rate : 0;
-            gained += r->kind == ROW_MOTOR ? force * rate : 0;
-        }
+        Arrow sum = {vec3_zero(), vec3_zero()};
+        for (int k = 0; k < t->row_count[j]; k++)
+            keep_row(t, j, &t->rows[j * JOINT_SLOTS + k], &sum, &lost, &gained);
+        memcpy(q, &sum, sizeof sum);
     }
     for (int i = 0; i < g->push_count; i++, q++) {
         const GroupPush *p = &g->pushes[i];

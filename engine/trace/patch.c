@@ -13,44 +13,93 @@
 
 typedef struct Patch {
     int  count, point[MANIFOLD_POINTS];         /* that press */
+    int  body[2];                               /* a and b; < 0: does not move */
     vec3 centre, n, t[2];
+    bool even;                                  /* all normals are n, to the last digit */
     vec3 arm[MANIFOLD_POINTS];                  /* m  from the centre */
+    vec3 lever[2][MANIFOLD_POINTS];             /* m  from the centres of mass of a and b */
 } Patch;
 
-/* sum_i e_i at the points, on one side; tau_i are torques. */
-static Arrow arrow_of(const Tracer *t, const Patch *p, const int *which, int count, int body, real sign, const vec3 *e, const vec3 *tau)
+/* The points that take part in a row. */
+typedef struct Subset { int count, which[MANIFOLD_POINTS]; } Subset;
+
+/* Opens a row whose rate is sum_i e_i . u_i. */
+static Line *open_line(Tracer *t, LineKind kind, const Patch *p, const Subset *s, const vec3 *e)
 {
-    vec3 x = t->g->pos[body].x, lin = vec3_zero(), ang = vec3_zero();
-    for (int i = 0; i < count; i++) {
+    Line *l = trace_line(t, kind, p->point[s->which[0]]);
+    if (!l)
+        return NULL;
+    l->points = s->count;
+    for (int i = 0; i < s->count; i++) {
+        l->point[i] = p->point[s->which[i]];
+        l->e[i] = e[i];
+    }
+    return l;
+}
+
+/* On one body. */
+static inline void push_body(const Tracer *t, Line *l, int body, Arrow *j, Arrow *g)
+{
+    if (t->g->planar) {
+        dir_mask(t->g, &j->lin, &j->ang);
+        if (g != j)
+            dir_mask(t->g, &g->lin, &g->ang);
+    }
+    trace_line_push(t, l, body, j, g);
+}
+
+/* Outward on b, inward on a. */
+static inline Arrow arrow(int side, vec3 lin, vec3 ang)
+{
+    return side ? (Arrow){lin, ang} : (Arrow){vec3_neg(lin), vec3_neg(ang)};
+}
+
+/* sum_i e_i at the points, on one side; tau_i are torques. */
+static Arrow arrow_of(const Patch *p, const Subset *s, int side, const vec3 *e, const vec3 *tau)
+{
+    vec3 lin = vec3_zero(), ang = vec3_zero();
+    for (int i = 0; i < s->count; i++) {
         lin = vec3_add(lin, e[i]);
-        ang = vec3_add(ang, vec3_cross(vec3_sub(t->touch[p->point[which[i]]].k.at, x), e[i]));
+        ang = vec3_add(ang, vec3_cross(p->lever[side][s->which[i]], e[i]));
         if (tau)
             ang = vec3_add(ang, tau[i]);
     }
-    return (Arrow){vec3_scale(sign, lin), vec3_scale(sign, ang)};
+    return arrow(side, lin, ang);
 }
 
 /* A row whose rate is sum_i e_i . u_i and whose force on b at point i is c_i, with the torque tau_i; NULL: as e_i, without torques. */
-static Line *add_line(Tracer *t, LineKind kind, const Patch *p, const int *which, int count, const vec3 *e, const vec3 *c, const vec3 *tau)
+static Line *add_line(Tracer *t, LineKind kind, const Patch *p, const Subset *s, const vec3 *e, const vec3 *c, const vec3 *tau)
 {
-    const Touching *first = &t->touch[p->point[which[0]]];
-    Line *l = trace_line(t, kind, p->point[which[0]]);
-    if (!l)
-        return NULL;
-    for (int side = 0; side < 2; side++) {
-        int body = side ? first->b : first->a;
-        if (!trace_moves(t, body))
+    Line *l = open_line(t, kind, p, s, e);
+    for (int side = 0; l && side < 2; side++) {
+        if (p->body[side] < 0)
             continue;
-        real sign = side ? 1 : -1;
-        Arrow j = arrow_of(t, p, which, count, body, sign, e, NULL), g;
+        Arrow j = arrow_of(p, s, side, e, NULL), g;
         if (c)
-            g = arrow_of(t, p, which, count, body, sign, c, tau);
-        trace_line_body(t, l, body, &j, c ? &g : &j);
+            g = arrow_of(p, s, side, c, tau);
+        push_body(t, l, p->body[side], &j, c ? &g : &j);
     }
-    l->points = count;
-    for (int i = 0; i < count; i++) {
-        l->point[i] = p->point[which[i]];
-        l->e[i] = e[i];
+    return l;
+}
+
+/* The same of e_i = w_i d, and its force along it. */
+static Line *add_even_line(Tracer *t, LineKind kind, const Patch *p, const Subset *s, const real *w, vec3 d)
+{
+    vec3 e[MANIFOLD_POINTS];
+    for (int i = 0; i < s->count; i++)
+        e[i] = vec3_scale(w[i], d);
+    Line *l = open_line(t, kind, p, s, e);
+    for (int side = 0; l && side < 2; side++) {
+        if (p->body[side] < 0)
+            continue;
+        vec3 lever = vec3_zero();
+        real sum = 0;
+        for (int i = 0; i < s->count; i++) {
+            lever = vec3_mad(lever, w[i], p->lever[side][s->which[i]]);
+            sum += w[i];
+        }
+        Arrow j = arrow(side, vec3_scale(sum, d), vec3_cross(lever, d));
+        push_body(t, l, p->body[side], &j, &j);
     }
     return l;
 }
@@ -119,66 +168,72 @@ static int distributions(const Patch *p, real field[3][MANIFOLD_POINTS])
     return independent(field, 3, p->count, size);
 }
 
+static Line *normal_line(Tracer *t, const Patch *p, const Subset *all, const real *share, bool sliding)
+{
+    if (!sliding && p->even)
+        return add_even_line(t, LINE_NORMAL, p, all, share, p->n);
+    vec3 e[MANIFOLD_POINTS], c[MANIFOLD_POINTS], tau[MANIFOLD_POINTS];
+    for (int i = 0; i < p->count; i++) {
+        vec3 push, turn;
+        e[i] = vec3_scale(share[i], t->touch[p->point[i]].k.n);
+        add_sliding(&t->touch[p->point[i]], &push, &turn);
+        c[i] = vec3_scale(share[i], push);
+        tau[i] = vec3_scale(share[i], turn);
+    }
+    return add_line(t, LINE_NORMAL, p, all, e, sliding ? c : NULL, tau);
+}
+
 static void normal_rows(Tracer *t, const Patch *p, bool forces)
 {
-    static const int which[MANIFOLD_POINTS] = {0, 1, 2, 3};
+    const Subset all = {p->count, {0, 1, 2, 3}};
     real field[3][MANIFOLD_POINTS];
-    vec3 push[MANIFOLD_POINTS], turn[MANIFOLD_POINTS];
     bool sliding = false;
     for (int i = 0; i < p->count && forces; i++)
         sliding = sliding || slides(&t->touch[p->point[i]]);
-    for (int i = 0; i < p->count && sliding; i++)
-        add_sliding(&t->touch[p->point[i]], &push[i], &turn[i]);
     t->sys.sliding = t->sys.sliding || sliding;
     int rank = distributions(p, field);
     for (int f = 0; f < rank; f++) {
-        vec3 e[MANIFOLD_POINTS], c[MANIFOLD_POINTS], tau[MANIFOLD_POINTS];
-        real drift = 0, error = 0;
-        for (int i = 0; i < p->count; i++) {
-            const Kinematics *k = &t->touch[p->point[i]].k;
-            e[i] = vec3_scale(field[f][i], k->n);
-            drift += field[f][i] * k->drift_n;
-            error += field[f][i] * k->gap;
-        }
-        for (int i = 0; i < p->count && sliding; i++) {
-            c[i] = vec3_scale(field[f][i], push[i]);
-            tau[i] = vec3_scale(field[f][i], turn[i]);
-        }
-        Line *l = add_line(t, LINE_NORMAL, p, which, p->count, e, sliding ? c : NULL, tau);
+        Line *l = normal_line(t, p, &all, field[f], sliding);
         if (!l)
             return;
-        l->drift = drift;
-        l->error = error;
-        memcpy(l->share, field[f], sizeof l->share);
+        for (int i = 0; i < p->count; i++) {
+            const Kinematics *k = &t->touch[p->point[i]].k;
+            l->drift += field[f][i] * k->drift_n;
+            l->error += field[f][i] * k->gap;
+            l->share[i] = field[f][i];
+        }
     }
 }
 
 /* ---- friction that sticks ---- */
 
-static void tangential_row(Tracer *t, LineKind kind, const Patch *p, const int *which, int count, const vec3 *e)
+static void add_drift(const Tracer *t, Line *l)
 {
-    Line *l = add_line(t, kind, p, which, count, e, NULL, NULL);
-    for (int i = 0; l && i < count; i++)
-        l->drift += vec3_dot(e[i], t->touch[p->point[which[i]]].k.drift);
+    for (int i = 0; l && i < l->points; i++)
+        l->drift += vec3_dot(l->e[i], t->touch[l->point[i]].k.drift);
 }
 
 static void stick_rows(Tracer *t, const Patch *p)
 {
-    int which[MANIFOLD_POINTS], count = 0;
-    real size = 0;
-    for (int i = 0; i < p->count; i++)
-        if (t->touch[p->point[i]].slip.axes && t->touch[p->point[i]].slip.grip == GRIP_STICK) {
-            size = real_max(size, vec3_length(vec3_sub(p->arm[i], p->arm[count ? which[0] : i])));
-            which[count++] = i;
-        }
-    for (int way = 0; way < (count > 1 ? 3 : 2) && count > 0; way++) {
-        vec3 e[MANIFOLD_POINTS];
-        for (int i = 0; i < count; i++) {
-            real weight = count > 1 ? t->touch[p->point[which[i]]].slip.weight : 1;
-            e[i] = way == 2 ? vec3_scale(weight / size, vec3_cross(p->n, p->arm[which[i]])) : vec3_scale(weight, p->t[way]);
-        }
-        tangential_row(t, LINE_SLIP, p, which, count, e);
+    Subset s = {.count = 0};
+    real size = 0, weight[MANIFOLD_POINTS];
+    for (int i = 0; i < p->count; i++) {
+        const Cone *c = &t->touch[p->point[i]].slip;
+        if (!c->axes || c->grip != GRIP_STICK)
+            continue;
+        size = real_max(size, vec3_length(vec3_sub(p->arm[i], p->arm[s.count ? s.which[0] : i])));
+        weight[s.count] = c->weight;
+        s.which[s.count++] = i;
     }
+    if (s.count == 1)
+        weight[0] = 1;
+    for (int way = 0; way < 2 && s.count > 0; way++)
+        add_drift(t, add_even_line(t, LINE_SLIP, p, &s, weight, p->t[way]));
+    vec3 e[MANIFOLD_POINTS];
+    for (int i = 0; i < s.count && s.count > 1; i++)
+        e[i] = vec3_scale(weight[i] / size, vec3_cross(p->n, p->arm[s.which[i]]));
+    if (s.count > 1)
+        add_drift(t, add_line(t, LINE_SLIP, p, &s, e, NULL, NULL));
 }
 
 /* ---- slip so slow that its direction is held: nothing may move across it ---- */
@@ -190,31 +245,27 @@ static void lateral_rows(Tracer *t, const Patch *p)
         const Cone *c = &t->touch[p->point[i]].slip;
         if (done[i] || !c->axes || c->grip != GRIP_SLIP || !c->locked)
             continue;
-        int which[MANIFOLD_POINTS], count = 0;          /* those that go the same way */
+        Subset s = {.count = 0};        /* those that go the same way */
         real field[2][MANIFOLD_POINTS], size = 0;
         for (int k = i; k < p->count; k++) {
             const Cone *o = &t->touch[p->point[k]].slip;
             if (!o->axes || o->grip != GRIP_SLIP || !o->locked || !vec3_equal(o->d, c->d))
                 continue;
             done[k] = true;
-            field[0][count] = 1;
-            field[1][count] = vec3_dot(p->arm[k], c->d);
+            field[0][s.count] = 1;
+            field[1][s.count] = vec3_dot(p->arm[k], c->d);
             size = real_max(size, vec3_length(p->arm[k]));
-            which[count++] = k;
+            s.which[s.count++] = k;
         }
         vec3 across = vec3_unit_or(vec3_cross(p->n, c->d), vec3_zero());
-        int rank = independent(field, 2, count, size);
-        for (int f = 0; f < rank; f++) {
-            vec3 e[MANIFOLD_POINTS];
-            for (int k = 0; k < count; k++)
-                e[k] = vec3_scale(field[f][k], across);
-            tangential_row(t, LINE_LATERAL, p, which, count, e);
-        }
+        int rank = independent(field, 2, s.count, size);
+        for (int f = 0; f < rank; f++)
+            add_drift(t, add_even_line(t, LINE_LATERAL, p, &s, field[f], across));
     }
 }
 
 /* Rolling resistance that holds: no relative spin. */
-static void roll_rows(Tracer *t, int owner)
+static void roll_rows(Tracer *t, const Patch *p, int owner)
 {
     const Touching *q = &t->touch[owner];
     for (int way = 0; way < 3 && q->roll.axes && q->roll.grip == GRIP_STICK; way++) {
@@ -222,29 +273,81 @@ static void roll_rows(Tracer *t, int owner)
         if (!l)
             return;
         vec3 e = {way == 0, way == 1, way == 2};
-        Arrow on_a = {vec3_zero(), vec3_neg(e)}, on_b = {vec3_zero(), e};
-        trace_line_body(t, l, q->a, &on_a, &on_a);
-        trace_line_body(t, l, q->b, &on_b, &on_b);
+        for (int side = 0; side < 2; side++) {
+            Arrow j = arrow(side, vec3_zero(), e);
+            if (p->body[side] >= 0)
+                push_body(t, l, p->body[side], &j, &j);
+        }
         l->e[0] = e;
     }
 }
 
-static void patch_rows(Tracer *t, Patch *p, bool forces, bool positions)
+static void lay_out_patch(const Tracer *t, Patch *p)
 {
+    const Touching *first = &t->touch[p->point[0]];
     p->centre = vec3_zero();
     for (int i = 0; i < p->count; i++)
         p->centre = vec3_mad(p->centre, 1.0 / p->count, t->touch[p->point[i]].k.at);
     for (int i = 0; i < p->count; i++)
         p->arm[i] = vec3_sub(t->touch[p->point[i]].k.at, p->centre);
-    vec3_basis(p->n, &p->t[0], &p->t[1]);
-    normal_rows(t, p, forces);
+    for (int side = 0; side < 2; side++) {
+        int body = side ? first->b : first->a;
+        p->body[side] = trace_moves(t, body) ? body : -1;
+        for (int i = 0; i < p->count && p->body[side] >= 0; i++)
+            p->lever[side][i] = vec3_sub(t->touch[p->point[i]].k.at, t->g->pos[body].x);
+    }
+    if (p->count > 1 || (first->slip.axes && first->slip.grip == GRIP_STICK))
+        vec3_basis(p->n, &p->t[0], &p->t[1]);
+}
+
+/* Of one point that sticks or has no friction, along d. */
+static Line *point_line(Tracer *t, LineKind kind, const Patch *p, vec3 d)
+{
+    Line *l = trace_line(t, kind, p->point[0]);
+    for (int side = 0; l && side < 2; side++) {
+        if (p->body[side] < 0)
+            continue;
+        Arrow j = arrow(side, d, vec3_cross(p->lever[side][0], d));
+        push_body(t, l, p->body[side], &j, &j);
+    }
+    if (l) {
+        l->points = 1;
+        l->point[0] = p->point[0];
+        l->share[0] = 1;
+        l->e[0] = d;
+    }
+    return l;
+}
+
+static void point_rows(Tracer *t, const Patch *p, bool positions)
+{
+    const Touching *c = &t->touch[p->point[0]];
+    Line *l = point_line(t, LINE_NORMAL, p, p->n);
+    if (l) {
+        l->drift = c->k.drift_n;
+        l->error = c->k.gap;
+    }
+    for (int way = 0; way < 2 && !positions && c->slip.axes; way++)
+        if ((l = point_line(t, LINE_SLIP, p, p->t[way])))
+            l->drift = vec3_dot(p->t[way], c->k.drift);
+}
+
+static void patch_rows(Tracer *t, Patch *p, bool forces, bool positions)
+{
+    lay_out_patch(t, p);
+    bool simple = p->count == 1 && !slides(&t->touch[p->point[0]]);
+    if (simple)
+        point_rows(t, p, positions);
+    else
+        normal_rows(t, p, forces);
     if (positions)
         return;
-    stick_rows(t, p);
-    if (forces)
+    if (!simple)
+        stick_rows(t, p);
+    if (!simple && forces)
         lateral_rows(t, p);
     for (int i = 0; i < p->count; i++)
-        roll_rows(t, p->point[i]);
+        roll_rows(t, p, p->point[i]);
 }
 
 void trace_patch(Tracer *t, int first, bool forces, bool positions)
@@ -254,10 +357,15 @@ void trace_patch(Tracer *t, int first, bool forces, bool positions)
     for (int i = first; i < t->touch_count && t->touch[i].contact == contact; i++) {
         if (!t->touch[i].gate.presses || done[i - first])
             continue;
-        Patch p = {.n = t->touch[i].k.n};
-        for (int k = i; k < t->touch_count && t->touch[k].contact == contact; k++)
+        Patch p;
+        p.n = t->touch[i].k.n;
+        p.even = true;
+        p.point[0] = i;
+        p.count = 1;
+        for (int k = i + 1; k < t->touch_count && t->touch[k].contact == contact; k++)
             if (!done[k - first] && t->touch[k].gate.presses && vec3_dot(t->touch[k].k.n, p.n) > 1 - FLAT) {
                 done[k - first] = true;
+                p.even = p.even && vec3_equal(t->touch[k].k.n, p.n);
                 p.point[p.count++] = k;
             }
         patch_rows(t, &p, forces, positions);

@@ -50,7 +50,7 @@ static void push_soft(Tracer *t, const Row *r, real *kept)
     }
 }
 
-static void free_motion(Tracer *t)
+static void ask_effects(Tracer *t)
 {
     Group *g = t->g;
     for (int i = 0; i < g->moving_count; i++)
@@ -59,11 +59,20 @@ static void free_motion(Tracer *t)
     if (status != DIG_OK)
         g->status = status;
     for (int i = 0; i < g->moving_count; i++) {
-        t->acc0[i] = vec3_scale(g->mass[i].im, g->member[i].force);
-        t->torque0[i] = g->member[i].torque;
+        t->pull[i] = vec3_scale(g->mass[i].im, g->member[i].force);
+        t->twist[i] = g->member[i].torque;
         if (g->planar)
-            dir_mask(g, &t->acc0[i], &t->torque0[i]);
+            dir_mask(g, &t->pull[i], &t->twist[i]);
     }
+    t->pulled = t->even;
+}
+
+static void free_motion(Tracer *t)
+{
+    if (!t->pulled)
+        ask_effects(t);
+    memcpy(t->acc0, t->pull, (size_t)t->g->moving_count * sizeof *t->acc0);
+    memcpy(t->torque0, t->twist, (size_t)t->g->moving_count * sizeof *t->torque0);
 }
 
 void trace_drives(Tracer *t)
@@ -123,18 +132,21 @@ Line *trace_line(Tracer *t, LineKind kind, int owner)
     return l;
 }
 
-static void line_joint(Tracer *t, LineKind kind, int owner, int joint, const Row *r)
+static Line *line_joint(Tracer *t, LineKind kind, int owner, int joint, const Row *r)
 {
     Line *l = trace_line(t, kind, owner);
     if (!l)
-        return;
+        return NULL;
     l->slot = joint * JOINT_SLOTS + r->slot;
     l->drift = r->drift;
     l->error = r->error;
     for (int k = 0; k < r->count; k++) {
+        if (!trace_moves(t, r->body[k]))
+            continue;
         Arrow j = {r->lin[k], r->ang[k]};
-        trace_line_body(t, l, r->body[k], &j, &j);
+        trace_line_push(t, l, r->body[k], &j, &j);
     }
+    return l;
 }
 
 static int stop_at(const Tracer *t, int joint, int slot)
@@ -163,9 +175,9 @@ static void joint_lines(Tracer *t, int j, bool positions)
         } else if (r->kind == ROW_LIMIT && (i = stop_at(t, j, r->slot)) >= 0 && t->stops[i].gate.presses) {
             line_joint(t, LINE_STOP, i, j, r);
         } else if (!positions && (r->kind == ROW_MOTOR || r->kind == ROW_DRY) && (i = hold_at(t, j, r->slot)) >= 0 && t->holds[i].side == 0) {
-            line_joint(t, LINE_HOLD, i, j, r);
-            if (t->sys.count > 0)
-                t->sys.lines[t->sys.count - 1].want = t->holds[i].target;
+            Line *l = line_joint(t, LINE_HOLD, i, j, r);
+            if (l)
+                l->want = t->holds[i].target;
         }
     }
 }
@@ -282,11 +294,8 @@ static void read_accelerations(Tracer *t)
 static vec3 spin_up(const Tracer *t, int i, vec3 torque)
 {
     const Group *g = t->g;
-    const Member *m = &g->member[i];
-    if (!m->round && !g->planar) {
-        vec3 w = g->vel[i].w, l = quat_rotate(g->pos[i].q, mat3_mul_vec(m->inertia, quat_unrotate(g->pos[i].q, w)));
-        torque = vec3_sub(torque, vec3_cross(w, l));
-    }
+    if (!g->member[i].round && !g->planar)
+        torque = vec3_sub(torque, vec3_cross(g->vel[i].w, t->spin_l[i]));
     return mat3_mul_vec(g->mass[i].ii, torque);
 }
 

@@ -1,6 +1,6 @@
 /* trace/system.c - the direct solve A x = b, A = J M^-1 G.
  *
- * Without sliding friction A is symmetric and is factored within its profile (Cholesky): rows come in order along chains and
+ * Without sliding friction A is symmetric and is factored within its profile (L D L^T): rows come in order along chains and
  * stacks, so that the cost grows with their length. Sliding friction folds into the column of its normal force, and A is
  * factored by L U with partial pivoting.
  *
@@ -9,6 +9,7 @@
  * keeps the constraints exactly and shares the load with least norm (Rockafellar 1976). Where rows that should repeat each other
  * differ a little, because the bodies have drifted off a loop, what is left is that difference: it moves nothing.
  */
+#include "trace/system.h"
 #include "trace/trace.h"
 
 #define SINGULAR     1e-10      /* a pivot below this part of its diagonal: the row repeats others */
@@ -26,75 +27,87 @@ static inline bool same_bodies(const Line *i, const Line *k)
     return true;
 }
 
+/* Adds to (or, at first, makes) rows i .. i_end of A in the columns k .. k_end what their p-th and q-th bodies, the same one, do. */
+static inline void couple_body(System *s, int i, int i_end, int p, int k, int k_end, int q, bool first)
+{
+    for (const Line *own = &s->lines[i]; i < i_end; i++, own++) {
+        real *a = s->a + i * s->count + k, *end = s->a + i * s->count + (s->sliding ? k_end : int_min(k_end, i + 1));
+        const vec3 lin = own->lin[p], ang = own->ang[p];
+        for (const Line *other = &s->lines[k]; a < end; a++, other++) {
+            real sum = vec3_dot(lin, other->mlin[q]) + vec3_dot(ang, other->mang[q]);
+            *a = first ? sum : *a + sum;
+        }
+    }
+}
+
 /* Rows i .. i_end of A in the columns k .. k_end, where all rows have the same bodies, and so have all columns. */
 static void couple(System *s, int i, int i_end, int k, int k_end)
 {
     const Line *own = &s->lines[i], *other = &s->lines[k];
-    int count = 0, m[ROW_BODIES * ROW_BODIES], n[ROW_BODIES * ROW_BODIES];
+    bool first = true;
     for (int p = 0; p < own->count; p++)
         for (int q = 0; q < other->count; q++)
             if (own->body[p] == other->body[q]) {
-                m[count] = p;
-                n[count++] = q;
+                couple_body(s, i, i_end, p, k, k_end, q, first);
+                first = false;
             }
-    for (; i < i_end; i++, own++) {
-        real *a = s->a + i * s->count;
-        int last = s->sliding ? k_end : int_min(k_end, i + 1);
-        other = &s->lines[k];
-        for (int c = k; c < last; c++, other++) {
-            real sum = 0;
-            for (int p = 0; p < count; p++)
-                sum += vec3_dot(own->lin[m[p]], other->mlin[n[p]]) + vec3_dot(own->ang[m[p]], other->mang[n[p]]);
-            a[c] = sum;
-        }
-        if (count > 0)
-            s->first[i] = int_min(s->first[i], k);
-    }
+    for (; first && i < i_end; i++)
+        memset(s->a + i * s->count + k, 0, (size_t)(k_end - k) * sizeof *s->a);
+    for (; i < i_end; i++)
+        s->first[i] = int_min(s->first[i], k);
 }
 
-/* From `from` on. Rows of one joint or patch follow each other and have the same bodies. */
-static int run_end(const System *s, int from)
+/* Rows of one joint or patch follow each other and have the same bodies: where each such run ends. */
+static void find_runs(System *s)
 {
-    int end = from + 1;
-    while (end < s->count && same_bodies(&s->lines[end], &s->lines[from]))
-        end++;
-    return end;
+    for (int i = s->count - 1; i >= 0; i--)
+        s->run[i] = i + 1 < s->count && same_bodies(&s->lines[i], &s->lines[i + 1]) ? s->run[i + 1] : i + 1;
 }
 
 /* a holds the rows by their own stride `count`. */
 static void assemble(System *s)
 {
+    find_runs(s);
+    if (s->count > 0 && s->run[0] == s->count && s->lines[0].count > 0 && !s->sliding) {       /* one joint or contact */
+        memset(s->first, 0, (size_t)s->count * sizeof *s->first);
+        for (int p = 0; p < s->lines[0].count; p++)
+            couple_body(s, 0, s->count, p, 0, s->count, p, p == 0);
+        return;
+    }
     for (int i = 0; i < s->count; i++)
         s->first[i] = s->sliding ? 0 : i;
-    for (int i = 0, i_end; i < s->count; i = i_end) {
-        i_end = run_end(s, i);
-        for (int k = 0, k_end; k < (s->sliding ? s->count : i_end); k = k_end) {
-            k_end = run_end(s, k);
-            couple(s, i, i_end, k, k_end);
-        }
-    }
+    for (int i = 0; i < s->count; i = s->run[i])
+        for (int k = 0; k < (s->sliding ? s->count : s->run[i]); k = s->run[k])
+            couple(s, i, s->run[i], k, s->run[k]);
 }
 
-/* Cholesky within the profile, the diagonal inverted. False: a pivot vanished. */
+/* L D L^T within the profile, D inverted. False: a pivot vanished. */
 static bool factor_symmetric(System *s)
 {
     int n = s->count;
     real softer = s->redundant ? 1 + SOFTENING : 1, least = s->redundant ? 0 : SINGULAR;
+    if (small_size(n))
+        return small_factor(s->a, s->f, softer, least, n);
     for (int i = 0; i < n; i++) {
-        const real *a = s->a + i * n;
+        const real *a = s->a + i * n, *lk;
         real *li = s->f + i * n, diagonal = a[i] * softer, pivot = diagonal;
         int first = s->first[i];
-        for (int k = first; k < i; k++) {
-            const real *lk = s->f + k * n;
+        lk = s->f + first * n;
+        for (int k = first; k < i; k++, lk += n) {      /* (L D)_ik */
             real sum = a[k];
             for (int m = int_max(first, s->first[k]); m < k; m++)
                 sum -= li[m] * lk[m];
-            li[k] = sum * lk[k];
-            pivot -= li[k] * li[k];
+            li[k] = sum;
+        }
+        lk = s->f + first * (n + 1);
+        for (int k = first; k < i; k++, lk += n + 1) {
+            real l = li[k] * *lk;
+            pivot -= l * li[k];
+            li[k] = l;
         }
         if (!(pivot > least * diagonal))
             return false;
-        li[i] = 1 / sqrt(pivot);
+        li[i] = 1 / pivot;
     }
     return true;
 }
@@ -152,11 +165,13 @@ static void back_symmetric(const System *s, real *x)
         real sum = x[i];
         for (int k = s->first[i]; k < i; k++)
             sum -= f[k] * x[k];
-        x[i] = sum * f[i];
+        x[i] = sum;
     }
-    for (int i = n - 1; i >= 0; i--) {
-        f -= n;
-        real v = x[i] *= f[i];
+    f -= n;
+    for (int i = 0; i < n; i++)
+        x[i] *= s->f[i * (n + 1)];
+    for (int i = n - 1; i > 0; i--, f -= n) {
+        real v = x[i];
         for (int k = s->first[i]; k < i; k++)
             x[k] -= f[k] * v;
     }
@@ -181,24 +196,44 @@ static void back_general(const System *s, real *x)
     }
 }
 
-/* r = b - A x; returns its largest entry. */
-static real remainder_of(const System *s)
+/* r = b - A x */
+static void remainder_symmetric(const System *s)
 {
     int n = s->count;
     const real *a = s->a, *x = s->x;
-    real worst = 0;
     for (int i = 0; i < n; i++, a += n) {
         real sum = s->b[i] - a[i] * x[i];
         for (int k = s->first[i]; k < i; k++) {
             sum -= a[k] * x[k];
-            if (!s->sliding)
-                s->r[k] -= a[k] * x[i];
+            s->r[k] -= a[k] * x[i];
         }
-        for (int k = i + 1; s->sliding && k < n; k++)
-            sum -= a[k] * x[k];
         s->r[i] = sum;
     }
-    for (int i = 0; i < n; i++)
+}
+
+static void remainder_general(const System *s)
+{
+    int n = s->count;
+    const real *a = s->a;
+    for (int i = 0; i < n; i++, a += n) {
+        real sum = s->b[i];
+        for (int k = 0; k < n; k++)
+            sum -= a[k] * s->x[k];
+        s->r[i] = sum;
+    }
+}
+
+/* Its largest entry. */
+static real remainder_of(const System *s)
+{
+    if (s->sliding)
+        remainder_general(s);
+    else if (small_size(s->count))
+        small_remainder(s->a, s->b, s->x, s->r, s->count);
+    else
+        remainder_symmetric(s);
+    real worst = 0;
+    for (int i = 0; i < s->count; i++)
         worst = real_max(worst, fabs(s->r[i]));
     return worst;
 }
@@ -207,6 +242,8 @@ static void back(const System *s, real *x)
 {
     if (s->sliding)
         back_general(s, x);
+    else if (small_size(s->count))
+        small_back(s->f, x, s->count);
     else
         back_symmetric(s, x);
 }

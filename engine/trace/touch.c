@@ -51,11 +51,11 @@ static bool still_fits(const Group *g, Touching *c, const ManifoldPoint *p, real
 }
 
 /* A rim touches in one place, whichever of its points the manifold has, and is the same rim wherever that is. 0: it is none. */
-static uint32_t rim_of(const Group *g, const GroupPair *q, const Manifold *m, const ManifoldPoint *p, Feature *out)
+static uint32_t rim_of(const GroupPair *q, const Sides *sides, const ManifoldPoint *p, Feature *out)
 {
     if (q->sa->type != &shape_cylinder && q->sb->type != &shape_cylinder)
         return 0;
-    feature_find(g, q, m, p, out);
+    feature_find(q, sides, p, out);
     if (!feature_has_rim(out))
         return 0;
     bool on_b = out->kind == PLANE_RIM || out->kind == POINT_RIM;
@@ -71,7 +71,7 @@ static bool has_rim(const Tracer *t, int contact, uint32_t id)
     return false;
 }
 
-static bool add_point(Tracer *t, int contact, int point, bool first)
+static bool add_point(Tracer *t, int contact, int point, const Sides *sides, bool first)
 {
     Group *g = t->g;
     GroupContact *c = &g->contacts[contact];
@@ -79,7 +79,7 @@ static bool add_point(Tracer *t, int contact, int point, bool first)
     const ManifoldPoint *p = &c->manifold.points[point];
     Touching *n = &t->touch[t->touch_count];
     Feature rim;
-    uint32_t id = rim_of(g, q, &c->manifold, p, &rim);
+    uint32_t id = rim_of(q, sides, p, &rim);
     if (id && has_rim(t, contact, id))
         return true;
     const Touching *old = find_old(t, c, contact, id ? id : p->feature);
@@ -96,7 +96,7 @@ static bool add_point(Tracer *t, int contact, int point, bool first)
         n->feature = rim;
         feature_move(g, &n->feature, n->a, n->b, &n->k);
     } else if (!old || !still_fits(g, n, p, q->size)) {
-        feature_find(g, q, &c->manifold, p, &n->feature);
+        feature_find(q, sides, p, &n->feature);
         feature_move(g, &n->feature, n->a, n->b, &n->k);
     }
     if (id ? n->k.gap > p->gap + 1e-7 * q->size : fabs(n->k.gap - p->gap) > 1e-7 * q->size) {         /* the frozen feature is not what the manifold means */
@@ -201,8 +201,12 @@ bool trace_touch(Tracer *t, bool first)
     group_touch(g, t->end, !first || !all_held(t));
     for (int i = 0; i < g->contact_count; i++) {
         const GroupContact *c = &g->contacts[i];
-        for (int k = 0; c->live && any_moves(g, c) && k < c->manifold.count; k++)
-            if (t->touch_count == t->touch_capacity || !add_point(t, i, k, first)) {
+        if (!c->live || !any_moves(g, c))
+            continue;
+        Sides sides;
+        feature_sides(g, &g->pairs[c->pair], &c->manifold, &sides);
+        for (int k = 0; k < c->manifold.count; k++)
+            if (t->touch_count == t->touch_capacity || !add_point(t, i, k, &sides, first)) {
                 t->fault = t->fault ? t->fault : "more contact points than its budget";
                 return false;
             }

@@ -38,8 +38,12 @@ typedef struct Kinematics {     /* of a contact, world axes */
     real gap, rate;             /* m, m/s                                                       */
 } Kinematics;
 
+/* What all points of a manifold share: where the two shapes are, its normal, and the same in either's frame, outward. */
+typedef struct Sides { pose a, b; vec3 n, out_a, out_b; } Sides;
+
+void feature_sides(const Group *g, const GroupPair *q, const Manifold *m, Sides *out);
 /* What touches at a manifold's point of two shapes of known kind. */
-void feature_find(const Group *g, const GroupPair *q, const Manifold *m, const ManifoldPoint *p, Feature *out);
+void feature_find(const GroupPair *q, const Sides *s, const ManifoldPoint *p, Feature *out);
 bool feature_kind_known(const Shape *s);
 static inline bool feature_has_rim(const Feature *f) { return f->kind >= RIM_PLANE; }
 void feature_move(const Group *g, const Feature *f, int a, int b, Kinematics *k);
@@ -110,11 +114,12 @@ typedef struct Line {           /* one row: J of the moving bodies, and M^-1 G *
     real drift, error, want;    /* m/s^2, m, m/s                         */
 } Line;
 
-typedef struct System {         /* A x = b with A = J M^-1 G: Cholesky in its profile, or LU where friction slides */
+typedef struct System {         /* A x = b with A = J M^-1 G: L D L^T in its profile, or LU where friction slides */
     int   count, capacity;
     Line *lines;
     real *a, *f, *b, *x, *r, *dx;
     int  *first, *swap;
+    int  *run;                  /* one past the last of the rows that follow each other on the same bodies */
     bool  sliding;              /* A is not symmetric                    */
     bool  redundant;            /* softened and refined                  */
     real  residual;             /* over the right side                   */
@@ -165,6 +170,9 @@ typedef struct Tracer {
     real   gate_most;           /* N   largest one-sided force of the last solve */
 
     vec3  *acc0, *torque0, *acc, *torque, *alpha;       /* per moving body: m/s^2, N m, rad/s^2 */
+    vec3  *pull, *twist;        /* m/s^2, N m: what the world's effects do to them */
+    bool   even, pulled;        /* even: that is the same wherever they go; pulled: and it is known */
+    vec3  *spin_l;              /* kg m^2/s  angular momentum of the present state */
     vec3  *spin0, *alpha0;      /* rad/s, rad/s^2 at the start of the step */
     Pos   *mover_start;         /* poses of kinematic bodies at t = 0      */
 
@@ -191,23 +199,17 @@ void trace_kinematics(Tracer *t);               /* contacts, joint rows and free
 void trace_drives(Tracer *t);                   /* of stops and holds alone, from the joints' rows */
 Line *trace_line(Tracer *t, LineKind kind, int owner);      /* NULL: the budget is used up */
 static inline bool trace_moves(const Tracer *t, int body) { return body >= 0 && t->g->member[body].moves; }
-/* J and G of a line for one of its bodies; nothing for what does not move. */
-static inline void trace_line_body(const Tracer *t, Line *l, int body, const Arrow *j, const Arrow *g)
+/* Of a line, for one of its bodies that moves: J, and the torque and M^-1 of G. */
+static inline void trace_line_push(const Tracer *t, Line *l, int body, const Arrow *j, const Arrow *g)
 {
-    if (!trace_moves(t, body))
-        return;
-    Arrow own = *j, push = *g;
-    if (t->g->planar) {
-        dir_mask(t->g, &own.lin, &own.ang);
-        dir_mask(t->g, &push.lin, &push.ang);
-    }
+    const Mass *m = &t->g->mass[body];
     int k = l->count++;
     l->body[k] = body;
-    l->lin[k] = own.lin;
-    l->ang[k] = own.ang;
-    l->gang[k] = push.ang;
-    l->mlin[k] = vec3_scale(t->g->mass[body].im, push.lin);
-    l->mang[k] = mat3_mul_vec(t->g->mass[body].ii, push.ang);
+    l->lin[k] = j->lin;
+    l->ang[k] = j->ang;
+    l->gang[k] = g->ang;
+    l->mlin[k] = vec3_scale(m->im, g->lin);
+    l->mang[k] = mat3_mul_vec(m->ii, g->ang);
 }
 bool trace_solve(Tracer *t);                    /* forces for the present kinds, and what they do to the bodies */
 bool trace_accelerate(Tracer *t);               /* the same, and the accelerations of contacts, stops and holds */

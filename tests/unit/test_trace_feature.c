@@ -283,6 +283,13 @@ static void approach(Meeting *m, Dice *d, real gap)
     }
 }
 
+static void find(const Meeting *m, const ManifoldPoint *p, Feature *f)
+{
+    Sides sides;
+    feature_sides(&m->h.g, &m->pair, &m->m, &sides);
+    feature_find(&m->pair, &sides, p, f);
+}
+
 /* The frozen feature of every point that touches has the gap of the manifold. A point higher than the deepest one may lie over a face
  * that is not square to the manifold's normal, or beyond where two lines are nearest: its gap is another then, except on what is flat
  * everywhere or round. */
@@ -296,7 +303,7 @@ static void check_features(const Meeting *m, real tolerance)
         const ManifoldPoint *p = &m->m.points[i];
         Feature f;
         Kinematics k;
-        feature_find(&m->h.g, &m->pair, &m->m, p, &f);
+        find(m, p, &f);
         feature_move(&m->h.g, &f, 0, 1, &k);
         bool pointed = f.kind != PLANE_POINT && f.kind != POINT_PLANE && f.kind != LINE_LINE && f.ra + f.rb == 0;
         if ((!simple && p->gap > deepest + 1e-9) || (pointed && fabs(p->gap) < 1e-6))
@@ -317,7 +324,7 @@ static void check_place(const Meeting *m)
     Kinematics k;
     if (m->count != 1 || m->m.points[0].gap < 1e-3)
         return;
-    feature_find(&m->h.g, &m->pair, &m->m, &m->m.points[0], &f);
+    find(m, &m->m.points[0], &f);
     shape_distance(&m->a, pa, &m->b, pb, INFINITY, &n, &on_a, &on_b);
     feature_move(&m->h.g, &f, 0, 1, &k);
     vec3 want = f.kind == POINT_PLANE ? on_a : on_b;
@@ -357,7 +364,7 @@ TEST(features_of_shapes_that_meet_anyhow_have_the_gap_of_the_manifold)
 static Feature feature_at(const Meeting *m, int point)
 {
     Feature f;
-    feature_find(&m->h.g, &m->pair, &m->m, &m->m.points[point], &f);
+    find(m, &m->m.points[point], &f);
     return f;
 }
 

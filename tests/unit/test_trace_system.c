@@ -13,7 +13,7 @@ typedef struct Bench {
     System s;
     Line   lines[N + 1];
     real   a[(N + 1) * (N + 1)], f[(N + 1) * (N + 1)], b[N + 1], x[N + 1], r[N + 1], dx[N + 1];
-    int    first[N + 1], swap[N + 1];
+    int    first[N + 1], swap[N + 1], run[N + 1];
     real   im[BODIES];
     mat3   ii[BODIES];
     real   dense[N][N];         /* J M^-1 G, multiplied out */
@@ -23,7 +23,7 @@ static void bench_open(Bench *t, Dice *d)
 {
     memset(t, 0, sizeof *t);
     t->s = (System){.capacity = N, .lines = t->lines, .a = t->a, .f = t->f, .b = t->b, .x = t->x, .r = t->r, .dx = t->dx,
-                    .first = t->first, .swap = t->swap};
+                    .first = t->first, .swap = t->swap, .run = t->run};
     for (int i = 0; i < BODIES; i++) {
         t->im[i] = dice_in(d, 0.2, 3);
         mat3 r = quat_matrix(dice_quat(d)), m = mat3_diagonal((vec3){dice_in(d, 0.5, 4), dice_in(d, 0.5, 4), dice_in(d, 0.5, 4)});
@@ -365,6 +365,7 @@ static void push(Table *t, vec3 force, vec3 at)        /* both in the box's axes
 
 static void accelerate(Table *t)
 {
+    trace_store(&t->h.t, t->h.t.y);
     trace_kinematics(&t->h.t);
     CHECK(trace_items(&t->h.t));
     if (!trace_accelerate(&t->h.t))
