@@ -188,6 +188,7 @@ typedef struct dig_stats {
     real     worst_residual, worst_penetration, worst_joint_error;      /* as residual ... below, over all steps  */
     uint64_t gave_up;                   /* times since the start that a group left a finer way within its budget */
     char     gave_up_why[64];           /* reason of the last time                      */
+    uint64_t warnings;                  /* times since the start that the world found itself unreliable: dig_warnings */
     real     residual;                  /* m/s, worst velocity change of the last sweep */
     real     penetration;               /* m, worst at the end of the step              */
     real     joint_error;               /* m or rad, worst at the end of the step       */
@@ -197,6 +198,36 @@ typedef struct dig_stats {
 } dig_stats;
 
 dig_stats dig_world_stats(const dig_world *w);
+void      dig_time_every_step(dig_world *w, bool on);       /* us_... of every step, not of each 16th; costs about a microsecond a step */
+
+/* ---- what the world notices about itself ---------------------------------- */
+
+typedef enum dig_rule { DIG_RULE_ENERGY, DIG_RULE_OVERLAP, DIG_RULE_JOINT, DIG_RULE_RESIDUAL, DIG_RULE_BUDGET, DIG_RULES } dig_rule;
+
+typedef struct dig_rule_info {
+    const char *name;           /* "energy"                             */
+    const char *reason;         /* what is wrong, one clause            */
+    const char *advice;         /* what to do about it, one clause      */
+    const char *unit;           /* of value and bound                   */
+} dig_rule_info;
+
+const dig_rule_info *dig_rule_get(dig_rule rule);
+
+#define DIG_WARNINGS 64u        /* most that are kept */
+
+typedef struct dig_warning {
+    dig_rule rule;
+    real     time;              /* s, when it was first certain         */
+    dig_body body;              /* where; may be dead by now            */
+    dig_text name;              /* its name then; empty = it has none   */
+    uint32_t dig;               /* id of its DIG then; 0 = none         */
+    real     value, bound;      /* the worst so far, and what is borne  */
+    uint64_t times;             /* that this body broke this rule       */
+    char     why[64];           /* more about it, or empty              */
+} dig_warning;
+
+/* One for each rule and body, in the order of time. Fills at most capacity entries and returns the number there are. */
+int dig_warnings(const dig_world *w, dig_warning *out, int capacity);
 
 /* ---- effects ------------------------------------------------------------ */
 

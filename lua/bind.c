@@ -402,6 +402,8 @@ int bind_open(lua_State *L)
     bind_vec_open(L, core);
     bind_world_open(L, core);
     bind_space_open(L, core);
+    bind_watch_open(L, core);
+    bind_trace_open(L, core);
     bind_region_open(L, core);
     bind_body_open(L, core);
     bind_shape_open(L, core);

@@ -53,6 +53,8 @@ void bind_joint_open(lua_State *L, int core);
 void bind_graph_open(lua_State *L, int core);
 void bind_film_open(lua_State *L, int core);
 void bind_file_open(lua_State *L, int core);
+void bind_watch_open(lua_State *L, int core);
+void bind_trace_open(lua_State *L, int core);
 
 /* Opens everything and leaves the module `digbox` on the stack; the core table stands in the registry as "digbox.core". */
 int  bind_open(lua_State *L);

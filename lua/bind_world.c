@@ -297,6 +297,7 @@ static int world_stats(lua_State *L)
         lua_pushstring(L, s.gave_up_why);
         lua_setfield(L, -2, "gave_up_why");
     }
+    set_int(L, "warnings", (lua_Integer)s.warnings);
     set_real(L, "residual", s.residual);
     set_real(L, "penetration", s.penetration);
     set_real(L, "joint_error", s.joint_error);

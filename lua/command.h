@@ -9,10 +9,10 @@
 #include <lua.h>
 
 typedef struct RunOptions {
-    const char *world, *out, *accuracy;
+    const char *world, *out, *accuracy, *trace;
     double      seconds, time_limit;        /* < 0 = not given */
     long long   seed, threads, memory, fuel;
-    bool        trust, quiet, dry;
+    bool        trust, quiet, strict, dry;
     int         set_count, argument_count;
     char      **set;                        /* [set_count] NAME=VALUE */
     char      **arguments;                  /* [argument_count] after -- */

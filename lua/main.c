@@ -34,7 +34,9 @@
     "      --memory-limit MiB  memory that the script may use (exit code 3)\n" \
     "      --fuel N            Lua instructions that the script may use (exit code 4)\n" \
     "      --trust             the script may use io and os, and write anywhere\n" \
-    "  -q, --quiet             no progress line\n"
+    "      --trace FILE        what each step spent its time on, for chrome://tracing or ui.perfetto.dev\n" \
+    "      --strict            a run that became unreliable ends with exit code 12\n" \
+    "  -q, --quiet             no progress line, no warnings, no closing line\n"
 #define TEST_OPTIONS \
     "  -k PATTERN              only scenarios with this text in their name\n" \
     "  -j, --jobs N            so many at the same time (default 1)\n" \
@@ -72,7 +74,7 @@ static const char help_text[] =
     "cost:\n" COST_OPTIONS
     "\n"
     "Exit codes: 0 ok, 1 script error, 2 usage, 3 memory, 4 fuel, 5 time, 6 scenario failed, 8 bad input file, 9 output failed,\n"
-    "10 non-finite state, 11 internal, 130 SIGINT, 143 SIGTERM.\n";
+    "10 non-finite state, 11 internal, 12 unreliable (--strict), 130 SIGINT, 143 SIGTERM.\n";
 
 int print_help(const char *command)
 {
@@ -155,14 +157,15 @@ int flush_output(int code)
 
 /* ---- run ----------------------------------------------------------------------- */
 
-enum { OPT_SECONDS = 256, OPT_ACCURACY, OPT_SEED, OPT_THREADS, OPT_SET, OPT_TIME, OPT_MEMORY, OPT_FUEL, OPT_TRUST };
+enum { OPT_SECONDS = 256, OPT_ACCURACY, OPT_SEED, OPT_THREADS, OPT_SET, OPT_TIME, OPT_MEMORY, OPT_FUEL, OPT_TRUST, OPT_STRICT, OPT_TRACE };
 
 static const struct option run_options[] = {
     {"output", required_argument, NULL, 'o'}, {"seconds", required_argument, NULL, OPT_SECONDS},
     {"accuracy", required_argument, NULL, OPT_ACCURACY}, {"seed", required_argument, NULL, OPT_SEED},
     {"threads", required_argument, NULL, OPT_THREADS}, {"set", required_argument, NULL, OPT_SET},
     {"time-limit", required_argument, NULL, OPT_TIME}, {"memory-limit", required_argument, NULL, OPT_MEMORY},
-    {"fuel", required_argument, NULL, OPT_FUEL}, {"trust", no_argument, NULL, OPT_TRUST}, {"quiet", no_argument, NULL, 'q'},
+    {"fuel", required_argument, NULL, OPT_FUEL}, {"trust", no_argument, NULL, OPT_TRUST},
+    {"strict", no_argument, NULL, OPT_STRICT}, {"trace", required_argument, NULL, OPT_TRACE}, {"quiet", no_argument, NULL, 'q'},
     {"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0},
 };
 
@@ -179,6 +182,8 @@ static bool read_run_option(RunOptions *o, int key)
     case OPT_MEMORY: return read_whole_option("memory-limit", optarg, 1, 1 << 20, &o->memory);
     case OPT_FUEL: return read_whole_option("fuel", optarg, 1, 1000000000000000000, &o->fuel);
     case OPT_TRUST: o->trust = true; return true;
+    case OPT_STRICT: o->strict = true; return true;
+    case OPT_TRACE: o->trace = optarg; return *optarg || usage_error("--trace: the file is missing") == 0;
     case OPT_SET:
         if (!strchr(optarg, '=') || optarg[0] == '=')
             return usage_error("--set: '%s' is not NAME=VALUE", optarg) == 0;
@@ -237,6 +242,8 @@ int run_set_options(lua_State *L)
     app_set_option(L, "dry");
     lua_pushboolean(L, !o->quiet && isatty(2) && !getenv("NO_COLOR"));
     app_set_option(L, "progress");
+    lua_pushboolean(L, o->quiet);
+    app_set_option(L, "quiet");
     if (o->seconds >= 0) {
         lua_pushnumber(L, o->seconds);
         app_set_option(L, "seconds");
@@ -249,6 +256,8 @@ int run_set_options(lua_State *L)
             lua_pushstring(L, o->accuracy);
         app_set_option(L, "accuracy");
     }
+    if (o->trace)
+        set_text(L, "trace", o->trace);
     if (o->seed != LLONG_MIN) {
         lua_pushinteger(L, o->seed);
         app_set_option(L, "seed");
@@ -275,10 +284,14 @@ static int finish_run(lua_State *L, App *app, const RunOptions *o)
     code = app_call_core(L, app, "final_picture", 1, 1);
     if (code == EXIT_FINE && lua_isstring(L, -1) && !o->quiet)
         fprintf(stderr, "digbox: nothing was recorded; the end is in %s\n", lua_tostring(L, -1));
+    if (code == EXIT_FINE)
+        code = app_call_core(L, app, "finish_trace", 0, 0);
     if (code == EXIT_FINE && !o->quiet)
         code = app_call_core(L, app, "summary", 0, 1);
     if (code == EXIT_FINE && !o->quiet && lua_tostring(L, -1)[0])
         fprintf(stderr, "digbox: %s\n", lua_tostring(L, -1));
+    if (code == EXIT_FINE && o->strict)
+        code = app_call_core(L, app, "judge_reliable", 0, 0);
     return code;
 }
 
@@ -308,7 +321,7 @@ static int run_world(const RunOptions *o, App *app)
         lua_pop(L, 1);
     if (code != EXIT_FINE && lua_isstring(L, -1))
         print_error(lua_tostring(L, -1));
-    if (code != EXIT_FINE)
+    if (code != EXIT_FINE && code != EXIT_UNRELIABLE)       /* that one came to its end */
         report_stop(L, app);
     lua_close(L);
     return code;

@@ -12,7 +12,8 @@
 
 enum ExitCode {
     EXIT_FINE = 0, EXIT_SCRIPT = 1, EXIT_USAGE = 2, EXIT_MEMORY = 3, EXIT_FUEL = 4, EXIT_TIME = 5, EXIT_SCENARIO = 6, EXIT_FORMAT = 8,
-    EXIT_OUTPUT = 9, EXIT_FINITE = 10, EXIT_INTERNAL = 11, EXIT_SIGINT = 130, EXIT_SIGTERM = 143
+    EXIT_OUTPUT = 9, EXIT_FINITE = 10, EXIT_INTERNAL = 11, EXIT_UNRELIABLE = 12,
+    EXIT_SIGINT = 130, EXIT_SIGTERM = 143
 };
 
 typedef struct App {            /* of one state; the state's extra space points here */

@@ -90,6 +90,8 @@ static void copy_numbers(World *to, const World *from)
     memcpy(to->room_solid, from->room_solid, sizeof to->room_solid);
     to->ledger = from->ledger;
     to->stats = from->stats;
+    memcpy(to->warnings, from->warnings, sizeof to->warnings);
+    to->warning_count = from->warning_count;
 }
 
 static void copy_effects(EffectSlot *to, const EffectSlot *from)

@@ -201,6 +201,8 @@ static int alive_contacts(const World *w)
     return n;
 }
 
+void dig_time_every_step(dig_world *w, bool on) { w->timed_always = on; }
+
 dig_stats dig_world_stats(const dig_world *w)
 {
     dig_stats s = w->stats;
@@ -217,6 +219,13 @@ dig_stats dig_world_stats(const dig_world *w)
     s.bytes = world_bytes(w) + (w->workers ? workers_bytes(w->workers) : 0);
     s.allocations = w->allocations + w->scratch.allocations;
     return s;
+}
+
+int dig_warnings(const dig_world *w, dig_warning *out, int capacity)
+{
+    for (int i = 0; i < int_min(capacity, w->warning_count); i++)
+        out[i] = w->warnings[i];
+    return w->warning_count;
 }
 
 int dig_effect_count(const dig_world *w) { return w->effect_count; }

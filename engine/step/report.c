@@ -149,5 +149,6 @@ void report(World *w, const Step *s)
     end_pushes(w);
     watch_edge(w);
     w->stats.steps = w->steps;
+    watch_world(w, s);
     deliver_events(w);
 }

@@ -33,6 +33,8 @@ function core.usage_unknown(kind, name, known)
 end
 
 core.use "events"
+core.use "trace"
+core.use "watch"
 core.use "run"
 core.use "build"
 core.use "film"

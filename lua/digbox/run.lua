@@ -135,6 +135,7 @@ local function advance(world, state)
   local filming = #state.films > 0
   if filming then core.film_before_step(world, state) end
   core.step(world)
+  core.watch(world, state)
   if filming then core.film_after_step(world, state) end
   core.deliver(world, state)
   run_tasks(world, state)
@@ -235,7 +236,7 @@ function core.summary()
     world.time, s.steps, table.concat(ways, ", "), s.worst_residual, s.worst_penetration, s.worst_joint_error, s.energy_drift)
   if s.all_refused > 0 then line = ("%s; %d steps refused by their error"):format(line, s.all_refused) end
   if s.gave_up > 0 then line = ("%s; gave up %d times (last: %s)"):format(line, s.gave_up, s.gave_up_why) end
-  return line
+  return line .. core.count_warnings(world)
 end
 
 function core.finish_run()

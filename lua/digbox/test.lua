@@ -244,6 +244,13 @@ function Scenario.settle(s, time)
   world_of(s):run(core.seconds(time, "s:settle"))
 end
 
+-- s:expect_reliable(): the world has found nothing wrong with itself so far (world:warnings())
+function Scenario.expect_reliable(s)
+  count_check()
+  local list = world_of(s):warnings()
+  if #list > 0 then fail("the run became unreliable: %s", core.describe_warning(list[1])) end
+end
+
 -- s:cpu_seconds(): CPU time of the process so far, for measurements of what accuracy costs; 0 where it is not known
 function Scenario.cpu_seconds()
   local clock = rawget(core, "cpu_seconds")

@@ -1,0 +1,330 @@
+/* step/watch.c - the world watches itself: is what comes out reliable?
+ *
+ * Each rule has a bound on something that each group measures in each step, and a
+ * patience: one bad step is no alarm. What lasts is recorded with body, DIG, time
+ * and value. Nothing here has an influence on motion, and what sleeps costs nothing.
+ */
+#include "step/step.h"
+#include "solve/direction.h"
+#include "world/region.h"
+
+#include <stdio.h>
+
+/* ---- the rules ---- */
+
+typedef struct Rule {
+    dig_rule_info info;
+    real bound;                 /* see below                                             */
+    real patience;              /* s     for which it must be broken without a pause     */
+    uint32_t steps;             /*       and at least so often                           */
+} Rule;
+
+static const Rule rules[DIG_RULES] = {
+    /* Part of the energy of motion. Blows of hundreds of elastic bodies at once, which no way follows one by one, may make up a
+     * fiftieth of theirs. What is more, and is not lost at once, is no motion that one can believe. */
+    [DIG_RULE_ENERGY] = {{"energy", "energy rose without work", "take a shorter step or a finer accuracy", "J"}, 0.02, 0, 3},
+    /* Part of the size of the smaller solid. Overlaps heal at 3 m/s per square root of a metre, so that even one of half a body
+     * is over in half of this time; a DIG in which nothing moves sleeps soon after. */
+    [DIG_RULE_OVERLAP] = {{"overlap", "bodies stay inside each other", "make room for them: something presses or holds them there", "m"},
+                          0.05, 0.4, 8},
+    /* Part of the size of the smaller body, or radians. */
+    [DIG_RULE_JOINT] = {{"joint", "the ends of a joint stay apart, or beyond its limits",
+                         "look for joints or contacts that want what cannot be", "m"}, 0.1, 0.4, 8},
+    /* Part of the speed of a fall by the size of the smallest body. */
+    [DIG_RULE_RESIDUAL] = {{"residual", "the solver does not find velocities that fit",
+                            "look for joints or contacts that want what cannot be, or take a shorter step", "m/s"}, 0.02, 0.4, 8},
+    /* Failures in a row. A traced DIG is tried again after 16, 32, 64, ... steps, a conserved one in each step. */
+    [DIG_RULE_BUDGET] = {{"budget", "its DIG is over the budget of what its accuracy asks for, and swept instead",
+                          "ask for a coarser accuracy, or take a shorter step", "failures in a row"}, 3, 1, 4},
+};
+
+const dig_rule_info *dig_rule_get(dig_rule rule) { return (unsigned)rule < DIG_RULES ? &rules[rule].info : NULL; }
+
+/* ---- a group's energy ---- */
+
+static real elastic(const Group *g)
+{
+    real sum = 0;
+    for (int i = 0; i < g->joint_count; i++) {
+        const GroupJoint *j = &g->joints[i];
+        if (!j->view.type->energy || j->broken)
+            continue;
+        real memory[JOINT_MEMORY];
+        JointView now = j->view;
+        memcpy(memory, j->memory, sizeof memory);
+        now.memory = memory;
+        sum += now.type->energy(&now);
+    }
+    return sum;
+}
+
+static bool on_its_way(const Group *g, int body)
+{
+    return body >= 0 && g->member[body].kinematic && vec3_length2(g->vel[body].v) + vec3_length2(g->vel[body].w) > 0;
+}
+
+static void view_joints(Group *g)
+{
+    for (int i = 0; i < g->joint_count; i++)
+        if (g->joints[i].view.type->energy)
+            group_joint_view(g, i);
+}
+
+void watch_start(Group *g)
+{
+    g->watch = (struct GroupWatch){.gainer = 0, .smallest = INFINITY};
+    for (int i = 0; i < g->joint_count; i++)
+        if (on_its_way(g, g->joints[i].a) || on_its_way(g, g->joints[i].b))
+            g->watch.gainer = -1;           /* the work of a mover at a joint is not booked */
+    view_joints(g);
+    g->watch.elastic = elastic(g);
+}
+
+/* The ledger knows one gravity only. */
+static bool own_gravity(const World *w, vec3 at)
+{
+    for (int r = 0; r < w->regions.count; r++)
+        if (!isnan(w->regions.data[r].laws.gravity.x) && region_holds(&w->regions.data[r], at))
+            return true;
+    return false;
+}
+
+static real kinetic(const Body *b, quat q, vec3 v, vec3 w)
+{
+    vec3 l = b->round_inertia ? w : quat_unrotate(q, w);       /* a ball has the same in all axes */
+    real spin = b->round_inertia ? b->inertia.r0.x * vec3_length2(l) : vec3_dot(l, mat3_mul_vec(b->inertia, l));
+    return 0.5 * (b->mass * vec3_length2(v) + spin);
+}
+
+#define STANDS 0.01             /* of its size a second: what moves slower stands  */
+#define HOP 0.1                 /* of its size: so high it may hop                */
+
+void watch_group(Group *g)
+{
+    const World *w = g->world;
+    struct GroupWatch *watch = &g->watch;
+    real most = -INFINITY, motion = 0, weight = vec3_length(g->gravity), part = rules[DIG_RULE_ENERGY].bound;
+    bool judged = watch->gainer >= 0;
+    for (int i = 0; i < g->moving_count; i++) {
+        const Member *m = &g->member[i];
+        const Body *b = &w->bodies.data[m->slot];       /* as it was before the step */
+        if (!m->moves)
+            continue;
+        real before = kinetic(b, b->q, b->v, b->w), after = kinetic(b, g->pos[i].q, g->vel[i].v, g->vel[i].w);
+        real gain = after - before - b->mass * b->gravity_scale * vec3_dot(g->gravity, vec3_sub(g->pos[i].x, b->x));
+        real slow = STANDS * b->outer;
+        watch->rise += gain;
+        real hop = HOP * fabs(b->gravity_scale) * weight * b->outer;
+        motion += after - before;
+        watch->borne += part * (before + after) + b->mass * (slow * slow + hop);
+        watch->carried += b->watch.rise;
+        watch->carried_borne += b->watch.borne;
+        watch->count++;
+        watch->smallest = real_min(watch->smallest, b->outer);
+        judged = judged && !(w->region_count > 0 && (own_gravity(w, b->x) || own_gravity(w, g->pos[i].x)));
+        if (gain > most) {
+            most = gain;
+            watch->gainer = i;
+        }
+    }
+    view_joints(g);
+    real end = elastic(g);
+    watch->rise += end - watch->elastic - g->work_in;
+    watch->rise = real_min(watch->rise, real_max(0, motion));       /* what is moved out of an overlap may be lifted */
+    watch->borne += part * (end + watch->elastic);
+    watch->gainer = judged ? watch->gainer : -1;
+}
+
+/* ---- what lasts is recorded ---- */
+
+static void warn(World *w, dig_rule rule, uint32_t slot, real value, real bound, const char *why)
+{
+    const Body *b = &w->bodies.data[slot];
+    dig_body body = body_handle(w, slot);
+    w->stats.warnings++;
+    for (int i = 0; i < w->warning_count; i++) {
+        dig_warning *old = &w->warnings[i];
+        if (old->rule != rule || old->body.slot != body.slot || old->body.gen != body.gen)
+            continue;
+        old->times++;
+        old->value = real_max(old->value, value);
+        return;
+    }
+    if (w->warning_count == DIG_WARNINGS)
+        return;
+    dig_warning *n = &w->warnings[w->warning_count++];
+    *n = (dig_warning){.rule = rule, .time = world_time(w), .body = body, .dig = graph_of(w->graph, slot), .value = value, .bound = bound,
+                       .times = 1};
+    snprintf(n->name.s, sizeof n->name.s, "%s", b->name);
+    snprintf(n->why, sizeof n->why, "%s", why);
+}
+
+/* The rule is broken in this step, too: for long enough? `pause`: steps that may lie between two times. */
+static bool lasts(World *w, dig_rule rule, uint32_t slot, uint64_t pause)
+{
+    BodyWatch *b = &w->bodies.data[slot].watch;
+    if (b->last[rule] == w->steps)
+        return false;               /* by another contact */
+    if (b->run[rule] == 0 || b->last[rule] + pause + 1 < w->steps) {
+        b->run[rule] = 0;
+        b->since[rule] = w->steps;
+    }
+    b->run[rule]++;
+    b->last[rule] = w->steps;
+    if (b->run[rule] < rules[rule].steps || (real)(w->steps - b->since[rule] + 1) * w->def.step < rules[rule].patience)
+        return false;
+    b->run[rule] = 0;
+    return true;
+}
+
+/* s  For about so long a rise is compared with the most energy that the group had. */
+#define LATELY 2
+
+/* All members carry the same part, so that a group that falls apart takes it along. */
+static void carry(World *w, const Group *g, real rise, real borne)
+{
+    real part = 1 / real_max(1, g->watch.count);
+    for (int i = 0; i < g->moving_count; i++) {
+        BodyWatch *b = &w->bodies.data[g->slots[i]].watch;
+        b->rise = g->member[i].moves ? part * rise : 0;
+        b->borne = g->member[i].moves ? part * borne : 0;
+    }
+}
+
+/* The sum of all rises of a group since it last lost as much (Page 1954, Biometrika 41, 100: a cumulative sum that starts anew at
+ * zero): what an oscillation takes and gives back is no rise. */
+static void judge_energy(World *w, const Group *g)
+{
+    const struct GroupWatch *watch = &g->watch;
+    uint32_t lead = g->slots[0];
+    real borne = real_max(watch->borne, watch->carried_borne / (1 + w->def.step / LATELY));
+    real rise = watch->gainer < 0 ? 0 : real_max(0, watch->carried + watch->rise);
+    if (rise > borne && lasts(w, DIG_RULE_ENERGY, lead, 0)) {
+        warn(w, DIG_RULE_ENERGY, g->member[watch->gainer].slot, rise, borne, "");
+        rise = 0;
+    }
+    carry(w, g, rise, borne);
+}
+
+/* Of two bodies, the lighter one that moves. */
+static uint32_t lighter(const Group *g, int a, int b)
+{
+    bool first = a >= 0 && g->member[a].moves;
+    if (first && b >= 0 && g->member[b].moves)
+        first = g->member[a].mass <= g->member[b].mass;
+    return g->member[first || b < 0 ? a : b].slot;
+}
+
+/* Part of the size of a group's smallest body below which nobody looks at its contacts one by one. */
+#define FINE 1e-3
+
+static real depth_of(const GroupContact *c)
+{
+    real depth = 0;
+    for (int k = 0; c->live && k < c->manifold.count; k++)
+        depth = real_max(depth, -c->manifold.points[k].gap);
+    return depth;
+}
+
+static void judge_overlaps(World *w, const Group *g)
+{
+    if (!(g->penetration > FINE * g->watch.smallest))
+        return;
+    for (int i = 0; i < g->contact_count; i++) {
+        const GroupContact *c = &g->contacts[i];
+        real depth = depth_of(c), bound = rules[DIG_RULE_OVERLAP].bound * g->pairs[c->pair].size;
+        if (!(depth > bound) || !(g->member[c->a].moves || g->member[c->b].moves))
+            continue;
+        uint32_t body = lighter(g, c->a, c->b);
+        if (lasts(w, DIG_RULE_OVERLAP, body, 0))
+            warn(w, DIG_RULE_OVERLAP, body, depth, bound, "");
+    }
+}
+
+static real joint_size(const Group *g, const GroupJoint *j)
+{
+    real a = j->a >= 0 && g->member[j->a].moves ? g->member[j->a].outer : INFINITY;
+    real b = j->b >= 0 && g->member[j->b].moves ? g->member[j->b].outer : INFINITY;
+    return real_min(a, b);
+}
+
+/* What a hard row or a limit is off, m or rad. */
+static real row_error(const Row *r) { return r->kind == ROW_HARD ? fabs(r->error) : r->kind == ROW_LIMIT ? real_max(0, -r->error) : 0; }
+
+/* The rows are those that the sweeps measured last; the other ways hand on what they cannot hold together. */
+static void judge_joints(World *w, const Group *g)
+{
+    if (g->way->tally != WAY_SWEPT)
+        return;
+    for (int i = 0; i < g->block_count; i++) {
+        const JointBlock *block = &g->blocks[i];
+        const GroupJoint *j = &g->joints[block->joint];
+        real worst = 0, bound = rules[DIG_RULE_JOINT].bound * joint_size(g, j);
+        for (int k = 0; k < block->count; k++) {
+            const Row *r = &g->rows[block->first + k].row;
+            worst = real_max(worst, row_error(r) * (r->angular ? joint_size(g, j) : 1));
+        }
+        uint32_t body = lighter(g, j->a, j->b);
+        if (worst > bound && lasts(w, DIG_RULE_JOINT, body, 0))
+            warn(w, DIG_RULE_JOINT, body, worst, bound, w->joints.data[j->slot].type->name);
+    }
+}
+
+/* Whose velocities fit least: at a joint or a contact. */
+static uint32_t misfit(const Group *g)
+{
+    real worst = -INFINITY;
+    uint32_t body = g->slots[0];
+    for (int i = 0; i < g->block_count; i++)
+        for (int k = 0; k < g->blocks[i].count; k++) {
+            const Row *r = &g->rows[g->blocks[i].first + k].row;
+            real rate = 0;
+            for (int n = 0; n < r->count && r->kind == ROW_HARD; n++)
+                if (r->body[n] >= 0)
+                    rate += vec3_dot(r->lin[n], g->vel[r->body[n]].v) + vec3_dot(r->ang[n], g->vel[r->body[n]].w);
+            if (fabs(rate) > worst && r->kind == ROW_HARD) {
+                worst = fabs(rate);
+                body = lighter(g, g->joints[g->blocks[i].joint].a, g->joints[g->blocks[i].joint].b);
+            }
+        }
+    for (int i = 0; i < g->point_count; i++) {
+        const PointRow *r = &g->points[i];
+        real rate = -dir_rate(g, &r->n, r->a, r->b);
+        if (r->jn > 0 && rate > worst) {
+            worst = rate;
+            body = lighter(g, r->a, r->b);
+        }
+    }
+    return body;
+}
+
+static void judge_residual(World *w, const Group *g)
+{
+    real size = g->watch.smallest, fall = sqrt(2 * vec3_length(g->gravity) * size);
+    real bound = rules[DIG_RULE_RESIDUAL].bound * (fall + size);        /* without gravity: its size in a second */
+    if (g->residual > bound && lasts(w, DIG_RULE_RESIDUAL, g->slots[0], 0))
+        warn(w, DIG_RULE_RESIDUAL, misfit(g), g->residual, bound, g->way->name);
+}
+
+/* At the default and below, what goes beyond the finest way is swept as a matter of course; who asks for more wants to know. */
+static bool asked_for_more(const Group *g) { return g->plan->tolerance < accuracy_plan(accuracy_find("play"))->tolerance; }
+
+/* Tried again after the pauses of solve/gather.c, and in vain again. */
+static void judge_budget(World *w, const Group *g)
+{
+    uint32_t lead = g->slots[0];
+    if (g->gave_up && asked_for_more(g) && lasts(w, DIG_RULE_BUDGET, lead, w->bodies.data[lead].trace_pause))
+        warn(w, DIG_RULE_BUDGET, lead, rules[DIG_RULE_BUDGET].steps, rules[DIG_RULE_BUDGET].bound, g->gave_up);
+}
+
+void watch_world(World *w, const Step *s)
+{
+    for (int i = 0; i < s->count; i++) {
+        const Group *g = &s->groups[i];
+        judge_energy(w, g);
+        judge_overlaps(w, g);
+        judge_joints(w, g);
+        judge_residual(w, g);
+        judge_budget(w, g);
+    }
+}

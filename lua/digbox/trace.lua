@@ -1,0 +1,25 @@
+-- digbox/trace.lua - `digbox run --trace FILE`: every frame step, and what it spent its time on, into a file for a trace viewer.
+
+local core = ...
+local step, trace = core.step, nil
+
+local function cannot_write(why)
+  core.raise(9, ("%s: %s"):format(core.options.trace, why or "cannot be written"))
+end
+
+function core.step(world)
+  if not core.options.trace then return step(world) end
+  if not trace then
+    local why
+    trace, why = core.trace_open(core.options.trace)
+    if not trace then cannot_write(why) end
+  end
+  if not core.trace_step(trace, world) then cannot_write() end
+end
+
+-- At the end of a run
+function core.finish_trace()
+  if trace and not core.trace_close(trace) then cannot_write() end
+end
+
+return true

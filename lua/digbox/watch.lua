@@ -1,0 +1,55 @@
+-- digbox/watch.lua - runs that became unreliable say so: one line for each rule on stderr, and under --strict an exit code.
+
+local core = ...
+
+core.unreliable = 0             -- warnings of all worlds of this run
+local told, first = {}, nil     -- rules that have had their line; the first line
+
+-- world:warnings()[i] as a sentence without its end: "at t = 1.25 s energy rose without work, at 'plank 7' in DIG 3: 12 J, bound 0.4 J"
+local function describe(warning)
+  local who = warning.name ~= "" and ("'%s'"):format(warning.name) or ("body #%d"):format(warning.slot)
+  local line = ("at t = %.6g s %s, at %s in DIG %d: %.3g %s, bound %.3g %s"):format(warning.time, warning.reason, who, warning.dig,
+    warning.value, warning.unit, warning.bound, warning.unit)
+  return warning.why and ("%s (%s)"):format(line, warning.why) or line
+end
+core.describe_warning = describe
+
+-- After each step
+function core.watch(world, state)
+  local before, count = state.warnings or 0, core.warning_count(world)
+  state.warnings = count
+  if count == before then return end
+  local list = world:warnings()
+  for i = before + 1, count do
+    local warning = list[i]
+    core.unreliable = core.unreliable + 1
+    first = first or describe(warning)
+    if core.options.mode == "run" and not core.options.quiet and not told[warning.rule] then
+      told[warning.rule] = true
+      core.clear_progress()
+      core.tell(("digbox: unreliable: %s; %s\n"):format(describe(warning), warning.advice))
+    end
+  end
+end
+
+-- For the closing line: "" or "; 3 warnings (energy, overlap)"
+function core.count_warnings(world)
+  local seen, rules = {}, {}
+  local list = world:warnings()
+  for _, warning in ipairs(list) do
+    if not seen[warning.rule] then
+      seen[warning.rule] = true
+      rules[#rules + 1] = warning.rule
+    end
+  end
+  if #list == 0 then return "" end
+  return ("; %d warning%s (%s)"):format(#list, #list == 1 and "" or "s", table.concat(rules, ", "))
+end
+
+-- At the end of a run with --strict
+function core.judge_reliable()
+  if core.unreliable == 0 then return end
+  core.raise(12, ("unreliable (%d warning%s): %s"):format(core.unreliable, core.unreliable == 1 and "" or "s", first))
+end
+
+return true
