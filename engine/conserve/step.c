@@ -81,9 +81,10 @@ static void book_tie(System *s, const Tie *t)
                 j->angular_impulse = vec3_mad(j->angular_impulse, p, get3(t->mid[k] + 3));
             }
             if (part->soft) {
-                real half = 0.5 * s->h * part->stiffness;
-                real change = -(p + (half - part->damping) * part->start) / (half + part->damping) - part->start;
-                g->lost += part->damping * change * change / s->h;
+                real half = 0.5 * s->h * part->stiffness, late = part->late;
+                real damping = part->damper * (1 + late), before = part->damper * late * s->h * part->rate;
+                real change = -(p + (half * (1 - late) - damping) * part->start - before) / (half * (1 + late) + damping) - part->start;
+                g->lost += (damping * change - before) * change / s->h + 0.5 * part->stiffness * late * change * change;
             }
         }
     }

@@ -6,7 +6,7 @@
  *     v = 2 (x - x0) / h - v0,        W = 2 c / h - W0                        (W body axes: implied end velocities)
  *     m (v - v0)         = h f   + sum of p J_lin
  *     R I W - R0 I W0    = h tau + sum of p J_ang
- *     C(end) = 0  for hard rows,      p = -h (k (C + C0) / 2 + c (C - C0) / h)  for springs and dampers
+ *     C(end) = 0  for hard rows,      p = -h (k (C + C0) / 2 + c (C - C0) / h)  for springs and dampers (dampers: see begin_damper)
  *
  * where J is the discrete gradient of C: J . (x - x0, R c) = C - C0 exactly. Every C here is a product of two vectors fixed in
  * bodies, or a length, or an angle; for products it is the derivative with every vector replaced by the mean of its start and
@@ -38,6 +38,7 @@ typedef struct Part {
     vec3 in_a, in_b;            /* LINE: direction in b; NORMAL: a direction in each; body axes */
     real offset;                /* m, 1 or rad  C = coordinate - offset */
     real start;                 /* C at the start of the step   */
+    real late, damper, rate;    /* 1, damping in this step, dC/dt at the start: see begin_damper */
 } Part;
 
 /* A joint, taken apart. */

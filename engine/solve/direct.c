@@ -28,15 +28,24 @@ static const real most_work[2] = {1e6, 4e6};                                    
 #define FEW_FACTORS   12
 #define FAST          0.03      /*      of the speed of a fall by its own size: such a contact slides or tumbles */
 #define MOST_FAST     0.05      /*      of the points may: else Newton's method takes long, and creep does not matter */
+/* Where the sweeps are stuck, too: from soft to hard, and what is much better than they are is taken */
+#define RESCUE_SOFT   1e5       /*      times the compliance at first */
+#define RESCUED       0.1       /*      of the error that the sweeps left */
+#define MOST_RESCUES  2         /*      that failed in a step */
 #define AIM           1e-9      /* m/s  wanted at least: what is left adds up to creep */
 #define LOOSE         0.1       /*      a round is done to this part of what it is off */
 /* With joints */
 #define JOINT_SOFT    1e3       /*      times the compliance of a contact at first */
+/* The same where nothing is heavy, but much slides and turns. There a round is not carried on: the next would begin with all
+ * contacts and stops at their kinks. */
+#define CROWD_SOFT    1e5
 #define JOINT_FACTORS 300
 #define JOINT_STEPS   75
 #define JOINT_ROUNDS  4         /*      so many, and on while rows are off by more than JOINT_POOR */
 #define JOINT_AIM     1e-6      /* m/s */
 #define JOINT_POOR    1e-3      /* m/s */
+#define MANY_JOINTS   6         /*      as many are solved together, with their contacts */
+#define PROJECT_FACTORS 40      /*      of a projection; five are usual */
 #define GOOD          1e-7      /* m/s  the rows hold within this: the solve has worked */
 
 /* ---- storage ---- */
@@ -233,6 +242,7 @@ static bool minimise(Direct *d, real enough)
         direct_forces(d);
         direct_gradient(d);
         real now = size_of_gradient(d);
+        d->unbalanced = now;
         if (now <= real_max(enough, LOOSE * direct_off(d)) || (worse > 2 && best < GOOD))
             return true;
         worse = now < 0.5 * best ? 0 : worse + 1;
@@ -245,6 +255,8 @@ static bool minimise(Direct *d, real enough)
             break;
     }
     direct_forces(d);
+    direct_gradient(d);
+    d->unbalanced = size_of_gradient(d);
     return true;
 }
 
@@ -289,6 +301,8 @@ static void write_back(Direct *d)
 static void start_from(Direct *d)
 {
     const Group *g = d->g;
+    if (d->projects)
+        return;
     for (int i = 0; i < d->blocks.n; i++) {
         const Vel *now = &g->vel[d->body[i]], *before = &g->member[d->body[i]].start_vel;
         vec3 change[2] = {vec3_sub(before->v, now->v), vec3_sub(before->w, now->w)};
@@ -300,7 +314,9 @@ static void start_from(Direct *d)
 
 bool direct_joints(const Group *g)
 {
-    return g->joint_count > 0 && !g->planar && (g->conserve_failed || (g->contact_count > 0 && group_top_heavy(g)));
+    if (g->joint_count == 0 || g->planar)
+        return false;
+    return g->conserve_failed || (g->contact_count > 0 && (group_top_heavy(g) || g->joint_count >= MANY_JOINTS));
 }
 
 real direct_wanted(const Group *g)
@@ -330,12 +346,12 @@ static bool solve(Direct *d, real residual)
         if (!carry_on(d) || !minimise(d, enough))
             return false;
         off = direct_off(d);
-        d->error = direct_round(d, off > 0.1 * off_before);
+        d->error = direct_round(d, d->hardened > 1 || off > 0.1 * off_before);
         stalled = d->error > 0.5 * before ? stalled + 1 : 0;
         if (stalled >= 2 && d->error < GOOD)
             break;
     }
-    return d->error < real_max(GOOD, 1e-9 * speed);
+    return real_max(d->error, d->unbalanced) < real_max(d->accept, 1e-9 * speed);
 }
 
 /* The same for joints, whose rows are solved from soft to hard. Poor is better than what sweeps leave. */
@@ -345,7 +361,8 @@ static bool solve_joints(Direct *d)
     direct_begin(d);
     d->error = INFINITY;
     while (d->rounds < MOST_ROUNDS && d->factors < d->most_factors && d->error > JOINT_AIM) {
-        if (!carry_on(d) || !minimise(d, 0.1 * AIM))
+        bool carries = d->rounds == 0 || d->g->heals;
+        if ((carries && !carry_on(d)) || !minimise(d, 0.1 * AIM))
             return false;
         d->error = direct_off(d);
         direct_round(d, true);
@@ -355,23 +372,58 @@ static bool solve_joints(Direct *d)
     return isfinite(d->error);
 }
 
+static bool run(Direct *d, real residual)
+{
+    Group *g = d->g;
+    ArenaMark mark = arena_mark(g->arena);
+    d->heavy = group_top_heavy(g);
+    bool fine = open_direct(d) && (g->joints_direct ? solve_joints(d) : solve(d, residual));
+    if (fine)
+        write_back(d);
+    g->sweeps += d->factors;
+    arena_rewind(g->arena, mark);
+    return fine;
+}
+
+bool direct_project(Group *g)
+{
+    if (g->point_count > most_points[1] || g->moving_count > MOST_BODIES)
+        return false;
+    ArenaMark mark = arena_mark(g->arena);
+    Direct d = {.g = g, .heavy = true, .projects = true, .hardened = JOINT_SOFT, .most_factors = PROJECT_FACTORS};
+    bool fine = open_direct(&d) && solve_joints(&d);
+    for (int i = 0; fine && i < d.blocks.n; i++) {
+        const real *v = d.v + 6 * i;
+        g->vel[d.body[i]] = (Vel){{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
+    }
+    g->sweeps += d.factors;
+    arena_rewind(g->arena, mark);
+    return fine;
+}
+
 bool direct_solve(Group *g, real residual)
 {
-    ArenaMark mark = arena_mark(g->arena);
-    Direct d = {.g = g, .hardened = 1, .heavy = group_top_heavy(g), .most_factors = MOST_FACTORS};
+    Direct d = {.g = g, .hardened = 1, .most_factors = MOST_FACTORS, .accept = GOOD};
     if (g->joints_direct) {
-        d.hardened = JOINT_SOFT;
+        d.hardened = g->heals ? JOINT_SOFT : CROWD_SOFT;
         d.most_factors = JOINT_FACTORS;
-    } else if (!d.heavy) {
+    } else if (!group_top_heavy(g)) {
         d.most_factors = int_min(MOST_FACTORS, int_max(FEW_FACTORS, FACTOR_POINTS / g->point_count));
     }
-    bool fine = open_direct(&d) && (g->joints_direct ? solve_joints(&d) : solve(&d, real_min(residual, AIM)));
-    if (fine)
-        write_back(&d);
+    bool fine = run(&d, real_min(residual, AIM));
     if (fine && g->joints_direct)
         g->residual = d.error;
-    g->sweeps += d.factors;
     g->direct_failures += !fine;
-    arena_rewind(g->arena, mark);
+    return fine;
+}
+
+bool direct_rescue(Group *g)
+{
+    if (g->row_count > 0 || g->point_count == 0 || g->point_count > most_points[0] || g->moving_count > MOST_BODIES
+        || g->rescues_failed >= MOST_RESCUES)
+        return false;
+    Direct d = {.g = g, .hardened = RESCUE_SOFT, .most_factors = MOST_FACTORS, .accept = RESCUED * g->residual};
+    bool fine = run(&d, RESCUED * d.accept);
+    g->rescues_failed += !fine;
     return fine;
 }

@@ -57,10 +57,13 @@ typedef struct Direct {
     int    *body;               /* [places]                                                        */
     real   *mass;               /* [places][10]  kg, kg m^2: m and the tensor                      */
     real   *v, *v0, *dv, *grad; /* [6 places]                                                      */
+    bool    projects;           /* positions, not velocities: nothing moves so far, nothing is taut */
     bool    heavy;              /* something in the group is heavy on what is light                 */
     bool    kept;               /* the factor is that of the present sets                          */
     int     factors, rounds, most_factors;
     real    hardened;           /* 1    compliances over what they were at first                   */
+    real    accept;             /* m/s  what is good enough to be taken                            */
+    real    unbalanced;         /* m/s  what velocities and impulses differ by                     */
     real    error;              /* m/s  reached                                                    */
 } Direct;
 

@@ -233,7 +233,7 @@ bool stiffness_open(Direct *d)
     d->stiff = arena_zero(g->arena, (size_t)(g->body_count + 1) * sizeof *d->stiff);
     if (!d->stiff)
         return false;
-    for (int i = 0; i < g->block_count; i++) {
+    for (int i = 0; i < g->block_count && !d->projects; i++) {
         const GroupJoint *j = &g->joints[g->blocks[i].joint];
         vec3 f = joint_pull(g, &g->blocks[i]);
         if (j->a >= 0)

@@ -147,6 +147,16 @@ static dig_status list_still(Group *g, const uint32_t *pairs, int pair_count, in
     return DIG_OK;
 }
 
+static void gather_share(void *context, int thread, int threads)
+{
+    Group *g = context;
+    for (int i = team_first(g->body_count, thread, threads); i < team_end(g->body_count, thread, threads); i++) {
+        bool moving = i < g->moving_count;
+        uint32_t slot = moving ? g->slots[i] : g->still[i - g->moving_count];
+        gather_body(g, i, slot, moving && g->world->bodies.data[slot].awake);
+    }
+}
+
 static dig_status gather_bodies(Group *g, const uint32_t *pairs, int pair_count, int *joints)
 {
     const World *w = g->world;
@@ -161,16 +171,14 @@ static dig_status gather_bodies(Group *g, const uint32_t *pairs, int pair_count,
     g->push_work = arena_alloc(g->arena, total * sizeof *g->push_work);
     if (!g->pos || !g->vel || !g->mass || !g->member || !g->shift || !g->push_work)
         return DIG_E_MEMORY;
-    for (int i = 0; i < g->moving_count; i++) {
+    team_run(g->team, gather_share, g);
+    for (int i = 0; i < g->moving_count && g->may_trace; i++) {
         const Body *b = &w->bodies.data[g->slots[i]];
-        gather_body(g, i, g->slots[i], b->awake);
-        if (b->awake) {
-            g->trace_wait = int_max(g->trace_wait, b->trace_wait);
-            g->trace_step = b->trace_step > 0 && (g->trace_step == 0 || b->trace_step < g->trace_step) ? b->trace_step : g->trace_step;
-        }
+        if (!b->awake)
+            continue;
+        g->trace_wait = int_max(g->trace_wait, b->trace_wait);
+        g->trace_step = b->trace_step > 0 && (g->trace_step == 0 || b->trace_step < g->trace_step) ? b->trace_step : g->trace_step;
     }
-    for (int i = g->moving_count; i < g->body_count; i++)
-        gather_body(g, i, g->still[i - g->moving_count], false);
     return DIG_OK;
 }
 
@@ -187,14 +195,22 @@ static bool body_moving(const World *w, uint32_t body)
     return b && b->mode == DIG_MOVING && (vec3_length2(b->v) > 0 || vec3_length2(b->w) > 0);
 }
 
-static void gather_pair(Group *g, GroupPair *q, uint32_t slot)
+typedef struct Near {           /* a pair that may be gathered                     */
+    uint32_t slot;
+    int a, b;                   /* local bodies                                    */
+    int contact, contacts;      /* of the group; 0: left out                       */
+} Near;
+
+typedef struct Nearby { Group *g; const uint32_t *pairs; Near *near; real *span; int count; } Nearby;
+
+static void gather_pair(Group *g, GroupPair *q, const Near *n)
 {
     const World *w = g->world;
-    const Pair *p = &w->pairs.data[slot];
+    const Pair *p = &w->pairs.data[n->slot];
     const Solid *a = &w->solids.data[p->solid_a], *b = &w->solids.data[p->solid_b];
-    q->slot = slot;
-    q->a = local_of(g, p->body_a);
-    q->b = local_of(g, p->body_b);
+    q->slot = n->slot;
+    q->a = n->a;
+    q->b = n->b;
     q->sa = &a->shape;
     q->sb = &b->shape;
     q->la = (pose){vec3_sub(a->at.p, g->member[q->a].centre), a->at.q};
@@ -214,10 +230,11 @@ static void gather_pair(Group *g, GroupPair *q, uint32_t slot)
     q->struck_point = q->struck_normal = vec3_zero();
 }
 
-/* Only what there is: most pairs of a crowd are near each other without a contact point. Points beyond the count stay unwritten. */
+/* Only what there is. Points beyond the count stay unwritten. */
 static void gather_contact(const World *w, const GroupPair *q, int pair, uint32_t slot, GroupContact *to)
 {
-    const Contact *from = &w->contacts.data[slot];
+    static const Contact none = {.idle = true};
+    const Contact *from = slot == NONE ? &none : &w->contacts.data[slot];
     to->pair = pair;
     to->a = q->a;
     to->b = q->b;
@@ -237,31 +254,86 @@ static void gather_contact(const World *w, const GroupPair *q, int pair, uint32_
     }
 }
 
+/* m  Within this of its centre of mass is all that the body is, and gets to in the step. */
+static real span_of(const Group *g, int body)
+{
+    const Member *m = &g->member[body];
+    const Vel *v = &g->vel[body];
+    if (m->slot == NONE)
+        return INFINITY;                /* the world itself */
+    real dt = g->world->def.step, spin = vec3_length2(v->w) > 0 ? vec3_length(v->w) * m->outer : 0;
+    return 1.01 * m->outer + dt * (vec3_length(v->v) + spin + vec3_length(g->gravity) * dt);
+}
+
+static void find_spans(void *context, int thread, int threads)
+{
+    const Nearby *n = context;
+    for (int i = team_first(n->g->body_count, thread, threads); i < team_end(n->g->body_count, thread, threads); i++)
+        n->span[i] = span_of(n->g, i);
+}
+
+/* Most pairs of a crowd are near each other without a contact, and get none in this step: they are left out. */
+static void find_near(void *context, int thread, int threads)
+{
+    const Nearby *n = context;
+    const Group *g = n->g;
+    const World *w = g->world;
+    for (int i = team_first(n->count, thread, threads); i < team_end(n->count, thread, threads); i++) {
+        const Pair *p = &w->pairs.data[n->pairs[i]];
+        Near *near = &n->near[i];
+        *near = (Near){.slot = n->pairs[i], .a = local_of(g, p->body_a), .b = local_of(g, p->body_b)};
+        if (g->crowd && p->contact == NONE && !p->touching) {
+            real reach = n->span[near->a] + n->span[near->b];
+            if (vec3_length2(vec3_sub(g->pos[near->b].x, g->pos[near->a].x)) > reach * reach)
+                continue;
+        }
+        near->contacts = p->contact == NONE;
+        for (uint32_t c = p->contact; c != NONE; c = w->contacts.data[c].next)
+            near->contacts++;
+    }
+}
+
+static void gather_near(void *context, int thread, int threads)
+{
+    const Nearby *n = context;
+    Group *g = n->g;
+    for (int i = team_first(g->pair_count, thread, threads); i < team_end(g->pair_count, thread, threads); i++) {
+        const Near *near = &n->near[i];
+        GroupPair *q = &g->pairs[i];
+        uint32_t c = g->world->pairs.data[near->slot].contact;
+        gather_pair(g, q, near);
+        q->contact = near->contact;
+        q->contacts = near->contacts;
+        for (int k = 0; k < near->contacts; k++) {
+            gather_contact(g->world, q, i, c, &g->contacts[q->contact + k]);
+            c = c == NONE ? NONE : g->world->contacts.data[c].next;
+        }
+    }
+}
+
 static dig_status gather_pairs(Group *g, const uint32_t *pairs, int pair_count)
 {
-    const World *w = g->world;
-    int contacts = 0;
-    if (pair_count == 0)
-        return DIG_OK;
-    for (int i = 0; i < pair_count; i++)
-        for (uint32_t c = w->pairs.data[pairs[i]].contact; c != NONE; c = w->contacts.data[c].next)
-            contacts++;
-    g->pair_count = pair_count;
-    g->contact_count = contacts;
-    g->pairs = arena_alloc(g->arena, (size_t)pair_count * sizeof *g->pairs);
-    g->contacts = arena_alloc(g->arena, (size_t)contacts * sizeof *g->contacts);
-    g->changed = arena_alloc(g->arena, (size_t)pair_count * sizeof *g->changed);
-    if (!g->pairs || !g->contacts || !g->changed)
+    Nearby n = {.g = g, .pairs = pairs, .count = pair_count};
+    n.near = arena_alloc(g->arena, (size_t)pair_count * sizeof *n.near);
+    n.span = arena_alloc(g->arena, (size_t)g->body_count * sizeof *n.span);
+    if (!n.near || !n.span)
         return DIG_E_MEMORY;
-    int n = 0;
-    for (int i = 0; i < pair_count; i++) {
-        GroupPair *q = &g->pairs[i];
-        gather_pair(g, q, pairs[i]);
-        q->contact = n;
-        for (uint32_t c = w->pairs.data[pairs[i]].contact; c != NONE; c = w->contacts.data[c].next)
-            gather_contact(w, q, i, c, &g->contacts[n++]);
-        q->contacts = n - q->contact;
-    }
+    if (g->crowd)
+        team_run(g->team, find_spans, &n);
+    team_run(g->team, find_near, &n);
+    for (int i = 0; i < pair_count; i++)
+        if (n.near[i].contacts > 0) {
+            n.near[g->pair_count] = n.near[i];
+            n.near[g->pair_count++].contact = g->contact_count;
+            g->contact_count += n.near[i].contacts;
+        }
+    g->pairs = arena_alloc(g->arena, (size_t)g->pair_count * sizeof *g->pairs);
+    g->contacts = arena_alloc(g->arena, (size_t)g->contact_count * sizeof *g->contacts);
+    g->changed = arena_alloc(g->arena, (size_t)g->pair_count * sizeof *g->changed);
+    g->turned = arena_alloc(g->arena, (size_t)g->contact_count * sizeof *g->turned);
+    if (!g->pairs || !g->contacts || !g->changed || !g->turned)
+        return DIG_E_MEMORY;
+    team_run(g->team, gather_near, &n);
     return DIG_OK;
 }
 
@@ -383,23 +455,69 @@ static bool contact_touches(const Group *g, const GroupPair *q, const GroupConta
     return false;
 }
 
-/* Lists the pairs that regraph must look at: begun, over, or struck and apart again. */
-void group_judge(Group *g, real dt)
+static bool is_zero(vec3 v) { return v.x == 0 && v.y == 0 && v.z == 0; }
+
+/* Has it no point, and no force that the world's record would hold? */
+static bool contact_idle(const GroupContact *c)
 {
-    g->changed_count = g->live_count = g->rubbing_count = 0;
-    for (int i = 0; i < g->pair_count; i++) {
-        GroupPair *q = &g->pairs[i];
-        q->touching = false;
-        for (int k = q->contact; k < q->contact + q->contacts; k++) {
-            GroupContact *c = &g->contacts[k];
-            c->touching = contact_touches(g, q, c, dt);
-            q->touching = q->touching || c->touching;
-            g->live_count += c->live;
-            g->rubbing_count += c->live && q->friction > 0;
-        }
-        if (q->touching != q->was_touching || (q->struck && !q->touching))
-            g->changed[g->changed_count++] = i;
+    return c->manifold.count == 0 && is_zero(c->impulse) && is_zero(c->rolling) && !c->sliding;
+}
+
+typedef struct Verdict { int changed, turned, live, rubbing; } Verdict;     /* counts of one thread */
+typedef struct Judge { Group *g; real dt; Verdict *verdict; } Judge;
+
+static void judge_pair(Group *g, int i, real dt, Verdict *v, int *changed, int *turned)
+{
+    GroupPair *q = &g->pairs[i];
+    q->touching = false;
+    for (int k = q->contact; k < q->contact + q->contacts; k++) {
+        GroupContact *c = &g->contacts[k];
+        c->touching = contact_touches(g, q, c, dt);
+        q->touching = q->touching || c->touching;
+        c->was_idle = c->idle;
+        c->idle = contact_idle(c);
+        if (q->contacts == 1 && (c->slot == NONE) != c->idle)
+            turned[v->turned++] = k;
+        v->live += c->live;
+        v->rubbing += c->live && q->friction > 0;
     }
+    if (q->touching != q->was_touching || (q->struck && !q->touching))
+        changed[v->changed++] = i;
+}
+
+static void judge_share(void *context, int thread, int threads)
+{
+    const Judge *j = context;
+    Group *g = j->g;
+    int first = team_first(g->pair_count, thread, threads), end = team_end(g->pair_count, thread, threads);
+    Verdict v = {0};
+    for (int i = first; i < end; i++)
+        judge_pair(g, i, j->dt, &v, g->changed + first, g->turned + g->pairs[first].contact);
+    j->verdict[thread] = v;
+}
+
+/* Lists the pairs that regraph must look at: begun, over, or struck and apart again. */
+dig_status group_judge(Group *g, real dt)
+{
+    int threads = g->team ? g->team->threads : 1;
+    Judge j = {.g = g, .dt = dt, .verdict = arena_alloc(g->arena, (size_t)threads * sizeof *j.verdict)};
+    if (!j.verdict)
+        return DIG_E_MEMORY;
+    team_run(g->team, judge_share, &j);
+    g->changed_count = g->turned_count = g->live_count = g->rubbing_count = 0;
+    for (int t = 0; t < threads && g->pair_count > 0; t++) {
+        const Verdict *v = &j.verdict[t];
+        int first = team_first(g->pair_count, t, threads);
+        if (first < g->pair_count) {
+            memmove(g->changed + g->changed_count, g->changed + first, (size_t)v->changed * sizeof *g->changed);
+            memmove(g->turned + g->turned_count, g->turned + g->pairs[first].contact, (size_t)v->turned * sizeof *g->turned);
+        }
+        g->changed_count += v->changed;
+        g->turned_count += v->turned;
+        g->live_count += v->live;
+        g->rubbing_count += v->rubbing;
+    }
+    return DIG_OK;
 }
 
 /* ---- back into the world ---- */
@@ -443,14 +561,9 @@ static void commit_body(World *w, const Group *g, int i, real dt)
     b->hit_v = b->hit_w = vec3_zero();
 }
 
-static bool is_zero(vec3 v) { return v.x == 0 && v.y == 0 && v.z == 0; }
-
 static void commit_contact(Contact *to, const GroupContact *from, real dt)
 {
-    bool idle = from->manifold.count == 0 && is_zero(from->impulse) && is_zero(from->rolling) && !from->sliding;
-    if (idle && from->idle)
-        return;
-    to->idle = idle;
+    to->idle = from->idle;
     to->piece = from->piece;
     to->manifold.normal = from->manifold.normal;
     to->manifold.count = from->manifold.count;
@@ -466,6 +579,22 @@ static void commit_contact(Contact *to, const GroupContact *from, real dt)
                                        : from->manifold.count ? from->manifold.points[0].a : vec3_zero();
 }
 
+/* A pair of convex solids has a contact as long as there is something to remember; there is room (reserve_regraph). */
+void group_commit_records(World *w, Group *g)
+{
+    for (int i = 0; i < g->turned_count; i++) {
+        GroupContact *c = &g->contacts[g->turned[i]];
+        Pair *p = &w->pairs.data[g->pairs[c->pair].slot];
+        if (c->idle) {
+            slot_give(w, &w->free_contacts, c->slot);
+            p->contact = c->slot = NONE;
+        } else if (world_slot(w, &w->contacts, &w->free_contacts, &c->slot) == DIG_OK) {
+            w->contacts.data[c->slot].next = NONE;
+            p->contact = c->slot;
+        }
+    }
+}
+
 static void commit_pair(World *w, const Group *g, const GroupPair *q, real dt)
 {
     Pair *p = &w->pairs.data[q->slot];
@@ -473,7 +602,8 @@ static void commit_pair(World *w, const Group *g, const GroupPair *q, real dt)
     p->fresh = false;
     p->touching = q->touching;
     for (int i = q->contact; i < q->contact + q->contacts; i++)
-        commit_contact(&w->contacts.data[g->contacts[i].slot], &g->contacts[i], dt);
+        if (g->contacts[i].slot != NONE && !(g->contacts[i].idle && g->contacts[i].was_idle))
+            commit_contact(&w->contacts.data[g->contacts[i].slot], &g->contacts[i], dt);
 }
 
 static void commit_joint(World *w, const GroupJoint *j, real dt)
@@ -485,13 +615,23 @@ static void commit_joint(World *w, const GroupJoint *j, real dt)
     r->torque = vec3_scale(1 / dt, j->angular_impulse);
 }
 
+typedef struct Commit { World *w; const Group *g; } Commit;
+
+static void commit_share(void *context, int thread, int threads)
+{
+    const Commit *c = context;
+    const Group *g = c->g;
+    real dt = c->w->def.step;
+    for (int i = team_first(g->moving_count, thread, threads); i < team_end(g->moving_count, thread, threads); i++)
+        commit_body(c->w, g, i, dt);
+    for (int i = team_first(g->pair_count, thread, threads); i < team_end(g->pair_count, thread, threads); i++)
+        commit_pair(c->w, g, &g->pairs[i], dt);
+}
+
 void group_commit(World *w, const Group *g)
 {
-    real dt = w->def.step;
-    for (int i = 0; i < g->moving_count; i++)
-        commit_body(w, g, i, dt);
-    for (int i = 0; i < g->pair_count; i++)
-        commit_pair(w, g, &g->pairs[i], dt);
+    Commit c = {w, g};
+    team_run(g->team, commit_share, &c);
     for (int i = 0; i < g->joint_count; i++)
-        commit_joint(w, &g->joints[i], dt);
+        commit_joint(w, &g->joints[i], w->def.step);
 }

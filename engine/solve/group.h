@@ -13,6 +13,7 @@
 #define HELD_SUBSTEPS 4
 
 #include "base/arena.h"
+#include "base/team.h"
 #include "solve/joint_type.h"
 #include "solve/plan.h"
 #include "world/world.h"
@@ -101,7 +102,7 @@ typedef struct GroupContact {
     PointMemory memory[MANIFOLD_POINTS];
     vec3     rolling;           /* N m                              */
     bool     live;              /* has points                       */
-    bool     idle;              /* had none, and no force, in the world's record */
+    bool     idle, was_idle;    /* no point, and no force: until group_judge in the world's record, then now; then */
     bool     touching;          /* at the end of the step, by group_judge */
     bool     sliding;
     vec3     impulse;           /* N s on b, over the whole step    */
@@ -156,6 +157,7 @@ struct Group {
     const World *world;
     const AccuracyPlan *plan;
     Arena    *arena;
+    Team     *team;             /* that advances it; NULL: one thread */
     vec3      gravity;
     uint32_t  effects;          /* bit per effect of the list that this group calls for */
     dig_status (*stage)(Group *g, int stage);           /* runs the effects of one stage (step/step.c) */
@@ -170,6 +172,7 @@ struct Group {
     GroupPair *pairs;       int pair_count;
     int      *changed;      int changed_count;  /* group_judge: pairs whose touch began or ended, or that were struck apart */
     int       live_count, rubbing_count;        /* group_judge: contacts with points, and those of them with friction */
+    int      *turned;       int turned_count;   /* group_judge: contacts whose record in the world comes or goes */
     GroupContact *contacts; int contact_count;
     GroupJoint *joints;     int joint_count;
     GroupPush *pushes;      int push_count;
@@ -185,6 +188,7 @@ struct Group {
     bool      midpoint;         /* joint rows hold for the mean velocity of the substep */
     bool      locate;           /* impacts are located in time in this group */
     bool      joints_direct;    /* joints and contacts are solved together, directly */
+    bool      heals;            /* so that position errors heal by velocities */
     int       events_left;
 
     /* what it took and achieved */
@@ -193,17 +197,27 @@ struct Group {
     const char *gave_up;        /* why a finer way failed within its budget in this step; NULL = none did */
     int       substeps, sweeps, located;
     int       direct_failures;  /*     direct solves of this step that did not converge */
+    int       rescues_failed;   /*     the same of those that are tried after the sweeps */
+    bool      stalled;          /*     the last sweeps brought nothing                  */
+    bool      unsolved;         /*     in this substep, rows that contradict each other */
     int       evaluations, refused, events;
     real      tolerance;        /* 1   local error of the traced way over the size of the bodies */
     real      trace_step;       /* s   its last step length; 0 = none                  */
     int       trace_wait;       /*     steps for which it is not tried again           */
     bool      may_trace;        /*     the world's budget for traced and conserved groups reaches it */
-    bool      crowded;          /*     the world has so much else to advance that small groups are no exception */
-    bool      joined;           /*     perhaps of several, each of which the crowd takes */
+    bool      crowd;            /*     the crowd takes it: it need not look for what cannot act in this step */
     bool      trace_failed;     /*     it was tried in this step, and handed on        */
     bool      conserve_failed;  /*     the same of the way that conserves energy       */
     real      residual, penetration, joint_error;
     real      lost, work_in;    /* J */
+    struct GroupWatch {         /* step/watch.c */
+        real  elastic;          /* J   in its springs at the start of the step                    */
+        real  rise, borne;      /* J   gained without work in it; how much may be                 */
+        real  carried, carried_borne;   /* J   the same, of the steps before                      */
+        real  smallest;         /* m   size of its smallest moving body                           */
+        int   gainer;           /*     who gained most; -1 = the energy is not judged             */
+        int   count;            /*     moving bodies                                              */
+    } watch;
     real     *push_work;        /* [body_count] J */
     real      effect_us[MAX_EFFECTS], touch_us;     /* us, only in timed steps */
     bool      timed;
@@ -217,8 +231,9 @@ struct Group {
 /* gather.c */
 dig_status group_gather(Group *g, const World *w, const uint32_t *leads, int dig_count, const uint32_t *pairs, int pair_count,
                         Arena *arena);
-void       group_judge(Group *g, real dt);              /* at the end of the step: who touches */
-void       group_commit(World *w, const Group *g);
+dig_status group_judge(Group *g, real dt);              /* at the end of the step: who touches */
+void       group_commit_records(World *w, Group *g);    /* of contacts; one group at a time */
+void       group_commit(World *w, const Group *g);      /* then what is in them: groups at once */
 /* Pose of a pair's shape a or b from the present positions. */
 static inline pose group_shape_pose(const Group *g, int body, pose local)
 {
@@ -254,6 +269,8 @@ real relax_rolls(Group *g);
 int  relax(Group *g, int sweeps, real residual);        /* until the change is below residual; returns sweeps done */
 /* direct.c: all contacts at once, exactly, from the present impulses; false: not for this group, or it failed, and nothing changed */
 bool direct_solve(Group *g, real residual);
+bool direct_rescue(Group *g);           /* the same where sweeps have not got there, slower and surer */
+bool direct_project(Group *g);          /* a projection's rows at once, into g->vel, which holds the shift */
 bool group_top_heavy(const Group *g);   /* is something much heavier than something else? */
 bool direct_joints(const Group *g);     /* should joints and contacts be solved together? */
 real direct_wanted(const Group *g);     /* m/s  sweeps that stop above this are to be followed by direct_solve; 0 = never */

@@ -11,6 +11,7 @@
 /* An impact solve stops when the velocities change by less than this part of the approach speed. */
 #define IMPACT_RESIDUAL 1e-12
 #define IMPACT_SWEEPS 1000
+#define FEW_POINTS 24           /* with more of them, as well as a substep's rows is good enough */
 
 static real touch_tolerance(const Group *g, const GroupContact *c) { return g->touch * g->pairs[c->pair].size; }
 
@@ -101,7 +102,7 @@ static void solve_all(Group *g, real residual)
 static void solve_marked(Group *g, const bool *on, bool all, real speed)
 {
     if (all) {
-        solve_all(g, IMPACT_RESIDUAL * speed);
+        solve_all(g, real_max(IMPACT_RESIDUAL * speed, g->point_count > FEW_POINTS ? g->plan->residual : 0));
         return;
     }
     real enough = IMPACT_RESIDUAL * speed + rounding_floor(g);

@@ -27,6 +27,8 @@ typedef struct JointType {
     dig_status (*check)(void *params, const JointView *now, char *why, size_t capacity);
     /* Writes the rows of this joint for the present poses. Pure but for j->memory. */
     void       (*rows)(const JointView *j, RowList *out);
+    /* Are the rows of rows_point in slots 0..2 all that acts: no stop, motor, spring or friction? NULL = no. */
+    bool       (*only_point)(const void *params);
     /* The free coordinate (rad or m), and its rate. NULL when it has none. */
     real       (*coordinate)(const JointView *j);
     real       (*speed)(const JointView *j);

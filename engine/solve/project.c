@@ -5,6 +5,10 @@
 /* m/s per sqrt(m): overlaps heal at most as fast as a body would fall by its own size under 10 m/s^2. */
 #define HEAL_SPEED 3.0
 
+/* Part of the size. The points of what overlaps farther say little about where it would press: it is moved apart without being
+ * turned. Turned, a row of boxes laid into each other rears up while it heals, and what was lifted falls. */
+#define DEEP 0.05
+
 /* Works on g->shift in the place of velocities: directions and rows apply to Vel. */
 static real wanted_gap(const Group *g, const PointRow *r)
 {
@@ -29,10 +33,24 @@ static bool needed(const Group *g)
     return false;
 }
 
-static void start_shift(Group *g, real *saved)
+static void drop_levers(const Group *g, PointRow *r)
+{
+    const GroupContact *c = &g->contacts[r->contact];
+    if (-c->manifold.points[r->point].gap <= DEEP * g->pairs[c->pair].size)
+        return;
+    r->n.aa = r->n.ab = r->n.ia = r->n.ib = vec3_zero();
+    r->n.k = (g->mass[r->a].im + g->mass[r->b].im) * vec3_length2(r->n.n);
+}
+
+typedef struct Kept { Dir n; real jt[2]; } Kept;
+
+static void start_shift(Group *g, real *saved, Kept *kept)
 {
     for (int i = 0; i < g->point_count; i++) {
         PointRow *r = &g->points[i];
+        kept[i] = (Kept){r->n, {r->jt[0], r->jt[1]}};
+        r->jt[0] = r->jt[1] = 0;
+        drop_levers(g, r);
         saved[4 * i] = r->jn;
         saved[4 * i + 1] = r->target;
         saved[4 * i + 2] = r->friction;
@@ -58,13 +76,15 @@ static void start_shift(Group *g, real *saved)
     }
 }
 
-static void end_shift(Group *g, const real *saved)
+static void end_shift(Group *g, const real *saved, const Kept *kept)
 {
     for (int i = 0; i < g->point_count; i++) {
         PointRow *r = &g->points[i];
         ManifoldPoint *p = &g->contacts[r->contact].manifold.points[r->point];
+        r->n = kept[i].n;
         p->gap += dir_rate(g, &r->n, r->a, r->b);
         r->jn = saved[4 * i];
+        memcpy(r->jt, kept[i].jt, sizeof r->jt);
         r->target = saved[4 * i + 1];
         r->friction = saved[4 * i + 2];
     }
@@ -91,22 +111,24 @@ void project(Group *g)
         return;
     ArenaMark mark = arena_mark(g->arena);
     real *saved = arena_alloc(g->arena, (size_t)(4 * (g->point_count + g->row_count) + 1) * sizeof *saved);
-    if (!saved) {
+    Kept *kept = arena_alloc(g->arena, (size_t)(g->point_count + 1) * sizeof *kept);
+    if (!saved || !kept) {
         g->status = DIG_E_MEMORY;
         return;
     }
     for (int i = 0; i < g->body_count; i++)
         g->shift[i] = (Vel){vec3_zero(), vec3_zero()};
     swap_velocities(g);
-    start_shift(g, saved);
+    start_shift(g, saved, kept);
     int sweeps = (int)real_clamp(20000.0 / (g->point_count + g->row_count + 1), 3, 100);
-    for (int i = 0; i < sweeps; i++) {
+    bool done = g->joints_direct && direct_project(g);
+    for (int i = 0; i < sweeps && !done; i++) {
         real worst = relax_joints(g);
         worst = real_max(worst, relax_points(g, 0, g->point_count));
         if (worst < 1e-13)
             break;
     }
-    end_shift(g, saved);
+    end_shift(g, saved, kept);
     swap_velocities(g);
     for (int i = 0; i < g->moving_count; i++) {
         if (!g->member[i].moves)

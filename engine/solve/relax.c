@@ -234,16 +234,41 @@ static real sweep_once(Group *g)
  * many times more than the first one is off for infinity. */
 #define DIVERGED 30
 
+/* Rows that contradict each other (a body between a wall and a mover) have no solution: their impulses grow without end, and
+ * more sweeps bring nothing. While the sweeps change velocities by over a hundredth of what the first did, the best of so many
+ * must be better than the best of those before by a tenth. */
+#define LOOK 40
+#define PROGRESS 0.9
+#define FAR 0.01
+
+typedef struct Progress { real first, best, latest; int seen; } Progress;
+
+static bool stalls(Progress *p, real worst)
+{
+    p->first = p->seen == 0 ? worst : p->first;
+    p->latest = p->seen % LOOK == 0 ? worst : real_min(p->latest, worst);
+    if (++p->seen % LOOK != 0)
+        return false;
+    bool none = p->seen > LOOK && p->latest > FAR * p->first && !(p->latest < PROGRESS * p->best);
+    p->best = p->seen > LOOK ? real_min(p->best, p->latest) : p->latest;
+    return none;
+}
+
 /* Back to the impulses x at the start, and on without acceleration. */
 static int relax_plainly(Group *g, const real *start, real *now, int sweeps, real residual, real *worst)
 {
     int n = impulse_count(g), done = 0;
+    Progress progress = {0};
     read_impulses(g, now);
     for (int i = 0; i < n; i++)
         now[i] = start[i] - now[i];
     add_impulses(g, now, 1);
-    for (*worst = INFINITY; done < sweeps && *worst > residual; done++)
+    *worst = INFINITY;
+    while (done < sweeps && *worst > residual && !g->stalled) {
         *worst = sweep_once(g);
+        done++;
+        g->stalled = stalls(&progress, *worst);
+    }
     return done;
 }
 
@@ -258,9 +283,10 @@ static int relax_accelerated(Group *g, int sweeps, real residual, real *worst)
         return 0;
     }
     real old = 0, first = INFINITY;
+    Progress progress = {0};
     read_impulses(g, start);
     *worst = INFINITY;
-    while (done < sweeps && *worst > residual) {
+    while (done < sweeps && *worst > residual && !g->stalled) {
         read_impulses(g, x);
         *worst = sweep_once(g);
         done++;
@@ -277,7 +303,8 @@ static int relax_accelerated(Group *g, int sweeps, real residual, real *worst)
         }
         real beta = old > 0 ? now / old : 0;
         old = now;
-        if (beta > 1 || *worst <= residual || done == sweeps) {      /* no step after the last sweep: cones hold */
+        g->stalled = *worst > residual && stalls(&progress, *worst);
+        if (beta > 1 || *worst <= residual || done == sweeps || g->stalled) {      /* no step after the last sweep: cones hold */
             memset(p, 0, (size_t)n * sizeof *p);
             continue;
         }
@@ -293,6 +320,7 @@ int relax(Group *g, int sweeps, real residual)
 {
     real worst = 0;
     int done = 0;
+    g->stalled = false;
     if (g->point_count + g->roll_count + g->row_count > 0)
         done = relax_accelerated(g, sweeps, residual, &worst);
     g->residual = real_max(g->residual, worst == INFINITY ? 0 : worst);

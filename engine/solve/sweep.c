@@ -163,6 +163,14 @@ static void mark_constrained(Group *g)
     }
 }
 
+/* m/s: a small group whose velocities are worse than this gets more sweeps than its plan gives. */
+#define COARSE 1e-3
+/* m/s: and what is nearly at rest must not be worse than this, for it adds up */
+#define CREEP 1e-6
+
+/* A step that took so many sweeps locates no more impacts: each would cost as many again. */
+#define DEAR 4000
+
 /* ---- bookkeeping after a substep: forces remembered, energy booked, sleepers that were pushed ---- */
 
 static vec3 mean_point_velocity(const Group *g, int body, vec3 at)
@@ -186,10 +194,15 @@ static void book_point(Group *g, PointRow *r)
     const ManifoldPoint *p = &c->manifold.points[r->point];
     vec3 tangent = vec3_add(vec3_scale(r->jt[0], r->t[0].n), vec3_scale(r->jt[1], r->t[1].n));
     vec3 impulse = vec3_mad(tangent, r->jn, r->n.n);
-    c->memory[r->point].normal = (r->jn - r->blow) / remembered_over(g);
+    real pressed = r->jn - r->blow, rubbed = 1;
+    if (g->unsolved && pressed * r->n.k > COARSE) {     /* what has no solution is no guess for the next one */
+        rubbed = COARSE / (pressed * r->n.k);
+        pressed = COARSE / r->n.k;
+    }
+    c->memory[r->point].normal = pressed / remembered_over(g);
     c->last = r->jn > 0 ? g->t + g->h : c->last;
     c->memory[r->point].held = r->jn > 0 ? HELD_SUBSTEPS : c->memory[r->point].held;
-    c->memory[r->point].tangent = vec3_scale(1 / remembered_over(g), tangent);
+    c->memory[r->point].tangent = vec3_scale(rubbed / remembered_over(g), tangent);
     c->impulse = vec3_add(c->impulse, impulse);
     c->point_sum = vec3_mad(c->point_sum, r->jn, p->a);
     c->point_weight += r->jn;
@@ -304,12 +317,11 @@ static void restore(Group *g)
     }
 }
 
-/* m/s: a small group whose velocities are worse than this gets more sweeps than its plan gives. */
-#define COARSE 1e-3
-
 static int sweeps_for(const Group *g, int most)
 {
-    int rows = g->contact_count + 2 * g->joint_count + 1;
+    int rows = 2 * g->joint_count + 1;
+    for (int i = 0; i < g->contact_count; i++)
+        rows += g->contacts[i].live;
     return (int)real_clamp(8000.0 / rows, 4, most);
 }
 
@@ -321,6 +333,7 @@ static void relax_group(Group *g)
 {
     real worst = g->residual;
     g->residual = 0;
+    g->unsolved = false;
     int sweeps = sweeps_for(g, g->plan->sweeps);
     real wanted = direct_wanted(g);
     if (g->joints_direct && wanted > 0 && direct_solve(g, wanted)) {
@@ -336,10 +349,17 @@ static void relax_group(Group *g)
         g->residual = 0;
         relax(g, sweeps - first, g->plan->residual);
     }
-    if (g->residual > COARSE) {
+    if (g->residual > (wanted > 0 ? CREEP : COARSE) && direct_rescue(g)) {
+        g->residual = 0;
+        relax(g, LAST_SWEEPS, g->plan->residual);
+    }
+    if (g->residual > COARSE && !g->stalled) {
         g->residual = 0;
         relax(g, sweeps_for(g, 10 * g->plan->sweeps) - sweeps, COARSE);
     }
+    g->unsolved = g->residual > COARSE && g->stalled;
+    if (g->unsolved || g->sweeps > DEAR)
+        g->events_left = 0;
     g->residual = real_max(g->residual, worst);
 }
 
@@ -377,7 +397,7 @@ static dig_status solve_substep(Group *g)
     DIG_TRY(g->stage(g, STAGE_ROWS));
     if (g->midpoint && (any_euler(g) || g->joints_direct))
         group_build_joints(g, false);       /* who moves with the new velocity needs rows for it, not for the mean */
-    if (g->joints_direct)
+    if (g->joints_direct && g->heals)
         heal(g);
     else
         project(g);
@@ -494,6 +514,7 @@ dig_status sweep_advance(Group *g, real dt)
     real part = dt / g->plan->substeps;
     g->close_speed = group_close_speed(g);
     g->joints_direct = direct_joints(g);
+    g->heals = g->joints_direct && (g->conserve_failed || group_top_heavy(g));
     g->locate = g->moving_count <= g->plan->events_bodies && !g->joints_direct;
     g->events_left = int_min(g->plan->events, int_max(4, 4000 / (g->pair_count + 1)));
     g->h = part;

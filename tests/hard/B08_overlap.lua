@@ -2,7 +2,7 @@
 local hard = require "hard"
 
 return {
-  id = "B08", title = "eight boxes in one place", seconds = 10, passive = false, chaotic = true,
+  id = "B08", title = "eight boxes in one place", seconds = 10, fast = 10, passive = false, chaotic = true,
   build = function(place)
     local s = { boxes = {}, speed = 0, low = 0 }
     place:floor { friction = 0.6 }

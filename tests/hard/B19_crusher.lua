@@ -4,7 +4,8 @@ local hard = require "hard"
 local function crusher(letter, speed)
   local release = 1 / speed + 2
   return {
-    id = "B19" .. letter, title = ("squeezed to half at %g m/s"):format(speed), seconds = 6, passive = false, chaotic = true,
+    id = "B19" .. letter, title = ("squeezed to half at %g m/s"):format(speed), seconds = 6, fast = 6, passive = false,
+    chaotic = true,
     build = function(place)
       local s = { speed = 0, far = 0, said = 0 }
       place:floor { friction = 0.6 }
