@@ -48,9 +48,8 @@ static uint8_t count_contacts(const World *w, const Pair *pair)
 static void pack_contacts(Pack *p, World *w, Pair *pair, unsigned char *taken)
 {
     uint8_t count = p->reading ? 0 : count_contacts(w, pair);
-    uint32_t slot = pair->contact, *link = &pair->contact;
+    uint32_t slot = p->reading ? 0 : pair->contact, *link = &pair->contact;
     pack_small(p, &count, CONTACTS_MAX + 1, "number of contacts of a pair");
-    pack_check(p, count > 0, "a pair has no contact");
     for (uint8_t i = 0; i < count; i++) {
         pack_index(p, &slot, (uint32_t)w->contacts.count, false, "contact of a pair");
         if (!pack_good(p) || !pack_check(p, !taken[slot], "a contact is in two places"))

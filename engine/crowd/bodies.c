@@ -34,10 +34,39 @@ static Six six_of(vec3 linear, vec3 angular)
     return (Six){{(float)linear.x, (float)linear.y, (float)linear.z, (float)angular.x, (float)angular.y, (float)angular.z}};
 }
 
+static void open_body(Crowd *c, int i)
+{
+    Group *g = c->g;
+    Member *m = &g->member[i];
+    Frame *f = &c->frame[i];
+    m->start_pos = g->pos[i];
+    m->start_vel = g->vel[i];
+    *f = (Frame){.root = 0};
+    if (!m->moves)
+        return;
+    *f = (Frame){.s = spin_root(m, g->pos[i].q), .root = sqrt(g->mass[i].im)};
+    const mat3 *s = &f->s;
+    c->axes[0][i] = (Six){{(float)s->r0.x, (float)s->r1.x, (float)s->r2.x, (float)s->r0.y,
+                           (float)s->r1.y, (float)s->r2.y, (float)s->r0.z, (float)s->r1.z}};
+    c->axes[1][i] = (Six){{(float)s->r2.z, (float)f->root}};
+    c->vel[i] = six_of(vec3_scale(1 / f->root, g->vel[i].v), scaled_spin(m, g->pos[i].q, &f->s, g->vel[i].w));
+    c->last[i] = c->start[i] = c->vel[i];
+    vec3 torque = vec3_length2(m->torque) > 0 ? mat3_mul_vec(mat3_transpose(f->s), m->torque) : vec3_zero();
+    c->push[i] = six_of(vec3_scale((real)c->h * f->root, m->force), vec3_scale((real)c->h, torque));
+}
+
+static void open_share(void *context, int thread, int threads)
+{
+    Crowd *c = context;
+    for (int i = team_first(c->bodies, thread, threads); i < team_end(c->bodies, thread, threads); i++)
+        open_body(c, i);
+}
+
 dig_status bodies_open(Crowd *c)
 {
     Group *g = c->g;
-    size_t n = (size_t)c->bodies + 1;
+    int threads = g->team ? g->team->threads : 1;
+    size_t n = (size_t)(c->bodies + threads);
     Six *six = arena_zero(g->arena, 7 * n * sizeof *six);
     c->frame = arena_alloc(g->arena, n * sizeof *c->frame);
     if (!six || !c->frame)
@@ -49,23 +78,7 @@ dig_status bodies_open(Crowd *c)
     c->start = six + 4 * n;
     c->axes[0] = six + 5 * n;
     c->axes[1] = six + 6 * n;
-    for (int i = 0; i < c->bodies; i++) {
-        Member *m = &g->member[i];
-        m->start_pos = g->pos[i];
-        m->start_vel = g->vel[i];
-        if (!m->moves)
-            continue;
-        Frame *f = &c->frame[i];
-        *f = (Frame){.s = spin_root(m, g->pos[i].q), .root = sqrt(g->mass[i].im)};
-        const mat3 *s = &f->s;
-        c->axes[0][i] = (Six){{(float)s->r0.x, (float)s->r1.x, (float)s->r2.x, (float)s->r0.y,
-                               (float)s->r1.y, (float)s->r2.y, (float)s->r0.z, (float)s->r1.z}};
-        c->axes[1][i] = (Six){{(float)s->r2.z, (float)f->root}};
-        c->vel[i] = six_of(vec3_scale(1 / f->root, g->vel[i].v), scaled_spin(m, g->pos[i].q, &f->s, g->vel[i].w));
-        c->last[i] = c->start[i] = c->vel[i];
-        vec3 torque = vec3_length2(m->torque) > 0 ? mat3_mul_vec(mat3_transpose(f->s), m->torque) : vec3_zero();
-        c->push[i] = six_of(vec3_scale((real)c->h * f->root, m->force), vec3_scale((real)c->h, torque));
-    }
+    team_run(g->team, open_share, c);
     return DIG_OK;
 }
 
@@ -111,30 +124,51 @@ static vec3 fly(Crowd *c, int i)
     return vec3_scale(0.5 * c->dt, vec3_add(before, g->vel[i].w));
 }
 
+static void close_body(Crowd *c, int i)
+{
+    Group *g = c->g;
+    const Frame *f = &c->frame[i];
+    Member *m = &g->member[i];
+    if (!m->moves)
+        return;
+    m->constrained = f->held;
+    vec3 angle;
+    if (f->held) {
+        g->vel[i].v = vec3_mad(g->vel[i].v, f->root, change(&c->vel[i], &c->start[i], 0));
+        g->vel[i].w = vec3_add(g->vel[i].w, mat3_mul_vec(f->s, change(&c->vel[i], &c->start[i], 3)));
+        g->pos[i].x = vec3_mad(g->pos[i].x, f->root, (vec3){c->move[i].at[0], c->move[i].at[1], c->move[i].at[2]});
+        angle = mat3_mul_vec(f->s, (vec3){c->move[i].at[3], c->move[i].at[4], c->move[i].at[5]});
+    } else {
+        angle = fly(c, i);
+    }
+    turn(c, i, angle);
+    group_refresh_mass(g, i);
+}
+
+/* Where the body has turned to since the start. */
+static void note_turn(Group *g, int i)
+{
+    if (g->member[i].moves || g->member[i].kinematic)
+        g->shift[i].w = quat_log(quat_mul(g->pos[i].q, quat_conjugate(g->member[i].start_pos.q)));
+}
+
+static void close_share(void *context, int thread, int threads)
+{
+    Crowd *c = context;
+    for (int i = team_first(c->bodies, thread, threads); i < team_end(c->bodies, thread, threads); i++) {
+        close_body(c, i);
+        note_turn(c->g, i);
+    }
+}
+
 void bodies_close(Crowd *c)
 {
     Group *g = c->g;
-    for (int i = 0; i < c->bodies; i++) {
-        const Frame *f = &c->frame[i];
-        Member *m = &g->member[i];
-        if (!m->moves)
-            continue;
-        m->constrained = f->held;
-        vec3 angle;
-        if (f->held) {
-            g->vel[i].v = vec3_mad(g->vel[i].v, f->root, change(&c->vel[i], &c->start[i], 0));
-            g->vel[i].w = vec3_add(g->vel[i].w, mat3_mul_vec(f->s, change(&c->vel[i], &c->start[i], 3)));
-            g->pos[i].x = vec3_mad(g->pos[i].x, f->root, (vec3){c->move[i].at[0], c->move[i].at[1], c->move[i].at[2]});
-            angle = mat3_mul_vec(f->s, (vec3){c->move[i].at[3], c->move[i].at[4], c->move[i].at[5]});
-        } else {
-            angle = fly(c, i);
-        }
-        turn(c, i, angle);
-        group_refresh_mass(g, i);
-    }
-    for (int i = 0; i < g->body_count; i++)
+    team_run(g->team, close_share, c);
+    for (int i = c->bodies; i < g->body_count; i++)
         if (g->member[i].kinematic) {
             g->pos[i].x = vec3_mad(g->pos[i].x, c->dt, g->vel[i].v);
             g->pos[i].q = quat_unit(quat_mul(quat_exp(vec3_scale(c->dt, g->vel[i].w)), g->pos[i].q));
+            note_turn(g, i);
         }
 }

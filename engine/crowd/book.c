@@ -29,62 +29,88 @@ static void carry(Group *g, GroupContact *c)
     }
 }
 
-static void note_impact(Group *g, const GroupContact *c, int contact, int point, real speed, real jn)
+static bool strikes(const Crowd *c, real speed)
 {
-    PointRow r = {.contact = contact, .point = point, .a = c->a, .b = c->b, .jn = jn};
-    g->member[c->a].collided = g->member[c->b].collided = true;
-    strike_report(g, &r, speed);
+    return speed > c->g->close_speed + 2 * vec3_length(c->g->gravity) * (real)c->h;
 }
 
-static void book_lane(Crowd *c, const Batch *b, int lane)
+static bool pushes_sleeper(const Group *g, const GroupContact *t, real sum)
+{
+    return sum > 0 && (g->member[t->a].dormant || g->member[t->b].dormant);
+}
+
+/* Strikes are listed in the order of batches, and sleepers are marked, by one thread: what concerns more than the contact. */
+static void note_batch(Crowd *c, const Batch *b)
 {
     Group *g = c->g;
-    int contact = b->contact[lane];
-    GroupContact *t = &g->contacts[contact];
-    GroupPair *q = &g->pairs[t->pair];
-    vec3 n = t->manifold.normal, u, v, force = vec3_zero(), middle = vec3_zero();
-    real load = 0, sum = 0, spread = 0, twist = 0;
+    for (int lane = 0; lane < LANES && b->contact[lane] >= 0; lane++) {
+        const GroupContact *t = &g->contacts[b->contact[lane]];
+        real sum = 0;
+        for (int k = 0; k < t->manifold.count; k++) {
+            real whole = (real)b->point[k].sum[lane], speed = -(real)b->point[k].rate_before[lane];
+            PointRow r = {.contact = b->contact[lane], .point = k, .a = t->a, .b = t->b, .jn = whole};
+            sum += whole;
+            if (!(whole > 0) || !strikes(c, speed))
+                continue;
+            g->member[t->a].collided = g->member[t->b].collided = true;
+            strike_report(g, &r, speed);
+        }
+        for (int k = 0; k < 2 && pushes_sleeper(g, t, sum); k++) {
+            Member *m = &g->member[k ? t->b : t->a];
+            if (m->dormant)
+                m->pushed = g->woke = true;
+        }
+    }
+}
+
+/* Friction at the middle becomes forces at the points. */
+static void book_friction(GroupContact *t, const Batch *b, int lane, real h, real load)
+{
+    vec3 n = t->manifold.normal, u, v, middle = vec3_zero();
     int count = t->manifold.count;
-    for (int k = 0; k < count; k++) {
-        load += (real)b->point[k].j[lane];
-        sum += (real)b->point[k].sum[lane];
+    real spread = 0, twist = (real)b->patch->jw[lane];
+    vec3_basis(n, &u, &v);
+    vec3 force = vec3_add(vec3_scale((real)b->patch->j[0][lane], u), vec3_scale((real)b->patch->j[1][lane], v));
+    vec3 whole = vec3_add(vec3_scale((real)b->patch->sum[0][lane], u), vec3_scale((real)b->patch->sum[1][lane], v));
+    t->impulse = vec3_add(t->impulse, whole);
+    for (int k = 0; k < count && twist != 0; k++)
         middle = vec3_mad(middle, 0.5 / count, vec3_add(t->manifold.points[k].a, t->manifold.points[k].b));
-    }
-    if (b->patch) {
-        vec3_basis(n, &u, &v);
-        force = vec3_add(vec3_scale((real)b->patch->j[0][lane], u), vec3_scale((real)b->patch->j[1][lane], v));
-        vec3 whole = vec3_add(vec3_scale((real)b->patch->sum[0][lane], u), vec3_scale((real)b->patch->sum[1][lane], v));
-        t->impulse = vec3_add(t->impulse, whole);
-        twist = (real)b->patch->jw[lane];
-        for (int k = 0; k < count; k++)
-            spread += vec3_length2(vec3_sub(t->manifold.points[k].a, middle));
-    }
-    t->impulse = vec3_mad(t->impulse, sum, n);
+    for (int k = 0; k < count && twist != 0; k++)
+        spread += vec3_length2(vec3_sub(t->manifold.points[k].a, middle));
     for (int k = 0; k < count; k++) {
-        real j = (real)b->point[k].j[lane], whole = (real)b->point[k].sum[lane], speed = -(real)b->point[k].rate_before[lane];
-        const ManifoldPoint *p = &t->manifold.points[k];
-        vec3 tangent = vec3_scale(load > 0 ? j / load : 1.0 / count, force);
+        vec3 tangent = vec3_scale(load > 0 ? t->memory[k].normal * h / load : 1.0 / count, force);
         if (spread > 0)
-            tangent = vec3_mad(tangent, twist / spread, vec3_cross(n, vec3_sub(p->a, middle)));
-        t->memory[k].normal = j / (real)c->h;
-        t->memory[k].tangent = vec3_scale(1 / (real)c->h, tangent);
+            tangent = vec3_mad(tangent, twist / spread, vec3_cross(n, vec3_sub(t->manifold.points[k].a, middle)));
+        t->memory[k].tangent = vec3_scale(1 / h, tangent);
+    }
+}
+
+static void book_lane(Crowd *c, Batch *b, int lane)
+{
+    Group *g = c->g;
+    GroupContact *t = &g->contacts[b->contact[lane]];
+    GroupPair *q = &g->pairs[t->pair];
+    real load = 0, sum = 0, h = (real)c->h;
+    for (int k = 0; k < t->manifold.count; k++) {
+        real j = (real)b->point[k].j[lane], whole = (real)b->point[k].sum[lane], speed = -(real)b->point[k].rate_before[lane];
+        load += j;
+        sum += whole;
+        t->memory[k].normal = j / h;
         t->memory[k].held = whole > 0 ? HELD_SUBSTEPS : 0;
-        t->point_sum = vec3_mad(t->point_sum, whole, p->a);
+        t->point_sum = vec3_mad(t->point_sum, whole, t->manifold.points[k].a);
         t->point_weight += whole;
         if (whole > 0) {
             t->last = g->t;
             q->approach = real_max(q->approach, speed);
-            if (speed > g->close_speed + 2 * vec3_length(g->gravity) * (real)c->h)
-                note_impact(g, t, contact, k, speed, whole);
+            b->noted = b->noted || strikes(c, speed);
         }
     }
+    b->noted = b->noted || pushes_sleeper(g, t, sum);
+    if (b->patch)
+        book_friction(t, b, lane, h, load);
+    t->impulse = vec3_mad(t->impulse, sum, t->manifold.normal);
     if (b->roll)
-        t->rolling = vec3_scale(1 / (real)c->h, (vec3){(real)b->roll->j[0][lane], (real)b->roll->j[1][lane], (real)b->roll->j[2][lane]});
-    for (int k = 0; k < 2 && sum > 0; k++) {
-        Member *m = &g->member[k ? t->b : t->a];
-        if (m->dormant)
-            m->pushed = g->woke = true;
-    }
+        t->rolling = vec3_scale(1 / h, (vec3){(real)b->roll->j[0][lane], (real)b->roll->j[1][lane], (real)b->roll->j[2][lane]});
 }
 
 /* J  Given by movers through this contact: their velocity is constant. */
@@ -102,18 +128,15 @@ static real movers_work(const Group *g, const GroupContact *c)
     return work;
 }
 
-static void forget(Group *g)
+static void forget(GroupContact *c)
 {
-    for (int i = 0; i < g->contact_count; i++) {
-        GroupContact *c = &g->contacts[i];
-        for (int k = 0; k < c->manifold.count; k++) {
-            c->memory[k].normal = 0;
-            c->memory[k].held = 0;
-            c->memory[k].tangent = vec3_zero();
-        }
-        if (c->live)
-            c->rolling = vec3_zero();
+    for (int k = 0; k < c->manifold.count; k++) {
+        c->memory[k].normal = 0;
+        c->memory[k].held = 0;
+        c->memory[k].tangent = vec3_zero();
     }
+    if (c->live)
+        c->rolling = vec3_zero();
 }
 
 void book_open(Crowd *c)
@@ -141,27 +164,66 @@ static void book_energy(Crowd *c)
     g->lost -= group_kinetic(g);
 }
 
-void book_close(Crowd *c)
+typedef struct Book { Crowd *c; real *deepest; } Book;      /* m  of each thread */
+
+static void book_share(void *context, int thread, int threads)
 {
+    const Book *b = context;
+    Crowd *c = b->c;
     Group *g = c->g;
-    forget(g);
-    for (int i = 0; i < c->batches; i++)
-        for (int k = 0; k < LANES; k++)
-            if (c->batch[i].contact[k] >= 0)
-                book_lane(c, &c->batch[i], k);
-    for (int i = 0; i < g->body_count; i++)
-        if (g->member[i].moves || g->member[i].kinematic)
-            g->shift[i].w = quat_log(quat_mul(g->pos[i].q, quat_conjugate(g->member[i].start_pos.q)));
-    book_energy(c);
-    for (int i = 0; i < g->contact_count; i++) {
+    int first = team_first(g->contact_count, thread, threads), end = team_end(g->contact_count, thread, threads);
+    for (int i = first; i < end; i++)
+        forget(&g->contacts[i]);
+    team_meet(c->team);
+    for (int i = team_first(c->batches, thread, threads); i < team_end(c->batches, thread, threads); i++)
+        for (int k = 0; k < LANES && c->batch[i].contact[k] >= 0; k++)
+            book_lane(c, &c->batch[i], k);
+}
+
+static void carry_share(void *context, int thread, int threads)
+{
+    const Book *b = context;
+    Group *g = b->c->g;
+    int first = team_first(g->contact_count, thread, threads), end = team_end(g->contact_count, thread, threads);
+    real deepest = 0;
+    for (int i = first; i < end; i++) {
         GroupContact *t = &g->contacts[i];
         if (!t->live)
             continue;
-        real given = movers_work(g, t);
-        g->work_in += given;
-        g->lost += given;
         carry(g, t);
         for (int k = 0; k < t->manifold.count; k++)
-            g->penetration = real_max(g->penetration, -t->manifold.points[k].gap);
+            deepest = real_max(deepest, -t->manifold.points[k].gap);
     }
+    b->deepest[thread] = deepest;
+}
+
+static void book_movers(Group *g)
+{
+    bool any = false;
+    for (int i = g->moving_count; i < g->body_count; i++)
+        any = any || g->member[i].kinematic;
+    for (int i = 0; i < g->contact_count && any; i++) {
+        real given = g->contacts[i].live ? movers_work(g, &g->contacts[i]) : 0;
+        g->work_in += given;
+        g->lost += given;
+    }
+}
+
+dig_status book_close(Crowd *c)
+{
+    Group *g = c->g;
+    int threads = c->team ? c->team->threads : 1;
+    Book b = {c, arena_alloc(g->arena, (size_t)threads * sizeof *b.deepest)};
+    if (!b.deepest)
+        return DIG_E_MEMORY;
+    team_run(c->team, book_share, &b);
+    for (int i = 0; i < c->batches; i++)
+        if (c->batch[i].noted)
+            note_batch(c, &c->batch[i]);
+    book_energy(c);
+    book_movers(g);
+    team_run(c->team, carry_share, &b);
+    for (int i = 0; i < threads; i++)
+        g->penetration = real_max(g->penetration, b.deepest[i]);
+    return DIG_OK;
 }

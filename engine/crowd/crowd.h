@@ -29,9 +29,10 @@
 
 extern const Way way_crowd;
 
-/* What a crowd does not take, see way.c; the step asks it before it puts small groups together. */
+/* What a crowd does not take. The step decides by these, before it gathers anything (step/groups.c). */
 #define CROWD_MASS_RATIO 30.0   /* of the bodies of a group: beyond it, single passes do not carry the load */
 #define CROWD_LIVELY     0.5    /* restitution: what bounces better deserves better                         */
+#define CROWD_LIVELY_MOST 16    /* times the plan's crowd: larger groups are crowds even if lively     */
 bool crowd_allows(const World *w);
 
 #endif

@@ -8,7 +8,7 @@
 #define COLOURS 64              /* what finds none of them is solved alone                        */
 #define NEAR    0.01            /* of the size: points nearer than this act in any case           */
 
-typedef struct Chosen { int contact; uint8_t colour, points; bool fixed; } Chosen;
+typedef struct Chosen { int contact, a, b; uint8_t colour, points; bool acts, fixed, rubs, rolls; } Chosen;      /* a, b: Six */
 
 /* One place for each kind of batch: fixed or not, colour, points. */
 #define KINDS (2 * (COLOURS + 1) * (MANIFOLD_POINTS + 1))
@@ -53,31 +53,55 @@ static int lowest(uint64_t taken) { return taken == UINT64_MAX ? COLOURS : __bui
 
 static void colour(Crowd *c, Chosen *x, uint64_t (*taken)[2])
 {
-    const GroupContact *t = &c->g->contacts[x->contact];
-    int a = crowd_index(c, t->a), b = crowd_index(c, t->b);
+    int a = x->a, b = x->b;
     x->fixed = a == c->bodies || b == c->bodies;
     uint64_t used = (a < c->bodies ? taken[a][x->fixed] : 0) | (b < c->bodies ? taken[b][x->fixed] : 0);
     int at = lowest(used);
     x->colour = (uint8_t)at;
-    if (at == COLOURS)
-        return;
-    if (a < c->bodies)
-        taken[a][x->fixed] |= (uint64_t)1 << at;
-    if (b < c->bodies)
-        taken[b][x->fixed] |= (uint64_t)1 << at;
+    for (int k = 0; k < 2; k++)
+        if ((k ? b : a) < c->bodies) {
+            c->frame[k ? b : a].held = true;
+            if (at < COLOURS)
+                taken[k ? b : a][x->fixed] |= (uint64_t)1 << at;
+        }
 }
 
-static int choose(Crowd *c, Chosen *out, uint64_t (*taken)[2], int count[KINDS])
+/* m  Radius at which the pair rolls (effect/rolling.c); 0: it does not. */
+static real rolling_radius(const GroupPair *q)
 {
+    real a = q->sa->rolling, b = q->sb->rolling;
+    return a > 0 && b > 0 ? a * b / (a + b) : real_max(a, b);
+}
+
+typedef struct Rows { Crowd *c; Chosen *chosen, *sorted; int count; int *first; } Rows;     /* first: sorted contact of a batch */
+
+static void choose_share(void *context, int thread, int threads)
+{
+    const Rows *r = context;
+    Crowd *c = r->c;
     Group *g = c->g;
-    int n = 0;
-    for (int i = 0; i < g->contact_count; i++) {
-        GroupContact *t = &g->contacts[i];
-        if (!t->live || (!g->member[t->a].moves && !g->member[t->b].moves) || !may_act(c, t))
+    for (int i = team_first(g->contact_count, thread, threads); i < team_end(g->contact_count, thread, threads); i++) {
+        const GroupContact *t = &g->contacts[i];
+        const GroupPair *q = &g->pairs[t->pair];
+        Chosen *x = &r->chosen[i];
+        x->acts = t->live && (g->member[t->a].moves || g->member[t->b].moves) && may_act(c, t);
+        if (!x->acts)
             continue;
-        Chosen *x = &out[n++];
-        *x = (Chosen){.contact = i, .points = (uint8_t)t->manifold.count};
-        colour(c, x, taken);
+        *x = (Chosen){.contact = i, .a = crowd_index(c, t->a), .b = crowd_index(c, t->b), .points = (uint8_t)t->manifold.count, .acts = true,
+                      .rubs = q->friction > 0 && !g->decay_friction, .rolls = q->rolling > 0 && rolling_radius(q) > 0};
+    }
+}
+
+/* Those that act move to the front, with their colours; returns how many. */
+static int colour_all(const Rows *r, uint64_t (*taken)[2], int count[KINDS])
+{
+    int n = 0;
+    for (int i = 0; i < r->c->g->contact_count; i++) {
+        if (!r->chosen[i].acts)
+            continue;
+        Chosen *x = &r->chosen[n++];
+        *x = r->chosen[i];
+        colour(r->c, x, taken);
         count[kind_of(x)]++;
     }
     return n;
@@ -154,13 +178,6 @@ static void fill_patch(const Crowd *c, const Ends *e, WidePatch *p, int lane)
     }
 }
 
-/* m  Radius at which the pair rolls (effect/rolling.c); 0: it does not. */
-static real rolling_radius(const GroupPair *q)
-{
-    real a = q->sa->rolling, b = q->sb->rolling;
-    return a > 0 && b > 0 ? a * b / (a + b) : real_max(a, b);
-}
-
 static void put_matrix(wide *v, int lane, mat3 m)
 {
     put(v, lane, m.r0);
@@ -211,18 +228,15 @@ static bool slides(const Group *g, const GroupContact *c, const GroupPair *q)
     return vec3_length2(slip) > SLIPS * SLIPS * q->size * vec3_length(g->gravity);
 }
 
-static void fill_lane(Crowd *c, Batch *b, int lane, int contact)
+static void fill_lane(Crowd *c, Batch *b, int lane, int contact, int spare)
 {
     Group *g = c->g;
     GroupContact *t = &g->contacts[contact];
     const GroupPair *q = &g->pairs[t->pair];
     Ends e = ends_of(c, t);
     b->contact[lane] = contact;
-    b->a[lane] = e.a;
-    b->b[lane] = e.b;
-    for (int k = 0; k < 2; k++)
-        if ((k ? e.b : e.a) < c->bodies)
-            c->frame[k ? e.b : e.a].held = true;
+    b->a[lane] = e.a < c->bodies ? e.a : spare;
+    b->b[lane] = e.b < c->bodies ? e.b : spare;
     put(b->n, lane, t->manifold.normal);
     b->driven = b->driven || e.driven;
     b->bounces = b->bounces || q->restitution > 0;
@@ -237,69 +251,98 @@ static void fill_lane(Crowd *c, Batch *b, int lane, int contact)
         fill_roll(c, &e, q, b->roll, lane);
 }
 
-static void *zeroed(Crowd *c, size_t bytes, dig_status *status)
+static void *room_for(Crowd *c, size_t bytes, dig_status *status)
 {
-    void *p = arena_zero(c->g->arena, bytes);
+    void *p = arena_alloc(c->g->arena, bytes);
     *status = p ? *status : DIG_E_MEMORY;
     return p;
 }
 
-static dig_status fill_batch(Crowd *c, Batch *b, const Chosen *x, int count)
+/* Room for the rows of a batch. */
+static dig_status make_batch(Crowd *c, Batch *b, const Chosen *x, int count)
 {
     dig_status status = DIG_OK;
-    const Group *g = c->g;
     bool rubs = false, rolls = false;
     for (int i = 0; i < count; i++) {
-        const GroupPair *q = &g->pairs[g->contacts[x[i].contact].pair];
-        rubs = rubs || (q->friction > 0 && !g->decay_friction);
-        rolls = rolls || (q->rolling > 0 && rolling_radius(q) > 0);
+        rubs = rubs || x[i].rubs;
+        rolls = rolls || x[i].rolls;
     }
     *b = (Batch){.points = x->points, .fixed = x->fixed};
-    b->point = zeroed(c, (size_t)b->points * sizeof *b->point, &status);
-    b->patch = rubs ? zeroed(c, sizeof *b->patch, &status) : NULL;
-    b->roll = rolls ? zeroed(c, sizeof *b->roll, &status) : NULL;
-    for (int i = 0; i < LANES; i++) {
-        b->a[i] = b->b[i] = c->bodies;
-        b->contact[i] = -1;
-    }
-    for (int i = 0; i < count && status == DIG_OK; i++)
-        fill_lane(c, b, i, x[i].contact);
+    b->point = room_for(c, (size_t)b->points * sizeof *b->point, &status);
+    b->patch = rubs ? room_for(c, sizeof *b->patch, &status) : NULL;
+    b->roll = rolls ? room_for(c, sizeof *b->roll, &status) : NULL;
     return status;
 }
 
 /* Contacts of one colour, those with most points first, eight by eight. */
-static dig_status make_batches(Crowd *c, const Chosen *sorted, int count)
+static dig_status make_batches(Rows *r)
 {
-    c->batch = arena_alloc(c->g->arena, (size_t)(count + 1) * sizeof *c->batch);
-    if (!c->batch)
+    Crowd *c = r->c;
+    const Chosen *x = r->sorted;
+    c->batch = arena_alloc(c->g->arena, (size_t)(r->count + 1) * sizeof *c->batch);
+    c->phase = arena_alloc(c->g->arena, (2 * (COLOURS + 1) + 1) * sizeof *c->phase);
+    r->first = arena_alloc(c->g->arena, (size_t)(r->count + 1) * sizeof *r->first);
+    if (!c->batch || !c->phase || !r->first)
         return DIG_E_MEMORY;
-    for (int i = 0; i < count;) {
-        int n = 1;
-        while (n < LANES && i + n < count && sorted[i].colour < COLOURS && sorted[i + n].colour == sorted[i].colour &&
-               sorted[i + n].fixed == sorted[i].fixed)
+    for (int i = 0, n; i < r->count; i += n) {
+        for (n = 1; n < LANES && i + n < r->count && x[i].colour < COLOURS && x[i + n].colour == x[i].colour && x[i + n].fixed == x[i].fixed;)
             n++;
-        DIG_TRY(fill_batch(c, &c->batch[c->batches++], &sorted[i], n));
-        i += n;
+        if (i == 0 || x[i - 1].colour != x[i].colour || x[i - 1].fixed != x[i].fixed)
+            c->phase[c->phases++] = (Phase){.first = c->batches, .alone = x[i].colour == COLOURS};
+        r->first[c->batches] = i;
+        DIG_TRY(make_batch(c, &c->batch[c->batches++], &x[i], n));
+        c->phase[c->phases - 1].count++;
     }
+    r->first[c->batches] = r->count;
     return DIG_OK;
+}
+
+static void fill_batch(Rows *r, int i, int spare)
+{
+    Crowd *c = r->c;
+    Batch *b = &c->batch[i];
+    memset(b->point, 0, (size_t)b->points * sizeof *b->point);
+    if (b->patch)
+        memset(b->patch, 0, sizeof *b->patch);
+    if (b->roll)
+        memset(b->roll, 0, sizeof *b->roll);
+    for (int k = 0; k < LANES; k++) {
+        b->a[k] = b->b[k] = spare;
+        b->contact[k] = -1;
+    }
+    for (int k = 0; k < r->first[i + 1] - r->first[i]; k++)
+        fill_lane(c, b, k, r->sorted[r->first[i] + k].contact, spare);
+}
+
+static void fill_share(void *context, int thread, int threads)
+{
+    Rows *r = context;
+    for (int p = 0; p < r->c->phases; p++) {
+        Phase x = r->c->phase[p];
+        for (int i = phase_first(x, thread, threads); i < phase_end(x, thread, threads); i++)
+            fill_batch(r, i, r->c->bodies + thread);
+    }
 }
 
 dig_status rows_open(Crowd *c)
 {
     Group *g = c->g;
-    Chosen *chosen = arena_alloc(g->arena, 2 * (size_t)(g->contact_count + 1) * sizeof *chosen), *sorted;
+    Rows r = {.c = c, .chosen = arena_alloc(g->arena, 2 * (size_t)(g->contact_count + 1) * sizeof *r.chosen)};
     uint64_t (*taken)[2] = arena_zero(g->arena, (size_t)(c->bodies + 1) * sizeof *taken);
-    if (!chosen || !taken)
+    if (!r.chosen || !taken)
         return DIG_E_MEMORY;
     int place[KINDS] = {0};
-    sorted = chosen + g->contact_count + 1;
-    int count = choose(c, chosen, taken, place);
+    r.sorted = r.chosen + g->contact_count + 1;
+    team_run(g->team, choose_share, &r);
+    r.count = colour_all(&r, taken, place);
     for (int i = 0, sum = 0; i < KINDS; i++) {
         int n = place[i];
         place[i] = sum;
         sum += n;
     }
-    for (int i = 0; i < count; i++)
-        sorted[place[kind_of(&chosen[i])]++] = chosen[i];
-    return make_batches(c, sorted, count);
+    for (int i = 0; i < r.count; i++)
+        r.sorted[place[kind_of(&r.chosen[i])]++] = r.chosen[i];
+    DIG_TRY(make_batches(&r));
+    team_run(g->team, fill_share, &r);
+    return DIG_OK;
 }

@@ -47,11 +47,12 @@ typedef struct WideRoll {       /* rolling resistance                           
 } WideRoll;
 
 typedef struct Batch {          /* up to eight contacts that share no moving body              */
-    int32_t a[LANES], b[LANES]; /*      Six of each body; who does not move has the spare one  */
+    int32_t a[LANES], b[LANES]; /*      Six of each body; who does not move has a spare one    */
     int32_t contact[LANES];     /*      of the group's contacts; < 0 = empty lane              */
     int  points;                /*      most points of a lane                                  */
     bool fixed;                 /*      one side of each contact does not move                 */
     bool driven, bounces;
+    bool noted;                 /*      a strike to be reported, or a sleeper that was pushed; book.c */
     wide n[3];                  /*      from a to b                                            */
     wide ra, rb;                /* 1/sqrt(kg)  roots of the inverse masses; wide.c             */
     wide friction, restitution;
@@ -71,25 +72,43 @@ typedef struct Frame {          /* a moving body at the start of the step       
     bool held;                  /* some row acts on it                                         */
 } Frame;
 
+/* Batches of one colour: no moving body is in two of them, unless they are done one after the other, alone. */
+typedef struct Phase { int first, count; bool alone; } Phase;
+
+#define SHARED_LEAST 4          /* batches: fewer are not worth a meeting                      */
+
+/* The batches of a phase that are a thread's. */
+static inline bool phase_shared(Phase x) { return !x.alone && x.count >= SHARED_LEAST; }
+static inline int phase_first(Phase x, int thread, int threads)
+{
+    return x.first + (phase_shared(x) ? team_first(x.count, thread, threads) : thread == 0 ? 0 : x.count);
+}
+static inline int phase_end(Phase x, int thread, int threads)
+{
+    return x.first + (phase_shared(x) ? team_end(x.count, thread, threads) : x.count);
+}
+
 typedef struct Crowd {
     Group *g;
+    Team  *team;                /* g's                                                         */
     real   dt;
     int    substeps;
     float  h;                   /* s   of a substep                                            */
-    int    bodies;              /* moving ones; the spare Six comes after them                 */
+    int    bodies;              /* moving ones; a spare Six for each thread comes after them   */
     Frame *frame;
     Six   *vel, *move;          /* scaled velocity; scaled displacement since the start        */
     Six   *last, *push;         /* velocity at the last substep's start; change by forces per substep */
     Six   *start;               /* velocity at the start of the step                           */
     Six   *axes[2];             /* frames: columns of s, root                                  */
     Batch *batch; int batches;
+    Phase *phase; int phases;
     Soft   soft[2];             /* between moving bodies; against what does not move           */
     float  push_most;           /* m/s  at which overlap is corrected at most                  */
     float  bounce_least;        /* m/s  slower approaches do not bounce                        */
 } Crowd;
 
 /* touch.c: contacts of the present poses; points carried on at the end of the step */
-dig_status crowd_touch(Group *g, real time);
+void       crowd_touch(Group *g, real time);
 void       crowd_sign(const Group *g, GroupPair *q);
 /* bodies.c */
 dig_status bodies_open(Crowd *c);       /* scaled, from the group's */
@@ -101,6 +120,6 @@ dig_status rows_open(Crowd *c);
 void       wide_solve(Crowd *c, int width);
 /* book.c: forces, points, impacts and energy for the group's records */
 void       book_open(Crowd *c);
-void       book_close(Crowd *c);
+dig_status book_close(Crowd *c);
 
 #endif

@@ -44,37 +44,18 @@ static bool keeps(const Group *g, GroupPair *q)
     return slid < SLID * SLID * q->size * q->size && high - low < TILTED * q->size && high < SLID * q->size;
 }
 
-/* m  Within this of its centre of mass is all that the body is, and gets to in the time without gravity. */
-static real span_of(const Group *g, int body, real time)
+typedef struct Touching { Group *g; real time; } Touching;
+
+static void touch_share(void *context, int thread, int threads)
 {
-    const Member *m = &g->member[body];
-    const Vel *v = &g->vel[body];
-    if (m->slot == NONE)
-        return INFINITY;                /* the world itself */
-    return m->outer + time * (vec3_length(v->v) + (vec3_length2(v->w) > 0 ? vec3_length(v->w) * m->outer : 0));
+    const Touching *t = context;
+    for (int i = team_first(t->g->pair_count, thread, threads); i < team_end(t->g->pair_count, thread, threads); i++)
+        if (!keeps(t->g, &t->g->pairs[i]))
+            group_touch_pair(t->g, &t->g->pairs[i], t->time);
 }
 
-/* Most pairs of a pile had no contact, and have none now. */
-static bool stays_apart(const Group *g, const GroupPair *q, const real *span, real fall)
+void crowd_touch(Group *g, real time)
 {
-    real reach = span[q->a] + span[q->b] + fall + 0.01 * q->size;
-    return q->contacts == 1 && g->contacts[q->contact].manifold.count == 0 &&
-           vec3_length2(vec3_sub(g->pos[q->b].x, g->pos[q->a].x)) > reach * reach;
-}
-
-dig_status crowd_touch(Group *g, real time)
-{
-    real *span = arena_alloc(g->arena, (size_t)g->body_count * sizeof *span), fall = vec3_length(g->gravity) * time * time;
-    if (!span)
-        return DIG_E_MEMORY;
-    for (int i = 0; i < g->body_count; i++)
-        span[i] = span_of(g, i, time);
-    for (int i = 0; i < g->pair_count; i++) {
-        GroupPair *q = &g->pairs[i];
-        if (stays_apart(g, q, span, fall))
-            q->fresh = false;
-        else if (!keeps(g, q))
-            group_touch_pair(g, q, time);
-    }
-    return DIG_OK;
+    Touching t = {g, time};
+    team_run(g->team, touch_share, &t);
 }

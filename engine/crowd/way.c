@@ -1,4 +1,4 @@
-/* crowd/way.c - which groups are advanced as a crowd, and how a step of one goes. */
+/* crowd/way.c - how a step of a crowd goes. */
 #include "crowd/crowd.h"
 
 #include "crowd/system.h"
@@ -9,43 +9,10 @@
 #define FIRM   0.30             /* against what does not move                                   */
 #define DAMPED 10.0             /* 1  damping ratio                                             */
 #define PUSH_MOST 3.0           /* m/s per square root of the size in metres, under 10 m/s^2 */
-#define LIVELY_MOST 16          /* times the plan's crowd: larger groups are crowds even if lively */
 
 bool crowd_allows(const World *w) { return w->def.plane.s[0] == 0 && strcmp(w->def.friction_law.s, "decay") != 0; }
 
-static bool plain_bodies(const Group *g)
-{
-    real light = INFINITY, heavy = 0;
-    for (int i = 0; i < g->moving_count; i++) {
-        const Member *m = &g->member[i];
-        if (!m->moves)
-            continue;
-        if (m->integrator != DIG_AUTO)
-            return false;
-        light = real_min(light, m->mass);
-        heavy = real_max(heavy, m->mass);
-    }
-    return heavy <= CROWD_MASS_RATIO * light;
-}
-
-/* Bounces are simultaneous here; what bounces well deserves better, unless there is very much of it. */
-static bool bounces_well(const Group *g)
-{
-    for (int i = 0; i < g->pair_count; i++)
-        if (g->pairs[i].restitution > CROWD_LIVELY)
-            return true;
-    return false;
-}
-
-static bool suits(const Group *g)
-{
-    bool many = g->moving_count > g->plan->crowd_bodies || g->crowded;
-    if (g->joined)
-        return true;
-    if (!many || g->joint_count > 0 || !crowd_allows(g->world) || !plain_bodies(g))
-        return false;
-    return g->moving_count > LIVELY_MOST * g->plan->crowd_bodies || !bounces_well(g);
-}
+static bool suits(const Group *g) { return g->crowd; }
 
 /* Overlap x under a spring of angular frequency w, damping ratio z, implicit in the velocity over the substep h. */
 static Soft soft_of(real share, real h)
@@ -86,9 +53,9 @@ static dig_status open(Crowd *c)
 
 static dig_status advance(Group *g, real dt)
 {
-    Crowd c = {.g = g, .dt = dt, .substeps = g->plan->substeps, .h = (float)(dt / g->plan->substeps), .bodies = g->moving_count};
+    Crowd c = {.g = g, .team = g->team, .dt = dt, .substeps = g->plan->substeps, .h = (float)(dt / g->plan->substeps), .bodies = g->moving_count};
     DIG_TRY(open(&c));
-    DIG_TRY(crowd_touch(g, dt));
+    crowd_touch(g, dt);
     DIG_TRY(bodies_open(&c));
     DIG_TRY(rows_open(&c));
     book_open(&c);
@@ -96,7 +63,7 @@ static dig_status advance(Group *g, real dt)
     g->t = dt;
     g->substeps = g->sweeps = c.substeps;
     bodies_close(&c);
-    book_close(&c);
+    DIG_TRY(book_close(&c));
     if (g->woke)
         return DIG_OK;          /* this try is thrown away: the sleeper wakes and the step starts again */
     DIG_TRY(g->stage(g, STAGE_FLOW));

@@ -361,50 +361,80 @@ INLINE void solve_batch(const Crowd *c, const Batch *x, const Care *k)
     scatter(c->vel, x->b, v.b);
 }
 
-INLINE void pass(const Crowd *c, bool push, float time)
+/* The part of one thread in work on all bodies or batches, and whom it meets: who else does so. */
+typedef struct Part { Team *team; int thread, threads; } Part;
+
+#define MY_BODIES(c, me, i) \
+    for (int i = team_first((c)->bodies, (me)->thread, (me)->threads); i < team_end((c)->bodies, (me)->thread, (me)->threads); i++)
+#define MY_BATCHES(phase, me, i) \
+    for (int i = phase_first(phase, (me)->thread, (me)->threads); i < phase_end(phase, (me)->thread, (me)->threads); i++)
+
+/* Before a phase all must have done the one before it; not where one thread does both. */
+INLINE void meet_before(const Crowd *c, const Part *me, int phase)
 {
-    for (int i = 0; i < c->batches; i++) {
-        const Batch *x = &c->batch[i];
-        const Soft *s = &c->soft[x->fixed];
-        Care k = {.rate = all(s->rate), .push_most = all(c->push_most), .mass = all(s->mass), .keep = all(s->keep),
-                  .per_step = all(1 / c->h), .time = all(time), .push = push};
-        solve_batch(c, x, &k);
+    if (me->threads > 1 && phase > 0 && (phase_shared(c->phase[phase - 1]) || phase_shared(c->phase[phase])))
+        team_meet(me->team);
+}
+
+INLINE void meet(const Part *me)
+{
+    if (me->threads > 1)
+        team_meet(me->team);
+}
+
+INLINE void pass(const Crowd *c, const Part *me, bool push, float time)
+{
+    for (int p = 0; p < c->phases; p++) {
+        meet_before(c, me, p);
+        MY_BATCHES(c->phase[p], me, i) {
+            const Batch *x = &c->batch[i];
+            const Soft *s = &c->soft[x->fixed];
+            Care k = {.rate = all(s->rate), .push_most = all(c->push_most), .mass = all(s->mass), .keep = all(s->keep),
+                      .per_step = all(1 / c->h), .time = all(time), .push = push};
+            solve_batch(c, x, &k);
+        }
     }
 }
 
 /* ---- the substeps ---- */
 
-INLINE void warm_start(const Crowd *c)
+INLINE void warm_batch(const Crowd *c, const Batch *x)
 {
-    for (int i = 0; i < c->batches; i++) {
-        const Batch *x = &c->batch[i];
-        Both v;
-        gather(c->vel, x->a, v.a);
-        gather(c->vel, x->b, v.b);
-        push_linear(x, &v, x->n, normal_sum(x));
-        for (int k = 0; k < x->points; k++)
-            push_angular(&v, x->point[k].a, x->point[k].b, x->point[k].j);
-        if (x->patch) {
-            WidePatch *f = x->patch;
-            wide u[3];
-            cross(x->n, f->t, u);
-            push_linear(x, &v, f->t, f->j[0]);
-            push_linear(x, &v, u, f->j[1]);
-            push_angular(&v, f->ta, f->tb, f->j[0]);
-            push_angular(&v, f->ua, f->ub, f->j[1]);
-            push_angular(&v, f->wa, f->wb, f->jw);
-        }
-        if (x->roll)
-            push_roll(&v, x->roll, x->roll->j);
-        scatter(c->vel, x->a, v.a);
-        scatter(c->vel, x->b, v.b);
+    Both v;
+    gather(c->vel, x->a, v.a);
+    gather(c->vel, x->b, v.b);
+    push_linear(x, &v, x->n, normal_sum(x));
+    for (int k = 0; k < x->points; k++)
+        push_angular(&v, x->point[k].a, x->point[k].b, x->point[k].j);
+    if (x->patch) {
+        WidePatch *f = x->patch;
+        wide u[3];
+        cross(x->n, f->t, u);
+        push_linear(x, &v, f->t, f->j[0]);
+        push_linear(x, &v, u, f->j[1]);
+        push_angular(&v, f->ta, f->tb, f->j[0]);
+        push_angular(&v, f->ua, f->ub, f->j[1]);
+        push_angular(&v, f->wa, f->wb, f->jw);
+    }
+    if (x->roll)
+        push_roll(&v, x->roll, x->roll->j);
+    scatter(c->vel, x->a, v.a);
+    scatter(c->vel, x->b, v.b);
+}
+
+INLINE void warm_start(const Crowd *c, const Part *me)
+{
+    for (int p = 0; p < c->phases; p++) {
+        meet_before(c, me, p);
+        MY_BATCHES(c->phase[p], me, i)
+            warm_batch(c, &c->batch[i]);
     }
 }
 
 /* The forces and, by the last difference, the impulses of the substep before. */
-INLINE void speed_up(const Crowd *c, bool first)
+INLINE void speed_up(const Crowd *c, const Part *me, bool first)
 {
-    for (int i = 0; i < c->bodies; i++) {
+    MY_BODIES(c, me, i) {
         wide *v = (wide *)(void *)&c->vel[i], *last = (wide *)(void *)&c->last[i];
         wide now = *v;
         *v = now + (first ? *(const wide *)(const void *)&c->push[i] : now - *last);
@@ -412,9 +442,9 @@ INLINE void speed_up(const Crowd *c, bool first)
     }
 }
 
-INLINE void move_on(const Crowd *c)
+INLINE void move_on(const Crowd *c, const Part *me)
 {
-    for (int i = 0; i < c->bodies; i++)
+    MY_BODIES(c, me, i)
         *(wide *)(void *)&c->move[i] += all(c->h) * *(const wide *)(const void *)&c->vel[i];
 }
 
@@ -471,46 +501,74 @@ static void take_share(Crowd *c, float share)
         }
 }
 
-INLINE void solve(Crowd *c)
+/* Restitution; what depends on sums over all bodies is one thread's. */
+INLINE void bounce_all(Crowd *c, const Part *me)
 {
-    for (int i = 0; i < c->batches; i++)
-        prepare(c, &c->batch[i]);
+    meet(me);
+    if (me->thread == 0)
+        memcpy(c->last, c->vel, (size_t)c->bodies * sizeof *c->last);
+    meet(me);
+    for (int p = 0; p < c->phases; p++) {
+        meet_before(c, me, p);
+        MY_BATCHES(c->phase[p], me, i)
+            if (c->batch[i].bounces)
+                bounce(c, &c->batch[i]);
+    }
+    meet(me);
+    if (me->thread == 0)
+        take_share(c, allowed_share(c));
+}
+
+INLINE void solve(Crowd *c, const Part *me)
+{
+    for (int p = 0; p < c->phases; p++)
+        MY_BATCHES(c->phase[p], me, i)
+            prepare(c, &c->batch[i]);
+    meet(me);
     for (int s = 0; s < c->substeps; s++) {
-        speed_up(c, s == 0);
-        if (s == 0)
-            warm_start(c);
-        pass(c, true, (float)s * c->h);
-        move_on(c);
-        pass(c, false, (float)(s + 1) * c->h);
+        speed_up(c, me, s == 0);
+        meet(me);
+        if (s == 0) {
+            warm_start(c, me);
+            meet(me);
+        }
+        pass(c, me, true, (float)s * c->h);
+        meet(me);
+        move_on(c, me);
+        meet(me);
+        pass(c, me, false, (float)(s + 1) * c->h);
+        meet(me);
     }
     bool bounces = false;
     for (int i = 0; i < c->batches; i++)
         bounces = bounces || c->batch[i].bounces;
-    if (!bounces)
-        return;
-    memcpy(c->last, c->vel, (size_t)c->bodies * sizeof *c->last);
-    for (int i = 0; i < c->batches; i++)
-        if (c->batch[i].bounces)
-            bounce(c, &c->batch[i]);
-    take_share(c, allowed_share(c));
+    if (bounces)
+        bounce_all(c, me);
 }
 
-static void solve_plain(Crowd *c) { solve(c); }
+static void solve_plain(void *context, int thread, int threads)
+{
+    Crowd *c = context;
+    solve(c, &(Part){c->team, thread, threads});
+}
 
 #if defined(__x86_64__)
-__attribute__((target("avx2"))) static void solve_avx2(Crowd *c) { solve(c); }
-
-void wide_solve(Crowd *c, int width)
+__attribute__((target("avx2"))) static void solve_avx2(void *context, int thread, int threads)
 {
-    if (width == 2 || (width == 0 && __builtin_cpu_supports("avx2")))
-        solve_avx2(c);
-    else
-        solve_plain(c);
+    Crowd *c = context;
+    solve(c, &(Part){c->team, thread, threads});
+}
+
+static TeamPart *solve_for(int width)
+{
+    return width == 2 || (width == 0 && __builtin_cpu_supports("avx2")) ? solve_avx2 : solve_plain;
 }
 #else
-void wide_solve(Crowd *c, int width)
+static TeamPart *solve_for(int width)
 {
     (void)width;
-    solve_plain(c);
+    return solve_plain;
 }
 #endif
+
+void wide_solve(Crowd *c, int width) { team_run(c->team, solve_for(width), c); }

@@ -85,6 +85,12 @@ static void rows(const JointView *j, RowList *out)
     add_friction(j, ball->friction, out);
 }
 
+static bool only_point(const void *params)
+{
+    const Ball *ball = params;
+    return isnan(ball->swing) && isnan(ball->twist[0]) && isnan(ball->twist[1]) && !(ball->friction > 0);
+}
+
 static bool at_limit(const JointView *j)
 {
     const Ball *ball = j->params;
@@ -98,5 +104,6 @@ const JointType joint_ball = {
     .params_size = sizeof(Ball),
     .free_axes = 3,
     .rows = rows,
+    .only_point = only_point,
     .at_limit = at_limit,
 };

@@ -63,8 +63,8 @@ static void advance_one(void *context, int i, Arena *arena)
     g->plan = accuracy_plan(part->accuracy);
     g->tolerance = accuracy_local(part->accuracy);
     g->may_trace = part->may_trace;
-    g->crowded = part->crowded;
-    g->joined = part->joined;
+    g->crowd = part->crowd;
+    g->team = part->together ? workers_team(c->w->workers) : NULL;
     g->stage = run_stage;
     g->blame = c->blame;
     g->timed = c->s->timed;
@@ -72,9 +72,12 @@ static void advance_one(void *context, int i, Arena *arena)
     if (g->status != DIG_OK)
         return;
     call_effects(g);
+    watch_start(g);
     g->status = group_advance(g, c->s->dt);
     if (g->status == DIG_OK)
-        group_judge(g, c->s->dt);
+        g->status = group_judge(g, c->s->dt);
+    if (g->status == DIG_OK)
+        watch_group(g);
 }
 
 static dig_status wake_pushed(World *w, const Step *s)
@@ -162,14 +165,81 @@ static dig_status name_culprit(World *w, const Group *g)
                       strcmp(effect, "solver") == 0 || strcmp(effect, "state") == 0 ? "velocity" : "force");
 }
 
+typedef struct Cost { int cost, part; } Cost;
+
+static int compare_cost(const void *a, const void *b)
+{
+    const Cost *x = a, *y = b;
+    return x->cost != y->cost ? (x->cost < y->cost ? 1 : -1) : (x->part > y->part) - (x->part < y->part);
+}
+
+#define TOGETHER 256            /* bodies and pairs: less is not worth the meetings of a team */
+
+/* Who does what: crowds so large that others would wait for them are advanced by all threads together; then the rest, the dearest
+ * first. This decides when things are done, not what comes out. */
+static dig_status share_out(World *w, Step *s)
+{
+    Cost *list = arena_alloc(&w->scratch, (size_t)s->count * sizeof *list);
+    s->order = arena_alloc(&w->scratch, (size_t)s->count * sizeof *s->order);
+    if (!list || !s->order)
+        return world_fail(w, DIG_E_MEMORY, "not enough memory for the step's groups");
+    int64_t total = 0, threads = workers_team(w->workers) ? workers_team(w->workers)->threads : 1;
+    for (int i = 0; i < s->count; i++) {
+        list[i] = (Cost){s->parts[i].cost, i};
+        total += list[i].cost;
+    }
+    if (threads > 1)
+        qsort(list, (size_t)s->count, sizeof *list, compare_cost);
+    s->together = 0;
+    for (int i = 0; i < s->count; i++) {
+        struct StepGroup *g = &s->parts[list[i].part];
+        s->order[i] = list[i].part;
+        g->together = threads > 1 && s->together == i && g->crowd && g->cost >= TOGETHER && threads * g->cost > total;
+        s->together += g->together;
+    }
+    return DIG_OK;
+}
+
+/* The groups that are not done together, each by one thread. */
+static void in_order(World *w, Step *s, Job *job, Context *c)
+{
+    if (workers_team(w->workers))
+        workers_run(w->workers, &w->scratch, job, c, s->count - s->together);
+    else
+        for (int i = 0; i < s->count - s->together; i++)
+            job(c, i, &w->scratch);
+}
+
+static void advance_turn(void *context, int i, Arena *arena)
+{
+    const Context *c = context;
+    advance_one(context, c->s->order[c->s->together + i], arena);
+}
+
+static void commit_turn(void *context, int i, Arena *arena)
+{
+    const Context *c = context;
+    (void)arena;
+    group_commit(c->w, &c->s->groups[c->s->order[c->s->together + i]]);
+}
+
+void commit_groups(World *w, Step *s)
+{
+    Context c = {w, s, false};
+    for (int i = 0; i < s->count; i++)
+        group_commit_records(w, &s->groups[i]);
+    for (int i = 0; i < s->together; i++)
+        group_commit(w, &s->groups[s->order[i]]);
+    in_order(w, s, commit_turn, &c);
+}
+
 dig_status advance_groups(World *w, Step *s)
 {
     Context c = {w, s, false};
-    if (w->workers)
-        workers_run(w->workers, &w->scratch, advance_one, &c, s->count);
-    else
-        for (int i = 0; i < s->count; i++)
-            advance_one(&c, i, &w->scratch);
+    DIG_TRY(share_out(w, s));
+    for (int i = 0; i < s->together; i++)
+        advance_one(&c, s->order[i], &w->scratch);
+    in_order(w, s, advance_turn, &c);
     for (int i = 0; i < s->count; i++) {
         dig_status status = s->groups[i].status;
         if (status == DIG_E_MEMORY)

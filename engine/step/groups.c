@@ -8,6 +8,7 @@
 #include "base/sort.h"
 #include "crowd/crowd.h"
 #include "step/step.h"
+#include "world/joint.h"
 
 static uint32_t find_root(World *w, uint32_t i)
 {
@@ -66,14 +67,33 @@ static bool mover_wakes(World *w, uint32_t mover, uint32_t other)
 
 static bool is_listed(const World *w, uint32_t body) { return body != NONE && w->bodies.data[body].listed; }
 
-/* One pair with a listed end; unites the DIGs of both. DIG_E_BUSY: a mover woke a sleeper. */
+/* What is found out about a listed pair before anything is united. */
+enum { GONE, APART, MEETS };
+
+typedef struct Looking { World *w; uint8_t *found; } Looking;       /* [near] */
+
+static void look_share(void *context, int thread, int threads)
+{
+    const Looking *l = context;
+    World *w = l->w;
+    for (int i = team_first(w->near.count, thread, threads); i < team_end(w->near.count, thread, threads); i++) {
+        Pair *p = &w->pairs.data[w->near.data[i]];
+        l->found[i] = GONE;
+        if (!p->alive || (i > 0 && w->near.data[i - 1] == w->near.data[i]))
+            continue;                       /* gone; or gone, and its slot was given to a new pair */
+        bool a = is_listed(w, p->body_a), b = is_listed(w, p->body_b);
+        p->listed = a || b;
+        if (p->listed)
+            l->found[i] = (is_dynamic(w, p->body_a) || is_dynamic(w, p->body_b)) &&
+                          box3_overlap(reach_now(w, &w->solids.data[p->solid_a], a), reach_now(w, &w->solids.data[p->solid_b], b)) ? MEETS : APART;
+    }
+}
+
+/* One pair that meets; unites the DIGs of both. DIG_E_BUSY: a mover woke a sleeper. */
 static dig_status collect_pair(World *w, uint32_t slot, Found *f)
 {
     const Pair *p = &w->pairs.data[slot];
     bool a = is_dynamic(w, p->body_a), b = is_dynamic(w, p->body_b);
-    if ((!a && !b) || !box3_overlap(reach_now(w, &w->solids.data[p->solid_a], is_listed(w, p->body_a)),
-                                    reach_now(w, &w->solids.data[p->solid_b], is_listed(w, p->body_b))))
-        return DIG_OK;
     if (a && b) {
         uint32_t one = dig_node(w, p->body_a, f), other = dig_node(w, p->body_b, f);
         if (one != other)
@@ -88,22 +108,45 @@ static dig_status collect_pair(World *w, uint32_t slot, Found *f)
     return DIG_OK;
 }
 
+/* Most are in order from the last step; what came since is at the end. */
+static dig_status sort_near(World *w)
+{
+    uint32_t *near = w->near.data;
+    int count = w->near.count, old = count > 0;
+    while (old < count && near[old - 1] <= near[old])
+        old++;
+    if (old >= count)
+        return DIG_OK;
+    ArenaMark mark = arena_mark(&w->scratch);
+    uint32_t *added = arena_alloc(&w->scratch, (size_t)(count - old) * sizeof *added);
+    if (!added)
+        return DIG_E_MEMORY;
+    memcpy(added, near + old, (size_t)(count - old) * sizeof *added);
+    DIG_TRY(sort_u32(added, count - old, &w->scratch));
+    for (int to = count - 1, i = old - 1, k = count - old - 1; k >= 0; to--)
+        near[to] = i >= 0 && near[i] > added[k] ? near[i--] : added[k--];
+    arena_rewind(&w->scratch, mark);
+    return DIG_OK;
+}
+
+#define SHARED_LEAST 512         /* pairs: fewer are not worth a team */
+
 /* Goes through the pairs in the order of their storage, and drops those that are gone or fell asleep. */
 static dig_status collect_pairs(World *w, Found *f)
 {
+    DIG_TRY(sort_near(w));
     uint32_t *near = w->near.data;
     int n = 0, count = w->near.count;
-    DIG_TRY(sort_u32(near, count, &w->scratch));
+    Looking l = {w, arena_alloc(&w->scratch, (size_t)count)};
+    if (!l.found)
+        return DIG_E_MEMORY;
+    team_run(count < SHARED_LEAST ? NULL : workers_team(w->workers), look_share, &l);
     dig_status status = DIG_OK;
     for (int i = 0; i < count; i++) {
-        Pair *p = &w->pairs.data[near[i]];
-        if (!p->alive || (n > 0 && near[n - 1] == near[i]))
-            continue;                       /* gone; or gone, and its slot was given to a new pair */
-        p->listed = is_listed(w, p->body_a) || is_listed(w, p->body_b);
-        if (!p->listed)
+        if (l.found[i] == GONE)
             continue;
         near[n++] = near[i];
-        if (status == DIG_OK)
+        if (status == DIG_OK && l.found[i] == MEETS)
             status = collect_pair(w, near[i], f);
     }
     w->near.count = n;
@@ -118,16 +161,72 @@ static int group_accuracy(const World *w, const uint32_t *leads, int count)
     return accuracy;
 }
 
+static int bodies_of(const World *w, const Step *s, const struct StepGroup *g)
+{
+    int bodies = 0;
+    for (int i = 0; i < g->dig_count; i++)
+        bodies += graph_fellows(w->graph, s->leads[g->dig_first + i]);
+    return bodies;
+}
+
+/* Free bodies of about the same mass, advanced the default way. */
+static bool plain_bodies(const World *w, const Step *s, const struct StepGroup *g)
+{
+    real light = INFINITY, heavy = 0;
+    for (int i = 0; i < g->dig_count; i++)
+        for (uint32_t m = s->leads[g->dig_first + i]; m != NONE; m = graph_next(w->graph, m)) {
+            const Body *b = &w->bodies.data[m];
+            if (b->joint_first != NONE || b->integrator != DIG_AUTO)
+                return false;
+            light = real_min(light, b->mass);
+            heavy = real_max(heavy, b->mass);
+        }
+    return heavy <= CROWD_MASS_RATIO * light;
+}
+
+/* Bounces are simultaneous in a crowd; what bounces well deserves better, unless there is very much of it. */
+static bool bounces_well(const World *w, const Step *s, const struct StepGroup *g)
+{
+    for (int i = 0; i < g->pair_count; i++)
+        if (w->pairs.data[s->pairs[g->pair_first + i]].restitution > CROWD_LIVELY)
+            return true;
+    return false;
+}
+
+/* Is it for the crowd: by its own size, or because the world has so much else to advance that small groups are no exception? */
+static bool takes_crowd(const World *w, const Step *s, const struct StepGroup *g, int total)
+{
+    const AccuracyPlan *plan = accuracy_plan(g->accuracy);
+    int bodies = bodies_of(w, s, g);
+    if ((bodies <= plan->crowd_bodies && total <= plan->crowd_total) || !crowd_allows(w) || !plain_bodies(w, s, g))
+        return false;
+    return bodies > CROWD_LIVELY_MOST * plan->crowd_bodies || !bounces_well(w, s, g);
+}
+
 /* The sum of what traced groups may cost is bounded by counts, never by the clock, so that results do not depend on the machine.
  * The first group fits always: one long chain is a world's main business, not one of a thousand. */
-static bool within_budget(const World *w, const Step *s, const struct StepGroup *g, int64_t *spent)
+static bool within_budget(const struct StepGroup *g, int64_t *spent)
 {
-    int64_t cost = g->pair_count;
-    for (int i = 0; i < g->dig_count; i++)
-        cost += graph_fellows(w->graph, s->leads[g->dig_first + i]);
-    bool fits = *spent == 0 || *spent + cost <= accuracy_plan(g->accuracy)->trace_total;
-    *spent += fits ? cost : 0;
+    bool fits = *spent == 0 || *spent + g->cost <= accuracy_plan(g->accuracy)->trace_total;
+    *spent += fits ? g->cost : 0;
     return fits;
+}
+
+/* Is it held together by plain ball joints, in a world of so much else? Then the room chain is enough for it, unless it is most of
+ * that world. */
+static bool takes_chain(const World *w, const Step *s, const struct StepGroup *g, int total)
+{
+    int joints = 0;
+    if (total <= accuracy_plan(g->accuracy)->crowd_total || 2 * bodies_of(w, s, g) >= w->awake.count)
+        return false;
+    for (int i = 0; i < g->dig_count; i++)
+        for (uint32_t m = s->leads[g->dig_first + i]; m != NONE; m = graph_next(w->graph, m))
+            for (uint32_t j = w->bodies.data[m].joint_first; j != NONE; j = joint_next(w, j, m), joints++) {
+                const JointRec *r = &w->joints.data[j];
+                if (!r->type->only_point || !r->type->only_point(r->params))
+                    return false;
+            }
+    return joints > 0;
 }
 
 /* The dynamic end of a pair: its group is the pair's. */
@@ -178,35 +277,7 @@ static void keep_together(Step *s, const Found *f)
     s->pairs = f->pairs;
 }
 
-/* Will the crowd take it, also together with others? */
-static bool joins_crowd(const World *w, const Step *s, const struct StepGroup *g)
-{
-    real light = INFINITY, heavy = 0;
-    if (!g->crowded || !crowd_allows(w))
-        return false;
-    for (int i = 0; i < g->dig_count; i++)
-        for (uint32_t m = s->leads[g->dig_first + i]; m != NONE; m = graph_next(w->graph, m)) {
-            const Body *b = &w->bodies.data[m];
-            if (b->joint_first != NONE || b->integrator != DIG_AUTO)
-                return false;
-            light = real_min(light, b->mass);
-            heavy = real_max(heavy, b->mass);
-        }
-    for (int i = 0; i < g->pair_count; i++)
-        if (w->pairs.data[s->pairs[g->pair_first + i]].restitution > CROWD_LIVELY)
-            return false;
-    return heavy <= CROWD_MASS_RATIO * light;
-}
-
 #define JOINED_MOST 256         /* bodies, about */
-
-static int bodies_of(const World *w, const Step *s, const struct StepGroup *g)
-{
-    int bodies = 0;
-    for (int i = 0; i < g->dig_count; i++)
-        bodies += graph_fellows(w->graph, s->leads[g->dig_first + i]);
-    return bodies;
-}
 
 /* Small groups of a crowd are advanced together, so that rows are solved eight at a time: lists of neighbours stand side by side. */
 static void join_crowds(const World *w, Step *s)
@@ -214,11 +285,11 @@ static void join_crowds(const World *w, Step *s)
     int n = 0, bodies = JOINED_MOST;    /* of the last group; as good as full: none may join it */
     for (int i = 0; i < s->count; i++) {
         struct StepGroup g = s->parts[i];
-        g.joined = joins_crowd(w, s, &g);
-        int own = g.joined ? bodies_of(w, s, &g) : JOINED_MOST;
+        int own = g.crowd ? bodies_of(w, s, &g) : JOINED_MOST;
         if (n > 0 && bodies + own <= JOINED_MOST && s->parts[n - 1].accuracy == g.accuracy) {
             s->parts[n - 1].dig_count += g.dig_count;
             s->parts[n - 1].pair_count += g.pair_count;
+            s->parts[n - 1].cost += g.cost;
             bodies += own;
         } else {
             s->parts[n++] = g;
@@ -249,13 +320,15 @@ static dig_status cut(World *w, Step *s, const Found *f)
         share_out(w, s, f, number);
     }
     int64_t spent = 0;
+    int total = w->awake.count + f->pair_count;
     for (int i = 0; i < s->count; i++) {
         struct StepGroup *g = &s->parts[i];
         g->accuracy = group_accuracy(w, s->leads + g->dig_first, g->dig_count);
-        g->may_trace = within_budget(w, s, g, &spent);
-        g->crowded = !g->may_trace && w->awake.count + f->pair_count > accuracy_plan(g->accuracy)->crowd_total;
+        g->crowd = takes_crowd(w, s, g, total);
+        g->cost = bodies_of(w, s, g) + g->pair_count;
+        g->may_trace = !g->crowd && !takes_chain(w, s, g, total) && within_budget(g, &spent);
     }
-    if (w->awake.count + f->pair_count > accuracy_plan(w->accuracy)->crowd_total)
+    if (total > accuracy_plan(w->accuracy)->crowd_total)
         join_crowds(w, s);
     s->groups = arena_alloc(&w->scratch, (size_t)s->count * sizeof *s->groups);
     return s->groups ? DIG_OK : DIG_E_MEMORY;

@@ -13,11 +13,14 @@ static uint8_t pair_wall(const World *w, const Pair *p) { return w->solids.data[
 dig_status reserve_regraph(World *w, Step *s)
 {
     DIG_TRY(reserve_tell(w, s));
-    int changed = 0, others = 2 * w->awake.count + 64;      /* events: who falls asleep or leaves the world */
+    int changed = 0, born = 0, others = 2 * w->awake.count + 64;      /* events: who falls asleep or leaves the world */
     for (int i = 0; i < s->count; i++) {
         changed += s->groups[i].changed_count;
+        born += s->groups[i].turned_count;
         others += s->groups[i].strike_count + 4 * s->groups[i].joint_count;
     }
+    DIG_TRY(list_reserve(&w->contacts, w->contacts.count + born, &w->allocations));
+    DIG_TRY(list_reserve(&w->free_contacts, w->contacts.capacity, &w->allocations));
     DIG_TRY(list_reserve(&w->touches, w->touches.count + changed, &w->allocations));
     DIG_TRY(list_reserve(&w->free_touches, w->touches.capacity, &w->allocations));
     DIG_TRY(list_reserve(&w->brief, w->touches.capacity, &w->allocations));

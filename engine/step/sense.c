@@ -145,32 +145,58 @@ static bool body_sane(const Body *b)
     return vec3_length2(b->x) < FARTHEST && vec3_length2(b->v) < FARTHEST && vec3_length2(b->w) < FARTHEST && quat_finite(b->q);
 }
 
-static dig_status sense_body(World *w, uint32_t slot, real dt)
+/* m  Where the solid may get in the step; returns whether its leaf in the tree is no longer right for that. */
+static bool find_reach(World *w, Solid *s, const Body *b, real dt)
 {
-    Body *b = &w->bodies.data[slot];
-    if (!b->paired)
-        DIG_TRY(list_pairs(w, b));
-    if (!body_sane(b)) {
-        w->stats.rejected++;
-        return world_fail(w, DIG_E_FINITE, "at t = %g s the state of body '%s' has a non-finite position or velocity",
-                          world_time(w), b->name);
+    s->reach = reach_of(w, s, b, dt);
+    if (s->astray > 0)
+        s->reach = box3_grow(s->reach, s->astray);
+    if (s->leaf < 0)
+        return false;
+    if (!box_sane(s->reach))        /* not by its motion so far: the step will find out what does it */
+        s->reach = s->shape.type->bounds(&s->shape, solid_pose(w, s));
+    s->blow = 0;
+    return !box3_inside(tree_box(&w->tree, s->leaf), s->reach) || oversized(tree_box(&w->tree, s->leaf), s->reach);
+}
+
+/* What there is to do about a body once its reach is known. */
+enum { STRAYED = 1, FAST = 2, INSANE = 4, UNPAIRED = 8 };
+
+typedef struct Sensing { World *w; real dt; uint8_t *found; } Sensing;      /* [awake] */
+
+static void sense_share(void *context, int thread, int threads)
+{
+    const Sensing *n = context;
+    World *w = n->w;
+    for (int i = team_first(w->awake.count, thread, threads); i < team_end(w->awake.count, thread, threads); i++) {
+        const Body *b = &w->bodies.data[w->awake.data[i]];
+        uint8_t found = (uint8_t)((b->paired ? 0 : UNPAIRED) | (body_sane(b) ? 0 : INSANE));
+        real far = point_speed(b) * n->dt;
+        for (uint32_t k = b->shape_first; k != NONE && !(found & INSANE); k = w->solids.data[k].next) {
+            Solid *s = &w->solids.data[k];
+            found |= (uint8_t)((find_reach(w, s, b, n->dt) ? STRAYED : 0) | (far > 0.9 * s->shape.inner ? FAST : 0));
+        }
+        n->found[i] = found;
     }
+}
+
+static dig_status insane(World *w, const Body *b)
+{
+    w->stats.rejected++;
+    return world_fail(w, DIG_E_FINITE, "at t = %g s the state of body '%s' has a non-finite position or velocity", world_time(w), b->name);
+}
+
+/* Gives the leaves that have been left new boxes, and asks who is near. */
+static dig_status follow_body(World *w, uint32_t slot, bool strayed, real dt)
+{
+    const Body *b = &w->bodies.data[slot];
     for (uint32_t i = b->shape_first; i != NONE; i = w->solids.data[i].next) {
         Solid *s = &w->solids.data[i];
-        s->reach = reach_of(w, s, b, dt);
-        if (s->astray > 0)
-            s->reach = box3_grow(s->reach, s->astray);
         if (s->leaf < 0)
             continue;
-        if (!box_sane(s->reach))        /* not by its motion so far: the step will find out what does it */
-            s->reach = s->shape.type->bounds(&s->shape, solid_pose(w, s));
-        s->blow = 0;
-        bool inside = box3_inside(tree_box(&w->tree, s->leaf), s->reach) && !oversized(tree_box(&w->tree, s->leaf), s->reach);
-        if (!inside) {
+        if (strayed && (!box3_inside(tree_box(&w->tree, s->leaf), s->reach) || oversized(tree_box(&w->tree, s->leaf), s->reach))) {
             tree_move(&w->tree, s->leaf, box3_grow(box3_swept(s->reach, vec3_scale(dt, b->v)), 0.1 * s->shape.outer));
-            s->asks = false;            /* asked below */
-        }
-        if (!inside) {
+            s->asks = false;            /* asked here */
             drop_parted(w, i);
             DIG_TRY(ask(w, i));
         }
@@ -215,14 +241,11 @@ static dig_status spread_from(World *w, uint32_t solid, const Body *striker, rea
     return DIG_OK;
 }
 
-static dig_status spread_speed(World *w, real dt)
+static dig_status spread_speed(World *w, uint32_t slot, real dt)
 {
-    for (int i = 0; i < w->awake.count; i++) {
-        uint32_t slot = w->awake.data[i];
-        for (uint32_t s = w->bodies.data[slot].shape_first; s != NONE; s = w->solids.data[s].next)
-            if (point_speed(&w->bodies.data[slot]) * dt > 0.9 * w->solids.data[s].shape.inner)
-                DIG_TRY(spread_from(w, s, &w->bodies.data[slot], dt));
-    }
+    for (uint32_t s = w->bodies.data[slot].shape_first; s != NONE; s = w->solids.data[s].next)
+        if (point_speed(&w->bodies.data[slot]) * dt > 0.9 * w->solids.data[s].shape.inner)
+            DIG_TRY(spread_from(w, s, &w->bodies.data[slot], dt));
     return DIG_OK;
 }
 
@@ -250,6 +273,31 @@ static void wake_near(World *w, uint32_t solid)
         wake_if_near(w, solid, l % 2 ? w->pairs.data[l / 2].solid_a : w->pairs.data[l / 2].solid_b);
 }
 
+#define SHARED_LEAST 256         /* bodies: fewer are not worth a team */
+
+/* All reaches first, for they need nobody else; then, in order, what changes the tree and the pairs. */
+static dig_status sense_bodies(World *w, real dt)
+{
+    int count = w->awake.count;
+    Sensing n = {w, dt, arena_alloc(&w->scratch, (size_t)count)};
+    if (!n.found)
+        return world_fail(w, DIG_E_MEMORY, "not enough memory for %d bodies", count);
+    team_run(count < SHARED_LEAST ? NULL : workers_team(w->workers), sense_share, &n);
+    for (int i = 0; i < count; i++) {
+        uint32_t slot = w->awake.data[i];
+        if (n.found[i] & UNPAIRED)
+            DIG_TRY(list_pairs(w, &w->bodies.data[slot]));
+        if (n.found[i] & INSANE)
+            return insane(w, &w->bodies.data[slot]);
+        if (n.found[i] & STRAYED || w->unbounded.count > 0)
+            DIG_TRY(follow_body(w, slot, n.found[i] & STRAYED, dt));
+    }
+    for (int i = 0; i < count; i++)
+        if (n.found[i] & FAST)
+            DIG_TRY(spread_speed(w, w->awake.data[i], dt));
+    return DIG_OK;
+}
+
 dig_status sense_pairs(World *w, real dt)
 {
     tidy_awake(w);
@@ -266,7 +314,5 @@ dig_status sense_pairs(World *w, real dt)
     }
     w->asking.count = 0;
     tidy_awake(w);                      /* who was woken just now has its place in the order */
-    for (int i = 0; i < w->awake.count; i++)
-        DIG_TRY(sense_body(w, w->awake.data[i], dt));
-    return spread_speed(w, dt);
+    return sense_bodies(w, dt);
 }

@@ -50,12 +50,6 @@ static dig_status advance(World *w, Step *s)
     return status;
 }
 
-static void commit(World *w, const Step *s)
-{
-    for (int i = 0; i < s->count; i++)
-        group_commit(w, &s->groups[i]);
-}
-
 /* Kinematic bodies that are on their way end the step exactly where they should be. */
 static void move_movers(World *w, real dt);
 
@@ -63,13 +57,13 @@ static void move_movers(World *w, real dt);
  * If it fails, motion and effect state are those before the call. */
 dig_status step_world(World *w)
 {
-    Step s = {.dt = w->def.step, .timed = w->steps % TIMED_EVERY == 0};
+    Step s = {.dt = w->def.step, .timed = w->timed_always || w->steps % TIMED_EVERY == 0};
 
     DIG_TRY(advance(w, &s));            /* 1 whose boxes may meet, in which groups;          */
                                         /*   each group on private copies                    */
     DIG_TRY(check_finite(w, &s));       /* 2 all numbers finite, or name the culprit         */
     DIG_TRY(reserve_regraph(w, &s));    /* 3 from here on nothing can fail                   */
-    commit(w, &s);                      /* 4 the copies become the world                     */
+    commit_groups(w, &s);               /* 4 the copies become the world                     */
     move_movers(w, s.dt);               /* 5 kinematic bodies                                */
     w->steps++;
     book_time(&s, &w->stats.us_commit);

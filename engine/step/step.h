@@ -6,6 +6,7 @@
 #define DIG_STEP_H
 
 #include "base/clock.h"
+#include "base/team.h"
 #include "effect/effect.h"
 
 /* Advances the world by one frame step, or leaves motion and effects as they were and says why. */
@@ -21,9 +22,11 @@ typedef struct Step {           /* what the stages hand to each other; lives in 
     Stopwatch watch;            /* in a timed step                          */
     uint32_t *leads;            /* first members of the DIGs of all groups, group by group */
     uint32_t *pairs;            /* pairs of all groups, group by group      */
-    struct StepGroup { int dig_first, dig_count, pair_first, pair_count, accuracy; bool may_trace, crowded, joined; } *parts;
+    struct StepGroup { int dig_first, dig_count, pair_first, pair_count, accuracy, cost; bool may_trace, crowd, together; } *parts;
     Group    *groups;
     int       count;
+    int      *order;            /* in which groups are advanced: */
+    int       together;         /* the first so many by all threads together, then the others, the dearest first */
     struct Telling *tellings;   /* tell.c: who is to hear of which strike   */
     int       telling_count;
 } Step;
@@ -34,6 +37,7 @@ dig_status sense_pairs(World *w, real dt);          /* whose boxes may meet in t
 dig_status form_groups(World *w, Step *s);          /* DIGs that may meet are advanced together             */
 /* advance.c */
 dig_status advance_groups(World *w, Step *s);       /* on private copies, in parallel; DIG_E_BUSY = a sleeper woke or a body went astray: again */
+void       commit_groups(World *w, Step *s);        /* the copies become the world                          */
 dig_status check_finite(World *w, Step *s);         /* all numbers finite, or name the culprit              */
 /* ways.c */
 dig_status group_advance(Group *g, real dt);        /* by the first way that suits and can                  */
@@ -46,6 +50,10 @@ void       tell(World *w, Step *s, uint32_t struck, uint32_t striker, real time,
 void       tell_all(World *w, Step *s);             /* before the DIGs of the step change                   */
 /* rest.c */
 void       rest(World *w, real dt);                 /* who comes to rest, who falls asleep                  */
+/* watch.c: is the result reliable? */
+void       watch_start(Group *g);                   /* before the group is advanced                         */
+void       watch_group(Group *g);                   /* after it, while the world is still as it was         */
+void       watch_world(World *w, const Step *s);    /* all groups, after the commit                         */
 /* report.c */
 void       report(World *w, const Step *s);
 
@@ -53,6 +61,7 @@ void       report(World *w, const Step *s);
 typedef void Job(void *context, int i, Arena *arena);
 dig_status workers_open(int threads, struct Workers **out);
 void       workers_close(struct Workers *p);
+Team      *workers_team(struct Workers *p);         /* all of them; NULL: there is only the caller */
 void       workers_run(struct Workers *p, Arena *own, Job *job, void *context, int count);
 void       workers_reset(struct Workers *p);        /* their arenas */
 size_t     workers_bytes(const struct Workers *p);

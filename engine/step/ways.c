@@ -1,4 +1,5 @@
 /* step/ways.c - the ways to advance a group, in order of preference. Counts decide, never the clock. */
+#include "chain/chain.h"
 #include "conserve/conserve.h"
 #include "crowd/crowd.h"
 #include "step/step.h"
@@ -12,7 +13,7 @@ static bool suits_all(const Group *g)
 
 static const Way way_sweep = {.name = "sweep", .tally = WAY_SWEPT, .suits = suits_all, .advance = sweep_advance};
 
-static const Way *const ways[] = {&way_flight, &way_trace, &way_conserve, &way_crowd, &way_sweep};
+static const Way *const ways[] = {&way_flight, &way_trace, &way_conserve, &way_chain, &way_crowd, &way_sweep};
 
 dig_status group_advance(Group *g, real dt)
 {

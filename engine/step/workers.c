@@ -1,60 +1,83 @@
 /* step/workers.c - a small pool of threads that share out the groups of one step.
  *
  * Which thread takes a group does not matter: groups share no writable data,
- * and each thread has scratch memory of its own.
+ * and each thread has scratch memory of its own. A group too large for one
+ * thread is advanced by all of them as a team.
  */
 #include "step/step.h"
 
 #include <pthread.h>
-#include <stdatomic.h>
 #include <stdlib.h>
 
-typedef struct Worker { struct Workers *pool; Arena arena; pthread_t thread; } Worker;
+typedef struct Worker { struct Workers *pool; Arena arena; pthread_t thread; int number; } Worker;
 
 struct Workers {
-    int             count;          /* besides the calling thread */
+    Team            team;           /* comes first: a Team * of this pool is its address        */
+    int             count;          /* besides the calling thread                               */
     Worker         *workers;
-    pthread_mutex_t lock;
-    pthread_cond_t  start, done;
-    uint64_t        round;          /* guarded by lock */
-    int             busy;           /* guarded by lock */
-    bool            stop;           /* guarded by lock */
-    Job            *job;
+    TeamPart       *part;           /* of this round                                            */
     void           *context;
-    int             jobs;
-    atomic_int      next;
+    atomic_uint     round;
+    atomic_int      busy, asleep;
+    atomic_bool     stop;
+    pthread_mutex_t lock;           /* for those who sleep                                      */
+    pthread_cond_t  start;
 };
 
-static void take_jobs(struct Workers *p, Arena *arena)
+/* A worker looks for the next round for some tens of microseconds: within a step it comes soon. */
+#define LOOKS 1000
+
+/* False: there is none to come. */
+static bool next_round(struct Workers *p, unsigned *round)
 {
-    for (;;) {
-        int i = atomic_fetch_add(&p->next, 1);
-        if (i >= p->jobs)
-            return;
-        p->job(p->context, i, arena);
+    for (int i = 0; i < LOOKS; i++) {
+        if (atomic_load(&p->round) != *round || atomic_load(&p->stop))
+            break;
+        team_pause(0);
     }
+    if (atomic_load(&p->round) == *round && !atomic_load(&p->stop)) {
+        pthread_mutex_lock(&p->lock);
+        atomic_fetch_add(&p->asleep, 1);        /* before the round is looked at: who begins one looks at them the other way round */
+        while (atomic_load(&p->round) == *round && !atomic_load(&p->stop))
+            pthread_cond_wait(&p->start, &p->lock);
+        atomic_fetch_sub(&p->asleep, 1);
+        pthread_mutex_unlock(&p->lock);
+    }
+    *round = atomic_load(&p->round);
+    return !atomic_load(&p->stop);
 }
 
 static void *run_worker(void *arg)
 {
     Worker *self = arg;
     struct Workers *p = self->pool;
-    uint64_t round = 0;
-    pthread_mutex_lock(&p->lock);
-    for (;;) {
-        while (p->round == round && !p->stop)
-            pthread_cond_wait(&p->start, &p->lock);
-        if (p->stop)
-            break;
-        round = p->round;
-        pthread_mutex_unlock(&p->lock);
-        take_jobs(p, &self->arena);
-        pthread_mutex_lock(&p->lock);
-        if (--p->busy == 0)
-            pthread_cond_signal(&p->done);
+    for (unsigned round = 0; next_round(p, &round);) {
+        p->part(p->context, self->number, p->team.threads);
+        atomic_fetch_sub(&p->busy, 1);
     }
-    pthread_mutex_unlock(&p->lock);
     return NULL;
+}
+
+static void wake_sleepers(struct Workers *p)
+{
+    if (atomic_load(&p->asleep) == 0)
+        return;
+    pthread_mutex_lock(&p->lock);
+    pthread_cond_broadcast(&p->start);
+    pthread_mutex_unlock(&p->lock);
+}
+
+static void run_team(Team *t, TeamPart *part, void *context)
+{
+    struct Workers *p = (struct Workers *)(void *)t;
+    p->part = part;
+    p->context = context;
+    atomic_store(&p->busy, p->count);
+    atomic_fetch_add(&p->round, 1);
+    wake_sleepers(p);
+    part(context, 0, t->threads);
+    for (int tries = 0; atomic_load(&p->busy) > 0; tries += tries < INT32_MAX)
+        team_pause(tries);
 }
 
 dig_status workers_open(int threads, struct Workers **out)
@@ -69,13 +92,15 @@ dig_status workers_open(int threads, struct Workers **out)
     }
     pthread_mutex_init(&p->lock, NULL);
     pthread_cond_init(&p->start, NULL);
-    pthread_cond_init(&p->done, NULL);
     for (int i = 0; i < threads - 1; i++) {
         p->workers[i].pool = p;
+        p->workers[i].number = i + 1;
         if (pthread_create(&p->workers[i].thread, NULL, run_worker, &p->workers[i]) != 0)
             break;                      /* fewer threads: slower, the same bits */
         p->count++;
     }
+    p->team.run = run_team;
+    p->team.threads = p->count + 1;
     *out = p;
     return DIG_OK;
 }
@@ -84,41 +109,35 @@ void workers_close(struct Workers *p)
 {
     if (!p)
         return;
-    pthread_mutex_lock(&p->lock);
-    p->stop = true;
-    pthread_cond_broadcast(&p->start);
-    pthread_mutex_unlock(&p->lock);
+    atomic_store(&p->stop, true);
+    wake_sleepers(p);
     for (int i = 0; i < p->count; i++) {
         pthread_join(p->workers[i].thread, NULL);
         arena_close(&p->workers[i].arena);
     }
-    pthread_cond_destroy(&p->done);
     pthread_cond_destroy(&p->start);
     pthread_mutex_destroy(&p->lock);
     free(p->workers);
     free(p);
 }
 
+Team *workers_team(struct Workers *p) { return p && p->count > 0 ? &p->team : NULL; }
+
+typedef struct Jobs { struct Workers *pool; Arena *own; Job *job; void *context; int count; atomic_int next; } Jobs;
+
+static void take_jobs(void *context, int thread, int threads)
+{
+    Jobs *j = context;
+    Arena *arena = thread == 0 ? j->own : &j->pool->workers[thread - 1].arena;
+    (void)threads;
+    for (int i; (i = atomic_fetch_add(&j->next, 1)) < j->count;)
+        j->job(j->context, i, arena);
+}
+
 void workers_run(struct Workers *p, Arena *own, Job *job, void *context, int count)
 {
-    p->job = job;
-    p->context = context;
-    p->jobs = count;
-    atomic_store(&p->next, 0);
-    if (p->count == 0 || count < 2) {
-        take_jobs(p, own);
-        return;
-    }
-    pthread_mutex_lock(&p->lock);
-    p->busy = p->count;
-    p->round++;
-    pthread_cond_broadcast(&p->start);
-    pthread_mutex_unlock(&p->lock);
-    take_jobs(p, own);
-    pthread_mutex_lock(&p->lock);
-    while (p->busy > 0)
-        pthread_cond_wait(&p->done, &p->lock);
-    pthread_mutex_unlock(&p->lock);
+    Jobs j = {.pool = p, .own = own, .job = job, .context = context, .count = count};
+    team_run(count < 2 ? NULL : workers_team(p), take_jobs, &j);
 }
 
 void workers_reset(struct Workers *p)

@@ -1,7 +1,8 @@
 /* world/pair.c - pairs of solids that may touch, their contacts, and which bodies touch.
  *
- * A pair lives while the fat boxes of its solids overlap. It owns a fixed
- * number of contacts from its birth, so that a step never allocates one.
+ * A pair lives while the fat boxes of its solids overlap. With a mesh it owns a fixed number of contacts from its birth. Two convex
+ * solids have one, from when there is something to remember until there is nothing (solve/gather.c): most of their pairs are near each
+ * other and never touch.
  */
 #include "world/world.h"
 
@@ -11,7 +12,7 @@
 static int contacts_needed(const World *w, uint32_t solid_a, uint32_t solid_b)
 {
     const ShapeType *a = w->solids.data[solid_a].shape.type, *b = w->solids.data[solid_b].shape.type;
-    return a->pieces || b->pieces ? MESH_CONTACTS : 1;
+    return a->pieces || b->pieces ? MESH_CONTACTS : 0;
 }
 
 static void link_in(World *w, uint32_t pair, uint32_t side, uint32_t solid)
@@ -59,7 +60,7 @@ dig_status pair_add(World *w, uint32_t solid_a, uint32_t solid_b)
         w->contacts.data[contact[i]].next = i + 1 < want ? contact[i + 1] : NONE;
     Pair *p = &w->pairs.data[slot];
     const Solid *a = &w->solids.data[solid_a], *b = &w->solids.data[solid_b];
-    *p = (Pair){.alive = true, .solid_a = solid_a, .solid_b = solid_b, .body_a = a->body, .body_b = b->body, .contact = contact[0],
+    *p = (Pair){.alive = true, .solid_a = solid_a, .solid_b = solid_b, .body_a = a->body, .body_b = b->body, .contact = want > 0 ? contact[0] : NONE,
                 .listed = true, .fresh = true};
     w->near.data[w->near.count++] = slot;
     surface_pair(w, &a->surface, &b->surface, p);

@@ -28,6 +28,14 @@ typedef struct Surface {        /* what friction and restitution need of a surfa
     real friction, friction_dynamic, rolling, restitution;     /* NaN = the material's  */
 } Surface;
 
+/* What step/watch.c remembers about a body; of rules about a whole group, its first. */
+typedef struct BodyWatch {
+    real     rise;              /* J      its part of what its group got without work, and has not lost since */
+    real     borne;             /* J      its part of how much of that may be */
+    uint64_t since[DIG_RULES], last[DIG_RULES];     /* steps in which a rule was broken, first and last time in a row */
+    uint32_t run[DIG_RULES];    /*        times in that row; 0 = none                   */
+} BodyWatch;
+
 typedef struct Body {
     uint32_t gen;               /*        generation of the handle                     */
     bool     alive, awake, collides, out;   /* out: already reported out of the world  */
@@ -64,6 +72,7 @@ typedef struct Body {
     uint16_t trace_wait, trace_pause;   /* steps until its group is traced again; how many it was put off for last */
     real     trace_step;        /* s      length of the last step of its traced motion; 0 = none */
     uint8_t  integrator;        /* dig_integrator                                      */
+    BodyWatch watch;            /* step/watch.c; no part of the state                  */
 } Body;
 
 typedef struct Solid {          /* one shape in a body, or of the world itself (body == NONE) */
@@ -92,7 +101,7 @@ typedef struct PointMemory {    /* what a contact point remembers between steps 
     int      held;              /* substeps since it carried force, counted down to 0  */
 } PointMemory;
 
-typedef struct Contact {        /* one manifold of a pair; a convex pair has one       */
+typedef struct Contact {        /* one manifold of a pair; a convex pair has at most one */
     uint32_t next;              /* of the same pair                                    */
     uint32_t piece;
     bool     idle;              /* no point, and no force in the last step: nothing to gather, mostly nothing to write back */
@@ -110,7 +119,7 @@ typedef struct Pair {           /* two solids whose fat boxes overlap; what ever
     bool     touching, fresh;   /* fresh: the stored manifold is not that of the present poses */
     uint32_t solid_a, solid_b, body_a, body_b;     /* body NONE: the world; solid_a < solid_b */
     uint32_t next[2], prev[2];  /* lists of the two solids, as 2 * pair + side         */
-    uint32_t contact;           /* first of its contacts (fixed number)                */
+    uint32_t contact;           /* first of its contacts; NONE: two convex solids with nothing to remember */
     ManifoldCache cache;
     real     friction, friction_dynamic, rolling, restitution; /* of this pair of surfaces */
 } Pair;
@@ -195,6 +204,7 @@ typedef struct EffectSlot {     /* one per entry of the effect list             
 struct dig_world {
     dig_world_def def;
     int      accuracy;                  /* see solve/plan.h                            */
+    bool     timed_always;              /* the clock is read in every step, not only in each 16th */
     uint64_t steps, serial;             /* serial: distinguishes worlds' handles       */
     uint64_t rng;
     bool     busy;
@@ -231,6 +241,7 @@ struct dig_world {
 
     Ledger   ledger;
     dig_stats stats;
+    dig_warning warnings[DIG_WARNINGS]; int warning_count;
     Arena    scratch;                   /* of the calling thread                       */
     struct Workers *workers;            /* step/workers.h; NULL for one thread         */
     uint64_t allocations;

@@ -6,13 +6,15 @@
 #   make bench LIMIT=60 TOTAL=1200 REPEATS=5     seconds for one run, for all of them, and how often
 #   make bench REPORT=only                       the table again, from the rows of the last run
 #
+#   make scaling                                 what a step costs per body, pair, contact and joint; writes docs/scaling.md
+#
 # The peers are Debian's packages and are built for this only; one that is not installed is left out.
 
-.PHONY: bench bench-run
+.PHONY: bench bench-run scaling
 bench_dir     := $(BUILD)/bench
 bench_common  := tests/bench/run.c tests/bench/scene.c tests/bench/check.c
 bench_flags   := -O2 -g -ffp-contract=off -D_GNU_SOURCE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror
-bench_headers := $(wildcard tests/bench/*.h)
+bench_headers := $(wildcard tests/bench/*.h) engine/digbox.h
 CXX           ?= g++
 
 ifneq ($(filter bench bench-run,$(MAKECMDGOALS)),)
@@ -49,3 +51,6 @@ $(bench_dir)/bench-digbox: $(core_a)
 $(bench_dir)/bench-%: $(bench_dir)/obj/%.o $(patsubst tests/bench/%.c,$(bench_dir)/obj/%.o,$(bench_common))
 	$(call say,LINK,$@)$(if $(filter digbox,$*),$(CC),$(CXX)) -o $@ $(filter %.o,$^) $(bench_libs-$*) -lm
 .SECONDARY: $(patsubst %,$(bench_dir)/obj/%.o,run scene check selftest digbox bullet ode mujoco)
+
+scaling: all                                    ## what a step costs as worlds grow; writes docs/scaling.md
+	@sh tests/bench/scaling.sh $(BUILD)/digbox docs/scaling.md
