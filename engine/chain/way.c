@@ -318,6 +318,18 @@ static void undo(Group *g)
     }
 }
 
+/* Nothing touches: what touches next is a blow. */
+static void forget_contacts(Group *g)
+{
+    for (int i = 0; i < g->contact_count; i++)
+        for (int k = 0; k < g->contacts[i].manifold.count; k++) {
+            PointMemory *m = &g->contacts[i].memory[k];
+            m->normal = 0;
+            m->held = 0;
+            m->tangent = vec3_zero();
+        }
+}
+
 static dig_status finish(const Chain *c, const Saved *s, real dt)
 {
     Group *g = c->g;
@@ -335,6 +347,8 @@ static dig_status finish(const Chain *c, const Saved *s, real dt)
     given = g->work_in - given;
     g->lost += before + given + work_of(g, dt) - group_kinetic(g);
     g->t = dt;
+    g->close_speed = group_close_speed(g);
+    forget_contacts(g);
     DIG_TRY(g->stage(g, STAGE_FLOW));
     DIG_TRY(g->stage(g, STAGE_SETTLE));
     return g->status;

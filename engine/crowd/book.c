@@ -1,31 +1,34 @@
 /* crowd/book.c - what the solve found goes to the group's records: forces, points, impacts, energy. */
 #include "crowd/system.h"
 
-static vec3 carried(const Group *g, int body, vec3 at)
+static bool goes(const Group *g, int body) { return g->member[body].moves || g->member[body].kinematic; }
+
+static quat turn_of(const Group *g, int body) { return goes(g, body) ? quat_exp(g->shift[body].w) : quat_identity(); }
+
+/* The turn is exact: what turns for ever about one axis would move its points outward by half its square in every step. */
+static vec3 carried(const Group *g, int body, quat turn, vec3 at)
 {
-    const Member *m = &g->member[body];
-    if (!m->moves && !m->kinematic)
-        return at;
-    vec3 shift = vec3_sub(g->pos[body].x, m->start_pos.x);
-    return vec3_add(at, vec3_add(shift, vec3_cross(g->shift[body].w, vec3_sub(at, m->start_pos.x))));
+    return goes(g, body) ? vec3_add(g->pos[body].x, quat_rotate(turn, vec3_sub(at, g->member[body].start_pos.x))) : at;
 }
 
 /* Points go with their bodies; the gap changes by what the row saw. */
 static void carry(Group *g, GroupContact *c)
 {
     GroupPair *q = &g->pairs[c->pair];
+    quat turn_a = turn_of(g, c->a), turn_b = turn_of(g, c->b);
     for (int k = 0; k < c->manifold.count; k++) {
         ManifoldPoint *p = &c->manifold.points[k];
-        p->a = carried(g, c->a, p->a);
-        p->b = carried(g, c->b, p->b);
+        p->a = carried(g, c->a, turn_a, p->a);
+        p->b = carried(g, c->b, turn_b, p->b);
         p->gap = vec3_dot(c->manifold.normal, vec3_sub(p->b, p->a));
     }
     if (c->manifold.count >= 3) {
         int side = g->member[c->a].moves && !(g->member[c->a].round && g->member[c->b].moves) ? c->a : c->b;
         if (!g->member[c->a].moves || !g->member[c->b].moves)
             side = g->member[c->a].moves ? c->b : c->a;
-        c->manifold.normal = vec3_unit(vec3_add(c->manifold.normal, vec3_cross(g->shift[side].w, c->manifold.normal)));
-        crowd_sign(g, q);
+        c->manifold.normal = vec3_unit(quat_rotate(side == c->a ? turn_a : turn_b, c->manifold.normal));
+        if (q->contacts == 1)           /* others may be in other threads' hands */
+            crowd_sign(g, q);
     }
 }
 
@@ -50,6 +53,8 @@ static void note_batch(Crowd *c, const Batch *b)
             real whole = (real)b->point[k].sum[lane], speed = -(real)b->point[k].rate_before[lane];
             PointRow r = {.contact = b->contact[lane], .point = k, .a = t->a, .b = t->b, .jn = whole};
             sum += whole;
+            if (whole > 0)
+                g->pairs[t->pair].approach = real_max(g->pairs[t->pair].approach, speed);
             if (!(whole > 0) || !strikes(c, speed))
                 continue;
             g->member[t->a].collided = g->member[t->b].collided = true;
@@ -101,8 +106,9 @@ static void book_lane(Crowd *c, Batch *b, int lane)
         t->point_weight += whole;
         if (whole > 0) {
             t->last = g->t;
-            q->approach = real_max(q->approach, speed);
-            b->noted = b->noted || strikes(c, speed);
+            if (q->contacts == 1)       /* the pair's other contacts may be in other threads' hands */
+                q->approach = real_max(q->approach, speed);
+            b->noted = b->noted || q->contacts > 1 || strikes(c, speed);
         }
     }
     b->noted = b->noted || pushes_sleeper(g, t, sum);

@@ -301,7 +301,7 @@ static void book(Group *g)
 static void forget_idle(Group *g)
 {
     for (int i = 0; i < g->contact_count; i++)
-        for (int k = 0; k < MANIFOLD_POINTS; k++) {
+        for (int k = 0; k < g->contacts[i].manifold.count; k++) {
             g->contacts[i].memory[k].normal = 0;
             g->contacts[i].memory[k].held = int_max(0, g->contacts[i].memory[k].held - 1);
             g->contacts[i].memory[k].tangent = vec3_zero();

@@ -19,7 +19,9 @@ end
 
 -- At the end of a run
 function core.finish_trace()
-  if trace and not core.trace_close(trace) then cannot_write() end
+  local open = trace
+  trace = nil
+  if open and not core.trace_close(open) then cannot_write() end
 end
 
 return true

@@ -123,6 +123,7 @@ static inline void hand_trace(Hand *h)
     CHECK_INT(trace_reserve(t), DIG_OK);
     for (int i = 0; i < h->g.body_count; i++)
         t->mover_start[i] = h->pos[i];
+    trace_store(t, t->y);
 }
 
 static inline void hand_close(Hand *h) { arena_close(&h->arena); }
