@@ -56,6 +56,31 @@ void bind_file_open(lua_State *L, int core);
 void bind_watch_open(lua_State *L, int core);
 void bind_trace_open(lua_State *L, int core);
 
+/* A field of the table on the top of the stack. */
+static inline void bind_set_text(lua_State *L, const char *name, const char *text)
+{
+    lua_pushstring(L, text);
+    lua_setfield(L, -2, name);
+}
+
+static inline void bind_set_bool(lua_State *L, const char *name, bool on)
+{
+    lua_pushboolean(L, on);
+    lua_setfield(L, -2, name);
+}
+
+static inline void bind_set_real(lua_State *L, const char *name, real x)
+{
+    lua_pushnumber(L, x);
+    lua_setfield(L, -2, name);
+}
+
+static inline void bind_set_int(lua_State *L, const char *name, lua_Integer x)
+{
+    lua_pushinteger(L, x);
+    lua_setfield(L, -2, name);
+}
+
 /* Opens everything and leaves the module `digbox` on the stack; the core table stands in the registry as "digbox.core". */
 int  bind_open(lua_State *L);
 int  luaopen_digbox(lua_State *L);

@@ -151,30 +151,6 @@ static void set_quat(lua_State *L, const char *name, quat q)
     lua_setfield(L, -2, name);
 }
 
-static void set_text(lua_State *L, const char *name, const char *text)
-{
-    lua_pushstring(L, text);
-    lua_setfield(L, -2, name);
-}
-
-static void set_bool(lua_State *L, const char *name, bool on)
-{
-    lua_pushboolean(L, on);
-    lua_setfield(L, -2, name);
-}
-
-static void set_real(lua_State *L, const char *name, real x)
-{
-    lua_pushnumber(L, x);
-    lua_setfield(L, -2, name);
-}
-
-static void set_int(lua_State *L, const char *name, lua_Integer x)
-{
-    lua_pushinteger(L, x);
-    lua_setfield(L, -2, name);
-}
-
 static void set_matrix(lua_State *L, const char *name, const real *m, int size)
 {
     bind_push_matrix(L, m, size);
@@ -191,14 +167,14 @@ static int get_debug(lua_State *L)
     bind_push_world_of(L, 1);
     int world = lua_gettop(L);
     lua_newtable(L);
-    set_int(L, "m_id", (lua_Integer)d.m_id);
-    set_int(L, "db_id", d.db_id);
-    set_text(L, "mess_type", d.mess_type);
-    set_int(L, "dig_id", d.dig_id);
-    set_real(L, "mess_time", d.mess_time);
-    set_bool(L, "floor", d.floor);
-    set_bool(L, "collided", d.collided);
-    set_bool(L, "euler", d.euler);
+    bind_set_int(L, "m_id", (lua_Integer)d.m_id);
+    bind_set_int(L, "db_id", d.db_id);
+    bind_set_text(L, "mess_type", d.mess_type);
+    bind_set_int(L, "dig_id", d.dig_id);
+    bind_set_real(L, "mess_time", d.mess_time);
+    bind_set_bool(L, "floor", d.floor);
+    bind_set_bool(L, "collided", d.collided);
+    bind_set_bool(L, "euler", d.euler);
     set_vec3(L, "curr_pos", d.curr_pos);
     set_vec3(L, "prev_pos", d.prev_pos);
     set_vec3(L, "next_pos", d.next_pos);
@@ -208,20 +184,20 @@ static int get_debug(lua_State *L)
     set_matrix(L, "itensor", d.itensor, 3);
     set_matrix(L, "iti", d.iti, 3);
     set_matrix(L, "itiws", d.itiws, 3);
-    set_real(L, "mo_inertia", d.mo_inertia);
+    bind_set_real(L, "mo_inertia", d.mo_inertia);
     set_vec3(L, "res_force", d.res_force);
     set_vec3(L, "torque", d.torque);
     set_vec3(L, "c_mass", d.c_mass);
     set_vec3(L, "ang_mom", d.ang_mom);
     set_vec3(L, "velocity", d.velocity);
     set_vec3(L, "omega", d.omega);
-    set_real(L, "mass", d.mass);
-    set_real(L, "rest", d.rest);
+    bind_set_real(L, "mass", d.mass);
+    bind_set_real(L, "rest", d.rest);
     bind_push_body(L, world, d.origin);
     lua_setfield(L, -2, "origin");
-    set_text(L, "sp", d.material);
+    bind_set_text(L, "sp", d.material);
     set_matrix(L, "matrix", d.matrix, 4);
-    set_text(L, "object_type", d.object_type);
+    bind_set_text(L, "object_type", d.object_type);
     return 1;
 }
 
@@ -265,7 +241,7 @@ static int read_parameter(lua_State *L)
             lua_getfield(L, -2, "getters");
             lua_newtable(L);
             for (row = dig_schema_at("body", 0)->rows; row->name; row++)
-                set_bool(L, row->name, true);
+                bind_set_bool(L, row->name, true);
             int last = lua_gettop(L);
             return bind_unknown(L, who, "has no field or method", luaL_tolstring(L, 2, NULL), last - 2, last);
         }
@@ -308,10 +284,10 @@ static int body_newindex(lua_State *L)
     const dig_param *row = find_row(key);
     if (!row) {
         lua_newtable(L);
-        set_bool(L, "data", true);
+        bind_set_bool(L, "data", true);
         for (row = dig_schema_at("body", 0)->rows; row->name; row++)
             if (!is_state(row->name))
-                set_bool(L, row->name, true);
+                bind_set_bool(L, row->name, true);
         return bind_unknown(L, "body", "has no parameter", key, lua_gettop(L), lua_gettop(L));
     }
     Field field;

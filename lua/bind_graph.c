@@ -11,12 +11,6 @@ static void set_vec3(lua_State *L, const char *name, vec3 v)
     lua_setfield(L, -2, name);
 }
 
-static void set_real(lua_State *L, const char *name, real x)
-{
-    lua_pushnumber(L, x);
-    lua_setfield(L, -2, name);
-}
-
 static void set_body(lua_State *L, int world, const char *name, dig_body id)
 {
     bind_push_body(L, world, id);
@@ -38,8 +32,8 @@ static void push_link(lua_State *L, int world, const dig_link *k)
     lua_setfield(L, -2, "joint");
     set_vec3(L, "effort", k->effort);
     set_vec3(L, "flow", k->flow);
-    set_real(L, "power", k->power);
-    set_real(L, "began", k->began);
+    bind_set_real(L, "power", k->power);
+    bind_set_real(L, "began", k->began);
     set_vec3(L, "point", k->point);
     set_vec3(L, "normal", k->normal);
     lua_pushboolean(L, k->bound);
@@ -310,12 +304,12 @@ static void set_message(lua_State *L, int world, const dig_message *m)
 {
     lua_pushinteger(L, (lua_Integer)m->id);
     lua_setfield(L, -2, "id");
-    set_real(L, "time", m->time);
+    bind_set_real(L, "time", m->time);
     set_body(L, world, "from", m->from);
     set_body(L, world, "to", m->to);
     lua_pushstring(L, m->kind);
     lua_setfield(L, -2, "kind");
-    set_real(L, "value", m->value[0]);
+    bind_set_real(L, "value", m->value[0]);
     lua_createtable(L, 4, 0);
     for (int i = 0; i < 4; i++) {
         lua_pushnumber(L, m->value[i]);
@@ -362,11 +356,11 @@ static void push_event(lua_State *L, const dig_event *e, const dig_message *m)
     lua_createtable(L, 0, 16);
     lua_pushstring(L, dig_event_name(e->kind));
     lua_setfield(L, -2, "event");
-    set_real(L, "time", e->time);
+    bind_set_real(L, "time", e->time);
     set_body(L, 1, "a", e->a);
     set_body(L, 1, "b", e->b);
-    set_real(L, "speed", e->speed);
-    set_real(L, "impulse", e->impulse);
+    bind_set_real(L, "speed", e->speed);
+    bind_set_real(L, "impulse", e->impulse);
     set_vec3(L, "point", e->point);
     set_vec3(L, "normal", e->normal);
     bind_push_joint(L, 1, e->joint);

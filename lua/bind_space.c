@@ -4,12 +4,6 @@
 
 #include <math.h>
 
-static void set_real(lua_State *L, const char *name, real x)
-{
-    lua_pushnumber(L, x);
-    lua_setfield(L, -2, name);
-}
-
 static void push_hit(lua_State *L, const dig_hit *hit)
 {
     lua_createtable(L, 0, 5);
@@ -19,8 +13,8 @@ static void push_hit(lua_State *L, const dig_hit *hit)
     lua_setfield(L, -2, "point");
     bind_push_vec3(L, hit->normal);
     lua_setfield(L, -2, "normal");
-    set_real(L, "distance", hit->distance);
-    set_real(L, "fraction", hit->fraction);
+    bind_set_real(L, "distance", hit->distance);
+    bind_set_real(L, "fraction", hit->fraction);
 }
 
 /* world:ray{from=, to=} or {from=, along=, length=} -> hits by distance */

@@ -2,32 +2,20 @@
 
 #include "bind.h"
 
-static void set_text(lua_State *L, const char *name, const char *text)
-{
-    lua_pushstring(L, text);
-    lua_setfield(L, -2, name);
-}
-
-static void set_real(lua_State *L, const char *name, real x)
-{
-    lua_pushnumber(L, x);
-    lua_setfield(L, -2, name);
-}
-
 static void push_warning(lua_State *L, const dig_world *w, const dig_warning *n)
 {
     const dig_rule_info *rule = dig_rule_get(n->rule);
     lua_createtable(L, 0, 12);
-    set_text(L, "rule", rule->name);
-    set_text(L, "reason", rule->reason);
-    set_text(L, "advice", rule->advice);
-    set_text(L, "unit", rule->unit);
-    set_real(L, "time", n->time);
-    set_real(L, "value", n->value);
-    set_real(L, "bound", n->bound);
-    set_text(L, "name", n->name.s);
+    bind_set_text(L, "rule", rule->name);
+    bind_set_text(L, "reason", rule->reason);
+    bind_set_text(L, "advice", rule->advice);
+    bind_set_text(L, "unit", rule->unit);
+    bind_set_real(L, "time", n->time);
+    bind_set_real(L, "value", n->value);
+    bind_set_real(L, "bound", n->bound);
+    bind_set_text(L, "name", n->name.s);
     if (n->why[0])
-        set_text(L, "why", n->why);
+        bind_set_text(L, "why", n->why);
     lua_pushinteger(L, (lua_Integer)n->times);
     lua_setfield(L, -2, "times");
     lua_pushinteger(L, n->body.slot);

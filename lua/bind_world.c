@@ -236,33 +236,21 @@ static int world_find(lua_State *L)
 
 /* ---- books ----------------------------------------------------------------------- */
 
-static void set_real(lua_State *L, const char *name, real x)
-{
-    lua_pushnumber(L, x);
-    lua_setfield(L, -2, name);
-}
-
-static void set_int(lua_State *L, const char *name, lua_Integer x)
-{
-    lua_pushinteger(L, x);
-    lua_setfield(L, -2, name);
-}
-
 /* world.energy -> table, J */
 static int world_energy(lua_State *L)
 {
     dig_energy e = dig_world_energy(bind_check_world(L, 1)->w);
     lua_newtable(L);
-    set_real(L, "kinetic", e.kinetic);
-    set_real(L, "potential", e.potential);
-    set_real(L, "elastic", e.elastic);
-    set_real(L, "heat", e.heat);
-    set_real(L, "electric", e.electric);
-    set_real(L, "work_in", e.work_in);
-    set_real(L, "lost", e.lost);
-    set_real(L, "numerical", e.numerical);
-    set_real(L, "total", e.total);
-    set_real(L, "initial", e.initial);
+    bind_set_real(L, "kinetic", e.kinetic);
+    bind_set_real(L, "potential", e.potential);
+    bind_set_real(L, "elastic", e.elastic);
+    bind_set_real(L, "heat", e.heat);
+    bind_set_real(L, "electric", e.electric);
+    bind_set_real(L, "work_in", e.work_in);
+    bind_set_real(L, "lost", e.lost);
+    bind_set_real(L, "numerical", e.numerical);
+    bind_set_real(L, "total", e.total);
+    bind_set_real(L, "initial", e.initial);
     return 1;
 }
 
@@ -272,51 +260,51 @@ static int world_stats(lua_State *L)
     const dig_world *w = bind_check_world(L, 1)->w;
     dig_stats s = dig_world_stats(w);
     lua_newtable(L);
-    set_real(L, "energy_drift", dig_world_energy(w).numerical);
-    set_int(L, "bodies", s.bodies);
-    set_int(L, "awake", s.awake);
-    set_int(L, "digs", s.digs);
-    set_int(L, "contacts", s.contacts);
-    set_int(L, "pairs", s.pairs);
-    set_int(L, "joints", s.joints);
-    set_int(L, "events", (lua_Integer)s.events);
-    set_int(L, "steps", (lua_Integer)s.steps);
-    set_int(L, "rejected", (lua_Integer)s.rejected);
-    set_int(L, "groups", s.groups);
-    set_int(L, "iterations", s.iterations);
-    set_int(L, "substeps", s.substeps);
-    set_int(L, "located", s.located);
-    set_int(L, "traced", s.traced);
-    set_int(L, "conserved", s.conserved);
-    set_int(L, "swept", s.swept);
-    set_int(L, "evaluations", s.evaluations);
-    set_int(L, "refused", s.refused);
-    set_int(L, "trace_events", s.trace_events);
-    set_int(L, "gave_up", (lua_Integer)s.gave_up);
+    bind_set_real(L, "energy_drift", dig_world_energy(w).numerical);
+    bind_set_int(L, "bodies", s.bodies);
+    bind_set_int(L, "awake", s.awake);
+    bind_set_int(L, "digs", s.digs);
+    bind_set_int(L, "contacts", s.contacts);
+    bind_set_int(L, "pairs", s.pairs);
+    bind_set_int(L, "joints", s.joints);
+    bind_set_int(L, "events", (lua_Integer)s.events);
+    bind_set_int(L, "steps", (lua_Integer)s.steps);
+    bind_set_int(L, "rejected", (lua_Integer)s.rejected);
+    bind_set_int(L, "groups", s.groups);
+    bind_set_int(L, "iterations", s.iterations);
+    bind_set_int(L, "substeps", s.substeps);
+    bind_set_int(L, "located", s.located);
+    bind_set_int(L, "traced", s.traced);
+    bind_set_int(L, "conserved", s.conserved);
+    bind_set_int(L, "swept", s.swept);
+    bind_set_int(L, "evaluations", s.evaluations);
+    bind_set_int(L, "refused", s.refused);
+    bind_set_int(L, "trace_events", s.trace_events);
+    bind_set_int(L, "gave_up", (lua_Integer)s.gave_up);
     if (s.gave_up_why[0]) {
         lua_pushstring(L, s.gave_up_why);
         lua_setfield(L, -2, "gave_up_why");
     }
-    set_int(L, "warnings", (lua_Integer)s.warnings);
-    set_real(L, "residual", s.residual);
-    set_real(L, "penetration", s.penetration);
-    set_real(L, "joint_error", s.joint_error);
-    set_int(L, "all_traced", (lua_Integer)s.all_traced);
-    set_int(L, "all_conserved", (lua_Integer)s.all_conserved);
-    set_int(L, "all_swept", (lua_Integer)s.all_swept);
-    set_int(L, "all_refused", (lua_Integer)s.all_refused);
-    set_real(L, "worst_residual", s.worst_residual);
-    set_real(L, "worst_penetration", s.worst_penetration);
-    set_real(L, "worst_joint_error", s.worst_joint_error);
-    set_int(L, "bytes", (lua_Integer)s.bytes);
-    set_int(L, "allocations", (lua_Integer)s.allocations);
+    bind_set_int(L, "warnings", (lua_Integer)s.warnings);
+    bind_set_real(L, "residual", s.residual);
+    bind_set_real(L, "penetration", s.penetration);
+    bind_set_real(L, "joint_error", s.joint_error);
+    bind_set_int(L, "all_traced", (lua_Integer)s.all_traced);
+    bind_set_int(L, "all_conserved", (lua_Integer)s.all_conserved);
+    bind_set_int(L, "all_swept", (lua_Integer)s.all_swept);
+    bind_set_int(L, "all_refused", (lua_Integer)s.all_refused);
+    bind_set_real(L, "worst_residual", s.worst_residual);
+    bind_set_real(L, "worst_penetration", s.worst_penetration);
+    bind_set_real(L, "worst_joint_error", s.worst_joint_error);
+    bind_set_int(L, "bytes", (lua_Integer)s.bytes);
+    bind_set_int(L, "allocations", (lua_Integer)s.allocations);
     lua_newtable(L);
-    set_real(L, "sense", s.us_sense);
-    set_real(L, "touch", s.us_touch);
-    set_real(L, "graph", s.us_graph);
-    set_real(L, "advance", s.us_advance);
-    set_real(L, "commit", s.us_commit);
-    set_real(L, "report", s.us_report);
+    bind_set_real(L, "sense", s.us_sense);
+    bind_set_real(L, "touch", s.us_touch);
+    bind_set_real(L, "graph", s.us_graph);
+    bind_set_real(L, "advance", s.us_advance);
+    bind_set_real(L, "commit", s.us_commit);
+    bind_set_real(L, "report", s.us_report);
     lua_setfield(L, -2, "us");
     return 1;
 }
@@ -333,9 +321,9 @@ static int world_effects(lua_State *L)
         lua_newtable(L);
         lua_pushboolean(L, info.on);
         lua_setfield(L, -2, "on");
-        set_int(L, "bodies", info.bodies);
-        set_real(L, "us", info.us);
-        set_int(L, "bytes", (lua_Integer)info.bytes);
+        bind_set_int(L, "bodies", info.bodies);
+        bind_set_real(L, "us", info.us);
+        bind_set_int(L, "bytes", (lua_Integer)info.bytes);
         lua_pushstring(L, info.law);
         lua_setfield(L, -2, "law");
         lua_pushstring(L, info.why);
@@ -356,7 +344,7 @@ static int world_effect(lua_State *L)
     for (int i = 0; i < dig_effect_count(ref->w); i++)
         if (dig_effect_get(ref->w, i, &info) == DIG_OK) {
             known = known || strcmp(info.name, name) == 0;
-            set_int(L, info.name, i);
+            bind_set_int(L, info.name, i);
         }
     if (!known)
         return bind_unknown(L, "world:effect:", "unknown effect", name, lua_gettop(L), lua_gettop(L));

@@ -224,15 +224,6 @@ static bool any_near(const Group *g, real time)
     return false;
 }
 
-static bool any_deep(const Group *g)
-{
-    for (int i = 0; i < g->contact_count; i++)
-        for (int k = 0; g->contacts[i].live && k < g->contacts[i].manifold.count; k++)
-            if (g->contacts[i].manifold.points[k].gap < 0)
-                return true;
-    return false;
-}
-
 /* What looking for contacts changes, and the poses; nothing else is written before the step has succeeded. */
 typedef struct Saved { GroupContact *contacts; GroupPair *pairs; } Saved;
 
@@ -267,24 +258,6 @@ static dig_status hand_on(Group *g, const Saved *s, const char *why)
 }
 
 /* ---- the step ---- */
-
-/* What was given or hit, or jointed anew, may break the joints' velocities: the end velocity alone counts then, and obeys them. */
-static bool wants_cleaning(const Group *g)
-{
-    for (int i = 0; i < g->moving_count; i++) {
-        const Body *b = &g->world->bodies.data[g->member[i].slot];
-        if (vec3_length2(b->hit_v) > 0 || vec3_length2(b->hit_w) > 0 || b->collided)
-            return true;
-    }
-    for (int i = 0; i < g->joint_count; i++) {
-        bool fresh = true;
-        for (int k = 0; k < JOINT_SLOTS && fresh; k++)
-            fresh = g->joints[i].force[k] == 0;
-        if (fresh)
-            return true;
-    }
-    return false;
-}
 
 static dig_status apply_forces(Group *g, real dt)
 {
@@ -337,7 +310,7 @@ static dig_status finish(const Chain *c, const Saved *s, real dt)
     move_bodies(c, dt);
     if (g->pair_count > 0) {
         group_touch(g, dt / g->plan->substeps, true);
-        if (any_deep(g)) {
+        if (group_deep(g)) {
             undo(g);
             return hand_on(g, s, NULL);
         }
@@ -356,7 +329,8 @@ static dig_status finish(const Chain *c, const Saved *s, real dt)
 
 static dig_status advance(Group *g, real dt)
 {
-    Chain c = {.g = g, .ties = g->joint_count, .k = wants_cleaning(g) ? 1 : WEIGHT,
+    /* where velocities break joints, those of the end alone count, and obey them */
+    Chain c = {.g = g, .ties = g->joint_count, .k = group_joints_broken(g) ? 1 : WEIGHT,
                .enough = real_min(ENOUGH_MOST, 0.2 * g->plan->tolerance)};
     Saved saved = {0};
     bool fits = true;

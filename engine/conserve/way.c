@@ -56,20 +56,11 @@ static bool any_closes(const Group *g, real time)
     return false;
 }
 
-static bool any_deep(const Group *g)
-{
-    for (int i = 0; i < g->contact_count; i++)
-        for (int k = 0; g->contacts[i].live && k < g->contacts[i].manifold.count; k++)
-            if (g->contacts[i].manifold.points[k].gap < 0)
-                return true;
-    return false;
-}
-
 static bool suits(const Group *g)
 {
     if (!g->may_trace)          /* thousands of small mechanisms are swept */
         return false;
-    if (g->joint_count == 0 || g->planar || any_deep(g))
+    if (g->joint_count == 0 || g->planar || group_deep(g))
         return false;
     for (int i = 0; i < g->moving_count; i++)
         if (g->member[i].moves && g->member[i].integrator != DIG_AUTO)
@@ -81,65 +72,10 @@ static bool suits(const Group *g)
     return parts_understood(g);
 }
 
-/* ---- the group as it was ---- */
-
-typedef struct Saved {
-    Group g;
-    Pos *pos; Vel *vel; Mass *mass; Member *member; real *work;
-    GroupJoint *joints;
-    GroupContact *contacts;
-    GroupPair *pairs;
-} Saved;
-
-static void *copy_of(Arena *arena, const void *from, int count, size_t size)
-{
-    void *p = arena_alloc(arena, (size_t)(count + 1) * size);
-    if (p && count > 0)
-        memcpy(p, from, (size_t)count * size);
-    return p;
-}
-
-static dig_status save(const Group *g, Saved *s)
-{
-    s->g = *g;
-    s->pos = copy_of(g->arena, g->pos, g->body_count, sizeof *g->pos);
-    s->vel = copy_of(g->arena, g->vel, g->body_count, sizeof *g->vel);
-    s->mass = copy_of(g->arena, g->mass, g->body_count, sizeof *g->mass);
-    s->member = copy_of(g->arena, g->member, g->body_count, sizeof *g->member);
-    s->work = copy_of(g->arena, g->push_work, g->body_count, sizeof *g->push_work);
-    s->joints = copy_of(g->arena, g->joints, g->joint_count, sizeof *g->joints);
-    s->contacts = copy_of(g->arena, g->contacts, g->contact_count, sizeof *g->contacts);
-    s->pairs = copy_of(g->arena, g->pairs, g->pair_count, sizeof *g->pairs);
-    return s->pos && s->vel && s->mass && s->member && s->work && s->joints && s->contacts && s->pairs ? DIG_OK : DIG_E_MEMORY;
-}
-
-static void put_back(void *to, const void *from, int count, size_t size)
-{
-    if (count > 0)
-        memcpy(to, from, (size_t)count * size);
-}
-
-/* What it cost stays in the report. */
-static void go_back(Group *g, const Saved *s)
-{
-    int evaluations = g->evaluations, refused = g->refused;
-    put_back(g->pos, s->pos, g->body_count, sizeof *g->pos);
-    put_back(g->vel, s->vel, g->body_count, sizeof *g->vel);
-    put_back(g->mass, s->mass, g->body_count, sizeof *g->mass);
-    put_back(g->member, s->member, g->body_count, sizeof *g->member);
-    put_back(g->push_work, s->work, g->body_count, sizeof *g->push_work);
-    put_back(g->joints, s->joints, g->joint_count, sizeof *g->joints);
-    put_back(g->contacts, s->contacts, g->contact_count, sizeof *g->contacts);
-    put_back(g->pairs, s->pairs, g->pair_count, sizeof *g->pairs);
-    *g = s->g;
-    g->evaluations = evaluations;
-    g->refused = refused;
-}
-
 /* why: what was tried in vain; NULL: nothing was tried, the group is not for this way. */
-static dig_status hand_on(Group *g, const Saved *s, const char *why)
+static dig_status hand_on(Group *g, const GroupKept *s, const char *why)
 {
-    go_back(g, s);
+    group_put_back(g, s);
     g->handed_on = true;
     g->conserve_failed = why != NULL;
     if (why)
@@ -180,24 +116,6 @@ static real fastest_spin(const Group *g)
     for (int i = 0; i < g->moving_count; i++)
         w = real_max(w, vec3_length2(g->vel[i].w));
     return sqrt(w);
-}
-
-/* What was given or hit, or jointed anew, may break the joints' velocities; the rule would mirror that for ever. */
-static bool wants_cleaning(const Group *g)
-{
-    for (int i = 0; i < g->moving_count; i++) {
-        const Body *b = &g->world->bodies.data[g->member[i].slot];
-        if (vec3_length2(b->hit_v) > 0 || vec3_length2(b->hit_w) > 0 || b->collided)
-            return true;
-    }
-    for (int i = 0; i < g->joint_count; i++) {
-        bool fresh = true;
-        for (int k = 0; k < JOINT_SLOTS; k++)
-            fresh = fresh && g->joints[i].force[k] == 0;
-        if (fresh)
-            return true;
-    }
-    return false;
 }
 
 static dig_status part(System *s, real h, bool composed, bool *done)
@@ -261,7 +179,7 @@ static dig_status run(Group *g, real dt, int parts, bool composed, System *s, co
     s->precise = composed;
     if (!step_place(s))
         r.why = "conserve: no poses obey the joints";
-    else if (wants_cleaning(g) && !step_clean(s))
+    else if (group_joints_broken(g) && !step_clean(s))         /* the rule would mirror that for ever */
         r.why = "conserve: no velocities obey the joints";
     while (r.at < r.total && !g->woke && !r.why)
         DIG_TRY(next_part(s, &r, dt));
@@ -287,10 +205,11 @@ static bool may_compose(const Group *g)
 
 static dig_status advance(Group *g, real dt)
 {
-    Saved saved;
+    GroupKept saved;
     System s;
     const char *why;
-    DIG_TRY(save(g, &saved));
+    if (!group_keep(g, &saved))
+        return DIG_E_MEMORY;
     group_touch(g, 2 * dt, true);
     if (any_closes(g, dt))
         return hand_on(g, &saved, NULL);                /* something may touch */
@@ -300,7 +219,7 @@ static dig_status advance(Group *g, real dt)
     int parts = composed ? composed_parts(g, dt) : is_small(g) ? g->plan->substeps : parts_of(g->plan);
     DIG_TRY(run(g, dt, parts, composed, &s, &why));
     if (why && composed) {
-        go_back(g, &saved);                             /* single steps then */
+        group_put_back(g, &saved);                             /* single steps then */
         DIG_TRY(run(g, dt, parts_of(g->plan), false, &s, &why));
     }
     if (why)
@@ -310,7 +229,7 @@ static dig_status advance(Group *g, real dt)
     if (!step_watch(g, true))
         return hand_on(g, &saved, "conserve: a joint met its stop");
     group_touch(g, dt / g->plan->substeps, true);
-    if (any_deep(g))
+    if (group_deep(g))
         return hand_on(g, &saved, "conserve: bodies met");
     step_remember(&s);
     DIG_TRY(g->stage(g, STAGE_SETTLE));

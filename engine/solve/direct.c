@@ -14,6 +14,7 @@
  * Joints that carry what is heavy take part with their geometric stiffness (solve/direct_joints.c): chains and bridges under
  * contact. There the rows start softer and harden from round to round, and slip is followed only as far as the rounds go.
  */
+#include "base/bracket.h"
 #include "solve/direct.h"
 
 #define HEAVY         30.0      /*      times the lightest mass: an error that is nothing to what is heavy throws what is light */
@@ -183,26 +184,17 @@ static real size_of_step(const Direct *d)
 /* How far along dv the merit function falls: its slope is monotone, for the function is convex. */
 static real search(const Direct *d)
 {
-    real lo = 0, hi = 1, at_lo = direct_slope(d, 0), at_hi = direct_slope(d, 1), start = fabs(at_lo);
-    if (!(at_hi > 0.3 * start) || !(at_lo < 0))
+    Bracket b = {0, 1, direct_slope(d, 0), direct_slope(d, 1), 0};
+    real start = fabs(b.at_lo);
+    if (!(b.at_hi > 0.3 * start) || !(b.at_lo < 0))
         return 1;
-    for (int i = 0, side = 0; i < 20; i++) {        /* false position, Illinois variant */
-        real x = (lo * at_hi - hi * at_lo) / (at_hi - at_lo), s = direct_slope(d, x);
+    for (int i = 0; i < 20; i++) {
+        real x = (b.lo * b.at_hi - b.hi * b.at_lo) / (b.at_hi - b.at_lo), s = direct_slope(d, x);
         if (fabs(s) < 0.05 * start)
             return x;
-        if (s > 0) {
-            hi = x;
-            at_hi = s;
-            at_lo *= side == 1 ? 0.5 : 1;
-            side = 1;
-        } else {
-            lo = x;
-            at_lo = s;
-            at_hi *= side == -1 ? 0.5 : 1;
-            side = -1;
-        }
+        bracket_put(&b, x, s);
     }
-    return lo > 0 ? lo : hi;
+    return b.lo > 0 ? b.lo : b.hi;
 }
 
 /* dv by the present forces. False: the matrix could not be factored. */

@@ -243,6 +243,16 @@ void       group_refresh_mass(Group *g, int body);      /* inverse inertia in wo
 void       group_joint_view(Group *g, int joint);       /* its ends from the present positions and velocities */
 void       group_joint_move(Group *g, int joint);       /* once viewed: those of its ends that can move, again */
 
+/* keep.c */
+typedef struct GroupKept {      /* a group as it was */
+    Pos *pos; Vel *vel; Mass *mass; Member *member; GroupPair *pairs; GroupContact *contacts; GroupJoint *joints; real *push_work;
+    Group scalars;
+} GroupKept;
+bool group_keep(const Group *g, GroupKept *k);          /* false: out of memory */
+void group_put_back(Group *g, const GroupKept *k);      /* but for what the try has cost: evaluations and refused */
+bool group_deep(const Group *g);                        /* does a contact point overlap? */
+bool group_joints_broken(const Group *g);               /* may velocities break joints: were bodies hit or given a speed, or is a joint new? */
+
 /* joint_view.c: frames, from anchors and orientations */
 void joint_end_set(JointEnd *e, vec3 x, quat q, vec3 v, vec3 w, vec3 local_anchor, quat local_frame);
 

@@ -4,6 +4,7 @@
  * found on the dense output; then the step is made anew with that length, and its length corrected until the function itself
  * is zero.
  */
+#include "base/bracket.h"
 #include "trace/trace.h"
 
 #define BELOW       1e-9        /* of the scale: force and acceleration tests, as in kinds.c    */
@@ -42,33 +43,23 @@ static real value_at(Tracer *t, const Event *e, real part)
     return value_of(t, e);
 }
 
-/* Illinois false position with a bisection every eighth pass; f(lo) > 0 >= f(hi). */
+/* False position with a bisection every eighth pass; f(lo) > 0 >= f(hi). */
 static real root_of(Tracer *t, const Event *e, real lo, real flo, real hi, real fhi)
 {
     real enough = e->kind == EVENT_CLOSE ? 1e-15 * t->size : 0;
-    int side = 0;
-    for (int pass = 1; pass <= PASSES && hi - lo > 4e-16 * hi; pass++) {
-        real x = pass % 8 == 0 ? 0.5 * (lo + hi) : lo + (hi - lo) * flo / (flo - fhi);
-        if (!(x > lo && x < hi))
-            x = 0.5 * (lo + hi);
+    Bracket b = {lo, hi, flo, fhi, 0};
+    for (int pass = 1; pass <= PASSES && b.hi - b.lo > 4e-16 * b.hi; pass++) {
+        real x = pass % 8 == 0 ? 0.5 * (b.lo + b.hi) : b.lo + (b.hi - b.lo) * b.at_lo / (b.at_lo - b.at_hi);
+        if (!(x > b.lo && x < b.hi))
+            x = 0.5 * (b.lo + b.hi);
         real f = value_at(t, e, x);
         if (!isfinite(f))
-            return hi;
-        if (f > 0) {
-            lo = x;
-            flo = f;
-            fhi *= side == 1 ? 0.5 : 1;
-            side = 1;
-        } else {
-            hi = x;
-            fhi = f;
-            flo *= side == -1 ? 0.5 : 1;
-            side = -1;
-        }
+            return b.hi;
+        bracket_put(&b, x, f);
         if (fabs(f) <= enough)
             return x;
     }
-    return hi;
+    return b.hi;
 }
 
 static void earlier(Event *first, const Event *e)

@@ -10,52 +10,9 @@
 #define GATE_DRIFT    1e-4      /* the same of what touches: more would count as open        */
 #define BOUNCE_LEAST  1e-13     /* of the size: bounces lower than this are over             */
 
-/* ---- what a frame that fails must not leave behind ---- */
-
-typedef struct Start {
-    Pos *pos; Vel *vel; Mass *mass; Member *member; GroupPair *pairs; GroupContact *contacts; GroupJoint *joints; real *push_work;
-    Group scalars;
-} Start;
-
-static void *copy(Arena *a, const void *from, size_t bytes)
+static void hand_on(Group *g, const GroupKept *k, const char *why)
 {
-    void *to = arena_alloc(a, bytes + 1);
-    if (to && bytes > 0)
-        memcpy(to, from, bytes);
-    return to;
-}
-
-#define COPY(field, count) ((s->field = copy(g->arena, g->field, (size_t)(count) * sizeof *g->field)))
-
-static bool keep_start(const Group *g, Start *s)
-{
-    s->scalars = *g;
-    return COPY(pos, g->body_count) && COPY(vel, g->body_count) && COPY(mass, g->body_count) && COPY(member, g->body_count)
-        && COPY(pairs, g->pair_count) && COPY(contacts, g->contact_count) && COPY(joints, g->joint_count) && COPY(push_work, g->body_count);
-}
-
-static void put_back(void *to, const void *from, size_t bytes)
-{
-    if (bytes > 0)              /* there may be none, and nowhere to put them */
-        memcpy(to, from, bytes);
-}
-
-#define BACK(field, count) put_back(g->field, s->field, (size_t)(count) * sizeof *g->field)
-
-static void hand_on(Group *g, const Start *s, const char *why)
-{
-    int evaluations = g->evaluations, refused = g->refused;
-    BACK(pos, g->body_count);
-    BACK(vel, g->body_count);
-    BACK(mass, g->body_count);
-    BACK(member, g->body_count);
-    BACK(pairs, g->pair_count);
-    BACK(contacts, g->contact_count);
-    BACK(joints, g->joint_count);
-    BACK(push_work, g->body_count);
-    *g = s->scalars;
-    g->evaluations = evaluations;
-    g->refused = refused;
+    group_put_back(g, k);
     g->handed_on = true;
     g->gave_up = why;
     g->trace_failed = true;
@@ -461,8 +418,8 @@ static dig_status advance(Group *g, real dt)
 {
     Tracer tracer = {.g = g, .end = dt};
     Tracer *t = &tracer;
-    Start start;
-    if (!keep_start(g, &start))             /* before anything is set: the next way is to find what was gathered */
+    GroupKept start;
+    if (!group_keep(g, &start))             /* before anything is set: the next way is to find what was gathered */
         return DIG_E_MEMORY;
     set_scales(t);
     t->h_next = g->trace_step > 0 ? real_min(g->trace_step, dt) : dt;

@@ -73,6 +73,26 @@ static inline dig_body add_body(dig_world *w, dig_body_def d, const char *type, 
 }
 
 /* Solid below normal . x = 0. */
+/* A joint of a type with its defaults. */
+static inline dig_joint join_bodies(dig_world *w, const char *type, dig_body a, dig_body b, vec3 at, vec3 axis)
+{
+    char data[1024];
+    const dig_schema *schema = dig_schema_find("joint", type);
+    CHECK(schema && schema->size <= sizeof data);
+    dig_schema_defaults(schema, data);
+    dig_joint_def def = dig_joint_defaults();
+    def.type = type;
+    def.a = a;
+    def.b = b;
+    def.at = at;
+    def.axis = axis;
+    def.data = data;
+    dig_joint j;
+    if (dig_joint_create(w, &def, &j) != DIG_OK)
+        fail_msg("%s: %s", type, dig_error(w));
+    return j;
+}
+
 static inline dig_body add_slope(dig_world *w, Look l, vec3 normal)
 {
     dig_body_def d = body_with(l, vec3_zero(), quat_identity());

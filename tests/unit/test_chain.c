@@ -14,25 +14,6 @@
 
 static const dig_body nobody = {0, 0};
 
-static dig_joint join(dig_world *w, const char *type, dig_body a, dig_body b, vec3 at, vec3 axis)
-{
-    char data[1024];
-    const dig_schema *schema = dig_schema_find("joint", type);
-    CHECK(schema && schema->size <= sizeof data);
-    dig_schema_defaults(schema, data);
-    dig_joint_def def = dig_joint_defaults();
-    def.type = type;
-    def.a = a;
-    def.b = b;
-    def.at = at;
-    def.axis = axis;
-    def.data = data;
-    dig_joint j;
-    if (dig_joint_create(w, &def, &j) != DIG_OK)
-        fail_msg("%s: %s", type, dig_error(w));
-    return j;
-}
-
 /* A square rod from p to q. */
 static dig_body throw_rod(dig_world *w, vec3 p, vec3 q, vec3 velocity)
 {
@@ -65,7 +46,7 @@ static dig_body hang(dig_world *w, const char *type, vec3 from, vec3 d, int link
     for (int i = 0; i < links; i++) {
         vec3 p = vec3_mad(from, LENGTH * i, d);
         dig_body b = add_rod(w, p, vec3_mad(p, LENGTH, d));
-        join(w, type, b, last, p, (vec3){0, 0, 1});
+        join_bodies(w, type, b, last, p, (vec3){0, 0, 1});
         last = b;
     }
     return last;
@@ -142,7 +123,7 @@ static dig_joint add_catenary(dig_world *w, real pull, real span, real z, dig_bo
         real slope = atan((i - LINKS / 2 + 0.5) * GRAVITY / pull);
         vec3 q = vec3_mad(p, LENGTH, (vec3){cos(slope), sin(slope), 0});
         dig_body b = add_rod(w, p, q);
-        dig_joint j = join(w, "ball", b, last, p, (vec3){0, 0, 1});
+        dig_joint j = join_bodies(w, "ball", b, last, p, (vec3){0, 0, 1});
         if (i == 0)
             first = j;
         if (i == LINKS / 2)
@@ -150,7 +131,7 @@ static dig_joint add_catenary(dig_world *w, real pull, real span, real z, dig_bo
         last = b;
         p = q;
     }
-    join(w, "ball", last, nobody, p, (vec3){0, 0, 1});
+    join_bodies(w, "ball", last, nobody, p, (vec3){0, 0, 1});
     return first;
 }
 
@@ -189,7 +170,7 @@ TEST(free_chains_keep_momentum_and_angular_momentum)
             vec3 p = {LENGTH * k, 2 * i, 0};
             dig_body b = throw_rod(w, p, (vec3){LENGTH * (k + 1), 2 * i, 0}, (vec3){0.3, 0.2 * k - 1, 0.1 * (k % 3)});
             if (k > 0)
-                join(w, "ball", b, last, p, (vec3){0, 0, 1});
+                join_bodies(w, "ball", b, last, p, (vec3){0, 0, 1});
             last = b;
         }
     }
@@ -230,8 +211,8 @@ TEST(rings_are_swept)
     for (int i = 0; i < 4; i++)
         b[i] = add_rod(w, corner[i], corner[(i + 1) % 4]);
     for (int i = 0; i < 4; i++)
-        join(w, "ball", b[i], b[(i + 3) % 4], corner[i], (vec3){0, 0, 1});
-    join(w, "ball", b[0], nobody, corner[0], (vec3){0, 0, 1});
+        join_bodies(w, "ball", b[i], b[(i + 3) % 4], corner[i], (vec3){0, 0, 1});
+    join_bodies(w, "ball", b[0], nobody, corner[0], (vec3){0, 0, 1});
     step(w, 10);
     CHECK_INT(dig_world_stats(w).swept, CHAINS + 1);
     CHECK(dig_world_stats(w).iterations > 0);

@@ -262,24 +262,6 @@ TEST(stack_on_a_steep_slope_slides_by_coulombs_law)
 
 /* ---- joints that carry what is heavy ---- */
 
-static dig_joint hinge(dig_world *w, dig_body a, dig_body b, vec3 at)
-{
-    char data[1024];
-    dig_joint_def def = dig_joint_defaults();
-    const dig_schema *schema = dig_schema_find("joint", "hinge");
-    CHECK(schema && schema->size <= sizeof data);
-    dig_schema_defaults(schema, data);
-    def.type = "hinge";
-    def.a = a;
-    def.b = b;
-    def.at = at;
-    def.axis = (vec3){0, 0, 1};
-    def.data = data;
-    dig_joint j;
-    CHECK_INT(dig_joint_create(w, &def, &j), DIG_OK);
-    return j;
-}
-
 /* Sixteen planks of 1 kg and 0.5 m, hinged in a line between two fixed points as far apart as they are long; boxes of 60 kg. */
 static void bridge(Pile *p, real drop, dig_joint ends[2])
 {
@@ -290,7 +272,7 @@ static void bridge(Pile *p, real drop, dig_joint ends[2])
     }
     for (int i = 0; i < 17; i++) {
         dig_body a = i < 16 ? p->b[i] : p->b[15], b = i > 0 && i < 16 ? p->b[i - 1] : (dig_body){0};
-        dig_joint j = hinge(p->w, a, b, (vec3){0.5 * i, 0, 0});
+        dig_joint j = join_bodies(p->w, "hinge", a, b, (vec3){0.5 * i, 0, 0}, (vec3){0, 0, 1});
         if (i % 16 == 0)
             ends[i / 16] = j;
     }

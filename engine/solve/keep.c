@@ -1,0 +1,68 @@
+/* solve/keep.c - a group as it was, for ways that may find half way that they cannot do it. */
+#include "solve/group.h"
+
+static void *copy(Arena *a, const void *from, size_t bytes)
+{
+    void *to = arena_alloc(a, bytes + 1);
+    if (to && bytes > 0)        /* there may be none, and nowhere to take them from */
+        memcpy(to, from, bytes);
+    return to;
+}
+
+static void put_back(void *to, const void *from, size_t bytes)
+{
+    if (bytes > 0)
+        memcpy(to, from, bytes);
+}
+
+#define KEEP(field, count) ((k->field = copy(g->arena, g->field, (size_t)(count) * sizeof *g->field)))
+#define BACK(field, count) put_back(g->field, k->field, (size_t)(count) * sizeof *g->field)
+
+bool group_keep(const Group *g, GroupKept *k)
+{
+    k->scalars = *g;
+    return KEEP(pos, g->body_count) && KEEP(vel, g->body_count) && KEEP(mass, g->body_count) && KEEP(member, g->body_count)
+        && KEEP(pairs, g->pair_count) && KEEP(contacts, g->contact_count) && KEEP(joints, g->joint_count) && KEEP(push_work, g->body_count);
+}
+
+void group_put_back(Group *g, const GroupKept *k)
+{
+    int evaluations = g->evaluations, refused = g->refused;
+    BACK(pos, g->body_count);
+    BACK(vel, g->body_count);
+    BACK(mass, g->body_count);
+    BACK(member, g->body_count);
+    BACK(pairs, g->pair_count);
+    BACK(contacts, g->contact_count);
+    BACK(joints, g->joint_count);
+    BACK(push_work, g->body_count);
+    *g = k->scalars;
+    g->evaluations = evaluations;
+    g->refused = refused;
+}
+
+bool group_deep(const Group *g)
+{
+    for (int i = 0; i < g->contact_count; i++)
+        for (int k = 0; g->contacts[i].live && k < g->contacts[i].manifold.count; k++)
+            if (g->contacts[i].manifold.points[k].gap < 0)
+                return true;
+    return false;
+}
+
+bool group_joints_broken(const Group *g)
+{
+    for (int i = 0; i < g->moving_count; i++) {
+        const Body *b = &g->world->bodies.data[g->member[i].slot];
+        if (vec3_length2(b->hit_v) > 0 || vec3_length2(b->hit_w) > 0 || b->collided)
+            return true;
+    }
+    for (int i = 0; i < g->joint_count; i++) {
+        bool fresh = true;
+        for (int k = 0; k < JOINT_SLOTS && fresh; k++)
+            fresh = g->joints[i].force[k] == 0;
+        if (fresh)
+            return true;
+    }
+    return false;
+}
