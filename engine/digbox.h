@@ -233,16 +233,32 @@ int dig_warnings(const dig_world *w, dig_warning *out, int capacity);
 
 typedef struct dig_effect_info {
     const char *name, *law;
-    bool   on;
-    int    bodies;      /* taking part in the last step  */
+    bool   on;          /* not switched off, and something calls for it */
+    bool   allowed;     /* not switched off by hand      */
+    int    bodies;      /* taking part in the last step; of an effect on the world as a whole, its members */
     real   us;          /* us of the last timed step (every 16th) */
-    size_t bytes;
-    char   why[64];     /* what called for it            */
+    size_t bytes;       /* of what it keeps; 0 until a scene calls for it */
+    uint64_t calls;     /* groups and steps it took part in since the start; 0 until a scene calls for it */
+    char   why[96];     /* what called for it            */
+    dig_body first;     /* a body of the first group that called for it; null = none yet */
 } dig_effect_info;
 
 int        dig_effect_count(const dig_world *w);
 dig_status dig_effect_get(const dig_world *w, int index, dig_effect_info *info);
-dig_status dig_effect_set(dig_world *w, const char *name, bool on);
+dig_status dig_effect_set(dig_world *w, const char *name, bool on);             /* by hand */
+
+/* What an effect keeps, as structs that its rows describe. `part` is "world" (options of the effect as a whole) or "body" (fields
+ * of a body, which thereby takes part). Index from 0 over all effects of this build; false past the end; schema->rows is NULL
+ * where an effect has no such part. */
+bool       dig_effect_schema(int index, const char *part, dig_schema *schema);
+/* The body takes part in the effect with this struct, or its struct is replaced. why: who called for it, in words ("world.lua:12"),
+ * kept of the first. DIG_E_ARG: a field is out of range. */
+dig_status dig_effect_join(dig_world *w, const char *effect, dig_body b, const void *member, const char *why);
+dig_status dig_effect_leave(dig_world *w, const char *effect, dig_body b);
+/* The struct of a body; false: it does not take part. Or its options; false: not called for, and options holds the defaults. */
+bool       dig_effect_member(const dig_world *w, const char *effect, dig_body b, void *member);
+bool       dig_effect_options(const dig_world *w, const char *effect, void *options);
+dig_status dig_effect_option(dig_world *w, const char *effect, const void *options, const char *why);     /* sets them, and switches it on */
 
 /* ---- materials ------------------------------------------------------------ */
 
@@ -383,10 +399,10 @@ dig_status dig_body_hit(dig_world *w, dig_body b, vec3 impulse, vec3 at, bool ha
 dig_status dig_body_teleport(dig_world *w, dig_body b, const vec3 *at, const quat *rotation, const vec3 *velocity, const vec3 *spin);
 dig_status dig_body_move_to(dig_world *w, dig_body b, vec3 at, const quat *rotation, real over);   /* kinematic only; s */
 dig_status dig_body_set_velocity(dig_world *w, dig_body b, vec3 velocity, vec3 spin);              /* kinematic only */
-/* A row of the body schema that may change: mass density material friction... restitution gravity_scale group collides integrator
- * name colour. */
+/* A row of an effect (dig_effect_schema), in which the body then takes part, or a row of the body schema that may change: mass
+ * density material friction... restitution gravity_scale group collides integrator name colour. */
 dig_status dig_body_set(dig_world *w, dig_body b, const char *param, const void *value);
-dig_status dig_body_param(const dig_world *w, dig_body b, const char *param, void *value);         /* reads any row */
+dig_status dig_body_param(const dig_world *w, dig_body b, const char *param, void *value);         /* reads any row; takes no part: default */
 dig_status dig_body_wake(dig_world *w, dig_body b);
 
 bool dig_body_touches(const dig_world *w, dig_body a, dig_body b);

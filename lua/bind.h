@@ -54,6 +54,7 @@ void bind_graph_open(lua_State *L, int core);
 void bind_film_open(lua_State *L, int core);
 void bind_file_open(lua_State *L, int core);
 void bind_watch_open(lua_State *L, int core);
+void bind_effect_open(lua_State *L, int core);
 void bind_trace_open(lua_State *L, int core);
 
 /* A field of the table on the top of the stack. */
@@ -179,6 +180,17 @@ void bind_fill_field(const Fill *f, const dig_param *row, void *field);
 
 /* Fills every field that the table has. */
 void bind_fill(const Fill *f, const dig_param *rows, void *base);
+
+/* Fields of effects (dig_effect_schema) that a body may have. */
+enum { BIND_SETS = 40 };
+/* Row sets of all that a body's table may have: those of the body, `own` (may be NULL), those of effects; ends with NULL. */
+void bind_body_sets(const dig_param *own, const dig_param *sets[BIND_SETS]);
+/* The row of an effect's body fields by name, and the effect's schema; NULL: there is none. */
+const dig_param *bind_effect_row(const char *name, dig_schema *of);
+/* Structs of the effects whose fields the table has, as a userdata that is pushed (nil: none); bind_effects_join then makes the
+ * body take part in them. */
+void bind_effects_read(const Fill *f);
+void bind_effects_join(lua_State *L, int read, const WorldRef *world, dig_body body);
 
 /* Raises an error for a key that is neither in the row sets (NULL-terminated) nor in extras (NULL-terminated, may be NULL). */
 void bind_check_keys(lua_State *L, int table, const char *what, const dig_param *const *sets, const char *const *extras);

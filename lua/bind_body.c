@@ -217,10 +217,22 @@ static int get_integrating(lua_State *L)
 
 static const dig_param *find_row(const char *key)
 {
+    dig_schema of;
     for (const dig_param *row = dig_schema_at("body", 0)->rows; row->name; row++)
         if (strcmp(row->name, key) == 0)
             return row;
-    return NULL;
+    return bind_effect_row(key, &of);
+}
+
+/* All names, into the table on the top of the stack. */
+static void name_rows(lua_State *L, bool (*but)(const char *))
+{
+    const dig_param *sets[BIND_SETS];
+    bind_body_sets(NULL, sets);
+    for (int i = 0; sets[i]; i++)
+        for (const dig_param *row = sets[i]; row->name; row++)
+            if (!but || !but(row->name))
+                bind_set_bool(L, row->name, true);
 }
 
 typedef union Field { real r; int64_t i; bool b; vec3 v; quat q; dig_text t; real range[2]; dig_body body; dig_joint joint; } Field;
@@ -240,8 +252,7 @@ static int read_parameter(lua_State *L)
             lua_getfield(L, -1, "methods");
             lua_getfield(L, -2, "getters");
             lua_newtable(L);
-            for (row = dig_schema_at("body", 0)->rows; row->name; row++)
-                bind_set_bool(L, row->name, true);
+            name_rows(L, NULL);
             int last = lua_gettop(L);
             return bind_unknown(L, who, "has no field or method", luaL_tolstring(L, 2, NULL), last - 2, last);
         }
@@ -285,9 +296,7 @@ static int body_newindex(lua_State *L)
     if (!row) {
         lua_newtable(L);
         bind_set_bool(L, "data", true);
-        for (row = dig_schema_at("body", 0)->rows; row->name; row++)
-            if (!is_state(row->name))
-                bind_set_bool(L, row->name, true);
+        name_rows(L, is_state);
         return bind_unknown(L, "body", "has no parameter", key, lua_gettop(L), lua_gettop(L));
     }
     Field field;

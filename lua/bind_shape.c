@@ -16,10 +16,11 @@ int bind_create_body(lua_State *L, const char *what, const dig_shape_def *shapes
 {
     WorldRef *ref = bind_check_world(L, 1);
     const dig_schema *schema = dig_schema_at("body", 0);
-    const dig_param *sets[] = {schema->rows, own, NULL};
+    const dig_param *sets[BIND_SETS];
     dig_body_def def = dig_body_defaults();
     dig_body id;
 
+    bind_body_sets(own, sets);
     bind_check_keys(L, 2, what, sets, extras);
     lua_newtable(L);
     Fill fill = {L, 2, lua_gettop(L), what, what, ref};
@@ -27,6 +28,8 @@ int bind_create_body(lua_State *L, const char *what, const dig_shape_def *shapes
     if (lua_getfield(L, 2, "name") == LUA_TSTRING && lua_rawlen(L, -1) > 0 && lua_rawlen(L, -1) < sizeof def.name.s)
         fill.subject = lua_pushfstring(L, "body '%s'", lua_tostring(L, -1));
     bind_fill(&fill, schema->rows, &def);
+    bind_effects_read(&fill);
+    int effects = lua_gettop(L);
     def.shapes = shapes;
     def.shape_count = count;
     dig_status s = dig_body_create(ref->w, &def, &id);
@@ -36,6 +39,7 @@ int bind_create_body(lua_State *L, const char *what, const dig_shape_def *shapes
         bool named = strncmp(text, "body '", 6) == 0;
         return bind_fail_text(L, s, "%s%s%s", named ? "" : what, named ? "" : ": ", text);
     }
+    bind_effects_join(L, effects, ref, id);
     bind_push_body(L, 1, id);
     if (lua_getfield(L, 2, "data") != LUA_TNIL) {
         bind_push_state(L, 1);
@@ -132,7 +136,8 @@ static int make_body(lua_State *L)
     lua_settop(L, 2);
     want_table(L, 2, what);
 
-    const dig_param *sets[] = {schema->rows, dig_schema_at("body", 0)->rows, NULL};
+    const dig_param *sets[BIND_SETS];
+    bind_body_sets(schema->rows, sets);
     const char *const *extras = is_heightfield(schema) ? height_keys : plain_keys;
     bind_check_keys(L, 2, what, sets, extras);
     check_required(L, 2, what, schema);
@@ -247,10 +252,11 @@ static void list_body_fields(lua_State *L, int core)
     lua_newtable(L);
     lua_pushboolean(L, 1);
     lua_setfield(L, -2, "data");
-    for (const dig_param *row = dig_schema_at("body", 0)->rows; row->name; row++) {
-        lua_pushboolean(L, 1);
-        lua_setfield(L, -2, row->name);
-    }
+    const dig_param *sets[BIND_SETS];
+    bind_body_sets(NULL, sets);
+    for (int i = 0; sets[i]; i++)
+        for (const dig_param *row = sets[i]; row->name; row++)
+            bind_set_bool(L, row->name, true);
     lua_setfield(L, core, "body_fields");
 }
 

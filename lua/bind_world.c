@@ -309,51 +309,6 @@ static int world_stats(lua_State *L)
     return 1;
 }
 
-/* world:effects() -> {name = {on, bodies, us, bytes, law, why}} */
-static int world_effects(lua_State *L)
-{
-    dig_world *w = bind_check_world(L, 1)->w;
-    dig_effect_info info;
-    lua_newtable(L);
-    for (int i = 0; i < dig_effect_count(w); i++) {
-        if (dig_effect_get(w, i, &info) != DIG_OK)
-            continue;
-        lua_newtable(L);
-        lua_pushboolean(L, info.on);
-        lua_setfield(L, -2, "on");
-        bind_set_int(L, "bodies", info.bodies);
-        bind_set_real(L, "us", info.us);
-        bind_set_int(L, "bytes", (lua_Integer)info.bytes);
-        lua_pushstring(L, info.law);
-        lua_setfield(L, -2, "law");
-        lua_pushstring(L, info.why);
-        lua_setfield(L, -2, "why");
-        lua_setfield(L, -2, info.name);
-    }
-    return 1;
-}
-
-/* world:effect(name, on) */
-static int world_effect(lua_State *L)
-{
-    WorldRef *ref = bind_check_world(L, 1);
-    const char *name = luaL_checkstring(L, 2);
-    dig_effect_info info;
-    bool known = false;
-    lua_newtable(L);
-    for (int i = 0; i < dig_effect_count(ref->w); i++)
-        if (dig_effect_get(ref->w, i, &info) == DIG_OK) {
-            known = known || strcmp(info.name, name) == 0;
-            bind_set_int(L, info.name, i);
-        }
-    if (!known)
-        return bind_unknown(L, "world:effect:", "unknown effect", name, lua_gettop(L), lua_gettop(L));
-    if (!lua_isboolean(L, 3))
-        return bind_error(L, "world:effect('%s', on) wants true or false; got %s", name, luaL_typename(L, 3));
-    dig_status s = dig_effect_set(ref->w, name, lua_toboolean(L, 3));
-    return s == DIG_OK ? 0 : bind_fail(L, ref->w, s);
-}
-
 /* world:checksum() -> text */
 static int world_checksum(lua_State *L)
 {
@@ -502,7 +457,7 @@ static int world_close(lua_State *L)
 
 static const luaL_Reg methods[] = {
     {"bodies", world_bodies}, {"joints", world_joints}, {"find", world_find}, {"checksum", world_checksum}, {"check", world_check},
-    {"stats", world_stats}, {"effects", world_effects}, {"effect", world_effect},
+    {"stats", world_stats},
     {"snapshot", world_snapshot}, {NULL, NULL},
 };
 static const luaL_Reg getters[] = {

@@ -16,6 +16,14 @@ JointRec *api_joint(const World *w, dig_joint j, const char *call);
 void api_joint_view(const World *w, uint32_t slot, JointView *view, real memory[JOINT_MEMORY]);
 /* Adds b unless it is there; returns the new number. */
 int api_add_unique(dig_body *out, int n, int capacity, dig_body b);
+/* effect.c */
+void api_open_effects(World *w);
+void api_effects_energy(const World *w, dig_energy *sum);       /* adds what effects store, J */
+real api_effects_stored(const World *w);                        /* the same in one number, J */
+/* A row of an effect's body_params by name; NULL: no effect has it. */
+const dig_param *api_effect_row(const World *w, const char *name, int *effect);
+dig_status api_effect_set(World *w, uint32_t body, int effect, const dig_param *row, const void *value);
+void api_effect_get(const World *w, uint32_t body, int effect, const dig_param *row, void *value);
 dig_status api_finite(const World *w, vec3 v, const char *call, const char *what, const char *unit);
 
 #endif

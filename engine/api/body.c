@@ -27,7 +27,9 @@ dig_status dig_body_remove(dig_world *w, dig_body b)
 {
     if (!api_body(w, b, "remove"))
         return DIG_E_DEAD;
+    real before = api_effects_stored(w);
     body_remove(w, b.slot);
+    w->ledger.initial += w->ledger.started ? api_effects_stored(w) - before : 0;
     return DIG_OK;
 }
 

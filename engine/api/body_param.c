@@ -74,7 +74,10 @@ dig_status dig_body_set(dig_world *w, dig_body handle, const char *name, const v
         return DIG_E_DEAD;
     const dig_param *row = param_find(dig_schema_at("body", 0)->rows, name);
     char subject[96], why[256];
+    int effect;
     snprintf(subject, sizeof subject, "body '%s'", b->name);
+    if (!row && (row = api_effect_row(w, name, &effect)) != NULL)
+        return api_effect_set(w, handle.slot, effect, row, value);
     if (!row)
         return world_fail(w, DIG_E_ARG, "body '%s' has no parameter '%s'", b->name, name);
     if (param_check_field(row, value, subject, why, sizeof why) != DIG_OK)
@@ -120,6 +123,11 @@ dig_status dig_body_param(const dig_world *w, dig_body handle, const char *name,
     if (!b)
         return DIG_E_DEAD;
     const dig_param *row = param_find(dig_schema_at("body", 0)->rows, name);
+    int effect;
+    if (!row && (row = api_effect_row(w, name, &effect)) != NULL) {
+        api_effect_get(w, handle.slot, effect, row, value);
+        return DIG_OK;
+    }
     if (!row)
         return world_fail(w, DIG_E_ARG, "body '%s' has no parameter '%s'", b->name, name);
     Surface s = surface_resolve(w, &b->surface);

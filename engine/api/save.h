@@ -21,7 +21,7 @@
 #include "base/pack.h"
 #include "geom/save.h"
 
-#define SAVE_FORMAT 2u
+#define SAVE_FORMAT 3u
 
 #define SAVE_FAR    1e15        /* m         */
 #define SAVE_FAST   1e12        /* m/s, rad/s */
@@ -46,6 +46,7 @@ void save_tree(Pack *p, World *w);
 void save_graph(Pack *p, World *w);
 void save_events(Pack *p, World *w);
 void save_messages(Pack *p, World *w);
+void save_effects(Pack *p, World *w);       /* what effects keep */
 
 /* After all sections were read. */
 void save_connect(Pack *p, World *w);

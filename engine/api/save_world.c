@@ -51,34 +51,6 @@ static void pack_stats(Pack *p, dig_stats *s)
     pack_real(p, &s->joint_error);
 }
 
-static EffectSlot *find_effect(World *w, const char *name)
-{
-    for (int i = 0; i < w->effect_count; i++)
-        if (strcmp(w->effects[i].type->name, name) == 0)
-            return &w->effects[i];
-    return NULL;
-}
-
-/* By name: the list of another build may have another order. */
-static void pack_effects(Pack *p, World *w)
-{
-    uint32_t count = pack_count(p, (uint32_t)w->effect_count, 7, "effects");
-    for (uint32_t i = 0; i < count && pack_good(p); i++) {
-        char name[64] = "";
-        if (!p->reading)
-            snprintf(name, sizeof name, "%s", w->effects[i].type->name);
-        pack_text(p, name, sizeof name);
-        EffectSlot *e = find_effect(w, name);
-        if (!e) {
-            pack_fail(p, "there is no effect '%s'", name);
-            return;
-        }
-        pack_bool(p, &e->on);
-        pack_bool(p, &e->forced);
-        pack_number(p, &e->bodies);
-    }
-}
-
 static void pack_room(Pack *p, World *w)
 {
     pack_bool(p, &w->has_room);
@@ -100,7 +72,6 @@ void save_settings(Pack *p, World *w)
     pack_check(p, w->serial <= 3000000000u, "the number of handles is too large");
     pack_ledger(p, &w->ledger);
     pack_stats(p, &w->stats);
-    pack_effects(p, w);
     pack_room(p, w);
 }
 

@@ -94,13 +94,21 @@ static void copy_numbers(World *to, const World *from)
     to->warning_count = from->warning_count;
 }
 
-static void copy_effects(EffectSlot *to, const EffectSlot *from)
+static dig_status copy_effects(World *to, const World *from)
 {
-    for (int i = 0; i < MAX_EFFECTS; i++) {
-        to[i].on = from[i].on;
-        to[i].forced = from[i].forced;
-        to[i].bodies = from[i].bodies;
+    to->effect_count = from->effect_count;
+    for (int i = 0; i < from->effect_count; i++) {
+        const EffectSlot *e = &from->effects[i];
+        to->effects[i] = *e;
+        to->effects[i].world = NULL;
+        to->effects[i].members = (Column){.size = e->members.size};
+        DIG_TRY(column_copy(&to->effects[i].members, &e->members, &to->allocations));
+        if (e->world && !(to->effects[i].world = malloc(e->world_size)))
+            return DIG_E_MEMORY;
+        if (e->world)
+            memcpy(to->effects[i].world, e->world, e->world_size);
     }
+    return DIG_OK;
 }
 
 /* A world of its own with the same state. */
@@ -116,12 +124,13 @@ static dig_status clone_world(const World *from, World **out)
         s = copy_free_lists(to, from);
     if (s == DIG_OK)
         s = reserve_like(to, from);
+    if (s == DIG_OK)
+        s = copy_effects(to, from);
     if (s != DIG_OK) {
         world_close(to);
         return s;
     }
     copy_numbers(to, from);
-    copy_effects(to->effects, from->effects);
     *out = to;
     return DIG_OK;
 }
@@ -154,8 +163,8 @@ static void swap_bytes(void *a, void *b, size_t size)
     }
 }
 
-/* The world gets the state of the other, which gets the old one. What is no state stays: threads, scratch memory, effects but
- * for their switches. Handle numbers go on counting, so that a body made after the snapshot is dead for ever. */
+/* The world gets the state of the other, which gets the old one. What is no state stays: threads, scratch memory. Handle
+ * numbers go on counting, so that a body made after the snapshot is dead for ever. */
 static void exchange(World *w, World *other)
 {
     swap_bytes(w, other, sizeof *w);
@@ -163,11 +172,8 @@ static void exchange(World *w, World *other)
     swap_bytes(&w->gen_start, &other->gen_start, sizeof w->gen_start);
     swap_bytes(&w->scratch, &other->scratch, sizeof w->scratch);
     swap_bytes(&w->workers, &other->workers, sizeof w->workers);
-    swap_bytes(&w->effects, &other->effects, sizeof w->effects);
-    swap_bytes(&w->effect_count, &other->effect_count, sizeof w->effect_count);
     swap_bytes(&w->error, &other->error, sizeof w->error);
     w->allocations += other->allocations;
-    copy_effects(w->effects, other->effects);
 }
 
 dig_status dig_world_restore(dig_world *w, const dig_snapshot *s)

@@ -54,12 +54,6 @@ static dig_status check_world_def(const dig_world_def *def, char *why, size_t ca
     return DIG_OK;
 }
 
-static void open_effects(World *w)
-{
-    for (int i = 0; i < MAX_EFFECTS && effect_types[i]; i++)
-        w->effects[w->effect_count++] = (EffectSlot){.type = effect_types[i], .on = true};
-}
-
 dig_status dig_world_open(const dig_world_def *def, dig_world **out, char *why, size_t capacity)
 {
     *out = NULL;
@@ -67,7 +61,7 @@ dig_status dig_world_open(const dig_world_def *def, dig_world **out, char *why, 
     World *w;
     DIG_TRY(world_open(def, &w, why, capacity));
     w->accuracy = !isnan(def->tolerance) ? accuracy_for(def->tolerance) : accuracy_find(def->accuracy.s[0] ? def->accuracy.s : "play");
-    open_effects(w);
+    api_open_effects(w);
     if (def->threads > 1) {
         dig_status s = workers_open((int)def->threads, &w->workers);
         if (s != DIG_OK) {
@@ -164,6 +158,7 @@ dig_energy dig_world_energy(const dig_world *w)
         e.potential -= b->mass * b->gravity_scale * vec3_dot(w->def.gravity, b->x);
     }
     e.elastic = elastic_energy(w);
+    api_effects_energy(w, &e);
     e.total = e.kinetic + e.potential + e.elastic + e.heat + e.electric;
     if (!w->ledger.started)
         e.initial = e.total;
@@ -226,31 +221,6 @@ int dig_warnings(const dig_world *w, dig_warning *out, int capacity)
     for (int i = 0; i < int_min(capacity, w->warning_count); i++)
         out[i] = w->warnings[i];
     return w->warning_count;
-}
-
-int dig_effect_count(const dig_world *w) { return w->effect_count; }
-
-dig_status dig_effect_get(const dig_world *w, int index, dig_effect_info *info)
-{
-    if (index < 0 || index >= w->effect_count)
-        return world_fail(w, DIG_E_ARG, "effect %d: there are %d", index, w->effect_count);
-    const EffectSlot *e = &w->effects[index];
-    *info = (dig_effect_info){.name = e->type->name, .law = e->type->law, .on = e->on && (e->bodies > 0), .bodies = e->bodies, .us = e->us, .bytes = e->bytes};
-    snprintf(info->why, sizeof info->why, "%s", !e->on ? "switched off" : e->bodies > 0 ? "the scene calls for it" : "nothing calls for it");
-    return DIG_OK;
-}
-
-dig_status dig_effect_set(dig_world *w, const char *name, bool on)
-{
-    for (int i = 0; i < w->effect_count; i++) {
-        if (strcmp(w->effects[i].type->name, name) != 0)
-            continue;
-        w->effects[i].on = on;
-        w->effects[i].forced = true;
-        world_wake_all(w);
-        return DIG_OK;
-    }
-    return world_fail(w, DIG_E_ARG, "there is no effect '%s'", name);
 }
 
 int dig_events(const dig_world *w, const dig_event **out)

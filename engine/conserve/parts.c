@@ -220,33 +220,33 @@ void parts_begin(System *s)
 
 /* ---- how the forces change with the end poses: columns of a 12 x 12 matrix, linear and angular of a, then of b ---- */
 
-typedef struct Column { vec3 xa, ta, xb, tb; } Column;
+typedef struct Twelve { vec3 xa, ta, xb, tb; } Twelve;
 
-static Column unit_column(int i)
+static Twelve unit_column(int i)
 {
     real u[12] = {0};
     u[i] = 1;
-    return (Column){take(u, 0), take(u, 1), take(u, 2), take(u, 3)};
+    return (Twelve){take(u, 0), take(u, 1), take(u, 2), take(u, 3)};
 }
 
-static Column bend_line(const Part *part, const Arms *r, real p, Column d)
+static Twelve bend_line(const Part *part, const Arms *r, real p, Twelve d)
 {
     vec3 d0 = mat3_mul_vec(r->b->r0, part->in_b), d1 = mat3_mul_vec(r->b->r, part->in_b), dm = mean(d0, d1);
     vec3 change = vec3_scale(0.5 * p, vec3_cross(d.tb, d1)), arm = vec3_scale(0.5, vec3_cross(d.ta, r->a1));
     vec3 lever = vec3_mad(arm, 0.5, vec3_sub(d.xa, d.xb)), from_b = vec3_add(r->bm, r->dm);
-    return (Column){change, vec3_mad(vec3_cross(r->am, change), p, vec3_cross(arm, dm)), vec3_neg(change),
+    return (Twelve){change, vec3_mad(vec3_cross(r->am, change), p, vec3_cross(arm, dm)), vec3_neg(change),
                     vec3_neg(vec3_mad(vec3_cross(from_b, change), p, vec3_cross(lever, dm)))};
 }
 
-static Column bend_normal(const Part *part, const Arms *r, real p, Column d)
+static Twelve bend_normal(const Part *part, const Arms *r, real p, Twelve d)
 {
     vec3 x0 = mat3_mul_vec(r->a->r0, part->in_a), x1 = mat3_mul_vec(r->a->r, part->in_a);
     vec3 y0 = mat3_mul_vec(r->b->r0, part->in_b), y1 = mat3_mul_vec(r->b->r, part->in_b);
     vec3 c = vec3_scale(0.5 * p, vec3_add(vec3_cross(vec3_cross(d.ta, x1), mean(y0, y1)), vec3_cross(mean(x0, x1), vec3_cross(d.tb, y1))));
-    return (Column){vec3_zero(), c, vec3_zero(), vec3_neg(c)};
+    return (Twelve){vec3_zero(), c, vec3_zero(), vec3_neg(c)};
 }
 
-static Column bend_length(const Part *part, const Arms *r, real p, Column d)
+static Twelve bend_length(const Part *part, const Arms *r, real p, Twelve d)
 {
     (void)part;
     real l0 = vec3_length(r->d0), l1 = vec3_length(r->d1);
@@ -254,11 +254,11 @@ static Column bend_length(const Part *part, const Arms *r, real p, Column d)
     vec3 aa = vec3_cross(d.ta, r->a1), bb = vec3_cross(d.tb, r->b1);
     vec3 apart = vec3_add(vec3_sub(d.xa, d.xb), vec3_sub(aa, bb));
     vec3 change = vec3_scale(p / (l0 + l1), vec3_mad(apart, -vec3_dot(n, apart), m));
-    return (Column){change, vec3_mad(vec3_cross(r->am, change), 0.5 * p, vec3_cross(aa, m)), vec3_neg(change),
+    return (Twelve){change, vec3_mad(vec3_cross(r->am, change), 0.5 * p, vec3_cross(aa, m)), vec3_neg(change),
                     vec3_neg(vec3_mad(vec3_cross(r->bm, change), 0.5 * p, vec3_cross(bb, m)))};
 }
 
-typedef Column BendFn(const Part *part, const Arms *r, real p, Column d);
+typedef Twelve BendFn(const Part *part, const Arms *r, real p, Twelve d);
 static BendFn *const bends[] = {[PART_POINT] = NULL, [PART_LINE] = bend_line, [PART_NORMAL] = bend_normal,
                                 [PART_LENGTH] = bend_length, [PART_TWIST] = NULL};
 
@@ -292,7 +292,7 @@ void parts_stiffness(const System *s, const Tie *t, real k[12][12])
             add_mat(k, 9, bend_point(r.b1, vec3_neg(force)));
         }
         for (int i = 0; i < 12 && bends[part->kind]; i++) {
-            Column c = bends[part->kind](part, &r, p[0], unit_column(i));
+            Twelve c = bends[part->kind](part, &r, p[0], unit_column(i));
             const vec3 v[4] = {c.xa, c.ta, c.xb, c.tb};
             for (int m = 0; m < 4; m++) {
                 k[3 * m][i] += v[m].x;

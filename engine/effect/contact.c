@@ -92,9 +92,9 @@ static void warm(const Group *g, PointRow *r, const PointMemory *m)
     r->jt[1] = g->h * vec3_dot(m->tangent, r->t[1].n);
 }
 
-static dig_status rows(void *state, Group *g)
+static dig_status rows(const EffectSlot *e, Group *g)
 {
-    (void)state;
+    (void)e;
     for (int i = 0; i < g->contact_count; i++) {
         GroupContact *c = &g->contacts[i];
         GroupPair *q = &g->pairs[c->pair];

@@ -1,8 +1,15 @@
 /* effect/effect.h - what an effect must supply. One effect is one file ending in one const table.
  *
  * Effects never include each other. They meet in forces, rows and records of
- * the group. They never change topology, never see sleeping members, and write
- * only their own group.
+ * the group, and in what the world keeps. They never change topology.
+ *
+ * An effect has two parts, and may leave out either:
+ *   - on groups: run[] is called while a group is advanced. It never sees sleeping members and writes only its own group.
+ *   - on the world: flow() is called once a frame step, when the step is the world; it sees sleepers, too.
+ *
+ * What it keeps are plain structs that hold nothing but reals (vec3 and quat are made of them): one for the world, one for each
+ * body that takes part (world/column.h). They begin with the fields that rows declare; what follows is private. So that one piece
+ * of code copies, saves, restores and hashes them all. None of it is there until a scene calls for the effect.
  *
  * Floor: effect. Includes base, math, geom, world, solve.
  */
@@ -11,17 +18,36 @@
 
 #include "solve/group.h"
 
-typedef dig_status EffectFn(void *state, Group *g);
+typedef dig_status EffectFn(const EffectSlot *e, Group *g);
 
 typedef struct EffectType {
     const char *name;                   /* Lua key: world:effect("friction", true)          */
     const char *law;                    /* the equation, one line                           */
     const char *cite;                   /* key in docs/references.bib                       */
-    size_t      state_size;             /* bytes per world, zeroed when it is switched on   */
-    /* Does this group need it? Asked once per group and step, so that what no scene calls for costs one test. */
+
+    const dig_param *world_params;      /* world:effect("drag", {density = 1.2}); NULL: none. Options of the effect as a whole */
+    size_t           world_size;        /* bytes of the struct they describe; e->world once called for, else NULL */
+    const dig_param *body_params;       /* world:ball{temperature = 300}: a body with one of these fields takes part; NULL: none */
+    size_t           body_size;         /* bytes of the struct they describe; column_find(&e->members, body) */
+    /* Checks what ranges cannot, and completes what was left NaN (a surface from the shape). why gets one sentence. May be NULL. */
+    dig_status     (*join)(const World *w, const EffectSlot *e, uint32_t body, void *member, char *why, size_t capacity);
+
+    /* ---- on groups ---- */
+    /* Does this group need it? Asked once per group and step, so that what no scene calls for costs one test.
+     * NULL: yes when one of its moving bodies takes part (body_params), or, without body_params, when e->world is there. */
     bool      (*wanted)(const World *w, const Group *g);
-    int       (*members)(const Group *g);       /* bodies taking part, for reports; NULL = all that move */
+    int       (*members)(const Group *g);       /* bodies taking part, for reports; NULL = those of the group with body_params, or all that move */
     EffectFn   *run[STAGE_COUNT];       /* NULL: takes no part in that stage                */
+
+    /* ---- on the world ---- */
+    /* Once a frame step, before anything is committed: takes the memory that flow will need (w->scratch lasts until the next step).
+     * May fail; changes nothing. May be NULL. */
+    dig_status (*reserve)(World *w, EffectSlot *e, real dt);
+    /* Once a frame step, after the commit and the change of the DIGs: cannot fail. May be NULL. Called only when something takes
+     * part: a member, or e->world is there. */
+    void       (*flow)(World *w, EffectSlot *e, real dt);
+    /* Adds what it stores, J, to the fields of `sum` (heat, elastic, electric, potential). May be NULL. */
+    void       (*energy)(const World *w, const EffectSlot *e, dig_energy *sum);
 } EffectType;
 
 extern const EffectType *const effect_types[];      /* NULL-terminated; effects.c; its order is the order within a stage */

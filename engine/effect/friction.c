@@ -37,15 +37,15 @@ static dig_status decay(Group *g)
     return DIG_OK;
 }
 
-static dig_status force(void *state, Group *g)
+static dig_status force(const EffectSlot *e, Group *g)
 {
-    (void)state;
+    (void)e;
     return g->decay_friction ? decay(g) : DIG_OK;
 }
 
-static dig_status rows(void *state, Group *g)
+static dig_status rows(const EffectSlot *e, Group *g)
 {
-    (void)state;
+    (void)e;
     if (g->decay_friction)
         return DIG_OK;
     for (int i = 0; i < g->point_count; i++) {

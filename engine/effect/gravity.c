@@ -7,9 +7,9 @@ static bool wanted(const World *w, const Group *g)
     return vec3_length2(w->def.gravity) > 0;
 }
 
-static dig_status force(void *state, Group *g)
+static dig_status force(const EffectSlot *e, Group *g)
 {
-    (void)state;
+    (void)e;
     for (int i = 0; i < g->moving_count; i++) {
         Member *m = &g->member[i];
         if (m->moves)

@@ -9,9 +9,9 @@ static bool wanted(const World *w, const Group *g)
 
 static int members(const Group *g) { return g->joint_count; }
 
-static dig_status rows(void *state, Group *g)
+static dig_status rows(const EffectSlot *e, Group *g)
 {
-    (void)state;
+    (void)e;
     group_build_joints(g, g->locate);
     return DIG_OK;
 }

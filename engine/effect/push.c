@@ -9,9 +9,9 @@ static bool wanted(const World *w, const Group *g)
 
 static int members(const Group *g) { return g->push_count; }
 
-static dig_status force(void *state, Group *g)
+static dig_status force(const EffectSlot *e, Group *g)
 {
-    (void)state;
+    (void)e;
     for (int i = 0; i < g->push_count; i++) {
         const GroupPush *p = &g->pushes[i];
         Member *m = &g->member[p->body];

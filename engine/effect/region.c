@@ -56,9 +56,9 @@ static void scale_pair(Group *g, GroupPair *q)
     q->restitution = real_min(1, restitution * p->restitution);
 }
 
-static dig_status force(void *state, Group *g)
+static dig_status force(const EffectSlot *e, Group *g)
 {
-    (void)state;
+    (void)e;
     for (int i = 0; i < g->moving_count; i++)
         if (g->member[i].moves)
             apply(g, i);

@@ -41,9 +41,9 @@ static bool invert(const Group *g, mat3 k, mat3 *inverse)
     return s > 0;
 }
 
-static dig_status rows(void *state, Group *g)
+static dig_status rows(const EffectSlot *e, Group *g)
 {
-    (void)state;
+    (void)e;
     g->roll_count = 0;
     for (int i = 0; i < g->point_count;) {
         int contact = g->points[i].contact, first = i;

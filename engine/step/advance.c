@@ -33,7 +33,7 @@ static dig_status run_stage(Group *g, int stage)
         if (!(g->effects >> i & 1) || !slot->type->run[stage])
             continue;
         real start = g->timed ? wall_us() : 0;
-        DIG_TRY(slot->type->run[stage](slot->state, g));
+        DIG_TRY(slot->type->run[stage](slot, g));
         if (g->timed)
             g->effect_us[i] += wall_us() - start;
         if (g->blame && find_culprit(g, slot->type->name, stage == STAGE_FORCE))
@@ -44,11 +44,26 @@ static dig_status run_stage(Group *g, int stage)
 
 /* ---- one group ---- */
 
+static bool has_member(const Group *g, const Column *members)
+{
+    for (int i = 0; i < g->moving_count && members->count > 0; i++)
+        if (g->member[i].moves && column_find(members, g->member[i].slot))
+            return true;
+    return false;
+}
+
+static bool is_wanted(const Group *g, const EffectSlot *e)
+{
+    if (e->type->wanted)
+        return e->type->wanted(g->world, g);
+    return e->type->body_params ? has_member(g, &e->members) : e->world != NULL;
+}
+
 static void call_effects(Group *g)
 {
     const World *w = g->world;
     for (int i = 0; i < w->effect_count; i++)
-        if (w->effects[i].on && w->effects[i].type->wanted(w, g))
+        if (w->effects[i].on && is_wanted(g, &w->effects[i]))
             g->effects |= 1u << i;
 }
 

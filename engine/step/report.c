@@ -124,18 +124,35 @@ static void sum_ways(dig_stats *t)
     t->all_refused += (uint64_t)t->refused;
 }
 
+static int members_of(const Group *g, const EffectSlot *e)
+{
+    int n = 0;
+    if (e->type->members)
+        return e->type->members(g);
+    if (!e->type->body_params)
+        return g->moving_count;
+    for (int i = 0; i < g->moving_count; i++)
+        n += g->member[i].moves && column_find(&e->members, g->member[i].slot);
+    return n;
+}
+
 static void count_effects(World *w, const Step *s)
 {
     for (int i = 0; i < w->effect_count; i++) {
         EffectSlot *e = &w->effects[i];
         e->bodies = 0;
         bool timed = s->count > 0 && s->groups[0].timed;
-        e->us = timed || s->count == 0 ? 0 : e->us;
+        e->us = timed || s->count == 0 ? e->flow_us : e->us;
         for (int k = 0; k < s->count && timed; k++)
             e->us += s->groups[k].effect_us[i];
-        for (int k = 0; k < s->count; k++)
-            if (s->groups[k].effects & 1u << i)
-                e->bodies += e->type->members ? e->type->members(&s->groups[k]) : s->groups[k].moving_count;
+        for (int k = 0; k < s->count; k++) {
+            const Group *g = &s->groups[k];
+            if (!(g->effects & 1u << i))
+                continue;
+            e->bodies += members_of(g, e);
+            e->calls++;
+            e->first = e->first == NONE && g->moving_count > 0 ? g->member[0].slot : e->first;
+        }
     }
 }
 

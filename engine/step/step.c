@@ -62,15 +62,17 @@ dig_status step_world(World *w)
     DIG_TRY(advance(w, &s));            /* 1 whose boxes may meet, in which groups;          */
                                         /*   each group on private copies                    */
     DIG_TRY(check_finite(w, &s));       /* 2 all numbers finite, or name the culprit         */
-    DIG_TRY(reserve_regraph(w, &s));    /* 3 from here on nothing can fail                   */
+    DIG_TRY(reserve_regraph(w, &s));    /* 3 from here on nothing can fail:                  */
+    DIG_TRY(reserve_flow(w, s.dt));     /*   all memory is there                             */
     commit_groups(w, &s);               /* 4 the copies become the world                     */
     move_movers(w, s.dt);               /* 5 kinematic bodies                                */
     w->steps++;
     book_time(&s, &w->stats.us_commit);
     regraph(w, &s);                     /* 6 contacts begin and end, DIGs merge and split    */
     book_time(&s, &w->stats.us_graph);
-    rest(w, s.dt);                      /* 7 who comes to rest, who falls asleep             */
-    report(w, &s);                      /* 8 events, residuals, energy ledger                */
+    flow(w, &s);                        /* 7 heat, and what else goes on while bodies sleep  */
+    rest(w, s.dt);                      /* 8 who comes to rest, who falls asleep             */
+    report(w, &s);                      /* 9 events, residuals, energy ledger                */
     book_time(&s, &w->stats.us_report);
     return DIG_OK;
 }

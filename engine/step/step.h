@@ -48,6 +48,9 @@ void       regraph(World *w, Step *s);              /* touches begin and end; DI
 dig_status reserve_tell(World *w, Step *s);
 void       tell(World *w, Step *s, uint32_t struck, uint32_t striker, real time, real speed);
 void       tell_all(World *w, Step *s);             /* before the DIGs of the step change                   */
+/* flow.c: effects on the world as a whole */
+dig_status reserve_flow(World *w, real dt);
+void       flow(World *w, const Step *s);
 /* rest.c */
 void       rest(World *w, real dt);                 /* who comes to rest, who falls asleep                  */
 /* watch.c: is the result reliable? */

@@ -402,6 +402,8 @@ void body_remove(World *w, uint32_t slot)
     for (int i = w->pushes.count - 1; i >= 0; i--)
         if (w->pushes.data[i].body == slot)
             w->pushes.data[i] = w->pushes.data[--w->pushes.count];
+    for (int i = 0; i < w->effect_count; i++)
+        column_remove(&w->effects[i].members, slot);
     b = &w->bodies.data[slot];
     b->alive = false;
     for (int i = 0; b->listed && i < w->awake.count; i++)

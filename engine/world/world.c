@@ -71,8 +71,10 @@ void world_close(World *w)
     for (int i = 0; i < w->solids.count; i++)
         if (w->solids.data[i].alive)
             shape_free(&w->solids.data[i].shape);
-    for (int i = 0; i < w->effect_count; i++)
-        free(w->effects[i].state);
+    for (int i = 0; i < w->effect_count; i++) {
+        free(w->effects[i].world);
+        column_close(&w->effects[i].members);
+    }
     for (int i = 0; i < w->regions.count; i++)
         if (w->regions.data[i].alive)
             shape_free(&w->regions.data[i].shape);
@@ -120,7 +122,23 @@ size_t world_bytes(const World *w)
     for (int i = 0; i < w->solids.count; i++)
         if (w->solids.data[i].alive)
             bytes += shape_bytes(&w->solids.data[i].shape);
+    for (int i = 0; i < w->effect_count; i++)
+        bytes += effect_bytes(&w->effects[i]);
     return bytes;
+}
+
+size_t effect_bytes(const EffectSlot *e) { return (e->world ? e->world_size : 0) + column_bytes(&e->members); }
+
+/* An effect that nothing called for leaves no trace in the sum: a build without it has the same one. */
+static uint64_t hash_effect(uint64_t h, const EffectSlot *e, const char *name)
+{
+    const real *x = e->world;
+    if (e->on && !x && e->members.count == 0)
+        return h;
+    h = hash_u64(hash_bytes(h, name, strlen(name)), e->on);
+    for (size_t k = 0; x && k < e->world_size / sizeof *x; k++)
+        h = hash_real(h, x[k]);
+    return column_hash(&e->members, h);
 }
 
 static uint64_t hash_body(uint64_t h, const Body *b)
@@ -173,5 +191,7 @@ uint64_t world_hash(const World *w)
         h = hash_real(hash_vec3(hash_vec3(hash_u64(h, p->body), p->force), p->torque), p->until);
         h = p->has_at ? hash_vec3(h, p->at) : h;
     }
+    for (int i = 0; i < w->effect_count; i++)
+        h = hash_effect(h, &w->effects[i], w->effects[i].name);
     return hash_u64(h, graph_hash(w->graph));
 }

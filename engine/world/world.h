@@ -16,6 +16,7 @@
 #include "base/map.h"
 #include "geom/manifold.h"
 #include "geom/tree.h"
+#include "world/column.h"
 #include "world/graph.h"
 #include "world/message.h"
 
@@ -191,15 +192,20 @@ typedef struct Ledger {         /* J since the start                            
 struct EffectType;
 typedef struct EffectSlot {     /* one per entry of the effect list                    */
     const struct EffectType *type;
+    const char *name;           /* its type's                                          */
     bool     on, forced;        /* forced: set by hand                                 */
     int      bodies;            /* in the last step                                    */
-    real     us;
-    void    *state;
-    size_t   bytes;
-    char     why[64];
+    real     us, flow_us;       /* us in the last timed step, all and of that on the world as a whole */
+    uint64_t calls;             /* of its functions since the start: run and flow      */
+    void    *world;             /* its options (EffectType.world_params); NULL = not called for */
+    size_t   world_size;        /* bytes of these                                      */
+    Column   members;           /* of the bodies that take part (EffectType.body_params) */
+    uint32_t first;             /* body of the first group that called for it; NONE = none has */
+    char     why[96];           /* what called for it, as the caller said it; "" = it did not  */
 } EffectSlot;
 
 #define MAX_EFFECTS 32
+size_t effect_bytes(const EffectSlot *e);
 
 struct dig_world {
     dig_world_def def;

@@ -464,7 +464,7 @@ TEST(other_formats_are_told_apart)
     memset(b.data + 24, 0, 16);
     memcpy(b.data + 24, "0.9", 3);
     CHECK_INT(load_bytes(path, b.data, b.size, why, sizeof why), DIG_E_FORMAT);
-    snprintf(want, sizeof want, "%s: made by digbox 0.9 (format 7); this is %s (format 2)", path, DIGBOX_VERSION);
+    snprintf(want, sizeof want, "%s: made by digbox 0.9 (format 7); this is %s (format 3)", path, DIGBOX_VERSION);
     CHECK_TEXT(why, want);
     CHECK_INT(load_bytes(path, (const unsigned char *)"-- a script\nreturn 1 + 1 -- of some length\n", 43, why, sizeof why), DIG_E_FORMAT);
     CHECK(strstr(why, "not a world") != NULL);

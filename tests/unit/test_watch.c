@@ -20,9 +20,9 @@ static bool demon_wanted(const World *w, const Group *g)
     return true;
 }
 
-static dig_status demon_settle(void *state, Group *g)
+static dig_status demon_settle(const EffectSlot *e, Group *g)
 {
-    const Demon *d = state;
+    const Demon *d = e->world;
     for (int i = 0; i < g->moving_count; i++)
         for (int k = 0; k < 2; k++)
             if (g->member[i].slot == d->slot && g->world->steps + 1 == d->step[k])
@@ -35,10 +35,10 @@ static const EffectType demon_effect = {.name = "demon", .law = "dv = kick", .ci
 
 static void invite(dig_world *w, Demon *d)
 {
-    w->effects[w->effect_count++] = (EffectSlot){.type = &demon_effect, .on = true, .state = d};
+    w->effects[w->effect_count++] = (EffectSlot){.type = &demon_effect, .name = "demon", .on = true, .world = d, .first = NONE};
 }
 
-static void dismiss(dig_world *w) { w->effects[--w->effect_count].state = NULL; }
+static void dismiss(dig_world *w) { w->effects[--w->effect_count].world = NULL; }
 
 static void set_name(dig_world *w, dig_body b, const char *name)
 {

@@ -1,0 +1,27 @@
+/* step/flow.c - effects on the world as a whole, once a frame step: heat flows on while bodies sleep. */
+#include "step/step.h"
+
+static bool called(const EffectSlot *e) { return e->on && e->type->flow && (e->world || e->members.count > 0); }
+
+dig_status reserve_flow(World *w, real dt)
+{
+    for (int i = 0; i < w->effect_count; i++) {
+        EffectSlot *e = &w->effects[i];
+        if (called(e) && e->type->reserve)
+            DIG_TRY(e->type->reserve(w, e, dt));
+    }
+    return DIG_OK;
+}
+
+void flow(World *w, const Step *s)
+{
+    for (int i = 0; i < w->effect_count; i++) {
+        EffectSlot *e = &w->effects[i];
+        if (!called(e))
+            continue;
+        real start = s->timed ? wall_us() : 0;
+        e->type->flow(w, e, s->dt);
+        e->flow_us = s->timed ? wall_us() - start : e->flow_us;
+        e->calls++;
+    }
+}
