@@ -7,7 +7,8 @@
 
 static dig_status reserve(Column *c, uint32_t body, uint64_t *allocations)
 {
-    int room = c->capacity, same = c->capacity, rows = c->rows;
+    int room = c->capacity, rows = c->rows;
+    int same = room;
     DIG_TRY(list_reserve_any((void **)&c->data, &room, c->size, c->count + 1, allocations));
     DIG_TRY(list_reserve_any((void **)&c->body, &same, sizeof *c->body, c->count + 1, allocations));
     c->capacity = int_min(room, same);

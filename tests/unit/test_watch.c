@@ -22,7 +22,7 @@ static bool demon_wanted(const World *w, const Group *g)
 
 static dig_status demon_settle(const EffectSlot *e, Group *g)
 {
-    const Demon *d = e->world;
+    const Demon *d = *(Demon *const *)e->world;
     for (int i = 0; i < g->moving_count; i++)
         for (int k = 0; k < 2; k++)
             if (g->member[i].slot == d->slot && g->world->steps + 1 == d->step[k])
@@ -33,12 +33,20 @@ static dig_status demon_settle(const EffectSlot *e, Group *g)
 static const EffectType demon_effect = {.name = "demon", .law = "dv = kick", .cite = "none", .wanted = demon_wanted,
                                         .run = {[STAGE_SETTLE] = demon_settle}};
 
-static void invite(dig_world *w, Demon *d)
+static void invite(dig_world *w, const Demon *d)
 {
-    w->effects[w->effect_count++] = (EffectSlot){.type = &demon_effect, .name = "demon", .on = true, .world = d, .first = NONE};
+    const Demon **own = malloc(sizeof *own);        /* the test goes on changing it */
+    CHECK(own);
+    *own = d;
+    w->effects[w->effect_count++] = (EffectSlot){.type = &demon_effect, .name = "demon", .on = true, .world = own, .world_size = sizeof *own,
+                                                 .first = NONE};
 }
 
-static void dismiss(dig_world *w) { w->effects[--w->effect_count].world = NULL; }
+static void dismiss(dig_world *w)
+{
+    free(w->effects[--w->effect_count].world);
+    w->effects[w->effect_count].world = NULL;
+}
 
 static void set_name(dig_world *w, dig_body b, const char *name)
 {
