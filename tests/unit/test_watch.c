@@ -6,6 +6,8 @@
 #include "effect/effect.h"
 #include "world/world.h"
 
+#include <stdlib.h>
+
 #define STEP (1.0 / 60)
 
 /* ---- faults and tools ---- */
