@@ -541,6 +541,52 @@ int dig_messages(const dig_world *w, dig_message *out, int capacity);           
 dig_status dig_message_send(dig_world *w, dig_body from, dig_body to, const char *kind, const real value[4]);
 dig_status dig_message_broadcast(dig_world *w, dig_dig d, dig_body from, const char *kind, const real value[4]);
 
+/* ---- exploratory questions: could this happen? ------------------------------------------ */
+/* Asked of a copy: whatever the answer, the world is as it was, bit for bit. */
+
+typedef enum dig_verdict { DIG_FREE, DIG_BLOCKED, DIG_NEEDS, DIG_CONFLICT, DIG_UNKNOWN } dig_verdict;
+
+const char *dig_verdict_name(dig_verdict v);    /* "free", "blocked", "needs", "conflict", "unknown" */
+
+typedef struct dig_question {
+    dig_body body;
+    bool  turns;            /* about `along`, by rad, with N m; else along it, by m, with N      */
+    vec3  along;            /* world; its length does not matter                                 */
+    real  by;               /* m or rad, > 0                                                     */
+    real  with;             /* N or N m, > 0; NaN: how much would it need?                       */
+    vec3  at;               /* m, world point where it is pushed; has_at false: centre of mass   */
+    bool  has_at;
+    real  within;           /* s, how long it is pushed at most                                  */
+} dig_question;
+
+dig_question dig_question_defaults(void);       /* by 1 cm, with NaN, within 5 s */
+
+typedef struct dig_part { dig_body body; dig_joint joint; int wall; } dig_part;      /* one of the three; wall 1..6 of the room */
+
+#define DIG_ANSWER_PARTS 16
+
+typedef struct dig_consequence {
+    const char *what;       /* "broken": the joint; "moves": the body, by `amount` m             */
+    dig_part who;
+    real     amount;
+} dig_consequence;
+
+typedef struct dig_answer {
+    dig_verdict verdict;    /* free: it moves, by `moved`; blocked: not a millimetre, whatever is asked; needs: more, `needs`;
+                             * conflict: what it is part of contradicts itself */
+    bool     ok;            /* it does what was asked                                            */
+    real     needs;         /* N or N m that start it; NaN = not asked, infinite = none does     */
+    real     moved;         /* m or rad, before it had moved `by`, stopped, or time was up       */
+    real     time;          /* s that took                                                       */
+    dig_part held[DIG_ANSWER_PARTS];    int held_count;     /* what holds it: without these it would move; the first counts most */
+    dig_part chain[DIG_ANSWER_PARTS];   int chain_count;    /* from the body by what holds it to what stands firm */
+    dig_consequence consequences[DIG_ANSWER_PARTS]; int consequence_count;
+    int      trials, steps; /* what the answer cost: copies that were tried, and frame steps of them */
+    char     because[256];  /* one sentence                                                      */
+} dig_answer;
+
+dig_status dig_ask(dig_world *w, const dig_question *q, dig_answer *a);
+
 /* ---- questions in space --------------------------------------------------------------- */
 
 typedef struct dig_hit { dig_body body; vec3 point, normal; real distance; real fraction; } dig_hit;

@@ -55,6 +55,7 @@ void bind_film_open(lua_State *L, int core);
 void bind_file_open(lua_State *L, int core);
 void bind_watch_open(lua_State *L, int core);
 void bind_effect_open(lua_State *L, int core);
+void bind_ask_open(lua_State *L, int core);
 void bind_trace_open(lua_State *L, int core);
 
 /* A field of the table on the top of the stack. */

@@ -24,6 +24,10 @@ real api_effects_stored(const World *w);                        /* the same in o
 const dig_param *api_effect_row(const World *w, const char *name, int *effect);
 dig_status api_effect_set(World *w, uint32_t body, int effect, const dig_param *row, const void *value);
 void api_effect_get(const World *w, uint32_t body, int effect, const dig_param *row, void *value);
+/* snapshot.c: a world of its own with the same state, one thread; dig_world_close */
+dig_status api_clone(const World *w, World **out);
+/* ask_linkage.c: do gears that hang on this body's hinges contradict each other? Fills the loop's bodies. */
+bool api_linkage_conflict(const World *w, uint32_t body, dig_part *loop, int *count);
 dig_status api_finite(const World *w, vec3 v, const char *call, const char *what, const char *unit);
 
 #endif

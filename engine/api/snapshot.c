@@ -112,7 +112,7 @@ static dig_status copy_effects(World *to, const World *from)
 }
 
 /* A world of its own with the same state. */
-static dig_status clone_world(const World *from, World **out)
+dig_status api_clone(const World *from, World **out)
 {
     char why[64];
     World *to;
@@ -143,7 +143,7 @@ dig_status dig_world_snapshot(dig_world *w, dig_snapshot **out)
     if (w->busy)
         return world_fail(w, DIG_E_BUSY, "world:snapshot() cannot be called while the world is stepping");
     dig_snapshot *s = calloc(1, sizeof *s);
-    if (!s || clone_world(w, &s->state) != DIG_OK) {
+    if (!s || api_clone(w, &s->state) != DIG_OK) {
         free(s);
         return world_fail(w, DIG_E_MEMORY, "not enough memory for a snapshot");
     }
@@ -183,7 +183,7 @@ dig_status dig_world_restore(dig_world *w, const dig_snapshot *s)
         return world_fail(w, DIG_E_BUSY, "world:restore() cannot be called while the world is stepping");
     if (s->of != w)
         return world_fail(w, DIG_E_KIND, "restore: the snapshot is of another world");
-    if (clone_world(s->state, &fresh) != DIG_OK)
+    if (api_clone(s->state, &fresh) != DIG_OK)
         return world_fail(w, DIG_E_MEMORY, "not enough memory to restore a snapshot");
     exchange(w, fresh);
     world_close(fresh);

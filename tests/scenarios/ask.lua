@@ -1,0 +1,183 @@
+-- ask.lua: exploratory questions. Could this move? What would it need, and what holds it? Asking changes nothing.
+
+local test = require "digbox.test"
+local digbox = require "digbox"
+local scenario, expect = test.scenario, test.expect
+
+-- ---- a door with a heavy box behind it, and a bolt ----
+
+-- The box stands against the door with one edge, at 0.40 m from the hinge, so that where it is pushed is no question; the face of the
+-- door is smooth, so that friction there neither lifts the box nor presses it down.
+local function door(world, what)
+  world:floor {}
+  local frame = world:box { name = "frame", fixed = true, size = { 0.1, 2.2, 0.1 }, at = { -0.06, 1.1, 0 } }
+  local leaf = world:box { name = "door", mass = "10 kg", size = { 0.8, 2, 0.04 }, at = { 0.4, 1.01, 0 }, friction = 0 }
+  world:hinge { name = "hinge", a = leaf, b = frame, at = { 0, 1, 0 }, axis = { 0, 1, 0 } }
+  local box, bolt
+  if what.box then
+    local half = 0.15 * math.sqrt(2)
+    box = world:box { name = "box", mass = "20 kg", size = 0.3, friction = 0.5, at = { 0.4, 0.15, -0.02 - half },
+      rotation = digbox.quat { axis = { 0, 1, 0 }, angle = "45 deg" } }
+  end
+  if what.bolt then bolt = world:bolt { name = "bolt", holds = leaf, into = frame } end
+  return leaf, box, bolt, frame
+end
+
+local function pull(force) return { along = { 0, 0, -1 }, with = force, at = { 0.75, 1, 0 }, by = "20 cm" } end
+
+local g = 9.80665
+local needed = 0.5 * 20 * g * 0.40 / 0.75          -- 52.30 N: torques about the hinge
+
+scenario("40 N do not open a door with a heavy box behind it, and the answer says how much it needs", function(s)
+  local world = s:world { gravity = { 0, -g, 0 } }
+  local leaf, box = door(world, { box = true })
+  world:run(0.2)
+  local before, answer = world:checksum(), leaf:can_move(pull "40 N")
+  expect(answer.verdict):is "needs"
+  expect(answer.ok):is(false)
+  expect(answer.needs):near(needed, 0.01 * needed)
+  expect(answer.blocked_by):is(box)
+  expect(answer.chain):is { leaf, box, world:find "floor" }
+  expect(math.abs(answer.moved)):below "1 mm"
+  expect(world:checksum()):is(before)
+end)
+
+scenario("60 N open it, and doing it moves it that far", function(s)
+  local world = s:world { gravity = { 0, -g, 0 } }
+  local leaf = door(world, { box = true })
+  world:run(0.2)
+  local answer = leaf:can_move(pull "60 N")
+  expect(answer.verdict):is "free"
+  expect(answer.ok):is(true)
+  expect(answer.moved):near(0.2, 1e-9)
+  leaf:push { force = "60 N", along = { 0, 0, -1 }, at = { 0.75, 1, 0 }, lasts = 5 }
+  s:eventually("the handle has moved 20 cm", answer.time + 0.02, function()
+    local handle = leaf.position + leaf.rotation:rotate { 0.35, 0, 0 }
+    return handle.z <= -0.2 * 0.95
+  end)
+end)
+
+scenario("a shot bolt holds the door whatever the push", function(s)
+  local world = s:world { gravity = { 0, -g, 0 } }
+  local leaf, _, bolt, frame = door(world, { bolt = true })
+  world:run(0.2)
+  local answer = leaf:can_move(pull "60 N")
+  expect(answer.verdict):is "blocked"
+  expect(answer.needs):is(math.huge)
+  expect(answer.blocked_by):is(bolt)
+  expect(answer.held_by):is(bolt)
+  expect(answer.chain):is { leaf, bolt, frame }
+  expect(answer.because):contains "bolt 'bolt' holds it"
+end)
+
+scenario("with the box gone and no bolt 1 N is enough", function(s)
+  local world = s:world { gravity = { 0, -g, 0 } }
+  local leaf = door(world, {})
+  local answer = leaf:can_move(pull "1 N")
+  expect(answer.verdict):is "free"
+  expect(answer.ok):is(true)
+  local turn = leaf:can_move { turn = { 0, 1, 0 }, by = "30 deg", with = "1 N m" }
+  expect(turn.verdict):is "free"
+  expect(turn.moved):near(math.rad(30), 1e-9)
+end)
+
+-- ---- the founding document's drawer ----
+
+scenario("a bolted drawer says what holds it, and asking changes nothing", function(s)
+  local world = s.world
+  local cabinet = world:box { name = "cabinet", fixed = true, size = { 0.5, 0.5, 0.5 }, at = { 0, 0.25, -0.3 } }
+  local drawer = world:box { name = "drawer", mass = "2 kg", size = { 0.4, 0.1, 0.4 }, at = { 0, 0.56, -0.2 } }
+  local runner = world:slider { name = "runner", a = drawer, b = cabinet, along = { 0, 0, 1 }, limits = { 0, 0.35 } }
+  local bolt = world:bolt { name = "bolt", holds = drawer, into = cabinet, strength = "500 N" }
+  local tug = { along = { 0, 0, 1 }, by = "20 cm", with = "30 N" }
+  local before, answer = world:checksum(), drawer:can_move(tug)
+  expect(answer.ok):is(false)
+  expect(answer.held_by):is(bolt)
+  expect(answer.chain):is { drawer, bolt, cabinet }
+  expect(world:checksum()):is(before)
+
+  bolt:withdraw()
+  expect(drawer:can_move(tug).ok):is(true)
+
+  -- farther than its runner lets it: it says how far, and what stops it
+  local far = drawer:can_move { along = { 0, 0, 1 }, by = "50 cm", with = "30 N" }
+  expect(far.ok):is(false)
+  expect(far.moved):near(0.35, 1e-3)
+  expect(far.held_by):is(runner)
+end)
+
+scenario("pulled harder than the bolt's strength, the answer says that it breaks", function(s)
+  local world = s.world
+  local wall = world:box { name = "wall", fixed = true, size = 0.5 }
+  local plate = world:box { name = "plate", mass = 1, size = 0.2, at = { 0, 0, 0.36 } }
+  local bolt = world:bolt { name = "bolt", holds = plate, into = wall, strength = "500 N" }
+  local answer = plate:can_move { along = { 0, 0, 1 }, by = "1 m", with = "600 N" }
+  expect(answer.verdict):is "free"
+  expect(answer.consequences[1].what):is "broken"
+  expect(answer.consequences[1].who):is(bolt)
+  expect(bolt.valid):is(true)
+end)
+
+-- ---- wheels ----
+
+local function wheels(world, at, gears)
+  local base = world:box { name = "base", fixed = true, size = 0.1, at = { 0, -1, 0 } }
+  local wheel, axle = {}, {}
+  for i, p in ipairs(at) do
+    wheel[i] = world:cylinder { name = "wheel " .. i, radius = 0.1, height = 0.02, mass = 1, at = { p[1], 0, p[2] }, group = -1 }
+    axle[i] = world:hinge { name = "axle " .. i, a = wheel[i], b = base, at = { p[1], 0, p[2] }, axis = { 0, 1, 0 } }
+  end
+  for _, g2 in ipairs(gears) do world:gear { a = axle[g2[1]], b = axle[g2[2]], ratio = { 1, -1 } } end
+  return wheel
+end
+
+scenario("three wheels in a triangle contradict each other; four in a ring turn", function(s)
+  local world = s:world { gravity = { 0, 0, 0 } }
+  local three = wheels(world, { { 0, 0 }, { 0.2, 0 }, { 0.1, 0.17 } }, { { 1, 2 }, { 2, 3 }, { 3, 1 } })
+  local answer = three[1]:can_move { turn = { 0, 1, 0 }, by = "30 deg", with = "2 N m" }
+  expect(answer.verdict):is "conflict"
+  expect(#answer.chain):is(3)
+  local ring = wheels(world, { { 2, 0 }, { 2.2, 0 }, { 2.2, 0.2 }, { 2, 0.2 } }, { { 1, 2 }, { 2, 3 }, { 3, 4 }, { 4, 1 } })
+  expect(ring[1]:can_move { turn = { 0, 1, 0 }, by = "30 deg", with = "2 N m" }.verdict):is "free"
+end)
+
+-- ---- how much? ----
+
+scenario("without a push the answer is how much it needs: a block on a floor and one against a wall", function(s)
+  local world = s:world { gravity = { 0, -g, 0 } }
+  world:floor { friction = 0.4 }
+  local block = world:box { name = "block", mass = 5, size = 0.2, at = { 0, 0.1, 0 }, friction = 0.4 }
+  world:run(0.2)
+  local answer = block:can_move { along = { 1, 0, 0 } }
+  expect(answer.verdict):is "needs"
+  expect(answer.needs):near(0.4 * 5 * g, 0.01 * 0.4 * 5 * g)
+  expect(answer.held_by.name):is "floor"
+  world:box { name = "wall", fixed = true, size = { 0.1, 1, 1 }, at = { 0.15, 0.5, 0 } }
+  world:run(0.2)
+  local wall = block:can_move { along = { 1, 0, 0 } }
+  expect(wall.verdict):is "blocked"
+  expect(wall.held_by.name):is "wall"
+  expect(block:can_move { along = { 0, 1, 0 } }.needs):near(5 * g, 0.05 * g)
+end)
+
+scenario("what is fixed says so; a free body moves at once", function(s)
+  local world = s:world { gravity = { 0, 0, 0 } }
+  local rock = world:box { name = "rock", fixed = true, size = 1 }
+  local answer = rock:can_move { along = { 1, 0, 0 }, with = 1e6 }
+  expect(answer.verdict):is "blocked"
+  expect(answer.because):contains "fixed"
+  local ball = world:ball { name = "ball", radius = 0.1, at = { 5, 0, 0 } }
+  expect(ball:can_move { along = { 1, 0, 0 } }.verdict):is "free"
+  expect(world:ask { body = ball, along = { 1, 0, 0 }, with = 1 }.ok):is(true)
+end)
+
+scenario("bad questions are refused at their line", function(s)
+  local world = s.world
+  local ball = world:ball { name = "ball", radius = 0.1 }
+  expect(expect(function() ball:can_move { along = { 0, 0, 0 } } end):fails()):contains "must not be zero"
+  expect(expect(function() ball:can_move { with = 3 } end):fails()):contains "along is missing"
+  expect(expect(function() ball:can_move { along = { 1, 0, 0 }, with = "3 kg" } end):fails()):contains "mass"
+  expect(expect(function() ball:can_move { along = { 1, 0, 0 }, by = -1 } end):fails()):contains "must be > 0"
+  expect(expect(function() ball:can_move { along = { 1, 0, 0 }, force = 1 } end):fails()):contains "unknown field 'force'"
+  expect(expect(function() world:ask { along = { 1, 0, 0 } } end):fails()):contains "body is missing"
+end)
