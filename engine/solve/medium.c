@@ -3,28 +3,64 @@
 
 #include "geom/wet.h"
 
-/* Integral of k |u| over the time h. Along a line, u' = a - k |u| u is Riccati's equation: with k u = y'/y it is y'' = a k y, and
- * the integral is the logarithm of y = cosh s + k u h sinh(s) / s, s = h sqrt(a k). It ends at the terminal speed exactly and
- * passes it for no k and h. What slows down has a < 0, and the first terms of the series do: only their error matters, and y > 1. */
-static real damping_of(real k, real speed, real gain, real h)
+/* Along a line, u' = a - k |u| u is Riccati's equation: with k u = y'/y it is y'' = a k y, which hyperbolic functions solve where the
+ * speed grows, and circular ones where it shrinks, until it turns round. */
+typedef struct Line {
+    real slowing;               /* m/s^2  mean of -k |u| u over the time               */
+    real damping;               /* 1      integral of k |u|                            */
+} Line;
+
+/* tanh(s) / s, or tan(s) / s, and 1 minus that. */
+typedef struct Ratio { real part, rest; } Ratio;
+
+static Ratio ratio_of(real s, bool grows)
 {
-    real x = k * speed * h, s2 = k * gain * h * h;
-    if (s2 < 1e-8)
-        return log1p(real_max(0.5 * x, x + 0.5 * s2));
-    real s = sqrt(s2), x_s = x / s;
-    return s + log(0.5 * (1 + x_s) + 0.5 * (1 - x_s) * exp(-2 * s));
+    real s2 = grows ? s * s : -s * s;
+    if (s < 0.01)
+        return (Ratio){1 - s2 / 3 + 2 * s2 * s2 / 15, s2 / 3 - 2 * s2 * s2 / 15};
+    real part = (grows ? tanh(s) : tan(s)) / s;
+    return (Ratio){part, 1 - part};
 }
 
-/* With the mean rate C / h of damping, u' = a - (C / h) u has the mean (1 - e^-C) / h u + (1 - (1 - e^-C) / C) a. */
+/* log cosh s, for any s */
+static real log_cosh(real s) { return s < 1 ? 0.5 * log1p(sinh(s) * sinh(s)) : s + log1p(exp(-2 * s)) - log(2); }
+
+/* Exactly, for u >= 0. */
+static Line line_of(real u, real a, real k, real h)
+{
+    real rate = sqrt(k * fabs(a)), s = rate * h, x = k * u * h;
+    if (!(s > 0))
+        return (Line){-k * u * u / (1 + x), log1p(x)};
+    real turn = a < 0 ? atan(x / s) : INFINITY;         /* in units of 1 / rate */
+    if (turn < s) {
+        real after = -sqrt(fabs(a) / k) * tanh(s - turn);
+        return (Line){(after - u) / h - a, 0.5 * log1p(x / s * (x / s)) + log_cosh(s - turn)};
+    }
+    Ratio r = ratio_of(s, a > 0);
+    return (Line){-(a * (r.rest + x * r.part) + k * u * u * r.part) / (1 + x * r.part), (a > 0 ? log_cosh(s) : log(cos(s))) + log1p(x * r.part)};
+}
+
+/* Along the motion exactly; what turns it is damped at the mean rate of that, and at least as when it starts from rest. So it ends at
+ * the terminal speed exactly, passes it for no k and h, and follows a curve to second order. */
+static vec3 slowing_of(vec3 u, vec3 a, real k, real h)
+{
+    real speed = vec3_length(u);
+    vec3 along = vec3_unit_or(u, vec3_unit_or(a, (vec3){0, 1, 0}));
+    vec3 across = vec3_mad(a, -vec3_dot(a, along), along);
+    Line line = line_of(speed, vec3_dot(a, along), k, h);
+    real C = line.damping, kept = C < 1e-6 ? 0.5 * C : 1 + expm1(-C) / C;
+    Ratio rest = ratio_of(h * sqrt(k * vec3_length(across)), true);
+    return vec3_mad(vec3_scale(line.slowing, along), -real_max(kept, rest.rest), across);
+}
+
 vec3 medium_slowing(vec3 u, vec3 a, real k, real c, real h)
 {
-    vec3 pull = vec3_mad(a, -c, u);
-    real speed = vec3_length(u), gain = (vec3_length(vec3_mad(u, h, pull)) - speed) / h;
-    real C = damping_of(k, speed, gain, h) + c * h;
-    if (!(C > 0))
-        return vec3_zero();
-    real gone = -expm1(-C);
-    return vec3_scale(-1, vec3_mad(vec3_scale(gone / h, u), C < 1e-6 ? 0.5 * C : 1 - gone / C, a));
+    if (!(c > 0))
+        return k > 0 ? slowing_of(u, a, k, h) : vec3_zero();
+    vec3 most = k > 0 ? vec3_add(a, slowing_of(u, a, k, h)) : a;
+    real C = c * h, gone = -expm1(-C);          /* u' = a - c u has the mean (1 - e^-C) / h u + (1 - (1 - e^-C) / C) a */
+    vec3 even = vec3_scale(-1, vec3_mad(vec3_scale(gone / h, u), C < 1e-6 ? 0.5 * C : 1 - gone / C, most));
+    return k > 0 ? vec3_add(even, slowing_of(u, vec3_add(a, even), k, h)) : even;
 }
 
 void medium_area(const World *w, uint32_t body, quat q, vec3 along, real *area, real *drag)
