@@ -73,7 +73,7 @@ struct ShapeType {
     void       (*mass)(const Shape *s, MassProps *out);         /* exact; NULL: has none. An open mesh gives volume 0 */
     /* Adds the part with normal . x <= offset, a unit vector; what does not meet the plane is not asked. NULL: is no solid. */
     void       (*wet)(const Shape *s, vec3 normal, real offset, Wet *sum);
-    real       (*shadow)(const Shape *s, vec3 direction);       /* m^2  area of its projection along a unit vector; NULL: that of its bounds */
+    real       (*shadow)(const Shape *s, vec3 direction);       /* m^2  area of its projection along a unit vector; NULL: it never moves */
     real        drag;           /* 1  drag coefficient of that area (Hoerner 1965) at Reynolds numbers of 1e4 to 2e5 */
     /* First hit from outside; a start inside the shape gives no hit of it. The normal points out of the shape; open meshes
      * are hit from both sides (normal towards the start), height fields from above. */

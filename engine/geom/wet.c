@@ -1,4 +1,4 @@
-/* geom/wet.c - what part of a solid lies below a plane, and what area it shows to a flow. */
+/* geom/wet.c - what part of a solid lies below a plane. */
 #include "geom/wet.h"
 
 
@@ -14,15 +14,6 @@ Wet shape_wet(const Shape *s, vec3 normal, real offset)
     }
     s->type->mass(s, &whole);
     return (Wet){whole.volume, vec3_scale(whole.volume, whole.centre)};
-}
-
-real shape_shadow(const Shape *s, vec3 direction)
-{
-    if (s->type->shadow)
-        return s->type->shadow(s, direction);
-    box3 b = s->type->bounds(s, pose_identity());
-    vec3 size = vec3_sub(b.high, b.low), d = vec3_abs(direction);
-    return d.x * size.y * size.z + d.y * size.z * size.x + d.z * size.x * size.y;
 }
 
 /* ---- polyhedra ---- */

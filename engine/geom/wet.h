@@ -1,4 +1,4 @@
-/* geom/wet.h - what part of a solid lies below a plane, and what area it shows to a flow.
+/* geom/wet.h - what part of a solid lies below a plane.
  *
  * A plane is normal . x <= offset in the shape's frame, its normal a unit vector. Volumes and first moments add, so that those
  * of a compound are the sums over its solids.
@@ -12,8 +12,6 @@
 
 /* The part of a solid with normal . x <= offset; zero for what is no solid (plane, open mesh). */
 Wet  shape_wet(const Shape *s, vec3 normal, real offset);
-/* m^2  Area of its projection along a unit vector of its frame; of what cannot tell, that of its bounds. */
-real shape_shadow(const Shape *s, vec3 direction);
 
 /* ---- for the files of shape types ---- */
 

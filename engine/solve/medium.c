@@ -1,8 +1,6 @@
 /* solve/medium.c - what a fluid does to a solid that moves through it: drag. */
 #include "solve/medium.h"
 
-#include "geom/wet.h"
-
 /* Along a line, u' = a - k |u| u is Riccati's equation: with k u = y'/y it is y'' = a k y, which hyperbolic functions solve where the
  * speed grows, and circular ones where it shrinks, until it turns round. */
 typedef struct Line {
@@ -68,9 +66,12 @@ void medium_area(const World *w, uint32_t body, quat q, vec3 along, real *area, 
     *area = *drag = 0;
     for (uint32_t s = w->bodies.data[body].shape_first; s != NONE; s = w->solids.data[s].next) {
         const Solid *solid = &w->solids.data[s];
-        real shown = shape_shadow(&solid->shape, quat_unrotate(quat_mul(q, solid->at.q), along));
+        const ShapeType *type = solid->shape.type;
+        if (!type->shadow)
+            continue;           /* never moves */
+        real shown = type->shadow(&solid->shape, quat_unrotate(quat_mul(q, solid->at.q), along));
         *area += shown;
-        *drag += solid->shape.type->drag * shown;
+        *drag += type->drag * shown;
     }
 }
 

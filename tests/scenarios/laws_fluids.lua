@@ -160,7 +160,8 @@ scenario("a box stays upright when its metacentric height is positive, and turns
   local function float(width, height)
     local world = s:world {}
     world:water { damping = 2 }
-    local box = world:box { size = { width, height, 3 }, density = 500, at = { 0, 0, 0 }, rotation = digbox.quat { axis = { 0, 0, 1 }, angle = 0.02 } }
+    local box = world:box { size = { width, height, 3 }, density = 500, at = { 0, 0, 0 },
+                            rotation = digbox.quat { axis = { 0, 0, 1 }, angle = 0.02 } }
     world:run(40)
     return math.abs(box.rotation:rotate({ 0, 1, 0 }).y), box
   end
@@ -176,7 +177,8 @@ end)
 scenario("a small roll has the period of the metacentric height", function(s)
   local world = s.world
   world:water {}
-  local box = world:box { size = { 2, 0.5, 3 }, density = 400, at = { 0, 0.05, 0 }, drag_coefficient = 0, rotation = digbox.quat { axis = { 0, 0, 1 }, angle = 0.001 } }
+  local box = world:box { size = { 2, 0.5, 3 }, density = 400, at = { 0, 0.05, 0 }, drag_coefficient = 0,
+                          rotation = digbox.quat { axis = { 0, 0, 1 }, angle = 0.001 } }
   local gm = 2 ^ 2 / (12 * 0.2) - (0.5 - 0.2) / 2
   local w = math.sqrt(g * gm / ((2 ^ 2 + 0.5 ^ 2) / 12))
   for _ = 1, 120 do
@@ -190,7 +192,8 @@ scenario("what is denser than water sinks at its terminal speed, and a current c
   world:water { current = { 0.5, 0, 0 } }
   local r = 0.05
   local iron = world:ball { radius = r, density = 7800, at = { 0, -1, 0 } }
-  local log = world:cylinder { radius = 0.1, height = 1, density = 600, at = { 0, 0, 5 }, rotation = digbox.quat { axis = { 1, 0, 0 }, angle = math.pi / 2 } }
+  local log = world:cylinder { radius = 0.1, height = 1, density = 600, at = { 0, 0, 5 },
+                               rotation = digbox.quat { axis = { 1, 0, 0 }, angle = math.pi / 2 } }
   world:run(60)
   expect(iron.velocity.y):near(-math.sqrt(2 * 6800 * 4 / 3 * r * g / (1000 * 0.47)), 1e-9)
   expect(iron.velocity.x):near(0.5, 1e-6)
@@ -223,7 +226,8 @@ scenario("a crowd of crates floats too", function(s)
   world:water { level = 0, damping = 3 }
   local crates = {}
   for i = 0, 80 do
-    crates[#crates + 1] = world:box { size = { 0.4, 0.4, 0.4 }, density = 500, at = { (i % 9) * 0.42, 0.3 + 0.05 * (i % 4), i // 9 * 0.42 } }
+    crates[#crates + 1] = world:box { size = { 0.4, 0.4, 0.4 }, density = 500,
+                                      at = { (i % 9) * 0.42, 0.3 + 0.05 * (i % 4), i // 9 * 0.42 } }
   end
   world:run(20)
   local sum = 0

@@ -13,6 +13,8 @@ static Shape make(const char *type, const void *def)
     return s;
 }
 
+static real shadow(const Shape *s, vec3 direction) { return s->type->shadow(s, direction); }
+
 static vec3 unit(real x, real y, real z) { return vec3_unit((vec3){x, y, z}); }
 
 static const vec3 directions[] = {{0, 1, 0}, {0, -1, 0}, {1, 0, 0}, {0, 0, 1}, {1, 2, 3}, {-3, 0.2, 1}, {1e-7, 1, 0}, {1, 1e-9, 0}, {1, -1, 1}, {0, 1, -1}};
@@ -134,7 +136,7 @@ TEST(a_hull_is_cut_as_the_box_it_is)
             Wet a = shape_wet(&hull, n, 0.2 * k), b = shape_wet(&box, n, 0.2 * k);
             CHECK_NEAR(a.volume, b.volume, 1e-13);
             CHECK_NEAR(vec3_distance(a.moment, b.moment), 0, 1e-13);
-            CHECK_NEAR(shape_shadow(&hull, n), shape_shadow(&box, n), 1e-13);
+            CHECK_NEAR(shadow(&hull, n), shadow(&box, n), 1e-13);
         }
     shape_free(&hull);
     shape_free(&box);
@@ -148,7 +150,7 @@ static real mean_shadow(const Shape *s)
     for (int i = 0; i < n; i++)
         for (int k = 0; k < turns; k++) {
             real y = -1 + (2 * i + 1.0) / n, r = sqrt(1 - y * y), a = 2 * DIG_PI * (k + 0.5) / turns;
-            sum += shape_shadow(s, (vec3){r * cos(a), y, r * sin(a)});
+            sum += shadow(s, (vec3){r * cos(a), y, r * sin(a)});
         }
     return sum / n / turns;
 }
