@@ -20,7 +20,10 @@ dig_status dig_body_create(dig_world *w, const dig_body_def *def, dig_body *out)
     dig_status s = param_check(dig_schema_at("body", 0)->rows, def, subject, why, sizeof why);
     if (s != DIG_OK)
         return world_fail(w, s, "%s", why);
-    return body_create(w, def, out);
+    real before = w->ledger.started ? api_effects_stored(w) : 0;
+    s = body_create(w, def, out);
+    w->ledger.initial += w->ledger.started ? api_effects_stored(w) - before : 0;
+    return s;
 }
 
 dig_status dig_body_remove(dig_world *w, dig_body b)
@@ -225,7 +228,7 @@ dig_status dig_body_teleport(dig_world *w, dig_body handle, const vec3 *at, cons
     if (spin)
         DIG_TRY(api_finite(w, *spin, "teleport", "spin", "rad/s"));
     DIG_TRY(check_rotation(w, rotation, "teleport"));
-    real before = body_energy(w, b);
+    real before = w->ledger.started ? body_energy(w, b) + api_effects_stored(w) : 0;
     touches_wake(w, handle.slot);
     body_wake(w, handle.slot);
     vec3 origin = at ? *at : body_pose(b).p;
@@ -241,7 +244,7 @@ dig_status dig_body_teleport(dig_world *w, dig_body handle, const vec3 *at, cons
     b->still = 0;
     b->out = false;
     body_refit(w, handle.slot);
-    w->ledger.initial += w->ledger.started ? body_energy(w, b) - before : 0;
+    w->ledger.initial += w->ledger.started ? body_energy(w, b) + api_effects_stored(w) - before : 0;
     return DIG_OK;
 }
 

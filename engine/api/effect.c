@@ -70,8 +70,10 @@ dig_status dig_effect_set(dig_world *w, const char *name, bool on)
     int i = find(w, name);
     if (i < 0)
         return unknown(w, name);
+    real before = api_effects_stored(w);
     w->effects[i].on = on;
     w->effects[i].forced = true;
+    book_change(w, before);
     world_wake_all(w);
     return DIG_OK;
 }

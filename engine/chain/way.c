@@ -261,10 +261,8 @@ static dig_status hand_on(Group *g, const Saved *s, const char *why)
 
 static dig_status apply_forces(Group *g, real dt)
 {
-    for (int i = 0; i < g->moving_count; i++)
-        g->member[i].force = g->member[i].torque = vec3_zero();
     g->h = dt;
-    return g->stage(g, STAGE_FORCE);
+    return group_forces(g);
 }
 
 /* Links and driven bodies go where they are at the end of the step. */
@@ -319,6 +317,10 @@ static dig_status finish(const Chain *c, const Saved *s, real dt)
         close_tie(c, &c->tie[i]);
     given = g->work_in - given;
     g->lost += before + given + work_of(g, dt) - group_kinetic(g);
+    for (int i = 0; i < g->moving_count; i++) {
+        const Member *m = &g->member[i];
+        group_book_drag(g, i, vec3_sub(g->pos[i].x, m->start_pos.x), vec3_scale(0.5 * dt, vec3_add(g->vel[i].w, m->start_vel.w)), dt);
+    }
     g->t = dt;
     g->close_speed = group_close_speed(g);
     forget_contacts(g);

@@ -106,6 +106,7 @@ static void book(System *s)
         book_tie(s, &s->tie[i]);
     for (int i = 0; i < g->body_count; i++) {
         const Piece *p = &s->piece[i];
+        group_book_drag(g, i, vec3_sub(p->x, p->x0), p->turn, s->h);
         if (g->member[i].kinematic)
             g->work_in -= (vec3_dot(p->push, vec3_sub(p->x, p->x0)) + vec3_dot(p->twist, p->turn)) / s->h;
     }
@@ -230,10 +231,8 @@ static void write_back(System *s)
 dig_status step_single(System *s, bool *done)
 {
     Group *g = s->g;
-    for (int i = 0; i < g->moving_count; i++)
-        g->member[i].force = g->member[i].torque = vec3_zero();
     g->h = s->h;
-    DIG_TRY(g->stage(g, STAGE_FORCE));
+    DIG_TRY(group_forces(g));
     begin(s);
     *done = newton_step(s);
     if (!*done)

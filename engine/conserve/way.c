@@ -190,7 +190,7 @@ static dig_status run(Group *g, real dt, int parts, bool composed, System *s, co
 /* Backward steps and dampers do not go together. */
 static bool may_compose(const Group *g)
 {
-    if (g->world->region_count > 0)
+    if (g->world->region_count > 0 || g->varies)
         return false;
     for (int i = 0; i < g->joint_count; i++) {
         Row rows[JOINT_SLOTS];

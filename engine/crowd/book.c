@@ -156,8 +156,11 @@ static void book_energy(Crowd *c)
     Group *g = c->g;
     for (int i = 0; i < g->moving_count; i++) {
         const Member *m = &g->member[i];
-        if (m->moves)
-            g->lost += vec3_dot(m->force, vec3_sub(g->pos[i].x, m->start_pos.x)) + vec3_dot(m->torque, g->shift[i].w);
+        if (!m->moves)
+            continue;
+        vec3 moved = vec3_sub(g->pos[i].x, m->start_pos.x);
+        g->lost += vec3_dot(m->force, moved) + vec3_dot(m->torque, g->shift[i].w);
+        group_book_drag(g, i, moved, g->shift[i].w, c->dt);
     }
     for (int i = 0; i < g->push_count; i++) {
         const GroupPush *p = &g->pushes[i];

@@ -37,10 +37,8 @@ static dig_status open(Crowd *c)
     g->strikes = arena_alloc(g->arena, (size_t)(g->strike_capacity + 1) * sizeof *g->strikes);
     if (!g->strikes)
         return DIG_E_MEMORY;
-    for (int i = 0; i < g->moving_count; i++)
-        g->member[i].force = g->member[i].torque = vec3_zero();
     g->h = c->dt;
-    DIG_TRY(g->stage(g, STAGE_FORCE));
+    DIG_TRY(group_forces(g));
     for (int i = g->moving_count; i < g->body_count; i++)
         g->member[i].start_pos = g->pos[i];
     c->soft[0] = soft_of(STIFF, (real)c->h);

@@ -37,6 +37,7 @@ typedef struct EffectType {
      * NULL: yes when one of its moving bodies takes part (body_params), or, without body_params, when e->world is there. */
     bool      (*wanted)(const World *w, const Group *g);
     int       (*members)(const Group *g);       /* bodies taking part, for reports; NULL = those of the group with body_params, or all that move */
+    bool        varies;                 /* its forces depend on where bodies are or how they move: they are not even over a step */
     EffectFn   *run[STAGE_COUNT];       /* NULL: takes no part in that stage                */
 
     /* ---- on the world ---- */

@@ -1,5 +1,6 @@
 /* geom/box.c - the box about its origin, edges along the axes. */
 #include "geom/shape_build.h"
+#include "geom/wet.h"
 
 static const dig_param box_params[] = {
     {.name = "size", .kind = DIG_SIZE3, .unit = "m", .doc = "full extents along x, y and z; a number makes a cube", .fallback = NAN,
@@ -41,6 +42,23 @@ static void box_mass(const Shape *s, MassProps *out)
     vec3 h = half_of(s), h2 = vec3_mul(h, h);
     real volume = 8 * h.x * h.y * h.z, k = volume / 3;      /* m (2h)^2 / 12 = m h^2 / 3 */
     *out = (MassProps){.volume = volume, .inertia = mat3_diagonal((vec3){k * (h2.y + h2.z), k * (h2.z + h2.x), k * (h2.x + h2.y)})};
+}
+
+static void box_wet(const Shape *s, vec3 normal, real offset, Wet *sum)
+{
+    static const int face[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
+    vec3 h = half_of(s), c[4];
+    for (int f = 0; f < 6; f++) {
+        for (int k = 0; k < 4; k++)
+            c[k] = (vec3){face[f][k] & 1 ? h.x : -h.x, face[f][k] & 2 ? h.y : -h.y, face[f][k] & 4 ? h.z : -h.z};
+        wet_face(sum, c, 4, normal, offset);
+    }
+}
+
+static real box_shadow(const Shape *s, vec3 direction)
+{
+    vec3 h = half_of(s), d = vec3_abs(direction);
+    return 4 * (d.x * h.y * h.z + d.y * h.z * h.x + d.z * h.x * h.y);
 }
 
 static bool box_contains(const Shape *s, vec3 p)
@@ -133,6 +151,9 @@ const ShapeType shape_box = {
     .support  = box_support,
     .bounds   = box_bounds,
     .mass     = box_mass,
+    .wet      = box_wet,
+    .shadow   = box_shadow,
+    .drag     = 1.05,       /* a cube, face on */
     .ray      = box_ray,
     .contains = box_contains,
     .mesh     = box_mesh,

@@ -1,5 +1,6 @@
 /* geom/capsule.c - the capsule: a segment along y with a rounding radius. */
 #include "geom/shape_build.h"
+#include "geom/wet.h"
 
 #define CAPSULE_RINGS 6     /* from equator to pole, for drawing */
 
@@ -45,6 +46,22 @@ static void capsule_mass(const Shape *s, MassProps *out)
     real along  = tube * r * r / 2 + ball * 0.4 * r * r;
     real across = tube * (r * r / 4 + L * L / 12) + ball * (0.4 * r * r + L * L / 4 + 0.375 * L * r);
     *out = (MassProps){.volume = tube + ball, .inertia = mat3_diagonal((vec3){across, along, across})};
+}
+
+static void capsule_wet(const Shape *s, vec3 normal, real offset, Wet *sum)
+{
+    real r = data_of(s)->radius, half = data_of(s)->half;
+    const Lathe tube = {.y0 = -half, .y1 = half, .r0 = r}, low = {.y0 = -half - r, .y1 = -half, .ball = r, .middle = -half},
+                high = {.y0 = half, .y1 = half + r, .ball = r, .middle = half};
+    wet_lathe(sum, &low, normal, offset);
+    wet_lathe(sum, &tube, normal, offset);
+    wet_lathe(sum, &high, normal, offset);
+}
+
+static real capsule_shadow(const Shape *s, vec3 direction)
+{
+    real r = data_of(s)->radius;
+    return DIG_PI * r * r + 4 * r * data_of(s)->half * sqrt(real_max(0, 1 - direction.y * direction.y));
 }
 
 static bool capsule_contains(const Shape *s, vec3 p)
@@ -117,6 +134,9 @@ const ShapeType shape_capsule = {
     .support  = capsule_support,
     .bounds   = capsule_bounds,
     .mass     = capsule_mass,
+    .wet      = capsule_wet,
+    .shadow   = capsule_shadow,
+    .drag     = 0.6,
     .ray      = capsule_ray,
     .contains = capsule_contains,
     .mesh     = capsule_mesh,

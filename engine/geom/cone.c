@@ -1,5 +1,6 @@
 /* geom/cone.c - the cone along y, apex up; its origin is its centre of mass, a quarter of the height above the base. */
 #include "geom/shape_build.h"
+#include "geom/wet.h"
 
 static const dig_param cone_params[] = {
     SHAPE_LENGTH("radius", "radius of the base", dig_cone_def, radius),
@@ -49,6 +50,21 @@ static void cone_mass(const Shape *s, MassProps *out)
     real r = data_of(s)->radius, h = data_of(s)->height;
     real volume = DIG_PI * r * r * h / 3, across = volume * (0.15 * r * r + 0.0375 * h * h);
     *out = (MassProps){.volume = volume, .inertia = mat3_diagonal((vec3){across, 0.3 * volume * r * r, across})};
+}
+
+static void cone_wet(const Shape *s, vec3 normal, real offset, Wet *sum)
+{
+    const ConeData *d = data_of(s);
+    real k = d->radius / d->height;
+    wet_lathe(sum, &(Lathe){.y0 = d->base, .y1 = d->apex, .r0 = k * d->apex, .slope = -k}, normal, offset);
+}
+
+/* The ellipse of the base, and, where the apex stands out, the tangents from it: stretched across, those of a circle. */
+static real cone_shadow(const Shape *s, vec3 direction)
+{
+    const ConeData *d = data_of(s);
+    real a = d->radius, b = a * real_min(1, fabs(direction.y)), out = d->height * sqrt(real_max(0, 1 - direction.y * direction.y));
+    return out <= b ? DIG_PI * a * b : a * b * (DIG_PI - acos(b / out)) + a * sqrt((out - b) * (out + b));
 }
 
 static bool cone_contains(const Shape *s, vec3 p)
@@ -134,6 +150,9 @@ const ShapeType shape_cone = {
     .support  = cone_support,
     .bounds   = cone_bounds,
     .mass     = cone_mass,
+    .wet      = cone_wet,
+    .shadow   = cone_shadow,
+    .drag     = 0.5,        /* apex on, 60 degrees wide */
     .ray      = cone_ray,
     .contains = cone_contains,
     .mesh     = cone_mesh,

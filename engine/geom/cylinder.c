@@ -1,5 +1,6 @@
 /* geom/cylinder.c - the cylinder along y about its origin. */
 #include "geom/shape_build.h"
+#include "geom/wet.h"
 
 static const dig_param cylinder_params[] = {
     SHAPE_LENGTH("radius", "radius", dig_cylinder_def, radius),
@@ -47,6 +48,18 @@ static void cylinder_mass(const Shape *s, MassProps *out)
     real r = data_of(s)->radius, h = 2 * data_of(s)->half;
     real volume = DIG_PI * r * r * h, across = volume * (3 * r * r + h * h) / 12;
     *out = (MassProps){.volume = volume, .inertia = mat3_diagonal((vec3){across, volume * r * r / 2, across})};
+}
+
+static void cylinder_wet(const Shape *s, vec3 normal, real offset, Wet *sum)
+{
+    real half = data_of(s)->half;
+    wet_lathe(sum, &(Lathe){.y0 = -half, .y1 = half, .r0 = data_of(s)->radius}, normal, offset);
+}
+
+static real cylinder_shadow(const Shape *s, vec3 direction)
+{
+    real r = data_of(s)->radius;
+    return DIG_PI * r * r * fabs(direction.y) + 4 * r * data_of(s)->half * sqrt(real_max(0, 1 - direction.y * direction.y));
 }
 
 static bool cylinder_contains(const Shape *s, vec3 p)
@@ -133,6 +146,9 @@ const ShapeType shape_cylinder = {
     .support  = cylinder_support,
     .bounds   = cylinder_bounds,
     .mass     = cylinder_mass,
+    .wet      = cylinder_wet,
+    .shadow   = cylinder_shadow,
+    .drag     = 0.82,       /* a long one, end on; side on, 0.6 to 1.2 as it gets longer */
     .ray      = cylinder_ray,
     .contains = cylinder_contains,
     .mesh     = cylinder_mesh,

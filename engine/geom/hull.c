@@ -3,6 +3,7 @@
 
 #include "geom/hull_build.h"
 #include "geom/mass.h"
+#include "geom/wet.h"
 
 static const dig_param hull_params[] = {
     {.name = "points", .kind = DIG_POINTS, .unit = "m", .doc = "at least 4 points not in one plane; at most 255 end up as corners",
@@ -132,6 +133,38 @@ static void hull_mass(const Shape *s, MassProps *out)
     *out = hull_data(s)->mass;
 }
 
+/* Corners of a face, in order. */
+static int corners_of(const HullData *d, const HullFace *f, vec3 corners[HULL_VERTICES])
+{
+    for (int k = 0; k < f->count; k++)
+        corners[k] = hull_vertices(d)[hull_corners(d)[f->first + k]];
+    return f->count;
+}
+
+static void hull_wet(const Shape *s, vec3 normal, real offset, Wet *sum)
+{
+    const HullData *d = s->data;
+    vec3 corners[HULL_VERTICES];
+    for (int f = 0; f < d->face_count; f++)
+        wet_face(sum, corners, corners_of(d, &hull_faces(d)[f], corners), normal, offset);
+}
+
+/* Half of what all faces show: the front casts the same shadow as the back. */
+static real hull_shadow(const Shape *s, vec3 direction)
+{
+    const HullData *d = s->data;
+    vec3 c[HULL_VERTICES];
+    real sum = 0;
+    for (int f = 0; f < d->face_count; f++) {
+        vec3 area = vec3_zero();
+        int n = corners_of(d, &hull_faces(d)[f], c);
+        for (int k = 2; k < n; k++)
+            area = vec3_add(area, vec3_cross(vec3_sub(c[k - 1], c[0]), vec3_sub(c[k], c[0])));
+        sum += 0.25 * fabs(vec3_dot(area, direction));
+    }
+    return sum;
+}
+
 static bool hull_contains(const Shape *s, vec3 p)
 {
     const HullData *d = s->data;
@@ -210,6 +243,9 @@ const ShapeType shape_hull = {
     .support  = hull_support,
     .bounds   = hull_bounds,
     .mass     = hull_mass,
+    .wet      = hull_wet,
+    .shadow   = hull_shadow,
+    .drag     = 1.05,
     .ray      = hull_ray,
     .contains = hull_contains,
     .mesh     = hull_mesh,

@@ -27,6 +27,11 @@ typedef struct MassProps {      /* of a solid of density 1 kg/m^3, in its own fr
     mat3 inertia;               /* m^5 about the centre                             */
 } MassProps;
 
+typedef struct Wet {            /* a part of a solid, in the shape's frame */
+    real volume;                /* m^3                                              */
+    vec3 moment;                /* m^4  integral of x over it                       */
+} Wet;
+
 typedef struct Ray { vec3 from, along; real length; } Ray;      /* along is a unit vector */
 typedef struct RayHit { vec3 point, normal; real distance; } RayHit;
 
@@ -66,6 +71,10 @@ struct ShapeType {
     vec3       (*support)(const Shape *s, vec3 direction);      /* core point farthest along; local; direction need not be unit */
     box3       (*bounds)(const Shape *s, pose at);              /* world, rounding included; infinite planes use +-1e30 */
     void       (*mass)(const Shape *s, MassProps *out);         /* exact; NULL: has none. An open mesh gives volume 0 */
+    /* Adds the part with normal . x <= offset, a unit vector; what does not meet the plane is not asked. NULL: is no solid. */
+    void       (*wet)(const Shape *s, vec3 normal, real offset, Wet *sum);
+    real       (*shadow)(const Shape *s, vec3 direction);       /* m^2  area of its projection along a unit vector; NULL: it never moves */
+    real        drag;           /* 1  drag coefficient of that area (Hoerner 1965) at Reynolds numbers of 1e4 to 2e5 */
     /* First hit from outside; a start inside the shape gives no hit of it. The normal points out of the shape; open meshes
      * are hit from both sides (normal towards the start), height fields from above. */
     bool       (*ray)(const Shape *s, const Ray *local, RayHit *hit);

@@ -116,6 +116,19 @@ static dig_status sphere_mesh(const Shape *s, ShapeMesh *out)
     return DIG_OK;
 }
 
+static void sphere_wet(const Shape *s, vec3 normal, real offset, Wet *sum)
+{
+    real r = s->round, d = real_clamp(offset, -r, r), rest = (r - d) * (r + d);
+    sum->volume += DIG_PI * (r + d) * (r + d) * (2 * r - d) / 3;
+    sum->moment = vec3_mad(sum->moment, -0.25 * DIG_PI * rest * rest, normal);
+}
+
+static real sphere_shadow(const Shape *s, vec3 direction)
+{
+    (void)direction;
+    return DIG_PI * s->round * s->round;
+}
+
 static int sphere_face(const Shape *s, vec3 direction, vec3 corners[16], uint32_t *feature)
 {
     (void)s;
@@ -136,6 +149,9 @@ const ShapeType shape_sphere = {
     .support  = sphere_support,
     .bounds   = sphere_bounds,
     .mass     = sphere_mass,
+    .wet      = sphere_wet,
+    .shadow   = sphere_shadow,
+    .drag     = 0.47,
     .ray      = sphere_ray,
     .contains = sphere_contains,
     .mesh     = sphere_mesh,

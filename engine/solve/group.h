@@ -42,6 +42,8 @@ typedef struct Member {         /* the rest of a gathered body */
     mat3     inertia, inv_inertia;      /* body axes                                   */
     vec3     centre;            /* m   centre of mass in the body frame                */
     vec3     force, torque;     /* N, N m, of this substep                             */
+    vec3     drag, drag_torque; /* N, N m of these, what takes energy away for good    */
+    real     driven;            /* W   what moves the medium puts in by them           */
     real     outer;             /* m                                                   */
     Pos      start_pos; Vel start_vel;  /* at the start of the substep                 */
 } Member;
@@ -162,6 +164,9 @@ struct Group {
     uint32_t  effects;          /* bit per effect of the list that this group calls for */
     dig_status (*stage)(Group *g, int stage);           /* runs the effects of one stage (step/step.c) */
     bool      decay_friction;   /* the founding document's alternative to Coulomb */
+    bool      varies;           /* forces depend on where bodies are or how they move */
+    bool      stores;           /* forces have a potential that only their effect knows */
+    bool      drags;            /* some forces are drags: see Member.drag            */
     int       planar;           /* 0 or 1..3: x, y, z is the dead axis */
 
     const uint32_t *leads; int dig_count;       /* first members of its DIGs */
@@ -242,6 +247,10 @@ static inline pose group_shape_pose(const Group *g, int body, pose local)
 void       group_refresh_mass(Group *g, int body);      /* inverse inertia in world axes */
 void       group_joint_view(Group *g, int joint);       /* its ends from the present positions and velocities */
 void       group_joint_move(Group *g, int joint);       /* once viewed: those of its ends that can move, again */
+
+/* force.c: what the effects of STAGE_FORCE ask for now, and what drags took over a substep in which bodies moved and turned so far */
+dig_status group_forces(Group *g);
+void       group_book_drag(Group *g, int body, vec3 moved, vec3 turned, real h);
 
 /* keep.c */
 typedef struct GroupKept {      /* a group as it was */

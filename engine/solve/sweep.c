@@ -286,6 +286,10 @@ static void book(Group *g)
         book_roll(g, &g->rolls[i]);
     for (int i = 0; i < g->block_count; i++)
         book_joint(g, &g->blocks[i]);
+    for (int i = 0; i < g->moving_count && g->drags; i++) {
+        const Vel *v = &g->vel[i], *v0 = &g->member[i].start_vel;
+        group_book_drag(g, i, vec3_scale(0.5 * g->h, vec3_add(v->v, v0->v)), vec3_scale(0.5 * g->h, vec3_add(v->w, v0->w)), g->h);
+    }
     for (int i = 0; i < g->push_count; i++) {
         const GroupPush *p = &g->pushes[i];
         const Member *m = &g->member[p->body];
@@ -389,9 +393,7 @@ static void heal(Group *g)
 
 static dig_status solve_substep(Group *g)
 {
-    for (int i = 0; i < g->moving_count; i++)
-        g->member[i].force = g->member[i].torque = vec3_zero();
-    DIG_TRY(g->stage(g, STAGE_FORCE));
+    DIG_TRY(group_forces(g));
     predict(g);
     g->point_count = g->roll_count = g->block_count = g->row_count = 0;
     DIG_TRY(g->stage(g, STAGE_ROWS));

@@ -63,8 +63,10 @@ static void call_effects(Group *g)
 {
     const World *w = g->world;
     for (int i = 0; i < w->effect_count; i++)
-        if (w->effects[i].on && is_wanted(g, &w->effects[i]))
+        if (w->effects[i].on && is_wanted(g, &w->effects[i])) {
             g->effects |= 1u << i;
+            g->varies = g->varies || w->effects[i].type->varies;
+        }
 }
 
 typedef struct Context { World *w; Step *s; bool blame; } Context;
@@ -164,7 +166,7 @@ static dig_status look_for_strays(World *w, Step *s)
         return DIG_OK;
     for (int i = 0; i < s->count; i++) {
         const Group *g = &s->groups[i];
-        for (int k = 0; k < g->moving_count && g->located > 0; k++)
+        for (int k = 0; k < g->moving_count && (g->located > 0 || g->varies); k++)
             for (uint32_t c = w->bodies.data[g->member[k].slot].shape_first; c != NONE && g->member[k].moves; c = w->solids.data[c].next)
                 stray = watch_solid(w, g, k, c) || stray;
     }

@@ -104,7 +104,7 @@ void watch_group(Group *g)
     const World *w = g->world;
     struct GroupWatch *watch = &g->watch;
     real most = -INFINITY, motion = 0, weight = vec3_length(g->gravity), part = rules[DIG_RULE_ENERGY].bound;
-    bool judged = watch->gainer >= 0;
+    bool judged = watch->gainer >= 0 && !g->stores;
     for (int i = 0; i < g->moving_count; i++) {
         const Member *m = &g->member[i];
         const Body *b = &w->bodies.data[m->slot];       /* as it was before the step */

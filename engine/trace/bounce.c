@@ -145,7 +145,7 @@ static void jump(Tracer *t, const Series *s, real k, real *h, real *impulse)
     *impulse = p;
 }
 
-static void book(Tracer *t, const Series *s, const Touching *c, real p, vec3 moved, real kinetic, bool rests)
+static void book(Tracer *t, const Series *s, const Touching *c, real p, vec3 moved, real h, real kinetic, bool rests)
 {
     Group *g = t->g;
     GroupContact *to = &g->contacts[c->contact];
@@ -167,6 +167,7 @@ static void book(Tracer *t, const Series *s, const Touching *c, real p, vec3 mov
         g->push_work[g->pushes[i].body] += work;
         g->work_in += work;
     }
+    group_book_drag(g, 0, moved, vec3_zero(), h);
     g->work_in += given;
     g->lost += kinetic + forces + given - group_kinetic(g);
 }
@@ -204,7 +205,7 @@ bool trace_bounce(Tracer *t)
     for (int i = 0; i < t->touch_count && fine; i++)
         there = there || (t->touch[i].contact == c.contact && fabs(t->touch[i].gate.gap) <= 2 * t->gap_zero);
     if (fine && there) {
-        book(t, &s, &c, impulse, moved, kinetic, isinf(k));
+        book(t, &s, &c, impulse, moved, h, kinetic, isinf(k));
         g->events++;
         return true;
     }

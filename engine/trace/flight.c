@@ -8,7 +8,7 @@
 
 static bool suits(const Group *g)
 {
-    if (g->joint_count > 0 || g->push_count > 0 || g->world->region_count > 0 || g->decay_friction)
+    if (g->joint_count > 0 || g->push_count > 0 || g->world->region_count > 0 || g->varies || g->decay_friction)
         return false;
     for (int i = 0; i < g->moving_count; i++)
         if (!g->member[i].moves || g->member[i].integrator != DIG_AUTO)
@@ -71,9 +71,7 @@ static void fly(Group *g, int i, real h)
 static dig_status advance(Group *g, real dt)
 {
     g->h = dt;
-    for (int i = 0; i < g->moving_count; i++)
-        g->member[i].force = g->member[i].torque = vec3_zero();
-    DIG_TRY(g->stage(g, STAGE_FORCE));
+    DIG_TRY(group_forces(g));
     for (int i = 0; i < g->moving_count; i++)
         fly(g, i, dt);
     g->evaluations = g->substeps = 1;

@@ -144,6 +144,11 @@ static void keep_quad(const Tracer *t, real *q)
         *q = vec3_dot(p->force, vec3_add(g->vel[p->body].v, vec3_cross(g->vel[p->body].w, arm))) + vec3_dot(p->torque, g->vel[p->body].w);
         gained += *q;
     }
+    for (int i = 0; i < g->moving_count && g->drags; i++) {
+        const Member *m = &g->member[i];
+        gained += m->driven;
+        lost += m->driven - vec3_dot(m->drag, g->vel[i].v) - vec3_dot(m->drag_torque, g->vel[i].w);
+    }
     q[0] = lost;
     q[1] = gained;
 }
@@ -278,7 +283,7 @@ static real pair_step(Tracer *t, real h, int first)
 static bool looks_steady(const Tracer *t, real h)
 {
     const Group *g = t->g;
-    if (g->joint_count > 0)
+    if (g->joint_count > 0 || g->varies)
         return false;
     for (int i = 0; i < g->body_count; i++)
         if (!(g->member[i].moves && g->member[i].round) && vec3_length(g->vel[i].w) * h > STEADY)

@@ -53,9 +53,7 @@ static void push_soft(Tracer *t, const Row *r, real *kept)
 static void ask_effects(Tracer *t)
 {
     Group *g = t->g;
-    for (int i = 0; i < g->moving_count; i++)
-        g->member[i].force = g->member[i].torque = vec3_zero();
-    dig_status status = g->stage(g, STAGE_FORCE);
+    dig_status status = group_forces(g);
     if (status != DIG_OK)
         g->status = status;
     for (int i = 0; i < g->moving_count; i++) {

@@ -386,7 +386,7 @@ static bool overlaps(const Tracer *t)
 static bool run(Tracer *t)
 {
     Group *g = t->g;
-    t->even = g->push_count == 0 && g->world->region_count == 0;
+    t->even = g->push_count == 0 && g->world->region_count == 0 && !g->varies;
     trace_store(t, t->y);
     for (int i = 0; i < g->body_count; i++)
         t->mover_start[i] = g->pos[i];

@@ -37,6 +37,7 @@ core.use "trace"
 core.use "watch"
 core.use "run"
 core.use "build"
+core.use "fluid"
 core.use "film"
 
 -- ---- values ----

@@ -1,0 +1,141 @@
+/* effect/buoyancy.c - water with a level surface: what is in it is borne by the weight of the water it displaces, and dragged.
+ *
+ * The force rho g V acts at the centre of the displaced volume V, upward; drag acts there, too, on the wetted share of the body,
+ * with the coefficient and area that it has in air. The water stands still but for its current: it makes no waves, and gives the
+ * bodies no added mass.
+ */
+#include "effect/effect.h"
+#include "geom/wet.h"
+#include "solve/medium.h"
+
+typedef struct Water {
+    real density, level;        /* kg/m^3, m along gravity's opposite                  */
+    vec3 current;               /* m/s                                                 */
+    real damping;               /* 1/s                                                 */
+    vec3 at, size;              /* m   the basin; size 0: it has no end that way       */
+} Water;
+
+static const dig_param world_params[] = {
+    {.name = "density", .kind = DIG_REAL, .unit = "kg/m^3", .doc = "of the water", .fallback = 1000, .min = 0, .max = 1e5,
+     .offset = offsetof(Water, density)},
+    {.name = "level", .kind = DIG_REAL, .unit = "m", .doc = "height of the surface, against gravity from the origin", .fallback = 0, .min = -1e6,
+     .max = 1e6, .offset = offsetof(Water, level)},
+    {.name = "current", .kind = DIG_VEC3, .unit = "m/s", .doc = "velocity of the water", .fallback = 0, .min = -1e4, .max = 1e4,
+     .offset = offsetof(Water, current)},
+    {.name = "damping", .kind = DIG_REAL, .unit = "1/s", .doc = "rate at which motion in it dies away besides drag, for the waves that it makes",
+     .fallback = 0, .min = 0, .max = 1e6, .offset = offsetof(Water, damping)},
+    {.name = "at", .kind = DIG_VEC3, .unit = "m", .doc = "middle of the basin", .fallback = 0, .min = -1e6, .max = 1e6, .offset = offsetof(Water, at)},
+    {.name = "size", .kind = DIG_VEC3, .unit = "m", .doc = "full extents of the basin; 0: no end that way", .fallback = 0, .min = 0, .max = 1e6,
+     .offset = offsetof(Water, size)},
+    {0}
+};
+
+/* ---- what is displaced ---- */
+
+typedef struct Displaced { real volume, whole; vec3 centre; } Displaced;       /* m^3, m^3, m from the centre of mass */
+
+/* Within the basin is whose centre of mass is. */
+static bool within(const Water *water, vec3 x)
+{
+    vec3 off = vec3_abs(vec3_sub(x, water->at)), half = vec3_scale(0.5, water->size);
+    return !((half.x > 0 && off.x > half.x) || (half.y > 0 && off.y > half.y) || (half.z > 0 && off.z > half.z));
+}
+
+/* By a body with its centre of mass at x and turned by q, in water below up . p <= level. */
+static Displaced displaced(const World *w, uint32_t body, vec3 x, quat q, vec3 up, real level)
+{
+    const Body *b = &w->bodies.data[body];
+    pose origin = {vec3_sub(x, quat_rotate(q, b->centre)), q};
+    Displaced d = {0, 0, {0, 0, 0}};
+    for (uint32_t s = b->shape_first; s != NONE; s = w->solids.data[s].next) {
+        const Solid *solid = &w->solids.data[s];
+        pose at = pose_mul(origin, solid->at);
+        Wet wet = shape_wet(&solid->shape, quat_unrotate(at.q, up), level - vec3_dot(up, at.p));
+        MassProps mass = {.volume = 0};
+        if (solid->shape.type->mass)
+            solid->shape.type->mass(&solid->shape, &mass);
+        d.whole += mass.volume;
+        if (!(wet.volume > 0))
+            continue;
+        d.volume += wet.volume;
+        d.centre = vec3_add(d.centre, vec3_add(quat_rotate(at.q, wet.moment), vec3_scale(wet.volume, vec3_sub(at.p, x))));
+    }
+    d.centre = d.volume > 0 ? vec3_scale(1 / d.volume, d.centre) : vec3_zero();
+    return d;
+}
+
+/* ---- the force ---- */
+
+/* Coefficients in water are those in air. */
+static const DragBody *own_drag(const World *w, uint32_t body)
+{
+    for (int i = 0; i < w->effect_count; i++)
+        if (strcmp(w->effects[i].type->name, "drag") == 0)
+            return column_find(&w->effects[i].members, body);
+    return NULL;
+}
+
+/* The force is that of the middle of the substep, where the body gets by its velocity and by this very force: so implicit, it keeps
+ * the energy of bobbing and is stable for a cork in any step. The spring is stiffest with the whole shadow in the surface. */
+static void bear(const Water *water, Group *g, int i, vec3 up, real weight)
+{
+    Member *m = &g->member[i];
+    real h = g->h, im = g->mass[i].im;
+    vec3 x = vec3_mad(g->pos[i].x, 0.5 * h, g->vel[i].v);
+    quat q = quat_unit(quat_mul(quat_exp(vec3_scale(0.5 * h, g->vel[i].w)), g->pos[i].q));
+    if (!within(water, x))
+        return;
+    Displaced d = displaced(g->world, m->slot, x, q, up, water->level);
+    if (!(d.volume > 0))
+        return;
+    real area = 0, drag;
+    if (d.volume < d.whole)
+        medium_area(g->world, m->slot, q, up, &area, &drag);
+    real others = vec3_dot(up, m->force), soft = 1 + 0.25 * h * h * weight * area * im;
+    real lift = (others + weight * d.volume) / soft - others;
+    m->force = vec3_mad(m->force, lift, up);
+    m->torque = vec3_mad(m->torque, weight * d.volume / soft, vec3_cross(d.centre, up));
+    Medium medium = {water->density, water->current, water->damping};
+    medium_drag(g, i, &medium, own_drag(g->world, m->slot), d.volume / d.whole, water->density * d.volume, d.centre);
+}
+
+static dig_status force(const EffectSlot *e, Group *g)
+{
+    const Water *water = e->world;
+    real gravity = vec3_length(g->gravity);
+    if (!water || !(gravity > 0))
+        return DIG_OK;
+    for (int i = 0; i < g->moving_count; i++)
+        if (g->member[i].moves)
+            bear(water, g, i, vec3_scale(-1 / gravity, g->gravity), water->density * gravity);
+    g->stores = true;
+    return DIG_OK;
+}
+
+/* J  What it takes to push them under: the weight of the water displaced, times how far it was lifted. */
+static void energy(const World *w, const EffectSlot *e, dig_energy *sum)
+{
+    const Water *water = e->world;
+    real gravity = vec3_length(w->def.gravity);
+    if (!e->on || !water || !(gravity > 0))
+        return;
+    vec3 up = vec3_scale(-1 / gravity, w->def.gravity);
+    for (int i = 0; i < w->bodies.count; i++) {
+        const Body *b = &w->bodies.data[i];
+        if (!b->alive || b->kind != DIG_DYNAMIC || !within(water, b->x))
+            continue;
+        Displaced d = displaced(w, (uint32_t)i, b->x, b->q, up, water->level);
+        sum->potential += water->density * gravity * d.volume * (water->level - vec3_dot(up, vec3_add(b->x, d.centre)));
+    }
+}
+
+const EffectType effect_buoyancy = {
+    .name = "buoyancy",
+    .law = "F = -rho g V, at the centre of the displaced volume V",
+    .cite = "archimedes1897",
+    .world_params = world_params,
+    .world_size = sizeof(Water),
+    .varies = true,
+    .energy = energy,
+    .run = {[STAGE_FORCE] = force},
+};

@@ -1,0 +1,31 @@
+/* solve/medium.h - what a fluid does to a solid that moves through it: drag.
+ *
+ * Floor: solve.
+ */
+#ifndef DIG_MEDIUM_H
+#define DIG_MEDIUM_H
+
+#include "solve/group.h"
+
+typedef struct Medium {
+    real density;               /* kg/m^3                                              */
+    vec3 flow;                  /* m/s   its own velocity: wind or current             */
+    real damping;               /* 1/s   of a body with the mass of what it displaces  */
+} Medium;
+
+/* What a body says of its own drag. */
+typedef struct DragBody {
+    real coefficient;           /* 1     NaN: that of its shapes                       */
+    real area;                  /* m^2   0: what its shapes show to the flow           */
+} DragBody;
+
+/* m/s^2  Mean over a time h of what slows a motion u against the medium down, by -(c + k |u|) u, while all else accelerates it by a. */
+vec3 medium_slowing(vec3 u, vec3 a, real k, real c, real h);
+/* m^2  Sum over the body's solids of the area that each shows to a flow along a unit vector of the world, and of that times its
+ * coefficient. */
+void medium_area(const World *w, uint32_t body, quat q, vec3 along, real *area, real *drag);
+/* Adds the drag of the part `share` of a body, 0..1, at `arm` from its centre, and the resistance to its spin. `displaced`: kg of the
+ * medium in whose place it is. own: NULL = none of its own. Also notes what of it is lost, and what the flow puts in. */
+void medium_drag(Group *g, int body, const Medium *m, const DragBody *own, real share, real displaced, vec3 arm);
+
+#endif
