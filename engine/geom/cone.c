@@ -44,6 +44,12 @@ static box3 cone_bounds(const Shape *s, pose at)
     return (box3){vec3_min(apex, vec3_sub(base, e)), vec3_max(apex, vec3_add(base, e))};
 }
 
+static real cone_area(const Shape *s)
+{
+    const ConeData *d = data_of(s);
+    return DIG_PI * d->radius * (d->radius + d->slant);
+}
+
 static void cone_mass(const Shape *s, MassProps *out)
 {
     real r = data_of(s)->radius, h = data_of(s)->height;
@@ -134,6 +140,7 @@ const ShapeType shape_cone = {
     .support  = cone_support,
     .bounds   = cone_bounds,
     .mass     = cone_mass,
+    .area     = cone_area,
     .ray      = cone_ray,
     .contains = cone_contains,
     .mesh     = cone_mesh,

@@ -42,6 +42,12 @@ static box3 cylinder_bounds(const Shape *s, pose at)
     return (box3){vec3_sub(at.p, e), vec3_add(at.p, e)};
 }
 
+static real cylinder_area(const Shape *s)
+{
+    real r = data_of(s)->radius, h = 2 * data_of(s)->half;
+    return 2 * DIG_PI * r * (r + h);
+}
+
 static void cylinder_mass(const Shape *s, MassProps *out)
 {
     real r = data_of(s)->radius, h = 2 * data_of(s)->half;
@@ -133,6 +139,7 @@ const ShapeType shape_cylinder = {
     .support  = cylinder_support,
     .bounds   = cylinder_bounds,
     .mass     = cylinder_mass,
+    .area     = cylinder_area,
     .ray      = cylinder_ray,
     .contains = cylinder_contains,
     .mesh     = cylinder_mesh,

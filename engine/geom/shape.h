@@ -66,6 +66,7 @@ struct ShapeType {
     vec3       (*support)(const Shape *s, vec3 direction);      /* core point farthest along; local; direction need not be unit */
     box3       (*bounds)(const Shape *s, pose at);              /* world, rounding included; infinite planes use +-1e30 */
     void       (*mass)(const Shape *s, MassProps *out);         /* exact; NULL: has none. An open mesh gives volume 0 */
+    real       (*area)(const Shape *s);                         /* m^2 of the whole surface; NULL: infinite */
     /* First hit from outside; a start inside the shape gives no hit of it. The normal points out of the shape; open meshes
      * are hit from both sides (normal towards the start), height fields from above. */
     bool       (*ray)(const Shape *s, const Ray *local, RayHit *hit);
