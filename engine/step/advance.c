@@ -63,8 +63,10 @@ static void call_effects(Group *g)
 {
     const World *w = g->world;
     for (int i = 0; i < w->effect_count; i++)
-        if (w->effects[i].on && is_wanted(g, &w->effects[i]))
+        if (w->effects[i].on && is_wanted(g, &w->effects[i])) {
             g->effects |= 1u << i;
+            g->losses = g->losses || w->effects[i].type->losses;
+        }
 }
 
 typedef struct Context { World *w; Step *s; bool blame; } Context;

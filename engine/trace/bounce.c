@@ -168,7 +168,9 @@ static void book(Tracer *t, const Series *s, const Touching *c, real p, vec3 mov
         g->work_in += work;
     }
     g->work_in += given;
-    g->lost += kinetic + forces + given - group_kinetic(g);
+    real lost = kinetic + forces + given - group_kinetic(g);
+    g->lost += lost;
+    to->lost += lost;
 }
 
 /* The forces at the far end are what they were. */
