@@ -2,8 +2,8 @@
 #include "effect/effect.h"
 
 extern const EffectType effect_gravity, effect_push, effect_contact, effect_friction, effect_rolling, effect_joints,
-    effect_region;
+    effect_region, effect_heat;
 
 const EffectType *const effect_types[] = {
-    &effect_gravity, &effect_push, &effect_region, &effect_contact, &effect_friction, &effect_rolling, &effect_joints, NULL,
+    &effect_gravity, &effect_push, &effect_region, &effect_contact, &effect_friction, &effect_rolling, &effect_joints, &effect_heat, NULL,
 };

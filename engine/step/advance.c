@@ -62,11 +62,12 @@ static bool is_wanted(const Group *g, const EffectSlot *e)
 static void call_effects(Group *g)
 {
     const World *w = g->world;
-    for (int i = 0; i < w->effect_count; i++)
-        if (w->effects[i].on && is_wanted(g, &w->effects[i])) {
+    for (int i = 0; i < w->effect_count; i++) {
+        const EffectSlot *e = &w->effects[i];
+        if (e->on && is_wanted(g, e))
             g->effects |= 1u << i;
-            g->losses = g->losses || w->effects[i].type->losses;
-        }
+        g->losses = g->losses || (e->on && e->members.count > 0 && e->type->losses);
+    }
 }
 
 typedef struct Context { World *w; Step *s; bool blame; } Context;
