@@ -21,7 +21,7 @@
     {.name = #NAME, .kind = DIG_REAL, .unit = UNIT, .doc = DOC, .fallback = FALLBACK, .min = MIN, .max = MAX, .offset = offsetof(HeatWorld, NAME)}
 
 static const dig_param body_rows[] = {
-    FIELD(temperature, "K", "of the whole body; when it joins, default that of the air", NAN, 0, 1e7),
+    FIELD(temperature, "K", "of the whole body; when it joins, default that of the air", NAN, 0, HEAT_MOST),
     FIELD(heat_capacity, "J/(kg*K)", "per mass; default that of the material", NAN, 1e-3, 1e9),
     FIELD(conductivity, "W/(m*K)", "where it touches; default that of the material", NAN, 0, 1e6),
     FIELD(emissivity, "1", "share of a black body's radiation that it gives off and takes up", 0, 0, 1),
@@ -34,7 +34,7 @@ static const dig_param body_rows[] = {
 
 /* Such surfaces, at a bar: about 5 kW/(m^2 K) between pieces of steel. */
 static const dig_param world_rows[] = {
-    OPTION(ambient, "K", "temperature of the air", HEAT_AMBIENT, 0, 1e7),
+    OPTION(ambient, "K", "temperature of the air", HEAT_AMBIENT, 0, HEAT_MOST),
     OPTION(asperities, "1/m", "mean slope of the surfaces over their roughness", 1e5, 0, 1e12),
     OPTION(hardness, "Pa", "of the softer surface's peaks", 1e8, 1, 1e15),
     {0}

@@ -12,6 +12,7 @@
 
 #define HEAT_SIGMA   5.670374419e-8     /* W/(m^2 K^4); exact in the SI of 2019, to its digits */
 #define HEAT_AMBIENT 293.15             /* K */
+#define HEAT_MOST    1e7                /* K */
 
 typedef struct Heat {           /* of a body */
     real temperature;           /* K                                                      */

@@ -37,6 +37,7 @@ core.use "trace"
 core.use "watch"
 core.use "run"
 core.use "build"
+core.use "heat"
 core.use "film"
 
 -- ---- values ----
