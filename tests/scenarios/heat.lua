@@ -219,9 +219,10 @@ end)
 scenario("C6 in a row, and in a crowd: 9 J each", function(s)
   expect(brake(s, { plate = 300, box = 300 }, 24).energy.heat):near(24 * 9, 24 * 1e-4)
   local crowd = s:world {}
-  local plate, boxes = crowd:box { fixed = true, size = { 40, 0.1, 40 }, at = { 0, -0.05, 0 }, material = "steel", temperature = 300 }, {}
+  local plate, boxes = crowd:box { fixed = true, size = { 40, 0.1, 40 }, at = { 0, -0.05, 0 }, material = "steel", restitution = 0, temperature = 300 }, {}
   for i = 1, 100 do
-    boxes[i] = crowd:box { size = 0.1, at = { i % 10 * 0.1, 0.05, i // 10 * 0.1 }, mass = 2, material = "steel", velocity = { 3, 0, 0 } }
+    boxes[i] = crowd:box { size = 0.1, at = { i % 10 * 0.1, 0.05, i // 10 * 0.1 }, mass = 2, material = "steel", restitution = 0,
+                            velocity = { 3, 0, 0 } }
   end
   crowd:run(2)
   local e, share = crowd.energy, math.sqrt(7850) / (math.sqrt(7850) + math.sqrt(2000))
