@@ -15,7 +15,7 @@
 #define HEAT_MOST    1e7                /* K */
 
 typedef struct Heat {           /* of a body */
-    real temperature;           /* K                                                      */
+    real temperature;           /* K    first: view/view.c knows it by its place          */
     real heat_capacity;         /* J/(kg K)                                               */
     real conductivity;          /* W/(m K)                                                */
     real emissivity;            /* 1                                                      */
