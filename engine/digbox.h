@@ -396,6 +396,8 @@ dig_status dig_body_inspect(const dig_world *w, dig_body b, dig_body_debug *out)
 dig_status dig_body_push(dig_world *w, dig_body b, vec3 force, vec3 at, bool has_at, real lasts);  /* N, world point; lasts <= 0: next step */
 dig_status dig_body_twist(dig_world *w, dig_body b, vec3 torque, real lasts);                      /* N m */
 dig_status dig_body_hit(dig_world *w, dig_body b, vec3 impulse, vec3 at, bool has_at);             /* N s, at once */
+/* Energy, J, or as much as brings it to a temperature, K; the other is NaN. Work done on a body that takes part in the effect heat. */
+dig_status dig_body_warm(dig_world *w, dig_body b, real energy, real to);
 dig_status dig_body_teleport(dig_world *w, dig_body b, const vec3 *at, const quat *rotation, const vec3 *velocity, const vec3 *spin);
 dig_status dig_body_move_to(dig_world *w, dig_body b, vec3 at, const quat *rotation, real over);   /* kinematic only; s */
 dig_status dig_body_set_velocity(dig_world *w, dig_body b, vec3 velocity, vec3 spin);              /* kinematic only */

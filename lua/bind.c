@@ -403,11 +403,11 @@ int bind_open(lua_State *L)
     bind_world_open(L, core);
     bind_space_open(L, core);
     bind_watch_open(L, core);
-    bind_effect_open(L, core);
     bind_trace_open(L, core);
     bind_region_open(L, core);
     bind_body_open(L, core);
     bind_ask_open(L, core);
+    bind_effect_open(L, core);
     bind_shape_open(L, core);
     bind_joint_open(L, core);
     bind_graph_open(L, core);

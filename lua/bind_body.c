@@ -262,6 +262,10 @@ static int read_parameter(lua_State *L)
     dig_status s = dig_body_param(b->world->w, b->id, row->name, &field);
     if (s != DIG_OK)
         return bind_fail(L, b->world->w, s);
+    if (row->kind == DIG_REAL && isnan(field.r)) {
+        lua_pushnil(L);         /* nothing was given, and there is no default */
+        return 1;
+    }
     bind_push_world_of(L, 1);
     bind_push_field(L, lua_gettop(L), row, &field);
     return 1;

@@ -2,6 +2,7 @@
 
 #include "bind.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -170,9 +171,25 @@ static int world_effect(lua_State *L)
     return s == DIG_OK ? 0 : bind_fail(L, ref->w, s);
 }
 
+/* body:warm{energy=} or body:warm{to=} -> body          J or K */
+static int body_warm(lua_State *L)
+{
+    static const char *const names[] = {"energy", "to", NULL};
+    BodyRef *b = bind_check_body(L, 1);
+    real energy = NAN, to = NAN;
+    bind_arguments(L, 2, "body:warm", names);
+    bind_get_real(L, 2, "body:warm", "energy", "J", &energy);
+    bind_get_real(L, 2, "body:warm", "to", "K", &to);
+    dig_status s = dig_body_warm(b->world->w, b->id, energy, to);
+    lua_settop(L, 1);
+    return s == DIG_OK ? 1 : bind_fail(L, b->world->w, s);
+}
+
+static const luaL_Reg body_methods[] = {{"warm", body_warm}, {NULL, NULL}};
 static const luaL_Reg methods[] = {{"effects", world_effects}, {"effect", world_effect}, {NULL, NULL}};
 
 void bind_effect_open(lua_State *L, int core)
 {
     bind_extend(L, core, BIND_WORLD, methods);
+    bind_extend(L, core, BIND_BODY, body_methods);
 }

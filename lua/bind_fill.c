@@ -31,8 +31,8 @@ static void check_bounds(const Fill *f, const dig_param *row, const char *part, 
     if (x < row->min && !(row->min < 0) && !(row->min > 0))
         bind_error(f->L, "%s, must be >= 0", value);
     if (x < row->min)
-        bind_error(f->L, "%s, must be at least %s%s%s", value, lua_pushfstring(f->L, "%g", row->min), gap, unit);
-    bind_error(f->L, "%s, must be at most %s%s%s", value, lua_pushfstring(f->L, "%g", row->max), gap, unit);
+        bind_error(f->L, "%s, must be at least %s%s%s", value, lua_pushfstring(f->L, "%f", row->min), gap, unit);
+    bind_error(f->L, "%s, must be at most %s%s%s", value, lua_pushfstring(f->L, "%f", row->max), gap, unit);
 }
 
 static void wrong_kind(const Fill *f, const dig_param *row, const char *wanted)

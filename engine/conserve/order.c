@@ -1,119 +1,35 @@
 /* conserve/order.c - in which order bodies and joints are eliminated, and where their blocks lie.
  *
- * Least degree first (Tinney & Walker 1967), with buckets and last-in first-out ties: on trees there is no fill and the work is
- * linear. A joint with hard rows has no diagonal of its own; it may go once one of its bodies has gone.
+ * Least degree first (solve/degree.h). A joint with hard rows has no diagonal of its own; it may go once one of its bodies has gone.
  */
 #include "conserve/system.h"
-
-typedef struct Adjacent { int *node; int count, room; } Adjacent;
-
-typedef struct Ordering {
-    Arena    *arena;
-    Adjacent *next;             /* neighbours not yet eliminated */
-    int      *head, *after, *before;    /* buckets by degree     */
-    bool     *eligible, *gone;
-    int       count;
-    bool      failed;
-} Ordering;
-
-static bool adjacent(const Adjacent *a, int node)
-{
-    for (int i = 0; i < a->count; i++)
-        if (a->node[i] == node)
-            return true;
-    return false;
-}
-
-static void add_one(Ordering *o, int from, int to)
-{
-    Adjacent *a = &o->next[from];
-    if (a->count == a->room) {
-        int room = 2 * a->room + 4;
-        int *node = arena_alloc(o->arena, (size_t)room * sizeof *node);
-        if (!node) {
-            o->failed = true;
-            return;
-        }
-        if (a->count > 0)
-            memcpy(node, a->node, (size_t)a->count * sizeof *node);
-        a->node = node;
-        a->room = room;
-    }
-    a->node[a->count++] = to;
-}
-
-static void connect(Ordering *o, int x, int y)
-{
-    if (adjacent(&o->next[x], y))
-        return;
-    add_one(o, x, y);
-    add_one(o, y, x);
-}
-
-static void disconnect(Adjacent *a, int node)
-{
-    int n = 0;
-    for (int i = 0; i < a->count; i++)
-        if (a->node[i] != node)
-            a->node[n++] = a->node[i];
-    a->count = n;
-}
-
-static void bucket_take(Ordering *o, int node, int degree)
-{
-    if (o->before[node] >= 0)
-        o->after[o->before[node]] = o->after[node];
-    else
-        o->head[degree] = o->after[node];
-    if (o->after[node] >= 0)
-        o->before[o->after[node]] = o->before[node];
-}
-
-static void bucket_put(Ordering *o, int node)
-{
-    int degree = o->next[node].count;
-    o->after[node] = o->head[degree];
-    o->before[node] = -1;
-    if (o->head[degree] >= 0)
-        o->before[o->head[degree]] = node;
-    o->head[degree] = node;
-}
-
-static void *taken(Ordering *o, size_t bytes)
-{
-    void *p = arena_zero(o->arena, bytes);
-    o->failed = o->failed || !p;
-    return p;
-}
+#include "solve/degree.h"
 
 static int node_size(const System *s, int node)
 {
     return node < s->g->moving_count ? 6 : s->tie[node - s->g->moving_count].rows;
 }
 
-static void graph(const System *s, Ordering *o)
+static void graph(const System *s, Degree *o)
 {
-    for (int i = 0; i < s->tie_count && !o->failed; i++) {
+    int bodies = s->g->moving_count;
+    for (int i = 0; i < s->tie_count; i++) {
         const Tie *t = &s->tie[i];
-        int node = s->g->moving_count + i;
         bool a = s->piece[t->a].moves, b = s->piece[t->b].moves;
         if (a)
-            connect(o, node, t->a);
+            degree_link(o, bodies + i, t->a);
         if (b)
-            connect(o, node, t->b);
+            degree_link(o, bodies + i, t->b);
         if (a && b && t->coupled)
-            connect(o, t->a, t->b);
-        o->eligible[node] = !t->hard;
+            degree_link(o, t->a, t->b);
     }
-    for (int i = 0; i < s->g->moving_count; i++)
-        o->eligible[i] = true;
     for (int i = o->count - 1; i >= 0; i--)
-        if (o->eligible[i])
-            bucket_put(o, i);
+        if (i < bodies || !s->tie[i - bodies].hard)
+            degree_ready(o, i);
 }
 
 /* Lays down the blocks of one node and its later neighbours. */
-static void record(System *s, Ordering *o, int k, int node, Later **later)
+static void record(System *s, Degree *o, int k, int node, Later **later)
 {
     const Adjacent *a = &o->next[node];
     Elimination *e = &s->order[k];
@@ -135,37 +51,12 @@ static void record(System *s, Ordering *o, int k, int node, Later **later)
     s->value_count = e->upper + e->size * e->width;
 }
 
-static void eliminate(System *s, Ordering *o, int node)
+static void eliminate_all(System *s, Degree *o, Later **later)
 {
-    const Adjacent gone = o->next[node];
-    for (int i = 0; i < gone.count; i++)
-        if (o->eligible[gone.node[i]])
-            bucket_take(o, gone.node[i], o->next[gone.node[i]].count);
-    for (int i = 0; i < gone.count; i++)
-        disconnect(&o->next[gone.node[i]], node);
-    for (int i = 0; i < gone.count && !o->failed; i++)
-        for (int k = i + 1; k < gone.count && !o->failed; k++)
-            connect(o, gone.node[i], gone.node[k]);
-    for (int i = 0; i < gone.count; i++) {
-        int u = gone.node[i];
-        o->eligible[u] = o->eligible[u] || node < s->g->moving_count;
-        if (o->eligible[u])
-            bucket_put(o, u);
-    }
-    o->gone[node] = true;
-}
-
-static void eliminate_all(System *s, Ordering *o, Later **later)
-{
-    int least = 0;
     for (int k = 0; k < o->count && !o->failed; k++) {
-        while (o->head[least] < 0)
-            least++;
-        int node = o->head[least];
-        bucket_take(o, node, least);
+        int node = degree_next(o);
         record(s, o, k, node, later);
-        eliminate(s, o, node);
-        least = 0;
+        degree_eliminate(o, node, node < s->g->moving_count);
     }
 }
 
@@ -232,23 +123,16 @@ static dig_status lay_out(System *s, Later **later)
 
 dig_status order_make(System *s)
 {
-    Ordering o = {.arena = s->g->arena, .count = s->node_count};
+    Degree o;
     size_t n = (size_t)s->node_count + 1;
-    o.next = taken(&o, n * sizeof *o.next);
-    o.head = taken(&o, n * sizeof *o.head);
-    o.after = taken(&o, n * sizeof *o.after);
-    o.before = taken(&o, n * sizeof *o.before);
-    o.eligible = taken(&o, n * sizeof *o.eligible);
-    o.gone = taken(&o, n * sizeof *o.gone);
-    s->order = taken(&o, n * sizeof *s->order);
-    s->position = taken(&o, n * sizeof *s->position);
-    Later **later = taken(&o, n * sizeof *later);
-    if (o.failed)
+    degree_open(&o, s->g->arena, s->node_count);
+    s->order = arena_zero(s->g->arena, n * sizeof *s->order);
+    s->position = arena_zero(s->g->arena, n * sizeof *s->position);
+    Later **later = arena_zero(s->g->arena, n * sizeof *later);
+    if (o.failed || !s->order || !s->position || !later)
         return DIG_E_MEMORY;
-    for (int i = 0; i <= s->node_count; i++)
-        o.head[i] = -1;
-    graph(s, &o);
     s->value_count = 0;
+    graph(s, &o);
     if (!o.failed)
         eliminate_all(s, &o, later);
     return o.failed ? DIG_E_MEMORY : lay_out(s, later);

@@ -218,6 +218,38 @@ static void book_movers(Group *g)
     }
 }
 
+static Vel mean_velocity(const Group *g, int body)
+{
+    const Member *m = &g->member[body];
+    if (!m->moves)
+        return g->vel[body];
+    return (Vel){vec3_scale(0.5, vec3_add(g->vel[body].v, m->start_vel.v)), vec3_scale(0.5, vec3_add(g->vel[body].w, m->start_vel.w))};
+}
+
+/* J  What a contact would have taken, were its force even over the step. */
+static real even_loss(const Group *g, const GroupContact *c, real dt)
+{
+    if (!(c->point_weight > 0))
+        return 0;
+    vec3 at = vec3_scale(1 / c->point_weight, c->point_sum);
+    Vel a = mean_velocity(g, c->a), b = mean_velocity(g, c->b);
+    vec3 va = vec3_add(a.v, vec3_cross(a.w, vec3_sub(at, g->member[c->a].start_pos.x)));
+    vec3 vb = vec3_add(b.v, vec3_cross(b.w, vec3_sub(at, g->member[c->b].start_pos.x)));
+    return real_max(0, -vec3_dot(c->impulse, vec3_sub(vb, va)) - dt * vec3_dot(c->rolling, vec3_sub(b.w, a.w)));
+}
+
+/* What is lost is known of the crowd as a whole. Where an effect asks for it, each contact is given a share of that. */
+static void share_losses(const Crowd *c, real lost)
+{
+    Group *g = c->g;
+    real sum = 0;
+    for (int i = 0; i < g->contact_count; i++)
+        sum += g->contacts[i].lost = even_loss(g, &g->contacts[i], c->dt);
+    real share = sum > 0 && lost > 0 ? lost / sum : 0;
+    for (int i = 0; i < g->contact_count; i++)
+        g->contacts[i].lost *= isfinite(share) ? share : 0;
+}
+
 dig_status book_close(Crowd *c)
 {
     Group *g = c->g;
@@ -231,6 +263,8 @@ dig_status book_close(Crowd *c)
             note_batch(c, &c->batch[i]);
     book_energy(c);
     book_movers(g);
+    if (g->losses)
+        share_losses(c, g->lost);
     team_run(c->team, carry_share, &b);
     for (int i = 0; i < threads; i++)
         g->penetration = real_max(g->penetration, b.deepest[i]);

@@ -39,6 +39,7 @@ typedef struct EffectType {
     int       (*members)(const Group *g);       /* bodies taking part, for reports; NULL = those of the group with body_params, or all that move */
     bool        varies;                 /* its forces depend on where bodies are or how they move: they are not even over a step */
     EffectFn   *run[STAGE_COUNT];       /* NULL: takes no part in that stage                */
+    bool        losses;                 /* asks for what each contact loses: Contact.lost   */
 
     /* ---- on the world ---- */
     /* Once a frame step, before anything is committed: takes the memory that flow will need (w->scratch lasts until the next step).

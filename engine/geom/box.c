@@ -37,6 +37,12 @@ static box3 box_bounds(const Shape *s, pose at)
     return (box3){vec3_sub(at.p, e), vec3_add(at.p, e)};
 }
 
+static real box_area(const Shape *s)
+{
+    vec3 h = ((const BoxData *)s->data)->half;
+    return 8 * (h.x * h.y + h.y * h.z + h.z * h.x);
+}
+
 static void box_mass(const Shape *s, MassProps *out)
 {
     vec3 h = half_of(s), h2 = vec3_mul(h, h);
@@ -154,6 +160,7 @@ const ShapeType shape_box = {
     .wet      = box_wet,
     .shadow   = box_shadow,
     .drag     = 1.05,       /* a cube, face on */
+    .area     = box_area,
     .ray      = box_ray,
     .contains = box_contains,
     .mesh     = box_mesh,

@@ -39,6 +39,12 @@ static box3 capsule_bounds(const Shape *s, pose at)
 }
 
 /* A cylinder, and two half balls whose centres of mass lie 3r/8 beyond its ends. */
+static real capsule_area(const Shape *s)
+{
+    const CapsuleData *d = s->data;
+    return 4 * DIG_PI * d->radius * (d->radius + d->half);
+}
+
 static void capsule_mass(const Shape *s, MassProps *out)
 {
     real r = data_of(s)->radius, L = 2 * data_of(s)->half;
@@ -137,6 +143,7 @@ const ShapeType shape_capsule = {
     .wet      = capsule_wet,
     .shadow   = capsule_shadow,
     .drag     = 0.6,
+    .area     = capsule_area,
     .ray      = capsule_ray,
     .contains = capsule_contains,
     .mesh     = capsule_mesh,

@@ -45,6 +45,12 @@ static box3 cone_bounds(const Shape *s, pose at)
     return (box3){vec3_min(apex, vec3_sub(base, e)), vec3_max(apex, vec3_add(base, e))};
 }
 
+static real cone_area(const Shape *s)
+{
+    const ConeData *d = data_of(s);
+    return DIG_PI * d->radius * (d->radius + d->slant);
+}
+
 static void cone_mass(const Shape *s, MassProps *out)
 {
     real r = data_of(s)->radius, h = data_of(s)->height;
@@ -153,6 +159,7 @@ const ShapeType shape_cone = {
     .wet      = cone_wet,
     .shadow   = cone_shadow,
     .drag     = 0.5,        /* apex on, 60 degrees wide */
+    .area     = cone_area,
     .ray      = cone_ray,
     .contains = cone_contains,
     .mesh     = cone_mesh,

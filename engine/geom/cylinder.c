@@ -43,6 +43,12 @@ static box3 cylinder_bounds(const Shape *s, pose at)
     return (box3){vec3_sub(at.p, e), vec3_add(at.p, e)};
 }
 
+static real cylinder_area(const Shape *s)
+{
+    real r = data_of(s)->radius, h = 2 * data_of(s)->half;
+    return 2 * DIG_PI * r * (r + h);
+}
+
 static void cylinder_mass(const Shape *s, MassProps *out)
 {
     real r = data_of(s)->radius, h = 2 * data_of(s)->half;
@@ -149,6 +155,7 @@ const ShapeType shape_cylinder = {
     .wet      = cylinder_wet,
     .shadow   = cylinder_shadow,
     .drag     = 0.82,       /* a long one, end on; side on, 0.6 to 1.2 as it gets longer */
+    .area     = cylinder_area,
     .ray      = cylinder_ray,
     .contains = cylinder_contains,
     .mesh     = cylinder_mesh,

@@ -97,6 +97,18 @@ static void heightfield_piece(const Shape *s, uint32_t piece, vec3 corners[3])
     }
 }
 
+static real heightfield_area(const Shape *s)
+{
+    const HeightfieldData *d = data_of(s);
+    vec3 c[3];
+    real sum = 0;
+    for (int i = 0; i < 2 * (d->columns - 1) * (d->rows - 1); i++) {
+        heightfield_piece(s, (uint32_t)i, c);
+        sum += shape_triangle_area(c);
+    }
+    return sum;
+}
+
 /* Cells that [low, high] touches along one axis, with a little to spare for rounding: the caller checks exactly. */
 typedef struct Cells { int first, last; } Cells;
 
@@ -263,6 +275,7 @@ const ShapeType shape_heightfield = {
     .def_size = sizeof(dig_heightfield_def),
     .make     = heightfield_make,
     .bounds   = heightfield_bounds,
+    .area     = heightfield_area,
     .ray      = heightfield_ray,
     .contains = heightfield_contains,
     .mesh     = heightfield_mesh,

@@ -128,6 +128,20 @@ static box3 hull_bounds(const Shape *s, pose at)
     return (box3){vec3_add(b.low, at.p), vec3_add(b.high, at.p)};
 }
 
+/* Each face as a fan. */
+static real hull_area_of(const Shape *s)
+{
+    const HullData *d = hull_data(s);
+    real sum = 0;
+    for (int f = 0; f < d->face_count; f++) {
+        const HullFace *face = &hull_faces(d)[f];
+        const uint8_t *corner = hull_corners(d) + face->first;
+        for (int i = 2; i < face->count; i++)
+            sum += shape_triangle_area((vec3[]){hull_vertices(d)[corner[0]], hull_vertices(d)[corner[i - 1]], hull_vertices(d)[corner[i]]});
+    }
+    return sum;
+}
+
 static void hull_mass(const Shape *s, MassProps *out)
 {
     *out = hull_data(s)->mass;
@@ -246,6 +260,7 @@ const ShapeType shape_hull = {
     .wet      = hull_wet,
     .shadow   = hull_shadow,
     .drag     = 1.05,
+    .area     = hull_area_of,
     .ray      = hull_ray,
     .contains = hull_contains,
     .mesh     = hull_mesh,

@@ -31,6 +31,18 @@ static box3 mesh_bounds(const Shape *s, pose at)
     return (box3){vec3_sub(middle, e), vec3_add(middle, e)};
 }
 
+static real mesh_area(const Shape *s)
+{
+    const MeshData *d = s->data;
+    vec3 c[3];
+    real sum = 0;
+    for (int i = 0; i < d->triangle_count; i++) {
+        corners_of(d, (uint32_t)i, c);
+        sum += shape_triangle_area(c);
+    }
+    return sum;
+}
+
 static void mesh_mass(const Shape *s, MassProps *out)
 {
     *out = ((const MeshData *)s->data)->mass;
@@ -154,6 +166,7 @@ const ShapeType shape_mesh = {
     .make     = mesh_make,
     .bounds   = mesh_bounds,
     .mass     = mesh_mass,
+    .area     = mesh_area,
     .ray      = mesh_ray,
     .contains = mesh_contains,
     .mesh     = mesh_mesh,

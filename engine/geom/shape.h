@@ -75,6 +75,7 @@ struct ShapeType {
     void       (*wet)(const Shape *s, vec3 normal, real offset, Wet *sum);
     real       (*shadow)(const Shape *s, vec3 direction);       /* m^2  area of its projection along a unit vector; NULL: it never moves */
     real        drag;           /* 1  drag coefficient of that area (Hoerner 1965) at Reynolds numbers of 1e4 to 2e5 */
+    real       (*area)(const Shape *s);                         /* m^2 of the whole surface; NULL: infinite */
     /* First hit from outside; a start inside the shape gives no hit of it. The normal points out of the shape; open meshes
      * are hit from both sides (normal towards the start), height fields from above. */
     bool       (*ray)(const Shape *s, const Ray *local, RayHit *hit);

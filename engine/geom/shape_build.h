@@ -33,6 +33,11 @@ bool shape_ray_triangle(const TriangleRay *ray, const vec3 corners[3], real *t);
 /* Does the ray pass the box before `length`? */
 bool shape_ray_box(const Ray *ray, box3 box, real length, real *enter);
 
+static inline real shape_triangle_area(const vec3 c[3])
+{
+    return 0.5 * vec3_length(vec3_cross(vec3_sub(c[1], c[0]), vec3_sub(c[2], c[0])));
+}
+
 /* What `data` of a height field points to. */
 typedef struct HeightfieldData {
     int  columns, rows;

@@ -33,6 +33,12 @@ static box3 sphere_bounds(const Shape *s, pose at)
     return box3_grow((box3){at.p, at.p}, s->round);
 }
 
+static real sphere_area(const Shape *s)
+{
+    real r = ((const SphereData *)s->data)->radius;
+    return 4 * DIG_PI * r * r;
+}
+
 static void sphere_mass(const Shape *s, MassProps *out)
 {
     real r = radius_of(s), volume = 4.0 / 3 * DIG_PI * r * r * r, I = 0.4 * volume * r * r;
@@ -152,6 +158,7 @@ const ShapeType shape_sphere = {
     .wet      = sphere_wet,
     .shadow   = sphere_shadow,
     .drag     = 0.47,
+    .area     = sphere_area,
     .ray      = sphere_ray,
     .contains = sphere_contains,
     .mesh     = sphere_mesh,

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 static const real BEVEL = 0.055;        /* of the smallest extent */
+static const float SCALE = 0.1f;        /* of its colour, that a glowing body throws back */
 
 void dig_colour(uint32_t dig, float colour[3])
 {
@@ -108,6 +109,33 @@ static void set_colour(DrawItem *d, const ViewItem *item, const BatchEye *eye)
     put4(d->instance.colour, c.x, c.y, c.z, isfinite(rough) ? rough : 0.5);
 }
 
+/* What is hot shines; with a scale, what has a temperature is coloured by that alone, and the rest is grey. */
+static void set_heat(DrawItem *d, const ViewItem *item, const BatchEye *eye)
+{
+    float colour[3], *own = d->instance.colour;
+    real t = (real)item->temperature;
+    if (eye->heat.on) {
+        real grey = 0.25 * (real)(own[0] + own[1] + own[2]) / 3 + 0.12;
+        bool has = t > 0 && isfinite(t);
+        if (has)
+            heat_colour((t - eye->heat.low) / (eye->heat.high - eye->heat.low), colour);
+        put4(own, has ? (real)colour[0] : grey, has ? (real)colour[1] : grey, has ? (real)colour[2] : grey, 0.9);
+        d->key.pattern = d->key.pattern == PATTERN_CHECK || !has ? d->key.pattern : PATTERN_PLAIN;
+        d->instance.look[0] = has ? -0.35f : 0;
+        return;
+    }
+    real strength = heat_glow(t, colour);
+    if (!(strength > 0))
+        return;
+    /* scale glows black; what it shines with then hides what the room lights of it */
+    real cover = real_min(1, 4 * sqrt(strength)), most = 0, dull = 1 - 0.7 * real_clamp((real)item->metallic, 0, 1);
+    for (int i = 0; i < 3; i++) {
+        own[i] = (float)((1 - cover) * dull * (real)own[i]) + (float)cover * SCALE * colour[i];
+        most = real_max(most, (real)own[i]);
+    }
+    d->instance.look[0] = (float)(-strength / real_max(most, 0.01));
+}
+
 static real tile_size(real unit)
 {
     /* 1, 2 or 5 times a power of ten metres, about an eighth of the scene */
@@ -155,6 +183,7 @@ static bool describe(DrawItem *d, const Batches *b, const Meshes *meshes, const 
     if (m->form == VIEW_PLANE) {
         d->mesh = MESH_QUAD;
         set_plane(d, item, s, eye);
+        set_heat(d, item, eye);
         return true;
     }
     vec3 place = vec3_sub(stage_point(s, vec3_from(item->p)), eye->at);
@@ -168,6 +197,7 @@ static bool describe(DrawItem *d, const Batches *b, const Meshes *meshes, const 
     put4(d->instance.look, real_clamp((real)item->metallic, 0, 1), bevel, 1 / real_max(pattern_cell(pattern, m, half), 1e-9),
          pattern_axis(pattern, m, half));
     put4(d->instance.half, half.x, half.y, half.z, pattern_band(m));
+    set_heat(d, item, eye);
     d->mesh = solid.mesh;
     d->closed = solid.form != FORM_TWO_SIDED;
     d->caster = true;

@@ -6,6 +6,7 @@
 #ifndef DIG_BATCH_H
 #define DIG_BATCH_H
 
+#include "render/heat.h"
 #include "render/mesh.h"
 #include "render/program.h"
 #include "render/stage.h"
@@ -15,7 +16,7 @@ typedef struct Instance {       /* as the vertex shader reads it; scene units */
     float    turn[4];           /* quaternion                                               */
     float    size[4];           /* factors of the unit solid; [3] shift along y             */
     float    colour[4];         /* linear; [3] roughness                                    */
-    float    look[4];           /* metallic, bevel, 1 / cell of the pattern, grain axis     */
+    float    look[4];           /* metallic, or minus how strongly it shines in its colour; bevel, 1 / cell of the pattern, grain axis */
     float    half[4];           /* half extents, half width of a stripe; planes: offset of the tiles */
     uint32_t number[2];         /* body, DIG                                                */
 } Instance;
@@ -45,6 +46,7 @@ typedef struct BatchEye {       /* from where it is drawn */
     int  lamps;
     bool shadows, overlay_dig;
     bool fine;                  /* the finest meshes, for data layers        */
+    HeatScale heat;             /* on: bodies are coloured by temperature    */
 } BatchEye;
 
 dig_status batches_build(Batches *b, Meshes *meshes, const Gl *gl, const View *v, const Stage *s, const BatchEye *eye, uint64_t draw);

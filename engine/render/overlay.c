@@ -1,6 +1,8 @@
 /* render/overlay.c - lines, arrows and text over a finished picture. */
 #include "render/overlay.h"
 
+#include "render/heat.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -205,6 +207,32 @@ static void show_texts(const Pen *pen, const View *v, unsigned flags)
     }
 }
 
+#define BANDS 24
+
+/* The scale of temperatures: a bar at the right with its ends in K. */
+static void show_scale(const Pen *pen, const View *v)
+{
+    HeatScale scale = heat_scale(v);
+    Overlay *o = pen->o;
+    real size = o->font.size, x = pen->eye->width - 2 * size, top = 0.25 * pen->eye->height, bottom = 0.75 * pen->eye->height;
+    if (!scale.on)
+        return;
+    for (int i = 0; i < BANDS; i++) {
+        float linear[3], colour[3];
+        real at[2] = {x, bottom + (top - bottom) * (i + 0.5) / BANDS}, half = 0.5 * (bottom - top) / BANDS + (real)rim;
+        heat_colour((i + 0.5) / BANDS, linear);
+        display_colour(linear, colour);
+        Stroke band = stroke_of((real[2]){at[0] - 0.5 * size, at[1]}, (real[2]){at[0] + 0.5 * size, at[1]}, half, half, colour, 1);
+        band.widths[2] = 0;
+        put_stroke(&o->strokes, band);
+    }
+    for (int end = 0; end < 2; end++) {
+        char text[32];
+        snprintf(text, sizeof text, "%.0f K", end ? scale.high : scale.low);
+        draw_text(o, x + 0.8 * size - text_width(&o->font, text), end ? top - 0.9 * size : bottom + 1.6 * size, text);
+    }
+}
+
 /* ---- drawing ---------------------------------------------------------- */
 
 void overlay_open(Overlay *o, const Gl *gl)
@@ -280,10 +308,12 @@ dig_status overlay_draw(Overlay *o, Programs *programs, const Gl *gl, const View
         show_contacts(&pen, v, s->unit);
     if (flags & OVERLAY_FORCES)
         show_forces(&pen, v, s->unit);
-    if (flags & (OVERLAY_NAMES | OVERLAY_TIME)) {
+    if (flags & (OVERLAY_NAMES | OVERLAY_TIME | OVERLAY_TEMPERATURE)) {
         gl->ActiveTexture(GL_TEXTURE0 + UNIT_FONT);
         load_font(o, gl, (int)real_clamp(round(eye->height / 45), 11, 48));
         show_texts(&pen, v, flags);
+        if (flags & OVERLAY_TEMPERATURE)
+            show_scale(&pen, v);
     }
     if (o->strokes.full || o->glyphs.full) {
         snprintf(why, capacity, "no memory for the overlay");

@@ -22,7 +22,7 @@ static const char solid_inputs[] =
     "layout(location = 3) in vec4 turning;\n"
     "layout(location = 4) in vec4 size;\n"                 /* w: shift along y */
     "layout(location = 5) in vec4 colour;\n"               /* w: roughness */
-    "layout(location = 6) in vec4 look;\n"                 /* metallic, bevel, 1 / cell, grain axis */
+    "layout(location = 6) in vec4 look;\n"                 /* metallic (below 0: it shines), bevel, 1 / cell, grain axis */
     "layout(location = 7) in vec4 half_size;\n"            /* of the solid; planes: offset of the tiles */
     "layout(location = 8) in uvec2 number;\n"
     "vec3 turn(vec4 q, vec3 v) { vec3 t = 2.0 * cross(q.xyz, v); return v + q.w * t + cross(q.xyz, t); }\n"
@@ -201,7 +201,7 @@ static const char surface_main[] =
     "#endif\n"
     "    vec3 v = -normalize(v_rel), c = albedo();\n"
     "    vec2 come = arriving(n, c);\n"
-    "    float rough = f_colour.a, metal = f_look.x;\n"
+    "    float rough = f_colour.a, metal = max(f_look.x, 0.0);\n"
     "#if PLANE\n"
     "    vec3 lit = c * (come.x * f_direct + come.y * f_sky);\n"
     "#else\n"
@@ -228,6 +228,7 @@ static const char surface_main[] =
     "#else\n"
     "    float far = 1.0 - min(dot(v_rel, v_rel) * forward.w, 1.0);\n"
     "#endif\n"
+    "    lit += c * max(-f_look.x, 0.0);\n"
     "    lit = mix(sky_rim.rgb, lit, far * far);\n"
     /* one curve for tone and for the display's gamma: white is reached softly */
     "    pixel = vec4(lit * 1.03 / (lit + 0.155), 1.0);\n"

@@ -245,7 +245,7 @@ static void gather_contact(const World *w, const GroupPair *q, int pair, uint32_
     to->sliding = from->sliding;
     to->rolling = from->idle ? vec3_zero() : from->rolling;
     to->impulse = to->point_sum = vec3_zero();
-    to->last = to->point_weight = 0;
+    to->last = to->point_weight = to->lost = 0;
     to->manifold.normal = from->manifold.normal;
     to->manifold.count = from->manifold.count;
     for (int k = 0; k < from->manifold.count; k++) {
@@ -575,6 +575,7 @@ static void commit_contact(Contact *to, const GroupContact *from, real dt)
     to->sliding = from->sliding;
     to->touching = from->touching;
     to->force = vec3_scale(1 / dt, from->impulse);
+    to->lost = from->lost;
     to->point = from->point_weight > 0 ? vec3_scale(1 / from->point_weight, from->point_sum)
                                        : from->manifold.count ? from->manifold.points[0].a : vec3_zero();
 }

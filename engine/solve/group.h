@@ -110,6 +110,7 @@ typedef struct GroupContact {
     vec3     impulse;           /* N s on b, over the whole step    */
     real     last;              /* s   into the step, when force last acted */
     vec3     point_sum; real point_weight;      /* where, weighted by impulse */
+    real     lost;              /* J   to friction, rolling and blows, over the whole step; of the group's lost */
 } GroupContact;
 
 typedef struct GroupPair {
@@ -215,6 +216,7 @@ struct Group {
     bool      conserve_failed;  /*     the same of the way that conserves energy       */
     real      residual, penetration, joint_error;
     real      lost, work_in;    /* J */
+    bool      losses;           /*     an effect asks for those of each contact; where they cost nothing they are there anyway */
     struct GroupWatch {         /* step/watch.c */
         real  elastic;          /* J   in its springs at the start of the step                    */
         real  rise, borne;      /* J   gained without work in it; how much may be                 */

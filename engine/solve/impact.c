@@ -117,6 +117,22 @@ static void solve_marked(Group *g, const bool *on, bool all, real speed)
     }
 }
 
+/* m/s, rates of a point along its normal and tangents */
+static void find_rates(const Group *g, const PointRow *r, real rate[3])
+{
+    rate[0] = dir_rate(g, &r->n, r->a, r->b);
+    rate[1] = dir_rate(g, &r->t[0], r->a, r->b);
+    rate[2] = dir_rate(g, &r->t[1], r->a, r->b);
+}
+
+/* What a blow takes is its impulse times the mean of the rates before and after: summed over points and joints that is exact. */
+static void book_strike(Group *g, const PointRow *r, const real before[3])
+{
+    real after[3];
+    find_rates(g, r, after);
+    g->contacts[r->contact].lost -= 0.5 * (r->jn * (before[0] + after[0]) + r->jt[0] * (before[1] + after[1]) + r->jt[1] * (before[2] + after[2]));
+}
+
 static void note_strike(Group *g, const PointRow *r, real speed)
 {
     GroupContact *c = &g->contacts[r->contact];
@@ -292,16 +308,16 @@ static void solve_capped(Group *g, const bool *on, bool all, real approach)
     arena_rewind(g->arena, mark);
 }
 
-/* One solve; true when something was left to do. */
+/* One solve; true when something was left to do. rate: of the points, then all three of each. */
 static bool strike_once(Group *g, bool *on, real *rate, bool allow_elastic)
 {
-    real approach = 0;
+    real approach = 0, (*before)[3] = (real (*)[3])(rate + g->point_count);
     for (int i = 0; i < g->point_count; i++) {
         PointRow *r = &g->points[i];
-        rate[i] = dir_rate(g, &r->n, r->a, r->b);
+        find_rates(g, r, before[i]);
+        rate[i] = before[i][0];
         r->jn = r->jt[0] = r->jt[1] = 0;
-        real slip = hypot(dir_rate(g, &r->t[0], r->a, r->b), dir_rate(g, &r->t[1], r->a, r->b));
-        r->slides = slip > 0.1 * g->close_speed;
+        r->slides = hypot(before[i][1], before[i][2]) > 0.1 * g->close_speed;
         on[i] = false;
         approach = real_max(approach, -rate[i]);
     }
@@ -321,8 +337,10 @@ static bool strike_once(Group *g, bool *on, real *rate, bool allow_elastic)
     else
         solve_capped(g, on, !elastic, approach);
     for (int i = 0; i < g->point_count; i++)
-        if (on[i])
+        if (on[i]) {
+            book_strike(g, &g->points[i], before[i]);
             note_strike(g, &g->points[i], real_max(0, -rate[i]));
+        }
     return elastic;
 }
 
@@ -349,7 +367,7 @@ void impacts(Group *g)
     build_rows(g);
     ArenaMark mark = arena_mark(g->arena);
     bool *on = arena_alloc(g->arena, (size_t)(g->point_count + 1) * sizeof *on);
-    real *rate = arena_alloc(g->arena, (size_t)(g->point_count + 1) * sizeof *rate);
+    real *rate = arena_alloc(g->arena, (size_t)(4 * g->point_count + 1) * sizeof *rate);
     if (!on || !rate) {
         g->status = DIG_E_MEMORY;
         return;

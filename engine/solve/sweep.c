@@ -213,7 +213,9 @@ static void book_point(Group *g, PointRow *r)
         strike_report(g, r, -r->rate_before);
     }
     vec3 va = mean_point_velocity(g, r->a, p->a), vb = mean_point_velocity(g, r->b, p->a);
-    g->lost -= vec3_dot(impulse, vec3_sub(vb, va));
+    real lost = -vec3_dot(impulse, vec3_sub(vb, va));
+    g->lost += lost;
+    c->lost += lost;
     if (g->member[r->a].kinematic)
         g->work_in += vec3_dot(impulse, va);
     if (g->member[r->b].kinematic)
@@ -232,7 +234,9 @@ static void book_roll(Group *g, RollRow *r)
     const Member *a = &g->member[r->a], *b = &g->member[r->b];
     vec3 wa = a->moves ? vec3_scale(0.5, vec3_add(g->vel[r->a].w, a->start_vel.w)) : g->vel[r->a].w;
     vec3 wb = b->moves ? vec3_scale(0.5, vec3_add(g->vel[r->b].w, b->start_vel.w)) : g->vel[r->b].w;
-    g->lost -= vec3_dot(r->j, vec3_sub(wb, wa));
+    real lost = -vec3_dot(r->j, vec3_sub(wb, wa));
+    g->lost += lost;
+    g->contacts[r->contact].lost += lost;
 }
 
 static real mean_row_rate(const Group *g, const Row *r)

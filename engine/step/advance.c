@@ -62,11 +62,14 @@ static bool is_wanted(const Group *g, const EffectSlot *e)
 static void call_effects(Group *g)
 {
     const World *w = g->world;
-    for (int i = 0; i < w->effect_count; i++)
-        if (w->effects[i].on && is_wanted(g, &w->effects[i])) {
-            g->effects |= 1u << i;
-            g->varies = g->varies || w->effects[i].type->varies;
-        }
+    for (int i = 0; i < w->effect_count; i++) {
+        const EffectSlot *e = &w->effects[i];
+        g->losses = g->losses || (e->on && e->members.count > 0 && e->type->losses);
+        if (!e->on || !is_wanted(g, e))
+            continue;
+        g->effects |= 1u << i;
+        g->varies = g->varies || e->type->varies;
+    }
 }
 
 typedef struct Context { World *w; Step *s; bool blame; } Context;

@@ -82,7 +82,7 @@ static void lay_out_impacts(const Tracer *t, Block *b)
 static void lay_out(Tracer *t, Block *b)
 {
     const Group *g = t->g;
-    int n = g->moving_count, joints = g->joint_count, powers = 4 * t->touch_capacity + 6 * joints + g->push_count + 2;
+    int n = g->moving_count, joints = g->joint_count, powers = TOUCH_POWERS * t->touch_capacity + 6 * joints + g->push_count + 2;
     TAKE(t, touch, t->touch_capacity);
     TAKE(t, old_touch, t->touch_capacity);
     TAKE(t, stops, joints * JOINT_SLOTS);
@@ -165,7 +165,7 @@ void trace_book(Tracer *t, const Touching *touch, int count, real begin)
     Group *g = t->g;
     real h = t->h;
     const real *q = t->sum;
-    for (int i = 0; i < count; i++, q += 4) {
+    for (int i = 0; i < count; i++, q += TOUCH_POWERS) {
         const Touching *c = &touch[i];
         if (!(q[3] > 0))
             continue;
@@ -174,6 +174,7 @@ void trace_book(Tracer *t, const Touching *touch, int count, real begin)
         to->point_sum = vec3_mad(to->point_sum, h * q[3], c->k.at);
         to->point_weight += h * q[3];
         to->last = begin + h;
+        to->lost += h * q[4];
         wake_dormant(g, c->a);
         wake_dormant(g, c->b);
     }

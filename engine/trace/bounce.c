@@ -169,7 +169,9 @@ static void book(Tracer *t, const Series *s, const Touching *c, real p, vec3 mov
     }
     group_book_drag(g, 0, moved, vec3_zero(), h);
     g->work_in += given;
-    g->lost += kinetic + forces + given - group_kinetic(g);
+    real lost = kinetic + forces + given - group_kinetic(g);
+    g->lost += lost;
+    to->lost += lost;
 }
 
 /* The forces at the far end are what they were. */

@@ -114,16 +114,17 @@ static void keep_quad(const Tracer *t, real *q)
 {
     const Group *g = t->g;
     real lost = 0, gained = 0;
-    for (int i = 0; i < t->touch_count; i++, q += 4) {
+    for (int i = 0; i < t->touch_count; i++, q += TOUCH_POWERS) {
         const Touching *c = &t->touch[i];
         vec3 f = c->gate.presses ? vec3_mad(c->slip.force, c->gate.force, c->k.n) : vec3_zero();
         q[0] = f.x;
         q[1] = f.y;
         q[2] = f.z;
         q[3] = c->gate.presses ? c->gate.force : 0;
+        q[4] = c->gate.presses ? -vec3_dot(c->slip.force, c->slip.u) - vec3_dot(c->roll.force, c->roll.u) : 0;
         if (!c->gate.presses)
             continue;
-        lost -= vec3_dot(c->slip.force, c->slip.u) + vec3_dot(c->roll.force, c->roll.u);
+        lost += q[4];
         for (int k = 0; k < 2; k++) {
             int b = k ? c->b : c->a;
             if (g->member[b].kinematic) {

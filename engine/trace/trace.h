@@ -131,6 +131,7 @@ bool system_solve(System *s, real accept);      /* x from b; false: redundant ro
 /* ---- the tracer ---- */
 
 #define STAGES 7
+#define TOUCH_POWERS 5          /* of each touch: force, normal force, what it loses */
 #define WATCHED 256             /* most contact points, stops and holds of a group: all of them are watched for events */
 
 typedef struct State { vec3 x; quat q; vec3 v, l; } State;      /* 13 reals */
@@ -189,7 +190,7 @@ typedef struct Tracer {
 } Tracer;
 
 /* How many forces and powers are integrated: 4 a contact point, 6 a joint, 1 a push, and two sums. */
-static inline int trace_powers(const Tracer *t) { return 4 * t->touch_count + 6 * t->g->joint_count + t->g->push_count + 2; }
+static inline int trace_powers(const Tracer *t) { return TOUCH_POWERS * t->touch_count + 6 * t->g->joint_count + t->g->push_count + 2; }
 
 /* suits.c */
 bool trace_suits(const Group *g);

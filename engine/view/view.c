@@ -10,6 +10,7 @@ typedef struct Taking {
     const World *w;
     View        *v;
     vec3         origin;
+    const Column *heat;         /* of the effect that begins with the temperature, effect/heat.h; NULL: there is none */
     LIST(ViewItem)    items;
     LIST(ViewMesh)    meshes;
     LIST(ViewContact) contacts;
@@ -132,6 +133,8 @@ static dig_status take_item(Taking *t, uint32_t slot, const void **known)
     item->dig = s->body == NONE ? 0 : graph_of(t->w->graph, s->body);
     item->asleep = b && b->kind == DIG_DYNAMIC && !b->awake;
     item->fixed = !b || b->kind == DIG_STATIC;
+    const real *heat = t->heat ? column_find(t->heat, s->body) : NULL;
+    item->temperature = heat ? (float)heat[0] : 0;
     return DIG_OK;
 }
 
@@ -318,6 +321,9 @@ dig_status dig_view_take(const dig_world *w, View **out)
     if (!v)
         return world_fail(w, DIG_E_MEMORY, "not enough memory for a picture");
     Taking t = {.w = w, .v = v};
+    for (int i = 0; i < w->effect_count; i++)
+        if (strcmp(w->effects[i].name, "heat") == 0 && w->effects[i].on)
+            t.heat = &w->effects[i].members;
     take_bounds(&t);
     v->origin[0] = t.origin.x;
     v->origin[1] = t.origin.y;

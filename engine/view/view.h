@@ -38,6 +38,7 @@ typedef struct ViewItem {       /* one shape of one body */
     int      pattern;           /* ViewPattern */
     uint32_t dig;               /* DIG id, 0 = none (static) */
     bool     asleep, fixed;
+    float    temperature;       /* K; 0 = it has none */
 } ViewItem;
 
 typedef enum ViewPattern { PATTERN_PLAIN, PATTERN_WOOD, PATTERN_BRICK, PATTERN_TILE, PATTERN_STRIPE, PATTERN_CHECK } ViewPattern;

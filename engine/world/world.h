@@ -112,6 +112,8 @@ typedef struct Contact {        /* one manifold of a pair; a convex pair has at 
     vec3     rolling;           /* N m                                                 */
     vec3     force;             /* N on b, mean over the last step                     */
     vec3     point;             /* m   where                                           */
+    real     lost;              /* J   in the last step in which one of its bodies was awake; no part of the state. A crowd tells
+                                 *     it only where an effect asks for it (EffectType.losses) */
 } Contact;
 
 typedef struct Pair {           /* two solids whose fat boxes overlap; what every step reads comes first */
@@ -200,6 +202,7 @@ typedef struct EffectSlot {     /* one per entry of the effect list             
     void    *world;             /* its options (EffectType.world_params); NULL = not called for */
     size_t   world_size;        /* bytes of these                                      */
     Column   members;           /* of the bodies that take part (EffectType.body_params) */
+    void    *plan;              /* what its reserve took for its flow, in w->scratch; of this step only */
     uint32_t first;             /* body of the first group that called for it; NONE = none has */
     char     why[96];           /* what called for it, as the caller said it; "" = it did not  */
 } EffectSlot;

@@ -38,6 +38,7 @@ core.use "watch"
 core.use "run"
 core.use "build"
 core.use "fluid"
+core.use "heat"
 core.use "film"
 
 -- ---- values ----

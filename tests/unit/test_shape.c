@@ -141,6 +141,52 @@ TEST(textbook_masses)
     shape_free(&s);
 }
 
+static real picture_area(const Shape *s)
+{
+    ShapeMesh m = {0};
+    real sum = 0;
+    CHECK(s->type->mesh(s, &m) == DIG_OK);
+    for (int i = 0; i < m.index_count; i += 3) {
+        vec3 c[3];
+        for (int k = 0; k < 3; k++) {
+            const float *v = m.vertices + 3 * m.indices[i + k];
+            c[k] = (vec3){v[0], v[1], v[2]};
+        }
+        sum += 0.5 * vec3_length(vec3_cross(vec3_sub(c[1], c[0]), vec3_sub(c[2], c[0])));
+    }
+    free(m.vertices);
+    free(m.normals);
+    free(m.indices);
+    return sum;
+}
+
+TEST(surfaces)
+{
+    static const real want[SOLIDS] = {4 * DIG_PI * 0.49, 22, 4 * DIG_PI * 0.3 * 0.9, 2 * DIG_PI * 0.5 * 1.9, DIG_PI * 0.6 * (0.6 + 2.08806130178211)};
+    for (int i = 0; i < SOLIDS; i++) {
+        Shape s = solid(i);
+        CHECK_NEAR(s.type->area(&s), want[i], 1e-12);
+        CHECK_NEAR(picture_area(&s) / want[i], 0.985, 0.0151);      /* of corners that lie on the surface */
+        shape_free(&s);
+    }
+    vec3 corner[8];
+    for (int i = 0; i < 8; i++)
+        corner[i] = (vec3){i & 1 ? 1 : 0, i & 2 ? 2 : 0, i & 4 ? 3 : 0};
+    Shape s;
+    char why[256];
+    CHECK(shape_make("hull", &(dig_hull_def){{corner, 8}}, &s, why, sizeof why) == DIG_OK);
+    CHECK_NEAR(s.type->area(&s), 22, 1e-12);
+    shape_free(&s);
+    const int64_t triangle[3] = {1, 2, 3};
+    CHECK(shape_make("mesh", &(dig_mesh_def){{corner, 3}, {triangle, 3}}, &s, why, sizeof why) == DIG_OK);
+    CHECK_NEAR(s.type->area(&s), 1, 1e-15);
+    shape_free(&s);
+    const real heights[6] = {0, 0, 0, 1, 1, 1};
+    CHECK(shape_make("heightfield", &(dig_heightfield_def){.heights = heights, .columns = 3, .rows = 2, .size = {4, 0, 1}}, &s, why, sizeof why) == DIG_OK);
+    CHECK_NEAR(s.type->area(&s), 4 * sqrt(2), 1e-14);
+    shape_free(&s);
+}
+
 /* ---- support, bounds, balls inside and outside ---- */
 
 /* The support function of each solid, rounding included: how far it reaches along a unit vector. */
@@ -502,7 +548,7 @@ TEST(pictures_are_closed_outward_and_nearly_as_big)
 
 int main(void)
 {
-    RUN_TESTS(unit_test(solids_of_revolution_weigh_what_their_discs_weigh), unit_test(textbook_masses),
+    RUN_TESTS(unit_test(solids_of_revolution_weigh_what_their_discs_weigh), unit_test(textbook_masses), unit_test(surfaces),
               unit_test(support_reaches_as_far_as_the_solid), unit_test(bounds_touch_the_solid_on_all_sides),
               unit_test(the_inner_ball_fits_and_the_outer_ball_covers), unit_test(only_round_things_roll),
               unit_test(rays_hit_where_geometry_says), unit_test(rays_stop_at_the_surface_and_nowhere_else),

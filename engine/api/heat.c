@@ -1,0 +1,35 @@
+/* api/heat.c - energy given to a body, as heat. */
+#include "api/api.h"
+#include "effect/heat.h"
+
+static EffectSlot *slot_of(World *w)
+{
+    for (int i = 0; i < w->effect_count; i++)
+        if (strcmp(w->effects[i].name, "heat") == 0)
+            return &w->effects[i];
+    return NULL;
+}
+
+dig_status dig_body_warm(dig_world *w, dig_body handle, real energy, real to)
+{
+    const Body *b = api_body(w, handle, "warm");
+    if (!b)
+        return DIG_E_DEAD;
+    EffectSlot *e = slot_of(w);
+    Heat *h = e ? column_find(&e->members, handle.slot) : NULL;
+    if (!h)
+        return world_fail(w, DIG_E_KIND, "warm: body '%s' has no temperature; give it one when it is made, or assign one", b->name);
+    if (isnan(energy) == isnan(to))
+        return world_fail(w, DIG_E_ARG, "warm: body '%s': give either an energy (J) or a temperature (K)", b->name);
+    real work = isnan(to) ? energy : h->capacity * (to - h->start) - h->stored;
+    real reached = isnan(to) ? h->start + (h->stored + work) / h->capacity : to;
+    if (h->capacity == 0 && isnan(to))
+        return world_fail(w, DIG_E_KIND, "warm: body '%s' keeps its temperature whatever flows in: only the temperature can be set", b->name);
+    if (!(reached >= 0 && reached <= HEAT_MOST && isfinite(work)))
+        return world_fail(w, DIG_E_ARG, "warm: body '%s' would have %g K, must be 0 to %g K", b->name, reached, HEAT_MOST);
+    h->temperature = reached;
+    h->stored += work;
+    h->start = h->capacity > 0 ? h->start : reached;
+    w->ledger.work_in += w->ledger.started ? work : 0;
+    return DIG_OK;
+}

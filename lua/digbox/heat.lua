@@ -1,0 +1,62 @@
+-- digbox/heat.lua - the air and heaters. Temperatures are fields of bodies (the effect "heat"); what is here only sets them.
+
+local core = ...
+
+local methods = core.types.world.methods
+
+-- world:ambient{temperature = 293.15}: the air that bodies cool to, by convection and radiation
+function methods.ambient(world, fields)
+  local own = core.check(fields, "world:ambient", { temperature = "real K >=0" })
+  if own.temperature == nil then core.fail("world:ambient: temperature is missing") end
+  world:effect("heat", { ambient = own.temperature })
+  return world
+end
+
+-- ---- heaters ----
+
+-- What a heater knows, by the heater itself, so that all its fields can be checked.
+local inside = setmetatable({}, { __mode = "k" })
+
+local Heater = {}
+
+-- A body may have several: each adds its share to the body's heating.
+local function feed(heater, power)
+  local h = inside[heater]
+  h.body.heating = h.body.heating + power - h.fed
+  h.fed = power
+  return heater
+end
+
+-- heater:on(), heater:off(): with its power, or without
+function Heater.on(heater) return feed(heater, inside[heater].power) end
+function Heater.off(heater) return feed(heater, 0) end
+
+local fields_of_heater = { on = true, off = true, power = true, body = true, running = true }
+
+local function read(heater, key)
+  local h = inside[heater]
+  if key == "power" or key == "body" then return h[key] end
+  if key == "running" then return h.fed ~= 0 end
+  if not Heater[key] then core.unknown("heater", "has no field or method", tostring(key), fields_of_heater) end
+  return Heater[key]
+end
+
+local function write(heater, key, value)
+  if key ~= "power" then core.fail("heater: only power can be assigned; got %s", tostring(key)) end
+  local h = inside[heater]
+  local running = h.fed ~= 0 or h.power == 0
+  h.power = core.check({ power = value }, "heater", { power = "real W" }).power
+  if running then feed(heater, h.power) end
+end
+
+local kind = { __index = read, __newindex = write, __metatable = false, __name = "heater", __tostring = function() return "heater" end }
+
+-- world:heater{on = body, power = 1500} -> heater: feeds power into a body, which thereby has a temperature
+function methods.heater(_, fields)
+  local own = core.check(fields, "world:heater", { on = "any", power = "real W" })
+  if core.type(own.on) ~= "body" then core.fail("world:heater.on wants a body; got %s", core.type(own.on)) end
+  local heater = setmetatable({}, kind)
+  inside[heater] = { body = own.on, power = own.power or 0, fed = 0 }
+  if not own.on.temperature then own.on.heating = 0 end
+  return feed(heater, own.power or 0)
+end
