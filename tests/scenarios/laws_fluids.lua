@@ -238,6 +238,54 @@ scenario("a crowd of crates floats too", function(s)
   expect(sum / #crates):near(0, 0.01)
 end)
 
+scenario("water and wind are kept: from a snapshot a world goes on with the same bits, on any number of threads", function(s)
+  local function pond(threads)
+    local world = s:world { threads = threads }
+    world:air { wind = { 5, 0, 1 } }
+    world:water { level = 0.5, current = { 0.1, 0, 0 }, damping = 1 }
+    for i = 1, 12 do
+      world:box { size = { 0.5, 0.3, 0.4 }, density = 300, at = { i % 4, 0.8 + 0.1 * i, i // 4 }, drag_area = i == 3 and 0.2 or nil }
+    end
+    return world
+  end
+  local world, other = pond(1), pond(3)
+  world:run(1)
+  local kept = world:snapshot()
+  world:run(1)
+  other:run(2)
+  local sum = world:checksum()
+  expect(other:checksum()):is(sum)
+  world:water { level = 3 }
+  world:air { wind = { -9, 0, 0 } }
+  world:run(1)
+  world:restore(kept)
+  expect(world:effects().buoyancy.options.level):is(0.5)
+  world:run(1)
+  expect(world:checksum()):is(sum)
+end)
+
+-- The basin ends where its size says: beside it, nothing floats.
+scenario("a basin has an end", function(s)
+  local world = s.world
+  world:floor {}
+  world:water { level = 2, at = { 0, 1, 0 }, size = { 4, 2, 0 }, damping = 3 }
+  local inside = world:box { size = { 0.4, 0.4, 0.4 }, density = 500, at = { 1, 1, 40 } }
+  local beside = world:box { size = { 0.4, 0.4, 0.4 }, density = 500, at = { 5, 1, 0 } }
+  world:run(10)
+  expect(inside.position.y):near(2, 1e-3)
+  expect(beside.position.y):near(0.2, 1e-3)
+end)
+
+scenario("wrong options are refused in one sentence at the script's line", function(s)
+  local world = s.world
+  expect(expect(function() world:water { levle = 1 } end):fails()):contains("world:water: unknown field 'levle'")
+  expect(expect(function() world:water { level = "3 kg" } end):fails()):contains("world:water.level wants a length")
+  expect(expect(function() world:water { density = -3 } end):fails()):contains("density = -3 kg/m^3")
+  expect(expect(function() world:air { density = 0 / 0 } end):fails()):contains("density")
+  expect(expect(function() world:ball { radius = 0.1, drag_coefficient = -1 } end):fails()):contains("drag_coefficient = -1")
+  expect(world:effects().buoyancy.on):is(false)
+end)
+
 scenario("without water and air nothing is called and nothing is kept", function(s)
   local world = s.world
   world:ball { radius = 0.1, at = { 0, 3, 0 } }
