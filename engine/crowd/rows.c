@@ -34,7 +34,7 @@ static bool passes_by(const Group *g, const GroupContact *t, real gap, real clos
 static bool may_act(const Crowd *c, const GroupContact *t)
 {
     const Group *g = c->g;
-    real size = g->pairs[t->pair].size, near = NEAR * size + vec3_length(g->gravity) * c->dt * c->dt;
+    real size = g->pairs[t->pair].size, near = NEAR * size + real_max(g->member[t->a].pull, g->member[t->b].pull) * c->dt * c->dt;
     for (int k = 0; k < t->manifold.count; k++) {
         const ManifoldPoint *p = &t->manifold.points[k];
         if (p->gap <= near)

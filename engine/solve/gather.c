@@ -73,6 +73,7 @@ static void gather_body(Group *g, int i, uint32_t slot, bool awake)
     m->round = b->round_inertia && !g->planar;
     m->mass = b->mass;
     m->gravity_scale = b->gravity_scale;
+    m->pull = m->moves ? b->pull : 0;
     m->integrator = b->integrator;
     m->fresh = b->euler;
     m->inertia = b->inertia;
@@ -262,7 +263,7 @@ static real span_of(const Group *g, int body)
     if (m->slot == NONE)
         return INFINITY;                /* the world itself */
     real dt = g->world->def.step, spin = vec3_length2(v->w) > 0 ? vec3_length(v->w) * m->outer : 0;
-    return 1.01 * m->outer + dt * (vec3_length(v->v) + spin + vec3_length(g->gravity) * dt);
+    return 1.01 * m->outer + dt * (vec3_length(v->v) + spin + m->pull * dt);
 }
 
 static void find_spans(void *context, int thread, int threads)
@@ -472,6 +473,10 @@ static void judge_pair(Group *g, int i, real dt, Verdict *v, int *changed, int *
     q->touching = false;
     for (int k = q->contact; k < q->contact + q->contacts; k++) {
         GroupContact *c = &g->contacts[k];
+        if (c->manifold.count == 0) {       /* what is over is not remembered */
+            c->rolling = vec3_zero();
+            c->sliding = false;
+        }
         c->touching = contact_touches(g, q, c, dt);
         q->touching = q->touching || c->touching;
         c->was_idle = c->idle;

@@ -39,6 +39,7 @@ typedef struct Member {         /* the rest of a gathered body */
     int      integrator;        /* dig_integrator; all but DIG_AUTO are the sweep's alone */
     bool     fresh;             /* no history: new, teleported or struck in the last step */
     real     mass, gravity_scale;
+    real     pull;              /* m/s^2  gravity and pushes do no more to any point of it */
     mat3     inertia, inv_inertia;      /* body axes                                   */
     vec3     centre;            /* m   centre of mass in the body frame                */
     vec3     force, torque;     /* N, N m, of this substep                             */

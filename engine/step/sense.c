@@ -36,8 +36,35 @@ static void tidy_awake(World *w)
         qsort(w->awake.data, (size_t)n, sizeof *w->awake.data, compare_u32);
 }
 
-/* m/s  Largest speed of any point of the body. */
-static real point_speed(const Body *b) { return vec3_length(b->v) + vec3_length(b->w) * b->outer; }
+/* m/s  No point of the body gets faster in the step, unless something strikes it. */
+static real point_speed(const Body *b, real dt) { return vec3_length(b->v) + vec3_length(b->w) * b->outer + b->pull * dt; }
+
+static real strongest_gravity(const World *w)
+{
+    real most = vec3_length(w->def.gravity);
+    for (int i = 0; i < w->regions.count && w->region_count > 0; i++)
+        if (w->regions.data[i].alive && vec3_finite(w->regions.data[i].laws.gravity))
+            most = real_max(most, vec3_length(w->regions.data[i].laws.gravity));
+    return most;
+}
+
+/* What acts from outside, for all that are to be advanced. Drags only slow, and are left out. */
+static void find_pulls(World *w)
+{
+    real gravity = strongest_gravity(w);
+    for (int i = 0; i < w->awake.count; i++) {
+        Body *b = &w->bodies.data[w->awake.data[i]];
+        b->pull = b->kind == DIG_DYNAMIC ? fabs(b->gravity_scale) * gravity : 0;
+    }
+    for (int i = 0; i < w->pushes.count; i++) {
+        const Push *p = &w->pushes.data[i];
+        Body *b = &w->bodies.data[p->body];
+        if (b->kind != DIG_DYNAMIC)
+            continue;
+        real force = vec3_length(p->force), torque = vec3_length(p->torque) + (p->has_at ? vec3_length(p->at) * force : 0);
+        b->pull += force * b->inv_mass + torque * b->outer * (b->inv_inertia.r0.x + b->inv_inertia.r1.y + b->inv_inertia.r2.z);
+    }
+}
 
 static box3 reach_of(const World *w, const Solid *s, const Body *b, real dt)
 {
@@ -48,7 +75,7 @@ static box3 reach_of(const World *w, const Solid *s, const Body *b, real dt)
     box = box3_swept(box, vec3_mad(b->kind == DIG_DYNAMIC ? fall : vec3_zero(), dt, b->v));
     real angle = real_min(2, vec3_length(b->w) * dt);
     real arm = vec3_length(vec3_sub(s->at.p, b->centre)) + s->shape.outer;
-    return box3_grow(box, angle * arm + 0.02 * s->shape.outer + vec3_length(w->def.gravity) * dt * dt);
+    return box3_grow(box, angle * arm + 0.02 * s->shape.outer + b->pull * dt * dt);
 }
 
 /* Who was listed lately brings its pairs along. */
@@ -84,6 +111,10 @@ static dig_status ask(World *w, uint32_t solid)
         return DIG_OK;
     Ask a = {w, solid, DIG_OK};
     tree_query(&w->tree, tree_box(&w->tree, s->leaf), found, &a);
+    if (a.status != DIG_OK && !s->asks) {       /* not forgotten: asked again in the next try of the step */
+        s->asks = true;
+        w->asking.data[w->asking.count++] = solid;
+    }
     return a.status;
 }
 
@@ -171,7 +202,7 @@ static void sense_share(void *context, int thread, int threads)
     for (int i = team_first(w->awake.count, thread, threads); i < team_end(w->awake.count, thread, threads); i++) {
         const Body *b = &w->bodies.data[w->awake.data[i]];
         uint8_t found = (uint8_t)((b->paired ? 0 : UNPAIRED) | (body_sane(b) ? 0 : INSANE));
-        real far = point_speed(b) * n->dt;
+        real far = point_speed(b, n->dt) * n->dt;
         for (uint32_t k = b->shape_first; k != NONE && !(found & INSANE); k = w->solids.data[k].next) {
             Solid *s = &w->solids.data[k];
             found |= (uint8_t)((find_reach(w, s, b, n->dt) ? STRAYED : 0) | (far > 0.9 * s->shape.inner ? FAST : 0));
@@ -231,7 +262,7 @@ static dig_status spread_from(World *w, uint32_t solid, const Body *striker, rea
         const Body *b = o->body == NONE ? NULL : &w->bodies.data[o->body];
         bool dynamic = b && b->kind == DIG_DYNAMIC && b->awake;
         vec3 speed = b ? vec3_sub(striker->v, b->v) : striker->v;
-        real far = dt * (vec3_length(speed) + vec3_length(striker->w) * striker->outer);
+        real far = dt * (vec3_length(speed) + vec3_length(striker->w) * striker->outer + striker->pull * dt);
         if (far <= 0.9 * s->shape.inner || (o->leaf >= 0 && !box3_overlap(s->reach, dynamic ? o->reach : tree_box(&w->tree, o->leaf))))
             continue;
         DIG_TRY(grow_reach(w, solid, far));
@@ -244,7 +275,7 @@ static dig_status spread_from(World *w, uint32_t solid, const Body *striker, rea
 static dig_status spread_speed(World *w, uint32_t slot, real dt)
 {
     for (uint32_t s = w->bodies.data[slot].shape_first; s != NONE; s = w->solids.data[s].next)
-        if (point_speed(&w->bodies.data[slot]) * dt > 0.9 * w->solids.data[s].shape.inner)
+        if (point_speed(&w->bodies.data[slot], dt) * dt > 0.9 * w->solids.data[s].shape.inner)
             DIG_TRY(spread_from(w, s, &w->bodies.data[slot], dt));
     return DIG_OK;
 }
@@ -298,21 +329,36 @@ static dig_status sense_bodies(World *w, real dt)
     return DIG_OK;
 }
 
+/* Who is new or was moved by hand. Where memory runs out, it and those after it are asked again in the next try. */
+static dig_status ask_all(World *w)
+{
+    for (int i = 0; i < w->asking.count; i++) {
+        uint32_t solid = w->asking.data[i];
+        Solid *s = &w->solids.data[solid];
+        if (!s->alive || !s->asks)
+            continue;
+        s->reach = s->leaf >= 0 ? tree_box(&w->tree, s->leaf) : s->reach;
+        drop_parted(w, solid);
+        dig_status status = ask(w, solid);
+        if (status == DIG_OK)
+            status = ask_planes(w, solid);
+        if (status != DIG_OK) {
+            memmove(w->asking.data, w->asking.data + i, (size_t)(w->asking.count - i) * sizeof *w->asking.data);
+            w->asking.count -= i;
+            return status;
+        }
+        s->asks = false;
+        wake_near(w, solid);
+    }
+    w->asking.count = 0;
+    return DIG_OK;
+}
+
 dig_status sense_pairs(World *w, real dt)
 {
     tidy_awake(w);
-    for (int i = 0; i < w->asking.count; i++) {
-        Solid *s = &w->solids.data[w->asking.data[i]];
-        if (s->alive && s->asks) {
-            s->asks = false;
-            s->reach = s->leaf >= 0 ? tree_box(&w->tree, s->leaf) : s->reach;
-            drop_parted(w, w->asking.data[i]);
-            DIG_TRY(ask(w, w->asking.data[i]));
-            DIG_TRY(ask_planes(w, w->asking.data[i]));
-            wake_near(w, w->asking.data[i]);
-        }
-    }
-    w->asking.count = 0;
+    DIG_TRY(ask_all(w));
     tidy_awake(w);                      /* who was woken just now has its place in the order */
+    find_pulls(w);
     return sense_bodies(w, dt);
 }

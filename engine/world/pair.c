@@ -38,6 +38,27 @@ static void link_out(World *w, uint32_t pair, uint32_t side, uint32_t solid)
         w->pairs.data[next / 2].prev[next % 2] = prev;
 }
 
+/* All that a new pair needs, or nothing. */
+static dig_status take_room(World *w, MapKey key, uint32_t *slot, uint32_t *contact, int want)
+{
+    DIG_TRY(list_reserve(&w->near, w->near.count + 1, &w->allocations));
+    DIG_TRY(world_slot(w, &w->pairs, &w->free_pairs, slot));
+    int got = 0;
+    dig_status status = DIG_OK;
+    while (status == DIG_OK && got < want) {
+        status = world_slot(w, &w->contacts, &w->free_contacts, &contact[got]);
+        got += status == DIG_OK;
+    }
+    if (status == DIG_OK)
+        status = map_put(&w->pair_map, key, *slot);
+    if (status == DIG_OK)
+        return DIG_OK;
+    while (got > 0)
+        slot_give(w, &w->free_contacts, contact[--got]);
+    slot_give(w, &w->free_pairs, *slot);
+    return status;
+}
+
 dig_status pair_add(World *w, uint32_t solid_a, uint32_t solid_b)
 {
     if (solid_a > solid_b) {
@@ -51,11 +72,7 @@ dig_status pair_add(World *w, uint32_t solid_a, uint32_t solid_b)
         return DIG_OK;
     int want = contacts_needed(w, solid_a, solid_b);
     uint32_t contact[MESH_CONTACTS];
-    for (int i = 0; i < want; i++)
-        DIG_TRY(world_slot(w, &w->contacts, &w->free_contacts, &contact[i]));
-    DIG_TRY(list_reserve(&w->near, w->near.count + 1, &w->allocations));
-    DIG_TRY(world_slot(w, &w->pairs, &w->free_pairs, &slot));
-    DIG_TRY(map_put(&w->pair_map, key, slot));
+    DIG_TRY(take_room(w, key, &slot, contact, want));
     for (int i = 0; i < want; i++)
         w->contacts.data[contact[i]].next = i + 1 < want ? contact[i + 1] : NONE;
     Pair *p = &w->pairs.data[slot];

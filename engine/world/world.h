@@ -65,6 +65,7 @@ typedef struct Body {
     vec3     hit_v, hit_w;      /* m/s, rad/s change by hits since the last step, for reports */
     real     work;              /* J      received from pushes and hits                */
     real     outer;             /* m      no point of it is farther from the centre    */
+    real     pull;              /* m/s^2  gravity and pushes do no more to any point of it in this step; made anew in each */
     real     still;             /* s      time spent slower than the sleep threshold   */
     bool     collided, euler;   /*        in the last step: struck; was not in free flight before */
     vec3     move_from, move_to; quat turn_from, turn_to; real move_start, move_end;   /* kinematic: s, end < start = none */
