@@ -78,6 +78,7 @@ static void pack_push(Pack *p, const World *w, Push *push)
     pack_vec3(p, &push->torque, SAVE_STRONG, "torque of a push");
     pack_vec3(p, &push->at, SAVE_FAR, "place of a push");
     pack_bool(p, &push->has_at);
+    pack_bool(p, &push->law);
     pack_real_in(p, &push->from, -SAVE_LONG, SAVE_LONG, "start of a push");
     pack_real_in(p, &push->until, -SAVE_LONG, INFINITY, "end of a push");
 }

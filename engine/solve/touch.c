@@ -35,7 +35,7 @@ static real pair_reach(const Group *g, const GroupPair *q, real time)
 {
     const Vel *a = &g->vel[q->a], *b = &g->vel[q->b];
     real closing = vec3_length(vec3_sub(b->v, a->v)) + rim_speed(a, &g->member[q->a]) + rim_speed(b, &g->member[q->b]);
-    return closing * time + vec3_length(g->gravity) * time * time + 0.01 * q->size;
+    return closing * time + g->fall * time * time + 0.01 * q->size;
 }
 
 static bool far_apart(const GroupPair *q, pose pa, pose pb, real reach)

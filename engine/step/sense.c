@@ -6,6 +6,7 @@
  * lives while the fat boxes overlap.
  */
 #include "step/step.h"
+#include "world/region.h"
 
 #include <stdlib.h>
 
@@ -45,10 +46,13 @@ static box3 reach_of(const World *w, const Solid *s, const Body *b, real dt)
     if (b->kind == DIG_STATIC || (b->kind == DIG_DYNAMIC && !b->awake))
         return box;
     vec3 fall = vec3_scale(0.5 * dt * dt * b->gravity_scale, w->def.gravity);
+    real strong = vec3_length(w->def.gravity);
+    if (w->region_count > 0)
+        strong = real_max(strong, region_fall(w, b, b->x));
     box = box3_swept(box, vec3_mad(b->kind == DIG_DYNAMIC ? fall : vec3_zero(), dt, b->v));
     real angle = real_min(2, vec3_length(b->w) * dt);
     real arm = vec3_length(vec3_sub(s->at.p, b->centre)) + s->shape.outer;
-    return box3_grow(box, angle * arm + 0.02 * s->shape.outer + vec3_length(w->def.gravity) * dt * dt);
+    return box3_grow(box, angle * arm + 0.02 * s->shape.outer + strong * dt * dt);
 }
 
 /* Who was listed lately brings its pairs along. */
