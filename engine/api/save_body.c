@@ -83,7 +83,6 @@ static void pack_body(Pack *p, const World *w, Body *b)
     if (b->kind == DIG_DYNAMIC)
         pack_mass(p, b);
     pack_real_in(p, &b->gravity_scale, -1000, 1000, "gravity_scale of a body");
-    pack_real_in(p, &b->rate, 1e-30, 1e30, "rate of time of a body");
     pack_i64(p, &b->group);
     save_surface(p, w, &b->surface);
     pack_real(p, &b->colour.x);
