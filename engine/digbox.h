@@ -161,8 +161,9 @@ dig_status dig_world_load(const char *path, dig_world **w, char *why, size_t cap
 typedef struct dig_energy {     /* J */
     real kinetic, potential, elastic, heat, electric;
     real work_in;       /* by pushes, hits, movers, motors and other outside acts since the start */
-    real lost;          /* to friction, impacts and dampers since the start                       */
-    real numerical;     /* total + lost - initial - work_in: what the integration made up         */
+    real law;           /* work of the laws of regions since the start: of their forces, and of their gravity where it is not the world's */
+    real lost;          /* to friction, impacts, dampers and drag since the start                 */
+    real numerical;     /* total + lost - initial - work_in - law: what the integration made up   */
     real total;         /* kinetic + potential + elastic + heat + electric                        */
     real initial;       /* total at the first step, plus what bodies added since brought          */
 } dig_energy;
@@ -430,15 +431,18 @@ typedef struct dig_region_def {
     dig_shape_def shape;
     pose at;
     vec3 gravity;               /* m/s^2; NaN = the world's      */
-    real drag;                  /* 1/s  rate at which speed and spin decay */
+    real drag;                  /* 1/s  rate at which speed and spin decay, by the time inside */
     real friction_scale;        /* 1                             */
     real restitution_scale;     /* 1                             */
+    real conduct;               /* 1    factor on conductances   */
+    real time_rate;             /* 1    so many seconds go by inside for one outside */
 } dig_region_def;
 
 dig_region_def dig_region_defaults(void);
 dig_status     dig_region_create(dig_world *w, const dig_region_def *def, dig_region *out);
 dig_status     dig_region_remove(dig_world *w, dig_region r);
 int            dig_region_bodies(const dig_world *w, dig_region r, dig_body *out, int capacity);
+dig_status     dig_region_push(dig_world *w, dig_region r, dig_body b, vec3 force);  /* N in the next step; its work is the law's */
 
 /* ---- joints ------------------------------------------------------------------ */
 
@@ -508,7 +512,8 @@ int dig_path(const dig_world *w, dig_body from, dig_body to, int kind, dig_body 
 typedef enum dig_event_kind {
     DIG_EVENT_CONTACT_BEGIN, DIG_EVENT_CONTACT_END, DIG_EVENT_IMPACT, DIG_EVENT_BROKEN, DIG_EVENT_MOVED,
     DIG_EVENT_SLEPT, DIG_EVENT_WOKE, DIG_EVENT_REMOVED, DIG_EVENT_MERGED, DIG_EVENT_SPLIT, DIG_EVENT_LINK,
-    DIG_EVENT_UNLINK, DIG_EVENT_MESSAGE, DIG_EVENT_LIMIT_REACHED, DIG_EVENT_OUT_OF_WORLD, DIG_EVENT_KINDS
+    DIG_EVENT_UNLINK, DIG_EVENT_MESSAGE, DIG_EVENT_LIMIT_REACHED, DIG_EVENT_OUT_OF_WORLD, DIG_EVENT_ENTERED, DIG_EVENT_LEFT,
+    DIG_EVENT_KINDS
 } dig_event_kind;
 
 const char *dig_event_name(dig_event_kind k);       /* "contact_begin", ... */
@@ -525,6 +530,7 @@ typedef struct dig_event {
     vec3      point, normal;
     dig_link_kind link;         /* link, unlink                                        */
     uint64_t  message;          /* id of the message                                   */
+    dig_region region;          /* entered, left                                       */
 } dig_event;
 
 /* Events of the last step in the order (time, kind, lower slot, higher slot). Valid until the next step. */

@@ -330,7 +330,7 @@ static int check_seconds(lua_State *L)
 /* core.type(value) -> "body", "vector", ..., or Lua's own name */
 static int check_type_name(lua_State *L)
 {
-    static const char *const names[] = {BIND_WORLD, BIND_BODY, BIND_JOINT, BIND_DIG, BIND_SHAPE, BIND_VEC, BIND_QUAT, NULL};
+    static const char *const names[] = {BIND_WORLD, BIND_BODY, BIND_JOINT, BIND_DIG, BIND_SHAPE, BIND_REGION, BIND_VEC, BIND_QUAT, NULL};
     for (int i = 0; names[i]; i++)
         if (luaL_testudata(L, 1, names[i])) {
             lua_pushstring(L, names[i]);

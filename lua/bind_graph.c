@@ -373,6 +373,10 @@ static void push_event(lua_State *L, const dig_event *e, const dig_message *m)
         lua_pushstring(L, walls[e->wall]);
         lua_setfield(L, -2, "wall");
     }
+    if (e->kind == DIG_EVENT_ENTERED || e->kind == DIG_EVENT_LEFT) {
+        bind_push_region(L, 1, e->region);
+        lua_setfield(L, -2, "region");
+    }
     if (e->kind == DIG_EVENT_LINK || e->kind == DIG_EVENT_UNLINK) {
         lua_pushstring(L, link_kinds[e->link]);
         lua_setfield(L, -2, "kind");

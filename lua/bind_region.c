@@ -102,8 +102,7 @@ static RegionRef *check_region(lua_State *L)
 static void read_laws(lua_State *L, const WorldRef *world, dig_region_def *def)
 {
     static const char what[] = "world:region.laws";
-    static const char *const extras[] = {"force", "time_rate", "conduct", NULL};
-    static const char *const missing[] = {"time_rate", "conduct"};
+    static const char *const extras[] = {"force", NULL};
     const dig_schema *schema = dig_schema_at("region", 0);
     const dig_param *sets[] = {schema->rows, NULL};
     if (lua_getfield(L, 2, "laws") == LUA_TNIL)
@@ -112,11 +111,6 @@ static void read_laws(lua_State *L, const WorldRef *world, dig_region_def *def)
     if (!lua_istable(L, laws))
         bind_error(L, "%s wants a table of laws; got %s", what, luaL_typename(L, laws));
     bind_check_keys(L, laws, what, sets, extras);
-    for (size_t i = 0; i < sizeof missing / sizeof *missing; i++) {
-        if (lua_getfield(L, laws, missing[i]) != LUA_TNIL)
-            bind_error(L, "%s.%s is not simulated", what, missing[i]);
-        lua_pop(L, 1);
-    }
     if (lua_getfield(L, laws, "force") != LUA_TNIL && !lua_isfunction(L, -1))
         bind_error(L, "%s.force wants a function of a body; got %s", what, luaL_typename(L, -1));
     lua_newtable(L);
@@ -125,7 +119,17 @@ static void read_laws(lua_State *L, const WorldRef *world, dig_region_def *def)
     lua_settop(L, laws);
 }
 
-/* core.region(world, {shape, at=, rotation=, laws={gravity=, drag=, friction_scale=, restitution_scale=}}) -> region
+void bind_push_region(lua_State *L, int world, dig_region id)
+{
+    world = lua_absindex(L, world);
+    RegionRef *ref = lua_newuserdatauv(L, sizeof *ref, 1);
+    *ref = (RegionRef){lua_touserdata(L, world), id};
+    lua_pushvalue(L, world);
+    lua_setiuservalue(L, -2, 1);
+    luaL_setmetatable(L, BIND_REGION);
+}
+
+/* core.region(world, {shape, at=, rotation=, laws={gravity=, drag=, friction_scale=, restitution_scale=, conduct=, time_rate=}}) -> region
  * gravity m/s^2, drag 1/s; laws.force is checked here and called by run.lua */
 static int make_region(lua_State *L)
 {
@@ -134,11 +138,8 @@ static int make_region(lua_State *L)
     dig_region_def def = dig_region_defaults();
     def.shape = *bind_shape_argument(L, "world:region", names, &def.at);
     read_laws(L, world, &def);
-    RegionRef *ref = lua_newuserdatauv(L, sizeof *ref, 1);
-    *ref = (RegionRef){world, {0, 0}};
-    lua_pushvalue(L, 1);
-    lua_setiuservalue(L, -2, 1);
-    luaL_setmetatable(L, BIND_REGION);
+    bind_push_region(L, 1, (dig_region){0, 0});
+    RegionRef *ref = lua_touserdata(L, -1);
     dig_status s = dig_region_create(world->w, &def, &ref->id);
     return s == DIG_OK ? 1 : bind_fail(L, world->w, s);
 }
@@ -176,7 +177,7 @@ static int region_bodies(lua_State *L)
     return 1;
 }
 
-/* core.region_force(region, fn): pushes each body inside with the force fn(body), N, for the next step; nil is no force */
+/* core.region_force(region, fn): each body inside gets the force fn(body), N, in the next step, as the region's law; nil is no force */
 static int region_force(lua_State *L)
 {
     const RegionRef *ref = check_region(L);
@@ -196,7 +197,7 @@ static int region_force(lua_State *L)
         vec3 force = bind_vec3(L, -1, "N", "world:region.laws", "force");
         if (!(force.x != 0 || force.y != 0 || force.z != 0))
             continue;                               /* a push of nothing would only keep the body awake */
-        dig_status s = dig_body_push(ref->world->w, ids[i], force, (vec3){0, 0, 0}, false, 0);
+        dig_status s = dig_region_push(ref->world->w, ref->id, ids[i], force);
         if (s != DIG_OK)
             return bind_fail(L, ref->world->w, s);
     }

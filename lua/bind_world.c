@@ -247,6 +247,7 @@ static int world_energy(lua_State *L)
     bind_set_real(L, "heat", e.heat);
     bind_set_real(L, "electric", e.electric);
     bind_set_real(L, "work_in", e.work_in);
+    bind_set_real(L, "law", e.law);
     bind_set_real(L, "lost", e.lost);
     bind_set_real(L, "numerical", e.numerical);
     bind_set_real(L, "total", e.total);

@@ -14,6 +14,9 @@ Body     *api_body(const World *w, dig_body b, const char *call);
 JointRec *api_joint(const World *w, dig_joint j, const char *call);
 /* The joint as its type sees it, from the present state; memory is a copy. */
 void api_joint_view(const World *w, uint32_t slot, JointView *view, real memory[JOINT_MEMORY]);
+real api_joint_energy(const World *w, uint32_t slot);             /* J  of its spring */
+real api_body_springs(const World *w, uint32_t body);             /* J  of all springs at it */
+void api_book_given(World *w, real energy);                       /* J  brought into the world, or taken out of it, by hand */
 /* Adds b unless it is there; returns the new number. */
 int api_add_unique(dig_body *out, int n, int capacity, dig_body b);
 /* effect.c */
@@ -28,6 +31,9 @@ void api_effect_get(const World *w, uint32_t body, int effect, const dig_param *
 dig_status api_clone(const World *w, World **out);
 /* ask_linkage.c: do gears that hang on this body's hinges contradict each other? Fills the loop's bodies. */
 bool api_linkage_conflict(const World *w, uint32_t body, dig_part *loop, int *count);
+/* NULL: not a body that forces move; *status says why. */
+Body      *api_pushable(World *w, dig_body b, const char *call, dig_status *status);
+dig_status api_push(World *w, dig_body b, Push p, real lasts, const char *call);
 dig_status api_finite(const World *w, vec3 v, const char *call, const char *what, const char *unit);
 
 #endif

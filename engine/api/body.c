@@ -1,5 +1,6 @@
 /* api/body.c - bodies: creation, reading, pushing, setting. */
 #include "api/api.h"
+#include "world/region.h"
 
 #include <stdio.h>
 
@@ -31,6 +32,7 @@ dig_status dig_body_remove(dig_world *w, dig_body b)
     if (!api_body(w, b, "remove"))
         return DIG_E_DEAD;
     real before = api_effects_stored(w);
+    api_book_given(w, -api_body_springs(w, b.slot));
     body_remove(w, b.slot);
     w->ledger.initial += w->ledger.started ? api_effects_stored(w) - before : 0;
     return DIG_OK;
@@ -95,7 +97,7 @@ static void inspect_motion(const World *w, const Body *b, dig_body_debug *out)
     out->prev_pos = b->prev_x;
     out->next_pos = b->awake ? vec3_mad(b->x, w->def.step, b->v) : b->x;
     if (b->kind == DIG_DYNAMIC && b->awake && !b->euler)
-        out->next_pos = vec3_mad(out->next_pos, 0.5 * w->def.step * w->def.step * b->gravity_scale, w->def.gravity);
+        out->next_pos = vec3_mad(out->next_pos, 0.5 * w->def.step * w->def.step * b->gravity_scale / body_inertness(b), w->def.gravity);
     out->curr_rot = b->q;
     out->prev_rot = b->prev_q;
     out->next_rot = quat_mul(quat_exp(vec3_scale(w->def.step, b->w)), b->q);
@@ -106,7 +108,7 @@ static void inspect_motion(const World *w, const Body *b, dig_body_debug *out)
     out->res_force = b->force;
     out->torque = b->torque;
     out->c_mass = b->x;
-    out->ang_mom = mat3_mul_vec(body_inertia_world(b), b->w);
+    out->ang_mom = vec3_scale(body_inertness(b), mat3_mul_vec(body_inertia_world(b), b->w));
     out->velocity = b->v;
     out->omega = b->w;
     const real m[16] = {r.r0.x, r.r0.y, r.r0.z, at.p.x, r.r1.x, r.r1.y, r.r1.z, at.p.y, r.r2.x, r.r2.y, r.r2.z, at.p.z, 0, 0, 0, 1};
@@ -135,7 +137,7 @@ dig_status dig_body_inspect(const dig_world *w, dig_body handle, dig_body_debug 
 
 /* ---- forces ---- */
 
-static Body *pushable(World *w, dig_body handle, const char *call, dig_status *status)
+Body *api_pushable(World *w, dig_body handle, const char *call, dig_status *status)
 {
     Body *b = api_body(w, handle, call);
     *status = b ? DIG_OK : DIG_E_DEAD;
@@ -146,7 +148,7 @@ static Body *pushable(World *w, dig_body handle, const char *call, dig_status *s
     return b;
 }
 
-static dig_status add_push(World *w, dig_body handle, Push p, real lasts, const char *call)
+dig_status api_push(World *w, dig_body handle, Push p, real lasts, const char *call)
 {
     if (isnan(lasts))
         return world_fail(w, DIG_E_ARG, "%s: lasts = nan s, must be a time", call);
@@ -163,29 +165,29 @@ static dig_status add_push(World *w, dig_body handle, Push p, real lasts, const 
 dig_status dig_body_push(dig_world *w, dig_body handle, vec3 force, vec3 at, bool has_at, real lasts)
 {
     dig_status s;
-    const Body *b = pushable(w, handle, "push", &s);
+    const Body *b = api_pushable(w, handle, "push", &s);
     if (!b)
         return s;
     DIG_TRY(api_finite(w, force, "push", "force", "N"));
     if (has_at)
         DIG_TRY(api_finite(w, at, "push", "at", "m"));
     Push p = {.force = force, .has_at = has_at, .at = has_at ? quat_unrotate(b->q, vec3_sub(at, b->x)) : vec3_zero()};
-    return add_push(w, handle, p, lasts, "push");
+    return api_push(w, handle, p, lasts, "push");
 }
 
 dig_status dig_body_twist(dig_world *w, dig_body handle, vec3 torque, real lasts)
 {
     dig_status s;
-    if (!pushable(w, handle, "twist", &s))
+    if (!api_pushable(w, handle, "twist", &s))
         return s;
     DIG_TRY(api_finite(w, torque, "twist", "torque", "N m"));
-    return add_push(w, handle, (Push){.torque = torque}, lasts, "twist");
+    return api_push(w, handle, (Push){.torque = torque}, lasts, "twist");
 }
 
 dig_status dig_body_hit(dig_world *w, dig_body handle, vec3 impulse, vec3 at, bool has_at)
 {
     dig_status s;
-    Body *b = pushable(w, handle, "hit", &s);
+    Body *b = api_pushable(w, handle, "hit", &s);
     if (!b)
         return s;
     DIG_TRY(api_finite(w, impulse, "hit", "impulse", "N s"));
@@ -194,8 +196,9 @@ dig_status dig_body_hit(dig_world *w, dig_body handle, vec3 impulse, vec3 at, bo
     body_wake(w, handle.slot);
     real before = body_energy(w, b);
     mat3 r = quat_matrix(b->q), inverse = mat3_mul(mat3_mul(r, b->inv_inertia), mat3_transpose(r));
-    vec3 dv = vec3_scale(b->inv_mass, impulse);
-    vec3 dw = has_at ? mat3_mul_vec(inverse, vec3_cross(vec3_sub(at, b->x), impulse)) : vec3_zero();
+    real light = 1 / body_inertness(b);
+    vec3 dv = vec3_scale(light * b->inv_mass, impulse);
+    vec3 dw = has_at ? mat3_mul_vec(mat3_scale(light, inverse), vec3_cross(vec3_sub(at, b->x), impulse)) : vec3_zero();
     if (!vec3_finite(vec3_add(b->v, dv)) || !vec3_finite(vec3_add(b->w, dw)))
         return world_fail(w, DIG_E_ARG, "hit: impulse = {%g, %g, %g} N s makes body '%s' too fast for a number", impulse.x, impulse.y,
                           impulse.z, b->name);
@@ -228,15 +231,16 @@ dig_status dig_body_teleport(dig_world *w, dig_body handle, const vec3 *at, cons
     if (spin)
         DIG_TRY(api_finite(w, *spin, "teleport", "spin", "rad/s"));
     DIG_TRY(check_rotation(w, rotation, "teleport"));
-    real before = w->ledger.started ? body_energy(w, b) + api_effects_stored(w) : 0;
+    real before = body_energy(w, b) + api_body_springs(w, handle.slot) + (w->ledger.started ? api_effects_stored(w) : 0);
     touches_wake(w, handle.slot);
     body_wake(w, handle.slot);
-    vec3 origin = at ? *at : body_pose(b).p;
+    vec3 origin = at ? *at : body_pose(b).p, from = b->x;
     b->q = rotation ? quat_unit(*rotation) : b->q;
     b->x = vec3_add(origin, quat_rotate(b->q, b->centre));
     b->prev_x = b->x;
     b->prev_q = b->q;
     b->euler = b->euler || b->integrator == DIG_SWITCH;     /* what it did before is no history of where it is now */
+    region_cross(w, handle.slot, from);             /* what is given is as it is seen there; what is not is kept */
     if (velocity && b->kind != DIG_STATIC)
         b->v = *velocity;
     if (spin && b->kind != DIG_STATIC)
@@ -244,7 +248,7 @@ dig_status dig_body_teleport(dig_world *w, dig_body handle, const vec3 *at, cons
     b->still = 0;
     b->out = false;
     body_refit(w, handle.slot);
-    w->ledger.initial += w->ledger.started ? body_energy(w, b) + api_effects_stored(w) - before : 0;
+    api_book_given(w, body_energy(w, b) + api_body_springs(w, handle.slot) + (w->ledger.started ? api_effects_stored(w) : 0) - before);
     return DIG_OK;
 }
 

@@ -39,6 +39,31 @@ void api_joint_view(const World *w, uint32_t slot, JointView *view, real memory[
     view_of(w, &w->joints.data[slot], view, memory);
 }
 
+real api_joint_energy(const World *w, uint32_t slot)
+{
+    const JointRec *r = &w->joints.data[slot];
+    real memory[JOINT_MEMORY];
+    JointView view;
+    if (!r->type->energy)
+        return 0;
+    view_of(w, r, &view, memory);
+    return r->type->energy(&view);
+}
+
+real api_body_springs(const World *w, uint32_t body)
+{
+    real sum = 0;
+    for (uint32_t j = w->bodies.data[body].joint_first; j != NONE; j = joint_next(w, j, body))
+        sum += api_joint_energy(w, j);
+    return sum;
+}
+
+void api_book_given(World *w, real energy)
+{
+    if (w->ledger.started)
+        w->ledger.initial += energy;
+}
+
 dig_joint_def dig_joint_defaults(void)
 {
     dig_joint_def def;
@@ -205,6 +230,7 @@ dig_status dig_joint_create(dig_world *w, const dig_joint_def *def, dig_joint *o
         body_refit(w, r.a);
         body_refit(w, r.b);
     }
+    api_book_given(w, api_joint_energy(w, slot));
     *out = (dig_joint){slot, r.gen};
     return DIG_OK;
 }
@@ -215,6 +241,7 @@ dig_status dig_joint_remove(dig_world *w, dig_joint j)
     if (!r)
         return DIG_E_DEAD;
     uint32_t a = r->a, b = r->b;
+    api_book_given(w, -api_joint_energy(w, j.slot));
     joint_remove(w, j.slot);
     if (a != NONE && b != NONE) {           /* they may touch again */
         body_refit(w, a);
@@ -283,7 +310,9 @@ dig_status dig_joint_set(dig_world *w, dig_joint handle, const char *name, const
     memcpy(params, r->params, sizeof params);
     memcpy((char *)params + offset, value, param_size(row));
     DIG_TRY(check_params(w, r, params));
+    real before = api_joint_energy(w, handle.slot);
     memcpy(r->params, params, sizeof params);
+    api_book_given(w, api_joint_energy(w, handle.slot) - before);
     if (r->a != NONE)
         body_wake(w, r->a);
     if (r->b != NONE)

@@ -34,6 +34,7 @@ dig_status dig_region_create(dig_world *w, const dig_region_def *def, dig_region
     at.q = quat_norm2(at.q) > 0 ? quat_unit(at.q) : quat_identity();
     w->regions.data[slot] = (Region){.gen = w->gen_start + (uint32_t)w->serial++, .alive = true, .shape = shape, .at = at, .laws = *def};
     w->region_count++;
+    region_changed(w);
     world_wake_all(w);
     *out = (dig_region){slot, w->regions.data[slot].gen};
     return DIG_OK;
@@ -55,8 +56,20 @@ dig_status dig_region_remove(dig_world *w, dig_region handle)
     r->alive = false;
     w->region_count--;
     slot_give(w, &w->free_regions, handle.slot);
+    region_changed(w);
     world_wake_all(w);
     return DIG_OK;
+}
+
+dig_status dig_region_push(dig_world *w, dig_region handle, dig_body body, vec3 force)
+{
+    dig_status s;
+    if (!find(w, handle))
+        return world_fail(w, DIG_E_DEAD, "region: this region was removed");
+    if (!api_pushable(w, body, "region", &s))
+        return s;
+    DIG_TRY(api_finite(w, force, "region", "force", "N"));
+    return api_push(w, body, (Push){.force = force, .law = true}, 0, "region");
 }
 
 int dig_region_bodies(const dig_world *w, dig_region handle, dig_body *out, int capacity)

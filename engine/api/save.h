@@ -57,6 +57,7 @@ void save_connect(Pack *p, World *w);
 void save_gen(Pack *p, const World *w, uint32_t *gen, bool own);
 void save_body_handle(Pack *p, const World *w, dig_body *b);
 void save_joint_handle(Pack *p, const World *w, dig_joint *j);
+void save_region_handle(Pack *p, const World *w, dig_region *r);
 void save_surface(Pack *p, const World *w, Surface *s);
 void save_pose(Pack *p, pose *at, const char *what);
 /* A struct by the rows that describe it, checked by them when read. */

@@ -1,5 +1,6 @@
 /* api/save_joint.c - the sections of joints, and of outside acts: pushes and regions. */
 #include "api/save.h"
+#include "world/region.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -78,6 +79,7 @@ static void pack_push(Pack *p, const World *w, Push *push)
     pack_vec3(p, &push->torque, SAVE_STRONG, "torque of a push");
     pack_vec3(p, &push->at, SAVE_FAR, "place of a push");
     pack_bool(p, &push->has_at);
+    pack_bool(p, &push->law);
     pack_real_in(p, &push->from, -SAVE_LONG, SAVE_LONG, "start of a push");
     pack_real_in(p, &push->until, -SAVE_LONG, INFINITY, "end of a push");
 }
@@ -108,6 +110,9 @@ void save_acts(Pack *p, World *w)
         if (!unused[i])
             pack_region(p, w, &w->regions.data[i]);
     free(unused);
-    if (p->reading)
-        w->region_count = pack_good(p) ? w->regions.count - w->free_regions.count : 0;
+    if (!p->reading)
+        return;
+    w->region_count = pack_good(p) ? w->regions.count - w->free_regions.count : 0;
+    for (int i = 0; i < w->bodies.count; i++)       /* follows from where they are */
+        w->bodies.data[i].rate = w->bodies.data[i].kind == DIG_DYNAMIC && pack_good(p) ? region_rate(w, w->bodies.data[i].x) : 1;
 }

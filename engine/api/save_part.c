@@ -26,6 +26,12 @@ void save_joint_handle(Pack *p, const World *w, dig_joint *j)
     save_gen(p, w, &j->gen, false);
 }
 
+void save_region_handle(Pack *p, const World *w, dig_region *r)
+{
+    pack_u32(p, &r->slot);
+    save_gen(p, w, &r->gen, false);
+}
+
 void save_surface(Pack *p, const World *w, Surface *s)
 {
     uint32_t material = (uint32_t)s->material;

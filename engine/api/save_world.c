@@ -24,6 +24,7 @@ static void pack_ledger(Pack *p, Ledger *l)
 {
     pack_bool(p, &l->started);
     pack_real_in(p, &l->work_in, -SAVE_MUCH, SAVE_MUCH, "work");
+    pack_real_in(p, &l->law, -SAVE_MUCH, SAVE_MUCH, "work of laws");
     pack_real_in(p, &l->lost, -SAVE_MUCH, SAVE_MUCH, "energy lost");
     pack_real_in(p, &l->initial, -SAVE_MUCH, SAVE_MUCH, "initial energy");
     pack_real_in(p, &l->last_total, -SAVE_MUCH, SAVE_MUCH, "last energy");
@@ -151,6 +152,7 @@ static void pack_event(Pack *p, const World *w, dig_event *e)
     pack_vec3(p, &e->normal, 2, "normal of an event");
     pack_enum(p, &e->link, DIG_LINK_KINDS, "link of an event");
     pack_u64(p, &e->message);
+    save_region_handle(p, w, &e->region);
 }
 
 typedef LIST(dig_event) EventList;

@@ -141,6 +141,10 @@ static const dig_param region_rows[] = {
      .fallback = 1, .min = 0, .max = 100, .offset = AT(dig_region_def, friction_scale)},
     {.name = "restitution_scale", .kind = DIG_REAL, .unit = "1", .doc = "multiplies restitution, at most to 1",
      .fallback = 1, .min = 0, .max = 100, .offset = AT(dig_region_def, restitution_scale)},
+    {.name = "conduct", .kind = DIG_REAL, .unit = "1", .doc = "multiplies conductances",
+     .fallback = 1, .min = 0, .max = 1e6, .offset = AT(dig_region_def, conduct)},
+    {.name = "time_rate", .kind = DIG_REAL, .unit = "1", .doc = "seconds that go by inside for one outside",
+     .fallback = 1, .min = 1e-3, .max = 1e3, .offset = AT(dig_region_def, time_rate)},
     {.name = NULL},
 };
 

@@ -134,27 +134,21 @@ const char *dig_world_accuracy(const dig_world *w) { return accuracy_plan(w->acc
 static real elastic_energy(const World *w)
 {
     real sum = 0;
-    for (int i = 0; i < w->joints.count; i++) {
-        const JointRec *r = &w->joints.data[i];
-        if (!r->alive || !r->type->energy)
-            continue;
-        real memory[JOINT_MEMORY];
-        JointView view;
-        api_joint_view(w, (uint32_t)i, &view, memory);
-        sum += r->type->energy(&view);
-    }
+    for (int i = 0; i < w->joints.count; i++)
+        if (w->joints.data[i].alive)
+            sum += api_joint_energy(w, (uint32_t)i);
     return sum;
 }
 
 dig_energy dig_world_energy(const dig_world *w)
 {
-    dig_energy e = {.work_in = w->ledger.work_in, .lost = w->ledger.lost, .initial = w->ledger.initial};
+    dig_energy e = {.work_in = w->ledger.work_in, .law = w->ledger.law, .lost = w->ledger.lost, .initial = w->ledger.initial};
     for (int i = 0; i < w->bodies.count; i++) {
         const Body *b = &w->bodies.data[i];
         if (!b->alive || b->kind != DIG_DYNAMIC)
             continue;
         vec3 wl = quat_unrotate(b->q, b->w);
-        e.kinetic += 0.5 * b->mass * vec3_length2(b->v) + 0.5 * vec3_dot(wl, mat3_mul_vec(b->inertia, wl));
+        e.kinetic += 0.5 * body_inertness(b) * (b->mass * vec3_length2(b->v) + vec3_dot(wl, mat3_mul_vec(b->inertia, wl)));
         e.potential -= b->mass * b->gravity_scale * vec3_dot(w->def.gravity, b->x);
     }
     e.elastic = elastic_energy(w);
@@ -162,7 +156,7 @@ dig_energy dig_world_energy(const dig_world *w)
     e.total = e.kinetic + e.potential + e.elastic + e.heat + e.electric;
     if (!w->ledger.started)
         e.initial = e.total;
-    e.numerical = e.total + e.lost - e.initial - e.work_in;
+    e.numerical = e.total + e.lost - e.initial - e.work_in - e.law;
     return e;
 }
 
@@ -171,7 +165,7 @@ vec3 dig_world_momentum(const dig_world *w)
     vec3 p = vec3_zero();
     for (int i = 0; i < w->bodies.count; i++)
         if (w->bodies.data[i].alive && w->bodies.data[i].kind == DIG_DYNAMIC)
-            p = vec3_mad(p, w->bodies.data[i].mass, w->bodies.data[i].v);
+            p = vec3_mad(p, body_inertness(&w->bodies.data[i]) * w->bodies.data[i].mass, w->bodies.data[i].v);
     return p;
 }
 
@@ -182,8 +176,8 @@ vec3 dig_world_angular_momentum(const dig_world *w)
         const Body *b = &w->bodies.data[i];
         if (!b->alive || b->kind != DIG_DYNAMIC)
             continue;
-        l = vec3_add(l, vec3_scale(b->mass, vec3_cross(b->x, b->v)));
-        l = vec3_add(l, mat3_mul_vec(body_inertia_world(b), b->w));
+        l = vec3_add(l, vec3_scale(body_inertness(b) * b->mass, vec3_cross(b->x, b->v)));
+        l = vec3_mad(l, body_inertness(b), mat3_mul_vec(body_inertia_world(b), b->w));
     }
     return l;
 }

@@ -201,8 +201,7 @@ static real work_of(Group *g, real dt)
         vec3 arm = p->has_at ? quat_rotate(g->pos[p->body].q, p->at) : vec3_zero();
         vec3 way = vec3_sub(g->pos[p->body].x, g->member[p->body].start_pos.x);
         real done = vec3_dot(p->force, vec3_add(way, vec3_cross(turn, arm))) + vec3_dot(p->torque, turn);
-        g->push_work[p->body] += done;
-        g->work_in += done;
+        group_book_push(g, p, done);
     }
     return work;
 }
@@ -217,7 +216,7 @@ static bool any_near(const Group *g, real time)
             const ManifoldPoint *p = &c->manifold.points[k];
             vec3 va = vec3_add(g->vel[c->a].v, vec3_cross(g->vel[c->a].w, vec3_sub(p->a, g->pos[c->a].x)));
             vec3 vb = vec3_add(g->vel[c->b].v, vec3_cross(g->vel[c->b].w, vec3_sub(p->b, g->pos[c->b].x)));
-            if (p->gap < NEAR * g->pairs[c->pair].size + 2 * time * vec3_length(vec3_sub(vb, va)) + vec3_length(g->gravity) * time * time)
+            if (p->gap < NEAR * g->pairs[c->pair].size + 2 * time * vec3_length(vec3_sub(vb, va)) + g->fall * time * time)
                 return true;
         }
     }
@@ -319,7 +318,7 @@ static dig_status finish(const Chain *c, const Saved *s, real dt)
     g->lost += before + given + work_of(g, dt) - group_kinetic(g);
     for (int i = 0; i < g->moving_count; i++) {
         const Member *m = &g->member[i];
-        group_book_drag(g, i, vec3_sub(g->pos[i].x, m->start_pos.x), vec3_scale(0.5 * dt, vec3_add(g->vel[i].w, m->start_vel.w)), dt);
+        group_book_apart(g, i, vec3_sub(g->pos[i].x, m->start_pos.x), vec3_scale(0.5 * dt, vec3_add(g->vel[i].w, m->start_vel.w)), dt);
     }
     g->t = dt;
     g->close_speed = group_close_speed(g);

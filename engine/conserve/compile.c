@@ -88,7 +88,7 @@ static bool near_stop(const Group *g, const Row *r)
             reach += vec3_length(r->lin[i]);
         }
     real dt = g->world->def.step;
-    return r->error < 2 * fabs(rate) * dt + (reach + r->angular) * vec3_length(g->gravity) * dt * dt + 1e-6;
+    return r->error < 2 * fabs(rate) * dt + (reach + r->angular) * g->fall * dt * dt + 1e-6;
 }
 
 static void take_apart(const Group *g, const GroupJoint *j, const JointView *v, Found *f)

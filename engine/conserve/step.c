@@ -106,7 +106,7 @@ static void book(System *s)
         book_tie(s, &s->tie[i]);
     for (int i = 0; i < g->body_count; i++) {
         const Piece *p = &s->piece[i];
-        group_book_drag(g, i, vec3_sub(p->x, p->x0), p->turn, s->h);
+        group_book_apart(g, i, vec3_sub(p->x, p->x0), p->turn, s->h);
         if (g->member[i].kinematic)
             g->work_in -= (vec3_dot(p->push, vec3_sub(p->x, p->x0)) + vec3_dot(p->twist, p->turn)) / s->h;
     }
@@ -115,8 +115,7 @@ static void book(System *s)
         const Piece *b = &s->piece[p->body];
         vec3 torque = p->has_at ? vec3_add(p->torque, vec3_cross(quat_rotate(b->q0, p->at), p->force)) : p->torque;
         real work = vec3_dot(p->force, vec3_sub(b->x, b->x0)) + vec3_dot(torque, b->turn);
-        g->push_work[p->body] += work;
-        g->work_in += work;
+        group_book_push(g, p, work);
     }
 }
 

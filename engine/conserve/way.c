@@ -40,7 +40,7 @@ static bool may_close(const Group *g, const GroupContact *c, const ManifoldPoint
 {
     vec3 v = vec3_sub(point_velocity(g, c->b, p->b), point_velocity(g, c->a, p->a));
     real closing = real_max(0, -vec3_dot(c->manifold.normal, v)) + vec3_length(v);
-    return p->gap < closing * time + vec3_length(g->gravity) * time * time + 1e-4 * g->pairs[c->pair].size;
+    return p->gap < closing * time + g->fall * time * time + 1e-4 * g->pairs[c->pair].size;
 }
 
 static bool any_closes(const Group *g, real time)

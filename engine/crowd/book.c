@@ -34,7 +34,7 @@ static void carry(Group *g, GroupContact *c)
 
 static bool strikes(const Crowd *c, real speed)
 {
-    return speed > c->g->close_speed + 2 * vec3_length(c->g->gravity) * (real)c->h;
+    return speed > c->g->close_speed + 2 * c->g->fall * (real)c->h;
 }
 
 static bool pushes_sleeper(const Group *g, const GroupContact *t, real sum)
@@ -160,15 +160,14 @@ static void book_energy(Crowd *c)
             continue;
         vec3 moved = vec3_sub(g->pos[i].x, m->start_pos.x);
         g->lost += vec3_dot(m->force, moved) + vec3_dot(m->torque, g->shift[i].w);
-        group_book_drag(g, i, moved, g->shift[i].w, c->dt);
+        group_book_apart(g, i, moved, g->shift[i].w, c->dt);
     }
     for (int i = 0; i < g->push_count; i++) {
         const GroupPush *p = &g->pushes[i];
         vec3 arm = p->has_at ? quat_rotate(g->pos[p->body].q, p->at) : vec3_zero();
         vec3 way = vec3_add(vec3_sub(g->pos[p->body].x, g->member[p->body].start_pos.x), vec3_cross(g->shift[p->body].w, arm));
         real work = vec3_dot(p->force, way) + vec3_dot(p->torque, g->shift[p->body].w);
-        g->push_work[p->body] += work;
-        g->work_in += work;
+        group_book_push(g, p, work);
     }
     g->lost -= group_kinetic(g);
 }

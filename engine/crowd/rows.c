@@ -225,7 +225,7 @@ static bool slides(const Group *g, const GroupContact *c, const GroupPair *q)
 {
     vec3 at = c->manifold.points[0].a, v = vec3_sub(velocity_at(g, c->b, at), velocity_at(g, c->a, at));
     vec3 slip = vec3_mad(v, -vec3_dot(v, c->manifold.normal), c->manifold.normal);
-    return vec3_length2(slip) > SLIPS * SLIPS * q->size * vec3_length(g->gravity);
+    return vec3_length2(slip) > SLIPS * SLIPS * q->size * g->fall;
 }
 
 static void fill_lane(Crowd *c, Batch *b, int lane, int contact, int spare)

@@ -45,7 +45,7 @@ static dig_status open(Crowd *c)
     c->soft[1] = soft_of(FIRM, (real)c->h);
     real size = smallest(g);
     c->push_most = (float)(PUSH_MOST * sqrt(size));
-    c->bounce_least = (float)(g->close_speed + 2 * vec3_length(g->gravity) * (real)c->h);
+    c->bounce_least = (float)(g->close_speed + 2 * g->fall * (real)c->h);
     return DIG_OK;
 }
 

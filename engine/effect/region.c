@@ -1,5 +1,6 @@
 /* effect/region.c - other laws inside a region: its own gravity, drag, and scaled friction and restitution. Where regions
- * overlap, the one made last gives the gravity; drags add and scales multiply. */
+ * overlap, the one made last gives the gravity; drags add and scales multiply. The rate of time inside is a state of bodies
+ * (world/region.h). The work of its gravity, as far as it is not the world's, is booked as the law's; drag is a loss. */
 #include "effect/effect.h"
 #include "world/region.h"
 
@@ -21,9 +22,12 @@ static int members(const Group *g)
     return n;
 }
 
-static void apply(const Group *g, int i)
+/* 1/s  A mean rate of decay that holds its exact course over the substep: stable for any drag. */
+static real decay(real drag, real h) { return h > 0 && drag > 0 ? -expm1(-drag * h) / h : drag; }
+
+static void apply(Group *g, int i)
 {
-    Member *m = &g->member[i];
+    const Member *m = &g->member[i];
     vec3 gravity = g->gravity;
     real drag = 0;
     for (int r = 0; r < g->world->regions.count; r++) {
@@ -33,11 +37,14 @@ static void apply(const Group *g, int i)
         gravity = isnan(region->laws.gravity.x) ? gravity : region->laws.gravity;
         drag += region->laws.drag;
     }
-    m->force = vec3_mad(m->force, m->mass * m->gravity_scale, vec3_sub(gravity, g->gravity));
-    /* the exact decay of speed over the substep, as a mean force: stable for any drag */
-    real share = -expm1(-drag * g->h) / g->h;
-    m->force = vec3_mad(m->force, -share * m->mass, g->vel[i].v);
-    m->torque = vec3_sub(m->torque, vec3_scale(share, quat_rotate(g->pos[i].q, mat3_mul_vec(m->inertia, quat_unrotate(g->pos[i].q, g->vel[i].w)))));
+    vec3 change = vec3_sub(gravity, g->gravity);
+    if (vec3_length2(change) > 0)
+        group_rule(g, i, vec3_scale(m->mass * m->gravity_scale, change));
+    if (!(drag > 0))
+        return;
+    real c = decay(drag * g->world->bodies.data[m->slot].rate, g->h);
+    vec3 w = quat_unrotate(g->pos[i].q, g->vel[i].w);
+    group_brake(g, i, vec3_scale(-c * m->mass, g->vel[i].v), quat_rotate(g->pos[i].q, vec3_scale(-c, mat3_mul_vec(m->inertia, w))));
 }
 
 /* Friction and restitution of a contact take the scales of both bodies' places. */
@@ -69,7 +76,7 @@ static dig_status force(const EffectSlot *e, Group *g)
 
 const EffectType effect_region = {
     .name = "region",
-    .law = "inside a region: F = m g', F = -c m v, mu' = s mu, e' = s e",
+    .law = "inside a region: F = m g', F = -c m v, mu' = s mu, e' = s e, dt' = r dt",
     .cite = "viper2000",
     .wanted = wanted,
     .members = members,

@@ -150,7 +150,7 @@ static bool calm(const Group *g)
         vec3 at = c->manifold.points[r->point].a;
         vec3 va = vec3_add(a.v, vec3_cross(a.w, vec3_sub(at, g->pos[r->a].x)));
         vec3 vb = vec3_add(b.v, vec3_cross(b.w, vec3_sub(at, g->pos[r->b].x)));
-        fast += vec3_length2(vec3_sub(vb, va)) > FAST * FAST * g->pairs[c->pair].size * vec3_length(g->gravity);
+        fast += vec3_length2(vec3_sub(vb, va)) > FAST * FAST * g->pairs[c->pair].size * g->fall;
     }
     return fast <= MOST_FAST * g->point_count;
 }

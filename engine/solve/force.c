@@ -1,4 +1,4 @@
-/* solve/force.c - forces of the effects, and the energy that those of them take which are drags. */
+/* solve/force.c - forces of the effects; whose work is booked apart: drags, and the laws of regions; energy at joints. */
 #include "solve/group.h"
 
 dig_status group_forces(Group *g)
@@ -10,16 +10,70 @@ dig_status group_forces(Group *g)
             m->drag = m->drag_torque = vec3_zero();
             m->driven = 0;
         }
+        if (g->rules)
+            m->law = vec3_zero();
     }
     return g->stage(g, STAGE_FORCE);
 }
 
+void group_brake(Group *g, int body, vec3 force, vec3 torque)
+{
+    Member *m = &g->member[body];
+    m->force = vec3_add(m->force, force);
+    m->torque = vec3_add(m->torque, torque);
+    m->drag = vec3_add(m->drag, force);
+    m->drag_torque = vec3_add(m->drag_torque, torque);
+    g->drags = true;
+}
+
+void group_rule(Group *g, int body, vec3 force)
+{
+    Member *m = &g->member[body];
+    m->force = vec3_add(m->force, force);
+    m->law = vec3_add(m->law, force);
+    g->rules = true;
+}
+
 /* A drag -k (v - u) does the work of u in, and loses that of v - u. */
-void group_book_drag(Group *g, int body, vec3 moved, vec3 turned, real h)
+void group_book_apart(Group *g, int body, vec3 moved, vec3 turned, real h)
 {
     const Member *m = &g->member[body];
-    if (!g->drags || !m->moves)
+    if (!m->moves)
         return;
-    g->work_in += m->driven * h;
-    g->lost += m->driven * h - vec3_dot(m->drag, moved) - vec3_dot(m->drag_torque, turned);
+    if (g->drags) {
+        g->work_in += m->driven * h;
+        g->lost += m->driven * h - vec3_dot(m->drag, moved) - vec3_dot(m->drag_torque, turned);
+    }
+    if (g->rules)
+        g->law += vec3_dot(m->law, moved);
+}
+
+real group_spring_energy(const GroupJoint *j)
+{
+    real memory[JOINT_MEMORY];
+    JointView now = j->view;
+    if (!now.type->energy)
+        return 0;
+    memcpy(memory, j->memory, sizeof memory);
+    now.memory = memory;
+    return now.type->energy(&now);
+}
+
+real group_row_driven(const Group *g, const Row *r)
+{
+    real rate = 0;
+    for (int k = 0; k < r->count; k++)
+        if (r->body[k] >= 0 && g->member[r->body[k]].kinematic)
+            rate += vec3_dot(r->lin[k], g->vel[r->body[k]].v) + vec3_dot(r->ang[k], g->vel[r->body[k]].w);
+    return rate;
+}
+
+void group_book_push(Group *g, const GroupPush *p, real work)
+{
+    if (p->law) {
+        g->law += work;
+        return;
+    }
+    g->push_work[p->body] += work;
+    g->work_in += work;
 }

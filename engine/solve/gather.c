@@ -4,6 +4,7 @@
 #include "solve/group.h"
 
 #include "world/joint.h"
+#include "world/region.h"
 
 static int find_slot(const uint32_t *slots, int count, uint32_t slot)
 {
@@ -71,17 +72,18 @@ static void gather_body(Group *g, int i, uint32_t slot, bool awake)
     m->dormant = b->kind == DIG_DYNAMIC && !awake;
     m->moves = b->kind == DIG_DYNAMIC && awake;
     m->round = b->round_inertia && !g->planar;
-    m->mass = b->mass;
-    m->gravity_scale = b->gravity_scale;
+    real inert = body_inertness(b);
+    m->mass = inert * b->mass;
+    m->gravity_scale = b->gravity_scale / inert;        /* its weight stays */
     m->pull = m->moves ? b->pull : 0;
     m->integrator = b->integrator;
     m->fresh = b->euler;
-    m->inertia = b->inertia;
-    m->inv_inertia = b->inv_inertia;
+    m->inertia = mat3_scale(inert, b->inertia);
+    m->inv_inertia = mat3_scale(1 / inert, b->inv_inertia);
     m->centre = b->centre;
     m->outer = b->outer;
     if (m->moves)
-        g->mass[i].im = b->inv_mass;
+        g->mass[i].im = b->inv_mass / inert;
     if (m->dormant)
         g->vel[i] = (Vel){vec3_zero(), vec3_zero()};
     group_refresh_mass(g, i);
@@ -173,6 +175,8 @@ static dig_status gather_bodies(Group *g, const uint32_t *pairs, int pair_count,
     if (!g->pos || !g->vel || !g->mass || !g->member || !g->shift || !g->push_work)
         return DIG_E_MEMORY;
     team_run(g->team, gather_share, g);
+    for (int i = 0; i < g->moving_count && w->region_count > 0; i++)
+        g->fall = real_max(g->fall, region_fall(w, &w->bodies.data[g->slots[i]], g->pos[i].x));
     for (int i = 0; i < g->moving_count && g->may_trace; i++) {
         const Body *b = &w->bodies.data[g->slots[i]];
         if (!b->awake)
@@ -409,7 +413,7 @@ static dig_status gather_pushes(Group *g, real dt)
         if (!here || !(share > 1e-9))
             continue;
         share = real_min(share, 1);
-        g->pushes[g->push_count++] = (GroupPush){local_of(g, p->body), vec3_scale(share, p->force), vec3_scale(share, p->torque), p->at, p->has_at};
+        g->pushes[g->push_count++] = (GroupPush){local_of(g, p->body), vec3_scale(share, p->force), vec3_scale(share, p->torque), p->at, p->has_at, p->law};
     }
     return DIG_OK;
 }
@@ -421,6 +425,7 @@ dig_status group_gather(Group *g, const World *w, const uint32_t *leads, int dig
     g->leads = leads;
     g->dig_count = dig_count;
     g->gravity = w->def.gravity;
+    g->fall = vec3_length(g->gravity);
     g->planar = strcmp(w->def.plane.s, "yz") == 0 ? 1 : strcmp(w->def.plane.s, "xz") == 0 ? 2 : strcmp(w->def.plane.s, "xy") == 0 ? 3 : 0;
     g->decay_friction = strcmp(w->def.friction_law.s, "decay") == 0;
     g->touch = 1e-7;
@@ -561,8 +566,8 @@ static void commit_body(World *w, const Group *g, int i, real dt)
     b->euler = m->integrator == DIG_AUTO ? m->collided || m->constrained : m->integrator == DIG_SWITCH ? m->collided : m->integrator == DIG_EULER;
     b->work += g->push_work[i];
     commit_trace(g, b);
-    b->force = vec3_scale(b->mass / dt, vec3_sub(b->v, old_v));
-    b->torque = vec3_scale(1 / dt, vec3_sub(body_spin_momentum(b, b->w), old_l));
+    b->force = vec3_scale(m->mass / dt, vec3_sub(b->v, old_v));
+    b->torque = vec3_scale(body_inertness(b) / dt, vec3_sub(body_spin_momentum(b, b->w), old_l));
     b->hit_v = b->hit_w = vec3_zero();
 }
 

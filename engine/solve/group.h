@@ -44,6 +44,7 @@ typedef struct Member {         /* the rest of a gathered body */
     vec3     centre;            /* m   centre of mass in the body frame                */
     vec3     force, torque;     /* N, N m, of this substep                             */
     vec3     drag, drag_torque; /* N, N m of these, what takes energy away for good    */
+    vec3     law;               /* N      of these, what regions' laws add, but for drags */
     real     driven;            /* W   what moves the medium puts in by them           */
     real     outer;             /* m                                                   */
     Pos      start_pos; Vel start_vel;  /* at the start of the substep                 */
@@ -147,7 +148,7 @@ typedef struct GroupJoint {
     real     broke;             /* s   into it                      */
 } GroupJoint;
 
-typedef struct GroupPush { int body; vec3 force, torque, at; bool has_at; } GroupPush;    /* scaled by the share of the step it acts */
+typedef struct GroupPush { int body; vec3 force, torque, at; bool has_at, law; } GroupPush;    /* scaled by the share of the step it acts */
 
 typedef struct Strike {         /* an impact, for events and messages */
     real time;                  /* s from the start of the step     */
@@ -162,13 +163,14 @@ struct Group {
     const AccuracyPlan *plan;
     Arena    *arena;
     Team     *team;             /* that advances it; NULL: one thread */
-    vec3      gravity;
+    vec3      gravity;          /* m/s^2  of the world */
+    real      fall;             /* m/s^2  the largest where its members are: the scale of what weight does */
     uint32_t  effects;          /* bit per effect of the list that this group calls for */
     dig_status (*stage)(Group *g, int stage);           /* runs the effects of one stage (step/step.c) */
     bool      decay_friction;   /* the founding document's alternative to Coulomb */
     bool      varies;           /* forces depend on where bodies are or how they move */
     bool      stores;           /* forces have a potential that only their effect knows */
-    bool      drags;            /* some forces are drags: see Member.drag            */
+    bool      drags, rules;     /* some forces are drags, or laws of regions: see Member.drag, Member.law */
     int       planar;           /* 0 or 1..3: x, y, z is the dead axis */
 
     const uint32_t *leads; int dig_count;       /* first members of its DIGs */
@@ -216,14 +218,14 @@ struct Group {
     bool      trace_failed;     /*     it was tried in this step, and handed on        */
     bool      conserve_failed;  /*     the same of the way that conserves energy       */
     real      residual, penetration, joint_error;
-    real      lost, work_in;    /* J */
+    real      lost, work_in, law;   /* J */
     bool      losses;           /*     an effect asks for those of each contact; where they cost nothing they are there anyway */
     struct GroupWatch {         /* step/watch.c */
         real  elastic;          /* J   in its springs at the start of the step                    */
         real  rise, borne;      /* J   gained without work in it; how much may be                 */
         real  carried, carried_borne;   /* J   the same, of the steps before                      */
         real  smallest;         /* m   size of its smallest moving body                           */
-        int   gainer;           /*     who gained most; -1 = the energy is not judged             */
+        int   gainer;           /*     who gained most                                            */
         int   count;            /*     moving bodies                                              */
     } watch;
     real     *push_work;        /* [body_count] J */
@@ -249,11 +251,17 @@ static inline pose group_shape_pose(const Group *g, int body, pose local)
 }
 void       group_refresh_mass(Group *g, int body);      /* inverse inertia in world axes */
 void       group_joint_view(Group *g, int joint);       /* its ends from the present positions and velocities */
+real       group_spring_energy(const GroupJoint *j);        /* J  as it was viewed last */
+real       group_row_driven(const Group *g, const Row *r);      /* m/s or rad/s  of its rate, what kinematic ends do */
 void       group_joint_move(Group *g, int joint);       /* once viewed: those of its ends that can move, again */
 
-/* force.c: what the effects of STAGE_FORCE ask for now, and what drags took over a substep in which bodies moved and turned so far */
+/* force.c: what the effects of STAGE_FORCE ask for now, and what drags and laws of regions took and gave over a substep in which
+ * bodies moved and turned so far */
 dig_status group_forces(Group *g);
-void       group_book_drag(Group *g, int body, vec3 moved, vec3 turned, real h);
+void       group_brake(Group *g, int body, vec3 force, vec3 torque);        /* adds a drag against what stands still */
+void       group_rule(Group *g, int body, vec3 force);                      /* adds a force whose work is that of a region's laws */
+void       group_book_apart(Group *g, int body, vec3 moved, vec3 turned, real h);
+void       group_book_push(Group *g, const GroupPush *p, real work);        /* J */
 
 /* keep.c */
 typedef struct GroupKept {      /* a group as it was */

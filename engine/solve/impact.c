@@ -344,13 +344,16 @@ static bool strike_once(Group *g, bool *on, real *rate, bool allow_elastic)
     return elastic;
 }
 
-/* Joint impulses of an impact count in the joint's force. */
+/* Joint impulses of an impact count in the joint's force, and driven ends give energy through them. */
 static void note_joints(Group *g)
 {
     for (int i = 0; i < g->block_count; i++) {
         GroupJoint *j = &g->joints[g->blocks[i].joint];
         for (int k = 0; k < g->blocks[i].count; k++) {
             const JointRow *r = &g->rows[g->blocks[i].first + k];
+            real given = -r->p * group_row_driven(g, &r->row);
+            g->work_in += given;
+            g->lost += given;
             for (int m = 0; m < r->row.count; m++)
                 if (r->row.body[m] == j->a && j->a >= 0) {
                     j->impulse = vec3_mad(j->impulse, r->p, r->row.lin[m]);

@@ -242,6 +242,11 @@ void group_clean_joints(Group *g)
         if (g->rows[i].row.kind != ROW_HARD)
             g->rows[i].k = 0;
     }
+    real before = group_kinetic(g), given = 0;
     for (int i = 0; i < 200 && relax_joints(g) > g->plan->residual; i++)
         g->sweeps++;
+    for (int i = 0; i < g->row_count; i++)
+        given -= g->rows[i].p * group_row_driven(g, &g->rows[i].row);
+    g->work_in += given;
+    g->lost += before + given - group_kinetic(g);       /* the jerk */
 }

@@ -119,7 +119,7 @@ static void warm_start(Group *g)
  * off its present approach never gains energy; all pairs at once off their approaches before the substep would. */
 static void bounce(Group *g)
 {
-    real slow = 2 * vec3_length(g->gravity) * g->h;
+    real slow = 2 * g->fall * g->h;
     for (int pass = 0, more = 1; pass < BOUNCE_PASSES && more; pass++) {
         more = 0;
         for (int i = 0; i < g->point_count; i++) {
@@ -173,20 +173,31 @@ static void mark_constrained(Group *g)
 
 /* ---- bookkeeping after a substep: forces remembered, energy booked, sleepers that were pushed ---- */
 
-static vec3 mean_point_velocity(const Group *g, int body, vec3 at)
-{
-    const Member *m = &g->member[body];
-    vec3 v = g->vel[body].v, w = g->vel[body].w;
-    if (m->moves) {
-        v = vec3_scale(0.5, vec3_add(v, m->start_vel.v));
-        w = vec3_scale(0.5, vec3_add(w, m->start_vel.w));
-    }
-    return vec3_add(v, vec3_cross(w, vec3_sub(at, g->pos[body].x)));
-}
-
 /* s  A substep cut short by an impact may be a billionth of the others. What stopped an approach in it, divided by so short a
  * time, would start the next solve with impulses a billion times too large. */
 static real remembered_over(const Group *g) { return real_max(g->h, 0.01 * g->world->def.step / g->plan->substeps); }
+
+static Vel mean_velocity(const Group *g, int body)
+{
+    const Vel *v = &g->vel[body], *start = &g->member[body].start_vel;
+    if (!g->member[body].moves)
+        return *v;
+    return (Vel){vec3_scale(0.5, vec3_add(v->v, start->v)), vec3_scale(0.5, vec3_add(v->w, start->w))};
+}
+
+/* What it is moved with: forces work along the way. Impulses of contacts and joints work along the mean, which is theirs. */
+static Vel way_of(const Group *g, int body) { return g->member[body].implicit_move ? g->vel[body] : mean_velocity(g, body); }
+
+/* An impulse along a direction: by the arms that it was solved with, so that nothing is lost between it and the velocities. */
+static real book_dir(Group *g, const Dir *d, int a, int b, real p)
+{
+    Vel va = mean_velocity(g, a), vb = mean_velocity(g, b);
+    real of_a = vec3_dot(d->aa, va.w) - vec3_dot(d->n, va.v), of_b = vec3_dot(d->ab, vb.w) + vec3_dot(d->n, vb.v);
+    real lost = -p * (of_a + of_b);
+    g->lost += lost;
+    g->work_in -= p * ((g->member[a].kinematic ? of_a : 0) + (g->member[b].kinematic ? of_b : 0));
+    return lost;
+}
 
 static void book_point(Group *g, PointRow *r)
 {
@@ -208,18 +219,12 @@ static void book_point(Group *g, PointRow *r)
     c->point_weight += r->jn;
     c->sliding = r->slides;
     /* where impacts are not located, a fast approach that ends in this substep is one */
-    if (!g->locate && r->jn > 0 && -r->rate_before > g->close_speed + 2 * vec3_length(g->gravity) * g->h) {
+    if (!g->locate && r->jn > 0 && -r->rate_before > g->close_speed + 2 * g->fall * g->h) {
         g->member[r->a].collided = g->member[r->b].collided = true;
         strike_report(g, r, -r->rate_before);
     }
-    vec3 va = mean_point_velocity(g, r->a, p->a), vb = mean_point_velocity(g, r->b, p->a);
-    real lost = -vec3_dot(impulse, vec3_sub(vb, va));
-    g->lost += lost;
+    real lost = book_dir(g, &r->n, r->a, r->b, r->jn) + book_dir(g, &r->t[0], r->a, r->b, r->jt[0]) + book_dir(g, &r->t[1], r->a, r->b, r->jt[1]);
     c->lost += lost;
-    if (g->member[r->a].kinematic)
-        g->work_in += vec3_dot(impulse, va);
-    if (g->member[r->b].kinematic)
-        g->work_in -= vec3_dot(impulse, vb);
     if (r->jn > 0)
         for (int k = 0; k < 2; k++) {
             Member *m = &g->member[k ? r->b : r->a];
@@ -231,12 +236,12 @@ static void book_point(Group *g, PointRow *r)
 static void book_roll(Group *g, RollRow *r)
 {
     g->contacts[r->contact].rolling = vec3_scale(1 / remembered_over(g), r->j);
-    const Member *a = &g->member[r->a], *b = &g->member[r->b];
-    vec3 wa = a->moves ? vec3_scale(0.5, vec3_add(g->vel[r->a].w, a->start_vel.w)) : g->vel[r->a].w;
-    vec3 wb = b->moves ? vec3_scale(0.5, vec3_add(g->vel[r->b].w, b->start_vel.w)) : g->vel[r->b].w;
+    vec3 wa = mean_velocity(g, r->a).w, wb = mean_velocity(g, r->b).w;
     real lost = -vec3_dot(r->j, vec3_sub(wb, wa));
     g->lost += lost;
     g->contacts[r->contact].lost += lost;
+    g->work_in += g->member[r->a].kinematic ? vec3_dot(r->j, wa) : 0;
+    g->work_in -= g->member[r->b].kinematic ? vec3_dot(r->j, wb) : 0;
 }
 
 static real mean_row_rate(const Group *g, const Row *r)
@@ -246,13 +251,8 @@ static real mean_row_rate(const Group *g, const Row *r)
         int b = r->body[k];
         if (b < 0)
             continue;
-        const Member *m = &g->member[b];
-        vec3 v = g->vel[b].v, w = g->vel[b].w;
-        if (m->moves) {
-            v = vec3_scale(0.5, vec3_add(v, m->start_vel.v));
-            w = vec3_scale(0.5, vec3_add(w, m->start_vel.w));
-        }
-        rate += vec3_dot(r->lin[k], v) + vec3_dot(r->ang[k], w);
+        Vel mean = mean_velocity(g, b);
+        rate += vec3_dot(r->lin[k], mean.v) + vec3_dot(r->ang[k], mean.w);
     }
     return rate;
 }
@@ -269,6 +269,7 @@ static void book_joint(Group *g, const JointBlock *b)
                 j->impulse = vec3_mad(j->impulse, r->p, r->row.lin[k]);
                 j->angular_impulse = vec3_mad(j->angular_impulse, r->p, r->row.ang[k]);
             }
+        g->work_in -= r->p * group_row_driven(g, &r->row);
         if (r->row.kind == ROW_HARD)        /* what a jerk of a joint takes */
             g->lost -= r->p * mean_row_rate(g, &r->row);
         if (r->row.kind == ROW_DRY || r->row.kind == ROW_MOTOR) {
@@ -290,18 +291,16 @@ static void book(Group *g)
         book_roll(g, &g->rolls[i]);
     for (int i = 0; i < g->block_count; i++)
         book_joint(g, &g->blocks[i]);
-    for (int i = 0; i < g->moving_count && g->drags; i++) {
-        const Vel *v = &g->vel[i], *v0 = &g->member[i].start_vel;
-        group_book_drag(g, i, vec3_scale(0.5 * g->h, vec3_add(v->v, v0->v)), vec3_scale(0.5 * g->h, vec3_add(v->w, v0->w)), g->h);
+    for (int i = 0; i < g->moving_count && (g->drags || g->rules); i++) {
+        Vel v = way_of(g, i);
+        group_book_apart(g, i, vec3_scale(g->h, v.v), vec3_scale(g->h, v.w), g->h);
     }
     for (int i = 0; i < g->push_count; i++) {
         const GroupPush *p = &g->pushes[i];
-        const Member *m = &g->member[p->body];
-        vec3 at = p->has_at ? vec3_add(g->pos[p->body].x, quat_rotate(g->pos[p->body].q, p->at)) : g->pos[p->body].x;
-        vec3 w = vec3_scale(0.5, vec3_add(g->vel[p->body].w, m->start_vel.w));
-        real work = g->h * (vec3_dot(p->force, mean_point_velocity(g, p->body, at)) + vec3_dot(p->torque, w));
-        g->push_work[p->body] += work;
-        g->work_in += work;
+        Vel v = way_of(g, p->body);
+        vec3 arm = p->has_at ? quat_rotate(g->pos[p->body].q, p->at) : vec3_zero();
+        real work = g->h * (vec3_dot(p->force, vec3_add(v.v, vec3_cross(v.w, arm))) + vec3_dot(p->torque, v.w));
+        group_book_push(g, p, work);
     }
 }
 
@@ -511,7 +510,7 @@ real group_close_speed(const Group *g)
     real size = INFINITY;
     for (int i = 0; i < g->pair_count; i++)
         size = real_min(size, g->pairs[i].size);
-    return isfinite(size) ? sqrt(2e-5 * size * vec3_length(g->gravity)) + 1e-9 * size : 0;
+    return isfinite(size) ? sqrt(2e-5 * size * g->fall) + 1e-9 * size : 0;
 }
 
 dig_status sweep_advance(Group *g, real dt)

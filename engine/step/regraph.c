@@ -185,9 +185,11 @@ static void joints_of(World *w, const Group *g)
 }
 
 /* load in N; time in s of the world */
-static void break_joint(World *w, uint32_t slot, real load, real time)
+static void break_joint(World *w, const GroupJoint *j, real load, real time)
 {
+    uint32_t slot = j->slot;
     JointRec *r = &w->joints.data[slot];
+    w->ledger.lost += group_spring_energy(j);
     uint32_t a = r->a, b = r->b;
     int first = w->pending.count;
     dig_event *e = event_post(w, DIG_EVENT_BROKEN, a, b);
@@ -209,25 +211,25 @@ static void break_joint(World *w, uint32_t slot, real load, real time)
 static void break_joints(World *w, const Group *g, real start)
 {
     int broken = 0;
-    uint32_t worst = NONE;
+    const GroupJoint *worst = NULL;
     real share = 1;
     for (int i = 0; i < g->joint_count; i++) {
         const GroupJoint *j = &g->joints[i];
         const JointRec *r = &w->joints.data[j->slot];
         if (j->broken && r->alive) {
-            break_joint(w, j->slot, r->breaks_at, start + j->broke);
+            break_joint(w, j, r->breaks_at, start + j->broke);
             broken++;
             continue;
         }
         real s = r->alive && r->breaks_at > 0 ? vec3_length(r->force) / r->breaks_at : 0;
         if (s > share) {
             share = s;
-            worst = j->slot;
+            worst = j;
         }
     }
     bool followed = g->way && g->way->tally == WAY_TRACED && g->located == 0;
-    if (worst != NONE && broken == 0 && !followed)
-        break_joint(w, worst, vec3_length(w->joints.data[worst].force), world_time(w));
+    if (worst && broken == 0 && !followed)
+        break_joint(w, worst, vec3_length(w->joints.data[worst->slot].force), world_time(w));
 }
 
 void regraph(World *w, Step *s)

@@ -106,6 +106,7 @@ static void sum_groups(World *w, const Step *s)
         t->worst_joint_error = real_max(t->worst_joint_error, g->joint_error);
         w->ledger.lost += g->lost;
         w->ledger.work_in += g->work_in;
+        w->ledger.law += g->law;
     }
 }
 

@@ -13,7 +13,8 @@
 #define SLEEP_SPEED 2e-3
 #define SLEEP_TIME 0.5
 
-static real speed_of(const Body *b) { return vec3_length(b->v) + vec3_length(b->w) * b->outer; }
+/* m/s  By the time where it is. */
+static real speed_of(const Body *b) { return (vec3_length(b->v) + vec3_length(b->w) * b->outer) / b->rate; }
 
 static bool is_held(const World *w, const Body *b)
 {
@@ -26,12 +27,20 @@ static bool is_held(const World *w, const Body *b)
     return false;
 }
 
+/* What little it moved by is lost. */
+static void stop(World *w, Body *b)
+{
+    vec3 spin = quat_unrotate(b->q, b->w);
+    w->ledger.lost += 0.5 * body_inertness(b) * (b->mass * vec3_length2(b->v) + vec3_dot(spin, mat3_mul_vec(b->inertia, spin)));
+    b->v = b->w = vec3_zero();
+}
+
 static void settle(World *w, Body *b, real dt)
 {
     real speed = speed_of(b);
     b->still = speed < SLEEP_SPEED ? b->still + dt : 0;
     if (speed < REST_SPEED && b->still >= 2 * dt && is_held(w, b)) {
-        b->v = b->w = vec3_zero();
+        stop(w, b);
         b->mode = DIG_RESTING;
     } else if (speed >= REST_SPEED) {
         b->mode = DIG_MOVING;
@@ -73,7 +82,7 @@ static void fall_asleep(World *w, uint32_t lead)
         Body *b = &w->bodies.data[m];
         b->awake = false;
         b->mode = DIG_RESTING;
-        b->v = b->w = vec3_zero();
+        stop(w, b);
         b->force = b->torque = vec3_zero();
         event_post(w, DIG_EVENT_SLEPT, m, NONE);
     }

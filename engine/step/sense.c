@@ -6,6 +6,7 @@
  * lives while the fat boxes overlap.
  */
 #include "step/step.h"
+#include "world/region.h"
 
 #include <stdlib.h>
 
@@ -54,7 +55,7 @@ static void find_pulls(World *w)
     real gravity = strongest_gravity(w);
     for (int i = 0; i < w->awake.count; i++) {
         Body *b = &w->bodies.data[w->awake.data[i]];
-        b->pull = b->kind == DIG_DYNAMIC ? fabs(b->gravity_scale) * gravity : 0;
+        b->pull = b->kind == DIG_DYNAMIC ? fabs(b->gravity_scale) * gravity / body_inertness(b) : 0;
     }
     for (int i = 0; i < w->pushes.count; i++) {
         const Push *p = &w->pushes.data[i];
@@ -62,7 +63,8 @@ static void find_pulls(World *w)
         if (b->kind != DIG_DYNAMIC)
             continue;
         real force = vec3_length(p->force), torque = vec3_length(p->torque) + (p->has_at ? vec3_length(p->at) * force : 0);
-        b->pull += force * b->inv_mass + torque * b->outer * (b->inv_inertia.r0.x + b->inv_inertia.r1.y + b->inv_inertia.r2.z);
+        real turned = torque * b->outer * (b->inv_inertia.r0.x + b->inv_inertia.r1.y + b->inv_inertia.r2.z);
+        b->pull += (force * b->inv_mass + turned) / body_inertness(b);
     }
 }
 

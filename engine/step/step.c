@@ -1,5 +1,6 @@
 /* step/step.c - the order of things. */
 #include "step/step.h"
+#include "world/region.h"
 
 /* In a timed step, books the CPU time since the last call. Statistics only: nothing depends on it. */
 static void book_time(Step *s, real *us)
@@ -66,6 +67,7 @@ dig_status step_world(World *w)
     DIG_TRY(reserve_flow(w, s.dt));     /*   all memory is there                             */
     commit_groups(w, &s);               /* 4 the copies become the world                     */
     move_movers(w, s.dt);               /* 5 kinematic bodies                                */
+    region_cross_all(w);                /*   who crossed the border of a region              */
     w->steps++;
     book_time(&s, &w->stats.us_commit);
     regraph(w, &s);                     /* 6 contacts begin and end, DIGs merge and split    */

@@ -6,7 +6,6 @@
  */
 #include "step/step.h"
 #include "solve/direction.h"
-#include "world/region.h"
 
 #include <stdio.h>
 
@@ -47,20 +46,9 @@ static real elastic(const Group *g)
     real sum = 0;
     for (int i = 0; i < g->joint_count; i++) {
         const GroupJoint *j = &g->joints[i];
-        if (!j->view.type->energy || j->broken)
-            continue;
-        real memory[JOINT_MEMORY];
-        JointView now = j->view;
-        memcpy(memory, j->memory, sizeof memory);
-        now.memory = memory;
-        sum += now.type->energy(&now);
+        sum += j->broken ? 0 : group_spring_energy(j);
     }
     return sum;
-}
-
-static bool on_its_way(const Group *g, int body)
-{
-    return body >= 0 && g->member[body].kinematic && vec3_length2(g->vel[body].v) + vec3_length2(g->vel[body].w) > 0;
 }
 
 static void view_joints(Group *g)
@@ -73,27 +61,15 @@ static void view_joints(Group *g)
 void watch_start(Group *g)
 {
     g->watch = (struct GroupWatch){.gainer = 0, .smallest = INFINITY};
-    for (int i = 0; i < g->joint_count; i++)
-        if (on_its_way(g, g->joints[i].a) || on_its_way(g, g->joints[i].b))
-            g->watch.gainer = -1;           /* the work of a mover at a joint is not booked */
     view_joints(g);
     g->watch.elastic = elastic(g);
-}
-
-/* The ledger knows one gravity only. */
-static bool own_gravity(const World *w, vec3 at)
-{
-    for (int r = 0; r < w->regions.count; r++)
-        if (!isnan(w->regions.data[r].laws.gravity.x) && region_holds(&w->regions.data[r], at))
-            return true;
-    return false;
 }
 
 static real kinetic(const Body *b, quat q, vec3 v, vec3 w)
 {
     vec3 l = b->round_inertia ? w : quat_unrotate(q, w);       /* a ball has the same in all axes */
     real spin = b->round_inertia ? b->inertia.r0.x * vec3_length2(l) : vec3_dot(l, mat3_mul_vec(b->inertia, l));
-    return 0.5 * (b->mass * vec3_length2(v) + spin);
+    return 0.5 * body_inertness(b) * (b->mass * vec3_length2(v) + spin);
 }
 
 #define STANDS 0.01             /* of its size a second: what moves slower stands  */
@@ -103,8 +79,7 @@ void watch_group(Group *g)
 {
     const World *w = g->world;
     struct GroupWatch *watch = &g->watch;
-    real most = -INFINITY, motion = 0, weight = vec3_length(g->gravity), part = rules[DIG_RULE_ENERGY].bound;
-    bool judged = watch->gainer >= 0 && !g->stores;
+    real most = -INFINITY, motion = 0, weight = g->fall, part = rules[DIG_RULE_ENERGY].bound;
     for (int i = 0; i < g->moving_count; i++) {
         const Member *m = &g->member[i];
         const Body *b = &w->bodies.data[m->slot];       /* as it was before the step */
@@ -121,7 +96,6 @@ void watch_group(Group *g)
         watch->carried_borne += b->watch.borne;
         watch->count++;
         watch->smallest = real_min(watch->smallest, b->outer);
-        judged = judged && !(w->region_count > 0 && (own_gravity(w, b->x) || own_gravity(w, g->pos[i].x)));
         if (gain > most) {
             most = gain;
             watch->gainer = i;
@@ -129,10 +103,9 @@ void watch_group(Group *g)
     }
     view_joints(g);
     real end = elastic(g);
-    watch->rise += end - watch->elastic - g->work_in;
+    watch->rise += end - watch->elastic - g->work_in - g->law;
     watch->rise = real_min(watch->rise, real_max(0, motion));       /* what is moved out of an overlap may be lifted */
     watch->borne += part * (end + watch->elastic);
-    watch->gainer = judged ? watch->gainer : -1;
 }
 
 /* ---- what lasts is recorded ---- */
@@ -198,7 +171,7 @@ static void judge_energy(World *w, const Group *g)
     const struct GroupWatch *watch = &g->watch;
     uint32_t lead = g->slots[0];
     real borne = real_max(watch->borne, watch->carried_borne / (1 + w->def.step / LATELY));
-    real rise = watch->gainer < 0 ? 0 : real_max(0, watch->carried + watch->rise);
+    real rise = g->stores ? 0 : real_max(0, watch->carried + watch->rise);
     if (rise > borne && lasts(w, DIG_RULE_ENERGY, lead, 0)) {
         warn(w, DIG_RULE_ENERGY, g->member[watch->gainer].slot, rise, borne, "");
         rise = 0;
@@ -300,7 +273,7 @@ static uint32_t misfit(const Group *g)
 
 static void judge_residual(World *w, const Group *g)
 {
-    real size = g->watch.smallest, fall = sqrt(2 * vec3_length(g->gravity) * size);
+    real size = g->watch.smallest, fall = sqrt(2 * g->fall * size);
     real bound = rules[DIG_RULE_RESIDUAL].bound * (fall + size);        /* without gravity: its size in a second */
     if (g->residual > bound && lasts(w, DIG_RULE_RESIDUAL, g->slots[0], 0))
         warn(w, DIG_RULE_RESIDUAL, misfit(g), g->residual, bound, g->way->name);

@@ -40,6 +40,9 @@ void trace_part(Tracer *t, const Event *e)
 {
     int joint = e->bond->joint, n = 0;
     GroupJoint *j = &t->g->joints[joint];
+    trace_load(t, t->y, t->t);
+    group_joint_view(t->g, joint);
+    t->g->lost += group_spring_energy(j);           /* a spring that breaks swings out by itself */
     j->broken = true;
     j->broke = t->t;
     j->view.type = &parted;

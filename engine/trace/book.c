@@ -82,7 +82,7 @@ static void lay_out_impacts(const Tracer *t, Block *b)
 static void lay_out(Tracer *t, Block *b)
 {
     const Group *g = t->g;
-    int n = g->moving_count, joints = g->joint_count, powers = TOUCH_POWERS * t->touch_capacity + 6 * joints + g->push_count + 2;
+    int n = g->moving_count, joints = g->joint_count, powers = TOUCH_POWERS * t->touch_capacity + 6 * joints + g->push_count + 3;
     TAKE(t, touch, t->touch_capacity);
     TAKE(t, old_touch, t->touch_capacity);
     TAKE(t, stops, joints * JOINT_SLOTS);
@@ -183,9 +183,10 @@ void trace_book(Tracer *t, const Touching *touch, int count, real begin)
         g->joints[j].angular_impulse = vec3_mad(g->joints[j].angular_impulse, h, (vec3){q[3], q[4], q[5]});
     }
     for (int i = 0; i < g->push_count; i++, q++)
-        g->push_work[g->pushes[i].body] += h * *q;
+        g->push_work[g->pushes[i].body] += g->pushes[i].law ? 0 : h * *q;
     g->lost += h * q[0];
     g->work_in += h * q[1];
+    g->law += h * q[2];
     g->substeps++;
 }
 

@@ -164,10 +164,9 @@ static void book(Tracer *t, const Series *s, const Touching *c, real p, vec3 mov
     real given = vec3_dot(j, s->mover), forces = s->mass * vec3_dot(t->acc0[0], moved);
     for (int i = 0; i < g->push_count; i++) {
         real work = vec3_dot(g->pushes[i].force, moved);
-        g->push_work[g->pushes[i].body] += work;
-        g->work_in += work;
+        group_book_push(g, &g->pushes[i], work);
     }
-    group_book_drag(g, 0, moved, vec3_zero(), h);
+    group_book_apart(g, 0, moved, vec3_zero(), h);
     g->work_in += given;
     real lost = kinetic + forces + given - group_kinetic(g);
     g->lost += lost;

@@ -113,7 +113,7 @@ static void keep_row(const Tracer *t, int joint, const Row *r, Arrow *sum, real 
 static void keep_quad(const Tracer *t, real *q)
 {
     const Group *g = t->g;
-    real lost = 0, gained = 0;
+    real lost = 0, gained = 0, law = 0;
     for (int i = 0; i < t->touch_count; i++, q += TOUCH_POWERS) {
         const Touching *c = &t->touch[i];
         vec3 f = c->gate.presses ? vec3_mad(c->slip.force, c->gate.force, c->k.n) : vec3_zero();
@@ -143,8 +143,10 @@ static void keep_quad(const Tracer *t, real *q)
         const GroupPush *p = &g->pushes[i];
         vec3 arm = p->has_at ? quat_rotate(g->pos[p->body].q, p->at) : vec3_zero();
         *q = vec3_dot(p->force, vec3_add(g->vel[p->body].v, vec3_cross(g->vel[p->body].w, arm))) + vec3_dot(p->torque, g->vel[p->body].w);
-        gained += *q;
+        *(p->law ? &law : &gained) += *q;
     }
+    for (int i = 0; i < g->moving_count && g->rules; i++)
+        law += vec3_dot(g->member[i].law, g->vel[i].v);
     for (int i = 0; i < g->moving_count && g->drags; i++) {
         const Member *m = &g->member[i];
         gained += m->driven;
@@ -152,6 +154,7 @@ static void keep_quad(const Tracer *t, real *q)
     }
     q[0] = lost;
     q[1] = gained;
+    q[2] = law;
 }
 
 void trace_keep(Tracer *t, int stage)

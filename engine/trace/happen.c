@@ -155,7 +155,7 @@ static void note(const Tracer *t, Violated *list, int *n, Event e, real below)
 static int list_violated(Tracer *t, Violated *v)
 {
     int n = 0;
-    real force_zero = BELOW * t->gate_most, acc_zero = BELOW * (vec3_length(t->g->gravity) + t->size * t->pace * t->pace);
+    real force_zero = BELOW * t->gate_most, acc_zero = BELOW * (t->g->fall + t->size * t->pace * t->pace);
     for (int i = 0; i < t->touch_count; i++) {
         Touching *c = &t->touch[i];
         if (c->gate.presses)

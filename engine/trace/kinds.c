@@ -15,7 +15,7 @@
 
 static real acceleration_scale(const Tracer *t)
 {
-    real most = vec3_length(t->g->gravity) + 1e-9 * t->size * t->pace * t->pace;
+    real most = t->g->fall + 1e-9 * t->size * t->pace * t->pace;
     for (int i = 0; i < t->g->moving_count; i++)
         most = real_max(most, vec3_length(t->acc0[i]));
     return most;

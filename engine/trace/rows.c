@@ -422,6 +422,25 @@ static real off_rate(const Tracer *t, const Line *l)
     }
 }
 
+/* What those that impulses move have of a row's rate; movers and motors have the rest. */
+static real own_rate(const Tracer *t, const Line *l)
+{
+    real rate = 0;
+    for (int k = 0; k < l->count; k++) {
+        const Vel *v = &t->g->vel[l->body[k]];
+        rate += vec3_dot(l->lin[k], v->v) + vec3_dot(l->ang[k], v->w);
+    }
+    return rate;
+}
+
+static bool any_mover(const Group *g)
+{
+    for (int i = g->moving_count; i < g->body_count; i++)
+        if (g->member[i].kinematic)
+            return true;
+    return false;
+}
+
 bool trace_project(Tracer *t, bool positions)
 {
     System *s = &t->sys;
@@ -436,6 +455,10 @@ bool trace_project(Tracer *t, bool positions)
         t->fault = "rows that contradict each other";
         return false;
     }
+    t->given = 0;
+    bool driven = !positions && (t->hold_count > 0 || any_mover(t->g));
+    for (int i = 0; i < s->count && driven; i++)
+        t->given += s->x[i] * (own_rate(t, &s->lines[i]) + s->b[i]);
     for (int i = 0; i < s->count; i++)
         shift(t, &s->lines[i], s->x[i], positions);
     return true;

@@ -36,7 +36,7 @@ static void list_drives(Tracer *t)
 static void set_scales(Tracer *t)
 {
     Group *g = t->g;
-    real size = 0, weight = vec3_length(g->gravity);
+    real size = 0, weight = g->fall;
     for (int i = 0; i < g->moving_count; i++)
         size = real_max(size, g->member[i].outer);
     t->size = size > 0 && isfinite(size) ? size : 1;
@@ -64,8 +64,9 @@ static bool approaching(const Tracer *t)
     return false;
 }
 
-/* What drifted or was overlooked by a solver with other habits is put right, first in place, then in velocity. */
-static bool put_right(Tracer *t, bool *moved)
+/* What drifted or was overlooked by a solver with other habits is put right, first in place, then in velocity. At the start of a
+ * frame that is the jerk of joints and contacts whose velocities others, a script among them, left apart: it is lost. */
+static bool put_right(Tracer *t, bool start, bool *moved)
 {
     for (int pass = 0; pass < 8; pass++) {
         Violation v = trace_violation(t);
@@ -78,8 +79,13 @@ static bool put_right(Tracer *t, bool *moved)
         trace_store(t, t->y);
         trace_load(t, t->y, t->t);
         trace_kinematics(t);
+        real kinetic = start ? group_kinetic(t->g) : 0;
         if (!trace_project(t, false))
             return false;
+        if (start) {
+            t->g->work_in += t->given;
+            t->g->lost += kinetic + t->given - group_kinetic(t->g);
+        }
         trace_store(t, t->y);
         trace_load(t, t->y, t->t);
         trace_kinematics(t);
@@ -147,11 +153,11 @@ static bool settle(Tracer *t, bool first)
             return false;
     }
     bool moved = false;
-    if (first && !put_right(t, &moved))         /* another way may have left the closed ones a little off */
+    if (first && !put_right(t, true, &moved))         /* another way may have left the closed ones a little off */
         return false;
     moved = false;
     g->evaluations++;
-    if (!trace_kinds(t) || !put_right(t, &moved) || (moved && !trace_accelerate(t)))
+    if (!trace_kinds(t) || !put_right(t, false, &moved) || (moved && !trace_accelerate(t)))
         return false;
     trace_keep(t, 0);
     t->dirty = false;
@@ -260,7 +266,7 @@ static bool tidy(Tracer *t)
         trace_kinematics(t);
     }
     bool moved = false;
-    if (!put_right(t, &moved))
+    if (!put_right(t, false, &moved))
         return false;
     for (int i = 0; i < t->touch_count; i++) {
         Touching *c = &t->touch[i];

@@ -186,11 +186,12 @@ typedef struct Tracer {
     bool   dirty;               /* kinds must be found anew                */
     Event  hint;
     const char *fault;          /* why it cannot go on                     */
+    real     given;             /* J  by movers and motors in the last projection of velocities */
     int    near_events; real event_time;
 } Tracer;
 
-/* How many forces and powers are integrated: 4 a contact point, 6 a joint, 1 a push, and two sums. */
-static inline int trace_powers(const Tracer *t) { return TOUCH_POWERS * t->touch_count + 6 * t->g->joint_count + t->g->push_count + 2; }
+/* How many forces and powers are integrated: 4 a contact point, 6 a joint, 1 a push, and three sums. */
+static inline int trace_powers(const Tracer *t) { return TOUCH_POWERS * t->touch_count + 6 * t->g->joint_count + t->g->push_count + 3; }
 
 /* suits.c */
 bool trace_suits(const Group *g);

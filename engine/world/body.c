@@ -1,5 +1,6 @@
 /* world/body.c - bodies and their solids: creation, removal, mass, boxes, waking. */
 #include "world/world.h"
+#include "world/region.h"
 
 #include "geom/mass.h"
 
@@ -232,6 +233,7 @@ static void fill_body(World *w, Body *b, const dig_body_def *def)
     b->v = def->fixed ? vec3_zero() : def->velocity;
     b->w = def->fixed ? vec3_zero() : def->spin;
     b->gravity_scale = def->gravity_scale;
+    b->rate = 1;
     b->group = def->group;
     b->colour = def->colour;
     b->shape_first = b->joint_first = NONE;
@@ -250,6 +252,8 @@ static dig_status finish_body(World *w, uint32_t slot, const dig_body_def *def, 
     if (b->kind == DIG_DYNAMIC)
         DIG_TRY(set_mass_from_shapes(w, b, def, shapes, materials));
     b->x = vec3_add(def->at, quat_rotate(b->q, b->centre));
+    if (b->kind == DIG_DYNAMIC && w->region_count > 0)
+        b->rate = region_rate(w, b->x);             /* its velocity is given as it is seen */
     b->prev_x = b->x;
     b->prev_q = b->q;
     DIG_TRY(attach_solids(w, slot, def, shapes, materials));
@@ -317,7 +321,7 @@ real body_energy(const World *w, const Body *b)
         return 0;
     vec3 wl = quat_unrotate(b->q, b->w);
     real kinetic = 0.5 * b->mass * vec3_length2(b->v) + 0.5 * vec3_dot(wl, mat3_mul_vec(b->inertia, wl));
-    return kinetic - b->mass * b->gravity_scale * vec3_dot(w->def.gravity, b->x);
+    return body_inertness(b) * kinetic - b->mass * b->gravity_scale * vec3_dot(w->def.gravity, b->x);
 }
 
 /* ---- removal and waking ---- */

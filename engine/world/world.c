@@ -1,5 +1,6 @@
 /* world/world.c - opening, closing and measuring a world; slots; errors. */
 #include "world/world.h"
+#include "world/region.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -145,7 +146,7 @@ static uint64_t hash_body(uint64_t h, const Body *b)
 {
     h = hash_vec3(hash_quat(hash_vec3(h, b->x), b->q), b->v);
     h = hash_vec3(h, b->w);
-    h = hash_real(hash_real(h, b->mass), b->still);
+    h = hash_real(hash_real(hash_real(h, b->mass), b->still), b->rate);
     h = hash_u64(h, (uint64_t)b->kind | (uint64_t)b->mode << 8 | (uint64_t)b->awake << 16 | (uint64_t)b->collides << 17);
     h = hash_u64(h, (uint64_t)b->integrator | (uint64_t)b->euler << 8 | (uint64_t)b->accuracy << 16 | (uint64_t)b->trace_wait << 24);
     h = hash_real(hash_u64(h, b->trace_pause), b->trace_step);
@@ -193,5 +194,8 @@ uint64_t world_hash(const World *w)
     }
     for (int i = 0; i < w->effect_count; i++)
         h = hash_effect(h, &w->effects[i], w->effects[i].name);
+    for (int i = 0; i < w->regions.count; i++)
+        if (w->regions.data[i].alive)
+            h = region_hash(&w->regions.data[i], h);
     return hash_u64(h, graph_hash(w->graph));
 }

@@ -54,6 +54,7 @@ typedef struct Body {
     mat3     inertia, inv_inertia;      /* kg m^2, body axes, about the centre         */
     bool     round_inertia;     /*        isotropic: no gyroscopic torque              */
     real     gravity_scale;
+    real     rate;              /* 1      of time where it is (world/region.h); 1 outside of all regions */
     int64_t  group;
     Surface  surface;
     vec3     colour;            /* x < 0 = the material's                              */
@@ -181,6 +182,7 @@ typedef struct Push {
     vec3     force, torque;     /* N, N m                                              */
     vec3     at;                /* m   from the centre, body axes                      */
     bool     has_at;
+    bool     law;               /* of a region: its work is the law's, no push by hand */
     real     from, until;       /* s                                                   */
 } Push;
 
@@ -188,7 +190,7 @@ typedef struct Material { char name[64]; dig_material_def def; } Material;
 typedef struct MaterialPair { int a, b; real friction, friction_dynamic, rolling, restitution; } MaterialPair;
 
 typedef struct Ledger {         /* J since the start                                   */
-    real work_in, lost, initial, last_total;
+    real work_in, law, lost, initial, last_total;
     bool started;
 } Ledger;
 
@@ -297,7 +299,11 @@ static inline mat3 body_inertia_world(const Body *b)
     return mat3_mul(mat3_mul(r, b->inertia), mat3_transpose(r));
 }
 
-/* kg m^2/s  about the centre of mass, at spin w */
+/* 1  Where time goes r times as fast, motion is r times as fast, under the same forces and with the same energy: against the
+ * forces of the world's time, mass and inertia are 1/r^2 of what they are. (Weight is not: it is a force.) */
+static inline real body_inertness(const Body *b) { return 1 / (b->rate * b->rate); }
+
+/* kg m^2/s  about the centre of mass, at spin w; by the time where it is */
 static inline vec3 body_spin_momentum(const Body *b, vec3 w)
 {
     if (b->round_inertia)

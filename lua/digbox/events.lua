@@ -36,7 +36,7 @@ local function book_of(state, kind)
   return book
 end
 
-local filter_fields = { with = "any", faster_than = "real m/s", harder_than = "real N*s", wall = "text", kind = "text" }
+local filter_fields = { with = "any", faster_than = "real m/s", harder_than = "real N*s", wall = "text", kind = "text", region = "any" }
 
 local function read_filter(filter, what)
   if filter == nil then return nil end
@@ -48,6 +48,9 @@ local function read_filter(filter, what)
     end
   elseif f.with ~= nil then
     f.with = { f.with }
+  end
+  if f.region ~= nil and core.type(f.region) ~= "region" then
+    core.fail("%s.region wants a region; got %s", what, core.type(f.region))
   end
   return f
 end
@@ -87,6 +90,7 @@ local function accepts(f, e)
   if not f then return true end
   if f.faster_than and e.speed <= f.faster_than then return false end
   if f.harder_than and e.impulse <= f.harder_than then return false end
+  if f.region and e.region ~= f.region then return false end
   if f.wall and e.wall ~= f.wall then return false end
   if f.kind and e.kind ~= f.kind then return false end
   if not f.with then return true end

@@ -101,7 +101,8 @@ end
 
 -- ---- regions ----
 
--- world:region{shape, at=, rotation=, laws={gravity=, drag=, friction_scale=, restitution_scale=, force=function(body) end}} -> region
+-- world:region{shape, at=, rotation=, laws={gravity=, drag=, friction_scale=, restitution_scale=, conduct=, time_rate=,
+--              force=function(body) end}} -> region
 -- force is asked before each step for each body inside: a force in N for that step, or nil. It is not part of saved worlds.
 function methods.region(world, fields)
   local region = core.region(world, fields)
@@ -122,7 +123,10 @@ function core.push_regions(state)
     state.in_handler = "laws.force"
     local ok, message = pcall(core.region_force, law.region, law.force)
     state.in_handler = nil
-    if not ok then error(message, 0) end
+    if not ok then
+      if type(message) == "string" then message = ("%s (in laws.force of %s)"):format(message, tostring(law.region)) end
+      error(message, 0)
+    end
   end
 end
 
@@ -220,6 +224,14 @@ end
 -- ---- the end of a run ----
 
 -- Goes on to --seconds, and closes what is open.
+-- "; energy: 49.7 J at the start + 2 J put in = 5 J stored + 46.7 J lost - numerical -7.1e-15 J"
+local function books(e)
+  local came = { ("%.4g J at the start"):format(e.initial) }
+  if e.work_in ~= 0 then came[#came + 1] = ("%.4g J put in"):format(e.work_in) end
+  if e.law ~= 0 then came[#came + 1] = ("%.4g J by laws"):format(e.law) end
+  return ("; energy: %s = %.4g J stored + %.4g J lost - numerical %.1e J"):format(table.concat(came, " + "), e.total, e.lost, e.numerical)
+end
+
 -- One line on what the run reached: by which ways its groups went, and how far off it may be. "" when nothing moved.
 function core.summary()
   local world = core.last_world
@@ -232,8 +244,8 @@ function core.summary()
     local n = s["all_" .. way]
     if n > 0 then ways[#ways + 1] = ("%s %.3g %%"):format(way, 100 * n / all) end
   end
-  local line = ("%.4g s, %d steps: %s; worst residual %.1e, penetration %.1e m, joint error %.1e; energy drift %.1e J"):format(
-    world.time, s.steps, table.concat(ways, ", "), s.worst_residual, s.worst_penetration, s.worst_joint_error, s.energy_drift)
+  local line = ("%.4g s, %d steps: %s; worst residual %.1e, penetration %.1e m, joint error %.1e%s"):format(
+    world.time, s.steps, table.concat(ways, ", "), s.worst_residual, s.worst_penetration, s.worst_joint_error, books(world.energy))
   if s.all_refused > 0 then line = ("%s; %d steps refused by their error"):format(line, s.all_refused) end
   if s.gave_up > 0 then line = ("%s; gave up %d times (last: %s)"):format(line, s.gave_up, s.gave_up_why) end
   return line .. core.count_warnings(world)

@@ -198,7 +198,7 @@ world:ball { radius = 0.1, mass = 1, at = { 0, 5, 0 } }
 world:run(0.1)
 if digbox.args { close = { default = false, help = "closes the world" } }.close then world:close() end
 LUA
-gives 0 'a run says what it reached' run ends.lua;      said 'traced 100 %'; said 'energy drift'
+gives 0 'a run says what it reached' run ends.lua;      said 'traced 100 %'; said 'J lost - numerical'
 gives 0 'a closed world is fine' run ends.lua -- --close
 
 checked

@@ -78,7 +78,8 @@ put engine/render/a.c 'static const char s[] = "#version 330 core\\n";';   accep
 put engine/render/a.c 'static const char s[] = "#version 450\\n";';        catches 'version 450' shaders.sh
 
 touch "$toy/worlds/01_drop.lua";                                 catches 'a world without a test' worlds.sh
-touch "$toy/worlds/01_drop.lua"; echo 'run "01_drop"' >"$toy/tests/scenarios/a.lua";        accepts 'a world with one' worlds.sh
+touch "$toy/worlds/01_drop.lua"; echo 'run "01_drop"' >"$toy/tests/scenarios/a.lua";        catches 'a world whose books nobody checks' worlds.sh
+touch "$toy/worlds/01_drop.lua"; echo 'run "01_drop"' >"$toy/worlds/ledger_spec.lua";         accepts 'a world with both' worlds.sh
 echo 'x = 1' >"$toy/worlds/a.lua";                               catches 'a global variable in Lua' lua.sh
 
 echo "$passed passed, $failed failed"

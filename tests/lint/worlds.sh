@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# tests/lint/worlds.sh - every world is run by a test: its name stands in one.
+# tests/lint/worlds.sh - every world is run by a test, and its books of energy are checked: its name stands in both.
 set -u
 bad=0
 for world in worlds/*.lua; do
@@ -8,6 +8,10 @@ for world in worlds/*.lua; do
     name=$(basename "$world" .lua)
     if ! grep -rqwF --exclude-dir=lint --include='*.lua' --include='*.c' --include='*.sh' -- "$name" tests worlds/*_spec.lua 2>/dev/null; then
         echo "$world: no test names '$name'"
+        bad=1
+    fi
+    if ! grep -qwF -- "\"$name\"" worlds/ledger_spec.lua; then
+        echo "$world: worlds/ledger_spec.lua does not look at its books of energy"
         bad=1
     fi
 done

@@ -203,6 +203,9 @@ static inline void add_acts(dig_world *w, vec3 at)
     r.shape = shape_of("box", &space, vec3_zero());
     r.at = (pose){vec3_add(at, (vec3){0, 0.5, 1}), quat_identity()};
     r.drag = 0.4;
+    r.gravity = (vec3){1, -5, 0};
+    r.conduct = 3;
+    r.time_rate = 0.7;
     fail_unless(w, dig_region_create(w, &r, &region), "region");
 }
 
