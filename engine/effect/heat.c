@@ -222,6 +222,8 @@ static void set_ends(Plan *p, const Column *c)
     }
 }
 
+#define DIRECT 64               /* bodies that hang together: with more, planning costs more than solving */
+
 static dig_status reserve(World *w, EffectSlot *e, real dt)
 {
     (void)dt;
@@ -248,6 +250,7 @@ static dig_status reserve(World *w, EffectSlot *e, real dt)
         node[i] = ((const Heat *)column_at(c, i))->capacity > 0 ? n++ : nodes + kept++;
     dig_status s = network_open(&p->net, &w->scratch, nodes, kept, p->contacts + air);
     if (s == DIG_OK) {
+        p->net.direct = DIRECT;
         set_ends(p, c);
         s = network_plan(&p->net, &w->scratch);
     }

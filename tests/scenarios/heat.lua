@@ -219,7 +219,8 @@ end)
 scenario("C6 in a row, and in a crowd: 9 J each", function(s)
   expect(brake(s, { plate = 300, box = 300 }, 24).energy.heat):near(24 * 9, 24 * 1e-4)
   local crowd = s:world {}
-  local plate, boxes = crowd:box { fixed = true, size = { 40, 0.1, 40 }, at = { 0, -0.05, 0 }, material = "steel", restitution = 0, temperature = 300 }, {}
+  local boxes, plate = {}, crowd:box { fixed = true, size = { 40, 0.1, 40 }, at = { 0, -0.05, 0 }, material = "steel", restitution = 0,
+                                       temperature = 300 }
   for i = 1, 100 do
     boxes[i] = crowd:box { size = 0.1, at = { i % 10 * 0.1, 0.05, i // 10 * 0.1 }, mass = 2, material = "steel", restitution = 0,
                             velocity = { 3, 0, 0 } }
@@ -258,7 +259,8 @@ end)
 local function mixture(s, threads)
   local world = s:world { threads = threads, seed = 3 }
   world:ambient { temperature = 280 }
-  world:box { fixed = true, size = { 4, 0.2, 4 }, at = { 0, -0.1, 0 }, material = "stone", temperature = 500, convection = 10, emissivity = 0.9 }
+  world:box { fixed = true, size = { 4, 0.2, 4 }, at = { 0, -0.1, 0 }, material = "stone", temperature = 500, convection = 10,
+              emissivity = 0.9 }
   for i = 1, 12 do
     world:box { size = 0.3, at = { i % 4 * 0.8 - 1.2, 0.4 + 0.5 * (i // 4), i % 3 * 0.8 - 0.8 }, material = "iron",
                 temperature = 300 + i, convection = 5, emissivity = 0.5, velocity = { i % 3 - 1, 0, 0 } }
