@@ -298,7 +298,7 @@ scenario("a moving belt heats what it rubs", function(s)
   local belt = world:box { kinematic = true, size = { 20, 0.1, 1 }, at = { 0, -0.05, 0 }, material = "steel", friction = 0.5,
                            temperature = 300 }
   local wall = world:box { fixed = true, size = { 0.1, 0.4, 1 }, at = { 0.101, 0.25, 0 }, friction = 0 }
-  local box = world:box { size = 0.1, at = { 0, 0.05, 0 }, mass = 2, material = "steel", friction = 0.5, temperature = 300 }
+  world:box { size = 0.1, at = { 0, 0.05, 0 }, mass = 2, material = "steel", friction = 0.5, temperature = 300 }
   belt:move_to { at = { 4, -0.05, 0 }, over = 4 }
   world:run(4)
   expect(wall.valid):is(true)
