@@ -5,7 +5,8 @@
 --              plate; the slider's share of its 0.7 J, by the effusivities sqrt(k rho c) of iron and steel.
 --   digbox run worlds/hot_iron.lua -- --film [--overlay]
 local digbox = require "digbox"
-local opt = digbox.args { film = { default = false, help = "record a film" }, overlay = { default = false, help = "colours by temperature" } }
+local opt = digbox.args { film = { default = false, help = "record a film" },
+                          overlay = { default = false, help = "colours by temperature" } }
 local sigma, ambient, seconds = 5.670374419e-8, 293.15, 120
 
 local world = digbox.world {}

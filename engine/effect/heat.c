@@ -171,14 +171,32 @@ static int compare_near(const void *a, const void *b)
     return (x->pair > y->pair) - (x->pair < y->pair);
 }
 
-/* Pairs of solids of the same two bodies share a branch. */
-static int number_branches(const Column *c, Near *near, int count)
+static bool advanced(const World *w, uint32_t body)
 {
-    int n = 0;
+    return body != NONE && w->bodies.data[body].kind == DIG_DYNAMIC && w->bodies.data[body].awake;
+}
+
+static real capacity_of(const Column *c, int member) { return ((const Heat *)column_at(c, member))->capacity; }
+
+/* Might heat flow from one to the other in this step? Sleepers do not begin to touch. */
+static bool may_conduct(const World *w, const Column *c, const Near *n)
+{
+    const Pair *p = &w->pairs.data[n->pair];
+    return n->b >= 0 && (capacity_of(c, n->a) > 0 || capacity_of(c, n->b) > 0) &&
+           (p->touching || advanced(w, p->body_a) || advanced(w, p->body_b));
+}
+
+/* Pairs of solids of the same two bodies share a branch. */
+static int number_branches(const World *w, const Column *c, Near *near, int count)
+{
+    int n = 0, shared = -1;
     for (int i = 0; i < count; i++) {
         bool same = i > 0 && near[i].a == near[i - 1].a && near[i].b == near[i - 1].b;
-        bool joins = near[i].b >= 0 && (((const Heat *)column_at(c, near[i].a))->capacity > 0 || ((const Heat *)column_at(c, near[i].b))->capacity > 0);
-        near[i].branch = !joins ? -1 : same ? near[i - 1].branch : n++;
+        shared = same ? shared : -1;
+        if (!may_conduct(w, c, &near[i]))
+            continue;
+        shared = shared < 0 ? n++ : shared;
+        near[i].branch = shared;
     }
     return n;
 }
@@ -204,6 +222,8 @@ static void set_ends(Plan *p, const Column *c)
     }
 }
 
+#define DIRECT 64               /* bodies that hang together: with more, planning costs more than solving */
+
 static dig_status reserve(World *w, EffectSlot *e, real dt)
 {
     (void)dt;
@@ -220,7 +240,7 @@ static dig_status reserve(World *w, EffectSlot *e, real dt)
         return world_fail(w, DIG_E_MEMORY, "effect 'heat': not enough memory");
     list_near(w, c, near);
     qsort(near, (size_t)count, sizeof *near, compare_near);
-    *p = (Plan){.near = near, .count = count, .node = node, .given = given, .out = given + c->count, .contacts = number_branches(c, near, count)};
+    *p = (Plan){.near = near, .count = count, .node = node, .given = given, .out = given + c->count, .contacts = number_branches(w, c, near, count)};
     for (int i = 0; i < c->count; i++) {
         const Heat *h = column_at(c, i);
         nodes += h->capacity > 0;
@@ -230,6 +250,7 @@ static dig_status reserve(World *w, EffectSlot *e, real dt)
         node[i] = ((const Heat *)column_at(c, i))->capacity > 0 ? n++ : nodes + kept++;
     dig_status s = network_open(&p->net, &w->scratch, nodes, kept, p->contacts + air);
     if (s == DIG_OK) {
+        p->net.direct = DIRECT;
         set_ends(p, c);
         s = network_plan(&p->net, &w->scratch);
     }
@@ -251,11 +272,6 @@ static real conductance(const World *w, const HeatWorld *o, const Pair *pair, co
             sum += heat_contact(o, a->conductivity, b->conductivity, vec3_dot(c->force, c->manifold.normal), heat_area(&c->manifold));
     }
     return sum;
-}
-
-static bool advanced(const World *w, uint32_t body)
-{
-    return body != NONE && w->bodies.data[body].kind == DIG_DYNAMIC && w->bodies.data[body].awake;
 }
 
 /* J  that the solids of a pair lost in this step */

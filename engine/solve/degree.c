@@ -17,6 +17,7 @@ void degree_open(Degree *d, Arena *arena, int count)
     d->after = taken(d, n * sizeof *d->after);
     d->before = taken(d, n * sizeof *d->before);
     d->eligible = taken(d, n * sizeof *d->eligible);
+    d->mark = taken(d, n * sizeof *d->mark);
     for (int i = 0; !d->failed && i <= count; i++)
         d->head[i] = -1;
 }
@@ -100,6 +101,20 @@ int degree_next(Degree *d)
     return node;
 }
 
+/* The same as degree_link with each of them, without looking through the list for each. */
+static void link_to_rest(Degree *d, int node, const int *rest, int count)
+{
+    const Adjacent *a = &d->next[node];
+    d->marks++;
+    for (int i = 0; i < a->count; i++)
+        d->mark[a->node[i]] = d->marks;
+    for (int i = 0; i < count && !d->failed; i++)
+        if (d->mark[rest[i]] != d->marks) {
+            add_one(d, node, rest[i]);
+            add_one(d, rest[i], node);
+        }
+}
+
 void degree_eliminate(Degree *d, int node, bool frees)
 {
     const Adjacent gone = d->next[node];
@@ -109,8 +124,7 @@ void degree_eliminate(Degree *d, int node, bool frees)
     for (int i = 0; i < gone.count; i++)
         disconnect(&d->next[gone.node[i]], node);
     for (int i = 0; i < gone.count && !d->failed; i++)
-        for (int k = i + 1; k < gone.count && !d->failed; k++)
-            degree_link(d, gone.node[i], gone.node[k]);
+        link_to_rest(d, gone.node[i], gone.node + i + 1, gone.count - i - 1);
     for (int i = 0; i < gone.count; i++) {
         int u = gone.node[i];
         d->eligible[u] = d->eligible[u] || frees;

@@ -20,6 +20,7 @@ typedef struct Degree {
     Adjacent *next;             /* neighbours not yet eliminated */
     int      *head, *after, *before;    /* buckets by degree     */
     bool     *eligible;         /* may go                        */
+    int      *mark, marks;      /* linked to the one looked at when its mark is the last one given */
     int       count;
     bool      failed;           /* out of memory: nothing in here can be used */
 } Degree;

@@ -25,7 +25,8 @@ dig_status network_open(Network *n, Arena *arena, int nodes, int boundaries, int
     dig_status s = DIG_OK;
     *n = (Network){.nodes = nodes, .boundaries = boundaries, .branches = branches};
     n->effort = reals(arena, nodes + boundaries, &s);
-    real **const of_nodes[] = {&n->capacity, &n->source, &n->start, &n->extra, &n->rest, &n->rate[0], &n->rate[1], &n->rate[2], &n->change};
+    real **const of_nodes[] = {&n->capacity, &n->source, &n->start, &n->extra, &n->rest, &n->rate[0], &n->rate[1], &n->rate[2],
+                                &n->change, &n->work[0], &n->work[1], &n->work[2], &n->work[3]};
     for (size_t i = 0; i < sizeof of_nodes / sizeof *of_nodes; i++)
         *of_nodes[i] = reals(arena, nodes, &s);
     for (int i = 0; i < 3; i++)
@@ -107,6 +108,9 @@ static void sort_parts(Network *n, const int *part)
 static dig_status plan_part(Network *n, Arena *arena, NetPart *p, int *link)
 {
     int links = 0;
+    p->swept = n->direct > 0 && p->nodes > n->direct;
+    if (p->swept)
+        return DIG_OK;
     for (int i = p->branch; i < p->branch + p->branches; i++) {
         const NetBranch *b = &n->branch[n->order[i]];
         if (inner(n, b) && b->a != b->b) {
@@ -166,7 +170,7 @@ static void find_rates(Network *n, const NetPart *p, int stage)
     }
 }
 
-static void assemble(Network *n, NetPart *p, real alpha)
+static void assemble(const Network *n, NetPart *p, real alpha)
 {
     ldl_clear(&p->matrix);
     for (int i = p->node; i < p->node + p->nodes; i++)
@@ -184,6 +188,84 @@ static void assemble(Network *n, NetPart *p, real alpha)
     }
 }
 
+/* y = A x by places, branch by branch */
+static void multiply(const Network *n, const NetPart *p, real alpha, const real *x, real *y)
+{
+    for (int i = 0; i < p->nodes; i++)
+        y[i] = alpha * n->capacity[n->member[p->node + i]] * x[i];
+    for (int i = p->branch; i < p->branch + p->branches; i++) {
+        const NetBranch *b = &n->branch[n->order[i]];
+        int a = b->a < n->nodes ? n->place[b->a] : -1, c = b->b < n->nodes ? n->place[b->b] : -1;
+        real flow = b->line.g * ((a >= 0 ? x[a] : 0) - (c >= 0 ? x[c] : 0));
+        if (a >= 0)
+            y[a] += flow;
+        if (c >= 0)
+            y[c] -= flow;
+    }
+}
+
+static void find_diagonal(const Network *n, const NetPart *p, real alpha, real *diagonal)
+{
+    for (int i = 0; i < p->nodes; i++)
+        diagonal[i] = alpha * n->capacity[n->member[p->node + i]];
+    for (int i = p->branch; i < p->branch + p->branches; i++) {
+        const NetBranch *b = &n->branch[n->order[i]];
+        if (b->a < n->nodes && b->a != b->b)
+            diagonal[n->place[b->a]] += b->line.g;
+        if (b->b < n->nodes && b->a != b->b)
+            diagonal[n->place[b->b]] += b->line.g;
+    }
+}
+
+#define SWEPT 1e-14             /* 1  of the right side, in the norm of the preconditioner */
+
+/* Hestenes & Stiefel 1952, each unknown scaled by its diagonal. b -> x. */
+static bool conjugate(const Network *n, const NetPart *p, real alpha, real *x)
+{
+    real *diagonal = n->work[0], *r = n->work[1], *d = n->work[2], *image = n->work[3], rho = 0;
+    find_diagonal(n, p, alpha, diagonal);
+    for (int i = 0; i < p->nodes; i++) {
+        if (!(diagonal[i] > 0))
+            return false;
+        r[i] = x[i];
+        x[i] = 0;
+        d[i] = r[i] / diagonal[i];
+        rho += r[i] * d[i];
+    }
+    real first = rho;
+    for (int round = 0; round < 4 * p->nodes + 50 && rho > SWEPT * SWEPT * first; round++) {
+        real bend = 0, next = 0;
+        multiply(n, p, alpha, d, image);
+        for (int i = 0; i < p->nodes; i++)
+            bend += d[i] * image[i];
+        if (!(bend > 0))
+            return false;
+        for (int i = 0; i < p->nodes; i++) {
+            x[i] += rho / bend * d[i];
+            r[i] -= rho / bend * image[i];
+            next += r[i] * r[i] / diagonal[i];
+        }
+        for (int i = 0; i < p->nodes; i++)
+            d[i] = r[i] / diagonal[i] + next / rho * d[i];
+        rho = next;
+    }
+    return rho <= 1e-16 * first;        /* enough, if not all: the books are kept by the flows */
+}
+
+/* Of the lines as they are; again: of the same matrix as the last time. b -> x, by places. */
+static bool solve_lines(Network *n, NetPart *p, real alpha, bool again, real *x)
+{
+    if (p->swept)
+        return conjugate(n, p, alpha, x);
+    if (!again) {
+        assemble(n, p, alpha);
+        if (!ldl_factor(&p->matrix))
+            return false;
+    }
+    ldl_solve(&p->matrix, x);
+    return true;
+}
+
 /* alpha C (x - rest) = extra + flows in(x), which are left in rate[stage]. False: no solution. */
 static bool solve(Network *n, NetPart *p, real alpha, real h, int stage)
 {
@@ -192,14 +274,12 @@ static bool solve(Network *n, NetPart *p, real alpha, real h, int stage)
         real most = 0, size = 0;
         find_lines(n, p, h);
         find_rates(n, p, stage);
-        assemble(n, p, alpha);
         for (int i = 0; i < p->nodes; i++) {
             int k = n->member[p->node + i];
             change[i] = n->extra[k] + n->rate[stage][k] - alpha * n->capacity[k] * (n->effort[k] - n->rest[k]);
         }
-        if (!ldl_factor(&p->matrix))
+        if (!solve_lines(n, p, alpha, false, change))
             return false;
-        ldl_solve(&p->matrix, change);
         for (int i = 0; i < p->nodes; i++) {
             int k = n->member[p->node + i];
             n->effort[k] += change[i];
@@ -252,7 +332,7 @@ static const real weights[3] = {SHARE, SHARE, 0.5 * GAMMA};
 
 /* The part of the error that is not damped, per effort and in units of the tolerance; third order less second, through the matrix
  * of the last solve so that what is stiff counts for what it is. */
-static real error_of(Network *n, const NetPart *p, real alpha, real h)
+static real error_of(Network *n, NetPart *p, real alpha, real h)
 {
     const real third[3] = {(1 - SHARE) / 3, (3 * SHARE + 1) / 3, GAMMA / 6};
     real worst = 0;
@@ -262,7 +342,8 @@ static real error_of(Network *n, const NetPart *p, real alpha, real h)
         for (int s = 0; s < 3; s++)
             n->change[i] += alpha * h * (third[s] - weights[s]) * n->rate[s][k];
     }
-    ldl_solve(&p->matrix, n->change);
+    if (!solve_lines(n, p, alpha, true, n->change))
+        return INFINITY;
     for (int i = 0; i < p->nodes; i++)
         worst = real_max(worst, fabs(n->change[i]));
     return worst / n->tolerance;

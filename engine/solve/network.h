@@ -9,7 +9,7 @@
  *     C dx/dt = source - sum of flows out
  *
  * Time goes by the backward Euler rule, which is monotone and never rings, or by TR-BDF2 (Bank et al. 1985) with the error
- * estimate of Hosea & Shampine 1996 in as many substeps as the tolerance asks for. What went through each branch is the sum of
+ * estimate of Hosea & Shampine (1996) in as many substeps as the tolerance asks for. What went through each branch is the sum of
  * the very flows of which the efforts were made: what is stored is what came in less what went out, to rounding, whatever the
  * rule and however far the Newton iteration got.
  *
@@ -42,6 +42,7 @@ typedef struct NetPart {        /* what hangs together            */
     int  node, nodes;           /* range of Network.member        */
     int  branch, branches;      /* range of Network.order         */
     bool bent;                  /* a branch has a law             */
+    bool swept;                 /* solved by iteration: no matrix */
     real passed;                /* s   that the last advance went on: dt, unless there was no solution */
     Ldl  matrix;
 } NetPart;
@@ -52,6 +53,8 @@ typedef struct Network {
     real *capacity;             /* [nodes]  flow times s per effort; 0 = none */
     real *source;               /* [nodes]  flow fed in           */
     NetBranch *branch;
+    int   direct;               /* parts of more nodes are solved by conjugate gradients: where capacities are large, as of heat in
+                                 * frame steps, that is some ten rounds, and nothing to plan; 0 = all directly */
     real  tolerance;            /* of an effort and a step; 0 = one backward Euler step, whatever it brings */
 
     int   substeps, iterations; /* in the last advance            */
@@ -64,6 +67,7 @@ typedef struct Network {
     int  *value;                /* [branches] coefficient between its ends in the part's matrix, < 0 none */
     /* [nodes] scratch: at the start; what is added to the balance; the capacity term's reference; flows in at three stages; change */
     real *start, *extra, *rest, *rate[3], *change;
+    real *work[4];              /* [nodes] of the iteration: diagonal, residual, direction, its image */
     real *flow[3];              /* [branches] at three stages     */
 } Network;
 

@@ -219,7 +219,8 @@ end)
 scenario("C6 in a row, and in a crowd: 9 J each", function(s)
   expect(brake(s, { plate = 300, box = 300 }, 24).energy.heat):near(24 * 9, 24 * 1e-4)
   local crowd = s:world {}
-  local plate, boxes = crowd:box { fixed = true, size = { 40, 0.1, 40 }, at = { 0, -0.05, 0 }, material = "steel", restitution = 0, temperature = 300 }, {}
+  local boxes, plate = {}, crowd:box { fixed = true, size = { 40, 0.1, 40 }, at = { 0, -0.05, 0 }, material = "steel", restitution = 0,
+                                       temperature = 300 }
   for i = 1, 100 do
     boxes[i] = crowd:box { size = 0.1, at = { i % 10 * 0.1, 0.05, i // 10 * 0.1 }, mass = 2, material = "steel", restitution = 0,
                             velocity = { 3, 0, 0 } }
@@ -253,12 +254,81 @@ scenario("a ball that bounces to rest has warmed itself and the floor", function
   end
 end)
 
+-- ---- contacts come and go ----
+
+scenario("heat goes over while two touch, and no longer", function(s)
+  local world = s:world {}
+  world:floor {}
+  local plate = world:box { fixed = true, size = { 1, 0.2, 1 }, at = { 0, 0.1, 0 }, material = "steel", temperature = 400 }
+  local box = world:box { size = 0.1, at = { 0, 0.7, 0 }, mass = 1, heat_capacity = 500, restitution = 0, temperature = 300,
+                          contact_conductance = 5 }
+  local falls, warm = math.sqrt(2 * 0.45 / 9.81), 9.81 * 0.45 / 500       -- warm: at most, by the blow
+  world:run(falls - 0.02)
+  expect(box.temperature):near(300, 1e-9)
+  while not box:touches(plate) do world:step() end
+  expect(box.temperature):near(300 + 100 * 5 * 0.2 / 500, 100 * 5 * 0.2 / 500 + warm)      -- it hops for 0.4 s at most
+  world:run(30)
+  local want = 400 - 100 * math.exp(-5 * 30 / 500)
+  expect(box.temperature):near(want, 0.3 + warm)
+  box:teleport { at = { 3, 0.05, 0 } }                  -- lifted off, onto a floor that takes no part
+  world:step()
+  local left = box.temperature
+  world:run(30)
+  expect(box.temperature):near(left, 1e-9)
+  expect(drift(world)):near(0, 1e-6)
+end)
+
+scenario("a plane with a temperature keeps it, and takes what flows in", function(s)
+  local world = s:world {}
+  local floor = world:floor { temperature = 280 }
+  local box = world:box { size = 0.1, at = { 0, 0.05, 0 }, mass = 1, heat_capacity = 500, temperature = 380, contact_conductance = 5 }
+  world:run(60)
+  expect(floor.temperature):is(280)
+  expect(box.temperature):near(280 + 100 * math.exp(-5 * 60 / 500), 0.05)
+  local e = world.energy
+  expect(e.heat):near(500 * (box.temperature - 380), 1e-9 * 500 * 380)
+  expect(e.heat + e.lost):near(0, 1e-6)
+  expect(function() floor:warm { energy = 1 } end):fails()
+  floor:warm { to = 300 }
+  expect(floor.temperature):is(300)
+end)
+
+scenario("a moving belt heats what it rubs", function(s)
+  local world = s:world {}
+  local belt = world:box { kinematic = true, size = { 20, 0.1, 1 }, at = { 0, -0.05, 0 }, material = "steel", friction = 0.5,
+                           temperature = 300 }
+  local wall = world:box { fixed = true, size = { 0.1, 0.4, 1 }, at = { 0.101, 0.25, 0 }, friction = 0 }
+  world:box { size = 0.1, at = { 0, 0.05, 0 }, mass = 2, material = "steel", friction = 0.5, temperature = 300 }
+  belt:move_to { at = { 4, -0.05, 0 }, over = 4 }
+  world:run(4)
+  expect(wall.valid):is(true)
+  local e = world.energy
+  expect(e.work_in):near(0.5 * 2 * 9.81 * 4, 0.02)       -- but for the first 2 mm
+  expect(e.heat + e.lost):near(e.work_in, 1e-6)
+  expect(e.heat):near(e.work_in, 0.02)
+end)
+
+scenario("eighty that touch are iterated, and even out", function(s)
+  local world = s:world {}
+  world:floor {}
+  local sum, boxes = 0, {}
+  for i = 0, 79 do
+    boxes[i + 1] = world:box { size = 0.1, at = { i % 10 * 0.1, 0.05, i // 10 * 0.1 }, mass = 1, heat_capacity = 10, restitution = 0,
+                               temperature = 300 + i, contact_conductance = 50 }
+    sum = sum + 300 + i
+  end
+  world:run(60)
+  for _, box in ipairs(boxes) do expect(box.temperature):near(sum / 80, 0.1) end
+  expect(drift(world)):near(0, 1e-6)
+end)
+
 -- ---- as part of a world ----
 
 local function mixture(s, threads)
   local world = s:world { threads = threads, seed = 3 }
   world:ambient { temperature = 280 }
-  world:box { fixed = true, size = { 4, 0.2, 4 }, at = { 0, -0.1, 0 }, material = "stone", temperature = 500, convection = 10, emissivity = 0.9 }
+  world:box { fixed = true, size = { 4, 0.2, 4 }, at = { 0, -0.1, 0 }, material = "stone", temperature = 500, convection = 10,
+              emissivity = 0.9 }
   for i = 1, 12 do
     world:box { size = 0.3, at = { i % 4 * 0.8 - 1.2, 0.4 + 0.5 * (i // 4), i % 3 * 0.8 - 0.8 }, material = "iron",
                 temperature = 300 + i, convection = 5, emissivity = 0.5, velocity = { i % 3 - 1, 0, 0 } }

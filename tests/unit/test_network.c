@@ -279,7 +279,7 @@ TEST(fine_steps_are_of_second_order)
  * the range of what it hangs on. */
 enum { SIDE = 16, NODES = SIDE * SIDE };
 
-static void square(Bench *b, uint64_t *seed)
+static void square_by(Bench *b, uint64_t *seed, int direct)
 {
     bench_open(b, NODES, 2, 2 * SIDE * (SIDE - 1) + 2);
     for (int i = 0; i < NODES; i++) {
@@ -293,9 +293,35 @@ static void square(Bench *b, uint64_t *seed)
     b->net.effort[NODES + 1] = 280;
     join(b, NODES, 0, 1);
     join(b, NODES - 1, NODES + 1, 1);
+    b->net.direct = direct;
     CHECK(network_plan(&b->net, &b->arena) == DIG_OK);
     CHECK_INT(b->net.parts, 1);
     CHECK(!b->net.part[0].matrix.dense);
+}
+
+static void square(Bench *b, uint64_t *seed) { square_by(b, seed, 0); }
+
+/* Directly and by iteration, from steps in which hardly anything happens to such in which all evens out. */
+TEST(large_nets_may_be_iterated)
+{
+    for (int rule = 0; rule < 2; rule++)
+        for (real frame = 1e-3; frame < 1e7; frame *= 1000) {
+            uint64_t seed[2] = {5, 5};
+            Bench b[2];
+            for (int k = 0; k < 2; k++) {
+                square_by(&b[k], &seed[k], k ? 64 : 0);
+                CHECK(b[k].net.part[0].swept == (k > 0));
+                b[k].net.tolerance = rule ? 1e-3 : 0;
+                b[k].net.branch[7] = (NetBranch){.a = b[k].net.branch[7].a, .b = b[k].net.branch[7].b, .law = radiation, .p = {1e-9}};
+                network_advance(&b[k].net, frame);
+                network_advance(&b[k].net, frame);
+                CHECK(!b[k].net.failed);
+            }
+            for (int i = 0; i < NODES; i++)
+                CHECK_NEAR(b[1].net.effort[i], b[0].net.effort[i], 1e-9);
+            bench_close(&b[0]);
+            bench_close(&b[1]);
+        }
 }
 
 TEST(large_nets_are_sparse_and_right)
@@ -414,7 +440,7 @@ int main(void)
 {
     RUN_TESTS(unit_test(two_that_touch_meet), unit_test(a_mug_cools), unit_test(a_wall_of_layers), unit_test(ring_and_pan),
               unit_test(radiation_cools), unit_test(a_rod_evens_out), unit_test(a_kettle_boils), unit_test(a_bridge_of_resistors),
-              unit_test(fine_steps_are_of_second_order), unit_test(large_nets_are_sparse_and_right),
+              unit_test(fine_steps_are_of_second_order), unit_test(large_nets_are_sparse_and_right), unit_test(large_nets_may_be_iterated),
               unit_test(books_are_kept_at_any_step), unit_test(parts_are_alone), unit_test(what_is_at_rest_costs_nothing),
               unit_test(without_solution_nothing_moves));
 }
