@@ -272,6 +272,7 @@ typedef struct dig_material_def {
     real conductivity;          /* W/(m K)                               */
     real resistivity;           /* ohm m                                 */
     real strength;              /* Pa                                    */
+    real stiffness;             /* Pa, Young's modulus                   */
     vec3 colour;                /* linear RGB 0..1                       */
     real roughness;             /* 1, of the surface as drawn            */
     real metallic;              /* 1, 0 or 1 as drawn                    */

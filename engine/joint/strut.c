@@ -4,7 +4,8 @@
  *
  * with c = damping + tau EA / L0: a Kelvin-Voigt solid, whose strain goes back as e^(-t / tau) where no mass resists (Fung 1965,
  * ch. 1.9). It breaks by its share |N| / limit, with a limit of its own for pressure, as buckling asks for. Past its elastic limit
- * the rest length changes: memory[0] is the plastic elongation, m.
+ * the rest length changes: memory[0] is the plastic elongation, m. A saw
+ * cut takes its share of the section.
  */
 #include <stdio.h>
 
@@ -20,6 +21,8 @@ typedef struct Strut {
     real length;                /* m    at rest                     */
     real pressed;               /* N    limit in compression; NaN = as in tension */
     real yield;                 /* N    elastic limit               */
+    real cut;                   /* 1    share that is sawn through  */
+    real radius;                /* m    as drawn                    */
 } Strut;
 
 static const dig_param strut_rows[] = {
@@ -39,6 +42,10 @@ static const dig_param strut_rows[] = {
      .fallback = NAN, .min = 1e-12, .max = INFINITY, .offset = offsetof(Strut, pressed)},
     {.name = "yield", .kind = DIG_REAL, .unit = "N", .doc = "elastic limit: what is strained by more stays so", .fallback = INFINITY,
      .min = 1e-12, .max = INFINITY, .offset = offsetof(Strut, yield)},
+    {.name = "cut", .kind = DIG_REAL, .unit = "1", .doc = "share of the section that is sawn through", .min = 0, .max = 0.999,
+     .offset = offsetof(Strut, cut)},
+    {.name = "radius", .kind = DIG_REAL, .unit = "m", .doc = "as drawn; 0 = not at all", .min = 0, .max = 1e4,
+     .offset = offsetof(Strut, radius)},
     {.name = NULL},
 };
 
@@ -56,7 +63,7 @@ static dig_status check(void *params, const JointView *now, char *why, size_t ca
 }
 
 static real rest_of(const JointView *j) { return ((const Strut *)j->params)->length + j->memory[PLASTIC]; }
-static real rate_of(const Strut *s) { return s->stiffness / s->length; }        /* N/m */
+static real rate_of(const Strut *s) { return s->stiffness * (1 - s->cut) / s->length; }        /* N/m */
 
 static real speed(const JointView *j)
 {
@@ -88,7 +95,7 @@ static real share(const JointView *j, vec3 force, vec3 couple)
     (void)couple;
     real n = vec3_dot(force, vec3_unit_or(vec3_sub(j->b.p, j->a.p), vec3_zero()));
     real limit = n < 0 && !isnan(s->pressed) ? s->pressed : j->breaks_at > 0 ? j->breaks_at : INFINITY;
-    return fabs(n) / limit;
+    return fabs(n) / (limit * (1 - s->cut));
 }
 
 static real settle(const JointView *j, vec3 force, vec3 couple)
@@ -96,7 +103,7 @@ static real settle(const JointView *j, vec3 force, vec3 couple)
     const Strut *s = j->params;
     (void)force;
     (void)couple;
-    real strain = coordinate(j) - rest_of(j), most = s->yield / rate_of(s), before = energy(j);
+    real strain = coordinate(j) - rest_of(j), most = s->yield * (1 - s->cut) / rate_of(s), before = energy(j);
     if (!(fabs(strain) > most))
         return 0;
     j->memory[PLASTIC] += copysign(fabs(strain) - most, strain);
