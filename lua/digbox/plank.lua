@@ -51,6 +51,15 @@ local function make_pieces(world, self, own, rest)
   self.piece, self.volume = l, volume
 end
 
+-- The length of beam that joint i of 0..n stands for, in pieces: the weights of Simpson's rule (of the trapezoidal rule when n is
+-- odd). A deflection is the integral of two bending moments over E I; where both are straight between every second joint it is then exact,
+-- and the moment at a joint is that of the beam in any case.
+local function weight(i, n)
+  local end_ = i == 0 or i == n
+  if n % 2 == 1 then return end_ and 1 / 2 or 1 end
+  return end_ and 1 / 3 or i % 2 == 1 and 4 / 3 or 2 / 3
+end
+
 local function join(world, own, a, b, at, length, name)
   return world:beam { a = a, b = b, at = at, axis = own.along, up = own.up, length = length, width = own.width, height = own.height,
     modulus = own.E, shear_modulus = own.shear_modulus, strength = own.strength, yield = own.yield, breaks_at = own.breaks_at,
@@ -65,7 +74,7 @@ local function hold(world, self, own, piece, at, how, by, name)
     self.holds[#self.holds + 1] = world[type_of](world, fields)
   end
   if how == "clamped" then
-    local j = join(world, own, piece, by, at, self.piece / 2, name)
+    local j = join(world, own, piece, by, at, self.piece * weight(0, own.segments), name)
     self.joints[#self.joints + 1], self.holds[#self.holds + 1] = j, j
   elseif how == "pinned" then
     add("hinge", { axis = side })
@@ -95,7 +104,8 @@ function methods.plank(world, fields)
   hold(world, self, own, self.bodies[1], own.from, own.from_end, own.from_body, self.name .. " from")
   for i = 2, own.segments do
     local at = own.from + own.along * ((i - 1) * self.piece)
-    self.joints[#self.joints + 1] = join(world, own, self.bodies[i], self.bodies[i - 1], at, self.piece, ("%s joint %d"):format(self.name, i - 1))
+    self.joints[#self.joints + 1] = join(world, own, self.bodies[i], self.bodies[i - 1], at, self.piece * weight(i - 1, own.segments),
+      ("%s joint %d"):format(self.name, i - 1))
   end
   hold(world, self, own, self.bodies[own.segments], own.to, own.to_end, own.to_body, self.name .. " to")
   self.bodies, self.joints, self.holds = core.list(self.bodies), core.list(self.joints), core.list(self.holds)
