@@ -26,7 +26,7 @@ typedef struct Triple {
     real r;                     /* 1/kg  compliance of the augmented Lagrangian                    */
     real target[3];             /* m/s */
     real mu, bound;
-    real lift;                  /* m/s   De Saxce's: mu times the slip                             */
+    real lift, lift_first;      /* m/s   De Saxce's: mu times the slip; the first                  */
     real start[3];              /* N s   already in the velocities                                 */
     real prox[3], force[3];     /* N s   of the last round, and now                                */
     real rate[3], change[3];    /* m/s   J v, and J dv                                             */
@@ -60,6 +60,7 @@ typedef struct Direct {
     bool    projects;           /* positions, not velocities: nothing moves so far, nothing is taut */
     bool    heavy;              /* something in the group is heavy on what is light                 */
     bool    kept;               /* the factor is that of the present sets                          */
+    bool    late_lift;          /*       lifts are those of the start: what is wedged in something that gives chases them to infinity */
     int     factors, rounds, most_factors;
     real    hardened;           /* 1    compliances over what they were at first                   */
     real    accept;             /* m/s  what is good enough to be taken                            */

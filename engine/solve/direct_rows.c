@@ -38,7 +38,7 @@ static void add_point(Direct *d, int i)
     t->rate[1] = dir_rate(d->g, &p->t[0], p->a, p->b);
     t->rate[2] = dir_rate(d->g, &p->t[1], p->a, p->b);
     if (t->set == SET_CONE && p->slides && p->jn > 0)
-        t->lift = t->mu * hypot(t->rate[1], t->rate[2]);
+        t->lift = t->lift_first = t->mu * hypot(t->rate[1], t->rate[2]);
 }
 
 static void add_roll(Direct *d, int i)
@@ -364,6 +364,8 @@ static real next_triple(Direct *d, int i, real harder)
     }
     if (t->set == SET_CONE && t->held == HELD_SLIPS)
         lift = t->mu * hypot(t->rate[1], t->rate[2]);
+    if (d->late_lift)
+        lift = t->lift_first;
     worst = real_max(worst, fabs(lift - t->lift));
     t->lift = lift;
     follow_bounds(d, i);
