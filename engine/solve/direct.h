@@ -26,7 +26,7 @@ typedef struct Triple {
     real r;                     /* 1/kg  compliance of the augmented Lagrangian                    */
     real target[3];             /* m/s */
     real mu, bound;
-    real lift, lift_first;      /* m/s   De Saxce's: mu times the slip; the first                  */
+    real lift;                  /* m/s   De Saxce's: mu times the slip                             */
     real start[3];              /* N s   already in the velocities                                 */
     real prox[3], force[3];     /* N s   of the last round, and now                                */
     real rate[3], change[3];    /* m/s   J v, and J dv                                             */

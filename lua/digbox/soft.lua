@@ -287,8 +287,9 @@ local function lay_deck(world, self, own, a, b, key)
   self.bodies[#self.bodies + 1] = panel
   self.panels[#self.panels + 1] = panel
   world:ball_joint { a = panel, b = a, at = pa }
-  world:guide { a = b, b = panel, at = pb, axis = along, keeps = "line" }
+  local slide = world:guide { a = b, b = panel, at = pb, axis = along, keeps = "line" }
   world:guide { a = panel, axis = side, keeps = "direction" }
+  self.slides[key] = slide
 end
 
 local function make_strut(world, self, own, entry, index)
@@ -356,9 +357,16 @@ function methods.truss(world, fields)
   own.deck.width, own.deck.thickness = own.deck.width or 20 * own.radius, own.deck.thickness or own.radius
   own.deck.gap = own.deck.gap or 0.2 * own.deck.thickness
   local self = { kind = "truss", name = rest.name or "truss", world = world, cost = cost, budget = own.budget, nodes = {}, strut = {},
-    joints = {}, bodies = {}, panels = {}, thickness = 2 * own.radius, up = soft.up(world), group = rest.group or soft.group(world) }
+    joints = {}, bodies = {}, panels = {}, slides = {}, thickness = 2 * own.radius, up = soft.up(world), group = rest.group or soft.group(world) }
   make_nodes(world, self, own, rest)
   for i, entry in ipairs(own.struts) do make_strut(world, self, own, entry, i) end
+  if next(self.slides) then
+    world:on("broken", function(e)              -- without its strut a panel slides off its far node
+      for key, slide in next, self.slides do
+        if e.joint == self.strut[key] and slide.valid then slide:remove() end
+      end
+    end)
+  end
   self.bodies, self.joints, self.panels = core.list(self.bodies), core.list(self.joints), core.list(self.panels)
   return new_truss(self)
 end
