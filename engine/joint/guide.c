@@ -36,6 +36,6 @@ const JointType joint_guide = {
     .doc = "a point of a stays on a line or in a plane of b, or an axis of it keeps its direction",
     .params = guide_rows,
     .params_size = sizeof(Guide),
-    .free_axes = 5,
+    .free_axes = 4,             /* of a line; a plane leaves one more, what is flat one less */
     .rows = rows,
 };

@@ -41,6 +41,7 @@ core.use "fluid"
 core.use "heat"
 core.use "soft"
 core.use "plank"
+core.use "lattice"
 core.use "film"
 
 -- ---- values ----
