@@ -1,6 +1,6 @@
 -- bridge.lua: a train of three wagons crosses a bridge of struts bought on a budget; a heavier one brings it down.
---   Look at:   struts turn from green to red with their stress. Under 100 kN an axle the top chord snaps first, the bridge falls in two, and
---              the train with it.
+--   Look at:   struts turn from green to red with their stress. Under 100 kN an axle the top chord snaps first, the bridge falls in two,
+--              and the train with it.
 --   Law:       axles as far apart as the nodes load each node of the deck with one axle, wherever they stand, and the middle of the top
 --              chord bears 2.6667 axles (moments about node 2). The bridge's own weight adds 20.93 kN there.
 --   Expected:  60 kN an axle: -180.9 kN in 6-7, 250 kN break it. 100 kN an axle would be -287.6 kN: 6-7 is the first to go.
@@ -46,7 +46,8 @@ local function build_train(world, axle)
     end
     if i > 1 then
       local y = deck / 2 + r + 0.5
-      world:distance { name = "coupling", breaks_at = 150e3, a = wagon, b = train[i - 1], at_a = { x + 3.2, y, 0 }, at_b = { x + 4.8, y, 0 } }
+      world:distance { name = "coupling", breaks_at = 150e3, a = wagon, b = train[i - 1],
+        at_a = { x + 3.2, y, 0 }, at_b = { x + 4.8, y, 0 } }
     end
     train[i] = wagon
   end

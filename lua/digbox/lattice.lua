@@ -36,9 +36,11 @@ local function stretch(self)
 end
 
 local thing_methods = { sig = soft.sig, saw = soft.saw }
-local getters = { stress = soft.stress, mass = soft.mass, position = soft.position, broken = soft.broken, support = support, stretch = stretch }
+local getters = { stress = soft.stress, mass = soft.mass, position = soft.position, broken = soft.broken, support = support,
+  stretch = stretch }
 local readable = { name = true, bodies = true, joints = true, columns = true, rows = true, layers = true }
-local new_cloth, new_lattice = soft.class("cloth", thing_methods, getters, readable), soft.class("lattice", thing_methods, getters, readable)
+local new_cloth = soft.class("cloth", thing_methods, getters, readable)
+local new_lattice = soft.class("lattice", thing_methods, getters, readable)
 
 local function key(i, j, k) return ("%d %d %d"):format(i, j or 1, k or 1) end
 
@@ -70,7 +72,8 @@ end
 
 local function begin(world, what, own, rest)
   soft.need("world:" .. what, own, "stiffness", "mass")
-  return { kind = what, name = rest.name or what, world = world, bodies = {}, joints = {}, node = {}, group = rest.group or soft.group(world) }
+  return { kind = what, name = rest.name or what, world = world, bodies = {}, joints = {}, node = {},
+    group = rest.group or soft.group(world) }
 end
 
 local function finish(self)
@@ -139,13 +142,19 @@ local lattice_fields = with { at = "vec m", size = "any", cells = "any" }
 
 local function triple(what, value, least)
   if core.type(value) == "number" then return { value, value, value } end
-  if core.type(value) ~= "table" and core.type(value) ~= "vector" then core.fail("%s wants a number or three; got %s", what, core.type(value)) end
+  local kind = core.type(value)
+  if kind ~= "table" and kind ~= "vector" then core.fail("%s wants a number or three; got %s", what, kind) end
   local t = { value[1] or value.x, value[2] or value.y, value[3] or value.z }
   for i = 1, 3 do
-    if core.type(t[i]) ~= "number" or not (t[i] >= least) then core.fail("%s = %s, must be at least %g", what, tostring(t[i]), least) end
+    local good = core.type(t[i]) == "number" and t[i] >= least and t[i] < math.huge       -- false for NaN
+    if not good then core.fail("%s = %s, must be at least %g", what, tostring(t[i]), least) end
   end
   return t
 end
+
+-- Of the faces of a cell, from corner to corner
+local diagonals = { { { 0, 0, 0 }, { 1, 1, 0 } }, { { 1, 0, 0 }, { 0, 1, 0 } }, { { 0, 0, 0 }, { 1, 0, 1 } },
+  { { 1, 0, 0 }, { 0, 0, 1 } }, { { 0, 0, 0 }, { 0, 1, 1 } }, { { 0, 1, 0 }, { 0, 0, 1 } } }
 
 -- world:lattice{at = its centre, size = {x,y,z}, cells = {nx,ny,nz}, mass=, stiffness = (EA of a strut, N), relaxation=, breaks_at=,
 -- shear = 0.5} -> lattice: a body of particles that springs back
@@ -177,8 +186,7 @@ function methods.lattice(world, fields)
         tie(world, self, own, here, key(i + 1, j, k), 1)
         tie(world, self, own, here, key(i, j + 1, k), 1)
         tie(world, self, own, here, key(i, j, k + 1), 1)
-        for _, c in ipairs { { { 0, 0, 0 }, { 1, 1, 0 } }, { { 1, 0, 0 }, { 0, 1, 0 } }, { { 0, 0, 0 }, { 1, 0, 1 } }, { { 1, 0, 0 }, { 0, 0, 1 } },
-          { { 0, 0, 0 }, { 0, 1, 1 } }, { { 0, 1, 0 }, { 0, 0, 1 } } } do
+        for _, c in ipairs(diagonals) do
           local p, q = c[1], c[2]
           tie(world, self, own, key(i + p[1], j + p[2], k + p[3]), key(i + q[1], j + q[2], k + q[3]), share)
         end

@@ -21,7 +21,7 @@ local function complete(world, own, rest)
     if not ends[own[key]] then core.unknown(what .. ":", "unknown " .. key, own[key], ends) end
   end
   own.length = #(own.to - own.from)
-  if not (own.length > 0) then core.fail "world:plank: from and to are the same point" end
+  if own.length <= 0 then core.fail "world:plank: from and to are the same point" end
   own.segments = own.segments or 16
   if own.segments < 2 or own.segments > 512 then core.fail("world:plank: segments = %d, must be 2 to 512", own.segments) end
   local m = core.material_of(world, rest.material or "default")

@@ -204,7 +204,8 @@ local truss_fields = { nodes = "any", struts = "any", stiffness = "real N >0", d
 local node_fields = { at = "vec m", mass = "real kg >0", fixed = "any" }
 local strut_fields = { stiffness = "real N >0", damping = "real N*s/m", relaxation = "real s", breaks_at = "real N >0",
   breaks_pressed = "real N >0", yield = "real N >0", length = "real m >0", price = "real 1", deck = "bool" }
-local deck_fields = { gap = "real m", width = "real m >0", thickness = "real m >0", mass = "real kg >0", material = "text", friction = "real 1", restitution = "real 1" }
+local deck_fields = { gap = "real m", width = "real m >0", thickness = "real m >0", mass = "real kg >0",
+  material = "text", friction = "real 1", restitution = "real 1" }
 local passed_on = { "stiffness", "damping", "relaxation", "breaks_at", "breaks_pressed", "yield", "length" }
 local DAMPED = 1 / 240             -- s  relaxation of a truss or lattice of which nothing is said: its shrill tones die within a frame
 local axes = { x = core.vec(1, 0, 0), y = core.vec(0, 1, 0), z = core.vec(0, 0, 1) }
@@ -282,8 +283,10 @@ local function lay_deck(world, self, own, a, b, key)
   local up = self.up
   local side = along:cross(up):normalized()
   up = side:cross(along)
-  local panel = world:box { name = ("%s deck %s"):format(self.name, key), at = (pa + pb) / 2, size = { #(pb - pa) - d.gap, d.thickness, d.width },
-    mass = d.mass, material = d.material, friction = d.friction, restitution = d.restitution or 0, rotation = soft.frame(along, up), group = self.group }
+  local panel = world:box { name = ("%s deck %s"):format(self.name, key), at = (pa + pb) / 2,
+    size = { #(pb - pa) - d.gap, d.thickness, d.width }, mass = d.mass, material = d.material, friction = d.friction,
+    restitution = d.restitution or 0,
+    rotation = soft.frame(along, up), group = self.group }
   self.bodies[#self.bodies + 1] = panel
   self.panels[#self.panels + 1] = panel
   world:ball_joint { a = panel, b = a, at = pa }
@@ -357,7 +360,8 @@ function methods.truss(world, fields)
   own.deck.width, own.deck.thickness = own.deck.width or 20 * own.radius, own.deck.thickness or own.radius
   own.deck.gap = own.deck.gap or 0.2 * own.deck.thickness
   local self = { kind = "truss", name = rest.name or "truss", world = world, cost = cost, budget = own.budget, nodes = {}, strut = {},
-    joints = {}, bodies = {}, panels = {}, slides = {}, thickness = 2 * own.radius, up = soft.up(world), group = rest.group or soft.group(world) }
+    joints = {}, bodies = {}, panels = {}, slides = {}, thickness = 2 * own.radius, up = soft.up(world),
+    group = rest.group or soft.group(world) }
   make_nodes(world, self, own, rest)
   for i, entry in ipairs(own.struts) do make_strut(world, self, own, entry, i) end
   if next(self.slides) then

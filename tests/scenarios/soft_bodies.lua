@@ -1,5 +1,4 @@
 -- soft_bodies.lua: cloth, ropes and lattices made of particles; a table with a sawn leg; the graph inside a body.
-local digbox = require "digbox"
 local test = require "digbox.test"
 local scenario, expect = test.scenario, test.expect
 
@@ -20,8 +19,8 @@ end
 
 scenario("a thread that bears too much tears where it was cut, and the cloth is two DIGs", function(s)
   local world = s.world
-  local c = world:cloth { at = { 0, 2, 0 }, across = { 0.1, 0, 0 }, down = { 0, -1, 0 }, columns = 2, rows = 6, mass = 0.6, stiffness = 2000,
-    shear = 0, relaxation = 0.05, breaks_at = 4, pins = { { 1, 1 }, { 2, 1 } } }
+  local c = world:cloth { at = { 0, 2, 0 }, across = { 0.1, 0, 0 }, down = { 0, -1, 0 }, columns = 2, rows = 6, mass = 0.6,
+    stiffness = 2000, shear = 0, relaxation = 0.05, breaks_at = 4, pins = { { 1, 1 }, { 2, 1 } } }
   world:run(2)
   expect(c.broken):is(0)
   expect(c.stress):near(c.mass * g / 2 / 4, 0.01)
@@ -107,8 +106,8 @@ local function table_on_legs(world)
   local top = world:box { name = "top", size = { 1, 0.04, 1 }, mass = 10, at = { 0, 0.72, 0 }, material = "wood" }
   local legs = {}
   for i, at in ipairs { { -0.45, -0.45 }, { 0.45, -0.45 }, { -0.45, 0.45 }, { 0.45, 0.45 } } do
-    legs[i] = world:plank { name = "leg " .. i, material = "wood", from = { 1.25 * at[1], 0, 1.25 * at[2] }, to = { at[1], 0.7, at[2] }, width = 0.04, height = 0.04,
-      up = { 1, 0, 0 }, segments = 2, to_end = "clamped", to_body = top, strength = 6e6, relaxation = 0.005 }
+    legs[i] = world:plank { name = "leg " .. i, material = "wood", from = { 1.25 * at[1], 0, 1.25 * at[2] }, to = { at[1], 0.7, at[2] },
+      width = 0.04, height = 0.04, up = { 1, 0, 0 }, segments = 2, to_end = "clamped", to_body = top, strength = 6e6, relaxation = 0.005 }
   end
   local cup = world:cylinder { name = "cup", radius = 0.03, height = 0.1, mass = 0.2, at = { 0.3, 0.79, 0.3 }, material = "glass" }
   world:box { name = "load", size = { 0.2, 0.2, 0.2 }, mass = 80, at = { -0.38, 0.84, -0.38 }, material = "stone" }
@@ -174,7 +173,8 @@ end)
 scenario("row 73: the graph inside a body is that of its joints, not of what it touches", function(s)
   local world = s:world {}
   world:floor {}
-  local p = world:plank { name = "plank", material = "oak", from = { 0, 0.5, 0 }, to = { 1, 0.5, 0 }, width = 0.1, height = 0.02, segments = 4 }
+  local p = world:plank { name = "plank", material = "oak", from = { 0, 0.5, 0 }, to = { 1, 0.5, 0 }, width = 0.1,
+    height = 0.02, segments = 4 }
   local box = world:box { size = 0.1, at = { 0.5, 0.56, 0 } }
   world:run(1)
   local sig = p.bodies[1]:sig()

@@ -1,5 +1,4 @@
 -- soft_planks.lua: beams of rigid pieces against Euler and Bernoulli: sag, first mode, elastica, sudden load, breaking, saw cuts.
-local digbox = require "digbox"
 local test = require "digbox.test"
 local scenario, expect = test.scenario, test.expect
 
@@ -124,4 +123,23 @@ scenario("S7: a load that comes at once bends twice as far as at rest", function
     peak = math.max(peak, -p:point(1).y)
   end)
   expect(peak):near(2 * 5e-3, 0.02 * 2 * 5e-3)
+end)
+
+scenario("row 71: held at both ends, a plank breaks the sooner the nearer the load is to its middle", function(s)
+  local bears = {}
+  for _, at in ipairs { 0.25, 0.5, 1 } do
+    local world = s:world(none)
+    local p = bridge(world)
+    local load = 0
+    while p.broken == 0 and load < 6e3 do
+      load = load + 5
+      p:push { at = at, force = { 0, -load, 0 } }
+      world:step()
+    end
+    bears[#bears + 1] = load
+    local theory = 40e6 * (0.2 * 0.025 ^ 2 / 6) * 2 / (at * (2 - at))             -- strength Z L / (a (L - a))
+    expect(load):near(theory, 0.03 * theory)
+  end
+  expect(bears[1]):above(bears[2])
+  expect(bears[2]):above(bears[3])
 end)

@@ -104,7 +104,8 @@ end
 local function square(world, stiffness)
   local n = {}
   for i, p in ipairs { { 0, 0, 0 }, { 1, 0, 0 }, { 1, 1, 0 }, { 0, 1, 0 } } do n[("ABCD"):sub(i, i)] = { at = p, mass = 0.25 } end
-  return world:truss { nodes = n, stiffness = stiffness, struts = { { "A", "B" }, { "B", "C" }, { "C", "D" }, { "D", "A" }, { "A", "C" }, { "B", "D" } } }
+  return world:truss { nodes = n, stiffness = stiffness,
+    struts = { { "A", "B" }, { "B", "C" }, { "C", "D" }, { "D", "A" }, { "A", "C" }, { "B", "D" } } }
 end
 
 scenario("row 72: a force on one of four particles moves them like a rigid body", function(s)
@@ -142,7 +143,8 @@ end)
 
 scenario("stiffness 1e12 on masses from 1 g to 100 t, at 1/30 s and without damping, gains no energy in 10 000 steps", function(s)
   local world = s:world { gravity = { 0, 0, 0 }, step = 1 / 30, sleeping = false }
-  local t = world:truss { stiffness = 1e12, damping = 0, struts = { { "A", "B" }, { "B", "C" }, { "C", "A" }, { "A", "D" }, { "B", "D" }, { "C", "D" } },
+  local t = world:truss { stiffness = 1e12, damping = 0,
+    struts = { { "A", "B" }, { "B", "C" }, { "C", "A" }, { "A", "D" }, { "B", "D" }, { "C", "D" } },
     nodes = { A = { at = { 0, 0, 0 }, mass = 1e-3 }, B = { at = { 1, 0, 0 }, mass = 1 }, C = { at = { 0, 1, 0 }, mass = 1e3 },
               D = { at = { 0, 0, 1 }, mass = 1e5 } } }
   t:node("A"):hit { impulse = { 1e-3, 2e-3, 0 } }
