@@ -273,6 +273,7 @@ typedef struct dig_material_def {
     real conductivity;          /* W/(m K)                               */
     real resistivity;           /* ohm m                                 */
     real strength;              /* Pa                                    */
+    real stiffness;             /* Pa, Young's modulus                   */
     vec3 colour;                /* linear RGB 0..1                       */
     real roughness;             /* 1, of the surface as drawn            */
     real metallic;              /* 1, 0 or 1 as drawn                    */
@@ -471,11 +472,13 @@ typedef struct dig_joint_state {
     real        speed;          /* rad/s or m/s of the free coordinate        */
     vec3        force, torque;  /* N, N m: what the joint does to a, mean over the last step */
     real        error;          /* m, how far the ends are apart              */
+    real        stress;         /* 1, load over what it bears: it breaks above 1; 0 = nothing breaks it */
     bool        at_limit;
 } dig_joint_state;
 
 dig_status dig_joint_get(const dig_world *w, dig_joint j, dig_joint_state *out);
 dig_status dig_joint_set(dig_world *w, dig_joint j, const char *param, const void *value);    /* "motor.speed", "friction", ... */
+dig_status dig_joint_param(const dig_world *w, dig_joint j, const char *param, void *value);        /* reads one, or breaks_at */
 dig_joint  dig_joint_find(const dig_world *w, const char *name);
 
 /* ---- dynamic interaction graphs ---------------------------------------------------- */
@@ -527,6 +530,7 @@ typedef struct dig_event {
     int       wall;             /* 1..6 for +x -x +y -y +z -z of the room, else 0      */
     real      speed;            /* m/s approach, > 0                                   */
     real      impulse;          /* N s                                                 */
+    real      stress;           /* 1, load over what it bore (broken)                  */
     vec3      point, normal;
     dig_link_kind link;         /* link, unlink                                        */
     uint64_t  message;          /* id of the message                                   */

@@ -537,7 +537,7 @@ void bind_film_open(lua_State *L, int core)
     lua_newtable(L);
     static const struct { const char *name; int bit; } overlays[] = {
         {"dig", OVERLAY_DIG}, {"contacts", OVERLAY_CONTACTS}, {"forces", OVERLAY_FORCES}, {"names", OVERLAY_NAMES},
-        {"joints", OVERLAY_JOINTS}, {"time", OVERLAY_TIME}, {"temperature", OVERLAY_TEMPERATURE},
+        {"joints", OVERLAY_JOINTS}, {"time", OVERLAY_TIME}, {"temperature", OVERLAY_TEMPERATURE}, {"stress", OVERLAY_STRESS},
     };
     for (size_t i = 0; i < sizeof overlays / sizeof *overlays; i++) {
         lua_pushinteger(L, overlays[i].bit);

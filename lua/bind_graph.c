@@ -361,6 +361,7 @@ static void push_event(lua_State *L, const dig_event *e, const dig_message *m)
     set_body(L, 1, "b", e->b);
     bind_set_real(L, "speed", e->speed);
     bind_set_real(L, "impulse", e->impulse);
+    bind_set_real(L, "stress", e->stress);
     set_vec3(L, "point", e->point);
     set_vec3(L, "normal", e->normal);
     bind_push_joint(L, 1, e->joint);

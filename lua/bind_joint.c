@@ -159,6 +159,7 @@ static int get_distance(lua_State *L) { lua_pushnumber(L, state(L).distance); re
 static int get_speed(lua_State *L) { lua_pushnumber(L, state(L).speed); return 1; }
 static int get_force(lua_State *L) { bind_push_vec3(L, state(L).force); return 1; }
 static int get_torque(lua_State *L) { bind_push_vec3(L, state(L).torque); return 1; }
+static int get_stress(lua_State *L) { lua_pushnumber(L, state(L).stress); return 1; }
 static int get_error(lua_State *L) { lua_pushnumber(L, state(L).error); return 1; }
 static int get_at_limit(lua_State *L) { lua_pushboolean(L, state(L).at_limit); return 1; }
 
@@ -255,7 +256,7 @@ static int joint_set(lua_State *L)
     return 1;
 }
 
-/* A parameter is set, not read: say so rather than "no such field". */
+/* Numbers are read; another parameter is set, not read: say so rather than "no such field". */
 static int joint_parameter(lua_State *L)
 {
     JointRef *j = luaL_testudata(L, 1, BIND_JOINT);
@@ -264,7 +265,15 @@ static int joint_parameter(lua_State *L)
     dig_joint_state now = state(L);
     const dig_schema *schema = dig_schema_find("joint", now.type);
     const char *key = lua_tostring(L, 2);
-    if (schema && find_row(schema->rows, key))
+    const dig_param *row = schema ? find_row(schema->rows, key) : NULL;
+    real number;
+    if ((row && row->kind == DIG_REAL) || strcmp(key, "breaks_at") == 0) {
+        if (dig_joint_param(j->world->w, j->id, key, &number) != DIG_OK)
+            return 0;
+        lua_pushnumber(L, number);
+        return 1;
+    }
+    if (row)
         return bind_error(L, "joint '%s': parameter '%s' can be set, not read", now.name, key);
     return 0;
 }
@@ -310,7 +319,7 @@ static int joint_eq(lua_State *L)
 static const luaL_Reg methods[] = {{"set", joint_set}, {"remove", joint_remove}, {"withdraw", joint_remove}, {NULL, NULL}};
 static const luaL_Reg getters[] = {
     {"type", get_type}, {"name", get_name}, {"a", get_a}, {"b", get_b}, {"at", get_at}, {"angle", get_angle}, {"distance", get_distance},
-    {"speed", get_speed}, {"force", get_force}, {"torque", get_torque}, {"error", get_error}, {"at_limit", get_at_limit},
+    {"speed", get_speed}, {"force", get_force}, {"torque", get_torque}, {"error", get_error}, {"stress", get_stress}, {"at_limit", get_at_limit},
     {"valid", get_valid}, {NULL, NULL},
 };
 static const luaL_Reg meta[] = {{"__newindex", joint_newindex}, {"__tostring", joint_tostring}, {"__eq", joint_eq}, {NULL, NULL}};

@@ -400,6 +400,21 @@ static int world_material(lua_State *L)
     return s == DIG_OK ? 0 : bind_fail(L, ref->w, s);
 }
 
+/* core.material_of(world, name) -> {density=, strength=, stiffness=, ...}: its numbers */
+static int world_material_of(lua_State *L)
+{
+    WorldRef *ref = bind_check_world(L, 1);
+    const char *name = luaL_checkstring(L, 2);
+    dig_material_def def;
+    if (dig_material_get(ref->w, name, &def) != DIG_OK)
+        return 0;
+    lua_newtable(L);
+    for (const dig_param *row = dig_schema_at("material", 0)->rows; row->name; row++)
+        if (row->kind == DIG_REAL)
+            bind_set_real(L, row->name, *(const real *)(const void *)((const char *)&def + row->offset));
+    return 1;
+}
+
 static const dig_param pair_rows[] = {
     {"a", DIG_MATERIAL, "", "one material", 0, 0, 0, offsetof(dig_pair_def, a), NULL, NULL, true},
     {"b", DIG_MATERIAL, "", "the other", 0, 0, 0, offsetof(dig_pair_def, b), NULL, NULL, true},
@@ -473,7 +488,7 @@ static const luaL_Reg snapshot_meta[] = {{"__gc", snapshot_gc}, {"__tostring", s
 static const luaL_Reg functions[] = {
     {"world", world_open}, {"load", world_load}, {"state", world_state}, {"is_open", world_is_open},
     {"step", world_step}, {"save", world_save}, {"restore", world_restore}, {"close", world_close}, {"room", world_room}, {"room_open", world_room_open},
-    {"material", world_material}, {"material_pair", world_material_pair},
+    {"material", world_material}, {"material_of", world_material_of}, {"material_pair", world_material_pair},
     {"cpu_seconds", cpu_seconds}, {NULL, NULL},
 };
 

@@ -28,6 +28,7 @@ static void view_of(const World *w, const JointRec *r, JointView *view, real mem
     memset(view, 0, sizeof *view);
     memcpy(memory, r->memory, sizeof r->memory);
     view->params = r->params;
+    view->breaks_at = r->breaks_at;
     view->memory = memory;
     view->type = r->type;
     view_end(w, &view->a, r->a, r->ra, r->fa);
@@ -130,6 +131,12 @@ static dig_status place(const World *w, const JointType *type, const dig_joint_d
         return world_fail(w, DIG_E_ARG, "%s: axis = {%g, %g, %g} has no direction", type->name, axis.x, axis.y, axis.z);
     axis = vec3_unit(axis);
     vec3_basis(axis, &u, &n);
+    vec3 up = type->has_up ? *(const vec3 *)(const void *)r->params : (vec3){NAN, NAN, NAN};
+    up = vec3_mad(up, -vec3_dot(up, axis), axis);
+    if (vec3_length(up) > 1e-9) {           /* false for NaN: any will do */
+        u = vec3_unit(up);
+        n = vec3_cross(axis, u);
+    }
     quat frame = quat_from_matrix(mat3_transpose((mat3){axis, u, n}));
     r->ra = quat_unrotate(a->q, vec3_sub(pa, a->x));
     r->fa = quat_mul(quat_conjugate(a->q), frame);
@@ -273,6 +280,7 @@ dig_status dig_joint_get(const dig_world *w, dig_joint handle, dig_joint_state *
     out->speed = r->type->speed ? r->type->speed(&view) : 0;
     out->force = r->force;
     out->torque = vec3_sub(r->torque, vec3_cross(view.a.r, r->force));      /* the couple at the anchor */
+    out->stress = joint_share(&view, out->force, out->torque);
     out->at_limit = r->type->at_limit && r->type->at_limit(&view);
     Row rows[JOINT_SLOTS];
     RowList list = {rows, 0, JOINT_SLOTS};
@@ -282,6 +290,23 @@ dig_status dig_joint_get(const dig_world *w, dig_joint handle, dig_joint_state *
             if (rows[i].kind == ROW_HARD && !rows[i].angular)
                 out->error = hypot(out->error, rows[i].error);
     }
+    return DIG_OK;
+}
+
+dig_status dig_joint_param(const dig_world *w, dig_joint handle, const char *name, void *value)
+{
+    const JointRec *r = api_joint(w, handle, name);
+    size_t offset;
+    if (!r)
+        return DIG_E_DEAD;
+    if (strcmp(name, "breaks_at") == 0) {
+        *(real *)value = r->breaks_at > 0 ? r->breaks_at : INFINITY;
+        return DIG_OK;
+    }
+    const dig_param *row = param_find_path(r->type->params, name, &offset);
+    if (!row)
+        return world_fail(w, DIG_E_ARG, "%s has no parameter '%s'", r->type->name, name);
+    memcpy(value, (const char *)r->params + offset, param_size(row));
     return DIG_OK;
 }
 

@@ -148,6 +148,7 @@ static void pack_event(Pack *p, const World *w, dig_event *e)
     pack_enum(p, &e->wall, 7, "wall of an event");
     pack_real_in(p, &e->speed, -SAVE_FAST, SAVE_FAST, "speed of an event");
     pack_real_in(p, &e->impulse, -SAVE_STRONG, SAVE_STRONG, "impulse of an event");
+    pack_real_in(p, &e->stress, 0, SAVE_STRONG, "stress of an event");
     pack_vec3(p, &e->point, SAVE_FAR, "place of an event");
     pack_vec3(p, &e->normal, 2, "normal of an event");
     pack_enum(p, &e->link, DIG_LINK_KINDS, "link of an event");

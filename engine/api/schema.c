@@ -108,6 +108,8 @@ static const dig_param material_rows[] = {
      .doc = "electrical resistivity", .fallback = 1e12, .min = 0, .max = 1e30, .offset = AT(dig_material_def, resistivity)},
     {.name = "strength", .kind = DIG_REAL, .unit = "Pa",
      .doc = "tensile strength", .fallback = 2e7, .min = 0, .max = 1e13, .offset = AT(dig_material_def, strength)},
+    {.name = "stiffness", .kind = DIG_REAL, .unit = "Pa",
+     .doc = "Young's modulus", .fallback = 1e9, .min = 1, .max = 1e15, .offset = AT(dig_material_def, stiffness)},
     {.name = "colour", .kind = DIG_COLOUR, .unit = "1",
      .doc = "linear red, green, blue", .fallback = 0.5, .max = 1, .offset = AT(dig_material_def, colour)},
     {.name = "roughness", .kind = DIG_REAL, .unit = "1",

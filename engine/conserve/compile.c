@@ -51,6 +51,21 @@ static bool find_normal(const JointView *v, quat fa, quat fb, const Row *r, Part
     return false;
 }
 
+static bool find_twist(const JointView *v, const Row *r, Part *part)
+{
+    for (int turn = 0; turn < 3; turn++) {
+        JointView t = joint_turned(v, turn);
+        real angle = 0;
+        if (!same(r->ang[0], joint_twist(&t)))
+            continue;
+        part->kind = PART_TWIST;
+        part->turn = turn;
+        part->offset = joint_angle(&t, &angle) - r->error;
+        return true;
+    }
+    return false;
+}
+
 static bool find_part(const JointView *v, quat fa, quat fb, const Row *rows, int count, int i, Part *part)
 {
     const Row *r = &rows[i];
@@ -69,12 +84,7 @@ static bool find_part(const JointView *v, quat fa, quat fb, const Row *rows, int
         return find_line(v, fb, r, part);
     if (r->kind == ROW_HARD)
         return find_normal(v, fa, fb, r, part);
-    if (!same(r->ang[0], joint_twist(v)))
-        return false;
-    real angle = 0;
-    part->kind = PART_TWIST;
-    part->offset = joint_angle(v, &angle) - r->error;
-    return true;
+    return find_twist(v, r, part);
 }
 
 /* May the stop be met in this step? Speeds may double, gravity acts. */

@@ -84,12 +84,12 @@ static void eval_length(Tie *t, const Part *part, const Arms *r)
     t->error[part->at] = l1 - part->offset;
 }
 
-static JointView view_at(const Tie *t, const Piece *a, const Piece *b, bool end)
+static JointView view_at(const Tie *t, int turn, const Piece *a, const Piece *b, bool end)
 {
     JointView v = {0};
     joint_end_set(&v.a, end ? a->x : a->x0, end ? a->q : a->q0, vec3_zero(), vec3_zero(), t->ra, t->fa);
     joint_end_set(&v.b, end ? b->x : b->x0, end ? b->q : b->q0, vec3_zero(), vec3_zero(), t->rb, t->fb);
-    return v;
+    return turn > 0 ? joint_turned(&v, turn) : v;
 }
 
 static vec3 mean(vec3 a, vec3 b) { return vec3_scale(0.5, vec3_add(a, b)); }
@@ -97,7 +97,7 @@ static vec3 mean(vec3 a, vec3 b) { return vec3_scale(0.5, vec3_add(a, b)); }
 /* The axes' means give a direction that is right to second order; the rest of the change goes along the relative turn. */
 static void eval_twist(Tie *t, const Part *part, const Arms *r)
 {
-    JointView v0 = view_at(t, r->a, r->b, false), v1 = view_at(t, r->a, r->b, true), vm = v1;
+    JointView v0 = view_at(t, part->turn, r->a, r->b, false), v1 = view_at(t, part->turn, r->a, r->b, true), vm = v1;
     real angle = part->start + part->offset;
     t->error[part->at] = joint_angle(&v1, &angle) - part->offset;
     vm.a.axis = mean(v0.a.axis, v1.a.axis);

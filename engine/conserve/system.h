@@ -35,6 +35,7 @@ typedef struct Part {
     int  slot;                  /* of the first row             */
     bool soft;
     real stiffness, damping;
+    int  turn;                  /* TWIST: about which axis of the joint, see joint_turned */
     vec3 in_a, in_b;            /* LINE: direction in b; NORMAL: a direction in each; body axes */
     real offset;                /* m, 1 or rad  C = coordinate - offset */
     real start;                 /* C at the start of the step   */

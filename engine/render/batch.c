@@ -6,6 +6,15 @@
 static const real BEVEL = 0.055;        /* of the smallest extent */
 static const float SCALE = 0.1f;        /* of its colour, that a glowing body throws back */
 
+/* Green without load, yellow at half of what breaks it, red there; linear. */
+void stress_colour(float stress, float colour[3])
+{
+    float s = stress < 0 ? 0 : stress > 1 ? 1 : stress;
+    colour[0] = s < 0.5f ? 0.03f + 1.5f * s : 0.78f;
+    colour[1] = s < 0.5f ? 0.45f : 0.9f * (1 - s);
+    colour[2] = 0.03f;
+}
+
 void dig_colour(uint32_t dig, float colour[3])
 {
     /* golden-ratio steps round the colour circle: neighbours in number lie far apart */
@@ -105,6 +114,11 @@ static void set_colour(DrawItem *d, const ViewItem *item, const BatchEye *eye)
         if (item->asleep)
             c = vec3_lerp(c, (vec3){0.12, 0.12, 0.13}, 0.55);
     }
+    if (eye->overlay_stress && item->stress >= 0) {
+        float tint[3];
+        stress_colour(item->stress, tint);
+        c = vec3_from(tint);
+    }
     real rough = real_clamp((real)item->roughness, 0.12, 1);
     put4(d->instance.colour, c.x, c.y, c.z, isfinite(rough) ? rough : 0.5);
 }
@@ -173,6 +187,8 @@ static bool describe(DrawItem *d, const Batches *b, const Meshes *meshes, const 
         return false;
     const ViewMesh *m = &v->meshes[item->mesh];
     int pattern = item->pattern >= PATTERN_PLAIN && item->pattern <= PATTERN_CHECK ? item->pattern : PATTERN_PLAIN;
+    if (eye->overlay_stress && item->stress >= 0)
+        pattern = PATTERN_PLAIN;
     *d = (DrawItem){.index = index, .mesh = b->meshes[item->mesh], .closed = true};
     d->key = (ProgramKey){.pattern = pattern, .lamps = eye->lamps, .shadows = eye->shadows};
     quat q = quat_mul(quat_from_matrix(s->axes), quat_from(item->q));

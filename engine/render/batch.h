@@ -44,7 +44,7 @@ typedef struct BatchEye {       /* from where it is drawn */
     real pixels;                /* height of the picture / (2 tan(fov / 2))  */
     real reach;                 /* scene units: planes end here, in the fog  */
     int  lamps;
-    bool shadows, overlay_dig;
+    bool shadows, overlay_dig, overlay_stress;
     bool fine;                  /* the finest meshes, for data layers        */
     HeatScale heat;             /* on: bodies are coloured by temperature    */
 } BatchEye;
@@ -58,5 +58,6 @@ dig_status batches_draw(const Batches *b, const Meshes *meshes, Programs *progra
 
 /* A colour for each DIG, well apart from those of its neighbours; linear. */
 void dig_colour(uint32_t dig, float colour[3]);
+void stress_colour(float stress, float colour[3]);      /* linear */
 
 #endif

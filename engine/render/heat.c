@@ -55,7 +55,7 @@ void heat_colour(real share, float colour[3])
     static const float stops[5][3] = {{0.010f, 0.006f, 0.050f}, {0.130f, 0.010f, 0.210f}, {0.520f, 0.035f, 0.090f},
                                       {0.930f, 0.270f, 0.020f}, {0.970f, 0.920f, 0.420f}};
     real x = 4 * (share > 0 ? share < 1 ? share : 1 : 0);
-    int k = x < 3 ? (int)x : 3;
+    int k = x < 1 ? 0 : x < 2 ? 1 : x < 3 ? 2 : 3;
     for (int i = 0; i < 3; i++)
         colour[i] = (float)((real)stops[k][i] + (x - k) * ((real)stops[k + 1][i] - (real)stops[k][i]));
 }

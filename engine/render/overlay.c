@@ -233,6 +233,27 @@ static void show_scale(const Pen *pen, const View *v)
     }
 }
 
+#define LEGEND 40               /* steps of the bar */
+
+/* The colours of stress, from none to what breaks, in the lower right corner. */
+static void show_legend(const Pen *pen)
+{
+    Overlay *o = pen->o;
+    real unit = real_clamp(pen->eye->height / 45, 11, 48), right = pen->eye->width - 2.4 * unit, left = right - 9 * unit;
+    real y = pen->eye->height - 1.2 * unit;
+    for (int i = 0; i < LEGEND; i++) {
+        float linear[3], colour[3];
+        stress_colour((float)i / (LEGEND - 1), linear);
+        display_colour(linear, colour);
+        real a[2] = {left + (right - left) * i / LEGEND, y}, b[2] = {left + (right - left) * (i + 1) / LEGEND, y};
+        Stroke step = stroke_of(a, b, 0.4 * unit, 0.4 * unit, colour, 1);
+        step.widths[2] = 0;                 /* no rim */
+        put_stroke(&o->strokes, step);
+    }
+    draw_text(o, left - 4.6 * unit, y + 0.36 * unit, "stress 0");
+    draw_text(o, right + 0.5 * unit, y + 0.36 * unit, "1");
+}
+
 /* ---- drawing ---------------------------------------------------------- */
 
 void overlay_open(Overlay *o, const Gl *gl)
@@ -308,12 +329,14 @@ dig_status overlay_draw(Overlay *o, Programs *programs, const Gl *gl, const View
         show_contacts(&pen, v, s->unit);
     if (flags & OVERLAY_FORCES)
         show_forces(&pen, v, s->unit);
-    if (flags & (OVERLAY_NAMES | OVERLAY_TIME | OVERLAY_TEMPERATURE)) {
+    if (flags & (OVERLAY_NAMES | OVERLAY_TIME | OVERLAY_TEMPERATURE | OVERLAY_STRESS)) {
         gl->ActiveTexture(GL_TEXTURE0 + UNIT_FONT);
         load_font(o, gl, (int)real_clamp(round(eye->height / 45), 11, 48));
         show_texts(&pen, v, flags);
         if (flags & OVERLAY_TEMPERATURE)
             show_scale(&pen, v);
+        if (flags & OVERLAY_STRESS)
+            show_legend(&pen);
     }
     if (o->strokes.full || o->glyphs.full) {
         snprintf(why, capacity, "no memory for the overlay");

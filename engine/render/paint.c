@@ -237,7 +237,8 @@ dig_status paint(Renderer *r, const View *v, const RenderOptions *o, const Targe
     Sight e = find_sight(v, &s, o);
     real reach = real_max(16, 4.5 * vec3_length(e.at));
     BatchEye eye = {.at = e.at, .pixels = o->height / (2 * e.tan_y), .reach = reach, .lamps = colour ? o->lamp_count : 0,
-                    .shadows = o->shadows, .overlay_dig = (o->overlay & OVERLAY_DIG) != 0, .fine = !colour};
+                    .shadows = o->shadows, .overlay_dig = (o->overlay & OVERLAY_DIG) != 0, .overlay_stress = (o->overlay & OVERLAY_STRESS) != 0,
+                    .fine = !colour};
     if (colour && (o->overlay & OVERLAY_TEMPERATURE))
         eye.heat = heat_scale(v);
     Frame frame;

@@ -17,7 +17,7 @@ typedef enum RenderLayer { RENDER_COLOUR, RENDER_DEPTH, RENDER_ID, RENDER_NORMAL
 
 enum {      /* RenderOptions.overlay, or-ed */
     OVERLAY_DIG = 1, OVERLAY_CONTACTS = 2, OVERLAY_FORCES = 4, OVERLAY_NAMES = 8, OVERLAY_JOINTS = 16, OVERLAY_TIME = 32,
-    OVERLAY_TEMPERATURE = 128
+    OVERLAY_STRESS = 64, OVERLAY_TEMPERATURE = 128
 };
 
 typedef struct RenderCamera {

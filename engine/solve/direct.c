@@ -364,9 +364,18 @@ static bool solve_joints(Direct *d)
     return isfinite(d->error);
 }
 
+static bool any_elastic(const Group *g)
+{
+    for (int i = 0; i < g->joint_count; i++)
+        if (g->joints[i].view.type->elastic)
+            return true;
+    return false;
+}
+
 static bool run(Direct *d, real residual)
 {
     Group *g = d->g;
+    d->late_lift = any_elastic(g);
     ArenaMark mark = arena_mark(g->arena);
     d->heavy = group_top_heavy(g);
     bool fine = open_direct(d) && (g->joints_direct ? solve_joints(d) : solve(d, residual));

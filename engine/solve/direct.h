@@ -60,6 +60,7 @@ typedef struct Direct {
     bool    projects;           /* positions, not velocities: nothing moves so far, nothing is taut */
     bool    heavy;              /* something in the group is heavy on what is light                 */
     bool    kept;               /* the factor is that of the present sets                          */
+    bool    late_lift;          /*       lifts are those of the start: what is wedged in something that gives chases them to infinity */
     int     factors, rounds, most_factors;
     real    hardened;           /* 1    compliances over what they were at first                   */
     real    accept;             /* m/s  what is good enough to be taken                            */

@@ -17,6 +17,13 @@ static void set_line(real *j, const Dir *d)
     memcpy(j, part, sizeof part);
 }
 
+/* m/s  The same as dir_rate before the substep: guesses of impulses that a break has made void do not count. */
+static real start_rate(const Group *g, const Dir *d, int a, int b)
+{
+    Vel va = g->member[a].moves ? g->member[a].start_vel : g->vel[a], vb = g->member[b].moves ? g->member[b].start_vel : g->vel[b];
+    return vec3_dot(d->n, vec3_sub(vb.v, va.v)) + vec3_dot(d->aa, va.w) + vec3_dot(d->ab, vb.w);
+}
+
 static void add_point(Direct *d, int i)
 {
     const PointRow *p = &d->g->points[i];
@@ -38,7 +45,8 @@ static void add_point(Direct *d, int i)
     t->rate[1] = dir_rate(d->g, &p->t[0], p->a, p->b);
     t->rate[2] = dir_rate(d->g, &p->t[1], p->a, p->b);
     if (t->set == SET_CONE && p->slides && p->jn > 0)
-        t->lift = t->mu * hypot(t->rate[1], t->rate[2]);
+        t->lift = t->mu * (d->late_lift ? hypot(start_rate(d->g, &p->t[0], p->a, p->b), start_rate(d->g, &p->t[1], p->a, p->b))
+                                        : hypot(t->rate[1], t->rate[2]));
 }
 
 static void add_roll(Direct *d, int i)
@@ -364,6 +372,8 @@ static real next_triple(Direct *d, int i, real harder)
     }
     if (t->set == SET_CONE && t->held == HELD_SLIPS)
         lift = t->mu * hypot(t->rate[1], t->rate[2]);
+    if (d->late_lift)
+        lift = t->lift;
     worst = real_max(worst, fabs(lift - t->lift));
     t->lift = lift;
     follow_bounds(d, i);

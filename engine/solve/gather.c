@@ -391,6 +391,7 @@ static dig_status gather_joints(Group *g, int joints)
             g->joints[i].other[k] = r->other[k] == NONE ? -1 : joint_index(g, r->other[k]);
         g->joints[i].view.type = r->type;
         g->joints[i].view.params = r->params;
+        g->joints[i].view.breaks_at = r->breaks_at;
         g->joints[i].view.memory = g->joints[i].memory;
     }
     return DIG_OK;

@@ -20,6 +20,8 @@ typedef struct JointType {
     int              free_axes;     /* degrees of freedom left, 0..6                 */
     int              couples;       /* 0, or 2: a and b are joints, not bodies: the params struct then begins with two dig_joint */
     bool             no_axis;       /* the type ignores `axis`                       */
+    bool             has_up;        /* params begin with a vec3 (world, at creation; x NaN = any): the u axis of the frame is that way */
+    bool             elastic;       /* a part of a structure that gives: its soft rows carry the load, and are to be solved directly */
     bool             two_anchors;   /* params begin with vec3 at_a, at_b (world points at creation; x NaN = centre of mass of that body,
                                      * or the common `at` for a world end): anchors differ */
     /* Checks what ranges cannot (limits against each other, ...). why gets one sentence. May complete params (a length left NaN
@@ -37,9 +39,17 @@ typedef struct JointType {
     Row       *(*coordinate_row)(RowList *list, const JointView *j, RowKind kind, int slot);
     /* Energy stored in springs, J. NULL = none. */
     real       (*energy)(const JointView *j);
+    /* Load over what it bears: it breaks above 1. force, couple: N, N m, what it does to a, at a's anchor, world axes.
+     * NULL: |force| / breaks_at. */
+    real       (*share)(const JointView *j, vec3 force, vec3 couple);
+    /* At the end of a step, under the mean load of it: what lies past the elastic limit stays (j->memory). J lost. NULL: nothing yields. */
+    real       (*settle)(const JointView *j, vec3 force, vec3 couple);
     /* Is the coordinate at a limit (within 1e-4)? NULL = no limits. */
     bool       (*at_limit)(const JointView *j);
 } JointType;
+
+/* Load over what the joint bears, 0 where nothing breaks it. */
+real joint_share(const JointView *j, vec3 force, vec3 couple);
 
 extern const JointType *const joint_types[];        /* NULL-terminated; defined in joint/joints.c */
 

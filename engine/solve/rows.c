@@ -210,6 +210,22 @@ static vec3 twist_turn(const JointView *j, vec3 d)
     return vec3_scale(1 / c, vec3_mad(vec3_add(a, b), -(vec3_dot(a, eb) + vec3_dot(ea, b)), d));
 }
 
+static void turn_end(JointEnd *e, int turn)
+{
+    const vec3 d[3] = {e->axis, e->u, e->n};
+    e->axis = d[turn];
+    e->u = d[(turn + 1) % 3];
+    e->n = d[(turn + 2) % 3];
+}
+
+JointView joint_turned(const JointView *j, int turn)
+{
+    JointView v = *j;
+    turn_end(&v.a, turn);
+    turn_end(&v.b, turn);
+    return v;
+}
+
 Row *rows_twist(RowList *list, const JointView *j, RowKind kind, int slot)
 {
     vec3 d = joint_twist(j);
@@ -221,6 +237,13 @@ Row *rows_twist(RowList *list, const JointView *j, RowKind kind, int slot)
 real joint_rate(const JointView *j, const Row *r)
 {
     return vec3_dot(r->lin[0], j->a.v) + vec3_dot(r->ang[0], j->a.w) + vec3_dot(r->lin[1], j->b.v) + vec3_dot(r->ang[1], j->b.w);
+}
+
+real joint_share(const JointView *j, vec3 force, vec3 couple)
+{
+    if (j->type->share)
+        return j->type->share(j, force, couple);
+    return j->breaks_at > 0 ? vec3_length(force) / j->breaks_at : 0;
 }
 
 /* ---- limits, motors, springs, friction ------------------------------------------ */

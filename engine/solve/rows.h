@@ -61,6 +61,7 @@ typedef struct JointEnd {
 typedef struct JointView JointView;
 struct JointView {
     const void *params;             /* the type's own struct                                   */
+    real        breaks_at;          /* N   0 = never                                           */
     JointEnd    a, b;
     real       *memory;             /* [JOINT_MEMORY] kept between steps, part of the state; angle unwinding */
     const JointView *other[2];      /* for gear and rack: the joints they couple, else NULL    */
@@ -98,6 +99,8 @@ Row *rows_twist(RowList *list, const JointView *j, RowKind kind, int slot);
 void rows_parallel(RowList *list, const JointView *j, int slot);
 /* 3 HARD rows: the frames of a and b stay aligned. */
 void rows_aligned(RowList *list, const JointView *j, int slot);
+/* The joint with its axes (axis, u, n) named anew: axis `turn` of them first, the others after it. turn = 0, 1, 2. */
+JointView joint_turned(const JointView *j, int turn);
 /* Row on the length |pa - pb|: rate of the length; NULL when the ends coincide (no direction). *length gets it. */
 Row *rows_length(RowList *list, const JointView *j, RowKind kind, real *length, int slot);
 /* Limits lo <= coordinate <= hi by up to two LIMIT rows copied from `like` (its Jacobian), slots slot and slot+1: nothing

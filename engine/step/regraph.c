@@ -168,12 +168,20 @@ static void end_touches(World *w, real start, real dt)
     w->brief.count = n;
 }
 
-static void joints_of(World *w, const Group *g)
+/* Mean load of the step on a's anchor. */
+static vec3 couple_of(const JointRec *r, const JointView *v) { return vec3_sub(r->torque, vec3_cross(v->a.r, r->force)); }
+
+static void joints_of(World *w, Group *g)
 {
     for (int i = 0; i < g->joint_count; i++) {
-        const GroupJoint *j = &g->joints[i];
+        GroupJoint *j = &g->joints[i];
         JointRec *r = &w->joints.data[j->slot];
         const JointType *type = r->type;
+        if (type->settle && !j->broken) {
+            group_joint_view(g, i);
+            w->ledger.lost += type->settle(&j->view, r->force, couple_of(r, &j->view));
+            memcpy(r->memory, j->memory, sizeof r->memory);
+        }
         bool limit = type->at_limit && type->at_limit(&j->view);
         if (limit && !r->at_limit) {
             dig_event *e = event_post(w, DIG_EVENT_LIMIT_REACHED, r->a, r->b);
@@ -184,8 +192,8 @@ static void joints_of(World *w, const Group *g)
     }
 }
 
-/* load in N; time in s of the world */
-static void break_joint(World *w, const GroupJoint *j, real load, real time)
+/* load in N; share of what it bears; time in s of the world. What its springs held is sound and heat. */
+static void break_joint(World *w, const GroupJoint *j, real load, real share, real time)
 {
     uint32_t slot = j->slot;
     JointRec *r = &w->joints.data[slot];
@@ -196,6 +204,7 @@ static void break_joint(World *w, const GroupJoint *j, real load, real time)
     if (e) {
         e->joint = joint_handle(w, slot);
         e->impulse = load * w->def.step;
+        e->stress = share;
     }
     joint_remove(w, slot);
     for (int i = first; i < w->pending.count; i++)      /* what follows from it happened with it */
@@ -208,28 +217,30 @@ static void break_joint(World *w, const GroupJoint *j, real load, real time)
 
 /* A group that is followed in time has found its breaks. Else the weakest first: of the joints of one group that are over their
  * limit in the mean of the step, the one with the largest share breaks. A blow is no force: it counts by the mean in either. */
-static void break_joints(World *w, const Group *g, real start)
+static void break_joints(World *w, Group *g, real start)
 {
-    int broken = 0;
-    const GroupJoint *worst = NULL;
+    int broken = 0, worst = -1;
     real share = 1;
     for (int i = 0; i < g->joint_count; i++) {
         const GroupJoint *j = &g->joints[i];
         const JointRec *r = &w->joints.data[j->slot];
         if (j->broken && r->alive) {
-            break_joint(w, j, r->breaks_at, start + j->broke);
+            break_joint(w, j, r->breaks_at > 0 ? r->breaks_at : vec3_length(r->force), 1, start + j->broke);
             broken++;
             continue;
         }
-        real s = r->alive && r->breaks_at > 0 ? vec3_length(r->force) / r->breaks_at : 0;
+        if (!r->alive || !(r->breaks_at > 0 || r->type->share))
+            continue;
+        group_joint_view(g, i);
+        real s = joint_share(&j->view, r->force, couple_of(r, &j->view));
         if (s > share) {
             share = s;
-            worst = j;
+            worst = i;
         }
     }
     bool followed = g->way && g->way->tally == WAY_TRACED && g->located == 0;
-    if (worst && broken == 0 && !followed)
-        break_joint(w, worst, vec3_length(w->joints.data[worst->slot].force), world_time(w));
+    if (worst >= 0 && broken == 0 && !followed)
+        break_joint(w, &g->joints[worst], vec3_length(w->joints.data[g->joints[worst].slot].force), share, world_time(w));
 }
 
 void regraph(World *w, Step *s)

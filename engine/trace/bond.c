@@ -9,21 +9,24 @@ void trace_bonds(Tracer *t)
 {
     t->bond_count = 0;
     for (int j = 0; j < t->g->joint_count; j++)
-        if (t->g->joints[j].breaks_at > 0)
-            t->bonds[t->bond_count++] = (Bond){.joint = j, .strength = t->g->joints[j].breaks_at};
+        if (t->g->joints[j].view.type->share || t->g->joints[j].breaks_at > 0)
+            t->bonds[t->bond_count++] = (Bond){.joint = j, .strength = t->g->joints[j].view.type->share ? 1 : t->g->joints[j].breaks_at};
 }
 
 real trace_load_on(const Tracer *t, int joint)
 {
     const GroupJoint *j = &t->g->joints[joint];
-    int end = j->a >= 0 ? j->a : j->b;
-    vec3 sum = vec3_zero();
+    vec3 sum = vec3_zero(), twist = vec3_zero();
     for (int i = 0; i < t->row_count[joint]; i++) {
         const Row *r = &t->rows[joint * JOINT_SLOTS + i];
         for (int k = 0; k < r->count; k++)
-            if (r->body[k] == end && end >= 0)
+            if (r->body[k] == j->a && j->a >= 0) {
                 sum = vec3_mad(sum, t->joint_force[joint * JOINT_SLOTS + r->slot], r->lin[k]);
+                twist = vec3_mad(twist, t->joint_force[joint * JOINT_SLOTS + r->slot], r->ang[k]);
+            }
     }
+    if (j->view.type->share)
+        return j->view.type->share(&j->view, sum, vec3_sub(twist, vec3_cross(j->view.a.r, sum)));
     return vec3_length(sum);
 }
 

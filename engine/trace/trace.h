@@ -92,7 +92,7 @@ typedef struct Hold {           /* a motor or dry friction of a joint */
 
 typedef struct Bond {           /* a joint that can break              */
     int  joint;
-    real strength, start, end;  /* N   load at the start and at the end of the step */
+    real strength, start, end;  /* N, or 1 where the type has a share: load at the start and at the end of the step */
 } Bond;
 
 /* ---- rows of the direct solve ---- */
@@ -241,7 +241,7 @@ Event trace_scan(Tracer *t);                    /* the first event of the tried 
 bool  trace_stop_at(Tracer *t, const Event *e); /* cuts the tried step at it: y1, t->h */
 /* bond.c: joints that break */
 void trace_bonds(Tracer *t);                    /* lists them */
-real trace_load_on(const Tracer *t, int joint); /* N  now */
+real trace_load_on(const Tracer *t, int joint); /* N  now; of types with a share, that */
 void trace_part(Tracer *t, const Event *e);     /* lets go what the event broke */
 /* bounce.c */
 bool trace_bounce(Tracer *t);                   /* after a blow: what follows in closed form, if it can be; false = fault */

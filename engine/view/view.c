@@ -11,6 +11,7 @@ typedef struct Taking {
     View        *v;
     vec3         origin;
     const Column *heat;         /* of the effect that begins with the temperature, effect/heat.h; NULL: there is none */
+    float       *stress;                    /* [bodies] */
     LIST(ViewItem)    items;
     LIST(ViewMesh)    meshes;
     LIST(ViewContact) contacts;
@@ -131,10 +132,96 @@ static dig_status take_item(Taking *t, uint32_t slot, const void **known)
     item->metallic = (float)m->metallic;
     item->pattern = (own || body_own) && strcmp(m->pattern.s, "stripe") != 0 ? PATTERN_PLAIN : pattern_of(m->pattern.s);
     item->dig = s->body == NONE ? 0 : graph_of(t->w->graph, s->body);
+    item->stress = s->body == NONE ? -1 : t->stress[s->body];
     item->asleep = b && b->kind == DIG_DYNAMIC && !b->awake;
     item->fixed = !b || b->kind == DIG_STATIC;
     const real *heat = t->heat ? column_find(t->heat, s->body) : NULL;
     item->temperature = heat ? (float)heat[0] : 0;
+    return DIG_OK;
+}
+
+/* ---- structures: what their joints bear, and struts, which have no body ---- */
+
+enum { PRISM = 10 };        /* sides of a strut */
+
+/* An upright prism, 1 in all, whose vertices are sent to the strut's size. */
+static dig_status strut_mesh(ViewMesh *m, float radius, float length)
+{
+    *m = (ViewMesh){.form = VIEW_CYLINDER, .size = {radius, length}, .vertex_count = 2 * PRISM, .index_count = 6 * PRISM + 6 * (PRISM - 2)};
+    m->vertices = malloc((size_t)(3 * m->vertex_count) * sizeof *m->vertices);
+    m->indices = malloc((size_t)m->index_count * sizeof *m->indices);
+    if (!m->vertices || !m->indices)
+        return DIG_E_MEMORY;
+    uint32_t *out = m->indices;
+    for (uint32_t i = 0; i < PRISM; i++) {
+        float x = radius * (float)cos(2 * DIG_PI * i / PRISM), z = radius * (float)sin(2 * DIG_PI * i / PRISM);
+        const float ends[6] = {x, -0.5f * length, z, x, 0.5f * length, z};
+        memcpy(m->vertices + (size_t)6 * i, ends, sizeof ends);
+        uint32_t a = 2 * i, b = 2 * ((i + 1) % PRISM);
+        const uint32_t side[6] = {a, a + 1, b, b, a + 1, b + 1};
+        memcpy(out, side, sizeof side);
+        out += 6;
+    }
+    for (uint32_t i = 1; i + 1 < PRISM; i++) {
+        const uint32_t caps[6] = {0, 2 * i, 2 * i + 2, 1, 2 * i + 3, 2 * i + 1};
+        memcpy(out, caps, sizeof caps);
+        out += 6;
+    }
+    return DIG_OK;
+}
+
+static dig_status take_strut(Taking *t, const JointRec *j, real radius, real stress)
+{
+    vec3 a = vec3_add(t->w->bodies.data[j->a].x, quat_rotate(t->w->bodies.data[j->a].q, j->ra));
+    vec3 b = j->b == NONE ? j->rb : vec3_add(t->w->bodies.data[j->b].x, quat_rotate(t->w->bodies.data[j->b].q, j->rb));
+    if (!(vec3_distance(a, b) > 1e-9))
+        return DIG_OK;
+    DIG_TRY(list_push(&t->meshes, NULL));
+    DIG_TRY(strut_mesh(&t->meshes.data[t->meshes.count - 1], (float)radius, (float)vec3_distance(a, b)));
+    DIG_TRY(list_push(&t->items, NULL));
+    ViewItem *item = &t->items.data[t->items.count - 1];
+    quat q = quat_between((vec3){0, 1, 0}, vec3_unit(vec3_sub(b, a)));
+    *item = (ViewItem){.mesh = t->meshes.count - 1, .q = {(float)q.x, (float)q.y, (float)q.z, (float)q.w}, .colour = {0.30f, 0.32f, 0.35f},
+                       .roughness = 0.45f, .stress = (float)stress, .dig = graph_of(t->w->graph, j->a),
+                       .asleep = !t->w->bodies.data[j->a].awake};
+    write_point(t, item->p, vec3_scale(0.5, vec3_add(a, b)));
+    return DIG_OK;
+}
+
+static bool gives(const char *type) { return strcmp(type, "strut") == 0 || strcmp(type, "beam") == 0; }
+
+static void raise_stress(Taking *t, uint32_t body, real stress)
+{
+    if (body != NONE && (real)t->stress[body] < stress)
+        t->stress[body] = (float)stress;
+}
+
+/* Of the bodies that joints hold which can break. */
+static void take_stress(Taking *t)
+{
+    dig_joint_state s;
+    for (int i = 0; i < t->w->bodies.count; i++)
+        t->stress[i] = -1;
+    for (int i = 0; i < t->w->joints.count; i++) {
+        const JointRec *j = &t->w->joints.data[i];
+        if (!j->alive || dig_joint_get(t->w, joint_handle(t->w, (uint32_t)i), &s) != DIG_OK || !(s.stress > 0 || gives(s.type)))
+            continue;
+        raise_stress(t, j->a, s.stress);
+        raise_stress(t, j->b, s.stress);
+    }
+}
+
+static dig_status take_struts(Taking *t)
+{
+    dig_joint_state s;
+    real radius;
+    for (int i = 0; i < t->w->joints.count; i++) {
+        const JointRec *j = &t->w->joints.data[i];
+        dig_joint handle = joint_handle(t->w, (uint32_t)i);
+        if (j->alive && dig_joint_get(t->w, handle, &s) == DIG_OK && strcmp(s.type, "strut") == 0 &&
+            dig_joint_param(t->w, handle, "radius", &radius) == DIG_OK && radius > 0)
+            DIG_TRY(take_strut(t, j, radius, s.stress));
+    }
     return DIG_OK;
 }
 
@@ -286,14 +373,21 @@ static dig_status take_all(Taking *t)
 {
     const World *w = t->w;
     const void **known = calloc((size_t)w->solids.count + 1, sizeof *known);
-    if (!known)
+    t->stress = malloc((size_t)(w->bodies.count + 1) * sizeof *t->stress);
+    if (!known || !t->stress) {
+        free(known);
+        free(t->stress);
         return DIG_E_MEMORY;
+    }
+    take_stress(t);
     dig_status s = DIG_OK;
     for (int i = 0; i < w->solids.count && s == DIG_OK; i++)
         if (w->solids.data[i].alive)
             s = take_item(t, (uint32_t)i, known);
     free(known);
+    free(t->stress);
     DIG_TRY(s);
+    DIG_TRY(take_struts(t));
     DIG_TRY(take_contacts(t));
     DIG_TRY(take_joints(t));
     DIG_TRY(take_room(t));

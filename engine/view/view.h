@@ -28,7 +28,7 @@ typedef struct ViewMesh {
     uint32_t *indices;          /* [index_count], 3 a triangle, counter-clockwise seen from outside */
 } ViewMesh;
 
-typedef struct ViewItem {       /* one shape of one body */
+typedef struct ViewItem {       /* one shape of one body, or a strut */
     uint32_t body;              /* slot + 1, for the id layer; 0 = none */
     int      mesh;
     float    p[3];              /* m, relative to origin */
@@ -37,6 +37,7 @@ typedef struct ViewItem {       /* one shape of one body */
     float    roughness, metallic;
     int      pattern;           /* ViewPattern */
     uint32_t dig;               /* DIG id, 0 = none (static) */
+    float    stress;            /* 1, the largest share of its limit that a joint of its bears; < 0 = none can break */
     bool     asleep, fixed;
     float    temperature;       /* K; 0 = it has none */
 } ViewItem;

@@ -12,7 +12,7 @@ local ON_TIME = 1e-9       -- s; nearer than this a frame falls on a step
 local default_fov = 40 * math.pi / 180
 local layers = { colour = 0, depth = 1, id = 2, normal = 3 }
 local skies = { clear = 0, overcast = 1, night = 2, black = 3 }
-local overlays = { stress = 0 }      -- no body has stress yet: drawn as nothing
+local overlays = {}
 for name, bit in next, core.overlays or {} do overlays[name] = bit end
 
 local function scene_of(world) return core.lua_state(world).scene end

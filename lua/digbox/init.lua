@@ -39,6 +39,9 @@ core.use "run"
 core.use "build"
 core.use "fluid"
 core.use "heat"
+core.use "soft"
+core.use "plank"
+core.use "lattice"
 core.use "film"
 
 -- ---- values ----

@@ -191,6 +191,12 @@ static inline Joint joint_make(const char *name, Dice *d, bool bound)
     }
     if (has(t.type, "stiffness"))
         set(&t, "stiffness", 30);
+    if (has(t.type, "modulus")) {
+        set(&t, "length", 0.5);
+        set(&t, "width", 0.2);
+        set(&t, "height", 0.1);
+        set(&t, "modulus", 3e4);
+    }
     if (strcmp(name, "motor") == 0)
         set(&t, "speed", 2);
     char why[200] = "";

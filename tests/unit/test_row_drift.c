@@ -104,7 +104,11 @@ static void all_on(Joint *t, bool variant)
         set(t, "spring.stiffness", 40);
     if (has(type, "motor"))
         set(t, "motor.speed", 2);
-    if (variant && has(type, "stiffness"))          /* a spring of no length: three rows */
+    if (variant && has(type, "keeps")) {            /* flat: the rows that a line has not */
+        int64_t flat = 3;
+        memcpy(field(t, "keeps"), &flat, sizeof flat);
+    }
+    if (variant && strcmp(type->name, "spring") == 0)          /* a spring of no length: three rows */
         set(t, "length", 0);
     if (variant && has(type, "min")) {              /* a range of distances: two stops   */
         set(t, "length", NAN);
@@ -116,7 +120,7 @@ static void all_on(Joint *t, bool variant)
 /* Slots each type fills, over both variants. */
 static const struct { const char *name; int slots; } all_slots[] = {
     {"hinge", 10}, {"slider", 10}, {"ball", 9}, {"weld", 6}, {"distance", 3}, {"rope", 1}, {"spring", 3}, {"wheel", 9}, {"bolt", 6},
-    {"motor", 1},
+    {"motor", 1}, {"strut", 1}, {"beam", 6}, {"guide", 4},
 };
 enum { TYPES = sizeof all_slots / sizeof *all_slots };
 

@@ -1,0 +1,200 @@
+-- digbox/lattice.lua - cloth and lattices: particles in rows, held to their neighbours by struts.
+
+local core = ...
+local next, ipairs = next, ipairs
+
+local soft = core.soft
+local methods = core.types.world.methods
+
+local common_fields = { stiffness = "real N >0", damping = "real N*s/m", relaxation = "real s", breaks_at = "real N >0",
+  breaks_pressed = "real N >0", yield = "real N >0", shear = "real 1", radius = "real m >0", mass = "real kg >0" }
+local RELAXES = 0.02               -- s  of which nothing is said
+
+local function with(fields)
+  local all = {}
+  for k, v in next, common_fields do all[k] = v end
+  for k, v in next, fields do all[k] = v end
+  return all
+end
+
+-- N by which what is fixed holds it
+local function support(self)
+  local sum = core.vec(0, 0, 0)
+  for _, j in ipairs(self.joints) do
+    if j.valid and j.a.fixed ~= j.b.fixed then sum = sum + (j.b.fixed and j.force or -j.force) end
+  end
+  return sum
+end
+
+-- The longest of its struts over its length at rest, less 1
+local function stretch(self)
+  local most = 0
+  for _, j in ipairs(self.joints) do
+    if j.valid then most = math.max(most, j.distance / j.length - 1) end
+  end
+  return most
+end
+
+local thing_methods = { sig = soft.sig, saw = soft.saw }
+local getters = { stress = soft.stress, mass = soft.mass, position = soft.position, broken = soft.broken, support = support,
+  stretch = stretch }
+local readable = { name = true, bodies = true, joints = true, columns = true, rows = true, layers = true }
+local new_cloth = soft.class("cloth", thing_methods, getters, readable)
+local new_lattice = soft.class("lattice", thing_methods, getters, readable)
+
+local function key(i, j, k) return ("%d %d %d"):format(i, j or 1, k or 1) end
+
+-- thing:node(i, j, k) -> the particle of that column, row and layer, from 1
+function thing_methods.node(thing, i, j, k)
+  local b = thing[1].node[key(i, j, k)]
+  if not b then core.fail("%s:node(%s): there is none", thing[1].kind, key(i, j, k)) end
+  return b
+end
+
+local function add_node(world, self, rest, at, mass, fixed, i, j, k)
+  local fields = {}
+  for name, v in next, rest do fields[name] = v end
+  fields.name, fields.at, fields.mass, fields.radius = ("%s %s"):format(self.name, key(i, j, k)), at, mass, self.radius
+  fields.fixed, fields.group = fixed or nil, self.group
+  local body = world:ball(fields)
+  self.node[key(i, j, k)] = body
+  self.bodies[#self.bodies + 1] = body
+end
+
+local function tie(world, self, own, a, b, share)
+  a, b = self.node[a], self.node[b]
+  if not a or not b or a.fixed and b.fixed then return end
+  local j = world:strut { a = a, b = b, name = ("%s strut %d"):format(self.name, #self.joints + 1), stiffness = own.stiffness * share,
+    damping = own.damping, relaxation = own.relaxation or not own.damping and RELAXES or nil, breaks_at = own.breaks_at,
+    breaks_pressed = own.breaks_pressed, yield = own.yield, radius = self.thickness / 2 }
+  self.joints[#self.joints + 1] = j
+end
+
+local function begin(world, what, own, rest)
+  soft.need("world:" .. what, own, "stiffness", "mass")
+  return { kind = what, name = rest.name or what, world = world, bodies = {}, joints = {}, node = {},
+    group = rest.group or soft.group(world) }
+end
+
+local function finish(self)
+  self.bodies, self.joints = core.list(self.bodies), core.list(self.joints)
+end
+
+-- ---- cloth ----
+
+local cloth_fields = with { at = "vec m", across = "vec m", down = "vec m", columns = "int 1 >0", rows = "int 1 >0", pins = "any" }
+
+-- "top", "corners", or a list of {column, row}: a set of keys
+local function pinned(own)
+  local set, n, m = {}, own.columns, own.rows
+  local pins = own.pins or "top"
+  if pins == "top" then
+    for i = 1, n do set[key(i, 1)] = true end
+  elseif pins == "corners" then
+    for _, i in ipairs { 1, n } do
+      for _, j in ipairs { 1, m } do set[key(i, j)] = true end
+    end
+  elseif core.type(pins) == "table" then
+    for _, p in ipairs(pins) do set[key(p[1], p[2])] = true end
+  elseif pins ~= "none" then
+    core.unknown("world:cloth:", "unknown pins", tostring(pins), { top = true, corners = true, none = true })
+  end
+  return set
+end
+
+-- world:cloth{at = its first corner, across = {x,y,z}, down = {x,y,z}, columns = 10, rows = 10, mass=, stiffness = (EA of a thread, N),
+-- pins = "top" | "corners" | "none" | {{1, 1}, ...}, relaxation=, breaks_at=, shear = 0.1} -> cloth
+function methods.cloth(world, fields)
+  local own, rest = soft.split("world:cloth", fields, cloth_fields)
+  soft.need("world:cloth", own, "at", "across", "down")
+  own.columns, own.rows = own.columns or 10, own.rows or 10
+  if own.columns * own.rows > 10000 or own.columns * own.rows < 2 then
+    core.fail("world:cloth: %d columns of %d rows, must be 2 to 10000 particles", own.columns, own.rows)
+  end
+  local self = begin(world, "cloth", own, rest)
+  local n, m, pins, share = own.columns, own.rows, pinned(own), own.shear or 0.1
+  local dx, dy = own.across / math.max(1, n - 1), own.down / math.max(1, m - 1)
+  self.columns, self.rows = n, m
+  self.radius = own.radius or 0.25 * math.min(n > 1 and #dx or #dy, m > 1 and #dy or #dx)
+  self.thickness = 0.3 * self.radius
+  for j = 1, m do
+    for i = 1, n do
+      add_node(world, self, rest, own.at + dx * (i - 1) + dy * (j - 1), own.mass / (n * m), pins[key(i, j)], i, j)
+    end
+  end
+  for j = 1, m do
+    for i = 1, n do
+      tie(world, self, own, key(i, j), key(i + 1, j), 1)
+      tie(world, self, own, key(i, j), key(i, j + 1), 1)
+      if share > 0 then
+        tie(world, self, own, key(i, j), key(i + 1, j + 1), share)
+        tie(world, self, own, key(i + 1, j), key(i, j + 1), share)
+      end
+    end
+  end
+  finish(self)
+  return new_cloth(self)
+end
+
+-- ---- lattices ----
+
+local lattice_fields = with { at = "vec m", size = "any", cells = "any" }
+
+local function triple(what, value, least)
+  if core.type(value) == "number" then return { value, value, value } end
+  local kind = core.type(value)
+  if kind ~= "table" and kind ~= "vector" then core.fail("%s wants a number or three; got %s", what, kind) end
+  local t = { value[1] or value.x, value[2] or value.y, value[3] or value.z }
+  for i = 1, 3 do
+    local good = core.type(t[i]) == "number" and t[i] >= least and t[i] < math.huge       -- false for NaN
+    if not good then core.fail("%s = %s, must be at least %g", what, tostring(t[i]), least) end
+  end
+  return t
+end
+
+-- Of the faces of a cell, from corner to corner
+local diagonals = { { { 0, 0, 0 }, { 1, 1, 0 } }, { { 1, 0, 0 }, { 0, 1, 0 } }, { { 0, 0, 0 }, { 1, 0, 1 } },
+  { { 1, 0, 0 }, { 0, 0, 1 } }, { { 0, 0, 0 }, { 0, 1, 1 } }, { { 0, 1, 0 }, { 0, 0, 1 } } }
+
+-- world:lattice{at = its centre, size = {x,y,z}, cells = {nx,ny,nz}, mass=, stiffness = (EA of a strut, N), relaxation=, breaks_at=,
+-- shear = 0.5} -> lattice: a body of particles that springs back
+function methods.lattice(world, fields)
+  local own, rest = soft.split("world:lattice", fields, lattice_fields)
+  soft.need("world:lattice", own, "at", "size")
+  local size, cells = triple("world:lattice.size", own.size, 1e-6), triple("world:lattice.cells", own.cells or 2, 1)
+  local n = { math.floor(cells[1]) + 1, math.floor(cells[2]) + 1, math.floor(cells[3]) + 1 }
+  if n[1] * n[2] * n[3] > 10000 then core.fail("world:lattice: %d particles, must be at most 10000", n[1] * n[2] * n[3]) end
+  local self = begin(world, "lattice", own, rest)
+  local d = core.vec(size[1] / (n[1] - 1), size[2] / (n[2] - 1), size[3] / (n[3] - 1))
+  local corner = own.at - core.vec(size[1], size[2], size[3]) / 2
+  self.columns, self.rows, self.layers = n[1], n[2], n[3]
+  self.radius = own.radius or 0.25 * math.min(d.x, d.y, d.z)
+  self.thickness = 0.5 * self.radius
+  local mass = own.mass / (n[1] * n[2] * n[3])
+  for k = 1, n[3] do
+    for j = 1, n[2] do
+      for i = 1, n[1] do
+        add_node(world, self, rest, corner + core.vec((i - 1) * d.x, (j - 1) * d.y, (k - 1) * d.z), mass, nil, i, j, k)
+      end
+    end
+  end
+  local share = own.shear or 0.5
+  for k = 1, n[3] do
+    for j = 1, n[2] do
+      for i = 1, n[1] do
+        local here = key(i, j, k)
+        tie(world, self, own, here, key(i + 1, j, k), 1)
+        tie(world, self, own, here, key(i, j + 1, k), 1)
+        tie(world, self, own, here, key(i, j, k + 1), 1)
+        for _, c in ipairs(diagonals) do
+          local p, q = c[1], c[2]
+          tie(world, self, own, key(i + p[1], j + p[2], k + p[3]), key(i + q[1], j + q[2], k + q[3]), share)
+        end
+      end
+    end
+  end
+  finish(self)
+  return new_lattice(self)
+end
+
+return true
