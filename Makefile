@@ -156,6 +156,9 @@ lint:                                           ## what the compiler cannot see:
 -include tests/bench/bench.mk
 -include tests/hard/hard.mk
 
+# ---- what effects cost ----
+-include tests/cost/cost.mk
+
 # ---- the first command of a newcomer ----
 demo_world := ball_table_bucket
 demo:                                           ## a film of worlds/ball_table_bucket.lua in out/

@@ -118,6 +118,7 @@ const char *dig_suggest(const char *name, const char *const *candidates, int cou
 
 typedef struct dig_body  { uint32_t slot, gen; } dig_body;
 typedef struct dig_joint { uint32_t slot, gen; } dig_joint;
+typedef struct dig_region { uint32_t slot, gen; } dig_region;
 typedef struct dig_dig   { uint32_t id; uint32_t layer; } dig_dig;      /* ids are never reused; 0 = none */
 
 #define DIG_LAYER_MECHANICAL 0u
@@ -181,6 +182,10 @@ typedef struct dig_stats {
     int      substeps;                  /* parts of the step, summed over groups        */
     int      located;                   /* impacts located in time, last step           */
     int      traced, conserved, swept;  /* groups by the way they were advanced, last step */
+    /* what was not solved in the last step, as nothing called for it, and what had to be: */
+    int      unturned;                  /* rotations: of awake spheres that nothing can turn */
+    int      smooth;                    /* frictions: pairs near each other without friction */
+    int      fast;                      /* bodies that moved farther than their inner radius: only looking along their way keeps them out of walls */
     int      evaluations;               /* of the equations of motion, by traced and conserved groups, last step */
     int      refused;                   /* integration steps refused by their error estimate, last step */
     int      trace_events;              /* impacts, slips, stops and limits traced, last step */
@@ -238,15 +243,20 @@ typedef struct dig_effect_info {
     bool   allowed;     /* not switched off by hand      */
     int    bodies;      /* taking part in the last step; of an effect on the world as a whole, its members */
     real   us;          /* us of the last timed step (every 16th) */
+    real   us_mean;     /* us of a step, mean of all timed steps since the start */
     size_t bytes;       /* of what it keeps; 0 until a scene calls for it */
     uint64_t calls;     /* groups and steps it took part in since the start; 0 until a scene calls for it */
     char   why[96];     /* what called for it            */
-    dig_body first;     /* a body of the first group that called for it; null = none yet */
+    bool   explained;   /* why is the caller's (dig_effect_explain, or that of join, option, add), not a general sentence */
+    bool   own;         /* added by the caller: dig_effect_add */
+    /* What first called for it, when that is known; the others are null, and so is the handle of what is gone. */
+    dig_body first; dig_joint first_joint; dig_region first_region;
 } dig_effect_info;
 
 int        dig_effect_count(const dig_world *w);
 dig_status dig_effect_get(const dig_world *w, int index, dig_effect_info *info);
 dig_status dig_effect_set(dig_world *w, const char *name, bool on);             /* by hand */
+dig_status dig_effect_explain(dig_world *w, const char *name, const char *why);  /* what called for it, in words, unless that was said before */
 
 /* What an effect keeps, as structs that its rows describe. `part` is "world" (options of the effect as a whole) or "body" (fields
  * of a body, which thereby takes part). Index from 0 over all effects of this build; false past the end; schema->rows is NULL
@@ -260,6 +270,45 @@ dig_status dig_effect_leave(dig_world *w, const char *effect, dig_body b);
 bool       dig_effect_member(const dig_world *w, const char *effect, dig_body b, void *member);
 bool       dig_effect_options(const dig_world *w, const char *effect, void *options);
 dig_status dig_effect_option(dig_world *w, const char *effect, const void *options, const char *why);     /* sets them, and switches it on */
+
+/* ---- effects of one's own ---- */
+
+/* force: asked for forces, at every evaluation of the equations of motion. settle: once at the end of the frame step, to look. */
+typedef enum dig_stage { DIG_STAGE_FORCE, DIG_STAGE_SETTLE, DIG_STAGES } dig_stage;
+const char *dig_stage_name(dig_stage s);                /* "force", ... */
+
+typedef struct dig_effect_part {    /* a body that takes part, at the instant of the call */
+    dig_body body;
+    vec3     position; quat rotation;   /* m, body origin                     */
+    vec3     centre;                    /* m, centre of mass                  */
+    vec3     velocity, spin;            /* m/s of the centre of mass, rad/s   */
+    real     mass;                      /* kg                                 */
+    vec3     force, torque;             /* N at the centre of mass, N m: to be set; zero before */
+} dig_effect_part;
+
+typedef struct dig_effect_call {
+    real time;                  /* s, the instant                             */
+    real dt;                    /* s for which the force will hold; 0 = at this instant only. settle: the frame step */
+    dig_effect_part *parts;     /* of one group: bodies that may meet         */
+    int  count;
+} dig_effect_call;
+
+/* May be asked more than once for the same instant. On failure it writes one sentence into why; the step is then undone. */
+typedef dig_status dig_effect_fn(void *data, const dig_effect_call *call, char *why, size_t capacity);
+
+typedef struct dig_effect_def {
+    const char *name, *law;     /* at most 31 and 95 bytes                    */
+    dig_stage   stage;
+    bool        all;            /* all bodies that move take part; else those of dig_effect_join (member NULL) */
+    dig_effect_fn *step;
+    real      (*energy)(void *data, const dig_effect_call *call);   /* J that its forces store, of all that take part, or NULL */
+    void       *data;           /* must last as long as the world and its snapshots */
+    const char *why;            /* as for join                                */
+} dig_effect_def;
+
+/* Its step is called by the thread that steps the world. Not saved with the world: functions cannot be. DIG_E_FULL: too many. */
+dig_status dig_effect_add(dig_world *w, const dig_effect_def *def);
+dig_status dig_effect_drop(dig_world *w, const char *name);     /* takes one that was added away; snapshots keep it */
 
 /* ---- materials ------------------------------------------------------------ */
 
@@ -426,7 +475,6 @@ dig_status dig_room_open(dig_world *w, const char *wall, bool open);            
 
 /* ---- regions ------------------------------------------------------------------- */
 /* Inside a region other laws hold for bodies whose centre of mass is there. */
-typedef struct dig_region { uint32_t slot, gen; } dig_region;
 
 typedef struct dig_region_def {
     dig_shape_def shape;

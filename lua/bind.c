@@ -11,18 +11,22 @@ enum { LIST_LIMIT = 600 };      /* bytes of names listed in an error */
 
 /* ---- errors ------------------------------------------------------------------ */
 
-void bind_where(lua_State *L)
+static void push_line(lua_State *L, const char *format)
 {
     lua_Debug ar;
     for (int level = 0; lua_getstack(L, level, &ar); level++) {
         lua_getinfo(L, "Sl", &ar);
         if (ar.source[0] == '@' && ar.currentline > 0) {
-            lua_pushfstring(L, "%s:%d: ", ar.source + 1, ar.currentline);
+            lua_pushfstring(L, format, ar.source + 1, ar.currentline);
             return;
         }
     }
     lua_pushliteral(L, "");
 }
+
+void bind_where(lua_State *L) { push_line(L, "%s:%d: "); }
+
+void bind_place(lua_State *L) { push_line(L, "%s:%d"); }
 
 static int raise_text(lua_State *L, const char *format, va_list arguments)
 {
@@ -408,6 +412,7 @@ int bind_open(lua_State *L)
     bind_body_open(L, core);
     bind_ask_open(L, core);
     bind_effect_open(L, core);
+    bind_own_open(L, core);
     bind_shape_open(L, core);
     bind_joint_open(L, core);
     bind_graph_open(L, core);

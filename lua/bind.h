@@ -13,7 +13,12 @@
 
 #include "digbox.h"
 
-typedef struct WorldRef { dig_world *w; } WorldRef;             /* NULL: closed */
+struct OwnRef;
+typedef struct WorldRef {
+    dig_world  *w;              /* NULL: closed                                                     */
+    const char *shut;           /* name of the effect whose function runs: nothing else may be done */
+    struct OwnRef *failed;      /* an effect's function did; its error is still to be raised        */
+} WorldRef;
 typedef struct BodyRef  { WorldRef *world; dig_body id; } BodyRef;
 typedef struct JointRef { WorldRef *world; dig_joint id; } JointRef;
 typedef struct DigRef   { WorldRef *world; dig_dig id; } DigRef;
@@ -56,6 +61,7 @@ void bind_file_open(lua_State *L, int core);
 void bind_watch_open(lua_State *L, int core);
 void bind_effect_open(lua_State *L, int core);
 void bind_ask_open(lua_State *L, int core);
+void bind_own_open(lua_State *L, int core);
 void bind_trace_open(lua_State *L, int core);
 
 /* A field of the table on the top of the stack. */
@@ -94,6 +100,7 @@ bool bind_use(lua_State *L, const char *name);
 
 /* "world.lua:12: ": the innermost frame of the script, not of the files embedded here. Pushes it ("" when there is none). */
 void bind_where(lua_State *L);
+void bind_place(lua_State *L);           /* the same without the colon: "world.lua:12" */
 
 /* Raises position + message. */
 int bind_error(lua_State *L, const char *format, ...) BIND_PRINTF(2, 3);
@@ -165,6 +172,17 @@ void bind_arguments(lua_State *L, int table, const char *what, const char *const
 bool bind_get_vec3(lua_State *L, int table, const char *what, const char *field, const char *unit, vec3 *value);
 bool bind_get_quat(lua_State *L, int table, const char *what, const char *field, quat *value);
 bool bind_get_real(lua_State *L, int table, const char *what, const char *field, const char *unit, real *value);
+
+/* ---- effects ------------------------------------------------------------------------ */
+
+/* Raises the error of an effect's function, if one waits. */
+void bind_own_check(lua_State *L, WorldRef *world);
+/* Remembers the present line of the script as where a thing was made ("bodies", "joints", "regions") or first pushed ("pushes"). */
+void bind_note(lua_State *L, int world, const char *kind, uint32_t slot, uint32_t gen);
+/* Before a body, joint or region goes: what it called for is said, and its line forgotten. */
+void bind_forget(lua_State *L, int world, const char *kind, uint32_t slot, uint32_t gen);
+/* What first called for each effect, in words, where it is known. */
+void bind_explain(lua_State *L, int world);
 
 /* ---- def structs from tables ----------------------------------------------------------- */
 

@@ -98,6 +98,7 @@ static int body_can_move(lua_State *L)
     read_question(L, "body:can_move", &q);
     q.body = b->id;
     dig_status s = dig_ask(b->world->w, &q, &a);
+    bind_own_check(L, b->world);
     if (s != DIG_OK)
         return bind_fail(L, b->world->w, s);
     bind_push_world_of(L, 1);
@@ -117,6 +118,7 @@ static int world_ask(lua_State *L)
     q.body = bind_body_of(L, lua_gettop(L), ref)->id;
     read_question(L, "world:ask", &q);
     dig_status s = dig_ask(ref->w, &q, &a);
+    bind_own_check(L, ref);
     return s == DIG_OK ? push_answer(L, 1, &a) : bind_fail(L, ref->w, s);
 }
 

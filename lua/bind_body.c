@@ -346,6 +346,13 @@ static vec3 directed(lua_State *L, const char *what, const char *field, const ch
     return (vec3){amount * v.x / length, amount * v.y / length, amount * v.z / length};
 }
 
+static void note_push(lua_State *L, const BodyRef *b)
+{
+    bind_push_world_of(L, 1);
+    bind_note(L, lua_gettop(L), "pushes", b->id.slot, b->id.gen);
+    lua_pop(L, 1);
+}
+
 /* body:push{force=, along=, at=, lasts=} -> body
  * force  {x,y,z} or number  N   in world axes, or along `along`
  * at     {x,y,z}            m   world point; default: the centre of mass
@@ -361,6 +368,7 @@ static int body_push(lua_State *L)
     vec3 force = directed(L, "body:push", "force", "N");
     bool has_at = bind_get_vec3(L, 2, "body:push", "at", "m", &at);
     bind_get_real(L, 2, "body:push", "lasts", "s", &lasts);
+    note_push(L, b);
     return done(L, b, dig_body_push(b->world->w, b->id, force, at, has_at, lasts));
 }
 
@@ -373,6 +381,7 @@ static int body_twist(lua_State *L)
     bind_arguments(L, 2, "body:twist", names);
     vec3 torque = directed(L, "body:twist", "torque", "N*m");
     bind_get_real(L, 2, "body:twist", "lasts", "s", &lasts);
+    note_push(L, b);
     return done(L, b, dig_body_twist(b->world->w, b->id, torque, lasts));
 }
 
@@ -473,6 +482,8 @@ static int body_remove(lua_State *L)
     mark_joints(L, 2, b, where);
     const char *how = lua_pushfstring(L, "%s was removed%s", lua_tostring(L, 3), where);
     bind_mark_removed(L, 2, "bodies", b->id.slot, b->id.gen, how);
+    bind_forget(L, 2, "bodies", b->id.slot, b->id.gen);
+    bind_forget(L, 2, "pushes", b->id.slot, b->id.gen);
     push_data_table(L, b);
     lua_pushnil(L);
     lua_rawset(L, -3);

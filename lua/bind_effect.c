@@ -67,20 +67,91 @@ void bind_effects_join(lua_State *L, int read, const WorldRef *world, dig_body b
     dig_schema s;
     for (int i = 0; lua_istable(L, read) && dig_effect_schema(i, "body", &s); i++) {
         if (lua_rawgeti(L, read, i + 1) == LUA_TUSERDATA) {
-            bind_where(L);
-            const char *where = lua_tostring(L, -1);
-            size_t length = strlen(where);
-            const char *why = lua_pushlstring(L, where, length > 2 ? length - 2 : 0);      /* without ": " */
-            dig_status status = dig_effect_join(world->w, s.name, body, lua_touserdata(L, -3), why);
+            bind_place(L);
+            dig_status status = dig_effect_join(world->w, s.name, body, lua_touserdata(L, -2), lua_tostring(L, -1));
             if (status != DIG_OK) {
                 const char *text = lua_pushstring(L, dig_error(world->w));
                 dig_body_remove(world->w, body);
                 bind_fail_text(L, status, "%s", text);
             }
-            lua_pop(L, 2);
+            lua_pop(L, 1);
         }
         lua_pop(L, 1);
     }
+}
+
+/* ---- what called for them ------------------------------------------------------------- */
+
+static lua_Integer key_of(uint32_t slot, uint32_t gen) { return (lua_Integer)(((uint64_t)slot << 32) | gen); }
+
+/* Pushes the table {handle = line} of that kind. */
+static void push_places(lua_State *L, int world, const char *kind)
+{
+    bind_push_state(L, world);
+    luaL_getsubtable(L, -1, "places");
+    luaL_getsubtable(L, -1, kind);
+    lua_replace(L, -3);
+    lua_pop(L, 1);
+}
+
+void bind_note(lua_State *L, int world, const char *kind, uint32_t slot, uint32_t gen)
+{
+    push_places(L, world, kind);
+    if (lua_rawgeti(L, -1, key_of(slot, gen)) == LUA_TNIL) {
+        bind_place(L);
+        lua_rawseti(L, -3, key_of(slot, gen));
+    }
+    lua_pop(L, 2);
+}
+
+/* "world.lua:12 (body 'ball')"; what came from a file has no line. */
+static void explain(lua_State *L, int world, const char *kind, uint32_t slot, uint32_t gen, const char *who, const dig_effect_info *info)
+{
+    dig_world *w = ((WorldRef *)lua_touserdata(L, world))->w;
+    push_places(L, world, kind);
+    if (lua_rawgeti(L, -1, key_of(slot, gen)) == LUA_TSTRING && lua_rawlen(L, -1) > 0)
+        lua_pushfstring(L, "%s (%s)", lua_tostring(L, -1), who);
+    else
+        lua_pushstring(L, who);
+    dig_effect_explain(w, info->name, lua_tostring(L, -1));
+    lua_pop(L, 3);
+}
+
+static void explain_one(lua_State *L, int world, const dig_effect_info *info)
+{
+    const dig_world *w = ((WorldRef *)lua_touserdata(L, world))->w;
+    dig_body_state b;
+    dig_joint_state j;
+    char who[96];
+    if (info->first_region.gen != 0) {
+        explain(L, world, "regions", info->first_region.slot, info->first_region.gen, "a region", info);
+    } else if (info->first_joint.gen != 0 && dig_joint_get(w, info->first_joint, &j) == DIG_OK) {
+        snprintf(who, sizeof who, j.name[0] ? "%s '%s'" : "a %s", j.type, j.name);
+        explain(L, world, "joints", info->first_joint.slot, info->first_joint.gen, who, info);
+    } else if (info->first.gen != 0 && dig_body_get(w, info->first, &b) == DIG_OK) {
+        snprintf(who, sizeof who, b.name[0] ? "body '%s'" : "a body", b.name);
+        explain(L, world, strcmp(info->name, "push") == 0 ? "pushes" : "bodies", info->first.slot, info->first.gen, who, info);
+    }
+}
+
+void bind_explain(lua_State *L, int world)
+{
+    const dig_world *w = ((WorldRef *)lua_touserdata(L, world))->w;
+    dig_effect_info info;
+    world = lua_absindex(L, world);
+    for (int i = 0; i < dig_effect_count(w); i++)
+        if (dig_effect_get(w, i, &info) == DIG_OK && !info.explained)
+            explain_one(L, world, &info);
+}
+
+void bind_forget(lua_State *L, int world, const char *kind, uint32_t slot, uint32_t gen)
+{
+    world = lua_absindex(L, world);
+    bind_explain(L, world);
+    push_places(L, world, kind);
+    lua_pushnil(L);
+    lua_rawseti(L, -2, key_of(slot, gen));
+    lua_pop(L, 1);
 }
 
 /* ---- the effects of a world ----------------------------------------------------------- */
@@ -103,11 +174,13 @@ static void push_options(lua_State *L, const dig_world *w, int index)
     lua_pop(L, 1);
 }
 
-/* world:effects() -> {name = {on, bodies, us, bytes, calls, law, why, options}} */
+/* world:effects() -> {name = {on, bodies, us, us_mean, bytes, calls, law, why, own, order, options}} */
 static int world_effects(lua_State *L)
 {
     dig_world *w = bind_check_world(L, 1)->w;
     dig_effect_info info;
+    lua_settop(L, 1);
+    bind_explain(L, 1);
     lua_newtable(L);
     for (int i = 0; i < dig_effect_count(w); i++) {
         if (dig_effect_get(w, i, &info) != DIG_OK)
@@ -117,6 +190,9 @@ static int world_effects(lua_State *L)
         bind_set_bool(L, "allowed", info.allowed);
         bind_set_int(L, "bodies", info.bodies);
         bind_set_real(L, "us", info.us);
+        bind_set_real(L, "us_mean", info.us_mean);
+        bind_set_bool(L, "own", info.own);
+        bind_set_int(L, "order", i + 1);
         bind_set_int(L, "bytes", (lua_Integer)info.bytes);
         bind_set_int(L, "calls", (lua_Integer)info.calls);
         bind_set_text(L, "law", info.law);
@@ -140,10 +216,8 @@ static int set_options(lua_State *L, const WorldRef *ref, int index, const char 
     dig_effect_options(ref->w, name, options);
     Fill fill = {L, 3, 3, what, what, ref};
     bind_fill(&fill, s.rows, options);
-    bind_where(L);
-    size_t length = strlen(lua_tostring(L, -1));
-    const char *why = lua_pushlstring(L, lua_tostring(L, -1), length > 2 ? length - 2 : 0);
-    dig_status status = dig_effect_option(ref->w, name, options, why);
+    bind_place(L);
+    dig_status status = dig_effect_option(ref->w, name, options, lua_tostring(L, -1));
     return status == DIG_OK ? 0 : bind_fail(L, ref->w, status);
 }
 

@@ -21,11 +21,19 @@ static void *check_type(lua_State *L, int arg, const char *name)
     return ref;
 }
 
+/* Inside the function of an effect, nothing but what it is shown. */
+static void check_free(lua_State *L, const WorldRef *ref)
+{
+    if (ref->shut)
+        bind_error(L, "effect '%s': its functions see the bodies they are given; the world cannot be asked or changed there", ref->shut);
+}
+
 WorldRef *bind_check_world(lua_State *L, int arg)
 {
     WorldRef *ref = check_type(L, arg, BIND_WORLD);
     if (!ref->w)
         bind_error(L, "the world is closed");
+    check_free(L, ref);
     return ref;
 }
 
@@ -47,6 +55,7 @@ BodyRef *bind_check_body(lua_State *L, int arg)
     BodyRef *ref = check_type(L, arg, BIND_BODY);
     if (!ref->world->w)
         bind_error(L, "the body's world is closed");
+    check_free(L, ref->world);
     if (!dig_body_alive(ref->world->w, ref->id))
         fail_removed(L, arg, BIND_BODY);
     return ref;
@@ -57,6 +66,7 @@ JointRef *bind_check_joint(lua_State *L, int arg)
     JointRef *ref = check_type(L, arg, BIND_JOINT);
     if (!ref->world->w)
         bind_error(L, "the joint's world is closed");
+    check_free(L, ref->world);
     if (!dig_joint_alive(ref->world->w, ref->id))
         fail_removed(L, arg, BIND_JOINT);
     return ref;
@@ -67,6 +77,7 @@ DigRef *bind_check_dig(lua_State *L, int arg)
     DigRef *ref = check_type(L, arg, BIND_DIG);
     if (!ref->world->w)
         bind_error(L, "the DIG's world is closed");
+    check_free(L, ref->world);
     return ref;
 }
 

@@ -127,6 +127,7 @@ static int make_joint(lua_State *L)
         bool named = strncmp(text, "joint '", 7) == 0;
         return bind_fail_text(L, s, "%s%s%s", named ? "" : what, named ? "" : ": ", text);
     }
+    bind_note(L, 1, "joints", id.slot, id.gen);
     bind_push_joint(L, 1, id);
     return 1;
 }
@@ -289,6 +290,7 @@ static int joint_remove(lua_State *L)
     const char *where = luaL_gsub(L, lua_tostring(L, -1), ": ", "");
     const char *how = lua_pushfstring(L, "joint '%s' was removed%s%s", s.name, *where ? " at " : "", where);
     bind_mark_removed(L, 2, "joints", j->id.slot, j->id.gen, how);
+    bind_forget(L, 2, "joints", j->id.slot, j->id.gen);
     dig_status status = dig_joint_remove(j->world->w, j->id);
     return status == DIG_OK ? 0 : bind_fail(L, j->world->w, status);
 }

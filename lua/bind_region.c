@@ -91,6 +91,8 @@ const dig_shape_def *bind_shape_argument(lua_State *L, const char *what, const c
 static RegionRef *check_region(lua_State *L)
 {
     RegionRef *ref = luaL_testudata(L, 1, BIND_REGION);
+    if (ref && ref->world->shut)
+        bind_error(L, "effect '%s': its functions see the bodies they are given; the world cannot be asked or changed there", ref->world->shut);
     if (ref && ref->world->w)
         return ref;
     if (ref)
@@ -141,13 +143,18 @@ static int make_region(lua_State *L)
     bind_push_region(L, 1, (dig_region){0, 0});
     RegionRef *ref = lua_touserdata(L, -1);
     dig_status s = dig_region_create(world->w, &def, &ref->id);
-    return s == DIG_OK ? 1 : bind_fail(L, world->w, s);
+    if (s != DIG_OK)
+        return bind_fail(L, world->w, s);
+    bind_note(L, 1, "regions", ref->id.slot, ref->id.gen);
+    return 1;
 }
 
 /* region:remove(): the laws of the world hold again */
 static int region_remove(lua_State *L)
 {
     RegionRef *ref = check_region(L);
+    bind_push_world_of(L, 1);
+    bind_forget(L, -1, "regions", ref->id.slot, ref->id.gen);
     dig_status s = dig_region_remove(ref->world->w, ref->id);
     return s == DIG_OK ? 0 : bind_fail(L, ref->world->w, s);
 }

@@ -11,6 +11,17 @@ enum { PART_LIMIT = 4096, GRID_LIMIT = 4096 };
 /* ---- a body around given shapes ------------------------------------------------ */
 
 /* The table of fields is at 2, the world at 1. own: rows of the shape, already read. */
+/* Filters of effects (effect.lua) wait for the body on top of the stack. */
+static void note_newborn(lua_State *L)
+{
+    bind_push_state(L, 1);
+    if (lua_getfield(L, -1, "newborn") == LUA_TTABLE) {
+        lua_pushvalue(L, -3);
+        lua_rawseti(L, -2, (lua_Integer)lua_rawlen(L, -2) + 1);
+    }
+    lua_pop(L, 2);
+}
+
 int bind_create_body(lua_State *L, const char *what, const dig_shape_def *shapes, int count, bool fixed, const dig_param *own,
                      const char *const *extras)
 {
@@ -40,7 +51,9 @@ int bind_create_body(lua_State *L, const char *what, const dig_shape_def *shapes
         return bind_fail_text(L, s, "%s%s%s", named ? "" : what, named ? "" : ": ", text);
     }
     bind_effects_join(L, effects, ref, id);
+    bind_note(L, 1, "bodies", id.slot, id.gen);
     bind_push_body(L, 1, id);
+    note_newborn(L);
     if (lua_getfield(L, 2, "data") != LUA_TNIL) {
         bind_push_state(L, 1);
         lua_getfield(L, -1, "data");

@@ -29,7 +29,7 @@ static void weak_table(lua_State *L, const char *name)
 static WorldRef *new_world(lua_State *L)
 {
     WorldRef *ref = lua_newuserdatauv(L, sizeof *ref, 1);
-    ref->w = NULL;
+    *ref = (WorldRef){NULL, NULL, NULL};
     luaL_setmetatable(L, BIND_WORLD);
     lua_newtable(L);
     weak_table(L, "bodies");
@@ -125,6 +125,7 @@ static int world_step(lua_State *L)
 {
     WorldRef *ref = bind_check_world(L, 1);
     dig_status s = dig_world_step(ref->w);
+    bind_own_check(L, ref);
     return s == DIG_OK ? 0 : bind_fail(L, ref->w, s);
 }
 
@@ -141,6 +142,7 @@ static int cpu_seconds(lua_State *L)
 static int world_save(lua_State *L)
 {
     WorldRef *ref = bind_check_world(L, 1);
+    bind_explain(L, 1);
     dig_status s = dig_world_save(ref->w, luaL_checkstring(L, 2));
     return s == DIG_OK ? 0 : bind_fail(L, ref->w, s);
 }
@@ -239,7 +241,9 @@ static int world_find(lua_State *L)
 /* world.energy -> table, J */
 static int world_energy(lua_State *L)
 {
-    dig_energy e = dig_world_energy(bind_check_world(L, 1)->w);
+    WorldRef *ref = bind_check_world(L, 1);
+    dig_energy e = dig_world_energy(ref->w);
+    bind_own_check(L, ref);
     lua_newtable(L);
     bind_set_real(L, "kinetic", e.kinetic);
     bind_set_real(L, "potential", e.potential);
@@ -278,6 +282,9 @@ static int world_stats(lua_State *L)
     bind_set_int(L, "traced", s.traced);
     bind_set_int(L, "conserved", s.conserved);
     bind_set_int(L, "swept", s.swept);
+    bind_set_int(L, "unturned", s.unturned);
+    bind_set_int(L, "smooth", s.smooth);
+    bind_set_int(L, "fast", s.fast);
     bind_set_int(L, "evaluations", s.evaluations);
     bind_set_int(L, "refused", s.refused);
     bind_set_int(L, "trace_events", s.trace_events);

@@ -37,15 +37,22 @@ static const real TWIN_ONE = 1e-9, TWIN_TWO = 1e-8;     /* of the bodies' size *
 
 /* ---- one run, watched ------------------------------------------------------------ */
 
-static CostRun *new_run(size_t rows)
+static const size_t RUN_BYTES = sizeof(CostRun) + COST_ROWS * sizeof(CostRow);
+
+CostRun *cost_new_run(void)
 {
-    size_t bytes = sizeof(CostRun) + rows * sizeof(CostRow);
-    CostRun *r = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    CostRun *r = mmap(NULL, RUN_BYTES, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (r == MAP_FAILED) {
         fprintf(stderr, "digbox: cost: no memory\n");
         return NULL;
     }
     return r;
+}
+
+void cost_free_run(CostRun *run)
+{
+    if (run)
+        munmap(run, RUN_BYTES);
 }
 
 static void child(const CostOptions *o, const char *accuracy, CostRun *run)
@@ -73,6 +80,12 @@ static void show_progress(const CostOptions *o, const char *name, const CostRun 
     if (run->expected > 0)
         fprintf(stderr, " of %.2f s", run->expected);
     fprintf(stderr, ", CPU %.1f s \033[K", run->cpu);
+}
+
+void cost_clear_progress(const CostOptions *o)
+{
+    if (on_terminal(o))
+        fputs("\r\033[K", stderr);
 }
 
 /* Waits for the process. Returns the status of waitpid. */
@@ -108,7 +121,7 @@ static void judge_end(CostRun *run, const char *world, int status)
 }
 
 /* Runs the world once; false when no process can be had. */
-static bool run_once(const CostOptions *o, const char *accuracy, const char *name, CostRun *run)
+bool cost_run_once(const CostOptions *o, const char *accuracy, const char *name, CostRun *run)
 {
     fflush(NULL);
     pid_t pid = fork();
@@ -134,14 +147,14 @@ static void say_end(const CostOptions *o, const char *name, const CostRun *run)
 /* A run, again when it was too short to be timed once. Returns an allocated record, or NULL. */
 static CostRun *run_setting(const CostOptions *o, const char *accuracy, const char *name, real perturb, real expected)
 {
-    CostRun *shared = new_run(COST_ROWS), *kept = NULL;
+    CostRun *shared = cost_new_run(), *kept = NULL;
     real fastest = INFINITY, sum = 0;
     for (int i = 0; shared && i < REPEATS; i++) {
         memset(shared, 0, sizeof *shared);
         shared->perturb = perturb;
         shared->budget = o->budget;
         shared->expected = expected;
-        if (!run_once(o, accuracy, name, shared))
+        if (!cost_run_once(o, accuracy, name, shared))
             break;
         size_t bytes = sizeof *shared + (size_t)shared->count * sizeof(CostRow);
         if (shared->cpu < fastest || shared->end != COST_COMPLETE) {
@@ -155,8 +168,7 @@ static CostRun *run_setting(const CostOptions *o, const char *accuracy, const ch
         if (shared->end != COST_COMPLETE || perturb > 0 || sum > TIMED || app_signal())
             break;
     }
-    if (shared)
-        munmap(shared, sizeof *shared + COST_ROWS * sizeof(CostRow));
+    cost_free_run(shared);
     return kept;
 }
 
@@ -282,6 +294,8 @@ static int measure(Cost *c)
     char path[1100];
     if (!make_folder(c->o->run.out))
         return EXIT_OUTPUT;
+    if (c->o->effects)
+        return cost_effects(c->o);
     int code = take_all(c);
     if (code == EXIT_FINE)
         code = time_again(c);
@@ -306,14 +320,15 @@ static int measure(Cost *c)
 
 /* ---- options ------------------------------------------------------------------------- */
 
-enum { OPT_SECONDS = 256, OPT_WITHIN, OPT_BUDGET, OPT_SEED, OPT_THREADS, OPT_SET, OPT_MEMORY, OPT_TRUST };
+enum { OPT_SECONDS = 256, OPT_WITHIN, OPT_BUDGET, OPT_SEED, OPT_THREADS, OPT_SET, OPT_MEMORY, OPT_TRUST, OPT_EFFECTS };
 
 static const struct option cost_options[] = {
     {"output", required_argument, NULL, 'o'}, {"seconds", required_argument, NULL, OPT_SECONDS},
     {"within", required_argument, NULL, OPT_WITHIN}, {"budget", required_argument, NULL, OPT_BUDGET},
     {"seed", required_argument, NULL, OPT_SEED}, {"threads", required_argument, NULL, OPT_THREADS},
     {"set", required_argument, NULL, OPT_SET}, {"memory-limit", required_argument, NULL, OPT_MEMORY},
-    {"trust", no_argument, NULL, OPT_TRUST}, {"quiet", no_argument, NULL, 'q'}, {"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0},
+    {"trust", no_argument, NULL, OPT_TRUST}, {"effects", no_argument, NULL, OPT_EFFECTS},
+    {"quiet", no_argument, NULL, 'q'}, {"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0},
 };
 
 static bool read_option(CostOptions *o, int key)
@@ -333,6 +348,7 @@ static bool read_option(CostOptions *o, int key)
     case OPT_THREADS: return read_whole_option("threads", optarg, 1, 64, &r->threads);
     case OPT_MEMORY: return read_whole_option("memory-limit", optarg, 1, 1 << 20, &r->memory);
     case OPT_TRUST: r->trust = true; return true;
+    case OPT_EFFECTS: o->effects = true; return true;
     case OPT_SET:
         if (!strchr(optarg, '=') || optarg[0] == '=')
             return usage_error("--set: '%s' is not NAME=VALUE", optarg) == 0;

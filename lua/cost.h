@@ -7,11 +7,12 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+#include <stdio.h>
 
 #include "command.h"
 #include "digbox.h"
 
-enum { COST_ROWS = 1 << 17, COST_PHASES = 7, COST_SETTINGS = 12 };
+enum { COST_ROWS = 1 << 17, COST_PHASES = 7, COST_SETTINGS = 12, COST_EFFECTS = 32 };
 
 typedef struct CostRow {        /* one body after one frame step */
     uint32_t step, slot, gen, unused;   /* gen: less that of the world's first body, since worlds start at different ones */
@@ -20,6 +21,14 @@ typedef struct CostRow {        /* one body after one frame step */
     quat     rotation;
 } CostRow;
 
+typedef struct CostEffect {     /* what a run says about an effect */
+    char     name[32], why[96];
+    int      bodies;            /* most that took part in a step      */
+    size_t   bytes;             /* at the end                         */
+    uint64_t calls;
+    real     us;                /* a step, in its own functions       */
+} CostEffect;
+
 typedef enum CostEnd { COST_NOT_RUN, COST_RUNNING, COST_COMPLETE, COST_OVER_BUDGET, COST_FAILED } CostEnd;
 
 typedef struct CostRun {
@@ -27,6 +36,7 @@ typedef struct CostRun {
     real     perturb;           /* 1, of the size of each body: how far it is moved at the start */
     real     budget;            /* s of CPU time                                                 */
     real     expected;          /* s of simulated time, 0 = not known yet                        */
+    char     off[32];           /* name of an effect that is switched off; empty = none          */
     /* What came out. */
     CostEnd  end;
     int      code;              /* exit code of a run that failed */
@@ -42,6 +52,8 @@ typedef struct CostRun {
     real     us[COST_PHASES];   /* us of CPU time: sense touch graph advance commit report other     */
     real     drift;             /* J, the ledger's numerical part at the end */
     char     gave_up_why[64];
+    CostEffect effects[COST_EFFECTS];
+    int      effect_count;
     /* Every stride-th frame and the last one, by step and slot. */
     uint32_t stride, first_gen;
     int      count;
@@ -74,6 +86,7 @@ typedef struct CostTwins {      /* two runs whose starts differ by 9e-9 of the b
 typedef struct CostOptions {
     RunOptions run;
     double     budget, within;  /* s, m */
+    bool       effects;         /* what each effect costs, not what accuracy does */
 } CostOptions;
 
 typedef struct Cost {
@@ -85,6 +98,15 @@ typedef struct Cost {
     real      compared;         /* s: errors are those up to then */
     real      agreement;        /* m: what the nearest different setting differs by from the reference; < 0 = there is none */
 } Cost;
+
+/* cost.c: a record in shared memory (NULL: none to be had), and a run in a process of its own (false: none to be had). */
+CostRun *cost_new_run(void);
+void     cost_free_run(CostRun *run);
+bool     cost_run_once(const CostOptions *o, const char *accuracy, const char *name, CostRun *run);
+void     cost_clear_progress(const CostOptions *o);
+
+/* cost_effects.c: `digbox cost --effects` */
+int cost_effects(const CostOptions *o);
 
 /* cost_run.c: runs the world once in this process and fills the record; the return value is the exit code. */
 int cost_run_world(const RunOptions *o, CostRun *run);
@@ -104,6 +126,8 @@ void cost_print(const Cost *c);
 int  cost_write_csv(const Cost *c, const char *path);
 
 /* cost_plot.c */
+void cost_put_quoted(FILE *out, const char *text);      /* within '...' of gnuplot */
+int  cost_run_gnuplot(const char *script);              /* its exit code; 127: there is none */
 int  cost_plot(const Cost *c, const char *folder);
 
 #endif

@@ -60,7 +60,7 @@ static real height(const Frame *f, const CostSetting *s)
 }
 
 /* Text within '...' of gnuplot: quotes are doubled. */
-static void put_quoted(FILE *out, const char *text)
+void cost_put_quoted(FILE *out, const char *text)
 {
     fputc('\'', out);
     for (; *text; text++) {
@@ -116,14 +116,14 @@ static void put_titles(FILE *out, const Cost *c)
     const char *slash = strrchr(c->o->run.world, '/'), *name = slash ? slash + 1 : c->o->run.world;
     snprintf(title, sizeof title, "%s: what accuracy costs", name);
     fputs("set title ", out);
-    put_quoted(out, title);
+    cost_put_quoted(out, title);
     if (c->twins.apart)
         fprintf(out, ".\"\\n%s from t = %.4g s on: errors end there\"", c->twins.jump ? "not repeatable" : "chaotic", c->twins.horizon);
     fputs(" font ',16' noenhanced\nset xlabel 'CPU time per simulated second, ms'\n", out);
     snprintf(title, sizeof title, "error against %s%s, m (largest of all bodies, t = 0 to %.4g s)", c->settings[c->reference].plan ? "" :
              "a tolerance of ", c->settings[c->reference].name, c->compared);
     fputs("set ylabel ", out);
-    put_quoted(out, title);
+    cost_put_quoted(out, title);
     fputs(" noenhanced\n", out);
 }
 
@@ -133,7 +133,7 @@ static void put_picture(FILE *out, const char *folder, const char *terminal, con
     char path[1100];
     snprintf(path, sizeof path, "%s/cost.%s", folder, ending);
     fprintf(out, "%s\nset output ", terminal);
-    put_quoted(out, path);
+    cost_put_quoted(out, path);
     fputs("\nplot $ladder using 1:2 with linespoints ls 1 title 'tolerances in metres', \\\n"
           "     $ladder using 1:2:3 with labels offset -1.2,-0.9 font ',9' tc rgb '#4a6fa5' notitle, \\\n"
           "     $plans using 1:2 with points ls 2 title 'plans', \\\n"
@@ -170,7 +170,7 @@ static void write_script(FILE *out, const Cost *c, const char *folder)
 }
 
 /* Runs gnuplot on the file: its exit code, 127 when there is none. */
-static int run_gnuplot(const char *script)
+int cost_run_gnuplot(const char *script)
 {
     fflush(NULL);
     pid_t pid = fork();
@@ -212,7 +212,7 @@ int cost_plot(const Cost *c, const char *folder)
         fprintf(stderr, "digbox: %s: %s\n", path, errno ? strerror(errno) : "cannot be written");
         return EXIT_OUTPUT;
     }
-    int code = run_gnuplot(path);
+    int code = cost_run_gnuplot(path);
     if (code == 0)
         printf("\nThe table is in %s/cost.csv, the plot in %s/cost.svg and %s/cost.png.\n", folder, folder, folder);
     else

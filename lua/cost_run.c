@@ -127,6 +127,30 @@ static void count_step(CostRun *r, const dig_world *w, real cpu)
     r->drift = dig_world_energy(w).numerical;
 }
 
+/* What it asks for is switched off: before the first step, and whenever the script has switched it on again. */
+static void switch_off(const CostRun *r, dig_world *w)
+{
+    dig_effect_info e;
+    for (int i = 0; r->off[0] && i < dig_effect_count(w); i++)
+        if (dig_effect_get(w, i, &e) == DIG_OK && e.allowed && strcmp(e.name, r->off) == 0)
+            dig_effect_set(w, r->off, false);
+}
+
+static void count_effects(CostRun *r, const dig_world *w)
+{
+    dig_effect_info e;
+    r->effect_count = 0;
+    for (int i = 0; i < COST_EFFECTS && i < dig_effect_count(w); i++) {
+        CostEffect *kept = &r->effects[r->effect_count++];
+        if (dig_effect_get(w, i, &e) != DIG_OK)
+            continue;
+        int most = strcmp(kept->name, e.name) == 0 && kept->bodies > e.bodies ? kept->bodies : e.bodies;
+        *kept = (CostEffect){.bodies = most, .bytes = e.bytes, .calls = e.calls, .us = e.us_mean};
+        snprintf(kept->name, sizeof kept->name, "%s", e.name);
+        snprintf(kept->why, sizeof kept->why, "%s", e.why);
+    }
+}
+
 /* Has the run used its budget, or will it never keep it? */
 static bool is_over(CostRun *r)
 {
@@ -161,6 +185,8 @@ static int cost_sample(lua_State *L)
         perturb(r, w, bodies, n);
     if (!begins)
         count_step(r, w, luaL_checknumber(L, 2));
+    switch_off(r, w);
+    count_effects(r, w);
     keep_frame(r, w, bodies, n, false);
     lua_pushboolean(L, !begins && is_over(r));
     return 1;
@@ -172,6 +198,8 @@ static int cost_last(lua_State *L)
     CostRun *r = run_of(L);
     int n;
     dig_world *w = bind_check_world(L, 1)->w;
+    bind_explain(L, 1);
+    count_effects(r, w);
     dig_body *bodies = list_bodies(L, w, &n);
     if (r->count == 0 || r->rows[r->count - 1].step != r->steps)
         keep_frame(r, w, bodies, n, true);

@@ -50,6 +50,7 @@
 #define COST_OPTIONS \
     "  -o, --output DIR        where cost.csv, cost.gp, cost.svg and cost.png go (default out)\n" \
     "      --seconds N         simulate to t = N s (default: as long as the script runs, else 10 s)\n" \
+    "      --effects           what each effect costs instead, as bars: effects.csv, effects.svg and effects.png\n" \
     "      --within LENGTH     the error that the closing sentence is about (default 1 mm)\n" \
     "      --budget S          CPU time that one run may use; settings beyond it are left out (default 10 s)\n" \
     "      --seed N  --threads N  --set NAME=VALUE  --memory-limit MiB  --trust  -q, --quiet   as for run\n"

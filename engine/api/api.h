@@ -34,6 +34,8 @@ bool api_linkage_conflict(const World *w, uint32_t body, dig_part *loop, int *co
 /* NULL: not a body that forces move; *status says why. */
 Body      *api_pushable(World *w, dig_body b, const char *call, dig_status *status);
 dig_status api_push(World *w, dig_body b, Push p, real lasts, const char *call);
+/* own.c: a body takes part in an effect of the caller's */
+dig_status api_own_join(World *w, int effect, uint32_t body);
 dig_status api_finite(const World *w, vec3 v, const char *call, const char *what, const char *unit);
 
 #endif

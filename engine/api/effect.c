@@ -8,8 +8,9 @@ void api_open_effects(World *w)
 {
     for (int i = 0; i < MAX_EFFECTS && effect_types[i]; i++) {
         const EffectType *t = effect_types[i];
+        w->flowing |= (uint32_t)(t->flow != NULL) << i;
         w->effects[w->effect_count++] = (EffectSlot){.type = t, .name = t->name, .on = true, .world_size = t->world_size,
-                                                     .members = {.size = t->body_size}, .first = NONE};
+                                                     .members = {.size = t->body_size}};
     }
 }
 
@@ -22,13 +23,19 @@ static int find(const World *w, const char *name)
     return -1;
 }
 
+static void say_why(EffectSlot *e, const char *why)
+{
+    if (!e->why[0] && why)
+        snprintf(e->why, sizeof e->why, "%s", why);
+}
+
 static dig_status unknown(const World *w, const char *name) { return world_fail(w, DIG_E_ARG, "there is no effect '%s'", name); }
 
 void api_effects_energy(const World *w, dig_energy *sum)
 {
     for (int i = 0; i < w->effect_count; i++) {
         const EffectSlot *e = &w->effects[i];
-        if (e->type->energy && (e->world || e->members.count > 0))
+        if (e->type->energy && (e->world || e->members.count > 0 || e->owner))
             e->type->energy(w, e, sum);
     }
 }
@@ -56,12 +63,16 @@ dig_status dig_effect_get(const dig_world *w, int index, dig_effect_info *info)
     if (index < 0 || index >= w->effect_count)
         return world_fail(w, DIG_E_ARG, "effect %d: there are %d", index, w->effect_count);
     const EffectSlot *e = &w->effects[index];
-    bool called = e->bodies > 0 || e->members.count > 0 || e->world;
+    bool called = e->bodies > 0 || e->members.count > 0 || e->world || e->owner;
     *info = (dig_effect_info){.name = e->name, .law = e->type->law, .on = e->on && called, .allowed = e->on, .us = e->us,
+                              .us_mean = e->us_count > 0 ? e->us_sum / (real)e->us_count : 0,
                               .bodies = e->on ? int_max(e->bodies, e->type->flow ? e->members.count : 0) : 0,
-                              .bytes = effect_bytes(e), .calls = e->calls};
-    info->first = e->first != NONE && w->bodies.data[e->first].alive ? body_handle(w, e->first) : (dig_body){0, 0};
-    snprintf(info->why, sizeof info->why, "%s", !e->on ? "switched off" : e->why[0] ? e->why : called ? "the scene calls for it" : "nothing calls for it");
+                              .bytes = effect_bytes(e), .calls = e->calls, .own = e->owner != NULL, .explained = e->why[0] != '\0'};
+    info->first = world_body(w, e->cause.body) ? e->cause.body : (dig_body){0, 0};
+    info->first_joint = world_joint(w, e->cause.joint) ? e->cause.joint : (dig_joint){0, 0};
+    info->first_region = world_region(w, e->cause.region) ? e->cause.region : (dig_region){0, 0};
+    const char *general = called ? "the scene calls for it" : "nothing calls for it";
+    snprintf(info->why, sizeof info->why, "%s", !e->on ? "switched off" : e->why[0] ? e->why : general);
     return DIG_OK;
 }
 
@@ -75,6 +86,15 @@ dig_status dig_effect_set(dig_world *w, const char *name, bool on)
     w->effects[i].forced = true;
     book_change(w, before);
     world_wake_all(w);
+    return DIG_OK;
+}
+
+dig_status dig_effect_explain(dig_world *w, const char *name, const char *why)
+{
+    int i = find(w, name);
+    if (i < 0)
+        return unknown(w, name);
+    say_why(&w->effects[i], why);
     return DIG_OK;
 }
 
@@ -93,12 +113,6 @@ bool dig_effect_schema(int index, const char *part, dig_schema *schema)
         return true;
     }
     return false;
-}
-
-static void say_why(EffectSlot *e, const char *why)
-{
-    if (!e->why[0] && why)
-        snprintf(e->why, sizeof e->why, "%s", why);
 }
 
 static dig_status join(World *w, int effect, uint32_t body, const void *given, const char *why)
@@ -135,6 +149,8 @@ dig_status dig_effect_join(dig_world *w, const char *effect, dig_body b, const v
         return unknown(w, effect);
     if (!api_body(w, b, effect))
         return DIG_E_DEAD;
+    if (w->effects[i].owner)
+        return api_own_join(w, i, b.slot);
     if (!w->effects[i].type->body_params)
         return world_fail(w, DIG_E_KIND, "effect '%s' keeps nothing of a body", effect);
     return join(w, i, b.slot, member, why);

@@ -71,7 +71,11 @@ static void pack_members(Pack *p, World *w, EffectSlot *e)
 /* By name: the list of another build may have another order. */
 void save_effects(Pack *p, World *w)
 {
-    uint32_t count = pack_count(p, (uint32_t)w->effect_count, 16, "effects");
+    int listed = 0;
+    w->met = p->reading ? UINT32_MAX : w->met;
+    while (listed < w->effect_count && !w->effects[listed].owner)       /* those of the caller's come last, and cannot be saved */
+        listed++;
+    uint32_t count = pack_count(p, (uint32_t)listed, 16, "effects");
     for (uint32_t i = 0; i < count && pack_good(p); i++) {
         char name[64] = "";
         if (!p->reading)

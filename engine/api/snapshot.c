@@ -97,11 +97,15 @@ static void copy_numbers(World *to, const World *from)
 static dig_status copy_effects(World *to, const World *from)
 {
     to->effect_count = from->effect_count;
+    to->flowing = from->flowing;
+    to->met = from->met;
     for (int i = 0; i < from->effect_count; i++) {
         const EffectSlot *e = &from->effects[i];
         to->effects[i] = *e;
         to->effects[i].world = NULL;
         to->effects[i].members = (Column){.size = e->members.size};
+        if (e->owner)
+            e->owner->users++;
         DIG_TRY(column_copy(&to->effects[i].members, &e->members, &to->allocations));
         if (e->world && !(to->effects[i].world = malloc(e->world_size)))
             return DIG_E_MEMORY;

@@ -192,14 +192,35 @@ static int alive_contacts(const World *w)
 
 void dig_time_every_step(dig_world *w, bool on) { w->timed_always = on; }
 
+/* Did it get farther than a ball that fits inside it is wide? */
+static bool is_fast(const World *w, const Body *b)
+{
+    real inner = INFINITY;
+    for (uint32_t s = b->shape_first; s != NONE; s = w->solids.data[s].next)
+        inner = real_min(inner, w->solids.data[s].shape.inner);
+    return vec3_distance(b->x, b->prev_x) > inner;
+}
+
+static int smooth_pairs(const World *w)
+{
+    int n = 0;
+    for (int i = 0; i < w->pairs.count; i++)
+        n += w->pairs.data[i].alive && !(w->pairs.data[i].friction > 0);
+    return n;
+}
+
 dig_stats dig_world_stats(const dig_world *w)
 {
     dig_stats s = w->stats;
+    s.fast = 0;
+    s.smooth = smooth_pairs(w);
     s.bodies = w->bodies.count - w->free_bodies.count;
     s.awake = 0;
     for (int i = 0; i < w->awake.count; i++) {
         const Body *b = &w->bodies.data[w->awake.data[i]];
-        s.awake += b->alive && b->awake && b->kind == DIG_DYNAMIC;
+        bool moves = b->alive && b->awake && b->kind == DIG_DYNAMIC;
+        s.awake += moves;
+        s.fast += moves && is_fast(w, b);
     }
     s.digs = graph_count(w->graph);
     s.pairs = w->pairs.count - w->free_pairs.count;

@@ -18,6 +18,8 @@ static bool wanted(const World *w, const Group *g)
 
 static int members(const Group *g) { return g->live_count; }
 
+static EffectCause cause(const Group *g) { return effect_cause_pair(g, &g->pairs[0]); }
+
 /* Normal velocity before the substep's forces. */
 static real rate_before(const Group *g, const PointRow *r)
 {
@@ -118,8 +120,11 @@ static dig_status rows(const EffectSlot *e, Group *g)
 const EffectType effect_contact = {
     .name = "contact",
     .law = "gap >= 0, normal force >= 0, gap * force = 0; v+ = -e v- at impacts",
+    .central = true,
     .cite = "stewart1996",
     .wanted = wanted,
+    .stands = LAW_CONTACT,
     .members = members,
+    .cause = cause,
     .run = {[STAGE_ROWS] = rows},
 };

@@ -37,7 +37,10 @@ typedef struct EffectType {
      * NULL: yes when one of its moving bodies takes part (body_params), or, without body_params, when e->world is there. */
     bool      (*wanted)(const World *w, const Group *g);
     int       (*members)(const Group *g);       /* bodies taking part, for reports; NULL = those of the group with body_params, or all that move */
+    Law         stands;                 /* what it stands for: without it, the ways leave it out */
+    bool        central;                /* turns no sphere: its forces go through the centre of mass, or it has none */
     bool        varies;                 /* its forces depend on where bodies are or how they move: they are not even over a step */
+    EffectCause (*cause)(const Group *g);       /* what in the first group calls for it, asked once; NULL: its first body that takes part */
     EffectFn   *run[STAGE_COUNT];       /* NULL: takes no part in that stage                */
     bool        losses;                 /* asks for what each contact loses: Contact.lost   */
 
@@ -51,6 +54,13 @@ typedef struct EffectType {
     /* Adds what it stores, J, to the fields of `sum` (heat, elastic, electric, potential). May be NULL. */
     void       (*energy)(const World *w, const EffectSlot *e, dig_energy *sum);
 } EffectType;
+
+/* Of a pair: its body that moves, or else the other one. */
+static inline EffectCause effect_cause_pair(const Group *g, const GroupPair *q)
+{
+    const Member *m = &g->member[g->member[q->a].moves ? q->a : q->b];
+    return (EffectCause){.body = body_handle(g->world, m->slot)};
+}
 
 extern const EffectType *const effect_types[];      /* NULL-terminated; effects.c; its order is the order within a stage */
 

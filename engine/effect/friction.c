@@ -17,6 +17,14 @@ static bool wanted(const World *w, const Group *g)
 
 static int members(const Group *g) { return g->rubbing_count; }
 
+static EffectCause cause(const Group *g)
+{
+    int i = 0;
+    while (i + 1 < g->pair_count && !(g->pairs[i].friction > 0))
+        i++;
+    return effect_cause_pair(g, &g->pairs[i]);
+}
+
 static dig_status decay(Group *g)
 {
     for (int i = 0; i < g->contact_count; i++) {
@@ -68,6 +76,8 @@ const EffectType effect_friction = {
     .law = "|F_t| <= mu_s F_n at rest; F_t = -mu_d F_n v_t / |v_t| sliding",
     .cite = "coulomb1785",
     .wanted = wanted,
+    .stands = LAW_FRICTION,
     .members = members,
+    .cause = cause,
     .run = {[STAGE_FORCE] = force, [STAGE_ROWS] = rows},
 };

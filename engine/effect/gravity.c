@@ -3,8 +3,20 @@
 
 static bool wanted(const World *w, const Group *g)
 {
-    (void)g;
-    return vec3_length2(w->def.gravity) > 0;
+    if (!(vec3_length2(w->def.gravity) > 0))
+        return false;
+    for (int i = 0; i < g->moving_count; i++)
+        if (g->member[i].moves && (g->member[i].gravity_scale > 0 || g->member[i].gravity_scale < 0))
+            return true;
+    return false;
+}
+
+static EffectCause cause(const Group *g)
+{
+    int i = 0;
+    while (i + 1 < g->moving_count && (!g->member[i].moves || !(fabs(g->member[i].gravity_scale) > 0)))
+        i++;
+    return (EffectCause){.body = body_handle(g->world, g->member[i].slot)};
 }
 
 static dig_status force(const EffectSlot *e, Group *g)
@@ -21,7 +33,9 @@ static dig_status force(const EffectSlot *e, Group *g)
 const EffectType effect_gravity = {
     .name = "gravity",
     .law = "F = m g",
+    .central = true,
     .cite = "newton1687",
     .wanted = wanted,
+    .cause = cause,
     .run = {[STAGE_FORCE] = force},
 };

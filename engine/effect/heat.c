@@ -431,6 +431,7 @@ static bool wanted(const World *w, const Group *g)
 const EffectType effect_heat = {
     .name = "heat",
     .law = "m c dT/dt = P + sum G (T' - T) + h A (Ta - T) + eps sigma A (Ta^4 - T^4)",
+    .central = true,
     .cite = "incropera2007",
     .world_params = world_rows,
     .world_size = sizeof(HeatWorld),

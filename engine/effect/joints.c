@@ -9,6 +9,8 @@ static bool wanted(const World *w, const Group *g)
 
 static int members(const Group *g) { return g->joint_count; }
 
+static EffectCause cause(const Group *g) { return (EffectCause){.joint = joint_handle(g->world, g->joints[0].slot)}; }
+
 static dig_status rows(const EffectSlot *e, Group *g)
 {
     (void)e;
@@ -21,6 +23,8 @@ const EffectType effect_joints = {
     .law = "C(q) = 0, force along the gradient of C",
     .cite = "lanczos1949",
     .wanted = wanted,
+    .stands = LAW_JOINTS,
     .members = members,
+    .cause = cause,
     .run = {[STAGE_ROWS] = rows},
 };

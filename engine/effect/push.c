@@ -9,6 +9,8 @@ static bool wanted(const World *w, const Group *g)
 
 static int members(const Group *g) { return g->push_count; }
 
+static EffectCause cause(const Group *g) { return (EffectCause){.body = body_handle(g->world, g->member[g->pushes[0].body].slot)}; }
+
 static dig_status force(const EffectSlot *e, Group *g)
 {
     (void)e;
@@ -28,6 +30,8 @@ const EffectType effect_push = {
     .law = "F = F(t), tau = r x F",
     .cite = "newton1687",
     .wanted = wanted,
+    .stands = LAW_PUSH,
     .members = members,
+    .cause = cause,
     .run = {[STAGE_FORCE] = force},
 };

@@ -22,6 +22,14 @@ static int members(const Group *g)
     return n;
 }
 
+static EffectCause cause(const Group *g)
+{
+    for (int r = 0; r < g->world->regions.count; r++)
+        if (g->world->regions.data[r].alive)
+            return (EffectCause){.region = {(uint32_t)r, g->world->regions.data[r].gen}};
+    return (EffectCause){.body = {0, 0}};
+}
+
 /* 1/s  A mean rate of decay that holds its exact course over the substep: stable for any drag. */
 static real decay(real drag, real h) { return h > 0 && drag > 0 ? -expm1(-drag * h) / h : drag; }
 
@@ -58,6 +66,7 @@ static void scale_pair(Group *g, GroupPair *q)
         friction *= inside ? region->laws.friction_scale : 1;
         restitution *= inside ? region->laws.restitution_scale : 1;
     }
+    friction = g->laws >> LAW_FRICTION & 1 ? friction : 0;
     q->friction = friction * p->friction;
     q->friction_dynamic = friction * p->friction_dynamic;
     q->restitution = real_min(1, restitution * p->restitution);
@@ -80,5 +89,6 @@ const EffectType effect_region = {
     .cite = "viper2000",
     .wanted = wanted,
     .members = members,
+    .cause = cause,
     .run = {[STAGE_FORCE] = force},
 };

@@ -21,6 +21,14 @@ static int members(const Group *g)
     return n;
 }
 
+static EffectCause cause(const Group *g)
+{
+    int i = 0;
+    while (i + 1 < g->pair_count && !rolls(&g->pairs[i]))
+        i++;
+    return effect_cause_pair(g, &g->pairs[i]);
+}
+
 /* Radius at which the pair rolls: that of the only round one, or of both together (1/r = 1/ra + 1/rb). */
 static real rolling_radius(const GroupPair *q)
 {
@@ -68,6 +76,8 @@ const EffectType effect_rolling = {
     .law = "|tau| <= c R F_n, against the relative spin",
     .cite = "coulomb1785",
     .wanted = wanted,
+    .stands = LAW_ROLLING,
     .members = members,
+    .cause = cause,
     .run = {[STAGE_ROWS] = rows},
 };

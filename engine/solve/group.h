@@ -21,6 +21,10 @@
 /* When an effect takes part in a substep; SETTLE comes once, at the end of the step. */
 typedef enum Stage { STAGE_FORCE, STAGE_ROWS, STAGE_FLOW, STAGE_SETTLE, STAGE_COUNT } Stage;
 
+/* Laws that the ways obey by themselves, from the group's pairs, joints and pushes, as far as an effect stands for them: one that is
+ * switched off, or not in the list, is no law of this world. */
+typedef enum Law { LAW_NONE, LAW_CONTACT, LAW_FRICTION, LAW_ROLLING, LAW_JOINTS, LAW_PUSH } Law;
+
 /* Small structs in compact arrays: what is read together lies together. */
 typedef struct Pos  { vec3 x; quat q; } Pos;                    /* m, 1  centre of mass                     */
 typedef struct Vel  { vec3 v, w; } Vel;                         /* m/s, rad/s                               */
@@ -166,11 +170,16 @@ struct Group {
     vec3      gravity;          /* m/s^2  of the world */
     real      fall;             /* m/s^2  the largest where its members are: the scale of what weight does */
     uint32_t  effects;          /* bit per effect of the list that this group calls for */
+    bool      turns;            /* one of them may turn a sphere                    */
+    uint32_t  laws;             /* bit per Law that these stand for                */
     dig_status (*stage)(Group *g, int stage);           /* runs the effects of one stage (step/step.c) */
     bool      decay_friction;   /* the founding document's alternative to Coulomb */
     bool      varies;           /* forces depend on where bodies are or how they move */
     bool      stores;           /* forces have a potential that only their effect knows */
     bool      drags, rules;     /* some forces are drags, or laws of regions: see Member.drag, Member.law */
+    bool      own;              /* an effect of the caller's takes part: only the calling thread may advance the group */
+    bool      waits;            /* and this thread is another: it is still to be advanced */
+    dig_effect_part *parts;     /* [moving_count] what such effects are shown; NULL = none was asked yet */
     int       planar;           /* 0 or 1..3: x, y, z is the dead axis */
 
     const uint32_t *leads; int dig_count;       /* first members of its DIGs */
@@ -210,6 +219,7 @@ struct Group {
     bool      stalled;          /*     the last sweeps brought nothing                  */
     bool      unsolved;         /*     in this substep, rows that contradict each other */
     int       evaluations, refused, events;
+    int       unturned;         /*     spheres whose rotation was not solved: nothing can turn them */
     real      tolerance;        /* 1   local error of the traced way over the size of the bodies */
     real      trace_step;       /* s   its last step length; 0 = none                  */
     int       trace_wait;       /*     steps for which it is not tried again           */

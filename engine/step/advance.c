@@ -28,9 +28,10 @@ static dig_status run_stage(Group *g, int stage)
     const World *w = g->world;
     if (g->blame && find_culprit(g, stage == STAGE_FORCE ? "state" : "solver", false))
         return DIG_E_FINITE;
-    for (int i = 0; i < w->effect_count && g->effects >> i; i++) {
+    for (uint32_t left = g->effects; left; left &= left - 1) {
+        int i = lowest_bit(left);
         const EffectSlot *slot = &w->effects[i];
-        if (!(g->effects >> i & 1) || !slot->type->run[stage])
+        if (!slot->type->run[stage])
             continue;
         real start = g->timed ? wall_us() : 0;
         DIG_TRY(slot->type->run[stage](slot, g));
@@ -52,8 +53,18 @@ static bool has_member(const Group *g, const Column *members)
     return false;
 }
 
+/* Nobody has a field or an option of it: it need not be asked. */
+static bool is_idle(const EffectSlot *e)
+{
+    return e->members.count == 0 && !e->world && (e->type->body_params || e->type->world_params);
+}
+
 static bool is_wanted(const Group *g, const EffectSlot *e)
 {
+    if (is_idle(e))
+        return false;
+    if (e->owner)
+        return e->owner->all ? g->moving_count > 0 : has_member(g, &e->members);
     if (e->type->wanted)
         return e->type->wanted(g->world, g);
     return e->type->body_params ? has_member(g, &e->members) : e->world != NULL;
@@ -68,11 +79,67 @@ static void call_effects(Group *g)
         if (!e->on || !is_wanted(g, e))
             continue;
         g->effects |= 1u << i;
+        g->laws |= 1u << e->type->stands;
+        g->own = g->own || e->owner;
+        g->turns = g->turns || !e->type->central;
         g->varies = g->varies || e->type->varies;
     }
 }
 
-typedef struct Context { World *w; Step *s; bool blame; } Context;
+/* What no effect stands for is kept from the ways. Pairs come back when the step is judged: bodies may touch without force. */
+static void leave_out(Group *g)
+{
+    for (int i = 0; i < g->pair_count && !(g->laws >> LAW_FRICTION & 1); i++)
+        g->pairs[i].friction = g->pairs[i].friction_dynamic = 0;
+    for (int i = 0; i < g->pair_count && !(g->laws >> LAW_ROLLING & 1); i++)
+        g->pairs[i].rolling = 0;
+    if (!(g->laws >> LAW_JOINTS & 1))
+        g->joint_count = 0;
+    if (!(g->laws >> LAW_PUSH & 1))
+        g->push_count = 0;
+    if (!(g->laws >> LAW_CONTACT & 1))
+        g->pair_count = g->contact_count = 0;
+}
+
+static bool is_sphere(const World *w, const Body *b)
+{
+    if (!b->round_inertia || b->shape_count != 1)
+        return false;
+    const Solid *s = &w->solids.data[b->shape_first];
+    return s->shape.inner >= s->shape.outer && vec3_equal(s->at.p, b->centre);
+}
+
+/* Where nothing can turn a sphere, its rotation is no unknown: it keeps its spin to the last bit and goes on turning evenly, whatever
+ * rounding in the rows of its contacts says. */
+static void keep_spins(Group *g, real dt)
+{
+    const World *w = g->world;
+    for (int i = 0; i < g->moving_count && !g->turns && !g->woke; i++) {
+        const Body *b = &w->bodies.data[g->member[i].slot];         /* as before the step */
+        if (!g->member[i].moves || !is_sphere(w, b))
+            continue;
+        g->vel[i].w = b->w;
+        g->pos[i].q = vec3_length2(b->w) > 0 ? quat_unit(quat_mul(quat_exp(vec3_scale(dt, b->w)), b->q)) : b->q;
+        g->unturned++;
+    }
+}
+
+static dig_status advance_judged(Group *g, real dt)
+{
+    int pairs = g->pair_count, contacts = g->contact_count;
+    leave_out(g);
+    watch_start(g);
+    DIG_TRY(group_advance(g, dt));
+    keep_spins(g, dt);
+    if (g->pair_count != pairs) {
+        g->pair_count = pairs;
+        g->contact_count = contacts;
+        group_touch(g, dt, true);
+    }
+    return group_judge(g, dt);
+}
+
+typedef struct Context { World *w; Step *s; bool blame, alone; } Context;     /* alone: this is the calling thread, and others wait */
 
 static void advance_one(void *context, int i, Arena *arena)
 {
@@ -92,10 +159,11 @@ static void advance_one(void *context, int i, Arena *arena)
     if (g->status != DIG_OK)
         return;
     call_effects(g);
-    watch_start(g);
-    g->status = group_advance(g, c->s->dt);
-    if (g->status == DIG_OK)
-        g->status = group_judge(g, c->s->dt);
+    if (g->own && !c->alone) {
+        g->waits = true;
+        return;
+    }
+    g->status = advance_judged(g, c->s->dt);
     if (g->status == DIG_OK)
         watch_group(g);
 }
@@ -245,7 +313,7 @@ static void commit_turn(void *context, int i, Arena *arena)
 
 void commit_groups(World *w, Step *s)
 {
-    Context c = {w, s, false};
+    Context c = {w, s, false, false};
     for (int i = 0; i < s->count; i++)
         group_commit_records(w, &s->groups[i]);
     for (int i = 0; i < s->together; i++)
@@ -255,11 +323,15 @@ void commit_groups(World *w, Step *s)
 
 dig_status advance_groups(World *w, Step *s)
 {
-    Context c = {w, s, false};
+    Context c = {w, s, false, !workers_team(w->workers)};
     DIG_TRY(share_out(w, s));
     for (int i = 0; i < s->together; i++)
         advance_one(&c, s->order[i], &w->scratch);
     in_order(w, s, advance_turn, &c);
+    c.alone = true;                     /* effects of the caller's: by this thread, and in the same order for any number of them */
+    for (int i = 0; i < s->count; i++)
+        if (s->groups[i].waits)
+            advance_one(&c, i, &w->scratch);
     for (int i = 0; i < s->count; i++) {
         dig_status status = s->groups[i].status;
         if (status == DIG_E_MEMORY)
@@ -291,7 +363,7 @@ dig_status check_finite(World *w, Step *s)
     for (int i = 0; i < s->count; i++) {
         if (group_finite(&s->groups[i]))
             continue;
-        Context c = {w, s, true};
+        Context c = {w, s, true, true};
         advance_one(&c, i, &w->scratch);
         if (s->groups[i].culprit < 0)
             find_culprit(&s->groups[i], "solver", false);

@@ -5,8 +5,8 @@ static bool called(const EffectSlot *e) { return e->on && e->type->flow && (e->w
 
 dig_status reserve_flow(World *w, real dt)
 {
-    for (int i = 0; i < w->effect_count; i++) {
-        EffectSlot *e = &w->effects[i];
+    for (uint32_t left = w->flowing; left; left &= left - 1) {
+        EffectSlot *e = &w->effects[lowest_bit(left)];
         if (called(e) && e->type->reserve)
             DIG_TRY(e->type->reserve(w, e, dt));
     }
@@ -15,8 +15,8 @@ dig_status reserve_flow(World *w, real dt)
 
 void flow(World *w, const Step *s)
 {
-    for (int i = 0; i < w->effect_count; i++) {
-        EffectSlot *e = &w->effects[i];
+    for (uint32_t left = w->flowing; left; left &= left - 1) {
+        EffectSlot *e = &w->effects[lowest_bit(left)];
         if (!called(e))
             continue;
         real start = s->timed ? wall_us() : 0;

@@ -82,7 +82,7 @@ static void sum_groups(World *w, const Step *s)
     dig_stats *t = &w->stats;
     t->groups = s->count;
     t->iterations = t->substeps = t->located = t->evaluations = t->refused = t->trace_events = 0;
-    t->traced = t->conserved = t->swept = 0;
+    t->traced = t->conserved = t->swept = t->unturned = 0;
     t->residual = t->penetration = t->joint_error = 0;
     for (int i = 0; i < s->count; i++) {
         const Group *g = &s->groups[i];
@@ -104,6 +104,7 @@ static void sum_groups(World *w, const Step *s)
         t->worst_residual = real_max(t->worst_residual, g->residual);
         t->worst_penetration = real_max(t->worst_penetration, g->penetration);
         t->worst_joint_error = real_max(t->worst_joint_error, g->joint_error);
+        t->unturned += g->unturned;
         w->ledger.lost += g->lost;
         w->ledger.work_in += g->work_in;
         w->ledger.law += g->law;
@@ -125,12 +126,25 @@ static void sum_ways(dig_stats *t)
     t->all_refused += (uint64_t)t->refused;
 }
 
+/* Do only those of its column take part? */
+static bool takes_some(const EffectSlot *e) { return e->owner ? !e->owner->all : e->type->body_params != NULL; }
+
+static EffectCause cause_of(const Group *g, const EffectSlot *e)
+{
+    int i = 0;
+    if (e->type->cause)
+        return e->type->cause(g);
+    while (i + 1 < g->moving_count && takes_some(e) && !column_find(&e->members, g->member[i].slot))
+        i++;
+    return (EffectCause){.body = body_handle(g->world, g->member[i].slot)};
+}
+
 static int members_of(const Group *g, const EffectSlot *e)
 {
     int n = 0;
     if (e->type->members)
         return e->type->members(g);
-    if (!e->type->body_params)
+    if (!takes_some(e))
         return g->moving_count;
     for (int i = 0; i < g->moving_count; i++)
         n += g->member[i].moves && column_find(&e->members, g->member[i].slot);
@@ -139,8 +153,14 @@ static int members_of(const Group *g, const EffectSlot *e)
 
 static void count_effects(World *w, const Step *s)
 {
-    for (int i = 0; i < w->effect_count; i++) {
+    w->met |= w->flowing;
+    for (int k = 0; k < s->count; k++)
+        w->met |= s->groups[k].effects;
+    for (uint32_t left = w->met; left; left &= left - 1) {
+        int i = lowest_bit(left);
         EffectSlot *e = &w->effects[i];
+        if (i >= w->effect_count)
+            break;
         e->bodies = 0;
         bool timed = s->count > 0 && s->groups[0].timed;
         e->us = timed || s->count == 0 ? e->flow_us : e->us;
@@ -152,8 +172,13 @@ static void count_effects(World *w, const Step *s)
                 continue;
             e->bodies += members_of(g, e);
             e->calls++;
-            e->first = e->first == NONE && g->moving_count > 0 ? g->member[0].slot : e->first;
+            if (!e->caused && g->moving_count > 0) {
+                e->cause = cause_of(g, e);
+                e->caused = true;
+            }
         }
+        e->us_sum += timed ? e->us : 0;
+        e->us_count += timed;
     }
 }
 

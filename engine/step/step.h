@@ -15,6 +15,8 @@ dig_status step_world(World *w);
 /* Time is taken in every so many steps only: looking at the clock costs something, too. */
 #define TIMED_EVERY 16
 
+static inline int lowest_bit(uint32_t bits) { return __builtin_ctz(bits); }      /* bits are not 0 */
+
 typedef struct Step {           /* what the stages hand to each other; lives in the world's scratch memory */
     real      dt;
     int       tries;            /* of the step, because something got farther than foreseen */

@@ -33,6 +33,7 @@ static vec3 angular_momentum(const Group *g, int i)
 void trace_load(Tracer *t, const State *y, real time)
 {
     Group *g = t->g;
+    g->t = time;
     t->known = NULL;
     for (int i = 0; i < g->body_count; i++) {
         const Member *m = &g->member[i];

@@ -297,6 +297,8 @@ static bool at_rest(const Tracer *t, real h)
 {
     const Group *g = t->g;
     real least = 1e-3 * t->gap_zero;
+    if (g->own)                 /* what the caller's effects ask for may change with time alone */
+        return false;
     for (int i = 0; i < t->bond_count; i++)
         if (t->bonds[i].start >= t->bonds[i].strength)
             return false;

@@ -73,8 +73,11 @@ void world_close(World *w)
         if (w->solids.data[i].alive)
             shape_free(&w->solids.data[i].shape);
     for (int i = 0; i < w->effect_count; i++) {
+        EffectOwner *o = w->effects[i].owner;
         free(w->effects[i].world);
         column_close(&w->effects[i].members);
+        if (o && --o->users == 0)
+            o->end(o);
     }
     for (int i = 0; i < w->regions.count; i++)
         if (w->regions.data[i].alive)
@@ -128,13 +131,16 @@ size_t world_bytes(const World *w)
     return bytes;
 }
 
-size_t effect_bytes(const EffectSlot *e) { return (e->world ? e->world_size : 0) + column_bytes(&e->members); }
+size_t effect_bytes(const EffectSlot *e)
+{
+    return (e->world ? e->world_size : 0) + column_bytes(&e->members) + (e->owner ? e->owner->bytes : 0);
+}
 
 /* An effect that nothing called for leaves no trace in the sum: a build without it has the same one. */
 static uint64_t hash_effect(uint64_t h, const EffectSlot *e, const char *name)
 {
     const real *x = e->world;
-    if (e->on && !x && e->members.count == 0)
+    if (e->on && !x && e->members.count == 0 && !e->owner)
         return h;
     h = hash_u64(hash_bytes(h, name, strlen(name)), e->on);
     for (size_t k = 0; x && k < e->world_size / sizeof *x; k++)

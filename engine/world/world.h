@@ -194,6 +194,17 @@ typedef struct Ledger {         /* J since the start                            
     bool started;
 } Ledger;
 
+/* What first called for an effect; what it was not is null. */
+typedef struct EffectCause { dig_body body; dig_joint joint; dig_region region; } EffectCause;
+
+/* An effect added by the caller (api/own.c), shared by a world and its snapshots. */
+typedef struct EffectOwner {
+    int    users;
+    bool   all;                 /* every body that moves takes part, not those of the column */
+    size_t bytes;
+    void (*end)(struct EffectOwner *o);         /* after the last user */
+} EffectOwner;
+
 struct EffectType;
 typedef struct EffectSlot {     /* one per entry of the effect list                    */
     const struct EffectType *type;
@@ -201,12 +212,14 @@ typedef struct EffectSlot {     /* one per entry of the effect list             
     bool     on, forced;        /* forced: set by hand                                 */
     int      bodies;            /* in the last step                                    */
     real     us, flow_us;       /* us in the last timed step, all and of that on the world as a whole */
+    real     us_sum; uint64_t us_count;         /* us of all timed steps, and how many these are */
     uint64_t calls;             /* of its functions since the start: run and flow      */
     void    *world;             /* its options (EffectType.world_params); NULL = not called for */
     size_t   world_size;        /* bytes of these                                      */
     Column   members;           /* of the bodies that take part (EffectType.body_params) */
     void    *plan;              /* what its reserve took for its flow, in w->scratch; of this step only */
-    uint32_t first;             /* body of the first group that called for it; NONE = none has */
+    EffectCause cause; bool caused;             /* what in the first group that called for it did; none has yet */
+    EffectOwner *owner;         /* NULL: one of the list */
     char     why[96];           /* what called for it, as the caller said it; "" = it did not  */
 } EffectSlot;
 
@@ -249,6 +262,7 @@ struct dig_world {
     Graph   *graph;
     MessageLog messages;
     EffectSlot effects[MAX_EFFECTS]; int effect_count;
+    uint32_t flowing, met;              /* bits of effects on the world as a whole; of those ever called for, or maybe */
     dig_room_def room; bool has_room; uint32_t room_solid[6];
 
     Ledger   ledger;
@@ -284,6 +298,12 @@ static inline dig_body body_handle(const World *w, uint32_t slot)
 static inline dig_joint joint_handle(const World *w, uint32_t slot)
 {
     return slot == NONE ? (dig_joint){0, 0} : (dig_joint){slot, w->joints.data[slot].gen};
+}
+static inline Region *world_region(const World *w, dig_region r)
+{
+    if (r.slot >= (uint32_t)w->regions.count || !w->regions.data[r.slot].alive || w->regions.data[r.slot].gen != r.gen)
+        return NULL;
+    return &w->regions.data[r.slot];
 }
 static inline real world_time(const World *w) { return (real)w->steps * w->def.step; }
 

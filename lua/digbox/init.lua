@@ -35,6 +35,7 @@ end
 core.use "events"
 core.use "trace"
 core.use "watch"
+core.use "effect"
 core.use "run"
 core.use "build"
 core.use "fluid"

@@ -136,6 +136,7 @@ local function advance(world, state)
   core.poll()
   if state.before_first_step and world.steps == 0 then state.before_first_step(world) end
   core.push_regions(state)
+  core.ask_filters(world, state)
   local filming = #state.films > 0
   if filming then core.film_before_step(world, state) end
   core.step(world)
@@ -248,7 +249,8 @@ function core.summary()
     world.time, s.steps, table.concat(ways, ", "), s.worst_residual, s.worst_penetration, s.worst_joint_error, books(world.energy))
   if s.all_refused > 0 then line = ("%s; %d steps refused by their error"):format(line, s.all_refused) end
   if s.gave_up > 0 then line = ("%s; gave up %d times (last: %s)"):format(line, s.gave_up, s.gave_up_why) end
-  return line .. core.count_warnings(world)
+  line = line .. core.count_warnings(world)
+  return table.concat({ line, table.unpack(core.effect_lines(world)) }, "\ndigbox: ")
 end
 
 function core.finish_run()

@@ -134,6 +134,20 @@ LUA
 gives 0 'stats, and no clock' run -q stats.lua
 gives 0 'the same while it is measured' cost -q stats.lua
 
+# ---- what each effect costs ----
+gives 0 'effects' cost -q --effects --seconds 0.5 pendulum.lua;               printed 'with everything on'; printed 'called for by'
+holds 'a row for each effect that is on' test "$(cut -d, -f1 out/effects.csv | sort | tr '\n' ' ')" = 'effect gravity joints '
+holds 'with the line that calls for it' grep -q '^joints,.*pendulum.lua:5 (a hinge)' out/effects.csv
+holds 'numbers' awk -F, 'NR > 1 && !($2 + 0 == $2 && $3 >= 0 && $8 == 30 && $9 > 0 && $11 == 7) { bad = 1 } END { exit bad }' out/effects.csv
+if command -v gnuplot >/dev/null 2>&1; then
+    holds 'bars' test -s out/effects.png -a -s out/effects.svg
+fi
+cat >still.lua <<'LUA'
+local digbox = require "digbox"
+digbox.world { gravity = { 0, 0, 0 } }:ball { radius = 0.1 }
+LUA
+gives 0 'a world where nothing is on' cost -q --effects --seconds 0.1 still.lua;  printed 'nothing is on'
+
 # ---- failures ----
 sed 's/world:run .*/world:run "0.1 s" error "boom"/' fall.lua >boom.lua
 gives 1 'a script that fails' cost -q boom.lua;          said 'digbox: boom.lua:4: boom'

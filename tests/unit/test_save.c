@@ -302,7 +302,7 @@ TEST(every_field_of_the_records_is_known_to_the_file)
     CHECK_INT(sizeof(Push), 104);
     CHECK_INT(sizeof(Region), 400);
     CHECK_INT(sizeof(Ledger), 48);
-    CHECK_INT(sizeof(dig_event), 144);
+    CHECK_INT(sizeof(dig_event), 152);
     CHECK_INT(sizeof(dig_message), 120);
     CHECK_INT(sizeof(TreeNode), 72);
     CHECK_INT(sizeof(GraphLink), 40);

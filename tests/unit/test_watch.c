@@ -40,8 +40,7 @@ static void invite(dig_world *w, const Demon *d)
     const Demon **own = malloc(sizeof *own);        /* the test goes on changing it */
     CHECK(own);
     *own = d;
-    w->effects[w->effect_count++] = (EffectSlot){.type = &demon_effect, .name = "demon", .on = true, .world = own, .world_size = sizeof *own,
-                                                 .first = NONE};
+    w->effects[w->effect_count++] = (EffectSlot){.type = &demon_effect, .name = "demon", .on = true, .world = own, .world_size = sizeof *own};
 }
 
 static void dismiss(dig_world *w)
