@@ -21,7 +21,8 @@ local worlds = {                            -- world, largest part of the energy
   { "16_integrators", 0.1 },                -- shows what simpler rules make up: Euler's 4 % at a step of 1/15 s
   { "mirror_room", traced }, { "floating_crate", traced }, { "hot_iron", traced },
   { "bridge" },                             -- only as it stands: its collapse at "study" is not robust
-  { "sawn_plank", 0.5 }, { "orbit", traced }, { "everything", 0.5 },
+  { "sawn_plank", 0.35 },                   -- elastic joints with contacts are stepped by backward Euler, which damps the plank's waves
+  { "orbit", traced }, { "everything", traced },
   { "ball_table_bucket", 5e-4 },           -- the lifted bucket swings against its rod: a third of the steps are swept
 }
 

@@ -59,13 +59,18 @@ static dig_status ask(const EffectSlot *e, Group *g, real dt)
 static dig_status force(const EffectSlot *e, Group *g)
 {
     DIG_TRY(ask(e, g, g->h > INSTANT ? g->h : 0));
+    const OwnEffect *o = own_of(e);
     g->stores = true;               /* what its forces do is not in the group's energy */
     for (int i = 0, n = 0; i < g->moving_count; i++) {
         Member *m = &g->member[i];
         if (!takes_part(e, g, i))
             continue;
-        m->force = vec3_add(m->force, g->parts[n].force);
-        m->torque = vec3_add(m->torque, g->parts[n].torque);
+        if (o->def.energy) {            /* it says itself what it stores */
+            m->force = vec3_add(m->force, g->parts[n].force);
+            m->torque = vec3_add(m->torque, g->parts[n].torque);
+        } else {
+            group_rule(g, i, g->parts[n].force, g->parts[n].torque);
+        }
         n++;
     }
     return DIG_OK;

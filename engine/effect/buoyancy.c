@@ -34,10 +34,12 @@ static const dig_param world_params[] = {
 
 typedef struct Displaced { real volume, whole; vec3 centre; } Displaced;       /* m^3, m^3, m from the centre of mass */
 
-/* Within the basin is whose centre of mass is. */
-static bool within(const Water *water, vec3 x)
+/* Within the basin is whose centre of mass is. Upward only the surface ends it: a body that is half under when its centre comes
+ * to the rim was borne before. */
+static bool within(const Water *water, vec3 x, vec3 up)
 {
-    vec3 off = vec3_abs(vec3_sub(x, water->at)), half = vec3_scale(0.5, water->size);
+    vec3 from = vec3_sub(x, water->at), half = vec3_scale(0.5, water->size);
+    vec3 off = vec3_abs(vec3_mad(from, -real_max(0, vec3_dot(from, up)), up));
     return !((half.x > 0 && off.x > half.x) || (half.y > 0 && off.y > half.y) || (half.z > 0 && off.z > half.z));
 }
 
@@ -83,7 +85,7 @@ static void bear(const Water *water, Group *g, int i, vec3 up, real weight)
     real h = g->h, im = g->mass[i].im;
     vec3 x = vec3_mad(g->pos[i].x, 0.5 * h, g->vel[i].v);
     quat q = quat_unit(quat_mul(quat_exp(vec3_scale(0.5 * h, g->vel[i].w)), g->pos[i].q));
-    if (!within(water, x))
+    if (!within(water, x, up))
         return;
     Displaced d = displaced(g->world, m->slot, x, q, up, water->level);
     if (!(d.volume > 0))
@@ -122,7 +124,7 @@ static void energy(const World *w, const EffectSlot *e, dig_energy *sum)
     vec3 up = vec3_scale(-1 / gravity, w->def.gravity);
     for (int i = 0; i < w->bodies.count; i++) {
         const Body *b = &w->bodies.data[i];
-        if (!b->alive || b->kind != DIG_DYNAMIC || !within(water, b->x))
+        if (!b->alive || b->kind != DIG_DYNAMIC || !within(water, b->x, up))
             continue;
         Displaced d = displaced(w, (uint32_t)i, b->x, b->q, up, water->level);
         sum->potential += water->density * gravity * d.volume * (water->level - vec3_dot(up, vec3_add(b->x, d.centre)));

@@ -47,7 +47,7 @@ static void apply(Group *g, int i)
     }
     vec3 change = vec3_sub(gravity, g->gravity);
     if (vec3_length2(change) > 0)
-        group_rule(g, i, vec3_scale(m->mass * m->gravity_scale, change));
+        group_rule(g, i, vec3_scale(m->mass * m->gravity_scale, change), vec3_zero());
     if (!(drag > 0))
         return;
     real c = decay(drag * g->world->bodies.data[m->slot].rate, g->h);

@@ -11,7 +11,7 @@ dig_status group_forces(Group *g)
             m->driven = 0;
         }
         if (g->rules)
-            m->law = vec3_zero();
+            m->law = m->law_torque = vec3_zero();
     }
     return g->stage(g, STAGE_FORCE);
 }
@@ -26,11 +26,13 @@ void group_brake(Group *g, int body, vec3 force, vec3 torque)
     g->drags = true;
 }
 
-void group_rule(Group *g, int body, vec3 force)
+void group_rule(Group *g, int body, vec3 force, vec3 torque)
 {
     Member *m = &g->member[body];
     m->force = vec3_add(m->force, force);
+    m->torque = vec3_add(m->torque, torque);
     m->law = vec3_add(m->law, force);
+    m->law_torque = vec3_add(m->law_torque, torque);
     g->rules = true;
 }
 
@@ -45,7 +47,7 @@ void group_book_apart(Group *g, int body, vec3 moved, vec3 turned, real h)
         g->lost += m->driven * h - vec3_dot(m->drag, moved) - vec3_dot(m->drag_torque, turned);
     }
     if (g->rules)
-        g->law += vec3_dot(m->law, moved);
+        g->law += vec3_dot(m->law, moved) + vec3_dot(m->law_torque, turned);
 }
 
 real group_spring_energy(const GroupJoint *j)

@@ -48,7 +48,7 @@ typedef struct Member {         /* the rest of a gathered body */
     vec3     centre;            /* m   centre of mass in the body frame                */
     vec3     force, torque;     /* N, N m, of this substep                             */
     vec3     drag, drag_torque; /* N, N m of these, what takes energy away for good    */
-    vec3     law;               /* N      of these, what regions' laws add, but for drags */
+    vec3     law, law_torque;   /* N, N m of these, what laws of regions and of scripts add, but for drags */
     real     driven;            /* W   what moves the medium puts in by them           */
     real     outer;             /* m                                                   */
     Pos      start_pos; Vel start_vel;  /* at the start of the substep                 */
@@ -269,7 +269,7 @@ void       group_joint_move(Group *g, int joint);       /* once viewed: those of
  * bodies moved and turned so far */
 dig_status group_forces(Group *g);
 void       group_brake(Group *g, int body, vec3 force, vec3 torque);        /* adds a drag against what stands still */
-void       group_rule(Group *g, int body, vec3 force);                      /* adds a force whose work is that of a region's laws */
+void       group_rule(Group *g, int body, vec3 force, vec3 torque);         /* adds what is the work of laws: regions', scripts' */
 void       group_book_apart(Group *g, int body, vec3 moved, vec3 turned, real h);
 void       group_book_push(Group *g, const GroupPush *p, real work);        /* J */
 

@@ -297,3 +297,12 @@ scenario("without water and air nothing is called and nothing is kept", function
     expect(e.bytes):is(0)
   end
 end)
+
+scenario("the rim of a basin changes nothing: a crate that falls in keeps its books", function(s)
+  local world = s:world { accuracy = "study" }
+  world:water { level = 0.5, at = { 0, 0.25, 0 }, size = { 2, 0.5, 2 } }
+  local crate = world:box { density = 500, size = 0.3, at = { 0, 0.9, 0 } }
+  world:run(2)
+  expect(crate.position.y):below(0.7)
+  expect(world.energy.numerical):near(0, 1e-6)
+end)
