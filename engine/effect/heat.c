@@ -11,6 +11,7 @@
 #include "effect/heat.h"
 
 #include "effect/effect.h"
+#include "world/region.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -312,6 +313,12 @@ static real said(const Heat *a, const Heat *b)
     return isnan(x) ? y : isnan(y) ? x : real_min(x, y);
 }
 
+/* 1  where they touch */
+static real law_of_place(const World *w, const Pair *pair)
+{
+    return w->region_count > 0 && pair->contact != NONE ? region_conduct(w, w->contacts.data[pair->contact].point) : 1;
+}
+
 static void look_at_contacts(const World *w, const EffectSlot *e, Plan *p)
 {
     HeatWorld o = options_of(e);
@@ -328,7 +335,8 @@ static void look_at_contacts(const World *w, const EffectSlot *e, Plan *p)
         const Heat *a = column_at(&e->members, n->a), *b = column_at(&e->members, n->b);
         NetLine *line = &p->net.branch[n->branch].line;
         real given = said(a, b);
-        line->g = isnan(given) ? line->g + conductance(w, &o, pair, a, b) : given;
+        real place = law_of_place(w, pair);
+        line->g = isnan(given) ? line->g + place * conductance(w, &o, pair, a, b) : place * given;
     }
 }
 

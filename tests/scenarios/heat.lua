@@ -393,3 +393,23 @@ scenario("a temperature is warmed, not assigned", function(s)
   expect(second.running):is(true)
   expect(failure(function() heater:of() end):find("did you mean 'off'", 1, true)):is_not(nil)
 end)
+
+-- 450 J/K at 200 C on 4186 J/K at 20 C with 12 W/K: after 60 s 65.10048 C (T2); with a factor c on the conductance the same at 60 s / c.
+scenario("where a region conducts better, touching bodies share their heat sooner", function(s)
+  for _, conduct in ipairs { 1, 3, 0 } do
+    local world = s:world { accuracy = "study" }
+    world:floor {}
+    local low = world:box { size = 0.2, at = { 0, 0.1, 0 }, mass = 4.186, heat_capacity = 1000, temperature = 293.15, contact_conductance = 12 }
+    local high = world:box { size = 0.2, at = { 0, 0.3, 0 }, mass = 0.45, heat_capacity = 1000, temperature = 473.15 }
+    world:region { box = { size = 2 }, laws = { conduct = conduct } }
+    world:run(0.5)
+    local start = conduct > 0 and 0.5 or 0
+    world:run(60 / math.max(1, conduct) - start)
+    if conduct == 0 then
+      expect(high.temperature):near(473.15, 1e-9)
+    else
+      expect(high.temperature - 273.15):near(65.10048, 0.1)
+      expect(low.temperature - 273.15):near(34.50186, 0.02)
+    end
+  end
+end)
