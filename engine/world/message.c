@@ -11,6 +11,7 @@ static void store(dig_message *to, const dig_message *from, uint64_t id)
 {
     memset(to, 0, sizeof *to);
     to->id = id;
+    to->root = from->root ? from->root : id;
     to->time = from->time;
     to->from.slot = from->from.slot;
     to->from.gen = from->from.gen;
