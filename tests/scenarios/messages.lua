@@ -280,3 +280,37 @@ scenario("bad messages are refused at their line, and nothing is half done", fun
   expect(world:stats().posted):is(0)
   expect(#world:messages()):is(0)
 end)
+
+scenario("what is warm and touches is a DIG of the thermal layer", function(s)
+  local world = s.world
+  world:floor { temperature = 290 }
+  local low = world:box { name = "low", size = 0.2, at = { 0, 0.1, 0 }, mass = 1, temperature = 400 }
+  local high = world:box { name = "high", size = 0.2, at = { 0, 0.3, 0 }, mass = 1, temperature = 300 }
+  local cold = world:box { name = "no part", size = 0.2, at = { 0, 0.5, 0 }, mass = 1 }
+  local parted = 0
+  world:on("split", { layer = "thermal" }, function() parted = parted + 1 end)
+  world:run(0.3)
+  expect(low:dig_of "thermal" == high:dig_of "thermal"):is(true)
+  expect(cold:dig_of "thermal"):is(nil)
+  expect(world:find("floor"):dig_of "thermal"):is(nil)
+  expect(low:neighbours { kind = "thermal" }):contains(high)
+  local link
+  for _, l in ipairs(low:links { kind = "thermal" }) do if l.b == high then link = l end end
+  expect(link.effort):near(low.temperature - high.temperature, 1e-9)
+  expect(link.power):near(link.effort * link.flow, 1e-12)
+  expect(link.flow):above(0)
+  world:check()
+  local snap, before = world:snapshot(), nil
+  world:run(0.1)
+  before = world:checksum()
+  world:restore(snap)
+  world:run(0.1)
+  expect(world:checksum()):is(before)
+  high:teleport { at = { 3, 0.3, 0 } }
+  world:run(0.1)
+  expect(parted):is(1)
+  expect(high:dig_of "thermal"):is(nil)
+  world:effect("heat", false)
+  world:run(0.1)
+  expect(#world:digs "thermal"):is(0)
+end)
