@@ -25,7 +25,8 @@ local sends = only("name", "value", "after", "route", "to", "region", "layer", "
 
 -- What each route needs besides name, value and after
 local wants = { to = { to = true }, neighbours = { layer = true, kind = true }, dig = { layer = true },
-  flood = { layer = true, kind = true, hops = true, transform = true }, path = { to = true, layer = true, kind = true }, region = { region = true } }
+  flood = { layer = true, kind = true, hops = true, transform = true },
+  path = { to = true, layer = true, kind = true }, region = { region = true } }
 local needs = { to = "to", path = "to", region = "region" }
 
 local function send_by_route(from, fields)
