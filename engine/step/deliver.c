@@ -34,6 +34,16 @@ static void remember(World *w, Body *b, uint32_t slot, const dig_message *m)
     memcpy(b->message_kind, m->kind, sizeof b->message_kind);
 }
 
+/* Without memory a message is written down, but is no event. */
+static bool room_for(World *w, int count)
+{
+    Mail *m = &w->mail;
+    if (w->pending.count + count <= w->pending.capacity && m->waiting.count + count <= m->waiting.capacity)
+        return true;
+    return list_reserve(&w->pending, w->pending.count + count, &w->allocations) == DIG_OK
+        && list_reserve(&m->waiting, m->waiting.count + count, &w->allocations) == DIG_OK;
+}
+
 /* root 0 in the post: the first that gets it is the root, from then on it stands there. */
 static bool give(World *w, Post *p, uint32_t slot, real value)
 {
@@ -50,16 +60,10 @@ static bool give(World *w, Post *p, uint32_t slot, real value)
     message_keep(&w->messages, &m);
     remember(w, b, slot, &m);
     w->stats.delivered++;
-    if (list_push(&w->mail.waiting, &w->allocations) != DIG_OK)
-        return true;
-    dig_event *e = event_post(w, DIG_EVENT_MESSAGE, slot, d->from.gen && world_body(w, d->from) ? d->from.slot : NONE);
-    if (!e) {                               /* a letter for each event, and an event for each letter */
-        w->mail.waiting.count--;
-        return true;
+    if (room_for(w, 1)) {                   /* a letter for each event, and an event for each letter */
+        w->pending.data[w->pending.count++] = (dig_event){.kind = DIG_EVENT_MESSAGE, .time = p->time, .a = m.to, .b = m.from, .message = m.id};
+        w->mail.waiting.data[w->mail.waiting.count++] = m;
     }
-    e->time = p->time;
-    e->message = m.id;
-    w->mail.waiting.data[w->mail.waiting.count - 1] = m;
     return true;
 }
 
@@ -224,11 +228,12 @@ static int give_members(World *w, Post *p)
     uint32_t layer = d->dig.id ? d->dig.layer : d->layer;
     const Graph *g = layer_graph(w, layer);
     uint32_t id = !g ? GRAPH_NONE : d->dig.id ? d->dig.id : graph_of(g, d->from.slot);
-    int n = 0;
-    if (!g || graph_size(g, id) == 0) {
+    int n = 0, size = g ? graph_size(g, id) : 0;
+    if (size == 0) {
         lose(w);
         return 0;
     }
+    room_for(w, size);
     for (uint32_t m = graph_first(g, id); m != GRAPH_END; m = graph_next(g, m))
         n += give(w, p, m, d->value[0]);
     return n;
