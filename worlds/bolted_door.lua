@@ -25,9 +25,9 @@ local function ask(what, force)
   return answer
 end
 
-local eye = world:camera { at = { 1.5, 1.7, -2.6 }, look_at = digbox.vec(0.4, 0.8, 0), fov = "44 deg" }
+local eye = world:camera { at = { 1.9, 1.8, -3.4 }, look_at = digbox.vec(0.4, 1, 0), fov = "44 deg" }
 if opt.film then
-  world:record { camera = eye, to = "bolted_door-%05d.png", fps = 30, overlay = { "dig", "joints", "time" } }
+  world:record { camera = eye, to = "bolted_door-%05d.png", fps = 30, overlay = { "dig", "time" } }
 end
 world:run(0.2)
 local before = world:checksum()

@@ -329,7 +329,8 @@ static int desk(dig_world *w, uint64_t *seed, real x, dig_body *out)
     int n = 0, books = 1 + below(seed, 4);
     out[n++] = add_box(w, look(0.5, 0), (vec3){1, 0.7, 1}, 20, (vec3){x, 0.35, 0}, quat_identity());
     for (int i = 0; i < books; i++)
-        out[n++] = add_box(w, look(0.5, 0), (vec3){0.3, 0.05, 0.2}, 0.5 + rng_real(seed), (vec3){x + 0.1 * rng_real(seed), 0.725 + 0.05 * i, 0}, quat_identity());
+        out[n++] = add_box(w, look(0.5, 0), (vec3){0.3, 0.05, 0.2}, 0.5 + rng_real(seed), (vec3){x + 0.1 * rng_real(seed), 0.725 + 0.05 * i, 0},
+                           quat_identity());
     return n;
 }
 
