@@ -13,7 +13,7 @@ local frame = world:box { name = "frame", fixed = true, material = "oak", size =
 local post = world:box { name = "post", fixed = true, material = "oak", size = { 0.1, 2.2, 0.1 }, at = { 0.87, 1.1, 0.05 } }
 local door = world:box { name = "door", material = "oak", mass = "10 kg", size = { 0.8, 2, 0.04 }, at = { 0.4, 1.01, 0 }, friction = 0 }
 local hinge = world:hinge { name = "hinge", a = door, b = frame, at = { 0, 1, 0 }, axis = { 0, 1, 0 } }
-local bolt = world:bolt { name = "bolt", holds = door, into = post }
+local bolt = world:bolt { name = "bolt", holds = door, into = post, at = { 0.79, 1, 0.02 } }
 local half = 0.15 * math.sqrt(2)        -- the box stands with one edge against the door, so that where it is pushed is no question
 local box = world:box { name = "box", material = "brick", mass = "20 kg", size = 0.3, friction = 0.5, at = { 0.4, 0.15, -0.02 - half },
                         rotation = digbox.quat { axis = { 0, 1, 0 }, angle = "45 deg" } }
