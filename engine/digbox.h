@@ -606,9 +606,9 @@ typedef struct dig_event {
     real      stress;           /* 1, load over what it bore (broken)                  */
     vec3      point, normal;
     dig_link_kind link;         /* link, unlink                                        */
+    uint32_t  layer;            /* link, unlink, merged, split                         */
     uint64_t  message;          /* id of the message                                   */
     dig_region region;          /* entered, left                                       */
-    uint32_t  layer;            /* link, unlink, merged, split                         */
 } dig_event;
 
 /* Events of the last step in the order (time, kind, lower slot, higher slot). Valid until the next step. */
