@@ -28,7 +28,8 @@ local function mesh(a, b) return world:gear { a = a.hinge, b = b.hinge, ratio = 
 
 local red, green, blue = { 0.7, 0.10, 0.06 }, { 0.10, 0.45, 0.12 }, { 0.10, 0.22, 0.60 }
 local r = 0.31
-local triangle = { cog("red 1", -1.1, -0.2, 12, red), cog("red 2", -1.1 + r, -0.2, 12, red, 0.5), cog("red 3", -1.1 + r / 2, -0.2 + 0.87 * r, 12, red) }
+local triangle = { cog("red 1", -1.1, -0.2, 12, red), cog("red 2", -1.1 + r, -0.2, 12, red, 0.5),
+                   cog("red 3", -1.1 + r / 2, -0.2 + 0.87 * r, 12, red) }
 local ring = { cog("green 1", -0.3, -0.2, 12, green), cog("green 2", -0.3 + r, -0.2, 12, green, 0.5),
                cog("green 3", -0.3 + r, -0.2 + r, 12, green), cog("green 4", -0.3, -0.2 + r, 12, green, 0.5) }
 local train = { cog("blue 1", 0.55, 0, 8, blue), cog("blue 2", 0.55 + 0.4, 0, 24, blue, 0.5) }
