@@ -121,7 +121,9 @@ typedef struct dig_joint { uint32_t slot, gen; } dig_joint;
 typedef struct dig_region { uint32_t slot, gen; } dig_region;
 typedef struct dig_dig   { uint32_t id; uint32_t layer; } dig_dig;      /* ids are never reused; 0 = none */
 
-#define DIG_LAYER_MECHANICAL 0u
+/* Who is joined to whom, and by what: one graph a layer. */
+enum { DIG_LAYER_MECHANICAL, DIG_LAYER_ELECTRICAL, DIG_LAYER_THERMAL, DIG_LAYER_HYDRAULIC, DIG_LAYER_RANGE, DIG_LAYERS };
+const char *dig_layer_name(uint32_t layer);             /* "mechanical", "electrical", ...; NULL past the end */
 
 /* ---- world -------------------------------------------------------------- */
 
@@ -194,6 +196,8 @@ typedef struct dig_stats {
     real     worst_residual, worst_penetration, worst_joint_error;      /* as residual ... below, over all steps  */
     uint64_t gave_up;                   /* times since the start that a group left a finer way within its budget */
     char     gave_up_why[64];           /* reason of the last time                      */
+    /* messages since the start: posted, got by somebody, lost (receiver gone, no way, cut off by a storm), not sent twice */
+    uint64_t posted, delivered, dropped, repeated, storms;
     uint64_t warnings;                  /* times since the start that the world found itself unreliable: dig_warnings */
     real     residual;                  /* m/s, worst velocity change of the last sweep */
     real     penetration;               /* m, worst at the end of the step              */
@@ -541,7 +545,7 @@ dig_status dig_dig_accuracy(dig_world *w, dig_dig d, const char *plan, real tole
 
 typedef enum dig_link_kind { DIG_LINK_CONTACT, DIG_LINK_JOINT, DIG_LINK_PORT, DIG_LINK_RANGE, DIG_LINK_KINDS } dig_link_kind;
 
-typedef struct dig_link {
+typedef struct dig_link {       /* of another layer than the mechanical one: effort.x and flow.x are numbers, in its units */
     dig_body      a, b;
     dig_link_kind kind;
     dig_joint     joint;        /* null for contacts                  */
@@ -551,12 +555,33 @@ typedef struct dig_link {
     real          began;        /* s                                  */
     vec3          point, normal;/* m; normal from a to b              */
     bool          bound;        /* to a static body: outside all DIGs */
+    uint32_t      layer;
 } dig_link;
 
-int dig_links_of(const dig_world *w, dig_body b, dig_link *out, int capacity);
+int dig_links_of(const dig_world *w, dig_body b, dig_link *out, int capacity);                  /* mechanical; in other layers: */
+int dig_links_of_layer(const dig_world *w, dig_body b, uint32_t layer, dig_link *out, int capacity);
 int dig_links_in(const dig_world *w, dig_dig d, dig_link *out, int capacity);
 int dig_neighbours(const dig_world *w, dig_body b, int kind, dig_body *out, int capacity);      /* kind < 0: any */
 int dig_path(const dig_world *w, dig_body from, dig_body to, int kind, dig_body *out, int capacity);   /* shortest, both ends included; 0 = none */
+dig_dig dig_of_layer(const dig_world *w, dig_body b, uint32_t layer);           /* id 0: it has no link there */
+int dig_digs_of_layer(const dig_world *w, uint32_t layer, dig_dig *out, int capacity);          /* by id */
+int dig_neighbours_in_layer(const dig_world *w, dig_body b, uint32_t layer, dig_body *out, int capacity);
+int dig_path_in_layer(const dig_world *w, dig_body from, dig_body to, uint32_t layer, dig_body *out, int capacity);
+
+/* A link of another layer than the mechanical one. */
+typedef struct dig_wire { uint32_t layer, slot, gen; } dig_wire;
+
+typedef struct dig_wire_def {
+    uint32_t layer;             /* not the mechanical one                                        */
+    dig_body a, b;
+    bool     bound;             /* b is a boundary of the layer: earth, the air; it joins no DIG */
+    real     ratio;             /* what arrives at b for 1 at a, for messages by ratio; 0 = none */
+} dig_wire_def;
+
+dig_status dig_wire_add(dig_world *w, const dig_wire_def *def, dig_wire *out);
+dig_status dig_wire_set(dig_world *w, dig_wire wire, real effort, real flow);   /* in the layer's units; their product is W */
+dig_status dig_wire_remove(dig_world *w, dig_wire wire);
+bool       dig_wire_alive(const dig_world *w, dig_wire wire);
 
 /* ---- events and messages ------------------------------------------------------------- */
 
@@ -581,6 +606,7 @@ typedef struct dig_event {
     real      stress;           /* 1, load over what it bore (broken)                  */
     vec3      point, normal;
     dig_link_kind link;         /* link, unlink                                        */
+    uint32_t  layer;            /* link, unlink, merged, split                         */
     uint64_t  message;          /* id of the message                                   */
     dig_region region;          /* entered, left                                       */
 } dig_event;
@@ -589,7 +615,7 @@ typedef struct dig_event {
 int dig_events(const dig_world *w, const dig_event **out);
 
 typedef struct dig_message {
-    uint64_t id;
+    uint64_t id, root;          /* root: id of the message that this one, by way of others, answers; its own when none */
     real     time;
     dig_body from, to;
     char     kind[32];
@@ -600,6 +626,59 @@ typedef struct dig_message {
 int dig_messages(const dig_world *w, dig_message *out, int capacity);           /* the last 4096, oldest first */
 dig_status dig_message_send(dig_world *w, dig_body from, dig_body to, const char *kind, const real value[4]);
 dig_status dig_message_broadcast(dig_world *w, dig_dig d, dig_body from, const char *kind, const real value[4]);
+const dig_message *dig_message_of(const dig_world *w, const dig_event *e);      /* of a message event of the last step; NULL: of none */
+
+typedef enum dig_route {
+    DIG_ROUTE_TO,               /* one body                                                                     */
+    DIG_ROUTE_NEIGHBOURS,       /* who shares a link with the sender, static bodies too                          */
+    DIG_ROUTE_DIG,              /* every member of a DIG                                                        */
+    DIG_ROUTE_FLOOD,            /* along links, outwards from the sender, which gets none itself                */
+    DIG_ROUTE_PATH,             /* everybody on the shortest way to a body, in order                            */
+    DIG_ROUTE_REGION,           /* dynamic bodies whose centre of mass is in a region                           */
+    DIG_ROUTES
+} dig_route;
+
+typedef enum dig_transform {    /* what a link does to the first value of a flood                                */
+    DIG_TRANSFORM_SAME,         /* nothing                                                                      */
+    DIG_TRANSFORM_SCALE,        /* times `factor`                                                               */
+    DIG_TRANSFORM_RATIO,        /* times the ratio of the gear, rack or wire; other links pass nothing          */
+    DIG_TRANSFORMS
+} dig_transform;
+
+typedef struct dig_post {
+    dig_route  route;
+    char       kind[32];
+    real       value[4];
+    dig_body   from;            /* may be null with TO, DIG and REGION                                          */
+    dig_body   to;              /* TO, PATH                                                                     */
+    dig_dig    dig;             /* DIG; id 0: the one the sender is in when the message is delivered            */
+    dig_region region;          /* REGION                                                                       */
+    uint32_t   layer;           /* NEIGHBOURS, DIG, FLOOD, PATH                                                 */
+    int        link;            /* NEIGHBOURS, FLOOD, PATH: along links of this kind only; < 0: any             */
+    int        hops;            /* FLOOD: so far at most; 0 = to the end                                        */
+    dig_transform transform;    /* FLOOD                                                                        */
+    real       factor;          /* SCALE                                                                        */
+    real       after;           /* s; 0 = at once. Who gets it is found when it is delivered                    */
+} dig_post;
+
+#define DIG_LOOP 16
+
+typedef struct dig_receipt {
+    int      reached;           /* bodies; 0 for a post that waits                                              */
+    dig_body loop[DIG_LOOP];    /* FLOOD by ratio: a ring of links in which one body would get two values       */
+    int      loop_count;        /* 0 = none; the ring may be longer than what is told of it                     */
+} dig_receipt;
+
+dig_post   dig_post_defaults(void);
+/* receipt may be NULL. DIG_E_FULL: a storm, more than 10,000 answers at one instant; what is left of it is dropped. */
+dig_status dig_message_post(dig_world *w, const dig_post *p, dig_receipt *receipt);
+/* One message to many, each with a first value of its own; each body once. */
+dig_status dig_message_list(dig_world *w, const dig_post *p, const dig_body *to, const real *value, int count);
+/* What is posted from now on answers the message with this root; 0 = nothing. For who handles messages. */
+void       dig_message_answering(dig_world *w, uint64_t root);
+/* Between steps: message events that wait for the next step become the last ones of dig_events. Returns how many. */
+int        dig_message_take(dig_world *w);
+void       dig_message_dropped(dig_world *w, int count);                        /* handlers found the receiver gone */
 
 /* ---- exploratory questions: could this happen? ------------------------------------------ */
 /* Asked of a copy: whatever the answer, the world is as it was, bit for bit. */

@@ -22,6 +22,7 @@ typedef struct WorldRef {
 typedef struct BodyRef  { WorldRef *world; dig_body id; } BodyRef;
 typedef struct JointRef { WorldRef *world; dig_joint id; } JointRef;
 typedef struct DigRef   { WorldRef *world; dig_dig id; } DigRef;
+typedef struct RegionRef { WorldRef *world; dig_region id; } RegionRef;     /* its first user value is the world */
 typedef struct ShapeRef { dig_shape_def def; } ShapeRef;        /* its data struct follows it in the same block */
 
 #if defined(__GNUC__)
@@ -62,6 +63,7 @@ void bind_watch_open(lua_State *L, int core);
 void bind_effect_open(lua_State *L, int core);
 void bind_ask_open(lua_State *L, int core);
 void bind_own_open(lua_State *L, int core);
+void bind_message_open(lua_State *L, int core);
 void bind_trace_open(lua_State *L, int core);
 
 /* A field of the table on the top of the stack. */
@@ -155,6 +157,15 @@ void bind_mark_removed(lua_State *L, int world, const char *kind, uint32_t slot,
 
 /* The Lua side of a world: a table {bodies = {}, joints = {}, data = {}, ...}. */
 void bind_push_state(lua_State *L, int world);
+
+/* ---- layers and links -------------------------------------------------------------------- */
+
+/* "thermal" -> 2; an error names the layers. */
+uint32_t bind_layer(lua_State *L, int index, const char *what);
+/* A kind of link and the layer it is in: "contact", "joint", or a layer's name for any link of that layer; kind -1 = any. */
+/* Fields of a message in the table on the top. */
+void bind_set_message(lua_State *L, int world, const dig_message *m);
+void bind_link_kind(lua_State *L, int index, const char *what, uint32_t *layer, int *kind);
 
 /* ---- values ------------------------------------------------------------------------- */
 

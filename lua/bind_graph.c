@@ -1,4 +1,4 @@
-/* lua/bind_graph.c - dynamic interaction graphs, links, paths, messages and events. */
+/* lua/bind_graph.c - dynamic interaction graphs, links, paths and events. */
 
 #include "bind.h"
 
@@ -26,12 +26,16 @@ static void push_link(lua_State *L, int world, const dig_link *k)
     lua_createtable(L, 0, 11);
     set_body(L, world, "a", k->a);
     set_body(L, world, "b", k->b);
-    lua_pushstring(L, link_kinds[k->kind]);
-    lua_setfield(L, -2, "kind");
+    bind_set_text(L, "kind", k->layer ? dig_layer_name(k->layer) : link_kinds[k->kind]);
     bind_push_joint(L, world, k->joint);
     lua_setfield(L, -2, "joint");
-    set_vec3(L, "effort", k->effort);
-    set_vec3(L, "flow", k->flow);
+    if (k->layer) {                         /* volts and amperes have no direction */
+        bind_set_real(L, "effort", k->effort.x);
+        bind_set_real(L, "flow", k->flow.x);
+    } else {
+        set_vec3(L, "effort", k->effort);
+        set_vec3(L, "flow", k->flow);
+    }
     bind_set_real(L, "power", k->power);
     bind_set_real(L, "began", k->began);
     set_vec3(L, "point", k->point);
@@ -60,72 +64,110 @@ static int push_bodies(lua_State *L, int world, const dig_body *ids, int n)
     return 1;
 }
 
-/* {kind = "contact" | "joint" | "range" | ...} at arg, or nothing: -1 = any kind, -2 = a kind of a layer that is not there */
-static int kind_argument(lua_State *L, int arg, const char *what)
+uint32_t bind_layer(lua_State *L, int index, const char *what)
+{
+    const char *name = luaL_tolstring(L, index, NULL);
+    lua_newtable(L);
+    for (uint32_t i = 0; dig_layer_name(i); i++) {
+        if (strcmp(name, dig_layer_name(i)) == 0) {
+            lua_pop(L, 2);
+            return i;
+        }
+        lua_pushboolean(L, 1);
+        lua_setfield(L, -2, dig_layer_name(i));
+    }
+    int names_at = lua_gettop(L);
+    return (uint32_t)bind_unknown(L, lua_pushfstring(L, "%s:", what), "unknown layer", name, names_at, names_at);
+}
+
+void bind_link_kind(lua_State *L, int index, const char *what, uint32_t *layer, int *kind)
+{
+    static const char *const mechanical[] = {[DIG_LINK_CONTACT] = "contact", [DIG_LINK_JOINT] = "joint"};
+    const char *name = luaL_tolstring(L, index, NULL);
+    lua_newtable(L);
+    *layer = DIG_LAYER_MECHANICAL;
+    *kind = -1;
+    for (int i = 0; i <= DIG_LINK_JOINT; i++) {
+        if (strcmp(name, mechanical[i]) == 0)
+            *kind = i;
+        lua_pushboolean(L, 1);
+        lua_setfield(L, -2, mechanical[i]);
+    }
+    for (uint32_t i = 1; dig_layer_name(i); i++) {
+        if (strcmp(name, dig_layer_name(i)) == 0)
+            *layer = i;
+        lua_pushboolean(L, 1);
+        lua_setfield(L, -2, dig_layer_name(i));
+    }
+    int names_at = lua_gettop(L);
+    if (*kind < 0 && *layer == DIG_LAYER_MECHANICAL)
+        bind_unknown(L, lua_pushfstring(L, "%s:", what), "unknown kind", name, names_at, names_at);
+    lua_pop(L, 2);
+}
+
+/* {kind = "contact" | "joint" | "thermal" | ...} at arg, or nothing */
+static void kind_argument(lua_State *L, int arg, const char *what, uint32_t *layer, int *kind)
 {
     static const char *const names[] = {"kind", NULL};
-    static const char *const later[] = {"electrical", "thermal", "hydraulic"};
+    *layer = DIG_LAYER_MECHANICAL;
+    *kind = -1;
     if (lua_isnoneornil(L, arg))
-        return -1;
+        return;
     bind_arguments(L, arg, what, names);
-    if (lua_getfield(L, arg, "kind") == LUA_TNIL)
-        return -1;
-    const char *kind = luaL_tolstring(L, -1, NULL);
-    lua_newtable(L);
-    for (int i = 0; i < DIG_LINK_KINDS; i++) {
-        if (strcmp(kind, link_kinds[i]) == 0)
-            return i;
-        lua_pushboolean(L, 1);
-        lua_setfield(L, -2, link_kinds[i]);
-    }
-    for (size_t i = 0; i < sizeof later / sizeof *later; i++)
-        if (strcmp(kind, later[i]) == 0)
-            return -2;
-    int names_at = lua_gettop(L);
-    const char *start = lua_pushfstring(L, "%s:", what);
-    return bind_unknown(L, start, "unknown kind", kind, names_at, names_at);
+    if (lua_getfield(L, arg, "kind") != LUA_TNIL)
+        bind_link_kind(L, lua_gettop(L), what, layer, kind);
+    lua_pop(L, 1);
+}
+
+static int list_neighbours(const BodyRef *b, uint32_t layer, int kind, dig_body *ids, int n)
+{
+    return layer == DIG_LAYER_MECHANICAL ? dig_neighbours(b->world->w, b->id, kind, ids, n) : dig_neighbours_in_layer(b->world->w, b->id, layer, ids, n);
+}
+
+static int list_path(const BodyRef *a, dig_body b, uint32_t layer, int kind, dig_body *ids, int n)
+{
+    return layer == DIG_LAYER_MECHANICAL ? dig_path(a->world->w, a->id, b, kind, ids, n) : dig_path_in_layer(a->world->w, a->id, b, layer, ids, n);
 }
 
 /* body:neighbours{kind=} -> bodies */
 static int body_neighbours(lua_State *L)
 {
     BodyRef *b = bind_check_body(L, 1);
-    int kind = kind_argument(L, 2, "body:neighbours");
-    int n = kind == -2 ? 0 : dig_neighbours(b->world->w, b->id, kind, NULL, 0);
+    uint32_t layer;
+    int kind;
+    kind_argument(L, 2, "body:neighbours", &layer, &kind);
+    int n = list_neighbours(b, layer, kind, NULL, 0);
     dig_body *ids = lua_newuserdatauv(L, (size_t)(n + 1) * sizeof *ids, 0);
-    n = n > 0 ? dig_neighbours(b->world->w, b->id, kind, ids, n) : 0;
+    n = list_neighbours(b, layer, kind, ids, n);
     bind_push_world_of(L, 1);
     return push_bodies(L, lua_gettop(L), ids, n);
 }
 
-/* body:links() -> list of {a, b, kind, effort, flow, power, began, point, normal, joint, bound} */
+/* body:links{kind=} -> list of {a, b, kind, effort, flow, power, began, point, normal, joint, bound} */
 static int body_links(lua_State *L)
 {
     BodyRef *b = bind_check_body(L, 1);
-    int n = dig_links_of(b->world->w, b->id, NULL, 0);
+    uint32_t layer;
+    int kind, kept = 0;
+    kind_argument(L, 2, "body:links", &layer, &kind);
+    int n = dig_links_of_layer(b->world->w, b->id, layer, NULL, 0);
     dig_link *links = lua_newuserdatauv(L, (size_t)(n + 1) * sizeof *links, 0);
-    n = dig_links_of(b->world->w, b->id, links, n);
+    n = dig_links_of_layer(b->world->w, b->id, layer, links, n);
+    for (int i = 0; i < n; i++)
+        if (kind < 0 || (int)links[i].kind == kind)
+            links[kept++] = links[i];
     bind_push_world_of(L, 1);
-    return push_links(L, lua_gettop(L), links, n);
+    return push_links(L, lua_gettop(L), links, kept);
 }
 
 /* body:dig_of(layer) -> DIG or nil */
 static int body_dig_of(lua_State *L)
 {
-    static const char *const layers[] = {"mechanical", "electrical", "thermal", "hydraulic"};
     BodyRef *b = bind_check_body(L, 1);
-    const char *layer = luaL_optstring(L, 2, "mechanical");
-    lua_newtable(L);
-    for (size_t i = 0; i < sizeof layers / sizeof *layers; i++) {
-        if (strcmp(layer, layers[i]) == 0) {
-            bind_push_world_of(L, 1);
-            bind_push_dig(L, lua_gettop(L), i == 0 ? dig_of(b->world->w, b->id) : (dig_dig){0, 0});
-            return 1;
-        }
-        lua_pushboolean(L, 1);
-        lua_setfield(L, -2, layers[i]);
-    }
-    return bind_unknown(L, "body:dig_of:", "unknown layer", layer, lua_gettop(L), lua_gettop(L));
+    uint32_t layer = lua_isnoneornil(L, 2) ? DIG_LAYER_MECHANICAL : bind_layer(L, 2, "body:dig_of");
+    bind_push_world_of(L, 1);
+    bind_push_dig(L, lua_gettop(L), dig_of_layer(b->world->w, b->id, layer));
+    return 1;
 }
 
 /* digbox.path(a, b, {kind=}) -> bodies from a to b, both included; empty when there is no way */
@@ -133,23 +175,26 @@ static int graph_path(lua_State *L)
 {
     lua_settop(L, 3);
     BodyRef *a = bind_check_body(L, 1), *b = bind_body_of(L, 2, a->world);
-    int kind = kind_argument(L, 3, "digbox.path");
-    int n = kind == -2 ? 0 : dig_path(a->world->w, a->id, b->id, kind, NULL, 0);
+    uint32_t layer;
+    int kind;
+    kind_argument(L, 3, "digbox.path", &layer, &kind);
+    int n = list_path(a, b->id, layer, kind, NULL, 0);
     dig_body *ids = lua_newuserdatauv(L, (size_t)(n + 1) * sizeof *ids, 0);
-    n = n > 0 ? dig_path(a->world->w, a->id, b->id, kind, ids, n) : 0;
+    n = list_path(a, b->id, layer, kind, ids, n);
     bind_push_world_of(L, 1);
     return push_bodies(L, lua_gettop(L), ids, n);
 }
 
 /* ---- DIGs ------------------------------------------------------------------------------ */
 
-/* world:digs() -> list by id */
+/* world:digs([layer]) -> list by id */
 static int world_digs(lua_State *L)
 {
     WorldRef *ref = bind_check_world(L, 1);
-    int n = dig_digs(ref->w, NULL, 0);
+    uint32_t layer = lua_isnoneornil(L, 2) ? DIG_LAYER_MECHANICAL : bind_layer(L, 2, "world:digs");
+    int n = dig_digs_of_layer(ref->w, layer, NULL, 0);
     dig_dig *ids = lua_newuserdatauv(L, (size_t)(n + 1) * sizeof *ids, 0);
-    n = dig_digs(ref->w, ids, n);
+    n = dig_digs_of_layer(ref->w, layer, ids, n);
     bind_push_list(L, n);
     for (int i = 0; i < n; i++) {
         bind_push_dig(L, 1, ids[i]);
@@ -171,6 +216,7 @@ static dig_dig_state dig_state(lua_State *L)
 }
 
 static int dig_get_id(lua_State *L) { lua_pushinteger(L, bind_check_dig(L, 1)->id.id); return 1; }
+static int dig_get_layer(lua_State *L) { lua_pushstring(L, dig_layer_name(bind_check_dig(L, 1)->id.layer)); return 1; }
 static int dig_get_size(lua_State *L) { lua_pushinteger(L, dig_state(L).size); return 1; }
 static int dig_get_awake(lua_State *L) { lua_pushboolean(L, dig_state(L).awake); return 1; }
 static int dig_get_energy(lua_State *L) { lua_pushnumber(L, dig_state(L).energy); return 1; }
@@ -232,127 +278,17 @@ static int dig_eq(lua_State *L)
 
 static int dig_tostring(lua_State *L)
 {
-    lua_pushfstring(L, "DIG %d", (int)((DigRef *)luaL_checkudata(L, 1, BIND_DIG))->id.id);
-    return 1;
-}
-
-/* ---- messages ----------------------------------------------------------------------------- */
-
-/* Up to four numbers: a number, or a list of them */
-static void values_argument(lua_State *L, int arg, const char *what, real value[4])
-{
-    memset(value, 0, 4 * sizeof *value);
-    if (lua_isnoneornil(L, arg))
-        return;
-    if (!lua_istable(L, arg)) {
-        value[0] = bind_real(L, arg, NULL, what, "value");
-        return;
-    }
-    lua_Unsigned n = lua_rawlen(L, arg);
-    if (n > 4)
-        bind_error(L, "%s: a message carries at most 4 numbers; got %d", what, (int)n);
-    for (lua_Unsigned i = 0; i < n; i++) {
-        lua_rawgeti(L, arg, (lua_Integer)i + 1);
-        value[i] = bind_real(L, -1, NULL, what, "value");
-        lua_pop(L, 1);
-    }
-}
-
-static const char *name_argument(lua_State *L, int arg, const char *what)
-{
-    if (lua_type(L, arg) != LUA_TSTRING)
-        bind_error(L, "%s wants a name; got %s", what, luaL_typename(L, arg));
-    if (lua_rawlen(L, arg) >= sizeof((dig_message *)0)->kind)
-        bind_error(L, "%s: the name has %d bytes, must have at most %d", what, (int)lua_rawlen(L, arg),
-                   (int)sizeof((dig_message *)0)->kind - 1);
-    return lua_tostring(L, arg);
-}
-
-/* body:send(to, name [, values]) -> body */
-static int body_send(lua_State *L)
-{
-    BodyRef *from = bind_check_body(L, 1), *to = bind_body_of(L, 2, from->world);
-    real value[4];
-    const char *name = name_argument(L, 3, "body:send");
-    values_argument(L, 4, "body:send", value);
-    dig_status s = dig_message_send(from->world->w, from->id, to->id, name, value);
-    if (s != DIG_OK)
-        return bind_fail(L, from->world->w, s);
-    lua_settop(L, 1);
-    return 1;
-}
-
-/* dig:broadcast(name [, values [, from]]) -> dig */
-static int dig_broadcast(lua_State *L)
-{
-    dig_state(L);
-    DigRef *d = lua_touserdata(L, 1);
-    real value[4];
-    dig_body from = {0, 0};
-    const char *name = name_argument(L, 2, "dig:broadcast");
-    values_argument(L, 3, "dig:broadcast", value);
-    if (!lua_isnoneornil(L, 4))
-        from = bind_body_of(L, 4, d->world)->id;
-    dig_status s = dig_message_broadcast(d->world->w, d->id, from, name, value);
-    if (s != DIG_OK)
-        return bind_fail(L, d->world->w, s);
-    lua_settop(L, 1);
-    return 1;
-}
-
-static void set_message(lua_State *L, int world, const dig_message *m)
-{
-    lua_pushinteger(L, (lua_Integer)m->id);
-    lua_setfield(L, -2, "id");
-    bind_set_real(L, "time", m->time);
-    set_body(L, world, "from", m->from);
-    set_body(L, world, "to", m->to);
-    lua_pushstring(L, m->kind);
-    lua_setfield(L, -2, "kind");
-    bind_set_real(L, "value", m->value[0]);
-    lua_createtable(L, 4, 0);
-    for (int i = 0; i < 4; i++) {
-        lua_pushnumber(L, m->value[i]);
-        lua_rawseti(L, -2, i + 1);
-    }
-    lua_setfield(L, -2, "values");
-    set_vec3(L, "direction", m->direction);
-}
-
-/* world:messages() -> the last 4096, oldest first */
-static int world_messages(lua_State *L)
-{
-    WorldRef *ref = bind_check_world(L, 1);
-    int n = dig_messages(ref->w, NULL, 0);
-    dig_message *m = lua_newuserdatauv(L, (size_t)(n + 1) * sizeof *m, 0);
-    n = dig_messages(ref->w, m, n);
-    bind_push_list(L, n);
-    for (int i = 0; i < n; i++) {
-        lua_createtable(L, 0, 8);
-        set_message(L, 1, &m[i]);
-        lua_rawseti(L, -2, i + 1);
-    }
+    const DigRef *d = luaL_checkudata(L, 1, BIND_DIG);
+    lua_pushfstring(L, d->id.layer ? "%s DIG %d" : "%sDIG %d", d->id.layer ? dig_layer_name(d->id.layer) : "", (int)d->id.id);
     return 1;
 }
 
 /* ---- events --------------------------------------------------------------------------------- */
 
-static const dig_message *find_message(const dig_message *m, int n, uint64_t id)
-{
-    int lo = 0, hi = n;         /* ids rise */
-    while (lo < hi) {
-        int mid = (lo + hi) / 2;
-        if (m[mid].id < id)
-            lo = mid + 1;
-        else
-            hi = mid;
-    }
-    return lo < n && m[lo].id == id ? &m[lo] : NULL;
-}
-
-static void push_event(lua_State *L, const dig_event *e, const dig_message *m)
+static void push_event(lua_State *L, const dig_world *w, const dig_event *e)
 {
     static const char *const walls[] = {"", "+x", "-x", "+y", "-y", "+z", "-z"};
+    const dig_message *m = dig_message_of(w, e);
     lua_createtable(L, 0, 16);
     lua_pushstring(L, dig_event_name(e->kind));
     lua_setfield(L, -2, "event");
@@ -366,9 +302,9 @@ static void push_event(lua_State *L, const dig_event *e, const dig_message *m)
     set_vec3(L, "normal", e->normal);
     bind_push_joint(L, 1, e->joint);
     lua_setfield(L, -2, "joint");
-    bind_push_dig(L, 1, (dig_dig){e->dig, DIG_LAYER_MECHANICAL});
+    bind_push_dig(L, 1, (dig_dig){e->dig, e->layer});
     lua_setfield(L, -2, "dig");
-    bind_push_dig(L, 1, (dig_dig){e->other_dig, DIG_LAYER_MECHANICAL});
+    bind_push_dig(L, 1, (dig_dig){e->other_dig, e->layer});
     lua_setfield(L, -2, "other_dig");
     if (e->wall >= 1 && e->wall <= 6) {
         lua_pushstring(L, walls[e->wall]);
@@ -379,33 +315,28 @@ static void push_event(lua_State *L, const dig_event *e, const dig_message *m)
         lua_setfield(L, -2, "region");
     }
     if (e->kind == DIG_EVENT_LINK || e->kind == DIG_EVENT_UNLINK) {
-        lua_pushstring(L, link_kinds[e->link]);
+        lua_pushstring(L, e->layer ? dig_layer_name(e->layer) : link_kinds[e->link]);
         lua_setfield(L, -2, "kind");
     }
+    if (e->kind >= DIG_EVENT_MERGED && e->kind <= DIG_EVENT_UNLINK)
+        bind_set_text(L, "layer", dig_layer_name(e->layer));
     if (m)
-        set_message(L, 1, m);
+        bind_set_message(L, 1, m);
 }
 
-/* core.events(world, mask) -> list of the last step's events whose bit (1 << kind) is set */
+/* core.events(world, mask [, last]) -> list of the last step's events whose bit (1 << kind) is set; the last so many only */
 static int graph_events(lua_State *L)
 {
     WorldRef *ref = bind_check_world(L, 1);
     lua_Integer mask = luaL_checkinteger(L, 2);
     const dig_event *events;
-    const dig_message *messages = NULL;
-    int n = dig_events(ref->w, &events), kept = 0, count = 0;
+    int n = dig_events(ref->w, &events), kept = 0, last = (int)luaL_optinteger(L, 3, n);
     lua_settop(L, 1);
-    if (mask >> DIG_EVENT_MESSAGE & 1) {
-        count = dig_messages(ref->w, NULL, 0);
-        dig_message *copy = lua_newuserdatauv(L, (size_t)(count + 1) * sizeof *copy, 0);
-        count = dig_messages(ref->w, copy, count);
-        messages = copy;
-    }
     lua_newtable(L);
-    for (int i = 0; i < n; i++) {
+    for (int i = n - last; i < n; i++) {
         if (!(mask >> events[i].kind & 1))
             continue;
-        push_event(L, &events[i], events[i].kind == DIG_EVENT_MESSAGE ? find_message(messages, count, events[i].message) : NULL);
+        push_event(L, ref->w, &events[i]);
         lua_rawseti(L, -2, ++kept);
     }
     return 1;
@@ -423,17 +354,17 @@ static int graph_mark_removed(lua_State *L)
 /* ---- tables -------------------------------------------------------------------------------- */
 
 static const luaL_Reg methods[] = {
-    {"members", dig_get_members}, {"links", dig_get_links}, {"broadcast", dig_broadcast}, {"accuracy", dig_set_accuracy}, {NULL, NULL},
+    {"members", dig_get_members}, {"links", dig_get_links}, {"accuracy", dig_set_accuracy}, {NULL, NULL},
 };
 static const luaL_Reg getters[] = {
-    {"id", dig_get_id}, {"size", dig_get_size}, {"awake", dig_get_awake}, {"energy", dig_get_energy}, {"plan", dig_get_plan},
+    {"id", dig_get_id}, {"layer", dig_get_layer}, {"size", dig_get_size}, {"awake", dig_get_awake}, {"energy", dig_get_energy}, {"plan", dig_get_plan},
     {"valid", dig_get_valid}, {NULL, NULL},
 };
 static const luaL_Reg meta[] = {{"__eq", dig_eq}, {"__tostring", dig_tostring}, {NULL, NULL}};
 static const luaL_Reg body_methods[] = {
-    {"neighbours", body_neighbours}, {"links", body_links}, {"dig_of", body_dig_of}, {"send", body_send}, {NULL, NULL},
+    {"neighbours", body_neighbours}, {"links", body_links}, {"dig_of", body_dig_of}, {NULL, NULL},
 };
-static const luaL_Reg world_methods[] = {{"digs", world_digs}, {"messages", world_messages}, {NULL, NULL}};
+static const luaL_Reg world_methods[] = {{"digs", world_digs}, {NULL, NULL}};
 static const luaL_Reg functions[] = {
     {"path", graph_path}, {"events", graph_events}, {"mark_removed", graph_mark_removed}, {NULL, NULL},
 };

@@ -4,7 +4,6 @@
 
 #include <string.h>
 
-typedef struct RegionRef { WorldRef *world; dig_region id; } RegionRef;     /* its first user value is the world */
 
 /* ---- the shape of a query ------------------------------------------------------- */
 

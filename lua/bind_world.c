@@ -293,6 +293,11 @@ static int world_stats(lua_State *L)
         lua_pushstring(L, s.gave_up_why);
         lua_setfield(L, -2, "gave_up_why");
     }
+    bind_set_int(L, "posted", (lua_Integer)s.posted);
+    bind_set_int(L, "delivered", (lua_Integer)s.delivered);
+    bind_set_int(L, "dropped", (lua_Integer)s.dropped);
+    bind_set_int(L, "repeated", (lua_Integer)s.repeated);
+    bind_set_int(L, "storms", (lua_Integer)s.storms);
     bind_set_int(L, "warnings", (lua_Integer)s.warnings);
     bind_set_real(L, "residual", s.residual);
     bind_set_real(L, "penetration", s.penetration);

@@ -1,29 +1,36 @@
-/* api/dig.c - dynamic interaction graphs: membership, links, neighbours, paths; messages. */
+/* api/dig.c - dynamic interaction graphs: membership, links, neighbours, paths, in all layers. */
 #include "api/api.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 
-dig_dig dig_of(const dig_world *w, dig_body b)
+dig_dig dig_of_layer(const dig_world *w, dig_body b, uint32_t layer)
 {
-    return (dig_dig){world_body(w, b) ? graph_of(w->graph, b.slot) : GRAPH_NONE, DIG_LAYER_MECHANICAL};
+    const Graph *g = layer_graph(w, layer);
+    return (dig_dig){g && world_body(w, b) ? graph_of(g, b.slot) : GRAPH_NONE, layer};
 }
 
-static real dig_energy_of(const World *w, uint32_t id)
+dig_dig dig_of(const dig_world *w, dig_body b) { return dig_of_layer(w, b, DIG_LAYER_MECHANICAL); }
+
+/* Its graph and how many members it has; 0: it is no more. */
+static int size_of(const World *w, dig_dig d, const Graph **g)
 {
-    real sum = 0;
-    for (uint32_t m = graph_first(w->graph, id); m != NONE; m = graph_next(w->graph, m))
-        sum += body_energy(w, &w->bodies.data[m]);
-    return sum;
+    *g = layer_graph(w, d.layer);
+    return *g ? graph_size(*g, d.id) : 0;
 }
 
+/* Awake when one of its members is: in the mechanical layer all or none are. */
 dig_status dig_dig_get(const dig_world *w, dig_dig d, dig_dig_state *out)
 {
-    int size = graph_size(w->graph, d.id);
+    const Graph *g;
+    int size = size_of(w, d, &g);
     if (size == 0)
         return world_fail(w, DIG_E_DEAD, "DIG %u is no more", d.id);
-    int accuracy = int_max(w->accuracy, (int)graph_user(w->graph, d.id));
-    *out = (dig_dig_state){size, w->bodies.data[graph_first(w->graph, d.id)].awake, dig_energy_of(w, d.id), accuracy_plan(accuracy)->name};
+    int accuracy = d.layer == DIG_LAYER_MECHANICAL ? int_max(w->accuracy, (int)graph_user(g, d.id)) : w->accuracy;
+    *out = (dig_dig_state){.size = size, .plan = accuracy_plan(accuracy)->name};
+    for (uint32_t m = graph_first(g, d.id); m != NONE; m = graph_next(g, m)) {
+        out->awake |= w->bodies.data[m].awake && w->bodies.data[m].kind != DIG_STATIC;
+        out->energy += body_energy(w, &w->bodies.data[m]);
+    }
     return DIG_OK;
 }
 
@@ -33,11 +40,14 @@ static int compare_digs(const void *a, const void *b)
     return x->id < y->id ? -1 : x->id > y->id;
 }
 
-int dig_digs(const dig_world *w, dig_dig *out, int capacity)
+int dig_digs(const dig_world *w, dig_dig *out, int capacity) { return dig_digs_of_layer(w, DIG_LAYER_MECHANICAL, out, capacity); }
+
+int dig_digs_of_layer(const dig_world *w, uint32_t layer, dig_dig *out, int capacity)
 {
-    int count = graph_count(w->graph), n = int_min(count, capacity);
+    const Graph *g = layer_graph(w, layer);
+    int count = g ? graph_count(g) : 0, n = int_min(count, capacity);
     for (int i = 0; i < n; i++)
-        out[i] = (dig_dig){graph_by_index(w->graph, i), DIG_LAYER_MECHANICAL};
+        out[i] = (dig_dig){graph_by_index(g, i), layer};
     if (n > 1)
         qsort(out, (size_t)n, sizeof *out, compare_digs);
     return count;
@@ -51,8 +61,9 @@ static int compare_bodies(const void *a, const void *b)
 
 int dig_members(const dig_world *w, dig_dig d, dig_body *out, int capacity)
 {
+    const Graph *g;
     int n = 0;
-    for (uint32_t m = graph_size(w->graph, d.id) ? graph_first(w->graph, d.id) : NONE; m != NONE; m = graph_next(w->graph, m)) {
+    for (uint32_t m = size_of(w, d, &g) ? graph_first(g, d.id) : NONE; m != NONE; m = graph_next(g, m)) {
         if (n < capacity)
             out[n] = body_handle(w, m);
         n++;
@@ -69,6 +80,8 @@ dig_status dig_dig_accuracy(dig_world *w, dig_dig d, const char *plan, real tole
     int accuracy = plan ? accuracy_find(plan) : accuracy_for(tolerance);
     if (accuracy == 0)
         return world_fail(w, DIG_E_ARG, "accuracy = '%s', must be sketch, play, study, reference or a length", plan);
+    if (d.layer != DIG_LAYER_MECHANICAL)
+        return world_fail(w, DIG_E_KIND, "accuracy: DIG %u is of the %s layer, only mechanical ones are advanced", d.id, dig_layer_name(d.layer));
     if (graph_size(w->graph, d.id) == 0)
         return world_fail(w, DIG_E_DEAD, "DIG %u is no more", d.id);
     w->dig_accuracies = true;
@@ -114,8 +127,22 @@ static vec3 velocity_at(const World *w, uint32_t body, vec3 at)
     return vec3_add(b->v, vec3_cross(b->w, vec3_sub(at, b->x)));
 }
 
-static void fill_link(const World *w, const GraphLink *l, dig_link *out)
+static void fill_wire(const World *w, uint32_t layer, const GraphLink *l, dig_link *out)
 {
+    const LayerLink *k = &w->layers[layer].links.data[l->user];
+    *out = (dig_link){.a = body_handle(w, k->a), .b = body_handle(w, k->b), .kind = (dig_link_kind)l->kind, .began = l->began, .bound = l->bound,
+                      .effort = {k->effort, 0, 0}, .flow = {k->flow, 0, 0}, .power = k->effort * k->flow, .layer = layer};
+    vec3 from = w->bodies.data[k->a].x, to = w->bodies.data[k->b].x, along = vec3_sub(to, from);
+    out->point = vec3_lerp(from, to, 0.5);
+    out->normal = vec3_length(along) > 0 ? vec3_unit(along) : vec3_zero();
+}
+
+static void fill_link(const World *w, uint32_t layer, const GraphLink *l, dig_link *out)
+{
+    if (layer != DIG_LAYER_MECHANICAL) {
+        fill_wire(w, layer, l, out);
+        return;
+    }
     memset(out, 0, sizeof *out);
     out->kind = (dig_link_kind)l->kind;
     out->began = l->began;
@@ -144,47 +171,72 @@ static void fill_link(const World *w, const GraphLink *l, dig_link *out)
     out->power = vec3_dot(out->effort, out->flow);
 }
 
-int dig_links_of(const dig_world *w, dig_body b, dig_link *out, int capacity)
+/* Static bodies are no nodes: their mechanical links are found through touches and joints. */
+static int links_of_static(const World *w, uint32_t body, dig_link *out, int capacity)
 {
     int n = 0;
-    if (!world_body(w, b))
-        return 0;
-    if (w->bodies.data[b.slot].kind != DIG_DYNAMIC) {      /* no node: its links are listed at the other ends */
-        for (int i = 0; i < w->touches.count; i++) {
-            const Touch *t = &w->touches.data[i];
-            if (!t->alive || t->link == NONE || (t->body_a != b.slot && t->body_b != b.slot))
-                continue;
-            if (n < capacity)
-                fill_link(w, graph_link(w->graph, t->link), &out[n]);
-            n++;
-        }
-        for (uint32_t j = w->bodies.data[b.slot].joint_first; j != NONE; j = joint_next(w, j, b.slot)) {
-            if (w->joints.data[j].link == NONE)
-                continue;
-            if (n < capacity)
-                fill_link(w, graph_link(w->graph, w->joints.data[j].link), &out[n]);
-            n++;
-        }
-        return n;
-    }
-    for (uint32_t l = graph_link_first(w->graph, b.slot); l != NONE; l = graph_link_next(w->graph, b.slot, l)) {
+    for (int i = 0; i < w->touches.count; i++) {
+        const Touch *t = &w->touches.data[i];
+        if (!t->alive || t->link == NONE || (t->body_a != body && t->body_b != body))
+            continue;
         if (n < capacity)
-            fill_link(w, graph_link(w->graph, l), &out[n]);
+            fill_link(w, DIG_LAYER_MECHANICAL, graph_link(w->graph, t->link), &out[n]);
+        n++;
+    }
+    for (uint32_t j = w->bodies.data[body].joint_first; j != NONE; j = joint_next(w, j, body)) {
+        if (w->joints.data[j].link == NONE)
+            continue;
+        if (n < capacity)
+            fill_link(w, DIG_LAYER_MECHANICAL, graph_link(w->graph, w->joints.data[j].link), &out[n]);
         n++;
     }
     return n;
 }
 
+/* A boundary of a layer is no node there. */
+static int links_of_boundary(const World *w, uint32_t layer, uint32_t body, dig_link *out, int capacity)
+{
+    const Layer *l = &w->layers[layer];
+    int n = 0;
+    for (int i = 0; i < l->links.count; i++) {
+        if (!l->links.data[i].alive || l->links.data[i].b != body)
+            continue;
+        if (n < capacity)
+            fill_link(w, layer, graph_link(l->graph, l->links.data[i].link), &out[n]);
+        n++;
+    }
+    return n;
+}
+
+int dig_links_of_layer(const dig_world *w, dig_body b, uint32_t layer, dig_link *out, int capacity)
+{
+    const Graph *g = layer_graph(w, layer);
+    int n = 0;
+    if (!g || !world_body(w, b))
+        return 0;
+    if (!graph_has_node(g, b.slot))
+        return layer == DIG_LAYER_MECHANICAL ? links_of_static(w, b.slot, out, capacity) : links_of_boundary(w, layer, b.slot, out, capacity);
+    for (uint32_t l = graph_link_first(g, b.slot); l != NONE; l = graph_link_next(g, b.slot, l)) {
+        if (n < capacity)
+            fill_link(w, layer, graph_link(g, l), &out[n]);
+        n++;
+    }
+    return n;
+}
+
+int dig_links_of(const dig_world *w, dig_body b, dig_link *out, int capacity) { return dig_links_of_layer(w, b, DIG_LAYER_MECHANICAL, out, capacity); }
+
 int dig_links_in(const dig_world *w, dig_dig d, dig_link *out, int capacity)
 {
+    const Graph *g;
     int n = 0;
-    for (uint32_t m = graph_size(w->graph, d.id) ? graph_first(w->graph, d.id) : NONE; m != NONE; m = graph_next(w->graph, m))
-        for (uint32_t l = graph_link_first(w->graph, m); l != NONE; l = graph_link_next(w->graph, m, l)) {
-            const GraphLink *link = graph_link(w->graph, l);
+    for (uint32_t m = size_of(w, d, &g) ? graph_first(g, d.id) : NONE; m != NONE; m = graph_next(g, m))
+        for (uint32_t l = graph_link_first(g, m); l != NONE; l = graph_link_next(g, m, l)) {
+            const GraphLink *link = graph_link(g, l);
             if (link->a != m)
                 continue;                   /* once, at its first end */
             if (n < capacity)
-                fill_link(w, link, &out[n]);
+                fill_link(w, d.layer, link, &out[n]);
             n++;
         }
     return n;
@@ -200,15 +252,13 @@ int api_add_unique(dig_body *out, int n, int capacity, dig_body b)
     return n + 1;
 }
 
-int dig_neighbours(const dig_world *w, dig_body b, int kind, dig_body *out, int capacity)
+static int neighbours(const World *w, dig_body b, uint32_t layer, int kind, dig_body *out, int capacity)
 {
-    if (!world_body(w, b))
-        return 0;
-    int count = dig_links_of(w, b, NULL, 0), n = 0;
+    int count = dig_links_of_layer(w, b, layer, NULL, 0), n = 0;
     dig_link *links = malloc((size_t)(count + 1) * sizeof *links);
     if (!links)
         return 0;
-    dig_links_of(w, b, links, count);
+    dig_links_of_layer(w, b, layer, links, count);
     for (int i = 0; i < count; i++)
         if (kind < 0 || (int)links[i].kind == kind)
             n = api_add_unique(out, n, capacity, links[i].a.slot == b.slot ? links[i].b : links[i].a);
@@ -218,11 +268,21 @@ int dig_neighbours(const dig_world *w, dig_body b, int kind, dig_body *out, int 
     return n;
 }
 
+int dig_neighbours(const dig_world *w, dig_body b, int kind, dig_body *out, int capacity)
+{
+    return neighbours(w, b, DIG_LAYER_MECHANICAL, kind, out, capacity);
+}
+
+int dig_neighbours_in_layer(const dig_world *w, dig_body b, uint32_t layer, dig_body *out, int capacity)
+{
+    return neighbours(w, b, layer, -1, out, capacity);
+}
+
 /* ---- shortest path, breadth first; a static body may end it but never be passed ---- */
 
 static uint32_t other_end(const GraphLink *l, uint32_t node) { return l->a == node ? l->b : l->a; }
 
-static bool search_path(const World *w, uint32_t from, uint32_t to, int kind, uint32_t *parent, uint32_t *queue)
+static bool search_path(const Graph *g, uint32_t from, uint32_t to, int kind, uint32_t *parent, uint32_t *queue)
 {
     int head = 0, tail = 0;
     queue[tail++] = from;
@@ -231,10 +291,10 @@ static bool search_path(const World *w, uint32_t from, uint32_t to, int kind, ui
         uint32_t node = queue[head++];
         if (node == to)
             return true;
-        if (!graph_has_node(w->graph, node))
+        if (!graph_has_node(g, node))
             continue;
-        for (uint32_t l = graph_link_first(w->graph, node); l != NONE; l = graph_link_next(w->graph, node, l)) {
-            const GraphLink *link = graph_link(w->graph, l);
+        for (uint32_t l = graph_link_first(g, node); l != NONE; l = graph_link_next(g, node, l)) {
+            const GraphLink *link = graph_link(g, l);
             uint32_t next = other_end(link, node);
             if (parent[next] != NONE || (kind >= 0 && link->kind != kind))
                 continue;
@@ -245,19 +305,19 @@ static bool search_path(const World *w, uint32_t from, uint32_t to, int kind, ui
     return false;
 }
 
-int dig_path(const dig_world *w, dig_body from, dig_body to, int kind, dig_body *out, int capacity)
+static int find_path(const World *w, const Graph *g, dig_body from, dig_body to, int kind, dig_body *out, int capacity)
 {
-    if (!world_body(w, from) || !world_body(w, to))
+    if (!g || !world_body(w, from) || !world_body(w, to))
         return 0;
-    bool reversed = !graph_has_node(w->graph, from.slot);      /* a static start: search from the other end */
+    bool reversed = !graph_has_node(g, from.slot);      /* a static start: search from the other end */
     uint32_t a = reversed ? to.slot : from.slot, b = reversed ? from.slot : to.slot;
     size_t slots = (size_t)w->bodies.count;
     uint32_t *parent = malloc(slots * sizeof *parent), *queue = malloc(slots * sizeof *queue);
     int n = 0;
-    if (parent && queue && graph_has_node(w->graph, a)) {
+    if (parent && queue && graph_has_node(g, a)) {
         for (size_t i = 0; i < slots; i++)
             parent[i] = NONE;
-        if (search_path(w, a, b, kind, parent, queue)) {
+        if (search_path(g, a, b, kind, parent, queue)) {
             for (uint32_t node = b;; node = parent[node]) {     /* from b back to a */
                 if (n < capacity)
                     out[n] = body_handle(w, node);
@@ -277,6 +337,16 @@ int dig_path(const dig_world *w, dig_body from, dig_body to, int kind, dig_body 
     return n;
 }
 
+int dig_path(const dig_world *w, dig_body from, dig_body to, int kind, dig_body *out, int capacity)
+{
+    return find_path(w, w->graph, from, to, kind, out, capacity);
+}
+
+int dig_path_in_layer(const dig_world *w, dig_body from, dig_body to, uint32_t layer, dig_body *out, int capacity)
+{
+    return find_path(w, layer_graph(w, layer), from, to, -1, out, capacity);
+}
+
 bool dig_body_touches(const dig_world *w, dig_body a, dig_body b)
 {
     if (!world_body(w, a) || !world_body(w, b))
@@ -284,45 +354,3 @@ bool dig_body_touches(const dig_world *w, dig_body a, dig_body b)
     const Touch *t = touch_find(w, a.slot, b.slot, 0);
     return t && (t->pairs > 0 || t->link != NONE);
 }
-
-/* ---- messages ---- */
-
-static dig_status post(World *w, dig_body from, dig_body to, const char *kind, const real value[4])
-{
-    dig_message m = {.time = world_time(w), .from = from, .to = to};
-    if (!kind[0])
-        return world_fail(w, DIG_E_ARG, "send: a message needs a kind that is not empty");
-    snprintf(m.kind, sizeof m.kind, "%s", kind);
-    if (value)
-        memcpy(m.value, value, sizeof m.value);
-    Body *b = &w->bodies.data[to.slot];
-    uint64_t id = message_post(&w->messages, &m);
-    if (id == 0)
-        return world_fail(w, DIG_E_ARG, "message '%s': its values must be finite", kind);
-    b->message_id = id;
-    b->message_time = m.time;
-    b->message_from = from;
-    memcpy(b->message_kind, m.kind, sizeof b->message_kind);
-    dig_event *e = event_post(w, DIG_EVENT_MESSAGE, to.slot, from.gen ? from.slot : NONE);
-    if (e)
-        e->message = id;
-    return DIG_OK;
-}
-
-dig_status dig_message_send(dig_world *w, dig_body from, dig_body to, const char *kind, const real value[4])
-{
-    if (!api_body(w, to, "send") || (from.gen && !api_body(w, from, "send")))
-        return DIG_E_DEAD;
-    return post(w, from, to, kind, value);
-}
-
-dig_status dig_message_broadcast(dig_world *w, dig_dig d, dig_body from, const char *kind, const real value[4])
-{
-    if (graph_size(w->graph, d.id) == 0)
-        return world_fail(w, DIG_E_DEAD, "broadcast: DIG %u is no more", d.id);
-    for (uint32_t m = graph_first(w->graph, d.id); m != NONE; m = graph_next(w->graph, m))
-        DIG_TRY(post(w, from, body_handle(w, m), kind, value));
-    return DIG_OK;
-}
-
-int dig_messages(const dig_world *w, dig_message *out, int capacity) { return message_list(&w->messages, out, capacity); }

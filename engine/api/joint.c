@@ -162,7 +162,7 @@ static dig_status add_link(World *w, uint32_t slot)
     dig_event *e = event_post(w, DIG_EVENT_LINK, a, b);
     if (e)
         e->link = DIG_LINK_JOINT;
-    post_graph_changes(w);
+    post_graph_changes(w, DIG_LAYER_MECHANICAL);
     return DIG_OK;
 }
 

@@ -21,7 +21,7 @@
 #include "base/pack.h"
 #include "geom/save.h"
 
-#define SAVE_FORMAT 3u
+#define SAVE_FORMAT 4u
 
 #define SAVE_FAR    1e15        /* m         */
 #define SAVE_FAST   1e12        /* m/s, rad/s */
@@ -44,8 +44,10 @@ void save_acts(Pack *p, World *w);          /* pushes and regions */
 void save_lists(Pack *p, World *w);
 void save_tree(Pack *p, World *w);
 void save_graph(Pack *p, World *w);
+void save_layers(Pack *p, World *w);
 void save_events(Pack *p, World *w);
 void save_messages(Pack *p, World *w);
+void save_mail(Pack *p, World *w);          /* messages on their way */
 void save_effects(Pack *p, World *w);       /* what effects keep */
 
 /* After all sections were read. */
@@ -58,6 +60,7 @@ void save_gen(Pack *p, const World *w, uint32_t *gen, bool own);
 void save_body_handle(Pack *p, const World *w, dig_body *b);
 void save_joint_handle(Pack *p, const World *w, dig_joint *j);
 void save_region_handle(Pack *p, const World *w, dig_region *r);
+void save_message(Pack *p, const World *w, dig_message *m);
 void save_surface(Pack *p, const World *w, Surface *s);
 void save_pose(Pack *p, pose *at, const char *what);
 /* A struct by the rows that describe it, checked by them when read. */

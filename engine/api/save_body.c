@@ -45,6 +45,7 @@ static void pack_last_message(Pack *p, const World *w, Body *b)
         return;
     pack_real_in(p, &b->message_time, -SAVE_LONG, SAVE_LONG, "time of a message");
     save_body_handle(p, w, &b->message_from);
+    pack_u64(p, &b->message_root);
     pack_text(p, b->message_kind, sizeof b->message_kind);
 }
 

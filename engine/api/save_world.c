@@ -43,6 +43,11 @@ static void pack_stats(Pack *p, dig_stats *s)
     pack_u64(p, &s->events);
     pack_u64(p, &s->steps);
     pack_u64(p, &s->rejected);
+    pack_u64(p, &s->posted);
+    pack_u64(p, &s->delivered);
+    pack_u64(p, &s->dropped);
+    pack_u64(p, &s->repeated);
+    pack_u64(p, &s->storms);
     pack_number(p, &s->groups);
     pack_number(p, &s->iterations);
     pack_number(p, &s->substeps);
@@ -154,6 +159,7 @@ static void pack_event(Pack *p, const World *w, dig_event *e)
     pack_enum(p, &e->link, DIG_LINK_KINDS, "link of an event");
     pack_u64(p, &e->message);
     save_region_handle(p, w, &e->region);
+    pack_index(p, &e->layer, DIG_LAYERS, false, "layer of an event");
 }
 
 typedef LIST(dig_event) EventList;
@@ -179,9 +185,10 @@ void save_events(Pack *p, World *w)
 
 /* ---- messages ---- */
 
-static void pack_message(Pack *p, const World *w, dig_message *m)
+void save_message(Pack *p, const World *w, dig_message *m)
 {
     pack_u64(p, &m->id);
+    pack_u64(p, &m->root);
     pack_real_in(p, &m->time, -SAVE_LONG, SAVE_LONG, "time of a message");
     save_body_handle(p, w, &m->from);
     save_body_handle(p, w, &m->to);
@@ -202,7 +209,7 @@ void save_messages(Pack *p, World *w)
     for (uint32_t i = 0; i < count; i++) {
         dig_message *m = &log->ring[(log->start + i) % MESSAGE_KEPT];
         const dig_message *before = &log->ring[(log->start + i + MESSAGE_KEPT - 1) % MESSAGE_KEPT];
-        pack_message(p, w, m);
+        save_message(p, w, m);
         pack_check(p, m->id >= 1 && m->id <= log->last_id, "a message has a number that was never given");
         pack_check(p, i == 0 || m->time > before->time || (m->time == before->time && m->id > before->id), "messages are not in order");
     }

@@ -30,6 +30,9 @@ static dig_status copy_tables(World *to, const World *from)
     DIG_TRY(map_copy(&to->pair_map, &from->pair_map));
     DIG_TRY(map_copy(&to->touch_map, &from->touch_map));
     DIG_TRY(tree_copy(&to->tree, &from->tree));
+    for (int i = 0; i < DIG_LAYERS; i++)
+        DIG_TRY(layer_copy(&to->layers[i], &from->layers[i], n));
+    DIG_TRY(mail_copy(&to->mail, &from->mail, n));
     return graph_copy(&to->graph, from->graph);
 }
 

@@ -1,7 +1,8 @@
 /* effect/effect.h - what an effect must supply. One effect is one file ending in one const table.
  *
  * Effects never include each other. They meet in forces, rows and records of
- * the group, and in what the world keeps. They never change topology.
+ * the group, and in what the world keeps. They never change who touches whom; an effect may keep a layer of its own, in which
+ * it says who exchanges heat or current with whom.
  *
  * An effect has two parts, and may leave out either:
  *   - on groups: run[] is called while a group is advanced. It never sees sleeping members and writes only its own group.
@@ -51,6 +52,7 @@ typedef struct EffectType {
     /* Once a frame step, after the commit and the change of the DIGs: cannot fail. May be NULL. Called only when something takes
      * part: a member, or e->world is there. */
     void       (*flow)(World *w, EffectSlot *e, real dt);
+    uint32_t    layer;                  /* that flow marks: layer_mark(w, layer, a, b, ...) for each link that is there now; 0: none */
     /* Adds what it stores, J, to the fields of `sum` (heat, elastic, electric, potential). May be NULL. */
     void       (*energy)(const World *w, const EffectSlot *e, dig_energy *sum);
 } EffectType;

@@ -398,6 +398,26 @@ static void sum_flows(World *w, Plan *p)
     }
 }
 
+/* Who warms whom is a link of the thermal layer: effort K, flow W/K, their product W. What keeps its temperature is a boundary.
+ * Without memory a link is not there in this step. */
+static void mark_links(World *w, const Column *c, const Plan *p)
+{
+    for (int i = 0; i < p->count; i++) {
+        const Near *n = &p->near[i];
+        const NetLine *line = n->branch >= 0 ? &p->net.branch[n->branch].line : NULL;
+        if (!line || !(line->g > 0) || !w->pairs.data[n->pair].alive)
+            continue;
+        const Heat *a = column_at(c, n->a), *b = column_at(c, n->b);
+        uint32_t one = c->body[n->a], other = c->body[n->b], link;
+        bool bound = !(a->capacity > 0 && b->capacity > 0), turn = bound ? !(a->capacity > 0) : one > other;
+        if (layer_mark(w, DIG_LAYER_THERMAL, turn ? other : one, turn ? one : other, bound, &link) != DIG_OK)
+            continue;
+        LayerLink *k = &w->layers[DIG_LAYER_THERMAL].links.data[link];
+        k->effort = turn ? b->temperature - a->temperature : a->temperature - b->temperature;
+        k->flow = line->g;
+    }
+}
+
 /* Where motion is no better than at play, so is heat: one backward Euler step. */
 #define COARSE 5e-5             /* m */
 #define KELVIN 10               /* K per m of the tolerance, in a step */
@@ -417,6 +437,7 @@ static void flow(World *w, EffectSlot *e, real dt)
     network_advance(&p->net, dt);
     sum_flows(w, p);
     book(w, e, p, dt);
+    mark_links(w, &e->members, p);
 }
 
 static void energy(const World *w, const EffectSlot *e, dig_energy *sum)
@@ -447,6 +468,7 @@ const EffectType effect_heat = {
     .body_size = sizeof(Heat),
     .wanted = wanted,
     .losses = true,
+    .layer = DIG_LAYER_THERMAL,
     .join = join,
     .reserve = reserve,
     .flow = flow,

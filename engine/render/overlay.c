@@ -128,16 +128,62 @@ static void display_colour(const float linear[3], float out[3])
         out[i] = sqrtf(linear[i] < 0 ? 0 : linear[i] > 1 ? 1 : linear[i]);
 }
 
+/* Equal pieces with equal gaps, so many pieces. */
+static void draw_dashes(const Pen *pen, vec3 a, vec3 b, int pieces, real width, const float colour[3])
+{
+    for (int i = 0; i < pieces; i++)
+        draw_line(pen, vec3_lerp(a, b, 2 * i / (2.0 * pieces - 1)), vec3_lerp(a, b, (2 * i + 1) / (2.0 * pieces - 1)), width, colour, 1);
+}
+
+/* A joint is a double line, with a gap that shows what is behind it. */
+static void draw_double(const Pen *pen, vec3 a, vec3 b, const float colour[3])
+{
+    static const float gap[3] = {0.07f, 0.08f, 0.10f};
+    draw_line(pen, a, b, 2.6, colour, 1);
+    real pa[2], pb[2];
+    if (!project_segment(pen->eye, a, b, pa, pb))
+        return;
+    Stroke inner = stroke_of(pa, pb, 0.9 * pen->scale, 0.9 * pen->scale, gap, 1);
+    inner.widths[2] = 0;
+    put_stroke(&pen->o->strokes, inner);
+}
+
+/* The outside: a bar across the end of the link, as the sign for ground. */
+static void draw_ground(const Pen *pen, vec3 from, vec3 end, const float colour[3])
+{
+    static const real wide[3] = {7, 4.5, 2};
+    real a[2], b[2];
+    if (!project(pen->eye, from, a) || !project(pen->eye, end, b))
+        return;
+    real length = hypot(b[0] - a[0], b[1] - a[1]), x = length > 1 ? (b[0] - a[0]) / length : 0, y = length > 1 ? (b[1] - a[1]) / length : 1;
+    for (int i = 0; i < 3; i++) {
+        real at[2] = {b[0] + 4 * i * pen->scale * x, b[1] + 4 * i * pen->scale * y}, w = wide[i] * pen->scale, half = pen->scale + (real)rim;
+        const real one[2] = {at[0] - w * y, at[1] + w * x}, other[2] = {at[0] + w * y, at[1] - w * x};
+        put_stroke(&pen->o->strokes, stroke_of(one, other, half, half, colour, 1));
+    }
+}
+
+/* Contacts are lines, joints double lines, links of other layers dashed, those of the range layer dotted. A link to what belongs to
+ * no DIG ends at the sign for ground. Each DIG has its colour; those of other layers are numbered from elsewhere. */
 static void show_dig(const Pen *pen, const View *v)
 {
     for (int i = 0; i < v->edge_count; i++) {
         const ViewEdge *e = &v->edges[i];
         float linear[3], colour[3];
-        dig_colour(e->dig, linear);
+        vec3 a = vec3_from(e->a), b = vec3_from(e->b);
+        dig_colour(e->dig + 7 * e->layer, linear);
         display_colour(linear, colour);
-        draw_line(pen, vec3_from(e->a), vec3_from(e->b), 1.1, colour, 1);
-        draw_dot(pen, vec3_from(e->a), 2.6, colour);
-        draw_dot(pen, vec3_from(e->b), 2.6, colour);
+        if (e->layer)
+            draw_dashes(pen, a, b, e->layer == DIG_LAYER_RANGE ? 15 : 6, e->layer == DIG_LAYER_RANGE ? 0.8 : 1.2, colour);
+        else if (e->kind == DIG_LINK_JOINT)
+            draw_double(pen, a, b, colour);
+        else
+            draw_line(pen, a, b, 1.1, colour, 1);
+        draw_dot(pen, a, 2.6, colour);
+        if (e->bound)
+            draw_ground(pen, a, b, colour);
+        else
+            draw_dot(pen, b, 2.6, colour);
     }
 }
 

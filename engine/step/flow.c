@@ -13,14 +13,30 @@ dig_status reserve_flow(World *w, real dt)
     return DIG_OK;
 }
 
+/* What an effect kept of its layer goes with it: all its links are unmarked. */
+static void clear_layer(World *w, uint32_t layer)
+{
+    if (layer == 0 || w->layers[layer].pairs.count == 0)
+        return;
+    layer_begin(w, layer);
+    layer_end(w, layer, true);
+}
+
 void flow(World *w, const Step *s)
 {
     for (uint32_t left = w->flowing; left; left &= left - 1) {
         EffectSlot *e = &w->effects[lowest_bit(left)];
-        if (!called(e))
+        uint32_t layer = e->type->layer;
+        if (!called(e)) {
+            clear_layer(w, layer);
             continue;
+        }
         real start = s->timed ? wall_us() : 0;
+        if (layer)
+            layer_begin(w, layer);
         e->type->flow(w, e, s->dt);
+        if (layer)
+            layer_end(w, layer, true);
         e->flow_us = s->timed ? wall_us() - start : e->flow_us;
         e->calls++;
     }

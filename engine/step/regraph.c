@@ -257,7 +257,7 @@ void regraph(World *w, Step *s)
     }
     end_touches(w, start, s->dt);
     graph_end(w->graph);
-    post_graph_changes(w);
+    post_graph_changes(w, DIG_LAYER_MECHANICAL);
     for (int i = 0; i < s->count; i++) {
         joints_of(w, &s->groups[i]);
         break_joints(w, &s->groups[i], start);

@@ -14,6 +14,8 @@ static int compare_events(const void *a, const void *b)
         return x->time < y->time ? -1 : 1;
     if (x->kind != y->kind)
         return x->kind < y->kind ? -1 : 1;
+    if (x->kind == DIG_EVENT_MESSAGE)
+        return x->message < y->message ? -1 : x->message > y->message;
     if (slot_low(x) != slot_low(y))
         return slot_low(x) < slot_low(y) ? -1 : 1;
     if (slot_high(x) != slot_high(y))
@@ -24,6 +26,8 @@ static int compare_events(const void *a, const void *b)
         return x->other_dig < y->other_dig ? -1 : 1;
     if (x->wall != y->wall)
         return x->wall < y->wall ? -1 : 1;
+    if (x->layer != y->layer)
+        return x->layer < y->layer ? -1 : 1;
     if (x->joint.slot != y->joint.slot)
         return x->joint.slot < y->joint.slot ? -1 : 1;
     return x->speed < y->speed ? -1 : x->speed > y->speed;
@@ -40,6 +44,14 @@ static void deliver_events(World *w)
     w->pending.data = room;
     w->pending.count = 0;
     w->pending.capacity = capacity;
+    dig_message *letters = w->mail.shown.data;
+    capacity = w->mail.shown.capacity;
+    w->mail.shown.data = w->mail.waiting.data;
+    w->mail.shown.count = w->mail.waiting.count;
+    w->mail.shown.capacity = w->mail.waiting.capacity;
+    w->mail.waiting.data = letters;
+    w->mail.waiting.count = 0;
+    w->mail.waiting.capacity = capacity;
     if (w->events.count > 1)
         qsort(w->events.data, (size_t)w->events.count, sizeof *w->events.data, compare_events);
 }
@@ -193,5 +205,6 @@ void report(World *w, const Step *s)
     watch_edge(w);
     w->stats.steps = w->steps;
     watch_world(w, s);
+    deliver_due(w);
     deliver_events(w);
 }

@@ -59,6 +59,10 @@ void       rest(World *w, real dt);                 /* who comes to rest, who fa
 void       watch_start(Group *g);                   /* before the group is advanced                         */
 void       watch_group(Group *g);                   /* after it, while the world is still as it was         */
 void       watch_world(World *w, const Step *s);    /* all groups, after the commit                         */
+/* deliver.c: who gets a message, and that they get it */
+int        deliver_post(World *w, const Post *p, dig_receipt *receipt);         /* how many got it; receipt may be NULL */
+void       deliver_due(World *w);                   /* what waited until now                                */
+int        deliver_list(World *w, const Post *p, const dig_body *to, const real *value, int count);
 /* report.c */
 void       report(World *w, const Step *s);
 

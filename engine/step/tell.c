@@ -53,6 +53,7 @@ static void remember(World *w, const Step *s, uint64_t first)
         for (uint32_t m = t->lead; m != NONE; m = graph_next(w->graph, m)) {
             Body *b = &w->bodies.data[m];
             b->message_id = id++;
+            b->message_root = b->message_id;
             b->message_time = t->time;
             b->message_from = body_handle(w, t->striker);
             memcpy(b->message_kind, kind, sizeof b->message_kind);

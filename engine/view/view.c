@@ -330,24 +330,65 @@ static dig_status take_labels(Taking *t)
     return DIG_OK;
 }
 
-static dig_status take_edges(Taking *t)
+/* Where a body touches another: the middle of the touching contacts; its own centre when there is none. */
+static vec3 touching_point(const World *w, uint32_t body, uint32_t other)
+{
+    vec3 sum = vec3_zero();
+    int n = 0;
+    for (uint32_t s = w->bodies.data[body].shape_first; s != NONE; s = w->solids.data[s].next)
+        for (uint32_t l = w->solids.data[s].pair_first; l != NONE; l = w->pairs.data[l / 2].next[l % 2]) {
+            const Pair *p = &w->pairs.data[l / 2];
+            if (!p->touching || (p->body_a != other && p->body_b != other))
+                continue;
+            for (uint32_t c = p->contact; c != NONE; c = w->contacts.data[c].next)
+                if (w->contacts.data[c].touching) {
+                    sum = vec3_add(sum, w->contacts.data[c].point);
+                    n++;
+                }
+        }
+    return n > 0 ? vec3_scale(1 / (real)n, sum) : w->bodies.data[body].x;
+}
+
+/* Where a link to the outside ends: at the contact, at the joint, or at the boundary of its layer. */
+static vec3 bound_end(const World *w, uint32_t layer, const GraphLink *l)
+{
+    if (layer != DIG_LAYER_MECHANICAL)
+        return w->bodies.data[l->b].x;
+    if (l->kind == DIG_LINK_CONTACT)
+        return touching_point(w, l->a, l->b);
+    const JointRec *r = &w->joints.data[l->user];
+    const Body *b = &w->bodies.data[l->a];
+    return vec3_add(b->x, quat_rotate(b->q, r->a == l->a ? r->ra : r->rb));
+}
+
+static dig_status take_layer(Taking *t, uint32_t layer)
 {
     const World *w = t->w;
-    for (int i = 0; i < w->bodies.count; i++) {
-        if (!w->bodies.data[i].alive || !graph_has_node(w->graph, (uint32_t)i))
+    const Graph *g = layer_graph(w, layer);
+    for (int i = 0; g && i < w->bodies.count; i++) {
+        if (!w->bodies.data[i].alive || !graph_has_node(g, (uint32_t)i))
             continue;
-        for (uint32_t l = graph_link_first(w->graph, (uint32_t)i); l != NONE; l = graph_link_next(w->graph, (uint32_t)i, l)) {
-            const GraphLink *link = graph_link(w->graph, l);
-            if (link->bound || link->a != (uint32_t)i)
+        for (uint32_t l = graph_link_first(g, (uint32_t)i); l != NONE; l = graph_link_next(g, (uint32_t)i, l)) {
+            const GraphLink *link = graph_link(g, l);
+            if (link->a != (uint32_t)i)
                 continue;
             DIG_TRY(list_push(&t->edges, NULL));
             ViewEdge *e = &t->edges.data[t->edges.count - 1];
             write_point(t, e->a, w->bodies.data[link->a].x);
-            write_point(t, e->b, w->bodies.data[link->b].x);
-            e->dig = graph_of(w->graph, (uint32_t)i);
+            write_point(t, e->b, link->bound ? bound_end(w, layer, link) : w->bodies.data[link->b].x);
+            e->dig = graph_of(g, (uint32_t)i);
             e->kind = link->kind;
+            e->layer = layer;
+            e->bound = link->bound;
         }
     }
+    return DIG_OK;
+}
+
+static dig_status take_edges(Taking *t)
+{
+    for (uint32_t layer = 0; layer < DIG_LAYERS; layer++)
+        DIG_TRY(take_layer(t, layer));
     return DIG_OK;
 }
 

@@ -48,7 +48,8 @@ typedef struct ViewContact { float p[3], n[3], force[3]; } ViewContact;     /* m
 typedef struct ViewLine    { float a[3], b[3], colour[3]; uint32_t dig; } ViewLine;    /* joints, ropes, springs */
 typedef struct ViewArrow   { float p[3], v[3], colour[3]; } ViewArrow;      /* pushes, N */
 typedef struct ViewLabel   { float p[3]; char text[64]; } ViewLabel;
-typedef struct ViewEdge    { float a[3], b[3]; uint32_t dig; int kind; } ViewEdge;     /* DIG links between centres of mass */
+/* A link, between centres of mass. Bound: b is where the outside is met, and belongs to no DIG. */
+typedef struct ViewEdge    { float a[3], b[3]; uint32_t dig; int kind; uint32_t layer; bool bound; } ViewEdge;
 
 typedef struct View {
     real         origin[3];             /* m, added to every position            */

@@ -398,7 +398,8 @@ void body_remove(World *w, uint32_t slot)
     graph_begin(w->graph);
     leave_touches(w, slot);
     graph_end(w->graph);
-    post_graph_changes(w);
+    post_graph_changes(w, DIG_LAYER_MECHANICAL);
+    layers_forget(w, slot);
     event_post(w, DIG_EVENT_REMOVED, slot, NONE);
     if (graph_has_node(w->graph, slot))
         graph_node_remove(w->graph, slot);

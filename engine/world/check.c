@@ -67,6 +67,11 @@ dig_status world_check(const World *w)
     DIG_TRY(check_touches(w));
     if (!graph_check(w->graph))
         return world_fail(w, DIG_E_ARG, "the DIGs are not the connected components of the links");
+    for (uint32_t i = 1; i < DIG_LAYERS; i++)
+        if (!layer_check(&w->layers[i]))
+            return world_fail(w, DIG_E_ARG, "the %s layer is broken", dig_layer_name(i));
+    if (!mail_in_order(&w->mail))
+        return world_fail(w, DIG_E_ARG, "the queue of messages is not in order");
     if (!tree_check(&w->tree))
         return world_fail(w, DIG_E_ARG, "the tree of boxes is broken");
     return DIG_OK;

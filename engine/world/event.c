@@ -23,18 +23,18 @@ static void keep_finer(World *w, uint32_t id)
     graph_set_user(w->graph, id, accuracy);
 }
 
-/* MERGED and SPLIT events for the last batch of the graph. */
-void post_graph_changes(World *w)
+void post_graph_changes(World *w, uint32_t layer)
 {
     const GraphChange *changes;
-    int count = graph_changes(w->graph, &changes);
+    int count = graph_changes(layer_graph(w, layer), &changes);
     for (int i = 0; i < count; i++) {
-        if (w->dig_accuracies && changes[i].kind == GRAPH_MERGED)
+        if (layer == DIG_LAYER_MECHANICAL && w->dig_accuracies && changes[i].kind == GRAPH_MERGED)
             keep_finer(w, changes[i].kept);
         dig_event *e = event_post(w, changes[i].kind == GRAPH_MERGED ? DIG_EVENT_MERGED : DIG_EVENT_SPLIT, NONE, NONE);
         if (e) {
             e->dig = changes[i].kept;
             e->other_dig = changes[i].other;
+            e->layer = layer;
         }
     }
 }

@@ -82,7 +82,7 @@ static void pack_link(Pack *p, const Graph *g, GraphLink *l, uint32_t nodes)
         return;
     l->state = LINK_ATTACHED;
     l->prev[0] = l->prev[1] = NIL;
-    pack_check(p, pack_good(p) && graph_has_node(g, l->a) && l->a != l->b && graph_has_node(g, l->b) != l->bound, "a link joins what cannot be joined");
+    pack_check(p, pack_good(p) && graph_has_node(g, l->a) && l->a != l->b && (l->bound || graph_has_node(g, l->b)), "a link joins what cannot be joined");
 }
 
 static bool free_links_are_sound(const Graph *g)

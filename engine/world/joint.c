@@ -61,7 +61,7 @@ void joint_remove(World *w, uint32_t slot)
         dig_event *e = event_post(w, DIG_EVENT_UNLINK, j->a, j->b);
         if (e)
             e->link = DIG_LINK_JOINT;
-        post_graph_changes(w);
+        post_graph_changes(w, DIG_LAYER_MECHANICAL);
     }
     j->alive = false;
     slot_give(w, &w->free_joints, slot);

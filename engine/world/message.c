@@ -11,13 +11,14 @@ static void store(dig_message *to, const dig_message *from, uint64_t id)
 {
     memset(to, 0, sizeof *to);
     to->id = id;
+    to->root = from->root ? from->root : id;
     to->time = from->time;
     to->from.slot = from->from.slot;
     to->from.gen = from->from.gen;
     to->to.slot = from->to.slot;
     to->to.gen = from->to.gen;
-    for (size_t i = 0; i + 1 < sizeof to->kind && from->kind[i]; i++)
-        to->kind[i] = from->kind[i];
+    const char *end = memchr(from->kind, 0, sizeof to->kind - 1);
+    memcpy(to->kind, from->kind, end ? (size_t)(end - from->kind) : sizeof to->kind - 1);
     memcpy(to->value, from->value, sizeof to->value);
     to->direction.x = from->direction.x;
     to->direction.y = from->direction.y;

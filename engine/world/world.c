@@ -111,6 +111,9 @@ void world_close(World *w)
     map_close(&w->touch_map);
     tree_close(&w->tree);
     graph_close(w->graph);
+    for (int i = 0; i < DIG_LAYERS; i++)
+        layer_close(&w->layers[i]);
+    mail_close(&w->mail);
     arena_close(&w->scratch);
     free(w);
 }
@@ -128,7 +131,9 @@ size_t world_bytes(const World *w)
             bytes += shape_bytes(&w->solids.data[i].shape);
     for (int i = 0; i < w->effect_count; i++)
         bytes += effect_bytes(&w->effects[i]);
-    return bytes;
+    for (int i = 0; i < DIG_LAYERS; i++)
+        bytes += layer_bytes(&w->layers[i]);
+    return bytes + mail_bytes(&w->mail);
 }
 
 size_t effect_bytes(const EffectSlot *e)
@@ -203,5 +208,8 @@ uint64_t world_hash(const World *w)
     for (int i = 0; i < w->regions.count; i++)
         if (w->regions.data[i].alive)
             h = region_hash(&w->regions.data[i], h);
+    h = mail_hash(h, &w->mail);
+    for (int i = 0; i < DIG_LAYERS; i++)
+        h = layer_hash(h, &w->layers[i]);
     return hash_u64(h, graph_hash(w->graph));
 }

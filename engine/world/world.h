@@ -18,6 +18,8 @@
 #include "geom/tree.h"
 #include "world/column.h"
 #include "world/graph.h"
+#include "world/layer.h"
+#include "world/mail.h"
 #include "world/message.h"
 
 #define NONE UINT32_MAX
@@ -70,7 +72,7 @@ typedef struct Body {
     real     still;             /* s      time spent slower than the sleep threshold   */
     bool     collided, euler;   /*        in the last step: struck; was not in free flight before */
     vec3     move_from, move_to; quat turn_from, turn_to; real move_start, move_end;   /* kinematic: s, end < start = none */
-    uint64_t message_id; real message_time; dig_body message_from; char message_kind[32];
+    uint64_t message_id, message_root; real message_time; dig_body message_from; char message_kind[32];
     uint8_t  accuracy;          /* asked for this DIG's sake, 0 = the world's          */
     uint16_t trace_wait, trace_pause;   /* steps until its group is traced again; how many it was put off for last */
     real     trace_step;        /* s      length of the last step of its traced motion; 0 = none */
@@ -259,8 +261,10 @@ struct dig_world {
     Map      pair_map;                  /* (solid, solid, 0) -> pair                   */
     Map      touch_map;                 /* (body, body, wall) -> touch                 */
     Tree     tree;
-    Graph   *graph;
-    MessageLog messages;
+    Graph   *graph;                     /* the mechanical layer                        */
+    Layer    layers[DIG_LAYERS];        /* the others; [0] is not used                 */
+    MessageLog messages;                /* that were delivered                         */
+    Mail     mail;                      /* that are on their way                       */
     EffectSlot effects[MAX_EFFECTS]; int effect_count;
     uint32_t flowing, met;              /* bits of effects on the world as a whole; of those ever called for, or maybe */
     dig_room_def room; bool has_room; uint32_t room_solid[6];
@@ -375,7 +379,7 @@ bool       joint_forbids_contact(const World *w, uint32_t a, uint32_t b);
 
 /* event.c */
 dig_event *event_post(World *w, dig_event_kind kind, uint32_t a, uint32_t b);       /* NULL when there is no memory */
-void       post_graph_changes(World *w);
+void       post_graph_changes(World *w, uint32_t layer);                /* of the last batch of a layer's graph */
 
 /* material.c */
 dig_status materials_open(World *w);

@@ -36,7 +36,8 @@ local function book_of(state, kind)
   return book
 end
 
-local filter_fields = { with = "any", faster_than = "real m/s", harder_than = "real N*s", wall = "text", kind = "text", region = "any" }
+local filter_fields = { with = "any", faster_than = "real m/s", harder_than = "real N*s", wall = "text", kind = "text", region = "any",
+  layer = "text" }
 
 local function read_filter(filter, what)
   if filter == nil then return nil end
@@ -63,7 +64,7 @@ local function subscribe(world, body, what, kind, filter, fn)
   local state = core.lua_state(world)
   local book = book_of(state, kind)
   state.subscriptions = state.subscriptions + 1
-  local sub = { id = state.subscriptions, fn = fn, body = body, kind = kind, active = true, book = book,
+  local sub = { id = state.subscriptions, fn = fn, body = body, world = world, kind = kind, active = true, book = book,
     filter = read_filter(filter, what) }
   local list = book.everyone
   if body then
@@ -86,7 +87,16 @@ end
 
 -- ---- delivery ----
 
+-- Changes of other layers than the mechanical one are told to those who ask for them: { layer = "thermal" }, { kind = "thermal" } or
+-- { layer = "any" }.
+local function of_layer(f, e)
+  local wanted = f and f.layer
+  if not wanted and f and f.kind then return true end
+  return wanted == "any" or e.layer == (wanted or "mechanical")
+end
+
 local function accepts(f, e)
+  if e.layer and not of_layer(f, e) then return false end
   if not f then return true end
   if f.faster_than and e.speed <= f.faster_than then return false end
   if f.harder_than and e.impulse <= f.harder_than then return false end
@@ -121,7 +131,7 @@ local function handlers_for(book, e)
   add_all(list, book.everyone)
   if next(book.by_body) then
     if e.a then add_all(list, book.by_body[e.a]) end
-    if e.b and e.b ~= e.a then add_all(list, book.by_body[e.b]) end
+    if e.event ~= "message" and e.b and e.b ~= e.a then add_all(list, book.by_body[e.b]) end
     if #list > 1 then table.sort(list, function(p, q) return p.id < q.id end) end
   end
   return list
@@ -149,6 +159,7 @@ local function call(state, sub, e)
   local ok, message = pcall(sub.fn, copy_for(e, sub.body))
   state.in_handler = nil
   if ok then return end
+  core.answering(sub.world)
   if type(message) == "string" then
     message = ("%s (in a handler of '%s' at t = %.6g s)"):format(message, sub.kind, e.time)
   end
@@ -168,20 +179,31 @@ local function remember(state, events)
   end
 end
 
--- Called once after each step.
+local function tell(world, state, book, e)
+  if e.event == "message" then
+    if not e.to or not e.to.valid then return core.message_dropped(world) end      -- an earlier handler removed it
+    core.answering(world, e.root)
+  end
+  for _, sub in ipairs(handlers_for(book, e)) do
+    if sub.active and accepts(sub.filter, copy_for(e, sub.body)) then call(state, sub, e) end
+  end
+  if e.event == "message" then core.answering(world) end
+  if book.stale then drop_stale(book) end
+end
+
+-- Called once after each step. What handlers send without delay belongs to the same instant: its handlers are called too, until no
+-- more is sent. A cascade that does not end is a storm, which is an error (engine/api/message.c).
 function core.deliver(world, state)
   local mask = state.mask | (state.log_mask or 0)
   if mask == 0 then return end
   local events = core.events(world, mask)
-  if state.log_mask then remember(state, events) end
-  for _, e in ipairs(events) do
-    local book = state.handlers[e.event]
-    if book then
-      for _, sub in ipairs(handlers_for(book, e)) do
-        if sub.active and accepts(sub.filter, copy_for(e, sub.body)) then call(state, sub, e) end
-      end
-      if book.stale then drop_stale(book) end
+  while #events > 0 do
+    if state.log_mask then remember(state, events) end
+    for _, e in ipairs(events) do
+      local book = state.handlers[e.event]
+      if book then tell(world, state, book, e) end
     end
+    events = mask >> kinds.message & 1 == 1 and core.events(world, mask, core.take_messages(world)) or {}
   end
 end
 
@@ -199,30 +221,6 @@ function core.forbid_in_handler(world, what)
   local state = core.lua_state(world)
   if state.in_handler then core.fail("%s cannot be called inside a handler of '%s'", what, state.in_handler) end
   if state.in_task then core.fail("%s cannot be called inside a task", what) end
-end
-
--- body:flood(name, value, {kind=, hops=, transform=}) -> number of bodies reached
--- A message travels along the links, outwards from this body. transform(value, hop) gives the value of the next hop.
-function core.types.body.methods.flood(body, name, value, fields)
-  local f = core.check(fields or {}, "body:flood", { kind = "text", layer = "text", hops = "int", transform = "any" })
-  local seen, front, hop, reached = { [body] = true }, { body }, 0, 0
-  while #front > 0 and (not f.hops or hop < f.hops) do
-    local following = {}
-    hop = hop + 1
-    if f.transform then value = f.transform(value, hop) end
-    for _, from in ipairs(front) do
-      for _, to in ipairs(from:neighbours(f.kind and { kind = f.kind } or nil)) do
-        if not seen[to] then
-          seen[to] = true
-          from:send(to, name, value)
-          reached = reached + 1
-          if to.kind == "dynamic" then following[#following + 1] = to end
-        end
-      end
-    end
-    front = following
-  end
-  return reached
 end
 
 return true

@@ -33,6 +33,7 @@ function core.usage_unknown(kind, name, known)
 end
 
 core.use "events"
+core.use "message"
 core.use "trace"
 core.use "watch"
 core.use "effect"

@@ -2,6 +2,7 @@
 #
 #   make bench                                   the scenes of the published tables; writes build/bench.json and prints a table
 #   make bench SCENE=towers ENGINE=digbox N=200  one scene, one engine, one size
+#   make bench SCENE=digs                        membership and messages: 5000 DIGs of 50, against a flat union-find
 #   make bench FULL=1                            also 16,000 spheres, 100,000 bodies in a room, 1,000,000 fixed boxes
 #   make bench LIMIT=60 TOTAL=1200 REPEATS=5     seconds for one run, for all of them, and how often
 #   make bench REPORT=only                       the table again, from the rows of the last run
@@ -28,11 +29,16 @@ bench:                                          ## time per step against other e
 	@sh .ci/install.sh build bench || echo "bench: goes on with what is installed" >&2
 	@$(MAKE) bench-run
 
+ifeq ($(SCENE),digs)
+bench-run: $(bench_dir)/digs
+	@$(bench_dir)/digs
+else
 bench-run: $(bench_programs) $(bench_dir)/selftest
 	@$(bench_dir)/selftest
 	@$(if $(filter only,$(REPORT)),,BUILD='$(BUILD)' SCENE='$(SCENE)' ENGINE='$(ENGINE)' N='$(N)' FULL='$(FULL)' LIMIT='$(LIMIT)' \
 	    TOTAL='$(TOTAL)' REPEATS='$(REPEATS)' PLAN='$(PLAN)' sh tests/bench/measure.sh)
 	@lua5.4 tests/bench/report.lua $(bench_dir)/rows.lua $(BUILD)/bench.json
+endif
 
 $(bench_dir)/obj/%.o: tests/bench/%.c $(bench_headers)
 	@mkdir -p $(@D)
@@ -47,6 +53,8 @@ bench_libs-ode    = $(shell pkg-config --libs ode)
 bench_libs-mujoco = -lmujoco
 $(bench_dir)/selftest: $(patsubst %,$(bench_dir)/obj/%.o,selftest scene check)
 	$(call say,LINK,$@)$(CC) -o $@ $^ -lm
+$(bench_dir)/digs: $(bench_dir)/obj/digs.o $(core_a)
+	$(call say,LINK,$@)$(CC) -o $@ $^ -pthread $(CORE_LIBS)
 $(bench_dir)/bench-digbox: $(core_a)
 $(bench_dir)/bench-%: $(bench_dir)/obj/%.o $(patsubst tests/bench/%.c,$(bench_dir)/obj/%.o,$(bench_common))
 	$(call say,LINK,$@)$(if $(filter digbox,$*),$(CC),$(CXX)) -o $@ $(filter %.o,$^) $(bench_libs-$*) -lm

@@ -4,7 +4,8 @@
 #   make hard-cases CASE=B06 STEP=1/60       some of them; the table is written from all rows that there are
 #   make hard-cases FILM=1                   with a picture of the end of each run in build/hard/pictures/
 #   make hard-cases LIMIT=20                 CPU seconds that one run may take (60)
-#   make soak [SEED=1] [COUNT=1000] [SOAK_SECONDS=20]   random worlds; a seed that fails is shrunk and printed as a script
+#   make soak [SEED=1] [COUNT=1000] [SOAK_SECONDS=20]   random worlds; a seed that fails is shrunk and printed as a script;
+#                                            then the properties of DIGs and messages on 1000 worlds each
 
 .PHONY: hard-cases soak
 SEED    ?= 1
@@ -17,3 +18,4 @@ hard-cases: all                                 ## the hard cases at every frame
 
 soak: all                                       ## 1000 random worlds for 20 s each
 	@BUILD=$(BUILD) sh tests/hard/soak.sh $(SEED) $(COUNT) $(SOAK_SECONDS)
+	@$(MAKE) unit T=test_properties && DIGBOX_FULL=1 $(BUILD)/unit/test_properties

@@ -120,7 +120,7 @@ scenario("fields, methods, events and modules that do not exist are errors", fun
   says(function() world:on("contact_begn", print) end, "world:on: unknown event 'contact_begn' (did you mean 'contact_begin'?)")
   says(function() ball:on("slpt", print) end, "body:on: unknown event 'slpt' (did you mean 'slept'?)")
   says(function() world:on("impact", { faster = 1 }, print) end,
-    "world:on: unknown field 'faster' (known: faster_than, harder_than, kind, region, wall, with)")
+    "world:on: unknown field 'faster' (known: faster_than, harder_than, kind, layer, region, wall, with)")
   says(function() return digbox.wrold end, "digbox has no function 'wrold' (did you mean 'world'?)")
   says(function() return ball.position.w end, "vector has no field or method 'w' (did you mean 'x'?)")
   says(function() world:sphere { radius = 1, material = "oka" } end, "world:sphere.material: unknown material 'oka' (did you mean 'oak'?)")

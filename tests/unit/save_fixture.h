@@ -196,6 +196,24 @@ static inline void add_acts(dig_world *w, vec3 at)
     fail_unless(w, dig_body_hit(w, hit, (vec3){0, 1, 2}, vec3_add(at, (vec3){0.1, 0.3, 1}), true), "hit");
     fail_unless(w, dig_body_move_to(w, mover, vec3_add(at, (vec3){0, 0.6, -1}), NULL, 4), "move_to");
     fail_unless(w, dig_message_send(w, pushed, hit, "greeting", (const real[4]){1, 2, 3, 4}), "send");
+    const dig_wire_def wires[] = {{DIG_LAYER_ELECTRICAL, pushed, hit, false, 3}, {DIG_LAYER_ELECTRICAL, hit, mover, true, 0},
+                                  {DIG_LAYER_THERMAL, mover, hit, false, 0}};
+    dig_wire wire = {0, 0, 0};
+    for (size_t i = 0; i < sizeof wires / sizeof wires[0]; i++)
+        fail_unless(w, dig_wire_add(w, &wires[i], &wire), "link");
+    fail_unless(w, dig_wire_set(w, wire, 4, 0.5), "link");
+    for (int i = 0; i < DIG_ROUTES; i++) {
+        dig_post p = dig_post_defaults();
+        memcpy(p.kind, "later", 6);
+        p.route = (dig_route)i;
+        p.from = pushed;
+        p.to = hit;
+        p.after = 0.3 + 0.1 * (i % 3);
+        p.layer = i == DIG_ROUTE_FLOOD ? DIG_LAYER_ELECTRICAL : DIG_LAYER_MECHANICAL;
+        p.transform = i == DIG_ROUTE_FLOOD ? DIG_TRANSFORM_RATIO : DIG_TRANSFORM_SAME;
+        if (i != DIG_ROUTE_REGION)
+            fail_unless(w, dig_message_post(w, &p, NULL), "post");
+    }
 
     const dig_box_def space = {{0.8, 0.8, 0.8}};
     dig_region_def r = dig_region_defaults();

@@ -124,6 +124,7 @@ TEST(a_copy_is_the_same_log_and_bytes_do_not_depend_on_the_sender)
         memset(&clean, 0x00, sizeof clean);
         memset(&dirty, 0xFF, sizeof dirty);                     /* padding and the rest of kind differ */
         clean.time = dirty.time = i;
+        clean.root = dirty.root = 0;
         clean.from = dirty.from = clean.to = dirty.to = (dig_body){(uint32_t)i, 1};
         strcpy(clean.kind, "same");
         strcpy(dirty.kind, "same");
