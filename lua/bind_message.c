@@ -94,9 +94,10 @@ static void read_ends(lua_State *L, const WorldRef *world, const char *what, dig
         p->dig = bind_check_dig(L, 4)->id;
     if (field(L, "region")) {
         const RegionRef *r = luaL_testudata(L, 4, BIND_REGION);
-        if (!r || r->world != world)
+        if (r && r->world == world)
+            p->region = r->id;
+        else
             bind_error(L, "%s: region wants a region of this world; got %s", what, luaL_typename(L, 4));
-        p->region = r->id;
     }
 }
 

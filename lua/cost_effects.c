@@ -51,7 +51,7 @@ static real median(const real *x, int n)
 /* Standard error of the median of n values, from their median absolute deviation (of a normal scatter: 1.4826 sigma, 1.2533 / sqrt n). */
 static real scatter(const real *x, int n)
 {
-    real off[ROUNDS], m = median(x, n);
+    real off[ROUNDS] = {0}, m = median(x, n);
     for (int i = 0; i < n; i++)
         off[i] = fabs(x[i] - m);
     return 1.4826 * 1.2533 * median(off, n) / sqrt(n);
@@ -137,7 +137,7 @@ static void judge(Bars *b)
     b->noise = scatter(b->with, b->rounds);
     for (int i = 0; i < b->count; i++) {
         Bar *bar = &b->bar[i];
-        real gain[ROUNDS];
+        real gain[ROUNDS] = {0};
         bool there = true;
         for (int r = 0; r < b->rounds; r++) {
             there = there && !isnan(bar->without[r]);

@@ -6,7 +6,7 @@ static bool wanted(const World *w, const Group *g)
     if (!(vec3_length2(w->def.gravity) > 0))
         return false;
     for (int i = 0; i < g->moving_count; i++)
-        if (g->member[i].moves && (g->member[i].gravity_scale > 0 || g->member[i].gravity_scale < 0))
+        if (g->member[i].moves && g->member[i].gravity_scale != 0)       /* nor is what is not finite passed over */
             return true;
     return false;
 }

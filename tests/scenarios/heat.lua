@@ -399,7 +399,8 @@ scenario("where a region conducts better, touching bodies share their heat soone
   for _, conduct in ipairs { 1, 3, 0 } do
     local world = s:world { accuracy = "study" }
     world:floor {}
-    local low = world:box { size = 0.2, at = { 0, 0.1, 0 }, mass = 4.186, heat_capacity = 1000, temperature = 293.15, contact_conductance = 12 }
+    local low = world:box { size = 0.2, at = { 0, 0.1, 0 }, mass = 4.186, heat_capacity = 1000, temperature = 293.15,
+      contact_conductance = 12 }
     local high = world:box { size = 0.2, at = { 0, 0.3, 0 }, mass = 0.45, heat_capacity = 1000, temperature = 473.15 }
     world:region { box = { size = 2 }, laws = { conduct = conduct } }
     world:run(0.5)
