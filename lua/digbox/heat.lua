@@ -36,7 +36,7 @@ local fields_of_heater = { on = true, off = true, power = true, body = true, run
 local function read(heater, key)
   local h = inside[heater]
   if key == "power" or key == "body" then return h[key] end
-  if key == "running" then return h.fed ~= 0 end
+  if key == "running" then return h.body.valid and h.fed ~= 0 end
   if not Heater[key] then core.unknown("heater", "has no field or method", tostring(key), fields_of_heater) end
   return Heater[key]
 end
@@ -52,11 +52,40 @@ end
 local kind = { __index = read, __newindex = write, __metatable = false, __name = "heater", __tostring = function() return "heater" end }
 
 -- world:heater{on = body, power = 1500} -> heater: feeds power into a body, which thereby has a temperature
-function methods.heater(_, fields)
+function methods.heater(world, fields)
   local own = core.check(fields, "world:heater", { on = "any", power = "real W" })
   if core.type(own.on) ~= "body" then core.fail("world:heater.on wants a body; got %s", core.type(own.on)) end
   local heater = setmetatable({}, kind)
-  inside[heater] = { body = own.on, power = own.power or 0, fed = 0 }
+  inside[heater] = { world = world, body = own.on, power = own.power or 0, fed = 0 }
   if not own.on.temperature then own.on.heating = 0 end
   return feed(heater, own.power or 0)
+end
+
+-- ---- snapshots ----
+
+-- A snapshot has the heating of bodies; with it goes each heater's share of that. Snapshot -> heater -> {power, fed}
+local kept = setmetatable({}, { __mode = "k" })
+local snapshot, restore = methods.snapshot, core.restore
+
+function methods.snapshot(world)
+  local snap, shares = snapshot(world), nil
+  for heater, h in next, inside do
+    if h.world == world then
+      shares = shares or setmetatable({}, { __mode = "k" })
+      shares[heater] = { power = h.power, fed = h.fed }
+    end
+  end
+  kept[snap] = shares
+  return snap
+end
+
+function core.restore(world, snap)
+  restore(world, snap)
+  local shares = kept[snap] or {}
+  for heater, h in next, inside do
+    if h.world == world then
+      local share = shares[heater]
+      h.power, h.fed = share and share.power or h.power, share and share.fed or 0       -- 0: made after the snapshot
+    end
+  end
 end

@@ -414,3 +414,30 @@ scenario("where a region conducts better, touching bodies share their heat soone
     end
   end
 end)
+
+scenario("heaters go back with the world to a snapshot", function(s)
+  local world = s:world { gravity = { 0, 0, 0 } }
+  local plate = world:box { size = 0.1, temperature = 300 }
+  local heater = world:heater { on = plate, power = 1000 }
+  heater:off()
+  local cold = world:snapshot()
+  heater.power = 500
+  heater:on()
+  local warm = world:snapshot()
+  local second = world:heater { on = plate, power = 70 }
+  expect(plate.heating):is(570)
+  world:restore(cold)
+  expect(heater.running):is(false)
+  expect(heater.power):is(1000)
+  expect(second.running):is(false)
+  heater:off()
+  expect(plate.heating):is(0)
+  second:on()
+  expect(plate.heating):is(70)
+  world:restore(warm)
+  expect(heater.running):is(true)
+  heater:off()
+  expect(plate.heating):is(0)
+  plate:remove()
+  expect(heater.running):is(false)
+end)
