@@ -365,6 +365,18 @@ static real passed(const Plan *p, int node)
     return 0;
 }
 
+/* A cooler takes no more than there is, and a heater gives no more than a body can hold; what else would do so is lost. */
+static void keep_possible(World *w, Heat *h)
+{
+    real least = -h->start * h->capacity, most = (HEAT_MOST - h->start) * h->capacity;
+    real possible = real_min(real_max(h->stored, least), most), change = possible - h->stored;
+    if (change * h->heating < 0)
+        w->ledger.work_in += change;
+    else
+        w->ledger.lost -= change;
+    h->stored = possible;
+}
+
 static void book(World *w, EffectSlot *e, Plan *p, real dt)
 {
     for (int i = 0; i < e->members.count; i++) {
@@ -377,7 +389,8 @@ static void book(World *w, EffectSlot *e, Plan *p, real dt)
         if (!node)
             continue;
         h->stored += heated + given - p->out[p->node[i]];
-        h->temperature = h->start + h->stored / h->capacity;
+        keep_possible(w, h);
+        h->temperature = real_min(real_max(h->start + h->stored / h->capacity, 0), HEAT_MOST);
     }
 }
 

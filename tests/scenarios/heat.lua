@@ -441,3 +441,18 @@ scenario("heaters go back with the world to a snapshot", function(s)
   plate:remove()
   expect(heater.running):is(false)
 end)
+
+scenario("nothing gets colder than 0 K or hotter than can be, and the books stay closed", function(s)
+  local world = s:world { gravity = { 0, 0, 0 } }
+  local cold = world:box { size = 0.1, at = { 0, 0, 0 }, temperature = 300, heating = -1e6 }
+  local hot = world:box { size = 0.1, at = { 1, 0, 0 }, temperature = 300, heating = 1e12 }
+  world:run(1)
+  expect(cold.temperature):between(0, 1e-6)
+  expect(hot.temperature):between(1e7 - 1, 1e7)
+  expect(drift(world)):near(0, 1e-9 * world.energy.heat)
+  world:save("limits.dig")
+  expect(digbox.load("limits.dig"):checksum()):is(world:checksum())
+  cold.heating = 100
+  world:run(1)
+  expect(cold.temperature):above(0.01)
+end)
