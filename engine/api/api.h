@@ -37,5 +37,6 @@ dig_status api_push(World *w, dig_body b, Push p, real lasts, const char *call);
 /* own.c: a body takes part in an effect of the caller's */
 dig_status api_own_join(World *w, int effect, uint32_t body);
 dig_status api_finite(const World *w, vec3 v, const char *call, const char *what, const char *unit);
+dig_status api_within(const World *w, vec3 v, real most, const char *call, const char *what, const char *unit);     /* finite, and no larger */
 
 #endif

@@ -168,7 +168,7 @@ dig_status dig_body_push(dig_world *w, dig_body handle, vec3 force, vec3 at, boo
     const Body *b = api_pushable(w, handle, "push", &s);
     if (!b)
         return s;
-    DIG_TRY(api_finite(w, force, "push", "force", "N"));
+    DIG_TRY(api_within(w, force, WORLD_STRONG, "push", "force", "N"));
     if (has_at)
         DIG_TRY(api_finite(w, at, "push", "at", "m"));
     Push p = {.force = force, .has_at = has_at, .at = has_at ? quat_unrotate(b->q, vec3_sub(at, b->x)) : vec3_zero()};
@@ -180,7 +180,7 @@ dig_status dig_body_twist(dig_world *w, dig_body handle, vec3 torque, real lasts
     dig_status s;
     if (!api_pushable(w, handle, "twist", &s))
         return s;
-    DIG_TRY(api_finite(w, torque, "twist", "torque", "N m"));
+    DIG_TRY(api_within(w, torque, WORLD_STRONG, "twist", "torque", "N m"));
     return api_push(w, handle, (Push){.torque = torque}, lasts, "twist");
 }
 
@@ -199,7 +199,8 @@ dig_status dig_body_hit(dig_world *w, dig_body handle, vec3 impulse, vec3 at, bo
     real light = 1 / body_inertness(b);
     vec3 dv = vec3_scale(light * b->inv_mass, impulse);
     vec3 dw = has_at ? mat3_mul_vec(mat3_scale(light, inverse), vec3_cross(vec3_sub(at, b->x), impulse)) : vec3_zero();
-    if (!vec3_finite(vec3_add(b->v, dv)) || !vec3_finite(vec3_add(b->w, dw)))
+    real fast = real_max(vec3_largest(vec3_abs(vec3_add(b->v, dv))), vec3_largest(vec3_abs(vec3_add(b->w, dw))));
+    if (!vec3_finite(vec3_add(b->v, dv)) || !vec3_finite(vec3_add(b->w, dw)) || fast > WORLD_FAST)
         return world_fail(w, DIG_E_ARG, "hit: impulse = {%g, %g, %g} N s makes body '%s' too fast for a number", impulse.x, impulse.y,
                           impulse.z, b->name);
     b->v = vec3_add(b->v, dv);
@@ -225,11 +226,11 @@ dig_status dig_body_teleport(dig_world *w, dig_body handle, const vec3 *at, cons
     if (!b)
         return DIG_E_DEAD;
     if (at)
-        DIG_TRY(api_finite(w, *at, "teleport", "at", "m"));
+        DIG_TRY(api_within(w, *at, WORLD_FAR, "teleport", "at", "m"));
     if (velocity)
-        DIG_TRY(api_finite(w, *velocity, "teleport", "velocity", "m/s"));
+        DIG_TRY(api_within(w, *velocity, WORLD_FAST, "teleport", "velocity", "m/s"));
     if (spin)
-        DIG_TRY(api_finite(w, *spin, "teleport", "spin", "rad/s"));
+        DIG_TRY(api_within(w, *spin, WORLD_FAST, "teleport", "spin", "rad/s"));
     DIG_TRY(check_rotation(w, rotation, "teleport"));
     real before = body_energy(w, b) + api_body_springs(w, handle.slot) + (w->ledger.started ? api_effects_stored(w) : 0);
     touches_wake(w, handle.slot);
@@ -269,7 +270,7 @@ dig_status dig_body_move_to(dig_world *w, dig_body handle, vec3 at, const quat *
     Body *b = kinematic(w, handle, "move_to", &s);
     if (!b)
         return s;
-    DIG_TRY(api_finite(w, at, "move_to", "at", "m"));
+    DIG_TRY(api_within(w, at, WORLD_FAR, "move_to", "at", "m"));
     DIG_TRY(check_rotation(w, rotation, "move_to"));
     if (!(over > 0 && isfinite(over)))
         return world_fail(w, DIG_E_ARG, "move_to: over = %g s, must be > 0", over);
@@ -293,8 +294,8 @@ dig_status dig_body_set_velocity(dig_world *w, dig_body handle, vec3 velocity, v
     Body *b = kinematic(w, handle, "set_velocity", &s);
     if (!b)
         return s;
-    DIG_TRY(api_finite(w, velocity, "set_velocity", "velocity", "m/s"));
-    DIG_TRY(api_finite(w, spin, "set_velocity", "spin", "rad/s"));
+    DIG_TRY(api_within(w, velocity, WORLD_FAST, "set_velocity", "velocity", "m/s"));
+    DIG_TRY(api_within(w, spin, WORLD_FAST, "set_velocity", "spin", "rad/s"));
     b->v = velocity;
     b->w = spin;
     b->move_end = b->move_start - 1;

@@ -68,7 +68,7 @@ dig_status dig_region_push(dig_world *w, dig_region handle, dig_body body, vec3 
         return world_fail(w, DIG_E_DEAD, "region: this region was removed");
     if (!api_pushable(w, body, "region", &s))
         return s;
-    DIG_TRY(api_finite(w, force, "region", "force", "N"));
+    DIG_TRY(api_within(w, force, WORLD_STRONG, "region", "force", "N"));
     return api_push(w, body, (Push){.force = force, .law = true}, 0, "region");
 }
 

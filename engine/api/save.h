@@ -23,10 +23,10 @@
 
 #define SAVE_FORMAT 4u
 
-#define SAVE_FAR    1e15        /* m         */
-#define SAVE_FAST   1e12        /* m/s, rad/s */
+#define SAVE_FAR    WORLD_FAR
+#define SAVE_FAST   WORLD_FAST
 #define SAVE_LONG   1e18        /* s         */
-#define SAVE_STRONG 1e35        /* N, N m    */
+#define SAVE_STRONG WORLD_STRONG
 #define SAVE_MUCH   1e200       /* J, statistics */
 
 /* ---- sections, in the order of the file ---- */

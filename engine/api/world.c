@@ -26,6 +26,14 @@ dig_status api_finite(const World *w, vec3 v, const char *call, const char *what
     return world_fail(w, DIG_E_ARG, "%s: %s = {%g, %g, %g} %s must be finite", call, what, v.x, v.y, v.z, unit);
 }
 
+dig_status api_within(const World *w, vec3 v, real most, const char *call, const char *what, const char *unit)
+{
+    DIG_TRY(api_finite(w, v, call, what, unit));
+    if (vec3_largest(vec3_abs(v)) <= most)
+        return DIG_OK;
+    return world_fail(w, DIG_E_ARG, "%s: %s = {%g, %g, %g} %s, must be at most %g %s", call, what, v.x, v.y, v.z, unit, most, unit);
+}
+
 dig_world_def dig_world_defaults(void)
 {
     dig_world_def def;

@@ -356,13 +356,34 @@ static bool group_finite(Group *g)
     return g->status == DIG_OK;
 }
 
+/* Numbers may be finite and yet so large that no step could follow, nor a file hold them. */
+static dig_status check_range(World *w, const Group *g)
+{
+    for (int i = 0; i < g->moving_count; i++) {
+        real far = vec3_largest(vec3_abs(g->pos[i].x));
+        real fast = real_max(vec3_largest(vec3_abs(g->vel[i].v)), vec3_largest(vec3_abs(g->vel[i].w)));
+        if (!g->member[i].moves || (far <= WORLD_FAR && fast <= WORLD_FAST))
+            continue;
+        const Body *b = &w->bodies.data[g->member[i].slot];
+        w->stats.rejected++;
+        if (fast > WORLD_FAST)
+            return world_fail(w, DIG_E_FINITE, "at t = %g s body '%s' would have a velocity or spin of %g m/s or rad/s, must be at most %g",
+                              world_time(w), b->name, fast, WORLD_FAST);
+        return world_fail(w, DIG_E_FINITE, "at t = %g s body '%s' would be %g m from the origin, must be at most %g m", world_time(w), b->name,
+                          far, WORLD_FAR);
+    }
+    return DIG_OK;
+}
+
 /* One pass a step; only after a hit is the group advanced again in blame mode, checking after each effect. That works because a
  * failed step changed nothing. */
 dig_status check_finite(World *w, Step *s)
 {
     for (int i = 0; i < s->count; i++) {
-        if (group_finite(&s->groups[i]))
+        if (group_finite(&s->groups[i])) {
+            DIG_TRY(check_range(w, &s->groups[i]));
             continue;
+        }
         Context c = {w, s, true, true};
         advance_one(&c, i, &w->scratch);
         if (s->groups[i].culprit < 0)

@@ -226,6 +226,9 @@ typedef struct EffectSlot {     /* one per entry of the effect list             
 } EffectSlot;
 
 #define MAX_EFFECTS 32
+#define WORLD_FAR  1e15         /* m            no body gets farther from the origin */
+#define WORLD_FAST 1e12         /* m/s, rad/s   or faster                            */
+#define WORLD_STRONG 1e35       /* N, N m       nor is it pushed harder              */
 size_t effect_bytes(const EffectSlot *e);
 
 struct dig_world {

@@ -326,3 +326,25 @@ scenario("a sphere that something can turn is solved; what flies fast is told", 
   expect(stats.fast):is(1)
   expect(ball.spin.z < 0 and bullet.valid):is(true)
 end)
+
+scenario("a force too large to follow fails the step, and the world goes on without it", function(s)
+  local world = s:world {}
+  local ball = world:ball { name = "b", radius = 0.1, mass = 1 }
+  world:step()
+  local before, at = world:checksum(), ball.position
+  local huge = world:add_effect { name = "huge", step = function(_, bodies) bodies[1].force = { 0, 1e300, 0 } end }
+  local fine, message = pcall(world.step, world)
+  expect(fine):is(false)
+  expect(tostring(message)):contains("body 'b' would have a velocity or spin of")
+  expect(ball.position):is(at)
+  huge:remove()
+  expect(world:checksum()):is(before)
+  for _, way in ipairs { function() ball:hit { impulse = { 1e20, 0, 0 } } end, function() ball:teleport { velocity = { 1e20, 0, 0 } } end,
+                         function() ball:teleport { at = { 0, 1e20, 0 } } end } do
+    expect(pcall(way)):is(false)
+    expect(world:checksum()):is(before)
+  end
+  world:step()
+  world:save("huge.dig")
+  expect(digbox.load("huge.dig"):checksum()):is(world:checksum())
+end)
