@@ -8,6 +8,7 @@ local methods = core.types.world.methods
 
 local common_fields = { stiffness = "real N >0", damping = "real N*s/m", relaxation = "real s", breaks_at = "real N >0",
   breaks_pressed = "real N >0", yield = "real N >0", shear = "real 1", radius = "real m >0", mass = "real kg >0" }
+local taken = { fixed = "give a cloth pins, or fix bodies", rotation = "its own fields say how it lies", density = "give mass" }
 local RELAXES = 0.02               -- s  of which nothing is said
 
 local function with(fields)
@@ -38,7 +39,7 @@ end
 local thing_methods = { sig = soft.sig, saw = soft.saw }
 local getters = { stress = soft.stress, mass = soft.mass, position = soft.position, broken = soft.broken, support = support,
   stretch = stretch }
-local readable = { name = true, bodies = true, joints = true, columns = true, rows = true, layers = true }
+local readable = { name = true, breaks_at = true, bodies = true, joints = true, columns = true, rows = true, layers = true }
 local new_cloth = soft.class("cloth", thing_methods, getters, readable)
 local new_lattice = soft.class("lattice", thing_methods, getters, readable)
 
@@ -72,7 +73,7 @@ end
 
 local function begin(world, what, own, rest)
   soft.need("world:" .. what, own, "stiffness", "mass")
-  return { kind = what, name = rest.name or what, world = world, bodies = {}, joints = {}, node = {},
+  return { kind = what, name = rest.name or what, world = world, bodies = {}, joints = {}, node = {}, breaks_at = own.breaks_at,
     group = rest.group or soft.group(world) }
 end
 
@@ -102,21 +103,9 @@ local function pinned(own)
   return set
 end
 
--- world:cloth{at = its first corner, across = {x,y,z}, down = {x,y,z}, columns = 10, rows = 10, mass=, stiffness = (EA of a thread, N),
--- pins = "top" | "corners" | "none" | {{1, 1}, ...}, relaxation=, breaks_at=, shear = 0.1} -> cloth
-function methods.cloth(world, fields)
-  local own, rest = soft.split("world:cloth", fields, cloth_fields)
-  soft.need("world:cloth", own, "at", "across", "down")
-  own.columns, own.rows = own.columns or 10, own.rows or 10
-  if own.columns * own.rows > 10000 or own.columns * own.rows < 2 then
-    core.fail("world:cloth: %d columns of %d rows, must be 2 to 10000 particles", own.columns, own.rows)
-  end
-  local self = begin(world, "cloth", own, rest)
-  local n, m, pins, share = own.columns, own.rows, pinned(own), own.shear or 0.1
+local function make_cloth(world, self, own, rest, pins)
+  local n, m, share = own.columns, own.rows, own.shear or 0.1
   local dx, dy = own.across / math.max(1, n - 1), own.down / math.max(1, m - 1)
-  self.columns, self.rows = n, m
-  self.radius = own.radius or 0.25 * math.min(n > 1 and #dx or #dy, m > 1 and #dy or #dx)
-  self.thickness = 0.3 * self.radius
   for j = 1, m do
     for i = 1, n do
       add_node(world, self, rest, own.at + dx * (i - 1) + dy * (j - 1), own.mass / (n * m), pins[key(i, j)], i, j)
@@ -132,6 +121,24 @@ function methods.cloth(world, fields)
       end
     end
   end
+end
+
+-- world:cloth{at = its first corner, across = {x,y,z}, down = {x,y,z}, columns = 10, rows = 10, mass=, stiffness = (EA of a thread, N),
+-- pins = "top" | "corners" | "none" | {{1, 1}, ...}, relaxation=, breaks_at=, shear = 0.1} -> cloth
+function methods.cloth(world, fields)
+  local own, rest = soft.split("world:cloth", fields, cloth_fields, taken)
+  soft.need("world:cloth", own, "at", "across", "down")
+  own.columns, own.rows = own.columns or 10, own.rows or 10
+  if own.columns * own.rows > 10000 or own.columns * own.rows < 2 then
+    core.fail("world:cloth: %d columns of %d rows, must be 2 to 10000 particles", own.columns, own.rows)
+  end
+  local self = begin(world, "cloth", own, rest)
+  local n, m, pins = own.columns, own.rows, pinned(own)
+  local dx, dy = own.across / math.max(1, n - 1), own.down / math.max(1, m - 1)
+  self.columns, self.rows = n, m
+  self.radius = own.radius or 0.25 * math.min(n > 1 and #dx or #dy, m > 1 and #dy or #dx)
+  self.thickness = 0.3 * self.radius
+  soft.build(self, function() make_cloth(world, self, own, rest, pins) end)
   finish(self)
   return new_cloth(self)
 end
@@ -140,14 +147,14 @@ end
 
 local lattice_fields = with { at = "vec m", size = "any", cells = "any" }
 
-local function triple(what, value, least)
-  if core.type(value) == "number" then return { value, value, value } end
+local function triple(what, value, least, unit)
   local kind = core.type(value)
-  if kind ~= "table" and kind ~= "vector" then core.fail("%s wants a number or three; got %s", what, kind) end
+  if kind == "number" or kind == "string" then value = { value, value, value } end
+  if kind == "nil" or kind == "boolean" or kind == "function" then core.fail("%s wants a number or three; got %s", what, kind) end
   local t = { value[1] or value.x, value[2] or value.y, value[3] or value.z }
   for i = 1, 3 do
-    local good = core.type(t[i]) == "number" and t[i] >= least and t[i] < math.huge       -- false for NaN
-    if not good then core.fail("%s = %s, must be at least %g", what, tostring(t[i]), least) end
+    t[i] = core.quantity(t[i], unit, what)
+    if t[i] < least then core.fail("%s = %g, must be at least %g", what, t[i], least) end
   end
   return t
 end
@@ -156,20 +163,8 @@ end
 local diagonals = { { { 0, 0, 0 }, { 1, 1, 0 } }, { { 1, 0, 0 }, { 0, 1, 0 } }, { { 0, 0, 0 }, { 1, 0, 1 } },
   { { 1, 0, 0 }, { 0, 0, 1 } }, { { 0, 0, 0 }, { 0, 1, 1 } }, { { 0, 1, 0 }, { 0, 0, 1 } } }
 
--- world:lattice{at = its centre, size = {x,y,z}, cells = {nx,ny,nz}, mass=, stiffness = (EA of a strut, N), relaxation=, breaks_at=,
--- shear = 0.5} -> lattice: a body of particles that springs back
-function methods.lattice(world, fields)
-  local own, rest = soft.split("world:lattice", fields, lattice_fields)
-  soft.need("world:lattice", own, "at", "size")
-  local size, cells = triple("world:lattice.size", own.size, 1e-6), triple("world:lattice.cells", own.cells or 2, 1)
-  local n = { math.floor(cells[1]) + 1, math.floor(cells[2]) + 1, math.floor(cells[3]) + 1 }
-  if n[1] * n[2] * n[3] > 10000 then core.fail("world:lattice: %d particles, must be at most 10000", n[1] * n[2] * n[3]) end
-  local self = begin(world, "lattice", own, rest)
-  local d = core.vec(size[1] / (n[1] - 1), size[2] / (n[2] - 1), size[3] / (n[3] - 1))
-  local corner = own.at - core.vec(size[1], size[2], size[3]) / 2
-  self.columns, self.rows, self.layers = n[1], n[2], n[3]
-  self.radius = own.radius or 0.25 * math.min(d.x, d.y, d.z)
-  self.thickness = 0.5 * self.radius
+local function make_lattice(world, self, own, rest, corner, d)
+  local n = { self.columns, self.rows, self.layers }
   local mass = own.mass / (n[1] * n[2] * n[3])
   for k = 1, n[3] do
     for j = 1, n[2] do
@@ -193,6 +188,23 @@ function methods.lattice(world, fields)
       end
     end
   end
+end
+
+-- world:lattice{at = its centre, size = {x,y,z}, cells = {nx,ny,nz}, mass=, stiffness = (EA of a strut, N), relaxation=, breaks_at=,
+-- shear = 0.5} -> lattice: a body of particles that springs back
+function methods.lattice(world, fields)
+  local own, rest = soft.split("world:lattice", fields, lattice_fields, taken)
+  soft.need("world:lattice", own, "at", "size")
+  local size, cells = triple("world:lattice.size", own.size, 1e-6, "m"), triple("world:lattice.cells", own.cells or 2, 1, "1")
+  local n = { math.floor(cells[1]) + 1, math.floor(cells[2]) + 1, math.floor(cells[3]) + 1 }
+  if n[1] * n[2] * n[3] > 10000 then core.fail("world:lattice: %d particles, must be at most 10000", n[1] * n[2] * n[3]) end
+  local self = begin(world, "lattice", own, rest)
+  local d = core.vec(size[1] / (n[1] - 1), size[2] / (n[2] - 1), size[3] / (n[3] - 1))
+  local corner = own.at - core.vec(size[1], size[2], size[3]) / 2
+  self.columns, self.rows, self.layers = n[1], n[2], n[3]
+  self.radius = own.radius or 0.25 * math.min(d.x, d.y, d.z)
+  self.thickness = 0.5 * self.radius
+  soft.build(self, function() make_lattice(world, self, own, rest, corner, d) end)
   finish(self)
   return new_lattice(self)
 end

@@ -8,24 +8,27 @@ local methods = core.types.world.methods
 
 local plank_fields = { from = "vec m", to = "vec m", up = "dir 1", width = "real m >0", height = "real m >0", E = "real Pa >0",
   shear_modulus = "real Pa >0", strength = "real Pa >0", yield = "real Pa >0", segments = "int 1 >0", breaks_at = "real N >0",
-  relaxation = "real s", from_end = "text", to_end = "text", from_body = "any", to_body = "any" }
+  relaxation = "real s", mass = "real kg >0", from_end = "text", to_end = "text", from_body = "any", to_body = "any" }
 local ends = { free = true, pinned = true, roller = true, clamped = true }
+local taken = { at = "give from and to", rotation = "give from, to and up" }
 local DAMPED = 1 / 1000            -- s  relaxation of which nothing is said: some per cent of critical for the first swing of a plank
 
 -- Everything about the beam but where it lies
 local function complete(world, own, rest)
   local what = "world:plank"
   soft.need(what, own, "from", "to", "width", "height")
-  for _, key in ipairs { "from_end", "to_end" } do
-    own[key] = own[key] or "free"
-    if not ends[own[key]] then core.unknown(what .. ":", "unknown " .. key, own[key], ends) end
+  for _, key in ipairs { "from", "to" } do
+    local how, body = own[key .. "_end"] or "free", own[key .. "_body"]
+    own[key .. "_end"] = how
+    if not ends[how] then core.unknown(what .. ":", ("unknown %s_end"):format(key), how, ends) end
+    if body ~= nil and core.type(body) ~= "body" then core.fail("%s.%s_body wants a body; got %s", what, key, core.type(body)) end
+    if body and how == "free" then core.fail("%s: %s_body holds no free end: give %s_end", what, key, key) end
   end
   own.length = #(own.to - own.from)
   if own.length <= 0 then core.fail "world:plank: from and to are the same point" end
   own.segments = own.segments or 16
   if own.segments < 2 or own.segments > 512 then core.fail("world:plank: segments = %d, must be 2 to 512", own.segments) end
-  local m = core.material_of(world, rest.material or "default")
-  if not m then core.unknown("world:plank:", "unknown material", tostring(rest.material), {}) end
+  local m = core.material_of(world, rest.material or "default") or {}           -- an unknown one is refused with the first piece
   own.E, own.strength = own.E or m.stiffness, own.strength or m.strength
   own.along = (own.to - own.from):normalized()
   local up = own.up or soft.up(world)
@@ -45,7 +48,7 @@ local function make_pieces(world, self, own, rest)
     for k, v in next, rest do fields[k] = v end
     fields.name, fields.size = ("%s %d"):format(self.name, i), { l, own.height, own.width }
     fields.at, fields.rotation = own.from + own.along * ((i - 0.5) * l), turn
-    if rest.mass then fields.mass = rest.mass / n end
+    if own.mass then fields.mass = own.mass / n end
     self.bodies[i] = world:box(fields)
   end
   self.piece, self.volume = l, volume
@@ -84,22 +87,7 @@ local function hold(world, self, own, piece, at, how, by, name)
   end
 end
 
-local plank_methods = { sig = soft.sig, saw = soft.saw }
-local new_plank = soft.class("plank", plank_methods,
-  { stress = soft.stress, mass = soft.mass, position = soft.position, broken = soft.broken },
-  { name = true, bodies = true, pieces = true, joints = true, holds = true, length = true })
-
--- world:plank{from=, to=, width=, height=, material= | E=, strength=, density=, segments = 16, breaks_at=, yield=, relaxation=,
--- from_end = "free" | "pinned" | "roller" | "clamped", from_body=, to_end=, to_body=, up=} -> plank
-function methods.plank(world, fields)
-  local own, rest = soft.split("world:plank", fields, plank_fields)
-  complete(world, own, rest)
-  local self = { kind = "plank", name = rest.name or "plank", world = world, bodies = {}, joints = {}, holds = {}, length = own.length,
-    thickness = own.height, from = own.from, along = own.along }
-  self.where = function(_, at)
-    if type(at) == "number" or type(at) == "string" then return plank_methods.point({ self }, core.quantity(at, "m", "plank:saw.at")) end
-    return core.vec(at)
-  end
+local function make(world, self, own, rest)
   make_pieces(world, self, own, rest)
   hold(world, self, own, self.bodies[1], own.from, own.from_end, own.from_body, self.name .. " from")
   for i = 2, own.segments do
@@ -108,28 +96,51 @@ function methods.plank(world, fields)
       ("%s joint %d"):format(self.name, i - 1))
   end
   hold(world, self, own, self.bodies[own.segments], own.to, own.to_end, own.to_body, self.name .. " to")
+end
+
+-- The piece at s metres from the start, and the point of its centre line there, in its own axes
+local function piece_at(self, s, what)
+  s = core.quantity(s, "m", what)
+  if s < -1e-9 * self.length or s > (1 + 1e-9) * self.length then core.fail("%s = %g m, must be 0 to %g m", what, s, self.length) end
+  local i = math.max(1, math.min(#self.bodies, math.floor(s / self.piece - 1e-9) + 1))
+  return self.bodies[i], core.vec(s - (i - 0.5) * self.piece, 0, 0)
+end
+
+local function point(self, s, what)
+  local body, at = piece_at(self, s, what)
+  return body.position + body.rotation:rotate(at)
+end
+
+local plank_methods = { sig = soft.sig, saw = soft.saw }
+local new_plank = soft.class("plank", plank_methods,
+  { stress = soft.stress, mass = soft.mass, position = soft.position, broken = soft.broken },
+  { name = true, bodies = true, pieces = true, joints = true, holds = true, length = true, breaks_at = true })
+
+-- world:plank{from=, to=, width=, height=, material= | E=, strength=, density=, segments = 16, breaks_at=, yield=, relaxation=,
+-- from_end = "free" | "pinned" | "roller" | "clamped", from_body=, to_end=, to_body=, up=} -> plank
+function methods.plank(world, fields)
+  local own, rest = soft.split("world:plank", fields, plank_fields, taken)
+  complete(world, own, rest)
+  local self = { kind = "plank", name = rest.name or "plank", world = world, bodies = {}, joints = {}, holds = {}, length = own.length,
+    thickness = own.height, from = own.from, along = own.along, breaks_at = own.breaks_at }
+  self.where = function(_, at)
+    if type(at) == "number" or type(at) == "string" then return point(self, at, "plank:saw.at") end
+    return core.check({ at = at }, "plank:saw", { at = "vec m" }).at
+  end
+  soft.build(self, function() make(world, self, own, rest) end)
   self.bodies, self.joints, self.holds = core.list(self.bodies), core.list(self.joints), core.list(self.holds)
   self.pieces = self.bodies
   return new_plank(self)
 end
 
--- The piece at s metres from the start, and the point of its centre line there, in its own axes
-local function piece_at(self, s)
-  local i = math.max(1, math.min(#self.bodies, math.floor(s / self.piece - 1e-9) + 1))
-  return self.bodies[i], core.vec(s - (i - 0.5) * self.piece, 0, 0)
-end
-
 -- p:point(s) -> where the centre line is now, s metres from `from`
-function plank_methods.point(p, s)
-  local body, at = piece_at(p[1], core.quantity(s, "m", "plank:point"))
-  return body.position + body.rotation:rotate(at)
-end
+function plank_methods.point(p, s) return point(p[1], s, "plank:point") end
 
 -- p:push{at = s, force=}: on the centre line, for the next step
 function plank_methods.push(p, fields)
   local f = core.check(fields, "plank:push", { at = "real m", force = "vec N" })
   soft.need("plank:push", f, "at", "force")
-  local body, at = piece_at(p[1], f.at)
+  local body, at = piece_at(p[1], f.at, "plank:push.at")
   body:push { force = f.force, at = body.position + body.rotation:rotate(at) }
   return p
 end

@@ -4,7 +4,7 @@
 -- and pictures treat it like all else. Its static interaction graph is the list of those joints.
 
 local core = ...
-local next, type, pairs, ipairs, setmetatable = next, type, pairs, ipairs, setmetatable
+local next, type, pairs, ipairs, setmetatable, pcall, error = next, type, pairs, ipairs, setmetatable, pcall, error
 
 local soft = {}
 core.soft = soft
@@ -13,14 +13,17 @@ local STRUCTURAL = { strut = true, beam = true }
 
 -- ---- fields ----
 
--- Splits a table of fields: those of the spec, checked; the others, which must be fields of a body.
-function soft.split(what, fields, spec)
+-- Splits a table of fields: those of the spec, checked; the others, which must be fields of a body, but none of those that the thing
+-- gives its bodies itself. taken: field -> what to give instead
+function soft.split(what, fields, spec, taken)
   if type(fields) ~= "table" then core.fail("%s wants a table of fields; got %s", what, core.type(fields)) end
   local own, rest = {}, {}
   local strange
   for key, value in next, fields do
     if spec[key] then
       own[key] = value
+    elseif taken[key] then
+      core.fail("%s: %s is no field of it: %s", what, key, taken[key])
     else
       rest[key] = value
       if not core.body_fields[key] and (not strange or tostring(key) < tostring(strange)) then strange = key end
@@ -34,6 +37,14 @@ function soft.need(what, own, ...)
   for _, key in ipairs { ... } do
     if own[key] == nil then core.fail("%s: %s is missing", what, key) end
   end
+end
+
+-- All of it or nothing: what fails half way takes back the bodies that are there, and with them their joints.
+function soft.build(self, make)
+  local fine, message = pcall(make)
+  if fine then return end
+  for _, body in ipairs(self.bodies) do body:remove() end
+  error(message, 0)
 end
 
 -- A unit vector against gravity; y where there is none.
@@ -183,14 +194,15 @@ function soft.cut(j, depth, thickness)
   end
 end
 
-local saw_fields = { at = "any", depth = "real m >0" }
+local saw_fields = { at = "vec m", depth = "real m >0" }
+local saw_along = { at = "any", depth = "real m >0" }              -- of what has a way to say where
 
 -- thing:saw{at=, depth=}: the joint next to that point of the world loses that much of its thickness
 function soft.saw(thing, fields)
   local self = thing[1]
-  local f = core.check(fields, self.kind .. ":saw", saw_fields)
+  local f = core.check(fields, self.kind .. ":saw", self.where and saw_along or saw_fields)
   soft.need(self.kind .. ":saw", f, "at", "depth")
-  local at = self.where and self.where(self, f.at) or core.vec(f.at)
+  local at = self.where and self.where(self, f.at) or f.at
   local j = nearest(self.joints, at)
   if j then soft.cut(j, f.depth, self.thickness) end
   return thing
@@ -199,15 +211,17 @@ end
 -- ---- trusses ----
 
 local truss_fields = { nodes = "any", struts = "any", stiffness = "real N >0", damping = "real N*s/m", relaxation = "real s",
-  breaks_at = "real N >0", breaks_pressed = "real N >0", yield = "real N >0", price = "real 1", budget = "real 1", plane = "text",
+  breaks_at = "real N >0", breaks_pressed = "real N >0", yield = "real N >0", price = "real 1 >=0", budget = "real 1 >=0", plane = "text",
   radius = "real m >0", deck = "any" }
 local node_fields = { at = "vec m", mass = "real kg >0", fixed = "any" }
 local strut_fields = { stiffness = "real N >0", damping = "real N*s/m", relaxation = "real s", breaks_at = "real N >0",
-  breaks_pressed = "real N >0", yield = "real N >0", length = "real m >0", price = "real 1", deck = "bool" }
+  breaks_pressed = "real N >0", yield = "real N >0", length = "real m >0", price = "real 1 >=0", deck = "bool" }
 local deck_fields = { gap = "real m", width = "real m >0", thickness = "real m >0", mass = "real kg >0",
   material = "text", friction = "real 1", restitution = "real 1" }
 local passed_on = { "stiffness", "damping", "relaxation", "breaks_at", "breaks_pressed", "yield", "length" }
 local DAMPED = 1 / 240             -- s  relaxation of a truss or lattice of which nothing is said: its shrill tones die within a frame
+local taken = { at = "nodes say where", rotation = "nodes say where", mass = "give it to nodes", density = "give nodes a mass",
+  fixed = "give it to nodes" }
 local axes = { x = core.vec(1, 0, 0), y = core.vec(0, 1, 0), z = core.vec(0, 0, 1) }
 local across = { xy = "z", yz = "x", xz = "y" }
 
@@ -305,6 +319,8 @@ local function make_strut(world, self, own, entry, index)
   local f = core.check(fields, what, strut_fields)
   local a, b = node_of(self, what, entry[1]), node_of(self, what, entry[2])
   local key = tostring(entry[1]) .. tostring(entry[2])
+  if self.strut[key] then core.fail("%s: there is a strut '%s' already", what, key) end
+  if a == b then core.fail("%s: a strut from node '%s' to itself", what, tostring(entry[1])) end
   local given = { a = a, b = b, name = key, radius = 0.6 * own.radius }
   for _, name in ipairs(passed_on) do
     if f[name] ~= nil then given[name] = f[name] else given[name] = own[name] end
@@ -322,7 +338,7 @@ local function cost_of(own)
   local cost = 0
   for _, entry in ipairs(own.struts) do
     local price = type(entry) == "table" and entry.price or own.price or 0
-    cost = cost + (type(price) == "number" and price or 0)
+    cost = cost + core.quantity(price, "1", "world:truss.struts: price")
   end
   if own.budget and cost > own.budget then
     core.fail("world:truss: %d struts cost %g, the budget is %g", #own.struts, cost, own.budget)
@@ -348,22 +364,25 @@ local new_truss = soft.class("truss", truss_methods, { mass = soft.mass, positio
 -- world:truss{nodes = {A = {at=, mass=, fixed = "xyz"}}, struts = {{"A", "B", deck = true}}, stiffness = (EA, N), damping=, relaxation=,
 -- breaks_at=, price=, budget=, plane = "xy"} -> truss
 function methods.truss(world, fields)
-  local own, rest = soft.split("world:truss", fields, truss_fields)
+  local own, rest = soft.split("world:truss", fields, truss_fields, taken)
   soft.need("world:truss", own, "nodes", "struts")
   for _, key in ipairs { "nodes", "struts" } do
     if type(own[key]) ~= "table" then core.fail("world:truss.%s wants a table; got %s", key, core.type(own[key])) end
   end
   if own.plane and not across[own.plane] then core.unknown("world:truss:", "unknown plane", own.plane, across) end
   local cost = cost_of(own)
-  own.radius = own.radius or 0.005 * math.max(size_of(own.nodes), 1e-3)
+  own.radius = own.radius or math.max(0.005 * size_of(own.nodes), 2e-4)
   own.deck = core.check(own.deck or {}, "world:truss.deck", deck_fields)
   own.deck.width, own.deck.thickness = own.deck.width or 20 * own.radius, own.deck.thickness or own.radius
   own.deck.gap = own.deck.gap or 0.2 * own.deck.thickness
-  local self = { kind = "truss", name = rest.name or "truss", world = world, cost = cost, budget = own.budget, nodes = {}, strut = {},
+  local self = { kind = "truss", name = rest.name or "truss", world = world, cost = cost, budget = own.budget,
+    price = own.price, breaks_at = own.breaks_at, nodes = {}, strut = {},
     joints = {}, bodies = {}, panels = {}, slides = {}, thickness = 2 * own.radius, up = soft.up(world),
     group = rest.group or soft.group(world) }
-  make_nodes(world, self, own, rest)
-  for i, entry in ipairs(own.struts) do make_strut(world, self, own, entry, i) end
+  soft.build(self, function()
+    make_nodes(world, self, own, rest)
+    for i, entry in ipairs(own.struts) do make_strut(world, self, own, entry, i) end
+  end)
   if next(self.slides) then
     world:on("broken", function(e)              -- without its strut a panel slides off its far node
       for key, slide in next, self.slides do

@@ -194,3 +194,55 @@ scenario("row 73: the graph inside a body is that of its joints, not of what it 
   expect(#p.bodies[4]:sig()):is(1)
   expect(p.broken):is(1)
 end)
+
+scenario("what is wrong with a soft thing is said in its words, and nothing is left of it", function(s)
+  local world = s.world
+  local post = world:box { size = 0.1, fixed = true }
+  local before = #world:bodies()
+  local function refused(make, fields, change, message)
+    for k, v in pairs(change) do fields[k] = v end
+    local fine, why = pcall(world[make], world, fields)
+    expect(fine):is(false)
+    expect(tostring(why)):contains(message)
+    expect(#world:bodies()):is(before)
+  end
+  local function plank(change, message)
+    refused("plank", { from = { 0, 1, 0 }, to = { 1, 1, 0 }, width = 0.1, height = 0.02, material = "oak" }, change, message)
+  end
+  plank({ mass = "-2 kg" }, "world:plank: mass = -2 kg, must be > 0")
+  plank({ relaxation = -1 }, "relaxation = -1 s, must be >= 0")
+  plank({ material = "cheese" }, "unknown material 'cheese' (known: ")
+  plank({ at = { 0, 1, 0 } }, "world:plank: at is no field of it: give from and to")
+  plank({ from_end = "pinned", from_body = 5 }, "world:plank.from_body wants a body; got number")
+  plank({ to_body = post }, "world:plank: to_body holds no free end: give to_end")
+  local function cloth(change, message)
+    refused("cloth", { at = { 0, 2, 0 }, across = { 1, 0, 0 }, down = { 0, -1, 0 }, columns = 3, rows = 3, mass = 1,
+      stiffness = 100 }, change, message)
+  end
+  cloth({ down = { 1, 0, 0 } }, "which is no length for a strut")
+  cloth({ fixed = true }, "world:cloth: fixed is no field of it")
+  local function lattice(change, message)
+    refused("lattice", { at = { 0, 2, 0 }, size = 0.5, mass = 1, stiffness = 100 }, change, message)
+  end
+  lattice({ relaxation = -1 }, "relaxation = -1 s, must be >= 0")
+  lattice({ cells = 0 }, "world:lattice.cells = 0, must be at least 1")
+  lattice({ size = "5 kg" }, "world:lattice.size wants a length; '5 kg' is a mass")
+  local function truss(struts, change, message)
+    refused("truss", { nodes = { A = { at = { 0, 0, 0 } }, AB = { at = { 1, 0, 0 } }, B = { at = { 0, 1, 0 } }, BB = { at = { 1, 1, 0 } } },
+      struts = struts, stiffness = 1e4 }, change, message)
+  end
+  truss({ { "A", "BB" }, { "AB", "B" } }, {}, "world:truss.struts[2]: there is a strut 'ABB' already")
+  truss({ { "A", "A" } }, {}, "world:truss.struts[1]: a strut from node 'A' to itself")
+  truss({ { "A", "B" } }, { price = -1 }, "price = -1, must be >= 0")
+  truss({ { "A", "B" } }, { mass = 5 }, "world:truss: mass is no field of it: give it to nodes")
+  local p = world:plank { from = { 0, 1, 0 }, to = { 1, 1, 0 }, width = 0.1, height = 0.02, mass = "2 kg",
+    material = "oak", breaks_at = "5 kN" }
+  expect(p.mass):near(2, 1e-12)
+  expect(p.breaks_at):is(5000)
+  for _, at in ipairs { -0.1, 1.1, "5 m" } do
+    for _, act in ipairs { function() p:push { at = at, force = { 0, 1, 0 } } end, function() p:point(at) end,
+                           function() p:saw { at = at, depth = 1e-3 } end } do
+      expect(pcall(act)):is(false)
+    end
+  end
+end)
