@@ -25,6 +25,7 @@ void api_effects_energy(const World *w, dig_energy *sum);       /* adds what eff
 real api_effects_stored(const World *w);                        /* the same in one number, J */
 /* A row of an effect's body_params by name; NULL: no effect has it. */
 const dig_param *api_effect_row(const World *w, const char *name, int *effect);
+dig_status api_effects_follow(World *w, uint32_t body);          /* its mass has changed: those that it takes part in hear of it */
 dig_status api_effect_set(World *w, uint32_t body, int effect, const dig_param *row, const void *value);
 void api_effect_get(const World *w, uint32_t body, int effect, const dig_param *row, void *value);
 /* snapshot.c: a world of its own with the same state, one thread; dig_world_close */

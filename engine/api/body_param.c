@@ -108,6 +108,8 @@ dig_status dig_body_set(dig_world *w, dig_body handle, const char *name, const v
     else
         return world_fail(w, DIG_E_ARG, "body '%s': '%s' is fixed at creation or is state; use :teleport for state", b->name, name);
     w->ledger.initial += w->ledger.started ? body_energy(w, b) - before : 0;      /* mass, material, gravity_scale */
+    if (status == DIG_OK && (strcmp(name, "mass") == 0 || strcmp(name, "density") == 0 || strcmp(name, "material") == 0))
+        status = api_effects_follow(w, handle.slot);
     if (status == DIG_OK && (strcmp(name, "group") == 0 || strcmp(name, "collides") == 0))
         body_refit(w, handle.slot);
     if (status == DIG_OK && strcmp(name, "name") != 0 && strcmp(name, "colour") != 0) {

@@ -246,6 +246,17 @@ dig_status api_effect_set(World *w, uint32_t body, int effect, const dig_param *
     return s;
 }
 
+dig_status api_effects_follow(World *w, uint32_t body)
+{
+    for (int i = 0; i < w->effect_count; i++) {
+        const EffectType *t = w->effects[i].type;
+        const void *member = t->join ? column_find(&w->effects[i].members, body) : NULL;
+        if (member)
+            DIG_TRY(join(w, i, body, member, NULL));
+    }
+    return DIG_OK;
+}
+
 void api_effect_get(const World *w, uint32_t body, int effect, const dig_param *row, void *value)
 {
     const char *member = column_find(&w->effects[effect].members, body);

@@ -456,3 +456,18 @@ scenario("nothing gets colder than 0 K or hotter than can be, and the books stay
   world:run(1)
   expect(cold.temperature):above(0.01)
 end)
+
+scenario("a body whose mass changes has another heat capacity", function(s)
+  local world = s:world { gravity = { 0, 0, 0 } }
+  local b = world:box { size = 0.1, mass = 1, heat_capacity = 500, temperature = 300, heating = 100 }
+  world:run(1)
+  expect(b.temperature):near(300.2, 1e-9)
+  b.mass = 10
+  expect(b.temperature):near(300.2, 1e-9)
+  world:run(1)
+  expect(b.temperature):near(300.22, 1e-9)
+  b.density = 100
+  world:run(1)
+  expect(b.temperature):near(302.22, 1e-9)         -- 0.1 kg
+  expect(drift(world)):near(0, 1e-9)
+end)
