@@ -394,7 +394,7 @@ static bool solve_joints(Direct *d)
     return finite(d) && real_max(d->error, d->unbalanced) < real_max(JOINT_POOR, speed);
 }
 
-static bool any_elastic(const Group *g)
+bool group_elastic(const Group *g)
 {
     for (int i = 0; i < g->joint_count; i++)
         if (g->joints[i].view.type->elastic)
@@ -405,7 +405,7 @@ static bool any_elastic(const Group *g)
 static bool run(Direct *d, real residual)
 {
     Group *g = d->g;
-    d->late_lift = any_elastic(g);
+    d->late_lift = group_elastic(g);
     ArenaMark mark = arena_mark(g->arena);
     d->heavy = group_top_heavy(g);
     bool fine = open_direct(d) && (g->joints_direct ? solve_joints(d) : solve(d, residual));
