@@ -45,6 +45,7 @@ static const real most_work[2] = {1e6, 4e6};                                    
 #define JOINT_ROUNDS  4         /*      so many, and on while rows are off by more than JOINT_POOR */
 #define JOINT_AIM     1e-6      /* m/s */
 #define JOINT_POOR    1e-3      /* m/s */
+#define JOINT_FAILURES 4        /*      in a step, after which its rows are left to the sweeps */
 #define MANY_JOINTS   6         /*      as many are solved together, with their contacts */
 #define PROJECT_FACTORS 40      /*      of a projection; five are usual */
 #define GOOD          1e-7      /* m/s  the rows hold within this: the solve has worked */
@@ -315,12 +316,39 @@ real direct_wanted(const Group *g)
 {
     bool heavy = group_top_heavy(g);
     if (g->joints_direct)
-        return g->point_count > most_points[heavy] || g->moving_count > MOST_BODIES ? 0 : g->plan->residual;
+        return g->point_count > most_points[heavy] || g->moving_count > MOST_BODIES || g->direct_failures >= JOINT_FAILURES
+                   ? 0 : g->plan->residual;
     if (g->row_count > 0 || g->point_count == 0 || g->point_count > most_points[heavy] || g->moving_count > MOST_BODIES)
         return 0;
     if (g->direct_failures >= most_failures[heavy] || !(heavy || calm(g)))
         return 0;
     return heavy ? real_min(g->plan->residual, AIM) : g->plan->residual;
+}
+
+/* What overflowed is no solution, and comparisons do not see it. */
+static bool finite(const Direct *d)
+{
+    real sum = d->error + d->unbalanced;
+    for (int k = 0; k < 6 * d->blocks.n; k++)
+        sum += fabs(d->v[k]);
+    for (int i = 0; i < d->triple_count; i++)
+        for (int k = 0; k < 3; k++)
+            sum += fabs(d->triples[i].prox[k]);
+    for (int i = 0; i < d->single_count; i++)
+        sum += fabs(d->singles[i].prox) + fabs(d->singles[i].force);
+    return isfinite(sum);
+}
+
+/* m/s, rad/s  What the rows begin with and aim at. */
+static real speed_of_rows(const Direct *d)
+{
+    real speed = 0;
+    for (int i = 0; i < d->triple_count; i++)
+        for (int k = 0; k < 3; k++)
+            speed = real_max(speed, real_max(fabs(d->triples[i].rate[k]), fabs(d->triples[i].target[k])));
+    for (int i = 0; i < d->single_count; i++)
+        speed = real_max(speed, real_max(fabs(d->singles[i].rate), fabs(d->singles[i].target)));
+    return speed;
 }
 
 /* Rounds until the rows hold. Where a round takes off less than nine tenths, the next has harder rows. */
@@ -343,13 +371,15 @@ static bool solve(Direct *d, real residual)
         if (stalled >= 2 && d->error < GOOD)
             break;
     }
-    return real_max(d->error, d->unbalanced) < real_max(d->accept, 1e-9 * speed);
+    return finite(d) && real_max(d->error, d->unbalanced) < real_max(d->accept, 1e-9 * speed);
 }
 
-/* The same for joints, whose rows are solved from soft to hard. Poor is better than what sweeps leave. */
+/* The same for joints, whose rows are solved from soft to hard. Poor is better than what sweeps leave, but what is off by more than
+ * the rows' own speeds has diverged. */
 static bool solve_joints(Direct *d)
 {
     start_from(d);
+    real speed = speed_of_rows(d);
     direct_begin(d);
     d->error = INFINITY;
     while (d->rounds < MOST_ROUNDS && d->factors < d->most_factors && d->error > JOINT_AIM) {
@@ -361,10 +391,10 @@ static bool solve_joints(Direct *d)
         if (++d->rounds >= JOINT_ROUNDS && d->error < JOINT_POOR)
             break;
     }
-    return isfinite(d->error);
+    return finite(d) && real_max(d->error, d->unbalanced) < real_max(JOINT_POOR, speed);
 }
 
-static bool any_elastic(const Group *g)
+bool group_elastic(const Group *g)
 {
     for (int i = 0; i < g->joint_count; i++)
         if (g->joints[i].view.type->elastic)
@@ -375,7 +405,7 @@ static bool any_elastic(const Group *g)
 static bool run(Direct *d, real residual)
 {
     Group *g = d->g;
-    d->late_lift = any_elastic(g);
+    d->late_lift = group_elastic(g);
     ArenaMark mark = arena_mark(g->arena);
     d->heavy = group_top_heavy(g);
     bool fine = open_direct(d) && (g->joints_direct ? solve_joints(d) : solve(d, residual));

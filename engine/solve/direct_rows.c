@@ -307,6 +307,8 @@ void direct_assemble(Direct *d, bool fresh)
 
 /* ---- the outer loop ---- */
 
+/* By what its points bore in this round: what they are predicted to bear in the next may be negative, and resistance with a negative
+ * bound would drive. */
 static void follow_bounds(Direct *d, int i)
 {
     Triple *t = &d->triples[i];
@@ -320,7 +322,7 @@ static void follow_bounds(Direct *d, int i)
     for (int k = 0; k < i; k++) {
         int point = d->triples[k].index - p->first;
         if (d->triples[k].set != SET_BALL && point >= 0 && point < p->count)
-            t->bound += p->lever * (d->triples[k].force[0] + g->points[d->triples[k].index].blow);
+            t->bound += p->lever * (d->triples[k].prox[0] + g->points[d->triples[k].index].blow);
     }
 }
 

@@ -254,21 +254,48 @@ static bool stalls(Progress *p, real worst)
     return none;
 }
 
-/* Back to the impulses x at the start, and on without acceleration. */
-static int relax_plainly(Group *g, const real *start, real *now, int sweeps, real residual, real *worst)
+/* Impulses and velocities as they were: taking impulses off again would not bring back what has overflowed. */
+static void back_to(Group *g, const real *x, const Vel *vel)
 {
-    int n = impulse_count(g), done = 0;
+    for (int i = 0; i < g->point_count; i++, x += 3) {
+        g->points[i].jn = x[0];
+        g->points[i].jt[0] = x[1];
+        g->points[i].jt[1] = x[2];
+    }
+    for (int i = 0; i < g->roll_count; i++, x += 3)
+        g->rolls[i].j = (vec3){x[0], x[1], x[2]};
+    for (int i = 0; i < g->row_count; i++)
+        g->rows[i].p = *x++;
+    memcpy(g->vel, vel, (size_t)g->body_count * sizeof *vel);
+}
+
+static bool vel_finite(const Group *g)
+{
+    real sum = 0;
+    for (int i = 0; i < g->body_count; i++)
+        sum += vec3_length2(g->vel[i].v) + vec3_length2(g->vel[i].w);
+    return isfinite(sum);
+}
+
+/* Back to the start, and on without acceleration. What overflows all the same is not solved, and stays as it was. */
+static int relax_plainly(Group *g, const real *start, const Vel *vel, int sweeps, real residual, real *worst)
+{
+    int done = 0;
+    real first = 0;
     Progress progress = {0};
-    read_impulses(g, now);
-    for (int i = 0; i < n; i++)
-        now[i] = start[i] - now[i];
-    add_impulses(g, now, 1);
+    back_to(g, start, vel);
+    g->stalled = false;
     *worst = INFINITY;
     while (done < sweeps && *worst > residual && !g->stalled) {
         *worst = sweep_once(g);
-        done++;
+        first = done++ == 0 ? *worst : first;
         g->stalled = stalls(&progress, *worst);
     }
+    if (vel_finite(g) && isfinite(*worst))
+        return done;
+    back_to(g, start, vel);
+    *worst = isfinite(first) ? first : 1e300;
+    g->stalled = true;
     return done;
 }
 
@@ -278,23 +305,25 @@ static int relax_accelerated(Group *g, int sweeps, real residual, real *worst)
     ArenaMark mark = arena_mark(g->arena);
     real *x = arena_alloc(g->arena, (size_t)(n + 1) * sizeof *x), *gradient = arena_alloc(g->arena, (size_t)(n + 1) * sizeof *x);
     real *p = arena_zero(g->arena, (size_t)(n + 1) * sizeof *x), *start = arena_alloc(g->arena, (size_t)(n + 1) * sizeof *x);
-    if (!x || !gradient || !p || !start) {
+    Vel *vel = arena_alloc(g->arena, (size_t)(g->body_count + 1) * sizeof *vel);
+    if (!x || !gradient || !p || !start || !vel) {
         g->status = DIG_E_MEMORY;
         return 0;
     }
     real old = 0, first = INFINITY;
     Progress progress = {0};
     read_impulses(g, start);
+    memcpy(vel, g->vel, (size_t)g->body_count * sizeof *vel);
     *worst = INFINITY;
+    bool diverged = false;
     while (done < sweeps && *worst > residual && !g->stalled) {
         read_impulses(g, x);
         *worst = sweep_once(g);
         done++;
         first = done == 1 ? *worst : first;
-        if (*worst > DIVERGED * first) {
-            done += relax_plainly(g, start, gradient, sweeps, residual, worst);
+        diverged = !(*worst <= DIVERGED * first);       /* or is no number */
+        if (diverged)
             break;
-        }
         read_impulses(g, gradient);
         real now = 0;
         for (int i = 0; i < n; i++) {
@@ -312,6 +341,8 @@ static int relax_accelerated(Group *g, int sweeps, real residual, real *worst)
         for (int i = 0; i < n; i++)
             p[i] = beta * p[i] + gradient[i];
     }
+    if (diverged || !vel_finite(g))
+        done += relax_plainly(g, start, vel, sweeps, residual, worst);
     arena_rewind(g->arena, mark);
     return done;
 }

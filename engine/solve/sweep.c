@@ -251,17 +251,39 @@ static void book_roll(Group *g, RollRow *r)
     g->work_in -= g->member[r->b].kinematic ? vec3_dot(r->j, wb) : 0;
 }
 
-static real mean_row_rate(const Group *g, const Row *r)
+static real row_rate_of(const Group *g, const Row *r, Vel (*velocity)(const Group *g, int body))
 {
     real rate = 0;
     for (int k = 0; k < r->count; k++) {
         int b = r->body[k];
         if (b < 0)
             continue;
-        Vel mean = mean_velocity(g, b);
-        rate += vec3_dot(r->lin[k], mean.v) + vec3_dot(r->ang[k], mean.w);
+        Vel v = velocity(g, b);
+        rate += vec3_dot(r->lin[k], v.v) + vec3_dot(r->ang[k], v.w);
     }
     return rate;
+}
+
+static real mean_row_rate(const Group *g, const Row *r) { return row_rate_of(g, r, mean_velocity); }
+
+/* J  What a spring and damper takes from the motion and does not store. By the midpoint rule that is the damper's h c rate^2; by backward
+ * Euler there is 1/2 k dx^2 more. */
+static real lost_in_spring(const Group *g, const JointRow *r)
+{
+    real dx = g->h * row_rate_of(g, &r->row, way_of);
+    return r->k > 0 ? -r->p * mean_row_rate(g, &r->row) - r->row.stiffness * dx * (r->row.error + 0.5 * dx) : 0;
+}
+
+/* J  The same of the forces on what backward Euler moves: they are booked along its way, and speed it up along the mean. */
+static void book_implicit(Group *g)
+{
+    for (int i = 0; i < g->moving_count; i++) {
+        const Member *m = &g->member[i];
+        if (!m->moves || !m->implicit_move || moves_by_euler(m))
+            continue;
+        Vel mean = mean_velocity(g, i);
+        g->lost += g->h * (vec3_dot(m->force, vec3_sub(g->vel[i].v, mean.v)) + vec3_dot(m->torque, vec3_sub(g->vel[i].w, mean.w)));
+    }
 }
 
 static void book_joint(Group *g, const JointBlock *b)
@@ -283,10 +305,8 @@ static void book_joint(Group *g, const JointBlock *b)
             real work = r->p * mean_row_rate(g, &r->row);
             *(r->row.kind == ROW_DRY ? &g->lost : &g->work_in) += r->row.kind == ROW_DRY ? -work : work;
         }
-        if (r->row.kind == ROW_SOFT) {
-            real rate = mean_row_rate(g, &r->row);
-            g->lost += r->row.damping * rate * rate * g->h;
-        }
+        if (r->row.kind == ROW_SOFT)
+            g->lost += lost_in_spring(g, r);
     }
 }
 
@@ -298,6 +318,7 @@ static void book(Group *g)
         book_roll(g, &g->rolls[i]);
     for (int i = 0; i < g->block_count; i++)
         book_joint(g, &g->blocks[i]);
+    book_implicit(g);
     for (int i = 0; i < g->moving_count && (g->drags || g->rules); i++) {
         Vel v = way_of(g, i);
         group_book_apart(g, i, vec3_scale(g->h, v.v), vec3_scale(g->h, v.w), g->h);
@@ -526,7 +547,7 @@ dig_status sweep_advance(Group *g, real dt)
     real part = dt / g->plan->substeps;
     g->close_speed = group_close_speed(g);
     g->joints_direct = direct_joints(g);
-    g->heals = g->joints_direct && (g->conserve_failed || group_top_heavy(g));
+    g->heals = g->joints_direct && (g->conserve_failed || group_top_heavy(g) || group_elastic(g));
     g->locate = g->moving_count <= g->plan->events_bodies && !g->joints_direct;
     g->events_left = int_min(g->plan->events, int_max(4, 4000 / (g->pair_count + 1)));
     g->h = part;

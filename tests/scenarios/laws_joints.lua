@@ -243,3 +243,27 @@ scenario("motor: it spins a against b, and b takes the reaction", function(s)
   expect(b.spin.y):near(-2, 1e-6)
   expect(#world.angular_momentum):near(0, 1e-9)
 end)
+
+-- One wheel lands after the other, and slips: rolling resistance with a bound from predicted forces, which may be negative, would drive it.
+scenario("hinges and a guide: a wagon of 20 t that lands on slipping wheels gets no faster", function(s)
+  for n = 1, 14 do
+    local world = s:world { accuracy = "sketch" }           -- swept, not traced
+    world:plane { normal = { 0, 1, 0 }, material = "wood" }
+    local r, angle, speed = 0.4, 0.005 * (n % 7), 4
+    local y, tilt = r + 2 * math.sin(angle) + 0.002 * n, digbox.quat { axis = { 0, 0, 1 }, angle = angle }
+    local wagon = world:box { material = "steel", mass = 20000, size = { 6.4, 1.2, 1.6 }, at = { 0, y + 0.7, 0 }, rotation = tilt,
+                              velocity = { speed, -0.5, 0 } }
+    world:guide { a = wagon, axis = { 0, 0, 1 }, keeps = "flat" }
+    for _, dx in ipairs { 2, -2 } do
+      local wheel = world:cylinder { material = "iron", mass = 200, radius = r, height = 1.7,
+        at = { dx * math.cos(angle), y + dx * math.sin(angle), 0 }, rotation = digbox.quat { axis = { 1, 0, 0 }, angle = "90 deg" },
+        velocity = { speed, -0.5, 0 }, spin = { 0, 0, -speed / r + 0.1 * (n % 5 - 2) } }
+      world:hinge { a = wheel, b = wagon, at = wheel.position, axis = { 0, 0, 1 } }
+    end
+    world:run "0.6 s"
+    local e = world.energy
+    expect(wagon.velocity.x):near(speed, 0.05 * speed)
+    expect(e.lost):at_least(0)
+    expect(math.abs(e.numerical)):below(1e-3 * e.initial)
+  end
+end)
