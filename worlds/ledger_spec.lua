@@ -20,7 +20,7 @@ local worlds = {                            -- world, largest part of the energy
   { "15_landscape", 5e-6 },                 -- meshes and height fields are swept
   { "16_integrators", 0.1 },                -- shows what simpler rules make up: Euler's 4 % at a step of 1/15 s
   { "mirror_room", traced }, { "floating_crate", traced }, { "hot_iron", traced },
-  { "bridge", 0.005 },                      -- its collapse is swept
+  { "bridge" },                             -- at "study" 0.23 % of the energy moved, measured 2026-11-21; left out here: two minutes
   { "sawn_plank", 0.05 },                   -- broken halves that overlap and bend are moved apart by velocities
   { "orbit", traced }, { "everything", traced },
   { "bolted_door", traced }, { "cog_board", traced },
