@@ -274,7 +274,8 @@ static real lost_in_spring(const Group *g, const JointRow *r)
     return r->k > 0 ? -r->p * mean_row_rate(g, &r->row) - r->row.stiffness * dx * (r->row.error + 0.5 * dx) : 0;
 }
 
-/* J  The same of the forces on what backward Euler moves: they are booked along its way, and speed it up along the mean. */
+/* J  The same of the forces on what backward Euler moves: they are booked along its way, and speed it up along the mean. Only where
+ * springs are booked so: elsewhere it is part of what the integration makes up, and stays in that figure. */
 static void book_implicit(Group *g)
 {
     for (int i = 0; i < g->moving_count; i++) {
@@ -318,7 +319,8 @@ static void book(Group *g)
         book_roll(g, &g->rolls[i]);
     for (int i = 0; i < g->block_count; i++)
         book_joint(g, &g->blocks[i]);
-    book_implicit(g);
+    if (group_elastic(g))
+        book_implicit(g);
     for (int i = 0; i < g->moving_count && (g->drags || g->rules); i++) {
         Vel v = way_of(g, i);
         group_book_apart(g, i, vec3_scale(g->h, v.v), vec3_scale(g->h, v.w), g->h);
