@@ -48,16 +48,6 @@ static dig_status check(void *params, const JointView *now, char *why, size_t ca
     return DIG_OK;
 }
 
-static real coordinate(const JointView *j) { return vec3_distance(j->a.p, j->b.p); }
-
-static real speed(const JointView *j)
-{
-    Row r;
-    RowList one = {&r, 0, 1};
-    real length;
-    return rows_length(&one, j, ROW_SOFT, &length, LENGTH) ? joint_rate(j, &r) : 0;
-}
-
 static void rows(const JointView *j, RowList *out)
 {
     const Distance *d = j->params;
@@ -78,7 +68,7 @@ static void rows(const JointView *j, RowList *out)
 static bool at_limit(const JointView *j)
 {
     const Distance *d = j->params;
-    return at_limits(coordinate(j), d->min, d->max);
+    return at_limits(joint_length(j), d->min, d->max);
 }
 
 const JointType joint_distance = {
@@ -91,7 +81,7 @@ const JointType joint_distance = {
     .two_anchors = true,
     .check = check,
     .rows = rows,
-    .coordinate = coordinate,
-    .speed = speed,
+    .coordinate = joint_length,
+    .speed = joint_length_rate,
     .at_limit = at_limit,
 };

@@ -20,25 +20,15 @@ static const dig_param rope_rows[] = {
     {.name = NULL},
 };
 
-static real coordinate(const JointView *j) { return vec3_distance(j->a.p, j->b.p); }
-
 static dig_status check(void *params, const JointView *now, char *why, size_t capacity)
 {
     Rope *rope = params;
     if (isnan(rope->length))
-        rope->length = coordinate(now);
+        rope->length = joint_length(now);
     if (rope->length >= 1e-6)
         return DIG_OK;
     snprintf(why, capacity, "its ends are %g m apart, which is no length for a rope: give length", rope->length);
     return DIG_E_ARG;
-}
-
-static real speed(const JointView *j)
-{
-    Row r;
-    RowList one = {&r, 0, 1};
-    real length;
-    return rows_length(&one, j, ROW_SOFT, &length, TAUT) ? joint_rate(j, &r) : 0;
 }
 
 static void rows(const JointView *j, RowList *out)
@@ -50,7 +40,7 @@ static void rows(const JointView *j, RowList *out)
         rows_limits(out, &like, length, NAN, ((const Rope *)j->params)->length, TAUT);
 }
 
-static bool at_limit(const JointView *j) { return at_limits(coordinate(j), NAN, ((const Rope *)j->params)->length); }
+static bool at_limit(const JointView *j) { return at_limits(joint_length(j), NAN, ((const Rope *)j->params)->length); }
 
 const JointType joint_rope = {
     .name = "rope",
@@ -62,7 +52,7 @@ const JointType joint_rope = {
     .two_anchors = true,
     .check = check,
     .rows = rows,
-    .coordinate = coordinate,
-    .speed = speed,
+    .coordinate = joint_length,
+    .speed = joint_length_rate,
     .at_limit = at_limit,
 };

@@ -29,24 +29,14 @@ static const dig_param spring_rows[] = {
     {.name = NULL},
 };
 
-static real coordinate(const JointView *j) { return vec3_distance(j->a.p, j->b.p); }
-
 static dig_status check(void *params, const JointView *now, char *why, size_t capacity)
 {
     Spring *s = params;
     (void)why;
     (void)capacity;
     if (isnan(s->length))
-        s->length = coordinate(now);
+        s->length = joint_length(now);
     return DIG_OK;
-}
-
-static real speed(const JointView *j)
-{
-    Row r;
-    RowList one = {&r, 0, 1};
-    real length;
-    return rows_length(&one, j, ROW_SOFT, &length, LINE) ? joint_rate(j, &r) : 0;
 }
 
 static void rows(const JointView *j, RowList *out)
@@ -71,7 +61,7 @@ static void rows(const JointView *j, RowList *out)
 static real energy(const JointView *j)
 {
     const Spring *s = j->params;
-    return spring_energy(&(DriveSpring){s->stiffness, s->damping, s->length}, coordinate(j));
+    return spring_energy(&(DriveSpring){s->stiffness, s->damping, s->length}, joint_length(j));
 }
 
 const JointType joint_spring = {
@@ -84,7 +74,7 @@ const JointType joint_spring = {
     .two_anchors = true,
     .check = check,
     .rows = rows,
-    .coordinate = coordinate,
-    .speed = speed,
+    .coordinate = joint_length,
+    .speed = joint_length_rate,
     .energy = energy,
 };

@@ -49,13 +49,11 @@ static const dig_param strut_rows[] = {
     {.name = NULL},
 };
 
-static real coordinate(const JointView *j) { return vec3_distance(j->a.p, j->b.p); }
-
 static dig_status check(void *params, const JointView *now, char *why, size_t capacity)
 {
     Strut *s = params;
     if (isnan(s->length))
-        s->length = coordinate(now);
+        s->length = joint_length(now);
     if (s->length >= 1e-6)
         return DIG_OK;
     snprintf(why, capacity, "its ends are %g m apart, which is no length for a strut: give length", s->length);
@@ -64,14 +62,6 @@ static dig_status check(void *params, const JointView *now, char *why, size_t ca
 
 static real rest_of(const JointView *j) { return ((const Strut *)j->params)->length + j->memory[PLASTIC]; }
 static real rate_of(const Strut *s) { return s->stiffness * (1 - s->cut) / s->length; }        /* N/m */
-
-static real speed(const JointView *j)
-{
-    Row r;
-    RowList one = {&r, 0, 1};
-    real length;
-    return rows_length(&one, j, ROW_SOFT, &length, LINE) ? joint_rate(j, &r) : 0;
-}
 
 static void rows(const JointView *j, RowList *out)
 {
@@ -86,7 +76,7 @@ static void rows(const JointView *j, RowList *out)
 static real energy(const JointView *j)
 {
     const Strut *s = j->params;
-    return spring_energy(&(DriveSpring){rate_of(s), 0, rest_of(j)}, coordinate(j));
+    return spring_energy(&(DriveSpring){rate_of(s), 0, rest_of(j)}, joint_length(j));
 }
 
 static real share(const JointView *j, vec3 force, vec3 couple)
@@ -103,7 +93,7 @@ static real settle(const JointView *j, vec3 force, vec3 couple)
     const Strut *s = j->params;
     (void)force;
     (void)couple;
-    real strain = coordinate(j) - rest_of(j), most = s->yield * (1 - s->cut) / rate_of(s), before = energy(j);
+    real strain = joint_length(j) - rest_of(j), most = s->yield * (1 - s->cut) / rate_of(s), before = energy(j);
     if (!(fabs(strain) > most))
         return 0;
     j->memory[PLASTIC] += copysign(fabs(strain) - most, strain);
@@ -121,8 +111,8 @@ const JointType joint_strut = {
     .elastic = true,
     .check = check,
     .rows = rows,
-    .coordinate = coordinate,
-    .speed = speed,
+    .coordinate = joint_length,
+    .speed = joint_length_rate,
     .energy = energy,
     .share = share,
     .settle = settle,

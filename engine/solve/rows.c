@@ -134,6 +134,16 @@ Row *rows_length(RowList *list, const JointView *j, RowKind kind, real *length, 
     return r;
 }
 
+real joint_length(const JointView *j) { return vec3_distance(j->a.p, j->b.p); }
+
+real joint_length_rate(const JointView *j)
+{
+    Row r;
+    RowList one = {&r, 0, 1};
+    real length;
+    return rows_length(&one, j, ROW_SOFT, &length, 0) ? joint_rate(j, &r) : 0;
+}
+
 /* ---- rotation ----------------------------------------------------------------- */
 
 static inline Row *add_spin(RowList *list, const JointView *j, RowKind kind, const vec3 *d, int slot)

@@ -103,6 +103,9 @@ void rows_aligned(RowList *list, const JointView *j, int slot);
 JointView joint_turned(const JointView *j, int turn);
 /* Row on the length |pa - pb|: rate of the length; NULL when the ends coincide (no direction). *length gets it. */
 Row *rows_length(RowList *list, const JointView *j, RowKind kind, real *length, int slot);
+/* m and m/s: |pa - pb| and its rate, the coordinate and speed of what acts along the line of its ends. */
+real joint_length(const JointView *j);
+real joint_length_rate(const JointView *j);         /* 0 where the ends coincide */
 /* Limits lo <= coordinate <= hi by up to two LIMIT rows copied from `like` (its Jacobian), slots slot and slot+1: nothing
  * for bounds that are infinite or NaN. */
 void rows_limits(RowList *list, const Row *like, real coordinate, real lo, real hi, int slot);

@@ -72,14 +72,9 @@ static inline dig_body add_body(dig_world *w, dig_body_def d, const char *type, 
     return b;
 }
 
-/* Solid below normal . x = 0. */
-/* A joint of a type with its defaults. */
-static inline dig_joint join_bodies(dig_world *w, const char *type, dig_body a, dig_body b, vec3 at, vec3 axis)
+/* A joint with its type's own parameters. */
+static inline dig_joint create_joint(dig_world *w, const char *type, dig_body a, dig_body b, vec3 at, vec3 axis, const void *data)
 {
-    char data[1024];
-    const dig_schema *schema = dig_schema_find("joint", type);
-    CHECK(schema && schema->size <= sizeof data);
-    dig_schema_defaults(schema, data);
     dig_joint_def def = dig_joint_defaults();
     def.type = type;
     def.a = a;
@@ -93,6 +88,17 @@ static inline dig_joint join_bodies(dig_world *w, const char *type, dig_body a, 
     return j;
 }
 
+/* The same with their defaults. */
+static inline dig_joint join_bodies(dig_world *w, const char *type, dig_body a, dig_body b, vec3 at, vec3 axis)
+{
+    char data[1024];
+    const dig_schema *schema = dig_schema_find("joint", type);
+    CHECK(schema && schema->size <= sizeof data);
+    dig_schema_defaults(schema, data);
+    return create_joint(w, type, a, b, at, axis, data);
+}
+
+/* Solid below normal . x = 0. */
 static inline dig_body add_slope(dig_world *w, Look l, vec3 normal)
 {
     dig_body_def d = body_with(l, vec3_zero(), quat_identity());

@@ -25,17 +25,7 @@ static dig_joint join_with(dig_world *w, const char *type, dig_body a, dig_body 
         CHECK(param_find_path(schema->rows, values[i].name, &offset));
         memcpy(data + offset, &values[i].value, sizeof(real));
     }
-    dig_joint_def def = dig_joint_defaults();
-    def.type = type;
-    def.a = a;
-    def.b = b;
-    def.at = at;
-    def.axis = axis;
-    def.data = data;
-    dig_joint j;
-    if (dig_joint_create(w, &def, &j) != DIG_OK)
-        fail_msg("%s: %s", type, dig_error(w));
-    return j;
+    return create_joint(w, type, a, b, at, axis, data);
 }
 
 static dig_body_def ghost(vec3 at, quat q, real mass)
