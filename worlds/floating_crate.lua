@@ -28,7 +28,6 @@ if opt.film then world:record { camera = eye, to = "floating_crate-%05d.png", fp
 world:run "2 s"
 local sinks = -iron.velocity.y
 world:run "28 s"
-if not opt.film then world:render { camera = eye, to = "floating_crate.png" } end
 
 local low, high = 0, 0.6
 for _ = 1, 60 do

@@ -34,7 +34,6 @@ local eye = world:camera { at = { 1, 9, 6 }, look_at = { 0, 0, 0.4 }, fov = "46 
 if opt.film then world:record { camera = eye, to = "orbit-%05d.png", fps = 30 } end
 local start = { inner.position, outer.position }
 world:run "8 s"
-if not opt.film then world:render { camera = eye, to = "orbit.png" } end
 
 local energy = world.energy
 local law = {
