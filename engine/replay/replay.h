@@ -1,0 +1,96 @@
+/* replay/replay.h - a run that is kept in a file, and read again.
+ *
+ * A replay holds what is needed to look at a run without simulating it (poses in double, shapes, contacts, links, events,
+ * energies), the checksum after every step, and the log of commands from which the run is simulated again. docs/replay.md
+ * describes the bytes.
+ *
+ * Frames are numbered from 0, the state before the first step; frame n is the state after n steps that were recorded. The
+ * world may be stepped before recording begins: RecordInfo.first_step says how often.
+ *
+ * Owns:      a Recorder its file, until recorder_close; a Replay its file and what it decoded. What a reading function
+ *            returns belongs to the Replay and stays valid until the next call with another frame.
+ * Invariant: a file cut short opens up to its last whole block.
+ * Floor:     replay. Includes base, math, world, view, api.
+ */
+#ifndef DIG_REPLAY_H
+#define DIG_REPLAY_H
+
+#include "view/view.h"
+
+/* ---- writing --------------------------------------------------------------------- */
+
+typedef struct Recorder Recorder;
+
+/* Begins a replay of w, which is not stepped meanwhile. `origin` is text for people and tools (script, arguments, version,
+ * seed), a JSON object; it is kept as it is. Fails with a sentence that names the path. */
+dig_status recorder_open(const char *path, dig_world *w, const char *origin, Recorder **out, char *why, size_t capacity);
+/* After each step of the world. */
+dig_status recorder_step(Recorder *r);
+/* A named text that belongs to the whole run or to the frame of this moment: cameras, lights, what a script printed. A later
+ * note of the same name takes the place of the earlier one from its frame on. Text is JSON; `name` at most 31 bytes. */
+dig_status recorder_note(Recorder *r, const char *name, const char *text);
+/* Writes the index and closes. After a failure (disk full) the file is still readable to its last whole block. */
+dig_status recorder_close(Recorder *r, char *why, size_t capacity);
+
+/* ---- reading --------------------------------------------------------------------- */
+
+typedef struct Replay Replay;
+
+typedef struct ReplayInfo {
+    uint32_t    version;        /* of the format */
+    uint64_t    first_step;     /* steps of the world before frame 0 */
+    int         frames;         /* at least 1 */
+    int         bodies;         /* all that were ever there; their indices are 0..bodies-1 */
+    real        step;           /* s */
+    uint64_t    seed;
+    bool        cut;            /* the file ended early: frames up to its last whole block are there */
+    const char *origin;         /* JSON */
+    const char *digbox;         /* version of the program that wrote it */
+} ReplayInfo;
+
+/* A body from birth to removal. A slot that is used again makes another one. */
+typedef struct ReplayBody {
+    dig_body      id;
+    const char   *name, *material;
+    dig_body_kind kind;
+    real          mass;         /* kg when it was made; infinite for static bodies */
+    vec3          centre;       /* m, centre of mass in the body */
+    int           born, died;   /* frames; died = frames when it was there to the end */
+    const char   *shape;        /* type of its first shape, "sphere", ... */
+} ReplayBody;
+
+typedef struct ReplayPose {     /* of one body at one frame */
+    int      body;              /* index */
+    vec3     position;          /* m, origin of the body */
+    quat     rotation;
+    vec3     velocity, spin;    /* m/s of the centre of mass, rad/s */
+    vec3     force;             /* N, mean resultant over the step */
+    uint32_t dig;               /* id, 0 = none */
+    real     temperature;       /* K, 0 = it has none */
+    bool     awake;
+    dig_mode mode;
+} ReplayPose;
+
+typedef struct ReplayFrame {
+    int               frame;
+    real              time;     /* s */
+    uint64_t          checksum; /* of the world */
+    dig_energy        energy;
+    const ReplayPose *poses; int pose_count;    /* bodies that are there, by index */
+    const dig_event  *events; int event_count;  /* of the step that led here; bodies by id */
+    const dig_link   *links; int link_count;    /* mechanical and other layers; each link once */
+} ReplayFrame;
+
+dig_status        replay_open(const char *path, Replay **out, char *why, size_t capacity);
+void              replay_close(Replay *r);
+const char       *replay_error(const Replay *r);        /* of the last call that failed */
+const ReplayInfo *replay_info(const Replay *r);
+const ReplayBody *replay_body(const Replay *r, int index);      /* NULL past the end */
+int               replay_body_of(const Replay *r, dig_body id); /* index, or -1 */
+dig_status        replay_frame(Replay *r, int frame, const ReplayFrame **out);
+/* The picture of a moment, s, between frames blended as films are; free it with dig_view_free. */
+dig_status        replay_view(Replay *r, real time, View **out);
+/* The note of that name that holds at a frame, or NULL; `since` (may be NULL) gets its frame. */
+const char       *replay_note(const Replay *r, const char *name, int frame, int *since);
+
+#endif
