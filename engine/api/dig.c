@@ -97,11 +97,14 @@ static void fill_contact(const World *w, const Touch *t, dig_link *link)
 {
     vec3 force = vec3_zero(), point = vec3_zero();
     real weight = 0;
-    const Body *b = &w->bodies.data[t->body_a];
+    /* from the side of who moves: a floor has pairs with everything */
+    bool from_b = t->body_b != NONE && w->bodies.data[t->body_a].kind == DIG_STATIC;
+    const Body *b = &w->bodies.data[from_b ? t->body_b : t->body_a];
+    uint32_t other = from_b ? t->body_a : t->body_b;
     for (uint32_t s = b->shape_first; s != NONE; s = w->solids.data[s].next)
         for (uint32_t l = w->solids.data[s].pair_first; l != NONE; l = w->pairs.data[l / 2].next[l % 2]) {
             const Pair *p = &w->pairs.data[l / 2];
-            if (!p->touching || (p->body_a != t->body_b && p->body_b != t->body_b))
+            if (!p->touching || (p->body_a != other && p->body_b != other))
                 continue;
             real sign = p->body_a == t->body_a ? 1 : -1;       /* effort acts on link->b = t->body_b */
             for (uint32_t c = p->contact; c != NONE; c = w->contacts.data[c].next) {
