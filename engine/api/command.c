@@ -1,6 +1,7 @@
 /* api/command.c - the list of commands; carrying them out while somebody listens, and again from their bytes. */
 #include "api/command.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 
 /* Arguments: b body, j joint, r region, w wire, g DIG, v vec3, n number, u whole number, y yes or no, s text; S text, V vec3, Q
@@ -213,9 +214,12 @@ static dig_status play(World *w, const Head *h, Pack *p)
     w->playback->stream = p;
     dig_status s = w->tap ? command_do(w, h->id, a) : c->run(w, a);
     w->playback->stream = NULL;
-    if (s != (dig_status)h->status)
-        return world_fail(w, DIG_E_FORMAT, "command '%s' returned '%s', and '%s' when it was logged%s%.200s", c->name, dig_status_name(s),
-                          dig_status_name((dig_status)h->status), s ? ": " : "", s ? w->error : "");
+    if (s != (dig_status)h->status) {
+        char why[sizeof w->error];      /* not from the buffer that it goes to */
+        memcpy(why, w->error, sizeof why);
+        return world_fail(w, DIG_E_FORMAT, "command '%s' returned '%s', and '%s' when it was logged%s%s", c->name, dig_status_name(s),
+                          dig_status_name((dig_status)h->status), s ? ": " : "", s ? why : "");
+    }
     command_results(&coder, c->arguments, a);
     pack_end(p);
     return pack_good(p) ? DIG_OK : world_fail(w, DIG_E_FORMAT, "command '%s': %s", c->name, p->why);

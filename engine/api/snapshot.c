@@ -161,6 +161,8 @@ static dig_status do_snapshot(World *w, dig_snapshot **out)
         return world_fail(w, DIG_E_MEMORY, "not enough memory for a snapshot");
     }
     s->of = w;
+    s->state->gen_start = w->gen_start;         /* its handles are those of the world */
+    s->state->serial = w->serial;
     *out = s;
     return DIG_OK;
 }
