@@ -408,6 +408,7 @@ int bind_open(lua_State *L)
     bind_space_open(L, core);
     bind_watch_open(L, core);
     bind_trace_open(L, core);
+    bind_replay_open(L, core);
     bind_region_open(L, core);
     bind_body_open(L, core);
     bind_ask_open(L, core);

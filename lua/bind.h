@@ -65,6 +65,7 @@ void bind_ask_open(lua_State *L, int core);
 void bind_own_open(lua_State *L, int core);
 void bind_message_open(lua_State *L, int core);
 void bind_trace_open(lua_State *L, int core);
+void bind_replay_open(lua_State *L, int core);
 
 /* A field of the table on the top of the stack. */
 static inline void bind_set_text(lua_State *L, const char *name, const char *text)

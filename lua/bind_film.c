@@ -47,19 +47,17 @@ void bind_film_open(lua_State *L, int core)
 /* ---- views --------------------------------------------------------------------- */
 
 typedef struct ViewRef {
-    View *v;
-    real  time;         /* s, as taken; blending sets v->time      */
-    int   count;        /* items whose own poses stand in user value 1 */
+    View     *v;
+    real      time;     /* s, as taken; blending sets v->time         */
+    ViewPose *poses;    /* as taken; NULL: not asked for yet          */
 } ViewRef;
-
-typedef struct ItemPose { float p[3], q[4]; } ItemPose;
 
 /* core.view(world) -> view */
 static int view_take(lua_State *L)
 {
     WorldRef *ref = bind_check_world(L, 1);
-    ViewRef *view = lua_newuserdatauv(L, sizeof *view, 1);
-    *view = (ViewRef){NULL, 0, 0};
+    ViewRef *view = lua_newuserdatauv(L, sizeof *view, 0);
+    *view = (ViewRef){NULL, 0, NULL};
     luaL_setmetatable(L, VIEW);
     dig_status s = dig_view_take(ref->w, &view->v);
     if (s != DIG_OK)
@@ -76,62 +74,28 @@ static int view_gc(lua_State *L)
 {
     ViewRef *view = luaL_checkudata(L, 1, VIEW);
     dig_view_free(view->v);
-    view->v = NULL;
+    free(view->poses);
+    *view = (ViewRef){NULL, 0, NULL};
     return 0;
 }
 
 /* The poses of a view as taken, kept on first use. */
-static const ItemPose *own_poses(lua_State *L, int index, ViewRef *view)
+static const ViewPose *own_poses(lua_State *L, ViewRef *view)
 {
-    if (lua_getiuservalue(L, index, 1) != LUA_TUSERDATA) {
-        int n = view->v->item_count;
-        ItemPose *poses = lua_newuserdatauv(L, (size_t)(n + 1) * sizeof *poses, 0);
-        for (int i = 0; i < n; i++) {
-            memcpy(poses[i].p, view->v->items[i].p, sizeof poses[i].p);
-            memcpy(poses[i].q, view->v->items[i].q, sizeof poses[i].q);
-        }
-        lua_setiuservalue(L, index, 1);
-        view->count = n;
-        lua_pop(L, 1);
-        lua_getiuservalue(L, index, 1);
-    }
-    const ItemPose *poses = lua_touserdata(L, -1);
-    lua_pop(L, 1);
-    return poses;
-}
-
-/* Straight line between positions; normalised linear blend between rotations, which for a step apart is within 1e-4 of the arc. */
-static void blend_item(ViewItem *out, const ItemPose *a, const ItemPose *b, const float shift[3], float f)
-{
-    float dot = 0, length = 0;
-    for (int k = 0; k < 3; k++)
-        out->p[k] = (1 - f) * (a->p[k] + shift[k]) + f * b->p[k];
-    for (int k = 0; k < 4; k++)
-        dot += a->q[k] * b->q[k];
-    for (int k = 0; k < 4; k++) {
-        out->q[k] = (1 - f) * (dot < 0 ? -a->q[k] : a->q[k]) + f * b->q[k];
-        length += out->q[k] * out->q[k];
-    }
-    for (int k = 0; k < 4 && length > 0; k++)
-        out->q[k] /= sqrtf(length);
+    if (!view->poses)
+        view->poses = view_poses(view->v);
+    if (!view->poses)
+        bind_fail_text(L, DIG_E_MEMORY, "no memory for a picture of the world");
+    return view->poses;
 }
 
 /* core.blend(before, after, fraction): moves the items of `after` to where they were at that fraction of the step */
-static int view_blend(lua_State *L)
+static int view_blend_to(lua_State *L)
 {
     ViewRef *a = luaL_checkudata(L, 1, VIEW), *b = luaL_checkudata(L, 2, VIEW);
     real f = luaL_checknumber(L, 3);
-    const ItemPose *from = own_poses(L, 1, a), *to = own_poses(L, 2, b);
-    float shift[3];
-    for (int k = 0; k < 3; k++)
-        shift[k] = (float)(a->v->origin[k] - b->v->origin[k]);
-    for (int i = 0; i < b->count; i++) {
-        ViewItem *item = &b->v->items[i];
-        memcpy(item->p, to[i].p, sizeof item->p);
-        memcpy(item->q, to[i].q, sizeof item->q);
-        if (i < a->count && a->v->items[i].body == item->body && a->v->items[i].mesh == item->mesh)
-            blend_item(item, &from[i], &to[i], shift, (float)f);
-    }
+    const ViewPose *from = own_poses(L, a), *to = own_poses(L, b);
+    view_blend(a->v, from, b->v, to, f);
     b->v->time = a->time + f * (b->time - a->time);
     return 0;
 }
@@ -513,7 +477,7 @@ static int film_png_text(lua_State *L)
 /* ---- tables ---------------------------------------------------------------------------------- */
 
 static const luaL_Reg functions[] = {
-    {"view", view_take}, {"blend", view_blend}, {"view_camera", view_camera}, {"picture", film_picture}, {"pipe", film_pipe},
+    {"view", view_take}, {"blend", view_blend_to}, {"view_camera", view_camera}, {"picture", film_picture}, {"pipe", film_pipe},
     {"compare_pictures", film_compare}, {"png_text", film_png_text}, {"renderer", renderer_describe}, {NULL, NULL},
 };
 

@@ -9,7 +9,7 @@
 #include <lua.h>
 
 typedef struct RunOptions {
-    const char *world, *out, *accuracy, *trace;
+    const char *world, *out, *accuracy, *trace, *replay;
     double      seconds, time_limit;        /* < 0 = not given */
     long long   seed, threads, memory, fuel;
     bool        trust, quiet, strict, dry;

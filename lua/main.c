@@ -34,6 +34,7 @@
     "      --memory-limit MiB  memory that the script may use (exit code 3)\n" \
     "      --fuel N            Lua instructions that the script may use (exit code 4)\n" \
     "      --trust             the script may use io and os, and write anywhere\n" \
+    "      --replay FILE       keep the run in a file: to draw, compare and export it without simulating again\n" \
     "      --trace FILE        what each step spent its time on, for chrome://tracing or ui.perfetto.dev\n" \
     "      --strict            a run that became unreliable ends with exit code 12\n" \
     "  -q, --quiet             no progress line, no warnings, no closing line\n"
@@ -158,7 +159,7 @@ int flush_output(int code)
 
 /* ---- run ----------------------------------------------------------------------- */
 
-enum { OPT_SECONDS = 256, OPT_ACCURACY, OPT_SEED, OPT_THREADS, OPT_SET, OPT_TIME, OPT_MEMORY, OPT_FUEL, OPT_TRUST, OPT_STRICT, OPT_TRACE };
+enum { OPT_SECONDS = 256, OPT_ACCURACY, OPT_SEED, OPT_THREADS, OPT_SET, OPT_TIME, OPT_MEMORY, OPT_FUEL, OPT_TRUST, OPT_STRICT, OPT_TRACE, OPT_REPLAY };
 
 static const struct option run_options[] = {
     {"output", required_argument, NULL, 'o'}, {"seconds", required_argument, NULL, OPT_SECONDS},
@@ -166,7 +167,8 @@ static const struct option run_options[] = {
     {"threads", required_argument, NULL, OPT_THREADS}, {"set", required_argument, NULL, OPT_SET},
     {"time-limit", required_argument, NULL, OPT_TIME}, {"memory-limit", required_argument, NULL, OPT_MEMORY},
     {"fuel", required_argument, NULL, OPT_FUEL}, {"trust", no_argument, NULL, OPT_TRUST},
-    {"strict", no_argument, NULL, OPT_STRICT}, {"trace", required_argument, NULL, OPT_TRACE}, {"quiet", no_argument, NULL, 'q'},
+    {"strict", no_argument, NULL, OPT_STRICT}, {"trace", required_argument, NULL, OPT_TRACE},
+    {"replay", required_argument, NULL, OPT_REPLAY}, {"quiet", no_argument, NULL, 'q'},
     {"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0},
 };
 
@@ -185,6 +187,7 @@ static bool read_run_option(RunOptions *o, int key)
     case OPT_TRUST: o->trust = true; return true;
     case OPT_STRICT: o->strict = true; return true;
     case OPT_TRACE: o->trace = optarg; return *optarg || usage_error("--trace: the file is missing") == 0;
+    case OPT_REPLAY: o->replay = optarg; return *optarg || usage_error("--replay: the file is missing") == 0;
     case OPT_SET:
         if (!strchr(optarg, '=') || optarg[0] == '=')
             return usage_error("--set: '%s' is not NAME=VALUE", optarg) == 0;
@@ -259,6 +262,8 @@ int run_set_options(lua_State *L)
     }
     if (o->trace)
         set_text(L, "trace", o->trace);
+    if (o->replay)
+        set_text(L, "replay", o->replay);
     if (o->seed != LLONG_MIN) {
         lua_pushinteger(L, o->seed);
         app_set_option(L, "seed");
@@ -278,6 +283,8 @@ int run_set_options(lua_State *L)
 static int finish_run(lua_State *L, App *app, const RunOptions *o)
 {
     int code = app_call_core(L, app, "finish_run", 0, 0);
+    if (code == EXIT_FINE)
+        code = app_call_core(L, app, "finish_replay", 0, 0);
     const char *slash = strrchr(o->world, '/'), *name = slash ? slash + 1 : o->world;
     if (code != EXIT_FINE)
         return code;

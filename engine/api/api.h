@@ -19,6 +19,8 @@ real api_body_springs(const World *w, uint32_t body);             /* J  of all s
 void api_book_given(World *w, real energy);                       /* J  brought into the world, or taken out of it, by hand */
 /* Adds b unless it is there; returns the new number. */
 int api_add_unique(dig_body *out, int n, int capacity, dig_body b);
+/* dig.c: a link of a layer's graph, with what it bears */
+void api_link(const World *w, uint32_t layer, uint32_t link, dig_link *out);
 /* effect.c */
 void api_open_effects(World *w);
 void api_effects_energy(const World *w, dig_energy *sum);       /* adds what effects store, J */

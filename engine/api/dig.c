@@ -182,6 +182,11 @@ static void fill_link(const World *w, uint32_t layer, const GraphLink *l, dig_li
     out->power = vec3_dot(out->effort, out->flow);
 }
 
+void api_link(const World *w, uint32_t layer, uint32_t link, dig_link *out)
+{
+    fill_link(w, layer, graph_link(layer_graph(w, layer), link), out);
+}
+
 /* Static bodies are no nodes: their mechanical links are found through touches and joints. */
 static int links_of_static(const World *w, uint32_t body, dig_link *out, int capacity)
 {

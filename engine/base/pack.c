@@ -84,6 +84,24 @@ void pack_bytes(Pack *p, void *bytes, size_t size)
     p->at += size;
 }
 
+unsigned char *pack_space(Pack *p, size_t size)
+{
+    if (!pack_good(p) || !make_room(p, size))
+        return NULL;
+    p->size += size;
+    return p->data + p->size - size;
+}
+
+const unsigned char *pack_take(Pack *p, size_t size)
+{
+    if (size > p->size - p->at)
+        pack_fail(p, "it ends in the middle of a record");
+    if (!pack_good(p))
+        return NULL;
+    p->at += size;
+    return p->from + p->at - size;
+}
+
 void pack_u8(Pack *p, uint8_t *x)
 {
     pack_bytes(p, x, 1);

@@ -41,6 +41,9 @@ bool pack_check(Pack *p, bool fine, const char *what);
 void pack_end(Pack *p);                                 /* reading: fails when bytes are left */
 
 void pack_bytes(Pack *p, void *bytes, size_t size);
+/* So many bytes of what is written, to be filled, or of what is read. NULL after a failure. Valid until the next call. */
+unsigned char *pack_space(Pack *p, size_t size);
+const unsigned char *pack_take(Pack *p, size_t size);
 void pack_u8(Pack *p, uint8_t *x);
 void pack_u16(Pack *p, uint16_t *x);
 void pack_u32(Pack *p, uint32_t *x);

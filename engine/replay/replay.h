@@ -17,6 +17,11 @@
 
 #include "view/view.h"
 
+/* At the time of a frame there are two states: what the step led to, and what the script made of it before the next step (it
+ * moves, adds and removes bodies between steps). replay_frame and a picture of that very moment show the second, as a film does;
+ * a picture of a moment before it is on the way to the first. The checksum, energies and events are of the first.
+ */
+
 /* ---- writing --------------------------------------------------------------------- */
 
 typedef struct Recorder Recorder;
@@ -24,12 +29,22 @@ typedef struct Recorder Recorder;
 /* Begins a replay of w, which is not stepped meanwhile. `origin` is text for people and tools (script, arguments, version,
  * seed), a JSON object; it is kept as it is. Fails with a sentence that names the path. */
 dig_status recorder_open(const char *path, dig_world *w, const char *origin, Recorder **out, char *why, size_t capacity);
+/* Before each step: what the script did since the last one becomes part of its frame. Costs little when nothing was done. */
+dig_status recorder_before_step(Recorder *r);
 /* After each step of the world. */
 dig_status recorder_step(Recorder *r);
+/* Bytes of the log of commands since the last step; gathered until the next frame. */
+dig_status recorder_commands(Recorder *r, const void *bytes, size_t size);
+/* The bytes of a saved world from which the commands start. */
+dig_status recorder_start(Recorder *r, const void *bytes, size_t size);
 /* A named text that belongs to the whole run or to the frame of this moment: cameras, lights, what a script printed. A later
  * note of the same name takes the place of the earlier one from its frame on. Text is JSON; `name` at most 31 bytes. */
 dig_status recorder_note(Recorder *r, const char *name, const char *text);
-/* Writes the index and closes. After a failure (disk full) the file is still readable to its last whole block. */
+/* The world was closed: nothing more is taken from it. */
+void recorder_lose_world(Recorder *r);
+const char *recorder_error(const Recorder *r);         /* the first failure, which ends the recording; "" = none */
+/* Writes the index and closes; the world must still be there. After a failure (disk full) the file is still readable to its last
+ * whole block. NULL: nothing to do. */
 dig_status recorder_close(Recorder *r, char *why, size_t capacity);
 
 /* ---- reading --------------------------------------------------------------------- */
@@ -74,7 +89,7 @@ typedef struct ReplayPose {     /* of one body at one frame */
 typedef struct ReplayFrame {
     int               frame;
     real              time;     /* s */
-    uint64_t          checksum; /* of the world */
+    uint64_t          checksum; /* of the world after the step */
     dig_energy        energy;
     const ReplayPose *poses; int pose_count;    /* bodies that are there, by index */
     const dig_event  *events; int event_count;  /* of the step that led here; bodies by id */
@@ -90,6 +105,9 @@ int               replay_body_of(const Replay *r, dig_body id); /* index, or -1 
 dig_status        replay_frame(Replay *r, int frame, const ReplayFrame **out);
 /* The picture of a moment, s, between frames blended as films are; free it with dig_view_free. */
 dig_status        replay_view(Replay *r, real time, View **out);
+/* The saved world and the commands that led to a frame; false: there are none, or they cannot be read (replay_error). */
+bool              replay_start(Replay *r, const void **bytes, size_t *size);
+bool              replay_commands(Replay *r, int frame, const void **bytes, size_t *size);
 /* The note of that name that holds at a frame, or NULL; `since` (may be NULL) gets its frame. */
 const char       *replay_note(const Replay *r, const char *name, int frame, int *since);
 

@@ -70,4 +70,13 @@ typedef struct View {
 dig_status dig_view_take(const dig_world *w, View **out);
 void       dig_view_free(View *v);
 
+/* ---- between two pictures ---- */
+
+typedef struct ViewPose { float p[3], q[4]; } ViewPose;
+
+/* The poses of all items, to be freed; NULL: no memory. */
+ViewPose *view_poses(const View *v);
+/* Moves the items of b, which had the poses `to`, to where they were at a fraction of the way from a, whose items had `from`. */
+void      view_blend(const View *a, const ViewPose *from, View *b, const ViewPose *to, real fraction);
+
 #endif

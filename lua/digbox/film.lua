@@ -105,6 +105,62 @@ local function blend_cameras(a, b, s)
   return { at = a.at * (1 - s) + b.at * s, look_at = a.look_at * (1 - s) + b.look_at * s, up = b.up, fov = b.fov }
 end
 
+local function default_camera(world)
+  local cameras = core.lua_state(world).cameras
+  return cameras and cameras[1]
+end
+
+-- ---- for replays: the same as plain tables ----
+
+-- Where the script's cameras stand, as far as the script says; nil: it made none. What is not there is chosen by who draws, so
+-- that everything is seen: at is then moved along with look_at.
+function core.cameras_now(world)
+  local cameras = core.lua_state(world).cameras
+  if not cameras then return nil end
+  local list = {}
+  for i, cam in ipairs(cameras) do
+    local f = cam[1]
+    local target = place(f.look_at) or f.follow and place(f.follow)
+    local moved = f.at and f.follow and f.follow.valid and f.follow.position - cam[3]
+    list[i] = { name = f.name or "", at = f.at and (moved and f.at + moved or f.at), look_at = target, up = f.up, fov = f.fov or default_fov }
+  end
+  return list
+end
+
+function core.light_now(world)
+  local scene = scene_of(world)
+  local sky = "clear"
+  for name, number in next, skies do
+    if number == scene.sky then sky = name end
+  end
+  return { sun = scene.sun, shadows = scene.shadows, sky = sky, lamps = scene.lamps }
+end
+
+-- Films that were ever begun, in their order; nil: none.
+function core.films_now(world)
+  local list = core.lua_state(world).all_films
+  if not list then return nil end
+  local out = {}
+  for i, film in ipairs(list) do
+    local o, camera = film.options, nil
+    for k, cam in ipairs(core.lua_state(world).cameras or {}) do
+      if cam == (film.camera or default_camera(world)) then camera = k - 1 end
+    end
+    local names = {}
+    for name, bit in next, overlays do
+      if o.overlay & bit ~= 0 then names[#names + 1] = name end
+    end
+    table.sort(names)
+    local layer = "colour"
+    for name, number in next, layers do
+      if number == o.layer then layer = name end
+    end
+    out[i] = { to = film.path, fps = film.fps, first = film.first, frames = film.closed and film.frames or nil, width = o.width,
+      height = o.height, samples = o.samples, layer = layer, overlay = names, camera = camera }
+  end
+  return out
+end
+
 -- ---- options common to pictures and films ----
 
 local function check_size(size, what)
@@ -158,11 +214,6 @@ local function texts(world, time)
   return { "Software", "digbox " .. core.version, "Time", ("%.17g"):format(time), "Step", ("%d"):format(world.steps),
     "Seed", ("%d"):format(core.state(world).seed or 0), "Script", options.script_name or "", "Script-Hash", options.script_hash or "",
     "Renderer", core.renderer() }
-end
-
-local function default_camera(world)
-  local cameras = core.lua_state(world).cameras
-  return cameras and cameras[1]
 end
 
 -- ---- pictures ----
@@ -236,6 +287,8 @@ function methods.record(world, fields)
   end
   local state = core.lua_state(world)
   state.films[#state.films + 1] = film
+  state.all_films = state.all_films or {}
+  state.all_films[#state.all_films + 1] = film
   state.recorded = true
   core.open_films = core.open_films or {}
   core.open_films[film] = true

@@ -45,6 +45,7 @@ core.use "soft"
 core.use "plank"
 core.use "lattice"
 core.use "film"
+core.use "replay"
 
 -- ---- values ----
 
@@ -108,6 +109,7 @@ end
 
 function methods.close(world)
   core.forbid_in_handler(world, "world:close")
+  core.finish_replay(world)
   core.close_films(world)
   core.close(world)
 end

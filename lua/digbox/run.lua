@@ -139,7 +139,9 @@ local function advance(world, state)
   core.ask_filters(world, state)
   local filming = #state.films > 0
   if filming then core.film_before_step(world, state) end
+  core.record_before_step(world)
   core.step(world)
+  core.record_step(world)
   core.watch(world, state)
   if filming then core.film_after_step(world, state) end
   core.deliver(world, state)
@@ -275,7 +277,9 @@ function core.report_stop()
       core.tell(("digbox: stopped at t = %.6g s, step %d; %d frames are complete\n"):format(world.time, world.steps, frames))
     end
   end
+  local ok, message = pcall(core.finish_replay)
   core.close_films()
+  if not ok then core.tell(("digbox: %s\n"):format(tostring(message))) end
 end
 
 return true
