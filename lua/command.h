@@ -41,5 +41,6 @@ int run_set_options(lua_State *L);
 
 int command_test(int argc, char **argv);
 int command_cost(int argc, char **argv);
+int command_verify(int argc, char **argv);
 
 #endif

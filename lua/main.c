@@ -56,6 +56,13 @@
     "      --budget S          CPU time that one run may use; settings beyond it are left out (default 10 s)\n" \
     "      --seed N  --threads N  --set NAME=VALUE  --memory-limit MiB  --trust  -q, --quiet   as for run\n"
 
+#define VERIFY_USE "  digbox verify FILE.replay...                    simulate replays again: is the checksum of every step the same?\n"
+#define VERIFY_NOTES \
+    "\n" \
+    "A replay (digbox run --replay) holds the world it began with and every command that changed it; what effects written in Lua\n" \
+    "gave back is in the log, so that no script is needed. Exit code 0: every checksum is the same, 7: one differs, which is named,\n" \
+    "8: the file is no replay, or holds no log.\n"
+
 #define COST_NOTES \
     "\n" \
     "The world runs at sketch, play, study and reference and at tolerances from 1e-2 to 1e-9 m, from the same start, without\n" \
@@ -66,7 +73,7 @@
 
 static const char help_text[] =
     "digbox - a 3D physics sandbox with dynamic interaction graphs\n"
-    "\n" RUN_USE TEST_USE CHECK_USE COST_USE
+    "\n" RUN_USE TEST_USE CHECK_USE COST_USE VERIFY_USE
     "  digbox --help | --version\n"
     "\n"
     "run:\n" RUN_OPTIONS
@@ -75,8 +82,8 @@ static const char help_text[] =
     "\n"
     "cost:\n" COST_OPTIONS
     "\n"
-    "Exit codes: 0 ok, 1 script error, 2 usage, 3 memory, 4 fuel, 5 time, 6 scenario failed, 8 bad input file, 9 output failed,\n"
-    "10 non-finite state, 11 internal, 12 unreliable (--strict), 130 SIGINT, 143 SIGTERM.\n";
+    "Exit codes: 0 ok, 1 script error, 2 usage, 3 memory, 4 fuel, 5 time, 6 scenario failed, 7 replay diverged, 8 bad input file,\n"
+    "9 output failed, 10 non-finite state, 11 internal, 12 unreliable (--strict), 130 SIGINT, 143 SIGTERM.\n";
 
 int print_help(const char *command)
 {
@@ -85,6 +92,7 @@ int print_help(const char *command)
         {"test", TEST_USE "\n" TEST_OPTIONS},
         {"check", CHECK_USE},
         {"cost", COST_USE "\n" COST_OPTIONS COST_NOTES},
+        {"verify", VERIFY_USE VERIFY_NOTES},
     };
     const char *text = help_text;
     for (size_t i = 0; i < sizeof helps / sizeof *helps; i++)
@@ -397,6 +405,7 @@ static int command_check(int argc, char **argv)
 
 static const struct { const char *name; int (*run)(int argc, char **argv); } commands[] = {
     {"run", command_run}, {"test", command_test}, {"check", command_check}, {"cost", command_cost},
+    {"verify", command_verify},
 };
 enum { COMMAND_COUNT = sizeof commands / sizeof *commands };
 

@@ -217,12 +217,12 @@ static dig_status play(World *w, const Head *h, Pack *p)
     if (s != (dig_status)h->status) {
         char why[sizeof w->error];      /* not from the buffer that it goes to */
         memcpy(why, w->error, sizeof why);
-        return world_fail(w, DIG_E_FORMAT, "command '%s' returned '%s', and '%s' when it was logged%s%s", c->name, dig_status_name(s),
+        return world_fail(w, DIG_E_KIND, "command '%s' returned '%s', and '%s' when it was logged%s%s", c->name, dig_status_name(s),
                           dig_status_name((dig_status)h->status), s ? ": " : "", s ? why : "");
     }
     command_results(&coder, c->arguments, a);
     pack_end(p);
-    return pack_good(p) ? DIG_OK : world_fail(w, DIG_E_FORMAT, "command '%s': %s", c->name, p->why);
+    return pack_good(p) ? DIG_OK : world_fail(w, DIG_E_KIND, "command '%s': %s", c->name, p->why);
 }
 
 dig_status dig_command_play(dig_world *w, const void *bytes, size_t size, size_t *consumed)

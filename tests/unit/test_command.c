@@ -501,10 +501,10 @@ TEST(rubbish_is_no_command)
     CHECK_INT(dig_command_play(w, cut, 6, NULL), DIG_E_FORMAT);
     CHECK_INT(dig_command_look(cut, 6, NULL), -1);
     CHECK(dig_world_checksum(w) == before);
-    CHECK_INT(dig_command_play(w, step_and_more, 8, NULL), DIG_E_FORMAT);
+    CHECK_INT(dig_command_play(w, step_and_more, 8, NULL), DIG_E_KIND);
     CHECK_TEXT(dig_error(w), "command 'step': 2 bytes are left over");
     const unsigned char refused[6] = {1, DIG_E_ARG, 0, 0, 0, 0};
-    CHECK_INT(dig_command_play(w, refused, 6, NULL), DIG_E_FORMAT);
+    CHECK_INT(dig_command_play(w, refused, 6, NULL), DIG_E_KIND);
     CHECK(strstr(dig_error(w), "when it was logged") != NULL);
     dig_world_close(w);
 }
