@@ -105,6 +105,7 @@ void tap_release(Tap *t)
 {
     if (!t || --t->users > 0)
         return;
+    list_close(&t->forgotten);
     pack_close(&t->bytes);
     arena_close(&t->memory);
     free(t);
@@ -133,6 +134,24 @@ static void send(Tap *t, CommandId id, dig_status s)
         t->fn(t->context, t->bytes.data, size);
 }
 
+static void send_forget(Tap *t, uint64_t snapshot)
+{
+    begin(t);
+    pack_u64(&t->bytes, &snapshot);
+    if (pack_good(&t->bytes))
+        send(t, COMMAND_FORGET, DIG_OK);
+}
+
+/* Without memory to remember it, a replay keeps the snapshot to its end. */
+void tap_forget(Tap *t, uint64_t snapshot)
+{
+    uint64_t allocations = 0;
+    if (!t->inside)
+        send_forget(t, snapshot);
+    else if (list_push(&t->forgotten, &allocations) == DIG_OK)
+        t->forgotten.data[t->forgotten.count - 1] = snapshot;
+}
+
 /* What cannot be written is refused by the call itself: an unknown type, a name without an end. */
 dig_status command_do(World *w, CommandId id, CommandArg *a)
 {
@@ -153,6 +172,9 @@ dig_status command_do(World *w, CommandId id, CommandArg *a)
         if (pack_good(&t->bytes))
             send(t, id, s);
     }
+    for (int i = 0; i < t->forgotten.count; i++)
+        send_forget(t, t->forgotten.data[i]);
+    t->forgotten.count = 0;
     return s;
 }
 
@@ -176,17 +198,6 @@ dig_status dig_world_tap(dig_world *w, dig_tap_fn *fn, void *context)
         w->tap = NULL;
     }
     return s;
-}
-
-/* Its world may be gone. */
-void tap_forget(Tap *t, uint64_t snapshot)
-{
-    if (!t->fn)
-        return;
-    begin(t);
-    pack_u64(&t->bytes, &snapshot);
-    if (pack_good(&t->bytes))
-        send(t, COMMAND_FORGET, DIG_OK);
 }
 
 /* ---- playing ---- */

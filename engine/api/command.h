@@ -108,12 +108,14 @@ typedef struct Tap {
     Arena        memory;
     bool         inside;        /* a command is being carried out: what it calls is part of it */
     uint64_t     snapshots;     /* taken so far                                 */
+    LIST(uint64_t) forgotten;   /* of these, meanwhile                          */
 } Tap;
 
 void tap_release(Tap *t);               /* NULL is allowed; the last user frees it */
 /* The bytes that a command in work is written to; NULL: none is, or nobody listens. */
 Pack *tap_stream(const World *w);
-void tap_forget(Tap *t, uint64_t snapshot);     /* a snapshot was freed */
+/* A snapshot was freed, perhaps while a command is carried out: a script's function in a step may collect its garbage. */
+void tap_forget(Tap *t, uint64_t snapshot);
 /* Effects of the caller's, which no file holds, as commands. */
 dig_status tap_effects(World *w);
 

@@ -82,12 +82,14 @@ static void check_played(dig_world *w, Bytes start, const Log *l)
 
 /* ---- each command at least once ---- */
 
-typedef struct Spin { real strength; int calls, fail_at; } Spin;
+typedef struct Spin { real strength; int calls, fail_at; dig_snapshot *garbage; } Spin;
 
 static dig_status spin(void *data, const dig_effect_call *call, char *why, size_t capacity)
 {
     Spin *s = data;
     snprintf(why, capacity, "it was told to fail");
+    dig_snapshot_free(s->garbage);      /* as a script does that collects its garbage at any time */
+    s->garbage = NULL;
     for (int i = 0; i < call->count; i++) {
         call->parts[i].force = (vec3){s->strength * call->parts[i].velocity.z, 0, -s->strength * call->parts[i].velocity.x};
         call->parts[i].torque.y = i == 1 ? -0.0 : 1e-3 * s->calls;      /* what no replay could guess */
@@ -222,7 +224,9 @@ static void use_own_effects(dig_world *w, Spin *s, dig_body a, dig_body b)
     add_spin(w, "curl", &s[1], false);
     fail_unless(w, dig_effect_join(w, "curl", a, NULL, NULL), "join");
     fail_unless(w, dig_effect_join(w, "curl", b, NULL, NULL), "join");
+    fail_unless(w, dig_world_snapshot(w, &s[0].garbage), "snapshot");
     step(w, 3);
+    CHECK(s[0].garbage == NULL);
     s[0].fail_at = s[0].calls + 3;
     CHECK_INT(dig_world_step(w), DIG_E_ARG);
     CHECK(strstr(dig_error(w), "it was told to fail") != NULL);
