@@ -160,6 +160,9 @@ dig_status dig_world_restore(dig_world *w, const dig_snapshot *s);      /* bit e
 void       dig_snapshot_free(dig_snapshot *s);
 dig_status dig_world_save(dig_world *w, const char *path);
 dig_status dig_world_load(const char *path, dig_world **w, char *why, size_t capacity);
+/* The bytes of such a file; free() them. */
+dig_status dig_world_pack(dig_world *w, void **bytes, size_t *size);
+dig_status dig_world_unpack(const void *bytes, size_t size, dig_world **w, char *why, size_t capacity);
 
 typedef struct dig_energy {     /* J */
     real kinetic, potential, elastic, heat, electric;
@@ -725,6 +728,24 @@ typedef struct dig_answer {
 } dig_answer;
 
 dig_status dig_ask(dig_world *w, const dig_question *q, dig_answer *a);
+
+/* ---- commands: what was done to a world, to be done again ------------------------------ */
+/* Every call that changes a world, steps included, is a command: bytes that hold its arguments and what it returned. Played in
+ * order in a world in the same state (dig_world_unpack of what dig_world_pack gave), they lead to the same states, bit for bit:
+ * handles, numbers of DIGs and refusals too. Effects of the caller's are played from what their functions gave back. */
+
+/* Called after each command; the bytes are its own until it returns. It must not call the world. */
+typedef void dig_tap_fn(void *context, const void *bytes, size_t size);
+
+/* fn NULL: nobody listens any more. At once called for what no file of a world holds: the effects that were added. DIG_E_BUSY:
+ * somebody listens already, or the world is stepping. */
+dig_status dig_world_tap(dig_world *w, dig_tap_fn *fn, void *context);
+/* Carries out the first of some commands; *consumed (may be NULL) gets its length. With a sentence in dig_error, DIG_E_FORMAT: it
+ * is no command of this build; DIG_E_KIND: it did not return what it did when it was logged. */
+dig_status dig_command_play(dig_world *w, const void *bytes, size_t size, size_t *consumed);
+/* Index of the first of some commands into the list below, -1: it is none. Length as above. */
+int         dig_command_look(const void *bytes, size_t size, size_t *consumed);
+const char *dig_command_name(int index);                /* "step", "push", ...; NULL past the end */
 
 /* ---- questions in space --------------------------------------------------------------- */
 

@@ -32,6 +32,8 @@ static int replay_begin(lua_State *L)
     lua_pushvalue(L, 2);
     lua_setiuservalue(L, -2, 1);
     dig_status s = recorder_open(path, world->w, origin, &ref->r, why, sizeof why);
+    if (s == DIG_OK && recorder_listen(ref->r) != DIG_OK)
+        return bind_fail_text(L, DIG_E_FILE, "%s", recorder_error(ref->r));
     return s == DIG_OK ? 1 : bind_fail_text(L, s == DIG_E_MEMORY ? s : DIG_E_FILE, "%s", why);
 }
 

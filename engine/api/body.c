@@ -1,5 +1,6 @@
 /* api/body.c - bodies: creation, reading, pushing, setting. */
 #include "api/api.h"
+#include "api/command.h"
 #include "world/region.h"
 
 #include <stdio.h>
@@ -13,7 +14,7 @@ dig_body_def dig_body_defaults(void)
     return def;
 }
 
-dig_status dig_body_create(dig_world *w, const dig_body_def *def, dig_body *out)
+static dig_status do_create(World *w, const dig_body_def *def, dig_body *out)
 {
     char subject[96], why[256];
     *out = (dig_body){0, 0};
@@ -27,7 +28,17 @@ dig_status dig_body_create(dig_world *w, const dig_body_def *def, dig_body *out)
     return s;
 }
 
-dig_status dig_body_remove(dig_world *w, dig_body b)
+dig_status run_body(World *w, CommandArg *a)
+{
+    return do_create(w, a[0].what, a[1].place);
+}
+
+dig_status dig_body_create(dig_world *w, const dig_body_def *def, dig_body *out)
+{
+    return COMMAND(w, COMMAND_BODY, do_create(w, def, out), {.what = def}, {.place = out});
+}
+
+static dig_status do_remove_body(World *w, dig_body b)
 {
     if (!api_body(w, b, "remove"))
         return DIG_E_DEAD;
@@ -36,6 +47,16 @@ dig_status dig_body_remove(dig_world *w, dig_body b)
     body_remove(w, b.slot);
     w->ledger.initial += w->ledger.started ? api_effects_stored(w) - before : 0;
     return DIG_OK;
+}
+
+dig_status run_body_remove(World *w, CommandArg *a)
+{
+    return do_remove_body(w, a[0].body);
+}
+
+dig_status dig_body_remove(dig_world *w, dig_body b)
+{
+    return COMMAND(w, COMMAND_BODY_REMOVE, do_remove_body(w, b), {.body = b});
 }
 
 bool dig_body_alive(const dig_world *w, dig_body b) { return world_body(w, b) != NULL; }
@@ -162,7 +183,7 @@ dig_status api_push(World *w, dig_body handle, Push p, real lasts, const char *c
     return DIG_OK;
 }
 
-dig_status dig_body_push(dig_world *w, dig_body handle, vec3 force, vec3 at, bool has_at, real lasts)
+static dig_status do_push(World *w, dig_body handle, vec3 force, vec3 at, bool has_at, real lasts)
 {
     dig_status s;
     const Body *b = api_pushable(w, handle, "push", &s);
@@ -175,7 +196,18 @@ dig_status dig_body_push(dig_world *w, dig_body handle, vec3 force, vec3 at, boo
     return api_push(w, handle, p, lasts, "push");
 }
 
-dig_status dig_body_twist(dig_world *w, dig_body handle, vec3 torque, real lasts)
+dig_status run_push(World *w, CommandArg *a)
+{
+    return do_push(w, a[0].body, a[1].vec, a[2].vec, a[3].yes, a[4].number);
+}
+
+dig_status dig_body_push(dig_world *w, dig_body handle, vec3 force, vec3 at, bool has_at, real lasts)
+{
+    return COMMAND(w, COMMAND_PUSH, do_push(w, handle, force, at, has_at, lasts),
+                   {.body = handle}, {.vec = force}, {.vec = at}, {.yes = has_at}, {.number = lasts});
+}
+
+static dig_status do_twist(World *w, dig_body handle, vec3 torque, real lasts)
 {
     dig_status s;
     if (!api_pushable(w, handle, "twist", &s))
@@ -184,7 +216,17 @@ dig_status dig_body_twist(dig_world *w, dig_body handle, vec3 torque, real lasts
     return api_push(w, handle, (Push){.torque = torque}, lasts, "twist");
 }
 
-dig_status dig_body_hit(dig_world *w, dig_body handle, vec3 impulse, vec3 at, bool has_at)
+dig_status run_twist(World *w, CommandArg *a)
+{
+    return do_twist(w, a[0].body, a[1].vec, a[2].number);
+}
+
+dig_status dig_body_twist(dig_world *w, dig_body handle, vec3 torque, real lasts)
+{
+    return COMMAND(w, COMMAND_TWIST, do_twist(w, handle, torque, lasts), {.body = handle}, {.vec = torque}, {.number = lasts});
+}
+
+static dig_status do_hit(World *w, dig_body handle, vec3 impulse, vec3 at, bool has_at)
 {
     dig_status s;
     Body *b = api_pushable(w, handle, "hit", &s);
@@ -213,6 +255,17 @@ dig_status dig_body_hit(dig_world *w, dig_body handle, vec3 impulse, vec3 at, bo
     return DIG_OK;
 }
 
+dig_status run_hit(World *w, CommandArg *a)
+{
+    return do_hit(w, a[0].body, a[1].vec, a[2].vec, a[3].yes);
+}
+
+dig_status dig_body_hit(dig_world *w, dig_body handle, vec3 impulse, vec3 at, bool has_at)
+{
+    return COMMAND(w, COMMAND_HIT, do_hit(w, handle, impulse, at, has_at),
+                   {.body = handle}, {.vec = impulse}, {.vec = at}, {.yes = has_at});
+}
+
 static dig_status check_rotation(const World *w, const quat *q, const char *call)
 {
     if (!q || (quat_norm2(*q) > 0.98 && quat_norm2(*q) < 1.02))
@@ -220,7 +273,7 @@ static dig_status check_rotation(const World *w, const quat *q, const char *call
     return world_fail(w, DIG_E_ARG, "%s: rotation has length %g, must be 1", call, sqrt(quat_norm2(*q)));
 }
 
-dig_status dig_body_teleport(dig_world *w, dig_body handle, const vec3 *at, const quat *rotation, const vec3 *velocity, const vec3 *spin)
+static dig_status do_teleport(World *w, dig_body handle, const vec3 *at, const quat *rotation, const vec3 *velocity, const vec3 *spin)
 {
     Body *b = api_body(w, handle, "teleport");
     if (!b)
@@ -253,6 +306,17 @@ dig_status dig_body_teleport(dig_world *w, dig_body handle, const vec3 *at, cons
     return DIG_OK;
 }
 
+dig_status run_teleport(World *w, CommandArg *a)
+{
+    return do_teleport(w, a[0].body, a[1].what, a[2].what, a[3].what, a[4].what);
+}
+
+dig_status dig_body_teleport(dig_world *w, dig_body handle, const vec3 *at, const quat *rotation, const vec3 *velocity, const vec3 *spin)
+{
+    return COMMAND(w, COMMAND_TELEPORT, do_teleport(w, handle, at, rotation, velocity, spin),
+                   {.body = handle}, {.what = at}, {.what = rotation}, {.what = velocity}, {.what = spin});
+}
+
 static Body *kinematic(World *w, dig_body handle, const char *call, dig_status *status)
 {
     Body *b = api_body(w, handle, call);
@@ -264,7 +328,7 @@ static Body *kinematic(World *w, dig_body handle, const char *call, dig_status *
     return b;
 }
 
-dig_status dig_body_move_to(dig_world *w, dig_body handle, vec3 at, const quat *rotation, real over)
+static dig_status do_move_to(World *w, dig_body handle, vec3 at, const quat *rotation, real over)
 {
     dig_status s;
     Body *b = kinematic(w, handle, "move_to", &s);
@@ -288,7 +352,18 @@ dig_status dig_body_move_to(dig_world *w, dig_body handle, vec3 at, const quat *
     return DIG_OK;
 }
 
-dig_status dig_body_set_velocity(dig_world *w, dig_body handle, vec3 velocity, vec3 spin)
+dig_status run_move_to(World *w, CommandArg *a)
+{
+    return do_move_to(w, a[0].body, a[1].vec, a[2].what, a[3].number);
+}
+
+dig_status dig_body_move_to(dig_world *w, dig_body handle, vec3 at, const quat *rotation, real over)
+{
+    return COMMAND(w, COMMAND_MOVE_TO, do_move_to(w, handle, at, rotation, over),
+                   {.body = handle}, {.vec = at}, {.what = rotation}, {.number = over});
+}
+
+static dig_status do_set_velocity(World *w, dig_body handle, vec3 velocity, vec3 spin)
 {
     dig_status s;
     Body *b = kinematic(w, handle, "set_velocity", &s);
@@ -303,10 +378,30 @@ dig_status dig_body_set_velocity(dig_world *w, dig_body handle, vec3 velocity, v
     return DIG_OK;
 }
 
-dig_status dig_body_wake(dig_world *w, dig_body handle)
+dig_status run_velocity(World *w, CommandArg *a)
+{
+    return do_set_velocity(w, a[0].body, a[1].vec, a[2].vec);
+}
+
+dig_status dig_body_set_velocity(dig_world *w, dig_body handle, vec3 velocity, vec3 spin)
+{
+    return COMMAND(w, COMMAND_VELOCITY, do_set_velocity(w, handle, velocity, spin), {.body = handle}, {.vec = velocity}, {.vec = spin});
+}
+
+static dig_status do_wake(World *w, dig_body handle)
 {
     if (!api_body(w, handle, "wake"))
         return DIG_E_DEAD;
     body_wake(w, handle.slot);
     return DIG_OK;
+}
+
+dig_status run_wake(World *w, CommandArg *a)
+{
+    return do_wake(w, a[0].body);
+}
+
+dig_status dig_body_wake(dig_world *w, dig_body handle)
+{
+    return COMMAND(w, COMMAND_WAKE, do_wake(w, handle), {.body = handle});
 }

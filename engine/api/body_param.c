@@ -1,5 +1,6 @@
 /* api/body_param.c - parameters of a body that may change while it lives, by the names of the body schema. */
 #include "api/api.h"
+#include "api/command.h"
 
 #include <stdio.h>
 
@@ -67,7 +68,7 @@ static dig_status set_collides(World *w, Body *b, bool collides)
     return DIG_OK;
 }
 
-dig_status dig_body_set(dig_world *w, dig_body handle, const char *name, const void *value)
+static dig_status do_set(World *w, dig_body handle, const char *name, const void *value)
 {
     Body *b = api_body(w, handle, name);
     if (!b)
@@ -117,6 +118,16 @@ dig_status dig_body_set(dig_world *w, dig_body handle, const char *name, const v
         body_wake(w, handle.slot);
     }
     return status;
+}
+
+dig_status run_body_set(World *w, CommandArg *a)
+{
+    return do_set(w, a[0].body, a[1].what, a[2].what);
+}
+
+dig_status dig_body_set(dig_world *w, dig_body handle, const char *name, const void *value)
+{
+    return COMMAND(w, COMMAND_BODY_SET, do_set(w, handle, name, value), {.body = handle}, {.what = name}, {.what = value});
 }
 
 dig_status dig_body_param(const dig_world *w, dig_body handle, const char *name, void *value)

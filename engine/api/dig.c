@@ -1,5 +1,6 @@
 /* api/dig.c - dynamic interaction graphs: membership, links, neighbours, paths, in all layers. */
 #include "api/api.h"
+#include "api/command.h"
 
 #include <stdlib.h>
 
@@ -73,7 +74,7 @@ int dig_members(const dig_world *w, dig_dig d, dig_body *out, int capacity)
     return n;
 }
 
-dig_status dig_dig_accuracy(dig_world *w, dig_dig d, const char *plan, real tolerance)
+static dig_status do_set_accuracy(World *w, dig_dig d, const char *plan, real tolerance)
 {
     if (!plan && !(tolerance > 0 && tolerance <= 1))
         return world_fail(w, DIG_E_ARG, "accuracy = %g m, must be > 0 and at most 1 m", tolerance);
@@ -89,6 +90,16 @@ dig_status dig_dig_accuracy(dig_world *w, dig_dig d, const char *plan, real tole
     for (uint32_t m = graph_first(w->graph, d.id); m != NONE; m = graph_next(w->graph, m))
         w->bodies.data[m].accuracy = (uint8_t)accuracy;
     return DIG_OK;
+}
+
+dig_status run_dig_accuracy(World *w, CommandArg *a)
+{
+    return do_set_accuracy(w, a[0].dig, a[1].what, a[2].number);
+}
+
+dig_status dig_dig_accuracy(dig_world *w, dig_dig d, const char *plan, real tolerance)
+{
+    return COMMAND(w, COMMAND_DIG_ACCURACY, do_set_accuracy(w, d, plan, tolerance), {.dig = d}, {.what = plan}, {.number = tolerance});
 }
 
 /* ---- links ---- */

@@ -1,5 +1,6 @@
 /* api/effect.c - effects: which are on, what called for them, and what they keep of the world and of bodies. */
 #include "api/api.h"
+#include "api/command.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -76,7 +77,7 @@ dig_status dig_effect_get(const dig_world *w, int index, dig_effect_info *info)
     return DIG_OK;
 }
 
-dig_status dig_effect_set(dig_world *w, const char *name, bool on)
+static dig_status do_switch_by_hand(World *w, const char *name, bool on)
 {
     int i = find(w, name);
     if (i < 0)
@@ -89,13 +90,33 @@ dig_status dig_effect_set(dig_world *w, const char *name, bool on)
     return DIG_OK;
 }
 
-dig_status dig_effect_explain(dig_world *w, const char *name, const char *why)
+dig_status run_effect_set(World *w, CommandArg *a)
+{
+    return do_switch_by_hand(w, a[0].what, a[1].yes);
+}
+
+dig_status dig_effect_set(dig_world *w, const char *name, bool on)
+{
+    return COMMAND(w, COMMAND_EFFECT_SET, do_switch_by_hand(w, name, on), {.what = name}, {.yes = on});
+}
+
+static dig_status do_explain(World *w, const char *name, const char *why)
 {
     int i = find(w, name);
     if (i < 0)
         return unknown(w, name);
     say_why(&w->effects[i], why);
     return DIG_OK;
+}
+
+dig_status run_effect_explain(World *w, CommandArg *a)
+{
+    return do_explain(w, a[0].what, a[1].what);
+}
+
+dig_status dig_effect_explain(dig_world *w, const char *name, const char *why)
+{
+    return COMMAND(w, COMMAND_EFFECT_EXPLAIN, do_explain(w, name, why), {.what = name}, {.what = why});
 }
 
 /* ---- what an effect keeps ---- */
@@ -142,7 +163,7 @@ static dig_status join(World *w, int effect, uint32_t body, const void *given, c
     return DIG_OK;
 }
 
-dig_status dig_effect_join(dig_world *w, const char *effect, dig_body b, const void *member, const char *why)
+static dig_status do_join_named(World *w, const char *effect, dig_body b, const void *member, const char *why)
 {
     int i = find(w, effect);
     if (i < 0)
@@ -156,7 +177,18 @@ dig_status dig_effect_join(dig_world *w, const char *effect, dig_body b, const v
     return join(w, i, b.slot, member, why);
 }
 
-dig_status dig_effect_leave(dig_world *w, const char *effect, dig_body b)
+dig_status run_effect_join(World *w, CommandArg *a)
+{
+    return do_join_named(w, a[0].what, a[1].body, a[2].what, a[3].what);
+}
+
+dig_status dig_effect_join(dig_world *w, const char *effect, dig_body b, const void *member, const char *why)
+{
+    return COMMAND(w, COMMAND_EFFECT_JOIN, do_join_named(w, effect, b, member, why),
+                   {.what = effect}, {.body = b}, {.what = member}, {.what = why});
+}
+
+static dig_status do_leave(World *w, const char *effect, dig_body b)
 {
     int i = find(w, effect);
     if (i < 0)
@@ -168,6 +200,16 @@ dig_status dig_effect_leave(dig_world *w, const char *effect, dig_body b)
     book_change(w, before);
     body_wake(w, b.slot);
     return DIG_OK;
+}
+
+dig_status run_effect_leave(World *w, CommandArg *a)
+{
+    return do_leave(w, a[0].what, a[1].body);
+}
+
+dig_status dig_effect_leave(dig_world *w, const char *effect, dig_body b)
+{
+    return COMMAND(w, COMMAND_EFFECT_LEAVE, do_leave(w, effect, b), {.what = effect}, {.body = b});
 }
 
 bool dig_effect_member(const dig_world *w, const char *effect, dig_body b, void *member)
@@ -194,7 +236,7 @@ bool dig_effect_options(const dig_world *w, const char *effect, void *options)
     return false;
 }
 
-dig_status dig_effect_option(dig_world *w, const char *effect, const void *options, const char *why)
+static dig_status do_set_options(World *w, const char *effect, const void *options, const char *why)
 {
     int i = find(w, effect);
     char reason[256];
@@ -215,6 +257,16 @@ dig_status dig_effect_option(dig_world *w, const char *effect, const void *optio
     book_change(w, before);
     world_wake_all(w);
     return DIG_OK;
+}
+
+dig_status run_effect_option(World *w, CommandArg *a)
+{
+    return do_set_options(w, a[0].what, a[1].what, a[2].what);
+}
+
+dig_status dig_effect_option(dig_world *w, const char *effect, const void *options, const char *why)
+{
+    return COMMAND(w, COMMAND_EFFECT_OPTION, do_set_options(w, effect, options, why), {.what = effect}, {.what = options}, {.what = why});
 }
 
 /* ---- as parameters of a body ---- */

@@ -1,5 +1,6 @@
 /* api/heat.c - energy given to a body, as heat. */
 #include "api/api.h"
+#include "api/command.h"
 #include "effect/heat.h"
 
 static EffectSlot *slot_of(World *w)
@@ -10,7 +11,7 @@ static EffectSlot *slot_of(World *w)
     return NULL;
 }
 
-dig_status dig_body_warm(dig_world *w, dig_body handle, real energy, real to)
+static dig_status do_warm(World *w, dig_body handle, real energy, real to)
 {
     const Body *b = api_body(w, handle, "warm");
     if (!b)
@@ -32,4 +33,14 @@ dig_status dig_body_warm(dig_world *w, dig_body handle, real energy, real to)
     h->start = h->capacity > 0 ? h->start : reached;
     w->ledger.work_in += w->ledger.started ? work : 0;
     return DIG_OK;
+}
+
+dig_status run_warm(World *w, CommandArg *a)
+{
+    return do_warm(w, a[0].body, a[1].number, a[2].number);
+}
+
+dig_status dig_body_warm(dig_world *w, dig_body handle, real energy, real to)
+{
+    return COMMAND(w, COMMAND_WARM, do_warm(w, handle, energy, to), {.body = handle}, {.number = energy}, {.number = to});
 }

@@ -1,5 +1,6 @@
 /* api/joint.c - joints: creation from a type's table, reading, setting. */
 #include "api/api.h"
+#include "api/command.h"
 
 #include <stdio.h>
 
@@ -212,7 +213,7 @@ static dig_status prepare(World *w, const dig_joint_def *def, JointRec *r)
     return check_params(w, r, r->params);
 }
 
-dig_status dig_joint_create(dig_world *w, const dig_joint_def *def, dig_joint *out)
+static dig_status do_create(World *w, const dig_joint_def *def, dig_joint *out)
 {
     JointRec r;
     uint32_t slot;
@@ -242,7 +243,17 @@ dig_status dig_joint_create(dig_world *w, const dig_joint_def *def, dig_joint *o
     return DIG_OK;
 }
 
-dig_status dig_joint_remove(dig_world *w, dig_joint j)
+dig_status run_joint(World *w, CommandArg *a)
+{
+    return do_create(w, a[0].what, a[1].place);
+}
+
+dig_status dig_joint_create(dig_world *w, const dig_joint_def *def, dig_joint *out)
+{
+    return COMMAND(w, COMMAND_JOINT, do_create(w, def, out), {.what = def}, {.place = out});
+}
+
+static dig_status do_remove_joint(World *w, dig_joint j)
 {
     const JointRec *r = api_joint(w, j, "remove");
     if (!r)
@@ -255,6 +266,16 @@ dig_status dig_joint_remove(dig_world *w, dig_joint j)
         body_refit(w, b);
     }
     return DIG_OK;
+}
+
+dig_status run_joint_remove(World *w, CommandArg *a)
+{
+    return do_remove_joint(w, a[0].joint);
+}
+
+dig_status dig_joint_remove(dig_world *w, dig_joint j)
+{
+    return COMMAND(w, COMMAND_JOINT_REMOVE, do_remove_joint(w, j), {.joint = j});
 }
 
 bool dig_joint_alive(const dig_world *w, dig_joint j) { return world_joint(w, j) != NULL; }
@@ -310,7 +331,7 @@ dig_status dig_joint_param(const dig_world *w, dig_joint handle, const char *nam
     return DIG_OK;
 }
 
-dig_status dig_joint_set(dig_world *w, dig_joint handle, const char *name, const void *value)
+static dig_status do_set(World *w, dig_joint handle, const char *name, const void *value)
 {
     JointRec *r = api_joint(w, handle, name);
     if (!r)
@@ -343,6 +364,16 @@ dig_status dig_joint_set(dig_world *w, dig_joint handle, const char *name, const
     if (r->b != NONE)
         body_wake(w, r->b);
     return DIG_OK;
+}
+
+dig_status run_joint_set(World *w, CommandArg *a)
+{
+    return do_set(w, a[0].joint, a[1].what, a[2].what);
+}
+
+dig_status dig_joint_set(dig_world *w, dig_joint handle, const char *name, const void *value)
+{
+    return COMMAND(w, COMMAND_JOINT_SET, do_set(w, handle, name, value), {.joint = handle}, {.what = name}, {.what = value});
 }
 
 int dig_joints(const dig_world *w, dig_joint *out, int capacity)

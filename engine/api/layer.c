@@ -1,5 +1,6 @@
 /* api/layer.c - links of the other layers, made and removed by hand. */
 #include "api/api.h"
+#include "api/command.h"
 
 static LayerLink *find(World *w, dig_wire wire)
 {
@@ -34,7 +35,7 @@ static dig_status check(const World *w, const dig_wire_def *def)
     return DIG_OK;
 }
 
-dig_status dig_wire_add(dig_world *w, const dig_wire_def *def, dig_wire *out)
+static dig_status do_add(World *w, const dig_wire_def *def, dig_wire *out)
 {
     *out = (dig_wire){0, 0, 0};
     if (w->busy)
@@ -50,7 +51,17 @@ dig_status dig_wire_add(dig_world *w, const dig_wire_def *def, dig_wire *out)
     return DIG_OK;
 }
 
-dig_status dig_wire_set(dig_world *w, dig_wire wire, real effort, real flow)
+dig_status run_wire(World *w, CommandArg *a)
+{
+    return do_add(w, a[0].what, a[1].place);
+}
+
+dig_status dig_wire_add(dig_world *w, const dig_wire_def *def, dig_wire *out)
+{
+    return COMMAND(w, COMMAND_WIRE, do_add(w, def, out), {.what = def}, {.place = out});
+}
+
+static dig_status do_set(World *w, dig_wire wire, real effort, real flow)
 {
     LayerLink *k = find(w, wire);
     if (!k)
@@ -62,7 +73,17 @@ dig_status dig_wire_set(dig_world *w, dig_wire wire, real effort, real flow)
     return DIG_OK;
 }
 
-dig_status dig_wire_remove(dig_world *w, dig_wire wire)
+dig_status run_wire_set(World *w, CommandArg *a)
+{
+    return do_set(w, a[0].wire, a[1].number, a[2].number);
+}
+
+dig_status dig_wire_set(dig_world *w, dig_wire wire, real effort, real flow)
+{
+    return COMMAND(w, COMMAND_WIRE_SET, do_set(w, wire, effort, flow), {.wire = wire}, {.number = effort}, {.number = flow});
+}
+
+static dig_status do_remove_wire(World *w, dig_wire wire)
 {
     if (!find(w, wire))
         return world_fail(w, DIG_E_DEAD, "link: this link was removed");
@@ -72,4 +93,14 @@ dig_status dig_wire_remove(dig_world *w, dig_wire wire)
     layer_cut(w, wire.layer, wire.slot);
     layer_end(w, wire.layer, false);
     return DIG_OK;
+}
+
+dig_status run_wire_remove(World *w, CommandArg *a)
+{
+    return do_remove_wire(w, a[0].wire);
+}
+
+dig_status dig_wire_remove(dig_world *w, dig_wire wire)
+{
+    return COMMAND(w, COMMAND_WIRE_REMOVE, do_remove_wire(w, wire), {.wire = wire});
 }

@@ -1,5 +1,6 @@
 /* api/message.c - messages: sending them, and reading those of the past. */
 #include "api/api.h"
+#include "api/command.h"
 
 #include <stdio.h>
 
@@ -119,7 +120,18 @@ static dig_status storm(World *w)
                       MAIL_STORM, world_time(w), (unsigned long long)root, first->kind, name_of(w, first->from, from), name_of(w, first->to, to));
 }
 
-void dig_message_answering(dig_world *w, uint64_t root) { w->mail.answering = root; }
+dig_status run_answering(World *w, CommandArg *a)
+{
+    w->mail.answering = a[0].whole;
+    return DIG_OK;
+}
+
+void dig_message_answering(dig_world *w, uint64_t root)
+{
+    if (w->tap && w->mail.answering != root)
+        command_do(w, COMMAND_ANSWERING, (CommandArg[COMMAND_ARGS]){{.whole = root}});
+    w->mail.answering = root;
+}
 
 /* ---- posting ---- */
 
@@ -142,7 +154,7 @@ static dig_status prepare(World *w, const dig_post *what, Post *p)
     return DIG_OK;
 }
 
-dig_status dig_message_post(dig_world *w, const dig_post *what, dig_receipt *receipt)
+static dig_status do_post(World *w, const dig_post *what, dig_receipt *receipt)
 {
     Post p;
     if (receipt)
@@ -160,7 +172,17 @@ dig_status dig_message_post(dig_world *w, const dig_post *what, dig_receipt *rec
     return DIG_OK;
 }
 
-dig_status dig_message_list(dig_world *w, const dig_post *what, const dig_body *to, const real *value, int count)
+dig_status run_post(World *w, CommandArg *a)
+{
+    return do_post(w, a[0].what, a[1].place);
+}
+
+dig_status dig_message_post(dig_world *w, const dig_post *what, dig_receipt *receipt)
+{
+    return COMMAND(w, COMMAND_POST, do_post(w, what, receipt), {.what = what}, {.place = receipt});
+}
+
+static dig_status do_list(World *w, const dig_post *what, const dig_body *to, const real *value, int count)
 {
     Post p;
     dig_post each = *what;
@@ -173,6 +195,18 @@ dig_status dig_message_list(dig_world *w, const dig_post *what, const dig_body *
     deliver_list(w, &p, to, value, count);
     w->stats.posted++;
     return DIG_OK;
+}
+
+dig_status run_post_list(World *w, CommandArg *a)
+{
+    const CommandList *l = a[1].what;
+    return do_list(w, a[0].what, l->to, l->value, l->count);
+}
+
+dig_status dig_message_list(dig_world *w, const dig_post *what, const dig_body *to, const real *value, int count)
+{
+    const CommandList l = {to, value, count};
+    return COMMAND(w, COMMAND_POST_LIST, do_list(w, what, to, value, count), {.what = what}, {.what = &l});
 }
 
 /* A name that is longer than a message holds is cut. */
@@ -221,7 +255,7 @@ const dig_message *dig_message_of(const dig_world *w, const dig_event *e)
     return found ? &w->mail.shown.data[low] : e->kind == DIG_EVENT_MESSAGE ? message_find(&w->messages, e->message) : NULL;
 }
 
-int dig_message_take(dig_world *w)
+static int take(World *w)
 {
     Mail *m = &w->mail;
     int count = m->waiting.count, events = 0;
@@ -241,4 +275,35 @@ int dig_message_take(dig_world *w)
     return count;
 }
 
-void dig_message_dropped(dig_world *w, int count) { w->stats.dropped += (uint64_t)int_max(0, count); }
+/* Nothing waits: nothing was done. */
+dig_status run_take(World *w, CommandArg *a)
+{
+    int count = take(w);
+    if (a[0].place)
+        memcpy(a[0].place, &count, sizeof count);
+    return count > 0 ? DIG_OK : DIG_E_ARG;
+}
+
+int dig_message_take(dig_world *w)
+{
+    int count = 0;
+    if (!w->tap)
+        return take(w);
+    command_do(w, COMMAND_TAKE, (CommandArg[COMMAND_ARGS]){{.place = &count}});
+    return count;
+}
+
+dig_status run_dropped(World *w, CommandArg *a)
+{
+    w->stats.dropped += a[0].whole;
+    return DIG_OK;
+}
+
+void dig_message_dropped(dig_world *w, int count)
+{
+    CommandArg a[COMMAND_ARGS] = {{.whole = (uint64_t)int_max(0, count)}};
+    if (w->tap && count > 0)
+        command_do(w, COMMAND_DROPPED, a);
+    else
+        run_dropped(w, a);
+}

@@ -4,6 +4,7 @@
  * with a number that nobody reads.
  */
 #include "api/api.h"
+#include "api/command.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -49,7 +50,10 @@ static dig_status ask(const EffectSlot *e, Group *g, real dt)
         if (takes_part(e, g, i))
             g->parts[n++] = part_of(g, i);
     dig_effect_call call = {world_time(g->world) + g->t, dt, g->parts, n};
-    if (n > 0 && o->def.step(o->def.data, &call, why, sizeof why) != DIG_OK)
+    dig_status s = n > 0 ? o->def.step(o->def.data, &call, why, sizeof why) : DIG_OK;
+    if (n > 0)
+        DIG_TRY(command_answer(g->world, s, &call, why));
+    if (s != DIG_OK)
         return world_fail(g->world, DIG_E_ARG, "at t = %g s effect '%s': %s", call.time, o->name, why);
     return DIG_OK;
 }
@@ -92,6 +96,8 @@ static void energy(const World *w, const EffectSlot *e, dig_energy *sum)
                                                     .centre = b->x, .velocity = b->v, .spin = b->w, .mass = b->mass};
     }
     real stored = call.count > 0 && e->on ? o->def.energy(o->def.data, &call) : 0;
+    if (call.count > 0 && e->on)
+        command_answer_energy(w, stored);
     sum->elastic += isfinite(stored) ? stored : 0;
     free(parts);
 }
@@ -132,10 +138,8 @@ static void set_type(OwnEffect *o, const dig_effect_def *def)
     o->type.energy = def->energy ? energy : NULL;
 }
 
-dig_status dig_effect_add(dig_world *w, const dig_effect_def *def)
+static dig_status place(World *w, const dig_effect_def *def)
 {
-    DIG_TRY(check(w, def));
-    real before = api_effects_stored(w);
     OwnEffect *o = calloc(1, sizeof *o);
     if (!o)
         return world_fail(w, DIG_E_MEMORY, "effect '%s': not enough memory", def->name);
@@ -145,12 +149,30 @@ dig_status dig_effect_add(dig_world *w, const dig_effect_def *def)
     EffectSlot *e = &w->effects[w->effect_count++];
     if (def->why)
         snprintf(e->why, sizeof e->why, "%s", def->why);
+    return DIG_OK;
+}
+
+static dig_status do_add(World *w, const dig_effect_def *def)
+{
+    DIG_TRY(check(w, def));
+    real before = api_effects_stored(w);
+    DIG_TRY(place(w, def));
     w->ledger.initial += w->ledger.started ? api_effects_stored(w) - before : 0;
     world_wake_all(w);
     return DIG_OK;
 }
 
-dig_status dig_effect_drop(dig_world *w, const char *name)
+dig_status run_effect_add(World *w, CommandArg *a)
+{
+    return do_add(w, a[0].what);
+}
+
+dig_status dig_effect_add(dig_world *w, const dig_effect_def *def)
+{
+    return COMMAND(w, COMMAND_EFFECT_ADD, do_add(w, def), {.what = def});
+}
+
+static dig_status do_drop(World *w, const char *name)
 {
     int i = w->effect_count - 1;
     while (i >= 0 && !(w->effects[i].owner && strcmp(w->effects[i].name, name) == 0))
@@ -168,6 +190,62 @@ dig_status dig_effect_drop(dig_world *w, const char *name)
         gone.owner->end(gone.owner);
     w->ledger.initial += w->ledger.started ? api_effects_stored(w) - before : 0;
     world_wake_all(w);
+    return DIG_OK;
+}
+
+dig_status run_effect_drop(World *w, CommandArg *a)
+{
+    return do_drop(w, a[0].what);
+}
+
+dig_status dig_effect_drop(dig_world *w, const char *name)
+{
+    return COMMAND(w, COMMAND_EFFECT_DROP, do_drop(w, name), {.what = name});
+}
+
+/* ---- in a log ---- */
+
+/* What is there when a log begins is put there as it is: nothing is booked, and nobody wakes. */
+dig_status run_effect_there(World *w, CommandArg *a)
+{
+    const CommandEffect *c = a[0].what;
+    const real none = 0;
+    if (a[1].yes)                       /* it is there, and only told of */
+        return DIG_OK;
+    DIG_TRY(check(w, &c->def));
+    for (int i = 0; i < c->count; i++)
+        if (!api_body(w, c->members[i], c->def.name))
+            return DIG_E_DEAD;
+    DIG_TRY(place(w, &c->def));
+    EffectSlot *e = &w->effects[w->effect_count - 1];
+    e->on = c->on;
+    e->forced = c->forced;
+    for (int i = 0; i < c->count; i++)
+        if (column_add(&e->members, c->members[i].slot, &none, &w->allocations) != DIG_OK)
+            return world_fail(w, DIG_E_MEMORY, "effect '%s': not enough memory", e->name);
+    return DIG_OK;
+}
+
+static dig_status tell_there(World *w, const EffectSlot *e)
+{
+    const OwnEffect *o = own_of(e);
+    dig_body *members = malloc((size_t)(e->members.count + 1) * sizeof *members);
+    if (!members)
+        return world_fail(w, DIG_E_MEMORY, "effect '%s': not enough memory", e->name);
+    for (int i = 0; i < e->members.count; i++)
+        members[i] = body_handle(w, e->members.body[i]);
+    CommandEffect c = {o->def, e->on, e->forced, members, e->members.count};
+    c.def.why = e->why;
+    dig_status s = command_do(w, COMMAND_EFFECT_THERE, (CommandArg[COMMAND_ARGS]){{.what = &c}, {.yes = true}});
+    free(members);
+    return s;
+}
+
+dig_status tap_effects(World *w)
+{
+    for (int i = 0; i < w->effect_count; i++)
+        if (w->effects[i].owner)
+            DIG_TRY(tell_there(w, &w->effects[i]));
     return DIG_OK;
 }
 

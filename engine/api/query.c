@@ -1,5 +1,6 @@
 /* api/query.c - lists, finding by name, questions in space, materials, the room. */
 #include "api/api.h"
+#include "api/command.h"
 
 #include "geom/cast.h"
 
@@ -210,7 +211,7 @@ int dig_sweep(dig_world *w, const dig_shape_def *def, pose at, vec3 velocity, ve
 
 /* ---- materials ---- */
 
-dig_status dig_material_add(dig_world *w, const char *name, const dig_material_def *def)
+static dig_status do_add_material(World *w, const char *name, const dig_material_def *def)
 {
     char subject[96], why[256];
     snprintf(subject, sizeof subject, "material '%s'", name);
@@ -229,6 +230,16 @@ dig_status dig_material_add(dig_world *w, const char *name, const dig_material_d
     return DIG_OK;
 }
 
+dig_status run_material(World *w, CommandArg *a)
+{
+    return do_add_material(w, a[0].what, a[1].what);
+}
+
+dig_status dig_material_add(dig_world *w, const char *name, const dig_material_def *def)
+{
+    return COMMAND(w, COMMAND_MATERIAL, do_add_material(w, name, def), {.what = name}, {.what = def});
+}
+
 dig_status dig_material_get(const dig_world *w, const char *name, dig_material_def *def)
 {
     int i = material_find(w, name);
@@ -238,7 +249,7 @@ dig_status dig_material_get(const dig_world *w, const char *name, dig_material_d
     return DIG_OK;
 }
 
-dig_status dig_material_pair(dig_world *w, const dig_pair_def *def)
+static dig_status do_add_pair(World *w, const dig_pair_def *def)
 {
     int a = material_find(w, def->a.s), b = material_find(w, def->b.s);
     if (a < 0 || b < 0)
@@ -258,6 +269,16 @@ dig_status dig_material_pair(dig_world *w, const dig_pair_def *def)
             surface_pair(w, &w->solids.data[p->solid_a].surface, &w->solids.data[p->solid_b].surface, p);
     }
     return DIG_OK;
+}
+
+dig_status run_pair(World *w, CommandArg *a)
+{
+    return do_add_pair(w, a[0].what);
+}
+
+dig_status dig_material_pair(dig_world *w, const dig_pair_def *def)
+{
+    return COMMAND(w, COMMAND_PAIR, do_add_pair(w, def), {.what = def});
 }
 
 const char *dig_material_name(const dig_world *w, int index)

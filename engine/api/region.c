@@ -1,5 +1,6 @@
 /* api/region.c - regions where other laws hold. */
 #include "api/api.h"
+#include "api/command.h"
 
 #include "world/region.h"
 
@@ -14,7 +15,7 @@ dig_region_def dig_region_defaults(void)
     return def;
 }
 
-dig_status dig_region_create(dig_world *w, const dig_region_def *def, dig_region *out)
+static dig_status do_create(World *w, const dig_region_def *def, dig_region *out)
 {
     char why[256];
     Shape shape;
@@ -40,6 +41,16 @@ dig_status dig_region_create(dig_world *w, const dig_region_def *def, dig_region
     return DIG_OK;
 }
 
+dig_status run_region(World *w, CommandArg *a)
+{
+    return do_create(w, a[0].what, a[1].place);
+}
+
+dig_status dig_region_create(dig_world *w, const dig_region_def *def, dig_region *out)
+{
+    return COMMAND(w, COMMAND_REGION, do_create(w, def, out), {.what = def}, {.place = out});
+}
+
 static Region *find(const World *w, dig_region r)
 {
     if (r.slot >= (uint32_t)w->regions.count || !w->regions.data[r.slot].alive || w->regions.data[r.slot].gen != r.gen)
@@ -47,7 +58,7 @@ static Region *find(const World *w, dig_region r)
     return &w->regions.data[r.slot];
 }
 
-dig_status dig_region_remove(dig_world *w, dig_region handle)
+static dig_status do_remove_region(World *w, dig_region handle)
 {
     Region *r = find(w, handle);
     if (!r)
@@ -61,7 +72,17 @@ dig_status dig_region_remove(dig_world *w, dig_region handle)
     return DIG_OK;
 }
 
-dig_status dig_region_push(dig_world *w, dig_region handle, dig_body body, vec3 force)
+dig_status run_region_remove(World *w, CommandArg *a)
+{
+    return do_remove_region(w, a[0].region);
+}
+
+dig_status dig_region_remove(dig_world *w, dig_region handle)
+{
+    return COMMAND(w, COMMAND_REGION_REMOVE, do_remove_region(w, handle), {.region = handle});
+}
+
+static dig_status do_push(World *w, dig_region handle, dig_body body, vec3 force)
 {
     dig_status s;
     if (!find(w, handle))
@@ -70,6 +91,16 @@ dig_status dig_region_push(dig_world *w, dig_region handle, dig_body body, vec3 
         return s;
     DIG_TRY(api_within(w, force, WORLD_STRONG, "region", "force", "N"));
     return api_push(w, body, (Push){.force = force, .law = true}, 0, "region");
+}
+
+dig_status run_region_push(World *w, CommandArg *a)
+{
+    return do_push(w, a[0].region, a[1].body, a[2].vec);
+}
+
+dig_status dig_region_push(dig_world *w, dig_region handle, dig_body body, vec3 force)
+{
+    return COMMAND(w, COMMAND_REGION_PUSH, do_push(w, handle, body, force), {.region = handle}, {.body = body}, {.vec = force});
 }
 
 int dig_region_bodies(const dig_world *w, dig_region handle, dig_body *out, int capacity)

@@ -1,5 +1,6 @@
 /* api/room.c - the six-sided room: walls that have no body of their own and can be opened one by one. */
 #include "api/api.h"
+#include "api/command.h"
 
 static const char *const wall_names[6] = {"+x", "-x", "+y", "-y", "+z", "-z"};
 
@@ -45,7 +46,7 @@ static void remove_wall(World *w, int i)
         }
 }
 
-dig_status dig_room_set(dig_world *w, const dig_room_def *def)
+static dig_status do_set(World *w, const dig_room_def *def)
 {
     char why[256];
     if (param_check(dig_schema_at("room", 0)->rows, def, "room", why, sizeof why) != DIG_OK)
@@ -63,7 +64,17 @@ dig_status dig_room_set(dig_world *w, const dig_room_def *def)
     return DIG_OK;
 }
 
-dig_status dig_room_open(dig_world *w, const char *wall, bool open)
+dig_status run_room(World *w, CommandArg *a)
+{
+    return do_set(w, a[0].what);
+}
+
+dig_status dig_room_set(dig_world *w, const dig_room_def *def)
+{
+    return COMMAND(w, COMMAND_ROOM, do_set(w, def), {.what = def});
+}
+
+static dig_status do_open_wall(World *w, const char *wall, bool open)
 {
     if (!w->has_room)
         return world_fail(w, DIG_E_ARG, "room: this world has none");
@@ -79,4 +90,14 @@ dig_status dig_room_open(dig_world *w, const char *wall, bool open)
         return DIG_OK;
     }
     return world_fail(w, DIG_E_ARG, "room: there is no wall '%s'; they are +x -x +y -y +z -z", wall);
+}
+
+dig_status run_wall(World *w, CommandArg *a)
+{
+    return do_open_wall(w, a[0].what, a[1].yes);
+}
+
+dig_status dig_room_open(dig_world *w, const char *wall, bool open)
+{
+    return COMMAND(w, COMMAND_WALL, do_open_wall(w, wall, open), {.what = wall}, {.yes = open});
 }

@@ -121,9 +121,32 @@ dig_status dig_world_save(dig_world *w, const char *path)
     return s;
 }
 
+dig_status dig_world_pack(dig_world *w, void **bytes, size_t *size)
+{
+    Pack file = pack_writer();
+    *bytes = NULL;
+    *size = 0;
+    if (w->busy)
+        return world_fail(w, DIG_E_BUSY, "a world cannot be packed while it is stepping");
+    write_file(&file, w);
+    if (pack_good(&file)) {
+        *bytes = file.data;
+        *size = file.size;
+        return DIG_OK;
+    }
+    dig_status s = world_fail(w, file.no_memory ? DIG_E_MEMORY : DIG_E_FORMAT, "%s", file.why);
+    pack_close(&file);
+    return s;
+}
+
 /* ---- loading ---- */
 
-typedef struct Loader { const char *path; char *why; size_t capacity; } Loader;
+typedef struct Loader {
+    const char *path;           /* or what stands for it      */
+    char       *why;
+    size_t      capacity;
+    uint32_t    gen_start;      /* of its handles; 0 = any    */
+} Loader;
 
 static dig_status refuse(const Loader *l, dig_status s, const char *format, ...) DIG_PRINTF(3, 4);
 static dig_status refuse(const Loader *l, dig_status s, const char *format, ...)
@@ -219,6 +242,7 @@ static dig_status open_saved(const Loader *l, Pack *p, World **w)
     if (s != DIG_OK)
         return refuse(l, s == DIG_E_MEMORY ? s : DIG_E_FORMAT, "section %s: %s", sections[0].name, why);
     (*w)->def.gravity = gravity;
+    (*w)->gen_start = l->gen_start ? l->gen_start : (*w)->gen_start;
     return DIG_OK;
 }
 
@@ -240,24 +264,43 @@ static dig_status read_sections(const Loader *l, const unsigned char *data, cons
     return p.no_memory ? refuse(l, DIG_E_MEMORY, "not enough memory") : refuse(l, DIG_E_FORMAT, "%s", p.why);
 }
 
-dig_status dig_world_load(const char *path, dig_world **out, char *why, size_t capacity)
+static dig_status read_world(const Loader *l, const unsigned char *data, size_t size, World **out)
 {
-    Loader l = {path ? path : "", why, capacity};
-    unsigned char *data;
-    size_t size;
     Header h;
     World *w = NULL;
-    *out = NULL;
-    if (!path || !path[0])
-        return refuse(&l, DIG_E_ARG, "load: no path was given");
-    DIG_TRY(file_read(path, look_at_start, &l, &data, &size, why, capacity));
-    dig_status s = read_header(&l, data, size, &h);
+    dig_status s = read_header(l, data, size, &h);
     if (s == DIG_OK)
-        s = read_sections(&l, data, &h, &w);
-    free(data);
+        s = read_sections(l, data, &h, &w);
     if (s == DIG_OK)
         *out = w;
     else
         dig_world_close(w);
     return s;
+}
+
+dig_status dig_world_load(const char *path, dig_world **out, char *why, size_t capacity)
+{
+    Loader l = {.path = path ? path : "", .why = why, .capacity = capacity};
+    unsigned char *data;
+    size_t size;
+    *out = NULL;
+    if (!path || !path[0])
+        return refuse(&l, DIG_E_ARG, "load: no path was given");
+    DIG_TRY(file_read(path, look_at_start, &l, &data, &size, why, capacity));
+    dig_status s = read_world(&l, data, size, out);
+    free(data);
+    return s;
+}
+
+dig_status save_read(const void *bytes, size_t size, uint32_t gen_start, World **out, char *why, size_t capacity)
+{
+    Loader l = {"the world", why, capacity, gen_start};
+    *out = NULL;
+    DIG_TRY(look_at_start(&l, bytes, size < FILE_START ? size : FILE_START, size));
+    return read_world(&l, bytes, size, out);
+}
+
+dig_status dig_world_unpack(const void *bytes, size_t size, dig_world **out, char *why, size_t capacity)
+{
+    return save_read(bytes, size, 0, out, why, capacity);
 }

@@ -65,6 +65,8 @@ void save_surface(Pack *p, const World *w, Surface *s);
 void save_pose(Pack *p, pose *at, const char *what);
 /* A struct by the rows that describe it, checked by them when read. */
 void save_rows(Pack *p, const World *w, const dig_param *rows, void *fields, const char *subject);
+/* One field of such a struct, as it is; not of a list or a table. */
+void save_field(Pack *p, const World *w, const dig_param *row, void *field);
 /* A list of slots below `limit`, any number of times each. `list` points to a LIST(uint32_t). */
 void save_slots(Pack *p, World *w, void *list, uint32_t limit, const char *what);
 
@@ -73,6 +75,9 @@ void save_slots(Pack *p, World *w, void *list, uint32_t limit, const char *what)
 unsigned char *save_table(Pack *p, World *w, void **data, int *count, int *capacity, size_t item, void *free_list, size_t least, const char *what);
 #define SAVE_TABLE(p, w, list, free_list, least, what) \
     save_table((p), (w), (void **)&(list)->data, &(list)->count, &(list)->capacity, sizeof *(list)->data, (free_list), (least), (what))
+
+/* A world from the bytes of a file; generations of its handles count from `gen_start` unless that is 0. */
+dig_status save_read(const void *bytes, size_t size, uint32_t gen_start, World **out, char *why, size_t capacity);
 
 /* save_mass.c: is the inertia possible for the body's shapes? Derives what follows from it. */
 bool save_derive_mass(World *w, Body *b);

@@ -54,14 +54,13 @@ void save_pose(Pack *p, pose *at, const char *what)
 #define SPECK 1e-250    /* numbers nearer to 0 than this have no finite inverse once they are multiplied */
 
 /* Reals and whole numbers of a field, through copies: fields are reached by offset. */
-static void pack_reals(Pack *p, char *field, int count)
+static void pack_reals(Pack *p, char *field, size_t size)
 {
-    for (int i = 0; i < count; i++) {
+    for (size_t at = 0; at < size; at += sizeof(real)) {
         real x;
-        memcpy(&x, field + (size_t)i * sizeof x, sizeof x);
+        memcpy(&x, field + at, sizeof x);
         pack_real(p, &x);
-        pack_check(p, x == 0 || !(fabs(x) < SPECK), "a number is too small to be divided by");
-        memcpy(field + (size_t)i * sizeof x, &x, sizeof x);
+        memcpy(field + at, &x, sizeof x);
     }
 }
 
@@ -90,22 +89,46 @@ static void pack_handle_field(Pack *p, const World *w, char *field)
     memcpy(field, &b, sizeof b);
 }
 
+static bool is_real(dig_kind kind)
+{
+    return kind == DIG_REAL || kind == DIG_RANGE || kind == DIG_PAIR || kind == DIG_VEC3 || kind == DIG_DIR || kind == DIG_SIZE3
+        || kind == DIG_COLOUR || kind == DIG_QUAT;
+}
+
+void save_field(Pack *p, const World *w, const dig_param *row, void *field)
+{
+    switch (row->kind) {
+    case DIG_REAL: case DIG_RANGE: case DIG_PAIR: case DIG_VEC3: case DIG_DIR: case DIG_SIZE3: case DIG_COLOUR: case DIG_QUAT:
+        pack_reals(p, field, param_size(row));
+        break;
+    case DIG_INT: case DIG_CHOICE: pack_whole_field(p, field); break;
+    case DIG_BOOL: pack_yes_field(p, field); break;
+    case DIG_TEXT: case DIG_MATERIAL: pack_text(p, field, sizeof(dig_text)); break;
+    case DIG_BODY: case DIG_JOINT: pack_handle_field(p, w, field); break;
+    case DIG_TABLE: case DIG_POINTS: case DIG_INDICES: pack_fail(p, "'%s' is a list, which no record keeps", row->name); break;
+    }
+}
+
+static void check_specks(Pack *p, const char *field, size_t size)
+{
+    for (size_t at = 0; at < size; at += sizeof(real)) {
+        real x;
+        memcpy(&x, field + at, sizeof x);
+        pack_check(p, x == 0 || !(fabs(x) < SPECK), "a number is too small to be divided by");
+    }
+}
+
 static void pack_fields(Pack *p, const World *w, const dig_param *rows, char *fields)
 {
     for (const dig_param *row = rows; row && row->name; row++) {
         char *field = fields + row->offset;
-        switch (row->kind) {
-        case DIG_REAL: pack_reals(p, field, 1); break;
-        case DIG_RANGE: case DIG_PAIR: pack_reals(p, field, 2); break;
-        case DIG_VEC3: case DIG_DIR: case DIG_SIZE3: case DIG_COLOUR: pack_reals(p, field, 3); break;
-        case DIG_QUAT: pack_reals(p, field, 4); break;
-        case DIG_INT: case DIG_CHOICE: pack_whole_field(p, field); break;
-        case DIG_BOOL: pack_yes_field(p, field); break;
-        case DIG_TEXT: case DIG_MATERIAL: pack_text(p, field, sizeof(dig_text)); break;
-        case DIG_BODY: case DIG_JOINT: pack_handle_field(p, w, field); break;
-        case DIG_TABLE: pack_fields(p, w, row->rows, field); break;
-        case DIG_POINTS: case DIG_INDICES: pack_fail(p, "'%s' is a list, which no record keeps", row->name); break;
+        if (row->kind == DIG_TABLE) {
+            pack_fields(p, w, row->rows, field);
+            continue;
         }
+        save_field(p, w, row, field);
+        if (is_real(row->kind))
+            check_specks(p, field, param_size(row));
     }
 }
 

@@ -1,10 +1,16 @@
 /* api/snapshot.c - a world's whole state, set aside and put back, bit for bit: sleep, warm start, graph ids and all. */
 #include "api/api.h"
+#include "api/command.h"
 
 #include <stdlib.h>
 
 /* A snapshot is a world that never steps: the same tables, copied. */
-struct dig_snapshot { World *state; const World *of; };
+struct dig_snapshot {
+    World       *state;
+    const World *of;
+    Tap         *tap;           /* who listened when it was taken; NULL: nobody */
+    uint64_t     number;        /* of it there                                  */
+};
 
 /* ---- copying ---- */
 
@@ -144,7 +150,7 @@ dig_status api_clone(const World *from, World **out)
 
 /* ---- the calls ---- */
 
-dig_status dig_world_snapshot(dig_world *w, dig_snapshot **out)
+static dig_status do_snapshot(World *w, dig_snapshot **out)
 {
     *out = NULL;
     if (w->busy)
@@ -155,7 +161,36 @@ dig_status dig_world_snapshot(dig_world *w, dig_snapshot **out)
         return world_fail(w, DIG_E_MEMORY, "not enough memory for a snapshot");
     }
     s->of = w;
+    s->state->gen_start = w->gen_start;         /* its handles are those of the world */
+    s->state->serial = w->serial;
     *out = s;
+    return DIG_OK;
+}
+
+/* Played, it is kept by its number until it is forgotten. */
+dig_status run_snapshot(World *w, CommandArg *a)
+{
+    dig_snapshot *s;
+    DIG_TRY(do_snapshot(w, a[1].place ? a[1].place : &s));
+    if (a[1].place)
+        return DIG_OK;
+    Playback *b = w->playback;
+    if (list_push(&b->snapshots, &b->allocations) != DIG_OK) {
+        dig_snapshot_free(s);
+        return world_fail(w, DIG_E_MEMORY, "not enough memory for a snapshot");
+    }
+    b->snapshots.data[b->snapshots.count - 1] = (PlaybackSnapshot){a[0].whole, s};
+    return DIG_OK;
+}
+
+dig_status dig_world_snapshot(dig_world *w, dig_snapshot **out)
+{
+    if (!w->tap)
+        return do_snapshot(w, out);
+    DIG_TRY(command_do(w, COMMAND_SNAPSHOT, (CommandArg[COMMAND_ARGS]){{.whole = w->tap->snapshots + 1}, {.place = out}}));
+    (*out)->number = ++w->tap->snapshots;
+    (*out)->tap = w->tap;
+    w->tap->users++;
     return DIG_OK;
 }
 
@@ -180,10 +215,12 @@ static void exchange(World *w, World *other)
     swap_bytes(&w->scratch, &other->scratch, sizeof w->scratch);
     swap_bytes(&w->workers, &other->workers, sizeof w->workers);
     swap_bytes(&w->error, &other->error, sizeof w->error);
+    swap_bytes(&w->tap, &other->tap, sizeof w->tap);
+    swap_bytes(&w->playback, &other->playback, sizeof w->playback);
     w->allocations += other->allocations;
 }
 
-dig_status dig_world_restore(dig_world *w, const dig_snapshot *s)
+static dig_status do_restore(World *w, const dig_snapshot *s)
 {
     World *fresh;
     if (w->busy)
@@ -197,10 +234,78 @@ dig_status dig_world_restore(dig_world *w, const dig_snapshot *s)
     return DIG_OK;
 }
 
+static int played(const Playback *b, uint64_t number)
+{
+    for (int i = 0; b && i < b->snapshots.count; i++)
+        if (b->snapshots.data[i].number == number)
+            return i;
+    return -1;
+}
+
+dig_status run_restore(World *w, CommandArg *a)
+{
+    int i = a[1].what ? 0 : played(w->playback, a[0].whole);
+    if (i < 0)
+        return world_fail(w, DIG_E_DEAD, "restore: there is no snapshot %llu", (unsigned long long)a[0].whole);
+    return do_restore(w, a[1].what ? a[1].what : w->playback->snapshots.data[i].snapshot);
+}
+
+/* The snapshot is older than the log: its state is in the command. */
+dig_status run_restore_saved(World *w, CommandArg *a)
+{
+    char why[256];
+    World *fresh;
+    const CommandBytes *bytes = a[0].what;
+    if (a[1].what)
+        return do_restore(w, a[1].what);
+    if (w->busy)
+        return world_fail(w, DIG_E_BUSY, "restore: the world is stepping");
+    dig_status s = save_read(bytes->data, bytes->size, w->gen_start, &fresh, why, sizeof why);
+    if (s != DIG_OK)
+        return world_fail(w, s, "restore: %s", why);
+    exchange(w, fresh);
+    dig_world_close(fresh);             /* with its threads */
+    return DIG_OK;
+}
+
+dig_status run_forget(World *w, CommandArg *a)
+{
+    int i = played(w->playback, a[0].whole);
+    if (i < 0)
+        return world_fail(w, DIG_E_DEAD, "there is no snapshot %llu", (unsigned long long)a[0].whole);
+    Playback *b = w->playback;
+    dig_snapshot_free(b->snapshots.data[i].snapshot);
+    b->snapshots.data[i] = b->snapshots.data[--b->snapshots.count];
+    return DIG_OK;
+}
+
+static dig_status restore_saved(World *w, const dig_snapshot *s)
+{
+    void *data;
+    size_t size;
+    DIG_TRY(dig_world_pack(s->state, &data, &size));
+    const CommandBytes bytes = {data, size};
+    dig_status status = command_do(w, COMMAND_RESTORE_SAVED, (CommandArg[COMMAND_ARGS]){{.what = &bytes}, {.what = s}});
+    free(data);
+    return status == DIG_OK ? tap_effects(w) : status;
+}
+
+dig_status dig_world_restore(dig_world *w, const dig_snapshot *s)
+{
+    if (!w->tap)
+        return do_restore(w, s);
+    if (s->of == w && s->tap != w->tap && !w->busy)
+        return restore_saved(w, s);
+    return command_do(w, COMMAND_RESTORE, (CommandArg[COMMAND_ARGS]){{.whole = s->number}, {.what = s}});
+}
+
 void dig_snapshot_free(dig_snapshot *s)
 {
     if (!s)
         return;
+    if (s->tap)
+        tap_forget(s->tap, s->number);
+    tap_release(s->tap);
     world_close(s->state);
     free(s);
 }

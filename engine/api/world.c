@@ -1,5 +1,6 @@
 /* api/world.c - opening, stepping and reading a world. */
 #include "api/api.h"
+#include "api/command.h"
 
 #include <stdio.h>
 
@@ -84,14 +85,19 @@ dig_status dig_world_open(const dig_world_def *def, dig_world **out, char *why, 
 
 void dig_world_close(dig_world *w)
 {
-    if (w)
+    if (w) {
         workers_close(w->workers);
+        playback_close(w->playback);
+        if (w->tap)
+            w->tap->fn = NULL;
+        tap_release(w->tap);
+    }
     world_close(w);
 }
 
 const char *dig_error(const dig_world *w) { return w->error; }
 
-dig_status dig_world_step(dig_world *w)
+static dig_status do_step(World *w)
 {
     if (w->busy)
         return world_fail(w, DIG_E_BUSY, "world:step() cannot be called while the world is stepping");
@@ -108,6 +114,17 @@ dig_status dig_world_step(dig_world *w)
     return s;
 }
 
+dig_status run_step(World *w, CommandArg *a)
+{
+    (void)a;
+    return do_step(w);
+}
+
+dig_status dig_world_step(dig_world *w)
+{
+    return COMMAND(w, COMMAND_STEP, do_step(w), {.what = NULL});
+}
+
 real dig_world_time(const dig_world *w) { return world_time(w); }
 uint64_t dig_world_steps(const dig_world *w) { return w->steps; }
 real dig_world_frame(const dig_world *w) { return w->def.step; }
@@ -115,7 +132,7 @@ vec3 dig_world_gravity(const dig_world *w) { return w->def.gravity; }
 uint64_t dig_world_checksum(const dig_world *w) { return world_hash(w); }
 dig_status dig_world_check(dig_world *w) { return world_check(w); }
 
-dig_status dig_world_set_gravity(dig_world *w, vec3 g)
+static dig_status do_set_gravity(World *w, vec3 g)
 {
     DIG_TRY(api_finite(w, g, "world", "gravity", "m/s^2"));
     real before = dig_world_energy(w).potential;
@@ -126,7 +143,17 @@ dig_status dig_world_set_gravity(dig_world *w, vec3 g)
     return DIG_OK;
 }
 
-dig_status dig_world_set_accuracy(dig_world *w, const char *plan, real tolerance)
+dig_status run_gravity(World *w, CommandArg *a)
+{
+    return do_set_gravity(w, a[0].vec);
+}
+
+dig_status dig_world_set_gravity(dig_world *w, vec3 g)
+{
+    return COMMAND(w, COMMAND_GRAVITY, do_set_gravity(w, g), {.vec = g});
+}
+
+static dig_status do_set_accuracy(World *w, const char *plan, real tolerance)
 {
     if (!plan && !(tolerance > 0 && tolerance <= 1))
         return world_fail(w, DIG_E_ARG, "world: accuracy = %g m, must be > 0 and at most 1 m", tolerance);
@@ -135,6 +162,16 @@ dig_status dig_world_set_accuracy(dig_world *w, const char *plan, real tolerance
         return world_fail(w, DIG_E_ARG, "world: accuracy = '%s', must be sketch, play, study, reference or a length", plan);
     w->accuracy = accuracy;
     return DIG_OK;
+}
+
+dig_status run_accuracy(World *w, CommandArg *a)
+{
+    return do_set_accuracy(w, a[0].what, a[1].number);
+}
+
+dig_status dig_world_set_accuracy(dig_world *w, const char *plan, real tolerance)
+{
+    return COMMAND(w, COMMAND_ACCURACY, do_set_accuracy(w, plan, tolerance), {.what = plan}, {.number = tolerance});
 }
 
 const char *dig_world_accuracy(const dig_world *w) { return accuracy_plan(w->accuracy)->name; }

@@ -51,6 +51,7 @@ struct Recorder {
     Part     parts[PARTS];      /* of the block                                */
     Pack     pending;           /* commands since the last step                */
     bool     any_commands;      /* in the block                                */
+    bool     listens;           /* to what is done to the world                */
     LIST(Known)    known;
     LIST(NoteHash) hashes;
     Writer   writer;
@@ -374,6 +375,24 @@ dig_status recorder_start(Recorder *r, const void *bytes, size_t size)
     return wait_for_writer(r);
 }
 
+/* A failure stays with the recorder, which tells of it at its next call. */
+static void hear(void *context, const void *bytes, size_t size) { (void)recorder_commands(context, bytes, size); }
+
+dig_status recorder_listen(Recorder *r)
+{
+    void *bytes;
+    size_t size;
+    dig_status s = dig_world_pack(r->w, &bytes, &size);
+    if (s != DIG_OK)
+        return fail(r, s, dig_error(r->w));
+    s = recorder_start(r, bytes, size);
+    free(bytes);
+    if (s == DIG_OK && (s = dig_world_tap(r->w, hear, r)) != DIG_OK)
+        return fail(r, s, dig_error(r->w));
+    r->listens = s == DIG_OK;
+    return s;
+}
+
 /* ---- notes ---- */
 
 dig_status recorder_note(Recorder *r, const char *name, const char *text)
@@ -513,6 +532,8 @@ dig_status recorder_close(Recorder *r, char *why, size_t capacity)
 {
     if (!r)
         return DIG_OK;
+    if (r->w && r->listens)
+        dig_world_tap(r->w, NULL, NULL);
     if (r->failed == DIG_OK && r->w)
         recorder_before_step(r);        /* as the script left it */
     if (r->failed == DIG_OK && r->pending.size > 0)

@@ -33,6 +33,9 @@ dig_status recorder_open(const char *path, dig_world *w, const char *origin, Rec
 dig_status recorder_before_step(Recorder *r);
 /* After each step of the world. */
 dig_status recorder_step(Recorder *r);
+/* From here on what is done to the world goes into the replay: its state now, and each command (dig_world_tap). Once, before the
+ * first step; it calls the two below. */
+dig_status recorder_listen(Recorder *r);
 /* Bytes of the log of commands since the last step; gathered until the next frame. */
 dig_status recorder_commands(Recorder *r, const void *bytes, size_t size);
 /* The bytes of a saved world from which the commands start. */

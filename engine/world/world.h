@@ -277,6 +277,8 @@ struct dig_world {
     dig_warning warnings[DIG_WARNINGS]; int warning_count;
     Arena    scratch;                   /* of the calling thread                       */
     struct Workers *workers;            /* step/workers.h; NULL for one thread         */
+    struct Tap *tap;                    /* api/command.h: who listens to what is done to it; NULL = nobody */
+    struct Playback *playback;          /* there: what plays commands in it; NULL = nothing did */
     uint64_t allocations;
     char     error[512];
 };

@@ -82,5 +82,8 @@ touch "$toy/worlds/01_drop.lua"; echo 'run "01_drop"' >"$toy/tests/scenarios/a.l
 touch "$toy/worlds/01_drop.lua"; echo 'run "01_drop"' >"$toy/worlds/ledger_spec.lua";         accepts 'a world with both' worlds.sh
 echo 'x = 1' >"$toy/worlds/a.lua";                               catches 'a global variable in Lua' lua.sh
 
+put engine/digbox.h 'dig_status dig_toy_set(dig_world *w, int x);';          catches 'a call that no replay knows of' commands.sh
+put engine/digbox.h 'dig_status dig_toy_get(const dig_world *w, int *x);';   accepts 'a call that looks only' commands.sh
+
 echo "$passed passed, $failed failed"
 [ "$failed" -eq 0 ]

@@ -1,0 +1,81 @@
+/* lua/verify.c - the command `digbox verify`: simulates a replay again and compares the checksum of every step. */
+#include <getopt.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "command.h"
+#include "state.h"
+
+#include "digbox.h"
+#include "replay/rerun.h"
+
+static int fail(const char *path, const char *why, dig_status s)
+{
+    char text[700];
+    snprintf(text, sizeof text, "%s%s%s", strncmp(why, path, strlen(path)) == 0 ? "" : path, strncmp(why, path, strlen(path)) == 0 ? "" : ": ", why);
+    print_error(text);
+    return s == DIG_E_MEMORY ? EXIT_MEMORY : EXIT_FORMAT;
+}
+
+static int report(const char *path, const Replay *r, const Rerun *o)
+{
+    const ReplayInfo *info = replay_info(r);
+    const char *cut = info->cut ? ", of a file that ends early" : "";
+    if (o->differs < 0) {
+        printf("%s: %d steps, %d commands%s: every checksum the same\n", path, o->frames - 1, o->commands, cut);
+        return flush_output(EXIT_FINE);
+    }
+    printf("%s: differs at frame %d (step %" PRIu64 ", t = %.6g s) after %d commands%s: %s", path, o->differs, o->step,
+           (double)o->step * info->step, o->commands, cut, o->why);
+    if (o->was != o->is)
+        printf(" (checksum %016" PRIx64 ", now %016" PRIx64 ")", o->was, o->is);
+    if (strcmp(info->digbox, DIGBOX_VERSION) != 0)
+        printf("; it was made by digbox %s, this is %s", info->digbox, DIGBOX_VERSION);
+    printf("\n");
+    return flush_output(EXIT_DIVERGED);
+}
+
+static int verify(const char *path)
+{
+    char why[600] = "";
+    Replay *r;
+    Rerun o;
+    dig_status s = replay_open(path, &r, why, sizeof why);
+    if (s != DIG_OK)
+        return fail(path, why, s);
+    s = replay_rerun(r, &o, why, sizeof why);
+    int code = s == DIG_OK ? report(path, r, &o) : fail(path, why, s);
+    replay_close(r);
+    return code;
+}
+
+static int command_verify(int argc, char **argv)
+{
+    static const struct option options[] = {{"help", no_argument, NULL, 'h'}, {0}};
+    int c, code = EXIT_FINE;
+    optind = 1;
+    while ((c = getopt_long(argc, argv, "h", options, NULL)) != -1) {
+        if (c == 'h')
+            return print_help("verify");
+        return EXIT_USAGE;
+    }
+    if (optind >= argc)
+        return usage_error("verify: no replay was given");
+    for (int i = optind; i < argc; i++) {
+        int one = verify(argv[i]);
+        code = one > code ? one : code;
+    }
+    return code;
+}
+
+const Command verify_command = {
+    .name = "verify",
+    .use = "  digbox verify REPLAY...                         simulate replays again: is the checksum of every step the same?\n",
+    .notes =
+        "\n"
+        "A replay (digbox run --replay) holds the world it began with and every command that changed it; what effects written in Lua\n"
+        "gave back is in the log, so that no script is needed. Exit code 0: every checksum is the same, 7: one differs, which is named,\n"
+        "8: the file is no replay, or holds no log.\n",
+    .run = command_verify,
+};
