@@ -14,7 +14,7 @@
 #include "command.h"
 #include "state.h"
 
-static const Command *const commands[] = {&run_command, &test_command, &check_command, &cost_command};
+static const Command *const commands[] = {&run_command, &test_command, &check_command, &cost_command, &render_command};
 enum { COMMAND_COUNT = sizeof commands / sizeof *commands };
 
 /* ---- help ------------------------------------------------------------------ */
