@@ -1,7 +1,11 @@
 /* api/room.c - the six-sided room: walls that have no body of their own and can be opened one by one. */
 #include "api/api.h"
 
-static const char *const wall_names[6] = {"+x", "-x", "+y", "-y", "+z", "-z"};
+const char *dig_wall_name(int wall)
+{
+    static const char *const names[] = {"", "+x", "-x", "+y", "-y", "+z", "-z"};
+    return wall >= 0 && wall < (int)(sizeof names / sizeof *names) ? names[wall] : "";
+}
 
 /* The wall on side i faces inwards; it is a plane of the world itself. */
 static dig_status add_wall(World *w, int i)
@@ -68,7 +72,7 @@ dig_status dig_room_open(dig_world *w, const char *wall, bool open)
     if (!w->has_room)
         return world_fail(w, DIG_E_ARG, "room: this world has none");
     for (int i = 0; i < 6; i++) {
-        if (strcmp(wall, wall_names[i]) != 0)
+        if (strcmp(wall, dig_wall_name(i + 1)) != 0)
             continue;
         bool there = w->room_solid[i] != NONE;
         if (open && there)

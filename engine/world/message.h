@@ -5,8 +5,8 @@
  * The last message of each receiver (id, kind, time, sender: the debug record of a body) is kept by the caller, from what
  * message_post returns.
  *
- * Owns:      nothing: a MessageLog is plain memory without pointers, about 0.5 MB; it is copied by assignment and a zeroed one
- *            is empty. Unused bytes are always zero, so that equal logs are equal byte by byte.
+ * Owns:      nothing: a MessageLog is plain memory without pointers, about 0.5 MB; it is copied by assignment or, where it is
+ *            mostly empty, by message_copy; a zeroed one is empty. Unused bytes are always zero, so that equal logs are equal byte by byte.
  * Invariant: the log holds the MESSAGE_KEPT greatest messages by (time, id) posted so far.
  * Floor:     world, but needs base only.
  */
@@ -24,6 +24,7 @@ typedef struct MessageLog {
 } MessageLog;
 
 void     message_open(MessageLog *log);                         /* empties it and starts the ids again */
+void     message_copy(MessageLog *to, const MessageLog *from);  /* costs what either holds, not what both could */
 /* Logs a message; the id in it is ignored, the kind is cut at 31 bytes. Returns its new id, or 0, and logs nothing, when a
  * number in it is not finite. A message older than all of a full log gets an id but is not kept. */
 uint64_t message_post(MessageLog *log, const dig_message *message);

@@ -368,6 +368,7 @@ void       surface_pair(const World *w, const Surface *a, const Surface *b, Pair
 
 /* pair.c */
 dig_status pair_add(World *w, uint32_t solid_a, uint32_t solid_b);
+void       pair_attach(World *w, uint32_t pair);        /* into the lists of its solids */
 void       pair_remove(World *w, uint32_t pair);
 static inline uint32_t pair_side(const Pair *p, uint32_t solid) { return p->solid_a == solid ? 0 : 1; }
 void       pairs_of_solid_remove(World *w, uint32_t solid);
