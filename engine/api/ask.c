@@ -114,7 +114,7 @@ static dig_status push_once(Ask *k, Trial *t, bool *stopped, bool *more)
     const dig_question *q = k->q;
     *stopped = *more = false;
     k->a->consequence_count = 0;
-    DIG_TRY(ask_begin(k, q->with, (Changes){0}, t));
+    DIG_TRY(ask_push(k, q->with, t));
     while (!*more && !*stopped && t->moved < q->by && (real)t->steps * k->copy->def.step < q->within) {
         DIG_TRY(ask_step(k, t));
         note_breaks(k);

@@ -36,17 +36,16 @@ typedef struct Trial {          /* of one push */
     int  steps;
 } Trial;
 
-/* What is taken away before the push, and whether joints may break. */
-typedef struct Changes { const dig_part *without; int count; bool unbreakable; } Changes;
-
 /* ---- ask_trial.c ---- */
 real       ask_scale(const Ask *k);             /* m/s or rad/s  of a body this large, for 1 m/s */
 real       ask_weight(const Ask *k);            /* N or N m  of its DIG, at least as in 1 m/s^2 */
-dig_status ask_begin(Ask *k, real push, Changes c, Trial *t);
+dig_status ask_push(Ask *k, real push, Trial *t);      /* joints may break in it */
 dig_status ask_step(Ask *k, Trial *t);
 bool       ask_stuck(const Ask *k, const Trial *t);     /* at rest, and not starting */
-/* A few steps of a copy: does it start? *rate: how fast it is then. */
-dig_status ask_starts(Ask *k, real push, Changes c, bool *does, real *rate);
+/* A few steps of a copy in which no joint breaks: does it start? *rate: how fast it is after them. */
+dig_status ask_starts(Ask *k, real push, bool *does, real *rate);
+/* The same with some parts taken away before. */
+dig_status ask_starts_without(Ask *k, real push, const dig_part *parts, int count, bool *does);
 /* It is drawn, ever so slowly, by whatever that takes: *force, up to `most`. *steady: this is what keeps it moving, or does not move it. */
 dig_status ask_draw(Ask *k, real most, real *force, bool *steady);
 

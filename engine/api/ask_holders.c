@@ -66,16 +66,15 @@ dig_status ask_holders(Ask *k, real push)
 {
     dig_answer *a = k->a;
     bool does = false;
-    real rate;
     Links list;
     list_links(k, &list);
     for (int i = 0; i < list.count && !does; i++) {
-        DIG_TRY(ask_starts(k, push, (Changes){.without = &list.part[i], .count = 1}, &does, &rate));
+        DIG_TRY(ask_starts_without(k, push, &list.part[i], 1, &does));
         if (does)
             a->held[a->held_count++] = list.part[i];
     }
     for (int n = 2; n <= list.count && !does; n++) {
-        DIG_TRY(ask_starts(k, push, (Changes){.without = list.part, .count = n}, &does, &rate));
+        DIG_TRY(ask_starts_without(k, push, list.part, n, &does));
         for (int i = 0; does && i < int_min(n, DIG_ANSWER_PARTS); i++)
             a->held[a->held_count++] = list.part[i];
     }

@@ -16,7 +16,7 @@ static dig_status halve(Ask *k, real push, real *low, real *high, real *rate)
     real r;
     if (!(push > *low && push < *high))
         return DIG_OK;
-    DIG_TRY(ask_starts(k, push, (Changes){0}, &does, &r));
+    DIG_TRY(ask_starts(k, push, &does, &r));
     *(does ? high : low) = push;
     *rate = does ? r : *rate;
     return DIG_OK;
@@ -29,7 +29,7 @@ static dig_status narrow(Ask *k, real low, real high, real rate, real *needs)
     for (int i = 0; i < 12 && high - low > SHARP * high; i++) {
         bool does;
         real r, beyond = 1.1 * high;
-        DIG_TRY(ask_starts(k, beyond, (Changes){0}, &does, &r));
+        DIG_TRY(ask_starts(k, beyond, &does, &r));
         real root = r > rate ? high - rate * (beyond - high) / (r - rate) : 0;
         DIG_TRY(halve(k, root * (1 + 0.4 * SHARP), &low, &high, &rate));
         DIG_TRY(halve(k, root * (1 - 0.4 * SHARP), &low, &high, &rate));
@@ -47,7 +47,7 @@ static dig_status search_down(Ask *k, real high, real rate, real *needs)
     real r;
     while (high > ASK_FREE * ask_weight(k)) {
         real low = 0.25 * high;
-        DIG_TRY(ask_starts(k, low, (Changes){0}, &does, &r));
+        DIG_TRY(ask_starts(k, low, &does, &r));
         if (!does)
             return narrow(k, low, high, rate, needs);
         high = low;
@@ -65,7 +65,7 @@ static dig_status search_up(Ask *k, real low, real drawn, real *needs)
     for (; low < most; low *= 4) {
         if (4 * low <= drawn)
             continue;
-        DIG_TRY(ask_starts(k, 4 * low, (Changes){0}, &does, &rate));
+        DIG_TRY(ask_starts(k, 4 * low, &does, &rate));
         if (does && low <= drawn) {
             *needs = drawn;
             return DIG_OK;
@@ -91,7 +91,7 @@ dig_status ask_needs(Ask *k, real push, bool known, real *needs)
     bool does = false, steady = false;
     real rate = 0, drawn = NAN;
     if (!known)
-        DIG_TRY(ask_starts(k, push, (Changes){0}, &does, &rate));
+        DIG_TRY(ask_starts(k, push, &does, &rate));
     if (!sticks(k->part.world))
         DIG_TRY(ask_draw(k, ASK_MOST * ask_weight(k), &drawn, &steady));
     if (steady && (does ? drawn <= push : isinf(drawn))) {

@@ -3,7 +3,8 @@
 
 #define FEW         6           /* steps after which what has not started will not                  */
 #define HELD        1e-7        /* m/s: what the solver leaves of a speed that is held              */
-#define CLEAR       1e-2        /* m: who got so far within a few steps has started                 */
+#define CLEAR       1e-2        /* m: who got so far in fewer steps has started, and not just closed a gap */
+#define CLEAR_OF    1e-3        /* m: the same, of one without something that may have held it      */
 #define CRAWL       4e-3        /* m/s: how fast it is drawn; slower, and it counts as at rest (step/rest.c)  */
 #define DRAWN       3           /* steps: one for inertia, two that must agree                      */
 #define SAME        1e-3        /* of two forces that agree, relative                               */
@@ -45,29 +46,36 @@ static void open_lock(World *copy, dig_part p)
         dig_body_set(copy, p.body, "collides", &no);
 }
 
-static dig_status prepare(Ask *k, Changes c, Trial *t)
+static dig_status prepare(Ask *k, Trial *t)
 {
     *t = (Trial){0};
     if ((k->used || !k->copy) && (k->copy ? api_refill(k->copy, k->part.world) : api_clone(k->part.world, &k->copy)) != DIG_OK)
         return world_fail(k->w, DIG_E_MEMORY, "ask: not enough memory for a copy of the DIG");
     k->used = true;
     k->a->trials++;
-    for (int i = 0; i < c.count; i++)
-        open_lock(k->copy, c.without[i]);
-    for (int i = 0; c.unbreakable && i < k->copy->joints.count; i++)
-        k->copy->joints.data[i].breaks_at = 0;
     t->start = point_now(k);
     t->speed = rate_now(k);
     return DIG_OK;
 }
 
-dig_status ask_begin(Ask *k, real push, Changes c, Trial *t)
+static void make_unbreakable(World *copy)
 {
-    DIG_TRY(prepare(k, c, t));
+    for (int i = 0; i < copy->joints.count; i++)
+        copy->joints.data[i].breaks_at = 0;
+}
+
+static dig_status act(Ask *k, real push, const Trial *t)
+{
     dig_body body = body_handle(k->copy, k->body);
-    vec3 act = vec3_scale(push, k->along);
-    dig_status s = k->q->turns ? dig_body_twist(k->copy, body, act, 1e6) : dig_body_push(k->copy, body, act, t->start, true, 1e6);
+    vec3 force = vec3_scale(push, k->along);
+    dig_status s = k->q->turns ? dig_body_twist(k->copy, body, force, 1e6) : dig_body_push(k->copy, body, force, t->start, true, 1e6);
     return s == DIG_OK ? s : world_fail(k->w, s, "ask: %s", dig_error(k->copy));
+}
+
+dig_status ask_push(Ask *k, real push, Trial *t)
+{
+    DIG_TRY(prepare(k, t));
+    return act(k, push, t);
 }
 
 dig_status ask_step(Ask *k, Trial *t)
@@ -95,17 +103,34 @@ bool ask_stuck(const Ask *k, const Trial *t)
     return is_held(k, t) || (t->steps >= FEW && slow);
 }
 
-dig_status ask_starts(Ask *k, real push, Changes c, bool *does, real *rate)
+/* far: m, where it is sure before the last of the steps. */
+static dig_status few_steps(Ask *k, real push, real far, Trial *t, bool *does)
+{
+    *does = false;
+    make_unbreakable(k->copy);
+    DIG_TRY(act(k, push, t));
+    while (t->steps < FEW && !is_held(k, t) && !(t->steps >= 2 && t->moved > far * ask_scale(k) && t->faster > 0))
+        DIG_TRY(ask_step(k, t));
+    *does = t->speed > ASK_STARTS * ask_scale(k) && t->moved > 0;
+    return DIG_OK;
+}
+
+dig_status ask_starts(Ask *k, real push, bool *does, real *rate)
 {
     Trial t;
-    c.unbreakable = true;
-    *does = false;
-    DIG_TRY(ask_begin(k, push, c, &t));
-    while (t.steps < FEW && !is_held(k, &t) && !(t.steps >= 2 && t.moved > CLEAR * ask_scale(k) && t.faster > 0))
-        DIG_TRY(ask_step(k, &t));
-    *does = t.speed > ASK_STARTS * ask_scale(k) && t.moved > 0;
-    *rate = t.speed / t.steps * FEW;
+    DIG_TRY(prepare(k, &t));
+    DIG_TRY(few_steps(k, push, CLEAR, &t, does));
+    *rate = t.speed / t.steps * FEW;            /* it speeds up evenly, or nearly so */
     return DIG_OK;
+}
+
+dig_status ask_starts_without(Ask *k, real push, const dig_part *parts, int count, bool *does)
+{
+    Trial t;
+    DIG_TRY(prepare(k, &t));
+    for (int i = 0; i < count; i++)
+        open_lock(k->copy, parts[i]);
+    return few_steps(k, push, CLEAR_OF, &t, does);
 }
 
 /* ---- the push as an unknown ---- */
@@ -155,7 +180,8 @@ dig_status ask_draw(Ask *k, real most, real *force, bool *steady)
     uint32_t slot;
     real before = NAN;
     *force = NAN;
-    DIG_TRY(prepare(k, (Changes){.unbreakable = true}, &t));
+    DIG_TRY(prepare(k, &t));
+    make_unbreakable(k->copy);
     bool still = fabs(t.speed) < ASK_STARTS * ask_scale(k);
     DIG_TRY(add_draw(k, most, &slot));
     while (t.steps < DRAWN) {
