@@ -64,6 +64,13 @@ static void make_unbreakable(World *copy)
         copy->joints.data[i].breaks_at = 0;
 }
 
+/* What begins with a jerk is hard to trace exactly, and need not be: who only wants to know whether it starts has it swept. */
+static void sweep_it(World *copy)
+{
+    for (int i = 0; i < copy->bodies.count; i++)
+        copy->bodies.data[i].trace_wait = FEW;
+}
+
 static dig_status act(Ask *k, real push, const Trial *t)
 {
     dig_body body = body_handle(k->copy, k->body);
@@ -108,6 +115,7 @@ static dig_status few_steps(Ask *k, real push, real far, Trial *t, bool *does)
 {
     *does = false;
     make_unbreakable(k->copy);
+    sweep_it(k->copy);
     DIG_TRY(act(k, push, t));
     while (t->steps < FEW && !is_held(k, t) && !(t->steps >= 2 && t->moved > far * ask_scale(k) && t->faster > 0))
         DIG_TRY(ask_step(k, t));
@@ -182,6 +190,7 @@ dig_status ask_draw(Ask *k, real most, real *force, bool *steady)
     *force = NAN;
     DIG_TRY(prepare(k, &t));
     make_unbreakable(k->copy);
+    sweep_it(k->copy);
     bool still = fabs(t.speed) < ASK_STARTS * ask_scale(k);
     DIG_TRY(add_draw(k, most, &slot));
     while (t.steps < DRAWN) {
