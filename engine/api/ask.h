@@ -46,8 +46,8 @@ bool       ask_stuck(const Ask *k, const Trial *t);     /* at rest, and not star
 dig_status ask_starts(Ask *k, real push, bool *does, real *rate);
 /* The same with some parts taken away before. */
 dig_status ask_starts_without(Ask *k, real push, const dig_part *parts, int count, bool *does);
-/* It is drawn, ever so slowly, by whatever that takes: *force, up to `most`. *steady: this is what keeps it moving, or does not move it. */
-dig_status ask_draw(Ask *k, real most, real *force, bool *steady);
+/* It is drawn slowly by whatever that takes, up to `most`: *force. Infinite: in vain. NaN: it moves, but not evenly. */
+dig_status ask_draw(Ask *k, real most, real *force);
 
 /* ---- ask_needs.c ---- */
 /* The least push that starts it; infinite: none does. known: `push` is known not to. */

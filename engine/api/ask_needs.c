@@ -57,7 +57,7 @@ static dig_status search_down(Ask *k, real high, real rate, real *needs)
     return DIG_OK;
 }
 
-/* From a push that does not start it up, by fours. drawn: what drawing it said, or NaN; what is below it is not tried. */
+/* From a push that does not start it up, by fours. drawn: what drawing it took, NaN: nobody knows; what is below it is not tried. */
 static dig_status search_up(Ask *k, real low, real drawn, real *needs)
 {
     bool does;
@@ -88,15 +88,20 @@ static bool sticks(const World *w)
 
 dig_status ask_needs(Ask *k, real push, bool known, real *needs)
 {
-    bool does = false, steady = false;
-    real rate = 0, drawn = NAN;
+    bool does = false;
+    real rate = 0, drawn = NAN, most = ASK_MOST * ask_weight(k);
     if (!known)
         DIG_TRY(ask_starts(k, push, &does, &rate));
     if (!sticks(k->part.world))
-        DIG_TRY(ask_draw(k, ASK_MOST * ask_weight(k), &drawn, &steady));
-    if (steady && (does ? drawn <= push : isinf(drawn))) {
+        DIG_TRY(ask_draw(k, most, &drawn));
+    if (does) {
         *needs = real_max(0, drawn);
-        return DIG_OK;
+        return drawn <= push ? DIG_OK : search_down(k, push, rate, needs);
     }
-    return does ? search_down(k, push, rate, needs) : search_up(k, push, steady && drawn > push ? drawn : NAN, needs);
+    if (isinf(drawn) && push < most) {
+        *needs = INFINITY;
+        DIG_TRY(ask_starts(k, most, &does, &rate));
+        return does ? search_up(k, push, NAN, needs) : DIG_OK;
+    }
+    return search_up(k, push, drawn > push ? drawn : NAN, needs);
 }

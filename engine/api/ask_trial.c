@@ -182,12 +182,11 @@ static dig_status add_draw(Ask *k, real most, uint32_t *slot)
     return DIG_OK;
 }
 
-dig_status ask_draw(Ask *k, real most, real *force, bool *steady)
+dig_status ask_draw(Ask *k, real most, real *force)
 {
     Trial t;
     uint32_t slot;
-    real before = NAN;
-    *force = NAN;
+    real before = NAN, now = NAN, crawl = CRAWL * ask_scale(k);
     DIG_TRY(prepare(k, &t));
     make_unbreakable(k->copy);
     sweep_it(k->copy);
@@ -196,12 +195,11 @@ dig_status ask_draw(Ask *k, real most, real *force, bool *steady)
     while (t.steps < DRAWN) {
         DIG_TRY(ask_step(k, &t));
         const JointRec *j = &k->copy->joints.data[slot];
-        before = *force;
-        *force = vec3_dot(k->q->turns ? j->torque : j->force, k->along);
+        before = now;
+        now = vec3_dot(k->q->turns ? j->torque : j->force, k->along);
     }
-    bool moves = fabs(t.speed / (CRAWL * ask_scale(k)) - 1) < 0.05, same = fabs(*force - before) <= SAME * (fabs(*force) + ASK_FREE * ask_weight(k));
-    bool strained = *force > 0.999 * most && t.speed < 0.05 * CRAWL * ask_scale(k);
-    *steady = still && (strained || (moves && same));
-    *force = strained ? INFINITY : *force;
+    bool steady = fabs(t.speed - crawl) < 0.05 * crawl && fabs(now - before) <= SAME * (fabs(now) + ASK_FREE * ask_weight(k));
+    bool in_vain = fabs(t.speed) < 0.05 * crawl;
+    *force = still && steady ? now : still && in_vain ? INFINITY : NAN;
     return DIG_OK;
 }
