@@ -32,6 +32,20 @@ uint64_t message_post(MessageLog *log, const dig_message *message);
  * under an id so given, `m->id`. Dropped when a number in it is not finite. Messages of the same time in ascending order. */
 uint64_t message_ids(MessageLog *log, uint64_t count);
 void     message_keep(MessageLog *log, const dig_message *m);
+/* message_keep for many of one kind: all numbers are finite, and the bytes of `kind` after its end are zero. */
+static inline void message_append(MessageLog *log, const dig_message *m)
+{
+    uint32_t end = (log->start + log->count) % MESSAGE_KEPT;
+    if (log->count > 0 && m->time < log->ring[(end + MESSAGE_KEPT - 1) % MESSAGE_KEPT].time) {
+        message_keep(log, m);                   /* not the last */
+        return;
+    }
+    log->ring[end] = *m;
+    if (log->count < MESSAGE_KEPT)
+        log->count++;
+    else
+        log->start = (log->start + 1) % MESSAGE_KEPT;
+}
 int      message_count(const MessageLog *log);
 const dig_message *message_at(const MessageLog *log, int index);        /* 0 = oldest; NULL: no such; valid until the next post */
 const dig_message *message_find(const MessageLog *log, uint64_t id);    /* NULL: forgotten or never posted; searches the log */
