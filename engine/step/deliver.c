@@ -112,11 +112,13 @@ static bool start_search(World *w)
     return list_reserve(&m->reach, w->bodies.count, &w->allocations) == DIG_OK;
 }
 
+static bool was_reached(const Mail *m, uint32_t body) { return m->seen.data[body].stamp == m->stamp; }
+
 /* True when it was not there yet. */
 static bool reach(World *w, uint32_t body, uint32_t from, int hop, real value)
 {
     Mail *m = &w->mail;
-    if (m->seen.data[body].stamp == m->stamp)
+    if (was_reached(m, body))
         return false;
     m->seen.data[body] = (Seen){m->stamp, (uint32_t)m->reach.count};
     m->reach.data[m->reach.count++] = (Reach){body, from, hop, value};          /* each body once: there is room */
@@ -186,6 +188,8 @@ static void flood_link(World *w, const dig_post *d, const GraphLink *l, uint32_t
 {
     const Reach from = w->mail.reach.data[head];
     uint32_t next = far_end(l, from.body);
+    if (d->transform != DIG_TRANSFORM_RATIO && was_reached(&w->mail, next))
+        return;                                 /* values are not compared */
     real factor = d->transform == DIG_TRANSFORM_SCALE ? d->factor : d->transform == DIG_TRANSFORM_RATIO ? ratio_of(w, d->layer, l, from.body) : 1;
     if (l->bound || !fits(d, l) || factor == 0)
         return;
@@ -208,8 +212,11 @@ static void reach_flood(World *w, const dig_post *d, dig_receipt *r)
         const Reach at = w->mail.reach.data[head];
         if (d->hops > 0 && at.hop >= d->hops)
             continue;
-        for (uint32_t l = graph_link_first(g, at.body); l != GRAPH_END; l = graph_link_next(g, at.body, l))
-            flood_link(w, d, graph_link(g, l), (uint32_t)head, r);
+        for (uint32_t l = graph_link_first(g, at.body); l != GRAPH_END;) {
+            const GraphLink *link = graph_link(g, l);
+            flood_link(w, d, link, (uint32_t)head, r);
+            l = graph_link_after(link, at.body);
+        }
     }
 }
 
