@@ -479,6 +479,7 @@ dig_body dig_body_find(const dig_world *w, const char *name);                   
 typedef struct dig_room_def { vec3 size; vec3 at; real friction, restitution; } dig_room_def;   /* at = centre of the floor */
 dig_status dig_room_set(dig_world *w, const dig_room_def *def);
 dig_status dig_room_open(dig_world *w, const char *wall, bool open);            /* "+x" "-x" "+y" "-y" "+z" "-z" */
+const char *dig_wall_name(int wall);            /* of 1..6, in that order; "" for all other numbers */
 
 /* ---- regions ------------------------------------------------------------------- */
 /* Inside a region other laws hold for bodies whose centre of mass is there. */

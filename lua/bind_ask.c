@@ -7,11 +7,10 @@
 /* A body, a joint, or the name of a wall of the room. */
 static void push_part(lua_State *L, int world, dig_part p)
 {
-    static const char *const walls[] = {"", "+x", "-x", "+y", "-y", "+z", "-z"};
     if (p.joint.gen)
         bind_push_joint(L, world, p.joint);
     else if (p.wall)
-        lua_pushstring(L, walls[p.wall]);
+        lua_pushstring(L, dig_wall_name(p.wall));
     else
         bind_push_body(L, world, p.body);
 }

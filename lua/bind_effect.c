@@ -225,10 +225,12 @@ static int set_options(lua_State *L, const WorldRef *ref, int index, const char 
 static int world_effect(lua_State *L)
 {
     WorldRef *ref = bind_check_world(L, 1);
-    const char *name = luaL_checkstring(L, 2);
     dig_effect_info info;
     int index = -1;
     lua_settop(L, 3);
+    if (lua_type(L, 2) != LUA_TSTRING)
+        return bind_error(L, "world:effect(name, on) wants the name of an effect, as in world:effect('drag', true); got %s", luaL_typename(L, 2));
+    const char *name = lua_tostring(L, 2);
     lua_newtable(L);
     for (int i = 0; i < dig_effect_count(ref->w); i++)
         if (dig_effect_get(ref->w, i, &info) == DIG_OK) {

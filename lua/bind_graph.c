@@ -287,7 +287,6 @@ static int dig_tostring(lua_State *L)
 
 static void push_event(lua_State *L, const dig_world *w, const dig_event *e)
 {
-    static const char *const walls[] = {"", "+x", "-x", "+y", "-y", "+z", "-z"};
     const dig_message *m = dig_message_of(w, e);
     lua_createtable(L, 0, 16);
     lua_pushstring(L, dig_event_name(e->kind));
@@ -306,8 +305,8 @@ static void push_event(lua_State *L, const dig_world *w, const dig_event *e)
     lua_setfield(L, -2, "dig");
     bind_push_dig(L, 1, (dig_dig){e->other_dig, e->layer});
     lua_setfield(L, -2, "other_dig");
-    if (e->wall >= 1 && e->wall <= 6) {
-        lua_pushstring(L, walls[e->wall]);
+    if (e->wall > 0) {
+        lua_pushstring(L, dig_wall_name(e->wall));
         lua_setfield(L, -2, "wall");
     }
     if (e->kind == DIG_EVENT_ENTERED || e->kind == DIG_EVENT_LEFT) {

@@ -210,6 +210,16 @@ static void push_definition(lua_State *L, const OwnRef *o)
     lua_pushfstring(L, ar.source[0] == '@' ? "%s:%d: " : "", ar.source + 1, ar.linedefined);
 }
 
+/* What ends the script is no error of its own. */
+static bool ends_script(lua_State *L)
+{
+    lua_getfield(L, LUA_REGISTRYINDEX, "digbox.core");
+    lua_getfield(L, -1, "finished");
+    bool ends = lua_rawequal(L, -3, -1);
+    lua_pop(L, 2);
+    return ends;
+}
+
 void bind_own_check(lua_State *L, WorldRef *world)
 {
     OwnRef *o = world->failed;
@@ -220,6 +230,13 @@ void bind_own_check(lua_State *L, WorldRef *world)
     lua_xmove(o->thread, L, 1);
     lua_pushnil(o->thread);
     lua_replace(o->thread, OWN_FAILURE);
+    if (lua_type(L, -1) != LUA_TSTRING && !ends_script(L)) {
+        const char *kind = luaL_typename(L, -1);
+        push_definition(L, o);
+        lua_pushfstring(L, "effect '%s': error was called with a %s, must be with a text that says what is wrong", o->name, kind);
+        lua_concat(L, 2);
+        lua_error(L);
+    }
     const char *text = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : NULL;
     if (!text || bind_exit_code(L, text) != 1)          /* a way to end the script, or a limit: as it is */
         lua_error(L);

@@ -441,7 +441,7 @@ static int handle_message(lua_State *L)
         return 1;
     }
     bind_where(L);
-    lua_pushfstring(L, "(error object is a %s value)", luaL_typename(L, 1));
+    lua_pushfstring(L, "error was called with a %s, must be with a text that says what is wrong", luaL_typename(L, 1));
     lua_concat(L, 2);
     return 1;
 }

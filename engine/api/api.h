@@ -32,8 +32,10 @@ dig_status api_effect_set(World *w, uint32_t body, int effect, const dig_param *
 void api_effect_get(const World *w, uint32_t body, int effect, const dig_param *row, void *value);
 /* snapshot.c: a world of its own with the same state, one thread; dig_world_close */
 dig_status api_clone(const World *w, World **out);
-/* ask_linkage.c: do gears that hang on this body's hinges contradict each other? Fills the loop's bodies. */
-bool api_linkage_conflict(const World *w, uint32_t body, dig_part *loop, int *count);
+/* The same into a world that is there, a clone of `from` or of what it was taken from; where it had room, nothing is allocated. What
+ * is left when memory runs out is fit for dig_world_close only. */
+dig_status api_refill(World *to, const World *from);
+dig_status api_copy_effects(World *to, const World *from);      /* their options, not who takes part */
 /* NULL: not a body that forces move; *status says why. */
 Body      *api_pushable(World *w, dig_body b, const char *call, dig_status *status);
 dig_status api_push(World *w, dig_body b, Push p, real lasts, const char *call);

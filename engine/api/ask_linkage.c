@@ -2,7 +2,7 @@
  * must turn at one speed; where the two differ, the train contradicts itself and nothing in it can turn: three wheels in a
  * triangle jam, four in a ring turn.
  */
-#include "api/api.h"
+#include "api/ask.h"
 
 #include <stdlib.h>
 
@@ -91,7 +91,7 @@ static bool flood(Flood *f, uint32_t start, dig_part *loop, int *count)
     return false;
 }
 
-bool api_linkage_conflict(const World *w, uint32_t body, dig_part *loop, int *count)
+bool ask_conflict(const World *w, uint32_t body, dig_part *loop, int *count)
 {
     bool geared = false, conflict = false;
     *count = 0;

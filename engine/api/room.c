@@ -2,7 +2,11 @@
 #include "api/api.h"
 #include "api/command.h"
 
-static const char *const wall_names[6] = {"+x", "-x", "+y", "-y", "+z", "-z"};
+const char *dig_wall_name(int wall)
+{
+    static const char *const names[] = {"", "+x", "-x", "+y", "-y", "+z", "-z"};
+    return wall >= 0 && wall < (int)(sizeof names / sizeof *names) ? names[wall] : "";
+}
 
 /* The wall on side i faces inwards; it is a plane of the world itself. */
 static dig_status add_wall(World *w, int i)
@@ -79,7 +83,7 @@ static dig_status do_open_wall(World *w, const char *wall, bool open)
     if (!w->has_room)
         return world_fail(w, DIG_E_ARG, "room: this world has none");
     for (int i = 0; i < 6; i++) {
-        if (strcmp(wall, wall_names[i]) != 0)
+        if (strcmp(wall, dig_wall_name(i + 1)) != 0)
             continue;
         bool there = w->room_solid[i] != NONE;
         if (open && there)

@@ -71,17 +71,30 @@ static dig_status reserve_like(World *to, const World *from)
     return list_reserve(&to->brief, from->brief.capacity, n);
 }
 
+static void free_shapes(World *w)
+{
+    for (int i = 0; i < w->solids.count; i++)
+        if (w->solids.data[i].alive)
+            shape_free(&w->solids.data[i].shape);
+    for (int i = 0; i < w->regions.count; i++)
+        if (w->regions.data[i].alive)
+            shape_free(&w->regions.data[i].shape);
+    w->solids.count = w->regions.count = 0;
+}
+
 /* Shapes never change: both worlds hold the same ones. */
 static dig_status copy_shapes(World *to, const World *from)
 {
-    DIG_TRY(list_copy(&to->solids, &from->solids, &to->allocations));
-    for (int i = 0; i < to->solids.count; i++)
-        if (to->solids.data[i].alive)
-            to->solids.data[i].shape = shape_keep(&from->solids.data[i].shape);
+    free_shapes(to);
+    DIG_TRY(list_reserve(&to->solids, from->solids.count, &to->allocations));
     DIG_TRY(list_copy(&to->regions, &from->regions, &to->allocations));
     for (int i = 0; i < to->regions.count; i++)
         if (to->regions.data[i].alive)
             to->regions.data[i].shape = shape_keep(&from->regions.data[i].shape);
+    DIG_TRY(list_copy(&to->solids, &from->solids, &to->allocations));
+    for (int i = 0; i < to->solids.count; i++)
+        if (to->solids.data[i].alive)
+            to->solids.data[i].shape = shape_keep(&from->solids.data[i].shape);
     return DIG_OK;
 }
 
@@ -93,7 +106,7 @@ static void copy_numbers(World *to, const World *from)
     to->dig_accuracies = from->dig_accuracies;
     to->steps = from->steps;
     to->rng = from->rng;
-    to->messages = from->messages;
+    message_copy(&to->messages, &from->messages);
     to->room = from->room;
     to->has_room = from->has_room;
     memcpy(to->room_solid, from->room_solid, sizeof to->room_solid);
@@ -103,49 +116,72 @@ static void copy_numbers(World *to, const World *from)
     to->warning_count = from->warning_count;
 }
 
-static dig_status copy_effects(World *to, const World *from)
+/* The options of one effect; who takes part is another matter. */
+static dig_status copy_effect(EffectSlot *to, const EffectSlot *from)
 {
-    to->effect_count = from->effect_count;
+    void *options = to->world;
+    Column members = to->members;
+    if (from->owner && !to->owner)
+        from->owner->users++;
+    if (from->world && !options && !(options = malloc(from->world_size)))
+        return DIG_E_MEMORY;
+    if (!from->world) {
+        free(options);
+        options = NULL;
+    }
+    *to = *from;
+    to->world = options;
+    to->members = members;
+    to->members.size = from->members.size;
+    if (options)
+        memcpy(options, from->world, from->world_size);
+    return DIG_OK;
+}
+
+dig_status api_copy_effects(World *to, const World *from)
+{
     to->flowing = from->flowing;
     to->met = from->met;
     for (int i = 0; i < from->effect_count; i++) {
-        const EffectSlot *e = &from->effects[i];
-        to->effects[i] = *e;
-        to->effects[i].world = NULL;
-        to->effects[i].members = (Column){.size = e->members.size};
-        if (e->owner)
-            e->owner->users++;
-        DIG_TRY(column_copy(&to->effects[i].members, &e->members, &to->allocations));
-        if (e->world && !(to->effects[i].world = malloc(e->world_size)))
-            return DIG_E_MEMORY;
-        if (e->world)
-            memcpy(to->effects[i].world, e->world, e->world_size);
+        EffectSlot *e = &to->effects[i];
+        if (i >= to->effect_count)
+            *e = (EffectSlot){0};
+        to->effect_count = int_max(to->effect_count, i + 1);
+        DIG_TRY(copy_effect(e, &from->effects[i]));
     }
     return DIG_OK;
 }
 
-/* A world of its own with the same state. */
+static dig_status copy_members(World *to, const World *from)
+{
+    for (int i = 0; i < from->effect_count; i++)
+        DIG_TRY(column_copy(&to->effects[i].members, &from->effects[i].members, &to->allocations));
+    return DIG_OK;
+}
+
+dig_status api_refill(World *to, const World *from)
+{
+    DIG_TRY(copy_shapes(to, from));
+    DIG_TRY(copy_tables(to, from));
+    DIG_TRY(copy_free_lists(to, from));
+    DIG_TRY(reserve_like(to, from));
+    DIG_TRY(api_copy_effects(to, from));
+    DIG_TRY(copy_members(to, from));
+    copy_numbers(to, from);
+    return DIG_OK;
+}
+
 dig_status api_clone(const World *from, World **out)
 {
     char why[64];
     World *to;
     DIG_TRY(world_open(&from->def, &to, why, sizeof why));
-    dig_status s = copy_shapes(to, from);
+    dig_status s = api_refill(to, from);
     if (s == DIG_OK)
-        s = copy_tables(to, from);
-    if (s == DIG_OK)
-        s = copy_free_lists(to, from);
-    if (s == DIG_OK)
-        s = reserve_like(to, from);
-    if (s == DIG_OK)
-        s = copy_effects(to, from);
-    if (s != DIG_OK) {
+        *out = to;
+    else
         world_close(to);
-        return s;
-    }
-    copy_numbers(to, from);
-    *out = to;
-    return DIG_OK;
+    return s;
 }
 
 /* ---- the calls ---- */

@@ -34,35 +34,65 @@ static void remember(World *w, Body *b, uint32_t slot, const dig_message *m)
     memcpy(b->message_kind, m->kind, sizeof b->message_kind);
 }
 
-/* Without memory a message is written down, but is no event. */
+/* Without memory messages are written down, but are no events. */
 static bool room_for(World *w, int count)
 {
     Mail *m = &w->mail;
-    if (w->pending.count + count <= w->pending.capacity && m->waiting.count + count <= m->waiting.capacity)
-        return true;
     return list_reserve(&w->pending, w->pending.count + count, &w->allocations) == DIG_OK
         && list_reserve(&m->waiting, m->waiting.count + count, &w->allocations) == DIG_OK;
 }
 
-/* root 0 in the post: the first that gets it is the root, from then on it stands there. */
-static bool give(World *w, Post *p, uint32_t slot, real value)
+/* One post while it is handed out. What is the same for all that get it is written once. */
+typedef struct Round {
+    World      *w;
+    const Post *p;
+    bool        answers;        /* to a message that some may have heard; else it is new to everybody */
+    bool        told;           /* there is room for a letter for each event, and an event for each letter */
+    dig_message letter;
+    dig_event   event;
+} Round;
+
+/* most: to so many. */
+static Round start_round(World *w, const Post *p, int most)
 {
-    Body *b = &w->bodies.data[slot];
     const dig_post *d = &p->what;
-    if (p->root && has_heard(w, b, slot, p)) {
+    Round r = {.w = w, .p = p, .answers = p->root != 0, .told = room_for(w, most),
+               .letter = {.root = p->root, .time = p->time, .from = d->from, .value = {d->value[0], d->value[1], d->value[2], d->value[3]}},
+               .event = {.kind = DIG_EVENT_MESSAGE, .time = p->time, .b = d->from}};
+    memcpy(r.letter.kind, d->kind, sizeof r.letter.kind);
+    return r;
+}
+
+/* The memory of who is next is on its way while others get theirs. */
+static void expect(const World *w, uint32_t slot)
+{
+    const Body *b = &w->bodies.data[slot];
+    __builtin_prefetch(b);
+    __builtin_prefetch(&b->message_id, 1);
+    __builtin_prefetch((const char *)&b->message_kind + sizeof b->message_kind - 1, 1);
+}
+
+/* Without a root: the first that gets it is the root, from then on it stands there. */
+static bool give(Round *r, uint32_t slot, real value)
+{
+    World *w = r->w;
+    Body *b = &w->bodies.data[slot];
+    dig_message *m = &r->letter;
+    if (r->answers && has_heard(w, b, slot, r->p)) {
         w->stats.repeated++;
         return false;
     }
-    dig_message m = {.time = p->time, .from = d->from, .to = {slot, b->gen}, .value = {value, d->value[1], d->value[2], d->value[3]}};
-    m.id = message_ids(&w->messages, 1);
-    m.root = p->root = p->root ? p->root : m.id;
-    memcpy(m.kind, d->kind, sizeof m.kind);
-    message_keep(&w->messages, &m);
-    remember(w, b, slot, &m);
+    m->id = message_ids(&w->messages, 1);
+    m->root = m->root ? m->root : m->id;
+    m->to = r->event.a = (dig_body){slot, b->gen};
+    m->value[0] = value;
+    message_append(&w->messages, m);
+    remember(w, b, slot, m);
     w->stats.delivered++;
-    if (room_for(w, 1)) {                   /* a letter for each event, and an event for each letter */
-        w->pending.data[w->pending.count++] = (dig_event){.kind = DIG_EVENT_MESSAGE, .time = p->time, .a = m.to, .b = m.from, .message = m.id};
-        w->mail.waiting.data[w->mail.waiting.count++] = m;
+    if (r->told) {
+        r->event.message = m->id;
+        w->pending.data[w->pending.count++] = r->event;
+        w->mail.waiting.data[w->mail.waiting.count++] = *m;
     }
     return true;
 }
@@ -79,17 +109,19 @@ static bool start_search(World *w)
     while (m->seen.count < w->bodies.count)
         if (list_push(&m->seen, &w->allocations) != DIG_OK)
             return false;
-    return true;
+    return list_reserve(&m->reach, w->bodies.count, &w->allocations) == DIG_OK;
 }
+
+static bool was_reached(const Mail *m, uint32_t body) { return m->seen.data[body].stamp == m->stamp; }
 
 /* True when it was not there yet. */
 static bool reach(World *w, uint32_t body, uint32_t from, int hop, real value)
 {
     Mail *m = &w->mail;
-    if (m->seen.data[body].stamp == m->stamp || list_push(&m->reach, &w->allocations) != DIG_OK)
+    if (was_reached(m, body))
         return false;
-    m->seen.data[body] = (Seen){m->stamp, (uint32_t)m->reach.count - 1};
-    m->reach.data[m->reach.count - 1] = (Reach){body, from, hop, value};
+    m->seen.data[body] = (Seen){m->stamp, (uint32_t)m->reach.count};
+    m->reach.data[m->reach.count++] = (Reach){body, from, hop, value};          /* each body once: there is room */
     return true;
 }
 
@@ -156,6 +188,8 @@ static void flood_link(World *w, const dig_post *d, const GraphLink *l, uint32_t
 {
     const Reach from = w->mail.reach.data[head];
     uint32_t next = far_end(l, from.body);
+    if (d->transform != DIG_TRANSFORM_RATIO && was_reached(&w->mail, next))
+        return;                                 /* values are not compared */
     real factor = d->transform == DIG_TRANSFORM_SCALE ? d->factor : d->transform == DIG_TRANSFORM_RATIO ? ratio_of(w, d->layer, l, from.body) : 1;
     if (l->bound || !fits(d, l) || factor == 0)
         return;
@@ -178,8 +212,11 @@ static void reach_flood(World *w, const dig_post *d, dig_receipt *r)
         const Reach at = w->mail.reach.data[head];
         if (d->hops > 0 && at.hop >= d->hops)
             continue;
-        for (uint32_t l = graph_link_first(g, at.body); l != GRAPH_END; l = graph_link_next(g, at.body, l))
-            flood_link(w, d, graph_link(g, l), (uint32_t)head, r);
+        for (uint32_t l = graph_link_first(g, at.body); l != GRAPH_END;) {
+            const GraphLink *link = graph_link(g, l);
+            flood_link(w, d, link, (uint32_t)head, r);
+            l = graph_link_after(link, at.body);
+        }
     }
 }
 
@@ -206,23 +243,32 @@ static bool reach_path(World *w, const dig_post *d, uint32_t *end)
 
 /* ---- routes ---- */
 
-static int give_reached(World *w, Post *p, int first)
+#define AHEAD 4                 /* receivers: memory takes about so long */
+
+static int give_reached(World *w, const Post *p, int first)
 {
-    int n = 0;
-    for (int i = first; i < w->mail.reach.count; i++)
-        n += give(w, p, w->mail.reach.data[i].body, w->mail.reach.data[i].value);
+    const Reach *list = w->mail.reach.data;
+    int n = 0, count = w->mail.reach.count;
+    Round r = start_round(w, p, int_max(0, count - first));
+    for (int i = first; i < count; i++) {
+        if (i + AHEAD < count)
+            expect(w, list[i + AHEAD].body);
+        n += give(&r, list[i].body, list[i].value);
+    }
     return n;
 }
 
-static int give_one(World *w, Post *p)
+static int give_one(World *w, const Post *p)
 {
-    if (world_body(w, p->what.to))
-        return give(w, p, p->what.to.slot, p->what.value[0]);
-    lose(w);
-    return 0;
+    if (!world_body(w, p->what.to)) {
+        lose(w);
+        return 0;
+    }
+    Round r = start_round(w, p, 1);
+    return give(&r, p->what.to.slot, p->what.value[0]);
 }
 
-static int give_members(World *w, Post *p)
+static int give_members(World *w, const Post *p)
 {
     const dig_post *d = &p->what;
     uint32_t layer = d->dig.id ? d->dig.layer : d->layer;
@@ -233,13 +279,17 @@ static int give_members(World *w, Post *p)
         lose(w);
         return 0;
     }
-    room_for(w, size);
-    for (uint32_t m = graph_first(g, id); m != GRAPH_END; m = graph_next(g, m))
-        n += give(w, p, m, d->value[0]);
+    Round r = start_round(w, p, size);
+    for (uint32_t m = graph_first(g, id), next; m != GRAPH_END; m = next) {
+        next = graph_next(g, m);
+        if (next != GRAPH_END)
+            expect(w, next);
+        n += give(&r, m, d->value[0]);
+    }
     return n;
 }
 
-static int give_path(World *w, Post *p)
+static int give_path(World *w, const Post *p)
 {
     uint32_t end = 0;
     int n = 0;
@@ -255,31 +305,33 @@ static int give_path(World *w, Post *p)
         next = i;
         i = before;
     }
-    for (uint32_t i = next; end != 0; i = w->mail.reach.data[i].from) {
-        n += give(w, p, w->mail.reach.data[i].body, p->what.value[0]);
+    Round r = start_round(w, p, w->mail.reach.count);
+    for (uint32_t i = next; end != 0; i = list[i].from) {
+        n += give(&r, list[i].body, p->what.value[0]);
         if (i == end)
             break;
     }
     return n;
 }
 
-static int give_region(World *w, Post *p)
+static int give_region(World *w, const Post *p)
 {
     dig_region handle = p->what.region;
-    int n = 0;
     if (handle.slot >= (uint32_t)w->regions.count || !w->regions.data[handle.slot].alive || w->regions.data[handle.slot].gen != handle.gen) {
         lose(w);
         return 0;
     }
+    if (!start_search(w))
+        return 0;
     for (int i = 0; i < w->bodies.count; i++) {
         const Body *b = &w->bodies.data[i];
         if (b->alive && b->kind == DIG_DYNAMIC && region_holds(&w->regions.data[handle.slot], b->x))
-            n += give(w, p, (uint32_t)i, p->what.value[0]);
+            reach(w, (uint32_t)i, 0, 1, p->what.value[0]);
     }
-    return n;
+    return give_reached(w, p, 0);
 }
 
-static int give_neighbours(World *w, Post *p)
+static int give_neighbours(World *w, const Post *p)
 {
     if (!start_search(w))
         return 0;
@@ -287,7 +339,7 @@ static int give_neighbours(World *w, Post *p)
     return give_reached(w, p, 0);
 }
 
-static int give_flood(World *w, Post *p, dig_receipt *r)
+static int give_flood(World *w, const Post *p, dig_receipt *r)
 {
     if (!start_search(w))
         return 0;
@@ -306,20 +358,19 @@ int deliver_post(World *w, const Post *p, dig_receipt *receipt)
 {
     dig_receipt own = {0};
     dig_receipt *r = receipt ? receipt : &own;
-    Post post = *p;
     *r = own;
-    mail_at(&w->mail, post.time);
-    if (needs_sender(&post.what) && !world_body(w, post.what.from)) {
+    mail_at(&w->mail, p->time);
+    if (needs_sender(&p->what) && !world_body(w, p->what.from)) {
         lose(w);
         return 0;
     }
-    switch (post.what.route) {
-    case DIG_ROUTE_TO:         r->reached = give_one(w, &post);        break;
-    case DIG_ROUTE_NEIGHBOURS: r->reached = give_neighbours(w, &post); break;
-    case DIG_ROUTE_DIG:        r->reached = give_members(w, &post);    break;
-    case DIG_ROUTE_FLOOD:      r->reached = give_flood(w, &post, r);   break;
-    case DIG_ROUTE_PATH:       r->reached = give_path(w, &post);       break;
-    case DIG_ROUTE_REGION:     r->reached = give_region(w, &post);     break;
+    switch (p->what.route) {
+    case DIG_ROUTE_TO:         r->reached = give_one(w, p);        break;
+    case DIG_ROUTE_NEIGHBOURS: r->reached = give_neighbours(w, p); break;
+    case DIG_ROUTE_DIG:        r->reached = give_members(w, p);    break;
+    case DIG_ROUTE_FLOOD:      r->reached = give_flood(w, p, r);   break;
+    case DIG_ROUTE_PATH:       r->reached = give_path(w, p);       break;
+    case DIG_ROUTE_REGION:     r->reached = give_region(w, p);     break;
     case DIG_ROUTES:           break;
     }
     return r->reached;
@@ -327,8 +378,7 @@ int deliver_post(World *w, const Post *p, dig_receipt *receipt)
 
 int deliver_list(World *w, const Post *p, const dig_body *to, const real *value, int count)
 {
-    Post post = *p;
-    mail_at(&w->mail, post.time);
+    mail_at(&w->mail, p->time);
     if (!start_search(w))
         return 0;
     for (int i = 0; i < count; i++) {
@@ -337,7 +387,7 @@ int deliver_list(World *w, const Post *p, const dig_body *to, const real *value,
         else
             lose(w);
     }
-    return give_reached(w, &post, 0);
+    return give_reached(w, p, 0);
 }
 
 void deliver_due(World *w)

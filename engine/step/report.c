@@ -33,6 +33,16 @@ static int compare_events(const void *a, const void *b)
     return x->speed < y->speed ? -1 : x->speed > y->speed;
 }
 
+/* Messages, which may be many, come in order. */
+static void sort_events(dig_event *e, int count)
+{
+    bool sorted = true;
+    for (int i = 1; i < count && sorted; i++)
+        sorted = compare_events(&e[i - 1], &e[i]) <= 0;
+    if (!sorted)
+        qsort(e, (size_t)count, sizeof *e, compare_events);
+}
+
 /* What was waiting is delivered; the room of the last step's events is for the next ones. */
 static void deliver_events(World *w)
 {
@@ -52,8 +62,7 @@ static void deliver_events(World *w)
     w->mail.waiting.data = letters;
     w->mail.waiting.count = 0;
     w->mail.waiting.capacity = capacity;
-    if (w->events.count > 1)
-        qsort(w->events.data, (size_t)w->events.count, sizeof *w->events.data, compare_events);
+    sort_events(w->events.data, w->events.count);
 }
 
 /* A push that has ended wakes what it held; order of the rest is kept. */

@@ -420,13 +420,16 @@ uint32_t graph_link_first(const Graph *g, uint32_t node)
     return entry == NIL ? GRAPH_END : entry_link(entry);
 }
 
+uint32_t graph_link_after(const GraphLink *l, uint32_t node)
+{
+    uint32_t entry = l->next[l->a == node ? 0 : 1];
+    return entry == NIL ? GRAPH_END : entry_link(entry);
+}
+
 uint32_t graph_link_next(const Graph *g, uint32_t node, uint32_t link)
 {
     const GraphLink *l = graph_link(g, link);
-    if (!l)
-        return GRAPH_END;
-    uint32_t entry = l->next[l->a == node ? 0 : 1];
-    return entry == NIL ? GRAPH_END : entry_link(entry);
+    return l ? graph_link_after(l, node) : GRAPH_END;
 }
 
 void graph_set_user(Graph *g, uint32_t id, uint64_t user)

@@ -95,6 +95,7 @@ uint64_t   graph_user_of(const Graph *g, uint32_t node);        /* graph_user of
 /* Links of a node, newest first; GRAPH_END at the end. Includes bound links. */
 uint32_t   graph_link_first(const Graph *g, uint32_t node);
 uint32_t   graph_link_next(const Graph *g, uint32_t node, uint32_t link);
+uint32_t   graph_link_after(const GraphLink *l, uint32_t node); /* the same of a link that is at hand and alive */
 /* Per-DIG number of the caller (sleep state index, plan): kept by the surviving id on a merge, copied to new parts on a split.
  * 0 in a new DIG. */
 void       graph_set_user(Graph *g, uint32_t id, uint64_t user);

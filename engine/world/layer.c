@@ -173,8 +173,10 @@ void layer_close(Layer *l)
 
 dig_status layer_copy(Layer *to, const Layer *from, uint64_t *allocations)
 {
-    if (!from->graph)
+    if (!from->graph) {
+        layer_close(to);
         return DIG_OK;
+    }
     DIG_TRY(graph_copy(&to->graph, from->graph));
     DIG_TRY(list_copy(&to->links, &from->links, allocations));
     DIG_TRY(list_reserve(&to->free_links, from->free_links.capacity, allocations));

@@ -38,6 +38,18 @@ void message_open(MessageLog *log)
     memset(log, 0, sizeof *log);
 }
 
+/* Only what was ever written: the start moves only once the ring is full. */
+static uint32_t written(const MessageLog *log) { return log->start > 0 ? MESSAGE_KEPT : log->count; }
+
+void message_copy(MessageLog *to, const MessageLog *from)
+{
+    uint32_t most = written(to) > written(from) ? written(to) : written(from);
+    memcpy(to->ring, from->ring, most * sizeof *to->ring);
+    to->last_id = from->last_id;
+    to->start = from->start;
+    to->count = from->count;
+}
+
 uint64_t message_ids(MessageLog *log, uint64_t count)
 {
     uint64_t first = log->last_id + 1;

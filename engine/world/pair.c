@@ -26,6 +26,13 @@ static void link_in(World *w, uint32_t pair, uint32_t side, uint32_t solid)
     s->pair_first = 2 * pair + side;
 }
 
+
+void pair_attach(World *w, uint32_t pair)
+{
+    link_in(w, pair, 0, w->pairs.data[pair].solid_a);
+    link_in(w, pair, 1, w->pairs.data[pair].solid_b);
+}
+
 static void link_out(World *w, uint32_t pair, uint32_t side, uint32_t solid)
 {
     const Pair *p = &w->pairs.data[pair];
@@ -81,8 +88,7 @@ dig_status pair_add(World *w, uint32_t solid_a, uint32_t solid_b)
                 .listed = true, .fresh = true};
     w->near.data[w->near.count++] = slot;
     surface_pair(w, &a->surface, &b->surface, p);
-    link_in(w, slot, 0, solid_a);
-    link_in(w, slot, 1, solid_b);
+    pair_attach(w, slot);
     return DIG_OK;
 }
 

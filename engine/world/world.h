@@ -370,6 +370,7 @@ void       surface_pair(const World *w, const Surface *a, const Surface *b, Pair
 
 /* pair.c */
 dig_status pair_add(World *w, uint32_t solid_a, uint32_t solid_b);
+void       pair_attach(World *w, uint32_t pair);        /* into the lists of its solids */
 void       pair_remove(World *w, uint32_t pair);
 /* The one pair of two bodies that have one shape each, NONE when there is none. false: they have more, look through their lists. */
 bool       pair_between(const World *w, uint32_t body_a, uint32_t body_b, uint32_t *pair);

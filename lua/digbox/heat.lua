@@ -55,10 +55,11 @@ local kind = { __index = read, __newindex = write, __metatable = false, __name =
 function methods.heater(world, fields)
   local own = core.check(fields, "world:heater", { on = "any", power = "real W" })
   if core.type(own.on) ~= "body" then core.fail("world:heater.on wants a body; got %s", core.type(own.on)) end
+  if own.power == nil then core.fail("world:heater: power is missing (in W; 0 for one that is to be set later)") end
   local heater = setmetatable({}, kind)
-  inside[heater] = { world = world, body = own.on, power = own.power or 0, fed = 0 }
+  inside[heater] = { world = world, body = own.on, power = own.power, fed = 0 }
   if not own.on.temperature then own.on.heating = 0 end
-  return feed(heater, own.power or 0)
+  return feed(heater, own.power)
 end
 
 -- ---- snapshots ----

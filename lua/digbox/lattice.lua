@@ -196,7 +196,11 @@ function methods.lattice(world, fields)
   local own, rest = soft.split("world:lattice", fields, lattice_fields, taken)
   soft.need("world:lattice", own, "at", "size")
   local size, cells = triple("world:lattice.size", own.size, 1e-6, "m"), triple("world:lattice.cells", own.cells or 2, 1, "1")
-  local n = { math.floor(cells[1]) + 1, math.floor(cells[2]) + 1, math.floor(cells[3]) + 1 }
+  local n = {}
+  for i = 1, 3 do
+    if cells[i] ~= math.floor(cells[i]) then core.fail("world:lattice.cells = %g, must be a whole number", cells[i]) end
+    n[i] = math.floor(cells[i]) + 1
+  end
   if n[1] * n[2] * n[3] > 10000 then core.fail("world:lattice: %d particles, must be at most 10000", n[1] * n[2] * n[3]) end
   local self = begin(world, "lattice", own, rest)
   local d = core.vec(size[1] / (n[1] - 1), size[2] / (n[2] - 1), size[3] / (n[3] - 1))

@@ -450,7 +450,7 @@ local function run_once(entry, jitter)
   current = s
   local ok, message = xpcall(entry.fn, function(m)
     if type(m) == "string" or m == core.finished then return m end
-    return core.where() .. ("(error object is a %s value)"):format(type(m))
+    return core.where() .. ("error was called with a %s, must be with a text that says what is wrong"):format(type(m))
   end, s, entry.accuracy)
   current = nil
   if not ok and message == core.finished then ok = true end

@@ -4,6 +4,7 @@
 #   make bench SCENE=towers ENGINE=digbox N=200  one scene, one engine, one size
 #   make bench SCENE=digs                        membership and messages: 5000 DIGs of 50, against a flat union-find
 #   make bench SCENE=render                      frames a second: time per phase, one and two processes, error of the edges
+#   make bench SCENE=questions                   can this door be opened? in steps of its DIG, alone and among a hundred others
 #   make bench FULL=1                            also 16,000 spheres, 100,000 bodies in a room, 1,000,000 fixed boxes
 #   make bench LIMIT=60 TOTAL=1200 REPEATS=5     seconds for one run, for all of them, and how often
 #   make bench REPORT=only                       the table again, from the rows of the last run
@@ -36,6 +37,9 @@ bench-run: $(bench_dir)/digs
 else ifeq ($(SCENE),render)
 bench-run: $(bench_dir)/render
 	@$(bench_dir)/render $(or $(N),300) $(bench_dir)/frames
+else ifeq ($(SCENE),questions)
+bench-run: $(bench_dir)/questions
+	@$(bench_dir)/questions
 else
 bench-run: $(bench_programs) $(bench_dir)/selftest
 	@$(bench_dir)/selftest
@@ -57,14 +61,14 @@ bench_libs-ode    = $(shell pkg-config --libs ode)
 bench_libs-mujoco = -lmujoco
 $(bench_dir)/selftest: $(patsubst %,$(bench_dir)/obj/%.o,selftest scene check)
 	$(call say,LINK,$@)$(CC) -o $@ $^ -lm
-$(bench_dir)/digs: $(bench_dir)/obj/digs.o $(core_a)
+$(bench_dir)/digs $(bench_dir)/questions: $(bench_dir)/%: $(bench_dir)/obj/%.o $(core_a)
 	$(call say,LINK,$@)$(CC) -o $@ $^ -pthread $(CORE_LIBS)
 $(bench_dir)/render: $(bench_dir)/obj/render.o $(render_a) $(core_a)
 	$(call say,LINK,$@)$(CC) -o $@ $^ -pthread $(RENDER_LIBS) $(CORE_LIBS)
 $(bench_dir)/bench-digbox: $(core_a)
 $(bench_dir)/bench-%: $(bench_dir)/obj/%.o $(patsubst tests/bench/%.c,$(bench_dir)/obj/%.o,$(bench_common))
 	$(call say,LINK,$@)$(if $(filter digbox,$*),$(CC),$(CXX)) -o $@ $(filter %.o,$^) $(bench_libs-$*) -lm
-.SECONDARY: $(patsubst %,$(bench_dir)/obj/%.o,run scene check selftest digbox bullet ode mujoco)
+.SECONDARY: $(patsubst %,$(bench_dir)/obj/%.o,run scene check selftest digs questions digbox bullet ode mujoco)
 
 scaling: all                                    ## what a step costs as worlds grow; writes docs/scaling.md
 	@sh tests/bench/scaling.sh $(BUILD)/digbox docs/scaling.md

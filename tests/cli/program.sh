@@ -29,7 +29,7 @@ gives 1 'bytecode' run bytecode.lua;      said 'precompiled Lua is not accepted'
 printf '\xef\xbb\xbfprint("bom")\r\nerror("two")\r\n' >bom.lua
 gives 1 'BOM and CRLF' run bom.lua;       printed 'bom'; said 'bom.lua:2: two'
 echo 'error({})' >table.lua
-gives 1 'an error that is no text' run table.lua;       said '(error object is a table value)'
+gives 1 'an error that is no text' run table.lua;       said 'error was called with a table, must be with a text that says what is wrong'
 echo 'error(setmetatable({}, {__tostring = function() error("again") end}))' >hostile.lua
 gives 1 'an error with a hostile text' run hostile.lua
 echo 'while true do end' >loop.lua

@@ -173,3 +173,18 @@ scenario("handles and vectors keep their secrets", function(s)
   expect(load("\27Lua")):is(nil)
   expect(tostring({}):find "0x"):is(nil)
 end)
+
+scenario("an effect is named by a text, cells are whole, a heater says its power", function(s)
+  local world = s.world
+  local ball = world:ball { radius = 0.1 }
+  local wants = "world:effect(name, on) wants the name of an effect, as in world:effect('drag', true); got "
+  says(function() world:effect() end, wants .. "nil")
+  says(function() world:effect({}) end, wants .. "table")
+  says(function() world:effect(3, true) end, wants .. "number")
+  local function lattice(cells) return function() world:lattice { at = { 0, 0, 0 }, size = 1, cells = cells, mass = 1, stiffness = 1 } end end
+  says(lattice(2.5), "world:lattice.cells = 2.5, must be a whole number")
+  says(lattice { 2, 2, 1.5 }, "world:lattice.cells = 1.5, must be a whole number")
+  says(lattice(0), "world:lattice.cells = 0, must be at least 1")
+  says(function() world:heater { on = ball } end, "world:heater: power is missing (in W; 0 for one that is to be set later)")
+  expect(world:heater { on = ball, power = 0 }.power):is(0)
+end)

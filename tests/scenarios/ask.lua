@@ -171,6 +171,60 @@ scenario("what is fixed says so; a free body moves at once", function(s)
   expect(world:ask { body = ball, along = { 1, 0, 0 }, with = 1 }.ok):is(true)
 end)
 
+-- ---- what the copy of a DIG must not miss ----
+
+scenario("what is thrown out of its surroundings meets what is farther away", function(s)
+  local world = s:world { gravity = { 0, 0, 0 } }
+  local ball = world:ball { name = "ball", radius = 0.1, mass = 1, at = { 0, 0, 0 } }
+  local free = ball:can_move { along = { 1, 0, 0 }, with = "10 N", by = 20 }
+  expect(free.ok):is(true)
+  local rock = world:box { name = "rock", fixed = true, size = 1, at = { 10, 0, 0 } }
+  local answer = ball:can_move { along = { 1, 0, 0 }, with = "10 N", by = 20 }
+  expect(answer.ok):is(false)
+  expect(answer.moved):near(9.4, 0.05)
+  expect(answer.held_by):is(rock)
+end)
+
+scenario("what is pushed into others is said to move them, and by that name", function(s)
+  local world = s:world { gravity = { 0, 0, 0 } }
+  for i = 1, 5 do world:ball { name = "far " .. i, radius = 0.1, at = { 100 * i, 0, 0 } } end
+  local ball = world:ball { name = "ball", radius = 0.1, mass = 1, at = { 0, 0, 0 } }
+  local other = world:ball { name = "other", radius = 0.1, mass = 1, at = { 0.5, 0, 0 } }
+  local answer = ball:can_move { along = { 1, 0, 0 }, with = "10 N", by = 0.6 }
+  expect(answer.ok):is(true)
+  expect(#answer.consequences):is(1)
+  expect(answer.consequences[1].who):is(other)
+end)
+
+scenario("an effect of the script's own is asked, too", function(s)
+  local world = s:world { gravity = { 0, 0, 0 } }
+  world:ball { name = "elsewhere", radius = 0.1, at = { 50, 0, 0 } }
+  local ball = world:ball { name = "ball", radius = 0.1, mass = 1, at = { 0, 0, 0 } }
+  local slots = {}
+  world:add_effect { name = "wind", step = function(_, bodies)
+    for _, b in ipairs(bodies) do
+      slots[b.body.name] = true
+      if b.body == ball then b.force = { -20, 0, 0 } end
+    end
+  end }
+  expect(ball:can_move({ along = { 1, 0, 0 }, with = "10 N" }).ok):is(false)
+  expect(ball:can_move({ along = { 1, 0, 0 }, with = "30 N" }).ok):is(true)
+  expect(slots.ball):is(true)
+end)
+
+scenario("what a hundred others do does not change the answer", function(s)
+  local world = s:world { gravity = { 0, -g, 0 } }
+  local leaf, box = door(world, { box = true })
+  world:run(0.2)
+  local alone = leaf:can_move(pull "40 N")
+  for i = 1, 100 do world:box { size = 0.3, mass = 1, at = { 3 + i % 10, 0.15, 3 + i // 10 } } end
+  local among = leaf:can_move(pull "40 N")
+  expect(among.needs):is(alone.needs)
+  expect(among.steps):is(alone.steps)
+  expect(among.held_by):is(box)
+  expect(among.steps):below(13)
+end)
+
 scenario("bad questions are refused at their line", function(s)
   local world = s.world
   local ball = world:ball { name = "ball", radius = 0.1 }

@@ -203,6 +203,8 @@ scenario("an error names the effect, at its line, and the world is as it was", f
     { "effect 'fault': its functions see the bodies they are given", function() world:effect("fault", false) end },
     { "effect 'fault': attempt to yield", function() coroutine.yield() end },
     { "effect 'fault': mine", function() error "mine" end },
+    { "effect 'fault': error was called with a table, must be with a text", function() error { code = 3 } end },
+    { "effect 'fault': error was called with a nil, must be with a text", function() error() end },
   }
   for _, fault in ipairs(faults) do
     local effect = world:add_effect { name = "fault", step = fault[2] }
