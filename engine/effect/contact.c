@@ -39,7 +39,7 @@ static bool set_target(const Group *g, const GroupPair *q, PointRow *r, real gap
             return false;               /* it bounced off: should it come back in this substep, that is an impact */
         r->target = gap > 0 ? -gap / g->h : 0;
     } else {
-        if (!carried && gap + g->h * real_min(predicted, 0) > 0.5 * gap + 1e-3 * q->size)
+        if (!carried && !q->meets && gap + g->h * real_min(predicted, 0) > 0.5 * gap + 1e-3 * q->size)
             return false;               /* not this substep */
         real closing = real_max(0, r->rate_before - predicted) / g->h;      /* m/s^2 */
         real strike = sqrt(r->rate_before * r->rate_before + 2 * closing * gap);

@@ -37,6 +37,19 @@ typedef struct ManifoldCache { uint32_t kind, feature_a, feature_b; real axis[3]
 int manifold_collide(const Shape *a, pose pa, const Shape *b, pose pb, real reach, ManifoldCache *cache,
                      Manifold *out, uint32_t *piece, int capacity);
 
+/* Faces of two boxes that are no surface: a neighbour in the same thing goes on there (two pieces of a plank). */
+typedef struct Covered { uint8_t a, b; } Covered;               /* a bit each, see covered_face */
+
+/* The face across axis 0..2 on the side of the sign of `along`. */
+static inline uint8_t covered_face(int axis, real along) { return (uint8_t)(1u << (2 * axis + (along > 0 ? 1 : 0))); }
+
+/* The same for parts of things: no normal leaves a part through a covered face. At most one manifold, for shapes that are convex
+ * or planes. */
+int manifold_of_parts(const Shape *a, pose pa, const Shape *b, pose pb, real reach, Covered covered, ManifoldCache *cache, Manifold *out);
+
+/* Does this normal (unit, world, from a to b) leave one of them through a covered face? */
+bool manifold_covered(const Shape *a, pose pa, const Shape *b, pose pb, Covered covered, vec3 normal);
+
 /* Signed distance of two shapes, exact where they are apart (to 1e-12 of their size); negative depth where they overlap.
  * normal (from a to b) and the two nearest points in world axes may be NULL. `enough`: may stop early once the distance is
  * known to exceed it (pass INFINITY for the exact value). */

@@ -148,6 +148,7 @@ const JointType joint_beam = {
     .doc = "an elastic section of a beam between two rigid pieces",
     .params = beam_rows,
     .params_size = sizeof(Beam),
+    .fuses = true,
     .free_axes = 4,
     .has_up = true,
     .elastic = true,

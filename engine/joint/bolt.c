@@ -15,6 +15,7 @@ const JointType joint_bolt = {
     .name = "bolt",
     .doc = "a is held fast to b until its strength is exceeded",
     .params = bolt_rows,
+    .fuses = true,
     .free_axes = 0,
     .no_axis = true,
     .rows = rows,

@@ -15,6 +15,7 @@ const JointType joint_weld = {
     .name = "weld",
     .doc = "a is rigidly fixed to b",
     .params = weld_rows,
+    .fuses = true,
     .free_axes = 0,
     .no_axis = true,
     .rows = rows,

@@ -221,6 +221,9 @@ static void gather_pair(Group *g, GroupPair *q, const Near *n)
     q->la = (pose){vec3_sub(a->at.p, g->member[q->a].centre), a->at.q};
     q->lb = (pose){vec3_sub(b->at.p, g->member[q->b].centre), b->at.q};
     q->cache = p->cache;
+    q->covered = (Covered){0, 0};
+    q->reach = 0;
+    q->meets = false;
     q->friction = p->friction;
     q->friction_dynamic = p->friction_dynamic;
     q->rolling = p->rolling;
@@ -435,6 +438,7 @@ dig_status group_gather(Group *g, const World *w, const uint32_t *leads, int dig
     DIG_TRY(gather_bodies(g, pairs, pair_count, &joints));
     DIG_TRY(gather_pairs(g, pairs, pair_count));
     DIG_TRY(gather_joints(g, joints));
+    cover(g);
     return gather_pushes(g, w->def.step);
 }
 

@@ -41,6 +41,7 @@ typedef struct Member {         /* the rest of a gathered body */
     bool     implicit_move;     /* move with the end velocity, not the mean            */
     bool     collided;          /* struck in this step                                 */
     int      integrator;        /* dig_integrator; all but DIG_AUTO are the sweep's alone */
+    uint8_t  covered;           /* faces of its box, Covered                           */
     bool     fresh;             /* no history: new, teleported or struck in the last step */
     real     mass, gravity_scale;
     real     pull;              /* m/s^2  gravity and pushes do no more to any point of it */
@@ -125,9 +126,12 @@ typedef struct GroupPair {
     const Shape *sa, *sb;
     pose     la, lb;            /* shape in its body, about the centre of mass */
     ManifoldCache cache;
+    Covered  covered;           /* faces that joints hold to the next piece of the same thing */
     int      contact, contacts; /* range of the group's contacts    */
     real     friction, friction_dynamic, rolling, restitution;
     real     size;              /* m   of the smaller solid: scale of tolerances */
+    real     reach;             /* m   so far ahead its contact looks  */
+    bool     meets;             /* in this substep, whatever it looks like at its start */
     bool     fresh;             /* the manifold must be made anew  */
     bool     was_touching;      /* at the end of the last step     */
     bool     touching;          /* of this one, by group_judge     */
@@ -265,6 +269,9 @@ real       group_spring_energy(const GroupJoint *j);        /* J  as it was view
 real       group_row_driven(const Group *g, const Row *r);      /* m/s or rad/s  of its rate, what kinematic ends do */
 void       group_joint_move(Group *g, int joint);       /* once viewed: those of its ends that can move, again */
 
+/* cover.c: faces at joints that are none of a thing's surface */
+void       cover(Group *g);
+
 /* force.c: what the effects of STAGE_FORCE ask for now, and what drags and laws of regions took and gave over a substep in which
  * bodies moved and turned so far */
 dig_status group_forces(Group *g);
@@ -289,6 +296,9 @@ void joint_end_set(JointEnd *e, vec3 x, quat q, vec3 v, vec3 w, vec3 local_ancho
 /* touch.c: contacts of the present positions, looking `time` s ahead; all = false: only pairs whose manifold is stale */
 void group_touch(Group *g, real time, bool all);
 void group_touch_pair(Group *g, GroupPair *q, real time);
+/* Pairs that the velocities now found press deep into each other, for they had no row: they get one when the substep is solved again.
+ * What comes down on what is stopped in this substep was not approaching it at its start. */
+bool group_touch_missed(Group *g, real time);
 
 /* joint_rows.c */
 void group_build_joints(Group *g, bool midpoint);

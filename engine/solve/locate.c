@@ -57,6 +57,8 @@ static real locate_apart(const Group *g, const GroupPair *q)
         return INFINITY;
     vec3 n, pa, pb;
     real gap = shape_distance(q->sa, motion_at(&a, t), q->sb, motion_at(&b, t), INFINITY, &n, &pa, &pb);
+    if (manifold_covered(q->sa, motion_at(&a, t), q->sb, motion_at(&b, t), q->covered, n))
+        return INFINITY;
     real speed = -vec3_dot(n, vec3_sub(velocity_at(&b, pb, t), velocity_at(&a, pa, t)));
     if (!(speed > g->close_speed))
         return INFINITY;

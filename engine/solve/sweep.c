@@ -436,13 +436,31 @@ static dig_status solve_substep(Group *g)
         heal(g);
     else
         project(g);
+    if (g->joints_direct)
+        bounce(g);
     warm_start(g);
-    bounce(g);
+    if (!g->joints_direct)
+        bounce(g);
     relax_group(g);
     for (int i = 0; i < g->point_count; i++)
         g->points[i].jn += g->points[i].blow;
     mark_constrained(g);
     return g->status;
+}
+
+/* As many bodies of a stack may meet one after the other in one substep. */
+#define MEETINGS 8
+
+/* Where impacts are not located in time, what is stopped in this substep is met in it by what comes after. */
+static dig_status meet(Group *g)
+{
+    for (int i = 0; i < g->pair_count; i++)
+        g->pairs[i].meets = false;
+    for (int i = 0; i < MEETINGS && group_touch_missed(g, g->world->def.step / g->plan->substeps); i++) {
+        restore(g);
+        DIG_TRY(solve_substep(g));
+    }
+    return DIG_OK;
 }
 
 static dig_status substep(Group *g, real until)
@@ -451,6 +469,8 @@ static dig_status substep(Group *g, real until)
     if (g->locate)
         group_clean_joints(g);
     DIG_TRY(solve_substep(g));
+    if (g->joints_direct)
+        DIG_TRY(meet(g));
     if (g->locate && g->events_left > 0) {
         real hit = locate_impact(g);
         if (hit < g->h * (1 - 1e-9)) {

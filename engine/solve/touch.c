@@ -72,7 +72,7 @@ static void touch_pieces(Group *g, GroupPair *q, const Manifold *found, const ui
 void group_touch_pair(Group *g, GroupPair *q, real time)
 {
     pose pa = group_shape_pose(g, q->a, q->la), pb = group_shape_pose(g, q->b, q->lb);
-    real reach = pair_reach(g, q, time);
+    real reach = q->reach = pair_reach(g, q, time);
     q->fresh = false;
     if (q->contacts == 1) {
         GroupContact *c = &g->contacts[q->contact];
@@ -83,10 +83,9 @@ void group_touch_pair(Group *g, GroupPair *q, real time)
         Manifold old = c->manifold;
         PointMemory old_memory[MANIFOLD_POINTS];
         memcpy(old_memory, c->memory, sizeof old_memory);
-        uint32_t piece;
         c->manifold.count = 0;
         if (!far_apart(q, pa, pb, reach))
-            manifold_collide(q->sa, pa, q->sb, pb, reach, &q->cache, &c->manifold, &piece, 1);
+            manifold_of_parts(q->sa, pa, q->sb, pb, reach, q->covered, &q->cache, &c->manifold);
         c->live = c->manifold.count > 0;
         keep_memory(c, &old, old_memory);
         return;
@@ -100,6 +99,40 @@ void group_touch_pair(Group *g, GroupPair *q, real time)
 static bool pair_moves(const Group *g, const GroupPair *q)
 {
     return g->member[q->a].moves || g->member[q->b].moves || g->member[q->a].kinematic || g->member[q->b].kinematic;
+}
+
+#define FARTHER 0.02            /* of the smaller size: by so much more two solids may close on each other than was looked for */
+#define MISSED  1e-3            /* the same: deeper than this they would overlap */
+
+/* Would a point that got no row go deep by the velocities that the solve has found? */
+static bool goes_deep(const Group *g, const GroupPair *q)
+{
+    const GroupContact *c = &g->contacts[q->contact];
+    const Vel *a = &g->vel[q->a], *b = &g->vel[q->b];
+    for (int k = 0; c->live && k < c->manifold.count; k++) {
+        const ManifoldPoint *p = &c->manifold.points[k];
+        vec3 va = vec3_add(a->v, vec3_cross(a->w, vec3_sub(p->a, g->pos[q->a].x)));
+        vec3 vb = vec3_add(b->v, vec3_cross(b->w, vec3_sub(p->b, g->pos[q->b].x)));
+        real rate = vec3_dot(c->manifold.normal, vec3_sub(vb, va));
+        if (rate < 0 && p->gap + g->h * rate < real_min(p->gap, 0) - MISSED * q->size)
+            return true;
+    }
+    return false;
+}
+
+bool group_touch_missed(Group *g, real time)
+{
+    bool any = false;
+    for (int i = 0; i < g->pair_count; i++) {
+        GroupPair *q = &g->pairs[i];
+        if (q->meets || q->contacts != 1 || (!g->member[q->a].moves && !g->member[q->b].moves))
+            continue;
+        if (pair_reach(g, q, time) > q->reach + FARTHER * q->size)
+            group_touch_pair(g, q, time);
+        q->meets = goes_deep(g, q);
+        any = any || q->meets;
+    }
+    return any;
 }
 
 void group_touch(Group *g, real time, bool all)

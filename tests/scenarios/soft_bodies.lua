@@ -100,14 +100,15 @@ scenario("what snaps in free flight keeps its momentum, and its elastic energy i
   expect(math.abs(world.energy.numerical)):below(1e-6 * world.energy.initial)
 end)
 
--- A table of 1 x 1 m on four legs of 40 x 40 mm that stand a little apart, clamped to the top
+-- A table of 1 x 1 m on four legs of 40 x 40 mm that stand a little apart, clamped to the top. On ice, the floor's friction does not hold
+-- their feet: on concrete it would, and a leg broken across its whole face goes on bearing, half upon half, as a column does.
 local function table_on_legs(world)
-  world:floor { material = "concrete" }
+  world:floor { material = "ice" }
   local top = world:box { name = "top", size = { 1, 0.04, 1 }, mass = 10, at = { 0, 0.72, 0 }, material = "wood" }
   local legs = {}
   for i, at in ipairs { { -0.45, -0.45 }, { 0.45, -0.45 }, { -0.45, 0.45 }, { 0.45, 0.45 } } do
     legs[i] = world:plank { name = "leg " .. i, material = "wood", from = { 1.25 * at[1], 0, 1.25 * at[2] }, to = { at[1], 0.7, at[2] },
-      width = 0.04, height = 0.04, up = { 1, 0, 0 }, segments = 2, to_end = "clamped", to_body = top, strength = 6e6, relaxation = 0.005 }
+      width = 0.04, height = 0.04, up = { 1, 0, 0 }, segments = 2, to_end = "clamped", to_body = top, strength = 20e6, relaxation = 0.005 }
   end
   local cup = world:cylinder { name = "cup", radius = 0.03, height = 0.1, mass = 0.2, at = { 0.3, 0.79, 0.3 }, material = "glass" }
   world:box { name = "load", size = { 0.2, 0.2, 0.2 }, mass = 80, at = { -0.38, 0.84, -0.38 }, material = "stone" }
@@ -138,8 +139,8 @@ scenario("S9: a leg under 80 kg is sawn until N / A (1 - cut) + M / Z exceeds it
     local left = 0.04 * (1 - cut)
     local stress = math.abs(joint.force:dot(axis)) / (0.04 * left) + math.abs(joint.torque:dot(side)) / (0.04 * left ^ 2 / 6) +
       math.abs(joint.torque:dot(up)) / (left * 0.04 ^ 2 / 6)
-    expect(joint.stress):near(stress / 6e6, 1e-9)
-    expect(stress):below(6e6)
+    expect(joint.stress):near(stress / 20e6, 1e-9)
+    expect(stress):below(20e6)
     legs[1]:saw { at = legs[1].length / 2, depth = 0.001 }
     run(20)
   end

@@ -378,6 +378,33 @@ TEST(any_cache_gives_the_same_contact)
     }
 }
 
+/* Pieces of two planks that lie on each other, askew by one: apart along the planks by nothing, overlapping across them by 1 mm. */
+TEST(a_face_that_the_next_part_covers_is_no_way_out)
+{
+    Shape a = fixture_box(1, 0.1, 0.2), b = fixture_box(1, 0.1, 0.2), ball = fixture_sphere(0.05);
+    Covered both = {covered_face(0, 1), covered_face(0, -1)}, none = {0, 0};
+    Manifold m;
+    for (int i = 0; i < 3; i++) {
+        real x = 1 - i * 5e-4, over = i * 5e-4;     /* m  the pieces reach over each other by 0, 0.5 and 1 mm */
+        CHECK_INT(manifold_of_parts(&a, at_point(0, 0, 0), &b, at_point(x, 0.098, 0), 0.01, none, NULL, &m), 1);
+        CHECK_NEAR(m.normal.x, 1, 1e-15);
+        CHECK_INT(manifold_of_parts(&a, at_point(0, 0, 0), &b, at_point(x, 0.098, 0), 0.01, both, NULL, &m), 1);
+        check_direction(m.normal, (vec3){0, 1, 0}, 1e-15);
+        CHECK_NEAR(m.points[0].gap, -0.002, 1e-15);
+        CHECK(m.points[0].a.x >= 0.5 - over - 1e-12 && m.points[0].a.x <= 0.5 + 1e-12);
+    }
+    CHECK_INT(manifold_of_parts(&a, at_point(0, 0, 0), &b, at_point(1.001, 0.098, 0), 0.01, both, NULL, &m), 0);     /* the next part's */
+    /* from the other side, mirrored; a ball beside a covered face is none of its business */
+    CHECK_INT(manifold_of_parts(&b, at_point(0.9995, 0.098, 0), &a, at_point(0, 0, 0), 0.01, (Covered){both.b, both.a}, NULL, &m), 1);
+    check_direction(m.normal, (vec3){0, -1, 0}, 1e-15);
+    CHECK_INT(manifold_of_parts(&a, at_point(0, 0, 0), &ball, at_point(0.54, 0, 0), 0.01, both, NULL, &m), 0);
+    CHECK_INT(manifold_of_parts(&a, at_point(0, 0, 0), &ball, at_point(0.54, 0.06, 0), 0.01, both, NULL, &m), 0);
+    CHECK_INT(manifold_of_parts(&a, at_point(0, 0, 0), &ball, at_point(0.4, 0.09, 0), 0.01, both, NULL, &m), 1);
+    shape_free(&a);
+    shape_free(&b);
+    shape_free(&ball);
+}
+
 int main(void)
 {
     RUN_TESTS(unit_test(spheres_touch_on_the_line_of_centres), unit_test(a_sphere_meets_a_box_at_face_edge_and_from_inside),
@@ -388,5 +415,5 @@ int main(void)
               unit_test(the_deepest_point_is_always_kept), unit_test(crossed_edges_touch_in_one_point),
               unit_test(a_lying_capsule_has_two_points_and_a_steep_one_has_one), unit_test(parallel_capsules_touch_along_a_line),
               unit_test(cylinders_stand_lie_and_lean_on_floors), unit_test(all_pairs_mirror_and_move_with_the_frame_and_reach_the_distance),
-              unit_test(any_cache_gives_the_same_contact));
+              unit_test(any_cache_gives_the_same_contact), unit_test(a_face_that_the_next_part_covers_is_no_way_out));
 }
