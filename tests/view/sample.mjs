@@ -48,6 +48,7 @@ for (let i = 4; i < count; i++) {
 for (let f = 0; f < frames; f++) {
   const t = f * step;
   put("times", t);
+  put("number", f);
   put("energy", 2 * 0.5 * (9.81 * t) ** 2, 2 * 9.81 * (20 - 0.5 * 9.81 * t * t), 0, 0, 0, 0, 0, 0, 0, 2 * 9.81 * 20);
   put("contact_at", f, 1);
   put("contact", 0, 0, 0, 0, 19.62, 0);
@@ -61,10 +62,10 @@ for (let f = 0; f < 60; f++) put("effort", f);
 events.push([30, 0.5, 0, 3, 0, 1.5, 0.1, 3, 0, 0, 0, 0], [60, 1, 11, 1, 2, 0, 0, 1, 2, 1, 0, 0], [90, 1.5, 7, 3, -1, 0, 0, 0, 0, 0, 0, 0]);
 
 const kinds = { f64: Float64Array, f32: Float32Array, u32: Uint32Array, u8: Uint8Array };
-const typeOf = { times: "f64", energy: "f64", key_frame: "u32", key_dig: "u32", key_flags: "u8", link: "u32", contact_at: "u32", line_at: "u32", strut_at: "u32", push_at: "u32", index: "u32" };
+const typeOf = { times: "f64", energy: "f64", number: "u32", key_frame: "u32", key_dig: "u32", key_flags: "u8", link: "u32", contact_at: "u32", line_at: "u32", strut_at: "u32", push_at: "u32", index: "u32" };
 const sections = {}, blocks = [];
 let offset = 0;
-for (const name of ["times", "energy", "key_frame", "key_pose", "key_motion", "key_dig", "key_flags", "link", "effort", "link_end", "contact_at", "contact",
+for (const name of ["times", "energy", "number", "key_frame", "key_pose", "key_motion", "key_dig", "key_flags", "link", "effort", "link_end", "contact_at", "contact",
   "line_at", "line", "strut_at", "strut", "push_at", "push", "vertex", "normal", "index"]) {
   const kind = typeOf[name] ?? "f32", array = new kinds[kind](lists[name] ?? []);
   sections[name] = [kind, offset, array.length];
@@ -74,7 +75,7 @@ for (const name of ["times", "energy", "key_frame", "key_pose", "key_motion", "k
   offset += block.length;
 }
 const head = {
-  format: 1, title: "sample", digbox: "sample", origin: null, seed: 1, step, frames, first: 0, every: 1, cut: false, bytes: offset, place: [0, 0, 0], up: [0, 1, 0],
+  format: 1, title: "sample", digbox: "sample", origin: null, seed: 1, step, frames, cut: false, bytes: offset, place: [0, 0, 0], up: [0, 1, 0],
   low: [-2, 0, -2], high: [2, 2.5, 2], heat: null, link_kinds: ["contact", "joint", "port", "range"], layers: ["mechanical", "electrical", "thermal", "hydraulic", "range"],
   modes: ["moving", "resting", "fixed"], events_left_out: 0,
   event_kinds: ["contact_begin", "contact_end", "impact", "broken", "moved", "slept", "woke", "removed", "merged", "split", "link", "unlink", "message", "limit_reached", "out_of_world", "entered", "left"],

@@ -40,7 +40,7 @@ class Player {
     document.title = `${r.title} – digbox`;
     byId("title").textContent = r.title;
     byId("facts").textContent = `${fixed(r.end - r.start, 2)} s · ${r.frames} frames · ${moving} moving, ${r.bodies.length - moving} fixed · ${bytes(document.documentElement.outerHTML.length + r.head.bytes * 4 / 3)}`;
-    byId("about-run").textContent = `Written by digbox ${r.digbox}. Seed ${r.seed}. ${r.cut ? "The replay was cut short: its end is missing. " : ""}${r.every > 1 ? `Every ${r.every}th frame of the replay. ` : ""}Positions are linear between frames.`;
+    byId("about-run").textContent = `Written by digbox ${r.digbox}. Seed ${r.seed}. ${r.cut ? "The replay was cut short: its end is missing. " : ""}${r.number[r.frames - 1] - r.number[0] >= r.frames ? "Not every frame of the replay is here. " : ""}Positions are linear between frames.`;
     byId("scrub").max = String(r.frames - 1);
     byId("speed").innerHTML = SPEEDS.map((s) => `<option value="${s}"${s === 1 ? " selected" : ""}>${s}×</option>`).join("");
   }
@@ -210,7 +210,7 @@ class Player {
     byId("scrub").style.setProperty("--done", `${(100 * (frame + part)) / Math.max(1, r.frames - 1)}%`);
     byId("scrub").setAttribute("aria-valuetext", `${fixed(this.time, 3)} s`);
     const clock = byId("clock");
-    clock.innerHTML = `<b>${fixed(this.time, 3)}</b> <small>of ${fixed(r.end, 2)} s, frame ${r.first + frame * r.every}</small>`;
+    clock.innerHTML = `<b>${fixed(this.time, 3)}</b> <small>of ${fixed(r.end, 2)} s, frame ${r.number[frame]}</small>`;
     this.panel.show(frame, part);
     for (const plot of this.plots) plot.draw(this.style, frame, this.time);
     this.redraw();
