@@ -91,7 +91,7 @@ export class Overlays {
     for (let i = 0; i < n; i += stride) sizes.push(Math.hypot(c[6 * i + 3], c[6 * i + 4], c[6 * i + 5]));
     sizes.sort((x, y) => x - y);
     const large = sizes[Math.floor(0.9 * (sizes.length - 1))] || 1;
-    return (0.22 * this.stage.size) / large;
+    return (0.15 * this.stage.size) / large;
   }
 
   centre(body, frame, part) {

@@ -70,13 +70,13 @@ export class Panel {
     if (about.kind !== "static") chips.push(`<span class="chip">${s.awake ? "awake" : "asleep"}</span>`);
     if (s.dig) chips.push(`<span class="chip" style="--c:${css(digColour(s.dig))}"><i></i>DIG ${s.dig}</span>`);
     if (about.kind !== "dynamic") chips.push(`<span class="chip">${about.kind}</span>`);
-    const size = Math.max(...s.position.map(Math.abs)), places = size < 100 ? 4 : size < 1e4 ? 3 : 1;
+    const size = Math.max(...s.position.map(Math.abs)), places = size < 10 ? 4 : size < 1e3 ? 3 : 1;
     const [x, y, z, w] = s.rotation, angle = 2 * Math.atan2(Math.hypot(x, y, z), Math.abs(w));
     const rows = [["mass", about.mass === null ? "∞" : number(about.mass), "kg"], ["position", vector(s.position, places), "m"],
       ["turned by", fixed((angle * 180) / Math.PI, 1), "°"]];
     if (about.kind !== "static") {
       rows.push(["velocity", vector(s.velocity), "m/s"], ["speed", fixed(norm(s.velocity), 4), "m/s"], ["spin", vector(s.spin), "rad/s"],
-        ["force", s.force.map((f) => number(f, 3)).join("  ").replaceAll("-", "−"), "N"]);
+        ["force", s.force.map((f) => number(Math.abs(f) < 1e-6 * norm(s.force) ? 0 : f, 3)).join("  ").replaceAll("-", "−"), "N"]);
       const kinetic = 0.5 * (about.mass ?? 0) * norm(s.velocity) ** 2;
       rows.push(["½ m v²", number(kinetic, 3), "J"]);
     }

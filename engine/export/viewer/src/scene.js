@@ -9,8 +9,8 @@ import { bodyMaterial } from "./materials.js";
 import { digColour, heatColour } from "./format.js";
 
 const SKIES = {
-  light: { top: 0x9db7d6, rim: 0xe3e6ea, low: 0xb9b6b0, sun: 3.0, fill: 1.15 },
-  dark: { top: 0x232c3d, rim: 0x566173, low: 0x262a33, sun: 2.5, fill: 0.75 },
+  light: { top: 0x9db7d6, rim: 0xdfe3e8, low: 0xa9a6a0, sun: 2.6, fill: 0.55, mirror: 0.55 },
+  dark: { top: 0x232c3d, rim: 0x566173, low: 0x262a33, sun: 2.6, fill: 0.7, mirror: 0.8 },
 };
 
 const SKY_VERTEX = "varying vec3 ray; void main() { ray = position; gl_Position = projectionMatrix * vec4(mat3(viewMatrix) * position, 1.0); gl_Position.z = gl_Position.w; }";
@@ -125,7 +125,7 @@ export class Scene {
     this.reflections?.dispose();
     this.reflections = target;
     this.scene.environment = target.texture;
-    this.scene.environmentIntensity = 0.75;
+    this.scene.environmentIntensity = sky.mirror;
     generator.dispose();
     material.dispose();
   }
@@ -203,7 +203,7 @@ export class Scene {
 
   lookAtAll() {
     const [right, front] = this.sideways();
-    const away = right.clone().multiplyScalar(0.55).addScaledVector(front, 1).addScaledVector(this.up, 0.5).normalize();
+    const away = right.clone().multiplyScalar(0.55).addScaledVector(front, 1).addScaledVector(this.up, 0.38).normalize();
     this.look(this.middle, away, this.size * 0.5);
   }
 
@@ -214,7 +214,7 @@ export class Scene {
   look(point, away, radius) {
     const half = (this.camera.fov * Math.PI) / 360, narrow = Math.min(1, this.camera.aspect || 1);
     this.controls.target.copy(point);
-    this.camera.position.copy(point).addScaledVector(away, (1.06 * radius) / Math.sin(half) / narrow);
+    this.camera.position.copy(point).addScaledVector(away, (0.92 * radius) / Math.sin(half) / narrow);
     this.controls.update();
     this.changed();
   }
