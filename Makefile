@@ -61,6 +61,10 @@ core_src   := $(filter-out engine/render/%,$(wildcard engine/*/*.c))
 lua_src    := $(filter-out lua/main.c,$(wildcard lua/*.c))
 lua_files  := $(wildcard lua/digbox/*.lua lua/digbox/*/*.lua)
 unit_src   := $(wildcard tests/unit/test_*.c)
+# The page of `digbox view` is built by node, which only those need who build it: `make viewer`.
+viewer       := build/viewer/page.html
+viewer_src   := engine/export/viewer
+viewer_built := $(wildcard $(viewer))
 # Only a test that includes a header of render/ (or of lua/) is linked with it.
 unit_render := $(shell grep -lE '^\#include "render/' $(unit_src) /dev/null)
 unit_lua    := $(shell grep -lE '^\#include ("lua/|<lua)' $(unit_src) /dev/null)
@@ -84,7 +88,7 @@ say = @printf '  %-5s %s\n' $(1) $(2);
 Q   := @
 endif
 
-.PHONY: all libs demo test asan lint accuracy install deps clean help unit check-run
+.PHONY: all libs viewer demo test asan lint accuracy install deps clean help unit check-run
 .PHONY: FORCE
 
 all: $(program)                                 ## build/digbox, the program
@@ -115,17 +119,17 @@ $(BUILD)/obj/embedded.o: $(BUILD)/embedded.c $(BUILD)/flags.txt
 	@mkdir -p $(@D)
 	$(call say,CC,$<)$(CC) $(BASE) $(extra) -MMD -MP -c -o $@ $<
 
-# The Lua half of the program travels inside it.
-$(BUILD)/embedded.c: lua/embed.sh $(lua_files) $(BUILD)/sources.txt
-	$(call say,EMBED,$@)sh lua/embed.sh $(lua_files) > $@.new && mv $@.new $@
+# The Lua half of the program travels inside it, and so does the page of `digbox view` where it was built.
+$(BUILD)/embedded.c: lua/embed.sh $(lua_files) $(viewer_built) $(BUILD)/sources.txt
+	$(call say,EMBED,$@)sh lua/embed.sh $(lua_files) $(viewer_built) > $@.new && mv $@.new $@
 
 # Changed flags rebuild everything, an added or removed source its library.
 $(BUILD)/flags.txt: FORCE
 	@mkdir -p $(@D); echo '$(CC) $(BASE) $(LUA_CFLAGS) $(RENDER_CFLAGS)' | cmp -s - $@ || \
 	    echo '$(CC) $(BASE) $(LUA_CFLAGS) $(RENDER_CFLAGS)' > $@
 $(BUILD)/sources.txt: FORCE
-	@mkdir -p $(@D); echo '$(core_src) $(render_src) $(lua_src) $(lua_files)' | cmp -s - $@ || \
-	    echo '$(core_src) $(render_src) $(lua_src) $(lua_files)' > $@
+	@mkdir -p $(@D); echo '$(core_src) $(render_src) $(lua_src) $(lua_files) $(viewer_built)' | cmp -s - $@ || \
+	    echo '$(core_src) $(render_src) $(lua_src) $(lua_files) $(viewer_built)' > $@
 
 # ---- tests: one program per file; what is stale is gone before it is built ----
 with_lua    = $(if $(filter $<,$(unit_lua)),$(lua_a))
@@ -153,6 +157,18 @@ lint:                                           ## what the compiler cannot see:
 	@sh .ci/install.sh build test
 	@$(MAKE) libs || { echo "0 passed, 1 failed"; exit 1; }
 	@BUILD=$(BUILD) CC=$(CC) T=tests/lint/ bash tests/run.sh
+
+# ---- the page of `digbox view`: three.js and our own scripts in one file; npm is asked only when its lists change ----
+$(viewer): $(viewer_src)/build.mjs $(wildcard $(viewer_src)/src/*) LICENSE build/viewer/installed
+	$(call say,PAGE,$@)node $(viewer_src)/build.mjs build/viewer/node_modules LICENSE $@
+build/viewer/installed: $(viewer_src)/package.json $(viewer_src)/package-lock.json
+	$(call say,NPM,$(viewer_src))mkdir -p $(@D) && cp $^ $(@D) && \
+	    cd $(@D) && npm ci --ignore-scripts --no-audit --no-fund --loglevel=error && touch installed
+
+viewer:                                         ## the page of `digbox view`, built with node and npm, into the program
+	@sh .ci/install.sh build view
+	@$(MAKE) $(viewer)
+	@$(MAKE) all
 
 # ---- what accuracy costs ----
 -include tests/accuracy/accuracy.mk

@@ -17,7 +17,9 @@ if ! command -v dpkg-query >/dev/null 2>&1; then
     exit 0
 fi
 
-present=$(dpkg-query -W -f '${db:Status-Status} ${Package}\n' 2>/dev/null | sed -n 's/^installed //p')
+# What an installed package provides counts as well: some builds of nodejs bring npm along.
+present=$(dpkg-query -W -f '${db:Status-Status} ${Package} ${Provides}\n' 2>/dev/null | sed -n 's/^installed //p' |
+    sed 's/([^)]*)//g' | tr ', ' '\n\n')
 missing=
 for package in $wanted; do
     echo "$present" | grep -qx "$package" || missing="$missing $package"

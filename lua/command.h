@@ -26,7 +26,7 @@ typedef struct Command {
     int       (*run)(int argc, char **argv);    /* argv[0] is the program; returns the exit code */
 } Command;
 
-extern const Command run_command, test_command, check_command, cost_command, render_command, export_command,
+extern const Command run_command, test_command, check_command, cost_command, render_command, export_command, view_command,
                      diff_command, verify_command;
 
 /* Prints `digbox: ...` and where help is; returns the exit code. */
@@ -37,6 +37,8 @@ int print_help(const char *command);
 
 /* A number in SI or with a unit, within bounds; false after a message. */
 bool read_number_option(const char *name, const char *text, const char *unit, double low, double high, double *value);
+/* A..B, A.. or ..B of so many frames. */
+bool read_frames_option(const char *text, int frames, int *first, int *last);
 bool read_whole_option(const char *name, const char *text, long long low, long long high, long long *value);
 
 void print_error(const char *text);

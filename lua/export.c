@@ -21,7 +21,7 @@ static const struct option export_options[] = {
 typedef struct Wish { const char *replay, *out, *frames; double fps, at; bool quiet; } Wish;
 
 /* A..B, A.. or ..B; what is left out is the first or the last frame. */
-static bool read_frames(const char *text, int frames, ExportOptions *o)
+bool read_frames_option(const char *text, int frames, int *first_frame, int *last_frame)
 {
     const char *dots = strstr(text, "..");
     char *end;
@@ -39,8 +39,8 @@ static bool read_frames(const char *text, int frames, ExportOptions *o)
         usage_error("--frames: %s is not within the frames of the replay, 0..%d", text, frames - 1);
         return false;
     }
-    o->first = (int)first;
-    o->last = (int)last;
+    *first_frame = (int)first;
+    *last_frame = (int)last;
     return true;
 }
 
@@ -56,7 +56,7 @@ static int export_open_replay(Replay *r, const Wish *w, const ExportFormat *form
 {
     ExportOptions options = export_defaults(r);
     char why[512];
-    if (w->frames && !read_frames(w->frames, replay_info(r)->frames, &options))
+    if (w->frames && !read_frames_option(w->frames, replay_info(r)->frames, &options.first, &options.last))
         return EXIT_USAGE;
     options.fps = w->fps;
     options.at = w->at;

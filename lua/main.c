@@ -15,7 +15,7 @@
 #include "state.h"
 
 static const Command *const commands[] = {
-    &run_command, &test_command, &check_command, &cost_command, &render_command, &export_command,
+    &run_command, &test_command, &check_command, &cost_command, &render_command, &export_command, &view_command,
     &diff_command, &verify_command,
 };
 enum { COMMAND_COUNT = sizeof commands / sizeof *commands };

@@ -9,10 +9,18 @@
 
 typedef struct Output Output;
 
+/* The page that data are put into: engine/export/viewer, as `make viewer` builds it. */
+typedef struct ExportShell {
+    const char *text;           /* holds <!--DIGBOX-DATA--> once                                      */
+    size_t      size;
+    const char *title;
+} ExportShell;
+
 typedef struct ExportOptions {
     int  first, last;           /* frames, both included                                              */
     real fps;                   /* frames a second that are written, at most; 0 = every one           */
     real at;                    /* s, of what shows one moment; NaN = the last frame                  */
+    const ExportShell *shell;   /* of export_html only                                                */
 } ExportOptions;
 
 typedef struct ExportFormat {
@@ -23,6 +31,7 @@ typedef struct ExportFormat {
 } ExportFormat;
 
 extern const ExportFormat export_glb, export_csv, export_jsonl, export_npy, export_dot;
+extern const ExportFormat export_html;      /* needs options.shell, so that export_find does not know it */
 
 ExportOptions       export_defaults(const Replay *r);
 const ExportFormat *export_format(int index);               /* NULL past the end                      */

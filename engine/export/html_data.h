@@ -1,0 +1,93 @@
+/* export/html_data.h - what a page shows, gathered frame by frame and then written: html_track.c follows bodies and links,
+ * html_shape.c shapes and what is drawn beside them, html.c writes.
+ *
+ * A page holds a JSON header and one block of little-endian arrays, the sections. Frames are those of the page, from 0:
+ *   times, number, energy    [frames] s; frame of the replay; [10 * frames] J, the fields of dig_energy without `initial`
+ *   key_frame, key_pose, key_motion, key_dig, key_flags, key_temperature
+ *                        what changed of a body: its frame; position (m from `place`), rotation x y z w; velocity, spin, force;
+ *                        DIG; 1 = awake plus twice the mode; K. Those of a body stand together and hold until its next one.
+ *   link, effort, link_end   six numbers a span of frames: a, b, kind, layer + 256 when it is to the outside, first frame,
+ *                        frames; then for each of its frames |effort|, and where it ends outside (m from `place`)
+ *   X_at, X              for X = contact (point, force), line (ends, colour), strut (ends, radius, stress), push (point, force):
+ *                        first row and rows of every frame; a frame like the one before points at the same rows
+ *   vertex, normal, index    of meshes
+ * The lists of the JSON header say the rest with names.
+ *
+ * Owns:  an HtmlData everything in it, until html_data_close.
+ * Floor: export.
+ */
+#ifndef DIG_EXPORT_HTML_DATA_H
+#define DIG_EXPORT_HTML_DATA_H
+
+#include "base/list.h"
+#include "base/map.h"
+#include "export/output.h"
+#include "math/quat.h"
+
+typedef struct HtmlKey {            /* compared byte by byte: no padding */
+    float    pose[7], motion[9], temperature;
+    uint32_t dig, flags;
+} HtmlKey;
+
+typedef struct HtmlTimedKey { uint32_t frame; HtmlKey key; } HtmlTimedKey;
+
+typedef struct HtmlBody {
+    LIST(HtmlTimedKey) keys;
+    bool shaped;                    /* its shapes are known */
+} HtmlBody;
+
+typedef struct HtmlSpan {           /* a link while it holds */
+    uint32_t a, b, kind, layer, first;
+    bool     bound;
+    LIST(float) efforts;            /* [frames] */
+    LIST(float) ends;               /* [3 * frames] when bound */
+} HtmlSpan;
+
+typedef struct HtmlMesh { uint64_t hash; ViewForm form; float size[3]; int vertex, vertex_count, normal_count, index, index_count; } HtmlMesh;
+typedef struct HtmlShape { int body, mesh, pattern; float p[3], q[4], colour[3], roughness, metallic; } HtmlShape;     /* body -1: none */
+typedef struct HtmlEvent { int frame, a, b; dig_event event; } HtmlEvent;
+
+typedef enum HtmlMomentName { MOMENT_CONTACT, MOMENT_LINE, MOMENT_STRUT, MOMENT_PUSH, MOMENTS } HtmlMomentName;
+extern const struct HtmlMomentKind { const char *at, *name; int width; } html_moments[MOMENTS];
+
+typedef struct HtmlMoment {
+    LIST(uint32_t) at;              /* [2 * frames] */
+    LIST(float) rows;
+    uint32_t first;                 /* row of the frame before */
+} HtmlMoment;
+
+typedef struct HtmlData {
+    Replay *r;
+    vec3    place;                  /* m, what all positions are relative to */
+    float   up[3], low[3], high[3]; /* bounds, m from place */
+    vec3    middle; real reach;     /* m: what goes farther from the middle does not count for the bounds */
+    int     frames;
+    LIST(int)       numbers;        /* [frames] of the replay */
+    LIST(real)      times;
+    LIST(real)      energy;
+    LIST(HtmlBody)  bodies;         /* [bodies of the replay] */
+    LIST(HtmlSpan)  spans;
+    Map             holding;        /* link -> its last span */
+    LIST(HtmlMesh)  meshes;
+    LIST(float)     vertices;
+    LIST(float)     normals;
+    LIST(uint32_t)  indices;
+    LIST(HtmlShape) shapes;
+    LIST(HtmlEvent) events;
+    int             events_left_out;
+    HtmlMoment      moments[MOMENTS];
+    LIST(int)       row_of;         /* pose of a slot at this frame, -1 = none */
+    real            coldest, hottest;   /* K; coldest > hottest when nothing has a temperature */
+} HtmlData;
+
+/* A list of numbers gets n more. */
+#define html_put(list, numbers, n) html_put_any((void **)&(list)->data, &(list)->count, &(list)->capacity, sizeof *(list)->data, (numbers), (n))
+dig_status html_put_any(void **data, int *count, int *capacity, size_t item, const void *from, int n);
+
+dig_status html_take_poses(HtmlData *d, const ReplayFrame *f);
+dig_status html_take_links(HtmlData *d, const ReplayFrame *f);
+dig_status html_take_events(HtmlData *d, const ReplayFrame *f, int frame);
+dig_status html_take_view(HtmlData *d, const ReplayFrame *f, const View *v);
+void       html_data_close(HtmlData *d);
+
+#endif
