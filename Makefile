@@ -84,7 +84,7 @@ say = @printf '  %-5s %s\n' $(1) $(2);
 Q   := @
 endif
 
-.PHONY: all libs demo test asan lint accuracy install deps clean help unit check-run
+.PHONY: all libs docs demo test asan lint accuracy install deps clean help unit check-run
 .PHONY: FORCE
 
 all: $(program)                                 ## build/digbox, the program
@@ -168,6 +168,9 @@ demo:                                           ## a film of worlds/ball_table_b
 	@$(program) run worlds/$(demo_world).lua -o out
 	@sh .ci/film.sh out/$(demo_world)
 
+docs: all                                       ## writes what the program says of itself: docs/lua.md
+	@$(program) api --markdown > docs/lua.md.new && mv docs/lua.md.new docs/lua.md
+
 install: all                                    ## program, libraries and header below PREFIX (default /usr/local)
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib $(DESTDIR)$(PREFIX)/include $(DESTDIR)$(PREFIX)/share/doc/digbox/worlds
 	install -m 755 $(program) $(DESTDIR)$(PREFIX)/bin/digbox
@@ -175,7 +178,10 @@ install: all                                    ## program, libraries and header
 	install -m 644 engine/digbox.h $(DESTDIR)$(PREFIX)/include
 	install -m 644 LICENSE README.md $(DESTDIR)$(PREFIX)/share/doc/digbox
 	$(if $(wildcard worlds/*.lua),install -m 644 $(wildcard worlds/*.lua) $(DESTDIR)$(PREFIX)/share/doc/digbox/worlds)
-	$(if $(wildcard docs/*.1),install -d $(DESTDIR)$(PREFIX)/share/man/man1 && install -m 644 $(wildcard docs/*.1) $(DESTDIR)$(PREFIX)/share/man/man1)
+	install -d $(DESTDIR)$(PREFIX)/share/man/man1 $(DESTDIR)$(PREFIX)/share/bash-completion/completions
+	$(program) api --man > $(DESTDIR)$(PREFIX)/share/man/man1/digbox.1
+	$(program) api --completion bash > $(DESTDIR)$(PREFIX)/share/bash-completion/completions/digbox
+	install -m 644 docs/lua.md $(DESTDIR)$(PREFIX)/share/doc/digbox
 
 deps:                                           ## installs the Debian packages that are missing (.ci/packages.txt)
 	@sh .ci/install.sh build test

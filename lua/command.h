@@ -26,7 +26,11 @@ typedef struct Command {
     int       (*run)(int argc, char **argv);    /* argv[0] is the program; returns the exit code */
 } Command;
 
-extern const Command run_command, test_command, check_command, cost_command;
+extern const Command run_command, test_command, check_command, cost_command, api_command;
+
+/* In the order of the help; NULL past the end. */
+const Command *command_at(int index);
+const char *exit_code_help(void);
 
 /* Prints `digbox: ...` and where help is; returns the exit code. */
 int usage_error(const char *format, ...);

@@ -14,7 +14,8 @@
 #include "command.h"
 #include "state.h"
 
-static const Command *const commands[] = {&run_command, &test_command, &check_command, &cost_command};
+static const Command *const commands[] = {&run_command, &test_command, &check_command, &cost_command,
+                                         &api_command};
 enum { COMMAND_COUNT = sizeof commands / sizeof *commands };
 
 /* ---- help ------------------------------------------------------------------ */
@@ -28,8 +29,18 @@ static void print_program_help(void)
     for (int i = 0; i < COMMAND_COUNT; i++)
         if (commands[i]->options)
             printf("%s:\n%s\n", commands[i]->name, commands[i]->options);
-    fputs("Exit codes: 0 ok, 1 script error, 2 usage, 3 memory, 4 fuel, 5 time, 6 scenario failed, 8 bad input file, 9 output failed,\n"
-          "10 non-finite state, 11 internal, 12 unreliable (--strict), 130 SIGINT, 143 SIGTERM.\n", stdout);
+    printf("Exit codes: %s\n", exit_code_help());
+}
+
+const Command *command_at(int index)
+{
+    return index >= 0 && index < COMMAND_COUNT ? commands[index] : NULL;
+}
+
+const char *exit_code_help(void)
+{
+    return "0 ok, 1 script error, 2 usage, 3 memory, 4 fuel, 5 time, 6 scenario failed, 8 bad input file, 9 output failed,\n"
+           "10 non-finite state, 11 internal, 12 unreliable (--strict), 130 SIGINT, 143 SIGTERM.";
 }
 
 static const Command *find_command(const char *name)
