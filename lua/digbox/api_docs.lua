@@ -92,9 +92,9 @@ end
 
 function writers.markdown()
   local lines = { "# The Lua interface", "",
-    "Written by `make docs` from the declarations in the program; `digbox api NAME` prints the same, `digbox api --luacats` gives it to an",
-    "editor. SI units, radians, y up. A number is SI; a text carries its unit (`\"4 cm\"`) and must have the right dimension. Where a vector is",
-    "wanted, `{x, y, z}` does. Fields that are not listed are refused, with the name that was meant.", "" }
+    "Written by `make docs` from the declarations in the program; `digbox api NAME` prints the same, `digbox api --luacats` gives",
+    "it to an editor. SI units, radians, y up. A number is SI; a text carries its unit (`\"4 cm\"`) and must have the right",
+    "dimension. Where a vector is wanted, `{x, y, z}` does. Fields that are not listed are refused, with the name that was meant.", "" }
   local links = {}
   for _, owner in ipairs(api.owners) do links[#links + 1] = ("[%s](#%s)"):format(owner, owner:lower()) end
   lines[#lines + 1] = table.concat(links, " · ") .. " · [events](#events) · [sets of fields](#sets-of-fields)"
@@ -211,7 +211,8 @@ function writers.man()
     lines[#lines + 1] = ".br"
   end
   lines[#lines] = ".SH DESCRIPTION"
-  lines[#lines + 1] = roff "Runs worlds and scenarios written in Lua. Units are SI, y is up. Errors go to stderr as digbox: FILE:LINE: message."
+  lines[#lines + 1] = roff("Runs worlds and scenarios written in Lua. Units are SI, y is up. " ..
+    "Errors go to stderr as digbox: FILE:LINE: message.")
   lines[#lines + 1] = ".SH COMMANDS"
   for _, c in ipairs(core.commands) do
     lines[#lines + 1] = ".SS " .. roff(c.name)

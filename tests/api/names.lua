@@ -121,7 +121,8 @@ local promised = {
     add_effect sun lamp sky camera render record]],
   ["world."] = "time steps energy momentum angular_momentum tasks",
   body = [[push twist hit move_to teleport remove contains touches neighbours links can_move dig_of send flood on]],
-  ["body."] = [[position rotation velocity speed spin mass inertia awake asleep valid dig energy force torque bounds mode debug work_received
+  ["body."] = [[position rotation velocity speed spin mass inertia awake asleep valid dig energy force torque bounds mode debug
+    work_received
     name at density material friction friction_dynamic rolling_friction restitution fixed kinematic gravity_scale collides group colour
     temperature data heat_capacity conductivity emissivity convection surface contact_conductance]],
   ["joint."] = "angle distance speed force torque error valid",
@@ -166,8 +167,8 @@ for name in ("sketch play study reference"):gmatch "%S+" do check(pcall(core.dig
 
 -- Names of the electrical and hydraulic layers, of crowds and of ready-made parts belong here as soon as they are there.
 local later = {
-  world = "battery mains wire switch fuse bulb resistor capacitor inductor diode generator plug socket pipe tap valve basin tank drain pump " ..
-    "plug_hole flock crowd traffic network", digbox = "parts" }
+  world = "battery mains wire switch fuse bulb resistor capacitor inductor diode generator plug socket pipe tap valve basin tank " ..
+    "drain pump plug_hole flock crowd traffic network", digbox = "parts" }
 for owner, list in next, later do
   for name in list:gmatch "%S+" do
     local full = owner .. (owner == "digbox" and "." or ":") .. name
