@@ -52,6 +52,10 @@ system   = $(patsubst -I%,-isystem %,$(1))
 LUA_CFLAGS    := $(call system,$(call flags,--cflags,lua5.4,-I/usr/include/lua5.4))
 RENDER_CFLAGS := $(call system,$(call flags,--cflags,freetype2 libpng,-I/usr/include/freetype2))
 CORE_LIBS     := -lqhull_r -lm
+# Line editing in `digbox repl`, where libedit is there.
+edit_header   := $(wildcard /usr/include/editline/readline.h /usr/local/include/editline/readline.h)
+EDIT_CFLAGS   := $(if $(edit_header),-DDIGBOX_EDIT)
+EDIT_LIBS     := $(if $(edit_header),-ledit)
 LUA_LIBS      := $(call flags,--libs,lua5.4,-llua5.4)
 RENDER_LIBS   := $(call flags,--libs,osmesa libpng freetype2,-lOSMesa -lpng -lfreetype) -ldeflate -ldl
 
@@ -92,7 +96,7 @@ all: $(program)                                 ## build/digbox, the program
 libs: $(core_a) $(render_a)
 
 $(program): $(call objects,lua/main.c) $(lua_a) $(render_a) $(core_a)
-	$(call say,LINK,$@)$(LINK) -o $@ $^ -Wl,--as-needed $(LUA_LIBS) $(if $(render_a),$(RENDER_LIBS)) $(CORE_LIBS)
+	$(call say,LINK,$@)$(LINK) -o $@ $^ -Wl,--as-needed $(LUA_LIBS) $(EDIT_LIBS) $(if $(render_a),$(RENDER_LIBS)) $(CORE_LIBS)
 
 $(core_a):   $(call objects,$(core_src))
 $(render_a): $(call objects,$(render_src))
@@ -101,6 +105,7 @@ $(core_a) $(render_a) $(lua_a): $(BUILD)/sources.txt
 	$(call say,AR,$@)rm -f $@ && ar rcsD $@ $(filter %.o,$^)
 
 $(BUILD)/obj/lua/%.o $(BUILD)/obj/embedded.o: extra = $(LUA_CFLAGS) -Ilua
+$(BUILD)/obj/lua/repl.o $(BUILD)/obj/lua/doctor.o: extra += $(EDIT_CFLAGS)
 $(BUILD)/obj/engine/render/%.o:               extra = $(RENDER_CFLAGS)
 $(BUILD)/obj/engine/crowd/%.o:                extra = -Wno-psabi  # of wide numbers: they are passed to inlined functions only
 
@@ -118,8 +123,8 @@ $(BUILD)/embedded.c: lua/embed.sh $(lua_files) $(BUILD)/sources.txt
 
 # Changed flags rebuild everything, an added or removed source its library.
 $(BUILD)/flags.txt: FORCE
-	@mkdir -p $(@D); echo '$(CC) $(BASE) $(LUA_CFLAGS) $(RENDER_CFLAGS)' | cmp -s - $@ || \
-	    echo '$(CC) $(BASE) $(LUA_CFLAGS) $(RENDER_CFLAGS)' > $@
+	@mkdir -p $(@D); echo '$(CC) $(BASE) $(LUA_CFLAGS) $(RENDER_CFLAGS) $(EDIT_CFLAGS)' | cmp -s - $@ || \
+	    echo '$(CC) $(BASE) $(LUA_CFLAGS) $(RENDER_CFLAGS) $(EDIT_CFLAGS)' > $@
 $(BUILD)/sources.txt: FORCE
 	@mkdir -p $(@D); echo '$(core_src) $(render_src) $(lua_src) $(lua_files)' | cmp -s - $@ || \
 	    echo '$(core_src) $(render_src) $(lua_src) $(lua_files)' > $@

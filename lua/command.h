@@ -26,7 +26,7 @@ typedef struct Command {
     int       (*run)(int argc, char **argv);    /* argv[0] is the program; returns the exit code */
 } Command;
 
-extern const Command run_command, test_command, check_command, cost_command, api_command;
+extern const Command run_command, test_command, check_command, cost_command, api_command, repl_command, new_command, doctor_command;
 
 /* In the order of the help; NULL past the end. */
 const Command *command_at(int index);

@@ -15,7 +15,7 @@
 #include "state.h"
 
 static const Command *const commands[] = {&run_command, &test_command, &check_command, &cost_command,
-                                         &api_command};
+                                         &api_command, &repl_command, &new_command, &doctor_command};
 enum { COMMAND_COUNT = sizeof commands / sizeof *commands };
 
 /* ---- help ------------------------------------------------------------------ */

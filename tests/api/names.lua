@@ -111,6 +111,17 @@ end
 local readable, why = load(forms.luacats, "=digbox.d.lua", "t")
 check(readable, "digbox.d.lua is no Lua: %s", why)
 
+-- ---- Tab completes them ----
+
+core.globals = setmetatable({}, { __index = core.globals })
+core.use "repl"
+core.globals.world, core.globals.box = core.digbox.world {}, { lid = { open = true } }
+for text, wanted in next, { ["wor"] = "world", ["digbox.wor"] = "digbox.world", ["world:lam"] = "world:lamp", ["world.tim"] = "world.time",
+  ["box.lid.o"] = "box.lid.open", ["world.tune"] = false, ["nothing.at"] = false, ["(x"] = false } do
+  check(core.complete(text, 1) == (wanted or nil), "Tab makes %s of %s", tostring(core.complete(text, 1)), text)
+end
+check(core.complete("world:", 40), "Tab after world: offers fewer than 40 methods")
+
 -- ---- what other people's worlds rely on ----
 
 local promised = {
