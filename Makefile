@@ -52,6 +52,10 @@ system   = $(patsubst -I%,-isystem %,$(1))
 LUA_CFLAGS    := $(call system,$(call flags,--cflags,lua5.4,-I/usr/include/lua5.4))
 RENDER_CFLAGS := $(call system,$(call flags,--cflags,freetype2 libpng,-I/usr/include/freetype2))
 CORE_LIBS     := -lqhull_r -ldeflate -lcjson -lm
+# Line editing in `digbox repl`, where libedit is there.
+edit_header   := $(wildcard /usr/include/editline/readline.h /usr/local/include/editline/readline.h)
+EDIT_CFLAGS   := $(if $(edit_header),-DDIGBOX_EDIT)
+EDIT_LIBS     := $(if $(edit_header),-ledit)
 LUA_LIBS      := $(call flags,--libs,lua5.4,-llua5.4)
 RENDER_LIBS   := $(call flags,--libs,osmesa libpng freetype2,-lOSMesa -lpng -lfreetype) -lisal -ldl
 
@@ -88,7 +92,7 @@ say = @printf '  %-5s %s\n' $(1) $(2);
 Q   := @
 endif
 
-.PHONY: all libs viewer demo test asan lint accuracy install deps clean help unit check-run
+.PHONY: all libs viewer docs demo test asan lint accuracy install deps clean help unit check-run
 .PHONY: FORCE
 
 all: $(program)                                 ## build/digbox, the program
@@ -96,7 +100,7 @@ all: $(program)                                 ## build/digbox, the program
 libs: $(core_a) $(render_a)
 
 $(program): $(call objects,lua/main.c) $(lua_a) $(render_a) $(core_a)
-	$(call say,LINK,$@)$(LINK) -o $@ $^ -Wl,--as-needed $(LUA_LIBS) $(if $(render_a),$(RENDER_LIBS)) $(CORE_LIBS)
+	$(call say,LINK,$@)$(LINK) -o $@ $^ -Wl,--as-needed $(LUA_LIBS) $(EDIT_LIBS) $(if $(render_a),$(RENDER_LIBS)) $(CORE_LIBS)
 
 $(core_a):   $(call objects,$(core_src))
 $(render_a): $(call objects,$(render_src))
@@ -105,6 +109,7 @@ $(core_a) $(render_a) $(lua_a): $(BUILD)/sources.txt
 	$(call say,AR,$@)rm -f $@ && ar rcsD $@ $(filter %.o,$^)
 
 $(BUILD)/obj/lua/%.o $(BUILD)/obj/embedded.o: extra = $(LUA_CFLAGS) -Ilua
+$(BUILD)/obj/lua/repl.o $(BUILD)/obj/lua/doctor.o: extra += $(EDIT_CFLAGS)
 $(BUILD)/obj/engine/render/%.o:               extra = $(RENDER_CFLAGS)
 # Loops over pixels, which the compiler turns into wide instructions, to the same bits.
 pixel_loops := $(if $(filter 1,$(DEBUG) $(SANITIZE)),,-O3)
@@ -125,8 +130,8 @@ $(BUILD)/embedded.c: lua/embed.sh $(lua_files) $(viewer_built) $(BUILD)/sources.
 
 # Changed flags rebuild everything, an added or removed source its library.
 $(BUILD)/flags.txt: FORCE
-	@mkdir -p $(@D); echo '$(CC) $(BASE) $(LUA_CFLAGS) $(RENDER_CFLAGS)' | cmp -s - $@ || \
-	    echo '$(CC) $(BASE) $(LUA_CFLAGS) $(RENDER_CFLAGS)' > $@
+	@mkdir -p $(@D); echo '$(CC) $(BASE) $(LUA_CFLAGS) $(RENDER_CFLAGS) $(EDIT_CFLAGS)' | cmp -s - $@ || \
+	    echo '$(CC) $(BASE) $(LUA_CFLAGS) $(RENDER_CFLAGS) $(EDIT_CFLAGS)' > $@
 $(BUILD)/sources.txt: FORCE
 	@mkdir -p $(@D); echo '$(core_src) $(render_src) $(lua_src) $(lua_files) $(viewer_built)' | cmp -s - $@ || \
 	    echo '$(core_src) $(render_src) $(lua_src) $(lua_files) $(viewer_built)' > $@
@@ -187,6 +192,9 @@ demo:                                           ## a film of worlds/ball_table_b
 	@$(program) run worlds/$(demo_world).lua -o out
 	@sh .ci/film.sh out/$(demo_world)
 
+docs: all                                       ## writes what the program says of itself: docs/lua.md
+	@$(program) api --markdown > docs/lua.md.new && mv docs/lua.md.new docs/lua.md
+
 install: all                                    ## program, libraries and header below PREFIX (default /usr/local)
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib $(DESTDIR)$(PREFIX)/include $(DESTDIR)$(PREFIX)/share/doc/digbox/worlds
 	install -m 755 $(program) $(DESTDIR)$(PREFIX)/bin/digbox
@@ -194,7 +202,10 @@ install: all                                    ## program, libraries and header
 	install -m 644 engine/digbox.h $(DESTDIR)$(PREFIX)/include
 	install -m 644 LICENSE README.md $(DESTDIR)$(PREFIX)/share/doc/digbox
 	$(if $(wildcard worlds/*.lua),install -m 644 $(wildcard worlds/*.lua) $(DESTDIR)$(PREFIX)/share/doc/digbox/worlds)
-	$(if $(wildcard docs/*.1),install -d $(DESTDIR)$(PREFIX)/share/man/man1 && install -m 644 $(wildcard docs/*.1) $(DESTDIR)$(PREFIX)/share/man/man1)
+	install -d $(DESTDIR)$(PREFIX)/share/man/man1 $(DESTDIR)$(PREFIX)/share/bash-completion/completions
+	$(program) api --man > $(DESTDIR)$(PREFIX)/share/man/man1/digbox.1
+	$(program) api --completion bash > $(DESTDIR)$(PREFIX)/share/bash-completion/completions/digbox
+	install -m 644 docs/lua.md $(DESTDIR)$(PREFIX)/share/doc/digbox
 
 deps:                                           ## installs the Debian packages that are missing (.ci/packages.txt)
 	@sh .ci/install.sh build test

@@ -400,6 +400,10 @@ int bind_open(lua_State *L)
     lua_setfield(L, core, "types");
     lua_newtable(L);
     lua_setfield(L, core, "options");
+    lua_newtable(L);
+    lua_pushvalue(L, -1);
+    lua_setfield(L, LUA_REGISTRYINDEX, "digbox.fields");        /* declare.lua fills it */
+    lua_setfield(L, core, "fields");
     luaL_setfuncs(L, core_functions, 0);
     lua_pushvalue(L, core);
     lua_setfield(L, LUA_REGISTRYINDEX, "digbox.core");
@@ -421,6 +425,7 @@ int bind_open(lua_State *L)
     bind_graph_open(L, core);
     bind_film_open(L, core);
     bind_file_open(L, core);
+    bind_schema_open(L, core);
     lua_settop(L, core - 1);
     bind_use(L, "init");
     return 1;

@@ -65,6 +65,7 @@ void bind_ask_open(lua_State *L, int core);
 void bind_own_open(lua_State *L, int core);
 void bind_message_open(lua_State *L, int core);
 void bind_trace_open(lua_State *L, int core);
+void bind_schema_open(lua_State *L, int core);
 void bind_replay_open(lua_State *L, int core);
 void bind_reader_open(lua_State *L, int core);
 
@@ -185,7 +186,8 @@ lua_Integer bind_int(lua_State *L, int index, const char *what, const char *fiel
 real bind_seconds(lua_State *L, int index, const char *what);
 
 /* Fields of a table of arguments. A nil field leaves *value alone and returns false. */
-void bind_arguments(lua_State *L, int table, const char *what, const char *const *names);    /* checks type and keys */
+void bind_push_declared(lua_State *L, const char *what);        /* the fields that core.declare(what, ...) named */
+void bind_arguments(lua_State *L, int table, const char *what);  /* checks that it is a table, and its keys against those */
 bool bind_get_vec3(lua_State *L, int table, const char *what, const char *field, const char *unit, vec3 *value);
 bool bind_get_quat(lua_State *L, int table, const char *what, const char *field, quat *value);
 bool bind_get_real(lua_State *L, int table, const char *what, const char *field, const char *unit, real *value);
@@ -229,6 +231,10 @@ const dig_param *bind_effect_row(const char *name, dig_schema *of);
 void bind_effects_read(const Fill *f);
 void bind_effects_join(lua_State *L, int read, const WorldRef *world, dig_body body);
 
+/* Rows of digbox.material_pair, and of the place of a shape in a body. */
+const dig_param *bind_pair_rows(void);
+const dig_param *bind_part_rows(void);
+
 /* Raises an error for a key that is neither in the row sets (NULL-terminated) nor in extras (NULL-terminated, may be NULL). */
 void bind_check_keys(lua_State *L, int table, const char *what, const dig_param *const *sets, const char *const *extras);
 
@@ -236,8 +242,8 @@ void bind_check_keys(lua_State *L, int table, const char *what, const dig_param 
 void bind_push_field(lua_State *L, int world, const dig_param *row, const void *field);
 
 /* The shape and the pose in the table of arguments at 2: {digbox.sphere{...}, at=, rotation=}, {shape = ...} or {sphere = {...}}.
- * The table is replaced by a copy that has the shape as its field "shape"; names: the fields it may have. */
-const dig_shape_def *bind_shape_argument(lua_State *L, const char *what, const char *const *names, pose *at);
+ * The table is replaced by a copy that has the shape as its field "shape". */
+const dig_shape_def *bind_shape_argument(lua_State *L, const char *what, pose *at);
 
 /* A body whose shapes are given; the table at index 2 holds the body's fields. */
 int bind_create_body(lua_State *L, const char *what, const dig_shape_def *shapes, int count, bool fixed, const dig_param *own,

@@ -89,11 +89,10 @@ static void read_question(lua_State *L, const char *what, dig_question *q)
  */
 static int body_can_move(lua_State *L)
 {
-    static const char *const names[] = {"along", "turn", "by", "with", "at", "within", NULL};
     BodyRef *b = bind_check_body(L, 1);
     dig_question q = dig_question_defaults();
     dig_answer a;
-    bind_arguments(L, 2, "body:can_move", names);
+    bind_arguments(L, 2, "body:can_move");
     read_question(L, "body:can_move", &q);
     q.body = b->id;
     dig_status s = dig_ask(b->world->w, &q, &a);
@@ -107,11 +106,10 @@ static int body_can_move(lua_State *L)
 /* world:ask{body =, along =, ...} -> answer; as body:can_move */
 static int world_ask(lua_State *L)
 {
-    static const char *const names[] = {"body", "along", "turn", "by", "with", "at", "within", NULL};
     WorldRef *ref = bind_check_world(L, 1);
     dig_question q = dig_question_defaults();
     dig_answer a;
-    bind_arguments(L, 2, "world:ask", names);
+    bind_arguments(L, 2, "world:ask");
     if (lua_getfield(L, 2, "body") == LUA_TNIL)
         return bind_error(L, "world:ask: body is missing (who is to move?)");
     q.body = bind_body_of(L, lua_gettop(L), ref)->id;

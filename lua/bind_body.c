@@ -360,11 +360,10 @@ static void note_push(lua_State *L, const BodyRef *b)
  */
 static int body_push(lua_State *L)
 {
-    static const char *const names[] = {"force", "along", "at", "lasts", NULL};
     BodyRef *b = bind_check_body(L, 1);
     vec3 at = {0, 0, 0};
     real lasts = 0;
-    bind_arguments(L, 2, "body:push", names);
+    bind_arguments(L, 2, "body:push");
     vec3 force = directed(L, "body:push", "force", "N");
     bool has_at = bind_get_vec3(L, 2, "body:push", "at", "m", &at);
     bind_get_real(L, 2, "body:push", "lasts", "s", &lasts);
@@ -375,10 +374,9 @@ static int body_push(lua_State *L)
 /* body:twist{torque=, along=, lasts=} -> body      N m, s */
 static int body_twist(lua_State *L)
 {
-    static const char *const names[] = {"torque", "along", "lasts", NULL};
     BodyRef *b = bind_check_body(L, 1);
     real lasts = 0;
-    bind_arguments(L, 2, "body:twist", names);
+    bind_arguments(L, 2, "body:twist");
     vec3 torque = directed(L, "body:twist", "torque", "N*m");
     bind_get_real(L, 2, "body:twist", "lasts", "s", &lasts);
     note_push(L, b);
@@ -388,10 +386,9 @@ static int body_twist(lua_State *L)
 /* body:hit{impulse=, along=, at=} -> body          N s, at once */
 static int body_hit(lua_State *L)
 {
-    static const char *const names[] = {"impulse", "along", "at", NULL};
     BodyRef *b = bind_check_body(L, 1);
     vec3 at = {0, 0, 0};
-    bind_arguments(L, 2, "body:hit", names);
+    bind_arguments(L, 2, "body:hit");
     vec3 impulse = directed(L, "body:hit", "impulse", "N*s");
     bool has_at = bind_get_vec3(L, 2, "body:hit", "at", "m", &at);
     return done(L, b, dig_body_hit(b->world->w, b->id, impulse, at, has_at));
@@ -400,11 +397,10 @@ static int body_hit(lua_State *L)
 /* body:teleport{at=, rotation=, velocity=, spin=} -> body */
 static int body_teleport(lua_State *L)
 {
-    static const char *const names[] = {"at", "rotation", "velocity", "spin", NULL};
     BodyRef *b = bind_check_body(L, 1);
     vec3 at, velocity, spin;
     quat rotation;
-    bind_arguments(L, 2, "body:teleport", names);
+    bind_arguments(L, 2, "body:teleport");
     bool has_at = bind_get_vec3(L, 2, "body:teleport", "at", "m", &at);
     bool has_rotation = bind_get_quat(L, 2, "body:teleport", "rotation", &rotation);
     bool has_velocity = bind_get_vec3(L, 2, "body:teleport", "velocity", "m/s", &velocity);
@@ -416,12 +412,11 @@ static int body_teleport(lua_State *L)
 /* body:move_to{at=, rotation=, over=} -> body      kinematic bodies only */
 static int body_move_to(lua_State *L)
 {
-    static const char *const names[] = {"at", "rotation", "over", NULL};
     BodyRef *b = bind_check_body(L, 1);
     vec3 at = state(L).position;
     quat rotation;
     real over = 0;
-    bind_arguments(L, 2, "body:move_to", names);
+    bind_arguments(L, 2, "body:move_to");
     bind_get_vec3(L, 2, "body:move_to", "at", "m", &at);
     bool has_rotation = bind_get_quat(L, 2, "body:move_to", "rotation", &rotation);
     bind_get_real(L, 2, "body:move_to", "over", "s", &over);
@@ -431,10 +426,9 @@ static int body_move_to(lua_State *L)
 /* body:drive{velocity=, spin=} -> body             kinematic bodies only: keeps moving so */
 static int body_drive(lua_State *L)
 {
-    static const char *const names[] = {"velocity", "spin", NULL};
     BodyRef *b = bind_check_body(L, 1);
     vec3 velocity = {0, 0, 0}, spin = {0, 0, 0};
-    bind_arguments(L, 2, "body:drive", names);
+    bind_arguments(L, 2, "body:drive");
     bind_get_vec3(L, 2, "body:drive", "velocity", "m/s", &velocity);
     bind_get_vec3(L, 2, "body:drive", "spin", "rad/s", &spin);
     return done(L, b, dig_body_set_velocity(b->world->w, b->id, velocity, spin));

@@ -250,10 +250,9 @@ static int world_effect(lua_State *L)
 /* body:warm{energy=} or body:warm{to=} -> body          J or K */
 static int body_warm(lua_State *L)
 {
-    static const char *const names[] = {"energy", "to", NULL};
     BodyRef *b = bind_check_body(L, 1);
     real energy = NAN, to = NAN;
-    bind_arguments(L, 2, "body:warm", names);
+    bind_arguments(L, 2, "body:warm");
     bind_get_real(L, 2, "body:warm", "energy", "J", &energy);
     bind_get_real(L, 2, "body:warm", "to", "K", &to);
     dig_status s = dig_body_warm(b->world->w, b->id, energy, to);

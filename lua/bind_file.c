@@ -269,8 +269,28 @@ static int read_spec(lua_State *L, const char *spec, const char *name, dig_param
     return luaL_error(L, "no kind '%s' in '%s'", word, spec);
 }
 
-/* core.check(fields, what, spec [, world]) -> a table with the checked fields in SI.
- * spec = {radius = "real m >0", at = "vec m", name = "text", filter = "any", ...} */
+/* The declared field on top of the stack (declare.lua): "vec m" or {"vec m", help, min =, max =, default =}. Reads its row and pushes its
+ * default, or nil. */
+static int read_declared(lua_State *L, const char *name, dig_param *row, char unit[32])
+{
+    int declared = lua_gettop(L);
+    if (!lua_istable(L, declared)) {
+        lua_pushnil(L);
+        return read_spec(L, lua_tostring(L, declared), name, row, unit);
+    }
+    lua_rawgeti(L, declared, 1);
+    int kind = read_spec(L, lua_tostring(L, -1), name, row, unit);
+    bool low = lua_getfield(L, declared, "min") == LUA_TNUMBER, high = lua_getfield(L, declared, "max") == LUA_TNUMBER;
+    if (low || high) {
+        row->min = low ? lua_tonumber(L, -2) : row->max > row->min ? row->min : -1e300;
+        row->max = high ? lua_tonumber(L, -1) : 1e300;
+    }
+    lua_getfield(L, declared, "default");
+    return kind;
+}
+
+/* core.check(fields, what [, declared fields [, world]]) -> a table with the checked fields in SI, and defaults of those not given.
+ * Declared fields are those of core.declare(what, ...) when they are not given: {radius = {"real m >0", "help"}, at = ..., } */
 static int check_fields(lua_State *L)
 {
     const char *what = luaL_checkstring(L, 2);
@@ -280,6 +300,10 @@ static int check_fields(lua_State *L)
     lua_settop(L, 4);
     if (!lua_istable(L, 1))
         return bind_error(L, "%s wants a table of fields; got %s", what, luaL_typename(L, 1));
+    if (lua_isnil(L, 3)) {
+        bind_push_declared(L, what);
+        lua_replace(L, 3);
+    }
     for (lua_pushnil(L); lua_next(L, 3) && count < 63; lua_pop(L, 1))
         names[count++] = lua_tostring(L, -2);
     lua_settop(L, 4);
@@ -293,9 +317,11 @@ static int check_fields(lua_State *L)
         dig_param row;
         char unit[32];
         lua_getfield(L, 3, names[i]);
-        int kind = read_spec(L, lua_tostring(L, -1), names[i], &row, unit);
+        int kind = read_declared(L, names[i], &row, unit), fallback = lua_gettop(L);
         lua_pushstring(L, names[i]);
-        if (lua_rawget(L, 1) == LUA_TNIL) {
+        if (lua_rawget(L, 1) == LUA_TNIL)
+            lua_settop(L, fallback);
+        if (lua_isnil(L, -1)) {
             lua_settop(L, 6);
             continue;
         }

@@ -108,12 +108,11 @@ void bind_link_kind(lua_State *L, int index, const char *what, uint32_t *layer, 
 /* {kind = "contact" | "joint" | "thermal" | ...} at arg, or nothing */
 static void kind_argument(lua_State *L, int arg, const char *what, uint32_t *layer, int *kind)
 {
-    static const char *const names[] = {"kind", NULL};
     *layer = DIG_LAYER_MECHANICAL;
     *kind = -1;
     if (lua_isnoneornil(L, arg))
         return;
-    bind_arguments(L, arg, what, names);
+    bind_arguments(L, arg, what);
     if (lua_getfield(L, arg, "kind") != LUA_TNIL)
         bind_link_kind(L, lua_gettop(L), what, layer, kind);
     lua_pop(L, 1);

@@ -345,5 +345,9 @@ void bind_joint_open(lua_State *L, int core)
         lua_setfield(L, world, key);
         lua_settop(L, world);
     }
+    lua_newtable(L);
+    for (int i = 0; i < ALIAS_COUNT; i++)
+        bind_set_text(L, aliases[i].alias, aliases[i].name);
+    lua_setfield(L, core, "joint_aliases");
     lua_settop(L, top);
 }

@@ -248,11 +248,10 @@ typedef struct WireRef { WorldRef *world; dig_wire id; } WireRef;       /* its f
  */
 static int world_link(lua_State *L)
 {
-    static const char *const names[] = {"a", "b", "layer", "bound", "ratio", NULL};
     WorldRef *world = bind_check_world(L, 1);
     dig_wire_def def = {0};
     lua_settop(L, 2);
-    bind_arguments(L, 2, "world:link", names);
+    bind_arguments(L, 2, "world:link");
     lua_getfield(L, 2, "layer");
     def.layer = bind_layer(L, 3, "world:link");
     lua_getfield(L, 2, "a");

@@ -61,7 +61,7 @@ static vec3 turned(quat q, vec3 v)
     return (vec3){r.x, r.y, r.z};
 }
 
-const dig_shape_def *bind_shape_argument(lua_State *L, const char *what, const char *const *names, pose *at)
+const dig_shape_def *bind_shape_argument(lua_State *L, const char *what, pose *at)
 {
     if (!lua_istable(L, 2))
         bind_error(L, "%s wants a table of fields; got %s", what, luaL_typename(L, 2));
@@ -70,7 +70,7 @@ const dig_shape_def *bind_shape_argument(lua_State *L, const char *what, const c
         put_shape(L, what, NULL);
     lua_settop(L, 2);
     use_kind_names(L, what);
-    bind_arguments(L, 2, what, names);
+    bind_arguments(L, 2, what);
     *at = (pose){{0, 0, 0}, {0, 0, 0, 1}};
     bind_get_vec3(L, 2, what, "at", "m", &at->p);
     bind_get_quat(L, 2, what, "rotation", &at->q);
@@ -134,10 +134,9 @@ void bind_push_region(lua_State *L, int world, dig_region id)
  * gravity m/s^2, drag 1/s; laws.force is checked here and called by run.lua */
 static int make_region(lua_State *L)
 {
-    static const char *const names[] = {"shape", "at", "rotation", "laws", NULL};
     WorldRef *world = bind_check_world(L, 1);
     dig_region_def def = dig_region_defaults();
-    def.shape = *bind_shape_argument(L, "world:region", names, &def.at);
+    def.shape = *bind_shape_argument(L, "world:region", &def.at);
     read_laws(L, world, &def);
     bind_push_region(L, 1, (dig_region){0, 0});
     RegionRef *ref = lua_touserdata(L, -1);

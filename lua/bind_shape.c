@@ -176,6 +176,8 @@ static const dig_param place_rows[] = {
     {.name = NULL},
 };
 
+const dig_param *bind_part_rows(void) { return place_rows; }
+
 /* upvalues: schema, "digbox.sphere" */
 static int make_shape(lua_State *L)
 {

@@ -20,11 +20,10 @@ static void push_hit(lua_State *L, const dig_hit *hit)
 /* world:ray{from=, to=} or {from=, along=, length=} -> hits by distance */
 static int world_ray(lua_State *L)
 {
-    static const char *const names[] = {"from", "to", "along", "length", NULL};
     WorldRef *ref = bind_check_world(L, 1);
     vec3 from = {0, 0, 0}, to = {0, 0, 0}, along = {0, 0, 0};
     real length = 1e4;
-    bind_arguments(L, 2, "world:ray", names);
+    bind_arguments(L, 2, "world:ray");
     if (!bind_get_vec3(L, 2, "world:ray", "from", "m", &from))
         return bind_error(L, "world:ray: from is missing");
     bool has_to = bind_get_vec3(L, 2, "world:ray", "to", "m", &to);
@@ -53,10 +52,9 @@ static int world_ray(lua_State *L)
 /* world:overlap{shape, at=, rotation=} -> bodies */
 static int world_overlap(lua_State *L)
 {
-    static const char *const names[] = {"shape", "at", "rotation", NULL};
     WorldRef *ref = bind_check_world(L, 1);
     pose at;
-    const dig_shape_def *shape = bind_shape_argument(L, "world:overlap", names, &at);
+    const dig_shape_def *shape = bind_shape_argument(L, "world:overlap", &at);
     int n = dig_overlap(ref->w, shape, at, NULL, 0);
     if (n < 0)
         return bind_fail(L, ref->w, DIG_E_ARG);
@@ -73,13 +71,12 @@ static int world_overlap(lua_State *L)
 /* world:sweep{shape, at=, rotation=, velocity=, acceleration=, time=} -> hit or nil */
 static int world_sweep(lua_State *L)
 {
-    static const char *const names[] = {"shape", "at", "rotation", "velocity", "acceleration", "time", NULL};
     WorldRef *ref = bind_check_world(L, 1);
     pose at;
     vec3 velocity = {0, 0, 0}, acceleration = {0, 0, 0};
     real time = 1;
     dig_hit hit;
-    const dig_shape_def *shape = bind_shape_argument(L, "world:sweep", names, &at);
+    const dig_shape_def *shape = bind_shape_argument(L, "world:sweep", &at);
     bind_get_vec3(L, 2, "world:sweep", "velocity", "m/s", &velocity);
     bind_get_vec3(L, 2, "world:sweep", "acceleration", "m/s^2", &acceleration);
     bind_get_real(L, 2, "world:sweep", "time", "s", &time);

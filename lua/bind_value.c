@@ -133,7 +133,7 @@ static quat from_axis_angle(lua_State *L, int table, const char *what)
     static const char *const names[] = {"axis", "angle", NULL};
     vec3 axis = {0, 1, 0};
     real angle = 0;
-    bind_arguments(L, table, what, names);
+    bind_check_keys(L, table, what, NULL, names);
     bind_get_vec3(L, table, what, "axis", "1", &axis);
     bind_get_real(L, table, what, "angle", "rad", &angle);
     real length = sqrt(axis.x * axis.x + axis.y * axis.y + axis.z * axis.z);
@@ -177,11 +177,34 @@ quat bind_quat(lua_State *L, int index, const char *what, const char *field)
 
 /* ---- tables of arguments ---------------------------------------------------- */
 
-void bind_arguments(lua_State *L, int table, const char *what, const char *const *names)
+void bind_push_declared(lua_State *L, const char *what)
+{
+    lua_getfield(L, LUA_REGISTRYINDEX, "digbox.fields");
+    if (lua_getfield(L, -1, what) != LUA_TTABLE)
+        luaL_error(L, "%s is not declared", what);
+    lua_remove(L, -2);
+}
+
+void bind_arguments(lua_State *L, int table, const char *what)
 {
     if (!lua_istable(L, table))
         wrong_type(L, table, what, NULL, "a table");
-    bind_check_keys(L, table, what, NULL, names);
+    table = lua_absindex(L, table);
+    bind_push_declared(L, what);
+    int declared = lua_gettop(L);
+    const char *worst = NULL;           /* the first in the alphabet, whatever the order of next */
+    for (lua_pushnil(L); lua_next(L, table); lua_pop(L, 1)) {
+        if (lua_type(L, -2) != LUA_TSTRING)
+            bind_check_keys(L, table, what, NULL, NULL);
+        lua_pushvalue(L, -2);
+        bool known = lua_rawget(L, declared) != LUA_TNIL;
+        lua_pop(L, 1);
+        if (!known && (!worst || strcmp(lua_tostring(L, -2), worst) < 0))
+            worst = lua_tostring(L, -2);
+    }
+    if (worst)
+        bind_unknown(L, lua_pushfstring(L, "%s:", what), "unknown field", worst, declared, declared);
+    lua_settop(L, declared - 1);
 }
 
 static bool get_field(lua_State *L, int table, const char *field)

@@ -208,9 +208,9 @@ static vec3 direction(lua_State *L, const char *field)
 /* digbox.quat{axis=, angle=} | {from=, to=} | {x, y, z, w} -> rotation */
 static int quat_new(lua_State *L)
 {
-    static const char *const names[] = {"from", "to", NULL};
     if (lua_istable(L, 1) && (lua_getfield(L, 1, "from") != LUA_TNIL || lua_getfield(L, 1, "to") != LUA_TNIL)) {
-        bind_arguments(L, 1, "digbox.quat", names);
+        static const char *const names[] = {"from", "to", NULL};
+        bind_check_keys(L, 1, "digbox.quat", NULL, names);
         vec3 from = direction(L, "from");
         bind_push_quat(L, between(from, direction(L, "to")));
         return 1;

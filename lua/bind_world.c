@@ -437,6 +437,8 @@ static const dig_param pair_rows[] = {
     {.name = NULL},
 };
 
+const dig_param *bind_pair_rows(void) { return pair_rows; }
+
 /* core.material_pair(world, {a=, b=, friction=, ...}) */
 static int world_material_pair(lua_State *L)
 {

@@ -27,7 +27,11 @@ typedef struct Command {
 } Command;
 
 extern const Command run_command, test_command, check_command, cost_command, render_command, export_command, view_command,
-                     diff_command, verify_command;
+                     diff_command, verify_command, api_command, repl_command, new_command, doctor_command;
+
+/* In the order of the help; NULL past the end. */
+const Command *command_at(int index);
+const char *exit_code_help(void);
 
 /* Prints `digbox: ...` and where help is; returns the exit code. */
 int usage_error(const char *format, ...);

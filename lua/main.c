@@ -16,7 +16,7 @@
 
 static const Command *const commands[] = {
     &run_command, &test_command, &check_command, &cost_command, &render_command, &export_command, &view_command,
-    &diff_command, &verify_command,
+    &diff_command, &verify_command, &api_command, &repl_command, &new_command, &doctor_command,
 };
 enum { COMMAND_COUNT = sizeof commands / sizeof *commands };
 
@@ -31,8 +31,18 @@ static void print_program_help(void)
     for (int i = 0; i < COMMAND_COUNT; i++)
         if (commands[i]->options)
             printf("%s:\n%s\n", commands[i]->name, commands[i]->options);
-    fputs("Exit codes: 0 ok, 1 script error, 2 usage, 3 memory, 4 fuel, 5 time, 6 scenario failed, 7 replays differ,\n"
-          "8 bad input file, 9 output failed, 10 non-finite state, 11 internal, 12 unreliable (--strict), 130 SIGINT, 143 SIGTERM.\n", stdout);
+    printf("Exit codes: %s\n", exit_code_help());
+}
+
+const Command *command_at(int index)
+{
+    return index >= 0 && index < COMMAND_COUNT ? commands[index] : NULL;
+}
+
+const char *exit_code_help(void)
+{
+    return "0 ok, 1 script error, 2 usage, 3 memory, 4 fuel, 5 time, 6 scenario failed, 7 replays differ,\n"
+           "8 bad input file, 9 output failed, 10 non-finite state, 11 internal, 12 unreliable (--strict), 130 SIGINT, 143 SIGTERM.";
 }
 
 static const Command *find_command(const char *name)

@@ -107,7 +107,7 @@ static bool ends_with(const char *text, const char *end)
 /* *_spec.lua, and every other Lua file that asks for the kit */
 static bool holds_scenarios(const char *path)
 {
-    if (!ends_with(path, ".lua"))
+    if (!ends_with(path, ".lua") || ends_with(path, ".d.lua"))          /* .d.lua: for editors */
         return false;
     if (ends_with(path, "_spec.lua"))
         return true;

@@ -32,6 +32,7 @@ end
 -- ---- floor and room ----
 
 local plane = core.constructor("plane", "world:floor")
+core.declare("world:floor", { "The fixed plane y = 0.", with = { "body" }, optional = true, gives = "body" })
 
 -- world:floor{...}: the fixed plane y = 0
 function methods.floor(world, fields)
@@ -51,6 +52,12 @@ end
 Room.__metatable = false
 Room.__name = "room"
 Room.__tostring = function() return "room" end
+
+core.declare_type("room", "Six walls without a body of their own; a wall is named '+x', '-x', '+y', '-y', '+z' or '-z'.",
+  { open = true, close = true }, { world = { "world", "its world" } })
+core.declare("room:open", { "That wall lets bodies out.", takes = { { "wall", "text", "which wall", of = walls } }, gives = "room" })
+core.declare("room:close", { "That wall holds again.", takes = { { "wall", "text", "which wall", of = walls } }, gives = "room" })
+core.declare("world:room", { "Six walls without a body of their own.", with = { "room" }, gives = "room" })
 
 local function check_wall(what, wall)
   if type(wall) ~= "string" or not walls[wall] then core.unknown(what .. ":", "unknown wall", tostring(wall), walls) end
@@ -78,7 +85,9 @@ end
 -- ---- rod ----
 
 local cylinder = core.constructor("cylinder", "world:rod")
-local rod_fields = { length = "real m >0", radius = "real m >0", from = "vec m", to = "vec m", along = "dir 1" }
+local rod_fields = core.declare("world:rod", { "A round bar.", fields = {
+  length = { "real m >0", "its length" }, radius = { "real m >0", "its radius", need = true }, from = { "vec m", "where it begins" },
+  to = { "vec m", "where it ends" }, along = { "dir 1", "which way it goes from `from`" } }, with = { "body" }, gives = "body" })
 
 -- world:rod{length=, radius=, from=, along=} or {from=, to=, radius=} or {at=, rotation=, length=, radius=}: a round bar
 function methods.rod(world, fields)
@@ -106,8 +115,12 @@ end
 -- ---- bucket ----
 
 local compound = core.constructor("body", "world:bucket")
-local bucket_fields = { height = "real m >0", top_radius = "real m >0", bottom_radius = "real m >0", wall = "real m >0",
-  segments = "int 1 >0", parts = "any" }
+local bucket_fields = core.declare("world:bucket", { "Open at the top; `at` is the middle of its underside.", fields = {
+  height = { "real m >0", "outer height", need = true }, top_radius = { "real m >0", "inner radius at the top", need = true },
+  bottom_radius = { "real m >0", "inner radius at the bottom; default as at the top" },
+  wall = { "real m >0", "thickness; default 5 % of the smaller of height and bottom_radius" },
+  segments = { "int 1", "boxes around the wall", default = 24, min = 3, max = 256 },
+  parts = { "any", "further shapes that belong to it, such as a rim", type = "shape[]" } }, with = { "body" }, gives = "body" })
 
 -- Boxes around a tapered wall. Their inner faces touch the cone from outside at mid-width, so the hollow is at least the one asked for.
 local function bucket_wall(own, n)
@@ -136,8 +149,7 @@ function methods.bucket(world, fields)
   need("world:bucket", own, "height", "top_radius")
   own.bottom_radius = own.bottom_radius or own.top_radius
   own.wall = own.wall or math.min(own.height, own.bottom_radius) * 0.05
-  local n = own.segments or 24
-  if n < 3 or n > 256 then core.fail("world:bucket: segments = %d, must be 3 to 256", n) end
+  local n = own.segments
   if own.wall * 2 > own.height then core.fail("world:bucket: wall = %g m, must be at most half the height", own.wall) end
   rest.parts = bucket_wall(own, n)
   rest.parts[n + 1] = core.shapes.cylinder { radius = own.bottom_radius, height = own.wall, at = { 0, own.wall / 2, 0 } }
@@ -151,8 +163,14 @@ end
 -- ---- rope ----
 
 local engine_rope = methods.rope
-local rope_fields = { a = "any", b = "any", at = "vec m", to = "vec m", length = "real m >0", segments = "int 1 >0", radius = "real m >0",
-  breaks_at = "real N >0" }
+local rope_fields = {
+  a = { "any", "the body it begins at", type = "body" }, b = { "any", "the body it ends at", type = "body" },
+  at = { "vec m", "where it begins; default the place of a" }, to = { "vec m", "where it ends; default the place of b" },
+  length = { "real m >0", "its length; default the distance of its ends" },
+  segments = { "int 1 >0", "with segments it is a chain of rods: {links=, joints=}" },
+  radius = { "real m >0", "of its rods; default a tenth of their length" }, breaks_at = { "real N >0", "breaks when a joint bears more" } }
+core.declare("world:rope", { "Ends never farther apart than its length; with segments a chain of rods that has mass.", fields = rope_fields,
+  with = { "joint rope", "body" }, gives = "joint|table" })
 
 -- Corners of a rope of the given length hung between two points: straight, or a V when it is longer than their distance.
 local function rope_corners(from, to, length, down, n)
@@ -233,6 +251,10 @@ local function read_obj(text, path)
 end
 
 local engine_mesh = methods.mesh
+
+core.declare("world:mesh", { "A surface of triangles; static, or dynamic when it is closed.", fields = {
+  file = { "text", "a Wavefront .obj beside the script, instead of vertices and triangles" } }, with = { "shape mesh", "body" },
+  gives = "body" })
 
 -- world:mesh{file = "beside/the/script.obj"} or {vertices=, triangles=}
 function methods.mesh(world, fields)

@@ -34,7 +34,21 @@ local function start(world, effect, list, energy)
   if energy then return world.energy.elastic end         -- what fails does so here
 end
 
-local effect_fields = { name = "text", stage = "text", law = "text", bodies = "any", step = "any", energy = "any", data = "any" }
+core.declare_type("effect", "An effect that the script made.", { join = Effect.join, leave = Effect.leave, remove = Effect.remove }, {
+  name = { "string", "its name" }, world = { "world", "its world" }, data = { "any", "what was given as data" },
+  time = { "number", "of the present evaluation", unit = "s" } })
+core.declare("effect:join", { "The body takes part from now on.", takes = { { "body", "body", "who" } }, gives = "effect" })
+core.declare("effect:leave", { "The body takes part no more.", takes = { { "body", "body", "who" } }, gives = "effect" })
+core.declare("effect:remove", { "Takes the effect away." })
+
+core.declare("world:add_effect", { "Adds an effect of the script's own: a function is asked for forces.", fields = {
+  name = { "text", "its name", need = true },
+  stage = { "text", "when it is asked", of = { "force", "settle" }, default = "force" },
+  law = { "text", "its equation, for world:effects()" },
+  bodies = { "any", "who takes part: a list, or a function of a body; default all that move", type = "body|body[]|function" },
+  step = { "any", "function(effect, bodies, dt): sets bodies[i].force, N, and .torque, N m", type = "function", need = true },
+  energy = { "any", "function(effect, bodies): J that the forces store", type = "function" },
+  data = { "any", "kept as effect.data" } }, gives = "effect" })
 
 local function check_function(value, field, required)
   if value == nil and not required then return end
@@ -62,7 +76,7 @@ end
 -- bodies: default all that move. step sets bodies[i].force, N, and .torque, N m. energy(effect, bodies) -> J that the forces store.
 function methods.add_effect(world, fields)
   core.forbid_in_handler(world, "world:add_effect")
-  local f = core.check(fields, "world:add_effect", effect_fields)
+  local f = core.check(fields, "world:add_effect")
   if f.name == nil then core.fail "world:add_effect: name is missing" end
   check_function(f.step, "step", true)
   check_function(f.energy, "energy", false)
@@ -75,7 +89,7 @@ function methods.add_effect(world, fields)
     end
   end
   local effect = setmetatable({ name = f.name, world = world, data = f.data, time = world.time }, Effect)
-  core.own_add(world, effect, f.name, f.stage or "force", f.step, f.energy, list == nil, f.law)
+  core.own_add(world, effect, f.name, f.stage, f.step, f.energy, list == nil, f.law)
   local fine, message = pcall(start, world, effect, list or {}, f.energy)
   if not fine then
     core.own_drop(world, f.name)

@@ -19,6 +19,9 @@ end
 Subscription.__metatable = false
 Subscription.__name = "subscription"
 
+core.declare_type("subscription", "A handler that waits for events.", Subscription)
+core.declare("subscription:off", { "No more calls." })
+
 -- sub:off(): no more calls
 function Subscription.off(handle)
   local sub = handle[1]
@@ -36,8 +39,18 @@ local function book_of(state, kind)
   return book
 end
 
-local filter_fields = { with = "any", faster_than = "real m/s", harder_than = "real N*s", wall = "text", kind = "text", region = "any",
-  layer = "text" }
+local filter_fields = {
+  with = { "any", "only with this body, or one of these", type = "body|body[]" },
+  faster_than = { "real m/s", "only when they close faster" }, harder_than = { "real N*s", "only when the blow is harder" },
+  wall = { "text", "only with this wall of the room", of = { "+x", "-x", "+y", "-y", "+z", "-z" } },
+  kind = { "text", "of a link: only of that kind; of a message: only with that name" },
+  region = { "any", "only of that region", type = "region" }, layer = { "text", "of links and DIGs: of that layer, or any" } }
+local on_takes = { { "event", "text", "name of the event", of = kinds },
+  { "handler", "function", "called with a copy of the event, after the step" } }
+core.declare("world:on", { "Calls a function at every event of a kind.", takes = on_takes, fields = filter_fields, filter = true,
+  gives = "subscription" })
+core.declare("body:on", { "Calls a function at every event of a kind that this body takes part in; it is `self` in the event.",
+  takes = on_takes, fields = filter_fields, filter = true, gives = "subscription" })
 
 local function read_filter(filter, what)
   if filter == nil then return nil end

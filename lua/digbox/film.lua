@@ -19,22 +19,30 @@ local function scene_of(world) return core.lua_state(world).scene end
 
 -- ---- light ----
 
+core.declare("world:sun", { "Where the sun stands.", fields = { from = { "dir 1", "from where it shines" },
+  shadows = { "bool", "things cast shadows" } } })
+
 -- world:sun{from = {3, 6, 2}, shadows = true}
 function methods.sun(world, fields)
-  local f = core.check(fields, "world:sun", { from = "dir 1", shadows = "bool" })
+  local f = core.check(fields, "world:sun")
   local scene = scene_of(world)
   scene.sun = f.from or scene.sun
   if f.shadows ~= nil then scene.shadows = f.shadows end
 end
 
+core.declare("world:lamp", { "A lamp, one of at most four.", fields = { at = { "vec m", "where it hangs", need = true },
+  power = { "real W >0", "how bright", default = 60 }, colour = { "colour 1", "of its light" } } })
+
 -- world:lamp{at=, power = "60 W", colour=}
 function methods.lamp(world, fields)
-  local f = core.check(fields, "world:lamp", { at = "vec m", power = "real W >0", colour = "colour 1" })
+  local f = core.check(fields, "world:lamp")
   local lamps = scene_of(world).lamps
   if not f.at then core.fail "world:lamp: at is missing" end
   if #lamps == 4 then core.fail "world:lamp: there are 4 lamps already, more cannot be drawn" end
-  lamps[#lamps + 1] = { at = f.at, power = f.power or 60, colour = f.colour }
+  lamps[#lamps + 1] = { at = f.at, power = f.power, colour = f.colour }
 end
+
+core.declare("world:sky", { "What is behind everything.", takes = { { "name", "text", "which sky", of = skies } } })
 
 -- world:sky "clear" | "overcast" | "night" | "black"
 function methods.sky(world, name)
@@ -44,14 +52,20 @@ end
 
 -- ---- cameras ----
 
-local camera_fields = { name = "text", at = "vec m", look_at = "any", fov = "real rad >0", up = "dir 1", follow = "body" }
+local camera_fields = core.declare("world:camera", { "A camera; what it does not say is chosen so that everything is seen.", fields = {
+  name = { "text", "its name" }, at = { "vec m", "where it stands" }, look_at = { "any", "a body or a point", type = "body|vector" },
+  fov = { "real rad >0", "opening angle; default 40 deg", max = 3 }, up = { "dir 1", "which way is up in the picture" },
+  follow = { "body", "it moves with this body" } }, optional = true, gives = "camera" })
+core.declare_type("camera", "A camera. Its fields can be read and assigned.", {}, {
+  name = { "string|nil", "its name", set = true }, at = { "vector|nil", "where it stands", unit = "m", set = true },
+  look_at = { "body|vector|nil", "what it looks at", set = true }, fov = { "number|nil", "opening angle", unit = "rad", set = true },
+  up = { "vector|nil", "which way is up", set = true }, follow = { "body|nil", "what it moves with", set = true } })
 
 local function check_camera(fields, what, world)
   local f = core.check(fields, what, camera_fields, world)
   if f.look_at ~= nil and core.type(f.look_at) ~= "body" then
     f.look_at = core.check({ look_at = f.look_at }, what, { look_at = "vec m" }).look_at
   end
-  if f.fov and f.fov > 3 then core.fail("%s: fov = %.4g rad, must be below 3 rad", what, f.fov) end
   return f
 end
 
@@ -202,7 +216,7 @@ function core.drawing_options(f, what, world)
   o.smooth = f.samples == nil or nil       -- without samples edges are smoothed afterwards, which looks the same
   o.samples = f.samples or 0
   if o.samples ~= 0 and o.samples ~= 2 and o.samples ~= 4 then core.fail("%s: samples = %d, must be 0, 2 or 4", what, o.samples) end
-  local layer = f.layer or "colour"
+  local layer = f.layer
   if not layers[layer] then core.unknown(what .. ":", "unknown layer", layer, layers) end
   o.layer = layers[layer]
   if f.camera ~= nil and not is_camera[f.camera] then core.fail("%s.camera wants a camera; got %s", what, core.type(f.camera)) end
@@ -229,7 +243,15 @@ core.frame_options, core.blend_cameras, core.skies = frame_options, blend_camera
 
 -- ---- pictures ----
 
-local render_fields = { camera = "any", to = "any", size = "any", samples = "int", layer = "text", overlay = "any" }
+local picture_fields = {
+  camera = { "any", "by which it is seen; default the world's first, or one that sees everything", type = "camera" },
+  size = { "any", "{width, height} in pixels; default {1280, 720}", type = "integer[]" },
+  samples = { "int", "0, 2 or 4 a pixel; not given: edges are smoothed afterwards" },
+  layer = { "text", "what the pixels show", of = layers, default = "colour" },
+  overlay = { "any", "what is drawn over it: a name or a list", type = "string|string[]", of = overlays } }
+local TO = { "any", "a file in the output folder", type = "string", need = true }
+core.declare("world:render", { "Draws one picture; gives the path of its file.", fields = core.join_fields(picture_fields, { to = TO }),
+  gives = "string" })
 
 local function check_target(to, what)
   if type(to) ~= "string" then core.fail("%s: to is missing (a file name such as 'out/a.png')", what) end
@@ -238,7 +260,7 @@ end
 
 -- world:render{camera=, to = "out/a.png", size = {w, h}, samples=, layer=, overlay=} -> path
 function methods.render(world, fields)
-  local f = core.check(fields, "world:render", render_fields)
+  local f = core.check(fields, "world:render")
   local o = drawing_options(f, "world:render", world)
   local to = check_target(f.to, "world:render")
   if not to:match "%.png$" then core.fail("world:render: '%s' must end in .png", to) end
@@ -253,7 +275,11 @@ end
 -- ---- films ----
 
 local Film = { __name = "film", __metatable = false }
-local film_methods, film_readable = {}, { frames = true, fps = true, path = true, closed = true }
+local film_methods = {}
+local film_readable = core.declare_type("film", "A film that is being taken.", film_methods, {
+  frames = { "integer", "frames so far" }, fps = { "number", "frames a second", unit = "Hz" }, path = { "string", "as given" },
+  closed = { "boolean", "it has ended" } })
+core.declare("film:close", { "Takes the last frame and ends the file." })
 Film.__index = function(film, key)
   if film_methods[key] then return film_methods[key] end
   if film_readable[key] then return film[1][key] end
@@ -262,7 +288,9 @@ end
 Film.__newindex = function(_, key) core.fail("film.%s cannot be assigned", tostring(key)) end
 Film.__tostring = function(film) return ("film '%s', %d frames"):format(film[1].path, film[1].frames) end
 
-local record_fields = { camera = "any", to = "any", fps = "real Hz >0", size = "any", samples = "int", layer = "text", overlay = "any" }
+core.declare("world:record", { "Takes a film: frames at exact multiples of 1/fps while the world runs.",
+  fields = core.join_fields(picture_fields, { to = TO, fps = { "real Hz >0", "frames a second", default = 30, max = 1e5 } }),
+    gives = "film" })
 
 local function open_video(film, to)
   local pipe = core.pipe(core.out_path(to), film.options.width, film.options.height, film.fps)
@@ -276,10 +304,9 @@ end
 
 -- world:record{camera=, to = "out/f-%05d.png" | "out/f.mp4" | "out/f.webm", fps = 30, size=, overlay=} -> film
 function methods.record(world, fields)
-  local f = core.check(fields, "world:record", record_fields)
+  local f = core.check(fields, "world:record")
   local to = check_target(f.to, "world:record")
-  local fps = f.fps or 30
-  if fps > 1e5 then core.fail("world:record: fps = %g Hz, must be at most 100000 Hz", fps) end
+  local fps = f.fps
   local film = { fps = fps, frames = 0, path = to, closed = false, world = world, camera = f.camera,
     options = drawing_options(f, "world:record", world) }
   -- The first frame: at the first multiple of 1/fps that is not past.

@@ -11,6 +11,9 @@ local function set(world, what, name, fields)
   if not ok then error(type(message) == "string" and message:gsub("world:effect%(.-%)", what, 1) or message, 0) end
 end
 
+core.declare("world:air", { "Every body feels the drag of air; world:air(false): none does.", with = { "effect drag" }, optional = true })
+core.declare("world:water", { "Bodies float in it; world:water(false): there is none.", with = { "effect buoyancy" }, optional = true })
+
 -- world:air{ density =, wind = }: every body feels the drag of air; world:air(false): none does
 function methods.air(world, fields)
   set(world, "world:air", "drag", fields)

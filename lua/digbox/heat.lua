@@ -4,9 +4,12 @@ local core = ...
 
 local methods = core.types.world.methods
 
+core.declare("world:ambient", { "The air that bodies cool to, by convection and radiation.", fields = {
+  temperature = { "real K >=0", "of the air", need = true } }, gives = "world" })
+
 -- world:ambient{temperature = 293.15}: the air that bodies cool to, by convection and radiation
 function methods.ambient(world, fields)
-  local own = core.check(fields, "world:ambient", { temperature = "real K >=0" })
+  local own = core.check(fields, "world:ambient")
   if own.temperature == nil then core.fail("world:ambient: temperature is missing") end
   world:effect("heat", { ambient = own.temperature })
   return world
@@ -31,13 +34,20 @@ end
 function Heater.on(heater) return feed(heater, inside[heater].power) end
 function Heater.off(heater) return feed(heater, 0) end
 
-local fields_of_heater = { on = true, off = true, power = true, body = true, running = true }
+local heater_fields = { on = { "any", "the body it heats", type = "body", need = true },
+  power = { "real W", "how much; negative cools", default = 0 } }
+core.declare("world:heater", { "Feeds power into a body, which thereby has a temperature.", fields = heater_fields, gives = "heater" })
+local fields_of_heater = core.declare_type("heater", "Feeds power into a body.", Heater, {
+  power = { "number", "how much when it is on", unit = "W", set = true }, body = { "body", "what it heats" },
+  running = { "boolean", "it is on" } })
+core.declare("heater:on", { "Heats.", gives = "heater" })
+core.declare("heater:off", { "Stops.", gives = "heater" })
 
 local function read(heater, key)
   local h = inside[heater]
   if key == "power" or key == "body" then return h[key] end
   if key == "running" then return h.body.valid and h.fed ~= 0 end
-  if not Heater[key] then core.unknown("heater", "has no field or method", tostring(key), fields_of_heater) end
+  if not Heater[key] then core.unknown("heater", "has no field or method", tostring(key), fields_of_heater, Heater) end
   return Heater[key]
 end
 
@@ -45,7 +55,7 @@ local function write(heater, key, value)
   if key ~= "power" then core.fail("heater: only power can be assigned; got %s", tostring(key)) end
   local h = inside[heater]
   local running = h.fed ~= 0 or h.power == 0
-  h.power = core.check({ power = value }, "heater", { power = "real W" }).power
+  h.power = core.check({ power = value }, "heater", heater_fields).power
   if running then feed(heater, h.power) end
 end
 
@@ -53,7 +63,7 @@ local kind = { __index = read, __newindex = write, __metatable = false, __name =
 
 -- world:heater{on = body, power = 1500} -> heater: feeds power into a body, which thereby has a temperature
 function methods.heater(world, fields)
-  local own = core.check(fields, "world:heater", { on = "any", power = "real W" })
+  local own = core.check(fields, "world:heater")
   if core.type(own.on) ~= "body" then core.fail("world:heater.on wants a body; got %s", core.type(own.on)) end
   if own.power == nil then core.fail("world:heater: power is missing (in W; 0 for one that is to be set later)") end
   local heater = setmetatable({}, kind)

@@ -32,6 +32,8 @@ function core.usage_unknown(kind, name, known)
   core.usage("%s", (message:gsub("^.-unknown", "unknown")))
 end
 
+core.use "declare"
+core.use "interface"
 core.use "events"
 core.use "message"
 core.use "trace"
@@ -55,7 +57,11 @@ digbox.path = core.path
 digbox.version = core.version
 for name, make in next, core.shapes do digbox[name] = make end
 
--- digbox.quantity("4 cm") -> 0.04; digbox.quantity("4 cm", "m") also checks the dimension
+core.declare("digbox.quantity", { "A number in SI of a text with a unit: digbox.quantity('4 cm', 'm') is 0.04.", takes = {
+  { "value", "any", "a text with a unit, or a number", type = "string|number" },
+  { "unit", "text", "the unit whose dimension it must have", optional = true } }, gives = "number" })
+core.declare("digbox.version", { "The version of digbox, as text.", constant = "string" })
+
 function digbox.quantity(value, unit)
   return core.quantity(value, unit, "digbox.quantity")
 end
@@ -69,6 +75,8 @@ local function furnish(world)
   core.last_world = world
   return world
 end
+
+core.declare("digbox.world", { "Makes a world.", with = { "world" }, optional = true, gives = "world" })
 
 -- digbox.world{gravity=, step=, accuracy=, seed=, threads=, ...} -> world
 function digbox.world(fields)
@@ -86,7 +94,9 @@ function digbox.world(fields)
   return furnish(world)
 end
 
--- digbox.load(path) -> world, from a file in the output folder or beside the script
+core.declare("digbox.load", { "Opens a world that world:save kept, in the output folder or beside the script.",
+  takes = { { "path", "text", "the file" } }, gives = "world" })
+
 function digbox.load(path)
   if type(path) ~= "string" then core.fail("digbox.load wants a file name; got %s", core.type(path)) end
   local place = core.out_path(path)
@@ -98,15 +108,22 @@ function digbox.load(path)
   return furnish(core.load(place))
 end
 
+core.declare("world:save", { "Keeps the whole world in a file in the output folder.", takes = { { "path", "text", "the file" } } })
+
 function methods.save(world, path)
   if type(path) ~= "string" then core.fail("world:save wants a file name; got %s", core.type(path)) end
   core.save(world, core.out_path(path))
 end
 
+core.declare("world:restore", { "Goes back to a snapshot of this world.", takes = { { "snapshot", "snapshot",
+  "what world:snapshot gave" } } })
+
 function methods.restore(world, snapshot)
   core.forbid_in_handler(world, "world:restore")
   core.restore(world, snapshot)
 end
+
+core.declare("world:close", { "Frees the world; its handles are dead from then on." })
 
 function methods.close(world)
   core.forbid_in_handler(world, "world:close")
@@ -128,6 +145,10 @@ local function try(apply, ...)
   end
 end
 
+core.declare("digbox.material", { "Adds a material, or replaces one, for all worlds of this script.", takes = {
+  { "name", "text", "what bodies call it by" } }, with = { "material" },
+  fields = { like = { "material", "takes what is not given from that material" } } })
+
 -- digbox.material("cork", {density=, friction=, ..., like = "oak"})
 function digbox.material(name, fields)
   if type(name) ~= "string" or type(fields) ~= "table" then
@@ -138,6 +159,8 @@ function digbox.material(name, fields)
   try(core.material, name, copy)
   core.materials[#core.materials + 1] = { name = name, fields = copy }
 end
+
+core.declare("digbox.material_pair", { "What two materials make of each other, where the rule for pairs does not do.", with = { "pair" } })
 
 -- digbox.material_pair{a = "oak", b = "steel", friction=, ...}
 function digbox.material_pair(fields)
@@ -203,6 +226,11 @@ local function read_argument(name, d, text)
   return value
 end
 
+core.declare("digbox.args", { "Declares what `digbox run --set` and `digbox sweep` may vary; gives the values, in SI.",
+  takes = { { "declared", "table", "by name: a default, or {default, unit, help}" } }, gives = "table" })
+local argument_fields = { default = { "any", "the value when nothing is said" }, unit = { "text", "its unit" },
+  help = { "text", "what it is" } }
+
 -- digbox.args{height = {default = 0.75, unit = "m", help = "drop height"}} -> {height = 0.75}
 -- A value comes from `--set height=0.6` or, after `--`, `--height 0.6`; units are allowed: "60 cm".
 function digbox.args(declared)
@@ -211,7 +239,7 @@ function digbox.args(declared)
   for name, d in next, declared do
     if type(name) ~= "string" then core.fail("digbox.args: arguments have names; got %s", core.type(name)) end
     if type(d) ~= "table" then d = { default = d } end
-    core.check(d, "digbox.args." .. name, { default = "any", unit = "text", help = "text" })
+    core.check(d, "digbox.args." .. name, argument_fields)
     if d.default == nil then core.fail("digbox.args.%s: default is missing", name) end
     names[#names + 1] = name
     rawset(declared, name, d)

@@ -6,17 +6,13 @@ local next, ipairs = next, ipairs
 local soft = core.soft
 local methods = core.types.world.methods
 
-local common_fields = { stiffness = "real N >0", damping = "real N*s/m", relaxation = "real s", breaks_at = "real N >0",
-  breaks_pressed = "real N >0", yield = "real N >0", shear = "real 1", radius = "real m >0", mass = "real kg >0" }
+local common_fields = core.join_fields(soft.strut_fields, {
+  shear = { "real 1", "stiffness of its diagonals, as a share" }, radius = { "real m >0",
+    "of its particles; default a quarter of their distance" },
+  mass = { "real kg >0", "of all of it", need = true } })
+common_fields.stiffness = { "real N >0", "E A of a thread: force for doubling its length", need = true }
 local taken = { fixed = "give a cloth pins, or fix bodies", rotation = "its own fields say how it lies", density = "give mass" }
 local RELAXES = 0.02               -- s  of which nothing is said
-
-local function with(fields)
-  local all = {}
-  for k, v in next, common_fields do all[k] = v end
-  for k, v in next, fields do all[k] = v end
-  return all
-end
 
 -- N by which what is fixed holds it
 local function support(self)
@@ -40,8 +36,19 @@ local thing_methods = { sig = soft.sig, saw = soft.saw }
 local getters = { stress = soft.stress, mass = soft.mass, position = soft.position, broken = soft.broken, support = support,
   stretch = stretch }
 local readable = { name = true, breaks_at = true, bodies = true, joints = true, columns = true, rows = true, layers = true }
-local new_cloth = soft.class("cloth", thing_methods, getters, readable)
-local new_lattice = soft.class("lattice", thing_methods, getters, readable)
+local properties = core.join_fields(soft.properties, {
+  stress = { "number", "largest load over limit; 1 breaks" }, support = { "vector", "by which what is fixed holds it", unit = "N" },
+  stretch = { "number", "the longest strut over its length at rest, less 1" }, breaks_at = { "number|nil", "as given", unit = "N" },
+  columns = { "integer", "particles one way" }, rows = { "integer", "particles the other way" },
+  layers = { "integer|nil", "particles the third way" } })
+local new_cloth = soft.class("cloth", "Particles in rows, held to their neighbours.", thing_methods, getters, readable, properties)
+local new_lattice = soft.class("lattice", "Particles in rows and layers: a body that springs back.", thing_methods, getters, readable,
+  properties)
+for _, name in ipairs { "cloth", "lattice" } do
+  core.declare(name .. ":node", { "The particle of that column, row and layer, from 1.", takes = { { "column", "int 1 >0", "column" },
+    { "row", "int 1 >0", "row", optional = true }, { "layer", "int 1 >0", "layer", optional = true } }, gives = "body" })
+  core.declare(name .. ":saw", { "Saws into the strut nearest to a point; through, it is gone.", fields = soft.saw_fields, gives = name })
+end
 
 local function key(i, j, k) return ("%d %d %d"):format(i, j or 1, k or 1) end
 
@@ -83,7 +90,13 @@ end
 
 -- ---- cloth ----
 
-local cloth_fields = with { at = "vec m", across = "vec m", down = "vec m", columns = "int 1 >0", rows = "int 1 >0", pins = "any" }
+local cloth_fields = core.declare("world:cloth", { "Particles in rows, held to their neighbours by struts.",
+  fields = core.join_fields(common_fields, {
+    at = { "vec m", "its first corner", need = true }, across = { "vec m", "from there along the first row", need = true },
+    down = { "vec m", "from there along the first column", need = true },
+    columns = { "int 1 >0", "particles across", default = 10 }, rows = { "int 1 >0", "particles down", default = 10 },
+    pins = { "any", "what is fixed: 'top', 'corners', 'none' or a list of {column, row}; default 'top'", type = "string|integer[][]" } }),
+  with = { "body" }, gives = "cloth" })
 
 -- "top", "corners", or a list of {column, row}: a set of keys
 local function pinned(own)
@@ -128,7 +141,6 @@ end
 function methods.cloth(world, fields)
   local own, rest = soft.split("world:cloth", fields, cloth_fields, taken)
   soft.need("world:cloth", own, "at", "across", "down")
-  own.columns, own.rows = own.columns or 10, own.rows or 10
   if own.columns * own.rows > 10000 or own.columns * own.rows < 2 then
     core.fail("world:cloth: %d columns of %d rows, must be 2 to 10000 particles", own.columns, own.rows)
   end
@@ -145,7 +157,10 @@ end
 
 -- ---- lattices ----
 
-local lattice_fields = with { at = "vec m", size = "any", cells = "any" }
+local lattice_fields = core.declare("world:lattice", { "A body of particles that springs back.", fields = core.join_fields(common_fields, {
+  at = { "vec m", "its centre", need = true }, size = { "any", "its edges, m: one number or three", need = true, type = "number|vector" },
+  cells = { "any", "so many along each edge: one number or three; default 2", type = "number|vector" } }), with = { "body" },
+    gives = "lattice" })
 
 local function triple(what, value, least, unit)
   local kind = core.type(value)

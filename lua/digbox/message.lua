@@ -7,8 +7,18 @@ local type = type
 
 local body, dig = core.types.body.methods, core.types.DIG.methods
 
-local spec = { name = "any", value = "any", after = "real s >=0", route = "text", to = "any", region = "any", layer = "text", kind = "text",
-  hops = "int 1 >0", transform = "any" }
+local spec = {
+  name = { "any", "what the message is called", type = "string" },
+  value = { "any", "a number, or up to four", type = "number|number[]" },
+  after = { "real s >=0", "delay; who gets it is found then" },
+  route = { "text", "to whom it goes", of = { "to", "neighbours", "dig", "flood", "path", "region" } },
+  to = { "any", "the body that gets it, or the end of the path", type = "body" },
+  region = { "any", "to all bodies inside", type = "region" }, layer = { "text", "along the links of that layer", of = core.layer_names },
+  kind = { "text", "along links of that kind only", of = core.link_kind_names }, hops = { "int 1 >0", "at most so many links far" },
+  transform = { "any", "what a link does to the value: a factor, 'ratio', or a function(value, hop, from, to)",
+    type = "number|string|function" } }
+local named = { { "name", "text", "what the message is called" },
+  { "value", "any", "a number, or up to four", optional = true, type = "number|number[]" } }
 
 -- The fields that a call may have, out of those above
 local function only(...)
@@ -49,6 +59,8 @@ local function send_by_route(from, fields)
 end
 
 local delayed = only("after")
+core.declare("body:send", { "Sends a message: to a body, or as the field route says.", fields = sends, gives = "body", also = {
+  { takes = { { "to", "body", "who gets it" }, named[1], named[2] }, fields = delayed, optional = true } } })
 
 -- body:send(to, name, value, {after=}) -> body
 -- body:send{route = "to" | "neighbours" | "dig" | "flood" | "path" | "region", name=, value=, after=, to=, region=, layer=, kind=,
@@ -63,6 +75,8 @@ function body.send(from, to, name, value, fields)
 end
 
 local among = only("after", "layer", "kind")
+core.declare("body:send_neighbours", { "Sends a message to all bodies it is linked with.", takes = named, fields = among, optional = true,
+  gives = "body" })
 
 -- body:send_neighbours(name, value, {kind=, layer=, after=}) -> body; static neighbours get it too
 function body.send_neighbours(from, name, value, fields)
@@ -72,10 +86,15 @@ function body.send_neighbours(from, name, value, fields)
   return from
 end
 
+local broadcasts = { from = { "any", "the body that sends it", type = "body" }, after = spec.after }
+core.declare("DIG:broadcast", { "Sends a message to every member, whoever that is when it is delivered.", takes = named,
+  fields = broadcasts,
+  optional = true, gives = "DIG" })
+
 -- dig:broadcast(name, value, from | {from=, after=}) -> dig: to every member, whoever that is when it is delivered
 function dig.broadcast(to, name, value, fields)
   if core.type(fields) == "body" then fields = { from = fields } end
-  local f = core.check(fields or {}, "dig:broadcast", { from = "any", after = spec.after })
+  local f = core.check(fields or {}, "dig:broadcast", broadcasts)
   f.dig, f.name, f.value, f.route = to, name, value, "dig"
   post(to, "dig:broadcast", f)
   return to
@@ -84,6 +103,9 @@ end
 -- ---- floods ----
 
 local floods = only("after", "layer", "kind", "hops", "transform")
+core.declare("body:flood",
+  { "Sends a message outwards along the links; gives how many it reached, and a ring of links that contradicts itself.",
+  takes = named, fields = floods, optional = true, gives = "integer, body[]?" })
 
 -- The two ways to one body, up to where they part: a ring of links
 local function ring(tree, one, other)

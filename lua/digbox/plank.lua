@@ -6,28 +6,35 @@ local next, type, ipairs = next, type, ipairs
 local soft = core.soft
 local methods = core.types.world.methods
 
-local plank_fields = { from = "vec m", to = "vec m", up = "dir 1", width = "real m >0", height = "real m >0", E = "real Pa >0",
-  shear_modulus = "real Pa >0", strength = "real Pa >0", yield = "real Pa >0", segments = "int 1 >0", breaks_at = "real N >0",
-  relaxation = "real s", mass = "real kg >0", from_end = "text", to_end = "text", from_body = "any", to_body = "any" }
 local ends = { free = true, pinned = true, roller = true, clamped = true }
+local plank_fields = core.declare("world:plank", { "A beam that bends and breaks: planks, legs, poles.", fields = {
+  from = { "vec m", "middle of one end", need = true }, to = { "vec m", "middle of the other", need = true },
+  up = { "dir 1", "which way its height points; default against gravity" }, width = { "real m >0", "of its section", need = true },
+  height = { "real m >0", "of its section", need = true }, E = { "real Pa >0", "Young's modulus; default the material's" },
+  shear_modulus = { "real Pa >0", "default from E" }, strength = { "real Pa >0", "stress at which it breaks; default the material's" },
+  yield = { "real Pa >0", "stress beyond which it stays bent" }, segments = { "int 1", "pieces it is made of", default = 16, min = 2,
+    max = 512 },
+  breaks_at = { "real N >0", "pulled by more it breaks" }, relaxation = { "real s", "damping over stiffness", default = 1 / 1000 },
+  mass = { "real kg >0", "default from density and volume" },
+  from_end = { "text", "how that end is held", of = ends, default = "free" }, to_end = { "text", "how that end is held", of = ends,
+    default = "free" },
+  from_body = { "any", "by which body; default the world", type = "body" }, to_body = { "any", "by which body; default the world",
+    type = "body" } },
+  with = { "body" }, gives = "plank" })
 local taken = { at = "give from and to", rotation = "give from, to and up" }
-local DAMPED = 1 / 1000            -- s  relaxation of which nothing is said: some per cent of critical for the first swing of a plank
 
 -- Everything about the beam but where it lies
 local function complete(world, own, rest)
   local what = "world:plank"
   soft.need(what, own, "from", "to", "width", "height")
   for _, key in ipairs { "from", "to" } do
-    local how, body = own[key .. "_end"] or "free", own[key .. "_body"]
-    own[key .. "_end"] = how
+    local how, body = own[key .. "_end"], own[key .. "_body"]
     if not ends[how] then core.unknown(what .. ":", ("unknown %s_end"):format(key), how, ends) end
     if body ~= nil and core.type(body) ~= "body" then core.fail("%s.%s_body wants a body; got %s", what, key, core.type(body)) end
     if body and how == "free" then core.fail("%s: %s_body holds no free end: give %s_end", what, key, key) end
   end
   own.length = #(own.to - own.from)
   if own.length <= 0 then core.fail "world:plank: from and to are the same point" end
-  own.segments = own.segments or 16
-  if own.segments < 2 or own.segments > 512 then core.fail("world:plank: segments = %d, must be 2 to 512", own.segments) end
   local m = core.material_of(world, rest.material or "default") or {}           -- an unknown one is refused with the first piece
   own.E, own.strength = own.E or m.stiffness, own.strength or m.strength
   own.along = (own.to - own.from):normalized()
@@ -66,7 +73,7 @@ end
 local function join(world, own, a, b, at, length, name)
   return world:beam { a = a, b = b, at = at, axis = own.along, up = own.up, length = length, width = own.width, height = own.height,
     modulus = own.E, shear_modulus = own.shear_modulus, strength = own.strength, yield = own.yield, breaks_at = own.breaks_at,
-    relaxation = own.relaxation or DAMPED, name = name }
+    relaxation = own.relaxation, name = name }
 end
 
 -- How an end is held: by the world, or by a body
@@ -112,9 +119,17 @@ local function point(self, s, what)
 end
 
 local plank_methods = { sig = soft.sig, saw = soft.saw }
-local new_plank = soft.class("plank", plank_methods,
+local new_plank = soft.class("plank", "A beam that bends and breaks.", plank_methods,
   { stress = soft.stress, mass = soft.mass, position = soft.position, broken = soft.broken },
-  { name = true, bodies = true, pieces = true, joints = true, holds = true, length = true, breaks_at = true })
+  { name = true, bodies = true, pieces = true, joints = true, holds = true, length = true, breaks_at = true },
+  core.join_fields(soft.properties, { stress = { "number", "largest load over limit; 1 breaks" }, pieces = { "body[]", "from end to end" },
+    holds = { "joint[]", "what holds its ends" }, length = { "number", "between its ends", unit = "m" },
+    breaks_at = { "number|nil", "as given", unit = "N" } }))
+core.declare("plank:point", { "Where the centre line is now, so far from its start.", takes = { { "s", "real m", "from its start" } },
+  gives = "vector" })
+core.declare("plank:push", { "Pushes a point of the centre line, for the next step.", fields = {
+  at = { "real m", "from its start", need = true }, force = { "vec N", "the force", need = true } }, gives = "plank" })
+core.declare("plank:saw", { "Saws into the nearest joint; through, it is gone.", fields = soft.saw_along, gives = "plank" })
 
 -- world:plank{from=, to=, width=, height=, material= | E=, strength=, density=, segments = 16, breaks_at=, yield=, relaxation=,
 -- from_end = "free" | "pinned" | "roller" | "clamped", from_body=, to_end=, to_body=, up=} -> plank
@@ -125,7 +140,7 @@ function methods.plank(world, fields)
     thickness = own.height, from = own.from, along = own.along, breaks_at = own.breaks_at }
   self.where = function(_, at)
     if type(at) == "number" or type(at) == "string" then return point(self, at, "plank:saw.at") end
-    return core.check({ at = at }, "plank:saw", { at = "vec m" }).at
+    return core.check({ at = at }, "plank:saw", soft.saw_fields).at
   end
   soft.build(self, function() make(world, self, own, rest) end)
   self.bodies, self.joints, self.holds = core.list(self.bodies), core.list(self.joints), core.list(self.holds)
@@ -138,7 +153,7 @@ function plank_methods.point(p, s) return point(p[1], s, "plank:point") end
 
 -- p:push{at = s, force=}: on the centre line, for the next step
 function plank_methods.push(p, fields)
-  local f = core.check(fields, "plank:push", { at = "real m", force = "vec N" })
+  local f = core.check(fields, "plank:push")
   soft.need("plank:push", f, "at", "force")
   local body, at = piece_at(p[1], f.at, "plank:push.at")
   body:push { force = f.force, at = body.position + body.rotation:rotate(at) }

@@ -23,6 +23,12 @@ local function check_inside(handle, what)
   return task
 end
 
+core.declare_type("task", "A function that runs beside the world and can wait.", Task)
+core.declare("task:wait", { "Goes on after that time.", takes = { { "time", "real s >=0", "how long" } } })
+core.declare("task:wait_until", { "Goes on when the condition holds: true; or when the limit passed first: false.", takes = {
+  { "condition", "function", "asked after each step" }, { "limit", "real s >=0", "how long at most", optional = true } },
+    gives = "boolean" })
+
 -- task:wait "0.5 s"
 function Task.wait(handle, time)
   local task = check_inside(handle, "task:wait")
@@ -76,6 +82,9 @@ local function run_tasks(world, state)
   state.tasks = kept
 end
 
+core.declare("world:spawn", { "Starts a task: runs at once up to its first wait, then after steps.",
+  takes = { { "run", "function", "called with the task" } }, gives = "task" })
+
 -- world:spawn(function(task) ... end) -> task: runs at once up to its first wait, then after steps
 function methods.spawn(world, fn)
   if type(fn) ~= "function" then core.fail("world:spawn wants a function; got %s", core.type(fn)) end
@@ -100,6 +109,12 @@ function getters.seed(world)
 end
 
 -- ---- regions ----
+
+core.declare("world:region", { "Makes a part of space with laws of its own.", fields = {
+  shape = { "any", "its shape, also as the first item or as sphere = {...}, box = {...}", type = "shape" },
+  at = { "vec m", "where it is", default = "{0, 0, 0}" }, rotation = { "quat 1", "how it is turned" },
+  laws = { "any", "laws inside; force = function(body) gives a force in N before each step", with = { "region" }, type = "table" } },
+  gives = "region" })
 
 -- world:region{shape, at=, rotation=, laws={gravity=, drag=, friction_scale=, restitution_scale=, conduct=, time_rate=,
 --              force=function(body) end}} -> region
@@ -153,6 +168,8 @@ local function past_end(world)
   return limit and world.time >= limit - 1e-9
 end
 
+core.declare("world:step", { "Takes frame steps.", takes = { { "n", "int 1 >=0", "how many", optional = true, default = 1 } } })
+
 -- world:step([n])
 function methods.step(world, n)
   core.forbid_in_handler(world, "world:step()")
@@ -165,11 +182,14 @@ function methods.step(world, n)
   end
 end
 
-local run_fields = { seconds = "real s >=0", steps = "int 1 >=0", stop_when = "any" }
+core.declare("world:run", { "Runs for a time; true when stop_when ended it.", fields = {
+  seconds = { "real s >=0", "how long" }, steps = { "int 1 >=0", "how many frame steps" },
+  stop_when = { "any", "function, asked before each step: true ends the run", type = "function" } }, gives = "boolean",
+  also = { { takes = { { "time", "real s >=0", "how long" } } } } })
 
 local function read_run(what)
   local fields = core.type(what) == "table" and what or { seconds = core.seconds(what, "world:run") }
-  local f = core.check(fields, "world:run", run_fields)
+  local f = core.check(fields, "world:run")
   if f.stop_when ~= nil and type(f.stop_when) ~= "function" then
     core.fail("world:run.stop_when wants a function; got %s", core.type(f.stop_when))
   end

@@ -113,6 +113,10 @@ local function joints_of(world, body)
   return found
 end
 
+local SIG = { "What holds it together inside, not what it touches: list of {a, b, joint, name, strength, rest_length, cut, stress}.",
+  gives = "table[]" }
+core.declare("body:sig", { SIG[1], gives = SIG.gives })
+
 -- body:sig() -> list of {a, b, joint, name, strength, rest_length, cut, stress}: what holds it together inside, not what it touches
 function core.types.body.methods.sig(body)
   return sig_of(joints_of(body.world, body))
@@ -120,8 +124,17 @@ end
 
 -- ---- what all soft things can do ----
 
+-- What can be read of all of them
+soft.properties = {
+  name = { "string", "its name" }, mass = { "number", "of all that moves", unit = "kg" },
+  position = { "vector", "its centre of mass", unit = "m" }, broken = { "integer", "joints that are no more" },
+  bodies = { "body[]", "what it is made of" }, joints = { "joint[]", "what holds it together" } }
+
 -- A class: methods, getters and what else can be read of the object's own table.
-function soft.class(name, class_methods, getters, readable)
+-- what: in words; properties: all that can be read, as core.declare_type takes it
+function soft.class(name, what, class_methods, getters, readable, properties)
+  core.declare_type(name, what, class_methods, properties)
+  core.declare(name .. ":sig", { SIG[1], gives = SIG.gives })
   local class = { __name = name, __metatable = false }
   class.__index = function(thing, key)
     if class_methods[key] then return class_methods[key] end
@@ -194,13 +207,16 @@ function soft.cut(j, depth, thickness)
   end
 end
 
-local saw_fields = { at = "vec m", depth = "real m >0" }
-local saw_along = { at = "any", depth = "real m >0" }              -- of what has a way to say where
+local DEPTH = { "real m >0", "how deep", need = true }
+soft.saw_fields = { at = { "vec m", "the joint nearest to this point is sawn", need = true }, depth = DEPTH }
+-- of what has a way to say where
+soft.saw_along = { at = { "any", "metres from its start, or the nearest to this point", need = true, type = "number|string|vector" },
+  depth = DEPTH }
 
 -- thing:saw{at=, depth=}: the joint next to that point of the world loses that much of its thickness
 function soft.saw(thing, fields)
   local self = thing[1]
-  local f = core.check(fields, self.kind .. ":saw", self.where and saw_along or saw_fields)
+  local f = core.check(fields, self.kind .. ":saw", self.where and soft.saw_along or soft.saw_fields)
   soft.need(self.kind .. ":saw", f, "at", "depth")
   local at = self.where and self.where(self, f.at) or f.at
   local j = nearest(self.joints, at)
@@ -210,14 +226,29 @@ end
 
 -- ---- trusses ----
 
-local truss_fields = { nodes = "any", struts = "any", stiffness = "real N >0", damping = "real N*s/m", relaxation = "real s",
-  breaks_at = "real N >0", breaks_pressed = "real N >0", yield = "real N >0", price = "real 1 >=0", budget = "real 1 >=0", plane = "text",
-  radius = "real m >0", deck = "any" }
-local node_fields = { at = "vec m", mass = "real kg >0", fixed = "any" }
-local strut_fields = { stiffness = "real N >0", damping = "real N*s/m", relaxation = "real s", breaks_at = "real N >0",
-  breaks_pressed = "real N >0", yield = "real N >0", length = "real m >0", price = "real 1 >=0", deck = "bool" }
-local deck_fields = { gap = "real m", width = "real m >0", thickness = "real m >0", mass = "real kg >0",
-  material = "text", friction = "real 1", restitution = "real 1" }
+-- Of a strut, and of all that do not say it themselves
+soft.strut_fields = {
+  stiffness = { "real N >0", "E A: force for doubling its length" }, damping = { "real N*s/m", "of its length; default by relaxation" },
+  relaxation = { "real s", "damping over stiffness" }, breaks_at = { "real N >0", "pulled by more it breaks" },
+  breaks_pressed = { "real N >0", "pressed by more it breaks; default breaks_at" },
+  yield = { "real N >0", "beyond it the length changes for good" } }
+local PRICE = { "real 1 >=0", "of a strut, against the budget" }
+local node_fields = { at = { "vec m", "where", need = true }, mass = { "real kg >0", "of the node", default = 1 },
+  fixed = { "any", "coordinates it keeps, such as 'xy'; true: all", type = "string|boolean" } }
+local own_strut_fields = core.join_fields(soft.strut_fields, { length = { "real m >0", "at rest; default as it is" }, price = PRICE,
+  deck = { "bool", "carries a panel to drive on" } })
+local deck_fields = {
+  gap = { "real m", "between panels; default 0.2 thickness" }, width = { "real m >0", "default 20 radius" },
+  thickness = { "real m >0", "default radius" }, mass = { "real kg >0", "of a panel" }, material = { "text", "of a panel" },
+  friction = { "real 1", "of a panel" }, restitution = { "real 1", "of a panel", default = 0 } }
+local truss_fields = core.declare("world:truss", { "A framework of struts between nodes, each with a limit at which it breaks.",
+  fields = core.join_fields(soft.strut_fields, {
+    nodes = { "any", "by name", type = "table<string, table>", need = true, fields = node_fields },
+    struts = { "any", "list of {'A', 'B', ...}", type = "table[]", need = true, fields = own_strut_fields }, price = PRICE,
+    budget = { "real 1 >=0", "the struts may cost no more" },
+    plane = { "text", "all nodes keep to that plane", of = { "xy", "yz", "xz" } },
+    radius = { "real m >0", "of the nodes; default 0.005 of its size" },
+    deck = { "any", "of struts with deck = true", type = "table", fields = deck_fields } }), with = { "body" }, gives = "truss" })
 local passed_on = { "stiffness", "damping", "relaxation", "breaks_at", "breaks_pressed", "yield", "length" }
 local DAMPED = 1 / 240             -- s  relaxation of a truss or lattice of which nothing is said: its shrill tones die within a frame
 local taken = { at = "nodes say where", rotation = "nodes say where", mass = "give it to nodes", density = "give nodes a mass",
@@ -262,7 +293,7 @@ local function make_nodes(world, self, own, rest)
     local fields = {}
     for k, v in next, rest do fields[k] = v end
     fields.name, fields.at, fields.radius = ("%s %s"):format(self.name, tostring(name)), node.at, own.radius
-    fields.mass, fields.fixed = node.mass or 1, n == 3 or nil
+    fields.mass, fields.fixed = node.mass, n == 3 or nil
     if fields.collides == nil then fields.collides = false end
     local body = world:ball(fields)
     guide_node(world, body, set, n)
@@ -299,7 +330,7 @@ local function lay_deck(world, self, own, a, b, key)
   up = side:cross(along)
   local panel = world:box { name = ("%s deck %s"):format(self.name, key), at = (pa + pb) / 2,
     size = { #(pb - pa) - d.gap, d.thickness, d.width }, mass = d.mass, material = d.material, friction = d.friction,
-    restitution = d.restitution or 0,
+    restitution = d.restitution,
     rotation = soft.frame(along, up), group = self.group }
   self.bodies[#self.bodies + 1] = panel
   self.panels[#self.panels + 1] = panel
@@ -316,7 +347,7 @@ local function make_strut(world, self, own, entry, index)
   for k, v in next, entry do
     if k ~= 1 and k ~= 2 then fields[k] = v end
   end
-  local f = core.check(fields, what, strut_fields)
+  local f = core.check(fields, what, own_strut_fields)
   local a, b = node_of(self, what, entry[1]), node_of(self, what, entry[2])
   local key = tostring(entry[1]) .. tostring(entry[2])
   if self.strut[key] then core.fail("%s: there is a strut '%s' already", what, key) end
@@ -358,8 +389,11 @@ local function size_of(nodes)
 end
 
 local truss_methods = { sig = soft.sig }
-local new_truss = soft.class("truss", truss_methods, { mass = soft.mass, position = soft.position, broken = soft.broken },
-  { cost = true, budget = true, name = true, bodies = true, panels = true, joints = true })
+local new_truss = soft.class("truss", "A framework of struts.", truss_methods,
+  { mass = soft.mass, position = soft.position, broken = soft.broken },
+  { cost = true, budget = true, name = true, bodies = true, panels = true, joints = true },
+  core.join_fields(soft.properties, { cost = { "number", "price of all struts" }, budget = { "number|nil", "what they may cost" },
+    panels = { "body[]", "of its deck" } }))
 
 -- world:truss{nodes = {A = {at=, mass=, fixed = "xyz"}}, struts = {{"A", "B", deck = true}}, stiffness = (EA, N), damping=, relaxation=,
 -- breaks_at=, price=, budget=, plane = "xy"} -> truss
@@ -393,6 +427,18 @@ function methods.truss(world, fields)
   self.bodies, self.joints, self.panels = core.list(self.bodies), core.list(self.joints), core.list(self.panels)
   return new_truss(self)
 end
+
+local PAIR = { { "name", "text", "of a strut, such as 'AB', or of its first node" },
+  { "other", "text", "of its second node", optional = true } }
+core.declare("truss:node", { "The body of a node.", takes = { { "name", "text", "of the node" } }, gives = "body" })
+core.declare("truss:strut", { "The joint of a strut.", takes = PAIR, gives = "joint" })
+core.declare("truss:push", { "Pushes a node, for the next step.", takes = { { "name", "text", "of the node" },
+  { "force", "vec N", "the force" } }, gives = "truss" })
+core.declare("truss:force", { "The force in a strut, N: tension positive, 0 when it is broken.", takes = PAIR, gives = "number" })
+core.declare("truss:stress", { "Load over limit of a strut, or without a name the largest of all; 1 breaks.",
+  takes = { { "name", "text", "of a strut", optional = true }, PAIR[2] }, gives = "number" })
+core.declare("truss:cut", { "Takes a strut out.", takes = PAIR, gives = "truss" })
+core.declare("truss:saw", { "Saws into the joint nearest to a point; through, it is gone.", fields = soft.saw_fields, gives = "truss" })
 
 -- t:node "A" -> the body; t:strut "AB" -> the joint
 function truss_methods.node(t, name) return node_of(t[1], "truss:node", name) end

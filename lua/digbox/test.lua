@@ -30,6 +30,11 @@ local function register(name, fn, accuracy)
   end
 end
 
+core.declare("test.scenario", { "A scenario: builds a world, lets it run and checks what should hold.", takes = {
+  { "name", "text", "what should hold, in words" }, { "run", "function", "called with the scenario s" } } })
+core.declare("test.each_accuracy", { "One scenario for each accuracy.", takes = {
+  { "name", "text", "what should hold, in words" }, { "run", "function", "called with s and the name of the accuracy" } } })
+
 -- test.scenario(name, function(s) ... end)
 function test.scenario(name, fn) register(name, fn) end
 
@@ -183,6 +188,25 @@ function Expect.fails(e)
   return type(message) == "string" and message or tostring(message)
 end
 
+core.declare_type("expect", "What test.expect gives: one check of a value; bounds carry units ('1 mm/s').", Expect)
+local function check_of(name, help, ...)
+  core.declare("expect:" .. name, { help, takes = { ... }, gives = name == "fails" and "string" or nil })
+end
+local function bounded(name, help) return { name, "any", help, type = "number|string" } end
+check_of("is", "Equal, tables by their contents.", { "wanted", "any", "what it should be" })
+check_of("is_not", "Anything but that.", { "unwanted", "any", "what it should not be" })
+check_of("near", "A number or vector within a tolerance.", { "wanted", "any", "what it should be", type = "number|string|vector" },
+  bounded("tolerance", "how far off it may be"))
+check_of("between", "Between two bounds, both allowed.", bounded("low", "lower bound"), bounded("high", "upper bound"))
+check_of("below", "Smaller than that.", bounded("limit", "bound"))
+check_of("above", "Greater than that.", bounded("limit", "bound"))
+check_of("at_most", "Not greater than that.", bounded("limit", "bound"))
+check_of("at_least", "Not smaller than that.", bounded("limit", "bound"))
+check_of("is_empty", "An empty list, table or text.")
+check_of("contains", "A text that holds another, or a list that holds a value.", { "part", "any", "what should be in it" })
+check_of("fails", "A function that raises an error; gives its text.")
+core.declare("test.expect", { "Begins a check of a value.", takes = { { "value", "any", "what is checked" } }, gives = "expect" })
+
 local expect_meta = {
   __index = function(_, key)
     if key == "value" then return nil end
@@ -238,6 +262,17 @@ scenario_meta.__index = function(s, key)
   end
   core.unknown("scenario", "has no field or method", tostring(key), Scenario, { world = true })
 end
+
+core.declare_type("scenario", "What a scenario is given, by habit called s. s:world{...} makes its world with options.", Scenario, {
+  world = { "world", "its world, fresh; s:world{...} makes one with options" } })
+core.declare("scenario:settle", { "Lets things come to rest.", takes = { { "time", "real s >=0", "how long" } } })
+core.declare("scenario:expect_reliable", { "The world has found nothing wrong with itself so far." })
+core.declare("scenario:cpu_seconds", { "CPU time of the process so far, s.", gives = "number" })
+local CLAIM = { "claim", "text", "what should be, in words" }
+core.declare("scenario:eventually", { "Within that time the condition holds; gives after how long.", takes = { CLAIM,
+  { "limit", "real s >=0", "how long at most" }, { "condition", "function", "asked before each step" } }, gives = "number" })
+core.declare("scenario:always", { "For all that time the condition holds.", takes = { CLAIM,
+  { "time", "real s >=0", "for how long" }, { "condition", "function", "asked before each step" } } })
 
 -- s:settle "1 s": lets things come to rest
 function Scenario.settle(s, time)
@@ -313,12 +348,17 @@ local function compare_golden(golden, picture)
   return ("%d of %d tiles differ, the worst at %s by %.3g levels"):format(c.bad, c.tiles, c.where, c.worst)
 end
 
+local golden_fields = { camera = { "any", "by which it is seen", type = "camera" },
+  size = { "any", "in pixels; default {320, 180}", type = "integer[]" }, overlay = { "any", "as world:render", type = "string|string[]" } }
+core.declare("scenario:golden", { "A picture equal to the one kept beside the spec; --update-goldens keeps that of today.",
+  takes = { { "name", "text", "which picture" } }, fields = golden_fields, optional = true })
+
 -- s:golden("after", {camera = cam, size = {320, 180}})
 -- A picture compared with golden/<spec>/<scenario>-<name>.png beside the spec; --update-goldens writes it.
 function Scenario.golden(s, name, fields)
   if type(name) ~= "string" then core.fail("s:golden wants a name; got %s", core.type(name)) end
   if s.jitter then return end
-  local f = core.check(fields or {}, "s:golden", { camera = "any", size = "any", overlay = "any" })
+  local f = core.check(fields or {}, "s:golden", golden_fields)
   local world = world_of(s)
   local golden, inner = golden_paths(s, name)
   local picture = world:render { to = inner, camera = f.camera, size = f.size or golden_size, overlay = f.overlay }
@@ -391,11 +431,15 @@ local function jitter_by(amount, seed)
   end
 end
 
+local perturb_fields = { seeds = { "int 1 >0", "how often", default = 5 },
+  position = { "real m >0", "by how much at most each body starts elsewhere", default = 1e-3 } }
+core.declare("scenario:perturb", { "The whole scenario again, with starts a little elsewhere.", fields = perturb_fields })
+
 -- s:perturb{seeds = 5, position = "1 mm"}: the whole scenario again, as often, with jittered starts
 function Scenario.perturb(s, fields)
-  local f = core.check(fields, "s:perturb", { seeds = "int 1 >0", position = "real m >0" })
+  local f = core.check(fields, "s:perturb", perturb_fields)
   if s.jitter then return end
-  s.perturbed = { seeds = f.seeds or 5, position = f.position or 1e-3 }
+  s.perturbed = { seeds = f.seeds, position = f.position }
 end
 
 -- ---- running one ----
