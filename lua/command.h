@@ -18,6 +18,16 @@ typedef struct RunOptions {
     char      **arguments;                  /* [argument_count] after -- */
 } RunOptions;
 
+/* A command of the program: the const table at the end of its file. main.c lists them in the order of the help. */
+typedef struct Command {
+    const char *name;
+    const char *use;                        /* line of the program's help */
+    const char *options, *notes;            /* NULL = none; notes are in the command's own help only */
+    int       (*run)(int argc, char **argv);    /* argv[0] is the program; returns the exit code */
+} Command;
+
+extern const Command run_command, test_command, check_command, cost_command, diff_command, verify_command;
+
 /* Prints `digbox: ...` and where help is; returns the exit code. */
 int usage_error(const char *format, ...);
 
@@ -38,9 +48,5 @@ int cut_arguments(int argc, char **argv, RunOptions *o);
 
 /* A Lua function: core.options from the RunOptions in its argument. */
 int run_set_options(lua_State *L);
-
-int command_test(int argc, char **argv);
-int command_cost(int argc, char **argv);
-int command_verify(int argc, char **argv);
 
 #endif

@@ -535,7 +535,7 @@ static bool read_test_option(TestOptions *o, int key)
     }
 }
 
-int command_test(int argc, char **argv)
+static int command_test(int argc, char **argv)
 {
     Run r = {.o = {.out = "out", .time_limit = 300, .jobs = 1}};
     int key, code = EXIT_FINE;
@@ -561,3 +561,17 @@ int command_test(int argc, char **argv)
     free_run(&r);
     return flush_output(code);
 }
+
+const Command test_command = {
+    .name = "test",
+    .use = "  digbox test [PATH...] [options]                 run scenarios: files, or folders with *_spec.lua and other scenarios\n",
+    .options =
+        "  -k PATTERN              only scenarios with this text in their name\n"
+        "  -j, --jobs N            so many at the same time (default 1)\n"
+        "      --tap               results as Test Anything Protocol\n"
+        "      --junit FILE        results as JUnit XML, too\n"
+        "      --update-goldens    take the pictures of today as right\n"
+        "      --time-limit S      for one scenario (default 300)\n"
+        "  -o, --output DIR        where pictures of failures go (default out)\n",
+    .run = command_test,
+};

@@ -104,30 +104,42 @@ dig_status dig_dig_accuracy(dig_world *w, dig_dig d, const char *plan, real tole
 
 /* ---- links ---- */
 
+typedef struct Bearing { vec3 force, point; real weight; } Bearing;
+
+/* What the contacts of a pair do to the touch's body b. */
+static void add_pair(const World *w, const Touch *t, const Pair *p, Bearing *sum, dig_link *link)
+{
+    real sign = p->body_a == t->body_a ? 1 : -1;
+    for (uint32_t c = p->contact; c != NONE; c = w->contacts.data[c].next) {
+        const Contact *contact = &w->contacts.data[c];
+        if (!contact->touching)
+            continue;
+        sum->force = vec3_mad(sum->force, sign, contact->force);
+        real share = vec3_length(contact->force) + 1e-30;
+        sum->point = vec3_mad(sum->point, share, contact->point);
+        sum->weight += share;
+        link->normal = vec3_scale(sign, contact->manifold.normal);
+    }
+}
+
 static void fill_contact(const World *w, const Touch *t, dig_link *link)
 {
-    vec3 force = vec3_zero(), point = vec3_zero();
-    real weight = 0;
-    const Body *b = &w->bodies.data[t->body_a];
-    for (uint32_t s = b->shape_first; s != NONE; s = w->solids.data[s].next)
-        for (uint32_t l = w->solids.data[s].pair_first; l != NONE; l = w->pairs.data[l / 2].next[l % 2]) {
-            const Pair *p = &w->pairs.data[l / 2];
-            if (!p->touching || (p->body_a != t->body_b && p->body_b != t->body_b))
-                continue;
-            real sign = p->body_a == t->body_a ? 1 : -1;       /* effort acts on link->b = t->body_b */
-            for (uint32_t c = p->contact; c != NONE; c = w->contacts.data[c].next) {
-                const Contact *contact = &w->contacts.data[c];
-                if (!contact->touching)
-                    continue;
-                force = vec3_mad(force, sign, contact->force);
-                real share = vec3_length(contact->force) + 1e-30;
-                point = vec3_mad(point, share, contact->point);
-                weight += share;
-                link->normal = vec3_scale(sign, contact->manifold.normal);
+    Bearing sum = {vec3_zero(), vec3_zero(), 0};
+    uint32_t pair;
+    if (t->body_b != NONE && pair_between(w, t->body_a, t->body_b, &pair)) {
+        if (pair != NONE && w->pairs.data[pair].touching)
+            add_pair(w, t, &w->pairs.data[pair], &sum, link);
+    } else {
+        const Body *b = &w->bodies.data[t->body_a];
+        for (uint32_t s = b->shape_first; s != NONE; s = w->solids.data[s].next)
+            for (uint32_t l = w->solids.data[s].pair_first; l != NONE; l = w->pairs.data[l / 2].next[l % 2]) {
+                const Pair *p = &w->pairs.data[l / 2];
+                if (p->touching && (p->body_a == t->body_b || p->body_b == t->body_b))
+                    add_pair(w, t, p, &sum, link);
             }
-        }
-    link->effort = force;
-    link->point = weight > 0 ? vec3_scale(1 / weight, point) : t->point;
+    }
+    link->effort = sum.force;
+    link->point = sum.weight > 0 ? vec3_scale(1 / sum.weight, sum.point) : t->point;
 }
 
 static vec3 velocity_at(const World *w, uint32_t body, vec3 at)

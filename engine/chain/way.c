@@ -323,7 +323,6 @@ static dig_status finish(const Chain *c, const Saved *s, real dt)
     g->t = dt;
     g->close_speed = group_close_speed(g);
     forget_contacts(g);
-    DIG_TRY(g->stage(g, STAGE_FLOW));
     DIG_TRY(g->stage(g, STAGE_SETTLE));
     return g->status;
 }

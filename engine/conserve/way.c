@@ -167,7 +167,7 @@ static dig_status next_part(System *s, Run *r, real dt)
         r->level--;
         r->easy = 0;
     }
-    return g->stage(g, STAGE_FLOW);
+    return DIG_OK;
 }
 
 /* From the start of the frame to its end; *why: it could not. */

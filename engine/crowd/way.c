@@ -64,7 +64,6 @@ static dig_status advance(Group *g, real dt)
     DIG_TRY(book_close(&c));
     if (g->woke)
         return DIG_OK;          /* this try is thrown away: the sleeper wakes and the step starts again */
-    DIG_TRY(g->stage(g, STAGE_FLOW));
     DIG_TRY(g->stage(g, STAGE_SETTLE));
     return g->status;
 }

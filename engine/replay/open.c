@@ -28,7 +28,8 @@ static void read_birth(Replay *r, Pack *p)
 {
     KeptBody b = {0};
     replay_kept_body(p, &b);
-    pack_check(p, b.index == (uint32_t)r->kept_bodies.count, "bodies are not in their order");
+    uint32_t last = r->kept_bodies.count > 0 ? r->kept_bodies.data[r->kept_bodies.count - 1].born : 0;
+    pack_check(p, b.index == (uint32_t)r->kept_bodies.count && b.born >= last, "bodies are not in their order");
     pack_check(p, b.gen != 0, "a body has no generation");
     if (!pack_good(p))
         return;

@@ -2,6 +2,8 @@
  *
  * Frames gather in memory until a block is full; then what is new since the last block (meshes, bodies, notes, commands) and the
  * block itself are packed and written, in this order, so that a file that ends after a block lacks nothing that the block needs.
+ * Packing costs more than gathering, and nobody waits for it: a thread does it while the world goes on. The bytes of the file
+ * depend on what was recorded only.
  */
 #define _POSIX_C_SOURCE 200809L     /* open, write, strerror_r */
 
@@ -11,6 +13,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
@@ -22,23 +25,37 @@
 typedef struct Known { uint32_t gen, index; } Known;            /* the body in a slot; gen 0: none */
 typedef struct NoteHash { char name[32]; uint64_t hash; } NoteHash;
 
-struct Recorder {
-    World   *w;
+/* In the order of the file: what a block needs stands before it. */
+enum { PART_MESHES, PART_BODIES, PART_NOTES, PART_COMMANDS, PART_FRAMES, PARTS };
+static const char part_tags[PARTS][5] = {"MESH", "BODY", "NOTE", "CMDS", "FRAM"};
+
+typedef struct Part { Pack bytes; uint32_t first, count; } Part;      /* count: records; frames and commands: frames */
+
+/* The file, and a block on its way to it. Belongs to the thread while one runs. */
+typedef struct Writer {
     int      file;
     uint64_t at;                /* bytes written                               */
+    Part     parts[PARTS];
+    LIST(Section) sections;
+    struct libdeflate_compressor *compressor;
+    dig_status failed;
+    char     why[200];
+} Writer;
+
+struct Recorder {
+    World   *w;
     Kept     now, last;
     uint32_t frame;             /* that was taken last                         */
     uint32_t first, records;    /* of the block: its first frame; frames in it */
-    uint32_t body_count, mesh_count;        /* that were given to `bodies`, `meshes` */
-    Pack     frames, meshes, bodies, notes, commands;
+    uint32_t body_count, mesh_count;        /* that were given to their parts  */
+    Part     parts[PARTS];      /* of the block                                */
     Pack     pending;           /* commands since the last step                */
     bool     any_commands;      /* in the block                                */
     bool     listens;           /* to what is done to the world                */
-    uint32_t bodies_in, meshes_in, notes_in;                    /* records in these */
     LIST(Known)    known;
     LIST(NoteHash) hashes;
-    LIST(Section)  sections;
-    struct libdeflate_compressor *compressor;
+    Writer   writer;
+    pthread_t thread; bool running;
     dig_status failed;
     char     path[1024], why[1400];
 };
@@ -52,16 +69,6 @@ static dig_status fail(Recorder *r, dig_status s, const char *what)
     return r->failed;
 }
 
-static dig_status fail_errno(Recorder *r, int error)
-{
-    char text[128] = "";
-    char what[200];
-    if (strerror_r(error, text, sizeof text) != 0)
-        snprintf(text, sizeof text, "error %d", error);
-    snprintf(what, sizeof what, "the replay cannot be written: %s", text);
-    return fail(r, DIG_E_FILE, what);
-}
-
 static dig_status fail_pack(Recorder *r, const Pack *p)
 {
     return p->no_memory ? fail(r, DIG_E_MEMORY, "not enough memory for the replay") : fail(r, DIG_E_FORMAT, p->why);
@@ -70,32 +77,45 @@ static dig_status fail_pack(Recorder *r, const Pack *p)
 const char *recorder_error(const Recorder *r) { return r->why; }
 void recorder_lose_world(Recorder *r) { r->w = NULL; }
 
-/* ---- the file ---- */
+/* ---- the file: nothing here looks at the recorder ---- */
 
-static dig_status put(Recorder *r, const void *data, size_t size)
+static dig_status writer_fail(Writer *f, dig_status s, const char *what, int error)
+{
+    char text[100] = "";
+    if (f->failed != DIG_OK)
+        return f->failed;
+    if (error != 0 && strerror_r(error, text, sizeof text) != 0)
+        snprintf(text, sizeof text, "error %d", error);
+    f->failed = s;
+    snprintf(f->why, sizeof f->why, "%s%s%s", what, error != 0 ? ": " : "", text);
+    return s;
+}
+
+static dig_status put(Writer *f, const void *data, size_t size)
 {
     const char *from = data;
-    while (size > 0 && r->failed == DIG_OK) {
-        ssize_t n = write(r->file, from, size);
+    while (size > 0 && f->failed == DIG_OK) {
+        ssize_t n = write(f->file, from, size);
         if (n < 0 && errno == EINTR)
             continue;
         if (n <= 0)
-            return fail_errno(r, n < 0 ? errno : EIO);
+            return writer_fail(f, DIG_E_FILE, "the replay cannot be written", n < 0 ? errno : EIO);
         from += n;
         size -= (size_t)n;
-        r->at += (uint64_t)n;
+        f->at += (uint64_t)n;
     }
-    return r->failed;
+    return f->failed;
 }
 
-static dig_status put_section(Recorder *r, const char tag[4], uint32_t first, uint32_t count, const Pack *body)
+/* What does not get smaller is left as it is. */
+static dig_status put_section(Writer *f, const char *tag, uint32_t first, uint32_t count, const Pack *body)
 {
-    Section s = {.first = first, .count = count, .raw = body->size, .size = body->size, .offset = r->at};
+    Section s = {.first = first, .count = count, .raw = body->size, .size = body->size, .offset = f->at};
     if (!pack_good(body))
-        return fail_pack(r, body);
+        return writer_fail(f, body->no_memory ? DIG_E_MEMORY : DIG_E_FORMAT, body->why, 0);
     memcpy(s.tag, tag, sizeof s.tag);
     void *packed = body->size > 64 ? malloc(body->size) : NULL;
-    size_t size = packed ? libdeflate_deflate_compress(r->compressor, body->data, body->size, packed, body->size) : 0;
+    size_t size = packed ? libdeflate_deflate_compress(f->compressor, body->data, body->size, packed, body->size) : 0;
     const void *data = size > 0 ? packed : body->data;
     s.packed = size > 0;
     if (size > 0)
@@ -103,44 +123,61 @@ static dig_status put_section(Recorder *r, const char tag[4], uint32_t first, ui
     s.crc = libdeflate_crc32(0, data, (size_t)s.size);
     Pack head = pack_writer();
     section_header(&head, &s);
-    dig_status status = pack_good(&head) && list_push(&r->sections, NULL) == DIG_OK ? DIG_OK : fail(r, DIG_E_MEMORY, "not enough memory for the replay");
-    if (status == DIG_OK) {
-        r->sections.data[r->sections.count - 1] = s;
-        status = put(r, head.data, head.size);
-    }
-    if (status == DIG_OK)
-        status = put(r, data, (size_t)s.size);
+    if (pack_good(&head) && list_push(&f->sections, NULL) == DIG_OK)
+        f->sections.data[f->sections.count - 1] = s;
+    else
+        writer_fail(f, DIG_E_MEMORY, "not enough memory for the replay", 0);
+    put(f, head.data, head.size);
+    put(f, data, (size_t)s.size);
     pack_close(&head);
     free(packed);
-    return status;
+    return f->failed;
 }
 
-/* A section of records that gathered, which are then gone. */
-static dig_status put_records(Recorder *r, const char tag[4], uint32_t first, uint32_t count, Pack *p)
+static void *put_parts(void *writer)
 {
-    if (p->size == 0 && pack_good(p))
-        return r->failed;
-    dig_status s = put_section(r, tag, first, count, p);
-    p->size = 0;
-    return s;
+    Writer *f = writer;
+    for (int i = 0; i < PARTS; i++) {
+        Part *p = &f->parts[i];
+        if (f->failed == DIG_OK && (p->bytes.size > 0 || !pack_good(&p->bytes)))
+            put_section(f, part_tags[i], p->first, p->count, &p->bytes);
+        p->bytes.size = 0;
+        p->count = 0;
+    }
+    return NULL;
 }
 
+/* ---- blocks ---- */
+
+static dig_status wait_for_writer(Recorder *r)
+{
+    if (r->running)
+        pthread_join(r->thread, NULL);
+    r->running = false;
+    return r->writer.failed == DIG_OK ? r->failed : fail(r, r->writer.failed, r->writer.why);
+}
+
+/* Hands the block over. The writer's packs, which are empty by now, take the place of its own. */
 static dig_status put_block(Recorder *r)
 {
-    if (r->records == 0)
-        return r->failed;
-    DIG_TRY(put_records(r, "MESH", 0, r->meshes_in, &r->meshes));
-    DIG_TRY(put_records(r, "BODY", 0, r->bodies_in, &r->bodies));
-    DIG_TRY(put_records(r, "NOTE", 0, r->notes_in, &r->notes));
-    if (r->any_commands)
-        DIG_TRY(put_records(r, "CMDS", r->first, r->records, &r->commands));
-    r->commands.size = 0;
+    DIG_TRY(wait_for_writer(r));
+    if (!r->any_commands)
+        r->parts[PART_COMMANDS].bytes.size = 0;
+    r->parts[PART_FRAMES].first = r->parts[PART_COMMANDS].first = r->first;
+    r->parts[PART_FRAMES].count = r->parts[PART_COMMANDS].count = r->records;
+    for (int i = 0; i < PARTS; i++) {
+        Part empty = r->writer.parts[i];
+        r->writer.parts[i] = r->parts[i];
+        r->parts[i] = empty;
+    }
+    r->running = pthread_create(&r->thread, NULL, put_parts, &r->writer) == 0;
+    if (!r->running)
+        put_parts(&r->writer);
     r->any_commands = false;
-    DIG_TRY(put_records(r, "FRAM", r->first, r->records, &r->frames));
     r->first += r->records;
-    r->records = r->meshes_in = r->bodies_in = r->notes_in = 0;
+    r->records = 0;
     kept_clear(&r->last);           /* a block begins with all rows */
-    return DIG_OK;
+    return r->failed;
 }
 
 /* ---- what is new ---- */
@@ -164,19 +201,19 @@ static void note_birth(Recorder *r, uint32_t slot, LookBody *row)
     r->known.data[slot] = (Known){row->gen, row->index};
     describe_body(r->w, slot, row, &b);
     b.born = r->frame;
-    pack_u8(&r->bodies, &kind);
-    replay_kept_body(&r->bodies, &b);
-    r->bodies_in++;
+    pack_u8(&r->parts[PART_BODIES].bytes, &kind);
+    replay_kept_body(&r->parts[PART_BODIES].bytes, &b);
+    r->parts[PART_BODIES].count++;
 }
 
 static void note_death(Recorder *r, uint32_t slot)
 {
     uint8_t kind = 0;
-    pack_u8(&r->bodies, &kind);
-    pack_u32(&r->bodies, &r->known.data[slot].index);
-    pack_u32(&r->bodies, &r->frame);
+    pack_u8(&r->parts[PART_BODIES].bytes, &kind);
+    pack_u32(&r->parts[PART_BODIES].bytes, &r->known.data[slot].index);
+    pack_u32(&r->parts[PART_BODIES].bytes, &r->frame);
     r->known.data[slot].gen = 0;
-    r->bodies_in++;
+    r->parts[PART_BODIES].count++;
 }
 
 static dig_status note_bodies(Recorder *r)
@@ -199,8 +236,8 @@ static dig_status note_bodies(Recorder *r)
 
 static void note_meshes(Recorder *r)
 {
-    for (; r->mesh_count < (uint32_t)r->now.look.meshes.count; r->mesh_count++, r->meshes_in++)
-        replay_mesh(&r->meshes, &r->now.look.meshes.data[r->mesh_count]);
+    for (; r->mesh_count < (uint32_t)r->now.look.meshes.count; r->mesh_count++, r->parts[PART_MESHES].count++)
+        replay_mesh(&r->parts[PART_MESHES].bytes, &r->now.look.meshes.data[r->mesh_count]);
 }
 
 /* ---- frames ---- */
@@ -280,24 +317,24 @@ static dig_status record(Recorder *r, RecordKind kind)
     if (s != DIG_OK)
         return fail(r, s, "not enough memory for the replay");
     note_meshes(r);
-    pack_u8(&r->frames, &mark);
-    delta_write(&r->frames, &r->now, &r->last);
-    return pack_good(&r->frames) ? DIG_OK : fail_pack(r, &r->frames);
+    pack_u8(&r->parts[PART_FRAMES].bytes, &mark);
+    delta_write(&r->parts[PART_FRAMES].bytes, &r->now, &r->last);
+    return pack_good(&r->parts[PART_FRAMES].bytes) ? DIG_OK : fail_pack(r, &r->parts[PART_FRAMES].bytes);
 }
 
 /* Commands that led to this frame. */
 static void close_commands(Recorder *r)
 {
     uint32_t size = (uint32_t)r->pending.size;
-    pack_u32(&r->commands, &size);
-    pack_bytes(&r->commands, r->pending.data, r->pending.size);
+    pack_u32(&r->parts[PART_COMMANDS].bytes, &size);
+    pack_bytes(&r->parts[PART_COMMANDS].bytes, r->pending.data, r->pending.size);
     r->any_commands = r->any_commands || size > 0;
     r->pending.size = 0;
 }
 
 static dig_status next_frame(Recorder *r)
 {
-    if (r->records >= BLOCK_FRAMES || r->frames.size >= BLOCK_BYTES)
+    if (r->records >= BLOCK_FRAMES || r->parts[PART_FRAMES].bytes.size >= BLOCK_BYTES)
         DIG_TRY(put_block(r));
     r->frame = r->first + r->records;
     DIG_TRY(record(r, RECORD_FRAME));
@@ -332,9 +369,10 @@ dig_status recorder_start(Recorder *r, const void *bytes, size_t size)
     unsigned char *to = pack_space(&p, size);
     if (to && size > 0)
         memcpy(to, bytes, size);
-    dig_status s = put_section(r, "STRT", 0, 0, &p);
+    if (wait_for_writer(r) == DIG_OK)
+        put_section(&r->writer, "STRT", 0, 0, &p);
     pack_close(&p);
-    return s;
+    return wait_for_writer(r);
 }
 
 /* A failure stays with the recorder, which tells of it at its next call. */
@@ -377,14 +415,14 @@ dig_status recorder_note(Recorder *r, const char *name, const char *text)
     }
     r->hashes.data[i].hash = hash;
     uint32_t bytes = (uint32_t)size;
-    pack_u32(&r->notes, &r->frame);
-    pack_bytes(&r->notes, own, sizeof own);
-    pack_u32(&r->notes, &bytes);
-    unsigned char *to = pack_space(&r->notes, size);
+    pack_u32(&r->parts[PART_NOTES].bytes, &r->frame);
+    pack_bytes(&r->parts[PART_NOTES].bytes, own, sizeof own);
+    pack_u32(&r->parts[PART_NOTES].bytes, &bytes);
+    unsigned char *to = pack_space(&r->parts[PART_NOTES].bytes, size);
     if (to && size > 0)
         memcpy(to, text, size);
-    r->notes_in++;
-    return pack_good(&r->notes) ? r->failed : fail_pack(r, &r->notes);
+    r->parts[PART_NOTES].count++;
+    return pack_good(&r->parts[PART_NOTES].bytes) ? r->failed : fail_pack(r, &r->parts[PART_NOTES].bytes);
 }
 
 /* ---- beginning and end ---- */
@@ -397,32 +435,48 @@ static dig_status put_start(Recorder *r, const char *origin)
     replay_header(&p, &h);
     uint32_t crc = pack_good(&p) ? libdeflate_crc32(0, p.data, p.size) : 0;
     pack_u32(&p, &crc);
-    dig_status s = pack_good(&p) ? put(r, p.data, p.size) : fail_pack(r, &p);
+    if (!pack_good(&p))
+        fail_pack(r, &p);
+    put(&r->writer, p.data, p.size);
     unsigned char *to = pack_space(&text, strlen(origin));
     if (to)
         memcpy(to, origin, strlen(origin));
-    if (s == DIG_OK)
-        s = put_section(r, "ORIG", 0, 0, &text);
+    put_section(&r->writer, "ORIG", 0, 0, &text);
     pack_close(&p);
     pack_close(&text);
-    return s;
+    return wait_for_writer(r);
 }
 
 static void release(Recorder *r)
 {
-    Pack *packs[] = {&r->frames, &r->meshes, &r->bodies, &r->notes, &r->commands, &r->pending};
-    for (size_t i = 0; i < sizeof packs / sizeof *packs; i++)
-        pack_close(packs[i]);
+    wait_for_writer(r);
+    for (int i = 0; i < PARTS; i++) {
+        pack_close(&r->parts[i].bytes);
+        pack_close(&r->writer.parts[i].bytes);
+    }
+    pack_close(&r->pending);
     kept_close(&r->now);
     kept_close(&r->last);
     list_close(&r->known);
     list_close(&r->hashes);
-    list_close(&r->sections);
-    if (r->compressor)
-        libdeflate_free_compressor(r->compressor);
-    if (r->file >= 0)
-        close(r->file);
+    list_close(&r->writer.sections);
+    if (r->writer.compressor)
+        libdeflate_free_compressor(r->writer.compressor);
+    if (r->writer.file >= 0)
+        close(r->writer.file);
     free(r);
+}
+
+static dig_status open_writer(Recorder *r)
+{
+    Writer *f = &r->writer;
+    f->file = open(r->path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (f->file < 0)
+        writer_fail(f, DIG_E_FILE, "the replay cannot be written", errno);
+    f->compressor = libdeflate_alloc_compressor(LEVEL);
+    if (!f->compressor)
+        writer_fail(f, DIG_E_MEMORY, "not enough memory for the replay", 0);
+    return wait_for_writer(r);
 }
 
 dig_status recorder_open(const char *path, dig_world *w, const char *origin, Recorder **out, char *why, size_t capacity)
@@ -435,11 +489,7 @@ dig_status recorder_open(const char *path, dig_world *w, const char *origin, Rec
     }
     r->w = w;
     snprintf(r->path, sizeof r->path, "%s", path);
-    r->file = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    dig_status s = r->file < 0 ? fail_errno(r, errno) : DIG_OK;
-    r->compressor = libdeflate_alloc_compressor(LEVEL);
-    if (!r->compressor)
-        s = fail(r, DIG_E_MEMORY, "not enough memory for the replay");
+    dig_status s = open_writer(r);
     if (s == DIG_OK)
         s = put_start(r, origin ? origin : "{}");
     if (s == DIG_OK)
@@ -453,28 +503,29 @@ dig_status recorder_open(const char *path, dig_world *w, const char *origin, Rec
     return s;
 }
 
-static dig_status put_index(Recorder *r)
+static dig_status put_index(Writer *f)
 {
     Pack p = pack_writer(), end = pack_writer();
-    uint64_t at = r->at;
-    unsigned char magic[8];
-    for (int i = 0; i < r->sections.count; i++) {
-        section_header(&p, &r->sections.data[i]);
-        pack_u64(&p, &r->sections.data[i].offset);
-    }
-    dig_status s = put_section(r, "INDX", 0, (uint32_t)r->sections.count, &p);
+    uint64_t at = f->at;
     uint32_t format = REPLAY_FORMAT;
+    unsigned char magic[8];
+    for (int i = 0; i < f->sections.count; i++) {
+        section_header(&p, &f->sections.data[i]);
+        pack_u64(&p, &f->sections.data[i].offset);
+    }
+    put_section(f, "INDX", 0, (uint32_t)f->sections.count, &p);
     memcpy(magic, replay_end_magic, sizeof magic);
     pack_u64(&end, &at);
     pack_u32(&end, &format);
     uint32_t crc = pack_good(&end) ? libdeflate_crc32(0, end.data, end.size) : 0;
     pack_u32(&end, &crc);
     pack_bytes(&end, magic, sizeof magic);
-    if (s == DIG_OK)
-        s = pack_good(&end) ? put(r, end.data, end.size) : fail_pack(r, &end);
+    if (!pack_good(&end))
+        writer_fail(f, DIG_E_MEMORY, "not enough memory for the replay", 0);
+    put(f, end.data, end.size);
     pack_close(&p);
     pack_close(&end);
-    return s;
+    return f->failed;
 }
 
 dig_status recorder_close(Recorder *r, char *why, size_t capacity)
@@ -487,12 +538,13 @@ dig_status recorder_close(Recorder *r, char *why, size_t capacity)
         recorder_before_step(r);        /* as the script left it */
     if (r->failed == DIG_OK && r->pending.size > 0)
         close_commands(r);
-    if (r->failed == DIG_OK && put_block(r) == DIG_OK)
-        put_index(r);
-    if (close(r->file) != 0 && r->failed == DIG_OK)
-        fail_errno(r, errno);
-    r->file = -1;
-    dig_status s = r->failed;
+    if (r->failed == DIG_OK && put_block(r) == DIG_OK && wait_for_writer(r) == DIG_OK)
+        put_index(&r->writer);
+    wait_for_writer(r);
+    if (close(r->writer.file) != 0)
+        writer_fail(&r->writer, DIG_E_FILE, "the replay cannot be written", errno);
+    r->writer.file = -1;
+    dig_status s = wait_for_writer(r);
     if (s != DIG_OK && why)
         snprintf(why, capacity, "%s", r->why);
     release(r);

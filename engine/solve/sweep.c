@@ -477,7 +477,7 @@ static dig_status substep(Group *g, real until)
     move(g);
     g->t = until;
     g->substeps++;
-    return g->stage(g, STAGE_FLOW);
+    return DIG_OK;
 }
 
 static dig_status reserve(Group *g)

@@ -76,7 +76,6 @@ static dig_status advance(Group *g, real dt)
         fly(g, i, dt);
     g->evaluations = g->substeps = 1;
     g->t = dt;
-    DIG_TRY(g->stage(g, STAGE_FLOW));
     return g->stage(g, STAGE_SETTLE);
 }
 

@@ -449,7 +449,6 @@ static dig_status advance(Group *g, real dt)
         trace_finish(t);
         g->trace_step = t->h_next;
         g->h = dt;
-        DIG_TRY(g->stage(g, STAGE_FLOW));
         DIG_TRY(g->stage(g, STAGE_SETTLE));
     }
     g->touch = 1e-7;

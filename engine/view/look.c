@@ -301,23 +301,34 @@ static dig_status take_arrows(Look *l, const World *w)
 
 /* ---- links ---- */
 
+typedef struct Middle { vec3 sum; int count; } Middle;
+
+static void add_pair(const World *w, const Pair *p, Middle *m)
+{
+    for (uint32_t c = p->contact; p->touching && c != NONE; c = w->contacts.data[c].next)
+        if (w->contacts.data[c].touching) {
+            m->sum = vec3_add(m->sum, w->contacts.data[c].point);
+            m->count++;
+        }
+}
+
 /* Where a body touches another: the middle of the touching contacts; its own centre when there is none. */
 static vec3 touching_point(const World *w, uint32_t body, uint32_t other)
 {
-    vec3 sum = vec3_zero();
-    int n = 0;
-    for (uint32_t s = w->bodies.data[body].shape_first; s != NONE; s = w->solids.data[s].next)
-        for (uint32_t l = w->solids.data[s].pair_first; l != NONE; l = w->pairs.data[l / 2].next[l % 2]) {
-            const Pair *p = &w->pairs.data[l / 2];
-            if (!p->touching || (p->body_a != other && p->body_b != other))
-                continue;
-            for (uint32_t c = p->contact; c != NONE; c = w->contacts.data[c].next)
-                if (w->contacts.data[c].touching) {
-                    sum = vec3_add(sum, w->contacts.data[c].point);
-                    n++;
-                }
-        }
-    return n > 0 ? vec3_scale(1 / (real)n, sum) : w->bodies.data[body].x;
+    Middle m = {vec3_zero(), 0};
+    uint32_t pair;
+    if (other != NONE && pair_between(w, body, other, &pair)) {
+        if (pair != NONE)
+            add_pair(w, &w->pairs.data[pair], &m);
+    } else {
+        for (uint32_t s = w->bodies.data[body].shape_first; s != NONE; s = w->solids.data[s].next)
+            for (uint32_t l = w->solids.data[s].pair_first; l != NONE; l = w->pairs.data[l / 2].next[l % 2]) {
+                const Pair *p = &w->pairs.data[l / 2];
+                if (p->body_a == other || p->body_b == other)
+                    add_pair(w, p, &m);
+            }
+    }
+    return m.count > 0 ? vec3_scale(1 / (real)m.count, m.sum) : w->bodies.data[body].x;
 }
 
 /* Where a link to the outside ends: at the contact, at the joint, or at the boundary of its layer. */

@@ -100,6 +100,17 @@ static void leave_touch(World *w, const Pair *p)
     }
 }
 
+bool pair_between(const World *w, uint32_t body_a, uint32_t body_b, uint32_t *pair)
+{
+    const Body *a = &w->bodies.data[body_a], *b = &w->bodies.data[body_b];
+    if (a->shape_count != 1 || b->shape_count != 1)
+        return false;
+    uint32_t x = a->shape_first, y = b->shape_first;
+    if (!map_find(&w->pair_map, (MapKey){x < y ? x : y, x < y ? y : x, 0}, pair))
+        *pair = NONE;
+    return true;
+}
+
 void pair_remove(World *w, uint32_t pair)
 {
     Pair *p = &w->pairs.data[pair];

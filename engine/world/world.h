@@ -371,6 +371,8 @@ void       surface_pair(const World *w, const Surface *a, const Surface *b, Pair
 /* pair.c */
 dig_status pair_add(World *w, uint32_t solid_a, uint32_t solid_b);
 void       pair_remove(World *w, uint32_t pair);
+/* The one pair of two bodies that have one shape each, NONE when there is none. false: they have more, look through their lists. */
+bool       pair_between(const World *w, uint32_t body_a, uint32_t body_b, uint32_t *pair);
 static inline uint32_t pair_side(const Pair *p, uint32_t solid) { return p->solid_a == solid ? 0 : 1; }
 void       pairs_of_solid_remove(World *w, uint32_t solid);
 void       pairs_refresh_surfaces(World *w, uint32_t body);

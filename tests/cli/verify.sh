@@ -112,7 +112,7 @@ head -c 30 a.replay >stump.replay
 gives 8 'a stump' verify stump.replay;                  said 'stump.replay'
 gives 8 'a file that is not there' verify none.replay;  said 'none.replay'
 gives 8 'a script' verify bounce.lua;                   said 'bounce.lua'
-gives 2 'no file' verify;                               said 'no replay was given'
+gives 2 'no file' verify;                               said 'which replays?'
 gives 2 'an option' verify --fast a.replay
 gives 0 'help' verify --help;                           printed 'every command that changed it'
 

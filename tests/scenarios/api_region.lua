@@ -5,17 +5,7 @@ local scenario, expect = test.scenario, test.expect
 
 local g = 9.81
 
--- The message with which fn fails.
-local function failure(fn)
-  local ok, message = pcall(fn)
-  expect(ok):is(false)
-  return tostring(message)
-end
-
-local function expect_failure(fn, text)
-  local message = failure(fn)
-  expect(message:find(text, 1, true) and text or message):is(text)
-end
+local function expect_failure(fn, text) expect(expect(fn):fails()):contains(text) end
 
 scenario("in a region without gravity the velocity stays, outside bodies fall", function(s)
   local world = s.world

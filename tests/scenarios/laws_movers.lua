@@ -134,6 +134,29 @@ scenario("ray: all it meets, in order, with points and normals that lie on them"
   end
 end)
 
+-- A plate at 4 m/s strikes balls that touch each other: they leave at (1 + e) 4 m/s, be they 100 or, as a crowd, 1296.
+for _, side in ipairs { 10, 36 } do
+  scenario(("mover: a plate throws %d balls as their restitution says"):format(side * side), function(s)
+    local world = s:world { gravity = { 0, 0, 0 } }
+    local plate = world:box { kinematic = true, size = { 9, 0.2, 9 }, at = { 0, -0.1, 0 }, restitution = 0.8 }
+    local balls = {}
+    for i = 1, side do
+      for j = 1, side do
+        balls[#balls + 1] = world:ball { radius = 0.1, restitution = 0.8, friction = 0, at = { i * 0.2 - 4, 0.1, j * 0.2 - 4 } }
+      end
+    end
+    plate:move_to { at = { 0, 0.9, 0 }, over = "0.25 s" }
+    world:run "0.2 s"
+    local slowest, fastest = math.huge, -math.huge
+    for _, b in ipairs(balls) do
+      slowest, fastest = math.min(slowest, b.velocity.y), math.max(fastest, b.velocity.y)
+    end
+    expect(slowest):near(7.2, 1e-6)
+    expect(fastest):near(7.2, 1e-6)
+    expect(world.energy.numerical / world.energy.work_in):near(0, 1e-9)
+  end)
+end
+
 scenario("overlap: what lies in it, and nothing else", function(s)
   local world = s:world { gravity = { 0, 0, 0 } }
   local list = {}

@@ -5,20 +5,11 @@ local scenario, expect = test.scenario, test.expect
 
 local g = 9.81
 
-local function failure(fn)
-  local ok, message = pcall(fn)
-  expect(ok):is(false)
-  return tostring(message)
-end
-
-local function expect_failure(fn, text)
-  local message = failure(fn)
-  expect(message:find(text, 1, true) and text or message):is(text)
-end
+local function expect_failure(fn, text) expect(expect(fn):fails()):contains(text) end
 
 -- The line that calls this.
 local function here()
-  return tonumber(failure(function() error("x", 5) end):match ":(%d+): x")
+  return tonumber(select(2, pcall(error, "x", 3)):match ":(%d+): x")
 end
 
 local function line_of(why) return tonumber(why:match "own_effects%.lua:(%d+)") end
@@ -215,7 +206,7 @@ scenario("an error names the effect, at its line, and the world is as it was", f
   }
   for _, fault in ipairs(faults) do
     local effect = world:add_effect { name = "fault", step = fault[2] }
-    local line = failure(function() world:step() end)
+    local line = expect(function() world:step() end):fails()
     expect(line:find(fault[1], 1, true) and fault[1] or line):is(fault[1])
     expect(line:find "own_effects%.lua:%d+: effect" and true or line):is(true)
     effect:remove()

@@ -1,6 +1,8 @@
 /* tests/unit/test_replay.c - a run that is kept and read again: the same pictures, the same numbers, whatever happens to the file. */
 #include "save_fixture.h"
 
+#include <libdeflate.h>
+
 #include "replay/replay.h"
 
 enum { FRAMES = 90 };
@@ -200,7 +202,440 @@ TEST(everything_looks_the_same)
     remove(path);
 }
 
+
+/* ---- what a script does between steps ---- */
+
+static void meddle(dig_world *w, int frame)
+{
+    dig_body ball = dig_body_find(w, "ball"), b;
+    if (frame % 4 == 3 && frame < 40) {                 /* the slot is used again two frames later */
+        b = dig_body_find(w, "guest");
+        if (b.gen != 0)
+            fail_unless(w, dig_body_remove(w, b), "remove");
+    } else if (frame % 4 == 1) {
+        b = add_ball(w, look(0.5, 0.5), 0.1 + 0.01 * frame, 1, (vec3){-2, 2, 3 + 0.1 * frame}, (vec3){0, 1, 0});
+        fail_unless(w, dig_body_set(w, b, "name", &(dig_text){"guest"}), "name");
+    }
+    if (frame == 10)
+        fail_unless(w, dig_body_teleport(w, ball, &(vec3){0, 3, 0}, NULL, NULL, NULL), "teleport");
+    if (frame % 9 == 5)
+        fail_unless(w, dig_body_push(w, ball, (vec3){0, 30, 3}, vec3_zero(), false, 0.05), "push");
+    if (frame == 20)
+        fail_unless(w, dig_body_set(w, dig_body_find(w, "stone"), "colour", &(vec3){1, 0, 0}), "colour");
+    if (frame == 33)
+        fail_unless(w, dig_world_set_gravity(w, (vec3){1, -3, 0}), "gravity");
+    dig_joint joints[8];
+    if (frame == 37 && dig_joints(w, joints, 8) > 0)
+        fail_unless(w, dig_joint_remove(w, joints[0]), "joint");
+}
+
+TEST(what_a_script_does_between_steps_is_seen)
+{
+    char path[512];
+    Seen s = {0};
+    dig_world *w = open_scene();
+    record(w, scratch_path(path, sizeof path, "meddle.replay"), FRAMES, meddle, &s);
+    Replay *r = open_replay(path);
+    same_pictures(r, &s);
+    replay_close(r);
+    forget(&s);
+    dig_world_close(w);
+    remove(path);
+}
+
+/* A slot that is used again holds another body. */
+TEST(bodies_are_born_and_die)
+{
+    char path[512];
+    Seen s = {0};
+    dig_world *w = open_scene();
+    record(w, scratch_path(path, sizeof path, "born.replay"), 60, meddle, &s);
+    Replay *r = open_replay(path);
+    int guests = 0, gone = 0, slots[100] = {0}, again = 0;
+    for (int i = 0; replay_body(r, i); i++) {
+        const ReplayBody *b = replay_body(r, i);
+        CHECK_INT(replay_body_of(r, b->id), i);
+        CHECK(b->born >= 0 && b->died > b->born && b->died <= 60);
+        again += b->id.slot < 100 && slots[b->id.slot]++ > 0;
+        if (strcmp(b->name, "guest") != 0)
+            continue;
+        guests++;
+        gone += b->died < 60;
+        CHECK(b->born % 4 == 1);
+        CHECK_TEXT(b->shape, "sphere");
+        CHECK_NEAR(b->mass, 1, 0);
+        for (int k = 0; k < 60; k++) {                  /* it is among the poses as long as it lives */
+            const ReplayFrame *f;
+            int there = 0;
+            CHECK_INT(replay_frame(r, k, &f), DIG_OK);
+            for (int p = 0; p < f->pose_count; p++)
+                there += f->poses[p].body == i;
+            CHECK_INT(there, k >= b->born && k < b->died);
+        }
+    }
+    CHECK(guests >= 10 && gone >= 9 && again >= 9);
+    CHECK(replay_body_of(r, (dig_body){9999, 1}) == -1);
+    replay_close(r);
+    forget(&s);
+    dig_world_close(w);
+    remove(path);
+}
+
+/* Joints that break, struts that carry: a tower of struts under a load. */
+static void hold(dig_world *w, const char *type, dig_body a, dig_body b, vec3 at)
+{
+    real data[48];
+    const dig_schema *schema = dig_schema_find("joint", type);
+    static const struct { const char *name; real value; } given[] = {
+        {"stiffness", 2e5}, {"radius", 0.03}, {"length", 0.5}, {"width", 0.05}, {"height", 0.05}, {"modulus", 1e9}, {"strength", 2e7},
+    };
+    dig_schema_defaults(schema, data);
+    for (const dig_param *p = schema->rows; p->name; p++)
+        for (size_t i = 0; i < sizeof given / sizeof *given; i++)
+            if (strcmp(p->name, given[i].name) == 0 && p->kind == DIG_REAL)
+                memcpy((char *)data + p->offset, &given[i].value, sizeof(real));
+    dig_joint j = create_joint(w, type, a, b, at, (vec3){1, 0, 0}, data);
+    if (strcmp(type, "strut") == 0)
+        fail_unless(w, dig_joint_set(w, j, "breaks_at", &(real){80}), "breaks_at");
+}
+
+static dig_world *tower(void)
+{
+    dig_world *w = open_world(1.0 / 60, "play", true);
+    dig_body before = add_floor(w, look(0.6, 0));
+    for (int i = 0; i < 6; i++) {
+        dig_body b = add_box(w, look(0.6, 0), (vec3){0.4, 0.2, 0.4}, 3, (vec3){0.5 * i, 2, 0}, quat_identity());
+        hold(w, i == 0 ? "weld" : i % 2 ? "strut" : "beam", b, before, (vec3){0.5 * i - 0.25, 2, 0});
+        before = b;
+    }
+    return w;
+}
+
+TEST(joints_break_and_bear)
+{
+    char path[512];
+    Seen s = {0};
+    dig_world *w = tower();
+    record(w, scratch_path(path, sizeof path, "tower.replay"), FRAMES, NULL, &s);
+    Replay *r = open_replay(path);
+    int broken = 0, joints = 0;
+    real stress = 0;
+    for (int i = 0; i < FRAMES; i++) {
+        const ReplayFrame *f;
+        CHECK_INT(replay_frame(r, i, &f), DIG_OK);
+        for (int k = 0; k < f->event_count; k++)
+            broken += f->events[k].kind == DIG_EVENT_BROKEN;
+        for (int k = 0; k < f->link_count; k++)
+            joints += f->links[k].kind == DIG_LINK_JOINT;
+        for (int k = 0; k < s.left[i]->item_count; k++)
+            stress = fmax(stress, (real)s.left[i]->items[k].stress);
+    }
+    CHECK(broken > 0 && joints > 0 && stress > 0);
+    same_pictures(r, &s);
+    replay_close(r);
+    forget(&s);
+    dig_world_close(w);
+    remove(path);
+}
+
+/* ---- poses and links are those of the API ---- */
+
+static void same_body(const dig_world *w, const Replay *r, const ReplayPose *p)
+{
+    dig_body all[200];
+    dig_body_state s;
+    int n = dig_bodies(w, all, 200), i = 0;
+    uint32_t slot = replay_body(r, p->body)->id.slot;
+    while (i < n && all[i].slot != slot)
+        i++;
+    CHECK(i < n);
+    CHECK_INT(dig_body_get(w, all[i], &s), DIG_OK);
+    CHECK(memcmp(&s.position, &p->position, sizeof s.position) == 0 && memcmp(&s.rotation, &p->rotation, sizeof s.rotation) == 0);
+    CHECK_NEAR(p->velocity.y, s.velocity.y, 1e-6 * (1 + fabs(s.velocity.y)));
+    CHECK_NEAR(p->spin.z, s.spin.z, 1e-6 * (1 + fabs(s.spin.z)));
+    CHECK_NEAR(p->force.y, s.force.y, 1e-6 * (1 + fabs(s.force.y)));
+    CHECK(p->awake == s.awake && p->mode == s.mode && p->dig == s.dig.id);
+    CHECK_TEXT(replay_body(r, p->body)->name, s.name);
+}
+
+TEST(poses_are_those_of_the_world)
+{
+    char path[512];
+    Seen s = {0};
+    const ReplayFrame *f;
+    dig_world *w = open_scene();
+    record(w, scratch_path(path, sizeof path, "poses.replay"), 40, NULL, &s);
+    Replay *r = open_replay(path);
+    CHECK_INT(replay_frame(r, 39, &f), DIG_OK);
+    CHECK_INT(f->pose_count, dig_bodies(w, NULL, 0));
+    for (int i = 0; i < f->pose_count; i++)
+        same_body(w, r, &f->poses[i]);
+    CHECK(replay_frame(r, 40, &f) == DIG_E_ARG && strstr(replay_error(r), "frame 40: there are 0 to 39"));
+    CHECK(replay_frame(r, -1, &f) == DIG_E_ARG);
+    View *v;
+    CHECK(replay_view(r, NAN, &v) == DIG_E_ARG);
+    replay_close(r);
+    forget(&s);
+    dig_world_close(w);
+    remove(path);
+}
+
+/* ---- notes and commands ---- */
+
+TEST(notes_and_commands_belong_to_frames)
+{
+    char path[512], why[200] = "";
+    Recorder *r;
+    int since;
+    const void *bytes;
+    size_t size;
+    dig_world *w = open_small_scene();
+    CHECK_INT(recorder_open(scratch_path(path, sizeof path, "notes.replay"), w, "{}", &r, why, sizeof why), DIG_OK);
+    CHECK_INT(recorder_start(r, "start", 5), DIG_OK);
+    for (int i = 1; i <= 600; i++) {                    /* several blocks */
+        step(w, 1);
+        CHECK_INT(recorder_commands(r, &i, sizeof i), DIG_OK);
+        CHECK_INT(recorder_step(r), DIG_OK);
+        if (i % 100 == 0)
+            CHECK_INT(recorder_note(r, i % 200 == 0 ? "even" : "odd", i < 400 ? "{\"before\":400}" : "{}"), DIG_OK);
+    }
+    CHECK_INT(recorder_commands(r, "last", 4), DIG_OK);
+    CHECK_INT(recorder_note(r, "a name that is longer than thirty-one bytes", "{}"), DIG_E_ARG);
+    CHECK_INT(recorder_close(r, why, sizeof why), DIG_E_ARG);
+    CHECK(strstr(why, "31 bytes") != NULL);
+    CHECK_INT(recorder_open(path, w, "{}", &r, why, sizeof why), DIG_OK);
+    CHECK_INT(recorder_start(r, "start", 5), DIG_OK);
+    for (int i = 1; i <= 600; i++) {
+        step(w, 1);
+        CHECK_INT(recorder_commands(r, &i, sizeof i), DIG_OK);
+        CHECK_INT(recorder_step(r), DIG_OK);
+        if (i % 100 == 0)
+            CHECK_INT(recorder_note(r, i % 200 == 0 ? "even" : "odd", i < 400 ? "{\"before\":400}" : "{}"), DIG_OK);
+    }
+    CHECK_INT(recorder_commands(r, "last", 4), DIG_OK);
+    CHECK_INT(recorder_close(r, why, sizeof why), DIG_OK);
+    Replay *p = open_replay(path);
+    CHECK_INT(replay_info(p)->frames, 601);
+    CHECK(replay_note(p, "even", 199, NULL) == NULL && replay_note(p, "eve", 600, NULL) == NULL);
+    CHECK_TEXT(replay_note(p, "even", 399, &since), "{\"before\":400}");
+    CHECK_INT(since, 200);
+    CHECK_TEXT(replay_note(p, "even", 600, &since), "{}");
+    CHECK_INT(since, 400);                              /* said again at 600: nothing new */
+    CHECK_TEXT(replay_note(p, "odd", 300, &since), "{\"before\":400}");
+    CHECK_INT(since, 100);
+    CHECK(replay_start(p, &bytes, &size) && size == 5 && memcmp(bytes, "start", 5) == 0);
+    for (int i = 600; i >= 1; i--)
+        CHECK(replay_commands(p, i, &bytes, &size) && size == sizeof i && memcmp(bytes, &i, size) == 0);
+    CHECK(replay_commands(p, 0, &bytes, &size) && size == 0);
+    CHECK(replay_commands(p, 601, &bytes, &size) && size == 4 && memcmp(bytes, "last", 4) == 0);
+    CHECK(!replay_commands(p, 602, &bytes, &size));
+    replay_close(p);
+    dig_world_close(w);
+    remove(path);
+}
+
+TEST(a_file_that_cannot_be_written_is_named)
+{
+    char why[200] = "";
+    Recorder *r;
+    dig_world *w = open_small_scene();
+    CHECK_INT(recorder_open("no/such/folder/a.replay", w, "{}", &r, why, sizeof why), DIG_E_FILE);
+    CHECK(strstr(why, "no/such/folder/a.replay: the replay cannot be written: No such file or directory") != NULL);
+    CHECK(r == NULL);
+    if (access("/dev/full", W_OK) == 0) {
+        CHECK_INT(recorder_open("/dev/full", w, "{}", &r, why, sizeof why), DIG_E_FILE);
+        CHECK(strstr(why, "No space left on device") != NULL);
+    }
+    dig_world_close(w);
+}
+
+/* ---- files that are cut or changed ---- */
+
+/* Everything that can be asked of a file; counts what works. */
+static int ask_everything(const char *path, char *why, size_t capacity)
+{
+    Replay *r;
+    View *v;
+    const ReplayFrame *f;
+    const void *bytes;
+    size_t size;
+    int good = 0;
+    if (replay_open(path, &r, why, capacity) != DIG_OK) {
+        CHECK(r == NULL && strstr(why, path) == why);
+        return -1;
+    }
+    const ReplayInfo *info = replay_info(r);
+    for (int i = 0; i < info->frames && i < 1000; i++) {
+        if (replay_frame(r, i, &f) == DIG_OK)
+            good++;
+        if (replay_view(r, ((real)info->first_step + i + 0.5) * info->step, &v) == DIG_OK)
+            dig_view_free(v);
+        replay_commands(r, i, &bytes, &size);
+    }
+    for (int i = 0; replay_body(r, i); i++)
+        CHECK(replay_body(r, i)->name && replay_body(r, i)->died >= replay_body(r, i)->born);
+    replay_start(r, &bytes, &size);
+    replay_note(r, "cameras", 3, NULL);
+    replay_close(r);
+    return good;
+}
+
+/* Blocks are full at 256 frames. */
+static Bytes small_file(char *path, size_t capacity, int frames)
+{
+    char why[200] = "";
+    Recorder *r;
+    dig_world *w = open_small_scene();
+    CHECK_INT(recorder_open(scratch_path(path, capacity, "small.replay"), w, "{}", &r, why, sizeof why), DIG_OK);
+    CHECK_INT(recorder_start(r, "start", 5), DIG_OK);
+    for (int i = 1; i < frames; i++) {
+        step(w, 1);
+        CHECK_INT(recorder_commands(r, &i, sizeof i), DIG_OK);
+        CHECK_INT(recorder_note(r, "cameras", i % 2 ? "[1]" : "[2]"), DIG_OK);
+        CHECK_INT(recorder_step(r), DIG_OK);
+    }
+    CHECK_INT(recorder_close(r, why, sizeof why), DIG_OK);
+    dig_world_close(w);
+    return read_bytes(path);
+}
+
+TEST(a_file_cut_at_any_byte_opens_to_its_last_whole_block)
+{
+    char path[512], why[1400];
+    Bytes b = small_file(path, sizeof path, 300);
+    int refused = 0, first = 0, whole = 0;
+    Replay *r;
+    for (size_t n = b.size + 1; n-- > 0;) {                     /* ever shorter */
+        CHECK_INT(truncate(path, (off_t)n), 0);
+        if (replay_open(path, &r, why, sizeof why) != DIG_OK) {
+            CHECK(first > 0 && strstr(why, path) == why);
+            refused++;
+            continue;
+        }
+        int frames = replay_info(r)->frames;
+        CHECK(refused == 0 && (frames == 256 || frames == 300));
+        CHECK(replay_info(r)->cut == (n < b.size));
+        first += frames == 256;
+        whole += frames == 300;
+        CHECK(frames == 256 ? whole > 0 : first == 0);
+        replay_close(r);
+        if (n % 16 == 0)
+            CHECK_INT(ask_everything(path, why, sizeof why), frames);
+    }
+    CHECK(refused > 64 && first > 64 && whole > 64);
+    free(b.data);
+    remove(path);
+}
+
+TEST(changed_bytes_are_refused_or_harmless)
+{
+    char path[512], why[1400];
+    Bytes b = small_file(path, sizeof path, 60);
+    uint64_t seed = 1;
+    int refused = 0;
+    for (int n = 0; n < 2000; n++) {
+        unsigned char *copy = malloc(b.size);
+        CHECK(copy != NULL);
+        memcpy(copy, b.data, b.size);
+        int changes = 1 + n % 4;
+        for (int k = 0; k < changes; k++) {
+            seed = seed * 6364136223846793005u + 1442695040888963407u;
+            copy[(seed >> 33) % b.size] = (unsigned char)(seed >> 56);
+        }
+        write_bytes(path, copy, b.size);
+        refused += ask_everything(path, why, sizeof why) != 60;
+        free(copy);
+    }
+    CHECK(refused > 1000);                              /* nearly every byte is under a checksum */
+    free(b.data);
+    remove(path);
+}
+
+/* The same with the checksums made good again: what is inside is judged for itself. */
+static void put32(unsigned char *to, uint32_t x)
+{
+    for (int i = 0; i < 4; i++)
+        to[i] = (unsigned char)(x >> 8 * i);
+}
+
+static uint64_t get64(const unsigned char *from)
+{
+    uint64_t x = 0;
+    for (int i = 0; i < 8; i++)
+        x |= (uint64_t)from[i] << 8 * i;
+    return x;
+}
+
+/* Unpacks every section, so that changes reach the rows; without the index. Returns the new size. */
+static size_t unpack_all(const Bytes *b, unsigned char *out)
+{
+    struct libdeflate_decompressor *d = libdeflate_alloc_decompressor();
+    size_t at = 64, to = 64;
+    memcpy(out, b->data, 64);
+    while (at + 40 <= b->size && memcmp(b->data + at, "INDX", 4) != 0) {
+        size_t raw = (size_t)get64(b->data + at + 16), size = (size_t)get64(b->data + at + 24);
+        memcpy(out + to, b->data + at, 40);
+        if (b->data[at + 4])
+            CHECK(libdeflate_deflate_decompress(d, b->data + at + 40, size, out + to + 40, raw, NULL) == LIBDEFLATE_SUCCESS);
+        else
+            memcpy(out + to + 40, b->data + at + 40, raw);
+        put32(out + to + 4, 0);
+        put32(out + to + 24, (uint32_t)raw);
+        to += 40 + raw;
+        at += 40 + size;
+    }
+    libdeflate_free_decompressor(d);
+    return to;
+}
+
+static void sign_all(unsigned char *data, size_t size)
+{
+    put32(data + 60, libdeflate_crc32(0, data, 60));
+    for (size_t at = 64; at + 40 <= size;) {
+        uint64_t bytes = get64(data + at + 24);
+        if (bytes > size - at - 40)
+            break;
+        put32(data + at + 32, libdeflate_crc32(0, data + at + 40, (size_t)bytes));
+        put32(data + at + 36, libdeflate_crc32(0, data + at, 36));
+        at += 40 + (size_t)bytes;
+    }
+}
+
+TEST(wrong_contents_with_right_checksums_do_no_harm)
+{
+    char path[512], why[1400];
+    Bytes b = small_file(path, sizeof path, 20);
+    unsigned char *plain = malloc(1 << 22), *copy = malloc(1 << 22);
+    CHECK(plain && copy);
+    size_t size = unpack_all(&b, plain);
+    sign_all(plain, size);
+    write_bytes(path, plain, size);
+    CHECK_INT(ask_everything(path, why, sizeof why), 20);       /* unchanged it is whole */
+    uint64_t seed = 5;
+    int refused = 0;
+    for (int n = 0; n < 2000; n++) {
+        memcpy(copy, plain, size);
+        int changes = 1 + n % 3;
+        for (int k = 0; k < changes; k++) {
+            seed = seed * 6364136223846793005u + 1442695040888963407u;
+            size_t where = (seed >> 33) % size;
+            copy[where] = n % 2 ? (unsigned char)(seed >> 56) : (unsigned char)(copy[where] ^ 1u << (seed >> 60) % 8);
+        }
+        sign_all(copy, size);
+        write_bytes(path, copy, size);
+        refused += ask_everything(path, why, sizeof why) != 20;
+    }
+    CHECK(refused > 200);
+    free(plain);
+    free(copy);
+    free(b.data);
+    remove(path);
+}
+
 int main(void)
 {
-    RUN_TESTS(unit_test(everything_looks_the_same));
+    RUN_TESTS(unit_test(everything_looks_the_same), unit_test(what_a_script_does_between_steps_is_seen), unit_test(bodies_are_born_and_die),
+              unit_test(joints_break_and_bear), unit_test(poses_are_those_of_the_world), unit_test(notes_and_commands_belong_to_frames),
+              unit_test(a_file_that_cannot_be_written_is_named), unit_test(a_file_cut_at_any_byte_opens_to_its_last_whole_block),
+              unit_test(changed_bytes_are_refused_or_harmless), unit_test(wrong_contents_with_right_checksums_do_no_harm));
 }

@@ -1,0 +1,279 @@
+/* lua/run.c - `digbox run` and `digbox check`: a world script, its options, and what is said when it ends. */
+
+#define _XOPEN_SOURCE 700       /* isatty, strdup */
+
+#include <getopt.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <lauxlib.h>
+
+#include "command.h"
+#include "state.h"
+
+/* ---- run ----------------------------------------------------------------------- */
+
+enum { OPT_SECONDS = 256, OPT_ACCURACY, OPT_SEED, OPT_THREADS, OPT_SET, OPT_TIME, OPT_MEMORY, OPT_FUEL, OPT_TRUST, OPT_STRICT,
+       OPT_TRACE, OPT_REPLAY };
+
+static const struct option run_options[] = {
+    {"output", required_argument, NULL, 'o'}, {"seconds", required_argument, NULL, OPT_SECONDS},
+    {"accuracy", required_argument, NULL, OPT_ACCURACY}, {"seed", required_argument, NULL, OPT_SEED},
+    {"threads", required_argument, NULL, OPT_THREADS}, {"set", required_argument, NULL, OPT_SET},
+    {"time-limit", required_argument, NULL, OPT_TIME}, {"memory-limit", required_argument, NULL, OPT_MEMORY},
+    {"fuel", required_argument, NULL, OPT_FUEL}, {"trust", no_argument, NULL, OPT_TRUST},
+    {"strict", no_argument, NULL, OPT_STRICT}, {"trace", required_argument, NULL, OPT_TRACE},
+    {"replay", required_argument, NULL, OPT_REPLAY}, {"quiet", no_argument, NULL, 'q'},
+    {"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0},
+};
+
+static bool read_run_option(RunOptions *o, int key)
+{
+    switch (key) {
+    case 'o': o->out = optarg; return *optarg || usage_error("--output: the folder is missing") == 0;
+    case 'q': o->quiet = true; return true;
+    case OPT_SECONDS: return read_number_option("seconds", optarg, "s", 0, 1e9, &o->seconds);
+    case OPT_ACCURACY: o->accuracy = optarg; return true;
+    case OPT_SEED: return read_whole_option("seed", optarg, -9000000000000000000, 9000000000000000000, &o->seed);
+    case OPT_THREADS: return read_whole_option("threads", optarg, 1, 64, &o->threads);
+    case OPT_TIME: return read_number_option("time-limit", optarg, "s", 1e-3, 1e9, &o->time_limit);
+    case OPT_MEMORY: return read_whole_option("memory-limit", optarg, 1, 1 << 20, &o->memory);
+    case OPT_FUEL: return read_whole_option("fuel", optarg, 1, 1000000000000000000, &o->fuel);
+    case OPT_TRUST: o->trust = true; return true;
+    case OPT_STRICT: o->strict = true; return true;
+    case OPT_TRACE: o->trace = optarg; return *optarg || usage_error("--trace: the file is missing") == 0;
+    case OPT_REPLAY: o->replay = optarg; return *optarg || usage_error("--replay: the file is missing") == 0;
+    case OPT_SET:
+        if (!strchr(optarg, '=') || optarg[0] == '=')
+            return usage_error("--set: '%s' is not NAME=VALUE", optarg) == 0;
+        o->set[o->set_count++] = optarg;
+        return true;
+    default: return usage_error("see 'digbox run'") == 0;
+    }
+}
+
+int cut_arguments(int argc, char **argv, RunOptions *o)
+{
+    for (int i = 1; i < argc; i++)
+        if (strcmp(argv[i], "--") == 0) {
+            o->arguments = argv + i + 1;
+            o->argument_count = argc - i - 1;
+            return i;
+        }
+    return argc;
+}
+
+static void push_list(lua_State *L, char **list, int count)
+{
+    lua_createtable(L, count, 0);
+    for (int i = 0; i < count; i++) {
+        lua_pushstring(L, list[i]);
+        lua_rawseti(L, -2, i + 1);
+    }
+}
+
+static void push_settings(lua_State *L, const RunOptions *o)
+{
+    lua_newtable(L);
+    for (int i = 0; i < o->set_count; i++) {
+        const char *equals = strchr(o->set[i], '=');
+        lua_pushlstring(L, o->set[i], (size_t)(equals - o->set[i]));
+        lua_pushstring(L, equals + 1);
+        lua_rawset(L, -3);
+    }
+}
+
+static void set_text(lua_State *L, const char *name, const char *text)
+{
+    lua_pushstring(L, text);
+    app_set_option(L, name);
+}
+
+int run_set_options(lua_State *L)
+{
+    const RunOptions *o = lua_touserdata(L, 1);
+    char *end;
+    set_text(L, "mode", o->dry ? "check" : "run");
+    set_text(L, "out", o->out);
+    lua_pushboolean(L, o->trust);
+    app_set_option(L, "trust");
+    lua_pushboolean(L, o->dry);
+    app_set_option(L, "dry");
+    lua_pushboolean(L, !o->quiet && isatty(2) && !getenv("NO_COLOR"));
+    app_set_option(L, "progress");
+    lua_pushboolean(L, o->quiet);
+    app_set_option(L, "quiet");
+    if (o->seconds >= 0) {
+        lua_pushnumber(L, o->seconds);
+        app_set_option(L, "seconds");
+    }
+    if (o->accuracy) {
+        double tolerance = strtod(o->accuracy, &end);
+        if (*end == '\0')
+            lua_pushnumber(L, tolerance);
+        else
+            lua_pushstring(L, o->accuracy);
+        app_set_option(L, "accuracy");
+    }
+    if (o->trace)
+        set_text(L, "trace", o->trace);
+    if (o->replay)
+        set_text(L, "replay", o->replay);
+    if (o->seed != LLONG_MIN) {
+        lua_pushinteger(L, o->seed);
+        app_set_option(L, "seed");
+    }
+    if (o->threads > 0) {
+        lua_pushinteger(L, o->threads);
+        app_set_option(L, "threads");
+    }
+    push_settings(L, o);
+    app_set_option(L, "set");
+    push_list(L, o->arguments, o->argument_count);
+    app_set_option(L, "args");
+    return 0;
+}
+
+/* After the script: the rest of --seconds, open films, the picture of the end. */
+static int finish_run(lua_State *L, App *app, const RunOptions *o)
+{
+    int code = app_call_core(L, app, "finish_run", 0, 0);
+    if (code == EXIT_FINE)
+        code = app_call_core(L, app, "finish_replay", 0, 0);
+    const char *slash = strrchr(o->world, '/'), *name = slash ? slash + 1 : o->world;
+    if (code != EXIT_FINE)
+        return code;
+    lua_pushlstring(L, name, strlen(name) - (strlen(name) > 4 && strcmp(name + strlen(name) - 4, ".lua") == 0 ? 4 : 0));
+    code = app_call_core(L, app, "final_picture", 1, 1);
+    if (code == EXIT_FINE && lua_isstring(L, -1) && !o->quiet)
+        fprintf(stderr, "digbox: nothing was recorded; the end is in %s\n", lua_tostring(L, -1));
+    if (code == EXIT_FINE)
+        code = app_call_core(L, app, "finish_trace", 0, 0);
+    if (code == EXIT_FINE && !o->quiet)
+        code = app_call_core(L, app, "summary", 0, 1);
+    if (code == EXIT_FINE && !o->quiet && lua_tostring(L, -1)[0])
+        fprintf(stderr, "digbox: %s\n", lua_tostring(L, -1));
+    if (code == EXIT_FINE && o->strict)
+        code = app_call_core(L, app, "judge_reliable", 0, 0);
+    return code;
+}
+
+static void report_stop(lua_State *L, App *app)
+{
+    app->stop_code = 0;                 /* what follows may take its time */
+    alarm(0);
+    app->fuel = -1;
+    app->deadline = 0;
+    if (app_call_core(L, app, "report_stop", 0, 0) != EXIT_FINE)
+        lua_pop(L, 1);
+}
+
+static int run_world(const RunOptions *o, App *app)
+{
+    lua_State *L = app_open(app);
+    if (!L)
+        return EXIT_INTERNAL;
+    lua_pushcfunction(L, run_set_options);
+    lua_pushlightuserdata(L, (void *)(uintptr_t)o);
+    int code = app_call(L, app, 1, 0);
+    if (code == EXIT_FINE)
+        code = app_run_file(L, app);
+    if (code == EXIT_FINE && !o->dry)
+        code = finish_run(L, app, o);
+    if (app_call_core(L, app, "clear_progress", 0, 0) != EXIT_FINE)
+        lua_pop(L, 1);
+    if (code != EXIT_FINE && lua_isstring(L, -1))
+        print_error(lua_tostring(L, -1));
+    if (code != EXIT_FINE && code != EXIT_UNRELIABLE)       /* that one came to its end */
+        report_stop(L, app);
+    lua_close(L);
+    return code;
+}
+
+static int command_run(int argc, char **argv)
+{
+    RunOptions o = {.out = "out", .seconds = -1, .time_limit = -1, .seed = LLONG_MIN, .fuel = -1};
+    int key, code = EXIT_USAGE;
+    argc = cut_arguments(argc, argv, &o);
+    o.set = calloc((size_t)argc + 1, sizeof *o.set);
+    if (!o.set)
+        return EXIT_MEMORY;
+    argv[argc] = NULL;
+    while ((key = getopt_long(argc, argv, "o:qh", run_options, NULL)) != -1) {
+        if (key == 'h') {
+            code = print_help("run");
+            goto done;
+        }
+        if (!read_run_option(&o, key))
+            goto done;
+    }
+    if (optind >= argc) {
+        usage_error("run: which world? (digbox run WORLD.lua)");
+    } else if (optind + 1 < argc) {
+        usage_error("run: one world at a time; '%s' is too many (arguments of the world stand after --)", argv[optind + 1]);
+    } else {
+        o.world = argv[optind];
+        App app = {.memory_limit = (size_t)o.memory << 20, .fuel = o.fuel, .trust = o.trust, .script = o.world};
+        if (o.time_limit > 0)
+            app_limit_time(&app, o.time_limit);
+        code = flush_output(run_world(&o, &app));
+    }
+done:
+    free(o.set);
+    return code;
+}
+
+const Command run_command = {
+    .name = "run",
+    .use = "  digbox run WORLD.lua [options] [-- ARGUMENTS]   run a world; a picture of its end when it records nothing\n",
+    .options =
+        "  -o, --output DIR        where pictures go (default out)\n"
+        "      --seconds N         simulate to t = N s, whatever the world asks for\n"
+        "      --accuracy A        sketch, play, study, reference, or a tolerance in metres\n"
+        "      --seed N            seed of the world and of math.random\n"
+        "      --threads N         1 to 64; the result is the same for any number\n"
+        "      --set NAME=VALUE    an argument that the world declares (digbox.args); so does -- --NAME VALUE\n"
+        "      --time-limit S      stop after S seconds of wall time (exit code 5)\n"
+        "      --memory-limit MiB  memory that the script may use (exit code 3)\n"
+        "      --fuel N            Lua instructions that the script may use (exit code 4)\n"
+        "      --trust             the script may use io and os, and write anywhere\n"
+        "      --replay FILE       keep the run in a file: to draw, compare and export it without simulating again\n"
+        "      --trace FILE        what each step spent its time on, for chrome://tracing or ui.perfetto.dev\n"
+        "      --strict            a run that became unreliable ends with exit code 12\n"
+        "  -q, --quiet             no progress line, no warnings, no closing line\n",
+    .notes = "\nThe arguments that a world declares: digbox run WORLD.lua -- --help\n",
+    .run = command_run,
+};
+
+/* ---- check ------------------------------------------------------------------------ */
+
+static int command_check(int argc, char **argv)
+{
+    int worst = EXIT_FINE;
+    if (argc < 2)
+        return usage_error("check: which files? (digbox check FILE...)");
+    for (int i = 1; i < argc; i++) {
+        RunOptions o = {.out = "out", .seconds = -1, .time_limit = -1, .seed = LLONG_MIN, .fuel = -1, .dry = true, .quiet = true,
+                        .world = argv[i]};
+        App app = {.fuel = -1, .script = argv[i]};
+        if (strcmp(argv[i], "--") == 0)
+            continue;
+        if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0)
+            return print_help("check");
+        if (argv[i][0] == '-' && argv[i][1])
+            return usage_error("check: unknown option '%s'", argv[i]);
+        int code = run_world(&o, &app);
+        if (code == EXIT_FINE)
+            printf("%s: ok\n", argv[i]);
+        worst = code > worst ? code : worst;
+    }
+    return flush_output(worst);
+}
+
+const Command check_command = {
+    .name = "check",
+    .use = "  digbox check FILE...                            compile, and build the world up to its first step\n",
+    .run = command_check,
+};
