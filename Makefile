@@ -51,7 +51,7 @@ flags    = $(or $(shell pkg-config $(1) $(2) 2>/dev/null),$(3))
 system   = $(patsubst -I%,-isystem %,$(1))
 LUA_CFLAGS    := $(call system,$(call flags,--cflags,lua5.4,-I/usr/include/lua5.4))
 RENDER_CFLAGS := $(call system,$(call flags,--cflags,freetype2 libpng,-I/usr/include/freetype2))
-CORE_LIBS     := -lqhull_r -ldeflate -lm
+CORE_LIBS     := -lqhull_r -ldeflate -lcjson -lm
 LUA_LIBS      := $(call flags,--libs,lua5.4,-llua5.4)
 RENDER_LIBS   := $(call flags,--libs,osmesa libpng freetype2,-lOSMesa -lpng -lfreetype) -ldl
 

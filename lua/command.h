@@ -26,7 +26,8 @@ typedef struct Command {
     int       (*run)(int argc, char **argv);    /* argv[0] is the program; returns the exit code */
 } Command;
 
-extern const Command run_command, test_command, check_command, cost_command, diff_command, verify_command;
+extern const Command run_command, test_command, check_command, cost_command, export_command, diff_command,
+                     verify_command;
 
 /* Prints `digbox: ...` and where help is; returns the exit code. */
 int usage_error(const char *format, ...);

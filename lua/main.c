@@ -14,7 +14,10 @@
 #include "command.h"
 #include "state.h"
 
-static const Command *const commands[] = {&run_command, &test_command, &check_command, &cost_command, &diff_command, &verify_command};
+static const Command *const commands[] = {
+    &run_command, &test_command, &check_command, &cost_command, &export_command, &diff_command,
+    &verify_command,
+};
 enum { COMMAND_COUNT = sizeof commands / sizeof *commands };
 
 /* ---- help ------------------------------------------------------------------ */

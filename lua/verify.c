@@ -53,11 +53,11 @@ static int verify(const char *path)
 static int command_verify(int argc, char **argv)
 {
     static const struct option options[] = {{"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0}};
-    int key, worst = EXIT_FINE;
-    while ((key = getopt_long(argc, argv, "h", options, NULL)) != -1)
+    int key = getopt_long(argc, argv, "h", options, NULL), worst = EXIT_FINE;
+    if (key != -1)
         return key == 'h' ? print_help("verify") : usage_error("see 'digbox verify'");
     if (optind >= argc)
-        return usage_error("verify: which replays? (digbox verify FILE...)");
+        return usage_error("verify: which replays? (digbox verify REPLAY...)");
     for (int i = optind; i < argc; i++) {
         int code = verify(argv[i]);
         worst = code > worst ? code : worst;
@@ -67,10 +67,11 @@ static int command_verify(int argc, char **argv)
 
 const Command verify_command = {
     .name = "verify",
-    .use = "  digbox verify FILE.replay...                    simulate replays again: is the checksum of every step the same?\n",
-    .notes = "\n"
-             "A replay (digbox run --replay) holds the world it began with and every command that changed it; what effects written in\n"
-             "Lua gave back is in the log, so that no script is needed. Exit code 0: every checksum is the same, 7: one differs, which is\n"
-             "named, 8: the file is no replay, or holds no log.\n",
+    .use = "  digbox verify REPLAY...                         simulate replays again: is the checksum of every step the same?\n",
+    .notes =
+        "\n"
+        "A replay (digbox run --replay) holds the world it began with and every command that changed it; what effects written in Lua\n"
+        "gave back is in the log, so that no script is needed. Exit code 0: every checksum is the same, 7: one differs, which is named,\n"
+        "8: the file is no replay, or holds no log.\n",
     .run = command_verify,
 };

@@ -161,8 +161,8 @@ static dig_status make_strut(Making *m, const LookJoint *j, float stress)
     DIG_TRY(strut_mesh(&m->meshes.data[m->meshes.count - 1], (float)j->radius, (float)vec3_distance(a, b)));
     DIG_TRY(list_push(&m->items, NULL));
     ViewItem *item = &m->items.data[m->items.count - 1];
-    *item = (ViewItem){.mesh = m->meshes.count - 1, .colour = {0.30f, 0.32f, 0.35f}, .roughness = 0.45f, .stress = stress, .dig = p->dig,
-                       .asleep = !p->awake};
+    *item = (ViewItem){.joint = (uint32_t)(j - look_joints(m->l)) + 1, .mesh = m->meshes.count - 1, .colour = {0.30f, 0.32f, 0.35f},
+                       .roughness = 0.45f, .stress = stress, .dig = p->dig, .asleep = !p->awake};
     write_quat(item->q, quat_between((vec3){0, 1, 0}, vec3_unit(vec3_sub(b, a))));
     write_point(m, item->p, vec3_scale(0.5, vec3_add(a, b)));
     return DIG_OK;

@@ -30,6 +30,7 @@ typedef struct ViewMesh {
 
 typedef struct ViewItem {       /* one shape of one body, or a strut */
     uint32_t body;              /* slot + 1, for the id layer; 0 = none */
+    uint32_t joint;             /* of a strut: slot + 1; 0 = it is none */
     int      mesh;
     float    p[3];              /* m, relative to origin */
     float    q[4];              /* x y z w */

@@ -1,0 +1,109 @@
+/* export/glb_scene.c - cameras, the sun and lamps, from what the script noted of them (docs/replay.md, "Notes"). */
+#include "export/glb.h"
+
+#include <cjson/cJSON.h>
+#include <stdio.h>
+
+#include "math/quat.h"
+
+#define LUMENS_PER_WATT 12.0    /* of a filament lamp */
+#define SUN_LUX 3.0             /* readers show 1 to 10 as daylight at their usual exposure */
+
+static bool read_vec3(const cJSON *o, const char *name, vec3 *v)
+{
+    const cJSON *list = cJSON_GetObjectItemCaseSensitive(o, name);
+    double x[3];
+    if (!cJSON_IsArray(list) || cJSON_GetArraySize(list) != 3)
+        return false;
+    for (int i = 0; i < 3; i++)
+        if (!isfinite(x[i] = cJSON_GetNumberValue(cJSON_GetArrayItem(list, i))))
+            return false;
+    *v = (vec3){x[0], x[1], x[2]};
+    return true;
+}
+
+static real read_number(const cJSON *o, const char *name, real otherwise)
+{
+    double x = cJSON_GetNumberValue(cJSON_GetObjectItemCaseSensitive(o, name));
+    return isfinite(x) ? x : otherwise;
+}
+
+/* glTF looks along -z of the node, up is +y. */
+static quat looking(vec3 along, vec3 up)
+{
+    vec3 z = vec3_unit(vec3_neg(along)), x = vec3_cross(up, z);
+    if (!(vec3_length(x) > 1e-9))
+        x = vec3_cross(fabs(z.y) < 0.9 ? (vec3){0, 1, 0} : (vec3){1, 0, 0}, z);
+    x = vec3_unit(x);
+    vec3 y = vec3_cross(z, x);
+    return quat_from_matrix((mat3){{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}});
+}
+
+static int put_node(Glb *g, const char *name, vec3 at, quat turn)
+{
+    int node = part_begin(&g->nodes);
+    const float p[3] = {(float)at.x, (float)at.y, (float)at.z}, q[4] = {(float)turn.x, (float)turn.y, (float)turn.z, (float)turn.w};
+    output_text(&g->roots.text, "%s%d", g->roots.count++ ? "," : "", node);
+    output_text(&g->nodes.text, "{\"name\":");
+    output_json(&g->nodes.text, name);
+    output_bytes(&g->nodes.text, ",", 1);
+    glb_numbers(&g->nodes.text, "translation", p, 3);
+    output_bytes(&g->nodes.text, ",", 1);
+    glb_numbers(&g->nodes.text, "rotation", q, 4);
+    return node;
+}
+
+/* Where a camera is at the first frame; one that is placed by what it sees is left out. */
+static void put_camera(Glb *g, const cJSON *c, int number)
+{
+    vec3 at, target, up = {0, 1, 0};
+    const char *name = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(c, "name"));
+    char plain[32];
+    if (!read_vec3(c, "at", &at) || !read_vec3(c, "look_at", &target) || !(vec3_distance(at, target) > 0))
+        return;
+    read_vec3(c, "up", &up);
+    snprintf(plain, sizeof plain, "camera %d", number + 1);
+    put_node(g, name && name[0] ? name : plain, at, looking(vec3_sub(target, at), up));
+    output_text(&g->nodes.text, ",\"camera\":%d}", part_begin(&g->cameras));
+    output_text(&g->cameras.text, "{\"type\":\"perspective\",\"perspective\":{\"yfov\":%.9g,\"znear\":0.01,\"aspectRatio\":1.7777778}}",
+                read_number(c, "fov", 0.7));
+}
+
+static void put_light(Glb *g, const char *type, const char *name, vec3 at, quat turn, real intensity, vec3 colour)
+{
+    const float rgb[3] = {(float)colour.x, (float)colour.y, (float)colour.z};
+    put_node(g, name, at, turn);
+    output_text(&g->nodes.text, ",\"extensions\":{\"KHR_lights_punctual\":{\"light\":%d}}}", part_begin(&g->lights));
+    output_text(&g->lights.text, "{\"type\":\"%s\",\"intensity\":%.9g,", type, intensity);
+    glb_numbers(&g->lights.text, "color", rgb, 3);
+    output_bytes(&g->lights.text, "}", 1);
+}
+
+static void put_lights(Glb *g, const cJSON *light)
+{
+    vec3 from = {0.4, 0.8, 0.45};
+    const cJSON *lamp;
+    read_vec3(light, "sun", &from);
+    if (vec3_length(from) > 0)
+        put_light(g, "directional", "sun", vec3_scale(10, vec3_unit(from)), looking(vec3_neg(from), (vec3){0, 1, 0}), SUN_LUX, (vec3){1, 1, 1});
+    cJSON_ArrayForEach(lamp, cJSON_GetObjectItemCaseSensitive(light, "lamps")) {
+        vec3 at, colour = {1, 1, 1};
+        read_vec3(lamp, "colour", &colour);
+        if (read_vec3(lamp, "at", &at))
+            put_light(g, "point", "lamp", at, quat_identity(), read_number(lamp, "power", 60) * LUMENS_PER_WATT / (4 * DIG_PI), colour);
+    }
+}
+
+void glb_scene(Glb *g)
+{
+    const char *cameras = replay_note(g->r, "cameras", g->options->first, NULL), *light = replay_note(g->r, "light", g->options->first, NULL);
+    cJSON *list = cameras ? cJSON_Parse(cameras) : NULL, *lights = light ? cJSON_Parse(light) : NULL;
+    const cJSON *c;
+    int number = 0;
+    cJSON_ArrayForEach(c, list)
+        put_camera(g, c, number++);
+    if (lights)
+        put_lights(g, lights);
+    cJSON_Delete(list);
+    cJSON_Delete(lights);
+}
