@@ -52,21 +52,17 @@ static int verify(const char *path)
 
 static int command_verify(int argc, char **argv)
 {
-    static const struct option options[] = {{"help", no_argument, NULL, 'h'}, {0}};
-    int c, code = EXIT_FINE;
-    optind = 1;
-    while ((c = getopt_long(argc, argv, "h", options, NULL)) != -1) {
-        if (c == 'h')
-            return print_help("verify");
-        return EXIT_USAGE;
-    }
+    static const struct option options[] = {{"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0}};
+    int key = getopt_long(argc, argv, "h", options, NULL), worst = EXIT_FINE;
+    if (key != -1)
+        return key == 'h' ? print_help("verify") : usage_error("see 'digbox verify'");
     if (optind >= argc)
-        return usage_error("verify: no replay was given");
+        return usage_error("verify: which replays? (digbox verify REPLAY...)");
     for (int i = optind; i < argc; i++) {
-        int one = verify(argv[i]);
-        code = one > code ? one : code;
+        int code = verify(argv[i]);
+        worst = code > worst ? code : worst;
     }
-    return code;
+    return worst;
 }
 
 const Command verify_command = {

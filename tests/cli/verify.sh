@@ -65,6 +65,22 @@ again acts 67
 gives 0 'the same on two threads' run -q --threads 2 --replay threads.replay acts.lua
 again threads 67
 
+# ---- a world that was saved in the middle, with things that move, sleep and wait ----
+cat >load.lua <<'LUA'
+local digbox = require "digbox"
+local first = digbox.world {}
+first:floor {}
+for i = 0, 3 do first:box { name = "box" .. i, size = 0.2, at = { 0, 0.1 + 0.2 * i, 0 } } end
+first:ball { name = "ball", radius = 0.1, at = { 0.2, 3, 0 } }
+first:find "ball":send(first:find "box0", "later", 1, { after = 1.5 })
+for _ = 1, 70 do first:step() end
+first:save "half.dig"
+LUA
+printf 'local world = require("digbox").load "out/half.dig"\nfor _ = 1, 120 do world:step() end\n' >half.lua
+gives 0 'half a run' run -q load.lua
+gives 0 'the other half' run -q --replay half.replay half.lua
+again half 120
+
 # ---- what is not the same ----
 cat >bounce.lua <<'LUA'
 local digbox = require "digbox"
@@ -96,7 +112,7 @@ head -c 30 a.replay >stump.replay
 gives 8 'a stump' verify stump.replay;                  said 'stump.replay'
 gives 8 'a file that is not there' verify none.replay;  said 'none.replay'
 gives 8 'a script' verify bounce.lua;                   said 'bounce.lua'
-gives 2 'no file' verify;                               said 'no replay was given'
+gives 2 'no file' verify;                               said 'which replays?'
 gives 2 'an option' verify --fast a.replay
 gives 0 'help' verify --help;                           printed 'every command that changed it'
 

@@ -1,6 +1,8 @@
 /* tests/unit/test_command.c - what is done to a world is logged, and played again leads to the same world, bit for bit. */
 #include "save_fixture.h"
 
+#include "api/command.h"
+
 /* ---- a log in memory ---- */
 
 typedef struct Log {
@@ -295,7 +297,8 @@ TEST(every_command_is_played_again)
     step(w, 3);
     check_played(w, middle, &more);
 
-    for (int i = 0; dig_command_name(i); i++) {
+    int known = 0;
+    for (int i = 0; dig_command_name(i); i++, known++) {
         bool there = false;
         for (int k = 0; k < l.count + more.count; k++) {
             const Log *of = k < l.count ? &l : &more;
@@ -305,6 +308,7 @@ TEST(every_command_is_played_again)
         if (!there)
             fail_msg("command '%s' was not played: add it to this test", dig_command_name(i));
     }
+    CHECK_INT(known, COMMAND_IDS - 1);      /* each has a row */
     dig_world_close(w);
     dig_snapshot_free(old);
     free(start.data);
