@@ -24,6 +24,7 @@ typedef struct Command {
     const char *use;                        /* line of the program's help */
     const char *options, *notes;            /* NULL = none; notes are in the command's own help only */
     int       (*run)(int argc, char **argv);    /* argv[0] is the program; returns the exit code */
+    bool        starts_runs;            /* starts a process for each script itself; others run in a child of main.c (process.h) */
 } Command;
 
 extern const Command run_command, test_command, check_command, cost_command, export_command, diff_command,

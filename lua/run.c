@@ -162,10 +162,7 @@ static int finish_run(lua_State *L, App *app, const RunOptions *o)
 
 static void report_stop(lua_State *L, App *app)
 {
-    app->stop_code = 0;                 /* what follows may take its time */
-    alarm(0);
-    app->fuel = -1;
-    app->deadline = 0;
+    app_lift_limits(app);
     if (app_call_core(L, app, "report_stop", 0, 0) != EXIT_FINE)
         lua_pop(L, 1);
 }
