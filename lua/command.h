@@ -12,7 +12,8 @@ typedef struct RunOptions {
     const char *world, *out, *accuracy, *trace, *replay;
     double      seconds, time_limit;        /* < 0 = not given */
     long long   seed, threads, memory, fuel;
-    bool        trust, quiet, strict, dry;
+    bool        trust, quiet, strict, dry, jail_needed, verbose;
+    long long   log_limit;      /* MiB that print may write; 0 = no limit */
     int         set_count, argument_count;
     char      **set;                        /* [set_count] NAME=VALUE */
     char      **arguments;                  /* [argument_count] after -- */

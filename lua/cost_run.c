@@ -240,8 +240,8 @@ static void note_stop(void *data, int code, const char *text)
 
 int cost_run_world(const RunOptions *o, CostRun *run)
 {
-    App app = {.memory_limit = (size_t)o->memory << 20, .fuel = o->fuel, .trust = o->trust, .script = o->world,
-               .stopped = note_stop, .stopped_data = run};
+    App app = {.memory_limit = (size_t)o->memory << 20, .fuel = o->fuel, .trust = o->trust, .script = o->world, .out = o->out,
+               .jailed = true, .log_limit = 1 << 20, .stopped = note_stop, .stopped_data = run};
     run->end = COST_RUNNING;
     run->stride = 1;
     app_limit_time(&app, PATIENCE * run->budget + 5);          /* for scripts that do not get on at all */

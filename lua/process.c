@@ -103,12 +103,8 @@ void process_name(const char *script)
 
 void process_limit_space(size_t bytes)
 {
-#if !defined(__SANITIZE_ADDRESS__)
-    if (is_watched())               /* a sanitizer's shadow alone takes terabytes */
+    if (is_watched() && !UNDER_SANITIZER)
         lower(RLIMIT_AS, bytes);
-#else
-    (void)bytes;
-#endif
 }
 
 void process_made_folder(const char *path, int levels)

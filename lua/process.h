@@ -10,6 +10,18 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+/* A sanitizer reserves terabytes of address space and traces its own process to find leaks. */
+#if defined(__SANITIZE_ADDRESS__)
+#define UNDER_SANITIZER 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define UNDER_SANITIZER 1
+#endif
+#endif
+#ifndef UNDER_SANITIZER
+#define UNDER_SANITIZER 0
+#endif
+
 /* Runs the command in a child and waits for it. Returns the exit code: that of the child, or what its death means. */
 int process_supervise(int (*run)(int argc, char **argv), int argc, char **argv);
 

@@ -18,6 +18,7 @@
 
 #include "bind.h"
 #include "command.h"
+#include "jail.h"
 #include "process.h"
 #include "sandbox.h"
 
@@ -413,6 +414,23 @@ static void limit_memory(App *app)
         process_limit_space(8 * given + 8192 * MIB);    /* drivers reserve far more than they use */
 }
 
+static bool shut_in(const App *app)
+{
+    char text[160];
+    const Jail jail = {.script = app->script, .out = app->out, .also = app->also, .also_count = sizeof app->also / sizeof *app->also};
+    if (!app->jailed || app->trust) {
+        if (app->jail_said)
+            fputs("digbox: jail: none, the script is trusted\n", stderr);
+        return true;
+    }
+    bool tight = jail_enter(&jail, text, sizeof text);
+    if (app->jail_said)
+        fprintf(stderr, "digbox: jail: %s\n", text);
+    if (!tight && app->jail_needed)
+        fprintf(stderr, "digbox: %s: %s; without --require-jail it would be run behind the walls that are left\n", app->script, text);
+    return tight || !app->jail_needed;
+}
+
 lua_State *app_open(App *app)
 {
     app->running = NULL;
@@ -421,6 +439,8 @@ lua_State *app_open(App *app)
     app->statm = open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
     limit_memory(app);
     process_name(app->script);
+    if (!shut_in(app))
+        return NULL;
     lua_State *L = lua_newstate(allocate, app);
     if (!L)
         return NULL;

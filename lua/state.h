@@ -26,10 +26,11 @@ typedef struct App {            /* of one state; the state's extra space points 
     bool   raises;              /* limits raise errors that the script could catch (repl)          */
     size_t log_limit;           /* bytes that print may write; 0 = no limit                        */
     const char *script;         /* path as given                                                   */
-    const char *out;            /* folder that may be written; NULL = none                         */
+    bool   jailed;              /* the process is shut in (jail.h) before it reads the script; not with trust */
+    bool   jail_needed;         /* and if it cannot be, the script is not run                      */
+    bool   jail_said;           /* says in one line which walls hold                               */
+    const char *out;            /* folder that may be written then; NULL = none                    */
     const char *also[4];        /* files that may be written besides, NULL = none                  */
-    bool   jail_needed;         /* without seccomp and landlock the script is not run              */
-    bool   jail_said;           /* says in one line which of them hold                             */
     /* Told of a stop instead of stderr; the process ends when it returns. */
     void (*stopped)(void *data, int code, const char *text);
     void  *stopped_data;
@@ -63,7 +64,7 @@ void app_lift_limits(App *app);
 
 double app_clock(void);         /* s, monotonic */
 
-/* NULL when there is no memory. The core table stands in the registry as "digbox.core". */
+/* NULL when there is no memory, or no jail where one is needed: it has said so. The core table stands in the registry as "digbox.core". */
 lua_State *app_open(App *app);
 
 /* core.options.name = value on top of the stack (popped). */

@@ -248,7 +248,8 @@ static void report_stop(void *data, int code, const char *text)
 
 static void run_child(const TestOptions *o, const char *file, int index, FILE *output, FILE *result)
 {
-    App app = {.fuel = -1, .script = file, .stopped = report_stop, .stopped_data = result};
+    App app = {.fuel = -1, .script = file, .jailed = true, .out = o->out, .also = {o->update_goldens ? file : NULL},
+               .log_limit = 1 << 20, .stopped = report_stop, .stopped_data = result};
     app_limit_time(&app, o->time_limit);
     dup2(fileno(output), 1);
     dup2(fileno(output), 2);
