@@ -12,7 +12,8 @@ typedef struct RunOptions {
     const char *world, *out, *accuracy, *trace, *replay;
     double      seconds, time_limit;        /* < 0 = not given */
     long long   seed, threads, memory, fuel;
-    bool        trust, quiet, strict, dry;
+    bool        trust, quiet, strict, dry, jail_needed, verbose;
+    long long   log_limit;      /* MiB that print may write; 0 = no limit */
     int         set_count, argument_count;
     char      **set;                        /* [set_count] NAME=VALUE */
     char      **arguments;                  /* [argument_count] after -- */
@@ -24,6 +25,7 @@ typedef struct Command {
     const char *use;                        /* line of the program's help */
     const char *options, *notes;            /* NULL = none; notes are in the command's own help only */
     int       (*run)(int argc, char **argv);    /* argv[0] is the program; returns the exit code */
+    bool        starts_runs;            /* starts a process for each script itself; others run in a child of main.c (process.h) */
 } Command;
 
 extern const Command run_command, test_command, check_command, cost_command, render_command, export_command, view_command,

@@ -22,6 +22,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "process.h"
 #include "state.h"
 
 static const char *const plan_names[] = {"sketch", "play", "study", "reference"};
@@ -124,13 +125,16 @@ static void judge_end(CostRun *run, const char *world, int status)
 bool cost_run_once(const CostOptions *o, const char *accuracy, const char *name, CostRun *run)
 {
     fflush(NULL);
+    const pid_t parent = getpid();
     pid_t pid = fork();
     if (pid < 0) {
         fprintf(stderr, "digbox: cannot start a process: %s\n", strerror(errno));
         return false;
     }
-    if (pid == 0)
+    if (pid == 0) {
+        process_begin(parent);
         child(o, accuracy, run);
+    }
     judge_end(run, o->run.world, watch(o, pid, name, run));
     return true;
 }
@@ -410,4 +414,5 @@ const Command cost_command = {
         "script. Measured is the first world that takes a step. Two more runs begin 1e-9 and 1e-8 of a body's size aside: where\n"
         "they part, the world is chaotic, and errors end there.\n",
     .run = command_cost,
+    .starts_runs = true,
 };

@@ -227,9 +227,21 @@ static int open_cost(lua_State *L)
     return 0;
 }
 
+static void note_stop(void *data, int code, const char *text)
+{
+    CostRun *run = data;
+    run->end = COST_FAILED;
+    run->code = code;
+    snprintf(run->message, sizeof run->message, "%s", text);
+    if (code == EXIT_TIME)
+        snprintf(run->message + strcspn(run->message, ";"), sizeof run->message - strcspn(run->message, ";"),
+                 ": it does not come to its end in %g s; --budget S gives it more", PATIENCE * run->budget + 5);
+}
+
 int cost_run_world(const RunOptions *o, CostRun *run)
 {
-    App app = {.memory_limit = (size_t)o->memory << 20, .fuel = o->fuel, .trust = o->trust, .script = o->world};
+    App app = {.memory_limit = (size_t)o->memory << 20, .fuel = o->fuel, .trust = o->trust, .script = o->world, .out = o->out,
+               .jailed = true, .log_limit = 1 << 20, .stopped = note_stop, .stopped_data = run};
     run->end = COST_RUNNING;
     run->stride = 1;
     app_limit_time(&app, PATIENCE * run->budget + 5);          /* for scripts that do not get on at all */
@@ -250,9 +262,6 @@ int cost_run_world(const RunOptions *o, CostRun *run)
         code = app_call_core(L, &app, "cost_finish", 0, 0);
     if (code != EXIT_FINE)
         snprintf(run->message, sizeof run->message, "%s", lua_isstring(L, -1) ? lua_tostring(L, -1) : "failed");
-    if (app.stop_code == EXIT_TIME)
-        snprintf(run->message, sizeof run->message, "%s: the script does not come to its end in %g s; --budget S gives it more", o->world,
-                 PATIENCE * run->budget + 5);
     if (run->end == COST_RUNNING)
         run->end = code == EXIT_FINE ? COST_COMPLETE : COST_FAILED;
     lua_close(L);

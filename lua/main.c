@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "command.h"
+#include "process.h"
 #include "state.h"
 
 static const Command *const commands[] = {
@@ -159,5 +160,5 @@ int main(int argc, char **argv)
         unsetenv("LP_NATIVE_VECTOR_WIDTH");
     app_catch_signals();
     argv[1] = argv[0];
-    return c->run(argc - 1, argv + 1);
+    return c->starts_runs ? c->run(argc - 1, argv + 1) : process_supervise(c->run, argc - 1, argv + 1);
 }

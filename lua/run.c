@@ -11,12 +11,13 @@
 #include <lauxlib.h>
 
 #include "command.h"
+#include "process.h"
 #include "state.h"
 
 /* ---- run ----------------------------------------------------------------------- */
 
 enum { OPT_SECONDS = 256, OPT_ACCURACY, OPT_SEED, OPT_THREADS, OPT_SET, OPT_TIME, OPT_MEMORY, OPT_FUEL, OPT_TRUST, OPT_STRICT,
-       OPT_TRACE, OPT_REPLAY };
+       OPT_TRACE, OPT_JAIL, OPT_VERBOSE, OPT_LOG, OPT_REPLAY };
 
 static const struct option run_options[] = {
     {"output", required_argument, NULL, 'o'}, {"seconds", required_argument, NULL, OPT_SECONDS},
@@ -26,7 +27,8 @@ static const struct option run_options[] = {
     {"fuel", required_argument, NULL, OPT_FUEL}, {"trust", no_argument, NULL, OPT_TRUST},
     {"strict", no_argument, NULL, OPT_STRICT}, {"trace", required_argument, NULL, OPT_TRACE},
     {"replay", required_argument, NULL, OPT_REPLAY}, {"quiet", no_argument, NULL, 'q'},
-    {"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0},
+    {"require-jail", no_argument, NULL, OPT_JAIL}, {"verbose", no_argument, NULL, OPT_VERBOSE},
+    {"log-limit", required_argument, NULL, OPT_LOG}, {"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0},
 };
 
 static bool read_run_option(RunOptions *o, int key)
@@ -42,6 +44,9 @@ static bool read_run_option(RunOptions *o, int key)
     case OPT_MEMORY: return read_whole_option("memory-limit", optarg, 1, 1 << 20, &o->memory);
     case OPT_FUEL: return read_whole_option("fuel", optarg, 1, 1000000000000000000, &o->fuel);
     case OPT_TRUST: o->trust = true; return true;
+    case OPT_JAIL: o->jail_needed = true; return true;
+    case OPT_VERBOSE: o->verbose = true; return true;
+    case OPT_LOG: return read_whole_option("log-limit", optarg, 0, 1 << 20, &o->log_limit);
     case OPT_STRICT: o->strict = true; return true;
     case OPT_TRACE: o->trace = optarg; return *optarg || usage_error("--trace: the file is missing") == 0;
     case OPT_REPLAY: o->replay = optarg; return *optarg || usage_error("--replay: the file is missing") == 0;
@@ -162,10 +167,7 @@ static int finish_run(lua_State *L, App *app, const RunOptions *o)
 
 static void report_stop(lua_State *L, App *app)
 {
-    app->stop_code = 0;                 /* what follows may take its time */
-    alarm(0);
-    app->fuel = -1;
-    app->deadline = 0;
+    app_lift_limits(app);
     if (app_call_core(L, app, "report_stop", 0, 0) != EXIT_FINE)
         lua_pop(L, 1);
 }
@@ -194,7 +196,7 @@ static int run_world(const RunOptions *o, App *app)
 
 static int command_run(int argc, char **argv)
 {
-    RunOptions o = {.out = "out", .seconds = -1, .time_limit = -1, .seed = LLONG_MIN, .fuel = -1};
+    RunOptions o = {.out = "out", .seconds = -1, .time_limit = -1, .seed = LLONG_MIN, .fuel = -1, .log_limit = 1};
     int key, code = EXIT_USAGE;
     argc = cut_arguments(argc, argv, &o);
     o.set = calloc((size_t)argc + 1, sizeof *o.set);
@@ -215,7 +217,9 @@ static int command_run(int argc, char **argv)
         usage_error("run: one world at a time; '%s' is too many (arguments of the world stand after --)", argv[optind + 1]);
     } else {
         o.world = argv[optind];
-        App app = {.memory_limit = (size_t)o.memory << 20, .fuel = o.fuel, .trust = o.trust, .script = o.world};
+        App app = {.memory_limit = (size_t)o.memory << 20, .fuel = o.fuel, .trust = o.trust, .script = o.world, .out = o.out,
+                   .also = {o.trace, o.replay}, .jailed = true, .jail_needed = o.jail_needed, .jail_said = o.verbose,
+                   .log_limit = o.trust ? 0 : (size_t)o.log_limit << 20};
         if (o.time_limit > 0)
             app_limit_time(&app, o.time_limit);
         code = flush_output(run_world(&o, &app));
@@ -238,6 +242,9 @@ const Command run_command = {
         "      --time-limit S      stop after S seconds of wall time (exit code 5)\n"
         "      --memory-limit MiB  memory that the script may use (exit code 3)\n"
         "      --fuel N            Lua instructions that the script may use (exit code 4)\n"
+        "      --log-limit MiB     text that the script may print (default 1; 0 = without limit)\n"
+        "      --require-jail      do not run where the kernel lacks seccomp or landlock (docs/security.md)\n"
+        "      --verbose           say which of them hold\n"
         "      --trust             the script may use io and os, and write anywhere\n"
         "      --replay FILE       keep the run in a file: to draw, compare and export it without simulating again\n"
         "      --trace FILE        what each step spent its time on, for chrome://tracing or ui.perfetto.dev\n"
@@ -249,31 +256,42 @@ const Command run_command = {
 
 /* ---- check ------------------------------------------------------------------------ */
 
+/* argv[1]: one file, in a process of its own */
+static int check_file(int argc, char **argv)
+{
+    RunOptions o = {.out = "out", .seconds = -1, .time_limit = -1, .seed = LLONG_MIN, .fuel = -1, .dry = true, .quiet = true, .world = argv[1]};
+    App app = {.fuel = -1, .script = argv[1], .jailed = true, .log_limit = 1 << 20};
+    (void)argc;
+    int code = run_world(&o, &app);
+    if (code == EXIT_FINE)
+        printf("%s: ok\n", argv[1]);
+    return flush_output(code);
+}
+
 static int command_check(int argc, char **argv)
 {
     int worst = EXIT_FINE;
     if (argc < 2)
         return usage_error("check: which files? (digbox check FILE...)");
     for (int i = 1; i < argc; i++) {
-        RunOptions o = {.out = "out", .seconds = -1, .time_limit = -1, .seed = LLONG_MIN, .fuel = -1, .dry = true, .quiet = true,
-                        .world = argv[i]};
-        App app = {.fuel = -1, .script = argv[i]};
+        char *one[] = {argv[0], argv[i], NULL};
         if (strcmp(argv[i], "--") == 0)
             continue;
         if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0)
             return print_help("check");
         if (argv[i][0] == '-' && argv[i][1])
             return usage_error("check: unknown option '%s'", argv[i]);
-        int code = run_world(&o, &app);
-        if (code == EXIT_FINE)
-            printf("%s: ok\n", argv[i]);
+        int code = process_supervise(check_file, 2, one);
         worst = code > worst ? code : worst;
+        if (code > 128)
+            break;
     }
-    return flush_output(worst);
+    return worst;
 }
 
 const Command check_command = {
     .name = "check",
     .use = "  digbox check FILE...                            compile, and build the world up to its first step\n",
     .run = command_check,
+    .starts_runs = true,
 };

@@ -1,65 +1,142 @@
-/* lua/state.c - the sandboxed Lua state of the program: what scripts may use, limits, signals, require. */
+/* lua/state.c - the sandboxed Lua state of the program: its limits, signals, memory, and how a script is run and stopped. */
 
-#define _XOPEN_SOURCE 700       /* sigaction, realpath, clock_gettime */
+#define _XOPEN_SOURCE 700       /* sigaction, setitimer, clock_gettime, pread */
 
 #include "state.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <inttypes.h>
-#include <limits.h>
+#include <pthread.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/time.h>
 #include <time.h>
 #include <unistd.h>
 
-#include <lualib.h>
-
 #include "bind.h"
+#include "command.h"
+#include "jail.h"
+#include "process.h"
+#include "sandbox.h"
 
-enum { HOOK_EVERY = 100000, SCRIPT_LIMIT = 16 * 1024 * 1024 };
+enum { HOOK_EVERY = 1000 };             /* instructions between looks at a fuel limit            */
+enum { TICK_US = 25000 };               /* how often time, memory and signals are looked at      */
+enum { MEMORY_DEFAULT_MIB = 1024 };     /* what a script may use when nobody says how much       */
+enum { PATIENCE = 10 };                 /* s from the first signal to the end of who ignores it  */
+static const double HARD = 1.4;         /* times the limit: where a script does not respond, the process ends */
 
-/* ---- signals --------------------------------------------------------------- */
-
-enum { PATIENCE = 10 };         /* s from the first signal to the end of a script that does not respond */
+/* ---- signals and the clock ------------------------------------------------------ */
 
 static volatile sig_atomic_t caught;
+
+static App *volatile current;           /* whose limits the timer looks at */
+static pthread_t main_thread;
+static volatile double hard_deadline;   /* s; 0 = none */
+
+double app_clock(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void start_timer(void)
+{
+    const struct itimerval every = {{0, TICK_US}, {0, TICK_US}};
+    setitimer(ITIMER_REAL, &every, NULL);
+}
 
 static void on_signal(int number)
 {
     if (caught)
         _exit(128 + number);
     caught = number;
-    alarm(PATIENCE);
+    hard_deadline = app_clock() + PATIENCE;
+    start_timer();
 }
 
-/* A C function of Lua can run for ever without a hook being called: the last resort of limits and of signals. Films end torn
- * under their temporary names only. */
-static void on_alarm(int number)
+static void count_hook(lua_State *L, lua_Debug *ar);
+
+/* A C function of Lua can run for ever without a hook being called: the last resort of limits and of signals. */
+static void end_hard(void)
 {
     static const char text[] = "digbox: the script does not respond; killed\n";
-    (void)number;
     ssize_t ignored = write(2, text, sizeof text - 1);
     (void)ignored;
     _exit(caught ? 128 + caught : EXIT_TIME);
 }
 
+/* Resident memory of the process, without a call that a signal handler may not make. */
+static size_t resident_bytes(const App *app)
+{
+    char text[128];
+    size_t pages = 0;
+    ssize_t n = app->statm >= 0 ? pread(app->statm, text, sizeof text - 1, 0) : 0;
+    text[n > 0 ? n : 0] = '\0';
+    const char *p = text + strcspn(text, " ");
+    for (p += *p == ' '; *p >= '0' && *p <= '9'; p++)
+        pages = pages * 10 + (size_t)(*p - '0');
+    return pages * app->page;
+}
+
+static bool is_due(const App *app)
+{
+    return caught || (app->deadline > 0 && app_clock() > app->deadline) ||
+           (app->resident_limit > 0 && resident_bytes(app) > app->resident_limit);
+}
+
+/* A hook is set only when there is something to stop for: setting one visits every frame of the stack. With a fuel limit there is
+ * a hook anyway, which must not be moved: its counting would depend on the clock. */
+static void on_tick(int number)
+{
+    int error = errno;
+    if (!pthread_equal(pthread_self(), main_thread)) {
+        pthread_kill(main_thread, number);
+        return;
+    }
+    if (hard_deadline > 0 && app_clock() > hard_deadline)
+        end_hard();
+    App *app = current;
+    if (app && !app->leaving && !app->nudged && app->running && is_due(app)) {
+        app->nudged = true;
+        if (app->fuel < 0)
+            lua_sethook(app->running, count_hook, LUA_MASKCOUNT, 1);
+    }
+    errno = error;
+}
+
 void app_limit_time(App *app, double seconds)
 {
     app->deadline = app_clock() + seconds;
-    alarm((unsigned)(1.5 * seconds) + 1);
+    hard_deadline = app_clock() + HARD * seconds;
+    process_limit(HARD * seconds + 0.04 * seconds);
+    start_timer();
+}
+
+void app_lift_limits(App *app)
+{
+    app->leaving = true;
+    app->deadline = 0;
+    app->fuel = -1;
+    if (!caught)
+        hard_deadline = 0;
+    process_limit(0);
 }
 
 void app_catch_signals(void)
 {
     struct sigaction action;
     memset(&action, 0, sizeof action);
+    main_thread = pthread_self();
     action.sa_handler = on_signal;
     sigemptyset(&action.sa_mask);
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
-    action.sa_handler = on_alarm;
+    action.sa_handler = on_tick;
+    action.sa_flags = SA_RESTART;
     sigaction(SIGALRM, &action, NULL);
     signal(SIGPIPE, SIG_IGN);
 #ifdef SIGXFSZ
@@ -72,22 +149,60 @@ int app_signal(void)
     return caught;
 }
 
-double app_clock(void)
+/* ---- stopping: the script gets no word any more ------------------------------------- */
+
+/* "world.lua:12: " without a byte of Lua's memory. */
+static void find_place(lua_State *L, char *text, size_t capacity)
 {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+    lua_Debug ar;
+    *text = '\0';
+    for (int level = 0; L && lua_getstack(L, level, &ar); level++) {
+        lua_getinfo(L, "Sl", &ar);
+        if (ar.source[0] == '@' && ar.currentline > 0) {
+            snprintf(text, capacity, "%s:%d: ", ar.source + 1, ar.currentline);
+            return;
+        }
+    }
 }
 
-/* ---- limits ---------------------------------------------------------------- */
-
-static App *app_of(lua_State *L)
+static void call_quietly(lua_State *L, const char *name)
 {
-    return *(App **)lua_getextraspace(L);
+    if (!lua_checkstack(L, 16) || lua_getfield(L, LUA_REGISTRYINDEX, "digbox.core") != LUA_TTABLE)
+        return;
+    lua_getfield(L, -1, name);
+    if (lua_pcall(L, 0, 0, 0) != LUA_OK)
+        lua_pop(L, 1);
+    lua_pop(L, 1);
+}
+
+/* Ends the process. `sound`: the state is between two instructions or in a function of ours, so that the program's own Lua can
+ * finish films and say where the run stood; in the middle of an allocation it cannot. */
+static _Noreturn void leave(lua_State *L, App *app, int code, const char *text, bool sound)
+{
+    char place[1024], line[2048];
+    find_place(L, place, sizeof place);
+    if (!*place)
+        snprintf(place, sizeof place, "%.1000s: ", app->script);
+    snprintf(line, sizeof line, "%s%s", place, text);
+    app_lift_limits(app);
+    app->stop_code = code;
+    if (sound)
+        call_quietly(L, "clear_progress");
+    if (app->stopped)
+        app->stopped(app->stopped_data, code, line);
+    else
+        print_error(line);
+    if (sound)
+        call_quietly(L, "report_stop");
+    code = flush_output(code);
+    fflush(NULL);
+    _exit(code);
 }
 
 static void stop(lua_State *L, App *app, int code, const char *text)
 {
+    if (!app->raises)
+        leave(L, app, code, text, true);
     app->stop_code = code;
     bind_where(L);
     lua_pushstring(L, text);
@@ -95,31 +210,110 @@ static void stop(lua_State *L, App *app, int code, const char *text)
     lua_error(L);
 }
 
+/* ---- limits ---------------------------------------------------------------- */
+
+static void stop_memory(lua_State *L, App *app, size_t limit, const char *who, bool sound)
+{
+    char text[128];
+    snprintf(text, sizeof text, "the %s needs more than %zu MiB; raise --memory-limit", who, limit >> 20);
+    if (sound)
+        stop(L, app, EXIT_MEMORY, text);
+    else
+        leave(L, app, EXIT_MEMORY, text, false);
+}
+
+/* Over its limit with garbage and all: without it, is it still? Little room counts as none, else the collector would never rest. */
+static void check_memory(lua_State *L, App *app)
+{
+    lua_gc(L, LUA_GCCOLLECT, 0);
+    app->over = false;
+    if (app->memory_used > app->memory_limit / 8 * 7)
+        stop_memory(L, app, app->memory_limit, "script", true);
+}
+
 static void check_limits(lua_State *L, App *app)
 {
+    char text[160];
+    if (app->leaving)
+        return;
+    if (app->over)
+        check_memory(L, app);
     if (caught)
         stop(L, app, 128 + caught, caught == SIGINT ? "stopped by Ctrl-C" : "stopped by a signal");
-    if (app->fuel == 0)
-        stop(L, app, EXIT_FUEL, "used up its instructions; raise --fuel or do less per step");
+    if (app->fuel == 0) {
+        snprintf(text, sizeof text, "used up its instructions (%lld); raise --fuel or do less per step", app->fuel_given);
+        stop(L, app, EXIT_FUEL, text);
+    }
     if (app->deadline > 0 && app_clock() > app->deadline)
         stop(L, app, EXIT_TIME, "used up its time; raise --time-limit or simulate less");
+    if (app->resident_limit > 0 && resident_bytes(app) > app->resident_limit)
+        stop_memory(L, app, app->resident_limit, "run", true);
+}
+
+static void burn(App *app, size_t work)
+{
+    if (app->fuel > 0)
+        app->fuel = (unsigned long long)app->fuel > work ? app->fuel - (long long)work : 0;
+}
+
+void app_hook(lua_State *L)
+{
+    App *app = app_of(L);
+    if (app->leaving)
+        return;
+    if (app->over || (app->nudged && app->fuel < 0))
+        lua_sethook(L, count_hook, LUA_MASKCOUNT, 1);
 }
 
 static void count_hook(lua_State *L, lua_Debug *ar)
 {
     App *app = app_of(L);
     (void)ar;
-    if (app->fuel > 0)
-        app->fuel = app->fuel > HOOK_EVERY ? app->fuel - HOOK_EVERY : 0;
+    if (!app->over)
+        burn(app, HOOK_EVERY);
+    app->nudged = false;
     check_limits(L, app);
+    if (app->fuel >= 0)
+        lua_sethook(L, count_hook, LUA_MASKCOUNT, HOOK_EVERY);
+    else if (!app->nudged)
+        lua_sethook(L, NULL, 0, 0);
+}
+
+void app_charge(lua_State *L, size_t work)
+{
+    App *app = app_of(L);
+    app->work += work;
+    if (app->work < HOOK_EVERY)
+        return;
+    burn(app, app->work);
+    app->work = 0;
+    if (app->fuel == 0 || app->over || app->nudged || caught || (app->deadline > 0 && app_clock() > app->deadline))
+        check_limits(L, app);
+}
+
+void app_need(lua_State *L, size_t bytes)
+{
+    App *app = app_of(L);
+    if (!app->leaving && bytes > app->memory_limit)
+        stop_memory(L, app, app->memory_limit, "script", true);
+}
+
+void app_poll(lua_State *L)
+{
+    check_limits(L, app_of(L));
 }
 
 static int poll_limits(lua_State *L)
 {
-    check_limits(L, app_of(L));
+    app_poll(L);
     return 0;
 }
 
+/* ---- memory ------------------------------------------------------------------- */
+
+/* The limit is a soft one: what passes it succeeds, and the hook looks into it at the next instruction. Lua never gets a refusal,
+ * so that it never has to collect in the middle of an instruction: its release 5.4.4 then uses freed memory. What is refused all
+ * the same (twice the limit, no memory in the machine) ends the process here. */
 static void *allocate(void *data, void *block, size_t old, size_t size)
 {
     App *app = data;
@@ -130,261 +324,63 @@ static void *allocate(void *data, void *block, size_t old, size_t size)
         free(block);
         return NULL;
     }
-    if (app->memory_limit > 0 && size > old && app->memory_used - old + size > app->memory_limit)
-        return NULL;
-    void *moved = realloc(block, size);
-    if (moved)
-        app->memory_used += size - old;
+    if (size > old && !app->leaving) {
+        size_t used = app->memory_used - old;
+        if (size > 2 * app->memory_limit || used + size > 2 * app->memory_limit)
+            stop_memory(app->running, app, app->memory_limit, "script", false);
+        if (used + size > app->memory_limit && !app->over && app->running) {
+            app->over = true;
+            lua_sethook(app->running, count_hook, LUA_MASKCOUNT, 1);
+        }
+        app->allocations++;
+    }
+    bool fails = app->fail_at && size > old && (app->allocations == app->fail_at || (app->fail_on && app->allocations > app->fail_at));
+    void *moved = fails ? NULL : realloc(block, size);
+    if (!moved && size <= old)
+        return block;
+    if (!moved)
+        leave(app->running, app, EXIT_MEMORY, "no memory", false);
+    app->memory_used += size - old;
     return moved;
 }
 
 static int panic(lua_State *L)
 {
-    const char *text = lua_tostring(L, -1);
+    const char *text = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : NULL;
     fprintf(stderr, "digbox: internal: %s\n", text ? text : "error outside a protected call");
     fflush(NULL);
     _exit(EXIT_INTERNAL);
 }
 
-/* ---- text of values without addresses ------------------------------------------- */
+/* ---- opening --------------------------------------------------------------------------- */
 
-static void push_text(lua_State *L, int index)
+static int forget(lua_State *L)
 {
-    index = lua_absindex(L, index);
-    int type = lua_type(L, index);
-    bool plain = type == LUA_TNIL || type == LUA_TBOOLEAN || type == LUA_TNUMBER || type == LUA_TSTRING;
-    if (plain || luaL_getmetafield(L, index, "__tostring") != LUA_TNIL) {
-        if (!plain)
-            lua_pop(L, 1);
-        luaL_tolstring(L, index, NULL);
-        return;
-    }
-    if (luaL_getmetafield(L, index, "__name") == LUA_TSTRING)
-        return;
-    lua_pushstring(L, lua_typename(L, type));
-}
-
-static int base_tostring(lua_State *L)
-{
-    luaL_checkany(L, 1);
-    push_text(L, 1);
-    return 1;
-}
-
-static int base_print(lua_State *L)
-{
-    int n = lua_gettop(L);
-    for (int i = 1; i <= n; i++) {
-        size_t length;
-        push_text(L, i);
-        const char *text = lua_tolstring(L, -1, &length);
-        if (i > 1)
-            fputc('\t', stdout);
-        fwrite(text, 1, length, stdout);
-        lua_pop(L, 1);
-    }
-    fputc('\n', stdout);
+    App *app = app_of(L);
+    if (current == app)
+        current = NULL;
+    if (app->statm >= 0)
+        close(app->statm);
+    app->statm = -1;
     return 0;
 }
 
-/* load(chunk [, name [, mode [, env]]]): text only, whatever the mode asks. upvalue: the library's own */
-static int base_load(lua_State *L)
+/* When the state is closed, the timer forgets it. */
+static void forget_at_close(lua_State *L)
 {
-    int n = lua_gettop(L);
-    lua_settop(L, n < 4 ? 3 : 4);
-    lua_pushliteral(L, "t");
-    lua_replace(L, 3);
-    lua_pushvalue(L, lua_upvalueindex(1));
-    lua_insert(L, 1);
-    lua_call(L, n < 4 ? 3 : 4, LUA_MULTRET);
-    return lua_gettop(L);
-}
-
-/* setmetatable without finalizers. upvalue: the library's own */
-static int base_setmetatable(lua_State *L)
-{
-    if (lua_istable(L, 2)) {
-        lua_pushliteral(L, "__gc");
-        if (lua_rawget(L, 2) != LUA_TNIL)
-            return bind_error(L, "setmetatable: __gc is not available to scripts");
-    }
-    lua_settop(L, 2);
-    lua_pushvalue(L, lua_upvalueindex(1));
-    lua_insert(L, 1);
-    lua_call(L, 2, 1);
-    return 1;
-}
-
-/* ---- require ------------------------------------------------------------------------- */
-
-/* Text of a file on the stack, or false with a sentence there. */
-static bool push_source(lua_State *L, const char *path)
-{
-    FILE *f = fopen(path, "rb");
-    if (!f) {
-        lua_pushfstring(L, "%s: %s", path, strerror(errno));
-        return false;
-    }
-    luaL_Buffer b;
-    size_t total = 0, got;
-    luaL_buffinit(L, &b);
-    do {
-        char *room = luaL_prepbuffer(&b);
-        got = fread(room, 1, LUAL_BUFFERSIZE, f);
-        luaL_addsize(&b, got);
-        total += got;
-    } while (got > 0 && total <= SCRIPT_LIMIT);
-    int error = ferror(f) ? errno : 0;
-    fclose(f);
-    luaL_pushresult(&b);
-    if (error == 0 && total <= SCRIPT_LIMIT)
-        return true;
-    lua_pop(L, 1);
-    lua_pushfstring(L, "%s: %s", path, error ? strerror(error) : "more than 16 MiB: not a script");
-    return false;
-}
-
-/* Compiles the text on top of the stack into a function that replaces it, or into a message. */
-static int load_source(lua_State *L, const char *path)
-{
-    size_t size;
-    const char *text = lua_tolstring(L, -1, &size);
-    if (size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0) {
-        text += 3;
-        size -= 3;
-    }
-    if (size > 0 && text[0] == LUA_SIGNATURE[0]) {
-        lua_pop(L, 1);
-        lua_pushfstring(L, "%s: precompiled Lua is not accepted", path);
-        return LUA_ERRSYNTAX;
-    }
-    if (size > 0 && text[0] == '#')
-        while (size > 0 && *text != '\n') {
-            text++;
-            size--;
-        }
-    lua_pushfstring(L, "@%s", path);
-    int status = luaL_loadbufferx(L, text, size, lua_tostring(L, -1), "t");
-    lua_replace(L, -3);
-    lua_pop(L, 1);
-    return status;
-}
-
-/* Where module "a.b" lies: a/b.lua in the script's folder, really in there. */
-static bool push_module_path(lua_State *L, const char *name)
-{
-    char real_module[PATH_MAX], real_folder[PATH_MAX];
-    const char *script = app_of(L)->script, *slash = strrchr(script, '/');
-    size_t length = strlen(name);
-    if (length == 0 || length > 200 || length != lua_rawlen(L, 1) || strstr(name, "..") || name[0] == '.' ||
-        strspn(name, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-") != length)
-        return false;
-    lua_pushlstring(L, script, slash ? (size_t)(slash - script) + 1 : 0);
-    luaL_gsub(L, name, ".", "/");
-    lua_pushliteral(L, ".lua");
-    lua_concat(L, 3);
-    lua_pushlstring(L, script, slash ? (size_t)(slash - script) + 1 : 0);
-    const char *folder = *lua_tostring(L, -1) ? lua_tostring(L, -1) : ".";
-    bool inside = realpath(lua_tostring(L, -2), real_module) && realpath(folder, real_folder) &&
-                  strncmp(real_module, real_folder, strlen(real_folder)) == 0;
-    lua_pop(L, 1);
-    if (!inside)
-        lua_pop(L, 1);
-    return inside;
-}
-
-/* require(name): digbox, digbox.NAME, or a text module beside the script. upvalue: table of what is loaded */
-static int base_require(lua_State *L)
-{
-    const char *name = luaL_checkstring(L, 1);
-    lua_settop(L, 1);
-    lua_pushvalue(L, 1);
-    if (lua_rawget(L, lua_upvalueindex(1)) == LUA_TBOOLEAN && !lua_toboolean(L, -1))
-        return bind_error(L, "module '%s' requires itself", name);
-    if (!lua_isnil(L, -1))
-        return 1;
-    if (strcmp(name, "digbox") == 0 || strcmp(name, "digbox.test") == 0) {
-        bind_use(L, strcmp(name, "digbox") == 0 ? "init" : "test");
-    } else {
-        if (!push_module_path(L, name))
-            return bind_error(L, "module '%s' not found beside the script", name);
-        const char *path = lua_tostring(L, -1);
-        if (!push_source(L, path) || load_source(L, path) != LUA_OK)
-            return lua_error(L);
-        lua_pushvalue(L, 1);
-        lua_pushboolean(L, 0);
-        lua_rawset(L, lua_upvalueindex(1));
-        lua_pushvalue(L, 1);
-        if (lua_pcall(L, 1, 1, 0) != LUA_OK) {
-            lua_pushvalue(L, 1);
-            lua_pushnil(L);
-            lua_rawset(L, lua_upvalueindex(1));
-            return lua_error(L);
-        }
-        if (lua_isnil(L, -1)) {
-            lua_pop(L, 1);
-            lua_pushboolean(L, 1);
-        }
-    }
-    lua_pushvalue(L, 1);
-    lua_pushvalue(L, -2);
-    lua_rawset(L, lua_upvalueindex(1));
-    return 1;
-}
-
-/* ---- opening --------------------------------------------------------------------------- */
-
-static void wrap(lua_State *L, const char *name, lua_CFunction f)
-{
-    lua_getglobal(L, name);
-    lua_pushcclosure(L, f, 1);
-    lua_setglobal(L, name);
-}
-
-static void remove_from(lua_State *L, const char *library, const char *name)
-{
-    lua_getglobal(L, library);
-    lua_pushnil(L);
-    lua_setfield(L, -2, name);
-    lua_pop(L, 1);
-}
-
-static void open_libraries(lua_State *L, bool trust)
-{
-    static const luaL_Reg libraries[] = {
-        {LUA_GNAME, luaopen_base}, {LUA_TABLIBNAME, luaopen_table}, {LUA_STRLIBNAME, luaopen_string}, {LUA_MATHLIBNAME, luaopen_math},
-        {LUA_UTF8LIBNAME, luaopen_utf8}, {LUA_COLIBNAME, luaopen_coroutine}, {NULL, NULL},
-    };
-    static const char *const gone[] = {"dofile", "loadfile", "collectgarbage", "warn", NULL};
-    for (const luaL_Reg *l = libraries; l->name; l++) {
-        luaL_requiref(L, l->name, l->func, 1);
-        lua_pop(L, 1);
-    }
-    if (trust) {
-        luaL_requiref(L, LUA_IOLIBNAME, luaopen_io, 1);
-        luaL_requiref(L, LUA_OSLIBNAME, luaopen_os, 1);
-        lua_pop(L, 2);
-    }
-    for (int i = 0; gone[i]; i++) {
-        lua_pushnil(L);
-        lua_setglobal(L, gone[i]);
-    }
-    remove_from(L, "string", "dump");
-    wrap(L, "load", base_load);
-    wrap(L, "setmetatable", base_setmetatable);
-    lua_register(L, "tostring", base_tostring);
-    lua_register(L, "print", base_print);
-    lua_pushliteral(L, "");                 /* the metatable of strings is out of reach */
-    lua_getmetatable(L, -1);
-    lua_pushboolean(L, 0);
-    lua_setfield(L, -2, "__metatable");
-    lua_pop(L, 2);
+    lua_newuserdatauv(L, 1, 0);
+    lua_createtable(L, 0, 1);
+    lua_pushcfunction(L, forget);
+    lua_setfield(L, -2, "__gc");
+    lua_setmetatable(L, -2);
+    lua_setfield(L, LUA_REGISTRYINDEX, "digbox.app");
 }
 
 static int open_state(lua_State *L)
 {
     App *app = lua_touserdata(L, 1);
-    open_libraries(L, app->trust);
+    forget_at_close(L);
+    lib_open(L, app->trust);
     luaL_getsubtable(L, LUA_REGISTRYINDEX, LUA_LOADED_TABLE);
     lua_pop(L, 1);
     bind_open(L);
@@ -394,18 +390,62 @@ static int open_state(lua_State *L)
     lua_setfield(L, -2, "poll");
     bind_use(L, "sandbox");
     bind_hint_methods(L);
-    lua_newtable(L);
-    lua_pushcclosure(L, base_require, 1);
-    lua_setglobal(L, "require");
+    lua_settop(L, 0);
+    if (!app->trust)
+        lib_check(L);
     return 0;
+}
+
+static size_t physical_bytes(void)
+{
+    long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
+    return pages > 0 && size > 0 ? (size_t)pages * (size_t)size : 0;
+}
+
+/* Besides Lua's own memory: that of the whole process, with worlds and renderer in it. */
+static void limit_memory(App *app)
+{
+    const size_t MIB = (size_t)1 << 20;
+    size_t given = app->memory_limit;
+    if (!given)
+        app->memory_limit = (size_t)MEMORY_DEFAULT_MIB * MIB;
+    app->resident_limit = given ? 4 * given + 512 * MIB : physical_bytes() / 4 * 3;
+    if (given)
+        process_limit_space(8 * given + 8192 * MIB);    /* drivers reserve far more than they use */
+}
+
+static bool shut_in(const App *app)
+{
+    char text[160];
+    const Jail jail = {.script = app->script, .out = app->out, .also = app->also, .also_count = sizeof app->also / sizeof *app->also};
+    if (!app->jailed || app->trust) {
+        if (app->jail_said)
+            fputs("digbox: jail: none, the script is trusted\n", stderr);
+        return true;
+    }
+    bool tight = jail_enter(&jail, text, sizeof text);
+    if (app->jail_said)
+        fprintf(stderr, "digbox: jail: %s\n", text);
+    if (!tight && app->jail_needed)
+        fprintf(stderr, "digbox: %s: %s; without --require-jail it would be run behind the walls that are left\n", app->script, text);
+    return tight || !app->jail_needed;
 }
 
 lua_State *app_open(App *app)
 {
+    app->running = NULL;
+    app->fuel_given = app->fuel;
+    app->page = (size_t)sysconf(_SC_PAGESIZE);
+    app->statm = open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
+    limit_memory(app);
+    process_name(app->script);
+    if (!shut_in(app))
+        return NULL;
     lua_State *L = lua_newstate(allocate, app);
     if (!L)
         return NULL;
     *(App **)lua_getextraspace(L) = app;
+    app->running = L;
     lua_atpanic(L, panic);
     lua_pushcfunction(L, open_state);
     lua_pushlightuserdata(L, app);
@@ -414,7 +454,10 @@ lua_State *app_open(App *app)
         lua_close(L);
         return NULL;
     }
-    lua_sethook(L, count_hook, LUA_MASKCOUNT, HOOK_EVERY);
+    if (app->fuel >= 0)
+        lua_sethook(L, count_hook, LUA_MASKCOUNT, HOOK_EVERY);
+    current = app;
+    start_timer();
     return L;
 }
 
@@ -432,8 +475,14 @@ void app_set_option(lua_State *L, const char *name)
 /* Turns what was raised into text; never calls the script's __tostring. */
 static int handle_message(lua_State *L)
 {
-    if (lua_type(L, 1) == LUA_TSTRING)
+    if (lua_type(L, 1) == LUA_TSTRING) {
+        if (strncmp(lua_tostring(L, 1), "C stack overflow", 16) == 0) {         /* raised in a C function: it has no position */
+            bind_where(L);
+            lua_insert(L, 1);
+            lua_concat(L, 2);
+        }
         return 1;
+    }
     lua_getfield(L, LUA_REGISTRYINDEX, "digbox.core");
     lua_getfield(L, -1, "finished");
     if (lua_rawequal(L, 1, -1)) {
@@ -498,13 +547,13 @@ static int load_script(lua_State *L)
     const char *path = lua_tostring(L, 1);
     char hash[17];
     size_t size;
-    if (!push_source(L, path))
+    if (!lib_push_source(L, path))
         return lua_error(L);
     const char *text = lua_tolstring(L, -1, &size);
     app_hash(text, size, hash);
     lua_pushstring(L, hash);
     app_set_option(L, "script_hash");
-    if (load_source(L, path) != LUA_OK)
+    if (lib_load_source(L, path) != LUA_OK)
         return lua_error(L);
     return 1;
 }

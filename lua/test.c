@@ -21,6 +21,7 @@
 #include <lauxlib.h>
 
 #include "command.h"
+#include "process.h"
 #include "state.h"
 
 enum { DEPTH_LIMIT = 20, OUTPUT_SHOWN = 4000, JOB_LIMIT = 256 };
@@ -233,12 +234,22 @@ static int child_runs(lua_State *L, App *app, const TestOptions *o, int index, F
     fputs(lua_tostring(L, -1), result);
     lua_getfield(L, -2, "passed");
     bool passed = lua_toboolean(L, -1);
-    return passed ? EXIT_FINE : app->stop_code ? app->stop_code : EXIT_SCENARIO;
+    return passed ? EXIT_FINE : EXIT_SCENARIO;
+}
+
+/* A limit has tripped: its line is the report. */
+static void report_stop(void *data, int code, const char *text)
+{
+    FILE *result = data;
+    (void)code;
+    fputs(text, result);
+    fflush(result);
 }
 
 static void run_child(const TestOptions *o, const char *file, int index, FILE *output, FILE *result)
 {
-    App app = {.fuel = -1, .script = file};
+    App app = {.fuel = -1, .script = file, .jailed = true, .out = o->out, .also = {o->update_goldens ? file : NULL},
+               .log_limit = 1 << 20, .stopped = report_stop, .stopped_data = result};
     app_limit_time(&app, o->time_limit);
     dup2(fileno(output), 1);
     dup2(fileno(output), 2);
@@ -246,8 +257,7 @@ static void run_child(const TestOptions *o, const char *file, int index, FILE *o
     int code = EXIT_INTERNAL;
     if (L) {
         code = index == 0 ? child_lists(L, &app, o, result) : child_runs(L, &app, o, index, result);
-        app.deadline = 0;
-        app.stop_code = 0;
+        app_lift_limits(&app);
         if (app_call_core(L, &app, "close_films", 0, 0) != EXIT_FINE)
             lua_pop(L, 1);
         lua_close(L);
@@ -264,13 +274,16 @@ static void start(const TestOptions *o, Job *job)
     job->result = temporary_file();
     job->begin = app_clock();
     fflush(NULL);
+    const pid_t parent = getpid();
     job->pid = fork();
     if (job->pid < 0) {
         fprintf(stderr, "digbox: cannot start a process: %s\n", strerror(errno));
         exit(EXIT_INTERNAL);
     }
-    if (job->pid == 0)
+    if (job->pid == 0) {
+        process_begin(parent);
         run_child(o, job->file, job->index, job->output, job->result);
+    }
 }
 
 static void finish(Job *job, int status, double limit)
@@ -286,21 +299,21 @@ static void finish(Job *job, int status, double limit)
         job->code = WEXITSTATUS(status);
         return;
     }
-    char note[128];
-    bool late = WTERMSIG(status) == SIGKILL && job->seconds > limit;
-    job->code = late ? EXIT_TIME : EXIT_INTERNAL;
-    if (late)
-        snprintf(note, sizeof note, "does not respond after %.0f s; killed", job->seconds);
-    else
-        snprintf(note, sizeof note, "died (signal %d)", WTERMSIG(status));
+    char note[256];
+    job->code = process_judge(status, WTERMSIG(status) == SIGKILL && job->seconds > limit, note, sizeof note);
     free(job->text);
     job->text = copy_text(note);
+}
+
+static void take_a_break(void)
+{
+    static const struct timespec pause = {0, 2000000};
+    nanosleep(&pause, NULL);
 }
 
 /* Waits a little for any child. The child stops itself at its limit; half as long again, and it is killed. */
 static void wait_for_some(Run *r)
 {
-    static const struct timespec pause = {0, 2000000};
     bool any = false;
     for (int i = 0; i < r->count; i++) {
         Job *job = &r->jobs[i];
@@ -310,12 +323,12 @@ static void wait_for_some(Run *r)
         if (waitpid(job->pid, &status, WNOHANG) == job->pid) {
             finish(job, status, r->o.time_limit);
             any = true;
-        } else if (app_clock() - job->begin > 1.5 * r->o.time_limit + 1) {
+        } else if (app_clock() - job->begin > 1.45 * r->o.time_limit) {
             kill(job->pid, SIGKILL);
         }
     }
     if (!any)
-        nanosleep(&pause, NULL);
+        take_a_break();
 }
 
 static void stop_children(Run *r)
@@ -345,9 +358,11 @@ static void list_scenarios(Run *r, const char *file)
     Job lister = {.file = copy_text(file)};
     int status;
     start(&r->o, &lister);
-    while (waitpid(lister.pid, &status, 0) < 0 && errno == EINTR)
-        if (app_signal())
+    while (waitpid(lister.pid, &status, WNOHANG) == 0) {
+        if (app_signal() || app_clock() - lister.begin > 1.45 * r->o.time_limit)
             kill(lister.pid, SIGKILL);
+        take_a_break();
+    }
     finish(&lister, status, r->o.time_limit);
     int index = 0;
     for (char *line = lister.text, *end; lister.code == EXIT_FINE && (end = strchr(line, '\n')) != NULL; line = end + 1) {
@@ -574,4 +589,5 @@ const Command test_command = {
         "      --time-limit S      for one scenario (default 300)\n"
         "  -o, --output DIR        where pictures of failures go (default out)\n",
     .run = command_test,
+    .starts_runs = true,
 };

@@ -6,7 +6,7 @@
 # Four kinds, all found by wildcard:
 #   tests/unit/test_NAME.c   built to $BUILD/unit/test_NAME; counts what cmocka reports
 #   *.lua                    tests/{scenarios,worlds,laws}/, and *_spec.lua anywhere: `digbox test FILE`
-#   tests/{cli,cost,view}/*.sh    the program and the build from outside; gets DIGBOX (the program) and BUILD
+#   tests/{cli,cost,view,hostile}/*.sh  the program and the build from outside; gets DIGBOX (the program) and BUILD
 #   tests/lint/*.sh          the source text; gets BUILD
 # A script counts as one, unless its last line is `N passed, N failed`; exit status 77
 # says that it cannot run here. Each test has a TMPDIR of its own, a time limit, and
@@ -99,7 +99,7 @@ list=$(
     for path in "$@"; do echo "unit $path"; done
     [ -x "$DIGBOX" ] && lua_tests
     if [ "$RENDER" = 1 ] && [ -x "$DIGBOX" ]; then
-        for path in tests/cli/*.sh tests/cost/*.sh tests/view/*.sh; do [ -e "$path" ] && echo "cli $path"; done
+        for path in tests/cli/*.sh tests/cost/*.sh tests/view/*.sh tests/hostile/*.sh; do [ -e "$path" ] && echo "cli $path"; done
     fi
     # The text of the sources is the same in every build: judged in the plain one.
     if [ "$SANITIZE" = 0 ] && [ "$RENDER" = 1 ]; then

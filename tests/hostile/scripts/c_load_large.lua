@@ -1,0 +1,3 @@
+-- threat: the source of a large table
+-- expect: any
+print(load("return { " .. ("{},"):rep(1000000) .. "}"))

@@ -1,0 +1,4 @@
+-- threat: the same, by wrap
+-- expect: error
+local function inner() return coroutine.wrap(inner)() end
+inner()

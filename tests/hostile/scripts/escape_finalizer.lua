@@ -1,0 +1,3 @@
+-- threat: no finalizers
+-- expect: error
+setmetatable({}, { __gc = function() while true do end end })

@@ -1,0 +1,3 @@
+-- threat: a loop that never ends, of the other kind
+-- expect: limit
+repeat local x = 1 until x == 2

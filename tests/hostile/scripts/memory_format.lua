@@ -1,0 +1,3 @@
+-- threat: a long text printed into itself
+-- expect: limit
+local s = ("f"):rep(1 << 20) while true do s = ("%s%s"):format(s, s) end

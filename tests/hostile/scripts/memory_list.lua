@@ -1,0 +1,3 @@
+-- threat: a list of lists without end
+-- expect: limit
+local t = {} while true do t = { t, t, {} } t[#t + 1] = { #t, t } end

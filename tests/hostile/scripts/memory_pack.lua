@@ -1,0 +1,3 @@
+-- threat: string.pack of two gigabytes of padding
+-- expect: limit
+return #string.pack("c2000000000", "")

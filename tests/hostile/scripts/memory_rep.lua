@@ -1,0 +1,3 @@
+-- threat: one call that asks for a terabyte
+-- expect: limit
+return #("ab"):rep(1 << 39)

@@ -1,0 +1,3 @@
+-- threat: sizes that overflow
+-- expect: error
+return ("ab"):rep(math.maxinteger, "separator")
