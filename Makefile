@@ -180,6 +180,9 @@ viewer:                                         ## the page of `digbox view`, bu
 -include tests/bench/bench.mk
 -include tests/hard/hard.mk
 
+# ---- what other programs make of exported replays ----
+-include tests/export/export.mk
+
 # ---- what effects cost ----
 -include tests/cost/cost.mk
 
