@@ -147,10 +147,13 @@ static int compare(const Diff *d)
     if (code == EXIT_FINE && frames[0] != frames[1])
         code = differ(d, "the same up to frame %d, where %s ends; %s has %d more", common - 1, d->path[frames[0] < frames[1] ? 0 : 1],
                       d->path[frames[0] < frames[1] ? 1 : 0], abs(frames[0] - frames[1]));
-    if (code == EXIT_FINE && !d->quiet && d->tolerance > 0)
-        printf("the same to %g m and rad: %d frames, %d bodies\n", d->tolerance, common, replay_info(d->r[0])->bodies);
-    else if (code == EXIT_FINE && !d->quiet)
-        printf("the same to the last bit: %d frames, %d bodies\n", common, replay_info(d->r[0])->bodies);
+    if (code == EXIT_FINE && !d->quiet) {
+        char how[60] = "the last bit";
+        int bodies = replay_info(d->r[0])->bodies;
+        if (d->tolerance > 0)
+            snprintf(how, sizeof how, "%g m and rad", d->tolerance);
+        printf("the same to %s: %d frame%s, %d %s\n", how, common, common == 1 ? "" : "s", bodies, bodies == 1 ? "body" : "bodies");
+    }
     return code;
 }
 
