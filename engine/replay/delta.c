@@ -1,8 +1,8 @@
 /* replay/delta.c - tables of rows, and what changed in them from one frame to the next.
  *
  * A table that did not change is one byte, 0. Else: 1, u32 rows, a bit for each row that changed, lowest first, and the changed
- * rows, each XORed with what it was (new rows: with zero), byte by byte: first byte 0 of all of them, then byte 1, and so on.
- * What changes little becomes runs of zeros in that order, which deflate likes; numbers stay exact.
+ * rows one after the other, each XORed with what it was (new rows: with zero). What is as it was becomes zeros, which deflate
+ * likes; numbers stay exact. Sorting the bytes by their place in the row gains another 5 % for twice the time.
  */
 #include "replay/format.h"
 
@@ -72,17 +72,29 @@ static int mark_changes(const ListAny *now, const ListAny *last, size_t row, uns
     return changed;
 }
 
-static void write_rows(const ListAny *now, const ListAny *last, size_t row, const unsigned char *bits, unsigned char *out, int changed)
+/* Rows are whole numbers of four bytes. */
+static void xor_row(unsigned char *out, const unsigned char *a, const unsigned char *b, size_t row)
 {
-    int n = 0;
+    for (size_t k = 0; k < row; k += 4) {
+        uint32_t x, y;
+        memcpy(&x, a + k, 4);
+        memcpy(&y, b + k, 4);
+        x ^= y;
+        memcpy(out + k, &x, 4);
+    }
+}
+
+static void write_rows(const ListAny *now, const ListAny *last, size_t row, const unsigned char *bits, unsigned char *out)
+{
     for (int i = 0; i < now->count; i++) {
         if (!(bits[i / 8] >> i % 8 & 1))
             continue;
         const unsigned char *a = (const unsigned char *)now->data + (size_t)i * row;
-        const unsigned char *b = i < last->count ? (const unsigned char *)last->data + (size_t)i * row : NULL;
-        for (size_t k = 0; k < row; k++)
-            out[k * (size_t)changed + (size_t)n] = b ? a[k] ^ b[k] : a[k];
-        n++;
+        if (i < last->count)
+            xor_row(out, a, (const unsigned char *)last->data + (size_t)i * row, row);
+        else
+            memcpy(out, a, row);
+        out += row;
     }
 }
 
@@ -104,7 +116,7 @@ static void write_table(Pack *p, Kept *now, Kept *last, int t)
     int changed = mark_changes(a, b, row, bits);
     unsigned char *out = pack_space(p, (size_t)changed * row);
     if (out)
-        write_rows(a, b, row, p->data + at, out, changed);
+        write_rows(a, b, row, p->data + at, out);
     if (kept_resize(last, t, a->count) != DIG_OK)
         pack_fail_memory(p);
     else if (size > 0)
@@ -127,16 +139,14 @@ static int count_bits(const unsigned char *bits, int count)
     return n;
 }
 
-static void read_rows(ListAny *table, size_t row, const unsigned char *bits, const unsigned char *from, int changed)
+static void read_rows(ListAny *table, size_t row, const unsigned char *bits, const unsigned char *from)
 {
-    int n = 0;
     for (int i = 0; i < table->count; i++) {
         if (!(bits[i / 8] >> i % 8 & 1))
             continue;
         unsigned char *to = (unsigned char *)table->data + (size_t)i * row;
-        for (size_t k = 0; k < row; k++)
-            to[k] ^= from[k * (size_t)changed + (size_t)n];
-        n++;
+        xor_row(to, to, from, row);
+        from += row;
     }
 }
 
@@ -167,7 +177,7 @@ static void read_table(Pack *p, Kept *k, int t)
     if (kept_resize(k, t, (int)count) != DIG_OK)
         pack_fail_memory(p);
     else
-        read_rows(kept_table(k, t), row, bits, rows, changed);
+        read_rows(kept_table(k, t), row, bits, rows);
 }
 
 void delta_read(Pack *p, Kept *k)

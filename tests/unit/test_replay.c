@@ -619,7 +619,8 @@ TEST(wrong_contents_with_right_checksums_do_no_harm)
         for (int k = 0; k < changes; k++) {
             seed = seed * 6364136223846793005u + 1442695040888963407u;
             size_t where = (seed >> 33) % size;
-            copy[where] = n % 2 ? (unsigned char)(seed >> 56) : (unsigned char)(copy[where] ^ 1u << (seed >> 60) % 8);
+            unsigned flipped = copy[where] ^ 1u << (seed >> 60) % 8;
+            copy[where] = (unsigned char)(n % 2 ? seed >> 56 : flipped);
         }
         sign_all(copy, size);
         write_bytes(path, copy, size);
