@@ -3,7 +3,7 @@
 
 #include <limits.h>
 
-enum { EVENTS_MOST = 20000 };       /* what a list in a browser bears; those after it are counted */
+enum { EVENTS_MOST = 20000 };       /* of frequent kinds: what a list in a browser bears; the others are counted */
 
 dig_status html_put_any(void **data, int *count, int *capacity, size_t item, const void *from, int n)
 {
@@ -119,13 +119,21 @@ dig_status html_take_links(HtmlData *d, const ReplayFrame *f)
 
 /* ---- events ---- */
 
+/* What there are thousands of in a pile. */
+static bool is_frequent(dig_event_kind k)
+{
+    return k == DIG_EVENT_CONTACT_BEGIN || k == DIG_EVENT_CONTACT_END || k == DIG_EVENT_IMPACT || k == DIG_EVENT_LINK || k == DIG_EVENT_UNLINK;
+}
+
+/* Of the frequent kinds each frame gives as many as keep the list readable to its end; the others are all there. */
 dig_status html_take_events(HtmlData *d, const ReplayFrame *f, int frame)
 {
+    int left = int_max(8, EVENTS_MOST / replay_info(d->r)->frames);
     for (int i = 0; i < f->event_count; i++) {
         HtmlEvent e = {.frame = frame, .event = f->events[i]};
-        if (d->events.count >= EVENTS_MOST) {
-            d->events_left_out += f->event_count - i;
-            break;
+        if (is_frequent(e.event.kind) && left-- <= 0) {
+            d->events_left_out++;
+            continue;
         }
         e.a = replay_body_of(d->r, e.event.a);
         e.b = replay_body_of(d->r, e.event.b);
