@@ -4,11 +4,12 @@ local core = ...
 
 local methods = core.types.world.methods
 
--- world:ambient{temperature = 293.15}: the air that bodies cool to, by convection and radiation
+-- world:ambient{temperature = 293.15, gradient = 0}: the air, or water, that bodies cool to, by convection and radiation; it may be
+-- warmer higher up, K/m, or colder: temperature is that at the origin's height
 function methods.ambient(world, fields)
-  local own = core.check(fields, "world:ambient", { temperature = "real K >=0" })
+  local own = core.check(fields, "world:ambient", { temperature = "real K >=0", gradient = "real K/m" })
   if own.temperature == nil then core.fail("world:ambient: temperature is missing") end
-  world:effect("heat", { ambient = own.temperature })
+  world:effect("heat", { ambient = own.temperature, gradient = own.gradient })
   return world
 end
 
