@@ -79,7 +79,7 @@ static dig_status join(const World *w, const EffectSlot *e, uint32_t body, void 
 static dig_status force(const EffectSlot *e, Group *g)
 {
     const Air *air = e->world;
-    Medium m = {air ? air->density : DENSITY, air ? air->wind : vec3_zero(), 0};
+    Medium m = {air ? air->density : DENSITY, air ? air->wind : vec3_zero(), 0, 0};
     for (int i = 0; i < g->moving_count; i++)
         if (takes_part(e, g, i))
             medium_drag(g, i, &m, own_of(e, g, i), 1, 0, vec3_zero());

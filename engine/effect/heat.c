@@ -13,8 +13,13 @@
 #include "effect/effect.h"
 #include "world/region.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
+
+static_assert(offsetof(Heat, swelled) == offsetof(Warmth, swelled) && offsetof(Heat, expansion_from) == offsetof(Warmth, expansion_from),
+              "others read the first fields of Heat as Warmth");
+static_assert(offsetof(HeatWorld, gradient) == offsetof(Surround, gradient), "others read the first options as Surround");
 
 #define FIELD(NAME, UNIT, DOC, FALLBACK, MIN, MAX) \
     {.name = #NAME, .kind = DIG_REAL, .unit = UNIT, .doc = DOC, .fallback = FALLBACK, .min = MIN, .max = MAX, .offset = offsetof(Heat, NAME)}
@@ -23,6 +28,8 @@
 
 static const dig_param body_rows[] = {
     FIELD(temperature, "K", "of the whole body; when it joins, default that of the air", NAN, 0, HEAT_MOST),
+    FIELD(expansion, "1/K", "of its volume as it warms: what floats by it; its shape stays as it is", 0, -0.1, 0.1),
+    FIELD(expansion_from, "K", "temperature at which it is as large as its shapes; default that at which it joins", NAN, 0, HEAT_MOST),
     FIELD(heat_capacity, "J/(kg*K)", "per mass; default that of the material", NAN, 1e-3, 1e9),
     FIELD(conductivity, "W/(m*K)", "where it touches; default that of the material", NAN, 0, 1e6),
     FIELD(emissivity, "1", "share of a black body's radiation that it gives off and takes up", 0, 0, 1),
@@ -35,7 +42,8 @@ static const dig_param body_rows[] = {
 
 /* Such surfaces, at a bar: about 5 kW/(m^2 K) between pieces of steel. */
 static const dig_param world_rows[] = {
-    OPTION(ambient, "K", "temperature of the air", HEAT_AMBIENT, 0, HEAT_MOST),
+    OPTION(ambient, "K", "temperature of the air, or the water, about bodies", HEAT_AMBIENT, 0, HEAT_MOST),
+    OPTION(gradient, "K/m", "how much warmer it is higher up; `ambient` is that at the origin's height", 0, -1e6, 1e6),
     OPTION(asperities, "1/m", "mean slope of the surfaces over their roughness", 1e5, 0, 1e12),
     OPTION(hardness, "Pa", "of the softer surface's peaks", 1e8, 1, 1e15),
     {0}
@@ -43,7 +51,7 @@ static const dig_param world_rows[] = {
 
 static HeatWorld options_of(const EffectSlot *e)
 {
-    HeatWorld o = {HEAT_AMBIENT, 1e5, 1e8};
+    HeatWorld o = {HEAT_AMBIENT, 0, 1e5, 1e8};
     return e->world ? *(const HeatWorld *)e->world : o;
 }
 
@@ -106,6 +114,14 @@ static real mass_of(const World *w, const Body *b)
     return b->kind == DIG_DYNAMIC ? b->mass : sum;
 }
 
+/* What a body does not say of itself is its material's, whichever that is now. was: what the material gave before, NaN: nothing. */
+static real of_material(real said, real was, real now, real *given)
+{
+    bool own = !isnan(said) && said != was;
+    *given = own ? NAN : now;
+    return own ? said : now;
+}
+
 static dig_status join(const World *w, const EffectSlot *e, uint32_t body, void *member, char *why, size_t capacity)
 {
     Heat *h = member;
@@ -115,9 +131,12 @@ static dig_status join(const World *w, const EffectSlot *e, uint32_t body, void 
         snprintf(why, capacity, "body '%s': temperature cannot be assigned; use body:warm{to = %g}", b->name, h->temperature);
         return DIG_E_KIND;
     }
-    h->temperature = isnan(h->temperature) ? options_of(e).ambient : h->temperature;
-    h->heat_capacity = isnan(h->heat_capacity) ? material_of(w, b)->heat_capacity : h->heat_capacity;
-    h->conductivity = isnan(h->conductivity) ? material_of(w, b)->conductivity : h->conductivity;
+    h->temperature = isnan(h->temperature) ? surround_at(e->world, vec3_dot(medium_up(w), b->x)) : h->temperature;
+    h->expansion_from = isnan(h->expansion_from) ? h->temperature : h->expansion_from;
+    h->heat_capacity = of_material(h->heat_capacity, old ? old->material_capacity : NAN, material_of(w, b)->heat_capacity, &h->material_capacity);
+    h->conductivity = of_material(h->conductivity, old ? old->material_conductivity : NAN, material_of(w, b)->conductivity,
+                                  &h->material_conductivity);
+    h->swelled = old ? old->swelled : real_max(h->expansion * (h->temperature - h->expansion_from), SHRUNK);
     h->surface = isnan(h->surface) ? surface_of(w, b) : h->surface;
     h->capacity = h->heat_capacity * mass_of(w, b);
     h->stored = old && h->capacity > 0 ? old->stored : 0;
@@ -342,6 +361,23 @@ static void look_at_contacts(const World *w, const EffectSlot *e, Plan *p)
 
 /* ---- the step ---- */
 
+/* What is about a body may be warmer or colder than at the origin's height: its branch gives or takes the difference. */
+static void lift_air(const World *w, const EffectSlot *e, Plan *p)
+{
+    const HeatWorld *o = e->world;
+    vec3 up = medium_up(w);
+    int n = p->contacts;
+    for (int i = 0; o && o->gradient != 0 && i < e->members.count; i++) {
+        const Heat *h = column_at(&e->members, i);
+        real warmer = surround_at(e->world, vec3_dot(up, w->bodies.data[e->members.body[i]].x)) - o->ambient;
+        if (cools(h, false)) {
+            NetLine *line = &p->net.branch[n++].line;
+            line->i0 = -line->g * warmer;
+        }
+        n += cools(h, true);
+    }
+}
+
 static void load(const EffectSlot *e, Plan *p, real dt)
 {
     p->net.effort[p->net.nodes] = options_of(e).ambient;
@@ -444,6 +480,7 @@ static void flow(World *w, EffectSlot *e, real dt)
     for (int i = 0; i < e->members.count; i++)
         p->given[i] = 0;
     look_at_contacts(w, e, p);
+    lift_air(w, e, p);
     load(e, p, dt);
     real tolerance = accuracy_plan(w->accuracy)->tolerance;
     p->net.tolerance = tolerance < COARSE ? KELVIN * tolerance : 0;

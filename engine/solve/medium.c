@@ -101,6 +101,8 @@ void medium_drag(Group *g, int body, const Medium *m, const DragBody *own, real 
     area = own && own->area > 0 ? own->area : area;
     real mobility = g->mass[body].im + vec3_dot(lever, mat3_mul_vec(g->mass[body].ii, lever));
     real damping = m->damping * displaced, h = g->h;
+    if (m->viscosity > 0)       /* Stokes 1851 */
+        damping += 3 * DIG_PI * m->viscosity * cbrt(6 * displaced / (DIG_PI * m->density));
     vec3 a = vec3_scale(g->mass[body].im, to->force);
     vec3 force = vec3_scale(1 / mobility, medium_slowing(u, a, 0.5 * m->density * c * area * share * mobility, damping * mobility, h));
     vec3 spin = quat_unrotate(g->pos[body].q, g->vel[body].w);

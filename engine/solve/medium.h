@@ -1,4 +1,4 @@
-/* solve/medium.h - what a fluid does to a solid that moves through it: drag.
+/* solve/medium.h - what a fluid does to a solid that moves through it: drag; and what effects may know of how warm both are.
  *
  * Floor: solve.
  */
@@ -11,7 +11,26 @@ typedef struct Medium {
     real density;               /* kg/m^3                                              */
     vec3 flow;                  /* m/s   its own velocity: wind or current             */
     real damping;               /* 1/s   of a body with the mass of what it displaces  */
+    real viscosity;             /* Pa s  Stokes' drag, as on a ball of the same volume */
 } Medium;
+
+/* The first fields of what the effect `heat` keeps of a body, and of its options: what others may know of it. */
+typedef struct Warmth {
+    real temperature;           /* K                                                   */
+    real expansion;             /* 1/K   of its volume                                 */
+    real expansion_from;        /* K     at which it is as large as its shapes         */
+    real swelled;               /* 1     by this part it is larger: what displaces keeps it here, and its books by it */
+} Warmth;
+
+typedef struct Surround { real ambient, gradient; } Surround;       /* K at the origin's height, K/m upward */
+
+#define SHRUNK  -0.9            /* 1  least of swelled */
+#define AMBIENT 293.15          /* K */
+
+/* K  At a height against gravity. s NULL: nobody has said anything. */
+static inline real surround_at(const Surround *s, real height) { return s ? real_max(s->ambient + s->gradient * height, 0) : AMBIENT; }
+/* Against gravity; 0 without. */
+static inline vec3 medium_up(const World *w) { return vec3_unit_or(vec3_neg(w->def.gravity), vec3_zero()); }
 
 /* What a body says of its own drag. */
 typedef struct DragBody {

@@ -4,14 +4,16 @@ local core = ...
 
 local methods = core.types.world.methods
 
-core.declare("world:ambient", { "The air that bodies cool to, by convection and radiation.", fields = {
-  temperature = { "real K >=0", "of the air", need = true } }, gives = "world" })
+core.declare("world:ambient", { "The air, or water, that bodies cool to, by convection and radiation.", fields = {
+  temperature = { "real K >=0", "at the height of the origin", need = true },
+  gradient = { "real K/m", "by which it is warmer higher up; default 0" } }, gives = "world" })
 
--- world:ambient{temperature = 293.15}: the air that bodies cool to, by convection and radiation
+-- world:ambient{temperature = 293.15, gradient = 0}: the air, or water, that bodies cool to, by convection and radiation; it may be
+-- warmer higher up, K/m, or colder: temperature is that at the origin's height
 function methods.ambient(world, fields)
   local own = core.check(fields, "world:ambient")
   if own.temperature == nil then core.fail("world:ambient: temperature is missing") end
-  world:effect("heat", { ambient = own.temperature })
+  world:effect("heat", { ambient = own.temperature, gradient = own.gradient })
   return world
 end
 

@@ -471,3 +471,71 @@ scenario("a body whose mass changes has another heat capacity", function(s)
   expect(b.temperature):near(302.22, 1e-9)         -- 0.1 kg
   expect(drift(world)):near(0, 1e-9)
 end)
+
+-- ---- what swells as it warms ----
+
+-- A blob that is 0.4 % heavier than the water at 25 C, both at `celsius`, deep under the surface
+local function blob(s, celsius)
+  local world = s:world {}
+  world:ambient { temperature = celsius + zero }
+  world:water { level = 1, density = 1000, expansion = 0.21e-3, expansion_from = 25 + zero, viscosity = 0.01 }
+  return world, world:ball { radius = 0.02, at = { 0, 0.5, 0 }, density = 1004, expansion = 0.8e-3, expansion_from = 25 + zero,
+                             temperature = celsius + zero }
+end
+
+scenario("T11 a blob rises from 6.78 K above neutral on, and sinks below", function(s)
+  for _, case in ipairs { { 6.70, -1 }, { 6.86, 1 } } do
+    local world, ball = blob(s, 25 + case[1])
+    world:run(2)
+    expect(case[2] * ball.velocity.y):above(1e-5)
+    expect(drift(world)):near(0, 1e-9)
+  end
+end)
+
+scenario("T11 it rises at Stokes' speed: 19.61 mm/s", function(s)
+  local world = s:world { gravity = { 0, -9.80665, 0 } }
+  world:water { level = 1, density = 1000, viscosity = 0.01 }
+  local ball = world:ball { radius = 0.003, at = { 0, 0.1, 0 }, density = 990, drag_coefficient = 0 }
+  world:run(10)
+  expect(ball.velocity.y):near(2 / 9 * 10 * 9.80665 * 0.003 ^ 2 / 0.01, 1e-6)
+  expect(drift(world)):near(0, 1e-9)
+end)
+
+scenario("what is warmed under water swells, and lifts water: the books stay closed", function(s)
+  local world, ball = blob(s, 20)
+  world:floor { at = { 0, 0.4, 0 } }
+  world:run(5)
+  expect(ball.asleep):is(true)
+  ball.heating = 100
+  world:run(5)
+  expect(ball.velocity.y):above(1e-3)                      -- it woke as it began to float
+  expect(drift(world)):near(0, 1e-7)
+  expect(world.energy.work_in):near(500, 1e-6)
+end)
+
+scenario("the air may be colder higher up", function(s)
+  local world = s:world { gravity = { 0, -9.81, 0 } }
+  world:ambient { temperature = 300, gradient = -0.5 }
+  local low = world:box { size = 0.1, at = { 0, 0, 0 }, fixed = true, temperature = 280, convection = 1e4, material = "wood" }
+  local high = world:box { size = 0.1, at = { 0, 40, 0 }, fixed = true, temperature = 280, convection = 1e4, material = "wood" }
+  world:run(200)
+  expect(low.temperature):near(300, 1e-3)
+  expect(high.temperature):near(280, 1e-9)
+  expect(drift(world)):near(0, 1e-6)
+end)
+
+scenario("a body that changes its material has the new one's heat capacity, unless it says its own", function(s)
+  local world = s:world { gravity = { 0, 0, 0 } }
+  local plain = world:box { size = 0.1, material = "steel", temperature = 300 }
+  local own = world:box { size = 0.1, at = { 1, 0, 0 }, material = "steel", temperature = 300, heat_capacity = 123 }
+  expect(plain.heat_capacity):near(490, 1e-9)
+  plain.material, own.material = "wood", "wood"
+  expect(plain.heat_capacity):above(1000)
+  expect(plain.temperature):near(300, 1e-9)
+  expect(own.heat_capacity):is(123)
+  plain.heating = 100
+  local mass = plain.mass
+  world:run(1)
+  expect(plain.temperature):near(300 + 100 / (mass * plain.heat_capacity), 1e-9)
+  expect(drift(world)):near(0, 1e-9)
+end)

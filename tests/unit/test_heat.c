@@ -3,7 +3,7 @@
 
 #include "effect/heat.h"
 
-static const HeatWorld usual = {HEAT_AMBIENT, 1e5, 1e8};
+static const HeatWorld usual = {HEAT_AMBIENT, 0, 1e5, 1e8};
 
 TEST(pressure_conducts)
 {
