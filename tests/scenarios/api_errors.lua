@@ -181,7 +181,9 @@ scenario("an effect is named by a text, cells are whole, a heater says its power
   says(function() world:effect() end, wants .. "nil")
   says(function() world:effect({}) end, wants .. "table")
   says(function() world:effect(3, true) end, wants .. "number")
-  local function lattice(cells) return function() world:lattice { at = { 0, 0, 0 }, size = 1, cells = cells, mass = 1, stiffness = 1 } end end
+  local function lattice(cells)
+    return function() world:lattice { at = { 0, 0, 0 }, size = 1, cells = cells, mass = 1, stiffness = 1 } end
+  end
   says(lattice(2.5), "world:lattice.cells = 2.5, must be a whole number")
   says(lattice { 2, 2, 1.5 }, "world:lattice.cells = 1.5, must be a whole number")
   says(lattice(0), "world:lattice.cells = 0, must be at least 1")
