@@ -92,7 +92,7 @@ say = @printf '  %-5s %s\n' $(1) $(2);
 Q   := @
 endif
 
-.PHONY: all libs viewer docs demo test asan lint accuracy install deps clean help unit check-run
+.PHONY: all libs digbox.so viewer docs demo test asan lint accuracy install deps clean help unit check-run
 .PHONY: FORCE
 
 all: $(program)                                 ## build/digbox, the program
@@ -101,6 +101,14 @@ libs: $(core_a) $(render_a)
 
 $(program): $(call objects,lua/main.c) $(lua_a) $(render_a) $(core_a)
 	$(call say,LINK,$@)$(LINK) -o $@ $^ -Wl,--as-needed $(LUA_LIBS) $(EDIT_LIBS) $(if $(render_a),$(RENDER_LIBS)) $(CORE_LIBS)
+
+# The same for a plain lua5.4: objects of their own, which may lie anywhere in memory.
+digbox.so:                                      ## build/digbox.so, the module for a plain lua5.4
+	@$(MAKE) BUILD=$(BUILD)/module CFLAGS='$(CFLAGS) -fPIC' $(BUILD)/module/digbox.so
+	@cp $(BUILD)/module/digbox.so $(BUILD)/digbox.so
+
+$(BUILD)/digbox.so: $(lua_a) $(render_a) $(core_a)
+	$(call say,LINK,$@)$(LINK) -shared -o $@ -Wl,-u,luaopen_digbox $^ -Wl,--as-needed $(if $(render_a),$(RENDER_LIBS)) $(CORE_LIBS)
 
 $(core_a):   $(call objects,$(core_src))
 $(render_a): $(call objects,$(render_src))

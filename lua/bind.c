@@ -431,22 +431,18 @@ int bind_open(lua_State *L)
     return 1;
 }
 
-static int open_test(lua_State *L)
-{
-    bind_use(L, "test");
-    return 1;
-}
-
 /* For a plain lua5.4: require "digbox" of digbox.so. */
 int luaopen_digbox(lua_State *L)
 {
-    bind_open(L);
-    lua_getglobal(L, "package");
-    if (lua_istable(L, -1) && lua_getfield(L, -1, "preload") == LUA_TTABLE) {
-        lua_pushcfunction(L, open_test);
-        lua_setfield(L, -2, "digbox.test");
-        lua_pop(L, 1);
-    }
-    lua_pop(L, 1);
+    return bind_open(L);
+}
+
+/* require "digbox.test" finds it in the same file, whether or not "digbox" is open already. */
+int luaopen_digbox_test(lua_State *L)
+{
+    lua_getglobal(L, "require");
+    lua_pushliteral(L, "digbox");
+    lua_call(L, 1, 0);
+    bind_use(L, "test");
     return 1;
 }
