@@ -53,7 +53,7 @@ LUA_CFLAGS    := $(call system,$(call flags,--cflags,lua5.4,-I/usr/include/lua5.
 RENDER_CFLAGS := $(call system,$(call flags,--cflags,freetype2 libpng,-I/usr/include/freetype2))
 CORE_LIBS     := -lqhull_r -ldeflate -lcjson -lm
 LUA_LIBS      := $(call flags,--libs,lua5.4,-llua5.4)
-RENDER_LIBS   := $(call flags,--libs,osmesa libpng freetype2,-lOSMesa -lpng -lfreetype) -ldl
+RENDER_LIBS   := $(call flags,--libs,osmesa libpng freetype2,-lOSMesa -lpng -lfreetype) -lisal -ldl
 
 # ---- what there is ----
 render_src := $(if $(filter 1,$(RENDER)),$(wildcard engine/render/*.c))
@@ -101,7 +101,8 @@ $(core_a) $(render_a) $(lua_a): $(BUILD)/sources.txt
 	$(call say,AR,$@)rm -f $@ && ar rcsD $@ $(filter %.o,$^)
 
 $(BUILD)/obj/lua/%.o $(BUILD)/obj/embedded.o: extra = $(LUA_CFLAGS) -Ilua
-$(BUILD)/obj/engine/render/%.o:               extra = $(RENDER_CFLAGS)
+# Pictures are worked on pixel by pixel: loops that the compiler turns into wide instructions, to the same bits.
+$(BUILD)/obj/engine/render/%.o:               extra = $(RENDER_CFLAGS) $(if $(filter 1,$(DEBUG) $(SANITIZE)),,-O3)
 $(BUILD)/obj/engine/crowd/%.o:                extra = -Wno-psabi  # of wide numbers: they are passed to inlined functions only
 
 $(BUILD)/obj/%.o: %.c $(BUILD)/flags.txt

@@ -64,7 +64,7 @@ static Solid solid_of(const ViewMesh *m, int uploaded, bool closed, real unit, r
     case VIEW_PLANE:    return (Solid){MESH_QUAD, FORM_SMOOTH, {1, 1, 1}, {1, 1, 1}, 0, 0};
     case VIEW_MESH:     break;
     }
-    return (Solid){uploaded, closed ? FORM_SMOOTH : FORM_TWO_SIDED, {1 / unit, 1 / unit, 1 / unit}, {1, 1, 1}, 0, 0};
+    return (Solid){uploaded, closed ? FORM_MESH : FORM_TWO_SIDED, {1 / unit, 1 / unit, 1 / unit}, {1, 1, 1}, 0, 0};
 }
 
 /* Length of one repeat of a pattern on a solid with these half extents. */
@@ -194,7 +194,7 @@ static bool describe(DrawItem *d, const Batches *b, const Meshes *meshes, const 
     quat q = quat_mul(quat_from_matrix(s->axes), quat_from(item->q));
     put4(d->instance.turn, q.x, q.y, q.z, q.w);
     d->instance.number[0] = item->body;
-    d->instance.number[1] = item->dig;
+    d->instance.number[1] = (uint32_t)index;
     set_colour(d, item, eye);
     if (m->form == VIEW_PLANE) {
         d->mesh = MESH_QUAD;
@@ -323,8 +323,17 @@ static ProgramKey key_for(const DrawItem *d, ProgramKind kind)
     return (ProgramKey){.kind = kind, .form = kind == PROGRAM_CASTER ? FORM_SMOOTH : d->key.form};
 }
 
+/* Casters may be coarser than what is seen: their maps have fewer texels than the picture has pixels, and are smoothed. */
+static int coarser_mesh(int mesh, int levels)
+{
+    if (mesh < MESH_SPHERE || mesh >= MESH_BUILT_IN)
+        return mesh;
+    int level = (mesh - MESH_SPHERE) % MESH_LEVELS;
+    return mesh - int_min(level, levels);
+}
+
 dig_status batches_draw(const Batches *b, const Meshes *meshes, Programs *programs, const Gl *gl, ProgramKind kind, const float *to_map,
-                        char *why, size_t capacity)
+                        int coarser, char *why, size_t capacity)
 {
     int end;
     for (int i = 0; i < b->count; i = end) {
@@ -343,9 +352,10 @@ dig_status batches_draw(const Batches *b, const Meshes *meshes, Programs *progra
             gl->Enable(GL_CULL_FACE);
         else
             gl->Disable(GL_CULL_FACE);
-        gl->BindVertexArray(meshes->entry[d->mesh].array);
+        const GpuMesh *mesh = &meshes->entry[coarser_mesh(d->mesh, coarser)];
+        gl->BindVertexArray(mesh->array);
         aim(gl, b->buffer, i);
-        gl->DrawElementsInstanced(GL_TRIANGLES, meshes->entry[d->mesh].index_count, GL_UNSIGNED_INT, NULL, end - i);
+        gl->DrawElementsInstanced(GL_TRIANGLES, mesh->index_count, GL_UNSIGNED_INT, NULL, end - i);
     }
     return DIG_OK;
 }

@@ -18,7 +18,7 @@ typedef struct Instance {       /* as the vertex shader reads it; scene units */
     float    colour[4];         /* linear; [3] roughness                                    */
     float    look[4];           /* metallic, or minus how strongly it shines in its colour; bevel, 1 / cell of the pattern, grain axis */
     float    half[4];           /* half extents, half width of a stripe; planes: offset of the tiles */
-    uint32_t number[2];         /* body, DIG                                                */
+    uint32_t number[2];         /* body, item in the view                                   */
 } Instance;
 
 typedef struct DrawItem {
@@ -52,9 +52,10 @@ typedef struct BatchEye {       /* from where it is drawn */
 dig_status batches_build(Batches *b, Meshes *meshes, const Gl *gl, const View *v, const Stage *s, const BatchEye *eye, uint64_t draw);
 void       batches_close(Batches *b, const Gl *gl);
 
-/* Draws everything with programs of `kind`; casters only for PROGRAM_CASTER, which takes the matrix `to_map`. */
+/* Draws everything with programs of `kind`; casters only for PROGRAM_CASTER, which takes the matrix `to_map`. Round solids are drawn
+ * so many levels coarser than they are seen. */
 dig_status batches_draw(const Batches *b, const Meshes *meshes, Programs *programs, const Gl *gl, ProgramKind kind, const float *to_map,
-                        char *why, size_t capacity);
+                        int coarser, char *why, size_t capacity);
 
 /* A colour for each DIG, well apart from those of its neighbours; linear. */
 void dig_colour(uint32_t dig, float colour[3]);

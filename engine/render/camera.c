@@ -5,7 +5,7 @@
 RenderOptions render_defaults(void)
 {
     return (RenderOptions){
-        .width = 1280, .height = 720, .samples = 4, .layer = RENDER_COLOUR, .shadows = true,
+        .width = 1280, .height = 720, .smooth = true, .layer = RENDER_COLOUR, .shadows = true,
         .camera = {.at = {4, 3, 6}, .look_at = {0, 0.5, 0}, .up = {0, 1, 0}, .fov = DIG_PI / 4},
     };
 }

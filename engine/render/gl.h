@@ -22,7 +22,7 @@
     X(PFNGLBINDRENDERBUFFERPROC, BindRenderbuffer)                      \
     X(PFNGLBINDTEXTUREPROC, BindTexture)                                \
     X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                        \
-    X(PFNGLBLENDFUNCPROC, BlendFunc)                                    \
+    X(PFNGLBLENDFUNCSEPARATEPROC, BlendFuncSeparate)                    \
     X(PFNGLBLITFRAMEBUFFERPROC, BlitFramebuffer)                        \
     X(PFNGLBUFFERDATAPROC, BufferData)                                  \
     X(PFNGLCHECKFRAMEBUFFERSTATUSPROC, CheckFramebufferStatus)          \

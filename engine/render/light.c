@@ -200,13 +200,13 @@ typedef struct Cast {           /* what every pass of casters needs */
     size_t         capacity;
 } Cast;
 
-static dig_status cast_depth(const Cast *c, GLuint target, int size, const float *to_map, float *out)
+static dig_status cast_depth(const Cast *c, GLuint target, int size, const float *to_map, int coarser, float *out)
 {
     const Gl *gl = c->gl;
     gl->BindFramebuffer(GL_FRAMEBUFFER, target);
     gl->Viewport(0, 0, size, size);
     gl->Clear(GL_DEPTH_BUFFER_BIT);
-    DIG_TRY(batches_draw(c->batches, c->meshes, c->programs, gl, PROGRAM_CASTER, to_map, c->why, c->capacity));
+    DIG_TRY(batches_draw(c->batches, c->meshes, c->programs, gl, PROGRAM_CASTER, to_map, coarser, c->why, c->capacity));
     if (out)
         gl->ReadPixels(0, 0, size, size, GL_DEPTH_COMPONENT, GL_FLOAT, out);
     return DIG_OK;
@@ -216,10 +216,10 @@ static dig_status cast_heights(Light *l, const Cast *c, const Ground *g, vec3 ey
 {
     float to_map[16];
     height_matrix(to_map, g, eye, 1);
-    DIG_TRY(cast_depth(c, l->height_target, HEIGHT_SIZE, to_map, l->above));
+    DIG_TRY(cast_depth(c, l->height_target, HEIGHT_SIZE, to_map, MESH_LEVELS, l->above));
     height_matrix(to_map, g, eye, -1);
     c->gl->CullFace(GL_FRONT);
-    dig_status status = cast_depth(c, l->height_target, HEIGHT_SIZE, to_map, l->below);
+    dig_status status = cast_depth(c, l->height_target, HEIGHT_SIZE, to_map, MESH_LEVELS, l->below);
     c->gl->CullFace(GL_BACK);
     return status;
 }
@@ -434,7 +434,7 @@ dig_status light_cast(Light *l, const Batches *b, const Meshes *meshes, Programs
     gl->PolygonOffset(1.5f, 4.0f);
     real half = sun_matrix(to_map, s, sun, eye);
     clip_to_unit(frame->to_sun, to_map);
-    dig_status status = shadows ? cast_depth(&cast, l->sun_target, SUN_SIZE, to_map, floor_shadow ? l->sun : NULL) : DIG_OK;
+    dig_status status = shadows ? cast_depth(&cast, l->sun_target, SUN_SIZE, to_map, 1, floor_shadow ? l->sun : NULL) : DIG_OK;
     gl->Disable(GL_POLYGON_OFFSET_FILL);
     if (status == DIG_OK)
         status = cast_heights(l, &cast, &ground, eye);

@@ -394,7 +394,7 @@ dig_status overlay_draw(Overlay *o, Programs *programs, const Gl *gl, const View
     gl->Disable(GL_DEPTH_TEST);
     gl->Disable(GL_CULL_FACE);
     gl->Enable(GL_BLEND);
-    gl->BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+    gl->BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
     dig_status status = draw_list(o, programs, gl, &o->strokes, PROGRAM_STROKE, why, capacity);
     if (status == DIG_OK)
         status = draw_list(o, programs, gl, &o->glyphs, PROGRAM_GLYPH, why, capacity);

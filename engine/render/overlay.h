@@ -46,7 +46,7 @@ typedef struct OverlayEye {     /* how world points become pixels */
 void overlay_open(Overlay *o, const Gl *gl);
 void overlay_close(Overlay *o, const Gl *gl);
 
-/* Draws what `flags` (OVERLAY_...) ask for into the bound framebuffer. */
+/* Draws what `flags` (OVERLAY_...) ask for into the bound framebuffer, cleared to zero: colours come out weighted by alpha. */
 dig_status overlay_draw(Overlay *o, Programs *programs, const Gl *gl, const View *v, const Stage *s, const OverlayEye *eye, unsigned flags,
                         char *why, size_t capacity);
 

@@ -3,6 +3,8 @@
 
 #include <stdio.h>
 
+#include "base/clock.h"
+
 /* ---- light and air ----------------------------------------------------- */
 
 /* Linear colours. The tone curve c / (c + 0.155) shows 0.5 as 79 %, so a pale floor in the sun is about 0.5. */
@@ -209,15 +211,6 @@ static void resolve(const Gl *gl, const Target *t)
     gl->BindFramebuffer(GL_FRAMEBUFFER, t->whole);
 }
 
-static dig_status paint_overlay(Renderer *r, const View *v, const Stage *s, const Sight *e, const RenderOptions *o)
-{
-    mat3 to_world = mat3_transpose(s->axes);
-    OverlayEye eye = {.at = eye_in_view(v, &o->camera), .right = mat3_mul_vec(to_world, e->right), .up = mat3_mul_vec(to_world, e->up),
-                      .forward = mat3_mul_vec(to_world, e->forward), .pixels = o->height / (2 * e->tan_y), .width = o->width,
-                      .height = o->height};
-    return overlay_draw(&r->overlay, &r->programs, &r->gl, v, s, &eye, o->overlay, r->error, sizeof r->error);
-}
-
 static dig_status paint_layer(Renderer *r, const RenderOptions *o, const Target *t)
 {
     static const ProgramKind kinds[LAYER_COUNT] = {PROGRAM_SURFACE, PROGRAM_DEPTH, PROGRAM_ID, PROGRAM_NORMAL};
@@ -225,7 +218,7 @@ static dig_status paint_layer(Renderer *r, const RenderOptions *o, const Target 
     gl->BindFramebuffer(GL_FRAMEBUFFER, t->draw);
     gl->Viewport(0, 0, t->width, t->height);
     clear(gl, o->layer);
-    DIG_TRY(batches_draw(&r->batches, &r->meshes, &r->programs, gl, kinds[o->layer], NULL, r->error, sizeof r->error));
+    DIG_TRY(batches_draw(&r->batches, &r->meshes, &r->programs, gl, kinds[o->layer], NULL, 0, r->error, sizeof r->error));
     return o->layer == RENDER_COLOUR ? paint_sky(r) : DIG_OK;
 }
 
@@ -250,13 +243,32 @@ dig_status paint(Renderer *r, const View *v, const RenderOptions *o, const Targe
         snprintf(r->error, sizeof r->error, "no memory for %d items", v->item_count);
         return status;
     }
-    if (colour)
+    if (colour) {
+        real began = cpu_us();
         DIG_TRY(light_cast(&r->light, &r->batches, &r->meshes, &r->programs, gl, &s, o->shadows, &frame, r->error, sizeof r->error));
+        r->times.light += 1e-3 * (cpu_us() - began);
+    }
     programs_set_frame(&r->programs, gl, &frame);
     use_textures(gl, &r->light);
     DIG_TRY(paint_layer(r, o, t));
     if (!colour)
         return DIG_OK;
     resolve(gl, t);
-    return o->overlay ? paint_overlay(r, v, &s, &e, o) : DIG_OK;
+    return DIG_OK;
+}
+
+dig_status paint_overlay(Renderer *r, const View *v, const RenderOptions *o, const Target *t)
+{
+    static const float nothing[4] = {0, 0, 0, 0};
+    const Gl *gl = &r->gl;
+    Stage s = stage_of(v, true);
+    Sight e = find_sight(v, &s, o);
+    mat3 to_world = mat3_transpose(s.axes);
+    OverlayEye eye = {.at = eye_in_view(v, &o->camera), .right = mat3_mul_vec(to_world, e.right), .up = mat3_mul_vec(to_world, e.up),
+                      .forward = mat3_mul_vec(to_world, e.forward), .pixels = o->height / (2 * e.tan_y), .width = o->width,
+                      .height = o->height};
+    gl->BindFramebuffer(GL_FRAMEBUFFER, t->draw);
+    gl->Viewport(0, 0, t->width, t->height);
+    gl->ClearBufferfv(GL_COLOR, 0, nothing);
+    return overlay_draw(&r->overlay, &r->programs, gl, v, &s, &eye, o->overlay, r->error, sizeof r->error);
 }

@@ -7,6 +7,7 @@
 
 #include "render/light.h"
 #include "render/overlay.h"
+#include "render/smooth.h"
 #include "render/target.h"
 
 struct Renderer {
@@ -19,6 +20,8 @@ struct Renderer {
     Light      light;
     Overlay    overlay;
     Targets    targets;
+    SmoothSpace smooth;
+    RenderTimes times;
     GLuint     empty;               /* vertex array without attributes, for the sky */
     uint64_t   draw;                /* pictures so far */
     void      *pixels, *raw;        /* of the last picture: as handed out; as read, bottom row first */
@@ -26,7 +29,9 @@ struct Renderer {
     char       description[200], error[400];
 };
 
-/* Draws one picture into `t` (resolved, overlays on top). The context is bound. */
+/* Draws one picture into `t`, resolved, without overlays. The context is bound. */
 dig_status paint(Renderer *r, const View *v, const RenderOptions *o, const Target *t);
+/* Draws the overlays alone into `t`. */
+dig_status paint_overlay(Renderer *r, const View *v, const RenderOptions *o, const Target *t);
 
 #endif

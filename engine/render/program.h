@@ -15,7 +15,7 @@ typedef enum ProgramKind { PROGRAM_SURFACE, PROGRAM_SKY, PROGRAM_DEPTH, PROGRAM_
                            PROGRAM_GLYPH, PROGRAM_KIND_COUNT } ProgramKind;
 
 /* How a surface gets its normal. */
-typedef enum ProgramForm { FORM_SMOOTH, FORM_SPHERE, FORM_BOX, FORM_CYLINDER, FORM_TWO_SIDED, FORM_COUNT } ProgramForm;
+typedef enum ProgramForm { FORM_SMOOTH, FORM_SPHERE, FORM_BOX, FORM_CYLINDER, FORM_TWO_SIDED, FORM_MESH, FORM_COUNT } ProgramForm;
 
 typedef struct ProgramKey {
     ProgramKind kind;

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "base/clock.h"
 #include "render/paint.h"
 
 enum { LARGEST = 16384 };       /* px; Mesa accepts more and then fails */
@@ -103,10 +104,13 @@ void render_close(Renderer *r)
         r->backend->unbind(r->context);
     }
     r->backend->close(r->context);
+    smooth_close(&r->smooth);
     free(r->pixels);
     free(r->raw);
     free(r);
 }
+
+RenderTimes render_times(const Renderer *r) { return r->times; }
 
 const char *render_describe(const Renderer *r) { return r->description; }
 
@@ -176,45 +180,91 @@ static bool reserve(void **data, size_t *capacity, size_t wanted)
     return *data != NULL;
 }
 
-/* OpenGL's first row is the lowest; ours is the top one. RGB is read as RGBA, which Mesa copies ten times faster. */
+static bool is_rgb(const RenderOptions *o) { return o->layer == RENDER_COLOUR || o->layer == RENDER_NORMAL; }
+
+/* OpenGL's first row is the lowest; ours is the top one. */
 static void flip(const Renderer *r, const RenderOptions *o)
 {
-    size_t width = (size_t)o->width, height = (size_t)o->height;
-    bool rgb = o->layer == RENDER_COLOUR || o->layer == RENDER_NORMAL;
-    for (size_t y = 0; y < height; y++) {
-        const unsigned char *from = (const unsigned char *)r->raw + 4 * width * (height - 1 - y);
-        unsigned char *to = (unsigned char *)r->pixels + (rgb ? 3 : 4) * width * y;
-        if (!rgb) {
-            memcpy(to, from, 4 * width);
-            continue;
-        }
-        for (size_t x = 0; x < width; x++) {
-            to[3 * x] = from[4 * x];
-            to[3 * x + 1] = from[4 * x + 1];
-            to[3 * x + 2] = from[4 * x + 2];
-        }
-    }
+    size_t stride = 4 * (size_t)o->width, height = (size_t)o->height;
+    for (size_t y = 0; y < height; y++)
+        memcpy((unsigned char *)r->pixels + stride * y, (const unsigned char *)r->raw + stride * (height - 1 - y), stride);
 }
 
-static dig_status read_pixels(Renderer *r, const RenderOptions *o, const Target *t)
+static dig_status check_gl(Renderer *r)
+{
+    GLenum error = r->gl.GetError();
+    if (error == GL_NO_ERROR)
+        return DIG_OK;
+    snprintf(r->error, sizeof r->error, "OpenGL error 0x%04x while drawing", (unsigned)error);
+    return error == GL_OUT_OF_MEMORY ? DIG_E_MEMORY : DIG_E_FULL;
+}
+
+static dig_status no_room(Renderer *r, const RenderOptions *o)
+{
+    snprintf(r->error, sizeof r->error, "no memory for a picture of %d x %d pixels", o->width, o->height);
+    return DIG_E_MEMORY;
+}
+
+/* RGB is read as RGBA, which Mesa copies ten times faster. */
+static dig_status read_raw(Renderer *r, const RenderOptions *o, const Target *t)
 {
     const Gl *gl = &r->gl;
-    size_t size = 4 * (size_t)o->width * (size_t)o->height;
-    if (!reserve(&r->raw, &r->raw_capacity, size) || !reserve(&r->pixels, &r->pixel_capacity, size)) {
-        snprintf(r->error, sizeof r->error, "no memory for a picture of %d x %d pixels", o->width, o->height);
-        return DIG_E_MEMORY;
-    }
     GLenum format = o->layer == RENDER_DEPTH ? GL_RED : o->layer == RENDER_ID ? GL_RED_INTEGER : GL_RGBA;
     GLenum type = o->layer == RENDER_DEPTH ? GL_FLOAT : o->layer == RENDER_ID ? GL_UNSIGNED_INT : GL_UNSIGNED_BYTE;
     gl->BindFramebuffer(GL_FRAMEBUFFER, t->whole ? t->whole : t->draw);
     gl->ReadPixels(0, 0, o->width, o->height, format, type, r->raw);
-    GLenum error = gl->GetError();
-    if (error != GL_NO_ERROR) {
-        snprintf(r->error, sizeof r->error, "OpenGL error 0x%04x while drawing", (unsigned)error);
-        return error == GL_OUT_OF_MEMORY ? DIG_E_MEMORY : DIG_E_FULL;
+    return check_gl(r);
+}
+
+static dig_status finish_pixels(Renderer *r, const RenderOptions *o)
+{
+    if (!is_rgb(o)) {
+        flip(r, o);
+        return DIG_OK;
     }
-    flip(r, o);
+    if (o->layer == RENDER_COLOUR && o->smooth && o->samples == 0)
+        return smooth_edges(&r->smooth, r->raw, o->width, o->height, r->pixels) == DIG_OK ? DIG_OK : no_room(r, o);
+    smooth_copy(r->raw, o->width, o->height, r->pixels);
     return DIG_OK;
+}
+
+static dig_status lay_overlay(Renderer *r, const View *v, const RenderOptions *o)
+{
+    const Target *t = targets_get(&r->targets, &r->gl, TARGET_OVERLAY, o->width, o->height, 0, r->error, sizeof r->error);
+    if (!t)
+        return DIG_E_MEMORY;
+    DIG_TRY(paint_overlay(r, v, o, t));
+    DIG_TRY(read_raw(r, o, t));
+    smooth_cover(r->raw, o->width, o->height, r->pixels);
+    return DIG_OK;
+}
+
+/* Adds the time since the last call to *sum, ms. */
+static void lap(real *clock, real *sum)
+{
+    real now = cpu_us();
+    *sum += 1e-3 * (now - *clock);
+    *clock = now;
+}
+
+static dig_status draw_bound(Renderer *r, const View *v, const RenderOptions *o)
+{
+    real clock = cpu_us(), light = r->times.light;
+    const Target *t = targets_get(&r->targets, &r->gl, (int)o->layer, o->width, o->height, o->samples, r->error, sizeof r->error);
+    if (!t)
+        return DIG_E_MEMORY;
+    size_t size = 4 * (size_t)o->width * (size_t)o->height;
+    if (!reserve(&r->raw, &r->raw_capacity, size) || !reserve(&r->pixels, &r->pixel_capacity, size))
+        return no_room(r, o);
+    DIG_TRY(paint(r, v, o, t));
+    r->gl.Finish();         /* only so that the times below mean what they say; the pixels are read at once anyway */
+    lap(&clock, &r->times.draw);
+    r->times.draw -= r->times.light - light;
+    DIG_TRY(read_raw(r, o, t));
+    lap(&clock, &r->times.read);
+    DIG_TRY(finish_pixels(r, o));
+    lap(&clock, &r->times.smooth);
+    return o->overlay && o->layer == RENDER_COLOUR ? lay_overlay(r, v, o) : DIG_OK;
 }
 
 dig_status render_draw(Renderer *r, const View *v, const RenderOptions *o, const void **pixels)
@@ -226,10 +276,7 @@ dig_status render_draw(Renderer *r, const View *v, const RenderOptions *o, const
         snprintf(r->error, sizeof r->error, "%s: the context cannot be made current on this thread", r->backend->name);
         return DIG_E_FULL;
     }
-    const Target *t = targets_get(&r->targets, &r->gl, o->layer, o->width, o->height, o->samples, r->error, sizeof r->error);
-    dig_status status = t ? paint(r, v, o, t) : DIG_E_MEMORY;
-    if (status == DIG_OK)
-        status = read_pixels(r, o, t);
+    dig_status status = draw_bound(r, v, o);
     /* Unbound between pictures: two backends in one thread share Mesa's current context. */
     r->backend->unbind(r->context);
     if (status == DIG_OK)

@@ -29,7 +29,8 @@ typedef struct RenderLamp { real at[3]; float power; float colour[3]; } RenderLa
 
 typedef struct RenderOptions {
     int          width, height;         /* 1..16384 px                              */
-    int          samples;               /* 0, 2 or 4                                */
+    int          samples;               /* a pixel, by the driver: 0, 2 or 4        */
+    bool         smooth;                /* edges, after drawing (render/smooth.h); not with samples */
     RenderLayer  layer;
     unsigned     overlay;
     RenderCamera camera;
@@ -41,7 +42,7 @@ typedef struct RenderOptions {
 
 typedef struct Renderer Renderer;
 
-RenderOptions render_defaults(void);                        /* 1280x720, 4 samples, sun, shadows */
+RenderOptions render_defaults(void);                        /* 1280x720, smooth edges, sun, shadows */
 RenderCamera  render_camera_for(const View *v, real fov, real aspect);   /* a sensible one that sees everything */
 
 /* backend: "osmesa", "egl" or NULL for the first that works. why gets one sentence on failure. */
@@ -59,12 +60,28 @@ const char *render_error(const Renderer *r);
  *   DIG_E_FULL, DIG_E_FORMAT  the driver failed, or did not compile a shader: render_error has its words */
 dig_status render_draw(Renderer *r, const View *v, const RenderOptions *o, const void **pixels);
 
+/* Processor time of the pictures so far, ms of the thread that drew; for whole figures set LP_NUM_THREADS=0. */
+typedef struct RenderTimes { real light, draw, read, smooth; } RenderTimes;
+RenderTimes render_times(const Renderer *r);
+
 typedef struct PngText { const char *key; const char *value; } PngText;
 
 /* Writes an image under a temporary name in the same folder and renames it: under `path` there is either nothing, the old
  * file, or the whole new one. Depth is written as 16-bit grey in mm, saturating; ids as 24-bit RGB (r low byte). */
 dig_status png_write(const char *path, RenderLayer layer, int width, int height, const void *pixels,
                      const PngText *texts, int text_count, char *why, size_t capacity);
+
+/* The same in two steps, for those who measure them or write elsewhere: an image in memory, and a file under `path`, which is
+ * flushed to the disk before it gets its name if `flush` (else a crash of the machine may leave it empty). */
+typedef struct PngBytes {       /* starts as zeros; may be used again; png_release frees it */
+    unsigned char *data, *rows;         /* the image; room to work in, kept for the next one */
+    size_t         size, capacity, row_capacity;
+} PngBytes;
+
+dig_status png_encode(RenderLayer layer, int width, int height, const void *pixels, const PngText *texts, int text_count, PngBytes *out,
+                      char *why, size_t capacity);
+dig_status png_save(const char *path, const PngBytes *bytes, bool flush, char *why, size_t capacity);
+void       png_release(PngBytes *bytes);
 
 /* Reads an 8-bit RGB png back (for golden tests). Free *pixels with free(). */
 dig_status png_read(const char *path, int *width, int *height, unsigned char **pixels, char *why, size_t capacity);

@@ -2,6 +2,9 @@
  *
  * Prices on llvmpipe (a full 1280x720 screen): multiply-add 0.06 ms, inverse square root 0.5, bilinear fetch 3,
  * hardware-compared shadow tap 3.3, one octave of hash noise 1.4. An `if` never skips anything; hence the #ifs.
+ *
+ * The alpha of a colour picture says what a pixel shows, for render/smooth.c: 0..239 a side of a body, 240..253 a plane,
+ * 255 the sky.
  */
 #include "render/shaders.h"
 
@@ -34,7 +37,7 @@ static const char surface_vertex[] =
     "out vec3 v_rel, v_p, v_n, v_sun, v_top;\n"
     "flat out vec4 f_colour, f_look, f_half;\n"
     "flat out vec3 f_x, f_y, f_z, f_direct, f_sky;\n"
-    "flat out float f_seed;\n"
+    "flat out float f_seed, f_key;\n"
     "flat out vec2 f_grain;\n"
     "void main() {\n"
     "    vec3 p = own();\n"
@@ -53,6 +56,7 @@ static const char surface_vertex[] =
     "    f_look = look;\n"
     "    f_half = half_size;\n"
     "    f_seed = place.w;\n"
+    "    f_key = (float((number.y * 157u) % 240u) + 0.25) * (1.0 / 240.0);\n"
     "    f_grain = vec2(look.w == 1.0, look.w == 2.0);\n"
     "    gl_Position = to_clip * vec4(v_rel, 1.0);\n"
     "}\n";
@@ -61,7 +65,7 @@ static const char surface_inputs[] =
     "in vec3 v_rel, v_p, v_n, v_sun, v_top;\n"
     "flat in vec4 f_colour, f_look, f_half;\n"
     "flat in vec3 f_x, f_y, f_z, f_direct, f_sky;\n"
-    "flat in float f_seed;\n"
+    "flat in float f_seed, f_key;\n"
     "flat in vec2 f_grain;\n"
     "uniform sampler2DShadow sun_map;\n"
     "uniform sampler2D height_map, floor_map;\n"
@@ -70,18 +74,26 @@ static const char surface_inputs[] =
 /* Normal in scene axes. The edges of a box look rounded: outside the box shrunk by the bevel, the normal points away
  * from the nearest point of that smaller box, as on a rounded one. A cylinder likewise, in (radius, height). */
 static const char surface_normal[] =
+    /* also: which side of the solid this is, for the smoothing of edges */
+    "float side = 0.0;\n"
     "vec3 normal() {\n"
     "#if FORM == 2\n"
     "    vec3 t = max(abs(v_p) - f_half.xyz + f_look.y, 0.0) + 1e-4 * f_look.y;\n"
     "    vec3 n = t * sign(v_p);\n"
+    "    side = 1.0 + dot(step(t.yzx, t) * step(t.zxy, t), vec3(0.0, 1.0, 2.0));\n"
     "    return normalize(f_x * n.x + f_y * n.y + f_z * n.z);\n"
     "#elif FORM == 3\n"
     "    float d = max(length(v_p.xz), 1e-9);\n"
     "    vec2 t = max(vec2(d, abs(v_p.y)) - f_half.xy + f_look.y, 0.0) + 1e-4 * f_look.y;\n"
     "    vec3 n = vec3(v_p.xz * (t.x / d), sign(v_p.y) * t.y).xzy;\n"
+    "    side = step(t.x, t.y);\n"
     "    return normalize(f_x * n.x + f_y * n.y + f_z * n.z);\n"
     "#elif FORM == 4\n"
+    "    side = floor(fract(dot(v_n, vec3(1.31, 2.17, 3.73))) * 8.0);\n"
     "    return normalize(dot(v_n, v_rel) > 0.0 ? -v_n : v_n);\n"
+    "#elif FORM == 5\n"
+    "    side = floor(fract(dot(normalize(v_n), vec3(1.31, 2.17, 3.73))) * 8.0);\n"
+    "    return normalize(v_n);\n"
     "#else\n"
     "    return normalize(v_n);\n"
     "#endif\n"
@@ -231,7 +243,12 @@ static const char surface_main[] =
     "    lit += c * max(-f_look.x, 0.0);\n"
     "    lit = mix(sky_rim.rgb, lit, far * far);\n"
     /* one curve for tone and for the display's gamma: white is reached softly */
-    "    pixel = vec4(lit * 1.03 / (lit + 0.155), 1.0);\n"
+    "#if PLANE\n"
+    "    float key = (240.0 + floor(f_key * 14.0)) * (1.0 / 255.0);\n"
+    "#else\n"
+    "    float key = fract(f_key + side * (37.0 / 240.0)) * (240.0 / 255.0);\n"
+    "#endif\n"
+    "    pixel = vec4(lit * 1.03 / (lit + 0.155), key);\n"
     "}\n";
 
 /* ---- sky -------------------------------------------------------------- */

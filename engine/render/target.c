@@ -3,8 +3,9 @@
 
 #include <stdio.h>
 
-static const GLenum colour_formats[LAYER_COUNT] = {
+static const GLenum colour_formats[TARGET_COUNT] = {
     [RENDER_COLOUR] = GL_RGBA8, [RENDER_DEPTH] = GL_R32F, [RENDER_ID] = GL_R32UI, [RENDER_NORMAL] = GL_RGBA8,
+    [TARGET_OVERLAY] = GL_RGBA8,
 };
 
 static void drop(Target *t, const Gl *gl)
@@ -17,8 +18,8 @@ static void drop(Target *t, const Gl *gl)
 
 void targets_close(Targets *t, const Gl *gl)
 {
-    for (int i = 0; i < LAYER_COUNT; i++)
-        drop(&t->layer[i], gl);
+    for (int i = 0; i < TARGET_COUNT; i++)
+        drop(&t->entry[i], gl);
 }
 
 static GLuint make_buffer(const Gl *gl, GLenum format, int width, int height, int samples, GLenum place)
@@ -57,16 +58,16 @@ static bool complete(const Target *t, const Gl *gl)
     return ok && gl->GetError() == GL_NO_ERROR;
 }
 
-const Target *targets_get(Targets *targets, const Gl *gl, RenderLayer layer, int width, int height, int samples, char *why, size_t capacity)
+const Target *targets_get(Targets *targets, const Gl *gl, int index, int width, int height, int samples, char *why, size_t capacity)
 {
-    Target *t = &targets->layer[layer];
-    if (layer != RENDER_COLOUR)
+    Target *t = &targets->entry[index];
+    if (index != RENDER_COLOUR)
         samples = 0;
     if (t->draw && t->width == width && t->height == height && t->samples == samples)
         return t;
     drop(t, gl);
     *t = (Target){.width = width, .height = height, .samples = samples};
-    make(t, gl, colour_formats[layer]);
+    make(t, gl, colour_formats[index]);
     if (complete(t, gl))
         return t;
     drop(t, gl);

@@ -9,7 +9,7 @@
 #include "render/gl.h"
 #include "render/render.h"
 
-enum { LAYER_COUNT = 4 };
+enum { LAYER_COUNT = 4, TARGET_OVERLAY = LAYER_COUNT, TARGET_COUNT };        /* targets: the layers, and overlays apart */
 
 typedef struct Target {
     int    width, height, samples;
@@ -17,10 +17,10 @@ typedef struct Target {
     GLuint whole, resolved;             /* one sample a pixel; 0 when draw is that already */
 } Target;
 
-typedef struct Targets { Target layer[LAYER_COUNT]; } Targets;
+typedef struct Targets { Target entry[TARGET_COUNT]; } Targets;
 
-/* The target of a layer at that size, made anew when it changed. NULL and a sentence when the driver refuses. */
-const Target *targets_get(Targets *t, const Gl *gl, RenderLayer layer, int width, int height, int samples, char *why, size_t capacity);
+/* A target (RenderLayer or TARGET_OVERLAY) at that size, made anew when it changed. NULL and a sentence when the driver refuses. */
+const Target *targets_get(Targets *t, const Gl *gl, int index, int width, int height, int samples, char *why, size_t capacity);
 void          targets_close(Targets *t, const Gl *gl);
 
 #endif

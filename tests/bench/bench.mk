@@ -3,6 +3,7 @@
 #   make bench                                   the scenes of the published tables; writes build/bench.json and prints a table
 #   make bench SCENE=towers ENGINE=digbox N=200  one scene, one engine, one size
 #   make bench SCENE=digs                        membership and messages: 5000 DIGs of 50, against a flat union-find
+#   make bench SCENE=render                      frames a second: time per phase, one and two processes, error of the edges
 #   make bench FULL=1                            also 16,000 spheres, 100,000 bodies in a room, 1,000,000 fixed boxes
 #   make bench LIMIT=60 TOTAL=1200 REPEATS=5     seconds for one run, for all of them, and how often
 #   make bench REPORT=only                       the table again, from the rows of the last run
@@ -32,6 +33,9 @@ bench:                                          ## time per step against other e
 ifeq ($(SCENE),digs)
 bench-run: $(bench_dir)/digs
 	@$(bench_dir)/digs
+else ifeq ($(SCENE),render)
+bench-run: $(bench_dir)/render
+	@$(bench_dir)/render $(or $(N),300) $(bench_dir)/frames
 else
 bench-run: $(bench_programs) $(bench_dir)/selftest
 	@$(bench_dir)/selftest
@@ -55,6 +59,8 @@ $(bench_dir)/selftest: $(patsubst %,$(bench_dir)/obj/%.o,selftest scene check)
 	$(call say,LINK,$@)$(CC) -o $@ $^ -lm
 $(bench_dir)/digs: $(bench_dir)/obj/digs.o $(core_a)
 	$(call say,LINK,$@)$(CC) -o $@ $^ -pthread $(CORE_LIBS)
+$(bench_dir)/render: $(bench_dir)/obj/render.o $(render_a) $(core_a)
+	$(call say,LINK,$@)$(CC) -o $@ $^ -pthread $(RENDER_LIBS) $(CORE_LIBS)
 $(bench_dir)/bench-digbox: $(core_a)
 $(bench_dir)/bench-%: $(bench_dir)/obj/%.o $(patsubst tests/bench/%.c,$(bench_dir)/obj/%.o,$(bench_common))
 	$(call say,LINK,$@)$(if $(filter digbox,$*),$(CC),$(CXX)) -o $@ $(filter %.o,$^) $(bench_libs-$*) -lm
