@@ -101,8 +101,10 @@ $(core_a) $(render_a) $(lua_a): $(BUILD)/sources.txt
 	$(call say,AR,$@)rm -f $@ && ar rcsD $@ $(filter %.o,$^)
 
 $(BUILD)/obj/lua/%.o $(BUILD)/obj/embedded.o: extra = $(LUA_CFLAGS) -Ilua
-# Pictures are worked on pixel by pixel: loops that the compiler turns into wide instructions, to the same bits.
-$(BUILD)/obj/engine/render/%.o:               extra = $(RENDER_CFLAGS) $(if $(filter 1,$(DEBUG) $(SANITIZE)),,-O3)
+$(BUILD)/obj/engine/render/%.o:               extra = $(RENDER_CFLAGS)
+# Loops over pixels, which the compiler turns into wide instructions, to the same bits.
+pixel_loops := $(if $(filter 1,$(DEBUG) $(SANITIZE)),,-O3)
+$(patsubst %,$(BUILD)/obj/engine/render/%.o,blur cast light png smooth): extra = $(RENDER_CFLAGS) $(pixel_loops)
 $(BUILD)/obj/engine/crowd/%.o:                extra = -Wno-psabi  # of wide numbers: they are passed to inlined functions only
 
 $(BUILD)/obj/%.o: %.c $(BUILD)/flags.txt

@@ -320,39 +320,26 @@ static ProgramKey key_for(const DrawItem *d, ProgramKind kind)
         return key;
     }
     /* data layers need the form only */
-    return (ProgramKey){.kind = kind, .form = kind == PROGRAM_CASTER ? FORM_SMOOTH : d->key.form};
+    return (ProgramKey){.kind = kind, .form = d->key.form};
 }
 
-/* Casters may be coarser than what is seen: their maps have fewer texels than the picture has pixels, and are smoothed. */
-static int coarser_mesh(int mesh, int levels)
-{
-    if (mesh < MESH_SPHERE || mesh >= MESH_BUILT_IN)
-        return mesh;
-    int level = (mesh - MESH_SPHERE) % MESH_LEVELS;
-    return mesh - int_min(level, levels);
-}
-
-dig_status batches_draw(const Batches *b, const Meshes *meshes, Programs *programs, const Gl *gl, ProgramKind kind, const float *to_map,
-                        int coarser, char *why, size_t capacity)
+dig_status batches_draw(const Batches *b, const Meshes *meshes, Programs *programs, const Gl *gl, ProgramKind kind, char *why,
+                        size_t capacity)
 {
     int end;
     for (int i = 0; i < b->count; i = end) {
         const DrawItem *d = &b->items[i];
         for (end = i + 1; end < b->count && b->items[end].order == d->order; end++) {
         }
-        if (kind == PROGRAM_CASTER && !d->caster)
-            continue;
         const Program *program = programs_get(programs, gl, key_for(d, kind), why, capacity);
         if (!program)
             return DIG_E_FORMAT;
         gl->UseProgram(program->name);
-        if (to_map)
-            gl->UniformMatrix4fv(program->matrix, 1, GL_FALSE, to_map);
         if (d->closed)
             gl->Enable(GL_CULL_FACE);
         else
             gl->Disable(GL_CULL_FACE);
-        const GpuMesh *mesh = &meshes->entry[coarser_mesh(d->mesh, coarser)];
+        const GpuMesh *mesh = &meshes->entry[d->mesh];
         gl->BindVertexArray(mesh->array);
         aim(gl, b->buffer, i);
         gl->DrawElementsInstanced(GL_TRIANGLES, mesh->index_count, GL_UNSIGNED_INT, NULL, end - i);

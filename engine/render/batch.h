@@ -52,10 +52,9 @@ typedef struct BatchEye {       /* from where it is drawn */
 dig_status batches_build(Batches *b, Meshes *meshes, const Gl *gl, const View *v, const Stage *s, const BatchEye *eye, uint64_t draw);
 void       batches_close(Batches *b, const Gl *gl);
 
-/* Draws everything with programs of `kind`; casters only for PROGRAM_CASTER, which takes the matrix `to_map`. Round solids are drawn
- * so many levels coarser than they are seen. */
-dig_status batches_draw(const Batches *b, const Meshes *meshes, Programs *programs, const Gl *gl, ProgramKind kind, const float *to_map,
-                        int coarser, char *why, size_t capacity);
+/* Draws everything with programs of `kind`. */
+dig_status batches_draw(const Batches *b, const Meshes *meshes, Programs *programs, const Gl *gl, ProgramKind kind, char *why,
+                        size_t capacity);
 
 /* A colour for each DIG, well apart from those of its neighbours; linear. */
 void dig_colour(uint32_t dig, float colour[3]);

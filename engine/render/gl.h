@@ -68,7 +68,6 @@
     X(PFNGLGETUNIFORMLOCATIONPROC, GetUniformLocation)                  \
     X(PFNGLLINKPROGRAMPROC, LinkProgram)                                \
     X(PFNGLPIXELSTOREIPROC, PixelStorei)                                \
-    X(PFNGLPOLYGONOFFSETPROC, PolygonOffset)                            \
     X(PFNGLREADBUFFERPROC, ReadBuffer)                                  \
     X(PFNGLREADPIXELSPROC, ReadPixels)                                  \
     X(PFNGLRENDERBUFFERSTORAGEMULTISAMPLEPROC, RenderbufferStorageMultisample) \
@@ -80,7 +79,6 @@
     X(PFNGLUNIFORM1IPROC, Uniform1i)                                    \
     X(PFNGLUNIFORM2FPROC, Uniform2f)                                    \
     X(PFNGLUNIFORMBLOCKBINDINGPROC, UniformBlockBinding)                \
-    X(PFNGLUNIFORMMATRIX4FVPROC, UniformMatrix4fv)                      \
     X(PFNGLUSEPROGRAMPROC, UseProgram)                                  \
     X(PFNGLVERTEXATTRIBDIVISORPROC, VertexAttribDivisor)                \
     X(PFNGLVERTEXATTRIBIPOINTERPROC, VertexAttribIPointer)              \

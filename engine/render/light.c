@@ -1,10 +1,11 @@
-/* render/light.c - draws the shadow casters and works out the light on the floor. */
+/* render/light.c - works out what the sun and the sky reach. */
 #include "render/light.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 
 static const real BIAS = 0.0015;        /* scene units by which a thing must lie behind another to be in its shadow   */
+static const float SLOPE = 1.5f;          /* texels of steepness by which the sun map lies behind its surfaces         */
 static const real SPREAD = 0.09;        /* rad, how fast a shadow's edge widens: a hazy sun, wider than the real one */
 static const real MID_BLUR = 0.022, WIDE_BLUR = 0.085;      /* scene units, half widths of the softer shadows     */
 
@@ -23,17 +24,6 @@ static GLuint make_texture(const Gl *gl, GLint format, GLenum layout, GLenum typ
     return name;
 }
 
-static GLuint make_target(const Gl *gl, GLuint depth)
-{
-    GLuint name = 0;
-    gl->GenFramebuffers(1, &name);
-    gl->BindFramebuffer(GL_FRAMEBUFFER, name);
-    gl->FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth, 0);
-    gl->DrawBuffer(GL_NONE);
-    gl->ReadBuffer(GL_NONE);
-    return name;
-}
-
 /* Compared by the hardware, smoothly between texels; beyond the map there is no shadow. */
 static void make_sun_map(Light *l, const Gl *gl)
 {
@@ -44,23 +34,14 @@ static void make_sun_map(Light *l, const Gl *gl)
     gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
     gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
     gl->TexParameterfv(GL_TEXTURE_2D, GL_TEXTURE_BORDER_COLOR, far);
-    l->sun_target = make_target(gl, l->sun_map);
 }
 
 dig_status light_open(Light *l, const Gl *gl, char *why, size_t capacity)
 {
     enum { HEIGHTS = HEIGHT_SIZE * HEIGHT_SIZE, FLOORS = FLOOR_SIZE * FLOOR_SIZE, SUNS = SUN_SIZE * SUN_SIZE };
     make_sun_map(l, gl);
-    bool whole = gl->CheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
-    l->height_depth = make_texture(gl, GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, HEIGHT_SIZE, GL_NEAREST);
-    l->height_target = make_target(gl, l->height_depth);
-    whole = whole && gl->CheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
     l->height_map = make_texture(gl, GL_RG32F, GL_RG, GL_FLOAT, HEIGHT_SIZE, GL_LINEAR);
     l->floor_map = make_texture(gl, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, FLOOR_SIZE, GL_LINEAR);
-    if (!whole) {
-        snprintf(why, capacity, "the driver cannot draw into a depth texture");
-        return DIG_E_FULL;
-    }
     l->sun = malloc(SUNS * sizeof *l->sun);
     /* zeroed: the shadow fields are read, with no weight, even when there is no sun */
     l->above = calloc(7 * HEIGHTS, sizeof *l->above);
@@ -85,9 +66,9 @@ dig_status light_open(Light *l, const Gl *gl, char *why, size_t capacity)
 
 void light_close(Light *l, const Gl *gl)
 {
-    GLuint textures[] = {l->sun_map, l->height_depth, l->height_map, l->floor_map}, targets[] = {l->sun_target, l->height_target};
-    gl->DeleteTextures(4, textures);
-    gl->DeleteFramebuffers(2, targets);
+    GLuint textures[] = {l->sun_map, l->height_map, l->floor_map};
+    gl->DeleteTextures(3, textures);
+    cast_close(&l->casters);
     free(l->sun);
     free(l->above);
     free(l->shade);
@@ -174,12 +155,12 @@ static real sun_matrix(float m[16], const Stage *s, vec3 sun, vec3 eye)
     return half;
 }
 
-/* From above (direction 1) or below (-1). */
-static void height_matrix(float m[16], const Ground *g, vec3 eye, real direction)
+/* Seen from above. */
+static void height_matrix(float m[16], const Ground *g, vec3 eye)
 {
     real middle = 0.5 * (g->high + g->low), half = 0.5 * (g->high - g->low);
-    vec3 row[3] = {{1 / g->half, 0, 0}, {0, 1 / g->half, 0}, {0, 0, -direction / half}};
-    real last[3] = {(eye.x - g->x) / g->half, (eye.y - g->y) / g->half, -direction * (eye.z - middle) / half};
+    vec3 row[3] = {{1 / g->half, 0, 0}, {0, 1 / g->half, 0}, {0, 0, -1 / half}};
+    real last[3] = {(eye.x - g->x) / g->half, (eye.y - g->y) / g->half, -(eye.z - middle) / half};
     set_rows(m, row, last);
 }
 
@@ -191,37 +172,11 @@ static void clip_to_unit(float out[16], const float in[16])
 
 /* ---- heights ---------------------------------------------------------- */
 
-typedef struct Cast {           /* what every pass of casters needs */
-    const Batches *batches;
-    const Meshes  *meshes;
-    Programs      *programs;
-    const Gl      *gl;
-    char          *why;
-    size_t         capacity;
-} Cast;
-
-static dig_status cast_depth(const Cast *c, GLuint target, int size, const float *to_map, int coarser, float *out)
+static void cast_sun(Light *l, const Gl *gl, const float to_map[16])
 {
-    const Gl *gl = c->gl;
-    gl->BindFramebuffer(GL_FRAMEBUFFER, target);
-    gl->Viewport(0, 0, size, size);
-    gl->Clear(GL_DEPTH_BUFFER_BIT);
-    DIG_TRY(batches_draw(c->batches, c->meshes, c->programs, gl, PROGRAM_CASTER, to_map, coarser, c->why, c->capacity));
-    if (out)
-        gl->ReadPixels(0, 0, size, size, GL_DEPTH_COMPONENT, GL_FLOAT, out);
-    return DIG_OK;
-}
-
-static dig_status cast_heights(Light *l, const Cast *c, const Ground *g, vec3 eye)
-{
-    float to_map[16];
-    height_matrix(to_map, g, eye, 1);
-    DIG_TRY(cast_depth(c, l->height_target, HEIGHT_SIZE, to_map, MESH_LEVELS, l->above));
-    height_matrix(to_map, g, eye, -1);
-    c->gl->CullFace(GL_FRONT);
-    dig_status status = cast_depth(c, l->height_target, HEIGHT_SIZE, to_map, MESH_LEVELS, l->below);
-    c->gl->CullFace(GL_BACK);
-    return status;
+    cast_nearest(&l->casters, to_map, SUN_SIZE, SLOPE, l->sun);
+    gl->BindTexture(GL_TEXTURE_2D, l->sun_map);
+    gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, SUN_SIZE, SUN_SIZE, GL_DEPTH_COMPONENT, GL_FLOAT, l->sun);
 }
 
 static int texels_of(real length, real texel) { return (int)real_clamp(length / texel + 0.5, 1, HEIGHT_SIZE / 4); }
@@ -421,25 +376,19 @@ static void set_shading(Frame *f, const Stage *s, const Ground *g)
     f->shade[3] = (float)(2.5 * s->typical);
 }
 
-dig_status light_cast(Light *l, const Batches *b, const Meshes *meshes, Programs *programs, const Gl *gl, const Stage *s, bool shadows,
-                      Frame *frame, char *why, size_t capacity)
+dig_status light_cast(Light *l, const Batches *b, const Meshes *meshes, const Gl *gl, const Stage *s, bool shadows, Frame *frame)
 {
-    Cast cast = {b, meshes, programs, gl, why, capacity};
     vec3 eye = vec3_from(frame->eye), sun = vec3_from(frame->sun);
     Ground ground = find_ground(s, sun);
     bool floor = s->floor_item >= 0, floor_shadow = floor && shadows && sun.z > 0.02;
     float to_map[16];
-    gl->Enable(GL_DEPTH_CLAMP);
-    gl->Enable(GL_POLYGON_OFFSET_FILL);
-    gl->PolygonOffset(1.5f, 4.0f);
+    DIG_TRY(cast_gather(&l->casters, b, meshes, 1));
     real half = sun_matrix(to_map, s, sun, eye);
     clip_to_unit(frame->to_sun, to_map);
-    dig_status status = shadows ? cast_depth(&cast, l->sun_target, SUN_SIZE, to_map, 1, floor_shadow ? l->sun : NULL) : DIG_OK;
-    gl->Disable(GL_POLYGON_OFFSET_FILL);
-    if (status == DIG_OK)
-        status = cast_heights(l, &cast, &ground, eye);
-    gl->Disable(GL_DEPTH_CLAMP);
-    DIG_TRY(status);
+    if (shadows)
+        cast_sun(l, gl, to_map);
+    height_matrix(to_map, &ground, eye);
+    cast_heights(&l->casters, to_map, HEIGHT_SIZE, l->above, l->below);
     set_shading(frame, s, &ground);
     frame->sun_colour[3] = (float)(0.9 / SUN_SIZE);
     frame->sun[3] = (float)(0.5 * BIAS / half);

@@ -6,19 +6,20 @@
  * from them, and the part of the sky hidden by what stands on it; a pixel of the floor costs one fetch.
  * Bodies take the hidden sky from heights seen from above, smoothed over two widths: each column counts as filled.
  *
- * Owns:  textures, framebuffers and working arrays.
+ * Owns:  textures, the casters and working arrays.
  * Floor: render.
  */
 #ifndef DIG_LIGHT_H
 #define DIG_LIGHT_H
 
-#include "render/batch.h"
+#include "render/cast.h"
 
 enum { SUN_SIZE = 1024, HEIGHT_SIZE = 256, FLOOR_SIZE = 512 };      /* texels a side */
 
 typedef struct Light {
-    GLuint sun_target, sun_map, height_target, height_depth, height_map, floor_map;
-    float *sun;                         /* [SUN_SIZE^2] depths read back                                        */
+    GLuint  sun_map, height_map, floor_map;
+    Casters casters;
+    float *sun;                         /* [SUN_SIZE^2] depths along the sun                                    */
     float *above, *below;               /* [HEIGHT_SIZE^2] depths from above and below: tops and undersides      */
     float *sky, *wide, *blur;           /* [HEIGHT_SIZE^2] of the floor: sky seen, soft shadow, width of its edges */
     float *pair;                        /* [2 HEIGHT_SIZE^2] heights for bodies, smoothed narrowly and widely    */
@@ -30,9 +31,8 @@ typedef struct Light {
 dig_status light_open(Light *l, const Gl *gl, char *why, size_t capacity);
 void       light_close(Light *l, const Gl *gl);
 
-/* Draws the casters and fills the maps; sets the frame's to_sun, top and shade. frame->sun and ->eye are set before. */
-dig_status light_cast(Light *l, const Batches *b, const Meshes *meshes, Programs *programs, const Gl *gl, const Stage *s, bool shadows,
-                      Frame *frame, char *why, size_t capacity);
+/* Fills the maps; sets the frame's to_sun, top and shade. frame->sun and ->eye are set before. Without memory: DIG_E_MEMORY. */
+dig_status light_cast(Light *l, const Batches *b, const Meshes *meshes, const Gl *gl, const Stage *s, bool shadows, Frame *frame);
 
 /* Smooths n x n values in place by a running mean over 2 radius + 1 texels, both ways; edges repeat. */
 void blur_box(float *data, float *scratch, int n, int radius);

@@ -23,6 +23,13 @@ int mesh_level(real radius)
     return MESH_LEVELS - 1;
 }
 
+int mesh_coarser(int mesh, int levels)
+{
+    if (mesh < MESH_SPHERE || mesh >= MESH_BUILT_IN)
+        return mesh;
+    return mesh - int_min((mesh - MESH_SPHERE) % MESH_LEVELS, levels);
+}
+
 real mesh_chord(int level) { return cos(DIG_PI / level_segments[level]); }
 
 static bool draft_open(MeshDraft *d, int vertex_count, int index_count)
@@ -287,7 +294,7 @@ static bool draft_view(MeshDraft *d, const ViewMesh *m)
 
 /* ---- buffers ---------------------------------------------------------- */
 
-static void upload(GpuMesh *mesh, const Gl *gl, const MeshDraft *d)
+static void upload(GpuMesh *mesh, const Gl *gl, MeshDraft *d)
 {
     gl->GenVertexArrays(1, &mesh->array);
     gl->GenBuffers(1, &mesh->vertices);
@@ -302,6 +309,10 @@ static void upload(GpuMesh *mesh, const Gl *gl, const MeshDraft *d)
     gl->EnableVertexAttribArray(1);
     gl->VertexAttribPointer(1, 4, GL_FLOAT, GL_FALSE, sizeof(MeshVertex), (const void *)offsetof(MeshVertex, normal));
     mesh->index_count = d->index_count;
+    mesh->vertex_count = d->vertex_count;
+    mesh->corners = d->vertices;
+    mesh->list = d->indices;
+    *d = (MeshDraft){0};        /* the mesh owns the arrays now */
 }
 
 static void release(GpuMesh *mesh, const Gl *gl)
@@ -311,6 +322,8 @@ static void release(GpuMesh *mesh, const Gl *gl)
         gl->DeleteBuffers(1, &mesh->vertices);
         gl->DeleteBuffers(1, &mesh->indices);
     }
+    free(mesh->corners);
+    free(mesh->list);
     *mesh = (GpuMesh){0};
 }
 

@@ -20,17 +20,20 @@ enum { MESH_BOX, MESH_QUAD, MESH_SPHERE, MESH_CAPSULE = MESH_SPHERE + MESH_LEVEL
        MESH_CONE = MESH_CYLINDER + MESH_LEVELS, MESH_BUILT_IN = MESH_CONE + MESH_LEVELS, MESH_CAPACITY = 4096,
        MESH_PROBES = 64 };     /* places where a key may lie */
 
+typedef struct MeshVertex { float shape[3], normal[3], shift; } MeshVertex;
+
 typedef struct GpuMesh {
     uint64_t key;           /* hash of the contents                          */
     uint64_t used;          /* number of the draw that used it last          */
     GLuint   array, vertices, indices;
     GLsizei  index_count;   /* 0 = free entry                                */
     bool     closed;        /* every edge has its twin: back faces are hidden */
+    MeshVertex *corners;    /* [vertex_count] the same here, for the depths that the CPU draws */
+    uint32_t   *list;       /* [index_count] */
+    int         vertex_count;
 } GpuMesh;
 
 typedef struct Meshes { GpuMesh entry[MESH_CAPACITY]; } Meshes;
-
-typedef struct MeshVertex { float shape[3], normal[3], shift; } MeshVertex;
 
 /* Makes the ready-made solids. DIG_E_MEMORY leaves what is there to meshes_close. */
 dig_status meshes_open(Meshes *meshes, const Gl *gl);
@@ -43,6 +46,9 @@ uint64_t mesh_hash(const ViewMesh *m);
 
 /* Fineness at which the outline of a solid of `radius` pixels is off by half a pixel at most. */
 int mesh_level(real radius);
+
+/* The same solid so many levels coarser, the coarsest at the least; own meshes have one level. */
+int mesh_coarser(int mesh, int levels);
 
 /* Cosine of half a segment: how far the middles of the chords lie from the axis, in radii. */
 real mesh_chord(int level);

@@ -218,7 +218,7 @@ static dig_status paint_layer(Renderer *r, const RenderOptions *o, const Target 
     gl->BindFramebuffer(GL_FRAMEBUFFER, t->draw);
     gl->Viewport(0, 0, t->width, t->height);
     clear(gl, o->layer);
-    DIG_TRY(batches_draw(&r->batches, &r->meshes, &r->programs, gl, kinds[o->layer], NULL, 0, r->error, sizeof r->error));
+    DIG_TRY(batches_draw(&r->batches, &r->meshes, &r->programs, gl, kinds[o->layer], r->error, sizeof r->error));
     return o->layer == RENDER_COLOUR ? paint_sky(r) : DIG_OK;
 }
 
@@ -245,7 +245,11 @@ dig_status paint(Renderer *r, const View *v, const RenderOptions *o, const Targe
     }
     if (colour) {
         real began = cpu_us();
-        DIG_TRY(light_cast(&r->light, &r->batches, &r->meshes, &r->programs, gl, &s, o->shadows, &frame, r->error, sizeof r->error));
+        status = light_cast(&r->light, &r->batches, &r->meshes, gl, &s, o->shadows, &frame);
+        if (status != DIG_OK) {
+            snprintf(r->error, sizeof r->error, "no memory for the shadows of %d items", v->item_count);
+            return status;
+        }
         r->times.light += 1e-3 * (cpu_us() - began);
     }
     programs_set_frame(&r->programs, gl, &frame);

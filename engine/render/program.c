@@ -101,7 +101,7 @@ static bool build(const Gl *gl, ProgramKey key, Program *out, char *why, size_t 
         return false;
     }
     wire_textures(gl, program);
-    *out = (Program){program_key_bits(key), program, gl->GetUniformLocation(program, "to_map")};
+    *out = (Program){program_key_bits(key), program};
     return true;
 }
 

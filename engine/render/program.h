@@ -11,8 +11,8 @@
 
 #include "render/gl.h"
 
-typedef enum ProgramKind { PROGRAM_SURFACE, PROGRAM_SKY, PROGRAM_DEPTH, PROGRAM_ID, PROGRAM_NORMAL, PROGRAM_CASTER, PROGRAM_STROKE,
-                           PROGRAM_GLYPH, PROGRAM_KIND_COUNT } ProgramKind;
+typedef enum ProgramKind { PROGRAM_SURFACE, PROGRAM_SKY, PROGRAM_DEPTH, PROGRAM_ID, PROGRAM_NORMAL, PROGRAM_STROKE, PROGRAM_GLYPH,
+                           PROGRAM_KIND_COUNT } ProgramKind;
 
 /* How a surface gets its normal. */
 typedef enum ProgramForm { FORM_SMOOTH, FORM_SPHERE, FORM_BOX, FORM_CYLINDER, FORM_TWO_SIDED, FORM_MESH, FORM_COUNT } ProgramForm;
@@ -47,7 +47,7 @@ typedef struct Frame {
     float screen[4];                            /* 2 / width, 2 / height, lower end of the sky (-1..1)        */
 } Frame;
 
-typedef struct Program { uint32_t key; GLuint name; GLint matrix; } Program;
+typedef struct Program { uint32_t key; GLuint name; } Program;
 
 typedef struct Programs {
     Program entry[PROGRAM_CAPACITY];

@@ -272,7 +272,7 @@ static const char sky_fragment[] =
     "    pixel = vec4(c * 1.03 / (c + 0.155), 1.0);\n"
     "}\n";
 
-/* ---- depth, id, normal, shadow casters -------------------------------- */
+/* ---- depth, id, normal ------------------------------------------------ */
 
 static const char plain_vertex[] =
     "out vec3 v_rel, v_p, v_n;\n"
@@ -328,12 +328,6 @@ static const char normal_main[] =
     "#endif\n"
     "    pixel = vec4(vec3(dot(world[0].xyz, n), dot(world[1].xyz, n), dot(world[2].xyz, n)) * 0.5 + 0.5, 1.0);\n"
     "}\n";
-
-static const char caster_vertex[] =
-    "uniform mat4 to_map;\n"
-    "void main() { gl_Position = to_map * vec4(turn(turning, own()) + place.xyz, 1.0); }\n";
-
-static const char caster_fragment[] = "void main() {}\n";
 
 /* ---- overlay: strokes and glyphs in pixels ----------------------------- */
 
@@ -393,7 +387,6 @@ const ShaderSource shader_sources[PROGRAM_KIND_COUNT] = {
     [PROGRAM_DEPTH] = {{frame_block, solid_inputs, plain_vertex}, {frame_block, plain_inputs, depth_main}},
     [PROGRAM_ID] = {{frame_block, solid_inputs, plain_vertex}, {frame_block, plain_inputs, id_main}},
     [PROGRAM_NORMAL] = {{frame_block, solid_inputs, plain_vertex}, {frame_block, plain_inputs, surface_normal, normal_main}},
-    [PROGRAM_CASTER] = {{solid_inputs, caster_vertex}, {caster_fragment}},
     [PROGRAM_STROKE] = {{frame_block, stroke_vertex}, {stroke_fragment}},
     [PROGRAM_GLYPH] = {{frame_block, glyph_vertex}, {glyph_fragment}},
 };
