@@ -22,7 +22,7 @@ typedef struct Instance {       /* as the vertex shader reads it; scene units */
 } Instance;
 
 typedef struct DrawItem {
-    uint64_t   order;           /* program, then mesh                    */
+    uint64_t   order;           /* distance, roughly; program; mesh      */
     float      distance;        /* from the eye: nearer first            */
     int        index;           /* in the view: settles ties             */
     ProgramKey key;
