@@ -409,6 +409,7 @@ int bind_open(lua_State *L)
     bind_watch_open(L, core);
     bind_trace_open(L, core);
     bind_replay_open(L, core);
+    bind_reader_open(L, core);
     bind_region_open(L, core);
     bind_body_open(L, core);
     bind_ask_open(L, core);

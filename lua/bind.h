@@ -66,6 +66,11 @@ void bind_own_open(lua_State *L, int core);
 void bind_message_open(lua_State *L, int core);
 void bind_trace_open(lua_State *L, int core);
 void bind_replay_open(lua_State *L, int core);
+void bind_reader_open(lua_State *L, int core);
+
+/* A view as Lua has it; takes it over. Without a renderer an error. */
+struct View;
+int bind_push_view(lua_State *L, struct View *v);
 
 /* A field of the table on the top of the stack. */
 static inline void bind_set_text(lua_State *L, const char *name, const char *text)

@@ -19,6 +19,7 @@
 #include <unistd.h>
 
 #include "render/render.h"
+#include "state.h"
 
 #ifdef DIGBOX_NO_RENDER
 
@@ -29,13 +30,19 @@ static int no_renderer(lua_State *L)
 
 void bind_film_open(lua_State *L, int core)
 {
-    static const char *const names[] = {"view", "blend", "view_camera", "picture", "pipe", "compare_pictures", "png_text", "renderer"};
+    static const char *const names[] = {"view", "blend", "view_camera", "picture", "pipe", "compare_pictures", "png_text", "png_whole", "pixels", "renderer"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         lua_pushcfunction(L, no_renderer);
         lua_setfield(L, core, names[i]);
     }
     lua_pushboolean(L, 0);
     lua_setfield(L, core, "can_render");
+}
+
+int bind_push_view(lua_State *L, View *v)
+{
+    dig_view_free(v);
+    return no_renderer(L);
 }
 
 #else
@@ -67,6 +74,14 @@ static int view_take(lua_State *L)
     lua_getfield(L, -1, "seed");
     view->v->seed = (uint64_t)lua_tointeger(L, -1);
     lua_pop(L, 2);
+    return 1;
+}
+
+int bind_push_view(lua_State *L, View *v)
+{
+    ViewRef *view = lua_newuserdatauv(L, sizeof *view, 1);
+    *view = (ViewRef){v, v->time, NULL};
+    luaL_setmetatable(L, VIEW);
     return 1;
 }
 
@@ -125,6 +140,13 @@ static real number_field(lua_State *L, int table, const char *name, real otherwi
     return x;
 }
 
+static bool bool_field(lua_State *L, int table, const char *name, bool otherwise)
+{
+    bool x = lua_getfield(L, table, name) == LUA_TBOOLEAN ? lua_toboolean(L, -1) : otherwise;
+    lua_pop(L, 1);
+    return x;
+}
+
 static void triple_field(lua_State *L, int table, const char *name, real out[3])
 {
     if (lua_getfield(L, table, name) != LUA_TNIL) {
@@ -162,6 +184,7 @@ static RenderOptions read_options(lua_State *L, int table)
     o.width = (int)number_field(L, table, "width", o.width);
     o.height = (int)number_field(L, table, "height", o.height);
     o.samples = (int)number_field(L, table, "samples", o.samples);
+    o.smooth = bool_field(L, table, "smooth", false);
     o.layer = (RenderLayer)(int)number_field(L, table, "layer", RENDER_COLOUR);
     o.overlay = (unsigned)number_field(L, table, "overlay", 0);
     o.sky = (int)number_field(L, table, "sky", o.sky);
@@ -172,8 +195,7 @@ static RenderOptions read_options(lua_State *L, int table)
     triple_field(L, table, "sun", sun);
     for (int k = 0; k < 3; k++)
         o.sun[k] = (float)sun[k];
-    if (lua_getfield(L, table, "shadows") == LUA_TBOOLEAN)
-        o.shadows = lua_toboolean(L, -1);
+    o.shadows = bool_field(L, table, "shadows", o.shadows);
     read_lamps(L, table, &o);
     return o;
 }
@@ -227,21 +249,49 @@ static const void *draw(lua_State *L, const ViewRef *view, const RenderOptions *
     return pixels;
 }
 
+/* Draws a picture from a view and its options, or the mean of several in lists of as many: what moves while a shutter is open.
+ * Returns the options of the first. */
+static RenderOptions draw_all(lua_State *L, int views, int options, const void **pixels)
+{
+    int top = lua_gettop(L);
+    if (!lua_istable(L, views)) {
+        const ViewRef *view = luaL_checkudata(L, views, VIEW);
+        lua_pushvalue(L, options);
+        RenderOptions o = read_options(L, top + 1);
+        *pixels = draw(L, view, &o);
+        lua_settop(L, top);
+        return o;
+    }
+    RenderOptions first = render_defaults();
+    int count = (int)lua_rawlen(L, views);
+    for (int i = count; i >= 1; i--) {      /* the first last: overlays show its moment */
+        lua_rawgeti(L, views, i);
+        const ViewRef *view = luaL_checkudata(L, -1, VIEW);
+        lua_rawgeti(L, options, i);
+        RenderOptions o = read_options(L, lua_gettop(L));
+        if (i == 1)
+            first = o;
+        o.moment = count > 1 ? count - i + 1 : 0;
+        o.moments = count > 1 ? count : 0;
+        *pixels = draw(L, view, &o);
+        lua_settop(L, top);
+    }
+    return first;
+}
+
 enum { TEXT_COUNT = 16 };
 
 /* core.picture(view, options, path, {key = value, ...}) */
 static int film_picture(lua_State *L)
 {
-    ViewRef *view = luaL_checkudata(L, 1, VIEW);
     const char *path = luaL_checkstring(L, 3);
     PngText texts[TEXT_COUNT];
     int count = 0;
     char why[512] = "";
     luaL_checkstack(L, 4 * TEXT_COUNT, "too many values");
     lua_settop(L, 4);
-    lua_pushvalue(L, 2);
-    RenderOptions o = read_options(L, 5);
-    const void *pixels = draw(L, view, &o);
+    const void *pixels = NULL;
+    RenderOptions o = draw_all(L, 1, 2, &pixels);
     if (lua_istable(L, 4))
         for (int i = 1; i < 2 * TEXT_COUNT && lua_rawgeti(L, 4, i) != LUA_TNIL; i += 2) {
             lua_rawgeti(L, 4, i + 1);
@@ -327,6 +377,20 @@ static int film_pipe(lua_State *L)
     return 1;
 }
 
+static bool put_all(int fd, const char *bytes, size_t size)
+{
+    while (size > 0) {
+        ssize_t n = write(fd, bytes, size);
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n <= 0)
+            return false;
+        bytes += n;
+        size -= (size_t)n;
+    }
+    return true;
+}
+
 /* pipe:frame(view, options) */
 static int pipe_frame(lua_State *L)
 {
@@ -337,16 +401,57 @@ static int pipe_frame(lua_State *L)
     o.height = p->height;
     o.layer = o.layer == RENDER_NORMAL ? RENDER_NORMAL : RENDER_COLOUR;     /* three bytes a pixel */
     const char *pixels = draw(L, view, &o);
+    if (!put_all(p->fd, pixels, (size_t)p->width * (size_t)p->height * 3))
+        return bind_fail_text(L, DIG_E_FILE, "%s: ffmpeg takes no more frames: %s", p->path, strerror(errno));
+    return 0;
+}
+
+/* core.pixels(views, options, fd): a picture's bytes, three a pixel, to another process */
+static int film_pixels(lua_State *L)
+{
+    const void *pixels = NULL;
+    int fd = (int)luaL_checkinteger(L, 3);
+    RenderOptions o = draw_all(L, 1, 2, &pixels);
+    if (!put_all(fd, pixels, (size_t)o.width * (size_t)o.height * 3))
+        return bind_fail_text(L, DIG_E_FILE, "the frame cannot be handed on: %s", strerror(errno));
+    return 0;
+}
+
+/* pipe:copy(fd) -> whether a whole frame came from there; it goes on to ffmpeg */
+static int pipe_copy(lua_State *L)
+{
+    Pipe *p = luaL_checkudata(L, 1, PIPE);
+    int fd = (int)luaL_checkinteger(L, 2);
+    char part[65536];
     size_t left = (size_t)p->width * (size_t)p->height * 3;
     while (left > 0) {
-        ssize_t n = write(p->fd, pixels, left);
-        if (n < 0 && errno == EINTR)
+        ssize_t n = read(fd, part, left < sizeof part ? left : sizeof part);
+        if (n < 0 && errno == EINTR && !app_signal())
             continue;
-        if (n <= 0)
+        if (n <= 0) {
+            lua_pushboolean(L, 0);
+            return 1;
+        }
+        if (!put_all(p->fd, part, (size_t)n))
             return bind_fail_text(L, DIG_E_FILE, "%s: ffmpeg takes no more frames: %s", p->path, strerror(errno));
-        pixels += n;
         left -= (size_t)n;
     }
+    lua_pushboolean(L, 1);
+    return 1;
+}
+
+/* pipe:drop(): no film */
+static int pipe_drop(lua_State *L)
+{
+    Pipe *p = luaL_checkudata(L, 1, PIPE);
+    if (p->pid == 0)
+        return 0;
+    kill(p->pid, SIGTERM);
+    close(p->fd);
+    while (waitpid(p->pid, NULL, 0) < 0 && errno == EINTR)
+        continue;
+    p->pid = 0;
+    remove(p->temporary);
     return 0;
 }
 
@@ -474,11 +579,19 @@ static int film_png_text(lua_State *L)
     return 1;
 }
 
+/* core.png_whole(path) -> whether every chunk is there and as it was written */
+static int film_png_whole(lua_State *L)
+{
+    lua_pushboolean(L, png_whole(luaL_checkstring(L, 1)));
+    return 1;
+}
+
 /* ---- tables ---------------------------------------------------------------------------------- */
 
 static const luaL_Reg functions[] = {
     {"view", view_take}, {"blend", view_blend_to}, {"view_camera", view_camera}, {"picture", film_picture}, {"pipe", film_pipe},
-    {"compare_pictures", film_compare}, {"png_text", film_png_text}, {"renderer", renderer_describe}, {NULL, NULL},
+    {"compare_pictures", film_compare}, {"png_text", film_png_text}, {"renderer", renderer_describe},
+    {"png_whole", film_png_whole}, {"pixels", film_pixels}, {NULL, NULL},
 };
 
 static void plain_type(lua_State *L, int core, const char *name, const luaL_Reg *methods, lua_CFunction gc)
@@ -490,7 +603,7 @@ static void plain_type(lua_State *L, int core, const char *name, const luaL_Reg 
 void bind_film_open(lua_State *L, int core)
 {
     static const luaL_Reg none[] = {{NULL, NULL}};
-    static const luaL_Reg pipe_methods[] = {{"frame", pipe_frame}, {"close", pipe_close}, {NULL, NULL}};
+    static const luaL_Reg pipe_methods[] = {{"frame", pipe_frame}, {"close", pipe_close}, {"copy", pipe_copy}, {"drop", pipe_drop}, {NULL, NULL}};
     plain_type(L, core, VIEW, none, view_gc);
     plain_type(L, core, RENDERER, none, renderer_gc);
     plain_type(L, core, PIPE, pipe_methods, pipe_gc);

@@ -27,7 +27,7 @@ typedef struct Command {
 } Command;
 
 extern const Command run_command, test_command, check_command, cost_command, export_command, diff_command,
-                     verify_command;
+                     verify_command, render_command;
 
 /* Prints `digbox: ...` and where help is; returns the exit code. */
 int usage_error(const char *format, ...);

@@ -16,7 +16,7 @@
 
 static const Command *const commands[] = {
     &run_command, &test_command, &check_command, &cost_command, &export_command, &diff_command,
-    &verify_command,
+    &verify_command, &render_command,
 };
 enum { COMMAND_COUNT = sizeof commands / sizeof *commands };
 

@@ -25,6 +25,8 @@ struct Renderer {
     GLuint     empty;               /* vertex array without attributes, for the sky */
     uint64_t   draw;                /* pictures so far */
     void      *pixels, *raw;        /* of the last picture: as handed out; as read, bottom row first */
+    uint32_t  *sum;                 /* of the moments of a blurred picture so far: squares of levels, about as light adds */
+    size_t     sum_capacity;
     size_t     pixel_capacity, raw_capacity;
     char       description[200], error[400];
 };

@@ -336,6 +336,36 @@ static bool decode(png_structp png, png_infop info, PngImage *image)
     return true;
 }
 
+/* Reads all rows, of whatever kind. */
+static bool unpack(png_structp png, png_infop info)
+{
+    if (setjmp(png_jmpbuf(png)))
+        return false;
+    png_set_user_limits(png, 16384, 16384);
+    png_read_info(png, info);
+    png_bytep row = png_malloc(png, png_get_rowbytes(png, info));
+    for (png_uint_32 y = 0; y < png_get_image_height(png, info); y++)
+        png_read_row(png, row, NULL);
+    png_free(png, row);
+    png_read_end(png, NULL);
+    return true;
+}
+
+bool png_whole(const char *path)
+{
+    PngSink sink = {.file = fopen(path, "rb")};
+    if (!sink.file)
+        return false;
+    png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &sink, png_failed, png_warned);
+    png_infop info = png ? png_create_info_struct(png) : NULL;
+    if (info)
+        png_set_read_fn(png, &sink, get_bytes);
+    bool whole = info && unpack(png, info);
+    png_destroy_read_struct(png ? &png : NULL, info ? &info : NULL, NULL);
+    fclose(sink.file);
+    return whole;
+}
+
 dig_status png_read(const char *path, int *width, int *height, unsigned char **pixels, char *why, size_t capacity)
 {
     PngSink sink = {0};

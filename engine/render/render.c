@@ -105,6 +105,7 @@ void render_close(Renderer *r)
     }
     r->backend->close(r->context);
     smooth_close(&r->smooth);
+    free(r->sum);
     free(r->pixels);
     free(r->raw);
     free(r);
@@ -158,6 +159,8 @@ static dig_status check_options(Renderer *r, const RenderOptions *o)
         return refuse(r, "size = %d x %d pixels, must be 1 to %d each way", o->width, o->height, LARGEST);
     if (o->samples != 0 && o->samples != 2 && o->samples != 4)
         return refuse(r, "samples = %d, must be 0, 2 or 4", o->samples);
+    if (o->moments < 0 || o->moments > 64 || (o->moments > 0 ? o->moment < 1 : o->moment != 0) || o->moment > o->moments)
+        return refuse(r, "moment %d of %d, must be 1 to 64 or both 0", o->moment, o->moments);
     if ((int)o->layer < 0 || (int)o->layer >= LAYER_COUNT)
         return refuse(r, "layer = %d, must be 0 to %d", (int)o->layer, LAYER_COUNT - 1);
     if (o->sky < 0 || o->sky > 3)
@@ -228,6 +231,26 @@ static dig_status finish_pixels(Renderer *r, const RenderOptions *o)
     return DIG_OK;
 }
 
+/* Adds a moment to the sum; the last one leaves the mean in r->pixels. Squares of levels add about as light does. */
+static dig_status add_moment(Renderer *r, const RenderOptions *o)
+{
+    size_t count = 3 * (size_t)o->width * (size_t)o->height;
+    unsigned char *pixels = r->pixels;
+    void *sum = r->sum;
+    if (!reserve(&sum, &r->sum_capacity, count * sizeof *r->sum)) {
+        r->sum = NULL;
+        return no_room(r, o);
+    }
+    r->sum = sum;
+    if (o->moment == 1)
+        memset(r->sum, 0, count * sizeof *r->sum);
+    for (size_t i = 0; i < count; i++)
+        r->sum[i] += (uint32_t)pixels[i] * pixels[i];
+    for (size_t i = 0; o->moment == o->moments && i < count; i++)
+        pixels[i] = (unsigned char)(sqrtf((float)r->sum[i] / (float)o->moments) + 0.5f);
+    return DIG_OK;
+}
+
 static dig_status lay_overlay(Renderer *r, const View *v, const RenderOptions *o)
 {
     const Target *t = targets_get(&r->targets, &r->gl, TARGET_OVERLAY, o->width, o->height, 0, r->error, sizeof r->error);
@@ -264,7 +287,9 @@ static dig_status draw_bound(Renderer *r, const View *v, const RenderOptions *o)
     lap(&clock, &r->times.read);
     DIG_TRY(finish_pixels(r, o));
     lap(&clock, &r->times.smooth);
-    return o->overlay && o->layer == RENDER_COLOUR ? lay_overlay(r, v, o) : DIG_OK;
+    if (o->moments > 1 && o->layer == RENDER_COLOUR)
+        DIG_TRY(add_moment(r, o));
+    return o->overlay && o->layer == RENDER_COLOUR && o->moment == o->moments ? lay_overlay(r, v, o) : DIG_OK;
 }
 
 dig_status render_draw(Renderer *r, const View *v, const RenderOptions *o, const void **pixels)

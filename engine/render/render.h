@@ -30,6 +30,7 @@ typedef struct RenderLamp { real at[3]; float power; float colour[3]; } RenderLa
 typedef struct RenderOptions {
     int          width, height;         /* 1..16384 px                              */
     int          samples;               /* a pixel, by the driver: 0, 2 or 4        */
+    int          moment, moments;       /* 0, 0; or a share of a blurred picture: 1..moments, drawn in order */
     bool         smooth;                /* edges, after drawing (render/smooth.h); not with samples */
     RenderLayer  layer;
     unsigned     overlay;
@@ -82,6 +83,9 @@ dig_status png_encode(RenderLayer layer, int width, int height, const void *pixe
                       char *why, size_t capacity);
 dig_status png_save(const char *path, const PngBytes *bytes, bool flush, char *why, size_t capacity);
 void       png_release(PngBytes *bytes);
+
+/* Whether all of a PNG file is there: signature, each chunk with its checksum, the end, and image data that unpacks. */
+bool png_whole(const char *path);
 
 /* Reads an 8-bit RGB png back (for golden tests). Free *pixels with free(). */
 dig_status png_read(const char *path, int *width, int *height, unsigned char **pixels, char *why, size_t capacity);

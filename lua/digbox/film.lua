@@ -84,21 +84,27 @@ local function place(target)
   return target
 end
 
--- Where the camera stands now: {at, look_at, up, fov}. What it does not say is chosen so that everything is seen.
-local function resolve(cam, view, aspect)
-  local f = cam and cam[1] or {}
-  local fov = f.fov or default_fov
+-- {at, look_at, up, fov} from what is said; what is not is chosen so that everything is seen.
+function core.resolve_camera(said, view, aspect)
+  local fov, target = said.fov or default_fov, said.look_at
   local at, look_at, up = core.view_camera(view, fov, aspect)
-  local target = place(f.look_at) or f.follow and place(f.follow)
-  if f.at then
-    local moved = f.follow and f.follow.valid and f.follow.position - cam[3] or core.vec(0, 0, 0)
-    at = f.at + moved
+  if said.at then
+    at = said.at
     look_at = target or look_at
   elseif target then
     at, look_at = at + (target - look_at), target
   end
   if #(look_at - at) <= 0 then core.fail "the camera looks at the point it stands at" end
-  return { at = at, look_at = look_at, up = f.up or up, fov = fov }
+  return { at = at, look_at = look_at, up = said.up or up, fov = fov }
+end
+
+-- Where the camera stands now.
+local function resolve(cam, view, aspect)
+  local f = cam and cam[1] or {}
+  local moved = f.at and f.follow and f.follow.valid and f.follow.position - cam[3]
+  local said = { at = f.at and (moved and f.at + moved or f.at), look_at = place(f.look_at) or f.follow and place(f.follow), up = f.up,
+    fov = f.fov }
+  return core.resolve_camera(said, view, aspect)
 end
 
 local function blend_cameras(a, b, s)
@@ -156,7 +162,7 @@ function core.films_now(world)
       if number == o.layer then layer = name end
     end
     out[i] = { to = film.path, fps = film.fps, first = film.first, frames = film.closed and film.frames or nil, width = o.width,
-      height = o.height, samples = o.samples, layer = layer, overlay = names, camera = camera }
+      height = o.height, samples = not o.smooth and o.samples or nil, layer = layer, overlay = names, camera = camera }
   end
   return out
 end
@@ -188,11 +194,12 @@ local function check_overlay(list, what)
   return bits
 end
 
-local function drawing_options(f, what, world)
+function core.drawing_options(f, what, world)
   local o = {}
   o.width, o.height = check_size(f.size, what)
   o.overlay = check_overlay(f.overlay, what)
-  o.samples = f.samples or 4
+  o.smooth = f.samples == nil or nil       -- without samples edges are smoothed afterwards, which looks the same
+  o.samples = f.samples or 0
   if o.samples ~= 0 and o.samples ~= 2 and o.samples ~= 4 then core.fail("%s: samples = %d, must be 0, 2 or 4", what, o.samples) end
   local layer = f.layer or "colour"
   if not layers[layer] then core.unknown(what .. ":", "unknown layer", layer, layers) end
@@ -204,7 +211,7 @@ end
 
 -- The options of one frame: size and so on, where the camera is, how the scene is lit.
 local function frame_options(o, camera, scene)
-  return { width = o.width, height = o.height, samples = o.samples, layer = o.layer, overlay = o.overlay,
+  return { width = o.width, height = o.height, samples = o.samples, smooth = o.smooth, layer = o.layer, overlay = o.overlay,
     at = camera.at, look_at = camera.look_at, up = camera.up, fov = camera.fov,
     sun = scene.sun, shadows = scene.shadows, sky = scene.sky, lamps = scene.lamps }
 end
@@ -215,6 +222,9 @@ local function texts(world, time)
     "Seed", ("%d"):format(core.state(world).seed or 0), "Script", options.script_name or "", "Script-Hash", options.script_hash or "",
     "Renderer", core.renderer() }
 end
+
+local drawing_options = core.drawing_options
+core.frame_options, core.blend_cameras, core.skies = frame_options, blend_cameras, skies
 
 -- ---- pictures ----
 

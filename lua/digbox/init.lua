@@ -45,6 +45,7 @@ core.use "soft"
 core.use "plank"
 core.use "lattice"
 core.use "film"
+core.use "render"
 core.use "replay"
 
 -- ---- values ----

@@ -1,0 +1,283 @@
+-- digbox/render.lua - `digbox render REPLAY`: frames of a replay, without simulating again.
+--
+-- A frame depends on the replay, the options and its number alone, so any split over processes gives the same files. What the
+-- options do not say is taken from the script's first film, else as in world:record. lua/render.c forks the workers.
+
+local core = ...
+local type, next = type, next
+
+local ON_TIME = 1e-9       -- s; nearer than this a frame falls on a step
+
+-- ---- JSON, as core.json writes it ----
+
+local plain = { ["true"] = true, ["false"] = false }
+local unescaped = { b = "\b", f = "\f", n = "\n", r = "\r", t = "\t" }
+local value_at
+
+local function list_at(text, at)
+  local list = {}
+  if text:match("^%s*%]", at) then return list, (text:find("]", at, true)) + 1 end
+  while true do
+    local mark
+    list[#list + 1], at = value_at(text, at)
+    mark, at = text:match("^%s*([,%]])()", at)
+    if mark ~= "," then return list, at end
+  end
+end
+
+local function table_at(text, at)
+  local out = {}
+  if text:match("^%s*}", at) then return out, (text:find("}", at, true)) + 1 end
+  while true do
+    local key, mark
+    key, at = value_at(text, at)
+    at = text:match("^%s*:()", at)
+    out[key], at = value_at(text, at)
+    mark, at = text:match("^%s*([,}])()", at)
+    if mark ~= "," then return out, at end
+  end
+end
+
+local function string_at(text, at)
+  local last = at
+  while text:sub(last, last) ~= '"' do last = last + (text:sub(last, last) == "\\" and 2 or 1) end
+  local inner = text:sub(at, last - 1):gsub("\\u(%x%x%x%x)", function(x) return utf8.char(tonumber(x, 16)) end)
+  return inner:gsub("\\(.)", function(c) return unescaped[c] or c end), last + 1
+end
+
+function value_at(text, at)
+  local first, after = text:match("^%s*([%[{\"])()", at)
+  if first == "[" then return list_at(text, after) end
+  if first == "{" then return table_at(text, after) end
+  if first == '"' then return string_at(text, after) end
+  local word, rest = text:match("^%s*([%w%.%+%-]+)()", at)
+  if plain[word] ~= nil then return plain[word], rest end
+  return tonumber(word), rest        -- null is nil
+end
+
+local function note(plan, name, frame)
+  local text = core.reader_note(plan.reader, name, frame)
+  if not text then return nil end
+  local ok, value = pcall(value_at, text, 1)
+  if not ok then core.fail("the replay's note '%s' is damaged", name) end
+  return value
+end
+
+local function vector(v) return v and core.vec(v[1], v[2], v[3]) end
+
+-- ---- the plan ----
+
+local function read_pair(text, pattern, what, example)
+  local a, b = text:match(pattern)
+  a, b = math.tointeger(tonumber(a)), math.tointeger(tonumber(b))
+  if not a or not b then core.fail("--%s: '%s' is not of the form %s", what, text, example) end
+  return a, b
+end
+
+local function names_of(text)
+  local list = {}
+  for name in text:gmatch "[^,%s]+" do list[#list + 1] = name end
+  return list
+end
+
+-- The fields world:record would have been given.
+local function film_fields(plan, o)
+  local films = note(plan, "films", -1) or {}
+  local film = films[1] or {}
+  local f = { size = { film.width or 1280, film.height or 720 }, samples = film.samples, layer = o.layer or film.layer,
+    overlay = o.overlay and names_of(o.overlay) or film.overlay }
+  if o.size then
+    local w, h = read_pair(o.size, "^(%d+)x(%d+)$", "size", "1280x720")
+    f.size = { w, h }
+  end
+  f.samples = o.samples or f.samples
+  plan.fps = o.fps or film.fps or 30
+  plan.camera = film.camera and film.camera + 1 or 1
+  return f
+end
+
+local function find_camera(plan, name)
+  if not name then return end
+  local list = note(plan, "cameras", -1) or {}
+  local known = {}
+  for i, cam in ipairs(list) do
+    if cam.name == name then
+      plan.camera = i
+      return
+    end
+    known[cam.name] = true
+  end
+  core.unknown("--camera:", "unknown camera", name, known)
+end
+
+local function set_range(plan, o)
+  local info = plan.info
+  local from = info.first_step * info.step
+  local till = (info.first_step + info.frames - 1) * info.step
+  plan.first = math.ceil(from * plan.fps - ON_TIME * plan.fps)
+  plan.count = math.max(0, math.floor(till * plan.fps + ON_TIME * plan.fps) - plan.first + 1)
+  plan.from, plan.to = 0, plan.count - 1
+  if o.frames then
+    local a, b = read_pair(o.frames, "^(%d+)%.%.(%d+)$", "frames", "0..99")
+    if a > b or b >= plan.count then core.fail("--frames: %d..%d, but there are frames 0..%d", a, b, plan.count - 1) end
+    plan.from, plan.to = a, b
+  end
+end
+
+local function set_target(plan, to)
+  local folder, name = to:match "^(.*)/([^/]+)$"
+  core.options.out = folder and (folder == "" and "/" or folder) or "."
+  plan.to_name = name or to
+  plan.video = plan.to_name:match "%.mp4$" or plan.to_name:match "%.webm$"
+  if plan.video then
+    if plan.options.layer ~= 0 and plan.options.layer ~= 3 then
+      core.fail "a video holds the layers colour and normal; write depth and id as PNG"
+    end
+  elseif not plan.to_name:match "%.png$" then
+    core.fail("--output: '%s' must end in .png, .mp4 or .webm", to)
+  elseif not core.frame_path(plan.to_name, 0) then
+    core.fail("--output: '%s' needs a place for the number: 'f-%%05d.png'", to)
+  end
+end
+
+-- What a frame depends on besides its number, as text: in each PNG, for --resume.
+local function recipe(plan, o)
+  local f = plan.options
+  return core.json { size = { f.width, f.height }, samples = f.samples, layer = f.layer, overlay = f.overlay, fps = plan.fps,
+    camera = plan.camera, blur = o.blur or 1, start = core.reader_checksum(plan.reader, 0),
+    stop = core.reader_checksum(plan.reader, plan.info.frames - 1), renderer = core.version }
+end
+
+-- core.render_plan(options) -> plan
+function core.render_plan(o)
+  if not core.can_render then core.fail "this build of digbox draws no pictures (it was made with RENDER=0)" end
+  local reader, why = core.reader(o.replay)
+  if not reader then core.fail("%s", why) end
+  local plan = { reader = reader, info = core.reader_info(reader), blur = o.blur or 1 }
+  plan.options = core.drawing_options(film_fields(plan, o), "render")
+  find_camera(plan, o.camera)
+  set_range(plan, o)
+  set_target(plan, o.to or "out/" .. (o.replay:match "([^/]+)$"):gsub("%.%w+$", "") .. "-%05d.png")
+  plan.recipe = recipe(plan, o)
+  return plan
+end
+
+-- ---- one frame ----
+
+local function camera_note(plan, name, frame)
+  local list = note(plan, name, frame)
+  local cam = list and list[plan.camera] or {}
+  return { at = vector(cam.at), look_at = vector(cam.look_at), up = vector(cam.up), fov = cam.fov }
+end
+
+-- Where the camera stands at a moment: as films, blended from where it was before the step to where it came.
+local function camera_at(plan, time, view)
+  local info, aspect = plan.info, plan.options.width / plan.options.height
+  local steps = time / info.step - info.first_step
+  local near = math.floor(steps + 0.5)
+  if math.abs((near + info.first_step) * info.step - time) <= ON_TIME then
+    return core.resolve_camera(camera_note(plan, "cameras", near), view, aspect)
+  end
+  local frame = math.floor(steps)
+  local from, to = (info.first_step + frame) * info.step, (info.first_step + frame + 1) * info.step
+  local a, b = camera_note(plan, "cameras", frame), camera_note(plan, "cameras_arrived", frame + 1)
+  local whole = a.at and a.look_at and b.at and b.look_at
+  local before = core.resolve_camera(a, whole and view or core.reader_view(plan.reader, from), aspect)
+  local after = core.resolve_camera(b, whole and view or core.reader_view(plan.reader, to), aspect)
+  return core.blend_cameras(before, after, (time - from) / info.step)
+end
+
+local function frame_options(plan, time, view)
+  local frame = math.min(plan.info.frames - 1, math.max(0, math.floor(time / plan.info.step - plan.info.first_step + 1e-6)))
+  local light = note(plan, "light", frame) or {}
+  local scene = { sun = vector(light.sun), shadows = light.shadows, sky = core.skies[light.sky or "clear"] or 0, lamps = {} }
+  for i, lamp in ipairs(light.lamps or {}) do
+    scene.lamps[i] = { at = vector(lamp.at), power = lamp.power, colour = vector(lamp.colour) }
+  end
+  return core.frame_options(plan.options, camera_at(plan, time, view), scene)
+end
+
+local function time_of(plan, k) return (plan.first + k) / plan.fps end
+
+-- The view of frame k and its options; with blur also those of the moments after it while the shutter is open, half of a frame's time.
+local function look(plan, k)
+  local time = time_of(plan, k)
+  local view = core.reader_view(plan.reader, time)
+  local views, list = { view }, { frame_options(plan, time, view) }
+  for i = 2, plan.blur do
+    local moment = time + 0.5 * (i - 1) / plan.blur / plan.fps
+    views[i] = core.reader_view(plan.reader, moment)
+    list[i] = frame_options(plan, moment, views[i])
+  end
+  return views, list, time
+end
+
+local function texts(plan, k, time)
+  local step = math.floor(time / plan.info.step + ON_TIME)
+  return { "Software", "digbox " .. core.version, "Time", ("%.17g"):format(time), "Step", ("%d"):format(step), "Frame", ("%d"):format(k),
+    "Recipe", plan.recipe, "Renderer", core.renderer() }
+end
+
+-- ---- resuming ----
+
+-- Whether frame k has to be drawn; what is in its place otherwise is judged: a foreign file stays as it is.
+local function wanted(plan, k, path, counts)
+  if not core.exists(path) then return true end
+  local made = core.png_text(path, "Recipe")
+  if not core.png_whole(path) then
+    core.tell(("digbox: render: %s is damaged and is drawn again\n"):format(path))
+    counts.damaged = counts.damaged + 1
+    return true
+  end
+  if not made or core.png_text(path, "Frame") ~= ("%d"):format(k) then
+    core.tell(("digbox: render: %s was not made by digbox render; it stays as it is\n"):format(path))
+    return false
+  end
+  if made ~= plan.recipe then
+    core.fail("--resume: %s was drawn otherwise\n  there:  %s\n  wanted: %s", path, made, plan.recipe)
+  end
+  return false
+end
+
+-- core.render_missing(plan, resume) -> list of the frames to draw
+function core.render_missing(plan, resume)
+  local list, counts = {}, { damaged = 0 }
+  for k = plan.from, plan.to do
+    if not resume or plan.video or wanted(plan, k, core.out_path(core.frame_path(plan.to_name, k)), counts) then list[#list + 1] = k end
+  end
+  return list
+end
+
+-- ---- working ----
+
+-- core.render_work(plan, frames, worker, workers, fd): every workers-th frame, into files or down the pipe
+function core.render_work(plan, frames, worker, workers, fd)
+  for i = worker + 1, #frames, workers do
+    if core.stopped() then return end
+    local k = frames[i]
+    local views, list, time = look(plan, k)
+    if fd then
+      core.pixels(views, list, fd)
+    else
+      core.picture(views, list, core.out_path(core.frame_path(plan.to_name, k)), texts(plan, k, time))
+    end
+  end
+end
+
+-- core.render_collect(plan, frames, fds): the workers' frames in their order into ffmpeg
+function core.render_collect(plan, frames, fds)
+  local o = plan.options
+  local path = core.out_path(plan.to_name)
+  local pipe = core.pipe(path, o.width, o.height, plan.fps)
+  if not pipe then core.fail("%s: there is no ffmpeg here; frames can be had as 'f-%%05d.png'", path) end
+  for i = 1, #frames do
+    if core.stopped() or not pipe:copy(fds[(i - 1) % #fds + 1]) then
+      pipe:drop()
+      return false
+    end
+  end
+  pipe:close()
+  return true
+end
+
+return true

@@ -1,0 +1,324 @@
+/* lua/render.c - `digbox render`: frames of a replay, drawn by several processes side by side.
+ *
+ * What a frame looks like is decided in lua/digbox/render.lua; here are the options and the workers. These are forked before any
+ * picture is drawn (a fork after OpenGL has started threads may hang), each opens the replay anew and draws every n-th frame. For a
+ * film they hand their pixels to this process, which gives them to ffmpeg in their order.
+ */
+
+#define _XOPEN_SOURCE 700       /* fork, setenv */
+
+#include <errno.h>
+#include <fcntl.h>
+#include <getopt.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "command.h"
+#include "state.h"
+
+enum { MOST_WORKERS = 64 };
+
+typedef struct RenderJob {
+    const char *replay, *to, *camera, *frames, *size, *layer, *overlay;     /* NULL = not given */
+    double      fps;                                                        /* Hz, < 0 = not given */
+    long long   samples, blur, workers;                                     /* < 0 = not given */
+    bool        resume;
+    int        *list, count;                                                /* frames to draw */
+} RenderJob;
+
+typedef struct Worker { pid_t pid; int fd; } Worker;    /* fd: its frames come from there, -1 = it writes files */
+
+/* ---- Lua ------------------------------------------------------------------------- */
+
+static void set_text(lua_State *L, const char *name, const char *text)
+{
+    if (!text)
+        return;
+    lua_pushstring(L, text);
+    lua_setfield(L, -2, name);
+}
+
+static void set_whole(lua_State *L, const char *name, long long value)
+{
+    if (value < 0)
+        return;
+    lua_pushinteger(L, value);
+    lua_setfield(L, -2, name);
+}
+
+static int push_job(lua_State *L)
+{
+    const RenderJob *job = lua_touserdata(L, 1);
+    lua_newtable(L);
+    set_text(L, "replay", job->replay);
+    set_text(L, "to", job->to);
+    set_text(L, "camera", job->camera);
+    set_text(L, "frames", job->frames);
+    set_text(L, "size", job->size);
+    set_text(L, "layer", job->layer);
+    set_text(L, "overlay", job->overlay);
+    set_whole(L, "samples", job->samples);
+    set_whole(L, "blur", job->blur);
+    if (job->fps > 0) {
+        lua_pushnumber(L, job->fps);
+        lua_setfield(L, -2, "fps");
+    }
+    return 1;
+}
+
+static int push_list(lua_State *L)
+{
+    const RenderJob *job = lua_touserdata(L, 1);
+    lua_createtable(L, job->count, 0);
+    for (int i = 0; i < job->count; i++) {
+        lua_pushinteger(L, job->list[i]);
+        lua_rawseti(L, -2, i + 1);
+    }
+    return 1;
+}
+
+/* Leaves the plan on the stack, or a text. A bad option or file is said before anything is done. */
+static int make_plan(lua_State *L, App *app, const RenderJob *job)
+{
+    lua_pushcfunction(L, push_job);
+    lua_pushlightuserdata(L, (void *)(uintptr_t)job);
+    int code = app_call(L, app, 1, 1);
+    if (code == EXIT_FINE)
+        code = app_call_core(L, app, "render_plan", 1, 1);
+    bool of_file = code != EXIT_FINE && lua_isstring(L, -1) && strstr(lua_tostring(L, -1), job->replay);
+    return code == EXIT_SCRIPT ? of_file ? EXIT_FORMAT : EXIT_USAGE : code;
+}
+
+/* The frames that are not there yet, judged once and for all workers; the plan is on top of the stack and stays. */
+static int list_frames(lua_State *L, App *app, RenderJob *job)
+{
+    lua_pushvalue(L, -1);
+    lua_pushboolean(L, job->resume);
+    int code = app_call_core(L, app, "render_missing", 2, 1);
+    if (code != EXIT_FINE)
+        return code == EXIT_SCRIPT ? EXIT_USAGE : code;
+    job->count = (int)lua_rawlen(L, -1);
+    job->list = calloc((size_t)job->count + 1, sizeof *job->list);
+    if (!job->list)
+        return EXIT_MEMORY;
+    for (int i = 0; i < job->count; i++) {
+        lua_rawgeti(L, -1, i + 1);
+        job->list[i] = (int)lua_tointeger(L, -1);
+        lua_pop(L, 1);
+    }
+    return EXIT_FINE;
+}
+
+static int fail(lua_State *L, int code)
+{
+    if (lua_isstring(L, -1))
+        print_error(lua_tostring(L, -1));
+    return code;
+}
+
+/* ---- workers ---------------------------------------------------------------------- */
+
+static int work(const RenderJob *job, int index, int fd)
+{
+    App app = {.fuel = -1, .script = job->replay};
+    lua_State *L = app_open(&app);
+    if (!L)
+        return EXIT_INTERNAL;
+    int code = make_plan(L, &app, job);
+    if (code == EXIT_FINE) {
+        lua_pushcfunction(L, push_list);
+        lua_pushlightuserdata(L, (void *)(uintptr_t)job);
+        code = app_call(L, &app, 1, 1);
+    }
+    if (code == EXIT_FINE) {
+        lua_pushinteger(L, index);
+        lua_pushinteger(L, job->workers);
+        if (fd >= 0)
+            lua_pushinteger(L, fd);
+        else
+            lua_pushnil(L);
+        code = app_call_core(L, &app, "render_work", 5, 0);
+    }
+    if (code != EXIT_FINE)
+        fail(L, code);
+    lua_close(L);
+    return app_signal() ? 128 + app_signal() : code;
+}
+
+/* Returns an errno. */
+static int start_worker(const RenderJob *job, Worker *workers, int index, bool film)
+{
+    int ends[2] = {-1, -1};
+    if (film && pipe(ends) != 0)
+        return errno;
+    fflush(stdout);
+    pid_t pid = fork();
+    if (pid < 0)
+        return errno;
+    if (pid == 0) {
+        for (int i = 0; i < index; i++)
+            if (workers[i].fd >= 0)
+                close(workers[i].fd);
+        if (film)
+            close(ends[0]);
+        signal(SIGPIPE, SIG_IGN);
+        if (job->workers > 1)
+            setenv("LP_NUM_THREADS", "0", 0);   /* one thread each: two such processes are faster than one of two threads */
+        _exit(work(job, index, ends[1]));
+    }
+    if (film) {
+        close(ends[1]);
+        fcntl(ends[0], F_SETFD, FD_CLOEXEC);
+    }
+    workers[index] = (Worker){pid, ends[0]};
+    return 0;
+}
+
+static int collect(lua_State *L, App *app, const Worker *workers, int count)
+{
+    lua_createtable(L, count, 0);
+    for (int i = 0; i < count; i++) {
+        lua_pushinteger(L, workers[i].fd);
+        lua_rawseti(L, -2, i + 1);
+    }
+    int code = app_call_core(L, app, "render_collect", 3, 1);
+    if (code != EXIT_FINE)
+        return fail(L, code);
+    return lua_toboolean(L, -1) ? EXIT_FINE : EXIT_OUTPUT;
+}
+
+/* Waits for all; the first code that is not fine. A signal to this process alone is passed on. */
+static int wait_for(const Worker *workers, int count)
+{
+    int code = EXIT_FINE;
+    for (int i = 0; i < count; i++) {
+        int status = 0;
+        while (waitpid(workers[i].pid, &status, 0) < 0 && errno == EINTR)
+            for (int k = i; app_signal() && k < count; k++)
+                kill(workers[k].pid, app_signal());
+        int own = WIFEXITED(status) ? WEXITSTATUS(status) : EXIT_INTERNAL;
+        if (!WIFEXITED(status))
+            fprintf(stderr, "digbox: render: a worker was ended by signal %d\n", WTERMSIG(status));
+        code = code == EXIT_FINE ? own : code;
+    }
+    return code;
+}
+
+static int run_workers(lua_State *L, App *app, RenderJob *job, bool film)
+{
+    Worker workers[MOST_WORKERS];
+    int started = 0, error = 0;
+    while (started < job->workers && !error) {
+        error = start_worker(job, workers, started, film);
+        started += !error;
+    }
+    int code = EXIT_FINE;
+    if (error) {
+        fprintf(stderr, "digbox: render: no further process: %s\n", strerror(error));
+        for (int i = 0; i < started; i++)
+            kill(workers[i].pid, SIGTERM);
+    } else if (film) {
+        code = collect(L, app, workers, started);
+    }
+    for (int i = 0; i < started; i++)
+        if (workers[i].fd >= 0)
+            close(workers[i].fd);
+    int theirs = wait_for(workers, started);
+    if (error)
+        return EXIT_INTERNAL;
+    return app_signal() ? 128 + app_signal() : theirs != EXIT_FINE ? theirs : code;
+}
+
+static int render(RenderJob *job)
+{
+    App app = {.fuel = -1, .script = job->replay};
+    lua_State *L = app_open(&app);
+    if (!L)
+        return EXIT_INTERNAL;
+    int code = make_plan(L, &app, job);
+    if (code == EXIT_FINE)
+        code = list_frames(L, &app, job);
+    if (code != EXIT_FINE) {
+        fail(L, code);
+    } else {
+        lua_getfield(L, -2, "video");
+        bool film = lua_toboolean(L, -1);
+        lua_pop(L, 1);
+        job->workers = job->workers < job->count ? job->workers : job->count > 0 ? job->count : 1;
+        if (job->count > 0)
+            code = run_workers(L, &app, job, film);
+    }
+    lua_close(L);
+    free(job->list);
+    return code;
+}
+
+/* ---- the command ------------------------------------------------------------------- */
+
+enum { OPT_CAMERA = 256, OPT_FRAMES, OPT_FPS, OPT_SIZE, OPT_SAMPLES, OPT_LAYER, OPT_OVERLAY, OPT_BLUR, OPT_RESUME };
+
+static const struct option render_options[] = {
+    {"output", required_argument, NULL, 'o'}, {"jobs", required_argument, NULL, 'j'}, {"camera", required_argument, NULL, OPT_CAMERA},
+    {"frames", required_argument, NULL, OPT_FRAMES}, {"fps", required_argument, NULL, OPT_FPS},
+    {"size", required_argument, NULL, OPT_SIZE}, {"samples", required_argument, NULL, OPT_SAMPLES},
+    {"layer", required_argument, NULL, OPT_LAYER}, {"overlay", required_argument, NULL, OPT_OVERLAY},
+    {"blur", required_argument, NULL, OPT_BLUR}, {"resume", no_argument, NULL, OPT_RESUME}, {"help", no_argument, NULL, 'h'},
+    {NULL, 0, NULL, 0},
+};
+
+static bool read_option(RenderJob *job, int key)
+{
+    switch (key) {
+    case 'o': job->to = optarg; return true;
+    case 'j': return read_whole_option("jobs", optarg, 1, MOST_WORKERS, &job->workers);
+    case OPT_CAMERA: job->camera = optarg; return true;
+    case OPT_FRAMES: job->frames = optarg; return true;
+    case OPT_FPS: return read_number_option("fps", optarg, "Hz", 1e-3, 1e5, &job->fps);
+    case OPT_SIZE: job->size = optarg; return true;
+    case OPT_SAMPLES: return read_whole_option("samples", optarg, 0, 4, &job->samples);
+    case OPT_LAYER: job->layer = optarg; return true;
+    case OPT_OVERLAY: job->overlay = optarg; return true;
+    case OPT_BLUR: return read_whole_option("blur", optarg, 1, 64, &job->blur);
+    case OPT_RESUME: job->resume = true; return true;
+    default: return usage_error("see 'digbox render'") == 0;
+    }
+}
+
+static int command_render(int argc, char **argv)
+{
+    RenderJob job = {.fps = -1, .samples = -1, .blur = -1, .workers = 1};
+    int key;
+    while ((key = getopt_long(argc, argv, "o:j:h", render_options, NULL)) != -1) {
+        if (key == 'h')
+            return print_help("render");
+        if (!read_option(&job, key))
+            return EXIT_USAGE;
+    }
+    if (optind >= argc)
+        return usage_error("render: which replay? (digbox render FILE.replay)");
+    if (optind + 1 < argc)
+        return usage_error("render: one replay at a time; '%s' is too many", argv[optind + 1]);
+    job.replay = argv[optind];
+    return flush_output(render(&job));
+}
+
+const Command render_command = {
+    .name = "render",
+    .use = "  digbox render REPLAY [-o PATTERN] [options]          frames of a run, without simulating it again\n",
+    .options = "  -o, --output PATTERN   out/NAME-%05d.png; .mp4 or .webm for a film (default: the replay's name)\n"
+               "  -j, --jobs N           so many processes side by side (1); the files are the same for any N\n"
+               "  --frames A..B          these frames only, counted from 0\n"
+               "  --fps HZ               frames a second of simulated time (as the script's film, else 30)\n"
+               "  --size WxH             px (as the script's film, else 1280x720)\n"
+               "  --camera NAME          a camera of the script (its film's, else its first)\n"
+               "  --layer L              colour, depth, id or normal\n"
+               "  --overlay LIST         dig,contacts,forces,names,joints,time,stress,temperature\n"
+               "  --samples 0|2|4        samples a pixel; not given: edges are smoothed afterwards\n"
+               "  --blur N               motion blur: each frame is the mean of N moments of its first half (1)\n"
+               "  --resume               keep the frames that are there and whole, draw the others\n",
+    .run = command_render,
+};
