@@ -128,7 +128,8 @@ function core.cameras_now(world)
     local f = cam[1]
     local target = place(f.look_at) or f.follow and place(f.follow)
     local moved = f.at and f.follow and f.follow.valid and f.follow.position - cam[3]
-    list[i] = { name = f.name or "", at = f.at and (moved and f.at + moved or f.at), look_at = target, up = f.up, fov = f.fov or default_fov }
+    list[i] = { name = f.name or "", at = f.at and (moved and f.at + moved or f.at), look_at = target, up = f.up,
+      fov = f.fov or default_fov }
   end
   return list
 end

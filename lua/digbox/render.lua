@@ -4,7 +4,6 @@
 -- options do not say is taken from the script's first film, else as in world:record. lua/render.c forks the workers.
 
 local core = ...
-local type, next = type, next
 
 local ON_TIME = 1e-9       -- s; nearer than this a frame falls on a step
 
@@ -82,7 +81,7 @@ end
 
 -- The fields world:record would have been given.
 local function film_fields(plan, o)
-  local films = note(plan, "films", -1) or {}
+  local films = note(plan, "films", plan.info.frames - 1) or {}
   local film = films[1] or {}
   local f = { size = { film.width or 1280, film.height or 720 }, samples = film.samples, layer = o.layer or film.layer,
     overlay = o.overlay and names_of(o.overlay) or film.overlay }
@@ -98,7 +97,7 @@ end
 
 local function find_camera(plan, name)
   if not name then return end
-  local list = note(plan, "cameras", -1) or {}
+  local list = note(plan, "cameras", plan.info.frames - 1) or {}
   local known = {}
   for i, cam in ipairs(list) do
     if cam.name == name then

@@ -1,0 +1,71 @@
+#!/usr/bin/env bash
+# tests/cli/render.sh - digbox render: a replay's frames are those of the run's own film, whatever the split; resuming; bad input.
+set -u
+. "${0%/*}/../check.sh"
+
+cat >fall.lua <<'LUA'
+local digbox = require "digbox"
+local world = digbox.world {}
+world:floor {}
+local ball = world:ball { name = "ball", radius = 0.1, at = { 0, 0.4, 0 }, velocity = { 1, 0, 0 } }
+local eye = world:camera { name = "eye", at = { 1, 0.6, 2 }, look_at = ball, follow = ball }
+world:camera { name = "side", at = { 3, 0.5, 0 }, look_at = { 0, 0.2, 0 } }
+world:record { camera = eye, to = "film-%05d.png", fps = 47, size = { 96, 54 }, overlay = { "time" } }
+world:run "0.3 s"
+LUA
+
+export MESA_SHADER_CACHE_DISABLE=true LP_NUM_THREADS=0
+gives 0 'a run with a replay and a film' run -q -o film --replay fall.replay fall.lua
+if [ ! -e film/film-00000.png ]; then      # a build without pictures refuses
+    gives 2 'render without a renderer' render fall.replay
+    said 'RENDER=0'
+    checked
+    exit
+fi
+
+# The image data alone: the texts before it differ.
+image() { tr -d '\n' <"$1" | LC_ALL=C sed 's/.*IDAT//' | md5sum; }
+gives 0 'two processes' render fall.replay -j 2 -o two/f-%05d.png
+frames=$(ls film | wc -l)
+holds 'as many frames as the film has' test "$(ls two | wc -l)" = "$frames"
+for n in 00000 00001 00007; do
+    holds "frame $n is the film's" test "$(image "film/film-$n.png")" = "$(image "two/f-$n.png")"
+done
+gives 0 'one process' render fall.replay -o one/f-%05d.png
+gives 0 'a part' render fall.replay -o one/part-%05d.png --frames 5..8
+for f in two/*.png; do holds "$f does not depend on the split" cmp "$f" "one/${f#two/}"; done
+holds 'four frames' test "$(ls one/part-* | wc -l)" = 4
+holds 'the part is the same' cmp one/part-00006.png two/f-00006.png
+gives 0 'another camera' render fall.replay --camera side -o side/f-%05d.png --frames 3..3
+holds 'shows something else' test "$(md5sum <side/f-00003.png)" != "$(md5sum <two/f-00003.png)"
+gives 0 'motion blur' render fall.replay --blur 4 -o blur/f-%05d.png --frames 3..3
+holds 'differs' test "$(md5sum <blur/f-00003.png)" != "$(md5sum <two/f-00003.png)"
+
+# Resuming: what is missing or damaged is drawn again, what is foreign stays, other options are refused.
+rm two/f-00002.png
+head -c 700 one/f-00004.png >two/f-00004.png
+cp film/film-00000.png two/f-00005.png
+gives 0 'resuming' render fall.replay -j 2 -o two/f-%05d.png --resume
+said 'two/f-00004.png is damaged'
+said 'two/f-00005.png was not made by digbox render'
+holds 'the missing one is there' cmp one/f-00002.png two/f-00002.png
+holds 'the damaged one is whole' cmp one/f-00004.png two/f-00004.png
+holds 'the foreign one is as it was' cmp film/film-00000.png two/f-00005.png
+gives 2 'resuming with other options' render fall.replay -o two/f-%05d.png --resume --size 80x45
+said 'was drawn otherwise'
+
+if command -v ffmpeg >/dev/null; then
+    gives 0 'a film' render fall.replay -j 2 -o a.mp4
+    gives 0 'the same film by one process' render fall.replay -o b.mp4
+    holds 'byte for byte' cmp a.mp4 b.mp4
+fi
+
+gives 8 'no such file' render nowhere.replay;                       said 'nowhere.replay: cannot be read'
+gives 8 'not a replay' render fall.lua;                             said 'not a replay'
+gives 2 'an unknown camera' render fall.replay --camera syde;       said "unknown camera 'syde' (did you mean 'side'?)"
+gives 2 'frames that are not there' render fall.replay --frames 3..999; said 'there are frames 0..'
+gives 2 'a size' render fall.replay --size big;                     said "--size: 'big' is not of the form 1280x720"
+gives 2 'a name without a number' render fall.replay -o f.png;      said 'needs a place for the number'
+gives 2 'no replay' render;                                         said 'which replay'
+
+checked
