@@ -71,6 +71,8 @@ void bind_reader_open(lua_State *L, int core);
 
 /* A view as Lua has it; takes it over. Without a renderer an error. */
 struct View;
+struct RenderHistory;
+const struct RenderHistory *bind_history(lua_State *L, int index);
 int bind_push_view(lua_State *L, struct View *v);
 
 /* A field of the table on the top of the stack. */

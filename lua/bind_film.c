@@ -197,6 +197,9 @@ static RenderOptions read_options(lua_State *L, int table)
         o.sun[k] = (float)sun[k];
     o.shadows = bool_field(L, table, "shadows", o.shadows);
     read_lamps(L, table, &o);
+    if (lua_getfield(L, table, "history") == LUA_TUSERDATA)
+        o.history = bind_history(L, -1);        /* stays in the table */
+    lua_pop(L, 1);
     return o;
 }
 
@@ -615,6 +618,7 @@ void bind_film_open(lua_State *L, int core)
     static const struct { const char *name; int bit; } overlays[] = {
         {"dig", OVERLAY_DIG}, {"contacts", OVERLAY_CONTACTS}, {"forces", OVERLAY_FORCES}, {"names", OVERLAY_NAMES},
         {"joints", OVERLAY_JOINTS}, {"time", OVERLAY_TIME}, {"temperature", OVERLAY_TEMPERATURE}, {"stress", OVERLAY_STRESS},
+        {"trails", OVERLAY_TRAILS}, {"energy", OVERLAY_ENERGY},
     };
     for (size_t i = 0; i < sizeof overlays / sizeof *overlays; i++) {
         lua_pushinteger(L, overlays[i].bit);

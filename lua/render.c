@@ -316,7 +316,7 @@ const Command render_command = {
                "  --size WxH             px (as the script's film, else 1280x720)\n"
                "  --camera NAME          a camera of the script (its film's, else its first)\n"
                "  --layer L              colour, depth, id or normal\n"
-               "  --overlay LIST         dig,contacts,forces,names,joints,time,stress,temperature\n"
+               "  --overlay LIST         dig,contacts,forces,names,joints,time,stress,temperature,trails,energy\n"
                "  --samples 0|2|4        samples a pixel; not given: edges are smoothed afterwards\n"
                "  --blur N               motion blur: each frame is the mean of N moments of its first half (1)\n"
                "  --resume               keep the frames that are there and whole, draw the others\n",

@@ -20,6 +20,7 @@ typedef struct Light {
     GLuint  sun_map, height_map, floor_map;
     Casters casters;
     float *sun;                         /* [SUN_SIZE^2] depths along the sun                                    */
+    uint16_t *steps;                    /* [SUN_SIZE^2] the same in 65535ths                                    */
     float *above, *below;               /* [HEIGHT_SIZE^2] depths from above and below: tops and undersides      */
     float *sky, *wide, *blur;           /* [HEIGHT_SIZE^2] of the floor: sky seen, soft shadow, width of its edges */
     float *pair;                        /* [2 HEIGHT_SIZE^2] heights for bodies, smoothed narrowly and widely    */

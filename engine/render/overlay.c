@@ -54,7 +54,7 @@ static bool project_segment(const OverlayEye *eye, vec3 a, vec3 b, real pa[2], r
     return project(eye, a, pa) && project(eye, b, pb);
 }
 
-static Stroke stroke_of(const real a[2], const real b[2], real ra, real rb, const float colour[3], float alpha)
+Stroke pen_stroke(const real a[2], const real b[2], real ra, real rb, const float colour[3], float alpha)
 {
     return (Stroke){{(float)a[0], (float)a[1], (float)b[0], (float)b[1]}, {(float)ra, (float)rb, rim, 0},
                     {colour[0], colour[1], colour[2], alpha}};
@@ -62,20 +62,28 @@ static Stroke stroke_of(const real a[2], const real b[2], real ra, real rb, cons
 
 /* ---- shapes ----------------------------------------------------------- */
 
-typedef struct Pen { Overlay *o; const OverlayEye *eye; real scale; } Pen;      /* scale: px of a thin line's half width */
-
-static void draw_line(const Pen *pen, vec3 a, vec3 b, real width, const float colour[3], float alpha)
+void pen_line(const Pen *pen, vec3 a, vec3 b, real width, const float colour[3], float alpha)
 {
     real pa[2], pb[2];
     if (project_segment(pen->eye, a, b, pa, pb))
-        put_stroke(&pen->o->strokes, stroke_of(pa, pb, width * pen->scale + (real)rim, width * pen->scale + (real)rim, colour, alpha));
+        put_stroke(&pen->o->strokes, pen_stroke(pa, pb, width * pen->scale + (real)rim, width * pen->scale + (real)rim, colour, alpha));
+}
+
+void pen_bare_line(const Pen *pen, vec3 a, vec3 b, real width, const float colour[3], float alpha)
+{
+    real pa[2], pb[2];
+    if (!project_segment(pen->eye, a, b, pa, pb))
+        return;
+    Stroke s = pen_stroke(pa, pb, width * pen->scale, width * pen->scale, colour, alpha);
+    s.widths[2] = 0;
+    put_stroke(&pen->o->strokes, s);
 }
 
 static void draw_dot(const Pen *pen, vec3 p, real radius, const float colour[3])
 {
     real at[2];
     if (project(pen->eye, p, at))
-        put_stroke(&pen->o->strokes, stroke_of(at, at, radius * pen->scale + (real)rim, radius * pen->scale + (real)rim, colour, 1));
+        put_stroke(&pen->o->strokes, pen_stroke(at, at, radius * pen->scale + (real)rim, radius * pen->scale + (real)rim, colour, 1));
 }
 
 /* A shaft, then a head that narrows to a point at the tip. */
@@ -87,8 +95,8 @@ static void draw_arrow(const Pen *pen, vec3 from, vec3 to, real width, const flo
     real w = width * pen->scale + (real)rim, length = hypot(b[0] - a[0], b[1] - a[1]), head = real_min(4.6 * w, 0.7 * length);
     real t = length > 0 ? 1 - head / length : 0;
     real neck[2] = {a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])};
-    put_stroke(&pen->o->strokes, stroke_of(a, neck, w, w, colour, 1));
-    put_stroke(&pen->o->strokes, stroke_of(neck, b, real_min(2.6 * w, 0.8 * head + w), 0.6 + (real)rim, colour, 1));
+    put_stroke(&pen->o->strokes, pen_stroke(a, neck, w, w, colour, 1));
+    put_stroke(&pen->o->strokes, pen_stroke(neck, b, real_min(2.6 * w, 0.8 * head + w), 0.6 + (real)rim, colour, 1));
 }
 
 static real text_width(const Font *f, const char *text)
@@ -99,24 +107,38 @@ static real text_width(const Font *f, const char *text)
     return width;
 }
 
+static void draw_glyphs(Overlay *o, real x, real y, const char *text, const float ink[3])
+{
+    real pen = floor(x);
+    for (const Glyph *g; (g = font_next(&o->font, &text)); pen += (real)g->advance) {
+        float gx = (float)floor(pen + 0.5) + g->left, gy = (float)floor(y) - g->top;
+        put_stroke(&o->glyphs, (Stroke){{gx, gy, gx + g->width, gy + g->height},
+                                        {g->x, g->y, (float)(g->x + g->width), (float)(g->y + g->height)}, {ink[0], ink[1], ink[2], 1}});
+    }
+}
+
 /* Text on a rounded plate; (x, y) is the left end of the baseline. */
 static void draw_text(Overlay *o, real x, real y, const char *text)
 {
     const Font *f = &o->font;
     if (f->missing || !*text)
         return;
-    static const float ink[4] = {1, 1, 1, 1}, plate[3] = {0.07f, 0.08f, 0.10f};
+    static const float ink[3] = {1, 1, 1}, plate[3] = {0.07f, 0.08f, 0.10f};
     real half = 0.62 * f->size, middle = y - 0.36 * f->size, left[2] = {x, middle}, right[2] = {x + text_width(f, text), middle};
-    Stroke back = stroke_of(left, right, half, half, plate, 0.62f);
+    Stroke back = pen_stroke(left, right, half, half, plate, 0.62f);
     back.widths[2] = 0;
     put_stroke(&o->strokes, back);
-    real pen = floor(x);
-    for (const Glyph *g; (g = font_next(f, &text)); pen += (real)g->advance) {
-        float gx = (float)floor(pen + 0.5) + g->left, gy = (float)floor(y) - g->top;
-        put_stroke(&o->glyphs, (Stroke){{gx, gy, gx + g->width, gy + g->height},
-                                        {g->x, g->y, (float)(g->x + g->width), (float)(g->y + g->height)},
-                                        {ink[0], ink[1], ink[2], ink[3]}});
-    }
+    draw_glyphs(o, x, y, text, ink);
+}
+
+void pen_put(const Pen *pen, Stroke stroke) { put_stroke(&pen->o->strokes, stroke); }
+
+real pen_label(const Pen *pen, real x, real y, const char *text, const float colour[3])
+{
+    if (pen->o->font.missing)
+        return 0;
+    draw_glyphs(pen->o, x, y, text, colour);
+    return text_width(&pen->o->font, text);
 }
 
 /* ---- what is shown ----------------------------------------------------- */
@@ -132,18 +154,18 @@ static void display_colour(const float linear[3], float out[3])
 static void draw_dashes(const Pen *pen, vec3 a, vec3 b, int pieces, real width, const float colour[3])
 {
     for (int i = 0; i < pieces; i++)
-        draw_line(pen, vec3_lerp(a, b, 2 * i / (2.0 * pieces - 1)), vec3_lerp(a, b, (2 * i + 1) / (2.0 * pieces - 1)), width, colour, 1);
+        pen_line(pen, vec3_lerp(a, b, 2 * i / (2.0 * pieces - 1)), vec3_lerp(a, b, (2 * i + 1) / (2.0 * pieces - 1)), width, colour, 1);
 }
 
 /* A joint is a double line, with a gap that shows what is behind it. */
 static void draw_double(const Pen *pen, vec3 a, vec3 b, const float colour[3])
 {
     static const float gap[3] = {0.07f, 0.08f, 0.10f};
-    draw_line(pen, a, b, 2.6, colour, 1);
+    pen_line(pen, a, b, 2.6, colour, 1);
     real pa[2], pb[2];
     if (!project_segment(pen->eye, a, b, pa, pb))
         return;
-    Stroke inner = stroke_of(pa, pb, 0.9 * pen->scale, 0.9 * pen->scale, gap, 1);
+    Stroke inner = pen_stroke(pa, pb, 0.9 * pen->scale, 0.9 * pen->scale, gap, 1);
     inner.widths[2] = 0;
     put_stroke(&pen->o->strokes, inner);
 }
@@ -159,7 +181,7 @@ static void draw_ground(const Pen *pen, vec3 from, vec3 end, const float colour[
     for (int i = 0; i < 3; i++) {
         real at[2] = {b[0] + 4 * i * pen->scale * x, b[1] + 4 * i * pen->scale * y}, w = wide[i] * pen->scale, half = pen->scale + (real)rim;
         const real one[2] = {at[0] - w * y, at[1] + w * x}, other[2] = {at[0] + w * y, at[1] - w * x};
-        put_stroke(&pen->o->strokes, stroke_of(one, other, half, half, colour, 1));
+        put_stroke(&pen->o->strokes, pen_stroke(one, other, half, half, colour, 1));
     }
 }
 
@@ -178,7 +200,7 @@ static void show_dig(const Pen *pen, const View *v)
         else if (e->kind == DIG_LINK_JOINT)
             draw_double(pen, a, b, colour);
         else
-            draw_line(pen, a, b, 1.1, colour, 1);
+            pen_line(pen, a, b, 1.1, colour, 1);
         draw_dot(pen, a, 2.6, colour);
         if (e->bound)
             draw_ground(pen, a, b, colour);
@@ -193,7 +215,7 @@ static void show_joints(const Pen *pen, const View *v)
         const ViewLine *l = &v->lines[i];
         float colour[3];
         display_colour(l->colour, colour);
-        draw_line(pen, vec3_from(l->a), vec3_from(l->b), 0.9, colour, 1);
+        pen_line(pen, vec3_from(l->a), vec3_from(l->b), 0.9, colour, 1);
         draw_dot(pen, vec3_from(l->a), 1.6, colour);
         draw_dot(pen, vec3_from(l->b), 1.6, colour);
     }
@@ -204,7 +226,7 @@ static void show_contacts(const Pen *pen, const View *v, real size)
     static const float colour[3] = {1.0f, 0.80f, 0.16f};
     for (int i = 0; i < v->contact_count; i++) {
         vec3 p = vec3_from(v->contacts[i].p);
-        draw_line(pen, p, vec3_mad(p, 0.05 * size, vec3_from(v->contacts[i].n)), 0.7, colour, 1);
+        pen_line(pen, p, vec3_mad(p, 0.05 * size, vec3_from(v->contacts[i].n)), 0.7, colour, 1);
         draw_dot(pen, p, 1.8, colour);
     }
 }
@@ -249,7 +271,8 @@ static void show_texts(const Pen *pen, const View *v, unsigned flags)
     if (flags & OVERLAY_TIME) {
         char text[80];
         snprintf(text, sizeof text, "t = %.3f s   step %llu", v->time, (unsigned long long)v->step);
-        draw_text(o, 1.2 * o->font.size, pen->eye->height - 0.9 * o->font.size, text);
+        real foot = flags & OVERLAY_ENERGY ? HISTORY_HEIGHT * pen->eye->height + 1.6 * o->font.size : 0;
+        draw_text(o, 1.2 * o->font.size, pen->eye->height - foot - 0.9 * o->font.size, text);
     }
 }
 
@@ -268,7 +291,7 @@ static void show_scale(const Pen *pen, const View *v)
         real at[2] = {x, bottom + (top - bottom) * (i + 0.5) / BANDS}, half = 0.5 * (bottom - top) / BANDS + (real)rim;
         heat_colour((i + 0.5) / BANDS, linear);
         display_colour(linear, colour);
-        Stroke band = stroke_of((real[2]){at[0] - 0.5 * size, at[1]}, (real[2]){at[0] + 0.5 * size, at[1]}, half, half, colour, 1);
+        Stroke band = pen_stroke((real[2]){at[0] - 0.5 * size, at[1]}, (real[2]){at[0] + 0.5 * size, at[1]}, half, half, colour, 1);
         band.widths[2] = 0;
         put_stroke(&o->strokes, band);
     }
@@ -292,7 +315,7 @@ static void show_legend(const Pen *pen)
         stress_colour((float)i / (LEGEND - 1), linear);
         display_colour(linear, colour);
         real a[2] = {left + (right - left) * i / LEGEND, y}, b[2] = {left + (right - left) * (i + 1) / LEGEND, y};
-        Stroke step = stroke_of(a, b, 0.4 * unit, 0.4 * unit, colour, 1);
+        Stroke step = pen_stroke(a, b, 0.4 * unit, 0.4 * unit, colour, 1);
         step.widths[2] = 0;                 /* no rim */
         put_stroke(&o->strokes, step);
     }
@@ -362,7 +385,7 @@ static dig_status draw_list(const Overlay *o, Programs *programs, const Gl *gl, 
 }
 
 dig_status overlay_draw(Overlay *o, Programs *programs, const Gl *gl, const View *v, const Stage *s, const OverlayEye *eye, unsigned flags,
-                        char *why, size_t capacity)
+                        const RenderHistory *history, char *why, size_t capacity)
 {
     o->strokes.count = o->glyphs.count = 0;
     o->strokes.full = o->glyphs.full = false;
@@ -375,7 +398,9 @@ dig_status overlay_draw(Overlay *o, Programs *programs, const Gl *gl, const View
         show_contacts(&pen, v, s->unit);
     if (flags & OVERLAY_FORCES)
         show_forces(&pen, v, s->unit);
-    if (flags & (OVERLAY_NAMES | OVERLAY_TIME | OVERLAY_TEMPERATURE | OVERLAY_STRESS)) {
+    if ((flags & OVERLAY_TRAILS) && history)
+        history_trails(&pen, v, history);
+    if (flags & (OVERLAY_ENERGY | OVERLAY_NAMES | OVERLAY_TIME | OVERLAY_TEMPERATURE | OVERLAY_STRESS)) {
         gl->ActiveTexture(GL_TEXTURE0 + UNIT_FONT);
         load_font(o, gl, (int)real_clamp(round(eye->height / 45), 11, 48));
         show_texts(&pen, v, flags);
@@ -383,6 +408,8 @@ dig_status overlay_draw(Overlay *o, Programs *programs, const Gl *gl, const View
             show_scale(&pen, v);
         if (flags & OVERLAY_STRESS)
             show_legend(&pen);
+        if ((flags & OVERLAY_ENERGY) && history)
+            history_energies(&pen, v, history);
     }
     if (o->strokes.full || o->glyphs.full) {
         snprintf(why, capacity, "no memory for the overlay");

@@ -43,12 +43,28 @@ typedef struct OverlayEye {     /* how world points become pixels */
     real width, height;                 /* px */
 } OverlayEye;
 
+typedef struct Pen { Overlay *o; const OverlayEye *eye; real scale; } Pen;      /* scale: px of a thin line's half width */
+
+/* A line between points of the view, as wide in px at either end; behind the eye it is cut off. */
+void   pen_line(const Pen *pen, vec3 a, vec3 b, real width, const float colour[3], float alpha);
+void   pen_bare_line(const Pen *pen, vec3 a, vec3 b, real width, const float colour[3], float alpha);      /* without rim */
+/* The same in pixels, with its rim; widths[2] = 0 takes that away. */
+Stroke pen_stroke(const real a[2], const real b[2], real ra, real rb, const float colour[3], float alpha);
+void   pen_put(const Pen *pen, Stroke stroke);
+/* Text without a plate, its baseline's left end at (x, y) px; returns its width, px. */
+real   pen_label(const Pen *pen, real x, real y, const char *text, const float colour[3]);
+
+/* history.c; the strip takes that share of the picture's height */
+#define HISTORY_HEIGHT 0.16
+void history_trails(const Pen *pen, const View *v, const RenderHistory *h);
+void history_energies(const Pen *pen, const View *v, const RenderHistory *h);
+
 void overlay_open(Overlay *o, const Gl *gl);
 void overlay_close(Overlay *o, const Gl *gl);
 
 /* Draws what `flags` (OVERLAY_...) ask for into the bound framebuffer, cleared to zero: colours come out weighted by alpha. */
 dig_status overlay_draw(Overlay *o, Programs *programs, const Gl *gl, const View *v, const Stage *s, const OverlayEye *eye, unsigned flags,
-                        char *why, size_t capacity);
+                        const RenderHistory *history, char *why, size_t capacity);
 
 /* font.c: makes the font of that size, once; without any font file `missing` is set and texts are left out. */
 void  font_make(Font *f, int size);

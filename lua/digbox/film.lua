@@ -258,10 +258,18 @@ local function check_target(to, what)
   return to
 end
 
+-- What was before is not kept while a world runs.
+local function no_history(o, what)
+  if o.overlay & ((overlays.trails or 0) | (overlays.energy or 0)) ~= 0 then
+    core.fail("%s.overlay: trails and energy need what was before: digbox run --replay FILE, then digbox render FILE", what)
+  end
+end
+
 -- world:render{camera=, to = "out/a.png", size = {w, h}, samples=, layer=, overlay=} -> path
 function methods.render(world, fields)
   local f = core.check(fields, "world:render")
   local o = drawing_options(f, "world:render", world)
+  no_history(o, "world:render")
   local to = check_target(f.to, "world:render")
   if not to:match "%.png$" then core.fail("world:render: '%s' must end in .png", to) end
   local path = core.out_path(to)
@@ -310,6 +318,7 @@ function methods.record(world, fields)
   local film = { fps = fps, frames = 0, path = to, closed = false, world = world, camera = f.camera,
     options = drawing_options(f, "world:record", world) }
   -- The first frame: at the first multiple of 1/fps that is not past.
+  no_history(film.options, "world:record")
   film.first = math.ceil(world.time * fps - ON_TIME * fps)
   if to:match "%.png$" then
     film.pattern = to

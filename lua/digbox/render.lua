@@ -193,7 +193,10 @@ local function frame_options(plan, time, view)
   for i, lamp in ipairs(light.lamps or {}) do
     scene.lamps[i] = { at = vector(lamp.at), power = lamp.power, colour = vector(lamp.colour) }
   end
-  return core.frame_options(plan.options, camera_at(plan, time, view), scene)
+  local o = core.frame_options(plan.options, camera_at(plan, time, view), scene)
+  local trails, energy = o.overlay & core.overlays.trails ~= 0, o.overlay & core.overlays.energy ~= 0
+  if trails or energy then o.history = core.reader_history(plan.reader, frame, trails, energy) end
+  return o
 end
 
 local function time_of(plan, k) return (plan.first + k) / plan.fps end
