@@ -202,7 +202,7 @@ static int command_diff(int argc, char **argv)
 
 const Command diff_command = {
     .name = "diff",
-    .use = "  digbox diff A.replay B.replay [options]          the first step after which two runs differ, and the body that differs most\n",
+    .use = "  digbox diff A.replay B.replay [options]         the first step after which two runs differ, and the body that differs most\n",
     .options =
         "      --tolerance LENGTH      bodies nearer than that, and turned by less (rad for m), count as the same (default: to the last bit)\n"
         "  -q, --quiet             the exit code only: 0 the same, 7 they differ, 8 a file is bad\n",

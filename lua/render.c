@@ -308,7 +308,7 @@ static int command_render(int argc, char **argv)
 
 const Command render_command = {
     .name = "render",
-    .use = "  digbox render REPLAY [-o PATTERN] [options]          frames of a run, without simulating it again\n",
+    .use = "  digbox render REPLAY [-o PATTERN] [options]     frames of a run, without simulating it again\n",
     .options = "  -o, --output PATTERN   out/NAME-%05d.png; .mp4 or .webm for a film (default: the replay's name)\n"
                "  -j, --jobs N           so many processes side by side (1); the files are the same for any N\n"
                "  --frames A..B          these frames only, counted from 0\n"
