@@ -84,7 +84,9 @@ static void book_tie(System *s, const Tie *t)
                 real half = 0.5 * s->h * part->stiffness, late = part->late;
                 real damping = part->damper * (1 + late), before = part->damper * late * s->h * part->rate;
                 real change = -(p + (half * (1 - late) - damping) * part->start - before) / (half * (1 + late) + damping) - part->start;
-                g->lost += (damping * change - before) * change / s->h + 0.5 * part->stiffness * late * change * change;
+                real lost = (damping * change - before) * change / s->h + 0.5 * part->stiffness * late * change * change;
+                g->lost += lost;
+                j->lost += lost;
             }
         }
     }

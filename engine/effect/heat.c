@@ -1,5 +1,5 @@
-/* effect/heat.c - heat: lumped bodies, conduction where they touch, convection, radiation, heaters, and what friction and blows
- * lose.
+/* effect/heat.c - heat: lumped bodies, conduction where they touch, convection, radiation, heaters, and what friction, blows
+ * and joints lose.
  *
  * Each body that takes part is a node of a network (solve/network.h), the air around a boundary. The list of what may touch is
  * made and planned before the step is committed, so that flow takes no memory; what does touch, and how hard, is looked up
@@ -11,6 +11,7 @@
 #include "effect/heat.h"
 
 #include "effect/effect.h"
+#include "world/joint.h"
 #include "world/region.h"
 
 #include <assert.h>
@@ -359,6 +360,20 @@ static void look_at_contacts(const World *w, const EffectSlot *e, Plan *p)
     }
 }
 
+/* What a joint's friction and dampers lose warms both its bodies, half each; the world's half, and that of a body that takes no part,
+ * stays lost. */
+static void look_at_joints(const World *w, const EffectSlot *e, Plan *p)
+{
+    for (int i = 0; i < e->members.count; i++) {
+        uint32_t body = e->members.body[i];
+        for (uint32_t j = w->bodies.data[body].joint_first; j != NONE; j = joint_next(w, j, body)) {
+            const JointRec *r = &w->joints.data[j];
+            if ((advanced(w, r->a) || advanced(w, r->b)) && isfinite(r->lost))
+                p->given[i] += 0.5 * r->lost;
+        }
+    }
+}
+
 /* ---- the step ---- */
 
 /* What is about a body may be warmer or colder than at the origin's height: its branch gives or takes the difference. */
@@ -480,6 +495,7 @@ static void flow(World *w, EffectSlot *e, real dt)
     for (int i = 0; i < e->members.count; i++)
         p->given[i] = 0;
     look_at_contacts(w, e, p);
+    look_at_joints(w, e, p);
     lift_air(w, e, p);
     load(e, p, dt);
     real tolerance = accuracy_plan(w->accuracy)->tolerance;

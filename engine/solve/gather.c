@@ -627,6 +627,7 @@ static void commit_joint(World *w, const GroupJoint *j, real dt)
     JointRec *r = &w->joints.data[j->slot];
     memcpy(r->memory, j->memory, sizeof r->memory);
     memcpy(r->impulse, j->force, sizeof r->impulse);
+    r->lost = j->lost;
     r->force = vec3_scale(1 / dt, j->impulse);
     r->torque = vec3_scale(1 / dt, j->angular_impulse);
 }

@@ -148,6 +148,7 @@ typedef struct GroupJoint {
     real     memory[JOINT_MEMORY];
     real     force[JOINT_SLOTS];            /* N or N m, warm start */
     vec3     impulse, angular_impulse;      /* on a, over the step  */
+    real     lost;              /* J   to its friction and dampers, over the step; of the group's lost */
     int      other[2];          /* local joints, < 0 none           */
     vec3     ra, rb; quat fa, fb;
     int      a, b;

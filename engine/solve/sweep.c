@@ -305,9 +305,13 @@ static void book_joint(Group *g, const JointBlock *b)
         if (r->row.kind == ROW_DRY || r->row.kind == ROW_MOTOR) {
             real work = r->p * mean_row_rate(g, &r->row);
             *(r->row.kind == ROW_DRY ? &g->lost : &g->work_in) += r->row.kind == ROW_DRY ? -work : work;
+            j->lost -= r->row.kind == ROW_DRY ? work : 0;
         }
-        if (r->row.kind == ROW_SOFT)
-            g->lost += lost_in_spring(g, r);
+        if (r->row.kind == ROW_SOFT) {
+            real lost = lost_in_spring(g, r);
+            g->lost += lost;
+            j->lost += lost;
+        }
     }
 }
 

@@ -179,7 +179,9 @@ static void joints_of(World *w, Group *g)
         const JointType *type = r->type;
         if (type->settle && !j->broken) {
             group_joint_view(g, i);
-            w->ledger.lost += type->settle(&j->view, r->force, couple_of(r, &j->view));
+            real lost = type->settle(&j->view, r->force, couple_of(r, &j->view));
+            w->ledger.lost += lost;
+            r->lost += lost;
             memcpy(r->memory, j->memory, sizeof r->memory);
         }
         bool limit = type->at_limit && type->at_limit(&j->view);

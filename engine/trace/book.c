@@ -82,7 +82,7 @@ static void lay_out_impacts(const Tracer *t, Block *b)
 static void lay_out(Tracer *t, Block *b)
 {
     const Group *g = t->g;
-    int n = g->moving_count, joints = g->joint_count, powers = TOUCH_POWERS * t->touch_capacity + 6 * joints + g->push_count + 3;
+    int n = g->moving_count, joints = g->joint_count, powers = TOUCH_POWERS * t->touch_capacity + JOINT_POWERS * joints + g->push_count + 3;
     TAKE(t, touch, t->touch_capacity);
     TAKE(t, old_touch, t->touch_capacity);
     TAKE(t, stops, joints * JOINT_SLOTS);
@@ -178,7 +178,8 @@ void trace_book(Tracer *t, const Touching *touch, int count, real begin)
         wake_dormant(g, c->a);
         wake_dormant(g, c->b);
     }
-    for (int j = 0; j < g->joint_count; j++, q += 6) {
+    for (int j = 0; j < g->joint_count; j++, q += JOINT_POWERS) {
+        g->joints[j].lost += h * q[6];
         g->joints[j].impulse = vec3_mad(g->joints[j].impulse, h, (vec3){q[0], q[1], q[2]});
         g->joints[j].angular_impulse = vec3_mad(g->joints[j].angular_impulse, h, (vec3){q[3], q[4], q[5]});
     }

@@ -134,11 +134,13 @@ static void keep_quad(const Tracer *t, real *q)
             }
         }
     }
-    for (int j = 0; j < g->joint_count; j++, q += 6) {
+    for (int j = 0; j < g->joint_count; j++, q += JOINT_POWERS) {
         Arrow sum = {vec3_zero(), vec3_zero()};
+        real before = lost;
         for (int k = 0; k < t->row_count[j]; k++)
             keep_row(t, j, &t->rows[j * JOINT_SLOTS + k], &sum, &lost, &gained);
         memcpy(q, &sum, sizeof sum);
+        q[6] = lost - before;
     }
     for (int i = 0; i < g->push_count; i++, q++) {
         const GroupPush *p = &g->pushes[i];

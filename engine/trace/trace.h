@@ -132,6 +132,7 @@ bool system_solve(System *s, real accept);      /* x from b; false: redundant ro
 
 #define STAGES 7
 #define TOUCH_POWERS 5          /* of each touch: force, normal force, what it loses */
+#define JOINT_POWERS 7          /* of each joint: force, torque, what it loses */
 #define WATCHED 256             /* most contact points, stops and holds of a group: all of them are watched for events */
 
 typedef struct State { vec3 x; quat q; vec3 v, l; } State;      /* 13 reals */
@@ -191,7 +192,7 @@ typedef struct Tracer {
 } Tracer;
 
 /* How many forces and powers are integrated: 4 a contact point, 6 a joint, 1 a push, and three sums. */
-static inline int trace_powers(const Tracer *t) { return TOUCH_POWERS * t->touch_count + 6 * t->g->joint_count + t->g->push_count + 3; }
+static inline int trace_powers(const Tracer *t) { return TOUCH_POWERS * t->touch_count + JOINT_POWERS * t->g->joint_count + t->g->push_count + 3; }
 
 /* suits.c */
 bool trace_suits(const Group *g);

@@ -173,6 +173,8 @@ typedef struct JointRec {
     real     memory[4];         /* JOINT_MEMORY                                        */
     real     impulse[12];       /* JOINT_SLOTS  N or N m, force of the last substep    */
     vec3     force, torque;     /* on a, mean over the last step                       */
+    real     lost;              /* J   to friction, dampers and yielding in the last step in which one of its bodies was awake; no part of
+                                 *     the state */
     real     error;
     bool     at_limit;
 } JointRec;

@@ -539,3 +539,33 @@ scenario("a body that changes its material has the new one's heat capacity, unle
   expect(plain.temperature):near(300 + 100 / (mass * plain.heat_capacity), 1e-9)
   expect(drift(world)):near(0, 1e-9)
 end)
+
+-- A wheel that friction in its hinge stops, and a weight on a spring with a damper, each on a fixed post: what they lose
+local function joints_lose(s, fields, add)
+  local world = s:world(fields)
+  local post = world:box { size = 0.1, fixed = true, at = { 0, 0, 0 }, temperature = 300, material = "steel" }
+  local body, lost = add(world, post)
+  world:run(4)
+  local half = world.energy.heat / 2
+  expect(world.energy.heat):near(lost, 1e-3 * lost)
+  expect((body.temperature - 300) * body.mass * body.heat_capacity):near(half, 1e-6 * lost)
+  expect(drift(world)):near(0, 1e-3 * lost)
+end
+
+for _, accuracy in ipairs { "sketch", "play", "study" } do
+  scenario("what a hinge's friction takes warms both its bodies, at " .. accuracy, function(s)
+    joints_lose(s, { gravity = { 0, 0, 0 }, accuracy = accuracy }, function(world, post)
+      local wheel = world:cylinder { radius = 0.2, height = 0.05, mass = 2, at = { 0, 0, 0.2 }, spin = { 0, 10, 0 }, temperature = 300 }
+      world:hinge { a = wheel, b = post, at = { 0, 0, 0.2 }, axis = { 0, 1, 0 }, friction = 0.2 }
+      return wheel, 0.5 * (0.5 * 2 * 0.2 ^ 2) * 10 ^ 2
+    end)
+  end)
+
+  scenario("what a strut damps warms both its bodies, at " .. accuracy, function(s)
+    joints_lose(s, { gravity = { 0, 0, 0 }, accuracy = accuracy }, function(world, post)
+      local weight = world:ball { radius = 0.05, mass = 1, at = { 1, 0, 0 }, velocity = { 2, 0, 0 }, temperature = 300 }
+      world:strut { a = weight, b = post, at_b = { 0, 0, 0 }, stiffness = 100, damping = 10, length = 1 }
+      return weight, 2
+    end)
+  end)
+end
