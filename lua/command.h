@@ -47,7 +47,7 @@ bool read_number_option(const char *name, const char *text, const char *unit, do
 bool read_frames_option(const char *text, int frames, int *first, int *last);
 bool read_whole_option(const char *name, const char *text, long long low, long long high, long long *value);
 
-void print_error(const char *text);
+void say_error(const char *text);
 
 /* The code, or that of failed output when stdout cannot take the rest. */
 int flush_output(int code);

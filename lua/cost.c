@@ -220,7 +220,7 @@ static int take(Cost *c, int index, real expected)
         return 128 + app_signal();
     if (index != c->play || s->run->end != COST_FAILED)
         return EXIT_FINE;
-    print_error(s->run->message);
+    say_error(s->run->message);
     return s->run->code ? s->run->code : EXIT_INTERNAL;
 }
 

@@ -96,7 +96,7 @@ static int fail(const Bars *b, const char *off, const CostRun *run, int code)
     else if (*off)
         fprintf(stderr, "digbox: cost: with '%s' switched off: %s\n", off, run->message);
     else
-        print_error(run->message);
+        say_error(run->message);
     return code;
 }
 

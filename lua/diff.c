@@ -36,7 +36,7 @@ static const char *body_text(const Replay *r, int index, char *out, size_t capac
 /* Exit codes belong to kinds of failure. */
 static int bad_file(const Replay *r)
 {
-    print_error(replay_error(r));
+    say_error(replay_error(r));
     return EXIT_FORMAT;
 }
 
@@ -163,7 +163,7 @@ static int compare_files(Diff *d)
     int code = EXIT_FINE;
     for (int k = 0; k < 2 && code == EXIT_FINE; k++) {
         if (replay_open(d->path[k], &d->r[k], why, sizeof why) != DIG_OK) {
-            print_error(why);
+            say_error(why);
             code = EXIT_FORMAT;
         } else if (replay_info(d->r[k])->cut && !d->quiet) {
             fprintf(stderr, "digbox: %s ends early: its first %d frames are compared\n", d->path[k], replay_info(d->r[k])->frames);

@@ -64,7 +64,7 @@ static int export_open_replay(Replay *r, const Wish *w, const ExportFormat *form
         fprintf(stderr, "digbox: %s: the file was cut short; %d frames of it are whole\n", w->replay, replay_info(r)->frames);
     dig_status status = export_write(r, format, &options, w->out, why, sizeof why);
     if (status != DIG_OK) {
-        print_error(why);
+        say_error(why);
         return status == DIG_E_FILE ? EXIT_OUTPUT : status == DIG_E_MEMORY ? EXIT_MEMORY : EXIT_FORMAT;
     }
     struct stat info;
@@ -81,7 +81,7 @@ static int export_replay(const Wish *w)
     if (!format)
         return unknown_format(w->out);
     if (replay_open(w->replay, &r, why, sizeof why) != DIG_OK) {
-        print_error(why);
+        say_error(why);
         return EXIT_FORMAT;
     }
     int code = export_open_replay(r, w, format);

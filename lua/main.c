@@ -107,26 +107,6 @@ bool read_whole_option(const char *name, const char *text, long long low, long l
     return true;
 }
 
-void print_error(const char *text)
-{
-    /* One message: at most 4,000 bytes, no control bytes but line feeds. */
-    fputs("digbox: ", stderr);
-    for (int i = 0; i < 4000 && text[i]; i++)
-        fputc(((unsigned char)text[i] >= 0x20 && text[i] != 0x7f) || text[i] == '\n' ? text[i] : '?', stderr);
-    fputc('\n', stderr);
-}
-
-/* Results that cannot be written are a failure, but for a reader who went away. */
-int flush_output(int code)
-{
-    errno = 0;
-    bool failed = fflush(stdout) != 0 || ferror(stdout);
-    if (!failed || errno == EPIPE)
-        return code;
-    fprintf(stderr, "digbox: standard output: %s\n", errno ? strerror(errno) : "cannot be written");
-    return EXIT_OUTPUT;
-}
-
 /* ---- the command ------------------------------------------------------------ */
 
 static int unknown_command(const char *word)

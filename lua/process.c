@@ -211,7 +211,7 @@ static int report(const Supervisor *s, int status)
     what[sizeof what - 1] = '\0';
     snprintf(line, sizeof line, "%s%s%s%s", what, *what ? ": " : "", clause,
              code == EXIT_INTERNAL ? "; that is a fault of digbox, not of the world" : "");
-    print_error(line);
+    say_error(line);
     return code;
 }
 

@@ -187,7 +187,7 @@ static int run_world(const RunOptions *o, App *app)
     if (app_call_core(L, app, "clear_progress", 0, 0) != EXIT_FINE)
         lua_pop(L, 1);
     if (code != EXIT_FINE && lua_isstring(L, -1))
-        print_error(lua_tostring(L, -1));
+        say_error(lua_tostring(L, -1));
     if (code != EXIT_FINE && code != EXIT_UNRELIABLE)       /* that one came to its end */
         report_stop(L, app);
     lua_close(L);

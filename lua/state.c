@@ -34,6 +34,7 @@ static volatile sig_atomic_t caught;
 
 static App *volatile current;           /* whose limits the timer looks at */
 static pthread_t main_thread;
+static bool catching;                   /* the handlers are installed */
 static volatile double hard_deadline;   /* s; 0 = none */
 
 double app_clock(void)
@@ -46,7 +47,8 @@ double app_clock(void)
 static void start_timer(void)
 {
     const struct itimerval every = {{0, TICK_US}, {0, TICK_US}};
-    setitimer(ITIMER_REAL, &every, NULL);
+    if (catching)
+        setitimer(ITIMER_REAL, &every, NULL);
 }
 
 static void on_signal(int number)
@@ -131,6 +133,7 @@ void app_catch_signals(void)
     struct sigaction action;
     memset(&action, 0, sizeof action);
     main_thread = pthread_self();
+    catching = true;
     action.sa_handler = on_signal;
     sigemptyset(&action.sa_mask);
     sigaction(SIGINT, &action, NULL);
@@ -191,7 +194,7 @@ static _Noreturn void leave(lua_State *L, App *app, int code, const char *text, 
     if (app->stopped)
         app->stopped(app->stopped_data, code, line);
     else
-        print_error(line);
+        say_error(line);
     if (sound)
         call_quietly(L, "report_stop");
     code = flush_output(code);

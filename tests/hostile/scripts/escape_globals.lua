@@ -4,7 +4,7 @@ local bad = { "io", "os", "debug", "package", "dofile", "loadfile", "warn", "req
 for _, name in ipairs(bad) do assert(rawget(_G, name) == nil, name) end
 for _, library in pairs(_G) do
   if type(library) == "table" then
-    for _, name in ipairs { "dump", "execute", "getenv", "popen", "open", "remove", "sethook", "getregistry", "searchpath", "loadlib" } do
+    for _, name in ipairs { "dump", "execute", "getenv", "popen", "open", "sethook", "getregistry", "searchpath", "loadlib" } do
       assert(rawget(library, name) == nil, name)
     end
   end
