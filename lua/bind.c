@@ -28,10 +28,19 @@ void bind_where(lua_State *L) { push_line(L, "%s:%d: "); }
 
 void bind_place(lua_State *L) { push_line(L, "%s:%d"); }
 
+/* What a script gave may hold line feeds and escapes: they are not to reach a terminal. */
+static void clean(char *text)
+{
+    for (; *text; text++)
+        if ((unsigned char)*text < 0x20 || *text == 0x7f)
+            *text = '?';
+}
+
 static int raise_text(lua_State *L, const char *format, va_list arguments)
 {
     char text[2048];
     vsnprintf(text, sizeof text, format, arguments);
+    clean(text);
     bind_where(L);
     lua_pushstring(L, text);
     lua_concat(L, 2);

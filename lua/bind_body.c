@@ -346,6 +346,15 @@ static vec3 directed(lua_State *L, const char *what, const char *field, const ch
     return (vec3){amount * v.x / length, amount * v.y / length, amount * v.z / length};
 }
 
+/* A time that is not given is 0: one frame step. */
+static real span(lua_State *L, const char *what, const char *field)
+{
+    real s = 0;
+    if (bind_get_real(L, 2, what, field, "s", &s) && s < 0)
+        bind_error(L, "%s.%s = %g s, must be >= 0", what, field, s);
+    return s;
+}
+
 static void note_push(lua_State *L, const BodyRef *b)
 {
     bind_push_world_of(L, 1);
@@ -362,11 +371,10 @@ static int body_push(lua_State *L)
 {
     BodyRef *b = bind_check_body(L, 1);
     vec3 at = {0, 0, 0};
-    real lasts = 0;
     bind_arguments(L, 2, "body:push");
     vec3 force = directed(L, "body:push", "force", "N");
     bool has_at = bind_get_vec3(L, 2, "body:push", "at", "m", &at);
-    bind_get_real(L, 2, "body:push", "lasts", "s", &lasts);
+    real lasts = span(L, "body:push", "lasts");
     note_push(L, b);
     return done(L, b, dig_body_push(b->world->w, b->id, force, at, has_at, lasts));
 }
@@ -375,10 +383,9 @@ static int body_push(lua_State *L)
 static int body_twist(lua_State *L)
 {
     BodyRef *b = bind_check_body(L, 1);
-    real lasts = 0;
     bind_arguments(L, 2, "body:twist");
     vec3 torque = directed(L, "body:twist", "torque", "N*m");
-    bind_get_real(L, 2, "body:twist", "lasts", "s", &lasts);
+    real lasts = span(L, "body:twist", "lasts");
     note_push(L, b);
     return done(L, b, dig_body_twist(b->world->w, b->id, torque, lasts));
 }
@@ -415,11 +422,10 @@ static int body_move_to(lua_State *L)
     BodyRef *b = bind_check_body(L, 1);
     vec3 at = state(L).position;
     quat rotation;
-    real over = 0;
     bind_arguments(L, 2, "body:move_to");
     bind_get_vec3(L, 2, "body:move_to", "at", "m", &at);
     bool has_rotation = bind_get_quat(L, 2, "body:move_to", "rotation", &rotation);
-    bind_get_real(L, 2, "body:move_to", "over", "s", &over);
+    real over = span(L, "body:move_to", "over");
     return done(L, b, dig_body_move_to(b->world->w, b->id, at, has_rotation ? &rotation : NULL, over));
 }
 

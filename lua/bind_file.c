@@ -366,6 +366,23 @@ static int check_type_name(lua_State *L)
     return 1;
 }
 
+/* core.class_of(value) -> the same, and "truss", "film", ... of what is made in Lua */
+static int check_class_name(lua_State *L)
+{
+    luaL_checkany(L, 1);
+    if (luaL_getmetafield(L, 1, "__name") == LUA_TSTRING)
+        return 1;
+    lua_settop(L, 1);
+    return check_type_name(L);
+}
+
+/* core.is_lua(function) */
+static int check_is_lua(lua_State *L)
+{
+    lua_pushboolean(L, lua_isfunction(L, 1) && !lua_iscfunction(L, 1));
+    return 1;
+}
+
 /* core.list(table) -> the same table, which prints its items from now on */
 static int make_list(lua_State *L)
 {
@@ -378,7 +395,7 @@ static int make_list(lua_State *L)
 
 static const luaL_Reg checks[] = {
     {"check", check_fields}, {"quantity", check_quantity}, {"seconds", check_seconds}, {"type", check_type_name}, {"list", make_list},
-    {NULL, NULL},
+    {"class_of", check_class_name}, {"is_lua", check_is_lua}, {NULL, NULL},
 };
 
 void bind_file_open(lua_State *L, int core)

@@ -29,7 +29,7 @@ static const dig_param *find_row(const dig_param *rows, const char *name)
 /* ---- creating --------------------------------------------------------------------- */
 
 /* Makes a copy of the table at 2 in which aliases have their own names. */
-static void resolve_aliases(lua_State *L, const char *what, const dig_schema *schema)
+static void resolve_aliases(lua_State *L, const char *what, const dig_schema *schema, bool used[ALIAS_COUNT])
 {
     lua_newtable(L);
     for (lua_pushnil(L); lua_next(L, 2); lua_pop(L, 1)) {
@@ -39,6 +39,7 @@ static void resolve_aliases(lua_State *L, const char *what, const dig_schema *sc
     }
     lua_replace(L, 2);
     for (int i = 0; i < ALIAS_COUNT; i++) {
+        used[i] = false;
         if (find_row(schema->rows, aliases[i].alias))
             continue;
         if (lua_getfield(L, 2, aliases[i].alias) != LUA_TNIL) {
@@ -48,6 +49,7 @@ static void resolve_aliases(lua_State *L, const char *what, const dig_schema *sc
             lua_setfield(L, 2, aliases[i].name);
             lua_pushnil(L);
             lua_setfield(L, 2, aliases[i].alias);
+            used[i] = true;
         } else {
             lua_pop(L, 1);
         }
@@ -75,14 +77,19 @@ static void take_coupled_joints(const Fill *f, const dig_schema *schema, char *d
     }
 }
 
-static void fill_common(const Fill *f, const dig_schema *schema, dig_joint_def *def)
+/* Errors call a field what the script called it. */
+static void fill_common(const Fill *f, const dig_schema *schema, dig_joint_def *def, const bool used[ALIAS_COUNT])
 {
     lua_State *L = f->L;
     for (const dig_param *row = common_rows(); row->name; row++) {
         if (find_row(schema->rows, row->name))
             continue;
+        dig_param named = *row;
+        for (int i = 0; i < ALIAS_COUNT; i++)
+            if (used[i] && strcmp(aliases[i].name, row->name) == 0)
+                named.name = aliases[i].alias;
         if (lua_getfield(L, f->table, row->name) != LUA_TNIL)
-            bind_fill_field(f, row, (char *)def + row->offset);
+            bind_fill_field(f, &named, (char *)def + row->offset);
         lua_pop(L, 1);
     }
 }
@@ -109,7 +116,8 @@ static int make_joint(lua_State *L)
     if (!lua_istable(L, 2))
         return bind_error(L, "%s wants a table of fields; got %s", what, luaL_typename(L, 2));
     check_joint_keys(L, what, schema);
-    resolve_aliases(L, what, schema);
+    bool used[ALIAS_COUNT];
+    resolve_aliases(L, what, schema, used);
     char *data = lua_newuserdatauv(L, schema->size > 0 ? schema->size : 1, 0);
     dig_schema_defaults(schema, data);
     lua_newtable(L);
@@ -118,7 +126,7 @@ static int make_joint(lua_State *L)
         fill.subject = lua_pushfstring(L, "joint '%s'", lua_tostring(L, -1));
     take_coupled_joints(&fill, schema, data);
     bind_fill(&fill, schema->rows, data);
-    fill_common(&fill, schema, &def);
+    fill_common(&fill, schema, &def, used);
     def.type = schema->name;
     def.data = data;
     dig_status s = dig_joint_create(ref->w, &def, &id);

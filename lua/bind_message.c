@@ -259,6 +259,8 @@ static int world_link(lua_State *L)
     lua_getfield(L, 2, "b");
     def.b = bind_body_of(L, 5, world)->id;
     lua_getfield(L, 2, "bound");
+    if (!lua_isnil(L, 6) && !lua_isboolean(L, 6))
+        return bind_error(L, "world:link.bound wants true or false; got %s", luaL_typename(L, 6));
     def.bound = lua_toboolean(L, 6);
     bind_get_real(L, 2, "world:link", "ratio", "1", &def.ratio);
     WireRef *ref = lua_newuserdatauv(L, sizeof *ref, 1);

@@ -247,6 +247,19 @@ static void add_constructor(lua_State *L, int table, const char *key, const char
     lua_setfield(L, table, key);
 }
 
+/* core.check_body(fields, what): the fields that bodies have, among others; an error for a bad one */
+static int check_body(lua_State *L)
+{
+    dig_body_def def = dig_body_defaults();
+    const char *what = luaL_checkstring(L, 2);
+    luaL_checktype(L, 1, LUA_TTABLE);
+    lua_newtable(L);
+    Fill fill = {L, 1, lua_gettop(L), what, what, NULL};
+    bind_fill(&fill, dig_schema_at("body", 0)->rows, &def);
+    bind_effects_read(&fill);
+    return 0;
+}
+
 /* core.constructor(type, "world:rod") -> the constructor of that shape type ("body": of compounds) under another name */
 static int make_constructor(lua_State *L)
 {
@@ -297,6 +310,8 @@ void bind_shape_open(lua_State *L, int core)
     add_constructor(L, world, "body", "world:", "body", make_compound, NULL);
     lua_pushcfunction(L, make_constructor);
     lua_setfield(L, core, "constructor");
+    lua_pushcfunction(L, check_body);
+    lua_setfield(L, core, "check_body");
     list_body_fields(L, core);
     lua_pushvalue(L, shapes);
     lua_setfield(L, core, "shapes");

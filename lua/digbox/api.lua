@@ -39,7 +39,9 @@ for _, s in ipairs(core.schemas "joint") do
   local fields = {}
   for name, field in next, common.fields do fields[name] = field end
   for alias, name in next, core.joint_aliases do
-    fields[alias] = { common.fields[name][1], "the same as " .. name, alias = name }
+    fields[alias] = {}
+    for k, v in next, common.fields[name] do fields[alias][k] = v end
+    fields[alias][2] = "the same as " .. name
   end
   for name, field in next, s.fields do fields[name] = field end
   add_set("joint " .. s.name, { help = s.help, fields = fields })

@@ -54,7 +54,7 @@ Room.__name = "room"
 Room.__tostring = function() return "room" end
 
 core.declare_type("room", "Six walls without a body of their own; a wall is named '+x', '-x', '+y', '-y', '+z' or '-z'.",
-  { open = true, close = true }, { world = { "world", "its world" } })
+  Room, { world = { "world", "its world" } })
 core.declare("room:open", { "That wall lets bodies out.", takes = { { "wall", "text", "which wall", of = walls } }, gives = "room" })
 core.declare("room:close", { "That wall holds again.", takes = { { "wall", "text", "which wall", of = walls } }, gives = "room" })
 core.declare("world:room", { "Six walls without a body of their own.", with = { "room" }, gives = "room" })
@@ -169,7 +169,9 @@ local rope_fields = {
   length = { "real m >0", "its length; default the distance of its ends" },
   segments = { "int 1 >0", "with segments it is a chain of rods: {links=, joints=}" },
   radius = { "real m >0", "of its rods; default a tenth of their length" }, breaks_at = { "real N >0", "breaks when a joint bears more" } }
-core.declare("world:rope", { "Ends never farther apart than its length; with segments a chain of rods that has mass.", fields = rope_fields,
+local rope_shown = core.join_fields(rope_fields)
+rope_shown.breaks_at = nil              -- as of the joint
+core.declare("world:rope", { "Ends never farther apart than its length; with segments a chain of rods that has mass.", fields = rope_shown,
   with = { "joint rope", "body" }, gives = "joint|table" })
 
 -- Corners of a rope of the given length hung between two points: straight, or a V when it is longer than their distance.

@@ -42,6 +42,22 @@ function core.declare_event(name, help, fields)
   declared.events[name] = { name = name, help = help, fields = list }
 end
 
+-- Methods written in Lua check what they are called on: `body.on("impact", f)` is one clear error. Of all types declared so far.
+function core.guard_methods()
+  for _, t in ipairs(declared.type_list) do
+    for name, method in next, t.methods do
+      if declared.by_name[t.name .. ":" .. name] and type(method) == "function" and core.is_lua(method) then
+        t.methods[name] = function(self, ...)
+          if core.class_of(self) ~= t.name then
+            core.fail("%s:%s: expected a %s, got %s (methods are called with ':')", t.name, name, t.name, core.class_of(self))
+          end
+          return method(self, ...)
+        end
+      end
+    end
+  end
+end
+
 -- Joins sets of fields into one table.
 function core.join_fields(...)
   local all = {}

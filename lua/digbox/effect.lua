@@ -34,7 +34,7 @@ local function start(world, effect, list, energy)
   if energy then return world.energy.elastic end         -- what fails does so here
 end
 
-core.declare_type("effect", "An effect that the script made.", { join = Effect.join, leave = Effect.leave, remove = Effect.remove }, {
+core.declare_type("effect", "An effect that the script made.", Effect, {
   name = { "string", "its name" }, world = { "world", "its world" }, data = { "any", "what was given as data" },
   time = { "number", "of the present evaluation", unit = "s" } })
 core.declare("effect:join", { "The body takes part from now on.", takes = { { "body", "body", "who" } }, gives = "effect" })

@@ -63,6 +63,7 @@ core.declare("digbox.quantity", { "A number in SI of a text with a unit: digbox.
 core.declare("digbox.version", { "The version of digbox, as text.", constant = "string" })
 
 function digbox.quantity(value, unit)
+  if unit ~= nil and type(unit) ~= "string" then core.fail("digbox.quantity: unit wants a text; got %s", core.type(unit)) end
   return core.quantity(value, unit, "digbox.quantity")
 end
 
@@ -261,6 +262,7 @@ function digbox.args(declared)
   return values
 end
 
+core.guard_methods()
 setmetatable(digbox, {
   __index = function(_, key) core.unknown("digbox", "has no function", tostring(key), digbox) end,
   __newindex = function(_, key) core.fail("digbox.%s cannot be assigned", tostring(key)) end,

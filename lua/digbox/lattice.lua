@@ -32,7 +32,7 @@ local function stretch(self)
   return most
 end
 
-local thing_methods = { sig = soft.sig, saw = soft.saw }
+local cloth_methods, lattice_methods = { sig = soft.sig, saw = soft.saw }, { sig = soft.sig, saw = soft.saw }
 local getters = { stress = soft.stress, mass = soft.mass, position = soft.position, broken = soft.broken, support = support,
   stretch = stretch }
 local readable = { name = true, breaks_at = true, bodies = true, joints = true, columns = true, rows = true, layers = true }
@@ -41,8 +41,8 @@ local properties = core.join_fields(soft.properties, {
   stretch = { "number", "the longest strut over its length at rest, less 1" }, breaks_at = { "number|nil", "as given", unit = "N" },
   columns = { "integer", "particles one way" }, rows = { "integer", "particles the other way" },
   layers = { "integer|nil", "particles the third way" } })
-local new_cloth = soft.class("cloth", "Particles in rows, held to their neighbours.", thing_methods, getters, readable, properties)
-local new_lattice = soft.class("lattice", "Particles in rows and layers: a body that springs back.", thing_methods, getters, readable,
+local new_cloth = soft.class("cloth", "Particles in rows, held to their neighbours.", cloth_methods, getters, readable, properties)
+local new_lattice = soft.class("lattice", "Particles in rows and layers: a body that springs back.", lattice_methods, getters, readable,
   properties)
 for _, name in ipairs { "cloth", "lattice" } do
   core.declare(name .. ":node", { "The particle of that column, row and layer, from 1.", takes = { { "column", "int 1 >0", "column" },
@@ -53,11 +53,17 @@ end
 local function key(i, j, k) return ("%d %d %d"):format(i, j or 1, k or 1) end
 
 -- thing:node(i, j, k) -> the particle of that column, row and layer, from 1
-function thing_methods.node(thing, i, j, k)
+local function node(thing, i, j, k)
+  local what = thing[1].kind .. ":node"
+  for name, n in next, { column = i or false, row = j or 1, layer = k or 1 } do
+    if math.type(n) ~= "integer" then core.fail("%s: %s wants a whole number; got %s", what, name, core.type(n)) end
+  end
   local b = thing[1].node[key(i, j, k)]
-  if not b then core.fail("%s:node(%s): there is none", thing[1].kind, key(i, j, k)) end
+  if not b then core.fail("%s(%s): there is none", what, key(i, j, k)) end
   return b
 end
+
+cloth_methods.node, lattice_methods.node = node, node
 
 local function add_node(world, self, rest, at, mass, fixed, i, j, k)
   local fields = {}

@@ -12,7 +12,7 @@ local spec = {
   value = { "any", "a number, or up to four", type = "number|number[]" },
   after = { "real s >=0", "delay; who gets it is found then" },
   route = { "text", "to whom it goes", of = { "to", "neighbours", "dig", "flood", "path", "region" } },
-  to = { "any", "the body that gets it, or the end of the path", type = "body" },
+  to = { "body", "the body that gets it, or the end of the path" },
   region = { "any", "to all bodies inside", type = "region" }, layer = { "text", "along the links of that layer", of = core.layer_names },
   kind = { "text", "along links of that kind only", of = core.link_kind_names }, hops = { "int 1 >0", "at most so many links far" },
   transform = { "any", "what a link does to the value: a factor, 'ratio', or a function(value, hop, from, to)",
@@ -86,7 +86,7 @@ function body.send_neighbours(from, name, value, fields)
   return from
 end
 
-local broadcasts = { from = { "any", "the body that sends it", type = "body" }, after = spec.after }
+local broadcasts = { from = { "body", "the body that sends it" }, after = spec.after }
 core.declare("DIG:broadcast", { "Sends a message to every member, whoever that is when it is delivered.", takes = named,
   fields = broadcasts,
   optional = true, gives = "DIG" })

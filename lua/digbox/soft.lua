@@ -9,6 +9,7 @@ local next, type, pairs, ipairs, setmetatable, pcall, error = next, type, pairs,
 local soft = {}
 core.soft = soft
 local methods = core.types.world.methods
+local LONGEST = 40                 -- bytes of the name of a thing
 local STRUCTURAL = { strut = true, beam = true }
 
 -- ---- fields ----
@@ -30,6 +31,10 @@ function soft.split(what, fields, spec, taken)
     end
   end
   if strange ~= nil then core.unknown(what .. ":", "unknown field", tostring(strange), spec, core.body_fields) end
+  core.check_body(rest, what)
+  if rest.name and #rest.name > LONGEST then
+    core.fail("%s.name has %d bytes, must have at most %d: its parts are named by it", what, #rest.name, LONGEST)
+  end
   return core.check(own, what, spec), rest
 end
 
@@ -307,6 +312,7 @@ local function key_of(self, what, a, b)
   if b == nil then
     if type(a) ~= "string" then core.fail("%s wants the name of a strut, such as 'AB'; got %s", what, core.type(a)) end
     if self.strut[a] then return a end
+    if #a > 200 then core.fail("%s: the name of a strut of %d bytes", what, #a) end
     for i = 1, #a - 1 do
       if self.strut[a:sub(i + 1) .. a:sub(1, i)] then return a:sub(i + 1) .. a:sub(1, i) end
     end

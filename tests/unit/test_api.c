@@ -37,9 +37,11 @@ static void run_checks(const char *name, int least)
     lua_close(L);
 }
 
-TEST(names_are_the_same_everywhere) { run_checks("names.lua", 4000); }
+TEST(names_are_the_same_everywhere) { run_checks("names.lua", 9000); }
+
+TEST(bad_values_are_refused_and_change_nothing) { run_checks("values.lua", 12000); }
 
 int main(void)
 {
-    RUN_TESTS(unit_test(names_are_the_same_everywhere));
+    RUN_TESTS(unit_test(names_are_the_same_everywhere), unit_test(bad_values_are_refused_and_change_nothing));
 }
