@@ -196,6 +196,21 @@ scenario("what is pushed into others is said to move them, and by that name", fu
   expect(answer.consequences[1].who):is(other)
 end)
 
+scenario("the walls of a room hold, and are named", function(s)
+  local world = s:world { gravity = { 0, -g, 0 } }
+  world:room { size = { 4, 3, 4 } }
+  local box = world:box { size = 0.5, at = { 1.75, 0.25, 0 }, mass = 2 }
+  world:run(0.5)
+  local held = box:can_move { along = { 1, 0, 0 }, with = "30 N" }
+  expect(held.verdict):is "blocked"
+  expect(held.held_by):is "+x"
+  local far = box:can_move { along = { -1, 0, 0 }, with = "30 N", by = 5 }
+  expect(far.ok):is(false)
+  expect(far.moved):near(3.5, 1e-3)
+  expect(far.held_by):is "-x"
+  expect(box:can_move({ along = { -1, 0, 0 } }).needs):near(0.5 * 2 * g, 0.01 * g)
+end)
+
 scenario("an effect of the script's own is asked, too", function(s)
   local world = s:world { gravity = { 0, 0, 0 } }
   world:ball { name = "elsewhere", radius = 0.1, at = { 50, 0, 0 } }
