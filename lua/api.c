@@ -62,7 +62,7 @@ static int print_text(const ApiOptions *o)
     if (code == EXIT_FINE)
         fputs(lua_tostring(L, -1), stdout);
     else
-        print_error(lua_tostring(L, -1));
+        say_error(lua_tostring(L, -1));
     lua_close(L);
     return flush_output(code);
 }

@@ -28,7 +28,8 @@ static Key read_key(lua_State *L, int index, int place)
     Key k = {.rank = KEY_OTHER, .place = place};
     const BodyRef *body;
     const JointRef *joint;
-    switch (lua_type(L, index)) {
+    int kind = lua_type(L, index);
+    switch (kind) {
     case LUA_TNUMBER:
         k.rank = KEY_NUMBER;
         k.number = lua_tonumber(L, index);

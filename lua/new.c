@@ -83,7 +83,7 @@ static int command_new(int argc, char **argv)
     if (code == EXIT_FINE)
         printf("now: cd %s; digbox run world.lua; digbox test\n", folder);
     else
-        print_error(lua_tostring(L, -1));
+        say_error(lua_tostring(L, -1));
     lua_close(L);
     return flush_output(code);
 }

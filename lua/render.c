@@ -116,7 +116,7 @@ static int list_frames(lua_State *L, App *app, RenderJob *job)
 static int fail(lua_State *L, int code)
 {
     if (lua_isstring(L, -1))
-        print_error(lua_tostring(L, -1));
+        say_error(lua_tostring(L, -1));
     return code;
 }
 

@@ -162,7 +162,7 @@ static bool read_chunk(Reader *r, lua_State *L)
         if (!wants_more(L, status)) {
             lua_remove(L, -2);
             if (status != LUA_OK) {
-                print_error(lua_tostring(L, -1));
+                say_error(lua_tostring(L, -1));
                 lua_pop(L, 1);
                 lua_pushnil(L);
             }
@@ -183,12 +183,12 @@ static void run_chunk(lua_State *L, App *app)
     app->stop_code = 0;
     int code = app_call(L, app, 0, LUA_MULTRET);
     if (code != EXIT_FINE) {
-        print_error(lua_isstring(L, -1) ? lua_tostring(L, -1) : "failed");
+        say_error(lua_isstring(L, -1) ? lua_tostring(L, -1) : "failed");
     } else if (lua_gettop(L) > base) {
         lua_getglobal(L, "print");
         lua_insert(L, base + 1);
         if (app_call(L, app, lua_gettop(L) - base - 1, 0) != EXIT_FINE)
-            print_error(lua_tostring(L, -1));
+            say_error(lua_tostring(L, -1));
     }
     lua_settop(L, base);
     fflush(stdout);
@@ -221,7 +221,7 @@ static int run_repl(const RunOptions *o)
     if (code == EXIT_FINE)
         code = app_call_core(L, &app, "begin_repl", 0, 0);
     if (code != EXIT_FINE) {
-        print_error(lua_isstring(L, -1) ? lua_tostring(L, -1) : "failed");
+        say_error(lua_isstring(L, -1) ? lua_tostring(L, -1) : "failed");
         lua_close(L);
         return flush_output(code);
     }

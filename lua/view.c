@@ -54,7 +54,7 @@ static int write_page(Replay *r, const ViewWish *w, ExportShell *shell)
         fprintf(stderr, "digbox: %s: the file was cut short; %d frames of it are whole\n", w->replay, replay_info(r)->frames);
     dig_status status = export_write(r, &export_html, &options, w->out, why, sizeof why);
     if (status != DIG_OK) {
-        print_error(why);
+        say_error(why);
         return status == DIG_E_FILE ? EXIT_OUTPUT : status == DIG_E_MEMORY ? EXIT_MEMORY : EXIT_FORMAT;
     }
     struct stat info;
@@ -75,7 +75,7 @@ static int view_replay(const ViewWish *w)
     name_title(w->replay, title, sizeof title);
     shell.title = w->title ? w->title : title;
     if (replay_open(w->replay, &r, why, sizeof why) != DIG_OK) {
-        print_error(why);
+        say_error(why);
         return EXIT_FORMAT;
     }
     int code = write_page(r, w, &shell);
