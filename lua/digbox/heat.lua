@@ -37,7 +37,7 @@ function Heater.on(heater) return feed(heater, inside[heater].power) end
 function Heater.off(heater) return feed(heater, 0) end
 
 local heater_fields = { on = { "any", "the body it heats", type = "body", need = true },
-  power = { "real W", "how much; negative cools", default = 0 } }
+  power = { "real W", "how much; negative cools", need = true } }
 core.declare("world:heater", { "Feeds power into a body, which thereby has a temperature.", fields = heater_fields, gives = "heater" })
 local fields_of_heater = core.declare_type("heater", "Feeds power into a body.", Heater, {
   power = { "number", "how much when it is on", unit = "W", set = true }, body = { "body", "what it heats" },
