@@ -203,8 +203,9 @@ demo:                                           ## a film of worlds/ball_table_b
 	@$(program) run worlds/$(demo_world).lua -o out
 	@sh .ci/film.sh out/$(demo_world)
 
-docs: all                                       ## writes what the program says of itself: docs/lua.md
+docs: all                                       ## writes what the program says of itself: docs/lua.md, docs/materials.md
 	@$(program) api --markdown > docs/lua.md.new && mv docs/lua.md.new docs/lua.md
+	@$(program) api --materials > docs/materials.md.new && mv docs/materials.md.new docs/materials.md
 
 install: all                                    ## program, libraries and header below PREFIX (default /usr/local)
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib $(DESTDIR)$(PREFIX)/include $(DESTDIR)$(PREFIX)/share/doc/digbox/worlds

@@ -347,6 +347,7 @@ dig_status dig_material_add(dig_world *w, const char *name, const dig_material_d
 dig_status dig_material_get(const dig_world *w, const char *name, dig_material_def *def);
 dig_status dig_material_pair(dig_world *w, const dig_pair_def *def);
 const char *dig_material_name(const dig_world *w, int index);           /* NULL past the end */
+bool dig_material_pair_at(const dig_world *w, int index, dig_pair_def *def);    /* false past the end; NaN: by the rule for pairs */
 
 /* ---- shapes and bodies ------------------------------------------------------ */
 

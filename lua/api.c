@@ -69,12 +69,12 @@ static int print_text(const ApiOptions *o)
 
 /* ---- the command ------------------------------------------------------------------ */
 
-enum { OPT_JSON = 256, OPT_LUACATS, OPT_COMPLETION, OPT_MAN, OPT_MARKDOWN, OPT_NAMES };
+enum { OPT_JSON = 256, OPT_LUACATS, OPT_COMPLETION, OPT_MAN, OPT_MARKDOWN, OPT_MATERIALS, OPT_NAMES };
 
 static const struct option api_options[] = {
     {"json", no_argument, NULL, OPT_JSON}, {"luacats", no_argument, NULL, OPT_LUACATS},
     {"completion", required_argument, NULL, OPT_COMPLETION}, {"man", no_argument, NULL, OPT_MAN},
-    {"markdown", no_argument, NULL, OPT_MARKDOWN}, {"names", no_argument, NULL, OPT_NAMES}, {"help", no_argument, NULL, 'h'},
+    {"markdown", no_argument, NULL, OPT_MARKDOWN}, {"materials", no_argument, NULL, OPT_MATERIALS}, {"names", no_argument, NULL, OPT_NAMES}, {"help", no_argument, NULL, 'h'},
     {NULL, 0, NULL, 0},
 };
 
@@ -85,6 +85,7 @@ static bool read_api_option(ApiOptions *o, int key)
     case OPT_LUACATS: o->form = "luacats"; return true;
     case OPT_MAN: o->form = "man"; return true;
     case OPT_MARKDOWN: o->form = "markdown"; return true;
+    case OPT_MATERIALS: o->form = "materials"; return true;
     case OPT_NAMES: o->form = "names"; return true;
     case OPT_COMPLETION:
         o->form = "completion";
@@ -117,6 +118,7 @@ const Command api_command = {
         "      --json              for programs\n"
         "      --luacats           for editors: the file digbox.d.lua\n"
         "      --markdown          for readers: docs/lua.md\n"
+        "      --materials         the table of materials: docs/materials.md\n"
         "      --man               the manual page\n"
         "      --completion SHELL  for bash: completion of commands, options and names\n"
         "      --names             all names, one a line\n",

@@ -122,10 +122,31 @@ static int list_materials(lua_State *L)
     return 1;
 }
 
+/* core.material_pairs(world) -> list of {a =, b =, friction =, ...}; what is not given goes by the rule for pairs */
+static int list_pairs(lua_State *L)
+{
+    const WorldRef *ref = bind_check_world(L, 1);
+    dig_pair_def def;
+    lua_newtable(L);
+    for (int i = 0; dig_material_pair_at(ref->w, i, &def); i++) {
+        lua_newtable(L);
+        bind_set_text(L, "a", def.a.s);
+        bind_set_text(L, "b", def.b.s);
+        for (const dig_param *row = bind_pair_rows(); row->name; row++) {
+            real x = row->kind == DIG_REAL ? *(const real *)(const void *)((const char *)&def + row->offset) : (real)NAN;
+            if (!isnan(x))
+                bind_set_real(L, row->name, x);
+        }
+        lua_rawseti(L, -2, i + 1);
+    }
+    return 1;
+}
+
 void bind_schema_open(lua_State *L, int core)
 {
     static const luaL_Reg functions[] = {
-        {"schemas", list_schemas}, {"effect_schemas", list_effect_schemas}, {"material_names", list_materials}, {NULL, NULL},
+        {"schemas", list_schemas}, {"effect_schemas", list_effect_schemas}, {"material_names", list_materials},
+        {"material_pairs", list_pairs}, {NULL, NULL},
     };
     lua_pushvalue(L, core);
     luaL_setfuncs(L, functions, 0);

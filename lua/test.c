@@ -29,6 +29,7 @@ enum { DEPTH_LIMIT = 20, OUTPUT_SHOWN = 4000, JOB_LIMIT = 256 };
 typedef struct TestOptions {
     const char *out, *pattern, *junit;
     double      time_limit;     /* s, for one scenario */
+    double      sim_limit;      /* s of simulated time, for one scenario; 0 = none */
     long long   jobs;
     bool        tap, update_goldens;
 } TestOptions;
@@ -173,6 +174,10 @@ static int set_options(lua_State *L)
     set_text(L, "out", o->out);
     lua_pushboolean(L, o->update_goldens);
     app_set_option(L, "update_goldens");
+    if (o->sim_limit > 0) {
+        lua_pushnumber(L, o->sim_limit);
+        app_set_option(L, "sim_limit");
+    }
     return 0;
 }
 
@@ -527,12 +532,12 @@ static void free_run(Run *r)
 
 /* ---- the command ------------------------------------------------------------------------------ */
 
-enum { OPT_TAP = 256, OPT_JUNIT, OPT_UPDATE, OPT_TIME };
+enum { OPT_TAP = 256, OPT_JUNIT, OPT_UPDATE, OPT_TIME, OPT_SIM };
 
 static const struct option test_options[] = {
     {"jobs", required_argument, NULL, 'j'}, {"output", required_argument, NULL, 'o'}, {"tap", no_argument, NULL, OPT_TAP},
     {"junit", required_argument, NULL, OPT_JUNIT}, {"update-goldens", no_argument, NULL, OPT_UPDATE},
-    {"time-limit", required_argument, NULL, OPT_TIME}, {"help", no_argument, NULL, 'h'},
+    {"time-limit", required_argument, NULL, OPT_TIME}, {"sim-limit", required_argument, NULL, OPT_SIM}, {"help", no_argument, NULL, 'h'},
     {NULL, 0, NULL, 0},
 };
 
@@ -545,6 +550,7 @@ static bool read_test_option(TestOptions *o, int key)
     case OPT_TAP: o->tap = true; return true;
     case OPT_JUNIT: o->junit = optarg; return true;
     case OPT_UPDATE: o->update_goldens = true; return true;
+    case OPT_SIM: return read_number_option("sim-limit", optarg, "s", 1e-3, 1e9, &o->sim_limit);
     case OPT_TIME: return read_number_option("time-limit", optarg, "s", 1e-3, 1e9, &o->time_limit);
     default: return usage_error("see 'digbox test'") == 0;
     }
@@ -586,7 +592,8 @@ const Command test_command = {
         "      --tap               results as Test Anything Protocol\n"
         "      --junit FILE        results as JUnit XML, too\n"
         "      --update-goldens    take the pictures of today as right\n"
-        "      --time-limit S      for one scenario (default 300)\n"
+        "      --time-limit S      wall time for one scenario (default 300)\n"
+        "      --sim-limit S       simulated time for one world of a scenario (default: none)\n"
         "  -o, --output DIR        where pictures of failures go (default out)\n",
     .run = command_test,
     .starts_runs = true,

@@ -281,6 +281,21 @@ dig_status dig_material_pair(dig_world *w, const dig_pair_def *def)
     return COMMAND(w, COMMAND_PAIR, do_add_pair(w, def), {.what = def});
 }
 
+bool dig_material_pair_at(const dig_world *w, int index, dig_pair_def *def)
+{
+    if (index < 0 || index >= w->material_pairs.count)
+        return false;
+    const MaterialPair *p = &w->material_pairs.data[index];
+    memset(def, 0, sizeof *def);
+    snprintf(def->a.s, sizeof def->a.s, "%s", w->materials.data[p->a].name);
+    snprintf(def->b.s, sizeof def->b.s, "%s", w->materials.data[p->b].name);
+    def->friction = p->friction;
+    def->friction_dynamic = p->friction_dynamic;
+    def->rolling_friction = p->rolling;
+    def->restitution = p->restitution;
+    return true;
+}
+
 const char *dig_material_name(const dig_world *w, int index)
 {
     return index >= 0 && index < w->materials.count ? w->materials.data[index].name : NULL;

@@ -241,6 +241,50 @@ function writers.man()
   return table.concat(lines, "\n") .. "\n"
 end
 
+-- ---- docs/materials.md ----
+
+local columns = { { "density", "kg/m^3" }, { "friction", "1" }, { "friction_dynamic", "1" }, { "rolling_friction", "1" }, { "restitution",
+  "1" },
+  { "heat_capacity", "J/(kg K)" }, { "conductivity", "W/(m K)" }, { "resistivity", "ohm m" }, { "strength", "Pa" }, { "stiffness", "Pa" } }
+
+local function figure(x) return x and ("%.6g"):format(x) or "" end
+
+function writers.materials()
+  local world = core.digbox.world {}
+  local head, units, rows = { "material" }, { "" }, {}
+  for i, c in ipairs(columns) do head[i + 1], units[i + 1] = c[1], c[2] ~= "1" and c[2] or "" end
+  rows[1] = units
+  for _, name in ipairs(core.material_names(world)) do
+    local m, row = core.material_of(world, name), { "`" .. name .. "`" }
+    for i, c in ipairs(columns) do row[i + 1] = figure(m[c[1]]) end
+    rows[#rows + 1] = row
+  end
+  local lines = { "# Materials", "",
+    "Written by `make docs` from the table in `engine/world/material.c`. `material = \"steel\"` gives a body all of a row;",
+    "`body.material = \"oak\"` changes all of it: the mass with the density, and what the body was not given itself (`friction`,",
+    "`heat_capacity`, ...). `digbox.material(name, {...})` adds one.", "" }
+  table_of(lines, head, rows)
+  lines[#lines + 1] = "## Pairs"
+  lines[#lines + 1] = ""
+  lines[#lines + 1] = "Two materials without a row here take the geometric mean of their frictions and the larger restitution."
+  lines[#lines + 1] = "`digbox.material_pair{...}` adds one."
+  lines[#lines + 1] = ""
+  rows = {}
+  for i, p in ipairs(core.material_pairs(world)) do
+    rows[i] = { "`" .. p.a .. "`", "`" .. p.b .. "`", figure(p.friction), figure(p.friction_dynamic), figure(p.restitution) }
+  end
+  table_of(lines, { "one", "the other", "friction", "friction_dynamic", "restitution" }, rows)
+  for _, line in ipairs { "## Where the figures are from", "",
+    "* Densities, heat capacities, conductivities, resistivities: CRC Handbook (`crc2016` in `docs/references.bib`).",
+    "* Strengths, and friction of pairs: Machinery's Handbook (`oberg2012`).",
+    "* Young's moduli: CRC Handbook; of woods, along the grain and bent: Wood Handbook, ch. 5 (`woodhandbook2010`); of cork, felt, foam,",
+    "  leather and paper: Ashby, app. A, the middle of the range (`ashby2011`).",
+    "* Friction of a material alone is meant against the like of it; restitutions and rolling frictions are typical values,",
+    "  since they depend on speed and shape as much as on the material." } do lines[#lines + 1] = line end
+  world:close()
+  return table.concat(lines, "\n") .. "\n"
+end
+
 function writers.names() return table.concat(api.names(), "\n") .. "\n" end
 
 return writers

@@ -149,6 +149,7 @@ end
 
 local function advance(world, state)
   core.poll()
+  if core.options.sim_limit and world.time >= core.options.sim_limit - 1e-9 then core.over_sim_limit(core.options.sim_limit) end
   if state.before_first_step and world.steps == 0 then state.before_first_step(world) end
   core.push_regions(state)
   core.ask_filters(world, state)

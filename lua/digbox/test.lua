@@ -11,6 +11,7 @@ core.globals.digbox = core.digbox       -- specs may leave out the require
 
 local picture_size = { 640, 360 }
 local golden_size = { 320, 180 }
+local REPLAY_PATIENCE = 60       -- s; what takes longer to fail is not run again for its replay
 local levels = { "sketch", "play", "study", "reference" }
 
 -- ---- registering ----
@@ -471,10 +472,15 @@ local function dot_of(world)
   return table.concat(lines, "\n") .. "\n"
 end
 
--- What is left of a failed scenario: the last events, a picture, the DIGs, and the command to see it again.
+-- What files of a scenario, or of its entry in the list, are called.
+local function base_of(s)
+  return ("%s-%s"):format((core.options.script_name:gsub("%.lua$", "")), slug(s.name))
+end
+
+-- What is left of a failed scenario: the last events, a picture, the DIGs.
 local function autopsy(s, lines)
   local world = rawget(s, "own_world")
-  local base = ("%s-%s"):format((core.options.script_name:gsub("%.lua$", "")), slug(s.name))
+  local base = base_of(s)
   if world and core.is_open(world) then
     local state = core.lua_state(world)
     lines[#lines + 1] = ("at t = %.6g s, step %d"):format(world.time, world.steps)
@@ -486,7 +492,10 @@ local function autopsy(s, lines)
     local dumped, place = pcall(core.out_path, base .. ".dot")
     if dumped and pcall(function() core.write(place, dot_of(world)) end) then lines[#lines + 1] = "DIGs:    " .. place end
   end
-  lines[#lines + 1] = ("again:   digbox test %s -k '%s'"):format(core.options.script, (s.name:gsub("'", "'\\''")))
+end
+
+function core.over_sim_limit(limit)
+  fail("used up its %g s of simulated time; raise --sim-limit or simulate less", limit)
 end
 
 local function run_once(entry, jitter)
@@ -503,14 +512,32 @@ local function run_once(entry, jitter)
   return s, ok, message
 end
 
+-- A scenario does the same when it is run again: this time with a recorder.
+local function keep_replay(entry, jitter, lines, took)
+  if took > REPLAY_PATIENCE then
+    lines[#lines + 1] = ("replay:  none, since the scenario takes %.0f s"):format(took)
+    return
+  end
+  local path = core.out_path(base_of(entry) .. ".replay")
+  core.print "(the same again, for its replay)"
+  core.options.replay = path
+  local again = run_once(entry, jitter)
+  pcall(core.finish_replay)
+  core.options.replay = nil
+  pcall(close_world, again)
+  if core.exists(path) then lines[#lines + 1] = ("replay:  %s (digbox view %s -o page.html)"):format(path, path) end
+end
+
 -- core.run_scenario(entry) -> {passed, text, checks}
 function core.run_scenario(entry)
+  local begin, jitter = core.clock(), nil
   local s, ok, message = run_once(entry)
   local lines, checks, perturbed = {}, s.checks, s.perturbed
   for i = 1, ok and perturbed and perturbed.seeds or 0 do
     close_world(s)
     local again
-    again, ok, message = run_once(entry, jitter_by(perturbed.position, i))
+    begin, jitter = core.clock(), jitter_by(perturbed.position, i)
+    again, ok, message = run_once(entry, jitter)
     checks = checks + again.checks
     again.notes = table.move(s.notes, 1, #s.notes, 1, {})
     s = again
@@ -521,7 +548,11 @@ function core.run_scenario(entry)
   end
   if not ok then
     lines[1] = tostring(message)
+    local took = core.clock() - begin
     pcall(autopsy, s, lines)
+    pcall(close_world, s)
+    pcall(keep_replay, entry, jitter, lines, took)
+    lines[#lines + 1] = ("again:   digbox test %s -k '%s'"):format(core.options.script, (s.name:gsub("'", "'\\''")))
   end
   for _, note in ipairs(s.notes) do lines[#lines + 1] = note end
   pcall(close_world, s)

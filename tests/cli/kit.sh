@@ -1,0 +1,52 @@
+#!/usr/bin/env bash
+# tests/cli/kit.sh - what a failed scenario leaves: report, picture, DIGs, replay, the command; limits of simulated time; TAP and JUnit.
+set -u
+. "${0%/*}/../check.sh"
+
+cat >f_spec.lua <<'LUA'
+local test = require "digbox.test"
+test.scenario("falls too far", function(s)
+  s.world:floor {}
+  local b = s.world:ball { radius = 0.1, at = { 0, 1, 0 } }
+  s:settle "1 s"
+  test.expect(b.position.y):above "0.5 m"
+end)
+test.scenario("for ever", function(s) s:eventually("never", "100 s", function() return false end) end)
+test.scenario("catches what stops it", function(s)
+  test.expect(1):is(1)
+  while pcall(s.world.step, s.world) do end
+end)
+test.scenario("short", function(s)
+  s:settle "0.5 s"
+  test.expect(s.world.steps):is(30)
+end)
+test.scenario("only when started elsewhere", function(s)
+  local b = s.world:ball { radius = 0.1, at = { 0, 1, 0 } }
+  s:settle "0.1 s"
+  test.expect(b.position.x):is(0.0)
+  s:perturb { seeds = 2, position = "1 mm" }
+end)
+LUA
+gives 6 'failures' test --sim-limit '3 s' -j 2 -o left --junit junit.xml f_spec.lua
+printed 'f_spec.lua:6: expected above 0.5 m, got 0.1 m'
+printed 'last events:'; printed 'picture: left/f_spec-falls_too_far.png'; printed 'DIGs:    left/f_spec-falls_too_far.dot'
+printed 'replay:  left/f_spec-falls_too_far.replay'; printed "again:   digbox test f_spec.lua -k 'falls too far'"
+printed 'f_spec.lua:8: used up its 3 s of simulated time; raise --sim-limit or simulate less'
+printed 'f_spec.lua:11: used up its 3 s'
+printed 'seed 1 of 2'
+printed '1 passed, 4 failed'
+for end in png dot replay; do holds "a $end of it is there" test -s "left/f_spec-falls_too_far.$end"; done
+gives 0 'the replay does the same again' verify left/f_spec-falls_too_far.replay;       printed '60 steps'
+gives 0 'the replay of a perturbed one' verify left/f_spec-only_when_started_elsewhere.replay
+gives 0 'it can be looked at' view left/f_spec-falls_too_far.replay -o page.html
+holds 'JUnit counts them' grep -q 'tests="5" failures="4"' junit.xml
+if command -v python3 >/dev/null; then holds 'JUnit is XML' python3 -c 'import xml.dom.minidom; xml.dom.minidom.parse("junit.xml")'; fi
+gives 6 'TAP' test --tap --sim-limit 3 -o left f_spec.lua
+printed '1..5'; printed 'not ok 1 - f_spec.lua: falls too far'; printed 'ok 4 - f_spec.lua: short'
+gives 0 'without a limit' test -k short f_spec.lua; printed '1 passed, 0 failed'
+gives 2 'a limit that is none' test --sim-limit never f_spec.lua
+cat >loop_spec.lua <<'LUA'
+require("digbox.test").scenario("loops", function() while true do end end)
+LUA
+gives 5 'wall time' test --time-limit 0.3 loop_spec.lua;      printed 'used up its time'
+checked
