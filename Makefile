@@ -92,7 +92,7 @@ say = @printf '  %-5s %s\n' $(1) $(2);
 Q   := @
 endif
 
-.PHONY: all libs digbox.so viewer docs demo test asan lint accuracy install deps clean help unit check-run
+.PHONY: all libs digbox.so viewer docs gallery demo test asan lint accuracy install deps clean help unit check-run
 .PHONY: FORCE
 
 all: $(program)                                 ## build/digbox, the program
@@ -203,9 +203,14 @@ demo:                                           ## a film of worlds/ball_table_b
 	@$(program) run worlds/$(demo_world).lua -o out
 	@sh .ci/film.sh out/$(demo_world)
 
-docs: all                                       ## writes what the program says of itself: docs/lua.md, docs/materials.md
+docs: all                                       ## writes what the program says of itself: docs/lua.md, materials.md, gallery.md
 	@$(program) api --markdown > docs/lua.md.new && mv docs/lua.md.new docs/lua.md
 	@$(program) api --materials > docs/materials.md.new && mv docs/materials.md.new docs/materials.md
+	@sh .ci/gallery.sh page $(program) > docs/gallery.md.new && mv docs/gallery.md.new docs/gallery.md
+
+gallery: all                                    ## a picture of every world in out/gallery/
+	@sh .ci/gallery.sh pictures $(program)
+	@$(MAKE) docs
 
 install: all                                    ## program, libraries and header below PREFIX (default /usr/local)
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib $(DESTDIR)$(PREFIX)/include $(DESTDIR)$(PREFIX)/share/doc/digbox/worlds

@@ -74,7 +74,8 @@ enum { OPT_JSON = 256, OPT_LUACATS, OPT_COMPLETION, OPT_MAN, OPT_MARKDOWN, OPT_M
 static const struct option api_options[] = {
     {"json", no_argument, NULL, OPT_JSON}, {"luacats", no_argument, NULL, OPT_LUACATS},
     {"completion", required_argument, NULL, OPT_COMPLETION}, {"man", no_argument, NULL, OPT_MAN},
-    {"markdown", no_argument, NULL, OPT_MARKDOWN}, {"materials", no_argument, NULL, OPT_MATERIALS}, {"names", no_argument, NULL, OPT_NAMES}, {"help", no_argument, NULL, 'h'},
+    {"markdown", no_argument, NULL, OPT_MARKDOWN}, {"materials", no_argument, NULL, OPT_MATERIALS}, {"names", no_argument, NULL, OPT_NAMES},
+    {"help", no_argument, NULL, 'h'},
     {NULL, 0, NULL, 0},
 };
 

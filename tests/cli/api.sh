@@ -23,6 +23,8 @@ gives 0 'markdown' api --markdown
 holds 'docs/lua.md is of today (make docs)' cmp out.txt "$tree/docs/lua.md"
 gives 0 'materials' api --materials
 holds 'docs/materials.md is of today (make docs)' cmp out.txt "$tree/docs/materials.md"
+(cd "$tree" && sh .ci/gallery.sh page "$DIGBOX") >gallery.md
+holds 'docs/gallery.md is of today (make docs)' cmp gallery.md "$tree/docs/gallery.md"
 gives 0 'LuaCATS' api --luacats; cp out.txt digbox.d.lua
 printed '---@class digbox.body'; printed 'function world:camera(fields) end'
 command -v luacheck >/dev/null && holds 'luacheck takes it' luacheck --quiet digbox.d.lua

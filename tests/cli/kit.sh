@@ -38,7 +38,6 @@ printed '1 passed, 4 failed'
 for end in png dot replay; do holds "a $end of it is there" test -s "left/f_spec-falls_too_far.$end"; done
 gives 0 'the replay does the same again' verify left/f_spec-falls_too_far.replay;       printed '60 steps'
 gives 0 'the replay of a perturbed one' verify left/f_spec-only_when_started_elsewhere.replay
-gives 0 'it can be looked at' view left/f_spec-falls_too_far.replay -o page.html
 holds 'JUnit counts them' grep -q 'tests="5" failures="4"' junit.xml
 if command -v python3 >/dev/null; then holds 'JUnit is XML' python3 -c 'import xml.dom.minidom; xml.dom.minidom.parse("junit.xml")'; fi
 gives 6 'TAP' test --tap --sim-limit 3 -o left f_spec.lua
