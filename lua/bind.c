@@ -36,6 +36,21 @@ static void clean(char *text)
             *text = '?';
 }
 
+const char *bind_text(lua_State *L, int index)
+{
+    index = lua_absindex(L, index);
+    int kind = lua_type(L, index);
+    if (kind == LUA_TNIL || kind == LUA_TBOOLEAN || kind == LUA_TNUMBER || kind == LUA_TSTRING)
+        return luaL_tolstring(L, index, NULL);
+    if (luaL_getmetafield(L, index, "__tostring") != LUA_TNIL) {
+        lua_pop(L, 1);
+        return luaL_tolstring(L, index, NULL);
+    }
+    if (luaL_getmetafield(L, index, "__name") != LUA_TSTRING)
+        lua_pushstring(L, lua_typename(L, kind));
+    return lua_tostring(L, -1);
+}
+
 static int raise_text(lua_State *L, const char *format, va_list arguments)
 {
     char text[2048];
@@ -175,7 +190,7 @@ static int object_index(lua_State *L)
         if (lua_gettop(L) > before)
             return 1;
     }
-    const char *key = luaL_tolstring(L, 2, NULL);
+    const char *key = bind_text(L, 2);
     lua_pushvalue(L, lua_upvalueindex(1));
     lua_pushvalue(L, lua_upvalueindex(2));
     int top = lua_gettop(L);
@@ -184,7 +199,7 @@ static int object_index(lua_State *L)
 
 static int read_only(lua_State *L)
 {
-    const char *key = luaL_tolstring(L, 2, NULL);
+    const char *key = bind_text(L, 2);
     return bind_error(L, "%s.%s cannot be assigned", lua_tostring(L, lua_upvalueindex(1)), key);
 }
 
@@ -260,7 +275,7 @@ static int function_index(lua_State *L)
         const char *type = lua_tostring(L, -2), *method = lua_tostring(L, -1);
         return bind_error(L, "%s is a method: %s:%s()", method, type, method);
     }
-    const char *key = luaL_tolstring(L, 2, NULL);
+    const char *key = bind_text(L, 2);
     return bind_error(L, "attempt to index a function value (field '%s')", key);
 }
 

@@ -114,6 +114,9 @@ bool bind_use(lua_State *L, const char *name);
 void bind_where(lua_State *L);
 void bind_place(lua_State *L);           /* the same without the colon: "world.lua:12" */
 
+/* Pushes the text of a value and returns it: no address in it. Values with __tostring are asked. */
+const char *bind_text(lua_State *L, int index);
+
 /* Raises position + message. */
 int bind_error(lua_State *L, const char *format, ...) BIND_PRINTF(2, 3);
 

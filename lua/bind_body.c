@@ -254,7 +254,7 @@ static int read_parameter(lua_State *L)
             lua_newtable(L);
             name_rows(L, NULL);
             int last = lua_gettop(L);
-            return bind_unknown(L, who, "has no field or method", luaL_tolstring(L, 2, NULL), last - 2, last);
+            return bind_unknown(L, who, "has no field or method", bind_text(L, 2), last - 2, last);
         }
         return 0;
     }
@@ -287,7 +287,7 @@ static bool is_state(const char *key)
 static int body_newindex(lua_State *L)
 {
     BodyRef *b = bind_check_body(L, 1);
-    const char *key = luaL_tolstring(L, 2, NULL);
+    const char *key = bind_text(L, 2);
     if (strcmp(key, "data") == 0) {
         push_data_table(L, b);
         lua_pushvalue(L, 3);

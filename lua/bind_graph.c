@@ -66,7 +66,7 @@ static int push_bodies(lua_State *L, int world, const dig_body *ids, int n)
 
 uint32_t bind_layer(lua_State *L, int index, const char *what)
 {
-    const char *name = luaL_tolstring(L, index, NULL);
+    const char *name = bind_text(L, index);
     lua_newtable(L);
     for (uint32_t i = 0; dig_layer_name(i); i++) {
         if (strcmp(name, dig_layer_name(i)) == 0) {
@@ -83,7 +83,7 @@ uint32_t bind_layer(lua_State *L, int index, const char *what)
 void bind_link_kind(lua_State *L, int index, const char *what, uint32_t *layer, int *kind)
 {
     static const char *const mechanical[] = {[DIG_LINK_CONTACT] = "contact", [DIG_LINK_JOINT] = "joint"};
-    const char *name = luaL_tolstring(L, index, NULL);
+    const char *name = bind_text(L, index);
     lua_newtable(L);
     *layer = DIG_LAYER_MECHANICAL;
     *kind = -1;

@@ -231,7 +231,7 @@ static int list_tostring(lua_State *L)
     for (lua_Integer i = 1; i <= n && i <= 100; i++) {
         luaL_addstring(&b, i > 1 ? ", " : "");
         lua_rawgeti(L, 1, i);
-        luaL_tolstring(L, -1, NULL);
+        bind_text(L, -1);
         lua_remove(L, -2);
         luaL_addvalue(&b);
     }

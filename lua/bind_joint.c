@@ -225,7 +225,7 @@ static int joint_newindex(lua_State *L)
 {
     JointRef *j = bind_check_joint(L, 1);
     lua_settop(L, 3);
-    const char *key = luaL_tolstring(L, 2, NULL);
+    const char *key = bind_text(L, 2);
     dig_joint_state now = state(L);
     const dig_schema *schema = dig_schema_find("joint", now.type);
     const dig_param *row = schema ? find_row(schema->rows, key) : NULL;

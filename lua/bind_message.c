@@ -55,7 +55,7 @@ static void read_route(lua_State *L, const char *what, dig_post *p)
 {
     if (!field(L, "route"))
         return;
-    const char *name = luaL_tolstring(L, -1, NULL);
+    const char *name = bind_text(L, -1);
     lua_newtable(L);
     int known = lua_gettop(L);
     for (int i = 0; i < DIG_ROUTES; i++) {
@@ -79,7 +79,7 @@ static void read_transform(lua_State *L, const char *what, dig_post *p)
         return;
     }
     if (lua_type(L, -1) != LUA_TNUMBER)
-        bind_error(L, "%s: transform wants 'ratio', a number or a function; got %s", what, luaL_tolstring(L, -1, NULL));
+        bind_error(L, "%s: transform wants 'ratio', a number or a function; got %s", what, bind_text(L, -1));
     p->transform = DIG_TRANSFORM_SCALE;
     p->factor = lua_tonumber(L, -1);
 }

@@ -115,7 +115,7 @@ static vec3 take(lua_State *L, const OwnRef *o, const char *name, const char *un
 static int unknown_field(lua_State *L)
 {
     lua_settop(L, 2);
-    const char *key = luaL_tolstring(L, 2, NULL);
+    const char *key = bind_text(L, 2);
     return bind_unknown(L, lua_tostring(L, lua_upvalueindex(1)), "a body has no field", key, 1, 1);
 }
 

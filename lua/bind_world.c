@@ -343,7 +343,7 @@ static int world_angular(lua_State *L) { bind_push_vec3(L, dig_world_angular_mom
 static int world_newindex(lua_State *L)
 {
     WorldRef *ref = bind_check_world(L, 1);
-    const char *key = luaL_tolstring(L, 2, NULL);
+    const char *key = bind_text(L, 2);
     dig_status s;
     if (strcmp(key, "gravity") == 0) {
         s = dig_world_set_gravity(ref->w, bind_vec3(L, 3, "m/s^2", "world", "gravity"));

@@ -151,7 +151,7 @@ static void allow_all(int ruleset, const Jail *jail, uint64_t known)
     for (int i = 0; i < jail->also_count; i++)
         if (jail->also[i]) {
             folder_of(jail->also[i], folder);           /* they are written under another name first */
-            allow(ruleset, folder, write & ~(FOLDER_MAKE | FOLDER_REMOVE), known);
+            allow(ruleset, folder, write & ~FOLDER_REMOVE, known);
         }
 }
 

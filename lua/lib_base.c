@@ -18,28 +18,12 @@
 
 enum { SCRIPT_LIMIT = 16 * 1024 * 1024, LOAD_LIMIT = 4 * 1024 * 1024, BYTES_A_UNIT = 16 };
 
-/* ---- text of values without addresses ------------------------------------------- */
-
-void lib_push_text(lua_State *L, int index)
-{
-    index = lua_absindex(L, index);
-    int type = lua_type(L, index);
-    bool plain = type == LUA_TNIL || type == LUA_TBOOLEAN || type == LUA_TNUMBER || type == LUA_TSTRING;
-    if (plain || luaL_getmetafield(L, index, "__tostring") != LUA_TNIL) {
-        if (!plain)
-            lua_pop(L, 1);
-        luaL_tolstring(L, index, NULL);
-        return;
-    }
-    if (luaL_getmetafield(L, index, "__name") == LUA_TSTRING)
-        return;
-    lua_pushstring(L, lua_typename(L, type));
-}
+/* ---- text of values -------------------------------------------------------------- */
 
 static int base_tostring(lua_State *L)
 {
     luaL_checkany(L, 1);
-    lib_push_text(L, 1);
+    bind_text(L, 1);
     return 1;
 }
 
@@ -52,7 +36,7 @@ static int base_print(lua_State *L)
         size_t length = 1;
         const char *text = "\n";
         if (i <= n) {
-            lib_push_text(L, i);
+            bind_text(L, i);
             text = lua_tolstring(L, -1, &length);
         }
         app_charge(L, 1 + length / BYTES_A_UNIT);
@@ -410,6 +394,23 @@ static void make_require(lua_State *L)
     lua_setmetatable(L, -2);
 }
 
+/* pairs and next of the table on the top */
+static void set_order(lua_State *L, bool strict)
+{
+    lib_push_order(L, strict);
+    allow(L);
+    lua_setfield(L, -3, "pairs");
+    allow(L);
+    lua_setfield(L, -2, "next");
+}
+
+void lib_finish(lua_State *L)
+{
+    lua_pushglobaltable(L);
+    set_order(L, true);
+    lua_pop(L, 1);
+}
+
 /* luaopen_base writes into the table of globals: it is given, and emptied into ours. */
 static void make_base(lua_State *L)
 {
@@ -437,11 +438,7 @@ static void make_base(lua_State *L)
     allow(L);
     lua_setfield(L, -2, "setmetatable");
     make_require(L);
-    lib_push_order(L);
-    allow(L);
-    lua_setfield(L, -3, "pairs");
-    allow(L);
-    lua_setfield(L, -2, "next");
+    set_order(L, false);
     lua_settop(L, theirs - 3);
 }
 

@@ -3,7 +3,7 @@
  *
  * Lua hashes strings with a seed that differs between runs, and everything else by its address, so its own order is another one in
  * every run. Tables, functions and coroutines as keys have nothing to be ordered by: two of them in one table are refused where
- * somebody asks for an order. */
+ * a script asks for an order. The program's own Lua gets them last, as Lua has them: it sorts what it shows. */
 
 #include <stdint.h>
 #include <stdlib.h>
@@ -68,6 +68,8 @@ static int compare_keys(const void *x, const void *y)
     }
     if (a->number < b->number || a->number > b->number)
         return a->number < b->number ? -1 : 1;
+    if (a->rank == KEY_OTHER)
+        return a->place - b->place;             /* as Lua has them */
     return (a->integer > b->integer) - (a->integer < b->integer);
 }
 
@@ -104,7 +106,7 @@ typedef struct Order {
 } Order;
 
 /* Pushes the list of keys and the Order of the table at t. */
-static Order *push_order(lua_State *L, int t)
+static Order *push_order(lua_State *L, int t, bool strict)
 {
     int n = 0;
     lua_newtable(L);
@@ -123,7 +125,7 @@ static Order *push_order(lua_State *L, int t)
         lua_pop(L, 1);
     }
     qsort(keys, (size_t)n, sizeof *keys, compare_keys);
-    for (int i = 1; i < n; i++)
+    for (int i = 1; i < n && strict; i++)
         if (keys[i].rank >= KEY_BODY && keys[i].rank == keys[i - 1].rank)
             refuse(L, &keys[i - 1], &keys[i]);
     *o = (Order){.count = n};
@@ -157,7 +159,7 @@ static int step_sorted(lua_State *L)
 /* ---- next: remembers the orders it made ------------------------------------------------------ */
 
 /* The smallest key, without sorting: `next(t)` is mostly a question whether there is one. */
-static int first_key(lua_State *L, int t)
+static int first_key(lua_State *L, int t, bool strict)
 {
     Key least = {0};
     size_t n = 0;
@@ -165,8 +167,8 @@ static int first_key(lua_State *L, int t)
     lua_pushnil(L);                     /* the least so far: 2 */
     for (lua_pushnil(L); lua_next(L, t); n++) {
         lua_pop(L, 1);
-        Key k = read_key(L, -1, 0);
-        if (n > 0 && k.rank >= KEY_BODY && k.rank == least.rank)
+        Key k = read_key(L, -1, (int)n);
+        if (strict && n > 0 && k.rank >= KEY_BODY && k.rank == least.rank)
             refuse(L, &k, &least);
         if (n > 0 && compare_keys(&k, &least) > 0)
             continue;
@@ -209,9 +211,9 @@ static Order *find_slot(lua_State *L, int cache)
 }
 
 /* Sorts anew, goes to key 2, and remembers that in the oldest slot. */
-static Order *make_slot(lua_State *L, int cache)
+static Order *make_slot(lua_State *L, int cache, bool strict)
 {
-    Order *o = push_order(L, 1);
+    Order *o = push_order(L, 1, strict);
     for (int i = 0; i < o->count && o->at == 0; i++) {
         lua_rawgeti(L, -2, o->place[i]);
         if (lua_rawequal(L, -1, 2))
@@ -234,17 +236,17 @@ static Order *make_slot(lua_State *L, int cache)
     return o;
 }
 
-/* next(table [, key]). upvalue: what it remembers */
+/* next(table [, key]). upvalues: what it remembers, is it strict */
 static int order_next(lua_State *L)
 {
     luaL_checktype(L, 1, LUA_TTABLE);
     lua_settop(L, 2);
     if (lua_isnil(L, 2))
-        return first_key(L, 1);
+        return first_key(L, 1, lua_toboolean(L, lua_upvalueindex(2)));
     int cache = lua_upvalueindex(1);
     Order *o = find_slot(L, cache);
     if (!o)
-        o = make_slot(L, cache);
+        o = make_slot(L, cache, lua_toboolean(L, lua_upvalueindex(2)));
     int n = give_next(L, 1, 3, o);
     if (n == 1)
         o->at = 0;
@@ -272,7 +274,7 @@ static int step_plain(lua_State *L)
     return 2;
 }
 
-/* upvalues: step_plain */
+/* upvalues: step_plain, is it strict */
 static int order_pairs(lua_State *L)
 {
     luaL_checkany(L, 1);
@@ -286,7 +288,7 @@ static int order_pairs(lua_State *L)
     if (is_in_order(L, 1)) {
         lua_pushvalue(L, lua_upvalueindex(1));
     } else {
-        push_order(L, 1);
+        push_order(L, 1, lua_toboolean(L, lua_upvalueindex(2)));
         lua_pushcclosure(L, step_sorted, 2);
     }
     lua_pushvalue(L, 1);
@@ -294,7 +296,7 @@ static int order_pairs(lua_State *L)
     return 3;
 }
 
-void lib_push_order(lua_State *L)
+void lib_push_order(lua_State *L, bool strict)
 {
     lua_createtable(L, 3 * CACHED + 1, 0);
     for (int i = 1; i <= 3 * CACHED; i++) {
@@ -303,8 +305,10 @@ void lib_push_order(lua_State *L)
     }
     lua_pushinteger(L, 0);
     lua_rawseti(L, -2, 3 * CACHED + 1);
-    lua_pushcclosure(L, order_next, 1);
+    lua_pushboolean(L, strict);
+    lua_pushcclosure(L, order_next, 2);
     lua_pushvalue(L, -1);
     lua_pushcclosure(L, step_plain, 1);
-    lua_pushcclosure(L, order_pairs, 1);
+    lua_pushboolean(L, strict);
+    lua_pushcclosure(L, order_pairs, 2);
 }

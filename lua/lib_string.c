@@ -5,6 +5,7 @@
 #include <limits.h>
 #include <string.h>
 
+#include "bind.h"
 #include "pattern.h"
 #include "sandbox.h"
 
@@ -429,7 +430,7 @@ static int string_format(lua_State *L)
         if (i < length && format[i] == 'p')
             return luaL_error(L, "invalid conversion '%%p' to 'format': addresses are not available to scripts");
         if (i < length && format[i] == 's' && lua_type(L, argument) != LUA_TSTRING) {
-            lib_push_text(L, argument);
+            bind_text(L, argument);
             lua_replace(L, argument);
         }
         work += lua_type(L, argument) == LUA_TSTRING ? lua_rawlen(L, argument) / BYTES_A_UNIT : 8;

@@ -1,6 +1,6 @@
 /* lua/process.c - a run is a process of its own, watched by one that never loads Lua. */
 
-#define _GNU_SOURCE             /* prctl, sigtimedwait, MAP_ANONYMOUS, strsignal */
+#define _DEFAULT_SOURCE         /* sigtimedwait, MAP_ANONYMOUS, strsignal */
 
 #include "process.h"
 

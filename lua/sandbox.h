@@ -29,15 +29,15 @@ void app_poll(lua_State *L);
 /* The hook that new coroutines and resumed ones need at present. */
 void app_hook(lua_State *L);
 
-/* Pushes the text of a value: no address in it. Values with __tostring are asked. */
-void lib_push_text(lua_State *L, int index);
-
 /* Text of a regular file on the stack, or false with a sentence there. Then: that text compiled to a function, or a message. */
 bool lib_push_source(lua_State *L, const char *path);
 int  lib_load_source(lua_State *L, const char *path);
 
-/* Pushes next and pairs in a fixed order (lib_order.c). */
-void lib_push_order(lua_State *L);
+/* Pushes next and pairs in a fixed order (lib_order.c); strict: keys that have none are refused. */
+void lib_push_order(lua_State *L, bool strict);
+
+/* Once the program's own Lua is loaded: scripts get strict ones. */
+void lib_finish(lua_State *L);
 
 /* Fills _G, with io and os too when `trust`. Raises when something is in reach of scripts that is on no list. */
 void lib_open(lua_State *L, bool trust);

@@ -394,8 +394,10 @@ static int open_state(lua_State *L)
     bind_use(L, "sandbox");
     bind_hint_methods(L);
     lua_settop(L, 0);
-    if (!app->trust)
+    if (!app->trust) {
+        lib_finish(L);
         lib_check(L);
+    }
     return 0;
 }
 
