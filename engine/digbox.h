@@ -160,6 +160,10 @@ dig_status dig_world_restore(dig_world *w, const dig_snapshot *s);      /* bit e
 void       dig_snapshot_free(dig_snapshot *s);
 dig_status dig_world_save(dig_world *w, const char *path);
 dig_status dig_world_load(const char *path, dig_world **w, char *why, size_t capacity);
+/* What the program around a world wants to find again beside it in its file: any bytes, at most 256 MiB, which the world itself never
+ * looks at. No part of its state: not in snapshots, not in the checksum. */
+dig_status  dig_world_note(dig_world *w, const void *bytes, size_t size);
+const void *dig_world_noted(const dig_world *w, size_t *size);         /* NULL = nothing */
 /* The bytes of such a file; free() them. */
 dig_status dig_world_pack(dig_world *w, void **bytes, size_t *size);
 dig_status dig_world_unpack(const void *bytes, size_t size, dig_world **w, char *why, size_t capacity);

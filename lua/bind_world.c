@@ -138,13 +138,44 @@ static int cpu_seconds(lua_State *L)
     return 1;
 }
 
-/* core.save(world, path) */
+/* core.save(world, path, note or nil) */
 static int world_save(lua_State *L)
 {
     WorldRef *ref = bind_check_world(L, 1);
+    size_t size = 0;
+    const char *path = luaL_checkstring(L, 2), *note = luaL_optlstring(L, 3, NULL, &size);
     bind_explain(L, 1);
-    dig_status s = dig_world_save(ref->w, luaL_checkstring(L, 2));
-    return s == DIG_OK ? 0 : bind_fail(L, ref->w, s);
+    dig_status s = dig_world_note(ref->w, note, size);
+    if (s == DIG_OK)
+        s = dig_world_save(ref->w, path);
+    if (s != DIG_OK)
+        return bind_fail(L, ref->w, s);
+    dig_world_note(ref->w, NULL, 0);
+    return 0;
+}
+
+/* core.noted(world) -> the note of the file it came from, or nil. It is given once. */
+static int world_noted(lua_State *L)
+{
+    const WorldRef *ref = bind_check_world(L, 1);
+    size_t size;
+    const char *note = dig_world_noted(ref->w, &size);
+    if (!note)
+        return 0;
+    lua_pushlstring(L, note, size);
+    dig_world_note(ref->w, NULL, 0);
+    return 1;
+}
+
+/* core.gone(world, "body" or "joint") -> a handle of one that was removed before the world was saved */
+static int world_gone(lua_State *L)
+{
+    bind_check_world(L, 1);
+    if (strcmp(luaL_checkstring(L, 2), "body") == 0)
+        bind_push_body(L, 1, (dig_body){UINT32_MAX, UINT32_MAX});
+    else
+        bind_push_joint(L, 1, (dig_joint){UINT32_MAX, UINT32_MAX});
+    return 1;
 }
 
 /* world:check() raises when an invariant of the state is broken */
@@ -501,7 +532,8 @@ static const luaL_Reg snapshot_methods[] = {{NULL, NULL}};
 static const luaL_Reg snapshot_meta[] = {{"__gc", snapshot_gc}, {"__tostring", snapshot_tostring}, {NULL, NULL}};
 static const luaL_Reg functions[] = {
     {"world", world_open}, {"load", world_load}, {"state", world_state}, {"is_open", world_is_open},
-    {"step", world_step}, {"save", world_save}, {"restore", world_restore}, {"close", world_close}, {"room", world_room}, {"room_open", world_room_open},
+    {"step", world_step}, {"save", world_save}, {"noted", world_noted}, {"gone", world_gone}, {"restore", world_restore},
+    {"close", world_close}, {"room", world_room}, {"room_open", world_room_open},
     {"material", world_material}, {"material_of", world_material_of}, {"material_pair", world_material_pair},
     {"cpu_seconds", cpu_seconds}, {NULL, NULL},
 };

@@ -22,7 +22,7 @@ static const struct { char name[5]; void (*pack)(Pack *p, World *w); } sections[
     {"WRLD", save_settings}, {"MATE", save_materials}, {"BODY", save_bodies}, {"SOLI", save_solids}, {"JOIN", save_joints},
     {"PAIR", save_pairs},    {"TOUC", save_touches},   {"ACTS", save_acts},   {"LIST", save_lists},  {"TREE", save_tree},
     {"DIGS", save_graph},    {"LAYR", save_layers},    {"EVNT", save_events},  {"MESG", save_messages}, {"MAIL", save_mail},
-    {"EFFE", save_effects},
+    {"EFFE", save_effects}, {"NOTE", save_note},
 };
 
 enum {

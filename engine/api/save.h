@@ -21,7 +21,7 @@
 #include "base/pack.h"
 #include "geom/save.h"
 
-#define SAVE_FORMAT 4u
+#define SAVE_FORMAT 5u
 
 #define SAVE_FAR    WORLD_FAR
 #define SAVE_FAST   WORLD_FAST
@@ -49,6 +49,7 @@ void save_events(Pack *p, World *w);
 void save_messages(Pack *p, World *w);
 void save_mail(Pack *p, World *w);          /* messages on their way */
 void save_effects(Pack *p, World *w);       /* what effects keep */
+void save_note(Pack *p, World *w);          /* of the program around it */
 
 /* After all sections were read. */
 void save_connect(Pack *p, World *w);

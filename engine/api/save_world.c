@@ -1,8 +1,9 @@
-/* api/save_world.c - the sections of the world as a whole: settings, materials, lists, events, messages. */
+/* api/save_world.c - the sections of the world as a whole: settings, materials, lists, events, messages, note. */
 #include "api/save.h"
 #include "world/graph_save.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 
 /* ---- settings ---- */
 
@@ -214,4 +215,43 @@ void save_messages(Pack *p, World *w)
         pack_check(p, i == 0 || m->time > before->time || (m->time == before->time && m->id > before->id), "messages are not in order");
     }
     log->count = count;
+}
+
+/* ---- the note ---- */
+
+enum { NOTE_MOST = 256 << 20 };         /* bytes */
+
+dig_status dig_world_note(dig_world *w, const void *bytes, size_t size)
+{
+    unsigned char *note = NULL;
+    if (size > NOTE_MOST)
+        return world_fail(w, DIG_E_ARG, "a note of %zu bytes, must have at most %d", size, (int)NOTE_MOST);
+    if (size > 0 && !(note = malloc(size)))
+        return world_fail(w, DIG_E_MEMORY, "not enough memory for a note of %zu bytes", size);
+    if (note)
+        memcpy(note, bytes, size);
+    free(w->note);
+    w->note = note;
+    w->note_size = size;
+    return DIG_OK;
+}
+
+const void *dig_world_noted(const dig_world *w, size_t *size)
+{
+    *size = w->note_size;
+    return w->note;
+}
+
+void save_note(Pack *p, World *w)
+{
+    uint32_t size = pack_count(p, (uint32_t)w->note_size, 1, "bytes of the note");
+    if (!pack_check(p, size <= NOTE_MOST, "its note is too long") || size == 0)
+        return;
+    if (!p->reading) {
+        pack_bytes(p, w->note, size);
+        return;
+    }
+    const unsigned char *bytes = pack_take(p, size);
+    if (bytes && dig_world_note(w, bytes, size) != DIG_OK)
+        pack_fail_memory(p);
 }

@@ -82,6 +82,7 @@ void world_close(World *w)
     for (int i = 0; i < w->regions.count; i++)
         if (w->regions.data[i].alive)
             shape_free(&w->regions.data[i].shape);
+    free(w->note);
     list_close(&w->regions);
     list_close(&w->free_regions);
     list_close(&w->bodies);
@@ -125,7 +126,7 @@ size_t world_bytes(const World *w)
     bytes += list_bytes(&w->touches) + list_bytes(&w->joints) + list_bytes(&w->pushes) + list_bytes(&w->events) + list_bytes(&w->pending);
     bytes += list_bytes(&w->materials) + list_bytes(&w->material_pairs);
     bytes += map_bytes(&w->pair_map) + map_bytes(&w->touch_map) + (size_t)w->tree.capacity * sizeof(TreeNode);
-    bytes += list_bytes(&w->near) + graph_bytes(w->graph) + arena_bytes(&w->scratch);
+    bytes += list_bytes(&w->near) + graph_bytes(w->graph) + arena_bytes(&w->scratch) + w->note_size;
     for (int i = 0; i < w->solids.count; i++)
         if (w->solids.data[i].alive)
             bytes += shape_bytes(&w->solids.data[i].shape);

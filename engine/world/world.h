@@ -272,6 +272,7 @@ struct dig_world {
     Mail     mail;                      /* that are on their way                       */
     EffectSlot effects[MAX_EFFECTS]; int effect_count;
     uint32_t flowing, met;              /* bits of effects on the world as a whole; of those ever called for, or maybe */
+    unsigned char *note; size_t note_size;      /* of the program around it, for its file */
     dig_room_def room; bool has_room; uint32_t room_solid[6];
 
     Ledger   ledger;

@@ -43,6 +43,7 @@ core.use "run"
 core.use "build"
 core.use "fluid"
 core.use "heat"
+core.use "keep"
 core.use "soft"
 core.use "plank"
 core.use "lattice"
@@ -106,14 +107,16 @@ function digbox.load(path)
     if not beside then core.fail("digbox.load: %s", why) end
     place = beside
   end
-  return furnish(core.load(place))
+  local world = furnish(core.load(place))
+  core.keep.take(world)
+  return world
 end
 
 core.declare("world:save", { "Keeps the whole world in a file in the output folder.", takes = { { "path", "text", "the file" } } })
 
 function methods.save(world, path)
   if type(path) ~= "string" then core.fail("world:save wants a file name; got %s", core.type(path)) end
-  core.save(world, core.out_path(path))
+  core.save(world, core.out_path(path), core.keep.note(world))
 end
 
 core.declare("world:restore", { "Goes back to a snapshot of this world.", takes = { { "snapshot", "snapshot",

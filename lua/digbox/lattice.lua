@@ -41,9 +41,11 @@ local properties = core.join_fields(soft.properties, {
   stretch = { "number", "the longest strut over its length at rest, less 1" }, breaks_at = { "number|nil", "as given", unit = "N" },
   columns = { "integer", "particles one way" }, rows = { "integer", "particles the other way" },
   layers = { "integer|nil", "particles the third way" } })
-local new_cloth = soft.class("cloth", "Particles in rows, held to their neighbours.", cloth_methods, getters, readable, properties)
+local kept = { node = "body map", columns = "whole", rows = "whole", layers = "whole?", radius = "number" }
+local new_cloth = soft.class("cloth", "Particles in rows, held to their neighbours.", cloth_methods, getters, readable, properties,
+  kept)
 local new_lattice = soft.class("lattice", "Particles in rows and layers: a body that springs back.", lattice_methods, getters, readable,
-  properties)
+  properties, kept)
 for _, name in ipairs { "cloth", "lattice" } do
   core.declare(name .. ":node", { "The particle of that column, row and layer, from 1.", takes = { { "column", "int 1 >0", "column" },
     { "row", "int 1 >0", "row", optional = true }, { "layer", "int 1 >0", "layer", optional = true } }, gives = "body" })

@@ -118,13 +118,23 @@ local function point(self, s, what)
   return body.position + body.rotation:rotate(at)
 end
 
+-- What is made anew of a plank: its pieces are all its bodies, and a place on it is a distance or a point.
+local function equip(self)
+  self.pieces = self.bodies
+  self.where = function(_, at)
+    if type(at) == "number" or type(at) == "string" then return point(self, at, "plank:saw.at") end
+    return core.check({ at = at }, "plank:saw", soft.saw_fields).at
+  end
+end
+
 local plank_methods = { sig = soft.sig, saw = soft.saw }
 local new_plank = soft.class("plank", "A beam that bends and breaks.", plank_methods,
   { stress = soft.stress, mass = soft.mass, position = soft.position, broken = soft.broken },
   { name = true, bodies = true, pieces = true, joints = true, holds = true, length = true, breaks_at = true },
   core.join_fields(soft.properties, { stress = { "number", "largest load over limit; 1 breaks" }, pieces = { "body[]", "from end to end" },
     holds = { "joint[]", "what holds its ends" }, length = { "number", "between its ends", unit = "m" },
-    breaks_at = { "number|nil", "as given", unit = "N" } }))
+    breaks_at = { "number|nil", "as given", unit = "N" } }),
+  { holds = "joint list", length = "number", from = "vector", along = "vector", piece = "number", volume = "number" }, equip)
 core.declare("plank:point", { "Where the centre line is now, so far from its start.", takes = { { "s", "real m", "from its start" } },
   gives = "vector" })
 core.declare("plank:push", { "Pushes a point of the centre line, for the next step.", fields = {
@@ -138,13 +148,9 @@ function methods.plank(world, fields)
   complete(world, own, rest)
   local self = { kind = "plank", name = rest.name or "plank", world = world, bodies = {}, joints = {}, holds = {}, length = own.length,
     thickness = own.height, from = own.from, along = own.along, breaks_at = own.breaks_at }
-  self.where = function(_, at)
-    if type(at) == "number" or type(at) == "string" then return point(self, at, "plank:saw.at") end
-    return core.check({ at = at }, "plank:saw", soft.saw_fields).at
-  end
   soft.build(self, function() make(world, self, own, rest) end)
   self.bodies, self.joints, self.holds = core.list(self.bodies), core.list(self.joints), core.list(self.holds)
-  self.pieces = self.bodies
+  equip(self)
   return new_plank(self)
 end
 

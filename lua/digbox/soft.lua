@@ -10,6 +10,7 @@ local soft = {}
 core.soft = soft
 local methods = core.types.world.methods
 local LONGEST = 40                 -- bytes of the name of a thing
+local FIRST_GROUP = -1000000       -- groups of their own have numbers below
 local STRUCTURAL = { strut = true, beam = true }
 
 -- ---- fields ----
@@ -69,7 +70,7 @@ end
 -- A group of bodies that never touch each other, for one thing's own
 function soft.group(world)
   local state = core.lua_state(world)
-  state.soft_group = (state.soft_group or -1000000) - 1
+  state.soft_group = (state.soft_group or FIRST_GROUP) - 1
   return state.soft_group
 end
 
@@ -135,9 +136,21 @@ soft.properties = {
   position = { "vector", "its centre of mass", unit = "m" }, broken = { "integer", "joints that are no more" },
   bodies = { "body[]", "what it is made of" }, joints = { "joint[]", "what holds it together" } }
 
+-- What files keep of all of them
+soft.kept = { name = "text", bodies = "body list", joints = "joint list", thickness = "number", breaks_at = "number?", group = "whole?" }
+
+local function join(a, b)
+  local all = {}
+  for _, set in ipairs { a, b } do
+    for k, v in pairs(set) do all[k] = v end
+  end
+  return all
+end
+
 -- A class: methods, getters and what else can be read of the object's own table.
--- what: in words; properties: all that can be read, as core.declare_type takes it
-function soft.class(name, what, class_methods, getters, readable, properties)
+-- what: in words; properties: all that can be read, as core.declare_type takes it; kept: what files keep of it (keep.lua);
+-- again(self): what else a handle needs that is made anew from a file
+function soft.class(name, what, class_methods, getters, readable, properties, kept, again)
   core.declare_type(name, what, class_methods, properties)
   core.declare(name .. ":sig", { SIG[1], gives = SIG.gives })
   local class = { __name = name, __metatable = false }
@@ -149,7 +162,18 @@ function soft.class(name, what, class_methods, getters, readable, properties)
   end
   class.__newindex = function(_, key) core.fail("%s.%s cannot be assigned", name, tostring(key)) end
   class.__tostring = function(thing) return ("%s '%s', %d bodies"):format(name, thing[1].name, #thing[1].bodies) end
-  return function(self) return setmetatable({ self }, class) end
+  local function make(self)
+    local thing = setmetatable({ self }, class)
+    core.keep.add(self.world, thing)
+    return thing
+  end
+  core.keep.class(name, join(kept, soft.kept), function(self)
+    local state = core.lua_state(self.world)
+    state.soft_group = math.min(state.soft_group or FIRST_GROUP, self.group or FIRST_GROUP)
+    if again then again(self) end
+    return make(self)
+  end)
+  return make
 end
 
 -- The largest share of its limit that any joint bears; 1 breaks.
@@ -394,12 +418,24 @@ local function size_of(nodes)
   return #(high - low)
 end
 
+-- Without its strut a panel slides off its far node.
+local function let_slide(self)
+  if not next(self.slides) then return end
+  self.world:on("broken", function(e)
+    for key, slide in next, self.slides do
+      if e.joint == self.strut[key] and slide.valid then slide:remove() end
+    end
+  end)
+end
+
 local truss_methods = { sig = soft.sig }
 local new_truss = soft.class("truss", "A framework of struts.", truss_methods,
   { mass = soft.mass, position = soft.position, broken = soft.broken },
   { cost = true, budget = true, name = true, bodies = true, panels = true, joints = true },
   core.join_fields(soft.properties, { cost = { "number", "price of all struts" }, budget = { "number|nil", "what they may cost" },
-    panels = { "body[]", "of its deck" } }))
+    panels = { "body[]", "of its deck" } }),
+  { nodes = "body map", strut = "joint map", panels = "body list", slides = "joint map", cost = "number", budget = "number?",
+    price = "number?", up = "vector" }, let_slide)
 
 -- world:truss{nodes = {A = {at=, mass=, fixed = "xyz"}}, struts = {{"A", "B", deck = true}}, stiffness = (EA, N), damping=, relaxation=,
 -- breaks_at=, price=, budget=, plane = "xy"} -> truss
@@ -423,13 +459,7 @@ function methods.truss(world, fields)
     make_nodes(world, self, own, rest)
     for i, entry in ipairs(own.struts) do make_strut(world, self, own, entry, i) end
   end)
-  if next(self.slides) then
-    world:on("broken", function(e)              -- without its strut a panel slides off its far node
-      for key, slide in next, self.slides do
-        if e.joint == self.strut[key] and slide.valid then slide:remove() end
-      end
-    end)
-  end
+  let_slide(self)
   self.bodies, self.joints, self.panels = core.list(self.bodies), core.list(self.joints), core.list(self.panels)
   return new_truss(self)
 end

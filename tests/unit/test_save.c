@@ -456,6 +456,30 @@ TEST(flipped_bits_elsewhere_are_noticed)
     dig_world_close(w);
 }
 
+/* Bytes of the program around a world travel with it and are no part of what it is. */
+TEST(a_note_goes_with_the_file)
+{
+    static const char note[] = "a bridge\0 of 3 bodies";
+    dig_world *w = open_small_scene();
+    uint64_t sum = dig_world_checksum(w);
+    size_t size = 1;
+    CHECK(dig_world_noted(w, &size) == NULL && size == 0);
+    CHECK_INT(dig_world_note(w, note, sizeof note), DIG_OK);
+    CHECK(dig_world_checksum(w) == sum);
+    dig_world *copy = reloaded(w, "note.dig");
+    const char *found = dig_world_noted(copy, &size);
+    CHECK_INT(size, sizeof note);
+    CHECK(found && memcmp(found, note, sizeof note) == 0);
+    CHECK(dig_world_checksum(copy) == sum);
+    CHECK_INT(dig_world_note(copy, note, (size_t)300 << 20), DIG_E_ARG);
+    CHECK(strstr(dig_error(copy), "must have at most 268435456") != NULL);
+    CHECK(dig_world_noted(copy, &size) && size == sizeof note);
+    CHECK_INT(dig_world_note(copy, NULL, 0), DIG_OK);
+    CHECK(dig_world_noted(copy, &size) == NULL && size == 0);
+    dig_world_close(copy);
+    dig_world_close(w);
+}
+
 TEST(other_formats_are_told_apart)
 {
     char path[512], why[600], want[700];
@@ -466,7 +490,7 @@ TEST(other_formats_are_told_apart)
     memset(b.data + 24, 0, 16);
     memcpy(b.data + 24, "0.9", 3);
     CHECK_INT(load_bytes(path, b.data, b.size, why, sizeof why), DIG_E_FORMAT);
-    snprintf(want, sizeof want, "%s: made by digbox 0.9 (format 7); this is %s (format 4)", path, DIGBOX_VERSION);
+    snprintf(want, sizeof want, "%s: made by digbox 0.9 (format 7); this is %s (format 5)", path, DIGBOX_VERSION);
     CHECK_TEXT(why, want);
     CHECK_INT(load_bytes(path, (const unsigned char *)"-- a script\nreturn 1 + 1 -- of some length\n", 43, why, sizeof why), DIG_E_FORMAT);
     CHECK(strstr(why, "not a world") != NULL);
@@ -624,6 +648,7 @@ int main(void)
               unit_test(every_field_of_the_records_is_known_to_the_file), unit_test(what_cannot_be_written_or_read_is_named),
               unit_test(saving_replaces_the_file_whole), unit_test(a_file_cut_anywhere_says_so),
               unit_test(every_flipped_bit_of_the_header_is_noticed), unit_test(flipped_bits_elsewhere_are_noticed),
-              unit_test(other_formats_are_told_apart), unit_test(a_table_that_lies_is_refused), unit_test(counts_beyond_the_file_are_refused),
+              unit_test(other_formats_are_told_apart), unit_test(a_note_goes_with_the_file),
+              unit_test(a_table_that_lies_is_refused), unit_test(counts_beyond_the_file_are_refused),
               unit_test(mutants_of_a_small_world_are_refused_or_sound), unit_test(mutants_of_a_world_with_everything_are_refused_or_sound));
 }
