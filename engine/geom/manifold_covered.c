@@ -63,7 +63,8 @@ bool manifold_covered(const Shape *a, pose pa, const Shape *b, pose pb, Covered 
         return false;
     Pair p = pair_make(a, pa, b, pb);
     Faces f[2];
-    return leaves(f, faces_of(&p, covered, f), mat3_mul_vec(mat3_transpose(p.axes), normal));
+    int count = faces_of(&p, covered, f);
+    return leaves(f, count, mat3_mul_vec(mat3_transpose(p.axes), normal));
 }
 
 int manifold_of_parts(const Shape *a, pose pa, const Shape *b, pose pb, real reach, Covered covered, ManifoldCache *cache, Manifold *out)

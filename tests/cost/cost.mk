@@ -28,7 +28,7 @@ $(without_dir)/effects.o: $(without_dir)/effects.c $(BUILD)/flags.txt
 	$(call say,CC,$@)$(CC) $(BASE) -c -o $@ $<
 
 $(without_dir)/digbox: $(call objects,lua/main.c) $(lua_a) $(render_a) $(without_dir)/effects.o $(filter-out $(without_own),$(call objects,$(core_src)))
-	$(call say,LINK,$@)$(LINK) -o $@ $^ -Wl,--as-needed $(LUA_LIBS) $(if $(render_a),$(RENDER_LIBS)) $(CORE_LIBS)
+	$(call say,LINK,$@)$(LINK) -o $@ $^ -Wl,--as-needed $(LUA_LIBS) $(EDIT_LIBS) $(if $(render_a),$(RENDER_LIBS)) $(CORE_LIBS)
 endif
 
 cost-proof:                                     ## instructions of a stack, all effects compiled in against the mechanical ones (valgrind)
