@@ -203,6 +203,13 @@ function writers.luacats()
   for _, e in ipairs(api.entries) do
     if e.owner == "digbox" then call_lines(lines, e, "digbox") end
   end
+  lines[#lines + 1] = "---@class digbox.parts"
+  lines[#lines + 1] = "local parts = {}"
+  lines[#lines + 1] = "digbox.parts = parts"
+  lines[#lines + 1] = ""
+  for _, e in ipairs(api.entries) do
+    if e.owner == "parts" then call_lines(lines, e, "parts") end
+  end
   lines[#lines + 1] = "---@class digbox.test"
   lines[#lines + 1] = "local test = {}"
   lines[#lines + 1] = ""
