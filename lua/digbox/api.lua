@@ -286,7 +286,7 @@ local function show_event(lines, e)
 end
 
 local function show_property(lines, name)
-  local owner, key = name:match "^(%w+)%.([%w_]+)$"
+  local owner, key = name:match "^([%w_]+)%.([%w_]+)$"
   local t = owner and core.declared.types[owner]
   local p = t and t.properties[key]
   if p then

@@ -198,6 +198,7 @@ function writers.luacats()
   for _, t in ipairs(api.types) do type_lines(lines, t) end
   lines[#lines + 1] = "---@class digbox"
   lines[#lines + 1] = "---@field version string"
+  lines[#lines + 1] = "---@field parts digbox.parts"
   lines[#lines + 1] = "local digbox = {}"
   lines[#lines + 1] = ""
   for _, e in ipairs(api.entries) do
@@ -205,7 +206,6 @@ function writers.luacats()
   end
   lines[#lines + 1] = "---@class digbox.parts"
   lines[#lines + 1] = "local parts = {}"
-  lines[#lines + 1] = "digbox.parts = parts"
   lines[#lines + 1] = ""
   for _, e in ipairs(api.entries) do
     if e.owner == "parts" then call_lines(lines, e, "parts") end

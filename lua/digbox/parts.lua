@@ -20,6 +20,8 @@ local common = { name = { "string", "its name" }, bodies = { "body[]", "what it 
   joints = { "joint[]", "what holds it together" } }
 local OF = { { "world", "any", "where it is made", type = "world", need = true } }
 
+core.declare("digbox.parts", { "Ready-made parts: digbox.parts.door(world, { at = { 0, 0, 0 } }) and its like.", constant = "digbox.parts" })
+
 -- Declares parts.kind(world, fields): help, its fields, properties name -> {type, help, get or nil: a body or joint of that name},
 -- methods, and numbers that files keep. make(self, own) makes it.
 local function part(kind, help, fields, properties, methods, numbers, make)
@@ -261,13 +263,13 @@ part("clock", "Two hands, a motor on the minute hand and a gear of 12 to 1 down 
     end } },
   clock_methods, { "shows", "torque" }, function(self, own)
     local r, out = own.radius, facing(own.along)
-    local face = add_body(self, "face", "cylinder", { fixed = true, radius = r, height = 0.06 * r, at = own.at, material = "oak",
+    local face = add_body(self, "face", "cylinder", { fixed = true, radius = r, height = 0.06 * r, at = own.at, colour = { 0.85, 0.83, 0.76 },
       rotation = out * core.quat { axis = { 0, 0, 1 }, angle = math.pi / 2 }, collides = false })
     local function hand(key, hinge, length, depth, angle)
       local turn = core.quat { axis = own.along, angle = -angle } * out           -- clockwise for who looks at it
       local axle = own.at + own.along * (depth * r)
-      local body = add_body(self, key, "box", { size = { 0.02 * r, length * r, 0.05 * r }, at = axle + turn:rotate(UP) * (0.4 * length * r),
-        rotation = turn, material = "steel", collides = false })
+      local body = add_body(self, key, "box", { size = { 0.04 * r, length * r, 0.03 * r }, at = axle + turn:rotate(UP) * (0.4 * length * r),
+        rotation = turn, material = "steel", collides = false, colour = { 0.03, 0.03, 0.03 } })
       return add_joint(self, hinge, "hinge", { a = body, b = face, at = axle, axis = -own.along }), body
     end
     local minute, long = hand("minute_hand", "minute", 0.9, 0.09, own.shows / 3600 * TURN)

@@ -113,7 +113,8 @@ local function add_wheel(self, own, key, at, chassis)
   local load = own.mass * #self.world.gravity / 4
   local k = math.max(load, own.mass) / SAG
   local wheel = add_body(self, key .. "_wheel", "cylinder", { radius = own.radius, height = 0.25, mass = own.wheel_mass, at = at,
-    rotation = core.quat { from = { 0, 1, 0 }, to = UP:cross(own.along) }, friction = own.grip, restitution = 0 })
+    rotation = core.quat { from = { 0, 1, 0 }, to = UP:cross(own.along) }, friction = own.grip, restitution = 0,
+    colour = { 0.03, 0.03, 0.03 } })
   add_joint(self, key, "wheel", { a = wheel, b = chassis, at = at, axis = UP, spin_axis = UP:cross(own.along), limits = { -0.15, 0.15 },
     spring = { stiffness = k, damping = 2 * DAMPING * math.sqrt(k * own.mass / 4), rest = -load / k },
     motor = { speed = 0, max_torque = 0 } })
@@ -145,7 +146,8 @@ part("truck", "Four sprung wheels, the rear ones driven, a cabin and an open bed
     local side = own.along:cross(UP)
     self.length, self.radius, self.torque, self.brake = l, r, own.torque, own.brake
     local chassis = add_body(self, "chassis", "body", { parts = chassis_parts(l, w, 1.2), mass = own.mass,
-      rotation = soft.frame(own.along, UP), at = own.at + UP * (2 * r + 0.05), restitution = 0 })
+      rotation = soft.frame(own.along, UP), at = own.at + UP * (2 * r + 0.05), restitution = 0,
+      colour = { 0.5, 0.1, 0.05 } })
     for _, key in ipairs(WHEELS) do
       local fore, right = key:find "front" and 1 or -1, key:find "right" and 1 or -1
       add_wheel(self, own, key, own.at + UP * r + own.along * (fore * (l / 2 - 1.6 * r)) + side * (right * (w / 2 - 0.125)), chassis)
