@@ -20,7 +20,8 @@ local common = { name = { "string", "its name" }, bodies = { "body[]", "what it 
   joints = { "joint[]", "what holds it together" } }
 local OF = { { "world", "any", "where it is made", type = "world", need = true } }
 
-core.declare("digbox.parts", { "Ready-made parts: digbox.parts.door(world, { at = { 0, 0, 0 } }) and its like.", constant = "digbox.parts" })
+core.declare("digbox.parts", { "Ready-made parts: digbox.parts.door(world, { at = { 0, 0, 0 } }) and its like.",
+  constant = "digbox.parts" })
 
 -- Declares parts.kind(world, fields): help, its fields, properties name -> {type, help, get or nil: a body or joint of that name},
 -- methods, and numbers that files keep. make(self, own) makes it.
@@ -263,8 +264,8 @@ part("clock", "Two hands, a motor on the minute hand and a gear of 12 to 1 down 
     end } },
   clock_methods, { "shows", "torque" }, function(self, own)
     local r, out = own.radius, facing(own.along)
-    local face = add_body(self, "face", "cylinder", { fixed = true, radius = r, height = 0.06 * r, at = own.at, colour = { 0.85, 0.83, 0.76 },
-      rotation = out * core.quat { axis = { 0, 0, 1 }, angle = math.pi / 2 }, collides = false })
+    local face = add_body(self, "face", "cylinder", { fixed = true, radius = r, height = 0.06 * r, at = own.at,
+      colour = { 0.85, 0.83, 0.76 }, rotation = out * core.quat { axis = { 0, 0, 1 }, angle = math.pi / 2 }, collides = false })
     local function hand(key, hinge, length, depth, angle)
       local turn = core.quat { axis = own.along, angle = -angle } * out           -- clockwise for who looks at it
       local axle = own.at + own.along * (depth * r)

@@ -111,7 +111,8 @@ local function call(name, ...)
   local owner, mark, short = name:match "^(%w+)([.:])([%w_]+)$"
   local packed = table.pack(...)
   local function run()
-    local subject = owner == "parts" and digbox.parts or mark == "." and digbox or owner == "body" and (short == "move_to" or short == "drive") and mover or subjects[owner]()
+    local subject = owner == "parts" and digbox.parts or mark == "." and digbox or
+      owner == "body" and (short == "move_to" or short == "drive") and mover or subjects[owner]()
     local f = subject[short]
     local first = mark == ":" and subject or owner == "parts" and world or nil
     if first then table.insert(packed, 1, first) end
@@ -277,7 +278,8 @@ local positional = {
   ["body:dig_of"] = { "thermal" }, ["joint:set"] = { { friction = 0 } }, ["DIG:accuracy"] = { "study" }, ["link:set"] = { 1, 1 },
   ["room:open"] = { "+x" }, ["room:close"] = { "+x" }, ["truss:node"] = { "A" }, ["truss:strut"] = { "AB" }, ["truss:force"] = { "AB" },
   ["truss:push"] = { "A", { 0, 0, 0 } }, ["plank:point"] = { 0.5 }, ["cloth:node"] = { 1, 1 }, ["lattice:node"] = { 1, 1, 1 },
-  ["lift:go"] = { 1 }, ["clock:set_rate"] = { 1 }, ["truck:drive"] = { 1 }, ["effect:join"] = { "other" }, ["effect:leave"] = { "other" }, ["vector:dot"] = { at }, ["vector:cross"] = { at },
+  ["lift:go"] = { 1 }, ["clock:set_rate"] = { 1 }, ["truck:drive"] = { 1 },
+  ["effect:join"] = { "other" }, ["effect:leave"] = { "other" }, ["vector:dot"] = { at }, ["vector:cross"] = { at },
     ["rotation:rotate"] = { at },
   ["digbox.vec"] = { 1, 2, 3 }, ["digbox.load"] = { "nowhere.dig" }, ["world:save"] = { "x.dig" }, ["digbox.quantity"] = { "1 m" },
 }
