@@ -87,7 +87,8 @@ for _, name in ipairs(sorted(core.declared.events)) do api.events[#api.events + 
 
 api.owners = { "digbox", "world", "body", "joint", "DIG", "region", "link", "vector", "rotation", "shape", "snapshot", "subscription",
   "task",
-  "effect", "room", "heater", "truss", "plank", "cloth", "lattice", "camera", "film", "answer", "hit", "event", "test", "scenario",
+  "effect", "room", "heater", "truss", "plank", "cloth", "lattice", "parts", "door", "drawer", "lift", "clock", "lava_lamp",
+  "ragdoll", "truck", "camera", "film", "answer", "hit", "event", "test", "scenario",
     "expect" }
 
 -- Names with "." and ":" of all there is, sorted: functions, methods, properties, events.
@@ -285,7 +286,7 @@ local function show_event(lines, e)
 end
 
 local function show_property(lines, name)
-  local owner, key = name:match "^(%w+)%.([%w_]+)$"
+  local owner, key = name:match "^([%w_]+)%.([%w_]+)$"
   local t = owner and core.declared.types[owner]
   local p = t and t.properties[key]
   if p then

@@ -64,6 +64,7 @@ local function owner_section(lines, owner)
   lines[#lines + 1] = "## " .. owner
   lines[#lines + 1] = ""
   local intro = { digbox = 'The module: `local digbox = require "digbox"`.',
+    parts = 'Ready-made parts, in `digbox.parts`: `digbox.parts.door(world, { at = { 0, 0, 0 } })`. A part is found by its name, too.',
     test = 'The scenario kit: `local test = require "digbox.test"`.' }
   lines[#lines + 1] = t and t.help or intro[owner]
   lines[#lines + 1] = ""

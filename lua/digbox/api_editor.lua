@@ -198,10 +198,17 @@ function writers.luacats()
   for _, t in ipairs(api.types) do type_lines(lines, t) end
   lines[#lines + 1] = "---@class digbox"
   lines[#lines + 1] = "---@field version string"
+  lines[#lines + 1] = "---@field parts digbox.parts"
   lines[#lines + 1] = "local digbox = {}"
   lines[#lines + 1] = ""
   for _, e in ipairs(api.entries) do
     if e.owner == "digbox" then call_lines(lines, e, "digbox") end
+  end
+  lines[#lines + 1] = "---@class digbox.parts"
+  lines[#lines + 1] = "local parts = {}"
+  lines[#lines + 1] = ""
+  for _, e in ipairs(api.entries) do
+    if e.owner == "parts" then call_lines(lines, e, "parts") end
   end
   lines[#lines + 1] = "---@class digbox.test"
   lines[#lines + 1] = "local test = {}"

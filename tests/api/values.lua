@@ -14,6 +14,7 @@ local FILE = "tests/api/values.lua"
 -- ---- a world to call them in ----
 
 local world, body, other, mover, hinge, second, slider, region, link, truss, plank, cloth, lattice, room, heater, effect
+local door, drawer, lift, clock, lamp, doll, truck
 
 local function build()
   world = digbox.world {}
@@ -34,6 +35,10 @@ local function build()
   room = world:room { size = 1000, at = { 0, -500, 0 } }
   heater = world:heater { on = body, power = 0 }
   effect = world:add_effect { name = "nothing", step = function() end, bodies = { other } }
+  door, drawer = digbox.parts.door(world, { at = { 80, 0, 0 } }), digbox.parts.drawer(world, { at = { 82, 0, 0 } })
+  lift, clock = digbox.parts.lift(world, { at = { 84, 0, 0 }, height = 2 }), digbox.parts.clock(world, { at = { 86, 0, 0 } })
+  doll, truck = digbox.parts.ragdoll(world, { at = { 88, 0, 0 } }), digbox.parts.truck(world, { at = { 94, 0, 0 } })
+  lamp = digbox.parts.lava_lamp(world, { at = { 99, 0, 0 } })
   world:step()
 end
 build()
@@ -43,7 +48,9 @@ local subjects = {
   DIG = function() return other.dig end, region = function() return region end, link = function() return link end,
   truss = function() return truss end, plank = function() return plank end, cloth = function() return cloth end,
   lattice = function() return lattice end, room = function() return room end, heater = function() return heater end,
-  effect = function() return effect end, vector = function() return digbox.vec(1, 2, 3) end,
+  door = function() return door end, drawer = function() return drawer end, lift = function() return lift end,
+  clock = function() return clock end, lava_lamp = function() return lamp end, ragdoll = function() return doll end,
+  truck = function() return truck end, effect = function() return effect end, vector = function() return digbox.vec(1, 2, 3) end,
   rotation = function() return digbox.quat { axis = { 0, 1, 0 }, angle = 1 } end,
 }
 
@@ -74,6 +81,8 @@ local good = {
   ["digbox.cylinder"] = { radius = 1, height = 1 }, ["digbox.cone"] = { radius = 1, height = 1 }, ["digbox.plane"] = { normal = { 0, 1,
     0 } },
 }
+for _, name in ipairs { "door", "drawer", "clock", "lava_lamp", "ragdoll", "truck" } do good["parts." .. name] = { at = { 60, 0, 0 } } end
+good["parts.lift"] = { at = { 60, 0, 0 }, height = 3 }
 local function with_bodies()
   good["world:truss"] = { nodes = { A = { at = { 70, 1, 0 } }, B = { at = { 71, 1, 0 } } }, struts = { { "A", "B" } }, stiffness = 1e4 }
   good["world:heater"] = { on = body, power = 0 }
@@ -102,11 +111,13 @@ local function call(name, ...)
   local owner, mark, short = name:match "^(%w+)([.:])([%w_]+)$"
   local packed = table.pack(...)
   local function run()
-    local subject = mark == "." and digbox or owner == "body" and (short == "move_to" or short == "drive") and mover or subjects[owner]()
+    local subject = owner == "parts" and digbox.parts or mark == "." and digbox or
+      owner == "body" and (short == "move_to" or short == "drive") and mover or subjects[owner]()
     local f = subject[short]
-    if mark == ":" then table.insert(packed, 1, subject) end
+    local first = mark == ":" and subject or owner == "parts" and world or nil
+    if first then table.insert(packed, 1, first) end
     line = debug.getinfo(1, "l").currentline + 1
-    local result = f(table.unpack(packed, 1, packed.n + (mark == ":" and 1 or 0)))
+    local result = f(table.unpack(packed, 1, packed.n + (first and 1 or 0)))
     return result
   end
   calls = calls + 1
@@ -267,6 +278,7 @@ local positional = {
   ["body:dig_of"] = { "thermal" }, ["joint:set"] = { { friction = 0 } }, ["DIG:accuracy"] = { "study" }, ["link:set"] = { 1, 1 },
   ["room:open"] = { "+x" }, ["room:close"] = { "+x" }, ["truss:node"] = { "A" }, ["truss:strut"] = { "AB" }, ["truss:force"] = { "AB" },
   ["truss:push"] = { "A", { 0, 0, 0 } }, ["plank:point"] = { 0.5 }, ["cloth:node"] = { 1, 1 }, ["lattice:node"] = { 1, 1, 1 },
+  ["lift:go"] = { 1 }, ["clock:set_rate"] = { 1 }, ["truck:drive"] = { 1 },
   ["effect:join"] = { "other" }, ["effect:leave"] = { "other" }, ["vector:dot"] = { at }, ["vector:cross"] = { at },
     ["rotation:rotate"] = { at },
   ["digbox.vec"] = { 1, 2, 3 }, ["digbox.load"] = { "nowhere.dig" }, ["world:save"] = { "x.dig" }, ["digbox.quantity"] = { "1 m" },

@@ -298,7 +298,7 @@ TEST(every_field_of_the_records_is_known_to_the_file)
     CHECK_INT(sizeof(Pair), 112);
     CHECK_INT(sizeof(Contact), 576);      /* lost is not saved: of the last step */
     CHECK_INT(sizeof(Touch), 120);
-    CHECK_INT(sizeof(JointRec), 816);       /* with `lost`, which is no part of the state */
+    CHECK_INT(sizeof(JointRec), 816);     /* lost is not saved: of the last step */
     CHECK_INT(sizeof(Push), 104);
     CHECK_INT(sizeof(Region), 400);
     CHECK_INT(sizeof(Ledger), 48);
