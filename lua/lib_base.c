@@ -442,12 +442,23 @@ static void make_base(lua_State *L)
     lua_settop(L, theirs - 3);
 }
 
-/* Methods of strings are ours, and their metatable is out of reach. */
+/* Methods of strings stand in a table of our own, so that a script that clears `string` spoils neither the core's texts nor its own
+ * report; what it adds to `string` is found after them. The metatable is out of reach. */
 static void lock_strings(lua_State *L)
 {
     lua_pushliteral(L, "");
     lua_getmetatable(L, -1);
+    lua_newtable(L);
     lua_getglobal(L, "string");
+    for (lua_pushnil(L); lua_next(L, -2); ) {
+        lua_pushvalue(L, -2);
+        lua_insert(L, -2);
+        lua_rawset(L, -5);
+    }
+    lua_newtable(L);
+    lua_insert(L, -2);
+    lua_setfield(L, -2, "__index");
+    lua_setmetatable(L, -2);
     lua_setfield(L, -2, "__index");
     lua_pushboolean(L, 0);
     lua_setfield(L, -2, "__metatable");
