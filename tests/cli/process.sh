@@ -47,8 +47,8 @@ done
 begin run -q long.lua; kill -HUP "$parent"
 ends 129 'HUP ends both'
 begin run -q long.lua; kill -KILL "$parent"; wait "$parent" 2>/dev/null
-for _ in $(seq 50); do gone && break; sleep 0.02; done
-holds 'a run without its supervisor is gone within a second' gone
+for _ in $(seq 500); do gone && break; sleep 0.02; done           # on an idle machine at once
+holds 'a run without its supervisor ends with it' gone
 
 # A run that is stopped from outside cannot keep its own clock: the supervisor does.
 begin run -q --time-limit 3 loop.lua; kill -STOP "$child"
