@@ -18,7 +18,8 @@ export LC_ALL=C BUILD=${BUILD:-build} SANITIZE=${SANITIZE:-0} RENDER=${RENDER:-1
 export DIGBOX=$PWD/$BUILD/digbox
 export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_leaks=1:strict_string_checks=1:detect_stack_use_after_return=1:handle_segv=2:handle_sigbus=2:handle_abort=1}
 export UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1}
-export LSAN_OPTIONS=${LSAN_OPTIONS:-suppressions=$PWD/tests/lsan.supp:print_suppressions=0}
+export LSAN_OPTIONS=${LSAN_OPTIONS:-print_suppressions=0}        # digbox knows its suppressions
+unit_lsan=$LSAN_OPTIONS:suppressions=$PWD/tests/lsan.supp
 export CMOCKA_MESSAGE_OUTPUT=STDOUT
 results=$PWD/$BUILD/results
 
@@ -44,7 +45,7 @@ run_one() {
     [ "$SANITIZE" = 1 ] && limit=1200
     local command
     case $kind in
-        unit) command=("$BUILD/unit/$(basename "$path" .c)") ;;
+        unit) command=("$BUILD/unit/$(basename "$path" .c)"); local -x LSAN_OPTIONS=$unit_lsan ;;
         lua)  command=("$DIGBOX" test "$path") ;;
         *)    command=(bash "$path") ;;
     esac

@@ -31,6 +31,7 @@ void flow(World *w, const Step *s)
             clear_layer(w, layer);
             continue;
         }
+        w->met |= left & -left;
         real start = s->timed ? wall_us() : 0;
         if (layer)
             layer_begin(w, layer);

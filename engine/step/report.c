@@ -174,7 +174,6 @@ static int members_of(const Group *g, const EffectSlot *e)
 
 static void count_effects(World *w, const Step *s)
 {
-    w->met |= w->flowing;
     for (int k = 0; k < s->count; k++)
         w->met |= s->groups[k].effects;
     for (uint32_t left = w->met; left; left &= left - 1) {

@@ -6,9 +6,10 @@ command -v valgrind >/dev/null 2>&1 || { echo "valgrind is missing: sudo apt-get
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 count() {
-    valgrind --tool=callgrind --toggle-collect=dig_world_step --callgrind-out-file="$work/$2" "$1" run -q tests/cost/proof/stack.lua \
+    # The run is a child of its supervisor: each writes a file, and the supervisor takes no step.
+    valgrind --tool=callgrind --toggle-collect=dig_world_step --callgrind-out-file="$work/$2.%p" "$1" run -q tests/cost/proof/stack.lua \
         -o "$work" >"$work/log" 2>&1 || { cat "$work/log" >&2; return 1; }
-    awk '$1 == "totals:" || $1 == "summary:" { n = $2 } END { print n }' "$work/$2"
+    awk '($1 == "totals:" || $1 == "summary:") && $2 > n { n = $2 } END { print n + 0 }' "$work/$2".*
 }
 all=$(count "$DIGBOX" all) && few=$(count "$FEWER" few) || exit 1
 echo "instructions of 600 frames of a stack of 10 boxes: all effects $all, the mechanical ones alone $few"
