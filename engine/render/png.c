@@ -336,17 +336,18 @@ static bool decode(png_structp png, png_infop info, PngImage *image)
     return true;
 }
 
-/* Reads all rows, of whatever kind. */
-static bool unpack(png_structp png, png_infop info)
+/* Reads all rows, of whatever kind. The caller frees *row, which a damaged file would leave behind. */
+static bool unpack(png_structp png, png_infop info, png_bytep *row)
 {
     if (setjmp(png_jmpbuf(png)))
         return false;
     png_set_user_limits(png, 16384, 16384);
     png_read_info(png, info);
-    png_bytep row = png_malloc(png, png_get_rowbytes(png, info));
+    *row = malloc(png_get_rowbytes(png, info));
+    if (!*row)
+        png_error(png, "no memory");
     for (png_uint_32 y = 0; y < png_get_image_height(png, info); y++)
-        png_read_row(png, row, NULL);
-    png_free(png, row);
+        png_read_row(png, *row, NULL);
     png_read_end(png, NULL);
     return true;
 }
@@ -360,7 +361,9 @@ bool png_whole(const char *path)
     png_infop info = png ? png_create_info_struct(png) : NULL;
     if (info)
         png_set_read_fn(png, &sink, get_bytes);
-    bool whole = info && unpack(png, info);
+    png_bytep row = NULL;
+    bool whole = info && unpack(png, info, &row);
+    free(row);
     png_destroy_read_struct(png ? &png : NULL, info ? &info : NULL, NULL);
     fclose(sink.file);
     return whole;

@@ -216,7 +216,7 @@ function core.drawing_options(f, what, world)
   o.smooth = f.samples == nil or nil       -- without samples edges are smoothed afterwards, which looks the same
   o.samples = f.samples or 0
   if o.samples ~= 0 and o.samples ~= 2 and o.samples ~= 4 then core.fail("%s: samples = %d, must be 0, 2 or 4", what, o.samples) end
-  local layer = f.layer
+  local layer = f.layer or "colour"
   if not layers[layer] then core.unknown(what .. ":", "unknown layer", layer, layers) end
   o.layer = layers[layer]
   if f.camera ~= nil and not is_camera[f.camera] then core.fail("%s.camera wants a camera; got %s", what, core.type(f.camera)) end

@@ -68,4 +68,10 @@ gives 2 'a size' render fall.replay --size big;                     said "--size
 gives 2 'a name without a number' render fall.replay -o f.png;      said 'needs a place for the number'
 gives 2 'no replay' render;                                         said 'which replay'
 
+# A run that filmed nothing has a camera all the same.
+printf 'local w = require("digbox").world {}\nw:floor {}\nw:ball { radius = 0.1, at = { 0, 1, 0 } }\nw:run "0.1 s"\n' >plain.lua
+gives 0 'a run without a film' run -q --replay plain.replay plain.lua
+gives 0 'is drawn' render plain.replay -o plain/f-%05d.png --size 160x90
+holds 'frame by frame' test "$(ls plain/*.png | wc -l)" -ge 3
+
 checked
