@@ -62,6 +62,7 @@ printf '%161s\n' x >"$toy/engine/base/a.h";                      catches 'a line
 
 put engine/base/a.c '/* TO''DO */';                              catches 'an open end' names.sh
 put engine/base/a.c '/* see /ho''me/me/notes */';                catches 'a path of one machine' names.sh
+put engine/base/a.c 'const char *p = "/va''r/t''mp/notes";';           catches 'a folder of one system' names.sh
 put engine/base/a.c 'static int f(const Shape *s) { switch (s->type) { default: return 0; } }'
 catches 'a switch on a type' names.sh
 echo 'int x;' >"$toy/engine/base/a.c";                           catches 'a file that does not say what it is for' names.sh

@@ -7,15 +7,9 @@
 #include <unistd.h>
 
 #include "physics_fixture.h"
+#include "scratch.h"
 
-/* ---- files, in the folder for such things ---- */
-
-static inline const char *scratch_path(char *path, size_t capacity, const char *name)
-{
-    const char *folder = getenv("TMPDIR");
-    snprintf(path, capacity, "%s/digbox-%ld-%s", folder && folder[0] ? folder : P_tmpdir, (long)getpid(), name);
-    return path;
-}
+/* ---- files ---- */
 
 typedef struct Bytes { unsigned char *data; size_t size; } Bytes;
 

@@ -1,6 +1,7 @@
 /* tests/unit/test_jail.c - what a process that is shut in can still do, had a script taken it over. */
 #define _GNU_SOURCE             /* mkdtemp, syscall */
 #include "check.h"
+#include "scratch.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -17,11 +18,11 @@
 #include "lua/jail.h"
 #include "lua/process.h"
 
-static char base[64];           /* folder of this test: world/ and what is made beside it */
+static char base[512];          /* folder of this test: world/ and what is made beside it */
 
 static const char *in_base(const char *name)
 {
-    static char path[4][128];
+    static char path[4][600];
     static int next;
     char *p = path[next++ % 4];
     snprintf(p, sizeof path[0], "%s/%s", base, name);
@@ -38,8 +39,7 @@ static void write_file(const char *path)
 static int prepare(void **state)
 {
     (void)state;
-    snprintf(base, sizeof base, "/var/tmp/digbox-jail-XXXXXX");
-    if (!mkdtemp(base))
+    if (!mkdtemp(scratch_path(base, sizeof base, "jail-XXXXXX")))
         return 1;
     mkdir(in_base("world"), 0777);
     write_file(in_base("world/world.lua"));

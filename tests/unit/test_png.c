@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "check.h"
+#include "scratch.h"
 #include "render/render.h"
 
 static char folder[256];
@@ -18,9 +19,7 @@ static char folder[256];
 static int open_folder(void **state)
 {
     (void)state;
-    const char *base = getenv("TMPDIR");
-    snprintf(folder, sizeof folder, "%s/test_png.XXXXXX", base && *base ? base : P_tmpdir);
-    return mkdtemp(folder) ? 0 : -1;
+    return mkdtemp(scratch_path(folder, sizeof folder, "png-XXXXXX")) ? 0 : -1;
 }
 
 static int close_folder(void **state)

@@ -1,6 +1,7 @@
 /* tests/unit/test_sandbox.c - the libraries of scripts against those of Lua, the check of what is in reach, failing allocations. */
 #define _XOPEN_SOURCE 700       /* fork, waitpid, mkstemp */
 #include "check.h"
+#include "scratch.h"
 
 #include <fcntl.h>
 #include <stdlib.h>
@@ -211,10 +212,10 @@ static int run_failing(const char *path, size_t at, bool on, size_t *count)
 
 TEST(every_allocation_may_fail)
 {
-    char path[] = "/var/tmp/digbox-failing-XXXXXX";
+    char path[512];
     const char *points = getenv("POINTS");
     const size_t wanted = points ? strtoul(points, NULL, 10) : 150;
-    int file = mkstemp(path);
+    int file = mkstemp(scratch_path(path, sizeof path, "failing-XXXXXX"));
     CHECK(file >= 0 && write(file, world_text, sizeof world_text - 1) == (ssize_t)sizeof world_text - 1);
     close(file);
     size_t *count = mmap(NULL, sizeof *count, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
