@@ -240,6 +240,16 @@ void bind_type(lua_State *L, int core, const char *name, const luaL_Reg *methods
     lua_pop(L, 1);
 }
 
+void bind_held_type(lua_State *L, const char *name, lua_CFunction gc)
+{
+    luaL_newmetatable(L, name);
+    lua_pushcfunction(L, gc);
+    lua_setfield(L, -2, "__gc");
+    lua_pushboolean(L, 0);
+    lua_setfield(L, -2, "__metatable");
+    lua_pop(L, 1);
+}
+
 void bind_extend(lua_State *L, int core, const char *type, const luaL_Reg *methods)
 {
     lua_getfield(L, core, "types");

@@ -138,6 +138,9 @@ int bind_unknown(lua_State *L, const char *what, const char *kind, const char *n
 void bind_type(lua_State *L, int core, const char *name, const luaL_Reg *methods, const luaL_Reg *getters, lua_CFunction fallback,
                const luaL_Reg *metamethods);
 
+/* A locked metatable of what only the program itself holds: no methods, released by gc. */
+void bind_held_type(lua_State *L, const char *name, lua_CFunction gc);
+
 /* Indexing a function (world.stats.bodies) then says that a method wants a call; for the program's own states only. */
 void bind_hint_methods(lua_State *L);
 

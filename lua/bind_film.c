@@ -597,19 +597,13 @@ static const luaL_Reg functions[] = {
     {"png_whole", film_png_whole}, {"pixels", film_pixels}, {NULL, NULL},
 };
 
-static void plain_type(lua_State *L, int core, const char *name, const luaL_Reg *methods, lua_CFunction gc)
-{
-    const luaL_Reg meta[] = {{"__gc", gc}, {NULL, NULL}};
-    bind_type(L, core, name, methods, NULL, NULL, meta);
-}
-
 void bind_film_open(lua_State *L, int core)
 {
-    static const luaL_Reg none[] = {{NULL, NULL}};
     static const luaL_Reg pipe_methods[] = {{"frame", pipe_frame}, {"close", pipe_close}, {"copy", pipe_copy}, {"drop", pipe_drop}, {NULL, NULL}};
-    plain_type(L, core, VIEW, none, view_gc);
-    plain_type(L, core, RENDERER, none, renderer_gc);
-    plain_type(L, core, PIPE, pipe_methods, pipe_gc);
+    static const luaL_Reg pipe_meta[] = {{"__gc", pipe_gc}, {NULL, NULL}};
+    bind_held_type(L, VIEW, view_gc);
+    bind_held_type(L, RENDERER, renderer_gc);
+    bind_type(L, core, PIPE, pipe_methods, NULL, NULL, pipe_meta);
     lua_pushvalue(L, core);
     luaL_setfuncs(L, functions, 0);
     lua_pushboolean(L, 1);

@@ -85,10 +85,7 @@ void bind_replay_open(lua_State *L, int core)
         {"replay_open", replay_begin}, {"replay_before_step", replay_before_step}, {"replay_step", replay_step},
         {"replay_note", replay_add_note}, {"replay_close", replay_end}, {NULL, NULL},
     };
-    luaL_newmetatable(L, RECORDER);
-    lua_pushcfunction(L, recorder_gc);
-    lua_setfield(L, -2, "__gc");
-    lua_pop(L, 1);
+    bind_held_type(L, RECORDER, recorder_gc);
     lua_pushvalue(L, core);
     luaL_setfuncs(L, functions, 0);
     lua_pop(L, 1);

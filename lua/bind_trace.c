@@ -104,10 +104,7 @@ static int trace_close(lua_State *L)
 
 void bind_trace_open(lua_State *L, int core)
 {
-    luaL_newmetatable(L, TRACE_FILE);
-    lua_pushcfunction(L, trace_close);
-    lua_setfield(L, -2, "__gc");
-    lua_pop(L, 1);
+    bind_held_type(L, TRACE_FILE, trace_close);
     lua_pushcfunction(L, trace_open);
     lua_setfield(L, core, "trace_open");
     lua_pushcfunction(L, trace_step);

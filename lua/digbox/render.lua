@@ -7,60 +7,7 @@ local core = ...
 
 local ON_TIME = 1e-9       -- s; nearer than this a frame falls on a step
 
--- ---- JSON, as core.json writes it ----
-
-local plain = { ["true"] = true, ["false"] = false }
-local unescaped = { b = "\b", f = "\f", n = "\n", r = "\r", t = "\t" }
-local value_at
-
-local function list_at(text, at)
-  local list = {}
-  if text:match("^%s*%]", at) then return list, (text:find("]", at, true)) + 1 end
-  while true do
-    local mark
-    list[#list + 1], at = value_at(text, at)
-    mark, at = text:match("^%s*([,%]])()", at)
-    if mark ~= "," then return list, at end
-  end
-end
-
-local function table_at(text, at)
-  local out = {}
-  if text:match("^%s*}", at) then return out, (text:find("}", at, true)) + 1 end
-  while true do
-    local key, mark
-    key, at = value_at(text, at)
-    at = text:match("^%s*:()", at)
-    out[key], at = value_at(text, at)
-    mark, at = text:match("^%s*([,}])()", at)
-    if mark ~= "," then return out, at end
-  end
-end
-
-local function string_at(text, at)
-  local last = at
-  while text:sub(last, last) ~= '"' do last = last + (text:sub(last, last) == "\\" and 2 or 1) end
-  local inner = text:sub(at, last - 1):gsub("\\u(%x%x%x%x)", function(x) return utf8.char(tonumber(x, 16)) end)
-  return inner:gsub("\\(.)", function(c) return unescaped[c] or c end), last + 1
-end
-
-function value_at(text, at)
-  local first, after = text:match("^%s*([%[{\"])()", at)
-  if first == "[" then return list_at(text, after) end
-  if first == "{" then return table_at(text, after) end
-  if first == '"' then return string_at(text, after) end
-  local word, rest = text:match("^%s*([%w%.%+%-]+)()", at)
-  if plain[word] ~= nil then return plain[word], rest end
-  return tonumber(word), rest        -- null is nil
-end
-
-local function note(plan, name, frame)
-  local text = core.reader_note(plan.reader, name, frame)
-  if not text then return nil end
-  local ok, value = pcall(value_at, text, 1)
-  if not ok then core.fail("the replay's note '%s' is damaged", name) end
-  return value
-end
+local function note(plan, name, frame) return core.reader_note(plan.reader, name, frame) end
 
 local function vector(v) return v and core.vec(v[1], v[2], v[3]) end
 
