@@ -168,6 +168,15 @@ local operators = {
     "unm: digbox.vector", "len: number" },
   rotation = { "mul(digbox.rotation): digbox.rotation", "mul(digbox.vector): digbox.vector" } }
 
+-- The functions of a table or type.
+local function owned_lines(lines, owner)
+  lines[#lines + 1] = ("local %s = {}"):format(owner)
+  lines[#lines + 1] = ""
+  for _, e in ipairs(api.entries) do
+    if e.owner == owner then call_lines(lines, e, owner) end
+  end
+end
+
 local function type_lines(lines, t)
   local parents = t.name == "body" and ": " .. set_class "body" or ""
   lines[#lines + 1] = "---" .. t.help
@@ -178,11 +187,14 @@ local function type_lines(lines, t)
     lines[#lines + 1] = ("---@field %s %s %s%s"):format(word, class_names(p[1]), p[2], p.unit and "; " .. p.unit or "")
   end
   for _, operator in ipairs(operators[t.name] or {}) do lines[#lines + 1] = "---@operator " .. operator end
-  lines[#lines + 1] = ("local %s = {}"):format(t.name)
-  lines[#lines + 1] = ""
-  for _, e in ipairs(api.entries) do
-    if e.owner == t.name then call_lines(lines, e, t.name) end
-  end
+  owned_lines(lines, t.name)
+end
+
+-- A table of functions: digbox itself, or one below it.
+local function table_lines(lines, owner, fields)
+  lines[#lines + 1] = "---@class " .. (owner == "digbox" and "digbox" or "digbox." .. owner)
+  for _, field in ipairs(fields) do lines[#lines + 1] = field end
+  owned_lines(lines, owner)
 end
 
 function writers.luacats()
@@ -196,26 +208,9 @@ function writers.luacats()
   lines[#lines + 1] = ""
   for _, name in ipairs(sorted(api.sets)) do class_of_fields(lines, set_class(name), api.sets[name].fields, {}) end
   for _, t in ipairs(api.types) do type_lines(lines, t) end
-  lines[#lines + 1] = "---@class digbox"
-  lines[#lines + 1] = "---@field version string"
-  lines[#lines + 1] = "---@field parts digbox.parts"
-  lines[#lines + 1] = "local digbox = {}"
-  lines[#lines + 1] = ""
-  for _, e in ipairs(api.entries) do
-    if e.owner == "digbox" then call_lines(lines, e, "digbox") end
-  end
-  lines[#lines + 1] = "---@class digbox.parts"
-  lines[#lines + 1] = "local parts = {}"
-  lines[#lines + 1] = ""
-  for _, e in ipairs(api.entries) do
-    if e.owner == "parts" then call_lines(lines, e, "parts") end
-  end
-  lines[#lines + 1] = "---@class digbox.test"
-  lines[#lines + 1] = "local test = {}"
-  lines[#lines + 1] = ""
-  for _, e in ipairs(api.entries) do
-    if e.owner == "test" then call_lines(lines, e, "test") end
-  end
+  table_lines(lines, "digbox", { "---@field version string", "---@field parts digbox.parts" })
+  table_lines(lines, "parts", {})
+  table_lines(lines, "test", {})
   lines[#lines + 1] = "return digbox"
   return table.concat(lines, "\n") .. "\n"
 end

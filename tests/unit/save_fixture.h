@@ -255,11 +255,9 @@ static inline void add_and_remove(dig_world *w)
     fail_unless(w, dig_body_remove(w, b[4]), "remove");
 }
 
-static inline dig_world *open_scene(void)
+/* A room with one of everything. */
+static inline void furnish(dig_world *w)
 {
-    dig_world_def def = dig_world_defaults();
-    def.seed = 7;
-    dig_world *w = open_with(def);
     dig_room_def room = {{24, 12, 24}, {0, 0, 0}, 0.5, 0.2};
     fail_unless(w, dig_room_set(w, &room), "room");
     fail_unless(w, dig_room_open(w, "+y", true), "open");
@@ -270,6 +268,14 @@ static inline dig_world *open_scene(void)
     add_roof(w, (vec3){4, 0.1, 0});
     add_hills(w, (vec3){4, 0.1, 5});
     add_acts(w, (vec3){8, 0, 0});
+}
+
+static inline dig_world *open_scene(void)
+{
+    dig_world_def def = dig_world_defaults();
+    def.seed = 7;
+    dig_world *w = open_with(def);
+    furnish(w);
     dig_body slider = add_box(w, look(0.3, 0), (vec3){0.4, 0.2, 0.4}, 2, (vec3){0, 0.1, -8}, quat_identity());
     fail_unless(w, dig_body_set(w, slider, "material", &(dig_text){"waxed oak"}), "material");
     fail_unless(w, dig_effect_set(w, "rolling", true), "effect");

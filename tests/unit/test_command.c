@@ -114,16 +114,7 @@ static void add_spin(dig_world *w, const char *name, Spin *s, bool all)
 
 static void build(dig_world *w)
 {
-    const dig_room_def room = {{24, 12, 24}, {0, 0, 0}, 0.5, 0.2};
-    fail_unless(w, dig_room_set(w, &room), "room");
-    fail_unless(w, dig_room_open(w, "+y", true), "open");
-    add_materials(w);
-    add_stacks(w, (vec3){-8, 0, -8});
-    add_joints(w, (vec3){-4, 0.1, 0});
-    add_bucket(w, (vec3){0, 0.05, 0});
-    add_roof(w, (vec3){4, 0.1, 0});
-    add_hills(w, (vec3){4, 0.1, 5});
-    add_acts(w, (vec3){8, 0, 0});
+    furnish(w);
     add_and_remove(w);
 }
 
