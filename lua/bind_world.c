@@ -120,13 +120,16 @@ static int world_is_open(lua_State *L)
     return 1;
 }
 
-/* core.step(world): one frame step */
+/* core.step(world): one frame step -> how many entries world:warnings() has */
 static int world_step(lua_State *L)
 {
     WorldRef *ref = bind_check_world(L, 1);
     dig_status s = dig_world_step(ref->w);
     bind_own_check(L, ref);
-    return s == DIG_OK ? 0 : bind_fail(L, ref->w, s);
+    if (s != DIG_OK)
+        return bind_fail(L, ref->w, s);
+    lua_pushinteger(L, dig_warnings(ref->w, NULL, 0));
+    return 1;
 }
 
 /* core.cpu_seconds() -> s of CPU time of this process, all threads. Scripts cannot reach it: they see simulated time alone. */

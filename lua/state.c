@@ -301,9 +301,13 @@ void app_need(lua_State *L, size_t bytes)
         stop_memory(L, app, app->memory_limit, "script", true);
 }
 
+/* Before each frame step. The clock and the memory of the process are looked at by the timer, which nudges: at each step they would
+ * cost as much as a step of a small world. */
 void app_poll(lua_State *L)
 {
-    check_limits(L, app_of(L));
+    App *app = app_of(L);
+    if (app->nudged || app->over || caught || app->fuel == 0)
+        check_limits(L, app);
 }
 
 static int poll_limits(lua_State *L)

@@ -20,9 +20,10 @@ function core.step(world)
     core.cost_sample(world, 0)
   end
   local before = core.cpu_seconds()
-  step(world)
+  local warnings = step(world)
   over = core.cost_sample(world, core.cpu_seconds() - before)
   if over then core.finish_early() end
+  return warnings
 end
 
 -- A film that takes no frames.

@@ -225,15 +225,17 @@ function core.lua_state(world)
   local state = core.state(world)
   if not state.handlers then
     state.handlers, state.mask, state.subscriptions = {}, 0, 0
-    state.tasks, state.films, state.scene, state.event_log, state.forces = {}, {}, { lamps = {} }, {}, {}
+    state.tasks, state.films, state.scene, state.event_log, state.forces, state.warnings = {}, {}, { lamps = {} }, {}, {}, 0
   end
   return state
 end
 
+-- -> the Lua side of the world
 function core.forbid_in_handler(world, what)
   local state = core.lua_state(world)
   if state.in_handler then core.fail("%s cannot be called inside a handler of '%s'", what, state.in_handler) end
   if state.in_task then core.fail("%s cannot be called inside a task", what) end
+  return state
 end
 
 return true

@@ -65,7 +65,6 @@ local function is_due(task, now)
 end
 
 local function run_tasks(world, state)
-  if #state.tasks == 0 then return end
   local list, kept = state.tasks, {}
   state.tasks = {}
   for _, task in ipairs(list) do
@@ -147,21 +146,22 @@ end
 
 -- ---- stepping ----
 
+-- One frame step, and what follows from it. What a world does not have is not called: in a small one that would cost as much as the step.
 local function advance(world, state)
   core.poll()
-  if core.options.sim_limit and world.time >= core.options.sim_limit - 1e-9 then core.over_sim_limit(core.options.sim_limit) end
+  local options, films = core.options, #state.films > 0
+  if options.sim_limit and world.time >= options.sim_limit - 1e-9 then core.over_sim_limit(options.sim_limit) end
   if state.before_first_step and world.steps == 0 then state.before_first_step(world) end
-  core.push_regions(state)
-  core.ask_filters(world, state)
-  local filming = #state.films > 0
-  if filming then core.film_before_step(world, state) end
-  core.record_before_step(world)
-  core.step(world)
-  core.record_step(world)
-  core.watch(world, state)
-  if filming then core.film_after_step(world, state) end
+  if #state.forces > 0 then core.push_regions(state) end
+  if state.newborn then core.ask_filters(world, state) end
+  if films then core.film_before_step(world, state) end
+  if options.replay then core.record_before_step(world) end
+  local warnings = core.step(world)
+  if options.replay then core.record_step(world) end
+  if warnings ~= state.warnings then core.watch(world, state, warnings) end
+  if films then core.film_after_step(world, state) end
   core.deliver(world, state)
-  run_tasks(world, state)
+  if #state.tasks > 0 then run_tasks(world, state) end
 end
 
 local function past_end(world)
@@ -173,10 +173,9 @@ core.declare("world:step", { "Takes frame steps.", takes = { { "n", "int 1 >=0",
 
 -- world:step([n])
 function methods.step(world, n)
-  core.forbid_in_handler(world, "world:step()")
+  local state = core.forbid_in_handler(world, "world:step()")
   if n == nil then n = 1 end
   if math.type(n) ~= "integer" or n < 0 then core.fail("world:step wants a whole number of steps >= 0; got %s", tostring(n)) end
-  local state = core.lua_state(world)
   for _ = 1, n do
     if core.options.dry or past_end(world) then core.finish_early() end
     advance(world, state)
@@ -201,9 +200,8 @@ end
 
 -- world:run(3)   world:run "3 s"   world:run{seconds=, steps=, stop_when=} -> true when stop_when ended it
 function methods.run(world, what)
-  core.forbid_in_handler(world, "world:run()")
+  local state = core.forbid_in_handler(world, "world:run()")
   local f = read_run(what)
-  local state = core.lua_state(world)
   if core.options.dry then core.finish_early() end
   local count = f.steps or math.huge
   if f.seconds then count = math.min(count, math.ceil(f.seconds / world.frame - 1e-6)) end

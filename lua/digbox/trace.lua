@@ -1,7 +1,8 @@
 -- digbox/trace.lua - `digbox run --trace FILE`: every frame step, and what it spent its time on, into a file for a trace viewer.
 
 local core = ...
-local step, trace = core.step, nil
+local step, count_warnings = core.step, core.warning_count
+local trace
 
 local function cannot_write(why)
   core.raise(9, ("%s: %s"):format(core.options.trace, why or "cannot be written"))
@@ -15,6 +16,7 @@ function core.step(world)
     if not trace then cannot_write(why) end
   end
   if not core.trace_step(trace, world) then cannot_write() end
+  return count_warnings(world)
 end
 
 -- At the end of a run

@@ -14,12 +14,10 @@ local function describe(warning)
 end
 core.describe_warning = describe
 
--- After each step
-function core.watch(world, state)
-  local before, count = state.warnings or 0, core.warning_count(world)
+-- After a step that ended with another number of warnings
+function core.watch(world, state, count)
+  local before, list = state.warnings, world:warnings()
   state.warnings = count
-  if count == before then return end
-  local list = world:warnings()
   for i = before + 1, count do
     local warning = list[i]
     core.unreliable = core.unreliable + 1

@@ -98,6 +98,20 @@ local function open_world(scene, accuracy)
   return digbox.world(fields)
 end
 
+-- What two readings of the clock are apart with nothing between them, s
+local function clock_seconds(clock)
+  local least = math.huge
+  for _ = 1, 3 do
+    local sum = 0
+    for _ = 1, 1000 do
+      local begin = clock()
+      sum = sum + clock() - begin
+    end
+    least = math.min(least, sum / 1000)
+  end
+  return least
+end
+
 local function run_in(world, scene, accuracy, clock)
   local state = scene.build(world, digbox)
   state.world = world
@@ -105,12 +119,12 @@ local function run_in(world, scene, accuracy, clock)
   local row = { scene = scene.id, engine = "digbox", setting = tostring(accuracy), cpu = 0 }
   for _, name in ipairs(counted) do row[name] = 0 end
   for _, way in ipairs(ways) do row[way] = 0 end
-  local frames = math.floor(scene.seconds / world.frame + 0.5)
+  local frames, idle = math.floor(scene.seconds / world.frame + 0.5), clock_seconds(clock)
   for k = 0, frames - 1 do
     if scene.act then scene.act(state, k) end
     local begin = clock()
     world:step()
-    row.cpu = row.cpu + clock() - begin
+    row.cpu = row.cpu + math.max(clock() - begin - idle, 0)
     local now = world:stats()
     for _, name in ipairs(counted) do row[name] = row[name] + (now[name] or 0) end
     for _, way in ipairs(ways) do row[way] = row[way] + ((now[way] or 0) > 0 and 1 or 0) end
