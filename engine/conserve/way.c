@@ -8,6 +8,7 @@
 #define CARE 200                /* iterations, after which a frame step no longer heeds that   */
 #define COMPOSED_LEVEL 1        /* halvings for the spin, past which single steps are cheaper  */
 #define COMPOSED_MOST 64        /* parts of a step                                             */
+#define LEAST_MOST 7            /* of the parts that the tolerance alone asks for              */
 
 /* A part of the step made of five steps, one of them backward: fourth order from a symmetric rule of second order, and every
  * conserved quantity stays conserved. Suzuki 1990, Phys. Lett. A 146, 319: 1 / (4 - 4^(1/3)) and 1 - 4 of that. */
@@ -102,12 +103,16 @@ static real turning_rate(const Group *g)
 }
 
 /* Composed parts: the local error of the fourth order goes with the fifth power of the angle turned. 0.16 rad at "play", 0.04 at
- * "study", 0.01 at "reference". What is larger than a traced group takes no more than there are substeps: a long chain that cracks
+ * "study", 0.01 at "reference". Slow mechanisms err by their loops rather than by what they turn: at least 2 parts at "study", and as many
+ * more as the fourth order asks for (Bricard's mechanism: 4.2e-10 m there, 2.8e-12 m with 7). Past 7 it gets worse where bars pass a
+ * straight position: rounding of 1e-16 m leaves the branch open within its root, 1e-8 m, which a shorter step makes a larger velocity.
+ * What is larger than a traced group takes no more than there are substeps: a long chain that cracks
  * like a whip would ask for many, and is beyond prediction then. */
 static int composed_parts(const Group *g, real dt)
 {
     real angle = 2.5 * pow(g->tolerance, 0.2), most = g->moving_count > g->plan->trace_bodies ? g->plan->substeps : COMPOSED_MOST;
-    return (int)real_clamp(ceil(turning_rate(g) * dt / angle), ceil(sqrt(parts_of(g->plan))), most);
+    real least = real_min(ceil(2 * pow(1e-9 / g->tolerance, 0.25)), LEAST_MOST);
+    return (int)real_clamp(ceil(turning_rate(g) * dt / angle), least, most);
 }
 
 static real fastest_spin(const Group *g)
