@@ -57,7 +57,7 @@ function core.begin_frames(film)
   core.sweep(path)
   if not core.exists(path) then refuse_others(film, mode) end
   local list, why, code = core.frames_open(path, head_of(film, manifest), mode)
-  if not list then core.raise(code, why) end
+  if not list then core.raise(code, code == 9 and core.where() .. why or why) end
   film.list, film.manifest, film.kept, film.drawn = list, path, 0, 0
   for i = 1, #why do
     if why[i] == core.frame_path(film.pattern, i - 1):sub(#folder + 1) then core.remove(core.out_path(folder .. why[i])) end
