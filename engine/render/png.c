@@ -279,6 +279,7 @@ static bool unpack(png_structp png, png_infop info, png_bytep *row)
     if (setjmp(png_jmpbuf(png)))
         return false;
     png_set_user_limits(png, 16384, 16384);
+    png_set_crc_action(png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);        /* texts, too */
     png_read_info(png, info);
     *row = malloc(png_get_rowbytes(png, info));
     if (!*row)
