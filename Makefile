@@ -51,7 +51,7 @@ flags    = $(or $(shell pkg-config $(1) $(2) 2>/dev/null),$(3))
 system   = $(patsubst -I%,-isystem %,$(1))
 LUA_CFLAGS    := $(call system,$(call flags,--cflags,lua5.4,-I/usr/include/lua5.4))
 RENDER_CFLAGS := $(call system,$(call flags,--cflags,freetype2 libpng,-I/usr/include/freetype2))
-CORE_LIBS     := -lqhull_r -ldeflate -lcjson -lm
+CORE_LIBS     := -lqhull_r -ldeflate -lcjson -lnettle -lm
 # Line editing in `digbox repl`, where libedit is there.
 edit_header   := $(wildcard /usr/include/editline/readline.h /usr/local/include/editline/readline.h)
 EDIT_CFLAGS   := $(if $(edit_header),-DDIGBOX_EDIT)

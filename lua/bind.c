@@ -458,6 +458,7 @@ int bind_open(lua_State *L)
     bind_joint_open(L, core);
     bind_graph_open(L, core);
     bind_film_open(L, core);
+    bind_frames_open(L, core);
     bind_file_open(L, core);
     bind_schema_open(L, core);
     lua_settop(L, core - 1);

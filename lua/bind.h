@@ -58,6 +58,7 @@ void bind_shape_open(lua_State *L, int core);
 void bind_joint_open(lua_State *L, int core);
 void bind_graph_open(lua_State *L, int core);
 void bind_film_open(lua_State *L, int core);
+void bind_frames_open(lua_State *L, int core);
 void bind_file_open(lua_State *L, int core);
 void bind_watch_open(lua_State *L, int core);
 void bind_effect_open(lua_State *L, int core);

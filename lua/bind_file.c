@@ -16,6 +16,8 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/file.h"
+
 enum { PATH_LIMIT = 1024, TEXT_LIMIT = 64 * 1024 * 1024 };
 
 /* core.options.name, or otherwise */
@@ -73,7 +75,7 @@ static void make_folders(lua_State *L, const char *path)
     }
 }
 
-/* core.out_path(path) -> where it is written; folders are made */
+/* core.out_path(path) -> where it is written; folders are made, but for a check of the script */
 static int file_out_path(lua_State *L)
 {
     size_t length;
@@ -91,7 +93,8 @@ static int file_out_path(lua_State *L)
             path += 4;
         lua_pushfstring(L, "%s/%s", out, path);
     }
-    make_folders(L, lua_tostring(L, -1));
+    if (!option_on(L, "dry"))
+        make_folders(L, lua_tostring(L, -1));
     return 1;
 }
 
@@ -124,25 +127,9 @@ static int file_write(lua_State *L)
 {
     size_t length;
     const char *path = luaL_checkstring(L, 1), *text = luaL_checklstring(L, 2, &length);
-    const char *temporary = lua_pushfstring(L, "%s.%d.tmp", path, (int)getpid());
-    FILE *f = fopen(temporary, "wb");
-    if (!f)
-        return bind_fail_text(L, DIG_E_FILE, "%s: %s", path, strerror(errno));
-    bool written = fwrite(text, 1, length, f) == length;
-    int error = errno;
-    if (fclose(f) != 0 && written) {
-        written = false;
-        error = errno;
-    }
-    if (written && rename(temporary, path) != 0) {
-        written = false;
-        error = errno;
-    }
-    if (!written) {
-        remove(temporary);
-        return bind_fail_text(L, DIG_E_FILE, "%s: %s", path, strerror(error));
-    }
-    return 0;
+    char why[2 * PATH_LIMIT];
+    dig_status s = file_replace(path, text, length, FILE_FLUSHED, why, sizeof why);
+    return s == DIG_OK ? 0 : bind_fail_text(L, s, "%s", why);
 }
 
 /* Pushes the text of a file, or nil and a sentence. */
@@ -195,7 +182,7 @@ static int file_beside(lua_State *L)
 }
 
 /* core.read(path) -> text, or nil and why not. For embedded files only: they decide what may be read. */
-static int file_read(lua_State *L)
+static int file_text(lua_State *L)
 {
     return push_file(L, luaL_checkstring(L, 1));
 }
@@ -232,7 +219,7 @@ static int file_tell(lua_State *L)
 }
 
 static const luaL_Reg functions[] = {
-    {"out_path", file_out_path}, {"frame_path", file_frame_path}, {"write", file_write}, {"beside", file_beside}, {"read", file_read},
+    {"out_path", file_out_path}, {"frame_path", file_frame_path}, {"write", file_write}, {"beside", file_beside}, {"read", file_text},
     {"exists", file_exists}, {"make_folders", file_make_folders}, {"clock", file_clock}, {"tell", file_tell}, {NULL, NULL},
 };
 

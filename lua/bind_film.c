@@ -18,6 +18,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/file.h"
+#include "manifest.h"
 #include "render/render.h"
 #include "state.h"
 
@@ -284,13 +286,33 @@ static RenderOptions draw_all(lua_State *L, int views, int options, const void *
 
 enum { TEXT_COUNT = 16 };
 
-/* core.picture(view, options, path, {key = value, ...}) */
+/* Encodes and writes; the size and SHA-256 of the file are pushed. */
+static int write_picture(lua_State *L, const char *path, const RenderOptions *o, const void *pixels, const PngText *texts, int count)
+{
+    char why[1400], words[200] = "", sum[MANIFEST_SUM];
+    PngBytes bytes = {0};
+    dig_status s = png_encode(o->layer, o->width, o->height, pixels, texts, count, &bytes, words, sizeof words);
+    if (s != DIG_OK)
+        snprintf(why, sizeof why, "%s: %s", path, words);
+    else
+        s = png_save(path, &bytes, true, why, sizeof why);
+    uint64_t size = bytes.size;
+    if (s == DIG_OK)
+        manifest_sum(bytes.data, bytes.size, sum);
+    png_release(&bytes);
+    if (s != DIG_OK)
+        return bind_fail_text(L, s == DIG_E_MEMORY ? s : DIG_E_FILE, "%s", why);
+    lua_pushinteger(L, (lua_Integer)size);
+    lua_pushstring(L, sum);
+    return 2;
+}
+
+/* core.picture(view, options, path, {key, value, ...}) -> bytes, SHA-256 of the file */
 static int film_picture(lua_State *L)
 {
     const char *path = luaL_checkstring(L, 3);
     PngText texts[TEXT_COUNT];
     int count = 0;
-    char why[512] = "";
     luaL_checkstack(L, 4 * TEXT_COUNT, "too many values");
     lua_settop(L, 4);
     const void *pixels = NULL;
@@ -300,10 +322,7 @@ static int film_picture(lua_State *L)
             lua_rawgeti(L, 4, i + 1);
             texts[count++] = (PngText){lua_tostring(L, -2), lua_tostring(L, -1)};    /* the table keeps both */
         }
-    dig_status s = png_write(path, o.layer, o.width, o.height, pixels, texts, count, why, sizeof why);
-    if (s != DIG_OK)
-        return bind_fail_text(L, DIG_E_FILE, "%s", *why ? why : path);
-    return 0;
+    return write_picture(L, path, &o, pixels, texts, count);
 }
 
 /* ---- ffmpeg ------------------------------------------------------------------------------ */
@@ -312,7 +331,8 @@ typedef struct Pipe {
     pid_t pid;              /* 0 = closed */
     int   fd;
     int   width, height;
-    char  path[1200], temporary[1300];
+    char  path[1200];
+    FileDraft draft;        /* where ffmpeg writes */
 } Pipe;
 
 extern char **environ;
@@ -332,7 +352,7 @@ static int start_ffmpeg(Pipe *p, const char *fps)
     const char *arguments[] = {
         "ffmpeg", "-nostdin", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", size, "-r", fps, "-i", "-",
         "-an", "-c:v", webm ? "libvpx-vp9" : "libx264", "-crf", webm ? "30" : "18", "-b:v", "0", "-vf",
-        "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p", "-bitexact", p->temporary, NULL,
+        "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p", "-bitexact", "-f", webm ? "webm" : "mp4", p->draft.name, NULL,
     };
     int ends[2];
     posix_spawn_file_actions_t actions;
@@ -365,13 +385,18 @@ static int film_pipe(lua_State *L)
     const char *path = luaL_checkstring(L, 1);
     Pipe *p = lua_newuserdatauv(L, sizeof *p, 0);
     memset(p, 0, sizeof *p);
+    p->draft.handle = -1;
     p->width = (int)luaL_checkinteger(L, 2);
     p->height = (int)luaL_checkinteger(L, 3);
     snprintf(p->path, sizeof p->path, "%s", path);
-    snprintf(p->temporary, sizeof p->temporary, "%s.part%s", path, extension_of(path));
     luaL_setmetatable(L, PIPE);
     signal(SIGPIPE, SIG_IGN);
+    char why[1400];
+    if (file_draft(p->path, &p->draft, why, sizeof why) != DIG_OK)
+        return bind_fail_text(L, DIG_E_FILE, "%s", why);
     int error = start_ffmpeg(p, lua_pushfstring(L, "%f", luaL_checknumber(L, 4)));
+    if (error != 0)
+        file_draft_drop(&p->draft);
     if (error == ENOENT)
         return 0;
     if (error != 0)
@@ -454,11 +479,11 @@ static int pipe_drop(lua_State *L)
     while (waitpid(p->pid, NULL, 0) < 0 && errno == EINTR)
         continue;
     p->pid = 0;
-    remove(p->temporary);
+    file_draft_drop(&p->draft);
     return 0;
 }
 
-static bool finish_pipe(Pipe *p)
+static bool finish_pipe(Pipe *p, char *why, size_t capacity)
 {
     int status = 0;
     if (p->pid == 0)
@@ -468,23 +493,25 @@ static bool finish_pipe(Pipe *p)
         continue;
     p->pid = 0;
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0)
-        return rename(p->temporary, p->path) == 0;
-    remove(p->temporary);
+        return file_draft_place(&p->draft, p->path, FILE_DURABLE, why, capacity) == DIG_OK;
+    file_draft_drop(&p->draft);
+    snprintf(why, capacity, "%s: ffmpeg could not write the film", p->path);
     return false;
 }
 
 /* pipe:close(): the film is under its name only when it is whole */
 static int pipe_close(lua_State *L)
 {
-    Pipe *p = luaL_checkudata(L, 1, PIPE);
-    if (!finish_pipe(p))
-        return bind_fail_text(L, DIG_E_FILE, "%s: ffmpeg could not write the film", p->path);
+    char why[1400];
+    if (!finish_pipe(luaL_checkudata(L, 1, PIPE), why, sizeof why))
+        return bind_fail_text(L, DIG_E_FILE, "%s", why);
     return 0;
 }
 
 static int pipe_gc(lua_State *L)
 {
-    finish_pipe(luaL_checkudata(L, 1, PIPE));
+    char why[1400];
+    finish_pipe(luaL_checkudata(L, 1, PIPE), why, sizeof why);
     return 0;
 }
 

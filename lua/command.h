@@ -13,6 +13,7 @@ typedef struct RunOptions {
     double      seconds, time_limit;        /* < 0 = not given */
     long long   seed, threads, memory, fuel;
     bool        trust, quiet, strict, dry, jail_needed, verbose;
+    bool        resume, force;  /* frames of an earlier run are kept, or forgotten */
     long long   log_limit;      /* MiB that print may write; 0 = no limit */
     int         set_count, argument_count;
     char      **set;                        /* [set_count] NAME=VALUE */
@@ -46,6 +47,10 @@ bool read_number_option(const char *name, const char *text, const char *unit, do
 /* A..B, A.. or ..B of so many frames. */
 bool read_frames_option(const char *text, int frames, int *first, int *last);
 bool read_whole_option(const char *name, const char *text, long long low, long long high, long long *value);
+
+/* Films in a folder, or the one of a manifest, against what was written (verify_film.c). Returns an exit code. */
+bool verify_is_film(const char *path);
+int  verify_film(const char *path);
 
 void say_error(const char *text);
 

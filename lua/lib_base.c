@@ -203,10 +203,25 @@ bool lib_push_source(lua_State *L, const char *path)
     return false;
 }
 
+/* A hash of all source text that was loaded so far: what a frame looks like depends on it. */
+static void note_source(lua_State *L, const char *text, size_t size)
+{
+    char hash[17];
+    lua_getfield(L, LUA_REGISTRYINDEX, "digbox.sources");
+    const char *before = lua_tostring(L, -1);
+    app_hash(text, size, hash);
+    lua_pushfstring(L, "%s%s", before ? before : "", hash);
+    app_hash(lua_tostring(L, -1), lua_rawlen(L, -1), hash);
+    lua_pushstring(L, hash);
+    lua_setfield(L, LUA_REGISTRYINDEX, "digbox.sources");
+    lua_pop(L, 2);
+}
+
 int lib_load_source(lua_State *L, const char *path)
 {
     size_t size;
     const char *text = lua_tolstring(L, -1, &size);
+    note_source(L, text, size);
     if (size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0) {
         text += 3;
         size -= 3;

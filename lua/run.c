@@ -17,7 +17,7 @@
 /* ---- run ----------------------------------------------------------------------- */
 
 enum { OPT_SECONDS = 256, OPT_ACCURACY, OPT_SEED, OPT_THREADS, OPT_SET, OPT_TIME, OPT_MEMORY, OPT_FUEL, OPT_TRUST, OPT_STRICT,
-       OPT_TRACE, OPT_JAIL, OPT_VERBOSE, OPT_LOG, OPT_REPLAY };
+       OPT_TRACE, OPT_JAIL, OPT_VERBOSE, OPT_LOG, OPT_REPLAY, OPT_RESUME, OPT_FORCE };
 
 static const struct option run_options[] = {
     {"output", required_argument, NULL, 'o'}, {"seconds", required_argument, NULL, OPT_SECONDS},
@@ -28,6 +28,7 @@ static const struct option run_options[] = {
     {"strict", no_argument, NULL, OPT_STRICT}, {"trace", required_argument, NULL, OPT_TRACE},
     {"replay", required_argument, NULL, OPT_REPLAY}, {"quiet", no_argument, NULL, 'q'},
     {"require-jail", no_argument, NULL, OPT_JAIL}, {"verbose", no_argument, NULL, OPT_VERBOSE},
+    {"resume", no_argument, NULL, OPT_RESUME}, {"force", no_argument, NULL, OPT_FORCE},
     {"log-limit", required_argument, NULL, OPT_LOG}, {"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0},
 };
 
@@ -48,6 +49,8 @@ static bool read_run_option(RunOptions *o, int key)
     case OPT_VERBOSE: o->verbose = true; return true;
     case OPT_LOG: return read_whole_option("log-limit", optarg, 0, 1 << 20, &o->log_limit);
     case OPT_STRICT: o->strict = true; return true;
+    case OPT_RESUME: o->resume = true; return true;
+    case OPT_FORCE: o->force = true; return true;
     case OPT_TRACE: o->trace = optarg; return *optarg || usage_error("--trace: the file is missing") == 0;
     case OPT_REPLAY: o->replay = optarg; return *optarg || usage_error("--replay: the file is missing") == 0;
     case OPT_SET:
@@ -96,20 +99,24 @@ static void set_text(lua_State *L, const char *name, const char *text)
     app_set_option(L, name);
 }
 
+static void set_flag(lua_State *L, const char *name, bool on)
+{
+    lua_pushboolean(L, on);
+    app_set_option(L, name);
+}
+
 int run_set_options(lua_State *L)
 {
     const RunOptions *o = lua_touserdata(L, 1);
     char *end;
     set_text(L, "mode", o->dry ? "check" : "run");
     set_text(L, "out", o->out);
-    lua_pushboolean(L, o->trust);
-    app_set_option(L, "trust");
-    lua_pushboolean(L, o->dry);
-    app_set_option(L, "dry");
-    lua_pushboolean(L, !o->quiet && isatty(2) && !getenv("NO_COLOR"));
-    app_set_option(L, "progress");
-    lua_pushboolean(L, o->quiet);
-    app_set_option(L, "quiet");
+    set_flag(L, "trust", o->trust);
+    set_flag(L, "dry", o->dry);
+    set_flag(L, "progress", !o->quiet && isatty(2) && !getenv("NO_COLOR"));
+    set_flag(L, "quiet", o->quiet);
+    set_flag(L, "resume", o->resume);
+    set_flag(L, "force", o->force);
     if (o->seconds >= 0) {
         lua_pushnumber(L, o->seconds);
         app_set_option(L, "seconds");
@@ -211,7 +218,9 @@ static int command_run(int argc, char **argv)
         if (!read_run_option(&o, key))
             goto done;
     }
-    if (optind >= argc) {
+    if (o.resume && o.force) {
+        usage_error("run: --resume keeps frames, --force does not: one of them");
+    } else if (optind >= argc) {
         usage_error("run: which world? (digbox run WORLD.lua)");
     } else if (optind + 1 < argc) {
         usage_error("run: one world at a time; '%s' is too many (arguments of the world stand after --)", argv[optind + 1]);
@@ -234,6 +243,8 @@ const Command run_command = {
     .use = "  digbox run WORLD.lua [options] [-- ARGUMENTS]   run a world; a picture of its end when it records nothing\n",
     .options =
         "  -o, --output DIR        where pictures go (default out)\n"
+        "      --resume            frames of the same run that are there and whole are not drawn again (docs/frames.md)\n"
+        "      --force             films that are there are taken anew\n"
         "      --seconds N         simulate to t = N s, whatever the world asks for\n"
         "      --accuracy A        sketch, play, study, reference, or a tolerance in metres\n"
         "      --seed N            seed of the world and of math.random\n"

@@ -138,6 +138,9 @@ void app_catch_signals(void)
     sigemptyset(&action.sa_mask);
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
+    struct sigaction before;
+    if (sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler != SIG_IGN)     /* nohup */
+        sigaction(SIGHUP, &action, NULL);
     action.sa_handler = on_tick;
     action.sa_flags = SA_RESTART;
     sigaction(SIGALRM, &action, NULL);

@@ -1,4 +1,5 @@
-/* lua/verify.c - the command `digbox verify`: simulates a replay again and compares the checksum of every step. */
+/* lua/verify.c - the command `digbox verify`: simulates a replay again and compares the checksum of every step; of a folder with films,
+ * see verify_film.c. */
 #include <getopt.h>
 #include <inttypes.h>
 #include <stdio.h>
@@ -57,9 +58,9 @@ static int command_verify(int argc, char **argv)
     if (key != -1)
         return key == 'h' ? print_help("verify") : usage_error("see 'digbox verify'");
     if (optind >= argc)
-        return usage_error("verify: which replays? (digbox verify REPLAY...)");
+        return usage_error("verify: which replays? (digbox verify REPLAY... or FOLDER...)");
     for (int i = optind; i < argc; i++) {
-        int code = verify(argv[i]);
+        int code = verify_is_film(argv[i]) ? verify_film(argv[i]) : verify(argv[i]);
         worst = code > worst ? code : worst;
     }
     return worst;
@@ -67,11 +68,14 @@ static int command_verify(int argc, char **argv)
 
 const Command verify_command = {
     .name = "verify",
-    .use = "  digbox verify REPLAY...                         simulate replays again: is the checksum of every step the same?\n",
+    .use = "  digbox verify REPLAY...                         simulate replays again: is the checksum of every step the same?\n"
+           "  digbox verify FOLDER...                         are the frames of films in it as they were written?\n",
     .notes =
         "\n"
         "A replay (digbox run --replay) holds the world it began with and every command that changed it; what effects written in Lua\n"
         "gave back is in the log, so that no script is needed. Exit code 0: every checksum is the same, 7: one differs, which is named,\n"
-        "8: the file is no replay, or holds no log.\n",
+        "8: the file is no replay, or holds no log.\n"
+        "Beside the frames of a film stands a manifest (docs/frames.md) with their sizes and SHA-256. Exit code 0: all are as they were\n"
+        "written, 8: one is not, which is named.\n",
     .run = command_verify,
 };

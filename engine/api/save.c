@@ -13,7 +13,7 @@
  * The first 24 bytes stay where they are in every format to come.
  */
 #include "api/save.h"
-#include "api/save_file.h"
+#include "base/file.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -115,7 +115,7 @@ dig_status dig_world_save(dig_world *w, const char *path)
     dig_status s = pack_good(&file) ? DIG_OK : file.no_memory ? DIG_E_MEMORY : DIG_E_FORMAT;
     if (s != DIG_OK)
         world_fail(w, s, "%s: %s", path, file.why);
-    else if ((s = file_replace(path, file.data, file.size, why, sizeof why)) != DIG_OK)
+    else if ((s = file_replace(path, file.data, file.size, FILE_DURABLE, why, sizeof why)) != DIG_OK)
         world_fail(w, s, "%s", why);
     pack_close(&file);
     return s;

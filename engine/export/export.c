@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "api/save_file.h"
+#include "base/file.h"
 
 static const ExportFormat *const formats[] = {&export_glb, &export_csv, &export_jsonl, &export_npy, &export_dot};
 enum { FORMAT_COUNT = sizeof formats / sizeof *formats };
@@ -59,7 +59,7 @@ dig_status export_write(Replay *r, const ExportFormat *format, const ExportOptio
     if (status != DIG_OK)
         snprintf(why, capacity, "%s", out.why[0] ? out.why : replay_error(r));
     else
-        status = file_replace(path, out.data, out.size, why, capacity);
+        status = file_replace(path, out.data, out.size, FILE_DURABLE, why, capacity);
     output_close(&out);
     return status;
 }

@@ -1,24 +1,20 @@
 /* render/png.c - images in and out through libpng, their data compressed by Intel's ISA-L.
  *
- * A picture under its final name is whole: it is written beside it under a temporary name, flushed to the disk and
- * renamed. Failures name the path and the system's reason, which libpng by itself does not.
+ * A picture under its final name is whole (base/file.h). Failures name the path and the system's reason, which libpng by itself
+ * does not.
  */
-#define _POSIX_C_SOURCE 200809L     /* open, fsync, lstat */
-
 #include <errno.h>
-#include <fcntl.h>
 #include <isa-l/igzip_lib.h>
 #include <png.h>
 #include <setjmp.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "base/base.h"
+#include "base/file.h"
 #include "render/render.h"
 
-enum { PATH_CAPACITY = 4096, MOST_IN_CHUNK = 1 << 30, TABLES = ISAL_DEF_LVL1_DEFAULT };
+enum { MOST_IN_CHUNK = 1 << 30, TABLES = ISAL_DEF_LVL1_DEFAULT };
 
 typedef struct PngSink {        /* where libpng's callbacks read, write and report */
     FILE     *file;
@@ -232,68 +228,9 @@ void png_release(PngBytes *bytes)
 
 /* ---- files ------------------------------------------------------------ */
 
-/* path's folder + .name.pid.tmp; false when it does not fit */
-static bool temporary_name(const char *path, char *name, size_t capacity)
-{
-    const char *slash = strrchr(path, '/');
-    int folder = slash ? (int)(slash - path) + 1 : 0;
-    int length = snprintf(name, capacity, "%.*s.%s.%ld.tmp", folder, path, path + folder, (long)getpid());
-    return length > 0 && (size_t)length < capacity;
-}
-
-/* A rename would replace a device, a pipe or a link by a file. */
-static bool replaceable(const char *path)
-{
-    struct stat info;
-    return lstat(path, &info) != 0 || S_ISREG(info.st_mode);
-}
-
-static bool put_all(int handle, const PngBytes *bytes)
-{
-    for (size_t done = 0; done < bytes->size;) {
-        ssize_t n = write(handle, bytes->data + done, bytes->size - done);
-        if (n < 0 && errno != EINTR)
-            return false;
-        done += n > 0 ? (size_t)n : 0;
-    }
-    return true;
-}
-
-/* Writes and closes; the errno of the first failure, 0 for none. */
-static int write_whole(const char *name, const PngBytes *bytes, bool flush)
-{
-    int handle = open(name, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
-    if (handle < 0)
-        return errno;
-    int error = 0;
-    if (!put_all(handle, bytes) || (flush && fsync(handle) != 0))
-        error = errno;
-    if (close(handle) != 0 && !error)
-        error = errno;
-    return error;
-}
-
 dig_status png_save(const char *path, const PngBytes *bytes, bool flush, char *why, size_t capacity)
 {
-    char name[PATH_CAPACITY];
-    if (!temporary_name(path, name, sizeof name)) {
-        snprintf(why, capacity, "%.200s...: %s", path, strerror(ENAMETOOLONG));
-        return DIG_E_FILE;
-    }
-    if (!replaceable(path)) {
-        snprintf(why, capacity, "%s: exists and is not an ordinary file", path);
-        return DIG_E_FILE;
-    }
-    int error = write_whole(name, bytes, flush);
-    bool ours = error != EEXIST;
-    if (!error && rename(name, path) != 0)
-        error = errno;
-    if (!error)
-        return DIG_OK;
-    if (ours)
-        unlink(name);
-    snprintf(why, capacity, "%s: %s", path, strerror(error));
-    return DIG_E_FILE;
+    return file_replace(path, bytes->data, bytes->size, flush ? FILE_FLUSHED : FILE_QUICK, why, capacity);
 }
 
 dig_status png_write(const char *path, RenderLayer layer, int width, int height, const void *pixels, const PngText *texts,
@@ -342,6 +279,7 @@ static bool unpack(png_structp png, png_infop info, png_bytep *row)
     if (setjmp(png_jmpbuf(png)))
         return false;
     png_set_user_limits(png, 16384, 16384);
+    png_set_crc_action(png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);        /* texts, too */
     png_read_info(png, info);
     *row = malloc(png_get_rowbytes(png, info));
     if (!*row)

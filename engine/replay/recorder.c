@@ -4,10 +4,13 @@
  * block itself are packed and written, in this order, so that a file that ends after a block lacks nothing that the block needs.
  * Packing costs more than gathering, and nobody waits for it: a thread does it while the world goes on. The bytes of the file
  * depend on what was recorded only.
+ *
+ * The file has its name from its first whole block on: under it stands the old replay or one that opens.
  */
-#define _POSIX_C_SOURCE 200809L     /* open, write, strerror_r */
+#define _POSIX_C_SOURCE 200809L     /* ftruncate, fsync, strerror_r */
 
 #include "api/api.h"
+#include "base/file.h"
 #include "replay/format.h"
 #include "replay/replay.h"
 
@@ -16,6 +19,7 @@
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #define BLOCK_BYTES  (1024u * 1024u)    /* a block is full with so many bytes before packing */
@@ -33,8 +37,10 @@ typedef struct Part { Pack bytes; uint32_t first, count; } Part;      /* count: 
 
 /* The file, and a block on its way to it. Belongs to the thread while one runs. */
 typedef struct Writer {
-    int      file;
-    uint64_t at;                /* bytes written                               */
+    FileDraft draft;
+    const char *path;           /* of the recorder                             */
+    bool     placed;            /* the draft has that name                     */
+    uint64_t at, whole;         /* bytes written; those up to the end of the last block */
     Part     parts[PARTS];
     LIST(Section) sections;
     struct libdeflate_compressor *compressor;
@@ -91,19 +97,14 @@ static dig_status writer_fail(Writer *f, dig_status s, const char *what, int err
     return s;
 }
 
+static const char cannot[] = "the replay cannot be written";
+
 static dig_status put(Writer *f, const void *data, size_t size)
 {
-    const char *from = data;
-    while (size > 0 && f->failed == DIG_OK) {
-        ssize_t n = write(f->file, from, size);
-        if (n < 0 && errno == EINTR)
-            continue;
-        if (n <= 0)
-            return writer_fail(f, DIG_E_FILE, "the replay cannot be written", n < 0 ? errno : EIO);
-        from += n;
-        size -= (size_t)n;
-        f->at += (uint64_t)n;
-    }
+    int error = f->failed == DIG_OK ? file_write_all(f->draft.handle, data, size) : 0;
+    if (error != 0)
+        return writer_fail(f, DIG_E_FILE, cannot, error);
+    f->at += size;
     return f->failed;
 }
 
@@ -134,6 +135,16 @@ static dig_status put_section(Writer *f, const char *tag, uint32_t first, uint32
     return f->failed;
 }
 
+/* The file has something to show: it may have its name. */
+static dig_status give_name(Writer *f)
+{
+    if (f->failed == DIG_OK && !f->placed && rename(f->draft.name, f->path) != 0)
+        return writer_fail(f, DIG_E_FILE, cannot, errno);
+    f->placed = f->placed || f->failed == DIG_OK;
+    f->whole = f->failed == DIG_OK ? f->at : f->whole;
+    return f->failed;
+}
+
 static void *put_parts(void *writer)
 {
     Writer *f = writer;
@@ -144,6 +155,7 @@ static void *put_parts(void *writer)
         p->bytes.size = 0;
         p->count = 0;
     }
+    give_name(f);
     return NULL;
 }
 
@@ -447,6 +459,20 @@ static dig_status put_start(Recorder *r, const char *origin)
     return wait_for_writer(r);
 }
 
+/* Of a file that could not be written whole blocks are left, or nothing. */
+static void end_file(Writer *f)
+{
+    if (f->draft.handle < 0)
+        return;
+    if (!f->placed) {
+        file_draft_drop(&f->draft);
+        return;
+    }
+    if (f->failed == DIG_OK || ftruncate(f->draft.handle, (off_t)f->whole) == 0)
+        (void)fsync(f->draft.handle);
+    close(f->draft.handle);
+}
+
 static void release(Recorder *r)
 {
     wait_for_writer(r);
@@ -462,17 +488,31 @@ static void release(Recorder *r)
     list_close(&r->writer.sections);
     if (r->writer.compressor)
         libdeflate_free_compressor(r->writer.compressor);
-    if (r->writer.file >= 0)
-        close(r->writer.file);
+    end_file(&r->writer);
     free(r);
+}
+
+/* A draft; what is no file (a device, a pipe, a link) is written as it is. */
+static void open_file(Writer *f)
+{
+    char why[1400], text[160];
+    struct stat info;
+    if (lstat(f->path, &info) == 0 && !S_ISREG(info.st_mode)) {
+        f->draft.handle = open(f->path, O_WRONLY | O_TRUNC | O_CLOEXEC);
+        f->placed = true;
+        if (f->draft.handle < 0)
+            writer_fail(f, DIG_E_FILE, cannot, errno);
+    } else if (file_draft(f->path, &f->draft, why, sizeof why) != DIG_OK) {
+        snprintf(text, sizeof text, "%s%.120s", cannot, why + strlen(f->path));
+        writer_fail(f, DIG_E_FILE, text, 0);
+    }
 }
 
 static dig_status open_writer(Recorder *r)
 {
     Writer *f = &r->writer;
-    f->file = open(r->path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    if (f->file < 0)
-        writer_fail(f, DIG_E_FILE, "the replay cannot be written", errno);
+    f->path = r->path;
+    open_file(f);
     f->compressor = libdeflate_alloc_compressor(LEVEL);
     if (!f->compressor)
         writer_fail(f, DIG_E_MEMORY, "not enough memory for the replay", 0);
@@ -488,6 +528,7 @@ dig_status recorder_open(const char *path, dig_world *w, const char *origin, Rec
         return DIG_E_MEMORY;
     }
     r->w = w;
+    r->writer.draft.handle = -1;
     snprintf(r->path, sizeof r->path, "%s", path);
     dig_status s = open_writer(r);
     if (s == DIG_OK)
@@ -528,6 +569,18 @@ static dig_status put_index(Writer *f)
     return f->failed;
 }
 
+/* Whole, on the disk; a failure may come as late as with close. */
+static dig_status close_file(Writer *f)
+{
+    if (fsync(f->draft.handle) != 0 && errno != EINVAL && errno != ENOTSUP)     /* a file system that cannot */
+        return writer_fail(f, DIG_E_FILE, cannot, errno);
+    if (close(f->draft.handle) != 0 && errno != EINTR) {
+        writer_fail(f, DIG_E_FILE, cannot, errno);
+        f->draft.handle = -1;
+    }
+    return f->failed;
+}
+
 dig_status recorder_close(Recorder *r, char *why, size_t capacity)
 {
     if (!r)
@@ -541,9 +594,8 @@ dig_status recorder_close(Recorder *r, char *why, size_t capacity)
     if (r->failed == DIG_OK && put_block(r) == DIG_OK && wait_for_writer(r) == DIG_OK)
         put_index(&r->writer);
     wait_for_writer(r);
-    if (close(r->writer.file) != 0)
-        writer_fail(&r->writer, DIG_E_FILE, "the replay cannot be written", errno);
-    r->writer.file = -1;
+    if (r->failed == DIG_OK && close_file(&r->writer) == DIG_OK)
+        r->writer.draft.handle = -1;
     dig_status s = wait_for_writer(r);
     if (s != DIG_OK && why)
         snprintf(why, capacity, "%s", r->why);

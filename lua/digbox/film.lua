@@ -301,11 +301,17 @@ core.declare("world:record", { "Takes a film: frames at exact multiples of 1/fps
     gives = "film" })
 
 local function open_video(film, to)
-  local pipe = core.pipe(core.out_path(to), film.options.width, film.options.height, film.fps)
+  local path, options = core.out_path(to), core.options
+  if options.mode == "run" and not options.force and not options.resume and core.exists(path) then
+    core.usage("%s: a film is there; --force takes it anew", path)
+  end
+  core.sweep(path)
+  local pipe = not options.dry and core.pipe(path, film.options.width, film.options.height, film.fps)
   if pipe then
     film.pipe = pipe
     return
   end
+  if options.dry then return end
   film.pattern = to:gsub("%.%w+$", "-%%05d.png")
   core.tell(("digbox: no ffmpeg here: writing %s; later: ffmpeg -r %g -i %s %s\n"):format(film.pattern, film.fps, film.pattern, to))
 end
@@ -332,6 +338,7 @@ function methods.record(world, fields)
   else
     core.fail("world:record: '%s' must end in .png, .mp4 or .webm", to)
   end
+  if film.pattern then core.begin_frames(film) end
   local state = core.lua_state(world)
   state.films[#state.films + 1] = film
   state.all_films = state.all_films or {}
@@ -349,7 +356,7 @@ local function take(film, view, camera, time)
   if film.pipe then
     film.pipe:frame(view, o)
   else
-    core.picture(view, o, core.out_path(core.frame_path(film.pattern, film.frames)), texts(film.world, time))
+    core.put_frame(film, film.frames, view, o, texts(film.world, time), time)
   end
   film.frames = film.frames + 1
   core.frames = (core.frames or 0) + 1
@@ -403,8 +410,8 @@ function core.film_after_step(world, state)
   state.view_before = nil
 end
 
-local function close_film(film)
-  if film.closed then return end
+-- Takes no further frame.
+local function take_out(film)
   film.closed = true
   core.open_films[film] = nil
   local state = core.lua_state(film.world)
@@ -414,8 +421,20 @@ local function close_film(film)
       break
     end
   end
+end
+
+local function close_film(film)
+  if film.closed then return end
+  take_out(film)
   if not core.stopping then take_present(film) end
   if film.pipe then film.pipe:close() end
+  core.end_frames(film, not core.stopping)
+end
+
+-- After a frame that could not be written
+function core.drop_film(film)
+  take_out(film)
+  core.end_frames(film, false)
 end
 
 -- film:close(): the last frame, and the end of the file

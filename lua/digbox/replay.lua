@@ -67,6 +67,7 @@ end
 -- ---- stepping ----
 
 local function begin(world)
+  core.sweep(core.options.replay)
   recorder = core.replay_open(core.options.replay, world, origin(world))
   recorded = world
   core.lua_state(world).recorded = true

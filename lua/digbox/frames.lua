@@ -1,0 +1,128 @@
+-- digbox/frames.lua - the frames of a film as files: written whole, listed in a manifest beside them, kept when a run is resumed
+-- (docs/frames.md).
+
+local core = ...
+
+-- "f-%05d.png" -> "f-manifest.sha256", "%d/eye.png" -> "manifest-eye.sha256", and the part of the pattern that its names leave out
+local function manifest_of(pattern)
+  local before, after = pattern:match "^([^%%]*)%%0?%d*d(.*)%.png$"
+  local folder, stem = before:match "^(.*/)([^/]*)$"
+  return before .. "manifest" .. after:gsub("/", "-") .. ".sha256", folder or "", stem or before
+end
+
+-- All that the film's frames depend on, besides their numbers; a line each.
+local function head_of(film, manifest)
+  local world, o, options = film.world, film.options, core.options
+  local name = film.pattern:sub(#film.folder + 1)
+  local lines = { "# digbox frames 1", "# check them: digbox verify FOLDER, or sha256sum -c " .. manifest:sub(#film.folder + 1) }
+  local function line(key, value) lines[#lines + 1] = ("# %s: %s"):format(key, value) end
+  line("film", core.json(name))
+  line("program", "digbox " .. core.version)
+  line("script", core.json(options.script_name or ""))
+  line("script hash", options.script_hash or "none")
+  line("arguments", core.json(options.args or {}))
+  line("set", core.json(options.set or {}))
+  line("seed", ("%d"):format(core.state(world).seed or 0))
+  line("accuracy", core.json(world.accuracy))
+  line("step", ("%.17g s"):format(world.frame))
+  line("rate", ("%.17g Hz, from number %d"):format(film.fps, film.first))
+  line("picture", core.json { size = { o.width, o.height }, samples = o.samples, smooth = o.smooth, layer = o.layer, overlay = o.overlay })
+  line("renderer", core.renderer())
+  return table.concat(lines, "\n") .. "\n"
+end
+
+local function mode_of()
+  local options = core.options
+  if options.mode ~= "run" or options.force then return "force" end
+  return options.resume and "resume" or "new"
+end
+
+-- Frames that were written before there was a manifest, or whose manifest is gone
+local function refuse_others(film, mode)
+  local path = core.out_path(core.frame_path(film.pattern, 0))
+  if mode == "new" and core.exists(path) then
+    core.usage("%s is there already; --force takes the film anew, --resume too where digbox made the frames", path)
+  end
+end
+
+-- Before the first frame: the manifest, and what an earlier run left. What is there is not overwritten unless the user said so.
+function core.begin_frames(film)
+  if core.options.dry then return end
+  local manifest, folder = manifest_of(film.pattern)
+  film.folder = folder
+  local path, mode = core.out_path(manifest), mode_of()
+  for other in next, core.open_films or {} do
+    if other.manifest == path then core.fail("world:record: '%s' is being filmed already", film.pattern) end
+  end
+  core.sweep(path)
+  if not core.exists(path) then refuse_others(film, mode) end
+  local list, why, code = core.frames_open(path, head_of(film, manifest), mode)
+  if not list then core.raise(code, code == 9 and core.where() .. why or why) end
+  film.list, film.manifest, film.kept, film.drawn = list, path, 0, 0
+  for i = 1, #why do
+    if why[i] == core.frame_path(film.pattern, i - 1):sub(#folder + 1) then core.remove(core.out_path(folder .. why[i])) end
+  end
+end
+
+-- Is what stands in the frame's place of an earlier run, whole, and of this film? Says so when it is not.
+local function is_kept(film, k, path, world, scene)
+  local _, size, sum, old_world, old_scene = core.frames_kept(film.list, k)
+  if size and (old_world ~= world or old_scene ~= scene) then
+    core.usage("--resume: frame %d (%s) shows another %s: the run does not go as it went before", k, path,
+      old_world ~= world and ("world, %s, now %s"):format(old_world, world) or "scene")
+  end
+  local now, bytes = core.sum_file(path)
+  if not now then return false end
+  if now == sum and bytes == size then return true end
+  if not core.png_whole(path) then
+    core.tell(("digbox: %s is damaged and is drawn again\n"):format(path))
+  elseif not (core.png_text(path, "Software") or ""):match "^digbox " then
+    core.tell(("digbox: %s was not made by digbox; it stays as it is, and the film lacks frame %d\n"):format(path, k))
+    return true, true
+  end
+  return false
+end
+
+-- A frame that cannot be written ends its film: what came after it would stand in a wrong place.
+local function give_up(film, k, why)
+  core.drop_film(film)
+  if core.exit_code(why) ~= 9 then error(why, 0) end
+  local place = core.where()
+  if why:sub(1, #place) == place then why = why:sub(#place + 1) end
+  core.raise(9, ("%sframe %d: %s; %d frames are complete%s"):format(place, k, why, k,
+    core.options.mode == "run" and "; once it can be written, go on with --resume" or ""))
+end
+
+-- core.put_frame(film, k, view, options of the frame, texts, time): frame k under its name and in the manifest
+function core.put_frame(film, k, view, o, texts, time)
+  if core.options.dry then return end
+  local name = core.frame_path(film.pattern, k)
+  local path = core.out_path(name)
+  local world, scene = film.world:checksum(), core.hash(core.json(o))
+  if core.options.resume then
+    local kept, foreign = is_kept(film, k, path, world, scene)
+    if kept then
+      film.kept = film.kept + (foreign and 0 or 1)
+      return
+    end
+  end
+  local ok, why = pcall(function()
+    local size, sum = core.picture(view, o, path, texts)
+    core.frames_add(film.list, k, name:sub(#film.folder + 1), size, sum, film.world.steps, time, world, scene)
+  end)
+  if not ok then give_up(film, k, why) end
+  film.drawn = film.drawn + 1
+end
+
+-- No frame comes any more; whole: the film came to its end.
+function core.end_frames(film, whole)
+  if not film.list then return end
+  local list = film.list
+  film.list = nil
+  if core.options.resume and not core.options.quiet then
+    core.tell(("digbox: %s: %d frames were there, %d were drawn\n"):format(film.manifest, film.kept, film.drawn))
+  end
+  core.frames_close(list, whole and film.frames or nil)
+end
+
+return true
