@@ -303,6 +303,7 @@ bool group_touch_missed(Group *g, real time);
 
 /* joint_rows.c */
 void group_build_joints(Group *g, bool midpoint);
+void group_turn_joints(Group *g);                       /* for the velocities at the end, as their bodies will have turned half-way */
 void group_clean_joints(Group *g);
 void joint_row_warm(Group *g, JointRow *r);
 

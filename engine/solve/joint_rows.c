@@ -207,14 +207,9 @@ static void shift_half(Group *g, const Pos *back)
     }
 }
 
-/* Rows at the present positions; or, for the midpoint rule, their directions at the middle of the substep and their errors
- * at its start. */
-void group_build_joints(Group *g, bool midpoint)
+/* Directions at the middle of the substep, errors at its start, for the mean velocity or for that at the end. */
+static void build_middle(Group *g, bool mean)
 {
-    g->midpoint = false;
-    build_all(g, NULL);
-    if (!midpoint || g->joint_count == 0 || any_stiff(g))
-        return;
     ArenaMark mark = arena_mark(g->arena);
     real *errors = arena_zero(g->arena, (size_t)(g->joint_count * JOINT_SLOTS) * sizeof *errors);
     Pos *back = arena_alloc(g->arena, (size_t)g->body_count * sizeof *back);
@@ -224,11 +219,28 @@ void group_build_joints(Group *g, bool midpoint)
     }
     memcpy(back, g->pos, (size_t)g->body_count * sizeof *back);
     read_errors(g, errors);
-    g->midpoint = true;
+    g->midpoint = mean;
     shift_half(g, NULL);
     build_all(g, errors);
     shift_half(g, back);
     arena_rewind(g->arena, mark);
+}
+
+/* Rows at the present positions; or, for the midpoint rule, their directions at the middle of the substep and their errors
+ * at its start. */
+void group_build_joints(Group *g, bool midpoint)
+{
+    g->midpoint = false;
+    build_all(g, NULL);
+    if (midpoint && g->joint_count > 0 && !any_stiff(g))
+        build_middle(g, true);
+}
+
+void group_turn_joints(Group *g)
+{
+    g->midpoint = false;
+    build_all(g, NULL);
+    build_middle(g, false);
 }
 
 /* Velocities that break a joint (a hit, a new joint) would be mirrored for ever by the midpoint rule: they are put right first. */

@@ -206,6 +206,9 @@ static real book_dir(Group *g, const Dir *d, int a, int b, real p)
     return lost;
 }
 
+/* m/s: what a point approaches with, faster than by what pushes it in a substep, and loses in it, is a blow. */
+static real blow_speed(const Group *g) { return g->close_speed + 2 * g->fall * g->h; }
+
 static void book_point(Group *g, PointRow *r)
 {
     GroupContact *c = &g->contacts[r->contact];
@@ -226,7 +229,7 @@ static void book_point(Group *g, PointRow *r)
     c->point_weight += r->jn;
     c->sliding = r->slides;
     /* where impacts are not located, a fast approach that ends in this substep is one */
-    if (!g->locate && r->jn > 0 && -r->rate_before > g->close_speed + 2 * g->fall * g->h) {
+    if (!g->locate && r->jn > 0 && -r->rate_before > blow_speed(g)) {
         g->member[r->a].collided = g->member[r->b].collided = true;
         strike_report(g, r, -r->rate_before);
     }
@@ -428,6 +431,18 @@ static void heal(Group *g)
     }
 }
 
+/* Does something close in this substep that was open? Then bodies will not turn on as they did. */
+static bool blow_comes(const Group *g)
+{
+    for (int i = 0; i < g->point_count; i++) {
+        const PointRow *r = &g->points[i];
+        real gap = g->contacts[r->contact].manifold.points[r->point].gap;
+        if (-r->rate_before > blow_speed(g) && gap + g->h * r->rate_before < 0)
+            return true;
+    }
+    return false;
+}
+
 static dig_status solve_substep(Group *g)
 {
     DIG_TRY(group_forces(g));
@@ -436,6 +451,8 @@ static dig_status solve_substep(Group *g)
     DIG_TRY(g->stage(g, STAGE_ROWS));
     if (g->midpoint && (any_euler(g) || g->joints_direct))
         group_build_joints(g, false);       /* who moves with the new velocity needs rows for it, not for the mean */
+    if (g->joints_direct && group_elastic(g) && !blow_comes(g))
+        group_turn_joints(g);               /* a turn straight on from where they are would stretch what bends */
     if (g->joints_direct && g->heals)
         heal(g);
     else

@@ -90,6 +90,28 @@ static void halt_slow(Tracer *t)
     }
 }
 
+#define NEAR_BOUND 1e-7         /* of the bound */
+
+/* Where one point of a patch yields, those that are as near to their bound yield with it: one at a time, each would find the
+ * other sticking, and at its bound, for ever. */
+static void yield_near(Tracer *t, const Cone *first)
+{
+    int contact = -1;
+    for (int i = 0; i < t->touch_count && contact < 0; i++)
+        if (&t->touch[i].slip == first)
+            contact = t->touch[i].contact;
+    for (int i = 0; i < t->touch_count; i++) {
+        Cone *c = &t->touch[i].slip;
+        real bound = c->still * t->touch[i].gate.force;
+        if (t->touch[i].contact != contact || c == first || !c->axes || c->grip != GRIP_STICK || !t->touch[i].gate.presses)
+            continue;
+        if (bound > 0 && vec3_length(c->force) >= bound * (1 - NEAR_BOUND)) {
+            c->grip = GRIP_BRINK;
+            c->d = vec3_unit_or(vec3_neg(c->force), c->d);
+        }
+    }
+}
+
 /* The event that brought us here forces its transition: at its exact root both kinds pass every tolerant test. */
 static void apply_hint(Tracer *t)
 {
@@ -101,6 +123,7 @@ static void apply_hint(Tracer *t)
         if (e->cone) {
             e->cone->grip = GRIP_BRINK;
             e->cone->d = vec3_unit_or(vec3_neg(e->cone->force), e->cone->d);
+            yield_near(t, e->cone);
         } else {
             e->hold->side = e->hold->force > 0 ? 1 : -1;
         }
