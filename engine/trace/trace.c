@@ -82,7 +82,8 @@ static bool put_right(Tracer *t, bool start, bool *moved)
         real kinetic = start ? group_kinetic(t->g) : 0;
         if (!trace_project(t, false))
             return false;
-        if (start) {
+        if (start && (!t->conserves || off > t->tolerance)) {
+            t->conserves = false;
             t->g->work_in += t->given;
             t->g->lost += kinetic + t->given - group_kinetic(t->g);
         }
@@ -100,6 +101,7 @@ static void mark_start(Tracer *t)
 {
     for (int i = 0; i < t->touch_count; i++) {
         Touching *c = &t->touch[i];
+        t->conserves = t->conserves && !c->gate.presses;
         c->gate.gap0 = c->gate.gap;
         c->gate.rate0 = c->gate.rate;
         c->gate.acc0 = c->gate.acc;
@@ -108,6 +110,7 @@ static void mark_start(Tracer *t)
     }
     for (int i = 0; i < t->stop_count; i++) {
         Gate *g = &t->stops[i].gate;
+        t->conserves = t->conserves && !g->presses;
         g->gap0 = g->gap;
         g->rate0 = g->rate;
         g->acc0 = g->acc;
@@ -404,6 +407,7 @@ static bool run(Tracer *t)
     list_drives(t);
     trace_drives(t);
     trace_bonds(t);
+    trace_mark_energy(t);
     if (trace_too_stiff(t)) {
         t->fault = "springs too stiff for its steps";
         return false;
@@ -446,6 +450,7 @@ static dig_status advance(Group *g, real dt)
             trace_kinematics(t);
         }
         trace_refine(t, t->y);
+        trace_hold_energy(t);
         trace_finish(t);
         g->trace_step = t->h_next;
         g->h = dt;
