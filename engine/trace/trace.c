@@ -3,6 +3,8 @@
 
 #define CHATTER       40        /* events within CHATTER_TIME of the frame                   */
 #define CHATTER_TIME  1e-10
+#define GRAZES        8         /* of them after which a friction that lets go and holds again... */
+#define GRAZE         1e-6      /* ...holds this part of its bound more                       */
 #define SMALL         4         /* bodies, joints and pairs                                   */
 #define STEP_LEAST    1e-10     /* of the frame: a step this short without an event is none  */
 #define SHORTER_MOST  1e-4      /* of the frame: a step longer than this may fail once more   */
@@ -200,7 +202,9 @@ static bool hold_slow_slips(Tracer *t, real h)
     return true;
 }
 
-static bool count_event(Tracer *t)
+/* A force that grazes the bound of its friction and turns while it does may neither stick nor slip in one direction: from one instant
+ * to the next it would do both in turn. After a few such it holds a little more. */
+static bool count_event(Tracer *t, const Event *e)
 {
     Group *g = t->g;
     g->events++;
@@ -208,6 +212,8 @@ static bool count_event(Tracer *t)
         t->near_events = 0;
     t->near_events++;
     t->event_time = t->t;
+    if (t->near_events > GRAZES && e->cone && e->kind != EVENT_YIELD)
+        e->cone->holds = GRAZE;
     if (t->near_events > CHATTER || g->events > 4 * g->plan->events)
         t->fault = "events that do not end";
     return !t->fault;
@@ -366,7 +372,7 @@ static bool one_step(Tracer *t)
         t->probe_wait = int_max(0, t->probe_wait - 1);
         return t->dirty || t->t >= t->end ? true : tidy(t);
     }
-    if (!trace_stop_at(t, &e) || !accept_step(t, &e) || !count_event(t))
+    if (!trace_stop_at(t, &e) || !accept_step(t, &e) || !count_event(t, &e))
         return false;
     if (e.kind == EVENT_BREAK)
         trace_part(t, &e);

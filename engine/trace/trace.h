@@ -62,6 +62,7 @@ typedef struct Gate {           /* one-sided: a contact's normal or a joint's st
 typedef struct Cone {           /* friction (2 directions) or rolling resistance (3) of a contact */
     int  axes;                  /* 0 = none                                               */
     real still, moving;         /* bound over the normal force                            */
+    real holds;                 /* of the bound: so much more it holds while it sticks; 0 but where it would begin and end to slip at once */
     Grip grip;
     bool locked;                /* slips so slowly that the direction is held             */
     vec3 d, from;               /* unit, of the slip; at the start of the step            */
@@ -71,6 +72,8 @@ typedef struct Cone {           /* friction (2 directions) or rolling resistance
     real lateral;               /* N   of the lock                                        */
 } Cone;
 
+/* N  up to which it sticks, where it does */
+static inline real cone_hold(const Cone *c, real normal) { return c->still * normal * (1 + c->holds); }
 static inline real cone_bound(const Cone *c) { return c->grip == GRIP_BRINK ? c->still : c->moving; }
 
 typedef struct Touching {       /* a contact point */
