@@ -48,6 +48,7 @@ void trace_part(Tracer *t, const Event *e)
     t->g->lost += group_spring_energy(j);           /* a spring that breaks swings out by itself */
     j->broken = true;
     j->broke = t->t;
+    t->conserves = false;
     j->view.type = &parted;
     memset(&t->joint_force[joint * JOINT_SLOTS], 0, JOINT_SLOTS * sizeof *t->joint_force);
     memset(j->force, 0, sizeof j->force);

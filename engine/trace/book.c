@@ -104,6 +104,9 @@ static void lay_out(Tracer *t, Block *b)
     TAKE(t, spin0, n);
     TAKE(t, alpha0, n);
     TAKE(t, mover_start, g->body_count);
+    TAKE(t, root, n + 1);
+    TAKE(t, held, n + 1);
+    TAKE(t, gain, n);
     TAKE(t, y, n);
     TAKE(t, y1, n);
     TAKE(t, y2, n);

@@ -8,6 +8,7 @@
 #include "trace/trace.h"
 
 #define BELOW       1e-9        /* of the scale: force and acceleration tests, as in kinds.c    */
+#define SUDDEN      1e-6        /* of the frame: what begins to slip and stops within less did not slip */
 #define PASSES      60
 #define CORRECTIONS 6
 static const real samples[] = {0.25, 0.5, 0.75, 1};
@@ -18,7 +19,7 @@ static real value_of(const Tracer *t, const Event *e)
     case EVENT_CLOSE: return e->gate->gap;
     case EVENT_OPEN: return e->gate->force;
     case EVENT_PRESS: return e->gate->acc;
-    case EVENT_YIELD: return e->hold ? e->hold->most - fabs(e->hold->force) : e->cone->still * e->normal->force - vec3_length(e->cone->force);
+    case EVENT_YIELD: return e->hold ? e->hold->most - fabs(e->hold->force) : cone_hold(e->cone, e->normal->force) - vec3_length(e->cone->force);
     case EVENT_HALT: return e->hold ? e->hold->side * (e->hold->target - e->hold->rate) : vec3_dot(e->cone->u, e->cone->from);
     case EVENT_GRIP: return vec3_dot(e->cone->acc, e->cone->d);
     case EVENT_BREAK: return e->bond->strength - trace_load_on(t, e->bond->joint);
@@ -196,13 +197,31 @@ static void finish_halt(Tracer *t, Event *e)
         *e = (Event){.kind = EVENT_SHORTER, .at = 0};
 }
 
+/* A slip that begins in this step may end in it, too: its speed is none at the start, and its end is not there. Returns its speed at
+ * a sample before the first turn, or sets the step to be shorter. */
+static real leave_rest(Tracer *t, Event *e, real *from)
+{
+    for (int s = 2; s >= 0; s--) {
+        real speed = value_at(t, e, samples[s]);
+        if (speed > 0) {
+            *from = samples[s];
+            return speed;
+        }
+    }
+    if (t->h > SUDDEN * t->end)
+        e->kind = EVENT_SHORTER;
+    return 0;
+}
+
 static void scan_forces(Tracer *t, Event *first)
 {
     Violated v[3 * WATCHED];        /* a contact point has a gate and two cones */
     int n = list_violated(t, v);
     for (int i = 0; i < n; i++) {
-        real start = value_at(t, &v[i].e, 0);
-        v[i].e.at = start > 0 ? root_of(t, &v[i].e, 0, start, 1, v[i].end) : 0;
+        real from = 0, start = value_at(t, &v[i].e, 0);
+        if (!(start > 0) && v[i].e.kind == EVENT_HALT && v[i].e.cone)
+            start = leave_rest(t, &v[i].e, &from);
+        v[i].e.at = start > 0 ? root_of(t, &v[i].e, from, start, 1, v[i].end) : 0;
         finish_halt(t, &v[i].e);
         earlier(first, &v[i].e);
     }

@@ -21,9 +21,12 @@ static real acceleration_scale(const Tracer *t)
     return most;
 }
 
+/* What pressed up to here and is off by no more than a step's error still does; it is put right as soon as all kinds are known. */
 static void close_gate(const Tracer *t, Gate *g, real unit)
 {
-    g->closed = g->gap * unit <= t->gap_zero && g->gap * unit >= -t->gap_deep && fabs(g->rate) * unit <= t->speed_zero;
+    real gap = g->presses ? real_max(t->gap_zero, t->tolerance) : t->gap_zero;
+    real rate = g->presses ? real_max(t->speed_zero, t->tolerance * t->pace) : t->speed_zero;
+    g->closed = g->gap * unit <= gap && g->gap * unit >= -t->gap_deep && fabs(g->rate) * unit <= rate;
     g->presses = g->closed;
     if (!g->closed)
         g->force = 0;
@@ -196,7 +199,7 @@ static bool change_weights(Tracer *t)
 
 static bool leaves_cone(const Cone *c, real normal, real force_zero)
 {
-    return c->axes && c->grip == GRIP_STICK && vec3_length(c->force) > c->still * normal * (1 + 1e-11) + force_zero;
+    return c->axes && c->grip == GRIP_STICK && vec3_length(c->force) > cone_hold(c, normal) * (1 + 1e-11) + force_zero;
 }
 
 /* The normal force of all points of the contact's pair: a patch moves as one. */

@@ -3,6 +3,8 @@
 
 #define CHATTER       40        /* events within CHATTER_TIME of the frame                   */
 #define CHATTER_TIME  1e-10
+#define GRAZES        8         /* of them after which a friction that lets go and holds again... */
+#define GRAZE         1e-6      /* ...holds this part of its bound more                       */
 #define SMALL         4         /* bodies, joints and pairs                                   */
 #define STEP_LEAST    1e-10     /* of the frame: a step this short without an event is none  */
 #define SHORTER_MOST  1e-4      /* of the frame: a step longer than this may fail once more   */
@@ -82,7 +84,8 @@ static bool put_right(Tracer *t, bool start, bool *moved)
         real kinetic = start ? group_kinetic(t->g) : 0;
         if (!trace_project(t, false))
             return false;
-        if (start) {
+        if (start && (!t->conserves || off > t->tolerance)) {
+            t->conserves = false;
             t->g->work_in += t->given;
             t->g->lost += kinetic + t->given - group_kinetic(t->g);
         }
@@ -100,6 +103,7 @@ static void mark_start(Tracer *t)
 {
     for (int i = 0; i < t->touch_count; i++) {
         Touching *c = &t->touch[i];
+        t->conserves = t->conserves && !c->gate.presses;
         c->gate.gap0 = c->gate.gap;
         c->gate.rate0 = c->gate.rate;
         c->gate.acc0 = c->gate.acc;
@@ -108,6 +112,7 @@ static void mark_start(Tracer *t)
     }
     for (int i = 0; i < t->stop_count; i++) {
         Gate *g = &t->stops[i].gate;
+        t->conserves = t->conserves && !g->presses;
         g->gap0 = g->gap;
         g->rate0 = g->rate;
         g->acc0 = g->acc;
@@ -197,7 +202,9 @@ static bool hold_slow_slips(Tracer *t, real h)
     return true;
 }
 
-static bool count_event(Tracer *t)
+/* A force that grazes the bound of its friction and turns while it does may neither stick nor slip in one direction: from one instant
+ * to the next it would do both in turn. After a few such it holds a little more. */
+static bool count_event(Tracer *t, const Event *e)
 {
     Group *g = t->g;
     g->events++;
@@ -205,6 +212,8 @@ static bool count_event(Tracer *t)
         t->near_events = 0;
     t->near_events++;
     t->event_time = t->t;
+    if (t->near_events > GRAZES && e->cone && e->kind != EVENT_YIELD)
+        e->cone->holds = GRAZE;
     if (t->near_events > CHATTER || g->events > 4 * g->plan->events)
         t->fault = "events that do not end";
     return !t->fault;
@@ -363,7 +372,7 @@ static bool one_step(Tracer *t)
         t->probe_wait = int_max(0, t->probe_wait - 1);
         return t->dirty || t->t >= t->end ? true : tidy(t);
     }
-    if (!trace_stop_at(t, &e) || !accept_step(t, &e) || !count_event(t))
+    if (!trace_stop_at(t, &e) || !accept_step(t, &e) || !count_event(t, &e))
         return false;
     if (e.kind == EVENT_BREAK)
         trace_part(t, &e);
@@ -404,6 +413,7 @@ static bool run(Tracer *t)
     list_drives(t);
     trace_drives(t);
     trace_bonds(t);
+    trace_mark_energy(t);
     if (trace_too_stiff(t)) {
         t->fault = "springs too stiff for its steps";
         return false;
@@ -446,6 +456,7 @@ static dig_status advance(Group *g, real dt)
             trace_kinematics(t);
         }
         trace_refine(t, t->y);
+        trace_hold_energy(t);
         trace_finish(t);
         g->trace_step = t->h_next;
         g->h = dt;

@@ -62,6 +62,7 @@ typedef struct Gate {           /* one-sided: a contact's normal or a joint's st
 typedef struct Cone {           /* friction (2 directions) or rolling resistance (3) of a contact */
     int  axes;                  /* 0 = none                                               */
     real still, moving;         /* bound over the normal force                            */
+    real holds;                 /* of the bound: so much more it holds while it sticks; 0 but where it would begin and end to slip at once */
     Grip grip;
     bool locked;                /* slips so slowly that the direction is held             */
     vec3 d, from;               /* unit, of the slip; at the start of the step            */
@@ -71,6 +72,8 @@ typedef struct Cone {           /* friction (2 directions) or rolling resistance
     real lateral;               /* N   of the lock                                        */
 } Cone;
 
+/* N  up to which it sticks, where it does */
+static inline real cone_hold(const Cone *c, real normal) { return c->still * normal * (1 + c->holds); }
 static inline real cone_bound(const Cone *c) { return c->grip == GRIP_BRINK ? c->still : c->moving; }
 
 typedef struct Touching {       /* a contact point */
@@ -189,6 +192,9 @@ typedef struct Tracer {
     const char *fault;          /* why it cannot go on                     */
     real     given;             /* J  by movers and motors in the last projection of velocities */
     int    near_events; real event_time;
+    bool   conserves;           /* nothing in this frame took or gave energy so far: it is held, see energy.c */
+    int   *root; bool *held;    /* mechanisms: [moving_count + 1] lowest body; does it hang on something? */
+    real  *gain;                /* J   of each, by its lowest body             */
 } Tracer;
 
 /* How many forces and powers are integrated: 4 a contact point, 6 a joint, 1 a push, and three sums. */
@@ -250,6 +256,9 @@ bool trace_bounce(Tracer *t);                   /* after a blow: what follows in
 bool trace_touch(Tracer *t, bool first);        /* contacts of the present state; sets dirty when what touches has changed */
 bool trace_items(Tracer *t);                    /* joints and contacts in the order of the rows */
 bool trace_missed(const Tracer *t);             /* is something deep in something that was not watched? */
+/* energy.c */
+void trace_mark_energy(Tracer *t);
+void trace_hold_energy(Tracer *t);
 /* book.c */
 dig_status trace_reserve(Tracer *t);
 void trace_remember(Tracer *t);                 /* into the points' memories */

@@ -1,0 +1,200 @@
+/* trace/energy.c - mechanisms that nothing drives or brakes keep their energy to rounding, frame after frame.
+ *
+ * The pair's local error is far below the tolerance, but it has a sign: over a million frames a pendulum's energy would drift. At
+ * the end of a frame in which only hard joints, undamped springs and an even field acted, the velocities are scaled so that the
+ * energy is that at its start (Hairer, Lubich & Wanner, Geometric Numerical Integration, IV.4: projection on an invariant). A
+ * scaled velocity obeys every joint that the velocity obeyed. Mechanisms that hang on nothing are scaled in their motion relative
+ * to the rigid one with the same momentum and angular momentum, so that these stay, too. What one step's local error may be, the
+ * change may be, and no more: what asks for more is no error of the integration.
+ */
+#include "trace/trace.h"
+
+#define NOISE 1e-14             /* of the energies in the sum: less may be rounding...  */
+#define BRISK 1e-6              /* ...which disturbs only what has less kinetic energy  */
+#define GENTLE 0.1              /* of the kinetic energy: more is not made good        */
+
+static int root_of(const int *root, int i)
+{
+    while (root[i] != i)
+        i = root[i];
+    return i;
+}
+
+/* Mechanisms, by their lowest body; moving_count stands for all that does not move. */
+static void find_mechanisms(Tracer *t)
+{
+    const Group *g = t->g;
+    int n = g->moving_count;
+    for (int i = 0; i <= n; i++) {
+        t->root[i] = i;
+        t->held[i] = false;
+    }
+    for (int j = 0; j < g->joint_count; j++)
+        for (int k = 0; k < t->row_count[j]; k++) {
+            const Row *r = &t->rows[j * JOINT_SLOTS + k];
+            int first = -1;
+            for (int m = 0; m < r->count; m++) {
+                if (!trace_moves(t, r->body[m]))
+                    continue;
+                int root = root_of(t->root, r->body[m]);
+                if (first >= 0 && root != first) {
+                    t->root[int_max(root, first)] = int_min(root, first);
+                    root = int_min(root, first);
+                }
+                first = root;
+            }
+        }
+    for (int i = 0; i < n; i++)
+        t->root[i] = root_of(t->root, i);
+    for (int j = 0; j < g->joint_count; j++) {
+        int a = g->joints[j].a, b = g->joints[j].b;
+        if (trace_moves(t, a) && !trace_moves(t, b))
+            t->held[t->root[a]] = true;
+        if (trace_moves(t, b) && !trace_moves(t, a))
+            t->held[t->root[b]] = true;
+    }
+}
+
+/* Is all that acts a hard joint, an undamped spring of known energy, or the same force wherever bodies go? */
+static bool conserves(const Tracer *t)
+{
+    const Group *g = t->g;
+    if (g->joint_count == 0 || !t->even || g->own || g->stores || g->drags || g->rules || g->planar || t->hold_count > 0)
+        return false;
+    for (int i = g->moving_count; i < g->body_count; i++)
+        if (g->member[i].kinematic && (vec3_length2(g->vel[i].v) > 0 || vec3_length2(g->vel[i].w) > 0))
+            return false;
+    for (int i = 0; i < g->moving_count; i++)
+        if (g->member[i].moves && vec3_length2(t->twist[i]) > 0)
+            return false;
+    for (int j = 0; j < g->joint_count; j++)
+        for (int k = 0; k < t->row_count[j]; k++) {
+            const Row *r = &t->rows[j * JOINT_SLOTS + k];
+            if (r->kind == ROW_SOFT && (r->damping != 0 || !g->joints[j].view.type->energy))
+                return false;
+        }
+    return true;
+}
+
+/* Energy in springs, by mechanism. */
+static void add_springs(const Tracer *t, real sign, real *sum)
+{
+    const Group *g = t->g;
+    for (int j = 0; j < g->joint_count; j++) {
+        const GroupJoint *joint = &g->joints[j];
+        int body = trace_moves(t, joint->a) ? joint->a : joint->b;
+        if (joint->view.type->energy && trace_moves(t, body))
+            sum[t->root[body]] += sign * group_spring_energy(joint);
+    }
+}
+
+/* At the start of the frame, once its joints were viewed and the forces are known. */
+void trace_mark_energy(Tracer *t)
+{
+    t->conserves = conserves(t);
+    if (!t->conserves)
+        return;
+    find_mechanisms(t);
+    memset(t->gain, 0, (size_t)t->g->moving_count * sizeof *t->gain);
+    add_springs(t, -1, t->gain);
+}
+
+static real kinetic_of(const Member *m, quat q, vec3 v, vec3 w)
+{
+    vec3 l = quat_unrotate(q, w);
+    return 0.5 * m->mass * vec3_length2(v) + 0.5 * vec3_dot(l, mat3_mul_vec(m->inertia, l));
+}
+
+typedef struct Mechanism { real gain, scale, kinetic; vec3 at, v, w; } Mechanism;     /* at, v, w: of the rigid motion */
+
+/* What body i gained since the start of the frame. */
+static void add_gain(const Tracer *t, int i, Mechanism *sum)
+{
+    const Group *g = t->g;
+    const Member *m = &g->member[i];
+    const Body *b = &g->world->bodies.data[m->slot];    /* as it was before the step */
+    real before = kinetic_of(m, b->q, b->v, b->w), after = kinetic_of(m, g->pos[i].q, g->vel[i].v, g->vel[i].w);
+    sum->gain += after - before - m->mass * vec3_dot(t->pull[i], vec3_sub(g->pos[i].x, b->x));
+    sum->scale += after + m->mass * vec3_length(t->pull[i]) * vec3_length(b->x);
+}
+
+/* The rigid motion with the momentum and angular momentum of a mechanism. */
+static void find_rigid(const Tracer *t, int root, Mechanism *out)
+{
+    const Group *g = t->g;
+    real mass = 0;
+    vec3 l = vec3_zero();
+    mat3 inertia = mat3_zero();
+    for (int i = root; i < g->moving_count; i++) {
+        if (t->root[i] != root)
+            continue;
+        mass += g->member[i].mass;
+        out->at = vec3_mad(out->at, g->member[i].mass, g->pos[i].x);
+        out->v = vec3_mad(out->v, g->member[i].mass, g->vel[i].v);
+    }
+    out->at = vec3_scale(1 / mass, out->at);
+    out->v = vec3_scale(1 / mass, out->v);
+    for (int i = root; i < g->moving_count; i++) {
+        if (t->root[i] != root)
+            continue;
+        const Member *m = &g->member[i];
+        vec3 r = vec3_sub(g->pos[i].x, out->at), w = quat_unrotate(g->pos[i].q, g->vel[i].w);
+        mat3 turn = quat_matrix(g->pos[i].q), skew = mat3_skew(r);
+        l = vec3_add(l, vec3_mad(quat_rotate(g->pos[i].q, mat3_mul_vec(m->inertia, w)), m->mass, vec3_cross(r, g->vel[i].v)));
+        inertia = mat3_add(inertia, mat3_mul(turn, mat3_mul(m->inertia, mat3_transpose(turn))));
+        inertia = mat3_sub(inertia, mat3_scale(m->mass, mat3_mul(skew, skew)));
+    }
+    out->w = mat3_mul_vec(mat3_inverse(inertia), l);
+}
+
+static Vel relative(const Tracer *t, int i, const Mechanism *m)
+{
+    const Vel *v = &t->g->vel[i];
+    vec3 arm = vec3_sub(t->g->pos[i].x, m->at);
+    return (Vel){vec3_sub(v->v, vec3_add(m->v, vec3_cross(m->w, arm))), vec3_sub(v->w, m->w)};
+}
+
+static void hold_mechanism(Tracer *t, int root)
+{
+    Group *g = t->g;
+    Mechanism m = {.gain = t->gain[root]};
+    real allowed = 0;           /* J  what a local error of the tolerance does */
+    for (int i = root; i < g->moving_count; i++)
+        if (t->root[i] == root)
+            add_gain(t, i, &m);
+    if (!t->held[root])
+        find_rigid(t, root, &m);
+    for (int i = root; i < g->moving_count; i++) {
+        if (t->root[i] != root)
+            continue;
+        Vel own = relative(t, i, &m);
+        m.kinetic += kinetic_of(&g->member[i], g->pos[i].q, own.v, own.w);
+        real speed = vec3_length(own.v) + g->member[i].outer * vec3_length(own.w);
+        allowed += g->member[i].mass * t->tolerance * (vec3_length(t->pull[i]) + t->pace * speed);
+    }
+    bool known = m.kinetic > BRISK * m.scale || fabs(m.gain) > NOISE * m.scale;
+    if (!known || !(fabs(m.gain) <= real_min(allowed, GENTLE * m.kinetic)))
+        return;
+    real change = sqrt(1 - m.gain / m.kinetic) - 1;
+    for (int i = root; i < g->moving_count; i++) {
+        if (t->root[i] != root)
+            continue;
+        Vel own = relative(t, i, &m);
+        g->vel[i].v = vec3_mad(g->vel[i].v, change, own.v);
+        g->vel[i].w = vec3_mad(g->vel[i].w, change, own.w);
+    }
+}
+
+/* At the end of the frame. Whatever else gave or took energy in it is in the books. */
+void trace_hold_energy(Tracer *t)
+{
+    Group *g = t->g;
+    if (!t->conserves || g->located > 0)
+        return;
+    for (int i = 0; i < g->joint_count; i++)
+        group_joint_view(g, i);
+    add_springs(t, 1, t->gain);
+    for (int i = 0; i < g->moving_count; i++)
+        if (g->member[i].moves && t->root[i] == i)
+            hold_mechanism(t, i);
+}
