@@ -118,7 +118,7 @@ static void add_pair(const World *w, const Touch *t, const Pair *p, Bearing *sum
         real share = vec3_length(contact->force) + 1e-30;
         sum->point = vec3_mad(sum->point, share, contact->point);
         sum->weight += share;
-        link->normal = vec3_scale(sign, contact->manifold.normal);
+        link->normal = vec3_scale(sign, contact->normal);
     }
 }
 

@@ -174,6 +174,15 @@ static void book_energy(Crowd *c)
 
 typedef struct Book { Crowd *c; real *deepest; } Book;      /* m  of each thread */
 
+static void fetch_batches(const Crowd *c, int i)
+{
+    const Batch *next = &c->batch[int_min(i + 1, c->batches - 1)], *after = &c->batch[int_min(i + 2, c->batches - 1)];
+    for (int k = 0; k < LANES && after->contact[k] >= 0; k++)
+        fetch_head(c->g, after->contact[k]);
+    for (int k = 0; k < LANES && next->contact[k] >= 0; k++)
+        fetch_body(c->g, next->contact[k]);
+}
+
 static void book_share(void *context, int thread, int threads)
 {
     const Book *b = context;
@@ -183,9 +192,11 @@ static void book_share(void *context, int thread, int threads)
     for (int i = first; i < end; i++)
         forget(&g->contacts[i]);
     team_meet(c->team);
-    for (int i = team_first(c->batches, thread, threads); i < team_end(c->batches, thread, threads); i++)
+    for (int i = team_first(c->batches, thread, threads), last = team_end(c->batches, thread, threads); i < last; i++) {
+        fetch_batches(c, i);
         for (int k = 0; k < LANES && c->batch[i].contact[k] >= 0; k++)
             book_lane(c, &c->batch[i], k);
+    }
 }
 
 static void carry_share(void *context, int thread, int threads)
