@@ -139,7 +139,7 @@ static void fill_contact(const World *w, const Touch *t, dig_link *link)
             }
     }
     link->effort = sum.force;
-    link->point = sum.weight > 0 ? vec3_scale(1 / sum.weight, sum.point) : t->point;
+    link->point = sum.weight > 0 ? vec3_scale(1 / sum.weight, sum.point) : vec3_zero();
 }
 
 static vec3 velocity_at(const World *w, uint32_t body, vec3 at)

@@ -136,9 +136,10 @@ static void pack_touch(Pack *p, const World *w, Touch *t)
     pack_bool(p, &t->brief);
     pack_bool(p, &t->bounced);
     pack_real_in(p, &t->began, -SAVE_LONG, SAVE_LONG, "beginning of a touch");
-    pack_vec3(p, &t->point, SAVE_FAR, "place of a touch");
-    pack_vec3(p, &t->normal, 2, "normal of a touch");
-    pack_vec3(p, &t->force, SAVE_STRONG, "force of a touch");
+    for (int i = 0; i < 3; i++) {       /* place, normal, force: its contacts have them */
+        vec3 none = vec3_zero();
+        pack_vec3(p, &none, SAVE_STRONG, "place of a touch");
+    }
     pack_real_in(p, &t->speed, -SAVE_FAST, SAVE_FAST, "speed of a touch");
     pack_real_in(p, &t->impulse, -SAVE_STRONG, SAVE_STRONG, "impulse of a touch");
 }

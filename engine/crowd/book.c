@@ -68,6 +68,16 @@ static void note_batch(Crowd *c, const Batch *b)
     }
 }
 
+/* Room for a strike of each contact that may have one. */
+static dig_status reserve_strikes(Crowd *c)
+{
+    Group *g = c->g;
+    for (int i = 0; i < c->batches; i++)
+        g->strike_capacity += c->batch[i].noted ? LANES : 0;
+    g->strikes = arena_alloc(g->arena, (size_t)(g->strike_capacity + 1) * sizeof *g->strikes);
+    return g->strikes ? DIG_OK : DIG_E_MEMORY;
+}
+
 /* Friction at the middle becomes forces at the points. */
 static void book_friction(GroupContact *t, const Batch *b, int lane, real h, real load)
 {
@@ -268,6 +278,7 @@ dig_status book_close(Crowd *c)
     if (!b.deepest)
         return DIG_E_MEMORY;
     team_run(c->team, book_share, &b);
+    DIG_TRY(reserve_strikes(c));
     for (int i = 0; i < c->batches; i++)
         if (c->batch[i].noted)
             note_batch(c, &c->batch[i]);

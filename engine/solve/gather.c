@@ -414,7 +414,7 @@ static dig_status gather_joints(Group *g, int joints)
         }
         if (pass == 0) {
             count = n;
-            g->joints = arena_zero(g->arena, (size_t)(count + 1) * sizeof *g->joints);
+            g->joints = arena_alloc(g->arena, (size_t)(count + 1) * sizeof *g->joints);
             if (!g->joints)
                 return DIG_E_MEMORY;
         }

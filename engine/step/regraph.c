@@ -45,7 +45,9 @@ dig_status reserve_regraph(World *w, Step *s)
     DIG_TRY(list_reserve(&w->free_touches, w->touches.capacity, &w->allocations));
     DIG_TRY(list_reserve(&w->brief, w->touches.capacity, &w->allocations));
     DIG_TRY(map_reserve(&w->touch_map, w->touches.capacity));
-    DIG_TRY(list_reserve(&w->pending, w->pending.count + 4 * (changed + w->brief.count) + others, &w->allocations));
+    int events = w->pending.count + 4 * (changed + w->brief.count) + others;
+    w->events_most = int_max(w->events_most, events);
+    DIG_TRY(list_reserve(&w->pending, events, &w->allocations));
     return graph_reserve(w->graph, w->bodies.capacity, w->touches.capacity + w->joints.capacity);
 }
 

@@ -43,6 +43,21 @@ static void sort_events(dig_event *e, int count)
         qsort(e, (size_t)count, sizeof *e, compare_events);
 }
 
+#define TRIM_EVERY 64            /* steps */
+
+/* After a step with very many events, their room is given back. */
+static void trim_events(World *w)
+{
+    if (w->steps % TRIM_EVERY != 0)
+        return;
+    int enough = 64 + 2 * w->events_most;
+    if (w->events.capacity > 2 * enough)
+        list_trim(&w->events, enough);
+    if (w->pending.capacity > 2 * enough)
+        list_trim(&w->pending, enough);
+    w->events_most = 0;
+}
+
 /* What was waiting is delivered; the room of the last step's events is for the next ones. */
 static void deliver_events(World *w)
 {
@@ -219,4 +234,5 @@ void report(World *w, const Step *s)
     watch_world(w, s);
     deliver_due(w);
     deliver_events(w);
+    trim_events(w);
 }

@@ -147,7 +147,6 @@ typedef struct Touch {          /* two bodies that touch by at least one pair   
     uint8_t  wall;
     bool     brief, bounced;    /* over: in w->brief; bounced: its link lives one step  */
     real     began;
-    vec3     point, normal, force;
     real     speed, impulse;    /* of the impact that began it                         */
 } Touch;
 
@@ -271,6 +270,7 @@ struct dig_world {
     LIST(MaterialPair) material_pairs;
     LIST(dig_event) events;             /* of the last step                            */
     LIST(dig_event) pending;            /* of calls since then                         */
+    int      events_most;               /* for so many, steps of late have made room   */
 
     Map      pair_map;                  /* (solid, solid, 0) -> pair                   */
     Map      touch_map;                 /* (body, body, wall) -> touch                 */
