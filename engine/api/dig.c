@@ -118,7 +118,7 @@ static void add_pair(const World *w, const Touch *t, const Pair *p, Bearing *sum
         real share = vec3_length(contact->force) + 1e-30;
         sum->point = vec3_mad(sum->point, share, contact->point);
         sum->weight += share;
-        link->normal = vec3_scale(sign, contact->manifold.normal);
+        link->normal = vec3_scale(sign, contact->normal);
     }
 }
 
@@ -139,7 +139,7 @@ static void fill_contact(const World *w, const Touch *t, dig_link *link)
             }
     }
     link->effort = sum.force;
-    link->point = sum.weight > 0 ? vec3_scale(1 / sum.weight, sum.point) : t->point;
+    link->point = sum.weight > 0 ? vec3_scale(1 / sum.weight, sum.point) : vec3_zero();
 }
 
 static vec3 velocity_at(const World *w, uint32_t body, vec3 at)

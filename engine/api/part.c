@@ -237,8 +237,15 @@ static dig_status copy_pairs(const World *w, const Part *p)
     DIG_TRY(list_reserve(&to->near, p->pairs.count, NULL));
     DIG_TRY(map_reserve(&to->pair_map, p->pairs.count));
     for (int i = 0; i < p->contacts.count; i++) {
-        to->contacts.data[i] = w->contacts.data[p->contacts.data[i]];
-        to->contacts.data[i].next = place(&p->contacts, to->contacts.data[i].next);
+        Contact *c = &to->contacts.data[i];
+        *c = w->contacts.data[p->contacts.data[i]];
+        c->next = place(&p->contacts, c->next);
+        uint32_t more = c->more;
+        c->more = NONE;
+        if (more == NONE)
+            continue;
+        DIG_TRY(contact_widen(to, c));
+        to->more.data[c->more] = w->more.data[more];
     }
     for (int i = 0; i < p->pairs.count; i++) {
         Pair *pair = &to->pairs.data[i];

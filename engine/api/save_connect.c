@@ -214,12 +214,13 @@ static bool pair_is_sound(World *w, uint32_t slot)
     if (!may_pair(w, p->solid_a) || !may_pair(w, p->solid_b) || p->solid_a >= p->solid_b)
         return false;
     const Solid *a = &w->solids.data[p->solid_a], *b = &w->solids.data[p->solid_b];
-    bool pieces = a->shape.type->pieces || b->shape.type->pieces, many = p->contact != NONE && w->contacts.data[p->contact].next != NONE;
+    bool many = p->contact != NONE && w->contacts.data[p->contact].next != NONE;
     p->body_a = a->body;
     p->body_b = b->body;
+    pair_sort(w, p);
     p->prev[0] = p->prev[1] = NONE;
     MapKey key = {p->solid_a, p->solid_b, 0};
-    return a->body != b->body && (is_dynamic(w, a->body) || is_dynamic(w, b->body)) && pieces == many && !map_find(&w->pair_map, key, NULL)
+    return a->body != b->body && (is_dynamic(w, a->body) || is_dynamic(w, b->body)) && p->pieces == many && !map_find(&w->pair_map, key, NULL)
         && map_put(&w->pair_map, key, slot) == DIG_OK;
 }
 

@@ -8,8 +8,10 @@ enum { CONTACTS_MAX = 64 };     /* of one pair; pair.c makes fewer */
 
 /* ---- contacts ---- */
 
-static void pack_point(Pack *p, ManifoldPoint *point, PointMemory *memory)
+static void pack_point(Pack *p, ContactPoint *c)
 {
+    ManifoldPoint *point = &c->at;
+    PointMemory *memory = &c->memory;
     pack_vec3(p, &point->a, 2 * SAVE_FAR, "point of a contact");
     pack_vec3(p, &point->b, 2 * SAVE_FAR, "point of a contact");
     pack_real_in(p, &point->gap, -4 * SAVE_FAR, 4 * SAVE_FAR, "gap of a contact");
@@ -20,15 +22,21 @@ static void pack_point(Pack *p, ManifoldPoint *point, PointMemory *memory)
     pack_enum(p, &memory->held, 256, "memory of a contact");
 }
 
-static void pack_contact(Pack *p, Contact *c)
+static void pack_contact(Pack *p, World *w, Contact *c)
 {
-    Manifold *m = &c->manifold;
+    int count = c->count;
     pack_u32(p, &c->piece);
-    pack_vec3(p, &m->normal, 1 + 1e-9, "normal of a contact");
-    pack_enum(p, &m->count, MANIFOLD_POINTS + 1, "number of points of a contact");
-    pack_check(p, m->count == 0 || fabs(vec3_length2(m->normal) - 1) < 1e-9, "the normal of a contact is no unit vector");
-    for (int i = 0; i < m->count; i++)
-        pack_point(p, &m->points[i], &c->memory[i]);
+    pack_vec3(p, &c->normal, 1 + 1e-9, "normal of a contact");
+    pack_enum(p, &count, MANIFOLD_POINTS + 1, "number of points of a contact");
+    pack_check(p, count == 0 || fabs(vec3_length2(c->normal) - 1) < 1e-9, "the normal of a contact is no unit vector");
+    if (p->reading && pack_good(p)) {
+        c->count = (uint8_t)count;
+        c->more = NONE;
+        if (count > 1 && contact_widen(w, c) != DIG_OK)
+            pack_fail_memory(p);
+    }
+    for (int i = 0; i < count && pack_good(p); i++)
+        pack_point(p, contact_point(w, c, i));
     pack_vec3(p, &c->rolling, SAVE_STRONG, "rolling friction of a contact");
     pack_vec3(p, &c->force, SAVE_STRONG, "force of a contact");
     pack_vec3(p, &c->point, SAVE_FAR, "place of a contact");
@@ -56,7 +64,7 @@ static void pack_contacts(Pack *p, World *w, Pair *pair, unsigned char *taken)
             return;
         taken[slot] = 1;
         Contact *c = &w->contacts.data[slot];
-        pack_contact(p, c);
+        pack_contact(p, w, c);
         if (p->reading)
             *link = slot;
         link = &c->next;
@@ -128,9 +136,10 @@ static void pack_touch(Pack *p, const World *w, Touch *t)
     pack_bool(p, &t->brief);
     pack_bool(p, &t->bounced);
     pack_real_in(p, &t->began, -SAVE_LONG, SAVE_LONG, "beginning of a touch");
-    pack_vec3(p, &t->point, SAVE_FAR, "place of a touch");
-    pack_vec3(p, &t->normal, 2, "normal of a touch");
-    pack_vec3(p, &t->force, SAVE_STRONG, "force of a touch");
+    for (int i = 0; i < 3; i++) {       /* place, normal, force: its contacts have them */
+        vec3 none = vec3_zero();
+        pack_vec3(p, &none, SAVE_STRONG, "place of a touch");
+    }
     pack_real_in(p, &t->speed, -SAVE_FAST, SAVE_FAST, "speed of a touch");
     pack_real_in(p, &t->impulse, -SAVE_STRONG, SAVE_STRONG, "impulse of a touch");
 }

@@ -20,6 +20,7 @@ static dig_status copy_tables(World *to, const World *from)
     DIG_TRY(list_copy(&to->bodies, &from->bodies, n));
     DIG_TRY(list_copy(&to->pairs, &from->pairs, n));
     DIG_TRY(list_copy(&to->contacts, &from->contacts, n));
+    DIG_TRY(list_copy(&to->more, &from->more, n));
     DIG_TRY(list_copy(&to->touches, &from->touches, n));
     DIG_TRY(list_copy(&to->joints, &from->joints, n));
     DIG_TRY(list_copy(&to->pushes, &from->pushes, n));
@@ -50,6 +51,7 @@ static dig_status copy_free_lists(World *to, const World *from)
     DIG_TRY(list_reserve(&to->free_solids, from->free_solids.capacity, n));
     DIG_TRY(list_reserve(&to->free_pairs, from->free_pairs.capacity, n));
     DIG_TRY(list_reserve(&to->free_contacts, from->free_contacts.capacity, n));
+    DIG_TRY(list_reserve(&to->free_more, from->free_more.capacity, n));
     DIG_TRY(list_reserve(&to->free_touches, from->free_touches.capacity, n));
     DIG_TRY(list_reserve(&to->free_joints, from->free_joints.capacity, n));
     DIG_TRY(list_reserve(&to->free_regions, from->free_regions.capacity, n));
@@ -57,6 +59,7 @@ static dig_status copy_free_lists(World *to, const World *from)
     DIG_TRY(list_copy(&to->free_solids, &from->free_solids, n));
     DIG_TRY(list_copy(&to->free_pairs, &from->free_pairs, n));
     DIG_TRY(list_copy(&to->free_contacts, &from->free_contacts, n));
+    DIG_TRY(list_copy(&to->free_more, &from->free_more, n));
     DIG_TRY(list_copy(&to->free_touches, &from->free_touches, n));
     DIG_TRY(list_copy(&to->free_joints, &from->free_joints, n));
     return list_copy(&to->free_regions, &from->free_regions, n);

@@ -37,6 +37,20 @@
 #define DIG_PRINTF(text, first)
 #endif
 
+/* Tells the processor of memory that is read soon: in large worlds, records that belong together lie far apart. Changes no result. */
+static inline void fetch_soon(const void *at, size_t bytes)
+{
+#if defined(__GNUC__)
+    for (size_t i = 0; i < bytes; i += 64)
+        __builtin_prefetch((const char *)at + i);
+    __builtin_prefetch((const char *)at + bytes - 1);
+#else
+    (void)at;
+    (void)bytes;
+#endif
+}
+#define FETCH_AHEAD 8           /* turns of a loop */
+
 static inline real real_min(real a, real b) { return a < b ? a : b; }
 static inline real real_max(real a, real b) { return a > b ? a : b; }
 static inline real real_clamp(real x, real lo, real hi) { return x < lo ? lo : x > hi ? hi : x; }

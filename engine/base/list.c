@@ -3,11 +3,13 @@
 
 #include <stdlib.h>
 
+#define LARGE 4096              /* items: above it, room grows by a quarter instead of a half */
+
 dig_status list_reserve_any(void **data, int *capacity, size_t item, int want, uint64_t *allocations)
 {
     if (want <= *capacity)
         return DIG_OK;
-    int grown = *capacity < 16 ? 16 : *capacity + *capacity / 2;
+    int grown = *capacity < 16 ? 16 : *capacity + *capacity / (*capacity < LARGE ? 2 : 4);
     if (grown < want)
         grown = want;
     char *moved = realloc(*data, (size_t)grown * item);
@@ -36,6 +38,16 @@ dig_status list_copy_any(void **to, int *to_count, int *to_capacity, const void 
         memcpy(*to, from, (size_t)count * item);
     *to_count = count;
     return DIG_OK;
+}
+
+void list_trim_any(void **data, int count, int *capacity, size_t item, int keep)
+{
+    keep = keep < count ? count : keep;
+    void *moved = keep > 0 && keep < *capacity ? realloc(*data, (size_t)keep * item) : NULL;
+    if (!moved)
+        return;
+    *data = moved;
+    *capacity = keep;
 }
 
 void list_free_any(void **data, int *count, int *capacity)

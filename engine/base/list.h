@@ -35,6 +35,10 @@ dig_status list_push_any(void **data, int *count, int *capacity, size_t item, ui
 #define list_copy(to, from, allocations) \
     list_copy_any((void **)&(to)->data, &(to)->count, &(to)->capacity, (from)->data, (from)->count, sizeof *(from)->data, (allocations))
 
+/* Gives back room beyond `keep` items, but none that is used; where that fails, nothing changes. */
+void list_trim_any(void **data, int count, int *capacity, size_t item, int keep);
+#define list_trim(list, keep) list_trim_any((void **)&(list)->data, (list)->count, &(list)->capacity, sizeof *(list)->data, (keep))
+
 void list_free_any(void **data, int *count, int *capacity);
 #define list_close(list) list_free_any((void **)&(list)->data, &(list)->count, &(list)->capacity)
 

@@ -224,18 +224,21 @@ static bool any_near(const Group *g, real time)
 }
 
 /* What looking for contacts changes, and the poses; nothing else is written before the step has succeeded. */
-typedef struct Saved { GroupContact *contacts; GroupPair *pairs; } Saved;
+typedef struct Saved { GroupContact *contacts; ContactPoint *places; GroupPair *pairs; } Saved;
 
 static dig_status save(const Group *g, Saved *s)
 {
     s->contacts = arena_alloc(g->arena, (size_t)(g->contact_count + 1) * sizeof *s->contacts);
     s->pairs = arena_alloc(g->arena, (size_t)(g->pair_count + 1) * sizeof *s->pairs);
-    if (!s->contacts || !s->pairs)
+    s->places = arena_alloc(g->arena, (size_t)(g->place_count + 1) * sizeof *s->places);
+    if (!s->contacts || !s->places || !s->pairs)
         return DIG_E_MEMORY;
     if (g->pair_count > 0)
         memcpy(s->pairs, g->pairs, (size_t)g->pair_count * sizeof *s->pairs);
     if (g->contact_count > 0)
         memcpy(s->contacts, g->contacts, (size_t)g->contact_count * sizeof *s->contacts);
+    if (g->place_count > 0)
+        memcpy(s->places, g->places, (size_t)g->place_count * sizeof *s->places);
     return DIG_OK;
 }
 
@@ -246,6 +249,8 @@ static dig_status hand_on(Group *g, const Saved *s, const char *why)
         memcpy(g->pairs, s->pairs, (size_t)g->pair_count * sizeof *s->pairs);
     if (g->contact_count > 0)
         memcpy(g->contacts, s->contacts, (size_t)g->contact_count * sizeof *s->contacts);
+    if (g->place_count > 0)
+        memcpy(g->places, s->places, (size_t)g->place_count * sizeof *s->places);
     for (int i = 0; i < g->moving_count; i++)
         g->member[i].force = g->member[i].torque = vec3_zero();
     g->substeps = 0;

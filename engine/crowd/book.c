@@ -68,6 +68,16 @@ static void note_batch(Crowd *c, const Batch *b)
     }
 }
 
+/* Room for a strike of each contact that may have one. */
+static dig_status reserve_strikes(Crowd *c)
+{
+    Group *g = c->g;
+    for (int i = 0; i < c->batches; i++)
+        g->strike_capacity += c->batch[i].noted ? LANES : 0;
+    g->strikes = arena_alloc(g->arena, (size_t)(g->strike_capacity + 1) * sizeof *g->strikes);
+    return g->strikes ? DIG_OK : DIG_E_MEMORY;
+}
+
 /* Friction at the middle becomes forces at the points. */
 static void book_friction(GroupContact *t, const Batch *b, int lane, real h, real load)
 {
@@ -174,6 +184,15 @@ static void book_energy(Crowd *c)
 
 typedef struct Book { Crowd *c; real *deepest; } Book;      /* m  of each thread */
 
+static void fetch_batches(const Crowd *c, int i)
+{
+    const Batch *next = &c->batch[int_min(i + 1, c->batches - 1)], *after = &c->batch[int_min(i + 2, c->batches - 1)];
+    for (int k = 0; k < LANES && after->contact[k] >= 0; k++)
+        fetch_head(c->g, after->contact[k]);
+    for (int k = 0; k < LANES && next->contact[k] >= 0; k++)
+        fetch_body(c->g, next->contact[k]);
+}
+
 static void book_share(void *context, int thread, int threads)
 {
     const Book *b = context;
@@ -183,9 +202,11 @@ static void book_share(void *context, int thread, int threads)
     for (int i = first; i < end; i++)
         forget(&g->contacts[i]);
     team_meet(c->team);
-    for (int i = team_first(c->batches, thread, threads); i < team_end(c->batches, thread, threads); i++)
+    for (int i = team_first(c->batches, thread, threads), last = team_end(c->batches, thread, threads); i < last; i++) {
+        fetch_batches(c, i);
         for (int k = 0; k < LANES && c->batch[i].contact[k] >= 0; k++)
             book_lane(c, &c->batch[i], k);
+    }
 }
 
 static void carry_share(void *context, int thread, int threads)
@@ -257,6 +278,7 @@ dig_status book_close(Crowd *c)
     if (!b.deepest)
         return DIG_E_MEMORY;
     team_run(c->team, book_share, &b);
+    DIG_TRY(reserve_strikes(c));
     for (int i = 0; i < c->batches; i++)
         if (c->batch[i].noted)
             note_batch(c, &c->batch[i]);

@@ -159,7 +159,7 @@ static real twist_of(const GroupContact *c, vec3 middle)
 
 static void fill_patch(const Crowd *c, const Ends *e, WidePatch *p, int lane)
 {
-    const Manifold *m = &e->c->manifold;
+    const GroupManifold *m = &e->c->manifold;
     vec3 t, u, middle = vec3_zero(), force = vec3_zero();
     vec3_basis(m->normal, &t, &u);
     put(p->t, lane, t);
@@ -314,13 +314,24 @@ static void fill_batch(Rows *r, int i, int spare)
         fill_lane(c, b, k, r->sorted[r->first[i] + k].contact, spare);
 }
 
+static void fetch_batches(const Rows *r, int i)
+{
+    int last = r->c->batches, one = int_min(i + 1, last), two = int_min(i + 2, last), three = int_min(i + 3, last);
+    for (int k = r->first[two]; k < r->first[three]; k++)
+        fetch_head(r->c->g, r->sorted[k].contact);
+    for (int k = r->first[one]; k < r->first[two]; k++)
+        fetch_body(r->c->g, r->sorted[k].contact);
+}
+
 static void fill_share(void *context, int thread, int threads)
 {
     Rows *r = context;
     for (int p = 0; p < r->c->phases; p++) {
         Phase x = r->c->phase[p];
-        for (int i = phase_first(x, thread, threads); i < phase_end(x, thread, threads); i++)
+        for (int i = phase_first(x, thread, threads), end = phase_end(x, thread, threads); i < end; i++) {
+            fetch_batches(r, i);
             fill_batch(r, i, r->c->bodies + thread);
+        }
     }
 }
 

@@ -72,6 +72,15 @@ typedef struct Frame {          /* a moving body at the start of the step       
     bool held;                  /* some row acts on it                                         */
 } Frame;
 
+/* The contacts of a batch lie far apart: the heads of those of the batch after the next, then, of the next, what they point to. */
+static inline void fetch_head(const Group *g, int contact) { fetch_soon(&g->contacts[contact], sizeof(GroupContact)); }
+static inline void fetch_body(const Group *g, int contact)
+{
+    const GroupContact *t = &g->contacts[contact];
+    fetch_soon(t->manifold.points, (size_t)t->room * sizeof(ContactPoint));
+    fetch_soon(&g->pairs[t->pair], offsetof(GroupPair, la));
+}
+
 /* Batches of one colour: no moving body is in two of them, unless they are done one after the other, alone. */
 typedef struct Phase { int first, count; bool alone; } Phase;
 

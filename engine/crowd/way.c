@@ -33,10 +33,6 @@ static dig_status open(Crowd *c)
 {
     Group *g = c->g;
     g->close_speed = group_close_speed(g);
-    g->strike_capacity = g->plan->events + g->pair_count;
-    g->strikes = arena_alloc(g->arena, (size_t)(g->strike_capacity + 1) * sizeof *g->strikes);
-    if (!g->strikes)
-        return DIG_E_MEMORY;
     g->h = c->dt;
     DIG_TRY(group_forces(g));
     for (int i = g->moving_count; i < g->body_count; i++)

@@ -283,14 +283,24 @@ static dig_status reserve(World *w, EffectSlot *e, real dt)
 
 /* ---- what does touch ---- */
 
+static Manifold manifold_of(const World *w, const Contact *c)
+{
+    Manifold m = {.normal = c->normal, .count = c->count};
+    for (int k = 0; k < c->count; k++)
+        m.points[k] = contact_point_seen(w, c, k)->at;
+    return m;
+}
+
 /* W/K */
 static real conductance(const World *w, const HeatWorld *o, const Pair *pair, const Heat *a, const Heat *b)
 {
     real sum = 0;
     for (uint32_t k = pair->contact; k != NONE; k = w->contacts.data[k].next) {
         const Contact *c = &w->contacts.data[k];
-        if (c->touching && c->manifold.count > 0)
-            sum += heat_contact(o, a->conductivity, b->conductivity, vec3_dot(c->force, c->manifold.normal), heat_area(&c->manifold));
+        if (!c->touching || c->count == 0)
+            continue;
+        Manifold m = manifold_of(w, c);
+        sum += heat_contact(o, a->conductivity, b->conductivity, vec3_dot(c->force, c->normal), heat_area(&m));
     }
     return sum;
 }

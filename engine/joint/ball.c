@@ -94,7 +94,8 @@ static bool only_point(const void *params)
 static bool at_limit(const JointView *j)
 {
     const Ball *ball = j->params;
-    return at_limits(swing_of(j), NAN, ball->swing) || at_limits(twist_of(j), ball->twist[0], ball->twist[1]);
+    bool cone = !isnan(ball->swing), range = !isnan(ball->twist[0]) || !isnan(ball->twist[1]);
+    return (cone && at_limits(swing_of(j), NAN, ball->swing)) || (range && at_limits(twist_of(j), ball->twist[0], ball->twist[1]));
 }
 
 const JointType joint_ball = {

@@ -53,9 +53,9 @@ void group_book_apart(Group *g, int body, vec3 moved, vec3 turned, real h)
 real group_spring_energy(const GroupJoint *j)
 {
     real memory[JOINT_MEMORY];
-    JointView now = j->view;
-    if (!now.type->energy)
+    if (!j->view.type->energy)
         return 0;
+    JointView now = j->view;
     memcpy(memory, j->memory, sizeof memory);
     now.memory = memory;
     return now.type->energy(&now);

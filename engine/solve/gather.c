@@ -50,6 +50,9 @@ void group_refresh_mass(Group *g, int i)
     g->mass[i].ii = ii;
 }
 
+/* A body woken by what is about to strike it was at rest: waking makes its mode moving, and leaves its velocity zero. */
+static bool body_moving(const Body *b) { return b->mode == DIG_MOVING && (vec3_length2(b->v) > 0 || vec3_length2(b->w) > 0); }
+
 static void gather_body(Group *g, int i, uint32_t slot, bool awake)
 {
     Member *m = &g->member[i];
@@ -71,6 +74,7 @@ static void gather_body(Group *g, int i, uint32_t slot, bool awake)
     m->kinematic = b->kind == DIG_KINEMATIC;
     m->dormant = b->kind == DIG_DYNAMIC && !awake;
     m->moves = b->kind == DIG_DYNAMIC && awake;
+    m->moved = body_moving(b);
     m->round = b->round_inertia && !g->planar;
     real inert = body_inertness(b);
     m->mass = inert * b->mass;
@@ -193,17 +197,12 @@ static real pair_size(const Shape *a, const Shape *b)
     return isfinite(size) ? size : 1;
 }
 
-/* A body woken by what is about to strike it was at rest: waking makes its mode moving, and leaves its velocity zero. */
-static bool body_moving(const World *w, uint32_t body)
-{
-    const Body *b = body == NONE ? NULL : &w->bodies.data[body];
-    return b && b->mode == DIG_MOVING && (vec3_length2(b->v) > 0 || vec3_length2(b->w) > 0);
-}
-
 typedef struct Near {           /* a pair that may be gathered                     */
     uint32_t slot;
     int a, b;                   /* local bodies                                    */
     int contact, contacts;      /* of the group; 0: left out                       */
+    uint32_t first;             /* of the world's contacts                         */
+    int place;                  /* first of the group's; by find_near, how many    */
 } Near;
 
 typedef struct Nearby { Group *g; const uint32_t *pairs; Near *near; real *span; int count; } Nearby;
@@ -231,7 +230,7 @@ static void gather_pair(Group *g, GroupPair *q, const Near *n)
     q->size = pair_size(q->sa, q->sb);
     q->fresh = p->fresh;
     q->was_touching = p->touching;
-    q->both_moved = body_moving(w, p->body_a) && body_moving(w, p->body_b);
+    q->both_moved = g->member[q->a].moved && g->member[q->b].moved;
     q->struck = false;
     q->strike = 0;
     q->approach = q->struck_time = q->struck_speed = q->struck_impulse = 0;
@@ -239,9 +238,9 @@ static void gather_pair(Group *g, GroupPair *q, const Near *n)
 }
 
 /* Only what there is. Points beyond the count stay unwritten. */
-static void gather_contact(const World *w, const GroupPair *q, int pair, uint32_t slot, GroupContact *to)
+static void gather_contact(const World *w, const GroupPair *q, int pair, uint32_t slot, ContactPoint *places, GroupContact *to)
 {
-    static const Contact none = {.idle = true};
+    static const Contact none = {.idle = true, .more = NONE};
     const Contact *from = slot == NONE ? &none : &w->contacts.data[slot];
     to->pair = pair;
     to->a = q->a;
@@ -249,16 +248,20 @@ static void gather_contact(const World *w, const GroupPair *q, int pair, uint32_
     to->slot = slot;
     to->piece = from->piece;
     to->idle = from->idle;
-    to->live = from->manifold.count > 0;
+    to->wide = from->more != NONE;
+    to->live = from->count > 0;
     to->sliding = from->sliding;
     to->rolling = from->idle ? vec3_zero() : from->rolling;
     to->impulse = to->point_sum = vec3_zero();
     to->last = to->point_weight = to->lost = 0;
-    to->manifold.normal = from->manifold.normal;
-    to->manifold.count = from->manifold.count;
-    for (int k = 0; k < from->manifold.count; k++) {
-        to->manifold.points[k] = from->manifold.points[k];
-        to->memory[k] = from->memory[k];
+    to->manifold.normal = from->normal;
+    to->manifold.count = int_min(from->count, to->room);
+    to->manifold.points = (ManifoldPoint *)(void *)places;
+    to->memory = (PointMemory *)(void *)(to->manifold.points + to->room);
+    for (int k = 0; k < to->manifold.count; k++) {
+        const ContactPoint *p = contact_point_seen(w, from, k);
+        to->manifold.points[k] = p->at;
+        to->memory[k] = p->memory;
     }
 }
 
@@ -286,34 +289,58 @@ static void find_near(void *context, int thread, int threads)
     const Nearby *n = context;
     const Group *g = n->g;
     const World *w = g->world;
-    for (int i = team_first(n->count, thread, threads); i < team_end(n->count, thread, threads); i++) {
+    for (int i = team_first(n->count, thread, threads), end = team_end(n->count, thread, threads); i < end; i++) {
         const Pair *p = &w->pairs.data[n->pairs[i]];
+        if (i + FETCH_AHEAD < n->count)
+            fetch_soon(&w->pairs.data[n->pairs[i + FETCH_AHEAD]], offsetof(Pair, cache));
         Near *near = &n->near[i];
-        *near = (Near){.slot = n->pairs[i], .a = local_of(g, p->body_a), .b = local_of(g, p->body_b)};
+        *near = (Near){.slot = n->pairs[i], .a = local_of(g, p->body_a), .b = local_of(g, p->body_b), .first = p->contact};
         if (g->crowd && p->contact == NONE && !p->touching) {
             real reach = n->span[near->a] + n->span[near->b];
             if (vec3_length2(vec3_sub(g->pos[near->b].x, g->pos[near->a].x)) > reach * reach)
                 continue;
         }
-        near->contacts = p->contact == NONE;
-        for (uint32_t c = p->contact; c != NONE; c = w->contacts.data[c].next)
+        near->contacts = 1;
+        for (uint32_t c = p->pieces ? w->contacts.data[p->contact].next : NONE; c != NONE; c = w->contacts.data[c].next)
             near->contacts++;
+        near->place = near->contacts * (p->round ? 1 : MANIFOLD_POINTS);        /* so many */
     }
+}
+
+/* Of the pairs that come after number i: the next ones but some, and of the next ones what they name. */
+static void fetch_near(const Group *g, const Near *near, int i)
+{
+    const World *w = g->world;
+    if (i + 2 * FETCH_AHEAD < g->pair_count)
+        fetch_soon(&w->pairs.data[near[i + 2 * FETCH_AHEAD].slot], sizeof(Pair));
+    if (i + FETCH_AHEAD >= g->pair_count)
+        return;
+    const Near *n = &near[i + FETCH_AHEAD];
+    const Pair *p = &w->pairs.data[n->slot];
+    fetch_soon(&w->solids.data[p->solid_a].shape, sizeof(Shape) + sizeof(pose));
+    fetch_soon(&w->solids.data[p->solid_b].shape, sizeof(Shape) + sizeof(pose));
+    fetch_soon(&g->member[n->a], offsetof(Member, pull));
+    fetch_soon(&g->member[n->b], offsetof(Member, pull));
+    if (n->first != NONE)
+        fetch_soon(&w->contacts.data[n->first], sizeof(Contact));
 }
 
 static void gather_near(void *context, int thread, int threads)
 {
     const Nearby *n = context;
     Group *g = n->g;
-    for (int i = team_first(g->pair_count, thread, threads); i < team_end(g->pair_count, thread, threads); i++) {
+    for (int i = team_first(g->pair_count, thread, threads), end = team_end(g->pair_count, thread, threads); i < end; i++) {
         const Near *near = &n->near[i];
         GroupPair *q = &g->pairs[i];
-        uint32_t c = g->world->pairs.data[near->slot].contact;
+        fetch_near(g, n->near, i);
+        uint32_t c = near->first;
         gather_pair(g, q, near);
         q->contact = near->contact;
         q->contacts = near->contacts;
         for (int k = 0; k < near->contacts; k++) {
-            gather_contact(g->world, q, i, c, &g->contacts[q->contact + k]);
+            GroupContact *to = &g->contacts[q->contact + k];
+            to->room = g->world->pairs.data[near->slot].round ? 1 : MANIFOLD_POINTS;
+            gather_contact(g->world, q, i, c, &g->places[near->place + k * to->room], to);
             c = c == NONE ? NONE : g->world->contacts.data[c].next;
         }
     }
@@ -331,15 +358,20 @@ static dig_status gather_pairs(Group *g, const uint32_t *pairs, int pair_count)
     team_run(g->team, find_near, &n);
     for (int i = 0; i < pair_count; i++)
         if (n.near[i].contacts > 0) {
-            n.near[g->pair_count] = n.near[i];
-            n.near[g->pair_count++].contact = g->contact_count;
-            g->contact_count += n.near[i].contacts;
+            Near *near = &n.near[g->pair_count++];
+            int places = n.near[i].place;
+            *near = n.near[i];
+            near->contact = g->contact_count;
+            near->place = g->place_count;
+            g->contact_count += near->contacts;
+            g->place_count += places;
         }
     g->pairs = arena_alloc(g->arena, (size_t)g->pair_count * sizeof *g->pairs);
     g->contacts = arena_alloc(g->arena, (size_t)g->contact_count * sizeof *g->contacts);
+    g->places = arena_alloc(g->arena, (size_t)g->place_count * sizeof *g->places);
     g->changed = arena_alloc(g->arena, (size_t)g->pair_count * sizeof *g->changed);
     g->turned = arena_alloc(g->arena, (size_t)g->contact_count * sizeof *g->turned);
-    if (!g->pairs || !g->contacts || !g->changed || !g->turned)
+    if (!g->pairs || !g->contacts || !g->places || !g->changed || !g->turned)
         return DIG_E_MEMORY;
     team_run(g->team, gather_near, &n);
     return DIG_OK;
@@ -382,7 +414,7 @@ static dig_status gather_joints(Group *g, int joints)
         }
         if (pass == 0) {
             count = n;
-            g->joints = arena_zero(g->arena, (size_t)(count + 1) * sizeof *g->joints);
+            g->joints = arena_alloc(g->arena, (size_t)(count + 1) * sizeof *g->joints);
             if (!g->joints)
                 return DIG_E_MEMORY;
         }
@@ -474,7 +506,7 @@ static bool contact_idle(const GroupContact *c)
     return c->manifold.count == 0 && is_zero(c->impulse) && is_zero(c->rolling) && !c->sliding;
 }
 
-typedef struct Verdict { int changed, turned, live, rubbing; } Verdict;     /* counts of one thread */
+typedef struct Verdict { int changed, turned, widened, live, rubbing; } Verdict;     /* counts of one thread */
 typedef struct Judge { Group *g; real dt; Verdict *verdict; } Judge;
 
 static void judge_pair(Group *g, int i, real dt, Verdict *v, int *changed, int *turned)
@@ -491,8 +523,11 @@ static void judge_pair(Group *g, int i, real dt, Verdict *v, int *changed, int *
         q->touching = q->touching || c->touching;
         c->was_idle = c->idle;
         c->idle = contact_idle(c);
-        if (q->contacts == 1 && (c->slot == NONE) != c->idle)
+        bool comes_or_goes = q->contacts == 1 && (c->slot == NONE) != c->idle;
+        bool widens = c->manifold.count > 1 && !c->wide;
+        if (comes_or_goes || widens)
             turned[v->turned++] = k;
+        v->widened += widens;
         v->live += c->live;
         v->rubbing += c->live && q->friction > 0;
     }
@@ -519,7 +554,7 @@ dig_status group_judge(Group *g, real dt)
     if (!j.verdict)
         return DIG_E_MEMORY;
     team_run(g->team, judge_share, &j);
-    g->changed_count = g->turned_count = g->live_count = g->rubbing_count = 0;
+    g->changed_count = g->turned_count = g->widened_count = g->live_count = g->rubbing_count = 0;
     for (int t = 0; t < threads && g->pair_count > 0; t++) {
         const Verdict *v = &j.verdict[t];
         int first = team_first(g->pair_count, t, threads);
@@ -529,6 +564,7 @@ dig_status group_judge(Group *g, real dt)
         }
         g->changed_count += v->changed;
         g->turned_count += v->turned;
+        g->widened_count += v->widened;
         g->live_count += v->live;
         g->rubbing_count += v->rubbing;
     }
@@ -576,15 +612,16 @@ static void commit_body(World *w, const Group *g, int i, real dt)
     b->hit_v = b->hit_w = vec3_zero();
 }
 
-static void commit_contact(Contact *to, const GroupContact *from, real dt)
+static void commit_contact(World *w, Contact *to, const GroupContact *from, real dt)
 {
     to->idle = from->idle;
     to->piece = from->piece;
-    to->manifold.normal = from->manifold.normal;
-    to->manifold.count = from->manifold.count;
+    to->normal = from->manifold.normal;
+    to->count = (uint8_t)from->manifold.count;
     for (int k = 0; k < from->manifold.count; k++) {
-        to->manifold.points[k] = from->manifold.points[k];
-        to->memory[k] = from->memory[k];
+        ContactPoint *p = contact_point(w, to, k);
+        p->at = from->manifold.points[k];
+        p->memory = from->memory[k];
     }
     to->rolling = from->rolling;
     to->sliding = from->sliding;
@@ -595,19 +632,26 @@ static void commit_contact(Contact *to, const GroupContact *from, real dt)
                                        : from->manifold.count ? from->manifold.points[0].a : vec3_zero();
 }
 
-/* A pair of convex solids has a contact as long as there is something to remember; there is room (reserve_regraph). */
+/* A pair of convex solids has a contact as long as there is something to remember, and that has room for more than one point from when
+ * there are more; there is memory for both (reserve_regraph). */
 void group_commit_records(World *w, Group *g)
 {
     for (int i = 0; i < g->turned_count; i++) {
         GroupContact *c = &g->contacts[g->turned[i]];
         Pair *p = &w->pairs.data[g->pairs[c->pair].slot];
+        dig_status room = DIG_OK;
         if (c->idle) {
-            slot_give(w, &w->free_contacts, c->slot);
+            contact_give(w, c->slot);
             p->contact = c->slot = NONE;
-        } else if (world_slot(w, &w->contacts, &w->free_contacts, &c->slot) == DIG_OK) {
-            w->contacts.data[c->slot].next = NONE;
+            continue;
+        }
+        if (c->slot == NONE) {
+            room = contact_take(w, &c->slot);
             p->contact = c->slot;
         }
+        if (c->manifold.count > 1 && room == DIG_OK)
+            room = contact_widen(w, &w->contacts.data[c->slot]);
+        DIG_ASSERT(room == DIG_OK);
     }
 }
 
@@ -619,7 +663,7 @@ static void commit_pair(World *w, const Group *g, const GroupPair *q, real dt)
     p->touching = q->touching;
     for (int i = q->contact; i < q->contact + q->contacts; i++)
         if (g->contacts[i].slot != NONE && !(g->contacts[i].idle && g->contacts[i].was_idle))
-            commit_contact(&w->contacts.data[g->contacts[i].slot], &g->contacts[i], dt);
+            commit_contact(w, &w->contacts.data[g->contacts[i].slot], &g->contacts[i], dt);
 }
 
 static void commit_joint(World *w, const GroupJoint *j, real dt)
@@ -632,6 +676,17 @@ static void commit_joint(World *w, const GroupJoint *j, real dt)
     r->torque = vec3_scale(1 / dt, j->angular_impulse);
 }
 
+static void fetch_commit(const World *w, const Group *g, int i)
+{
+    if (i + FETCH_AHEAD >= g->pair_count)
+        return;
+    const GroupPair *q = &g->pairs[i + FETCH_AHEAD];
+    uint32_t slot = g->contacts[q->contact].slot;
+    fetch_soon(&w->pairs.data[q->slot], sizeof(Pair));
+    if (slot != NONE)
+        fetch_soon(&w->contacts.data[slot], sizeof(Contact));
+}
+
 typedef struct Commit { World *w; const Group *g; } Commit;
 
 static void commit_share(void *context, int thread, int threads)
@@ -641,8 +696,10 @@ static void commit_share(void *context, int thread, int threads)
     real dt = c->w->def.step;
     for (int i = team_first(g->moving_count, thread, threads); i < team_end(g->moving_count, thread, threads); i++)
         commit_body(c->w, g, i, dt);
-    for (int i = team_first(g->pair_count, thread, threads); i < team_end(g->pair_count, thread, threads); i++)
+    for (int i = team_first(g->pair_count, thread, threads), end = team_end(g->pair_count, thread, threads); i < end; i++) {
+        fetch_commit(c->w, g, i);
         commit_pair(c->w, g, &g->pairs[i], dt);
+    }
 }
 
 void group_commit(World *w, const Group *g)

@@ -33,6 +33,7 @@ typedef struct Mass { real im; mat3 ii; } Mass;                 /* 1/kg, 1/(kg m
 typedef struct Member {         /* the rest of a gathered body */
     uint32_t slot;              /* in world->bodies; NONE = the world itself           */
     bool     moves;             /* dynamic and awake in this try: impulses move it     */
+    bool     moved;             /* was not at rest before the step                     */
     bool     dormant;           /* dynamic but asleep: wakes when something pushes it  */
     bool     pushed;            /* dormant and pushed in this try: its DIG must wake   */
     bool     kinematic;
@@ -40,18 +41,18 @@ typedef struct Member {         /* the rest of a gathered body */
     bool     constrained;       /* a row acts on it in this substep                    */
     bool     implicit_move;     /* move with the end velocity, not the mean            */
     bool     collided;          /* struck in this step                                 */
-    int      integrator;        /* dig_integrator; all but DIG_AUTO are the sweep's alone */
-    uint8_t  covered;           /* faces of its box, Covered                           */
     bool     fresh;             /* no history: new, teleported or struck in the last step */
-    real     mass, gravity_scale;
-    real     pull;              /* m/s^2  gravity and pushes do no more to any point of it */
-    mat3     inertia, inv_inertia;      /* body axes                                   */
+    uint8_t  covered;           /* faces of its box, Covered                           */
+    int      integrator;        /* dig_integrator; all but DIG_AUTO are the sweep's alone */
     vec3     centre;            /* m   centre of mass in the body frame                */
+    real     pull;              /* m/s^2  gravity and pushes do no more to any point of it */
+    real     outer;             /* m                                                   */
+    real     mass, gravity_scale;
+    mat3     inertia, inv_inertia;      /* body axes                                   */
     vec3     force, torque;     /* N, N m, of this substep                             */
     vec3     drag, drag_torque; /* N, N m of these, what takes energy away for good    */
     vec3     law, law_torque;   /* N, N m of these, what laws of regions and of scripts add, but for drags */
     real     driven;            /* W   what moves the medium puts in by them           */
-    real     outer;             /* m                                                   */
     Pos      start_pos; Vel start_vel;  /* at the start of the substep                 */
 } Member;
 
@@ -102,18 +103,23 @@ typedef struct JointRow {
     real p;                     /* N s or N m s                     */
 } JointRow;
 
+/* A manifold with as many points as its shapes can have. */
+typedef struct GroupManifold { vec3 normal; int count; ManifoldPoint *points; } GroupManifold;
+
 typedef struct GroupContact {
     int      pair;              /* of the group's pairs             */
     int      a, b;              /* local bodies                     */
     uint32_t slot;              /* world contact; NONE = spare      */
     uint32_t piece;
-    Manifold manifold;
-    PointMemory memory[MANIFOLD_POINTS];
-    vec3     rolling;           /* N m                              */
+    uint8_t  room;              /* points and memories there can be */
+    bool     wide;              /* the world's has room for more than one, too */
     bool     live;              /* has points                       */
     bool     idle, was_idle;    /* no point, and no force: until group_judge in the world's record, then now; then */
     bool     touching;          /* at the end of the step, by group_judge */
     bool     sliding;
+    GroupManifold manifold;
+    PointMemory *memory;        /* [room] as the points, in the group's places */
+    vec3     rolling;           /* N m                              */
     vec3     impulse;           /* N s on b, over the whole step    */
     real     last;              /* s   into the step, when force last acted */
     vec3     point_sum; real point_weight;      /* where, weighted by impulse */
@@ -123,22 +129,22 @@ typedef struct GroupContact {
 typedef struct GroupPair {
     uint32_t slot;              /* world pair                       */
     int      a, b;              /* local bodies                     */
-    const Shape *sa, *sb;
-    pose     la, lb;            /* shape in its body, about the centre of mass */
-    ManifoldCache cache;
-    Covered  covered;           /* faces that joints hold to the next piece of the same thing */
     int      contact, contacts; /* range of the group's contacts    */
-    real     friction, friction_dynamic, rolling, restitution;
-    real     size;              /* m   of the smaller solid: scale of tolerances */
-    real     reach;             /* m   so far ahead its contact looks  */
+    int      strike;            /* its last entry of strikes + 1; 0 = none  */
+    bool     struck;            /* an impact happened in this step  */
     bool     meets;             /* in this substep, whatever it looks like at its start */
     bool     fresh;             /* the manifold must be made anew  */
     bool     was_touching;      /* at the end of the last step     */
     bool     touching;          /* of this one, by group_judge     */
     bool     both_moved;        /* neither was at rest before      */
+    Covered  covered;           /* faces that joints hold to the next piece of the same thing */
+    const Shape *sa, *sb;
     real     approach;          /* m/s  fastest approach seen by the rows */
-    bool     struck;            /* an impact happened in this step  */
-    int      strike;            /* its last entry of strikes + 1; 0 = none  */
+    real     friction, friction_dynamic, rolling, restitution;
+    real     size;              /* m   of the smaller solid: scale of tolerances */
+    real     reach;             /* m   so far ahead its contact looks  */
+    pose     la, lb;            /* shape in its body, about the centre of mass */
+    ManifoldCache cache;
     real     struck_time, struck_speed, struck_impulse;  vec3 struck_point, struck_normal;
 } GroupPair;
 
@@ -195,8 +201,10 @@ struct Group {
     GroupPair *pairs;       int pair_count;
     int      *changed;      int changed_count;  /* group_judge: pairs whose touch began or ended, or that were struck apart */
     int       live_count, rubbing_count;        /* group_judge: contacts with points, and those of them with friction */
-    int      *turned;       int turned_count;   /* group_judge: contacts whose record in the world comes or goes */
+    int      *turned;       int turned_count;   /* group_judge: contacts whose record in the world comes, goes, or gets room for more points */
+    int       widened_count;    /* group_judge: the last of these                  */
     GroupContact *contacts; int contact_count;
+    ContactPoint *places;   int place_count;    /* of each contact, room for its points first, then for their memories */
     GroupJoint *joints;     int joint_count;
     GroupPush *pushes;      int push_count;
     PointRow *points;       int point_count, point_capacity;
@@ -283,7 +291,8 @@ void       group_book_push(Group *g, const GroupPush *p, real work);        /* J
 
 /* keep.c */
 typedef struct GroupKept {      /* a group as it was */
-    Pos *pos; Vel *vel; Mass *mass; Member *member; GroupPair *pairs; GroupContact *contacts; GroupJoint *joints; real *push_work;
+    Pos *pos; Vel *vel; Mass *mass; Member *member; GroupPair *pairs; GroupContact *contacts; ContactPoint *places; GroupJoint *joints;
+    real *push_work;
     Group scalars;
 } GroupKept;
 bool group_keep(const Group *g, GroupKept *k);          /* false: out of memory */

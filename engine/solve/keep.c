@@ -22,7 +22,7 @@ bool group_keep(const Group *g, GroupKept *k)
 {
     k->scalars = *g;
     return KEEP(pos, g->body_count) && KEEP(vel, g->body_count) && KEEP(mass, g->body_count) && KEEP(member, g->body_count)
-        && KEEP(pairs, g->pair_count) && KEEP(contacts, g->contact_count) && KEEP(joints, g->joint_count) && KEEP(push_work, g->body_count);
+        && KEEP(pairs, g->pair_count) && KEEP(contacts, g->contact_count) && KEEP(places, g->place_count) && KEEP(joints, g->joint_count) && KEEP(push_work, g->body_count);
 }
 
 void group_put_back(Group *g, const GroupKept *k)
@@ -34,6 +34,7 @@ void group_put_back(Group *g, const GroupKept *k)
     BACK(member, g->body_count);
     BACK(pairs, g->pair_count);
     BACK(contacts, g->contact_count);
+    BACK(places, g->place_count);
     BACK(joints, g->joint_count);
     BACK(push_work, g->body_count);
     *g = k->scalars;

@@ -5,22 +5,53 @@
 #define PIECES 16
 #define LONG_TOUCH 64           /* pairs: fewer are done before anything interrupts, and the wall clock will do */
 
+/* What is kept of a contact when its points are found anew. */
+typedef struct Before {
+    int         count;
+    bool        live;
+    uint32_t    piece;
+    vec3        rolling;
+    uint32_t    feature[MANIFOLD_POINTS];
+    PointMemory memory[MANIFOLD_POINTS];
+} Before;
+
+static void note_before(const GroupContact *c, Before *old)
+{
+    old->count = c->manifold.count;
+    old->live = c->live;
+    old->piece = c->piece;
+    old->rolling = c->rolling;
+    for (int k = 0; k < old->count; k++) {
+        old->feature[k] = c->manifold.points[k].feature;
+        old->memory[k] = c->memory[k];
+    }
+}
+
 /* Keeps the forces of points that are still the same features. */
-static void keep_memory(GroupContact *c, const Manifold *old, const PointMemory old_memory[MANIFOLD_POINTS])
+static void keep_memory(GroupContact *c, const Before *old)
 {
     for (int i = 0; i < c->manifold.count; i++) {
         c->memory[i] = (PointMemory){.feature = c->manifold.points[i].feature};
         if (c->manifold.count == 1 && old->count == 1) {       /* a ball rolls over an edge: another feature, the same contact */
-            c->memory[0] = old_memory[0];
+            c->memory[0] = old->memory[0];
             c->memory[0].feature = c->manifold.points[0].feature;
             return;
         }
         for (int k = 0; k < old->count; k++)
-            if (old->points[k].feature == c->manifold.points[i].feature) {
-                c->memory[i] = old_memory[k];
+            if (old->feature[k] == c->manifold.points[i].feature) {
+                c->memory[i] = old->memory[k];
                 break;
             }
     }
+}
+
+static void put_points(GroupContact *c, const Manifold *found)
+{
+    c->manifold.normal = found->normal;
+    c->manifold.count = int_min(found->count, c->room);
+    c->live = c->manifold.count > 0;
+    for (int k = 0; k < c->manifold.count; k++)
+        c->manifold.points[k] = found->points[k];
 }
 
 /* A plane has no rim: it does not spin either. */
@@ -46,23 +77,24 @@ static bool far_apart(const GroupPair *q, pose pa, pose pb, real reach)
 /* A mesh pair has one contact per touching piece; each keeps the memory of its piece. */
 static void touch_pieces(Group *g, GroupPair *q, const Manifold *found, const uint32_t *pieces, int count)
 {
-    GroupContact old[PIECES];
+    static const Before none = {.count = 0};
+    Before old[PIECES];
     int contacts = int_min(q->contacts, PIECES);
-    memcpy(old, &g->contacts[q->contact], (size_t)contacts * sizeof *old);
+    for (int i = 0; i < contacts; i++)
+        note_before(&g->contacts[q->contact + i], &old[i]);
     for (int i = 0; i < contacts; i++) {
         GroupContact *c = &g->contacts[q->contact + i];
-        c->live = i < count;
+        c->live = false;
         c->manifold.count = 0;
-        if (!c->live)
+        if (i >= count)
             continue;
         c->piece = pieces[i];
-        c->manifold = found[i];
+        put_points(c, &found[i]);
         c->rolling = vec3_zero();
-        Manifold none = {.count = 0};
-        keep_memory(c, &none, old[0].memory);
+        keep_memory(c, &none);
         for (int k = 0; k < contacts; k++)
             if (old[k].live && old[k].piece == pieces[i]) {
-                keep_memory(c, &old[k].manifold, old[k].memory);
+                keep_memory(c, &old[k]);
                 c->rolling = old[k].rolling;
                 break;
             }
@@ -76,18 +108,20 @@ void group_touch_pair(Group *g, GroupPair *q, real time)
     q->fresh = false;
     if (q->contacts == 1) {
         GroupContact *c = &g->contacts[q->contact];
-        if (c->manifold.count == 0 && far_apart(q, pa, pb, reach)) {
+        bool apart = far_apart(q, pa, pb, reach);
+        if (c->manifold.count == 0 && apart) {
             c->live = false;
             return;
         }
-        Manifold old = c->manifold;
-        PointMemory old_memory[MANIFOLD_POINTS];
-        memcpy(old_memory, c->memory, sizeof old_memory);
-        c->manifold.count = 0;
-        if (!far_apart(q, pa, pb, reach))
-            manifold_of_parts(q->sa, pa, q->sb, pb, reach, q->covered, &q->cache, &c->manifold);
-        c->live = c->manifold.count > 0;
-        keep_memory(c, &old, old_memory);
+        Manifold found;
+        Before old;
+        note_before(c, &old);
+        found.normal = c->manifold.normal;
+        found.count = 0;
+        if (!apart)
+            manifold_of_parts(q->sa, pa, q->sb, pb, reach, q->covered, &q->cache, &found);
+        put_points(c, &found);
+        keep_memory(c, &old);
         return;
     }
     Manifold found[PIECES];

@@ -72,12 +72,32 @@ enum { GONE, APART, MEETS };
 
 typedef struct Looking { World *w; uint8_t *found; } Looking;       /* [near] */
 
+static void fetch_ends(const World *w, uint32_t solid, uint32_t body)
+{
+    fetch_soon(&w->solids.data[solid].reach, sizeof(box3));
+    if (body != NONE)
+        fetch_soon(&w->bodies.data[body], 8);
+}
+
+/* Of the listed pairs that come after number i: the next ones but some, and of the next ones what they name. */
+static void fetch_pairs(const World *w, int i)
+{
+    if (i + 2 * FETCH_AHEAD < w->near.count)
+        fetch_soon(&w->pairs.data[w->near.data[i + 2 * FETCH_AHEAD]], offsetof(Pair, next));
+    if (i + FETCH_AHEAD >= w->near.count)
+        return;
+    const Pair *p = &w->pairs.data[w->near.data[i + FETCH_AHEAD]];
+    fetch_ends(w, p->solid_a, p->body_a);
+    fetch_ends(w, p->solid_b, p->body_b);
+}
+
 static void look_share(void *context, int thread, int threads)
 {
     const Looking *l = context;
     World *w = l->w;
-    for (int i = team_first(w->near.count, thread, threads); i < team_end(w->near.count, thread, threads); i++) {
+    for (int i = team_first(w->near.count, thread, threads), end = team_end(w->near.count, thread, threads); i < end; i++) {
         Pair *p = &w->pairs.data[w->near.data[i]];
+        fetch_pairs(w, i);
         l->found[i] = GONE;
         if (!p->alive || (i > 0 && w->near.data[i - 1] == w->near.data[i]))
             continue;                       /* gone; or gone, and its slot was given to a new pair */

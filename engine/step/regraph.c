@@ -9,23 +9,45 @@
 
 static uint8_t pair_wall(const World *w, const Pair *p) { return w->solids.data[p->solid_a].wall | w->solids.data[p->solid_b].wall; }
 
+/* Who may fall asleep at the end of this step, and who has left the world in it. */
+static int sleepers(const World *w, real dt)
+{
+    int n = 0;
+    for (int i = 0; i < w->awake.count && w->def.sleeping; i++)
+        n += w->bodies.data[w->awake.data[i]].still + dt >= SLEEP_TIME;
+    return n;
+}
+
+static int leavers(const World *w, const Group *g)
+{
+    int n = 0;
+    for (int i = 0; i < g->moving_count; i++)
+        n += world_left(w, g->pos[i].x) && !w->bodies.data[g->slots[i]].out;
+    return n;
+}
+
 /* All that regraph and what follows may need: a touch, a link and their events for each pair whose touch changes. */
 dig_status reserve_regraph(World *w, Step *s)
 {
     DIG_TRY(reserve_tell(w, s));
-    int changed = 0, born = 0, others = 2 * w->awake.count + 64;      /* events: who falls asleep or leaves the world */
+    int changed = 0, born = 0, widened = 0, others = sleepers(w, s->dt) + 64;
     for (int i = 0; i < s->count; i++) {
         changed += s->groups[i].changed_count;
         born += s->groups[i].turned_count;
-        others += s->groups[i].strike_count + 4 * s->groups[i].joint_count;
+        widened += s->groups[i].widened_count;
+        others += leavers(w, &s->groups[i]) + s->groups[i].strike_count + 4 * s->groups[i].joint_count;
     }
     DIG_TRY(list_reserve(&w->contacts, w->contacts.count + born, &w->allocations));
     DIG_TRY(list_reserve(&w->free_contacts, w->contacts.capacity, &w->allocations));
+    DIG_TRY(list_reserve(&w->more, w->more.count + widened, &w->allocations));
+    DIG_TRY(list_reserve(&w->free_more, w->more.capacity, &w->allocations));
     DIG_TRY(list_reserve(&w->touches, w->touches.count + changed, &w->allocations));
     DIG_TRY(list_reserve(&w->free_touches, w->touches.capacity, &w->allocations));
     DIG_TRY(list_reserve(&w->brief, w->touches.capacity, &w->allocations));
     DIG_TRY(map_reserve(&w->touch_map, w->touches.capacity));
-    DIG_TRY(list_reserve(&w->pending, w->pending.count + 4 * (changed + w->brief.count) + others, &w->allocations));
+    int events = w->pending.count + 4 * (changed + w->brief.count) + others;
+    w->events_most = int_max(w->events_most, events);
+    DIG_TRY(list_reserve(&w->pending, events, &w->allocations));
     return graph_reserve(w->graph, w->bodies.capacity, w->touches.capacity + w->joints.capacity);
 }
 

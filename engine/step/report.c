@@ -43,6 +43,21 @@ static void sort_events(dig_event *e, int count)
         qsort(e, (size_t)count, sizeof *e, compare_events);
 }
 
+#define TRIM_EVERY 64            /* steps */
+
+/* After a step with very many events, their room is given back. */
+static void trim_events(World *w)
+{
+    if (w->steps % TRIM_EVERY != 0)
+        return;
+    int enough = 64 + 2 * w->events_most;
+    if (w->events.capacity > 2 * enough)
+        list_trim(&w->events, enough);
+    if (w->pending.capacity > 2 * enough)
+        list_trim(&w->pending, enough);
+    w->events_most = 0;
+}
+
 /* What was waiting is delivered; the room of the last step's events is for the next ones. */
 static void deliver_events(World *w)
 {
@@ -80,8 +95,14 @@ static void end_pushes(World *w)
     w->pushes.count = n;
 }
 
-/* Bodies that left the room, or went farther than anyone looks. */
 #define WORLD_EDGE 1e4
+
+bool world_left(const World *w, vec3 x)
+{
+    vec3 d = w->has_room ? vec3_abs(vec3_sub(x, vec3_add(w->room.at, (vec3){0, 0.5 * w->room.size.y, 0}))) : vec3_abs(x);
+    vec3 edge = w->has_room ? vec3_scale(0.5, w->room.size) : (vec3){WORLD_EDGE, WORLD_EDGE, WORLD_EDGE};
+    return d.x > edge.x || d.y > edge.y || d.z > edge.z;
+}
 
 static void watch_edge(World *w)
 {
@@ -89,9 +110,7 @@ static void watch_edge(World *w)
         Body *b = &w->bodies.data[w->awake.data[i]];
         if (b->kind != DIG_DYNAMIC || b->out)
             continue;
-        vec3 d = w->has_room ? vec3_abs(vec3_sub(b->x, vec3_add(w->room.at, (vec3){0, 0.5 * w->room.size.y, 0}))) : vec3_abs(b->x);
-        vec3 edge = w->has_room ? vec3_scale(0.5, w->room.size) : (vec3){WORLD_EDGE, WORLD_EDGE, WORLD_EDGE};
-        if (d.x > edge.x || d.y > edge.y || d.z > edge.z) {
+        if (world_left(w, b->x)) {
             b->out = true;
             event_post(w, DIG_EVENT_OUT_OF_WORLD, w->awake.data[i], NONE);
         }
@@ -215,4 +234,5 @@ void report(World *w, const Step *s)
     watch_world(w, s);
     deliver_due(w);
     deliver_events(w);
+    trim_events(w);
 }

@@ -9,9 +9,8 @@
 
 /* m/s; solver noise of a body at rest is far below, real motion passes it within a step or two */
 #define REST_SPEED 1e-6
-/* m/s and s: slower than this for so long, and a DIG sleeps */
+/* m/s: slower than this for SLEEP_TIME, and a DIG sleeps */
 #define SLEEP_SPEED 2e-3
-#define SLEEP_TIME 0.5
 
 /* m/s  By the time where it is. */
 static real speed_of(const Body *b) { return (vec3_length(b->v) + vec3_length(b->w) * b->outer) / b->rate; }

@@ -10,6 +10,10 @@
 
 #include <stdlib.h>
 
+#define LEAF_STEPS 4            /* so far ahead a leaf is made to last                   */
+#define LEAF_FAR   2            /* outer radii: but no farther than this                 */
+#define OVERSIZED  2            /* of the reach: larger leaves are made anew             */
+
 static int compare_u32(const void *a, const void *b)
 {
     uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
@@ -161,7 +165,15 @@ static void drop_parted(World *w, uint32_t solid)
 static bool oversized(box3 leaf, box3 reach)
 {
     vec3 l = vec3_sub(leaf.high, leaf.low), r = vec3_sub(reach.high, reach.low);
-    return l.x + l.y + l.z > 3 * (r.x + r.y + r.z);
+    return l.x + l.y + l.z > OVERSIZED * (r.x + r.y + r.z);
+}
+
+/* The new leaf of a solid that left its old one: at this speed it would leave one of just its reach in each step. */
+static box3 leaf_for(const Solid *s, const Body *b, real dt)
+{
+    real way = dt * vec3_length(b->v), far = real_min(LEAF_STEPS * way, LEAF_FAR * s->shape.outer);
+    vec3 ahead = vec3_scale(way > 0 ? dt * real_max(1, far / way) : 0, b->v);
+    return box3_grow(box3_swept(s->reach, ahead), 0.1 * s->shape.outer);
 }
 
 /* The tree of boxes must never see NaN or what overflows as an area. */
@@ -228,7 +240,7 @@ static dig_status follow_body(World *w, uint32_t slot, bool strayed, real dt)
         if (s->leaf < 0)
             continue;
         if (strayed && (!box3_inside(tree_box(&w->tree, s->leaf), s->reach) || oversized(tree_box(&w->tree, s->leaf), s->reach))) {
-            tree_move(&w->tree, s->leaf, box3_grow(box3_swept(s->reach, vec3_scale(dt, b->v)), 0.1 * s->shape.outer));
+            tree_move(&w->tree, s->leaf, leaf_for(s, b, dt));
             s->asks = false;            /* asked here */
             drop_parted(w, i);
             DIG_TRY(ask(w, i));

@@ -54,6 +54,7 @@ void       tell_all(World *w, Step *s);             /* before the DIGs of the st
 dig_status reserve_flow(World *w, real dt);
 void       flow(World *w, const Step *s);
 /* rest.c */
+#define SLEEP_TIME 0.5          /* s  slow for so long, and a DIG sleeps */
 void       rest(World *w, real dt);                 /* who comes to rest, who falls asleep                  */
 /* watch.c: is the result reliable? */
 void       watch_start(Group *g);                   /* before the group is advanced                         */
@@ -64,6 +65,7 @@ int        deliver_post(World *w, const Post *p, dig_receipt *receipt);         
 void       deliver_due(World *w);                   /* what waited until now                                */
 int        deliver_list(World *w, const Post *p, const dig_body *to, const real *value, int count);
 /* report.c */
+bool       world_left(const World *w, vec3 x);      /* out of the room, or farther than anyone looks        */
 void       report(World *w, const Step *s);
 
 /* workers.c: runs job(context, i) for i in 0..count-1 on the world's threads; arenas[thread]. */

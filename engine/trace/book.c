@@ -200,7 +200,7 @@ void trace_remember(Tracer *t)
 {
     Group *g = t->g;
     for (int i = 0; i < g->contact_count; i++)
-        for (int k = 0; k < MANIFOLD_POINTS; k++) {
+        for (int k = 0; k < g->contacts[i].room; k++) {
             PointMemory *m = &g->contacts[i].memory[k];
             m->normal = 0;
             m->tangent = vec3_zero();

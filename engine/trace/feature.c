@@ -152,13 +152,13 @@ static FeatureKind kind_of(const Place *a, const Place *b)
 static inline vec3 to_body(const GroupPair *q, bool b, vec3 local) { return pose_point(b ? q->lb : q->la, local); }
 static inline vec3 turn_to_body(const GroupPair *q, bool b, vec3 d) { return quat_rotate(b ? q->lb.q : q->la.q, d); }
 
-void feature_sides(const Group *g, const GroupPair *q, const Manifold *m, Sides *out)
+void feature_sides(const Group *g, const GroupPair *q, vec3 normal, Sides *out)
 {
     out->a = group_shape_pose(g, q->a, q->la);
     out->b = group_shape_pose(g, q->b, q->lb);
-    out->n = m->normal;
-    out->out_a = quat_unrotate(out->a.q, m->normal);
-    out->out_b = quat_unrotate(out->b.q, vec3_neg(m->normal));
+    out->n = normal;
+    out->out_a = quat_unrotate(out->a.q, normal);
+    out->out_b = quat_unrotate(out->b.q, vec3_neg(normal));
 }
 
 void feature_find(const GroupPair *q, const Sides *s, const ManifoldPoint *p, Feature *out)

@@ -204,7 +204,7 @@ bool trace_touch(Tracer *t, bool first)
         if (!c->live || !any_moves(g, c))
             continue;
         Sides sides;
-        feature_sides(g, &g->pairs[c->pair], &c->manifold, &sides);
+        feature_sides(g, &g->pairs[c->pair], c->manifold.normal, &sides);
         for (int k = 0; k < c->manifold.count; k++)
             if (t->touch_count == t->touch_capacity || !add_point(t, i, k, &sides, first)) {
                 t->fault = t->fault ? t->fault : "more contact points than its budget";

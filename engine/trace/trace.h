@@ -41,7 +41,7 @@ typedef struct Kinematics {     /* of a contact, world axes */
 /* What all points of a manifold share: where the two shapes are, its normal, and the same in either's frame, outward. */
 typedef struct Sides { pose a, b; vec3 n, out_a, out_b; } Sides;
 
-void feature_sides(const Group *g, const GroupPair *q, const Manifold *m, Sides *out);
+void feature_sides(const Group *g, const GroupPair *q, vec3 normal, Sides *out);
 /* What touches at a manifold's point of two shapes of known kind. */
 void feature_find(const GroupPair *q, const Sides *s, const ManifoldPoint *p, Feature *out);
 bool feature_kind_known(const Shape *s);

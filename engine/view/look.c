@@ -257,39 +257,28 @@ static dig_status take_joints(Look *l, const World *w)
 
 /* ---- contacts, pushes ---- */
 
-/* Contacts lie far from each other in memory: the processor is told of some in advance. */
-enum { AHEAD = 6, LINE = 64 };
-#if defined(__GNUC__)
-#define FETCH(contact)                                                                              \
-    do {                                                                                            \
-        for (size_t byte_ = 0; byte_ < sizeof *(contact); byte_ += LINE)                            \
-            __builtin_prefetch((const char *)(contact) + byte_);                                    \
-    } while (0)
-#else
-#define FETCH(contact) ((void)(contact))
-#endif
-
 static dig_status take_contacts(Look *l, const World *w, vec3 origin)
 {
     l->tables[LOOK_CONTACTS].count = 0;
     for (int i = 0; i < w->pairs.count; i++) {
-        const Pair *p = &w->pairs.data[i], *soon = &w->pairs.data[i + AHEAD < w->pairs.count ? i + AHEAD : i];
+        const Pair *p = &w->pairs.data[i], *soon = &w->pairs.data[i + FETCH_AHEAD < w->pairs.count ? i + FETCH_AHEAD : i];
         if (soon->touching && soon->contact != NONE)
-            FETCH(&w->contacts.data[soon->contact]);
+            fetch_soon(&w->contacts.data[soon->contact], sizeof(Contact));
         if (!p->alive || !p->touching)
             continue;
         for (uint32_t c = p->contact; c != NONE; c = w->contacts.data[c].next) {
             const Contact *contact = &w->contacts.data[c];
-            for (int k = 0; contact->touching && k < contact->manifold.count; k++) {
-                const PointMemory *m = &contact->memory[k];
+            for (int k = 0; contact->touching && k < contact->count; k++) {
+                const ContactPoint *at = contact_point_seen(w, contact, k);
+                const PointMemory *m = &at->memory;
                 LookContact *out = m->normal > 0 ? add_row(l, LOOK_CONTACTS) : NULL;
                 if (!(m->normal > 0))
                     continue;
                 if (!out)
                     return DIG_E_MEMORY;
-                write_vec(out->p, vec3_sub(contact->manifold.points[k].a, origin));
-                write_vec(out->n, contact->manifold.normal);
-                write_vec(out->force, vec3_mad(m->tangent, m->normal, contact->manifold.normal));
+                write_vec(out->p, vec3_sub(at->at.a, origin));
+                write_vec(out->n, contact->normal);
+                write_vec(out->force, vec3_mad(m->tangent, m->normal, contact->normal));
             }
         }
     }

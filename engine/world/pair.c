@@ -6,13 +6,33 @@
  */
 #include "world/world.h"
 
+dig_status contact_take(World *w, uint32_t *slot)
+{
+    DIG_TRY(world_slot(w, &w->contacts, &w->free_contacts, slot));
+    w->contacts.data[*slot].next = w->contacts.data[*slot].more = NONE;
+    return DIG_OK;
+}
+
+dig_status contact_widen(World *w, Contact *c)
+{
+    return c->more == NONE ? world_slot(w, &w->more, &w->free_more, &c->more) : DIG_OK;
+}
+
+void contact_give(World *w, uint32_t slot)
+{
+    if (w->contacts.data[slot].more != NONE)
+        slot_give(w, &w->free_more, w->contacts.data[slot].more);
+    slot_give(w, &w->free_contacts, slot);
+}
+
 /* Triangles of a mesh or height field that one convex solid may touch at once. */
 #define MESH_CONTACTS 16
 
-static int contacts_needed(const World *w, uint32_t solid_a, uint32_t solid_b)
+void pair_sort(const World *w, Pair *p)
 {
-    const ShapeType *a = w->solids.data[solid_a].shape.type, *b = w->solids.data[solid_b].shape.type;
-    return a->pieces || b->pieces ? MESH_CONTACTS : 0;
+    const ShapeType *a = w->solids.data[p->solid_a].shape.type, *b = w->solids.data[p->solid_b].shape.type;
+    p->pieces = a->pieces || b->pieces;
+    p->round = a == &shape_sphere || b == &shape_sphere;
 }
 
 static void link_in(World *w, uint32_t pair, uint32_t side, uint32_t solid)
@@ -53,7 +73,7 @@ static dig_status take_room(World *w, MapKey key, uint32_t *slot, uint32_t *cont
     int got = 0;
     dig_status status = DIG_OK;
     while (status == DIG_OK && got < want) {
-        status = world_slot(w, &w->contacts, &w->free_contacts, &contact[got]);
+        status = contact_take(w, &contact[got]);
         got += status == DIG_OK;
     }
     if (status == DIG_OK)
@@ -61,7 +81,7 @@ static dig_status take_room(World *w, MapKey key, uint32_t *slot, uint32_t *cont
     if (status == DIG_OK)
         return DIG_OK;
     while (got > 0)
-        slot_give(w, &w->free_contacts, contact[--got]);
+        contact_give(w, contact[--got]);
     slot_give(w, &w->free_pairs, *slot);
     return status;
 }
@@ -77,17 +97,18 @@ dig_status pair_add(World *w, uint32_t solid_a, uint32_t solid_b)
     uint32_t slot, found;
     if (map_find(&w->pair_map, key, &found))
         return DIG_OK;
-    int want = contacts_needed(w, solid_a, solid_b);
+    const Solid *a = &w->solids.data[solid_a], *b = &w->solids.data[solid_b];
+    Pair pair = {.alive = true, .solid_a = solid_a, .solid_b = solid_b, .body_a = a->body, .body_b = b->body, .listed = true, .fresh = true};
+    pair_sort(w, &pair);
+    int want = pair.pieces ? MESH_CONTACTS : 0;
     uint32_t contact[MESH_CONTACTS];
     DIG_TRY(take_room(w, key, &slot, contact, want));
     for (int i = 0; i < want; i++)
         w->contacts.data[contact[i]].next = i + 1 < want ? contact[i + 1] : NONE;
-    Pair *p = &w->pairs.data[slot];
-    const Solid *a = &w->solids.data[solid_a], *b = &w->solids.data[solid_b];
-    *p = (Pair){.alive = true, .solid_a = solid_a, .solid_b = solid_b, .body_a = a->body, .body_b = b->body, .contact = want > 0 ? contact[0] : NONE,
-                .listed = true, .fresh = true};
+    pair.contact = want > 0 ? contact[0] : NONE;
+    surface_pair(w, &a->surface, &b->surface, &pair);
+    w->pairs.data[slot] = pair;
     w->near.data[w->near.count++] = slot;
-    surface_pair(w, &a->surface, &b->surface, p);
     pair_attach(w, slot);
     return DIG_OK;
 }
@@ -122,7 +143,7 @@ void pair_remove(World *w, uint32_t pair)
     Pair *p = &w->pairs.data[pair];
     for (uint32_t c = p->contact; c != NONE;) {
         uint32_t next = w->contacts.data[c].next;
-        slot_give(w, &w->free_contacts, c);
+        contact_give(w, c);
         c = next;
     }
     if (p->touching)

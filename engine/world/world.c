@@ -89,6 +89,7 @@ void world_close(World *w)
     list_close(&w->solids);
     list_close(&w->pairs);
     list_close(&w->contacts);
+    list_close(&w->more);
     list_close(&w->touches);
     list_close(&w->joints);
     list_close(&w->pushes);
@@ -96,6 +97,7 @@ void world_close(World *w)
     list_close(&w->free_solids);
     list_close(&w->free_pairs);
     list_close(&w->free_contacts);
+    list_close(&w->free_more);
     list_close(&w->free_touches);
     list_close(&w->free_joints);
     list_close(&w->unbounded);
@@ -123,7 +125,7 @@ size_t world_bytes(const World *w)
 {
     size_t bytes = sizeof *w;
     bytes += list_bytes(&w->bodies) + list_bytes(&w->solids) + list_bytes(&w->pairs) + list_bytes(&w->contacts);
-    bytes += list_bytes(&w->touches) + list_bytes(&w->joints) + list_bytes(&w->pushes) + list_bytes(&w->events) + list_bytes(&w->pending);
+    bytes += list_bytes(&w->more) + list_bytes(&w->touches) + list_bytes(&w->joints) + list_bytes(&w->pushes) + list_bytes(&w->events) + list_bytes(&w->pending);
     bytes += list_bytes(&w->materials) + list_bytes(&w->material_pairs);
     bytes += map_bytes(&w->pair_map) + map_bytes(&w->touch_map) + (size_t)w->tree.capacity * sizeof(TreeNode);
     bytes += list_bytes(&w->near) + graph_bytes(w->graph) + arena_bytes(&w->scratch) + w->note_size;
@@ -180,8 +182,8 @@ uint64_t world_hash(const World *w)
         h = hash_u64(h, (uint64_t)p->solid_a << 32 | p->solid_b);
         for (uint32_t c = p->contact; c != NONE; c = w->contacts.data[c].next) {
             const Contact *contact = &w->contacts.data[c];
-            for (int k = 0; k < contact->manifold.count; k++) {
-                const PointMemory *m = &contact->memory[k];
+            for (int k = 0; k < contact->count; k++) {
+                const PointMemory *m = &contact_point_seen(w, contact, k)->memory;
                 h = hash_u64(hash_vec3(hash_real(h, m->normal), m->tangent), (uint64_t)m->held);
             }
             h = hash_vec3(h, contact->rolling);

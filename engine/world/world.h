@@ -39,45 +39,46 @@ typedef struct BodyWatch {
     uint32_t run[DIG_RULES];    /*        times in that row; 0 = none                   */
 } BodyWatch;
 
-typedef struct Body {
+typedef struct Body {           /* what every step reads comes first                   */
     uint32_t gen;               /*        generation of the handle                     */
     bool     alive, awake, collides, out;   /* out: already reported out of the world  */
     bool     listed;            /*        in world->awake                              */
     bool     paired;            /*        listed, and its pairs are in world->near     */
     dig_body_kind kind;
     dig_mode mode;
-    char     name[64];
+    uint32_t shape_first;       /* list through Solid.next                             */
+    uint32_t joint_first;       /* list through JointRec.next                          */
+    int      shape_count;
+    uint8_t  accuracy;          /* asked for this DIG's sake, 0 = the world's          */
+    uint8_t  integrator;        /* dig_integrator                                      */
+    bool     round_inertia;     /*        isotropic: no gyroscopic torque              */
+    bool     collided, euler;   /*        in the last step: struck; was not in free flight before */
     vec3     x;                 /* m      centre of mass, world                        */
     quat     q;                 /* 1      body to world                                */
     vec3     v, w;              /* m/s, rad/s of the centre of mass, world             */
     vec3     centre;            /* m      centre of mass in the body frame             */
     real     mass, inv_mass;    /* kg; 0 and 0 for static and kinematic                */
-    real     density;           /* kg/m^3 mean                                         */
-    mat3     inertia, inv_inertia;      /* kg m^2, body axes, about the centre         */
-    bool     round_inertia;     /*        isotropic: no gyroscopic torque              */
     real     gravity_scale;
     real     rate;              /* 1      of time where it is (world/region.h); 1 outside of all regions */
-    int64_t  group;
-    Surface  surface;
-    vec3     colour;            /* x < 0 = the material's                              */
-    uint32_t shape_first;       /* list through Solid.next                             */
-    int      shape_count;
-    uint32_t joint_first;       /* list through JointRec.next                          */
+    real     outer;             /* m      no point of it is farther from the centre    */
+    real     pull;              /* m/s^2  gravity and pushes do no more to any point of it in this step; made anew in each */
+    real     still;             /* s      time spent slower than the sleep threshold   */
+    mat3     inertia, inv_inertia;      /* kg m^2, body axes, about the centre         */
     vec3     prev_x;  quat prev_q;      /* before the last step                        */
     vec3     force, torque;     /* N, N m mean resultant of the last step              */
     vec3     hit_v, hit_w;      /* m/s, rad/s change by hits since the last step, for reports */
     real     work;              /* J      received from pushes and hits                */
-    real     outer;             /* m      no point of it is farther from the centre    */
-    real     pull;              /* m/s^2  gravity and pushes do no more to any point of it in this step; made anew in each */
-    real     still;             /* s      time spent slower than the sleep threshold   */
-    bool     collided, euler;   /*        in the last step: struck; was not in free flight before */
-    vec3     move_from, move_to; quat turn_from, turn_to; real move_start, move_end;   /* kinematic: s, end < start = none */
-    uint64_t message_id, message_root; real message_time; dig_body message_from; char message_kind[32];
-    uint8_t  accuracy;          /* asked for this DIG's sake, 0 = the world's          */
     uint16_t trace_wait, trace_pause;   /* steps until its group is traced again; how many it was put off for last */
     real     trace_step;        /* s      length of the last step of its traced motion; 0 = none */
-    uint8_t  integrator;        /* dig_integrator                                      */
     BodyWatch watch;            /* step/watch.c; no part of the state                  */
+    /* What steps hardly ever read comes last. */
+    char     name[64];
+    real     density;           /* kg/m^3 mean                                         */
+    int64_t  group;
+    Surface  surface;
+    vec3     colour;            /* x < 0 = the material's                              */
+    vec3     move_from, move_to; quat turn_from, turn_to; real move_start, move_end;   /* kinematic: s, end < start = none */
+    uint64_t message_id, message_root; real message_time; dig_body message_from; char message_kind[32];
 } Body;
 
 typedef struct Solid {          /* one shape in a body, or of the world itself (body == NONE) */
@@ -106,13 +107,18 @@ typedef struct PointMemory {    /* what a contact point remembers between steps 
     int      held;              /* substeps since it carried force, counted down to 0  */
 } PointMemory;
 
+typedef struct ContactPoint { ManifoldPoint at; PointMemory memory; } ContactPoint;
+typedef struct MorePoints { ContactPoint point[MANIFOLD_POINTS - 1]; } MorePoints;
+
 typedef struct Contact {        /* one manifold of a pair; a convex pair has at most one */
     uint32_t next;              /* of the same pair                                    */
     uint32_t piece;
+    uint32_t more;              /* in world->more: room for the points after the first; NONE until there were some */
     bool     idle;              /* no point, and no force in the last step: nothing to gather, mostly nothing to write back */
     bool     touching, sliding;
-    Manifold manifold;          /* at the end of the last step                         */
-    PointMemory memory[MANIFOLD_POINTS];
+    uint8_t  count;             /* points at the end of the last step; see contact_point */
+    vec3     normal;            /* 1   unit, from a to b                               */
+    ContactPoint first;
     vec3     rolling;           /* N m                                                 */
     vec3     force;             /* N on b, mean over the last step                     */
     vec3     point;             /* m   where                                           */
@@ -121,8 +127,10 @@ typedef struct Contact {        /* one manifold of a pair; a convex pair has at 
 } Contact;
 
 typedef struct Pair {           /* two solids whose fat boxes overlap; what every step reads comes first */
-    bool     alive;
-    bool     listed;            /* in world->near                                      */
+    bool     alive : 1;
+    bool     listed : 1;        /* in world->near                                      */
+    bool     pieces : 1;        /* with a mesh or height field: it has a list of contacts, else one at most */
+    bool     round : 1;         /* with a sphere: no contact of it has more than one point */
     bool     touching, fresh;   /* fresh: the stored manifold is not that of the present poses */
     uint32_t solid_a, solid_b, body_a, body_b;     /* body NONE: the world; solid_a < solid_b */
     uint32_t next[2], prev[2];  /* lists of the two solids, as 2 * pair + side         */
@@ -139,7 +147,6 @@ typedef struct Touch {          /* two bodies that touch by at least one pair   
     uint8_t  wall;
     bool     brief, bounced;    /* over: in w->brief; bounced: its link lives one step  */
     real     began;
-    vec3     point, normal, force;
     real     speed, impulse;    /* of the impact that began it                         */
 } Touch;
 
@@ -247,11 +254,12 @@ struct dig_world {
     LIST(Solid)    solids;
     LIST(Pair)     pairs;
     LIST(Contact)  contacts;
+    LIST(MorePoints) more;              /* of contacts                                 */
     LIST(Touch)    touches;
     LIST(JointRec) joints;
     LIST(Push)     pushes;
     LIST(Region)   regions; int region_count;
-    LIST(uint32_t) free_bodies, free_solids, free_pairs, free_contacts, free_touches, free_joints, free_regions;
+    LIST(uint32_t) free_bodies, free_solids, free_pairs, free_contacts, free_more, free_touches, free_joints, free_regions;
     LIST(uint32_t) unbounded;           /* solids that are planes                      */
     LIST(uint32_t) awake;               /* bodies to be advanced, ascending            */
     LIST(uint32_t) near;                /* pairs of listed bodies, and some that were; nearly ascending */
@@ -262,6 +270,7 @@ struct dig_world {
     LIST(MaterialPair) material_pairs;
     LIST(dig_event) events;             /* of the last step                            */
     LIST(dig_event) pending;            /* of calls since then                         */
+    int      events_most;               /* for so many, steps of late have made room   */
 
     Map      pair_map;                  /* (solid, solid, 0) -> pair                   */
     Map      touch_map;                 /* (body, body, wall) -> touch                 */
@@ -371,7 +380,18 @@ void       solid_remove(World *w, uint32_t slot);
 Surface    surface_resolve(const World *w, const Surface *s);           /* no NaN left */
 void       surface_pair(const World *w, const Surface *a, const Surface *b, Pair *p);
 
+/* Point k of a contact, less than its count; or, where it has room, than MANIFOLD_POINTS. */
+static inline ContactPoint *contact_point(World *w, Contact *c, int k) { return k == 0 ? &c->first : &w->more.data[c->more].point[k - 1]; }
+static inline const ContactPoint *contact_point_seen(const World *w, const Contact *c, int k)
+{
+    return k == 0 ? &c->first : &w->more.data[c->more].point[k - 1];
+}
+
 /* pair.c */
+dig_status contact_take(World *w, uint32_t *slot);      /* without a point, next or room for more than one */
+dig_status contact_widen(World *w, Contact *c);         /* room for all points; DIG_E_MEMORY: unchanged */
+void       contact_give(World *w, uint32_t slot);
+void       pair_sort(const World *w, Pair *p);           /* what its shapes make it: pieces, round */
 dig_status pair_add(World *w, uint32_t solid_a, uint32_t solid_b);
 void       pair_attach(World *w, uint32_t pair);        /* into the lists of its solids */
 void       pair_remove(World *w, uint32_t pair);

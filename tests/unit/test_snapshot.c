@@ -102,13 +102,13 @@ TEST(warm_start_is_restored)
     dig_snapshot *s = snapshot_of(w);
     real held = 0, again = 0;
     for (int i = 0; i < w->contacts.count; i++)
-        held += w->contacts.data[i].memory[0].normal;
+        held += w->contacts.data[i].first.memory.normal;
     CHECK(held > 1);
     Record r;
     record(w, &r);
     restore(w, s);
     for (int i = 0; i < w->contacts.count; i++)
-        again += w->contacts.data[i].memory[0].normal;
+        again += w->contacts.data[i].first.memory.normal;
     CHECK_NEAR(again, held, 0);
     same_again(w, &r);
     dig_snapshot_free(s);

@@ -286,7 +286,7 @@ static void approach(Meeting *m, Dice *d, real gap)
 static void find(const Meeting *m, const ManifoldPoint *p, Feature *f)
 {
     Sides sides;
-    feature_sides(&m->h.g, &m->pair, &m->m, &sides);
+    feature_sides(&m->h.g, &m->pair, m->m.normal, &sides);
     feature_find(&m->pair, &sides, p, f);
 }
 
