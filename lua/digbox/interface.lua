@@ -56,8 +56,8 @@ declare_type("world", "A world: all bodies, joints and laws of one simulation. d
   tasks = { "integer", "tasks that still run" } })
 declare("world:bodies", { "All bodies, in the order they were made.", gives = "body[]" })
 declare("world:joints", { "All joints, in the order they were made.", gives = "joint[]" })
-declare("world:find", { "The body or joint of that name, or else the truss, plank, cloth or lattice; the first, or nil.",
-  takes = { { "name", "text", "its name" } }, gives = "body|joint|truss|plank|cloth|lattice|nil" })
+declare("world:find", { "The body or joint of that name, or else the truss, plank, cloth, lattice or rope; the first, or nil.",
+  takes = { { "name", "text", "its name" } }, gives = "body|joint|truss|plank|cloth|lattice|rope|nil" })
 declare("world:digs", { "All dynamic interaction graphs of a layer.",
   takes = { { "layer", "text", "which", optional = true, of = LAYERS, default = "mechanical" } }, gives = "DIG[]" })
 declare("world:checksum", { "A number of the whole state, as text: equal states give equal ones.", gives = "string" })

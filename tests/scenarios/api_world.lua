@@ -251,6 +251,14 @@ scenario("a mesh comes from a list, and points make a hull", function(s)
   expect(tetra.mass):near(100, 1e-6)                  -- volume 1/6
   local ramp = world:mesh { fixed = true, vertices = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 0, 1 } }, triangles = { { 1, 3, 2 } } }
   expect(ramp.kind):is "static"
+  local corners = { { 1, 0, 0 }, { 2, 0, 0 }, { 1, 1, 0 }, { 1, 0, 1 } }
+  local open = world:mesh { vertices = corners, triangles = { { 1, 3, 2 }, { 1, 2, 4 }, { 1, 4, 3 } } }
+  expect(open.kind):is "static"                       -- it encloses nothing
+  local closed = world:mesh { vertices = corners, triangles = { { 1, 3, 2 }, { 1, 2, 4 }, { 1, 4, 3 }, { 2, 3, 4 } }, density = 600 }
+  expect(closed.kind):is "dynamic"
+  expect(closed.mass):near(100, 1e-6)
+  local refused = expect(function() world:mesh { vertices = corners, triangles = { { 1, 3, 2 } }, mass = 1 } end):fails()
+  expect(refused):contains "is the mesh closed?"
   local ground = world:heightfield { size = { 4, 0, 4 }, heights = { { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 0 } }, at = { 0, -5, 0 } }
   expect(ground.kind):is "static"
 end)
