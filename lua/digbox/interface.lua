@@ -88,7 +88,9 @@ local shape_at = { shape = { "any", "a shape, also as the first item or as spher
 declare("world:overlap", { "The bodies that a shape would overlap.", fields = shape_at, gives = "body[]" })
 declare("world:sweep", { "What a shape meets first on its way, or nil.", fields = core.join_fields(shape_at, {
   velocity = { "vec m/s", "its velocity", default = "{0, 0, 0}" },
-  acceleration = { "vec m/s^2", "its acceleration", default = "{0, 0, 0}" }, time = { "real s", "for how long", default = 1 } }),
+  acceleration = { "vec m/s^2", "its acceleration", default = "{0, 0, 0}" }, time = { "real s", "for how long", default = 1 },
+  from = { "vec m", "or where its way begins" }, to = { "vec m", "where that ends" },
+  along = { "vec", "or its direction" }, length = { "real m", "how long, with along", default = 10000 } }),
   gives = "hit|nil" })
 declare("world:link", { "Links two bodies in a layer other than the mechanical one.", fields = {
   a = { "body", "one end", need = true }, b = { "body", "the other", need = true },

@@ -227,6 +227,8 @@ end
 -- Fields that say the same in another way, or mean something only beside others: the good call without them, or with them
 local instead = {
   ["body:can_move"] = { turn = { along = false } }, ["world:ask"] = { turn = { along = false } },
+  ["world:sweep"] = { from = { to = { 1, 0, 0 } }, to = { from = { 0, 0, 0 } }, along = { from = { 0, 0, 0 } },
+    length = { from = { 0, 0, 0 }, along = { 1, 0, 0 } } },
   ["world:ray"] = { along = { to = false }, length = { to = false, along = { 1, 0, 0 } } },
   ["body:push"] = { along = { force = 1 } }, ["body:twist"] = { along = { torque = 1 } }, ["body:hit"] = { along = { impulse = 1 } },
   ["digbox.quat"] = { from = { axis = false, angle = false }, to = { axis = false, angle = false } },
