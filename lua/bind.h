@@ -201,6 +201,8 @@ void bind_arguments(lua_State *L, int table, const char *what);  /* checks that 
 bool bind_get_vec3(lua_State *L, int table, const char *what, const char *field, const char *unit, vec3 *value);
 bool bind_get_quat(lua_State *L, int table, const char *what, const char *field, quat *value);
 bool bind_get_real(lua_State *L, int table, const char *what, const char *field, const char *unit, real *value);
+/* Of the table at 2: a vector field, or a number (with unit) times the direction in its field `along`. */
+vec3 bind_directed(lua_State *L, const char *what, const char *field, const char *unit);
 
 /* ---- effects ------------------------------------------------------------------------ */
 

@@ -129,10 +129,11 @@ static void push_data_table(lua_State *L, const BodyRef *b)
     lua_pushinteger(L, (lua_Integer)(((uint64_t)b->id.slot << 32) | b->id.gen));
 }
 
-/* body.data: any Lua value the script wants to keep with the body */
+/* body.data: any Lua value the script wants to keep with the body; the functions of effects may look at it, too */
 static int get_data(lua_State *L)
 {
-    push_data_table(L, bind_check_body(L, 1));
+    const BodyRef *b = luaL_checkudata(L, 1, BIND_BODY);
+    push_data_table(L, b->world->shut ? b : bind_check_body(L, 1));
     lua_rawget(L, -2);
     return 1;
 }
@@ -321,31 +322,6 @@ static int body_newindex(lua_State *L)
 
 /* ---- acts ------------------------------------------------------------------------------ */
 
-/* A vector field, or a number (with unit) times the direction `along`. */
-static vec3 directed(lua_State *L, const char *what, const char *field, const char *unit)
-{
-    vec3 v = {0, 0, 0};
-    lua_pushstring(L, field);
-    int type = lua_rawget(L, 2);
-    if (type == LUA_TNIL)
-        bind_error(L, "%s: %s is missing", what, field);
-    if (type != LUA_TNUMBER && type != LUA_TSTRING) {
-        lua_pop(L, 1);
-        bind_get_vec3(L, 2, what, field, unit, &v);
-        return v;
-    }
-    real amount = bind_real(L, -1, unit, what, field);
-    if (isinf(amount))
-        bind_error(L, "%s.%s = inf %s, must be a finite number", what, field, unit);
-    lua_pop(L, 1);
-    if (!bind_get_vec3(L, 2, what, "along", "1", &v))
-        bind_error(L, "%s: %s is a number; it needs along = {x, y, z}", what, field);
-    real length = sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
-    if (!(length > 0))
-        bind_error(L, "%s.along = {0, 0, 0}, must not be zero: it is a direction", what);
-    return (vec3){amount * v.x / length, amount * v.y / length, amount * v.z / length};
-}
-
 /* A time that is not given is 0: one frame step. */
 static real span(lua_State *L, const char *what, const char *field)
 {
@@ -372,7 +348,7 @@ static int body_push(lua_State *L)
     BodyRef *b = bind_check_body(L, 1);
     vec3 at = {0, 0, 0};
     bind_arguments(L, 2, "body:push");
-    vec3 force = directed(L, "body:push", "force", "N");
+    vec3 force = bind_directed(L, "body:push", "force", "N");
     bool has_at = bind_get_vec3(L, 2, "body:push", "at", "m", &at);
     real lasts = span(L, "body:push", "lasts");
     note_push(L, b);
@@ -384,7 +360,7 @@ static int body_twist(lua_State *L)
 {
     BodyRef *b = bind_check_body(L, 1);
     bind_arguments(L, 2, "body:twist");
-    vec3 torque = directed(L, "body:twist", "torque", "N*m");
+    vec3 torque = bind_directed(L, "body:twist", "torque", "N*m");
     real lasts = span(L, "body:twist", "lasts");
     note_push(L, b);
     return done(L, b, dig_body_twist(b->world->w, b->id, torque, lasts));
@@ -396,7 +372,7 @@ static int body_hit(lua_State *L)
     BodyRef *b = bind_check_body(L, 1);
     vec3 at = {0, 0, 0};
     bind_arguments(L, 2, "body:hit");
-    vec3 impulse = directed(L, "body:hit", "impulse", "N*s");
+    vec3 impulse = bind_directed(L, "body:hit", "impulse", "N*s");
     bool has_at = bind_get_vec3(L, 2, "body:hit", "at", "m", &at);
     return done(L, b, dig_body_hit(b->world->w, b->id, impulse, at, has_at));
 }

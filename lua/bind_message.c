@@ -12,6 +12,11 @@ static void values_argument(lua_State *L, int arg, const char *what, real value[
     memset(value, 0, 4 * sizeof *value);
     if (lua_isnoneornil(L, arg))
         return;
+    const vec3 *v = luaL_testudata(L, arg, BIND_VEC);
+    if (v) {
+        memcpy(value, (real[3]){v->x, v->y, v->z}, 3 * sizeof *value);
+        return;
+    }
     if (!lua_istable(L, arg)) {
         value[0] = bind_real(L, arg, NULL, what, "value");
         return;
@@ -19,6 +24,9 @@ static void values_argument(lua_State *L, int arg, const char *what, real value[
     lua_Unsigned n = lua_rawlen(L, arg);
     if (n > 4)
         bind_error(L, "%s: a message carries at most 4 numbers; got %d", what, (int)n);
+    for (lua_pushnil(L); lua_next(L, arg); lua_pop(L, 1))
+        if (!lua_isinteger(L, -2))
+            bind_error(L, "%s: a message carries numbers without names; got '%s'", what, bind_text(L, -2));
     for (lua_Unsigned i = 0; i < n; i++) {
         lua_rawgeti(L, arg, (lua_Integer)i + 1);
         value[i] = bind_real(L, -1, NULL, what, "value");

@@ -8,6 +8,7 @@
 
 #include "bind.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -100,23 +101,120 @@ static int show_all(lua_State *L, const dig_effect_call *c)
     return zero;
 }
 
+/* Is the value on top of the stack a vector with a component that is no finite number? */
+static bool is_endless(lua_State *L)
+{
+    static const char *const names[] = {"x", "y", "z"};
+    const vec3 *v = luaL_testudata(L, -1, BIND_VEC);
+    bool endless = v && !(isfinite(v->x) && isfinite(v->y) && isfinite(v->z));
+    for (int i = 0; i < 3 && lua_istable(L, -1); i++) {
+        if (lua_rawgeti(L, -1, i + 1) == LUA_TNIL) {
+            lua_pop(L, 1);
+            lua_pushstring(L, names[i]);
+            lua_rawget(L, -2);
+        }
+        endless = endless || (lua_type(L, -1) == LUA_TNUMBER && !isfinite(lua_tonumber(L, -1)));
+        lua_pop(L, 1);
+    }
+    return endless;
+}
+
+/* What the view on top of the stack says of its force or torque. */
 static vec3 take(lua_State *L, const OwnRef *o, const char *name, const char *unit, int zero)
 {
     vec3 v = {0, 0, 0};
     lua_pushstring(L, name);
     lua_rawget(L, -2);
+    if (is_endless(L)) {
+        lua_getfield(L, -2, "body");
+        bind_push_body_name(L, lua_touserdata(L, -1));
+        bind_error(L, "at t = %g s %s gave %s a non-finite %s", o->call->time, o->who, lua_tostring(L, -1), name);
+    }
     if (!lua_rawequal(L, -1, zero) && !lua_isnil(L, -1))
         v = bind_vec3(L, -1, unit, o->who, name);
     lua_pop(L, 1);
     return v;
 }
 
-/* view.forse = f, view.speed: no such field */
-static int unknown_field(lua_State *L)
+/* view:push{...}: more force and torque, besides what the view says already */
+static void add(lua_State *L, const char *who, const char *name, const char *unit, vec3 more)
+{
+    lua_getfield(L, 1, name);
+    vec3 v = lua_isnil(L, -1) ? (vec3){0, 0, 0} : bind_vec3(L, -1, unit, who, name);
+    lua_pop(L, 1);
+    show_vec3(L, 1, name, (vec3){v.x + more.x, v.y + more.y, v.z + more.z});
+}
+
+static void check_act(lua_State *L, const char *what)
+{
+    lua_settop(L, 2);
+    if (!lua_istable(L, 1))
+        bind_error(L, "%s: expected a body, got %s (methods are called with ':')", what, luaL_typename(L, 1));
+    bind_arguments(L, 2, what);
+    lua_getfield(L, 2, "lasts");
+    if (!lua_isnil(L, -1))
+        bind_error(L, "%s.lasts: not here, an effect is asked again at every step", what);
+    lua_settop(L, 2);
+}
+
+/* view:push{force=, along=, at=} -> view: as body:push, while the effect is asked */
+static int view_push(lua_State *L)
+{
+    static const char what[] = "body:push";
+    const char *who = lua_tostring(L, lua_upvalueindex(1));
+    vec3 at;
+    check_act(L, what);
+    vec3 force = bind_directed(L, what, "force", "N");
+    add(L, who, "force", "N", force);
+    if (bind_get_vec3(L, 2, what, "at", "m", &at)) {
+        lua_getfield(L, 1, "centre");
+        vec3 centre = bind_vec3(L, -1, "m", who, "centre"), arm = {at.x - centre.x, at.y - centre.y, at.z - centre.z};
+        add(L, who, "torque", "N*m", (vec3){arm.y * force.z - arm.z * force.y, arm.z * force.x - arm.x * force.z, arm.x * force.y - arm.y * force.x});
+    }
+    lua_settop(L, 1);
+    return 1;
+}
+
+/* view:twist{torque=, along=} -> view */
+static int view_twist(lua_State *L)
+{
+    static const char what[] = "body:twist";
+    check_act(L, what);
+    add(L, lua_tostring(L, lua_upvalueindex(1)), "torque", "N*m", bind_directed(L, what, "torque", "N*m"));
+    lua_settop(L, 1);
+    return 1;
+}
+
+/* view.name, view.data, view.speed, view.push; view.forse: no such field. Upvalues: who, the table of the two acts. */
+static int view_index(lua_State *L)
 {
     lua_settop(L, 2);
     const char *key = bind_text(L, 2);
-    return bind_unknown(L, lua_tostring(L, lua_upvalueindex(1)), "a body has no field", key, 1, 1);
+    if (strcmp(key, "name") == 0 || strcmp(key, "data") == 0) {
+        lua_getfield(L, 1, "body");
+        lua_getfield(L, -1, key);
+        return 1;
+    }
+    if (strcmp(key, "speed") == 0) {
+        lua_getfield(L, 1, "velocity");
+        vec3 v = bind_vec3(L, -1, "m/s", NULL, key);
+        lua_pushnumber(L, sqrt(v.x * v.x + v.y * v.y + v.z * v.z));
+        return 1;
+    }
+    lua_settop(L, 2);
+    lua_pushvalue(L, 2);
+    if (lua_rawget(L, lua_upvalueindex(2)) != LUA_TNIL)
+        return 1;
+    lua_pushvalue(L, lua_upvalueindex(2));
+    lua_replace(L, 2);
+    return bind_unknown(L, lua_tostring(L, lua_upvalueindex(1)), "a body has no field", key, 1, 2);
+}
+
+/* view.forse = f */
+static int view_newindex(lua_State *L)
+{
+    lua_settop(L, 2);
+    return bind_unknown(L, lua_tostring(L, lua_upvalueindex(1)), "a body has no field", bind_text(L, 2), 1, 1);
 }
 
 /* ---- calls ---------------------------------------------------------------------------- */
@@ -245,7 +343,10 @@ void bind_own_check(lua_State *L, WorldRef *world)
         push_definition(L, o);
     else
         lua_pushlstring(L, text, (size_t)(rest - text));
-    lua_pushfstring(L, strncmp(rest, "effect '", 8) == 0 ? "%s" : "effect '%s': %s", strncmp(rest, "effect '", 8) == 0 ? rest : o->name, rest);
+    if (strncmp(rest, "effect '", 8) == 0 || strncmp(rest, "at t = ", 7) == 0)
+        lua_pushstring(L, rest);
+    else
+        lua_pushfstring(L, "effect '%s': %s", o->name, rest);
     lua_concat(L, 2);
     lua_error(L);
 }
@@ -264,6 +365,24 @@ static dig_stage stage_named(lua_State *L, const char *name)
     return DIG_STAGE_FORCE;
 }
 
+/* The metatable of what stands for a body. */
+static void push_meta(lua_State *L, const char *who)
+{
+    static const luaL_Reg acts[] = {{"push", view_push}, {"twist", view_twist}, {NULL, NULL}};
+    lua_createtable(L, 0, 3);
+    lua_pushfstring(L, "%s:", who);
+    luaL_newlibtable(L, acts);
+    lua_pushstring(L, who);
+    luaL_setfuncs(L, acts, 1);
+    lua_pushcclosure(L, view_index, 2);
+    lua_setfield(L, -2, "__index");
+    lua_pushfstring(L, "%s:", who);
+    lua_pushcclosure(L, view_newindex, 1);
+    lua_setfield(L, -2, "__newindex");
+    lua_pushboolean(L, 0);
+    lua_setfield(L, -2, "__metatable");
+}
+
 /* The thread on top of L gets what lies at 2 (effect), 5 (step) and 6 (energy), and its own tables. */
 static void furnish(lua_State *L, OwnRef *o)
 {
@@ -277,14 +396,7 @@ static void furnish(lua_State *L, OwnRef *o)
     lua_newtable(o->thread);
     lua_pushvalue(L, 1);
     lua_xmove(L, o->thread, 1);
-    lua_newtable(o->thread);
-    for (int i = 0; i < 2; i++) {
-        lua_pushfstring(o->thread, "%s:", o->who);
-        lua_pushcclosure(o->thread, unknown_field, 1);
-        lua_setfield(o->thread, OWN_META, i == 0 ? "__index" : "__newindex");
-    }
-    lua_pushboolean(o->thread, 0);
-    lua_setfield(o->thread, OWN_META, "__metatable");
+    push_meta(o->thread, o->who);
     lua_pushnil(o->thread);
 }
 

@@ -3,6 +3,7 @@
 #include "bind.h"
 
 #include <math.h>
+#include <string.h>
 
 static void push_hit(lua_State *L, const dig_hit *hit)
 {
@@ -17,26 +18,33 @@ static void push_hit(lua_State *L, const dig_hit *hit)
     bind_set_real(L, "fraction", hit->fraction);
 }
 
+/* The way in the fields from, and to or along and length, of the table at 2: its start, unit direction or not, and length. */
+static void read_way(lua_State *L, const char *what, vec3 *from, vec3 *along, real *length)
+{
+    vec3 to;
+    bool has_from = bind_get_vec3(L, 2, what, "from", "m", from), has_to = bind_get_vec3(L, 2, what, "to", "m", &to);
+    bool has_along = bind_get_vec3(L, 2, what, "along", "1", along);
+    if (!has_from)
+        bind_error(L, "%s: from is missing", what);
+    if (has_to == has_along)
+        bind_error(L, "%s wants either to or along", what);
+    if (has_to)
+        *along = (vec3){to.x - from->x, to.y - from->y, to.z - from->z};
+    real norm = sqrt(along->x * along->x + along->y * along->y + along->z * along->z);
+    *length = has_to ? norm : 1e4;
+    bind_get_real(L, 2, what, "length", "m", length);
+    if (!(norm > 0))
+        bind_error(L, "%s: the %s has no direction", what, strcmp(what, "world:ray") == 0 ? "ray" : "way");
+}
+
 /* world:ray{from=, to=} or {from=, along=, length=} -> hits by distance */
 static int world_ray(lua_State *L)
 {
     WorldRef *ref = bind_check_world(L, 1);
-    vec3 from = {0, 0, 0}, to = {0, 0, 0}, along = {0, 0, 0};
-    real length = 1e4;
+    vec3 from, along;
+    real length;
     bind_arguments(L, 2, "world:ray");
-    if (!bind_get_vec3(L, 2, "world:ray", "from", "m", &from))
-        return bind_error(L, "world:ray: from is missing");
-    bool has_to = bind_get_vec3(L, 2, "world:ray", "to", "m", &to);
-    bool has_along = bind_get_vec3(L, 2, "world:ray", "along", "1", &along);
-    if (has_to == has_along)
-        return bind_error(L, "world:ray wants either to or along");
-    if (has_to) {
-        along = (vec3){to.x - from.x, to.y - from.y, to.z - from.z};
-        length = sqrt(along.x * along.x + along.y * along.y + along.z * along.z);
-    }
-    bind_get_real(L, 2, "world:ray", "length", "m", &length);
-    if (!(along.x * along.x + along.y * along.y + along.z * along.z > 0))
-        return bind_error(L, "world:ray: the ray has no direction");
+    read_way(L, "world:ray", &from, &along, &length);
     dig_hit hits[256];
     int n = dig_ray(ref->w, from, along, length, hits, 256);
     if (n > 256)
@@ -68,7 +76,7 @@ static int world_overlap(lua_State *L)
     return 1;
 }
 
-/* world:sweep{shape, at=, rotation=, velocity=, acceleration=, time=} -> hit or nil */
+/* world:sweep{shape, at=, rotation=, velocity=, acceleration=, time=} or {shape, rotation=, from=, to= | along=, length=} -> hit or nil */
 static int world_sweep(lua_State *L)
 {
     WorldRef *ref = bind_check_world(L, 1);
@@ -77,9 +85,20 @@ static int world_sweep(lua_State *L)
     real time = 1;
     dig_hit hit;
     const dig_shape_def *shape = bind_shape_argument(L, "world:sweep", &at);
-    bind_get_vec3(L, 2, "world:sweep", "velocity", "m/s", &velocity);
-    bind_get_vec3(L, 2, "world:sweep", "acceleration", "m/s^2", &acceleration);
-    bind_get_real(L, 2, "world:sweep", "time", "s", &time);
+    bool moves = bind_get_vec3(L, 2, "world:sweep", "velocity", "m/s", &velocity);
+    moves = bind_get_vec3(L, 2, "world:sweep", "acceleration", "m/s^2", &acceleration) || moves;
+    moves = bind_get_real(L, 2, "world:sweep", "time", "s", &time) || moves;
+    vec3 from, along, old;
+    real length;
+    if (bind_get_vec3(L, 2, "world:sweep", "from", "m", &from) || bind_get_vec3(L, 2, "world:sweep", "to", "m", &from) ||
+        bind_get_vec3(L, 2, "world:sweep", "along", "1", &along) || bind_get_real(L, 2, "world:sweep", "length", "m", &length)) {
+        read_way(L, "world:sweep", &from, &along, &length);
+        if (moves || bind_get_vec3(L, 2, "world:sweep", "at", "m", &old))
+            return bind_error(L, "world:sweep wants either from, and to or along, or at and velocity");
+        real share = length / sqrt(along.x * along.x + along.y * along.y + along.z * along.z);
+        at.p = (vec3){at.p.x + from.x, at.p.y + from.y, at.p.z + from.z};
+        velocity = (vec3){along.x * share, along.y * share, along.z * share};
+    }
     int found = dig_sweep(ref->w, shape, at, velocity, acceleration, time, &hit);
     if (found < 0)
         return bind_fail(L, ref->w, DIG_E_ARG);

@@ -245,3 +245,27 @@ bool bind_get_real(lua_State *L, int table, const char *what, const char *field,
     lua_pop(L, 1);
     return true;
 }
+
+vec3 bind_directed(lua_State *L, const char *what, const char *field, const char *unit)
+{
+    vec3 v = {0, 0, 0};
+    lua_pushstring(L, field);
+    int type = lua_rawget(L, 2);
+    if (type == LUA_TNIL)
+        bind_error(L, "%s: %s is missing", what, field);
+    if (type != LUA_TNUMBER && type != LUA_TSTRING) {
+        lua_pop(L, 1);
+        bind_get_vec3(L, 2, what, field, unit, &v);
+        return v;
+    }
+    real amount = bind_real(L, -1, unit, what, field);
+    if (isinf(amount))
+        bind_error(L, "%s.%s = inf %s, must be a finite number", what, field, unit);
+    lua_pop(L, 1);
+    if (!bind_get_vec3(L, 2, what, "along", "1", &v))
+        bind_error(L, "%s: %s is a number; it needs along = {x, y, z}", what, field);
+    real length = sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
+    if (!(length > 0))
+        bind_error(L, "%s.along = {0, 0, 0}, must not be zero: it is a direction", what);
+    return (vec3){amount * v.x / length, amount * v.y / length, amount * v.z / length};
+}

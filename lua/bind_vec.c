@@ -58,6 +58,7 @@ static int vec_new(lua_State *L)
     if (lua_gettop(L) == 1) {
         v = bind_vec3(L, 1, "m", "digbox.vec", NULL);
     } else {
+        lua_settop(L, 3);
         v.x = bind_real(L, 1, "m", "digbox.vec", "x");
         v.y = bind_real(L, 2, "m", "digbox.vec", "y");
         v.z = bind_real(L, 3, "m", "digbox.vec", "z");

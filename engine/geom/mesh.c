@@ -1,4 +1,4 @@
-/* geom/mesh.c - the triangle mesh: always static; a closed one has an inside and an exact mass. */
+/* geom/mesh.c - the triangle mesh: a closed one has an inside and an exact mass. */
 #include "geom/mesh_build.h"
 
 static const dig_param mesh_params[] = {
@@ -160,7 +160,7 @@ static uint32_t mesh_neighbour(const Shape *s, uint32_t piece, int edge)
 
 const ShapeType shape_mesh = {
     .name     = "mesh",
-    .doc      = "A surface of triangles; always static.",
+    .doc      = "A surface of triangles; without mass unless it is closed.",
     .params   = mesh_params,
     .def_size = sizeof(dig_mesh_def),
     .make     = mesh_make,

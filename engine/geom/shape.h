@@ -64,7 +64,7 @@ struct ShapeType {
             size_t      def_size;
         };
     };
-    bool        solid;          /* false: plane, mesh, height field; static bodies only       */
+    bool        solid;          /* false: plane, mesh, height field, which are surfaces        */
     bool        convex;         /* has support()                                              */
     /* Checks def (already inside its ranges) and fills shape. why gets one sentence with value, unit and bound. */
     dig_status (*make)(const void *def, Shape *shape, char *why, size_t capacity);

@@ -378,6 +378,32 @@ static bool fits(Dimension got, Dimension wanted)
     return same_dimension(got, wanted) || (same_but_angle(got, wanted) && got.rad == 0 && wanted.rad < 0);
 }
 
+/* " (did you mean 'cm'?)" for "cmm": the nearest unit of the dimension that is wanted; nothing when none is near. */
+static void suggest(const char *unit, const char *bad, Dimension wanted, char *out, size_t capacity)
+{
+    static const char *const products[] = {"m/s", "m/s^2", "rad/s", "N m", "N/m", "N s", "N s/m", "N m/rad", "kg/m^3", "kg m^2", "W/(m K)",
+                                           "W/(m^2 K)", "J/(kg K)"};
+    enum { PRODUCTS = sizeof products / sizeof *products, MOST = PRODUCTS + (PREFIX_COUNT + 1) * 8 };
+    char text[MOST][12], none[64];
+    const char *candidates[MOST];
+    int n = 0;
+    for (int i = 0; i < UNIT_COUNT; i++)
+        for (int k = -1; same_dimension(units[i].d, wanted) && k < (units[i].prefixed ? PREFIX_COUNT : 0) && n < MOST; k++)
+            snprintf(text[n++], sizeof *text, "%s%s", k < 0 ? "" : prefixes[k].symbol, units[i].symbol);
+    for (int i = 0; i < PRODUCTS && n < MOST; i++) {
+        Dimension d = {0};
+        real scale;
+        if (unit_read(products[i], &d, &scale, none, sizeof none) == DIG_OK && fits(d, wanted))
+            snprintf(text[n++], sizeof *text, "%s", products[i]);
+    }
+    for (int i = 0; i < n; i++)
+        candidates[i] = text[i];
+    const char *near = strlen(bad) > 1 ? dig_suggest(unit, candidates, n) : NULL;
+    out[0] = '\0';
+    if (near)
+        snprintf(out, capacity, " (did you mean '%s'?)", near);
+}
+
 static dig_status finish(const char *text, real x, real scale, real *value, char *why, size_t capacity)
 {
     real result = x * scale;
@@ -409,7 +435,10 @@ dig_status dig_unit_parse(const char *text, const char *want, real *value, char 
         got.K = 1;
         x += 273.15;        /* ice point, K: BIPM 2.3.1 */
     } else if (*p && unit_read(p, &got, &scale, bad, sizeof bad) != DIG_OK) {
-        snprintf(why, capacity, "'%.40s': unknown unit '%s'", text, bad);
+        char meant[48] = "";
+        if (want)
+            suggest(p, bad, wanted, meant, sizeof meant);
+        snprintf(why, capacity, "'%.40s': unknown unit '%s'%s", text, bad, meant);
         return DIG_E_FORMAT;
     } else if (!*p && want && !fits(got, wanted)) {
         snprintf(why, capacity, "'%.40s' has no unit (write '%.40s %s' or a plain number)", text, text, want);

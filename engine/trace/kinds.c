@@ -60,7 +60,8 @@ static real mobility_of(const Group *g, const Touching *c, bool roll)
     return roll ? real_max(ii.r0.x, real_max(ii.r1.y, ii.r2.z)) : most;
 }
 
-static void start_kinds(Tracer *t)
+/* False: a motor without a bound is not at its speed. It gets there by a blow, which no force that is followed can be. */
+static bool start_kinds(Tracer *t)
 {
     for (int i = 0; i < t->touch_count; i++) {
         Touching *c = &t->touch[i];
@@ -77,7 +78,12 @@ static void start_kinds(Tracer *t)
         const Row *r = trace_row(t, h->joint, h->slot);
         real off = h->target - h->rate;
         h->side = fabs(off) * (r && r->angular ? t->size : 1) <= t->slip_zero ? 0 : off > 0 ? 1 : -1;
+        if (h->side != 0 && isinf(h->most)) {
+            t->fault = "a motor without a bound that is not at its speed";
+            return false;
+        }
     }
+    return true;
 }
 
 /* Where one slip comes to its end, those as slow that lose speed end with it: one at a time they would drag each other on. */
@@ -318,7 +324,8 @@ static bool start_slips(Tracer *t, real acc_scale)
 bool trace_kinds(Tracer *t)
 {
     int n = t->touch_count + t->stop_count + t->hold_count, directions = 0;
-    start_kinds(t);
+    if (!start_kinds(t))
+        return false;
     apply_hint(t);
     change_weights(t);          /* by the forces of before: most often they are those of now */
     t->sys.redundant = false;

@@ -280,8 +280,18 @@ static void detach_solids(World *w, uint32_t slot)
     }
 }
 
-dig_status body_create(World *w, const dig_body_def *def, dig_body *out)
+/* Surfaces alone, which enclose nothing and so have no mass: unless one is given, they stand still, as planes do. */
+static bool stands_still(const dig_body_def *def, const Shape *shapes)
 {
+    for (int i = 0; i < def->shape_count; i++)
+        if (strcmp(shapes[i].type->name, "mesh") != 0 || shape_mesh_closed(&shapes[i]))
+            return false;
+    return !def->kinematic && isnan(def->mass) && isnan(def->density) && vec3_length2(def->velocity) + vec3_length2(def->spin) == 0;
+}
+
+dig_status body_create(World *w, const dig_body_def *given, dig_body *out)
+{
+    dig_body_def still = *given, *def = &still;
     DIG_TRY(check_def(w, def));
     arena_reset(&w->scratch);
     Shape *shapes = arena_zero(&w->scratch, (size_t)def->shape_count * sizeof *shapes);
@@ -289,6 +299,7 @@ dig_status body_create(World *w, const dig_body_def *def, dig_body *out)
     if (!shapes || !materials)
         return world_fail(w, DIG_E_MEMORY, "body '%s': not enough memory", def->name.s);
     DIG_TRY(make_shapes(w, def, shapes, materials));
+    still.fixed = still.fixed || stands_still(def, shapes);
 
     uint32_t slot;
     uint32_t old_count = (uint32_t)w->bodies.count;

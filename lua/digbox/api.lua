@@ -61,8 +61,8 @@ end
 
 for _, entry in ipairs(core.declared.list) do add(entry) end
 for _, s in ipairs(core.schemas "shape") do
-  constructor("world", ":", s.name, "Makes a body: " .. s.help .. ".", "shape " .. s.name, "body", "body")
-  constructor("digbox", ".", s.name, "Makes a shape: " .. s.help .. ".", "shape " .. s.name, "part", "shape")
+  constructor("world", ":", s.name, "Makes a body: " .. s.help:gsub("%.$", "") .. ".", "shape " .. s.name, "body", "body")
+  constructor("digbox", ".", s.name, "Makes a shape: " .. s.help:gsub("%.$", "") .. ".", "shape " .. s.name, "part", "shape")
 end
 constructor("world", ":", "ball", "The same as world:sphere.", "shape sphere", "body", "body")
 for _, s in ipairs(core.schemas "joint") do
@@ -87,7 +87,7 @@ for _, name in ipairs(sorted(core.declared.events)) do api.events[#api.events + 
 
 api.owners = { "digbox", "world", "body", "joint", "DIG", "region", "link", "vector", "rotation", "shape", "snapshot", "subscription",
   "task",
-  "effect", "room", "heater", "truss", "plank", "cloth", "lattice", "parts", "door", "drawer", "lift", "clock", "lava_lamp",
+  "effect", "room", "heater", "truss", "plank", "cloth", "lattice", "rope", "parts", "door", "drawer", "lift", "clock", "lava_lamp",
   "ragdoll", "truck", "camera", "film", "answer", "hit", "event", "test", "scenario",
     "expect" }
 

@@ -1,4 +1,4 @@
--- digbox/build.lua - ready-made bodies out of the engine's shapes: floor, room, rod, bucket, rope of segments, meshes from files.
+-- digbox/build.lua - ready-made bodies out of the engine's shapes: floor, room, rod, bucket, meshes from files.
 
 local core = ...
 local next, type = next, type
@@ -6,7 +6,7 @@ local next, type = next, type
 local methods = core.types.world.methods
 
 -- Splits a table of fields: those named in spec, checked; the others, which must be fields of a body.
-local function split(what, fields, spec, also)
+local function split(what, fields, spec)
   if type(fields) ~= "table" then core.fail("%s wants a table of fields; got %s", what, core.type(fields)) end
   local own, rest = {}, {}
   local strange
@@ -15,11 +15,10 @@ local function split(what, fields, spec, also)
       own[key] = value
     else
       rest[key] = value
-      local known = core.body_fields[key] or also and also[key]
-      if not known and (not strange or tostring(key) < tostring(strange)) then strange = key end
+      if not core.body_fields[key] and (not strange or tostring(key) < tostring(strange)) then strange = key end
     end
   end
-  if strange ~= nil then core.unknown(what .. ":", "unknown field", tostring(strange), spec, core.body_fields, also or {}) end
+  if strange ~= nil then core.unknown(what .. ":", "unknown field", tostring(strange), spec, core.body_fields) end
   return core.check(own, what, spec), rest
 end
 
@@ -158,69 +157,6 @@ function methods.bucket(world, fields)
   end
   for _, part in ipairs(own.parts or {}) do rest.parts[#rest.parts + 1] = part end
   return compound(world, rest)
-end
-
--- ---- rope ----
-
-local engine_rope = methods.rope
-local rope_fields = {
-  a = { "any", "the body it begins at", type = "body" }, b = { "any", "the body it ends at", type = "body" },
-  at = { "vec m", "where it begins; default the place of a" }, to = { "vec m", "where it ends; default the place of b" },
-  length = { "real m >0", "its length; default the distance of its ends" },
-  segments = { "int 1 >0", "with segments it is a chain of rods: {links=, joints=}" },
-  radius = { "real m >0", "of its rods; default a tenth of their length" }, breaks_at = { "real N >0", "breaks when a joint bears more" } }
-local rope_shown = core.join_fields(rope_fields)
-rope_shown.breaks_at = nil              -- as of the joint
-core.declare("world:rope", { "Ends never farther apart than its length; with segments a chain of rods that has mass.", fields = rope_shown,
-  with = { "joint rope", "body" }, gives = "joint|table" })
-
--- Corners of a rope of the given length hung between two points: straight, or a V when it is longer than their distance.
-local function rope_corners(from, to, length, down, n)
-  local span, middle = #(to - from), (from + to) / 2
-  local sag = math.sqrt(math.max(0, (length / 2) ^ 2 - (span / 2) ^ 2))
-  local apex = middle + down * sag
-  local corners = {}
-  for i = 0, n do
-    local s = i / n
-    corners[i] = s <= 0.5 and from + (apex - from) * (2 * s) or apex + (to - apex) * (2 * s - 1)
-  end
-  return corners
-end
-
-local function rope_of_segments(world, fields)
-  local own, rest = split("world:rope", fields, rope_fields)
-  need("world:rope", own, "a")
-  local from = own.at or own.a.position
-  local to = own.to or own.b and own.b.position
-  if not to then core.fail "world:rope: a rope of segments wants b or to" end
-  local length = own.length or #(to - from)
-  if length < #(to - from) * (1 - 1e-9) then
-    core.fail("world:rope: length = %g m, must be at least the distance of its ends (%g m)", length, #(to - from))
-  end
-  local g = world.gravity
-  local n = own.segments + own.segments % 2
-  local corners = rope_corners(from, to, length, #g > 0 and g:normalized() or core.vec(0, -1, 0), n)
-  local radius, name = own.radius or length / n / 10, rest.name or "rope"
-  local links, joints, before = {}, {}, own.a
-  for i = 1, n do
-    local p, q = corners[i - 1], corners[i]
-    local piece = {}
-    for k, v in next, rest do piece[k] = v end
-    piece.name, piece.from, piece.to, piece.radius = ("%s %d"):format(name, i), p, q, radius
-    links[i] = methods.rod(world, piece)
-    joints[i] = methods.ball_joint(world, { a = before, b = links[i], at = p, breaks_at = own.breaks_at })
-    before = links[i]
-  end
-  joints[n + 1] = methods.ball_joint(world, { a = before, b = own.b, at = to, breaks_at = own.breaks_at })
-  return { links = core.list(links), joints = core.list(joints) }
-end
-
--- world:rope{a=, b=, length=}: ends never farther apart than length, without mass.
--- world:rope{a=, b=, length=, segments=, radius=}: a chain of rods -> {links=, joints=}
-function methods.rope(world, fields)
-  if type(fields) == "table" and fields.segments ~= nil then return rope_of_segments(world, fields) end
-  if not engine_rope then core.fail "world:rope: this engine only has ropes of segments: give segments = 20" end
-  return engine_rope(world, fields)
 end
 
 -- ---- meshes from files ----

@@ -46,7 +46,7 @@ core.declare("world:add_effect", { "Adds an effect of the script's own: a functi
   stage = { "text", "when it is asked", of = { "force", "settle" }, default = "force" },
   law = { "text", "its equation, for world:effects()" },
   bodies = { "any", "who takes part: a list, or a function of a body; default all that move", type = "body|body[]|function" },
-  step = { "any", "function(effect, bodies, dt): sets bodies[i].force, N, and .torque, N m", type = "function", need = true },
+  step = { "any", "function(effect, bodies, dt): sets bodies[i].force, N, and .torque, N m, or pushes", type = "function", need = true },
   energy = { "any", "function(effect, bodies): J that the forces store", type = "function" },
   data = { "any", "kept as effect.data" } }, gives = "effect" })
 
@@ -73,7 +73,8 @@ local function check_list(list)
 end
 
 -- world:add_effect{name=, stage="force"|"settle", bodies=list or function(body), step=function(effect, bodies, dt), energy=, law=, data=}
--- bodies: default all that move. step sets bodies[i].force, N, and .torque, N m. energy(effect, bodies) -> J that the forces store.
+-- bodies: default all that move. step sets bodies[i].force, N, and .torque, N m; bodies[i]:push and :twist add to them.
+-- energy(effect, bodies) -> J that the forces store.
 function methods.add_effect(world, fields)
   core.forbid_in_handler(world, "world:add_effect")
   local f = core.check(fields, "world:add_effect")

@@ -126,7 +126,7 @@ end
 local function copy_for(e, body)
   local copy = {}
   for k, v in next, e do copy[k] = v end
-  if body and e.b == body then
+  if e.b and (body == e.b or e.wall) then                   -- a wall of the room is no body: it is never self
     copy.self, copy.other, copy.normal = e.b, e.a, -e.normal
   else
     copy.self, copy.other = e.a, e.b

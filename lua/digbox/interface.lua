@@ -56,8 +56,8 @@ declare_type("world", "A world: all bodies, joints and laws of one simulation. d
   tasks = { "integer", "tasks that still run" } })
 declare("world:bodies", { "All bodies, in the order they were made.", gives = "body[]" })
 declare("world:joints", { "All joints, in the order they were made.", gives = "joint[]" })
-declare("world:find", { "The body or joint of that name, or else the truss, plank, cloth or lattice; the first, or nil.",
-  takes = { { "name", "text", "its name" } }, gives = "body|joint|truss|plank|cloth|lattice|nil" })
+declare("world:find", { "The body or joint of that name, or else the truss, plank, cloth, lattice or rope; the first, or nil.",
+  takes = { { "name", "text", "its name" } }, gives = "body|joint|truss|plank|cloth|lattice|rope|nil" })
 declare("world:digs", { "All dynamic interaction graphs of a layer.",
   takes = { { "layer", "text", "which", optional = true, of = LAYERS, default = "mechanical" } }, gives = "DIG[]" })
 declare("world:checksum", { "A number of the whole state, as text: equal states give equal ones.", gives = "string" })
@@ -88,7 +88,9 @@ local shape_at = { shape = { "any", "a shape, also as the first item or as spher
 declare("world:overlap", { "The bodies that a shape would overlap.", fields = shape_at, gives = "body[]" })
 declare("world:sweep", { "What a shape meets first on its way, or nil.", fields = core.join_fields(shape_at, {
   velocity = { "vec m/s", "its velocity", default = "{0, 0, 0}" },
-  acceleration = { "vec m/s^2", "its acceleration", default = "{0, 0, 0}" }, time = { "real s", "for how long", default = 1 } }),
+  acceleration = { "vec m/s^2", "its acceleration", default = "{0, 0, 0}" }, time = { "real s", "for how long", default = 1 },
+  from = { "vec m", "or where its way begins" }, to = { "vec m", "where that ends" },
+  along = { "vec", "or its direction" }, length = { "real m", "how long, with along", default = 10000 } }),
   gives = "hit|nil" })
 declare("world:link", { "Links two bodies in a layer other than the mechanical one.", fields = {
   a = { "body", "one end", need = true }, b = { "body", "the other", need = true },

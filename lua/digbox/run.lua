@@ -24,7 +24,8 @@ local function check_inside(handle, what)
 end
 
 core.declare_type("task", "A function that runs beside the world and can wait.", Task)
-core.declare("task:wait", { "Goes on after that time.", takes = { { "time", "real s >=0", "how long" } } })
+core.declare("task:wait", { "Goes on after that time.", takes = { { "time", "real s >=0", "how long; not given: until after the next step",
+  optional = true } } })
 core.declare("task:wait_until", { "Goes on when the condition holds: true; or when the limit passed first: false.", takes = {
   { "condition", "function", "asked after each step" }, { "limit", "real s >=0", "how long at most", optional = true } },
     gives = "boolean" })
@@ -32,7 +33,7 @@ core.declare("task:wait_until", { "Goes on when the condition holds: true; or wh
 -- task:wait "0.5 s"
 function Task.wait(handle, time)
   local task = check_inside(handle, "task:wait")
-  task.wake, task.condition = task.world.time + core.seconds(time, "task:wait"), nil
+  task.wake, task.condition = task.world.time + (time == nil and 0 or core.seconds(time, "task:wait")), nil
   yield()
 end
 

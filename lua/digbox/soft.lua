@@ -80,9 +80,10 @@ local function sig_of(joints)
   local list = {}
   for _, j in ipairs(joints) do
     if j.valid then
-      local strut = j.type == "strut"
-      list[#list + 1] = { a = j.a, b = j.b, joint = j, name = j.name, rest_length = j.length, cut = j.cut, stress = j.stress,
-        strength = strut and j.breaks_at or j.strength }
+      local elastic = STRUCTURAL[j.type]
+      list[#list + 1] = { a = j.a, b = j.b, joint = j, name = j.name, stress = j.stress,
+        rest_length = elastic and j.length or nil, cut = elastic and j.cut or nil,
+        strength = j.type == "beam" and j.strength or j.breaks_at }
     end
   end
   return core.list(list)

@@ -89,6 +89,8 @@ end
 
 local function same(a, b, depth)
   if a == b then return true end
+  if core.type(a) == "vector" then a = { a.x, a.y, a.z } end
+  if core.type(b) == "vector" then b = { b.x, b.y, b.z } end
   if type(a) ~= "table" or type(b) ~= "table" or depth > 20 then return false end
   for k, v in next, a do
     if not same(v, b[k], depth + 1) then return false end

@@ -14,7 +14,7 @@ local FILE = "tests/api/values.lua"
 -- ---- a world to call them in ----
 
 local world, body, other, mover, hinge, second, slider, region, link, truss, plank, cloth, lattice, room, heater, effect
-local door, drawer, lift, clock, lamp, doll, truck
+local door, drawer, lift, clock, lamp, doll, truck, rope
 
 local function build()
   world = digbox.world {}
@@ -32,6 +32,7 @@ local function build()
   plank = world:plank { from = { 30, 1, 0 }, to = { 31, 1, 0 }, width = 0.1, height = 0.02, material = "oak", segments = 2 }
   cloth = world:cloth { at = { 40, 3, 0 }, across = { 1, 0, 0 }, down = { 0, -1, 0 }, columns = 2, rows = 2, mass = 1, stiffness = 1e3 }
   lattice = world:lattice { at = { 45, 3, 0 }, size = 1, cells = 1, mass = 1, stiffness = 1e3 }
+  rope = world:rope { a = other, at = { 3, 4, 0 }, segments = 2 }
   room = world:room { size = 1000, at = { 0, -500, 0 } }
   heater = world:heater { on = body, power = 0 }
   effect = world:add_effect { name = "nothing", step = function() end, bodies = { other } }
@@ -47,7 +48,8 @@ local subjects = {
   world = function() return world end, body = function() return body end, joint = function() return hinge end,
   DIG = function() return other.dig end, region = function() return region end, link = function() return link end,
   truss = function() return truss end, plank = function() return plank end, cloth = function() return cloth end,
-  lattice = function() return lattice end, room = function() return room end, heater = function() return heater end,
+  lattice = function() return lattice end, rope = function() return rope end,
+  room = function() return room end, heater = function() return heater end,
   door = function() return door end, drawer = function() return drawer end, lift = function() return lift end,
   clock = function() return clock end, lava_lamp = function() return lamp end, ragdoll = function() return doll end,
   truck = function() return truck end, effect = function() return effect end, vector = function() return digbox.vec(1, 2, 3) end,
@@ -225,6 +227,8 @@ end
 -- Fields that say the same in another way, or mean something only beside others: the good call without them, or with them
 local instead = {
   ["body:can_move"] = { turn = { along = false } }, ["world:ask"] = { turn = { along = false } },
+  ["world:sweep"] = { from = { to = { 1, 0, 0 } }, to = { from = { 0, 0, 0 } }, along = { from = { 0, 0, 0 } },
+    length = { from = { 0, 0, 0 }, along = { 1, 0, 0 } } },
   ["world:ray"] = { along = { to = false }, length = { to = false, along = { 1, 0, 0 } } },
   ["body:push"] = { along = { force = 1 } }, ["body:twist"] = { along = { torque = 1 } }, ["body:hit"] = { along = { impulse = 1 } },
   ["digbox.quat"] = { from = { axis = false, angle = false }, to = { axis = false, angle = false } },

@@ -160,7 +160,7 @@ scenario("messages reach who they are sent to", function(s)
   local got = {}
   world:on("message", { kind = "hello" }, function(e) got[#got + 1] = e end)
   s:settle "0.5 s"
-  high:send(low, "hello", { 1, 2, 3 })
+  high:send(low, "hello", digbox.vec(1, 2, 3))
   world:step(2)
   expect(#got):is(1)
   expect(got[1].from):is(high)
@@ -181,7 +181,9 @@ scenario("tasks wait for times and for conditions", function(s)
   local log = {}
   world:spawn(function(task)
     log[#log + 1] = world.time
-    task:wait "0.5 s"
+    task:wait()                           -- until after the next step
+    expect(world.steps):is(1)
+    task:wait(0.5 - world.time)
     log[#log + 1] = world.time
     log[#log + 1] = task:wait_until(function() return ball.position.y < 8 end, "3 s")
     log[#log + 1] = world.time

@@ -127,6 +127,38 @@ scenario("a rope of segments hangs between its ends", function(s)
   expect(function() world:rope { a = a, b = b, length = 1, segments = 4 } end):fails()
 end)
 
+scenario("a rope of segments ends at a point of the world as the plain one does, and is asked as a joint is", function(s)
+  local world = s.world
+  local ball = world:ball { radius = 0.1, mass = 2, at = { 0, 1, 0 }, name = "bob" }
+  local rope = world:rope { name = "line", a = ball, at = { 0, 2, 0 }, segments = 6, breaks_at = "40 N" }
+  expect(rope.length):is(1)
+  expect(world:find "line"):is(rope)
+  expect(rope.links[6].position.y):above(rope.links[1].position.y)
+  s:settle "0.5 s"
+  expect(rope.force.y):near(2 * 9.81, 1e-3)                   -- N, on the ball
+  expect(rope.distance):near(1, 1e-6)
+  expect(rope.error):below "1 um"
+  expect(rope.stress):near((2 + rope.mass) * 9.81 / 40, 1e-3)
+  expect(rope.valid):is(true)
+  expect(expect(function() return rope.lenth end):fails()):contains "rope has no field or method 'lenth' (did you mean 'length'?)"
+  ball:push { force = { 0, -30, 0 } }
+  s:eventually("it tears", "0.1 s", function() return rope.broken > 0 end)
+  expect(rope.valid):is(false)
+  rope:remove()
+  expect(#world:bodies()):is(1)
+  expect(expect(function() world:rope { a = ball, segments = 3 } end):fails()):contains "wants b, or at"
+end)
+
+scenario("a rope that begins within two boxes does not throw itself out of them", function(s)
+  local world = s.world
+  local a = world:box { name = "a", size = 0.2, at = { 0, 1, 0 } }
+  local b = world:box { name = "b", size = 0.2, at = { 0.4, 1, 0 } }
+  world:rope { a = a, b = b, length = 0.5, segments = 5 }
+  world:run "0.2 s"
+  expect(world.energy.total):at_most(world.energy.initial + 1e-3)
+  expect(#(a.velocity - b.velocity)):below "5 cm/s"
+end)
+
 scenario("what a joint cannot be is refused, with its name", function(s)
   local world = s.world
   local b, other = bar(world), world:box { size = 0.1, at = { 5, 0, 0 } }

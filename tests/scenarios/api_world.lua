@@ -154,6 +154,16 @@ scenario("the same script gives the same bits, with any number of threads", func
   expect(run(4)):is(sum)
 end)
 
+scenario("vectors are made of three components, and compare with tables of them in a check", function()
+  expect(digbox.vec(1, 2, 3)):is { 1, 2, 3 }
+  expect { 1, 2, 3 }:is(digbox.vec(1, 2, 3))
+  expect(digbox.vec(1, 2, 3)):is_not { 1, 2, 4 }
+  expect { { 0, 1, 0 } }:contains(digbox.vec(0, 1, 0))
+  expect(expect(function() digbox.vec() end):fails()):contains "digbox.vec.x wants a number or a string such as '1 m'; got nil"
+  expect(expect(function() digbox.vec(1) end):fails()):contains "digbox.vec wants a vector {x, y, z}; got number"
+  expect(expect(function() digbox.vec("1 cmm", 2, 3) end):fails()):contains "unknown unit 'cmm' (did you mean 'mm'?)"
+end)
+
 scenario("rays, overlaps and sweeps find what is there", function(s)
   local world = s:world { gravity = { 0, 0, 0 } }
   local near = world:ball { name = "near", radius = 0.5, at = { 2, 0, 0 } }
@@ -170,6 +180,21 @@ scenario("rays, overlaps and sweeps find what is there", function(s)
   expect(hit.body):is(near)
   expect(hit.distance):near(1, 1e-6)
   expect(world:sweep { digbox.sphere { radius = 0.5 }, velocity = { -1, 0, 0 }, time = 10 }):is(nil)
+  for _, way in ipairs { { to = { 10, 0, 0 } }, { along = { 2, 0, 0 }, length = "3 m" }, { along = { 2, 0, 0 } } } do
+    way.sphere, way.from = { radius = 0.5 }, { -1, 0, 0 }
+    local met = world:sweep(way)
+    expect(met.body):is(near)
+    expect(met.distance):near(2, 1e-6)
+  end
+  expect(world:sweep { sphere = { radius = 0.5 }, from = { 0, 0, 0 }, along = { 1, 0, 0 }, length = 0.9 }):is(nil)
+  local function refused(fields, text)
+    fields.sphere = { radius = 0.5 }
+    expect(expect(function() world:sweep(fields) end):fails()):contains(text)
+  end
+  refused({ from = { 0, 0, 0 } }, "world:sweep wants either to or along")
+  refused({ to = { 0, 0, 0 } }, "world:sweep: from is missing")
+  refused({ from = { 0, 0, 0 }, to = { 1, 0, 0 }, velocity = { 1, 0, 0 } }, "wants either from, and to or along, or at and velocity")
+  refused({ from = { 1, 0, 0 }, to = { 1, 0, 0 } }, "the way has no direction")
 end)
 
 scenario("compounds, rods and buckets have the mass and place of their parts", function(s)
@@ -208,7 +233,12 @@ scenario("a room holds its bodies until a wall is opened", function(s)
   local room = world:room { size = { 2, 2, 2 }, restitution = 1, friction = 0 }
   local ball = world:ball { radius = 0.1, at = { 0, 1, 0 }, velocity = { 3, 0, 0 }, restitution = 1, friction = 0 }
   local walls = {}
-  world:on("impact", function(e) walls[#walls + 1] = e.wall end)
+  world:on("impact", function(e)
+    walls[#walls + 1] = e.wall
+    expect(e.self):is(ball)                           -- a wall is no body: it is never self
+    expect(e.other):is(nil)
+    expect(e.normal):near({ e.wall == "+x" and 1 or -1, 0, 0 }, 1e-9)
+  end)
   s:always("inside", "2 s", function() return math.abs(ball.position.x) < 1 end)
   expect(walls[1]):is "+x"
   expect(walls[2]):is "-x"
@@ -251,6 +281,14 @@ scenario("a mesh comes from a list, and points make a hull", function(s)
   expect(tetra.mass):near(100, 1e-6)                  -- volume 1/6
   local ramp = world:mesh { fixed = true, vertices = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 0, 1 } }, triangles = { { 1, 3, 2 } } }
   expect(ramp.kind):is "static"
+  local corners = { { 1, 0, 0 }, { 2, 0, 0 }, { 1, 1, 0 }, { 1, 0, 1 } }
+  local open = world:mesh { vertices = corners, triangles = { { 1, 3, 2 }, { 1, 2, 4 }, { 1, 4, 3 } } }
+  expect(open.kind):is "static"                       -- it encloses nothing
+  local closed = world:mesh { vertices = corners, triangles = { { 1, 3, 2 }, { 1, 2, 4 }, { 1, 4, 3 }, { 2, 3, 4 } }, density = 600 }
+  expect(closed.kind):is "dynamic"
+  expect(closed.mass):near(100, 1e-6)
+  local refused = expect(function() world:mesh { vertices = corners, triangles = { { 1, 3, 2 } }, mass = 1 } end):fails()
+  expect(refused):contains "is the mesh closed?"
   local ground = world:heightfield { size = { 4, 0, 4 }, heights = { { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 0 } }, at = { 0, -5, 0 } }
   expect(ground.kind):is "static"
 end)

@@ -244,6 +244,22 @@ scenario("motor: it spins a against b, and b takes the reaction", function(s)
   expect(#world.angular_momentum):near(0, 1e-9)
 end)
 
+scenario("a motor without a bound is at its speed after a step, and stays there whatever turns against it", function(s)
+  for _, kind in ipairs { "motor", "hinge" } do
+    local world = s:world(none)
+    local wheel = world:cylinder { radius = 0.2, height = 0.1, mass = 5, at = { 0, 0, 0 } }     -- I = 0.1
+    local motor = kind == "motor" and world:motor { a = wheel, axis = { 0, 1, 0 }, speed = 6 }
+      or world[kind](world, { a = wheel, axis = { 0, 1, 0 }, motor = { speed = 6 } })
+    world:step()
+    expect(wheel.spin.y):near(6, 1e-9)
+    expect(world.energy.work_in):near(0.5 * 0.1 * 36, 1e-9)
+    wheel:twist { torque = { 0, -50, 0 }, lasts = 0.1 }
+    world:run "0.3 s"
+    expect(wheel.spin.y):near(6, 1e-9)
+    expect(motor.angle):near(6 * world.time, 0.11)              -- the first step brings it to its speed
+  end
+end)
+
 -- One wheel lands after the other, and slips: rolling resistance with a bound from predicted forces, which may be negative, would drive it.
 scenario("hinges and a guide: a wagon of 20 t that lands on slipping wheels gets no faster", function(s)
   for n = 1, 14 do

@@ -268,6 +268,7 @@ scenario("bad messages are refused at their line, and nothing is half done", fun
   refused("unknown route 'dgi' (did you mean 'dig'?)", function() b[1]:send { route = "dgi", name = "x" } end)
   refused("route = 'path' needs to", function() b[1]:send { route = "path", name = "x" } end)
   refused("route = 'dig' has no hops", function() b[1]:send { route = "dig", name = "x", hops = 2 } end)
+  refused("a message carries numbers without names; got 'heat'", function() b[1]:send(b[2], "x", { heat = 3 }) end)
   refused("wants a name", function() b[1]:send(b[2]) end)
   refused("after", function() b[1]:send(b[2], "x", 1, { after = -1 }) end)
   refused("unknown layer 'thermic'", function() b[1]:flood("x", 1, { layer = "thermic" }) end)

@@ -94,6 +94,29 @@ scenario("forces that depend on time are asked for at the time they act: v = (1 
   expect(ball.velocity.x):near(1 - math.cos(2), 1e-9)
 end)
 
+scenario("bodies are pushed and twisted there as anywhere: several pushes add up, one beside the centre turns", function(s)
+  local function run(step)
+    local world = s:world { gravity = { 0, 0, 0 } }
+    local box = world:box { size = 0.2, mass = 2, name = "box", at = { 1, 2, 3 }, spin = { 0.1, 0, 0 }, data = 5 }
+    world:add_effect { name = "thrust", step = step }
+    world:run(0.5)
+    return ("%a %a %a"):format(box.velocity.x, box.velocity.y, box.spin.z), box
+  end
+  local pushed, box = run(function(_, bodies)
+    for _, b in ipairs(bodies) do
+      expect(b.name):is "box"
+      expect(b.data):is(5)
+      expect(b.speed):is(#b.velocity)
+      b:push { force = "3 N", along = { 1, 0, 0 }, at = b.centre + { 0, 0.1, 0 } }:push { force = { 0, 1, 0 } }
+      b:twist { torque = { 0, 0, "0.2 N m" } }:twist { torque = 0.05, along = { 0, 0, 1 } }
+    end
+  end)
+  expect(box.velocity):near({ 0.75, 0.25, 0 }, 1e-12)
+  expect(pushed):is((run(function(_, bodies)
+    for _, b in ipairs(bodies) do b.force, b.torque = { 3, 1, 0 }, { 0, 0, 3 * (b.centre.y + 0.1 - b.centre.y) * -1 + 0.2 + 0.05 } end
+  end)))
+end)
+
 -- ---- who takes part ----
 
 scenario("a filter is asked about later bodies, too; join and leave", function(s)
@@ -188,14 +211,19 @@ end)
 
 scenario("an error names the effect, at its line, and the world is as it was", function(s)
   local world = s.world
-  world:ball { radius = 0.1 }
+  world:ball { radius = 0.1, name = "ball" }
   world:step()
   local sum = world:checksum()
   local faults = {
     { "effect 'fault': attempt to index a nil value", function() local x = nil; return x.y end },
     { "effect 'fault': a body has no field 'forze' (did you mean 'force'?)", function(_, bodies) bodies[1].forze = 1 end },
     { "effect 'fault'.force wants a vector", function(_, bodies) bodies[1].force = 3 end },
-    { "effect 'fault'.force.x = nan, must be a finite number", function(_, bodies) bodies[1].force = { 0 / 0, 0, 0 } end },
+    { "at t = 0.0166667 s effect 'fault' gave body 'ball' a non-finite force", function(_, bodies) bodies[1].force = { 0 / 0, 0, 0 } end },
+    { "at t = 0.0166667 s effect 'fault' gave body 'ball' a non-finite torque",
+      function(_, bodies) bodies[1].torque = digbox.vec(0, 1e308, 0) * 10 end },
+    { "effect 'fault': body:push: unknown field 'forse' (did you mean 'force'?)", function(_, bodies) bodies[1]:push { forse = 1 } end },
+    { "effect 'fault': body:push.lasts: not here, an effect is asked again at every step",
+      function(_, bodies) bodies[1]:push { force = { 1, 0, 0 }, lasts = 1 } end },
     { "effect 'fault'.torque", function(_, bodies) bodies[1].torque = { 0, "3 kg", 0 } end },
     { "effect 'fault': its functions see the bodies they are given", function() world:ball { radius = 1 } end },
     { "effect 'fault': its functions see the bodies they are given", function(_, bodies) bodies[1].body:push { force = { 1, 0, 0 } } end },
@@ -210,7 +238,7 @@ scenario("an error names the effect, at its line, and the world is as it was", f
     local effect = world:add_effect { name = "fault", step = fault[2] }
     local line = expect(function() world:step() end):fails()
     expect(line:find(fault[1], 1, true) and fault[1] or line):is(fault[1])
-    expect(line:find "own_effects%.lua:%d+: effect" and true or line):is(true)
+    expect((line:find "own_effects%.lua:%d+: effect" or line:find "own_effects%.lua:%d+: at t = ") and true or line):is(true)
     effect:remove()
     expect(world:checksum()):is(sum)
   end

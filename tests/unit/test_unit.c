@@ -80,7 +80,12 @@ TEST(what_is_no_quantity_is_refused)
 {
     refused("5", "m", "'5' has no unit (write '5 m' or a plain number)");
     refused("5 furlong", "m", "'5 furlong': unknown unit 'furlong'");
-    refused("5 kmin", "s", "'5 kmin': unknown unit 'kmin'");
+    refused("5 kmin", "s", "'5 kmin': unknown unit 'kmin' (did you mean 'min'?)");
+    refused("5 cmm", "m", "'5 cmm': unknown unit 'cmm' (did you mean 'mm'?)");
+    refused("5 kgs", "kg", "'5 kgs': unknown unit 'kgs' (did you mean 'kg'?)");
+    refused("5 Nm", "N*m", "'5 Nm': unknown unit 'Nm' (did you mean 'N m'?)");
+    refused("5 m/ss", "m/s", "'5 m/ss': unknown unit 'ss' (did you mean 'm/s'?)");
+    refused("4 in", "m", "'4 in': unknown unit 'in'");
     refused("", "m", "'' is not a number with a unit");
     refused("cm", "m", "'cm' is not a number with a unit");
     refused("nan m", "m", "'nan m' is not a number with a unit");

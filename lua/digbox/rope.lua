@@ -1,0 +1,154 @@
+-- digbox/rope.lua - world:rope: without segments a joint of the engine, with segments a chain of rods that has mass.
+
+local core = ...
+local ipairs, math = ipairs, math
+
+local soft = core.soft
+local methods = core.types.world.methods
+local engine_rope = methods.rope
+
+local rope_fields = {
+  a = { "any", "the body it begins at", type = "body" }, b = { "any", "the body it ends at", type = "body" },
+  at = { "vec m", "where it begins; default the place of a. Without b and to: where it ends" },
+  to = { "vec m", "where it ends; default the place of b" },
+  at_a = { "vec m", "where it begins, as at" }, at_b = { "vec m", "where it ends, as to" },
+  length = { "real m >0", "its length; default the distance of its ends" },
+  segments = { "int 1 >0", "with segments it is a chain of so many rods, or one more: it has mass" },
+  radius = { "real m >0", "of its rods; default a tenth of their length" }, breaks_at = { "real N >0", "breaks when a joint bears more" } }
+local taken = { fixed = "its ends are held by a and b", kinematic = "its ends are held by a and b", rotation = "its ends say which way" }
+local shown = core.join_fields(rope_fields)
+shown.breaks_at, shown.at_a, shown.at_b = nil, nil, nil              -- as of the joint
+core.declare("world:rope", { "Ends never farther apart than its length: a joint, or with segments a chain of rods that has mass.",
+  fields = shown, with = { "joint rope", "body" }, gives = "joint|rope" })
+
+-- Corners of a rope of the given length hung between two points: straight, or a V when it is longer than their distance.
+local function corners_of(from, to, length, down, n)
+  local span, middle = #(to - from), (from + to) / 2
+  local sag = math.sqrt(math.max(0, (length / 2) ^ 2 - (span / 2) ^ 2))
+  local apex = middle + down * sag
+  local corners = {}
+  for i = 0, n do
+    local s = i / n
+    corners[i] = s <= 0.5 and from + (apex - from) * (2 * s) or apex + (to - apex) * (2 * s - 1)
+  end
+  return corners
+end
+
+local function check_body(body, field)
+  if body ~= nil and core.type(body) ~= "body" then core.fail("world:rope.%s wants a body; got %s", field, core.type(body)) end
+end
+
+-- Where it begins and ends
+local function ends_of(own)
+  check_body(own.a, "a")
+  check_body(own.b, "b")
+  soft.need("world:rope", own, "a")
+  local from, to = own.at_a or own.at, own.at_b or own.to
+  if not own.b and not to then from, to = own.at_a, own.at end
+  to = to or own.b and own.b.position
+  if not to then core.fail "world:rope: a rope of segments wants b, or at: the point of the world where it ends" end
+  return from or own.a.position, to
+end
+
+-- A rod that begins within a or b, which it is tied to farther along, touches nothing: it would be thrown out.
+local function starts_inside(world, rod, a, b)
+  local along, length = rod.to - rod.from, #(rod.to - rod.from)
+  local shape = core.shapes.cylinder { radius = rod.radius, height = length }
+  local inside = world:overlap { shape = shape, at = (rod.from + rod.to) / 2,
+    rotation = core.quat { from = { 0, 1, 0 }, to = along / length } }
+  for _, body in ipairs(inside) do
+    if body == a or body == b then return true end
+  end
+  return false
+end
+
+local function make(world, self, own, rest, from, to)
+  local g = world.gravity
+  local n = own.segments + own.segments % 2
+  local corners = corners_of(from, to, own.length, #g > 0 and g:normalized() or core.vec(0, -1, 0), n)
+  local function tie(a, b, at, i)
+    self.joints[i] = world:ball_joint { a = a, b = b, at = at, breaks_at = own.breaks_at }
+  end
+  local before = own.a
+  for i = 1, n do
+    local rod = { from = corners[i - 1], to = corners[i], radius = own.radius or own.length / n / 10 }
+    if starts_inside(world, rod, i > 1 and own.a, i < n and own.b) then rod.collides = false end
+    for k, v in pairs(rest) do rod[k] = v end
+    rod.name = ("%s %d"):format(self.name, i)
+    self.bodies[i] = world:rod(rod)
+    tie(before, self.bodies[i], corners[i - 1], i)
+    before = self.bodies[i]
+  end
+  tie(before, own.b, to, n + 1)
+end
+
+-- ---- the handle ----
+
+local getters = { stress = soft.stress, mass = soft.mass, position = soft.position, broken = soft.broken }
+
+function getters.valid(self)
+  return soft.broken(self) == 0
+end
+
+-- N, by which it pulls at a; nothing once it is torn there
+function getters.force(self)
+  local first = self.joints[1]
+  return first.valid and first.force or core.vec(0, 0, 0)
+end
+
+local function end_of(self, i, j)
+  return j.valid and j.at or self.bodies[i].valid and self.bodies[i].position or nil
+end
+
+function getters.distance(self)
+  local from, to = end_of(self, 1, self.joints[1]), end_of(self, #self.bodies, self.joints[#self.joints])
+  return from and to and #(to - from)
+end
+
+function getters.error(self)
+  local most = 0
+  for _, j in ipairs(self.joints) do
+    if j.valid then most = math.max(most, j.error) end
+  end
+  return most
+end
+
+local function equip(self) self.links = self.bodies end
+
+local rope_methods = { sig = soft.sig }
+local new_rope = soft.class("rope", "A rope of rods.", rope_methods, getters,
+  { name = true, bodies = true, links = true, joints = true, length = true, breaks_at = true },
+  core.join_fields(soft.properties, { links = { "body[]", "its rods, from a on" }, length = { "number", "as given", unit = "m" },
+    stress = { "number", "largest load over limit of a joint; 1 breaks" }, valid = { "boolean", "no joint of it is broken" },
+    force = { "vector", "by which it pulls at a", unit = "N" }, distance = { "number|nil", "of its ends", unit = "m" },
+    error = { "number", "how far its joints are from where they should be", unit = "m" },
+    breaks_at = { "number|nil", "as given", unit = "N" } }), { length = "number" }, equip)
+core.declare("rope:remove", { "Takes it away." })
+
+function rope_methods.remove(rope)
+  for _, body in ipairs(rope[1].bodies) do
+    if body.valid then body:remove() end
+  end
+end
+
+-- world:rope{a=, b=, length=}: ends never farther apart than length, without mass.
+-- world:rope{a=, b= or at=, length=, segments=, radius=} -> rope: a chain of rods
+function methods.rope(world, fields)
+  if type(fields) ~= "table" or fields.segments == nil then return engine_rope(world, fields) end
+  local own, rest = soft.split("world:rope", fields, rope_fields, taken)
+  local from, to = ends_of(own)
+  local apart = #(to - from)
+  own.length = own.length or apart
+  if own.length <= 0 then core.fail "world:rope: its ends are the same point: give length" end
+  if own.length < apart * (1 - 1e-9) then
+    core.fail("world:rope: length = %g m, must be at least the distance of its ends (%g m)", own.length, apart)
+  end
+  local self = { kind = "rope", name = rest.name or "rope", world = world, bodies = {}, joints = {}, length = own.length,
+    thickness = 2 * (own.radius or own.length / own.segments / 10), breaks_at = own.breaks_at }
+  soft.build(self, function() make(world, self, own, rest, from, to) end)
+  self.bodies, self.joints = core.list(self.bodies), core.list(self.joints)
+  equip(self)
+  return new_rope(self)
+end
+
+return true
