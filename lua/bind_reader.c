@@ -127,6 +127,36 @@ static int reader_note(lua_State *L)
     return failed == LUA_OK ? 1 : lua_error(L);
 }
 
+static void set_vector(lua_State *L, const char *name, bool there, vec3 v)
+{
+    if (!there)
+        return;
+    bind_push_vec3(L, v);
+    lua_setfield(L, -2, name);
+}
+
+/* core.reader_cameras(reader, frame, arrived) -> {{name=, at=, look_at=, up=, fov=}, ...}, as the script left them or its step led to */
+static int reader_cameras(lua_State *L)
+{
+    Replay *r = check_reader(L);
+    const ReplayCamera *list;
+    int count;
+    dig_status s = replay_cameras(r, (int)luaL_checkinteger(L, 2), lua_toboolean(L, 3), &list, &count);
+    if (s != DIG_OK)
+        return bind_fail_text(L, s == DIG_E_MEMORY ? s : DIG_E_FORMAT, "%s", replay_error(r));
+    lua_createtable(L, count, 0);
+    for (int i = 0; i < count; i++) {
+        lua_newtable(L);
+        bind_set_text(L, "name", list[i].name);
+        set_vector(L, "at", list[i].has_at, list[i].at);
+        set_vector(L, "look_at", list[i].has_look_at, list[i].look_at);
+        set_vector(L, "up", list[i].has_up, list[i].up);
+        set_number(L, "fov", list[i].fov);
+        lua_rawseti(L, -2, i + 1);
+    }
+    return 1;
+}
+
 /* core.reader_view(reader, time) -> view */
 static int reader_view(lua_State *L)
 {
@@ -269,6 +299,7 @@ void bind_reader_open(lua_State *L, int core)
 {
     static const luaL_Reg reader[] = {
         {"reader", reader_open}, {"reader_info", reader_info}, {"reader_note", reader_note}, {"reader_view", reader_view},
+        {"reader_cameras", reader_cameras},
         {"reader_checksum", reader_checksum}, {"reader_history", reader_history}, {"stopped", reader_stopped}, {NULL, NULL},
     };
     bind_held_type(L, READER, reader_gc);

@@ -1,6 +1,8 @@
 /* lua/bind_replay.c - `digbox run --replay FILE`: a recorder for a world. When it is called is decided in lua/digbox/replay.lua. */
 #include "bind.h"
 
+#include <stdio.h>
+
 #include "replay/replay.h"
 
 #define RECORDER "digbox.recorder"
@@ -51,6 +53,43 @@ static int replay_step(lua_State *L)
     return done(L, recorder_step(r), r);
 }
 
+static bool vector_field(lua_State *L, int table, const char *name, vec3 *out)
+{
+    bool there = lua_getfield(L, table, name) != LUA_TNIL;
+    if (there)
+        *out = bind_vec3(L, -1, "m", "camera", name);
+    lua_pop(L, 1);
+    return there;
+}
+
+static ReplayCamera read_camera(lua_State *L, int table)
+{
+    ReplayCamera c = {.fov = 0};
+    lua_getfield(L, table, "name");
+    snprintf(c.name, sizeof c.name, "%s", luaL_optstring(L, -1, ""));
+    lua_getfield(L, table, "fov");
+    c.fov = luaL_checknumber(L, -1);
+    lua_pop(L, 2);
+    c.has_at = vector_field(L, table, "at", &c.at);
+    c.has_look_at = vector_field(L, table, "look_at", &c.look_at);
+    c.has_up = vector_field(L, table, "up", &c.up);
+    return c;
+}
+
+/* core.replay_cameras(recorder, list): of {name=, at=, look_at=, up=, fov=}, where they stand from now on */
+static int replay_put_cameras(lua_State *L)
+{
+    Recorder *r = check_recorder(L);
+    int count = (int)luaL_len(L, 2);
+    ReplayCamera *list = lua_newuserdatauv(L, ((size_t)count + 1) * sizeof *list, 0);
+    for (int i = 0; i < count; i++) {
+        lua_rawgeti(L, 2, i + 1);
+        list[i] = read_camera(L, lua_gettop(L));
+        lua_pop(L, 1);
+    }
+    return done(L, recorder_cameras(r, list, count), r);
+}
+
 /* core.replay_note(recorder, name, text) */
 static int replay_add_note(lua_State *L)
 {
@@ -83,7 +122,7 @@ void bind_replay_open(lua_State *L, int core)
 {
     static const luaL_Reg functions[] = {
         {"replay_open", replay_begin}, {"replay_before_step", replay_before_step}, {"replay_step", replay_step},
-        {"replay_note", replay_add_note}, {"replay_close", replay_end}, {NULL, NULL},
+        {"replay_cameras", replay_put_cameras}, {"replay_note", replay_add_note}, {"replay_close", replay_end}, {NULL, NULL},
     };
     bind_held_type(L, RECORDER, recorder_gc);
     lua_pushvalue(L, core);

@@ -54,19 +54,15 @@ static int put_node(Glb *g, const char *name, vec3 at, quat turn)
 }
 
 /* Where a camera is at the first frame; one that is placed by what it sees is left out. */
-static void put_camera(Glb *g, const cJSON *c, int number)
+static void put_camera(Glb *g, const ReplayCamera *c, int number)
 {
-    vec3 at, target, up = {0, 1, 0};
-    const char *name = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(c, "name"));
     char plain[32];
-    if (!read_vec3(c, "at", &at) || !read_vec3(c, "look_at", &target) || !(vec3_distance(at, target) > 0))
+    if (!c->has_at || !c->has_look_at || !(vec3_distance(c->at, c->look_at) > 0))
         return;
-    read_vec3(c, "up", &up);
     snprintf(plain, sizeof plain, "camera %d", number + 1);
-    put_node(g, name && name[0] ? name : plain, at, looking(vec3_sub(target, at), up));
+    put_node(g, c->name[0] ? c->name : plain, c->at, looking(vec3_sub(c->look_at, c->at), c->has_up ? c->up : (vec3){0, 1, 0}));
     output_text(&g->nodes.text, ",\"camera\":%d}", part_begin(&g->cameras));
-    output_text(&g->cameras.text, "{\"type\":\"perspective\",\"perspective\":{\"yfov\":%.9g,\"znear\":0.01,\"aspectRatio\":1.7777778}}",
-                read_number(c, "fov", 0.7));
+    output_text(&g->cameras.text, "{\"type\":\"perspective\",\"perspective\":{\"yfov\":%.9g,\"znear\":0.01,\"aspectRatio\":1.7777778}}", c->fov);
 }
 
 static void put_light(Glb *g, const char *type, const char *name, vec3 at, quat turn, real intensity, vec3 colour)
@@ -96,14 +92,14 @@ static void put_lights(Glb *g, const cJSON *light)
 
 void glb_scene(Glb *g)
 {
-    const char *cameras = replay_note(g->r, "cameras", g->options->first, NULL), *light = replay_note(g->r, "light", g->options->first, NULL);
-    cJSON *list = cameras ? cJSON_Parse(cameras) : NULL, *lights = light ? cJSON_Parse(light) : NULL;
-    const cJSON *c;
-    int number = 0;
-    cJSON_ArrayForEach(c, list)
-        put_camera(g, c, number++);
+    const char *light = replay_note(g->r, "light", g->options->first, NULL);
+    cJSON *lights = light ? cJSON_Parse(light) : NULL;
+    const ReplayCamera *cameras;
+    int count = 0;
+    if (replay_cameras(g->r, g->options->first, false, &cameras, &count) == DIG_OK)
+        for (int i = 0; i < count; i++)
+            put_camera(g, &cameras[i], i);
     if (lights)
         put_lights(g, lights);
-    cJSON_Delete(list);
     cJSON_Delete(lights);
 }

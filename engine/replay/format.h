@@ -1,7 +1,7 @@
 /* replay/format.h - the bytes of a replay, shared by those who write and who read them. docs/replay.md has the whole.
  *
  * A file is a header, sections and a trailer. Each section has a header of its own with its sizes and checksums, so that a file
- * without its end is read by going from section to section. The frames of a block are tables (view/look.h and the three below);
+ * without its end is read by going from section to section. The frames of a block are tables (view/look.h and the four below);
  * a frame holds the rows that changed.
  *
  * Owns:      a Kept owns its tables.
@@ -11,11 +11,12 @@
 #define DIG_REPLAY_FORMAT_H
 
 #include "base/pack.h"
+#include "replay/replay.h"
 #include "view/look.h"
 
 #include <libdeflate.h>
 
-#define REPLAY_FORMAT 1u
+#define REPLAY_FORMAT 2u
 
 /* ---- sections ---- */
 
@@ -47,7 +48,7 @@ void section_header(Pack *p, Section *s);
 
 /* ---- tables ---- */
 
-enum { KEPT_FLOWS = LOOK_TABLES, KEPT_EVENTS, KEPT_STATE, KEPT_TABLES };
+enum { KEPT_FLOWS = LOOK_TABLES, KEPT_EVENTS, KEPT_STATE, KEPT_CAMERAS, KEPT_TABLES };
 
 typedef struct KeptFlow {       /* of the edge with the same number             */
     real     began;             /* s                                            */
@@ -69,20 +70,30 @@ typedef struct KeptState {      /* one row: of the world after the step         
     dig_energy energy;
 } KeptState;
 
+typedef struct KeptCamera {     /* ReplayCamera                                 */
+    vec3     at, look_at, up;   /* zero: not said                               */
+    real     fov;               /* rad                                          */
+    uint32_t says, spare;       /* CAMERA_AT | ...                              */
+    char     name[REPLAY_CAMERA_NAME];
+} KeptCamera;
+
+enum { CAMERA_AT = 1, CAMERA_LOOK_AT = 2, CAMERA_UP = 4 };
+
 typedef struct Kept { Look look; ListAny extra[KEPT_TABLES - LOOK_TABLES]; } Kept;
 
 static inline ListAny *kept_table(Kept *k, int t) { return t < LOOK_TABLES ? &k->look.tables[t] : &k->extra[t - LOOK_TABLES]; }
 static inline KeptFlow *kept_flows(const Kept *k) { return k->extra[KEPT_FLOWS - LOOK_TABLES].data; }
 static inline KeptEvent *kept_events(const Kept *k) { return k->extra[KEPT_EVENTS - LOOK_TABLES].data; }
 static inline KeptState *kept_state(const Kept *k) { return k->extra[KEPT_STATE - LOOK_TABLES].data; }
+static inline KeptCamera *kept_cameras(const Kept *k) { return k->extra[KEPT_CAMERAS - LOOK_TABLES].data; }
 size_t     kept_row_size(int table);
 dig_status kept_resize(Kept *k, int table, int count);
 dig_status kept_copy(Kept *to, const Kept *from);       /* but for the meshes */
 void       kept_clear(Kept *k);                         /* no rows in any table */
 void       kept_close(Kept *k);
 
-/* Writes the rows of all tables that differ from `last`, which then is as `now`. */
-void delta_write(Pack *p, Kept *now, Kept *last);
+/* Writes what differs from `last` in the rows of all tables, given one table behind the other; `last` then is as they are. */
+void delta_write(Pack *p, const int counts[KEPT_TABLES], const unsigned char *rows, Kept *last);
 /* Changes the rows that are written. */
 void delta_read(Pack *p, Kept *k);
 

@@ -20,6 +20,18 @@ static int block_of(const Replay *r, int frame)
     return r->blocks.data[low];
 }
 
+static bool finite_vec(vec3 v) { return isfinite(v.x) && isfinite(v.y) && isfinite(v.z); }
+
+static const char *check_cameras(Kept *k)
+{
+    for (int i = 0; i < kept_table(k, KEPT_CAMERAS)->count; i++) {
+        const KeptCamera *c = &kept_cameras(k)[i];
+        if (c->name[sizeof c->name - 1] != '\0' || !finite_vec(c->at) || !finite_vec(c->look_at) || !finite_vec(c->up) || !(c->fov > 0 && c->fov < DIG_PI))
+            return "a camera stands nowhere";
+    }
+    return NULL;
+}
+
 /* The meshes are those of the replay; tables are put there and taken away again. */
 static const char *check_tables(Replay *r)
 {
@@ -39,7 +51,8 @@ static const char *check_tables(Replay *r)
     for (int i = 0; i < look_count(&k->look, LOOK_BODIES); i++)
         if (look_bodies(&k->look)[i].there && look_bodies(&k->look)[i].index >= (uint32_t)r->bodies.count)
             return "a body has no number";
-    return look_check(&k->look, r->meshes.count);
+    const char *why = check_cameras(k);
+    return why ? why : look_check(&k->look, r->meshes.count);
 }
 
 static dig_status damaged(Replay *r, int frame, const char *why)
@@ -260,6 +273,27 @@ dig_status replay_view(Replay *r, real time, View **out)
     if ((real)(r->info.first_step + (uint64_t)frame) * r->info.step > time)
         frame--;
     return blend(r, frame, time, out);
+}
+
+/* ---- cameras ---- */
+
+dig_status replay_cameras(Replay *r, int frame, bool arrived, const ReplayCamera **out, int *count)
+{
+    Kept *k = !arrived && r->before_frame == frame && frame >= 0 ? &r->before : &r->now;        /* that of a picture made before */
+    if (k == &r->now)
+        DIG_TRY(go_to(r, frame, !arrived));
+    *count = kept_table(k, KEPT_CAMERAS)->count;
+    if (list_reserve(&r->cameras, *count, NULL) != DIG_OK)
+        return replay_fail(r, DIG_E_MEMORY, "not enough memory");
+    for (int i = 0; i < *count; i++) {
+        const KeptCamera *c = &kept_cameras(k)[i];
+        ReplayCamera *to = &r->cameras.data[i];
+        *to = (ReplayCamera){.has_at = c->says & CAMERA_AT, .has_look_at = c->says & CAMERA_LOOK_AT, .has_up = c->says & CAMERA_UP,
+                             .at = c->at, .look_at = c->look_at, .up = c->up, .fov = c->fov};
+        memcpy(to->name, c->name, sizeof to->name);
+    }
+    *out = r->cameras.data;
+    return DIG_OK;
 }
 
 /* ---- the log of commands ---- */

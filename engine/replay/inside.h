@@ -44,6 +44,7 @@ struct Replay {
     LIST(ReplayPose) poses;
     LIST(dig_event)  events;
     LIST(dig_link)   links;
+    LIST(ReplayCamera) cameras;
     char       path[1024], why[1400];
     struct libdeflate_decompressor *decompressor;
 };

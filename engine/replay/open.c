@@ -167,8 +167,8 @@ static dig_status read_header(Replay *r)
     replay_header(&p, &r->header);
     pack_u32(&p, &crc);
     if (r->header.format != REPLAY_FORMAT)
-        return replay_fail(r, DIG_E_FORMAT, "replay of format %u; this is digbox %s, which reads format %u", r->header.format, DIGBOX_VERSION,
-                           REPLAY_FORMAT);
+        return replay_fail(r, DIG_E_FORMAT, "replay of format %u, but digbox %s reads format %u: record it again with digbox run --replay",
+                           r->header.format, DIGBOX_VERSION, REPLAY_FORMAT);
     if (crc != libdeflate_crc32(0, bytes, sizeof bytes - 4))
         return replay_fail(r, DIG_E_FORMAT, "its header is damaged (checksum)");
     if (!pack_good(&p))
@@ -249,6 +249,7 @@ void replay_close(Replay *r)
     list_close(&r->poses);
     list_close(&r->events);
     list_close(&r->links);
+    list_close(&r->cameras);
     map_close(&r->body_map);
     kept_close(&r->now);
     kept_close(&r->before);

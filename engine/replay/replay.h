@@ -40,7 +40,18 @@ dig_status recorder_listen(Recorder *r);
 dig_status recorder_commands(Recorder *r, const void *bytes, size_t size);
 /* The bytes of a saved world from which the commands start. */
 dig_status recorder_start(Recorder *r, const void *bytes, size_t size);
-/* A named text that belongs to the whole run or to the frame of this moment: cameras, lights, what a script printed. A later
+/* What a script says of a camera; who draws chooses the rest. */
+enum { REPLAY_CAMERA_NAME = 64 };
+typedef struct ReplayCamera {
+    char name[REPLAY_CAMERA_NAME];
+    bool has_at, has_look_at, has_up;
+    vec3 at, look_at, up;       /* m; m; direction */
+    real fov;                   /* rad */
+} ReplayCamera;
+
+/* Where the cameras stand from now on. Before recorder_step: where the step led them; else: where the script left them. */
+dig_status recorder_cameras(Recorder *r, const ReplayCamera *list, int count);
+/* A named text that belongs to the whole run or to the frame of this moment: lights, films, what a script printed. A later
  * note of the same name takes the place of the earlier one from its frame on. Text is JSON; `name` at most 31 bytes. */
 dig_status recorder_note(Recorder *r, const char *name, const char *text);
 /* The world was closed: nothing more is taken from it. */
@@ -111,6 +122,8 @@ dig_status        replay_view(Replay *r, real time, View **out);
 /* The saved world and the commands that led to a frame; false: there are none, or they cannot be read (replay_error). */
 bool              replay_start(Replay *r, const void **bytes, size_t *size);
 bool              replay_commands(Replay *r, int frame, const void **bytes, size_t *size);
+/* The cameras at a frame: where its step led them (`arrived`), or where the script left them. */
+dig_status        replay_cameras(Replay *r, int frame, bool arrived, const ReplayCamera **out, int *count);
 /* The note of that name that holds at a frame, or NULL; `since` (may be NULL) gets its frame. */
 const char       *replay_note(const Replay *r, const char *name, int frame, int *since);
 

@@ -26,11 +26,13 @@ dig_status look_resize(Look *l, LookTable t, int count)
     return DIG_OK;
 }
 
-/* One more row, zero. NULL: no memory. */
-static void *add_row(Look *l, LookTable t)
+/* One more row, which the caller fills. NULL: no memory. */
+static inline void *add_row(Look *l, LookTable t)
 {
     ListAny *list = &l->tables[t];
-    if (list_push_any(&list->data, &list->count, &list->capacity, look_row_size[t], NULL) != DIG_OK)
+    if (list->count < list->capacity)
+        list->count++;
+    else if (list_push_any(&list->data, &list->count, &list->capacity, look_row_size[t], NULL) != DIG_OK)
         return NULL;
     return (char *)list->data + (size_t)(list->count - 1) * look_row_size[t];
 }
@@ -53,12 +55,21 @@ static void write_vec(float out[3], vec3 v)
 
 /* ---- the scene ---- */
 
+/* Is all of a body inside the box, by the sphere about its centre of mass? Then its shapes do not make the box larger. */
+static bool encloses(const box3 *all, const Body *b)
+{
+    const real spare = 1e-9;        /* m and share, for what rounding may add to a shape's bounds */
+    real r = b->outer * (1 + spare) + spare;
+    return b->x.x - r >= all->low.x && b->x.x + r <= all->high.x && b->x.y - r >= all->low.y && b->x.y + r <= all->high.y &&
+           b->x.z - r >= all->low.z && b->x.z + r <= all->high.z;
+}
+
 static dig_status take_scene(Look *l, const World *w)
 {
     box3 all = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
     for (int i = 0; i < w->solids.count; i++) {
         const Solid *s = &w->solids.data[i];
-        if (s->alive && isfinite(s->shape.outer))
+        if (s->alive && isfinite(s->shape.outer) && (s->body == NONE || !encloses(&all, &w->bodies.data[s->body])))
             all = box3_union(all, s->shape.type->bounds(&s->shape, solid_pose(w, s)));
     }
     DIG_TRY(look_resize(l, LOOK_SCENE, 1));
@@ -184,7 +195,7 @@ static int pattern_of(const char *name)
 {
     static const char *const names[] = {"plain", "wood", "brick", "tile", "stripe", "check"};
     for (int i = 0; i < 6; i++)
-        if (strcmp(names[i], name) == 0)
+        if (names[i][0] == name[0] && strcmp(names[i], name) == 0)
             return i;
     return PATTERN_PLAIN;
 }
@@ -260,11 +271,11 @@ static dig_status take_joints(Look *l, const World *w)
 static dig_status take_contacts(Look *l, const World *w, vec3 origin)
 {
     l->tables[LOOK_CONTACTS].count = 0;
-    for (int i = 0; i < w->pairs.count; i++) {
-        const Pair *p = &w->pairs.data[i], *soon = &w->pairs.data[i + FETCH_AHEAD < w->pairs.count ? i + FETCH_AHEAD : i];
-        if (soon->touching && soon->contact != NONE)
-            fetch_soon(&w->contacts.data[soon->contact], sizeof(Contact));
-        if (!p->alive || !p->touching)
+    const Pair *pairs = w->pairs.data, *end = pairs + w->pairs.count;
+    for (const Pair *p = pairs; p < end; p++) {
+        if (end - p > FETCH_AHEAD && p[FETCH_AHEAD].touching && p[FETCH_AHEAD].contact != NONE)
+            fetch_soon(&w->contacts.data[p[FETCH_AHEAD].contact], sizeof(Contact));
+        if (!p->touching || !p->alive)
             continue;
         for (uint32_t c = p->contact; c != NONE; c = w->contacts.data[c].next) {
             const Contact *contact = &w->contacts.data[c];
@@ -296,6 +307,7 @@ static dig_status take_arrows(Look *l, const World *w)
         LookArrow *a = add_row(l, LOOK_ARROWS);
         if (!a)
             return DIG_E_MEMORY;
+        a->spare = 0;
         a->p = p->has_at ? vec3_add(b->x, quat_rotate(b->q, p->at)) : b->x;
         write_vec(a->v, p->force);
     }

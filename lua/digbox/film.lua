@@ -9,6 +9,8 @@ local next, type = next, type
 local methods = core.types.world.methods
 local ON_TIME = 1e-9       -- s; nearer than this a frame falls on a step
 
+local LONGEST_NAME = 63    -- bytes; a replay has room for no more
+
 local default_fov = 40 * math.pi / 180
 local layers = { colour = 0, depth = 1, id = 2, normal = 3 }
 local skies = { clear = 0, overcast = 1, night = 2, black = 3 }
@@ -16,6 +18,9 @@ local overlays = {}
 for name, bit in next, core.overlays or {} do overlays[name] = bit end
 
 local function scene_of(world) return core.lua_state(world).scene end
+
+-- Replays keep light, cameras and films; they look at them again when these numbers changed.
+local function changed(list) list.changes = (list.changes or 0) + 1 end
 
 -- ---- light ----
 
@@ -28,6 +33,7 @@ function methods.sun(world, fields)
   local scene = scene_of(world)
   scene.sun = f.from or scene.sun
   if f.shadows ~= nil then scene.shadows = f.shadows end
+  changed(scene)
 end
 
 core.declare("world:lamp", { "A lamp, one of at most four.", fields = { at = { "vec m", "where it hangs", need = true },
@@ -40,6 +46,7 @@ function methods.lamp(world, fields)
   if not f.at then core.fail "world:lamp: at is missing" end
   if #lamps == 4 then core.fail "world:lamp: there are 4 lamps already, more cannot be drawn" end
   lamps[#lamps + 1] = { at = f.at, power = f.power, colour = f.colour }
+  changed(scene_of(world))
 end
 
 core.declare("world:sky", { "What is behind everything.", takes = { { "name", "text", "which sky", of = skies } } })
@@ -48,6 +55,7 @@ core.declare("world:sky", { "What is behind everything.", takes = { { "name", "t
 function methods.sky(world, name)
   if type(name) ~= "string" or not skies[name] then core.unknown("world:sky:", "unknown sky", tostring(name), skies) end
   scene_of(world).sky = skies[name]
+  changed(scene_of(world))
 end
 
 -- ---- cameras ----
@@ -63,10 +71,20 @@ core.declare_type("camera", "A camera. Its fields can be read and assigned.", {}
 
 local function check_camera(fields, what, world)
   local f = core.check(fields, what, camera_fields, world)
+  if f.name and #f.name > LONGEST_NAME then core.fail("%s: name has %d bytes, at most %d", what, #f.name, LONGEST_NAME) end
   if f.look_at ~= nil and core.type(f.look_at) ~= "body" then
     f.look_at = core.check({ look_at = f.look_at }, what, { look_at = "vec m" }).look_at
   end
   return f
+end
+
+-- Whether one of the world's cameras may move by itself.
+local function cameras_changed(cameras)
+  changed(cameras)
+  cameras.moving = false
+  for _, cam in ipairs(cameras) do
+    cameras.moving = cameras.moving or cam[1].follow ~= nil or core.type(cam[1].look_at) == "body"
+  end
 end
 
 local is_camera = setmetatable({}, { __mode = "k" })
@@ -79,6 +97,7 @@ Camera.__newindex = function(cam, key, value)
   local checked = check_camera({ [key] = value }, "camera", cam[2])
   cam[1][key] = checked[key]
   if key == "follow" or key == "at" then cam[3] = cam[1].follow and cam[1].follow.position end
+  cameras_changed(core.lua_state(cam[2]).cameras)
 end
 Camera.__tostring = function(cam) return ("camera '%s'"):format(cam[1].name or "") end
 
@@ -90,6 +109,7 @@ function methods.camera(world, fields)
   is_camera[cam] = true
   state.cameras = state.cameras or {}
   state.cameras[#state.cameras + 1] = cam
+  cameras_changed(state.cameras)
   return cam
 end
 
@@ -343,6 +363,7 @@ function methods.record(world, fields)
   state.films[#state.films + 1] = film
   state.all_films = state.all_films or {}
   state.all_films[#state.all_films + 1] = film
+  changed(state.all_films)
   state.recorded = true
   core.open_films = core.open_films or {}
   core.open_films[film] = true
@@ -415,6 +436,7 @@ local function take_out(film)
   film.closed = true
   core.open_films[film] = nil
   local state = core.lua_state(film.world)
+  changed(state.all_films)
   for i, f in ipairs(state.films) do
     if f == film then
       table.remove(state.films, i)

@@ -44,7 +44,7 @@ end
 
 local function find_camera(plan, name)
   if not name then return end
-  local list = note(plan, "cameras", plan.info.frames - 1) or {}
+  local list = core.reader_cameras(plan.reader, plan.info.frames - 1, false)
   local known = {}
   for i, cam in ipairs(list) do
     if cam.name == name then
@@ -110,11 +110,8 @@ end
 
 -- ---- one frame ----
 
-local function camera_note(plan, name, frame)
-  local list = note(plan, name, frame)
-  local cam = list and list[plan.camera] or {}
-  return { at = vector(cam.at), look_at = vector(cam.look_at), up = vector(cam.up), fov = cam.fov }
-end
+-- What the script says of the camera at a frame: as it left it, or as the step led it there.
+local function camera_said(plan, frame, arrived) return core.reader_cameras(plan.reader, frame, arrived)[plan.camera] or {} end
 
 -- Where the camera stands at a moment: as films, blended from where it was before the step to where it came.
 local function camera_at(plan, time, view)
@@ -122,11 +119,11 @@ local function camera_at(plan, time, view)
   local steps = time / info.step - info.first_step
   local near = math.floor(steps + 0.5)
   if math.abs((near + info.first_step) * info.step - time) <= ON_TIME then
-    return core.resolve_camera(camera_note(plan, "cameras", near), view, aspect)
+    return core.resolve_camera(camera_said(plan, near, false), view, aspect)
   end
   local frame = math.floor(steps)
   local from, to = (info.first_step + frame) * info.step, (info.first_step + frame + 1) * info.step
-  local a, b = camera_note(plan, "cameras", frame), camera_note(plan, "cameras_arrived", frame + 1)
+  local a, b = camera_said(plan, frame, false), camera_said(plan, frame + 1, true)
   local whole = a.at and a.look_at and b.at and b.look_at
   local before = core.resolve_camera(a, whole and view or core.reader_view(plan.reader, from), aspect)
   local after = core.resolve_camera(b, whole and view or core.reader_view(plan.reader, to), aspect)

@@ -5,7 +5,7 @@ local core = ...
 local type, next = type, next
 
 local recorder, recorded    -- recorded: the world
-local light_text, films_text
+local light_seen, films_seen, cameras_seen     -- changes that were written
 
 -- ---- JSON ----
 
@@ -51,17 +51,30 @@ local function origin(world)
     arguments = o.args or {}, set = next(set) and set or nil, seed = core.state(world).seed, step = world.frame, accuracy = world.accuracy }
 end
 
-local function note_if_new(name, text, before)
-  if text ~= before then core.replay_note(recorder, name, text) end
-  return text
+-- Cameras that nobody touched and that look at no body stand where they stood.
+local function note_cameras(world)
+  local list = core.lua_state(world).cameras
+  if list and (list.moving or list.changes ~= cameras_seen) then
+    core.replay_cameras(recorder, core.cameras_now(world))
+    cameras_seen = list.changes
+  end
 end
 
+-- What seldom changes is written when it did.
 local function note_scene(world)
-  local cameras = core.cameras_now and core.cameras_now(world)
-  if cameras then core.replay_note(recorder, "cameras", json(cameras)) end
-  light_text = note_if_new("light", json(core.light_now(world)), light_text)
-  local films = core.films_now(world)
-  if films then films_text = note_if_new("films", json(films), films_text) end
+  local state = core.lua_state(world)
+  local light, films = state.scene.changes or 0, state.all_films
+  note_cameras(world)
+  if light ~= light_seen then
+    core.replay_note(recorder, "light", json(core.light_now(world)))
+    light_seen = light
+  end
+  if not films then return end
+  local seen = films.changes .. " " .. (state.cameras and #state.cameras or 0)    -- a film says which camera it has
+  if seen ~= films_seen then
+    core.replay_note(recorder, "films", json(core.films_now(world)))
+    films_seen = seen
+  end
 end
 
 -- ---- stepping ----
@@ -72,6 +85,7 @@ local function begin(world)
   recorded = world
   core.lua_state(world).recorded = true
   note_scene(world)
+  core.replay_before_step(recorder)
 end
 
 -- Before a step, when the script and its laws have done what they do before it.
@@ -80,18 +94,16 @@ function core.record_before_step(world)
   if not recorded then
     begin(world)
   elseif recorder and recorded == world then
-    core.replay_before_step(recorder)
     note_scene(world)
+    core.replay_before_step(recorder)
   end
 end
 
 -- Right after a step.
 function core.record_step(world)
   if not recorder or recorded ~= world then return end
+  note_cameras(world)       -- where they stand before the script moves them again: films blend towards that
   core.replay_step(recorder)
-  -- Where cameras stand before the script moves them again: films blend towards that.
-  local cameras = core.cameras_now(world)
-  if cameras then core.replay_note(recorder, "cameras_arrived", json(cameras)) end
 end
 
 -- At the end of a run, or before the world is closed. A world that never took a step is kept as it is.

@@ -434,6 +434,75 @@ TEST(notes_and_commands_belong_to_frames)
     remove(path);
 }
 
+static ReplayCamera camera_at(real x, bool aims)
+{
+    return (ReplayCamera){.name = "eye", .has_at = true, .has_look_at = aims, .at = {x, 1, 2}, .look_at = {0, aims ? x : 0, 0}, .fov = 0.5};
+}
+
+/* A camera moves with each step and is put back by the script after every tenth; a second one comes with step 300. */
+TEST(cameras_belong_to_frames)
+{
+    char path[512], why[200] = "";
+    Recorder *r;
+    const ReplayCamera *list;
+    int count;
+    dig_world *w = open_small_scene();
+    CHECK_INT(recorder_open(scratch_path(path, sizeof path, "cameras.replay"), w, "{}", &r, why, sizeof why), DIG_OK);
+    for (int i = 0; i <= 600; i++) {
+        ReplayCamera now[2] = {camera_at(i, true), camera_at(-i, false)};
+        CHECK_INT(recorder_cameras(r, now, i < 300 ? 1 : 2), DIG_OK);
+        if (i > 0)
+            CHECK_INT(recorder_step(r), DIG_OK);
+        now[0] = camera_at(1000 + i, true);
+        if (i % 10 == 0)
+            CHECK_INT(recorder_cameras(r, now, i < 300 ? 1 : 2), DIG_OK);
+        CHECK_INT(recorder_before_step(r), DIG_OK);
+        step(w, 1);
+    }
+    CHECK_INT(recorder_close(r, why, sizeof why), DIG_OK);
+    dig_world_close(w);
+    Replay *p = open_replay(path);
+    for (int i = 600; i > 0; i -= 7)
+        for (int arrived = 0; arrived < 2; arrived++) {
+            CHECK_INT(replay_cameras(p, i, arrived, &list, &count), DIG_OK);
+            CHECK_INT(count, i < 300 ? 1 : 2);
+            CHECK(list[0].at.x == (!arrived && i % 10 == 0 ? 1000 + i : i));
+            CHECK(list[0].has_look_at && !list[0].has_up && list[0].fov == 0.5);
+            CHECK_TEXT(list[0].name, "eye");
+            CHECK(i < 300 || (list[1].at.x == -i && !list[1].has_look_at));
+        }
+    CHECK_INT(replay_cameras(p, 601, false, &list, &count), DIG_E_ARG);
+    replay_close(p);
+    remove(path);
+}
+
+/* What stays costs no byte a frame but the records' marks, and two doubles that change, of the clock. */
+TEST(a_camera_that_stands_still_is_written_once)
+{
+    char path[2][512], why[200] = "";
+    size_t size[2];
+    for (int k = 0; k < 2; k++) {
+        Recorder *r;
+        dig_world *w = open_small_scene();
+        CHECK_INT(recorder_open(scratch_path(path[k], sizeof path[k], k ? "still.replay" : "none.replay"), w, "{}", &r, why, sizeof why), DIG_OK);
+        for (int i = 0; i < 200; i++) {
+            ReplayCamera eye = camera_at(3, true);
+            CHECK_INT(recorder_cameras(r, &eye, k), DIG_OK);
+            CHECK_INT(recorder_before_step(r), DIG_OK);
+            step(w, 1);
+            CHECK_INT(recorder_cameras(r, &eye, k), DIG_OK);
+            CHECK_INT(recorder_step(r), DIG_OK);
+        }
+        CHECK_INT(recorder_close(r, why, sizeof why), DIG_OK);
+        dig_world_close(w);
+        Bytes b = read_bytes(path[k]);
+        size[k] = b.size;
+        free(b.data);
+        remove(path[k]);
+    }
+    CHECK(size[1] > size[0] && size[1] - size[0] < 300);
+}
+
 TEST(a_file_that_cannot_be_written_is_named)
 {
     char why[200] = "";
@@ -457,9 +526,10 @@ static int ask_everything(const char *path, char *why, size_t capacity)
     Replay *r;
     View *v;
     const ReplayFrame *f;
+    const ReplayCamera *cameras;
     const void *bytes;
     size_t size;
-    int good = 0;
+    int good = 0, count;
     if (replay_open(path, &r, why, capacity) != DIG_OK) {
         CHECK(r == NULL && strstr(why, path) == why);
         return -1;
@@ -475,7 +545,8 @@ static int ask_everything(const char *path, char *why, size_t capacity)
     for (int i = 0; replay_body(r, i); i++)
         CHECK(replay_body(r, i)->name && replay_body(r, i)->died >= replay_body(r, i)->born);
     replay_start(r, &bytes, &size);
-    replay_note(r, "cameras", 3, NULL);
+    replay_note(r, "light", 3, NULL);
+    replay_cameras(r, 3, false, &cameras, &count);
     replay_close(r);
     return good;
 }
@@ -491,7 +562,8 @@ static Bytes small_file(char *path, size_t capacity, int frames)
     for (int i = 1; i < frames; i++) {
         step(w, 1);
         CHECK_INT(recorder_commands(r, &i, sizeof i), DIG_OK);
-        CHECK_INT(recorder_note(r, "cameras", i % 2 ? "[1]" : "[2]"), DIG_OK);
+        CHECK_INT(recorder_note(r, "light", i % 2 ? "[1]" : "[2]"), DIG_OK);
+        CHECK_INT(recorder_cameras(r, &(ReplayCamera){.name = "eye", .has_at = true, .at = {i, 1, 2}, .fov = 0.5}, 1), DIG_OK);
         CHECK_INT(recorder_step(r), DIG_OK);
     }
     CHECK_INT(recorder_close(r, why, sizeof why), DIG_OK);
@@ -637,6 +709,7 @@ int main(void)
 {
     RUN_TESTS(unit_test(everything_looks_the_same), unit_test(what_a_script_does_between_steps_is_seen), unit_test(bodies_are_born_and_die),
               unit_test(joints_break_and_bear), unit_test(poses_are_those_of_the_world), unit_test(notes_and_commands_belong_to_frames),
+              unit_test(cameras_belong_to_frames), unit_test(a_camera_that_stands_still_is_written_once),
               unit_test(a_file_that_cannot_be_written_is_named), unit_test(a_file_cut_at_any_byte_opens_to_its_last_whole_block),
               unit_test(changed_bytes_are_refused_or_harmless), unit_test(wrong_contents_with_right_checksums_do_no_harm));
 }
