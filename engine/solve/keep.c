@@ -22,7 +22,8 @@ bool group_keep(const Group *g, GroupKept *k)
 {
     k->scalars = *g;
     return KEEP(pos, g->body_count) && KEEP(vel, g->body_count) && KEEP(mass, g->body_count) && KEEP(member, g->body_count)
-        && KEEP(pairs, g->pair_count) && KEEP(contacts, g->contact_count) && KEEP(places, g->place_count) && KEEP(joints, g->joint_count) && KEEP(push_work, g->body_count);
+        && KEEP(pairs, g->pair_count) && KEEP(contacts, g->contact_count) && KEEP(places, g->place_count) && KEEP(joints, g->joint_count)
+        && KEEP(push_work, g->body_count);
 }
 
 void group_put_back(Group *g, const GroupKept *k)

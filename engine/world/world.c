@@ -125,7 +125,8 @@ size_t world_bytes(const World *w)
 {
     size_t bytes = sizeof *w;
     bytes += list_bytes(&w->bodies) + list_bytes(&w->solids) + list_bytes(&w->pairs) + list_bytes(&w->contacts);
-    bytes += list_bytes(&w->more) + list_bytes(&w->touches) + list_bytes(&w->joints) + list_bytes(&w->pushes) + list_bytes(&w->events) + list_bytes(&w->pending);
+    bytes += list_bytes(&w->more) + list_bytes(&w->touches) + list_bytes(&w->joints) + list_bytes(&w->pushes) + list_bytes(&w->events)
+        + list_bytes(&w->pending);
     bytes += list_bytes(&w->materials) + list_bytes(&w->material_pairs);
     bytes += map_bytes(&w->pair_map) + map_bytes(&w->touch_map) + (size_t)w->tree.capacity * sizeof(TreeNode);
     bytes += list_bytes(&w->near) + graph_bytes(w->graph) + arena_bytes(&w->scratch) + w->note_size;
