@@ -157,6 +157,7 @@ BodyRef  *bind_body_of(lua_State *L, int arg, const WorldRef *world);  /* alive 
 
 /* world: stack index of the world's userdata. A null id pushes nil. */
 void bind_push_body(lua_State *L, int world, dig_body id);
+int  bind_push_bodies(lua_State *L, int world, const dig_body *ids, int n);     /* a list; 1 */
 void bind_push_joint(lua_State *L, int world, dig_joint id);
 void bind_push_region(lua_State *L, int world, dig_region id);
 void bind_push_dig(lua_State *L, int world, dig_dig id);

@@ -54,16 +54,6 @@ static int push_links(lua_State *L, int world, const dig_link *links, int n)
     return 1;
 }
 
-static int push_bodies(lua_State *L, int world, const dig_body *ids, int n)
-{
-    bind_push_list(L, n);
-    for (int i = 0; i < n; i++) {
-        bind_push_body(L, world, ids[i]);
-        lua_rawseti(L, -2, i + 1);
-    }
-    return 1;
-}
-
 uint32_t bind_layer(lua_State *L, int index, const char *what)
 {
     const char *name = bind_text(L, index);
@@ -139,7 +129,7 @@ static int body_neighbours(lua_State *L)
     dig_body *ids = lua_newuserdatauv(L, (size_t)(n + 1) * sizeof *ids, 0);
     n = list_neighbours(b, layer, kind, ids, n);
     bind_push_world_of(L, 1);
-    return push_bodies(L, lua_gettop(L), ids, n);
+    return bind_push_bodies(L, lua_gettop(L), ids, n);
 }
 
 /* body:links{kind=} -> list of {a, b, kind, effort, flow, power, began, point, normal, joint, bound} */
@@ -181,7 +171,7 @@ static int graph_path(lua_State *L)
     dig_body *ids = lua_newuserdatauv(L, (size_t)(n + 1) * sizeof *ids, 0);
     n = list_path(a, b->id, layer, kind, ids, n);
     bind_push_world_of(L, 1);
-    return push_bodies(L, lua_gettop(L), ids, n);
+    return bind_push_bodies(L, lua_gettop(L), ids, n);
 }
 
 /* ---- DIGs ------------------------------------------------------------------------------ */
@@ -238,7 +228,7 @@ static int dig_get_members(lua_State *L)
     dig_body *ids = lua_newuserdatauv(L, (size_t)(n + 1) * sizeof *ids, 0);
     n = dig_members(d->world->w, d->id, ids, n);
     bind_push_world_of(L, 1);
-    return push_bodies(L, lua_gettop(L), ids, n);
+    return bind_push_bodies(L, lua_gettop(L), ids, n);
 }
 
 /* dig:links() -> links */

@@ -138,23 +138,26 @@ static void *new_handle(lua_State *L, int world, size_t size, const char *type, 
     return ref;
 }
 
+/* Pushes nil for what is nothing, or the handle that is there already; false: there is none yet. */
+static bool push_known(lua_State *L, int world, const char *cache, lua_Integer key, bool nothing)
+{
+    luaL_checkstack(L, 8, "too many values");
+    if (!nothing)
+        return push_cached(L, world, cache, key);
+    lua_pushnil(L);
+    return true;
+}
+
 void bind_push_body(lua_State *L, int world, dig_body id)
 {
     world = lua_absindex(L, world);
     WorldRef *w = lua_touserdata(L, world);
     lua_Integer key = handle_key(id.slot, id.gen);
-    luaL_checkstack(L, 8, "too many values");
-    if (id.slot == 0 && id.gen == 0) {
-        lua_pushnil(L);
-        return;
-    }
-    if (push_cached(L, world, "bodies", key))
-        return;
     dig_body_state s;
+    if (push_known(L, world, "bodies", key, key == 0))
+        return;
     const char *name = dig_body_get(w->w, id, &s) == DIG_OK ? s.name : NULL;
-    BodyRef *ref = new_handle(L, world, sizeof *ref, BIND_BODY, key, name);
-    ref->world = w;
-    ref->id = id;
+    *(BodyRef *)new_handle(L, world, sizeof(BodyRef), BIND_BODY, key, name) = (BodyRef){w, id};
 }
 
 void bind_push_joint(lua_State *L, int world, dig_joint id)
@@ -162,18 +165,11 @@ void bind_push_joint(lua_State *L, int world, dig_joint id)
     world = lua_absindex(L, world);
     WorldRef *w = lua_touserdata(L, world);
     lua_Integer key = handle_key(id.slot, id.gen);
-    luaL_checkstack(L, 8, "too many values");
-    if (id.slot == 0 && id.gen == 0) {
-        lua_pushnil(L);
-        return;
-    }
-    if (push_cached(L, world, "joints", key))
-        return;
     dig_joint_state s;
+    if (push_known(L, world, "joints", key, key == 0))
+        return;
     const char *name = dig_joint_get(w->w, id, &s) == DIG_OK ? s.name : NULL;
-    JointRef *ref = new_handle(L, world, sizeof *ref, BIND_JOINT, key, name);
-    ref->world = w;
-    ref->id = id;
+    *(JointRef *)new_handle(L, world, sizeof(JointRef), BIND_JOINT, key, name) = (JointRef){w, id};
 }
 
 void bind_push_dig(lua_State *L, int world, dig_dig id)
@@ -181,16 +177,20 @@ void bind_push_dig(lua_State *L, int world, dig_dig id)
     world = lua_absindex(L, world);
     WorldRef *w = lua_touserdata(L, world);
     lua_Integer key = handle_key(id.id, id.layer);
-    luaL_checkstack(L, 8, "too many values");
-    if (id.id == 0) {
-        lua_pushnil(L);
+    if (push_known(L, world, "digs", key, id.id == 0))
         return;
+    *(DigRef *)new_handle(L, world, sizeof(DigRef), BIND_DIG, key, NULL) = (DigRef){w, id};
+}
+
+int bind_push_bodies(lua_State *L, int world, const dig_body *ids, int n)
+{
+    world = lua_absindex(L, world);
+    bind_push_list(L, n);
+    for (int i = 0; i < n; i++) {
+        bind_push_body(L, world, ids[i]);
+        lua_rawseti(L, -2, i + 1);
     }
-    if (push_cached(L, world, "digs", key))
-        return;
-    DigRef *ref = new_handle(L, world, sizeof *ref, BIND_DIG, key, NULL);
-    ref->world = w;
-    ref->id = id;
+    return 1;
 }
 
 void bind_mark_removed(lua_State *L, int world, const char *kind, uint32_t slot, uint32_t gen, const char *how)

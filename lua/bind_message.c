@@ -151,11 +151,7 @@ static int message_post(lua_State *L)
         return 1;
     bind_push_world_of(L, 1);
     int owner = lua_gettop(L);
-    bind_push_list(L, r.loop_count);
-    for (int i = 0; i < r.loop_count; i++) {
-        bind_push_body(L, owner, r.loop[i]);
-        lua_rawseti(L, -2, i + 1);
-    }
+    bind_push_bodies(L, owner, r.loop, r.loop_count);
     lua_replace(L, owner);
     return 2;
 }

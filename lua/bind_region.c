@@ -174,12 +174,7 @@ static int region_bodies(lua_State *L)
     lua_settop(L, 1);
     bind_push_world_of(L, 1);
     const dig_body *ids = bodies_inside(L, ref, &n);
-    bind_push_list(L, n);
-    for (int i = 0; i < n; i++) {
-        bind_push_body(L, 2, ids[i]);
-        lua_rawseti(L, -2, i + 1);
-    }
-    return 1;
+    return bind_push_bodies(L, 2, ids, n);
 }
 
 /* core.region_force(region, fn): each body inside gets the force fn(body), N, in the next step, as the region's law; nil is no force */

@@ -67,13 +67,7 @@ static int world_overlap(lua_State *L)
     if (n < 0)
         return bind_fail(L, ref->w, DIG_E_ARG);
     dig_body *ids = lua_newuserdatauv(L, (size_t)(n + 1) * sizeof *ids, 0);
-    n = dig_overlap(ref->w, shape, at, ids, n);
-    bind_push_list(L, n);
-    for (int i = 0; i < n; i++) {
-        bind_push_body(L, 1, ids[i]);
-        lua_rawseti(L, -2, i + 1);
-    }
-    return 1;
+    return bind_push_bodies(L, 1, ids, dig_overlap(ref->w, shape, at, ids, n));
 }
 
 /* world:sweep{shape, at=, rotation=, velocity=, acceleration=, time=} or {shape, rotation=, from=, to= | along=, length=} -> hit or nil */

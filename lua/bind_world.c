@@ -233,13 +233,7 @@ static int world_bodies(lua_State *L)
     WorldRef *ref = bind_check_world(L, 1);
     int n = dig_bodies(ref->w, NULL, 0);
     dig_body *ids = lua_newuserdatauv(L, (size_t)(n + 1) * sizeof *ids, 0);
-    n = dig_bodies(ref->w, ids, n);
-    bind_push_list(L, n);
-    for (int i = 0; i < n; i++) {
-        bind_push_body(L, 1, ids[i]);
-        lua_rawseti(L, -2, i + 1);
-    }
-    return 1;
+    return bind_push_bodies(L, 1, ids, dig_bodies(ref->w, ids, n));
 }
 
 /* world:joints() -> list */

@@ -135,10 +135,7 @@ static int base_getmetatable(lua_State *L)
     if (is_first_globals(L))
         return 0;
     lua_settop(L, 1);
-    lua_pushvalue(L, lua_upvalueindex(1));
-    lua_insert(L, 1);
-    lua_call(L, 1, 1);
-    return 1;
+    return lib_call_first(L, 1);
 }
 
 /* setmetatable without finalizers. A script that gives _G another metatable finds `require` in _G itself. upvalue: the library's own */
@@ -156,10 +153,7 @@ static int base_setmetatable(lua_State *L)
             return bind_error(L, "setmetatable: __gc is not available to scripts");
     }
     lua_settop(L, 2);
-    lua_pushvalue(L, lua_upvalueindex(1));
-    lua_insert(L, 1);
-    lua_call(L, 2, 1);
-    return 1;
+    return lib_call_first(L, 1);
 }
 
 static int base_collectgarbage(lua_State *L)
@@ -348,10 +342,7 @@ static int charged(lua_State *L)
         if (lua_type(L, i) == LUA_TSTRING)
             work += lua_rawlen(L, i) / BYTES_A_UNIT;
     app_charge(L, work);
-    lua_pushvalue(L, lua_upvalueindex(1));
-    lua_insert(L, 1);
-    lua_call(L, n, LUA_MULTRET);
-    return lua_gettop(L);
+    return lib_call_first(L, LUA_MULTRET);
 }
 
 /* Notes that the C function on the top may be there. */

@@ -233,7 +233,7 @@ local function read_argument(name, d, text)
   return value
 end
 
-core.declare("digbox.args", { "Declares what `digbox run --set` and `digbox sweep` may vary; gives the values, in SI.",
+core.declare("digbox.args", { "Declares what `digbox run --set` may vary; gives the values, in SI.",
   takes = { { "declared", "table", "by name: a default, or {default, unit, help}" } }, gives = "table" })
 local argument_fields = { default = { "any", "the value when nothing is said" }, unit = { "text", "its unit" },
   help = { "text", "what it is" } }

@@ -105,13 +105,7 @@ function getters.distance(self)
   return from and to and #(to - from)
 end
 
-function getters.error(self)
-  local most = 0
-  for _, j in ipairs(self.joints) do
-    if j.valid then most = math.max(most, j.error) end
-  end
-  return most
-end
+function getters.error(self) return soft.largest(self, "error") end
 
 local function equip(self) self.links = self.bodies end
 

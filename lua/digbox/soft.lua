@@ -177,14 +177,17 @@ function soft.class(name, what, class_methods, getters, readable, properties, ke
   return make
 end
 
--- The largest share of its limit that any joint bears; 1 breaks.
-function soft.stress(self)
+-- The largest number of that name that any of its joints has
+function soft.largest(self, key)
   local most = 0
   for _, j in ipairs(self.joints) do
-    if j.valid then most = math.max(most, j.stress) end
+    if j.valid then most = math.max(most, j[key]) end
   end
   return most
 end
+
+-- The largest share of its limit that any joint bears; 1 breaks.
+function soft.stress(self) return soft.largest(self, "stress") end
 
 -- Joints that are no more
 function soft.broken(self)
