@@ -63,8 +63,8 @@ static int mark_changes(const ListAny *now, const ListAny *last, size_t row, uns
 {
     int changed = 0;
     for (int i = 0; i < now->count; i++) {
-        const char *a = (const char *)now->data + (size_t)i * row, *b = (const char *)last->data + (size_t)i * row;
-        if (i < last->count && memcmp(a, b, row) == 0)
+        size_t at = (size_t)i * row;
+        if (i < last->count && memcmp((const char *)now->data + at, (const char *)last->data + at, row) == 0)
             continue;
         bits[i / 8] |= (unsigned char)(1u << i % 8);
         changed++;
