@@ -218,7 +218,7 @@ end
 -- world:rope{a=, b=, length=}: ends never farther apart than length, without mass.
 -- world:rope{a=, b=, length=, segments=, radius=}: a chain of rods -> {links=, joints=}
 function methods.rope(world, fields)
-  if type(fields) == "table" and fields.segments ~= nil then return rope_of_segments(world, fields) end
+  if type(fields) == "table" and rawget(fields, "segments") ~= nil then return rope_of_segments(world, fields) end
   if not engine_rope then core.fail "world:rope: this engine only has ropes of segments: give segments = 20" end
   return engine_rope(world, fields)
 end
@@ -260,7 +260,7 @@ core.declare("world:mesh", { "A surface of triangles; static, or dynamic when it
 
 -- world:mesh{file = "beside/the/script.obj"} or {vertices=, triangles=}
 function methods.mesh(world, fields)
-  if type(fields) ~= "table" or fields.file == nil then return engine_mesh(world, fields) end
+  if type(fields) ~= "table" or rawget(fields, "file") == nil then return engine_mesh(world, fields) end
   if type(fields.file) ~= "string" then core.fail("world:mesh.file wants a file name; got %s", core.type(fields.file)) end
   local path, why = core.beside(fields.file)
   local text
