@@ -188,6 +188,9 @@ viewer:                                         ## the page of `digbox view`, bu
 -include tests/bench/bench.mk
 -include tests/hard/hard.mk
 
+# ---- random inputs ----
+-include tests/fuzz/fuzz.mk
+
 # ---- what other programs make of exported replays ----
 -include tests/export/export.mk
 

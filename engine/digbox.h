@@ -151,6 +151,9 @@ vec3          dig_world_gravity(const dig_world *w);
 dig_status    dig_world_set_gravity(dig_world *w, vec3 g);
 dig_status    dig_world_set_accuracy(dig_world *w, const char *plan, real tolerance);
 const char   *dig_world_accuracy(const dig_world *w);
+/* What was done in it so far, in units of about ten nanoseconds: counted, not timed, so that equal calls take equal amounts on every
+ * machine. Steps, questions, shapes that are made, copies. */
+uint64_t      dig_world_work(const dig_world *w);
 uint64_t      dig_world_checksum(const dig_world *w);   /* of the whole state; same state, same value */
 dig_status    dig_world_check(dig_world *w);            /* every invariant; DIG_OK or the first broken one */
 

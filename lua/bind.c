@@ -384,6 +384,30 @@ static int core_raise(lua_State *L)
     return lua_error(L);
 }
 
+/* Where the stack still stands: Lua's own words for it have no position, and name what no script sees. */
+static int handle_yield(lua_State *L)
+{
+    static const char lua_says[] = "attempt to yield across a C-call boundary";
+    const char *text = lua_type(L, 1) == LUA_TSTRING ? lua_tostring(L, 1) : "";
+    if (strncmp(text, lua_says, sizeof lua_says) == 0) {
+        bind_where(L);
+        lua_pushliteral(L, "cannot yield here: the world waits for this function to return");
+        lua_concat(L, 2);
+    }
+    return 1;
+}
+
+/* core.call(f, ...) -> as pcall, but what it calls cannot leave it by a yield */
+static int core_call(lua_State *L)
+{
+    lua_pushcfunction(L, handle_yield);
+    lua_insert(L, 1);
+    bool fine = lua_pcall(L, lua_gettop(L) - 2, LUA_MULTRET, 1) == LUA_OK;
+    lua_pushboolean(L, fine);
+    lua_replace(L, 1);
+    return lua_gettop(L);
+}
+
 /* core.poll(): before each step. The program puts its own in place, which stops at Ctrl-C and at limits. */
 static int core_poll(lua_State *L)
 {
@@ -393,7 +417,7 @@ static int core_poll(lua_State *L)
 
 static const luaL_Reg core_functions[] = {
     {"use", core_use}, {"fail", core_fail}, {"where", core_where}, {"unknown", core_unknown}, {"raise", core_raise},
-    {"poll", core_poll}, {NULL, NULL},
+    {"poll", core_poll}, {"call", core_call}, {NULL, NULL},
 };
 
 static void copy_table(lua_State *L, int from)

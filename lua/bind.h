@@ -14,8 +14,12 @@
 #include "digbox.h"
 
 struct OwnRef;
+/* Who is told how much was done in C for a script, in units of about one instruction of Lua; may raise. */
+typedef void BindCharge(lua_State *L, size_t work);
 typedef struct WorldRef {
     dig_world  *w;              /* NULL: closed                                                     */
+    BindCharge *charge;         /* NULL: nobody wants to know                                       */
+    uint64_t    charged;        /* of dig_world_work                                                */
     const char *shut;           /* name of the effect whose function runs: nothing else may be done */
     struct OwnRef *failed;      /* an effect's function did; its error is still to be raised        */
 } WorldRef;
@@ -76,6 +80,14 @@ struct RenderHistory;
 const struct RenderHistory *bind_history(lua_State *L, int index);
 int bind_push_view(lua_State *L, struct View *v);
 
+/* Pushes a field of a table that the script gave, and returns its type: what stands in the table, without asking its metatable. */
+static inline int bind_own_field(lua_State *L, int table, const char *name)
+{
+    table = lua_absindex(L, table);
+    lua_pushstring(L, name);
+    return lua_rawget(L, table);
+}
+
 /* A field of the table on the top of the stack. */
 static inline void bind_set_text(lua_State *L, const char *name, const char *text)
 {
@@ -100,6 +112,15 @@ static inline void bind_set_int(lua_State *L, const char *name, lua_Integer x)
     lua_pushinteger(L, x);
     lua_setfield(L, -2, name);
 }
+
+/* From now on this state charges its script for what the engine does; for the program's own states. Worlds that are made later
+ * know it. */
+void bind_charge_by(lua_State *L, BindCharge *charge);
+BindCharge *bind_charger(lua_State *L);         /* NULL: there is none */
+/* Charges for a list or table of so many items that C reads or makes. */
+void bind_charge_items(lua_State *L, size_t items);
+/* Charges for what was done in the world since the last time, and for one call. Every check of a handle does. */
+void bind_settle(lua_State *L, WorldRef *world);
 
 /* Opens everything and leaves the module `digbox` on the stack; the core table stands in the registry as "digbox.core". */
 int  bind_open(lua_State *L);

@@ -68,7 +68,7 @@ static int push_answer(lua_State *L, int world, const dig_answer *a)
 static void read_question(lua_State *L, const char *what, dig_question *q)
 {
     q->turns = bind_get_vec3(L, 2, what, "turn", "1", &q->along);
-    if (q->turns && lua_getfield(L, 2, "along") != LUA_TNIL)
+    if (q->turns && bind_own_field(L, 2, "along") != LUA_TNIL)
         bind_error(L, "%s: turn and along exclude each other", what);
     if (!q->turns && !bind_get_vec3(L, 2, what, "along", "1", &q->along))
         bind_error(L, "%s: along is missing (a direction, or turn = axis)", what);
@@ -110,7 +110,7 @@ static int world_ask(lua_State *L)
     dig_question q = dig_question_defaults();
     dig_answer a;
     bind_arguments(L, 2, "world:ask");
-    if (lua_getfield(L, 2, "body") == LUA_TNIL)
+    if (bind_own_field(L, 2, "body") == LUA_TNIL)
         return bind_error(L, "world:ask: body is missing (who is to move?)");
     q.body = bind_body_of(L, lua_gettop(L), ref)->id;
     read_question(L, "world:ask", &q);

@@ -187,7 +187,8 @@ static int list_length(const Fill *f, const dig_param *row, const char *wanted)
         wrong_kind(f, row, wanted);
     lua_Unsigned n = lua_rawlen(f->L, -1);
     if (n > POINT_LIMIT)
-        bind_error(f->L, "%s.%s has %g entries, must have at most %d", f->what, row->name, (lua_Number)n, POINT_LIMIT);
+        bind_error(f->L, "%s.%s has %.0f entries, must have at most %d", f->what, row->name, (lua_Number)n, POINT_LIMIT);
+    bind_charge_items(f->L, (size_t)n);
     return (int)n;
 }
 
@@ -213,8 +214,9 @@ static void fill_indices(const Fill *f, const dig_param *row, dig_indices *field
     int n = list_length(f, row, "a list of whole numbers"), total = 0;
     for (int i = 0; i < n; i++) {
         lua_rawgeti(L, -1, i + 1);
-        total += lua_istable(L, -1) ? (int)lua_rawlen(L, -1) : 1;
+        lua_Unsigned m = lua_istable(L, -1) ? lua_rawlen(L, -1) : 1;    /* of a table with holes: any number */
         lua_pop(L, 1);
+        total = m > POINT_LIMIT ? POINT_LIMIT + 1 : total + (int)m;
         if (total > POINT_LIMIT)
             bind_error(L, "%s.%s has more than %d entries", f->what, row->name, POINT_LIMIT);
     }

@@ -103,7 +103,7 @@ static void kind_argument(lua_State *L, int arg, const char *what, uint32_t *lay
     if (lua_isnoneornil(L, arg))
         return;
     bind_arguments(L, arg, what);
-    if (lua_getfield(L, arg, "kind") != LUA_TNIL)
+    if (bind_own_field(L, arg, "kind") != LUA_TNIL)
         bind_link_kind(L, lua_gettop(L), what, layer, kind);
     lua_pop(L, 1);
 }

@@ -2,6 +2,8 @@
 
 #include "bind.h"
 
+#include <string.h>
+
 static const char *name_of_type(lua_State *L, int arg)
 {
     if (luaL_getmetafield(L, arg, "__name") == LUA_TSTRING) {
@@ -21,11 +23,50 @@ static void *check_type(lua_State *L, int arg, const char *name)
     return ref;
 }
 
+/* ---- what calls cost ---- */
+
+enum { CALL = 10, ITEM = 5 };           /* units: of any call, of an item of a list */
+static const char charger_key;
+
+void bind_charge_by(lua_State *L, BindCharge *charge)
+{
+    memcpy(lua_newuserdatauv(L, sizeof charge, 0), &charge, sizeof charge);
+    lua_rawsetp(L, LUA_REGISTRYINDEX, &charger_key);
+}
+
+BindCharge *bind_charger(lua_State *L)
+{
+    BindCharge *charge = NULL;
+    if (lua_rawgetp(L, LUA_REGISTRYINDEX, &charger_key) == LUA_TUSERDATA)
+        memcpy(&charge, lua_touserdata(L, -1), sizeof charge);
+    lua_pop(L, 1);
+    return charge;
+}
+
+void bind_charge_items(lua_State *L, size_t items)
+{
+    BindCharge *charge = bind_charger(L);
+    if (charge)
+        charge(L, ITEM * items);
+}
+
+void bind_settle(lua_State *L, WorldRef *world)
+{
+    if (!world->charge || !world->w)
+        return;
+    uint64_t work = dig_world_work(world->w), owed = work - world->charged + CALL;
+    world->charged = work;
+    world->charge(L, (size_t)owed);
+}
+
+/* ---- checks ---- */
+
 /* Inside the function of an effect, nothing but what it is shown. */
-static void check_free(lua_State *L, const WorldRef *ref)
+static void check_free(lua_State *L, WorldRef *ref)
 {
     if (ref->shut)
         bind_error(L, "effect '%s': its functions see the bodies they are given; the world cannot be asked or changed there", ref->shut);
+    bind_settle(L, ref);
 }
 
 WorldRef *bind_check_world(lua_State *L, int arg)
@@ -242,6 +283,7 @@ static int list_tostring(lua_State *L)
 
 void bind_push_list(lua_State *L, int size)
 {
+    bind_charge_items(L, (size_t)size);
     lua_createtable(L, size, 0);
     if (luaL_newmetatable(L, "list")) {
         lua_pushcfunction(L, list_tostring);

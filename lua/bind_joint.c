@@ -42,8 +42,8 @@ static void resolve_aliases(lua_State *L, const char *what, const dig_schema *sc
         used[i] = false;
         if (find_row(schema->rows, aliases[i].alias))
             continue;
-        if (lua_getfield(L, 2, aliases[i].alias) != LUA_TNIL) {
-            if (lua_getfield(L, 2, aliases[i].name) != LUA_TNIL)
+        if (bind_own_field(L, 2, aliases[i].alias) != LUA_TNIL) {
+            if (bind_own_field(L, 2, aliases[i].name) != LUA_TNIL)
                 bind_error(L, "%s: %s and %s are the same field", what, aliases[i].alias, aliases[i].name);
             lua_pop(L, 1);
             lua_setfield(L, 2, aliases[i].name);
@@ -122,7 +122,7 @@ static int make_joint(lua_State *L)
     dig_schema_defaults(schema, data);
     lua_newtable(L);
     Fill fill = {L, 2, 4, what, what, ref};
-    if (lua_getfield(L, 2, "name") == LUA_TSTRING && lua_rawlen(L, -1) > 0)
+    if (bind_own_field(L, 2, "name") == LUA_TSTRING && lua_rawlen(L, -1) > 0)
         fill.subject = lua_pushfstring(L, "joint '%s'", lua_tostring(L, -1));
     take_coupled_joints(&fill, schema, data);
     bind_fill(&fill, schema->rows, data);
@@ -203,7 +203,7 @@ static void set_row(lua_State *L, JointRef *j, const dig_param *row, const char 
         int table = lua_gettop(L);
         bind_check_keys(L, table, path, sets, NULL);
         for (const dig_param *inner = row->rows; inner && inner->name; inner++) {
-            if (lua_getfield(L, table, inner->name) != LUA_TNIL) {
+            if (bind_own_field(L, table, inner->name) != LUA_TNIL) {
                 const char *name = lua_pushfstring(L, "%s.%s", path, inner->name);
                 lua_insert(L, -2);
                 set_row(L, j, inner, name, subject);

@@ -54,7 +54,7 @@ static const WorldRef *world_of(lua_State *L)
 static bool field(lua_State *L, const char *name)
 {
     lua_settop(L, 3);
-    return lua_getfield(L, 3, name) != LUA_TNIL;
+    return bind_own_field(L, 3, name) != LUA_TNIL;
 }
 
 static const char *const routes[] = {"to", "neighbours", "dig", "flood", "path", "region"};
@@ -256,13 +256,13 @@ static int world_link(lua_State *L)
     dig_wire_def def = {0};
     lua_settop(L, 2);
     bind_arguments(L, 2, "world:link");
-    lua_getfield(L, 2, "layer");
+    bind_own_field(L, 2, "layer");
     def.layer = bind_layer(L, 3, "world:link");
-    lua_getfield(L, 2, "a");
+    bind_own_field(L, 2, "a");
     def.a = bind_body_of(L, 4, world)->id;
-    lua_getfield(L, 2, "b");
+    bind_own_field(L, 2, "b");
     def.b = bind_body_of(L, 5, world)->id;
-    lua_getfield(L, 2, "bound");
+    bind_own_field(L, 2, "bound");
     if (!lua_isnil(L, 6) && !lua_isboolean(L, 6))
         return bind_error(L, "world:link.bound wants true or false; got %s", luaL_typename(L, 6));
     def.bound = lua_toboolean(L, 6);

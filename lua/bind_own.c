@@ -94,10 +94,12 @@ static int show_all(lua_State *L, const dig_effect_call *c)
         show_body(L, &c->parts[i], zero);
         lua_rawseti(L, OWN_LIST, i + 1);
     }
-    for (lua_Integer i = (lua_Integer)lua_rawlen(L, OWN_LIST); i > c->count; i--) {
+    for (lua_Integer i = c->count + 1; lua_rawgeti(L, OWN_LIST, i) != LUA_TNIL; i++) {     /* the length may be what the script made it */
+        lua_pop(L, 1);
         lua_pushnil(L);
         lua_rawseti(L, OWN_LIST, i);
     }
+    lua_pop(L, 1);
     return zero;
 }
 

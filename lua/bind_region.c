@@ -74,7 +74,7 @@ const dig_shape_def *bind_shape_argument(lua_State *L, const char *what, pose *a
     *at = (pose){{0, 0, 0}, {0, 0, 0, 1}};
     bind_get_vec3(L, 2, what, "at", "m", &at->p);
     bind_get_quat(L, 2, what, "rotation", &at->q);
-    lua_getfield(L, 2, "shape");
+    bind_own_field(L, 2, "shape");
     if (!luaL_testudata(L, -1, BIND_SHAPE))
         bind_error(L, "%s wants a shape such as digbox.sphere{radius = 1}, or sphere = {radius = 1}", what);
     const dig_shape_def *shape = &bind_check_shape(L, lua_gettop(L))->def;
@@ -92,8 +92,10 @@ static RegionRef *check_region(lua_State *L)
     RegionRef *ref = luaL_testudata(L, 1, BIND_REGION);
     if (ref && ref->world->shut)
         bind_error(L, "effect '%s': its functions see the bodies they are given; the world cannot be asked or changed there", ref->world->shut);
-    if (ref && ref->world->w)
+    if (ref && ref->world->w) {
+        bind_settle(L, ref->world);
         return ref;
+    }
     if (ref)
         bind_error(L, "the region's world is closed");
     bind_error(L, "expected a region, got %s (methods are called with ':')", luaL_typename(L, 1));
@@ -106,13 +108,13 @@ static void read_laws(lua_State *L, const WorldRef *world, dig_region_def *def)
     static const char *const extras[] = {"force", NULL};
     const dig_schema *schema = dig_schema_at("region", 0);
     const dig_param *sets[] = {schema->rows, NULL};
-    if (lua_getfield(L, 2, "laws") == LUA_TNIL)
+    if (bind_own_field(L, 2, "laws") == LUA_TNIL)
         return;
     int laws = lua_gettop(L);
     if (!lua_istable(L, laws))
         bind_error(L, "%s wants a table of laws; got %s", what, luaL_typename(L, laws));
     bind_check_keys(L, laws, what, sets, extras);
-    if (lua_getfield(L, laws, "force") != LUA_TNIL && !lua_isfunction(L, -1))
+    if (bind_own_field(L, laws, "force") != LUA_TNIL && !lua_isfunction(L, -1))
         bind_error(L, "%s.force wants a function of a body; got %s", what, luaL_typename(L, -1));
     lua_newtable(L);
     Fill fill = {L, laws, lua_gettop(L), what, what, world};

@@ -19,7 +19,7 @@ static void push_fallback(lua_State *L, const dig_param *row)
 {
     switch (row->kind) {
     case DIG_REAL: case DIG_VEC3: case DIG_SIZE3: lua_pushnumber(L, row->fallback); break;
-    case DIG_INT: lua_pushinteger(L, (lua_Integer)row->fallback); break;
+    case DIG_INT: lua_pushinteger(L, isnan(row->fallback) ? 0 : (lua_Integer)row->fallback); break;
     case DIG_BOOL: lua_pushboolean(L, row->fallback != 0); break;
     case DIG_CHOICE: lua_pushstring(L, row->choices[(int)row->fallback]); break;
     default: lua_pushnil(L); break;

@@ -36,7 +36,7 @@ int bind_create_body(lua_State *L, const char *what, const dig_shape_def *shapes
     lua_newtable(L);
     Fill fill = {L, 2, lua_gettop(L), what, what, ref};
     def.fixed = fixed;
-    if (lua_getfield(L, 2, "name") == LUA_TSTRING && lua_rawlen(L, -1) > 0 && lua_rawlen(L, -1) < sizeof def.name.s)
+    if (bind_own_field(L, 2, "name") == LUA_TSTRING && lua_rawlen(L, -1) > 0 && lua_rawlen(L, -1) < sizeof def.name.s)
         fill.subject = lua_pushfstring(L, "body '%s'", lua_tostring(L, -1));
     bind_fill(&fill, schema->rows, &def);
     bind_effects_read(&fill);
@@ -54,7 +54,7 @@ int bind_create_body(lua_State *L, const char *what, const dig_shape_def *shapes
     bind_note(L, 1, "bodies", id.slot, id.gen);
     bind_push_body(L, 1, id);
     note_newborn(L);
-    if (lua_getfield(L, 2, "data") != LUA_TNIL) {
+    if (bind_own_field(L, 2, "data") != LUA_TNIL) {
         bind_push_state(L, 1);
         lua_getfield(L, -1, "data");
         lua_pushvalue(L, -3);
@@ -70,12 +70,13 @@ int bind_create_body(lua_State *L, const char *what, const dig_shape_def *shapes
 /* heights = {{h11, h12, ...}, {h21, ...}, ...}: one list a row (z), one number a column (x) */
 static void read_heights(lua_State *L, int table, int anchor, const char *what, dig_heightfield_def *def)
 {
-    lua_getfield(L, table, "heights");
+    bind_own_field(L, table, "heights");
     if (!lua_istable(L, -1))
         bind_error(L, "%s.heights wants a list of rows {{h, h, ...}, ...}; got %s", what, luaL_typename(L, -1));
     lua_Unsigned rows = lua_rawlen(L, -1);
     lua_rawgeti(L, -1, 1);
     lua_Unsigned columns = lua_istable(L, -1) ? lua_rawlen(L, -1) : 0;
+    bind_charge_items(L, (size_t)(rows * columns));
     lua_pop(L, 1);
     if (rows < 2 || columns < 2 || rows > GRID_LIMIT || columns > GRID_LIMIT)
         bind_error(L, "%s.heights has %d rows of %d columns, must have 2 to %d of each", what, (int)rows, (int)columns, GRID_LIMIT);
@@ -155,7 +156,7 @@ static int make_body(lua_State *L)
     bind_check_keys(L, 2, what, sets, extras);
     check_required(L, 2, what, schema);
     const char *subject = what;
-    if (lua_getfield(L, 2, "name") == LUA_TSTRING && lua_rawlen(L, -1) > 0)
+    if (bind_own_field(L, 2, "name") == LUA_TSTRING && lua_rawlen(L, -1) > 0)
         subject = lua_pushfstring(L, "body '%s'", lua_tostring(L, -1));
     void *data = lua_newuserdatauv(L, schema->size, 0);
     lua_newtable(L);
@@ -219,7 +220,7 @@ static int make_compound(lua_State *L)
     bind_check_world(L, 1);
     lua_settop(L, 2);
     want_table(L, 2, what);
-    if (lua_getfield(L, 2, "parts") != LUA_TTABLE)
+    if (bind_own_field(L, 2, "parts") != LUA_TTABLE)
         return bind_error(L, "%s: parts is missing (a list such as {digbox.box{...}, ...})", what);
     lua_Unsigned n = lua_rawlen(L, 3);
     if (n == 0 || n > PART_LIMIT)

@@ -14,6 +14,8 @@ typedef struct SnapshotRef { dig_snapshot *s; WorldRef *world; } SnapshotRef;
 
 #define SNAPSHOT "snapshot"
 
+enum { OPENING = 5000 };        /* units: what a world costs that is opened and closed again */
+
 /* ---- opening ----------------------------------------------------------------- */
 
 static void weak_table(lua_State *L, const char *name)
@@ -29,7 +31,9 @@ static void weak_table(lua_State *L, const char *name)
 static WorldRef *new_world(lua_State *L)
 {
     WorldRef *ref = lua_newuserdatauv(L, sizeof *ref, 1);
-    *ref = (WorldRef){NULL, NULL, NULL};
+    *ref = (WorldRef){.charge = bind_charger(L)};
+    if (ref->charge)
+        ref->charge(L, OPENING);
     luaL_setmetatable(L, BIND_WORLD);
     lua_newtable(L);
     weak_table(L, "bodies");
@@ -302,6 +306,7 @@ static int world_stats(lua_State *L)
     bind_set_int(L, "joints", s.joints);
     bind_set_int(L, "events", (lua_Integer)s.events);
     bind_set_int(L, "steps", (lua_Integer)s.steps);
+    bind_set_int(L, "work", (lua_Integer)dig_world_work(w));
     bind_set_int(L, "rejected", (lua_Integer)s.rejected);
     bind_set_int(L, "groups", s.groups);
     bind_set_int(L, "iterations", s.iterations);

@@ -148,6 +148,8 @@ static void allow_all(int ruleset, const Jail *jail, uint64_t known)
         make_folder(jail->out);
         allow(ruleset, jail->out, write, known);
     }
+    if (jail->kept)
+        allow(ruleset, jail->kept, FILE_READ | FILE_WRITE | FILE_CUT, known);
     for (int i = 0; i < jail->also_count; i++)
         if (jail->also[i]) {
             folder_of(jail->also[i], folder);           /* they are written under another name first */

@@ -14,6 +14,7 @@ typedef struct Jail {
     const char *out;            /* folder that may be written, made if it is not there; NULL = none   */
     const char *const *also;    /* [also_count] files that may be written; NULLs are skipped          */
     int         also_count;
+    const char *kept;           /* one file, which is there, and nothing beside it; NULL = none           */
 } Jail;
 
 /* Shuts this process in, for good. False where a wall is missing. The text says which of them hold. */

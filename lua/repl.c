@@ -6,6 +6,7 @@
 #define _XOPEN_SOURCE 700       /* isatty */
 
 #include <errno.h>
+#include <fcntl.h>
 #include <getopt.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -66,28 +67,40 @@ typedef struct Reader {
     char *line;                 /* as read, to be freed   */
 } Reader;
 
-static void open_reader(Reader *r, lua_State *L)
+#ifdef DIGBOX_EDIT
+/* The file must be there before the jail is shut, which then lets nothing else in its folder be written. */
+static void open_history(Reader *r)
+{
+    const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME");
+    if (state && *state)
+        snprintf(r->history, sizeof r->history, "%s/digbox_history", state);
+    else if (home && *home)
+        snprintf(r->history, sizeof r->history, "%s/.digbox_history", home);
+    int file = *r->history ? open(r->history, O_RDWR | O_CREAT | O_CLOEXEC, 0600) : -1;
+    if (file >= 0)
+        close(file);
+    else
+        *r->history = '\0';
+}
+#endif
+
+/* Before the jail: the library looks for the terminal's description and its own settings. */
+static void open_reader(Reader *r)
 {
     *r = (Reader){0};
 #ifdef DIGBOX_EDIT
     r->edits = isatty(0) && isatty(1);
     if (!r->edits)
         return;
-    const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME");
-    shown = L;
     rl_readline_name = "digbox";
     rl_basic_word_break_characters = " \t\n\"'`@$><=;|&{}()[],+-*/~#";
     rl_attempted_completion_function = complete;
+    rl_initialize();
     using_history();
     stifle_history(HISTORY_LINES);
-    if (state && *state)
-        snprintf(r->history, sizeof r->history, "%s/digbox_history", state);
-    else if (home && *home)
-        snprintf(r->history, sizeof r->history, "%s/.digbox_history", home);
+    open_history(r);
     if (*r->history)
         read_history(r->history);
-#else
-    (void)L;
 #endif
 }
 
@@ -207,35 +220,52 @@ static int open_repl(lua_State *L)
     return 0;
 }
 
+static int begin_repl(lua_State *L, App *app, const RunOptions *o)
+{
+    lua_pushcfunction(L, open_repl);
+    lua_pushlightuserdata(L, (void *)(uintptr_t)o);
+    int code = app_call(L, app, 1, 0);
+    if (code == EXIT_FINE && o->world)
+        code = app_run_file(L, app);
+    if (code == EXIT_FINE)
+        code = app_call_core(L, app, "begin_repl", 0, 0);
+    if (code != EXIT_FINE)
+        say_error(lua_isstring(L, -1) ? lua_tostring(L, -1) : "failed");
+    lua_settop(L, 0);
+    return code;
+}
+
+/* Ctrl-C ends what a line began, not the repl. */
+static void run_lines(Reader *r, lua_State *L, App *app)
+{
+    while (app_signal() == 0 && read_chunk(r, L)) {
+        if (lua_isfunction(L, -1)) {
+            run_chunk(L, app);
+            app_forget_interrupt();
+        }
+        lua_settop(L, 0);
+    }
+}
+
+/* A limit is an error here, like any other: one goes on at the next line. */
 static int run_repl(const RunOptions *o)
 {
-    App app = {.fuel = -1, .script = o->world ? o->world : "repl", .trust = o->trust};
+    Reader r;
+    open_reader(&r);
+    App app = {.fuel = -1, .memory_limit = (size_t)o->memory << 20, .script = o->world ? o->world : "repl", .trust = o->trust, .raises = true,
+               .out = o->out, .kept = *r.history ? r.history : NULL, .jailed = true, .jail_needed = o->jail_needed, .jail_said = o->verbose};
     lua_State *L = app_open(&app);
     if (!L)
         return EXIT_MEMORY;
-    lua_pushcfunction(L, open_repl);
-    lua_pushlightuserdata(L, (void *)(uintptr_t)o);
-    int code = app_call(L, &app, 1, 0);
-    if (code == EXIT_FINE && o->world)
-        code = app_run_file(L, &app);
+#ifdef DIGBOX_EDIT
+    shown = L;
+#endif
+    int code = begin_repl(L, &app, o);
     if (code == EXIT_FINE)
-        code = app_call_core(L, &app, "begin_repl", 0, 0);
-    if (code != EXIT_FINE) {
-        say_error(lua_isstring(L, -1) ? lua_tostring(L, -1) : "failed");
-        lua_close(L);
-        return flush_output(code);
-    }
-    Reader r;
-    open_reader(&r, L);
-    lua_settop(L, 0);
-    while (app_signal() == 0 && read_chunk(&r, L)) {
-        if (lua_isfunction(L, -1))
-            run_chunk(L, &app);
-        lua_settop(L, 0);
-    }
+        run_lines(&r, L, &app);
     close_reader(&r);
     lua_close(L);
-    return flush_output(app_signal() ? 128 + app_signal() : EXIT_FINE);
+    return flush_output(code != EXIT_FINE ? code : app_signal() ? 128 + app_signal() : EXIT_FINE);
 }
 
 /* ---- the command ------------------------------------------------------------------------- */
@@ -243,7 +273,8 @@ static int run_repl(const RunOptions *o)
 static int command_repl(int argc, char **argv)
 {
     static const struct option options[] = {
-        {"output", required_argument, NULL, 'o'}, {"trust", no_argument, NULL, 't'}, {"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0},
+        {"output", required_argument, NULL, 'o'}, {"trust", no_argument, NULL, 't'}, {"memory-limit", required_argument, NULL, 'm'},
+        {"require-jail", no_argument, NULL, 'j'}, {"verbose", no_argument, NULL, 'v'}, {"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0},
     };
     RunOptions o = {.out = "out", .seconds = -1, .time_limit = -1, .seed = LLONG_MIN, .fuel = -1, .quiet = true};
     int key;
@@ -252,6 +283,12 @@ static int command_repl(int argc, char **argv)
         switch (key) {
         case 'o': o.out = optarg; break;
         case 't': o.trust = true; break;
+        case 'j': o.jail_needed = true; break;
+        case 'v': o.verbose = true; break;
+        case 'm':
+            if (!read_whole_option("memory-limit", optarg, 1, 1 << 20, &o.memory))
+                return EXIT_USAGE;
+            break;
         case 'h': return print_help("repl");
         default: return usage_error("see 'digbox repl --help'");
         }
@@ -266,6 +303,9 @@ const Command repl_command = {
     .use = "  digbox repl [WORLD.lua] [options]               Lua line by line, beside the world that the script made\n",
     .options =
         "  -o, --output DIR        where pictures go (default out)\n"
-        "      --trust             the script may use io and os\n",
+        "      --memory-limit MiB  memory that the lines may use: what needs more is an error\n"
+        "      --require-jail      only behind the walls of `digbox run` (docs/security.md)\n"
+        "      --verbose           say which of them hold\n"
+        "      --trust             the script may use io and os, and write anywhere\n",
     .run = command_repl,
 };

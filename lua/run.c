@@ -189,6 +189,8 @@ static int run_world(const RunOptions *o, App *app)
     int code = app_call(L, app, 1, 0);
     if (code == EXIT_FINE)
         code = app_run_file(L, app);
+    if (o->verbose && app->fuel >= 0)
+        fprintf(stderr, "digbox: fuel: %lld used\n", app->fuel_given - app->fuel);
     if (code == EXIT_FINE && !o->dry)
         code = finish_run(L, app, o);
     if (app_call_core(L, app, "clear_progress", 0, 0) != EXIT_FINE)
@@ -252,10 +254,10 @@ const Command run_command = {
         "      --set NAME=VALUE    an argument that the world declares (digbox.args); so does -- --NAME VALUE\n"
         "      --time-limit S      stop after S seconds of wall time (exit code 5)\n"
         "      --memory-limit MiB  memory that the script may use (exit code 3)\n"
-        "      --fuel N            Lua instructions that the script may use (exit code 4)\n"
+        "      --fuel N            Lua instructions, and work of the engine, that the script may use (exit code 4)\n"
         "      --log-limit MiB     text that the script may print (default 1; 0 = without limit)\n"
         "      --require-jail      do not run where the kernel lacks seccomp or landlock (docs/security.md)\n"
-        "      --verbose           say which of them hold\n"
+        "      --verbose           say which of them hold, and with --fuel how much was used\n"
         "      --trust             the script may use io and os, and write anywhere\n"
         "      --replay FILE       keep the run in a file: to draw, compare and export it without simulating again\n"
         "      --trace FILE        what each step spent its time on, for chrome://tracing or ui.perfetto.dev\n"

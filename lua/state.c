@@ -155,6 +155,14 @@ int app_signal(void)
     return caught;
 }
 
+void app_forget_interrupt(void)
+{
+    if (caught != SIGINT)
+        return;
+    hard_deadline = 0;
+    caught = 0;
+}
+
 /* ---- stopping: the script gets no word any more ------------------------------------- */
 
 /* "world.lua:12: " without a byte of Lua's memory. */
@@ -398,6 +406,7 @@ static int open_state(lua_State *L)
     lua_getfield(L, LUA_REGISTRYINDEX, "digbox.core");
     lua_pushcfunction(L, poll_limits);
     lua_setfield(L, -2, "poll");
+    bind_charge_by(L, app_charge);
     bind_use(L, "sandbox");
     bind_hint_methods(L);
     lua_settop(L, 0);
@@ -429,7 +438,7 @@ static void limit_memory(App *app)
 static bool shut_in(const App *app)
 {
     char text[160];
-    const Jail jail = {.script = app->script, .out = app->out, .also = app->also, .also_count = sizeof app->also / sizeof *app->also};
+    const Jail jail = {.script = app->script, .out = app->out, .also = app->also, .also_count = sizeof app->also / sizeof *app->also, .kept = app->kept};
     if (!app->jailed || app->trust) {
         if (app->jail_said)
             fputs("digbox: jail: none, the script is trusted\n", stderr);

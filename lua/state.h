@@ -31,6 +31,7 @@ typedef struct App {            /* of one state; the state's extra space points 
     bool   jail_said;           /* says in one line which walls hold                               */
     const char *out;            /* folder that may be written then; NULL = none                    */
     const char *also[4];        /* files that may be written besides, NULL = none                  */
+    const char *kept;           /* and one that nothing may be written beside (the repl's history) */
     /* Told of a stop instead of stderr; the process ends when it returns. */
     void (*stopped)(void *data, int code, const char *text);
     void  *stopped_data;
@@ -55,6 +56,9 @@ void app_catch_signals(void);
 
 /* The signal that came, or 0. */
 int app_signal(void);
+
+/* What Ctrl-C stopped has stopped: the next one is the first again. Other signals stay. */
+void app_forget_interrupt(void);
 
 /* The script is stopped after so many seconds of wall time; where it does not respond, the program is, before half as many more. */
 void app_limit_time(App *app, double seconds);

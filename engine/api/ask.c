@@ -49,10 +49,12 @@ static dig_status widen(Ask *k, bool *more)
     if (part_take(k->w, k->q->body.slot, k->far, &wider) != DIG_OK)
         return no_memory(k);
     *more = !same_slots(&wider.bodies, &k->part.bodies);
+    world_work(k->w, k->part.world->work);
     part_close(&k->part);
     k->part = wider;
     k->body = part_body(&k->part, k->q->body.slot);
     if (*more) {
+        world_work(k->w, k->copy ? k->copy->work : 0);
         dig_world_close(k->copy);
         k->copy = NULL;
     }
@@ -61,6 +63,7 @@ static dig_status widen(Ask *k, bool *more)
 
 static void close_part(Ask *k)
 {
+    world_work(k->w, (k->part.world ? k->part.world->work : 0) + (k->copy ? k->copy->work : 0));
     part_close(&k->part);
     dig_world_close(k->copy);
 }

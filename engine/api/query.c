@@ -72,12 +72,15 @@ bool dig_body_contains(const dig_world *w, dig_body outer, dig_body inner)
 
 /* ---- rays, overlaps, sweeps ---- */
 
+enum { ASK_RAY = 100, ASK_SHAPE = 200, TRY_RAY = 20, TRY_OVERLAP = 60, TRY_SWEEP = 300 };    /* units of world_work */
+
 typedef struct RayQuery { const World *w; Ray ray; dig_hit *out; int count, capacity; } RayQuery;
 
 static void ray_solid(RayQuery *q, uint32_t slot)
 {
     const Solid *s = &q->w->solids.data[slot];
     pose at = solid_pose(q->w, s);
+    world_work(q->w, TRY_RAY);
     Ray local = {pose_unpoint(at, q->ray.from), quat_unrotate(at.q, q->ray.along), q->ray.length};
     RayHit hit;
     if (!s->shape.type->ray || !s->shape.type->ray(&s->shape, &local, &hit) || hit.distance > q->ray.length)
@@ -120,6 +123,7 @@ int dig_ray(const dig_world *w, vec3 from, vec3 along, real length, dig_hit *out
         return -1;
     }
     RayQuery q = {w, {from, vec3_unit(along), length}, out, 0, capacity};
+    world_work(w, ASK_RAY);
     tree_ray(&w->tree, from, q.ray.along, length, ray_leaf, &q);
     for (int i = 0; i < w->unbounded.count; i++)
         ray_solid(&q, w->unbounded.data[i]);
@@ -130,7 +134,11 @@ static dig_status query_shape(World *w, const dig_shape_def *def, Shape *shape)
 {
     char why[256];
     dig_status s = shape_make(def->type, def->data, shape, why, sizeof why);
-    return s == DIG_OK ? s : world_fail(w, s, "%s", why);
+    if (s != DIG_OK)
+        return world_fail(w, s, "%s", why);
+    world_work(w, ASK_SHAPE);
+    world_work_shape(w, shape, def->data);
+    return DIG_OK;
 }
 
 typedef struct OverlapQuery { const World *w; const Shape *shape; pose at; dig_body *out; int count, capacity; } OverlapQuery;
@@ -139,6 +147,7 @@ static bool overlap_leaf(void *context, uint32_t slot)
 {
     OverlapQuery *q = context;
     const Solid *s = &q->w->solids.data[slot];
+    world_work(q->w, TRY_OVERLAP);
     if (s->body == NONE || shape_distance(q->shape, q->at, &s->shape, solid_pose(q->w, s), 0, NULL, NULL, NULL) > 0)
         return true;
     q->count = api_add_unique(q->out, q->count, q->capacity, body_handle(q->w, s->body));
@@ -173,6 +182,7 @@ static bool sweep_leaf(void *context, uint32_t slot)
 {
     SweepQuery *q = context;
     const Solid *s = &q->w->solids.data[slot];
+    world_work(q->w, TRY_SWEEP);
     Motion still = {.start = solid_pose(q->w, s)};
     real t = time_of_impact(q->shape, &q->motion, &s->shape, &still, 0, q->time, NULL);
     if (!(t <= q->time))

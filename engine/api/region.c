@@ -27,6 +27,7 @@ static dig_status do_create(World *w, const dig_region_def *def, dig_region *out
         DIG_TRY(api_finite(w, def->gravity, "region", "gravity", "m/s^2"));
     if (!def->shape.type || shape_make(def->shape.type, def->shape.data, &shape, why, sizeof why) != DIG_OK)
         return world_fail(w, DIG_E_ARG, "region: %s", def->shape.type ? why : "it needs a shape");
+    world_work_shape(w, &shape, def->shape.data);
     if (world_slot(w, &w->regions, &w->free_regions, &slot) != DIG_OK) {
         shape_free(&shape);
         return world_fail(w, DIG_E_MEMORY, "region: not enough memory");

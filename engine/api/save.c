@@ -29,6 +29,7 @@ enum {
     SECTIONS = sizeof sections / sizeof *sections,
     STABLE_BYTES = 24, VERSION_BYTES = 16, FIXED_BYTES = 44, ENTRY_BYTES = 24,
     HEADER_BYTES = FIXED_BYTES + SECTIONS * ENTRY_BYTES + 4,
+    PACKED = 60, BYTES_READ = 4,        /* world_work: units for each thing that is written, bytes that are read for one */
 };
 
 static const unsigned char magic[8] = {0x89, 'D', 'I', 'G', 'B', 'O', 'X', '\n'};
@@ -85,6 +86,7 @@ static void write_sections(Pack *all, World *w, Header *h)
 
 static void write_file(Pack *file, World *w)
 {
+    world_work_through(w, PACKED);
     Header h = {.format = SAVE_FORMAT, .bytes = HEADER_BYTES, .version = DIGBOX_VERSION, .count = SECTIONS};
     Pack all = pack_writer();
     memcpy(h.magic, magic, sizeof magic);
@@ -271,10 +273,12 @@ static dig_status read_world(const Loader *l, const unsigned char *data, size_t 
     dig_status s = read_header(l, data, size, &h);
     if (s == DIG_OK)
         s = read_sections(l, data, &h, &w);
-    if (s == DIG_OK)
+    if (s == DIG_OK) {
+        world_work(w, size / BYTES_READ);
         *out = w;
-    else
+    } else {
         dig_world_close(w);
+    }
     return s;
 }
 

@@ -4,6 +4,8 @@
 
 #include <stdlib.h>
 
+enum { COPIED = 10 };           /* units of world_work for each thing */
+
 /* A snapshot is a world that never steps: the same tables, copied. */
 struct dig_snapshot {
     World       *state;
@@ -164,6 +166,8 @@ static dig_status copy_members(World *to, const World *from)
 
 dig_status api_refill(World *to, const World *from)
 {
+    world_work_through(from, COPIED);
+    world_work_through(to, COPIED);
     DIG_TRY(copy_shapes(to, from));
     DIG_TRY(copy_tables(to, from));
     DIG_TRY(copy_free_lists(to, from));
@@ -257,6 +261,7 @@ static void exchange(World *w, World *other)
     swap_bytes(&w->tap, &other->tap, sizeof w->tap);
     swap_bytes(&w->playback, &other->playback, sizeof w->playback);
     w->allocations += other->allocations;
+    w->work += other->work;
 }
 
 static dig_status do_restore(World *w, const dig_snapshot *s)

@@ -129,8 +129,19 @@ real dig_world_time(const dig_world *w) { return world_time(w); }
 uint64_t dig_world_steps(const dig_world *w) { return w->steps; }
 real dig_world_frame(const dig_world *w) { return w->def.step; }
 vec3 dig_world_gravity(const dig_world *w) { return w->def.gravity; }
-uint64_t dig_world_checksum(const dig_world *w) { return world_hash(w); }
-dig_status dig_world_check(dig_world *w) { return world_check(w); }
+uint64_t dig_world_work(const dig_world *w) { return w->work; }
+
+uint64_t dig_world_checksum(const dig_world *w)
+{
+    world_work_through(w, 30);
+    return world_hash(w);
+}
+
+dig_status dig_world_check(dig_world *w)
+{
+    world_work_through(w, 30);
+    return world_check(w);
+}
 
 static dig_status do_set_gravity(World *w, vec3 g)
 {
@@ -187,6 +198,7 @@ static real elastic_energy(const World *w)
 
 dig_energy dig_world_energy(const dig_world *w)
 {
+    world_work(w, 4 * (uint64_t)(w->bodies.count + w->joints.count));
     dig_energy e = {.work_in = w->ledger.work_in, .law = w->ledger.law, .lost = w->ledger.lost, .initial = w->ledger.initial};
     for (int i = 0; i < w->bodies.count; i++) {
         const Body *b = &w->bodies.data[i];
@@ -208,6 +220,7 @@ dig_energy dig_world_energy(const dig_world *w)
 vec3 dig_world_momentum(const dig_world *w)
 {
     vec3 p = vec3_zero();
+    world_work(w, (uint64_t)w->bodies.count);
     for (int i = 0; i < w->bodies.count; i++)
         if (w->bodies.data[i].alive && w->bodies.data[i].kind == DIG_DYNAMIC)
             p = vec3_mad(p, body_inertness(&w->bodies.data[i]) * w->bodies.data[i].mass, w->bodies.data[i].v);
@@ -217,6 +230,7 @@ vec3 dig_world_momentum(const dig_world *w)
 vec3 dig_world_angular_momentum(const dig_world *w)
 {
     vec3 l = vec3_zero();
+    world_work(w, 4 * (uint64_t)w->bodies.count);
     for (int i = 0; i < w->bodies.count; i++) {
         const Body *b = &w->bodies.data[i];
         if (!b->alive || b->kind != DIG_DYNAMIC)
@@ -257,6 +271,7 @@ static int smooth_pairs(const World *w)
 dig_stats dig_world_stats(const dig_world *w)
 {
     dig_stats s = w->stats;
+    world_work_through(w, 1);
     s.fast = 0;
     s.smooth = smooth_pairs(w);
     s.bodies = w->bodies.count - w->free_bodies.count;

@@ -73,7 +73,7 @@ static Block find(const System *s, int r, int c)
         if (l->node == other)
             return pr < pc ? (Block){e->upper + l->column, e->width} : (Block){e->lower + l->column * e->size, e->size};
     }
-    DIG_ASSERT(!"a block of the pattern");
+    DIG_ASSERT(other < 0);                      /* a block outside the pattern: no node has such a number */
     return (Block){0, 0};
 }
 

@@ -21,6 +21,7 @@ static dig_status try_once(World *w, Step *s)
     book_time(s, &t->us_graph);
     if (status == DIG_OK)
         status = advance_groups(w, s);
+    count_work(w, s);
     book_time(s, &t->us_advance);
     return status;
 }

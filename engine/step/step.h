@@ -64,6 +64,8 @@ void       watch_world(World *w, const Step *s);    /* all groups, after the com
 int        deliver_post(World *w, const Post *p, dig_receipt *receipt);         /* how many got it; receipt may be NULL */
 void       deliver_due(World *w);                   /* what waited until now                                */
 int        deliver_list(World *w, const Post *p, const dig_body *to, const real *value, int count);
+/* work.c */
+void       count_work(World *w, const Step *s);     /* of one try of the step, whatever came of it          */
 /* report.c */
 bool       world_left(const World *w, vec3 x);      /* out of the room, or farther than anyone looks        */
 void       report(World *w, const Step *s);

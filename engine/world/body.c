@@ -173,6 +173,8 @@ static dig_status make_shapes(World *w, const dig_body_def *def, Shape *shapes, 
         char why[256] = "";
         materials[i] = s->material.s[0] ? material_find(w, s->material.s) : base;
         dig_status status = materials[i] < 0 ? DIG_E_ARG : shape_make(s->type, s->data, &shapes[i], why, sizeof why);
+        if (status == DIG_OK)
+            world_work_shape(w, &shapes[i], s->data);
         if (status == DIG_OK && !shapes[i].type->solid && !shapes[i].type->mass && !def->fixed && !def->kinematic) {
             shape_free(&shapes[i]);
             snprintf(why, sizeof why, "a %s has no mass: make the body fixed or kinematic", s->type);

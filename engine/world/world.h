@@ -292,6 +292,7 @@ struct dig_world {
     struct Tap *tap;                    /* api/command.h: who listens to what is done to it; NULL = nobody */
     struct Playback *playback;          /* there: what plays commands in it; NULL = nothing did */
     uint64_t allocations;
+    uint64_t work;                      /* units so far, never taken back: work.c      */
     char     error[512];
 };
 
@@ -299,6 +300,11 @@ typedef struct dig_world World;
 
 /* Writes one sentence into the world's error buffer and returns `status`. */
 dig_status world_fail(const World *w, dig_status status, const char *format, ...) DIG_PRINTF(3, 4);
+
+/* work.c: books units of work (digbox.h, dig_world_work). A question may, of a const world. */
+void world_work(const World *w, uint64_t units);
+void world_work_through(const World *w, uint64_t each);         /* of what looks at all that the world holds */
+void world_work_shape(const World *w, const Shape *s, const void *def);     /* of a shape made from that */
 
 static inline Body *world_body(const World *w, dig_body b)
 {

@@ -196,7 +196,7 @@ core.declare("world:mesh", { "A surface of triangles; static, or dynamic when it
 
 -- world:mesh{file = "beside/the/script.obj"} or {vertices=, triangles=}
 function methods.mesh(world, fields)
-  if type(fields) ~= "table" or fields.file == nil then return engine_mesh(world, fields) end
+  if type(fields) ~= "table" or rawget(fields, "file") == nil then return engine_mesh(world, fields) end
   if type(fields.file) ~= "string" then core.fail("world:mesh.file wants a file name; got %s", core.type(fields.file)) end
   local path, why = core.beside(fields.file)
   local text

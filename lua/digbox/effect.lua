@@ -58,7 +58,10 @@ end
 
 -- true: takes part. A filter is asked once about each body.
 local function passes(filter, body)
-  return body.kind == "dynamic" and filter(body)
+  if body.kind ~= "dynamic" then return false end
+  local ok, takes = core.call(filter, body)
+  if not ok then error(takes, 0) end
+  return takes
 end
 
 local function check_list(list)

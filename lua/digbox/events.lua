@@ -4,7 +4,7 @@
 -- added. Each handler gets a copy of its own. Anything may be created or removed in a handler; the world cannot be stepped there.
 
 local core = ...
-local next, type, pcall, error = next, type, pcall, error
+local next, type, error = next, type, error
 
 local kinds = core.event_kinds
 
@@ -169,7 +169,7 @@ end
 
 local function call(state, sub, e)
   state.in_handler = sub.kind
-  local ok, message = pcall(sub.fn, copy_for(e, sub.body))
+  local ok, message = core.call(sub.fn, copy_for(e, sub.body))
   state.in_handler = nil
   if ok then return end
   core.answering(sub.world)

@@ -128,7 +128,7 @@ end
 -- world:rope{a=, b=, length=}: ends never farther apart than length, without mass.
 -- world:rope{a=, b= or at=, length=, segments=, radius=} -> rope: a chain of rods
 function methods.rope(world, fields)
-  if type(fields) ~= "table" or fields.segments == nil then return engine_rope(world, fields) end
+  if type(fields) ~= "table" or rawget(fields, "segments") == nil then return engine_rope(world, fields) end
   local own, rest = soft.split("world:rope", fields, rope_fields, taken)
   local from, to = ends_of(own)
   local apart = #(to - from)

@@ -126,7 +126,8 @@ function methods.region(world, fields)
   for _, law in ipairs(state.forces) do
     if law.region ~= region then kept[#kept + 1] = law end
   end
-  local force = fields.laws and fields.laws.force
+  local laws = rawget(fields, "laws")
+  local force = laws and rawget(laws, "force")
   if force then kept[#kept + 1] = { region = region, force = force } end
   state.forces = kept
   return region

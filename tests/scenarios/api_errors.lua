@@ -190,3 +190,39 @@ scenario("an effect is named by a text, cells are whole, a heater says its power
   says(function() world:heater { on = ball } end, "world:heater: power is missing (in W; 0 for one that is to be set later)")
   expect(world:heater { on = ball, power = 0 }.power):is(0)
 end)
+
+-- A table whose length is `border`, with some 60 entries: Lua finds a border by doubling and halving, and any will do.
+local function with_border(border)
+  local t = load("return { " .. ("k = nil, "):rep(250) .. " }")()         -- room for keys, so that none moves to the array part
+  local low, high = 0, 1
+  while high <= border do
+    t[high] = 1
+    low, high = high, 2 * high
+  end
+  while high - low > 1 do
+    local middle = (low + high) // 2
+    if middle <= border then t[middle], low = 1, middle else high = middle end
+  end
+  return t
+end
+
+-- Lengths that are negative as a number of 32 bits: five entries too few were made room for, and six written.
+scenario("lists with holes may have any length", function(s)
+  local world, corners = s.world, { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 0, 1 } }
+  local long = with_border(2 ^ 32 - 5)
+  expect(#long):is(2 ^ 32 - 5)
+  says(function() world:mesh { vertices = corners, triangles = { long, { 1, 2, 3, 1, 2, 3 } }, fixed = true } end,
+    "world:mesh.triangles has more than 4000000 entries")
+  says(function() world:mesh { vertices = corners, triangles = long, fixed = true } end,
+    "world:mesh.triangles has 4294967291 entries, must have at most 4000000")
+  local seen = {}
+  local ball = world:ball { radius = 0.1, at = { 0, 5, 0 } }
+  world:add_effect { name = "longer", bodies = { ball }, step = function(_, bodies)
+    seen[#seen + 1] = #bodies
+    for k, v in next, with_border(2 ^ 40) do
+      if k > 1 then rawset(bodies, k, v) end
+    end
+  end }
+  world:step(2)
+  expect(#seen > 1):is(true)
+end)

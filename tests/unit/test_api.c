@@ -41,7 +41,10 @@ TEST(names_are_the_same_everywhere) { run_checks("names.lua", 9000); }
 
 TEST(bad_values_are_refused_and_change_nothing) { run_checks("values.lua", 12000); }
 
+TEST(handles_callbacks_and_odd_tables_do_no_harm) { run_checks("cases.lua", 3000); }
+
 int main(void)
 {
-    RUN_TESTS(unit_test(names_are_the_same_everywhere), unit_test(bad_values_are_refused_and_change_nothing));
+    RUN_TESTS(unit_test(names_are_the_same_everywhere), unit_test(bad_values_are_refused_and_change_nothing),
+              unit_test(handles_callbacks_and_odd_tables_do_no_harm));
 }
