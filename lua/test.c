@@ -467,11 +467,10 @@ static void write_xml(FILE *f, const char *text)
 
 static int write_junit(const Run *r, int failed)
 {
-    FILE *f = fopen(r->o.junit, "w");
-    if (!f) {
-        fprintf(stderr, "digbox: %s: %s\n", r->o.junit, strerror(errno));
+    TextFile t;
+    if (!text_begin(&t, r->o.junit))
         return EXIT_OUTPUT;
-    }
+    FILE *f = t.text;
     fprintf(f, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"digbox\" tests=\"%d\" failures=\"%d\">\n", r->count, failed);
     for (int i = 0; i < r->count; i++) {
         const Job *job = &r->jobs[i];
@@ -488,10 +487,7 @@ static int write_junit(const Run *r, int failed)
         fputs("</testcase>\n", f);
     }
     fputs("</testsuite>\n", f);
-    if (fclose(f) == 0)
-        return EXIT_FINE;
-    fprintf(stderr, "digbox: %s: %s\n", r->o.junit, strerror(errno));
-    return EXIT_OUTPUT;
+    return text_place(&t, r->o.junit);
 }
 
 /* Of several codes the one that says most. */
