@@ -19,6 +19,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/hash.h"
 #include "manifest.h"
 #include "render/render.h"
 #include "state.h"
@@ -286,7 +287,21 @@ static RenderOptions draw_all(lua_State *L, int views, int options, const void *
 
 enum { TEXT_COUNT = 16 };
 
-/* Encodes and writes; the size and SHA-256 of the file are pushed. */
+/* A hash of the pixels, and whether they all have one colour. */
+static uint64_t hash_pixels(const void *pixels, size_t size, size_t of_one, bool *plain)
+{
+    const unsigned char *p = pixels;
+    uint64_t h = HASH_START, word;
+    size_t i = 0;
+    for (; i + sizeof word <= size; i += sizeof word) {
+        memcpy(&word, p + i, sizeof word);
+        h = hash_u64(h, word);
+    }
+    *plain = size > of_one && memcmp(p, p + of_one, size - of_one) == 0;
+    return hash_bytes(h, p + i, size - i);
+}
+
+/* Encodes and writes; what core.picture gives is pushed. */
 static int write_picture(lua_State *L, const char *path, const RenderOptions *o, const void *pixels, const PngText *texts, int count)
 {
     char why[1400], words[200] = "", sum[MANIFEST_SUM];
@@ -302,12 +317,17 @@ static int write_picture(lua_State *L, const char *path, const RenderOptions *o,
     png_release(&bytes);
     if (s != DIG_OK)
         return bind_fail_text(L, s == DIG_E_MEMORY ? s : DIG_E_FILE, "%s", why);
+    size_t of_one = o->layer == RENDER_DEPTH || o->layer == RENDER_ID ? 4 : 3;
+    bool plain;
+    uint64_t hash = hash_pixels(pixels, of_one * (size_t)o->width * (size_t)o->height, of_one, &plain);
     lua_pushinteger(L, (lua_Integer)size);
     lua_pushstring(L, sum);
-    return 2;
+    lua_pushboolean(L, plain);
+    lua_pushinteger(L, (lua_Integer)hash);
+    return 4;
 }
 
-/* core.picture(view, options, path, {key, value, ...}) -> bytes, SHA-256 of the file */
+/* core.picture(view, options, path, {key, value, ...}) -> bytes, SHA-256 of the file, whether it has one colour, a hash of its pixels */
 static int film_picture(lua_State *L)
 {
     const char *path = luaL_checkstring(L, 3);

@@ -5,6 +5,7 @@
 #include <limits.h>
 #include <stdarg.h>
 #include <stdbool.h>
+#include <stdio.h>
 
 #include <lua.h>
 
@@ -53,6 +54,12 @@ bool verify_is_film(const char *path);
 int  verify_film(const char *path);
 
 void say_error(const char *text);
+
+/* A text that becomes a file: write to `text`, then place it: the whole of it under that name, or what was there; what is no file (a
+ * device, a pipe) is written as it is. Returns an exit code, after a message where it is not EXIT_FINE. */
+typedef struct TextFile { FILE *text; char *data; size_t size; } TextFile;
+bool text_begin(TextFile *t, const char *path);
+int  text_place(TextFile *t, const char *path);
 
 /* The code, or that of failed output when stdout cannot take the rest. */
 int flush_output(int code);

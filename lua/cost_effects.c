@@ -6,7 +6,6 @@
 
 #include "cost.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -171,31 +170,22 @@ static void print_table(const Bars *b)
            "not in it. The clock's noise is the standard error of the median of %d rounds.\n", b->rounds);
 }
 
-static bool close_file(FILE *f, const char *path)
-{
-    bool written = f && !ferror(f);
-    if (f && fclose(f) != 0)
-        written = false;
-    if (!written)
-        fprintf(stderr, "digbox: %s: %s\n", path, errno ? strerror(errno) : "cannot be written");
-    return written;
-}
-
 static bool write_csv(const Bars *b, const char *path)
 {
-    FILE *f = fopen(path, "w");
-    if (f) {
-        fputs("effect,us_per_step,noise_us,share_percent,inside_us,bodies,bytes,calls,all_us_per_step,all_noise_us,rounds,why\n", f);
-        for (int i = 0; i < b->count; i++) {
-            const Bar *bar = &b->bar[i];
-            fprintf(f, "%s,%.6g,%.6g,%.6g,%.6g,%d,%zu,%llu,%.6g,%.6g,%d,\"", bar->e.name, bar->cost, bar->noise, share(b, bar), bar->e.us,
-                    bar->e.bodies, bar->e.bytes, (unsigned long long)bar->e.calls, b->all, b->noise, b->rounds);
-            for (const char *p = bar->e.why; *p; p++)
-                fputs(*p == '"' ? "\"\"" : (char[]){*p, '\0'}, f);
-            fputs("\"\n", f);
-        }
+    TextFile t;
+    if (!text_begin(&t, path))
+        return false;
+    FILE *f = t.text;
+    fputs("effect,us_per_step,noise_us,share_percent,inside_us,bodies,bytes,calls,all_us_per_step,all_noise_us,rounds,why\n", f);
+    for (int i = 0; i < b->count; i++) {
+        const Bar *bar = &b->bar[i];
+        fprintf(f, "%s,%.6g,%.6g,%.6g,%.6g,%d,%zu,%llu,%.6g,%.6g,%d,\"", bar->e.name, bar->cost, bar->noise, share(b, bar), bar->e.us,
+                bar->e.bodies, bar->e.bytes, (unsigned long long)bar->e.calls, b->all, b->noise, b->rounds);
+        for (const char *p = bar->e.why; *p; p++)
+            fputs(*p == '"' ? "\"\"" : (char[]){*p, '\0'}, f);
+        fputs("\"\n", f);
     }
-    return close_file(f, path);
+    return text_place(&t, path) == EXIT_FINE;
 }
 
 static void put_rows(FILE *f, const Bars *b)
@@ -259,10 +249,11 @@ static int write_all(const Bars *b)
     if (!write_csv(b, path))
         return EXIT_OUTPUT;
     snprintf(path, sizeof path, "%s/effects.gp", folder);
-    FILE *f = fopen(path, "w");
-    if (f)
-        write_script(f, b, folder);
-    if (!close_file(f, path))
+    TextFile t;
+    if (!text_begin(&t, path))
+        return EXIT_OUTPUT;
+    write_script(t.text, b, folder);
+    if (text_place(&t, path) != EXIT_FINE)
         return EXIT_OUTPUT;
     int code = b->count > 0 ? cost_run_gnuplot(path) : 1;
     if (code == 0)

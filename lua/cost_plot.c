@@ -202,16 +202,12 @@ int cost_plot(const Cost *c, const char *folder)
         return EXIT_FINE;
     }
     snprintf(path, sizeof path, "%s/cost.gp", folder);
-    FILE *f = fopen(path, "w");
-    if (f)
-        write_script(f, c, folder);
-    bool written = f && !ferror(f);
-    if (f && fclose(f) != 0)
-        written = false;
-    if (!written) {
-        fprintf(stderr, "digbox: %s: %s\n", path, errno ? strerror(errno) : "cannot be written");
+    TextFile t;
+    if (!text_begin(&t, path))
         return EXIT_OUTPUT;
-    }
+    write_script(t.text, c, folder);
+    if (text_place(&t, path) != EXIT_FINE)
+        return EXIT_OUTPUT;
     int code = cost_run_gnuplot(path);
     if (code == 0)
         printf("\nThe table is in %s/cost.csv, the plot in %s/cost.svg and %s/cost.png.\n", folder, folder, folder);

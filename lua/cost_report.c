@@ -2,7 +2,6 @@
 
 #include "cost.h"
 
-#include <errno.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -259,22 +258,17 @@ static void csv_row(FILE *f, const Cost *c, const CostSetting *s)
 
 int cost_write_csv(const Cost *c, const char *path)
 {
-    FILE *f = fopen(path, "w");
-    if (f) {
-        fputs("setting,kind,status,reference,simulated_s,steps,cpu_ms,cpu_ms_per_s,ratio_to_play,compared_until_s,error_m,rms_m,"
-              "position_error_m,rotation_error_rad,beyond_bound_at_s,events,contact_begin,impact,substeps,iterations,evaluations,refused,"
-              "trace_events,gave_up,gave_up_why,energy_drift_J", f);
-        for (int k = 0; k < COST_PHASES; k++)
-            fprintf(f, ",%s_ms", phases[k]);
-        fputs("\n", f);
-        for (int i = 0; i < c->count; i++)
-            csv_row(f, c, &c->settings[i]);
-    }
-    bool written = f && !ferror(f);
-    if (f && fclose(f) != 0)
-        written = false;
-    if (written)
-        return EXIT_FINE;
-    fprintf(stderr, "digbox: %s: %s\n", path, errno ? strerror(errno) : "cannot be written");
-    return EXIT_OUTPUT;
+    TextFile t;
+    if (!text_begin(&t, path))
+        return EXIT_OUTPUT;
+    FILE *f = t.text;
+    fputs("setting,kind,status,reference,simulated_s,steps,cpu_ms,cpu_ms_per_s,ratio_to_play,compared_until_s,error_m,rms_m,"
+          "position_error_m,rotation_error_rad,beyond_bound_at_s,events,contact_begin,impact,substeps,iterations,evaluations,refused,"
+          "trace_events,gave_up,gave_up_why,energy_drift_J", f);
+    for (int k = 0; k < COST_PHASES; k++)
+        fprintf(f, ",%s_ms", phases[k]);
+    fputs("\n", f);
+    for (int i = 0; i < c->count; i++)
+        csv_row(f, c, &c->settings[i]);
+    return text_place(&t, path);
 }

@@ -263,6 +263,37 @@ static bool push_module_path(lua_State *L, const char *name)
     return inside;
 }
 
+/* upvalue 1 lists the modules that are being loaded, too: by number, in their order. */
+static void note_loading(lua_State *L, bool begins)
+{
+    lua_Integer n = (lua_Integer)lua_rawlen(L, lua_upvalueindex(1));
+    if (begins)
+        lua_pushvalue(L, 1);
+    else
+        lua_pushnil(L);
+    lua_rawseti(L, lua_upvalueindex(1), begins ? n + 1 : n);
+}
+
+/* Module 'a' requires itself via b, c. */
+static int refuse_cycle(lua_State *L, const char *name)
+{
+    int n = (int)lua_rawlen(L, lua_upvalueindex(1)), found = n;
+    for (int i = n; i >= 1; i--) {
+        lua_rawgeti(L, lua_upvalueindex(1), i);
+        if (strcmp(lua_tostring(L, -1), name) == 0)
+            found = i;
+        lua_pop(L, 1);
+    }
+    lua_pushliteral(L, "");
+    for (int i = found + 1; i <= n; i++) {
+        lua_rawgeti(L, lua_upvalueindex(1), i);
+        lua_pushfstring(L, "%s%s%s", lua_tostring(L, -2), i == found + 1 ? " via " : ", ", lua_tostring(L, -1));
+        lua_replace(L, -3);
+        lua_pop(L, 1);
+    }
+    return bind_error(L, "module '%s' requires itself%s", name, lua_tostring(L, -1));
+}
+
 /* Runs the module named at 1; leaves its value. upvalue 1 says meanwhile that it is being loaded. */
 static void load_module(lua_State *L, const char *name)
 {
@@ -276,8 +307,11 @@ static void load_module(lua_State *L, const char *name)
     lua_pushvalue(L, 1);
     lua_pushboolean(L, 0);
     lua_rawset(L, lua_upvalueindex(1));
+    note_loading(L, true);
     lua_pushvalue(L, 1);
-    if (lua_pcall(L, 1, 1, 0) != LUA_OK) {
+    int status = lua_pcall(L, 1, 1, 0);
+    note_loading(L, false);
+    if (status != LUA_OK) {
         lua_pushvalue(L, 1);
         lua_pushnil(L);
         lua_rawset(L, lua_upvalueindex(1));
@@ -296,7 +330,7 @@ static int base_require(lua_State *L)
     lua_settop(L, 1);
     lua_pushvalue(L, 1);
     if (lua_rawget(L, lua_upvalueindex(1)) == LUA_TBOOLEAN && !lua_toboolean(L, -1))
-        return bind_error(L, "module '%s' requires itself", name);
+        return refuse_cycle(L, name);
     if (!lua_isnil(L, -1))
         return 1;
     if (strcmp(name, "digbox") == 0 || strcmp(name, "digbox.test") == 0)

@@ -251,6 +251,24 @@ static void report_stop(void *data, int code, const char *text)
     fflush(result);
 }
 
+/* core.report(text): what the program's own Lua has to add to it */
+static int add_report(lua_State *L)
+{
+    FILE *result = lua_touserdata(L, lua_upvalueindex(1));
+    fputs(luaL_checkstring(L, 1), result);
+    fflush(result);
+    return 0;
+}
+
+static void give_report(lua_State *L, FILE *result)
+{
+    lua_getfield(L, LUA_REGISTRYINDEX, "digbox.core");
+    lua_pushlightuserdata(L, result);
+    lua_pushcclosure(L, add_report, 1);
+    lua_setfield(L, -2, "report");
+    lua_pop(L, 1);
+}
+
 static void run_child(const TestOptions *o, const char *file, int index, FILE *output, FILE *result)
 {
     App app = {.fuel = -1, .script = file, .jailed = true, .out = o->out, .also = {o->update_goldens ? file : NULL},
@@ -261,6 +279,7 @@ static void run_child(const TestOptions *o, const char *file, int index, FILE *o
     lua_State *L = app_open(&app);
     int code = EXIT_INTERNAL;
     if (L) {
+        give_report(L, result);
         code = index == 0 ? child_lists(L, &app, o, result) : child_runs(L, &app, o, index, result);
         app_lift_limits(&app);
         if (app_call_core(L, &app, "close_films", 0, 0) != EXIT_FINE)
@@ -306,6 +325,8 @@ static void finish(Job *job, int status, double limit)
     }
     char note[256];
     job->code = process_judge(status, WTERMSIG(status) == SIGKILL && job->seconds > limit, note, sizeof note);
+    if (job->text[0])           /* it has said itself why it was stopped */
+        return;
     free(job->text);
     job->text = copy_text(note);
 }
@@ -446,11 +467,10 @@ static void write_xml(FILE *f, const char *text)
 
 static int write_junit(const Run *r, int failed)
 {
-    FILE *f = fopen(r->o.junit, "w");
-    if (!f) {
-        fprintf(stderr, "digbox: %s: %s\n", r->o.junit, strerror(errno));
+    TextFile t;
+    if (!text_begin(&t, r->o.junit))
         return EXIT_OUTPUT;
-    }
+    FILE *f = t.text;
     fprintf(f, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"digbox\" tests=\"%d\" failures=\"%d\">\n", r->count, failed);
     for (int i = 0; i < r->count; i++) {
         const Job *job = &r->jobs[i];
@@ -467,10 +487,7 @@ static int write_junit(const Run *r, int failed)
         fputs("</testcase>\n", f);
     }
     fputs("</testsuite>\n", f);
-    if (fclose(f) == 0)
-        return EXIT_FINE;
-    fprintf(stderr, "digbox: %s: %s\n", r->o.junit, strerror(errno));
-    return EXIT_OUTPUT;
+    return text_place(&t, r->o.junit);
 }
 
 /* Of several codes the one that says most. */

@@ -82,10 +82,14 @@ dig_status render_open(const char *backend, Renderer **r, char *why, size_t capa
     *r = NULL;
     if (capacity)
         snprintf(why, capacity, "render_open: no backend '%s', use osmesa or egl", backend ? backend : "");
+    size_t said = 0;            /* what each of them failed at */
     for (size_t i = 0; i < sizeof backends / sizeof *backends; i++) {
         if (backend && strcmp(backend, backends[i]->name) != 0)
             continue;
-        status = open_with(backends[i], r, why, capacity);
+        if (said > 0 && said + 3 < capacity)
+            said += (size_t)snprintf(why + said, capacity - said, "; ");
+        status = open_with(backends[i], r, why + said, capacity - said);
+        said += capacity > said ? strlen(why + said) : 0;
         if (status == DIG_OK) {
             if (capacity)
                 why[0] = 0;

@@ -3,6 +3,8 @@
 
 local core = ...
 
+local STILL = 100       -- frames that show the same picture are told of when there are more
+
 -- "f-%05d.png" -> "f-manifest.sha256", "%d/eye.png" -> "manifest-eye.sha256", and the part of the pattern that its names leave out
 local function manifest_of(pattern)
   local before, after = pattern:match "^([^%%]*)%%0?%d*d(.*)%.png$"
@@ -93,6 +95,24 @@ local function give_up(film, k, why)
     core.options.mode == "run" and "; once it can be written, go on with --resume" or ""))
 end
 
+-- Frames that may not be what the film was meant to show
+local function look_at(film, k, plain, pixels)
+  if plain then film.plain, film.first_plain = (film.plain or 0) + 1, film.first_plain or k end
+  if pixels ~= film.pixels then film.pixels, film.since = pixels, k end
+  local stretch = k - film.since + 1
+  if stretch > (film.longest or STILL) then film.longest, film.still = stretch, film.since end
+end
+
+local function warn(film)
+  if core.options.mode ~= "run" or core.options.quiet then return end
+  if film.plain then
+    core.tell(("digbox: %s: %d frames have one colour, the first is frame %d\n"):format(film.pattern, film.plain, film.first_plain))
+  end
+  if film.longest then
+    core.tell(("digbox: %s: %d frames from frame %d on show the same picture\n"):format(film.pattern, film.longest, film.still))
+  end
+end
+
 -- core.put_frame(film, k, view, options of the frame, texts, time): frame k under its name and in the manifest
 function core.put_frame(film, k, view, o, texts, time)
   if core.options.dry then return end
@@ -107,7 +127,8 @@ function core.put_frame(film, k, view, o, texts, time)
     end
   end
   local ok, why = pcall(function()
-    local size, sum = core.picture(view, o, path, texts)
+    local size, sum, plain, pixels = core.picture(view, o, path, texts)
+    look_at(film, k, plain, pixels)
     core.frames_add(film.list, k, name:sub(#film.folder + 1), size, sum, film.world.steps, time, world, scene)
   end)
   if not ok then give_up(film, k, why) end
@@ -119,6 +140,7 @@ function core.end_frames(film, whole)
   if not film.list then return end
   local list = film.list
   film.list = nil
+  warn(film)
   if core.options.resume and not core.options.quiet then
     core.tell(("digbox: %s: %d frames were there, %d were drawn\n"):format(film.manifest, film.kept, film.drawn))
   end

@@ -479,6 +479,11 @@ local function base_of(s)
   return ("%s-%s"):format((core.options.script_name:gsub("%.lua$", "")), slug(s.name))
 end
 
+-- The command that runs it again
+local function command_of(s)
+  return ("again:   digbox test %s -k '%s'"):format(core.options.script, (s.name:gsub("'", "'\\''")))
+end
+
 -- What is left of a failed scenario: the last events, a picture, the DIGs.
 local function autopsy(s, lines)
   local world = rawget(s, "own_world")
@@ -512,6 +517,22 @@ local function run_once(entry, jitter)
   if ok and s.failure then ok, message = false, s.failure end
   if ok and s.checks == 0 then ok, message = false, entry.where .. ": the scenario checks nothing" end
   return s, ok, message
+end
+
+-- A limit has tripped while a scenario ran: its line is in the report already, this comes behind it.
+local report_stop = core.report_stop
+function core.report_stop()
+  local s, lines = current, {}
+  core.stopping = true
+  if s and core.report and not core.stopped() then
+    local world = rawget(s, "own_world")
+    if world and core.is_open(world) then core.lua_state(world).in_handler, core.lua_state(world).in_task = nil, nil end
+    pcall(autopsy, s, lines)
+    lines[#lines + 1] = "replay:  none, since it was stopped; --sim-limit stops it at a time of its world, with one"
+    lines[#lines + 1] = command_of(s)
+    core.report("\n" .. table.concat(lines, "\n"))
+  end
+  report_stop()
 end
 
 -- A scenario does the same when it is run again: this time with a recorder.
@@ -554,7 +575,7 @@ function core.run_scenario(entry)
     pcall(autopsy, s, lines)
     pcall(close_world, s)
     pcall(keep_replay, entry, jitter, lines, took)
-    lines[#lines + 1] = ("again:   digbox test %s -k '%s'"):format(core.options.script, (s.name:gsub("'", "'\\''")))
+    lines[#lines + 1] = command_of(s)
   end
   for _, note in ipairs(s.notes) do lines[#lines + 1] = note end
   pcall(close_world, s)

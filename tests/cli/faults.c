@@ -3,13 +3,17 @@
  * Making a folder named fault-CALL-N-KIND-ERRNO says which: CALL is open, write, short (half of what is asked for), fsync,
  * close, rename or mkdir, N counts from 1, KIND is once or on (it and all after it). Only files that are made or written count, no
  * standard streams. Everything else goes straight to the kernel.
+ *
+ * DIGBOX_NO_GL=create or current: there is no EGL, and OSMesa refuses that.
  */
 #define _GNU_SOURCE
+#include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
@@ -96,4 +100,31 @@ int close(int fd)
 int rename(const char *from, const char *to)
 {
     return fails("rename") ? -1 : (int)syscall(SYS_renameat2, AT_FDCWD, from, AT_FDCWD, to, 0);
+}
+
+/* ---- a renderer that refuses ---------------------------------------------------------------------- */
+
+static int refused(const char *what)
+{
+    const char *wish = getenv("DIGBOX_NO_GL");
+    return wish && strcmp(wish, what) == 0;
+}
+
+void *OSMesaCreateContextAttribs(const int *wanted, void *shares)
+{
+    void *(*real)(const int *, void *) = (void *(*)(const int *, void *))dlsym(RTLD_NEXT, "OSMesaCreateContextAttribs");
+    return refused("create") || !real ? NULL : real(wanted, shares);
+}
+
+unsigned char OSMesaMakeCurrent(void *context, void *buffer, unsigned type, int width, int height)
+{
+    unsigned char (*real)(void *, void *, unsigned, int, int) =
+        (unsigned char (*)(void *, void *, unsigned, int, int))dlsym(RTLD_NEXT, "OSMesaMakeCurrent");
+    return refused("current") || !real ? 0 : real(context, buffer, type, width, height);
+}
+
+void *dlopen(const char *path, int flags)
+{
+    void *(*real)(const char *, int) = (void *(*)(const char *, int))dlsym(RTLD_NEXT, "dlopen");
+    return (path && getenv("DIGBOX_NO_GL") && strstr(path, "libEGL")) || !real ? NULL : real(path, flags);
 }

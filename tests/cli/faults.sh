@@ -69,4 +69,19 @@ for list in out/fault-*/sub/f-manifest.sha256; do cmp -s "$list" out/fault-none/
 holds "and so is its manifest: $(head -n 3 differ.txt)" test ! -s differ.txt
 holds 'as many files in each' test "$(find out -type f | wc -l)" = $((6 * points))
 
+# ---- F11: no renderer ----
+cat >plain.lua <<'LUA'
+local world = require("digbox").world {}
+world:record { to = "f-%05d.png", fps = 60, size = { 32, 18 }, samples = 0 }
+world:step(5)
+LUA
+for what in create:OSMesaCreateContextAttribs 'current:cannot be made current'; do
+    step=${what#*:} what=${what%:*}
+    DIGBOX_NO_GL=$what faulty run -q -o dark plain.lua >out.txt 2>err.txt </dev/null
+    code=$?
+    holds "no renderer ($what): exit code 9 (got $code)" test $code = 9
+    said 'no picture can be drawn: osmesa: '; said "$step"; said '; egl: libEGL.so.1 cannot be loaded'
+    holds 'and no black frame' test -z "$(ls -A dark 2>/dev/null)"
+done
+
 checked

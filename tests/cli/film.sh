@@ -81,11 +81,13 @@ echo 'return { colour = "red", height = 2 }' >part.lua
 gives 2 'another world' run -q -o modular --resume modular.lua;             said 'shows another world'
 
 # ---- F4, F5, F6: cut at any moment ----
-# cut SIGNAL SECONDS FOLDER: a run that gets it after so many seconds; leaves its exit code in $code.
+# cut SIGNAL FRAME MS FOLDER: a run that gets it so many ms after that frame is there (-1: after its start); leaves its exit code in $code.
 cut() {
-    "$DIGBOX" run -q -o "$3" --resume roll.lua >out.txt 2>err.txt </dev/null &
-    local pid=$!
-    sleep "$2"
+    "$DIGBOX" run -q -o "$4" --resume roll.lua >out.txt 2>err.txt </dev/null &
+    local pid=$! frame
+    frame=$4/f-$(printf %05d "${2#-}").png
+    while [ "$2" -ge 0 ] && [ ! -e "$frame" ] && kill -0 $pid 2>/dev/null; do sleep 0.01; done
+    sleep "$(printf '0.%03d' "$3")"
     kill "-$1" $pid 2>/dev/null
     wait $pid 2>/dev/null
     code=$?
@@ -96,19 +98,17 @@ judge() {       # judge FOLDER: files whole, manifest holds
     [ -z "$bad" ] || { echo "torn or wrong: $bad"; failed=$((failed + 1)); }
     [ ! -e "$1/f-manifest.sha256" ] || "$DIGBOX" verify "$1" >verify.txt 2>&1 || { cat verify.txt; failed=$((failed + 1)); }
 }
-take_time() { local begin end; begin=$(date +%s%N); "$@" >/dev/null 2>&1; end=$(date +%s%N); echo $(((end - begin) / 1000000)); }
-length=$(take_time "$DIGBOX" run -q -o timed roll.lua)
-moment() { awk "BEGIN { srand($1 + 1); print $length / 1000 * (0.02 + 0.9 * rand()) }"; }
+RANDOM=9
 [ "$FULL" = 1 ] && kills=200 breaks=50 || kills=5 breaks=3
 mkdir -p killed broken
 cuts=0
 for i in $(seq $kills); do
-    cut KILL "$(moment $i)" killed
+    # every fourth while it starts; the others a few frames beyond what is there, until the film begins again
+    there=$(find killed -name '*.png' 2>/dev/null | wc -l)
+    if [ "$there" -gt 70 ]; then rm -rf killed; there=0; fi
+    if [ $((i % 4)) = 0 ]; then cut KILL -1 $((RANDOM % 600)) killed; else cut KILL $((there + RANDOM % 8)) $((RANDOM % 20)) killed; fi
     [ $code = 137 ] && cuts=$((cuts + 1))
-    # the run ends with its supervisor
     judge killed
-    # a film that is complete begins again
-    if [ "$(ls killed/*.png 2>/dev/null | wc -l)" = 81 ]; then rm -rf killed; fi
 done
 holds "kills that hit: $cuts of $kills" test $cuts -ge $((kills / 2))
 gives 0 'and to its end' run -q -o killed --resume roll.lua
@@ -116,7 +116,7 @@ holds "all is as it would have been after $kills kills" whole_film killed
 hits=0
 for i in $(seq $breaks); do
     rm -rf broken
-    cut INT "$(moment $((1000 + i)))" broken
+    cut INT $((RANDOM % 60 - 1)) $((RANDOM % 20)) broken
     [ $code = 130 ] && hits=$((hits + 1))
     [ $code = 130 ] || [ $code = 0 ] || { echo "Ctrl-C: exit code $code"; failed=$((failed + 1)); }
     judge broken
@@ -127,7 +127,7 @@ gives 0 'and to its end' run -q -o broken --resume roll.lua
 holds 'all is as it would have been after Ctrl-C' whole_film broken
 for signal in TERM:143 HUP:129; do
     rm -rf broken
-    cut "${signal%:*}" "$(awk "BEGIN { print $length / 2000 }")" broken
+    cut "${signal%:*}" 30 5 broken
     holds "${signal%:*}: exit code ${signal#*:} (got $code)" test $code = "${signal#*:}"
     judge broken
     holds 'no draft is left' test -z "$(find broken -name '.*' -type f)"
@@ -145,6 +145,28 @@ sed 's/^world:run.*/for i = 1, 48 do for _ = 1, 400 do print("a line that nobody
 holds "a reader that goes away: exit code 0 or 141 (got $(cat code))" grep -qxE '0|141' code
 holds 'and nothing is said' test ! -s err.txt
 gives 0 'its film is complete' verify piped;                    printed '81 frames: all'
+
+# A run that dies while its supervisor lives
+"$DIGBOX" run -q -o died long.lua >/dev/null 2>err.txt </dev/null & pid=$!
+for _ in $(seq 200); do [ -e died/f-00002.png ] && break; sleep 0.05; done
+kill -KILL "$(pgrep -P $pid)"; wait $pid; code=$?
+holds "a run that died: exit code 11 (got $code)" test $code = 11
+gives 0 'its frames are whole' verify died
+if command -v ffmpeg >/dev/null; then
+    sed 's/f-%05d.png/v.mp4/' long.lua >video.lua
+    "$DIGBOX" run -q -o video video.lua >/dev/null 2>&1 </dev/null & pid=$!
+    for _ in $(seq 200); do ls -A video 2>/dev/null | grep -q . && break; sleep 0.05; done
+    sleep 0.5; kill -KILL $pid; wait $pid 2>/dev/null
+    holds 'a killed video has no name' test ! -e video/v.mp4
+    for _ in $(seq 100); do pgrep -f "video/.digbox-.*v.mp4" >/dev/null || break; sleep 0.05; done
+    gives 0 'the next run does not mind' run -q -o video --seconds 0.1 video.lua
+    holds 'and clears up' test "$(ls -A video)" = v.mp4
+    cp video/v.mp4 v.mp4
+    gives 2 'a video is not overwritten' run -q -o video --seconds 0.1 video.lua;   said 'video/v.mp4: a film is there; --force takes it anew'
+    holds 'nothing changed' cmp v.mp4 video/v.mp4
+    gives 0 'but with --force' run -q -o video --force --seconds 0.1 video.lua
+    holds 'it is the same again' cmp v.mp4 video/v.mp4
+fi
 
 # A draft of a killed process is swept away, one that is being written is not.
 mkdir -p swept && echo torn >swept/.digbox-1-0-f-00000.png.tmp && echo busy >swept/.digbox-2-0-f-00001.png.tmp
@@ -209,6 +231,21 @@ for bad in 0 -1 16385 2147483648 1.5 '{}' nan; do
 done
 gives 0 'a width of one pixel' run -q -o sizes --seconds 0.02 --set width=1 roll.lua
 holds 'nothing else was written' test "$(ls sizes | wc -l)" = 5
+
+# ---- F12: frames that show nothing, or always the same ----
+cat >still.lua <<'LUA'
+local world = require("digbox").world { gravity = { 0, 0, 0 } }
+world:ball { name = "b", radius = 0.1, at = { 0, 0, 0 } }
+world:camera { at = { 0, 0, 9 }, look_at = { 0, 0, 20 } }
+world:sky "black"
+world:record { to = "f-%03d.png", fps = 60, size = { 8, 8 }, samples = 0 }
+world:step(101)
+LUA
+gives 0 'a black film' run -o still still.lua
+said 'f-%03d.png: 102 frames have one colour, the first is frame 0'; said '102 frames from frame 0 on show the same picture'
+holds 'is written' test "$(ls still | wc -l)" = 103
+"$DIGBOX" run -o seen roll.lua 2>err.txt >/dev/null </dev/null
+holds 'of others nothing is said' test "$(grep -cE 'one colour|same picture' err.txt)" = 0
 
 # ---- F15: verify ----
 cp -r whole bad

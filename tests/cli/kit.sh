@@ -48,4 +48,15 @@ cat >loop_spec.lua <<'LUA'
 require("digbox.test").scenario("loops", function() while true do end end)
 LUA
 gives 5 'wall time' test --time-limit 0.3 loop_spec.lua;      printed 'used up its time'
+cat >slow_spec.lua <<'LUA'
+require("digbox.test").scenario("goes on", function(s)
+  s.world:ball { name = "b", radius = 0.1, at = { 0, 1, 0 } }
+  s.world:step(5)
+  while true do end
+end)
+LUA
+gives 5 'wall time with a world' test --time-limit 4 -o slow slow_spec.lua;     printed 'slow_spec.lua:4: used up its time'
+printed 'at t = 0.0833333 s, step 5'; printed 'picture: slow/slow_spec-goes_on.png'; printed 'DIGs:    slow/slow_spec-goes_on.dot'
+printed "again:   digbox test slow_spec.lua -k 'goes on'"
+for end in png dot; do holds "a $end of it is there" test -s "slow/slow_spec-goes_on.$end"; done
 checked

@@ -44,6 +44,8 @@ echo 'return { value = 42 }' >inner.lua
 gives 0 'a module beside the script' run -q outer.lua;  printed '42'
 echo 'require "selfish"' >selfish.lua
 gives 1 'a module that requires itself' run selfish.lua
+mkdir -p ring; echo 'require "b"' >ring/a.lua; echo 'require "c"' >ring/b.lua; echo 'require "a"' >ring/c.lua; echo 'require "a"' >ring/main.lua
+gives 1 'a ring of modules' run ring/main.lua;          said "ring/c.lua:1: module 'a' requires itself via b, c"
 echo 'local io = io; print(io and "open" or "closed")' >trust.lua
 gives 0 'sandbox' run -q trust.lua;       printed 'closed'
 gives 0 'trust' run -q --trust trust.lua; printed 'open'
