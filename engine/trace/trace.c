@@ -213,6 +213,23 @@ static bool aim_slips(Tracer *t)
     return trace_accelerate(t);
 }
 
+/* Friction alone would turn it, or bring it to its end, within the step. */
+static bool is_slow_slip(const Tracer *t, const Touching *c, real h)
+{
+    if (!c->gate.presses || !c->slip.axes || c->slip.grip != GRIP_SLIP)
+        return false;
+    real press = c->slip.moving * c->gate.force, push = press * (t->g->mass[c->a].im + t->g->mass[c->b].im);
+    return vec3_length(c->slip.u) < 2 * h * real_max(push, vec3_length(c->slip.acc));
+}
+
+static bool any_slow_slip(const Tracer *t, real h)
+{
+    for (int i = 0; i < t->touch_count; i++)
+        if (is_slow_slip(t, &t->touch[i], h))
+            return true;
+    return false;
+}
+
 /* A slip so slow that its direction would turn within the step is held in its direction, with a row across it. */
 static bool hold_slow_slips(Tracer *t, real h, bool aim)
 {
@@ -221,8 +238,8 @@ static bool hold_slow_slips(Tracer *t, real h, bool aim)
         Touching *c = &t->touch[i];
         if (!c->gate.presses || !c->slip.axes || c->slip.grip != GRIP_SLIP)
             continue;
-        real speed = vec3_length(c->slip.u), press = c->slip.moving * c->gate.force;
-        bool slow = speed < 2 * h * real_max(press * (t->g->mass[c->a].im + t->g->mass[c->b].im), vec3_length(c->slip.acc));
+        bool slow = is_slow_slip(t, c, h);
+        real speed = vec3_length(c->slip.u);
         if (slow && !c->slip.locked && speed > 0)
             c->slip.d = vec3_scale(1 / speed, c->slip.u);
         changed = changed || slow != c->slip.locked || (aim && slow);
@@ -385,9 +402,9 @@ static void rest_on(Tracer *t, real h)
 static bool one_step(Tracer *t)
 {
     real rest = t->end - t->t, h = real_min(rest, t->h_next);
-    bool aim = t->g->evaluations > AIM_WORK * work_of(t);
+    bool aim = t->g->evaluations > AIM_WORK * work_of(t) && any_slow_slip(t, AIM_STEP * t->end);
     if (aim)
-        h = AIM_STEP * t->end;
+        h = real_min(rest, AIM_STEP * t->end);
     if (rest - h < 0.01 * h)
         h = rest;
     if (!hold_slow_slips(t, h, aim))
