@@ -5,6 +5,10 @@
 #define CHATTER_TIME  1e-10
 #define GRAZES        8         /* of them after which a friction that lets go and holds again... */
 #define GRAZE         1e-6      /* ...holds this part of its bound more                       */
+#define AIM_WORK      0.25      /* of the budget: past it, slow slips follow their forces, in steps of */
+#define AIM_STEP      (1.0 / 32)        /* the frame; passes and change of direction, rad, that find it:        */
+#define AIMS          8
+#define AIMED         1e-6
 #define SMALL         4         /* bodies, joints and pairs                                   */
 #define STEP_LEAST    1e-10     /* of the frame: a step this short without an event is none  */
 #define SHORTER_MOST  1e-4      /* of the frame: a step longer than this may fail once more   */
@@ -170,19 +174,75 @@ static bool settle(Tracer *t, bool first)
     return true;
 }
 
+/* Evaluations of a small group cost less: it may use more. */
+static int work_of(const Tracer *t)
+{
+    const Group *g = t->g;
+    return (g->moving_count + g->joint_count + g->pair_count <= SMALL ? 4 : 1) * g->plan->trace_work;
+}
+
+/* The direction in which a held slip needs no force across it, and the velocities that go that way. Friction turns so slow a slip
+ * there within much less than the step, but steps that follow it would use up the budget. */
+static bool aim_slips(Tracer *t)
+{
+    Group *g = t->g;
+    for (int pass = 0; pass < AIMS; pass++) {
+        real worst = 0;
+        for (int i = 0; i < t->touch_count; i++) {
+            Cone *c = &t->touch[i].slip;
+            if (!t->touch[i].gate.presses || !c->axes || c->grip != GRIP_SLIP || !c->locked)
+                continue;
+            vec3 d = vec3_unit_or(vec3_neg(c->force), c->d);
+            worst = real_max(worst, vec3_distance(d, c->d));
+            c->d = d;
+        }
+        trace_align(t);
+        if (!trace_accelerate(t))
+            return false;
+        if (worst < AIMED)
+            break;
+    }
+    real kinetic = group_kinetic(g);
+    if (!trace_project(t, false))
+        return false;
+    g->work_in += t->given;
+    g->lost += kinetic + t->given - group_kinetic(g);
+    trace_store(t, t->y);
+    trace_load(t, t->y, t->t);
+    trace_kinematics(t);
+    return trace_accelerate(t);
+}
+
+/* Friction alone would turn it, or bring it to its end, within the step. */
+static bool is_slow_slip(const Tracer *t, const Touching *c, real h)
+{
+    if (!c->gate.presses || !c->slip.axes || c->slip.grip != GRIP_SLIP)
+        return false;
+    real press = c->slip.moving * c->gate.force, push = press * (t->g->mass[c->a].im + t->g->mass[c->b].im);
+    return vec3_length(c->slip.u) < 2 * h * real_max(push, vec3_length(c->slip.acc));
+}
+
+static bool any_slow_slip(const Tracer *t, real h)
+{
+    for (int i = 0; i < t->touch_count; i++)
+        if (is_slow_slip(t, &t->touch[i], h))
+            return true;
+    return false;
+}
+
 /* A slip so slow that its direction would turn within the step is held in its direction, with a row across it. */
-static bool hold_slow_slips(Tracer *t, real h)
+static bool hold_slow_slips(Tracer *t, real h, bool aim)
 {
     bool changed = false;
     for (int i = 0; i < t->touch_count; i++) {
         Touching *c = &t->touch[i];
         if (!c->gate.presses || !c->slip.axes || c->slip.grip != GRIP_SLIP)
             continue;
-        real speed = vec3_length(c->slip.u), press = c->slip.moving * c->gate.force;
-        bool slow = speed < 2 * h * real_max(press * (t->g->mass[c->a].im + t->g->mass[c->b].im), vec3_length(c->slip.acc));
+        bool slow = is_slow_slip(t, c, h);
+        real speed = vec3_length(c->slip.u);
         if (slow && !c->slip.locked && speed > 0)
             c->slip.d = vec3_scale(1 / speed, c->slip.u);
-        changed = changed || slow != c->slip.locked;
+        changed = changed || slow != c->slip.locked || (aim && slow);
         c->slip.locked = slow;
     }
     if (!changed)
@@ -190,13 +250,15 @@ static bool hold_slow_slips(Tracer *t, real h)
     trace_align(t);
     if (!trace_accelerate(t))
         return false;
-    for (int i = 0; i < t->touch_count; i++) {
+    if (aim && !aim_slips(t))
+        return false;
+    for (int i = 0; i < t->touch_count && !aim; i++) {
         Touching *c = &t->touch[i];
         real press = c->slip.moving * c->gate.force;
         if (c->slip.locked && fabs(c->slip.lateral) > 1e-6 * press && vec3_length(c->slip.u) * fabs(c->slip.lateral) > t->tolerance * t->pace * press)
             c->slip.locked = false;
     }
-    if (!trace_accelerate(t))
+    if (!aim && !trace_accelerate(t))
         return false;
     trace_keep(t, 0);
     return true;
@@ -340,9 +402,12 @@ static void rest_on(Tracer *t, real h)
 static bool one_step(Tracer *t)
 {
     real rest = t->end - t->t, h = real_min(rest, t->h_next);
+    bool aim = t->g->evaluations > AIM_WORK * work_of(t) && any_slow_slip(t, AIM_STEP * t->end);
+    if (aim)
+        h = real_min(rest, AIM_STEP * t->end);
     if (rest - h < 0.01 * h)
         h = rest;
-    if (!hold_slow_slips(t, h))
+    if (!hold_slow_slips(t, h, aim))
         return false;
     mark_start(t);
     if (at_rest(t, rest)) {
@@ -382,12 +447,9 @@ static bool one_step(Tracer *t)
     return true;
 }
 
-/* Evaluations of a small group cost less: it may use more. */
 static bool over_budget(Tracer *t)
 {
-    const Group *g = t->g;
-    int scale = g->moving_count + g->joint_count + g->pair_count <= SMALL ? 4 : 1;
-    if (g->evaluations > scale * g->plan->trace_work && t->t < t->end)
+    if (t->g->evaluations > work_of(t) && t->t < t->end)
         t->fault = "more evaluations than its budget";
     return t->fault;
 }

@@ -15,7 +15,7 @@
 
 #include "solve/direction.h"
 
-extern const Way way_flight, way_trace;
+extern const Way way_flight, way_trace, way_billiard;
 
 /* ---- contact features: what touches what, frozen for a step ---- */
 
