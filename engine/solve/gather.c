@@ -573,11 +573,14 @@ dig_status group_judge(Group *g, real dt)
 
 /* ---- back into the world ---- */
 
-/* A group that the traced way handed on is not tried again for 16 steps, then 32, 64, ...; each step that succeeds forgets one. */
+#define FIRST_PAUSE 64          /* over the substeps of the plan: 16 steps at "play", 4 at "study" */
+
+/* A group that the traced way handed on is not tried again for some steps, then twice as many, ...; each that succeeds forgets one. */
 static void commit_trace(const Group *g, Body *b)
 {
     if (g->trace_failed) {
-        b->trace_pause = (uint16_t)int_min(1024, int_max(16, 2 * b->trace_pause));
+        int first = int_min(16, FIRST_PAUSE / g->plan->substeps);
+        b->trace_pause = (uint16_t)int_min(1024, int_max(first, 2 * b->trace_pause));
         b->trace_wait = b->trace_pause;
         b->trace_step = 0;
         return;

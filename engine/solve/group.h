@@ -40,6 +40,7 @@ typedef struct Member {         /* the rest of a gathered body */
     bool     round;             /* isotropic inertia                                   */
     bool     constrained;       /* a row acts on it in this substep                    */
     bool     implicit_move;     /* move with the end velocity, not the mean            */
+    bool     met;               /* something that came at it was stopped at the start of this substep */
     bool     collided;          /* struck in this step                                 */
     bool     fresh;             /* no history: new, teleported or struck in the last step */
     uint8_t  covered;           /* faces of its box, Covered                           */

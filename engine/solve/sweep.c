@@ -30,6 +30,7 @@ static void predict(Group *g)
         m->start_pos = g->pos[i];
         m->start_vel = g->vel[i];
         m->constrained = m->implicit_move = moves_by_euler(m);
+        m->met = false;
         if (!m->moves)
             continue;
         vec3 dv = vec3_scale(g->h * g->mass[i].im, m->force), dw = vec3_scale(g->h, mat3_mul_vec(g->mass[i].ii, m->torque));
@@ -152,11 +153,16 @@ static void mark_constrained(Group *g)
             continue;               /* it could have touched, but did not: free flight */
         /* a point that carries on is smooth, though turning bodies approach there a little at each substep's start */
         bool carries = g->contacts[r->contact].memory[r->point].held > 0;
-        bool rough = !g->locate || (!r->curved && (r->target < -1e-6 || (fabs(r->rate_before) > 1e-6 && !carries)));
+        bool several = g->contacts[r->contact].manifold.count > 1;
+        bool met = r->target < -1e-6 || (fabs(r->rate_before) > 1e-6 && !carries);
+        if (several && carries)             /* of one point the row itself follows the curve, where it can */
+            met = -r->rate_before > g->fall * g->h;
+        met = met && !r->curved;
         for (int k = 0; k < 2; k++) {
             Member *m = &g->member[k ? r->b : r->a];
             m->constrained = true;
-            m->implicit_move = m->implicit_move || rough;
+            m->met = m->met || (met && (several || g->joints_direct));
+            m->implicit_move = m->implicit_move || met || !g->locate;
         }
     }
     for (int i = 0; i < g->row_count; i++) {
@@ -277,13 +283,18 @@ static real lost_in_spring(const Group *g, const JointRow *r)
     return r->k > 0 ? -r->p * mean_row_rate(g, &r->row) - r->row.stiffness * dx * (r->row.error + 0.5 * dx) : 0;
 }
 
-/* J  The same of the forces on what backward Euler moves: they are booked along its way, and speed it up along the mean. Only where
- * springs are booked so: elsewhere it is part of what the integration makes up, and stays in that figure. */
+/* J  The same of the forces on what moves with its end velocity: they are booked along its way, and speed it up along the mean. Where
+ * springs are booked so; and where a blow, too slow to be located, was struck at the start of the substep: it then took less than its
+ * impulse along the mean, for part of that impulse bore the weight. Elsewhere this is what the integration makes up, and stays in
+ * that figure. */
 static void book_implicit(Group *g)
 {
+    bool all = group_elastic(g);
+    for (int i = 0; i < g->moving_count; i++)       /* joints hand a blow on */
+        all = all || (g->joints_direct && g->member[i].met);
     for (int i = 0; i < g->moving_count; i++) {
         const Member *m = &g->member[i];
-        if (!m->moves || !m->implicit_move || moves_by_euler(m))
+        if (!m->moves || !m->implicit_move || moves_by_euler(m) || !(all || m->met))
             continue;
         Vel mean = mean_velocity(g, i);
         g->lost += g->h * (vec3_dot(m->force, vec3_sub(g->vel[i].v, mean.v)) + vec3_dot(m->torque, vec3_sub(g->vel[i].w, mean.w)));
@@ -326,8 +337,7 @@ static void book(Group *g)
         book_roll(g, &g->rolls[i]);
     for (int i = 0; i < g->block_count; i++)
         book_joint(g, &g->blocks[i]);
-    if (group_elastic(g))
-        book_implicit(g);
+    book_implicit(g);
     for (int i = 0; i < g->moving_count && (g->drags || g->rules); i++) {
         Vel v = way_of(g, i);
         group_book_apart(g, i, vec3_scale(g->h, v.v), vec3_scale(g->h, v.w), g->h);

@@ -99,24 +99,64 @@ static void halt_slow(Tracer *t)
     }
 }
 
-#define NEAR_BOUND 1e-7         /* of the bound */
+#define FAINT      1e-3         /* of the largest normal force of the patch */
 
-/* Where one point of a patch yields, those that are as near to their bound yield with it: one at a time, each would find the
- * other sticking, and at its bound, for ever. */
-static void yield_near(Tracer *t, const Cone *first)
+static bool sticks(const Touching *c) { return c->gate.presses && c->slip.axes && c->slip.grip == GRIP_STICK; }
+
+/* Tangential load is shared in proportion to the normal forces, so that all corners of a face reach the brink together. What next to
+ * nothing presses bears none while two others stick: it would yield again and again on its way to letting go, and nothing moves. */
+static bool change_weights(Tracer *t)
 {
-    int contact = -1;
-    for (int i = 0; i < t->touch_count && contact < 0; i++)
-        if (&t->touch[i].slip == first)
-            contact = t->touch[i].contact;
+    bool changed = false;
+    for (int i = 0; i < t->touch_count;) {
+        int first = i, sticking = 0, strong = 0;
+        real most = 0;
+        for (; i < t->touch_count && t->touch[i].contact == t->touch[first].contact; i++) {
+            const Touching *c = &t->touch[i];
+            sticking += sticks(c);
+            most = real_max(most, c->gate.presses ? c->gate.force : 0);
+        }
+        for (int k = first; k < i; k++)
+            strong += sticks(&t->touch[k]) && t->touch[k].gate.force >= FAINT * most;
+        for (int k = first; k < i && sticking > 1; k++) {
+            Cone *c = &t->touch[k].slip;
+            real share = t->touch[k].gate.presses && most > 0 ? t->touch[k].gate.force / most : 1;
+            real w = share >= FAINT || strong < 2 ? real_max(share, 1e-4) : 0;
+            changed = changed || fabs(w - c->weight) > 1e-6;
+            c->weight = w;
+        }
+    }
+    return changed;
+}
+
+#define NEAR_BOUND 1e-7         /* of the bound */
+#define NEAR_ZERO  1e-6         /* of the largest normal force of the patch */
+
+/* Where one point yields, those that are as near to their bound yield with it: one at a time, each would find the other sticking,
+ * and at its bound, for ever. Two corners of an edge do, and the two sides of what is alike on both. */
+static void yield_near(Tracer *t)
+{
     for (int i = 0; i < t->touch_count; i++) {
         Cone *c = &t->touch[i].slip;
         real bound = c->still * t->touch[i].gate.force;
-        if (t->touch[i].contact != contact || c == first || !c->axes || c->grip != GRIP_STICK || !t->touch[i].gate.presses)
-            continue;
-        if (bound > 0 && vec3_length(c->force) >= bound * (1 - NEAR_BOUND)) {
+        if (sticks(&t->touch[i]) && c->weight > 0 && bound > 0 && vec3_length(c->force) >= bound * (1 - NEAR_BOUND)) {
             c->grip = GRIP_BRINK;
             c->d = vec3_unit_or(vec3_neg(c->force), c->d);
+        }
+    }
+}
+
+/* The same of points that let go. One that is to press is closed again for its acceleration. */
+static void open_near(Tracer *t)
+{
+    for (int i = 0; i < t->touch_count;) {
+        int first = i;
+        real most = 0;
+        for (; i < t->touch_count && t->touch[i].contact == t->touch[first].contact; i++)
+            most = real_max(most, t->touch[i].gate.presses ? t->touch[i].gate.force : 0);
+        for (int k = first; k < i; k++) {
+            Gate *g = &t->touch[k].gate;
+            g->presses = g->presses && g->force >= NEAR_ZERO * most;
         }
     }
 }
@@ -126,13 +166,18 @@ static void apply_hint(Tracer *t)
 {
     const Event *e = &t->hint;
     switch (e->kind) {
-    case EVENT_OPEN: e->gate->presses = false; break;
+    case EVENT_OPEN:
+        open_near(t);
+        e->gate->presses = false;
+        break;
     case EVENT_PRESS: e->gate->presses = true; break;
     case EVENT_YIELD:
         if (e->cone) {
+            if (!(e->cone->weight > 0))
+                break;          /* so little presses there that it was let off its share: see change_weights */
             e->cone->grip = GRIP_BRINK;
             e->cone->d = vec3_unit_or(vec3_neg(e->cone->force), e->cone->d);
-            yield_near(t, e->cone);
+            yield_near(t);
         } else {
             e->hold->side = e->hold->force > 0 ? 1 : -1;
         }
@@ -177,28 +222,6 @@ static bool change_gate(Tracer *t, real acc_scale, bool first_wins)
     if (c.gate)
         c.gate->presses = c.press;
     return c.gate;
-}
-
-/* Tangential load is shared in proportion to the normal forces, so that all corners of a face reach the brink together. */
-static bool change_weights(Tracer *t)
-{
-    bool changed = false;
-    for (int i = 0; i < t->touch_count;) {
-        int first = i, sticking = 0;
-        real most = 0;
-        for (; i < t->touch_count && t->touch[i].contact == t->touch[first].contact; i++) {
-            const Touching *c = &t->touch[i];
-            sticking += c->gate.presses && c->slip.axes && c->slip.grip == GRIP_STICK;
-            most = real_max(most, c->gate.presses ? c->gate.force : 0);
-        }
-        for (int k = first; k < i && sticking > 1; k++) {
-            Cone *c = &t->touch[k].slip;
-            real w = t->touch[k].gate.presses && most > 0 ? real_max(t->touch[k].gate.force / most, 1e-4) : 1;
-            changed = changed || fabs(w - c->weight) > 1e-6;
-            c->weight = w;
-        }
-    }
-    return changed;
 }
 
 /* ---- grips ---- */
@@ -326,8 +349,8 @@ bool trace_kinds(Tracer *t)
     int n = t->touch_count + t->stop_count + t->hold_count, directions = 0;
     if (!start_kinds(t))
         return false;
-    apply_hint(t);
     change_weights(t);          /* by the forces of before: most often they are those of now */
+    apply_hint(t);
     t->sys.redundant = false;
     real acc_scale = acceleration_scale(t);
     for (int pivots = 0; pivots < 20 + 6 * n && directions < DIRECTIONS;) {

@@ -219,7 +219,7 @@ static void stick_rows(Tracer *t, const Patch *p)
     real size = 0, weight[MANIFOLD_POINTS];
     for (int i = 0; i < p->count; i++) {
         const Cone *c = &t->touch[p->point[i]].slip;
-        if (!c->axes || c->grip != GRIP_STICK)
+        if (!c->axes || c->grip != GRIP_STICK || !(c->weight > 0))
             continue;
         size = real_max(size, vec3_length(vec3_sub(p->arm[i], p->arm[s.count ? s.which[0] : i])));
         weight[s.count] = c->weight;
