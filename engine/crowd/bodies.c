@@ -58,7 +58,7 @@ static void open_body(Crowd *c, int i)
 static void open_share(void *context, int thread, int threads)
 {
     Crowd *c = context;
-    for (int i = team_first(c->bodies, thread, threads); i < team_end(c->bodies, thread, threads); i++)
+    for (int i = team_first(c->bodies, thread, threads), end = team_end(c->bodies, thread, threads); i < end; i++)
         open_body(c, i);
 }
 
@@ -160,7 +160,7 @@ static void note_turn(Crowd *c, int i)
 static void close_share(void *context, int thread, int threads)
 {
     Crowd *c = context;
-    for (int i = team_first(c->bodies, thread, threads); i < team_end(c->bodies, thread, threads); i++) {
+    for (int i = team_first(c->bodies, thread, threads), end = team_end(c->bodies, thread, threads); i < end; i++) {
         close_body(c, i);
         note_turn(c, i);
     }
