@@ -58,7 +58,7 @@ static void open_body(Crowd *c, int i)
 static void open_share(void *context, int thread, int threads)
 {
     Crowd *c = context;
-    for (int i = team_first(c->bodies, thread, threads); i < team_end(c->bodies, thread, threads); i++)
+    for (int i = team_first(c->bodies, thread, threads), end = team_end(c->bodies, thread, threads); i < end; i++)
         open_body(c, i);
 }
 
@@ -69,7 +69,8 @@ dig_status bodies_open(Crowd *c)
     size_t n = (size_t)(c->bodies + threads);
     Six *six = arena_zero(g->arena, 7 * n * sizeof *six);
     c->frame = arena_alloc(g->arena, n * sizeof *c->frame);
-    if (!six || !c->frame)
+    c->turn = arena_alloc(g->arena, (size_t)g->body_count * sizeof *c->turn);
+    if (!six || !c->frame || !c->turn)
         return DIG_E_MEMORY;
     c->vel = six;
     c->move = six + n;
@@ -146,18 +147,22 @@ static void close_body(Crowd *c, int i)
 }
 
 /* Where the body has turned to since the start. */
-static void note_turn(Group *g, int i)
+static void note_turn(Crowd *c, int i)
 {
-    if (g->member[i].moves || g->member[i].kinematic)
-        g->shift[i].w = quat_log(quat_mul(g->pos[i].q, quat_conjugate(g->member[i].start_pos.q)));
+    Group *g = c->g;
+    c->turn[i] = quat_identity();
+    if (!g->member[i].moves && !g->member[i].kinematic)
+        return;
+    g->shift[i].w = quat_log(quat_mul(g->pos[i].q, quat_conjugate(g->member[i].start_pos.q)));
+    c->turn[i] = quat_exp(g->shift[i].w);
 }
 
 static void close_share(void *context, int thread, int threads)
 {
     Crowd *c = context;
-    for (int i = team_first(c->bodies, thread, threads); i < team_end(c->bodies, thread, threads); i++) {
+    for (int i = team_first(c->bodies, thread, threads), end = team_end(c->bodies, thread, threads); i < end; i++) {
         close_body(c, i);
-        note_turn(c->g, i);
+        note_turn(c, i);
     }
 }
 
@@ -165,10 +170,11 @@ void bodies_close(Crowd *c)
 {
     Group *g = c->g;
     team_run(g->team, close_share, c);
-    for (int i = c->bodies; i < g->body_count; i++)
+    for (int i = c->bodies; i < g->body_count; i++) {
         if (g->member[i].kinematic) {
             g->pos[i].x = vec3_mad(g->pos[i].x, c->dt, g->vel[i].v);
             g->pos[i].q = quat_unit(quat_mul(quat_exp(vec3_scale(c->dt, g->vel[i].w)), g->pos[i].q));
-            note_turn(g, i);
         }
+        note_turn(c, i);
+    }
 }

@@ -3,8 +3,6 @@
 
 static bool goes(const Group *g, int body) { return g->member[body].moves || g->member[body].kinematic; }
 
-static quat turn_of(const Group *g, int body) { return goes(g, body) ? quat_exp(g->shift[body].w) : quat_identity(); }
-
 /* The turn is exact: what turns for ever about one axis would move its points outward by half its square in every step. */
 static vec3 carried(const Group *g, int body, quat turn, vec3 at)
 {
@@ -12,10 +10,11 @@ static vec3 carried(const Group *g, int body, quat turn, vec3 at)
 }
 
 /* Points go with their bodies; the gap changes by what the row saw. */
-static void carry(Group *g, GroupContact *c)
+static void carry(const Crowd *crowd, GroupContact *c)
 {
+    Group *g = crowd->g;
     GroupPair *q = &g->pairs[c->pair];
-    quat turn_a = turn_of(g, c->a), turn_b = turn_of(g, c->b);
+    quat turn_a = crowd->turn[c->a], turn_b = crowd->turn[c->b];
     for (int k = 0; k < c->manifold.count; k++) {
         ManifoldPoint *p = &c->manifold.points[k];
         p->a = carried(g, c->a, turn_a, p->a);
@@ -219,7 +218,7 @@ static void carry_share(void *context, int thread, int threads)
         GroupContact *t = &g->contacts[i];
         if (!t->live)
             continue;
-        carry(g, t);
+        carry(b->c, t);
         for (int k = 0; k < t->manifold.count; k++)
             deepest = real_max(deepest, -t->manifold.points[k].gap);
     }

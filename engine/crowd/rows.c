@@ -80,7 +80,7 @@ static void choose_share(void *context, int thread, int threads)
     const Rows *r = context;
     Crowd *c = r->c;
     Group *g = c->g;
-    for (int i = team_first(g->contact_count, thread, threads); i < team_end(g->contact_count, thread, threads); i++) {
+    for (int i = team_first(g->contact_count, thread, threads), end = team_end(g->contact_count, thread, threads); i < end; i++) {
         const GroupContact *t = &g->contacts[i];
         const GroupPair *q = &g->pairs[t->pair];
         Chosen *x = &r->chosen[i];

@@ -109,6 +109,7 @@ typedef struct Crowd {
     Six   *last, *push;         /* velocity at the last substep's start; change by forces per substep */
     Six   *start;               /* velocity at the start of the step                           */
     Six   *axes[2];             /* frames: columns of s, root                                  */
+    quat  *turn;                /* [body_count of g] since the start, at the end of the step   */
     Batch *batch; int batches;
     Phase *phase; int phases;
     Soft   soft[2];             /* between moving bodies; against what does not move           */

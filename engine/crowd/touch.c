@@ -49,7 +49,7 @@ typedef struct Touching { Group *g; real time; } Touching;
 static void touch_share(void *context, int thread, int threads)
 {
     const Touching *t = context;
-    for (int i = team_first(t->g->pair_count, thread, threads); i < team_end(t->g->pair_count, thread, threads); i++)
+    for (int i = team_first(t->g->pair_count, thread, threads), end = team_end(t->g->pair_count, thread, threads); i < end; i++)
         if (!keeps(t->g, &t->g->pairs[i]))
             group_touch_pair(t->g, &t->g->pairs[i], t->time);
 }

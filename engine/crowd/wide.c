@@ -365,9 +365,9 @@ INLINE void solve_batch(const Crowd *c, const Batch *x, const Care *k)
 typedef struct Part { Team *team; int thread, threads; } Part;
 
 #define MY_BODIES(c, me, i) \
-    for (int i = team_first((c)->bodies, (me)->thread, (me)->threads); i < team_end((c)->bodies, (me)->thread, (me)->threads); i++)
+    for (int i = team_first((c)->bodies, (me)->thread, (me)->threads), end = team_end((c)->bodies, (me)->thread, (me)->threads); i < end; i++)
 #define MY_BATCHES(phase, me, i) \
-    for (int i = phase_first(phase, (me)->thread, (me)->threads); i < phase_end(phase, (me)->thread, (me)->threads); i++)
+    for (int i = phase_first(phase, (me)->thread, (me)->threads), end = phase_end(phase, (me)->thread, (me)->threads); i < end; i++)
 
 /* Before a phase all must have done the one before it; not where one thread does both. */
 INLINE void meet_before(const Crowd *c, const Part *me, int phase)

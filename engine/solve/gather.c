@@ -154,11 +154,15 @@ static dig_status list_still(Group *g, const uint32_t *pairs, int pair_count, in
     return DIG_OK;
 }
 
+#define BODIES_AHEAD 3
+
 static void gather_share(void *context, int thread, int threads)
 {
     Group *g = context;
-    for (int i = team_first(g->body_count, thread, threads); i < team_end(g->body_count, thread, threads); i++) {
+    for (int i = team_first(g->body_count, thread, threads), end = team_end(g->body_count, thread, threads); i < end; i++) {
         bool moving = i < g->moving_count;
+        if (i + BODIES_AHEAD < g->moving_count)
+            fetch_soon(&g->world->bodies.data[g->slots[i + BODIES_AHEAD]], offsetof(Body, prev_x));
         uint32_t slot = moving ? g->slots[i] : g->still[i - g->moving_count];
         gather_body(g, i, slot, moving && g->world->bodies.data[slot].awake);
     }
@@ -279,7 +283,7 @@ static real span_of(const Group *g, int body)
 static void find_spans(void *context, int thread, int threads)
 {
     const Nearby *n = context;
-    for (int i = team_first(n->g->body_count, thread, threads); i < team_end(n->g->body_count, thread, threads); i++)
+    for (int i = team_first(n->g->body_count, thread, threads), end = team_end(n->g->body_count, thread, threads); i < end; i++)
         n->span[i] = span_of(n->g, i);
 }
 
@@ -307,6 +311,13 @@ static void find_near(void *context, int thread, int threads)
     }
 }
 
+/* The points of a world's contact after the first, once it is here itself. */
+static void fetch_more(const World *w, uint32_t contact)
+{
+    if (contact != NONE && w->contacts.data[contact].more != NONE)
+        fetch_soon(&w->more.data[w->contacts.data[contact].more], sizeof(MorePoints));
+}
+
 /* Of the pairs that come after number i: the next ones but some, and of the next ones what they name. */
 static void fetch_near(const Group *g, const Near *near, int i)
 {
@@ -315,6 +326,7 @@ static void fetch_near(const Group *g, const Near *near, int i)
         fetch_soon(&w->pairs.data[near[i + 2 * FETCH_AHEAD].slot], sizeof(Pair));
     if (i + FETCH_AHEAD >= g->pair_count)
         return;
+    fetch_more(w, near[i + FETCH_AHEAD / 2].first);
     const Near *n = &near[i + FETCH_AHEAD];
     const Pair *p = &w->pairs.data[n->slot];
     fetch_soon(&w->solids.data[p->solid_a].shape, sizeof(Shape) + sizeof(pose));
@@ -685,6 +697,7 @@ static void fetch_commit(const World *w, const Group *g, int i)
         return;
     const GroupPair *q = &g->pairs[i + FETCH_AHEAD];
     uint32_t slot = g->contacts[q->contact].slot;
+    fetch_more(w, g->contacts[g->pairs[i + FETCH_AHEAD / 2].contact].slot);
     fetch_soon(&w->pairs.data[q->slot], sizeof(Pair));
     if (slot != NONE)
         fetch_soon(&w->contacts.data[slot], sizeof(Contact));
@@ -697,8 +710,11 @@ static void commit_share(void *context, int thread, int threads)
     const Commit *c = context;
     const Group *g = c->g;
     real dt = c->w->def.step;
-    for (int i = team_first(g->moving_count, thread, threads); i < team_end(g->moving_count, thread, threads); i++)
+    for (int i = team_first(g->moving_count, thread, threads), end = team_end(g->moving_count, thread, threads); i < end; i++) {
+        if (i + BODIES_AHEAD < g->moving_count)
+            fetch_soon(&c->w->bodies.data[g->slots[i + BODIES_AHEAD]], offsetof(Body, watch));
         commit_body(c->w, g, i, dt);
+    }
     for (int i = team_first(g->pair_count, thread, threads), end = team_end(g->pair_count, thread, threads); i < end; i++) {
         fetch_commit(c->w, g, i);
         commit_pair(c->w, g, &g->pairs[i], dt);

@@ -213,8 +213,10 @@ static void sense_share(void *context, int thread, int threads)
 {
     const Sensing *n = context;
     World *w = n->w;
-    for (int i = team_first(w->awake.count, thread, threads); i < team_end(w->awake.count, thread, threads); i++) {
+    for (int i = team_first(w->awake.count, thread, threads), end = team_end(w->awake.count, thread, threads); i < end; i++) {
         const Body *b = &w->bodies.data[w->awake.data[i]];
+        if (i + FETCH_AHEAD < w->awake.count)
+            fetch_soon(&w->bodies.data[w->awake.data[i + FETCH_AHEAD]], offsetof(Body, inertia));
         uint8_t found = (uint8_t)((b->paired ? 0 : UNPAIRED) | (body_sane(b) ? 0 : INSANE));
         real far = point_speed(b, n->dt) * n->dt;
         for (uint32_t k = b->shape_first; k != NONE && !(found & INSANE); k = w->solids.data[k].next) {
