@@ -1,32 +1,13 @@
 /* export/glb_scene.c - cameras, the sun and lamps, from what the script noted of them (docs/replay.md, "Notes"). */
 #include "export/glb.h"
+#include "export/light.h"
 
-#include <cjson/cJSON.h>
 #include <stdio.h>
 
 #include "math/quat.h"
 
 #define LUMENS_PER_WATT 12.0    /* of a filament lamp */
 #define SUN_LUX 3.0             /* readers show 1 to 10 as daylight at their usual exposure */
-
-static bool read_vec3(const cJSON *o, const char *name, vec3 *v)
-{
-    const cJSON *list = cJSON_GetObjectItemCaseSensitive(o, name);
-    double x[3];
-    if (!cJSON_IsArray(list) || cJSON_GetArraySize(list) != 3)
-        return false;
-    for (int i = 0; i < 3; i++)
-        if (!isfinite(x[i] = cJSON_GetNumberValue(cJSON_GetArrayItem(list, i))))
-            return false;
-    *v = (vec3){x[0], x[1], x[2]};
-    return true;
-}
-
-static real read_number(const cJSON *o, const char *name, real otherwise)
-{
-    double x = cJSON_GetNumberValue(cJSON_GetObjectItemCaseSensitive(o, name));
-    return isfinite(x) ? x : otherwise;
-}
 
 /* glTF looks along -z of the node, up is +y. */
 static quat looking(vec3 along, vec3 up)
@@ -75,31 +56,25 @@ static void put_light(Glb *g, const char *type, const char *name, vec3 at, quat 
     output_bytes(&g->lights.text, "}", 1);
 }
 
-static void put_lights(Glb *g, const cJSON *light)
+static void put_lights(Glb *g, const ExportLight *light)
 {
-    vec3 from = {0.4, 0.8, 0.45};
-    const cJSON *lamp;
-    read_vec3(light, "sun", &from);
-    if (vec3_length(from) > 0)
-        put_light(g, "directional", "sun", vec3_scale(10, vec3_unit(from)), looking(vec3_neg(from), (vec3){0, 1, 0}), SUN_LUX, (vec3){1, 1, 1});
-    cJSON_ArrayForEach(lamp, cJSON_GetObjectItemCaseSensitive(light, "lamps")) {
-        vec3 at, colour = {1, 1, 1};
-        read_vec3(lamp, "colour", &colour);
-        if (read_vec3(lamp, "at", &at))
-            put_light(g, "point", "lamp", at, quat_identity(), read_number(lamp, "power", 60) * LUMENS_PER_WATT / (4 * DIG_PI), colour);
+    if (vec3_length(light->sun) > 0)
+        put_light(g, "directional", "sun", vec3_scale(10, vec3_unit(light->sun)), looking(vec3_neg(light->sun), (vec3){0, 1, 0}), SUN_LUX,
+                  (vec3){1, 1, 1});
+    for (int i = 0; i < light->lamp_count; i++) {
+        const ExportLamp *l = &light->lamps[i];
+        put_light(g, "point", "lamp", l->at, quat_identity(), l->power * LUMENS_PER_WATT / (4 * DIG_PI), l->colour);
     }
 }
 
 void glb_scene(Glb *g)
 {
-    const char *light = replay_note(g->r, "light", g->options->first, NULL);
-    cJSON *lights = light ? cJSON_Parse(light) : NULL;
     const ReplayCamera *cameras;
+    ExportLight light;
     int count = 0;
     if (replay_cameras(g->r, g->options->first, false, &cameras, &count) == DIG_OK)
         for (int i = 0; i < count; i++)
             put_camera(g, &cameras[i], i);
-    if (lights)
-        put_lights(g, lights);
-    cJSON_Delete(lights);
+    if (export_light(g->r, g->options->first, &light))
+        put_lights(g, &light);
 }

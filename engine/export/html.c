@@ -17,6 +17,8 @@ static dig_status take_frame(HtmlData *d, const ReplayFrame *f)
     if (s == DIG_OK)
         s = html_take_view(d, f, v);
     if (s == DIG_OK)
+        s = html_take_scene(d, f);
+    if (s == DIG_OK)
         s = html_put(&d->numbers, &f->frame, 1);
     dig_view_free(v);
     d->frames += s == DIG_OK;
@@ -46,7 +48,7 @@ static dig_status gather(HtmlData *d, const ExportOptions *o)
 
 /* ---- the header: JSON in a script element, where no < may stand ---- */
 
-static void put_text(Output *out, const char *text)
+void html_put_text(Output *out, const char *text)
 {
     Output json = {0};
     output_json(&json, text ? text : "");
@@ -106,11 +108,11 @@ static void put_bodies(const HtmlData *d, Output *out)
         }
         const float centre[3] = {(float)b->centre.x, (float)b->centre.y, (float)b->centre.z};
         output_text(out, "%s{\"name\":", i ? ",\n" : "");
-        put_text(out, b->name);
+        html_put_text(out, b->name);
         output_text(out, ",\"material\":");
-        put_text(out, b->material);
+        html_put_text(out, b->material);
         output_text(out, ",\"shape\":");
-        put_text(out, b->shape);
+        html_put_text(out, b->shape);
         output_text(out, ",\"kind\":\"%s\",", kinds[b->kind]);
         put_number(out, "mass", b->mass);
         put_floats(out, "centre", centre, 3);
@@ -171,22 +173,26 @@ static void put_heat(const HtmlData *d, Output *out)
         output_text(out, "\"heat\":[%g,%g],", low, high > low ? high : low + 50);
 }
 
-static void put_header(const HtmlData *d, const ExportShell *shell, Output *out)
+static void put_header(HtmlData *d, const ExportShell *shell, Output *out)
 {
     const ReplayInfo *info = replay_info(d->r);
     const float place[3] = {(float)d->place.x, (float)d->place.y, (float)d->place.z};
     output_text(out, "{\"format\":1,\"title\":");
-    put_text(out, shell->title);
+    html_put_text(out, shell->title);
     output_text(out, ",\"digbox\":");
-    put_text(out, info->digbox);
+    html_put_text(out, info->digbox);
     output_text(out, ",\"origin\":");
-    put_text(out, info->origin);
+    html_put_text(out, info->origin);
     output_text(out, ",\"seed\":%llu,\"frames\":%d,\"cut\":%s,", (unsigned long long)info->seed, d->frames, info->cut ? "true" : "false");
     put_number(out, "step", info->step);
     put_floats(out, "place", place, 3);
     put_floats(out, "up", d->up, 3);
     put_floats(out, "low", d->low, 3);
     put_floats(out, "high", d->high, 3);
+    html_put_cameras(d, out);
+    output_text(out, "\"lights\":[");
+    output_bytes(out, d->lights.data, d->lights.size);
+    output_text(out, "],\n");
     put_heat(d, out);
     put_names(out, "link_kinds", link_name, DIG_LINK_KINDS);
     put_names(out, "layers", layer_name, DIG_LAYERS);
@@ -346,7 +352,7 @@ static void put_base64(Output *out, const unsigned char *in, size_t size)
     }
 }
 
-static void put_data(const HtmlData *d, const ExportShell *shell, Output *out)
+static void put_data(HtmlData *d, const ExportShell *shell, Output *out)
 {
     Sections s = {0};
     put_sections(d, &s);

@@ -1,5 +1,5 @@
 /* export/html_data.h - what a page shows, gathered frame by frame and then written: html_track.c follows bodies and links,
- * html_shape.c shapes and what is drawn beside them, html.c writes.
+ * html_shape.c shapes and what is drawn beside them, html_scene.c cameras and light, html.c writes.
  *
  * A page holds a JSON header and one block of little-endian arrays, the sections. Frames are those of the page, from 0:
  *   times, number, energy    [frames] s; frame of the replay; [10 * frames] J, the fields of dig_energy without `initial`
@@ -8,8 +8,9 @@
  *                        DIG; 1 = awake plus twice the mode; K. Those of a body stand together and hold until its next one.
  *   link, effort, link_end   six numbers a span of frames: a, b, kind, layer + 256 when it is to the outside, first frame,
  *                        frames; then for each of its frames |effort|, and where it ends outside (m from `place`)
- *   X_at, X              for X = contact (point, force), line (ends, colour), strut (ends, radius, stress), push (point, force):
+ *   X_at, X              for X = contact (point, force), line (ends, colour), strut (ends, radius, stress), push (point, force), camera:
  *                        first row and rows of every frame; a frame like the one before points at the same rows
+ *   camera_at, camera    the script's, eleven numbers each: 1 = place + 2 = target + 4 = up are said; place and target (m from `place`), up, angle
  *   vertex, normal, index    of meshes
  * The lists of the JSON header say the rest with names.
  *
@@ -21,6 +22,7 @@
 
 #include "base/list.h"
 #include "base/map.h"
+#include "export/light.h"
 #include "export/output.h"
 #include "math/quat.h"
 
@@ -47,7 +49,7 @@ typedef struct HtmlMesh { uint64_t hash; ViewForm form; float size[3]; int verte
 typedef struct HtmlShape { int body, mesh, pattern; float p[3], q[4], colour[3], roughness, metallic; } HtmlShape;     /* body -1: none */
 typedef struct HtmlEvent { int frame, a, b; dig_event event; } HtmlEvent;
 
-typedef enum HtmlMomentName { MOMENT_CONTACT, MOMENT_LINE, MOMENT_STRUT, MOMENT_PUSH, MOMENTS } HtmlMomentName;
+typedef enum HtmlMomentName { MOMENT_CONTACT, MOMENT_LINE, MOMENT_STRUT, MOMENT_PUSH, MOMENT_CAMERA, MOMENTS } HtmlMomentName;
 extern const struct HtmlMomentKind { const char *at, *name; int width; } html_moments[MOMENTS];
 
 typedef struct HtmlMoment {
@@ -75,11 +77,15 @@ typedef struct HtmlData {
     LIST(HtmlShape) shapes;
     LIST(HtmlEvent) events;
     int             events_left_out;
+    Output          lights;         /* JSON objects, one for each frame at which the light is another one */
+    ExportLight     light;          /* the last of them */
     HtmlMoment      moments[MOMENTS];
     LIST(int)       row_of;         /* pose of a slot at this frame, -1 = none */
     real            coldest, hottest;   /* K; coldest > hottest when nothing has a temperature */
 } HtmlData;
 
+/* Ends the rows of a frame, which began at the number `before`: those that are as the frame before had them are not kept twice. */
+dig_status html_end_moment(HtmlData *d, HtmlMomentName name, int before);
 /* A list of numbers gets n more. */
 #define html_put(list, numbers, n) html_put_any((void **)&(list)->data, &(list)->count, &(list)->capacity, sizeof *(list)->data, (numbers), (n))
 dig_status html_put_any(void **data, int *count, int *capacity, size_t item, const void *from, int n);
@@ -88,6 +94,9 @@ dig_status html_take_poses(HtmlData *d, const ReplayFrame *f);
 dig_status html_take_links(HtmlData *d, const ReplayFrame *f);
 dig_status html_take_events(HtmlData *d, const ReplayFrame *f, int frame);
 dig_status html_take_view(HtmlData *d, const ReplayFrame *f, const View *v);
+dig_status html_take_scene(HtmlData *d, const ReplayFrame *f);      /* cameras and light */
+void       html_put_cameras(HtmlData *d, Output *out);
+void       html_put_text(Output *out, const char *text);            /* quoted JSON without < */
 void       html_data_close(HtmlData *d);
 
 #endif

@@ -6,6 +6,7 @@
 const struct HtmlMomentKind html_moments[MOMENTS] = {
     [MOMENT_CONTACT] = {"contact_at", "contact", 6}, [MOMENT_LINE] = {"line_at", "line", 7},
     [MOMENT_STRUT] = {"strut_at", "strut", 8}, [MOMENT_PUSH] = {"push_at", "push", 6},
+    [MOMENT_CAMERA] = {"camera_at", "camera", 11},
 };
 
 static vec3 vec_from(const float v[3]) { return (vec3){(real)v[0], (real)v[1], (real)v[2]}; }
@@ -91,7 +92,7 @@ static dig_status take_shapes(HtmlData *d, const ReplayFrame *f, const View *v)
 /* ---- lists of one moment ---- */
 
 /* Rows from `before` on belong to this frame; when they are those of the frame before they go again. */
-static dig_status end_moment(HtmlData *d, HtmlMomentName name, int before)
+dig_status html_end_moment(HtmlData *d, HtmlMomentName name, int before)
 {
     HtmlMoment *m = &d->moments[name];
     uint32_t width = (uint32_t)html_moments[name].width;
@@ -116,7 +117,7 @@ static dig_status take_contacts(HtmlData *d, const View *v, vec3 shift)
         memcpy(row + 3, v->contacts[i].force, 3 * sizeof *row);
         DIG_TRY(html_put(&m->rows, row, 6));
     }
-    return end_moment(d, MOMENT_CONTACT, before);
+    return html_end_moment(d, MOMENT_CONTACT, before);
 }
 
 static uint32_t packed_colour(const float c[3])
@@ -139,7 +140,7 @@ static dig_status take_lines(HtmlData *d, const View *v, vec3 shift)
         memcpy(row + 6, &colour, sizeof colour);
         DIG_TRY(html_put(&m->rows, row, 7));
     }
-    return end_moment(d, MOMENT_LINE, before);
+    return html_end_moment(d, MOMENT_LINE, before);
 }
 
 /* Struts are the items that belong to no body and move. */
@@ -159,7 +160,7 @@ static dig_status take_struts(HtmlData *d, const View *v, vec3 shift)
         write_vec(row + 3, vec3_add(middle, half));
         DIG_TRY(html_put(&m->rows, row, 8));
     }
-    return end_moment(d, MOMENT_STRUT, before);
+    return html_end_moment(d, MOMENT_STRUT, before);
 }
 
 static dig_status take_pushes(HtmlData *d, const View *v, vec3 shift)
@@ -172,7 +173,7 @@ static dig_status take_pushes(HtmlData *d, const View *v, vec3 shift)
         memcpy(row + 3, v->arrows[i].v, 3 * sizeof *row);
         DIG_TRY(html_put(&m->rows, row, 6));
     }
-    return end_moment(d, MOMENT_PUSH, before);
+    return html_end_moment(d, MOMENT_PUSH, before);
 }
 
 /* Bounds for the camera: those at the start, and the way of what does not fly far off. */

@@ -167,4 +167,5 @@ void html_data_close(HtmlData *d)
     list_close(&d->events);
     list_close(&d->row_of);
     map_close(&d->holding);
+    output_close(&d->lights);
 }

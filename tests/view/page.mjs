@@ -46,6 +46,38 @@ async function judgeLinks(page) {
   c.check("one link at 1.2 s", (await ask(page, () => window.digbox.links().length)) === 1);
 }
 
+async function judgeCameras(page) {
+  const camera = (which) => ask(page, (w) => window.digbox.camera(w), which);
+  await seek(page, 0);
+  c.check("the script's first camera is looked through", (await camera()).number === 0 && (await page.inputValue("#camera")) === "0");
+  c.near("it stands", (await camera()).at, [4, 3, 7], 1e-6);
+  c.near("its angle", [(await camera()).fov], [0.6], 1e-6);
+  await page.selectOption("#camera", { label: "mover" });
+  for (const t of [0.5, 1, 1 + 1 / 120, 2]) {
+    await seek(page, t);
+    const now = await camera();
+    c.near(`mover at ${t} s`, now.at, [3 + t, 2, 4], 1e-5);
+    c.near(`what it looks at at ${t} s`, now.look_at, [0, t, 0], 1e-5);
+  }
+  c.near("its angle", [(await camera()).fov], [0.5], 1e-6);
+  const lit = await ask(page, () => window.digbox.light());
+  c.check("the light at the end is the script's", lit.sky === "night" && lit.lamps.length === 1 && !lit.shadows, lit);
+  await seek(page, 1);
+  c.check("and before it another", (await ask(page, () => window.digbox.light().sky)) === "clear");
+  const box = await page.locator("#canvas").boundingBox();
+  await page.mouse.move(box.x + 300, box.y + 200);
+  await page.mouse.down();
+  await page.mouse.move(box.x + 380, box.y + 220);
+  await page.mouse.up();
+  const own = await camera();
+  c.check("turning the view leaves the script's camera", own.number === -1 && (await page.inputValue("#camera")) === "-1", own);
+  await seek(page, 2);
+  c.near("which then stays", (await camera()).at, own.at, 1e-9);
+  await page.focus("#canvas");
+  await page.keyboard.press("c");
+  c.check("C takes the next camera", (await camera()).number === 0);
+}
+
 async function judgeKeys(page) {
   const frame = () => ask(page, () => window.digbox.frame());
   await page.focus("#canvas");
@@ -140,6 +172,7 @@ const known = await openPage(browser, sample);
 await judgeMotion(known.page);
 await judgeLinks(known.page);
 await judgePage(known.page);
+await judgeCameras(known.page);
 await judgePicking(known.page);
 await judgeKeys(known.page);
 quiet(known, "sample");
@@ -160,6 +193,15 @@ const real = await openPage(browser, run);
 const [heading, ...rows] = readFileSync(table, "utf8").trim().split(/\r?\n/).map((line) => line.split(","));
 const column = (row, name) => Number(row[heading.indexOf(name)]);
 const frames = 1 + Math.max(...rows.map((row) => column(row, "frame")));
+c.check("the script's cameras", (await ask(real.page, () => window.digbox.cameras())).join() === "chase,all");
+for (const row of rows.filter((r) => r[heading.indexOf("name")] === "ball" && column(r, "frame") % 23 === 0)) {
+  await seek(real.page, column(row, "time"));
+  const eye = await ask(real.page, () => window.digbox.camera("chase")), ball = ["x", "y", "z"].map((k) => column(row, k));
+  c.near(`the camera's target at ${column(row, "time")} s`, eye.look_at, ball, 1e-5);
+  c.near(`its place at ${column(row, "time")} s`, eye.at, [ball[0] + 1, ball[1] - 0.2, ball[2] + 2], 1e-5);
+}
+const lit = await ask(real.page, () => window.digbox.light());
+c.check("the script's sun and lamp", lit.sun[0] === -1 && lit.lamps[0].power === 80 && lit.sky === "overcast", lit);
 c.check("as many frames", (await ask(real.page, () => window.digbox.facts().frames)) === frames);
 for (const frame of [0, Math.floor(frames / 3), Math.floor((2 * frames) / 3), frames - 1]) {
   for (const row of rows.filter((r) => column(r, "frame") === frame)) {

@@ -22,6 +22,11 @@ local ball = world:ball { name = "ball", material = "steel", radius = "8 cm", at
 world:box { name = "</script><b>", material = "oak", size = { 0.6, 0.2, 0.4 }, at = { 0.1, 0.1, 0 } }
 world:box { name = "crate", material = "oak", size = 0.3, at = { 0.8, 1, 0.2 }, velocity = { -1, 0, 0 }, spin = { 1, 2, 3 } }
 ball:push { force = "3 N", along = { 1, 0, 0 }, lasts = "0.3 s" }
+world:camera { name = "chase", at = { 1, 1, 2 }, follow = ball }
+world:camera { name = "all", fov = "30 deg" }
+world:sun { from = { -1, 1, 0.2 } }
+world:lamp { at = { 1, 2, 1 }, power = "80 W" }
+world:sky "overcast"
 world:record { to = "f-%05d.png", fps = 1 }:close()
 world:run "1.5 s"
 LUA

@@ -55,6 +55,10 @@ for (let f = 0; f < frames; f++) {
   put("line_at", 0, 0);
   put("strut_at", 0, 0);
   put("push_at", 0, 0);
+  const row = (lists.camera?.length ?? 0) / 11;         // "still" is there from the start, "mover" from 0.5 s on; it says no up
+  put("camera", 7, 4, 3, 7, 0, 1, 0, 0, 1, 0, 0.6);
+  if (f >= 30) put("camera", 3, 3 + t, 2, 4, 0, t, 0, 0, 0, 0, 0.5);
+  put("camera_at", row, f >= 30 ? 2 : 1);
 }
 put("link", 2, 0, 0, 256, 0, frames, 1, 2, 1, 0, 0, 60);
 for (let f = 0; f < frames; f++) { put("effort", 19.62); put("link_end", 0, 0, 0); }
@@ -62,11 +66,11 @@ for (let f = 0; f < 60; f++) put("effort", f);
 events.push([30, 0.5, 0, 3, 0, 1.5, 0.1, 3, 0, 0, 0, 0], [60, 1, 11, 1, 2, 0, 0, 1, 2, 1, 0, 0], [90, 1.5, 7, 3, -1, 0, 0, 0, 0, 0, 0, 0]);
 
 const kinds = { f64: Float64Array, f32: Float32Array, u32: Uint32Array, u8: Uint8Array };
-const typeOf = { times: "f64", energy: "f64", number: "u32", key_frame: "u32", key_dig: "u32", key_flags: "u8", link: "u32", contact_at: "u32", line_at: "u32", strut_at: "u32", push_at: "u32", index: "u32" };
+const typeOf = { times: "f64", energy: "f64", number: "u32", key_frame: "u32", key_dig: "u32", key_flags: "u8", link: "u32", contact_at: "u32", line_at: "u32", strut_at: "u32", push_at: "u32", camera_at: "u32", index: "u32" };
 const sections = {}, blocks = [];
 let offset = 0;
 for (const name of ["times", "energy", "number", "key_frame", "key_pose", "key_motion", "key_dig", "key_flags", "link", "effort", "link_end", "contact_at", "contact",
-  "line_at", "line", "strut_at", "strut", "push_at", "push", "vertex", "normal", "index"]) {
+  "line_at", "line", "strut_at", "strut", "push_at", "push", "camera_at", "camera", "vertex", "normal", "index"]) {
   const kind = typeOf[name] ?? "f32", array = new kinds[kind](lists[name] ?? []);
   sections[name] = [kind, offset, array.length];
   const block = Buffer.alloc(Math.ceil(array.byteLength / 8) * 8);
@@ -79,6 +83,8 @@ const head = {
   low: [-2, 0, -2], high: [2, 2.5, 2], heat: null, link_kinds: ["contact", "joint", "port", "range"], layers: ["mechanical", "electrical", "thermal", "hydraulic", "range"],
   modes: ["moving", "resting", "fixed"], events_left_out: 0,
   event_kinds: ["contact_begin", "contact_end", "impact", "broken", "moved", "slept", "woke", "removed", "merged", "split", "link", "unlink", "message", "limit_reached", "out_of_world", "entered", "left"],
+  cameras: ["still", "mover"], lights: [{ frame: 0, sky: "clear", shadows: true, sun: [1, 2, 1], lamps: [] },
+    { frame: 90, sky: "night", shadows: false, sun: [0, 1, 0], lamps: [{ power: 80, at: [0, 2, 0], colour: [1, 0.6, 0.3] }] }],
   bodies, meshes, shapes, events, sections,
 };
 const data = `<script type="application/json" id="digbox-head">${JSON.stringify(head).replace(/</g, "\\u003c")}</script>\n`

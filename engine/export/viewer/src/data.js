@@ -131,19 +131,33 @@ export class Replay {
     };
   }
 
+  // What the script says of a camera at a frame: at, look_at, up (null: not said), fov; null when it is not there yet.
+  cameraAt(number, frame) {
+    const rows = this.moment("camera", frame).subarray(11 * number, 11 * number + 11);
+    if (rows.length < 11) return null;
+    const vector = (bit, from) => (rows[0] & bit ? [...rows.subarray(from, from + 3)] : null);
+    return { at: vector(1, 1), look_at: vector(2, 4), up: vector(4, 7), fov: rows[10] };
+  }
+
+  // The light at a frame; null: nothing is said.
+  lightAt(frame) { return this.lights.findLast((l) => l.frame <= frame) ?? null; }
+
   // Floats of a list that is kept by frame ("contact", "line", "strut", "push").
   moment(name, frame) {
-    const width = { contact: 6, line: 7, strut: 8, push: 6 }[name];
+    const width = { contact: 6, line: 7, strut: 8, push: 6, camera: 11 }[name];
     const at = this[`${name}_at`], first = at[2 * frame], count = at[2 * frame + 1];
     return this[name].subarray(width * first, width * (first + count));
   }
 }
 
+// Bytes of the page are told by who has the text: asking the document for itself would write it anew.
 // Reads the two elements of the page; null when the page holds none.
 export function readPage(document) {
   const head = document.getElementById("digbox-head"), data = document.getElementById("digbox-data");
   if (!head || !data) return null;
-  const replay = new Replay(JSON.parse(head.textContent), decodeBase64(data.textContent.trim()));
+  const text = data.textContent;
+  const replay = new Replay(JSON.parse(head.textContent), decodeBase64(text.trim()));
+  replay.page_bytes = text.length + [...document.scripts].reduce((sum, s) => sum + (s === data ? 0 : s.textContent.length), 0);
   data.textContent = "";                            // the text is not needed twice
   return replay;
 }

@@ -1,7 +1,7 @@
 // main.js - the page of `digbox view`: time, keys, what is picked, and window.digbox for scripts and tests.
 //
 //   digbox.ready                         a promise of the facts, once the first picture is drawn
-//   digbox.seek(t) .step(n) .play() .pause() .pick(body or name) .body(body or name) .screen(body) .facts()
+//   digbox.seek(t) .step(n) .play() .pause() .pick(body or name) .body(body or name) .screen(body) .facts() .camera(number or name)
 import { Vector3 } from "three";
 import { readPage } from "./data.js";
 import { bodyName, bytes, fixed } from "./format.js";
@@ -31,6 +31,7 @@ class Player {
     this.plots[1].setCurves(forceCurves(replay, -1));
     this.describe();
     this.makeLayers();
+    this.makeCameras();
     this.listen();
     this.theme();
   }
@@ -39,7 +40,7 @@ class Player {
     const r = this.replay, moving = r.bodies.filter((b) => b.kind !== "static").length;
     document.title = `${r.title} – digbox`;
     byId("title").textContent = r.title;
-    byId("facts").textContent = `${fixed(r.end - r.start, 2)} s · ${r.frames} frames · ${moving} moving, ${r.bodies.length - moving} fixed · ${bytes(document.documentElement.outerHTML.length + r.head.bytes * 4 / 3)}`;
+    byId("facts").textContent = `${fixed(r.end - r.start, 2)} s · ${r.frames} frames · ${moving} moving, ${r.bodies.length - moving} fixed · ${bytes(r.page_bytes)}`;
     byId("about-run").textContent = `Written by digbox ${r.digbox}. Seed ${r.seed}. ${r.cut ? "The replay was cut short: its end is missing. " : ""}${r.number[r.frames - 1] - r.number[0] >= r.frames ? "Not every frame of the replay is here. " : ""}Positions are linear between frames.`;
     byId("scrub").max = String(r.frames - 1);
     byId("speed").innerHTML = SPEEDS.map((s) => `<option value="${s}"${s === 1 ? " selected" : ""}>${s}×</option>`).join("");
@@ -60,6 +61,25 @@ class Player {
       this.buttons[id] = button;
     }
     this.showLayers();
+  }
+
+  // The script's cameras, and the view that is turned by hand.
+  makeCameras() {
+    const list = this.replay.cameras, box = byId("camera");
+    this.scene.released = () => this.camera(-1);
+    box.hidden = list.length === 0;
+    for (const [i, name] of ["own view", ...list.map((n, k) => n || `camera ${k + 1}`)].entries()) box.add(new Option(name, String(i - 1)));
+    if (list.length > 0) this.scene.follows = 0;
+    box.value = String(this.scene.follows);
+  }
+
+  // Looks through one of the script's cameras, by number or name; -1: as one likes.
+  camera(which) {
+    const number = typeof which === "string" ? this.replay.cameras.indexOf(which) : which;
+    if (number >= 0 && number < this.replay.cameras.length) this.scene.follows = number;
+    else if (this.scene.follows >= 0) this.scene.free();
+    byId("camera").value = String(this.scene.follows);
+    this.update();
   }
 
   toggle(id) {
@@ -92,11 +112,12 @@ class Player {
     const g = canvas.getContext("2d");
     g.scale(ratio, ratio);
     g.globalAlpha = 0.8;
-    const last = Math.max(1, this.replay.frames - 1);
-    for (const e of this.replay.events) {
-      const strong = e.kind === "broken" || e.kind === "impact" || e.kind === "removed";
-      g.fillStyle = this.style.getPropertyValue(strong ? "--heat" : "--soft");
-      g.fillRect(7 + (e.frame / last) * (w - 14), h - (strong ? 8 : 5), 1, strong ? 7 : 4);
+    const last = Math.max(1, this.replay.frames - 1), marks = { "--soft": new Set(), "--heat": new Set() };
+    for (const e of this.replay.events) marks[e.kind === "broken" || e.kind === "impact" || e.kind === "removed" ? "--heat" : "--soft"].add(e.frame);
+    for (const [colour, frames] of Object.entries(marks)) {
+      const tall = colour === "--heat" ? 7 : 4;
+      g.fillStyle = this.style.getPropertyValue(colour);
+      for (const frame of frames) g.fillRect(7 + (frame / last) * (w - 14), h - tall - 1, 1, tall);
     }
   }
 
@@ -109,6 +130,7 @@ class Player {
     on("next", "click", () => this.step(1));
     on("scrub", "input", (e) => this.seek(this.replay.times[Number(e.target.value)]));
     on("speed", "change", (e) => { this.speed = Number(e.target.value); });
+    on("camera", "change", (e) => this.camera(Number(e.target.value)));
     on("about-open", "click", () => byId("about").showModal());
     let down = null;
     on("canvas", "pointerdown", (e) => { down = e.isPrimary ? [e.clientX, e.clientY] : null; });
@@ -133,7 +155,7 @@ class Player {
       " ": () => this.toggleplay(), ArrowLeft: () => this.step(e.shiftKey ? -10 : -1), ArrowRight: () => this.step(e.shiftKey ? 10 : 1),
       Home: () => this.seek(this.replay.start), End: () => this.seek(this.replay.end), Escape: () => this.pick(-1),
       ",": () => this.event(-1), ".": () => this.event(1), "-": () => this.faster(-1), "+": () => this.faster(1), "=": () => this.faster(1),
-      f: () => this.focus(), F: () => this.focus(), "?": () => byId("about").showModal(),
+      c: () => this.nextCamera(), C: () => this.nextCamera(), f: () => this.focus(), F: () => this.focus(), "?": () => byId("about").showModal(),
     };
     if (!keys[e.key] || typing || (pressing && e.key === " ")) return;
     e.preventDefault();
@@ -153,7 +175,13 @@ class Player {
     if (next) this.panel.jump(next);
   }
 
+  nextCamera() {
+    const { length } = this.replay.cameras;
+    if (length > 0) this.camera(this.scene.follows + 1 < length ? this.scene.follows + 1 : -1);
+  }
+
   focus() {
+    this.camera(-1);
     const { frame, part } = this.replay.locate(this.time), c = this.picked >= 0 && this.overlays.centre(this.picked, frame, part);
     if (!c) return this.scene.lookAtAll();
     return this.scene.lookAt(c, 0.16 * this.scene.size);
@@ -287,6 +315,14 @@ function interfaceOf(player, facts) {
     play: () => player.play(),
     pause: () => player.pause(),
     pick: (b) => { player.pick(b); draw(); return player.picked; },
+    cameras: () => [...replay.cameras],
+    camera: (which) => {
+      if (which !== undefined) player.camera(which);
+      draw();
+      const { position, fov } = player.scene.camera, { target } = player.scene.controls, world = (v) => v.toArray().map((x, i) => x + replay.place[i]);
+      return { number: player.scene.follows, at: world(position), look_at: world(target), fov: (fov * Math.PI) / 180 };
+    },
+    light: () => replay.lightAt(here().frame),
     show: (layer, on) => { if (player.buttons[layer] && (player.buttons[layer].getAttribute("aria-pressed") === "true") !== on) player.toggle(layer); },
     body: state,
     bodies: () => replay.bodies.map((b) => b.name),
@@ -315,6 +351,7 @@ function begin() {
   const wanted = new URLSearchParams(location.hash.slice(1));
   player.scene.resize(Math.max(1, byId("scene").clientWidth), Math.max(1, byId("scene").clientHeight));
   player.scene.lookAtAll();
+  if (wanted.has("camera")) player.camera(wanted.get("camera"));
   player.seek(Number(wanted.get("t") ?? replay.start));
   if (wanted.has("body")) player.pick(/^\d+$/.test(wanted.get("body")) ? Number(wanted.get("body")) : wanted.get("body"));
   player.draw();

@@ -1,7 +1,7 @@
 // scene.js - bodies, light, floor and camera. Draws when asked to, not all the time.
 import {
   ACESFilmicToneMapping, BackSide, BoxGeometry, BufferAttribute, BufferGeometry, CapsuleGeometry, CircleGeometry, Color, ConeGeometry, CylinderGeometry,
-  DirectionalLight, Fog, Group, HemisphereLight, Matrix4, Mesh, PCFShadowMap, PerspectiveCamera, PMREMGenerator, Raycaster, Scene as ThreeScene, ShaderMaterial, SphereGeometry, Vector2, Vector3, WebGLRenderer,
+  DirectionalLight, Fog, Group, HemisphereLight, Matrix4, Mesh, PCFShadowMap, PerspectiveCamera, PMREMGenerator, PointLight, Raycaster, Scene as ThreeScene, ShaderMaterial, SphereGeometry, Vector2, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { RoundedBoxGeometry } from "three/addons/geometries/RoundedBoxGeometry.js";
@@ -12,6 +12,14 @@ const SKIES = {
   light: { top: 0x9db7d6, rim: 0xdfe3e8, low: 0xa9a6a0, sun: 2.6, fill: 0.55, mirror: 0.55 },
   dark: { top: 0x232c3d, rim: 0x566173, low: 0x262a33, sun: 2.6, fill: 0.7, mirror: 0.8 },
 };
+
+// Of the script's skies those that are not the page's own, by its theme.
+const SCRIPT_SKIES = {
+  overcast: { top: 0xaeb4ba, rim: 0xd2d5d8, low: 0x9a9894, sun: 1.1, fill: 1.3, mirror: 0.5 },
+  night: { top: 0x0f1626, rim: 0x232c3e, low: 0x1a1d26, sun: 0.35, fill: 0.3, mirror: 0.5 },
+  black: { top: 0x000000, rim: 0x000000, low: 0x000000, sun: 2.6, fill: 0.25, mirror: 0.2 },
+};
+const LAMP = 1 / 16;        // cd per W: a white surface that pictures draw with 0.25 per W/m^2 (engine/render/paint.c) is as bright here
 
 const SKY_VERTEX = "varying vec3 ray; void main() { ray = position; gl_Position = projectionMatrix * vec4(mat3(viewMatrix) * position, 1.0); gl_Position.z = gl_Position.w; }";
 const SKY_FRAGMENT = /* glsl */ `
@@ -45,6 +53,7 @@ export class Scene {
     this.renderer.shadowMap.type = PCFShadowMap;
     this.renderer.toneMapping = ACESFilmicToneMapping;
     this.renderer.toneMappingExposure = 0.95;
+    this.renderer.debug.checkShaderErrors = false;      // asking waits for the compiler
     this.scene = new ThreeScene();
     this.up = new Vector3(...replay.up).normalize();
     this.measure();
@@ -57,6 +66,9 @@ export class Scene {
     this.controls.maxDistance = this.size * 40;
     this.controls.minDistance = this.size * 5e-3;
     this.controls.addEventListener("change", changed);
+    this.controls.addEventListener("start", () => this.released());
+    this.released = () => {};           // somebody turns the view
+    this.follows = -1;                  // number of the script's camera that is shown; -1: none
     this.lookAtAll();
     this.picked = -1;
     this.colouring = "own";
@@ -99,8 +111,27 @@ export class Scene {
     return [right, new Vector3().crossVectors(right, this.up).normalize()];
   }
 
+  // Sun, shadows, sky and lamps as the script has them.
+  setLight(light) {
+    this.lit = light;
+    for (const lamp of this.lamps ?? []) this.scene.remove(lamp);
+    this.lamps = (light?.lamps ?? []).map(({ at, power, colour }) => {
+      const lamp = new PointLight(new Color().setRGB(...colour), LAMP * power);
+      lamp.position.set(...at);
+      this.scene.add(lamp);
+      return lamp;
+    });
+    if (!light) return;
+    const sun = new Vector3(...light.sun);
+    this.sun.visible = sun.length() > 0;
+    if (this.sun.visible) this.sun.position.copy(this.middle).addScaledVector(sun.normalize(), 2.3 * this.size);
+    this.sun.castShadow = light.shadows;
+    if (this.dark !== undefined) this.setTheme(this.dark);
+  }
+
   setTheme(dark) {
-    const sky = SKIES[dark ? "dark" : "light"];
+    const sky = SCRIPT_SKIES[this.lit?.sky] ?? SKIES[dark ? "dark" : "light"];
+    this.dark = dark;
     const { uniforms } = this.sky.material;
     uniforms.top.value.set(sky.top);
     uniforms.rim.value.set(sky.rim);
@@ -201,10 +232,48 @@ export class Scene {
     return mesh;
   }
 
-  lookAtAll() {
+  awayFromAll() {
     const [right, front] = this.sideways();
-    const away = right.clone().multiplyScalar(0.55).addScaledVector(front, 1).addScaledVector(this.up, 0.38).normalize();
-    this.look(this.middle, away, this.size * 0.5);
+    return right.clone().multiplyScalar(0.55).addScaledVector(front, 1).addScaledVector(this.up, 0.38).normalize();
+  }
+
+  lookAtAll() {
+    this.look(this.middle, this.awayFromAll(), this.size * 0.5);
+  }
+
+  // m, from which a ball fills the picture
+  distanceFor(radius) {
+    const half = (this.camera.fov * Math.PI) / 360, narrow = Math.min(1, this.camera.aspect || 1);
+    return (0.92 * radius) / Math.sin(half) / narrow;
+  }
+
+  // Where the script's camera stands; what it does not say is as in the view of all.
+  follow(frame, part) {
+    const r = this.replay, now = r.cameraAt(this.follows, frame);
+    if (!now) return;
+    const next = part > 0 ? r.cameraAt(this.follows, frame + 1) ?? now : now;
+    const between = (name) => (now[name] && next[name] ? new Vector3(...now[name]).lerp(new Vector3(...next[name]), part) : now[name] && new Vector3(...now[name]));
+    const at = between("at"), target = between("look_at") ?? this.middle.clone(), angle = (180 / Math.PI) * now.fov;
+    this.camera.up.copy(between("up") ?? this.up);
+    if (this.camera.fov !== angle) {
+      this.camera.fov = angle;
+      this.camera.updateProjectionMatrix();
+    }
+    if (at) {
+      this.camera.position.copy(at);
+    } else {
+      const away = this.awayFromAll();
+      this.camera.position.copy(target).addScaledVector(away, this.distanceFor(0.5 * this.size));
+    }
+    this.controls.target.copy(target);
+    this.camera.lookAt(target);
+  }
+
+  // The view is somebody's own again; it stays where it is.
+  free() {
+    this.follows = -1;
+    this.camera.up.copy(this.up);
+    this.controls.update();
   }
 
   lookAt(point, radius) {
@@ -212,9 +281,8 @@ export class Scene {
   }
 
   look(point, away, radius) {
-    const half = (this.camera.fov * Math.PI) / 360, narrow = Math.min(1, this.camera.aspect || 1);
     this.controls.target.copy(point);
-    this.camera.position.copy(point).addScaledVector(away, (0.92 * radius) / Math.sin(half) / narrow);
+    this.camera.position.copy(point).addScaledVector(away, this.distanceFor(radius));
     this.controls.update();
     this.changed();
   }
@@ -238,6 +306,9 @@ export class Scene {
       }
     }
     this.colour(frame);
+    const light = this.replay.lightAt(frame);
+    if (light !== this.lit) this.setLight(light);
+    if (this.follows >= 0) this.follow(frame, part);
   }
 
   // "own", "dig" or "heat"
