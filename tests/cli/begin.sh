@@ -62,19 +62,19 @@ gives 0 'there are none for who is trusted' repl --trust --verbose;     said 'ja
 gives 2 'a limit that is none' repl --memory-limit much
 
 # With a terminal: names are completed by Tab, and lines kept, in the one file that the walls leave open.
-type_in() {                     # type_in TEXT: what a terminal shows of the repl then
-    printf '%b' "$1" | HOME=$PWD XDG_STATE_HOME='' TERM=xterm timeout 20 script -qec "'$DIGBOX' repl" seen.txt >out.txt 2>err.txt
+type_in() {                     # type_in TEXT...: what a terminal shows of the repl then; it must be reading before the first is typed
+    (for text in "$@" '\004'; do sleep 1; printf '%b' "$text"; done; sleep 1) |
+        HOME=$PWD XDG_STATE_HOME='' TERM=xterm timeout 20 script -qec "'$DIGBOX' repl" seen.txt >out.txt 2>err.txt
 }
 if command -v script >/dev/null && "$DIGBOX" doctor | grep -q '^ok *libedit'; then
-    type_in 'answer = 6 * 7\nanswer + 4200\nworld:bodi\t()\n\004'
+    type_in 'answer = 6 * 7\nanswer + 4200\nworld:bodi\t()\n'
     holds 'it calculates' grep -q 4242 seen.txt
     holds 'lines are kept' grep -q 'answer' .digbox_history
-    holds 'Tab completes names' grep -q 'world:bodies()' .digbox_history
+    holds 'Tab completes names' grep -q 'world:bodies' .digbox_history
     holds 'for nobody else' test "$(stat -c %a .digbox_history)" = 600
-    type_in 'answer == nil\n\004'
-    holds 'old lines stay' grep -q 'world:bodies()' .digbox_history
-    type_in 'while true do end\n\003"still here"\n\004'
+    type_in 'while true do end\n' '\003' '"still " .. "here"\n'
     holds 'Ctrl-C ends the line, not the repl' grep -q 'still here' seen.txt
+    holds 'old lines stay' grep -q 'world:bodies' .digbox_history
 fi
 gives 1 'a world that is not there' repl nowhere.lua
 gives 2 'two worlds' repl a.lua b.lua
