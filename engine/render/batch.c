@@ -5,6 +5,7 @@
 
 static const real BEVEL = 0.055;        /* of the smallest extent */
 static const real SHELLS = 16;          /* while the distance from the eye doubles */
+static const real CORNER_SKY = 2;       /* bodies up to so many times the typical radius take the hidden sky at their corners */
 static const float SCALE = 0.1f;        /* of its colour, that a glowing body throws back */
 
 /* Green without load, yellow at half of what breaks it, red there; linear. */
@@ -219,6 +220,7 @@ static bool describe(DrawItem *d, const Batches *b, const Meshes *meshes, const 
     d->closed = solid.form != FORM_TWO_SIDED;
     d->caster = true;
     d->key.form = solid.form;
+    d->key.corner_sky = d->closed && vec3_length(half) < CORNER_SKY * s->typical;
     d->distance = (float)distance;
     return true;
 }
@@ -243,8 +245,8 @@ static int compare_items(const void *a, const void *b)
 
 static dig_status reserve(Batches *b, const View *v)
 {
-    if (v->item_count > b->capacity) {
-        size_t n = (size_t)v->item_count + (size_t)v->item_count / 2;
+    if (v->item_count + 1 > b->capacity) {      /* the floor may be drawn in two pieces */
+        size_t n = (size_t)v->item_count + (size_t)v->item_count / 2 + 1;
         DrawItem *items = realloc(b->items, n * sizeof *items);
         if (!items)
             return DIG_E_MEMORY;
@@ -265,6 +267,28 @@ static dig_status reserve(Batches *b, const View *v)
     return DIG_OK;
 }
 
+/* Cuts the floor's map out of the floor as a piece of its own, drawn first; the rest, a trifle deeper, needs no map (3 % of the drawing
+ * time of 200 bodies). */
+static void split_floor(Batches *b, Meshes *meshes, const Gl *gl, const BatchEye *eye)
+{
+    DrawItem *all = &b->items[b->count - 1], *patch = &b->items[b->count++];
+    const Instance *k = &all->instance;
+    quat q = quat_from(k->turn);
+    float corners[4][2];
+    for (int i = 0; i < 4; i++) {       /* seen from above, z of the quad points down */
+        real x = eye->patch_x + (i & 1 ? eye->patch_half : -eye->patch_half), y = eye->patch_y - (i & 2 ? eye->patch_half : -eye->patch_half);
+        vec3 at = quat_unrotate(q, vec3_sub((vec3){x - eye->at.x, y - eye->at.y, 0}, vec3_from(k->place)));
+        corners[i][0] = (float)(at.x / (real)k->size[0]);
+        corners[i][1] = (float)(at.z / (real)k->size[2]);
+    }
+    meshes_patch(meshes, gl, corners);
+    *patch = *all;
+    patch->mesh = MESH_PATCH;
+    all->key.open = true;
+    patch->order = order_of(patch);
+    all->order = order_of(all);
+}
+
 dig_status batches_build(Batches *b, Meshes *meshes, const Gl *gl, const View *v, const Stage *s, const BatchEye *eye, uint64_t draw)
 {
     DIG_TRY(reserve(b, v));
@@ -281,6 +305,8 @@ dig_status batches_build(Batches *b, Meshes *meshes, const Gl *gl, const View *v
             continue;
         d->order = order_of(d);
         b->count++;
+        if (eye->patch && d->key.floor)
+            split_floor(b, meshes, gl, eye);
     }
     if (b->count == 0)
         return DIG_OK;
@@ -343,10 +369,8 @@ dig_status batches_draw(const Batches *b, const Meshes *meshes, Programs *progra
         if (!program)
             return DIG_E_FORMAT;
         gl->UseProgram(program->name);
-        if (d->closed)
-            gl->Enable(GL_CULL_FACE);
-        else
-            gl->Disable(GL_CULL_FACE);
+        (d->closed ? gl->Enable : gl->Disable)(GL_CULL_FACE);
+        (d->key.open ? gl->Enable : gl->Disable)(GL_POLYGON_OFFSET_FILL);
         const GpuMesh *mesh = &meshes->entry[d->mesh];
         gl->BindVertexArray(mesh->array);
         aim(gl, b->buffer, i);

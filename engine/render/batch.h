@@ -45,6 +45,8 @@ typedef struct BatchEye {       /* from where it is drawn */
     real reach;                 /* scene units: planes end here, in the fog  */
     int  lamps;
     bool shadows, overlay_dig, overlay_stress;
+    bool patch;                 /* the floor is drawn in two pieces: inside its map ...       */
+    real patch_x, patch_y, patch_half;      /* ... which covers this square, scene units, and outside */
     bool fine;                  /* the finest meshes, for data layers        */
     HeatScale heat;             /* on: bodies are coloured by temperature    */
 } BatchEye;

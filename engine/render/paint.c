@@ -159,6 +159,7 @@ static void set_state(const Gl *gl)
     gl->Disable(GL_BLEND);
     gl->Enable(GL_CULL_FACE);
     gl->CullFace(GL_BACK);
+    gl->PolygonOffset(1, 8);
     gl->PixelStorei(GL_PACK_ALIGNMENT, 1);
     gl->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
 }
@@ -236,6 +237,9 @@ dig_status paint(Renderer *r, const View *v, const RenderOptions *o, const Targe
         eye.heat = heat_scale(v);
     Frame frame;
     set_frame(&frame, v, &s, &e, o, reach);
+    eye.patch = colour && s.floor_item >= 0;
+    if (eye.patch)
+        light_ground(&s, vec3_from(frame.sun), &eye.patch_x, &eye.patch_y, &eye.patch_half);
     set_state(gl);
     gl->ActiveTexture(GL_TEXTURE0 + UNIT_HEIGHT);       /* uploads must not unbind another unit's texture */
     dig_status status = batches_build(&r->batches, &r->meshes, gl, v, &s, &eye, ++r->draw);
