@@ -25,6 +25,7 @@ typedef struct ProgramKey {
     bool        shadows;
     bool        corner_sky;     /* hidden sky worked out at the corners of a mesh, not at each pixel */
     bool        plane;          /* an infinite plane: tiles instead of plain */
+    bool        clear;          /* what lies behind is seen through it       */
     bool        floor;          /* ... whose light comes from the floor map  */
     bool        open;           /* ... but not here: outside the map         */
 } ProgramKey;

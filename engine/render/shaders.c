@@ -28,6 +28,7 @@ static const char solid_inputs[] =
     "layout(location = 6) in vec4 look;\n"                 /* metallic (below 0: it shines), bevel, 1 / cell, grain axis */
     "layout(location = 7) in vec4 half_size;\n"            /* of the solid; planes: offset of the tiles */
     "layout(location = 8) in uvec2 number;\n"
+    "layout(location = 9) in float clear;\n"             /* 1 - opacity */
     "vec3 turn(vec4 q, vec3 v) { vec3 t = 2.0 * cross(q.xyz, v); return v + q.w * t + cross(q.xyz, t); }\n"
     "vec3 own() { return shape * size.xyz + vec3(0.0, shape_normal.w * size.w, 0.0); }\n";
 
@@ -46,7 +47,7 @@ static const char surface_vertex[] =
     "out float v_sky;\n"
     "flat out vec4 f_colour, f_look, f_half;\n"
     "flat out vec3 f_x, f_y, f_z, f_direct, f_sky;\n"
-    "flat out float f_seed, f_key;\n"
+    "flat out float f_seed, f_key, f_clear;\n"
     "flat out vec2 f_grain;\n"
     "void main() {\n"
     "    vec3 p = own();\n"
@@ -70,6 +71,7 @@ static const char surface_vertex[] =
     "    f_look = look;\n"
     "    f_half = half_size;\n"
     "    f_seed = place.w;\n"
+    "    f_clear = clear;\n"
     "    f_key = (float((number.y * 157u) % 240u) + 0.25) * (1.0 / 240.0);\n"
     "    f_grain = vec2(look.w == 1.0, look.w == 2.0);\n"
     "    gl_Position = to_clip * vec4(v_rel, 1.0);\n"
@@ -80,10 +82,15 @@ static const char surface_inputs[] =
     "in float v_sky;\n"
     "flat in vec4 f_colour, f_look, f_half;\n"
     "flat in vec3 f_x, f_y, f_z, f_direct, f_sky;\n"
-    "flat in float f_seed, f_key;\n"
+    "flat in float f_seed, f_key, f_clear;\n"
     "flat in vec2 f_grain;\n"
     "uniform sampler2D sun_map, floor_map;\n"
-    "layout(location = 0) out vec4 pixel;\n";
+    "#if CLEAR\n"
+    "layout(location = 0, index = 0) out vec4 pixel;\n"
+    "layout(location = 0, index = 1) out vec4 key_factor;\n"
+    "#else\n"
+    "layout(location = 0) out vec4 pixel;\n"
+    "#endif\n";
 
 /* Normal in scene axes. The edges of a box look rounded: outside the box shrunk by the bevel, the normal points away
  * from the nearest point of that smaller box, as on a rounded one. A cylinder likewise, in (radius, height). */
@@ -266,7 +273,14 @@ static const char surface_main[] =
     "#else\n"
     "    float key = fract(f_key + side * (37.0 / 240.0)) * (240.0 / 255.0);\n"
     "#endif\n"
+    "#if CLEAR\n"        /* what glances off is not let through */
+    "    float stops = 1.0 - f_clear, steep = 1.0 - max(dot(n, v), 0.0), steep2 = steep * steep;\n"
+    "    stops += f_clear * (1.0 - rough) * (0.02 + 0.98 * steep2 * steep2 * steep);\n"
+    "    pixel = vec4(lit * (1.03 * stops) / (lit + 0.155), stops);\n"
+    "    key_factor = vec4(0.95 - 0.3 * fract(key * 7.0));\n"
+    "#else\n"
     "    pixel = vec4(lit * 1.03 / (lit + 0.155), key);\n"
+    "#endif\n"
     "}\n";
 
 /* ---- sky -------------------------------------------------------------- */
