@@ -404,6 +404,7 @@ typedef struct dig_body_def {
     int64_t  group;             /* bodies of the same negative group never touch    */
     int64_t  integrator;        /* dig_integrator                                   */
     vec3     colour;
+    real     opacity;           /* 1, share of the light that its surface stops, as drawn */
     bool     bullet;            /* reserved: continuous collision is always on      */
     const dig_shape_def *shapes;
     int      shape_count;
@@ -468,7 +469,7 @@ dig_status dig_body_teleport(dig_world *w, dig_body b, const vec3 *at, const qua
 dig_status dig_body_move_to(dig_world *w, dig_body b, vec3 at, const quat *rotation, real over);   /* kinematic only; s */
 dig_status dig_body_set_velocity(dig_world *w, dig_body b, vec3 velocity, vec3 spin);              /* kinematic only */
 /* A row of an effect (dig_effect_schema), in which the body then takes part, or a row of the body schema that may change: mass
- * density material friction... restitution gravity_scale group collides integrator name colour. */
+ * density material friction... restitution gravity_scale group collides integrator name colour opacity. */
 dig_status dig_body_set(dig_world *w, dig_body b, const char *param, const void *value);
 dig_status dig_body_param(const dig_world *w, dig_body b, const char *param, void *value);         /* reads any row; takes no part: default */
 dig_status dig_body_wake(dig_world *w, dig_body b);

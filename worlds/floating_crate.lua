@@ -13,9 +13,9 @@ local world = digbox.world {}
 world:air {}
 world:water { level = level, current = { 0.05, 0, 0 }, damping = 1.5 }
 world:box { name = "bed", fixed = true, material = "stone", size = { 12, 0.4, 8 }, at = { 0, level - depth - 0.2, 0 } }
--- What is seen of the water: a slab that nothing touches.
+-- What is seen of the water: a slab that nothing touches, through which one sees what lies in it.
 world:box { name = "pond", fixed = true, collides = false, size = { 12, depth, 8 }, at = { 0, level - depth / 2, 0 },
-            colour = { 0.05, 0.22, 0.33 } }
+            colour = { 0.05, 0.22, 0.33 }, opacity = 0.5 }
 
 local crate = world:box { name = "crate", material = "pine", density = 400, size = { 0.8, 0.5, 0.8 }, at = { -1.1, 1.2, 0.3 },
                           rotation = digbox.quat { axis = { 1, 0, 0.4 }, angle = 0.25 } }

@@ -106,6 +106,8 @@ static dig_status do_set(World *w, dig_body handle, const char *name, const void
         memcpy(b->name, value, sizeof b->name);
     else if (strcmp(name, "colour") == 0)
         b->colour = *(const vec3 *)value;
+    else if (strcmp(name, "opacity") == 0)
+        b->opacity = *number;
     else
         return world_fail(w, DIG_E_ARG, "body '%s': '%s' is fixed at creation or is state; use :teleport for state", b->name, name);
     w->ledger.initial += w->ledger.started ? body_energy(w, b) - before : 0;      /* mass, material, gravity_scale */
@@ -113,7 +115,7 @@ static dig_status do_set(World *w, dig_body handle, const char *name, const void
         status = api_effects_follow(w, handle.slot);
     if (status == DIG_OK && (strcmp(name, "group") == 0 || strcmp(name, "collides") == 0))
         body_refit(w, handle.slot);
-    if (status == DIG_OK && strcmp(name, "name") != 0 && strcmp(name, "colour") != 0) {
+    if (status == DIG_OK && strcmp(name, "name") != 0 && strcmp(name, "colour") != 0 && strcmp(name, "opacity") != 0) {
         touches_wake(w, handle.slot);
         body_wake(w, handle.slot);
     }
@@ -165,6 +167,7 @@ dig_status dig_body_param(const dig_world *w, dig_body handle, const char *name,
     def.group = b->group;
     def.integrator = b->integrator;
     def.colour = b->colour.x >= 0 ? b->colour : w->materials.data[s.material].def.colour;
+    def.opacity = b->opacity;
     memcpy(value, (const char *)&def + row->offset, param_size(row));
     return DIG_OK;
 }

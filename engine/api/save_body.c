@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-enum { BODY_BYTES = 350, SOLID_BYTES = 125 + SHAPE_PACKED };        /* at least */
+enum { BODY_BYTES = 358, SOLID_BYTES = 125 + SHAPE_PACKED };        /* at least */
 
 /* Follows from the rest: inverses, list membership, the number of shapes, the outer radius. */
 static void pack_mass(Pack *p, Body *b)
@@ -89,6 +89,7 @@ static void pack_body(Pack *p, const World *w, Body *b)
     pack_real(p, &b->colour.x);
     pack_real(p, &b->colour.y);
     pack_real(p, &b->colour.z);
+    pack_real_in(p, &b->opacity, 0, 1, "opacity of a body");
     pack_motion(p, b);
     if (b->kind == DIG_KINEMATIC)
         pack_mover(p, b);

@@ -68,6 +68,9 @@ static const dig_param body_rows[] = {
      .max = DIG_INTEGRATORS - 1, .offset = AT(dig_body_def, integrator), .choices = integrators},
     {.name = "colour", .kind = DIG_COLOUR, .unit = "1",
      .doc = "linear red, green, blue; default the material's", .fallback = -1, .min = -1, .max = 1, .offset = AT(dig_body_def, colour)},
+    {.name = "opacity", .kind = DIG_REAL, .unit = "1",
+     .doc = "share of the light that its surface stops, as drawn; below 1 what lies behind is seen through it",
+     .fallback = 1, .max = 1, .offset = AT(dig_body_def, opacity)},
     {.name = NULL},
 };
 

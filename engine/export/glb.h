@@ -13,10 +13,10 @@ typedef struct Part { Output text; int count; } Part;      /* the items of one J
 
 typedef struct GlbMesh {        /* one that is written: shape and look */
     uint64_t hash;
-    float    colour[3], roughness, metallic;
+    float    colour[3], roughness, metallic, clear;
     int      form, vertices, indices;
     float    size[3];
-    int      mesh;
+    int      mesh, spare;       /* no padding: compared as bytes */
 } GlbMesh;
 
 /* Key times and values of one moving thing. Struts change their length; bodies have 1 there. */

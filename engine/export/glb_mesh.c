@@ -28,10 +28,11 @@ static bool round_normals(const ViewMesh *m, float *normals)
 static int put_material(Glb *g, const ViewItem *item)
 {
     int index = part_begin(&g->materials);
-    const float colour[4] = {item->colour[0], item->colour[1], item->colour[2], 1};
+    const float colour[4] = {item->colour[0], item->colour[1], item->colour[2], 1 - item->clear};
     output_text(&g->materials.text, "{\"pbrMetallicRoughness\":{");
     glb_numbers(&g->materials.text, "baseColorFactor", colour, 4);
-    output_text(&g->materials.text, ",\"metallicFactor\":%.9g,\"roughnessFactor\":%.9g}}", (double)item->metallic, (double)item->roughness);
+    output_text(&g->materials.text, ",\"metallicFactor\":%.9g,\"roughnessFactor\":%.9g}%s}", (double)item->metallic, (double)item->roughness,
+                item->clear > 0 ? ",\"alphaMode\":\"BLEND\"" : "");
     return index;
 }
 
@@ -83,7 +84,7 @@ int glb_mesh(Glb *g, const View *v, const ViewItem *item)
     const ViewMesh *m = &v->meshes[item->mesh];
     if (m->form != VIEW_PLANE && (m->vertex_count == 0 || m->index_count == 0))
         return -1;
-    GlbMesh want = {.hash = hash_of(m), .roughness = item->roughness, .metallic = item->metallic, .form = (int)m->form,
+    GlbMesh want = {.hash = hash_of(m), .roughness = item->roughness, .metallic = item->metallic, .clear = item->clear, .form = (int)m->form,
                     .vertices = m->vertex_count, .indices = m->index_count};
     memcpy(want.colour, item->colour, sizeof want.colour);
     memcpy(want.size, m->size, sizeof want.size);

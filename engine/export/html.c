@@ -144,6 +144,7 @@ static void put_shapes(const HtmlData *d, Output *out)
         put_floats(out, "colour", s->colour, 3);
         put_number(out, "roughness", (real)s->roughness);
         put_number(out, "metallic", (real)s->metallic);
+        put_number(out, "opacity", (real)s->opacity);
         output_text(out, "\"pattern\":\"%s\"}", pattern_name(s->pattern));
     }
     output_text(out, "],\n");

@@ -46,7 +46,7 @@ typedef struct HtmlSpan {           /* a link while it holds */
 } HtmlSpan;
 
 typedef struct HtmlMesh { uint64_t hash; ViewForm form; float size[3]; int vertex, vertex_count, normal_count, index, index_count; } HtmlMesh;
-typedef struct HtmlShape { int body, mesh, pattern; float p[3], q[4], colour[3], roughness, metallic; } HtmlShape;     /* body -1: none */
+typedef struct HtmlShape { int body, mesh, pattern; float p[3], q[4], colour[3], roughness, metallic, opacity; } HtmlShape; /* body -1: none */
 typedef struct HtmlEvent { int frame, a, b; dig_event event; } HtmlEvent;
 
 typedef enum HtmlMomentName { MOMENT_CONTACT, MOMENT_LINE, MOMENT_STRUT, MOMENT_PUSH, MOMENT_CAMERA, MOMENTS } HtmlMomentName;

@@ -58,7 +58,8 @@ static dig_status find_mesh(HtmlData *d, const ViewMesh *m, int *index)
 
 static dig_status take_shape(HtmlData *d, const View *v, const ViewItem *item, int body, pose at)
 {
-    HtmlShape s = {.body = body, .pattern = item->pattern, .roughness = item->roughness, .metallic = item->metallic};
+    HtmlShape s = {.body = body, .pattern = item->pattern, .roughness = item->roughness, .metallic = item->metallic,
+                   .opacity = 1 - item->clear};
     quat q = {(real)item->q[0], (real)item->q[1], (real)item->q[2], (real)item->q[3]};
     pose own = pose_mul(pose_inverse(at), (pose){vec3_add(vec_from(item->p), (vec3){v->origin[0], v->origin[1], v->origin[2]}), q});
     DIG_TRY(find_mesh(d, &v->meshes[item->mesh], &s.mesh));

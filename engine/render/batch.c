@@ -5,6 +5,7 @@
 
 static const real BEVEL = 0.055;        /* of the smallest extent */
 static const real SHELLS = 16;          /* while the distance from the eye doubles */
+static const real CORNER_SKY = 2;       /* bodies up to so many times the typical radius take the hidden sky at their corners */
 static const float SCALE = 0.1f;        /* of its colour, that a glowing body throws back */
 
 /* Green without load, yellow at half of what breaks it, red there; linear. */
@@ -194,6 +195,8 @@ static bool describe(DrawItem *d, const Batches *b, const Meshes *meshes, const 
     d->key = (ProgramKey){.pattern = pattern, .lamps = eye->lamps, .shadows = eye->shadows};
     quat q = quat_mul(quat_from_matrix(s->axes), quat_from(item->q));
     put4(d->instance.turn, q.x, q.y, q.z, q.w);
+    d->instance.clear = item->clear > 0 ? fminf(item->clear, 1) : 0;        /* 0 when it is no number */
+    d->key.clear = d->instance.clear > 0;
     d->instance.number[0] = item->body;
     d->instance.number[1] = (uint32_t)index;
     set_colour(d, item, eye);
@@ -217,18 +220,25 @@ static bool describe(DrawItem *d, const Batches *b, const Meshes *meshes, const 
     set_heat(d, item, eye);
     d->mesh = solid.mesh;
     d->closed = solid.form != FORM_TWO_SIDED;
-    d->caster = true;
+    d->caster = !d->key.clear;      /* light goes through */
     d->key.form = solid.form;
+    d->key.corner_sky = d->closed && vec3_length(half) < CORNER_SKY * s->typical;
     d->distance = (float)distance;
     return true;
 }
 
 /* Shell by shell from the eye, so that what is hidden is seldom shaded (measured: 13 % of the drawing time of 200 bodies), in a shell by
- * program and mesh. Planes last, whatever their key; two-sided meshes apart from closed ones is part of the form. */
+ * program and mesh. Planes last, whatever their key; two-sided meshes apart from closed ones is part of the form.
+ * Then what is seen through. */
 static uint64_t order_of(const DrawItem *d)
 {
+    if (d->key.clear) {         /* from far to near, each on its own */
+        uint32_t bits;
+        memcpy(&bits, &d->distance, sizeof bits);       /* not negative: as bits, in the same order */
+        return (uint64_t)1 << 63 | (uint64_t)(INT32_MAX - bits) << 32 | (uint32_t)d->index;
+    }
     real shell = d->key.plane ? 0 : real_clamp(1000 + SHELLS * log2((real)d->distance), 0, 2000);
-    return (uint64_t)d->key.plane << 63 | (uint64_t)shell << 44 | (uint64_t)program_key_bits(d->key) << 16 | (uint64_t)d->mesh;
+    return (uint64_t)d->key.plane << 62 | (uint64_t)shell << 44 | (uint64_t)program_key_bits(d->key) << 16 | (uint64_t)d->mesh;
 }
 
 static int compare_items(const void *a, const void *b)
@@ -243,8 +253,8 @@ static int compare_items(const void *a, const void *b)
 
 static dig_status reserve(Batches *b, const View *v)
 {
-    if (v->item_count > b->capacity) {
-        size_t n = (size_t)v->item_count + (size_t)v->item_count / 2;
+    if (v->item_count + 1 > b->capacity) {      /* the floor may be drawn in two pieces */
+        size_t n = (size_t)v->item_count + (size_t)v->item_count / 2 + 1;
         DrawItem *items = realloc(b->items, n * sizeof *items);
         if (!items)
             return DIG_E_MEMORY;
@@ -265,6 +275,29 @@ static dig_status reserve(Batches *b, const View *v)
     return DIG_OK;
 }
 
+/* Cuts the floor's map out of the floor as a piece of its own, drawn first; the rest, a trifle deeper, needs no map (3 % of the drawing
+ * time of 200 bodies). */
+static void split_floor(Batches *b, Meshes *meshes, const Gl *gl, const BatchEye *eye)
+{
+    DrawItem *all = &b->items[b->count - 1], *patch = &b->items[b->count++];
+    const Instance *k = &all->instance;
+    quat q = quat_from(k->turn);
+    float corners[4][2];
+    for (int i = 0; i < 4; i++) {       /* seen from above, z of the quad points down */
+        real x = eye->patch_x + (i & 1 ? eye->patch_half : -eye->patch_half), y = eye->patch_y - (i & 2 ? eye->patch_half : -eye->patch_half);
+        vec3 at = quat_unrotate(q, vec3_sub((vec3){x - eye->at.x, y - eye->at.y, 0}, vec3_from(k->place)));
+        corners[i][0] = (float)(at.x / (real)k->size[0]);
+        corners[i][1] = (float)(at.z / (real)k->size[2]);
+    }
+    meshes_patch(meshes, gl, corners);
+    b->solid++;
+    *patch = *all;
+    patch->mesh = MESH_PATCH;
+    all->key.open = true;
+    patch->order = order_of(patch);
+    all->order = order_of(all);
+}
+
 dig_status batches_build(Batches *b, Meshes *meshes, const Gl *gl, const View *v, const Stage *s, const BatchEye *eye, uint64_t draw)
 {
     DIG_TRY(reserve(b, v));
@@ -274,13 +307,16 @@ dig_status batches_build(Batches *b, Meshes *meshes, const Gl *gl, const View *v
         const ViewMesh *m = &v->meshes[i];
         b->meshes[i] = m->form == VIEW_MESH ? meshes_find(meshes, gl, m, mesh_hash(m), draw) : MESH_BOX;
     }
-    b->count = 0;
+    b->count = b->solid = 0;
     for (int i = 0; i < v->item_count; i++) {
         DrawItem *d = &b->items[b->count];
         if (!describe(d, b, meshes, v, s, eye, i))
             continue;
         d->order = order_of(d);
+        b->solid += !d->key.clear;
         b->count++;
+        if (eye->patch && d->key.floor && !d->key.clear)
+            split_floor(b, meshes, gl, eye);
     }
     if (b->count == 0)
         return DIG_OK;
@@ -307,10 +343,12 @@ static void aim(const Gl *gl, GLuint buffer, int first)
 {
     gl->BindBuffer(GL_ARRAY_BUFFER, buffer);
     uintptr_t base = (uintptr_t)first * sizeof(Instance);
-    for (GLuint k = 0; k < 7; k++) {
+    for (GLuint k = 0; k < 8; k++) {
         GLuint slot = 2 + k;
         gl->EnableVertexAttribArray(slot);
-        if (k < 6)
+        if (k == 7)
+            gl->VertexAttribPointer(slot, 1, GL_FLOAT, GL_FALSE, sizeof(Instance), (const void *)(base + offsetof(Instance, clear)));
+        else if (k < 6)
             gl->VertexAttribPointer(slot, 4, GL_FLOAT, GL_FALSE, sizeof(Instance), (const void *)(base + k * sizeof(float[4])));
         else
             gl->VertexAttribIPointer(slot, 2, GL_UNSIGNED_INT, sizeof(Instance), (const void *)(base + offsetof(Instance, number)));
@@ -331,22 +369,20 @@ static ProgramKey key_for(const DrawItem *d, ProgramKind kind)
     return (ProgramKey){.kind = kind, .form = d->key.form};
 }
 
-dig_status batches_draw(const Batches *b, const Meshes *meshes, Programs *programs, const Gl *gl, ProgramKind kind, char *why,
-                        size_t capacity)
+dig_status batches_draw(const Batches *b, const Meshes *meshes, Programs *programs, const Gl *gl, ProgramKind kind, int first, int last,
+                        char *why, size_t capacity)
 {
     int end;
-    for (int i = 0; i < b->count; i = end) {
+    for (int i = first; i < last; i = end) {
         const DrawItem *d = &b->items[i];
-        for (end = i + 1; end < b->count && b->items[end].order == d->order; end++) {
+        for (end = i + 1; end < last && b->items[end].order == d->order; end++) {
         }
         const Program *program = programs_get(programs, gl, key_for(d, kind), why, capacity);
         if (!program)
             return DIG_E_FORMAT;
         gl->UseProgram(program->name);
-        if (d->closed)
-            gl->Enable(GL_CULL_FACE);
-        else
-            gl->Disable(GL_CULL_FACE);
+        (d->closed ? gl->Enable : gl->Disable)(GL_CULL_FACE);
+        (d->key.open ? gl->Enable : gl->Disable)(GL_POLYGON_OFFSET_FILL);
         const GpuMesh *mesh = &meshes->entry[d->mesh];
         gl->BindVertexArray(mesh->array);
         aim(gl, b->buffer, i);

@@ -18,6 +18,7 @@ typedef struct Instance {       /* as the vertex shader reads it; scene units */
     float    colour[4];         /* linear; [3] roughness                                    */
     float    look[4];           /* metallic, or minus how strongly it shines in its colour; bevel, 1 / cell of the pattern, grain axis */
     float    half[4];           /* half extents, half width of a stripe; planes: offset of the tiles */
+    float    clear;             /* 1 - opacity                                              */
     uint32_t number[2];         /* body, item in the view                                   */
 } Instance;
 
@@ -36,6 +37,7 @@ typedef struct Batches {
     Instance *packed;
     int      *meshes;           /* [view's mesh_count] entry of each mesh of the view, -1 = cannot be drawn */
     int       count, capacity, mesh_capacity;
+    int       solid;            /* so many of the items, the first ones, let nothing through; the rest lies from far to near */
     GLuint    buffer;
 } Batches;
 
@@ -45,6 +47,8 @@ typedef struct BatchEye {       /* from where it is drawn */
     real reach;                 /* scene units: planes end here, in the fog  */
     int  lamps;
     bool shadows, overlay_dig, overlay_stress;
+    bool patch;                 /* the floor is drawn in two pieces: inside its map ...       */
+    real patch_x, patch_y, patch_half;      /* ... which covers this square, scene units, and outside */
     bool fine;                  /* the finest meshes, for data layers        */
     HeatScale heat;             /* on: bodies are coloured by temperature    */
 } BatchEye;
@@ -52,9 +56,9 @@ typedef struct BatchEye {       /* from where it is drawn */
 dig_status batches_build(Batches *b, Meshes *meshes, const Gl *gl, const View *v, const Stage *s, const BatchEye *eye, uint64_t draw);
 void       batches_close(Batches *b, const Gl *gl);
 
-/* Draws everything with programs of `kind`. */
-dig_status batches_draw(const Batches *b, const Meshes *meshes, Programs *programs, const Gl *gl, ProgramKind kind, char *why,
-                        size_t capacity);
+/* Draws the items from `first` to before `last` with programs of `kind`. */
+dig_status batches_draw(const Batches *b, const Meshes *meshes, Programs *programs, const Gl *gl, ProgramKind kind, int first, int last,
+                        char *why, size_t capacity);
 
 /* A colour for each DIG, well apart from those of its neighbours; linear. */
 void dig_colour(uint32_t dig, float colour[3]);

@@ -75,6 +75,7 @@
     X(PFNGLTEXIMAGE2DPROC, TexImage2D)                                  \
     X(PFNGLTEXPARAMETERFVPROC, TexParameterfv)                          \
     X(PFNGLTEXPARAMETERIPROC, TexParameteri)                            \
+    X(PFNGLPOLYGONOFFSETPROC, PolygonOffset)                            \
     X(PFNGLTEXSUBIMAGE2DPROC, TexSubImage2D)                            \
     X(PFNGLUNIFORM1IPROC, Uniform1i)                                    \
     X(PFNGLUNIFORM2FPROC, Uniform2f)                                    \

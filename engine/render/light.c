@@ -24,31 +24,19 @@ static GLuint make_texture(const Gl *gl, GLint format, GLenum layout, GLenum typ
     return name;
 }
 
-/* Compared by the hardware, smoothly between texels; beyond the map there is no shadow. */
-static void make_sun_map(Light *l, const Gl *gl)
-{
-    static const float far[4] = {1, 1, 1, 1};
-    l->sun_map = make_texture(gl, GL_DEPTH_COMPONENT16, GL_DEPTH_COMPONENT, GL_UNSIGNED_SHORT, SUN_SIZE, GL_LINEAR);
-    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
-    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
-    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
-    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
-    gl->TexParameterfv(GL_TEXTURE_2D, GL_TEXTURE_BORDER_COLOR, far);
-}
-
 dig_status light_open(Light *l, const Gl *gl, char *why, size_t capacity)
 {
     enum { HEIGHTS = HEIGHT_SIZE * HEIGHT_SIZE, FLOORS = FLOOR_SIZE * FLOOR_SIZE, SUNS = SUN_SIZE * SUN_SIZE };
-    make_sun_map(l, gl);
+    l->sun_map = make_texture(gl, GL_RG32F, GL_RG, GL_FLOAT, SUN_SIZE, GL_LINEAR);
     l->height_map = make_texture(gl, GL_RG32F, GL_RG, GL_FLOAT, HEIGHT_SIZE, GL_LINEAR);
     l->floor_map = make_texture(gl, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, FLOOR_SIZE, GL_LINEAR);
     l->sun = malloc(SUNS * sizeof *l->sun);
-    l->steps = malloc(SUNS * sizeof *l->steps);
+    l->moments = malloc(2 * SUNS * sizeof *l->moments);
     /* zeroed: the shadow fields are read, with no weight, even when there is no sun */
     l->above = calloc(7 * HEIGHTS, sizeof *l->above);
     l->shade = calloc(4 * (size_t)FLOORS, sizeof *l->shade);
     l->texels = malloc(5 * (size_t)FLOORS);
-    if (!l->sun || !l->steps || !l->above || !l->shade || !l->texels) {
+    if (!l->sun || !l->moments || !l->above || !l->shade || !l->texels) {
         snprintf(why, capacity, "no memory for the light maps");
         return DIG_E_MEMORY;
     }
@@ -71,7 +59,7 @@ void light_close(Light *l, const Gl *gl)
     gl->DeleteTextures(3, textures);
     cast_close(&l->casters);
     free(l->sun);
-    free(l->steps);
+    free(l->moments);
     free(l->above);
     free(l->shade);
     free(l->texels);
@@ -114,6 +102,14 @@ static Ground find_ground(const Stage *s, vec3 sun)
     g.column = grid_index(at.x / s->unit + g.x, 0.5 * texel);
     g.row = grid_index(at.y / s->unit + g.y, 0.5 * texel);
     return g;
+}
+
+void light_ground(const Stage *s, vec3 sun, real *x, real *y, real *half)
+{
+    Ground g = find_ground(s, sun);
+    *x = g.x;
+    *y = g.y;
+    *half = g.half;
 }
 
 /* Column-major matrix with these rows. */
@@ -174,14 +170,71 @@ static void clip_to_unit(float out[16], const float in[16])
 
 /* ---- heights ---------------------------------------------------------- */
 
-/* Sixteen bits tell 1/30 of the bias apart, and are handed over six times as fast as floats. */
-static void cast_sun(Light *l, const Gl *gl, const float to_map[16])
+/* Depth = plane[0] + plane[1] i + plane[2] j of the floor at texel (i, j) of the sun map; no floor, or the sun too low: 1 everywhere. */
+static void floor_depth(float plane[3], const Stage *s, const float to_map[16], real floor)
 {
+    /* the map's rows are at right angles; the third is the sun's, as long as one depth */
+    vec3 row[3];
+    for (int i = 0; i < 3; i++)
+        row[i] = (vec3){(real)to_map[i], (real)to_map[4 + i], (real)to_map[8 + i]};
+    real square = vec3_length2(row[2]), slope = row[2].z / square;
+    plane[0] = 1;
+    plane[1] = plane[2] = 0;
+    if (s->floor_item < 0 || !(row[2].z < -0.05 * sqrt(square)))
+        return;
+    /* p = x row0 + y row1 + t row2 / square lies on the floor: z = floor */
+    real texel = 2.0 / SUN_SIZE, x = 0.5 * texel - 1 - (real)to_map[12], y = 0.5 * texel - 1 - (real)to_map[13];
+    real depth = (floor - x * row[0].z - y * row[1].z) / slope + (real)to_map[14];
+    plane[0] = (float)(0.5 + 0.5 * depth);
+    plane[1] = (float)(-0.5 * texel * row[0].z / slope);
+    plane[2] = (float)(-0.5 * texel * row[1].z / slope);
+}
+
+/* Row j of the depths that bodies are compared with: what is not hit lies on the floor, or at the far end; less a half for precision. */
+static void centre_depths(const float *row, int j, const float plane[3], float *out)
+{
+    float start = plane[0] + plane[2] * (float)j;
+    for (int i = 0; i < SUN_SIZE; i++) {
+        float far = start + plane[1] * (float)i, z = row[i];
+        far = far < 1 ? far : 1;
+        out[i] = (z < far ? z : far) - 0.5f;
+    }
+}
+
+/* Weights 1, 2, 1 both ways, for depths and for their squares. The rim is left out: it stays at the far end. */
+static void smooth_moments(const float *depth, float *moments)
+{
+    enum { N = SUN_SIZE };
+    for (int j = 0; j < N; j++) {
+        const float *b = depth + j * N, *a = j > 0 ? b - N : b, *c = j + 1 < N ? b + N : b;
+        float one[N], two[N], *to = moments + 2 * j * N;
+        for (int i = 0; i < N; i++) {
+            one[i] = 0.0625f * (a[i] + 2 * b[i] + c[i]);
+            two[i] = 0.0625f * (a[i] * a[i] + 2 * b[i] * b[i] + c[i] * c[i]);
+        }
+        for (int i = 1; i + 1 < N; i++) {
+            to[2 * i] = one[i - 1] + 2 * one[i] + one[i + 1];
+            to[2 * i + 1] = two[i - 1] + 2 * two[i] + two[i + 1];
+        }
+        to[0] = to[2 * N - 2] = 0.5f;
+        to[1] = to[2 * N - 1] = 0.25f;
+    }
+    for (int i = 0; i < N; i++) {
+        moments[2 * i] = moments[2 * (N * (N - 1) + i)] = 0.5f;
+        moments[2 * i + 1] = moments[2 * (N * (N - 1) + i) + 1] = 0.25f;
+    }
+}
+
+static void cast_sun(Light *l, const Gl *gl, const Stage *s, const float to_map[16], real floor)
+{
+    float plane[3];
     cast_nearest(&l->casters, to_map, SUN_SIZE, SLOPE, l->sun);
-    for (int i = 0; i < SUN_SIZE * SUN_SIZE; i++)
-        l->steps[i] = (uint16_t)(int)(l->sun[i] * 65535 + 0.5f);
+    floor_depth(plane, s, to_map, floor);
+    for (int j = 0; j < SUN_SIZE; j++)
+        centre_depths(l->sun + j * SUN_SIZE, j, plane, l->scratch + j * SUN_SIZE);
+    smooth_moments(l->scratch, l->moments);
     gl->BindTexture(GL_TEXTURE_2D, l->sun_map);
-    gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, SUN_SIZE, SUN_SIZE, GL_DEPTH_COMPONENT, GL_UNSIGNED_SHORT, l->steps);
+    gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, SUN_SIZE, SUN_SIZE, GL_RG, GL_FLOAT, l->moments);
 }
 
 static int texels_of(real length, real texel) { return (int)real_clamp(length / texel + 0.5, 1, HEIGHT_SIZE / 4); }
@@ -231,6 +284,8 @@ static void hide_sky(Light *l, const Stage *s, const Ground *g)
 
 /* ---- the sun on the floor ---------------------------------------------- */
 
+enum { SQUARE = 16 };       /* texels */
+
 /* One row of the floor in the sun map: place (u, v) in texels and depth, at texel 0 and per texel; scene units a depth. */
 typedef struct SunRow { float u, v, depth, du, dv, ddepth, range; } SunRow;
 
@@ -249,16 +304,47 @@ static void clip_row(float start, float step, float end, int *first, int *last)
         *last = high <= (float)*first ? *first : (int)floorf(high);
 }
 
-/* Share of the sun hidden at each texel of a row (shade), and that times the distance of what hides it (gap). */
-static void project_row(const Light *l, const SunRow *r, float *shade, float *gap)
+/* The least depth of each square of SQUARE x SQUARE texels of the sun map. */
+static void find_least(const float *sun, float *least)
 {
-    enum { N = FLOOR_SIZE, M = SUN_SIZE };
-    const float bias = (float)BIAS / r->range;
-    int first = 0, last = N;
-    clip_row(r->u, r->du, M - 1.01f, &first, &last);
-    clip_row(r->v, r->dv, M - 1.01f, &first, &last);
-    memset(shade, 0, N * sizeof *shade);
-    memset(gap, 0, N * sizeof *gap);
+    enum { M = SUN_SIZE, SQUARES = M / SQUARE };
+    for (int j = 0; j < SQUARES; j++) {
+        float column[M];
+        memcpy(column, sun + (size_t)j * SQUARE * M, sizeof column);
+        for (int k = 1; k < SQUARE; k++)
+            for (int i = 0; i < M; i++) {
+                float z = sun[((size_t)j * SQUARE + (size_t)k) * M + (size_t)i];
+                column[i] = z < column[i] ? z : column[i];
+            }
+        for (int i = 0; i < SQUARES; i++) {
+            float z = column[i * SQUARE];
+            for (int k = 1; k < SQUARE; k++)
+                z = column[i * SQUARE + k] < z ? column[i * SQUARE + k] : z;
+            least[j * SQUARES + i] = z;
+        }
+    }
+}
+
+/* Whether nothing in the sun map can hide the texels [first, last) of a row: all of the map round them lies deeper. */
+static bool lies_open(const Light *l, const SunRow *r, int first, int last, float bias)
+{
+    enum { SQUARES = SUN_SIZE / SQUARE };
+    float a = (float)first, b = (float)(last - 1), u0 = r->u + r->du * a, u1 = r->u + r->du * b, v0 = r->v + r->dv * a, v1 = r->v + r->dv * b;
+    float z0 = r->depth + r->ddepth * a, z1 = r->depth + r->ddepth * b, deepest = z0 > z1 ? z0 : z1;
+    deepest = (deepest < 1 ? deepest : 1) - 0.5f * bias;        /* half: rounding must not decide */
+    int left = (int)(u0 < u1 ? u0 : u1) / SQUARE, right = ((int)(u0 < u1 ? u1 : u0) + 2) / SQUARE;
+    int low = (int)(v0 < v1 ? v0 : v1) / SQUARE, high = ((int)(v0 < v1 ? v1 : v0) + 2) / SQUARE;
+    for (int j = int_max(low, 0); j <= int_min(high, SQUARES - 1); j++)
+        for (int i = int_max(left, 0); i <= int_min(right, SQUARES - 1); i++)
+            if (l->least[j * SQUARES + i] < deepest)
+                return false;
+    return true;
+}
+
+/* Share of the sun hidden at each texel [first, last) of a row (shade), and that times the distance of what hides it (gap). */
+static void project_texels(const Light *l, const SunRow *r, int first, int last, float bias, float *shade, float *gap)
+{
+    enum { M = SUN_SIZE };
     for (int i = first; i < last; i++) {
         float u = r->u + r->du * (float)i, v = r->v + r->dv * (float)i, z = r->depth + r->ddepth * (float)i;
         z = (z < 1 ? z : 1) - bias;      /* the map's floor is at 1: nothing there */
@@ -275,9 +361,26 @@ static void project_row(const Light *l, const SunRow *r, float *shade, float *ga
     }
 }
 
+static void project_row(const Light *l, const SunRow *r, float *shade, float *gap)
+{
+    enum { N = FLOOR_SIZE, M = SUN_SIZE };
+    const float bias = (float)BIAS / r->range;
+    int first = 0, last = N;
+    clip_row(r->u, r->du, M - 1.01f, &first, &last);
+    clip_row(r->v, r->dv, M - 1.01f, &first, &last);
+    memset(shade, 0, N * sizeof *shade);
+    memset(gap, 0, N * sizeof *gap);
+    for (int i = first; i < last; i += SQUARE) {
+        int end = int_min(i + SQUARE, last);
+        if (!lies_open(l, r, i, end, bias))
+            project_texels(l, r, i, end, bias, shade, gap);
+    }
+}
+
 static void project_shadows(Light *l, const Stage *s, const Ground *g, const float m[16], vec3 eye, real range)
 {
     enum { N = FLOOR_SIZE, M = SUN_SIZE };
+    find_least(l->sun, l->least);
     float step = (float)(2 * g->half / N), x = (float)(g->x - g->half - eye.x) + 0.5f * step, z = (float)(s->floor - eye.z);
     for (int j = 0; j < N; j++) {
         float y = (float)(g->y - g->half - eye.y) + step * ((float)j + 0.5f), p[3];
@@ -421,12 +524,12 @@ dig_status light_cast(Light *l, const Batches *b, const Meshes *meshes, const Gl
     real half = sun_matrix(to_map, s, sun, eye);
     clip_to_unit(frame->to_sun, to_map);
     if (shadows)
-        cast_sun(l, gl, to_map);
+        cast_sun(l, gl, s, to_map, s->floor - eye.z);
     height_matrix(to_map, &ground, eye);
     cast_heights(&l->casters, to_map, HEIGHT_SIZE, l->above, l->below);
     set_shading(frame, s, &ground);
-    frame->sun_colour[3] = (float)(0.9 / SUN_SIZE);
     frame->sun[3] = (float)(0.5 * BIAS / half);
+    frame->sun_colour[3] = frame->sun[3] * frame->sun[3];
     fill_heights(l, gl, s, &ground);
     if (!floor)
         return DIG_OK;

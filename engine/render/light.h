@@ -1,9 +1,11 @@
 /* render/light.h - what the sun and the sky reach: a sun map, a height map, and a map of the light on the floor.
  *
- * The sun map holds depths along the sun; bodies compare with it at a few places a pixel (percentage-closer filtering:
- * Reeves et al., SIGGRAPH 1987; exponential maps were faster, but frayed where the sun grazes). The floor fills most of
- * a picture, so its light is worked out beforehand on the CPU: shadows that are sharp where things touch it and soft far
- * from them, and the part of the sky hidden by what stands on it; a pixel of the floor costs one fetch.
+ * The sun map holds the smoothed first and second moments of the depths along the sun, from which Chebyshev's inequality tells
+ * a body in one fetch how much of the sun arrives (variance shadow maps: Donnelly and Lauritzen, I3D 2006; four compared taps
+ * took three times as long, exponential maps frayed where the sun grazes). Where what is in shadow has something much deeper
+ * beside it in the map, or is not in the map at all (what is seen through), the shadow's rim is a texel or two too light.
+ * The floor fills most of a picture, so its light is worked out beforehand on the CPU: shadows that are sharp where things
+ * touch it and soft far from them, and the part of the sky hidden by what stands on it; a pixel of the floor costs one fetch.
  * Bodies take the hidden sky from heights seen from above, smoothed over two widths: each column counts as filled.
  *
  * Owns:  textures, the casters and working arrays.
@@ -14,13 +16,14 @@
 
 #include "render/cast.h"
 
-enum { SUN_SIZE = 1024, HEIGHT_SIZE = 256, FLOOR_SIZE = 512 };      /* texels a side */
+enum { SUN_SIZE = 512, HEIGHT_SIZE = 256, FLOOR_SIZE = 512 };      /* texels a side */
 
 typedef struct Light {
     GLuint  sun_map, height_map, floor_map;
     Casters casters;
     float *sun;                         /* [SUN_SIZE^2] depths along the sun                                    */
-    uint16_t *steps;                    /* [SUN_SIZE^2] the same in 65535ths                                    */
+    float least[SUN_SIZE * SUN_SIZE / 256];     /* of each 16 x 16 depths                                      */
+    float *moments;                     /* [2 SUN_SIZE^2] smoothed depth less a half, and its square, side by side */
     float *above, *below;               /* [HEIGHT_SIZE^2] depths from above and below: tops and undersides      */
     float *sky, *wide, *blur;           /* [HEIGHT_SIZE^2] of the floor: sky seen, soft shadow, width of its edges */
     float *pair;                        /* [2 HEIGHT_SIZE^2] heights for bodies, smoothed narrowly and widely    */
@@ -32,10 +35,13 @@ typedef struct Light {
 dig_status light_open(Light *l, const Gl *gl, char *why, size_t capacity);
 void       light_close(Light *l, const Gl *gl);
 
+/* The square that the floor's map covers: its middle and half its width, scene units. */
+void light_ground(const Stage *s, vec3 sun, real *x, real *y, real *half);
+
 /* Fills the maps; sets the frame's to_sun, top and shade. frame->sun and ->eye are set before. Without memory: DIG_E_MEMORY. */
 dig_status light_cast(Light *l, const Batches *b, const Meshes *meshes, const Gl *gl, const Stage *s, bool shadows, Frame *frame);
 
-/* Smooths n x n values in place by a running mean over 2 radius + 1 texels, both ways; edges repeat. */
+/* Smooths n x n values (n a multiple of four) in place by a running mean over 2 radius + 1 texels, both ways; edges repeat. */
 void blur_box(float *data, float *scratch, int n, int radius);
 
 /* Fills n x n (a power of two) with a marbling round 128 that repeats without a seam. */

@@ -342,6 +342,7 @@ dig_status meshes_open(Meshes *meshes, const Gl *gl)
     MeshDraft d = {0};
     bool ok = keep(meshes, gl, MESH_BOX, &d, draft_box(&d));
     ok = ok && keep(meshes, gl, MESH_QUAD, &d, draft_quad(&d));
+    ok = ok && keep(meshes, gl, MESH_PATCH, &d, draft_quad(&d));
     for (int level = 0; ok && level < MESH_LEVELS; level++) {
         int n = level_segments[level];
         ok = keep(meshes, gl, MESH_SPHERE + level, &d, draft_ball(&d, n, false));
@@ -356,6 +357,17 @@ void meshes_close(Meshes *meshes, const Gl *gl)
 {
     for (int i = 0; i < MESH_CAPACITY; i++)
         release(&meshes->entry[i], gl);
+}
+
+void meshes_patch(Meshes *meshes, const Gl *gl, float corners[4][2])
+{
+    GpuMesh *patch = &meshes->entry[MESH_PATCH];
+    for (int i = 0; i < 4; i++) {
+        patch->corners[i].shape[0] = corners[i][0];
+        patch->corners[i].shape[2] = corners[i][1];
+    }
+    gl->BindBuffer(GL_ARRAY_BUFFER, patch->vertices);
+    gl->BufferData(GL_ARRAY_BUFFER, 4 * (GLsizeiptr)sizeof(MeshVertex), patch->corners, GL_DYNAMIC_DRAW);
 }
 
 int meshes_find(Meshes *meshes, const Gl *gl, const ViewMesh *m, uint64_t key, uint64_t draw)

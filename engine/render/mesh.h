@@ -16,7 +16,7 @@
 
 enum { MESH_LEVELS = 5 };       /* finenesses of the round solids */
 
-enum { MESH_BOX, MESH_QUAD, MESH_SPHERE, MESH_CAPSULE = MESH_SPHERE + MESH_LEVELS, MESH_CYLINDER = MESH_CAPSULE + MESH_LEVELS,
+enum { MESH_BOX, MESH_QUAD, MESH_PATCH, MESH_SPHERE, MESH_CAPSULE = MESH_SPHERE + MESH_LEVELS, MESH_CYLINDER = MESH_CAPSULE + MESH_LEVELS,
        MESH_CONE = MESH_CYLINDER + MESH_LEVELS, MESH_BUILT_IN = MESH_CONE + MESH_LEVELS, MESH_CAPACITY = 4096,
        MESH_PROBES = 64 };     /* places where a key may lie */
 
@@ -38,6 +38,9 @@ typedef struct Meshes { GpuMesh entry[MESH_CAPACITY]; } Meshes;
 /* Makes the ready-made solids. DIG_E_MEMORY leaves what is there to meshes_close. */
 dig_status meshes_open(Meshes *meshes, const Gl *gl);
 void       meshes_close(Meshes *meshes, const Gl *gl);
+
+/* Gives MESH_PATCH, a flat piece of MESH_QUAD's plane, these corners: x and z of each, in the order of MESH_QUAD. */
+void meshes_patch(Meshes *meshes, const Gl *gl, float corners[4][2]);
 
 /* The entry that holds a view's own mesh, uploaded if need be. Overwrites the entry unused for longest among its places;
  * -1 when this very draw uses all of them, memory is out or an index is wrong. `key` is mesh_hash(m). */

@@ -159,6 +159,7 @@ static void set_state(const Gl *gl)
     gl->Disable(GL_BLEND);
     gl->Enable(GL_CULL_FACE);
     gl->CullFace(GL_BACK);
+    gl->PolygonOffset(1, 8);
     gl->PixelStorei(GL_PACK_ALIGNMENT, 1);
     gl->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
 }
@@ -201,6 +202,24 @@ static dig_status paint_sky(Renderer *r)
     return DIG_OK;
 }
 
+/* What is seen through, from far to near: over the picture, hiding nothing. Two colours leave the program: the light it adds with the
+ * share of what it stops, and the factor of the pixel's key, by which its edges are told from what lies behind. */
+static dig_status paint_clear(Renderer *r)
+{
+    const Gl *gl = &r->gl;
+    const Batches *b = &r->batches;
+    if (b->solid == b->count)
+        return DIG_OK;
+    gl->DepthFunc(GL_LESS);
+    gl->DepthMask(GL_FALSE);
+    gl->Enable(GL_BLEND);
+    gl->BlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_SRC1_ALPHA);
+    dig_status status = batches_draw(b, &r->meshes, &r->programs, gl, PROGRAM_SURFACE, b->solid, b->count, r->error, sizeof r->error);
+    gl->Disable(GL_BLEND);
+    gl->DepthMask(GL_TRUE);
+    return status;
+}
+
 static void resolve(const Gl *gl, const Target *t)
 {
     if (!t->whole)
@@ -218,8 +237,12 @@ static dig_status paint_layer(Renderer *r, const RenderOptions *o, const Target 
     gl->BindFramebuffer(GL_FRAMEBUFFER, t->draw);
     gl->Viewport(0, 0, t->width, t->height);
     clear(gl, o->layer);
-    DIG_TRY(batches_draw(&r->batches, &r->meshes, &r->programs, gl, kinds[o->layer], r->error, sizeof r->error));
-    return o->layer == RENDER_COLOUR ? paint_sky(r) : DIG_OK;
+    bool colour = o->layer == RENDER_COLOUR;
+    DIG_TRY(batches_draw(&r->batches, &r->meshes, &r->programs, gl, kinds[o->layer], 0, colour ? r->batches.solid : r->batches.count,
+                         r->error, sizeof r->error));
+    if (colour)
+        DIG_TRY(paint_sky(r));
+    return colour ? paint_clear(r) : DIG_OK;
 }
 
 dig_status paint(Renderer *r, const View *v, const RenderOptions *o, const Target *t)
@@ -236,6 +259,9 @@ dig_status paint(Renderer *r, const View *v, const RenderOptions *o, const Targe
         eye.heat = heat_scale(v);
     Frame frame;
     set_frame(&frame, v, &s, &e, o, reach);
+    eye.patch = colour && s.floor_item >= 0;
+    if (eye.patch)
+        light_ground(&s, vec3_from(frame.sun), &eye.patch_x, &eye.patch_y, &eye.patch_half);
     set_state(gl);
     gl->ActiveTexture(GL_TEXTURE0 + UNIT_HEIGHT);       /* uploads must not unbind another unit's texture */
     dig_status status = batches_build(&r->batches, &r->meshes, gl, v, &s, &eye, ++r->draw);

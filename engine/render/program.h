@@ -23,8 +23,11 @@ typedef struct ProgramKey {
     int         pattern;        /* ViewPattern                               */
     int         lamps;          /* 0..4                                      */
     bool        shadows;
+    bool        corner_sky;     /* hidden sky worked out at the corners of a mesh, not at each pixel */
     bool        plane;          /* an infinite plane: tiles instead of plain */
+    bool        clear;          /* what lies behind is seen through it       */
     bool        floor;          /* ... whose light comes from the floor map  */
+    bool        open;           /* ... but not here: outside the map         */
 } ProgramKey;
 
 enum { PROGRAM_CAPACITY = 192, FRAME_LAMPS = 4 };
@@ -37,7 +40,7 @@ typedef struct Frame {
     float eye[4];                               /* in the scene; w: metres per scene unit                    */
     float forward[4];                           /* of the camera; w: 1 / fog distance^2                      */
     float ray[3][4];                            /* sky direction = ray[0] x + ray[1] y + ray[2]               */
-    float sun[4], sun_colour[4];                /* towards the sun; sun.w: bias, sun_colour.w: tap offset    */
+    float sun[4], sun_colour[4];                /* towards the sun; sun.w: bias, sun_colour.w: its square   */
     float zenith[4], horizon[4], ground[4];     /* light from above, from the rim, from below                */
     float sky_top[4], sky_rim[4], sky_low[4];   /* the sky as it is seen; the rim is the fog; sky_top.w: glow */
     float top[4];                               /* maps over the floor: uv = (x, y) top.x + top.zw; y: offset */

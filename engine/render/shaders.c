@@ -28,16 +28,26 @@ static const char solid_inputs[] =
     "layout(location = 6) in vec4 look;\n"                 /* metallic (below 0: it shines), bevel, 1 / cell, grain axis */
     "layout(location = 7) in vec4 half_size;\n"            /* of the solid; planes: offset of the tiles */
     "layout(location = 8) in uvec2 number;\n"
+    "layout(location = 9) in float clear;\n"             /* 1 - opacity */
     "vec3 turn(vec4 q, vec3 v) { vec3 t = 2.0 * cross(q.xyz, v); return v + q.w * t + cross(q.xyz, t); }\n"
     "vec3 own() { return shape * size.xyz + vec3(0.0, shape_normal.w * size.w, 0.0); }\n";
 
 /* ---- surfaces --------------------------------------------------------- */
 
+/* Share of the sky that is seen from a point (on the maps over the floor; height) with that normal. */
+static const char sky_share[] =
+    "uniform sampler2D height_map;\n"
+    "float sky_seen(vec3 at, vec2 n) {\n"
+    "    vec2 h = clamp(textureLod(height_map, at.xy + n * top.y, 0.0).xy - at.z, 0.0, shade.w);\n"
+    "    return 1.0 / (1.0 + shade.x * h.x + shade.y * h.y);\n"
+    "}\n";
+
 static const char surface_vertex[] =
     "out vec3 v_rel, v_p, v_n, v_sun, v_top;\n"
+    "out float v_sky;\n"
     "flat out vec4 f_colour, f_look, f_half;\n"
     "flat out vec3 f_x, f_y, f_z, f_direct, f_sky;\n"
-    "flat out float f_seed, f_key;\n"
+    "flat out float f_seed, f_key, f_clear;\n"
     "flat out vec2 f_grain;\n"
     "void main() {\n"
     "    vec3 p = own();\n"
@@ -49,13 +59,19 @@ static const char surface_vertex[] =
     "    f_z = turn(turning, vec3(0, 0, 1));\n"
     "    f_direct = max(dot(f_y, sun.xyz), 0.0) * sun_colour.rgb;\n"
     "    f_sky = mix(ground.rgb, zenith.rgb, f_y.z * 0.5 + 0.5);\n"
-    "    v_sun = (to_sun * vec4(v_rel, 1.0)).xyz;\n"
+    "    v_sun = (to_sun * vec4(v_rel, 1.0)).xyz - vec3(0.0, 0.0, 0.5 + sun.w);\n"
     "    vec3 w = v_rel + eye.xyz;\n"
     "    v_top = vec3(w.xy * top.x + top.zw, w.z);\n"
+    "#if CORNER_SKY && FORM == 2\n"
+    "    v_sky = sky_seen(v_top, turn(turning, shape_normal.xyz).xy);\n"
+    "#elif CORNER_SKY\n"
+    "    v_sky = sky_seen(v_top, normalize(v_n).xy);\n"
+    "#endif\n"
     "    f_colour = colour;\n"
     "    f_look = look;\n"
     "    f_half = half_size;\n"
     "    f_seed = place.w;\n"
+    "    f_clear = clear;\n"
     "    f_key = (float((number.y * 157u) % 240u) + 0.25) * (1.0 / 240.0);\n"
     "    f_grain = vec2(look.w == 1.0, look.w == 2.0);\n"
     "    gl_Position = to_clip * vec4(v_rel, 1.0);\n"
@@ -63,13 +79,18 @@ static const char surface_vertex[] =
 
 static const char surface_inputs[] =
     "in vec3 v_rel, v_p, v_n, v_sun, v_top;\n"
+    "in float v_sky;\n"
     "flat in vec4 f_colour, f_look, f_half;\n"
     "flat in vec3 f_x, f_y, f_z, f_direct, f_sky;\n"
-    "flat in float f_seed, f_key;\n"
+    "flat in float f_seed, f_key, f_clear;\n"
     "flat in vec2 f_grain;\n"
-    "uniform sampler2DShadow sun_map;\n"
-    "uniform sampler2D height_map, floor_map;\n"
-    "layout(location = 0) out vec4 pixel;\n";
+    "uniform sampler2D sun_map, floor_map;\n"
+    "#if CLEAR\n"
+    "layout(location = 0, index = 0) out vec4 pixel;\n"
+    "layout(location = 0, index = 1) out vec4 key_factor;\n"
+    "#else\n"
+    "layout(location = 0) out vec4 pixel;\n"
+    "#endif\n";
 
 /* Normal in scene axes. The edges of a box look rounded: outside the box shrunk by the bevel, the normal points away
  * from the nearest point of that smaller box, as on a rounded one. A cylinder likewise, in (radius, height). */
@@ -179,21 +200,25 @@ static const char surface_patterns[] =
 /* x: share of the sun that arrives; y: share of the sky that is seen. The floor's map brings a marbling along. */
 static const char surface_light[] =
     "vec2 arriving(vec3 n, inout vec3 c) {\n"
-    "#if FLOOR\n"
+    "#if OPEN\n"
+    "    c *= 0.90 + 0.20 * (128.0 / 255.0);\n"
+    "    return vec2(1.0);\n"
+    "#elif FLOOR\n"
     "    vec3 m = texture(floor_map, v_top.xy).xyz;\n"
     "    c *= 0.90 + 0.20 * m.z;\n"
     "    return m.xy;\n"
     "#else\n"
     "    float lit = 1.0;\n"
     "#if SHADOWS\n"
-    "    vec3 s = v_sun + mat3(to_sun) * n * (2.5 * sun_colour.w);\n"
-    "    float o = sun_colour.w;\n"
-    "    s.z = min(s.z - sun.w, 1.0);\n"
-    "    lit = 0.25 * (texture(sun_map, s + vec3(-0.4 * o, -o, 0.0)) + texture(sun_map, s + vec3(o, -0.4 * o, 0.0)) +\n"
-    "                  texture(sun_map, s + vec3(0.4 * o, o, 0.0)) + texture(sun_map, s + vec3(-o, 0.4 * o, 0.0)));\n"
+    "    vec2 m = texture(sun_map, v_sun.xy).xy;\n"
+    "    float behind = max(v_sun.z - m.x, 0.0), spread = max(m.y - m.x * m.x, sun_colour.w);\n"
+    "    lit = clamp(1.25 * spread / (spread + behind * behind) - 0.25, 0.0, 1.0);\n"
     "#endif\n"
-    "    vec2 h = clamp(texture(height_map, v_top.xy + n.xy * top.y).xy - v_top.z, 0.0, shade.w);\n"
-    "    return vec2(lit, 1.0 / (1.0 + shade.x * h.x + shade.y * h.y));\n"
+    "#if CORNER_SKY\n"
+    "    return vec2(lit, v_sky);\n"
+    "#else\n"
+    "    return vec2(lit, sky_seen(v_top, n.xy));\n"
+    "#endif\n"
     "#endif\n"
     "}\n"
     /* GGX with its masking folded in (after Karis 2013), Schlick's Fresnel, hemisphere light, a sky for mirrors */
@@ -248,7 +273,14 @@ static const char surface_main[] =
     "#else\n"
     "    float key = fract(f_key + side * (37.0 / 240.0)) * (240.0 / 255.0);\n"
     "#endif\n"
+    "#if CLEAR\n"        /* what glances off is not let through */
+    "    float stops = 1.0 - f_clear, steep = 1.0 - max(dot(n, v), 0.0), steep2 = steep * steep;\n"
+    "    stops += f_clear * (1.0 - rough) * (0.02 + 0.98 * steep2 * steep2 * steep);\n"
+    "    pixel = vec4(lit * (1.03 * stops) / (lit + 0.155), stops);\n"
+    "    key_factor = vec4(0.95 - 0.3 * fract(key * 7.0));\n"
+    "#else\n"
     "    pixel = vec4(lit * 1.03 / (lit + 0.155), key);\n"
+    "#endif\n"
     "}\n";
 
 /* ---- sky -------------------------------------------------------------- */
@@ -381,8 +413,8 @@ static const char glyph_fragment[] =
     "void main() { pixel = vec4(f_colour.rgb, f_colour.a * texelFetch(font, ivec2(floor(v_at)), 0).r); }\n";
 
 const ShaderSource shader_sources[PROGRAM_KIND_COUNT] = {
-    [PROGRAM_SURFACE] = {{frame_block, solid_inputs, surface_vertex},
-                         {frame_block, surface_inputs, surface_normal, noise_functions, surface_patterns, surface_light, surface_main}},
+    [PROGRAM_SURFACE] = {{frame_block, solid_inputs, sky_share, surface_vertex},
+                         {frame_block, surface_inputs, surface_normal, noise_functions, surface_patterns, sky_share, surface_light, surface_main}},
     [PROGRAM_SKY] = {{frame_block, sky_vertex}, {frame_block, sky_fragment}},
     [PROGRAM_DEPTH] = {{frame_block, solid_inputs, plain_vertex}, {frame_block, plain_inputs, depth_main}},
     [PROGRAM_ID] = {{frame_block, solid_inputs, plain_vertex}, {frame_block, plain_inputs, id_main}},

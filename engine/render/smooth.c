@@ -206,8 +206,16 @@ void smooth_copy(const uint32_t *raw, int width, int height, unsigned char *out)
     for (int y = 0; y < height; y++) {
         const uint32_t *from = raw + (size_t)width * (size_t)(height - 1 - y);
         unsigned char *to = out + 3 * (size_t)width * (size_t)y;
-        for (int x = 0; x + 1 < width; x++, to += 3)
-            memcpy(to, &from[x], 4);        /* the fourth byte is written over by the next pixel */
+        int x = 0;
+#if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
+        for (uint64_t two; x + 3 < width; x += 2, to += 6) {        /* the last two bytes are written over by the next pixel */
+            memcpy(&two, &from[x], 8);
+            two = (two & 0xffffff) | (two >> 8 & UINT64_C(0xffffff000000));
+            memcpy(to, &two, 8);
+        }
+#endif
+        for (; x + 1 < width; x++, to += 3)
+            memcpy(to, &from[x], 4);        /* likewise */
         memcpy(to, &from[width - 1], 3);
     }
 }

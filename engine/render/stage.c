@@ -143,7 +143,7 @@ static int find_floor(const View *v, mat3 axes, box3 box, real *z)
     int found = -1;
     for (int i = 0; i < v->item_count; i++) {
         const ViewItem *item = &v->items[i];
-        if (!item_sound(v, item) || v->meshes[item->mesh].form != VIEW_PLANE)
+        if (!item_sound(v, item) || v->meshes[item->mesh].form != VIEW_PLANE || item->clear > 0)
             continue;
         vec3 normal = mat3_mul_vec(axes, quat_rotate(quat_from(item->q), (vec3){0, 1, 0}));
         real height = mat3_mul_vec(axes, vec3_from(item->p)).z;

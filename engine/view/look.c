@@ -209,6 +209,7 @@ static dig_status take_solid(Look *l, const World *w, const Solid *s, LookSolid 
     uint32_t mesh = row->there ? row->mesh : LOOK_NONE;
     DIG_TRY(find_mesh(l, &s->shape, &mesh));
     *row = (LookSolid){.there = 1, .body = s->body, .mesh = mesh, .at = s->at, .roughness = (float)m->roughness, .metallic = (float)m->metallic,
+                       .clear = b ? (float)(1 - b->opacity) : 0,
                        .pattern = plain ? PATTERN_PLAIN : (uint32_t)pattern_of(m->pattern.s)};
     write_vec(row->colour, own ? s->colour : body_own ? b->colour : m->colour);
     return DIG_OK;

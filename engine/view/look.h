@@ -72,7 +72,8 @@ typedef struct LookSolid {
     uint32_t pattern;           /* ViewPattern                              */
     pose     at;                /* in the body, or in the world             */
     float    colour[3];         /* linear RGB                               */
-    float    roughness, metallic, spare;
+    float    roughness, metallic;
+    float    clear;             /* 1 - opacity: 0 = nothing is seen through it */
 } LookSolid;
 
 typedef struct LookJoint {

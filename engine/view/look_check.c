@@ -62,7 +62,8 @@ static const char *check_solids(const Look *l, int meshes)
             continue;
         if ((s->body != LOOK_NONE && !is_body(l, s->body)) || s->mesh >= (uint32_t)meshes || s->pattern > PATTERN_CHECK)
             return "a shape belongs to nothing";
-        if (!near3(s->at.p) || !unit(s->at.q) || !finite3(s->colour) || !isfinite(s->roughness) || !isfinite(s->metallic))
+        if (!near3(s->at.p) || !unit(s->at.q) || !finite3(s->colour) || !isfinite(s->roughness) || !isfinite(s->metallic) ||
+            !(s->clear >= 0 && s->clear <= 1))
             return "a shape has numbers that are not finite";
     }
     return NULL;

@@ -96,6 +96,7 @@ static dig_status make_item(Making *m, const LookSolid *s)
     memcpy(item->colour, s->colour, sizeof item->colour);
     item->roughness = s->roughness;
     item->metallic = s->metallic;
+    item->clear = s->clear;
     item->pattern = (int)s->pattern;
     item->dig = b ? p->dig : 0;
     item->stress = b ? m->stress[s->body] : -1;

@@ -36,6 +36,7 @@ typedef struct ViewItem {       /* one shape of one body, or a strut */
     float    q[4];              /* x y z w */
     float    colour[3];         /* linear RGB */
     float    roughness, metallic;
+    float    clear;             /* 1 - opacity: 0 = nothing is seen through it */
     int      pattern;           /* ViewPattern */
     uint32_t dig;               /* DIG id, 0 = none (static) */
     float    stress;            /* 1, the largest share of its limit that a joint of its bears; < 0 = none can break */

@@ -11,7 +11,7 @@ local ball = world:ball { name = 'the "ball", red', radius = 0.1, at = { 1, 2, -
 world:weld { a = world:box { name = "left", size = 0.2, at = { -1, 0.1, 0 } }, b = world:box { name = "right", size = 0.2, at = { -0.8, 0.1, 0 } } }
 world:camera { at = { 3, 2, 5 }, look_at = { 0, 0.5, 0 } }
 world:run "0.5 s"
-world:ball { name = "late", radius = 0.05, at = { 0, 1, 1 } }
+world:ball { name = "late", radius = 0.05, at = { 0, 1, 1 }, opacity = 0.25 }
 world:run "0.5 s"
 ball:remove()
 world:run "0.5 s"
@@ -54,6 +54,10 @@ data = open("fall.glb", "rb").read()
 magic, version, size, json_size, kind = struct.unpack("<4sIIII", data[:20])
 assert (magic, version, size, kind) == (b"glTF", 2, len(data), 0x4E4F534A)
 scene, binary = json.loads(data[20:20 + json_size]), data[28 + json_size:]
+
+blended = [m for m in scene["materials"] if m.get("alphaMode") == "BLEND"]
+assert len(blended) == 1 and blended[0]["pbrMetallicRoughness"]["baseColorFactor"][3] == 0.25, blended
+assert all(m["pbrMetallicRoughness"]["baseColorFactor"][3] == 1 for m in scene["materials"] if m not in blended)
 
 def values(accessor):
     a = scene["accessors"][accessor]

@@ -600,6 +600,91 @@ TEST(digs_have_colours_of_their_own_and_their_links_are_drawn)
         fail_msg("colours %d %d %d and %d %d %d", p[left], p[left + 1], p[left + 2], p[right], p[right + 1], p[right + 2]);
 }
 
+/* ---- what is seen through ---- */
+
+/* A dull box before a larger one, against the sky. */
+static void box_before_box(Scene *s, float clear)
+{
+    scene_open(s);
+    ViewItem *back = add(s, VIEW_BOX, 3, 3, 0.2, 0, 0, -1), *front = add(s, VIEW_BOX, 1, 1, 0.2, 0, 0, 1);
+    back->colour[1] = back->colour[2] = front->colour[0] = front->colour[1] = 0.1f;
+    front->roughness = 1;           /* nothing glances off */
+    front->clear = clear;
+}
+
+static void middle(const Scene *s, RenderOptions o, int out[3])
+{
+    const unsigned char *p = (const unsigned char *)draw(s, &o) + 3 * (HEIGHT / 2 * WIDTH + WIDTH / 2);
+    for (int k = 0; k < 3; k++)
+        out[k] = p[k];
+}
+
+TEST(a_clear_body_mixes_with_what_lies_behind_as_its_opacity_says)
+{
+    Scene s;
+    RenderOptions o = options();
+    int front[3], behind[3], both[3];
+    o.shadows = false;
+    box_before_box(&s, 0);
+    middle(&s, o, front);
+    box_before_box(&s, 1);
+    middle(&s, o, behind);
+    CHECK(behind[0] - front[0] > 40 && front[2] - behind[2] > 40);
+    for (int i = 1; i <= 3; i++) {
+        box_before_box(&s, 0.25f * (float)i);
+        for (o.samples = 0; o.samples <= 4; o.samples += 4) {
+            middle(&s, o, both);
+            for (int k = 0; k < 3; k++)
+                CHECK_NEAR(both[k], 0.25 * i * behind[k] + (1 - 0.25 * i) * front[k], 4);
+        }
+    }
+    CHECK_INT(id_at(&s, options(), WIDTH / 2, HEIGHT / 2), 2);      /* data layers show it as any other */
+}
+
+TEST(clear_bodies_are_drawn_from_far_to_near_whatever_their_order)
+{
+    Scene s;
+    RenderOptions o = options();
+    box_before_box(&s, 0.5f);
+    s.items[0].clear = 0.5f;
+    s.items[0].roughness = 1;
+    int one[3], other[3];
+    middle(&s, o, one);
+    ViewItem first = s.items[0];
+    s.items[0] = s.items[1];
+    s.items[1] = first;
+    middle(&s, o, other);
+    CHECK(one[2] > one[0]);         /* the near one counts most */
+    for (int k = 0; k < 3; k++)
+        CHECK_INT(one[k], other[k]);
+}
+
+TEST(a_clear_body_throws_no_shadow_and_a_nonsensical_one_is_solid)
+{
+    Scene s;
+    RenderOptions o = options();
+    int light[3], dark[3], through[3];
+    scene_open(&s);
+    add(&s, VIEW_PLANE, 0, 0, 0, 0, -1, 0);
+    add(&s, VIEW_BOX, 2, 0.2, 2, 0, 1.5, 0);        /* above what the picture shows in its middle */
+    o.sun[1] = 1;
+    o.camera.at[1] = 0.5;
+    o.camera.look_at[1] = -1;
+    middle(&s, o, dark);
+    s.items[1].clear = 0.5f;
+    middle(&s, o, through);
+    o.shadows = false;
+    middle(&s, o, light);
+    CHECK(light[1] - dark[1] > 30 && abs(light[1] - through[1]) <= 4);
+    for (int i = 0; i < 2; i++) {
+        box_before_box(&s, i ? NAN : -1);
+        middle(&s, options(), through);
+        box_before_box(&s, 0);
+        middle(&s, options(), light);
+        CHECK(memcmp(through, light, sizeof light) == 0);
+    }
+}
+
 TEST(names_and_time_are_written)
 {
     Scene s;
@@ -649,6 +734,9 @@ int main(void)
         unit_test(an_unknown_backend_is_refused_with_a_sentence),
         unit_test(a_closed_mesh_and_both_sides_of_an_open_one_are_seen),
         unit_test(digs_have_colours_of_their_own_and_their_links_are_drawn),
+        unit_test(a_clear_body_mixes_with_what_lies_behind_as_its_opacity_says),
+        unit_test(clear_bodies_are_drawn_from_far_to_near_whatever_their_order),
+        unit_test(a_clear_body_throws_no_shadow_and_a_nonsensical_one_is_solid),
         unit_test(names_and_time_are_written),
     };
     return cmocka_run_group_tests(tests, open_all, close_all);

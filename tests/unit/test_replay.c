@@ -96,6 +96,7 @@ static void same_item(const ViewItem *a, const ViewItem *b)
     CHECK_INT(a->mesh, b->mesh);
     CHECK(SAME_ARRAY(a->p, b->p, 3) && SAME_ARRAY(a->q, b->q, 4) && SAME_ARRAY(a->colour, b->colour, 3));
     CHECK(a->roughness == b->roughness && a->metallic == b->metallic && a->pattern == b->pattern && a->dig == b->dig);
+    CHECK(a->clear == b->clear);
     CHECK(a->stress == b->stress && a->asleep == b->asleep && a->fixed == b->fixed && a->temperature == b->temperature);
 }
 
@@ -222,6 +223,8 @@ static void meddle(dig_world *w, int frame)
         fail_unless(w, dig_body_push(w, ball, (vec3){0, 30, 3}, vec3_zero(), false, 0.05), "push");
     if (frame == 20)
         fail_unless(w, dig_body_set(w, dig_body_find(w, "stone"), "colour", &(vec3){1, 0, 0}), "colour");
+    if (frame == 24)
+        fail_unless(w, dig_body_set(w, dig_body_find(w, "stone"), "opacity", &(real){0.25}), "opacity");
     if (frame == 33)
         fail_unless(w, dig_world_set_gravity(w, (vec3){1, -3, 0}), "gravity");
     dig_joint joints[8];

@@ -84,6 +84,7 @@ export function bodyMaterial(shape, form, half, seed, plane) {
   const pattern = plane ? (shape.pattern === "check" ? "check" : "tile") : shape.pattern;
   const material = new MeshStandardMaterial({
     color: new Color().setRGB(...shape.colour), roughness: Math.min(1, Math.max(0.08, shape.roughness)), metalness: shape.metallic,
+    transparent: shape.opacity < 1, opacity: shape.opacity, depthWrite: shape.opacity >= 1,
     side: form === "mesh" ? DoubleSide : FrontSide,
   });
   const axis = half.indexOf(Math.max(...half));
