@@ -47,6 +47,7 @@ rm holes/f-000{03,17,18,50,59,66,80}.png
 for n in 00005 00076; do head -c 700 whole/f-$n.png >holes/f-$n.png; done
 printf 'X' | dd of=holes/f-00071.png bs=1 seek=900 conv=notrunc status=none
 gives 0 'resume' run -o holes --resume roll.lua
+holds 'of frames that differ nothing is said' test "$(grep -cE 'one colour|same picture' err.txt)" = 0
 for n in 00005 00076 00071; do said "holes/f-$n.png is damaged and is drawn again"; done
 said '71 frames were there, 10 were drawn'
 holds 'all is as it would have been' whole_film holes
@@ -99,7 +100,7 @@ judge() {       # judge FOLDER: files whole, manifest holds
     [ ! -e "$1/f-manifest.sha256" ] || "$DIGBOX" verify "$1" >verify.txt 2>&1 || { cat verify.txt; failed=$((failed + 1)); }
 }
 RANDOM=9
-[ "$FULL" = 1 ] && kills=200 breaks=50 || kills=5 breaks=3
+[ "$FULL" = 1 ] && kills=200 breaks=50 || kills=4 breaks=2
 mkdir -p killed broken
 cuts=0
 for i in $(seq $kills); do
@@ -189,7 +190,7 @@ code=$?
 holds "RLIMIT_FSIZE: exit code 9 (got $code)" test $code = 9
 said 'File too large'; said 'frame 0: limited/f-00000.png'; said '0 frames are complete'
 holds 'nothing torn' test "$(ls -A limited)" = f-manifest.sha256
-for device in /dev/full /dev/null; do
+for device in /dev/full; do
     mkdir -p devices && ln -sf $device devices/f-00001.png
     gives 9 "a link to $device for a frame" run -q -o devices --force roll.lua;     said 'frame 1: devices/f-00001.png: exists and is not an ordinary file; 1 frames are complete'
     holds 'it is still there' test -L devices/f-00001.png
@@ -244,8 +245,6 @@ LUA
 gives 0 'a black film' run -o still still.lua
 said 'f-%03d.png: 102 frames have one colour, the first is frame 0'; said '102 frames from frame 0 on show the same picture'
 holds 'is written' test "$(ls still | wc -l)" = 103
-"$DIGBOX" run -o seen roll.lua 2>err.txt >/dev/null </dev/null
-holds 'of others nothing is said' test "$(grep -cE 'one colour|same picture' err.txt)" = 0
 
 # ---- F15: verify ----
 cp -r whole bad
@@ -263,7 +262,7 @@ head -c 2000 list | manifest;                               gives 8 'frames that
 tr 'a' '\0' <list | manifest;                               gives 8 'not text' verify lists
 : | manifest;                                               gives 0 'nothing' verify lists; printed '0 frames of a film that was cut'
 gives 8 'no manifest' verify named/a;                       gives 8 'no folder' verify nowhere.sha256
-for n in 3 1500; do
+for n in 1500; do
     rm -rf cut; cp -r whole cut; head -c $n list >cut/f-manifest.sha256
     gives 0 "a manifest of $n bytes" verify cut;            printed 'of a film that was cut'
     gives 0 'is gone on with' run -q -o cut --resume roll.lua
