@@ -12,7 +12,9 @@
 
 #define LEAF_STEPS 4            /* so far ahead a leaf is made to last                   */
 #define LEAF_FAR   2            /* outer radii: but no farther than this                 */
-#define OVERSIZED  2            /* of the reach: larger leaves are made anew             */
+#define LEAF_MARGIN 0.1         /* outer radii, on all sides                             */
+#define OVERSIZED  2            /* of a fresh leaf: larger ones are made anew            */
+#define OVERSIZED_RESTING 1.25  /* the same where the solid stays within that margin     */
 
 static int compare_u32(const void *a, const void *b)
 {
@@ -161,19 +163,21 @@ static void drop_parted(World *w, uint32_t solid)
     }
 }
 
-/* A leaf left over from faster days finds too many pairs. */
-static bool oversized(box3 leaf, box3 reach)
-{
-    vec3 l = vec3_sub(leaf.high, leaf.low), r = vec3_sub(reach.high, reach.low);
-    return l.x + l.y + l.z > OVERSIZED * (r.x + r.y + r.z);
-}
-
-/* The new leaf of a solid that left its old one: at this speed it would leave one of just its reach in each step. */
-static box3 leaf_for(const Solid *s, const Body *b, real dt)
+/* m  How far beyond its reach the leaf of a solid is made to last: one of just its reach would be left in each step. */
+static vec3 leaf_ahead(const Solid *s, const Body *b, real dt)
 {
     real way = dt * vec3_length(b->v), far = real_min(LEAF_STEPS * way, LEAF_FAR * s->shape.outer);
-    vec3 ahead = vec3_scale(way > 0 ? dt * real_max(1, far / way) : 0, b->v);
-    return box3_grow(box3_swept(s->reach, ahead), 0.1 * s->shape.outer);
+    return vec3_scale(way > 0 ? dt * real_max(1, far / way) : 0, b->v);
+}
+
+static real sum_of(vec3 v) { return fabs(v.x) + fabs(v.y) + fabs(v.z); }
+
+/* Is it left over from faster days? Then it finds too many pairs. */
+static bool oversized(box3 leaf, const Solid *s, const Body *b, real dt)
+{
+    real margin = LEAF_MARGIN * s->shape.outer, ahead = sum_of(leaf_ahead(s, b, dt));
+    real fresh = sum_of(vec3_sub(s->reach.high, s->reach.low)) + ahead + 6 * margin;
+    return sum_of(vec3_sub(leaf.high, leaf.low)) > (ahead < margin ? OVERSIZED_RESTING : OVERSIZED) * fresh;
 }
 
 /* The tree of boxes must never see NaN or what overflows as an area. */
@@ -201,7 +205,7 @@ static bool find_reach(World *w, Solid *s, const Body *b, real dt)
     if (!box_sane(s->reach))        /* not by its motion so far: the step will find out what does it */
         s->reach = s->shape.type->bounds(&s->shape, solid_pose(w, s));
     s->blow = 0;
-    return !box3_inside(tree_box(&w->tree, s->leaf), s->reach) || oversized(tree_box(&w->tree, s->leaf), s->reach);
+    return !box3_inside(tree_box(&w->tree, s->leaf), s->reach) || oversized(tree_box(&w->tree, s->leaf), s, b, dt);
 }
 
 /* What there is to do about a body once its reach is known. */
@@ -241,8 +245,8 @@ static dig_status follow_body(World *w, uint32_t slot, bool strayed, real dt)
         Solid *s = &w->solids.data[i];
         if (s->leaf < 0)
             continue;
-        if (strayed && (!box3_inside(tree_box(&w->tree, s->leaf), s->reach) || oversized(tree_box(&w->tree, s->leaf), s->reach))) {
-            tree_move(&w->tree, s->leaf, leaf_for(s, b, dt));
+        if (strayed && (!box3_inside(tree_box(&w->tree, s->leaf), s->reach) || oversized(tree_box(&w->tree, s->leaf), s, b, dt))) {
+            tree_move(&w->tree, s->leaf, box3_grow(box3_swept(s->reach, leaf_ahead(s, b, dt)), LEAF_MARGIN * s->shape.outer));
             s->asks = false;            /* asked here */
             drop_parted(w, i);
             DIG_TRY(ask(w, i));

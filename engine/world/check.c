@@ -32,6 +32,9 @@ static dig_status check_pairs(const World *w)
         uint32_t found;
         if (!map_find(&w->pair_map, (MapKey){p->solid_a, p->solid_b, 0}, &found) || found != (uint32_t)i)
             return world_fail(w, DIG_E_ARG, "pair %d is not in the map", i);
+        for (uint32_t c = p->contact; c != NONE; c = w->contacts.data[c].next)
+            if (w->contacts.data[c].count > (w->contacts.data[c].more == NONE ? 1 : MANIFOLD_POINTS))
+                return world_fail(w, DIG_E_ARG, "pair %d has a contact of %d points without room for them", i, w->contacts.data[c].count);
     }
     return DIG_OK;
 }

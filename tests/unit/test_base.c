@@ -2,6 +2,7 @@
 #include "check.h"
 
 #include "base/arena.h"
+#include "base/list.h"
 #include "base/map.h"
 #include "base/sort.h"
 
@@ -288,6 +289,29 @@ TEST(numbers_of_any_size_and_count_come_out_ascending)
     arena_close(&a);
 }
 
+/* ---- lists ---- */
+
+TEST(a_trimmed_list_keeps_what_it_holds_and_little_more)
+{
+    LIST(int) list = {NULL, 0, 0};
+    uint64_t allocations = 0;
+    CHECK_INT(list_reserve(&list, 1000, &allocations), DIG_OK);
+    for (int i = 0; i < 10; i++) {
+        CHECK_INT(list_push(&list, &allocations), DIG_OK);
+        list.data[i] = i;
+    }
+    CHECK_INT(allocations, 1);
+    list_trim(&list, 2000);             /* it has no more than 1000 */
+    CHECK_INT(list.capacity, 1000);
+    list_trim(&list, 100);
+    CHECK_INT(list.capacity, 100);
+    list_trim(&list, 3);                /* but holds 10 */
+    CHECK_INT(list.capacity, 10);
+    for (int i = 0; i < 10; i++)
+        CHECK_INT(list.data[i], i);
+    list_close(&list);
+}
+
 int main(void)
 {
     RUN_TESTS(
@@ -303,6 +327,7 @@ int main(void)
         unit_test(regular_keys_stay_near_their_home),
         unit_test(a_copy_is_the_same_table_and_lives_on_its_own),
         unit_test(an_impossible_reserve_is_refused),
-        unit_test(numbers_of_any_size_and_count_come_out_ascending)
+        unit_test(numbers_of_any_size_and_count_come_out_ascending),
+        unit_test(a_trimmed_list_keeps_what_it_holds_and_little_more)
     );
 }
