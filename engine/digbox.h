@@ -507,6 +507,7 @@ typedef struct dig_region_def {
 dig_region_def dig_region_defaults(void);
 dig_status     dig_region_create(dig_world *w, const dig_region_def *def, dig_region *out);
 dig_status     dig_region_remove(dig_world *w, dig_region r);
+bool           dig_region_alive(const dig_world *w, dig_region r);
 int            dig_region_bodies(const dig_world *w, dig_region r, dig_body *out, int capacity);
 dig_status     dig_region_push(dig_world *w, dig_region r, dig_body b, vec3 force);  /* N in the next step; its work is the law's */
 

@@ -206,6 +206,14 @@ static int region_force(lua_State *L)
     return 0;
 }
 
+/* region.valid: not yet removed, and its world is open */
+static int get_valid(lua_State *L)
+{
+    const RegionRef *ref = luaL_checkudata(L, 1, BIND_REGION);
+    lua_pushboolean(L, ref->world->w && dig_region_alive(ref->world->w, ref->id));
+    return 1;
+}
+
 static int region_eq(lua_State *L)
 {
     const RegionRef *a = luaL_testudata(L, 1, BIND_REGION), *b = luaL_testudata(L, 2, BIND_REGION);
@@ -223,9 +231,10 @@ static int region_tostring(lua_State *L)
 void bind_region_open(lua_State *L, int core)
 {
     static const luaL_Reg methods[] = {{"bodies", region_bodies}, {"remove", region_remove}, {NULL, NULL}};
+    static const luaL_Reg getters[] = {{"valid", get_valid}, {NULL, NULL}};
     static const luaL_Reg meta[] = {{"__eq", region_eq}, {"__tostring", region_tostring}, {NULL, NULL}};
     static const luaL_Reg functions[] = {{"region", make_region}, {"region_force", region_force}, {NULL, NULL}};
-    bind_type(L, core, BIND_REGION, methods, NULL, NULL, meta);
+    bind_type(L, core, BIND_REGION, methods, getters, NULL, meta);
     lua_pushvalue(L, core);
     luaL_setfuncs(L, functions, 0);
     lua_pop(L, 1);

@@ -111,6 +111,9 @@ static int command_view(int argc, char **argv)
         return usage_error("view: one replay at a time; '%s' is too many", argv[optind + 1]);
     if (!w.out || !*w.out)
         return usage_error("view: where to? (-o page.html)");
+    const char *end = strrchr(w.out, '.');
+    if (!end || (strcmp(end, ".html") != 0 && strcmp(end, ".htm") != 0))
+        return usage_error("view: '%s' must end in .html; tables and scenes are written by digbox export", w.out);
     w.replay = argv[optind];
     return view_replay(&w);
 }

@@ -104,6 +104,8 @@ dig_status dig_region_push(dig_world *w, dig_region handle, dig_body body, vec3 
     return COMMAND(w, COMMAND_REGION_PUSH, do_push(w, handle, body, force), {.region = handle}, {.body = body}, {.vec = force});
 }
 
+bool dig_region_alive(const dig_world *w, dig_region handle) { return find(w, handle) != NULL; }
+
 int dig_region_bodies(const dig_world *w, dig_region handle, dig_body *out, int capacity)
 {
     const Region *r = find(w, handle);

@@ -223,7 +223,7 @@ static dig_status add_frame(Glb *g, Motion *m, const ReplayFrame *f, float befor
     View *v = NULL;
     for (int i = 0; i < f->pose_count; i++)
         fresh = fresh || m->node[f->poses[i].body] < 0;
-    if (fresh || m->struts > 0) {
+    if (fresh || f->struts > 0 || m->struts > 0) {
         DIG_TRY(replay_view(g->r, f->time, &v));
         DIG_TRY(replay_frame(g->r, f->frame, &f));
         g->reach = g->reach > 0 ? g->reach : reach_of(v);

@@ -186,12 +186,21 @@ static dig_status fill_links(Replay *r)
     return DIG_OK;
 }
 
+static int count_struts(const Look *l)
+{
+    int count = 0;
+    for (int i = 0; i < look_count(l, LOOK_JOINTS); i++)
+        count += look_joints(l)[i].there && look_joints(l)[i].radius > 0;
+    return count;
+}
+
 dig_status replay_frame(Replay *r, int frame, const ReplayFrame **out)
 {
     *out = NULL;
     DIG_TRY(go_to(r, frame, true));
     const KeptState *state = kept_state(&r->now);
-    r->frame = (ReplayFrame){.frame = frame, .time = look_scene(&r->now.look)->time, .checksum = state->checksum, .energy = state->energy};
+    r->frame = (ReplayFrame){.frame = frame, .time = look_scene(&r->now.look)->time, .checksum = state->checksum, .energy = state->energy,
+                             .struts = count_struts(&r->now.look)};
     if (fill_poses(r) != DIG_OK || fill_events(r) != DIG_OK || fill_links(r) != DIG_OK)
         return replay_fail(r, DIG_E_MEMORY, "not enough memory");
     *out = &r->frame;

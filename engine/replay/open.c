@@ -160,7 +160,7 @@ static dig_status read_header(Replay *r)
     ssize_t got = pread(r->file, bytes, sizeof bytes, 0);
     size_t n = got < 0 ? 0 : (size_t)got;
     if (memcmp(bytes, replay_magic, n < 8 ? n : 8) != 0)
-        return replay_fail(r, DIG_E_FORMAT, "this is not a replay of digbox");
+        return replay_fail(r, DIG_E_FORMAT, "this is not a replay of digbox (digbox run WORLD.lua --replay FILE writes one)");
     if (n < sizeof bytes)
         return replay_fail(r, DIG_E_FORMAT, "file ends after %zu bytes, in its header", n);
     Pack p = pack_reader(bytes, sizeof bytes);

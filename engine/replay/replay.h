@@ -108,6 +108,7 @@ typedef struct ReplayFrame {
     const ReplayPose *poses; int pose_count;    /* bodies that are there, by index */
     const dig_event  *events; int event_count;  /* of the step that led here; bodies by id */
     const dig_link   *links; int link_count;    /* mechanical and other layers; each link once */
+    int               struts;   /* joints that are drawn as bars */
 } ReplayFrame;
 
 dig_status        replay_open(const char *path, Replay **out, char *why, size_t capacity);

@@ -108,7 +108,7 @@ declare("digbox.heightfield", { "A landscape: a height at each point of a grid."
 
 declare_type("snapshot", "A state of a world that world:restore brings back.", methods.snapshot)
 
-declare_type("region", "A part of space with laws of its own.", methods.region)
+declare_type("region", "A part of space with laws of its own.", methods.region, { valid = { "boolean", "it was not removed" } })
 declare("region:bodies", { "The dynamic bodies whose centre of mass is inside.", gives = "body[]" })
 declare("region:remove", { "Takes it away: the laws of the world hold again." })
 

@@ -4,7 +4,7 @@
 -- (keep.lua). Up is y in all of them. What a part holds on to is the world unless it is given a body, `into`.
 
 local core = ...
-local next, ipairs, setmetatable = next, ipairs, setmetatable
+local next, setmetatable = next, setmetatable
 
 local digbox, soft = core.digbox, core.soft
 local parts = {}
@@ -24,11 +24,14 @@ core.declare("digbox.parts", { "Ready-made parts: digbox.parts.door(world, { at 
   constant = "digbox.parts" })
 
 -- Declares parts.kind(world, fields): help, its fields, properties name -> {type, help, get or nil: a body or joint of that name},
--- methods, and numbers that files keep. make(self, own) makes it.
-local function part(kind, help, fields, properties, methods, numbers, make)
+-- methods, and what files keep: names of numbers, or name = kind (keep.lua). make(self, own) makes it, go_on(self) when it was loaded.
+local function part(kind, help, fields, properties, methods, numbers, make, go_on)
   local what = "parts." .. kind
   local kept = { name = "text", bodies = "body list", joints = "joint list", body = "body map", joint = "joint map" }
-  for _, name in ipairs(numbers) do kept[name] = "number" end
+  for name, of in next, numbers do
+    if type(name) == "number" then name, of = of, "number" end
+    kept[name] = of
+  end
   core.declare(what, { help, takes = OF, fields = core.join_fields(shared, fields), gives = kind })
   core.declare_type(kind, help, methods, core.join_fields(common, properties))
   local class = { __name = kind, __metatable = false }
@@ -47,7 +50,10 @@ local function part(kind, help, fields, properties, methods, numbers, make)
     core.keep.add(self.world, thing)
     return thing
   end
-  core.keep.class(kind, kept, handle)
+  core.keep.class(kind, kept, function(self)
+    if go_on then go_on(self) end
+    return handle(self)
+  end)
   parts[kind] = function(world, given)
     if core.type(world) ~= "world" then core.fail("%s wants a world and a table of fields; got %s", what, core.type(world)) end
     local own = core.check(given, what, nil, world)
@@ -187,31 +193,37 @@ local function drive_lift(self, speed)
   self.joint.guide:set { motor = { speed = speed, max_force = self.force } }
 end
 
--- lift:go(height): a task gets it going and stops it there; a later order ends it
+-- A task gets it going to self.target and stops it there; a later order ends it. A file keeps where it is going and how fast.
+local function travel(self)
+  local order, guide, dt = self.order, self.joint.guide, self.world.frame
+  self.world:spawn(function(task)
+    while order == self.order and guide.valid do
+      local left = self.target - guide.distance
+      local far = math.abs(left)
+      self.pace = math.min(self.pace + GENTLE * dt, self.speed, math.sqrt(2 * GENTLE * far), far / dt)
+      if far < 1e-4 then
+        drive_lift(self, 0)
+        self.target = nil
+        break
+      end
+      drive_lift(self, left < 0 and -self.pace or self.pace)
+      task:wait(dt / 2)             -- until the next frame
+    end
+  end)
+end
+
+-- lift:go(height)
 function lift_methods.go(thing, height)
   local self = thing[1]
   height = core.quantity(height, "m", "lift:go")
   if height < 0 or height > self.height then core.fail("lift:go: height = %g m, must be 0 to %g m", height, self.height) end
-  self.order = self.order + 1
-  local order, guide, dt, speed = self.order, self.joint.guide, self.world.frame, 0
-  self.world:spawn(function(task)
-    while order == self.order and guide.valid do
-      local left = height - guide.distance
-      local far = math.abs(left)
-      speed = math.min(speed + GENTLE * dt, self.speed, math.sqrt(2 * GENTLE * far), far / dt)
-      if far < 1e-4 then
-        drive_lift(self, 0)
-        break
-      end
-      drive_lift(self, left < 0 and -speed or speed)
-      task:wait(dt / 2)             -- until the next frame
-    end
-  end)
+  self.order, self.target, self.pace = self.order + 1, height, 0
+  travel(self)
   return thing
 end
 
 function lift_methods.stop(thing)
-  thing[1].order = thing[1].order + 1
+  thing[1].order, thing[1].target = thing[1].order + 1, nil
   drive_lift(thing[1], 0)
   return thing
 end
@@ -228,12 +240,15 @@ part("lift", "A platform that a motor drives up and down a shaft.", core.join_fi
   material = { "text", "of its platform", default = "steel" } }), {
     platform = { "body", "what goes up and down" }, guide = { "joint", "the shaft and its motor" },
     distance = { "number", "how high it is", unit = "m", get = value_of("guide", "distance") } },
-  lift_methods, { "height", "speed", "force", "order" }, function(self, own)
+  lift_methods, { "height", "speed", "force", "order", "pace", target = "number?" }, function(self, own)
     local platform = add_body(self, "platform", "box", { size = { own.width, own.thickness, own.width }, mass = own.mass,
       material = own.material, at = own.at - UP * (own.thickness / 2), restitution = 0 })
     add_joint(self, "guide", "slider", { a = platform, b = own.into, along = UP, limits = { 0, own.height },
       motor = { speed = 0, max_force = own.force } })
     self.height, self.speed, self.force, self.order = own.height, own.speed, own.force, 0
+    self.pace = 0
+  end, function(self)
+    if self.target and self.joint.guide.valid then travel(self) end
   end)
 
 -- ---- clock ----

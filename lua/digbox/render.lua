@@ -46,6 +46,7 @@ local function find_camera(plan, name)
   if not name then return end
   local list = core.reader_cameras(plan.reader, plan.info.frames - 1, false)
   local known = {}
+  if #list == 0 then core.fail("--camera: the script of this replay made no camera; without --camera everything is seen") end
   for i, cam in ipairs(list) do
     if cam.name == name then
       plan.camera = i

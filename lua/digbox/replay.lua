@@ -81,8 +81,8 @@ end
 
 local function begin(world)
   core.sweep(core.options.replay)
+  recorded = world          -- once: a file that cannot be written is said once
   recorder = core.replay_open(core.options.replay, world, origin(world))
-  recorded = world
   core.lua_state(world).recorded = true
   note_scene(world)
   core.replay_before_step(recorder)

@@ -88,6 +88,19 @@ PY
 gives_python() { holds "$1" test "$(python3 read.py 2>err.txt)" = read; grep -q . err.txt && tail -n 2 err.txt; return 0; }
 gives_python 'csv, jsonl and glb say the same as the laws'
 
+# A strut between bodies that were there before it: it is a node of its own all the same.
+cat >brace.lua <<'LUA'
+local digbox = require "digbox"
+local world = digbox.world {}
+world:floor {}
+local a, b = world:box { size = 0.2, at = { 0, 0.1, 0 } }, world:box { size = 0.2, at = { 1, 0.1, 0 } }
+world:run "0.5 s"
+world:strut { a = a, b = b, at_a = { 0, 0.1, 0 }, at_b = { 1, 0.1, 0 }, radius = 0.02, stiffness = 1e5 }
+world:run "0.2 s"
+LUA
+"$DIGBOX" run -q brace.lua --replay brace.replay && "$DIGBOX" export -q brace.replay -o brace.glb
+holds 'a strut that comes later is in the scene' grep -aq '"name":"strut [0-9]*"' brace.glb
+
 # Debian's Python has Debian's NumPy, whichever one comes first on the path.
 python=python3
 python3 -c 'import numpy' 2>/dev/null || python=/usr/bin/python3

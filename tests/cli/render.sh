@@ -72,6 +72,7 @@ gives 2 'no replay' render;                                         said 'which 
 printf 'local w = require("digbox").world {}\nw:floor {}\nw:ball { radius = 0.1, at = { 0, 1, 0 } }\nw:run "0.1 s"\n' >plain.lua
 gives 0 'a run without a film' run -q --replay plain.replay plain.lua
 gives 0 'is drawn' render plain.replay -o plain/f-%05d.png --size 160x90
+gives 2 'a camera where there is none' render plain.replay --camera eye;   said 'the script of this replay made no camera'
 holds 'frame by frame' test "$(ls plain/*.png | wc -l)" -ge 3
 
 checked

@@ -70,8 +70,12 @@ gives 8 'a file without a frame' diff a.replay cut.replay;              said 'cu
 head -c "$(($(wc -c <a.replay) - 30))" a.replay >cut.replay
 gives 0 'a file without its end' diff a.replay cut.replay;              said 'cut.replay ends early: its first 34 frames are compared'
 gives 8 'a script is no replay' diff a.replay fall.lua;                 said 'fall.lua: this is not a replay of digbox'
+holds 'and how one is made' grep -q 'digbox run WORLD.lua --replay FILE writes one' err.txt
+printf '\001' | dd of=b.replay bs=1 seek=8 conv=notrunc 2>err.txt
+gives 8 'a replay of another format' verify b.replay;                   said 'replay of format 1, but digbox'; said 'record it again'
 gives 8 'no file' diff a.replay none.replay;                            said 'none.replay: cannot be read: No such file'
 gives 9 'a folder that is not there' run -q --replay nowhere/a.replay fall.lua;    said 'nowhere/a.replay: the replay cannot be written'
+holds 'which is said once' test "$(grep -c 'cannot be written' err.txt)" = 1
 gives 9 'a full disk' run -q --replay /dev/full fall.lua;               said 'No space left on device'
 gives 2 'one file' diff a.replay;                                       said 'which two?'
 gives 2 'no tolerance' diff --tolerance much a.replay b.replay

@@ -7,6 +7,7 @@ gives 0 'help' view --help;                       printed 'digbox view REPLAY -o
 gives 2 'no replay' view;                         said 'view: which replay?'
 gives 2 'two replays' view a.replay b.replay;     said "'b.replay' is too many"
 gives 2 'no page' view a.replay;                  said 'view: where to?'
+gives 2 'a page that is none' view a.replay -o a.csv;      said "'a.csv' must end in .html"
 gives 2 'an unknown option' view --frobnicate
 
 cat >drop.lua <<'LUA'

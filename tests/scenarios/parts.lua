@@ -59,6 +59,30 @@ scenario("a drawer comes out as far as it goes, with what lies in it; bolted it 
   expect(drawer.bolted):is(true)
 end)
 
+scenario("a lift that is saved on its way goes on to where it was sent, just as it would have", function(s)
+  local world = s.world
+  world:floor {}
+  local lift = parts.lift(world, { at = { 0, 0.2, 0 }, height = 6, speed = 0.5, name = "hoist" })
+  lift:go "2 m"
+  world:run(1.5)
+  expect(lift.guide.speed):near(0.5, 1e-3)
+  world:save "lift.digbox"
+  local there = digbox.load "lift.digbox"
+  local again = there:find "hoist"
+  world:run(1)
+  there:run(1)
+  expect(again.distance):near(lift.distance, 1e-9)
+  world:run(4)
+  there:run(4)
+  expect(again.distance):near(2, 0.01)
+  expect(again.distance):near(lift.distance, 1e-9)
+  there:save "lift.digbox"                      -- arrived: nothing is left to do
+  local at_rest = digbox.load "lift.digbox":find "hoist"
+  at_rest.guide:set { motor = { speed = -0.5, max_force = 5000 } }
+  at_rest.platform.world:run(1)
+  expect(at_rest.guide.speed):near(-0.5, 1e-2)
+end)
+
 scenario("a lift takes 80 kg up to where it is sent, stops, holds, and cannot take more than its motor bears", function(s)
   local world = s.world
   world:floor {}
