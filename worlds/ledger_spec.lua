@@ -4,7 +4,7 @@
 --   initial + work_in + law = total + lost - numerical
 --
 -- At "study", what is traced or kept in its energy throughout may be off by a millionth of the energy moved; who is swept in part is
--- listed with the reason, and the bound is twice what was measured on 2026-11-21.
+-- listed with the reason, and the bound is twice what was measured.
 local digbox = require "digbox"
 local test = require "digbox.test"
 local scenario, expect = test.scenario, test.expect
@@ -13,15 +13,15 @@ local traced = 1e-6
 local worlds = {                            -- world, largest part of the energy moved that "study" may make up or lose
   { "01_drop", traced }, { "02_slope", traced }, { "03_rolling", traced }, { "04_collision", traced }, { "05_cradle", traced },
   { "06_pendulum", traced }, { "07_spinning_box", traced },
-  { "08_tipping", 5e-3 },                   -- corners that chatter to rest: a quarter second is swept, and moved by end velocities
+  { "08_tipping", traced },
   { "09_stack", traced },
-  { "10_arch", 1e-3 },                      -- a third of the steps of the collapse are swept
+  { "10_arch", 2e-6 },                      -- some steps of the collapse are swept
   { "11_gears", traced }, { "12_spring", traced }, { "13_room", traced }, { "14_three_spheres", traced },
   { "15_landscape", 5e-6 },                 -- meshes and height fields are swept
   { "16_integrators", 0.1 },                -- shows what simpler rules make up: Euler's 4 % at a step of 1/15 s
   { "mirror_room", traced }, { "floating_crate", traced }, { "hot_iron", traced },
   { "bridge" },                             -- at "study" 0.23 % of the energy moved, measured 2026-11-21; left out here: two minutes
-  { "sawn_plank", 0.05 },                   -- broken halves that overlap and bend are moved apart by velocities
+  { "sawn_plank", 1e-5 },                   -- the halves bend where they strike: the first substeps after a blow
   { "orbit", traced }, { "everything", traced }, { "lava_lamp", traced },
   { "bolted_door", traced }, { "cog_board", traced },
   { "ball_table_bucket", 5e-4 },           -- the lifted bucket swings against its rod: a third of the steps are swept
