@@ -501,7 +501,10 @@ static int body_tostring(lua_State *L)
         return 1;
     }
     lua_getiuservalue(L, 1, REF_NAME);
-    lua_pushfstring(L, "removed body '%s'", lua_isstring(L, -1) ? lua_tostring(L, -1) : "");
+    if (lua_isstring(L, -1) && lua_rawlen(L, -1) > 0)
+        lua_pushfstring(L, "removed body '%s'", lua_tostring(L, -1));
+    else
+        lua_pushfstring(L, "removed body #%d", (int)b->id.slot);
     return 1;
 }
 

@@ -63,9 +63,14 @@ static vec3 turned(quat q, vec3 v)
 
 const dig_shape_def *bind_shape_argument(lua_State *L, const char *what, pose *at)
 {
+    lua_settop(L, 2);
+    if (luaL_testudata(L, 2, BIND_SHAPE)) {             /* the shape alone, where it is */
+        lua_createtable(L, 1, 0);
+        lua_insert(L, 2);
+        lua_rawseti(L, 2, 1);
+    }
     if (!lua_istable(L, 2))
         bind_error(L, "%s wants a table of fields; got %s", what, luaL_typename(L, 2));
-    lua_settop(L, 2);
     if (lua_rawgeti(L, 2, 1) != LUA_TNIL)
         put_shape(L, what, NULL);
     lua_settop(L, 2);

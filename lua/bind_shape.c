@@ -47,8 +47,8 @@ int bind_create_body(lua_State *L, const char *what, const dig_shape_def *shapes
     if (s != DIG_OK) {
         /* The engine says which body; where it cannot, the constructor is named. */
         const char *text = dig_error(ref->w);
-        bool named = strncmp(text, "body '", 6) == 0;
-        return bind_fail_text(L, s, "%s%s%s", named ? "" : what, named ? "" : ": ", text);
+        bool named = strncmp(text, "body '", 6) == 0, nameless = strncmp(text, "body: ", 6) == 0;
+        return bind_fail_text(L, s, "%s%s%s", named ? "" : what, named ? "" : ": ", nameless ? text + 6 : text);
     }
     bind_effects_join(L, effects, ref, id);
     bind_note(L, 1, "bodies", id.slot, id.gen);
@@ -129,7 +129,8 @@ static void check_required(lua_State *L, int table, const char *what, const dig_
         lua_pop(L, 1);
         bool counted = is_heightfield(schema) && (strcmp(row->name, "rows") == 0 || strcmp(row->name, "columns") == 0);
         if (row->required && !given && !counted)
-            bind_error(L, "%s: %s is missing (%s)", what, row->name, row->doc);
+            bind_error(L, "%s: %s is missing%s", what, row->name,
+                       strcmp(row->doc, row->name) == 0 ? "" : lua_pushfstring(L, " (%s)", row->doc));
     }
 }
 

@@ -45,10 +45,12 @@ static int world_ray(lua_State *L)
     real length;
     bind_arguments(L, 2, "world:ray");
     read_way(L, "world:ray", &from, &along, &length);
-    dig_hit hits[256];
-    int n = dig_ray(ref->w, from, along, length, hits, 256);
-    if (n > 256)
-        n = 256;
+    dig_hit few[64], *hits = few;
+    int n = dig_ray(ref->w, from, along, length, few, 64);
+    if (n > 64) {
+        hits = lua_newuserdatauv(L, (size_t)n * sizeof *hits, 0);
+        n = dig_ray(ref->w, from, along, length, hits, n);
+    }
     bind_push_list(L, n > 0 ? n : 0);
     for (int i = 0; i < n; i++) {
         push_hit(L, &hits[i]);

@@ -25,6 +25,8 @@ void api_link(const World *w, uint32_t layer, uint32_t link, dig_link *out);
 void api_open_effects(World *w);
 void api_effects_energy(const World *w, dig_energy *sum);       /* adds what effects store, J */
 real api_effects_stored(const World *w);                        /* the same in one number, J */
+/* What has come or gone by hand since effects stored `before`, J, is not made up by the integration. */
+void api_book_stored(World *w, real before);
 /* A row of an effect's body_params by name; NULL: no effect has it. */
 const dig_param *api_effect_row(const World *w, const char *name, int *effect);
 dig_status api_effects_follow(World *w, uint32_t body);          /* its mass has changed: those that it takes part in hear of it */

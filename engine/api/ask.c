@@ -271,7 +271,7 @@ dig_status dig_ask(dig_world *w, const dig_question *q, dig_answer *a)
         a->verdict = DIG_BLOCKED;
         a->needs = INFINITY;
         a->held[a->held_count++] = a->chain[a->chain_count++] = (dig_part){.body = q->body};
-        snprintf(a->because, sizeof a->because, "body '%s' is %s", b->name, b->kind == DIG_STATIC ? "fixed" : "kinematic: it moves as it is told");
+        snprintf(a->because, sizeof a->because, "%s is %s", BODY_TEXT(w, b), b->kind == DIG_STATIC ? "fixed" : "kinematic: it moves as it is told");
         return DIG_OK;
     }
     Ask k = {.w = w, .q = q, .a = a, .along = vec3_unit(q->along)};

@@ -16,15 +16,14 @@ dig_body_def dig_body_defaults(void)
 
 static dig_status do_create(World *w, const dig_body_def *def, dig_body *out)
 {
-    char subject[96], why[256];
+    char why[256];
     *out = (dig_body){0, 0};
-    snprintf(subject, sizeof subject, "body '%s'", def->name.s);
-    dig_status s = param_check(dig_schema_at("body", 0)->rows, def, subject, why, sizeof why);
+    dig_status s = param_check(dig_schema_at("body", 0)->rows, def, NEW_BODY_TEXT(def->name.s), why, sizeof why);
     if (s != DIG_OK)
         return world_fail(w, s, "%s", why);
     real before = w->ledger.started ? api_effects_stored(w) : 0;
     s = body_create(w, def, out);
-    w->ledger.initial += w->ledger.started ? api_effects_stored(w) - before : 0;
+    api_book_stored(w, before);
     return s;
 }
 
@@ -45,7 +44,7 @@ static dig_status do_remove_body(World *w, dig_body b)
     real before = api_effects_stored(w);
     api_book_given(w, -api_body_springs(w, b.slot));
     body_remove(w, b.slot);
-    w->ledger.initial += w->ledger.started ? api_effects_stored(w) - before : 0;
+    api_book_stored(w, before);
     return DIG_OK;
 }
 
@@ -163,7 +162,7 @@ Body *api_pushable(World *w, dig_body handle, const char *call, dig_status *stat
     Body *b = api_body(w, handle, call);
     *status = b ? DIG_OK : DIG_E_DEAD;
     if (b && b->kind != DIG_DYNAMIC) {
-        *status = world_fail(w, DIG_E_KIND, "%s: body '%s' is %s: nothing can push it", call, b->name, b->kind == DIG_STATIC ? "fixed" : "kinematic");
+        *status = world_fail(w, DIG_E_KIND, "%s: %s is %s: nothing can push it", call, BODY_TEXT(w, b), b->kind == DIG_STATIC ? "fixed" : "kinematic");
         return NULL;
     }
     return b;
@@ -243,8 +242,8 @@ static dig_status do_hit(World *w, dig_body handle, vec3 impulse, vec3 at, bool 
     vec3 dw = has_at ? mat3_mul_vec(mat3_scale(light, inverse), vec3_cross(vec3_sub(at, b->x), impulse)) : vec3_zero();
     real fast = real_max(vec3_largest(vec3_abs(vec3_add(b->v, dv))), vec3_largest(vec3_abs(vec3_add(b->w, dw))));
     if (!vec3_finite(vec3_add(b->v, dv)) || !vec3_finite(vec3_add(b->w, dw)) || fast > WORLD_FAST)
-        return world_fail(w, DIG_E_ARG, "hit: impulse = {%g, %g, %g} N s makes body '%s' too fast for a number", impulse.x, impulse.y,
-                          impulse.z, b->name);
+        return world_fail(w, DIG_E_ARG, "hit: impulse = {%g, %g, %g} N s makes %s too fast for a number", impulse.x, impulse.y,
+                          impulse.z, BODY_TEXT(w, b));
     b->v = vec3_add(b->v, dv);
     b->w = vec3_add(b->w, dw);
     b->hit_v = vec3_add(b->hit_v, dv);
@@ -322,7 +321,7 @@ static Body *kinematic(World *w, dig_body handle, const char *call, dig_status *
     Body *b = api_body(w, handle, call);
     *status = b ? DIG_OK : DIG_E_DEAD;
     if (b && b->kind != DIG_KINEMATIC) {
-        *status = world_fail(w, DIG_E_KIND, "%s: body '%s' is not kinematic; use :push, :hit or :teleport", call, b->name);
+        *status = world_fail(w, DIG_E_KIND, "%s: %s is not kinematic; use :push, :hit or :teleport", call, BODY_TEXT(w, b));
         return NULL;
     }
     return b;

@@ -28,7 +28,7 @@ static dig_status set_material(World *w, uint32_t slot, const char *name)
 {
     int material = material_find(w, name);
     if (material < 0)
-        return world_fail(w, DIG_E_ARG, "body '%s': there is no material '%s'", w->bodies.data[slot].name, name);
+        return world_fail(w, DIG_E_ARG, "%s: there is no material '%s'", BODY_TEXT(w, &w->bodies.data[slot]), name);
     Body *b = &w->bodies.data[slot];
     if (b->kind == DIG_DYNAMIC && b->density > 0)
         body_set_mass(b, b->mass * w->materials.data[material].def.density / b->density);
@@ -42,9 +42,9 @@ static dig_status set_material(World *w, uint32_t slot, const char *name)
 static dig_status set_mass(World *w, Body *b, real mass)
 {
     if (b->kind != DIG_DYNAMIC)
-        return world_fail(w, DIG_E_KIND, "body '%s' is not dynamic: it has no mass to set", b->name);
+        return world_fail(w, DIG_E_KIND, "%s is not dynamic: it has no mass to set", BODY_TEXT(w, b));
     if (!(mass > 0 && isfinite(mass)))
-        return world_fail(w, DIG_E_ARG, "body '%s': mass = %g kg, must be > 0 and finite", b->name, mass);
+        return world_fail(w, DIG_E_ARG, "%s: mass = %g kg, must be > 0 and finite", BODY_TEXT(w, b), mass);
     body_set_mass(b, mass);
     return DIG_OK;
 }
@@ -62,7 +62,7 @@ static dig_status set_collides(World *w, Body *b, bool collides)
         Solid *solid = &w->solids.data[s];
         if (solid->leaf < 0 && isfinite(solid->shape.outer) &&
             tree_insert(&w->tree, solid->shape.type->bounds(&solid->shape, solid_pose(w, solid)), s, &solid->leaf) != DIG_OK)
-            return world_fail(w, DIG_E_MEMORY, "body '%s': not enough memory", b->name);
+            return world_fail(w, DIG_E_MEMORY, "%s: not enough memory", BODY_TEXT(w, b));
     }
     b->collides = collides;
     return DIG_OK;
@@ -76,11 +76,11 @@ static dig_status do_set(World *w, dig_body handle, const char *name, const void
     const dig_param *row = param_find(dig_schema_at("body", 0)->rows, name);
     char subject[96], why[256];
     int effect;
-    snprintf(subject, sizeof subject, "body '%s'", b->name);
+    snprintf(subject, sizeof subject, "%s", BODY_TEXT(w, b));
     if (!row && (row = api_effect_row(w, name, &effect)) != NULL)
         return api_effect_set(w, handle.slot, effect, row, value);
     if (!row)
-        return world_fail(w, DIG_E_ARG, "body '%s' has no parameter '%s'", b->name, name);
+        return world_fail(w, DIG_E_ARG, "%s has no parameter '%s'", BODY_TEXT(w, b), name);
     if (param_check_field(row, value, subject, why, sizeof why) != DIG_OK)
         return world_fail(w, DIG_E_ARG, "%s", why);
     const real *number = value;
@@ -109,7 +109,7 @@ static dig_status do_set(World *w, dig_body handle, const char *name, const void
     else if (strcmp(name, "opacity") == 0)
         b->opacity = *number;
     else
-        return world_fail(w, DIG_E_ARG, "body '%s': '%s' is fixed at creation or is state; use :teleport for state", b->name, name);
+        return world_fail(w, DIG_E_ARG, "%s: '%s' is fixed at creation or is state; use :teleport for state", BODY_TEXT(w, b), name);
     w->ledger.initial += w->ledger.started ? body_energy(w, b) - before : 0;      /* mass, material, gravity_scale */
     if (status == DIG_OK && (strcmp(name, "mass") == 0 || strcmp(name, "density") == 0 || strcmp(name, "material") == 0))
         status = api_effects_follow(w, handle.slot);
@@ -144,7 +144,7 @@ dig_status dig_body_param(const dig_world *w, dig_body handle, const char *name,
         return DIG_OK;
     }
     if (!row)
-        return world_fail(w, DIG_E_ARG, "body '%s' has no parameter '%s'", b->name, name);
+        return world_fail(w, DIG_E_ARG, "%s has no parameter '%s'", BODY_TEXT(w, b), name);
     Surface s = surface_resolve(w, &b->surface);
     dig_body_def def = dig_body_defaults();
     memcpy(def.name.s, b->name, sizeof def.name.s);

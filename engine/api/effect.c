@@ -48,8 +48,7 @@ real api_effects_stored(const World *w)
     return e.kinetic + e.potential + e.elastic + e.heat + e.electric;
 }
 
-/* What comes or goes by hand is not made up by the integration. */
-static void book_change(World *w, real before)
+void api_book_stored(World *w, real before)
 {
     if (w->ledger.started)
         w->ledger.initial += api_effects_stored(w) - before;
@@ -85,7 +84,7 @@ static dig_status do_switch_by_hand(World *w, const char *name, bool on)
     real before = api_effects_stored(w);
     w->effects[i].on = on;
     w->effects[i].forced = true;
-    book_change(w, before);
+    api_book_stored(w, before);
     world_wake_all(w);
     return DIG_OK;
 }
@@ -140,13 +139,12 @@ static dig_status join(World *w, int effect, uint32_t body, const void *given, c
 {
     EffectSlot *e = &w->effects[effect];
     const EffectType *t = e->type;
-    char subject[96], reason[256] = "";
+    char reason[256] = "";
     real *member = malloc(t->body_size);
     if (!member)
         return world_fail(w, DIG_E_MEMORY, "effect '%s': not enough memory", e->name);
     memcpy(member, given, t->body_size);
-    snprintf(subject, sizeof subject, "body '%s'", w->bodies.data[body].name);
-    dig_status s = param_check(t->body_params, member, subject, reason, sizeof reason);
+    dig_status s = param_check(t->body_params, member, BODY_TEXT(w, &w->bodies.data[body]), reason, sizeof reason);
     if (s == DIG_OK && t->join)
         s = t->join(w, e, body, member, reason, sizeof reason);
     real before = api_effects_stored(w);
@@ -158,7 +156,7 @@ static dig_status join(World *w, int effect, uint32_t body, const void *given, c
     if (s != DIG_OK)
         return s;
     say_why(e, why);
-    book_change(w, before);
+    api_book_stored(w, before);
     body_wake(w, body);
     return DIG_OK;
 }
@@ -197,7 +195,7 @@ static dig_status do_leave(World *w, const char *effect, dig_body b)
         return DIG_E_DEAD;
     real before = api_effects_stored(w);
     column_remove(&w->effects[i].members, b.slot);
-    book_change(w, before);
+    api_book_stored(w, before);
     body_wake(w, b.slot);
     return DIG_OK;
 }
@@ -254,7 +252,7 @@ static dig_status do_set_options(World *w, const char *effect, const void *optio
     memcpy(e->world, options, e->world_size);
     e->on = true;
     say_why(e, why);
-    book_change(w, before);
+    api_book_stored(w, before);
     world_wake_all(w);
     return DIG_OK;
 }

@@ -19,15 +19,15 @@ static dig_status do_warm(World *w, dig_body handle, real energy, real to)
     EffectSlot *e = slot_of(w);
     Heat *h = e ? column_find(&e->members, handle.slot) : NULL;
     if (!h)
-        return world_fail(w, DIG_E_KIND, "warm: body '%s' has no temperature; give it one when it is made, or assign one", b->name);
+        return world_fail(w, DIG_E_KIND, "warm: %s has no temperature; give it one when it is made, or assign one", BODY_TEXT(w, b));
     if (isnan(energy) == isnan(to))
-        return world_fail(w, DIG_E_ARG, "warm: body '%s': give either an energy (J) or a temperature (K)", b->name);
+        return world_fail(w, DIG_E_ARG, "warm: %s: give either an energy (J) or a temperature (K)", BODY_TEXT(w, b));
     real work = isnan(to) ? energy : h->capacity * (to - h->start) - h->stored;
     real reached = isnan(to) ? h->start + (h->stored + work) / h->capacity : to;
     if (h->capacity == 0 && isnan(to))
-        return world_fail(w, DIG_E_KIND, "warm: body '%s' keeps its temperature whatever flows in: only the temperature can be set", b->name);
+        return world_fail(w, DIG_E_KIND, "warm: %s keeps its temperature whatever flows in: only the temperature can be set", BODY_TEXT(w, b));
     if (!(reached >= 0 && reached <= HEAT_MOST && isfinite(work)))
-        return world_fail(w, DIG_E_ARG, "warm: body '%s' would have %g K, must be 0 to %g K", b->name, reached, HEAT_MOST);
+        return world_fail(w, DIG_E_ARG, "warm: %s would have %g K, must be 0 to %g K", BODY_TEXT(w, b), reached, HEAT_MOST);
     h->temperature = reached;
     h->stored += work;
     h->start = h->capacity > 0 ? h->start : reached;

@@ -94,7 +94,7 @@ static dig_status find_bodies(const World *w, const JointType *type, const dig_j
             *(k ? &r->b : &r->a) = other == NONE ? r->a : other;
         }
         if (r->a == r->b && r->other[0] != r->other[1])
-            return world_fail(w, DIG_E_ARG, "%s: a and b both join the body '%s' to the world", type->name, w->bodies.data[r->a].name);
+            return world_fail(w, DIG_E_ARG, "%s: a and b both join %s to the world", type->name, BODY_TEXT(w, &w->bodies.data[r->a]));
         return r->other[0] != r->other[1] ? DIG_OK : world_fail(w, DIG_E_ARG, "%s: a and b are the same joint", type->name);
     }
     if (!api_body(w, def->a, type->name))
@@ -107,9 +107,9 @@ static dig_status find_bodies(const World *w, const JointType *type, const dig_j
     }
     const Body *a = &w->bodies.data[r->a], *b = r->b == NONE ? NULL : &w->bodies.data[r->b];
     if (r->a == r->b)
-        return world_fail(w, DIG_E_ARG, "%s: a and b are the same body '%s'", type->name, a->name);
+        return world_fail(w, DIG_E_ARG, "%s: a and b are the same %s", type->name, BODY_TEXT(w, a));
     if (a->kind != DIG_DYNAMIC && (!b || b->kind != DIG_DYNAMIC))
-        return world_fail(w, DIG_E_ARG, "%s: nothing to hold: neither '%s' nor '%s' can move", type->name, a->name, b ? b->name : "the world");
+        return world_fail(w, DIG_E_ARG, "%s: nothing to hold: neither %s nor %s can move", type->name, BODY_TEXT(w, a), b ? BODY_TEXT(w, b) : "the world");
     return DIG_OK;
 }
 

@@ -25,7 +25,7 @@ static dig_status check(const World *w, const dig_wire_def *def)
     if (!api_body(w, def->a, "link") || !api_body(w, def->b, "link"))
         return DIG_E_DEAD;
     if (def->a.slot == def->b.slot)
-        return world_fail(w, DIG_E_ARG, "link: a and b are the same body '%s'", w->bodies.data[def->a.slot].name);
+        return world_fail(w, DIG_E_ARG, "link: a and b are the same %s", BODY_TEXT(w, &w->bodies.data[def->a.slot]));
     if (!isfinite(def->ratio))
         return world_fail(w, DIG_E_ARG, "link: ratio = %g, must be finite", def->ratio);
     const Layer *l = &w->layers[def->layer];       /* a boundary belongs to no DIG of the layer, whatever else is joined to it */

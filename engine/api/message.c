@@ -69,18 +69,14 @@ static void note_root(World *w, uint64_t root)
     letter->to = first->to;
 }
 
-static const char *name_of(const World *w, dig_body b, char text[80])
+static const char *name_of(const World *w, dig_body b, char text[BODY_TEXT_SIZE])
 {
     const Body *body = world_body(w, b);
     if (!b.gen)
         return "the world";
     if (!body)
         return "a body that is gone";
-    if (body->name[0])
-        snprintf(text, 80, "body '%.63s'", body->name);
-    else
-        snprintf(text, 80, "body #%u", b.slot);
-    return text;
+    return body_text(w, body, text);
 }
 
 /* What waits to be handled of this cascade goes, and all else stays. */
@@ -106,7 +102,7 @@ static void cut_off(World *w, uint64_t root)
 
 static dig_status storm(World *w)
 {
-    char from[80], to[80];
+    char from[BODY_TEXT_SIZE], to[BODY_TEXT_SIZE];
     uint64_t root = w->mail.answering;
     const Letter *first = root_letter(&w->mail, root);
     if (w->mail.answers == MAIL_STORM + 1) {

@@ -157,7 +157,7 @@ static dig_status do_add(World *w, const dig_effect_def *def)
     DIG_TRY(check(w, def));
     real before = api_effects_stored(w);
     DIG_TRY(place(w, def));
-    w->ledger.initial += w->ledger.started ? api_effects_stored(w) - before : 0;
+    api_book_stored(w, before);
     world_wake_all(w);
     return DIG_OK;
 }
@@ -188,7 +188,7 @@ static dig_status do_drop(World *w, const char *name)
     column_close(&gone.members);
     if (--gone.owner->users == 0)
         gone.owner->end(gone.owner);
-    w->ledger.initial += w->ledger.started ? api_effects_stored(w) - before : 0;
+    api_book_stored(w, before);
     world_wake_all(w);
     return DIG_OK;
 }
@@ -256,7 +256,7 @@ dig_status api_own_join(World *w, int effect, uint32_t body)
     real before = api_effects_stored(w);
     if (column_add(&e->members, body, &none, &w->allocations) != DIG_OK)
         return world_fail(w, DIG_E_MEMORY, "effect '%s': not enough memory", e->name);
-    w->ledger.initial += w->ledger.started ? api_effects_stored(w) - before : 0;
+    api_book_stored(w, before);
     body_wake(w, body);
     return DIG_OK;
 }

@@ -129,7 +129,7 @@ static dig_status join(const World *w, const EffectSlot *e, uint32_t body, void 
     const Body *b = &w->bodies.data[body];
     const Heat *old = column_find(&e->members, body);
     if (old && h->temperature != old->temperature) {
-        snprintf(why, capacity, "body '%s': temperature cannot be assigned; use body:warm{to = %g}", b->name, h->temperature);
+        snprintf(why, capacity, "%s: temperature cannot be assigned; use body:warm{to = %g}", BODY_TEXT(w, b), h->temperature);
         return DIG_E_KIND;
     }
     h->temperature = isnan(h->temperature) ? surround_at(e->world, vec3_dot(medium_up(w), b->x)) : h->temperature;
@@ -143,7 +143,7 @@ static dig_status join(const World *w, const EffectSlot *e, uint32_t body, void 
     h->stored = old && h->capacity > 0 ? old->stored : 0;
     h->start = h->capacity > 0 ? h->temperature - h->stored / h->capacity : h->temperature;
     if (!isfinite(h->capacity) || !isfinite(h->surface)) {
-        snprintf(why, capacity, "body '%s': %s is not finite", b->name, isfinite(h->surface) ? "its heat capacity" : "its surface");
+        snprintf(why, capacity, "%s: %s is not finite", BODY_TEXT(w, b), isfinite(h->surface) ? "its heat capacity" : "its surface");
         return DIG_E_ARG;
     }
     return DIG_OK;

@@ -12,10 +12,8 @@ typedef struct Distance {
 } Distance;
 
 static const dig_param distance_rows[] = {
-    {.name = "at_a", .kind = DIG_VEC3, .unit = "m", .doc = "its end on a; default the centre of mass", .fallback = NAN,
-     .min = -1e9, .max = 1e9, .offset = offsetof(Distance, at_a)},
-    {.name = "at_b", .kind = DIG_VEC3, .unit = "m", .doc = "its end on b; default the centre of mass", .fallback = NAN,
-     .min = -1e9, .max = 1e9, .offset = offsetof(Distance, at_b)},
+    JOINT_END("at_a", "its end on a; default the centre of mass", Distance, at_a),
+    JOINT_END("at_b", "its end on b; default the centre of mass", Distance, at_b),
     {.name = "length", .kind = DIG_REAL, .unit = "m", .doc = "distance of the ends; default as they are", .fallback = NAN,
      .min = 1e-6, .max = 1e9, .offset = offsetof(Distance, length)},
     {.name = "min", .kind = DIG_REAL, .unit = "m", .doc = "least distance, instead of length", .fallback = NAN, .min = 0,

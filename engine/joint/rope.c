@@ -11,10 +11,8 @@ typedef struct Rope {
 } Rope;
 
 static const dig_param rope_rows[] = {
-    {.name = "at_a", .kind = DIG_VEC3, .unit = "m", .doc = "its end on a; default the centre of mass", .fallback = NAN,
-     .min = -1e9, .max = 1e9, .offset = offsetof(Rope, at_a)},
-    {.name = "at_b", .kind = DIG_VEC3, .unit = "m", .doc = "its end on b; default the centre of mass", .fallback = NAN,
-     .min = -1e9, .max = 1e9, .offset = offsetof(Rope, at_b)},
+    JOINT_END("at_a", "its end on a; default the centre of mass", Rope, at_a),
+    JOINT_END("at_b", "its end on b; default the centre of mass", Rope, at_b),
     {.name = "length", .kind = DIG_REAL, .unit = "m", .doc = "greatest distance of the ends; default as they are",
      .fallback = NAN, .min = 1e-6, .max = 1e9, .offset = offsetof(Rope, length)},
     {.name = NULL},

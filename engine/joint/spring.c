@@ -16,10 +16,8 @@ typedef struct Spring {
 } Spring;
 
 static const dig_param spring_rows[] = {
-    {.name = "at_a", .kind = DIG_VEC3, .unit = "m", .doc = "its end on a; default the centre of mass", .fallback = NAN,
-     .min = -1e9, .max = 1e9, .offset = offsetof(Spring, at_a)},
-    {.name = "at_b", .kind = DIG_VEC3, .unit = "m", .doc = "its end on b; default the centre of mass", .fallback = NAN,
-     .min = -1e9, .max = 1e9, .offset = offsetof(Spring, at_b)},
+    JOINT_END("at_a", "its end on a; default the centre of mass", Spring, at_a),
+    JOINT_END("at_b", "its end on b; default the centre of mass", Spring, at_b),
     {.name = "stiffness", .kind = DIG_REAL, .unit = "N/m", .doc = "force per distance", .fallback = NAN, .min = 0, .max = 1e12,
      .offset = offsetof(Spring, stiffness), .required = true},
     {.name = "damping", .kind = DIG_REAL, .unit = "N*s/m", .doc = "force per speed", .min = 0, .max = 1e12,

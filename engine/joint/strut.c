@@ -26,10 +26,8 @@ typedef struct Strut {
 } Strut;
 
 static const dig_param strut_rows[] = {
-    {.name = "at_a", .kind = DIG_VEC3, .unit = "m", .doc = "its end on a; default the centre of mass", .fallback = NAN,
-     .min = -1e9, .max = 1e9, .offset = offsetof(Strut, at_a)},
-    {.name = "at_b", .kind = DIG_VEC3, .unit = "m", .doc = "its end on b; default the centre of mass", .fallback = NAN,
-     .min = -1e9, .max = 1e9, .offset = offsetof(Strut, at_b)},
+    JOINT_END("at_a", "its end on a; default the centre of mass", Strut, at_a),
+    JOINT_END("at_b", "its end on b; default the centre of mass", Strut, at_b),
     {.name = "stiffness", .kind = DIG_REAL, .unit = "N", .doc = "EA: modulus times section, force per strain", .fallback = NAN,
      .min = 0, .max = 1e15, .offset = offsetof(Strut, stiffness), .required = true},
     {.name = "damping", .kind = DIG_REAL, .unit = "N*s/m", .doc = "force per speed", .min = 0, .max = 1e12,

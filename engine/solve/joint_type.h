@@ -49,6 +49,11 @@ typedef struct JointType {
     bool       (*at_limit)(const JointView *j);
 } JointType;
 
+/* The row of one end of a type with two_anchors. */
+#define JOINT_END(key, text, params, field)                                                      \
+    {.name = (key), .kind = DIG_VEC3, .unit = "m", .doc = (text), .fallback = NAN, .min = -1e9, .max = 1e9, \
+     .offset = offsetof(params, field)}
+
 /* Load over what the joint bears, 0 where nothing breaks it. */
 real joint_share(const JointView *j, vec3 force, vec3 couple);
 

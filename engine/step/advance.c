@@ -249,7 +249,7 @@ static dig_status name_culprit(World *w, const Group *g)
 {
     const char *effect = g->culprit_effect ? g->culprit_effect : "solver";
     const Body *b = g->culprit >= 0 ? &w->bodies.data[g->member[g->culprit].slot] : NULL;
-    return world_fail(w, DIG_E_FINITE, "at t = %g s effect '%s' gave body '%s' a non-finite %s", world_time(w), effect, b ? b->name : "?",
+    return world_fail(w, DIG_E_FINITE, "at t = %g s effect '%s' gave %s a non-finite %s", world_time(w), effect, b ? BODY_TEXT(w, b) : "?",
                       strcmp(effect, "solver") == 0 || strcmp(effect, "state") == 0 ? "velocity" : "force");
 }
 
@@ -367,9 +367,9 @@ static dig_status check_range(World *w, const Group *g)
         const Body *b = &w->bodies.data[g->member[i].slot];
         w->stats.rejected++;
         if (fast > WORLD_FAST)
-            return world_fail(w, DIG_E_FINITE, "at t = %g s body '%s' would have a velocity or spin of %g m/s or rad/s, must be at most %g",
-                              world_time(w), b->name, fast, WORLD_FAST);
-        return world_fail(w, DIG_E_FINITE, "at t = %g s body '%s' would be %g m from the origin, must be at most %g m", world_time(w), b->name,
+            return world_fail(w, DIG_E_FINITE, "at t = %g s %s would have a velocity or spin of %g m/s or rad/s, must be at most %g",
+                              world_time(w), BODY_TEXT(w, b), fast, WORLD_FAST);
+        return world_fail(w, DIG_E_FINITE, "at t = %g s %s would be %g m from the origin, must be at most %g m", world_time(w), BODY_TEXT(w, b),
                           far, WORLD_FAR);
     }
     return DIG_OK;

@@ -234,7 +234,7 @@ static void sense_share(void *context, int thread, int threads)
 static dig_status insane(World *w, const Body *b)
 {
     w->stats.rejected++;
-    return world_fail(w, DIG_E_FINITE, "at t = %g s the state of body '%s' has a non-finite position or velocity", world_time(w), b->name);
+    return world_fail(w, DIG_E_FINITE, "at t = %g s the state of %s has a non-finite position or velocity", world_time(w), BODY_TEXT(w, b));
 }
 
 /* Gives the leaves that have been left new boxes, and asks who is near. */

@@ -6,6 +6,24 @@
 
 #include <stdio.h>
 
+/* ---- in messages ---- */
+
+const char *new_body_text(const char *name, char text[BODY_TEXT_SIZE])
+{
+    if (!name[0])
+        return "body";
+    snprintf(text, BODY_TEXT_SIZE, "body '%.63s'", name);
+    return text;
+}
+
+const char *body_text(const World *w, const Body *b, char text[BODY_TEXT_SIZE])
+{
+    if (b->name[0])
+        return new_body_text(b->name, text);
+    snprintf(text, BODY_TEXT_SIZE, "body #%d", (int)(b - w->bodies.data));
+    return text;
+}
+
 /* ---- solids ---- */
 
 /* Its box is to be compared with all others at the next step. */
@@ -114,11 +132,11 @@ static dig_status set_mass_from_shapes(World *w, Body *b, const dig_body_def *de
     for (int i = 0; i < def->shape_count; i++) {
         const ShapeType *type = shapes[i].type;
         if (!type->mass)
-            return world_fail(w, DIG_E_ARG, "body '%s': a %s has no mass: make the body fixed or kinematic", b->name, type->name);
+            return world_fail(w, DIG_E_ARG, "%s: a %s has no mass: make the body fixed or kinematic", NEW_BODY_TEXT(b->name), type->name);
         MassProps unit;
         type->mass(&shapes[i], &unit);
         if (!(unit.volume > 0))
-            return world_fail(w, DIG_E_ARG, "body '%s': its %s has volume %g m^3, must be > 0 (is the mesh closed?)", b->name, type->name, unit.volume);
+            return world_fail(w, DIG_E_ARG, "%s: its %s has volume %g m^3, must be > 0 (is the mesh closed?)", NEW_BODY_TEXT(b->name), type->name, unit.volume);
         real density = isnan(def->density) ? w->materials.data[materials[i]].def.density : def->density;
         pose at = quat_norm2(def->shapes[i].at.q) > 0 ? def->shapes[i].at : (pose){def->shapes[i].at.p, quat_identity()};
         mass_add(&sum, &unit, density, at);
@@ -143,25 +161,25 @@ static dig_status set_mass_from_shapes(World *w, Body *b, const dig_body_def *de
 
 static dig_status check_def(const World *w, const dig_body_def *def)
 {
-    const char *name = def->name.s[0] ? def->name.s : "(no name)";
+    const char *name = NEW_BODY_TEXT(def->name.s);
     if (def->fixed && def->kinematic)
-        return world_fail(w, DIG_E_ARG, "body '%s': fixed and kinematic exclude each other", name);
+        return world_fail(w, DIG_E_ARG, "%s: fixed and kinematic exclude each other", name);
     if (!vec3_finite(def->at) || !vec3_finite(def->velocity) || !vec3_finite(def->spin) || !quat_finite(def->rotation))
-        return world_fail(w, DIG_E_ARG, "body '%s': at, rotation, velocity and spin must be finite", name);
+        return world_fail(w, DIG_E_ARG, "%s: at, rotation, velocity and spin must be finite", name);
     if (!isnan(def->mass) && !(def->mass > 0 && isfinite(def->mass)))
-        return world_fail(w, DIG_E_ARG, "body '%s': mass = %g kg, must be > 0%s", name, def->mass,
+        return world_fail(w, DIG_E_ARG, "%s: mass = %g kg, must be > 0%s", name, def->mass,
                           def->mass == 0 ? " (a body without mass is fixed = true or kinematic = true)" : "");
     if (!isnan(def->density) && !(def->density > 0 && isfinite(def->density)))
-        return world_fail(w, DIG_E_ARG, "body '%s': density = %g kg/m^3, must be > 0", name, def->density);
+        return world_fail(w, DIG_E_ARG, "%s: density = %g kg/m^3, must be > 0", name, def->density);
     if (!(quat_norm2(def->rotation) > 0.98 && quat_norm2(def->rotation) < 1.02))
-        return world_fail(w, DIG_E_ARG, "body '%s': rotation has length %g, must be 1", name, sqrt(quat_norm2(def->rotation)));
+        return world_fail(w, DIG_E_ARG, "%s: rotation has length %g, must be 1", name, sqrt(quat_norm2(def->rotation)));
     if (def->shape_count < 1 || def->shape_count > 4096)
-        return world_fail(w, DIG_E_ARG, "body '%s': %d shapes, must be 1..4096", name, def->shape_count);
+        return world_fail(w, DIG_E_ARG, "%s: %d shapes, must be 1..4096", name, def->shape_count);
     for (int i = 0; i < def->shape_count; i++)
         if (!vec3_finite(def->shapes[i].at.p) || !quat_finite(def->shapes[i].at.q))
-            return world_fail(w, DIG_E_ARG, "body '%s': the place of its shape %d must be finite", name, i + 1);
+            return world_fail(w, DIG_E_ARG, "%s: the place of its shape %d must be finite", name, i + 1);
     if (def->material.s[0] && material_find(w, def->material.s) < 0)
-        return world_fail(w, DIG_E_ARG, "body '%s': there is no material '%s'", name, def->material.s);
+        return world_fail(w, DIG_E_ARG, "%s: there is no material '%s'", name, def->material.s);
     return DIG_OK;
 }
 
@@ -183,8 +201,8 @@ static dig_status make_shapes(World *w, const dig_body_def *def, Shape *shapes, 
         if (status != DIG_OK) {
             while (--i >= 0)
                 shape_free(&shapes[i]);
-            return materials[0] < 0 || !why[0] ? world_fail(w, status, "body '%s': there is no material '%s'", def->name.s, s->material.s)
-                                               : world_fail(w, status, "body '%s': %s", def->name.s, why);
+            return materials[0] < 0 || !why[0] ? world_fail(w, status, "%s: there is no material '%s'", NEW_BODY_TEXT(def->name.s), s->material.s)
+                                               : world_fail(w, status, "%s: %s", NEW_BODY_TEXT(def->name.s), why);
         }
     }
     return DIG_OK;
@@ -214,7 +232,7 @@ static dig_status attach_solids(World *w, uint32_t slot, const dig_body_def *def
         dig_status s = solid_add(w, slot, &kept, at, pose_unpoint(at, b->centre), &surface, colour, &solid);
         if (s != DIG_OK) {
             shape_free(&kept);
-            return world_fail(w, s, "body '%s': not enough memory", b->name);
+            return world_fail(w, s, "%s: not enough memory", NEW_BODY_TEXT(b->name));
         }
         *(last == NONE ? &b->shape_first : &w->solids.data[last].next) = solid;
         last = solid;
@@ -300,7 +318,7 @@ dig_status body_create(World *w, const dig_body_def *given, dig_body *out)
     Shape *shapes = arena_zero(&w->scratch, (size_t)def->shape_count * sizeof *shapes);
     int *materials = arena_zero(&w->scratch, (size_t)def->shape_count * sizeof *materials);
     if (!shapes || !materials)
-        return world_fail(w, DIG_E_MEMORY, "body '%s': not enough memory", def->name.s);
+        return world_fail(w, DIG_E_MEMORY, "%s: not enough memory", NEW_BODY_TEXT(def->name.s));
     DIG_TRY(make_shapes(w, def, shapes, materials));
     still.fixed = still.fixed || stands_still(def, shapes);
 
@@ -317,7 +335,7 @@ dig_status body_create(World *w, const dig_body_def *given, dig_body *out)
             slot_give(w, &w->free_bodies, slot);
         }
     } else {
-        world_fail(w, s, "body '%s': not enough memory after %u bodies", def->name.s, old_count);
+        world_fail(w, s, "%s: not enough memory after %u bodies", NEW_BODY_TEXT(def->name.s), old_count);
     }
     for (int i = 0; i < def->shape_count; i++)
         shape_free(&shapes[i]);         /* the solids hold references of their own */

@@ -8,15 +8,15 @@ static dig_status check_bodies(const World *w)
         if (!b->alive)
             continue;
         if (!vec3_finite(b->x) || !vec3_finite(b->v) || !vec3_finite(b->w) || !quat_finite(b->q))
-            return world_fail(w, DIG_E_FINITE, "body '%s' has a non-finite position or velocity", b->name);
+            return world_fail(w, DIG_E_FINITE, "%s has a non-finite position or velocity", BODY_TEXT(w, b));
         if (!(fabs(quat_norm2(b->q) - 1) < 1e-12))
-            return world_fail(w, DIG_E_ARG, "body '%s': |q|^2 - 1 = %g", b->name, quat_norm2(b->q) - 1);
+            return world_fail(w, DIG_E_ARG, "%s: |q|^2 - 1 = %g", BODY_TEXT(w, b), quat_norm2(b->q) - 1);
         if ((b->kind == DIG_DYNAMIC) != graph_has_node(w->graph, (uint32_t)i))
-            return world_fail(w, DIG_E_ARG, "body '%s': dynamic bodies, and only they, are in a DIG", b->name);
+            return world_fail(w, DIG_E_ARG, "%s: dynamic bodies, and only they, are in a DIG", BODY_TEXT(w, b));
         if (b->kind == DIG_DYNAMIC && b->awake && !b->listed)
-            return world_fail(w, DIG_E_ARG, "body '%s': awake = %d but listed = %d", b->name, b->awake, b->listed);
+            return world_fail(w, DIG_E_ARG, "%s: awake = %d but listed = %d", BODY_TEXT(w, b), b->awake, b->listed);
         if (b->kind == DIG_DYNAMIC && !b->awake && (vec3_length2(b->v) > 0 || vec3_length2(b->w) > 0))
-            return world_fail(w, DIG_E_ARG, "body '%s' sleeps but moves", b->name);
+            return world_fail(w, DIG_E_ARG, "%s sleeps but moves", BODY_TEXT(w, b));
     }
     return DIG_OK;
 }

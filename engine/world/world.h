@@ -373,6 +373,12 @@ uint64_t   world_hash(const World *w);
 
 /* body.c */
 dig_status body_create(World *w, const dig_body_def *def, dig_body *out);
+/* For messages: "body 'crate'", or "body #12" where it has no name; of one that is being made, and has no number yet, "body". */
+enum { BODY_TEXT_SIZE = 80 };
+const char *body_text(const World *w, const Body *b, char text[BODY_TEXT_SIZE]);
+const char *new_body_text(const char *name, char text[BODY_TEXT_SIZE]);
+#define BODY_TEXT(w, b)     body_text((w), (b), (char[BODY_TEXT_SIZE]){0})
+#define NEW_BODY_TEXT(name) new_body_text((name), (char[BODY_TEXT_SIZE]){0})
 void       body_remove(World *w, uint32_t slot);
 void       body_wake(World *w, uint32_t slot);          /* its whole DIG */
 void       world_wake_all(World *w);

@@ -5,14 +5,17 @@ local next, type = next, type
 
 local methods = core.types.world.methods
 
--- Splits a table of fields: those named in spec, checked; the others, which must be fields of a body.
-local function split(what, fields, spec)
+-- Splits a table of fields: those named in spec, checked; the others, which must be fields of a body, but none of those that the thing
+-- gives its bodies itself. taken: field -> what to give instead, or nil
+function core.split(what, fields, spec, taken)
   if type(fields) ~= "table" then core.fail("%s wants a table of fields; got %s", what, core.type(fields)) end
   local own, rest = {}, {}
   local strange
   for key, value in next, fields do
     if spec[key] then
       own[key] = value
+    elseif taken and taken[key] then
+      core.fail("%s: %s is no field of it: %s", what, key, taken[key])
     else
       rest[key] = value
       if not core.body_fields[key] and (not strange or tostring(key) < tostring(strange)) then strange = key end
@@ -22,10 +25,57 @@ local function split(what, fields, spec)
   return core.check(own, what, spec), rest
 end
 
-local function need(what, own, ...)
+function core.need(what, own, ...)
   for _, key in ipairs { ... } do
     if own[key] == nil then core.fail("%s: %s is missing", what, key) end
   end
+end
+
+-- ---- landscapes ----
+
+local GRID_LIMIT = 4096
+local grid_fields = { size = { "vec m", "extents along x and z", need = true } }
+
+-- The fields as the engine's shape takes them: size = {x, z} with a y between, height = function(x, z) as a list of rows of heights.
+local function landscape(what, fields)
+  if type(fields) ~= "table" then return fields end
+  local own, height = {}, fields.height
+  for key, value in next, fields do own[key] = value end
+  if type(own.size) == "table" and #own.size == 2 then own.size = { own.size[1], 0, own.size[2] } end
+  if height == nil then return own end
+  if type(height) ~= "function" then core.fail("%s.height wants a function of x and z; got %s", what, core.type(height)) end
+  if own.heights ~= nil then core.fail("%s: give either height or heights", what) end
+  core.need(what, own, "columns", "rows", "size")
+  for _, key in ipairs { "columns", "rows" } do
+    local n = own[key]
+    if math.type(n) ~= "integer" or n < 2 or n > GRID_LIMIT then
+      core.fail("%s: %s = %s, must be an integer of 2 to %d", what, key, tostring(n), GRID_LIMIT)
+    end
+  end
+  local size = core.check({ size = own.size }, what, grid_fields).size
+  own.height, own.heights = nil, {}
+  for j = 1, own.rows do
+    local row, z = {}, size.z * ((j - 1) / (own.rows - 1) - 0.5)
+    for i = 1, own.columns do
+      local x = size.x * ((i - 1) / (own.columns - 1) - 0.5)
+      row[i] = height(x, z)
+      if type(row[i]) ~= "number" then core.fail("%s.height(%g, %g) gives %s, must be a number", what, x, z, core.type(row[i])) end
+    end
+    own.heights[j] = row
+  end
+  return own
+end
+
+local heightfield, heightfield_shape = methods.heightfield, core.shapes.heightfield
+
+-- world:heightfield{size = {x, z}, heights = {{...}, ...}} or {size =, columns =, rows =, height = function(x, z)} -> body
+function methods.heightfield(world, fields)
+  return heightfield(world, landscape("world:heightfield", fields))
+end
+
+-- The same as a shape.
+function core.shapes.heightfield(fields)
+  return heightfield_shape(landscape("digbox.heightfield", fields))
 end
 
 -- ---- floor and room ----
@@ -35,7 +85,7 @@ core.declare("world:floor", { "The fixed plane y = 0.", with = { "body" }, optio
 
 -- world:floor{...}: the fixed plane y = 0
 function methods.floor(world, fields)
-  local _, rest = split("world:floor", fields or {}, {})
+  local _, rest = core.split("world:floor", fields or {}, {})
   rest.normal, rest.offset = { 0, 1, 0 }, 0
   if rest.name == nil then rest.name = "floor" end
   return plane(world, rest)
@@ -90,15 +140,15 @@ local rod_fields = core.declare("world:rod", { "A round bar.", fields = {
 
 -- world:rod{length=, radius=, from=, along=} or {from=, to=, radius=} or {at=, rotation=, length=, radius=}: a round bar
 function methods.rod(world, fields)
-  local own, rest = split("world:rod", fields, rod_fields)
+  local own, rest = core.split("world:rod", fields, rod_fields)
   if own.to then
-    need("world:rod", own, "from")
+    core.need("world:rod", own, "from")
     if own.along or own.length then core.fail "world:rod: to already says along and length" end
     own.along, own.length = own.to - own.from, #(own.to - own.from)
     if own.length <= 0 then core.fail "world:rod: from and to are the same point" end
     own.along = own.along:normalized()
   end
-  need("world:rod", own, "length", "radius")
+  core.need("world:rod", own, "length", "radius")
   if own.from and rest.at ~= nil then core.fail "world:rod: from and at both say where" end
   if own.along and rest.rotation ~= nil then core.fail "world:rod: along and rotation both say which way" end
   if own.along then rest.rotation = core.quat { from = { 0, 1, 0 }, to = own.along } end
@@ -144,8 +194,8 @@ end
 -- world:bucket{height=, top_radius=, bottom_radius=, wall=, parts=, at=, ...}: open at the top; `at` is the middle of its underside;
 -- parts: a list of further shapes that belong to it, such as a rim or pins for a handle
 function methods.bucket(world, fields)
-  local own, rest = split("world:bucket", fields, bucket_fields)
-  need("world:bucket", own, "height", "top_radius")
+  local own, rest = core.split("world:bucket", fields, bucket_fields)
+  core.need("world:bucket", own, "height", "top_radius")
   own.bottom_radius = own.bottom_radius or own.top_radius
   own.wall = own.wall or math.min(own.height, own.bottom_radius) * 0.05
   local n = own.segments

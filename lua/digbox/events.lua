@@ -40,7 +40,7 @@ local function book_of(state, kind)
 end
 
 local filter_fields = {
-  with = { "any", "only with this body, or one of these", type = "body|body[]" },
+  with = { "any", "only with this body, or one of these; a name: the body that has it now", type = "body|string|(body|string)[]" },
   faster_than = { "real m/s", "only when they close faster" }, harder_than = { "real N*s", "only when the blow is harder" },
   wall = { "text", "only with this wall of the room", of = { "+x", "-x", "+y", "-y", "+z", "-z" } },
   kind = { "text", "of a link: only of that kind; of a message: only with that name" },
@@ -52,16 +52,27 @@ core.declare("world:on", { "Calls a function at every event of a kind.", takes =
 core.declare("body:on", { "Calls a function at every event of a kind that this body takes part in; it is `self` in the event.",
   takes = on_takes, fields = filter_fields, filter = true, gives = "subscription" })
 
-local function read_filter(filter, what)
+-- The body itself, or the one that has that name now.
+local function body_called(world, what, given)
+  local body = given
+  if type(given) == "string" then
+    body = world:find(given)
+    if core.type(body) ~= "body" then core.fail("%s: there is no body '%s'", what, given) end
+  end
+  if core.type(body) ~= "body" then core.fail("%s wants a body; got %s", what, core.type(body)) end
+  return body
+end
+
+local function read_filter(filter, what, world)
   if filter == nil then return nil end
   local f = core.check(filter, what, filter_fields)
-  if f.with ~= nil and core.type(f.with) ~= "body" then
-    if type(f.with) ~= "table" then core.fail("%s.with wants a body or a list of bodies; got %s", what, core.type(f.with)) end
-    for i, b in ipairs(f.with) do
-      if core.type(b) ~= "body" then core.fail("%s.with[%d] wants a body; got %s", what, i, core.type(b)) end
-    end
+  if type(f.with) == "string" or core.type(f.with) == "body" then
+    f.with = { body_called(world, what .. ".with", f.with) }
   elseif f.with ~= nil then
-    f.with = { f.with }
+    if type(f.with) ~= "table" then core.fail("%s.with wants a body or a list of bodies; got %s", what, core.type(f.with)) end
+    local bodies = {}
+    for i, b in ipairs(f.with) do bodies[i] = body_called(world, ("%s.with[%d]"):format(what, i), b) end
+    f.with = bodies
   end
   if f.region ~= nil and core.type(f.region) ~= "region" then
     core.fail("%s.region wants a region; got %s", what, core.type(f.region))
@@ -78,7 +89,7 @@ local function subscribe(world, body, what, kind, filter, fn)
   local book = book_of(state, kind)
   state.subscriptions = state.subscriptions + 1
   local sub = { id = state.subscriptions, fn = fn, body = body, world = world, kind = kind, active = true, book = book,
-    filter = read_filter(filter, what) }
+    filter = read_filter(filter, what, world) }
   local list = book.everyone
   if body then
     list = book.by_body[body] or {}

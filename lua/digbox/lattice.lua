@@ -87,7 +87,7 @@ local function tie(world, self, own, a, b, share)
 end
 
 local function begin(world, what, own, rest)
-  soft.need("world:" .. what, own, "stiffness", "mass")
+  core.need("world:" .. what, own, "stiffness", "mass")
   return { kind = what, name = rest.name or what, world = world, bodies = {}, joints = {}, node = {}, breaks_at = own.breaks_at,
     group = rest.group or soft.group(world) }
 end
@@ -148,7 +148,7 @@ end
 -- pins = "top" | "corners" | "none" | {{1, 1}, ...}, relaxation=, breaks_at=, shear = 0.1} -> cloth
 function methods.cloth(world, fields)
   local own, rest = soft.split("world:cloth", fields, cloth_fields, taken)
-  soft.need("world:cloth", own, "at", "across", "down")
+  core.need("world:cloth", own, "at", "across", "down")
   if own.columns * own.rows > 10000 or own.columns * own.rows < 2 then
     core.fail("world:cloth: %d columns of %d rows, must be 2 to 10000 particles", own.columns, own.rows)
   end
@@ -217,7 +217,7 @@ end
 -- shear = 0.5} -> lattice: a body of particles that springs back
 function methods.lattice(world, fields)
   local own, rest = soft.split("world:lattice", fields, lattice_fields, taken)
-  soft.need("world:lattice", own, "at", "size")
+  core.need("world:lattice", own, "at", "size")
   local size, cells = triple("world:lattice.size", own.size, 1e-6, "m"), triple("world:lattice.cells", own.cells or 2, 1, "1")
   local n = {}
   for i = 1, 3 do

@@ -26,7 +26,7 @@ local taken = { at = "give from and to", rotation = "give from, to and up" }
 -- Everything about the beam but where it lies
 local function complete(world, own, rest)
   local what = "world:plank"
-  soft.need(what, own, "from", "to", "width", "height")
+  core.need(what, own, "from", "to", "width", "height")
   for _, key in ipairs { "from", "to" } do
     local how, body = own[key .. "_end"], own[key .. "_body"]
     if not ends[how] then core.unknown(what .. ":", ("unknown %s_end"):format(key), how, ends) end
@@ -160,7 +160,7 @@ function plank_methods.point(p, s) return point(p[1], s, "plank:point") end
 -- p:push{at = s, force=}: on the centre line, for the next step
 function plank_methods.push(p, fields)
   local f = core.check(fields, "plank:push")
-  soft.need("plank:push", f, "at", "force")
+  core.need("plank:push", f, "at", "force")
   local body, at = piece_at(p[1], f.at, "plank:push.at")
   body:push { force = f.force, at = body.position + body.rotation:rotate(at) }
   return p

@@ -42,7 +42,7 @@ end
 local function ends_of(own)
   check_body(own.a, "a")
   check_body(own.b, "b")
-  soft.need("world:rope", own, "a")
+  core.need("world:rope", own, "a")
   local from, to = own.at_a or own.at, own.at_b or own.to
   if not own.b and not to then from, to = own.at_a, own.at end
   to = to or own.b and own.b.position

@@ -120,6 +120,7 @@ core.declare("world:region", { "Makes a part of space with laws of its own.", fi
 --              force=function(body) end}} -> region
 -- force is asked before each step for each body inside: a force in N for that step, or nil. It is not part of saved worlds.
 function methods.region(world, fields)
+  if core.type(fields) == "shape" then fields = { fields } end
   local region = core.region(world, fields)
   local state, kept = core.lua_state(world), {}
   -- After world:restore, a new region can have the number of one that was made after the snapshot.

@@ -15,34 +15,14 @@ local STRUCTURAL = { strut = true, beam = true }
 
 -- ---- fields ----
 
--- Splits a table of fields: those of the spec, checked; the others, which must be fields of a body, but none of those that the thing
--- gives its bodies itself. taken: field -> what to give instead
+-- core.split; what goes to the bodies is checked, too, and the name must leave room for those of the parts.
 function soft.split(what, fields, spec, taken)
-  if type(fields) ~= "table" then core.fail("%s wants a table of fields; got %s", what, core.type(fields)) end
-  local own, rest = {}, {}
-  local strange
-  for key, value in next, fields do
-    if spec[key] then
-      own[key] = value
-    elseif taken[key] then
-      core.fail("%s: %s is no field of it: %s", what, key, taken[key])
-    else
-      rest[key] = value
-      if not core.body_fields[key] and (not strange or tostring(key) < tostring(strange)) then strange = key end
-    end
-  end
-  if strange ~= nil then core.unknown(what .. ":", "unknown field", tostring(strange), spec, core.body_fields) end
+  local own, rest = core.split(what, fields, spec, taken)
   core.check_body(rest, what)
   if rest.name and #rest.name > LONGEST then
     core.fail("%s.name has %d bytes, must have at most %d: its parts are named by it", what, #rest.name, LONGEST)
   end
-  return core.check(own, what, spec), rest
-end
-
-function soft.need(what, own, ...)
-  for _, key in ipairs { ... } do
-    if own[key] == nil then core.fail("%s: %s is missing", what, key) end
-  end
+  return own, rest
 end
 
 -- All of it or nothing: what fails half way takes back the bodies that are there, and with them their joints.
@@ -250,7 +230,7 @@ soft.saw_along = { at = { "any", "metres from its start, or the nearest to this 
 function soft.saw(thing, fields)
   local self = thing[1]
   local f = core.check(fields, self.kind .. ":saw", self.where and soft.saw_along or soft.saw_fields)
-  soft.need(self.kind .. ":saw", f, "at", "depth")
+  core.need(self.kind .. ":saw", f, "at", "depth")
   local at = self.where and self.where(self, f.at) or f.at
   local j = nearest(self.joints, at)
   if j then soft.cut(j, f.depth, self.thickness) end
@@ -321,7 +301,7 @@ local function make_nodes(world, self, own, rest)
   for _, name in ipairs(names) do
     local what = ("world:truss.nodes.%s"):format(tostring(name))
     local node = core.check(own.nodes[name], what, node_fields)
-    soft.need(what, node, "at")
+    core.need(what, node, "at")
     local set, n = held(what, node.fixed, own.plane)
     local fields = {}
     for k, v in next, rest do fields[k] = v end
@@ -445,7 +425,7 @@ local new_truss = soft.class("truss", "A framework of struts.", truss_methods,
 -- breaks_at=, price=, budget=, plane = "xy"} -> truss
 function methods.truss(world, fields)
   local own, rest = soft.split("world:truss", fields, truss_fields, taken)
-  soft.need("world:truss", own, "nodes", "struts")
+  core.need("world:truss", own, "nodes", "struts")
   for _, key in ipairs { "nodes", "struts" } do
     if type(own[key]) ~= "table" then core.fail("world:truss.%s wants a table; got %s", key, core.type(own[key])) end
   end

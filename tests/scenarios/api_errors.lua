@@ -127,6 +127,25 @@ scenario("fields, methods, events and modules that do not exist are errors", fun
   says(function() require "nonsense" end, "module 'nonsense' not found beside the script")
 end)
 
+scenario("a body without a name is told by its number everywhere", function(s)
+  local world = s.world
+  local a, b = world:box { size = 1, fixed = true }, world:box { size = 1, fixed = true, at = { 3, 0, 0 } }
+  local ball = world:ball { radius = 1, at = { 9, 9, 9 } }
+  expect(tostring(ball)):is "body #2"
+  says(function() a:push { force = { 1, 0, 0 } } end, "push: body #0 is fixed: nothing can push it")
+  says(function() world:hinge { a = a, b = b } end, "world:hinge: hinge: nothing to hold: neither body #0 nor body #1 can move")
+  says(function() world:hinge { a = ball, b = ball } end, "world:hinge: hinge: a and b are the same body #2")
+  says(function() ball.mass = -1 end, "body #2: mass = -1 kg, must be > 0")
+  ball:remove()
+  expect(tostring(ball)):is "removed body #2"
+end)
+
+scenario("a body that was never made has no number, and what would have made it is named", function(s)
+  says(function() s.world:box { size = 1, fixed = true, kinematic = true } end, "world:box: fixed and kinematic exclude each other")
+  says(function() s.world:box { name = "b", size = 1, fixed = true, kinematic = true } end,
+    "body 'b': fixed and kinematic exclude each other")
+end)
+
 scenario("state cannot be assigned", function(s)
   local ball = s.world:ball { radius = 1 }
   says(function() ball.position = { 0, 1, 0 } end, "body.position is state and cannot be assigned: use :teleport")
@@ -152,7 +171,7 @@ scenario("what is called or passed wrongly is said", function(s)
   says(function() world:sphere { radius = 1, group = "7" } end, "world:sphere.group wants a whole number; got string")
   says(function() world:sphere { radius = 1, name = ("x"):rep(100) } end, "world:sphere.name has 100 bytes, must have at most 63")
   says(function() world:sphere { radius = 1, name = "a\nb" } end, "world:sphere.name holds a control character")
-  says(function() world:sphere {} end, "world:sphere: radius is missing (radius)")
+  says(function() world:sphere {} end, "world:sphere: radius is missing")
   says(function() ball:push { force = 3 } end, "body:push: force is a number; it needs along = {x, y, z}")
   elsewhere:close()
   says(function() return stranger.position end, "the body's world is closed")

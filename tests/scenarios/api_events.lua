@@ -208,3 +208,17 @@ scenario("an error in a task comes out with its own line", function(s)
   expect(expect(function() world:run(1) end):fails()):contains "in the task"
   expect(function() world:spawn(3) end):fails()
 end)
+
+scenario("a filter names the body by its name, too", function(s)
+  local world = s.world
+  world:floor()
+  world:ball { name = "one", radius = 0.5, at = { 0, 0.6, 0 } }
+  world:ball { name = "two", radius = 0.5, at = { 5, 0.6, 0 } }
+  local met = {}
+  world:on("contact_begin", { with = "two" }, function(e) met[#met + 1] = { e.a, e.b } end)
+  world:run(0.5)
+  expect(#met):is(1)
+  expect(met[1][1].name == "two" or met[1][2].name == "two"):is(true)
+  local message = expect(function() world:on("contact_begin", { with = { "one", "three" } }, print) end):fails()
+  expect(message):contains "world:on.with[2]: there is no body 'three'"
+end)

@@ -186,6 +186,51 @@ scenario("a method that is not called says so", function(s)
   expect_failure(function() return (function() end).x end, "attempt to index a function value (field 'x')")
 end)
 
+scenario("a shape can stand alone for an overlap and a region, and lies where it is", function(s)
+  local world = s.world
+  local near, far = world:ball { radius = 1 }, world:ball { radius = 1, at = { 9, 0, 0 } }
+  expect(world:overlap(digbox.sphere { radius = 2 })):is { near }
+  expect(world:overlap(digbox.sphere { radius = 2, at = { 9, 0, 0 } })):is { far }
+  expect(world:region(digbox.sphere { radius = 2, at = { 9, 0, 0 } }):bodies()):is { far }
+end)
+
+scenario("a ray gives all that it meets, by distance", function(s)
+  local world = s.world
+  for i = 300, 1, -1 do world:ball { radius = 0.1, at = { i, 0, 0 }, fixed = true } end
+  local hits = world:ray { from = { 0, 0, 0 }, along = { 1, 0, 0 } }
+  expect(#hits):is(300)
+  for i, hit in ipairs(hits) do expect(hit.distance):near(i - 0.1, 1e-9) end
+  expect(#world:ray { from = { 0, 0, 0 }, to = { 64.5, 0, 0 } }):is(64)
+  expect(#world:ray { from = { 0, 0, 0 }, to = { 65.5, 0, 0 } }):is(65)
+end)
+
+scenario("the heights of a landscape can be a function of x and z, and its size two numbers", function(s)
+  local world = s.world
+  local function height(x, z) return 0.5 * x - 0.25 * z end
+  local at = { { -3, -1 }, { 0, 0 }, { 2.5, 1.5 } }
+  world:heightfield { size = { 8, 4 }, columns = 9, rows = 5, height = height }
+  for _, p in ipairs(at) do
+    local hits = world:ray { from = { p[1], 10, p[2] }, along = { 0, -1, 0 } }
+    expect(hits[1].point.y):near(height(p[1], p[2]), 1e-12)
+  end
+  expect(#world:ray { from = { 3.9, 10, 1.9 }, along = { 0, -1, 0 } }):is(1)
+  expect(world:ray { from = { 4.1, 10, 0 }, along = { 0, -1, 0 } }):is_empty()
+  expect(world:ray { from = { 0, 10, 2.1 }, along = { 0, -1, 0 } }):is_empty()
+  local part = digbox.heightfield { size = { "800 cm", "4 m" }, columns = 2, rows = 2, height = function() return 7 end, at = { 0, 1, 0 } }
+  world:body { parts = { part }, fixed = true }
+  expect(world:ray { from = { 0, 10, 0 }, along = { 0, -1, 0 } }[1].point.y):near(8, 1e-12)
+  expect_failure(function() world:heightfield { size = { 8, 4 }, height = height } end, "world:heightfield: columns is missing")
+  expect_failure(function() world:heightfield { size = { 8, 4 }, columns = 1, rows = 3, height = height } end,
+    "world:heightfield: columns = 1, must be an integer of 2 to 4096")
+  expect_failure(function() world:heightfield { size = 3, columns = 2, rows = 2, height = height } end, "world:heightfield.size wants")
+  expect_failure(function() world:heightfield { size = { 8, 4 }, columns = 2, rows = 2, height = 3 } end,
+    "world:heightfield.height wants a function of x and z; got number")
+  expect_failure(function() world:heightfield { size = { 8, 4 }, columns = 2, rows = 2, height = print, heights = {} } end,
+    "world:heightfield: give either height or heights")
+  expect_failure(function() world:heightfield { size = { 8, 4 }, columns = 2, rows = 2, height = function() end } end,
+    "world:heightfield.height(-4, -2) gives nil, must be a number")
+end)
+
 scenario("the numbers of a body's debug record are whole", function(s)
   local world = s.world
   world:floor {}

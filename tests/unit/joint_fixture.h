@@ -217,6 +217,24 @@ static inline Joint simple(const char *name)
     return t;
 }
 
+/* Its limits, springs, motors and friction are switched on. */
+static inline void switch_on(Joint *t)
+{
+    const JointType *type = t->type;
+    if (has(type, "limits"))
+        set_range(t, "limits", -0.4, 0.3);
+    if (has(type, "twist"))
+        set_range(t, "twist", -0.4, 0.3);
+    if (has(type, "swing"))
+        set(t, "swing", 0.5);
+    if (has(type, "friction"))
+        set(t, "friction", 3);
+    if (has(type, "spring"))
+        set(t, "spring.stiffness", 40);
+    if (has(type, "motor"))
+        set(t, "motor.speed", 2);
+}
+
 static inline void check_refused(Joint *t, const char *want)
 {
     char why[200] = "";

@@ -1,5 +1,6 @@
 /* tests/unit/test_command.c - what is done to a world is logged, and played again leads to the same world, bit for bit. */
 #include "save_fixture.h"
+#include "draw_fixture.h"
 
 #include "api/command.h"
 
@@ -410,20 +411,13 @@ TEST(what_is_refused_is_logged_only_where_it_leaves_traces)
 
 /* ---- bytes that somebody changed ---- */
 
-static uint64_t next(uint64_t *seed)
-{
-    *seed ^= *seed << 13;
-    *seed ^= *seed >> 7;
-    return *seed ^= *seed << 17;
-}
-
 static void mutate(unsigned char *bytes, size_t size, uint64_t *seed)
 {
-    for (int i = 1 + (int)(next(seed) % 3); i > 0; i--) {
-        size_t at = next(seed) % size;
-        switch (next(seed) % 4) {
-        case 0: bytes[at] ^= (unsigned char)(1u << next(seed) % 8); break;
-        case 1: bytes[at] = (unsigned char)next(seed); break;
+    for (int i = 1 + (int)(draw_bits(seed) % 3); i > 0; i--) {
+        size_t at = draw_bits(seed) % size;
+        switch (draw_bits(seed) % 4) {
+        case 0: bytes[at] ^= (unsigned char)(1u << draw_bits(seed) % 8); break;
+        case 1: bytes[at] = (unsigned char)draw_bits(seed); break;
         case 2: memset(bytes + at, 0xff, size - at < 8 ? size - at : 8); break;
         default: memset(bytes + at, 0, size - at < 4 ? size - at : 4); break;
         }
@@ -475,11 +469,11 @@ TEST(changed_bytes_are_refused_or_played)
     unsigned char *bytes = malloc(l.size);
     for (int i = 0; bytes && i < (SANITIZED ? 500 : 5000); i++) {
         /* Most of a world's log is built before the first step: each round changes one command and plays up to a few after it. */
-        int k = (int)(next(&seed) % (uint64_t)l.count), last = k + 3 < l.count ? k + 3 : l.count - 1;
+        int k = (int)(draw_bits(&seed) % (uint64_t)l.count), last = k + 3 < l.count ? k + 3 : l.count - 1;
         size_t from = l.start[k], to = k + 1 < l.count ? l.start[k + 1] : l.size, end = last + 1 < l.count ? l.start[last + 1] : l.size;
         memcpy(bytes, l.bytes, l.size);
         mutate(bytes + from, to - from, &seed);
-        play_hostile(start, bytes, i % 3 ? end : end - next(&seed) % (end - from));
+        play_hostile(start, bytes, i % 3 ? end : end - draw_bits(&seed) % (end - from));
     }
     dig_world_close(w);
     dig_snapshot_free(old);

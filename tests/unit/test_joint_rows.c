@@ -8,21 +8,11 @@ enum { TRIES = 40, PARAM_BYTES = 48 * sizeof(real) };   /* room in a joint recor
 static void all_on(Joint *t)
 {
     const JointType *type = t->type;
-    if (has(type, "limits"))
-        set_range(t, "limits", -0.4, 0.3);
-    if (has(type, "twist"))
-        set_range(t, "twist", -0.4, 0.3);
-    if (has(type, "swing"))
-        set(t, "swing", 0.5);
-    if (has(type, "friction"))
-        set(t, "friction", 3);
+    switch_on(t);
     if (has(type, "spring")) {
-        set(t, "spring.stiffness", 40);
         set(t, "spring.damping", 2);
         set(t, "spring.rest", 0.1);
     }
-    if (has(type, "motor"))
-        set(t, "motor.speed", 2);
     if (has(type, "damping"))
         set(t, "damping", 2);
 }

@@ -2,22 +2,8 @@
 #include <stdlib.h>
 
 #include "check.h"
+#include "draw_fixture.h"
 #include "geom/mass.h"
-
-/* xorshift (Marsaglia 2003), in [-1, 1] */
-static real draw(uint64_t *state)
-{
-    *state ^= *state << 13;
-    *state ^= *state >> 7;
-    *state ^= *state << 17;
-    return (real)(*state >> 11) / 4503599627370496.0 - 1;
-}
-
-static vec3 draw_vec3(uint64_t *state)
-{
-    real x = draw(state), y = draw(state), z = draw(state);
-    return (vec3){x, y, z};
-}
 
 static Shape mesh_of(const vec3 *v, int vertices, const int64_t *t, int indices)
 {

@@ -92,18 +92,7 @@ static real check_joint(Joint *t, unsigned *seen)
 static void all_on(Joint *t, bool variant)
 {
     const JointType *type = t->type;
-    if (has(type, "limits"))
-        set_range(t, "limits", -0.4, 0.3);
-    if (has(type, "twist"))
-        set_range(t, "twist", -0.4, 0.3);
-    if (has(type, "swing"))
-        set(t, "swing", 0.5);
-    if (has(type, "friction"))
-        set(t, "friction", 3);
-    if (has(type, "spring"))
-        set(t, "spring.stiffness", 40);
-    if (has(type, "motor"))
-        set(t, "motor.speed", 2);
+    switch_on(t);
     if (variant && has(type, "keeps")) {            /* flat: the rows that a line has not */
         int64_t flat = 3;
         memcpy(field(t, "keeps"), &flat, sizeof flat);

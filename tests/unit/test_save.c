@@ -1,6 +1,7 @@
 /* tests/unit/test_save.c - a saved world goes on as if nothing had happened; a file that is damaged, or made to do damage, is
  * refused or gives a sound world. */
 #include "save_fixture.h"
+#include "draw_fixture.h"
 
 #include "base/pack.h"
 #include "geom/save.h"
@@ -385,73 +386,80 @@ static dig_status load_bytes(const char *path, const unsigned char *data, size_t
     return try_load(path, why, capacity);
 }
 
+/* A world, the bytes of its file, and a file for what is made of them. */
+typedef struct Victim {
+    dig_world *w;
+    Bytes      b;
+    size_t     header;          /* bytes */
+    char       path[512], why[600];
+} Victim;
+
+static Victim *open_victim(void)
+{
+    Victim *v = calloc(1, sizeof *v);
+    if (!v)
+        fail_msg("not enough memory");
+    v->w = open_small_scene();
+    v->b = bytes_of(v->w, "victim.dig");
+    v->header = u32_at(v->b.data + 12);
+    scratch_path(v->path, sizeof v->path, "damaged.dig");
+    return v;
+}
+
+static void close_victim(Victim *v)
+{
+    remove(v->path);
+    free(v->b.data);
+    dig_world_close(v->w);
+    free(v);
+}
+
+/* Loads the bytes as they are now. */
+static dig_status load_victim(Victim *v) { return load_bytes(v->path, v->b.data, v->b.size, v->why, sizeof v->why); }
+
 TEST(a_file_cut_anywhere_says_so)
 {
-    char path[512], why[600], want[700];
-    dig_world *w = open_small_scene();
-    Bytes b = bytes_of(w, "whole.dig");
-    scratch_path(path, sizeof path, "cut.dig");
-    CHECK_INT(load_bytes(path, b.data, b.size, why, sizeof why), DIG_OK);
-    for (size_t size = 0; size < b.size; size++) {
-        if (load_bytes(path, b.data, size, why, sizeof why) != DIG_E_FORMAT)
-            fail_msg("cut to %zu of %zu bytes: %s", size, b.size, why);
+    char want[700];
+    Victim *v = open_victim();
+    CHECK_INT(load_victim(v), DIG_OK);
+    for (size_t size = 0; size < v->b.size; size++) {
+        if (load_bytes(v->path, v->b.data, size, v->why, sizeof v->why) != DIG_E_FORMAT)
+            fail_msg("cut to %zu of %zu bytes: %s", size, v->b.size, v->why);
         if (size < 24)
-            snprintf(want, sizeof want, "%s: file ends after %zu bytes, in its header", path, size);
+            snprintf(want, sizeof want, "%s: file ends after %zu bytes, in its header", v->path, size);
         else
-            snprintf(want, sizeof want, "%s: file ends after %zu of %zu bytes", path, size, b.size);
-        CHECK_TEXT(why, want);
+            snprintf(want, sizeof want, "%s: file ends after %zu of %zu bytes", v->path, size, v->b.size);
+        CHECK_TEXT(v->why, want);
     }
-    b.data[b.size] = 0;
-    CHECK_INT(load_bytes(path, b.data, b.size + 1, why, sizeof why), DIG_E_FORMAT);
-    remove(path);
-    free(b.data);
-    dig_world_close(w);
+    v->b.data[v->b.size] = 0;
+    CHECK_INT(load_bytes(v->path, v->b.data, v->b.size + 1, v->why, sizeof v->why), DIG_E_FORMAT);
+    close_victim(v);
 }
 
 TEST(every_flipped_bit_of_the_header_is_noticed)
 {
-    char path[512], why[600];
-    dig_world *w = open_small_scene();
-    Bytes b = bytes_of(w, "header.dig");
-    size_t header = u32_at(b.data + 12);
-    scratch_path(path, sizeof path, "bit.dig");
-    for (size_t bit = 0; bit < 8 * header; bit++) {
-        b.data[bit / 8] ^= (unsigned char)(1 << bit % 8);
-        if (load_bytes(path, b.data, b.size, why, sizeof why) != DIG_E_FORMAT)
-            fail_msg("bit %zu of the header flipped: %s", bit, why);
-        b.data[bit / 8] ^= (unsigned char)(1 << bit % 8);
+    Victim *v = open_victim();
+    for (size_t bit = 0; bit < 8 * v->header; bit++) {
+        v->b.data[bit / 8] ^= (unsigned char)(1 << bit % 8);
+        if (load_victim(v) != DIG_E_FORMAT)
+            fail_msg("bit %zu of the header flipped: %s", bit, v->why);
+        v->b.data[bit / 8] ^= (unsigned char)(1 << bit % 8);
     }
-    remove(path);
-    free(b.data);
-    dig_world_close(w);
-}
-
-static uint64_t next_random(uint64_t *state)        /* xorshift64 (Marsaglia 2003) */
-{
-    *state ^= *state << 13;
-    *state ^= *state >> 7;
-    *state ^= *state << 17;
-    return *state;
+    close_victim(v);
 }
 
 TEST(flipped_bits_elsewhere_are_noticed)
 {
-    char path[512], why[600];
-    dig_world *w = open_small_scene();
-    Bytes b = bytes_of(w, "body.dig");
-    size_t header = u32_at(b.data + 12);
+    Victim *v = open_victim();
     uint64_t random = 88172645463325252u;
-    scratch_path(path, sizeof path, "flip.dig");
     for (int i = 0; i < 2000; i++) {
-        size_t bit = 8 * header + next_random(&random) % (8 * (b.size - header));
-        b.data[bit / 8] ^= (unsigned char)(1 << bit % 8);
-        CHECK_INT(load_bytes(path, b.data, b.size, why, sizeof why), DIG_E_FORMAT);
-        CHECK(strstr(why, "damaged") != NULL);
-        b.data[bit / 8] ^= (unsigned char)(1 << bit % 8);
+        size_t bit = 8 * v->header + draw_bits(&random) % (8 * (v->b.size - v->header));
+        v->b.data[bit / 8] ^= (unsigned char)(1 << bit % 8);
+        CHECK_INT(load_victim(v), DIG_E_FORMAT);
+        CHECK(strstr(v->why, "damaged") != NULL);
+        v->b.data[bit / 8] ^= (unsigned char)(1 << bit % 8);
     }
-    remove(path);
-    free(b.data);
-    dig_world_close(w);
+    close_victim(v);
 }
 
 /* Bytes of the program around a world travel with it and are no part of what it is. */
@@ -480,78 +488,63 @@ TEST(a_note_goes_with_the_file)
 
 TEST(other_formats_are_told_apart)
 {
-    char path[512], why[600], want[700];
-    dig_world *w = open_small_scene();
-    Bytes b = bytes_of(w, "format.dig");
-    scratch_path(path, sizeof path, "format2.dig");
-    put_u32(b.data + FORMAT_AT, 7);
-    memset(b.data + 24, 0, 16);
-    memcpy(b.data + 24, "0.9", 3);
-    CHECK_INT(load_bytes(path, b.data, b.size, why, sizeof why), DIG_E_FORMAT);
-    snprintf(want, sizeof want, "%s: made by digbox 0.9 (format 7); this is %s (format 6)", path, DIGBOX_VERSION);
-    CHECK_TEXT(why, want);
-    CHECK_INT(load_bytes(path, (const unsigned char *)"-- a script\nreturn 1 + 1 -- of some length\n", 43, why, sizeof why), DIG_E_FORMAT);
-    CHECK(strstr(why, "not a world") != NULL);
-    remove(path);
-    free(b.data);
-    dig_world_close(w);
+    char want[700];
+    Victim *v = open_victim();
+    put_u32(v->b.data + FORMAT_AT, 7);
+    memset(v->b.data + 24, 0, 16);
+    memcpy(v->b.data + 24, "0.9", 3);
+    CHECK_INT(load_victim(v), DIG_E_FORMAT);
+    snprintf(want, sizeof want, "%s: made by digbox 0.9 (format 7); this is %s (format 6)", v->path, DIGBOX_VERSION);
+    CHECK_TEXT(v->why, want);
+    CHECK_INT(load_bytes(v->path, (const unsigned char *)"-- a script\nreturn 1 + 1 -- of some length\n", 43, v->why, sizeof v->why), DIG_E_FORMAT);
+    CHECK(strstr(v->why, "not a world") != NULL);
+    close_victim(v);
 }
 
 /* Sections that lie outside, overlap or claim more than there is; all with right checksums. */
 TEST(a_table_that_lies_is_refused)
 {
-    char path[512], why[600];
-    dig_world *w = open_small_scene();
-    Bytes b = bytes_of(w, "table.dig");
-    uint32_t sections = u32_at(b.data + COUNT_AT);
-    scratch_path(path, sizeof path, "table2.dig");
+    Victim *v = open_victim();
+    uint32_t sections = u32_at(v->b.data + COUNT_AT);
     for (uint32_t i = 0; i < sections; i++)
         for (int field = 8; field < 24; field += 4) {       /* halves of offset and size */
-            unsigned char *at = b.data + TABLE_AT + i * ENTRY + field;
+            unsigned char *at = v->b.data + TABLE_AT + i * ENTRY + field;
             uint32_t was = u32_at(at);
-            const uint32_t lies[] = {0, 1, was + 1, was - 1, was + 64, 0x7fffffff, 0xffffffff, (uint32_t)b.size};
+            const uint32_t lies[] = {0, 1, was + 1, was - 1, was + 64, 0x7fffffff, 0xffffffff, (uint32_t)v->b.size};
             for (size_t k = 0; k < sizeof lies / sizeof *lies; k++) {
                 if (lies[k] == was)
                     continue;
                 put_u32(at, lies[k]);
-                mend_checksums(b);
-                if (load_bytes(path, b.data, b.size, why, sizeof why) != DIG_E_FORMAT)
+                mend_checksums(v->b);
+                if (load_victim(v) != DIG_E_FORMAT)
                     fail_msg("section %u, byte %d: %u instead of %u was accepted", i, field, lies[k], was);
             }
             put_u32(at, was);
         }
-    mend_checksums(b);
-    CHECK_INT(load_bytes(path, b.data, b.size, why, sizeof why), DIG_OK);
-    remove(path);
-    free(b.data);
-    dig_world_close(w);
+    mend_checksums(v->b);
+    CHECK_INT(load_victim(v), DIG_OK);
+    close_victim(v);
 }
 
 /* Every number of four bytes in the file in turn says that there are four thousand million of something: refused, or loaded
  * without taking more memory than the file is worth (a sanitizer build stops at such a request). */
 TEST(counts_beyond_the_file_are_refused)
 {
-    char path[512], why[600];
-    dig_world *w = open_small_scene();
-    Bytes b = bytes_of(w, "count.dig");
-    size_t header = u32_at(b.data + 12);
-    scratch_path(path, sizeof path, "count2.dig");
-    for (size_t at = header; at + 4 <= b.size; at++) {
-        uint32_t was = u32_at(b.data + at);
-        put_u32(b.data + at, at % 2 ? 0xffffffff : 0x7fffffff);
-        mend_checksums(b);
-        write_bytes(path, b.data, b.size);
+    Victim *v = open_victim();
+    for (size_t at = v->header; at + 4 <= v->b.size; at++) {
+        uint32_t was = u32_at(v->b.data + at);
+        put_u32(v->b.data + at, at % 2 ? 0xffffffff : 0x7fffffff);
+        mend_checksums(v->b);
+        write_bytes(v->path, v->b.data, v->b.size);
         dig_world *copy;
-        if (dig_world_load(path, &copy, why, sizeof why) == DIG_OK) {
+        if (dig_world_load(v->path, &copy, v->why, sizeof v->why) == DIG_OK) {
             CHECK(dig_world_stats(copy).bytes < 4u << 20);
             check_world(copy);
         }
         dig_world_close(copy);
-        put_u32(b.data + at, was);
+        put_u32(v->b.data + at, was);
     }
-    remove(path);
-    free(b.data);
-    dig_world_close(w);
+    close_victim(v);
 }
 
 /* ---- files made to do damage ---- */
@@ -603,10 +596,10 @@ static void mutate(dig_world *w, const char *name, int mutants, uint64_t random)
     scratch_path(path, sizeof path, name);        /* stays there when the test fails */
     for (int i = 0; i < mutants; i++) {
         memcpy(copy, b.data, b.size);
-        int changes = 1 + (int)(next_random(&random) % 3);
+        int changes = 1 + (int)(draw_bits(&random) % 3);
         for (int k = 0; k < changes; k++) {
-            size_t at = header + next_random(&random) % (b.size - header);
-            uint64_t r = next_random(&random);
+            size_t at = header + draw_bits(&random) % (b.size - header);
+            uint64_t r = draw_bits(&random);
             if (r % 2)
                 copy[at] ^= (unsigned char)(1 << r / 2 % 8);
             else

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 
 #include "check.h"
+#include "draw_fixture.h"
 #include "geom/mass.h"
 
 /* ---- the cast ---- */
@@ -22,31 +23,6 @@ static Shape solid(int i)
     if (shape_make(types[i], defs[i], &s, why, sizeof why) != DIG_OK)
         fail_msg("%s: %s", types[i], why);
     return s;
-}
-
-/* xorshift (Marsaglia 2003), in [-1, 1] */
-static real draw(uint64_t *state)
-{
-    *state ^= *state << 13;
-    *state ^= *state >> 7;
-    *state ^= *state << 17;
-    return (real)(*state >> 11) / 4503599627370496.0 - 1;
-}
-
-static vec3 draw_vec3(uint64_t *state)
-{
-    real x = draw(state), y = draw(state), z = draw(state);
-    return (vec3){x, y, z};
-}
-
-static vec3 draw_unit(uint64_t *state)
-{
-    for (;;) {
-        vec3 v = draw_vec3(state);
-        real n = vec3_length(v);
-        if (n > 0.1 && n < 1)
-            return vec3_scale(1 / n, v);
-    }
 }
 
 static pose draw_pose(uint64_t *state)
