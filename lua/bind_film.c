@@ -553,6 +553,25 @@ static double tile_difference(const unsigned char *a, const unsigned char *b, in
     return n > 0 ? sum / n : 0;
 }
 
+/* How many pixels are another, and the first of them. */
+static void count_pixels(lua_State *L, const unsigned char *a, const unsigned char *b, int width, int height)
+{
+    int count = 0, first = -1;
+    for (int i = 0; i < width * height; i++)
+        if (memcmp(a + 3 * (size_t)i, b + 3 * (size_t)i, 3) != 0) {
+            count++;
+            first = first < 0 ? i : first;
+        }
+    lua_pushboolean(L, count == 0);
+    lua_setfield(L, -2, "same");
+    lua_pushinteger(L, count);
+    lua_setfield(L, -2, "pixels");
+    lua_pushinteger(L, width * height);
+    lua_setfield(L, -2, "all");
+    lua_pushfstring(L, "%d,%d", first < 0 ? 0 : first % width, first < 0 ? 0 : first / width);
+    lua_setfield(L, -2, "first");
+}
+
 static void compare_pixels(lua_State *L, const unsigned char *a, const unsigned char *b, int width, int height, double tolerance)
 {
     double worst = 0;
@@ -567,8 +586,7 @@ static void compare_pixels(lua_State *L, const unsigned char *a, const unsigned 
                 bad_y = y;
             }
         }
-    lua_pushboolean(L, memcmp(a, b, (size_t)width * (size_t)height * 3) == 0);
-    lua_setfield(L, -2, "same");
+    count_pixels(L, a, b, width, height);
     lua_pushnumber(L, worst);
     lua_setfield(L, -2, "worst");
     lua_pushinteger(L, bad);
@@ -579,7 +597,7 @@ static void compare_pixels(lua_State *L, const unsigned char *a, const unsigned 
     lua_setfield(L, -2, "where");
 }
 
-/* core.compare_pictures(a, b, tolerance) -> {same, worst, bad, tiles, where} or {why} */
+/* core.compare_pictures(a, b, tolerance) -> {same, pixels, all, first, worst, bad, tiles, where} or {why} */
 static int film_compare(lua_State *L)
 {
     char why[512] = "";

@@ -39,9 +39,9 @@ local grid_fields = { size = { "vec m", "extents along x and z", need = true } }
 -- The fields as the engine's shape takes them: size = {x, z} with a y between, height = function(x, z) as a list of rows of heights.
 local function landscape(what, fields)
   if type(fields) ~= "table" then return fields end
-  local own, height = {}, fields.height
+  local own, height = {}, rawget(fields, "height")
   for key, value in next, fields do own[key] = value end
-  if type(own.size) == "table" and #own.size == 2 then own.size = { own.size[1], 0, own.size[2] } end
+  if type(own.size) == "table" and rawlen(own.size) == 2 then own.size = { own.size[1], 0, own.size[2] } end
   if height == nil then return own end
   if type(height) ~= "function" then core.fail("%s.height wants a function of x and z; got %s", what, core.type(height)) end
   if own.heights ~= nil then core.fail("%s: give either height or heights", what) end

@@ -177,6 +177,12 @@ gives 0 'goldens are written' test --update-goldens golden_spec.lua
 gives 0 'and match' test golden_spec.lua
 sed -i 's/"red"/"green"/' golden_spec.lua
 gives 6 'and fail when the picture changes' test golden_spec.lua;       printed "golden 'after':"
+sed -e 's/size = {/layer = "id", camera = s.world:camera { at = { 2, 1, 2 }, look_at = { 0, 0.3, 0 } }, size = {/' -e 's/"after"/"who"/' golden_spec.lua >golden_id_spec.lua
+gives 0 'goldens of ids are written' test --update-goldens golden_id_spec.lua
+sed -i 's/"green"/"blue"/' golden_id_spec.lua
+gives 0 'and match whatever the colour' test golden_id_spec.lua
+sed -i 's/at = { 0, 0.3, 0 }/at = { 0.1, 0.3, 0 }/' golden_id_spec.lua
+gives 6 'but not when a body is elsewhere' test golden_id_spec.lua;     printed 'pixels show another body'
 cat >perturb_spec.lua <<'LUA'
 local test = require "digbox.test"
 local starts = {}

@@ -201,7 +201,7 @@ local statements = {
   function(depth) return ("send('subscription', 'on', %s, %q, %s)"):format(subject(pick { "world", "body" }), pick(event_names),
     handler(depth)) end,
   function() return ("send('', 'remove', %s)"):format(get(pick { "body", "joint", "region", "link", "effect", "truss", "plank" })) end,
-  function() return pick { "W:check()", "collect()", "bystander()", "send('', 'run', W, 0.05)", "run('world', digbox.world, {})" } end,
+  function() return pick { "if open() then W:check() end", "collect()", "bystander()", "send('', 'run', W, 0.05)", "run('world', digbox.world, {})" } end,
 }
 
 function statement(depth) return pick(statements)(depth) end
@@ -258,11 +258,12 @@ local function hear(e) say(type(e) == "table" and tostring(e.kind or e.name) or 
 local function K(kind, v) keep(kind, v) return v end
 local W
 local function collect() for i = 1, 200 do local t = { i, tostring(i) } end end
-local function bystander() say(W:checksum()) end
+local function open() return (pcall(function() return W.time end)) end
+local function bystander() if open() then say(W:checksum()) end end
 ]]
 
 local tail = [[
-if pcall(function() return W.time end) then bystander() end
+bystander()
 return table.concat(said, "\n")
 ]]
 
