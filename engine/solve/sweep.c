@@ -155,7 +155,7 @@ static void mark_constrained(Group *g)
         bool carries = g->contacts[r->contact].memory[r->point].held > 0;
         bool several = g->contacts[r->contact].manifold.count > 1;
         bool met = r->target < -1e-6 || (fabs(r->rate_before) > 1e-6 && !carries);
-        if (several && carries)             /* of one point the row itself follows the curve, where it can */
+        if (several && carries && g->row_count == 0)    /* of one point the row itself follows the curve, where it can */
             met = -r->rate_before > g->fall * g->h;
         met = met && !r->curved;
         for (int k = 0; k < 2; k++) {

@@ -17,7 +17,7 @@ const mesh = (form, ...size) => meshes.push({ form, size: [...size, 0, 0].slice(
 function add(name, kind, form, pose, more = {}) {
   const body = bodies.length, first = (lists.key_frame ?? []).length;
   const { born = 0, died = frames, colour = [0.6, 0.3, 0.1], pattern = "wood", roughness = 0.6, metallic = 0 } = more;
-  shapes.push({ body, mesh: form, p: [0, 0, 0], q: [0, 0, 0, 1], colour, roughness, metallic, pattern });
+  shapes.push({ body, mesh: form, p: [0, 0, 0], q: [0, 0, 0, 1], colour, roughness, metallic, pattern, opacity: 1 });
   let before = "";
   for (let f = born; f < died; f++) {
     const { p, q = [0, 0, 0, 1], v = [0, 0, 0], w = [0, 0, 0], force = [0, 0, 0], dig = 0 } = pose(f * step);
