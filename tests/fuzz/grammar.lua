@@ -201,7 +201,9 @@ local statements = {
   function(depth) return ("send('subscription', 'on', %s, %q, %s)"):format(subject(pick { "world", "body" }), pick(event_names),
     handler(depth)) end,
   function() return ("send('', 'remove', %s)"):format(get(pick { "body", "joint", "region", "link", "effect", "truss", "plank" })) end,
-  function() return pick { "if open() then W:check() end", "collect()", "bystander()", "send('', 'run', W, 0.05)", "run('world', digbox.world, {})" } end,
+  function()
+    return pick { "if open() then W:check() end", "collect()", "bystander()", "send('', 'run', W, 0.05)", "run('world', digbox.world, {})" }
+  end,
 }
 
 function statement(depth) return pick(statements)(depth) end
