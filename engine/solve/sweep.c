@@ -114,6 +114,62 @@ static void warm_start(Group *g)
         joint_row_warm(g, &g->rows[i]);
 }
 
+static real along(const Group *g, int i, Vel a, Vel b)
+{
+    const Member *m = &g->member[i];
+    vec3 wa = quat_unrotate(g->pos[i].q, a.w), wb = quat_unrotate(g->pos[i].q, b.w);
+    return m->moves ? m->mass * vec3_dot(a.v, b.v) + vec3_dot(wa, mat3_mul_vec(m->inertia, wb)) : 0;
+}
+
+static void scale_guess(Group *g, real s)
+{
+    for (int i = 0; i < g->point_count; i++) {
+        PointRow *r = &g->points[i];
+        r->jn *= s;
+        r->jt[0] *= s;
+        r->jt[1] *= s;
+    }
+    for (int i = 0; i < g->roll_count; i++)
+        g->rolls[i].j = vec3_scale(s, g->rolls[i].j);
+    for (int i = 0; i < g->row_count; i++)
+        g->rows[i].p *= s;
+}
+
+#define GUESS_RISE 1.5          /* times the kinetic energy without it */
+
+/* The impulses of the last substep are where the sweeps begin, and each sweep lessens the energy that impulses leave. After a blow, or
+ * a substep that found no solution, that beginning may hold a hundred times the energy of the motion, and the sweeps that there are
+ * leave much of it: joints with a body wedged between others then blow up. A guess that is so much worse than none is scaled by the
+ * one factor after which the least energy is left; impulses so scaled stay in their cones. */
+static dig_status start_from_guess(Group *g)
+{
+    if (g->row_count == 0) {
+        warm_start(g);
+        return DIG_OK;
+    }
+    ArenaMark mark = arena_mark(g->arena);
+    Vel *before = arena_alloc(g->arena, (size_t)g->body_count * sizeof *before);
+    if (!before)
+        return DIG_E_MEMORY;
+    memcpy(before, g->vel, (size_t)g->body_count * sizeof *before);
+    warm_start(g);
+    real meet = 0, square = 0, energy = 0;
+    for (int i = 0; i < g->moving_count; i++) {
+        Vel change = {vec3_sub(g->vel[i].v, before[i].v), vec3_sub(g->vel[i].w, before[i].w)};
+        meet += along(g, i, before[i], change);
+        square += along(g, i, change, change);
+        energy += along(g, i, before[i], before[i]);
+    }
+    if (energy + 2 * meet + square > GUESS_RISE * energy) {
+        real s = real_clamp(-meet / square, 0, 1);
+        memcpy(g->vel, before, (size_t)g->body_count * sizeof *before);
+        scale_guess(g, s);
+        warm_start(g);
+    }
+    arena_rewind(g->arena, mark);
+    return DIG_OK;
+}
+
 /* Under a load that comes through joints the guess of the last impulses is off by more than a light wheel's weight: an approach that is
  * none. What presses already does not bounce there. */
 static bool carries_load(const Group *g, const PointRow *r)
@@ -469,7 +525,7 @@ static dig_status solve_substep(Group *g)
         project(g);
     if (g->joints_direct)
         bounce(g);
-    warm_start(g);
+    DIG_TRY(start_from_guess(g));
     if (!g->joints_direct)
         bounce(g);
     relax_group(g);
