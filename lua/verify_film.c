@@ -56,7 +56,7 @@ static long long first_gap(const Manifest *m)
 
 static int check_frames(const char *path, const Manifest *m)
 {
-    char first[4600] = "", why[4600];
+    char first[4600] = "", why[4600] = "";
     int bad = 0;
     uint64_t bytes = 0;
     long long gap = first_gap(m);

@@ -262,7 +262,8 @@ static dig_status record(Recorder *r, RecordKind kind, bool only_cameras)
 static void close_commands(Recorder *r)
 {
     Part *p = &r->batch.parts[PART_COMMANDS];
-    pack_u32(&p->bytes, &(uint32_t){(uint32_t)r->pending.size});
+    uint32_t size = (uint32_t)r->pending.size;
+    pack_u32(&p->bytes, &size);
     pack_bytes(&p->bytes, r->pending.data, r->pending.size);
     p->count += r->pending.size > 0;
     r->pending.size = 0;

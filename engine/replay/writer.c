@@ -151,7 +151,8 @@ void writer_batch(Writer *f)
         take_parts(f, &done, &head);
         if (head.kind == RECORD_FRAME && (frames->count >= BLOCK_FRAMES || frames->bytes.size >= BLOCK_BYTES))
             put_block(f);
-        pack_u8(&frames->bytes, &(uint8_t){(uint8_t)head.kind});
+        uint8_t kind = (uint8_t)head.kind;
+        pack_u8(&frames->bytes, &kind);
         delta_write(&frames->bytes, head.rows, f->batch.records.data + at + sizeof head, &f->last);
         frames->count += head.kind == RECORD_FRAME;
     }
