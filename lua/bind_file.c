@@ -40,18 +40,6 @@ static bool option_on(lua_State *L, const char *name)
     return on;
 }
 
-static bool stays_inside(const char *path)
-{
-    if (path[0] == '/' || path[0] == '\0')
-        return false;
-    for (const char *p = path; p; p = strchr(p, '/')) {
-        p += *p == '/';
-        if (strncmp(p, "..", 2) == 0 && (p[2] == '/' || p[2] == '\0'))
-            return false;
-    }
-    return true;
-}
-
 static void check_text_of_path(lua_State *L, const char *path, size_t length)
 {
     if (length >= PATH_LIMIT)
@@ -81,7 +69,7 @@ static int file_out_path(lua_State *L)
     size_t length;
     const char *path = luaL_checklstring(L, 1, &length);
     check_text_of_path(L, path, length);
-    if (!stays_inside(path)) {
+    if (!file_stays_below(path)) {
         if (!option_on(L, "trust"))
             return bind_error(L, "'%s' lies outside the output folder (--trust allows it)", path);
         lua_pushvalue(L, 1);
@@ -166,7 +154,7 @@ static int file_beside(lua_State *L)
     check_text_of_path(L, name, length);
     const char *script = push_option(L, "script", "");
     const char *slash = strrchr(script, '/');
-    if (!stays_inside(name) && !option_on(L, "trust")) {
+    if (!file_stays_below(name) && !option_on(L, "trust")) {
         lua_pushnil(L);
         lua_pushfstring(L, "'%s' lies outside the script's folder (--trust allows it)", name);
         return 2;

@@ -66,17 +66,10 @@ dig_status manifest_sum_file(const char *path, char sum[MANIFEST_SUM], uint64_t 
 /* Below the manifest's folder, and nothing that a terminal could act upon. */
 static bool is_safe_name(const char *name)
 {
-    if (!*name || *name == '/')
-        return false;
     for (const char *p = name; *p; p++)
         if ((unsigned char)*p < 0x20 || *p == 0x7f)
             return false;
-    for (const char *p = name; p; p = strchr(p, '/')) {
-        p += *p == '/';
-        if (strncmp(p, "..", 2) == 0 && (p[2] == '/' || p[2] == '\0'))
-            return false;
-    }
-    return true;
+    return file_stays_below(name);
 }
 
 size_t manifest_print(const ManifestFrame *f, char text[MANIFEST_LINE])

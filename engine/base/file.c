@@ -260,3 +260,15 @@ dig_status file_read(const char *path, FileLook *look, void *context, unsigned c
     close(file);
     return s;
 }
+
+bool file_stays_below(const char *path)
+{
+    if (path[0] == '/' || path[0] == '\0')
+        return false;
+    for (const char *p = path; p; p = strchr(p, '/')) {
+        p += *p == '/';
+        if (strncmp(p, "..", 2) == 0 && (p[2] == '/' || p[2] == '\0'))
+            return false;
+    }
+    return true;
+}

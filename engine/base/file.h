@@ -47,4 +47,7 @@ typedef dig_status FileLook(void *context, const unsigned char *start, size_t go
 /* *data is to be freed by the caller. */
 dig_status file_read(const char *path, FileLook *look, void *context, unsigned char **data, size_t *size, char *why, size_t capacity);
 
+/* Is the path relative, and without ".." a way out of the folder that it is relative to? Links are not looked at. */
+bool file_stays_below(const char *path);
+
 #endif
