@@ -11,7 +11,7 @@ local suite = require "suite"
 local options = digbox.args {
   scenes = { default = "all", help = "ids or beginnings of ids, with commas" },
   settings = { default = "all", help = "plans and tolerances, with commas; plans, ladder or all" },
-  repeats = { default = 3, help = "runs of each plan; the least CPU time counts" },
+  repeats = { default = 3, help = "runs of each setting; the least CPU time counts" },
   skip_slow = { default = false, help = "leave out scenes that take long" },
   details = { default = false, help = "also print what else each scene measures, as comments" },
 }
@@ -47,7 +47,7 @@ test.scenario("accuracy suite", function(s)
   print(suite.header)
   for _, scene in ipairs(scenes) do
     for _, setting in ipairs(options.skip_slow and scene.slow and {} or settings()) do
-      local ok, row = pcall(suite.run, scene, setting, s.cpu_seconds, type(setting) == "string" and options.repeats or 1)
+      local ok, row = pcall(suite.run, scene, setting, s.cpu_seconds, options.repeats)
       if ok then
         print(suite.csv(row))
         if options.details then print_details(row) end
