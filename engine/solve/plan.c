@@ -37,6 +37,8 @@ const AccuracyPlan *accuracy_plan(int accuracy)
     return &accuracy_plans[i];
 }
 
+real accuracy_tolerance(int accuracy) { return pow(10, -accuracy / STEPS); }
+
 /* A hundredth of the tolerance, for local errors add up. Traced groups are never coarser than a millionth: beyond that, events
  * are missed. */
-real accuracy_local(int accuracy) { return real_clamp(0.01 * pow(10, -accuracy / STEPS), 1e-13, 1e-6); }
+real accuracy_local(int accuracy) { return real_clamp(0.01 * accuracy_tolerance(accuracy), 1e-13, 1e-6); }

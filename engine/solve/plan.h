@@ -35,6 +35,7 @@ extern const AccuracyPlan accuracy_plans[];         /* ends with a NULL name; or
 int accuracy_find(const char *plan);                /* 0 = there is no such plan */
 int accuracy_for(real metres);                      /* > 0 */
 const AccuracyPlan *accuracy_plan(int accuracy);    /* the coarsest that keeps it; the finest when none does */
+real accuracy_tolerance(int accuracy);              /* m  the promise */
 real accuracy_local(int accuracy);                  /* 1  local error of the traced way over the size of the bodies */
 
 #endif

@@ -7,8 +7,10 @@
  */
 #include "step/step.h"
 
-/* m/s; solver noise of a body at rest is far below, real motion passes it within a step or two */
+/* m/s; solver noise of a body at rest is far below, real motion passes it within a step or two. What is damped hard creeps for
+ * seconds, and stays off its end by its way in them: finer accuracies rest at lower speeds. */
 #define REST_SPEED 1e-6
+#define REST_PART 1e-2          /* 1/s  of the tolerance */
 /* m/s: slower than this for SLEEP_TIME, and a DIG sleeps */
 #define SLEEP_SPEED 2e-3
 
@@ -34,11 +36,20 @@ static void stop(World *w, Body *b)
     b->v = b->w = vec3_zero();
 }
 
-static void settle(World *w, Body *b, real dt)
+static bool creeps(const World *w, uint32_t slot, real speed)
 {
+    int accuracy = int_max(w->accuracy, (int)graph_user_of(w->graph, graph_lead(w->graph, slot)));
+    return speed >= REST_PART * accuracy_tolerance(accuracy);
+}
+
+static void settle(World *w, uint32_t slot, real dt)
+{
+    Body *b = &w->bodies.data[slot];
     real speed = speed_of(b);
     b->still = speed < SLEEP_SPEED ? b->still + dt : 0;
     if (speed < REST_SPEED && b->still >= 2 * dt && is_held(w, b)) {
+        if (speed > 0 && creeps(w, slot, speed))
+            return;
         stop(w, b);
         b->mode = DIG_RESTING;
     } else if (speed >= REST_SPEED) {
@@ -90,9 +101,9 @@ static void fall_asleep(World *w, uint32_t lead)
 void rest(World *w, real dt)
 {
     for (int i = 0; i < w->awake.count; i++) {
-        Body *b = &w->bodies.data[w->awake.data[i]];
-        if (b->kind == DIG_DYNAMIC)
-            settle(w, b, dt);
+        uint32_t slot = w->awake.data[i];
+        if (w->bodies.data[slot].kind == DIG_DYNAMIC)
+            settle(w, slot, dt);
     }
     if (!w->def.sleeping)
         return;

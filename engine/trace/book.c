@@ -90,6 +90,7 @@ static void lay_out(Tracer *t, Block *b)
     TAKE(t, bonds, joints);
     TAKE(t, rows, joints * JOINT_SLOTS);
     TAKE(t, row_count, joints);
+    TAKE(t, unwound, joints);
     TAKE(t, order, n);
     TAKE(t, item, joints + t->touch_capacity);
     TAKE(t, joint_force, joints * JOINT_SLOTS);

@@ -30,11 +30,20 @@ static vec3 angular_momentum(const Group *g, int i)
     return quat_rotate(g->pos[i].q, mat3_mul_vec(m->inertia, quat_unrotate(g->pos[i].q, g->vel[i].w)));
 }
 
+void trace_keep_angles(Tracer *t)
+{
+    for (int i = 0; i < t->g->joint_count; i++)
+        memcpy(t->unwound[i].memory, t->g->joints[i].memory, sizeof t->unwound[i].memory);
+}
+
+/* Angles unwind from the start of the step: a stage of a step that is refused may have turned anywhere. */
 void trace_load(Tracer *t, const State *y, real time)
 {
     Group *g = t->g;
     g->t = time;
     t->known = NULL;
+    for (int i = 0; i < g->joint_count; i++)
+        memcpy(g->joints[i].memory, t->unwound[i].memory, sizeof t->unwound[i].memory);
     for (int i = 0; i < g->body_count; i++) {
         const Member *m = &g->member[i];
         if (m->moves) {

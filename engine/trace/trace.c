@@ -105,6 +105,7 @@ static bool put_right(Tracer *t, bool start, bool *moved)
 
 static void mark_start(Tracer *t)
 {
+    trace_keep_angles(t);
     for (int i = 0; i < t->touch_count; i++) {
         Touching *c = &t->touch[i];
         t->conserves = t->conserves && !c->gate.presses;
@@ -471,6 +472,7 @@ static bool run(Tracer *t)
         t->mover_start[i] = g->pos[i];
     for (int i = 0; i < g->joint_count; i++)
         group_joint_view(g, i);
+    trace_keep_angles(t);
     trace_kinematics(t);        /* its joints; contacts are found below */
     list_drives(t);
     trace_drives(t);

@@ -141,6 +141,8 @@ bool system_solve(System *s, real accept);      /* x from b; false: redundant ro
 typedef struct State { vec3 x; quat q; vec3 v, l; } State;      /* 13 reals */
 #define STATE_REALS 13
 
+typedef struct Unwound { real memory[JOINT_MEMORY]; } Unwound;          /* of a joint: turns it has made */
+
 /* An event and its function, which falls through zero: a gap, a force, a force's distance from its bound, a speed. */
 typedef enum EventKind {
     EVENT_NONE,
@@ -178,6 +180,7 @@ typedef struct Tracer {
     vec3  *pull, *twist;        /* m/s^2, N m: what the world's effects do to them */
     bool   even, pulled;        /* even: that is the same wherever they go; pulled: and it is known */
     vec3  *spin_l;              /* kg m^2/s  angular momentum of the present state */
+    Unwound *unwound;           /* [joints] at the start of the step */
     vec3  *spin0, *alpha0;      /* rad/s, rad/s^2 at the start of the step */
     Pos   *mover_start;         /* poses of kinematic bodies at t = 0      */
 
@@ -234,6 +237,7 @@ bool trace_kinds(Tracer *t);                    /* who presses, sticks, slides *
 void trace_align(Tracer *t);                    /* slip directions of one patch */
 /* flow.c */
 extern const real dormand_prince[STAGES][STAGES - 1];       /* its last row: the weights of the fifth order */
+void trace_keep_angles(Tracer *t);                      /* here a step begins */
 void trace_load(Tracer *t, const State *y, real time);  /* into the group */
 void trace_store(Tracer *t, State *y);                  /* from the group */
 void trace_refine(Tracer *t, const State *y);   /* angular velocities to the last digit */

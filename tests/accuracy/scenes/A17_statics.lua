@@ -69,7 +69,7 @@ local catenary = {
 -- ---- (c) ten links of 0.1 m and 0.1 kg with torsion springs, held level at the root ----
 
 local cantilever = {
-  id = "A17c", title = "cantilever of ten links on torsion springs", metric = "relative", scale = 1, seconds = 10,
+  id = "A17c", title = "cantilever of ten links on torsion springs", metric = "relative", scale = 1, seconds = 16,
   build = function(world, digbox)
     local s = { links = {}, hinges = {} }
     row_of(world, digbox, s, { 0, 0, 0 }, { 1, 0, 0 }, 10, 0.01, 0.1, { spring = { stiffness = 20, damping = 4 } })
