@@ -358,6 +358,12 @@ bool dig_material_pair_at(const dig_world *w, int index, dig_pair_def *def);    
 
 /* ---- shapes and bodies ------------------------------------------------------ */
 
+/* What one part of a body has of its own; NaN = as the body. */
+typedef struct dig_surface_def {
+    real friction, friction_dynamic, rolling_friction;  /* 1 */
+    real restitution;                                   /* 1 */
+} dig_surface_def;
+
 /* A solid of one shape type, placed in its body. data points to a struct
  * described by dig_schema_find("shape", type). */
 typedef struct dig_shape_def {
@@ -366,6 +372,8 @@ typedef struct dig_shape_def {
     pose        at;         /* in the body; a zero quaternion means none */
     dig_text    material;   /* empty = the body's                        */
     vec3        colour;     /* x < 0 = the body's                        */
+    real        density;    /* kg/m^3, 0 = the body's or its material's  */
+    const dig_surface_def *surface;     /* NULL = the body's             */
 } dig_shape_def;
 
 typedef struct dig_sphere_def   { real radius; } dig_sphere_def;                /* m */

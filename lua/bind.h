@@ -27,7 +27,7 @@ typedef struct BodyRef  { WorldRef *world; dig_body id; } BodyRef;
 typedef struct JointRef { WorldRef *world; dig_joint id; } JointRef;
 typedef struct DigRef   { WorldRef *world; dig_dig id; } DigRef;
 typedef struct RegionRef { WorldRef *world; dig_region id; } RegionRef;     /* its first user value is the world */
-typedef struct ShapeRef { dig_shape_def def; } ShapeRef;        /* its data struct follows it in the same block */
+typedef struct ShapeRef { dig_shape_def def; dig_surface_def surface; } ShapeRef;        /* its data struct follows it in the same block */
 
 #if defined(__GNUC__)
 #define BIND_PRINTF(text, first) __attribute__((format(printf, text, first)))

@@ -113,14 +113,14 @@ static int begin_file(Frames *f, const char *head)
     bool kept = f->kept.count > 0;
     if (ftruncate(f->handle, kept ? (off_t)f->kept.whole : 0) != 0)
         return errno;
-    f->last = kept ? f->kept.frames[f->kept.count - 1].index : -1;
+    f->last = kept ? f->kept.frames[f->kept.count - 1].index : manifest_first(head) - 1;
     f->mixed = kept && !f->kept.in_order;
     int error = kept ? 0 : file_write_all(f->handle, head, strlen(head));
     return error == 0 && fdatasync(f->handle) != 0 && errno != EINVAL && errno != ENOTSUP ? errno : error;
 }
 
 /* core.frames_open(path, head, mode) -> frames; or nil, what is wrong, exit code. mode: "new", "resume", or "force", which forgets what
- * was there and gives the names of those frames as a second value. */
+ * was there and gives the names of those frames, by their numbers, as a second value. */
 static int frames_open(lua_State *L)
 {
     const char *path = luaL_checkstring(L, 1), *head = luaL_checkstring(L, 2), *mode = luaL_checkstring(L, 3);
@@ -140,7 +140,7 @@ static int frames_open(lua_State *L)
     if (strcmp(mode, "resume") != 0) {
         for (int i = 0; i < f->kept.count; i++) {
             lua_pushstring(L, f->kept.frames[i].name);
-            lua_rawseti(L, -2, i + 1);
+            lua_rawseti(L, -2, f->kept.frames[i].index);
         }
         manifest_close(&f->kept);
     }
@@ -179,23 +179,76 @@ static int append(Frames *f, const char *text, size_t size)
     return error;
 }
 
+/* The two lines of a frame whose number is at `first`, all else behind it. Returns their length, 0 when the name is too long. */
+static size_t print_entry(lua_State *L, int first, ManifestFrame *frame, char lines[MANIFEST_LINE])
+{
+    *frame = (ManifestFrame){.index = luaL_checkinteger(L, first), .name = luaL_checkstring(L, first + 1),
+                             .size = (uint64_t)luaL_checkinteger(L, first + 2), .step = (uint64_t)luaL_checkinteger(L, first + 4),
+                             .time = luaL_checknumber(L, first + 5)};
+    snprintf(frame->sum, sizeof frame->sum, "%s", luaL_checkstring(L, first + 3));
+    snprintf(frame->world, sizeof frame->world, "%s", luaL_checkstring(L, first + 6));
+    snprintf(frame->scene, sizeof frame->scene, "%s", luaL_checkstring(L, first + 7));
+    return manifest_print(frame, lines);
+}
+
+/* Returns an errno. */
+static int add_entry(Frames *f, long long index, const char *lines, size_t size)
+{
+    int error = f->handle < 0 ? EBADF : size == 0 ? ENAMETOOLONG : append(f, lines, size);
+    f->mixed = f->mixed || index != f->last + 1;
+    f->last = index;
+    if (error == 0 && ++f->unsynced >= SYNC_EVERY)
+        error = sync_frames(f);
+    return error;
+}
+
 /* core.frames_add(frames, index, name, size, sum, step, time, world, scene): the frame is under its name */
 static int frames_add(lua_State *L)
 {
     Frames *f = check_frames(L);
     char lines[MANIFEST_LINE];
-    ManifestFrame frame = {.index = luaL_checkinteger(L, 2), .name = luaL_checkstring(L, 3), .size = (uint64_t)luaL_checkinteger(L, 4),
-                           .step = (uint64_t)luaL_checkinteger(L, 6), .time = luaL_checknumber(L, 7)};
-    snprintf(frame.sum, sizeof frame.sum, "%s", luaL_checkstring(L, 5));
-    snprintf(frame.world, sizeof frame.world, "%s", luaL_checkstring(L, 8));
-    snprintf(frame.scene, sizeof frame.scene, "%s", luaL_checkstring(L, 9));
-    size_t size = manifest_print(&frame, lines);
-    int error = f->handle < 0 ? EBADF : size == 0 ? ENAMETOOLONG : append(f, lines, size);
-    f->mixed = f->mixed || frame.index != f->last + 1;
-    f->last = frame.index;
-    if (error == 0 && ++f->unsynced >= SYNC_EVERY)
-        error = sync_frames(f);
+    ManifestFrame frame;
+    size_t size = print_entry(L, 2, &frame, lines);
+    int error = add_entry(f, frame.index, lines, size);
     return error == 0 ? 0 : bind_fail_text(L, DIG_E_FILE, "%s: %s", f->path, strerror(error));
+}
+
+/* ---- entries that other processes hand on, for those that draw one film side by side ---- */
+
+typedef struct Entry {          /* one write to a pipe, which POSIX does not cut: it is below PIPE_BUF */
+    long long index;
+    size_t    size;
+    char      lines[MANIFEST_LINE];
+} Entry;
+
+/* core.frames_send(fd, index, name, size, sum, step, time, world, scene): to the process that holds the manifest */
+static int frames_send(lua_State *L)
+{
+    int fd = (int)luaL_checkinteger(L, 1);
+    Entry e = {.index = 0};
+    ManifestFrame frame;
+    e.size = print_entry(L, 2, &frame, e.lines);
+    e.index = frame.index;
+    int error = e.size == 0 ? ENAMETOOLONG : file_write_all(fd, &e, sizeof e);
+    return error == 0 ? 0 : bind_fail_text(L, DIG_E_FILE, "frame %d cannot be handed on: %s", (int)frame.index, strerror(error));
+}
+
+/* core.frames_take(frames, fd) -> whether an entry came from there and was added; false: no more will come */
+static int frames_take(lua_State *L)
+{
+    Frames *f = check_frames(L);
+    int fd = (int)luaL_checkinteger(L, 2);
+    Entry e;
+    size_t got = 0;
+    while (got < sizeof e) {
+        ssize_t n = read(fd, (char *)&e + got, sizeof e - got);
+        if (n <= 0 && !(n < 0 && errno == EINTR))
+            break;
+        got += n > 0 ? (size_t)n : 0;
+    }
+    lua_pushboolean(L, got == sizeof e && e.size < sizeof e.lines);
+    int error = lua_toboolean(L, -1) ? add_entry(f, e.index, e.lines, e.size) : 0;
+    return error == 0 ? 1 : bind_fail_text(L, DIG_E_FILE, "%s: %s", f->path, strerror(error));
 }
 
 /* Of a resumed film: the entries in the order of the frames. */
@@ -283,9 +336,9 @@ static int frames_exit_code(lua_State *L)
 void bind_frames_open(lua_State *L, int core)
 {
     static const luaL_Reg functions[] = {
-        {"frames_open", frames_open}, {"frames_kept", frames_kept}, {"frames_add", frames_add}, {"frames_close", frames_close},
-        {"sum_file", frames_sum}, {"hash", frames_hash}, {"sweep", frames_sweep}, {"remove", frames_remove},
-        {"exit_code", frames_exit_code}, {NULL, NULL},
+        {"frames_open", frames_open}, {"frames_kept", frames_kept}, {"frames_add", frames_add}, {"frames_send", frames_send},
+        {"frames_take", frames_take}, {"frames_close", frames_close}, {"sum_file", frames_sum}, {"hash", frames_hash},
+        {"sweep", frames_sweep}, {"remove", frames_remove}, {"exit_code", frames_exit_code}, {NULL, NULL},
     };
     bind_held_type(L, FRAMES, frames_gc);
     lua_pushvalue(L, core);

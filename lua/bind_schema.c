@@ -87,7 +87,7 @@ static int list_schemas(lua_State *L)
         lua_rawseti(L, -2, i + 1);
     }
     const dig_schema pair = {"pair", "what two materials make of each other", bind_pair_rows(), sizeof(dig_pair_def)};
-    const dig_schema part = {"part", "the place of a shape in a body", bind_part_rows(), sizeof(dig_shape_def)};
+    const dig_schema part = {"part", "the place of a shape in a body", bind_part_rows(), sizeof(ShapeRef)};
     if (strcmp(kind, "pair") == 0 || strcmp(kind, "part") == 0) {
         push_schema(L, strcmp(kind, "pair") == 0 ? &pair : &part);
         lua_rawseti(L, -2, 1);

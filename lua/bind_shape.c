@@ -104,8 +104,7 @@ static void read_heights(lua_State *L, int table, int anchor, const char *what, 
 
 static const char *const height_keys[] = {"data", "heights", NULL};
 static const char *const plain_keys[] = {"data", NULL};
-static const char *const part_keys[] = {"at", "rotation", "material", "colour", NULL};
-static const char *const grid_part_keys[] = {"at", "rotation", "material", "colour", "heights", NULL};
+static const char *const grid_keys[] = {"heights", NULL};
 
 static bool is_heightfield(const dig_schema *schema)
 {
@@ -163,18 +162,27 @@ static int make_body(lua_State *L)
     lua_newtable(L);
     Fill fill = {L, 2, lua_gettop(L), what, subject, ref};
     fill_shape(&fill, schema, data);
-    dig_shape_def shape = {schema->name, data, {{0, 0, 0}, {0, 0, 0, 1}}, {""}, {-1, -1, -1}};
+    dig_shape_def shape = {schema->name, data, {{0, 0, 0}, {0, 0, 0, 1}}, {""}, {-1, -1, -1}, 0, NULL};
     bool endless = strcmp(schema->name, "plane") == 0 || is_heightfield(schema);
     return bind_create_body(L, what, &shape, 1, endless, schema->rows, extras);
 }
 
 /* ---- digbox.sphere{...}: a shape for a compound, an overlap or a sweep ------------------- */
 
+#define OF_PART(field)    offsetof(ShapeRef, def) + offsetof(dig_shape_def, field)
+#define OF_SURFACE(field) offsetof(ShapeRef, surface) + offsetof(dig_surface_def, field)
+
+/* Ranges as those of a body (engine/api/schema.c). */
 static const dig_param place_rows[] = {
-    {"at", DIG_VEC3, "m", "place in the body", 0, -1e6, 1e6, offsetof(dig_shape_def, at) + offsetof(pose, p), NULL, NULL, false},
-    {"rotation", DIG_QUAT, "", "turn in the body", 0, 0, 0, offsetof(dig_shape_def, at) + offsetof(pose, q), NULL, NULL, false},
-    {"material", DIG_MATERIAL, "", "default: the body's", 0, 0, 0, offsetof(dig_shape_def, material), NULL, NULL, false},
-    {"colour", DIG_COLOUR, "1", "default: the body's", -1, 0, 1, offsetof(dig_shape_def, colour), NULL, NULL, false},
+    {"at", DIG_VEC3, "m", "place in the body", 0, -1e6, 1e6, OF_PART(at) + offsetof(pose, p), NULL, NULL, false},
+    {"rotation", DIG_QUAT, "", "turn in the body", 0, 0, 0, OF_PART(at) + offsetof(pose, q), NULL, NULL, false},
+    {"material", DIG_MATERIAL, "", "default: the body's", 0, 0, 0, OF_PART(material), NULL, NULL, false},
+    {"density", DIG_REAL, "kg/m^3", "default: the body's, else the material's", 0, 1e-6, 1e9, OF_PART(density), NULL, NULL, false},
+    {"friction", DIG_REAL, "1", "static; default: the body's", NAN, 0, 100, OF_SURFACE(friction), NULL, NULL, false},
+    {"friction_dynamic", DIG_REAL, "1", "default: as static", NAN, 0, 100, OF_SURFACE(friction_dynamic), NULL, NULL, false},
+    {"rolling_friction", DIG_REAL, "1", "default: the body's", NAN, 0, 10, OF_SURFACE(rolling_friction), NULL, NULL, false},
+    {"restitution", DIG_REAL, "1", "default: the body's", NAN, 0, 1, OF_SURFACE(restitution), NULL, NULL, false},
+    {"colour", DIG_COLOUR, "1", "default: the body's", -1, 0, 1, OF_PART(colour), NULL, NULL, false},
     {.name = NULL},
 };
 
@@ -185,22 +193,23 @@ static int make_shape(lua_State *L)
 {
     const dig_schema *schema = lua_touserdata(L, lua_upvalueindex(1));
     const char *what = lua_tostring(L, lua_upvalueindex(2));
-    const dig_param *sets[] = {schema->rows, NULL};
+    const dig_param *sets[] = {schema->rows, place_rows, NULL};
     lua_settop(L, 1);
     want_table(L, 1, what);
-    bind_check_keys(L, 1, what, sets, is_heightfield(schema) ? grid_part_keys : part_keys);
+    bind_check_keys(L, 1, what, sets, is_heightfield(schema) ? grid_keys : NULL);
     check_required(L, 1, what, schema);
 
     size_t head = (sizeof(ShapeRef) + 15) / 16 * 16;
     ShapeRef *ref = lua_newuserdatauv(L, head + schema->size, 1);
     void *data = (char *)ref + head;
-    ref->def = (dig_shape_def){schema->name, data, {{0, 0, 0}, {0, 0, 0, 1}}, {""}, {-1, -1, -1}};
+    ref->def = (dig_shape_def){schema->name, data, {{0, 0, 0}, {0, 0, 0, 1}}, {""}, {-1, -1, -1}, 0, &ref->surface};
+    ref->surface = (dig_surface_def){NAN, NAN, NAN, NAN};
     lua_newtable(L);
     lua_pushvalue(L, -1);
     lua_setiuservalue(L, 2, 1);
     Fill fill = {L, 1, 3, what, what, NULL};
     fill_shape(&fill, schema, data);
-    bind_fill(&fill, place_rows, &ref->def);
+    bind_fill(&fill, place_rows, ref);
     lua_settop(L, 2);
     luaL_setmetatable(L, BIND_SHAPE);
     return 1;

@@ -119,13 +119,20 @@ static int by_index(const void *a, const void *b)
     return p->name < q->name ? -1 : p->name > q->name;      /* as they stand in the text */
 }
 
+long long manifest_first(const char *head)
+{
+    long long first;
+    const char *line = strstr(head, "\n# frames: ");
+    return line && sscanf(line, "\n# frames: %lld..", &first) == 1 && first > 0 ? first : 0;
+}
+
 /* In order of the frames; of several entries for one the last. */
 static void sort_frames(Manifest *m)
 {
     int kept = 0;
     m->in_order = true;
     for (int i = 0; i < m->count; i++)
-        m->in_order = m->in_order && (i == 0 ? m->frames[i].index == 0 : m->frames[i].index == m->frames[i - 1].index + 1);
+        m->in_order = m->in_order && (i == 0 ? m->frames[i].index == m->first : m->frames[i].index == m->frames[i - 1].index + 1);
     if (m->in_order)
         return;
     qsort(m->frames, (size_t)m->count, sizeof *m->frames, by_index);
@@ -164,6 +171,7 @@ static bool read_head(Manifest *m, Lines *l)
         return false;
     memcpy(m->head, m->text, size);
     m->head[size] = '\0';
+    m->first = manifest_first(m->head);
     m->whole = size;
     return true;
 }

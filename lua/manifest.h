@@ -28,6 +28,7 @@ typedef struct Manifest {       /* as read; zeros: nothing */
     int            count, capacity;
     size_t         whole;       /* bytes of the file up to the last whole frame             */
     bool           torn;        /* something stands behind it that is not whole             */
+    long long      first;       /* number of its first frame: 0, but for a part of a film   */
     long long      end;         /* frames of a film that came to its end, -1 = it was cut   */
     bool           in_order;    /* as in the file                                           */
 } Manifest;
@@ -35,6 +36,9 @@ typedef struct Manifest {       /* as read; zeros: nothing */
 /* An empty file reads as nothing. Fails at the first line that cannot be understood and is not the end of a file that was cut. */
 dig_status manifest_read(int handle, const char *path, Manifest *m, char *why, size_t capacity);
 void       manifest_close(Manifest *m);
+
+/* Of a head: the number of the first frame. A part of a film says it in a line of its own, `# frames: A..B`; else 0. */
+long long manifest_first(const char *head);
 
 const ManifestFrame *manifest_find(const Manifest *m, long long index);
 

@@ -2,7 +2,8 @@
  *
  * What a frame looks like is decided in lua/digbox/render.lua; here are the options and the workers. These are forked before any
  * picture is drawn (a fork after OpenGL has started threads may hang), each opens the replay anew and draws every n-th frame. For a
- * film they hand their pixels to this process, which gives them to ffmpeg in their order.
+ * video they hand their pixels to this process, which gives them to ffmpeg in their order; else they write files and hand on what
+ * the manifest says of each, which this process alone holds.
  */
 
 #define _XOPEN_SOURCE 700       /* fork, setenv */
@@ -18,6 +19,7 @@
 #include <unistd.h>
 
 #include "command.h"
+#include "process.h"
 #include "state.h"
 
 enum { MOST_WORKERS = 64 };
@@ -26,11 +28,11 @@ typedef struct RenderJob {
     const char *replay, *to, *camera, *frames, *size, *layer, *overlay;     /* NULL = not given */
     double      fps;                                                        /* Hz, < 0 = not given */
     long long   samples, blur, workers;                                     /* < 0 = not given */
-    bool        resume;
+    bool        resume, force;
     int        *list, count;                                                /* frames to draw */
 } RenderJob;
 
-typedef struct Worker { pid_t pid; int fd; } Worker;    /* fd: its frames come from there, -1 = it writes files */
+typedef struct Worker { pid_t pid; int fd; } Worker;    /* fd: its pixels or its entries of the manifest come from there */
 
 /* ---- Lua ------------------------------------------------------------------------- */
 
@@ -93,12 +95,46 @@ static int make_plan(lua_State *L, App *app, const RenderJob *job)
     return code == EXIT_SCRIPT ? of_file ? EXIT_FORMAT : EXIT_USAGE : code;
 }
 
-/* The frames that are not there yet, judged once and for all workers; the plan is on top of the stack and stays. */
-static int list_frames(lua_State *L, App *app, RenderJob *job)
+/* What draws here, asked in a process of its own: in this one no OpenGL may start before the workers do. */
+static bool ask_renderer(lua_State *L, App *app, char *text, size_t capacity)
 {
+    int ends[2], status = 0;
+    *text = '\0';
+    if (pipe(ends) != 0)
+        return false;
+    fflush(stdout);
+    pid_t pid = fork();
+    if (pid == 0) {
+        int code = app_call_core(L, app, "renderer", 0, 1);
+        const char *said = lua_tostring(L, -1);
+        bool fine = code == EXIT_FINE && said && write(ends[1], said, strlen(said)) > 0;
+        if (code != EXIT_FINE && said)
+            say_error(said);
+        _exit(fine ? EXIT_FINE : EXIT_OUTPUT);
+    }
+    close(ends[1]);
+    ssize_t n = pid < 0 ? 0 : read(ends[0], text, capacity - 1);
+    close(ends[0]);
+    while (pid > 0 && waitpid(pid, &status, 0) < 0 && errno == EINTR)
+        continue;
+    text[n > 0 ? n : 0] = '\0';
+    text[strcspn(text, "\n")] = '\0';
+    return pid > 0 && n > 0 && WIFEXITED(status) && WEXITSTATUS(status) == EXIT_FINE;
+}
+
+/* The frames that are not there yet, judged once and for all workers; the plan is on top of the stack and stays. */
+static int list_frames(lua_State *L, App *app, RenderJob *job, bool video)
+{
+    char renderer[512] = "";
+    if (!video && !ask_renderer(L, app, renderer, sizeof renderer)) {
+        lua_pushnil(L);
+        return app_signal() ? 128 + app_signal() : EXIT_OUTPUT;
+    }
     lua_pushvalue(L, -1);
-    lua_pushboolean(L, job->resume);
-    int code = app_call_core(L, app, "render_missing", 2, 1);
+    lua_pushstring(L, job->replay);
+    lua_pushstring(L, job->force ? "force" : job->resume ? "resume" : "new");
+    lua_pushstring(L, renderer);
+    int code = app_call_core(L, app, "render_begin", 4, 1);
     if (code != EXIT_FINE)
         return code == EXIT_SCRIPT ? EXIT_USAGE : code;
     job->count = (int)lua_rawlen(L, -1);
@@ -137,10 +173,7 @@ static int work(const RenderJob *job, int index, int fd)
     if (code == EXIT_FINE) {
         lua_pushinteger(L, index);
         lua_pushinteger(L, job->workers);
-        if (fd >= 0)
-            lua_pushinteger(L, fd);
-        else
-            lua_pushnil(L);
+        lua_pushinteger(L, fd);
         code = app_call_core(L, &app, "render_work", 5, 0);
     }
     if (code != EXIT_FINE)
@@ -150,45 +183,80 @@ static int work(const RenderJob *job, int index, int fd)
 }
 
 /* Returns an errno. */
-static int start_worker(const RenderJob *job, Worker *workers, int index, bool film)
+static int start_worker(const RenderJob *job, Worker *workers, int index)
 {
     int ends[2] = {-1, -1};
-    if (film && pipe(ends) != 0)
+    const pid_t parent = getpid();
+    if (pipe(ends) != 0)
         return errno;
     fflush(stdout);
     pid_t pid = fork();
-    if (pid < 0)
-        return errno;
+    if (pid < 0) {
+        int error = errno;
+        close(ends[0]);
+        close(ends[1]);
+        return error;
+    }
     if (pid == 0) {
+        process_begin(parent);
         for (int i = 0; i < index; i++)
-            if (workers[i].fd >= 0)
-                close(workers[i].fd);
-        if (film)
-            close(ends[0]);
+            close(workers[i].fd);
+        close(ends[0]);
         signal(SIGPIPE, SIG_IGN);
         if (job->workers > 1)
             setenv("LP_NUM_THREADS", "0", 0);   /* one thread each: two such processes are faster than one of two threads */
         _exit(work(job, index, ends[1]));
     }
-    if (film) {
-        close(ends[1]);
-        fcntl(ends[0], F_SETFD, FD_CLOEXEC);
-    }
+    close(ends[1]);
+    fcntl(ends[0], F_SETFD, FD_CLOEXEC);
     workers[index] = (Worker){pid, ends[0]};
     return 0;
 }
 
-static int collect(lua_State *L, App *app, const Worker *workers, int count)
+static void pass_signal_on(const Worker *workers, int count)
+{
+    for (int i = 0; app_signal() && i < count; i++)
+        kill(workers[i].pid, app_signal());
+}
+
+static void push_fds(lua_State *L, const Worker *workers, int count)
 {
     lua_createtable(L, count, 0);
     for (int i = 0; i < count; i++) {
         lua_pushinteger(L, workers[i].fd);
         lua_rawseti(L, -2, i + 1);
     }
+}
+
+/* The plan and the list of frames are on the stack. */
+static int collect_video(lua_State *L, App *app, const Worker *workers, int count)
+{
+    push_fds(L, workers, count);
     int code = app_call_core(L, app, "render_collect", 3, 1);
     if (code != EXIT_FINE)
         return fail(L, code);
     return lua_toboolean(L, -1) ? EXIT_FINE : EXIT_OUTPUT;
+}
+
+/* The same; the plan stays. What was drawn when a signal comes is in the manifest, too. */
+static int collect_entries(lua_State *L, App *app, const RenderJob *job, const Worker *workers, int count)
+{
+    int code = EXIT_FINE;
+    lua_pushvalue(L, -2);
+    lua_insert(L, -2);                          /* plan, plan, frames */
+    if (count > 0) {
+        push_fds(L, workers, count);
+        code = app_call_core(L, app, "render_list", 3, 0);
+    } else {
+        lua_pop(L, 2);
+    }
+    pass_signal_on(workers, count);
+    if (code == EXIT_FINE) {
+        push_fds(L, workers, count);
+        lua_pushinteger(L, job->count);
+        code = app_call_core(L, app, "render_end", 3, 0);
+    }
+    return code == EXIT_FINE ? code : fail(L, code);
 }
 
 /* Waits for all; the first code that is not fine. A signal to this process alone is passed on. */
@@ -208,12 +276,12 @@ static int wait_for(const Worker *workers, int count)
     return code;
 }
 
-static int run_workers(lua_State *L, App *app, RenderJob *job, bool film)
+static int run_workers(lua_State *L, App *app, RenderJob *job, bool video)
 {
     Worker workers[MOST_WORKERS];
     int started = 0, error = 0;
-    while (started < job->workers && !error) {
-        error = start_worker(job, workers, started, film);
+    while (job->count > 0 && started < job->workers && !error) {
+        error = start_worker(job, workers, started);
         started += !error;
     }
     int code = EXIT_FINE;
@@ -221,12 +289,13 @@ static int run_workers(lua_State *L, App *app, RenderJob *job, bool film)
         fprintf(stderr, "digbox: render: no further process: %s\n", strerror(error));
         for (int i = 0; i < started; i++)
             kill(workers[i].pid, SIGTERM);
-    } else if (film) {
-        code = collect(L, app, workers, started);
+    } else if (video) {
+        code = job->count > 0 ? collect_video(L, app, workers, started) : EXIT_FINE;
+    } else {
+        code = collect_entries(L, app, job, workers, started);
     }
     for (int i = 0; i < started; i++)
-        if (workers[i].fd >= 0)
-            close(workers[i].fd);
+        close(workers[i].fd);
     int theirs = wait_for(workers, started);
     if (error)
         return EXIT_INTERNAL;
@@ -240,17 +309,18 @@ static int render(RenderJob *job)
     if (!L)
         return EXIT_INTERNAL;
     int code = make_plan(L, &app, job);
-    if (code == EXIT_FINE)
-        code = list_frames(L, &app, job);
+    bool video = false;
+    if (code == EXIT_FINE) {
+        lua_getfield(L, -1, "video");
+        video = lua_toboolean(L, -1);
+        lua_pop(L, 1);
+        code = list_frames(L, &app, job, video);
+    }
     if (code != EXIT_FINE) {
         fail(L, code);
     } else {
-        lua_getfield(L, -2, "video");
-        bool film = lua_toboolean(L, -1);
-        lua_pop(L, 1);
         job->workers = job->workers < job->count ? job->workers : job->count > 0 ? job->count : 1;
-        if (job->count > 0)
-            code = run_workers(L, &app, job, film);
+        code = run_workers(L, &app, job, video);
     }
     lua_close(L);
     free(job->list);
@@ -259,14 +329,15 @@ static int render(RenderJob *job)
 
 /* ---- the command ------------------------------------------------------------------- */
 
-enum { OPT_CAMERA = 256, OPT_FRAMES, OPT_FPS, OPT_SIZE, OPT_SAMPLES, OPT_LAYER, OPT_OVERLAY, OPT_BLUR, OPT_RESUME };
+enum { OPT_CAMERA = 256, OPT_FRAMES, OPT_FPS, OPT_SIZE, OPT_SAMPLES, OPT_LAYER, OPT_OVERLAY, OPT_BLUR, OPT_RESUME, OPT_FORCE };
 
 static const struct option render_options[] = {
     {"output", required_argument, NULL, 'o'}, {"jobs", required_argument, NULL, 'j'}, {"camera", required_argument, NULL, OPT_CAMERA},
     {"frames", required_argument, NULL, OPT_FRAMES}, {"fps", required_argument, NULL, OPT_FPS},
     {"size", required_argument, NULL, OPT_SIZE}, {"samples", required_argument, NULL, OPT_SAMPLES},
     {"layer", required_argument, NULL, OPT_LAYER}, {"overlay", required_argument, NULL, OPT_OVERLAY},
-    {"blur", required_argument, NULL, OPT_BLUR}, {"resume", no_argument, NULL, OPT_RESUME}, {"help", no_argument, NULL, 'h'},
+    {"blur", required_argument, NULL, OPT_BLUR}, {"resume", no_argument, NULL, OPT_RESUME}, {"force", no_argument, NULL, OPT_FORCE},
+    {"help", no_argument, NULL, 'h'},
     {NULL, 0, NULL, 0},
 };
 
@@ -284,6 +355,7 @@ static bool read_option(RenderJob *job, int key)
     case OPT_OVERLAY: job->overlay = optarg; return true;
     case OPT_BLUR: return read_whole_option("blur", optarg, 1, 64, &job->blur);
     case OPT_RESUME: job->resume = true; return true;
+    case OPT_FORCE: job->force = true; return true;
     default: return usage_error("see 'digbox render'") == 0;
     }
 }
@@ -298,6 +370,8 @@ static int command_render(int argc, char **argv)
         if (!read_option(&job, key))
             return EXIT_USAGE;
     }
+    if (job.resume && job.force)
+        return usage_error("render: --resume keeps what is there, --force forgets it: one of them");
     if (optind >= argc)
         return usage_error("render: which replay? (digbox render FILE.replay)");
     if (optind + 1 < argc)
@@ -319,6 +393,7 @@ const Command render_command = {
                "  --overlay LIST         dig,contacts,forces,names,joints,time,stress,temperature,trails,energy\n"
                "  --samples 0|2|4        samples a pixel; not given: edges are smoothed afterwards\n"
                "  --blur N               motion blur: each frame is the mean of N moments of its first half (1)\n"
-               "  --resume               keep the frames that are there and whole, draw the others\n",
+               "  --resume               keep the frames that are there and whole, draw the others\n"
+               "  --force                forget what is there and draw the film anew\n",
     .run = command_render,
 };

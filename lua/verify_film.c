@@ -49,9 +49,9 @@ static bool check_frame(const char *manifest, const ManifestFrame *f, char *why,
 static long long first_gap(const Manifest *m)
 {
     for (int i = 0; i < m->count; i++)
-        if (m->frames[i].index != i)
-            return i;
-    return m->end > m->count ? m->count : -1;
+        if (m->frames[i].index != m->first + i)
+            return m->first + i;
+    return m->end > m->count ? m->first + m->count : -1;
 }
 
 static int check_frames(const char *path, const Manifest *m)
@@ -69,12 +69,14 @@ static int check_frames(const char *path, const Manifest *m)
            m->torn ? ", whose last entry is torn" : "");
     if (bad)
         printf("%s%s", first, bad > 1 ? "; others differ, too" : "");
-    else if (gap >= 0)
+    else if (gap >= 0 && m->end >= 0)
         printf("frame %lld is missing", gap);
     else
         printf("all as they were written (%" PRIu64 " bytes)", bytes);
+    if (gap >= 0 && m->end < 0)
+        printf("; frame %lld is still to come", gap);
     printf("\n");
-    return flush_output(bad || gap >= 0 ? EXIT_FORMAT : EXIT_FINE);
+    return flush_output(bad || (gap >= 0 && m->end >= 0) ? EXIT_FORMAT : EXIT_FINE);
 }
 
 static int check_manifest(const char *path)

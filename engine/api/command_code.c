@@ -233,6 +233,17 @@ static void code_shape(Coder *c, dig_shape_def *s)
     code_pose(c->p, &s->at);
     pack_text(c->p, s->material.s, sizeof s->material.s);
     code_vec3(c->p, &s->colour);
+    pack_real(c->p, &s->density);
+    bool own = s->surface != NULL;
+    pack_bool(c->p, &own);
+    dig_surface_def *surface = own ? room(c, s->surface, sizeof *surface) : NULL;
+    if (surface) {
+        pack_real(c->p, &surface->friction);
+        pack_real(c->p, &surface->friction_dynamic);
+        pack_real(c->p, &surface->rolling_friction);
+        pack_real(c->p, &surface->restitution);
+    }
+    s->surface = surface;
 }
 
 static void arg_body_def(Coder *c, CommandArg *a)

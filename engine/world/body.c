@@ -138,6 +138,8 @@ static dig_status set_mass_from_shapes(World *w, Body *b, const dig_body_def *de
         if (!(unit.volume > 0))
             return world_fail(w, DIG_E_ARG, "%s: its %s has volume %g m^3, must be > 0 (is the mesh closed?)", NEW_BODY_TEXT(b->name), type->name, unit.volume);
         real density = isnan(def->density) ? w->materials.data[materials[i]].def.density : def->density;
+        if (def->shapes[i].density > 0)
+            density = def->shapes[i].density;
         pose at = quat_norm2(def->shapes[i].at.q) > 0 ? def->shapes[i].at : (pose){def->shapes[i].at.p, quat_identity()};
         mass_add(&sum, &unit, density, at);
     }
@@ -159,6 +161,20 @@ static dig_status set_mass_from_shapes(World *w, Body *b, const dig_body_def *de
 
 /* ---- creation ---- */
 
+static bool is_share(real x) { return isnan(x) || (x >= 0 && isfinite(x)); }
+
+static dig_status check_part(const World *w, const char *name, int number, const dig_shape_def *s)
+{
+    const dig_surface_def *own = s->surface;
+    if (!vec3_finite(s->at.p) || !quat_finite(s->at.q))
+        return world_fail(w, DIG_E_ARG, "%s: the place of its shape %d must be finite", name, number);
+    if (!(s->density >= 0 && isfinite(s->density)))
+        return world_fail(w, DIG_E_ARG, "%s: density = %g kg/m^3 of its shape %d, must be > 0", name, s->density, number);
+    if (own && !(is_share(own->friction) && is_share(own->friction_dynamic) && is_share(own->rolling_friction) && is_share(own->restitution)))
+        return world_fail(w, DIG_E_ARG, "%s: friction and restitution of its shape %d must be finite and >= 0", name, number);
+    return DIG_OK;
+}
+
 static dig_status check_def(const World *w, const dig_body_def *def)
 {
     const char *name = NEW_BODY_TEXT(def->name.s);
@@ -176,8 +192,7 @@ static dig_status check_def(const World *w, const dig_body_def *def)
     if (def->shape_count < 1 || def->shape_count > 4096)
         return world_fail(w, DIG_E_ARG, "%s: %d shapes, must be 1..4096", name, def->shape_count);
     for (int i = 0; i < def->shape_count; i++)
-        if (!vec3_finite(def->shapes[i].at.p) || !quat_finite(def->shapes[i].at.q))
-            return world_fail(w, DIG_E_ARG, "%s: the place of its shape %d must be finite", name, i + 1);
+        DIG_TRY(check_part(w, name, i + 1, &def->shapes[i]));
     if (def->material.s[0] && material_find(w, def->material.s) < 0)
         return world_fail(w, DIG_E_ARG, "%s: there is no material '%s'", name, def->material.s);
     return DIG_OK;
@@ -218,6 +233,20 @@ static real outer_radius(const World *w, const Body *b)
     return outer;
 }
 
+/* What the part says, where it does not the body, where that does not (NaN) the material. */
+static Surface surface_of(const dig_body_def *def, const dig_surface_def *own, int material)
+{
+    Surface s = {material, def->friction, def->friction_dynamic, def->rolling_friction, def->restitution};
+    if (!own)
+        return s;
+    s.friction = isnan(own->friction) ? s.friction : own->friction;
+    if (!isnan(own->friction_dynamic) || !isnan(own->friction))     /* the dynamic one is as the static one where nobody says it */
+        s.friction_dynamic = own->friction_dynamic;
+    s.rolling = isnan(own->rolling_friction) ? s.rolling : own->rolling_friction;
+    s.restitution = isnan(own->restitution) ? s.restitution : own->restitution;
+    return s;
+}
+
 static dig_status attach_solids(World *w, uint32_t slot, const dig_body_def *def, const Shape *shapes, const int *materials)
 {
     Body *b = &w->bodies.data[slot];
@@ -225,7 +254,7 @@ static dig_status attach_solids(World *w, uint32_t slot, const dig_body_def *def
     for (int i = 0; i < def->shape_count; i++) {
         pose at = def->shapes[i].at;
         at.q = quat_norm2(at.q) > 0 ? quat_unit(at.q) : quat_identity();
-        Surface surface = {materials[i], def->friction, def->friction_dynamic, def->rolling_friction, def->restitution};
+        Surface surface = surface_of(def, def->shapes[i].surface, materials[i]);
         vec3 colour = def->shapes[i].colour.x >= 0 ? def->shapes[i].colour : def->colour;
         uint32_t solid;
         Shape kept = shape_keep(&shapes[i]);

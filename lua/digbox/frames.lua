@@ -5,32 +5,36 @@ local core = ...
 
 local STILL = 100       -- frames that show the same picture are told of when there are more
 
--- "f-%05d.png" -> "f-manifest.sha256", "%d/eye.png" -> "manifest-eye.sha256", and the part of the pattern that its names leave out
-local function manifest_of(pattern)
+-- "f-%05d.png" -> "f-manifest.sha256", "%d/eye.png" -> "manifest-eye.sha256", and the part of the pattern that its names leave out.
+-- part: the numbers of its first and last frame, of a film that is drawn in parts -> "f-manifest-10-19.sha256"
+local function manifest_of(pattern, part)
   local before, after = pattern:match "^([^%%]*)%%0?%d*d(.*)%.png$"
   local folder, stem = before:match "^(.*/)([^/]*)$"
-  return before .. "manifest" .. after:gsub("/", "-") .. ".sha256", folder or "", stem or before
+  local numbers = part and ("-%d-%d"):format(part[1], part[2]) or ""
+  return before .. "manifest" .. numbers .. after:gsub("/", "-") .. ".sha256", folder or "", stem or before
 end
 
--- All that the film's frames depend on, besides their numbers; a line each.
-local function head_of(film, manifest)
-  local world, o, options = film.world, film.options, core.options
-  local name = film.pattern:sub(#film.folder + 1)
-  local lines = { "# digbox frames 1", "# check them: digbox verify FOLDER, or sha256sum -c " .. manifest:sub(#film.folder + 1) }
-  local function line(key, value) lines[#lines + 1] = ("# %s: %s"):format(key, value) end
-  line("film", core.json(name))
-  line("program", "digbox " .. core.version)
-  line("script", core.json(options.script_name or ""))
-  line("script hash", options.script_hash or "none")
-  line("arguments", core.json(options.args or {}))
-  line("set", core.json(options.set or {}))
-  line("seed", ("%d"):format(core.state(world).seed or 0))
-  line("accuracy", core.json(world.accuracy))
-  line("step", ("%.17g s"):format(world.frame))
-  line("rate", ("%.17g Hz, from number %d"):format(film.fps, film.first))
-  line("picture", core.json { size = { o.width, o.height }, samples = o.samples, smooth = o.smooth, layer = o.layer, overlay = o.overlay })
-  line("renderer", core.renderer())
+-- What a film's frames depend on, as the head of its manifest: a line for each {key, value}.
+local function head_of(film, manifest, facts)
+  local lines = { "# digbox frames 1", "# check them: digbox verify FOLDER, or sha256sum -c " .. manifest:sub(#film.folder + 1),
+    "# film: " .. core.json(film.pattern:sub(#film.folder + 1)), "# program: digbox " .. core.version }
+  for _, fact in ipairs(facts) do lines[#lines + 1] = ("# %s: %s"):format(fact[1], fact[2]) end
   return table.concat(lines, "\n") .. "\n"
+end
+
+function core.picture_facts(o)
+  return core.json { size = { o.width, o.height }, samples = o.samples, smooth = o.smooth, layer = o.layer, overlay = o.overlay }
+end
+
+-- All that the frames of a run's film depend on, besides their numbers
+local function facts_of(film)
+  local world, options = film.world, core.options
+  return {
+    { "script", core.json(options.script_name or "") }, { "script hash", options.script_hash or "none" },
+    { "arguments", core.json(options.args or {}) }, { "set", core.json(options.set or {}) },
+    { "seed", ("%d"):format(core.state(world).seed or 0) }, { "accuracy", core.json(world.accuracy) },
+    { "step", ("%.17g s"):format(world.frame) }, { "rate", ("%.17g Hz, from number %d"):format(film.fps, film.first) },
+    { "picture", core.picture_facts(film.options) }, { "renderer", core.renderer() } }
 end
 
 local function mode_of()
@@ -41,29 +45,34 @@ end
 
 -- Frames that were written before there was a manifest, or whose manifest is gone
 local function refuse_others(film, mode)
-  local path = core.out_path(core.frame_path(film.pattern, 0))
+  local path = core.out_path(core.frame_path(film.pattern, film.part and film.part[1] or 0))
   if mode == "new" and core.exists(path) then
     core.usage("%s is there already; --force takes the film anew, --resume too where digbox made the frames", path)
   end
 end
 
--- Before the first frame: the manifest, and what an earlier run left. What is there is not overwritten unless the user said so.
-function core.begin_frames(film)
-  if core.options.dry then return end
-  local manifest, folder = manifest_of(film.pattern)
+-- The manifest, before the first frame, and what an earlier run left. What is there is not overwritten unless the user said so.
+-- film: pattern, part; facts: what its frames depend on; mode: "new", "resume" or "force"
+function core.open_list(film, facts, mode)
+  local manifest, folder = manifest_of(film.pattern, film.part)
   film.folder = folder
-  local path, mode = core.out_path(manifest), mode_of()
+  local path = core.out_path(manifest)
   for other in next, core.open_films or {} do
     if other.manifest == path then core.fail("world:record: '%s' is being filmed already", film.pattern) end
   end
   core.sweep(path)
   if not core.exists(path) then refuse_others(film, mode) end
-  local list, why, code = core.frames_open(path, head_of(film, manifest), mode)
+  local list, why, code = core.frames_open(path, head_of(film, manifest, facts), mode)
   if not list then core.raise(code, code == 9 and core.where() .. why or why) end
   film.list, film.manifest, film.kept, film.drawn = list, path, 0, 0
-  for i = 1, #why do
-    if why[i] == core.frame_path(film.pattern, i - 1):sub(#folder + 1) then core.remove(core.out_path(folder .. why[i])) end
+  for index, name in next, why do
+    if name == core.frame_path(film.pattern, index):sub(#folder + 1) then core.remove(core.out_path(folder .. name)) end
   end
+end
+
+-- Before the first frame of a run's film
+function core.begin_frames(film)
+  if not core.options.dry then core.open_list(film, facts_of(film), mode_of()) end
 end
 
 -- Is what stands in the frame's place of an earlier run, whole, and of this film? Says so when it is not.

@@ -68,6 +68,7 @@ local function set_range(plan, o)
     local a, b = read_pair(o.frames, "^(%d+)%.%.(%d+)$", "frames", "0..99")
     if a > b or b >= plan.count then core.fail("--frames: %d..%d, but there are frames 0..%d", a, b, plan.count - 1) end
     plan.from, plan.to = a, b
+    plan.part = { a, b }
   end
 end
 
@@ -87,11 +88,11 @@ local function set_target(plan, to)
   end
 end
 
--- What a frame depends on besides its number, as text: in each PNG, for --resume.
-local function recipe(plan, o)
+-- What a frame depends on besides its number, as text in each PNG: for --resume where there is no manifest.
+local function recipe(plan)
   local f = plan.options
   return core.json { size = { f.width, f.height }, samples = f.samples, layer = f.layer, overlay = f.overlay, fps = plan.fps,
-    camera = plan.camera, blur = o.blur or 1, start = core.reader_checksum(plan.reader, 0),
+    camera = plan.camera, blur = plan.blur, start = core.reader_checksum(plan.reader, 0),
     stop = core.reader_checksum(plan.reader, plan.info.frames - 1), renderer = core.version }
 end
 
@@ -105,7 +106,7 @@ function core.render_plan(o)
   find_camera(plan, o.camera)
   set_range(plan, o)
   set_target(plan, o.to or "out/" .. (o.replay:match "([^/]+)$"):gsub("%.%w+$", "") .. "-%05d.png")
-  plan.recipe = recipe(plan, o)
+  plan.recipe = recipe(plan)
   return plan
 end
 
@@ -165,48 +166,122 @@ local function texts(plan, k, time)
     "Recipe", plan.recipe, "Renderer", core.renderer() }
 end
 
--- ---- resuming ----
+-- ---- the manifest, and resuming (docs/frames.md) ----
 
--- Whether frame k has to be drawn; what is in its place otherwise is judged: a foreign file stays as it is.
-local function wanted(plan, k, path, counts)
-  if not core.exists(path) then return true end
+local function facts_of(plan, replay, renderer)
+  local facts = { { "replay", core.json(replay) }, { "begins with", "world " .. core.reader_checksum(plan.reader, 0) },
+    { "ends with", "world " .. core.reader_checksum(plan.reader, plan.info.frames - 1) },
+    { "rate", ("%.17g Hz, from number %d"):format(plan.fps, plan.first) }, { "picture", core.picture_facts(plan.options) },
+    { "camera", ("%d"):format(plan.camera) }, { "blur", ("%d"):format(plan.blur) }, { "renderer", renderer } }
+  if plan.part then facts[#facts + 1] = { "frames", ("%d..%d"):format(plan.part[1], plan.part[2]) } end
+  return facts
+end
+
+local function path_of(plan, k) return core.out_path(core.frame_path(plan.to_name, k)) end
+
+-- What the manifest says of frame k besides its bytes
+local function entry_of(plan, list, time)
+  local step = math.floor(time / plan.info.step + ON_TIME)
+  local frame = math.min(plan.info.frames - 1, math.max(0, step - plan.info.first_step))
+  for _, o in ipairs(list) do o.history = nil end         -- which the replay and the moment give
+  return step, time, core.reader_checksum(plan.reader, frame), core.hash(core.json(list))
+end
+
+-- Of a frame that digbox drew before it kept a manifest: may it stay?
+local function judge_picture(plan, k, path)
   local made = core.png_text(path, "Recipe")
   if not core.png_whole(path) then
     core.tell(("digbox: render: %s is damaged and is drawn again\n"):format(path))
-    counts.damaged = counts.damaged + 1
-    return true
+    return "draw"
   end
   if not made or core.png_text(path, "Frame") ~= ("%d"):format(k) then
     core.tell(("digbox: render: %s was not made by digbox render; it stays as it is\n"):format(path))
-    return false
+    return "foreign"
   end
   if made ~= plan.recipe then
-    core.fail("--resume: %s was drawn otherwise\n  there:  %s\n  wanted: %s", path, made, plan.recipe)
+    core.usage("--resume: %s was drawn otherwise\n  there:  %s\n  wanted: %s", path, made, plan.recipe)
   end
-  return false
+  return "keep"
 end
 
--- core.render_missing(plan, resume) -> list of the frames to draw
-function core.render_missing(plan, resume)
-  local list, counts = {}, { damaged = 0 }
+-- Whether frame k has to be drawn. A foreign picture stays; of our own the bytes must be those of the manifest.
+local function wanted(plan, film, k)
+  local path = path_of(plan, k)
+  local sum, size = core.sum_file(path)
+  if not sum then return true end
+  local _, old_size, old_sum = core.frames_kept(film.list, k)
+  if sum == old_sum and size == old_size then
+    film.kept = film.kept + 1
+    return false
+  end
+  local verdict = judge_picture(plan, k, path)
+  if verdict == "keep" and not old_sum then
+    local _, list, time = look(plan, k)
+    core.frames_add(film.list, k, core.frame_path(plan.to_name, k), size, sum, entry_of(plan, list, time))
+    film.kept = film.kept + 1
+  end
+  return verdict == "draw" or verdict == "keep" and old_sum ~= nil
+end
+
+-- core.render_begin(plan, replay, mode, renderer) -> list of the frames to draw. Opens the manifest of a film of files; mode is "new",
+-- "resume" or "force".
+function core.render_begin(plan, replay, mode, renderer)
+  local list, film = {}, nil
+  if plan.video then
+    local path = core.out_path(plan.to_name)
+    if mode == "new" and core.exists(path) then core.usage("%s: a film is there; --force draws it anew", path) end
+  else
+    film = { pattern = plan.to_name, part = plan.part }
+    core.open_list(film, facts_of(plan, replay:match "([^/]+)$" or replay, renderer), mode)
+    plan.film = film
+  end
   for k = plan.from, plan.to do
-    if not resume or plan.video or wanted(plan, k, core.out_path(core.frame_path(plan.to_name, k)), counts) then list[#list + 1] = k end
+    if mode ~= "resume" or plan.video or wanted(plan, film, k) then list[#list + 1] = k end
   end
   return list
 end
 
+-- core.render_list(plan, frames, fds): the workers' entries in the order of the frames; stops at a signal
+function core.render_list(plan, frames, fds)
+  local film, ended = plan.film, {}
+  for i = 1, #frames do
+    local worker = (i - 1) % #fds + 1
+    if core.stopped() then return end
+    if not ended[worker] then
+      ended[worker] = not core.frames_take(film.list, fds[worker])
+      film.drawn = film.drawn + (ended[worker] and 0 or 1)
+    end
+  end
+end
+
+-- core.render_end(plan, fds, count of frames to draw): what workers that were stopped still send, and the end of the manifest
+function core.render_end(plan, fds, count)
+  local film = plan.film
+  for _, fd in ipairs(fds) do
+    while core.frames_take(film.list, fd) do film.drawn = film.drawn + 1 end
+  end
+  local whole = film.drawn == count
+  if film.kept > 0 or not whole then
+    core.tell(("digbox: %s: %d frames were there, %d were drawn%s\n"):format(film.manifest, film.kept, film.drawn,
+      whole and "" or "; go on with --resume"))
+  end
+  core.frames_close(film.list, whole and plan.to - plan.from + 1 or nil)
+end
+
 -- ---- working ----
 
--- core.render_work(plan, frames, worker, workers, fd): every workers-th frame, into files or down the pipe
+-- core.render_work(plan, frames, worker, workers, fd): every workers-th frame, into files, whose entries go to the process that holds
+-- the manifest, or as pixels
 function core.render_work(plan, frames, worker, workers, fd)
   for i = worker + 1, #frames, workers do
     if core.stopped() then return end
     local k = frames[i]
     local views, list, time = look(plan, k)
-    if fd then
+    if plan.video then
       core.pixels(views, list, fd)
     else
-      core.picture(views, list, core.out_path(core.frame_path(plan.to_name, k)), texts(plan, k, time))
+      local size, sum = core.picture(views, list, path_of(plan, k), texts(plan, k, time))
+      core.frames_send(fd, k, core.frame_path(plan.to_name, k), size, sum, entry_of(plan, list, time))
     end
   end
 end

@@ -27,16 +27,26 @@ fi
 image() { tr -d '\n' <"$1" | LC_ALL=C sed 's/.*IDAT//' | md5sum; }
 gives 0 'two processes' render fall.replay -j 2 -o two/f-%05d.png
 frames=$(ls film/*.png | wc -l)
-holds 'as many frames as the film has' test "$(ls two | wc -l)" = "$frames"
+holds 'as many frames as the film has, and a manifest' test "$(ls two | wc -l)" = $((frames + 1))
 for n in 00000 00001 00007; do
     holds "frame $n is the film's" test "$(image "film/film-$n.png")" = "$(image "two/f-$n.png")"
 done
 gives 0 'one process' render fall.replay -o one/f-%05d.png
 gives 0 'a part' render fall.replay -o one/part-%05d.png --frames 5..8
-for f in two/*.png; do holds "$f does not depend on the split" cmp "$f" "one/${f#two/}"; done
-holds 'four frames' test "$(ls one/part-* | wc -l)" = 4
+for f in two/*; do holds "$f does not depend on the split" cmp "$f" "one/${f#two/}"; done
+holds 'four frames' test "$(ls one/part-*.png | wc -l)" = 4
+gives 0 'verify' verify two one;        printed "two/f-manifest.sha256: $frames frames: all"; printed 'one/part-manifest-5-8.sha256: 4 frames: all'
+holds 'sha256sum reads the manifests' bash -c 'cd one && sha256sum --quiet --strict -c *.sha256'
+gives 2 'no film is overwritten' render fall.replay -o two/f-%05d.png;      said "$frames frames of an earlier run are there"
+gives 2 'nor a part of one' render fall.replay -o one/part-%05d.png --frames 5..8
+gives 0 'a part beside it' render fall.replay -o one/part-%05d.png --frames 9..9
+gives 2 'frames without a manifest' render fall.replay -o film/film-%05d.png --frames 2..3; said 'film/film-00002.png is there already'
+gives 2 'both' render fall.replay --force --resume;                         said 'one of them'
 holds 'the part is the same' cmp one/part-00006.png two/f-00006.png
 gives 0 'another camera' render fall.replay --camera side -o side/f-%05d.png --frames 3..3
+gives 0 'another film' render fall.replay -o part3/f-%05d.png --frames 3..3
+gives 0 'force' render fall.replay --camera side -o part3/f-%05d.png --frames 3..3 --force
+holds 'takes it anew' cmp part3/f-00003.png side/f-00003.png
 holds 'shows something else' test "$(md5sum <side/f-00003.png)" != "$(md5sum <two/f-00003.png)"
 gives 0 'motion blur' render fall.replay --blur 4 -o blur/f-%05d.png --frames 3..3
 holds 'differs' test "$(md5sum <blur/f-00003.png)" != "$(md5sum <two/f-00003.png)"
@@ -45,6 +55,7 @@ holds 'differs' test "$(md5sum <blur/f-00003.png)" != "$(md5sum <two/f-00003.png
 rm two/f-00002.png
 head -c 700 one/f-00004.png >two/f-00004.png
 cp film/film-00000.png two/f-00005.png
+gives 8 'verify sees it' verify two;    printed 'frame 2: two/f-00002.png: No such file'
 gives 0 'resuming' render fall.replay -j 2 -o two/f-%05d.png --resume
 said 'two/f-00004.png is damaged'
 said 'two/f-00005.png was not made by digbox render'
@@ -52,7 +63,37 @@ holds 'the missing one is there' cmp one/f-00002.png two/f-00002.png
 holds 'the damaged one is whole' cmp one/f-00004.png two/f-00004.png
 holds 'the foreign one is as it was' cmp film/film-00000.png two/f-00005.png
 gives 2 'resuming with other options' render fall.replay -o two/f-%05d.png --resume --size 80x45
-said 'was drawn otherwise'
+said 'there:  picture: '; said 'wanted: picture: '
+gives 8 'the foreign one is not the film' verify two;                       printed 'frame 5: two/f-00005.png'
+rm two/f-00005.png
+gives 0 'resuming to the end' render fall.replay -o two/f-%05d.png --resume;    said "$((frames - 1)) frames were there, 1 were drawn"
+for f in two/*; do holds "$f is as if it had not been cut" cmp "$f" "one/${f#two/}"; done
+# Films that were drawn before there were manifests are gone on with, too.
+rm two/f-manifest.sha256 two/f-00003.png
+gives 0 'resuming without a manifest' render fall.replay -o two/f-%05d.png --resume
+for f in two/*; do holds "$f is as with one" cmp "$f" "one/${f#two/}"; done
+rm two/f-manifest.sha256
+gives 2 'which tells other options as well' render fall.replay -o two/f-%05d.png --resume --size 80x45;     said 'was drawn otherwise'
+
+# ---- cut at any moment: by SIGKILL, by Ctrl-C, by a full disk; a worker does not outlive the process it works for ----
+for i in 1 2 3 4; do
+    "$DIGBOX" render fall.replay -j 2 -o "killed-$$/f-%05d.png" --resume --size 640x360 >/dev/null 2>&1 </dev/null & pid=$!
+    for _ in $(seq 200); do [ -e "killed-$$/f-0000$((3 * i - 2)).png" ] && break; sleep 0.02; done
+    if [ "$i" = 4 ]; then kill -INT $pid 2>/dev/null; else pkill -KILL -P $pid; kill -KILL $pid 2>/dev/null; fi
+    wait $pid 2>/dev/null; code=$?
+    [ "$i" -lt 4 ] || [ "$code" = 0 ] || holds "Ctrl-C: exit code 130 (got $code)" test "$code" = 130
+    sleep 0.2
+    holds "cut $i leaves no worker" test -z "$(pgrep -f "killed-$$/f-" | head -n 1)"
+    "$DIGBOX" verify killed-$$ >verify.txt 2>&1 || { cat verify.txt; failed=$((failed + 1)); }
+done
+gives 0 'and to its end' render fall.replay -o killed-$$/f-%05d.png --resume --size 640x360
+gives 0 'the same at once' render fall.replay -o atonce/f-%05d.png --size 640x360
+holds 'all is as it would have been' diff -r killed-$$ atonce
+(ulimit -f 4; exec "$DIGBOX" render fall.replay -j 2 -o limited/f-%05d.png --size 640x360) >out.txt 2>err.txt </dev/null
+code=$?
+holds "a file-size limit: exit code 9 (got $code)" test $code = 9
+said 'File too large'; said 'go on with --resume'
+holds 'nothing torn' test -z "$(find limited -name '*.png')"
 
 if command -v ffmpeg >/dev/null; then
     gives 0 'a film' render fall.replay -j 2 -o a.mp4

@@ -218,6 +218,31 @@ scenario("compounds, rods and buckets have the mass and place of their parts", f
   expect(bucket:touches(inside)):is(false)
 end)
 
+scenario("a part may have a density and a surface of its own", function(s)
+  local world = s:world {}
+  world:floor { friction = 1 }
+  -- A hammer: its centre is where the parts' masses put it (0.9 kg at x = 0.5 m, 0.1 kg at 0), whatever the body's density is.
+  local hammer = world:body { name = "hammer", density = 7, at = { 0, 5, 0 }, parts = {
+    digbox.box { size = 0.1, at = { 0.5, 0, 0 }, density = 900 }, digbox.box { size = 0.1, density = "100 kg/m^3" } } }
+  expect(hammer.mass):near(1, 1e-12)
+  expect(hammer.centre):near({ 0.45, 5, 0 }, 1e-12)
+  hammer:remove()
+  -- Sledges of mass 1 kg and one speed: the one whose runner is smooth goes on, the one whose runner is rough comes to rest.
+  local function sledge(z, low)
+    return world:body { at = { 0, 0.05, z }, velocity = { 2, 0, 0 }, mass = 1, friction = 0.5,
+      parts = { digbox.box { size = { 0.4, 0.1, 0.2 }, friction = low }, digbox.box { size = { 0.4, 0.1, 0.2 }, at = { 0, 0.1, 0 } } } }
+  end
+  local smooth, rough, plain = sledge(0, 0), sledge(1, 0.81), sledge(2)
+  world:run(0.2)
+  expect(smooth.velocity.x):near(2, 1e-6)
+  expect(rough.velocity.x):near(2 - 0.9 * 9.81 * 0.2, "2 mm/s")             -- the geometric mean of 0.81 and the floor's 1
+  expect(plain.velocity.x):near(2 - math.sqrt(0.5) * 9.81 * 0.2, "2 mm/s")
+  for field, bad in next, { density = 0, friction = -1, restitution = 2, rolling_friction = 0 / 0 } do
+    expect(function() digbox.box { size = 1, [field] = bad } end):fails(field)
+  end
+  expect(function() digbox.box { size = 1, densty = 3 } end):fails "did you mean 'density'"
+end)
+
 scenario("a bucket stands, and keeps what falls into it", function(s)
   local world = s.world
   world:floor {}

@@ -20,7 +20,7 @@ static dig_body add_solid(Scene *s, uint64_t *seed, vec3 at)
     bool ball = rng_real(seed) < 0.3;
     dig_sphere_def sphere = {0.5};
     dig_box_def box = {{1, 1, 1}};
-    dig_shape_def shape = {ball ? "sphere" : "box", ball ? (const void *)&sphere : (const void *)&box, {{0, 0, 0}, {0, 0, 0, 1}}, {""}, {-1, -1, -1}};
+    dig_shape_def shape = {ball ? "sphere" : "box", ball ? (const void *)&sphere : (const void *)&box, {{0, 0, 0}, {0, 0, 0, 1}}, {""}, {-1, -1, -1}, 0, NULL};
     def.at = at;
     def.mass = exp(between(seed, log(0.5), log(50)));
     def.friction = between(seed, 0.05, 0.8);
@@ -49,7 +49,7 @@ static void build(Scene *s, uint64_t number)
     CHECK_INT(dig_world_open(&def, &s->w, why, sizeof why), DIG_OK);
     dig_body_def ground = dig_body_defaults();
     dig_plane_def plane = {{0, 1, 0}, 0};
-    dig_shape_def shape = {"plane", &plane, {{0, 0, 0}, {0, 0, 0, 1}}, {""}, {-1, -1, -1}};
+    dig_shape_def shape = {"plane", &plane, {{0, 0, 0}, {0, 0, 0, 1}}, {""}, {-1, -1, -1}, 0, NULL};
     ground.fixed = true;
     ground.friction = 0.5;
     ground.shapes = &shape;
