@@ -341,7 +341,7 @@ static void show_texts(const Pen *pen, const View *v, unsigned flags)
     }
 }
 
-#define BANDS 24
+#define BANDS 80
 
 /* The scale of temperatures: a bar at the right with its ends in K. */
 static void show_scale(const Pen *pen, const View *v)
@@ -353,7 +353,7 @@ static void show_scale(const Pen *pen, const View *v)
         return;
     for (int i = 0; i < BANDS; i++) {
         float linear[3], colour[3];
-        real at[2] = {x, bottom + (top - bottom) * (i + 0.5) / BANDS}, half = 0.5 * (bottom - top) / BANDS + (real)rim;
+        real at[2] = {x, bottom + (top - bottom) * (i + 0.5) / BANDS}, half = 0.5 * (bottom - top) / BANDS + 0.5;
         heat_colour((i + 0.5) / BANDS, linear);
         display_colour(linear, colour);
         Stroke band = pen_stroke((real[2]){at[0] - 0.5 * size, at[1]}, (real[2]){at[0] + 0.5 * size, at[1]}, half, half, colour, 1);
@@ -373,7 +373,7 @@ static void show_scale(const Pen *pen, const View *v)
 static void show_legend(const Pen *pen, unsigned flags)
 {
     Overlay *o = pen->o;
-    real unit = real_clamp(pen->eye->height / 45, 11, 48), right = pen->eye->width - 4 * unit, left = right - 9 * unit;
+    real unit = real_clamp(pen->eye->height / 45, 11, 48), right = pen->eye->width - 5 * unit, left = right - 9 * unit;
     real y = pen->eye->height - 1.2 * unit - (flags & OVERLAY_ENERGY ? history_foot(pen) : 0), half = 0.5 * (right - left) / LEGEND + 0.5;
     for (int i = 0; i < LEGEND; i++) {
         float linear[3], colour[3];
