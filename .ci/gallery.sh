@@ -2,18 +2,22 @@
 # .ci/gallery.sh - the gallery of worlds: its page from their heads, and its pictures.
 #
 #   sh .ci/gallery.sh page DIGBOX               writes docs/gallery.md to stdout
-#   sh .ci/gallery.sh pictures DIGBOX           a picture of every world into out/gallery/, small ones of some into docs/gallery/
+#   sh .ci/gallery.sh pictures DIGBOX           a picture of every world into out/gallery/, a small one into docs/gallery/
 set -eu
 digbox=$2
 
-# Worlds whose small picture is kept with the page, and the moment it shows, s.
-kept='05_cradle 0.62
+# What the picture of a world shows when it is not the end of its run: the moment (s, a multiple of 1/30), and overlays if it has any.
+moments='05_cradle 0.6 joints
 10_arch 1.4
 11_gears 6
+12_spring 2.2 joints
+13_room 2 joints
 15_landscape 1.2
-bridge 4.4
+ball_table_bucket 0.8
+bridge 4.4 stress
 cog_board 1
-hot_iron 20'
+hot_iron 20 temperature
+orbit 7.8 trails'
 
 worlds() { find worlds -maxdepth 1 -name '*.lua' ! -name '*_spec.lua' | sort; }
 
@@ -48,16 +52,33 @@ page() {
     done
 }
 
+# A world may refuse to end early: its own checks come too soon then. With overlays its replay is drawn, which knows what was before.
+draw() {
+    name=$1 moment=$2 overlay=$3
+    set -- "$digbox" run -q -o "$work" "worlds/$name.lua"
+    [ -z "$moment" ] || set -- "$@" --seconds "$moment" --replay "$work/$name.replay"
+    "$@" >"out/gallery/$name.txt" 2>&1 || :
+    [ -z "$moment" ] || "$digbox" render "$work/$name.replay" --overlay "$overlay" -o "$work/$name-%05d.png" \
+        --size 1280x720 --fps 30 --frames "$(frame "$moment")" 2>>"out/gallery/$name.txt" || :
+    for picture in "$work/$name"*.png; do       # the only one
+        [ ! -e "$picture" ] || mv "$picture" "out/gallery/$name.png"
+    done
+}
+frame() { awk -v t="$1" 'BEGIN { n = int(30 * t + 0.5); print n ".." n }'; }
+
 pictures() {
     mkdir -p out/gallery docs/gallery
+    work=$(mktemp -d)
+    trap 'rm -rf "$work"' EXIT
     for world in $(worlds); do
         name=$(basename "$world" .lua)
-        moment=$(printf '%s\n' "$kept" | sed -n "s/^$name //p")
-        # a world may refuse to end early: its own checks come too soon then
-        "$digbox" run -q -o out/gallery "$world" ${moment:+--seconds "$moment"} >out/gallery/"$name".txt 2>&1 || :
-        if [ -n "$moment" ] && [ -e "out/gallery/$name.png" ]; then
+        shown=$(printf '%s\n' "$moments" | sed -n "s/^$name //p")
+        moment=${shown%% *} overlay=
+        [ "$moment" = "$shown" ] || overlay=${shown#* }
+        rm -f "out/gallery/$name.png" "$work"/*
+        draw "$name" "$moment" "$overlay"
+        [ ! -e "out/gallery/$name.png" ] ||
             ffmpeg -nostdin -loglevel error -y -i "out/gallery/$name.png" -vf scale=320:-1:flags=area -q:v 6 "docs/gallery/$name.jpg"
-        fi
     done
     ls -l docs/gallery
 }

@@ -472,6 +472,7 @@ int bind_open(lua_State *L)
     bind_trace_open(L, core);
     bind_replay_open(L, core);
     bind_reader_open(L, core);
+    bind_past_open(L, core);
     bind_region_open(L, core);
     bind_body_open(L, core);
     bind_ask_open(L, core);

@@ -73,12 +73,15 @@ void bind_trace_open(lua_State *L, int core);
 void bind_schema_open(lua_State *L, int core);
 void bind_replay_open(lua_State *L, int core);
 void bind_reader_open(lua_State *L, int core);
+void bind_past_open(lua_State *L, int core);
 
 /* A view as Lua has it; takes it over. Without a renderer an error. */
 struct View;
-struct RenderHistory;
-const struct RenderHistory *bind_history(lua_State *L, int index);
+struct Replay;
+struct ViewPast;
 int bind_push_view(lua_State *L, struct View *v);
+struct Replay *bind_check_reader(lua_State *L, int index);
+const struct ViewPast *bind_past(lua_State *L, int index);      /* until it is fed again */
 
 /* Pushes a field of a table that the script gave, and returns its type: what stands in the table, without asking its metatable. */
 static inline int bind_own_field(lua_State *L, int table, const char *name)

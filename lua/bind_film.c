@@ -200,8 +200,8 @@ static RenderOptions read_options(lua_State *L, int table)
         o.sun[k] = (float)sun[k];
     o.shadows = bool_field(L, table, "shadows", o.shadows);
     read_lamps(L, table, &o);
-    if (lua_getfield(L, table, "history") == LUA_TUSERDATA)
-        o.history = bind_history(L, -1);        /* stays in the table */
+    if (lua_getfield(L, table, "past") == LUA_TUSERDATA)
+        o.past = bind_past(L, -1);              /* stays in the table */
     lua_pop(L, 1);
     return o;
 }

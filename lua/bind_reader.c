@@ -1,4 +1,4 @@
-/* lua/bind_reader.c - a replay, read for `digbox render`: its frames' views, notes and energies. What becomes of them is decided in
+/* lua/bind_reader.c - a replay, read for `digbox render`: its frames' views and notes. What becomes of them is decided in
  * lua/digbox/render.lua. */
 #include "bind.h"
 
@@ -14,21 +14,15 @@
 
 #define READER "digbox.reader"
 
-enum { TRAIL_LENGTH = 31, MOST_SAMPLES = 512 };
+typedef struct ReaderRef { Replay *r; } ReaderRef;
 
-typedef struct ReaderRef {
-    Replay *r;
-    real   *energies;           /* [1 + RENDER_ENERGIES] each, all along the run; NULL = not read yet */
-    int     energy_count;
-} ReaderRef;
-
-typedef struct HistoryRef { RenderHistory h; real *trails; } HistoryRef;
-
-static Replay *check_reader(lua_State *L)
+Replay *bind_check_reader(lua_State *L, int index)
 {
-    ReaderRef *ref = luaL_checkudata(L, 1, READER);
+    ReaderRef *ref = luaL_checkudata(L, index, READER);
     return ref->r;
 }
+
+static Replay *check_reader(lua_State *L) { return bind_check_reader(L, 1); }
 
 /* core.reader(path) -> reader, or nil and a sentence */
 static int reader_open(lua_State *L)
@@ -36,7 +30,7 @@ static int reader_open(lua_State *L)
     char why[1400] = "";
     const char *path = luaL_checkstring(L, 1);
     ReaderRef *ref = lua_newuserdatauv(L, sizeof *ref, 0);
-    *ref = (ReaderRef){NULL, NULL, 0};
+    *ref = (ReaderRef){NULL};
     luaL_setmetatable(L, READER);
     if (replay_open(path, &ref->r, why, sizeof why) == DIG_OK)
         return 1;
@@ -49,8 +43,7 @@ static int reader_gc(lua_State *L)
 {
     ReaderRef *ref = luaL_checkudata(L, 1, READER);
     replay_close(ref->r);
-    free(ref->energies);
-    *ref = (ReaderRef){NULL, NULL, 0};
+    *ref = (ReaderRef){NULL};
     return 0;
 }
 
@@ -183,111 +176,6 @@ static int reader_checksum(lua_State *L)
     return 1;
 }
 
-/* ---- what was before: for trails and the energy strip --------------------------------- */
-
-#define HISTORY "digbox.history"
-
-const RenderHistory *bind_history(lua_State *L, int index)
-{
-    const HistoryRef *ref = luaL_checkudata(L, index, HISTORY);
-    return &ref->h;
-}
-
-static int history_gc(lua_State *L)
-{
-    HistoryRef *ref = luaL_checkudata(L, 1, HISTORY);
-    free(ref->trails);
-    *ref = (HistoryRef){0};
-    return 0;
-}
-
-static const ReplayFrame *frame_at(lua_State *L, Replay *r, int frame)
-{
-    const ReplayFrame *f;
-    dig_status s = replay_frame(r, frame, &f);
-    if (s != DIG_OK)
-        bind_fail_text(L, s == DIG_E_MEMORY ? s : DIG_E_FORMAT, "%s", replay_error(r));
-    return f;
-}
-
-/* The energies all along the run, at most MOST_SAMPLES of them; read once. */
-static void read_energies(lua_State *L, ReaderRef *ref)
-{
-    const ReplayInfo *info = replay_info(ref->r);
-    int stride = (info->frames + MOST_SAMPLES - 1) / MOST_SAMPLES;
-    if (ref->energies)
-        return;
-    ref->energies = calloc(MOST_SAMPLES + 1, (1 + RENDER_ENERGIES) * sizeof *ref->energies);
-    if (!ref->energies)
-        bind_fail_text(L, DIG_E_MEMORY, "no memory for the energies of the replay");
-    for (int k = 0; k < info->frames; k += stride) {
-        const dig_energy *e = &frame_at(L, ref->r, k)->energy;
-        const real row[1 + RENDER_ENERGIES] = {k * info->step, e->kinetic, e->potential, e->elastic, e->heat + e->lost};
-        memcpy(ref->energies + (size_t)ref->energy_count++ * (1 + RENDER_ENERGIES), row, sizeof row);
-    }
-}
-
-/* Where the centre of mass is: position + rotation * centre */
-static void centre_of(const ReplayPose *p, vec3 c, real out[3])
-{
-    quat q = p->rotation;
-    vec3 t = {2 * (q.y * c.z - q.z * c.y), 2 * (q.z * c.x - q.x * c.z), 2 * (q.x * c.y - q.y * c.x)};
-    out[0] = p->position.x + c.x + q.w * t.x + q.y * t.z - q.z * t.y;
-    out[1] = p->position.y + c.y + q.w * t.y + q.z * t.x - q.x * t.z;
-    out[2] = p->position.z + c.z + q.w * t.z + q.x * t.y - q.y * t.x;
-}
-
-/* Centres of mass over the last second up to `frame`; what is not there or never moves has no trail. */
-static bool read_trails(lua_State *L, Replay *r, int frame, HistoryRef *out)
-{
-    const ReplayInfo *info = replay_info(r);
-    int stride = (int)fmax(1, round(1 / (info->step * (TRAIL_LENGTH - 1))));
-    size_t row = 3 * TRAIL_LENGTH, count = (size_t)info->bodies * row;
-    out->trails = malloc((count + 1) * sizeof *out->trails);
-    if (!out->trails)
-        return false;
-    for (size_t i = 0; i < count; i++)
-        out->trails[i] = NAN;
-    for (int i = 0; i < TRAIL_LENGTH; i++) {
-        int k = frame - (TRAIL_LENGTH - 1 - i) * stride;
-        const ReplayFrame *f = k >= 0 ? frame_at(L, r, k) : NULL;
-        for (int j = 0; f && j < f->pose_count; j++) {
-            const ReplayPose *p = &f->poses[j];
-            const ReplayBody *body = replay_body(r, p->body);
-            if (!body || body->kind != DIG_DYNAMIC || p->body >= info->bodies)
-                continue;
-            centre_of(p, body->centre, out->trails + (size_t)p->body * row + 3 * (size_t)i);
-        }
-    }
-    out->h.trails = out->trails;
-    out->h.trail_count = info->bodies;
-    out->h.trail_length = TRAIL_LENGTH;
-    return true;
-}
-
-/* core.reader_history(reader, frame, trails, energies) -> history; the flags say what is wanted. It points into the reader. */
-static int reader_history(lua_State *L)
-{
-    ReaderRef *ref = luaL_checkudata(L, 1, READER);
-    int frame = (int)luaL_checkinteger(L, 2);
-    HistoryRef *out = lua_newuserdatauv(L, sizeof *out, 1);
-    *out = (HistoryRef){0};
-    luaL_setmetatable(L, HISTORY);
-    lua_pushvalue(L, 1);
-    lua_setiuservalue(L, -2, 1);
-    if (lua_toboolean(L, 3) && !read_trails(L, ref->r, frame, out))
-        return bind_fail_text(L, DIG_E_MEMORY, "no memory for the trails of %d bodies", replay_info(ref->r)->bodies);
-    if (lua_toboolean(L, 4)) {
-        const ReplayInfo *info = replay_info(ref->r);
-        read_energies(L, ref);
-        out->h.energies = ref->energies;
-        out->h.energy_count = ref->energy_count;
-        out->h.begin = (real)info->first_step * info->step;
-        out->h.end = (info->frames - 1) * info->step;
-    }
-    return 1;
-}
-
 /* core.stopped() -> whether SIGINT or SIGTERM came */
 static int reader_stopped(lua_State *L)
 {
@@ -300,10 +188,9 @@ void bind_reader_open(lua_State *L, int core)
     static const luaL_Reg reader[] = {
         {"reader", reader_open}, {"reader_info", reader_info}, {"reader_note", reader_note}, {"reader_view", reader_view},
         {"reader_cameras", reader_cameras},
-        {"reader_checksum", reader_checksum}, {"reader_history", reader_history}, {"stopped", reader_stopped}, {NULL, NULL},
+        {"reader_checksum", reader_checksum}, {"stopped", reader_stopped}, {NULL, NULL},
     };
     bind_held_type(L, READER, reader_gc);
-    bind_held_type(L, HISTORY, history_gc);
     lua_pushvalue(L, core);
     luaL_setfuncs(L, reader, 0);
     lua_pop(L, 1);

@@ -23,7 +23,7 @@ for i = 1, n do
   end
 end
 local eye = world:camera { at = { 0.5, 0.75, 2 }, look_at = { 0, 0.5, 0 }, fov = "36 deg" }
-if opt.film then world:record { camera = eye, to = "05_cradle-%05d.png", fps = 30 } end
+if opt.film then world:record { camera = eye, to = "05_cradle-%05d.png", fps = 30, overlay = { "joints" } } end
 
 local function swing(i)                     -- rad, out to the right
   return math.atan(balls[i].position.x - (i - (n + 1) / 2) * 2 * r, 0.785 - balls[i].position.y)

@@ -20,7 +20,7 @@ local function hang(m, x, damping)          -- let go where the spring is withou
 end
 local weights = { hang(1, -0.4), hang(2, 0), hang(1, 0.4, c) }
 local eye = world:camera { at = { 0.6, 1.1, 2.6 }, look_at = { 0, 1.05, 0 }, fov = "34 deg" }
-if opt.film then world:record { camera = eye, to = "12_spring-%05d.png", fps = 30 } end
+if opt.film then world:record { camera = eye, to = "12_spring-%05d.png", fps = 30, overlay = { "joints" } } end
 
 local function watch(w, before)             -- the moments at which the speed goes from up to down
   local now = w.body.velocity.y

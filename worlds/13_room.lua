@@ -19,7 +19,7 @@ for i = 1, n do
                           velocity = way * speed, restitution = 1, friction = 0 }
 end
 local eye = world:camera { at = { 1.9, 1.3, 2.4 }, look_at = { 0.15, 0.5, 0 }, fov = "38 deg" }
-if opt.film then world:record { camera = eye, to = "13_room-%05d.png", fps = 30 } end
+if opt.film then world:record { camera = eye, to = "13_room-%05d.png", fps = 30, overlay = { "joints" } } end
 
 local push, E = 0, world.energy.kinetic     -- N s on the walls, J
 world:on("impact", function(e) if e.wall then push = push + e.impulse end end)

@@ -24,7 +24,7 @@ for i = 0, 15 do                            -- somewhere above the sixteen hollo
   balls[#balls + 1] = world:ball { material = i % 2 == 0 and "rubber" or "ivory", radius = r, at = { x, 0.4, z }, restitution = 0.3,
                                    rolling_friction = 0.03, friction = 0.6 }
 end
-local eye = world:camera { at = { 2.4, 2.6, 3.6 }, look_at = { 0, -0.1, 0.1 }, fov = "42 deg" }
+local eye = world:camera { at = { 2.6, 2.7, 4.0 }, look_at = { 0, -0.15, 0.15 }, fov = "42 deg" }
 if opt.film then world:record { camera = eye, to = "15_landscape-%05d.png", fps = 30 } end
 local function all_rest()
   for _, b in ipairs(balls) do if not b.asleep then return false end end

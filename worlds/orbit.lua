@@ -10,11 +10,11 @@ local k, m = 4 * math.pi ^ 2, 2
 local world = digbox.world { gravity = { 0, 0, 0 }, accuracy = "study" }
 local function planet(name, a, excentricity, colour)        -- at its nearest point
   local near = a * (1 - excentricity)
-  return world:ball { name = name, radius = 0.08 * a ^ 0.5, mass = m, at = { near, 0, 0 }, colour = colour,
+  return world:ball { name = name, radius = 0.14 * a ^ 0.5, mass = m, at = { near, 0, 0 }, colour = colour,
                       velocity = { 0, 0, -math.sqrt(k * (2 / near - 1 / a)) } }
 end
 local inner, outer = planet("inner", 1, 0.3, { 0.8, 0.3, 0.1 }), planet("outer", 4, 0.05, { 0.1, 0.3, 0.7 })
-world:box { name = "sun", fixed = true, collides = false, size = 0.3, colour = { 0.9, 0.7, 0.1 } }
+world:box { name = "sun", fixed = true, collides = false, size = 0.4, colour = { 0.9, 0.7, 0.1 } }
 
 world:add_effect {
   name = "gravitation", law = "F = -k m x / |x|^3",
@@ -30,8 +30,9 @@ world:add_effect {
   end,
 }
 
-local eye = world:camera { at = { 1, 9, 6 }, look_at = { 0, 0, 0.4 }, fov = "46 deg" }
-if opt.film then world:record { camera = eye, to = "orbit-%05d.png", fps = 30 } end
+world:sky "black"
+local eye = world:camera { at = { 0.6, 7.4, 7.4 }, look_at = { 0.1, 0, 0.5 }, fov = "44 deg" }
+if opt.film then world:record { camera = eye, to = "orbit-%05d.png", fps = 30, overlay = { "trails" } } end
 local start = { inner.position, outer.position }
 world:run "8 s"
 

@@ -195,6 +195,8 @@ static void show_dig(const Pen *pen, const View *v)
         vec3 a = vec3_from(e->a), b = vec3_from(e->b);
         dig_colour(e->dig + 7 * e->layer, linear);
         display_colour(linear, colour);
+        for (int c = 0; c < 3; c++)         /* paler than the bodies, which have the same colour */
+            colour[c] += 0.45f * (1 - colour[c]);
         if (e->layer)
             draw_dashes(pen, a, b, e->layer == DIG_LAYER_RANGE ? 15 : 6, e->layer == DIG_LAYER_RANGE ? 0.8 : 1.2, colour);
         else if (e->kind == DIG_LINK_JOINT)
@@ -231,17 +233,22 @@ static void show_contacts(const Pen *pen, const View *v, real size)
     }
 }
 
-/* Arrows as long as the root of the force, the largest a fifth of the scene: a pile's feet and its top both show. */
-static void show_forces(const Pen *pen, const View *v, real size)
+static const float contact_red[3] = {0.95f, 0.27f, 0.20f};
+
+static real largest_force(const View *v)
 {
-    static const float contact[3] = {0.95f, 0.27f, 0.20f};
     real largest = 0;
     for (int i = 0; i < v->contact_count; i++)
         largest = real_max(largest, vec3_length(vec3_from(v->contacts[i].force)));
     for (int i = 0; i < v->arrow_count; i++)
         largest = real_max(largest, vec3_length(vec3_from(v->arrows[i].v)));
-    if (!(largest > 0 && isfinite(largest)))
-        return;
+    return isfinite(largest) ? largest : 0;
+}
+
+/* Arrows as long as the root of the force, the largest a fifth of the scene: a pile's feet and its top both show. */
+static void show_forces(const Pen *pen, const View *v, real size)
+{
+    real largest = largest_force(v);
     for (int i = 0; i < v->contact_count + v->arrow_count; i++) {
         bool pushed = i >= v->contact_count;
         const ViewArrow *arrow = pushed ? &v->arrows[i - v->contact_count] : NULL;
@@ -253,30 +260,88 @@ static void show_forces(const Pen *pen, const View *v, real size)
         if (pushed)
             display_colour(arrow->colour, colour);
         else
-            memcpy(colour, contact, sizeof colour);
+            memcpy(colour, contact_red, sizeof colour);
         draw_arrow(pen, p, vec3_mad(p, 0.4 * size * sqrt(f / largest) / f, force), 1.4, colour);
     }
+}
+
+/* ---- names: above what they name, nearer ones first; one that would lie on another goes higher ---- */
+
+typedef struct Plate { real x, y, half; } Plate;       /* px: middle of the baseline, half its width */
+
+enum { MOST_NAMES = 256, LIFTS = 5 };
+
+/* Its middle, off the plates that are there; false: there is no room near by. */
+static bool find_room(const Plate *there, int count, real line, Plate *p)
+{
+    for (int lifts = 0; lifts <= LIFTS; lifts++) {
+        bool free = true;
+        for (int i = 0; i < count && free; i++)
+            free = fabs(there[i].y - p->y) >= line - 0.5 || fabs(there[i].x - p->x) >= there[i].half + p->half;
+        if (free)
+            return true;
+        p->y -= line;
+    }
+    return false;
+}
+
+static void show_name(const Pen *pen, const ViewLabel *label, Plate *plates, int *count)
+{
+    static const float line[3] = {1, 1, 1};
+    Overlay *o = pen->o;
+    real at[2], size = o->font.size;
+    char text[sizeof label->text];
+    snprintf(text, sizeof text, "%s", label->text);
+    if (o->font.missing || *count == MOST_NAMES || !project(pen->eye, vec3_from(label->p), at))
+        return;
+    Plate p = {at[0], at[1] - 1.3 * size, 0.5 * text_width(&o->font, text) + 0.75 * size};
+    if (at[0] < 0 || at[0] > pen->eye->width || at[1] < 0 || at[1] > pen->eye->height || !find_room(plates, *count, 1.35 * size, &p))
+        return;
+    plates[(*count)++] = p;
+    const real foot[2] = {p.x, p.y + 0.26 * size};
+    Stroke leader = pen_stroke(at, foot, 0.7 * pen->scale + (real)rim, 0.7 * pen->scale + (real)rim, line, 0.9f);
+    put_stroke(&o->strokes, leader);
+    draw_dot(pen, vec3_from(label->p), 1.3, line);
+    draw_text(o, p.x - p.half + 0.75 * size, p.y, text);
+}
+
+typedef struct NameAt { real depth; int index; } NameAt;
+
+static int by_depth(const void *a, const void *b)
+{
+    const NameAt *x = a, *y = b;
+    return x->depth != y->depth ? (x->depth > y->depth) - (x->depth < y->depth) : x->index - y->index;
+}
+
+static void show_names(const Pen *pen, const View *v)
+{
+    Plate plates[MOST_NAMES];
+    int count = 0;
+    NameAt *order = malloc(((size_t)v->label_count + 1) * sizeof *order);
+    pen->o->strokes.full |= !order;
+    for (int i = 0; order && i < v->label_count; i++)
+        order[i] = (NameAt){vec3_dot(vec3_sub(vec3_from(v->labels[i].p), pen->eye->at), pen->eye->forward), i};
+    if (order)
+        qsort(order, (size_t)v->label_count, sizeof *order, by_depth);
+    for (int i = 0; order && i < v->label_count; i++)
+        show_name(pen, &v->labels[order[i].index], plates, &count);
+    free(order);
 }
 
 static void show_texts(const Pen *pen, const View *v, unsigned flags)
 {
     Overlay *o = pen->o;
-    for (int i = 0; (flags & OVERLAY_NAMES) && i < v->label_count; i++) {
-        real at[2];
-        char text[sizeof v->labels[i].text];
-        snprintf(text, sizeof text, "%s", v->labels[i].text);
-        if (project(pen->eye, vec3_from(v->labels[i].p), at))
-            draw_text(o, at[0] - 0.5 * text_width(&o->font, text), at[1] + 0.36 * o->font.size, text);
-    }
+    if (flags & OVERLAY_NAMES)
+        show_names(pen, v);
     if (flags & OVERLAY_TIME) {
         char text[80];
         snprintf(text, sizeof text, "t = %.3f s   step %llu", v->time, (unsigned long long)v->step);
-        real foot = flags & OVERLAY_ENERGY ? HISTORY_HEIGHT * pen->eye->height + 1.6 * o->font.size : 0;
+        real foot = flags & OVERLAY_ENERGY ? history_foot(pen) : 0;
         draw_text(o, 1.2 * o->font.size, pen->eye->height - foot - 0.9 * o->font.size, text);
     }
 }
 
-#define BANDS 24
+#define BANDS 80
 
 /* The scale of temperatures: a bar at the right with its ends in K. */
 static void show_scale(const Pen *pen, const View *v)
@@ -288,7 +353,7 @@ static void show_scale(const Pen *pen, const View *v)
         return;
     for (int i = 0; i < BANDS; i++) {
         float linear[3], colour[3];
-        real at[2] = {x, bottom + (top - bottom) * (i + 0.5) / BANDS}, half = 0.5 * (bottom - top) / BANDS + (real)rim;
+        real at[2] = {x, bottom + (top - bottom) * (i + 0.5) / BANDS}, half = 0.5 * (bottom - top) / BANDS + 0.5;
         heat_colour((i + 0.5) / BANDS, linear);
         display_colour(linear, colour);
         Stroke band = pen_stroke((real[2]){at[0] - 0.5 * size, at[1]}, (real[2]){at[0] + 0.5 * size, at[1]}, half, half, colour, 1);
@@ -305,22 +370,47 @@ static void show_scale(const Pen *pen, const View *v)
 #define LEGEND 40               /* steps of the bar */
 
 /* The colours of stress, from none to what breaks, in the lower right corner. */
-static void show_legend(const Pen *pen)
+static void show_legend(const Pen *pen, unsigned flags)
 {
     Overlay *o = pen->o;
-    real unit = real_clamp(pen->eye->height / 45, 11, 48), right = pen->eye->width - 2.4 * unit, left = right - 9 * unit;
-    real y = pen->eye->height - 1.2 * unit;
+    real unit = real_clamp(pen->eye->height / 45, 11, 48), right = pen->eye->width - 5 * unit, left = right - 9 * unit;
+    real y = pen->eye->height - 1.2 * unit - (flags & OVERLAY_ENERGY ? history_foot(pen) : 0), half = 0.5 * (right - left) / LEGEND + 0.5;
     for (int i = 0; i < LEGEND; i++) {
         float linear[3], colour[3];
         stress_colour((float)i / (LEGEND - 1), linear);
         display_colour(linear, colour);
-        real a[2] = {left + (right - left) * i / LEGEND, y}, b[2] = {left + (right - left) * (i + 1) / LEGEND, y};
-        Stroke step = pen_stroke(a, b, 0.4 * unit, 0.4 * unit, colour, 1);
+        real x = left + (right - left) * (i + 0.5) / LEGEND, a[2] = {x, y - 0.4 * unit}, b[2] = {x, y + 0.4 * unit};
+        Stroke step = pen_stroke(a, b, half, half, colour, 1);
         step.widths[2] = 0;                 /* no rim */
         put_stroke(&o->strokes, step);
     }
-    draw_text(o, left - 4.6 * unit, y + 0.36 * unit, "stress 0");
-    draw_text(o, right + 0.5 * unit, y + 0.36 * unit, "1");
+    draw_text(o, left - 5.2 * unit, y + 0.36 * unit, "stress 0 %");
+    draw_text(o, right + 0.9 * unit, y + 0.36 * unit, "100 %");
+}
+
+/* What arrows are, and how much the longest stands for; at the lower right, above the legend of stress. */
+static void show_force_words(const Pen *pen, const View *v, unsigned flags)
+{
+    static const char *const words[] = {"contact", "push"};
+    Overlay *o = pen->o;
+    real largest = largest_force(v), size = o->font.size, y = pen->eye->height - 0.9 * size - (flags & OVERLAY_ENERGY ? history_foot(pen) : 0);
+    char text[48];
+    if (!(largest > 0) || o->font.missing)
+        return;
+    y -= flags & OVERLAY_STRESS ? 1.8 * size : 0;
+    snprintf(text, sizeof text, "longest %.3g N", largest);
+    real x = pen->eye->width - 1.2 * size - text_width(&o->font, text);
+    draw_text(o, x, y, text);
+    for (int kind = v->arrow_count > 0 ? 1 : 0; kind >= 0; kind--) {
+        float colour[3] = {contact_red[0], contact_red[1], contact_red[2]};
+        if (kind == 1)
+            display_colour(v->arrows[0].colour, colour);
+        x -= text_width(&o->font, words[kind]) + 1.9 * size;
+        draw_text(o, x, y, words[kind]);
+        const real left[2] = {x - 1.5 * size, y - 0.36 * size}, right[2] = {x - 0.6 * size, y - 0.36 * size};
+        put_stroke(&o->strokes, pen_stroke(left, right, 0.24 * size, 0.24 * size, colour, 1));
+        x -= 1.5 * size;
+    }
 }
 
 /* ---- drawing ---------------------------------------------------------- */
@@ -385,7 +475,7 @@ static dig_status draw_list(const Overlay *o, Programs *programs, const Gl *gl, 
 }
 
 dig_status overlay_draw(Overlay *o, Programs *programs, const Gl *gl, const View *v, const Stage *s, const OverlayEye *eye, unsigned flags,
-                        const RenderHistory *history, char *why, size_t capacity)
+                        const ViewPast *past, char *why, size_t capacity)
 {
     o->strokes.count = o->glyphs.count = 0;
     o->strokes.full = o->glyphs.full = false;
@@ -398,18 +488,20 @@ dig_status overlay_draw(Overlay *o, Programs *programs, const Gl *gl, const View
         show_contacts(&pen, v, s->unit);
     if (flags & OVERLAY_FORCES)
         show_forces(&pen, v, s->unit);
-    if ((flags & OVERLAY_TRAILS) && history)
-        history_trails(&pen, v, history);
-    if (flags & (OVERLAY_ENERGY | OVERLAY_NAMES | OVERLAY_TIME | OVERLAY_TEMPERATURE | OVERLAY_STRESS)) {
+    if ((flags & OVERLAY_TRAILS) && past)
+        history_trails(&pen, v, past);
+    if (flags & (OVERLAY_ENERGY | OVERLAY_FORCES | OVERLAY_NAMES | OVERLAY_TIME | OVERLAY_TEMPERATURE | OVERLAY_STRESS)) {
         gl->ActiveTexture(GL_TEXTURE0 + UNIT_FONT);
         load_font(o, gl, (int)real_clamp(round(eye->height / 45), 11, 48));
         show_texts(&pen, v, flags);
         if (flags & OVERLAY_TEMPERATURE)
             show_scale(&pen, v);
         if (flags & OVERLAY_STRESS)
-            show_legend(&pen);
-        if ((flags & OVERLAY_ENERGY) && history)
-            history_energies(&pen, v, history);
+            show_legend(&pen, flags);
+        if (flags & OVERLAY_FORCES)
+            show_force_words(&pen, v, flags);
+        if ((flags & OVERLAY_ENERGY) && past)
+            history_energies(&pen, v, past);
     }
     if (o->strokes.full || o->glyphs.full) {
         snprintf(why, capacity, "no memory for the overlay");

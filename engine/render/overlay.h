@@ -54,17 +54,18 @@ void   pen_put(const Pen *pen, Stroke stroke);
 /* Text without a plate, its baseline's left end at (x, y) px; returns its width, px. */
 real   pen_label(const Pen *pen, real x, real y, const char *text, const float colour[3]);
 
-/* history.c; the strip takes that share of the picture's height */
-#define HISTORY_HEIGHT 0.16
-void history_trails(const Pen *pen, const View *v, const RenderHistory *h);
-void history_energies(const Pen *pen, const View *v, const RenderHistory *h);
+/* history.c; the curves of the strip take that share of the picture's height, with its words it has history_foot px */
+#define HISTORY_HEIGHT 0.15
+real history_foot(const Pen *pen);
+void history_trails(const Pen *pen, const View *v, const ViewPast *h);
+void history_energies(const Pen *pen, const View *v, const ViewPast *h);
 
 void overlay_open(Overlay *o, const Gl *gl);
 void overlay_close(Overlay *o, const Gl *gl);
 
 /* Draws what `flags` (OVERLAY_...) ask for into the bound framebuffer, cleared to zero: colours come out weighted by alpha. */
 dig_status overlay_draw(Overlay *o, Programs *programs, const Gl *gl, const View *v, const Stage *s, const OverlayEye *eye, unsigned flags,
-                        const RenderHistory *history, char *why, size_t capacity);
+                        const ViewPast *past, char *why, size_t capacity);
 
 /* font.c: makes the font of that size, once; without any font file `missing` is set and texts are left out. */
 void  font_make(Font *f, int size);

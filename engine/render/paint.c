@@ -300,5 +300,5 @@ dig_status paint_overlay(Renderer *r, const View *v, const RenderOptions *o, con
     gl->BindFramebuffer(GL_FRAMEBUFFER, t->draw);
     gl->Viewport(0, 0, t->width, t->height);
     gl->ClearBufferfv(GL_COLOR, 0, nothing);
-    return overlay_draw(&r->overlay, &r->programs, gl, v, &s, &eye, o->overlay, o->history, r->error, sizeof r->error);
+    return overlay_draw(&r->overlay, &r->programs, gl, v, &s, &eye, o->overlay, o->past, r->error, sizeof r->error);
 }

@@ -11,13 +11,14 @@
 #ifndef DIG_RENDER_H
 #define DIG_RENDER_H
 
+#include "view/past.h"
 #include "view/view.h"
 
 typedef enum RenderLayer { RENDER_COLOUR, RENDER_DEPTH, RENDER_ID, RENDER_NORMAL } RenderLayer;
 
 enum {      /* RenderOptions.overlay, or-ed */
     OVERLAY_DIG = 1, OVERLAY_CONTACTS = 2, OVERLAY_FORCES = 4, OVERLAY_NAMES = 8, OVERLAY_JOINTS = 16, OVERLAY_TIME = 32,
-    OVERLAY_STRESS = 64, OVERLAY_TEMPERATURE = 128, OVERLAY_TRAILS = 256, OVERLAY_ENERGY = 512     /* these two need a history */
+    OVERLAY_STRESS = 64, OVERLAY_TEMPERATURE = 128, OVERLAY_TRAILS = 256, OVERLAY_ENERGY = 512     /* these two need what was before (past) */
 };
 
 typedef struct RenderCamera {
@@ -26,16 +27,6 @@ typedef struct RenderCamera {
 } RenderCamera;
 
 typedef struct RenderLamp { real at[3]; float power; float colour[3]; } RenderLamp;    /* W, isotropic */
-
-enum { RENDER_ENERGIES = 4 };       /* kinetic, potential, elastic, lost */
-
-typedef struct RenderHistory {      /* what was before this moment; belongs to the caller */
-    const real *trails;             /* [trail_count][trail_length][3] m, world; oldest first, as far apart in time; NAN = not there */
-    int         trail_count, trail_length;
-    const real *energies;           /* [energy_count][1 + RENDER_ENERGIES] s since `begin`, J */
-    int         energy_count;
-    real        begin, end;         /* s: when the strip begins, and how long it is */
-} RenderHistory;
 
 typedef struct RenderOptions {
     int          width, height;         /* 1..16384 px                              */
@@ -49,7 +40,7 @@ typedef struct RenderOptions {
     bool         shadows;
     int          sky;                   /* 0 clear, 1 overcast, 2 night, 3 black    */
     RenderLamp   lamps[4]; int lamp_count;
-    const RenderHistory *history;       /* NULL = none */
+    const ViewPast *past;               /* for trails and energies; NULL = none */
 } RenderOptions;
 
 typedef struct Renderer Renderer;

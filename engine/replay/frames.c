@@ -84,8 +84,7 @@ static dig_status read_record(Replay *r)
 /* Is the next record about the same frame? */
 static bool more_of_frame(const Replay *r) { return r->cursor.at < r->cursor.size && r->cursor.from[r->cursor.at] == RECORD_LEFT; }
 
-/* Goes to a frame as its step led to it, or as it was left. */
-static dig_status go_to(Replay *r, int frame, bool left)
+dig_status replay_go(Replay *r, int frame, bool left)
 {
     if (frame < 0 || frame >= r->info.frames)
         return replay_fail(r, DIG_E_ARG, "frame %d: there are 0 to %d", frame, r->info.frames - 1);
@@ -197,7 +196,7 @@ static int count_struts(const Look *l)
 dig_status replay_frame(Replay *r, int frame, const ReplayFrame **out)
 {
     *out = NULL;
-    DIG_TRY(go_to(r, frame, true));
+    DIG_TRY(replay_go(r, frame, true));
     const KeptState *state = kept_state(&r->now);
     r->frame = (ReplayFrame){.frame = frame, .time = look_scene(&r->now.look)->time, .checksum = state->checksum, .energy = state->energy,
                              .struts = count_struts(&r->now.look)};
@@ -228,7 +227,7 @@ static dig_status keep_before(Replay *r, int frame)
 {
     if (r->before_frame == frame)
         return DIG_OK;
-    DIG_TRY(go_to(r, frame, true));
+    DIG_TRY(replay_go(r, frame, true));
     r->before_frame = -1;
     if (kept_copy(&r->before, &r->now) != DIG_OK)
         return replay_fail(r, DIG_E_MEMORY, "not enough memory");
@@ -240,7 +239,7 @@ static dig_status blend(Replay *r, int frame, real time, View **out)
 {
     View *a = NULL;
     DIG_TRY(keep_before(r, frame));
-    DIG_TRY(go_to(r, frame + 1, false));
+    DIG_TRY(replay_go(r, frame + 1, false));
     DIG_TRY(draw(r, &r->before, &a));
     dig_status s = draw(r, &r->now, out);
     if (s == DIG_OK) {
@@ -272,11 +271,11 @@ dig_status replay_view(Replay *r, real time, View **out)
     int frame = n <= 0 ? 0 : n >= last ? r->info.frames - 1 : (int)n;
     for (int k = frame > 0 ? frame - 1 : 0; k <= frame + 1 && k < r->info.frames; k++)      /* n is rounded: look beside it */
         if (fabs((real)(r->info.first_step + (uint64_t)k) * r->info.step - time) <= on_time) {
-            DIG_TRY(go_to(r, k, true));
+            DIG_TRY(replay_go(r, k, true));
             return draw(r, &r->now, out);
         }
     if (n <= 0 || n >= last) {
-        DIG_TRY(go_to(r, frame, true));
+        DIG_TRY(replay_go(r, frame, true));
         return draw(r, &r->now, out);
     }
     if ((real)(r->info.first_step + (uint64_t)frame) * r->info.step > time)
@@ -290,7 +289,7 @@ dig_status replay_cameras(Replay *r, int frame, bool arrived, const ReplayCamera
 {
     Kept *k = !arrived && r->before_frame == frame && frame >= 0 ? &r->before : &r->now;        /* that of a picture made before */
     if (k == &r->now)
-        DIG_TRY(go_to(r, frame, !arrived));
+        DIG_TRY(replay_go(r, frame, !arrived));
     *count = kept_table(k, KEPT_CAMERAS)->count;
     if (list_reserve(&r->cameras, *count, NULL) != DIG_OK)
         return replay_fail(r, DIG_E_MEMORY, "not enough memory");

@@ -53,6 +53,8 @@ dig_status replay_fail(Replay *r, dig_status s, const char *format, ...) DIG_PRI
 /* Reads and unpacks a section, unless it is loaded. */
 dig_status replay_load(Replay *r, int section, Loaded *to);
 void       replay_unload(Loaded *l);
+/* frames.c: reads on to a frame as its step led to it, or as it was left */
+dig_status replay_go(Replay *r, int frame, bool left);
 /* open.c: the sections, in the index or one after the other; meshes, bodies, notes */
 dig_status replay_find_sections(Replay *r);
 dig_status replay_read_records(Replay *r);

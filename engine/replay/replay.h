@@ -120,6 +120,9 @@ int               replay_body_of(const Replay *r, dig_body id); /* index, or -1 
 dig_status        replay_frame(Replay *r, int frame, const ReplayFrame **out);
 /* The picture of a moment, s, between frames blended as films are; free it with dig_view_free. */
 dig_status        replay_view(Replay *r, real time, View **out);
+/* Feeds what was in the frames from..frame to a Past (view/past.h), whose last one was from - 1: where bodies were, energies. */
+struct Past;
+dig_status        replay_past(Replay *r, int from, int frame, bool points, bool energies, struct Past *past);
 /* The saved world and the commands that led to a frame; false: there are none, or they cannot be read (replay_error). */
 bool              replay_start(Replay *r, const void **bytes, size_t *size);
 bool              replay_commands(Replay *r, int frame, const void **bytes, size_t *size);

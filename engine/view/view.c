@@ -269,7 +269,7 @@ static dig_status make_arrows(Making *m)
         ViewArrow *a = &m->arrows.data[m->arrows.count - 1];
         write_point(m, a->p, from->p);
         memcpy(a->v, from->v, sizeof a->v);
-        write_vec(a->colour, (vec3){0.9, 0.15, 0.1});
+        write_vec(a->colour, (vec3){0.04, 0.22, 0.80});      /* not that of contact forces */
     }
     return DIG_OK;
 }

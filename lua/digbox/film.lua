@@ -278,24 +278,44 @@ local function check_target(to, what)
   return to
 end
 
--- What was before is not kept while a world runs.
-local function no_history(o, what)
-  if o.overlay & ((overlays.trails or 0) | (overlays.energy or 0)) ~= 0 then
-    core.fail("%s.overlay: trails and energy need what was before: digbox run --replay FILE, then digbox render FILE", what)
-  end
+-- ---- what was before: trails and energies ----
+
+local function shows_past(o) return o.overlay & ((overlays.trails or 0) | (overlays.energy or 0)) ~= 0 end
+
+-- The step at or before a film's first frame: what was before that its overlays do not show.
+function core.first_step_of(first, fps, step) return math.floor(first / fps / step + 1e-6) end
+
+-- Kept from the first film on that shows it.
+local function keep_past(film)
+  local world, state = film.world, core.lua_state(film.world)
+  local first = core.first_step_of(film.first, film.fps, world.frame)
+  if state.past and state.past_first <= math.max(first, world.steps) then return end
+  state.past, state.past_first = core.past(first, world.frame), first
+end
+
+-- As it is now; nil when it is not asked for.
+local function past_of(o, world)
+  if not shows_past(o) then return nil end
+  local past = core.lua_state(world).past
+  core.past_take(past, world)
+  return past
 end
 
 -- world:render{camera=, to = "out/a.png", size = {w, h}, samples=, layer=, overlay=} -> path
 function methods.render(world, fields)
   local f = core.check(fields, "world:render")
   local o = drawing_options(f, "world:render", world)
-  no_history(o, "world:render")
+  if shows_past(o) and not core.lua_state(world).past then
+    core.fail "world:render.overlay: trails and energy need what was before: begin a film with that overlay first (world:record)"
+  end
   local to = check_target(f.to, "world:render")
   if not to:match "%.png$" then core.fail("world:render: '%s' must end in .png", to) end
   local path = core.out_path(to)
   local view = core.view(world)
   local camera = resolve(f.camera or default_camera(world), view, o.width / o.height)
-  core.picture(view, frame_options(o, camera, scene_of(world)), path, texts(world, world.time))
+  local options = frame_options(o, camera, scene_of(world))
+  options.past = past_of(o, world)
+  core.picture(view, options, path, texts(world, world.time))
   core.lua_state(world).recorded = true
   return path
 end
@@ -344,7 +364,6 @@ function methods.record(world, fields)
   local film = { fps = fps, frames = 0, path = to, closed = false, world = world, camera = f.camera,
     options = drawing_options(f, "world:record", world) }
   -- The first frame: at the first multiple of 1/fps that is not past.
-  no_history(film.options, "world:record")
   film.first = math.ceil(world.time * fps - ON_TIME * fps)
   if to:match "%.png$" then
     film.pattern = to
@@ -359,6 +378,7 @@ function methods.record(world, fields)
     core.fail("world:record: '%s' must end in .png, .mp4 or .webm", to)
   end
   if film.pattern then core.begin_frames(film) end
+  if shows_past(film.options) then keep_past(film) end
   local state = core.lua_state(world)
   state.films[#state.films + 1] = film
   state.all_films = state.all_films or {}
@@ -374,6 +394,7 @@ local function next_time(film) return (film.first + film.frames) / film.fps end
 
 local function take(film, view, camera, time)
   local o = frame_options(film.options, camera, scene_of(film.world))
+  if shows_past(film.options) then o.past = core.lua_state(film.world).past end
   if film.pipe then
     film.pipe:frame(view, o)
   else
@@ -402,6 +423,7 @@ function core.film_before_step(world, state)
   local view
   local after = world.time + world.frame
   state.view_before = nil
+  if state.past then core.past_take(state.past, world) end
   for _, film in ipairs(state.films) do
     view = take_present(film, view)
     if next_time(film) < after - ON_TIME then
@@ -412,10 +434,8 @@ function core.film_before_step(world, state)
   end
 end
 
--- After a step: frames strictly inside it.
-function core.film_after_step(world, state)
-  local before = state.view_before
-  if not before then return end
+-- Frames strictly inside a step, after it.
+local function take_inside(world, state, before)
   local view, now, dt = core.view(world), world.time, world.frame
   for _, film in ipairs(state.films) do
     if film.camera_before then
@@ -429,6 +449,12 @@ function core.film_after_step(world, state)
     end
   end
   state.view_before = nil
+end
+
+-- After a step; what was before a frame inside it does not have the step's end.
+function core.film_after_step(world, state)
+  if state.view_before then take_inside(world, state, state.view_before) end
+  if state.past then core.past_energy(state.past, world) end
 end
 
 -- Takes no further frame.
@@ -448,7 +474,11 @@ end
 local function close_film(film)
   if film.closed then return end
   take_out(film)
-  if not core.stopping then take_present(film) end
+  if not core.stopping then
+    local past = core.lua_state(film.world).past
+    if past then core.past_take(past, film.world) end
+    take_present(film)
+  end
   if film.pipe then film.pipe:close() end
   core.end_frames(film, not core.stopping)
 end

@@ -26,6 +26,18 @@ local function names_of(text)
   return list
 end
 
+-- The step with which films that show what was before begin; the first of the run when none does.
+local function past_begin(plan, films)
+  local info, first = plan.info, math.huge
+  for _, film in ipairs(films) do
+    local overlay = table.concat(film.overlay or {}, ",")
+    if overlay:find "trails" or overlay:find "energy" then
+      first = math.min(first, math.max(info.first_step, core.first_step_of(film.first, film.fps, info.step)))
+    end
+  end
+  return first < math.huge and first or info.first_step
+end
+
 -- The fields world:record would have been given.
 local function film_fields(plan, o)
   local films = note(plan, "films", plan.info.frames - 1) or {}
@@ -38,6 +50,7 @@ local function film_fields(plan, o)
   end
   f.samples = o.samples or f.samples
   plan.fps = o.fps or film.fps or 30
+  plan.past_step = past_begin(plan, films)
   plan.camera = film.camera and film.camera + 1 or 1
   return f
 end
@@ -132,17 +145,36 @@ local function camera_at(plan, time, view)
   return core.blend_cameras(before, after, (time - from) / info.step)
 end
 
+-- The frame of the replay at or before a moment.
+local function frame_of(plan, time)
+  return math.min(plan.info.frames - 1, math.max(0, math.floor(time / plan.info.step - plan.info.first_step + 1e-6)))
+end
+
 local function frame_options(plan, time, view)
-  local frame = math.min(plan.info.frames - 1, math.max(0, math.floor(time / plan.info.step - plan.info.first_step + 1e-6)))
+  local frame = frame_of(plan, time)
   local light = note(plan, "light", frame) or {}
   local scene = { sun = vector(light.sun), shadows = light.shadows, sky = core.skies[light.sky or "clear"] or 0, lamps = {} }
   for i, lamp in ipairs(light.lamps or {}) do
     scene.lamps[i] = { at = vector(lamp.at), power = lamp.power, colour = vector(lamp.colour) }
   end
   local o = core.frame_options(plan.options, camera_at(plan, time, view), scene)
-  local trails, energy = o.overlay & core.overlays.trails ~= 0, o.overlay & core.overlays.energy ~= 0
-  if trails or energy then o.history = core.reader_history(plan.reader, frame, trails, energy) end
   return o
+end
+
+-- What was before a moment, for overlays: since the first film of the script that showed it began, as that film had it; in other frames
+-- since the run began.
+local function past_at(plan, time)
+  local overlay, info = plan.options.overlay, plan.info
+  local trails, energy = overlay & core.overlays.trails ~= 0, overlay & core.overlays.energy ~= 0
+  if not trails and not energy then return nil end
+  local frame = frame_of(plan, time)
+  local since = info.first_step + frame >= plan.past_step and plan.past_step or info.first_step
+  if not plan.past or plan.past_since ~= since or frame < plan.past_frame then
+    plan.past, plan.past_since = core.past(since, info.step), since
+  end
+  core.past_read(plan.past, plan.reader, frame, trails, energy)
+  plan.past_frame = frame
+  return plan.past
 end
 
 local function time_of(plan, k) return (plan.first + k) / plan.fps end
@@ -150,8 +182,10 @@ local function time_of(plan, k) return (plan.first + k) / plan.fps end
 -- The view of frame k and its options; with blur also those of the moments after it while the shutter is open, half of a frame's time.
 local function look(plan, k)
   local time = time_of(plan, k)
+  local past = past_at(plan, time)          -- first: a reader goes on, not back
   local view = core.reader_view(plan.reader, time)
   local views, list = { view }, { frame_options(plan, time, view) }
+  list[1].past = past
   for i = 2, plan.blur do
     local moment = time + 0.5 * (i - 1) / plan.blur / plan.fps
     views[i] = core.reader_view(plan.reader, moment)

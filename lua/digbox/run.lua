@@ -152,7 +152,7 @@ end
 -- One frame step, and what follows from it. What a world does not have is not called: in a small one that would cost as much as the step.
 local function advance(world, state)
   core.poll()
-  local options, films = core.options, #state.films > 0
+  local options, films = core.options, #state.films > 0 or state.past
   if options.sim_limit and world.time >= options.sim_limit - 1e-9 then core.over_sim_limit(options.sim_limit) end
   if state.before_first_step and world.steps == 0 then state.before_first_step(world) end
   if #state.forces > 0 then core.push_regions(state) end

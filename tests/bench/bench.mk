@@ -4,6 +4,7 @@
 #   make bench SCENE=towers ENGINE=digbox N=200  one scene, one engine, one size
 #   make bench SCENE=digs                        membership and messages: 5000 DIGs of 50, against a flat union-find
 #   make bench SCENE=render                      frames a second: time per phase, one and two processes, error of the edges
+#   make bench SCENE=looks                       one scene as we draw it and as MuJoCo's renderer does: build/bench/looks/*.png
 #   make bench SCENE=questions                   can this door be opened? in steps of its DIG, alone and among a hundred others
 #   make bench FULL=1                            also 16,000 spheres, 100,000 bodies in a room, 1,000,000 fixed boxes
 #   make bench LIMIT=60 TOTAL=1200 REPEATS=5     seconds for one run, for all of them, and how often
@@ -37,6 +38,11 @@ bench-run: $(bench_dir)/digs
 else ifeq ($(SCENE),render)
 bench-run: $(bench_dir)/render
 	@$(bench_dir)/render $(or $(N),300) $(bench_dir)/frames
+else ifeq ($(SCENE),looks)
+bench-run: $(bench_dir)/looks.run all
+	@mkdir -p $(bench_dir)/looks && rm -f $(bench_dir)/looks/*
+	@$(program) run -q tests/bench/looks.lua -o $(bench_dir)/looks >$(bench_dir)/looks/scene.txt
+	@$(bench_dir)/looks.run $(bench_dir)/looks/mujoco.png <$(bench_dir)/looks/scene.txt && ls $(bench_dir)/looks/*.png
 else ifeq ($(SCENE),questions)
 bench-run: $(bench_dir)/questions
 	@$(bench_dir)/questions
@@ -65,10 +71,12 @@ $(bench_dir)/digs $(bench_dir)/questions: $(bench_dir)/%: $(bench_dir)/obj/%.o $
 	$(call say,LINK,$@)$(CC) -o $@ $^ -pthread $(CORE_LIBS)
 $(bench_dir)/render: $(bench_dir)/obj/render.o $(render_a) $(core_a)
 	$(call say,LINK,$@)$(CC) -o $@ $^ -pthread $(RENDER_LIBS) $(CORE_LIBS)
+$(bench_dir)/looks.run: $(bench_dir)/obj/looks.o
+	$(call say,LINK,$@)$(CC) -o $@ $^ -lmujoco -lOSMesa -lpng -lm
 $(bench_dir)/bench-digbox: $(core_a)
 $(bench_dir)/bench-%: $(bench_dir)/obj/%.o $(patsubst tests/bench/%.c,$(bench_dir)/obj/%.o,$(bench_common))
 	$(call say,LINK,$@)$(if $(filter digbox,$*),$(CC),$(CXX)) -o $@ $(filter %.o,$^) $(bench_libs-$*) -lm
-.SECONDARY: $(patsubst %,$(bench_dir)/obj/%.o,run scene check selftest digs questions digbox bullet ode mujoco)
+.SECONDARY: $(patsubst %,$(bench_dir)/obj/%.o,run scene check selftest digs questions looks digbox bullet ode mujoco)
 
 scaling: all                                    ## what a step costs as worlds grow; writes docs/scaling.md
 	@sh tests/bench/scaling.sh $(BUILD)/digbox docs/scaling.md

@@ -51,6 +51,42 @@ holds 'shows something else' test "$(md5sum <side/f-00003.png)" != "$(md5sum <tw
 gives 0 'motion blur' render fall.replay --blur 4 -o blur/f-%05d.png --frames 3..3
 holds 'differs' test "$(md5sum <blur/f-00003.png)" != "$(md5sum <two/f-00003.png)"
 
+# Trails and energies show what was before, and nothing of what comes: a live film, that of its replay, and a longer run's are the same.
+cat >past.lua <<'LUA'
+local digbox = require "digbox"
+local world = digbox.world {}
+world:floor {}
+local ball = world:ball { name = "ball", radius = 0.1, at = { 0, 1, 0 }, velocity = { 1, 0, 0 } }
+local box = world:box { size = 0.2, at = { -0.6, 0.6, 0 }, velocity = { 2, 2, 0.3 }, spin = { 1, 4, 2 } }
+world:camera { at = { 1, 1, 3 }, look_at = { 0.3, 0.4, 0 } }
+world:run "0.11 s"
+box:teleport { velocity = { 1, 3, 0 } }       -- between a step and the film's begin
+world:record { to = "late-%05d.png", fps = 47, size = { 96, 54 }, overlay = { "trails", "energy" } }
+world:run "0.3 s"
+box:remove()
+world:ball { radius = 0.05, at = { 0.3, 1, 0 }, velocity = { 0, 1, 0 } }
+ball:teleport { velocity = { 1, 2, 0 } }
+world:run(digbox.args { rest = { default = 0.4, unit = "s", help = "how long" } }.rest)
+world:render { to = "end.png", size = { 96, 54 }, overlay = "trails" }
+ball:teleport { at = { 0, 1, 0 } }
+LUA
+gives 0 'a film that shows the past' run -q -o past --replay past.replay past.lua
+gives 0 'and of its replay' render past.replay -j 2 -o again/f-%05d.png
+late=(past/late-*.png) again=(again/f-*.png)
+holds 'it began later' test "${#late[@]}" -lt "${#again[@]}"
+for ((k = 0; k < ${#late[@]}; k++)); do
+    there=${again[k + ${#again[@]} - ${#late[@]}]}
+    holds "${late[k]} is $there" test "$(image "${late[k]}")" = "$(image "$there")"
+done
+gives 0 'without the past' render past.replay -o now/f-%05d.png --overlay time --frames 20..20
+holds 'something else' test "$(image now/f-00020.png)" != "$(image again/f-00020.png)"
+gives 0 'a longer run' run -q -o longer past.lua --set rest=1.2
+for f in past/late-*[05].png; do
+    [ "$f" = "${late[-1]}" ] || holds "$f does not know the future" test "$(image "$f")" = "$(image "longer/${f#past/}")"
+done
+printf 'local w = require("digbox").world {}\nw:floor {}\nw:run(0.1)\nw:render { to = "a.png", overlay = "energy" }\n' >early.lua
+gives 1 'a picture of what nobody kept' run -q early.lua;  said 'begin a film with that overlay first'
+
 # Resuming: what is missing or damaged is drawn again, what is foreign stays, other options are refused.
 rm two/f-00002.png
 head -c 700 one/f-00004.png >two/f-00004.png
