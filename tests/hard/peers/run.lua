@@ -1,0 +1,63 @@
+-- tests/hard/peers/run.lua - runs hard cases on another engine and prints a line of tab-separated values for each.
+--
+--   lua5.4 tests/hard/peers/run.lua build/hard/peers ode B01a 1/60 [LIMIT [details]]
+--
+-- folder of the modules, engine, beginning of an id, frame step, CPU seconds of a run. The line: id, step, engine, verdict,
+-- criterion nearest to failing, measured, limit, ms per simulated second, reason.
+local folder, engine, wanted, step, limit, details = table.unpack(arg)
+local here = arg[0]:match "^(.*)/" or "."
+package.path = ("%s/?.lua;%s/../?.lua;%s"):format(here, here, package.path)
+package.cpath = folder .. "/?.so;" .. package.cpath
+
+local module = require("peer_" .. engine)
+local shim = require "shim"
+package.preload["digbox"] = function() return shim(module) end
+local hard = require "hard"
+
+-- Criteria on what digbox says, not on what happens; and those that an engine does not tell enough for
+local untold = {
+  ["conflict shown in the figures"] = true, ["events more or less"] = true, ["energy not accounted for / work"] = true,
+  ["force of a hinge / weight"] = engine == "mujoco",
+}
+local impossible = {
+  B24 = "no calls that answer with an error",
+}
+
+local function number(x) return x and ("%.4g"):format(x) or "" end
+
+local function judge(row)
+  local list = {}
+  for _, c in ipairs(row.criteria) do
+    if not untold[c.name] then list[#list + 1] = c end
+  end
+  for _, c in ipairs(row.always) do
+    if c.name:sub(1, 2) == "G1" and not c.pass then list[#list + 1] = c end      -- a state that is lost fails every case
+  end
+  row.criteria, row.broke = list, nil
+  if #list > 0 then hard.judge(row) end
+end
+
+local function line(case, row, verdict, why)
+  local w = row and row.worst or {}
+  print(table.concat({ case.id, step, engine, verdict, w.name or "", number(w.value), w.limit and (w.least and ">= " or "<= ") ..
+    number(w.limit) or "", row and number(row.ms_per_s) or "", why or "" }, "\t"))
+end
+
+local function run(case)
+  local cannot = impossible[case.id:sub(1, 3)]
+  if cannot then return line(case, nil, "none", cannot) end
+  local seconds, steps = step:match "^(%d+)/(%d+)$"
+  local row = hard.run(case, { dt = seconds / steps, clock = module.cpu_seconds, limit = tonumber(limit) or 20, repeats = false })
+  local why = row.error and row.error:match "cannot: (.*)"
+  if why then return line(case, nil, "none", why) end
+  if row.error then return line(case, row, "error", (row.error:gsub("%s+", " "))) end
+  judge(row)
+  if #row.criteria == 0 then return line(case, nil, "none", "what this case asks for is not told") end
+  line(case, row, row.pass and "pass" or row.over_time and not row.broke and "over time" or "fail")
+  for _, c in ipairs(details and row.criteria or {}) do
+    print(("#   %-4s %-44s %12s %s %s"):format(c.pass and "ok" or "FAIL", c.name, number(c.value), c.least and ">=" or "<=", number(c.limit)))
+  end
+  if details then print(("#   top speed %.4g m/s, penetration now %s m"):format(row.speed, number(row.penetration))) end
+end
+
+for _, case in ipairs(hard.cases { wanted }) do run(case) end
