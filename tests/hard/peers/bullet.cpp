@@ -314,7 +314,8 @@ int peer_touches(Peer *p, PeerTouch *out, int room)
             const btVector3 push = (point.m_normalWorldOnB * point.m_appliedImpulse + point.m_lateralFrictionDir1 *
                                     point.m_appliedImpulseLateral1 + point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2) /
                                    btScalar(p->scene->step);
-            out[n] = {pair.getBody1()->getUserIndex(), pair.getBody0()->getUserIndex(), {double(push.x()), double(push.y()), double(push.z())}};
+            const double force[3] = {double(push.x()), double(push.y()), double(push.z())};
+            out[n] = {pair.getBody1()->getUserIndex(), pair.getBody0()->getUserIndex(), {force[0], force[1], force[2]}};
             n++;
         }
     }

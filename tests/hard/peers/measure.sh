@@ -3,7 +3,8 @@
 #
 #   BUILD=build [LIMIT=20] [PEER=ode] tests/hard/peers/measure.sh [CASE [STEP]]      CASE: the beginning of an id; STEP: 1/60 unless told
 #
-# LIMIT is the CPU seconds that one run may take; a run stopped there is shown as over time, with its figures so far.
+# LIMIT is the CPU seconds that one run may take; a run stopped there is shown as over time, with its figures so far. One that
+# does not even come back from a step is ended at twice that.
 set -u
 build=${BUILD:-build}
 out=$build/hard/peers
@@ -23,14 +24,14 @@ list | while read -r id at; do
         [ -e "$module" ] || continue
         [ -z "${PEER:-}" ] || [ "$PEER" = "$engine" ] || continue
         row="$out/rows/$id.$(echo "$at" | tr / _).$engine.tsv"
-        timeout $((LIMIT * 4 + 20)) lua5.4 tests/hard/peers/run.lua "$out" "$engine" "$id" "$at" "$LIMIT" 2>"$out/errors.txt" \
-            >"$out/output.txt" </dev/null
+        (ulimit -t $((LIMIT * 2 + 20)) && exec timeout $((LIMIT * 30 + 60)) lua5.4 tests/hard/peers/run.lua "$out" "$engine" "$id" "$at" \
+            "$LIMIT") 2>"$out/errors.txt" >"$out/output.txt" </dev/null
         status=$?
         grep -E "^$id	" "$out/output.txt" >"$row"
         if [ ! -s "$row" ]; then
-            case $status in                                  # 134: it aborts, 139: it crashes; 124: not even one step ends in time
+            case $status in                                  # 134: it aborts, 139: it crashes; else: a step did not end in time
                 134|139) verdict=fail why="ends the process: " ;;
-                124)     verdict="over time" why="stopped; " ;;
+                124|137|152) verdict="over time" why="stopped; " ;;
                 *)       verdict=error why= ;;
             esac
             printf '%s\t%s\t%s\t%s\t\t\t\t\t%s\n' "$id" "$at" "$engine" "$verdict" \

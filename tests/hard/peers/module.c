@@ -205,10 +205,11 @@ static int remove_body(lua_State *L)
 
 /* ---- moving ---- */
 
+/* Of the thread: the clock of a process counts whole milliseconds once its time is limited (ulimit -t). */
 static double cpu_time(void)
 {
     struct timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 

@@ -1,9 +1,9 @@
 /* tests/hard/peers/mujoco.c - driver of MuJoCo (Debian's libmujoco-dev) for the hard cases.
  *
- * Scenes are turned to have z up. Its own defaults: Euler, Newton, pyramidal cone, and its time step of 2 ms, taken as 1/480 s (or the next smaller part of the frame).
- * Jointed bodies are joints of its tree, which cannot come apart; joints that close a loop are its soft equalities, a hinge two of
- * them. MuJoCo has no restitution: contacts of a scene with one are springs and dampers, eight steps long, with that ratio of
- * speeds. What is driven is a body of 1e9 kg on joints whose speed is set before each step.
+ * Scenes are turned to have z up. Its own defaults: Euler, Newton, pyramidal cone, and its time step of 2 ms, taken as 1/480 s (or
+ * the next smaller part of the frame). Jointed bodies are joints of its tree, which cannot come apart; joints that close a loop are
+ * its soft equalities, a hinge two of them. MuJoCo has no restitution: contacts of a scene with one are springs and dampers, eight
+ * steps long, with that ratio of speeds. What is driven is a body of 1e9 kg on joints whose speed is set before each step.
  */
 #include <math.h>
 #include <mujoco/mujoco.h>
@@ -319,8 +319,8 @@ static void put_head(Peer *p, char *reference, size_t room)
     const PeerScene *s = p->scene;
     double h = s->step / p->parts, e = fmin(s->restitution, 0.999999);
     long contacts = s->bodies < 150 ? 12L * s->bodies + 200 : 4L * s->bodies + 400, rows = 4 * contacts + 6L * s->joints + 400;
-    put(p, "<mujoco><compiler angle='radian' boundmass='0' boundinertia='0'/><size nconmax='%ld' njmax='%ld' nstack='%ld'/>", contacts, rows,
-        2000L * 1048576 / 8);
+    put(p, "<mujoco><compiler angle='radian' boundmass='0' boundinertia='0'/>");
+    put(p, "<size nconmax='%ld' njmax='%ld' nstack='%ld'/>", contacts, rows, 2000L * 1048576 / 8);
     put(p, "<option timestep='%.17g' gravity='%.17g %.17g %.17g'/>\n", h, s->gravity[0], s->gravity[1], s->gravity[2]);
     reference[0] = '\0';
     if (e > 0) {

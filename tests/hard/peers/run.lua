@@ -55,7 +55,8 @@ local function run(case)
   if #row.criteria == 0 then return line(case, nil, "none", "what this case asks for is not told") end
   line(case, row, row.pass and "pass" or row.over_time and not row.broke and "over time" or "fail")
   for _, c in ipairs(details and row.criteria or {}) do
-    print(("#   %-4s %-44s %12s %s %s"):format(c.pass and "ok" or "FAIL", c.name, number(c.value), c.least and ">=" or "<=", number(c.limit)))
+    local verdict, sign = c.pass and "ok" or "FAIL", c.least and ">=" or "<="
+    print(("#   %-4s %-44s %12s %s %s"):format(verdict, c.name, number(c.value), sign, number(c.limit)))
   end
   if details then print(("#   top speed %.4g m/s, penetration now %s m"):format(row.speed, number(row.penetration))) end
 end

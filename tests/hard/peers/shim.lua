@@ -201,7 +201,8 @@ function makes.close(w) w.core:close() end
 local world_fields = {
   energy = function(w)
     local kinetic, potential, elastic = w.core:totals()
-    return { kinetic = kinetic, potential = potential, elastic = elastic, work_in = 0, numerical = 0, total = kinetic + potential + elastic }
+    local total = kinetic + potential + elastic
+    return { kinetic = kinetic, potential = potential, elastic = elastic, total = total, work_in = 0, numerical = 0 }
   end,
   momentum = function(w) return vec(select(4, w.core:totals())) end,
   angular_momentum = function(w) return vec(select(7, w.core:totals())) end,
