@@ -37,6 +37,7 @@ endif
 hard_modules   = $(patsubst %,$(hard_dir)/peer_%.so,$(strip $(hard_engines)))
 
 hard-peers: all $(hard_modules)                 ## the hard cases on Bullet, ODE and MuJoCo, where they are installed
+	@for e in $(hard_engines); do lua5.4 tests/hard/peers/selftest.lua $(hard_dir) $$e || exit 1; done
 	@BUILD='$(BUILD)' LIMIT='$(PEER_LIMIT)' PEER='$(PEER)' sh tests/hard/peers/measure.sh "$(CASE)" "$(STEP)"
 
 $(hard_dir)/obj/module-%.o: tests/hard/peers/module.c $(hard_headers)

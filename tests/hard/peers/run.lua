@@ -13,29 +13,13 @@ local module = require("peer_" .. engine)
 local shim = require "shim"
 package.preload["digbox"] = function() return shim(module) end
 local hard = require "hard"
+local judge = require "judge"
 
--- Criteria on what digbox says, not on what happens; and those that an engine does not tell enough for
-local untold = {
-  ["conflict shown in the figures"] = true, ["events more or less"] = true, ["energy not accounted for / work"] = true,
-  ["force of a hinge / weight"] = engine == "mujoco",
-}
 local impossible = {
   B24 = "no calls that answer with an error",
 }
 
 local function number(x) return x and ("%.4g"):format(x) or "" end
-
-local function judge(row)
-  local list = {}
-  for _, c in ipairs(row.criteria) do
-    if not untold[c.name] then list[#list + 1] = c end
-  end
-  for _, c in ipairs(row.always) do
-    if c.name:sub(1, 2) == "G1" and not c.pass then list[#list + 1] = c end      -- a state that is lost fails every case
-  end
-  row.criteria, row.broke = list, nil
-  if #list > 0 then hard.judge(row) end
-end
 
 local function line(case, row, verdict, why)
   local w = row and row.worst or {}
@@ -51,9 +35,9 @@ local function run(case)
   local why = row.error and row.error:match "cannot: (.*)"
   if why then return line(case, nil, "none", why) end
   if row.error then return line(case, row, "error", (row.error:gsub("%s+", " "))) end
-  judge(row)
-  if #row.criteria == 0 then return line(case, nil, "none", "what this case asks for is not told") end
-  line(case, row, row.pass and "pass" or row.over_time and not row.broke and "over time" or "fail")
+  local verdict = judge(hard, row, engine)
+  if verdict == "none" then return line(case, nil, verdict, "what this case asks for is not told") end
+  line(case, row, verdict)
   for _, c in ipairs(details and row.criteria or {}) do
     local verdict, sign = c.pass and "ok" or "FAIL", c.least and ">=" or "<="
     print(("#   %-4s %-44s %12s %s %s"):format(verdict, c.name, number(c.value), sign, number(c.limit)))
