@@ -12,15 +12,16 @@ local judge = require "peers.judge"
 local Core = {}
 Core.__index = Core
 function Core:body(b)
-  local s = { b.at[1], b.at[2], b.at[3], b.turn[1], b.turn[2], b.turn[3], b.turn[4], b.v[1], b.v[2], b.v[3], b.spin[1], b.spin[2], b.spin[3] }
+  local s = {}
+  for _, part in ipairs { b.at, b.turn, b.v, b.spin } do table.move(part, 1, #part, #s + 1, s) end
   self.states[#self.states + 1] = s
   return #self.states - 1, b.mass
 end
 function Core:state(i) return table.unpack(self.states[i + 1]) end
-function Core:totals() return 0, 0, 0, 0, 0, 0, 0, 0, 0 end
-function Core:penetration() return 0 end
-function Core:open() end
-function Core:close() end
+function Core.totals() return 0, 0, 0, 0, 0, 0, 0, 0, 0 end
+function Core.penetration() return 0 end
+function Core.open() end
+function Core.close() end
 function Core:step()
   for _, s in ipairs(self.states) do
     for k = 1, 3 do s[k] = s[k] + s[7 + k] * self.dt end

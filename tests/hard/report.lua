@@ -73,9 +73,9 @@ local function peer_cell(row, engine)
   local other = row.peers[engine]
   if not other then return "" end
   if not measured(other) then return cell("none: " .. other.why) end
-  local what = other.worst == row.worst and "" or other.worst .. " "
+  local what = other.worst == row.worst and "" or "(" .. other.worst .. ") "
   if other.value == "" then return cell(other.verdict .. ": " .. other.why) end
-  return cell(("%s %s%s, %s ms/s"):format(other.verdict, what, short(other.value), short(other.ms)))
+  return cell(("%s %s%s; %s ms/s"):format(other.verdict, what, short(other.value), short(other.ms)))
 end
 
 -- ms/s of the cheapest other engine that passes, or nil
@@ -90,7 +90,7 @@ end
 
 local function thrift(row)
   local least = cheapest(row)
-  if not least then return next(row.peers) and "no other passes" or "" end
+  if not least then return next(row.peers) and "no peer passes" or "" end
   return row.verdict == "pass" and tonumber(row.ms) <= least and "yes" or "**no**"
 end
 
@@ -137,7 +137,7 @@ end
 
 local function write_table(list, add)
   add("| case | step | verdict | criterion nearest to failing | measured | limit | limit / measured | always | dearest frame / median | " ..
-    "ms/s | traced/conserved/swept, %s | Bullet | ODE | MuJoCo | at most the cheapest passing one's cost |", "%")
+    "ms/s | traced/conserved/swept, %s | Bullet | ODE | MuJoCo | cost at or below the cheapest passing peer |", "%")
   add "|---|---|---|---|---:|---:|---:|---|---:|---:|---|---|---|---|---|"
   for _, r in ipairs(list) do
     local verdict = r.verdict == "pass" and "pass" or "**" .. r.verdict .. "**"

@@ -39,8 +39,8 @@ local function run(case)
   if verdict == "none" then return line(case, nil, verdict, "what this case asks for is not told") end
   line(case, row, verdict)
   for _, c in ipairs(details and row.criteria or {}) do
-    local verdict, sign = c.pass and "ok" or "FAIL", c.least and ">=" or "<="
-    print(("#   %-4s %-44s %12s %s %s"):format(verdict, c.name, number(c.value), sign, number(c.limit)))
+    local mark, sign = c.pass and "ok" or "FAIL", c.least and ">=" or "<="
+    print(("#   %-4s %-44s %12s %s %s"):format(mark, c.name, number(c.value), sign, number(c.limit)))
   end
   if details then print(("#   top speed %.4g m/s, penetration now %s m"):format(row.speed, number(row.penetration))) end
 end
