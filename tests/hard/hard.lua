@@ -18,9 +18,7 @@
 --
 -- `place` passes calls on to the world, moved by a constant offset, so that a case need not know where it stands:
 -- place:where(body) is its position as the case wrote it. place.world is the world, place.dt the frame step.
-local digbox = require "digbox"
-
-local hard = {}
+local hard = { digbox = require "digbox" }          -- or what stands for it: peers/shim.lua
 
 hard.files = {
   "B01_heavy_on_light", "B02_tower", "B03_pyramid", "B04_chain", "B05_bridge", "B06_arch", "B07_card_house", "B08_overlap",
@@ -76,10 +74,10 @@ local movers = { box = true, sphere = true, ball = true, capsule = true, cylinde
 local function moved(name, fields, offset)
   local copy = {}
   for key, value in pairs(fields or {}) do
-    copy[key] = points[key] and digbox.vec(value) + offset or value
+    copy[key] = points[key] and hard.digbox.vec(value) + offset or value
   end
   if name == "plane" then
-    local n = digbox.vec(copy.normal):normalized()
+    local n = hard.digbox.vec(copy.normal):normalized()
     copy.offset = (copy.offset or 0) + n:dot(offset)
   elseif movers[name] and copy.at == nil and copy.from == nil and copy.a == nil and name ~= "floor" then
     copy.at = offset
@@ -88,9 +86,9 @@ local function moved(name, fields, offset)
 end
 
 function hard.place(world, offset)
-  local place = { world = world, offset = digbox.vec(offset or { 0, 0, 0 }), dt = world.frame }
+  local place = { world = world, offset = hard.digbox.vec(offset or { 0, 0, 0 }), dt = world.frame }
   function place:where(body) return body.position - self.offset end
-  function place:point(p) return digbox.vec(p) + self.offset end
+  function place:point(p) return hard.digbox.vec(p) + self.offset end
   return setmetatable(place, { __index = function(_, key)
     if movers[key] then return function(self, fields) return self.world[key](self.world, moved(key, fields, self.offset)) end end
     local value = world[key]
@@ -102,7 +100,7 @@ end
 function hard.open(fields, dt, accuracy)
   local all = { accuracy = accuracy or "play", step = dt }
   for k, v in pairs(fields or {}) do all[k] = v end
-  return digbox.world(all)
+  return hard.digbox.world(all)
 end
 
 -- ---- what always holds ----
@@ -213,7 +211,7 @@ end
 local function open_case(case, dt, offset, accuracy)
   local world = hard.open(case.world, dt, accuracy)
   local place = hard.place(world, offset)
-  local state = case.build(place, digbox) or {}
+  local state = case.build(place, hard.digbox) or {}
   state.place, state.world = place, world
   return state, world
 end
