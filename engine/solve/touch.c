@@ -69,11 +69,6 @@ static real pair_reach(const Group *g, const GroupPair *q, real time)
     return closing * time + real_max(g->member[q->a].pull, g->member[q->b].pull) * time * time + 0.01 * q->size;
 }
 
-static bool far_apart(const GroupPair *q, pose pa, pose pb, real reach)
-{
-    return vec3_length(vec3_sub(pb.p, pa.p)) - q->sa->outer - q->sb->outer > reach;    /* infinite outer: never */
-}
-
 /* A mesh pair has one contact per touching piece; each keeps the memory of its piece. */
 static void touch_pieces(Group *g, GroupPair *q, const Manifold *found, const uint32_t *pieces, int count)
 {
@@ -101,29 +96,61 @@ static void touch_pieces(Group *g, GroupPair *q, const Manifold *found, const ui
     }
 }
 
+/* Finds the points anew. */
+static void touch_again(GroupPair *q, GroupContact *c, pose pa, pose pb, bool apart)
+{
+    Manifold found;
+    Before old;
+    note_before(c, &old);
+    found.normal = c->manifold.normal;
+    found.count = 0;
+    if (!apart)
+        manifold_of_parts(q->sa, pa, q->sb, pb, q->reach, q->covered, &q->cache, &found);
+    put_points(c, &found);
+    keep_memory(c, &old);
+}
+
+/* m  What is between two solids that are farther than `reach` from each other, at least; else, or if it is more than `most`, that. */
+static real room_between(GroupPair *q, pose pa, pose pb, real most)
+{
+    Manifold found = {.count = 0};
+    manifold_of_parts(q->sa, pa, q->sb, pb, most, q->covered, &q->cache, &found);
+    for (int k = 0; k < found.count; k++)
+        most = real_min(most, found.points[k].gap);
+    return most;
+}
+
+real group_touch_convex(Group *g, GroupPair *q, real time, real farther)
+{
+    pose pa = group_shape_pose(g, q->a, q->la), pb = group_shape_pose(g, q->b, q->lb);
+    GroupContact *c = &g->contacts[q->contact];
+    real reach = q->reach = pair_reach(g, q, time);
+    real room = vec3_length(vec3_sub(pb.p, pa.p)) - q->sa->outer - q->sb->outer;     /* infinite outer: never apart */
+    bool apart = room > reach;
+    q->fresh = false;
+    q->until = -1;
+    if (c->manifold.count == 0 && !apart && farther > 0) {
+        room = room_between(q, pa, pb, reach + farther);
+        apart = room > reach;
+    }
+    if (c->manifold.count == 0 && apart) {
+        c->live = false;
+        return room;
+    }
+    touch_again(q, c, pa, pb, apart);
+    return c->live ? 0 : real_max(room, reach);
+}
+
 void group_touch_pair(Group *g, GroupPair *q, real time)
 {
+    if (q->contacts == 1) {
+        group_touch_convex(g, q, time, 0);
+        return;
+    }
     pose pa = group_shape_pose(g, q->a, q->la), pb = group_shape_pose(g, q->b, q->lb);
     real reach = q->reach = pair_reach(g, q, time);
     q->fresh = false;
-    if (q->contacts == 1) {
-        GroupContact *c = &g->contacts[q->contact];
-        bool apart = far_apart(q, pa, pb, reach);
-        if (c->manifold.count == 0 && apart) {
-            c->live = false;
-            return;
-        }
-        Manifold found;
-        Before old;
-        note_before(c, &old);
-        found.normal = c->manifold.normal;
-        found.count = 0;
-        if (!apart)
-            manifold_of_parts(q->sa, pa, q->sb, pb, reach, q->covered, &q->cache, &found);
-        put_points(c, &found);
-        keep_memory(c, &old);
-        return;
-    }
+    q->until = -1;
     Manifold found[PIECES];
     uint32_t pieces[PIECES];
     int count = manifold_collide(q->sa, pa, q->sb, pb, reach, &q->cache, found, pieces, int_min(q->contacts, PIECES));
