@@ -120,8 +120,42 @@ static real room_between(GroupPair *q, pose pa, pose pb, real most)
     return most;
 }
 
+static bool is_ball(const Shape *s) { return s->outer == s->round && s->type->convex; }
+
+static vec3 centre_of(const Group *g, int body, vec3 local)
+{
+    bool centred = local.x == 0 && local.y == 0 && local.z == 0;
+    return centred ? g->pos[body].x : vec3_add(g->pos[body].x, quat_rotate(g->pos[body].q, local));
+}
+
+/* Two balls, which most of a large crowd are: as manifold_collide finds it. */
+static real touch_balls(const Group *g, GroupPair *q, GroupContact *c, real reach)
+{
+    vec3 a = centre_of(g, q->a, q->la.p), b = centre_of(g, q->b, q->lb.p), d = vec3_sub(b, a);
+    real length = vec3_length(d), gap = length - q->sa->round - q->sb->round;
+    c->live = gap <= reach;
+    if (!c->live) {
+        c->manifold.count = 0;
+        return gap;
+    }
+    if (c->manifold.count != 1)
+        c->memory[0] = (PointMemory){.feature = 0};
+    c->memory[0].feature = 0;
+    vec3 n = length > 0 ? vec3_scale(1 / length, d) : vec3_unit(d);
+    c->manifold.normal = n;
+    c->manifold.count = 1;
+    c->manifold.points[0] = (ManifoldPoint){vec3_mad(a, q->sa->round, n), vec3_mad(b, -q->sb->round, n), gap, 0};
+    return 0;
+}
+
 real group_touch_convex(Group *g, GroupPair *q, real time, real farther)
 {
+    if (is_ball(q->sa) && is_ball(q->sb)) {
+        q->fresh = false;
+        q->until = -1;
+        q->reach = pair_reach(g, q, time);
+        return touch_balls(g, q, &g->contacts[q->contact], q->reach);
+    }
     pose pa = group_shape_pose(g, q->a, q->la), pb = group_shape_pose(g, q->b, q->lb);
     GroupContact *c = &g->contacts[q->contact];
     real reach = q->reach = pair_reach(g, q, time);
