@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-enum { BODY_BYTES = 358, SOLID_BYTES = 125 + SHAPE_PACKED };        /* at least */
+enum { BODY_BYTES = 366, SOLID_BYTES = 125 + SHAPE_PACKED };        /* at least */
 
 /* Follows from the rest: inverses, list membership, the number of shapes, the outer radius. */
 static void pack_mass(Pack *p, Body *b)
@@ -63,6 +63,7 @@ static void pack_motion(Pack *p, Body *b)
     pack_vec3(p, &b->hit_w, 2 * SAVE_FAST, "hits of a body");
     pack_real_in(p, &b->work, -SAVE_MUCH, SAVE_MUCH, "work on a body");
     pack_real_in(p, &b->still, 0, SAVE_LONG, "time a body was still");
+    pack_real_in(p, &b->travel, 0, TRAVEL_MOST, "travel of a body");
     pack_bool(p, &b->collided);
     pack_bool(p, &b->euler);
     bool moves = vec3_length2(b->v) > 0 || vec3_length2(b->w) > 0;

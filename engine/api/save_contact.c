@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-enum { PAIR_BYTES = 80, CONTACT_BYTES = 106, TOUCH_BYTES = 115 };       /* at least */
+enum { PAIR_BYTES = 88, CONTACT_BYTES = 106, TOUCH_BYTES = 115 };       /* at least */
 enum { CONTACTS_MAX = 64 };     /* of one pair; pair.c makes fewer */
 
 /* ---- contacts ---- */
@@ -89,6 +89,7 @@ static void pack_pair(Pack *p, World *w, Pair *pair, unsigned char *taken)
     pair->alive = true;
     pack_index(p, &pair->solid_a, (uint32_t)w->solids.count, false, "first solid of a pair");
     pack_index(p, &pair->solid_b, (uint32_t)w->solids.count, false, "second solid of a pair");
+    pack_real_in(p, &pair->until, -1, 4 * TRAVEL_MOST, "travel of a pair");
     pack_cache(p, &pair->cache);
     pack_real_in(p, &pair->friction, 0, 1e6, "friction of a pair");
     pack_real_in(p, &pair->friction_dynamic, 0, 1e6, "friction_dynamic of a pair");

@@ -92,15 +92,23 @@ static vec3 change(const Six *now, const Six *before, int at)
 static vec3 momentum_of(const Member *m, quat q, vec3 w) { return quat_rotate(q, mat3_mul_vec(m->inertia, quat_unrotate(q, w))); }
 static vec3 spin_of(const Member *m, quat q, vec3 l) { return quat_rotate(q, mat3_mul_vec(m->inv_inertia, quat_unrotate(q, l))); }
 
-/* Turned by `angle`, world axes; the angular momentum stays. A body that turns far meanwhile does so with the spin that belongs to
- * the middle of its turn. */
+/* By so much has the body turned since the start: in world axes. */
+static void turn_by(Crowd *c, int i, vec3 angle)
+{
+    Group *g = c->g;
+    g->shift[i].w = angle;
+    c->turn[i] = quat_exp(angle);
+    g->pos[i].q = quat_unit(quat_mul(c->turn[i], g->pos[i].q));
+}
+
+/* The angular momentum stays. A body that turns far meanwhile does so with the spin that belongs to the middle of its turn. */
 static void turn(Crowd *c, int i, vec3 angle)
 {
     Group *g = c->g;
     const Member *m = &g->member[i];
     quat q = g->pos[i].q;
     if (m->round) {
-        g->pos[i].q = quat_unit(quat_mul(quat_exp(angle), q));
+        turn_by(c, i, angle);
         return;
     }
     vec3 w = g->vel[i].w, l = momentum_of(m, q, w);
@@ -108,7 +116,7 @@ static void turn(Crowd *c, int i, vec3 angle)
         quat middle = quat_unit(quat_mul(quat_exp(vec3_scale(0.5, angle)), q));
         angle = vec3_mad(angle, c->dt, vec3_sub(spin_of(m, middle, l), w));
     }
-    g->pos[i].q = quat_unit(quat_mul(quat_exp(angle), q));
+    turn_by(c, i, angle);
     g->vel[i].w = spin_of(m, g->pos[i].q, l);
 }
 
@@ -130,8 +138,10 @@ static void close_body(Crowd *c, int i)
     Group *g = c->g;
     const Frame *f = &c->frame[i];
     Member *m = &g->member[i];
-    if (!m->moves)
+    if (!m->moves) {
+        c->turn[i] = quat_identity();
         return;
+    }
     m->constrained = f->held;
     vec3 angle;
     if (f->held) {
@@ -146,24 +156,11 @@ static void close_body(Crowd *c, int i)
     group_refresh_mass(g, i);
 }
 
-/* Where the body has turned to since the start. */
-static void note_turn(Crowd *c, int i)
-{
-    Group *g = c->g;
-    c->turn[i] = quat_identity();
-    if (!g->member[i].moves && !g->member[i].kinematic)
-        return;
-    g->shift[i].w = quat_log(quat_mul(g->pos[i].q, quat_conjugate(g->member[i].start_pos.q)));
-    c->turn[i] = quat_exp(g->shift[i].w);
-}
-
 static void close_share(void *context, int thread, int threads)
 {
     Crowd *c = context;
-    for (int i = team_first(c->bodies, thread, threads), end = team_end(c->bodies, thread, threads); i < end; i++) {
+    for (int i = team_first(c->bodies, thread, threads), end = team_end(c->bodies, thread, threads); i < end; i++)
         close_body(c, i);
-        note_turn(c, i);
-    }
 }
 
 void bodies_close(Crowd *c)
@@ -171,10 +168,10 @@ void bodies_close(Crowd *c)
     Group *g = c->g;
     team_run(g->team, close_share, c);
     for (int i = c->bodies; i < g->body_count; i++) {
-        if (g->member[i].kinematic) {
-            g->pos[i].x = vec3_mad(g->pos[i].x, c->dt, g->vel[i].v);
-            g->pos[i].q = quat_unit(quat_mul(quat_exp(vec3_scale(c->dt, g->vel[i].w)), g->pos[i].q));
-        }
-        note_turn(c, i);
+        c->turn[i] = quat_identity();
+        if (!g->member[i].kinematic)
+            continue;
+        g->pos[i].x = vec3_mad(g->pos[i].x, c->dt, g->vel[i].v);
+        turn_by(c, i, vec3_scale(c->dt, g->vel[i].w));
     }
 }

@@ -113,6 +113,8 @@ static void book_lane(Crowd *c, Batch *b, int lane)
         t->memory[k].held = whole > 0 ? HELD_SUBSTEPS : 0;
         t->point_sum = vec3_mad(t->point_sum, whole, t->manifold.points[k].a);
         t->point_weight += whole;
+        if (!b->patch)
+            t->memory[k].tangent = vec3_zero();
         if (whole > 0) {
             t->last = g->t;
             if (q->contacts == 1)       /* the pair's other contacts may be in other threads' hands */
@@ -124,8 +126,8 @@ static void book_lane(Crowd *c, Batch *b, int lane)
     if (b->patch)
         book_friction(t, b, lane, h, load);
     t->impulse = vec3_mad(t->impulse, sum, t->manifold.normal);
-    if (b->roll)
-        t->rolling = vec3_scale(1 / h, (vec3){(real)b->roll->j[0][lane], (real)b->roll->j[1][lane], (real)b->roll->j[2][lane]});
+    t->rolling = b->roll ? vec3_scale(1 / h, (vec3){(real)b->roll->j[0][lane], (real)b->roll->j[1][lane], (real)b->roll->j[2][lane]})
+                         : vec3_zero();
 }
 
 /* J  Given by movers through this contact: their velocity is constant. */
@@ -141,17 +143,6 @@ static real movers_work(const Group *g, const GroupContact *c)
         work += (k ? -1 : 1) * vec3_dot(c->impulse, v);
     }
     return work;
-}
-
-static void forget(GroupContact *c)
-{
-    for (int k = 0; k < c->manifold.count; k++) {
-        c->memory[k].normal = 0;
-        c->memory[k].held = 0;
-        c->memory[k].tangent = vec3_zero();
-    }
-    if (c->live)
-        c->rolling = vec3_zero();
 }
 
 void book_open(Crowd *c)
@@ -196,11 +187,6 @@ static void book_share(void *context, int thread, int threads)
 {
     const Book *b = context;
     Crowd *c = b->c;
-    Group *g = c->g;
-    int first = team_first(g->contact_count, thread, threads), end = team_end(g->contact_count, thread, threads);
-    for (int i = first; i < end; i++)
-        forget(&g->contacts[i]);
-    team_meet(c->team);
     for (int i = team_first(c->batches, thread, threads), last = team_end(c->batches, thread, threads); i < last; i++) {
         fetch_batches(c, i);
         for (int k = 0; k < LANES && c->batch[i].contact[k] >= 0; k++)

@@ -73,6 +73,18 @@ static real rolling_radius(const GroupPair *q)
     return a > 0 && b > 0 ? a * b / (a + b) : real_max(a, b);
 }
 
+/* What does not act carries nothing. */
+static void forget(GroupContact *t)
+{
+    for (int k = 0; k < t->manifold.count; k++) {
+        t->memory[k].normal = 0;
+        t->memory[k].held = 0;
+        t->memory[k].tangent = vec3_zero();
+    }
+    if (t->live)
+        t->rolling = vec3_zero();
+}
+
 typedef struct Rows { Crowd *c; Chosen *chosen, *sorted; int count; int *first; } Rows;     /* first: sorted contact of a batch */
 
 static void choose_share(void *context, int thread, int threads)
@@ -81,12 +93,14 @@ static void choose_share(void *context, int thread, int threads)
     Crowd *c = r->c;
     Group *g = c->g;
     for (int i = team_first(g->contact_count, thread, threads), end = team_end(g->contact_count, thread, threads); i < end; i++) {
-        const GroupContact *t = &g->contacts[i];
+        GroupContact *t = &g->contacts[i];
         const GroupPair *q = &g->pairs[t->pair];
         Chosen *x = &r->chosen[i];
         x->acts = t->live && (g->member[t->a].moves || g->member[t->b].moves) && may_act(c, t);
-        if (!x->acts)
+        if (!x->acts) {
+            forget(t);
             continue;
+        }
         *x = (Chosen){.contact = i, .a = crowd_index(c, t->a), .b = crowd_index(c, t->b), .points = (uint8_t)t->manifold.count, .acts = true,
                       .rubs = q->friction > 0 && !g->decay_friction, .rolls = q->rolling > 0 && rolling_radius(q) > 0};
     }

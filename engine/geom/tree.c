@@ -91,12 +91,19 @@ static int32_t best_sibling(const Tree *t, box3 box)
     return i;
 }
 
-static void refit(Tree *t, int32_t i)
+static bool same_box(box3 a, box3 b) { return vec3_equal(a.low, b.low) && vec3_equal(a.high, b.high); }
+
+/* Returns whether anything has changed. */
+static bool refit(Tree *t, int32_t i)
 {
     TreeNode *n = &t->nodes[i];
     const TreeNode *a = &t->nodes[n->child[0]], *b = &t->nodes[n->child[1]];
-    n->box = box3_union(a->box, b->box);
-    n->height = 1 + int_max(a->height, b->height);
+    box3 box = box3_union(a->box, b->box);
+    int32_t height = 1 + int_max(a->height, b->height);
+    bool changed = height != n->height || !same_box(box, n->box);
+    n->box = box;
+    n->height = height;
+    return changed;
 }
 
 /* Exchanges a child of `top` with a grandchild on its other side where that makes the inner box smaller. */
@@ -131,11 +138,14 @@ static void rotate(Tree *t, int32_t top)
     refit(t, top);
 }
 
+/* As far as anything changes: what is above has seen to that before. A rotation keeps the box of its top, but not the height. */
 static void repair_upwards(Tree *t, int32_t i)
 {
-    for (; i >= 0; i = t->nodes[i].parent) {
-        refit(t, i);
+    for (bool changed = true; i >= 0 && changed; i = t->nodes[i].parent) {
+        int32_t height = t->nodes[i].height;
+        changed = refit(t, i);
         rotate(t, i);
+        changed = changed || t->nodes[i].height != height;
     }
 }
 
@@ -198,8 +208,31 @@ void tree_remove(Tree *t, int32_t leaf)
     give_node(t, leaf);
 }
 
+/* So many of its lengths may a leaf go on from where it was inserted, about. */
+#define HOME 1
+
+static bool same_cell(real a, real b, real pitch) { return floor(a / pitch) == floor(b / pitch); }
+
+/* Is a box still at the place of the tree where it was inserted? Its neighbours mostly go the same way, so that it may stay there for
+ * a while. Who mixes with others must be inserted anew, or the boxes above grow: as often as the middle leaves a cell of a grid. */
+static bool stays_home(box3 before, box3 now)
+{
+    int exponent = 0;
+    vec3 a = vec3_add(before.low, before.high), b = vec3_add(now.low, now.high);
+    if (!box3_overlap(before, now))
+        return false;
+    frexp(2 * HOME * vec3_largest(vec3_sub(now.high, now.low)), &exponent);
+    real pitch = ldexp(1, exponent);
+    return same_cell(a.x, b.x, pitch) && same_cell(a.y, b.y, pitch) && same_cell(a.z, b.z, pitch);
+}
+
 void tree_move(Tree *t, int32_t leaf, box3 box)
 {
+    if (stays_home(t->nodes[leaf].box, box)) {
+        t->nodes[leaf].box = box;
+        repair_upwards(t, t->nodes[leaf].parent);
+        return;
+    }
     unlink_leaf(t, leaf);               /* frees the parent that link_leaf takes again */
     t->nodes[leaf].box = box;
     link_leaf(t, leaf);

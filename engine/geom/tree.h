@@ -29,7 +29,7 @@ void       tree_close(Tree *t);
 dig_status tree_reserve(Tree *t, int leaves);
 dig_status tree_insert(Tree *t, box3 box, uint32_t user, int32_t *leaf);
 void       tree_remove(Tree *t, int32_t leaf);
-void       tree_move(Tree *t, int32_t leaf, box3 box);          /* removes and re-inserts, never allocates */
+void       tree_move(Tree *t, int32_t leaf, box3 box);          /* in place, or removed and inserted anew where the boxes are apart */
 static inline box3 tree_box(const Tree *t, int32_t leaf) { return t->nodes[leaf].box; }
 
 /* Calls hit(context, user) for every leaf whose box meets `box`; stops when it returns false. Depth-first, in a fixed order. */

@@ -86,6 +86,7 @@ static void gather_body(Group *g, int i, uint32_t slot, bool awake)
     m->inv_inertia = mat3_scale(1 / inert, b->inv_inertia);
     m->centre = b->centre;
     m->outer = b->outer;
+    m->travel = b->travel;
     if (m->moves)
         g->mass[i].im = b->inv_mass / inert;
     if (m->dormant)
@@ -209,7 +210,12 @@ typedef struct Near {           /* a pair that may be gathered                  
     int place;                  /* first of the group's; by find_near, how many    */
 } Near;
 
-typedef struct Nearby { Group *g; const uint32_t *pairs; Near *near; real *span; int count; } Nearby;
+typedef struct Span {           /* m  of a body */
+    real wide;                  /*    within this of its centre of mass is all that it is, and gets to in the step */
+    real far;                   /*    its travel, and so far it gets at most in the step, unless something strikes it */
+} Span;
+
+typedef struct Nearby { Group *g; const uint32_t *pairs; Near *near; Span *span; int count; } Nearby;
 
 static void gather_pair(Group *g, GroupPair *q, const Near *n)
 {
@@ -226,6 +232,7 @@ static void gather_pair(Group *g, GroupPair *q, const Near *n)
     q->cache = p->cache;
     q->covered = (Covered){0, 0};
     q->reach = 0;
+    q->until = g->crowd ? p->until : -1;
     q->meets = false;
     q->friction = p->friction;
     q->friction_dynamic = p->friction_dynamic;
@@ -269,15 +276,15 @@ static void gather_contact(const World *w, const GroupPair *q, int pair, uint32_
     }
 }
 
-/* m  Within this of its centre of mass is all that the body is, and gets to in the step. */
-static real span_of(const Group *g, int body)
+static Span span_of(const Group *g, int body)
 {
     const Member *m = &g->member[body];
     const Vel *v = &g->vel[body];
     if (m->slot == NONE)
-        return INFINITY;                /* the world itself */
+        return (Span){INFINITY, 0};     /* the world itself */
     real dt = g->world->def.step, spin = vec3_length2(v->w) > 0 ? vec3_length(v->w) * m->outer : 0;
-    return 1.01 * m->outer + dt * (vec3_length(v->v) + spin + m->pull * dt);
+    real way = dt * (vec3_length(v->v) + spin + m->pull * dt);
+    return (Span){1.01 * m->outer + way, m->travel + way};
 }
 
 static void find_spans(void *context, int thread, int threads)
@@ -300,7 +307,10 @@ static void find_near(void *context, int thread, int threads)
         Near *near = &n->near[i];
         *near = (Near){.slot = n->pairs[i], .a = local_of(g, p->body_a), .b = local_of(g, p->body_b), .first = p->contact};
         if (g->crowd && p->contact == NONE && !p->touching) {
-            real reach = n->span[near->a] + n->span[near->b];
+            const Span *a = &n->span[near->a], *b = &n->span[near->b];
+            real reach = a->wide + b->wide;
+            if (!p->fresh && a->far + b->far < p->until)
+                continue;                           /* crowd/touch.c has seen that there is so much between them */
             if (vec3_length2(vec3_sub(g->pos[near->b].x, g->pos[near->a].x)) > reach * reach)
                 continue;
         }
@@ -614,6 +624,7 @@ static void commit_body(World *w, const Group *g, int i, real dt)
     vec3 old_l = body_spin_momentum(b, old_w);
     b->prev_x = b->x;
     b->prev_q = b->q;
+    body_travels(b, g->pos[i].x, g->pos[i].q);
     b->x = g->pos[i].x;
     b->q = g->pos[i].q;
     b->v = g->vel[i].v;
@@ -674,6 +685,7 @@ static void commit_pair(World *w, const Group *g, const GroupPair *q, real dt)
 {
     Pair *p = &w->pairs.data[q->slot];
     p->cache = q->cache;
+    p->until = q->until;
     p->fresh = false;
     p->touching = q->touching;
     for (int i = q->contact; i < q->contact + q->contacts; i++)

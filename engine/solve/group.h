@@ -47,7 +47,7 @@ typedef struct Member {         /* the rest of a gathered body */
     int      integrator;        /* dig_integrator; all but DIG_AUTO are the sweep's alone */
     vec3     centre;            /* m   centre of mass in the body frame                */
     real     pull;              /* m/s^2  gravity and pushes do no more to any point of it */
-    real     outer;             /* m                                                   */
+    real     outer, travel;     /* m                                                   */
     real     mass, gravity_scale;
     mat3     inertia, inv_inertia;      /* body axes                                   */
     vec3     force, torque;     /* N, N m, of this substep                             */
@@ -145,6 +145,7 @@ typedef struct GroupPair {
     real     friction, friction_dynamic, rolling, restitution;
     real     size;              /* m   of the smaller solid: scale of tolerances */
     real     reach;             /* m   so far ahead its contact looks  */
+    real     until;             /* m   see Pair; < 0 but in a crowd    */
     pose     la, lb;            /* shape in its body, about the centre of mass */
     ManifoldCache cache;
     real     struck_time, struck_speed, struck_impulse;  vec3 struck_point, struck_normal;
@@ -274,7 +275,9 @@ void       group_commit(World *w, const Group *g);      /* then what is in them:
 /* Pose of a pair's shape a or b from the present positions. */
 static inline pose group_shape_pose(const Group *g, int body, pose local)
 {
-    return (pose){vec3_add(g->pos[body].x, quat_rotate(g->pos[body].q, local.p)), quat_mul(g->pos[body].q, local.q)};
+    const Pos *p = &g->pos[body];
+    bool centred = local.p.x == 0 && local.p.y == 0 && local.p.z == 0, straight = local.q.w == 1;
+    return (pose){centred ? p->x : vec3_add(p->x, quat_rotate(p->q, local.p)), straight ? p->q : quat_mul(p->q, local.q)};
 }
 void       group_refresh_mass(Group *g, int body);      /* inverse inertia in world axes */
 void       group_joint_view(Group *g, int joint);       /* its ends from the present positions and velocities */
@@ -310,6 +313,9 @@ void joint_end_set(JointEnd *e, vec3 x, quat q, vec3 v, vec3 w, vec3 local_ancho
 /* touch.c: contacts of the present positions, looking `time` s ahead; all = false: only pairs whose manifold is stale */
 void group_touch(Group *g, real time, bool all);
 void group_touch_pair(Group *g, GroupPair *q, real time);
+/* The same of two convex solids, looking `farther` for what is near without a contact. m  What is between them at least, where there
+ * is no point; else 0. */
+real group_touch_convex(Group *g, GroupPair *q, real time, real farther);
 /* Pairs that the velocities now found press deep into each other, for they had no row: they get one when the substep is solved again.
  * What comes down on what is stopped in this substep was not approaching it at its start. */
 bool group_touch_missed(Group *g, real time);

@@ -69,11 +69,6 @@ static real pair_reach(const Group *g, const GroupPair *q, real time)
     return closing * time + real_max(g->member[q->a].pull, g->member[q->b].pull) * time * time + 0.01 * q->size;
 }
 
-static bool far_apart(const GroupPair *q, pose pa, pose pb, real reach)
-{
-    return vec3_length(vec3_sub(pb.p, pa.p)) - q->sa->outer - q->sb->outer > reach;    /* infinite outer: never */
-}
-
 /* A mesh pair has one contact per touching piece; each keeps the memory of its piece. */
 static void touch_pieces(Group *g, GroupPair *q, const Manifold *found, const uint32_t *pieces, int count)
 {
@@ -101,29 +96,95 @@ static void touch_pieces(Group *g, GroupPair *q, const Manifold *found, const ui
     }
 }
 
+/* Finds the points anew. */
+static void touch_again(GroupPair *q, GroupContact *c, pose pa, pose pb, bool apart)
+{
+    Manifold found;
+    Before old;
+    note_before(c, &old);
+    found.normal = c->manifold.normal;
+    found.count = 0;
+    if (!apart)
+        manifold_of_parts(q->sa, pa, q->sb, pb, q->reach, q->covered, &q->cache, &found);
+    put_points(c, &found);
+    keep_memory(c, &old);
+}
+
+/* m  What is between two solids that are farther than `reach` from each other, at least; else, or if it is more than `most`, that. */
+static real room_between(GroupPair *q, pose pa, pose pb, real most)
+{
+    Manifold found = {.count = 0};
+    manifold_of_parts(q->sa, pa, q->sb, pb, most, q->covered, &q->cache, &found);
+    for (int k = 0; k < found.count; k++)
+        most = real_min(most, found.points[k].gap);
+    return most;
+}
+
+static bool is_ball(const Shape *s) { return s->outer == s->round && s->type->convex; }
+
+static vec3 centre_of(const Group *g, int body, vec3 local)
+{
+    bool centred = local.x == 0 && local.y == 0 && local.z == 0;
+    return centred ? g->pos[body].x : vec3_add(g->pos[body].x, quat_rotate(g->pos[body].q, local));
+}
+
+/* Two balls, which most of a large crowd are: as manifold_collide finds it. */
+static real touch_balls(const Group *g, GroupPair *q, GroupContact *c, real reach)
+{
+    vec3 a = centre_of(g, q->a, q->la.p), b = centre_of(g, q->b, q->lb.p), d = vec3_sub(b, a);
+    real length = vec3_length(d), gap = length - q->sa->round - q->sb->round;
+    c->live = gap <= reach;
+    if (!c->live) {
+        c->manifold.count = 0;
+        return gap;
+    }
+    if (c->manifold.count != 1)
+        c->memory[0] = (PointMemory){.feature = 0};
+    c->memory[0].feature = 0;
+    vec3 n = length > 0 ? vec3_scale(1 / length, d) : vec3_unit(d);
+    c->manifold.normal = n;
+    c->manifold.count = 1;
+    c->manifold.points[0] = (ManifoldPoint){vec3_mad(a, q->sa->round, n), vec3_mad(b, -q->sb->round, n), gap, 0};
+    return 0;
+}
+
+real group_touch_convex(Group *g, GroupPair *q, real time, real farther)
+{
+    if (is_ball(q->sa) && is_ball(q->sb)) {
+        q->fresh = false;
+        q->until = -1;
+        q->reach = pair_reach(g, q, time);
+        return touch_balls(g, q, &g->contacts[q->contact], q->reach);
+    }
+    pose pa = group_shape_pose(g, q->a, q->la), pb = group_shape_pose(g, q->b, q->lb);
+    GroupContact *c = &g->contacts[q->contact];
+    real reach = q->reach = pair_reach(g, q, time);
+    real room = vec3_length(vec3_sub(pb.p, pa.p)) - q->sa->outer - q->sb->outer;     /* infinite outer: never apart */
+    bool apart = room > reach;
+    q->fresh = false;
+    q->until = -1;
+    if (c->manifold.count == 0 && !apart && farther > 0) {
+        room = room_between(q, pa, pb, reach + farther);
+        apart = room > reach;
+    }
+    if (c->manifold.count == 0 && apart) {
+        c->live = false;
+        return room;
+    }
+    touch_again(q, c, pa, pb, apart);
+    return c->live ? 0 : real_max(room, reach);
+}
+
 void group_touch_pair(Group *g, GroupPair *q, real time)
 {
+    if (q->contacts == 1) {
+        group_touch_convex(g, q, time, 0);
+        return;
+    }
     pose pa = group_shape_pose(g, q->a, q->la), pb = group_shape_pose(g, q->b, q->lb);
     real reach = q->reach = pair_reach(g, q, time);
     q->fresh = false;
-    if (q->contacts == 1) {
-        GroupContact *c = &g->contacts[q->contact];
-        bool apart = far_apart(q, pa, pb, reach);
-        if (c->manifold.count == 0 && apart) {
-            c->live = false;
-            return;
-        }
-        Manifold found;
-        Before old;
-        note_before(c, &old);
-        found.normal = c->manifold.normal;
-        found.count = 0;
-        if (!apart)
-            manifold_of_parts(q->sa, pa, q->sb, pb, reach, q->covered, &q->cache, &found);
-        put_points(c, &found);
-        keep_memory(c, &old);
-        return;
-    }
+    q->until = -1;
     Manifold found[PIECES];
     uint32_t pieces[PIECES];
     int count = manifold_collide(q->sa, pa, q->sb, pb, reach, &q->cache, found, pieces, int_min(q->contacts, PIECES));

@@ -89,11 +89,17 @@ static void move_movers(World *w, real dt)
             continue;
         b->prev_x = b->x;
         b->prev_q = b->q;
-        b->x = vec3_mad(b->x, dt, b->v);
-        b->q = quat_unit(quat_mul(quat_exp(vec3_scale(dt, b->w)), b->q));
-        if (b->move_end > b->move_start && end >= b->move_end - 1e-9 * dt) {
-            b->x = b->move_to;
-            b->q = b->turn_to;
+        vec3 x = vec3_mad(b->x, dt, b->v);
+        quat q = quat_unit(quat_mul(quat_exp(vec3_scale(dt, b->w)), b->q));
+        bool arrives = b->move_end > b->move_start && end >= b->move_end - 1e-9 * dt;
+        if (arrives) {
+            x = b->move_to;
+            q = b->turn_to;
+        }
+        body_travels(b, x, q);
+        b->x = x;
+        b->q = q;
+        if (arrives) {
             b->v = b->w = vec3_zero();
             b->move_end = b->move_start - 1;
         }

@@ -98,7 +98,7 @@ dig_status pair_add(World *w, uint32_t solid_a, uint32_t solid_b)
     if (map_find(&w->pair_map, key, &found))
         return DIG_OK;
     const Solid *a = &w->solids.data[solid_a], *b = &w->solids.data[solid_b];
-    Pair pair = {.alive = true, .solid_a = solid_a, .solid_b = solid_b, .body_a = a->body, .body_b = b->body, .listed = true, .fresh = true};
+    Pair pair = {.alive = true, .solid_a = solid_a, .solid_b = solid_b, .body_a = a->body, .body_b = b->body, .listed = true, .fresh = true, .until = -1};
     pair_sort(w, &pair);
     int want = pair.pieces ? MESH_CONTACTS : 0;
     uint32_t contact[MESH_CONTACTS];

@@ -63,6 +63,7 @@ typedef struct Body {           /* what every step reads comes first            
     real     outer;             /* m      no point of it is farther from the centre    */
     real     pull;              /* m/s^2  gravity and pushes do no more to any point of it in this step; made anew in each */
     real     still;             /* s      time spent slower than the sleep threshold   */
+    real     travel;            /* m      no point of it has moved farther so far, added up over steps; for Pair.until */
     mat3     inertia, inv_inertia;      /* kg m^2, body axes, about the centre         */
     vec3     prev_x;  quat prev_q;      /* before the last step                        */
     vec3     force, torque;     /* N, N m mean resultant of the last step              */
@@ -136,6 +137,7 @@ typedef struct Pair {           /* two solids whose fat boxes overlap; what ever
     uint32_t solid_a, solid_b, body_a, body_b;     /* body NONE: the world; solid_a < solid_b */
     uint32_t next[2], prev[2];  /* lists of the two solids, as 2 * pair + side         */
     uint32_t contact;           /* first of its contacts; NONE: two convex solids with nothing to remember */
+    real     until;             /* m   travel of both bodies up to which a crowd need not look at them anew (crowd/touch.c); < 0: it must */
     ManifoldCache cache;
     real     friction, friction_dynamic, rolling, restitution; /* of this pair of surfaces */
 } Pair;
@@ -238,6 +240,7 @@ typedef struct EffectSlot {     /* one per entry of the effect list             
 #define MAX_EFFECTS 32
 #define WORLD_FAR  1e15         /* m            no body gets farther from the origin */
 #define WORLD_FAST 1e12         /* m/s, rad/s   or faster                            */
+#define TRAVEL_MOST 1e60        /* m            of bodies without a size (planes that are turned) */
 #define WORLD_STRONG 1e35       /* N, N m       nor is it pushed harder              */
 size_t effect_bytes(const EffectSlot *e);
 
@@ -345,6 +348,14 @@ static inline mat3 body_inertia_world(const Body *b)
 {
     mat3 r = quat_matrix(b->q);
     return mat3_mul(mat3_mul(r, b->inertia), mat3_transpose(r));
+}
+
+/* It is about to be at x, q. A point at a distance r is moved at most by that of the centre and 2 r |change of q|. */
+static inline void body_travels(Body *b, vec3 x, quat q)
+{
+    quat d = {q.x - b->q.x, q.y - b->q.y, q.z - b->q.z, q.w - b->q.w};
+    real turn2 = d.x * d.x + d.y * d.y + d.z * d.z + d.w * d.w, way = vec3_length(vec3_sub(x, b->x));
+    b->travel = real_min(TRAVEL_MOST, b->travel + way + (turn2 > 0 ? 2 * b->outer * sqrt(turn2) : 0));
 }
 
 /* 1  Where time goes r times as fast, motion is r times as fast, under the same forces and with the same energy: against the

@@ -114,6 +114,27 @@ TEST(a_cloud_that_collides_keeps_its_momenta)
     dig_world_close(w);
 }
 
+/* Two layers of boxes face each other across 2 cm and close on each other so slowly that nobody looks at them for many steps. */
+TEST(what_is_not_looked_at_meets_in_time)
+{
+    dig_world *w = open_world(STEP, NULL, false);
+    dig_body b[98];
+    for (int i = 0; i < 98; i++) {
+        real side = i < 49 ? -1 : 1;
+        b[i] = add_box(w, rough, (vec3){1, 1, 1}, 1000, (vec3){i % 7 * 1.01, side * 0.51, i / 7 % 7 * 1.01}, quat_identity());
+        vec3 v = {0, -0.02 * side, 0};
+        CHECK_INT(dig_body_teleport(w, b[i], NULL, NULL, &v, NULL), DIG_OK);
+    }
+    step(w, 90);
+    CHECK_INT(dig_world_stats(w).swept, 1);
+    for (int i = 0; i < 49; i++) {
+        real gap = state_of(w, b[i + 49]).position.y - state_of(w, b[i]).position.y - 1;
+        CHECK(gap > -1e-3 && gap < 3e-3);
+        CHECK(fabs(state_of(w, b[i]).velocity.y) < 1e-3);
+    }
+    dig_world_close(w);
+}
+
 /* ---- the same bits ---- */
 
 static uint64_t towers(int threads)
@@ -246,7 +267,7 @@ TEST(wide_rows_give_the_same_bits_on_all_instructions)
 int main(void)
 {
     RUN_TESTS(unit_test(a_pyramid_rests_and_the_floor_carries_its_weight), unit_test(friction_holds_up_to_its_coefficient),
-              unit_test(a_cloud_that_collides_keeps_its_momenta),
+              unit_test(a_cloud_that_collides_keeps_its_momenta), unit_test(what_is_not_looked_at_meets_in_time),
               unit_test(any_number_of_threads_gives_the_same_bits),
               unit_test(wide_rows_give_the_same_bits_on_all_instructions));
 }
