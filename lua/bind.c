@@ -51,6 +51,24 @@ const char *bind_text(lua_State *L, int index)
     return lua_tostring(L, -1);
 }
 
+const char *bind_string(lua_State *L, int index, const char *what)
+{
+    size_t length;
+    const char *text = luaL_checklstring(L, index, &length);
+    if (strlen(text) != length) {
+        bind_error(L, "%s%s'%s' is followed by a NUL byte, which no name and no number holds", what ? what : "", what ? ": " : "",
+                   luaL_gsub(L, text, "\n", " "));
+    }
+    return text;
+}
+
+const char *bind_name(lua_State *L, int index, const char *what)
+{
+    if (lua_type(L, index) == LUA_TSTRING)
+        bind_string(L, index, what);
+    return bind_text(L, index);
+}
+
 static int raise_text(lua_State *L, const char *format, va_list arguments)
 {
     char text[2048];
@@ -190,7 +208,7 @@ static int object_index(lua_State *L)
         if (lua_gettop(L) > before)
             return 1;
     }
-    const char *key = bind_text(L, 2);
+    const char *key = bind_name(L, 2, NULL);
     lua_pushvalue(L, lua_upvalueindex(1));
     lua_pushvalue(L, lua_upvalueindex(2));
     int top = lua_gettop(L);
@@ -199,7 +217,7 @@ static int object_index(lua_State *L)
 
 static int read_only(lua_State *L)
 {
-    const char *key = bind_text(L, 2);
+    const char *key = bind_name(L, 2, NULL);
     return bind_error(L, "%s.%s cannot be assigned", lua_tostring(L, lua_upvalueindex(1)), key);
 }
 
@@ -285,7 +303,7 @@ static int function_index(lua_State *L)
         const char *type = lua_tostring(L, -2), *method = lua_tostring(L, -1);
         return bind_error(L, "%s is a method: %s:%s()", method, type, method);
     }
-    const char *key = bind_text(L, 2);
+    const char *key = bind_name(L, 2, NULL);
     return bind_error(L, "attempt to index a function value (field '%s')", key);
 }
 

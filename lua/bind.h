@@ -139,6 +139,12 @@ bool bind_use(lua_State *L, const char *name);
 void bind_where(lua_State *L);
 void bind_place(lua_State *L);           /* the same without the colon: "world.lua:12" */
 
+/* The string at index as C reads it; an error, which begins with what (NULL: nothing), where C would not see all of it: it holds a NUL. */
+const char *bind_string(lua_State *L, int index, const char *what);
+
+/* As bind_text, for what is then looked up by its name: an error where a string holds a NUL byte. */
+const char *bind_name(lua_State *L, int index, const char *what);
+
 /* Pushes the text of a value and returns it: no address in it. Values with __tostring are asked. */
 const char *bind_text(lua_State *L, int index);
 

@@ -242,7 +242,7 @@ typedef union Field { real r; int64_t i; bool b; vec3 v; quat q; dig_text t; rea
 static int read_parameter(lua_State *L)
 {
     Field field;
-    const dig_param *row = lua_type(L, 2) == LUA_TSTRING ? find_row(lua_tostring(L, 2)) : NULL;
+    const dig_param *row = lua_type(L, 2) == LUA_TSTRING ? find_row(bind_string(L, 2, NULL)) : NULL;
     if (!row) {
         if (luaL_testudata(L, 1, BIND_BODY) && get_valid(L) == 1 && lua_toboolean(L, -1)) {
             bind_push_body_name(L, lua_touserdata(L, 1));
@@ -288,7 +288,7 @@ static bool is_state(const char *key)
 static int body_newindex(lua_State *L)
 {
     BodyRef *b = bind_check_body(L, 1);
-    const char *key = bind_text(L, 2);
+    const char *key = bind_name(L, 2, NULL);
     if (strcmp(key, "data") == 0) {
         push_data_table(L, b);
         lua_pushvalue(L, 3);

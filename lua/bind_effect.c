@@ -230,7 +230,7 @@ static int world_effect(lua_State *L)
     lua_settop(L, 3);
     if (lua_type(L, 2) != LUA_TSTRING)
         return bind_error(L, "world:effect(name, on) wants the name of an effect, as in world:effect('drag', true); got %s", luaL_typename(L, 2));
-    const char *name = lua_tostring(L, 2);
+    const char *name = bind_string(L, 2, NULL);
     lua_newtable(L);
     for (int i = 0; i < dig_effect_count(ref->w); i++)
         if (dig_effect_get(ref->w, i, &info) == DIG_OK) {

@@ -92,7 +92,7 @@ static void fill_colour(const Fill *f, const dig_param *row, vec3 *field)
         fill_vec3(f, row, field);
         return;
     }
-    const char *text = lua_tostring(L, -1);
+    const char *text = bind_string(L, -1, row->name);
     bool known = strlen(text) == 7 && text[0] == '#' && strspn(text + 1, "0123456789abcdefABCDEF") == 6 &&
                  sscanf(text + 1, "%x", &rgb) == 1;
     for (size_t i = 0; i < sizeof colours / sizeof *colours && !known; i++)
@@ -158,7 +158,7 @@ static void fill_choice(const Fill *f, const dig_param *row, int64_t *field)
     lua_State *L = f->L;
     if (lua_type(L, -1) != LUA_TSTRING)
         wrong_kind(f, row, "one of its names");
-    const char *text = lua_tostring(L, -1);
+    const char *text = bind_string(L, -1, row->name);
     lua_newtable(L);
     for (int i = 0; row->choices[i]; i++) {
         if (strcmp(row->choices[i], text) == 0) {
@@ -358,7 +358,7 @@ void bind_check_keys(lua_State *L, int table, const char *what, const dig_param 
             bind_error(L, "%s: unknown field %s (fields have names)", what,
                        lua_type(L, -1) == LUA_TNUMBER ? lua_tostring(L, -1) : luaL_typename(L, -1));
         }
-        const char *key = lua_tostring(L, -2);
+        const char *key = bind_string(L, -2, what);
         if (!known_key(key, sets, extras) && (!worst || strcmp(key, worst) < 0))
             worst = key;
     }

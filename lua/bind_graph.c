@@ -56,7 +56,7 @@ static int push_links(lua_State *L, int world, const dig_link *links, int n)
 
 uint32_t bind_layer(lua_State *L, int index, const char *what)
 {
-    const char *name = bind_text(L, index);
+    const char *name = bind_name(L, index, "layer");
     lua_newtable(L);
     for (uint32_t i = 0; dig_layer_name(i); i++) {
         if (strcmp(name, dig_layer_name(i)) == 0) {
@@ -73,7 +73,7 @@ uint32_t bind_layer(lua_State *L, int index, const char *what)
 void bind_link_kind(lua_State *L, int index, const char *what, uint32_t *layer, int *kind)
 {
     static const char *const mechanical[] = {[DIG_LINK_CONTACT] = "contact", [DIG_LINK_JOINT] = "joint"};
-    const char *name = bind_text(L, index);
+    const char *name = bind_name(L, index, "kind");
     lua_newtable(L);
     *layer = DIG_LAYER_MECHANICAL;
     *kind = -1;

@@ -225,7 +225,7 @@ static int joint_newindex(lua_State *L)
 {
     JointRef *j = bind_check_joint(L, 1);
     lua_settop(L, 3);
-    const char *key = bind_text(L, 2);
+    const char *key = bind_name(L, 2, NULL);
     dig_joint_state now = state(L);
     const dig_schema *schema = dig_schema_find("joint", now.type);
     const dig_param *row = schema ? find_row(schema->rows, key) : NULL;
@@ -273,7 +273,7 @@ static int joint_parameter(lua_State *L)
         return 0;
     dig_joint_state now = state(L);
     const dig_schema *schema = dig_schema_find("joint", now.type);
-    const char *key = lua_tostring(L, 2);
+    const char *key = bind_string(L, 2, NULL);
     const dig_param *row = schema ? find_row(schema->rows, key) : NULL;
     real number;
     if ((row && row->kind == DIG_REAL) || strcmp(key, "breaks_at") == 0) {

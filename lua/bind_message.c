@@ -41,7 +41,7 @@ static const char *name_argument(lua_State *L, int arg, const char *what)
     if (lua_rawlen(L, arg) >= sizeof((dig_message *)0)->kind)
         bind_error(L, "%s: the name has %d bytes, must have at most %d", what, (int)lua_rawlen(L, arg),
                    (int)sizeof((dig_message *)0)->kind - 1);
-    return lua_tostring(L, arg);
+    return bind_string(L, arg, what);
 }
 
 static const WorldRef *world_of(lua_State *L)
@@ -63,7 +63,7 @@ static void read_route(lua_State *L, const char *what, dig_post *p)
 {
     if (!field(L, "route"))
         return;
-    const char *name = bind_text(L, -1);
+    const char *name = bind_name(L, -1, what);
     lua_newtable(L);
     int known = lua_gettop(L);
     for (int i = 0; i < DIG_ROUTES; i++) {
@@ -82,7 +82,7 @@ static void read_transform(lua_State *L, const char *what, dig_post *p)
 {
     if (!field(L, "transform"))
         return;
-    if (lua_type(L, -1) == LUA_TSTRING && strcmp(lua_tostring(L, -1), "ratio") == 0) {
+    if (lua_type(L, -1) == LUA_TSTRING && strcmp(bind_string(L, -1, what), "ratio") == 0) {
         p->transform = DIG_TRANSFORM_RATIO;
         return;
     }

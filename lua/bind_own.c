@@ -191,7 +191,7 @@ static int view_twist(lua_State *L)
 static int view_index(lua_State *L)
 {
     lua_settop(L, 2);
-    const char *key = bind_text(L, 2);
+    const char *key = bind_name(L, 2, NULL);
     if (strcmp(key, "name") == 0 || strcmp(key, "data") == 0) {
         lua_getfield(L, 1, "body");
         lua_getfield(L, -1, key);
@@ -407,7 +407,7 @@ static int own_add(lua_State *L)
 {
     WorldRef *ref = bind_check_world(L, 1);
     lua_settop(L, 8);
-    dig_effect_def def = {.name = luaL_checkstring(L, 3), .stage = stage_named(L, luaL_checkstring(L, 4)), .all = lua_toboolean(L, 7),
+    dig_effect_def def = {.name = bind_string(L, 3, NULL), .stage = stage_named(L, bind_string(L, 4, NULL)), .all = lua_toboolean(L, 7),
                           .law = luaL_optstring(L, 8, "a function of the script"), .step = step_own, .energy = lua_isnil(L, 6) ? NULL : energy_own};
     OwnRef *o = lua_newuserdatauv(L, sizeof *o, 1);
     memset(o, 0, sizeof *o);

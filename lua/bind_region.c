@@ -14,9 +14,9 @@ static void put_shape(lua_State *L, const char *what, const char *skip)
     int shape = lua_gettop(L);
     lua_newtable(L);
     for (lua_pushnil(L); lua_next(L, 2); lua_pop(L, 1)) {
-        bool skipped = skip ? lua_type(L, -2) == LUA_TSTRING && strcmp(lua_tostring(L, -2), skip) == 0
+        bool skipped = skip ? lua_type(L, -2) == LUA_TSTRING && strcmp(bind_string(L, -2, NULL), skip) == 0
                             : lua_isinteger(L, -2) && lua_tointeger(L, -2) == 1;
-        if (lua_type(L, -2) == LUA_TSTRING && strcmp(lua_tostring(L, -2), "shape") == 0)
+        if (lua_type(L, -2) == LUA_TSTRING && strcmp(bind_string(L, -2, NULL), "shape") == 0)
             bind_error(L, "%s: the shape is given twice", what);
         if (skipped)
             continue;

@@ -39,7 +39,7 @@ static real parse_text(lua_State *L, const char *text, const char *unit, const c
 real bind_real(lua_State *L, int index, const char *unit, const char *what, const char *field)
 {
     if (lua_type(L, index) == LUA_TSTRING)
-        return parse_text(L, lua_tostring(L, index), unit, what, field);
+        return parse_text(L, bind_string(L, index, field ? field : what), unit, what, field);
     if (lua_type(L, index) != LUA_TNUMBER) {
         bool plain = !unit || !*unit || strcmp(unit, "1") == 0;
         index = lua_absindex(L, index);

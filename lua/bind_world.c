@@ -48,7 +48,7 @@ static WorldRef *new_world(lua_State *L)
 /* accuracy = "play" | 0.001 | "1 mm" */
 void bind_accuracy(lua_State *L, int index, const char *what, dig_text *plan, real *tolerance)
 {
-    const char *text = lua_type(L, index) == LUA_TSTRING ? lua_tostring(L, index) : NULL;
+    const char *text = lua_type(L, index) == LUA_TSTRING ? bind_string(L, index, "accuracy") : NULL;
     memset(plan, 0, sizeof *plan);
     *tolerance = (real)NAN;
     if (text && !strchr("0123456789.+-", text[0]))
@@ -261,7 +261,7 @@ static int world_find(lua_State *L)
     WorldRef *ref = bind_check_world(L, 1);
     if (lua_type(L, 2) != LUA_TSTRING)
         return bind_error(L, "world:find wants a name; got %s", luaL_typename(L, 2));
-    const char *name = lua_tostring(L, 2);
+    const char *name = bind_string(L, 2, NULL);
     bind_push_body(L, 1, dig_body_find(ref->w, name));
     if (lua_isnil(L, -1))
         bind_push_joint(L, 1, dig_joint_find(ref->w, name));
@@ -376,7 +376,7 @@ static int world_angular(lua_State *L) { bind_push_vec3(L, dig_world_angular_mom
 static int world_newindex(lua_State *L)
 {
     WorldRef *ref = bind_check_world(L, 1);
-    const char *key = bind_text(L, 2);
+    const char *key = bind_name(L, 2, NULL);
     dig_status s;
     if (strcmp(key, "gravity") == 0) {
         s = dig_world_set_gravity(ref->w, bind_vec3(L, 3, "m/s^2", "world", "gravity"));
@@ -413,7 +413,7 @@ static int world_room(lua_State *L)
 static int world_room_open(lua_State *L)
 {
     WorldRef *ref = bind_check_world(L, 1);
-    dig_status s = dig_room_open(ref->w, luaL_checkstring(L, 2), lua_toboolean(L, 3));
+    dig_status s = dig_room_open(ref->w, bind_string(L, 2, NULL), lua_toboolean(L, 3));
     return s == DIG_OK ? 0 : bind_fail(L, ref->w, s);
 }
 
@@ -425,7 +425,7 @@ static int world_material(lua_State *L)
     const dig_param *sets[] = {schema->rows, NULL};
     static const char *const extras[] = {"like", NULL};
     dig_material_def def;
-    const char *name = luaL_checkstring(L, 2);
+    const char *name = bind_string(L, 2, NULL);
     luaL_checktype(L, 3, LUA_TTABLE);
     lua_settop(L, 3);
     const char *what = lua_pushfstring(L, "digbox.material '%s'", name);
@@ -449,7 +449,7 @@ static int world_material(lua_State *L)
 static int world_material_of(lua_State *L)
 {
     WorldRef *ref = bind_check_world(L, 1);
-    const char *name = luaL_checkstring(L, 2);
+    const char *name = bind_string(L, 2, NULL);
     dig_material_def def;
     if (dig_material_get(ref->w, name, &def) != DIG_OK)
         return 0;

@@ -326,7 +326,7 @@ static void load_module(lua_State *L, const char *name)
 /* require(name): digbox, digbox.NAME, or a text module beside the script. upvalue: table of what is loaded */
 static int base_require(lua_State *L)
 {
-    const char *name = luaL_checkstring(L, 1);
+    const char *name = bind_string(L, 1, NULL);
     lua_settop(L, 1);
     lua_pushvalue(L, 1);
     if (lua_rawget(L, lua_upvalueindex(1)) == LUA_TBOOLEAN && !lua_toboolean(L, -1))

@@ -245,6 +245,9 @@ function digbox.args(declared)
   local names, values = {}, {}
   for name, d in next, declared do
     if type(name) ~= "string" then core.fail("digbox.args: arguments have names; got %s", core.type(name)) end
+    if name == "" or #name > 63 or name:find "[%c=]" then
+      core.fail("digbox.args: '%s' is no name of an argument", (name:sub(1, 63):gsub("%c", "?")))
+    end
     if type(d) ~= "table" then d = { default = d } end
     core.check(d, "digbox.args." .. name, argument_fields)
     if d.default == nil then core.fail("digbox.args.%s: default is missing", name) end
