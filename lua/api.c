@@ -91,7 +91,7 @@ static bool read_api_option(ApiOptions *o, int key)
     case OPT_COMPLETION:
         o->form = "completion";
         return strcmp(optarg, "bash") == 0 || usage_error("--completion: '%s' is not known, only bash is", optarg) == 0;
-    default: return usage_error("see 'digbox api --help'") == 0;
+    default: return false;               /* next_option said why */
     }
 }
 
@@ -99,7 +99,7 @@ static int command_api(int argc, char **argv)
 {
     ApiOptions o = {.form = "text"};
     int key;
-    while ((key = getopt_long(argc, argv, "h", api_options, NULL)) != -1)
+    while ((key = next_option("api", argc, argv, "h", api_options)) != -1)
         if (key == 'h')
             return print_help("api");
         else if (!read_api_option(&o, key))

@@ -40,6 +40,10 @@ const char *exit_code_help(void);
 /* Prints `digbox: ...` and where help is; returns the exit code. */
 int usage_error(const char *format, ...);
 
+/* getopt_long, which here says what is wrong in one sentence; '?' after that. */
+struct option;
+int next_option(const char *command, int argc, char **argv, const char *letters, const struct option *options);
+
 /* Prints what that command, or with NULL the program, can do; returns the exit code. */
 int print_help(const char *command);
 

@@ -358,7 +358,7 @@ static bool read_option(CostOptions *o, int key)
             return usage_error("--set: '%s' is not NAME=VALUE", optarg) == 0;
         r->set[r->set_count++] = optarg;
         return true;
-    default: return usage_error("see 'digbox help cost'") == 0;
+    default: return false;               /* next_option said why */
     }
 }
 
@@ -372,7 +372,7 @@ static int command_cost(int argc, char **argv)
     if (!o.run.set)
         return EXIT_MEMORY;
     argv[argc] = NULL;
-    while ((key = getopt_long(argc, argv, "o:qh", cost_options, NULL)) != -1) {
+    while ((key = next_option("cost", argc, argv, "o:qh", cost_options)) != -1) {
         if (key == 'h') {
             code = print_help("cost");
             goto done;

@@ -183,13 +183,13 @@ static int command_diff(int argc, char **argv)
     };
     Diff d = {.tolerance = 0};
     int key;
-    while ((key = getopt_long(argc, argv, "qh", options, NULL)) != -1) {
+    while ((key = next_option("diff", argc, argv, "qh", options)) != -1) {
         if (key == 'h')
             return print_help("diff");
         if (key == 'q')
             d.quiet = true;
         else if (key != 't')
-            return usage_error("see 'digbox diff'");
+            return EXIT_USAGE;
         else if (!read_number_option("tolerance", optarg, "m", 0, 1e9, &d.tolerance))
             return EXIT_USAGE;
     }

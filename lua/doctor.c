@@ -215,8 +215,8 @@ static int command_doctor(int argc, char **argv)
 {
     static const struct option options[] = {{"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0}};
     int key;
-    while ((key = getopt_long(argc, argv, "h", options, NULL)) != -1)
-        return key == 'h' ? print_help("doctor") : usage_error("see 'digbox doctor --help'");
+    while ((key = next_option("doctor", argc, argv, "h", options)) != -1)
+        return key == 'h' ? print_help("doctor") : EXIT_USAGE;
     if (argc > optind)
         return usage_error("doctor: wants no arguments");
     Doctor d = {0, 0};

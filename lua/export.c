@@ -97,7 +97,7 @@ static bool read_wish(Wish *w, int key)
     case OPT_FRAMES: w->frames = optarg; return true;
     case OPT_FPS: return read_number_option("fps", optarg, "1/s", 1e-3, 1e6, &w->fps);
     case OPT_AT: return read_number_option("at", optarg, "s", 0, 1e9, &w->at);
-    default: return usage_error("see 'digbox export --help'") == 0;
+    default: return false;               /* next_option said why */
     }
 }
 
@@ -105,7 +105,7 @@ static int command_export(int argc, char **argv)
 {
     Wish w = {.at = NAN};
     int key;
-    while ((key = getopt_long(argc, argv, "o:qh", export_options, NULL)) != -1) {
+    while ((key = next_option("export", argc, argv, "o:qh", export_options)) != -1) {
         if (key == 'h')
             return print_help("export");
         if (!read_wish(&w, key))

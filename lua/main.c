@@ -7,6 +7,7 @@
 #define _XOPEN_SOURCE 700       /* unsetenv */
 
 #include <errno.h>
+#include <getopt.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -73,6 +74,57 @@ int usage_error(const char *format, ...)
     fputs("\nTry 'digbox --help'.\n", stderr);
     va_end(arguments);
     return EXIT_USAGE;
+}
+
+/* ---- options ------------------------------------------------------------------ */
+
+/* The option before optind that there is not, or that is short for several. */
+static int unknown_option(const char *command, const char *word, const struct option *options)
+{
+    enum { MOST = 64 };
+    const char *names[MOST];
+    int count = 0, same = 0;
+    size_t length = strcspn(word + 2, "=");
+    for (int i = 0; options[i].name && count < MOST; i++) {
+        same += strncmp(options[i].name, word + 2, length) == 0;
+        names[count++] = options[i].name;
+    }
+    char name[128];
+    snprintf(name, sizeof name, "%.*s", (int)(length < sizeof name - 1 ? length : sizeof name - 1), word + 2);
+    const char *near = dig_suggest(name, names, count);
+    if (same > 1)
+        return usage_error("%s: option '--%s' may mean several: write it in full", command, name);
+    if (near)
+        return usage_error("%s: unknown option '--%s' (did you mean '--%s'?)", command, name, near);
+    return usage_error("%s: unknown option '--%s'; 'digbox %s --help' lists them", command, name, command);
+}
+
+int next_option(const char *command, int argc, char **argv, const char *letters, const struct option *options)
+{
+    char own[64];
+    int index = -1;
+    opterr = 0;
+    optopt = 0;
+    snprintf(own, sizeof own, ":%s", letters);          /* ':' tells a missing value from an unknown option */
+    int key = getopt_long(argc, argv, own, options, &index);
+    if (key != ':' && key != '?')
+        return key;
+    const char *word = optind > 0 && optind <= argc ? argv[optind - 1] : "";
+    const char *name = NULL;
+    for (int i = 0; options[i].name; i++)
+        if (options[i].val == optopt && !(optopt && strncmp(word, "--", 2) != 0))
+            name = options[i].name;
+    if (key == ':' && name)
+        usage_error("%s: --%s wants a value", command, name);
+    else if (key == ':')
+        usage_error("%s: -%c wants a value", command, optopt);
+    else if (optopt && name)
+        usage_error("%s: --%s takes no value", command, name);
+    else if (optopt)
+        usage_error("%s: unknown option '-%c'; 'digbox %s --help' lists them", command, optopt, command);
+    else
+        unknown_option(command, word, options);
+    return '?';
 }
 
 /* ---- values of options ------------------------------------------------------- */

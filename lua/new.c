@@ -66,8 +66,8 @@ static int command_new(int argc, char **argv)
 {
     static const struct option options[] = {{"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0}};
     int key;
-    while ((key = getopt_long(argc, argv, "h", options, NULL)) != -1)
-        return key == 'h' ? print_help("new") : usage_error("see 'digbox new --help'");
+    while ((key = next_option("new", argc, argv, "h", options)) != -1)
+        return key == 'h' ? print_help("new") : EXIT_USAGE;
     if (argc - optind != 1)
         return usage_error("new: give the name of one folder");
     const char *folder = argv[optind];

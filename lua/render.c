@@ -356,7 +356,7 @@ static bool read_option(RenderJob *job, int key)
     case OPT_BLUR: return read_whole_option("blur", optarg, 1, 64, &job->blur);
     case OPT_RESUME: job->resume = true; return true;
     case OPT_FORCE: job->force = true; return true;
-    default: return usage_error("see 'digbox render'") == 0;
+    default: return false;               /* next_option said why */
     }
 }
 
@@ -364,7 +364,7 @@ static int command_render(int argc, char **argv)
 {
     RenderJob job = {.fps = -1, .samples = -1, .blur = -1, .workers = 1};
     int key;
-    while ((key = getopt_long(argc, argv, "o:j:h", render_options, NULL)) != -1) {
+    while ((key = next_option("render", argc, argv, "o:j:h", render_options)) != -1) {
         if (key == 'h')
             return print_help("render");
         if (!read_option(&job, key))

@@ -279,7 +279,7 @@ static int command_repl(int argc, char **argv)
     RunOptions o = {.out = "out", .seconds = -1, .time_limit = -1, .seed = LLONG_MIN, .fuel = -1, .quiet = true};
     int key;
     argc = cut_arguments(argc, argv, &o);
-    while ((key = getopt_long(argc, argv, "o:h", options, NULL)) != -1)
+    while ((key = next_option("repl", argc, argv, "o:h", options)) != -1)
         switch (key) {
         case 'o': o.out = optarg; break;
         case 't': o.trust = true; break;
@@ -290,7 +290,7 @@ static int command_repl(int argc, char **argv)
                 return EXIT_USAGE;
             break;
         case 'h': return print_help("repl");
-        default: return usage_error("see 'digbox repl --help'");
+        default: return EXIT_USAGE;
         }
     if (argc - optind > 1)
         return usage_error("repl: one world at most");

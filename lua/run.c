@@ -58,7 +58,7 @@ static bool read_run_option(RunOptions *o, int key)
             return usage_error("--set: '%s' is not NAME=VALUE", optarg) == 0;
         o->set[o->set_count++] = optarg;
         return true;
-    default: return usage_error("see 'digbox run'") == 0;
+    default: return false;               /* next_option said why */
     }
 }
 
@@ -212,7 +212,7 @@ static int command_run(int argc, char **argv)
     if (!o.set)
         return EXIT_MEMORY;
     argv[argc] = NULL;
-    while ((key = getopt_long(argc, argv, "o:qh", run_options, NULL)) != -1) {
+    while ((key = next_option("run", argc, argv, "o:qh", run_options)) != -1) {
         if (key == 'h') {
             code = print_help("run");
             goto done;

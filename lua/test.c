@@ -569,7 +569,7 @@ static bool read_test_option(TestOptions *o, int key)
     case OPT_UPDATE: o->update_goldens = true; return true;
     case OPT_SIM: return read_number_option("sim-limit", optarg, "s", 1e-3, 1e9, &o->sim_limit);
     case OPT_TIME: return read_number_option("time-limit", optarg, "s", 1e-3, 1e9, &o->time_limit);
-    default: return usage_error("see 'digbox test'") == 0;
+    default: return false;               /* next_option said why */
     }
 }
 
@@ -577,7 +577,7 @@ static int command_test(int argc, char **argv)
 {
     Run r = {.o = {.out = "out", .time_limit = 300, .jobs = 1}};
     int key, code = EXIT_FINE;
-    while ((key = getopt_long(argc, argv, "k:j:o:h", test_options, NULL)) != -1)
+    while ((key = next_option("test", argc, argv, "k:j:o:h", test_options)) != -1)
         if (key == 'h')
             return print_help("test");
         else if (!read_test_option(&r.o, key))

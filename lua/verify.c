@@ -54,9 +54,9 @@ static int verify(const char *path)
 static int command_verify(int argc, char **argv)
 {
     static const struct option options[] = {{"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0}};
-    int key = getopt_long(argc, argv, "h", options, NULL), worst = EXIT_FINE;
+    int key = next_option("verify", argc, argv, "h", options), worst = EXIT_FINE;
     if (key != -1)
-        return key == 'h' ? print_help("verify") : usage_error("see 'digbox verify'");
+        return key == 'h' ? print_help("verify") : EXIT_USAGE;
     if (optind >= argc)
         return usage_error("verify: which replays? (digbox verify REPLAY... or FOLDER...)");
     for (int i = optind; i < argc; i++) {

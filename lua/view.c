@@ -91,7 +91,7 @@ static bool read_view_option(ViewWish *w, int key)
     case OPT_FRAMES: w->frames = optarg; return true;
     case OPT_TITLE: w->title = optarg; return true;
     case OPT_FPS: return read_number_option("fps", optarg, "1/s", 1e-3, 1e6, &w->fps);
-    default: return usage_error("see 'digbox view --help'") == 0;
+    default: return false;               /* next_option said why */
     }
 }
 
@@ -99,7 +99,7 @@ static int command_view(int argc, char **argv)
 {
     ViewWish w = {0};
     int key;
-    while ((key = getopt_long(argc, argv, "o:qh", view_options, NULL)) != -1) {
+    while ((key = next_option("view", argc, argv, "o:qh", view_options)) != -1) {
         if (key == 'h')
             return print_help("view");
         if (!read_view_option(&w, key))

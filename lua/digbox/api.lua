@@ -113,7 +113,7 @@ local kind_words = { real = "number", int = "whole number", bool = "true or fals
 -- "real m >0" -> "real", "m", ">0"
 function api.split(field)
   local kind, unit, bound = field[1]:match "^(%S+)%s*(%S*)%s*(%S*)$"
-  if not kind then kind, unit, bound = field[1]:match "^(%S+)%s+(.-)%s*([<>]?=?0?)$" end
+  if not kind or bound ~= "" and not bound:find "^[<>]" then kind, unit, bound = field[1]:match "^(%S+)%s+(.-)%s*([<>]?=?0?)$" end
   if unit:find "^>" then unit, bound = "", unit end
   if unit == "1" then unit = "" end
   return kind, unit, bound

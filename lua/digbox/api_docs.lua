@@ -113,7 +113,7 @@ function writers.markdown()
   for _, set in ipairs(list_of_sets()) do
     lines[#lines + 1] = "### fields of " .. set.name
     lines[#lines + 1] = ""
-    lines[#lines + 1] = set.help:sub(1, 1):upper() .. set.help:sub(2) .. "."
+    lines[#lines + 1] = set.help:sub(1, 1):upper() .. set.help:sub(2) .. (set.help:sub(-1) == "." and "" or ".")
     lines[#lines + 1] = ""
     table_of(lines, heads, field_rows(set.fields, "", {}))
   end

@@ -12,7 +12,17 @@ gives 2 'no command';                     said "Try 'digbox --help'"
 gives 2 'unknown command' tets;           said "unknown command 'tets' (did you mean 'test'?)"
 gives 2 'no world' run
 gives 2 'two worlds' run a.lua b.lua
-gives 2 'unknown option' run --frobnicate a.lua
+gives 2 'unknown option' run --frobnicate a.lua;        said "run: unknown option '--frobnicate'; 'digbox run --help' lists them"
+gives 2 'a misspelt option' run --secnds 3 a.lua;       said "run: unknown option '--secnds' (did you mean '--seconds'?)"
+gives 2 'no value' test -k;                             said 'test: -k wants a value'
+gives 2 'no value, in full' render --fps;               said 'render: --fps wants a value'
+gives 2 'a value too many' run --quiet=3 a.lua;         said 'run: --quiet takes no value'
+gives 2 'a short option' verify -x;                     said "verify: unknown option '-x'"
+gives 2 'short for several' run --se 3 a.lua;           said "run: option '--se' may mean several"
+for command in run test cost render export view diff verify api repl new doctor; do
+    gives 2 "$command: an option that it has not" $command --frobnicate
+    holds "$command says it in one line" test "$(grep -c . err.txt)" = 2 -a "$(head -n 1 err.txt | cut -c 1-8)" = 'digbox: '
+done
 gives 2 'a bad number' run --seconds soon a.lua
 gives 2 'threads out of range' run --threads 0 a.lua
 gives 2 'set without =' run --set height a.lua
