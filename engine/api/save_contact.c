@@ -20,6 +20,9 @@ static void pack_point(Pack *p, ContactPoint *c)
     pack_real_in(p, &memory->normal, -SAVE_STRONG, SAVE_STRONG, "force of a contact");
     pack_vec3(p, &memory->tangent, SAVE_STRONG, "friction of a contact");
     pack_enum(p, &memory->held, 256, "memory of a contact");
+    real borne = (real)memory->borne;
+    pack_real_in(p, &borne, 0, SAVE_STRONG, "borne force of a contact");
+    memory->borne = (float)borne;
 }
 
 static void pack_contact(Pack *p, World *w, Contact *c)

@@ -99,6 +99,15 @@ static void book_friction(GroupContact *t, const Batch *b, int lane, real h, rea
     }
 }
 
+#define YIELDS 0.1              /* s: soft rows carry a load by overlap at first, and after some of this without */
+
+/* N  What of a force a soft row need not carry by overlap: what it has carried for long. Else piles sink under their own weight. Not
+ * where points share the load, and may exchange it. */
+static float borne(const Crowd *c, real before, real force)
+{
+    return (float)real_min(force, before + real_min(1, c->dt / YIELDS) * (force - before));
+}
+
 static void book_lane(Crowd *c, Batch *b, int lane)
 {
     Group *g = c->g;
@@ -110,6 +119,7 @@ static void book_lane(Crowd *c, Batch *b, int lane)
         load += j;
         sum += whole;
         t->memory[k].normal = j / h;
+        t->memory[k].borne = t->manifold.count == 1 ? borne(c, (real)t->memory[k].borne, j / h) : 0;
         t->memory[k].held = whole > 0 ? HELD_SUBSTEPS : 0;
         t->point_sum = vec3_mad(t->point_sum, whole, t->manifold.points[k].a);
         t->point_weight += whole;

@@ -6,7 +6,8 @@
  *   2 writes one row for each contact point that may act within the step, with its Jacobian kept for the whole step;
  *   3 makes the plan's substeps: velocities; one pass of soft rows that also push bodies apart; positions; one pass of hard rows
  *     that takes the pushing velocity out again (small steps: Macklin et al. 2019; soft constraints with a relaxing pass: Catto,
- *     "Solver2D", 2024). Restitution comes once, at the end.
+ *     "Solver2D", 2024). Restitution comes once, at the end. Where a pass still changes much, or overlap shows that the load is
+ *     too deep for one, there are more of both, as many as a bound on the work allows, and the rows are the harder for it.
  *
  * What is done differently, and why:
  *
@@ -16,6 +17,8 @@
  *     then. Warm starting needs no pass over the rows: a body's velocity goes on by its last difference.
  *   - Eight rows that share no body are solved side by side (wide.c); rows are as large as their number of points.
  *   - Rows are single precision, and hold differences from the start of the step only; state and positions stay double.
+ *   - What a contact of one point has carried for a while by overlap it goes on carrying without (book.c): piles of balls do not sink.
+ *   - What an impact stops is in the way of others that fell along behind it, at no speed against it: they are looked for (touch.c).
  *   - Friction acts at the middle of the contact area, two directions in a round cone and a torque about the normal.
  *
  * Price: penetration of about a millimetre for metre-sized boxes, impacts at the ends of steps, errors of 1e-7 of the impulses.

@@ -6,6 +6,9 @@
 #include "crowd/system.h"
 
 #define COLOURS 64              /* what finds none of them is solved alone                        */
+/* A pass that moves a point by less of the size is the last. Where many points share a load, it shifts from one to the other for ever. */
+#define NEEDED_ONE  5e-4
+#define NEEDED_MANY 1e-2
 #define NEAR    0.01            /* of the size: points nearer than this act in any case           */
 
 typedef struct Chosen { int contact, a, b; uint8_t colour, points; bool acts, fixed, rubs, rolls; } Chosen;      /* a, b: Six */
@@ -15,11 +18,6 @@ typedef struct Chosen { int contact, a, b; uint8_t colour, points; bool acts, fi
 static int kind_of(const Chosen *x)
 {
     return ((int)x->fixed * (COLOURS + 1) + x->colour) * (MANIFOLD_POINTS + 1) + MANIFOLD_POINTS - x->points;
-}
-
-static vec3 velocity_at(const Group *g, int body, vec3 at)
-{
-    return vec3_add(g->vel[body].v, vec3_cross(g->vel[body].w, vec3_sub(at, g->pos[body].x)));
 }
 
 /* Do they pass each other side by side before the gap could close? A row holds for the present direction only. */
@@ -35,12 +33,12 @@ static bool may_act(const Crowd *c, const GroupContact *t)
 {
     const Group *g = c->g;
     real size = g->pairs[t->pair].size, near = NEAR * size + real_max(g->member[t->a].pull, g->member[t->b].pull) * c->dt * c->dt;
+    near += c->stop ? c->dt * real_max(c->stop[t->a], c->stop[t->b]) : 0;
     for (int k = 0; k < t->manifold.count; k++) {
         const ManifoldPoint *p = &t->manifold.points[k];
         if (p->gap <= near)
             return true;
-        vec3 v = vec3_sub(velocity_at(g, t->b, p->b), velocity_at(g, t->a, p->a));
-        real closing = -vec3_dot(v, t->manifold.normal), speed = vec3_length(v);
+        real speed, closing = crowd_closing(g, t, p, &speed);
         if (p->gap <= near + c->dt * (0.5 * speed + real_max(0, closing)) && !passes_by(g, t, p->gap, closing, speed))
             return true;
     }
@@ -78,6 +76,7 @@ static void forget(GroupContact *t)
 {
     for (int k = 0; k < t->manifold.count; k++) {
         t->memory[k].normal = 0;
+        t->memory[k].borne = 0;
         t->memory[k].held = 0;
         t->memory[k].tangent = vec3_zero();
     }
@@ -142,9 +141,9 @@ static vec3 driven_velocity(const Group *g, const Ends *e, vec3 at)
 {
     vec3 v = vec3_zero();
     if (g->member[e->c->b].kinematic)
-        v = vec3_add(v, velocity_at(g, e->c->b, at));
+        v = vec3_add(v, crowd_velocity(g, e->c->b, at));
     if (g->member[e->c->a].kinematic)
-        v = vec3_sub(v, velocity_at(g, e->c->a, at));
+        v = vec3_sub(v, crowd_velocity(g, e->c->a, at));
     return v;
 }
 
@@ -158,6 +157,7 @@ static void fill_point(const Crowd *c, const Ends *e, WidePoint *p, int lane, in
     p->mass[lane] = 1;
     p->gap[lane] = (float)m->gap;
     p->j[lane] = (float)e->c->memory[k].normal * c->h;
+    p->borne[lane] = e->c->memory[k].borne * c->h;
     if (e->driven)
         p->drive[lane] = (float)vec3_dot(e->c->manifold.normal, driven_velocity(c->g, e, m->a));
 }
@@ -237,7 +237,7 @@ static Ends ends_of(const Crowd *c, const GroupContact *t)
 
 static bool slides(const Group *g, const GroupContact *c, const GroupPair *q)
 {
-    vec3 at = c->manifold.points[0].a, v = vec3_sub(velocity_at(g, c->b, at), velocity_at(g, c->a, at));
+    vec3 at = c->manifold.points[0].a, v = vec3_sub(crowd_velocity(g, c->b, at), crowd_velocity(g, c->a, at));
     vec3 slip = vec3_mad(v, -vec3_dot(v, c->manifold.normal), c->manifold.normal);
     return vec3_length2(slip) > SLIPS * SLIPS * q->size * g->fall;
 }
@@ -257,8 +257,12 @@ static void fill_lane(Crowd *c, Batch *b, int lane, int contact, int spare)
     b->restitution[lane] = (float)q->restitution;
     t->sliding = q->friction > q->friction_dynamic && slides(g, t, q);
     b->friction[lane] = (float)(t->sliding ? q->friction_dynamic : q->friction);
-    for (int k = 0; k < t->manifold.count; k++)
+    real needed = (t->manifold.count > 1 ? NEEDED_MANY : NEEDED_ONE) * q->size;
+    b->care[lane] = c->h / (float)needed;
+    for (int k = 0; k < t->manifold.count; k++) {
         fill_point(c, &e, &b->point[k], lane, k);
+        b->deep = (float)real_max((real)b->deep, -t->manifold.points[k].gap / needed);
+    }
     if (b->patch)
         fill_patch(c, &e, b->patch, lane);
     if (b->roll && q->rolling > 0 && rolling_radius(q) > 0)

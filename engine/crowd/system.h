@@ -23,6 +23,7 @@ typedef struct WidePoint {      /* contact points, one a lane                   
     wide drive;                 /* m/s  part of the rate that movers give                      */
     wide room;                  /* m/s  at which a gap may still close in this substep         */
     wide j, sum;                /* N s  impulse of this substep, of the whole step             */
+    wide borne;                 /* N s  part of j that a soft row does not yield to            */
     wide rate_before;           /* m/s  normal velocity at the start of the step               */
 } WidePoint;
 
@@ -56,6 +57,8 @@ typedef struct Batch {          /* up to eight contacts that share no moving bod
     wide n[3];                  /*      from a to b                                            */
     wide ra, rb;                /* 1/sqrt(kg)  roots of the inverse masses; wide.c             */
     wide friction, restitution;
+    wide care;                  /* s/m  one over the error of a rate that does not matter: passes that change less need no other; rows.c */
+    float deep;                 /* 1    deepest overlap, in changes that matter                 */
     WidePoint *point;
     WidePatch *patch;           /* NULL: no friction                                           */
     WideRoll  *roll;            /* NULL: no rolling resistance                                 */
@@ -83,6 +86,8 @@ static inline void fetch_body(const Group *g, int contact)
 
 /* Batches of one colour: no moving body is in two of them, unless they are done one after the other, alone. */
 typedef struct Phase { int first, count; bool alone; } Phase;
+
+#define PASSES_MOST 32
 
 #define SHARED_LEAST 4          /* batches: fewer are not worth a meeting                      */
 
@@ -112,14 +117,22 @@ typedef struct Crowd {
     quat  *turn;                /* [body_count of g] since the start, at the end of the step   */
     Batch *batch; int batches;
     Phase *phase; int phases;
-    Soft   soft[2];             /* between moving bodies; against what does not move           */
+    Soft   soft[PASSES_MOST][2];    /* by how many passes there are; between moving bodies; against what does not move */
+    int    passes, passes_most; /* of a substep, at first; never more                          */
+    float *worst[2];            /* [threads] error of rates over what matters; of this pass, of the one before */
+    real  *stop;                /* [body_count of g] m/s  by how much an impact in this step may change its speed; NULL: there is none */
     float  push_most;           /* m/s  at which overlap is corrected at most                  */
     float  bounce_least;        /* m/s  slower approaches do not bounce                        */
 } Crowd;
 
 /* touch.c: contacts of the present poses; points carried on at the end of the step */
-void       crowd_touch(Group *g, real time);
+dig_status crowd_touch(Crowd *c);
+real       crowd_closing(const Group *g, const GroupContact *t, const ManifoldPoint *p, real *speed);      /* m/s  of a point */
 void       crowd_sign(const Group *g, GroupPair *q);
+static inline vec3 crowd_velocity(const Group *g, int body, vec3 at)
+{
+    return vec3_add(g->vel[body].v, vec3_cross(g->vel[body].w, vec3_sub(at, g->pos[body].x)));
+}
 /* bodies.c */
 dig_status bodies_open(Crowd *c);       /* scaled, from the group's */
 void       bodies_close(Crowd *c);      /* and back */

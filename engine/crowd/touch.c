@@ -72,25 +72,112 @@ static void find(Group *g, GroupPair *q, real time)
         q->until = travel + STAYS * q->size;
 }
 
-typedef struct Touching { Group *g; real time; } Touching;
-
-static void touch_pair(Group *g, GroupPair *q, real time)
+real crowd_closing(const Group *g, const GroupContact *t, const ManifoldPoint *p, real *speed)
 {
-    if (q->contacts != 1)
-        group_touch_pair(g, q, time);
-    else if (!keeps(g, q) && !stays(g, q))
+    vec3 v = vec3_sub(crowd_velocity(g, t->b, p->b), crowd_velocity(g, t->a, p->a));
+    *speed = vec3_length(v);
+    return -vec3_dot(v, t->manifold.normal);
+}
+
+#define BRISK 5e-3              /* of the size: what closes by more in a step may stop a body that others are close behind */
+
+/* m/s  The fastest that a contact closes which it may do in the step; 0: none does, or too slowly to matter. */
+static real struck(const Group *g, const GroupPair *q, real dt)
+{
+    real most = 0, speed;
+    for (int i = q->contact; i < q->contact + q->contacts; i++) {
+        const GroupContact *t = &g->contacts[i];
+        for (int k = 0; t->live && k < t->manifold.count; k++) {
+            real closing = crowd_closing(g, t, &t->manifold.points[k], &speed);
+            if (closing * dt > real_max(t->manifold.points[k].gap, BRISK * q->size))
+                most = real_max(most, closing);
+        }
+    }
+    return most;
+}
+
+typedef struct Touching { Group *g; real dt; float *struck; } Touching;     /* struck: m/s, of each pair */
+
+/* False: its bodies have hardly moved, and it was left as it was. */
+static bool touch_pair(Group *g, GroupPair *q, real time)
+{
+    if (q->contacts == 1 && (keeps(g, q) || stays(g, q)))
+        return false;
+    if (q->contacts == 1)
         find(g, q, time);
+    else
+        group_touch_pair(g, q, time);
+    return true;
 }
 
 static void touch_share(void *context, int thread, int threads)
 {
     const Touching *t = context;
-    for (int i = team_first(t->g->pair_count, thread, threads), end = team_end(t->g->pair_count, thread, threads); i < end; i++)
-        touch_pair(t->g, &t->g->pairs[i], t->time);
+    for (int i = team_first(t->g->pair_count, thread, threads), end = team_end(t->g->pair_count, thread, threads); i < end; i++) {
+        GroupPair *q = &t->g->pairs[i];
+        if (touch_pair(t->g, q, t->dt) && q->reach > (BRISK + LOOKS) * q->size)        /* it looked so far ahead, for the pair is fast */
+            t->struck[i] = (float)struck(t->g, q, t->dt);
+    }
 }
 
-void crowd_touch(Group *g, real time)
+static real least_gap(const Group *g, const GroupPair *q)
 {
-    Touching t = {g, time};
+    real gap = INFINITY;
+    for (int i = q->contact; i < q->contact + q->contacts; i++)
+        for (int k = 0; g->contacts[i].live && k < g->contacts[i].manifold.count; k++)
+            gap = real_min(gap, g->contacts[i].manifold.points[k].gap);
+    return gap;
+}
+
+/* A pair of which an impact may stop one. Can the other get there in this step? Then it may be stopped, too. True: it is news. */
+static bool follow(Crowd *c, GroupPair *q)
+{
+    Group *g = c->g;
+    real *a = &c->stop[q->a], *b = &c->stop[q->b], most = real_max(*a, *b), way = most * c->dt;
+    bool both = g->member[q->a].moves && g->member[q->b].moves;
+    if (!both || !(way > BRISK * q->size) || (*a == *b && q->reach >= way))
+        return false;
+    if (least_gap(g, q) > 0 && q->reach < way)
+        group_touch_within(g, q, way + q->reach);
+    if (*a == *b || least_gap(g, q) > q->reach)
+        return false;
+    *a = *b = most;
+    return true;
+}
+
+#define FOLLOWERS 32            /* as many bodies one behind the other */
+
+/* Bodies that fall together do not close on each other until the first of them is stopped, and then within the step. */
+static dig_status look_behind(Crowd *c, const float *struck)
+{
+    Group *g = c->g;
+    bool more = false;
+    for (int i = 0; i < g->pair_count; i++) {
+        if (!(struck[i] > 0))
+            continue;
+        c->stop = c->stop ? c->stop : arena_zero(g->arena, (size_t)g->body_count * sizeof *c->stop);
+        if (!c->stop)
+            return DIG_E_MEMORY;
+        for (int k = 0; k < 2; k++) {
+            int body = k ? g->pairs[i].b : g->pairs[i].a;
+            c->stop[body] = g->member[body].moves ? real_max(c->stop[body], (real)struck[i]) : 0;
+        }
+        more = true;
+    }
+    for (int round = 0; round < FOLLOWERS && more; round++) {
+        more = false;
+        for (int i = 0; i < g->pair_count; i++)
+            more = follow(c, &g->pairs[i]) || more;
+    }
+    return DIG_OK;
+}
+
+dig_status crowd_touch(Crowd *c)
+{
+    Group *g = c->g;
+    Touching t = {g, c->dt, arena_zero(g->arena, (size_t)(g->pair_count + 1) * sizeof *t.struck)};
+    if (!t.struck)
+        return DIG_E_MEMORY;
     team_run(g->team, touch_share, &t);
+    return look_behind(c, t.struck);
 }

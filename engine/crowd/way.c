@@ -37,25 +37,48 @@ static dig_status open(Crowd *c)
     DIG_TRY(group_forces(g));
     for (int i = g->moving_count; i < g->body_count; i++)
         g->member[i].start_pos = g->pos[i];
-    c->soft[0] = soft_of(STIFF, (real)c->h);
-    c->soft[1] = soft_of(FIRM, (real)c->h);
     real size = smallest(g);
     c->push_most = (float)(PUSH_MOST * sqrt(size));
     c->bounce_least = (float)(g->close_speed + 2 * g->fall * (real)c->h);
     return DIG_OK;
 }
 
+/* As many passes as the load needs, to come through from the top of the pile to the ground: what overlaps says so. */
+#define SHALLOW 2.0             /* times what a pass needs to change; so much more takes one more */
+#define WORK    40000           /* points, in all passes of a substep */
+
+static dig_status plan_passes(Crowd *c)
+{
+    int points = 1, threads = c->team ? c->team->threads : 1;
+    real deep = 0;
+    for (int i = 0; i < c->batches; i++) {
+        points += LANES * c->batch[i].points;
+        deep = real_max(deep, (real)c->batch[i].deep);
+    }
+    c->passes_most = (int)real_clamp(WORK / (real)points, 1, PASSES_MOST);
+    c->passes = (int)real_clamp(1 + deep - SHALLOW, 1, c->passes_most);
+    for (int i = 0; i < c->passes_most; i++) {
+        c->soft[i][0] = soft_of(STIFF * (i + 1), (real)c->h);
+        c->soft[i][1] = soft_of(FIRM * (i + 1), (real)c->h);
+    }
+    c->worst[0] = arena_zero(c->g->arena, 2 * (size_t)threads * sizeof *c->worst[0]);
+    c->worst[1] = c->worst[0] + threads;
+    return c->worst[0] ? DIG_OK : DIG_E_MEMORY;
+}
+
 static dig_status advance(Group *g, real dt)
 {
     Crowd c = {.g = g, .team = g->team, .dt = dt, .substeps = g->plan->substeps, .h = (float)(dt / g->plan->substeps), .bodies = g->moving_count};
     DIG_TRY(open(&c));
-    crowd_touch(g, dt);
+    DIG_TRY(crowd_touch(&c));
     DIG_TRY(bodies_open(&c));
     DIG_TRY(rows_open(&c));
+    DIG_TRY(plan_passes(&c));
     book_open(&c);
     wide_solve(&c, 0);
     g->t = dt;
-    g->substeps = g->sweeps = c.substeps;
+    g->substeps = c.substeps;
+    g->sweeps = c.passes;
     bodies_close(&c);
     DIG_TRY(book_close(&c));
     if (g->woke)

@@ -292,21 +292,23 @@ INLINE void solve_roll(const Batch *x, Both *v, wide load)
 }
 
 /* How overlap and gap bear on a row: rate wanted, and how firmly. */
-typedef struct Care { wide rate, push_most, mass, keep, per_step, time; bool push; } Care;
+typedef struct Care { wide rate, push_most, mass, keep, per_step, time, worst; bool push, first; } Care;
 
 /* The pushing pass: an overlap is pushed out softly, a gap may close within the substep. What is left of it is for the other pass. */
-INLINE wide pushed_impulse(WidePoint *p, const Care *k, wide rate, wide gap)
+INLINE wide pushed_impulse(WidePoint *p, Care *k, wide rate, wide gap, wide care)
 {
     wide_int open = gap > 0;
     wide bias = pick(open, gap * k->per_step, most(gap * k->rate, -k->push_most));
-    wide j = p->j - pick(open, p->mass, p->mass * k->mass) * (rate + bias) - pick(open, all(0), p->j * k->keep);
+    wide j = p->j - pick(open, p->mass, p->mass * k->mass) * (rate + bias) - pick(open, all(0), (p->j - p->borne) * k->keep);
     j = most(j, all(0));
-    p->room = most(all(0), gap * k->per_step + rate + (j - p->j) / most(p->mass, all(1e-30f)));
+    wide by = (j - p->j) / most(p->mass, all(1e-30f));
+    p->room = most(all(0), gap * k->per_step + rate + by);
+    k->worst = most(k->worst, most(by, -by) * care);
     return j;
 }
 
 /* One direction for all points of a contact: rate along the normal of the centres of mass is kept up by hand. */
-INLINE void solve_points(const Crowd *c, const Batch *x, Both *v, const Care *k)
+INLINE void solve_points(const Crowd *c, const Batch *x, Both *v, Care *k)
 {
     wide b[3], inverse = x->ra * x->ra + x->rb * x->rb, pushed = all(0), closed = all(0);
     Both d = {.a = {all(0)}};
@@ -325,10 +327,12 @@ INLINE void solve_points(const Crowd *c, const Batch *x, Both *v, const Care *k)
             rate += p->drive;
         if (k->push) {
             wide gap = p->gap + closed + dot(p->a, &d.a[3]) + dot(p->b, &d.b[3]);
-            j = pushed_impulse(p, k, rate, x->driven ? gap + p->drive * k->time : gap);
+            j = pushed_impulse(p, k, rate, x->driven ? gap + p->drive * k->time : gap, x->care);
         } else {
             j = most(p->j - p->mass * (rate + p->room), all(0));
-            p->sum += j;
+            wide by = (j - p->j) / most(p->mass, all(1e-30f));
+            k->worst = most(k->worst, most(by, -by) * x->care);
+            p->sum += k->first ? j : j - p->j;
         }
         wide change = j - p->j;
         p->j = j;
@@ -339,14 +343,18 @@ INLINE void solve_points(const Crowd *c, const Batch *x, Both *v, const Care *k)
     push_linear(x, v, x->n, pushed);
 }
 
-INLINE void solve_batch(const Crowd *c, const Batch *x, const Care *k)
+INLINE void solve_batch(const Crowd *c, const Batch *x, Care *k)
 {
     Both v;
     gather(c->vel, x->a, v.a);
     gather(c->vel, x->b, v.b);
-    wide load = normal_sum(x);
+    wide load = normal_sum(x), before[2] = {all(0), all(0)};
     if (x->roll)
         solve_roll(x, &v, load);
+    if (x->patch && !k->first) {
+        before[0] = x->patch->j[0];
+        before[1] = x->patch->j[1];
+    }
     if (x->patch) {
         if (x->points > 1)
             solve_twist(x, &v, load * x->friction);
@@ -354,8 +362,8 @@ INLINE void solve_batch(const Crowd *c, const Batch *x, const Care *k)
     }
     solve_points(c, x, &v, k);
     if (x->patch && !k->push) {
-        x->patch->sum[0] += x->patch->j[0];
-        x->patch->sum[1] += x->patch->j[1];
+        x->patch->sum[0] += x->patch->j[0] - before[0];
+        x->patch->sum[1] += x->patch->j[1] - before[1];
     }
     scatter(c->vel, x->a, v.a);
     scatter(c->vel, x->b, v.b);
@@ -382,17 +390,44 @@ INLINE void meet(const Part *me)
         team_meet(me->team);
 }
 
-INLINE void pass(const Crowd *c, const Part *me, bool push, float time)
+/* soft: NULL = a relaxing pass. Returns the worst error of this thread's rates over what matters. */
+INLINE float pass(const Crowd *c, const Part *me, const Soft *soft, float time, bool first)
 {
+    wide worst = all(0);
     for (int p = 0; p < c->phases; p++) {
         meet_before(c, me, p);
         MY_BATCHES(c->phase[p], me, i) {
             const Batch *x = &c->batch[i];
-            const Soft *s = &c->soft[x->fixed];
-            Care k = {.rate = all(s->rate), .push_most = all(c->push_most), .mass = all(s->mass), .keep = all(s->keep),
-                      .per_step = all(1 / c->h), .time = all(time), .push = push};
+            Soft s = soft ? soft[x->fixed] : (Soft){0};
+            Care k = {.rate = all(s.rate), .push_most = all(c->push_most), .mass = all(s.mass), .keep = all(s.keep),
+                      .per_step = all(1 / c->h), .time = all(time), .worst = worst, .push = soft != NULL, .first = first};
             solve_batch(c, x, &k);
+            worst = k.worst;
         }
+    }
+    float most = 0;
+    for (int i = 0; i < LANES; i++)
+        most = worst[i] > most ? worst[i] : most;
+    return most;
+}
+
+INLINE float worst_of(const Crowd *c, const Part *me, int which)
+{
+    float most = 0;
+    for (int i = 0; i < me->threads; i++)
+        most = c->worst[which][i] > most ? c->worst[which][i] : most;
+    return most;
+}
+
+/* Passes until the rates hold, at least so many and at most; those that push harden with their number. Returns how many were needed. */
+INLINE int passes_of(const Crowd *c, const Part *me, bool push, int least, int most, float time)
+{
+    for (int n = 0;; n++) {
+        int hard = n + 1 > least ? n + 1 : least;
+        c->worst[n & 1][me->thread] = pass(c, me, push ? c->soft[hard - 1] : NULL, time, n == 0);
+        meet(me);
+        if (n + 1 >= least && (n + 1 >= most || worst_of(c, me, n & 1) <= 1))
+            return n + 1;
     }
 }
 
@@ -546,6 +581,7 @@ INLINE void solve(Crowd *c, const Part *me)
         MY_BATCHES(c->phase[p], me, i)
             prepare(c, &c->batch[i]);
     meet(me);
+    int passes = c->passes, all_passes = 0;
     for (int s = 0; s < c->substeps; s++) {
         speed_up(c, me, s == 0);
         meet(me);
@@ -553,13 +589,14 @@ INLINE void solve(Crowd *c, const Part *me)
             warm_start(c, me);
             meet(me);
         }
-        pass(c, me, true, (float)s * c->h);
-        meet(me);
+        passes = passes_of(c, me, true, passes, c->passes_most, (float)s * c->h);
+        all_passes += passes;
         move_on(c, me);
         meet(me);
-        pass(c, me, false, (float)(s + 1) * c->h);
-        meet(me);
+        passes_of(c, me, false, 1, passes, (float)(s + 1) * c->h);
     }
+    if (me->thread == 0)        /* the others have theirs, and the last meeting is over */
+        c->passes = all_passes;
     bool bounces = false;
     for (int i = 0; i < c->batches; i++)
         bounces = bounces || c->batch[i].bounces;

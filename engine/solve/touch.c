@@ -148,21 +148,17 @@ static real touch_balls(const Group *g, GroupPair *q, GroupContact *c, real reac
     return 0;
 }
 
-real group_touch_convex(Group *g, GroupPair *q, real time, real farther)
+static real touch_convex(Group *g, GroupPair *q, real reach, real farther)
 {
-    if (is_ball(q->sa) && is_ball(q->sb)) {
-        q->fresh = false;
-        q->until = -1;
-        q->reach = pair_reach(g, q, time);
-        return touch_balls(g, q, &g->contacts[q->contact], q->reach);
-    }
-    pose pa = group_shape_pose(g, q->a, q->la), pb = group_shape_pose(g, q->b, q->lb);
-    GroupContact *c = &g->contacts[q->contact];
-    real reach = q->reach = pair_reach(g, q, time);
-    real room = vec3_length(vec3_sub(pb.p, pa.p)) - q->sa->outer - q->sb->outer;     /* infinite outer: never apart */
-    bool apart = room > reach;
     q->fresh = false;
     q->until = -1;
+    q->reach = reach;
+    if (is_ball(q->sa) && is_ball(q->sb))
+        return touch_balls(g, q, &g->contacts[q->contact], reach);
+    pose pa = group_shape_pose(g, q->a, q->la), pb = group_shape_pose(g, q->b, q->lb);
+    GroupContact *c = &g->contacts[q->contact];
+    real room = vec3_length(vec3_sub(pb.p, pa.p)) - q->sa->outer - q->sb->outer;     /* infinite outer: never apart */
+    bool apart = room > reach;
     if (c->manifold.count == 0 && !apart && farther > 0) {
         room = room_between(q, pa, pb, reach + farther);
         apart = room > reach;
@@ -175,14 +171,18 @@ real group_touch_convex(Group *g, GroupPair *q, real time, real farther)
     return c->live ? 0 : real_max(room, reach);
 }
 
-void group_touch_pair(Group *g, GroupPair *q, real time)
+real group_touch_convex(Group *g, GroupPair *q, real time, real farther) { return touch_convex(g, q, pair_reach(g, q, time), farther); }
+
+void group_touch_pair(Group *g, GroupPair *q, real time) { group_touch_within(g, q, pair_reach(g, q, time)); }
+
+void group_touch_within(Group *g, GroupPair *q, real reach)
 {
     if (q->contacts == 1) {
-        group_touch_convex(g, q, time, 0);
+        touch_convex(g, q, reach, 0);
         return;
     }
     pose pa = group_shape_pose(g, q->a, q->la), pb = group_shape_pose(g, q->b, q->lb);
-    real reach = q->reach = pair_reach(g, q, time);
+    q->reach = reach;
     q->fresh = false;
     q->until = -1;
     Manifold found[PIECES];

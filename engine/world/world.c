@@ -185,7 +185,7 @@ uint64_t world_hash(const World *w)
             const Contact *contact = &w->contacts.data[c];
             for (int k = 0; k < contact->count; k++) {
                 const PointMemory *m = &contact_point_seen(w, contact, k)->memory;
-                h = hash_u64(hash_vec3(hash_real(h, m->normal), m->tangent), (uint64_t)m->held);
+                h = hash_u64(hash_vec3(hash_real(hash_real(h, m->normal), (real)m->borne), m->tangent), (uint64_t)m->held);
             }
             h = hash_vec3(h, contact->rolling);
         }

@@ -107,6 +107,7 @@ typedef struct PointMemory {    /* what a contact point remembers between steps 
     real     normal;            /* N   force, for warm starting                        */
     vec3     tangent;           /* N   friction, world axes                            */
     int      held;              /* substeps since it carried force, counted down to 0  */
+    float    borne;             /* N   of the normal force, what soft rows carry without overlap; crowd/book.c */
 } PointMemory;
 
 typedef struct ContactPoint { ManifoldPoint at; PointMemory memory; } ContactPoint;
