@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-#include "render/shade.h"
+#include "render/subject.h"
 
 static const real BEVEL = 0.055;        /* of the smallest extent */
 static const real SHELLS = 16;          /* while the distance from the eye doubles */
@@ -317,7 +317,7 @@ dig_status batches_build(Batches *b, Meshes *meshes, const Gl *gl, const View *v
         DrawItem *d = &b->items[b->count];
         if (!describe(d, b, meshes, v, s, eye, i))
             continue;
-        d->numbered = eye->numbers && shade_can(d);
+        d->numbered = eye->numbers && subject_can(d);
         d->order = order_of(d);
         b->solid += !d->key.clear;
         b->drawn += !d->numbered;

@@ -1,6 +1,6 @@
 /* render/block.h - pixels that show the same thing, side by side: where their rays meet it, and which way it faces there.
  *
- * A Subject is what they show, a Block up to LANES of its pixels, not necessarily neighbours. Everything is a loop over lanes
+ * A Block is up to LANES pixels of a Subject, not necessarily neighbours. Everything is a loop over lanes
  * without branches, which compilers turn into vector instructions; results are those of IEEE arithmetic without fused
  * operations, the same for any width of vectors. Here every function is inline, so that shade.c can compile it twice.
  *
@@ -9,36 +9,17 @@
 #ifndef DIG_BLOCK_H
 #define DIG_BLOCK_H
 
-#include "render/light.h"
+#include "render/subject.h"
 
-enum { LANES = 64, LANE_STEP = 8, SIDES = 5 };
+enum { LANES = 64, LANE_STEP = 8 };
 
 #define LANE_CODE static inline __attribute__((always_inline))
-
-typedef enum SubjectForm { SUBJECT_SKY, SUBJECT_PLANE, SUBJECT_BALL, SUBJECT_BOX, SUBJECT_CAPSULE, SUBJECT_CYLINDER } SubjectForm;
-
-/* Lengths in scene units, directions and places in the axes of the solid (the sky: the scene's) unless said otherwise. */
-typedef struct Subject {
-    SubjectForm form;
-    int   pattern, lamps;
-    bool  floor, shadows;               /* its light comes from the floor map; the sun map is there */
-    float eye[3];
-    float ray[3][3];                    /* of pixel (x, y): [0] x + [1] y + [2]; one long along the view      */
-    float sun[3], east[3], north[3], up[3];     /* towards the sun; the scene's axes                          */
-    float radius, length;               /* balls, capsules; cylinders: radius                                 */
-    float half[4], look[4], colour[4], seed;    /* as in Instance                                             */
-    float inverse[3];                   /* 1 / half                                                           */
-    float to_sun[3][4], to_top[3][4];   /* place to texels of the sun map and depth; to 0..1 of the maps over the floor and height */
-    float direct[3], sky[3];            /* planes: light of the open sun and of the open sky                  */
-    float lamp[FRAME_LAMPS][3];
-    uint32_t key[SIDES];                /* of each side, in place                                             */
-} Subject;
 
 typedef struct Block {
     int      n;                         /* lanes in use; a multiple of LANE_STEP                              */
     float    x[LANES], y[LANES];        /* pixel, from the left and from below                                */
     uint32_t place[LANES], out[LANES];  /* where in the picture; the pixel's new value                        */
-    float    t[LANES];                  /* distance along the view                                            */
+    float    t[LANES], miss[LANES];     /* distance along the view; above 0: the ray misses the solid         */
     float    dx[LANES], dy[LANES], dz[LANES];       /* ray                                                    */
     float    px[LANES], py[LANES], pz[LANES];       /* where it meets the solid                               */
     float    nx[LANES], ny[LANES], nz[LANES];       /* normal                                                 */
@@ -79,6 +60,92 @@ LANE_CODE void cast_rays(const Subject *s, Block *b)
     }
 }
 
+LANE_CODE void find_plane(const Subject *s, Block *b)
+{
+    const float ex = s->eye[0], height = s->eye[1], ez = s->eye[2], size = s->radius;
+    for (int i = 0; i < b->n; i++) {
+        float dy = b->dy[i], t = height / most(-dy, 1e-7f), x = ex + t * b->dx[i], z = ez + t * b->dz[i];
+        b->t[i] = t;
+        b->miss[i] = dy < -1e-7f ? most(fabsf(x), fabsf(z)) - size : 1;
+    }
+}
+
+/* Between the last of three slabs to be entered and the first to be left. */
+LANE_CODE void find_box(const Subject *s, Block *b)
+{
+    const float hx = s->half[0], hy = s->half[1], hz = s->half[2], ex = s->eye[0], ey = s->eye[1], ez = s->eye[2];
+    for (int i = 0; i < b->n; i++) {
+        float x = -1 / off_zero(b->dx[i], 1e-12f), y = -1 / off_zero(b->dy[i], 1e-12f), z = -1 / off_zero(b->dz[i], 1e-12f);
+        float wide_x = fabsf(hx * x), wide_y = fabsf(hy * y), wide_z = fabsf(hz * z);
+        float enter = most(most(ex * x - wide_x, ey * y - wide_y), ez * z - wide_z);
+        b->t[i] = most(enter, 0);
+        b->miss[i] = enter - least(least(ex * x + wide_x, ey * y + wide_y), ez * z + wide_z);
+    }
+}
+
+typedef struct Reach { float t, miss; } Reach;
+
+/* The ray from (ex, ey, ez) along d to the ball round the origin; from the ray's nearest point to the middle, which keeps its digits.
+ * Rays that just miss it are taken to touch it. */
+LANE_CODE Reach reach_ball(float ex, float ey, float ez, float dx, float dy, float dz, float radius)
+{
+    float dd = dx * dx + (dy * dy + dz * dz), near = -(ex * dx + (ey * dy + ez * dz)) / dd;
+    float ox = ex + near * dx, oy = ey + near * dy, oz = ez + near * dz, miss = ox * ox + (oy * oy + oz * oz) - radius * radius;
+    return (Reach){near - sqrtf(most(-miss, 0) / dd), miss};
+}
+
+LANE_CODE void find_ball(const Subject *s, Block *b)
+{
+    const float ex = s->eye[0], ey = s->eye[1], ez = s->eye[2], radius = s->radius;
+    for (int i = 0; i < b->n; i++) {
+        Reach r = reach_ball(ex, ey, ez, b->dx[i], b->dy[i], b->dz[i], radius);
+        b->t[i] = r.t;
+        b->miss[i] = r.miss;
+    }
+}
+
+/* To the wall, and where that is beyond an end, to the ball there. */
+LANE_CODE void find_capsule(const Subject *s, Block *b)
+{
+    const float ex = s->eye[0], ey = s->eye[1], ez = s->eye[2], radius = s->radius, end = 0.5f * s->length;
+    for (int i = 0; i < b->n; i++) {
+        float dx = b->dx[i], dy = b->dy[i], dz = b->dz[i];
+        float dd = dx * dx + dz * dz + 1e-12f, near = -(ex * dx + ez * dz) / dd, ox = ex + near * dx, oz = ez + near * dz;
+        float beside = ox * ox + oz * oz - radius * radius, wall = near - sqrtf(most(-beside, 0) / dd), y = ey + wall * dy;
+        Reach ball = reach_ball(ex, ey - (y < 0 ? -end : end), ez, dx, dy, dz, radius);
+        b->t[i] = fabsf(y) < end ? wall : ball.t;
+        b->miss[i] = fabsf(y) < end ? beside : ball.miss;
+    }
+}
+
+/* Between the later entry into wall and slab and the earlier way out. */
+LANE_CODE void find_cylinder(const Subject *s, Block *b)
+{
+    const float ex = s->eye[0], ey = s->eye[1], ez = s->eye[2], radius = s->radius, end = s->half[1];
+    for (int i = 0; i < b->n; i++) {
+        float dx = b->dx[i], dz = b->dz[i], y = -1 / off_zero(b->dy[i], 1e-12f), wide = fabsf(end * y);
+        float dd = dx * dx + dz * dz + 1e-12f, near = -(ex * dx + ez * dz) / dd, ox = ex + near * dx, oz = ez + near * dz;
+        float beside = ox * ox + oz * oz - radius * radius, deep = sqrtf(most(-beside, 0) / dd), enter = most(near - deep, ey * y - wide);
+        b->t[i] = most(enter, 0);
+        b->miss[i] = most(beside, enter - least(near + deep, ey * y + wide));
+    }
+}
+
+/* b->t and b->miss of the rays b->dx, dy, dz. */
+LANE_CODE void find(const Subject *s, Block *b)
+{
+    switch (s->form) {
+    case SUBJECT_PLANE:    find_plane(s, b); break;
+    case SUBJECT_BOX:      find_box(s, b); break;
+    case SUBJECT_BALL:     find_ball(s, b); break;
+    case SUBJECT_CAPSULE:  find_capsule(s, b); break;
+    case SUBJECT_CYLINDER: find_cylinder(s, b); break;
+    case SUBJECT_SKY:      break;
+    }
+}
+
+/* ---- which way they face there ------------------------------------------ */
+
 LANE_CODE void follow_rays(const Subject *s, Block *b)
 {
     const float ex = s->eye[0], ey = s->eye[1], ez = s->eye[2];
@@ -89,30 +156,19 @@ LANE_CODE void follow_rays(const Subject *s, Block *b)
     }
 }
 
-LANE_CODE void meet_plane(const Subject *s, Block *b)
+LANE_CODE void face_plane(Block *b)
 {
-    const float height = s->eye[1];
     for (int i = 0; i < b->n; i++) {
-        b->t[i] = height / most(-b->dy[i], 1e-7f);
         b->nx[i] = b->nz[i] = 0;
         b->ny[i] = 1;
         b->side[i] = 0;
     }
-    follow_rays(s, b);
 }
 
-/* The last of three slabs to be entered. Edges look rounded: outside the box shrunk by the bevel, the normal points away from the
- * nearest point of that smaller box. */
-LANE_CODE void meet_box(const Subject *s, Block *b)
+/* Edges look rounded: outside the box shrunk by the bevel, the normal points away from the nearest point of that smaller box. */
+LANE_CODE void face_box(const Subject *s, Block *b)
 {
-    const float hx = s->half[0], hy = s->half[1], hz = s->half[2], ex = s->eye[0], ey = s->eye[1], ez = s->eye[2];
-    const float bevel = s->look[1], rest = 1e-4f * bevel, ix = hx - bevel, iy = hy - bevel, iz = hz - bevel;
-    for (int i = 0; i < b->n; i++) {
-        float dx = off_zero(b->dx[i], 1e-12f), dy = off_zero(b->dy[i], 1e-12f), dz = off_zero(b->dz[i], 1e-12f);
-        float tx = ((dx > 0 ? -hx : hx) - ex) / dx, ty = ((dy > 0 ? -hy : hy) - ey) / dy, tz = ((dz > 0 ? -hz : hz) - ez) / dz;
-        b->t[i] = most(most(tx, ty), most(tz, 0));
-    }
-    follow_rays(s, b);
+    const float bevel = s->look[1], rest = 1e-4f * bevel, ix = s->half[0] - bevel, iy = s->half[1] - bevel, iz = s->half[2] - bevel;
     for (int i = 0; i < b->n; i++) {
         float px = b->px[i], py = b->py[i], pz = b->pz[i];
         float x = most(fabsf(px) - ix, 0) + rest, y = most(fabsf(py) - iy, 0) + rest, z = most(fabsf(pz) - iz, 0) + rest;
@@ -124,42 +180,9 @@ LANE_CODE void meet_box(const Subject *s, Block *b)
     }
 }
 
-/* The ray from (ex, ey, ez) along d to the ball round the origin; from the ray's nearest point to the middle, which keeps its digits. */
-LANE_CODE float reach_ball(float ex, float ey, float ez, float dx, float dy, float dz, float radius)
+/* Away from the nearest point of the line from -end to end along y; a ball has end 0. */
+LANE_CODE void face_round(Block *b, float end)
 {
-    float dd = dx * dx + (dy * dy + dz * dz), near = -(ex * dx + (ey * dy + ez * dz)) / dd;
-    float ox = ex + near * dx, oy = ey + near * dy, oz = ez + near * dz;
-    float inside = most(radius * radius - (ox * ox + (oy * oy + oz * oz)), 0);
-    return near - sqrtf(inside / dd);
-}
-
-LANE_CODE void meet_ball(const Subject *s, Block *b)
-{
-    const float ex = s->eye[0], ey = s->eye[1], ez = s->eye[2], radius = s->radius;
-    for (int i = 0; i < b->n; i++)
-        b->t[i] = reach_ball(ex, ey, ez, b->dx[i], b->dy[i], b->dz[i], radius);
-    follow_rays(s, b);
-    for (int i = 0; i < b->n; i++) {
-        float px = b->px[i], py = b->py[i], pz = b->pz[i], scale = 1 / sqrtf(px * px + (py * py + pz * pz) + 1e-30f);
-        b->nx[i] = px * scale;
-        b->ny[i] = py * scale;
-        b->nz[i] = pz * scale;
-        b->side[i] = 0;
-    }
-}
-
-/* To the wall, and where that is beyond an end, to the ball there. */
-LANE_CODE void meet_capsule(const Subject *s, Block *b)
-{
-    const float ex = s->eye[0], ey = s->eye[1], ez = s->eye[2], radius = s->radius, end = 0.5f * s->length;
-    for (int i = 0; i < b->n; i++) {
-        float dx = b->dx[i], dy = b->dy[i], dz = b->dz[i];
-        float dd = dx * dx + dz * dz + 1e-12f, near = -(ex * dx + ez * dz) / dd, ox = ex + near * dx, oz = ez + near * dz;
-        float wall = near - sqrtf(most(radius * radius - (ox * ox + oz * oz), 0) / dd), y = ey + wall * dy;
-        float middle = y < 0 ? -end : end, ball = reach_ball(ex, ey - middle, ez, dx, dy, dz, radius);
-        b->t[i] = fabsf(y) < end ? wall : ball;
-    }
-    follow_rays(s, b);
     for (int i = 0; i < b->n; i++) {
         float px = b->px[i], y = b->py[i], pz = b->pz[i], py = y - least(most(y, -end), end);
         float scale = 1 / sqrtf(px * px + (py * py + pz * pz) + 1e-30f);
@@ -170,18 +193,10 @@ LANE_CODE void meet_capsule(const Subject *s, Block *b)
     }
 }
 
-/* The later of wall and end. Its rim looks rounded as the edges of a box do, in (radius, height). */
-LANE_CODE void meet_cylinder(const Subject *s, Block *b)
+/* The rim looks rounded as the edges of a box do, in (radius, height). */
+LANE_CODE void face_cylinder(const Subject *s, Block *b)
 {
-    const float ex = s->eye[0], ey = s->eye[1], ez = s->eye[2], radius = s->radius, end = s->half[1];
-    const float bevel = s->look[1], rest = 1e-4f * bevel, inner = s->half[0] - bevel, top = end - bevel;
-    for (int i = 0; i < b->n; i++) {
-        float dx = b->dx[i], dz = b->dz[i], dy = off_zero(b->dy[i], 1e-12f);
-        float dd = dx * dx + dz * dz + 1e-12f, near = -(ex * dx + ez * dz) / dd, ox = ex + near * dx, oz = ez + near * dz;
-        float wall = near - sqrtf(most(radius * radius - (ox * ox + oz * oz), 0) / dd), cap = ((dy > 0 ? -end : end) - ey) / dy;
-        b->t[i] = most(most(wall, cap), 0);
-    }
-    follow_rays(s, b);
+    const float bevel = s->look[1], rest = 1e-4f * bevel, inner = s->half[0] - bevel, top = s->half[1] - bevel;
     for (int i = 0; i < b->n; i++) {
         float px = b->px[i], py = b->py[i], pz = b->pz[i], d = most(sqrtf(px * px + pz * pz), 1e-9f);
         float x = most(d - inner, 0) + rest, y = most(fabsf(py) - top, 0) + rest, scale = 1 / sqrtf(x * x + y * y);
@@ -192,16 +207,23 @@ LANE_CODE void meet_cylinder(const Subject *s, Block *b)
     }
 }
 
-LANE_CODE void meet(const Subject *s, Block *b)
+LANE_CODE void face(const Subject *s, Block *b)
 {
     switch (s->form) {
-    case SUBJECT_PLANE:    meet_plane(s, b); break;
-    case SUBJECT_BOX:      meet_box(s, b); break;
-    case SUBJECT_BALL:     meet_ball(s, b); break;
-    case SUBJECT_CAPSULE:  meet_capsule(s, b); break;
-    case SUBJECT_CYLINDER: meet_cylinder(s, b); break;
+    case SUBJECT_PLANE:    face_plane(b); break;
+    case SUBJECT_BOX:      face_box(s, b); break;
+    case SUBJECT_BALL:     face_round(b, 0); break;
+    case SUBJECT_CAPSULE:  face_round(b, 0.5f * s->length); break;
+    case SUBJECT_CYLINDER: face_cylinder(s, b); break;
     case SUBJECT_SKY:      break;
     }
+}
+
+LANE_CODE void meet(const Subject *s, Block *b)
+{
+    find(s, b);
+    follow_rays(s, b);
+    face(s, b);
 }
 
 /* How much of the solid a pixel spans along each axis, as GLSL's fwidth: with p = eye + t d on the tangent plane,

@@ -249,16 +249,19 @@ static dig_status read_raw(Renderer *r, const RenderOptions *o, const Target *t)
     return error == GL_OUT_OF_MEMORY ? DIG_E_MEMORY : DIG_E_FULL;
 }
 
+static dig_status no_room(Renderer *r, const RenderOptions *o)
+{
+    snprintf(r->error, sizeof r->error, "no memory for the shading of %d x %d pixels", o->width, o->height);
+    return DIG_E_MEMORY;
+}
+
 /* Shades what was drawn as numbers; what is seen through comes on top, once OpenGL has got the picture back. */
 static dig_status shade(Renderer *r, const RenderOptions *o, const Frame *frame, const Target *t)
 {
     const Gl *gl = &r->gl;
-    DIG_TRY(read_raw(r, o, t));
     dig_status status = shade_picture(&r->shade, frame, &r->batches, &r->light, r->raw, o->width, o->height);
-    if (status != DIG_OK) {
-        snprintf(r->error, sizeof r->error, "no memory for the shading of %d x %d pixels", o->width, o->height);
-        return status;
-    }
+    if (status != DIG_OK)
+        return no_room(r, o);
     if (r->batches.solid == r->batches.count)
         return DIG_OK;
     gl->ActiveTexture(GL_TEXTURE0 + UNIT_FONT);
@@ -279,8 +282,10 @@ static dig_status paint_layer(Renderer *r, const RenderOptions *o, const Frame *
     bool colour = o->layer == RENDER_COLOUR;
     DIG_TRY(batches_draw(&r->batches, &r->meshes, &r->programs, gl, kinds[o->layer], 0, colour ? r->batches.solid : r->batches.count,
                          r->error, sizeof r->error));
-    if (colour && t->samples == 0)
+    if (colour && t->samples == 0) {
+        DIG_TRY(read_raw(r, o, t));
         return shade(r, o, frame, t);
+    }
     if (colour) {
         DIG_TRY(paint_sky(r));
         DIG_TRY(paint_clear(r));
@@ -326,6 +331,10 @@ dig_status paint(Renderer *r, const View *v, const RenderOptions *o, const Targe
     }
     programs_set_frame(&r->programs, gl, &frame);
     use_textures(gl, &r->light);
+    if (eye.numbers && r->batches.drawn == 0) {         /* nothing for OpenGL to do */
+        status = shade_number(&r->shade, &frame, &r->batches, find_near(&e), r->raw, o->width, o->height);
+        return status == DIG_OK ? shade(r, o, &frame, t) : no_room(r, o);
+    }
     return paint_layer(r, o, &frame, t);
 }
 

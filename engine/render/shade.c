@@ -37,6 +37,22 @@ static bool fit_ints(int **numbers, int *capacity, size_t wanted)
     return ok;
 }
 
+static bool fit_pixels(ShadeSpace *space, size_t pixels)
+{
+    void *data = space->depth;
+    bool ok = fit(&data, &space->depth_capacity, pixels, sizeof *space->depth);
+    space->depth = data;
+    return ok;
+}
+
+static bool fit_subjects(ShadeSpace *space, size_t count)
+{
+    void *data = space->subjects;
+    bool ok = fit(&data, &space->subject_capacity, count, sizeof *space->subjects);
+    space->subjects = data;
+    return ok;
+}
+
 static bool index_items(ShadeSpace *space, const Batches *b)
 {
     int most_index = -1;
@@ -102,132 +118,6 @@ static bool sort_runs(ShadeSpace *space, int subjects)
     return true;
 }
 
-/* ---- subjects -------------------------------------------------------------- */
-
-typedef struct Axes { float x[3], y[3], z[3]; } Axes;       /* of a solid, in the scene */
-
-static float dot3(const float a[3], const float b[3]) { return a[0] * b[0] + (a[1] * b[1] + a[2] * b[2]); }
-
-static Axes axes_of(const float q[4])
-{
-    float x = q[0], y = q[1], z = q[2], w = q[3];
-    return (Axes){{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
-                  {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
-                  {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}};
-}
-
-/* A direction of the scene in a solid's axes. */
-static void turn_into(float out[3], const Axes *a, const float v[3])
-{
-    out[0] = dot3(a->x, v);
-    out[1] = dot3(a->y, v);
-    out[2] = dot3(a->z, v);
-}
-
-/* The row of a map from the scene, relative to the eye, as one from the solid's places. */
-static void carry_row(float out[4], const Axes *a, const float row[3], float last, const float place[3])
-{
-    turn_into(out, a, row);
-    out[3] = dot3(row, place) + last;
-}
-
-/* Rays of pixels from those of the picture, whose corners are at -1 and 1. */
-static void set_rays(float out[3][3], const Frame *f, const Axes *a, int width, int height)
-{
-    float ray[3][3];
-    for (int k = 0; k < 3; k++) {
-        ray[0][k] = f->ray[0][k] * (2 / (float)width);
-        ray[1][k] = f->ray[1][k] * (2 / (float)height);
-        ray[2][k] = f->ray[2][k] + f->ray[0][k] * (1 / (float)width - 1) + f->ray[1][k] * (1 / (float)height - 1);
-    }
-    for (int k = 0; k < 3; k++)
-        turn_into(out[k], a, ray[k]);
-}
-
-static SubjectForm form_of(const DrawItem *d)
-{
-    switch (d->key.form) {
-    case FORM_SPHERE:   return SUBJECT_BALL;
-    case FORM_BOX:      return SUBJECT_BOX;
-    case FORM_CYLINDER: return SUBJECT_CYLINDER;
-    default:            break;
-    }
-    if (d->key.plane)
-        return SUBJECT_PLANE;
-    return d->mesh >= MESH_CAPSULE && d->mesh < MESH_CAPSULE + MESH_LEVELS ? SUBJECT_CAPSULE : SUBJECT_SKY;
-}
-
-bool shade_can(const DrawItem *d) { return !d->key.clear && form_of(d) != SUBJECT_SKY; }
-
-static uint32_t key_bits(unsigned key)
-{
-    const unsigned char bytes[4] = {0, 0, 0, (unsigned char)key};
-    uint32_t bits;
-    memcpy(&bits, bytes, sizeof bits);
-    return bits;
-}
-
-static void set_keys(Subject *s, const DrawItem *d)
-{
-    unsigned number = d->instance.number[1] * 157u % 240u;
-    for (unsigned side = 0; side < SIDES; side++)
-        s->key[side] = key_bits(s->form == SUBJECT_PLANE ? 240 + number * 14 / 240 : (number + 37 * side) % 240);
-}
-
-static void set_maps(Subject *s, const Frame *f, const Axes *a, const float place[3])
-{
-    static const float up[3] = {0, 0, 1};
-    for (int k = 0; k < 3; k++) {
-        float row[3] = {f->to_sun[k], f->to_sun[4 + k], f->to_sun[8 + k]}, last = f->to_sun[12 + k];
-        float scale = k < 2 ? SUN_SIZE : 1, shift = k < 2 ? -0.5f : -0.5f - f->sun[3];      /* middles of texels; bias */
-        for (int i = 0; i < 3; i++)
-            row[i] *= scale;
-        carry_row(s->to_sun[k], a, row, last * scale + shift, place);
-    }
-    const float east[3] = {f->top[0], 0, 0}, north[3] = {0, f->top[0], 0};
-    carry_row(s->to_top[0], a, east, f->eye[0] * f->top[0] + f->top[2], place);
-    carry_row(s->to_top[1], a, north, f->eye[1] * f->top[0] + f->top[3], place);
-    carry_row(s->to_top[2], a, up, f->eye[2], place);
-    s->east[0] = a->x[0], s->east[1] = a->y[0], s->east[2] = a->z[0];
-    s->north[0] = a->x[1], s->north[1] = a->y[1], s->north[2] = a->z[1];
-    turn_into(s->up, a, up);
-}
-
-static void set_subject(Subject *s, const Frame *f, const DrawItem *d, int width, int height)
-{
-    const Instance *k = &d->instance;
-    const float back[3] = {-k->place[0], -k->place[1], -k->place[2]};
-    Axes a = axes_of(k->turn);
-    *s = (Subject){.form = form_of(d), .pattern = d->key.pattern, .lamps = d->key.lamps, .shadows = d->key.shadows, .floor = d->key.floor,
-                   .radius = k->size[0], .length = k->size[3], .seed = k->place[3]};
-    memcpy(s->half, k->half, sizeof s->half);
-    memcpy(s->look, k->look, sizeof s->look);
-    memcpy(s->colour, k->colour, sizeof s->colour);
-    turn_into(s->eye, &a, back);
-    turn_into(s->sun, &a, f->sun);
-    set_rays(s->ray, f, &a, width, height);
-    set_maps(s, f, &a, k->place);
-    set_keys(s, d);
-    for (int i = 0; i < 3; i++) {
-        s->inverse[i] = 1 / s->half[i];
-        s->direct[i] = fmaxf(s->sun[1], 0) * f->sun_colour[i];
-        s->sky[i] = f->ground[i] + (s->up[1] * 0.5f + 0.5f) * (f->zenith[i] - f->ground[i]);
-    }
-    for (int i = 0; i < s->lamps; i++) {
-        turn_into(s->lamp[i], &a, f->lamp_at[i]);
-        for (int axis = 0; axis < 3; axis++)
-            s->lamp[i][axis] += s->eye[axis];
-    }
-}
-
-static void set_sky(Subject *s, const Frame *f, int width, int height)
-{
-    static const Axes scene = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    *s = (Subject){.form = SUBJECT_SKY, .key = {key_bits(SKY_KEY)}};
-    memcpy(s->sun, f->sun, sizeof s->sun);
-    set_rays(s->ray, f, &scene, width, height);
-}
-
 /* ---- blocks ---------------------------------------------------------------- */
 
 typedef struct ShadeJob {
@@ -237,7 +127,29 @@ typedef struct ShadeJob {
     const Light      *light;
     uint32_t         *raw;
     int               width, height;
+    real              near;             /* scene units; nearer things are not seen */
+    bool              numbers;          /* what to do */
 } ShadeJob;
+
+static uint32_t pixel_bits(int red, int green, int blue, int alpha)
+{
+    const unsigned char bytes[4] = {(unsigned char)red, (unsigned char)green, (unsigned char)blue, (unsigned char)alpha};
+    uint32_t bits;
+    memcpy(&bits, bytes, sizeof bits);
+    return bits;
+}
+
+static uint32_t number_of(int index) { return pixel_bits(index & 255, index >> 8 & 255, index >> 16 & 255, SHADE_KEY); }
+
+static bool set_subjects(ShadeSpace *space, const Frame *frame, const Batches *b, int width, int height)
+{
+    if (!fit_subjects(space, (size_t)b->count + 1))
+        return false;
+    subject_set_sky(&space->subjects[0], frame, width, height);
+    for (int i = 0; i < b->count; i++)
+        subject_set(&space->subjects[i + 1], frame, &b->items[i], width, height);
+    return true;
+}
 
 LANE_CODE void shade_block(const ShadeJob *job, const Subject *s, Block *b)
 {
@@ -264,15 +176,11 @@ LANE_CODE void shade_block(const ShadeJob *job, const Subject *s, Block *b)
 
 LANE_CODE void shade_subject(const ShadeJob *job, int number)
 {
-    Subject s;
+    const Subject *s = &job->space->subjects[number];
     Block b;
     int first = job->space->first[number], last = job->space->first[number + 1];
     if (first == last)
         return;
-    if (number == 0)
-        set_sky(&s, job->frame, job->width, job->height);
-    else
-        set_subject(&s, job->frame, &job->batches->items[number - 1], job->width, job->height);
     b.n = 0;
     for (int r = first; r < last; r++) {
         ShadeRun run = job->space->sorted[r];
@@ -288,37 +196,89 @@ LANE_CODE void shade_subject(const ShadeJob *job, int number)
             run.x += some;
             run.count -= some;
             if (b.n == LANES || (r == last - 1 && run.count == 0))
-                shade_block(job, &s, &b);
+                shade_block(job, s, &b);
         }
     }
 }
 
-static void shade_plainly(const ShadeJob *job)
+/* ---- numbers --------------------------------------------------------------- */
+
+/* Casts rays at a subject from all pixels where it may show, and numbers those where it is the nearest so far. */
+LANE_CODE void number_subject(const ShadeJob *job, const Subject *s, const DrawItem *d)
 {
-    for (int i = 0; i <= job->batches->count; i++)
-        shade_subject(job, i);
+    SubjectRange range = subject_range(s, job->frame, d, job->near, job->width, job->height);
+    const uint32_t number = number_of(d->index);
+    const float near = (float)job->near;
+    Block b;
+    for (int y = range.y0; y < range.y1; y++)
+        for (int x = range.x0; x < range.x1; x += LANES) {
+            int count = int_min(range.x1 - x, LANES);
+            b.n = (count + LANE_STEP - 1) / LANE_STEP * LANE_STEP;
+            for (int i = 0; i < b.n; i++) {
+                b.x[i] = (float)(x + i);
+                b.y[i] = (float)y;
+            }
+            cast_rays(s, &b);
+            find(s, &b);
+            size_t first = (size_t)y * (size_t)job->width + (size_t)x;
+            float *depth = job->space->depth + first;
+            uint32_t *raw = job->raw + first;
+            for (int i = 0; i < count; i++) {
+                bool nearest = (b.miss[i] <= 0) & (b.t[i] > near) & (b.t[i] < depth[i]);
+                depth[i] = nearest ? b.t[i] : depth[i];
+                raw[i] = nearest ? number : raw[i];
+            }
+        }
 }
+
+/* ---- both ------------------------------------------------------------------- */
+
+LANE_CODE void run_job(const ShadeJob *job)
+{
+    if (job->numbers) {
+        for (int i = 0; i < job->batches->count; i++)
+            number_subject(job, &job->space->subjects[i + 1], &job->batches->items[i]);
+    } else {
+        for (int i = 0; i <= job->batches->count; i++)
+            shade_subject(job, i);
+    }
+}
+
+static void run_plainly(const ShadeJob *job) { run_job(job); }
 
 /* The same with vectors twice as long, where the processor has them. The bits are the same: no operation is fused. */
 #ifdef __x86_64__
-__attribute__((target("avx2"))) static void shade_widely(const ShadeJob *job)
-{
-    for (int i = 0; i <= job->batches->count; i++)
-        shade_subject(job, i);
-}
-
+__attribute__((target("avx2"))) static void run_widely(const ShadeJob *job) { run_job(job); }
 static bool has_wide(void) { return __builtin_cpu_supports("avx2"); }
 #else
-static void shade_widely(const ShadeJob *job) { shade_plainly(job); }
+static void run_widely(const ShadeJob *job) { run_job(job); }
 static bool has_wide(void) { return false; }
 #endif
 
+static void run(const ShadeJob *job) { (has_wide() ? run_widely : run_plainly)(job); }
+
+dig_status shade_number(ShadeSpace *space, const Frame *frame, const Batches *b, real near, uint32_t *raw, int width, int height)
+{
+    size_t pixels = (size_t)width * (size_t)height;
+    if (!fit_pixels(space, pixels) || !set_subjects(space, frame, b, width, height))
+        return DIG_E_MEMORY;
+    uint32_t sky = pixel_bits(0, 0, 0, SKY_KEY);
+    for (size_t i = 0; i < pixels; i++) {
+        space->depth[i] = INFINITY;
+        raw[i] = sky;
+    }
+    ShadeJob job = {space, frame, b, NULL, raw, width, height, near, true};
+    run(&job);
+    return DIG_OK;
+}
+
 dig_status shade_picture(ShadeSpace *space, const Frame *frame, const Batches *b, const Light *l, uint32_t *raw, int width, int height)
 {
-    if (!index_items(space, b) || !find_runs(space, b, raw, width, height) || !sort_runs(space, b->count + 1))
+    if (!set_subjects(space, frame, b, width, height) || !index_items(space, b) || !find_runs(space, b, raw, width, height) ||
+        !sort_runs(space, b->count + 1))
         return DIG_E_MEMORY;
-    ShadeJob job = {space, frame, b, l, raw, width, height};
-    (has_wide() ? shade_widely : shade_plainly)(&job);
+    ShadeJob job = {space, frame, b, l, raw, width, height, 0, false};
+    run(&job);
     return DIG_OK;
 }
 
@@ -328,5 +288,7 @@ void shade_close(ShadeSpace *space)
     free(space->sorted);
     free(space->item);
     free(space->first);
+    free(space->depth);
+    free(space->subjects);
     *space = (ShadeSpace){0};
 }

@@ -11,9 +11,7 @@
 #ifndef DIG_SHADE_H
 #define DIG_SHADE_H
 
-#include "render/light.h"
-
-enum { SHADE_KEY = 254, SKY_KEY = 255 };    /* alphas of pixels yet to be shaded: an item's, its number in red, green, blue; the sky's */
+#include "render/subject.h"
 
 typedef struct ShadeRun { uint32_t subject, x, y, count; } ShadeRun;
 
@@ -21,11 +19,13 @@ typedef struct ShadeSpace {
     ShadeRun *runs, *sorted;
     int      *item;             /* [by index in the view] place in the batches                   */
     int      *first;            /* of each subject's runs: 0 the sky, 1 + k the k-th of the batches */
-    int       run_count, run_capacity, sorted_capacity, item_capacity, first_capacity;
+    float    *depth;            /* [pixels] distance along the view of what is nearest so far    */
+    Subject  *subjects;         /* 0 the sky, 1 + k the k-th of the batches                      */
+    int       run_count, run_capacity, sorted_capacity, item_capacity, first_capacity, depth_capacity, subject_capacity;
 } ShadeSpace;
 
-/* Whether an item can be shaded here. */
-bool shade_can(const DrawItem *d);
+/* Numbers the pixels of `raw` by casting rays, when every item can be shaded here; nothing nearer than `near` (scene units) is seen. */
+dig_status shade_number(ShadeSpace *space, const Frame *frame, const Batches *b, real near, uint32_t *raw, int width, int height);
 
 /* Gives the pixels of `raw`, RGBA with the bottom row first, whose alpha is SHADE_KEY or SKY_KEY their colours and keys.
  * DIG_E_MEMORY leaves some as they are. */
