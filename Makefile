@@ -120,8 +120,8 @@ $(BUILD)/obj/lua/%.o $(BUILD)/obj/embedded.o: extra = $(LUA_CFLAGS) -Ilua
 $(BUILD)/obj/lua/repl.o $(BUILD)/obj/lua/doctor.o: extra += $(EDIT_CFLAGS)
 $(BUILD)/obj/engine/render/%.o:               extra = $(RENDER_CFLAGS)
 # Loops over pixels, which the compiler turns into wide instructions, to the same bits.
-pixel_loops := $(if $(filter 1,$(DEBUG) $(SANITIZE)),,-O3)
-$(patsubst %,$(BUILD)/obj/engine/render/%.o,blur cast light png smooth): extra = $(RENDER_CFLAGS) $(pixel_loops)
+pixel_loops := $(if $(filter 1,$(DEBUG) $(SANITIZE)),,-O3 -fno-trapping-math)
+$(patsubst %,$(BUILD)/obj/engine/render/%.o,blur cast light png shade smooth): extra = $(RENDER_CFLAGS) $(pixel_loops)
 $(BUILD)/obj/engine/crowd/%.o:                extra = -Wno-psabi  # of wide numbers: they are passed to inlined functions only
 
 $(BUILD)/obj/%.o: %.c $(BUILD)/flags.txt

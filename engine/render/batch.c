@@ -3,6 +3,8 @@
 
 #include <stdlib.h>
 
+#include "render/subject.h"
+
 static const real BEVEL = 0.055;        /* of the smallest extent */
 static const real SHELLS = 16;          /* while the distance from the eye doubles */
 static const real CORNER_SKY = 2;       /* bodies up to so many times the typical radius take the hidden sky at their corners */
@@ -227,9 +229,9 @@ static bool describe(DrawItem *d, const Batches *b, const Meshes *meshes, const 
     return true;
 }
 
-/* Shell by shell from the eye, so that what is hidden is seldom shaded (measured: 13 % of the drawing time of 200 bodies), in a shell by
- * program and mesh. Planes last, whatever their key; two-sided meshes apart from closed ones is part of the form.
- * Then what is seen through. */
+/* Numbers cost the same everywhere: by mesh, planes last. The rest before the planes, shell by shell from the eye, so that what is hidden
+ * is seldom shaded, in a shell by program and mesh; two-sided meshes apart from closed ones is part of the form. Then what is seen
+ * through. */
 static uint64_t order_of(const DrawItem *d)
 {
     if (d->key.clear) {         /* from far to near, each on its own */
@@ -237,8 +239,10 @@ static uint64_t order_of(const DrawItem *d)
         memcpy(&bits, &d->distance, sizeof bits);       /* not negative: as bits, in the same order */
         return (uint64_t)1 << 63 | (uint64_t)(INT32_MAX - bits) << 32 | (uint32_t)d->index;
     }
+    if (d->numbered)
+        return (uint64_t)d->key.plane << 62 | (uint64_t)d->mesh;
     real shell = d->key.plane ? 0 : real_clamp(1000 + SHELLS * log2((real)d->distance), 0, 2000);
-    return (uint64_t)d->key.plane << 62 | (uint64_t)shell << 44 | (uint64_t)program_key_bits(d->key) << 16 | (uint64_t)d->mesh;
+    return (uint64_t)d->key.plane << 62 | (uint64_t)1 << 61 | (uint64_t)shell << 44 | (uint64_t)program_key_bits(d->key) << 16 | (uint64_t)d->mesh;
 }
 
 static int compare_items(const void *a, const void *b)
@@ -291,6 +295,7 @@ static void split_floor(Batches *b, Meshes *meshes, const Gl *gl, const BatchEye
     }
     meshes_patch(meshes, gl, corners);
     b->solid++;
+    b->drawn++;
     *patch = *all;
     patch->mesh = MESH_PATCH;
     all->key.open = true;
@@ -307,15 +312,17 @@ dig_status batches_build(Batches *b, Meshes *meshes, const Gl *gl, const View *v
         const ViewMesh *m = &v->meshes[i];
         b->meshes[i] = m->form == VIEW_MESH ? meshes_find(meshes, gl, m, mesh_hash(m), draw) : MESH_BOX;
     }
-    b->count = b->solid = 0;
+    b->count = b->solid = b->drawn = 0;
     for (int i = 0; i < v->item_count; i++) {
         DrawItem *d = &b->items[b->count];
         if (!describe(d, b, meshes, v, s, eye, i))
             continue;
+        d->numbered = eye->numbers && subject_can(d);
         d->order = order_of(d);
         b->solid += !d->key.clear;
+        b->drawn += !d->numbered;
         b->count++;
-        if (eye->patch && d->key.floor && !d->key.clear)
+        if (eye->patch && !d->numbered && d->key.floor && !d->key.clear)
             split_floor(b, meshes, gl, eye);
     }
     if (b->count == 0)
@@ -365,6 +372,8 @@ static ProgramKey key_for(const DrawItem *d, ProgramKind kind)
             key.form = FORM_SMOOTH;     /* the mesh's normals are the sphere's */
         return key;
     }
+    if (kind == PROGRAM_NUMBER)
+        return (ProgramKey){.kind = kind};
     /* data layers need the form only */
     return (ProgramKey){.kind = kind, .form = d->key.form};
 }
@@ -377,7 +386,7 @@ dig_status batches_draw(const Batches *b, const Meshes *meshes, Programs *progra
         const DrawItem *d = &b->items[i];
         for (end = i + 1; end < last && b->items[end].order == d->order; end++) {
         }
-        const Program *program = programs_get(programs, gl, key_for(d, kind), why, capacity);
+        const Program *program = programs_get(programs, gl, key_for(d, d->numbered && kind == PROGRAM_SURFACE ? PROGRAM_NUMBER : kind), why, capacity);
         if (!program)
             return DIG_E_FORMAT;
         gl->UseProgram(program->name);

@@ -29,6 +29,7 @@ typedef struct DrawItem {
     ProgramKey key;
     int        mesh;
     bool       closed, caster;  /* back faces hidden; throws a shadow    */
+    bool       numbered;        /* drawn as its index, shaded afterwards */
     Instance   instance;
 } DrawItem;
 
@@ -37,6 +38,7 @@ typedef struct Batches {
     Instance *packed;
     int      *meshes;           /* [view's mesh_count] entry of each mesh of the view, -1 = cannot be drawn */
     int       count, capacity, mesh_capacity;
+    int       drawn;            /* so many of the items are shaded by OpenGL                             */
     int       solid;            /* so many of the items, the first ones, let nothing through; the rest lies from far to near */
     GLuint    buffer;
 } Batches;
@@ -49,6 +51,7 @@ typedef struct BatchEye {       /* from where it is drawn */
     bool shadows, overlay_dig, overlay_stress;
     bool patch;                 /* the floor is drawn in two pieces: inside its map ...       */
     real patch_x, patch_y, patch_half;      /* ... which covers this square, scene units, and outside */
+    bool numbers;               /* what render/shade.h can shade is drawn as numbers          */
     bool fine;                  /* the finest meshes, for data layers        */
     HeatScale heat;             /* on: bodies are coloured by temperature    */
 } BatchEye;

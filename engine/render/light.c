@@ -31,11 +31,11 @@ dig_status light_open(Light *l, const Gl *gl, char *why, size_t capacity)
     l->height_map = make_texture(gl, GL_RG32F, GL_RG, GL_FLOAT, HEIGHT_SIZE, GL_LINEAR);
     l->floor_map = make_texture(gl, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, FLOOR_SIZE, GL_LINEAR);
     l->sun = malloc(SUNS * sizeof *l->sun);
-    l->moments = malloc(2 * SUNS * sizeof *l->moments);
+    l->moments = calloc(2 * SUNS, sizeof *l->moments);
     /* zeroed: the shadow fields are read, with no weight, even when there is no sun */
-    l->above = calloc(7 * HEIGHTS, sizeof *l->above);
+    l->above = calloc(8 * HEIGHTS, sizeof *l->above);
     l->shade = calloc(4 * (size_t)FLOORS, sizeof *l->shade);
-    l->texels = malloc(5 * (size_t)FLOORS);
+    l->texels = calloc(5, FLOORS);
     if (!l->sun || !l->moments || !l->above || !l->shade || !l->texels) {
         snprintf(why, capacity, "no memory for the light maps");
         return DIG_E_MEMORY;
@@ -44,7 +44,8 @@ dig_status light_open(Light *l, const Gl *gl, char *why, size_t capacity)
     l->sky = l->below + HEIGHTS;
     l->wide = l->sky + HEIGHTS;
     l->blur = l->wide + HEIGHTS;
-    l->pair = l->blur + HEIGHTS;
+    l->heights = l->blur + HEIGHTS;
+    l->spare = l->heights + 2 * (size_t)HEIGHTS;
     l->mid = l->shade + FLOORS;
     l->gap = l->mid + FLOORS;
     l->scratch = l->gap + FLOORS;
@@ -225,7 +226,7 @@ static void smooth_moments(const float *depth, float *moments)
     }
 }
 
-static void cast_sun(Light *l, const Gl *gl, const Stage *s, const float to_map[16], real floor)
+static void cast_sun(Light *l, const Stage *s, const float to_map[16], real floor)
 {
     float plane[3];
     cast_nearest(&l->casters, to_map, SUN_SIZE, SLOPE, l->sun);
@@ -233,14 +234,12 @@ static void cast_sun(Light *l, const Gl *gl, const Stage *s, const float to_map[
     for (int j = 0; j < SUN_SIZE; j++)
         centre_depths(l->sun + j * SUN_SIZE, j, plane, l->scratch + j * SUN_SIZE);
     smooth_moments(l->scratch, l->moments);
-    gl->BindTexture(GL_TEXTURE_2D, l->sun_map);
-    gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, SUN_SIZE, SUN_SIZE, GL_RG, GL_FLOAT, l->moments);
 }
 
 static int texels_of(real length, real texel) { return (int)real_clamp(length / texel + 0.5, 1, HEIGHT_SIZE / 4); }
 
 /* For bodies: heights smoothed over a small and a large width. */
-static void fill_heights(Light *l, const Gl *gl, const Stage *s, const Ground *g)
+static void fill_heights(Light *l, const Stage *s, const Ground *g)
 {
     enum { N = HEIGHT_SIZE };
     float range = (float)(g->high - g->low), high = (float)g->high, floor = (float)s->floor;
@@ -256,11 +255,9 @@ static void fill_heights(Light *l, const Gl *gl, const Stage *s, const Ground *g
         blur_box(far, l->scratch, N, texels_of(0.75 * s->typical, texel));
     }
     for (int i = 0; i < N * N; i++) {
-        l->pair[2 * i] = near[i];
-        l->pair[2 * i + 1] = far[i];
+        l->heights[2 * i] = near[i];
+        l->heights[2 * i + 1] = far[i];
     }
-    gl->BindTexture(GL_TEXTURE_2D, l->height_map);
-    gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, N, N, GL_RG, GL_FLOAT, l->pair);
 }
 
 /* For the floor: the sky hidden by what stands on it or hovers just above, into sky[HALF^2], 0..1. */
@@ -269,7 +266,7 @@ static void hide_sky(Light *l, const Stage *s, const Ground *g)
     enum { N = HEIGHT_SIZE };
     float low = (float)(g->low - s->floor), range = (float)(g->high - g->low), reach = (float)(1 / (1.6 * s->typical));
     real texel = 2 * g->half / N;
-    float *near = l->sky, *far = l->pair;       /* pair is free by now */
+    float *near = l->sky, *far = l->spare;
     for (int i = 0; i < N * N; i++) {
         float gap = low + l->below[i] * range, a = 1 - (gap > 0 ? gap : 0) * reach;
         near[i] = far[i] = l->below[i] < 1 && a > 0 ? a * a : 0;
@@ -477,7 +474,7 @@ static void blend_shadows(const Light *l, int j, float *out)
 
 /* Sun, sky and marbling side by side into the floor map. The marbling is fixed to the world and fades out towards the rim;
  * the rim itself is unshaded, so that the map ends without a seam. */
-static void pack_floor(Light *l, const Gl *gl, const Ground *g, bool sunny)
+static void pack_floor(Light *l, const Ground *g, bool sunny)
 {
     enum { N = FLOOR_SIZE };
     float hidden[N] = {0}, sky[N];
@@ -498,8 +495,6 @@ static void pack_floor(Light *l, const Gl *gl, const Ground *g, bool sunny)
             row[4 * i + 3] = 255;
         }
     }
-    gl->BindTexture(GL_TEXTURE_2D, l->floor_map);
-    gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, N, N, GL_RGBA, GL_UNSIGNED_BYTE, l->texels);
 }
 
 static void set_shading(Frame *f, const Stage *s, const Ground *g)
@@ -514,7 +509,7 @@ static void set_shading(Frame *f, const Stage *s, const Ground *g)
     f->shade[3] = (float)(2.5 * s->typical);
 }
 
-dig_status light_cast(Light *l, const Batches *b, const Meshes *meshes, const Gl *gl, const Stage *s, bool shadows, Frame *frame)
+dig_status light_cast(Light *l, const Batches *b, const Meshes *meshes, const Stage *s, bool shadows, Frame *frame)
 {
     vec3 eye = vec3_from(frame->eye), sun = vec3_from(frame->sun);
     Ground ground = find_ground(s, sun);
@@ -524,13 +519,13 @@ dig_status light_cast(Light *l, const Batches *b, const Meshes *meshes, const Gl
     real half = sun_matrix(to_map, s, sun, eye);
     clip_to_unit(frame->to_sun, to_map);
     if (shadows)
-        cast_sun(l, gl, s, to_map, s->floor - eye.z);
+        cast_sun(l, s, to_map, s->floor - eye.z);
     height_matrix(to_map, &ground, eye);
     cast_heights(&l->casters, to_map, HEIGHT_SIZE, l->above, l->below);
     set_shading(frame, s, &ground);
     frame->sun[3] = (float)(0.5 * BIAS / half);
     frame->sun_colour[3] = frame->sun[3] * frame->sun[3];
-    fill_heights(l, gl, s, &ground);
+    fill_heights(l, s, &ground);
     if (!floor)
         return DIG_OK;
     hide_sky(l, s, &ground);
@@ -538,6 +533,16 @@ dig_status light_cast(Light *l, const Batches *b, const Meshes *meshes, const Gl
         project_shadows(l, s, &ground, frame->to_sun, eye, 2 * half);
         soften_shadows(l, &ground);
     }
-    pack_floor(l, gl, &ground, floor_shadow);
+    pack_floor(l, &ground, floor_shadow);
     return DIG_OK;
+}
+
+void light_upload(const Light *l, const Gl *gl)
+{
+    gl->BindTexture(GL_TEXTURE_2D, l->sun_map);
+    gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, SUN_SIZE, SUN_SIZE, GL_RG, GL_FLOAT, l->moments);
+    gl->BindTexture(GL_TEXTURE_2D, l->height_map);
+    gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, HEIGHT_SIZE, HEIGHT_SIZE, GL_RG, GL_FLOAT, l->heights);
+    gl->BindTexture(GL_TEXTURE_2D, l->floor_map);
+    gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, FLOOR_SIZE, FLOOR_SIZE, GL_RGBA, GL_UNSIGNED_BYTE, l->texels);
 }

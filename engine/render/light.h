@@ -26,7 +26,8 @@ typedef struct Light {
     float *moments;                     /* [2 SUN_SIZE^2] smoothed depth less a half, and its square, side by side */
     float *above, *below;               /* [HEIGHT_SIZE^2] depths from above and below: tops and undersides      */
     float *sky, *wide, *blur;           /* [HEIGHT_SIZE^2] of the floor: sky seen, soft shadow, width of its edges */
-    float *pair;                        /* [2 HEIGHT_SIZE^2] heights for bodies, smoothed narrowly and widely    */
+    float *heights;                     /* [2 HEIGHT_SIZE^2] heights for bodies, smoothed narrowly and widely    */
+    float *spare;                       /* [HEIGHT_SIZE^2]                                                       */
     float *shade, *mid, *gap;           /* [FLOOR_SIZE^2] sharp shadow, softened, distance of what throws it     */
     float *scratch;                     /* [FLOOR_SIZE^2]                                                        */
     unsigned char *texels, *marble;     /* [4 FLOOR_SIZE^2], [FLOOR_SIZE^2]                                      */
@@ -39,7 +40,10 @@ void       light_close(Light *l, const Gl *gl);
 void light_ground(const Stage *s, vec3 sun, real *x, real *y, real *half);
 
 /* Fills the maps; sets the frame's to_sun, top and shade. frame->sun and ->eye are set before. Without memory: DIG_E_MEMORY. */
-dig_status light_cast(Light *l, const Batches *b, const Meshes *meshes, const Gl *gl, const Stage *s, bool shadows, Frame *frame);
+dig_status light_cast(Light *l, const Batches *b, const Meshes *meshes, const Stage *s, bool shadows, Frame *frame);
+
+/* Hands the maps to OpenGL. */
+void light_upload(const Light *l, const Gl *gl);
 
 /* Smooths n x n values (n a multiple of four) in place by a running mean over 2 radius + 1 texels, both ways; edges repeat. */
 void blur_box(float *data, float *scratch, int n, int radius);

@@ -175,7 +175,7 @@ static void use_textures(const Gl *gl, const Light *l)
 
 static void clear(const Gl *gl, RenderLayer layer)
 {
-    static const float sky_depth[4] = {INFINITY, 0, 0, 0}, nothing[4] = {0, 0, 0, 0}, far = 1;
+    static const float sky_depth[4] = {INFINITY, 0, 0, 0}, nothing[4] = {0, 0, 0, 0}, sky[4] = {0, 0, 0, SKY_KEY / 255.0f}, far = 1;
     static const GLuint no_body[4] = {0, 0, 0, 0};
     gl->ClearBufferfv(GL_DEPTH, 0, &far);
     if (layer == RENDER_DEPTH)
@@ -184,7 +184,8 @@ static void clear(const Gl *gl, RenderLayer layer)
         gl->ClearBufferuiv(GL_COLOR, 0, no_body);
     else if (layer == RENDER_NORMAL)
         gl->ClearBufferfv(GL_COLOR, 0, nothing);
-    /* the sky covers a colour picture */
+    else
+        gl->ClearBufferfv(GL_COLOR, 0, sky);
 }
 
 /* Last and at the far end, so that only what shows is shaded. */
@@ -230,7 +231,48 @@ static void resolve(const Gl *gl, const Target *t)
     gl->BindFramebuffer(GL_FRAMEBUFFER, t->whole);
 }
 
-static dig_status paint_layer(Renderer *r, const RenderOptions *o, const Target *t)
+/* RGB is read as RGBA, which Mesa copies ten times faster. */
+static dig_status read_raw(Renderer *r, const RenderOptions *o, const Target *t)
+{
+    const Gl *gl = &r->gl;
+    GLenum format = o->layer == RENDER_DEPTH ? GL_RED : o->layer == RENDER_ID ? GL_RED_INTEGER : GL_RGBA;
+    GLenum type = o->layer == RENDER_DEPTH ? GL_FLOAT : o->layer == RENDER_ID ? GL_UNSIGNED_INT : GL_UNSIGNED_BYTE;
+    gl->Finish();           /* only so that the times mean what they say; the pixels are read at once anyway */
+    real began = cpu_us();
+    gl->BindFramebuffer(GL_FRAMEBUFFER, t->whole ? t->whole : t->draw);
+    gl->ReadPixels(0, 0, o->width, o->height, format, type, r->raw);
+    r->times.read += 1e-3 * (cpu_us() - began);
+    GLenum error = gl->GetError();
+    if (error == GL_NO_ERROR)
+        return DIG_OK;
+    snprintf(r->error, sizeof r->error, "OpenGL error 0x%04x while drawing", (unsigned)error);
+    return error == GL_OUT_OF_MEMORY ? DIG_E_MEMORY : DIG_E_FULL;
+}
+
+static dig_status no_room(Renderer *r, const RenderOptions *o)
+{
+    snprintf(r->error, sizeof r->error, "no memory for the shading of %d x %d pixels", o->width, o->height);
+    return DIG_E_MEMORY;
+}
+
+/* Shades what was drawn as numbers; what is seen through comes on top, once OpenGL has got the picture back. */
+static dig_status shade(Renderer *r, const RenderOptions *o, const Frame *frame, const Target *t)
+{
+    const Gl *gl = &r->gl;
+    dig_status status = shade_picture(&r->shade, frame, &r->batches, &r->light, r->raw, o->width, o->height);
+    if (status != DIG_OK)
+        return no_room(r, o);
+    if (r->batches.solid == r->batches.count)
+        return DIG_OK;
+    gl->ActiveTexture(GL_TEXTURE0 + UNIT_FONT);
+    gl->BindTexture(GL_TEXTURE_2D, t->picture);
+    gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, o->width, o->height, GL_RGBA, GL_UNSIGNED_BYTE, r->raw);
+    gl->BindTexture(GL_TEXTURE_2D, 0);
+    DIG_TRY(paint_clear(r));
+    return read_raw(r, o, t);
+}
+
+static dig_status paint_layer(Renderer *r, const RenderOptions *o, const Frame *frame, const Target *t)
 {
     static const ProgramKind kinds[LAYER_COUNT] = {PROGRAM_SURFACE, PROGRAM_DEPTH, PROGRAM_ID, PROGRAM_NORMAL};
     const Gl *gl = &r->gl;
@@ -240,9 +282,16 @@ static dig_status paint_layer(Renderer *r, const RenderOptions *o, const Target 
     bool colour = o->layer == RENDER_COLOUR;
     DIG_TRY(batches_draw(&r->batches, &r->meshes, &r->programs, gl, kinds[o->layer], 0, colour ? r->batches.solid : r->batches.count,
                          r->error, sizeof r->error));
-    if (colour)
+    if (colour && t->samples == 0) {
+        DIG_TRY(read_raw(r, o, t));
+        return shade(r, o, frame, t);
+    }
+    if (colour) {
         DIG_TRY(paint_sky(r));
-    return colour ? paint_clear(r) : DIG_OK;
+        DIG_TRY(paint_clear(r));
+        resolve(gl, t);
+    }
+    return read_raw(r, o, t);
 }
 
 dig_status paint(Renderer *r, const View *v, const RenderOptions *o, const Target *t)
@@ -254,12 +303,12 @@ dig_status paint(Renderer *r, const View *v, const RenderOptions *o, const Targe
     real reach = real_max(16, 4.5 * vec3_length(e.at));
     BatchEye eye = {.at = e.at, .pixels = o->height / (2 * e.tan_y), .reach = reach, .lamps = colour ? o->lamp_count : 0,
                     .shadows = o->shadows, .overlay_dig = (o->overlay & OVERLAY_DIG) != 0, .overlay_stress = (o->overlay & OVERLAY_STRESS) != 0,
-                    .fine = !colour};
+                    .numbers = colour && t->samples == 0, .fine = !colour};
     if (colour && (o->overlay & OVERLAY_TEMPERATURE))
         eye.heat = heat_scale(v);
     Frame frame;
     set_frame(&frame, v, &s, &e, o, reach);
-    eye.patch = colour && s.floor_item >= 0;
+    eye.patch = colour && !eye.numbers && s.floor_item >= 0;
     if (eye.patch)
         light_ground(&s, vec3_from(frame.sun), &eye.patch_x, &eye.patch_y, &eye.patch_half);
     set_state(gl);
@@ -271,20 +320,22 @@ dig_status paint(Renderer *r, const View *v, const RenderOptions *o, const Targe
     }
     if (colour) {
         real began = cpu_us();
-        status = light_cast(&r->light, &r->batches, &r->meshes, gl, &s, o->shadows, &frame);
+        status = light_cast(&r->light, &r->batches, &r->meshes, &s, o->shadows, &frame);
         if (status != DIG_OK) {
             snprintf(r->error, sizeof r->error, "no memory for the shadows of %d items", v->item_count);
             return status;
         }
+        if (r->batches.drawn > 0)
+            light_upload(&r->light, gl);
         r->times.light += 1e-3 * (cpu_us() - began);
     }
     programs_set_frame(&r->programs, gl, &frame);
     use_textures(gl, &r->light);
-    DIG_TRY(paint_layer(r, o, t));
-    if (!colour)
-        return DIG_OK;
-    resolve(gl, t);
-    return DIG_OK;
+    if (eye.numbers && r->batches.drawn == 0) {         /* nothing for OpenGL to do */
+        status = shade_number(&r->shade, &frame, &r->batches, find_near(&e), r->raw, o->width, o->height);
+        return status == DIG_OK ? shade(r, o, &frame, t) : no_room(r, o);
+    }
+    return paint_layer(r, o, &frame, t);
 }
 
 dig_status paint_overlay(Renderer *r, const View *v, const RenderOptions *o, const Target *t)
@@ -300,5 +351,6 @@ dig_status paint_overlay(Renderer *r, const View *v, const RenderOptions *o, con
     gl->BindFramebuffer(GL_FRAMEBUFFER, t->draw);
     gl->Viewport(0, 0, t->width, t->height);
     gl->ClearBufferfv(GL_COLOR, 0, nothing);
-    return overlay_draw(&r->overlay, &r->programs, gl, v, &s, &eye, o->overlay, o->past, r->error, sizeof r->error);
+    DIG_TRY(overlay_draw(&r->overlay, &r->programs, gl, v, &s, &eye, o->overlay, o->past, r->error, sizeof r->error));
+    return read_raw(r, o, t);
 }

@@ -7,6 +7,7 @@
 
 #include "render/light.h"
 #include "render/overlay.h"
+#include "render/shade.h"
 #include "render/smooth.h"
 #include "render/target.h"
 
@@ -20,6 +21,7 @@ struct Renderer {
     Light      light;
     Overlay    overlay;
     Targets    targets;
+    ShadeSpace shade;
     SmoothSpace smooth;
     RenderTimes times;
     GLuint     empty;               /* vertex array without attributes, for the sky */
@@ -31,9 +33,10 @@ struct Renderer {
     char       description[200], error[400];
 };
 
-/* Draws one picture into `t`, resolved, without overlays. The context is bound. */
+/* Draws one picture into `t`, resolved, without overlays, and reads it into r->raw. The context is bound. */
 dig_status paint(Renderer *r, const View *v, const RenderOptions *o, const Target *t);
-/* Draws the overlays alone into `t`. */
+
+/* Draws the overlays alone into `t` and reads them likewise. */
 dig_status paint_overlay(Renderer *r, const View *v, const RenderOptions *o, const Target *t);
 
 #endif

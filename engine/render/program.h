@@ -11,7 +11,7 @@
 
 #include "render/gl.h"
 
-typedef enum ProgramKind { PROGRAM_SURFACE, PROGRAM_SKY, PROGRAM_DEPTH, PROGRAM_ID, PROGRAM_NORMAL, PROGRAM_STROKE, PROGRAM_GLYPH,
+typedef enum ProgramKind { PROGRAM_SURFACE, PROGRAM_SKY, PROGRAM_NUMBER, PROGRAM_DEPTH, PROGRAM_ID, PROGRAM_NORMAL, PROGRAM_STROKE, PROGRAM_GLYPH,
                            PROGRAM_KIND_COUNT } ProgramKind;
 
 /* How a surface gets its normal. */

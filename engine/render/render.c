@@ -108,6 +108,7 @@ void render_close(Renderer *r)
         r->backend->unbind(r->context);
     }
     r->backend->close(r->context);
+    shade_close(&r->shade);
     smooth_close(&r->smooth);
     free(r->sum);
     free(r->pixels);
@@ -197,30 +198,10 @@ static void flip(const Renderer *r, const RenderOptions *o)
         memcpy((unsigned char *)r->pixels + stride * y, (const unsigned char *)r->raw + stride * (height - 1 - y), stride);
 }
 
-static dig_status check_gl(Renderer *r)
-{
-    GLenum error = r->gl.GetError();
-    if (error == GL_NO_ERROR)
-        return DIG_OK;
-    snprintf(r->error, sizeof r->error, "OpenGL error 0x%04x while drawing", (unsigned)error);
-    return error == GL_OUT_OF_MEMORY ? DIG_E_MEMORY : DIG_E_FULL;
-}
-
 static dig_status no_room(Renderer *r, const RenderOptions *o)
 {
     snprintf(r->error, sizeof r->error, "no memory for a picture of %d x %d pixels", o->width, o->height);
     return DIG_E_MEMORY;
-}
-
-/* RGB is read as RGBA, which Mesa copies ten times faster. */
-static dig_status read_raw(Renderer *r, const RenderOptions *o, const Target *t)
-{
-    const Gl *gl = &r->gl;
-    GLenum format = o->layer == RENDER_DEPTH ? GL_RED : o->layer == RENDER_ID ? GL_RED_INTEGER : GL_RGBA;
-    GLenum type = o->layer == RENDER_DEPTH ? GL_FLOAT : o->layer == RENDER_ID ? GL_UNSIGNED_INT : GL_UNSIGNED_BYTE;
-    gl->BindFramebuffer(GL_FRAMEBUFFER, t->whole ? t->whole : t->draw);
-    gl->ReadPixels(0, 0, o->width, o->height, format, type, r->raw);
-    return check_gl(r);
 }
 
 static dig_status finish_pixels(Renderer *r, const RenderOptions *o)
@@ -261,7 +242,6 @@ static dig_status lay_overlay(Renderer *r, const View *v, const RenderOptions *o
     if (!t)
         return DIG_E_MEMORY;
     DIG_TRY(paint_overlay(r, v, o, t));
-    DIG_TRY(read_raw(r, o, t));
     smooth_cover(r->raw, o->width, o->height, r->pixels);
     return DIG_OK;
 }
@@ -276,7 +256,7 @@ static void lap(real *clock, real *sum)
 
 static dig_status draw_bound(Renderer *r, const View *v, const RenderOptions *o)
 {
-    real clock = cpu_us(), light = r->times.light;
+    real clock = cpu_us(), apart = r->times.light + r->times.read;
     const Target *t = targets_get(&r->targets, &r->gl, (int)o->layer, o->width, o->height, o->samples, r->error, sizeof r->error);
     if (!t)
         return DIG_E_MEMORY;
@@ -284,11 +264,8 @@ static dig_status draw_bound(Renderer *r, const View *v, const RenderOptions *o)
     if (!reserve(&r->raw, &r->raw_capacity, size) || !reserve(&r->pixels, &r->pixel_capacity, size))
         return no_room(r, o);
     DIG_TRY(paint(r, v, o, t));
-    r->gl.Finish();         /* only so that the times below mean what they say; the pixels are read at once anyway */
     lap(&clock, &r->times.draw);
-    r->times.draw -= r->times.light - light;
-    DIG_TRY(read_raw(r, o, t));
-    lap(&clock, &r->times.read);
+    r->times.draw -= r->times.light + r->times.read - apart;
     DIG_TRY(finish_pixels(r, o));
     lap(&clock, &r->times.smooth);
     if (o->moments > 1 && o->layer == RENDER_COLOUR)

@@ -4,7 +4,8 @@
  * hardware-compared shadow tap 3.3, one octave of hash noise 1.4. An `if` never skips anything; hence the #ifs.
  *
  * The alpha of a colour picture says what a pixel shows, for render/smooth.c: 0..239 a side of a body, 240..253 a plane,
- * 255 the sky.
+ * 255 the sky. Where render/shade.h
+ * does the shading, 254 marks what it is still to shade.
  */
 #include "render/shaders.h"
 
@@ -304,6 +305,20 @@ static const char sky_fragment[] =
     "    pixel = vec4(c * 1.03 / (c + 0.155), 1.0);\n"
     "}\n";
 
+/* ---- numbers: what render/shade.h goes on from ------------------------- */
+
+static const char number_vertex[] =
+    "flat out vec3 f_number;\n"
+    "void main() {\n"
+    "    f_number = vec3(uvec3(number.y, number.y >> 8, number.y >> 16) & 255u) * (1.0 / 255.0);\n"
+    "    gl_Position = to_clip * vec4(turn(turning, own()) + place.xyz, 1.0);\n"
+    "}\n";
+
+static const char number_fragment[] =
+    "flat in vec3 f_number;\n"
+    "layout(location = 0) out vec4 pixel;\n"
+    "void main() { pixel = vec4(f_number, 254.0 / 255.0); }\n";
+
 /* ---- depth, id, normal ------------------------------------------------ */
 
 static const char plain_vertex[] =
@@ -416,6 +431,7 @@ const ShaderSource shader_sources[PROGRAM_KIND_COUNT] = {
     [PROGRAM_SURFACE] = {{frame_block, solid_inputs, sky_share, surface_vertex},
                          {frame_block, surface_inputs, surface_normal, noise_functions, surface_patterns, sky_share, surface_light, surface_main}},
     [PROGRAM_SKY] = {{frame_block, sky_vertex}, {frame_block, sky_fragment}},
+    [PROGRAM_NUMBER] = {{frame_block, solid_inputs, number_vertex}, {number_fragment}},
     [PROGRAM_DEPTH] = {{frame_block, solid_inputs, plain_vertex}, {frame_block, plain_inputs, depth_main}},
     [PROGRAM_ID] = {{frame_block, solid_inputs, plain_vertex}, {frame_block, plain_inputs, id_main}},
     [PROGRAM_NORMAL] = {{frame_block, solid_inputs, plain_vertex}, {frame_block, plain_inputs, surface_normal, normal_main}},

@@ -13,6 +13,7 @@ static void drop(Target *t, const Gl *gl)
     GLuint targets[] = {t->draw, t->whole}, buffers[] = {t->colour, t->depth, t->resolved};
     gl->DeleteFramebuffers(2, targets);
     gl->DeleteRenderbuffers(3, buffers);
+    gl->DeleteTextures(1, &t->picture);
     *t = (Target){0};
 }
 
@@ -32,11 +33,26 @@ static GLuint make_buffer(const Gl *gl, GLenum format, int width, int height, in
     return name;
 }
 
+static GLuint make_picture(const Gl *gl, int width, int height)
+{
+    GLuint name = 0;
+    gl->GenTextures(1, &name);
+    gl->BindTexture(GL_TEXTURE_2D, name);
+    gl->TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, NULL);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    gl->FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, name, 0);
+    return name;
+}
+
 static void make(Target *t, const Gl *gl, GLenum format)
 {
     gl->GenFramebuffers(1, &t->draw);
     gl->BindFramebuffer(GL_FRAMEBUFFER, t->draw);
-    t->colour = make_buffer(gl, format, t->width, t->height, t->samples, GL_COLOR_ATTACHMENT0);
+    if (format == GL_RGBA8 && t->samples == 0)
+        t->picture = make_picture(gl, t->width, t->height);
+    else
+        t->colour = make_buffer(gl, format, t->width, t->height, t->samples, GL_COLOR_ATTACHMENT0);
     t->depth = make_buffer(gl, GL_DEPTH_COMPONENT24, t->width, t->height, t->samples, GL_DEPTH_ATTACHMENT);
     if (t->samples == 0)
         return;

@@ -1,6 +1,6 @@
 /* render/target.h - the framebuffers pictures are drawn into, one set for each layer.
  *
- * Owns:  framebuffers and renderbuffers; targets_close frees them.
+ * Owns:  framebuffers, renderbuffers and textures; targets_close frees them.
  * Floor: render.
  */
 #ifndef DIG_TARGET_H
@@ -14,6 +14,7 @@ enum { LAYER_COUNT = 4, TARGET_OVERLAY = LAYER_COUNT, TARGET_COUNT };        /* 
 typedef struct Target {
     int    width, height, samples;
     GLuint draw, colour, depth;         /* what is drawn into; multisampled if samples > 0 */
+    GLuint picture;                     /* instead of `colour`: a texture, where that is RGBA and not multisampled */
     GLuint whole, resolved;             /* one sample a pixel; 0 when draw is that already */
 } Target;
 
