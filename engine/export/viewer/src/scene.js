@@ -1,11 +1,12 @@
 // scene.js - bodies, light, floor and camera. Draws when asked to, not all the time.
 import {
   ACESFilmicToneMapping, BackSide, BoxGeometry, BufferAttribute, BufferGeometry, CapsuleGeometry, CircleGeometry, Color, ConeGeometry, CylinderGeometry,
-  DirectionalLight, Fog, Group, HemisphereLight, Matrix4, Mesh, PCFShadowMap, PerspectiveCamera, PMREMGenerator, PointLight, Raycaster, Scene as ThreeScene, ShaderMaterial, SphereGeometry, Vector2, Vector3, WebGLRenderer,
+  DirectionalLight, Fog, Group, HemisphereLight, Matrix4, Mesh, PCFShadowMap, PerspectiveCamera, PointLight, Raycaster, Scene as ThreeScene, ShaderMaterial, SphereGeometry, Vector2, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { RoundedBoxGeometry } from "three/addons/geometries/RoundedBoxGeometry.js";
 import { bodyMaterial } from "./materials.js";
+import { reflectionsOf } from "./reflections.js";
 import { digColour, heatColour } from "./format.js";
 
 const SKIES = {
@@ -23,17 +24,17 @@ const LAMP = 1 / 16;        // cd per W: a white surface that pictures draw with
 
 const SKY_VERTEX = "varying vec3 ray; void main() { ray = position; gl_Position = projectionMatrix * vec4(mat3(viewMatrix) * position, 1.0); gl_Position.z = gl_Position.w; }";
 const SKY_FRAGMENT = /* glsl */ `
-  varying vec3 ray; uniform vec3 up, top, rim, low;
+  varying vec3 ray; uniform vec3 up, top, rim;
   void main() {
     float h = dot(normalize(ray), up), away = 1.0 - clamp(h * 1.3, 0.0, 1.0);
-    gl_FragColor = vec4(mix(mix(top, rim, away * away * away), low, clamp(-h * 6.0, 0.0, 1.0) * LOW), 1.0);
+    gl_FragColor = vec4(mix(top, rim, away * away * away), 1.0);
     #include <colorspace_fragment>
   }`;
 
-function skyMaterial(up, low) {
+function skyMaterial(up) {
   return new ShaderMaterial({
-    vertexShader: SKY_VERTEX, fragmentShader: SKY_FRAGMENT, side: BackSide, depthWrite: false, defines: { LOW: low ? "1.0" : "0.0" },
-    uniforms: { up: { value: up }, top: { value: new Color() }, rim: { value: new Color() }, low: { value: new Color() } },
+    vertexShader: SKY_VERTEX, fragmentShader: SKY_FRAGMENT, side: BackSide, depthWrite: false,
+    uniforms: { up: { value: up }, top: { value: new Color() }, rim: { value: new Color() } },
   });
 }
 
@@ -98,7 +99,7 @@ export class Scene {
     Object.assign(c, { left: -r, right: r, top: r, bottom: -r, near: 0.2 * this.size, far: 5 * this.size });
     this.sun.shadow.normalBias = 0.003 * this.size;
     this.sun.shadow.bias = -0.0004;
-    this.sky = new Mesh(new SphereGeometry(1, 32, 16), skyMaterial(this.up, 0));
+    this.sky = new Mesh(new SphereGeometry(1, 32, 16), skyMaterial(this.up));
     this.sky.frustumCulled = false;
     this.sky.renderOrder = -10;
     this.scene.add(this.hemisphere, this.sun, this.sun.target, this.sky);
@@ -135,7 +136,6 @@ export class Scene {
     const { uniforms } = this.sky.material;
     uniforms.top.value.set(sky.top);
     uniforms.rim.value.set(sky.rim);
-    uniforms.low.value.set(sky.low);
     this.scene.fog = new Fog(sky.rim, 3 * this.size, 22 * this.size);
     this.sun.intensity = sky.sun;
     this.hemisphere.intensity = sky.fill;
@@ -145,20 +145,12 @@ export class Scene {
     this.changed();
   }
 
-  // What shiny bodies mirror: the sky, blurred once.
   makeReflections(sky) {
-    const generator = new PMREMGenerator(this.renderer);
-    const inside = new ThreeScene();
-    const material = skyMaterial(this.up, 1);
-    for (const part of ["top", "rim", "low"]) material.uniforms[part].value.set(sky[part]);
-    inside.add(new Mesh(new SphereGeometry(1, 24, 12), material));
-    const target = generator.fromScene(inside, 0, 0.1, 10, { size: 64 });
+    const colours = Object.fromEntries(["top", "rim", "low"].map((part) => [part, new Color(sky[part])]));
     this.reflections?.dispose();
-    this.reflections = target;
-    this.scene.environment = target.texture;
+    this.reflections = reflectionsOf(colours, this.up);
+    this.scene.environment = this.reflections;
     this.scene.environmentIntensity = sky.mirror;
-    generator.dispose();
-    material.dispose();
   }
 
   geometry(index) {
