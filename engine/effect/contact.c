@@ -28,9 +28,9 @@ static real rate_before(const Group *g, const PointRow *r)
     return vec3_dot(r->n.n, vec3_sub(vb.v, va.v)) + vec3_dot(r->n.aa, va.w) + vec3_dot(r->n.ab, vb.w);
 }
 
-/* Does the point need a row, and what velocity may it keep? A point that carried force before keeps its row: a ball that rolls
+/* Does the point need a row, and what velocity may it keep? *left: it has none because its approach is an impact. A point that carried force before keeps its row: a ball that rolls
  * over an edge seems to leave, while its normal turns. */
-static bool set_target(const Group *g, const GroupPair *q, PointRow *r, real gap, bool carried)
+static bool set_target(const Group *g, const GroupPair *q, PointRow *r, real gap, bool carried, bool *left)
 {
     real predicted = dir_rate(g, &r->n, r->a, r->b);
     r->rate_before = rate_before(g, r);
@@ -44,8 +44,9 @@ static bool set_target(const Group *g, const GroupPair *q, PointRow *r, real gap
         real closing = real_max(0, r->rate_before - predicted) / g->h;      /* m/s^2 */
         real strike = sqrt(r->rate_before * r->rate_before + 2 * closing * gap);
         real plastic = carried ? real_max(g->close_speed, 0.1 * sqrt(vec3_length(g->gravity) * q->size)) : g->close_speed;
-        if (g->locate && g->events_left > 0 && strike > plastic)
-            return false;               /* an impact: it will be located */
+        *left = g->locate && g->events_left > 0 && strike > plastic;
+        if (*left)
+            return false;               /* it will be located */
         r->target = -gap / g->h;
     }
     r->bounce = g->locate && g->events_left > 0 ? 0 : q->restitution;
@@ -102,10 +103,14 @@ static dig_status rows(const EffectSlot *e, Group *g)
         GroupPair *q = &g->pairs[c->pair];
         if (!c->live || (!g->member[c->a].moves && !g->member[c->b].moves))
             continue;
+        c->left = 0;
         for (int k = 0; k < c->manifold.count; k++) {
             PointRow *r = &g->points[g->point_count];
+            bool left = false;
             point_row_make(g, r, i, k);
-            if (!set_target(g, q, r, c->manifold.points[k].gap, c->memory[k].held > 0))
+            bool needed = set_target(g, q, r, c->manifold.points[k].gap, c->memory[k].held > 0, &left);
+            c->left |= (uint16_t)(left << k);
+            if (!needed)
                 continue;
             if (g->locate && c->manifold.count == 1 && c->memory[k].held > 0 && q->contacts == 1)
                 follow_curve(g, q, r, c->manifold.points[k].gap);

@@ -195,7 +195,7 @@ void singles_write(Direct *d)
         const real *v = d->v + 6 * i;
         Vel end = {vec3_add(g->vel[b].v, (vec3){v[0], v[1], v[2]}), vec3_add(g->vel[b].w, (vec3){v[3], v[4], v[5]})};
         vec3 mean = vec3_scale(0.5, vec3_add(g->member[b].start_vel.w, end.w));
-        g->lost += vec3_dot(mat3_mul_vec(d->stiff[b], end.w), mean);
+        g->braced += vec3_dot(mat3_mul_vec(d->stiff[b], end.w), mean);
         g->vel[b] = end;
     }
 }

@@ -118,6 +118,7 @@ typedef struct GroupContact {
     bool     idle, was_idle;    /* no point, and no force: until group_judge in the world's record, then now; then */
     bool     touching;          /* at the end of the step, by group_judge */
     bool     sliding;
+    uint16_t left;              /* bit per point without a row in this substep: where it closes, that is located as an impact */
     GroupManifold manifold;
     PointMemory *memory;        /* [room] as the points, in the group's places */
     vec3     rolling;           /* N m                              */
@@ -240,9 +241,11 @@ struct Group {
     bool      may_trace;        /*     the world's budget for traced and conserved groups reaches it */
     bool      crowd;            /*     the crowd takes it: it need not look for what cannot act in this step */
     bool      trace_failed;     /*     it was tried in this step, and handed on        */
+    real      passed;           /* s   that it left to the sweep within this step      */
     bool      conserve_failed;  /*     the same of the way that conserves energy       */
     real      residual, penetration, joint_error;
     real      lost, work_in, law;   /* J */
+    real      braced;           /* J   taken by the geometric stiffness of the present substep's direct solve */
     bool      losses;           /*     an effect asks for those of each contact; where they cost nothing they are there anyway */
     struct GroupWatch {         /* step/watch.c */
         real  elastic;          /* J   in its springs at the start of the step                    */
@@ -313,12 +316,14 @@ bool group_touch_missed(Group *g, real time);
 
 /* joint_rows.c */
 void group_build_joints(Group *g, bool midpoint);
-void group_turn_joints(Group *g);                       /* for the velocities at the end, as their bodies will have turned half-way */
+void group_turn_joints(Group *g, const Vel *found);     /* for the velocities at the end, as their bodies will have turned half-way: as they
+                                                         * did before, or by the velocities found; [body_count] */
 void group_clean_joints(Group *g);
 void joint_row_warm(Group *g, JointRow *r);
 
 /* sweep.c: the sub-stepped way */
 dig_status sweep_advance(Group *g, real dt);
+dig_status sweep_piece(Group *g, real dt, real until);  /* from g->t on, of a step of dt; room for rows and strikes is there */
 real group_kinetic(const Group *g);                     /* J */
 real group_close_speed(const Group *g);                 /* m/s  slower impacts are no impacts */
 /* impact.c: what touches and approaches is struck, now */

@@ -193,14 +193,14 @@ static void read_errors(const Group *g, real *errors)
         }
 }
 
-/* Everybody half a substep on, along the start velocities, and back. */
-static void shift_half(Group *g, const Pos *back)
+/* Everybody half a substep on, along the start velocities or those found, and back. */
+static void shift_half(Group *g, const Vel *found, const Pos *back)
 {
     for (int i = 0; i < g->body_count; i++) {
         const Member *m = &g->member[i];
         if (!m->moves && !m->kinematic)
             continue;
-        Vel v = m->moves ? m->start_vel : g->vel[i];
+        Vel v = !m->moves ? g->vel[i] : found ? found[i] : m->start_vel;
         g->pos[i] = back ? back[i] : (Pos){vec3_mad(g->pos[i].x, 0.5 * g->h, v.v),
                                            quat_unit(quat_mul(quat_exp(vec3_scale(0.5 * g->h, v.w)), g->pos[i].q))};
         group_refresh_mass(g, i);
@@ -208,7 +208,7 @@ static void shift_half(Group *g, const Pos *back)
 }
 
 /* Directions at the middle of the substep, errors at its start, for the mean velocity or for that at the end. */
-static void build_middle(Group *g, bool mean)
+static void build_middle(Group *g, bool mean, const Vel *found)
 {
     ArenaMark mark = arena_mark(g->arena);
     real *errors = arena_zero(g->arena, (size_t)(g->joint_count * JOINT_SLOTS) * sizeof *errors);
@@ -220,9 +220,9 @@ static void build_middle(Group *g, bool mean)
     memcpy(back, g->pos, (size_t)g->body_count * sizeof *back);
     read_errors(g, errors);
     g->midpoint = mean;
-    shift_half(g, NULL);
+    shift_half(g, found, NULL);
     build_all(g, errors);
-    shift_half(g, back);
+    shift_half(g, NULL, back);
     arena_rewind(g->arena, mark);
 }
 
@@ -233,14 +233,14 @@ void group_build_joints(Group *g, bool midpoint)
     g->midpoint = false;
     build_all(g, NULL);
     if (midpoint && g->joint_count > 0 && !any_stiff(g))
-        build_middle(g, true);
+        build_middle(g, true, NULL);
 }
 
-void group_turn_joints(Group *g)
+void group_turn_joints(Group *g, const Vel *found)
 {
     g->midpoint = false;
     build_all(g, NULL);
-    build_middle(g, false);
+    build_middle(g, false, found);
 }
 
 /* Velocities that break a joint (a hit, a new joint) would be mirrored for ever by the midpoint rule: they are put right first. */

@@ -209,7 +209,7 @@ static void mark_constrained(Group *g)
         if (!(r->jn > 0))
             continue;               /* it could have touched, but did not: free flight */
         /* a point that carries on is smooth, though turning bodies approach there a little at each substep's start */
-        bool carries = g->contacts[r->contact].memory[r->point].held > 0;
+        bool carries = g->contacts[r->contact].memory[r->point].held == HELD_SUBSTEPS;
         bool several = g->contacts[r->contact].manifold.count > 1;
         bool met = r->target < -1e-6 || (fabs(r->rate_before) > 1e-6 && !carries);
         if (several && carries && g->row_count == 0)    /* of one point the row itself follows the curve, where it can */
@@ -218,7 +218,7 @@ static void mark_constrained(Group *g)
         for (int k = 0; k < 2; k++) {
             Member *m = &g->member[k ? r->b : r->a];
             m->constrained = true;
-            m->met = m->met || (met && (several || g->joints_direct));
+            m->met = m->met || met;
             m->implicit_move = m->implicit_move || met || !g->locate;
         }
     }
@@ -285,7 +285,8 @@ static void book_point(Group *g, PointRow *r)
     }
     c->memory[r->point].normal = pressed / remembered_over(g);
     c->last = r->jn > 0 ? g->t + g->h : c->last;
-    c->memory[r->point].held = r->jn > 0 ? HELD_SUBSTEPS : c->memory[r->point].held;
+    if (r->jn > 0)              /* what closed a gap still approaches: the next substep is not smooth either */
+        c->memory[r->point].held = r->target < -1e-6 ? HELD_SUBSTEPS - 1 : HELD_SUBSTEPS;
     c->memory[r->point].tangent = vec3_scale(rubbed / remembered_over(g), tangent);
     c->impulse = vec3_add(c->impulse, impulse);
     c->point_sum = vec3_mad(c->point_sum, r->jn, p->a);
@@ -395,6 +396,7 @@ static void book(Group *g)
     for (int i = 0; i < g->block_count; i++)
         book_joint(g, &g->blocks[i]);
     book_implicit(g);
+    g->lost += g->braced;
     for (int i = 0; i < g->moving_count && (g->drags || g->rules); i++) {
         Vel v = way_of(g, i);
         group_book_apart(g, i, vec3_scale(g->h, v.v), vec3_scale(g->h, v.w), g->h);
@@ -510,16 +512,18 @@ static bool blow_comes(const Group *g)
     return false;
 }
 
-static dig_status solve_substep(Group *g)
+/* found: velocities at the end from a solve before; NULL = none. */
+static dig_status solve_with(Group *g, const Vel *found)
 {
+    g->braced = 0;
     DIG_TRY(group_forces(g));
     predict(g);
     g->point_count = g->roll_count = g->block_count = g->row_count = 0;
     DIG_TRY(g->stage(g, STAGE_ROWS));
     if (g->midpoint && (any_euler(g) || g->joints_direct))
         group_build_joints(g, false);       /* who moves with the new velocity needs rows for it, not for the mean */
-    if (g->joints_direct && group_elastic(g) && !blow_comes(g))
-        group_turn_joints(g);               /* a turn straight on from where they are would stretch what bends */
+    if (g->joints_direct && group_elastic(g) && (found || !blow_comes(g)))
+        group_turn_joints(g, found);        /* a turn straight on from where they are would stretch what bends */
     if (g->joints_direct && g->heals)
         heal(g);
     else
@@ -534,6 +538,24 @@ static dig_status solve_substep(Group *g)
         g->points[i].jn += g->points[i].blow;
     mark_constrained(g);
     return g->status;
+}
+
+static dig_status solve_substep(Group *g) { return solve_with(g, NULL); }
+
+#define FINE 16         /* substeps of a step: in longer ones what was found first is no good guess of the turn */
+
+/* What bends turns on otherwise after a blow than before it. */
+static dig_status turn_as_found(Group *g)
+{
+    ArenaMark mark = arena_mark(g->arena);
+    Vel *found = arena_alloc(g->arena, (size_t)g->body_count * sizeof *found);
+    if (!found)
+        return DIG_E_MEMORY;
+    memcpy(found, g->vel, (size_t)g->body_count * sizeof *found);
+    restore(g);
+    dig_status status = solve_with(g, found);
+    arena_rewind(g->arena, mark);
+    return status;
 }
 
 /* As many bodies of a stack may meet one after the other in one substep. */
@@ -559,6 +581,8 @@ static dig_status substep(Group *g, real until)
     DIG_TRY(solve_substep(g));
     if (g->joints_direct)
         DIG_TRY(meet(g));
+    if (g->joints_direct && g->plan->substeps >= FINE && group_elastic(g) && blow_comes(g))
+        DIG_TRY(turn_as_found(g));
     if (g->locate && g->events_left > 0) {
         real hit = locate_impact(g);
         if (hit < g->h * (1 - 1e-9)) {
@@ -651,32 +675,52 @@ real group_close_speed(const Group *g)
     return isfinite(size) ? sqrt(2e-5 * size * g->fall) + 1e-9 * size : 0;
 }
 
-dig_status sweep_advance(Group *g, real dt)
+/* What holds for all of a step, and the contacts of its start. */
+static void begin(Group *g, real part, bool all)
 {
-    DIG_TRY(reserve(g));
-    real part = dt / g->plan->substeps;
     g->close_speed = group_close_speed(g);
     g->joints_direct = direct_joints(g);
     g->heals = g->joints_direct && (g->conserve_failed || group_top_heavy(g) || group_elastic(g));
     g->locate = g->moving_count <= g->plan->events_bodies && !g->joints_direct;
     g->events_left = int_min(g->plan->events, int_max(4, 4000 / (g->pair_count + 1)));
     g->h = part;
-    group_touch(g, part, false);
+    group_touch(g, part, all);
     if (g->locate)
         impacts(g);
-    for (int k = 0; k < g->plan->substeps && !g->woke; k++) {
-        real until = k + 1 < g->plan->substeps ? part * (k + 1) : dt;
-        while (g->t < until && !g->woke) {
-            DIG_TRY(substep(g, real_min(until, g->t + longest_piece(g, dt))));
-            if (g->woke)
-                break;
-            group_touch(g, part, true);
-            if (g->locate)
-                impacts(g);
-            if (g->status != DIG_OK)
-                return g->status;
-        }
+}
+
+static dig_status sweep_until(Group *g, real dt, real until)
+{
+    real part = dt / g->plan->substeps;
+    while (g->t < until && !g->woke) {
+        DIG_TRY(substep(g, real_min(until, g->t + longest_piece(g, dt))));
+        if (g->woke)
+            break;
+        group_touch(g, part, true);
+        if (g->locate)
+            impacts(g);
+        if (g->status != DIG_OK)
+            return g->status;
     }
+    return DIG_OK;
+}
+
+dig_status sweep_piece(Group *g, real dt, real until)
+{
+    real part = real_min(until - g->t, dt / g->plan->substeps);
+    begin(g, part, true);
+    while (g->t < until && !g->woke && g->status == DIG_OK)
+        DIG_TRY(sweep_until(g, dt, until - g->t < 1.5 * part ? until : g->t + part));
+    return g->status;
+}
+
+dig_status sweep_advance(Group *g, real dt)
+{
+    DIG_TRY(reserve(g));
+    real part = dt / g->plan->substeps;
+    begin(g, part, false);
+    for (int k = 0; k < g->plan->substeps && !g->woke; k++)
+        DIG_TRY(sweep_until(g, dt, k + 1 < g->plan->substeps ? part * (k + 1) : dt));
     if (!g->woke) {
         measure(g);
         DIG_TRY(g->stage(g, STAGE_SETTLE));

@@ -210,13 +210,13 @@ bool trace_bounce(Tracer *t)
         g->events++;
         return true;
     }
-    if (t->fault)
-        return false;
     t->t = begin;                   /* it left the plane, or the forces changed on the way */
     g->pos[0] = pos;
     g->vel[0] = vel;
     trace_store(t, t->y);
     trace_load(t, t->y, t->t);
+    if (t->fault)
+        return false;
     bool found = trace_touch(t, false);
     trace_kinematics(t);
     return found;

@@ -26,19 +26,6 @@ static void hand_on(Group *g, const GroupKept *k, const char *why)
 
 /* ---- a frame ---- */
 
-static void list_drives(Tracer *t)
-{
-    t->stop_count = t->hold_count = 0;
-    for (int j = 0; j < t->g->joint_count; j++)
-        for (int k = 0; k < t->row_count[j]; k++) {
-            const Row *r = &t->rows[j * JOINT_SLOTS + k];
-            if (r->kind == ROW_LIMIT)
-                t->stops[t->stop_count++] = (Stop){.joint = j, .slot = r->slot};
-            else if (r->kind == ROW_MOTOR || r->kind == ROW_DRY)
-                t->holds[t->hold_count++] = (Hold){.joint = j, .slot = r->slot, .most = r->hi, .target = r->kind == ROW_MOTOR ? r->rate : 0};
-        }
-}
-
 static void set_scales(Tracer *t)
 {
     Group *g = t->g;
@@ -296,8 +283,10 @@ static bool accept_step(Tracer *t, const Event *e)
     bool look = g->pair_count > 0 && (e->kind == EVENT_NONE || e->kind == EVENT_CLOSE);
     trace_mean(t);
     t->t = end;
-    if (look && !trace_touch(t, false))
+    if (look && !trace_touch(t, false)) {
+        t->t = begin;
         return false;
+    }
     if (look && trace_missed(t) && t->h > 1e-7 * t->end) {
         t->t = begin;
         t->h_next = 0.5 * t->h;
@@ -402,7 +391,7 @@ static void rest_on(Tracer *t, real h)
 static bool one_step(Tracer *t)
 {
     real rest = t->end - t->t, h = real_min(rest, t->h_next);
-    bool aim = t->g->evaluations > AIM_WORK * work_of(t) && any_slow_slip(t, AIM_STEP * t->end);
+    bool aim = t->g->evaluations > AIM_WORK * t->work && any_slow_slip(t, AIM_STEP * t->end);
     if (aim)
         h = real_min(rest, AIM_STEP * t->end);
     if (rest - h < 0.01 * h)
@@ -449,17 +438,9 @@ static bool one_step(Tracer *t)
 
 static bool over_budget(Tracer *t)
 {
-    if (t->g->evaluations > work_of(t) && t->t < t->end)
+    if (t->g->evaluations > t->work && t->t < t->end)
         t->fault = "more evaluations than its budget";
     return t->fault;
-}
-
-static bool overlaps(const Tracer *t)
-{
-    for (int i = 0; i < t->touch_count; i++)
-        if (!t->touch[i].gate.presses && t->touch[i].gate.gap < -t->gap_deep)
-            return true;
-    return false;
 }
 
 static bool run(Tracer *t)
@@ -469,27 +450,25 @@ static bool run(Tracer *t)
     trace_store(t, t->y);
     for (int i = 0; i < g->body_count; i++)
         t->mover_start[i] = g->pos[i];
-    for (int i = 0; i < g->joint_count; i++)
-        group_joint_view(g, i);
-    trace_kinematics(t);        /* its joints; contacts are found below */
-    list_drives(t);
-    trace_drives(t);
-    trace_bonds(t);
+    bool fine = trace_start(t);
     trace_mark_energy(t);
     if (trace_too_stiff(t)) {
         t->fault = "springs too stiff for its steps";
         return false;
     }
-    if (g->pair_count > 0 ? !trace_touch(t, true) : !trace_items(t))
-        return false;
-    if (overlaps(t)) {
-        t->fault = "bodies that overlap";
-        return false;
-    }
-    t->dirty = true;
-    for (bool first = true; t->t < t->end && !g->woke; first = false) {
-        if ((t->dirty && !settle(t, first)) || g->woke || over_budget(t) || !one_step(t))
-            return g->woke && !t->fault;
+    bool first = true;
+    while (!fine || (t->t < t->end && !g->woke)) {
+        bool failed = !fine || (t->dirty && !settle(t, first)) || (!g->woke && (over_budget(t) || !one_step(t)));
+        first = failed;
+        fine = true;
+        if (g->woke)
+            return !t->fault;
+        if (failed && !trace_may_pass(t))
+            return false;
+        if (failed)
+            fine = trace_pass(t);
+        if (g->status != DIG_OK)
+            return false;
     }
     return true;
 }
@@ -502,6 +481,7 @@ static dig_status advance(Group *g, real dt)
     if (!group_keep(g, &start))             /* before anything is set: the next way is to find what was gathered */
         return DIG_E_MEMORY;
     set_scales(t);
+    t->work = work_of(t);
     t->h_next = g->trace_step > 0 ? real_min(g->trace_step, dt) : dt;
     DIG_TRY(trace_reserve(t));
     bool fine = run(t);

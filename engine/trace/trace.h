@@ -192,6 +192,8 @@ typedef struct Tracer {
     const char *fault;          /* why it cannot go on                     */
     real     given;             /* J  by movers and motors in the last projection of velocities */
     int    near_events; real event_time;
+    int    passes, work;        /* places swept past in this frame; most evaluations */
+    real   pass, pass_end;      /* s  length and end of the last of them  */
     bool   conserves;           /* nothing in this frame took or gave energy so far: it is held, see energy.c */
     int   *root; bool *held;    /* mechanisms: [moving_count + 1] lowest body; does it hang on something? */
     real  *gain;                /* J   of each, by its lowest body             */
@@ -256,6 +258,10 @@ bool trace_bounce(Tracer *t);                   /* after a blow: what follows in
 bool trace_touch(Tracer *t, bool first);        /* contacts of the present state; sets dirty when what touches has changed */
 bool trace_items(Tracer *t);                    /* joints and contacts in the order of the rows */
 bool trace_missed(const Tracer *t);             /* is something deep in something that was not watched? */
+/* pass.c */
+bool trace_start(Tracer *t);                    /* lists joints and contacts of the present state; false = fault */
+bool trace_may_pass(const Tracer *t);
+bool trace_pass(Tracer *t);                     /* sweeps past the present time, and starts there; false = fault there */
 /* energy.c */
 void trace_mark_energy(Tracer *t);
 void trace_hold_energy(Tracer *t);
