@@ -542,6 +542,8 @@ static dig_status solve_with(Group *g, const Vel *found)
 
 static dig_status solve_substep(Group *g) { return solve_with(g, NULL); }
 
+#define FINE 16         /* substeps of a step: in longer ones what was found first is no good guess of the turn */
+
 /* What bends turns on otherwise after a blow than before it. */
 static dig_status turn_as_found(Group *g)
 {
@@ -579,7 +581,7 @@ static dig_status substep(Group *g, real until)
     DIG_TRY(solve_substep(g));
     if (g->joints_direct)
         DIG_TRY(meet(g));
-    if (g->joints_direct && group_elastic(g) && blow_comes(g))
+    if (g->joints_direct && g->plan->substeps >= FINE && group_elastic(g) && blow_comes(g))
         DIG_TRY(turn_as_found(g));
     if (g->locate && g->events_left > 0) {
         real hit = locate_impact(g);

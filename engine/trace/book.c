@@ -111,6 +111,7 @@ static void lay_out(Tracer *t, Block *b)
     TAKE(t, y, n);
     TAKE(t, y1, n);
     TAKE(t, y2, n);
+    TAKE(t, kept, n);
     TAKE(t, sum, powers);
     for (int s = 0; s < STAGES; s++) {
         TAKE(t, stage[s], n);

@@ -7,6 +7,7 @@
 #include "trace/trace.h"
 
 #define PASS_LEAST (1.0 / 64)   /* of the frame; twice that where it fails again at once, and so on */
+#define FAILED 0.9              /* of the frame: where so much was passed, it is not tried again at once */
 
 static void list_drives(Tracer *t)
 {
@@ -85,14 +86,15 @@ bool trace_pass(Tracer *t)
     g->locate = true;
     g->joints_direct = g->heals = false;
     g->passed += length;
-    g->trace_failed = g->passed > 0.5 * t->end;
+    g->trace_failed = g->passed > FAILED * t->end;
     g->gave_up = t->fault ? t->fault : "no step";
     if (g->woke || g->status != DIG_OK)
         return true;
     t->fault = NULL;
     t->conserves = false;
     t->near_events = t->probe_wait = 0;
-    t->t = t->pass_end = g->t;
+    t->t = t->pass_end = t->mark = g->t;
+    t->mark_work = g->evaluations;
     t->h_next = t->pass;
     trace_store(t, t->y);
     trace_load(t, t->y, t->t);

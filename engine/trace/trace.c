@@ -9,6 +9,8 @@
 #define AIM_STEP      (1.0 / 32)        /* the frame; passes and change of direction, rad, that find it:        */
 #define AIMS          8
 #define AIMED         1e-6
+#define CRAWL_WORK    (1.0 / 8) /* of the budget, for less than                               */
+#define CRAWL         (1.0 / 32)        /* of the frame                                       */
 #define SMALL         4         /* bodies, joints and pairs                                   */
 #define STEP_LEAST    1e-10     /* of the frame: a step this short without an event is none  */
 #define SHORTER_MOST  1e-4      /* of the frame: a step longer than this may fail once more   */
@@ -59,7 +61,7 @@ static bool approaching(const Tracer *t)
 
 /* What drifted or was overlooked by a solver with other habits is put right, first in place, then in velocity. At the start of a
  * frame that is the jerk of joints and contacts whose velocities others, a script among them, left apart: it is lost. */
-static bool put_right(Tracer *t, bool start, bool *moved)
+static bool close_all(Tracer *t, bool start, bool *moved)
 {
     for (int pass = 0; pass < 8; pass++) {
         Violation v = trace_violation(t);
@@ -88,6 +90,20 @@ static bool put_right(Tracer *t, bool start, bool *moved)
             return off < real_max(1e-8 * t->size, t->tolerance) || (t->fault = "joints or contacts that cannot be closed", false);
     }
     return true;
+}
+
+/* What could not be put right is left as it was. */
+static bool put_right(Tracer *t, bool start, bool *moved)
+{
+    Group *g = t->g;
+    real lost = g->lost, work_in = g->work_in;
+    memcpy(t->kept, t->y, (size_t)g->moving_count * sizeof *t->kept);
+    if (close_all(t, start, moved))
+        return true;
+    memcpy(t->y, t->kept, (size_t)g->moving_count * sizeof *t->y);
+    g->lost = lost;
+    g->work_in = work_in;
+    return false;
 }
 
 static void mark_start(Tracer *t)
@@ -437,8 +453,21 @@ static bool one_step(Tracer *t)
     return true;
 }
 
+/* So many evaluations for so little of the frame: the place is better passed than followed. */
+static bool crawls(Tracer *t)
+{
+    if (t->g->evaluations - t->mark_work <= CRAWL_WORK * t->work)
+        return false;
+    bool slow = t->t - t->mark < CRAWL * t->end;
+    t->mark_work = t->g->evaluations;
+    t->mark = t->t;
+    return slow && t->passes < t->g->plan->trace_passes;
+}
+
 static bool over_budget(Tracer *t)
 {
+    if (crawls(t) && t->t < t->end)
+        t->fault = "steps that remain short";
     if (t->g->evaluations > t->work && t->t < t->end)
         t->fault = "more evaluations than its budget";
     return t->fault;

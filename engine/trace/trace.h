@@ -184,7 +184,7 @@ typedef struct Tracer {
     vec3  *spin0, *alpha0;      /* rad/s, rad/s^2 at the start of the step */
     Pos   *mover_start;         /* poses of kinematic bodies at t = 0      */
 
-    State *y, *y1, *y2, *stage[STAGES];         /* states and their rates  */
+    State *y, *y1, *y2, *kept, *stage[STAGES];         /* states and their rates  */
     const State *known;         /* the state of which the present rows and forces are; NULL: of another one */
     real  *quad[STAGES], *sum;  /* forces and powers to be integrated: see flow.c */
     real   h, h_next, h_probe;  /* s  of the present step, of the next, of the probe that the present one is part of */
@@ -196,6 +196,7 @@ typedef struct Tracer {
     real     given;             /* J  by movers and motors in the last projection of velocities */
     int    near_events; real event_time;
     int    passes, work;        /* places swept past in this frame; most evaluations */
+    int    mark_work; real mark;                /* evaluations and s, from which on it is looked whether it crawls */
     real   pass, pass_end;      /* s  length and end of the last of them  */
     bool   conserves;           /* nothing in this frame took or gave energy so far: it is held, see energy.c */
     int   *root; bool *held;    /* mechanisms: [moving_count + 1] lowest body; does it hang on something? */
