@@ -21,10 +21,19 @@ btTransform placed(const PeerState &s)
     return btTransform(btQuaternion(btScalar(s.turn[1]), btScalar(s.turn[2]), btScalar(s.turn[3]), btScalar(s.turn[0])), vector(s.at));
 }
 
+/* Pools that are too small make Bullet allocate in every step. */
+btDefaultCollisionConstructionInfo pools(const PeerScene &scene)
+{
+    btDefaultCollisionConstructionInfo info;
+    info.m_defaultMaxPersistentManifoldPoolSize = info.m_defaultMaxCollisionAlgorithmPoolSize = scene.bodies < 500 ? 4096 : 131072;
+    return info;
+}
+
 }  // namespace
 
 struct Peer {
-    const PeerScene                    *scene = nullptr;
+    explicit Peer(const PeerScene &described) : scene(&described), configuration(pools(described)) {}
+    const PeerScene                    *scene;
     btDefaultCollisionConfiguration     configuration;
     btCollisionDispatcher               dispatcher{&configuration};
     btDbvtBroadphase                    broadphase;
@@ -239,8 +248,7 @@ const char *const peer_name = "bullet";
 
 Peer *peer_open(const PeerScene *scene, char *, size_t)
 {
-    auto p = std::make_unique<Peer>();
-    p->scene = scene;
+    auto p = std::make_unique<Peer>(*scene);
     p->dynamics.setGravity(vector(scene->gravity));
     p->dynamics.setInternalTickCallback(set_movers, p.get(), true);
     if (scene->restitution > 0) {

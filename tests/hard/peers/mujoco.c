@@ -24,7 +24,7 @@ struct Peer {
     mjData          *data;
     int             *id, *of_geom, *first;      /* MuJoCo's body of each; body of each geometry; the joint that holds a body in the tree */
     double         (*push)[3];                  /* N, in the first part of the next frame */
-    bool             pushed;
+    bool             pushed, line_closes;       /* a slider closes a loop: no equality says so */
     int              parts;                     /* of a frame */
     char            *text;
     size_t           used, room;
@@ -217,6 +217,21 @@ static void put_body(Peer *p, int i, const PeerState *parent)
     put(p, "</body>\n");
 }
 
+/* Hangs one more body on a joint to what is placed. Sliders come first: an equality that closes a loop holds points, not lines. */
+static bool hang_one(Peer *p, bool *placed, bool *used, bool sliders)
+{
+    for (int k = 0; k < p->scene->joints; k++) {
+        const PeerJoint *j = &p->scene->joint[k];
+        const bool a = placed[j->a], b = j->b < 0 || placed[j->b];
+        if (used[k] || j->kind == PEER_SPRING || (j->kind == PEER_SLIDER) != sliders || a == b)
+            continue;
+        p->first[a ? j->b : j->a] = k;
+        placed[a ? j->b : j->a] = used[k] = true;
+        return true;
+    }
+    return false;
+}
+
 /* A tree of all that is joined: each body hangs on the first joint that reaches it, from the world or from a body that floats. */
 static void make_tree(Peer *p, bool *closes)
 {
@@ -233,16 +248,7 @@ static void make_tree(Peer *p, bool *closes)
             continue;
         if (root >= 0)
             placed[root] = true;
-        for (bool more = true; more;) {
-            more = false;
-            for (int k = 0; k < s->joints; k++) {
-                const PeerJoint *j = &s->joint[k];
-                bool a = placed[j->a], b = j->b < 0 || placed[j->b];
-                if (used[k] || j->kind == PEER_SPRING || a == b)
-                    continue;
-                p->first[a ? j->b : j->a] = k;
-                placed[a ? j->b : j->a] = used[k] = more = true;
-            }
+        while (hang_one(p, placed, used, true) || hang_one(p, placed, used, false)) {
         }
     }
     for (int k = 0; k < s->joints; k++)
@@ -251,9 +257,10 @@ static void make_tree(Peer *p, bool *closes)
     free(used);
 }
 
-/* Of a joint that closes a loop: its point, and for a hinge or slider a second one along the axis. */
+/* Of a joint that closes a loop: its point, and for a hinge a second one along the axis. */
 static void put_closing(Peer *p, const PeerJoint *j)
 {
+    p->line_closes = p->line_closes || j->kind == PEER_SLIDER;
     for (int k = 0; k < (j->kind == PEER_BALL ? 1 : 2); k++) {
         double at[3];
         for (int c = 0; c < 3; c++)
@@ -280,8 +287,8 @@ static void put_joints(Peer *p, const bool *closes)
     put(p, "</tendon><actuator>\n");
     for (int k = 0; k < s->joints; k++)
         if (s->joint[k].motor_torque > 0 && !closes[k])
-            put(p, "<velocity joint='j%d' kv='1000' forcelimited='true' forcerange='%.17g %.17g'/>\n", k, -s->joint[k].motor_torque,
-                s->joint[k].motor_torque);
+            put(p, "<velocity joint='j%d' kv='%.17g' forcelimited='true' forcerange='%.17g %.17g'/>\n", k,
+                2 * s->joint[k].motor_torque / fabs(s->joint[k].motor_speed), -s->joint[k].motor_torque, s->joint[k].motor_torque);
     put(p, "</actuator>\n");
 }
 
@@ -441,7 +448,10 @@ Peer *peer_open(const PeerScene *scene, char *why, size_t room)
     p->first = array(scene->bodies, sizeof(int));
     p->push = array(scene->bodies, sizeof *p->push);
     put_scene(p);
-    if (!load(p, why, room)) {
+    bool expressed = !p->line_closes;
+    if (!expressed)
+        snprintf(why, room, "no equality for a slider that closes a loop");
+    if (!expressed || !load(p, why, room)) {
         peer_close(p);
         return NULL;
     }

@@ -59,6 +59,9 @@ static void touch(void *data, dGeomID a, dGeomID b)
     memset(contact, 0, sizeof contact);
     int n = dCollide(a, b, POINTS, &contact[0].geom, sizeof *contact);
     for (int c = 0; c < n; c++) {
+        const dReal *normal = contact[c].geom.normal;        /* some of hulls that just touch have none, which would end the process */
+        if (!(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2] > 0.5))
+            continue;
         dSurfaceParameters *s = &contact[c].surface;
         double rolling = first->rolling > second->rolling ? first->rolling : second->rolling;
         s->mode = dContactApprox1 | (p->scene->restitution > 0 ? dContactBounce : 0) | (rolling > 0 ? dContactRolling : 0);

@@ -121,7 +121,39 @@ local function carries()
   end
   expect("a table that is driven", table.position.x, 0.5, 1e-3)
   expect("what stands on it", cube.position.x, 0.5, 0.05)
+  local disc = digbox.world {}
+  local turning = disc:cylinder { radius = 2, height = 0.2, kinematic = true, friction = 1, at = { 0, -0.1, 0 } }
+  local ball = disc:box { size = 0.2, friction = 1, at = { 1, 0.1, 0 } }
+  for _ = 1, 60 do
+    turning:drive { spin = { 0, 0.5, 0 } }
+    disc:step()
+  end
+  expect("a disc that is driven", turning.rotation:rotate({ 1, 0, 0 }).z, -math.sin(0.5), 1e-3)
+  expect("what stands on that", ball.position.z, -math.sin(0.5), 0.05)
 end
 
-for _, test in ipairs { totals, overlaps, joints, falls, rests, hangs, carries } do test() end
+-- A crank with a motor moves a piston that slides: a loop
+local function runs()
+  local w = digbox.world {}
+  local crank = w:box { size = { 0.3, 0.06, 0.06 }, mass = 3, at = { 0.15, 1, 0 }, group = -1 }
+  local rod = w:box { size = { 0.7, 0.05, 0.05 }, mass = 1.5, at = { 0.65, 1, 0 }, group = -1 }
+  local piston = w:box { size = 0.2, mass = 2, at = { 1, 1, 0 }, group = -1 }
+  w:hinge { a = crank, at = { 0, 1, 0 }, axis = { 0, 0, 1 }, motor = { speed = 10, max_torque = 50 } }
+  w:hinge { a = rod, b = crank, at = { 0.3, 1, 0 }, axis = { 0, 0, 1 } }
+  w:hinge { a = piston, b = rod, at = { 1, 1, 0 }, axis = { 0, 0, 1 } }
+  w:slider { a = piston, along = { 1, 0, 0 } }
+  local turned, low, high, off = 0, 1, 1, 0
+  for _ = 1, 120 do
+    w:step()
+    local p = piston.position
+    turned, low, high = turned + math.abs(crank.spin.z) / 60, math.min(low, p.x), math.max(high, p.x)
+    off = math.max(off, math.abs(p.y - 1), math.abs(p.z))
+  end
+  expect("way of a crank in 2 s, rad", turned, 20, 2)
+  expect("how far in its piston goes", low, 0.4, 0.05)
+  expect("how far out", high, 1, 0.05)
+  expect("the piston off its line", off, 0, 0.01)
+end
+
+for _, test in ipairs { totals, overlaps, joints, falls, rests, hangs, carries, runs } do test() end
 os.exit(bad == 0)
