@@ -1,31 +1,26 @@
 /* crowd/book.c - what the solve found goes to the group's records: forces, points, impacts, energy. */
 #include "crowd/system.h"
 
-static bool goes(const Group *g, int body) { return g->member[body].moves || g->member[body].kinematic; }
-
 /* The turn is exact: what turns for ever about one axis would move its points outward by half its square in every step. */
-static vec3 carried(const Group *g, int body, quat turn, vec3 at)
-{
-    return goes(g, body) ? vec3_add(g->pos[body].x, quat_rotate(turn, vec3_sub(at, g->member[body].start_pos.x))) : at;
-}
+static vec3 carried(const Moved *m, vec3 at) { return vec3_add(m->to, mat3_mul_vec(m->turn, vec3_sub(at, m->from))); }
 
 /* Points go with their bodies; the gap changes by what the row saw. */
 static void carry(const Crowd *crowd, GroupContact *c)
 {
     Group *g = crowd->g;
     GroupPair *q = &g->pairs[c->pair];
-    quat turn_a = crowd->turn[c->a], turn_b = crowd->turn[c->b];
+    const Moved *a = &crowd->moved[c->a], *b = &crowd->moved[c->b];
     for (int k = 0; k < c->manifold.count; k++) {
         ManifoldPoint *p = &c->manifold.points[k];
-        p->a = carried(g, c->a, turn_a, p->a);
-        p->b = carried(g, c->b, turn_b, p->b);
+        p->a = carried(a, p->a);
+        p->b = carried(b, p->b);
         p->gap = vec3_dot(c->manifold.normal, vec3_sub(p->b, p->a));
     }
     if (c->manifold.count >= 3) {
         int side = g->member[c->a].moves && !(g->member[c->a].round && g->member[c->b].moves) ? c->a : c->b;
         if (!g->member[c->a].moves || !g->member[c->b].moves)
             side = g->member[c->a].moves ? c->b : c->a;
-        c->manifold.normal = vec3_unit(quat_rotate(side == c->a ? turn_a : turn_b, c->manifold.normal));
+        c->manifold.normal = vec3_unit(mat3_mul_vec((side == c->a ? a : b)->turn, c->manifold.normal));
         if (q->contacts == 1)           /* others may be in other threads' hands */
             crowd_sign(g, q);
     }
