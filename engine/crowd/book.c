@@ -82,15 +82,20 @@ static void book_friction(GroupContact *t, const Batch *b, int lane, real h, rea
     vec3 force = vec3_add(vec3_scale((real)b->patch->j[0][lane], u), vec3_scale((real)b->patch->j[1][lane], v));
     vec3 whole = vec3_add(vec3_scale((real)b->patch->sum[0][lane], u), vec3_scale((real)b->patch->sum[1][lane], v));
     t->impulse = vec3_add(t->impulse, whole);
-    for (int k = 0; k < count && twist != 0; k++)
-        middle = vec3_mad(middle, 0.5 / count, vec3_add(t->manifold.points[k].a, t->manifold.points[k].b));
-    for (int k = 0; k < count && twist != 0; k++)
-        spread += vec3_length2(vec3_sub(t->manifold.points[k].a, middle));
+    real part = 1.0 / count, per_load = load > 0 ? 1 / load : 0, rate = 1 / h;
+    if (twist != 0) {
+        for (int k = 0; k < count; k++)
+            middle = vec3_mad(middle, 0.5 * part, vec3_add(t->manifold.points[k].a, t->manifold.points[k].b));
+        for (int k = 0; k < count; k++)
+            spread += vec3_length2(vec3_sub(t->manifold.points[k].a, middle));
+    }
+    real turn = spread > 0 ? rate * twist / spread : 0;
+    force = vec3_scale(rate, force);
     for (int k = 0; k < count; k++) {
-        vec3 tangent = vec3_scale(load > 0 ? t->memory[k].normal * h / load : 1.0 / count, force);
-        if (spread > 0)
-            tangent = vec3_mad(tangent, twist / spread, vec3_cross(n, vec3_sub(t->manifold.points[k].a, middle)));
-        t->memory[k].tangent = vec3_scale(1 / h, tangent);
+        vec3 tangent = vec3_scale(load > 0 ? t->memory[k].normal * h * per_load : part, force);
+        if (turn != 0)
+            tangent = vec3_mad(tangent, turn, vec3_cross(n, vec3_sub(t->manifold.points[k].a, middle)));
+        t->memory[k].tangent = tangent;
     }
 }
 
@@ -99,12 +104,12 @@ static void book_lane(Crowd *c, Batch *b, int lane)
     Group *g = c->g;
     GroupContact *t = &g->contacts[b->contact[lane]];
     GroupPair *q = &g->pairs[t->pair];
-    real load = 0, sum = 0, h = (real)c->h;
+    real load = 0, sum = 0, h = (real)c->h, rate = 1 / h;
     for (int k = 0; k < t->manifold.count; k++) {
         real j = (real)b->point[k].j[lane], whole = (real)b->point[k].sum[lane], speed = -(real)b->point[k].rate_before[lane];
         load += j;
         sum += whole;
-        t->memory[k].normal = j / h;
+        t->memory[k].normal = j * rate;
         t->memory[k].held = whole > 0 ? HELD_SUBSTEPS : 0;
         t->point_sum = vec3_mad(t->point_sum, whole, t->manifold.points[k].a);
         t->point_weight += whole;
@@ -121,7 +126,7 @@ static void book_lane(Crowd *c, Batch *b, int lane)
     if (b->patch)
         book_friction(t, b, lane, h, load);
     t->impulse = vec3_mad(t->impulse, sum, t->manifold.normal);
-    t->rolling = b->roll ? vec3_scale(1 / h, (vec3){(real)b->roll->j[0][lane], (real)b->roll->j[1][lane], (real)b->roll->j[2][lane]})
+    t->rolling = b->roll ? vec3_scale(rate, (vec3){(real)b->roll->j[0][lane], (real)b->roll->j[1][lane], (real)b->roll->j[2][lane]})
                          : vec3_zero();
 }
 
