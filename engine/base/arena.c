@@ -121,7 +121,7 @@ void arena_reset(Arena *a)
     arena_rewind(a, (ArenaMark){0});
     if (!a->first || !a->first->next)
         return;
-    size_t size = round_up(a->high + a->high / 4);      /* not all that is held: chunks double as they are added */
+    size_t size = round_up(a->high + a->high / 8);      /* not all that is held: chunks double as they are added */
     if (size > a->held)
         size = a->held;
     chunks_close(a);

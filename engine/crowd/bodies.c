@@ -69,8 +69,8 @@ dig_status bodies_open(Crowd *c)
     size_t n = (size_t)(c->bodies + threads);
     Six *six = arena_zero(g->arena, 7 * n * sizeof *six);
     c->frame = arena_alloc(g->arena, n * sizeof *c->frame);
-    c->turn = arena_alloc(g->arena, (size_t)g->body_count * sizeof *c->turn);
-    if (!six || !c->frame || !c->turn)
+    c->moved = arena_alloc(g->arena, (size_t)g->body_count * sizeof *c->moved);
+    if (!six || !c->frame || !c->moved)
         return DIG_E_MEMORY;
     c->vel = six;
     c->move = six + n;
@@ -92,13 +92,16 @@ static vec3 change(const Six *now, const Six *before, int at)
 static vec3 momentum_of(const Member *m, quat q, vec3 w) { return quat_rotate(q, mat3_mul_vec(m->inertia, quat_unrotate(q, w))); }
 static vec3 spin_of(const Member *m, quat q, vec3 l) { return quat_rotate(q, mat3_mul_vec(m->inv_inertia, quat_unrotate(q, l))); }
 
+static const Moved stood = {.turn = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+
 /* By so much has the body turned since the start: in world axes. */
 static void turn_by(Crowd *c, int i, vec3 angle)
 {
     Group *g = c->g;
+    quat q = quat_exp(angle);
     g->shift[i].w = angle;
-    c->turn[i] = quat_exp(angle);
-    g->pos[i].q = quat_unit(quat_mul(c->turn[i], g->pos[i].q));
+    g->pos[i].q = quat_unit(quat_mul(q, g->pos[i].q));
+    c->moved[i] = (Moved){quat_matrix(q), g->member[i].start_pos.x, g->pos[i].x};
 }
 
 /* The angular momentum stays. A body that turns far meanwhile does so with the spin that belongs to the middle of its turn. */
@@ -139,7 +142,7 @@ static void close_body(Crowd *c, int i)
     const Frame *f = &c->frame[i];
     Member *m = &g->member[i];
     if (!m->moves) {
-        c->turn[i] = quat_identity();
+        c->moved[i] = stood;
         return;
     }
     m->constrained = f->held;
@@ -168,7 +171,7 @@ void bodies_close(Crowd *c)
     Group *g = c->g;
     team_run(g->team, close_share, c);
     for (int i = c->bodies; i < g->body_count; i++) {
-        c->turn[i] = quat_identity();
+        c->moved[i] = stood;
         if (!g->member[i].kinematic)
             continue;
         g->pos[i].x = vec3_mad(g->pos[i].x, c->dt, g->vel[i].v);

@@ -1,31 +1,26 @@
 /* crowd/book.c - what the solve found goes to the group's records: forces, points, impacts, energy. */
 #include "crowd/system.h"
 
-static bool goes(const Group *g, int body) { return g->member[body].moves || g->member[body].kinematic; }
-
 /* The turn is exact: what turns for ever about one axis would move its points outward by half its square in every step. */
-static vec3 carried(const Group *g, int body, quat turn, vec3 at)
-{
-    return goes(g, body) ? vec3_add(g->pos[body].x, quat_rotate(turn, vec3_sub(at, g->member[body].start_pos.x))) : at;
-}
+static vec3 carried(const Moved *m, vec3 at) { return vec3_add(m->to, mat3_mul_vec(m->turn, vec3_sub(at, m->from))); }
 
 /* Points go with their bodies; the gap changes by what the row saw. */
 static void carry(const Crowd *crowd, GroupContact *c)
 {
     Group *g = crowd->g;
     GroupPair *q = &g->pairs[c->pair];
-    quat turn_a = crowd->turn[c->a], turn_b = crowd->turn[c->b];
+    const Moved *a = &crowd->moved[c->a], *b = &crowd->moved[c->b];
     for (int k = 0; k < c->manifold.count; k++) {
         ManifoldPoint *p = &c->manifold.points[k];
-        p->a = carried(g, c->a, turn_a, p->a);
-        p->b = carried(g, c->b, turn_b, p->b);
+        p->a = carried(a, p->a);
+        p->b = carried(b, p->b);
         p->gap = vec3_dot(c->manifold.normal, vec3_sub(p->b, p->a));
     }
     if (c->manifold.count >= 3) {
         int side = g->member[c->a].moves && !(g->member[c->a].round && g->member[c->b].moves) ? c->a : c->b;
         if (!g->member[c->a].moves || !g->member[c->b].moves)
             side = g->member[c->a].moves ? c->b : c->a;
-        c->manifold.normal = vec3_unit(quat_rotate(side == c->a ? turn_a : turn_b, c->manifold.normal));
+        c->manifold.normal = vec3_unit(mat3_mul_vec((side == c->a ? a : b)->turn, c->manifold.normal));
         if (q->contacts == 1)           /* others may be in other threads' hands */
             crowd_sign(g, q);
     }
@@ -87,15 +82,20 @@ static void book_friction(GroupContact *t, const Batch *b, int lane, real h, rea
     vec3 force = vec3_add(vec3_scale((real)b->patch->j[0][lane], u), vec3_scale((real)b->patch->j[1][lane], v));
     vec3 whole = vec3_add(vec3_scale((real)b->patch->sum[0][lane], u), vec3_scale((real)b->patch->sum[1][lane], v));
     t->impulse = vec3_add(t->impulse, whole);
-    for (int k = 0; k < count && twist != 0; k++)
-        middle = vec3_mad(middle, 0.5 / count, vec3_add(t->manifold.points[k].a, t->manifold.points[k].b));
-    for (int k = 0; k < count && twist != 0; k++)
-        spread += vec3_length2(vec3_sub(t->manifold.points[k].a, middle));
+    real part = 1.0 / count, per_load = load > 0 ? 1 / load : 0, rate = 1 / h;
+    if (twist != 0) {
+        for (int k = 0; k < count; k++)
+            middle = vec3_mad(middle, 0.5 * part, vec3_add(t->manifold.points[k].a, t->manifold.points[k].b));
+        for (int k = 0; k < count; k++)
+            spread += vec3_length2(vec3_sub(t->manifold.points[k].a, middle));
+    }
+    real turn = spread > 0 ? rate * twist / spread : 0;
+    force = vec3_scale(rate, force);
     for (int k = 0; k < count; k++) {
-        vec3 tangent = vec3_scale(load > 0 ? t->memory[k].normal * h / load : 1.0 / count, force);
-        if (spread > 0)
-            tangent = vec3_mad(tangent, twist / spread, vec3_cross(n, vec3_sub(t->manifold.points[k].a, middle)));
-        t->memory[k].tangent = vec3_scale(1 / h, tangent);
+        vec3 tangent = vec3_scale(load > 0 ? t->memory[k].normal * h * per_load : part, force);
+        if (turn != 0)
+            tangent = vec3_mad(tangent, turn, vec3_cross(n, vec3_sub(t->manifold.points[k].a, middle)));
+        t->memory[k].tangent = tangent;
     }
 }
 
@@ -113,13 +113,13 @@ static void book_lane(Crowd *c, Batch *b, int lane)
     Group *g = c->g;
     GroupContact *t = &g->contacts[b->contact[lane]];
     GroupPair *q = &g->pairs[t->pair];
-    real load = 0, sum = 0, h = (real)c->h;
+    real load = 0, sum = 0, h = (real)c->h, rate = 1 / h;
     for (int k = 0; k < t->manifold.count; k++) {
         real j = (real)b->point[k].j[lane], whole = (real)b->point[k].sum[lane], speed = -(real)b->point[k].rate_before[lane];
         load += j;
         sum += whole;
-        t->memory[k].normal = j / h;
-        t->memory[k].borne = t->manifold.count == 1 ? borne(c, (real)t->memory[k].borne, j / h) : 0;
+        t->memory[k].normal = j * rate;
+        t->memory[k].borne = t->manifold.count == 1 ? borne(c, (real)t->memory[k].borne, j * rate) : 0;
         t->memory[k].held = whole > 0 ? HELD_SUBSTEPS : 0;
         t->point_sum = vec3_mad(t->point_sum, whole, t->manifold.points[k].a);
         t->point_weight += whole;
@@ -136,7 +136,7 @@ static void book_lane(Crowd *c, Batch *b, int lane)
     if (b->patch)
         book_friction(t, b, lane, h, load);
     t->impulse = vec3_mad(t->impulse, sum, t->manifold.normal);
-    t->rolling = b->roll ? vec3_scale(1 / h, (vec3){(real)b->roll->j[0][lane], (real)b->roll->j[1][lane], (real)b->roll->j[2][lane]})
+    t->rolling = b->roll ? vec3_scale(rate, (vec3){(real)b->roll->j[0][lane], (real)b->roll->j[1][lane], (real)b->roll->j[2][lane]})
                          : vec3_zero();
 }
 

@@ -177,9 +177,10 @@ static void fill_patch(const Crowd *c, const Ends *e, WidePatch *p, int lane)
     vec3 t, u, middle = vec3_zero(), force = vec3_zero();
     vec3_basis(m->normal, &t, &u);
     put(p->t, lane, t);
+    real part = 1.0 / m->count;
     for (int k = 0; k < m->count; k++) {
         force = vec3_add(force, e->c->memory[k].tangent);
-        middle = vec3_mad(middle, 1.0 / m->count, m->points[k].a);
+        middle = vec3_mad(middle, part, m->points[k].a);
     }
     p->j[0][lane] = (float)vec3_dot(force, t) * c->h;
     p->j[1][lane] = (float)vec3_dot(force, u) * c->h;

@@ -102,6 +102,9 @@ static inline int phase_end(Phase x, int thread, int threads)
     return x.first + (phase_shared(x) ? team_end(x.count, thread, threads) : x.count);
 }
 
+/* How what is fixed to a body went: at becomes to + turn (at - from). All zero, and no turn, for what stands still. */
+typedef struct Moved { mat3 turn; vec3 from, to; } Moved;
+
 typedef struct Crowd {
     Group *g;
     Team  *team;                /* g's                                                         */
@@ -114,7 +117,7 @@ typedef struct Crowd {
     Six   *last, *push;         /* velocity at the last substep's start; change by forces per substep */
     Six   *start;               /* velocity at the start of the step                           */
     Six   *axes[2];             /* frames: columns of s, root                                  */
-    quat  *turn;                /* [body_count of g] since the start, at the end of the step   */
+    Moved *moved;               /* [body_count of g] since the start, at the end of the step   */
     Batch *batch; int batches;
     Phase *phase; int phases;
     Soft   soft[PASSES_MOST][2];    /* by how many passes there are; between moving bodies; against what does not move */

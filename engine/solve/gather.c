@@ -520,12 +520,10 @@ static bool contact_touches(const Group *g, const GroupPair *q, const GroupConta
     return false;
 }
 
-static bool is_zero(vec3 v) { return v.x == 0 && v.y == 0 && v.z == 0; }
-
 /* Has it no point, and no force that the world's record would hold? */
 static bool contact_idle(const GroupContact *c)
 {
-    return c->manifold.count == 0 && is_zero(c->impulse) && is_zero(c->rolling) && !c->sliding;
+    return c->manifold.count == 0 && vec3_is_zero(c->impulse) && vec3_is_zero(c->rolling) && !c->sliding;
 }
 
 typedef struct Verdict { int changed, turned, widened, live, rubbing; } Verdict;     /* counts of one thread */

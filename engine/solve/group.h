@@ -275,9 +275,7 @@ void       group_commit(World *w, const Group *g);      /* then what is in them:
 /* Pose of a pair's shape a or b from the present positions. */
 static inline pose group_shape_pose(const Group *g, int body, pose local)
 {
-    const Pos *p = &g->pos[body];
-    bool centred = local.p.x == 0 && local.p.y == 0 && local.p.z == 0, straight = local.q.w == 1;
-    return (pose){centred ? p->x : vec3_add(p->x, quat_rotate(p->q, local.p)), straight ? p->q : quat_mul(p->q, local.q)};
+    return pose_of_part((pose){g->pos[body].x, g->pos[body].q}, local);
 }
 void       group_refresh_mass(Group *g, int body);      /* inverse inertia in world axes */
 void       group_joint_view(Group *g, int joint);       /* its ends from the present positions and velocities */

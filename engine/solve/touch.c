@@ -124,8 +124,7 @@ static bool is_ball(const Shape *s) { return s->outer == s->round && s->type->co
 
 static vec3 centre_of(const Group *g, int body, vec3 local)
 {
-    bool centred = local.x == 0 && local.y == 0 && local.z == 0;
-    return centred ? g->pos[body].x : vec3_add(g->pos[body].x, quat_rotate(g->pos[body].q, local));
+    return vec3_is_zero(local) ? g->pos[body].x : vec3_add(g->pos[body].x, quat_rotate(g->pos[body].q, local));
 }
 
 /* Two balls, which most of a large crowd are: as manifold_collide finds it. */

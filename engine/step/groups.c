@@ -115,9 +115,9 @@ static dig_status collect_pair(World *w, uint32_t slot, Found *f)
     const Pair *p = &w->pairs.data[slot];
     bool a = is_dynamic(w, p->body_a), b = is_dynamic(w, p->body_b);
     if (a && b) {
-        uint32_t one = dig_node(w, p->body_a, f), other = dig_node(w, p->body_b, f);
-        if (one != other)
-            unite(w, one, other);
+        uint32_t one = graph_lead(w->graph, p->body_a), other = graph_lead(w->graph, p->body_b);
+        if (one != other)               /* else its DIG is awake, for one end is listed, and noted */
+            unite(w, dig_node(w, p->body_a, f), dig_node(w, p->body_b, f));
     } else {
         uint32_t body = a ? p->body_a : p->body_b, other = a ? p->body_b : p->body_a;
         if (!w->bodies.data[body].awake)    /* the other is a mover, for one end is listed */

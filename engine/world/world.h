@@ -340,10 +340,18 @@ static inline Region *world_region(const World *w, dig_region r)
 static inline real world_time(const World *w) { return (real)w->steps * w->def.step; }
 
 /* Pose of the body's origin. */
-static inline pose body_pose(const Body *b) { return (pose){vec3_sub(b->x, quat_rotate(b->q, b->centre)), b->q}; }
+static inline pose body_pose(const Body *b)
+{
+    return (pose){vec3_is_zero(b->centre) ? b->x : vec3_sub(b->x, quat_rotate(b->q, b->centre)), b->q};
+}
+/* A shape in the frame of its body, in that body's pose: mostly the body is the shape. */
+static inline pose pose_of_part(pose body, pose at)
+{
+    return (pose){vec3_is_zero(at.p) ? body.p : pose_point(body, at.p), at.q.w == 1 ? body.q : quat_mul(body.q, at.q)};
+}
 static inline pose solid_pose(const World *w, const Solid *s)
 {
-    return s->body == NONE ? s->at : pose_mul(body_pose(&w->bodies.data[s->body]), s->at);
+    return s->body == NONE ? s->at : pose_of_part(body_pose(&w->bodies.data[s->body]), s->at);
 }
 static inline mat3 body_inertia_world(const Body *b)
 {
