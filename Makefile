@@ -191,6 +191,9 @@ viewer:                                         ## the page of `digbox view`, bu
 # ---- random inputs ----
 -include tests/fuzz/fuzz.mk
 
+# ---- long films ----
+-include tests/film/film.mk
+
 # ---- what other programs make of exported replays ----
 -include tests/export/export.mk
 

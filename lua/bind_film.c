@@ -33,7 +33,8 @@ static int no_renderer(lua_State *L)
 
 void bind_film_open(lua_State *L, int core)
 {
-    static const char *const names[] = {"view", "blend", "view_camera", "picture", "pipe", "compare_pictures", "png_text", "png_whole", "pixels", "renderer"};
+    static const char *const names[] = {"view", "blend", "view_camera", "picture", "pipe", "compare_pictures", "png_text", "png_whole", "pixels", "renderer",
+                                        "picture_need"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         lua_pushcfunction(L, no_renderer);
         lua_setfield(L, core, names[i]);
@@ -236,6 +237,21 @@ static int renderer_gc(lua_State *L)
         render_close(ref->r);
     ref->r = NULL;
     return 0;
+}
+
+/* core.picture_need(options) -> bytes that a process needs, about, which draws such pictures; bytes that it may have */
+static int picture_need(lua_State *L)
+{
+    RenderOptions o = render_defaults();
+    lua_settop(L, 1);
+    o.width = (int)number_field(L, 1, "width", o.width);
+    o.height = (int)number_field(L, 1, "height", o.height);
+    o.samples = (int)number_field(L, 1, "samples", 0);
+    o.overlay = (unsigned)number_field(L, 1, "overlay", 0);
+    o.moments = (int)number_field(L, 1, "moments", 0);
+    lua_pushinteger(L, (lua_Integer)render_need(&o));
+    lua_pushinteger(L, (lua_Integer)app_room());
+    return 2;
 }
 
 /* core.renderer() -> "osmesa: 4.5 (Core Profile) ..." */
@@ -659,7 +675,7 @@ static int film_png_whole(lua_State *L)
 static const luaL_Reg functions[] = {
     {"view", view_take}, {"blend", view_blend_to}, {"view_camera", view_camera}, {"picture", film_picture}, {"pipe", film_pipe},
     {"compare_pictures", film_compare}, {"png_text", film_png_text}, {"renderer", renderer_describe},
-    {"png_whole", film_png_whole}, {"pixels", film_pixels}, {NULL, NULL},
+    {"picture_need", picture_need}, {"png_whole", film_png_whole}, {"pixels", film_pixels}, {NULL, NULL},
 };
 
 void bind_film_open(lua_State *L, int core)

@@ -65,6 +65,7 @@ static int push_job(lua_State *L)
     set_text(L, "overlay", job->overlay);
     set_whole(L, "samples", job->samples);
     set_whole(L, "blur", job->blur);
+    set_whole(L, "workers", job->workers);
     if (job->fps > 0) {
         lua_pushnumber(L, job->fps);
         lua_setfield(L, -2, "fps");

@@ -423,6 +423,12 @@ static size_t physical_bytes(void)
     return pages > 0 && size > 0 ? (size_t)pages * (size_t)size : 0;
 }
 
+size_t app_room(void)
+{
+    size_t most = physical_bytes() / 4 * 3, given = current ? current->resident_limit : 0;
+    return given && given < most ? given : most;
+}
+
 /* Besides Lua's own memory: that of the whole process, with worlds and renderer in it. */
 static void limit_memory(App *app)
 {

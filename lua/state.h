@@ -57,6 +57,9 @@ void app_catch_signals(void);
 /* The signal that came, or 0. */
 int app_signal(void);
 
+/* Bytes that this process may take, worlds and pictures included: what --memory-limit allows, and at most three quarters of the machine's. */
+size_t app_room(void);
+
 /* What Ctrl-C stopped has stopped: the next one is the first again. Other signals stay. */
 void app_forget_interrupt(void);
 

@@ -2,6 +2,15 @@
 #include "render/render.h"
 #include "render/stage.h"
 
+/* Measured (llvmpipe of Mesa 22.3, peaks of the process at 2048 x 2048 to 4096 x 4096): 88 MiB, and 18.5 bytes a pixel, 47 with four
+ * samples. Rounded up; overlays and sums of moments by their buffers. */
+uint64_t render_need(const RenderOptions *o)
+{
+    uint64_t pixels = (uint64_t)o->width * (uint64_t)o->height;
+    uint64_t each = 22 + (o->samples > 0 ? 7 * (uint64_t)o->samples : 0) + (o->overlay ? 12 : 0) + (o->moments > 0 ? 12 : 0);
+    return ((uint64_t)96 << 20) + pixels * each;
+}
+
 RenderOptions render_defaults(void)
 {
     return (RenderOptions){

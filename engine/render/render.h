@@ -45,6 +45,8 @@ typedef struct RenderOptions {
 
 typedef struct Renderer Renderer;
 
+/* Bytes, about, of a process that draws such pictures: to be known before the first one is. */
+uint64_t      render_need(const RenderOptions *o);
 RenderOptions render_defaults(void);                        /* 1280x720, smooth edges, sun, shadows */
 RenderCamera  render_camera_for(const View *v, real fov, real aspect);   /* a sensible one that sees everything */
 

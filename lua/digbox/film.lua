@@ -229,6 +229,18 @@ local function check_overlay(list, what)
   return bits
 end
 
+-- What pictures of that size take is known before anything is simulated for them. workers: so many processes draw side by side.
+function core.check_room(o, what, workers)
+  if not core.can_render then return end
+  local need, room = core.picture_need(o)
+  need = need * (workers or 1)
+  if need > room then
+    core.fail("%s: a picture of %d x %d pixels%s%s needs about %.1f GiB of memory, here are at most %.1f GiB (--memory-limit, or three " ..
+      "quarters of the machine's)", what, o.width, o.height, o.samples > 0 and (" with %d samples each"):format(o.samples) or "",
+      workers and workers > 1 and (" by each of %d processes"):format(workers) or "", need / 2 ^ 30, room / 2 ^ 30)
+  end
+end
+
 function core.drawing_options(f, what, world)
   local o = {}
   o.width, o.height = check_size(f.size, what)
@@ -241,6 +253,7 @@ function core.drawing_options(f, what, world)
   o.layer = layers[layer]
   if f.camera ~= nil and not is_camera[f.camera] then core.fail("%s.camera wants a camera; got %s", what, core.type(f.camera)) end
   if f.camera and f.camera[2] ~= world then core.fail("%s.camera belongs to another world", what) end
+  core.check_room(o, what)
   return o
 end
 

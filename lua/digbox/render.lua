@@ -116,6 +116,8 @@ function core.render_plan(o)
   if not reader then core.fail("%s", why) end
   local plan = { reader = reader, info = core.reader_info(reader), blur = o.blur or 1 }
   plan.options = core.drawing_options(film_fields(plan, o), "render")
+  plan.options.moments = plan.blur > 1 and plan.blur or nil
+  core.check_room(plan.options, "render", o.workers)
   find_camera(plan, o.camera)
   set_range(plan, o)
   set_target(plan, o.to or "out/" .. (o.replay:match "([^/]+)$"):gsub("%.%w+$", "") .. "-%05d.png")

@@ -230,6 +230,16 @@ for bad in 0 -1 16385 2147483648 1.5 '{}' nan; do
     sed "s/opt.width, 32/tonumber '$bad' or {}, 32/" roll.lua >size.lua
     gives 1 "the width $bad" run -q -o sizes size.lua;      said 'must be a whole number from 1 to 16384'
 done
+cat >need.lua <<'LUA'
+local world = require("digbox").world {}
+world:ball { radius = 1 }
+world:record { to = "f-%d.png", fps = 60, size = { 16384, 16384 }, samples = 4 }
+print "begun"
+world:step(600)
+LUA
+gives 1 'pictures for which there is no memory' run -q -o sizes --memory-limit 64 need.lua
+said 'world:record: a picture of 16384 x 16384 pixels with 4 samples each needs about 12.6 GiB of memory, here are at most 0.8 GiB'
+holds 'are refused before anything is done' test ! -s out.txt -a ! -e sizes
 gives 0 'a width of one pixel' run -q -o sizes --seconds 0.02 --set width=1 roll.lua
 holds 'nothing else was written' test "$(ls sizes | wc -l)" = 5
 
