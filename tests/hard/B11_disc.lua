@@ -5,8 +5,8 @@ return {
   id = "B11", title = "spun disc", seconds = 20, size = 0.04, chaotic = true,
   build = function(place, digbox)
     local s = { rise = 0, deep = 0 }
-    place:floor { friction = 0.3 }
-    s.disc = place:cylinder { name = "disc", radius = 0.02, height = 0.002, friction = 0.3, rolling_friction = 0.001,
+    place:floor { friction = 0.3, rolling_friction = 0.004 }
+    s.disc = place:cylinder { name = "disc", radius = 0.02, height = 0.002, friction = 0.3, rolling_friction = 0.004,
                               at = { 0, 0.02 * math.cos(0.1) + 0.001 * math.sin(0.1) + 1e-6, 0 },
                               rotation = digbox.quat { axis = { 1, 0, 0 }, angle = math.pi / 2 - 0.1 }, spin = { 0, 30, 0 } }
     local e = place.world.energy
