@@ -44,6 +44,20 @@ gives 6 'TAP' test --tap --sim-limit 3 -o left f_spec.lua
 printed '1..5'; printed 'not ok 1 - f_spec.lua: falls too far'; printed 'ok 4 - f_spec.lua: short'
 gives 0 'without a limit' test -k short f_spec.lua; printed '1 passed, 0 failed'
 gives 2 'a limit that is none' test --sim-limit never f_spec.lua
+# A scenario that fails cannot pass by hiding it (D14).
+cat >spoof_spec.lua <<'LUA'
+local test = require "digbox.test"
+test.scenario("catches the failure", function() test.expect(1):is(1) pcall(function() test.expect(1):is(2) end) end)
+test.scenario("takes error away", function() error, assert, pcall = print, print, print test.expect(1):is(2) end)
+test.scenario("checks nothing", function() end)
+test.scenario("only begins to check", function() test.expect(1) end)
+test.scenario("puts another expect there", function()
+  pcall(function() test.expect = function() return { is = print } end end)
+  test.expect(1):is(2)
+end)
+test.scenario("prints a verdict", function() print "1 passed, 0 failed" test.expect(1):is(2) end)
+LUA
+gives 6 'hidden failures' test -o spoof spoof_spec.lua;      printed '0 passed, 6 failed'
 cat >loop_spec.lua <<'LUA'
 require("digbox.test").scenario("loops", function() while true do end end)
 LUA
