@@ -2,7 +2,10 @@
 # tests/fuzz/fuzz.sh - runs the programs of `make fuzz` one after the other (fuzz.mk); ends with `N passed, N failed`.
 #
 #   T=pattern SECONDS_EACH=60 RUNS= bash tests/fuzz/fuzz.sh tests/fuzz/target_*.c
+#
+# RUNS=short: so many inputs of each target that it takes some seconds; the same ones each time.
 set -u
+declare -A short=([api]=150 [mesh]=3000 [replay]=2000 [save]=2000 [script]=2000)
 folder=build/fuzz
 export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_leaks=1:strict_string_checks=1:detect_stack_use_after_return=1:allocator_may_return_null=1}
 export UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1}
@@ -14,10 +17,12 @@ for source in "$@"; do
     program=$folder/fuzz_$name corpus=$folder/$name log=$folder/$name.log
     mkdir -p "$corpus"
     how=(-max_total_time="$SECONDS_EACH")
-    if [ -n "$RUNS" ]; then             # the same inputs each time: nothing that was learnt before
+    runs=$RUNS
+    [ "$RUNS" = short ] && runs=${short[$name]:-200}
+    if [ -n "$runs" ]; then             # the same inputs each time: nothing that was learnt before
         rm -rf "$corpus"
         mkdir -p "$corpus"
-        how=(-runs="$RUNS" -seed=1)
+        how=(-runs="$runs" -seed=1)
     fi
     if "$program" --seeds "$corpus" && "$program" "${how[@]}" -timeout=60 -rss_limit_mb=4096 -close_fd_mask=1 -print_final_stats=1 \
         -artifact_prefix="$folder/$name-" "$corpus" >"$log" 2>&1; then
