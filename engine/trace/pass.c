@@ -90,7 +90,7 @@ bool trace_pass(Tracer *t)
     if (g->woke || g->status != DIG_OK)
         return true;
     t->fault = NULL;
-    t->conserves = false;
+    t->conserves = t->turns = false;
     t->near_events = t->probe_wait = 0;
     t->t = t->pass_end = g->t;
     t->h_next = t->pass;

@@ -198,6 +198,7 @@ typedef struct Tracer {
     int    passes, work;        /* places swept past in this frame; most evaluations */
     real   pass, pass_end;      /* s  length and end of the last of them  */
     bool   conserves;           /* nothing in this frame took or gave energy so far: it is held, see energy.c */
+    bool   turns;               /* the same of angular momentum: jerks of joints and breaks leave it */
     int   *root; bool *held;    /* mechanisms: [moving_count + 1] lowest body; does it hang on something? */
     real  *gain;                /* J   of each, by its lowest body             */
 } Tracer;
