@@ -4,7 +4,8 @@
  * the end of a frame in which only hard joints, undamped springs and an even field acted, the velocities are scaled so that the
  * energy is that at its start (Hairer, Lubich & Wanner, Geometric Numerical Integration, IV.4: projection on an invariant). A
  * scaled velocity obeys every joint that the velocity obeyed. Mechanisms that hang on nothing are scaled in their motion relative
- * to the rigid one with the same momentum and angular momentum, so that these stay, too. What one step's local error may be, the
+ * to the rigid one with the same momentum and angular momentum, so that these stay, too; and before that the rigid motion is given the
+ * angular momentum of the frame's start, for the pair keeps no invariant but the linear ones. What one step's local error may be, the
  * change may be, and no more: what asks for more is no error of the integration.
  */
 #include "trace/trace.h"
@@ -91,7 +92,7 @@ static void add_springs(const Tracer *t, real sign, real *sum)
 /* At the start of the frame, once its joints were viewed and the forces are known. */
 void trace_mark_energy(Tracer *t)
 {
-    t->conserves = conserves(t);
+    t->conserves = t->turns = conserves(t);
     if (!t->conserves)
         return;
     find_mechanisms(t);
@@ -105,7 +106,8 @@ static real kinetic_of(const Member *m, quat q, vec3 v, vec3 w)
     return 0.5 * m->mass * vec3_length2(v) + 0.5 * vec3_dot(l, mat3_mul_vec(m->inertia, l));
 }
 
-typedef struct Mechanism { real gain, scale, kinetic; vec3 at, v, w; } Mechanism;     /* at, v, w: of the rigid motion */
+/* at, v, w, inertia: of the rigid motion */
+typedef struct Mechanism { real gain, scale, kinetic; vec3 at, v, w; mat3 inertia; } Mechanism;
 
 /* What body i gained since the start of the frame. */
 static void add_gain(const Tracer *t, int i, Mechanism *sum)
@@ -116,6 +118,13 @@ static void add_gain(const Tracer *t, int i, Mechanism *sum)
     real before = kinetic_of(m, b->q, b->v, b->w), after = kinetic_of(m, g->pos[i].q, g->vel[i].v, g->vel[i].w);
     sum->gain += after - before - m->mass * vec3_dot(t->pull[i], vec3_sub(g->pos[i].x, b->x));
     sum->scale += after + m->mass * vec3_length(t->pull[i]) * vec3_length(b->x);
+}
+
+/* kg m^2/s  About a point that moves with the velocity v. */
+static vec3 turning(const Member *m, const Pos *pos, const Vel *vel, vec3 at, vec3 v)
+{
+    vec3 own = quat_rotate(pos->q, mat3_mul_vec(m->inertia, quat_unrotate(pos->q, vel->w)));
+    return vec3_mad(own, m->mass, vec3_cross(vec3_sub(pos->x, at), vec3_sub(vel->v, v)));
 }
 
 /* The rigid motion with the momentum and angular momentum of a mechanism. */
@@ -138,13 +147,65 @@ static void find_rigid(const Tracer *t, int root, Mechanism *out)
         if (t->root[i] != root)
             continue;
         const Member *m = &g->member[i];
-        vec3 r = vec3_sub(g->pos[i].x, out->at), w = quat_unrotate(g->pos[i].q, g->vel[i].w);
-        mat3 turn = quat_matrix(g->pos[i].q), skew = mat3_skew(r);
-        l = vec3_add(l, vec3_mad(quat_rotate(g->pos[i].q, mat3_mul_vec(m->inertia, w)), m->mass, vec3_cross(r, g->vel[i].v)));
+        mat3 turn = quat_matrix(g->pos[i].q), skew = mat3_skew(vec3_sub(g->pos[i].x, out->at));
+        l = vec3_add(l, turning(m, &g->pos[i], &g->vel[i], out->at, out->v));
         inertia = mat3_add(inertia, mat3_mul(turn, mat3_mul(m->inertia, mat3_transpose(turn))));
         inertia = mat3_sub(inertia, mat3_scale(m->mass, mat3_mul(skew, skew)));
     }
+    out->inertia = inertia;
     out->w = mat3_mul_vec(mat3_inverse(inertia), l);
+}
+
+/* kg m^2/s  About its centre of mass at the start of the frame; *scale: what it is summed from. False: what pulls may turn it. */
+static bool turning_before(const Tracer *t, int root, vec3 *l, real *scale)
+{
+    const Group *g = t->g;
+    real mass = 0;
+    vec3 at = vec3_zero(), v = vec3_zero();
+    for (int i = root; i < g->moving_count; i++) {
+        if (t->root[i] != root)
+            continue;
+        const Body *b = &g->world->bodies.data[g->member[i].slot];
+        if (t->pull[i].x != t->pull[root].x || t->pull[i].y != t->pull[root].y || t->pull[i].z != t->pull[root].z)
+            return false;
+        mass += g->member[i].mass;
+        at = vec3_mad(at, g->member[i].mass, b->x);
+        v = vec3_mad(v, g->member[i].mass, b->v);
+    }
+    at = vec3_scale(1 / mass, at);
+    v = vec3_scale(1 / mass, v);
+    *l = vec3_zero();
+    *scale = 0;
+    for (int i = root; i < g->moving_count; i++) {
+        if (t->root[i] != root)
+            continue;
+        const Body *b = &g->world->bodies.data[g->member[i].slot];
+        real outer = g->member[i].outer, speed = vec3_distance(b->v, v) + outer * vec3_length(b->w);
+        *l = vec3_add(*l, turning(&g->member[i], &(Pos){b->x, b->q}, &(Vel){b->v, b->w}, at, v));
+        *scale += g->member[i].mass * (vec3_distance(b->x, at) + outer) * speed;
+    }
+    return true;
+}
+
+/* The angular momentum that a free mechanism had at the start of the frame, by turning all of it a little faster or slower. */
+static void hold_turning(Tracer *t, int root, Mechanism *m)
+{
+    Group *g = t->g;
+    vec3 before;
+    real scale;
+    if (!turning_before(t, root, &before, &scale))
+        return;
+    vec3 off = vec3_sub(before, mat3_mul_vec(m->inertia, m->w));
+    if (!(vec3_length(off) <= t->tolerance * scale))
+        return;
+    vec3 change = mat3_mul_vec(mat3_inverse(m->inertia), off);
+    for (int i = root; i < g->moving_count; i++) {
+        if (t->root[i] != root)
+            continue;
+        g->vel[i].v = vec3_add(g->vel[i].v, vec3_cross(change, vec3_sub(g->pos[i].x, m->at)));
+        g->vel[i].w = vec3_add(g->vel[i].w, change);
+    }
+    m->w = vec3_add(m->w, change);
 }
 
 static Vel relative(const Tracer *t, int i, const Mechanism *m)
@@ -159,11 +220,15 @@ static void hold_mechanism(Tracer *t, int root)
     Group *g = t->g;
     Mechanism m = {.gain = t->gain[root]};
     real allowed = 0;           /* J  what a local error of the tolerance does */
+    if (!t->held[root]) {
+        find_rigid(t, root, &m);
+        hold_turning(t, root, &m);
+    }
+    if (!t->conserves || g->located > 0)
+        return;
     for (int i = root; i < g->moving_count; i++)
         if (t->root[i] == root)
             add_gain(t, i, &m);
-    if (!t->held[root])
-        find_rigid(t, root, &m);
     for (int i = root; i < g->moving_count; i++) {
         if (t->root[i] != root)
             continue;
@@ -189,7 +254,7 @@ static void hold_mechanism(Tracer *t, int root)
 void trace_hold_energy(Tracer *t)
 {
     Group *g = t->g;
-    if (!t->conserves || g->located > 0)
+    if (!t->turns || (g->located > 0 && g->contact_count > 0))
         return;
     for (int i = 0; i < g->joint_count; i++)
         group_joint_view(g, i);

@@ -91,7 +91,7 @@ bool trace_pass(Tracer *t)
     if (g->woke || g->status != DIG_OK)
         return true;
     t->fault = NULL;
-    t->conserves = false;
+    t->conserves = t->turns = false;
     t->near_events = t->probe_wait = 0;
     t->t = t->pass_end = t->mark = g->t;
     t->mark_work = g->evaluations;

@@ -199,6 +199,7 @@ typedef struct Tracer {
     int    mark_work; real mark;                /* evaluations and s, from which on it is looked whether it crawls */
     real   pass, pass_end;      /* s  length and end of the last of them  */
     bool   conserves;           /* nothing in this frame took or gave energy so far: it is held, see energy.c */
+    bool   turns;               /* the same of angular momentum: jerks of joints and breaks leave it */
     int   *root; bool *held;    /* mechanisms: [moving_count + 1] lowest body; does it hang on something? */
     real  *gain;                /* J   of each, by its lowest body             */
 } Tracer;
