@@ -35,8 +35,9 @@ dig_status light_open(Light *l, const Gl *gl, char *why, size_t capacity)
     /* zeroed: the shadow fields are read, with no weight, even when there is no sun */
     l->above = calloc(8 * HEIGHTS, sizeof *l->above);
     l->shade = calloc(4 * (size_t)FLOORS, sizeof *l->shade);
-    l->texels = calloc(5, FLOORS);
-    if (!l->sun || !l->moments || !l->above || !l->shade || !l->texels) {
+    l->texels = calloc(FLOORS, sizeof *l->texels);
+    l->marble = malloc(FLOORS);
+    if (!l->sun || !l->moments || !l->above || !l->shade || !l->texels || !l->marble) {
         snprintf(why, capacity, "no memory for the light maps");
         return DIG_E_MEMORY;
     }
@@ -49,7 +50,6 @@ dig_status light_open(Light *l, const Gl *gl, char *why, size_t capacity)
     l->mid = l->shade + FLOORS;
     l->gap = l->mid + FLOORS;
     l->scratch = l->gap + FLOORS;
-    l->marble = l->texels + 4 * (size_t)FLOORS;
     marble_fill(l->marble, FLOOR_SIZE);
     return DIG_OK;
 }
@@ -64,6 +64,7 @@ void light_close(Light *l, const Gl *gl)
     free(l->above);
     free(l->shade);
     free(l->texels);
+    free(l->marble);
     *l = (Light){0};
 }
 
@@ -486,13 +487,16 @@ static void pack_floor(Light *l, const Ground *g, bool sunny)
             blend_shadows(l, j, hidden);
         widen(l->sky, j, sky);
         const unsigned char *marble = l->marble + (size_t)((j + g->row) & (N - 1)) * N;
-        unsigned char *row = l->texels + (size_t)4 * N * (size_t)j;
+        uint32_t *row = l->texels + (size_t)N * (size_t)j;
+        int turned[N];      /* the marbling, which repeats */
+        for (int i = 0; i < N; i++)
+            turned[i] = marble[(i + g->column) & (N - 1)];
         for (int i = 0; i < N; i++) {
-            int edge = int_min(fade[i], fade[j]);
-            row[4 * i] = (unsigned char)(edge > 0 ? to_level(1 - hidden[i]) : 255);
-            row[4 * i + 1] = (unsigned char)(edge > 0 ? to_level(sky[i]) : 255);
-            row[4 * i + 2] = (unsigned char)(128 + (marble[(i + g->column) & (N - 1)] - 128) * edge / 64);
-            row[4 * i + 3] = 255;
+            int edge = fade[i] < fade[j] ? fade[i] : fade[j];
+            int sun = to_level(1 - hidden[i]), seen = to_level(sky[i]), mark = 128 + (turned[i] - 128) * edge / 64;
+            sun = edge > 0 ? sun : 255;
+            seen = edge > 0 ? seen : 255;
+            row[i] = (uint32_t)sun << RED_SHIFT | (uint32_t)seen << GREEN_SHIFT | (uint32_t)mark << BLUE_SHIFT | 255u << ALPHA_SHIFT;
         }
     }
 }

@@ -18,6 +18,13 @@
 
 enum { SUN_SIZE = 512, HEIGHT_SIZE = 256, FLOOR_SIZE = 512 };      /* texels a side */
 
+/* Where the four bytes of a pixel lie in a word. */
+#if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
+enum { RED_SHIFT = 0, GREEN_SHIFT = 8, BLUE_SHIFT = 16, ALPHA_SHIFT = 24 };
+#else
+enum { RED_SHIFT = 24, GREEN_SHIFT = 16, BLUE_SHIFT = 8, ALPHA_SHIFT = 0 };
+#endif
+
 typedef struct Light {
     GLuint  sun_map, height_map, floor_map;
     Casters casters;
@@ -30,7 +37,8 @@ typedef struct Light {
     float *spare;                       /* [HEIGHT_SIZE^2]                                                       */
     float *shade, *mid, *gap;           /* [FLOOR_SIZE^2] sharp shadow, softened, distance of what throws it     */
     float *scratch;                     /* [FLOOR_SIZE^2]                                                        */
-    unsigned char *texels, *marble;     /* [4 FLOOR_SIZE^2], [FLOOR_SIZE^2]                                      */
+    uint32_t *texels;                   /* [FLOOR_SIZE^2] of the floor: sun, sky, marbling, 255 in memory order  */
+    unsigned char *marble;              /* [FLOOR_SIZE^2]                                                        */
 } Light;
 
 dig_status light_open(Light *l, const Gl *gl, char *why, size_t capacity);
