@@ -227,14 +227,33 @@ static void smooth_moments(const float *depth, float *moments)
     }
 }
 
+static void fill_moments(Light *l, const float *depth)
+{
+    for (int j = 0; j < SUN_SIZE; j++)
+        centre_depths(depth + j * SUN_SIZE, j, l->floor_plane, l->scratch + j * SUN_SIZE);
+    smooth_moments(l->scratch, l->moments);
+}
+
 static void cast_sun(Light *l, const Stage *s, const float to_map[16], real floor)
 {
-    float plane[3];
+    cast_clear(l->sun, SUN_SIZE);
     cast_nearest(&l->casters, to_map, SUN_SIZE, SLOPE, l->sun);
-    floor_depth(plane, s, to_map, floor);
-    for (int j = 0; j < SUN_SIZE; j++)
-        centre_depths(l->sun + j * SUN_SIZE, j, plane, l->scratch + j * SUN_SIZE);
-    smooth_moments(l->scratch, l->moments);
+    floor_depth(l->floor_plane, s, to_map, floor);
+    memcpy(l->sun_clip, to_map, sizeof l->sun_clip);
+    fill_moments(l, l->sun);
+}
+
+_Static_assert(FLOOR_SIZE >= SUN_SIZE, "light_receive keeps depths in a field of the floor's");
+
+dig_status light_receive(Light *l, const Gl *gl, const DrawItem *d, const Meshes *meshes)
+{
+    DIG_TRY(cast_gather_one(&l->casters, d, meshes));
+    memcpy(l->mid, l->sun, SUN_SIZE * SUN_SIZE * sizeof *l->mid);       /* free once the floor's map is packed */
+    cast_nearest(&l->casters, l->sun_clip, SUN_SIZE, SLOPE, l->mid);
+    fill_moments(l, l->mid);
+    gl->BindTexture(GL_TEXTURE_2D, l->sun_map);
+    gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, SUN_SIZE, SUN_SIZE, GL_RG, GL_FLOAT, l->moments);
+    return DIG_OK;
 }
 
 static int texels_of(real length, real texel) { return (int)real_clamp(length / texel + 0.5, 1, HEIGHT_SIZE / 4); }

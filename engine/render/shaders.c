@@ -6,8 +6,7 @@
  * Solids and planes look as in block_look.h and block_light.h, which do the same on the CPU: change both.
  *
  * The alpha of a colour picture says what a pixel shows, for render/smooth.c: 0..239 a side of a body, 240..253 a plane,
- * 255 the sky. Where render/shade.h
- * does the shading, 254 marks what it is still to shade.
+ * 255 the sky. Where render/shade.h does the shading, 254 marks what it is still to shade.
  */
 #include "render/shaders.h"
 

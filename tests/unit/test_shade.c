@@ -197,6 +197,39 @@ TEST(rays_find_the_bodies_that_opengl_draws)
     }
 }
 
+/* A box stands in a clear slab over a deep floor; seen from above, its shadow on the slab ends in a straight line. */
+TEST(a_shadow_on_what_is_seen_through_has_a_straight_rim)
+{
+    Scene s;
+    RenderOptions o = options();
+    scene_open(&s);
+    add(&s, VIEW_BOX, 12, 0.4, 8, 0, -8.2, 0)->fixed = true;
+    add(&s, VIEW_BOX, 12, 8, 8, 0, -4, 0)->clear = 0.5f;
+    add(&s, VIEW_BOX, 0.8, 0.8, 1.6, -0.3, 0, 0);
+    s.items[1].fixed = true;
+    s.items[2].q[1] = 0.15f;
+    s.items[2].q[3] = 0.9887f;
+    o.sun[0] = -1;
+    o.sun[1] = 1;
+    o.camera = (RenderCamera){{0, 4, 0}, {0, 0, 0}, {0, 0, -1}, 0.8};
+    const unsigned char *p = draw(&s, &o);
+    double first = 0, last = 0, bend = 0, rim[HEIGHT] = {0};
+    enum { TOP = HEIGHT / 2 - 20, BOTTOM = HEIGHT / 2 + 20 };
+    for (int y = TOP; y <= BOTTOM; y++) {           /* from the right: the first pixel that is clearly darker than the open slab */
+        int x = WIDTH - 20, open = p[3 * (y * WIDTH + x) + 1];
+        while (x > 0 && p[3 * (y * WIDTH + x) + 1] > open - 12)
+            x--;
+        rim[y] = x;
+        CHECK(x > WIDTH / 2 && x < WIDTH / 2 + 60);
+    }
+    first = rim[TOP];
+    last = rim[BOTTOM];
+    for (int y = TOP; y <= BOTTOM; y++)
+        bend = fmax(bend, fabs(rim[y] - (first + (last - first) * (y - TOP) / (BOTTOM - TOP))));
+    if (bend > 1.5)
+        fail_msg("the rim bends by %.1f pixels", bend);
+}
+
 int main(void)
 {
     setenv("MESA_SHADER_CACHE_DISABLE", "true", 1);
@@ -204,6 +237,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         unit_test(bodies_look_the_same_whoever_shades_them),
         unit_test(rays_find_the_bodies_that_opengl_draws),
+        unit_test(a_shadow_on_what_is_seen_through_has_a_straight_rim),
     };
     return cmocka_run_group_tests(tests, open_all, close_all);
 }
