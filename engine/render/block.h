@@ -18,7 +18,9 @@ enum { LANES = 64, LANE_STEP = 8 };
 typedef struct Block {
     int      n;                         /* lanes in use; a multiple of LANE_STEP                              */
     float    x[LANES], y[LANES];        /* pixel, from the left and from below                                */
-    uint32_t place[LANES], out[LANES];  /* where in the picture; the pixel's new value                        */
+    uint32_t out[LANES];                /* the pixel's new value                                              */
+    struct { uint32_t place; int first, count; } part[LANES];       /* runs of lanes that lie side by side in the picture from `place` on */
+    int      parts;
     float    t[LANES], miss[LANES];     /* distance along the view; above 0: the ray misses the solid         */
     float    dx[LANES], dy[LANES], dz[LANES];       /* ray                                                    */
     float    px[LANES], py[LANES], pz[LANES];       /* where it meets the solid                               */
@@ -233,11 +235,22 @@ LANE_CODE void find_widths(const Subject *s, Block *b)
     const float (*r)[3] = s->ray;
     for (int i = 0; i < b->n; i++) {
         float dx = b->dx[i], dy = b->dy[i], dz = b->dz[i], nx = b->nx[i], ny = b->ny[i], nz = b->nz[i];
-        float slope = b->t[i] / off_zero(nx * dx + (ny * dy + nz * dz), s->form == SUBJECT_PLANE ? 1e-7f : 0.03f), t = b->t[i];
+        float slope = b->t[i] / off_zero(nx * dx + (ny * dy + nz * dz), 0.03f), t = b->t[i];
         float across = slope * (nx * r[0][0] + (ny * r[0][1] + nz * r[0][2]));
         float along = slope * (nx * r[1][0] + (ny * r[1][1] + nz * r[1][2]));
         b->wx[i] = fabsf(t * r[0][0] - across * dx) + fabsf(t * r[1][0] - along * dx);
         b->wy[i] = fabsf(t * r[0][1] - across * dy) + fabsf(t * r[1][1] - along * dy);
+        b->wz[i] = fabsf(t * r[0][2] - across * dz) + fabsf(t * r[1][2] - along * dz);
+    }
+}
+
+/* The same for n = (0, 1, 0). */
+LANE_CODE void find_plane_widths(const Subject *s, Block *b)
+{
+    const float (*r)[3] = s->ray;
+    for (int i = 0; i < b->n; i++) {
+        float dx = b->dx[i], dz = b->dz[i], t = b->t[i], slope = t / off_zero(b->dy[i], 1e-7f), across = slope * r[0][1], along = slope * r[1][1];
+        b->wx[i] = fabsf(t * r[0][0] - across * dx) + fabsf(t * r[1][0] - along * dx);
         b->wz[i] = fabsf(t * r[0][2] - across * dz) + fabsf(t * r[1][2] - along * dz);
     }
 }

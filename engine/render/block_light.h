@@ -31,6 +31,14 @@ LANE_CODE void settle(Spots *o, int n, int size)
     }
 }
 
+LANE_CODE bool any_on_map(const Spots *o, int n, int size)
+{
+    int32_t on = 0;
+    for (int i = 0; i < n; i++)
+        on |= (o->u[i] > 0) & (o->u[i] < (float)size - 1) & (o->v[i] > 0) & (o->v[i] < (float)size - 1);
+    return on != 0;
+}
+
 /* Two values a texel, side by side. */
 LANE_CODE void fetch_pairs(const float *map, int size, const Spots *o, int n, float *a, float *b)
 {
@@ -45,29 +53,24 @@ LANE_CODE void fetch_pairs(const float *map, int size, const Spots *o, int n, fl
     }
 }
 
-/* Three bytes of a texel, 0..1. */
-LANE_CODE void fetch_bytes(const unsigned char *map, int size, const Spots *o, int n, float *a, float *b, float *c)
+/* The first three bytes of a texel, 0..1. */
+LANE_CODE void fetch_bytes(const uint32_t *map, int size, const Spots *o, int n, float *const out[3])
 {
-    uint32_t texel[4][LANES];
+    static const int shift[3] = {RED_SHIFT, GREEN_SHIFT, BLUE_SHIFT};
+    int32_t texel[4][LANES];
     for (int i = 0; i < n; i++) {
-        const unsigned char *from = map + 4 * (size_t)o->first[i];
-        const unsigned char *above = from + 4 * (size_t)size;
-        memcpy(&texel[0][i], from, 4);
-        memcpy(&texel[1][i], from + 4, 4);
-        memcpy(&texel[2][i], above, 4);
-        memcpy(&texel[3][i], above + 4, 4);
+        const uint32_t *low = map + o->first[i], *high = low + size;
+        texel[0][i] = (int32_t)low[0];
+        texel[1][i] = (int32_t)low[1];
+        texel[2][i] = (int32_t)high[0];
+        texel[3][i] = (int32_t)high[1];
     }
-    float *const out[3] = {a, b, c};
-    for (int k = 0; k < 3; k++) {
-        const int shift = __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__ ? 8 * k : 24 - 8 * k;
-        float *to = out[k];
+    for (int k = 0; k < 3; k++)
         for (int i = 0; i < n; i++) {
-            float p = (float)(int32_t)(texel[0][i] >> shift & 255), q = (float)(int32_t)(texel[1][i] >> shift & 255);
-            float r = (float)(int32_t)(texel[2][i] >> shift & 255), t = (float)(int32_t)(texel[3][i] >> shift & 255);
-            float low = blend(p, q, o->u[i]), high = blend(r, t, o->u[i]);
-            to[i] = blend(low, high, o->v[i]) * (1.0f / 255);
+            float p = (float)(texel[0][i] >> shift[k] & 255), q = (float)(texel[1][i] >> shift[k] & 255);
+            float r = (float)(texel[2][i] >> shift[k] & 255), t = (float)(texel[3][i] >> shift[k] & 255);
+            out[k][i] = blend(blend(p, q, o->u[i]), blend(r, t, o->u[i]), o->v[i]) * (1.0f / 255);
         }
-    }
 }
 
 /* ---- what arrives --------------------------------------------------------- */
@@ -123,8 +126,15 @@ LANE_CODE void reach_floor(const Subject *s, const Light *l, Block *b)
         o.u[i] = row_of(s->to_top[0], b->px[i], b->py[i], b->pz[i]) * FLOOR_SIZE - 0.5f;
         o.v[i] = row_of(s->to_top[1], b->px[i], b->py[i], b->pz[i]) * FLOOR_SIZE - 0.5f;
     }
-    settle(&o, b->n, FLOOR_SIZE);
-    fetch_bytes(l->texels, FLOOR_SIZE, &o, b->n, b->lit, b->sky, marble);
+    if (any_on_map(&o, b->n, FLOOR_SIZE)) {
+        settle(&o, b->n, FLOOR_SIZE);
+        fetch_bytes(l->texels, FLOOR_SIZE, &o, b->n, (float *const[3]){b->lit, b->sky, marble});
+    } else {                /* as on its rim */
+        for (int i = 0; i < b->n; i++) {
+            b->lit[i] = b->sky[i] = 1;
+            marble[i] = 128.0f / 255;
+        }
+    }
     for (int i = 0; i < b->n; i++) {
         float factor = 0.90f + 0.20f * marble[i];
         b->red[i] *= factor;
@@ -283,12 +293,14 @@ LANE_CODE uint32_t level_of(float light)
 
 LANE_CODE void show(const Subject *s, Block *b)
 {
-    const bool little = __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__;
-    const int red = little ? 0 : 24, green = little ? 8 : 16, blue = little ? 16 : 8;
     for (int i = 0; i < b->n; i++)
-        b->out[i] = level_of(b->red[i]) << red | level_of(b->green[i]) << green | level_of(b->blue[i]) << blue;
-    for (int i = 0; i < b->n; i++)
-        b->out[i] |= s->key[b->side[i]];
+        b->out[i] = level_of(b->red[i]) << RED_SHIFT | level_of(b->green[i]) << GREEN_SHIFT | level_of(b->blue[i]) << BLUE_SHIFT;
+    if (s->form == SUBJECT_BOX || s->form == SUBJECT_CYLINDER)
+        for (int i = 0; i < b->n; i++)
+            b->out[i] |= s->key[b->side[i]];
+    else
+        for (int i = 0; i < b->n; i++)
+            b->out[i] |= s->key[0];
 }
 
 #endif

@@ -203,12 +203,13 @@ LANE_CODE void look_plane(const Subject *s, Block *b)
 
 LANE_CODE void look(const Subject *s, Block *b)
 {
-    if (s->form == SUBJECT_PLANE || s->pattern != PATTERN_PLAIN)
-        find_widths(s, b);
     if (s->form == SUBJECT_PLANE) {
+        find_plane_widths(s, b);
         look_plane(s, b);
         return;
     }
+    if (s->pattern != PATTERN_PLAIN)
+        find_widths(s, b);
     switch (s->pattern) {
     case PATTERN_WOOD:   look_wood(s, b); break;
     case PATTERN_BRICK:  look_brick(s, b); break;

@@ -59,19 +59,27 @@ static void put_caster(Casters *c, const DrawItem *d, const GpuMesh *mesh)
         c->corners[c->corner_count++] = first + mesh->list[i];
 }
 
+static dig_status add_caster(Casters *c, const DrawItem *d, const GpuMesh *mesh)
+{
+    if (!reserve(c, c->place_count + mesh->vertex_count, c->corner_count + mesh->index_count, c->group_count + 1))
+        return DIG_E_MEMORY;
+    put_caster(c, d, mesh);
+    return DIG_OK;
+}
+
 dig_status cast_gather(Casters *c, const Batches *b, const Meshes *meshes, int coarser)
 {
     c->place_count = c->corner_count = c->group_count = 0;
-    for (int i = 0; i < b->count; i++) {
-        const DrawItem *d = &b->items[i];
-        if (!d->caster)
-            continue;
-        const GpuMesh *mesh = &meshes->entry[mesh_coarser(d->mesh, coarser)];
-        if (!reserve(c, c->place_count + mesh->vertex_count, c->corner_count + mesh->index_count, c->group_count + 1))
-            return DIG_E_MEMORY;
-        put_caster(c, d, mesh);
-    }
+    for (int i = 0; i < b->count; i++)
+        if (b->items[i].caster)
+            DIG_TRY(add_caster(c, &b->items[i], &meshes->entry[mesh_coarser(b->items[i].mesh, coarser)]));
     return DIG_OK;
+}
+
+dig_status cast_gather_one(Casters *c, const DrawItem *d, const Meshes *meshes)
+{
+    c->place_count = c->corner_count = c->group_count = 0;
+    return add_caster(c, d, &meshes->entry[d->mesh]);
 }
 
 void cast_close(Casters *c)
@@ -165,7 +173,7 @@ static void see(Casters *c, const float m[16], int size)
     }
 }
 
-static void clear(float *out, int size)
+void cast_clear(float *out, int size)
 {
     for (int i = 0; i < size * size; i++)
         out[i] = 1;
@@ -180,7 +188,6 @@ static int set_up_corner(const Casters *c, int corner, int size, Facet *f)
 void cast_nearest(Casters *c, const float to_map[16], int size, float slope, float *out)
 {
     see(c, to_map, size);
-    clear(out, size);
     for (int g = 0; g < c->group_count; g++) {
         const CastGroup *group = &c->groups[g];
         for (int i = group->first; i < group->first + group->count; i += 3) {
@@ -197,8 +204,8 @@ void cast_nearest(Casters *c, const float to_map[16], int size, float slope, flo
 void cast_heights(Casters *c, const float to_map[16], int size, float *above, float *below)
 {
     see(c, to_map, size);
-    clear(above, size);
-    clear(below, size);
+    cast_clear(above, size);
+    cast_clear(below, size);
     for (int g = 0; g < c->group_count; g++) {
         const CastGroup *group = &c->groups[g];
         for (int i = group->first; i < group->first + group->count; i += 3) {

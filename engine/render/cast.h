@@ -23,10 +23,14 @@ typedef struct Casters {
 
 /* All casters of a batch in scene units, round ones `coarser` levels coarser than they are seen. */
 dig_status cast_gather(Casters *c, const Batches *b, const Meshes *meshes, int coarser);
+/* One item, caster or not, as fine as it is seen. */
+dig_status cast_gather_one(Casters *c, const DrawItem *d, const Meshes *meshes);
 void       cast_close(Casters *c);
 
 /* to_map takes places to -1..1, column by column, w = 1. Into out[size^2], row by row from -1: depth 0..1 of what lies nearest, 1 = nothing.
- * `slope`: each triangle is pushed away by that many texels of its own steepness. */
+ * What is there already stays where it is nearer: cast_clear comes first. `slope`: each triangle is pushed away by that many texels of
+ * its own steepness. */
+void cast_clear(float *out, int size);
 void cast_nearest(Casters *c, const float to_map[16], int size, float slope, float *out);
 
 /* Seen from above: depths of the highest tops, and one minus depth of the lowest undersides; 1 = nothing. */

@@ -35,8 +35,9 @@ dig_status light_open(Light *l, const Gl *gl, char *why, size_t capacity)
     /* zeroed: the shadow fields are read, with no weight, even when there is no sun */
     l->above = calloc(8 * HEIGHTS, sizeof *l->above);
     l->shade = calloc(4 * (size_t)FLOORS, sizeof *l->shade);
-    l->texels = calloc(5, FLOORS);
-    if (!l->sun || !l->moments || !l->above || !l->shade || !l->texels) {
+    l->texels = calloc(FLOORS, sizeof *l->texels);
+    l->marble = malloc(FLOORS);
+    if (!l->sun || !l->moments || !l->above || !l->shade || !l->texels || !l->marble) {
         snprintf(why, capacity, "no memory for the light maps");
         return DIG_E_MEMORY;
     }
@@ -49,7 +50,6 @@ dig_status light_open(Light *l, const Gl *gl, char *why, size_t capacity)
     l->mid = l->shade + FLOORS;
     l->gap = l->mid + FLOORS;
     l->scratch = l->gap + FLOORS;
-    l->marble = l->texels + 4 * (size_t)FLOORS;
     marble_fill(l->marble, FLOOR_SIZE);
     return DIG_OK;
 }
@@ -64,6 +64,7 @@ void light_close(Light *l, const Gl *gl)
     free(l->above);
     free(l->shade);
     free(l->texels);
+    free(l->marble);
     *l = (Light){0};
 }
 
@@ -226,14 +227,33 @@ static void smooth_moments(const float *depth, float *moments)
     }
 }
 
+static void fill_moments(Light *l, const float *depth)
+{
+    for (int j = 0; j < SUN_SIZE; j++)
+        centre_depths(depth + j * SUN_SIZE, j, l->floor_plane, l->scratch + j * SUN_SIZE);
+    smooth_moments(l->scratch, l->moments);
+}
+
 static void cast_sun(Light *l, const Stage *s, const float to_map[16], real floor)
 {
-    float plane[3];
+    cast_clear(l->sun, SUN_SIZE);
     cast_nearest(&l->casters, to_map, SUN_SIZE, SLOPE, l->sun);
-    floor_depth(plane, s, to_map, floor);
-    for (int j = 0; j < SUN_SIZE; j++)
-        centre_depths(l->sun + j * SUN_SIZE, j, plane, l->scratch + j * SUN_SIZE);
-    smooth_moments(l->scratch, l->moments);
+    floor_depth(l->floor_plane, s, to_map, floor);
+    memcpy(l->sun_clip, to_map, sizeof l->sun_clip);
+    fill_moments(l, l->sun);
+}
+
+_Static_assert(FLOOR_SIZE >= SUN_SIZE, "light_receive keeps depths in a field of the floor's");
+
+dig_status light_receive(Light *l, const Gl *gl, const DrawItem *d, const Meshes *meshes)
+{
+    DIG_TRY(cast_gather_one(&l->casters, d, meshes));
+    memcpy(l->mid, l->sun, SUN_SIZE * SUN_SIZE * sizeof *l->mid);       /* free once the floor's map is packed */
+    cast_nearest(&l->casters, l->sun_clip, SUN_SIZE, SLOPE, l->mid);
+    fill_moments(l, l->mid);
+    gl->BindTexture(GL_TEXTURE_2D, l->sun_map);
+    gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, SUN_SIZE, SUN_SIZE, GL_RG, GL_FLOAT, l->moments);
+    return DIG_OK;
 }
 
 static int texels_of(real length, real texel) { return (int)real_clamp(length / texel + 0.5, 1, HEIGHT_SIZE / 4); }
@@ -486,13 +506,16 @@ static void pack_floor(Light *l, const Ground *g, bool sunny)
             blend_shadows(l, j, hidden);
         widen(l->sky, j, sky);
         const unsigned char *marble = l->marble + (size_t)((j + g->row) & (N - 1)) * N;
-        unsigned char *row = l->texels + (size_t)4 * N * (size_t)j;
+        uint32_t *row = l->texels + (size_t)N * (size_t)j;
+        int turned[N];      /* the marbling, which repeats */
+        for (int i = 0; i < N; i++)
+            turned[i] = marble[(i + g->column) & (N - 1)];
         for (int i = 0; i < N; i++) {
-            int edge = int_min(fade[i], fade[j]);
-            row[4 * i] = (unsigned char)(edge > 0 ? to_level(1 - hidden[i]) : 255);
-            row[4 * i + 1] = (unsigned char)(edge > 0 ? to_level(sky[i]) : 255);
-            row[4 * i + 2] = (unsigned char)(128 + (marble[(i + g->column) & (N - 1)] - 128) * edge / 64);
-            row[4 * i + 3] = 255;
+            int edge = fade[i] < fade[j] ? fade[i] : fade[j];
+            int sun = to_level(1 - hidden[i]), seen = to_level(sky[i]), mark = 128 + (turned[i] - 128) * edge / 64;
+            sun = edge > 0 ? sun : 255;
+            seen = edge > 0 ? seen : 255;
+            row[i] = (uint32_t)sun << RED_SHIFT | (uint32_t)seen << GREEN_SHIFT | (uint32_t)mark << BLUE_SHIFT | 255u << ALPHA_SHIFT;
         }
     }
 }

@@ -18,9 +18,17 @@
 
 enum { SUN_SIZE = 512, HEIGHT_SIZE = 256, FLOOR_SIZE = 512 };      /* texels a side */
 
+/* Where the four bytes of a pixel lie in a word. */
+#if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
+enum { RED_SHIFT = 0, GREEN_SHIFT = 8, BLUE_SHIFT = 16, ALPHA_SHIFT = 24 };
+#else
+enum { RED_SHIFT = 24, GREEN_SHIFT = 16, BLUE_SHIFT = 8, ALPHA_SHIFT = 0 };
+#endif
+
 typedef struct Light {
     GLuint  sun_map, height_map, floor_map;
     Casters casters;
+    float sun_clip[16], floor_plane[3];         /* of the last sun map: where it lies, and its floor          */
     float *sun;                         /* [SUN_SIZE^2] depths along the sun                                    */
     float least[SUN_SIZE * SUN_SIZE / 256];     /* of each 16 x 16 depths                                      */
     float *moments;                     /* [2 SUN_SIZE^2] smoothed depth less a half, and its square, side by side */
@@ -30,7 +38,8 @@ typedef struct Light {
     float *spare;                       /* [HEIGHT_SIZE^2]                                                       */
     float *shade, *mid, *gap;           /* [FLOOR_SIZE^2] sharp shadow, softened, distance of what throws it     */
     float *scratch;                     /* [FLOOR_SIZE^2]                                                        */
-    unsigned char *texels, *marble;     /* [4 FLOOR_SIZE^2], [FLOOR_SIZE^2]                                      */
+    uint32_t *texels;                   /* [FLOOR_SIZE^2] of the floor: sun, sky, marbling, 255 in memory order  */
+    unsigned char *marble;              /* [FLOOR_SIZE^2]                                                        */
 } Light;
 
 dig_status light_open(Light *l, const Gl *gl, char *why, size_t capacity);
@@ -44,6 +53,10 @@ dig_status light_cast(Light *l, const Batches *b, const Meshes *meshes, const St
 
 /* Hands the maps to OpenGL. */
 void light_upload(const Light *l, const Gl *gl);
+
+/* Makes the sun map, as OpenGL has it, one for an item that is seen through: it throws no shadow, but the moments are of its own
+ * surface where nothing nearer hides that, so that shadows on it have whole rims. Without memory: DIG_E_MEMORY. */
+dig_status light_receive(Light *l, const Gl *gl, const DrawItem *d, const Meshes *meshes);
 
 /* Smooths n x n values (n a multiple of four) in place by a running mean over 2 radius + 1 texels, both ways; edges repeat. */
 void blur_box(float *data, float *scratch, int n, int radius);

@@ -204,8 +204,11 @@ static dig_status paint_sky(Renderer *r)
 }
 
 /* What is seen through, from far to near: over the picture, hiding nothing. Two colours leave the program: the light it adds with the
- * share of what it stops, and the factor of the pixel's key, by which its edges are told from what lies behind. */
-static dig_status paint_clear(Renderer *r)
+ * share of what it stops, and the factor of the pixel's key, by which its edges are told from what lies behind. Up to RECEIVERS of
+ * them get sun maps of their own. */
+enum { RECEIVERS = 4 };
+
+static dig_status paint_clear(Renderer *r, bool shadows)
 {
     const Gl *gl = &r->gl;
     const Batches *b = &r->batches;
@@ -215,7 +218,16 @@ static dig_status paint_clear(Renderer *r)
     gl->DepthMask(GL_FALSE);
     gl->Enable(GL_BLEND);
     gl->BlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_SRC1_ALPHA);
-    dig_status status = batches_draw(b, &r->meshes, &r->programs, gl, PROGRAM_SURFACE, b->solid, b->count, r->error, sizeof r->error);
+    gl->ActiveTexture(GL_TEXTURE0 + UNIT_SUN);
+    dig_status status = DIG_OK;
+    bool apart = shadows && b->count - b->solid <= RECEIVERS;
+    int step = apart ? 1 : b->count - b->solid;
+    for (int i = b->solid; i < b->count && status == DIG_OK; i += step) {
+        if (apart)
+            status = light_receive(&r->light, gl, &b->items[i], &r->meshes);
+        if (status == DIG_OK)
+            status = batches_draw(b, &r->meshes, &r->programs, gl, PROGRAM_SURFACE, i, i + step, r->error, sizeof r->error);
+    }
     gl->Disable(GL_BLEND);
     gl->DepthMask(GL_TRUE);
     return status;
@@ -268,7 +280,7 @@ static dig_status shade(Renderer *r, const RenderOptions *o, const Frame *frame,
     gl->BindTexture(GL_TEXTURE_2D, t->picture);
     gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, o->width, o->height, GL_RGBA, GL_UNSIGNED_BYTE, r->raw);
     gl->BindTexture(GL_TEXTURE_2D, 0);
-    DIG_TRY(paint_clear(r));
+    DIG_TRY(paint_clear(r, o->shadows));
     return read_raw(r, o, t);
 }
 
@@ -288,7 +300,7 @@ static dig_status paint_layer(Renderer *r, const RenderOptions *o, const Frame *
     }
     if (colour) {
         DIG_TRY(paint_sky(r));
-        DIG_TRY(paint_clear(r));
+        DIG_TRY(paint_clear(r, o->shadows));
         resolve(gl, t);
     }
     return read_raw(r, o, t);

@@ -153,10 +153,9 @@ static bool set_subjects(ShadeSpace *space, const Frame *frame, const Batches *b
 
 LANE_CODE void shade_block(const ShadeJob *job, const Subject *s, Block *b)
 {
-    int count = b->n;
-    for (; b->n % LANE_STEP != 0; b->n++) {         /* the last pixel again */
-        b->x[b->n] = b->x[count - 1];
-        b->y[b->n] = b->y[count - 1];
+    for (int last = b->n - 1; b->n % LANE_STEP != 0; b->n++) {      /* the last pixel again */
+        b->x[b->n] = b->x[last];
+        b->y[b->n] = b->y[last];
     }
     cast_rays(s, b);
     if (s->form == SUBJECT_SKY) {
@@ -169,36 +168,39 @@ LANE_CODE void shade_block(const ShadeJob *job, const Subject *s, Block *b)
         fade(job->frame, b);
     }
     show(s, b);
-    for (int i = 0; i < count; i++)
-        job->raw[b->place[i]] = b->out[i];
-    b->n = 0;
+    for (int k = 0; k < b->parts; k++)
+        memcpy(job->raw + b->part[k].place, b->out + b->part[k].first, (size_t)b->part[k].count * sizeof *b->out);
+    b->n = b->parts = 0;
+}
+
+/* Takes up to `count` pixels from (x, y) on into the block; so many as there is room for. */
+LANE_CODE int take_pixels(const ShadeJob *job, Block *b, int x, int y, int count)
+{
+    int some = int_min(count, LANES - b->n);
+    float *to_x = b->x + b->n, *to_y = b->y + b->n;
+    for (int i = 0; i < some; i++) {
+        to_x[i] = (float)(x + i);
+        to_y[i] = (float)y;
+    }
+    b->part[b->parts].place = (uint32_t)(y * job->width + x);
+    b->part[b->parts].first = b->n;
+    b->part[b->parts++].count = some;
+    b->n += some;
+    return some;
 }
 
 LANE_CODE void shade_subject(const ShadeJob *job, int number)
 {
     const Subject *s = &job->space->subjects[number];
+    const ShadeRun *last = job->space->sorted + job->space->first[number + 1];
     Block b;
-    int first = job->space->first[number], last = job->space->first[number + 1];
-    if (first == last)
-        return;
-    b.n = 0;
-    for (int r = first; r < last; r++) {
-        ShadeRun run = job->space->sorted[r];
-        while (run.count > 0) {
-            uint32_t some = run.count < (uint32_t)(LANES - b.n) ? run.count : (uint32_t)(LANES - b.n);
-            uint32_t place = run.y * (uint32_t)job->width + run.x;
-            for (uint32_t i = 0; i < some; i++) {
-                b.x[(uint32_t)b.n + i] = (float)(int32_t)(run.x + i);
-                b.y[(uint32_t)b.n + i] = (float)(int32_t)run.y;
-                b.place[(uint32_t)b.n + i] = place + i;
-            }
-            b.n += (int)some;
-            run.x += some;
-            run.count -= some;
-            if (b.n == LANES || (r == last - 1 && run.count == 0))
+    b.n = b.parts = 0;
+    for (const ShadeRun *r = job->space->sorted + job->space->first[number]; r < last; r++)
+        for (int done = 0; done < (int)r->count;) {
+            done += take_pixels(job, &b, (int)r->x + done, (int)r->y, (int)r->count - done);
+            if (b.n == LANES || (r + 1 == last && done == (int)r->count))
                 shade_block(job, s, &b);
         }
-    }
 }
 
 /* ---- numbers --------------------------------------------------------------- */

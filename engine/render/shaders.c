@@ -3,9 +3,10 @@
  * Prices on llvmpipe (a full 1280x720 screen): multiply-add 0.06 ms, inverse square root 0.5, bilinear fetch 3,
  * hardware-compared shadow tap 3.3, one octave of hash noise 1.4. An `if` never skips anything; hence the #ifs.
  *
+ * Solids and planes look as in block_look.h and block_light.h, which do the same on the CPU: change both.
+ *
  * The alpha of a colour picture says what a pixel shows, for render/smooth.c: 0..239 a side of a body, 240..253 a plane,
- * 255 the sky. Where render/shade.h
- * does the shading, 254 marks what it is still to shade.
+ * 255 the sky. Where render/shade.h does the shading, 254 marks what it is still to shade.
  */
 #include "render/shaders.h"
 

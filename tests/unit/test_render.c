@@ -685,89 +685,6 @@ TEST(a_clear_body_throws_no_shadow_and_a_nonsensical_one_is_solid)
     }
 }
 
-/* ---- two ways to shade ---- */
-
-/* All forms and patterns that the CPU shades, under the sun and a lamp, some turned, one metallic. */
-static void one_of_each(Scene *s, int pattern)
-{
-    static const ViewForm forms[] = {VIEW_BOX, VIEW_SPHERE, VIEW_CAPSULE, VIEW_CYLINDER};
-    scene_open(s);
-    add(s, VIEW_PLANE, 0, 0, 0, 0, -0.8, 0)->pattern = pattern == PATTERN_WOOD || pattern == PATTERN_BRICK ? PATTERN_PLAIN : pattern;
-    for (int i = 0; i < 8; i++) {
-        ViewForm form = forms[i % 4];
-        ViewItem *item = add(s, form, form == VIEW_BOX ? 0.9 : 0.45, 0.7, 0.8, 1.25 * (i % 4) - 1.9, i / 4 ? 0.9 : -0.35, i / 4 ? -0.3 : 0.2);
-        item->pattern = pattern;
-        item->roughness = 0.3f + 0.05f * (float)i;
-        item->metallic = i == 5;
-        item->colour[i % 3] = 0.2f;
-        for (int k = 0; k < 3; k++)
-            item->q[k] = i / 4 ? 0.3f * (float)(k - 1) + 0.1f : 0;
-        item->q[3] = i / 4 ? 0.8f : 1;
-    }
-}
-
-/* Whether a pixel and its neighbours, two each way, show the same body. */
-static bool is_inside(const uint32_t *id, int width, int x, int y)
-{
-    for (int dy = -2; dy <= 2; dy++)
-        for (int dx = -2; dx <= 2; dx++)
-            if (id[(y + dy) * width + x + dx] != id[y * width + x])
-                return false;
-    return true;
-}
-
-/* Differences inside the outline of each body: in the mean of its colour, and of the single pixels. */
-typedef struct Apart { double colour[ITEMS + 1], pixel[ITEMS + 1]; long count[ITEMS + 1]; } Apart;
-
-static Apart compare_bodies(const uint32_t *id, const unsigned char *a, const unsigned char *b, int width, int height)
-{
-    Apart d = {{0}, {0}, {0}};
-    for (int y = 2; y < height - 2; y++)
-        for (int x = 2; x < width - 2; x++) {
-            int i = y * width + x;
-            if (!is_inside(id, width, x, y))
-                continue;
-            d.count[id[i]]++;
-            for (int k = 0; k < 3; k++) {
-                d.colour[id[i]] += (a[3 * i + k] - b[3 * i + k]) / 3.0;
-                d.pixel[id[i]] += abs(a[3 * i + k] - b[3 * i + k]) / 3.0;
-            }
-        }
-    return d;
-}
-
-/* Bodies shaded by the CPU look as those shaded by OpenGL, which still does it where a pixel has several samples. Its balls are
- * polyhedra, on which fine wood lies a pixel beside. */
-TEST(bodies_look_the_same_whoever_shades_them)
-{
-    Scene s;
-    RenderOptions o = options();
-    o.smooth = false;
-    o.lamp_count = 1;
-    o.lamps[0] = (RenderLamp){{1, 2.5, 2}, 60, {1, 0.8f, 0.6f}};
-    o.camera.at[1] = 1.5;
-    o.width *= 2;
-    o.height *= 2;
-    size_t pixels = (size_t)o.width * (size_t)o.height;
-    for (int pattern = PATTERN_PLAIN; pattern <= PATTERN_CHECK; pattern++) {
-        one_of_each(&s, pattern);
-        RenderOptions other = o, numbers = o;
-        other.samples = 4;
-        numbers.layer = RENDER_ID;
-        uint32_t *id = (uint32_t *)(void *)copy_of(draw(&s, &numbers), 4 * pixels);
-        unsigned char *quick = copy_of(draw(&s, &o), 3 * pixels);
-        Apart d = compare_bodies(id, quick, draw(&s, &other), o.width, o.height);
-        for (int i = 1; i <= s.view.item_count; i++) {
-            double n = (double)d.count[i];
-            if (!(n > 200 && fabs(d.colour[i] / n) < 1.5 && d.pixel[i] / n < (pattern == PATTERN_WOOD ? 6 : 3)))
-                fail_msg("pattern %d, body %d: %g pixels; colour off by %.2f levels, pixels by %.2f", pattern, i, n, d.colour[i] / n,
-                         d.pixel[i] / n);
-        }
-        free(id);
-        free(quick);
-    }
-}
-
 TEST(names_and_time_are_written)
 {
     Scene s;
@@ -820,7 +737,6 @@ int main(void)
         unit_test(a_clear_body_mixes_with_what_lies_behind_as_its_opacity_says),
         unit_test(clear_bodies_are_drawn_from_far_to_near_whatever_their_order),
         unit_test(a_clear_body_throws_no_shadow_and_a_nonsensical_one_is_solid),
-        unit_test(bodies_look_the_same_whoever_shades_them),
         unit_test(names_and_time_are_written),
     };
     return cmocka_run_group_tests(tests, open_all, close_all);
