@@ -33,8 +33,8 @@ for i = 0, 59 do
   elseif kind == 3 then
     add("sphere", world:ball { radius = b, at = at, material = "steel" }, { b, 0, 0 }, grey, 0.9)
   elseif kind == 4 then
-    add("capsule", world:capsule { radius = 0.6 * b, length = 2 * a, at = at, rotation = spin, material = "plastic", colour = light(paint) },
-      { 0.6 * b, a, 0 }, paint, 0.5)
+    local body = world:capsule { radius = 0.6 * b, length = 2 * a, at = at, rotation = spin, material = "plastic", colour = light(paint) }
+    add("capsule", body, { 0.6 * b, a, 0 }, paint, 0.5)
   else
     add("cylinder", world:cylinder { radius = b, height = 1.6 * a, at = at, rotation = spin, material = "rubber", colour = light(paint) },
       { b, 0.8 * a, 0 }, paint, 0.2)
