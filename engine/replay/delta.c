@@ -97,7 +97,7 @@ static void write_rows(Pack *p, int count, const unsigned char *now, ListAny *la
     p->size -= most - (size_t)(out - bits);
 }
 
-static void write_table(Pack *p, int count, const unsigned char *now, Kept *last, int t)
+void delta_write(Pack *p, int t, int count, const unsigned char *now, Kept *last)
 {
     ListAny *list = kept_table(last, t);
     int old = list->count;
@@ -111,14 +111,6 @@ static void write_table(Pack *p, int count, const unsigned char *now, Kept *last
         pack_fail_memory(p);
     else if (count > 0)
         write_rows(p, count, now, list, old, row);
-}
-
-void delta_write(Pack *p, const int counts[KEPT_TABLES], const unsigned char *rows, Kept *last)
-{
-    for (int t = 0; t < KEPT_TABLES; t++) {
-        write_table(p, counts[t], rows, last, t);
-        rows += (size_t)counts[t] * kept_row_size(t);
-    }
 }
 
 /* ---- reading ---- */

@@ -92,8 +92,8 @@ dig_status kept_copy(Kept *to, const Kept *from);       /* but for the meshes */
 void       kept_clear(Kept *k);                         /* no rows in any table */
 void       kept_close(Kept *k);
 
-/* Writes what differs from `last` in the rows of all tables, given one table behind the other; `last` then is as they are. */
-void delta_write(Pack *p, const int counts[KEPT_TABLES], const unsigned char *rows, Kept *last);
+/* Writes what differs from `last` in the rows of a table; `last` then is as they are. All tables of a frame in their order. */
+void delta_write(Pack *p, int table, int count, const unsigned char *rows, Kept *last);
 /* Changes the rows that are written. */
 void delta_read(Pack *p, Kept *k);
 

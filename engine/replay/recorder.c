@@ -4,6 +4,7 @@
  * notes, commands); a thread makes blocks of them and writes these (replay/writer.h) while the world goes on.
  */
 #include "api/api.h"
+#include "api/command.h"
 #include "replay/replay.h"
 #include "replay/writer.h"
 
@@ -28,6 +29,7 @@ struct Recorder {
     Pack     pending;           /* commands since the last step                */
     bool     moved_cameras;     /* since the last record                       */
     bool     listens;           /* to what is done to the world                */
+    bool     meddled;           /* since a record was taken, somebody did what may change how a body looks */
     LIST(Known)    known;
     LIST(NoteHash) hashes;
     Writer   writer;
@@ -207,13 +209,13 @@ static dig_status take_state(Recorder *r)
     return take_events(r);
 }
 
-/* All tables as they are, behind a head. */
-static dig_status put_record(Recorder *r, RecordHead *head)
+/* All tables as they are, behind a head; bodies and shapes only if they are not the `same` as in the record before. */
+static dig_status put_record(Recorder *r, RecordHead *head, bool same)
 {
     size_t size = sizeof *head;
     for (int t = 0; t < KEPT_TABLES; t++) {
-        head->rows[t] = kept_table(&r->now, t)->count;
-        size += (size_t)head->rows[t] * kept_row_size(t);
+        head->rows[t] = same && kept_seldom(t) ? ROWS_AS_BEFORE : kept_table(&r->now, t)->count;
+        size += head->rows[t] > 0 ? (size_t)head->rows[t] * kept_row_size(t) : 0;
     }
     unsigned char *to = pack_space(&r->batch.records, size);
     if (!to)
@@ -221,7 +223,7 @@ static dig_status put_record(Recorder *r, RecordHead *head)
     memcpy(to, head, sizeof *head);
     to += sizeof *head;
     for (int t = 0; t < KEPT_TABLES; t++) {
-        size = (size_t)head->rows[t] * kept_row_size(t);
+        size = head->rows[t] > 0 ? (size_t)head->rows[t] * kept_row_size(t) : 0;
         if (size > 0)
             memcpy(to, kept_table(&r->now, t)->data, size);
         to += size;
@@ -230,9 +232,11 @@ static dig_status put_record(Recorder *r, RecordHead *head)
     return DIG_OK;
 }
 
-static dig_status take(Recorder *r, RecordKind kind)
+static dig_status take(Recorder *r, RecordKind kind, bool *same)
 {
-    DIG_TRY(look_take(&r->now.look, r->w));
+    *same = false;
+    DIG_TRY(r->meddled ? look_take(&r->now.look, r->w) : look_take_moving(&r->now.look, r->w, same));
+    r->meddled = !r->listens;
     DIG_TRY(take_flows(r));
     if (kind == RECORD_FRAME)
         DIG_TRY(take_state(r));
@@ -243,6 +247,7 @@ static dig_status take(Recorder *r, RecordKind kind)
 static dig_status record(Recorder *r, RecordKind kind, bool only_cameras)
 {
     RecordHead head;
+    bool same = only_cameras;
     memset(&head, 0, sizeof head);
     head.kind = (uint32_t)kind;
     for (int i = 0; i < PART_FRAMES; i++) {
@@ -250,12 +255,12 @@ static dig_status record(Recorder *r, RecordKind kind, bool only_cameras)
         head.counts[i] = r->batch.parts[i].count;
     }
     if (!only_cameras) {
-        dig_status s = take(r, kind);
+        dig_status s = take(r, kind, &same);
         if (s != DIG_OK)
             return fail(r, s, "not enough memory for the replay");
         note_meshes(r);
     }
-    return put_record(r, &head);
+    return put_record(r, &head, same);
 }
 
 /* Commands that led to this frame. */
@@ -314,8 +319,21 @@ dig_status recorder_start(Recorder *r, const void *bytes, size_t size)
     return wait_for_writer(r);
 }
 
+/* Does a command leave bodies and shapes as they are, but for places, speeds and forces? Those that are not known may change anything. */
+static bool moves_only(const unsigned char *command, size_t size)
+{
+    static const uint8_t known[] = {COMMAND_STEP, COMMAND_PUSH, COMMAND_TWIST, COMMAND_HIT, COMMAND_TELEPORT, COMMAND_MOVE_TO, COMMAND_VELOCITY,
+                                    COMMAND_WAKE, COMMAND_POST, COMMAND_POST_LIST, COMMAND_TAKE};
+    return size > 0 && memchr(known, command[0], sizeof known);
+}
+
 /* A failure stays with the recorder, which tells of it at its next call. */
-static void hear(void *context, const void *bytes, size_t size) { (void)recorder_commands(context, bytes, size); }
+static void hear(void *context, const void *bytes, size_t size)
+{
+    Recorder *r = context;
+    r->meddled = r->meddled || !moves_only(bytes, size);
+    (void)recorder_commands(r, bytes, size);
+}
 
 dig_status recorder_listen(Recorder *r)
 {
@@ -429,6 +447,7 @@ dig_status recorder_open(const char *path, dig_world *w, const char *origin, Rec
         return DIG_E_MEMORY;
     }
     r->w = w;
+    r->meddled = true;
     snprintf(r->path, sizeof r->path, "%s", path);
     writer_open(&r->writer, r->path);
     dig_status s = wait_for_writer(r);

@@ -138,8 +138,33 @@ static size_t bytes_of_rows(const RecordHead *head)
 {
     size_t size = 0;
     for (int t = 0; t < KEPT_TABLES; t++)
-        size += (size_t)head->rows[t] * kept_row_size(t);
+        size += head->rows[t] > 0 ? (size_t)head->rows[t] * kept_row_size(t) : 0;
     return size;
+}
+
+static dig_status keep_given(Writer *f, int table, int count, const unsigned char *rows)
+{
+    DIG_TRY(kept_resize(&f->given, table, count));
+    if (count > 0)
+        memcpy(kept_table(&f->given, table)->data, rows, (size_t)count * kept_row_size(table));
+    return DIG_OK;
+}
+
+static void write_tables(Writer *f, const RecordHead *head, const unsigned char *rows)
+{
+    Pack *to = &f->block[PART_FRAMES].bytes;
+    for (int t = 0; t < KEPT_TABLES; t++) {
+        int count = head->rows[t];
+        if (count == ROWS_AS_BEFORE) {
+            const ListAny *given = kept_table(&f->given, t);
+            delta_write(to, t, given->count, given->data, &f->last);
+            continue;
+        }
+        if (kept_seldom(t) && keep_given(f, t, count, rows) != DIG_OK)
+            no_memory(f);
+        delta_write(to, t, count, rows, &f->last);
+        rows += (size_t)count * kept_row_size(t);
+    }
 }
 
 void writer_batch(Writer *f)
@@ -153,7 +178,7 @@ void writer_batch(Writer *f)
             put_block(f);
         uint8_t kind = (uint8_t)head.kind;
         pack_u8(&frames->bytes, &kind);
-        delta_write(&frames->bytes, head.rows, f->batch.records.data + at + sizeof head, &f->last);
+        write_tables(f, &head, f->batch.records.data + at + sizeof head);
         frames->count += head.kind == RECORD_FRAME;
     }
     for (int i = 0; i < PART_FRAMES; i++) {
@@ -265,6 +290,7 @@ void writer_release(Writer *f)
         pack_close(&f->batch.parts[i].bytes);
     pack_close(&f->batch.records);
     kept_close(&f->last);
+    kept_close(&f->given);
     list_close(&f->sections);
     free(f->packed);
     if (f->compressor)

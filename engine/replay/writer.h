@@ -25,8 +25,10 @@ typedef struct RecordHead {
     size_t   sizes[PART_FRAMES];        /* of the batch's parts before the record: what belongs to earlier frames */
     uint32_t counts[PART_FRAMES];
     uint32_t kind;                      /* RecordKind                                                             */
-    int      rows[KEPT_TABLES];
+    int      rows[KEPT_TABLES];         /* ROWS_AS_BEFORE: those of the record before it, which are not given again */
 } RecordHead;
+
+#define ROWS_AS_BEFORE (-1)             /* for tables that seldom change: kept_seldom */
 
 typedef struct Batch {
     Pack records;
@@ -40,6 +42,7 @@ typedef struct Writer {
     uint64_t at, whole;         /* bytes written; those up to the end of the last block */
     Batch    batch;             /* to be written                                     */
     Kept     last;              /* the tables after the last record                  */
+    Kept     given;             /* those that seldom change, as they were given last */
     Part     block[PARTS];
     uint32_t first;             /* frame of the block                                */
     LIST(Section) sections;
@@ -49,6 +52,8 @@ typedef struct Writer {
     dig_status failed;
     char     why[200];          /* the first failure; nothing is written after it    */
 } Writer;
+
+static inline bool kept_seldom(int table) { return table == LOOK_BODIES || table == LOOK_SOLIDS; }
 
 /* The path is kept as it is. */
 dig_status writer_open(Writer *f, const char *path);

@@ -64,13 +64,40 @@ static bool encloses(const box3 *all, const Body *b)
            b->x.z - r >= all->low.z && b->x.z + r <= all->high.z;
 }
 
-static dig_status take_scene(Look *l, const World *w)
+static box3 with_solid(box3 all, const World *w, const Solid *s) { return box3_union(all, s->shape.type->bounds(&s->shape, solid_pose(w, s))); }
+
+static bool has_end(const Solid *s) { return s->alive && isfinite(s->shape.outer); }
+
+/* The bounds of the shapes whose bodies lie farthest out along each axis: they enclose most others. */
+static box3 outermost(const World *w)
 {
     box3 all = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    const Solid *ends[6] = {NULL};
+    vec3 low = all.low, high = all.high;
     for (int i = 0; i < w->solids.count; i++) {
         const Solid *s = &w->solids.data[i];
-        if (s->alive && isfinite(s->shape.outer) && (s->body == NONE || !encloses(&all, &w->bodies.data[s->body])))
-            all = box3_union(all, s->shape.type->bounds(&s->shape, solid_pose(w, s)));
+        if (s->body == NONE || !has_end(s))
+            continue;
+        vec3 x = w->bodies.data[s->body].x;
+        if (x.x < low.x) { low.x = x.x; ends[0] = s; }
+        if (x.y < low.y) { low.y = x.y; ends[1] = s; }
+        if (x.z < low.z) { low.z = x.z; ends[2] = s; }
+        if (x.x > high.x) { high.x = x.x; ends[3] = s; }
+        if (x.y > high.y) { high.y = x.y; ends[4] = s; }
+        if (x.z > high.z) { high.z = x.z; ends[5] = s; }
+    }
+    for (int k = 0; k < 6; k++)
+        all = ends[k] ? with_solid(all, w, ends[k]) : all;
+    return all;
+}
+
+static dig_status take_scene(Look *l, const World *w)
+{
+    box3 all = outermost(w);
+    for (int i = 0; i < w->solids.count; i++) {
+        const Solid *s = &w->solids.data[i];
+        if (has_end(s) && (s->body == NONE || !encloses(&all, &w->bodies.data[s->body])))
+            all = with_solid(all, w, s);
     }
     DIG_TRY(look_resize(l, LOOK_SCENE, 1));
     *look_scene(l) = (LookScene){.time = world_time(w), .step = w->steps, .seed = (uint64_t)w->def.seed, .low = all.low, .high = all.high,
@@ -108,7 +135,7 @@ static const Column *heat_of(const World *w)
     return NULL;
 }
 
-static dig_status take_bodies(Look *l, const World *w)
+static dig_status take_bodies(Look *l, const World *w, bool same)
 {
     const Column *heat = heat_of(w);
     DIG_TRY(look_resize(l, LOOK_BODIES, w->bodies.count));
@@ -120,7 +147,8 @@ static dig_status take_bodies(Look *l, const World *w)
             look_poses(l)[i] = (LookPose){0};
             continue;
         }
-        take_body(&look_bodies(l)[i], w, b);
+        if (!same)
+            take_body(&look_bodies(l)[i], w, b);
         take_pose(&look_poses(l)[i], w, b, (uint32_t)i);
         const real *degrees = heat ? column_find(heat, (uint32_t)i) : NULL;
         look_poses(l)[i].temperature = degrees ? degrees[0] : 0;
@@ -381,12 +409,13 @@ static dig_status take_layer(Look *look, const World *w, uint32_t layer, vec3 or
     return DIG_OK;
 }
 
-dig_status look_take(Look *l, const dig_world *w)
+static dig_status take_all(Look *l, const World *w, bool same)
 {
     DIG_TRY(take_scene(l, w));
     vec3 origin = look_origin(look_scene(l));
-    DIG_TRY(take_bodies(l, w));
-    DIG_TRY(take_solids(l, w));
+    DIG_TRY(take_bodies(l, w, same));
+    if (!same)
+        DIG_TRY(take_solids(l, w));
     DIG_TRY(take_joints(l, w));
     DIG_TRY(take_contacts(l, w, origin));
     DIG_TRY(take_arrows(l, w));
@@ -394,6 +423,27 @@ dig_status look_take(Look *l, const dig_world *w)
     for (uint32_t layer = 0; layer < DIG_LAYERS; layer++)
         DIG_TRY(take_layer(l, w, layer, origin));
     return DIG_OK;
+}
+
+dig_status look_take(Look *l, const dig_world *w) { return take_all(l, w, false); }
+
+static bool same_bodies(const Look *l, const World *w)
+{
+    if (look_count(l, LOOK_BODIES) != w->bodies.count || look_count(l, LOOK_SOLIDS) != w->solids.count)
+        return false;
+    for (int i = 0; i < w->bodies.count; i++) {
+        const Body *b = &w->bodies.data[i];
+        const LookBody *row = &look_bodies(l)[i];
+        if (b->alive != (row->there != 0) || (b->alive && b->gen - w->gen_start + 1 != row->gen))
+            return false;
+    }
+    return true;
+}
+
+dig_status look_take_moving(Look *l, const dig_world *w, bool *same)
+{
+    *same = same_bodies(l, w);
+    return take_all(l, w, *same);
 }
 
 /* ---- is it still so? ---- */

@@ -133,6 +133,9 @@ static inline int          look_count(const Look *l, LookTable t) { return l->ta
 dig_status look_resize(Look *l, LookTable t, int count);
 /* What is to be seen of the world now, in place of what was. Keeps the meshes that are there. */
 dig_status look_take(Look *l, const dig_world *w);
+/* The same, by a caller who knows that nobody changed a body or a shape since it was taken last, but for places, speeds and forces: their
+ * two tables then stay, and *same says so. Bodies that came or went are seen all the same. */
+dig_status look_take_moving(Look *l, const dig_world *w, bool *same);
 /* Is what look_take took still what is to be seen, as far as calls between steps can change it? Cheap; false when in doubt. */
 bool       look_holds(const Look *l, const dig_world *w);
 dig_status look_view(const Look *l, View **out);

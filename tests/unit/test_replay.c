@@ -43,12 +43,15 @@ static void forget(Seen *s)
 
 typedef void Meddle(dig_world *w, int frame);       /* what a script does between steps */
 
-static void record(dig_world *w, const char *path, int frames, Meddle *meddle, Seen *s)
+/* `listen`: the recorder hears what is done to the world, and takes only what that may have changed. */
+static void record_as(dig_world *w, const char *path, int frames, Meddle *meddle, Seen *s, bool listen)
 {
     char why[1400] = "";
     Recorder *r;
     if (recorder_open(path, w, "{\"script\":\"a test\"}", &r, why, sizeof why) != DIG_OK)
         fail_msg("%s", why);
+    if (listen)
+        CHECK_INT(recorder_listen(r), DIG_OK);
     see(w, s, 0);
     for (int i = 0; i < frames; i++) {
         if (meddle)
@@ -64,6 +67,8 @@ static void record(dig_world *w, const char *path, int frames, Meddle *meddle, S
     if (recorder_close(r, why, sizeof why) != DIG_OK)
         fail_msg("%s", why);
 }
+
+static void record(dig_world *w, const char *path, int frames, Meddle *meddle, Seen *s) { record_as(w, path, frames, meddle, s, false); }
 
 static Replay *open_replay(const char *path)
 {
@@ -232,12 +237,12 @@ static void meddle(dig_world *w, int frame)
         fail_unless(w, dig_joint_remove(w, joints[0]), "joint");
 }
 
-TEST(what_a_script_does_between_steps_is_seen)
+static void judge_meddling(bool listen)
 {
     char path[512];
     Seen s = {0};
     dig_world *w = open_scene();
-    record(w, scratch_path(path, sizeof path, "meddle.replay"), FRAMES, meddle, &s);
+    record_as(w, scratch_path(path, sizeof path, "meddle.replay"), FRAMES, meddle, &s, listen);
     Replay *r = open_replay(path);
     same_pictures(r, &s);
     replay_close(r);
@@ -245,6 +250,10 @@ TEST(what_a_script_does_between_steps_is_seen)
     dig_world_close(w);
     remove(path);
 }
+
+TEST(what_a_script_does_between_steps_is_seen) { judge_meddling(false); }
+
+TEST(and_by_one_who_hears_of_it) { judge_meddling(true); }
 
 /* A slot that is used again holds another body. */
 TEST(bodies_are_born_and_die)
@@ -710,7 +719,7 @@ TEST(wrong_contents_with_right_checksums_do_no_harm)
 
 int main(void)
 {
-    RUN_TESTS(unit_test(everything_looks_the_same), unit_test(what_a_script_does_between_steps_is_seen), unit_test(bodies_are_born_and_die),
+    RUN_TESTS(unit_test(everything_looks_the_same), unit_test(what_a_script_does_between_steps_is_seen), unit_test(and_by_one_who_hears_of_it), unit_test(bodies_are_born_and_die),
               unit_test(joints_break_and_bear), unit_test(poses_are_those_of_the_world), unit_test(notes_and_commands_belong_to_frames),
               unit_test(cameras_belong_to_frames), unit_test(a_camera_that_stands_still_is_written_once),
               unit_test(a_file_that_cannot_be_written_is_named), unit_test(a_file_cut_at_any_byte_opens_to_its_last_whole_block),

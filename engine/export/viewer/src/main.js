@@ -144,7 +144,12 @@ class Player {
     addEventListener("keydown", (e) => this.keyed(e));
     addEventListener("resize", () => { this.resized = true; this.redraw(); });
     matchMedia("(prefers-color-scheme: light)").addEventListener("change", () => this.theme());
-    new ResizeObserver(() => { this.resized = true; this.redraw(); }).observe(byId("scene"));
+    new ResizeObserver(() => {        // it also calls for the size that is there
+      const { clientWidth, clientHeight } = byId("scene");
+      if (clientWidth === this.size?.[0] && clientHeight === this.size[1]) return;
+      this.resized = true;
+      this.redraw();
+    }).observe(byId("scene"));
     byId("canvas").addEventListener("webglcontextlost", (e) => { e.preventDefault(); tell("The graphics system took the picture away; reload the page."); });
   }
 
@@ -244,6 +249,12 @@ class Player {
     this.redraw();
   }
 
+  fit() {
+    const { clientWidth, clientHeight } = byId("scene");
+    this.size = [clientWidth, clientHeight];
+    this.scene.resize(Math.max(1, clientWidth), Math.max(1, clientHeight));
+  }
+
   redraw() {
     this.waiting ??= requestAnimationFrame((now) => this.frame(now));
   }
@@ -252,8 +263,7 @@ class Player {
     this.waiting = null;
     if (this.resized) {
       this.resized = false;
-      const { clientWidth, clientHeight } = byId("scene");
-      this.scene.resize(Math.max(1, clientWidth), Math.max(1, clientHeight));
+      this.fit();
       this.paintTicks();
       for (const plot of this.plots) plot.base = null;
       this.update();
@@ -349,12 +359,14 @@ function begin() {
     return tell(`This browser cannot draw the scene (${e.message}). WebGL 2 is needed.`);
   }
   const wanted = new URLSearchParams(location.hash.slice(1));
-  player.scene.resize(Math.max(1, byId("scene").clientWidth), Math.max(1, byId("scene").clientHeight));
+  player.fit();
   player.scene.lookAtAll();
   if (wanted.has("camera")) player.camera(wanted.get("camera"));
   player.seek(Number(wanted.get("t") ?? replay.start));
   if (wanted.has("body")) player.pick(/^\d+$/.test(wanted.get("body")) ? Number(wanted.get("body")) : wanted.get("body"));
   player.draw();
+  cancelAnimationFrame(player.waiting);     // all that asked for a picture so far has it
+  player.waiting = null;
   const facts = { format: replay.format, frames: replay.frames, bodies: replay.bodies.length, bytes: replay.head.bytes, start: replay.start, end: replay.end, read_ms: read - began, begin_ms: performance.now() - began, load_ms: performance.now() };
   window.digbox = interfaceOf(player, facts);
   return undefined;
