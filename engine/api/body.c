@@ -168,10 +168,24 @@ Body *api_pushable(World *w, dig_body handle, const char *call, dig_status *stat
     return b;
 }
 
+/* A step that it would fail in would not end it either: who pushes is told at once. */
+static dig_status not_too_strong(World *w, const Body *b, const Push *p, const char *call)
+{
+    vec3 force = p->force, torque = vec3_add(p->torque, p->has_at ? vec3_cross(quat_rotate(b->q, p->at), p->force) : vec3_zero());
+    vec3 turn = mat3_mul_vec(b->inv_inertia, quat_unrotate(b->q, torque));
+    real gain = w->def.step / body_inertness(b), fast = gain * b->inv_mass * vec3_largest(vec3_abs(force)), spin = gain * vec3_largest(vec3_abs(turn));
+    if (fast <= WORLD_FAST && spin <= WORLD_FAST)
+        return DIG_OK;
+    return world_fail(w, DIG_E_ARG, "%s: %g %s would bring %s to %g %s within a step, must be at most %g", call,
+                      fast > WORLD_FAST ? vec3_length(force) : vec3_length(torque), fast > WORLD_FAST ? "N" : "N m", BODY_TEXT(w, b),
+                      fast > WORLD_FAST ? fast : spin, fast > WORLD_FAST ? "m/s" : "rad/s", WORLD_FAST);
+}
+
 dig_status api_push(World *w, dig_body handle, Push p, real lasts, const char *call)
 {
     if (isnan(lasts))
         return world_fail(w, DIG_E_ARG, "%s: lasts = nan s, must be a time", call);
+    DIG_TRY(not_too_strong(w, &w->bodies.data[handle.slot], &p, call));
     if (list_push(&w->pushes, &w->allocations) != DIG_OK)
         return world_fail(w, DIG_E_MEMORY, "%s: not enough memory", call);
     p.body = handle.slot;

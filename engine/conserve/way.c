@@ -237,6 +237,12 @@ static dig_status advance(Group *g, real dt)
     if (group_deep(g))
         return hand_on(g, &saved, "conserve: bodies met");
     step_remember(&s);
+    real share;
+    if (group_overloaded(g, dt, &share) >= 0) {         /* when, and what then, is for substeps to find */
+        hand_on(g, &saved, NULL);
+        g->conserve_failed = true;
+        return DIG_OK;
+    }
     DIG_TRY(g->stage(g, STAGE_SETTLE));
     return g->status;
 }

@@ -28,8 +28,8 @@ static real rate_before(const Group *g, const PointRow *r)
     return vec3_dot(r->n.n, vec3_sub(vb.v, va.v)) + vec3_dot(r->n.aa, va.w) + vec3_dot(r->n.ab, vb.w);
 }
 
-/* Does the point need a row, and what velocity may it keep? *left: it has none because its approach is an impact. A point that carried force before keeps its row: a ball that rolls
- * over an edge seems to leave, while its normal turns. */
+/* Does the point need a row, and what velocity may it keep? *left: it has none because its approach is an impact. A point that
+ * carried force before keeps its row: a ball that rolls over an edge seems to leave, while its normal turns. */
 static bool set_target(const Group *g, const GroupPair *q, PointRow *r, real gap, bool carried, bool *left)
 {
     real predicted = dir_rate(g, &r->n, r->a, r->b);

@@ -164,6 +164,7 @@ typedef struct GroupJoint {
     real     breaks_at;         /* N   0 = never                    */
     bool     broken;            /* in this step, at the time        */
     real     broke;             /* s   into it                      */
+    real     overload;          /* 1   its share of what it bears, then */
 } GroupJoint;
 
 typedef struct GroupPush { int body; vec3 force, torque, at; bool has_at, law; } GroupPush;    /* scaled by the share of the step it acts */
@@ -243,6 +244,7 @@ struct Group {
     bool      crowd;            /*     the crowd takes it: it need not look for what cannot act in this step */
     bool      trace_failed;     /*     it was tried in this step, and handed on        */
     real      passed;           /* s   that it left to the sweep within this step      */
+    bool      breaks_found;     /*     its breaks were found as it went on             */
     bool      conserve_failed;  /*     the same of the way that conserves energy       */
     real      residual, penetration, joint_error;
     real      lost, work_in, law;   /* J */
@@ -293,6 +295,10 @@ void       group_brake(Group *g, int body, vec3 force, vec3 torque);        /* a
 void       group_rule(Group *g, int body, vec3 force, vec3 torque);         /* adds what is the work of laws: regions', scripts' */
 void       group_book_apart(Group *g, int body, vec3 moved, vec3 turned, real h);
 void       group_book_push(Group *g, const GroupPush *p, real work);        /* J */
+
+/* part.c */
+void group_part(Group *g, int joint, real share);       /* it breaks now: gone for the rest of the step, at that share of what it bears */
+int  group_overloaded(Group *g, real dt, real *share);  /* the joint most over its limit in the mean of the last frame of dt; < 0: none */
 
 /* keep.c */
 typedef struct GroupKept {      /* a group as it was */

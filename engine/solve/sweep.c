@@ -696,6 +696,10 @@ static dig_status sweep_until(Group *g, real dt, real until)
         DIG_TRY(substep(g, real_min(until, g->t + longest_piece(g, dt))));
         if (g->woke)
             break;
+        real share;
+        int worst = group_overloaded(g, dt, &share);
+        if (worst >= 0)
+            group_part(g, worst, share);
         group_touch(g, part, true);
         if (g->locate)
             impacts(g);
@@ -719,6 +723,7 @@ dig_status sweep_advance(Group *g, real dt)
     DIG_TRY(reserve(g));
     real part = dt / g->plan->substeps;
     begin(g, part, false);
+    g->breaks_found = true;
     for (int k = 0; k < g->plan->substeps && !g->woke; k++)
         DIG_TRY(sweep_until(g, dt, k + 1 < g->plan->substeps ? part * (k + 1) : dt));
     if (!g->woke) {

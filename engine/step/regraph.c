@@ -239,7 +239,7 @@ static void break_joint(World *w, const GroupJoint *j, real load, real share, re
     }
 }
 
-/* A group that is followed in time has found its breaks. Else the weakest first: of the joints of one group that are over their
+/* A group that is followed in time, or swept, has found its breaks (solve/part.c). Else the weakest first: of the joints of one group that are over their
  * limit in the mean of the step, the one with the largest share breaks. A blow is no force: it counts by the mean in either. */
 static void break_joints(World *w, Group *g, real start)
 {
@@ -249,7 +249,8 @@ static void break_joints(World *w, Group *g, real start)
         const GroupJoint *j = &g->joints[i];
         const JointRec *r = &w->joints.data[j->slot];
         if (j->broken && r->alive) {
-            break_joint(w, j, r->breaks_at > 0 ? r->breaks_at : vec3_length(r->force), 1, start + j->broke);
+            real load = r->breaks_at > 0 ? j->overload * r->breaks_at : vec3_length(r->force);
+            break_joint(w, j, load, j->overload, start + j->broke);
             broken++;
             continue;
         }
@@ -262,7 +263,7 @@ static void break_joints(World *w, Group *g, real start)
             worst = i;
         }
     }
-    bool followed = g->way && g->way->tally == WAY_TRACED && g->located == 0;
+    bool followed = g->breaks_found || (g->way && g->way->tally == WAY_TRACED && g->located == 0);
     if (worst >= 0 && broken == 0 && !followed)
         break_joint(w, &g->joints[worst], vec3_length(w->joints.data[g->joints[worst].slot].force), share, world_time(w));
 }

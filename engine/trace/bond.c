@@ -9,7 +9,7 @@ void trace_bonds(Tracer *t)
 {
     t->bond_count = 0;
     for (int j = 0; j < t->g->joint_count; j++)
-        if (t->g->joints[j].view.type->share || t->g->joints[j].breaks_at > 0)
+        if (!t->g->joints[j].broken && (t->g->joints[j].view.type->share || t->g->joints[j].breaks_at > 0))
             t->bonds[t->bond_count++] = (Bond){.joint = j, .strength = t->g->joints[j].view.type->share ? 1 : t->g->joints[j].breaks_at};
 }
 
@@ -30,28 +30,13 @@ real trace_load_on(const Tracer *t, int joint)
     return vec3_length(sum);
 }
 
-/* What holds no more. Joints that couple it find no coordinate in it, and add no rows either. */
-static void no_rows(const JointView *j, RowList *out)
-{
-    (void)j;
-    (void)out;
-}
-
-static const JointType parted = {.name = "parted", .doc = "broken in this step", .free_axes = 6, .rows = no_rows};
-
 void trace_part(Tracer *t, const Event *e)
 {
     int joint = e->bond->joint, n = 0;
-    GroupJoint *j = &t->g->joints[joint];
     trace_load(t, t->y, t->t);
-    group_joint_view(t->g, joint);
-    t->g->lost += group_spring_energy(j);           /* a spring that breaks swings out by itself */
-    j->broken = true;
-    j->broke = t->t;
+    group_part(t->g, joint, 1);
     t->conserves = false;
-    j->view.type = &parted;
     memset(&t->joint_force[joint * JOINT_SLOTS], 0, JOINT_SLOTS * sizeof *t->joint_force);
-    memset(j->force, 0, sizeof j->force);
     for (int i = 0; i < t->stop_count; i++)
         if (t->stops[i].joint != joint)
             t->stops[n++] = t->stops[i];

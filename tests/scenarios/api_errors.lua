@@ -245,3 +245,18 @@ scenario("lists with holes may have any length", function(s)
   world:step(2)
   expect(#seen > 1):is(true)
 end)
+
+scenario("a push that no step could follow is refused at once, and nothing of it stays", function(s)
+  local world = s.world
+  world:floor {}
+  local crate = world:box { name = "crate", size = 0.2, mass = 1, at = { 0, 0.1, 0 } }
+  says(function() crate:push { force = { 0, 0, 1e30 }, lasts = 1 } end,
+    "push: 1e+30 N would bring body 'crate' to 1.66667e+28 m/s within a step, must be at most 1e+12")
+  says(function() crate:push { force = { 0, 1e13, 0 }, at = { 1e3, 0, 0 } } end,
+    "push: 1e+16 N m would bring body 'crate' to 2.5e+16 rad/s within a step, must be at most 1e+12")
+  says(function() crate:twist { torque = { 0, 1e30, 0 } } end,
+    "twist: 1e+30 N m would bring body 'crate' to 2.5e+30 rad/s within a step, must be at most 1e+12")
+  world:run(0.5)
+  expect(crate.position):near({ 0, 0.1, 0 }, 1e-6)
+  expect(crate.work_received):is(0)
+end)

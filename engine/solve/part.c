@@ -1,0 +1,57 @@
+/* solve/part.c - joints that let go within a step: when, and what is left of them for the rest of it.
+ *
+ * The load that counts is the mean over the last frame step: a blow is no force. While a step is under way its part that is still
+ * to come is that of the step before. The most loaded joint of a group that is over its limit goes first; what it bore is on others
+ * before the next is judged.
+ */
+#include "solve/group.h"
+
+/* What holds no more. Joints that couple it find no coordinate in it, and add no rows either. */
+static void no_rows(const JointView *j, RowList *out)
+{
+    (void)j;
+    (void)out;
+}
+
+static const JointType parted = {.name = "parted", .doc = "broken in this step", .free_axes = 6, .rows = no_rows};
+
+void group_part(Group *g, int joint, real share)
+{
+    GroupJoint *j = &g->joints[joint];
+    group_joint_view(g, joint);
+    g->lost += group_spring_energy(j);          /* a spring that breaks swings out by itself */
+    j->broken = true;
+    j->broke = g->t;
+    j->overload = share;
+    j->view.type = &parted;
+    memset(j->force, 0, sizeof j->force);
+}
+
+/* Over the frame that ends now. */
+static real mean_share(Group *g, int joint, real dt)
+{
+    const GroupJoint *j = &g->joints[joint];
+    const JointRec *r = &g->world->joints.data[j->slot];
+    real rest = real_max(0, dt - g->t);
+    vec3 force = vec3_scale(1 / dt, vec3_mad(j->impulse, rest, r->force));
+    vec3 torque = vec3_scale(1 / dt, vec3_mad(j->angular_impulse, rest, r->torque));
+    group_joint_view(g, joint);
+    return joint_share(&j->view, force, vec3_sub(torque, vec3_cross(j->view.a.r, force)));
+}
+
+int group_overloaded(Group *g, real dt, real *share)
+{
+    int worst = -1;
+    *share = 1;
+    for (int i = 0; i < g->joint_count; i++) {
+        const GroupJoint *j = &g->joints[i];
+        if (j->broken || !(j->breaks_at > 0 || j->view.type->share))
+            continue;
+        real s = mean_share(g, i, dt);
+        if (s > *share) {
+            *share = s;
+            worst = i;
+        }
+    }
+    return worst;
+}
