@@ -435,6 +435,8 @@ static bool load(Peer *p, char *why, size_t room)
     free(p->text);
     p->text = NULL;
     p->data = p->model ? mj_makeData(p->model) : NULL;
+    if (!p->data && (p->model || strstr(why, "mjData")))
+        snprintf(why, room, "its matrices for %d bodies are over its limit of 2 GiB", p->scene->bodies);
     return p->data;
 }
 
