@@ -13,7 +13,7 @@
 #include <string.h>
 #include "peer.h"
 
-enum { MOST_BODIES = 2200, RATE = 480 };
+enum { MOST_BODIES = 2200, RATE = 480, MOST_DEPTH = 80 };       /* its reader takes elements 100 deep */
 
 const char *const peer_name = "mujoco";
 
@@ -22,7 +22,8 @@ struct Peer {
     PeerScene       *scene;                     /* the same with z up, bodies' own axes as well, as MuJoCo's users have it */
     mjModel         *model;
     mjData          *data;
-    int             *id, *of_geom, *first;      /* MuJoCo's body of each; body of each geometry; the joint that holds a body in the tree */
+    int             *id, *of_geom;              /* MuJoCo's body of each; body of each geometry */
+    int             *first, *depth;             /* the joint that holds a body in the tree, and how deep */
     double         (*push)[3];                  /* N, in the first part of the next frame */
     bool             pushed, line_closes;       /* a slider closes a loop: no equality says so */
     int              parts;                     /* of a frame */
@@ -225,14 +226,19 @@ static bool hang_one(Peer *p, bool *placed, bool *used, bool sliders)
         const bool a = placed[j->a], b = j->b < 0 || placed[j->b];
         if (used[k] || j->kind == PEER_SPRING || (j->kind == PEER_SLIDER) != sliders || a == b)
             continue;
-        p->first[a ? j->b : j->a] = k;
-        placed[a ? j->b : j->a] = used[k] = true;
+        const int child = a ? j->b : j->a, parent = a ? j->a : j->b;
+        p->depth[child] = parent < 0 ? 1 : p->depth[parent] + 1;
+        if (p->depth[child] > MOST_DEPTH)
+            continue;
+        p->first[child] = k;
+        placed[child] = used[k] = true;
         return true;
     }
     return false;
 }
 
-/* A tree of all that is joined: each body hangs on the first joint that reaches it, from the world or from a body that floats. */
+/* Trees of all that is joined: each body hangs on the first joint that reaches it, from the world or from a body that floats. One that
+ * would hang too deep floats, and an equality holds it. */
 static void make_tree(Peer *p, bool *closes)
 {
     const PeerScene *s = p->scene;
@@ -247,7 +253,7 @@ static void make_tree(Peer *p, bool *closes)
         if (root >= 0 && placed[root])
             continue;
         if (root >= 0)
-            placed[root] = true;
+            placed[root] = true, p->depth[root] = 0;
         while (hang_one(p, placed, used, true) || hang_one(p, placed, used, false)) {
         }
     }
@@ -429,6 +435,8 @@ static bool load(Peer *p, char *why, size_t room)
     free(p->text);
     p->text = NULL;
     p->data = p->model ? mj_makeData(p->model) : NULL;
+    if (!p->data && (p->model || strstr(why, "mjData")))
+        snprintf(why, room, "its matrices for %d bodies are over its limit of 2 GiB", p->scene->bodies);
     return p->data;
 }
 
@@ -446,6 +454,7 @@ Peer *peer_open(const PeerScene *scene, char *why, size_t room)
     p->parts = (int)ceil(scene->step * RATE - 1e-6);
     p->id = array(scene->bodies, sizeof(int));
     p->first = array(scene->bodies, sizeof(int));
+    p->depth = array(scene->bodies, sizeof(int));
     p->push = array(scene->bodies, sizeof *p->push);
     put_scene(p);
     bool expressed = !p->line_closes;
@@ -577,6 +586,7 @@ void peer_close(Peer *p)
     free(p->id);
     free(p->of_geom);
     free(p->first);
+    free(p->depth);
     free(p->push);
     free(p->text);
     free(p);
