@@ -300,6 +300,8 @@ static dig_status take_joints(Look *l, const World *w)
 static dig_status take_contacts(Look *l, const World *w, vec3 origin)
 {
     l->tables[LOOK_CONTACTS].count = 0;
+    if (w->pairs.count == 0)
+        return DIG_OK;
     const Pair *pairs = w->pairs.data, *end = pairs + w->pairs.count;
     for (const Pair *p = pairs; p < end; p++) {
         if (end - p > FETCH_AHEAD && p[FETCH_AHEAD].touching && p[FETCH_AHEAD].contact != NONE)

@@ -5,7 +5,7 @@
 #
 # RUNS=short: so many inputs of each target that it takes some seconds; the same ones each time.
 set -u
-declare -A short=([api]=150 [mesh]=3000 [replay]=2000 [save]=2000 [script]=2000)
+declare -A short=([api]=100 [mesh]=1500 [replay]=5000 [save]=3000 [script]=200)
 folder=build/fuzz
 export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_leaks=1:strict_string_checks=1:detect_stack_use_after_return=1:allocator_may_return_null=1}
 export UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1}
