@@ -3,7 +3,8 @@
  * The sun map holds the smoothed first and second moments of the depths along the sun, from which Chebyshev's inequality tells
  * a body in one fetch how much of the sun arrives (variance shadow maps: Donnelly and Lauritzen, I3D 2006; four compared taps
  * took three times as long, exponential maps frayed where the sun grazes). Where what is in shadow has something much deeper
- * beside it in the map, or is not in the map at all (what is seen through), the shadow's rim is a texel or two too light.
+ * beside it in the map, the shadow's rim is a texel or two too light. What is seen through throws no shadow, so its own surface is
+ * put into the map for itself alone (light_receive).
  * The floor fills most of a picture, so its light is worked out beforehand on the CPU: shadows that are sharp where things
  * touch it and soft far from them, and the part of the sky hidden by what stands on it; a pixel of the floor costs one fetch.
  * Bodies take the hidden sky from heights seen from above, smoothed over two widths: each column counts as filled.
