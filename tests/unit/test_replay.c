@@ -719,7 +719,8 @@ TEST(wrong_contents_with_right_checksums_do_no_harm)
 
 int main(void)
 {
-    RUN_TESTS(unit_test(everything_looks_the_same), unit_test(what_a_script_does_between_steps_is_seen), unit_test(and_by_one_who_hears_of_it), unit_test(bodies_are_born_and_die),
+    RUN_TESTS(unit_test(everything_looks_the_same), unit_test(what_a_script_does_between_steps_is_seen),
+              unit_test(and_by_one_who_hears_of_it), unit_test(bodies_are_born_and_die),
               unit_test(joints_break_and_bear), unit_test(poses_are_those_of_the_world), unit_test(notes_and_commands_belong_to_frames),
               unit_test(cameras_belong_to_frames), unit_test(a_camera_that_stands_still_is_written_once),
               unit_test(a_file_that_cannot_be_written_is_named), unit_test(a_file_cut_at_any_byte_opens_to_its_last_whole_block),
