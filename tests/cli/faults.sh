@@ -84,4 +84,18 @@ for what in create:OSMesaCreateContextAttribs 'current:cannot be made current'; 
     holds 'and no black frame' test -z "$(ls -A dark 2>/dev/null)"
 done
 
+# ---- what draws nothing starts no renderer: with one that cannot be started it works all the same ----
+echo 'require("digbox").world {}:step(5)' >moves.lua
+cat >moves_spec.lua <<'LUA'
+local test = require "digbox.test"
+test.scenario("moves", function(s) test.expect(s:world {}.steps):is(0) end)
+LUA
+export DIGBOX_NO_GL=create
+for command in 'run -q --replay moves.replay moves.lua' 'test moves_spec.lua' 'verify moves.replay' 'diff moves.replay moves.replay' \
+    'export moves.replay -o moves.csv' 'check moves.lua' 'cost moves.lua --seconds 0.1'; do
+    faulty $command >out.txt 2>err.txt </dev/null
+    code=$?
+    holds "no renderer is started by: $command (exit code $code)" test $code = 0
+done
+
 checked
