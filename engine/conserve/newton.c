@@ -175,7 +175,7 @@ static void improve(System *s)
 
 /* Of the impulses of the last step, what the next begins with. Where joints share a load in many ways, nothing but rounding says in
  * which: it would add up from step to step (a door on three hinges at 1 kHz: to 226 times its weight in 20 s). */
-#define KEEPS (1 - 1.0 / 64)
+#define KEEPS (1 - 1.0 / 128)
 
 static void predict(System *s)
 {

@@ -140,6 +140,7 @@ TEST(depths_of_a_roof_are_its_plane)
     CHECK_INT(covered, SIDE * SIDE / 4);
     /* pushed away by one and a half texels of its steepness */
     float nearest[SIDE * SIDE];
+    cast_clear(nearest, SIDE);
     cast_nearest(&c, down, SIDE, 1.5f, nearest);
     int middle = SIDE / 2 * SIDE + SIDE / 2;
     CHECK_NEAR((double)(nearest[middle] - above[middle]), 1.5 * 0.125 * 2 / SIDE, 1e-6);
