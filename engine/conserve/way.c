@@ -133,7 +133,22 @@ static dig_status part(System *s, real h, bool composed, bool *done)
     return DIG_OK;
 }
 
-typedef struct Run { int at, total, level, easy; bool composed; const char *why; } Run;
+typedef struct Run { int at, total, level, easy; bool composed, breaks; const char *why; } Run;
+
+/* The joint most over its limit after a part of the step lets go then; the equations of the rest are others. */
+static dig_status part_joints(System *s, Run *r, real dt)
+{
+    Group *g = s->g;
+    real share;
+    int worst = group_overloaded(g, dt, &share);
+    if (worst < 0)
+        return DIG_OK;
+    step_remember(s);
+    group_part(g, worst, share);
+    if (!parts_understood(g))
+        r->why = "conserve: a joint met its stop";
+    return r->why ? DIG_OK : step_open(s, g);
+}
 
 /* The next part from r->at on. A single step that fails is halved; after two easy ones the next is longer. */
 static dig_status next_part(System *s, Run *r, real dt)
@@ -165,6 +180,8 @@ static dig_status next_part(System *s, Run *r, real dt)
         r->why = "conserve: too many iterations";
     else if (fastest_spin(g) * g->h > 0.5 && !step_watch(g, false))
         r->why = "conserve: a joint met its stop";
+    if (r->breaks && !r->why)
+        DIG_TRY(part_joints(s, r, dt));
     if (r->why)
         return DIG_OK;
     r->easy = g->evaluations - before <= EASY * (r->composed ? STAGES : 1) ? r->easy + 1 : 0;
@@ -175,13 +192,14 @@ static dig_status next_part(System *s, Run *r, real dt)
     return DIG_OK;
 }
 
+static Run run_of(int parts, bool composed, bool breaks) { return (Run){.total = parts << LEVELS, .composed = composed, .breaks = breaks}; }
+
 /* From the start of the frame to its end; *why: it could not. */
-static dig_status run(Group *g, real dt, int parts, bool composed, System *s, const char **why)
+static dig_status run(Group *g, real dt, Run r, System *s, const char **why)
 {
-    Run r = {.total = parts << LEVELS, .composed = composed};
     *why = NULL;
     DIG_TRY(step_open(s, g));
-    s->precise = composed;
+    s->precise = r.composed;
     if (!step_place(s))
         r.why = "conserve: no poses obey the joints";
     else if (group_joints_broken(g) && !step_clean(s))         /* the rule would mirror that for ever */
@@ -222,10 +240,16 @@ static dig_status advance(Group *g, real dt)
         group_joint_view(g, i);
     bool composed = is_small(g) && may_compose(g);
     int parts = composed ? composed_parts(g, dt) : is_small(g) ? g->plan->substeps : parts_of(g->plan);
-    DIG_TRY(run(g, dt, parts, composed, &s, &why));
+    DIG_TRY(run(g, dt, run_of(parts, composed, false), &s, &why));
     if (why && composed) {
         group_put_back(g, &saved);                             /* single steps then */
-        DIG_TRY(run(g, dt, parts_of(g->plan), false, &s, &why));
+        DIG_TRY(run(g, dt, run_of(parts_of(g->plan), false, false), &s, &why));
+    }
+    real share;
+    if (!why && !g->woke && group_overloaded(g, dt, &share) >= 0) {     /* when, and what then, is for short parts to find */
+        group_put_back(g, &saved);
+        g->breaks_found = true;
+        DIG_TRY(run(g, dt, run_of(int_max(parts, g->plan->substeps), false, true), &s, &why));
     }
     if (why)
         return hand_on(g, &saved, why);
@@ -237,12 +261,6 @@ static dig_status advance(Group *g, real dt)
     if (group_deep(g))
         return hand_on(g, &saved, "conserve: bodies met");
     step_remember(&s);
-    real share;
-    if (group_overloaded(g, dt, &share) >= 0) {         /* when, and what then, is for substeps to find */
-        hand_on(g, &saved, NULL);
-        g->conserve_failed = true;
-        return DIG_OK;
-    }
     DIG_TRY(g->stage(g, STAGE_SETTLE));
     return g->status;
 }

@@ -25,7 +25,7 @@ done
 holds 'no figure that JSON does not know' test "$(grep -ciE ':(-?nan|-?inf)' steps.json)" = 0
 
 gives 9 'a folder that is not there' run -q --trace nowhere/steps.json fall.lua;     said 'nowhere/steps.json: No such file'
-gives 2 'no file' run fall.lua --trace;                                              said "option '--trace' requires"
+gives 2 'no file' run fall.lua --trace;                                              said 'run: --trace wants a value'
 
 # What a script leaves when it fails is still closed.
 printf 'local world = require("digbox").world {}\nworld:step(3)\nerror "enough"\n' >fails.lua
