@@ -238,7 +238,7 @@ static int frames_take(lua_State *L)
 {
     Frames *f = check_frames(L);
     int fd = (int)luaL_checkinteger(L, 2);
-    Entry e;
+    Entry e = {.index = 0};
     size_t got = 0;
     while (got < sizeof e) {
         ssize_t n = read(fd, (char *)&e + got, sizeof e - got);
