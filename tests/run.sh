@@ -40,6 +40,7 @@ log_of() { echo "$results/${1//\//_}.log"; }
 run_one() {
     local number=$1 kind=$2 path=$3 limit=900 log status passed failed
     log=$(log_of "$path")
+    local began=${EPOCHREALTIME%.*}
     export TMPDIR=$results/scratch-$number
     mkdir -p "$TMPDIR"
     [ "$SANITIZE" = 1 ] && limit=1200
@@ -77,7 +78,7 @@ run_one() {
         failed=1
     fi
     rm -rf "$TMPDIR"
-    echo "$passed $failed $status" >"$results/$number.new"
+    echo "$passed $failed $status $((${EPOCHREALTIME%.*} - began))" >"$results/$number.new"
     mv "$results/$number.new" "$results/$number.result"
 }
 
@@ -129,14 +130,15 @@ all_passed=0 all_failed=0 number=0 failures=()
 while read -r kind path; do
     number=$((number + 1))
     while [ ! -e "$results/$number.result" ] && kill -0 "$runner" 2>/dev/null; do sleep 0.05; done
-    if ! read -r passed failed status 2>/dev/null <"$results/$number.result"; then
-        passed=0 failed=1 status=none
+    if ! read -r passed failed status seconds 2>/dev/null <"$results/$number.result"; then
+        passed=0 failed=1 status=none seconds=0
     fi
+    took=; [ "$seconds" -lt 5 ] || took="  $seconds s"                     # what is slow says so
     all_passed=$((all_passed + passed)) all_failed=$((all_failed + failed))
     if [ "$status" = 77 ]; then
         printf 'skip  %-48s %s\n' "$path" "$(tail -n 1 "$(log_of "$path")")"
     elif [ "$failed" -eq 0 ]; then
-        printf 'ok    %-48s %4d\n' "$path" "$passed"
+        printf 'ok    %-48s %4d%s\n' "$path" "$passed" "$took"
         [ "$V" = 1 ] && sed 's/^/      | /' "$(log_of "$path")"
     else
         printf 'FAIL  %-48s %4d passed, %d failed (exit status %s)\n' "$path" "$passed" "$failed" "$status"
