@@ -144,6 +144,10 @@ dig_status    dig_world_open(const dig_world_def *def, dig_world **w, char *why,
 void          dig_world_close(dig_world *w);
 const char   *dig_error(const dig_world *w);            /* of the last call that failed */
 dig_status    dig_world_step(dig_world *w);             /* one frame step, or nothing */
+/* Whose numbers made the last step fail with DIG_E_FINITE; null: nobody's, or those of an effect of the caller's. Without that body
+ * (dig_body_disable) the step can be taken. */
+dig_body      dig_world_culprit(const dig_world *w);
+dig_status    dig_world_inject(dig_world *w, dig_body b);       /* for tests: in the next step its velocity is NaN */
 real          dig_world_time(const dig_world *w);       /* s = steps * step */
 uint64_t      dig_world_steps(const dig_world *w);
 real          dig_world_frame(const dig_world *w);      /* s, the frame step */
@@ -481,6 +485,8 @@ dig_status dig_body_set_velocity(dig_world *w, dig_body b, vec3 velocity, vec3 s
 dig_status dig_body_set(dig_world *w, dig_body b, const char *param, const void *value);
 dig_status dig_body_param(const dig_world *w, dig_body b, const char *param, void *value);         /* reads any row; takes no part: default */
 dig_status dig_body_wake(dig_world *w, dig_body b);
+/* Sets it aside for good: fixed where it is, with no joint, and nothing meets it. Its pose is the last good one. */
+dig_status dig_body_disable(dig_world *w, dig_body b);
 
 bool dig_body_touches(const dig_world *w, dig_body a, dig_body b);
 bool dig_body_contains(const dig_world *w, dig_body outer, dig_body inner);     /* inner's centre of mass lies inside outer's convex outline */
@@ -611,7 +617,7 @@ typedef enum dig_event_kind {
     DIG_EVENT_CONTACT_BEGIN, DIG_EVENT_CONTACT_END, DIG_EVENT_IMPACT, DIG_EVENT_BROKEN, DIG_EVENT_MOVED,
     DIG_EVENT_SLEPT, DIG_EVENT_WOKE, DIG_EVENT_REMOVED, DIG_EVENT_MERGED, DIG_EVENT_SPLIT, DIG_EVENT_LINK,
     DIG_EVENT_UNLINK, DIG_EVENT_MESSAGE, DIG_EVENT_LIMIT_REACHED, DIG_EVENT_OUT_OF_WORLD, DIG_EVENT_ENTERED, DIG_EVENT_LEFT,
-    DIG_EVENT_KINDS
+    DIG_EVENT_DISABLED, DIG_EVENT_KINDS
 } dig_event_kind;
 
 const char *dig_event_name(dig_event_kind k);       /* "contact_begin", ... */

@@ -487,6 +487,7 @@ int bind_open(lua_State *L)
     bind_world_open(L, core);
     bind_space_open(L, core);
     bind_watch_open(L, core);
+    bind_aside_open(L, core);
     bind_trace_open(L, core);
     bind_replay_open(L, core);
     bind_reader_open(L, core);

@@ -65,6 +65,7 @@ void bind_film_open(lua_State *L, int core);
 void bind_frames_open(lua_State *L, int core);
 void bind_file_open(lua_State *L, int core);
 void bind_watch_open(lua_State *L, int core);
+void bind_aside_open(lua_State *L, int core);
 void bind_effect_open(lua_State *L, int core);
 void bind_ask_open(lua_State *L, int core);
 void bind_own_open(lua_State *L, int core);
@@ -241,6 +242,12 @@ vec3 bind_directed(lua_State *L, const char *what, const char *field, const char
 void bind_own_check(lua_State *L, WorldRef *world);
 /* Remembers the present line of the script as where a thing was made ("bodies", "joints", "regions") or first pushed ("pushes"). */
 void bind_note(lua_State *L, int world, const char *kind, uint32_t slot, uint32_t gen);
+/* Pushes "world.lua:12", where that body was made; "" or nil for one that no line of a script made. */
+void bind_push_made(lua_State *L, int world, dig_body b);
+/* body:disable, with what its handles and those of its joints are to say. */
+dig_status bind_disable(lua_State *L, int world, dig_body b);
+/* A frame step, or an error; bodies that keep it from being taken are set aside. */
+void bind_step(lua_State *L, int world);
 /* Before a body, joint or region goes: what it called for is said, and its line forgotten. */
 void bind_forget(lua_State *L, int world, const char *kind, uint32_t slot, uint32_t gen);
 /* What first called for each effect, in words, where it is known. */

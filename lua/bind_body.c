@@ -423,23 +423,48 @@ static int body_wake(lua_State *L)
     return done(L, b, dig_body_wake(b->world->w, b->id));
 }
 
-/* The joints of a body go with it: say so on their handles. */
-static void mark_joints(lua_State *L, int world, const BodyRef *b, const char *where)
+/* The joints of a body go with it, or when it is disabled: say so on their handles. */
+static void mark_joints(lua_State *L, int world, dig_body b, const char *what, const char *where)
 {
-    int n = dig_joints(b->world->w, NULL, 0);
+    const dig_world *w = ((WorldRef *)lua_touserdata(L, world))->w;
+    int n = dig_joints(w, NULL, 0);
     dig_joint *ids = lua_newuserdatauv(L, (size_t)(n + 1) * sizeof *ids, 0);
-    n = dig_joints(b->world->w, ids, n);
+    n = dig_joints(w, ids, n);
     for (int i = 0; i < n; i++) {
         dig_joint_state s;
-        bool ours = dig_joint_get(b->world->w, ids[i], &s) == DIG_OK &&
-                    ((s.a.slot == b->id.slot && s.a.gen == b->id.gen) || (s.b.slot == b->id.slot && s.b.gen == b->id.gen));
+        bool ours = dig_joint_get(w, ids[i], &s) == DIG_OK &&
+                    ((s.a.slot == b.slot && s.a.gen == b.gen) || (s.b.slot == b.slot && s.b.gen == b.gen));
         if (ours) {
-            const char *how = lua_pushfstring(L, "joint '%s' was removed with its body%s", s.name, where);
+            const char *how = lua_pushfstring(L, "joint '%s' was removed %s%s", s.name, what, where);
             bind_mark_removed(L, world, "joints", ids[i].slot, ids[i].gen, how);
             lua_pop(L, 1);
         }
     }
     lua_pop(L, 1);
+}
+
+/* Pushes " at world.lua:12", or "" where no line of a script called. */
+static const char *push_at(lua_State *L)
+{
+    bind_place(L);
+    return lua_rawlen(L, -1) > 0 ? lua_pushfstring(L, " at %s", lua_tostring(L, -1)) : "";
+}
+
+dig_status bind_disable(lua_State *L, int world, dig_body b)
+{
+    int top = lua_gettop(L);
+    mark_joints(L, world, b, "when its body was disabled", push_at(L));
+    bind_forget(L, world, "pushes", b.slot, b.gen);
+    lua_settop(L, top);
+    return dig_body_disable(((WorldRef *)lua_touserdata(L, world))->w, b);
+}
+
+/* body:disable() -> body */
+static int body_disable(lua_State *L)
+{
+    BodyRef *b = bind_check_body(L, 1);
+    bind_push_world_of(L, 1);
+    return done(L, b, bind_disable(L, lua_gettop(L), b->id));
 }
 
 /* body:remove() */
@@ -449,13 +474,8 @@ static int body_remove(lua_State *L)
     lua_settop(L, 1);
     bind_push_world_of(L, 1);
     bind_push_body_name(L, b);
-    bind_where(L);
-    const char *where = "";
-    size_t length = 0;
-    lua_tolstring(L, -1, &length);
-    if (length > 2)
-        where = lua_pushfstring(L, " at %s", luaL_gsub(L, lua_tostring(L, -1), ": ", ""));
-    mark_joints(L, 2, b, where);
+    const char *where = push_at(L);
+    mark_joints(L, 2, b->id, "with its body", where);
     const char *how = lua_pushfstring(L, "%s was removed%s", lua_tostring(L, 3), where);
     bind_mark_removed(L, 2, "bodies", b->id.slot, b->id.gen, how);
     bind_forget(L, 2, "bodies", b->id.slot, b->id.gen);
@@ -517,7 +537,7 @@ static int body_eq(lua_State *L)
 
 static const luaL_Reg methods[] = {
     {"push", body_push}, {"twist", body_twist}, {"hit", body_hit}, {"teleport", body_teleport}, {"move_to", body_move_to},
-    {"drive", body_drive}, {"wake", body_wake}, {"remove", body_remove}, {"touches", body_touches}, {"contains", body_contains},
+    {"drive", body_drive}, {"wake", body_wake}, {"disable", body_disable}, {"remove", body_remove}, {"touches", body_touches}, {"contains", body_contains},
     {"velocity_at", body_velocity_at}, {NULL, NULL},
 };
 static const luaL_Reg getters[] = {

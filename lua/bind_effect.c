@@ -104,6 +104,13 @@ void bind_note(lua_State *L, int world, const char *kind, uint32_t slot, uint32_
     lua_pop(L, 2);
 }
 
+void bind_push_made(lua_State *L, int world, dig_body b)
+{
+    push_places(L, world, "bodies");
+    lua_rawgeti(L, -1, key_of(b.slot, b.gen));
+    lua_remove(L, -2);
+}
+
 /* "world.lua:12 (body 'ball')"; what came from a file has no line. */
 static void explain(lua_State *L, int world, const char *kind, uint32_t slot, uint32_t gen, const char *who, const dig_effect_info *info)
 {

@@ -73,10 +73,8 @@ static int trace_step(lua_State *L)
     dig_world *w = bind_check_world(L, 2)->w;
     dig_time_every_step(w, true);
     double begin = now_us();
-    dig_status status = dig_world_step(w);
+    bind_step(L, 2);
     double end = now_us();
-    if (status != DIG_OK)
-        return bind_fail(L, w, status);
     dig_stats s = dig_world_stats(w);
     fprintf(t->file, ",\n{\"name\":\"step\",\"ph\":\"X\",\"pid\":1,\"tid\":1,\"ts\":%.3f,\"dur\":%.3f,\"args\":{\"t\":%.9g,\"substeps\":%d,"
             "\"iterations\":%d,\"evaluations\":%d,\"located\":%d,\"residual\":%.3g}}", begin - t->zero, end - begin, dig_world_time(w), s.substeps,

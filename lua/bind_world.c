@@ -128,10 +128,7 @@ static int world_is_open(lua_State *L)
 static int world_step(lua_State *L)
 {
     WorldRef *ref = bind_check_world(L, 1);
-    dig_status s = dig_world_step(ref->w);
-    bind_own_check(L, ref);
-    if (s != DIG_OK)
-        return bind_fail(L, ref->w, s);
+    bind_step(L, 1);
     lua_pushinteger(L, dig_warnings(ref->w, NULL, 0));
     return 1;
 }

@@ -16,6 +16,8 @@ typedef struct RunOptions {
     bool        trust, quiet, strict, dry, jail_needed, verbose;
     bool        resume, force;  /* frames of an earlier run are kept, or forgotten */
     long long   log_limit;      /* MiB that print may write; 0 = no limit */
+    bool        injects;        /* a fault, for tests: */
+    long long   inject_body, inject_step;
     int         set_count, argument_count;
     char      **set;                        /* [set_count] NAME=VALUE */
     char      **arguments;                  /* [argument_count] after -- */

@@ -17,7 +17,7 @@
 /* ---- run ----------------------------------------------------------------------- */
 
 enum { OPT_SECONDS = 256, OPT_ACCURACY, OPT_SEED, OPT_THREADS, OPT_SET, OPT_TIME, OPT_MEMORY, OPT_FUEL, OPT_TRUST, OPT_STRICT,
-       OPT_TRACE, OPT_JAIL, OPT_VERBOSE, OPT_LOG, OPT_REPLAY, OPT_RESUME, OPT_FORCE };
+       OPT_TRACE, OPT_JAIL, OPT_VERBOSE, OPT_LOG, OPT_REPLAY, OPT_RESUME, OPT_FORCE, OPT_INJECT };
 
 static const struct option run_options[] = {
     {"output", required_argument, NULL, 'o'}, {"seconds", required_argument, NULL, OPT_SECONDS},
@@ -29,8 +29,18 @@ static const struct option run_options[] = {
     {"replay", required_argument, NULL, OPT_REPLAY}, {"quiet", no_argument, NULL, 'q'},
     {"require-jail", no_argument, NULL, OPT_JAIL}, {"verbose", no_argument, NULL, OPT_VERBOSE},
     {"resume", no_argument, NULL, OPT_RESUME}, {"force", no_argument, NULL, OPT_FORCE},
-    {"log-limit", required_argument, NULL, OPT_LOG}, {"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0},
+    {"log-limit", required_argument, NULL, OPT_LOG}, {"inject", required_argument, NULL, OPT_INJECT}, {"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0},
 };
+
+/* nan:body=7,step=60 */
+static bool read_fault(RunOptions *o, const char *text)
+{
+    int end = 0;
+    if (sscanf(text, "nan:body=%9lld,step=%18lld%n", &o->inject_body, &o->inject_step, &end) == 2 && text[end] == '\0' &&
+        o->inject_body >= 0 && o->inject_step >= 0)
+        return o->injects = true;
+    return usage_error("--inject: '%s' is not nan:body=N,step=N", text) == 0;
+}
 
 static bool read_run_option(RunOptions *o, int key)
 {
@@ -47,6 +57,7 @@ static bool read_run_option(RunOptions *o, int key)
     case OPT_TRUST: o->trust = true; return true;
     case OPT_JAIL: o->jail_needed = true; return true;
     case OPT_VERBOSE: o->verbose = true; return true;
+    case OPT_INJECT: return read_fault(o, optarg);
     case OPT_LOG: return read_whole_option("log-limit", optarg, 0, 1 << 20, &o->log_limit);
     case OPT_STRICT: o->strict = true; return true;
     case OPT_RESUME: o->resume = true; return true;
@@ -141,6 +152,14 @@ int run_set_options(lua_State *L)
         lua_pushinteger(L, o->threads);
         app_set_option(L, "threads");
     }
+    if (o->injects) {
+        lua_createtable(L, 0, 2);
+        lua_pushinteger(L, o->inject_body);
+        lua_setfield(L, -2, "body");
+        lua_pushinteger(L, o->inject_step);
+        lua_setfield(L, -2, "step");
+        app_set_option(L, "inject");
+    }
     push_settings(L, o);
     app_set_option(L, "set");
     push_list(L, o->arguments, o->argument_count);
@@ -148,8 +167,8 @@ int run_set_options(lua_State *L)
     return 0;
 }
 
-/* After the script: the rest of --seconds, open films, the picture of the end. */
-static int finish_run(lua_State *L, App *app, const RunOptions *o)
+/* After the script: the rest of --seconds, open films, the picture of the end. Then it has come to its end, whatever is to be said of it. */
+static int finish_run(lua_State *L, App *app, const RunOptions *o, bool *ended)
 {
     int code = app_call_core(L, app, "finish_run", 0, 0);
     if (code == EXIT_FINE)
@@ -167,6 +186,9 @@ static int finish_run(lua_State *L, App *app, const RunOptions *o)
         code = app_call_core(L, app, "summary", 0, 1);
     if (code == EXIT_FINE && !o->quiet && lua_tostring(L, -1)[0])
         fprintf(stderr, "digbox: %s\n", lua_tostring(L, -1));
+    *ended = code == EXIT_FINE;
+    if (code == EXIT_FINE)
+        code = app_call_core(L, app, "judge_finite", 0, 0);
     if (code == EXIT_FINE && o->strict)
         code = app_call_core(L, app, "judge_reliable", 0, 0);
     return code;
@@ -186,18 +208,19 @@ static int run_world(const RunOptions *o, App *app)
         return EXIT_INTERNAL;
     lua_pushcfunction(L, run_set_options);
     lua_pushlightuserdata(L, (void *)(uintptr_t)o);
+    bool ended = false;
     int code = app_call(L, app, 1, 0);
     if (code == EXIT_FINE)
         code = app_run_file(L, app);
     if (o->verbose && app->fuel >= 0)
         fprintf(stderr, "digbox: fuel: %lld used\n", app->fuel_given - app->fuel);
     if (code == EXIT_FINE && !o->dry)
-        code = finish_run(L, app, o);
+        code = finish_run(L, app, o, &ended);
     if (app_call_core(L, app, "clear_progress", 0, 0) != EXIT_FINE)
         lua_pop(L, 1);
     if (code != EXIT_FINE && lua_isstring(L, -1))
         say_error(lua_tostring(L, -1));
-    if (code != EXIT_FINE && code != EXIT_UNRELIABLE)       /* that one came to its end */
+    if (code != EXIT_FINE && !ended)
         report_stop(L, app);
     lua_close(L);
     return code;
@@ -261,6 +284,7 @@ const Command run_command = {
         "      --trust             the script may use io and os, and write anywhere\n"
         "      --replay FILE       keep the run in a file: to draw, compare and export it without simulating again\n"
         "      --trace FILE        what each step spent its time on, for chrome://tracing or ui.perfetto.dev\n"
+        "      --inject nan:body=N,step=K   for tests: after step K, a number of body #N is not finite (exit code 10)\n"
         "      --strict            a run that became unreliable ends with exit code 12\n"
         "  -q, --quiet             no progress line, no warnings, no closing line\n",
     .notes = "\nThe arguments that a world declares: digbox run WORLD.lua -- --help\n",

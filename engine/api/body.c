@@ -418,3 +418,25 @@ dig_status dig_body_wake(dig_world *w, dig_body handle)
 {
     return COMMAND(w, COMMAND_WAKE, do_wake(w, handle), {.body = handle});
 }
+
+static dig_status do_disable(World *w, dig_body b)
+{
+    if (!api_body(w, b, "disable"))
+        return DIG_E_DEAD;
+    real before = api_effects_stored(w);
+    (void)step_sense(w);        /* the rows of pairs that the next step adds are then those of a step that failed for this body */
+    api_book_given(w, -api_body_springs(w, b.slot));
+    body_disable(w, b.slot);
+    api_book_stored(w, before);
+    return DIG_OK;
+}
+
+dig_status run_disable(World *w, CommandArg *a)
+{
+    return do_disable(w, a[0].body);
+}
+
+dig_status dig_body_disable(dig_world *w, dig_body b)
+{
+    return COMMAND(w, COMMAND_DISABLE, do_disable(w, b), {.body = b});
+}

@@ -66,6 +66,9 @@ static const Command commands[COMMAND_IDS] = {
     [COMMAND_ANSWERING]     = {"answering", "u", run_answering, false},
     [COMMAND_TAKE]          = {"take", "", run_take, false},
     [COMMAND_DROPPED]       = {"dropped", "u", run_dropped, false},
+
+    [COMMAND_DISABLE]       = {"disable", "b", run_disable, false},
+    [COMMAND_INJECT]        = {"inject", "b", run_inject, false},
 };
 
 const char *dig_command_name(int index) { return index >= 0 && index < COMMAND_IDS - 1 ? commands[index + 1].name : NULL; }

@@ -34,6 +34,7 @@ typedef enum CommandId {
     COMMAND_EFFECT_ADD, COMMAND_EFFECT_DROP, COMMAND_EFFECT_THERE,
     COMMAND_DIG_ACCURACY, COMMAND_WIRE, COMMAND_WIRE_SET, COMMAND_WIRE_REMOVE,
     COMMAND_POST, COMMAND_POST_LIST, COMMAND_ANSWERING, COMMAND_TAKE, COMMAND_DROPPED,
+    COMMAND_DISABLE, COMMAND_INJECT,
     COMMAND_IDS
 } CommandId;
 
@@ -78,6 +79,7 @@ dig_status command_do(World *w, CommandId id, CommandArg *a);
 
 CommandRun run_step, run_gravity, run_accuracy, run_snapshot, run_restore, run_restore_saved, run_forget;
 CommandRun run_body, run_body_remove, run_push, run_twist, run_hit, run_warm, run_teleport, run_move_to, run_velocity, run_body_set, run_wake;
+CommandRun run_disable, run_inject;
 CommandRun run_joint, run_joint_remove, run_joint_set;
 CommandRun run_room, run_wall, run_region, run_region_remove, run_region_push, run_material, run_pair;
 CommandRun run_effect_join, run_effect_leave, run_effect_option, run_effect_set, run_effect_explain;

@@ -108,6 +108,7 @@ static dig_status do_step(World *w)
     w->busy = true;
     int pending = w->pending.count;
     dig_status s = step_world(w);
+    w->poisoned = (dig_body){0, 0};
     if (s != DIG_OK)
         w->pending.count = int_min(pending, w->pending.count);
     w->busy = false;
@@ -123,6 +124,28 @@ dig_status run_step(World *w, CommandArg *a)
 dig_status dig_world_step(dig_world *w)
 {
     return COMMAND(w, COMMAND_STEP, do_step(w), {.what = NULL});
+}
+
+dig_body dig_world_culprit(const dig_world *w) { return w->culprit; }
+
+static dig_status do_inject(World *w, dig_body b)
+{
+    dig_status s;
+    if (!api_pushable(w, b, "inject", &s))
+        return s;
+    w->poisoned = b;
+    body_wake(w, b.slot);
+    return DIG_OK;
+}
+
+dig_status run_inject(World *w, CommandArg *a)
+{
+    return do_inject(w, a[0].body);
+}
+
+dig_status dig_world_inject(dig_world *w, dig_body b)
+{
+    return COMMAND(w, COMMAND_INJECT, do_inject(w, b), {.body = b});
 }
 
 real dig_world_time(const dig_world *w) { return world_time(w); }

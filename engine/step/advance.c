@@ -139,6 +139,14 @@ static dig_status advance_judged(Group *g, real dt)
     return group_judge(g, dt);
 }
 
+/* Fault injection (dig_world_inject). */
+static void poison(Group *g, dig_body who)
+{
+    for (int i = 0; i < g->moving_count; i++)
+        if (g->member[i].moves && g->member[i].slot == who.slot)
+            g->vel[i].v.x = (real)NAN;
+}
+
 typedef struct Context { World *w; Step *s; bool blame, alone; } Context;     /* alone: this is the calling thread, and others wait */
 
 static void advance_one(void *context, int i, Arena *arena)
@@ -158,6 +166,8 @@ static void advance_one(void *context, int i, Arena *arena)
     g->status = group_gather(g, c->w, c->s->leads + part->dig_first, part->dig_count, c->s->pairs + part->pair_first, part->pair_count, arena);
     if (g->status != DIG_OK)
         return;
+    if (c->w->poisoned.gen != 0)
+        poison(g, c->w->poisoned);
     call_effects(g);
     if (g->own && !c->alone) {
         g->waits = true;
@@ -168,9 +178,33 @@ static void advance_one(void *context, int i, Arena *arena)
         watch_group(g);
 }
 
+static bool group_finite(const Group *g)
+{
+    for (int i = 0; i < g->moving_count; i++)
+        if (g->member[i].moves && !(vec3_finite(g->pos[i].x) && quat_finite(g->pos[i].q) && vel_finite(&g->vel[i])))
+            return false;
+    for (int i = 0; i < g->joint_count; i++)
+        if (!vec3_finite(g->joints[i].impulse) || !vec3_finite(g->joints[i].angular_impulse))
+            return false;
+    return g->status == DIG_OK;
+}
+
+static bool all_finite(const Step *s)
+{
+    for (int i = 0; i < s->count; i++)
+        if (!group_finite(&s->groups[i]))
+            return false;
+    return true;
+}
+
 static dig_status wake_pushed(World *w, const Step *s)
 {
     bool woke = false;
+    for (int i = 0; i < s->count; i++)
+        woke = woke || s->groups[i].woke;
+    if (!woke || !all_finite(s))            /* that step will not be: it wakes nobody */
+        return DIG_OK;
+    woke = false;
     for (int i = 0; i < s->count; i++) {
         const Group *g = &s->groups[i];
         for (int k = 0; g->woke && k < g->moving_count; k++)
@@ -242,11 +276,19 @@ static dig_status look_for_strays(World *w, Step *s)
                 stray = watch_solid(w, g, k, c) || stray;
     }
     s->tries += stray;
-    return stray ? DIG_E_BUSY : DIG_OK;
+    return stray && all_finite(s) ? DIG_E_BUSY : DIG_OK;
+}
+
+/* Who asks for it, can take the step without this body. Where functions of the caller's act it is for them to mend what they did. */
+static void accuse(World *w, const Group *g, int member)
+{
+    if (member >= 0 && !g->own)
+        w->culprit = body_handle(w, g->member[member].slot);
 }
 
 static dig_status name_culprit(World *w, const Group *g)
 {
+    accuse(w, g, g->culprit);
     const char *effect = g->culprit_effect ? g->culprit_effect : "solver";
     const Body *b = g->culprit >= 0 ? &w->bodies.data[g->member[g->culprit].slot] : NULL;
     return world_fail(w, DIG_E_FINITE, "at t = %g s effect '%s' gave %s a non-finite %s", world_time(w), effect, b ? BODY_TEXT(w, b) : "?",
@@ -345,17 +387,6 @@ dig_status advance_groups(World *w, Step *s)
 
 /* ---- the finite check ---- */
 
-static bool group_finite(Group *g)
-{
-    for (int i = 0; i < g->moving_count; i++)
-        if (g->member[i].moves && !(vec3_finite(g->pos[i].x) && quat_finite(g->pos[i].q) && vel_finite(&g->vel[i])))
-            return false;
-    for (int i = 0; i < g->joint_count; i++)
-        if (!vec3_finite(g->joints[i].impulse) || !vec3_finite(g->joints[i].angular_impulse))
-            return false;
-    return g->status == DIG_OK;
-}
-
 /* Numbers may be finite and yet so large that no step could follow, nor a file hold them. */
 static dig_status check_range(World *w, const Group *g)
 {
@@ -365,6 +396,7 @@ static dig_status check_range(World *w, const Group *g)
         if (!g->member[i].moves || (far <= WORLD_FAR && fast <= WORLD_FAST))
             continue;
         const Body *b = &w->bodies.data[g->member[i].slot];
+        accuse(w, g, i);
         w->stats.rejected++;
         if (fast > WORLD_FAST)
             return world_fail(w, DIG_E_FINITE, "at t = %g s %s would have a velocity or spin of %g m/s or rad/s, must be at most %g",

@@ -233,6 +233,7 @@ static void sense_share(void *context, int thread, int threads)
 
 static dig_status insane(World *w, const Body *b)
 {
+    w->culprit = body_handle(w, (uint32_t)(b - w->bodies.data));
     w->stats.rejected++;
     return world_fail(w, DIG_E_FINITE, "at t = %g s the state of %s has a non-finite position or velocity", world_time(w), BODY_TEXT(w, b));
 }

@@ -9,13 +9,18 @@ static void book_time(Step *s, real *us)
         *us += stopwatch_lap(&s->watch);
 }
 
-static dig_status try_once(World *w, Step *s)
+dig_status step_sense(World *w)
 {
-    dig_stats *t = &w->stats;
     arena_reset(&w->scratch);
     if (w->workers)
         workers_reset(w->workers);
-    DIG_TRY(sense_pairs(w, s->dt));
+    return sense_pairs(w, w->def.step);
+}
+
+static dig_status try_once(World *w, Step *s)
+{
+    dig_stats *t = &w->stats;
+    DIG_TRY(step_sense(w));
     book_time(s, &t->us_sense);
     dig_status status = form_groups(w, s);
     book_time(s, &t->us_graph);
@@ -61,6 +66,7 @@ dig_status step_world(World *w)
 {
     Step s = {.dt = w->def.step, .timed = w->timed_always || w->steps % TIMED_EVERY == 0};
 
+    w->culprit = (dig_body){0, 0};
     DIG_TRY(advance(w, &s));            /* 1 whose boxes may meet, in which groups;          */
                                         /*   each group on private copies                    */
     DIG_TRY(check_finite(w, &s));       /* 2 all numbers finite, or name the culprit         */

@@ -12,6 +12,9 @@
 /* Advances the world by one frame step, or leaves motion and effects as they were and says why. */
 dig_status step_world(World *w);
 
+/* What each step begins with: who may meet whom in it. Done twice it changes nothing. */
+dig_status step_sense(World *w);
+
 /* Time is taken in every so many steps only: looking at the clock costs something, too. */
 #define TIMED_EVERY 16
 

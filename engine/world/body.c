@@ -449,33 +449,66 @@ static void leave_touches(World *w, uint32_t slot)
     }
 }
 
-void body_remove(World *w, uint32_t slot)
+/* No joint holds it, nothing touches or pushes it, and no step moves it any more. */
+static void withdraw(World *w, uint32_t slot)
 {
-    Body *b = &w->bodies.data[slot];
     if (w->ledger.started)
-        w->ledger.initial -= body_energy(w, b);
+        w->ledger.initial -= body_energy(w, &w->bodies.data[slot]);
     while (w->bodies.data[slot].joint_first != NONE)
         joint_remove(w, w->bodies.data[slot].joint_first);
     graph_begin(w->graph);
     leave_touches(w, slot);
     graph_end(w->graph);
     post_graph_changes(w, DIG_LAYER_MECHANICAL);
-    layers_forget(w, slot);
-    event_post(w, DIG_EVENT_REMOVED, slot, NONE);
     if (graph_has_node(w->graph, slot))
         graph_node_remove(w->graph, slot);
-    detach_solids(w, slot);
     for (int i = w->pushes.count - 1; i >= 0; i--)
         if (w->pushes.data[i].body == slot)
             w->pushes.data[i] = w->pushes.data[--w->pushes.count];
-    for (int i = 0; i < w->effect_count; i++)
-        column_remove(&w->effects[i].members, slot);
-    b = &w->bodies.data[slot];
-    b->alive = false;
+    Body *b = &w->bodies.data[slot];
     for (int i = 0; b->listed && i < w->awake.count; i++)
         if (w->awake.data[i] == slot) {
             w->awake.data[i] = w->awake.data[--w->awake.count];
             b->listed = b->paired = false;
         }
+}
+
+void body_remove(World *w, uint32_t slot)
+{
+    withdraw(w, slot);
+    layers_forget(w, slot);
+    event_post(w, DIG_EVENT_REMOVED, slot, NONE);
+    detach_solids(w, slot);
+    for (int i = 0; i < w->effect_count; i++)
+        column_remove(&w->effects[i].members, slot);
+    w->bodies.data[slot].alive = false;
     slot_give(w, &w->free_bodies, slot);
+}
+
+void body_disable(World *w, uint32_t slot)
+{
+    body_wake(w, slot);                             /* what it was part of goes on without it */
+    withdraw(w, slot);
+    for (uint32_t s = w->bodies.data[slot].shape_first; s != NONE; s = w->solids.data[s].next)
+        pairs_of_solid_remove(w, s);
+    Body *b = &w->bodies.data[slot];
+    if (!vec3_finite(b->x) || !quat_finite(b->q)) {
+        b->x = b->prev_x;
+        b->q = b->prev_q;
+    }
+    b->kind = DIG_STATIC;
+    b->mode = DIG_FIXED;
+    b->collides = false;
+    b->awake = true;
+    b->v = b->w = b->force = b->torque = b->hit_v = b->hit_w = vec3_zero();
+    b->mass = b->inv_mass = b->density = b->pull = b->still = b->trace_step = 0;
+    b->inertia = b->inv_inertia = mat3_zero();
+    b->round_inertia = b->collided = false;
+    b->trace_wait = b->trace_pause = 0;
+    b->accuracy = 0;
+    b->rate = 1;
+    b->move_end = -1;
+    b->watch = (BodyWatch){0};
+    body_refit(w, slot);
+    event_post(w, DIG_EVENT_DISABLED, slot, NONE);
 }

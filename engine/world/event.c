@@ -48,6 +48,7 @@ const char *dig_event_name(dig_event_kind k)
         [DIG_EVENT_MERGED] = "merged", [DIG_EVENT_SPLIT] = "split", [DIG_EVENT_LINK] = "link",
         [DIG_EVENT_UNLINK] = "unlink", [DIG_EVENT_MESSAGE] = "message", [DIG_EVENT_LIMIT_REACHED] = "limit_reached",
         [DIG_EVENT_OUT_OF_WORLD] = "out_of_world", [DIG_EVENT_ENTERED] = "entered", [DIG_EVENT_LEFT] = "left",
+        [DIG_EVENT_DISABLED] = "disabled",
     };
     return (unsigned)k < DIG_EVENT_KINDS ? names[k] : "";
 }

@@ -293,6 +293,8 @@ struct dig_world {
     dig_stats stats;
     dig_warning warnings[DIG_WARNINGS]; int warning_count;
     Arena    scratch;                   /* of the calling thread                       */
+    dig_body culprit;                   /* whose numbers made the last step fail; null: nobody's */
+    dig_body poisoned;                  /* dig_world_inject: in the next step its velocity is NaN */
     struct Workers *workers;            /* step/workers.h; NULL for one thread         */
     struct Tap *tap;                    /* api/command.h: who listens to what is done to it; NULL = nobody */
     struct Playback *playback;          /* there: what plays commands in it; NULL = nothing did */
@@ -400,6 +402,7 @@ const char *new_body_text(const char *name, char text[BODY_TEXT_SIZE]);
 #define BODY_TEXT(w, b)     body_text((w), (b), (char[BODY_TEXT_SIZE]){0})
 #define NEW_BODY_TEXT(name) new_body_text((name), (char[BODY_TEXT_SIZE]){0})
 void       body_remove(World *w, uint32_t slot);
+void       body_disable(World *w, uint32_t slot);       /* it stands where it is, and nothing meets it any more; cannot fail */
 void       body_wake(World *w, uint32_t slot);          /* its whole DIG */
 void       world_wake_all(World *w);
 void       body_list(World *w, uint32_t slot);          /* into world->awake; there is always room */

@@ -182,7 +182,10 @@ local function call(state, sub, e)
   state.in_handler = sub.kind
   local ok, message = core.call(sub.fn, copy_for(e, sub.body))
   state.in_handler = nil
-  if ok then return end
+  if ok then
+    if message == true and e.event == "disabled" then core.forgive(e.a) end
+    return
+  end
   core.answering(sub.world)
   if type(message) == "string" then
     message = ("%s (in a handler of '%s' at t = %.6g s)"):format(message, sub.kind, e.time)

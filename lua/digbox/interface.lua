@@ -161,6 +161,7 @@ declare("body:drive", { "Keeps a kinematic body moving.", fields = {
   velocity = { "vec m/s", "its velocity", default = "{0, 0, 0}" }, spin = { "vec rad/s", "its angular velocity", default = "{0, 0, 0}" } },
   gives = "body" })
 declare("body:wake", { "Wakes it and its DIG.", gives = "body" })
+declare("body:disable", { "Sets it aside for good: it stands where it is, nothing touches it, and its joints are gone.", gives = "body" })
 declare("body:remove", { "Takes it out of the world, and its joints with it." })
 declare("body:touches", { "Whether it touches the other body now.", takes = { { "other", "body", "the other body" } }, gives = "boolean" })
 declare("body:contains", { "Whether the other's centre of mass is inside its outline.", takes = { { "other", "body", "the other body" } },
@@ -233,6 +234,8 @@ event("moved", "A body moved during the step.", "time self")
 event("slept", "A body fell asleep.", "time self")
 event("woke", "A body woke.", "time self")
 event("removed", "A body was removed.", "time self")
+event("disabled", "A body was set aside: by body:disable, or since a number of it was not finite any more; a handler that returns true "
+  .. "has dealt with the latter, and the run does not end with exit code 10.", "time self")
 event("entered", "A body came into a region.", "time self region")
 event("left", "A body went out of a region.", "time self region")
 event("limit_reached", "A joint reached one of its limits.", "time self other joint")

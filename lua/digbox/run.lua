@@ -159,6 +159,7 @@ local function advance(world, state)
   if state.newborn then core.ask_filters(world, state) end
   if films then core.film_before_step(world, state) end
   if options.replay then core.record_before_step(world) end
+  if options.inject then core.inject_before_step(world, options.inject) end
   local warnings = core.step(world)
   if options.replay then core.record_step(world) end
   if warnings ~= state.warnings then core.watch(world, state, warnings) end
@@ -278,6 +279,7 @@ function core.summary()
 end
 
 function core.finish_run()
+  if core.options.inject then core.usage("--inject: no world took the step after step %d", core.options.inject.step) end
   if core.options.set and next(core.options.set) and not core.args_declared then
     core.usage("this world declares no arguments (digbox.args); --set %s has no meaning", (next(core.options.set)))
   end

@@ -521,6 +521,8 @@ local function run_once(entry, jitter)
   end, s, entry.accuracy)
   current = nil
   if not ok and message == core.finished then ok = true end
+  local fault = core.take_faults()
+  if ok and fault then ok, message = false, ("%s: %s"):format(entry.where, fault) end
   if ok and s.failure then ok, message = false, s.failure end
   if ok and s.checks == 0 then ok, message = false, entry.where .. ": the scenario checks nothing" end
   return s, ok, message

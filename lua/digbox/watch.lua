@@ -44,6 +44,48 @@ function core.count_warnings(world)
   return ("; %d warning%s (%s)"):format(#list, #list == 1 and "" or "s", table.concat(rules, ", "))
 end
 
+-- ---- bodies whose numbers were not finite any more ----
+
+local faults = {}               -- { body =, text = } of those that were set aside and nobody dealt with
+
+-- The engine has refused a step for a body, which is disabled; the step is taken again without it.
+function core.set_aside(world, body, why, place)
+  local made = place and place ~= "" and (", made at %s,"):format(place) or ""
+  faults[#faults + 1] = { body = body, text = ("%s%s was set aside at t = %.6g s, its numbers were not finite any more"):format(
+    tostring(body), made, world.time) }
+  core.clear_progress()
+  if core.options.mode ~= "test" and not core.options.quiet then
+    core.tell(("digbox: %s; %s%s is set aside\n"):format(why, tostring(body), made))
+  end
+end
+
+-- A handler of "disabled" has dealt with it.
+function core.forgive(body)
+  for i = #faults, 1, -1 do
+    if faults[i].body == body then table.remove(faults, i) end
+  end
+end
+
+-- What nobody dealt with since it was last asked, as text; nil: nothing
+function core.take_faults()
+  local first, count = faults[1], #faults
+  faults = {}
+  return first and (count == 1 and first.text or ("%s; and %d more"):format(first.text, count - 1))
+end
+
+-- At the end of a run
+function core.judge_finite()
+  local text = core.take_faults()
+  if text then core.raise(10, text) end
+end
+
+-- --inject nan:body=7,step=60: that body gets a number that is none in the first step after that one
+function core.inject_before_step(world, inject)
+  if world.steps ~= inject.step then return end
+  core.options.inject = nil
+  if not core.inject(world, inject.body) then core.usage("--inject: there is no body #%d at step %d", inject.body, inject.step) end
+end
+
 -- At the end of a run with --strict
 function core.judge_reliable()
   if core.unreliable == 0 then return end
