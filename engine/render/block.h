@@ -10,10 +10,9 @@
 #define DIG_BLOCK_H
 
 #include "render/subject.h"
+#include "render/wide.h"
 
 enum { LANES = 64, LANE_STEP = 8 };
-
-#define LANE_CODE static inline __attribute__((always_inline))
 
 typedef struct Block {
     int      n;                         /* lanes in use; a multiple of LANE_STEP                              */

@@ -248,14 +248,7 @@ LANE_CODE void run_job(const ShadeJob *job)
 
 static void run_plainly(const ShadeJob *job) { run_job(job); }
 
-/* The same with vectors twice as long, where the processor has them. The bits are the same: no operation is fused. */
-#ifdef __x86_64__
-__attribute__((target("avx2"))) static void run_widely(const ShadeJob *job) { run_job(job); }
-static bool has_wide(void) { return __builtin_cpu_supports("avx2"); }
-#else
-static void run_widely(const ShadeJob *job) { run_job(job); }
-static bool has_wide(void) { return false; }
-#endif
+WIDE static void run_widely(const ShadeJob *job) { run_job(job); }
 
 static void run(const ShadeJob *job) { (has_wide() ? run_widely : run_plainly)(job); }
 
