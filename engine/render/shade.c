@@ -37,6 +37,14 @@ static bool fit_ints(int **numbers, int *capacity, size_t wanted)
     return ok;
 }
 
+static bool fit_bytes(unsigned char **bytes, int *capacity, size_t wanted)
+{
+    void *data = *bytes;
+    bool ok = fit(&data, capacity, wanted, 1);
+    *bytes = data;
+    return ok;
+}
+
 static bool fit_pixels(ShadeSpace *space, size_t pixels)
 {
     void *data = space->depth;
@@ -79,21 +87,49 @@ static int subject_of(const ShadeSpace *space, uint32_t pixel, int most_index)
     return p[3] == SHADE_KEY && index <= most_index ? space->item[index] + 1 : -1;
 }
 
+/* Marks the last of each run of equal pixels among n. */
+LANE_CODE void mark_ends(const uint32_t *row, int n, unsigned char *ends)
+{
+    for (int i = 0; i + 1 < n; i++)
+        ends[i] = row[i] != row[i + 1];
+    ends[n - 1] = 1;
+}
+
+static void mark_plainly(const uint32_t *row, int n, unsigned char *ends) { mark_ends(row, n, ends); }
+WIDE static void mark_widely(const uint32_t *row, int n, unsigned char *ends) { mark_ends(row, n, ends); }
+
+/* Where the next mark is from x on; there is one. Eight more bytes may be read. */
+static int next_mark(const unsigned char *ends, int x)
+{
+    for (uint64_t eight;; x += 8) {
+        memcpy(&eight, ends + x, sizeof eight);
+        if (eight != 0)
+            break;
+    }
+    while (!ends[x])
+        x++;
+    return x;
+}
+
 /* The runs of equal pixels in all rows, and how many each subject has in first[subject + 1]. */
 static bool find_runs(ShadeSpace *space, const Batches *b, const uint32_t *raw, int width, int height)
 {
+    bool wide = has_wide();
     int most_index = -1;
     for (int i = 0; i < b->count; i++)
         most_index = int_max(most_index, b->items[i].index);
+    if (!fit_bytes(&space->ends, &space->end_capacity, (size_t)width + 8))
+        return false;
     space->run_count = 0;
     memset(space->first, 0, ((size_t)b->count + 2) * sizeof *space->first);
+    memset(space->ends, 0, (size_t)width + 8);
     for (int y = 0; y < height; y++) {
         const uint32_t *row = raw + (size_t)y * (size_t)width;
         if (!fit_runs(&space->runs, &space->run_capacity, (size_t)space->run_count + (size_t)width))
             return false;
+        (wide ? mark_widely : mark_plainly)(row, width, space->ends);
         for (int x = 0, end; x < width; x = end) {
-            for (end = x + 1; end < width && row[end] == row[x]; end++) {
-            }
+            end = next_mark(space->ends, x) + 1;
             int subject = subject_of(space, row[x], most_index);
             if (subject < 0)
                 continue;
@@ -129,6 +165,7 @@ typedef struct ShadeJob {
     int               width, height;
     real              near;             /* scene units; nearer things are not seen */
     bool              numbers;          /* what to do */
+    bool              known;            /* space->depth says where the rays of raw's numbers meet the solids */
 } ShadeJob;
 
 static uint32_t pixel_bits(int red, int green, int blue, int alpha)
@@ -156,12 +193,16 @@ LANE_CODE void shade_block(const ShadeJob *job, const Subject *s, Block *b)
     for (int last = b->n - 1; b->n % LANE_STEP != 0; b->n++) {      /* the last pixel again */
         b->x[b->n] = b->x[last];
         b->y[b->n] = b->y[last];
+        b->t[b->n] = b->t[last];
     }
     cast_rays(s, b);
     if (s->form == SUBJECT_SKY) {
         shine_sky(s, job->frame, b);
     } else {
-        meet(s, b);
+        if (!job->known)
+            find(s, b);
+        follow_rays(s, b);
+        face(s, b);
         look(s, b);
         reach(s, job->light, job->frame, b);
         throw_light(s, job->frame, b);
@@ -173,16 +214,21 @@ LANE_CODE void shade_block(const ShadeJob *job, const Subject *s, Block *b)
     b->n = b->parts = 0;
 }
 
-/* Takes up to `count` pixels from (x, y) on into the block; so many as there is room for. */
+/* Takes up to `count` pixels from (x, y) on into the block; so many as there is room for. Whole vectors are filled. */
 LANE_CODE int take_pixels(const ShadeJob *job, Block *b, int x, int y, int count)
 {
     int some = int_min(count, LANES - b->n);
-    float *to_x = b->x + b->n, *to_y = b->y + b->n;
-    for (int i = 0; i < some; i++) {
-        to_x[i] = (float)(x + i);
-        to_y[i] = (float)y;
+    size_t place = (size_t)y * (size_t)job->width + (size_t)x;
+    for (int k = 0; k < some; k += LANE_STEP) {
+        float *to_x = b->x + b->n + k, *to_y = b->y + b->n + k;
+        for (int i = 0; i < LANE_STEP; i++) {
+            to_x[i] = (float)(x + k + i);
+            to_y[i] = (float)y;
+        }
+        if (job->known)
+            memcpy(b->t + b->n + k, job->space->depth + place + k, LANE_STEP * sizeof *b->t);
     }
-    b->part[b->parts].place = (uint32_t)(y * job->width + x);
+    b->part[b->parts].place = (uint32_t)place;
     b->part[b->parts].first = b->n;
     b->part[b->parts++].count = some;
     b->n += some;
@@ -205,32 +251,56 @@ LANE_CODE void shade_subject(const ShadeJob *job, int number)
 
 /* ---- numbers --------------------------------------------------------------- */
 
-/* Casts rays at a subject from all pixels where it may show, and numbers those where it is the nearest so far. */
+/* Casts rays from n pixels, from (x, y) on to the right, and numbers those for which the solid is the nearest so far. `base` and
+ * `step`: the ray of x = 0 in this row, and what it gains from pixel to pixel. */
+LANE_CODE void number_pixels(const Solid *solid, SubjectForm form, const float base[3], const float step[3], int x, int n, float near,
+                             uint32_t number, float *depth, uint32_t *raw)
+{
+    for (int i = 0; i < n; i++) {
+        float at = (float)(x + i);
+        Reach r = reach_form(solid, form, step[0] * at + base[0], step[1] * at + base[1], step[2] * at + base[2]);
+        bool nearest = (r.miss <= 0) & (r.t > near) & (r.t < depth[i]);
+        depth[i] = nearest ? r.t : depth[i];
+        raw[i] = nearest ? number : raw[i];
+    }
+}
+
+/* All pixels of a range, LANE_STEP at a time: a few more than asked for, which miss, or are met twice, to no effect. */
+LANE_CODE void number_range(const ShadeJob *job, const Subject *s, SubjectForm form, SubjectRange range, uint32_t number)
+{
+    const Solid solid = solid_of(s);
+    const float near = (float)job->near, step[3] = {s->ray[0][0], s->ray[0][1], s->ray[0][2]};
+    const int width = job->width;
+    for (int y = range.y0; y < range.y1; y++) {
+        float *depth = job->space->depth + (size_t)y * (size_t)width, base[3];
+        uint32_t *raw = job->raw + (size_t)y * (size_t)width;
+        for (int k = 0; k < 3; k++)
+            base[k] = s->ray[1][k] * (float)y + s->ray[2][k];
+        if (form == SUBJECT_PLANE && !(least(base[1], base[1] + step[1] * (float)width) < 0))
+            continue;               /* above its horizon */
+        if (width < LANE_STEP)
+            number_pixels(&solid, form, base, step, 0, width, near, number, depth, raw);
+        else
+            for (int x = range.x0; x < range.x1; x += LANE_STEP) {
+                int from = int_min(x, width - LANE_STEP);
+                number_pixels(&solid, form, base, step, from, LANE_STEP, near, number, depth + from, raw + from);
+            }
+    }
+}
+
+/* Numbers the pixels for which a subject is the nearest so far, wherever it may show. */
 LANE_CODE void number_subject(const ShadeJob *job, const Subject *s, const DrawItem *d)
 {
     SubjectRange range = subject_range(s, job->frame, d, job->near, job->width, job->height);
-    const uint32_t number = number_of(d->index);
-    const float near = (float)job->near;
-    Block b;
-    for (int y = range.y0; y < range.y1; y++)
-        for (int x = range.x0; x < range.x1; x += LANES) {
-            int count = int_min(range.x1 - x, LANES);
-            b.n = (count + LANE_STEP - 1) / LANE_STEP * LANE_STEP;
-            for (int i = 0; i < b.n; i++) {
-                b.x[i] = (float)(x + i);
-                b.y[i] = (float)y;
-            }
-            cast_rays(s, &b);
-            find(s, &b);
-            size_t first = (size_t)y * (size_t)job->width + (size_t)x;
-            float *depth = job->space->depth + first;
-            uint32_t *raw = job->raw + first;
-            for (int i = 0; i < count; i++) {
-                bool nearest = (b.miss[i] <= 0) & (b.t[i] > near) & (b.t[i] < depth[i]);
-                depth[i] = nearest ? b.t[i] : depth[i];
-                raw[i] = nearest ? number : raw[i];
-            }
-        }
+    uint32_t number = number_of(d->index);
+    switch (s->form) {
+    case SUBJECT_PLANE:    number_range(job, s, SUBJECT_PLANE, range, number); break;
+    case SUBJECT_BOX:      number_range(job, s, SUBJECT_BOX, range, number); break;
+    case SUBJECT_BALL:     number_range(job, s, SUBJECT_BALL, range, number); break;
+    case SUBJECT_CAPSULE:  number_range(job, s, SUBJECT_CAPSULE, range, number); break;
+    case SUBJECT_CYLINDER: number_range(job, s, SUBJECT_CYLINDER, range, number); break;
+    case SUBJECT_SKY:      break;
+    }
 }
 
 /* ---- both ------------------------------------------------------------------- */
@@ -255,24 +325,25 @@ static void run(const ShadeJob *job) { (has_wide() ? run_widely : run_plainly)(j
 dig_status shade_number(ShadeSpace *space, const Frame *frame, const Batches *b, real near, uint32_t *raw, int width, int height)
 {
     size_t pixels = (size_t)width * (size_t)height;
-    if (!fit_pixels(space, pixels) || !set_subjects(space, frame, b, width, height))
+    if (!fit_pixels(space, pixels + LANE_STEP) || !set_subjects(space, frame, b, width, height))
         return DIG_E_MEMORY;
     uint32_t sky = pixel_bits(0, 0, 0, SKY_KEY);
     for (size_t i = 0; i < pixels; i++) {
         space->depth[i] = INFINITY;
         raw[i] = sky;
     }
-    ShadeJob job = {space, frame, b, NULL, raw, width, height, near, true};
+    ShadeJob job = {space, frame, b, NULL, raw, width, height, near, true, false};
     run(&job);
     return DIG_OK;
 }
 
-dig_status shade_picture(ShadeSpace *space, const Frame *frame, const Batches *b, const Light *l, uint32_t *raw, int width, int height)
+dig_status shade_picture(ShadeSpace *space, const Frame *frame, const Batches *b, const Light *l, bool known, uint32_t *raw, int width,
+                         int height)
 {
     if (!set_subjects(space, frame, b, width, height) || !index_items(space, b) || !find_runs(space, b, raw, width, height) ||
         !sort_runs(space, b->count + 1))
         return DIG_E_MEMORY;
-    ShadeJob job = {space, frame, b, l, raw, width, height, 0, false};
+    ShadeJob job = {space, frame, b, l, raw, width, height, 0, false, known};
     run(&job);
     return DIG_OK;
 }
@@ -284,6 +355,7 @@ void shade_close(ShadeSpace *space)
     free(space->item);
     free(space->first);
     free(space->depth);
+    free(space->ends);
     free(space->subjects);
     *space = (ShadeSpace){0};
 }
