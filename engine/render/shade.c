@@ -1,4 +1,4 @@
-/* render/shade.c - sorts a picture's pixels by what they show, and shades them block by block. */
+/* render/shade.c - finds what a picture's pixels show, sorts them by that, and shades them block by block; a band of rows at a time. */
 #include "render/shade.h"
 
 #include <stdlib.h>
@@ -37,19 +37,16 @@ static bool fit_ints(int **numbers, int *capacity, size_t wanted)
     return ok;
 }
 
-static bool fit_bytes(unsigned char **bytes, int *capacity, size_t wanted)
-{
-    void *data = *bytes;
-    bool ok = fit(&data, capacity, wanted, 1);
-    *bytes = data;
-    return ok;
-}
+/* A band of the picture: as many rows as are worked on while the processor's own memory still holds them. */
+enum { BAND = 32 };
 
-static bool fit_pixels(ShadeSpace *space, size_t pixels)
+static bool fit_band(ShadeSpace *space, int width)
 {
-    void *data = space->depth;
-    bool ok = fit(&data, &space->depth_capacity, pixels, sizeof *space->depth);
-    space->depth = data;
+    void *depth = space->depth, *ends = space->ends;
+    bool ok = fit(&depth, &space->depth_capacity, (size_t)BAND * (size_t)width + LANE_STEP, sizeof *space->depth) &&
+              fit(&ends, &space->end_capacity, (size_t)width + 8, 1);
+    space->depth = depth;
+    space->ends = ends;
     return ok;
 }
 
@@ -66,6 +63,7 @@ static bool index_items(ShadeSpace *space, const Batches *b)
     int most_index = -1;
     for (int i = 0; i < b->count; i++)
         most_index = int_max(most_index, b->items[i].index);
+    space->most_index = most_index;
     if (!fit_ints(&space->item, &space->item_capacity, (size_t)most_index + 1) ||
         !fit_ints(&space->first, &space->first_capacity, (size_t)b->count + 2))
         return false;
@@ -77,14 +75,14 @@ static bool index_items(ShadeSpace *space, const Batches *b)
 }
 
 /* What a pixel shows: 0 the sky, 1 + the number in the batches; -1 = it is shaded already. */
-static int subject_of(const ShadeSpace *space, uint32_t pixel, int most_index)
+static int subject_of(const ShadeSpace *space, uint32_t pixel)
 {
     unsigned char p[4];
     memcpy(p, &pixel, sizeof p);
     if (p[3] == SKY_KEY)
         return 0;
     int index = p[0] | p[1] << 8 | p[2] << 16;
-    return p[3] == SHADE_KEY && index <= most_index ? space->item[index] + 1 : -1;
+    return p[3] == SHADE_KEY && index <= space->most_index ? space->item[index] + 1 : -1;
 }
 
 /* Marks the last of each run of equal pixels among n. */
@@ -111,26 +109,20 @@ static int next_mark(const unsigned char *ends, int x)
     return x;
 }
 
-/* The runs of equal pixels in all rows, and how many each subject has in first[subject + 1]. */
-static bool find_runs(ShadeSpace *space, const Batches *b, const uint32_t *raw, int width, int height)
+/* The runs of equal pixels in rows [low, high), and how many each subject has in first[subject + 1]. */
+static bool find_runs(ShadeSpace *space, int subjects, const uint32_t *raw, int width, int low, int high)
 {
     bool wide = has_wide();
-    int most_index = -1;
-    for (int i = 0; i < b->count; i++)
-        most_index = int_max(most_index, b->items[i].index);
-    if (!fit_bytes(&space->ends, &space->end_capacity, (size_t)width + 8))
-        return false;
     space->run_count = 0;
-    memset(space->first, 0, ((size_t)b->count + 2) * sizeof *space->first);
-    memset(space->ends, 0, (size_t)width + 8);
-    for (int y = 0; y < height; y++) {
+    memset(space->first, 0, ((size_t)subjects + 1) * sizeof *space->first);
+    for (int y = low; y < high; y++) {
         const uint32_t *row = raw + (size_t)y * (size_t)width;
         if (!fit_runs(&space->runs, &space->run_capacity, (size_t)space->run_count + (size_t)width))
             return false;
         (wide ? mark_widely : mark_plainly)(row, width, space->ends);
         for (int x = 0, end; x < width; x = end) {
             end = next_mark(space->ends, x) + 1;
-            int subject = subject_of(space, row[x], most_index);
+            int subject = subject_of(space, row[x]);
             if (subject < 0)
                 continue;
             space->runs[space->run_count++] = (ShadeRun){(uint32_t)subject, (uint32_t)x, (uint32_t)y, (uint32_t)(end - x)};
@@ -162,10 +154,10 @@ typedef struct ShadeJob {
     const Batches    *batches;
     const Light      *light;
     uint32_t         *raw;
-    int               width, height;
+    int               width, height, low, high;     /* the picture; rows [low, high) of it are the band */
     real              near;             /* scene units; nearer things are not seen */
-    bool              numbers;          /* what to do */
-    bool              known;            /* space->depth says where the rays of raw's numbers meet the solids */
+    bool              numbers;          /* what to do: number the band's pixels, or shade them */
+    bool              known;            /* space->depth says where the band's rays meet the solids */
 } ShadeJob;
 
 static uint32_t pixel_bits(int red, int green, int blue, int alpha)
@@ -178,13 +170,17 @@ static uint32_t pixel_bits(int red, int green, int blue, int alpha)
 
 static uint32_t number_of(int index) { return pixel_bits(index & 255, index >> 8 & 255, index >> 16 & 255, SHADE_KEY); }
 
-static bool set_subjects(ShadeSpace *space, const Frame *frame, const Batches *b, int width, int height)
+static bool set_subjects(ShadeSpace *space, const Frame *frame, const Batches *b, real near, int width, int height)
 {
     if (!fit_subjects(space, (size_t)b->count + 1))
         return false;
     subject_set_sky(&space->subjects[0], frame, width, height);
-    for (int i = 0; i < b->count; i++)
-        subject_set(&space->subjects[i + 1], frame, &b->items[i], width, height);
+    for (int i = 0; i < b->count; i++) {
+        Subject *s = &space->subjects[i + 1];
+        subject_set(s, frame, &b->items[i], width, height);
+        if (near > 0)
+            s->range = subject_range(s, frame, &b->items[i], near, width, height);
+    }
     return true;
 }
 
@@ -219,6 +215,7 @@ LANE_CODE int take_pixels(const ShadeJob *job, Block *b, int x, int y, int count
 {
     int some = int_min(count, LANES - b->n);
     size_t place = (size_t)y * (size_t)job->width + (size_t)x;
+    const float *depth = job->space->depth + (place - (size_t)job->low * (size_t)job->width);
     for (int k = 0; k < some; k += LANE_STEP) {
         float *to_x = b->x + b->n + k, *to_y = b->y + b->n + k;
         for (int i = 0; i < LANE_STEP; i++) {
@@ -226,7 +223,7 @@ LANE_CODE int take_pixels(const ShadeJob *job, Block *b, int x, int y, int count
             to_y[i] = (float)y;
         }
         if (job->known)
-            memcpy(b->t + b->n + k, job->space->depth + place + k, LANE_STEP * sizeof *b->t);
+            memcpy(b->t + b->n + k, depth + k, LANE_STEP * sizeof *b->t);
     }
     b->part[b->parts].place = (uint32_t)place;
     b->part[b->parts].first = b->n;
@@ -265,14 +262,15 @@ LANE_CODE void number_pixels(const Solid *solid, SubjectForm form, const float b
     }
 }
 
-/* All pixels of a range, LANE_STEP at a time: a few more than asked for, which miss, or are met twice, to no effect. */
-LANE_CODE void number_range(const ShadeJob *job, const Subject *s, SubjectForm form, SubjectRange range, uint32_t number)
+/* All pixels of the band where a subject may show, LANE_STEP at a time: a few more than asked for, which miss, or are met twice, to no effect. */
+LANE_CODE void number_range(const ShadeJob *job, const Subject *s, SubjectForm form, uint32_t number)
 {
+    const SubjectRange range = s->range;
     const Solid solid = solid_of(s);
     const float near = (float)job->near, step[3] = {s->ray[0][0], s->ray[0][1], s->ray[0][2]};
     const int width = job->width;
-    for (int y = range.y0; y < range.y1; y++) {
-        float *depth = job->space->depth + (size_t)y * (size_t)width, base[3];
+    for (int y = int_max(range.y0, job->low); y < int_min(range.y1, job->high); y++) {
+        float *depth = job->space->depth + (size_t)(y - job->low) * (size_t)width, base[3];
         uint32_t *raw = job->raw + (size_t)y * (size_t)width;
         for (int k = 0; k < 3; k++)
             base[k] = s->ray[1][k] * (float)y + s->ray[2][k];
@@ -288,32 +286,41 @@ LANE_CODE void number_range(const ShadeJob *job, const Subject *s, SubjectForm f
     }
 }
 
-/* Numbers the pixels for which a subject is the nearest so far, wherever it may show. */
+/* Numbers the pixels of the band for which a subject is the nearest so far. */
 LANE_CODE void number_subject(const ShadeJob *job, const Subject *s, const DrawItem *d)
 {
-    SubjectRange range = subject_range(s, job->frame, d, job->near, job->width, job->height);
     uint32_t number = number_of(d->index);
     switch (s->form) {
-    case SUBJECT_PLANE:    number_range(job, s, SUBJECT_PLANE, range, number); break;
-    case SUBJECT_BOX:      number_range(job, s, SUBJECT_BOX, range, number); break;
-    case SUBJECT_BALL:     number_range(job, s, SUBJECT_BALL, range, number); break;
-    case SUBJECT_CAPSULE:  number_range(job, s, SUBJECT_CAPSULE, range, number); break;
-    case SUBJECT_CYLINDER: number_range(job, s, SUBJECT_CYLINDER, range, number); break;
+    case SUBJECT_PLANE:    number_range(job, s, SUBJECT_PLANE, number); break;
+    case SUBJECT_BOX:      number_range(job, s, SUBJECT_BOX, number); break;
+    case SUBJECT_BALL:     number_range(job, s, SUBJECT_BALL, number); break;
+    case SUBJECT_CAPSULE:  number_range(job, s, SUBJECT_CAPSULE, number); break;
+    case SUBJECT_CYLINDER: number_range(job, s, SUBJECT_CYLINDER, number); break;
     case SUBJECT_SKY:      break;
     }
+}
+
+LANE_CODE void number_all(const ShadeJob *job)
+{
+    uint32_t sky = pixel_bits(0, 0, 0, SKY_KEY), *raw = job->raw + (size_t)job->low * (size_t)job->width;
+    float *depth = job->space->depth;
+    for (int i = 0; i < (job->high - job->low) * job->width; i++) {
+        depth[i] = INFINITY;
+        raw[i] = sky;
+    }
+    for (int i = 0; i < job->batches->count; i++)
+        number_subject(job, &job->space->subjects[i + 1], &job->batches->items[i]);
 }
 
 /* ---- both ------------------------------------------------------------------- */
 
 LANE_CODE void run_job(const ShadeJob *job)
 {
-    if (job->numbers) {
-        for (int i = 0; i < job->batches->count; i++)
-            number_subject(job, &job->space->subjects[i + 1], &job->batches->items[i]);
-    } else {
+    if (job->numbers)
+        number_all(job);
+    else
         for (int i = 0; i <= job->batches->count; i++)
             shade_subject(job, i);
-    }
 }
 
 static void run_plainly(const ShadeJob *job) { run_job(job); }
@@ -322,29 +329,23 @@ WIDE static void run_widely(const ShadeJob *job) { run_job(job); }
 
 static void run(const ShadeJob *job) { (has_wide() ? run_widely : run_plainly)(job); }
 
-dig_status shade_number(ShadeSpace *space, const Frame *frame, const Batches *b, real near, uint32_t *raw, int width, int height)
-{
-    size_t pixels = (size_t)width * (size_t)height;
-    if (!fit_pixels(space, pixels + LANE_STEP) || !set_subjects(space, frame, b, width, height))
-        return DIG_E_MEMORY;
-    uint32_t sky = pixel_bits(0, 0, 0, SKY_KEY);
-    for (size_t i = 0; i < pixels; i++) {
-        space->depth[i] = INFINITY;
-        raw[i] = sky;
-    }
-    ShadeJob job = {space, frame, b, NULL, raw, width, height, near, true, false};
-    run(&job);
-    return DIG_OK;
-}
-
-dig_status shade_picture(ShadeSpace *space, const Frame *frame, const Batches *b, const Light *l, bool known, uint32_t *raw, int width,
+dig_status shade_picture(ShadeSpace *space, const Frame *frame, const Batches *b, const Light *l, real near, uint32_t *raw, int width,
                          int height)
 {
-    if (!set_subjects(space, frame, b, width, height) || !index_items(space, b) || !find_runs(space, b, raw, width, height) ||
-        !sort_runs(space, b->count + 1))
+    if (!set_subjects(space, frame, b, near, width, height) || !index_items(space, b) || !fit_band(space, width))
         return DIG_E_MEMORY;
-    ShadeJob job = {space, frame, b, l, raw, width, height, 0, false, known};
-    run(&job);
+    memset(space->ends, 0, (size_t)width + 8);
+    ShadeJob job = {space, frame, b, l, raw, width, height, 0, 0, near, false, near > 0};
+    for (job.low = 0; job.low < height; job.low = job.high) {
+        job.high = int_min(height, job.low + BAND);
+        job.numbers = job.known;
+        if (job.numbers)
+            run(&job);
+        job.numbers = false;
+        if (!find_runs(space, b->count + 1, raw, width, job.low, job.high) || !sort_runs(space, b->count + 1))
+            return DIG_E_MEMORY;
+        run(&job);
+    }
     return DIG_OK;
 }
 
