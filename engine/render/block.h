@@ -10,18 +10,17 @@
 #define DIG_BLOCK_H
 
 #include "render/subject.h"
+#include "render/wide.h"
 
 enum { LANES = 64, LANE_STEP = 8 };
 
-#define LANE_CODE static inline __attribute__((always_inline))
-
 typedef struct Block {
     int      n;                         /* lanes in use; a multiple of LANE_STEP                              */
-    float    x[LANES], y[LANES];        /* pixel, from the left and from below                                */
+    float    x[LANES + LANE_STEP], y[LANES + LANE_STEP];            /* pixel, from the left and from below    */
+    float    t[LANES + LANE_STEP];                                  /* distance along the view                */
     uint32_t out[LANES];                /* the pixel's new value                                              */
     struct { uint32_t place; int first, count; } part[LANES];       /* runs of lanes that lie side by side in the picture from `place` on */
     int      parts;
-    float    t[LANES], miss[LANES];     /* distance along the view; above 0: the ray misses the solid         */
     float    dx[LANES], dy[LANES], dz[LANES];       /* ray                                                    */
     float    px[LANES], py[LANES], pz[LANES];       /* where it meets the solid                               */
     float    nx[LANES], ny[LANES], nz[LANES];       /* normal                                                 */
@@ -62,86 +61,93 @@ LANE_CODE void cast_rays(const Subject *s, Block *b)
     }
 }
 
-LANE_CODE void find_plane(const Subject *s, Block *b)
+/* What rays are cast at, apart from the Subject: the compiler sees that no store changes it. */
+typedef struct Solid { float ex, ey, ez, hx, hy, hz, radius, end; } Solid;
+
+LANE_CODE Solid solid_of(const Subject *s)
 {
-    const float ex = s->eye[0], height = s->eye[1], ez = s->eye[2], size = s->radius;
-    for (int i = 0; i < b->n; i++) {
-        float dy = b->dy[i], t = height / most(-dy, 1e-7f), x = ex + t * b->dx[i], z = ez + t * b->dz[i];
-        b->t[i] = t;
-        b->miss[i] = dy < -1e-7f ? most(fabsf(x), fabsf(z)) - size : 1;
-    }
+    return (Solid){s->eye[0], s->eye[1], s->eye[2], s->half[0], s->half[1], s->half[2], s->radius,
+                   s->form == SUBJECT_CAPSULE ? 0.5f * s->length : s->half[1]};
+}
+
+/* Distance along the view; above 0: the ray misses the solid. */
+typedef struct Reach { float t, miss; } Reach;
+
+LANE_CODE Reach reach_plane(const Solid *s, float dx, float dy, float dz)
+{
+    float t = s->ey / most(-dy, 1e-7f), x = s->ex + t * dx, z = s->ez + t * dz;
+    return (Reach){t, dy < -1e-7f ? most(fabsf(x), fabsf(z)) - s->radius : 1};
 }
 
 /* Between the last of three slabs to be entered and the first to be left. */
-LANE_CODE void find_box(const Subject *s, Block *b)
+LANE_CODE Reach reach_box(const Solid *s, float dx, float dy, float dz)
 {
-    const float hx = s->half[0], hy = s->half[1], hz = s->half[2], ex = s->eye[0], ey = s->eye[1], ez = s->eye[2];
-    for (int i = 0; i < b->n; i++) {
-        float x = -1 / off_zero(b->dx[i], 1e-12f), y = -1 / off_zero(b->dy[i], 1e-12f), z = -1 / off_zero(b->dz[i], 1e-12f);
-        float wide_x = fabsf(hx * x), wide_y = fabsf(hy * y), wide_z = fabsf(hz * z);
-        float enter = most(most(ex * x - wide_x, ey * y - wide_y), ez * z - wide_z);
-        b->t[i] = most(enter, 0);
-        b->miss[i] = enter - least(least(ex * x + wide_x, ey * y + wide_y), ez * z + wide_z);
-    }
+    float x = -1 / off_zero(dx, 1e-12f), y = -1 / off_zero(dy, 1e-12f), z = -1 / off_zero(dz, 1e-12f);
+    float wide_x = fabsf(s->hx * x), wide_y = fabsf(s->hy * y), wide_z = fabsf(s->hz * z);
+    float enter = most(most(s->ex * x - wide_x, s->ey * y - wide_y), s->ez * z - wide_z);
+    return (Reach){most(enter, 0), enter - least(least(s->ex * x + wide_x, s->ey * y + wide_y), s->ez * z + wide_z)};
 }
-
-typedef struct Reach { float t, miss; } Reach;
 
 /* The ray from (ex, ey, ez) along d to the ball round the origin; from the ray's nearest point to the middle, which keeps its digits.
  * Rays that just miss it are taken to touch it. */
-LANE_CODE Reach reach_ball(float ex, float ey, float ez, float dx, float dy, float dz, float radius)
+LANE_CODE Reach reach_round(float ex, float ey, float ez, float dx, float dy, float dz, float radius)
 {
     float dd = dx * dx + (dy * dy + dz * dz), near = -(ex * dx + (ey * dy + ez * dz)) / dd;
     float ox = ex + near * dx, oy = ey + near * dy, oz = ez + near * dz, miss = ox * ox + (oy * oy + oz * oz) - radius * radius;
     return (Reach){near - sqrtf(most(-miss, 0) / dd), miss};
 }
 
-LANE_CODE void find_ball(const Subject *s, Block *b)
-{
-    const float ex = s->eye[0], ey = s->eye[1], ez = s->eye[2], radius = s->radius;
-    for (int i = 0; i < b->n; i++) {
-        Reach r = reach_ball(ex, ey, ez, b->dx[i], b->dy[i], b->dz[i], radius);
-        b->t[i] = r.t;
-        b->miss[i] = r.miss;
-    }
-}
+LANE_CODE Reach reach_ball(const Solid *s, float dx, float dy, float dz) { return reach_round(s->ex, s->ey, s->ez, dx, dy, dz, s->radius); }
 
 /* To the wall, and where that is beyond an end, to the ball there. */
-LANE_CODE void find_capsule(const Subject *s, Block *b)
+LANE_CODE Reach reach_capsule(const Solid *s, float dx, float dy, float dz)
 {
-    const float ex = s->eye[0], ey = s->eye[1], ez = s->eye[2], radius = s->radius, end = 0.5f * s->length;
-    for (int i = 0; i < b->n; i++) {
-        float dx = b->dx[i], dy = b->dy[i], dz = b->dz[i];
-        float dd = dx * dx + dz * dz + 1e-12f, near = -(ex * dx + ez * dz) / dd, ox = ex + near * dx, oz = ez + near * dz;
-        float beside = ox * ox + oz * oz - radius * radius, wall = near - sqrtf(most(-beside, 0) / dd), y = ey + wall * dy;
-        Reach ball = reach_ball(ex, ey - (y < 0 ? -end : end), ez, dx, dy, dz, radius);
-        b->t[i] = fabsf(y) < end ? wall : ball.t;
-        b->miss[i] = fabsf(y) < end ? beside : ball.miss;
-    }
+    float dd = dx * dx + dz * dz + 1e-12f, near = -(s->ex * dx + s->ez * dz) / dd, ox = s->ex + near * dx, oz = s->ez + near * dz;
+    float beside = ox * ox + oz * oz - s->radius * s->radius, wall = near - sqrtf(most(-beside, 0) / dd), y = s->ey + wall * dy;
+    Reach ball = reach_round(s->ex, s->ey - (y < 0 ? -s->end : s->end), s->ez, dx, dy, dz, s->radius);
+    bool side = fabsf(y) < s->end;
+    return (Reach){side ? wall : ball.t, side ? beside : ball.miss};
 }
 
 /* Between the later entry into wall and slab and the earlier way out. */
-LANE_CODE void find_cylinder(const Subject *s, Block *b)
+LANE_CODE Reach reach_cylinder(const Solid *s, float dx, float dy, float dz)
 {
-    const float ex = s->eye[0], ey = s->eye[1], ez = s->eye[2], radius = s->radius, end = s->half[1];
-    for (int i = 0; i < b->n; i++) {
-        float dx = b->dx[i], dz = b->dz[i], y = -1 / off_zero(b->dy[i], 1e-12f), wide = fabsf(end * y);
-        float dd = dx * dx + dz * dz + 1e-12f, near = -(ex * dx + ez * dz) / dd, ox = ex + near * dx, oz = ez + near * dz;
-        float beside = ox * ox + oz * oz - radius * radius, deep = sqrtf(most(-beside, 0) / dd), enter = most(near - deep, ey * y - wide);
-        b->t[i] = most(enter, 0);
-        b->miss[i] = most(beside, enter - least(near + deep, ey * y + wide));
-    }
+    float y = -1 / off_zero(dy, 1e-12f), wide = fabsf(s->end * y);
+    float dd = dx * dx + dz * dz + 1e-12f, near = -(s->ex * dx + s->ez * dz) / dd, ox = s->ex + near * dx, oz = s->ez + near * dz;
+    float beside = ox * ox + oz * oz - s->radius * s->radius, deep = sqrtf(most(-beside, 0) / dd), enter = most(near - deep, s->ey * y - wide);
+    return (Reach){most(enter, 0), most(beside, enter - least(near + deep, s->ey * y + wide))};
 }
 
-/* b->t and b->miss of the rays b->dx, dy, dz. */
+/* `form` is known where this is compiled. */
+LANE_CODE Reach reach_form(const Solid *s, SubjectForm form, float dx, float dy, float dz)
+{
+    switch (form) {
+    case SUBJECT_PLANE:    return reach_plane(s, dx, dy, dz);
+    case SUBJECT_BOX:      return reach_box(s, dx, dy, dz);
+    case SUBJECT_BALL:     return reach_ball(s, dx, dy, dz);
+    case SUBJECT_CAPSULE:  return reach_capsule(s, dx, dy, dz);
+    case SUBJECT_CYLINDER: return reach_cylinder(s, dx, dy, dz);
+    case SUBJECT_SKY:      break;
+    }
+    return (Reach){0, 1};
+}
+
+LANE_CODE void find_form(const Subject *s, SubjectForm form, Block *b)
+{
+    const Solid solid = solid_of(s);
+    for (int i = 0; i < b->n; i++)
+        b->t[i] = reach_form(&solid, form, b->dx[i], b->dy[i], b->dz[i]).t;
+}
+
+/* b->t of the rays b->dx, dy, dz. */
 LANE_CODE void find(const Subject *s, Block *b)
 {
     switch (s->form) {
-    case SUBJECT_PLANE:    find_plane(s, b); break;
-    case SUBJECT_BOX:      find_box(s, b); break;
-    case SUBJECT_BALL:     find_ball(s, b); break;
-    case SUBJECT_CAPSULE:  find_capsule(s, b); break;
-    case SUBJECT_CYLINDER: find_cylinder(s, b); break;
+    case SUBJECT_PLANE:    find_form(s, SUBJECT_PLANE, b); break;
+    case SUBJECT_BOX:      find_form(s, SUBJECT_BOX, b); break;
+    case SUBJECT_BALL:     find_form(s, SUBJECT_BALL, b); break;
+    case SUBJECT_CAPSULE:  find_form(s, SUBJECT_CAPSULE, b); break;
+    case SUBJECT_CYLINDER: find_form(s, SUBJECT_CYLINDER, b); break;
     case SUBJECT_SKY:      break;
     }
 }
@@ -219,13 +225,6 @@ LANE_CODE void face(const Subject *s, Block *b)
     case SUBJECT_CYLINDER: face_cylinder(s, b); break;
     case SUBJECT_SKY:      break;
     }
-}
-
-LANE_CODE void meet(const Subject *s, Block *b)
-{
-    find(s, b);
-    follow_rays(s, b);
-    face(s, b);
 }
 
 /* How much of the solid a pixel spans along each axis, as GLSL's fwidth: with p = eye + t d on the tangent plane,

@@ -1,33 +1,56 @@
 /* render/blur.c - pictures worked on by the CPU: a box blur whose cost does not depend on its width, and a marbling. */
 #include "render/light.h"
+#include "render/wide.h"
 
-static int clamp_index(int i, int n) { return i < 0 ? 0 : i >= n ? n - 1 : i; }
+LANE_CODE int clamp_index(int i, int n) { return i < 0 ? 0 : i >= n ? n - 1 : i; }
 
-/* Four rows of n at once: a running sum waits for itself, four wait together. */
-static void blur_four(const float *in, float *out, int n, int radius)
+/* One number of each of four rows. */
+typedef float Four __attribute__((vector_size(16)));
+
+/* Four columns of four rows; becomes four rows of four columns. */
+LANE_CODE void turn_over(Four t[4])
 {
-    float sum[4] = {0}, scale = 1.0f / (float)(2 * radius + 1);
-    for (int k = -radius; k <= radius; k++)
+    Four a = __builtin_shufflevector(t[0], t[1], 0, 4, 1, 5), b = __builtin_shufflevector(t[2], t[3], 0, 4, 1, 5);
+    Four c = __builtin_shufflevector(t[0], t[1], 2, 6, 3, 7), d = __builtin_shufflevector(t[2], t[3], 2, 6, 3, 7);
+    t[0] = __builtin_shufflevector(a, b, 0, 1, 4, 5);
+    t[1] = __builtin_shufflevector(a, b, 2, 3, 6, 7);
+    t[2] = __builtin_shufflevector(c, d, 0, 1, 4, 5);
+    t[3] = __builtin_shufflevector(c, d, 2, 3, 6, 7);
+}
+
+/* Four rows of n at once, laid across: a running sum waits for itself, four wait together. */
+LANE_CODE void blur_four(const float *in, float *out, int n, int radius)
+{
+    Four across[FLOOR_SIZE], sum = {0}, t[4];
+    const float scale = 1.0f / (float)(2 * radius + 1);
+    for (int x = 0; x < n; x += 4) {
         for (int j = 0; j < 4; j++)
-            sum[j] += in[j * n + clamp_index(k, n)];
-    for (int x = 0; x < n; x++) {
-        const float *enter = in + int_min(x + radius + 1, n - 1), *leave = in + int_max(x - radius, 0);
-        for (int j = 0; j < 4; j++) {
-            out[j * n + x] = sum[j] * scale;
-            sum[j] += enter[j * n] - leave[j * n];
+            memcpy(&t[j], in + j * n + x, sizeof *t);
+        turn_over(t);
+        memcpy(across + x, t, sizeof t);
+    }
+    for (int k = -radius; k <= radius; k++)
+        sum += across[clamp_index(k, n)];
+    for (int x = 0; x < n; x += 4) {
+        for (int k = 0; k < 4; k++) {
+            t[k] = sum * scale;
+            sum += across[int_min(x + k + radius + 1, n - 1)] - across[int_max(x + k - radius, 0)];
         }
+        turn_over(t);
+        for (int j = 0; j < 4; j++)
+            memcpy(out + j * n + x, &t[j], sizeof *t);
     }
 }
 
 /* n is a multiple of four */
-static void blur_rows(const float *in, float *out, int n, int radius)
+LANE_CODE void blur_rows(const float *in, float *out, int n, int radius)
 {
     for (int y = 0; y < n; y += 4)
         blur_four(in + (size_t)y * (size_t)n, out + (size_t)y * (size_t)n, n, radius);
 }
 
 /* Keeps one sum for each column, so that memory is walked row by row. */
-static void blur_columns(const float *in, float *out, int n, int radius)
+LANE_CODE void blur_columns(const float *in, float *out, int n, int radius)
 {
     float sum[FLOOR_SIZE], scale = 1.0f / (float)(2 * radius + 1);
     for (int x = 0; x < n; x++)
@@ -48,13 +71,20 @@ static void blur_columns(const float *in, float *out, int n, int radius)
     }
 }
 
+LANE_CODE void blur_both(float *data, float *scratch, int n, int radius)
+{
+    blur_rows(data, scratch, n, radius);
+    blur_columns(scratch, data, n, radius);
+}
+
+static void blur_plainly(float *data, float *scratch, int n, int radius) { blur_both(data, scratch, n, radius); }
+WIDE static void blur_widely(float *data, float *scratch, int n, int radius) { blur_both(data, scratch, n, radius); }
+
 void blur_box(float *data, float *scratch, int n, int radius)
 {
     DIG_ASSERT(n <= FLOOR_SIZE && n % 4 == 0);
-    if (radius < 1)
-        return;
-    blur_rows(data, scratch, n, radius);
-    blur_columns(scratch, data, n, radius);
+    if (radius >= 1)
+        (has_wide() ? blur_widely : blur_plainly)(data, scratch, n, radius);
 }
 
 /* ---- marbling ---------------------------------------------------------- */

@@ -3,6 +3,8 @@
 
 #include <stdlib.h>
 
+#include "render/wide.h"
+
 /* ---- gathering --------------------------------------------------------- */
 
 static bool fit(void **data, int *capacity, int wanted, size_t each)
@@ -96,7 +98,13 @@ void cast_close(Casters *c)
 /* A triangle in texels: z = depth at texel (0, 0), then per texel across and per row. */
 typedef struct Facet { const float *corner[3]; float z, dx, dy; int first, last; } Facet;
 
-static int clamp_texel(float x, int size) { return x <= 0 ? 0 : x >= (float)size ? size : (int)ceilf(x); }
+/* x rounded up, 0 to size; without ceilf, which older processors have no instruction for */
+LANE_CODE int clamp_texel(float x, int size)
+{
+    float end = (float)size, inside = x > 0 ? x < end ? x : end : 0;
+    int i = (int)inside;
+    return i + ((float)i < inside);
+}
 
 static int order_corners(const float *a, const float *b) { return a[1] < b[1] || (a[1] == b[1] && a[0] <= b[0]); }
 
@@ -125,38 +133,57 @@ static int set_up(Facet *f, const float *a, const float *b, const float *c, int 
     return area > 0 ? 1 : -1;
 }
 
-/* Where the edge from a (the lower end) to b crosses height y. */
-static float cross_edge(const float *a, const float *b, float y)
+/* The edge from a (the lower end) to b: where it crosses height y is x + run ((y - y0) / rise); a level one counts at its end a. */
+typedef struct Edge { float x, y0, run, rise; } Edge;
+
+static Edge edge_of(const float *a, const float *b)
 {
     float rise = b[1] - a[1];
-    return rise > 0 ? a[0] + (b[0] - a[0]) * ((y - a[1]) / rise) : a[0];
+    return rise > 0 ? (Edge){a[0], a[1], b[0] - a[0], rise} : (Edge){a[0], a[1], 0, 1};
 }
 
-/* The texels [*first, *last) of row j whose middles lie inside. */
-static void span_of(const Facet *f, int j, int size, int *first, int *last)
-{
-    float y = (float)j + 0.5f, one = cross_edge(f->corner[0], f->corner[2], y);
-    float other = y < f->corner[1][1] ? cross_edge(f->corner[0], f->corner[1], y) : cross_edge(f->corner[1], f->corner[2], y);
-    *first = clamp_texel((one < other ? one : other) - 0.5f, size);
-    *last = clamp_texel((one < other ? other : one) - 0.5f, size);
-}
+enum { ROWS = 16, WINDOW = 8 };     /* taken together: rows of a facet, texels of a row */
 
-/* row[i] = min(row[i], max(z + i dx, 0)); the far end needs no limit, as nothing there is 1 */
-static void lower_span(float *row, int count, float z, float dx)
+/* Of rows j to j + n - 1 the texels [first, last) whose middles lie inside. */
+LANE_CODE void find_spans(const Facet *f, int j, int n, int size, int *first, int *last)
 {
-    for (int i = 0; i < count; i++) {
-        float depth = z + dx * (float)i;
-        depth = depth > 0 ? depth : 0;
-        row[i] = depth < row[i] ? depth : row[i];
+    const Edge whole = edge_of(f->corner[0], f->corner[2]), low = edge_of(f->corner[0], f->corner[1]);
+    const Edge high = edge_of(f->corner[1], f->corner[2]);
+    const float bend = f->corner[1][1];
+    for (int i = 0; i < n; i++) {
+        float y = (float)(j + i) + 0.5f, one = whole.x + whole.run * ((y - whole.y0) / whole.rise);
+        bool under = y < bend;
+        float y0 = under ? low.y0 : high.y0, rise = under ? low.rise : high.rise;
+        float other = (under ? low.x : high.x) + (under ? low.run : high.run) * ((y - y0) / rise);
+        first[i] = clamp_texel((one < other ? one : other) - 0.5f, size);
+        last[i] = clamp_texel((one < other ? other : one) - 0.5f, size);
     }
 }
 
-static void lower_facet(const Facet *f, float z, float dx, float dy, int size, float *out)
+/* row[i] = min(row[i], max(z + (i - first) dx, 0)) for first <= i < last; the far end needs no limit, as nothing there is 1.
+ * Whole windows are looked at, so that short spans are not worked on texel by texel. */
+LANE_CODE void lower_span(float *row, int size, int first, int last, float z, float dx)
 {
-    for (int j = f->first; j < f->last; j++) {
-        int first, last;
-        span_of(f, j, size, &first, &last);
-        lower_span(out + (size_t)j * (size_t)size + first, last - first, z + dy * (float)j + dx * (float)first, dx);
+    for (int w = first; w < last; w += WINDOW) {
+        const int start = int_min(w, size - WINDOW);
+        float *to = row + start;
+        for (int k = 0; k < WINDOW; k++) {
+            int i = start + k;
+            float depth = z + dx * (float)(i - first);
+            depth = depth > 0 ? depth : 0;
+            to[k] = (i >= first) & (i < last) & (depth < to[k]) ? depth : to[k];
+        }
+    }
+}
+
+LANE_CODE void lower_facet(const Facet *f, float z, float dx, float dy, int size, float *out)
+{
+    int first[ROWS], last[ROWS];
+    for (int j = f->first; j < f->last; j += ROWS) {
+        int n = int_min(ROWS, f->last - j);
+        find_spans(f, j, n, size, first, last);
+        for (int i = 0; i < n; i++)
+            lower_span(out + (size_t)(j + i) * (size_t)size, size, first[i], last[i], z + dy * (float)(j + i) + dx * (float)first[i], dx);
     }
 }
 
@@ -185,9 +212,8 @@ static int set_up_corner(const Casters *c, int corner, int size, Facet *f)
     return set_up(f, c->seen + 3 * (size_t)k[0], c->seen + 3 * (size_t)k[1], c->seen + 3 * (size_t)k[2], size);
 }
 
-void cast_nearest(Casters *c, const float to_map[16], int size, float slope, float *out)
+LANE_CODE void draw_nearest(const Casters *c, int size, float slope, float *out)
 {
-    see(c, to_map, size);
     for (int g = 0; g < c->group_count; g++) {
         const CastGroup *group = &c->groups[g];
         for (int i = group->first; i < group->first + group->count; i += 3) {
@@ -201,11 +227,8 @@ void cast_nearest(Casters *c, const float to_map[16], int size, float slope, flo
     }
 }
 
-void cast_heights(Casters *c, const float to_map[16], int size, float *above, float *below)
+LANE_CODE void draw_heights(const Casters *c, int size, float *above, float *below)
 {
-    see(c, to_map, size);
-    cast_clear(above, size);
-    cast_clear(below, size);
     for (int g = 0; g < c->group_count; g++) {
         const CastGroup *group = &c->groups[g];
         for (int i = group->first; i < group->first + group->count; i += 3) {
@@ -217,4 +240,25 @@ void cast_heights(Casters *c, const float to_map[16], int size, float *above, fl
                 lower_facet(&f, 1 - f.z, -f.dx, -f.dy, size, below);
         }
     }
+}
+
+static void nearest_plainly(const Casters *c, int size, float slope, float *out) { draw_nearest(c, size, slope, out); }
+WIDE static void nearest_widely(const Casters *c, int size, float slope, float *out) { draw_nearest(c, size, slope, out); }
+static void heights_plainly(const Casters *c, int size, float *above, float *below) { draw_heights(c, size, above, below); }
+WIDE static void heights_widely(const Casters *c, int size, float *above, float *below) { draw_heights(c, size, above, below); }
+
+void cast_nearest(Casters *c, const float to_map[16], int size, float slope, float *out)
+{
+    DIG_ASSERT(size >= WINDOW);
+    see(c, to_map, size);
+    (has_wide() ? nearest_widely : nearest_plainly)(c, size, slope, out);
+}
+
+void cast_heights(Casters *c, const float to_map[16], int size, float *above, float *below)
+{
+    DIG_ASSERT(size >= WINDOW);
+    see(c, to_map, size);
+    cast_clear(above, size);
+    cast_clear(below, size);
+    (has_wide() ? heights_widely : heights_plainly)(c, size, above, below);
 }

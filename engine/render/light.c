@@ -4,6 +4,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "render/wide.h"
+
 static const real BIAS = 0.0015;        /* scene units by which a thing must lie behind another to be in its shadow   */
 static const float SLOPE = 1.5f;          /* texels of steepness by which the sun map lies behind its surfaces         */
 static const real SPREAD = 0.09;        /* rad, how fast a shadow's edge widens: a hazy sun, wider than the real one */
@@ -193,7 +195,7 @@ static void floor_depth(float plane[3], const Stage *s, const float to_map[16], 
 }
 
 /* Row j of the depths that bodies are compared with: what is not hit lies on the floor, or at the far end; less a half for precision. */
-static void centre_depths(const float *row, int j, const float plane[3], float *out)
+LANE_CODE void centre_depths(const float *row, int j, const float plane[3], float *out)
 {
     float start = plane[0] + plane[2] * (float)j;
     for (int i = 0; i < SUN_SIZE; i++) {
@@ -204,7 +206,7 @@ static void centre_depths(const float *row, int j, const float plane[3], float *
 }
 
 /* Weights 1, 2, 1 both ways, for depths and for their squares. The rim is left out: it stays at the far end. */
-static void smooth_moments(const float *depth, float *moments)
+LANE_CODE void smooth_moments(const float *depth, float *moments)
 {
     enum { N = SUN_SIZE };
     for (int j = 0; j < N; j++) {
@@ -227,7 +229,7 @@ static void smooth_moments(const float *depth, float *moments)
     }
 }
 
-static void fill_moments(Light *l, const float *depth)
+LANE_CODE void fill_moments(Light *l, const float *depth)
 {
     for (int j = 0; j < SUN_SIZE; j++)
         centre_depths(depth + j * SUN_SIZE, j, l->floor_plane, l->scratch + j * SUN_SIZE);
@@ -240,7 +242,6 @@ static void cast_sun(Light *l, const Stage *s, const float to_map[16], real floo
     cast_nearest(&l->casters, to_map, SUN_SIZE, SLOPE, l->sun);
     floor_depth(l->floor_plane, s, to_map, floor);
     memcpy(l->sun_clip, to_map, sizeof l->sun_clip);
-    fill_moments(l, l->sun);
 }
 
 _Static_assert(FLOOR_SIZE >= SUN_SIZE, "light_receive keeps depths in a field of the floor's");
@@ -259,7 +260,7 @@ dig_status light_receive(Light *l, const Gl *gl, const DrawItem *d, const Meshes
 static int texels_of(real length, real texel) { return (int)real_clamp(length / texel + 0.5, 1, HEIGHT_SIZE / 4); }
 
 /* For bodies: heights smoothed over a small and a large width. */
-static void fill_heights(Light *l, const Stage *s, const Ground *g)
+LANE_CODE void fill_heights(Light *l, const Stage *s, const Ground *g)
 {
     enum { N = HEIGHT_SIZE };
     float range = (float)(g->high - g->low), high = (float)g->high, floor = (float)s->floor;
@@ -281,7 +282,7 @@ static void fill_heights(Light *l, const Stage *s, const Ground *g)
 }
 
 /* For the floor: the sky hidden by what stands on it or hovers just above, into sky[HALF^2], 0..1. */
-static void hide_sky(Light *l, const Stage *s, const Ground *g)
+LANE_CODE void hide_sky(Light *l, const Stage *s, const Ground *g)
 {
     enum { N = HEIGHT_SIZE };
     float low = (float)(g->low - s->floor), range = (float)(g->high - g->low), reach = (float)(1 / (1.6 * s->typical));
@@ -322,7 +323,7 @@ static void clip_row(float start, float step, float end, int *first, int *last)
 }
 
 /* The least depth of each square of SQUARE x SQUARE texels of the sun map. */
-static void find_least(const float *sun, float *least)
+LANE_CODE void find_least(const float *sun, float *least)
 {
     enum { M = SUN_SIZE, SQUARES = M / SQUARE };
     for (int j = 0; j < SQUARES; j++) {
@@ -343,7 +344,7 @@ static void find_least(const float *sun, float *least)
 }
 
 /* Whether nothing in the sun map can hide the texels [first, last) of a row: all of the map round them lies deeper. */
-static bool lies_open(const Light *l, const SunRow *r, int first, int last, float bias)
+LANE_CODE bool lies_open(const Light *l, const SunRow *r, int first, int last, float bias)
 {
     enum { SQUARES = SUN_SIZE / SQUARE };
     float a = (float)first, b = (float)(last - 1), u0 = r->u + r->du * a, u1 = r->u + r->du * b, v0 = r->v + r->dv * a, v1 = r->v + r->dv * b;
@@ -358,27 +359,40 @@ static bool lies_open(const Light *l, const SunRow *r, int first, int last, floa
     return true;
 }
 
-/* Share of the sun hidden at each texel [first, last) of a row (shade), and that times the distance of what hides it (gap). */
-static void project_texels(const Light *l, const SunRow *r, int first, int last, float bias, float *shade, float *gap)
+/* Share of the sun hidden at each texel [first, last) of a row (shade), and that times the distance of what hides it (gap); up to SQUARE. */
+LANE_CODE void project_texels(const Light *l, const SunRow *r, int first, int last, float bias, float *shade, float *gap)
 {
     enum { M = SUN_SIZE };
-    for (int i = first; i < last; i++) {
-        float u = r->u + r->du * (float)i, v = r->v + r->dv * (float)i, z = r->depth + r->ddepth * (float)i;
-        z = (z < 1 ? z : 1) - bias;      /* the map's floor is at 1: nothing there */
-        int a = (int)u, b = (int)v;
-        const float *d = l->sun + (size_t)b * M + (size_t)a;
-        float o0 = z - d[0], o1 = z - d[1], o2 = z - d[M], o3 = z - d[M + 1];
-        if (o0 <= 0 && o1 <= 0 && o2 <= 0 && o3 <= 0)
-            continue;
-        float fu = u - (float)a, fv = v - (float)b;
-        float w0 = o0 > 0 ? (1 - fu) * (1 - fv) : 0, w1 = o1 > 0 ? fu * (1 - fv) : 0;
-        float w2 = o2 > 0 ? (1 - fu) * fv : 0, w3 = o3 > 0 ? fu * fv : 0;
-        shade[i] = w0 + w1 + w2 + w3;
-        gap[i] = (w0 * o0 + w1 * o1 + w2 * o2 + w3 * o3) * r->range;
+    float u[SQUARE], v[SQUARE], z[SQUARE], near[4][SQUARE];
+    int at[SQUARE];
+    for (int i = 0; i < SQUARE; i++) {
+        float k = (float)(first + i), x = r->u + r->du * k, y = r->v + r->dv * k, depth = r->depth + r->ddepth * k;
+        int column = (int)x, row = (int)y;
+        at[i] = row * M + column;
+        u[i] = x - (float)column;
+        v[i] = y - (float)row;
+        z[i] = (depth < 1 ? depth : 1) - bias;      /* the map's floor is at 1: nothing there */
     }
+    for (int i = 0; i < SQUARE; i++) {
+        const float *d = l->sun + at[first + i < last ? i : 0];
+        near[0][i] = d[0];
+        near[1][i] = d[1];
+        near[2][i] = d[M];
+        near[3][i] = d[M + 1];
+    }
+    float some[SQUARE], far[SQUARE];
+    for (int i = 0; i < SQUARE; i++) {
+        float o0 = z[i] - near[0][i], o1 = z[i] - near[1][i], o2 = z[i] - near[2][i], o3 = z[i] - near[3][i];
+        float w0 = o0 > 0 ? (1 - u[i]) * (1 - v[i]) : 0, w1 = o1 > 0 ? u[i] * (1 - v[i]) : 0;
+        float w2 = o2 > 0 ? (1 - u[i]) * v[i] : 0, w3 = o3 > 0 ? u[i] * v[i] : 0;
+        some[i] = w0 + w1 + w2 + w3;
+        far[i] = (w0 * o0 + w1 * o1 + w2 * o2 + w3 * o3) * r->range;
+    }
+    memcpy(shade + first, some, (size_t)(last - first) * sizeof *some);
+    memcpy(gap + first, far, (size_t)(last - first) * sizeof *far);
 }
 
-static void project_row(const Light *l, const SunRow *r, float *shade, float *gap)
+LANE_CODE void project_row(const Light *l, const SunRow *r, float *shade, float *gap)
 {
     enum { N = FLOOR_SIZE, M = SUN_SIZE };
     const float bias = (float)BIAS / r->range;
@@ -394,7 +408,7 @@ static void project_row(const Light *l, const SunRow *r, float *shade, float *ga
     }
 }
 
-static void project_shadows(Light *l, const Stage *s, const Ground *g, const float m[16], vec3 eye, real range)
+LANE_CODE void project_shadows(Light *l, const Stage *s, const Ground *g, const float m[16], vec3 eye, real range)
 {
     enum { N = FLOOR_SIZE, M = SUN_SIZE };
     find_least(l->sun, l->least);
@@ -409,7 +423,7 @@ static void project_shadows(Light *l, const Stage *s, const Ground *g, const flo
 }
 
 /* Means of 2 x 2 texels: FLOOR_SIZE^2 to HEIGHT_SIZE^2. */
-static void halve(const float *in, float *out)
+LANE_CODE void halve(const float *in, float *out)
 {
     enum { N = HEIGHT_SIZE, M = FLOOR_SIZE };
     for (int j = 0; j < N; j++) {
@@ -421,7 +435,7 @@ static void halve(const float *in, float *out)
 
 /* Makes three softnesses of the shadow: shade and mid at full fineness, wide at half, and there also how wide the edges
  * should be (blur), from the mean distance of what throws it. */
-static void soften_shadows(Light *l, const Ground *g)
+LANE_CODE void soften_shadows(Light *l, const Ground *g)
 {
     enum { N = FLOOR_SIZE, M = HEIGHT_SIZE };
     real texel = 2 * g->half / N;
@@ -442,14 +456,14 @@ static void soften_shadows(Light *l, const Ground *g)
 }
 
 /* 0..1 to 0..255; what lies outside is cut off */
-static int to_level(float x)
+LANE_CODE int to_level(float x)
 {
     x = x > 0 ? x : 0;
     return (int)((x < 1 ? x : 1) * 255 + 0.5f);
 }
 
 /* A half-fine row to full fineness. Texel i lies between those of (i - 1) / 2; the outermost go on as straight lines. */
-static void widen_row(const float *in, float *out)
+LANE_CODE void widen_row(const float *in, float *out)
 {
     enum { M = HEIGHT_SIZE };
     out[0] = in[0] - 0.25f * (in[1] - in[0]);
@@ -461,7 +475,7 @@ static void widen_row(const float *in, float *out)
 }
 
 /* Row j of a half-fine field at full fineness. */
-static void widen(const float *field, int j, float *out)
+LANE_CODE void widen(const float *field, int j, float *out)
 {
     enum { M = HEIGHT_SIZE };
     float row[M];
@@ -474,7 +488,7 @@ static void widen(const float *field, int j, float *out)
 }
 
 /* The share of the sun hidden along row j: the three softnesses blended by how wide the edges should be. */
-static void blend_shadows(const Light *l, int j, float *out)
+LANE_CODE void blend_shadows(const Light *l, int j, float *out)
 {
     enum { N = FLOOR_SIZE };
     const float to_mid = (float)(1 / MID_BLUR), to_wide = (float)(1 / (WIDE_BLUR - MID_BLUR)), start = (float)MID_BLUR;
@@ -494,7 +508,7 @@ static void blend_shadows(const Light *l, int j, float *out)
 
 /* Sun, sky and marbling side by side into the floor map. The marbling is fixed to the world and fades out towards the rim;
  * the rim itself is unshaded, so that the map ends without a seam. */
-static void pack_floor(Light *l, const Ground *g, bool sunny)
+LANE_CODE void pack_floor(Light *l, const Ground *g, bool sunny)
 {
     enum { N = FLOOR_SIZE };
     float hidden[N] = {0}, sky[N];
@@ -532,6 +546,33 @@ static void set_shading(Frame *f, const Stage *s, const Ground *g)
     f->shade[3] = (float)(2.5 * s->typical);
 }
 
+/* What the depths of casters in l->sun, l->above and l->below say. */
+typedef struct LightJob {
+    const Stage  *stage;
+    const Ground *ground;
+    vec3          eye;
+    real          range;                        /* scene units that depths 0..1 of the sun map cover */
+    bool          shadows, floor, floor_shadow;
+} LightJob;
+
+LANE_CODE void fill_maps(Light *l, const LightJob *job, const Frame *frame)
+{
+    if (job->shadows)
+        fill_moments(l, l->sun);
+    fill_heights(l, job->stage, job->ground);
+    if (!job->floor)
+        return;
+    hide_sky(l, job->stage, job->ground);
+    if (job->floor_shadow) {
+        project_shadows(l, job->stage, job->ground, frame->to_sun, job->eye, job->range);
+        soften_shadows(l, job->ground);
+    }
+    pack_floor(l, job->ground, job->floor_shadow);
+}
+
+static void fill_plainly(Light *l, const LightJob *job, const Frame *frame) { fill_maps(l, job, frame); }
+WIDE static void fill_widely(Light *l, const LightJob *job, const Frame *frame) { fill_maps(l, job, frame); }
+
 dig_status light_cast(Light *l, const Batches *b, const Meshes *meshes, const Stage *s, bool shadows, Frame *frame)
 {
     vec3 eye = vec3_from(frame->eye), sun = vec3_from(frame->sun);
@@ -548,15 +589,8 @@ dig_status light_cast(Light *l, const Batches *b, const Meshes *meshes, const St
     set_shading(frame, s, &ground);
     frame->sun[3] = (float)(0.5 * BIAS / half);
     frame->sun_colour[3] = frame->sun[3] * frame->sun[3];
-    fill_heights(l, s, &ground);
-    if (!floor)
-        return DIG_OK;
-    hide_sky(l, s, &ground);
-    if (floor_shadow) {
-        project_shadows(l, s, &ground, frame->to_sun, eye, 2 * half);
-        soften_shadows(l, &ground);
-    }
-    pack_floor(l, &ground, floor_shadow);
+    LightJob job = {s, &ground, eye, 2 * half, shadows, floor, floor_shadow};
+    (has_wide() ? fill_widely : fill_plainly)(l, &job, frame);
     return DIG_OK;
 }
 

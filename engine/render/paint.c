@@ -268,10 +268,10 @@ static dig_status no_room(Renderer *r, const RenderOptions *o)
 }
 
 /* Shades what was drawn as numbers; what is seen through comes on top, once OpenGL has got the picture back. */
-static dig_status shade(Renderer *r, const RenderOptions *o, const Frame *frame, const Target *t)
+static dig_status shade(Renderer *r, const RenderOptions *o, const Frame *frame, const Target *t, real near)
 {
     const Gl *gl = &r->gl;
-    dig_status status = shade_picture(&r->shade, frame, &r->batches, &r->light, r->raw, o->width, o->height);
+    dig_status status = shade_picture(&r->shade, frame, &r->batches, &r->light, near, r->raw, o->width, o->height);
     if (status != DIG_OK)
         return no_room(r, o);
     if (r->batches.solid == r->batches.count)
@@ -296,7 +296,7 @@ static dig_status paint_layer(Renderer *r, const RenderOptions *o, const Frame *
                          r->error, sizeof r->error));
     if (colour && t->samples == 0) {
         DIG_TRY(read_raw(r, o, t));
-        return shade(r, o, frame, t);
+        return shade(r, o, frame, t, 0);
     }
     if (colour) {
         DIG_TRY(paint_sky(r));
@@ -343,10 +343,8 @@ dig_status paint(Renderer *r, const View *v, const RenderOptions *o, const Targe
     }
     programs_set_frame(&r->programs, gl, &frame);
     use_textures(gl, &r->light);
-    if (eye.numbers && r->batches.drawn == 0) {         /* nothing for OpenGL to do */
-        status = shade_number(&r->shade, &frame, &r->batches, find_near(&e), r->raw, o->width, o->height);
-        return status == DIG_OK ? shade(r, o, &frame, t) : no_room(r, o);
-    }
+    if (eye.numbers && r->batches.drawn == 0)           /* nothing for OpenGL to do */
+        return shade(r, o, &frame, t, find_near(&e));
     return paint_layer(r, o, &frame, t);
 }
 

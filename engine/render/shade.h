@@ -19,17 +19,18 @@ typedef struct ShadeSpace {
     ShadeRun *runs, *sorted;
     int      *item;             /* [by index in the view] place in the batches                   */
     int      *first;            /* of each subject's runs: 0 the sky, 1 + k the k-th of the batches */
-    float    *depth;            /* [pixels] distance along the view of what is nearest so far    */
+    float    *depth;            /* [pixels of a band] distance along the view of what is nearest so far */
+    unsigned char *ends;        /* [width] whether a pixel is the last of a run                  */
     Subject  *subjects;         /* 0 the sky, 1 + k the k-th of the batches                      */
-    int       run_count, run_capacity, sorted_capacity, item_capacity, first_capacity, depth_capacity, subject_capacity;
+    int       most_index, run_count, run_capacity, sorted_capacity, item_capacity, first_capacity, depth_capacity,
+              subject_capacity, end_capacity;
 } ShadeSpace;
 
-/* Numbers the pixels of `raw` by casting rays, when every item can be shaded here; nothing nearer than `near` (scene units) is seen. */
-dig_status shade_number(ShadeSpace *space, const Frame *frame, const Batches *b, real near, uint32_t *raw, int width, int height);
-
 /* Gives the pixels of `raw`, RGBA with the bottom row first, whose alpha is SHADE_KEY or SKY_KEY their colours and keys.
- * DIG_E_MEMORY leaves some as they are. */
-dig_status shade_picture(ShadeSpace *space, const Frame *frame, const Batches *b, const Light *l, uint32_t *raw, int width, int height);
+ * near > 0: their numbers are found here, by casting rays, which every item must allow (subject_can); nothing nearer than that (scene
+ * units) is seen. DIG_E_MEMORY leaves some as they are. */
+dig_status shade_picture(ShadeSpace *space, const Frame *frame, const Batches *b, const Light *l, real near, uint32_t *raw, int width,
+                         int height);
 void       shade_close(ShadeSpace *space);
 
 #endif

@@ -3,6 +3,8 @@
 
 #include <stdlib.h>
 
+#include "render/wide.h"
+
 /* Bytes of a pixel in memory order: red, green, blue, key. */
 typedef struct Pixel { int red, green, blue; } Pixel;
 
@@ -13,6 +15,11 @@ typedef struct Picture {
 } Picture;
 
 enum { SKIP = 8 };                  /* pixels looked at together */
+#if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
+enum { KEY_SHIFT = 24 };            /* where a pixel's key lies in a word */
+#else
+enum { KEY_SHIFT = 0 };
+#endif
 static const int FAINT = 12;        /* levels of red + green + blue: a fainter border is left alone */
 
 static unsigned char byte_of(uint32_t pixel, int k)
@@ -131,29 +138,39 @@ static void finish_column_run(const Picture *p, int x, int y, int end)
         mix_run(p, x, y, end - y, true, start_turn, end_turn);
 }
 
-/* Bits in which any key of a[0..SKIP) differs from its neighbour in b. */
-static uint32_t keys_apart(const uint32_t *a, const uint32_t *b)
+/* Where the keys of two lists of n pixels differ: a byte each, 0 = they do not. */
+LANE_CODE void compare_keys(const uint32_t *a, const uint32_t *b, int n, unsigned char *apart)
 {
-    uint32_t apart = 0;
-    for (int i = 0; i < SKIP; i++)
-        apart |= a[i] ^ b[i];
-    const unsigned char key[4] = {0, 0, 0, 255};
-    uint32_t mask;
-    memcpy(&mask, key, sizeof mask);
-    return apart & mask;
+    for (int i = 0; i < n; i++)
+        apart[i] = (unsigned char)((a[i] ^ b[i]) >> KEY_SHIFT);
 }
 
-static void smooth_rows(const Picture *p)
+static void compare_plainly(const uint32_t *a, const uint32_t *b, int n, unsigned char *apart) { compare_keys(a, b, n, apart); }
+WIDE static void compare_widely(const uint32_t *a, const uint32_t *b, int n, unsigned char *apart) { compare_keys(a, b, n, apart); }
+
+/* Of SKIP bytes, whether any is not 0. */
+static bool any_set(const unsigned char *p)
 {
+    uint64_t all;
+    memcpy(&all, p, sizeof all);
+    return all != 0;
+}
+
+_Static_assert(SKIP == sizeof(uint64_t), "any_set looks at SKIP bytes");
+
+static void smooth_rows(const Picture *p, unsigned char *apart)
+{
+    bool wide = has_wide();
     for (int y = 0; y + 1 < p->height; y++) {
         const uint32_t *a = p->raw + (size_t)y * (size_t)p->width, *b = a + p->width;
+        (wide ? compare_widely : compare_plainly)(a, b, p->width, apart);
         for (int x = 0; x < p->width;) {
-            if (x + SKIP <= p->width && !keys_apart(a + x, b + x)) {
+            if (!any_set(apart + x)) {
                 x += SKIP;
                 continue;
             }
             int start = x;
-            while (x < p->width && differ(a[x], b[x]))
+            while (x < p->width && apart[x] && differ(a[x], b[x]))
                 x++;
             if (x > start)
                 finish_row_run(p, start, x, y);
@@ -163,82 +180,102 @@ static void smooth_rows(const Picture *p)
     }
 }
 
-static bool any_open(const int *open)
+/* open[x]: where a border between columns x and x + 1 began, of those for which busy[x] is not 0. */
+static void smooth_columns(const Picture *p, unsigned char *apart, unsigned char *busy, int *open)
 {
-    int all = -1;
-    for (int i = 0; i < SKIP; i++)
-        all &= open[i];
-    return all != -1;
-}
-
-/* open[x]: where a border between columns x and x + 1 began, -1 = none. */
-static void smooth_columns(const Picture *p, int *open)
-{
+    bool wide = has_wide();
     int last = p->width - 1;
-    for (int x = 0; x < last; x++)
-        open[x] = -1;
+    apart[last] = 0;
     for (int y = 0; y < p->height; y++) {
         const uint32_t *a = p->raw + (size_t)y * (size_t)p->width;
+        (wide ? compare_widely : compare_plainly)(a, a + 1, last, apart);
         for (int x = 0; x < last;) {
-            if (x + SKIP <= last && !keys_apart(a + x, a + x + 1) && !any_open(open + x)) {
+            if (!any_set(apart + x) && !any_set(busy + x)) {
                 x += SKIP;
                 continue;
             }
-            bool border = differ(a[x], a[x + 1]);
-            if (border && open[x] < 0)
+            bool border = apart[x] && differ(a[x], a[x + 1]);
+            if (border && !busy[x])
                 open[x] = y;
-            if (!border && open[x] >= 0) {
+            if (!border && busy[x])
                 finish_column_run(p, x, open[x], y);
-                open[x] = -1;
-            }
+            busy[x] = border;
             x++;
         }
     }
     for (int x = 0; x < last; x++)
-        if (open[x] >= 0)
+        if (busy[x])
             finish_column_run(p, x, open[x], p->height);
 }
 
 /* ---- pictures ---------------------------------------------------------- */
 
+/* One row without its keys. Four bytes are written for each pixel: the last is overwritten by the next one. */
+static void copy_plainly(const uint32_t *from, int width, unsigned char *to)
+{
+    int x = 0;
+#if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
+    for (uint64_t two; x + 3 < width; x += 2, to += 6) {        /* the last two bytes are overwritten likewise */
+        memcpy(&two, &from[x], 8);
+        two = (two & 0xffffff) | (two >> 8 & UINT64_C(0xffffff000000));
+        memcpy(to, &two, 8);
+    }
+#endif
+    for (; x + 1 < width; x++, to += 3)
+        memcpy(to, &from[x], 4);
+    memcpy(to, &from[width - 1], 3);
+}
+
+/* The same by four pixels at once. */
+WIDE static void copy_widely(const uint32_t *from, int width, unsigned char *to)
+{
+    typedef unsigned char Bytes __attribute__((vector_size(16)));
+    int x = 0;
+    for (Bytes four; x + 5 < width; x += 4, to += 12) {
+        memcpy(&four, &from[x], 16);
+        four = __builtin_shufflevector(four, four, 0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, 3, 7, 11, 15);
+        memcpy(to, &four, 16);
+    }
+    copy_plainly(from + x, width - x, to);
+}
+
 void smooth_copy(const uint32_t *raw, int width, int height, unsigned char *out)
 {
-    for (int y = 0; y < height; y++) {
-        const uint32_t *from = raw + (size_t)width * (size_t)(height - 1 - y);
-        unsigned char *to = out + 3 * (size_t)width * (size_t)y;
-        int x = 0;
-#if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
-        for (uint64_t two; x + 3 < width; x += 2, to += 6) {        /* the last two bytes are written over by the next pixel */
-            memcpy(&two, &from[x], 8);
-            two = (two & 0xffffff) | (two >> 8 & UINT64_C(0xffffff000000));
-            memcpy(to, &two, 8);
-        }
-#endif
-        for (; x + 1 < width; x++, to += 3)
-            memcpy(to, &from[x], 4);        /* likewise */
-        memcpy(to, &from[width - 1], 3);
-    }
+    bool wide = has_wide();
+    for (int y = 0; y < height; y++)
+        (wide ? copy_widely : copy_plainly)(raw + (size_t)width * (size_t)(height - 1 - y), width, out + 3 * (size_t)width * (size_t)y);
+}
+
+/* Room for rows of `width` pixels: *open and two rows of bytes that are 0 from `width` on. */
+static bool fit(SmoothSpace *space, int width)
+{
+    if (space->capacity >= width)
+        return true;
+    free(space->open);
+    free(space->bytes);
+    space->open = malloc((size_t)width * sizeof *space->open);
+    space->bytes = malloc(2 * ((size_t)width + SKIP));
+    space->capacity = space->open && space->bytes ? width : 0;
+    return space->capacity > 0;
 }
 
 dig_status smooth_edges(SmoothSpace *space, const uint32_t *raw, int width, int height, unsigned char *out)
 {
-    if (space->capacity < width) {
-        free(space->open);
-        space->open = malloc((size_t)width * sizeof *space->open);
-        space->capacity = space->open ? width : 0;
-        if (!space->open)
-            return DIG_E_MEMORY;
-    }
+    if (!fit(space, width))
+        return DIG_E_MEMORY;
     Picture p = {raw, out, width, height};
+    unsigned char *apart = space->bytes, *busy = apart + width + SKIP;
+    memset(apart, 0, 2 * ((size_t)width + SKIP));
     smooth_copy(raw, width, height, out);
-    smooth_rows(&p);
-    smooth_columns(&p, space->open);
+    smooth_rows(&p, apart);
+    smooth_columns(&p, apart, busy, space->open);
     return DIG_OK;
 }
 
 void smooth_close(SmoothSpace *space)
 {
     free(space->open);
+    free(space->bytes);
     *space = (SmoothSpace){0};
 }
 

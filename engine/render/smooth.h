@@ -5,7 +5,7 @@
  * mixed by the share that either side covers: morphological antialiasing (Reshetov, High Performance Graphics 2009),
  * which normally guesses edges from brightness and then smears textures; those filter themselves here.
  *
- * Owns:  a column's open runs, in SmoothSpace.
+ * Owns:  open runs of columns and marks of a row, in SmoothSpace.
  * Floor: render. No OpenGL here.
  */
 #ifndef DIG_SMOOTH_H
@@ -13,7 +13,7 @@
 
 #include "base/base.h"
 
-typedef struct SmoothSpace { int *open; int capacity; } SmoothSpace;
+typedef struct SmoothSpace { int *open; unsigned char *bytes; int capacity; } SmoothSpace;
 
 /* `raw` is RGBA as OpenGL reads it, the bottom row first; `out` gets RGB, the top row first. */
 void       smooth_copy(const uint32_t *raw, int width, int height, unsigned char *out);

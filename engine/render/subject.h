@@ -12,6 +12,9 @@ enum { SHADE_KEY = 254, SKY_KEY = 255 };    /* alphas of pixels yet to be shaded
 
 typedef enum SubjectForm { SUBJECT_SKY, SUBJECT_PLANE, SUBJECT_BALL, SUBJECT_BOX, SUBJECT_CAPSULE, SUBJECT_CYLINDER } SubjectForm;
 
+/* Pixels in which a subject may show: columns [x0, x1), rows [y0, y1). */
+typedef struct SubjectRange { int x0, y0, x1, y1; } SubjectRange;
+
 /* Lengths in scene units, directions and places in the axes of the solid (the sky: the scene's) unless said otherwise. */
 typedef struct Subject {
     SubjectForm form;
@@ -27,6 +30,7 @@ typedef struct Subject {
     float direct[3], sky[3];            /* planes: light of the open sun and of the open sky                  */
     float lamp[FRAME_LAMPS][3];
     uint32_t key[SIDES];                /* of each side, in place                                             */
+    SubjectRange range;                 /* set by whom casts rays at it                                       */
 } Subject;
 
 /* Whether an item is of a form that block.h knows, and nothing is seen through it. */
@@ -35,8 +39,7 @@ bool subject_can(const DrawItem *d);
 void subject_set(Subject *s, const Frame *f, const DrawItem *d, int width, int height);
 void subject_set_sky(Subject *s, const Frame *f, int width, int height);
 
-/* Pixels in which a subject may show: columns [x0, x1), rows [y0, y1). */
-typedef struct SubjectRange { int x0, y0, x1, y1; } SubjectRange;
+/* Where it may show, nothing nearer than `near` being seen. */
 SubjectRange subject_range(const Subject *s, const Frame *f, const DrawItem *d, real near, int width, int height);
 
 #endif
