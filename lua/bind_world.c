@@ -133,6 +133,33 @@ static int world_step(lua_State *L)
     return 1;
 }
 
+/* core.steps(world, n, poll, warnings): up to n frame steps between which nobody looks; poll is called before each. Another number of
+ * entries in world:warnings() ends it. -> how many were taken, that number */
+static int world_steps_many(lua_State *L)
+{
+    WorldRef *ref = bind_check_world(L, 1);
+    lua_Integer n = luaL_checkinteger(L, 2), warnings = luaL_checkinteger(L, 4), done = 0;
+    lua_settop(L, 3);
+    while (done < n) {
+        lua_pushvalue(L, 3);
+        lua_call(L, 0, 0);
+        dig_status s = dig_world_step(ref->w);
+        bind_own_check(L, ref);
+        if (s != DIG_OK)
+            return bind_fail(L, ref->w, s);
+        bind_settle(L, ref);
+        done++;
+        lua_Integer now = dig_warnings(ref->w, NULL, 0);
+        if (now != warnings) {
+            warnings = now;
+            break;
+        }
+    }
+    lua_pushinteger(L, done);
+    lua_pushinteger(L, warnings);
+    return 2;
+}
+
 /* core.cpu_seconds() -> s of CPU time of this process, all threads. Scripts cannot reach it: they see simulated time alone. */
 static int cpu_seconds(lua_State *L)
 {
@@ -531,7 +558,7 @@ static const luaL_Reg snapshot_methods[] = {{NULL, NULL}};
 static const luaL_Reg snapshot_meta[] = {{"__gc", snapshot_gc}, {"__tostring", snapshot_tostring}, {NULL, NULL}};
 static const luaL_Reg functions[] = {
     {"world", world_open}, {"load", world_load}, {"state", world_state}, {"is_open", world_is_open},
-    {"step", world_step}, {"save", world_save}, {"noted", world_noted}, {"gone", world_gone}, {"restore", world_restore},
+    {"step", world_step}, {"steps", world_steps_many}, {"save", world_save}, {"noted", world_noted}, {"gone", world_gone}, {"restore", world_restore},
     {"close", world_close}, {"room", world_room}, {"room_open", world_room_open},
     {"material", world_material}, {"material_of", world_material_of}, {"material_pair", world_material_pair},
     {"cpu_seconds", cpu_seconds}, {NULL, NULL},

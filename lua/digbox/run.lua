@@ -173,6 +173,29 @@ local function past_end(world)
   return limit and world.time >= limit - 1e-9
 end
 
+-- How many of the next `count` steps may be taken in one go, because nothing is to be done or looked at between them. What a step of a
+-- small world costs is about what one turn of the loop here costs.
+local function together(world, state, count)
+  local options = core.options
+  if not core.steps or count < 2 or options.replay or options.trace or options.sim_limit or options.progress then return 0 end
+  if #state.films > 0 or state.past or #state.forces > 0 or #state.tasks > 0 or state.newborn or state.own then return 0 end
+  if state.mask | (state.log_mask or 0) ~= 0 or (state.before_first_step and world.steps == 0) then return 0 end
+  if not options.seconds then return count end
+  return math.min(count, math.max(0, (options.seconds - world.time) // world.frame - 1))        -- the last ones are counted exactly
+end
+
+-- Up to `count` steps, at least one -> how many
+local function advance_some(world, state, count)
+  local many = together(world, state, count)
+  if many < 2 then
+    advance(world, state)
+    return 1
+  end
+  local done, warnings = core.steps(world, math.tointeger(math.min(many, 1 << 30)), core.poll, state.warnings)
+  if warnings ~= state.warnings then core.watch(world, state, warnings) end
+  return done
+end
+
 core.declare("world:step", { "Takes frame steps.", takes = { { "n", "int 1 >=0", "how many", optional = true, default = 1 } } })
 
 -- world:step([n])
@@ -180,9 +203,9 @@ function methods.step(world, n)
   local state = core.forbid_in_handler(world, "world:step()")
   if n == nil then n = 1 end
   if math.type(n) ~= "integer" or n < 0 then core.fail("world:step wants a whole number of steps >= 0; got %s", tostring(n)) end
-  for _ = 1, n do
+  while n > 0 do
     if core.options.dry or past_end(world) then core.finish_early() end
-    advance(world, state)
+    n = n - advance_some(world, state, n)
   end
 end
 
@@ -217,8 +240,7 @@ function methods.run(world, what)
       stopped = true
       break
     end
-    advance(world, state)
-    done = done + 1
+    done = done + advance_some(world, state, f.stop_when and 1 or count - done)
     core.progress(world, finish)
   end
   core.clear_progress()
