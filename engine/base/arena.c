@@ -94,6 +94,16 @@ void *arena_zero(Arena *a, size_t bytes)
     return piece;
 }
 
+void arena_shrink(Arena *a, void *last, size_t bytes)
+{
+    ArenaChunk *c = a->current;
+    size_t first = (size_t)((unsigned char *)last - c->data), keep = first + (bytes ? round_up(bytes) : ARENA_ALIGN);
+    DIG_ASSERT(first < c->used && keep <= c->used);
+    poison(c->data + keep, c->used - keep);
+    a->live -= c->used - keep;
+    c->used = keep;
+}
+
 ArenaMark arena_mark(const Arena *a)
 {
     return (ArenaMark){a->current, a->current ? a->current->used : 0, a->live};

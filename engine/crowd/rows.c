@@ -11,7 +11,7 @@
 #define NEEDED_MANY 1e-2
 #define NEAR    0.01            /* of the size: points nearer than this act in any case           */
 
-typedef struct Chosen { int contact, a, b; uint8_t colour, points; bool acts, fixed, rubs, rolls; } Chosen;      /* a, b: Six */
+typedef struct Chosen { int contact; uint8_t colour, points; bool acts : 1, fixed : 1, rubs : 1, rolls : 1; } Chosen;
 
 /* One place for each kind of batch: fixed or not, colour, points. */
 #define KINDS (2 * (COLOURS + 1) * (MANIFOLD_POINTS + 1))
@@ -51,7 +51,8 @@ static int lowest(uint64_t taken) { return taken == UINT64_MAX ? COLOURS : __bui
 
 static void colour(Crowd *c, Chosen *x, uint64_t (*taken)[2])
 {
-    int a = x->a, b = x->b;
+    const GroupContact *t = &c->g->contacts[x->contact];
+    int a = crowd_index(c, t->a), b = crowd_index(c, t->b);
     x->fixed = a == c->bodies || b == c->bodies;
     uint64_t used = (a < c->bodies ? taken[a][x->fixed] : 0) | (b < c->bodies ? taken[b][x->fixed] : 0);
     int at = lowest(used);
@@ -100,7 +101,7 @@ static void choose_share(void *context, int thread, int threads)
             forget(t);
             continue;
         }
-        *x = (Chosen){.contact = i, .a = crowd_index(c, t->a), .b = crowd_index(c, t->b), .points = (uint8_t)t->manifold.count, .acts = true,
+        *x = (Chosen){.contact = i, .points = (uint8_t)t->manifold.count, .acts = true,
                       .rubs = q->friction > 0 && !g->decay_friction, .rolls = q->rolling > 0 && rolling_radius(q) > 0};
     }
 }
@@ -208,9 +209,9 @@ static void fill_roll(const Crowd *c, const Ends *e, const GroupPair *q, WideRol
         return;
     k = mat3_inverse(k);
     if (e->a < c->bodies)
-        put_matrix(r->sa, lane, c->frame[e->a].s);
+        put_matrix(r->sa, lane, body_axes(c, e->a));
     if (e->b < c->bodies)
-        put_matrix(r->sb, lane, c->frame[e->b].s);
+        put_matrix(r->sb, lane, body_axes(c, e->b));
     put(r->k, lane, k.r0);
     r->k[3][lane] = (float)k.r1.y;
     r->k[4][lane] = (float)k.r1.z;

@@ -94,6 +94,7 @@ typedef struct Solid {          /* one shape in a body, or of the world itself (
     Shape    shape;
     pose     at;                /* in the body frame (origin), or in the world         */
     vec3     centre;            /* m   centre of mass of the body in the shape's frame */
+    vec3     arm;               /* m   the shape's origin from there, in the body frame */
     Surface  surface;
     vec3     colour;
     real     blow;              /* m   of that, what a blow could add                  */
@@ -406,9 +407,11 @@ void       body_list(World *w, uint32_t slot);          /* into world->awake; th
 void       touches_wake(World *w, uint32_t slot);       /* all that touches the body */
 void       body_set_mass(Body *b, real mass);
 void       body_refit(World *w, uint32_t slot);         /* its solids' boxes in the tree */
+/* Where its body's centre of mass is, from the shape and from the body. */
+void       solid_place(Solid *s, vec3 centre);
 bool       bodies_may_touch(const World *w, const Solid *a, const Solid *b);
 real       body_energy(const World *w, const Body *b);  /* J, kinetic + potential */
-dig_status solid_add(World *w, uint32_t body, const Shape *shape, pose at, vec3 centre, const Surface *surface, vec3 colour, uint32_t *slot);
+dig_status solid_add(World *w, uint32_t body, const Shape *shape, pose at, const Surface *surface, vec3 colour, uint32_t *slot);
 void       solid_remove(World *w, uint32_t slot);
 Surface    surface_resolve(const World *w, const Surface *s);           /* no NaN left */
 void       surface_pair(const World *w, const Surface *a, const Surface *b, Pair *p);
