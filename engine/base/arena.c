@@ -54,8 +54,8 @@ static ArenaChunk *next_chunk(Arena *a, size_t size)
     ArenaChunk **link = a->current ? &a->current->next : &a->first;
     ArenaChunk *c = *link;
     if (!c || c->size < size) {
-        size_t doubled = a->held > ARENA_FIRST ? a->held : ARENA_FIRST;
-        c = chunk_open(a, size > doubled ? size : doubled);
+        size_t more = a->held / 4 > ARENA_FIRST ? a->held / 4 : ARENA_FIRST;
+        c = chunk_open(a, size > more ? size : more);
         if (!c)
             return NULL;
         c->next = *link;
@@ -131,7 +131,7 @@ void arena_reset(Arena *a)
     arena_rewind(a, (ArenaMark){0});
     if (!a->first || !a->first->next)
         return;
-    size_t size = round_up(a->high + a->high / 8);      /* not all that is held: chunks double as they are added */
+    size_t size = round_up(a->high + a->high / 16 + ARENA_FIRST / 8);      /* not all that is held: chunks end where pieces do not fit */
     if (size > a->held)
         size = a->held;
     chunks_close(a);

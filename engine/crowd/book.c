@@ -83,7 +83,7 @@ static void book_friction(GroupContact *t, const Batch *b, int lane, real h, rea
 {
     vec3 n = t->manifold.normal, u, v, middle = vec3_zero();
     int count = t->manifold.count;
-    real spread = 0, twist = (real)b->patch->jw[lane];
+    real spread = 0, twist = b->twist ? (real)b->twist->j[lane] : 0;
     vec3_basis(n, &u, &v);
     vec3 force = vec3_add(vec3_scale((real)b->patch->j[0][lane], u), vec3_scale((real)b->patch->j[1][lane], v));
     vec3 whole = vec3_add(vec3_scale((real)b->patch->sum[0][lane], u), vec3_scale((real)b->patch->sum[1][lane], v));

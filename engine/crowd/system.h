@@ -34,10 +34,13 @@ typedef struct WidePatch {      /* friction of one contact, at the middle of its
     wide step;                  /* kg   1 / its largest eigenvalue                             */
     wide drive[2];              /* m/s  of movers                                              */
     wide j[2], sum[2];          /* N s                                                         */
-    wide wa[3], wb[3], twist;   /*      about the normal                                       */
-    wide reach;                 /* m    mean distance of the points from the middle            */
-    wide jw;                    /* N m s                                                       */
 } WidePatch;
+
+typedef struct WideTwist {      /* friction about the normal, of contacts of several points; all but j by wide.c */
+    wide a[3], b[3], mass;
+    wide reach;                 /* m    mean distance of the points from the middle            */
+    wide j;                     /* N m s                                                       */
+} WideTwist;
 
 typedef struct WideRoll {       /* rolling resistance                                          */
     wide sa[9], sb[9];          /*      S of the bodies, row by row                            */
@@ -61,6 +64,7 @@ typedef struct Batch {          /* up to eight contacts that share no moving bod
     float deep;                 /* 1    deepest overlap, in changes that matter                 */
     WidePoint *point;
     WidePatch *patch;           /* NULL: no friction                                           */
+    WideTwist *twist;           /* NULL: one point each, or no friction                        */
     WideRoll  *roll;            /* NULL: no rolling resistance                                 */
 } Batch;
 

@@ -150,6 +150,7 @@ static dig_status list_still(Group *g, const uint32_t *pairs, int pair_count, in
     for (int i = 0; i < n; i++)
         if (i == 0 || still[i] != still[i - 1])
             still[unique++] = still[i];
+    arena_shrink(g->arena, still, (size_t)unique * sizeof *still);
     g->still = still;
     g->body_count += unique;
     return DIG_OK;

@@ -44,7 +44,7 @@ dig_status reserve_regraph(World *w, Step *s)
     DIG_TRY(list_reserve(&w->touches, w->touches.count + changed, &w->allocations));
     DIG_TRY(list_reserve(&w->free_touches, w->touches.capacity, &w->allocations));
     DIG_TRY(list_reserve(&w->brief, w->touches.capacity, &w->allocations));
-    DIG_TRY(map_reserve(&w->touch_map, w->touches.capacity));
+    DIG_TRY(index_reserve(&w->touch_index, w->touches.capacity));
     int events = w->pending.count + 4 * (changed + w->brief.count) + others;
     w->events_most = int_max(w->events_most, events);
     DIG_TRY(list_reserve(&w->pending, events, &w->allocations));

@@ -13,6 +13,7 @@
 #include "base/arena.h"
 #include "base/hash.h"
 #include "base/list.h"
+#include "base/index.h"
 #include "base/map.h"
 #include "geom/manifold.h"
 #include "geom/tree.h"
@@ -278,8 +279,8 @@ struct dig_world {
     LIST(dig_event) pending;            /* of calls since then                         */
     int      events_most;               /* for so many, steps of late have made room   */
 
-    Map      pair_map;                  /* (solid, solid, 0) -> pair                   */
-    Map      touch_map;                 /* (body, body, wall) -> touch                 */
+    Index    pair_index;                /* by (solid, solid, 0)                        */
+    Index    touch_index;               /* by (body, body, wall)                       */
     Tree     tree;
     Graph   *graph;                     /* the mechanical layer                        */
     Layer    layers[DIG_LAYERS];        /* the others; [0] is not used                 */
@@ -429,6 +430,8 @@ dig_status contact_widen(World *w, Contact *c);         /* room for all points; 
 void       contact_give(World *w, uint32_t slot);
 void       pair_sort(const World *w, Pair *p);           /* what its shapes make it: pieces, round */
 dig_status pair_add(World *w, uint32_t solid_a, uint32_t solid_b);
+bool       pair_find(const World *w, uint32_t solid_a, uint32_t solid_b, uint32_t *pair);         /* in any order */
+dig_status pair_enter(World *w, uint32_t pair);         /* into the index; it is not there yet */
 void       pair_attach(World *w, uint32_t pair);        /* into the lists of its solids */
 void       pair_remove(World *w, uint32_t pair);
 /* The one pair of two bodies that have one shape each, NONE when there is none. false: they have more, look through their lists. */
@@ -437,6 +440,7 @@ static inline uint32_t pair_side(const Pair *p, uint32_t solid) { return p->soli
 void       pairs_of_solid_remove(World *w, uint32_t solid);
 void       pairs_refresh_surfaces(World *w, uint32_t body);
 dig_status touch_find_or_add(World *w, uint32_t a, uint32_t b, uint8_t wall, uint32_t *slot);
+dig_status touch_enter(World *w, uint32_t touch);       /* into the index; it is not there yet */
 void       touch_remove(World *w, uint32_t slot);
 Touch     *touch_find(const World *w, uint32_t a, uint32_t b, uint8_t wall);
 
