@@ -235,7 +235,7 @@ static dig_status copy_pairs(const World *w, const Part *p)
     make_table(&to->pairs, &p->pairs, &to->free_pairs);
     make_table(&to->contacts, &p->contacts, &to->free_contacts);
     DIG_TRY(list_reserve(&to->near, p->pairs.count, NULL));
-    DIG_TRY(map_reserve(&to->pair_map, p->pairs.count));
+    DIG_TRY(index_reserve(&to->pair_index, p->pairs.count));
     for (int i = 0; i < p->contacts.count; i++) {
         Contact *c = &to->contacts.data[i];
         *c = w->contacts.data[p->contacts.data[i]];
@@ -256,7 +256,7 @@ static dig_status copy_pairs(const World *w, const Part *p)
         pair->body_b = to->solids.data[pair->solid_b].body;
         pair->contact = place(&p->contacts, pair->contact);
         pair_attach(to, (uint32_t)i);
-        DIG_TRY(map_put(&to->pair_map, (MapKey){pair->solid_a, pair->solid_b, 0}, (uint32_t)i));
+        DIG_TRY(pair_enter(to, (uint32_t)i));
         if (pair->listed)
             to->near.data[to->near.count++] = (uint32_t)i;
     }
@@ -268,14 +268,14 @@ static dig_status copy_touches(const World *w, const Part *p)
     World *to = p->world;
     make_table(&to->touches, &p->touches, &to->free_touches);
     DIG_TRY(list_reserve(&to->brief, to->touches.capacity, NULL));
-    DIG_TRY(map_reserve(&to->touch_map, p->touches.count));
+    DIG_TRY(index_reserve(&to->touch_index, p->touches.count));
     for (int i = 0; i < p->touches.count; i++) {
         Touch *t = &to->touches.data[i];
         *t = w->touches.data[p->touches.data[i]];
         t->body_a = place(&p->bodies, t->body_a);
         t->body_b = t->body_b == NONE ? NONE : place(&p->bodies, t->body_b);
         t->link = NONE;
-        DIG_TRY(map_put(&to->touch_map, (MapKey){t->body_a, t->body_b, t->wall}, (uint32_t)i));
+        DIG_TRY(touch_enter(to, (uint32_t)i));
         if (t->brief)
             to->brief.data[to->brief.count++] = (uint32_t)i;
     }

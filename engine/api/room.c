@@ -23,7 +23,7 @@ static dig_status add_wall(World *w, int i)
     char why[128];
     dig_status s = shape_make("plane", &plane, &shape, why, sizeof why);
     if (s == DIG_OK) {
-        s = solid_add(w, NONE, &shape, pose_identity(), vec3_zero(), &surface, (vec3){-1, -1, -1}, &w->room_solid[i]);
+        s = solid_add(w, NONE, &shape, pose_identity(), &surface, (vec3){-1, -1, -1}, &w->room_solid[i]);
         if (s != DIG_OK)
             shape_free(&shape);
         else

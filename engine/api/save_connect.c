@@ -219,9 +219,9 @@ static bool pair_is_sound(World *w, uint32_t slot)
     p->body_b = b->body;
     pair_sort(w, p);
     p->prev[0] = p->prev[1] = NONE;
-    MapKey key = {p->solid_a, p->solid_b, 0};
-    return a->body != b->body && (is_dynamic(w, a->body) || is_dynamic(w, b->body)) && p->pieces == many && !map_find(&w->pair_map, key, NULL)
-        && map_put(&w->pair_map, key, slot) == DIG_OK;
+    uint32_t other;
+    return a->body != b->body && (is_dynamic(w, a->body) || is_dynamic(w, b->body)) && p->pieces == many && !pair_find(w, p->solid_a, p->solid_b, &other)
+        && pair_enter(w, slot) == DIG_OK;
 }
 
 /* The list of a solid's pairs; fills prev. Only the first has none, so that no element is met twice. */
@@ -245,7 +245,7 @@ static int walk_pairs(World *w, uint32_t solid)
 static void connect_pairs(Pack *p, World *w)
 {
     int ends = 0;
-    if (map_reserve(&w->pair_map, w->pairs.count) != DIG_OK) {
+    if (index_reserve(&w->pair_index, w->pairs.count) != DIG_OK) {
         pack_fail_memory(p);
         return;
     }
@@ -271,14 +271,13 @@ static bool touch_is_sound(World *w, uint32_t slot)
         return false;
     if ((t->body_b == NONE) != (t->wall > 0) || (!is_dynamic(w, t->body_a) && !is_dynamic(w, t->body_b)))
         return false;
-    MapKey key = {t->body_a, t->body_b, t->wall};
-    return !map_find(&w->touch_map, key, NULL) && map_put(&w->touch_map, key, slot) == DIG_OK;
+    return !touch_find(w, t->body_a, t->body_b, t->wall) && touch_enter(w, slot) == DIG_OK;
 }
 
 /* Each touch has as many touching pairs as it says. */
 static void connect_touches(Pack *p, World *w, int *pairs)
 {
-    if (map_reserve(&w->touch_map, w->touches.count) != DIG_OK) {
+    if (index_reserve(&w->touch_index, w->touches.count) != DIG_OK) {
         pack_fail_memory(p);
         return;
     }

@@ -55,7 +55,7 @@ bool save_derive_mass(World *w, Body *b)
     b->outer = 0;
     for (uint32_t s = b->shape_first; s != NONE; s = w->solids.data[s].next) {
         Solid *solid = &w->solids.data[s];
-        solid->centre = pose_unpoint(solid->at, b->centre);
+        solid_place(solid, b->centre);
         b->outer = real_max(b->outer, vec3_length(vec3_sub(solid->at.p, b->centre)) + solid->shape.outer);
     }
     if (b->kind != DIG_DYNAMIC)

@@ -36,8 +36,8 @@ static dig_status copy_tables(World *to, const World *from)
     DIG_TRY(list_copy(&to->material_pairs, &from->material_pairs, n));
     DIG_TRY(list_copy(&to->events, &from->events, n));
     DIG_TRY(list_copy(&to->pending, &from->pending, n));
-    DIG_TRY(map_copy(&to->pair_map, &from->pair_map));
-    DIG_TRY(map_copy(&to->touch_map, &from->touch_map));
+    DIG_TRY(index_copy(&to->pair_index, &from->pair_index));
+    DIG_TRY(index_copy(&to->touch_index, &from->touch_index));
     DIG_TRY(tree_copy(&to->tree, &from->tree));
     for (int i = 0; i < DIG_LAYERS; i++)
         DIG_TRY(layer_copy(&to->layers[i], &from->layers[i], n));

@@ -54,8 +54,8 @@ static ArenaChunk *next_chunk(Arena *a, size_t size)
     ArenaChunk **link = a->current ? &a->current->next : &a->first;
     ArenaChunk *c = *link;
     if (!c || c->size < size) {
-        size_t doubled = a->held > ARENA_FIRST ? a->held : ARENA_FIRST;
-        c = chunk_open(a, size > doubled ? size : doubled);
+        size_t more = a->held / 4 > ARENA_FIRST ? a->held / 4 : ARENA_FIRST;
+        c = chunk_open(a, size > more ? size : more);
         if (!c)
             return NULL;
         c->next = *link;
@@ -94,6 +94,16 @@ void *arena_zero(Arena *a, size_t bytes)
     return piece;
 }
 
+void arena_shrink(Arena *a, void *last, size_t bytes)
+{
+    ArenaChunk *c = a->current;
+    size_t first = (size_t)((unsigned char *)last - c->data), keep = first + (bytes ? round_up(bytes) : ARENA_ALIGN);
+    DIG_ASSERT(first < c->used && keep <= c->used);
+    poison(c->data + keep, c->used - keep);
+    a->live -= c->used - keep;
+    c->used = keep;
+}
+
 ArenaMark arena_mark(const Arena *a)
 {
     return (ArenaMark){a->current, a->current ? a->current->used : 0, a->live};
@@ -121,7 +131,7 @@ void arena_reset(Arena *a)
     arena_rewind(a, (ArenaMark){0});
     if (!a->first || !a->first->next)
         return;
-    size_t size = round_up(a->high + a->high / 8);      /* not all that is held: chunks double as they are added */
+    size_t size = round_up(a->high + a->high / 16 + ARENA_FIRST / 8);      /* not all that is held: chunks end where pieces do not fit */
     if (size > a->held)
         size = a->held;
     chunks_close(a);

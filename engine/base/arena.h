@@ -36,6 +36,8 @@ typedef struct ArenaMark {
 void     *arena_alloc(Arena *a, size_t bytes);
 void     *arena_zero(Arena *a, size_t bytes);           /* the same, filled with 0 */
 
+/* The last piece taken keeps its first `bytes` only; what was taken before it is another matter, and stays as it is. */
+void      arena_shrink(Arena *a, void *last, size_t bytes);
 ArenaMark arena_mark(const Arena *a);
 void      arena_rewind(Arena *a, ArenaMark m);          /* gives back all taken since the mark; marks nest */
 void      arena_reset(Arena *a);                        /* gives back everything; invalidates marks */

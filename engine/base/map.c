@@ -6,8 +6,8 @@
 #define MAP_LARGEST (1u << 30)  /* entries of the table */
 
 /* Two rounds of the 64-bit finaliser of splitmix (Steele, Lea, Flood: Fast splittable pseudorandom number generators,
- * OOPSLA 2014; constants "mix13" of D. Stafford). Never 0. */
-static uint32_t hash_of(MapKey k)
+ * OOPSLA 2014; constants "mix13" of D. Stafford). */
+uint32_t map_hash(MapKey k)
 {
     uint64_t x = ((uint64_t)k.a << 32 | k.b) + 0x9E3779B97F4A7C15u;
     x = (x ^ x >> 30) * 0xBF58476D1CE4E5B9u;
@@ -15,7 +15,13 @@ static uint32_t hash_of(MapKey k)
     x = (x ^ x >> 31) + k.c;
     x = (x ^ x >> 30) * 0xBF58476D1CE4E5B9u;
     x = (x ^ x >> 27) * 0x94D049BB133111EBu;
-    uint32_t h = (uint32_t)(x >> 32);
+    return (uint32_t)(x >> 32);
+}
+
+/* Never 0. */
+static uint32_t hash_of(MapKey k)
+{
+    uint32_t h = map_hash(k);
     return h ? h : 1;
 }
 

@@ -22,6 +22,8 @@ static mat3 spin_root(const Member *m, quat q)
     return mat3_mul(quat_matrix(q), root_of(m->inv_inertia));
 }
 
+mat3 body_axes(const Crowd *c, int body) { return spin_root(&c->g->member[body], c->g->member[body].start_pos.q); }
+
 /* S^T I w = S^-1 w */
 static vec3 scaled_spin(const Member *m, quat q, const mat3 *s, vec3 w)
 {
@@ -44,14 +46,15 @@ static void open_body(Crowd *c, int i)
     *f = (Frame){.root = 0};
     if (!m->moves)
         return;
-    *f = (Frame){.s = spin_root(m, g->pos[i].q), .root = sqrt(g->mass[i].im)};
-    const mat3 *s = &f->s;
+    *f = (Frame){.root = sqrt(g->mass[i].im)};
+    mat3 axes = body_axes(c, i);
+    const mat3 *s = &axes;
     c->axes[0][i] = (Six){{(float)s->r0.x, (float)s->r1.x, (float)s->r2.x, (float)s->r0.y,
                            (float)s->r1.y, (float)s->r2.y, (float)s->r0.z, (float)s->r1.z}};
     c->axes[1][i] = (Six){{(float)s->r2.z, (float)f->root}};
-    c->vel[i] = six_of(vec3_scale(1 / f->root, g->vel[i].v), scaled_spin(m, g->pos[i].q, &f->s, g->vel[i].w));
+    c->vel[i] = six_of(vec3_scale(1 / f->root, g->vel[i].v), scaled_spin(m, g->pos[i].q, s, g->vel[i].w));
     c->last[i] = c->start[i] = c->vel[i];
-    vec3 torque = vec3_length2(m->torque) > 0 ? mat3_mul_vec(mat3_transpose(f->s), m->torque) : vec3_zero();
+    vec3 torque = vec3_length2(m->torque) > 0 ? mat3_mul_vec(mat3_transpose(*s), m->torque) : vec3_zero();
     c->push[i] = six_of(vec3_scale((real)c->h * f->root, m->force), vec3_scale((real)c->h, torque));
 }
 
@@ -69,16 +72,18 @@ dig_status bodies_open(Crowd *c)
     size_t n = (size_t)(c->bodies + threads);
     Six *six = arena_zero(g->arena, 7 * n * sizeof *six);
     c->frame = arena_alloc(g->arena, n * sizeof *c->frame);
-    c->moved = arena_alloc(g->arena, (size_t)g->body_count * sizeof *c->moved);
-    if (!six || !c->frame || !c->moved)
+    c->others_turn = arena_alloc(g->arena, (size_t)(g->body_count - c->bodies) * sizeof *c->others_turn);
+    if (!six || !c->frame || !c->others_turn)
         return DIG_E_MEMORY;
     c->vel = six;
     c->move = six + n;
-    c->last = six + 2 * n;
-    c->push = six + 3 * n;
-    c->start = six + 4 * n;
+    c->start = six + 2 * n;
+    c->last = six + 3 * n;
+    c->push = six + 4 * n;
     c->axes[0] = six + 5 * n;
     c->axes[1] = six + 6 * n;
+    c->turn = (mat3 *)(void *)c->last;
+    _Static_assert(sizeof *c->turn <= 4 * sizeof *six, "there is room for turns in the place of four of them");
     team_run(g->team, open_share, c);
     return DIG_OK;
 }
@@ -92,8 +97,6 @@ static vec3 change(const Six *now, const Six *before, int at)
 static vec3 momentum_of(const Member *m, quat q, vec3 w) { return quat_rotate(q, mat3_mul_vec(m->inertia, quat_unrotate(q, w))); }
 static vec3 spin_of(const Member *m, quat q, vec3 l) { return quat_rotate(q, mat3_mul_vec(m->inv_inertia, quat_unrotate(q, l))); }
 
-static const Moved stood = {.turn = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-
 /* By so much has the body turned since the start: in world axes. */
 static void turn_by(Crowd *c, int i, vec3 angle)
 {
@@ -101,7 +104,7 @@ static void turn_by(Crowd *c, int i, vec3 angle)
     quat q = quat_exp(angle);
     g->shift[i].w = angle;
     g->pos[i].q = quat_unit(quat_mul(q, g->pos[i].q));
-    c->moved[i] = (Moved){quat_matrix(q), g->member[i].start_pos.x, g->pos[i].x};
+    *turn_of(c, i) = quat_matrix(q);
 }
 
 /* The angular momentum stays. A body that turns far meanwhile does so with the spin that belongs to the middle of its turn. */
@@ -141,17 +144,16 @@ static void close_body(Crowd *c, int i)
     Group *g = c->g;
     const Frame *f = &c->frame[i];
     Member *m = &g->member[i];
-    if (!m->moves) {
-        c->moved[i] = stood;
+    if (!m->moves)
         return;
-    }
     m->constrained = f->held;
     vec3 angle;
     if (f->held) {
+        mat3 s = body_axes(c, i);
         g->vel[i].v = vec3_mad(g->vel[i].v, f->root, change(&c->vel[i], &c->start[i], 0));
-        g->vel[i].w = vec3_add(g->vel[i].w, mat3_mul_vec(f->s, change(&c->vel[i], &c->start[i], 3)));
+        g->vel[i].w = vec3_add(g->vel[i].w, mat3_mul_vec(s, change(&c->vel[i], &c->start[i], 3)));
         g->pos[i].x = vec3_mad(g->pos[i].x, f->root, (vec3){c->move[i].at[0], c->move[i].at[1], c->move[i].at[2]});
-        angle = mat3_mul_vec(f->s, (vec3){c->move[i].at[3], c->move[i].at[4], c->move[i].at[5]});
+        angle = mat3_mul_vec(s, (vec3){c->move[i].at[3], c->move[i].at[4], c->move[i].at[5]});
     } else {
         angle = fly(c, i);
     }
@@ -171,7 +173,6 @@ void bodies_close(Crowd *c)
     Group *g = c->g;
     team_run(g->team, close_share, c);
     for (int i = c->bodies; i < g->body_count; i++) {
-        c->moved[i] = stood;
         if (!g->member[i].kinematic)
             continue;
         g->pos[i].x = vec3_mad(g->pos[i].x, c->dt, g->vel[i].v);

@@ -2,25 +2,31 @@
 #include "crowd/system.h"
 
 /* The turn is exact: what turns for ever about one axis would move its points outward by half its square in every step. */
-static vec3 carried(const Moved *m, vec3 at) { return vec3_add(m->to, mat3_mul_vec(m->turn, vec3_sub(at, m->from))); }
+static vec3 carried(const Crowd *c, int body, vec3 at)
+{
+    const Member *m = &c->g->member[body];
+    if (!m->moves && !m->kinematic)
+        return at;
+    return vec3_add(c->g->pos[body].x, mat3_mul_vec(*turn_of(c, body), vec3_sub(at, m->start_pos.x)));
+}
 
 /* Points go with their bodies; the gap changes by what the row saw. */
 static void carry(const Crowd *crowd, GroupContact *c)
 {
     Group *g = crowd->g;
     GroupPair *q = &g->pairs[c->pair];
-    const Moved *a = &crowd->moved[c->a], *b = &crowd->moved[c->b];
     for (int k = 0; k < c->manifold.count; k++) {
         ManifoldPoint *p = &c->manifold.points[k];
-        p->a = carried(a, p->a);
-        p->b = carried(b, p->b);
+        p->a = carried(crowd, c->a, p->a);
+        p->b = carried(crowd, c->b, p->b);
         p->gap = vec3_dot(c->manifold.normal, vec3_sub(p->b, p->a));
     }
     if (c->manifold.count >= 3) {
         int side = g->member[c->a].moves && !(g->member[c->a].round && g->member[c->b].moves) ? c->a : c->b;
         if (!g->member[c->a].moves || !g->member[c->b].moves)
             side = g->member[c->a].moves ? c->b : c->a;
-        c->manifold.normal = vec3_unit(mat3_mul_vec((side == c->a ? a : b)->turn, c->manifold.normal));
+        if (g->member[side].moves || g->member[side].kinematic)
+            c->manifold.normal = vec3_unit(mat3_mul_vec(*turn_of(crowd, side), c->manifold.normal));
         if (q->contacts == 1)           /* others may be in other threads' hands */
             crowd_sign(g, q);
     }
@@ -77,7 +83,7 @@ static void book_friction(GroupContact *t, const Batch *b, int lane, real h, rea
 {
     vec3 n = t->manifold.normal, u, v, middle = vec3_zero();
     int count = t->manifold.count;
-    real spread = 0, twist = (real)b->patch->jw[lane];
+    real spread = 0, twist = b->twist ? (real)b->twist->j[lane] : 0;
     vec3_basis(n, &u, &v);
     vec3 force = vec3_add(vec3_scale((real)b->patch->j[0][lane], u), vec3_scale((real)b->patch->j[1][lane], v));
     vec3 whole = vec3_add(vec3_scale((real)b->patch->sum[0][lane], u), vec3_scale((real)b->patch->sum[1][lane], v));

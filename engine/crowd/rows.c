@@ -11,7 +11,7 @@
 #define NEEDED_MANY 1e-2
 #define NEAR    0.01            /* of the size: points nearer than this act in any case           */
 
-typedef struct Chosen { int contact, a, b; uint8_t colour, points; bool acts, fixed, rubs, rolls; } Chosen;      /* a, b: Six */
+typedef struct Chosen { int contact; uint8_t colour, points; bool acts : 1, fixed : 1, rubs : 1, rolls : 1; } Chosen;
 
 /* One place for each kind of batch: fixed or not, colour, points. */
 #define KINDS (2 * (COLOURS + 1) * (MANIFOLD_POINTS + 1))
@@ -51,7 +51,8 @@ static int lowest(uint64_t taken) { return taken == UINT64_MAX ? COLOURS : __bui
 
 static void colour(Crowd *c, Chosen *x, uint64_t (*taken)[2])
 {
-    int a = x->a, b = x->b;
+    const GroupContact *t = &c->g->contacts[x->contact];
+    int a = crowd_index(c, t->a), b = crowd_index(c, t->b);
     x->fixed = a == c->bodies || b == c->bodies;
     uint64_t used = (a < c->bodies ? taken[a][x->fixed] : 0) | (b < c->bodies ? taken[b][x->fixed] : 0);
     int at = lowest(used);
@@ -100,7 +101,7 @@ static void choose_share(void *context, int thread, int threads)
             forget(t);
             continue;
         }
-        *x = (Chosen){.contact = i, .a = crowd_index(c, t->a), .b = crowd_index(c, t->b), .points = (uint8_t)t->manifold.count, .acts = true,
+        *x = (Chosen){.contact = i, .points = (uint8_t)t->manifold.count, .acts = true,
                       .rubs = q->friction > 0 && !g->decay_friction, .rolls = q->rolling > 0 && rolling_radius(q) > 0};
     }
 }
@@ -171,7 +172,7 @@ static real twist_of(const GroupContact *c, vec3 middle)
     return vec3_dot(c->manifold.normal, torque);
 }
 
-static void fill_patch(const Crowd *c, const Ends *e, WidePatch *p, int lane)
+static void fill_patch(const Crowd *c, const Ends *e, WidePatch *p, WideTwist *turn, int lane)
 {
     const GroupManifold *m = &e->c->manifold;
     vec3 t, u, middle = vec3_zero(), force = vec3_zero();
@@ -185,7 +186,7 @@ static void fill_patch(const Crowd *c, const Ends *e, WidePatch *p, int lane)
     p->j[0][lane] = (float)vec3_dot(force, t) * c->h;
     p->j[1][lane] = (float)vec3_dot(force, u) * c->h;
     if (m->count > 1)
-        p->jw[lane] = (float)twist_of(e->c, middle) * c->h;
+        turn->j[lane] = (float)twist_of(e->c, middle) * c->h;
     if (e->driven) {
         vec3 v = driven_velocity(c->g, e, middle);
         p->drive[0][lane] = (float)vec3_dot(v, t);
@@ -208,9 +209,9 @@ static void fill_roll(const Crowd *c, const Ends *e, const GroupPair *q, WideRol
         return;
     k = mat3_inverse(k);
     if (e->a < c->bodies)
-        put_matrix(r->sa, lane, c->frame[e->a].s);
+        put_matrix(r->sa, lane, body_axes(c, e->a));
     if (e->b < c->bodies)
-        put_matrix(r->sb, lane, c->frame[e->b].s);
+        put_matrix(r->sb, lane, body_axes(c, e->b));
     put(r->k, lane, k.r0);
     r->k[3][lane] = (float)k.r1.y;
     r->k[4][lane] = (float)k.r1.z;
@@ -265,7 +266,7 @@ static void fill_lane(Crowd *c, Batch *b, int lane, int contact, int spare)
         b->deep = (float)real_max((real)b->deep, -t->manifold.points[k].gap / needed);
     }
     if (b->patch)
-        fill_patch(c, &e, b->patch, lane);
+        fill_patch(c, &e, b->patch, b->twist, lane);
     if (b->roll && q->rolling > 0 && rolling_radius(q) > 0)
         fill_roll(c, &e, q, b->roll, lane);
 }
@@ -289,8 +290,19 @@ static dig_status make_batch(Crowd *c, Batch *b, const Chosen *x, int count)
     *b = (Batch){.points = x->points, .fixed = x->fixed};
     b->point = room_for(c, (size_t)b->points * sizeof *b->point, &status);
     b->patch = rubs ? room_for(c, sizeof *b->patch, &status) : NULL;
+    b->twist = rubs && b->points > 1 ? room_for(c, sizeof *b->twist, &status) : NULL;
     b->roll = rolls ? room_for(c, sizeof *b->roll, &status) : NULL;
     return status;
+}
+
+/* How many of the sorted contacts, from number i on, are one batch. */
+static int lanes_from(const Rows *r, int i)
+{
+    const Chosen *x = &r->sorted[i];
+    int n = 1;
+    while (n < LANES && i + n < r->count && x->colour < COLOURS && x[n].colour == x->colour && x[n].fixed == x->fixed)
+        n++;
+    return n;
 }
 
 /* Contacts of one colour, those with most points first, eight by eight. */
@@ -298,14 +310,16 @@ static dig_status make_batches(Rows *r)
 {
     Crowd *c = r->c;
     const Chosen *x = r->sorted;
-    c->batch = arena_alloc(c->g->arena, (size_t)(r->count + 1) * sizeof *c->batch);
+    int batches = 0;
+    for (int i = 0; i < r->count; i += lanes_from(r, i))
+        batches++;
+    c->batch = arena_alloc(c->g->arena, (size_t)batches * sizeof *c->batch);
     c->phase = arena_alloc(c->g->arena, (2 * (COLOURS + 1) + 1) * sizeof *c->phase);
-    r->first = arena_alloc(c->g->arena, (size_t)(r->count + 1) * sizeof *r->first);
+    r->first = arena_alloc(c->g->arena, (size_t)(batches + 1) * sizeof *r->first);
     if (!c->batch || !c->phase || !r->first)
         return DIG_E_MEMORY;
     for (int i = 0, n; i < r->count; i += n) {
-        for (n = 1; n < LANES && i + n < r->count && x[i].colour < COLOURS && x[i + n].colour == x[i].colour && x[i + n].fixed == x[i].fixed;)
-            n++;
+        n = lanes_from(r, i);
         if (i == 0 || x[i - 1].colour != x[i].colour || x[i - 1].fixed != x[i].fixed)
             c->phase[c->phases++] = (Phase){.first = c->batches, .alone = x[i].colour == COLOURS};
         r->first[c->batches] = i;
@@ -323,6 +337,8 @@ static void fill_batch(Rows *r, int i, int spare)
     memset(b->point, 0, (size_t)b->points * sizeof *b->point);
     if (b->patch)
         memset(b->patch, 0, sizeof *b->patch);
+    if (b->twist)
+        memset(b->twist, 0, sizeof *b->twist);
     if (b->roll)
         memset(b->roll, 0, sizeof *b->roll);
     for (int k = 0; k < LANES; k++) {

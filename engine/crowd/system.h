@@ -34,10 +34,13 @@ typedef struct WidePatch {      /* friction of one contact, at the middle of its
     wide step;                  /* kg   1 / its largest eigenvalue                             */
     wide drive[2];              /* m/s  of movers                                              */
     wide j[2], sum[2];          /* N s                                                         */
-    wide wa[3], wb[3], twist;   /*      about the normal                                       */
-    wide reach;                 /* m    mean distance of the points from the middle            */
-    wide jw;                    /* N m s                                                       */
 } WidePatch;
+
+typedef struct WideTwist {      /* friction about the normal, of contacts of several points; all but j by wide.c */
+    wide a[3], b[3], mass;
+    wide reach;                 /* m    mean distance of the points from the middle            */
+    wide j;                     /* N m s                                                       */
+} WideTwist;
 
 typedef struct WideRoll {       /* rolling resistance                                          */
     wide sa[9], sb[9];          /*      S of the bodies, row by row                            */
@@ -61,6 +64,7 @@ typedef struct Batch {          /* up to eight contacts that share no moving bod
     float deep;                 /* 1    deepest overlap, in changes that matter                 */
     WidePoint *point;
     WidePatch *patch;           /* NULL: no friction                                           */
+    WideTwist *twist;           /* NULL: one point each, or no friction                        */
     WideRoll  *roll;            /* NULL: no rolling resistance                                 */
 } Batch;
 
@@ -70,7 +74,6 @@ typedef struct Soft {           /* how a pass corrects overlap                  
 } Soft;
 
 typedef struct Frame {          /* a moving body at the start of the step                      */
-    mat3 s;                     /* spin = s * scaled spin                                      */
     real root;                  /* 1/sqrt(kg)                                                  */
     bool held;                  /* some row acts on it                                         */
 } Frame;
@@ -81,7 +84,7 @@ static inline void fetch_body(const Group *g, int contact)
 {
     const GroupContact *t = &g->contacts[contact];
     fetch_soon(t->manifold.points, (size_t)t->room * sizeof(ContactPoint));
-    fetch_soon(&g->pairs[t->pair], offsetof(GroupPair, la));
+    fetch_soon(&g->pairs[t->pair], offsetof(GroupPair, cache));
 }
 
 /* Batches of one colour: no moving body is in two of them, unless they are done one after the other, alone. */
@@ -102,9 +105,6 @@ static inline int phase_end(Phase x, int thread, int threads)
     return x.first + (phase_shared(x) ? team_end(x.count, thread, threads) : x.count);
 }
 
-/* How what is fixed to a body went: at becomes to + turn (at - from). All zero, and no turn, for what stands still. */
-typedef struct Moved { mat3 turn; vec3 from, to; } Moved;
-
 typedef struct Crowd {
     Group *g;
     Team  *team;                /* g's                                                         */
@@ -114,10 +114,11 @@ typedef struct Crowd {
     int    bodies;              /* moving ones; a spare Six for each thread comes after them   */
     Frame *frame;
     Six   *vel, *move;          /* scaled velocity; scaled displacement since the start        */
-    Six   *last, *push;         /* velocity at the last substep's start; change by forces per substep */
     Six   *start;               /* velocity at the start of the step                           */
-    Six   *axes[2];             /* frames: columns of s, root                                  */
-    Moved *moved;               /* [body_count of g] since the start, at the end of the step   */
+    Six   *last, *push;         /* velocity at the last substep's start; change by forces per substep */
+    Six   *axes[2];             /* spin = s * scaled spin: columns of s, root                  */
+    mat3  *turn, *others_turn;  /* since the start, at the end of the step: of moving bodies, in the place of last, push and axes; of the
+                                 * group's others */
     Batch *batch; int batches;
     Phase *phase; int phases;
     Soft   soft[PASSES_MOST][2];    /* by how many passes there are; between moving bodies; against what does not move */
@@ -139,7 +140,9 @@ static inline vec3 crowd_velocity(const Group *g, int body, vec3 at)
 /* bodies.c */
 dig_status bodies_open(Crowd *c);       /* scaled, from the group's */
 void       bodies_close(Crowd *c);      /* and back */
+mat3       body_axes(const Crowd *c, int body);         /* s, of the pose at the start */
 static inline int crowd_index(const Crowd *c, int body) { return body < c->bodies && c->g->member[body].moves ? body : c->bodies; }
+static inline mat3 *turn_of(const Crowd *c, int body) { return body < c->bodies ? &c->turn[body] : &c->others_turn[body - c->bodies]; }
 /* rows.c: which contacts act, in batches */
 dig_status rows_open(Crowd *c);
 /* wide.c: the substeps. width: 0 = the widest this machine has, else 1 = without special instructions, 2 = AVX2 */

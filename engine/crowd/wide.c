@@ -123,7 +123,7 @@ INLINE wide inverse_of(wide x) { return all(1) / most(x, all(1e-30f)); }
 INLINE void prepare_patch(const Batch *x, const Axes *a, const Axes *b, const wide middle[2][3], wide linear)
 {
     WidePatch *f = x->patch;
-    wide u[3], minus[3] = {-x->n[0], -x->n[1], -x->n[2]};
+    wide u[3];
     cross(x->n, f->t, u);
     angular(a, b, f->t, middle[0], middle[1], f->ta, f->tb);
     angular(a, b, u, middle[0], middle[1], f->ua, f->ub);
@@ -134,9 +134,15 @@ INLINE void prepare_patch(const Batch *x, const Axes *a, const Axes *b, const wi
     f->ktu = -ktu;
     f->det = inverse_of(ktt * kuu - ktu * ktu);
     f->step = inverse_of(all(0.5f) * (ktt + kuu) + root(half * half + ktu * ktu));
-    scaled(a, minus, f->wa);
-    scaled(b, x->n, f->wb);
-    f->twist = inverse_of(dot(f->wa, f->wa) + dot(f->wb, f->wb));
+}
+
+INLINE void prepare_twist(const Batch *x, const Axes *a, const Axes *b)
+{
+    WideTwist *t = x->twist;
+    wide minus[3] = {-x->n[0], -x->n[1], -x->n[2]};
+    scaled(a, minus, t->a);
+    scaled(b, x->n, t->b);
+    t->mass = inverse_of(dot(t->a, t->a) + dot(t->b, t->b));
 }
 
 /* What is one vector a point becomes its Jacobian, and the middle of the points the place of friction. */
@@ -180,7 +186,10 @@ INLINE void prepare(const Crowd *c, Batch *x)
     }
     if (x->patch) {
         prepare_patch(x, &a, &b, (const wide(*)[3])middle, linear);
-        x->patch->reach = reach * inverse_of(count);
+    }
+    if (x->twist) {
+        prepare_twist(x, &a, &b);
+        x->twist->reach = reach * inverse_of(count);
     }
 }
 
@@ -252,11 +261,11 @@ INLINE void solve_friction(const Batch *x, Both *v, wide bound)
 
 INLINE void solve_twist(const Batch *x, Both *v, wide bound)
 {
-    WidePatch *f = x->patch;
-    wide rate = dot(f->wa, &v->a[3]) + dot(f->wb, &v->b[3]), top = bound * f->reach;
-    wide j = least(top, most(-top, f->jw - f->twist * rate)), p = j - f->jw;
-    f->jw = j;
-    push_angular(v, f->wa, f->wb, p);
+    WideTwist *t = x->twist;
+    wide rate = dot(t->a, &v->a[3]) + dot(t->b, &v->b[3]), top = bound * t->reach;
+    wide j = least(top, most(-top, t->j - t->mass * rate)), p = j - t->j;
+    t->j = j;
+    push_angular(v, t->a, t->b, p);
 }
 
 INLINE void push_roll(Both *v, const WideRoll *r, const wide p[3])
@@ -356,7 +365,7 @@ INLINE void solve_batch(const Crowd *c, const Batch *x, Care *k)
         before[1] = x->patch->j[1];
     }
     if (x->patch) {
-        if (x->points > 1)
+        if (x->twist)
             solve_twist(x, &v, load * x->friction);
         solve_friction(x, &v, load * x->friction);
     }
@@ -449,8 +458,9 @@ INLINE void warm_batch(const Crowd *c, const Batch *x)
         push_linear(x, &v, u, f->j[1]);
         push_angular(&v, f->ta, f->tb, f->j[0]);
         push_angular(&v, f->ua, f->ub, f->j[1]);
-        push_angular(&v, f->wa, f->wb, f->jw);
     }
+    if (x->twist)
+        push_angular(&v, x->twist->a, x->twist->b, x->twist->j);
     if (x->roll)
         push_roll(&v, x->roll, x->roll->j);
     scatter(c->vel, x->a, v.a);

@@ -72,8 +72,9 @@ static void follow_curve(Group *g, GroupPair *q, PointRow *r, real gap)
     if (far < 1e-5 * q->size)
         return;
     Pos a = half_way(g, r->a), b = half_way(g, r->b);
-    pose pa = {vec3_add(a.x, quat_rotate(a.q, q->la.p)), quat_mul(a.q, q->la.q)};
-    pose pb = {vec3_add(b.x, quat_rotate(b.q, q->lb.p)), quat_mul(b.q, q->lb.q)};
+    pose la = pair_local(q, false), lb = pair_local(q, true);
+    pose pa = {vec3_add(a.x, quat_rotate(a.q, la.p)), quat_mul(a.q, la.q)};
+    pose pb = {vec3_add(b.x, quat_rotate(b.q, lb.p)), quat_mul(b.q, lb.q)};
     Manifold m = {.count = 0};
     uint32_t piece;
     ManifoldCache cache = q->cache;

@@ -150,6 +150,7 @@ static dig_status list_still(Group *g, const uint32_t *pairs, int pair_count, in
     for (int i = 0; i < n; i++)
         if (i == 0 || still[i] != still[i - 1])
             still[unique++] = still[i];
+    arena_shrink(g->arena, still, (size_t)unique * sizeof *still);
     g->still = still;
     g->body_count += unique;
     return DIG_OK;
@@ -225,10 +226,10 @@ static void gather_pair(Group *g, GroupPair *q, const Near *n)
     q->slot = n->slot;
     q->a = n->a;
     q->b = n->b;
+    q->on_a = a;
+    q->on_b = b;
     q->sa = &a->shape;
     q->sb = &b->shape;
-    q->la = (pose){vec3_sub(a->at.p, g->member[q->a].centre), a->at.q};
-    q->lb = (pose){vec3_sub(b->at.p, g->member[q->b].centre), b->at.q};
     q->cache = p->cache;
     q->covered = (Covered){0, 0};
     q->reach = 0;
@@ -243,9 +244,8 @@ static void gather_pair(Group *g, GroupPair *q, const Near *n)
     q->was_touching = p->touching;
     q->both_moved = g->member[q->a].moved && g->member[q->b].moved;
     q->struck = false;
-    q->strike = 0;
+    q->strike_first = q->strike = 0;
     q->approach = q->struck_time = q->struck_speed = q->struck_impulse = 0;
-    q->struck_point = q->struck_normal = vec3_zero();
 }
 
 /* Only what there is. Points beyond the count stay unwritten. */
@@ -371,8 +371,8 @@ static void gather_near(void *context, int thread, int threads)
 static dig_status gather_pairs(Group *g, const uint32_t *pairs, int pair_count)
 {
     Nearby n = {.g = g, .pairs = pairs, .count = pair_count};
-    n.near = arena_alloc(g->arena, (size_t)pair_count * sizeof *n.near);
     n.span = arena_alloc(g->arena, (size_t)g->body_count * sizeof *n.span);
+    n.near = arena_alloc(g->arena, (size_t)pair_count * sizeof *n.near);
     if (!n.near || !n.span)
         return DIG_E_MEMORY;
     if (g->crowd)
@@ -388,6 +388,7 @@ static dig_status gather_pairs(Group *g, const uint32_t *pairs, int pair_count)
             g->contact_count += near->contacts;
             g->place_count += places;
         }
+    arena_shrink(g->arena, n.near, (size_t)g->pair_count * sizeof *n.near);
     g->pairs = arena_alloc(g->arena, (size_t)g->pair_count * sizeof *g->pairs);
     g->contacts = arena_alloc(g->arena, (size_t)g->contact_count * sizeof *g->contacts);
     g->places = arena_alloc(g->arena, (size_t)g->place_count * sizeof *g->places);

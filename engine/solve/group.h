@@ -132,7 +132,7 @@ typedef struct GroupPair {
     uint32_t slot;              /* world pair                       */
     int      a, b;              /* local bodies                     */
     int      contact, contacts; /* range of the group's contacts    */
-    int      strike;            /* its last entry of strikes + 1; 0 = none  */
+    int      strike_first, strike;      /* its first and last entry of strikes + 1; 0 = none */
     bool     struck;            /* an impact happened in this step  */
     bool     meets;             /* in this substep, whatever it looks like at its start */
     bool     fresh;             /* the manifold must be made anew  */
@@ -140,15 +140,15 @@ typedef struct GroupPair {
     bool     touching;          /* of this one, by group_judge     */
     bool     both_moved;        /* neither was at rest before      */
     Covered  covered;           /* faces that joints hold to the next piece of the same thing */
-    const Shape *sa, *sb;
+    const Solid *on_a, *on_b;   /* the world's                     */
+    const Shape *sa, *sb;       /* theirs                          */
     real     approach;          /* m/s  fastest approach seen by the rows */
     real     friction, friction_dynamic, rolling, restitution;
     real     size;              /* m   of the smaller solid: scale of tolerances */
     real     reach;             /* m   so far ahead its contact looks  */
     real     until;             /* m   see Pair; < 0 but in a crowd    */
-    pose     la, lb;            /* shape in its body, about the centre of mass */
     ManifoldCache cache;
-    real     struck_time, struck_speed, struck_impulse;  vec3 struck_point, struck_normal;
+    real     struck_time, struck_speed, struck_impulse;
 } GroupPair;
 
 typedef struct GroupJoint {
@@ -274,6 +274,12 @@ dig_status group_gather(Group *g, const World *w, const uint32_t *leads, int dig
 dig_status group_judge(Group *g, real dt);              /* at the end of the step: who touches */
 void       group_commit_records(World *w, Group *g);    /* of contacts; one group at a time */
 void       group_commit(World *w, const Group *g);      /* then what is in them: groups at once */
+/* A shape of a pair in its body, about the centre of mass. */
+static inline pose pair_local(const GroupPair *q, bool b)
+{
+    const Solid *s = b ? q->on_b : q->on_a;
+    return (pose){s->arm, s->at.q};
+}
 /* Pose of a pair's shape a or b from the present positions. */
 static inline pose group_shape_pose(const Group *g, int body, pose local)
 {

@@ -172,8 +172,6 @@ void strike_report(Group *g, const PointRow *r, real speed)
         q->struck = true;
         q->struck_time = g->t;
         q->struck_speed = speed;
-        q->struck_point = p->a;
-        q->struck_normal = c->manifold.normal;
     }
     q->struck_speed = real_max(q->struck_speed, speed);
     q->struck_impulse += r->jn;
@@ -185,6 +183,7 @@ void strike_report(Group *g, const PointRow *r, real speed)
     } else if (g->strike_count < g->strike_capacity) {
         g->strikes[g->strike_count++] = (Strike){g->t, c->pair, speed, r->jn, p->a, c->manifold.normal};
         q->strike = g->strike_count;
+        q->strike_first = q->strike_first > 0 ? q->strike_first : q->strike;
     }
 }
 

@@ -49,7 +49,7 @@ static vec3 velocity_at(const Motion *m, vec3 at, real t)
 
 static real locate_apart(const Group *g, const GroupPair *q)
 {
-    Motion a = shape_motion(g, q->a, q->la), b = shape_motion(g, q->b, q->lb);
+    Motion a = shape_motion(g, q->a, pair_local(q, false)), b = shape_motion(g, q->b, pair_local(q, true));
     if (cannot_meet(g, q, &a, &b))
         return INFINITY;
     real t = time_of_impact(q->sa, &a, q->sb, &b, 0.25 * g->touch * q->size, g->h, NULL);
@@ -69,7 +69,7 @@ static real locate_apart(const Group *g, const GroupPair *q)
 static real locate_points(const Group *g, const GroupPair *q, real tolerance)
 {
     real first = INFINITY;
-    Motion a = shape_motion(g, q->a, q->la), b = shape_motion(g, q->b, q->lb);
+    Motion a = shape_motion(g, q->a, pair_local(q, false)), b = shape_motion(g, q->b, pair_local(q, true));
     for (int i = q->contact; i < q->contact + q->contacts; i++) {
         const GroupContact *c = &g->contacts[i];
         for (int k = 0; c->live && k < c->manifold.count; k++) {
@@ -123,7 +123,7 @@ bool overshoots(const Group *g)
         const GroupContact *c = &g->contacts[q->contact];
         if (q->contacts != 1 || !c->live || (!g->member[q->a].moves && !g->member[q->b].moves))
             continue;
-        Motion a = shape_motion(g, q->a, q->la), b = shape_motion(g, q->b, q->lb);
+        Motion a = shape_motion(g, q->a, pair_local(q, false)), b = shape_motion(g, q->b, pair_local(q, true));
         real most = SINK_MOST * q->size;
         real travel = g->h * (vec3_length(vec3_sub(b.v, a.v)) + vec3_length(vec3_sub(b.a, a.a)) * g->h);
         travel += isfinite(q->sa->outer) ? g->h * vec3_length(a.w) * g->member[q->a].outer : 0;

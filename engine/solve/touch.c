@@ -130,7 +130,7 @@ static vec3 centre_of(const Group *g, int body, vec3 local)
 /* Two balls, which most of a large crowd are: as manifold_collide finds it. */
 static real touch_balls(const Group *g, GroupPair *q, GroupContact *c, real reach)
 {
-    vec3 a = centre_of(g, q->a, q->la.p), b = centre_of(g, q->b, q->lb.p), d = vec3_sub(b, a);
+    vec3 a = centre_of(g, q->a, q->on_a->arm), b = centre_of(g, q->b, q->on_b->arm), d = vec3_sub(b, a);
     real length = vec3_length(d), gap = length - q->sa->round - q->sb->round;
     c->live = gap <= reach;
     if (!c->live) {
@@ -154,7 +154,7 @@ static real touch_convex(Group *g, GroupPair *q, real reach, real farther)
     q->reach = reach;
     if (is_ball(q->sa) && is_ball(q->sb))
         return touch_balls(g, q, &g->contacts[q->contact], reach);
-    pose pa = group_shape_pose(g, q->a, q->la), pb = group_shape_pose(g, q->b, q->lb);
+    pose pa = group_shape_pose(g, q->a, pair_local(q, false)), pb = group_shape_pose(g, q->b, pair_local(q, true));
     GroupContact *c = &g->contacts[q->contact];
     real room = vec3_length(vec3_sub(pb.p, pa.p)) - q->sa->outer - q->sb->outer;     /* infinite outer: never apart */
     bool apart = room > reach;
@@ -180,7 +180,7 @@ void group_touch_within(Group *g, GroupPair *q, real reach)
         touch_convex(g, q, reach, 0);
         return;
     }
-    pose pa = group_shape_pose(g, q->a, q->la), pb = group_shape_pose(g, q->b, q->lb);
+    pose pa = group_shape_pose(g, q->a, pair_local(q, false)), pb = group_shape_pose(g, q->b, pair_local(q, true));
     q->reach = reach;
     q->fresh = false;
     q->until = -1;

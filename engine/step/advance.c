@@ -236,8 +236,7 @@ static bool meets(void *context, uint32_t other)
     if (other == m->solid || !bodies_may_touch(w, &w->solids.data[m->solid], &w->solids.data[other]))
         return true;
     uint32_t pair = NONE;
-    MapKey key = {m->solid < other ? m->solid : other, m->solid < other ? other : m->solid, 0};
-    bool known = map_find(&w->pair_map, key, &pair);
+    bool known = pair_find(w, m->solid, other, &pair);
     m->missed = !known || !bsearch(&pair, m->g->pairs, (size_t)m->g->pair_count, sizeof *m->g->pairs, compare_slot);
     return !m->missed;
 }

@@ -44,7 +44,7 @@ dig_status reserve_regraph(World *w, Step *s)
     DIG_TRY(list_reserve(&w->touches, w->touches.count + changed, &w->allocations));
     DIG_TRY(list_reserve(&w->free_touches, w->touches.capacity, &w->allocations));
     DIG_TRY(list_reserve(&w->brief, w->touches.capacity, &w->allocations));
-    DIG_TRY(map_reserve(&w->touch_map, w->touches.capacity));
+    DIG_TRY(index_reserve(&w->touch_index, w->touches.capacity));
     int events = w->pending.count + 4 * (changed + w->brief.count) + others;
     w->events_most = int_max(w->events_most, events);
     DIG_TRY(list_reserve(&w->pending, events, &w->allocations));
@@ -85,7 +85,7 @@ static void end_link(World *w, Touch *t)
         e->link = DIG_LINK_CONTACT;
 }
 
-static void fill_event(dig_event *e, const GroupPair *q, uint8_t wall, real time, real speed, real impulse)
+static void fill_event(dig_event *e, const Group *g, const GroupPair *q, uint8_t wall, real time, real speed, real impulse)
 {
     if (!e)
         return;
@@ -93,8 +93,10 @@ static void fill_event(dig_event *e, const GroupPair *q, uint8_t wall, real time
     e->wall = wall;
     e->speed = speed;
     e->impulse = impulse;
-    e->point = q->struck_point;
-    e->normal = q->struck_normal;
+    if (q->strike_first > 0 && q->strike_first <= g->strike_count) {
+        e->point = g->strikes[q->strike_first - 1].point;
+        e->normal = g->strikes[q->strike_first - 1].normal;
+    }
 }
 
 static void strikes_of(World *w, Step *s, const Group *g, real start)
@@ -104,7 +106,7 @@ static void strikes_of(World *w, Step *s, const Group *g, real start)
         const GroupPair *q = &g->pairs[k->pair];
         const Pair *p = &w->pairs.data[q->slot];
         dig_event *e = event_post(w, DIG_EVENT_IMPACT, p->body_a, p->body_b);
-        fill_event(e, q, pair_wall(w, p), start + k->time, k->speed, k->impulse);
+        fill_event(e, g, q, pair_wall(w, p), start + k->time, k->speed, k->impulse);
         if (e) {
             e->point = k->point;
             e->normal = k->normal;
@@ -142,7 +144,7 @@ static void touch_pair(World *w, const Group *g, const GroupPair *q, real start)
         t->began = time + 1e-300;           /* > 0: has begun, even at t = 0 */
         t->speed = speed;
         t->impulse = q->struck_impulse;
-        fill_event(event_post(w, DIG_EVENT_CONTACT_BEGIN, p->body_a, p->body_b), q, wall, time, speed, q->struck_impulse);
+        fill_event(event_post(w, DIG_EVENT_CONTACT_BEGIN, p->body_a, p->body_b), g, q, wall, time, speed, q->struck_impulse);
     }
     if (t->pairs > 0) {
         begin_link(w, slot);

@@ -43,7 +43,7 @@ static bool suits(const Group *g)
             return false;
     for (int i = 0; i < g->pair_count; i++) {
         const GroupPair *q = &g->pairs[i];
-        bool a = is_ball(g, q->a, q->sa, q->la), b = is_ball(g, q->b, q->sb, q->lb);
+        bool a = is_ball(g, q->a, q->sa, pair_local(q, false)), b = is_ball(g, q->b, q->sb, pair_local(q, true));
         if (!(a && b) && !(a && is_wall(g, q->b, q->sb)) && !(b && is_wall(g, q->a, q->sa)))
             return false;
         if (q->friction > 0 || q->rolling > 0 || q->restitution < LIVELY || q->contacts != 1)
@@ -103,7 +103,7 @@ static void foresee(Billiard *b, int pair, real now)
         b->when[pair] = now + meet_ball(r, v, q->sa->outer + q->sb->outer);
         return;
     }
-    pose plane = group_shape_pose(g, wall_a ? q->a : q->b, wall_a ? q->la : q->lb);
+    pose plane = group_shape_pose(g, wall_a ? q->a : q->b, pair_local(q, !wall_a));
     vec3 x = place_of(b, ball, now), n, pa, pb;
     real gap = shape_distance(wall_a ? q->sa : q->sb, plane, s, (pose){x, quat_identity()}, INFINITY, &n, &pa, &pb);
     real rate = vec3_dot(n, velocity_of(b, ball, now)), acc = vec3_dot(n, b->fall);

@@ -149,13 +149,13 @@ static FeatureKind kind_of(const Place *a, const Place *b)
     return a->spot == SPOT_LINE ? LINE_POINT : b->spot == SPOT_LINE ? POINT_LINE : POINT_POINT;
 }
 
-static inline vec3 to_body(const GroupPair *q, bool b, vec3 local) { return pose_point(b ? q->lb : q->la, local); }
-static inline vec3 turn_to_body(const GroupPair *q, bool b, vec3 d) { return quat_rotate(b ? q->lb.q : q->la.q, d); }
+static inline vec3 to_body(const GroupPair *q, bool b, vec3 local) { return pose_point(pair_local(q, b), local); }
+static inline vec3 turn_to_body(const GroupPair *q, bool b, vec3 d) { return quat_rotate(pair_local(q, b).q, d); }
 
 void feature_sides(const Group *g, const GroupPair *q, vec3 normal, Sides *out)
 {
-    out->a = group_shape_pose(g, q->a, q->la);
-    out->b = group_shape_pose(g, q->b, q->lb);
+    out->a = group_shape_pose(g, q->a, pair_local(q, false));
+    out->b = group_shape_pose(g, q->b, pair_local(q, true));
     out->n = normal;
     out->out_a = quat_unrotate(out->a.q, normal);
     out->out_b = quat_unrotate(out->b.q, vec3_neg(normal));

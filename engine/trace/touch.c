@@ -59,7 +59,7 @@ static uint32_t rim_of(const GroupPair *q, const Sides *sides, const ManifoldPoi
     if (!feature_has_rim(out))
         return 0;
     bool on_b = out->kind == PLANE_RIM || out->kind == POINT_RIM;
-    vec3 centre = vec3_sub(on_b ? out->pb : out->pa, on_b ? q->lb.p : q->la.p), axis = on_b ? out->db : out->da;
+    vec3 centre = vec3_sub(on_b ? out->pb : out->pa, pair_local(q, on_b).p), axis = on_b ? out->db : out->da;
     return RIM | (on_b ? 2u : 0u) | (vec3_dot(centre, axis) > 0 ? 1u : 0u);
 }
 

@@ -35,12 +35,19 @@ static void solid_ask(World *w, uint32_t slot)
     w->asking.data[w->asking.count++] = slot;
 }
 
-dig_status solid_add(World *w, uint32_t body, const Shape *shape, pose at, vec3 centre, const Surface *surface, vec3 colour, uint32_t *slot)
+void solid_place(Solid *s, vec3 centre)
+{
+    s->centre = pose_unpoint(s->at, centre);
+    s->arm = vec3_sub(s->at.p, centre);
+}
+
+dig_status solid_add(World *w, uint32_t body, const Shape *shape, pose at, const Surface *surface, vec3 colour, uint32_t *slot)
 {
     DIG_TRY(world_slot(w, &w->solids, &w->free_solids, slot));
     Solid *s = &w->solids.data[*slot];
-    *s = (Solid){.alive = true, .body = body, .next = NONE, .shape = *shape, .at = at, .centre = centre, .surface = *surface,
-                 .colour = colour, .leaf = -1, .pair_first = NONE};
+    *s = (Solid){.alive = true, .body = body, .next = NONE, .shape = *shape, .at = at, .surface = *surface, .colour = colour,
+                 .leaf = -1, .pair_first = NONE};
+    solid_place(s, body == NONE ? vec3_zero() : w->bodies.data[body].centre);
     bool collides = body == NONE || w->bodies.data[body].collides;
     if (!isfinite(shape->outer)) {
         DIG_TRY(list_push(&w->unbounded, &w->allocations));
@@ -258,7 +265,7 @@ static dig_status attach_solids(World *w, uint32_t slot, const dig_body_def *def
         vec3 colour = def->shapes[i].colour.x >= 0 ? def->shapes[i].colour : def->colour;
         uint32_t solid;
         Shape kept = shape_keep(&shapes[i]);
-        dig_status s = solid_add(w, slot, &kept, at, pose_unpoint(at, b->centre), &surface, colour, &solid);
+        dig_status s = solid_add(w, slot, &kept, at, &surface, colour, &solid);
         if (s != DIG_OK) {
             shape_free(&kept);
             return world_fail(w, s, "%s: not enough memory", NEW_BODY_TEXT(b->name));

@@ -30,8 +30,8 @@ static dig_status check_pairs(const World *w)
         if (!w->solids.data[p->solid_a].alive || !w->solids.data[p->solid_b].alive || p->solid_a >= p->solid_b)
             return world_fail(w, DIG_E_ARG, "pair %d joins solids %u and %u, one of them gone", i, p->solid_a, p->solid_b);
         uint32_t found;
-        if (!map_find(&w->pair_map, (MapKey){p->solid_a, p->solid_b, 0}, &found) || found != (uint32_t)i)
-            return world_fail(w, DIG_E_ARG, "pair %d is not in the map", i);
+        if (!pair_find(w, p->solid_a, p->solid_b, &found) || found != (uint32_t)i)
+            return world_fail(w, DIG_E_ARG, "pair %d is not in the index", i);
         for (uint32_t c = p->contact; c != NONE; c = w->contacts.data[c].next)
             if (w->contacts.data[c].count > (w->contacts.data[c].more == NONE ? 1 : MANIFOLD_POINTS))
                 return world_fail(w, DIG_E_ARG, "pair %d has a contact of %d points without room for them", i, w->contacts.data[c].count);

@@ -65,6 +65,24 @@ static void link_out(World *w, uint32_t pair, uint32_t side, uint32_t solid)
         w->pairs.data[next / 2].prev[next % 2] = prev;
 }
 
+static bool is_pair(const void *world, uint32_t pair, MapKey key)
+{
+    const Pair *p = &((const World *)world)->pairs.data[pair];
+    return p->solid_a == key.a && p->solid_b == key.b;
+}
+
+bool pair_find(const World *w, uint32_t solid_a, uint32_t solid_b, uint32_t *pair)
+{
+    MapKey key = {solid_a < solid_b ? solid_a : solid_b, solid_a < solid_b ? solid_b : solid_a, 0};
+    return index_find(&w->pair_index, key, is_pair, w, pair);
+}
+
+dig_status pair_enter(World *w, uint32_t pair)
+{
+    const Pair *p = &w->pairs.data[pair];
+    return index_add(&w->pair_index, (MapKey){p->solid_a, p->solid_b, 0}, pair);
+}
+
 /* All that a new pair needs, or nothing. */
 static dig_status take_room(World *w, MapKey key, uint32_t *slot, uint32_t *contact, int want)
 {
@@ -77,7 +95,7 @@ static dig_status take_room(World *w, MapKey key, uint32_t *slot, uint32_t *cont
         got += status == DIG_OK;
     }
     if (status == DIG_OK)
-        status = map_put(&w->pair_map, key, *slot);
+        status = index_add(&w->pair_index, key, *slot);
     if (status == DIG_OK)
         return DIG_OK;
     while (got > 0)
@@ -95,7 +113,7 @@ dig_status pair_add(World *w, uint32_t solid_a, uint32_t solid_b)
     }
     MapKey key = {solid_a, solid_b, 0};
     uint32_t slot, found;
-    if (map_find(&w->pair_map, key, &found))
+    if (pair_find(w, solid_a, solid_b, &found))
         return DIG_OK;
     const Solid *a = &w->solids.data[solid_a], *b = &w->solids.data[solid_b];
     Pair pair = {.alive = true, .solid_a = solid_a, .solid_b = solid_b, .body_a = a->body, .body_b = b->body, .listed = true, .fresh = true, .until = -1};
@@ -133,7 +151,7 @@ bool pair_between(const World *w, uint32_t body_a, uint32_t body_b, uint32_t *pa
     if (a->shape_count != 1 || b->shape_count != 1)
         return false;
     uint32_t x = a->shape_first, y = b->shape_first;
-    if (!map_find(&w->pair_map, (MapKey){x < y ? x : y, x < y ? y : x, 0}, pair))
+    if (!pair_find(w, x, y, pair))
         *pair = NONE;
     return true;
 }
@@ -150,7 +168,7 @@ void pair_remove(World *w, uint32_t pair)
         leave_touch(w, p);
     link_out(w, pair, 0, p->solid_a);
     link_out(w, pair, 1, p->solid_b);
-    map_remove(&w->pair_map, (MapKey){p->solid_a, p->solid_b, 0});
+    index_remove(&w->pair_index, (MapKey){p->solid_a, p->solid_b, 0}, pair);
     p->alive = false;
     slot_give(w, &w->free_pairs, pair);
 }
@@ -170,6 +188,18 @@ void pairs_refresh_surfaces(World *w, uint32_t body)
         }
 }
 
+static bool is_touch(const void *world, uint32_t touch, MapKey key)
+{
+    const Touch *t = &((const World *)world)->touches.data[touch];
+    return t->body_a == key.a && t->body_b == key.b && t->wall == key.c;
+}
+
+dig_status touch_enter(World *w, uint32_t touch)
+{
+    const Touch *t = &w->touches.data[touch];
+    return index_add(&w->touch_index, (MapKey){t->body_a, t->body_b, t->wall}, touch);
+}
+
 dig_status touch_find_or_add(World *w, uint32_t a, uint32_t b, uint8_t wall, uint32_t *slot)
 {
     if (a > b) {            /* NONE, the world, is the largest: it stays second */
@@ -178,10 +208,10 @@ dig_status touch_find_or_add(World *w, uint32_t a, uint32_t b, uint8_t wall, uin
         b = t;
     }
     MapKey key = {a, b, wall};
-    if (map_find(&w->touch_map, key, slot))
+    if (index_find(&w->touch_index, key, is_touch, w, slot))
         return DIG_OK;
     DIG_TRY(world_slot(w, &w->touches, &w->free_touches, slot));
-    DIG_TRY(map_put(&w->touch_map, key, *slot));
+    DIG_TRY(index_add(&w->touch_index, key, *slot));
     w->touches.data[*slot] = (Touch){.alive = true, .body_a = a, .body_b = b, .wall = wall, .link = NONE};
     return DIG_OK;
 }
@@ -190,7 +220,7 @@ Touch *touch_find(const World *w, uint32_t a, uint32_t b, uint8_t wall)
 {
     uint32_t slot;
     MapKey key = {a < b ? a : b, a < b ? b : a, wall};
-    return map_find(&w->touch_map, key, &slot) ? &w->touches.data[slot] : NULL;
+    return index_find(&w->touch_index, key, is_touch, w, &slot) ? &w->touches.data[slot] : NULL;
 }
 
 /* Its slot may be another touch's before the next regraph: it leaves the list of those that are over, too. */
@@ -202,7 +232,7 @@ void touch_remove(World *w, uint32_t slot)
         if (w->brief.data[i] != slot)
             w->brief.data[n++] = w->brief.data[i];
     w->brief.count = t->brief ? n : w->brief.count;
-    map_remove(&w->touch_map, (MapKey){t->body_a, t->body_b, t->wall});
+    index_remove(&w->touch_index, (MapKey){t->body_a, t->body_b, t->wall}, slot);
     t->alive = false;
     slot_give(w, &w->free_touches, slot);
 }

@@ -110,8 +110,8 @@ void world_close(World *w)
     list_close(&w->material_pairs);
     list_close(&w->events);
     list_close(&w->pending);
-    map_close(&w->pair_map);
-    map_close(&w->touch_map);
+    index_close(&w->pair_index);
+    index_close(&w->touch_index);
     tree_close(&w->tree);
     graph_close(w->graph);
     for (int i = 0; i < DIG_LAYERS; i++)
@@ -128,7 +128,7 @@ size_t world_bytes(const World *w)
     bytes += list_bytes(&w->more) + list_bytes(&w->touches) + list_bytes(&w->joints) + list_bytes(&w->pushes) + list_bytes(&w->events)
         + list_bytes(&w->pending);
     bytes += list_bytes(&w->materials) + list_bytes(&w->material_pairs);
-    bytes += map_bytes(&w->pair_map) + map_bytes(&w->touch_map) + (size_t)w->tree.capacity * sizeof(TreeNode);
+    bytes += index_bytes(&w->pair_index) + index_bytes(&w->touch_index) + (size_t)w->tree.capacity * sizeof(TreeNode);
     bytes += list_bytes(&w->near) + graph_bytes(w->graph) + arena_bytes(&w->scratch) + w->note_size;
     for (int i = 0; i < w->solids.count; i++)
         if (w->solids.data[i].alive)

@@ -13,6 +13,7 @@
 #include "base/arena.h"
 #include "base/hash.h"
 #include "base/list.h"
+#include "base/index.h"
 #include "base/map.h"
 #include "geom/manifold.h"
 #include "geom/tree.h"
@@ -94,6 +95,7 @@ typedef struct Solid {          /* one shape in a body, or of the world itself (
     Shape    shape;
     pose     at;                /* in the body frame (origin), or in the world         */
     vec3     centre;            /* m   centre of mass of the body in the shape's frame */
+    vec3     arm;               /* m   the shape's origin from there, in the body frame */
     Surface  surface;
     vec3     colour;
     real     blow;              /* m   of that, what a blow could add                  */
@@ -277,8 +279,8 @@ struct dig_world {
     LIST(dig_event) pending;            /* of calls since then                         */
     int      events_most;               /* for so many, steps of late have made room   */
 
-    Map      pair_map;                  /* (solid, solid, 0) -> pair                   */
-    Map      touch_map;                 /* (body, body, wall) -> touch                 */
+    Index    pair_index;                /* by (solid, solid, 0)                        */
+    Index    touch_index;               /* by (body, body, wall)                       */
     Tree     tree;
     Graph   *graph;                     /* the mechanical layer                        */
     Layer    layers[DIG_LAYERS];        /* the others; [0] is not used                 */
@@ -409,9 +411,11 @@ void       body_list(World *w, uint32_t slot);          /* into world->awake; th
 void       touches_wake(World *w, uint32_t slot);       /* all that touches the body */
 void       body_set_mass(Body *b, real mass);
 void       body_refit(World *w, uint32_t slot);         /* its solids' boxes in the tree */
+/* Where its body's centre of mass is, from the shape and from the body. */
+void       solid_place(Solid *s, vec3 centre);
 bool       bodies_may_touch(const World *w, const Solid *a, const Solid *b);
 real       body_energy(const World *w, const Body *b);  /* J, kinetic + potential */
-dig_status solid_add(World *w, uint32_t body, const Shape *shape, pose at, vec3 centre, const Surface *surface, vec3 colour, uint32_t *slot);
+dig_status solid_add(World *w, uint32_t body, const Shape *shape, pose at, const Surface *surface, vec3 colour, uint32_t *slot);
 void       solid_remove(World *w, uint32_t slot);
 Surface    surface_resolve(const World *w, const Surface *s);           /* no NaN left */
 void       surface_pair(const World *w, const Surface *a, const Surface *b, Pair *p);
@@ -429,6 +433,8 @@ dig_status contact_widen(World *w, Contact *c);         /* room for all points; 
 void       contact_give(World *w, uint32_t slot);
 void       pair_sort(const World *w, Pair *p);           /* what its shapes make it: pieces, round */
 dig_status pair_add(World *w, uint32_t solid_a, uint32_t solid_b);
+bool       pair_find(const World *w, uint32_t solid_a, uint32_t solid_b, uint32_t *pair);         /* in any order */
+dig_status pair_enter(World *w, uint32_t pair);         /* into the index; it is not there yet */
 void       pair_attach(World *w, uint32_t pair);        /* into the lists of its solids */
 void       pair_remove(World *w, uint32_t pair);
 /* The one pair of two bodies that have one shape each, NONE when there is none. false: they have more, look through their lists. */
@@ -437,6 +443,7 @@ static inline uint32_t pair_side(const Pair *p, uint32_t solid) { return p->soli
 void       pairs_of_solid_remove(World *w, uint32_t solid);
 void       pairs_refresh_surfaces(World *w, uint32_t body);
 dig_status touch_find_or_add(World *w, uint32_t a, uint32_t b, uint8_t wall, uint32_t *slot);
+dig_status touch_enter(World *w, uint32_t touch);       /* into the index; it is not there yet */
 void       touch_remove(World *w, uint32_t slot);
 Touch     *touch_find(const World *w, uint32_t a, uint32_t b, uint8_t wall);
 
