@@ -3,12 +3,6 @@
 
 #include <stdlib.h>
 
-struct ArenaChunk {
-    ArenaChunk    *next;
-    unsigned char *data;        /* first aligned byte                  */
-    size_t         size, used;  /* bytes, multiples of ARENA_ALIGN     */
-};
-
 static size_t round_up(size_t bytes)
 {
     return (bytes + (ARENA_ALIGN - 1)) & ~(size_t)(ARENA_ALIGN - 1);
@@ -66,7 +60,7 @@ static ArenaChunk *next_chunk(Arena *a, size_t size)
     return c;
 }
 
-void *arena_alloc(Arena *a, size_t bytes)
+void *arena_grow(Arena *a, size_t bytes)
 {
     if (bytes > (size_t)PTRDIFF_MAX / 2)
         return NULL;

@@ -19,6 +19,12 @@
 
 typedef struct ArenaChunk ArenaChunk;
 
+struct ArenaChunk {
+    ArenaChunk    *next;
+    unsigned char *data;        /* first aligned byte                  */
+    size_t         size, used;  /* bytes, multiples of ARENA_ALIGN     */
+};
+
 typedef struct Arena {
     ArenaChunk *first, *current;        /* current NULL: nothing taken; chunks after it are kept for reuse */
     size_t   live;                      /* bytes taken now                         */
@@ -32,8 +38,29 @@ typedef struct ArenaMark {
     size_t      used, live;             /* bytes */
 } ArenaMark;
 
-/* bytes = 0 gives a valid piece too. NULL: out of memory; the arena is unchanged and usable. */
-void     *arena_alloc(Arena *a, size_t bytes);
+void     *arena_grow(Arena *a, size_t bytes);           /* arena_alloc where there is no room; or to be poisoned */
+
+/* bytes = 0 gives a valid piece too. NULL: out of memory; the arena is unchanged and usable. Inline: a step of a small world takes
+ * thirty pieces, which were a tenth of it. */
+static inline void *arena_alloc(Arena *a, size_t bytes)
+{
+    ArenaChunk *c = a->current;
+    size_t size = bytes ? (bytes + (ARENA_ALIGN - 1)) & ~(size_t)(ARENA_ALIGN - 1) : ARENA_ALIGN;
+#ifndef DIG_DEBUG
+    if (c && bytes <= c->size && size <= c->size - c->used) {
+        void *piece = c->data + c->used;
+        c->used += size;
+        a->live += size;
+        a->high = a->live > a->high ? a->live : a->high;
+        return piece;
+    }
+#else
+    (void)c;
+    (void)size;
+#endif
+    return arena_grow(a, bytes);
+}
+
 void     *arena_zero(Arena *a, size_t bytes);           /* the same, filled with 0 */
 
 /* The last piece taken keeps its first `bytes` only; what was taken before it is another matter, and stays as it is. */

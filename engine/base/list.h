@@ -23,8 +23,13 @@ typedef struct ListAny { void *data; int count, capacity; } ListAny;
 dig_status list_reserve_any(void **data, int *capacity, size_t item, int want, uint64_t *allocations);
 dig_status list_copy_any(void **to, int *to_count, int *to_capacity, const void *from, int count, size_t item, uint64_t *allocations);
 
+static inline dig_status list_room(void **data, int *capacity, size_t item, int want, uint64_t *allocations)
+{
+    return want <= *capacity ? DIG_OK : list_reserve_any(data, capacity, item, want, allocations);
+}
+
 #define list_reserve(list, want, allocations) \
-    list_reserve_any((void **)&(list)->data, &(list)->capacity, sizeof *(list)->data, (want), (allocations))
+    list_room((void **)&(list)->data, &(list)->capacity, sizeof *(list)->data, (want), (allocations))
 
 /* Adds one zeroed item at the end; its index is (list)->count - 1 afterwards. */
 #define list_push(list, allocations) \
