@@ -65,6 +65,9 @@ void     *arena_zero(Arena *a, size_t bytes);           /* the same, filled with
 
 /* The last piece taken keeps its first `bytes` only; what was taken before it is another matter, and stays as it is. */
 void      arena_shrink(Arena *a, void *last, size_t bytes);
+/* Where the next piece begins if it has room there; NULL: not known. */
+static inline void *arena_next(const Arena *a) { return a->current ? a->current->data + a->current->used : NULL; }
+
 ArenaMark arena_mark(const Arena *a);
 void      arena_rewind(Arena *a, ArenaMark m);          /* gives back all taken since the mark; marks nest */
 void      arena_reset(Arena *a);                        /* gives back everything; invalidates marks */

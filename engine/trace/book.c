@@ -1,13 +1,14 @@
 /* trace/book.c - storage of a tracer, and what the world wants to know: impulses, work, what points remember. */
 #include "trace/trace.h"
 
-/* Not cleared: everything is written before it is read. Clearing took a quarter of a pendulum's frame. */
-typedef struct Block { Arena *arena; bool full; } Block;
+/* One block for all, laid out where the next piece is expected, and again where it was not. Not cleared: everything is written before
+ * it is read. Clearing took a quarter of a pendulum's frame, and a block for each array a tenth. */
+typedef struct Block { unsigned char *data; size_t used; } Block;
 
 static inline void *take(Block *b, int count, size_t size)
 {
-    void *at = arena_alloc(b->arena, (size_t)(count + 1) * size);
-    b->full = b->full || !at;
+    void *at = b->data ? b->data + b->used : NULL;
+    b->used += ((size_t)(count + 1) * size + ARENA_ALIGN - 1) & ~(size_t)(ARENA_ALIGN - 1);
     return at;
 }
 #define TAKE(of, field, count) ((of)->field = take(b, count, sizeof *(of)->field))
@@ -127,11 +128,16 @@ dig_status trace_reserve(Tracer *t)
     t->touch_capacity = g->point_capacity = g->contact_count * MANIFOLD_POINTS;
     t->sys.capacity = int_min(g->plan->trace_rows, joints * 8 + t->touch_capacity * 6);
     g->strike_capacity = g->plan->events + g->pair_count;
-    Block b = {g->arena, false};
-    lay_out(t, &b);
     int *queue = arena_alloc(g->arena, (2 * (size_t)n + 4) * sizeof *queue);
-    if (b.full || !queue)
+    Block b = {arena_next(g->arena), 0};
+    lay_out(t, &b);
+    unsigned char *data = arena_alloc(g->arena, b.used);
+    if (!data || !queue)
         return DIG_E_MEMORY;
+    if (data != b.data) {
+        b = (Block){data, 0};
+        lay_out(t, &b);
+    }
     memset(queue, 0, (2 * (size_t)n + 4) * sizeof *queue);
     memset(t->joint_force, 0, (size_t)(joints * JOINT_SLOTS) * sizeof *t->joint_force);
     memset(t->row_count, 0, (size_t)joints * sizeof *t->row_count);
