@@ -149,13 +149,19 @@ static FeatureKind kind_of(const Place *a, const Place *b)
     return a->spot == SPOT_LINE ? LINE_POINT : b->spot == SPOT_LINE ? POINT_LINE : POINT_POINT;
 }
 
-static inline vec3 to_body(const GroupPair *q, bool b, vec3 local) { return pose_point(pair_local(q, b), local); }
-static inline vec3 turn_to_body(const GroupPair *q, bool b, vec3 d) { return quat_rotate(pair_local(q, b).q, d); }
+/* Few shapes are turned in their body. */
+static inline vec3 turn_to_body(const pose *at, vec3 d)
+{
+    return at->q.x != 0 || at->q.y != 0 || at->q.z != 0 ? quat_rotate(at->q, d) : d;
+}
+static inline vec3 to_body(const pose *at, vec3 local) { return vec3_add(at->p, turn_to_body(at, local)); }
 
 void feature_sides(const Group *g, const GroupPair *q, vec3 normal, Sides *out)
 {
-    out->a = group_shape_pose(g, q->a, pair_local(q, false));
-    out->b = group_shape_pose(g, q->b, pair_local(q, true));
+    out->la = pair_local(q, false);
+    out->lb = pair_local(q, true);
+    out->a = group_shape_pose(g, q->a, out->la);
+    out->b = group_shape_pose(g, q->b, out->lb);
     out->n = normal;
     out->out_a = quat_unrotate(out->a.q, normal);
     out->out_b = quat_unrotate(out->b.q, vec3_neg(normal));
@@ -178,10 +184,10 @@ void feature_find(const GroupPair *q, const Sides *s, const ManifoldPoint *p, Fe
             out->kind = LINE_POINT;
         }
     }
-    out->pa = to_body(q, false, a.p);
-    out->pb = to_body(q, true, b.p);
-    out->da = turn_to_body(q, false, a.d);
-    out->db = turn_to_body(q, true, b.d);
+    out->pa = to_body(&s->la, a.p);
+    out->pb = to_body(&s->lb, b.p);
+    out->da = turn_to_body(&s->la, a.d);
+    out->db = turn_to_body(&s->lb, b.d);
 }
 
 /* ---- moving ---- */

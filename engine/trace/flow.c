@@ -104,14 +104,17 @@ static void keep_row(const Tracer *t, int joint, const Row *r, Arrow *sum, real 
 {
     const Group *g = t->g;
     real force = t->joint_force[joint * JOINT_SLOTS + r->slot];
-    for (int m = 0; m < r->count && force != 0; m++) {
+    int a = g->joints[joint].a, count = force != 0 ? r->count : 0;
+    for (int m = 0; m < count; m++) {
         int b = r->body[m];
-        if (b >= 0 && g->member[b].kinematic)
-            *gained -= force * (vec3_dot(r->lin[m], g->vel[b].v) + vec3_dot(r->ang[m], g->vel[b].w));
-        if (b < 0 || b != g->joints[joint].a)
+        if (b < 0)
             continue;
-        sum->lin = vec3_mad(sum->lin, force, r->lin[m]);
-        sum->ang = vec3_mad(sum->ang, force, r->ang[m]);
+        if (b == a) {
+            sum->lin = vec3_mad(sum->lin, force, r->lin[m]);
+            sum->ang = vec3_mad(sum->ang, force, r->ang[m]);
+        }
+        if (g->member[b].kinematic)
+            *gained -= force * (vec3_dot(r->lin[m], g->vel[b].v) + vec3_dot(r->ang[m], g->vel[b].w));
     }
     if (r->kind == ROW_HARD || r->kind == ROW_LIMIT)
         return;

@@ -257,13 +257,16 @@ static bool hold_slow_slips(Tracer *t, real h, bool aim)
         return false;
     if (aim && !aim_slips(t))
         return false;
+    bool released = false;
     for (int i = 0; i < t->touch_count && !aim; i++) {
         Touching *c = &t->touch[i];
         real press = c->slip.moving * c->gate.force;
-        if (c->slip.locked && fabs(c->slip.lateral) > 1e-6 * press && vec3_length(c->slip.u) * fabs(c->slip.lateral) > t->tolerance * t->pace * press)
+        if (c->slip.locked && fabs(c->slip.lateral) > 1e-6 * press && vec3_length(c->slip.u) * fabs(c->slip.lateral) > t->tolerance * t->pace * press) {
             c->slip.locked = false;
+            released = true;
+        }
     }
-    if (!aim && !trace_accelerate(t))
+    if (released && !trace_accelerate(t))
         return false;
     trace_keep(t, 0);
     return true;

@@ -38,8 +38,9 @@ typedef struct Kinematics {     /* of a contact, world axes */
     real gap, rate;             /* m, m/s                                                       */
 } Kinematics;
 
-/* What all points of a manifold share: where the two shapes are, its normal, and the same in either's frame, outward. */
-typedef struct Sides { pose a, b; vec3 n, out_a, out_b; } Sides;
+/* What all points of a manifold share: where the two shapes are, in the world and in their bodies, its normal, and the same in either's
+ * frame, outward. */
+typedef struct Sides { pose a, b, la, lb; vec3 n, out_a, out_b; } Sides;
 
 void feature_sides(const Group *g, const GroupPair *q, vec3 normal, Sides *out);
 /* What touches at a manifold's point of two shapes of known kind. */
