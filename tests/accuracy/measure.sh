@@ -5,7 +5,8 @@
 #
 # All engines run one scene before the next one begins, so that they meet the same state of the machine. The rows of
 # each scene and engine are kept in build/accuracy/rows/, and all together make build/accuracy/results.csv: a run of
-# one scene replaces its rows only. LIMIT is what an engine may take for a scene, TOTAL for everything, in seconds.
+# one scene replaces its rows only. LIMIT is what an engine may take for the settings of a scene file, in seconds of CPU time, so
+# that other work on the machine takes no rows away; four times that in seconds of time. TOTAL is for everything, in seconds of time.
 set -u
 out=${BUILD:-build}/accuracy
 scene=${1:-}
@@ -40,14 +41,19 @@ left() {
     [ "$seconds" -gt 0 ] || { echo "accuracy: $1: no time left for $2" >&2; return 1; }
 }
 
-# Plans first: when the time runs out, it is the finest tolerances that are missing.
+# Runs the rest of its arguments for at most `seconds` of CPU time.
+limited() {
+    ( ulimit -t "$seconds"; exec timeout "$((4 * seconds))" "$@" )
+}
+
+# Plans first, the coarse ones of all scenes before the finest of any: when the time runs out, it is the finest tolerances that are missing.
 digbox_rows() {
     for settings in plans ladder; do
         left "$1" "the $settings of digbox" || continue
-        timeout "$seconds" stdbuf -oL "${BUILD:-build}/digbox" run tests/accuracy/run.lua -- --scenes "$1" --settings "$settings" 2>"$out/$1.err"
+        limited stdbuf -oL "${BUILD:-build}/digbox" run tests/accuracy/run.lua -- --scenes "$1" --settings "$settings" 2>"$out/$1.err"
         case $? in
             0) ;;
-            124) echo "accuracy: $1: the $settings of digbox took more than $seconds s; rows are missing" >&2 ;;
+            124|137|152) echo "accuracy: $1: the $settings of digbox took more than $seconds s; rows are missing" >&2 ;;
             *) echo "accuracy: $1: digbox failed at its $settings:" >&2; tail -n 3 "$out/$1.err" >&2 ;;
         esac
     done | grep -E "^[A-Z][0-9]+[a-z]*,digbox,"
@@ -55,10 +61,10 @@ digbox_rows() {
 
 peer_rows() {
     left "$1" "$2" || return
-    timeout "$seconds" "$out/peer-$2" "$1"
+    limited "$out/peer-$2" "$1"
     case $? in
         0|77) ;;                        # 77: no such scene for the peers
-        124) echo "accuracy: $1: $2 took more than $seconds s; rows are missing" >&2 ;;
+        124|137|152) echo "accuracy: $1: $2 took more than $seconds s; rows are missing" >&2 ;;
         *) echo "accuracy: $1: $2 failed" >&2 ;;
     esac
 }

@@ -42,18 +42,20 @@ local function print_details(row)
     row.rejected, row.gave_up > 0 and row.gave_up_why or "", table.concat(words, " ")))
 end
 
+local function run(scene, setting, clock)
+  local ok, row = pcall(suite.run, scene, setting, clock, options.repeats)
+  if not ok then return print(("# %s at %s: %s"):format(scene.id, setting, tostring(row))) end
+  print(suite.csv(row))
+  if options.details then print_details(row) end
+end
+
 test.scenario("accuracy suite", function(s)
   local scenes = suite.scenes(options.scenes ~= "all" and split(options.scenes) or nil)
   print(suite.header)
-  for _, scene in ipairs(scenes) do
-    for _, setting in ipairs(options.skip_slow and scene.slow and {} or settings()) do
-      local ok, row = pcall(suite.run, scene, setting, s.cpu_seconds, options.repeats)
-      if ok then
-        print(suite.csv(row))
-        if options.details then print_details(row) end
-      else
-        print(("# %s at %s: %s"):format(scene.id, setting, tostring(row)))
-      end
+  -- All scenes at one setting before the next: what is cut short has the coarse ones of all
+  for _, setting in ipairs(settings()) do
+    for _, scene in ipairs(scenes) do
+      if not (options.skip_slow and scene.slow) then run(scene, setting, s.cpu_seconds) end
     end
   end
   test.expect(#scenes):above(0)
