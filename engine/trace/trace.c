@@ -487,7 +487,7 @@ static bool run(Tracer *t)
     bool fine = trace_start(t);
     trace_mark_energy(t);
     if (trace_too_stiff(t)) {
-        t->fault = "springs too stiff for its steps";
+        t->fault = "springs or dampers too stiff for its steps";
         return false;
     }
     bool first = true;
