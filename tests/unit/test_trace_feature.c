@@ -223,14 +223,23 @@ static Shape shape_of(Solidity s)
     return shape;
 }
 
-typedef struct Meeting { Hand h; GroupPair pair; Shape a, b; Manifold m; int count; bool corners; } Meeting;
+typedef struct Meeting { Hand h; GroupPair pair; Solid on[2]; Shape a, b; Manifold m; int count; bool corners; } Meeting;
+
+/* Its shapes in their bodies. */
+static pose local(const Meeting *m, int side) { return (pose){m->on[side].arm, m->on[side].at.q}; }
+static void set_local(Meeting *m, int side, pose at)
+{
+    m->on[side].arm = at.p;
+    m->on[side].at.q = at.q;
+}
 
 static void meeting_open(Meeting *m, Solidity a, Solidity b)
 {
     hand_open(&m->h, 2, 2);
     m->a = shape_of(a);
     m->b = shape_of(b);
-    m->pair = (GroupPair){.a = 0, .b = 1, .sa = &m->a, .sb = &m->b, .la.q = quat_identity(), .lb.q = quat_identity(), .size = 1};
+    m->on[0] = m->on[1] = (Solid){.at.q = quat_identity()};
+    m->pair = (GroupPair){.a = 0, .b = 1, .on_a = &m->on[0], .on_b = &m->on[1], .sa = &m->a, .sb = &m->b, .size = 1};
 }
 
 static void meeting_close(Meeting *m)
@@ -241,7 +250,7 @@ static void meeting_close(Meeting *m)
 
 static void collide(Meeting *m)
 {
-    pose pa = group_shape_pose(&m->h.g, 0, m->pair.la), pb = group_shape_pose(&m->h.g, 1, m->pair.lb);
+    pose pa = group_shape_pose(&m->h.g, 0, local(m, 0)), pb = group_shape_pose(&m->h.g, 1, local(m, 1));
     m->count = manifold_collide(&m->a, pa, &m->b, pb, 1e-2, NULL, &m->m, NULL, 1) == 1 ? m->m.count : 0;
 }
 
@@ -261,16 +270,16 @@ static void approach(Meeting *m, Dice *d, real gap)
 {
     for (int i = 0; i < 2; i++)
         m->h.pos[i] = (Pos){vec3_scale(i ? 6 : 0.2, dice_unit(d)), dice_quat(d)};
-    m->pair.la = (pose){vec3_scale(0.3, dice_vec(d)), dice_quat(d)};
-    m->pair.lb = (pose){vec3_scale(0.3, dice_vec(d)), dice_quat(d)};
-    vec3 up = quat_rotate(quat_mul(m->h.pos[0].q, m->pair.la.q), (vec3){0, 1, 0});
+    set_local(m, 0, (pose){vec3_scale(0.3, dice_vec(d)), dice_quat(d)});
+    set_local(m, 1, (pose){vec3_scale(0.3, dice_vec(d)), dice_quat(d)});
+    vec3 up = quat_rotate(quat_mul(m->h.pos[0].q, local(m, 0).q), (vec3){0, 1, 0});
     if (m->a.type == &shape_plane)
         m->h.pos[1].x = vec3_scale(6, up);
     if (m->b.type == &shape_plane)
-        m->h.pos[1].x = vec3_scale(-6, quat_rotate(quat_mul(m->h.pos[1].q, m->pair.lb.q), (vec3){0, 1, 0}));
+        m->h.pos[1].x = vec3_scale(-6, quat_rotate(quat_mul(m->h.pos[1].q, local(m, 1).q), (vec3){0, 1, 0}));
     vec3 way = vec3_unit(vec3_sub(m->h.pos[1].x, m->h.pos[0].x));
     for (int pass = 0; pass < 40; pass++) {
-        pose pa = group_shape_pose(&m->h.g, 0, m->pair.la), pb = group_shape_pose(&m->h.g, 1, m->pair.lb);
+        pose pa = group_shape_pose(&m->h.g, 0, local(m, 0)), pb = group_shape_pose(&m->h.g, 1, local(m, 1));
         vec3 n, on_a, on_b;
         real apart = shape_distance(&m->a, pa, &m->b, pb, INFINITY, &n, &on_a, &on_b);
         if (apart > 0.02) {
@@ -318,7 +327,7 @@ static void check_features(const Meeting *m, real tolerance)
 /* A single point apart from the other body: the contact point is the nearest one. */
 static void check_place(const Meeting *m)
 {
-    pose pa = group_shape_pose(&m->h.g, 0, m->pair.la), pb = group_shape_pose(&m->h.g, 1, m->pair.lb);
+    pose pa = group_shape_pose(&m->h.g, 0, local(m, 0)), pb = group_shape_pose(&m->h.g, 1, local(m, 1));
     vec3 n, on_a, on_b;
     Feature f;
     Kinematics k;
@@ -457,6 +466,8 @@ TEST(crossing_rims_of_two_boxes_follow_the_crossing)
         later.h.pos[1] = moved.pos[1];
         later.pair.sa = &later.a;
         later.pair.sb = &later.b;
+        later.pair.on_a = &later.on[0];
+        later.pair.on_b = &later.on[1];
         collide(&later);
         real nearest = INFINITY;
         for (int k = 0; k < later.count; k++)
@@ -471,8 +482,8 @@ TEST(edges_that_cross_in_the_air_are_lines)
 {
     Meeting m;
     meeting_open(&m, BRICK, BRICK);
-    m.pair.la.q = quat_exp((vec3){0.7853981633974483, 0, 0});               /* edge along x up */
-    m.pair.lb.q = quat_mul(quat_exp((vec3){0, 1.3, 0}), m.pair.la.q);
+    m.on[0].at.q = quat_exp((vec3){0.7853981633974483, 0, 0});               /* edge along x up */
+    m.on[1].at.q = quat_mul(quat_exp((vec3){0, 1.3, 0}), m.on[0].at.q);
     real high = 0.5 * sqrt(2) * (0.3 + 0.2);                                /* of the raised edge: a diagonal of the cross-section */
     real apart = 2 * high + 1e-4;
     m.h.pos[1].x = (vec3){0.01, apart, 0.02};
