@@ -32,8 +32,6 @@ typedef struct Block {
 
 /* ---- numbers ----------------------------------------------------------- */
 
-LANE_CODE float least(float a, float b) { return a < b ? a : b; }
-LANE_CODE float most(float a, float b) { return a > b ? a : b; }
 LANE_CODE float unit_range(float x) { return least(most(x, 0), 1); }
 LANE_CODE float blend(float a, float b, float t) { return a + t * (b - a); }
 

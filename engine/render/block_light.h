@@ -42,14 +42,19 @@ LANE_CODE bool any_on_map(const Spots *o, int n, int size)
 /* Two values a texel, side by side. */
 LANE_CODE void fetch_pairs(const float *map, int size, const Spots *o, int n, float *a, float *b)
 {
+    float pairs[2 * LANES];
     for (int i = 0; i < n; i++) {
         float4 low, high;
         const float *from = map + 2 * (size_t)o->first[i], v = o->v[i], u = o->u[i];
         memcpy(&low, from, sizeof low);
         memcpy(&high, from + 2 * (size_t)size, sizeof high);
-        float4 both = low + (high - low) * (float4){v, v, v, v};
-        a[i] = both[0] + (both[2] - both[0]) * u;
-        b[i] = both[1] + (both[3] - both[1]) * u;
+        float4 both = low + (high - low) * (float4){v, v, v, v}, right = __builtin_shufflevector(both, both, 2, 3, 2, 3);
+        both += (right - both) * (float4){u, u, u, u};
+        memcpy(pairs + 2 * i, &both, 2 * sizeof *pairs);
+    }
+    for (int i = 0; i < n; i++) {
+        a[i] = pairs[2 * i];
+        b[i] = pairs[2 * i + 1];
     }
 }
 
@@ -57,18 +62,16 @@ LANE_CODE void fetch_pairs(const float *map, int size, const Spots *o, int n, fl
 LANE_CODE void fetch_bytes(const uint32_t *map, int size, const Spots *o, int n, float *const out[3])
 {
     static const int shift[3] = {RED_SHIFT, GREEN_SHIFT, BLUE_SHIFT};
-    int32_t texel[4][LANES];
+    uint32_t low[2 * LANES], high[2 * LANES];
     for (int i = 0; i < n; i++) {
-        const uint32_t *low = map + o->first[i], *high = low + size;
-        texel[0][i] = (int32_t)low[0];
-        texel[1][i] = (int32_t)low[1];
-        texel[2][i] = (int32_t)high[0];
-        texel[3][i] = (int32_t)high[1];
+        const uint32_t *from = map + o->first[i];
+        memcpy(low + 2 * i, from, 2 * sizeof *low);
+        memcpy(high + 2 * i, from + size, 2 * sizeof *high);
     }
-    for (int k = 0; k < 3; k++)
-        for (int i = 0; i < n; i++) {
-            float p = (float)(texel[0][i] >> shift[k] & 255), q = (float)(texel[1][i] >> shift[k] & 255);
-            float r = (float)(texel[2][i] >> shift[k] & 255), t = (float)(texel[3][i] >> shift[k] & 255);
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < 3; k++) {
+            float p = (float)(int32_t)(low[2 * i] >> shift[k] & 255), q = (float)(int32_t)(low[2 * i + 1] >> shift[k] & 255);
+            float r = (float)(int32_t)(high[2 * i] >> shift[k] & 255), t = (float)(int32_t)(high[2 * i + 1] >> shift[k] & 255);
             out[k][i] = blend(blend(p, q, o->u[i]), blend(r, t, o->u[i]), o->v[i]) * (1.0f / 255);
         }
 }

@@ -101,7 +101,7 @@ typedef struct Facet { const float *corner[3]; float z, dx, dy; int first, last;
 /* x rounded up, 0 to size; without ceilf, which older processors have no instruction for */
 LANE_CODE int clamp_texel(float x, int size)
 {
-    float end = (float)size, inside = x > 0 ? x < end ? x : end : 0;
+    float inside = least(most(x, 0), (float)size);
     int i = (int)inside;
     return i + ((float)i < inside);
 }
@@ -142,21 +142,24 @@ static Edge edge_of(const float *a, const float *b)
     return rise > 0 ? (Edge){a[0], a[1], b[0] - a[0], rise} : (Edge){a[0], a[1], 0, 1};
 }
 
-enum { ROWS = 16, WINDOW = 8 };     /* taken together: rows of a facet, texels of a row */
+enum { WINDOW = 8 };        /* taken together: rows of a facet, texels of a row */
 
-/* Of rows j to j + n - 1 the texels [first, last) whose middles lie inside. */
-LANE_CODE void find_spans(const Facet *f, int j, int n, int size, int *first, int *last)
+/* Of WINDOW rows from j on the texels [first, last) whose middles lie inside. */
+LANE_CODE void find_spans(const Edge *across, const Edge *low, const Edge *high, int j, int size, int *first, int *last)
 {
-    const Edge whole = edge_of(f->corner[0], f->corner[2]), low = edge_of(f->corner[0], f->corner[1]);
-    const Edge high = edge_of(f->corner[1], f->corner[2]);
-    const float bend = f->corner[1][1];
-    for (int i = 0; i < n; i++) {
-        float y = (float)(j + i) + 0.5f, one = whole.x + whole.run * ((y - whole.y0) / whole.rise);
-        bool under = y < bend;
-        float y0 = under ? low.y0 : high.y0, rise = under ? low.rise : high.rise;
-        float other = (under ? low.x : high.x) + (under ? low.run : high.run) * ((y - y0) / rise);
-        first[i] = clamp_texel((one < other ? one : other) - 0.5f, size);
-        last[i] = clamp_texel((one < other ? other : one) - 0.5f, size);
+    const float bend = high->y0;
+    float one[WINDOW], under[WINDOW], over[WINDOW], other[WINDOW];
+    for (int i = 0; i < WINDOW; i++) {
+        float y = (float)(j + i) + 0.5f;
+        one[i] = across->x + across->run * ((y - across->y0) / across->rise);
+        under[i] = low->x + low->run * ((y - low->y0) / low->rise);
+        over[i] = high->x + high->run * ((y - high->y0) / high->rise);
+    }
+    for (int i = 0; i < WINDOW; i++)
+        other[i] = (float)(j + i) + 0.5f < bend ? under[i] : over[i];
+    for (int i = 0; i < WINDOW; i++) {
+        first[i] = clamp_texel(least(one[i], other[i]) - 0.5f, size);
+        last[i] = clamp_texel(most(one[i], other[i]) - 0.5f, size);
     }
 }
 
@@ -165,24 +168,25 @@ LANE_CODE void find_spans(const Facet *f, int j, int n, int size, int *first, in
 LANE_CODE void lower_span(float *row, int size, int first, int last, float z, float dx)
 {
     for (int w = first; w < last; w += WINDOW) {
-        const int start = int_min(w, size - WINDOW);
-        float *to = row + start;
-        for (int k = 0; k < WINDOW; k++) {
-            int i = start + k;
-            float depth = z + dx * (float)(i - first);
-            depth = depth > 0 ? depth : 0;
-            to[k] = (i >= first) & (i < last) & (depth < to[k]) ? depth : to[k];
-        }
+        const int start = int_min(w, size - WINDOW), skip = first - start, count = last - start;
+        float *to = row + start, depth[WINDOW];
+        for (int k = 0; k < WINDOW; k++)
+            depth[k] = most(z + dx * (float)(k - skip), 0);
+        for (int k = 0; k < WINDOW; k++)
+            depth[k] = (k >= skip) & (k < count) ? depth[k] : 1;
+        for (int k = 0; k < WINDOW; k++)
+            to[k] = least(depth[k], to[k]);
     }
 }
 
 LANE_CODE void lower_facet(const Facet *f, float z, float dx, float dy, int size, float *out)
 {
-    int first[ROWS], last[ROWS];
-    for (int j = f->first; j < f->last; j += ROWS) {
-        int n = int_min(ROWS, f->last - j);
-        find_spans(f, j, n, size, first, last);
-        for (int i = 0; i < n; i++)
+    const Edge across = edge_of(f->corner[0], f->corner[2]), low = edge_of(f->corner[0], f->corner[1]);
+    const Edge high = edge_of(f->corner[1], f->corner[2]);
+    int first[WINDOW], last[WINDOW];
+    for (int j = f->first; j < f->last; j += WINDOW) {
+        find_spans(&across, &low, &high, j, size, first, last);
+        for (int i = 0; i < int_min(WINDOW, f->last - j); i++)
             lower_span(out + (size_t)(j + i) * (size_t)size, size, first[i], last[i], z + dy * (float)(j + i) + dx * (float)first[i], dx);
     }
 }

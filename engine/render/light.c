@@ -266,11 +266,11 @@ LANE_CODE void fill_heights(Light *l, const Stage *s, const Ground *g)
     float range = (float)(g->high - g->low), high = (float)g->high, floor = (float)s->floor;
     float *near = l->sky, *far = l->wide;
     real texel = 2 * g->half / N;
-    for (int i = 0; i < N * N; i++) {
-        bool edge = i < N || i >= N * (N - 1) || i % N == 0 || i % N == N - 1;
-        float depth = l->above[i];
-        near[i] = far[i] = edge || !(depth < 1) ? floor : high - depth * range;
-    }
+    for (int i = 0; i < N * N; i++)
+        near[i] = l->above[i] < 1 ? high - l->above[i] * range : floor;
+    for (int i = 0; i < N; i++)         /* the rim */
+        near[i] = near[N * (N - 1) + i] = near[N * i] = near[N * i + N - 1] = floor;
+    memcpy(far, near, N * N * sizeof *far);
     for (int pass = 0; pass < 2; pass++) {
         blur_box(near, l->scratch, N, texels_of(0.22 * s->typical, texel));
         blur_box(far, l->scratch, N, texels_of(0.75 * s->typical, texel));
@@ -522,8 +522,10 @@ LANE_CODE void pack_floor(Light *l, const Ground *g, bool sunny)
         const unsigned char *marble = l->marble + (size_t)((j + g->row) & (N - 1)) * N;
         uint32_t *row = l->texels + (size_t)N * (size_t)j;
         int turned[N];      /* the marbling, which repeats */
-        for (int i = 0; i < N; i++)
-            turned[i] = marble[(i + g->column) & (N - 1)];
+        for (int i = 0; i < N - g->column; i++)
+            turned[i] = marble[g->column + i];
+        for (int i = N - g->column; i < N; i++)
+            turned[i] = marble[g->column + i - N];
         for (int i = 0; i < N; i++) {
             int edge = fade[i] < fade[j] ? fade[i] : fade[j];
             int sun = to_level(1 - hidden[i]), seen = to_level(sky[i]), mark = 128 + (turned[i] - 128) * edge / 64;

@@ -384,8 +384,8 @@ static void show_legend(const Pen *pen, unsigned flags)
         step.widths[2] = 0;                 /* no rim */
         put_stroke(&o->strokes, step);
     }
-    draw_text(o, left - 5.2 * unit, y + 0.36 * unit, "stress 0 %");
-    draw_text(o, right + 0.9 * unit, y + 0.36 * unit, "100 %");
+    draw_text(o, left - unit - text_width(&o->font, "stress 0 %"), y + 0.36 * unit, "stress 0 %");
+    draw_text(o, right + unit, y + 0.36 * unit, "100 %");
 }
 
 /* What arrows are, and how much the longest stands for; at the lower right, above the legend of stress. */
@@ -407,9 +407,9 @@ static void show_force_words(const Pen *pen, const View *v, unsigned flags)
             display_colour(v->arrows[0].colour, colour);
         x -= text_width(&o->font, words[kind]) + 1.9 * size;
         draw_text(o, x, y, words[kind]);
-        const real left[2] = {x - 1.5 * size, y - 0.36 * size}, right[2] = {x - 0.6 * size, y - 0.36 * size};
+        const real left[2] = {x - 2 * size, y - 0.36 * size}, right[2] = {x - 1.1 * size, y - 0.36 * size};      /* beside the plate */
         put_stroke(&o->strokes, pen_stroke(left, right, 0.24 * size, 0.24 * size, colour, 1));
-        x -= 1.5 * size;
+        x -= 2 * size;
     }
 }
 

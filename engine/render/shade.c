@@ -213,17 +213,17 @@ LANE_CODE void shade_block(const ShadeJob *job, const Subject *s, Block *b)
 /* Takes up to `count` pixels from (x, y) on into the block; so many as there is room for. Whole vectors are filled. */
 LANE_CODE int take_pixels(const ShadeJob *job, Block *b, int x, int y, int count)
 {
-    int some = int_min(count, LANES - b->n);
-    size_t place = (size_t)y * (size_t)job->width + (size_t)x;
-    const float *depth = job->space->depth + (place - (size_t)job->low * (size_t)job->width);
+    const int n = b->n, some = int_min(count, LANES - n);
+    const size_t place = (size_t)y * (size_t)job->width + (size_t)x;
+    const float *depth = job->known ? job->space->depth + (place - (size_t)job->low * (size_t)job->width) : NULL, fy = (float)y;
     for (int k = 0; k < some; k += LANE_STEP) {
-        float *to_x = b->x + b->n + k, *to_y = b->y + b->n + k;
-        for (int i = 0; i < LANE_STEP; i++) {
-            to_x[i] = (float)(x + k + i);
-            to_y[i] = (float)y;
-        }
-        if (job->known)
-            memcpy(b->t + b->n + k, depth + k, LANE_STEP * sizeof *b->t);
+        const float fx = (float)(x + k);
+        for (int i = 0; i < LANE_STEP; i++)
+            b->x[n + k + i] = fx + (float)i;
+        for (int i = 0; i < LANE_STEP; i++)
+            b->y[n + k + i] = fy;
+        if (depth)
+            memcpy(b->t + n + k, depth + k, LANE_STEP * sizeof *b->t);
     }
     b->part[b->parts].place = (uint32_t)place;
     b->part[b->parts].first = b->n;
@@ -302,12 +302,14 @@ LANE_CODE void number_subject(const ShadeJob *job, const Subject *s, const DrawI
 
 LANE_CODE void number_all(const ShadeJob *job)
 {
-    uint32_t sky = pixel_bits(0, 0, 0, SKY_KEY), *raw = job->raw + (size_t)job->low * (size_t)job->width;
+    const uint32_t sky = pixel_bits(0, 0, 0, SKY_KEY);
+    const size_t count = (size_t)(job->high - job->low) * (size_t)job->width;
+    uint32_t *raw = job->raw + (size_t)job->low * (size_t)job->width;
     float *depth = job->space->depth;
-    for (int i = 0; i < (job->high - job->low) * job->width; i++) {
-        depth[i] = INFINITY;
+    for (size_t i = 0; i < count; i++)
         raw[i] = sky;
-    }
+    for (size_t i = 0; i < count; i++)
+        depth[i] = INFINITY;
     for (int i = 0; i < job->batches->count; i++)
         number_subject(job, &job->space->subjects[i + 1], &job->batches->items[i]);
 }

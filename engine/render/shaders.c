@@ -404,7 +404,7 @@ static const char stroke_fragment[] =
     "    vec2 p = v_p - f_ends.xy, d = f_ends.zw - f_ends.xy;\n"
     "    float t = clamp(dot(p, d) / max(dot(d, d), 1e-6), 0.0, 1.0);\n"
     "    float off = length(p - d * t) - mix(f_widths.x, f_widths.y, t);\n"
-    "    float core = clamp(0.5 - off - f_widths.z, 0.0, 1.0);\n"
+    "    float core = f_widths.z > 0.0 ? clamp(0.5 - off - f_widths.z, 0.0, 1.0) : 1.0;\n"
     "    pixel = vec4(mix(vec3(0.06), f_colour.rgb, core), f_colour.a * clamp(0.5 - off, 0.0, 1.0));\n"
     "}\n";
 

@@ -20,4 +20,8 @@ static inline bool has_wide(void) { return __builtin_cpu_supports("avx2"); }
 static inline bool has_wide(void) { return false; }
 #endif
 
+/* As vector instructions have them: b where the two do not compare. */
+LANE_CODE float least(float a, float b) { return a < b ? a : b; }
+LANE_CODE float most(float a, float b) { return a > b ? a : b; }
+
 #endif
