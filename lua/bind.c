@@ -142,8 +142,7 @@ static int compare_names(const void *a, const void *b)
     return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-/* Collects the string keys of the tables into one sorted array on the stack. */
-static const char **collect_names(lua_State *L, int first, int last, int *count)
+const char **bind_names(lua_State *L, int first, int last, int *count)
 {
     int n = 0;
     for (int t = first; t <= last; t++)
@@ -164,7 +163,7 @@ int bind_unknown(lua_State *L, const char *what, const char *kind, const char *n
     int count;
     char known[LIST_LIMIT + 8] = "";
     luaL_checkstack(L, 8, "too many values");
-    const char **names = collect_names(L, first, last, &count);
+    const char **names = bind_names(L, first, last, &count);
     const char *near = dig_suggest(name, names, count);
     if (near)
         return bind_error(L, "%s %s '%.60s' (did you mean '%s'?)", what, kind, name, near);

@@ -159,6 +159,10 @@ int bind_fail_text(lua_State *L, dig_status status, const char *format, ...) BIN
 /* The exit code that belongs to an uncaught error message (1 for errors of the script itself). */
 int bind_exit_code(lua_State *L, const char *message);
 
+/* The string keys of the tables at first..last of the stack, in the order of the alphabet: that of lua_next is another in every run.
+ * The array is pushed, and stands as long as the tables do. */
+const char **bind_names(lua_State *L, int first, int last, int *count);
+
 /* "unknown field 'radus' (did you mean 'radius'?)", or the list of what is known. Candidates are the string keys of the tables
  * at first..last of the stack. */
 int bind_unknown(lua_State *L, const char *what, const char *kind, const char *name, int first, int last);

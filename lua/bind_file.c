@@ -279,8 +279,12 @@ static int check_fields(lua_State *L)
         bind_push_declared(L, what);
         lua_replace(L, 3);
     }
-    for (lua_pushnil(L); lua_next(L, 3) && count < 63; lua_pop(L, 1))
-        names[count++] = lua_tostring(L, -2);
+    int declared;
+    const char **all = bind_names(L, 3, 3, &declared);
+    while (count < declared && count < 63) {
+        names[count] = all[count];
+        count++;
+    }
     lua_settop(L, 4);
     names[count] = NULL;
     bind_check_keys(L, 1, what, NULL, names);

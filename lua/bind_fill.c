@@ -348,16 +348,33 @@ static void fail_unknown_key(lua_State *L, const char *what, const char *key, co
     bind_unknown(L, lua_pushfstring(L, "%s:", what), "unknown field", key, names, names);
 }
 
+/* A key that is no name: the least of the numbers, else what kind of thing the first in the alphabet of kinds is. */
+static void fail_nameless_key(lua_State *L, int table, const char *what)
+{
+    const char *kind = NULL;
+    bool number = false;
+    lua_settop(L, lua_gettop(L) - 2);
+    lua_pushnil(L);                     /* the least number so far */
+    for (lua_pushnil(L); lua_next(L, table); lua_pop(L, 1)) {
+        int type = lua_type(L, -2);
+        if (type == LUA_TNUMBER && (!number || lua_compare(L, -2, -3, LUA_OPLT))) {
+            lua_pushvalue(L, -2);
+            lua_replace(L, -4);
+            number = true;
+        } else if (type != LUA_TNUMBER && type != LUA_TSTRING && (!kind || strcmp(luaL_typename(L, -2), kind) < 0)) {
+            kind = luaL_typename(L, -2);
+        }
+    }
+    bind_error(L, "%s: unknown field %s (fields have names)", what, number ? lua_tostring(L, -1) : kind);
+}
+
 void bind_check_keys(lua_State *L, int table, const char *what, const dig_param *const *sets, const char *const *extras)
 {
     table = lua_absindex(L, table);
     const char *worst = NULL;           /* the first in the alphabet, so that the message does not depend on the order of next */
     for (lua_pushnil(L); lua_next(L, table); lua_pop(L, 1)) {
-        if (lua_type(L, -2) != LUA_TSTRING) {
-            lua_pushvalue(L, -2);
-            bind_error(L, "%s: unknown field %s (fields have names)", what,
-                       lua_type(L, -1) == LUA_TNUMBER ? lua_tostring(L, -1) : luaL_typename(L, -1));
-        }
+        if (lua_type(L, -2) != LUA_TSTRING)
+            fail_nameless_key(L, table, what);
         const char *key = bind_string(L, -2, what);
         if (!known_key(key, sets, extras) && (!worst || strcmp(key, worst) < 0))
             worst = key;

@@ -254,11 +254,17 @@ static int joint_set(lua_State *L)
     if (!lua_istable(L, 2))
         return bind_error(L, "joint:set wants a table; got %s", luaL_typename(L, 2));
     lua_settop(L, 2);
-    for (lua_pushnil(L); lua_next(L, 2); lua_pop(L, 1)) {
+    for (lua_pushnil(L); lua_next(L, 2); lua_pop(L, 1))
+        if (lua_type(L, -2) != LUA_TSTRING)
+            return bind_error(L, "joint:set: a parameter has a name; got a %s", luaL_typename(L, -2));
+    int count;
+    const char **names = bind_names(L, 2, 2, &count);
+    for (int i = 0; i < count; i++) {
         lua_pushcfunction(L, joint_newindex);
         lua_pushvalue(L, 1);
-        lua_pushvalue(L, -4);
-        lua_pushvalue(L, -4);
+        lua_pushstring(L, names[i]);
+        lua_pushvalue(L, -1);
+        lua_rawget(L, 2);
         lua_call(L, 3, 0);
     }
     lua_settop(L, 1);

@@ -24,9 +24,14 @@ static void values_argument(lua_State *L, int arg, const char *what, real value[
     lua_Unsigned n = lua_rawlen(L, arg);
     if (n > 4)
         bind_error(L, "%s: a message carries at most 4 numbers; got %d", what, (int)n);
+    int names;
+    const char **name = bind_names(L, arg, arg, &names);
+    if (names > 0)
+        bind_error(L, "%s: a message carries numbers without names; got '%s'", what, name[0]);
     for (lua_pushnil(L); lua_next(L, arg); lua_pop(L, 1))
         if (!lua_isinteger(L, -2))
-            bind_error(L, "%s: a message carries numbers without names; got '%s'", what, bind_text(L, -2));
+            bind_error(L, "%s: a message carries a list of numbers; a key of it is a %s", what, luaL_typename(L, -2));
+    lua_pop(L, 1);
     for (lua_Unsigned i = 0; i < n; i++) {
         lua_rawgeti(L, arg, (lua_Integer)i + 1);
         value[i] = bind_real(L, -1, NULL, what, "value");

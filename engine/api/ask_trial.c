@@ -170,10 +170,11 @@ static dig_status add_draw(Ask *k, real most, uint32_t *slot)
     vec3 u, n;
     vec3_basis(k->along, &u, &n);
     quat frame = quat_from_matrix(mat3_transpose((mat3){k->along, u, n}));
-    if (world_slot(w, &w->joints, &w->free_joints, slot) != DIG_OK)
+    uint32_t gen;
+    if (world_generation(w, "ask", &gen) != DIG_OK || world_slot(w, &w->joints, &w->free_joints, slot) != DIG_OK)
         return world_fail(k->w, DIG_E_MEMORY, "ask: not enough memory for a joint");
     JointRec *j = &w->joints.data[*slot];
-    *j = (JointRec){.gen = w->gen_start + (uint32_t)w->serial++, .alive = true, .collides = true, .type = k->q->turns ? &twist : &draw,
+    *j = (JointRec){.gen = gen, .alive = true, .collides = true, .type = k->q->turns ? &twist : &draw,
                     .a = k->body, .b = NONE, .other = {NONE, NONE}, .link = NONE, .next_a = NONE, .next_b = NONE,
                     .ra = k->local, .rb = point_now(k), .fa = quat_mul(quat_conjugate(b->q), frame), .fb = frame};
     *(DriveMotor *)(void *)j->params = (DriveMotor){CRAWL * ask_scale(k), most};

@@ -219,10 +219,10 @@ static dig_status do_create(World *w, const dig_joint_def *def, dig_joint *out)
     uint32_t slot;
     *out = (dig_joint){0, 0};
     DIG_TRY(prepare(w, def, &r));
+    DIG_TRY(world_generation(w, def->type, &r.gen));
     if (world_slot(w, &w->joints, &w->free_joints, &slot) != DIG_OK)
         return world_fail(w, DIG_E_MEMORY, "%s: not enough memory", def->type);
     r.alive = true;
-    r.gen = w->gen_start + (uint32_t)w->serial++;
     r.next_a = r.next_b = NONE;
     w->joints.data[slot] = r;
     if (add_link(w, slot) != DIG_OK) {

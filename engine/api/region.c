@@ -28,13 +28,17 @@ static dig_status do_create(World *w, const dig_region_def *def, dig_region *out
     if (!def->shape.type || shape_make(def->shape.type, def->shape.data, &shape, why, sizeof why) != DIG_OK)
         return world_fail(w, DIG_E_ARG, "region: %s", def->shape.type ? why : "it needs a shape");
     world_work_shape(w, &shape, def->shape.data);
-    if (world_slot(w, &w->regions, &w->free_regions, &slot) != DIG_OK) {
+    uint32_t gen;
+    dig_status status = world_generation(w, "region", &gen);
+    if (status == DIG_OK && (status = world_slot(w, &w->regions, &w->free_regions, &slot)) != DIG_OK)
+        world_fail(w, status, "region: not enough memory");
+    if (status != DIG_OK) {
         shape_free(&shape);
-        return world_fail(w, DIG_E_MEMORY, "region: not enough memory");
+        return status;
     }
     pose at = def->at;
     at.q = quat_norm2(at.q) > 0 ? quat_unit(at.q) : quat_identity();
-    w->regions.data[slot] = (Region){.gen = w->gen_start + (uint32_t)w->serial++, .alive = true, .shape = shape, .at = at, .laws = *def};
+    w->regions.data[slot] = (Region){.gen = gen, .alive = true, .shape = shape, .at = at, .laws = *def};
     w->regions.data[slot].laws.shape = (dig_shape_def){0};      /* the caller's: its copy is .shape */
     w->region_count++;
     region_changed(w);

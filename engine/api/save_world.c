@@ -76,7 +76,7 @@ void save_settings(Pack *p, World *w)
     pack_u64(p, &w->rng);
     pack_bool(p, &w->dig_accuracies);
     pack_check(p, w->steps <= (uint64_t)1 << 52, "the number of steps is too large");
-    pack_check(p, w->serial <= 3000000000u, "the number of handles is too large");
+    pack_check(p, w->serial <= HANDLES_MOST, "the number of handles is too large");
     pack_ledger(p, &w->ledger);
     pack_stats(p, &w->stats);
     pack_room(p, w);

@@ -358,19 +358,21 @@ dig_status body_create(World *w, const dig_body_def *given, dig_body *out)
     DIG_TRY(make_shapes(w, def, shapes, materials));
     still.fixed = still.fixed || stands_still(def, shapes);
 
-    uint32_t slot;
+    uint32_t slot, gen;
     uint32_t old_count = (uint32_t)w->bodies.count;
-    dig_status s = world_slot(w, &w->bodies, &w->free_bodies, &slot);
+    dig_status s = world_generation(w, NEW_BODY_TEXT(def->name.s), &gen);
+    bool numbered = s == DIG_OK;
+    if (numbered)
+        s = world_slot(w, &w->bodies, &w->free_bodies, &slot);
     if (s == DIG_OK) {
-        /* One counter for all slots of the world: a handle of a removed body is never valid again. */
-        w->bodies.data[slot].gen = w->gen_start + (uint32_t)w->serial++;
+        w->bodies.data[slot].gen = gen;
         s = finish_body(w, slot, def, shapes, materials);
         if (s != DIG_OK) {
             detach_solids(w, slot);
             w->bodies.data[slot].alive = false;
             slot_give(w, &w->free_bodies, slot);
         }
-    } else {
+    } else if (numbered) {
         world_fail(w, s, "%s: not enough memory after %u bodies", NEW_BODY_TEXT(def->name.s), old_count);
     }
     for (int i = 0; i < def->shape_count; i++)

@@ -60,7 +60,8 @@ static void post_link(World *w, uint32_t layer, dig_event_kind kind, const Layer
 dig_status layer_add(World *w, uint32_t layer, uint32_t a, uint32_t b, bool bound, real ratio, uint32_t *link)
 {
     Layer *l = &w->layers[layer];
-    uint32_t slot, handle;
+    uint32_t slot, handle, gen;
+    DIG_TRY(world_generation(w, "link", &gen));
     DIG_TRY(open_layer(l));
     DIG_TRY(list_reserve(&l->loose, l->loose.count + 2, &w->allocations));
     DIG_TRY(map_reserve(&l->bounds, (int)l->bounds.count + bound));
@@ -77,7 +78,7 @@ dig_status layer_add(World *w, uint32_t layer, uint32_t a, uint32_t b, bool boun
         slot_give(w, &l->free_links, slot);
         return s;
     }
-    l->links.data[slot] = (LayerLink){.gen = w->gen_start + (uint32_t)w->serial++, .alive = true, .a = a, .b = b, .link = handle, .ratio = ratio};
+    l->links.data[slot] = (LayerLink){.gen = gen, .alive = true, .a = a, .b = b, .link = handle, .ratio = ratio};
     if (bound)
         count_bound(l, b, 1);
     post_link(w, layer, DIG_EVENT_LINK, &l->links.data[slot]);

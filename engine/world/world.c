@@ -39,6 +39,14 @@ void slot_give(World *w, void *free_list, uint32_t slot)
     list->data[list->count++] = slot;
 }
 
+dig_status world_generation(World *w, const char *what, uint32_t *gen)
+{
+    if (w->serial >= HANDLES_MOST)
+        return world_fail(w, DIG_E_MEMORY, "%s: this world has made %u bodies, joints and links, and can make no more", what, HANDLES_MOST);
+    *gen = w->gen_start + (uint32_t)w->serial++;
+    return DIG_OK;
+}
+
 dig_status world_open(const dig_world_def *def, World **out, char *why, size_t capacity)
 {
     World *w = calloc(1, sizeof *w);

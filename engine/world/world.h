@@ -25,6 +25,10 @@
 
 #define NONE UINT32_MAX
 
+/* Handles that a world gives in its time. One counter for all its slots: a handle of what was removed is never valid again, since no
+ * number comes twice; who needs another one then is refused. With what it starts from (world_open) it stays below 2^32. */
+#define HANDLES_MOST 3000000000u
+
 /* ---- bodies and their solids ---- */
 
 typedef struct Surface {        /* what friction and restitution need of a surface     */
@@ -388,6 +392,8 @@ dig_status slot_take(World *w, void **data, int *count, int *capacity, size_t it
 #define world_slot(w, list, free_list, slot) \
     slot_take((w), (void **)&(list)->data, &(list)->count, &(list)->capacity, sizeof *(list)->data, (free_list), (slot))
 void slot_give(World *w, void *free_list, uint32_t slot);
+/* The generation of the next handle. DIG_E_MEMORY: there is none left, with its sentence. */
+dig_status world_generation(World *w, const char *what, uint32_t *gen);
 
 /* world.c */
 dig_status world_open(const dig_world_def *def, World **out, char *why, size_t capacity);

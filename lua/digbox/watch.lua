@@ -68,9 +68,9 @@ end
 
 -- What nobody dealt with since it was last asked, as text; nil: nothing
 function core.take_faults()
-  local first, count = faults[1], #faults
+  local fault, count = faults[1], #faults
   faults = {}
-  return first and (count == 1 and first.text or ("%s; and %d more"):format(first.text, count - 1))
+  return fault and (count == 1 and fault.text or ("%s; and %d more"):format(fault.text, count - 1))
 end
 
 -- At the end of a run

@@ -1,6 +1,6 @@
 # tests/fuzz/fuzz.mk - `make fuzz`: clang's libFuzzer on each target of tests/fuzz/, under AddressSanitizer and UBSan.
 #
-#   make fuzz                    SECONDS=60 for each target (RUNS=N instead: that many inputs, from fixed seeds)
+#   make fuzz                    SECONDS=60 of CPU time for each target (RUNS=N instead: that many inputs, from fixed seeds)
 #   make fuzz RUNS=short         some seconds each, in .ci/run
 #   make fuzz T=replay           one target
 # What was learnt is kept in build/fuzz/NAME/ and begun with the next time; inputs that broke something lie in build/fuzz/.

@@ -29,6 +29,25 @@ scenario("an unknown field is named, with the one that was meant", function(s)
   expect((message_of(function() world:sphere { zzzzzz = 1 } end))):contains "(known: at, collides, colour, "
 end)
 
+-- Lua's own order of a table's keys is another one in every run.
+scenario("of several mistakes the first in the alphabet is told, in every run", function(s)
+  local world = s.world
+  local a, b = world:ball { radius = 1 }, world:ball { radius = 1, at = { 0, 3, 0 } }
+  local hinge = world:hinge { name = "h", a = a, b = b, at = { 0, 1, 0 }, axis = { 0, 0, 1 } }
+  says(function() a:send(b, "x", { zone = 3, at = 1, after = 2, when = 4 }) end,
+    "body:send: a message carries numbers without names; got 'after'")
+  says(function() a:send(b, "x", { 1, 2, [true] = 3 }) end, "body:send: a message carries a list of numbers; a key of it is a boolean")
+  says(function() hinge:set { speed = 1, motor = "x", limits = 3, breaks_at = -2, zeal = 1 } end,
+    "joint 'h': breaks_at = -2 N, must be >= 0")
+  says(function() hinge:set { [print] = 1, friction = 1 } end, "joint:set: a parameter has a name; got a function")
+  says(function() world:ball { [true] = 1, [7] = 2, [-2.5] = 3, [print] = 4, radus = 1 } end,
+    "world:ball: unknown field -2.5 (fields have names)")
+  says(function() world:ball { [print] = 4, [true] = 1, [{}] = 1 } end, "world:ball: unknown field boolean (fields have names)")
+  says(function() world:record { to = "x-%d.png", fps = -1, crf = -1, bitrate = 1 } end, (message_of(function()
+    world:record { bitrate = 1, crf = -1, fps = -1, to = "x-%d.png" }
+  end)))
+end)
+
 scenario("a far-off name lists what is known", function(s)
   local text = message_of(function() s.world:sphere { bounciness = 1 } end)
   expect(text):contains "world:sphere: unknown field 'bounciness' (known: "

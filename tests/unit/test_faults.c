@@ -107,6 +107,93 @@ TEST(one_poisoned_body_of_a_hundred_leaves_the_others_untouched)
     dig_world_close(w);
 }
 
+/* ---- A13: who spoils a step can be set aside ---------------------------------------------- */
+
+enum { PILE = 40 };
+
+/* Balls that fall on each other, the seventh joined to its neighbours and to the world; after 60 steps it is given NaN, or disabled. */
+static dig_world *run_pile(const char *accuracy, bool inject, dig_body out[PILE])
+{
+    dig_world *w = open_world(1.0 / 60, accuracy, true);
+    add_floor(w, look(0.5, 0.3));
+    for (int i = 0; i < PILE; i++)
+        out[i] = add_ball(w, look(0.5, 0.3), 0.2, 1, (vec3){0.41 * (i % 5), 0.3 + 0.45 * (i / 5), 0.01 * i}, vec3_zero());
+    for (int k = 0; k < 2; k++) {
+        dig_joint_def j = dig_joint_defaults();
+        dig_joint id;
+        const dig_schema *schema = dig_schema_find("joint", "ball");
+        char data[1024];
+        dig_schema_defaults(schema, data);
+        j.type = "ball";
+        j.data = data;
+        j.a = out[7];
+        j.b = k == 0 ? out[8] : (dig_body){0, 0};
+        j.at = state_of(w, out[7]).position;
+        CHECK(dig_joint_create(w, &j, &id) == DIG_OK);
+    }
+    step(w, 60);
+    if (inject) {
+        uint64_t rejected = dig_world_stats(w).rejected;
+        CHECK(dig_world_inject(w, out[7]) == DIG_OK);
+        CHECK_INT(dig_world_step(w), DIG_E_FINITE);
+        CHECK_INT(dig_world_stats(w).rejected, rejected + 1);
+        CHECK_INT(dig_world_culprit(w).slot, out[7].slot);
+        CHECK_INT(dig_world_culprit(w).gen, out[7].gen);
+    }
+    CHECK(dig_body_disable(w, out[7]) == DIG_OK);
+    CHECK(dig_joints(w, NULL, 0) == 0);
+    check_world(w);
+    step(w, 60);
+    check_world(w);
+    CHECK_INT(dig_world_culprit(w).gen, 0);
+    return w;
+}
+
+TEST(what_is_set_aside_leaves_the_others_what_they_would_have_done)
+{
+    const char *const levels[] = {"sketch", "play", "study"};
+    for (int k = 0; k < 3; k++) {
+        dig_body a[PILE], b[PILE];
+        dig_world *injected = run_pile(levels[k], true, a), *disabled = run_pile(levels[k], false, b);
+        for (int i = 0; i < PILE; i++) {
+            dig_body_state p = state_of(injected, a[i]), q = state_of(disabled, b[i]);
+            if (!vec3_equal(p.position, q.position) || !vec3_equal(p.velocity, q.velocity) || !vec3_equal(p.spin, q.spin))
+                fail_msg("%s: body %d differs", levels[k], i);
+        }
+        CHECK(dig_world_checksum(injected) == dig_world_checksum(disabled));
+        dig_body_state s = state_of(injected, a[7]);
+        CHECK(s.kind == DIG_STATIC && s.mode == DIG_FIXED && vec3_length2(s.velocity) + vec3_length2(s.spin) == 0);
+        dig_world_close(injected);
+        dig_world_close(disabled);
+    }
+}
+
+/* A floor, a mover and one that is disabled already may be; one that is gone may not. What rested on it falls. */
+TEST(anything_can_be_disabled)
+{
+    Scene s = open_scene();
+    step(s.w, 200);
+    real before = state_of(s.w, s.ball).position.y;
+    const dig_event *e;
+    CHECK(dig_body_disable(s.w, s.mover) == DIG_OK);
+    CHECK(dig_body_disable(s.w, s.mover) == DIG_OK);
+    CHECK(dig_body_disable(s.w, s.floor) == DIG_OK);
+    step(s.w, 1);
+    int count = dig_events(s.w, &e), disabled = 0;
+    for (int i = 0; i < count; i++)
+        disabled += e[i].kind == DIG_EVENT_DISABLED;
+    CHECK_INT(disabled, 3);
+    step(s.w, 60);
+    CHECK(state_of(s.w, s.ball).position.y < before - 1);
+    CHECK_NEAR(state_of(s.w, s.mover).velocity.x, 0, 0);
+    check_world(s.w);
+    CHECK(dig_body_remove(s.w, s.mover) == DIG_OK);
+    CHECK(dig_body_disable(s.w, s.mover) == DIG_E_DEAD);
+    CHECK(dig_world_inject(s.w, s.mover) == DIG_E_DEAD);
+    CHECK(dig_world_inject(s.w, s.floor) == DIG_E_KIND);
+    dig_world_close(s.w);
+}
+
 /* ---- bad arguments ---------------------------------------------------------------------------- */
 
 /* The call must be refused with this status, with a sentence, and without any change. */
@@ -481,6 +568,8 @@ TEST(queries_take_bad_arguments_without_harm)
 int main(void)
 {
     RUN_TESTS(unit_test(non_finite_numbers_fail_the_step_and_name_the_culprit),
+              unit_test(what_is_set_aside_leaves_the_others_what_they_would_have_done),
+              unit_test(anything_can_be_disabled),
               unit_test(one_poisoned_body_of_a_hundred_leaves_the_others_untouched),
               unit_test(bodies_with_bad_numbers_are_refused),
               unit_test(calls_with_bad_numbers_are_refused),
