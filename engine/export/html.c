@@ -1,4 +1,4 @@
-/* export/html.c - writes a replay into the page's shell: the JSON header, the sections (html_data.h) in base64, and the rest of the shell. */
+/* export/html.c - writes a replay into the page's shell: the JSON header, the sections (html_data.h, packed by html_pack.c), and the rest of the shell. */
 #include "export/html_data.h"
 
 static const char place_mark[] = "<!--DIGBOX-DATA-->";
@@ -150,20 +150,6 @@ static void put_shapes(const HtmlData *d, Output *out)
     output_text(out, "],\n");
 }
 
-static void put_events(const HtmlData *d, Output *out)
-{
-    output_text(out, "\"events\":[");
-    for (int i = 0; i < d->events.count; i++) {
-        const HtmlEvent *h = &d->events.data[i];
-        const dig_event *e = &h->event;
-        output_text(out, "%s[%d,", i ? ",\n" : "", h->frame);
-        output_number(out, e->time);
-        output_text(out, ",%d,%d,%d,%.6g,%.6g,%u,%u,%d,%u,%.4g]", (int)e->kind, h->a, h->b, isfinite(e->speed) ? e->speed : 0,
-                    isfinite(e->impulse) ? e->impulse : 0, e->dig, e->other_dig, (int)e->link, e->layer, isfinite(e->stress) ? e->stress : 0);
-    }
-    output_text(out, "],\n\"events_left_out\":%d,\n", d->events_left_out);
-}
-
 /* The scale of temperatures ends at multiples of 50 K, as in pictures. */
 static void put_heat(const HtmlData *d, Output *out)
 {
@@ -178,7 +164,7 @@ static void put_header(HtmlData *d, const ExportShell *shell, Output *out)
 {
     const ReplayInfo *info = replay_info(d->r);
     const float place[3] = {(float)d->place.x, (float)d->place.y, (float)d->place.z};
-    output_text(out, "{\"format\":1,\"title\":");
+    output_text(out, "{\"format\":2,\"title\":");
     html_put_text(out, shell->title);
     output_text(out, ",\"digbox\":");
     html_put_text(out, info->digbox);
@@ -201,168 +187,130 @@ static void put_header(HtmlData *d, const ExportShell *shell, Output *out)
     put_names(out, "event_kinds", event_name, DIG_EVENT_KINDS);
     put_bodies(d, out);
     put_shapes(d, out);
-    put_events(d, out);
+    output_text(out, "\"events_left_out\":%d,\n", d->events_left_out);
 }
 
-/* ---- sections ---- */
+/* ---- sections: what is told with how many digits ---- */
 
-typedef struct Sections {
-    Output bytes, list;         /* the block, and its table of contents as JSON */
-} Sections;
+enum { BITS = -1 };
+static const HtmlPart whole = {1, 1, 0, 0}, exact = {1, BITS, 0, 0};
 
-static void put_little(Output *out, uint64_t x, int size)
+static HtmlRows rows_of(const void *words, int count, int width) { return (HtmlRows){words, (size_t)(count / width), (size_t)width}; }
+
+static void put_list(HtmlSections *s, const char *name, const char *type, const void *words, int count, HtmlPart part)
 {
-    unsigned char b[8];
-    for (int i = 0; i < size; i++)
-        b[i] = (unsigned char)(x >> (8 * i));
-    output_bytes(out, b, (size_t)size);
+    HtmlRows r = rows_of(words, count, part.width);
+    html_section_words(s, name, type, &r, &part, 1);
 }
 
-/* Sections begin at multiples of 8 bytes. */
-static void begin_section(Sections *s, const char *name, const char *type, size_t count)
+/* A step of places: a four-millionth of the scene, or twice that, and at most two micrometres. */
+static real grid_of(const HtmlData *d)
 {
-    while (s->bytes.size % 8)
-        output_bytes(&s->bytes, "", 1);
-    output_text(&s->list, "%s\"%s\":[\"%s\",%zu,%zu]", s->list.size ? "," : "", name, type, s->bytes.size, count);
+    real size = 0;
+    for (int i = 0; i < 3; i++)
+        size = real_max(size, (real)d->high[i] - (real)d->low[i]);
+    return ldexp(1, (size > 0 && size < 8 ? ilogb(size) + 1 : 3) - 22);
 }
 
-static void put_f32(Output *out, const float *x, size_t n)
+/* Columns of HtmlTimedKey. Velocities err by a step of place in a second. */
+static void put_keys(const HtmlData *d, HtmlSections *s, real grid)
 {
-    for (size_t i = 0; i < n; i++) {
-        uint32_t bits;
-        memcpy(&bits, x + i, sizeof bits);
-        put_little(out, bits, 4);
-    }
-}
-
-static void put_u32(Output *out, const uint32_t *x, size_t n)
-{
-    for (size_t i = 0; i < n; i++)
-        put_little(out, x[i], 4);
-}
-
-static void section_f64(Sections *s, const char *name, const real *x, int n)
-{
-    begin_section(s, name, "f64", (size_t)n);
-    for (int i = 0; i < n; i++) {
-        uint64_t bits;
-        memcpy(&bits, x + i, sizeof bits);
-        put_little(&s->bytes, bits, 8);
-    }
-}
-
-static void section_f32(Sections *s, const char *name, const float *x, int n)
-{
-    begin_section(s, name, "f32", (size_t)n);
-    put_f32(&s->bytes, x, (size_t)n);
-}
-
-static void section_u32(Sections *s, const char *name, const uint32_t *x, int n)
-{
-    begin_section(s, name, "u32", (size_t)n);
-    put_u32(&s->bytes, x, (size_t)n);
-}
-
-enum KeyPart { KEY_FRAME, KEY_POSE, KEY_MOTION, KEY_DIG, KEY_FLAGS, KEY_TEMPERATURE, KEY_PARTS };
-
-static void put_key(Output *out, const HtmlTimedKey *k, int part)
-{
-    switch (part) {
-    case KEY_FRAME:       put_u32(out, &k->frame, 1); break;
-    case KEY_POSE:        put_f32(out, k->key.pose, 7); break;
-    case KEY_MOTION:      put_f32(out, k->key.motion, 9); break;
-    case KEY_DIG:         put_u32(out, &k->key.dig, 1); break;
-    case KEY_FLAGS:       put_little(out, k->key.flags, 1); break;
-    case KEY_TEMPERATURE: put_f32(out, &k->key.temperature, 1); break;
-    default: break;
-    }
-}
-
-static void put_keys(const HtmlData *d, Sections *s)
-{
-    static const struct { const char *name, *type; size_t width; } parts[KEY_PARTS] = {
-        [KEY_FRAME] = {"key_frame", "u32", 1}, [KEY_POSE] = {"key_pose", "f32", 7}, [KEY_MOTION] = {"key_motion", "f32", 9},
-        [KEY_DIG] = {"key_dig", "u32", 1}, [KEY_FLAGS] = {"key_flags", "u8", 1}, [KEY_TEMPERATURE] = {"key_temperature", "f32", 1},
+    const HtmlPart poses[] = {{3, 2, grid, 0}, {4, 2, 0x1p-20, 0}}, motion[] = {{3, 1, grid, 0}, {3, 1, 0x1p-20, 0}, {3, BITS, 0, 12}};
+    const HtmlPart temperature = {1, BITS, 0, 8};
+    const struct { const char *name, *type; const HtmlPart *parts; int count, at; } lists[] = {
+        {"key_frame", "u32", &whole, 1, 0}, {"key_pose", "f32", poses, 2, 1}, {"key_motion", "f32", motion, 3, 8}, {"key_dig", "u32", &whole, 1, 18},
+        {"key_flags", "u32", &whole, 1, 19}, {"key_temperature", "f32", &temperature, 1, 17},
     };
-    size_t count = 0;
+    const size_t stride = sizeof(HtmlTimedKey) / sizeof(uint32_t);
+    Output keys = {0};
     for (int i = 0; i < d->bodies.count; i++)
-        count += (size_t)d->bodies.data[i].keys.count;
-    for (int part = 0; part < KEY_PARTS; part++) {
-        if (part == KEY_TEMPERATURE && d->coldest > d->hottest)
-            continue;
-        begin_section(s, parts[part].name, parts[part].type, count * parts[part].width);
-        for (int i = 0; i < d->bodies.count; i++)
-            for (int k = 0; k < d->bodies.data[i].keys.count; k++)
-                put_key(&s->bytes, &d->bodies.data[i].keys.data[k], part);
+        output_bytes(&keys, d->bodies.data[i].keys.data, (size_t)d->bodies.data[i].keys.count * sizeof(HtmlTimedKey));
+    for (size_t i = 0; i < sizeof lists / sizeof *lists - (d->coldest > d->hottest ? 1 : 0); i++) {
+        HtmlRows r = {keys.data ? (const uint32_t *)(const void *)keys.data + lists[i].at : NULL, keys.size / sizeof(HtmlTimedKey), stride};
+        html_section_words(s, lists[i].name, lists[i].type, &r, lists[i].parts, lists[i].count);
     }
+    if (!output_good(&keys))
+        output_fail(&s->bytes, "%s", keys.why);
+    output_close(&keys);
 }
 
-static void put_links(const HtmlData *d, Sections *s)
+static void put_links(const HtmlData *d, HtmlSections *s, real grid)
 {
-    size_t efforts = 0, ends = 0;
-    begin_section(s, "link", "u32", 6 * (size_t)d->spans.count);
+    Output rows = {0}, efforts = {0}, ends = {0};
     for (int i = 0; i < d->spans.count; i++) {
         const HtmlSpan *l = &d->spans.data[i];
         const uint32_t row[6] = {l->a, l->b, l->kind, l->layer + (l->bound ? 256u : 0), l->first, (uint32_t)l->efforts.count};
-        put_u32(&s->bytes, row, 6);
-        efforts += (size_t)l->efforts.count;
-        ends += (size_t)l->ends.count;
+        output_bytes(&rows, row, sizeof row);
+        output_bytes(&efforts, l->efforts.data, (size_t)l->efforts.count * sizeof(float));
+        output_bytes(&ends, l->ends.data, (size_t)l->ends.count * sizeof(float));
     }
-    begin_section(s, "effort", "f32", efforts);
-    for (int i = 0; i < d->spans.count; i++)
-        put_f32(&s->bytes, d->spans.data[i].efforts.data, (size_t)d->spans.data[i].efforts.count);
-    begin_section(s, "link_end", "f32", ends);
-    for (int i = 0; i < d->spans.count; i++)
-        put_f32(&s->bytes, d->spans.data[i].ends.data, (size_t)d->spans.data[i].ends.count);
+    put_list(s, "link", "u32", rows.data, (int)(rows.size / 4), (HtmlPart){6, 1, 0, 0});
+    put_list(s, "effort", "f32", efforts.data, (int)(efforts.size / 4), (HtmlPart){1, BITS, 0, 12});
+    put_list(s, "link_end", "f32", ends.data, (int)(ends.size / 4), (HtmlPart){3, 1, 0x1p6 * grid, 0});
+    if (!output_good(&rows) || !output_good(&efforts) || !output_good(&ends))
+        output_fail(&s->bytes, "no memory for the page");
+    output_close(&rows);
+    output_close(&efforts);
+    output_close(&ends);
 }
 
-static void put_sections(const HtmlData *d, Sections *s)
+static void put_events(const HtmlData *d, HtmlSections *s)
 {
-    section_f64(s, "times", d->times.data, d->times.count);
-    section_f64(s, "energy", d->energy.data, d->energy.count);
-    begin_section(s, "number", "u32", (size_t)d->numbers.count);
-    for (int i = 0; i < d->numbers.count; i++)
-        put_little(&s->bytes, (uint32_t)d->numbers.data[i], 4);
-    put_keys(d, s);
-    put_links(d, s);
+    Output rows = {0};
+    for (int i = 0; i < d->events.count; i++) {
+        const HtmlEvent *h = &d->events.data[i];
+        const dig_event *e = &h->event;
+        const real row[HTML_EVENT_WIDTH] = {h->frame, e->time, e->kind, h->a, h->b, isfinite(e->speed) ? (real)(float)e->speed : 0,
+            isfinite(e->impulse) ? (real)(float)e->impulse : 0, (real)e->dig, (real)e->other_dig, (real)e->link, (real)e->layer,
+            isfinite(e->stress) ? (real)(float)e->stress : 0};
+        output_bytes(&rows, row, sizeof row);
+    }
+    html_section_reals(s, "event", (const real *)(const void *)rows.data, rows.size / (HTML_EVENT_WIDTH * sizeof(real)), HTML_EVENT_WIDTH);
+    if (!output_good(&rows))
+        output_fail(&s->bytes, "%s", rows.why);
+    output_close(&rows);
+}
+
+/* What is drawn only: places to a sixteen-thousandth of the scene, arrows to 8 bits. */
+static void put_moments(const HtmlData *d, HtmlSections *s, real grid)
+{
+    const HtmlPart place = {3, 0, 0x1p8 * grid, 0}, arrow = {3, BITS, 0, 16}, ends = {6, 0, 0x1p4 * grid, 0};
+    const HtmlPart parts[MOMENTS][2] = {
+        [MOMENT_CONTACT] = {place, arrow}, [MOMENT_LINE] = {ends, exact}, [MOMENT_STRUT] = {ends, {2, BITS, 0, 12}},
+        [MOMENT_PUSH] = {place, arrow}, [MOMENT_CAMERA] = {{11, BITS, 0, 0}},
+    };
     for (int i = 0; i < MOMENTS; i++) {
-        section_u32(s, html_moments[i].at, d->moments[i].at.data, d->moments[i].at.count);
-        section_f32(s, html_moments[i].name, d->moments[i].rows.data, d->moments[i].rows.count);
+        HtmlRows r = rows_of(d->moments[i].rows.data, d->moments[i].rows.count, html_moments[i].width);
+        put_list(s, html_moments[i].at, "u32", d->moments[i].at.data, d->moments[i].at.count, (HtmlPart){2, 1, 0, 0});
+        html_section_words(s, html_moments[i].name, "f32", &r, parts[i], parts[i][1].width ? 2 : 1);
     }
-    section_f32(s, "vertex", d->vertices.data, d->vertices.count);
-    section_f32(s, "normal", d->normals.data, d->normals.count);
-    section_u32(s, "index", d->indices.data, d->indices.count);
 }
 
-static void put_base64(Output *out, const unsigned char *in, size_t size)
+static void put_sections(const HtmlData *d, HtmlSections *s)
 {
-    static const char digit[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    char text[4 * 256];
-    size_t n = 0;
-    for (size_t i = 0; i < size; i += 3) {
-        size_t left = size - i;
-        uint32_t x = (uint32_t)in[i] << 16 | (left > 1 ? (uint32_t)in[i + 1] << 8 : 0) | (left > 2 ? in[i + 2] : 0);
-        text[n++] = digit[x >> 18];
-        text[n++] = digit[x >> 12 & 63];
-        text[n++] = left > 1 ? digit[x >> 6 & 63] : '=';
-        text[n++] = left > 2 ? digit[x & 63] : '=';
-        if (n == sizeof text || left <= 3) {
-            output_bytes(out, text, n);
-            n = 0;
-        }
-    }
+    real grid = grid_of(d);
+    html_section_reals(s, "times", d->times.data, (size_t)d->times.count, 1);
+    html_section_reals(s, "energy", d->energy.data, (size_t)d->energy.count / 10, 10);
+    put_list(s, "number", "u32", d->numbers.data, d->numbers.count, whole);
+    put_keys(d, s, grid);
+    put_links(d, s, grid);
+    put_events(d, s);
+    put_moments(d, s, grid);
+    put_list(s, "vertex", "f32", d->vertices.data, d->vertices.count, (HtmlPart){3, BITS, 0, 0});
+    put_list(s, "normal", "f32", d->normals.data, d->normals.count, (HtmlPart){3, BITS, 0, 0});
+    put_list(s, "index", "u32", d->indices.data, d->indices.count, whole);
 }
 
 static void put_data(HtmlData *d, const ExportShell *shell, Output *out)
 {
-    Sections s = {0};
+    HtmlSections s = {0};
     put_sections(d, &s);
     output_text(out, "<script type=\"application/json\" id=\"digbox-head\">");
     put_header(d, shell, out);
     output_text(out, "\"bytes\":%zu,\"sections\":{", s.bytes.size);
     output_bytes(out, s.list.data, s.list.size);
     output_text(out, "}}</script>\n<script type=\"application/base64\" id=\"digbox-data\">");
-    put_base64(out, s.bytes.data, s.bytes.size);
+    html_put_packed(out, &s.bytes);
     output_text(out, "</script>\n");
     if (!output_good(&s.bytes) || !output_good(&s.list))
         output_fail(out, "%s", s.bytes.why[0] ? s.bytes.why : s.list.why);

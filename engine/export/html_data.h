@@ -1,7 +1,7 @@
 /* export/html_data.h - what a page shows, gathered frame by frame and then written: html_track.c follows bodies and links,
- * html_shape.c shapes and what is drawn beside them, html_scene.c cameras and light, html.c writes.
+ * html_shape.c shapes and what is drawn beside them, html_scene.c cameras and light, html.c writes, html_pack.c makes it small.
  *
- * A page holds a JSON header and one block of little-endian arrays, the sections. Frames are those of the page, from 0:
+ * A page holds a JSON header and one packed block of arrays, the sections. Frames are those of the page, from 0:
  *   times, number, energy    [frames] s; frame of the replay; [10 * frames] J, the fields of dig_energy without `initial`
  *   key_frame, key_pose, key_motion, key_dig, key_flags, key_temperature
  *                        what changed of a body: its frame; position (m from `place`), rotation x y z w; velocity, spin, force;
@@ -11,6 +11,7 @@
  *   X_at, X              for X = contact (point, force), line (ends, colour), strut (ends, radius, stress), push (point, force), camera:
  *                        first row and rows of every frame; a frame like the one before points at the same rows
  *   camera_at, camera    the script's, eleven numbers each: 1 = place + 2 = target + 4 = up are said; place and target (m from `place`), up, angle
+ *   event                [12 * events] frame of the page, time, kind, bodies, speed, impulse, DIGs, kind of link, layer, stress
  *   vertex, normal, index    of meshes
  * The lists of the JSON header say the rest with names.
  *
@@ -83,6 +84,24 @@ typedef struct HtmlData {
     LIST(int)       row_of;         /* pose of a slot at this frame, -1 = none */
     real            coldest, hottest;   /* K; coldest > hottest when nothing has a temperature */
 } HtmlData;
+
+/* ---- what is written (html_pack.c) ---- */
+
+typedef struct HtmlSections { Output bytes, list; } HtmlSections;               /* the block, and its table of contents as JSON */
+typedef struct HtmlRows { const uint32_t *words; size_t count, stride; } HtmlRows;   /* floats or integers of 32 bits */
+typedef struct HtmlPart {           /* some columns, and what they may lose */
+    int  width, order;              /* order of differences; -1: none, the bits of the numbers */
+    real step;                      /* floats become multiples of this; 0: they do not         */
+    int  drop;                      /* order -1: so many of the lowest bits are rounded away   */
+} HtmlPart;
+enum { HTML_EVENT_WIDTH = 12 };
+
+/* A section of all parts, side by side in rows as they are read. A part that does not fit on its grid keeps all its bits. */
+void html_section_words(HtmlSections *s, const char *name, const char *type, const HtmlRows *r, const HtmlPart *parts, int count);
+void html_section_reals(HtmlSections *s, const char *name, const real *x, size_t rows, int width);
+void html_put_packed(Output *out, const Output *block);             /* deflate in base64 */
+
+/* ---- what is gathered ---- */
 
 /* Ends the rows of a frame, which began at the number `before`: those that are as the frame before had them are not kept twice. */
 dig_status html_end_moment(HtmlData *d, HtmlMomentName name, int before);

@@ -5,6 +5,7 @@
 #   make bench SCENE=digs                        membership and messages: 5000 DIGs of 50, against a flat union-find
 #   make bench SCENE=render                      frames a second: time per phase, one and two processes, error of the edges
 #   make bench SCENE=looks                       one scene as we draw it and as MuJoCo's renderer does: build/bench/looks/*.png
+#   make bench SCENE=page                        what it takes to open the page of a replay of 10 s, in headless Chromium (after make viewer)
 #   make bench SCENE=questions                   can this door be opened? in steps of its DIG, alone and among a hundred others
 #   make bench FULL=1                            also 16,000 spheres, 100,000 bodies in a room, 1,000,000 fixed boxes
 #   make bench LIMIT=60 TOTAL=1200 REPEATS=5     seconds for one run, for all of them, and how often
@@ -43,6 +44,13 @@ bench-run: $(bench_dir)/looks.run all
 	@mkdir -p $(bench_dir)/looks && rm -f $(bench_dir)/looks/*
 	@$(program) run -q tests/bench/looks.lua -o $(bench_dir)/looks >$(bench_dir)/looks/scene.txt
 	@$(bench_dir)/looks.run $(bench_dir)/looks/mujoco.png <$(bench_dir)/looks/scene.txt && ls $(bench_dir)/looks/*.png
+else ifeq ($(SCENE),page)
+bench-run: all
+	@mkdir -p $(bench_dir)/page
+	@$(program) run -q tests/bench/page.lua -o $(bench_dir)/page --force --replay $(bench_dir)/page/tumble.replay
+	@$(program) view $(bench_dir)/page/tumble.replay -o $(bench_dir)/page/tumble.html
+	@CHROMIUM=$(or $(shell command -v chromium),chromium) NODE_MODULES=build/viewer/node_modules \
+	    node tests/view/open.mjs $(bench_dir)/page/tumble.html $(or $(REPEATS),5)
 else ifeq ($(SCENE),questions)
 bench-run: $(bench_dir)/questions
 	@$(bench_dir)/questions

@@ -22,6 +22,7 @@ export async function openPage(browser, path, { width = 1280, height = 720, dark
   const address = pathToFileURL(resolve(path)).href;
   page.on("request", (r) => { if (r.url() !== address && !/^(data|blob):/.test(r.url())) requests.push(r.url()); });
   await page.goto(address, { waitUntil: "load" });
+  await page.evaluate(() => window.digbox.ready);
   return { page, errors, requests };
 }
 

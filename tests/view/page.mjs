@@ -1,13 +1,13 @@
 // page.mjs - the page of `digbox view` in headless Chromium: where bodies are, keys, picking, events, labels, and that it asks for nothing.
 //
-//   NODE_MODULES=... CHROMIUM=... node page.mjs SAMPLE.html RUN.html RUN.csv [PICTURES]
+//   NODE_MODULES=... CHROMIUM=... node page.mjs SAMPLE.html RUN.html RUN.csv RUN.jsonl [PICTURES]
 //
-// SAMPLE is made by sample.mjs, so that what must come out is known in closed form; RUN is a replay's page and its export.
+// SAMPLE is made by sample.mjs, so that what must come out is known in closed form; RUN is a replay's page and its exports.
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { checks, launch, openPage } from "./browser.mjs";
 
-const [sample, run, table, pictures] = process.argv.slice(2);
+const [sample, run, table, told, pictures] = process.argv.slice(2);
 const c = checks(), browser = await launch();
 const ask = (page, f, arg) => page.evaluate(f, arg);
 const shot = async (page, name) => { if (pictures) await page.screenshot({ path: join(pictures, name) }); };
@@ -214,6 +214,20 @@ for (const frame of [0, Math.floor(frames / 3), Math.floor((2 * frames) / 3), fr
     c.check(`DIG of ${what}`, s.dig === column(row, "dig"), [s.dig, column(row, "dig")]);
   }
 }
+// links and events, as the JSON lines tell them; efforts have 12 bits
+const told_frames = readFileSync(told, "utf8").trim().split("\n").map((line) => JSON.parse(line)).filter((line) => line.links);
+for (const { frame, time, links } of told_frames.filter((line) => line.frame % 17 === 0)) {
+  await seek(real.page, time);
+  const seen = await ask(real.page, () => window.digbox.links());
+  c.check(`${links.length} links at frame ${frame}`, seen.length === links.length, seen);
+  for (const l of links) {
+    const effort = Math.hypot(...l.effort), same = seen.find((s) => s.a === l.a && s.b === l.b && s.kind === l.kind);
+    c.near(`effort of the ${l.kind} of ${l.a} and ${l.b} at frame ${frame}`, [same?.effort], [effort], 2 ** -12 * effort);
+  }
+}
+const kinds = (list) => [...new Set(list)].sort().map((k) => `${k} ${list.filter((x) => x === k).length}`).join();
+c.check("the events are those of the replay", kinds(await ask(real.page, () => window.digbox.events().map((e) => e.kind))) === kinds(told_frames.flatMap((l) => l.events.map((e) => e.kind))),
+  kinds(told_frames.flatMap((l) => l.events.map((e) => e.kind))));
 await ask(real.page, () => { window.digbox.show("forces", true); window.digbox.pick("ball"); });
 c.check("its events name the ball", (await ask(real.page, () => window.digbox.events().filter((e) => e.kind === "contact_begin").length)) > 0);
 quiet(real, "replay");

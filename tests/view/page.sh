@@ -31,5 +31,6 @@ world:record { to = "f-%05d.png", fps = 1 }:close()
 world:run "1.5 s"
 LUA
 "$DIGBOX" run -q run.lua --replay run.replay && "$DIGBOX" view -q run.replay -o run.html && "$DIGBOX" export -q run.replay -o run.csv &&
+    "$DIGBOX" export -q run.replay -o run.jsonl &&
     node "$here/sample.mjs" "$shell" sample.html || exit 1
-timeout -k 5 600 node "$here/page.mjs" sample.html run.html run.csv ${PICTURES:+"$PICTURES"}
+timeout -k 5 600 node "$here/page.mjs" sample.html run.html run.csv run.jsonl ${PICTURES:+"$PICTURES"}

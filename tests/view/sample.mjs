@@ -5,6 +5,7 @@
 // Body 0 is the floor; "flyer" falls freely, "turner" turns about y at 1 rad/s, "late" is there from frame 30 to 90; the
 // others, if any, circle.
 import { readFileSync, writeFileSync } from "node:fs";
+import { deflateRawSync } from "node:zlib";
 
 const [template, out, bodyText = "4", frameText = "121"] = process.argv.slice(2);
 const count = Number(bodyText), frames = Number(frameText), step = 1 / 60;
@@ -65,28 +66,35 @@ for (let f = 0; f < frames; f++) { put("effort", 19.62); put("link_end", 0, 0, 0
 for (let f = 0; f < 60; f++) put("effort", f);
 events.push([30, 0.5, 0, 3, 0, 1.5, 0.1, 3, 0, 0, 0, 0], [60, 1, 11, 1, 2, 0, 0, 1, 2, 1, 0, 0], [90, 1.5, 7, 3, -1, 0, 0, 0, 0, 0, 0, 0]);
 
-const kinds = { f64: Float64Array, f32: Float32Array, u32: Uint32Array, u8: Uint8Array };
-const typeOf = { times: "f64", energy: "f64", number: "u32", key_frame: "u32", key_dig: "u32", key_flags: "u8", link: "u32", contact_at: "u32", line_at: "u32", strut_at: "u32", push_at: "u32", camera_at: "u32", index: "u32" };
+// Every part with all its bits: the bytes of a column one after the other.
+const kinds = { f64: Float64Array, f32: Float32Array, u32: Uint32Array };
+const widths = { energy: 10, key_pose: 7, key_motion: 9, link: 6, link_end: 3, contact: 6, line: 7, strut: 8, push: 6, camera: 11, event: 12,
+  contact_at: 2, line_at: 2, strut_at: 2, push_at: 2, camera_at: 2, vertex: 3, normal: 3 };
+const typeOf = { times: "f64", energy: "f64", event: "f64", number: "u32", key_frame: "u32", key_dig: "u32", key_flags: "u32", link: "u32", contact_at: "u32", line_at: "u32", strut_at: "u32", push_at: "u32", camera_at: "u32", index: "u32" };
 const sections = {}, blocks = [];
 let offset = 0;
+put("event", ...events.flat());
 for (const name of ["times", "energy", "number", "key_frame", "key_pose", "key_motion", "key_dig", "key_flags", "link", "effort", "link_end", "contact_at", "contact",
-  "line_at", "line", "strut_at", "strut", "push_at", "push", "camera_at", "camera", "vertex", "normal", "index"]) {
-  const kind = typeOf[name] ?? "f32", array = new kinds[kind](lists[name] ?? []);
-  sections[name] = [kind, offset, array.length];
-  const block = Buffer.alloc(Math.ceil(array.byteLength / 8) * 8);
-  Buffer.from(array.buffer, array.byteOffset, array.byteLength).copy(block);
-  blocks.push(block);
-  offset += block.length;
+  "line_at", "line", "strut_at", "strut", "push_at", "push", "camera_at", "camera", "event", "vertex", "normal", "index"]) {
+  const kind = typeOf[name] ?? "f32", width = widths[name] ?? 1, array = new kinds[kind](lists[name] ?? []), rows = array.length / width;
+  const bytes = new Uint8Array(array.buffer), size = array.BYTES_PER_ELEMENT, planes = Buffer.alloc(bytes.length);
+  sections[name] = [kind, offset, rows, [[width, -1, 1]]];
+  for (let i = 0; i < bytes.length; i++) {
+    const byte = i % size, column = Math.floor(i / size) % width, row = Math.floor(i / size / width);
+    planes[(column * size + byte) * rows + row] = bytes[i];
+  }
+  blocks.push(planes);
+  offset += planes.length;
 }
 const head = {
-  format: 1, title: "sample", digbox: "sample", origin: null, seed: 1, step, frames, cut: false, bytes: offset, place: [0, 0, 0], up: [0, 1, 0],
+  format: 2, title: "sample", digbox: "sample", origin: null, seed: 1, step, frames, cut: false, bytes: offset, place: [0, 0, 0], up: [0, 1, 0],
   low: [-2, 0, -2], high: [2, 2.5, 2], heat: null, link_kinds: ["contact", "joint", "port", "range"], layers: ["mechanical", "electrical", "thermal", "hydraulic", "range"],
   modes: ["moving", "resting", "fixed"], events_left_out: 0,
   event_kinds: ["contact_begin", "contact_end", "impact", "broken", "moved", "slept", "woke", "removed", "merged", "split", "link", "unlink", "message", "limit_reached", "out_of_world", "entered", "left"],
   cameras: ["still", "mover"], lights: [{ frame: 0, sky: "clear", shadows: true, sun: [1, 2, 1], lamps: [] },
     { frame: 90, sky: "night", shadows: false, sun: [0, 1, 0], lamps: [{ power: 80, at: [0, 2, 0], colour: [1, 0.6, 0.3] }] }],
-  bodies, meshes, shapes, events, sections,
+  bodies, meshes, shapes, sections,
 };
 const data = `<script type="application/json" id="digbox-head">${JSON.stringify(head).replace(/</g, "\\u003c")}</script>\n`
-  + `<script type="application/base64" id="digbox-data">${Buffer.concat(blocks).toString("base64")}</script>`;
+  + `<script type="application/base64" id="digbox-data">${deflateRawSync(Buffer.concat(blocks)).toString("base64")}</script>`;
 writeFileSync(out, readFileSync(template, "utf8").replace("<!--DIGBOX-DATA-->", () => data));

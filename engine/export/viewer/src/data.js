@@ -1,6 +1,6 @@
-// data.js - what engine/export/html.c wrote: a JSON header and one block of binary arrays. Reading only; nothing here draws.
+// data.js - what engine/export/html.c wrote: a JSON header and one packed block of arrays. Reading only; nothing here draws.
 
-const KINDS = { f64: Float64Array, f32: Float32Array, u32: Uint32Array, u8: Uint8Array };
+const KINDS = { f64: Float64Array, f32: Float32Array, u32: Uint32Array };
 
 export function decodeBase64(text) {
   if (Uint8Array.fromBase64) return Uint8Array.fromBase64(text);
@@ -8,6 +8,38 @@ export function decodeBase64(text) {
   const bytes = new Uint8Array(raw.length);
   for (let i = 0; i < raw.length; i++) bytes[i] = raw.charCodeAt(i);
   return bytes;
+}
+
+// One column of a part (engine/export/html_pack.c) into every width-th place of `out`, which are floats or integers of 32 bits.
+function readColumn(bytes, from, rows, order, step, out, first, width) {
+  const words = order < 0 ? new Uint32Array(out.buffer) : out;
+  let before = 0, slope = 0;
+  for (let i = 0, at = first; i < rows; i++, at += width) {
+    let x = bytes[from + i] | (bytes[from + rows + i] << 8) | (bytes[from + 2 * rows + i] << 16) | (bytes[from + 3 * rows + i] << 24);
+    if (order >= 0) {
+      x = (x >>> 1) ^ -(x & 1);
+      if (order > 1) x = slope = (slope + x) | 0;
+      if (order > 0) x = before = (before + x) | 0;
+    }
+    words[at] = order < 0 ? x : x * step;
+  }
+}
+
+// An array of a section: [kind, first byte, rows, [[columns, order, step], ...]].
+function readSection(bytes, [kind, offset, rows, parts]) {
+  const width = parts.reduce((sum, [columns]) => sum + columns, 0), out = new KINDS[kind](rows * width), size = out.BYTES_PER_ELEMENT;
+  let from = offset, column = 0;
+  for (const [columns, order, step] of parts) {
+    for (let k = 0; k < columns; k++, column++, from += size * rows) {
+      if (size === 4) {
+        readColumn(bytes, from, rows, order, step, out, column, width);
+        continue;
+      }
+      const to = new Uint8Array(out.buffer);
+      for (let byte = 0; byte < 8; byte++) for (let i = 0; i < rows; i++) to[8 * (i * width + column) + byte] = bytes[from + byte * rows + i];
+    }
+  }
+  return out;
 }
 
 // The last of `keys[first .. first + count - 1]` (rising) that is not above `wanted`; first when all are above.
@@ -32,15 +64,24 @@ export class Replay {
   constructor(head, bytes) {
     Object.assign(this, head);                      // title, frames, bodies, meshes, shapes, events, ...
     this.head = head;
-    for (const [name, [kind, offset, count]] of Object.entries(head.sections)) {
-      this[name] = new KINDS[kind](bytes.buffer, bytes.byteOffset + offset, count);
+    for (const [name, section] of Object.entries(head.sections)) {      // an array is made when it is asked for
+      Object.defineProperty(this, name, { configurable: true, get() {
+        const value = readSection(bytes, section);
+        Object.defineProperty(this, name, { value });
+        return value;
+      } });
     }
     this.start = this.times[0];
     this.end = this.times[this.frames - 1];
     this.readLinks();
-    this.events = head.events.map(([frame, time, kind, a, b, speed, impulse, dig, otherDig, link, layer, stress]) => (
-      { frame, time, kind: head.event_kinds[kind], a, b, speed, impulse, dig, otherDig, link: head.link_kinds[link], layer, stress }));
+    this.events = Array.from({ length: this.rows("event") }, (_, i) => {
+      const [frame, time, kind, a, b, speed, impulse, dig, otherDig, link, layer, stress] = this.event.subarray(12 * i, 12 * i + 12);
+      return { frame, time, kind: head.event_kinds[kind], a, b, speed, impulse, dig, otherDig, link: head.link_kinds[link], layer, stress };
+    });
   }
+
+  // Rows of a section; 0 when there is none.
+  rows(name) { return this.head.sections[name]?.[2] ?? 0; }
 
   // A link holds over a span of frames; its efforts (N, or the layer's unit) stand one after the other.
   readLinks() {
@@ -150,13 +191,18 @@ export class Replay {
   }
 }
 
+async function inflate(packed) {
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
 // Bytes of the page are told by who has the text: asking the document for itself would write it anew.
 // Reads the two elements of the page; null when the page holds none.
-export function readPage(document) {
+export async function readPage(document) {
   const head = document.getElementById("digbox-head"), data = document.getElementById("digbox-data");
   if (!head || !data) return null;
   const text = data.textContent;
-  const replay = new Replay(JSON.parse(head.textContent), decodeBase64(text.trim()));
+  const replay = new Replay(JSON.parse(head.textContent), await inflate(decodeBase64(text.trim())));
   replay.page_bytes = text.length + [...document.scripts].reduce((sum, s) => sum + (s === data ? 0 : s.textContent.length), 0);
   data.textContent = "";                            // the text is not needed twice
   return replay;

@@ -1,6 +1,6 @@
 // main.js - the page of `digbox view`: time, keys, what is picked, and window.digbox for scripts and tests.
 //
-//   digbox.ready                         a promise of the facts, once the first picture is drawn
+//   digbox.ready                         a promise of the facts, once the first picture is drawn; then there are also
 //   digbox.seek(t) .step(n) .play() .pause() .pick(body or name) .body(body or name) .screen(body) .facts() .camera(number or name)
 import { Vector3 } from "three";
 import { readPage } from "./data.js";
@@ -49,7 +49,7 @@ class Player {
   // Buttons of the header: what can be shown over the bodies.
   makeLayers() {
     const toggles = [["links", "Links", () => this.replay.spans.length > 0], ["dig", "DIG colours", () => this.replay.spans.length > 0],
-      ["forces", "Forces", () => this.replay.contact.length + this.replay.push.length > 0], ["heat", "Heat", () => this.replay.key_temperature && this.replay.heat],
+      ["forces", "Forces", () => this.replay.rows("contact") + this.replay.rows("push") > 0], ["heat", "Heat", () => this.replay.heat],
       ["names", "Names", () => this.replay.bodies.some((b) => b.name)]];
     this.buttons = {};
     for (const [id, label, useful] of toggles) {
@@ -314,7 +314,6 @@ function interfaceOf(player, facts) {
     player.draw();
   };
   return {
-    ready: Promise.resolve(facts),
     facts: () => facts,
     time: () => player.time,
     frame: () => here().frame,
@@ -347,9 +346,9 @@ function interfaceOf(player, facts) {
   };
 }
 
-function begin() {
+async function begin() {
   const began = performance.now();
-  const replay = readPage(document);
+  const replay = await readPage(document);
   if (!replay) return tell("This page holds no replay. digbox view REPLAY -o page.html makes one that does.");
   const read = performance.now();
   let player;
@@ -368,8 +367,8 @@ function begin() {
   cancelAnimationFrame(player.waiting);     // all that asked for a picture so far has it
   player.waiting = null;
   const facts = { format: replay.format, frames: replay.frames, bodies: replay.bodies.length, bytes: replay.head.bytes, start: replay.start, end: replay.end, read_ms: read - began, begin_ms: performance.now() - began, load_ms: performance.now() };
-  window.digbox = interfaceOf(player, facts);
-  return undefined;
+  Object.assign(window.digbox, interfaceOf(player, facts));
+  return facts;
 }
 
-begin();
+window.digbox = { ready: begin().catch((e) => tell(`This page cannot be read (${e.message}). A newer browser may do it, or it was damaged.`)) };

@@ -73,7 +73,6 @@ export class Overlays {
     this.trail.renderOrder = 9;
     this.trail.frustumCulled = false;
     scene.add(this.trail);
-    this.forceScale = this.measureForces();
     this.labels = [];
     this.colours = {};
   }
@@ -136,7 +135,7 @@ export class Overlays {
   arrow(from, force, colour) {
     const size = force.length();
     if (!(size > 0)) return;
-    const longest = 0.6 * this.stage.size, length = Math.min(longest, size * this.forceScale), wide = 0.0032 * this.stage.size;
+    const longest = 0.6 * this.stage.size, length = Math.min(longest, size * (this.forceScale ??= this.measureForces())), wide = 0.0032 * this.stage.size;
     const along = force.clone().divideScalar(size), head = Math.min(0.5 * length, 6 * wide);
     const neck = from.clone().addScaledVector(along, length - head), tip = from.clone().addScaledVector(along, length);
     this.shafts.add(from, neck, wide, colour);

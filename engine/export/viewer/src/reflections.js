@@ -13,14 +13,9 @@ const FACES = [
   (s, t) => [-1, -t, -s], (s, t) => [1, -t, s], (s, t) => [-s, 1, t], (s, t) => [-s, -1, -t], (s, t) => [-s, -t, 1], (s, t) => [s, -t, -1],
 ];
 
-// As the sky's shader in scene.js, with what is below the horizon.
-function skyAt(sky, h) {
-  const away = (1 - Math.min(1, Math.max(0, 1.3 * h))) ** 3, under = Math.min(1, Math.max(0, -6 * h));
-  return ["r", "g", "b"].map((c) => {
-    const above = sky.top[c] + (sky.rim[c] - sky.top[c]) * away;
-    return above + (sky.low[c] - above) * under;
-  });
-}
+// Shares of what is above, of the rim and of what is below in the sky at a height: as its shader in scene.js.
+const away = (h) => (1 - Math.min(1, Math.max(0, 1.3 * h))) ** 3;
+const under = (h) => Math.min(1, Math.max(0, -6 * h));
 
 // Directions of the GGX lobe about a normal that is looked along: [cosine, sine times the cosine of the turn, weight].
 function lobe(roughness) {
@@ -37,9 +32,14 @@ function lobe(roughness) {
 function table(sky, roughness) {
   const out = new Uint16Array(4 * (STEPS + 1)), directions = lobe(roughness), whole = directions.reduce((sum, d) => sum + d[2], 0);
   for (let i = 0; i <= STEPS; i++) {
-    const h = (2 * i) / STEPS - 1, across = Math.sqrt(Math.max(0, 1 - h * h)), sum = [0, 0, 0];
-    for (const [c, s, weight] of directions) skyAt(sky, c * h + s * across).forEach((x, k) => { sum[k] += (weight * x) / whole; });
-    for (let k = 0; k < 3; k++) out[4 * i + k] = DataUtils.toHalfFloat(sum[k]);
+    const h = (2 * i) / STEPS - 1, across = Math.sqrt(Math.max(0, 1 - h * h));
+    let rim = 0, low = 0;
+    for (const [c, s, weight] of directions) {
+      const to = c * h + s * across, below = under(to), share = weight / whole;
+      rim += share * away(to) * (1 - below);
+      low += share * below;
+    }
+    ["r", "g", "b"].forEach((k, at) => { out[4 * i + at] = DataUtils.toHalfFloat(sky.top[k] * (1 - rim - low) + sky.rim[k] * rim + sky.low[k] * low); });
     out[4 * i + 3] = DataUtils.toHalfFloat(1);
   }
   return out;

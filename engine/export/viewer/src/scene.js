@@ -146,6 +146,8 @@ export class Scene {
   }
 
   makeReflections(sky) {
+    if (this.mirrored === sky) return;
+    this.mirrored = sky;
     const colours = Object.fromEntries(["top", "rim", "low"].map((part) => [part, new Color(sky[part])]));
     this.reflections?.dispose();
     this.reflections = reflectionsOf(colours, this.up);
