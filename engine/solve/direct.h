@@ -61,8 +61,9 @@ typedef struct Direct {
     bool    heavy;              /* something in the group is heavy on what is light                 */
     bool    kept;               /* the factor is that of the present sets                          */
     bool    late_lift;          /*       lifts are those of the start: what is wedged in something that gives chases them to infinity */
+    bool    swings;             /* rounds go to and fro: lifts go half the way                      */
     int     factors, rounds, most_factors;
-    real    hardened;           /* 1    compliances over what they were at first                   */
+    real    hardened, hardest;  /* 1    compliances over what they were at first, and at last      */
     real    accept;             /* m/s  what is good enough to be taken                            */
     real    unbalanced;         /* m/s  what velocities and impulses differ by                     */
     real    error;              /* m/s  reached                                                    */

@@ -5,9 +5,8 @@
  * Newton's method stalls on the kinks: with the method's prototype 1e-5 let a 10,000:1 stack creep, and 1e-8 stalled. */
 #define COMPLIANCE 1e-6
 
-/* Where a round takes off less than nine tenths, the next one has a tenth of the compliance, down to this part. */
+/* Where a round takes off less than nine tenths, the next one has a tenth of the compliance. */
 #define HARDEN  0.1
-#define HARDEST 1e-3
 
 /* ---- rows ---- */
 
@@ -372,12 +371,13 @@ static real next_triple(Direct *d, int i, real harder)
         worst = real_max(worst, reach * t->r * fabs(t->force[k] - t->prox[k]));
         t->prox[k] = t->force[k];
     }
-    if (t->set == SET_CONE && t->held == HELD_SLIPS)
+    if (t->set == SET_CONE && (t->held == HELD_SLIPS || t->held == HELD_NOT))
         lift = t->mu * hypot(t->rate[1], t->rate[2]);
     if (d->late_lift)
         lift = t->lift;
-    worst = real_max(worst, fabs(lift - t->lift));
-    t->lift = lift;
+    real open = t->held == HELD_NOT ? real_max(t->target[0] - t->rate[0], 0) : INFINITY;    /* its lift matters where it closes */
+    worst = real_max(worst, real_min(fabs(lift - t->lift), open));
+    t->lift = d->swings ? 0.5 * (t->lift + lift) : lift;
     follow_bounds(d, i);
     worst = real_max(worst, reach * t->r / (COMPLIANCE * d->hardened) * fabs(t->bound - bound));
     t->r *= harder;
@@ -390,7 +390,7 @@ static real next_triple(Direct *d, int i, real harder)
 
 real direct_round(Direct *d, bool harden)
 {
-    real worst = singles_off(d), harder = harden && d->hardened > HARDEST ? HARDEN : 1;
+    real worst = singles_off(d), harder = harden && d->hardened > 1.001 * d->hardest ? HARDEN : 1;
     singles_round(d, harder);
     for (int i = 0; i < d->triple_count; i++)
         worst = real_max(worst, next_triple(d, i, harder));
