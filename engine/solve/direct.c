@@ -127,7 +127,7 @@ static bool open_direct(Direct *d)
             d->place[i] = d->blocks.place[d->place[i]];
             d->body[d->place[i]] = i;
         }
-    if (!blocks_reserve(&d->blocks, g->arena) || !direct_rows(d) || !stiffness_open(d)) {
+    if (!blocks_reserve(&d->blocks, g->arena) || !blocks_like(&d->base, &d->blocks, g->arena) || !direct_rows(d) || !stiffness_open(d)) {
         g->status = DIG_E_MEMORY;
         return false;
     }

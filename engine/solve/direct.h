@@ -49,7 +49,8 @@ typedef struct Single {
 
 typedef struct Direct {
     Group  *g;
-    Blocks  blocks;
+    Blocks  blocks, base;       /* the matrix; what is the same in all rounds                       */
+    bool    based;
     Triple *triples; int triple_count;
     Single *singles; int single_count;
     mat3   *stiff;              /* [bodies] kg m^2  h^2 times the geometric stiffness              */
@@ -77,7 +78,7 @@ void singles_move(Direct *d, real along);
 bool singles_forces(Direct *d);                         /* false: the factor is not of these any more */
 void singles_begin(Direct *d);
 void singles_gradient(Direct *d);
-void singles_assemble(Direct *d);
+void singles_assemble(Direct *d, bool bounded);         /* those with a bound, or those without */
 real singles_slope(const Direct *d, real along);
 real singles_off(const Direct *d);
 void singles_round(Direct *d, real harder);             /* harder: times the compliance of what has a bound */

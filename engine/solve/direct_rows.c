@@ -281,7 +281,8 @@ static void assemble_triple(Direct *d, const Triple *t)
     add_block(blocks_at(&d->blocks, t->place[row], t->place[1 - row]), t->j[0] + 6 * row, x + 6 * (1 - row));
 }
 
-void direct_assemble(Direct *d, bool fresh)
+/* What stays the same from one assembly to the next: masses, and rows without a bound. */
+static void assemble_base(Direct *d)
 {
     blocks_clear(&d->blocks);
     for (int i = 0; i < d->blocks.n; i++) {
@@ -292,6 +293,17 @@ void direct_assemble(Direct *d, bool fresh)
             memcpy(h + 6 * (3 + k) + 3, m + 1 + 3 * k, 3 * sizeof *h);
         }
     }
+    singles_assemble(d, false);
+    blocks_copy(&d->base, &d->blocks);
+    d->based = true;
+}
+
+void direct_assemble(Direct *d, bool fresh)
+{
+    if (d->based)
+        blocks_copy(&d->blocks, &d->base);
+    else
+        assemble_base(d);
     for (int i = 0; i < d->triple_count; i++) {
         if (fresh) {
             real y[3];
@@ -301,7 +313,7 @@ void direct_assemble(Direct *d, bool fresh)
         assemble_triple(d, &d->triples[i]);
         d->triples[i].factored = d->triples[i].held;
     }
-    singles_assemble(d);
+    singles_assemble(d, true);
 }
 
 /* ---- the outer loop ---- */
