@@ -69,6 +69,18 @@ bool blocks_reserve(Blocks *s, Arena *arena)
     return s->diagonal && s->below;
 }
 
+bool blocks_like(Blocks *s, const Blocks *of, Arena *arena)
+{
+    *s = *of;
+    return blocks_reserve(s, arena);
+}
+
+void blocks_copy(Blocks *to, const Blocks *from)
+{
+    memcpy(to->diagonal, from->diagonal, (size_t)to->n * BLOCK * sizeof(real));
+    memcpy(to->below, from->below, (size_t)to->first[to->n] * BLOCK * sizeof(real));
+}
+
 void blocks_clear(Blocks *s)
 {
     memset(s->diagonal, 0, (size_t)s->n * BLOCK * sizeof(real));

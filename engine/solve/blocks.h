@@ -26,6 +26,8 @@ typedef struct Blocks {
 /* Order and pattern. linked: n * n bytes, symmetric, nonzero where two are linked; it is used up. False: out of memory. */
 bool blocks_plan(Blocks *s, Arena *arena, int n, unsigned char *linked);
 bool blocks_reserve(Blocks *s, Arena *arena);
+bool blocks_like(Blocks *s, const Blocks *of, Arena *arena);    /* of the same pattern; false: out of memory */
+void blocks_copy(Blocks *to, const Blocks *from);
 void blocks_clear(Blocks *s);
 /* Block of two places, row > column, that are linked. */
 static inline real *blocks_at(const Blocks *s, int row, int column) { return s->below + (size_t)BLOCK * (size_t)s->at[row * s->n + column]; }

@@ -22,15 +22,20 @@
 static const int most_points[2] = {1000, 4000}, most_failures[2] = {1, 64};     /* failures in a step */
 static const real most_work[2] = {1e6, 4e6};                                    /* multiplications of one factorisation */
 #define MOST_BODIES   512
-#define MOST_ROUNDS   12
+#define MOST_ROUNDS   20
 #define MOST_STEPS    30        /*      of Newton's method in a round */
 #define MOST_FACTORS  60        /*      in all rounds; where nothing is heavy also so many as points times factors allow, or few */
 #define FACTOR_POINTS 4000
 #define FEW_FACTORS   12
 #define FAST          0.03      /*      of the speed of a fall by its own size: such a contact slides or tumbles */
 #define MOST_FAST     0.05      /*      of the points may: else Newton's method takes long, and creep does not matter */
+/* The second try of what slides at many points, from soft to hard: with rows hard at once Newton's method stops at their kinks. */
+#define SOFT_POINTS   32000     /*      points times factors */
+#define SOFT_FACTORS  150
+#define SOFT_GOOD     1e-5      /* m/s  lifts within this are good enough */
 /* Where the sweeps are stuck, too: from soft to hard, and what is much better than they are is taken */
 #define RESCUE_SOFT   1e5       /*      times the compliance at first */
+#define HARDEST       1e-3      /*      the same at last */
 #define RESCUED       0.1       /*      of the error that the sweeps left */
 #define MOST_RESCUES  2         /*      that failed in a step */
 #define AIM           1e-9      /* m/s  wanted at least: what is left adds up to creep */
@@ -42,7 +47,8 @@ static const real most_work[2] = {1e6, 4e6};                                    
 #define CROWD_SOFT    1e5
 #define JOINT_FACTORS 300
 #define JOINT_STEPS   75
-#define JOINT_ROUNDS  4         /*      so many, and on while rows are off by more than JOINT_POOR */
+#define JOINT_ROUNDS  4         /*      so many, and on while rows are off by more than JOINT_POOR, */
+#define JOINT_MOST_ROUNDS 12    /*      up to this */
 #define JOINT_AIM     1e-6      /* m/s */
 #define JOINT_POOR    1e-3      /* m/s */
 #define JOINT_FAILURES 4        /*      in a step, after which its rows are left to the sweeps */
@@ -121,7 +127,7 @@ static bool open_direct(Direct *d)
             d->place[i] = d->blocks.place[d->place[i]];
             d->body[d->place[i]] = i;
         }
-    if (!blocks_reserve(&d->blocks, g->arena) || !direct_rows(d) || !stiffness_open(d)) {
+    if (!blocks_reserve(&d->blocks, g->arena) || !blocks_like(&d->base, &d->blocks, g->arena) || !direct_rows(d) || !stiffness_open(d)) {
         g->status = DIG_E_MEMORY;
         return false;
     }
@@ -368,6 +374,7 @@ static bool solve(Direct *d, real residual)
         off = direct_off(d);
         d->error = direct_round(d, d->hardened > 1 || off > 0.1 * off_before);
         stalled = d->error > 0.5 * before ? stalled + 1 : 0;
+        d->swings = stalled >= 2;
         if (stalled >= 2 && d->error < GOOD)
             break;
     }
@@ -382,7 +389,7 @@ static bool solve_joints(Direct *d)
     real speed = speed_of_rows(d);
     direct_begin(d);
     d->error = INFINITY;
-    while (d->rounds < MOST_ROUNDS && d->factors < d->most_factors && d->error > JOINT_AIM) {
+    while (d->rounds < JOINT_MOST_ROUNDS && d->factors < d->most_factors && d->error > JOINT_AIM) {
         bool carries = d->rounds == 0 || d->g->heals;
         if ((carries && !carry_on(d)) || !minimise(d, 0.1 * AIM))
             return false;
@@ -421,7 +428,7 @@ bool direct_project(Group *g)
     if (g->point_count > most_points[1] || g->moving_count > MOST_BODIES)
         return false;
     ArenaMark mark = arena_mark(g->arena);
-    Direct d = {.g = g, .heavy = true, .projects = true, .hardened = JOINT_SOFT, .most_factors = PROJECT_FACTORS};
+    Direct d = {.g = g, .heavy = true, .projects = true, .hardened = JOINT_SOFT, .hardest = HARDEST, .most_factors = PROJECT_FACTORS};
     bool fine = open_direct(&d) && solve_joints(&d);
     for (int i = 0; fine && i < d.blocks.n; i++) {
         const real *v = d.v + 6 * i;
@@ -432,18 +439,31 @@ bool direct_project(Group *g)
     return fine;
 }
 
+/* Rows that are soft at first. */
+static bool solve_soft(Group *g, real residual, int most_factors, real accept)
+{
+    Direct d = {.g = g, .hardened = RESCUE_SOFT, .hardest = 1, .most_factors = most_factors, .accept = accept};
+    return run(&d, residual);
+}
+
 bool direct_solve(Group *g, real residual)
 {
-    Direct d = {.g = g, .hardened = 1, .most_factors = MOST_FACTORS, .accept = GOOD};
+    Direct d = {.g = g, .hardened = 1, .hardest = HARDEST, .most_factors = MOST_FACTORS, .accept = GOOD};
+    bool heavy = group_top_heavy(g), light = !heavy && !g->joints_direct, fine = false;
+    residual = real_min(residual, AIM);
     if (g->joints_direct) {
         d.hardened = g->heals ? JOINT_SOFT : CROWD_SOFT;
         d.most_factors = JOINT_FACTORS;
-    } else if (!group_top_heavy(g)) {
+    } else if (!heavy) {
         d.most_factors = int_min(MOST_FACTORS, int_max(FEW_FACTORS, FACTOR_POINTS / g->point_count));
     }
-    bool fine = run(&d, real_min(residual, AIM));
+    if (!g->starts_soft)
+        fine = run(&d, residual);
     if (fine && g->joints_direct)
         g->residual = d.error;
+    g->starts_soft = light && !fine;
+    if (g->starts_soft)
+        fine = solve_soft(g, residual, int_min(SOFT_FACTORS, SOFT_POINTS / g->point_count), SOFT_GOOD);
     g->direct_failures += !fine;
     return fine;
 }
@@ -453,8 +473,8 @@ bool direct_rescue(Group *g)
     if (g->row_count > 0 || g->point_count == 0 || g->point_count > most_points[0] || g->moving_count > MOST_BODIES
         || g->rescues_failed >= MOST_RESCUES)
         return false;
-    Direct d = {.g = g, .hardened = RESCUE_SOFT, .most_factors = MOST_FACTORS, .accept = RESCUED * g->residual};
-    bool fine = run(&d, RESCUED * d.accept);
+    real accept = RESCUED * g->residual;
+    bool fine = solve_soft(g, RESCUED * accept, MOST_FACTORS, accept);
     g->rescues_failed += !fine;
     return fine;
 }

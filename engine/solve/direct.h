@@ -49,7 +49,8 @@ typedef struct Single {
 
 typedef struct Direct {
     Group  *g;
-    Blocks  blocks;
+    Blocks  blocks, base;       /* the matrix; what is the same in all rounds                       */
+    bool    based;
     Triple *triples; int triple_count;
     Single *singles; int single_count;
     mat3   *stiff;              /* [bodies] kg m^2  h^2 times the geometric stiffness              */
@@ -61,8 +62,9 @@ typedef struct Direct {
     bool    heavy;              /* something in the group is heavy on what is light                 */
     bool    kept;               /* the factor is that of the present sets                          */
     bool    late_lift;          /*       lifts are those of the start: what is wedged in something that gives chases them to infinity */
+    bool    swings;             /* rounds go to and fro: lifts go half the way                      */
     int     factors, rounds, most_factors;
-    real    hardened;           /* 1    compliances over what they were at first                   */
+    real    hardened, hardest;  /* 1    compliances over what they were at first, and at last      */
     real    accept;             /* m/s  what is good enough to be taken                            */
     real    unbalanced;         /* m/s  what velocities and impulses differ by                     */
     real    error;              /* m/s  reached                                                    */
@@ -76,7 +78,7 @@ void singles_move(Direct *d, real along);
 bool singles_forces(Direct *d);                         /* false: the factor is not of these any more */
 void singles_begin(Direct *d);
 void singles_gradient(Direct *d);
-void singles_assemble(Direct *d);
+void singles_assemble(Direct *d, bool bounded);         /* those with a bound, or those without */
 real singles_slope(const Direct *d, real along);
 real singles_off(const Direct *d);
 void singles_round(Direct *d, real harder);             /* harder: times the compliance of what has a bound */

@@ -134,12 +134,15 @@ static void add_outer(real *restrict h, const real *restrict x, const real *rest
             h[6 * r + c] += s * x[r] * y[c];
 }
 
-void singles_assemble(Direct *d)
+void singles_assemble(Direct *d, bool bounded)
 {
     for (int i = 0; i < d->single_count; i++) {
         Single *t = &d->singles[i];
+        if (t->bounded != bounded)
+            continue;
+        bool answers = !bounded || t->answers;      /* what has no bound answers in each assembly */
         t->factored = t->answers;
-        for (int m = 0; t->answers && m < t->count; m++)
+        for (int m = 0; answers && m < t->count; m++)
             for (int n = 0; n < t->count; n++) {
                 if (t->place[m] == t->place[n])
                     add_outer(d->blocks.diagonal + BLOCK * t->place[m], t->j[m], t->j[n], 1 / t->r);

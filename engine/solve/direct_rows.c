@@ -5,9 +5,8 @@
  * Newton's method stalls on the kinks: with the method's prototype 1e-5 let a 10,000:1 stack creep, and 1e-8 stalled. */
 #define COMPLIANCE 1e-6
 
-/* Where a round takes off less than nine tenths, the next one has a tenth of the compliance, down to this part. */
+/* Where a round takes off less than nine tenths, the next one has a tenth of the compliance. */
 #define HARDEN  0.1
-#define HARDEST 1e-3
 
 /* ---- rows ---- */
 
@@ -282,7 +281,8 @@ static void assemble_triple(Direct *d, const Triple *t)
     add_block(blocks_at(&d->blocks, t->place[row], t->place[1 - row]), t->j[0] + 6 * row, x + 6 * (1 - row));
 }
 
-void direct_assemble(Direct *d, bool fresh)
+/* What stays the same from one assembly to the next: masses, and rows without a bound. */
+static void assemble_base(Direct *d)
 {
     blocks_clear(&d->blocks);
     for (int i = 0; i < d->blocks.n; i++) {
@@ -293,6 +293,17 @@ void direct_assemble(Direct *d, bool fresh)
             memcpy(h + 6 * (3 + k) + 3, m + 1 + 3 * k, 3 * sizeof *h);
         }
     }
+    singles_assemble(d, false);
+    blocks_copy(&d->base, &d->blocks);
+    d->based = true;
+}
+
+void direct_assemble(Direct *d, bool fresh)
+{
+    if (d->based)
+        blocks_copy(&d->blocks, &d->base);
+    else
+        assemble_base(d);
     for (int i = 0; i < d->triple_count; i++) {
         if (fresh) {
             real y[3];
@@ -302,7 +313,7 @@ void direct_assemble(Direct *d, bool fresh)
         assemble_triple(d, &d->triples[i]);
         d->triples[i].factored = d->triples[i].held;
     }
-    singles_assemble(d);
+    singles_assemble(d, true);
 }
 
 /* ---- the outer loop ---- */
@@ -372,12 +383,13 @@ static real next_triple(Direct *d, int i, real harder)
         worst = real_max(worst, reach * t->r * fabs(t->force[k] - t->prox[k]));
         t->prox[k] = t->force[k];
     }
-    if (t->set == SET_CONE && t->held == HELD_SLIPS)
+    if (t->set == SET_CONE && (t->held == HELD_SLIPS || t->held == HELD_NOT))
         lift = t->mu * hypot(t->rate[1], t->rate[2]);
     if (d->late_lift)
         lift = t->lift;
-    worst = real_max(worst, fabs(lift - t->lift));
-    t->lift = lift;
+    real open = t->held == HELD_NOT ? real_max(t->target[0] - t->rate[0], 0) : INFINITY;    /* its lift matters where it closes */
+    worst = real_max(worst, real_min(fabs(lift - t->lift), open));
+    t->lift = d->swings ? 0.5 * (t->lift + lift) : lift;
     follow_bounds(d, i);
     worst = real_max(worst, reach * t->r / (COMPLIANCE * d->hardened) * fabs(t->bound - bound));
     t->r *= harder;
@@ -390,7 +402,7 @@ static real next_triple(Direct *d, int i, real harder)
 
 real direct_round(Direct *d, bool harden)
 {
-    real worst = singles_off(d), harder = harden && d->hardened > HARDEST ? HARDEN : 1;
+    real worst = singles_off(d), harder = harden && d->hardened > 1.001 * d->hardest ? HARDEN : 1;
     singles_round(d, harder);
     for (int i = 0; i < d->triple_count; i++)
         worst = real_max(worst, next_triple(d, i, harder));

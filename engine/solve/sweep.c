@@ -629,6 +629,7 @@ static dig_status reserve(Group *g)
 
 static void measure(Group *g)
 {
+    g->joint_error = 0;
     for (int i = 0; i < g->contact_count; i++)
         for (int k = 0; g->contacts[i].live && k < g->contacts[i].manifold.count; k++)
             g->penetration = real_max(g->penetration, -g->contacts[i].manifold.points[k].gap);
@@ -638,6 +639,38 @@ static void measure(Group *g)
     for (int i = 0; i < g->row_count; i++)
         if (g->rows[i].row.kind == ROW_HARD)
             g->joint_error = real_max(g->joint_error, fabs(g->rows[i].row.error));
+}
+
+#define GAPING 1e-3             /* of the smallest size: wider gaps of joints are closed before anybody sees them */
+
+/* After measure(). */
+static bool gapes(const Group *g)
+{
+    for (int i = 0; i < g->row_count; i++) {
+        const Row *r = &g->rows[i].row;
+        real size = INFINITY;
+        for (int k = 0; k < r->count; k++)
+            size = r->body[k] < 0 ? size : real_min(size, g->member[r->body[k]].outer);
+        if (r->kind == ROW_HARD && !r->angular && fabs(r->error) > GAPING * size)
+            return true;
+    }
+    return false;
+}
+
+/* What the last substep's turns have opened, as the next one would begin with: limbs that whirl open theirs by their reach times half
+ * the square of the angle. */
+static dig_status close_gaps(Group *g, real part)
+{
+    g->h = part;
+    g->point_count = g->roll_count = g->block_count = g->row_count = 0;
+    DIG_TRY(g->stage(g, STAGE_ROWS));
+    group_build_joints(g, false);
+    project(g);
+    for (int i = 0; i < g->moving_count; i++)
+        group_refresh_mass(g, i);
+    group_touch(g, part, true);
+    measure(g);
+    return g->status;
 }
 
 /* rad: what is not round and touches turns no farther in one piece, or its corners would be missed. */
@@ -728,6 +761,8 @@ dig_status sweep_advance(Group *g, real dt)
         DIG_TRY(sweep_until(g, dt, k + 1 < g->plan->substeps ? part * (k + 1) : dt));
     if (!g->woke) {
         measure(g);
+        if (g->joints_direct && !g->heals && gapes(g))
+            DIG_TRY(close_gaps(g, part));
         DIG_TRY(g->stage(g, STAGE_SETTLE));
     }
     return g->status;
