@@ -142,7 +142,7 @@ void arena_reset(Arena *a)
         size = ARENA_FIRST;
     if (size > a->held)
         size = a->held;
-    if (!a->first || !(a->first->next || (look && size < a->held / 4 * 3)))
+    if (!a->first || !(a->first->next || (look && size < a->held / 8 * 7)))
         return;
     chunks_close(a);
     a->first = chunk_open(a, size);     /* NULL: the next arena_alloc tries again */

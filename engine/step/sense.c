@@ -385,6 +385,7 @@ static dig_status ask_all(World *w)
 
 dig_status sense_pairs(World *w, real dt)
 {
+    DIG_TRY(world_compact(w));
     tidy_awake(w);
     DIG_TRY(ask_all(w));
     tidy_awake(w);                      /* who was woken just now has its place in the order */

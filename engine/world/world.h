@@ -457,6 +457,9 @@ void       post_graph_changes(World *w, uint32_t layer);                /* of th
 dig_status materials_open(World *w);
 int        material_find(const World *w, const char *name);             /* < 0 = none */
 
+/* compact.c: between steps. DIG_E_MEMORY: nothing moved, or what moved is in its new place */
+dig_status world_compact(World *w);
+
 /* check.c */
 dig_status world_check(const World *w);
 
