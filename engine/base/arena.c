@@ -41,6 +41,8 @@ static void chunks_close(Arena *a)
     a->live = a->held = 0;
 }
 
+#define LATELY 128              /* resets */
+
 /* Makes a chunk with room for `size` bytes the current one: the next in the list when it is large enough, else a new one
  * put in front of it. */
 static ArenaChunk *next_chunk(Arena *a, size_t size)
@@ -123,11 +125,19 @@ void arena_rewind(Arena *a, ArenaMark m)
 void arena_reset(Arena *a)
 {
     arena_rewind(a, (ArenaMark){0});
-    if (!a->first || !a->first->next)
-        return;
-    size_t size = round_up(a->high + a->high / 16 + ARENA_FIRST / 8);      /* not all that is held: chunks end where pieces do not fit */
+    bool look = ++a->resets >= LATELY;
+    size_t most = a->high;
+    if (look) {
+        a->resets = 0;
+        a->high = 0;
+    }
+    size_t size = round_up(most + most / 16);           /* not all that is held: chunks end where pieces do not fit */
+    if (size < ARENA_FIRST)
+        size = ARENA_FIRST;
     if (size > a->held)
         size = a->held;
+    if (!a->first || !(a->first->next || (look && size < a->held / 8 * 7)))
+        return;
     chunks_close(a);
     a->first = chunk_open(a, size);     /* NULL: the next arena_alloc tries again */
 }

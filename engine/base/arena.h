@@ -2,7 +2,8 @@
  *
  * A step takes what it needs with arena_alloc and gives everything back with arena_reset; an inner piece of work that needs
  * scratch brackets it with arena_mark and arena_rewind. When a step needed more than one chunk, arena_reset replaces the chunks
- * by one that would have been enough, so that the steady state never calls the allocator.
+ * by one that would have been enough, so that the steady state never calls the allocator; and by a smaller one when nothing has needed
+ * it for many steps.
  *
  * Owns:      its chunks. A zeroed Arena is empty and valid; arena_close makes it so again.
  * Invariant: every piece is aligned to ARENA_ALIGN bytes; contents are undefined until written. With DIG_DEBUG, fresh and
@@ -28,7 +29,8 @@ struct ArenaChunk {
 typedef struct Arena {
     ArenaChunk *first, *current;        /* current NULL: nothing taken; chunks after it are kept for reuse */
     size_t   live;                      /* bytes taken now                         */
-    size_t   high;                      /* bytes, most ever taken at the same time */
+    size_t   high;                      /* bytes, most taken at the same time of late */
+    int      resets;                    /* since this was last looked at           */
     size_t   held;                      /* bytes of all chunks                     */
     uint64_t allocations;               /* calls to malloc so far                  */
 } Arena;

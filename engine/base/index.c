@@ -84,6 +84,24 @@ void index_remove(Index *x, MapKey key, uint32_t record)
     x->count--;
 }
 
+void index_renumber(Index *x, const uint32_t *to)
+{
+    uint32_t size = 16;
+    while (!holds(size, x->count))
+        size *= 2;
+    for (uint32_t i = 0; i < x->size; i++)
+        if (x->entries[i].hash)
+            x->entries[i].record = to[x->entries[i].record];
+    Index small = {.size = size};
+    if (size >= x->size || !(small.entries = calloc(size, sizeof *small.entries)))
+        return;
+    for (uint32_t i = 0; i < x->size; i++)
+        if (x->entries[i].hash)
+            put(&small, x->entries[i]);
+    free(x->entries);
+    *x = small;
+}
+
 dig_status index_copy(Index *to, const Index *from)
 {
     if (to == from)

@@ -100,13 +100,20 @@ static dig_status list_pairs(World *w, Body *b)
     return DIG_OK;
 }
 
+/* All that have a pair with it, that it need not ask for. */
+static void mark_known(World *w, uint32_t solid, bool known)
+{
+    for (uint32_t l = w->solids.data[solid].pair_first; l != NONE; l = w->pairs.data[l / 2].next[l % 2])
+        w->solids.data[l % 2 ? w->pairs.data[l / 2].solid_a : w->pairs.data[l / 2].solid_b].known = known;
+}
+
 typedef struct Ask { World *w; uint32_t solid; dig_status status; } Ask;
 
 static bool found(void *context, uint32_t other)
 {
     Ask *a = context;
     World *w = a->w;
-    if (other == a->solid || !bodies_may_touch(w, &w->solids.data[a->solid], &w->solids.data[other]))
+    if (other == a->solid || w->solids.data[other].known || !bodies_may_touch(w, &w->solids.data[a->solid], &w->solids.data[other]))
         return true;
     a->status = pair_add(w, a->solid, other);
     return a->status == DIG_OK;
@@ -118,7 +125,9 @@ static dig_status ask(World *w, uint32_t solid)
     if (s->leaf < 0)
         return DIG_OK;
     Ask a = {w, solid, DIG_OK};
+    mark_known(w, solid, true);
     tree_query(&w->tree, tree_box(&w->tree, s->leaf), found, &a);
+    mark_known(w, solid, false);
     if (a.status != DIG_OK && !s->asks) {       /* not forgotten: asked again in the next try of the step */
         s->asks = true;
         w->asking.data[w->asking.count++] = solid;
@@ -140,9 +149,9 @@ static bool plane_near(const World *w, uint32_t plane, box3 box)
 static dig_status ask_planes(World *w, uint32_t solid)
 {
     for (int i = 0; i < w->unbounded.count; i++) {
-        uint32_t plane = w->unbounded.data[i];
+        uint32_t plane = w->unbounded.data[i], pair;
         const Solid *s = &w->solids.data[solid], *p = &w->solids.data[plane];
-        if (plane != solid && s->leaf >= 0 && plane_near(w, plane, s->reach) && bodies_may_touch(w, s, p))
+        if (plane != solid && s->leaf >= 0 && plane_near(w, plane, s->reach) && bodies_may_touch(w, s, p) && !pair_find(w, solid, plane, &pair))
             DIG_TRY(pair_add(w, solid, plane));
     }
     return DIG_OK;
@@ -377,6 +386,7 @@ static dig_status ask_all(World *w)
 
 dig_status sense_pairs(World *w, real dt)
 {
+    DIG_TRY(world_compact(w));
     tidy_awake(w);
     DIG_TRY(ask_all(w));
     tidy_awake(w);                      /* who was woken just now has its place in the order */

@@ -136,15 +136,16 @@ static void warn(World *w, dig_rule rule, uint32_t slot, real value, real bound,
 static bool lasts(World *w, dig_rule rule, uint32_t slot, uint64_t pause)
 {
     BodyWatch *b = &w->bodies.data[slot].watch;
-    if (b->last[rule] == w->steps)
+    uint32_t now = (uint32_t)w->steps;
+    if (b->last[rule] == now)
         return false;               /* by another contact */
-    if (b->run[rule] == 0 || b->last[rule] + pause + 1 < w->steps) {
+    if (b->run[rule] == 0 || now - b->last[rule] > pause + 1) {
         b->run[rule] = 0;
-        b->since[rule] = w->steps;
+        b->since[rule] = now;
     }
-    b->run[rule]++;
-    b->last[rule] = w->steps;
-    if (b->run[rule] < rules[rule].steps || (real)(w->steps - b->since[rule] + 1) * w->def.step < rules[rule].patience)
+    b->run[rule] = (uint16_t)int_min(b->run[rule] + 1, UINT16_MAX);
+    b->last[rule] = now;
+    if (b->run[rule] < rules[rule].steps || (real)(now - b->since[rule] + 1) * w->def.step < rules[rule].patience)
         return false;
     b->run[rule] = 0;
     return true;

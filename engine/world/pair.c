@@ -112,9 +112,7 @@ dig_status pair_add(World *w, uint32_t solid_a, uint32_t solid_b)
         solid_b = t;
     }
     MapKey key = {solid_a, solid_b, 0};
-    uint32_t slot, found;
-    if (pair_find(w, solid_a, solid_b, &found))
-        return DIG_OK;
+    uint32_t slot;
     const Solid *a = &w->solids.data[solid_a], *b = &w->solids.data[solid_b];
     Pair pair = {.alive = true, .solid_a = solid_a, .solid_b = solid_b, .body_a = a->body, .body_b = b->body, .listed = true, .fresh = true, .until = -1};
     pair_sort(w, &pair);

@@ -40,8 +40,8 @@ typedef struct Surface {        /* what friction and restitution need of a surfa
 typedef struct BodyWatch {
     real     rise;              /* J      its part of what its group got without work, and has not lost since */
     real     borne;             /* J      its part of how much of that may be */
-    uint64_t since[DIG_RULES], last[DIG_RULES];     /* steps in which a rule was broken, first and last time in a row */
-    uint32_t run[DIG_RULES];    /*        times in that row; 0 = none                   */
+    uint32_t since[DIG_RULES], last[DIG_RULES];     /* steps, modulo 2^32, in which a rule was broken, first and last time in a row */
+    uint16_t run[DIG_RULES];    /*        times in that row, or the most that it counts; 0 = none */
 } BodyWatch;
 
 typedef struct Body {           /* what every step reads comes first                   */
@@ -92,6 +92,7 @@ typedef struct Solid {          /* one shape in a body, or of the world itself (
     bool     alive;
     bool     asks;              /* in world->asking: its box wants to be compared with the tree */
     uint8_t  wall;              /* 1..6 for the room's, else 0                         */
+    bool     known;             /* while another asks: they are a pair already         */
     uint32_t body, next;
     uint32_t pair_first;        /* list through Pair.next, as 2 * pair + side          */
     int32_t  leaf;              /* in world->tree; < 0: unbounded (planes) or no collisions */
@@ -438,7 +439,7 @@ dig_status contact_take(World *w, uint32_t *slot);      /* without a point, next
 dig_status contact_widen(World *w, Contact *c);         /* room for all points; DIG_E_MEMORY: unchanged */
 void       contact_give(World *w, uint32_t slot);
 void       pair_sort(const World *w, Pair *p);           /* what its shapes make it: pieces, round */
-dig_status pair_add(World *w, uint32_t solid_a, uint32_t solid_b);
+dig_status pair_add(World *w, uint32_t solid_a, uint32_t solid_b);     /* that are none yet */
 bool       pair_find(const World *w, uint32_t solid_a, uint32_t solid_b, uint32_t *pair);         /* in any order */
 dig_status pair_enter(World *w, uint32_t pair);         /* into the index; it is not there yet */
 void       pair_attach(World *w, uint32_t pair);        /* into the lists of its solids */
@@ -464,6 +465,9 @@ void       post_graph_changes(World *w, uint32_t layer);                /* of th
 /* material.c */
 dig_status materials_open(World *w);
 int        material_find(const World *w, const char *name);             /* < 0 = none */
+
+/* compact.c: between steps. DIG_E_MEMORY: nothing moved, or what moved is in its new place */
+dig_status world_compact(World *w);
 
 /* check.c */
 dig_status world_check(const World *w);

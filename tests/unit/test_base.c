@@ -2,6 +2,7 @@
 #include "check.h"
 
 #include "base/arena.h"
+#include "base/index.h"
 #include "base/list.h"
 #include "base/map.h"
 #include "base/sort.h"
@@ -312,6 +313,83 @@ TEST(a_trimmed_list_keeps_what_it_holds_and_little_more)
     list_close(&list);
 }
 
+TEST(a_shrunk_piece_makes_room_for_the_next_one)
+{
+    Arena a = {0};
+    char *first = arena_alloc(&a, 100), *piece = arena_alloc(&a, 10000);
+    size_t live = a.live;
+    memset(first, 1, 100);
+    memset(piece, 2, 10000);
+    arena_shrink(&a, piece, 90);
+    CHECK(a.live < live - 9000);
+    CHECK(arena_alloc(&a, 50) == piece + 96);
+    CHECK_INT(first[99], 1);
+    CHECK_INT(piece[89], 2);
+    arena_close(&a);
+}
+
+TEST(what_is_not_needed_for_long_is_given_back)
+{
+    Arena a = {0};
+    CHECK(arena_alloc(&a, 10000000) != NULL);
+    for (int i = 0; i < 300; i++) {
+        arena_reset(&a);
+        CHECK(arena_bytes(&a) >= 10000000 || i > 100);
+        CHECK(arena_alloc(&a, 1000000) != NULL);
+    }
+    CHECK(arena_bytes(&a) < 1200000);
+    uint64_t allocations = a.allocations;
+    for (int i = 0; i < 300; i++) {
+        arena_reset(&a);
+        CHECK(arena_alloc(&a, 1000000) != NULL);
+    }
+    CHECK_INT(a.allocations, allocations);
+    arena_close(&a);
+}
+
+#define RECORDS 3000
+
+static bool is_record(const void *records, uint32_t record, MapKey key)
+{
+    const MapKey *k = (const MapKey *)records + record;
+    return k->a == key.a && k->b == key.b && k->c == key.c;
+}
+
+/* Records are put in, half taken out, and the rest moved up. */
+TEST(an_index_finds_records_by_their_keys_and_follows_when_they_move)
+{
+    static MapKey key[RECORDS];
+    static uint32_t to[RECORDS];
+    Index x = {0}, copy = {0};
+    uint32_t found, n = 0;
+    for (uint32_t i = 0; i < RECORDS; i++) {
+        key[i] = (MapKey){i / 50, i % 50, i % 3};
+        CHECK(!index_find(&x, key[i], is_record, key, &found));
+        CHECK_INT(index_add(&x, key[i], i), DIG_OK);
+    }
+    for (uint32_t i = 0; i < RECORDS; i++)
+        CHECK(index_find(&x, key[i], is_record, key, &found) && found == i);
+    CHECK_INT(index_copy(&copy, &x), DIG_OK);
+    size_t bytes = index_bytes(&x);
+    for (uint32_t i = 0; i < RECORDS; i++) {
+        if (i % 4 > 0)
+            index_remove(&x, key[i], i);
+        to[i] = i % 4 == 0 ? n++ : UINT32_MAX;
+    }
+    CHECK_INT(x.count, n);
+    for (uint32_t i = 0; i < RECORDS; i++)
+        CHECK_INT(index_find(&x, key[i], is_record, key, &found), i % 4 == 0);
+    index_renumber(&x, to);
+    for (uint32_t i = 0; i < RECORDS; i += 4)
+        key[to[i]] = key[i];
+    for (uint32_t i = 0; i < n; i++)
+        CHECK(index_find(&x, key[i], is_record, key, &found) && found == i);
+    CHECK(index_bytes(&x) < bytes);
+    CHECK_INT(copy.count, RECORDS);
+    index_close(&x);
+    index_close(&copy);
+}
+
 int main(void)
 {
     RUN_TESTS(
@@ -322,6 +400,9 @@ int main(void)
         unit_test(a_rewound_chain_of_chunks_is_filled_again_without_the_allocator),
         unit_test(a_demand_beyond_all_memory_is_refused_and_changes_nothing),
         unit_test(with_dig_debug_fresh_and_given_back_memory_reads_as_nan),
+        unit_test(a_shrunk_piece_makes_room_for_the_next_one),
+        unit_test(what_is_not_needed_for_long_is_given_back),
+        unit_test(an_index_finds_records_by_their_keys_and_follows_when_they_move),
         unit_test(a_map_agrees_with_a_plain_table_over_many_random_calls),
         unit_test(nothing_is_allocated_within_the_reserve),
         unit_test(regular_keys_stay_near_their_home),

@@ -219,6 +219,7 @@ typedef struct Sample {
     Batch     batch[BATCHES];
     WidePoint point[BATCHES][4];
     WidePatch patch[BATCHES];
+    WideTwist twist[BATCHES];
     WideRoll  roll[BATCHES];
     Phase     phase[BATCHES];
     float     worst[2][1];
@@ -241,6 +242,7 @@ static void make_sample(Sample *s, Crowd *c)
         Batch *b = &s->batch[i];
         fill(s->point[i], sizeof s->point[i], &rng);
         fill(&s->patch[i], sizeof s->patch[i], &rng);
+        fill(&s->twist[i], sizeof s->twist[i], &rng);
         fill(&s->roll[i], sizeof s->roll[i], &rng);
         fill(b->n, sizeof b->n + 4 * sizeof b->ra, &rng);
         for (int k = 0; k < LANES; k++) {
@@ -257,6 +259,7 @@ static void make_sample(Sample *s, Crowd *c)
         b->driven = i % 5 == 0;
         b->point = s->point[i];
         b->patch = i % 3 ? &s->patch[i] : NULL;
+        b->twist = i % 3 && b->points > 1 ? &s->twist[i] : NULL;
         b->roll = i % 4 == 2 ? &s->roll[i] : NULL;
         for (int p = 0; p < 4; p++)
             for (int k = 0; k < LANES; k++)
@@ -286,9 +289,41 @@ TEST(wide_rows_give_the_same_bits_on_all_instructions)
     CHECK(memcmp(s[0]->six, s[1]->six, sizeof s[0]->six) == 0);
     CHECK(memcmp(s[0]->point, s[1]->point, sizeof s[0]->point) == 0);
     CHECK(memcmp(s[0]->patch, s[1]->patch, sizeof s[0]->patch) == 0);
+    CHECK(memcmp(s[0]->twist, s[1]->twist, sizeof s[0]->twist) == 0);
     CHECK(memcmp(s[0]->roll, s[1]->roll, sizeof s[0]->roll) == 0);
     free(s[0]);
     free(s[1]);
+}
+
+#define SWARM 12                /* balls along an edge of a cube: about 15,000 pairs */
+
+TEST(room_for_pairs_and_contacts_is_given_back_when_most_are_over)
+{
+    dig_world *w = open_world(STEP, NULL, false);
+    static dig_body b[SWARM * SWARM * SWARM];
+    int n = 0;
+    for (int i = 0; i < SWARM; i++)
+        for (int j = 0; j < SWARM; j++)
+            for (int k = 0; k < SWARM; k++)
+                b[n++] = add_ball(w, rough, 0.25, 1, (vec3){0.4998 * i, 0.4998 * j, 0.4998 * k}, vec3_zero());
+    step(w, 1);
+    int before = w->pairs.count - w->free_pairs.count;
+    CHECK(before > 8000 && w->contacts.count - w->free_contacts.count > 4096);
+    for (int i = 8; i < n; i++) {
+        vec3 far = {3.0 * i, 50, 0};
+        dig_body_teleport(w, b[i], &far, NULL, NULL, NULL);
+    }
+    step(w, 2);
+    CHECK(w->free_pairs.count == 0 && w->pairs.count > 4 && w->pairs.count < 100);
+    CHECK(w->free_contacts.count == 0 && w->contacts.count < 100 && w->contacts.capacity < 200);
+    check_world(w);
+    CHECK(w->pairs.capacity < 200 && w->pair_index.size < 200);
+    vec3 back = {0, 0, -0.5};
+    dig_body_teleport(w, b[n - 1], &back, NULL, NULL, NULL);       /* into the index, and found in it */
+    step(w, 5);
+    CHECK(w->pairs.count > 5);
+    check_world(w);
+    dig_world_close(w);
 }
 
 int main(void)
@@ -296,5 +331,6 @@ int main(void)
     RUN_TESTS(unit_test(a_pyramid_rests_and_the_floor_carries_its_weight), unit_test(friction_holds_up_to_its_coefficient),
               unit_test(a_cloud_that_collides_keeps_its_momenta), unit_test(what_is_not_looked_at_meets_in_time),
               unit_test(columns_that_land_do_not_sink_into_each_other), unit_test(any_number_of_threads_gives_the_same_bits),
-              unit_test(wide_rows_give_the_same_bits_on_all_instructions));
+              unit_test(wide_rows_give_the_same_bits_on_all_instructions),
+              unit_test(room_for_pairs_and_contacts_is_given_back_when_most_are_over));
 }

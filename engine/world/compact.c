@@ -1,0 +1,102 @@
+/* world/compact.c - pairs and contacts move up when many of their slots are free, as when a swarm has come to rest.
+ *
+ * Pairs keep their order, so that results do not change; contacts get that of their pairs, in which every step goes through them.
+ */
+#include "world/world.h"
+
+#define MOVES_LEAST 4096        /* records: fewer are left where they are */
+
+static bool many_free(int count, int unused) { return count >= MOVES_LEAST && unused > count / 3; }
+
+static uint32_t moved_side(const uint32_t *to, uint32_t side) { return side == NONE ? NONE : 2 * to[side / 2] + side % 2; }
+
+/* What there is of pairs by number: their lists, those of their solids, the near ones, the index. */
+static void renumber_pairs(World *w, const uint32_t *to, int count)
+{
+    int n = 0;
+    for (int i = 0; i < count; i++)
+        for (int k = 0; k < 2; k++) {
+            w->pairs.data[i].next[k] = moved_side(to, w->pairs.data[i].next[k]);
+            w->pairs.data[i].prev[k] = moved_side(to, w->pairs.data[i].prev[k]);
+        }
+    for (int i = 0; i < w->solids.count; i++)
+        if (w->solids.data[i].alive)
+            w->solids.data[i].pair_first = moved_side(to, w->solids.data[i].pair_first);
+    for (int i = 0; i < w->near.count; i++)
+        if (to[w->near.data[i]] != NONE)
+            w->near.data[n++] = to[w->near.data[i]];
+    w->near.count = n;
+    index_renumber(&w->pair_index, to);
+}
+
+static dig_status move_pairs(World *w)
+{
+    int count = 0;
+    if (!many_free(w->pairs.count, w->free_pairs.count))
+        return DIG_OK;
+    ArenaMark mark = arena_mark(&w->scratch);
+    uint32_t *to = arena_alloc(&w->scratch, (size_t)w->pairs.count * sizeof *to);
+    if (!to)
+        return world_fail(w, DIG_E_MEMORY, "not enough memory for %d pairs", w->pairs.count);
+    for (int i = 0; i < w->pairs.count; i++) {
+        to[i] = w->pairs.data[i].alive ? (uint32_t)count : NONE;
+        if (w->pairs.data[i].alive)
+            w->pairs.data[count++] = w->pairs.data[i];
+    }
+    renumber_pairs(w, to, count);
+    arena_rewind(&w->scratch, mark);
+    w->pairs.count = count;
+    w->free_pairs.count = 0;
+    list_trim(&w->pairs, count + count / 8);
+    list_trim(&w->free_pairs, w->pairs.capacity);
+    list_trim(&w->near, w->near.count + w->near.count / 8);
+    return DIG_OK;
+}
+
+/* Contacts of one pair, from the old places to the next free ones. */
+static void move_list(World *w, Pair *p, const Contact *old, const MorePoints *old_more)
+{
+    uint32_t *link = &p->contact;
+    for (uint32_t c = p->contact; c != NONE; c = old[c].next) {
+        Contact *to = &w->contacts.data[w->contacts.count];
+        *to = old[c];
+        if (to->more != NONE) {
+            w->more.data[w->more.count] = old_more[to->more];
+            to->more = (uint32_t)w->more.count++;
+        }
+        *link = (uint32_t)w->contacts.count++;
+        link = &to->next;
+    }
+}
+
+static dig_status move_contacts(World *w)
+{
+    if (!many_free(w->contacts.count, w->free_contacts.count))
+        return DIG_OK;
+    ArenaMark mark = arena_mark(&w->scratch);
+    Contact *old = arena_alloc(&w->scratch, (size_t)w->contacts.count * sizeof *old);
+    MorePoints *old_more = arena_alloc(&w->scratch, (size_t)w->more.count * sizeof *old_more);
+    if (!old || !old_more) {
+        arena_rewind(&w->scratch, mark);
+        return world_fail(w, DIG_E_MEMORY, "not enough memory for %d contacts", w->contacts.count);
+    }
+    memcpy(old, w->contacts.data, (size_t)w->contacts.count * sizeof *old);
+    if (w->more.count > 0)
+        memcpy(old_more, w->more.data, (size_t)w->more.count * sizeof *old_more);
+    w->contacts.count = w->more.count = w->free_contacts.count = w->free_more.count = 0;
+    for (int i = 0; i < w->pairs.count; i++)
+        if (w->pairs.data[i].alive)
+            move_list(w, &w->pairs.data[i], old, old_more);
+    arena_rewind(&w->scratch, mark);
+    list_trim(&w->contacts, w->contacts.count + w->contacts.count / 8);
+    list_trim(&w->more, w->more.count + w->more.count / 8);
+    list_trim(&w->free_contacts, w->contacts.capacity);
+    list_trim(&w->free_more, w->more.capacity);
+    return DIG_OK;
+}
+
+dig_status world_compact(World *w)
+{
+    DIG_TRY(move_pairs(w));
+    return move_contacts(w);
+}
