@@ -41,7 +41,7 @@ static void chunks_close(Arena *a)
     a->live = a->held = 0;
 }
 
-#define LATELY 128              /* resets */
+#define LATELY 64               /* resets */
 
 /* Makes a chunk with room for `size` bytes the current one: the next in the list when it is large enough, else a new one
  * put in front of it. */
