@@ -88,6 +88,7 @@ struct dig_param {
     const dig_param  *rows; /* DIG_TABLE: its own rows, offsets from this offset  */
     const char *const *choices;   /* DIG_CHOICE: NULL-terminated                  */
     bool        required;
+    int         most;       /* DIG_POINTS, DIG_INDICES: entries; 0 = what memory allows   */
 };
 
 /* One set of rows with the size of the struct they describe. */

@@ -186,10 +186,27 @@ static int list_length(const Fill *f, const dig_param *row, const char *wanted)
     if (!lua_istable(f->L, -1))
         wrong_kind(f, row, wanted);
     lua_Unsigned n = lua_rawlen(f->L, -1);
-    if (n > POINT_LIMIT)
-        bind_error(f->L, "%s.%s has %.0f entries, must have at most %d", f->what, row->name, (lua_Number)n, POINT_LIMIT);
+    int most = row->most > 0 ? row->most : POINT_LIMIT;
+    if (n > (lua_Unsigned)most)
+        bind_error(f->L, "%s.%s has %.0f entries, must have at most %d", f->what, row->name, (lua_Number)n, most);
     bind_charge_items(f->L, (size_t)n);
     return (int)n;
+}
+
+/* {x, y, z} of three finite numbers, as nearly all are; what else there may be, and what is wrong with it, is bind_vec3's. */
+static bool plain_point(lua_State *L, vec3 *out)
+{
+    real *x[3] = {&out->x, &out->y, &out->z};
+    if (lua_type(L, -1) != LUA_TTABLE || lua_rawlen(L, -1) != 3)
+        return false;
+    bool fine = true;
+    for (int i = 0; i < 3 && fine; i++) {
+        fine = lua_rawgeti(L, -1, i + 1) == LUA_TNUMBER;
+        *x[i] = fine ? lua_tonumber(L, -1) : 0;
+        fine = fine && isfinite(*x[i]);
+        lua_pop(L, 1);
+    }
+    return fine;
 }
 
 static void fill_points(const Fill *f, const dig_param *row, dig_points *field)
@@ -200,8 +217,10 @@ static void fill_points(const Fill *f, const dig_param *row, dig_points *field)
     for (int i = 0; i < n; i++) {
         char name[96];
         lua_rawgeti(L, -1, i + 1);
-        snprintf(name, sizeof name, "%s[%d]", row->name, i + 1);
-        v[i] = bind_vec3(L, -1, row->unit, f->what, name);
+        if (!plain_point(L, &v[i])) {
+            snprintf(name, sizeof name, "%s[%d]", row->name, i + 1);
+            v[i] = bind_vec3(L, -1, row->unit, f->what, name);
+        }
         lua_pop(L, 1);
     }
     *field = (dig_points){v, n};

@@ -174,15 +174,15 @@ static int make_body(lua_State *L)
 
 /* Ranges as those of a body (engine/api/schema.c). */
 static const dig_param place_rows[] = {
-    {"at", DIG_VEC3, "m", "place in the body", 0, -1e6, 1e6, OF_PART(at) + offsetof(pose, p), NULL, NULL, false},
-    {"rotation", DIG_QUAT, "", "turn in the body", 0, 0, 0, OF_PART(at) + offsetof(pose, q), NULL, NULL, false},
-    {"material", DIG_MATERIAL, "", "default: the body's", 0, 0, 0, OF_PART(material), NULL, NULL, false},
-    {"density", DIG_REAL, "kg/m^3", "default: the body's, else the material's", NAN, 1e-6, 1e9, OF_PART(density), NULL, NULL, false},
-    {"friction", DIG_REAL, "1", "static; default: the body's", NAN, 0, 100, OF_SURFACE(friction), NULL, NULL, false},
-    {"friction_dynamic", DIG_REAL, "1", "default: as static", NAN, 0, 100, OF_SURFACE(friction_dynamic), NULL, NULL, false},
-    {"rolling_friction", DIG_REAL, "1", "default: the body's", NAN, 0, 10, OF_SURFACE(rolling_friction), NULL, NULL, false},
-    {"restitution", DIG_REAL, "1", "default: the body's", NAN, 0, 1, OF_SURFACE(restitution), NULL, NULL, false},
-    {"colour", DIG_COLOUR, "1", "default: the body's", -1, 0, 1, OF_PART(colour), NULL, NULL, false},
+    {"at", DIG_VEC3, "m", "place in the body", 0, -1e6, 1e6, OF_PART(at) + offsetof(pose, p), NULL, NULL, false, 0},
+    {"rotation", DIG_QUAT, "", "turn in the body", 0, 0, 0, OF_PART(at) + offsetof(pose, q), NULL, NULL, false, 0},
+    {"material", DIG_MATERIAL, "", "default: the body's", 0, 0, 0, OF_PART(material), NULL, NULL, false, 0},
+    {"density", DIG_REAL, "kg/m^3", "default: the body's, else the material's", NAN, 1e-6, 1e9, OF_PART(density), NULL, NULL, false, 0},
+    {"friction", DIG_REAL, "1", "static; default: the body's", NAN, 0, 100, OF_SURFACE(friction), NULL, NULL, false, 0},
+    {"friction_dynamic", DIG_REAL, "1", "default: as static", NAN, 0, 100, OF_SURFACE(friction_dynamic), NULL, NULL, false, 0},
+    {"rolling_friction", DIG_REAL, "1", "default: the body's", NAN, 0, 10, OF_SURFACE(rolling_friction), NULL, NULL, false, 0},
+    {"restitution", DIG_REAL, "1", "default: the body's", NAN, 0, 1, OF_SURFACE(restitution), NULL, NULL, false, 0},
+    {"colour", DIG_COLOUR, "1", "default: the body's", -1, 0, 1, OF_PART(colour), NULL, NULL, false, 0},
     {.name = NULL},
 };
 

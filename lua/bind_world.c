@@ -485,12 +485,12 @@ static int world_material_of(lua_State *L)
 }
 
 static const dig_param pair_rows[] = {
-    {"a", DIG_MATERIAL, "", "one material", 0, 0, 0, offsetof(dig_pair_def, a), NULL, NULL, true},
-    {"b", DIG_MATERIAL, "", "the other", 0, 0, 0, offsetof(dig_pair_def, b), NULL, NULL, true},
-    {"friction", DIG_REAL, "1", "static", NAN, 0, 1e3, offsetof(dig_pair_def, friction), NULL, NULL, false},
-    {"friction_dynamic", DIG_REAL, "1", "sliding", NAN, 0, 1e3, offsetof(dig_pair_def, friction_dynamic), NULL, NULL, false},
-    {"rolling_friction", DIG_REAL, "1", "rolling", NAN, 0, 1e3, offsetof(dig_pair_def, rolling_friction), NULL, NULL, false},
-    {"restitution", DIG_REAL, "1", "bounce", NAN, 0, 1, offsetof(dig_pair_def, restitution), NULL, NULL, false},
+    {"a", DIG_MATERIAL, "", "one material", 0, 0, 0, offsetof(dig_pair_def, a), NULL, NULL, true, 0},
+    {"b", DIG_MATERIAL, "", "the other", 0, 0, 0, offsetof(dig_pair_def, b), NULL, NULL, true, 0},
+    {"friction", DIG_REAL, "1", "static", NAN, 0, 1e3, offsetof(dig_pair_def, friction), NULL, NULL, false, 0},
+    {"friction_dynamic", DIG_REAL, "1", "sliding", NAN, 0, 1e3, offsetof(dig_pair_def, friction_dynamic), NULL, NULL, false, 0},
+    {"rolling_friction", DIG_REAL, "1", "rolling", NAN, 0, 1e3, offsetof(dig_pair_def, rolling_friction), NULL, NULL, false, 0},
+    {"restitution", DIG_REAL, "1", "bounce", NAN, 0, 1, offsetof(dig_pair_def, restitution), NULL, NULL, false, 0},
     {.name = NULL},
 };
 

@@ -152,7 +152,7 @@ static real movers_work(const Group *g, const GroupContact *c)
     real work = 0;
     for (int k = 0; k < 2; k++) {
         int body = k ? c->b : c->a;
-        if (!g->member[body].kinematic || !(c->point_weight > 0))
+        if (!g->member[body].kinematic || !(c->point_weight > WEIGHT_LEAST))
             continue;
         vec3 at = vec3_scale(1 / c->point_weight, c->point_sum);
         vec3 v = vec3_add(g->vel[body].v, vec3_cross(g->vel[body].w, vec3_sub(at, g->pos[body].x)));
@@ -250,7 +250,7 @@ static Vel mean_velocity(const Group *g, int body)
 /* J  What a contact would have taken, were its force even over the step. */
 static real even_loss(const Group *g, const GroupContact *c, real dt)
 {
-    if (!(c->point_weight > 0))
+    if (!(c->point_weight > WEIGHT_LEAST))
         return 0;
     vec3 at = vec3_scale(1 / c->point_weight, c->point_sum);
     Vel a = mean_velocity(g, c->a), b = mean_velocity(g, c->b);

@@ -7,7 +7,8 @@
 
 static const dig_param hull_params[] = {
     {.name = "points", .kind = DIG_POINTS, .unit = "m", .doc = "at least 4 points not in one plane; at most 255 end up as corners",
-     .fallback = NAN, .min = -SHAPE_LENGTH_MAX, .max = SHAPE_LENGTH_MAX, .offset = offsetof(dig_hull_def, points), .required = true},
+     .fallback = NAN, .min = -SHAPE_LENGTH_MAX, .max = SHAPE_LENGTH_MAX, .offset = offsetof(dig_hull_def, points), .required = true,
+     .most = HULL_POINTS},
     {0}
 };
 

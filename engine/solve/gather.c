@@ -653,7 +653,7 @@ static void commit_contact(World *w, Contact *to, const GroupContact *from, real
     to->touching = from->touching;
     to->force = vec3_scale(1 / dt, from->impulse);
     to->lost = from->lost;
-    to->point = from->point_weight > 0 ? vec3_scale(1 / from->point_weight, from->point_sum)
+    to->point = from->point_weight > WEIGHT_LEAST ? vec3_scale(1 / from->point_weight, from->point_sum)
                                        : from->manifold.count ? from->manifold.points[0].a : vec3_zero();
 }
 

@@ -107,6 +107,8 @@ typedef struct JointRow {
 /* A manifold with as many points as its shapes can have. */
 typedef struct GroupManifold { vec3 normal; int count; ManifoldPoint *points; } GroupManifold;
 
+#define WEIGHT_LEAST 1e-300     /* N s  1 over less is no number */
+
 typedef struct GroupContact {
     int      pair;              /* of the group's pairs             */
     int      a, b;              /* local bodies                     */
@@ -124,7 +126,7 @@ typedef struct GroupContact {
     vec3     rolling;           /* N m                              */
     vec3     impulse;           /* N s on b, over the whole step    */
     real     last;              /* s   into the step, when force last acted */
-    vec3     point_sum; real point_weight;      /* where, weighted by impulse */
+    vec3     point_sum; real point_weight;      /* where, weighted by impulse; up to WEIGHT_LEAST: nowhere */
     real     lost;              /* J   to friction, rolling and blows, over the whole step; of the group's lost */
 } GroupContact;
 

@@ -20,28 +20,28 @@ typedef struct Thing {
 static const char *const choices[] = {"red", "green", NULL};
 
 static const dig_param motor_rows[] = {
-    {"speed", DIG_REAL, "rad/s", "", NAN, -1e3, 1e3, offsetof(Motor, speed), NULL, NULL, false},
-    {"max_torque", DIG_REAL, "N*m", "", INFINITY, 0, INFINITY, offsetof(Motor, max_torque), NULL, NULL, false},
+    {"speed", DIG_REAL, "rad/s", "", NAN, -1e3, 1e3, offsetof(Motor, speed), NULL, NULL, false, 0},
+    {"max_torque", DIG_REAL, "N*m", "", INFINITY, 0, INFINITY, offsetof(Motor, max_torque), NULL, NULL, false, 0},
     {.name = NULL},
 };
 
 static const dig_param rows[] = {
-    {"mass", DIG_REAL, "kg", "", NAN, 1e-9, 1e9, offsetof(Thing, mass), NULL, NULL, false},
-    {"angle", DIG_REAL, "rad", "", 0.5, -1, 1, offsetof(Thing, angle), NULL, NULL, false},
-    {"count", DIG_INT, "1", "", 3, 0, 10, offsetof(Thing, count), NULL, NULL, false},
-    {"choice", DIG_CHOICE, "", "", 1, 0, 0, offsetof(Thing, choice), NULL, choices, false},
-    {"on", DIG_BOOL, "", "", 1, 0, 0, offsetof(Thing, on), NULL, NULL, false},
-    {"at", DIG_VEC3, "m", "", 0, 0, 0, offsetof(Thing, at), NULL, NULL, false},
-    {"axis", DIG_DIR, "1", "", NAN, 0, 0, offsetof(Thing, axis), NULL, NULL, false},
-    {"size", DIG_SIZE3, "m", "", 1, 0, 0, offsetof(Thing, size), NULL, NULL, false},
-    {"colour", DIG_COLOUR, "1", "", -1, 0, 1, offsetof(Thing, colour), NULL, NULL, false},
-    {"turn", DIG_QUAT, "", "", 0, 0, 0, offsetof(Thing, turn), NULL, NULL, false},
-    {"limits", DIG_RANGE, "rad", "", NAN, -INFINITY, INFINITY, offsetof(Thing, limits), NULL, NULL, false},
-    {"teeth", DIG_PAIR, "1", "", 1, -100, 100, offsetof(Thing, teeth), NULL, NULL, false},
-    {"name", DIG_TEXT, "", "", 0, 0, 0, offsetof(Thing, name), NULL, NULL, false},
-    {"motor", DIG_TABLE, "", "", 0, 0, 0, offsetof(Thing, motor), motor_rows, NULL, false},
-    {"points", DIG_POINTS, "m", "", 0, 0, 0, offsetof(Thing, points), NULL, NULL, false},
-    {"body", DIG_BODY, "", "", 0, 0, 0, offsetof(Thing, body), NULL, NULL, false},
+    {"mass", DIG_REAL, "kg", "", NAN, 1e-9, 1e9, offsetof(Thing, mass), NULL, NULL, false, 0},
+    {"angle", DIG_REAL, "rad", "", 0.5, -1, 1, offsetof(Thing, angle), NULL, NULL, false, 0},
+    {"count", DIG_INT, "1", "", 3, 0, 10, offsetof(Thing, count), NULL, NULL, false, 0},
+    {"choice", DIG_CHOICE, "", "", 1, 0, 0, offsetof(Thing, choice), NULL, choices, false, 0},
+    {"on", DIG_BOOL, "", "", 1, 0, 0, offsetof(Thing, on), NULL, NULL, false, 0},
+    {"at", DIG_VEC3, "m", "", 0, 0, 0, offsetof(Thing, at), NULL, NULL, false, 0},
+    {"axis", DIG_DIR, "1", "", NAN, 0, 0, offsetof(Thing, axis), NULL, NULL, false, 0},
+    {"size", DIG_SIZE3, "m", "", 1, 0, 0, offsetof(Thing, size), NULL, NULL, false, 0},
+    {"colour", DIG_COLOUR, "1", "", -1, 0, 1, offsetof(Thing, colour), NULL, NULL, false, 0},
+    {"turn", DIG_QUAT, "", "", 0, 0, 0, offsetof(Thing, turn), NULL, NULL, false, 0},
+    {"limits", DIG_RANGE, "rad", "", NAN, -INFINITY, INFINITY, offsetof(Thing, limits), NULL, NULL, false, 0},
+    {"teeth", DIG_PAIR, "1", "", 1, -100, 100, offsetof(Thing, teeth), NULL, NULL, false, 0},
+    {"name", DIG_TEXT, "", "", 0, 0, 0, offsetof(Thing, name), NULL, NULL, false, 0},
+    {"motor", DIG_TABLE, "", "", 0, 0, 0, offsetof(Thing, motor), motor_rows, NULL, false, 0},
+    {"points", DIG_POINTS, "m", "", 0, 0, 0, offsetof(Thing, points), NULL, NULL, false, 0},
+    {"body", DIG_BODY, "", "", 0, 0, 0, offsetof(Thing, body), NULL, NULL, false, 0},
     {.name = NULL},
 };
 
