@@ -173,7 +173,7 @@ LANE_CODE void lower_span(float *row, int size, int first, int last, float z, fl
         for (int k = 0; k < WINDOW; k++)
             depth[k] = most(z + dx * (float)(k - skip), 0);
         for (int k = 0; k < WINDOW; k++)
-            depth[k] = (k >= skip) & (k < count) ? depth[k] : 1;
+            depth[k] = ((k >= skip) & (k < count)) ? depth[k] : 1;
         for (int k = 0; k < WINDOW; k++)
             to[k] = least(depth[k], to[k]);
     }
