@@ -81,7 +81,8 @@ local function set_range(plan, o)
   plan.from, plan.to = 0, plan.count - 1
   if o.frames then
     local a, b = read_pair(o.frames, "^(%d+)%.%.(%d+)$", "frames", "0..99")
-    if a > b or b >= plan.count then core.fail(a > b and "--frames: %d..%d goes backwards" or "--frames: %d..%d, but there are frames 0..%d", a, b, plan.count - 1) end
+    if a > b then core.fail("--frames: %d..%d goes backwards", a, b) end
+    if b >= plan.count then core.fail("--frames: %d..%d, but there are frames 0..%d", a, b, plan.count - 1) end
     plan.from, plan.to = a, b
     plan.part = { a, b }
   end
