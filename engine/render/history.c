@@ -136,15 +136,18 @@ static void draw_words(const Pen *pen, const Strip *s, const ViewPast *h, real z
 {
     static const float grey[3] = {0.75f, 0.77f, 0.80f};
     real size = pen->o->font.size, x = s->left;
-    char text[64];
+    char text[96], amount[32];
     for (int k = 0; k < PAST_ENERGIES; k++) {
-        snprintf(text, sizeof text, "%s %.3g J", names[k], energy_at(h, h->energy_count - 1, k, zero));
+        overlay_quantity(amount, energy_at(h, h->energy_count - 1, k, zero), "J");
+        snprintf(text, sizeof text, "%s %s", names[k], amount);
         pen_label(pen, x, line, text, colours[k]);
         x += 10.5 * size;       /* in columns, so that nothing moves as the numbers do */
     }
-    snprintf(text, sizeof text, "top %.3g J, width %.3g s", s->top_energy, s->end);
-    if (x + 12 * size < s->right)
-        pen_label(pen, s->right - 11.5 * size, line, text, grey);
+    overlay_quantity(amount, s->top_energy, "J");
+    snprintf(text, sizeof text, "top %s, width %.3g s", amount, s->end);
+    real wide = pen_text_width(pen, text);
+    if (x + wide < s->right)
+        pen_label(pen, s->right - wide, line, text, grey);
 }
 
 real history_foot(const Pen *pen) { return HISTORY_HEIGHT * pen->eye->height + 2.1 * pen->o->font.size; }

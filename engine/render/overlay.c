@@ -141,6 +141,8 @@ real pen_label(const Pen *pen, real x, real y, const char *text, const float col
     return text_width(&pen->o->font, text);
 }
 
+real pen_text_width(const Pen *pen, const char *text) { return pen->o->font.missing ? 0 : text_width(&pen->o->font, text); }
+
 /* ---- what is shown ----------------------------------------------------- */
 
 /* Colours here are as displayed, not linear. */
@@ -245,10 +247,27 @@ static real largest_force(const View *v)
     return isfinite(largest) ? largest : 0;
 }
 
-/* Arrows as long as the root of the force, the largest a fifth of the scene: a pile's feet and its top both show. */
+/* m; the longest arrow: two fifths of the scene's size, or a third of the picture's height where the nearest of the large forces is. */
+static real longest_arrow(const Pen *pen, const View *v, real size, real largest)
+{
+    real length = 0.4 * size;
+    for (int i = 0; i < v->contact_count + v->arrow_count; i++) {
+        bool pushed = i >= v->contact_count;
+        const ViewArrow *arrow = pushed ? &v->arrows[i - v->contact_count] : NULL;
+        real f = vec3_length(vec3_from(pushed ? arrow->v : v->contacts[i].force)), at[2];
+        vec3 p = vec3_from(pushed ? arrow->p : v->contacts[i].p);
+        if (!(f > 0.25 * largest) || !project(pen->eye, p, at) || at[0] < 0 || at[0] > pen->eye->width || at[1] < 0 || at[1] > pen->eye->height)
+            continue;
+        real depth = vec3_dot(vec3_sub(p, pen->eye->at), pen->eye->forward);
+        length = real_min(length, pen->eye->height * depth / (3 * pen->eye->pixels) / sqrt(f / largest));
+    }
+    return length;
+}
+
+/* Arrows as long as the root of the force: a pile's feet and its top both show. */
 static void show_forces(const Pen *pen, const View *v, real size)
 {
-    real largest = largest_force(v);
+    real largest = largest_force(v), longest = longest_arrow(pen, v, size, largest);
     for (int i = 0; i < v->contact_count + v->arrow_count; i++) {
         bool pushed = i >= v->contact_count;
         const ViewArrow *arrow = pushed ? &v->arrows[i - v->contact_count] : NULL;
@@ -261,7 +280,7 @@ static void show_forces(const Pen *pen, const View *v, real size)
             display_colour(arrow->colour, colour);
         else
             memcpy(colour, contact_red, sizeof colour);
-        draw_arrow(pen, p, vec3_mad(p, 0.4 * size * sqrt(f / largest) / f, force), 1.4, colour);
+        draw_arrow(pen, p, vec3_mad(p, longest * sqrt(f / largest) / f, force), 1.4, colour);
     }
 }
 
@@ -388,17 +407,32 @@ static void show_legend(const Pen *pen, unsigned flags)
     draw_text(o, right + unit, y + 0.36 * unit, "100 %");
 }
 
+/* Three digits and a prefix of SI. */
+void overlay_quantity(char out[32], real x, const char *unit)
+{
+    static const struct { real size; const char *prefix; } prefixes[] = {{1e9, "G"}, {1e6, "M"}, {1e3, "k"}, {1, ""}, {1e-3, "m"}, {1e-6, "\u00b5"}};
+    for (int i = 0; i < 6; i++)
+        if (fabs(x) >= 0.9995 * prefixes[i].size) {
+            real shown = x / prefixes[i].size;
+            int places = fabs(shown) >= 99.95 ? 0 : fabs(shown) >= 9.995 ? 1 : 2;
+            snprintf(out, 32, fabs(shown) < 1e5 ? "%.*f %s%s" : "%.*e %s%s", fabs(shown) < 1e5 ? places : 2, shown, prefixes[i].prefix, unit);
+            return;
+        }
+    snprintf(out, 32, "0 %s", unit);
+}
+
 /* What arrows are, and how much the longest stands for; at the lower right, above the legend of stress. */
 static void show_force_words(const Pen *pen, const View *v, unsigned flags)
 {
     static const char *const words[] = {"contact", "push"};
     Overlay *o = pen->o;
     real largest = largest_force(v), size = o->font.size, y = pen->eye->height - 0.9 * size - (flags & OVERLAY_ENERGY ? history_foot(pen) : 0);
-    char text[48];
+    char text[64], most[32];
     if (!(largest > 0) || o->font.missing)
         return;
     y -= flags & OVERLAY_STRESS ? 1.8 * size : 0;
-    snprintf(text, sizeof text, "longest %.3g N", largest);
+    overlay_quantity(most, largest, "N");
+    snprintf(text, sizeof text, "longest %s", most);
     real x = pen->eye->width - 1.2 * size - text_width(&o->font, text);
     draw_text(o, x, y, text);
     for (int kind = v->arrow_count > 0 ? 1 : 0; kind >= 0; kind--) {

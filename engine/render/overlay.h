@@ -54,6 +54,10 @@ void   pen_put(const Pen *pen, Stroke stroke);
 /* Text without a plate, its baseline's left end at (x, y) px; returns its width, px. */
 real   pen_label(const Pen *pen, real x, real y, const char *text, const float colour[3]);
 
+real   pen_text_width(const Pen *pen, const char *text);        /* px */
+/* "30.1 kN"; below a millionth it is 0. */
+void   overlay_quantity(char out[32], real x, const char *unit);
+
 /* history.c; the curves of the strip take that share of the picture's height, with its words it has history_foot px */
 #define HISTORY_HEIGHT 0.15
 real history_foot(const Pen *pen);

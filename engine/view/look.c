@@ -304,8 +304,7 @@ static dig_status take_contacts(Look *l, const World *w, vec3 origin)
         return DIG_OK;
     const Pair *pairs = w->pairs.data, *end = pairs + w->pairs.count;
     for (const Pair *p = pairs; p < end; p++) {
-        if (end - p > FETCH_AHEAD && p[FETCH_AHEAD].touching && p[FETCH_AHEAD].contact != NONE)
-            fetch_soon(&w->contacts.data[p[FETCH_AHEAD].contact], sizeof(Contact));
+        contacts_fetch(w, p, end);
         if (!p->touching || !p->alive)
             continue;
         for (uint32_t c = p->contact; c != NONE; c = w->contacts.data[c].next) {

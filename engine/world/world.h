@@ -434,6 +434,18 @@ static inline const ContactPoint *contact_point_seen(const World *w, const Conta
     return k == 0 ? &c->first : &w->more.data[c->more].point[k - 1];
 }
 
+/* Asks for the contacts of pairs that are soon read, and nearer for their further points: between steps they are seldom in a cache. */
+static inline void contacts_fetch(const World *w, const Pair *p, const Pair *end)
+{
+    if (end - p > 2 * FETCH_AHEAD && p[2 * FETCH_AHEAD].alive && p[2 * FETCH_AHEAD].contact != NONE)
+        fetch_soon(&w->contacts.data[p[2 * FETCH_AHEAD].contact], sizeof(Contact));
+    if (end - p <= FETCH_AHEAD || !p[FETCH_AHEAD].alive || p[FETCH_AHEAD].contact == NONE)
+        return;
+    const Contact *c = &w->contacts.data[p[FETCH_AHEAD].contact];
+    if (c->count > 1 && c->more != NONE)
+        fetch_soon(&w->more.data[c->more], (size_t)(c->count - 1) * sizeof(ContactPoint));
+}
+
 /* pair.c */
 dig_status contact_take(World *w, uint32_t *slot);      /* without a point, next or room for more than one */
 dig_status contact_widen(World *w, Contact *c);         /* room for all points; DIG_E_MEMORY: unchanged */

@@ -55,17 +55,19 @@ local function film_fields(plan, o)
   return f
 end
 
+-- Cameras without a name are called by their number, as in the page of digbox view.
 local function find_camera(plan, name)
   if not name then return end
   local list = core.reader_cameras(plan.reader, plan.info.frames - 1, false)
   local known = {}
   if #list == 0 then core.fail("--camera: the script of this replay made no camera; without --camera everything is seen") end
   for i, cam in ipairs(list) do
-    if cam.name == name then
+    local own = cam.name ~= "" and cam.name or ("camera %d"):format(i)
+    if own == name then
       plan.camera = i
       return
     end
-    known[cam.name] = true
+    known[own] = true
   end
   core.unknown("--camera:", "unknown camera", name, known)
 end
@@ -79,7 +81,8 @@ local function set_range(plan, o)
   plan.from, plan.to = 0, plan.count - 1
   if o.frames then
     local a, b = read_pair(o.frames, "^(%d+)%.%.(%d+)$", "frames", "0..99")
-    if a > b or b >= plan.count then core.fail("--frames: %d..%d, but there are frames 0..%d", a, b, plan.count - 1) end
+    if a > b then core.fail("--frames: %d..%d goes backwards", a, b) end
+    if b >= plan.count then core.fail("--frames: %d..%d, but there are frames 0..%d", a, b, plan.count - 1) end
     plan.from, plan.to = a, b
     plan.part = { a, b }
   end

@@ -6,6 +6,7 @@
 #   make bench SCENE=render                      frames a second: time per phase, one and two processes, error of the edges
 #   make bench SCENE=looks                       one scene as we draw it and as MuJoCo's renderer does: build/bench/looks/*.png
 #   make bench SCENE=page                        what it takes to open the page of a replay of 10 s, in headless Chromium (after make viewer)
+#   make bench SCENE=replay                      what --replay costs, in instructions: 200 and 1000 boxes; valgrind counts (minutes)
 #   make bench SCENE=questions                   can this door be opened? in steps of its DIG, alone and among a hundred others
 #   make bench FULL=1                            also 16,000 spheres, 100,000 bodies in a room, 1,000,000 fixed boxes
 #   make bench LIMIT=60 TOTAL=1200 REPEATS=5     seconds for one run, for all of them, and how often
@@ -51,6 +52,9 @@ bench-run: all
 	@$(program) view $(bench_dir)/page/tumble.replay -o $(bench_dir)/page/tumble.html
 	@CHROMIUM=$(or $(shell command -v chromium),chromium) NODE_MODULES=build/viewer/node_modules \
 	    node tests/view/open.mjs $(bench_dir)/page/tumble.html $(or $(REPEATS),5)
+else ifeq ($(SCENE),replay)
+bench-run: all
+	@sh tests/bench/replay.sh $(program) $(bench_dir)/replay
 else ifeq ($(SCENE),questions)
 bench-run: $(bench_dir)/questions
 	@$(bench_dir)/questions

@@ -141,6 +141,7 @@ gives 8 'no such file' render nowhere.replay;                       said 'nowher
 gives 8 'not a replay' render fall.lua;                             said 'not a replay'
 gives 2 'an unknown camera' render fall.replay --camera syde;       said "unknown camera 'syde' (did you mean 'side'?)"
 gives 2 'frames that are not there' render fall.replay --frames 3..999; said 'there are frames 0..'
+gives 2 'frames that go backwards' render fall.replay --frames 5..3; said '5..3 goes backwards'
 gives 2 'a size' render fall.replay --size big;                     said "--size: 'big' is not of the form 1280x720"
 gives 2 'a name without a number' render fall.replay -o f.png;      said 'needs a place for the number'
 gives 2 'no replay' render;                                         said 'which replay'
@@ -150,6 +151,10 @@ printf 'local w = require("digbox").world {}\nw:floor {}\nw:ball { radius = 0.1,
 gives 0 'a run without a film' run -q --replay plain.replay plain.lua
 gives 0 'is drawn' render plain.replay -o plain/f-%05d.png --size 160x90
 gives 2 'a camera where there is none' render plain.replay --camera eye;   said 'the script of this replay made no camera'
+printf 'local w = require("digbox").world {}\nw:ball { radius = 0.1, at = { 0, 1, 0 } }\nw:camera { at = { 1, 1, 3 } }\nw:run "0.1 s"\n' >one.lua
+gives 0 'a camera without a name' run -q --replay one.replay one.lua
+gives 0 'is called by its number' render one.replay -o unnamed/f-%05d.png --size 64x36 --camera 'camera 1'
+gives 2 'another one is not there' render one.replay --camera 'camera 2'; said "did you mean 'camera 1'?"
 holds 'frame by frame' test "$(ls plain/*.png | wc -l)" -ge 3
 
 checked

@@ -289,6 +289,7 @@ class Player {
 
   draw() {
     const { frame, part } = this.replay.locate(this.time);
+    if (this.overlays.outgrown()) this.overlays.update(frame, part, this.picked);
     this.scene.draw();
     this.overlays.placeNames(frame, part, this.picked);
   }

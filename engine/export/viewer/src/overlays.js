@@ -83,14 +83,14 @@ export class Overlays {
     this.trail.material.color.copy(this.colours.accent);
   }
 
-  // Metres per newton: nine of ten contact forces stay below a quarter of the scene.
+  // Shares of what is seen for one newton: nine of ten contact forces stay below a quarter of it.
   measureForces() {
     const c = this.replay.contact, n = c.length / 6, sizes = [];
     const stride = Math.max(1, Math.floor(n / 4000));
     for (let i = 0; i < n; i += stride) sizes.push(Math.hypot(c[6 * i + 3], c[6 * i + 4], c[6 * i + 5]));
     sizes.sort((x, y) => x - y);
     const large = sizes[Math.floor(0.9 * (sizes.length - 1))] || 1;
-    return (0.15 * this.stage.size) / large;
+    return 0.15 / large;
   }
 
   centre(body, frame, part) {
@@ -100,7 +100,14 @@ export class Overlays {
     return new Vector3(p[0] + c[0], p[1] + c[1], p[2] + c[2]);
   }
 
+  // Whether the camera has come so much nearer, or gone so far, that lines have to be drawn anew.
+  outgrown() {
+    const now = this.stage.measureOfLines();
+    return now > 1.2 * this.unit || this.unit > 1.2 * now;
+  }
+
   update(frame, part, picked) {
+    this.unit = this.stage.measureOfLines();
     this.drawLinks(frame, part, picked);
     this.drawForces(frame);
     this.drawSolids(frame);
@@ -108,7 +115,7 @@ export class Overlays {
   }
 
   drawLinks(frame, part, picked) {
-    const { rods, dots, replay } = this, thin = 0.0022 * this.stage.size, faint = new Color();
+    const { rods, dots, replay } = this, thin = 0.0022 * this.unit, faint = new Color();
     const seen = new Map();
     const at = (body) => {
       if (!seen.has(body)) seen.set(body, this.centre(body, frame, part));
@@ -135,7 +142,7 @@ export class Overlays {
   arrow(from, force, colour) {
     const size = force.length();
     if (!(size > 0)) return;
-    const longest = 0.6 * this.stage.size, length = Math.min(longest, size * (this.forceScale ??= this.measureForces())), wide = 0.0032 * this.stage.size;
+    const longest = 0.6 * this.unit, length = Math.min(longest, this.unit * size * (this.forceScale ??= this.measureForces())), wide = 0.0032 * this.unit;
     const along = force.clone().divideScalar(size), head = Math.min(0.5 * length, 6 * wide);
     const neck = from.clone().addScaledVector(along, length - head), tip = from.clone().addScaledVector(along, length);
     this.shafts.add(from, neck, wide, colour);
@@ -171,7 +178,7 @@ export class Overlays {
     const packed = new Uint32Array(lines.buffer, lines.byteOffset, lines.length);
     for (let i = 0; i < lines.length; i += 7) {
       colour.setHex(packed[i + 6]);
-      this.threads.add(a.fromArray(lines, i), b.fromArray(lines, i + 3), 0.0016 * this.stage.size, colour);
+      this.threads.add(a.fromArray(lines, i), b.fromArray(lines, i + 3), 0.0016 * this.unit, colour);
     }
     this.threads.end();
   }

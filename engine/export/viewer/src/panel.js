@@ -144,7 +144,7 @@ export class Panel {
     const lines = [];
     for (let i = first; i < end; i++) {
       const e = this.list[i];
-      lines.push(`<li style="top:${i * LINE}px"${e.frame === now ? ' class="now"' : ""}><button data-event="${i}"><time>${fixed(e.time, 3)} s</time><span>${escape(this.sentence(e))}</span></button></li>`);
+      lines.push(`<li style="top:${i * LINE}px"${e.frame === now ? ' class="now"' : ""}><button data-event="${i}"><time>${fixed(e.time, 3)} s</time><span title="${escape(this.sentence(e))}">${escape(this.sentence(e))}</span></button></li>`);
     }
     lines.push(`<li style="top:${this.list.length * LINE}px;height:1px"></li>`);
     box.innerHTML = lines.join("");

@@ -270,6 +270,12 @@ export class Scene {
     this.controls.update();
   }
 
+  // m, what lines, dots and arrows are measured by: the scene, or what is seen of it from near by.
+  measureOfLines() {
+    const { position, fov } = this.camera, seen = 2 * position.distanceTo(this.controls.target) * Math.tan((fov * Math.PI) / 360);
+    return Math.min(this.size, 1.25 * seen);
+  }
+
   lookAt(point, radius) {
     this.look(point, this.camera.position.clone().sub(this.controls.target).normalize(), radius);
   }
