@@ -20,14 +20,29 @@ static real wanted_gap(const Group *g, const PointRow *r)
     return real_min(depth, most);
 }
 
+/* m  Wider gaps of joints are closed. But where all joints are solved at once, velocities hold them, and what their turns leave is not
+ * worth a solve before it is so many local tolerances of the smallest body. */
+#define CLOSED 1e-12
+#define CLOSE  10
+
+/* m or rad */
+static real close_enough(const Group *g)
+{
+    real size = INFINITY;
+    for (int i = 0; i < g->moving_count && g->joints_direct; i++)
+        size = g->member[i].moves ? real_min(size, g->member[i].outer) : size;
+    return isfinite(size) ? real_max(CLOSE * g->tolerance * size, CLOSED) : CLOSED;
+}
+
 static bool needed(const Group *g)
 {
+    real close = close_enough(g);
     for (int i = 0; i < g->point_count; i++)
         if (g->contacts[g->points[i].contact].manifold.points[g->points[i].point].gap < -1e-3 * g->touch)
             return true;
     for (int i = 0; i < g->row_count; i++) {
         const Row *r = &g->rows[i].row;
-        if ((r->kind == ROW_HARD && fabs(r->error) > 1e-12) || (r->kind == ROW_LIMIT && r->error < -1e-9))
+        if ((r->kind == ROW_HARD && fabs(r->error) > close) || (r->kind == ROW_LIMIT && r->error < -real_max(close, 1e-9)))
             return true;
     }
     return false;
