@@ -42,6 +42,8 @@ static void chunks_close(Arena *a)
 }
 
 #define LATELY 64               /* resets */
+/* Bytes up to which an arena doubles and keeps what it has: to save less is worth no call to the allocator. Beyond it grows by a quarter. */
+#define SMALL  ((size_t)8 << 20)
 
 /* Makes a chunk with room for `size` bytes the current one: the next in the list when it is large enough, else a new one
  * put in front of it. */
@@ -50,7 +52,7 @@ static ArenaChunk *next_chunk(Arena *a, size_t size)
     ArenaChunk **link = a->current ? &a->current->next : &a->first;
     ArenaChunk *c = *link;
     if (!c || c->size < size) {
-        size_t more = a->held / 4 > ARENA_FIRST ? a->held / 4 : ARENA_FIRST;
+        size_t part = a->held <= SMALL ? a->held : a->held / 4, more = part > ARENA_FIRST ? part : ARENA_FIRST;
         c = chunk_open(a, size > more ? size : more);
         if (!c)
             return NULL;
@@ -132,11 +134,9 @@ void arena_reset(Arena *a)
         a->high = 0;
     }
     size_t size = round_up(most + most / 16);           /* not all that is held: chunks end where pieces do not fit */
-    if (size < ARENA_FIRST)
-        size = ARENA_FIRST;
-    if (size > a->held)
+    if (size > a->held || a->held <= SMALL)
         size = a->held;
-    if (!a->first || !(a->first->next || (look && size < a->held / 8 * 7)))
+    if (!a->first || !(a->first->next || (look && a->held > SMALL && size < a->held / 8 * 7)))
         return;
     chunks_close(a);
     a->first = chunk_open(a, size);     /* NULL: the next arena_alloc tries again */

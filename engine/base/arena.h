@@ -2,8 +2,8 @@
  *
  * A step takes what it needs with arena_alloc and gives everything back with arena_reset; an inner piece of work that needs
  * scratch brackets it with arena_mark and arena_rewind. When a step needed more than one chunk, arena_reset replaces the chunks
- * by one that would have been enough, so that the steady state never calls the allocator; and by a smaller one when nothing has needed
- * it for many steps.
+ * by one that would have been enough, so that the steady state never calls the allocator; and by a smaller one when it is
+ * larger than eight megabytes and nothing has needed an eighth of it for many steps.
  *
  * Owns:      its chunks. A zeroed Arena is empty and valid; arena_close makes it so again.
  * Invariant: every piece is aligned to ARENA_ALIGN bytes; contents are undefined until written. With DIG_DEBUG, fresh and

@@ -35,7 +35,7 @@ static const dig_param body_rows[] = {
     FIELD(conductivity, "W/(m*K)", "where it touches; default that of the material", NAN, 0, 1e6),
     FIELD(emissivity, "1", "share of a black body's radiation that it gives off and takes up", 0, 0, 1),
     FIELD(convection, "W/(m^2*K)", "to the air, per surface", 0, 0, 1e6),
-    FIELD(surface, "m^2", "that the air gets to; default that of the shapes", NAN, 0, 1e9),
+    FIELD(surface, "m^2", "that the air gets to; default that of the shapes", NAN, 0, 1e15),
     FIELD(contact_conductance, "W/K", "with each body that it touches; default by area and pressure", NAN, 0, 1e9),
     FIELD(heating, "W", "power fed in", 0, -1e12, 1e12),
     {0}

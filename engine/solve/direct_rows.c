@@ -387,8 +387,7 @@ static real next_triple(Direct *d, int i, real harder)
         lift = t->mu * hypot(t->rate[1], t->rate[2]);
     if (d->late_lift)
         lift = t->lift;
-    real open = t->held == HELD_NOT ? real_max(t->target[0] - t->rate[0], 0) : INFINITY;    /* its lift matters where it closes */
-    worst = real_max(worst, real_min(fabs(lift - t->lift), open));
+    worst = real_max(worst, fabs(lift - t->lift));
     t->lift = d->swings ? 0.5 * (t->lift + lift) : lift;
     follow_bounds(d, i);
     worst = real_max(worst, reach * t->r / (COMPLIANCE * d->hardened) * fabs(t->bound - bound));

@@ -36,7 +36,7 @@ api = json.load(open(sys.argv[1]))
 lamp = api["functions"]["world:lamp"]["fields"]["power"]
 print(lamp["unit"], lamp["default"], lamp["above"], "position" in api["types"]["body"]["properties"], len(api["events"]))
 PY
-    holds 'JSON can be read' grep -q '^W 60 0 True 17$' parsed.txt
+    holds 'JSON can be read' grep -q '^W 60 0 True 18$' parsed.txt
 fi
 gives 0 'JSON of one' api --json lamp;          printed '"world:lamp"'; lacks '"world:camera"'
 gives 0 'names' api --names;                    printed 'body:push'

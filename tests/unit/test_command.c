@@ -245,6 +245,17 @@ static void use_snapshots(dig_world *w, dig_snapshot *old)
     step(w, 5);
 }
 
+/* A step that one body's numbers make impossible is taken without it. */
+static void use_aside(dig_world *w)
+{
+    dig_body b = add_ball(w, look(0.5, 0), 0.1, 1, (vec3){-3, 6, 3}, vec3_zero());
+    fail_unless(w, dig_world_inject(w, b), "inject");
+    CHECK_INT(dig_world_step(w), DIG_E_FINITE);
+    fail_unless(w, dig_body_disable(w, dig_world_culprit(w)), "disable");
+    step(w, 3);
+    CHECK_INT(state_of(w, b).kind, DIG_FIXED);
+}
+
 static void do_everything(dig_world *w, Spin *s)
 {
     dig_snapshot *old;
@@ -261,6 +272,7 @@ static void do_everything(dig_world *w, Spin *s)
     use_regions_and_wires(w, top, capsule);
     dig_dig d = dig_of(w, top);
     fail_unless(w, dig_dig_accuracy(w, d, "study", 0), "accuracy");
+    use_aside(w);
     use_own_effects(w, s, top, capsule);
     fail_unless(w, dig_world_snapshot(w, &old), "snapshot");
     dig_snapshot_free(old);

@@ -59,6 +59,18 @@ TEST(an_empty_world_is_saved_too)
 }
 
 /* Nothing in a file depends on where a world lies in memory or on the clock. */
+/* What is worked out of a body's shapes lies within the bounds that a file is read with. */
+TEST(the_largest_body_is_saved_too)
+{
+    dig_world *w = open_with(dig_world_defaults());
+    dig_body b = add_ball(w, look(0.5, 0), 1e5, 1e3, vec3_zero(), vec3_zero());
+    fail_unless(w, dig_body_set(w, b, "temperature", &(real){300}), "temperature");
+    dig_world *copy = reloaded(w, "large.dig");
+    CHECK(dig_world_checksum(copy) == dig_world_checksum(w));
+    dig_world_close(copy);
+    dig_world_close(w);
+}
+
 TEST(equal_worlds_give_equal_files)
 {
     dig_world *a = open_scene(), *b = open_scene();
@@ -650,7 +662,8 @@ TEST(mutants_of_a_world_with_everything_are_refused_or_sound)
 
 int main(void)
 {
-    RUN_TESTS(unit_test(saved_loaded_saved_is_the_same_file), unit_test(an_empty_world_is_saved_too), unit_test(equal_worlds_give_equal_files),
+    RUN_TESTS(unit_test(saved_loaded_saved_is_the_same_file), unit_test(an_empty_world_is_saved_too),
+              unit_test(the_largest_body_is_saved_too), unit_test(equal_worlds_give_equal_files),
               unit_test(a_loaded_world_has_the_same_future), unit_test(a_heap_that_settles_has_the_same_future),
               unit_test(what_is_made_after_loading_gets_the_same_numbers),
               unit_test(a_gear_goes_on_turning), unit_test(shapes_come_back_bit_for_bit), unit_test(what_follows_from_the_file_is_what_it_was),
