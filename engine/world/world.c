@@ -196,7 +196,7 @@ static uint64_t hash_pair(const World *w, const Pair *p)
 }
 
 /* Everything the future depends on: motion, sleep, warm start, joints, pushes. Not generations: they differ between worlds. Bodies, pairs and
- * points have sums of their own, which do not wait for each other: a chain of multiplications through all words took three times as long. */
+ * points have sums of their own, so that one need not wait for the other. */
 uint64_t world_hash(const World *w)
 {
     uint64_t h = hash_u64(hash_u64(HASH_START, w->steps), w->rng);

@@ -29,6 +29,24 @@ scenario("an unknown field is named, with the one that was meant", function(s)
   expect((message_of(function() world:sphere { zzzzzz = 1 } end))):contains "(known: at, collides, colour, "
 end)
 
+scenario("a hull needs a few points that span something", function(s)
+  local world, flat = s.world, "world:hull: hull needs 4 points not in one plane "
+  local function hull(n, point)
+    local points = {}
+    for i = 1, n do points[i] = point(i) end
+    return (message_of(function() world:hull { points = points } end))
+  end
+  expect(hull(0)):is(flat .. "(got 0)")
+  expect(hull(3, function(i) return { i, i * i, 0 } end)):is(flat .. "(got 3)")
+  expect(hull(4, function(i) return { i, i * i, 1 } end)):is(flat .. "(the 4 given lie in one plane)")
+  expect(hull(4, function() return { 1, 2, 3 } end)):is(flat .. "(the 4 given are one point)")
+  expect(hull(65535, function(i) return { i, i, 0 } end)):is(flat .. "(the 65535 given lie on one line)")
+  local one = { 1, 1, 1 }
+  expect(hull(1000000, function() return one end)):is "world:hull.points has 1000000 entries, must have at most 65535"
+  expect(hull(5, function(i) return { i, i == 3 and 0 / 0 or i * i, i ^ 3 } end)):is "world:hull.points[3].y = nan, must be a finite number"
+  expect(#world:bodies()):is(0)
+end)
+
 -- Lua's own order of a table's keys is another one in every run.
 scenario("of several mistakes the first in the alphabet is told, in every run", function(s)
   local world = s.world
