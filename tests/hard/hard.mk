@@ -5,7 +5,8 @@
 #   make hard-cases FILM=1                   with a picture of the end of each run in build/hard/pictures/
 #   make hard-cases LIMIT=20                 CPU seconds that one run may take (60)
 #   make soak [SEED=1] [COUNT=1000] [SOAK_SECONDS=20]   random worlds; a seed that fails is shrunk and printed as a script;
-#                                            then the properties of DIGs and messages on 1000 worlds each
+#                                            then the properties of DIGs and messages on 1000 worlds each, 10,000 piles that are
+#                                            knocked, and a room that is stirred for 100,000 frames
 
 #   make hard-peers [CASE=B06] [STEP=1/60] [PEER=ode] [PEER_LIMIT=20]     the same cases on Bullet, ODE and MuJoCo, where installed;
 #                                            part of hard-cases, which fills their columns (PEER=none leaves them out)
@@ -63,3 +64,4 @@ $(hard_dir)/peer_%.so: $(hard_dir)/obj/%.o $(hard_dir)/obj/module-%.o $(patsubst
 soak: all                                       ## 1000 random worlds for 20 s each
 	@BUILD=$(BUILD) sh tests/hard/soak.sh $(SEED) $(COUNT) $(SOAK_SECONDS)
 	@$(MAKE) unit T=test_properties && DIGBOX_FULL=1 $(BUILD)/unit/test_properties
+	@$(MAKE) $(BUILD)/unit/test_random_stacks && DIGBOX_FULL=1 $(BUILD)/unit/test_random_stacks
