@@ -193,7 +193,8 @@ static int get_name(lua_State *L)
 
 enum { FIELD_BYTES = 256 };
 
-static void set_row(lua_State *L, JointRef *j, const dig_param *row, const char *path, const char *subject)
+/* The value on top of the stack; dry: is only looked at. */
+static void set_row(lua_State *L, JointRef *j, const dig_param *row, const char *path, const char *subject, bool dry)
 {
     union { real align; char bytes[FIELD_BYTES]; } field;
     if (row->kind == DIG_TABLE) {
@@ -206,7 +207,7 @@ static void set_row(lua_State *L, JointRef *j, const dig_param *row, const char 
             if (bind_own_field(L, table, inner->name) != LUA_TNIL) {
                 const char *name = lua_pushfstring(L, "%s.%s", path, inner->name);
                 lua_insert(L, -2);
-                set_row(L, j, inner, name, subject);
+                set_row(L, j, inner, name, subject, dry);
                 lua_remove(L, -2);
             }
             lua_pop(L, 1);
@@ -215,13 +216,14 @@ static void set_row(lua_State *L, JointRef *j, const dig_param *row, const char 
     }
     Fill fill = {L, lua_gettop(L), lua_gettop(L), "joint", subject, j->world};
     bind_fill_field(&fill, row, field.bytes);
+    if (dry)
+        return;
     dig_status s = dig_joint_set(j->world->w, j->id, path, field.bytes);
     if (s != DIG_OK)
         bind_fail(L, j->world->w, s);
 }
 
-/* joint.friction = 0.2   joint.motor = {speed = 3}   joint.breaks_at = "200 N" */
-static int joint_newindex(lua_State *L)
+static int assign(lua_State *L, bool dry)
 {
     JointRef *j = bind_check_joint(L, 1);
     lua_settop(L, 3);
@@ -243,11 +245,16 @@ static int joint_newindex(lua_State *L)
     }
     const char *subject = lua_pushfstring(L, "joint '%s'", now.name);
     lua_pushvalue(L, 3);
-    set_row(L, j, row, key, subject);
+    set_row(L, j, row, key, subject, dry);
     return 0;
 }
 
-/* joint:set{motor = {speed = 2}, friction = 0.1} -> joint */
+/* joint.friction = 0.2   joint.motor = {speed = 3}   joint.breaks_at = "200 N" */
+static int joint_newindex(lua_State *L) { return assign(L, false); }
+static int look_at_parameter(lua_State *L) { return assign(L, true); }
+
+/* joint:set{motor = {speed = 2}, friction = 0.1} -> joint. All are looked at before the first is set: a mistake in one leaves the joint as
+ * it was. */
 static int joint_set(lua_State *L)
 {
     bind_check_joint(L, 1);
@@ -259,10 +266,10 @@ static int joint_set(lua_State *L)
             return bind_error(L, "joint:set: a parameter has a name; got a %s", luaL_typename(L, -2));
     int count;
     const char **names = bind_names(L, 2, 2, &count);
-    for (int i = 0; i < count; i++) {
-        lua_pushcfunction(L, joint_newindex);
+    for (int i = 0; i < 2 * count; i++) {
+        lua_pushcfunction(L, i < count ? look_at_parameter : joint_newindex);
         lua_pushvalue(L, 1);
-        lua_pushstring(L, names[i]);
+        lua_pushstring(L, names[i % count]);
         lua_pushvalue(L, -1);
         lua_rawget(L, 2);
         lua_call(L, 3, 0);

@@ -57,6 +57,9 @@ scenario("of several mistakes the first in the alphabet is told, in every run", 
   says(function() a:send(b, "x", { 1, 2, [true] = 3 }) end, "body:send: a message carries a list of numbers; a key of it is a boolean")
   says(function() hinge:set { speed = 1, motor = "x", limits = 3, breaks_at = -2, zeal = 1 } end,
     "joint 'h': breaks_at = -2 N, must be >= 0")
+  local friction = hinge.friction
+  says(function() hinge:set { friction = friction + 1, motor = "x" } end, "joint.motor wants a table; got string")
+  expect(hinge.friction):is(friction)                       -- nothing is half done
   says(function() hinge:set { [print] = 1, friction = 1 } end, "joint:set: a parameter has a name; got a function")
   says(function() world:ball { [true] = 1, [7] = 2, [-2.5] = 3, [print] = 4, radus = 1 } end,
     "world:ball: unknown field -2.5 (fields have names)")
