@@ -143,10 +143,7 @@ static int world_steps_many(lua_State *L)
     while (done < n) {
         lua_pushvalue(L, 3);
         lua_call(L, 0, 0);
-        dig_status s = dig_world_step(ref->w);
-        bind_own_check(L, ref);
-        if (s != DIG_OK)
-            return bind_fail(L, ref->w, s);
+        bind_step(L, 1);
         bind_settle(L, ref);
         done++;
         lua_Integer now = dig_warnings(ref->w, NULL, 0);

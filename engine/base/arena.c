@@ -136,7 +136,7 @@ void arena_reset(Arena *a)
     size_t size = round_up(most + most / 16);           /* not all that is held: chunks end where pieces do not fit */
     if (size > a->held || a->held <= SMALL)
         size = a->held;
-    if (!a->first || !(a->first->next || (look && a->held > SMALL && size < a->held / 8 * 7)))
+    if (!a->first || !(a->first->next || (look && size < a->held / 8 * 7)))
         return;
     chunks_close(a);
     a->first = chunk_open(a, size);     /* NULL: the next arena_alloc tries again */

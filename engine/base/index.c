@@ -5,12 +5,6 @@
 
 #define INDEX_LARGEST (1u << 30)        /* entries of the table */
 
-static uint32_t hash_of(MapKey key)
-{
-    uint32_t h = map_hash(key);
-    return h ? h : 1;
-}
-
 static bool holds(uint32_t size, uint64_t entries) { return entries * 3 <= (uint64_t)size * 2; }
 
 /* There is room. */
@@ -45,7 +39,7 @@ dig_status index_reserve(Index *x, int entries)
 
 bool index_find(const Index *x, MapKey key, IndexSame *same, const void *context, uint32_t *record)
 {
-    uint32_t mask = x->size - 1, hash = hash_of(key);
+    uint32_t mask = x->size - 1, hash = map_hash(key);
     if (!x->count)
         return false;
     for (uint32_t i = hash & mask; x->entries[i].hash; i = (i + 1) & mask)
@@ -59,13 +53,13 @@ bool index_find(const Index *x, MapKey key, IndexSame *same, const void *context
 dig_status index_add(Index *x, MapKey key, uint32_t record)
 {
     DIG_TRY(index_reserve(x, (int)(x->count + 1)));
-    put(x, (IndexEntry){hash_of(key), record});
+    put(x, (IndexEntry){map_hash(key), record});
     return DIG_OK;
 }
 
 void index_remove(Index *x, MapKey key, uint32_t record)
 {
-    uint32_t mask = x->size - 1, hash = hash_of(key), hole = hash & mask;
+    uint32_t mask = x->size - 1, hash = map_hash(key), hole = hash & mask;
     if (!x->count)
         return;
     while (x->entries[hole].hash && x->entries[hole].record != record)

@@ -6,7 +6,7 @@
 #define MAP_LARGEST (1u << 30)  /* entries of the table */
 
 /* Two rounds of the 64-bit finaliser of splitmix (Steele, Lea, Flood: Fast splittable pseudorandom number generators,
- * OOPSLA 2014; constants "mix13" of D. Stafford). */
+ * OOPSLA 2014; constants "mix13" of D. Stafford). Never 0. */
 uint32_t map_hash(MapKey k)
 {
     uint64_t x = ((uint64_t)k.a << 32 | k.b) + 0x9E3779B97F4A7C15u;
@@ -15,13 +15,7 @@ uint32_t map_hash(MapKey k)
     x = (x ^ x >> 31) + k.c;
     x = (x ^ x >> 30) * 0xBF58476D1CE4E5B9u;
     x = (x ^ x >> 27) * 0x94D049BB133111EBu;
-    return (uint32_t)(x >> 32);
-}
-
-/* Never 0. */
-static uint32_t hash_of(MapKey k)
-{
-    uint32_t h = map_hash(k);
+    uint32_t h = (uint32_t)(x >> 32);
     return h ? h : 1;
 }
 
@@ -69,7 +63,7 @@ bool map_find(const Map *m, MapKey k, uint32_t *value)
 {
     if (!m->count)
         return false;
-    const MapEntry *e = &m->entries[find_place(m, k, hash_of(k))];
+    const MapEntry *e = &m->entries[find_place(m, k, map_hash(k))];
     if (e->hash && value)
         *value = e->value;
     return e->hash != 0;
@@ -77,7 +71,7 @@ bool map_find(const Map *m, MapKey k, uint32_t *value)
 
 dig_status map_put(Map *m, MapKey k, uint32_t value)
 {
-    uint32_t hash = hash_of(k);
+    uint32_t hash = map_hash(k);
     uint32_t i = m->size ? find_place(m, k, hash) : 0;
     if (m->size && m->entries[i].hash) {
         m->entries[i].value = value;
@@ -96,7 +90,7 @@ bool map_remove(Map *m, MapKey k)
 {
     if (!m->count)
         return false;
-    uint32_t mask = m->size - 1, hole = find_place(m, k, hash_of(k));
+    uint32_t mask = m->size - 1, hole = find_place(m, k, map_hash(k));
     if (!m->entries[hole].hash)
         return false;
     /* An entry may fill the hole unless its home lies cyclically behind the hole. */

@@ -35,7 +35,7 @@ dig_status map_copy(Map *to, const Map *from);                      /* same tabl
 void       map_close(Map *m);
 size_t     map_bytes(const Map *m);
 
-uint32_t   map_hash(MapKey k);                                       /* of any bits */
+uint32_t   map_hash(MapKey k);                                      /* never 0 */
 
 /* A key of 64 bits. */
 static inline MapKey map_key(uint64_t k) { return (MapKey){(uint32_t)(k >> 32), (uint32_t)k, 0}; }

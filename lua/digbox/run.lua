@@ -177,7 +177,9 @@ end
 -- small world costs is about what one turn of the loop here costs.
 local function together(world, state, count)
   local options = core.options
-  if not core.steps or count < 2 or options.replay or options.trace or options.sim_limit or options.progress then return 0 end
+  if not core.steps or count < 2 or options.replay or options.trace or options.sim_limit or options.progress or options.inject then
+    return 0
+  end
   if #state.films > 0 or state.past or #state.forces > 0 or #state.tasks > 0 or state.newborn or state.own then return 0 end
   if state.mask | (state.log_mask or 0) ~= 0 or (state.before_first_step and world.steps == 0) then return 0 end
   if not options.seconds then return count end

@@ -48,6 +48,21 @@ gives 10 'traced' run -q --trace trace.json --inject nan:body=7,step=60 balls.lu
 gives 10 'with a replay' run -q --replay balls.replay --inject nan:body=7,step=60 balls.lua -- --joined 1
 gives 0 'the replay' verify balls.replay; printed '100 steps'
 
+# The same where nobody looks between the steps, which are then taken in one go; and for a body that is pushed until it is too fast.
+cat >run.lua <<'LUA'
+local digbox = require "digbox"
+local world = digbox.world { gravity = { 0, 0, 0 } }
+local ball = {}
+for i = 1, 5 do ball[i] = world:ball { radius = 0.2, mass = 1, at = { i, 1, 0 } } end
+if digbox.args { push = { default = 0, help = "1: the third is pushed" } }.push == 1 then
+  ball[3]:push { force = { 3e12, 0, 0 }, lasts = 10 }
+end
+world:run "2 s"
+print(world.steps, ball[3].mode, ball[4].mode)
+LUA
+gives 10 'a run in one go' run -q --inject nan:body=2,step=60 run.lua;      printed '120	fixed	'; said 'body #2, made at run.lua:4, was set aside at t = 1 s'
+gives 10 'too fast, in one go' run -q run.lua -- --push 1;                  printed '120	fixed	'; said 'body #2, made at run.lua:4, was set aside'
+
 # A world that deals with it.
 cat >deals.lua <<'LUA'
 local digbox = require "digbox"
