@@ -78,6 +78,14 @@ WorldRef *bind_check_world(lua_State *L, int arg)
     return ref;
 }
 
+/* For what belongs to a world, named `what`. */
+static void check_open(lua_State *L, WorldRef *ref, const char *what)
+{
+    if (!ref->w)
+        bind_error(L, "the %s's world is closed", what);
+    check_free(L, ref);
+}
+
 static void fail_removed(lua_State *L, int arg, const char *type)
 {
     lua_getiuservalue(L, arg, REF_REMOVED);
@@ -94,9 +102,7 @@ static void fail_removed(lua_State *L, int arg, const char *type)
 BodyRef *bind_check_body(lua_State *L, int arg)
 {
     BodyRef *ref = check_type(L, arg, BIND_BODY);
-    if (!ref->world->w)
-        bind_error(L, "the body's world is closed");
-    check_free(L, ref->world);
+    check_open(L, ref->world, "body");
     if (!dig_body_alive(ref->world->w, ref->id))
         fail_removed(L, arg, BIND_BODY);
     return ref;
@@ -105,9 +111,7 @@ BodyRef *bind_check_body(lua_State *L, int arg)
 JointRef *bind_check_joint(lua_State *L, int arg)
 {
     JointRef *ref = check_type(L, arg, BIND_JOINT);
-    if (!ref->world->w)
-        bind_error(L, "the joint's world is closed");
-    check_free(L, ref->world);
+    check_open(L, ref->world, "joint");
     if (!dig_joint_alive(ref->world->w, ref->id))
         fail_removed(L, arg, BIND_JOINT);
     return ref;
@@ -116,9 +120,7 @@ JointRef *bind_check_joint(lua_State *L, int arg)
 DigRef *bind_check_dig(lua_State *L, int arg)
 {
     DigRef *ref = check_type(L, arg, BIND_DIG);
-    if (!ref->world->w)
-        bind_error(L, "the DIG's world is closed");
-    check_free(L, ref->world);
+    check_open(L, ref->world, "DIG");
     return ref;
 }
 

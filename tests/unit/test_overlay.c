@@ -2,13 +2,8 @@
  *
  * Each picture is compared with the same one without overlays; what differs has to lie where the overlay belongs.
  */
-#ifndef _POSIX_C_SOURCE
-#define _POSIX_C_SOURCE 200809L     /* setenv */
-#endif
-
-#include <stdlib.h>
-
-#include "check.h"
+#include "picture_fixture.h"
+#include "render/render.h"
 #include "render/batch.h"
 #include "render/heat.h"
 #include "render/overlay.h"
@@ -19,58 +14,33 @@ static const double EYE = 6, FOV = 0.8, SIZE = 11;      /* m before the origin; 
 
 /* ---- a ball at the origin, seen from z = EYE ------------------------------- */
 
-typedef struct Scene {
-    View     view;
-    ViewMesh mesh;
-    ViewItem item;
-} Scene;
-
-static void scene_open(Scene *s)
+static void ball(Scene *s)
 {
-    memset(s, 0, sizeof *s);
-    s->mesh = (ViewMesh){.form = VIEW_SPHERE, .size = {0.3f}};
-    s->item = (ViewItem){.body = 1, .q = {0, 0, 0, 1}, .colour = {0.5f, 0.5f, 0.5f}, .roughness = 0.6f, .stress = -1};
-    s->view = (View){.up = {0, 1, 0}, .meshes = &s->mesh, .items = &s->item, .mesh_count = 1, .item_count = 1};
+    scene_open(s);
+    add(s, VIEW_SPHERE, 0.3, 0, 0, 0, 0, 0);
 }
 
-static Renderer *shared;
 static bool fonts;
 
-static int open_all(void **state)
+static int open_fonts(void **state)
 {
-    (void)state;
-    char why[300] = "";
-    if (render_open(NULL, &shared, why, sizeof why) != DIG_OK) {
-        fprintf(stderr, "no renderer: %s\n", why);
-        return -1;
-    }
     Font font = {0};
     font_make(&font, (int)SIZE);
     fonts = !font.missing;
     font_close(&font);
     if (!fonts)
         printf("no font file: words are not checked\n");
-    return 0;
+    return open_shared(state);
 }
 
-static int close_all(void **state)
-{
-    (void)state;
-    render_close(shared);
-    return 0;
-}
-
-static void draw(const Scene *s, unsigned overlay, unsigned char *out)
+static void shoot(const Scene *s, unsigned overlay, unsigned char *out)
 {
     RenderOptions o = render_defaults();
-    const void *pixels = NULL;
     o.width = WIDTH;
     o.height = HEIGHT;
     o.overlay = overlay;
     o.camera = (RenderCamera){{0, 0, EYE}, {0, 0, 0}, {0, 1, 0}, FOV};
-    if (render_draw(shared, &s->view, &o, &pixels) != DIG_OK)
-        fail_msg("render_draw: %s", render_error(shared));
-    memcpy(out, pixels, BYTES);
+    memcpy(out, draw(s, &o), BYTES);
 }
 
 /* Where a point at (x, y, z) m lies in the picture, px from the left and from above. */
@@ -118,8 +88,8 @@ TEST(a_name_stands_above_its_place)
 {
     static const double places[3][3] = {{0, 0, 0}, {1.2, -0.6, 0}, {-1.5, 0.5, -2}};
     Scene s;
-    scene_open(&s);
-    draw(&s, 0, plain);
+    ball(&s);
+    shoot(&s, 0, plain);
     if (!fonts)
         return;
     for (int i = 0; i < 3; i++) {
@@ -127,9 +97,9 @@ TEST(a_name_stands_above_its_place)
         s.view.labels = &label;
         s.view.label_count = 1;
         double x = px(places[i][0], places[i][2]), y = py(places[i][1], places[i][2]);
-        draw(&s, 0, shown);
+        shoot(&s, 0, shown);
         CHECK_INT(all_changes(plain, shown).count, 0);          /* not asked for: nothing */
-        draw(&s, OVERLAY_NAMES, shown);
+        shoot(&s, OVERLAY_NAMES, shown);
         Box c = all_changes(plain, shown);
         CHECK_NEAR(0.5 * (c.left + c.right), x, 2);
         CHECK_NEAR(c.bottom, y, 4);                             /* a dot at the place */
@@ -143,37 +113,37 @@ TEST(a_name_stands_above_its_place)
 TEST(a_longer_name_is_wider_and_what_is_not_seen_has_none)
 {
     Scene s;
-    scene_open(&s);
+    ball(&s);
     ViewLabel label = {.text = "ii"};
     s.view.labels = &label;
     s.view.label_count = 1;
-    draw(&s, 0, plain);
+    shoot(&s, 0, plain);
     if (!fonts)
         return;
-    draw(&s, OVERLAY_NAMES, shown);
+    shoot(&s, OVERLAY_NAMES, shown);
     Box few = all_changes(plain, shown);
     strcpy(label.text, "wwwwwwww");
-    draw(&s, OVERLAY_NAMES, shown);
+    shoot(&s, OVERLAY_NAMES, shown);
     Box many = all_changes(plain, shown);
     CHECK(many.right - many.left > few.right - few.left + 4 * SIZE);
     label.p[2] = (float)EYE + 1;        /* behind the eye */
-    draw(&s, OVERLAY_NAMES, shown);
+    shoot(&s, OVERLAY_NAMES, shown);
     CHECK_INT(all_changes(plain, shown).count, 0);
 }
 
 TEST(the_nearer_of_two_names_keeps_its_place)
 {
     Scene s;
-    scene_open(&s);
+    ball(&s);
     ViewLabel labels[2] = {{.p = {0, 0, -3}, .text = "i"}, {.p = {0, 0, 1}, .text = "wwwwwwwwww"}}, turned[2] = {labels[1], labels[0]};
-    draw(&s, 0, plain);
+    shoot(&s, 0, plain);
     if (!fonts)
         return;
     s.view.labels = labels;
     s.view.label_count = 2;
-    draw(&s, OVERLAY_NAMES, shown);
+    shoot(&s, OVERLAY_NAMES, shown);
     s.view.labels = turned;
-    draw(&s, OVERLAY_NAMES, other);
+    shoot(&s, OVERLAY_NAMES, other);
     CHECK(memcmp(shown, other, BYTES) == 0);        /* whatever their order */
     double y = HEIGHT / 2.0;
     Box low = changes(plain, shown, 0, y - 2 * SIZE, WIDTH, y - 1.3 * SIZE);
@@ -188,30 +158,30 @@ TEST(the_nearer_of_two_names_keeps_its_place)
 TEST(a_contact_is_marked_at_its_point_along_its_normal)
 {
     Scene s;
-    scene_open(&s);
+    ball(&s);
     ViewContact contact = {.p = {0.5f, -0.4f, 0}, .n = {0, 1, 0}};
     s.view.contacts = &contact;
     s.view.contact_count = 1;
-    draw(&s, 0, plain);
-    draw(&s, OVERLAY_CONTACTS, shown);
+    shoot(&s, 0, plain);
+    shoot(&s, OVERLAY_CONTACTS, shown);
     Box c = all_changes(plain, shown);
     CHECK(c.count > 10 && c.right - c.left < 10);
     CHECK_NEAR(0.5 * (c.left + c.right), px(0.5, 0), 1.5);
     CHECK_NEAR(c.bottom, py(-0.4, 0) + 2.5, 2.5);
     contact.n[1] = -1;
-    draw(&s, OVERLAY_CONTACTS, shown);
+    shoot(&s, OVERLAY_CONTACTS, shown);
     CHECK_NEAR(all_changes(plain, shown).top, py(-0.4, 0) - 2.5, 2.5);
 }
 
 TEST(forces_point_where_they_push_and_the_largest_is_told)
 {
     Scene s;
-    scene_open(&s);
+    ball(&s);
     ViewContact contacts[2] = {{.p = {-1, -0.5f, 0}, .force = {0, 40, 0}}, {.p = {1, -0.5f, 0}, .force = {0, 10, 0}}};
     s.view.contacts = contacts;
     s.view.contact_count = 2;
-    draw(&s, 0, plain);
-    draw(&s, OVERLAY_FORCES, shown);
+    shoot(&s, 0, plain);
+    shoot(&s, OVERLAY_FORCES, shown);
     double y = py(-0.5, 0);
     const double near = 20, low = HEIGHT - 40;
     Box large = changes(plain, shown, px(-1, 0) - near, 0, px(-1, 0) + near, low);
@@ -225,19 +195,19 @@ TEST(forces_point_where_they_push_and_the_largest_is_told)
     if (fonts)
         CHECK(words.count > 400 && words.right > WIDTH - 2 * SIZE);
     contacts[0].force[1] = -40;
-    draw(&s, OVERLAY_FORCES, shown);
+    shoot(&s, OVERLAY_FORCES, shown);
     CHECK_NEAR(changes(plain, shown, px(-1, 0) - near, 0, px(-1, 0) + near, low).top, y - 2, 3);
 }
 
 TEST(arms_of_joints_are_drawn_from_end_to_end)
 {
     Scene s;
-    scene_open(&s);
+    ball(&s);
     ViewLine line = {.a = {-1, 0.6f, 0}, .b = {1, 0.6f, 0}, .colour = {0.8f, 0.1f, 0.1f}};
     s.view.lines = &line;
     s.view.line_count = 1;
-    draw(&s, 0, plain);
-    draw(&s, OVERLAY_JOINTS, shown);
+    shoot(&s, 0, plain);
+    shoot(&s, OVERLAY_JOINTS, shown);
     Box c = all_changes(plain, shown);
     CHECK_NEAR(c.left, px(-1, 0), 6);
     CHECK_NEAR(c.right, px(1, 0), 6);
@@ -249,9 +219,9 @@ TEST(arms_of_joints_are_drawn_from_end_to_end)
 TEST(stress_has_a_legend_from_none_to_what_breaks)
 {
     Scene s;
-    scene_open(&s);
-    draw(&s, 0, plain);
-    draw(&s, OVERLAY_STRESS, shown);
+    ball(&s);
+    shoot(&s, 0, plain);
+    shoot(&s, OVERLAY_STRESS, shown);
     double right = WIDTH - 5 * SIZE, left = right - 9 * SIZE, y = HEIGHT - 1.2 * SIZE;
     for (int step = 0; step < 40; step += 3) {      /* of forty: no plate or rim over any of them */
         float colour[3];
@@ -268,14 +238,14 @@ TEST(stress_has_a_legend_from_none_to_what_breaks)
 TEST(temperatures_have_a_scale_when_something_has_one)
 {
     Scene s;
-    scene_open(&s);
+    ball(&s);
     double x = WIDTH - 2 * SIZE, top = 0.25 * HEIGHT, bottom = 0.75 * HEIGHT;
-    draw(&s, 0, plain);
-    draw(&s, OVERLAY_TEMPERATURE, shown);
+    shoot(&s, 0, plain);
+    shoot(&s, OVERLAY_TEMPERATURE, shown);
     CHECK_INT(all_changes(plain, shown).count, 0);
-    s.item.temperature = 420;           /* of a scale from 400 to 450 K */
-    draw(&s, 0, plain);
-    draw(&s, OVERLAY_TEMPERATURE, shown);
+    s.items[0].temperature = 420;           /* of a scale from 400 to 450 K */
+    shoot(&s, 0, plain);
+    shoot(&s, OVERLAY_TEMPERATURE, shown);
     for (int band = 0; band < 80; band += 7) {
         float colour[3];
         heat_colour((band + 0.5) / 80, colour);
@@ -290,8 +260,6 @@ TEST(temperatures_have_a_scale_when_something_has_one)
 
 int main(void)
 {
-    setenv("MESA_SHADER_CACHE_DISABLE", "true", 1);
-    setenv("LP_NUM_THREADS", "0", 1);
     const struct CMUnitTest tests[] = {
         unit_test(a_name_stands_above_its_place),
         unit_test(a_longer_name_is_wider_and_what_is_not_seen_has_none),
@@ -302,5 +270,5 @@ int main(void)
         unit_test(stress_has_a_legend_from_none_to_what_breaks),
         unit_test(temperatures_have_a_scale_when_something_has_one),
     };
-    return cmocka_run_group_tests(tests, open_all, close_all);
+    return cmocka_run_group_tests(tests, open_fonts, close_shared);
 }

@@ -1,42 +1,10 @@
 /* tests/unit/test_render.c - pictures of views built by hand, checked pixel by pixel against closed forms. */
-#ifndef _POSIX_C_SOURCE
-#define _POSIX_C_SOURCE 200809L     /* setenv */
-#endif
-
-#include <stdlib.h>
-
-#include "check.h"
+#include "picture_fixture.h"
 #include "render/render.h"
 
 /* ---- views by hand ----------------------------------------------------- */
 
-enum { ITEMS = 16, WIDTH = 160, HEIGHT = 90 };
-
-typedef struct Scene {
-    View     view;
-    ViewMesh meshes[ITEMS];
-    ViewItem items[ITEMS];
-} Scene;
-
-static void scene_open(Scene *s)
-{
-    memset(s, 0, sizeof *s);
-    s->view.meshes = s->meshes;
-    s->view.items = s->items;
-    s->view.up[1] = 1;
-}
-
-static ViewItem *add(Scene *s, ViewForm form, double a, double b, double c, double x, double y, double z)
-{
-    int n = s->view.item_count++;
-    s->view.mesh_count++;
-    s->meshes[n] = (ViewMesh){.form = form, .size = {(float)a, (float)b, (float)c}};
-    s->items[n] = (ViewItem){.body = (uint32_t)n + 1, .mesh = n, .p = {(float)x, (float)y, (float)z}, .q = {0, 0, 0, 1},
-                             .colour = {0.5f, 0.5f, 0.5f}, .roughness = 0.6f};
-    s->items[n].fixed = form == VIEW_PLANE;
-    s->items[n].dig = s->items[n].fixed ? 0 : (uint32_t)n + 1;
-    return &s->items[n];
-}
+enum { WIDTH = 160, HEIGHT = 90 };
 
 /* A ball of 1 m (body 2) that stands on a plane (body 1), its centre at the origin. */
 static void ball_on_plane(Scene *s)
@@ -65,38 +33,6 @@ static RenderOptions options(void)
     o.camera = (RenderCamera){{0, 0, 6}, {0, 0, 0}, {0, 1, 0}, 0.8};
     return o;
 }
-
-/* ---- one renderer for all tests: compiling shaders takes most of the time ---- */
-
-static Renderer *shared;
-
-static int open_all(void **state)
-{
-    (void)state;
-    char why[300] = "";
-    if (render_open(NULL, &shared, why, sizeof why) != DIG_OK) {
-        fprintf(stderr, "no renderer: %s\n", why);
-        return -1;
-    }
-    return 0;
-}
-
-static int close_all(void **state)
-{
-    (void)state;
-    render_close(shared);
-    return 0;
-}
-
-static const void *draw_with(Renderer *r, const Scene *s, const RenderOptions *o)
-{
-    const void *pixels = NULL;
-    if (render_draw(r, &s->view, o, &pixels) != DIG_OK)
-        fail_msg("render_draw: %s", render_error(r));
-    return pixels;
-}
-
-static const void *draw(const Scene *s, const RenderOptions *o) { return draw_with(shared, s, o); }
 
 static uint32_t id_at(const Scene *s, RenderOptions o, int x, int y)
 {
@@ -711,8 +647,6 @@ TEST(names_and_time_are_written)
 
 int main(void)
 {
-    setenv("MESA_SHADER_CACHE_DISABLE", "true", 1);
-    setenv("LP_NUM_THREADS", "0", 1);
     const struct CMUnitTest tests[] = {
         unit_test(the_id_layer_names_the_body_that_is_seen),
         unit_test(depth_of_a_ball_and_of_a_plane_is_the_closed_form),
@@ -739,5 +673,5 @@ int main(void)
         unit_test(a_clear_body_throws_no_shadow_and_a_nonsensical_one_is_solid),
         unit_test(names_and_time_are_written),
     };
-    return cmocka_run_group_tests(tests, open_all, close_all);
+    return cmocka_run_group_tests(tests, open_shared, close_shared);
 }

@@ -1,40 +1,8 @@
 /* tests/unit/test_shade.c - pictures shaded by the CPU beside those that OpenGL draws of the same views. */
-#ifndef _POSIX_C_SOURCE
-#define _POSIX_C_SOURCE 200809L     /* setenv */
-#endif
-
-#include <stdlib.h>
-
-#include "check.h"
+#include "picture_fixture.h"
 #include "render/render.h"
 
-enum { ITEMS = 16, WIDTH = 320, HEIGHT = 180 };
-
-typedef struct Scene {
-    View     view;
-    ViewMesh meshes[ITEMS];
-    ViewItem items[ITEMS];
-} Scene;
-
-static void scene_open(Scene *s)
-{
-    memset(s, 0, sizeof *s);
-    s->view.meshes = s->meshes;
-    s->view.items = s->items;
-    s->view.up[1] = 1;
-}
-
-static ViewItem *add(Scene *s, ViewForm form, double a, double b, double c, double x, double y, double z)
-{
-    int n = s->view.item_count++;
-    s->view.mesh_count++;
-    s->meshes[n] = (ViewMesh){.form = form, .size = {(float)a, (float)b, (float)c}};
-    s->items[n] = (ViewItem){.body = (uint32_t)n + 1, .mesh = n, .p = {(float)x, (float)y, (float)z}, .q = {0, 0, 0, 1},
-                             .colour = {0.5f, 0.5f, 0.5f}, .roughness = 0.6f};
-    s->items[n].fixed = form == VIEW_PLANE;
-    s->items[n].dig = s->items[n].fixed ? 0 : (uint32_t)n + 1;
-    return &s->items[n];
-}
+enum { WIDTH = 320, HEIGHT = 180 };
 
 static RenderOptions options(void)
 {
@@ -44,34 +12,6 @@ static RenderOptions options(void)
     o.smooth = false;
     o.camera = (RenderCamera){{0, 1.5, 6}, {0, 0, 0}, {0, 1, 0}, 0.8};
     return o;
-}
-
-static Renderer *shared;
-
-static int open_all(void **state)
-{
-    (void)state;
-    char why[300] = "";
-    if (render_open(NULL, &shared, why, sizeof why) != DIG_OK) {
-        fprintf(stderr, "no renderer: %s\n", why);
-        return -1;
-    }
-    return 0;
-}
-
-static int close_all(void **state)
-{
-    (void)state;
-    render_close(shared);
-    return 0;
-}
-
-static const void *draw(const Scene *s, const RenderOptions *o)
-{
-    const void *pixels = NULL;
-    if (render_draw(shared, &s->view, o, &pixels) != DIG_OK)
-        fail_msg("render_draw: %s", render_error(shared));
-    return pixels;
 }
 
 static void *copy_of(const void *pixels, size_t size)
@@ -232,12 +172,10 @@ TEST(a_shadow_on_what_is_seen_through_has_a_straight_rim)
 
 int main(void)
 {
-    setenv("MESA_SHADER_CACHE_DISABLE", "true", 1);
-    setenv("LP_NUM_THREADS", "0", 1);
     const struct CMUnitTest tests[] = {
         unit_test(bodies_look_the_same_whoever_shades_them),
         unit_test(rays_find_the_bodies_that_opengl_draws),
         unit_test(a_shadow_on_what_is_seen_through_has_a_straight_rim),
     };
-    return cmocka_run_group_tests(tests, open_all, close_all);
+    return cmocka_run_group_tests(tests, open_shared, close_shared);
 }
