@@ -191,43 +191,45 @@ static int get_name(lua_State *L)
 
 /* ---- setting -------------------------------------------------------------------------- */
 
-enum { FIELD_BYTES = 256 };
+enum { FIELD_BYTES = 256, SETTINGS = 32 };
 
-/* The value on top of the stack; dry: is only looked at. */
-static void set_row(lua_State *L, JointRef *j, const dig_param *row, const char *path, const char *subject, bool dry)
+/* Parameters of one joint, read and checked by their rows; names and texts are kept by the Lua stack. */
+typedef struct Settings {
+    dig_setting set[SETTINGS];
+    union { real align; char bytes[FIELD_BYTES]; } field[SETTINGS];
+    int         count;
+} Settings;
+
+/* Takes the value on top of the stack; leaves what has to be kept there. */
+static void read_row(lua_State *L, JointRef *j, Settings *s, const dig_param *row, const char *path, const char *subject)
 {
-    union { real align; char bytes[FIELD_BYTES]; } field;
+    int value = lua_gettop(L);
+    luaL_checkstack(L, 8, "parameters of a joint");
     if (row->kind == DIG_TABLE) {
-        if (!lua_istable(L, -1))
-            bind_error(L, "joint.%s wants a table; got %s", path, luaL_typename(L, -1));
+        if (!lua_istable(L, value))
+            bind_error(L, "joint.%s wants a table; got %s", path, luaL_typename(L, value));
         const dig_param *sets[] = {row->rows, NULL};
-        int table = lua_gettop(L);
-        bind_check_keys(L, table, path, sets, NULL);
+        bind_check_keys(L, value, path, sets, NULL);
         for (const dig_param *inner = row->rows; inner && inner->name; inner++) {
-            if (bind_own_field(L, table, inner->name) != LUA_TNIL) {
-                const char *name = lua_pushfstring(L, "%s.%s", path, inner->name);
-                lua_insert(L, -2);
-                set_row(L, j, inner, name, subject, dry);
-                lua_remove(L, -2);
-            }
-            lua_pop(L, 1);
+            const char *name = lua_pushfstring(L, "%s.%s", path, inner->name);
+            if (bind_own_field(L, value, inner->name) != LUA_TNIL)
+                read_row(L, j, s, inner, name, subject);
+            else
+                lua_pop(L, 2);
         }
         return;
     }
-    Fill fill = {L, lua_gettop(L), lua_gettop(L), "joint", subject, j->world};
-    bind_fill_field(&fill, row, field.bytes);
-    if (dry)
-        return;
-    dig_status s = dig_joint_set(j->world->w, j->id, path, field.bytes);
-    if (s != DIG_OK)
-        bind_fail(L, j->world->w, s);
+    if (s->count == SETTINGS)
+        bind_error(L, "joint:set: more than %d parameters", SETTINGS);
+    Fill fill = {L, value, value, "joint", subject, j->world};
+    bind_fill_field(&fill, row, s->field[s->count].bytes);
+    s->set[s->count] = (dig_setting){path, s->field[s->count].bytes};
+    s->count++;
 }
 
-static int assign(lua_State *L, bool dry)
+/* The value of `key` is on top of the stack. */
+static void read_parameter(lua_State *L, JointRef *j, Settings *s, const char *key)
 {
-    JointRef *j = bind_check_joint(L, 1);
-    lua_settop(L, 3);
-    const char *key = bind_name(L, 2, NULL);
     dig_joint_state now = state(L);
     const dig_schema *schema = dig_schema_find("joint", now.type);
     const dig_param *row = schema ? find_row(schema->rows, key) : NULL;
@@ -241,23 +243,40 @@ static int assign(lua_State *L, bool dry)
             lua_pushboolean(L, 1);
             lua_setfield(L, -2, row->name);
         }
-        return bind_unknown(L, now.type, "has no parameter", key, lua_gettop(L), lua_gettop(L));
+        bind_unknown(L, now.type, "has no parameter", key, lua_gettop(L), lua_gettop(L));
     }
     const char *subject = lua_pushfstring(L, "joint '%s'", now.name);
-    lua_pushvalue(L, 3);
-    set_row(L, j, row, key, subject, dry);
-    return 0;
+    lua_insert(L, -2);
+    read_row(L, j, s, row, key, subject);
+}
+
+static void apply(lua_State *L, JointRef *j, const Settings *s)
+{
+    dig_status status = dig_joint_set(j->world->w, j->id, s->set, s->count);
+    if (status != DIG_OK)
+        bind_fail(L, j->world->w, status);
 }
 
 /* joint.friction = 0.2   joint.motor = {speed = 3}   joint.breaks_at = "200 N" */
-static int joint_newindex(lua_State *L) { return assign(L, false); }
-static int look_at_parameter(lua_State *L) { return assign(L, true); }
+static int joint_newindex(lua_State *L)
+{
+    JointRef *j = bind_check_joint(L, 1);
+    Settings s;
+    s.count = 0;
+    lua_settop(L, 3);
+    const char *key = bind_name(L, 2, NULL);
+    lua_pushvalue(L, 3);
+    read_parameter(L, j, &s, key);
+    apply(L, j, &s);
+    return 0;
+}
 
-/* joint:set{motor = {speed = 2}, friction = 0.1} -> joint. All are looked at before the first is set: a mistake in one leaves the joint as
- * it was. */
+/* joint:set{motor = {speed = 2}, friction = 0.1} -> joint. All or none: a mistake in one leaves the joint as it was. */
 static int joint_set(lua_State *L)
 {
-    bind_check_joint(L, 1);
+    JointRef *j = bind_check_joint(L, 1);
+    Settings s;
+    s.count = 0;
     if (!lua_istable(L, 2))
         return bind_error(L, "joint:set wants a table; got %s", luaL_typename(L, 2));
     lua_settop(L, 2);
@@ -266,14 +285,14 @@ static int joint_set(lua_State *L)
             return bind_error(L, "joint:set: a parameter has a name; got a %s", luaL_typename(L, -2));
     int count;
     const char **names = bind_names(L, 2, 2, &count);
-    for (int i = 0; i < 2 * count; i++) {
-        lua_pushcfunction(L, i < count ? look_at_parameter : joint_newindex);
-        lua_pushvalue(L, 1);
-        lua_pushstring(L, names[i % count]);
+    for (int i = 0; i < count; i++) {
+        luaL_checkstack(L, 8, "parameters of a joint");
+        lua_pushstring(L, names[i]);
         lua_pushvalue(L, -1);
         lua_rawget(L, 2);
-        lua_call(L, 3, 0);
+        read_parameter(L, j, &s, names[i]);
     }
+    apply(L, j, &s);
     lua_settop(L, 1);
     return 1;
 }

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 
 /* Arguments: b body, j joint, r region, w wire, g DIG, v vec3, n number, u whole number, y yes or no, s text; S text, V vec3, Q
- * quaternion, or none; definitions: B body, J joint, R region, O room, M material, P pair, W wire, T post, L list of a post,
- * E effect of the caller's, X the same with who takes part, C bytes; by the name before: p field of a body, k of a joint,
+ * quaternion, or none; definitions: B body, J joint, R region, O room, M material, P pair, W wire, T post, L list of a post, K settings of the joint before,
+ * E effect of the caller's, X the same with who takes part, C bytes; by the name before: p field of a body,
  * m what an effect keeps of a body, o its options. After '>': what it returns. */
 typedef struct Command {
     const char *name, *arguments;
@@ -37,7 +37,7 @@ static const Command commands[COMMAND_IDS] = {
 
     [COMMAND_JOINT]         = {"joint", "J>j", run_joint, true},
     [COMMAND_JOINT_REMOVE]  = {"remove joint", "j", run_joint_remove, false},
-    [COMMAND_JOINT_SET]     = {"set joint", "jsk", run_joint_set, false},
+    [COMMAND_JOINT_SET]     = {"set joint", "jK", run_joint_set, false},
 
     [COMMAND_ROOM]          = {"room", "O", run_room, true},
     [COMMAND_WALL]          = {"wall", "sy", run_wall, true},

@@ -58,6 +58,7 @@ typedef union CommandArg {
 typedef dig_status CommandRun(World *w, CommandArg *a);
 
 typedef struct CommandList { const dig_body *to; const real *value; int count; } CommandList;   /* of dig_message_list */
+typedef struct CommandSettings { const dig_setting *set; int count; } CommandSettings;          /* of dig_joint_set */
 typedef struct CommandBytes { const void *data; size_t size; } CommandBytes;
 
 /* An effect of the caller's that is there when a log begins. */

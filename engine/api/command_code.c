@@ -298,14 +298,26 @@ static void arg_body_value(Coder *c, CommandArg *a)
     code_value(c, row || !name ? row : api_effect_row(c->w, name, &effect), a);
 }
 
-static void arg_joint_value(Coder *c, CommandArg *a)
+/* Names of parameters, and as many bytes as their rows say. */
+static void arg_settings(Coder *c, CommandArg *a)
 {
     static const dig_param strength = {.name = "breaks_at", .kind = DIG_REAL};
-    const JointRec *r = world_joint(c->w, a[-2].joint);
-    const char *name = a[-1].what;
-    size_t offset;
-    bool breaks = name && strcmp(name, strength.name) == 0;
-    code_value(c, breaks ? &strength : r && name ? param_find_path(r->type->params, name, &offset) : NULL, a);
+    const JointRec *r = world_joint(c->w, a[-1].joint);
+    CommandSettings *l = struct_of(c, a, sizeof *l);
+    if (!l)
+        return;
+    uint32_t count = pack_count(c->p, l->count > 0 ? (uint32_t)l->count : 0, 2, "parameters of a joint");
+    dig_setting *set = room(c, l->set, count * sizeof *set);
+    for (uint32_t i = 0; set && i < count; i++) {
+        CommandArg name = {.what = set[i].param}, value = {.what = set[i].value};
+        arg_text(c, &name);
+        const char *text = name.what;
+        size_t offset;
+        bool breaks = text && strcmp(text, strength.name) == 0;
+        code_value(c, breaks ? &strength : r && text ? param_find_path(r->type->params, text, &offset) : NULL, &value);
+        set[i] = (dig_setting){text, value.what};
+    }
+    *l = (CommandSettings){set, set ? (int)count : 0};
 }
 
 static const EffectSlot *effect_named(const World *w, const char *name)
@@ -464,7 +476,7 @@ static ArgCoder *const coders[128] = {
     ['S'] = arg_text_or_none, ['V'] = arg_vec3_or_none, ['Q'] = arg_quat_or_none,
     ['B'] = arg_body_def, ['J'] = arg_joint_def, ['R'] = arg_region_def, ['O'] = arg_room, ['M'] = arg_material, ['P'] = arg_pair,
     ['W'] = arg_wire_def, ['T'] = arg_post, ['L'] = arg_list, ['E'] = arg_effect, ['X'] = arg_effect_there, ['C'] = arg_bytes,
-    ['p'] = arg_body_value, ['k'] = arg_joint_value, ['m'] = arg_member, ['o'] = arg_options,
+    ['p'] = arg_body_value, ['K'] = arg_settings, ['m'] = arg_member, ['o'] = arg_options,
 };
 
 void command_arguments(Coder *c, const char *letters, CommandArg *a)

@@ -331,49 +331,61 @@ dig_status dig_joint_param(const dig_world *w, dig_joint handle, const char *nam
     return DIG_OK;
 }
 
-static dig_status do_set(World *w, dig_joint handle, const char *name, const void *value)
+/* Into copies of what the joint has. */
+static dig_status set_one(World *w, const JointRec *r, const dig_setting *set, real *params, real *breaks_at)
 {
-    JointRec *r = api_joint(w, handle, name);
-    if (!r)
-        return DIG_E_DEAD;
-    if (strcmp(name, "breaks_at") == 0) {
-        const real *force = value;
-        if (!(*force > 0))
-            return world_fail(w, DIG_E_ARG, "%s: breaks_at = %g N, must be > 0", r->type->name, *force);
-        r->breaks_at = isfinite(*force) ? *force : 0;
+    size_t offset;
+    char why[256];
+    if (strcmp(set->param, "breaks_at") == 0) {
+        real force = *(const real *)set->value;
+        if (!(force > 0))
+            return world_fail(w, DIG_E_ARG, "%s: breaks_at = %g N, must be > 0", r->type->name, force);
+        *breaks_at = isfinite(force) ? force : 0;
         return DIG_OK;
     }
-    size_t offset;
-    const dig_param *row = param_find_path(r->type->params, name, &offset);
-    char why[256];
+    const dig_param *row = param_find_path(r->type->params, set->param, &offset);
     if (!row)
-        return world_fail(w, DIG_E_ARG, "%s has no parameter '%s'", r->type->name, name);
+        return world_fail(w, DIG_E_ARG, "%s has no parameter '%s'", r->type->name, set->param);
     if (row->kind == DIG_JOINT || row->kind == DIG_BODY)
-        return world_fail(w, DIG_E_ARG, "%s: '%s' is fixed at creation", r->type->name, name);
-    if (param_check_field(row, value, r->type->name, why, sizeof why) != DIG_OK)
+        return world_fail(w, DIG_E_ARG, "%s: '%s' is fixed at creation", r->type->name, set->param);
+    if (param_check_field(row, set->value, r->type->name, why, sizeof why) != DIG_OK)
         return world_fail(w, DIG_E_ARG, "%s", why);
-    real params[sizeof r->params / sizeof(real)];
+    memcpy((char *)params + offset, set->value, param_size(row));
+    return DIG_OK;
+}
+
+static dig_status do_set(World *w, dig_joint handle, const dig_setting *set, int count)
+{
+    JointRec *r = api_joint(w, handle, count > 0 ? set[0].param : "set");
+    if (!r)
+        return DIG_E_DEAD;
+    real params[sizeof r->params / sizeof(real)], breaks_at = r->breaks_at;
     memcpy(params, r->params, sizeof params);
-    memcpy((char *)params + offset, value, param_size(row));
-    DIG_TRY(check_params(w, r, params));
-    real before = api_joint_energy(w, handle.slot);
-    memcpy(r->params, params, sizeof params);
-    api_book_given(w, api_joint_energy(w, handle.slot) - before);
-    if (r->a != NONE)
-        body_wake(w, r->a);
-    if (r->b != NONE)
-        body_wake(w, r->b);
+    for (int i = 0; i < count; i++)
+        DIG_TRY(set_one(w, r, &set[i], params, &breaks_at));
+    if (memcmp(params, r->params, sizeof params) != 0) {
+        DIG_TRY(check_params(w, r, params));
+        real before = api_joint_energy(w, handle.slot);
+        memcpy(r->params, params, sizeof params);
+        api_book_given(w, api_joint_energy(w, handle.slot) - before);
+        if (r->a != NONE)
+            body_wake(w, r->a);
+        if (r->b != NONE)
+            body_wake(w, r->b);
+    }
+    r->breaks_at = breaks_at;
     return DIG_OK;
 }
 
 dig_status run_joint_set(World *w, CommandArg *a)
 {
-    return do_set(w, a[0].joint, a[1].what, a[2].what);
+    const CommandSettings *s = a[1].what;
+    return do_set(w, a[0].joint, s->set, s->count);
 }
 
-dig_status dig_joint_set(dig_world *w, dig_joint handle, const char *name, const void *value)
+dig_status dig_joint_set(dig_world *w, dig_joint handle, const dig_setting *settings, int count)
 {
-    return COMMAND(w, COMMAND_JOINT_SET, do_set(w, handle, name, value), {.joint = handle}, {.what = name}, {.what = value});
+    return COMMAND(w, COMMAND_JOINT_SET, do_set(w, handle, settings, count), {.joint = handle}, {.what = &(CommandSettings){settings, count}});
 }
 
 int dig_joints(const dig_world *w, dig_joint *out, int capacity)

@@ -16,7 +16,7 @@
 
 #include <libdeflate.h>
 
-#define REPLAY_FORMAT 3u
+#define REPLAY_FORMAT 4u
 
 /* ---- sections ---- */
 

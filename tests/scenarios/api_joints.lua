@@ -48,6 +48,20 @@ scenario("limits, springs and motors are tables with units", function(s)
   expect(text):contains "can be set, not read"
 end)
 
+scenario("what is set together is checked together, and all or nothing of it is done", function(s)
+  local world = s:world { gravity = { 0, 0, 0 } }
+  local a, b = world:ball { radius = 0.1, mass = 1 }, world:ball { radius = 0.1, mass = 1, at = { 1.5, 0, 0 } }
+  local range = world:distance { a = a, b = b, min = 1, max = 2 }
+  range:set { min = 3, max = 4 }                    -- past the old range on either side
+  range:set { min = 0.1, max = 0.2 }
+  expect(range.min):is(0.1)
+  expect(range.max):is(0.2)
+  expect(function() range:set { breaks_at = 50, max = 0.5, min = 0.6 } end):fails()
+  expect(function() range:set { max = 0.5, length = 1 } end):fails()
+  expect(range.max):is(0.2)
+  expect(range.breaks_at):is(math.huge)
+end)
+
 scenario("a slider keeps to its line", function(s)
   local world = s.world
   local b = bar(world)

@@ -160,9 +160,9 @@ static void use_joints(dig_world *w, dig_body b)
     for (int i = 0; i < count; i++) {
         fail_unless(w, dig_joint_get(w, all[i], &j), "joint");
         if (strcmp(j.type, "spring") == 0)
-            fail_unless(w, dig_joint_set(w, all[i], "stiffness", &(real){55}), "stiffness");
+            fail_unless(w, dig_joint_set(w, all[i], &(dig_setting){"stiffness", &(real){55}}, 1), "stiffness");
     }
-    fail_unless(w, dig_joint_set(w, all[0], "breaks_at", &(real){1e4}), "breaks_at");
+    fail_unless(w, dig_joint_set(w, all[0], &(dig_setting){"breaks_at", &(real){1e4}}, 1), "breaks_at");
     fail_unless(w, dig_joint_remove(w, all[count - 1]), "remove");
     real ball[48];
     dig_schema_defaults(dig_schema_find("joint", "ball"), ball);
@@ -384,8 +384,8 @@ TEST(what_is_refused_is_logged_only_where_it_leaves_traces)
     CHECK(dig_body_set_velocity(w, stone, far, far) != DIG_OK);
     CHECK(dig_body_wake(w, dead) != DIG_OK);
     CHECK(dig_joint_remove(w, (dig_joint){1, 2}) != DIG_OK);
-    CHECK(dig_joint_set(w, joints[0], "limits", (const real[2]){3, -3}) != DIG_OK);
-    CHECK(dig_joint_set(w, joints[0], "no such thing", &far) != DIG_OK);
+    CHECK(dig_joint_set(w, joints[0], &(dig_setting){"limits", (const real[2]){3, -3}}, 1) != DIG_OK);
+    CHECK(dig_joint_set(w, joints[0], &(dig_setting){"no such thing", &far}, 1) != DIG_OK);
     CHECK(dig_region_create(w, &region, &r) != DIG_OK);
     CHECK(dig_region_remove(w, (dig_region){1, 2}) != DIG_OK);
     CHECK(dig_region_push(w, (dig_region){1, 2}, stone, bad) != DIG_OK);

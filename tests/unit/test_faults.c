@@ -409,9 +409,9 @@ TEST(joints_with_bad_arguments_are_refused)
     d.b = (dig_body){0, 0};
     REFUSED(dig_joint_create(w, &d, &out), DIG_E_ARG);
     real x = NAN;
-    REFUSED(dig_joint_set(w, s.joint, "no such row", &x), DIG_E_ARG);
+    REFUSED(dig_joint_set(w, s.joint, &(dig_setting){"no such row", &x}, 1), DIG_E_ARG);
     CHECK(dig_joint_create(w, &good, &out) == DIG_OK);
-    REFUSED(dig_joint_set(w, out, "friction", &x), DIG_E_ARG);
+    REFUSED(dig_joint_set(w, out, &(dig_setting){"friction", &x}, 1), DIG_E_ARG);
     step(w, 5);
     check_world(w);
     dig_world_close(w);
@@ -516,7 +516,7 @@ TEST(dead_null_and_foreign_handles_are_refused)
     real x = 1;
     for (int i = 0; i < 3; i++) {
         REFUSED(dig_joint_get(w, joints[i], &state), DIG_E_DEAD);
-        REFUSED(dig_joint_set(w, joints[i], "friction", &x), DIG_E_DEAD);
+        REFUSED(dig_joint_set(w, joints[i], &(dig_setting){"friction", &x}, 1), DIG_E_DEAD);
         REFUSED(dig_joint_remove(w, joints[i]), DIG_E_DEAD);
         CHECK(!dig_joint_alive(w, joints[i]));
     }

@@ -308,7 +308,7 @@ static void hold(dig_world *w, const char *type, dig_body a, dig_body b, vec3 at
                 memcpy((char *)data + p->offset, &given[i].value, sizeof(real));
     dig_joint j = create_joint(w, type, a, b, at, (vec3){1, 0, 0}, data);
     if (strcmp(type, "strut") == 0)
-        fail_unless(w, dig_joint_set(w, j, "breaks_at", &(real){80}), "breaks_at");
+        fail_unless(w, dig_joint_set(w, j, &(dig_setting){"breaks_at", &(real){80}}, 1), "breaks_at");
 }
 
 static dig_world *tower(void)

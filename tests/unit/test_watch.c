@@ -198,7 +198,7 @@ TEST(booked_work_is_no_rise)
         dig_body lift = add_mover(w, look(0.8, 0), (vec3){2, 0.2, 2}, (vec3){20, 0.2, 0}, (vec3){0.5, 1, 0});
         dig_joint spring = join(w, "spring", sprung, (vec3){10, 4, 0}, "stiffness", 200);
         real length = 0.2;
-        CHECK_INT(dig_joint_set(w, spring, "length", &length), DIG_OK);         /* a loaded spring is let go */
+        CHECK_INT(dig_joint_set(w, spring, &(dig_setting){"length", &length}, 1), DIG_OK);         /* a loaded spring is let go */
         step(w, 5);
         CHECK_INT(dig_body_push(w, pushed, (vec3){40, 10, 0}, (vec3){0, 0.9, 0.1}, true, 1), DIG_OK);
         CHECK_INT(dig_body_hit(w, hit, (vec3){3, 4, 1}, vec3_zero(), false), DIG_OK);
