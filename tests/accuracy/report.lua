@@ -282,8 +282,8 @@ local function write_machine()
   local system = output_of "sed -n 's/^PRETTY_NAME=\"\\(.*\\)\"/\\1/p' /etc/os-release"
   say("Measured on %s, %s cores, %s; %s.", processor ~= "" and processor or output_of "uname -m", output_of "nproc", system,
     table.concat(versions, ", "))
-  say "One thread; processor time of the steps, less what reading the clock takes; least of three runs, of which the first reads"
-  say "the bodies after each frame and the others only step; what takes over a second is run once."
+  local load = output_of "cut -d' ' -f3 /proc/loadavg"
+  say("One thread. Load average of the last quarter of an hour when this was written: %s.", load ~= "" and load or "unknown")
   say ""
 end
 

@@ -11,7 +11,7 @@ local suite = require "suite"
 local options = digbox.args {
   scenes = { default = "all", help = "ids or beginnings of ids, with commas" },
   settings = { default = "all", help = "plans and tolerances, with commas; plans, ladder or all" },
-  repeats = { default = 3, help = "runs of each setting; the least CPU time counts" },
+  repeats = { default = 25, help = "most timed runs of each setting; the least CPU time counts" },
   skip_slow = { default = false, help = "leave out scenes that take long" },
   details = { default = false, help = "also print what else each scene measures, as comments" },
 }
