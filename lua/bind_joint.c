@@ -297,26 +297,48 @@ static int joint_set(lua_State *L)
     return 1;
 }
 
-/* Numbers are read; another parameter is set, not read: say so rather than "no such field". */
+/* As it is given: a table of its own, which changes nothing when it is changed; what is not set is nil. */
+static void push_parameter(lua_State *L, int world, JointRef *j, const dig_param *row, const char *path)
+{
+    union { real align; char bytes[FIELD_BYTES]; } field;
+    if (row->kind == DIG_TABLE) {
+        luaL_checkstack(L, 8, "parameters of a joint");
+        lua_newtable(L);
+        for (const dig_param *inner = row->rows; inner && inner->name; inner++) {
+            push_parameter(L, world, j, inner, lua_pushfstring(L, "%s.%s", path, inner->name));
+            lua_remove(L, -2);
+            lua_setfield(L, -2, inner->name);
+        }
+        return;
+    }
+    dig_status s = dig_joint_param(j->world->w, j->id, path, field.bytes);
+    if (s != DIG_OK)
+        bind_fail(L, j->world->w, s);
+    real first = 0;
+    if (row->kind == DIG_REAL || row->kind == DIG_RANGE || row->kind == DIG_PAIR)
+        memcpy(&first, field.bytes, sizeof first);
+    if (isnan(first))
+        lua_pushnil(L);
+    else
+        bind_push_field(L, world, row, field.bytes);
+}
+
+/* Parameters of its type are read as they are set. */
 static int joint_parameter(lua_State *L)
 {
     JointRef *j = luaL_testudata(L, 1, BIND_JOINT);
     if (!j || lua_type(L, 2) != LUA_TSTRING || !j->world->w || !dig_joint_alive(j->world->w, j->id))
         return 0;
-    dig_joint_state now = state(L);
-    const dig_schema *schema = dig_schema_find("joint", now.type);
+    const dig_schema *schema = dig_schema_find("joint", state(L).type);
     const char *key = bind_string(L, 2, NULL);
     const dig_param *row = schema ? find_row(schema->rows, key) : NULL;
-    real number;
-    if ((row && row->kind == DIG_REAL) || strcmp(key, "breaks_at") == 0) {
-        if (dig_joint_param(j->world->w, j->id, key, &number) != DIG_OK)
-            return 0;
-        lua_pushnumber(L, number);
-        return 1;
-    }
-    if (row)
-        return bind_error(L, "joint '%s': parameter '%s' can be set, not read", now.name, key);
-    return 0;
+    if (!row && strcmp(key, "breaks_at") == 0)
+        row = find_row(common_rows(), key);
+    if (!row)
+        return 0;
+    bind_push_world_of(L, 1);
+    push_parameter(L, lua_gettop(L), j, row, key);
+    return 1;
 }
 
 /* joint:remove() */

@@ -196,7 +196,7 @@ declare_type("hit", "A place where a ray or a moving shape meets a body.", {}, {
 
 -- ---- joints ----
 
-declare_type("joint", "A joint. Its numbers (stiffness, limits, ...) are read and set as fields of its type.", methods.joint, {
+declare_type("joint", "A joint. Its parameters (stiffness, limits, ...) are read and set as fields of its type.", methods.joint, {
   type = { "string", "hinge, slider, ..." }, name = { "string", "its name" },
   a = { "body", "one body" }, b = { "body|nil", "the other; nil: the world" },
   at = { "vector", "where it is now", unit = "m" },

@@ -44,8 +44,28 @@ scenario("limits, springs and motors are tables with units", function(s)
   expect(function() hinge.limits = { 1, -1 } end):fails()
   local text = expect(function() hinge.moter = {} end):fails()
   expect(text):contains "hinge has no parameter 'moter' (did you mean 'motor'?)"
-  text = expect(function() return hinge.motor end):fails()
-  expect(text):contains "can be set, not read"
+end)
+
+scenario("parameters are read as they are set, in tables of their own", function(s)
+  local world = s:world { gravity = { 0, 0, 0 } }
+  local b = bar(world)
+  local hinge = world:hinge { a = b, at = { 0, 0, 0 }, axis = { 0, 1, 0 }, limits = { -1, 1 }, motor = { speed = 2, max_torque = 5 } }
+  local limits, motor = hinge.limits, hinge.motor
+  expect(limits[1]):is(-1)
+  expect(limits[2]):is(1)
+  expect(motor.speed):is(2)
+  expect(motor.max_torque):is(5)
+  limits[1], motor.speed = 3, 3
+  expect(hinge.limits[1]):is(-1)
+  expect(hinge.motor.speed):is(2)
+  hinge.motor = { speed = 7 }
+  expect(hinge.motor.speed):is(7)
+  expect(hinge.motor.max_torque):is(5)
+  expect(hinge.breaks_at):is(math.huge)
+  expect(world:hinge { a = b, at = { 0, 0, 0 }, axis = { 0, 1, 0 } }.limits):is(nil)
+  local far = world:ball { radius = 0.1, at = { 3, 0, 0 } }
+  local gear = world:gear { a = hinge, b = world:hinge { a = far, at = { 3, 0, 0 }, axis = { 0, 1, 0 } }, ratio = { 1, 12 } }
+  expect(gear.ratio[2]):is(12)
 end)
 
 scenario("what is set together is checked together, and all or nothing of it is done", function(s)
