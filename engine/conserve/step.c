@@ -232,6 +232,7 @@ static void write_back(System *s)
 dig_status step_single(System *s, bool *done)
 {
     Group *g = s->g;
+    real taken;
     g->h = s->h;
     DIG_TRY(group_forces(g));
     begin(s);
@@ -240,6 +241,7 @@ dig_status step_single(System *s, bool *done)
         return DIG_OK;
     book(s);
     write_back(s);
+    DIG_TRY(group_hold(g, true, &taken));
     g->residual = real_max(g->residual, s->residual / fabs(s->h));
     g->substeps++;
     return DIG_OK;

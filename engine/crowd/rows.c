@@ -20,26 +20,37 @@ static int kind_of(const Chosen *x)
     return ((int)x->fixed * (COLOURS + 1) + x->colour) * (MANIFOLD_POINTS + 1) + MANIFOLD_POINTS - x->points;
 }
 
-/* Do they pass each other side by side before the gap could close? A row holds for the present direction only. */
-static bool passes_by(const Group *g, const GroupContact *t, real gap, real closing, real speed)
+/* Does what comes with this velocity, relative to the other, pass by at its side before the gap could close? A row holds for the present
+ * direction only. */
+static bool goes_past(const GroupPair *q, real gap, real closing, real speed)
+{
+    real across2 = speed * speed - closing * closing, reach = q->sa->outer + q->sb->outer;
+    return gap > q->size && across2 * gap * gap > reach * reach * closing * closing;
+}
+
+/* If an impact stops either, the other goes on alone. */
+static bool alone_goes_past(const Group *g, const GroupContact *t, const ManifoldPoint *p)
 {
     const GroupPair *q = &g->pairs[t->pair];
-    real across2 = speed * speed - closing * closing, reach = q->sa->outer + q->sb->outer;
-    return gap > q->size && closing > 0 && across2 * gap * gap > reach * reach * closing * closing;
+    vec3 n = t->manifold.normal, a = crowd_velocity(g, t->a, p->a), b = crowd_velocity(g, t->b, p->b);
+    real to_b = vec3_dot(n, a), to_a = -vec3_dot(n, b);
+    return (to_b <= 0 || goes_past(q, p->gap, to_b, vec3_length(a))) && (to_a <= 0 || goes_past(q, p->gap, to_a, vec3_length(b)));
 }
 
 /* Might it act within the step? Others may push as hard as the bodies move. */
 static bool may_act(const Crowd *c, const GroupContact *t)
 {
     const Group *g = c->g;
-    real size = g->pairs[t->pair].size, near = NEAR * size + real_max(g->member[t->a].pull, g->member[t->b].pull) * c->dt * c->dt;
-    near += c->stop ? c->dt * real_max(c->stop[t->a], c->stop[t->b]) : 0;
+    const GroupPair *q = &g->pairs[t->pair];
+    real near = NEAR * q->size + real_max(g->member[t->a].pull, g->member[t->b].pull) * c->dt * c->dt;
+    real stop = c->stop ? c->dt * real_max(c->stop[t->a], c->stop[t->b]) : 0;
     for (int k = 0; k < t->manifold.count; k++) {
         const ManifoldPoint *p = &t->manifold.points[k];
         if (p->gap <= near)
             return true;
-        real speed, closing = crowd_closing(g, t, p, &speed);
-        if (p->gap <= near + c->dt * (0.5 * speed + real_max(0, closing)) && !passes_by(g, t, p->gap, closing, speed))
+        real speed, closing = crowd_closing(g, t, p, &speed), way = c->dt * (0.5 * speed + real_max(0, closing));
+        bool past = closing > 0 && goes_past(q, p->gap, closing, speed);
+        if ((p->gap <= near + way && !past) || (stop > 0 && p->gap <= near + stop + (past ? 0 : way) && !alone_goes_past(g, t, p)))
             return true;
     }
     return false;
@@ -72,9 +83,16 @@ static real rolling_radius(const GroupPair *q)
     return a > 0 && b > 0 ? a * b / (a + b) : real_max(a, b);
 }
 
-/* What does not act carries nothing. */
-static void forget(GroupContact *t)
+/* What does not act carries nothing; of what is far off and goes past, the gap along the present direction says nothing either. */
+static void forget(const Group *g, GroupContact *t)
 {
+    bool far = true;
+    for (int k = 0; k < t->manifold.count; k++)
+        far = far && t->manifold.points[k].gap > g->pairs[t->pair].size;
+    if (far) {
+        t->live = false;
+        t->manifold.count = 0;
+    }
     for (int k = 0; k < t->manifold.count; k++) {
         t->memory[k].normal = 0;
         t->memory[k].borne = 0;
@@ -98,7 +116,7 @@ static void choose_share(void *context, int thread, int threads)
         Chosen *x = &r->chosen[i];
         x->acts = t->live && (g->member[t->a].moves || g->member[t->b].moves) && may_act(c, t);
         if (!x->acts) {
-            forget(t);
+            forget(g, t);
             continue;
         }
         *x = (Chosen){.contact = i, .points = (uint8_t)t->manifold.count, .acts = true,

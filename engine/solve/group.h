@@ -341,6 +341,10 @@ void group_turn_joints(Group *g, const Vel *found);     /* for the velocities at
 void group_clean_joints(Group *g);
 void joint_row_warm(Group *g, JointRow *r);
 
+/* hold.c: after a substep in which poses and velocities of moving members went on from start_pos and start_vel. both: what was lost is
+ * given back, too, where it is little. *taken: J out of their motion */
+dig_status group_hold(Group *g, bool both, real *taken);
+
 /* sweep.c: the sub-stepped way */
 dig_status sweep_advance(Group *g, real dt);
 dig_status sweep_piece(Group *g, real dt, real until);  /* from g->t on, of a step of dt; room for rows and strikes is there */

@@ -233,6 +233,20 @@ static void mark_constrained(Group *g)
     }
 }
 
+/* Bodies that move with their new velocities lose energy together; a few of them, whose neighbours move with the mean, may gain it: then
+ * all do that something holds. */
+static void move_alike(Group *g)
+{
+    real lost = 0;
+    for (int i = 0; i < g->moving_count; i++) {
+        const Member *m = &g->member[i];
+        if (m->moves && m->implicit_move && !moves_by_euler(m))
+            lost += vec3_dot(m->force, vec3_sub(g->vel[i].v, m->start_vel.v)) + vec3_dot(m->torque, vec3_sub(g->vel[i].w, m->start_vel.w));
+    }
+    for (int i = 0; i < g->moving_count && lost < 0; i++)
+        g->member[i].implicit_move = g->member[i].implicit_move || g->member[i].constrained;
+}
+
 /* m/s: a small group whose velocities are worse than this gets more sweeps than its plan gives. */
 #define COARSE 1e-3
 /* m/s: and what is nearly at rest must not be worse than this, for it adds up */
@@ -537,6 +551,7 @@ static dig_status solve_with(Group *g, const Vel *found)
     for (int i = 0; i < g->point_count; i++)
         g->points[i].jn += g->points[i].blow;
     mark_constrained(g);
+    move_alike(g);
     return g->status;
 }
 
@@ -607,6 +622,11 @@ static dig_status substep(Group *g, real until)
     if (g->woke)
         return DIG_OK;          /* this try is thrown away: the sleeper wakes and the step starts again */
     move(g);
+    if (g->heals) {             /* by velocities, which are not to be kept where they did work */
+        real taken;
+        DIG_TRY(group_hold(g, false, &taken));
+        g->lost += taken;
+    }
     g->t = until;
     g->substeps++;
     return DIG_OK;

@@ -8,18 +8,12 @@
  * angular momentum of the frame's start, for the pair keeps no invariant but the linear ones. What one step's local error may be, the
  * change may be, and no more: what asks for more is no error of the integration.
  */
+#include "base/forest.h"
 #include "trace/trace.h"
 
 #define NOISE 1e-14             /* of the energies in the sum: less may be rounding...  */
 #define BRISK 1e-6              /* ...which disturbs only what has less kinetic energy  */
 #define GENTLE 0.1              /* of the kinetic energy: more is not made good        */
-
-static int root_of(const int *root, int i)
-{
-    while (root[i] != i)
-        i = root[i];
-    return i;
-}
 
 /* Mechanisms, by their lowest body; moving_count stands for all that does not move. */
 static void find_mechanisms(Tracer *t)
@@ -37,16 +31,13 @@ static void find_mechanisms(Tracer *t)
             for (int m = 0; m < r->count; m++) {
                 if (!trace_moves(t, r->body[m]))
                     continue;
-                int root = root_of(t->root, r->body[m]);
-                if (first >= 0 && root != first) {
-                    t->root[int_max(root, first)] = int_min(root, first);
-                    root = int_min(root, first);
-                }
-                first = root;
+                if (first >= 0)
+                    forest_unite(t->root, first, r->body[m]);
+                first = r->body[m];
             }
         }
     for (int i = 0; i < n; i++)
-        t->root[i] = root_of(t->root, i);
+        t->root[i] = forest_root(t->root, i);
     for (int j = 0; j < g->joint_count; j++) {
         int a = g->joints[j].a, b = g->joints[j].b;
         if (trace_moves(t, a) && !trace_moves(t, b))

@@ -1,16 +1,10 @@
 /* trace/suits.c - which groups the traced way takes. */
+#include "base/forest.h"
 #include "trace/trace.h"
 
 #define STIFF         40        /* rad of a spring's swing in the frame                       */
 #define STABLE        3.3       /* over the rate of a damper: the longest stable step of the pair */
 #define STEP_EVALUATIONS 6      /* of the pair                                                */
-
-static int root_of(const int *parent, int i)
-{
-    while (parent[i] != i)
-        i = parent[i];
-    return i;
-}
 
 #define FAST_LOOP  0.3          /* rad in a step */
 #define LOOP_BODIES 128         /* more than any plan traces */
@@ -28,8 +22,8 @@ static bool has_loop(const Group *g)
         if (g->joints[j].view.type->free_axes == 6 || g->joints[j].view.type->couples)
             continue;
         int a = g->joints[j].a, b = g->joints[j].b, n = g->moving_count;
-        a = root_of(parent, a >= 0 && a < n && g->member[a].moves ? a : n);
-        b = root_of(parent, b >= 0 && b < n && g->member[b].moves ? b : n);
+        a = forest_root(parent, a >= 0 && a < n && g->member[a].moves ? a : n);
+        b = forest_root(parent, b >= 0 && b < n && g->member[b].moves ? b : n);
         if (a == b)
             return true;
         parent[a] = b;

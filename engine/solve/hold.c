@@ -1,0 +1,123 @@
+/* solve/hold.c - mechanisms that hang on what stands gain no energy but what forces give, whatever a solve leaves undone.
+ *
+ * Joints do no work but for what a solve leaves of their errors. Where a mechanism can hardly move, that counts. A bridge as long as
+ * the gap it spans pulls like a string drawn straight: 1e-11 m at each of its forty joints is a joule in every millisecond, and 1e-7 m,
+ * as a blow leaves them and healing takes back, is as much as a ton falls by in a metre. What a substep has gained is taken out of the
+ * velocities, all by the same share: they obey joints and contacts as before. Mechanisms that hang on nothing are left as they are, for
+ * they have momenta to keep; so are those with springs, motors or movers, whose joints do work.
+ */
+#include "base/forest.h"
+#include "solve/group.h"
+
+#define HIDDEN 1e-10            /* of the energies in the sum: less is what a solve may leave  */
+#define GENTLE 0.1              /* of the kinetic energy: more is not given back               */
+
+typedef struct Held {
+    Group *g;
+    int   *root;                /* [moving_count] the lowest body of its mechanism             */
+    bool  *held, *driven;       /* by root: by what stands; by what moves as it likes          */
+} Held;
+
+static bool moves(const Group *g, int body) { return body >= 0 && body < g->moving_count && g->member[body].moves; }
+
+static void unite(Held *h, int a, int b)
+{
+    if (moves(h->g, a) && moves(h->g, b))
+        forest_unite(h->root, a, b);
+}
+
+/* After all are united. */
+static void mark(Held *h, int body, int other)
+{
+    const Group *g = h->g;
+    if (!moves(g, body) || moves(g, other))
+        return;
+    *(other >= 0 && g->member[other].kinematic ? &h->driven[h->root[body]] : &h->held[h->root[body]]) = true;
+}
+
+/* What joints hold together, and contacts that press. */
+static void find(Held *h)
+{
+    const Group *g = h->g;
+    for (int i = 0; i < g->moving_count; i++)
+        h->root[i] = i;
+    for (int i = 0; i < g->joint_count; i++)
+        unite(h, g->joints[i].a, g->joints[i].b);
+    for (int i = 0; i < g->point_count; i++)
+        if (g->points[i].jn > 0)
+            unite(h, g->points[i].a, g->points[i].b);
+    for (int i = 0; i < g->moving_count; i++)
+        h->root[i] = forest_root(h->root, i);
+    for (int i = 0; i < g->joint_count; i++)
+        for (int k = 0; k < 2; k++)
+            mark(h, k ? g->joints[i].b : g->joints[i].a, k ? g->joints[i].a : g->joints[i].b);
+    for (int i = 0; i < g->point_count; i++)
+        for (int k = 0; k < 2 && g->points[i].jn > 0; k++)
+            mark(h, k ? g->points[i].b : g->points[i].a, k ? g->points[i].a : g->points[i].b);
+}
+
+/* Have all its joints rows that do no work, or take some? */
+static bool is_passive(const Held *h, int root)
+{
+    const Group *g = h->g;
+    for (int i = 0; i < g->joint_count; i++) {
+        const GroupJoint *j = &g->joints[i];
+        int body = moves(g, j->a) ? j->a : j->b;
+        Row rows[JOINT_SLOTS];
+        RowList list = {rows, 0, JOINT_SLOTS};
+        if (!moves(g, body) || h->root[body] != root)
+            continue;
+        j->view.type->rows(&j->view, &list);
+        for (int k = 0; k < list.count; k++)
+            if (rows[k].kind == ROW_SOFT || rows[k].kind == ROW_MOTOR)
+                return false;
+    }
+    return true;
+}
+
+static real kinetic_of(const Member *m, quat q, Vel v)
+{
+    vec3 w = quat_unrotate(q, v.w);
+    return 0.5 * m->mass * vec3_length2(v.v) + 0.5 * vec3_dot(w, mat3_mul_vec(m->inertia, w));
+}
+
+/* J  Taken out of it. */
+static real hold(const Held *h, int root, bool both)
+{
+    Group *g = h->g;
+    real gain = 0, scale = 0, kinetic = 0;
+    for (int i = root; i < g->moving_count; i++) {
+        const Member *m = &g->member[i];
+        if (!m->moves || h->root[i] != root)
+            continue;
+        if (vec3_length2(m->torque) > 0)
+            return 0;
+        real after = kinetic_of(m, g->pos[i].q, g->vel[i]);
+        kinetic += after;
+        gain += after - kinetic_of(m, m->start_pos.q, m->start_vel) - vec3_dot(m->force, vec3_sub(g->pos[i].x, m->start_pos.x));
+        scale += after + vec3_length(m->force) * vec3_length(g->pos[i].x);
+    }
+    if (!(fabs(gain) > HIDDEN * scale) || gain < (both ? -GENTLE * kinetic : 0) || !is_passive(h, root))
+        return 0;
+    real share = sqrt(real_max(0, 1 - gain / kinetic));
+    for (int i = root; i < g->moving_count; i++)
+        if (g->member[i].moves && h->root[i] == root)
+            g->vel[i] = (Vel){vec3_scale(share, g->vel[i].v), vec3_scale(share, g->vel[i].w)};
+    return kinetic * (1 - share * share);
+}
+
+dig_status group_hold(Group *g, bool both, real *taken)
+{
+    ArenaMark start = arena_mark(g->arena);
+    size_t n = (size_t)g->moving_count;
+    Held h = {g, arena_alloc(g->arena, (n + 1) * sizeof *h.root), arena_zero(g->arena, n + 1), arena_zero(g->arena, n + 1)};
+    if (!h.root || !h.held || !h.driven)
+        return DIG_E_MEMORY;
+    find(&h);
+    *taken = 0;
+    for (int i = 0; i < g->moving_count; i++)
+        if (g->member[i].moves && h.root[i] == i && h.held[i] && !h.driven[i])
+            *taken += hold(&h, i, both);
+    arena_rewind(g->arena, start);
+    return DIG_OK;
+}
