@@ -6,7 +6,10 @@
 #include "render/subject.h"
 
 static const real BEVEL = 0.055;        /* of the smallest extent */
+static const real FINEST = 1.2;         /* pixels that a bevel is wide at least: highlights are lines and no dashes; but ...  */
+static const real MOST_BEVEL = 0.4;     /* ... no more than this share of half the smallest extent                              */
 static const real SHELLS = 16;          /* while the distance from the eye doubles */
+static const real SHOWN = 1.7;          /* how much finer the meshes of round bodies are where they are seen and do not only throw shadows */
 static const real CORNER_SKY = 2;       /* bodies up to so many times the typical radius take the hidden sky at their corners */
 static const float SCALE = 0.1f;        /* of its colour, that a glowing body throws back */
 
@@ -211,9 +214,11 @@ static bool describe(DrawItem *d, const Batches *b, const Meshes *meshes, const 
     vec3 place = vec3_sub(stage_point(s, vec3_from(item->p)), eye->at);
     real distance = vec3_length(place);
     bool closed = meshes->entry[d->mesh].closed;
-    Solid solid = solid_of(m, d->mesh, closed, s->unit, eye->pixels / real_max(distance, 1e-6), eye->fine);
+    real pixels = (eye->numbers ? 1 : SHOWN) * eye->pixels / real_max(distance, 1e-6);
+    Solid solid = solid_of(m, d->mesh, closed, s->unit, pixels, eye->fine);
     vec3 half = m->form == VIEW_MESH ? mesh_half(v, item, s->unit) : solid.half;
-    real bevel = BEVEL * 2 * real_min(solid.half.x, real_min(solid.half.y, solid.half.z));
+    real small = real_min(solid.half.x, real_min(solid.half.y, solid.half.z));
+    real bevel = real_max(2 * BEVEL * small, real_min(FINEST * distance / eye->pixels, MOST_BEVEL * small));
     put4(d->instance.place, place.x, place.y, place.z, fmod(0.6180339887 * item->body, 1));
     put4(d->instance.size, solid.size.x, solid.size.y, solid.size.z, solid.shift);
     put4(d->instance.look, real_clamp((real)item->metallic, 0, 1), bevel, 1 / real_max(pattern_cell(pattern, m, half), 1e-9),

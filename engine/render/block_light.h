@@ -105,6 +105,7 @@ LANE_CODE void reach_sky(const Subject *s, const Light *l, const Frame *f, Block
     Spots o;
     float near[LANES], wide[LANES];
     const float off = f->top[1] * HEIGHT_SIZE, highest = f->shade[3], near_weight = f->shade[0], wide_weight = f->shade[1];
+    const float floor = f->shade[2], foot = f->ground[3];
     for (int i = 0; i < b->n; i++) {
         float nx = b->nx[i], ny = b->ny[i], nz = b->nz[i], x = b->px[i], y = b->py[i], z = b->pz[i];
         float u = row_of(s->to_top[0], x, y, z), v = row_of(s->to_top[1], x, y, z);
@@ -116,7 +117,8 @@ LANE_CODE void reach_sky(const Subject *s, const Light *l, const Frame *f, Block
     for (int i = 0; i < b->n; i++) {
         float z = row_of(s->to_top[2], b->px[i], b->py[i], b->pz[i]);
         float a = least(most(near[i] - z, 0), highest), c = least(most(wide[i] - z, 0), highest);
-        b->sky[i] = 1 / (1 + near_weight * a + wide_weight * c);
+        float low = unit_range(1 - (z - floor) * foot), down = 0.2f - 0.2f * (s->up[0] * b->nx[i] + (s->up[1] * b->ny[i] + s->up[2] * b->nz[i]));
+        b->sky[i] = (1 - low * low * down) / (1 + near_weight * a + wide_weight * c);
     }
 }
 
@@ -182,7 +184,7 @@ LANE_CODE Finish finish_of(const Subject *s)
 LANE_CODE float throw_back(const Frame *f, int k, float c, const Finish *a, float sun, float shine, float nu, float steep, float up, float sky)
 {
     float f0 = blend(0.04f, c, a->metal), diffuse = c * (1 - a->metal), fresnel = f0 * a->dull + (1 - f0) * steep;
-    float mirror = blend(blend(f->ground[k] * 0.8f, f->horizon[k], unit_range(up * 2 + 0.6f)), f->zenith[k], unit_range(up));
+    float mirror = blend(blend(f->ground[k] * 0.8f, f->horizon[k], unit_range(up * 0.9f + 0.62f)), f->zenith[k], unit_range(up));
     return (diffuse + shine * f0) * (sun * f->sun_colour[k]) + (diffuse * blend(f->ground[k], f->zenith[k], nu) + fresnel * mirror) * sky;
 }
 
@@ -287,11 +289,12 @@ LANE_CODE void shine_sky(const Subject *s, const Frame *f, Block *b)
     }
 }
 
-/* One curve for tone and for the display's gamma: white is reached softly. */
+/* One curve for tone and for the display's gamma: white is reached softly, and what is dark stands out. */
 LANE_CODE uint32_t level_of(float light)
 {
     light = most(light, 0);
-    return (uint32_t)(int32_t)least(light * (1.03f * 255) / (light + 0.155f) + 0.5f, 255);
+    float y = light * 1.03f / (light + 0.195f);
+    return (uint32_t)(int32_t)least(y * (255 + 0.6f * 255 * ((1 - y) * (y - 0.62f))) + 0.5f, 255);
 }
 
 LANE_CODE void show(const Subject *s, Block *b)

@@ -9,6 +9,8 @@
 static const real BIAS = 0.0015;        /* scene units by which a thing must lie behind another to be in its shadow   */
 static const float SLOPE = 1.5f;          /* texels of steepness by which the sun map lies behind its surfaces         */
 static const real SPREAD = 0.09;        /* rad, how fast a shadow's edge widens: a hazy sun, wider than the real one */
+static const real FOOT = 0.9;           /* typical radii up to which the floor's own shade lies on what stands on it    */
+static const float CONTACT = 0.9f;      /* how much of the sun's wide glow is lost where the sky is: what touches the floor stands on it */
 static const real MID_BLUR = 0.022, WIDE_BLUR = 0.085;      /* scene units, half widths of the softer shadows     */
 
 /* ---- textures --------------------------------------------------------- */
@@ -297,7 +299,7 @@ LANE_CODE void hide_sky(Light *l, const Stage *s, const Ground *g)
         blur_box(far, l->scratch, N, texels_of(0.80 * s->typical, texel));
     }
     for (int i = 0; i < N * N; i++)
-        near[i] = 1 / (1 + 1.1f * near[i] + 1.3f * far[i]);
+        near[i] = 1 / (1 + 1.6f * near[i] + 1.3f * far[i]);
 }
 
 /* ---- the sun on the floor ---------------------------------------------- */
@@ -528,7 +530,8 @@ LANE_CODE void pack_floor(Light *l, const Ground *g, bool sunny)
             turned[i] = marble[g->column + i - N];
         for (int i = 0; i < N; i++) {
             int edge = fade[i] < fade[j] ? fade[i] : fade[j];
-            int sun = to_level(1 - hidden[i]), seen = to_level(sky[i]), mark = 128 + (turned[i] - 128) * edge / 64;
+            float lost = 1 - sky[i];
+            int sun = to_level((1 - hidden[i]) * (1 - CONTACT * lost * lost)), seen = to_level(sky[i]), mark = 128 + (turned[i] - 128) * edge / 64;
             sun = edge > 0 ? sun : 255;
             seen = edge > 0 ? seen : 255;
             row[i] = (uint32_t)sun << RED_SHIFT | (uint32_t)seen << GREEN_SHIFT | (uint32_t)mark << BLUE_SHIFT | 255u << ALPHA_SHIFT;
@@ -546,6 +549,7 @@ static void set_shading(Frame *f, const Stage *s, const Ground *g)
     f->shade[1] = (float)(0.28 / s->typical);
     f->shade[2] = (float)s->floor;
     f->shade[3] = (float)(2.5 * s->typical);
+    f->ground[3] = (float)(s->floor_item >= 0 ? 1 / (FOOT * s->typical) : 1e6);
 }
 
 /* What the depths of casters in l->sun, l->above and l->below say. */

@@ -7,7 +7,7 @@
 
 /* ---- light and air ----------------------------------------------------- */
 
-/* Linear colours. The tone curve c / (c + 0.155) shows 0.5 as 79 %, so a pale floor in the sun is about 0.5. */
+/* Linear colours. The tone curve (level_of in block_light.h) shows 0.5 as 76 %, so a pale floor in the sun is about 0.6. */
 typedef struct Air {
     float sun[3], zenith[3], horizon[3], ground[3];     /* light */
     float sky_top[3], sky_rim[3], sky_low[3], glow;     /* what is seen */

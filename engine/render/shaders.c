@@ -17,7 +17,12 @@ static const char frame_block[] =
     "    mat4 to_clip, to_sun;\n"
     "    vec4 eye, forward, ray[3], sun, sun_colour, zenith, horizon, ground, sky_top, sky_rim, sky_low, top, shade, world[3];\n"
     "    vec4 lamp_at[4], lamp_colour[4], screen;\n"
-    "};\n";
+    "};\n"
+    /* one curve for tone and for the display's gamma: white is reached softly, and what is dark stands out */
+    "vec3 shown(vec3 light) {\n"
+    "    vec3 y = light * 1.03 / (light + 0.195);\n"
+    "    return y * (1.0 + 0.6 * (1.0 - y) * (y - 0.62));\n"
+    "}\n";
 
 /* Instance attributes and the way from a unit solid into the scene. */
 static const char solid_inputs[] =
@@ -42,6 +47,11 @@ static const char sky_share[] =
     "float sky_seen(vec3 at, vec2 n) {\n"
     "    vec2 h = clamp(textureLod(height_map, at.xy + n * top.y, 0.0).xy - at.z, 0.0, shade.w);\n"
     "    return 1.0 / (1.0 + shade.x * h.x + shade.y * h.y);\n"
+    "}\n"
+    /* what the floor leaves of it near by, for what does not face upwards */
+    "float above_floor(float z, float up) {\n"
+    "    float low = clamp(1.0 - (z - shade.z) * ground.w, 0.0, 1.0);\n"
+    "    return 1.0 - low * low * (0.2 - 0.2 * up);\n"
     "}\n";
 
 static const char surface_vertex[] =
@@ -217,9 +227,9 @@ static const char surface_light[] =
     "    lit = clamp(1.25 * spread / (spread + behind * behind) - 0.25, 0.0, 1.0);\n"
     "#endif\n"
     "#if CORNER_SKY\n"
-    "    return vec2(lit, v_sky);\n"
+    "    return vec2(lit, v_sky * above_floor(v_top.z, n.z));\n"
     "#else\n"
-    "    return vec2(lit, sky_seen(v_top, n.xy));\n"
+    "    return vec2(lit, sky_seen(v_top, n.xy) * above_floor(v_top.z, n.z));\n"
     "#endif\n"
     "#endif\n"
     "}\n"
@@ -250,7 +260,7 @@ static const char surface_main[] =
     "    float smoothness = 1.0 - rough;\n"
     "    vec3 fresnel = f0 * (1.0 - 0.6 * rough) + (1.0 - f0) * (f2 * f2 * f * smoothness * smoothness);\n"
     "    float up = 2.0 * nv * nu - v.z;\n"
-    "    vec3 mirror = mix(mix(ground.rgb * 0.8, horizon.rgb, clamp(up * 2.0 + 0.6, 0.0, 1.0)), zenith.rgb, clamp(up, 0.0, 1.0));\n"
+    "    vec3 mirror = mix(mix(ground.rgb * 0.8, horizon.rgb, clamp(up * 0.9 + 0.62, 0.0, 1.0)), zenith.rgb, clamp(up, 0.0, 1.0));\n"
     "    vec3 lit = (diffuse + gloss(n, v, sun.xyz, f0, rough)) * (nl * come.x) * sun_colour.rgb +\n"
     "               (diffuse * mix(ground.rgb, zenith.rgb, nu * 0.5 + 0.5) + fresnel * mirror) * come.y;\n"
     "#endif\n"
@@ -269,7 +279,6 @@ static const char surface_main[] =
     "#endif\n"
     "    lit += c * max(-f_look.x, 0.0);\n"
     "    lit = mix(sky_rim.rgb, lit, far * far);\n"
-    /* one curve for tone and for the display's gamma: white is reached softly */
     "#if PLANE\n"
     "    float key = (240.0 + floor(f_key * 14.0)) * (1.0 / 255.0);\n"
     "#else\n"
@@ -278,10 +287,12 @@ static const char surface_main[] =
     "#if CLEAR\n"        /* what glances off is not let through */
     "    float stops = 1.0 - f_clear, steep = 1.0 - max(dot(n, v), 0.0), steep2 = steep * steep;\n"
     "    stops += f_clear * (1.0 - rough) * (0.02 + 0.98 * steep2 * steep2 * steep);\n"
-    "    pixel = vec4(lit * (1.03 * stops) / (lit + 0.155), stops);\n"
+    /* what is added in levels of eight bits, twice, would show their steps */
+    "    float grain = fract(52.9829 * fract(dot(gl_FragCoord.xy, vec2(0.06711, 0.00584)))) - 0.5;\n"
+    "    pixel = vec4(shown(lit) * stops + grain * (1.0 / 255.0), stops);\n"
     "    key_factor = vec4(0.95 - 0.3 * fract(key * 7.0));\n"
     "#else\n"
-    "    pixel = vec4(lit * 1.03 / (lit + 0.155), key);\n"
+    "    pixel = vec4(shown(lit), key);\n"
     "#endif\n"
     "}\n";
 
@@ -303,7 +314,7 @@ static const char sky_fragment[] =
     "    float high = 1.0 - clamp(d.z * 1.15, 0.0, 1.0), low = clamp(-d.z * 1.6 - 0.12, 0.0, 1.0), s = max(dot(d, sun.xyz), 0.0);\n"
     "    s = s * s * s;\n"
     "    vec3 c = mix(mix(sky_top.rgb, sky_rim.rgb, high * high * high * high), sky_low.rgb, low) + sun_colour.rgb * (s * s * sky_top.w);\n"
-    "    pixel = vec4(c * 1.03 / (c + 0.155), 1.0);\n"
+    "    pixel = vec4(shown(c), 1.0);\n"
     "}\n";
 
 /* ---- numbers: what render/shade.h goes on from ------------------------- */

@@ -155,9 +155,12 @@ TEST(a_shadow_on_what_is_seen_through_has_a_straight_rim)
     const unsigned char *p = draw(&s, &o);
     double first = 0, last = 0, bend = 0, rim[HEIGHT] = {0};
     enum { TOP = HEIGHT / 2 - 20, BOTTOM = HEIGHT / 2 + 20 };
-    for (int y = TOP; y <= BOTTOM; y++) {           /* from the right: the first pixel that is clearly darker than the open slab */
-        int x = WIDTH - 20, open = p[3 * (y * WIDTH + x) + 1];
-        while (x > 0 && p[3 * (y * WIDTH + x) + 1] > open - 12)
+    for (int y = TOP; y <= BOTTOM; y++) {           /* from the right: the first pixel that is a third of the way to the darkest */
+        int x = WIDTH - 20, open = p[3 * (y * WIDTH + x) + 1], dark = open;
+        for (int k = WIDTH / 2; k < WIDTH / 2 + 60; k++)
+            dark = int_min(dark, p[3 * (y * WIDTH + k) + 1]);
+        CHECK(open - dark > 24);
+        while (x > 0 && 3 * (open - p[3 * (y * WIDTH + x) + 1]) < open - dark)
             x--;
         rim[y] = x;
         CHECK(x > WIDTH / 2 && x < WIDTH / 2 + 60);
