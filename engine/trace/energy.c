@@ -47,11 +47,11 @@ static void find_mechanisms(Tracer *t)
     }
 }
 
-/* Is all that acts a hard joint, an undamped spring of known energy, or the same force wherever bodies go? */
-static bool conserves(const Tracer *t)
+/* Is all that acts a joint, or the same force wherever bodies go? */
+static bool keeps_turning(const Tracer *t)
 {
     const Group *g = t->g;
-    if (g->joint_count == 0 || !t->even || g->own || g->stores || g->drags || g->rules || g->planar || t->hold_count > 0)
+    if (g->joint_count == 0 || !t->even || g->own || g->drags || g->rules || g->planar || t->hold_count > 0)
         return false;
     for (int i = g->moving_count; i < g->body_count; i++)
         if (g->member[i].kinematic && (vec3_length2(g->vel[i].v) > 0 || vec3_length2(g->vel[i].w) > 0))
@@ -59,6 +59,13 @@ static bool conserves(const Tracer *t)
     for (int i = 0; i < g->moving_count; i++)
         if (g->member[i].moves && vec3_length2(t->twist[i]) > 0)
             return false;
+    return true;
+}
+
+/* ... and is it a hard joint, or an undamped spring of known energy? */
+static bool conserves(const Tracer *t)
+{
+    const Group *g = t->g;
     for (int j = 0; j < g->joint_count; j++)
         for (int k = 0; k < t->row_count[j]; k++) {
             const Row *r = &t->rows[j * JOINT_SLOTS + k];
@@ -83,8 +90,9 @@ static void add_springs(const Tracer *t, real sign, real *sum)
 /* At the start of the frame, once its joints were viewed and the forces are known. */
 void trace_mark_energy(Tracer *t)
 {
-    t->conserves = t->turns = conserves(t);
-    if (!t->conserves)
+    t->turns = keeps_turning(t);
+    t->conserves = t->turns && !t->g->stores && conserves(t);
+    if (!t->turns)
         return;
     find_mechanisms(t);
     memset(t->gain, 0, (size_t)t->g->moving_count * sizeof *t->gain);
@@ -97,8 +105,8 @@ static real kinetic_of(const Member *m, quat q, vec3 v, vec3 w)
     return 0.5 * m->mass * vec3_length2(v) + 0.5 * vec3_dot(l, mat3_mul_vec(m->inertia, l));
 }
 
-/* at, v, w, inertia: of the rigid motion */
-typedef struct Mechanism { real gain, scale, kinetic; vec3 at, v, w; mat3 inertia; } Mechanism;
+/* at, v, w, l, inertia: of the rigid motion. l is no product of the two: those of what spins fast and reaches far cancel */
+typedef struct Mechanism { real gain, scale, kinetic; vec3 at, v, w, l; mat3 inertia; } Mechanism;
 
 /* What body i gained since the start of the frame. */
 static void add_gain(const Tracer *t, int i, Mechanism *sum)
@@ -123,7 +131,6 @@ static void find_rigid(const Tracer *t, int root, Mechanism *out)
 {
     const Group *g = t->g;
     real mass = 0;
-    vec3 l = vec3_zero();
     mat3 inertia = mat3_zero();
     for (int i = root; i < g->moving_count; i++) {
         if (t->root[i] != root)
@@ -139,12 +146,12 @@ static void find_rigid(const Tracer *t, int root, Mechanism *out)
             continue;
         const Member *m = &g->member[i];
         mat3 turn = quat_matrix(g->pos[i].q), skew = mat3_skew(vec3_sub(g->pos[i].x, out->at));
-        l = vec3_add(l, turning(m, &g->pos[i], &g->vel[i], out->at, out->v));
+        out->l = vec3_add(out->l, turning(m, &g->pos[i], &g->vel[i], out->at, out->v));
         inertia = mat3_add(inertia, mat3_mul(turn, mat3_mul(m->inertia, mat3_transpose(turn))));
         inertia = mat3_sub(inertia, mat3_scale(m->mass, mat3_mul(skew, skew)));
     }
     out->inertia = inertia;
-    out->w = mat3_mul_vec(mat3_inverse(inertia), l);
+    out->w = mat3_mul_vec(mat3_inverse(inertia), out->l);
 }
 
 /* kg m^2/s  About its centre of mass at the start of the frame; *scale: what it is summed from. False: what pulls may turn it. */
@@ -186,7 +193,7 @@ static void hold_turning(Tracer *t, int root, Mechanism *m)
     real scale;
     if (!turning_before(t, root, &before, &scale))
         return;
-    vec3 off = vec3_sub(before, mat3_mul_vec(m->inertia, m->w));
+    vec3 off = vec3_sub(before, m->l);
     if (!(vec3_length(off) <= t->tolerance * scale))
         return;
     vec3 change = mat3_mul_vec(mat3_inverse(m->inertia), off);
