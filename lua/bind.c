@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
+
 enum { LIST_LIMIT = 600 };      /* bytes of names listed in an error */
 
 /* ---- errors ------------------------------------------------------------------ */
@@ -27,14 +29,6 @@ static void push_line(lua_State *L, const char *format)
 void bind_where(lua_State *L) { push_line(L, "%s:%d: "); }
 
 void bind_place(lua_State *L) { push_line(L, "%s:%d"); }
-
-/* What a script gave may hold line feeds and escapes: they are not to reach a terminal. */
-static void clean(char *text)
-{
-    for (; *text; text++)
-        if ((unsigned char)*text < 0x20 || *text == 0x7f)
-            *text = '?';
-}
 
 const char *bind_text(lua_State *L, int index)
 {
@@ -73,7 +67,7 @@ static int raise_text(lua_State *L, const char *format, va_list arguments)
 {
     char text[2048];
     vsnprintf(text, sizeof text, format, arguments);
-    clean(text);
+    text_clean(text);            /* what a script gave may hold line feeds and escapes: they are not to reach a terminal */
     bind_where(L);
     lua_pushstring(L, text);
     lua_concat(L, 2);

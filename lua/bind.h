@@ -14,11 +14,14 @@
 #include "digbox.h"
 
 struct OwnRef;
-/* Who is told how much was done in C for a script, in units of about one instruction of Lua; may raise. */
-typedef void BindCharge(lua_State *L, size_t work);
+/* Who limits what a script does. */
+typedef struct BindHost {
+    void       (*charge)(lua_State *L, size_t work);    /* so much was done in C for it, in units of about one instruction of Lua; may raise */
+    lua_State *(*run)(lua_State *L);                    /* from now on this thread of Lua runs; gives the one that did before                */
+} BindHost;
 typedef struct WorldRef {
     dig_world  *w;              /* NULL: closed                                                     */
-    BindCharge *charge;         /* NULL: nobody wants to know                                       */
+    const BindHost *host;       /* NULL: nobody does                                                */
     uint64_t    charged;        /* of dig_world_work                                                */
     const char *shut;           /* name of the effect whose function runs: nothing else may be done */
     struct OwnRef *failed;      /* an effect's function did; its error is still to be raised        */
@@ -117,10 +120,9 @@ static inline void bind_set_int(lua_State *L, const char *name, lua_Integer x)
     lua_setfield(L, -2, name);
 }
 
-/* From now on this state charges its script for what the engine does; for the program's own states. Worlds that are made later
- * know it. */
-void bind_charge_by(lua_State *L, BindCharge *charge);
-BindCharge *bind_charger(lua_State *L);         /* NULL: there is none */
+/* From now on the script of this state has limits; for the program's own states. Worlds that are made later know it. */
+void bind_host_by(lua_State *L, const BindHost *host);
+const BindHost *bind_host(lua_State *L);        /* NULL: there is none */
 /* Charges for a list or table of so many items that C reads or makes. */
 void bind_charge_items(lua_State *L, size_t items);
 /* Charges for what was done in the world since the last time, and for one call. Every check of a handle does. */

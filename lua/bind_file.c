@@ -17,6 +17,8 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/text.h"
+#include "command.h"
 
 enum { PATH_LIMIT = 1024, TEXT_LIMIT = 64 * 1024 * 1024 };
 
@@ -44,9 +46,9 @@ static void check_text_of_path(lua_State *L, const char *path, size_t length)
 {
     if (length >= PATH_LIMIT)
         bind_error(L, "the file name has %d bytes, must have at most %d", (int)length, PATH_LIMIT - 1);
-    for (size_t i = 0; i < length; i++)
-        if ((unsigned char)path[i] < 0x20 || path[i] == 0x7f)
-            bind_error(L, "the file name holds a control character");
+    const char *fault = strlen(path) < length ? "holds a control character" : text_fault(path);
+    if (fault)
+        bind_error(L, "the file name %s", fault);
     if (length == 0 || path[length - 1] == '/')
         bind_error(L, "the file name '%s' names no file", path);
 }
@@ -198,10 +200,12 @@ static int file_clock(lua_State *L)
     return 1;
 }
 
-/* core.tell(text): to stderr, as it is */
+/* core.tell(text): to stderr. The progress line, which begins with a return and holds numbers only, may move the cursor. */
 static int file_tell(lua_State *L)
 {
-    fputs(luaL_checkstring(L, 1), stderr);
+    size_t size;
+    const char *text = luaL_checklstring(L, 1, &size);
+    say_text(stderr, text, size, *text == '\r' ? "\n\r\033" : "\n");
     fflush(stderr);
     return 0;
 }

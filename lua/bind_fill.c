@@ -6,6 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/text.h"
+
 enum { POINT_LIMIT = 4000000, MATERIAL_LIMIT = 256 };
 
 /* ---- errors ------------------------------------------------------------------ */
@@ -130,9 +132,8 @@ static void fill_text(const Fill *f, const dig_param *row, dig_text *field)
     const char *text = lua_tolstring(L, -1, &length);
     if (length >= sizeof field->s)
         bind_error(L, "%s.%s has %d bytes, must have at most %d", f->what, row->name, (int)length, (int)sizeof field->s - 1);
-    for (size_t i = 0; i < length; i++)
-        if ((unsigned char)text[i] < 0x20 || text[i] == 0x7f)
-            bind_error(L, "%s.%s holds a control character", f->what, row->name);
+    if (strlen(text) < length || text_fault(text))
+        bind_error(L, "%s.%s %s", f->what, row->name, strlen(text) < length ? "holds a control character" : text_fault(text));
     memset(field->s, 0, sizeof field->s);
     memcpy(field->s, text, length);
 }

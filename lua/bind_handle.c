@@ -26,37 +26,36 @@ static void *check_type(lua_State *L, int arg, const char *name)
 /* ---- what calls cost ---- */
 
 enum { CALL = 10, ITEM = 5 };           /* units: of any call, of an item of a list */
-static const char charger_key;
+static const char host_key;
 
-void bind_charge_by(lua_State *L, BindCharge *charge)
+void bind_host_by(lua_State *L, const BindHost *host)
 {
-    memcpy(lua_newuserdatauv(L, sizeof charge, 0), &charge, sizeof charge);
-    lua_rawsetp(L, LUA_REGISTRYINDEX, &charger_key);
+    lua_pushlightuserdata(L, (void *)(uintptr_t)host);
+    lua_rawsetp(L, LUA_REGISTRYINDEX, &host_key);
 }
 
-BindCharge *bind_charger(lua_State *L)
+const BindHost *bind_host(lua_State *L)
 {
-    BindCharge *charge = NULL;
-    if (lua_rawgetp(L, LUA_REGISTRYINDEX, &charger_key) == LUA_TUSERDATA)
-        memcpy(&charge, lua_touserdata(L, -1), sizeof charge);
+    lua_rawgetp(L, LUA_REGISTRYINDEX, &host_key);
+    const BindHost *host = lua_touserdata(L, -1);
     lua_pop(L, 1);
-    return charge;
+    return host;
 }
 
 void bind_charge_items(lua_State *L, size_t items)
 {
-    BindCharge *charge = bind_charger(L);
-    if (charge)
-        charge(L, ITEM * items);
+    const BindHost *host = bind_host(L);
+    if (host)
+        host->charge(L, ITEM * items);
 }
 
 void bind_settle(lua_State *L, WorldRef *world)
 {
-    if (!world->charge || !world->w)
+    if (!world->host || !world->w)
         return;
     uint64_t work = dig_world_work(world->w), owed = work - world->charged + CALL;
     world->charged = work;
-    world->charge(L, (size_t)owed);
+    world->host->charge(L, (size_t)owed);
 }
 
 /* ---- checks ---- */

@@ -257,16 +257,20 @@ static bool call(OwnRef *o, lua_CFunction f, const dig_effect_call *c)
 {
     lua_State *L = o->thread;
     const char *outer = o->world->shut;
+    const BindHost *host = o->world->host;
     if (o->world->failed || !lua_checkstack(L, OWN_ARGUMENTS + 4))
         return false;
     o->call = c;
     o->world->shut = o->name;
+    lua_State *before = host ? host->run(L) : NULL;
     lua_pushcfunction(L, f);
     for (int i = 1; i <= OWN_ARGUMENTS; i++)
         lua_pushvalue(L, i);
     lua_pushlightuserdata(L, o);
     int status = lua_pcall(L, OWN_ARGUMENTS + 1, 0, 0);
     o->world->shut = outer;
+    if (host)
+        host->run(before);
     if (status == LUA_OK)
         return true;
     lua_replace(L, OWN_FAILURE);

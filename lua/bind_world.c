@@ -31,9 +31,9 @@ static void weak_table(lua_State *L, const char *name)
 static WorldRef *new_world(lua_State *L)
 {
     WorldRef *ref = lua_newuserdatauv(L, sizeof *ref, 1);
-    *ref = (WorldRef){.charge = bind_charger(L)};
-    if (ref->charge)
-        ref->charge(L, OPENING);
+    *ref = (WorldRef){.host = bind_host(L)};
+    if (ref->host)
+        ref->host->charge(L, OPENING);
     luaL_setmetatable(L, BIND_WORLD);
     lua_newtable(L);
     weak_table(L, "bodies");
@@ -121,6 +121,14 @@ static int world_is_open(lua_State *L)
 {
     const WorldRef *ref = luaL_checkudata(L, 1, BIND_WORLD);
     lua_pushboolean(L, ref->w != NULL);
+    return 1;
+}
+
+/* core.is_free(world): open, and no function of an effect runs, in the middle of a step */
+static int world_is_free(lua_State *L)
+{
+    const WorldRef *ref = luaL_checkudata(L, 1, BIND_WORLD);
+    lua_pushboolean(L, ref->w && !ref->shut);
     return 1;
 }
 
@@ -554,7 +562,7 @@ static const luaL_Reg meta[] = {
 static const luaL_Reg snapshot_methods[] = {{NULL, NULL}};
 static const luaL_Reg snapshot_meta[] = {{"__gc", snapshot_gc}, {"__tostring", snapshot_tostring}, {NULL, NULL}};
 static const luaL_Reg functions[] = {
-    {"world", world_open}, {"load", world_load}, {"state", world_state}, {"is_open", world_is_open},
+    {"world", world_open}, {"load", world_load}, {"state", world_state}, {"is_open", world_is_open}, {"is_free", world_is_free},
     {"step", world_step}, {"steps", world_steps_many}, {"save", world_save}, {"noted", world_noted}, {"gone", world_gone}, {"restore", world_restore},
     {"close", world_close}, {"room", world_room}, {"room_open", world_room_open},
     {"material", world_material}, {"material_of", world_material_of}, {"material_pair", world_material_pair},

@@ -59,7 +59,11 @@ bool read_whole_option(const char *name, const char *text, long long low, long l
 bool verify_is_film(const char *path);
 int  verify_film(const char *path);
 
+/* One message: at most 4,000 bytes. */
 void say_error(const char *text);
+
+/* Text that others made, for a terminal: '?' stands for what is no UTF-8 and for control characters but those in `kept`. */
+void say_text(FILE *f, const char *text, size_t size, const char *kept);
 
 /* A text that becomes a file: write to `text`, then place it: the whole of it under that name, or what was there; what is no file (a
  * device, a pipe) is written as it is. Returns an exit code, after a message where it is not EXIT_FINE. */

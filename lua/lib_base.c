@@ -14,6 +14,7 @@
 #include <lualib.h>
 
 #include "bind.h"
+#include "command.h"
 #include "sandbox.h"
 
 enum { SCRIPT_LIMIT = 16 * 1024 * 1024, LOAD_LIMIT = 4 * 1024 * 1024, BYTES_A_UNIT = 16 };
@@ -27,7 +28,8 @@ static int base_tostring(lua_State *L)
     return 1;
 }
 
-/* Prints to stdout, up to the limit of the run; past it nothing, and one line on stderr says so. */
+/* Prints to stdout, up to the limit of the run; past it nothing, and one line on stderr says so. What a terminal would act upon is
+ * not printed, unless the script is trusted. */
 static int base_print(lua_State *L)
 {
     App *app = app_of(L);
@@ -49,7 +51,10 @@ static int base_print(lua_State *L)
         }
         if (i > 1 && i <= n)
             fputc('\t', stdout);
-        fwrite(text, 1, length, stdout);
+        if (app->trust)
+            fwrite(text, 1, length, stdout);
+        else
+            say_text(stdout, text, length, "\n\t");
         app->logged += length + (i > 1 && i <= n);
         lua_settop(L, n);
     }

@@ -34,18 +34,15 @@ static const char *status_of(lua_State *L, lua_State *co)
 /* Moves `arguments` values from the top of L to co and lets it run. Returns the number of results on L, or -1 with a message. */
 static int go_on(lua_State *L, lua_State *co, int arguments)
 {
-    App *app = app_of(L);
     int results;
     if (!lua_checkstack(co, arguments)) {
         lua_pushliteral(L, "too many arguments to resume");
         return -1;
     }
     lua_xmove(L, co, arguments);
-    app->running = co;
-    app_hook(co);
+    app_run(co);
     int status = lua_resume(co, L, arguments, &results);
-    app->running = L;
-    app_hook(L);
+    app_run(L);
     if (status != LUA_OK && status != LUA_YIELD) {
         lua_xmove(co, L, 1);
         return -1;
@@ -95,11 +92,9 @@ static int close_pending(lua_State *L, lua_State *co)
     if (app->closing >= CLOSE_DEPTH)
         return luaL_error(L, "C stack overflow (more than %d coroutines close each other)", CLOSE_DEPTH);
     app->closing++;
-    app->running = co;
-    app_hook(co);
+    app_run(co);
     int status = lua_resetthread(co);
-    app->running = L;
-    app_hook(L);
+    app_run(L);
     app->closing--;
     return status;
 }

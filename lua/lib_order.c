@@ -210,18 +210,28 @@ static Order *find_slot(lua_State *L, int cache)
     return NULL;
 }
 
+/* How many keys come before the next of key 2. That may be gone: who goes through a table may clear it. */
+static int place_of(lua_State *L, const Order *o, int list)
+{
+    Key wanted = read_key(L, 2, 0);
+    int before = 0;
+    bool found = false;
+    for (int i = 0; i < o->count && !found; i++) {
+        lua_rawgeti(L, list, o->place[i]);
+        Key k = read_key(L, -1, i + 1);
+        found = lua_rawequal(L, -1, 2);
+        if (found || compare_keys(&k, &wanted) < 0)
+            before = i + 1;
+        lua_pop(L, 1);
+    }
+    return before;
+}
+
 /* Sorts anew, goes to key 2, and remembers that in the oldest slot. */
 static Order *make_slot(lua_State *L, int cache, bool strict)
 {
     Order *o = push_order(L, 1, strict);
-    for (int i = 0; i < o->count && o->at == 0; i++) {
-        lua_rawgeti(L, -2, o->place[i]);
-        if (lua_rawequal(L, -1, 2))
-            o->at = i + 1;
-        lua_pop(L, 1);
-    }
-    if (o->at == 0)
-        bind_error(L, "invalid key to 'next'");
+    o->at = place_of(L, o, lua_gettop(L) - 1);
     lua_rawgeti(L, cache, 3 * CACHED + 1);
     int slot = (int)lua_tointeger(L, -1) % CACHED;
     lua_pushinteger(L, slot + 1);

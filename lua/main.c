@@ -7,10 +7,12 @@
 #define _XOPEN_SOURCE 700       /* unsetenv */
 
 #include <errno.h>
+#include <fcntl.h>
 #include <getopt.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "command.h"
 #include "process.h"
@@ -181,8 +183,18 @@ const char *__lsan_default_suppressions(void)
 }
 #endif
 
+/* Where standard input or output is closed, the next file to be opened would get its number, and then what is printed. Reading from
+ * and writing to these fails as it would have. */
+static void keep_standard_numbers(void)
+{
+    for (int handle = 0; handle <= 2; handle++)
+        if (fcntl(handle, F_GETFD) < 0 && open("/dev/null", handle == 0 ? O_WRONLY : O_RDONLY) != handle)
+            _exit(EXIT_OUTPUT);
+}
+
 int main(int argc, char **argv)
 {
+    keep_standard_numbers();
     const char *word = argc > 1 ? argv[1] : "";
     if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0 || strcmp(word, "help") == 0)
         return print_help(argc > 2 ? argv[2] : NULL);

@@ -16,6 +16,7 @@
 #include <nettle/sha2.h>
 
 #include "base/file.h"
+#include "base/text.h"
 
 static const char magic[] = "# digbox frames 1\n";
 enum { MOST_BYTES = 1 << 28 };
@@ -66,10 +67,7 @@ dig_status manifest_sum_file(const char *path, char sum[MANIFEST_SUM], uint64_t 
 /* Below the manifest's folder, and nothing that a terminal could act upon. */
 static bool is_safe_name(const char *name)
 {
-    for (const char *p = name; *p; p++)
-        if ((unsigned char)*p < 0x20 || *p == 0x7f)
-            return false;
-    return file_stays_below(name);
+    return !text_fault(name) && file_stays_below(name);
 }
 
 size_t manifest_print(const ManifestFrame *f, char text[MANIFEST_LINE])

@@ -26,8 +26,8 @@ void app_need(lua_State *L, size_t bytes);
 /* Checks every limit now. */
 void app_poll(lua_State *L);
 
-/* The hook that new coroutines and resumed ones need at present. */
-void app_hook(lua_State *L);
+/* From now on this coroutine runs, with the hook that it needs at present; gives the one that ran before. */
+lua_State *app_run(lua_State *L);
 
 /* Text of a regular file on the stack, or false with a sentence there. Then: that text compiled to a function, or a message. */
 bool lib_push_source(lua_State *L, const char *path);

@@ -9,15 +9,28 @@
 #include <sys/stat.h>
 
 #include "base/file.h"
+#include "base/text.h"
 #include "command.h"
 #include "state.h"
 
+void say_text(FILE *f, const char *text, size_t size, const char *kept)
+{
+    size_t written = 0;
+    for (size_t at = 0, n; at < size; at += n) {
+        if (text_next(text + at, size - at, &n) == TEXT_PLAIN || (text[at] && strchr(kept, text[at])))
+            continue;
+        fwrite(text + written, 1, at - written, f);
+        fputc('?', f);
+        written = at + n;
+    }
+    fwrite(text + written, 1, size - written, f);
+}
+
 void say_error(const char *text)
 {
-    /* One message: at most 4,000 bytes, no control bytes but line feeds. */
+    enum { MOST = 4000 };
     fputs("digbox: ", stderr);
-    for (int i = 0; i < 4000 && text[i]; i++)
-        fputc(((unsigned char)text[i] >= 0x20 && text[i] != 0x7f) || text[i] == '\n' ? text[i] : '?', stderr);
+    say_text(stderr, text, strnlen(text, MOST), "\n");
     fputc('\n', stderr);
 }
 

@@ -270,13 +270,14 @@ static void burn(App *app, size_t work)
         app->fuel = (unsigned long long)app->fuel > work ? app->fuel - (long long)work : 0;
 }
 
-void app_hook(lua_State *L)
+lua_State *app_run(lua_State *L)
 {
     App *app = app_of(L);
-    if (app->leaving)
-        return;
-    if (app->over || (app->nudged && app->fuel < 0))
+    lua_State *before = app->running;
+    app->running = L;
+    if (!app->leaving && (app->over || (app->nudged && app->fuel < 0)))
         lua_sethook(L, count_hook, LUA_MASKCOUNT, 1);
+    return before;
 }
 
 static void count_hook(lua_State *L, lua_Debug *ar)
@@ -394,6 +395,8 @@ static void forget_at_close(lua_State *L)
     lua_setfield(L, LUA_REGISTRYINDEX, "digbox.app");
 }
 
+static const BindHost host = {.charge = app_charge, .run = app_run};
+
 static int open_state(lua_State *L)
 {
     App *app = lua_touserdata(L, 1);
@@ -406,7 +409,7 @@ static int open_state(lua_State *L)
     lua_getfield(L, LUA_REGISTRYINDEX, "digbox.core");
     lua_pushcfunction(L, poll_limits);
     lua_setfield(L, -2, "poll");
-    bind_charge_by(L, app_charge);
+    bind_host_by(L, &host);
     bind_use(L, "sandbox");
     bind_hint_methods(L);
     lua_settop(L, 0);

@@ -416,8 +416,7 @@ static void print_indented(const char *prefix, const char *text)
     while (*text) {
         size_t n = strcspn(text, "\n");
         printf("%s", prefix);
-        for (size_t i = 0; i < n; i++)
-            fputc((unsigned char)text[i] < 0x20 && text[i] != '\t' ? '?' : text[i], stdout);
+        say_text(stdout, text, n, "\t");
         fputc('\n', stdout);
         text += n + (text[n] == '\n');
     }
@@ -454,15 +453,15 @@ static void print_job(const Run *r, const Job *job, int number)
 
 static void write_xml(FILE *f, const char *text)
 {
-    for (; *text; text++)
-        switch (*text) {
-        case '<': fputs("&lt;", f); break;
-        case '>': fputs("&gt;", f); break;
-        case '&': fputs("&amp;", f); break;
-        case '"': fputs("&quot;", f); break;
-        case '\n': fputs("&#10;", f); break;
-        default: fputc((unsigned char)*text < 0x20 && *text != '\t' ? '?' : *text, f);
-        }
+    static const char special[] = "<>&\"\n";
+    static const char *const instead[] = {"&lt;", "&gt;", "&amp;", "&quot;", "&#10;"};
+    while (*text) {
+        size_t n = strcspn(text, special);
+        say_text(f, text, n, "\t");
+        text += n;
+        if (*text)
+            fputs(instead[strchr(special, *text++) - special], f);
+    }
 }
 
 static int write_junit(const Run *r, int failed)

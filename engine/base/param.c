@@ -4,6 +4,8 @@
 
 #include <stdio.h>
 
+#include "base/text.h"
+
 enum { NAME_LIMIT = 64 };       /* longer names are compared by their first 64 bytes */
 
 int param_count(const dig_param *rows)
@@ -240,12 +242,10 @@ static dig_status check_text(const dig_param *row, const void *field, const char
         snprintf(why, capacity, "%s: %s is missing", subject, row->name);
         return DIG_E_ARG;
     }
-    for (; *text; text++)
-        if ((unsigned char)*text < 0x20 || *text == 0x7f) {
-            snprintf(why, capacity, "%s: %s holds a control character", subject, row->name);
-            return DIG_E_ARG;
-        }
-    return DIG_OK;
+    const char *fault = text_fault(text);
+    if (fault)
+        snprintf(why, capacity, "%s: %s %s", subject, row->name, fault);
+    return fault ? DIG_E_ARG : DIG_OK;
 }
 
 static dig_status check_list(const dig_param *row, const void *field, const char *subject, char *why, size_t capacity)

@@ -70,4 +70,18 @@ function core.join_fields(...)
   return all
 end
 
+-- core.opaque(meta) -> make, open, is: make(data) gives a handle with that metatable, open(handle) its data, which no script can
+-- reach: rawget and rawset see an empty table. is(value): it is such a handle.
+function core.opaque(meta)
+  local inside = setmetatable({}, { __mode = "k" })
+  local function make(data)
+    local handle = setmetatable({}, meta)
+    inside[handle] = data
+    return handle
+  end
+  return make, function(handle)
+    return inside[handle] or core.fail("expected a %s, got %s", meta.__name, core.type(handle))
+  end, function(value) return inside[value] ~= nil end
+end
+
 return true

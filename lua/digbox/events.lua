@@ -18,13 +18,14 @@ Subscription.__index = function(_, key)
 end
 Subscription.__metatable = false
 Subscription.__name = "subscription"
+local make_subscription, open_subscription = core.opaque(Subscription)
 
 core.declare_type("subscription", "A handler that waits for events.", Subscription)
 core.declare("subscription:off", { "No more calls." })
 
 -- sub:off(): no more calls
 function Subscription.off(handle)
-  local sub = handle[1]
+  local sub = open_subscription(handle)
   sub.active = false
   sub.book.stale = true
 end
@@ -96,7 +97,7 @@ local function subscribe(world, body, what, kind, filter, fn)
     book.by_body[body] = list
   end
   list[#list + 1] = sub
-  return setmetatable({ sub }, Subscription)
+  return make_subscription(sub)
 end
 
 -- world:on(event, [filter], fn) -> subscription with :off()

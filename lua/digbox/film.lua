@@ -78,35 +78,38 @@ local function check_camera(fields, what, world)
   return f
 end
 
+-- What a camera is inside: fields; world; start, where the body that it follows was.
+local Camera = { __name = "camera", __metatable = false }
+local make_camera, open_camera, is_camera = core.opaque(Camera)
+
 -- Whether one of the world's cameras may move by itself.
 local function cameras_changed(cameras)
   changed(cameras)
   cameras.moving = false
   for _, cam in ipairs(cameras) do
-    cameras.moving = cameras.moving or cam[1].follow ~= nil or core.type(cam[1].look_at) == "body"
+    local f = open_camera(cam).fields
+    cameras.moving = cameras.moving or f.follow ~= nil or core.type(f.look_at) == "body"
   end
 end
 
-local is_camera = setmetatable({}, { __mode = "k" })
-local Camera = { __name = "camera", __metatable = false }
 Camera.__index = function(cam, key)
   if not camera_fields[key] then core.unknown("camera", "has no field", tostring(key), camera_fields) end
-  return cam[1][key]
+  return open_camera(cam).fields[key]
 end
 Camera.__newindex = function(cam, key, value)
-  local checked = check_camera({ [key] = value }, "camera", cam[2])
-  cam[1][key] = checked[key]
-  if key == "follow" or key == "at" then cam[3] = cam[1].follow and cam[1].follow.position end
-  cameras_changed(core.lua_state(cam[2]).cameras)
+  local c = open_camera(cam)
+  local checked, f = check_camera({ [key] = value }, "camera", c.world), c.fields
+  f[key] = checked[key]
+  if key == "follow" or key == "at" then c.start = f.follow and f.follow.position end
+  cameras_changed(core.lua_state(c.world).cameras)
 end
-Camera.__tostring = function(cam) return ("camera '%s'"):format(cam[1].name or "") end
+Camera.__tostring = function(cam) return ("camera '%s'"):format(open_camera(cam).fields.name or "") end
 
 -- world:camera{at=, look_at = body or point, fov = "40 deg", follow = body, up=, name=} -> camera
 function methods.camera(world, fields)
   local f = check_camera(fields or {}, "world:camera", world)
   local state = core.lua_state(world)
-  local cam = setmetatable({ f, world, f.follow and f.follow.position }, Camera)
-  is_camera[cam] = true
+  local cam = make_camera { fields = f, world = world, start = f.follow and f.follow.position }
   state.cameras = state.cameras or {}
   state.cameras[#state.cameras + 1] = cam
   cameras_changed(state.cameras)
@@ -134,8 +137,9 @@ end
 
 -- Where the camera stands now.
 local function resolve(cam, view, aspect)
-  local f = cam and cam[1] or {}
-  local moved = f.at and f.follow and f.follow.valid and f.follow.position - cam[3]
+  local c = cam and open_camera(cam)
+  local f = c and c.fields or {}
+  local moved = f.at and f.follow and f.follow.valid and f.follow.position - c.start
   local said = { at = f.at and (moved and f.at + moved or f.at), look_at = place(f.look_at) or f.follow and place(f.follow), up = f.up,
     fov = f.fov }
   return core.resolve_camera(said, view, aspect)
@@ -159,9 +163,10 @@ function core.cameras_now(world)
   if not cameras then return nil end
   local list = {}
   for i, cam in ipairs(cameras) do
-    local f = cam[1]
+    local c = open_camera(cam)
+    local f = c.fields
     local target = place(f.look_at) or f.follow and place(f.follow)
-    local moved = f.at and f.follow and f.follow.valid and f.follow.position - cam[3]
+    local moved = f.at and f.follow and f.follow.valid and f.follow.position - c.start
     list[i] = { name = f.name or "", at = f.at and (moved and f.at + moved or f.at), look_at = target, up = f.up,
       fov = f.fov or default_fov }
   end
@@ -251,8 +256,8 @@ function core.drawing_options(f, what, world)
   local layer = f.layer or "colour"
   if not layers[layer] then core.unknown(what .. ":", "unknown layer", layer, layers) end
   o.layer = layers[layer]
-  if f.camera ~= nil and not is_camera[f.camera] then core.fail("%s.camera wants a camera; got %s", what, core.type(f.camera)) end
-  if f.camera and f.camera[2] ~= world then core.fail("%s.camera belongs to another world", what) end
+  if f.camera ~= nil and not is_camera(f.camera) then core.fail("%s.camera wants a camera; got %s", what, core.type(f.camera)) end
+  if f.camera and open_camera(f.camera).world ~= world then core.fail("%s.camera belongs to another world", what) end
   core.check_room(o, what)
   return o
 end
@@ -336,6 +341,7 @@ end
 -- ---- films ----
 
 local Film = { __name = "film", __metatable = false }
+local make_film, open_film = core.opaque(Film)
 local film_methods = {}
 local film_readable = core.declare_type("film", "A film that is being taken.", film_methods, {
   frames = { "integer", "frames so far" }, fps = { "number", "frames a second", unit = "Hz" }, path = { "string", "as given" },
@@ -343,11 +349,11 @@ local film_readable = core.declare_type("film", "A film that is being taken.", f
 core.declare("film:close", { "Takes the last frame and ends the file." })
 Film.__index = function(film, key)
   if film_methods[key] then return film_methods[key] end
-  if film_readable[key] then return film[1][key] end
+  if film_readable[key] then return open_film(film)[key] end
   core.unknown("film", "has no field or method", tostring(key), film_methods, film_readable)
 end
 Film.__newindex = function(_, key) core.fail("film.%s cannot be assigned", tostring(key)) end
-Film.__tostring = function(film) return ("film '%s', %d frames"):format(film[1].path, film[1].frames) end
+Film.__tostring = function(film) return ("film '%s', %d frames"):format(open_film(film).path, open_film(film).frames) end
 
 core.declare("world:record", { "Takes a film: frames at exact multiples of 1/fps while the world runs.",
   fields = core.join_fields(picture_fields, { to = TO, fps = { "real Hz >0", "frames a second", default = 30, max = 1e5 } }),
@@ -400,7 +406,7 @@ function methods.record(world, fields)
   state.recorded = true
   core.open_films = core.open_films or {}
   core.open_films[film] = true
-  return setmetatable({ film }, Film)
+  return make_film(film)
 end
 
 local function next_time(film) return (film.first + film.frames) / film.fps end
@@ -504,7 +510,7 @@ end
 
 -- film:close(): the last frame, and the end of the file
 function film_methods.close(film)
-  close_film(film[1])
+  close_film(open_film(film))
 end
 
 -- core.close_films([world]): all that are open

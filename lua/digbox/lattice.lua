@@ -102,7 +102,8 @@ local cloth_fields = core.declare("world:cloth", { "Particles in rows, held to t
   fields = core.join_fields(common_fields, {
     at = { "vec m", "its first corner", need = true }, across = { "vec m", "from there along the first row", need = true },
     down = { "vec m", "from there along the first column", need = true },
-    columns = { "int 1 >0", "particles across", default = 10 }, rows = { "int 1 >0", "particles down", default = 10 },
+    columns = { "int 1", "particles across", default = 10, min = 1, max = 10000 },
+    rows = { "int 1", "particles down", default = 10, min = 1, max = 10000 },
     pins = { "any", "what is fixed: 'top', 'corners', 'none' or a list of {column, row}; default 'top'", type = "string|integer[][]" } }),
   with = { "body" }, gives = "cloth" })
 
@@ -224,7 +225,8 @@ function methods.lattice(world, fields)
     if cells[i] ~= math.floor(cells[i]) then core.fail("world:lattice.cells = %g, must be a whole number", cells[i]) end
     n[i] = math.floor(cells[i]) + 1
   end
-  if n[1] * n[2] * n[3] > 10000 then core.fail("world:lattice: %d particles, must be at most 10000", n[1] * n[2] * n[3]) end
+  local particles = 1.0 * n[1] * n[2] * n[3]                -- as whole numbers they wrap around
+  if particles > 10000 then core.fail("world:lattice: %g particles, must be at most 10000", particles) end
   local self = begin(world, "lattice", own, rest)
   local d = core.vec(size[1] / (n[1] - 1), size[2] / (n[2] - 1), size[3] / (n[3] - 1))
   local corner = own.at - core.vec(size[1], size[2], size[3]) / 2

@@ -111,12 +111,12 @@ function core.finish_replay(world)
   if not core.options.replay then return end
   if not recorded and not world then
     local last = core.last_world
-    if not last or not core.is_open(last) then return end
+    if not last or not core.is_free(last) then return end
     begin(last)
   end
   if not recorder or (world and world ~= recorded) then return end
   local open = recorder
-  if core.is_open(recorded) then note_scene(recorded) end
+  if core.is_free(recorded) then note_scene(recorded) end
   recorder = nil
   core.replay_close(open)
 end

@@ -13,7 +13,7 @@ local rope_fields = {
   to = { "vec m", "where it ends; default the place of b" },
   at_a = { "vec m", "where it begins, as at" }, at_b = { "vec m", "where it ends, as to" },
   length = { "real m >0", "its length; default the distance of its ends" },
-  segments = { "int 1 >0", "with segments it is a chain of so many rods, or one more: it has mass" },
+  segments = { "int 1", "with segments it is a chain of so many rods, or one more: it has mass", min = 1, max = 10000 },
   radius = { "real m >0", "of its rods; default a tenth of their length" }, breaks_at = { "real N >0", "breaks when a joint bears more" } }
 local taken = { fixed = "its ends are held by a and b", kinematic = "its ends are held by a and b", rotation = "its ends say which way" }
 local shown = core.join_fields(rope_fields)

@@ -16,9 +16,10 @@ Task.__index = function(_, key)
 end
 Task.__metatable = false
 Task.__name = "task"
+local make_task, open_task = core.opaque(Task)
 
 local function check_inside(handle, what)
-  local task = handle[1]
+  local task = open_task(handle)
   if running() ~= task.thread then core.fail("%s can only be called inside the task itself", what) end
   return task
 end
@@ -91,7 +92,7 @@ function methods.spawn(world, fn)
   local state = core.lua_state(world)
   local outer = state.in_task
   local task = { world = world, done = false, wake = world.time }
-  local handle = setmetatable({ task }, Task)
+  local handle = make_task(task)
   task.thread = create(function() fn(handle) end)
   go_on(state, task)
   state.in_task = outer
@@ -319,7 +320,7 @@ end
 function core.report_stop()
   core.stopping = true
   local world, frames = core.last_world, core.frames or 0
-  if world and core.is_open(world) then
+  if world and core.is_free(world) then
     core.lua_state(world).in_handler, core.lua_state(world).in_task = nil, nil
     if world.steps > 0 then
       core.tell(("digbox: stopped at t = %.6g s, step %d; %d frames are complete\n"):format(world.time, world.steps, frames))

@@ -456,7 +456,7 @@ end
 
 local function close_world(s)
   local world = rawget(s, "own_world")
-  if world and core.is_open(world) then
+  if world and core.is_free(world) then
     core.lua_state(world).in_handler, core.lua_state(world).in_task = nil, nil
     world:close()
   end
@@ -495,7 +495,7 @@ end
 local function autopsy(s, lines)
   local world = rawget(s, "own_world")
   local base = base_of(s)
-  if world and core.is_open(world) then
+  if world and core.is_free(world) then
     local state = core.lua_state(world)
     lines[#lines + 1] = ("at t = %.6g s, step %d"):format(world.time, world.steps)
     local log = state.event_log
@@ -535,7 +535,7 @@ function core.report_stop()
   core.stopping = true
   if s and core.report and not core.stopped() then
     local world = rawget(s, "own_world")
-    if world and core.is_open(world) then core.lua_state(world).in_handler, core.lua_state(world).in_task = nil, nil end
+    if world and core.is_free(world) then core.lua_state(world).in_handler, core.lua_state(world).in_task = nil, nil end
     pcall(autopsy, s, lines)
     lines[#lines + 1] = "replay:  none, since it was stopped; --sim-limit stops it at a time of its world, with one"
     lines[#lines + 1] = command_of(s)

@@ -64,6 +64,25 @@ gives 5 'a run out of time' run -q --time-limit 0.5 --replay long.replay long.lu
 gives 0 'leaves a whole replay' diff -q long.replay long.replay
 holds 'that says nothing of an early end' test ! -s err.txt
 
+# A stop in the middle of a step, inside a function of an effect: of the run till then nothing is lost.
+cat >inside.lua <<'LUA'
+local world = require("digbox").world {}
+world:ball { radius = 0.1, at = { 0, 1, 0 } }
+world:record { to = "f-%02d.png", fps = 60, size = { 16, 16 }, samples = 0 }
+local n, heap = 0, {}
+local function act() while n == 5 do if HEAP then heap[#heap + 1] = ("x"):rep(1000) .. #heap end end return 0 end
+world:add_effect { name = "e", step = act, energy = ENERGY and act or nil }
+for i = 1, 10 do n = i world:step() end
+LUA
+for limit in '4 --fuel 2000000' '5 --time-limit 2' '3 --memory-limit 60'; do
+    code=${limit%% *}
+    sed "s/HEAP/$([ $code = 3 ] && echo true || echo false)/; s/ENERGY/$([ $code = 5 ] && echo true || echo false)/" inside.lua >stops.lua
+    gives $code "a stop inside an effect" run -o stops --force ${limit#* } --replay stops.replay stops.lua
+    said 'digbox: stops.lua:5: '; lacks 'does not respond'
+    gives 0 'leaves a whole replay' diff -q stops.replay stops.replay
+    gives 0 'which does the same again' verify stops.replay stops;      printed 'stops.replay: 4 steps'; printed '5 frames of a film that was cut'
+done
+
 # ---- bad files ----
 head -c 3000 a.replay >cut.replay
 gives 8 'a file without a frame' diff a.replay cut.replay;              said 'cut.replay: file ends after 3000 bytes, before its first frame'

@@ -241,7 +241,7 @@ local function run(kind, f, ...)
   judge(ok, v, kind)
 end
 local function send(kind, name, it, ...)
-  if it == nil then return end
+  if it == nil or type(it) == "string" then return end    -- the methods of a string are Lua's own, and so are their messages
   local n, list = select("#", ...), { ... }
   local ok, v = pcall(function() return it[name](it, table.unpack(list, 1, n)) end)
   judge(ok, v, kind)

@@ -65,6 +65,7 @@ if [ "${1:-}" = --one ]; then
     [ "$expect" = ok ] && [ "$setup" != scenario ] && ! grep -qE '^(fine|OK)' out.txt && why="$why; it does not print fine"
     awk "BEGIN { exit !($ms / 1000 > 1.5 * $limit + 3) }" && why="$why; $ms ms"
     LC_ALL=C grep -qP '[\x00-\x08\x0b-\x1f\x7f]' err.txt && why="$why; control bytes on stderr"
+    LC_ALL=C grep -qP '[\x00-\x08\x0b-\x1f\x7f]' out.txt && why="$why; control bytes on stdout"
     [ "$(wc -c <err.txt)" -gt 6000 ] && why="$why; $(wc -c <err.txt) bytes on stderr"
     [ -n "$(find "$work" -maxdepth 1 -name 'up*')" ] && why="$why; it wrote outside"
     echo "${why:-ok}|$name|$setup|$expect|$code|$ms|$(head -n 1 err.txt | cut -c 1-100)"

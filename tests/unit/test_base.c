@@ -6,6 +6,7 @@
 #include "base/list.h"
 #include "base/map.h"
 #include "base/sort.h"
+#include "base/text.h"
 
 /* Repeatable noise: x' = x * a + c mod 2^64 (Knuth's MMIX constants), upper half returned. */
 static uint32_t noise(uint64_t *x)
@@ -390,6 +391,49 @@ TEST(an_index_finds_records_by_their_keys_and_follows_when_they_move)
     index_close(&copy);
 }
 
+/* ---- text ---- */
+
+/* The bytes of a character as RFC 3629 writes them; 0 for those that are none. */
+static size_t encode(uint32_t c, char out[5])
+{
+    size_t n = c < 0x80 ? 1 : c < 0x800 ? 2 : c < 0x10000 ? 3 : 4;
+    memset(out, 0, 5);
+    out[0] = (char)(n == 1 ? c : (0xf0u << (4 - n)) | c >> 6 * (n - 1));
+    for (size_t i = 1; i < n; i++)
+        out[i] = (char)(0x80u | (c >> 6 * (n - 1 - i) & 0x3fu));
+    return n;
+}
+
+TEST(every_character_is_known_and_nothing_else_is_one)
+{
+    char text[5];
+    size_t n;
+    for (uint32_t c = 0; c < 0x120000; c++) {
+        size_t length = encode(c, text);
+        bool none = (c >= 0xd800 && c < 0xe000) || c > 0x10ffff, control = c < 0x20 || (c >= 0x7f && c < 0xa0);
+        TextKind kind = text_next(text, length, &n);
+        if (kind != (none ? TEXT_BROKEN : control ? TEXT_CONTROL : TEXT_PLAIN) || n != (none ? 1 : length))
+            fail_msg("U+%04X: kind %d, %zu bytes", (unsigned)c, (int)kind, n);
+        for (size_t cut = 1; cut < length; cut++)
+            CHECK(text_next(text, cut, &n) == TEXT_BROKEN && n == 1);
+    }
+    /* longer than need be: a NUL, a slash, an escape */
+    static const char *const broken[] = {"\xc0\x80", "\xe0\x80\xaf", "\xf0\x80\x80\x9b", "\x80", "\xff", "\xf8\x88\x80\x80\x80", "\xc3("};
+    for (size_t i = 0; i < sizeof broken / sizeof *broken; i++)
+        CHECK(text_next(broken[i], strlen(broken[i]), &n) == TEXT_BROKEN && n == 1);
+}
+
+TEST(names_are_text_and_messages_are_cleaned)
+{
+    CHECK(text_fault("") == NULL && text_fault("a b, \u20ac \U0001f600") == NULL);
+    CHECK_TEXT(text_fault("a\nb"), "holds a control character");
+    CHECK_TEXT(text_fault("\xc2\x9b" "31m"), "holds a control character");
+    CHECK_TEXT(text_fault("caf\xe9"), "is not UTF-8");
+    char text[] = "\033[2J caf\xc3\xa9 caf\xe9 \xc2\x9b" "31m\x7f";
+    text_clean(text);
+    CHECK_TEXT(text, "?[2J caf\xc3\xa9 caf? ??31m?");
+}
+
 int main(void)
 {
     RUN_TESTS(
@@ -409,6 +453,8 @@ int main(void)
         unit_test(a_copy_is_the_same_table_and_lives_on_its_own),
         unit_test(an_impossible_reserve_is_refused),
         unit_test(numbers_of_any_size_and_count_come_out_ascending),
-        unit_test(a_trimmed_list_keeps_what_it_holds_and_little_more)
+        unit_test(a_trimmed_list_keeps_what_it_holds_and_little_more),
+        unit_test(every_character_is_known_and_nothing_else_is_one),
+        unit_test(names_are_text_and_messages_are_cleaned)
     );
 }
