@@ -10,6 +10,7 @@ static const real FINEST = 1.2;         /* pixels that a bevel is wide at least:
 static const real MOST_BEVEL = 0.4;     /* ... no more than this share of half the smallest extent                              */
 static const real SHELLS = 16;          /* while the distance from the eye doubles */
 static const real SHOWN = 1.7;          /* how much finer the meshes of round bodies are where they are seen and do not only throw shadows */
+static const real DULL = 0.35;          /* roughness from which on a floor mirrors nothing */
 static const real CORNER_SKY = 2;       /* bodies up to so many times the typical radius take the hidden sky at their corners */
 static const float SCALE = 0.1f;        /* of its colour, that a glowing body throws back */
 
@@ -165,6 +166,12 @@ static real tile_size(real unit)
     return (step < 1.5 ? 1 : step < 3.5 ? 2 : step < 7.5 ? 5 : 10) * power;
 }
 
+real plane_sheen(const ViewItem *item)
+{
+    real smooth = real_clamp(1 - (real)item->roughness / DULL, 0, 1);
+    return item->clear > 0 || !isfinite(smooth) ? 0 : smooth * smooth;
+}
+
 /* A plane is a quad under the eye that ends in the fog; its tiles stay where they are in the world. */
 static void set_plane(DrawItem *d, const ViewItem *item, const Stage *s, const BatchEye *eye)
 {
@@ -179,6 +186,10 @@ static void set_plane(DrawItem *d, const ViewItem *item, const Stage *s, const B
     put4(d->instance.place, place.x, place.y, place.z, 0);
     put4(d->instance.size, eye->reach, 1, eye->reach, 0);
     put4(d->instance.look, 0, 0, 1 / cell, 0);
+    if (eye->mirrors && d->index == s->floor_item) {
+        put4(d->instance.look, 0, plane_sheen(item), 1 / cell, real_clamp((real)item->metallic, 0, 1));
+        d->key.mirror = !eye->numbers;
+    }
     /* whole hundreds dropped: few digits before the point, and the pattern's even and odd cells stay */
     put4(d->instance.half, fmod(slide.x, 100), fmod(slide.z, 100), 1, 0);
     d->distance = INFINITY;     /* after all bodies: it lies behind most of them */

@@ -16,7 +16,8 @@ typedef struct Instance {       /* as the vertex shader reads it; scene units */
     float    turn[4];           /* quaternion                                               */
     float    size[4];           /* factors of the unit solid; [3] shift along y             */
     float    colour[4];         /* linear; [3] roughness                                    */
-    float    look[4];           /* metallic, or minus how strongly it shines in its colour; bevel, 1 / cell of the pattern, grain axis */
+    float    look[4];           /* metallic, or minus how strongly it shines in its colour; bevel, 1 / cell of the pattern, grain axis; planes:
+                                 * 0, share of a mirror, 1 / cell, metallic */
     float    half[4];           /* half extents, half width of a stripe; planes: offset of the tiles */
     float    clear;             /* 1 - opacity                                              */
     uint32_t number[2];         /* body, item in the view                                   */
@@ -52,6 +53,7 @@ typedef struct BatchEye {       /* from where it is drawn */
     bool patch;                 /* the floor is drawn in two pieces: inside its map ...       */
     real patch_x, patch_y, patch_half;      /* ... which covers this square, scene units, and outside */
     bool numbers;               /* what render/shade.h can shade is drawn as numbers          */
+    bool mirrors;               /* the floor mirrors what stands on it       */
     bool fine;                  /* the finest meshes, for data layers        */
     HeatScale heat;             /* on: bodies are coloured by temperature    */
 } BatchEye;
@@ -62,6 +64,9 @@ void       batches_close(Batches *b, const Gl *gl);
 /* Draws the items from `first` to before `last` with programs of `kind`. */
 dig_status batches_draw(const Batches *b, const Meshes *meshes, Programs *programs, const Gl *gl, ProgramKind kind, int first, int last,
                         char *why, size_t capacity);
+
+/* How much of a mirror a plane is, 0..1: polished stone, ice and metal are, most floors are none. */
+real plane_sheen(const ViewItem *item);
 
 /* A colour for each DIG, well apart from those of its neighbours; linear. */
 void dig_colour(uint32_t dig, float colour[3]);

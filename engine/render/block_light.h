@@ -7,6 +7,7 @@
 
 #include "render/block.h"
 #include "render/program.h"
+#include "render/shade.h"
 
 typedef float float4 __attribute__((vector_size(16)));
 
@@ -16,20 +17,22 @@ typedef float float4 __attribute__((vector_size(16)));
 typedef struct Spots { int32_t first[LANES]; float u[LANES], v[LANES]; } Spots;
 
 /* o->u, o->v: in texels, middles at whole numbers; beyond the rim the rim counts. */
-LANE_CODE void settle(Spots *o, int n, int size)
+LANE_CODE void settle_on(Spots *o, int n, int width, int height)
 {
-    const float end = (float)size - 1.001f;
+    const float right = (float)width - 1.001f, top = (float)height - 1.001f;
     for (int i = 0; i < n; i++) {
-        o->u[i] = least(most(o->u[i], 0), end);
-        o->v[i] = least(most(o->v[i], 0), end);
+        o->u[i] = least(most(o->u[i], 0), right);
+        o->v[i] = least(most(o->v[i], 0), top);
     }
     for (int i = 0; i < n; i++) {           /* apart, or compilers branch where a coordinate is limited */
         int32_t column = (int32_t)o->u[i], row = (int32_t)o->v[i];
-        o->first[i] = row * size + column;
+        o->first[i] = row * width + column;
         o->u[i] -= (float)column;
         o->v[i] -= (float)row;
     }
 }
+
+LANE_CODE void settle(Spots *o, int n, int size) { settle_on(o, n, size, size); }
 
 LANE_CODE bool any_on_map(const Spots *o, int n, int size)
 {
@@ -290,17 +293,46 @@ LANE_CODE void shine_sky(const Subject *s, const Frame *f, Block *b)
 }
 
 /* One curve for tone and for the display's gamma: white is reached softly, and what is dark stands out. */
-LANE_CODE uint32_t level_of(float light)
+LANE_CODE float shown(float light)
 {
     light = most(light, 0);
     float y = light * 1.03f / (light + 0.195f);
-    return (uint32_t)(int32_t)least(y * (255 + 0.6f * 255 * ((1 - y) * (y - 0.62f))) + 0.5f, 255);
+    return y * (255 + 0.6f * 255 * ((1 - y) * (y - 0.62f)));
 }
 
-LANE_CODE void show(const Subject *s, Block *b)
+LANE_CODE uint32_t level_of(float level) { return (uint32_t)(int32_t)least(level + 0.5f, 255); }
+
+/* The levels of a smooth floor with what it mirrors: more of it, the flatter one looks (after Schlick, as bodies do). */
+LANE_CODE void show_mirror(const Subject *s, const ShadeMirror *m, int width, int height, Block *b)
 {
-    for (int i = 0; i < b->n; i++)
-        b->out[i] = level_of(b->red[i]) << RED_SHIFT | level_of(b->green[i]) << GREEN_SHIFT | level_of(b->blue[i]) << BLUE_SHIFT;
+    Spots o;
+    const float scale_x = (float)m->width / (float)width, scale_y = (float)m->height / (float)height;
+    float red[LANES], green[LANES], blue[LANES];
+    for (int i = 0; i < b->n; i++) {
+        o.u[i] = (b->x[i] + 0.5f) * scale_x - 0.5f;
+        o.v[i] = (b->y[i] + 0.5f) * scale_y - 0.5f;
+    }
+    settle_on(&o, b->n, m->width, m->height);
+    fetch_bytes(m->pixels, m->width, &o, b->n, (float *const[3]){red, green, blue});
+    for (int i = 0; i < b->n; i++) {
+        float dx = b->dx[i], dy = b->dy[i], dz = b->dz[i], across = 1 - fabsf(dy) / sqrtf(dx * dx + (dy * dy + dz * dz)), across2 = across * across;
+        float steep = across2 * across2 * across, level[3] = {shown(b->red[i]), shown(b->green[i]), shown(b->blue[i])};
+        float there[3] = {red[i] * 255, green[i] * 255, blue[i] * 255};
+        for (int k = 0; k < 3; k++)
+            level[k] = blend(level[k], there[k], (s->mirror[k] + (1 - s->mirror[k]) * steep) * s->sheen);
+        b->out[i] = level_of(level[0]) << RED_SHIFT | level_of(level[1]) << GREEN_SHIFT | level_of(level[2]) << BLUE_SHIFT;
+    }
+}
+
+/* In a picture that is so many pixels wide and high. */
+LANE_CODE void show(const Subject *s, const ShadeMirror *mirror, int width, int height, Block *b)
+{
+    if (s->sheen > 0 && mirror->pixels)
+        show_mirror(s, mirror, width, height, b);
+    else
+        for (int i = 0; i < b->n; i++)
+            b->out[i] = level_of(shown(b->red[i])) << RED_SHIFT | level_of(shown(b->green[i])) << GREEN_SHIFT |
+                        level_of(shown(b->blue[i])) << BLUE_SHIFT;
     if (s->form == SUBJECT_BOX || s->form == SUBJECT_CYLINDER)
         for (int i = 0; i < b->n; i++)
             b->out[i] |= s->key[b->side[i]];

@@ -2,6 +2,7 @@
 #include "render/paint.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 
 #include "base/clock.h"
 
@@ -151,23 +152,33 @@ static void set_frame(Frame *f, const View *v, const Stage *s, const Sight *e, c
 
 /* ---- passes ------------------------------------------------------------ */
 
-static void set_state(const Gl *gl)
+/* A picture from one eye. */
+typedef struct Pass {
+    const RenderOptions *o;
+    const Batches *b;
+    const Frame   *frame;
+    const Target  *t;
+    ShadeEye       eye;
+    GLuint         mirror;          /* what the floor mirrors, as a texture; 0 = nothing */
+} Pass;
+
+static void set_state(const Gl *gl, bool mirrored)
 {
     gl->Enable(GL_DEPTH_TEST);
     gl->DepthFunc(GL_LESS);
     gl->DepthMask(GL_TRUE);
     gl->Disable(GL_BLEND);
     gl->Enable(GL_CULL_FACE);
-    gl->CullFace(GL_BACK);
+    gl->CullFace(mirrored ? GL_FRONT : GL_BACK);        /* a mirror turns triangles round */
     gl->PolygonOffset(1, 8);
     gl->PixelStorei(GL_PACK_ALIGNMENT, 1);
     gl->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
 }
 
-static void use_textures(const Gl *gl, const Light *l)
+static void use_textures(const Gl *gl, const Light *l, GLuint mirror)
 {
-    const GLuint names[] = {[UNIT_SUN] = l->sun_map, [UNIT_HEIGHT] = l->height_map, [UNIT_FLOOR] = l->floor_map};
-    for (unsigned unit = UNIT_SUN; unit <= UNIT_FLOOR; unit++) {
+    const GLuint names[] = {[UNIT_SUN] = l->sun_map, [UNIT_HEIGHT] = l->height_map, [UNIT_FLOOR] = l->floor_map, [UNIT_MIRROR] = mirror};
+    for (unsigned unit = UNIT_SUN; unit <= UNIT_MIRROR; unit++) {
         gl->ActiveTexture(GL_TEXTURE0 + unit);
         gl->BindTexture(GL_TEXTURE_2D, names[unit]);
     }
@@ -208,10 +219,10 @@ static dig_status paint_sky(Renderer *r)
  * them get sun maps of their own. */
 enum { RECEIVERS = 4 };
 
-static dig_status paint_clear(Renderer *r, bool shadows)
+static dig_status paint_clear(Renderer *r, const Pass *p)
 {
     const Gl *gl = &r->gl;
-    const Batches *b = &r->batches;
+    const Batches *b = p->b;
     if (b->solid == b->count)
         return DIG_OK;
     gl->DepthFunc(GL_LESS);
@@ -220,7 +231,7 @@ static dig_status paint_clear(Renderer *r, bool shadows)
     gl->BlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_SRC1_ALPHA);
     gl->ActiveTexture(GL_TEXTURE0 + UNIT_SUN);
     dig_status status = DIG_OK;
-    bool apart = shadows && b->count - b->solid <= RECEIVERS;
+    bool apart = p->o->shadows && p->eye.rise == 0 && b->count - b->solid <= RECEIVERS;
     int step = apart ? 1 : b->count - b->solid;
     for (int i = b->solid; i < b->count && status == DIG_OK; i += step) {
         if (apart)
@@ -268,42 +279,123 @@ static dig_status no_room(Renderer *r, const RenderOptions *o)
 }
 
 /* Shades what was drawn as numbers; what is seen through comes on top, once OpenGL has got the picture back. */
-static dig_status shade(Renderer *r, const RenderOptions *o, const Frame *frame, const Target *t, real near)
+static dig_status shade(Renderer *r, const Pass *p)
 {
     const Gl *gl = &r->gl;
-    dig_status status = shade_picture(&r->shade, frame, &r->batches, &r->light, near, r->raw, o->width, o->height);
+    const RenderOptions *o = p->o;
+    dig_status status = shade_picture(&r->shade, p->frame, p->b, &r->light, &p->eye, r->raw, o->width, o->height);
     if (status != DIG_OK)
         return no_room(r, o);
-    if (r->batches.solid == r->batches.count)
+    if (p->b->solid == p->b->count)
         return DIG_OK;
     gl->ActiveTexture(GL_TEXTURE0 + UNIT_FONT);
-    gl->BindTexture(GL_TEXTURE_2D, t->picture);
+    gl->BindTexture(GL_TEXTURE_2D, p->t->picture);
     gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, o->width, o->height, GL_RGBA, GL_UNSIGNED_BYTE, r->raw);
     gl->BindTexture(GL_TEXTURE_2D, 0);
-    DIG_TRY(paint_clear(r, o->shadows));
-    return read_raw(r, o, t);
+    DIG_TRY(paint_clear(r, p));
+    return read_raw(r, o, p->t);
 }
 
-static dig_status paint_layer(Renderer *r, const RenderOptions *o, const Frame *frame, const Target *t)
+static dig_status paint_layer(Renderer *r, const Pass *p)
 {
     static const ProgramKind kinds[LAYER_COUNT] = {PROGRAM_SURFACE, PROGRAM_DEPTH, PROGRAM_ID, PROGRAM_NORMAL};
     const Gl *gl = &r->gl;
-    gl->BindFramebuffer(GL_FRAMEBUFFER, t->draw);
-    gl->Viewport(0, 0, t->width, t->height);
+    const RenderOptions *o = p->o;
+    gl->BindFramebuffer(GL_FRAMEBUFFER, p->t->draw);
+    gl->Viewport(0, 0, p->t->width, p->t->height);
     clear(gl, o->layer);
     bool colour = o->layer == RENDER_COLOUR;
-    DIG_TRY(batches_draw(&r->batches, &r->meshes, &r->programs, gl, kinds[o->layer], 0, colour ? r->batches.solid : r->batches.count,
-                         r->error, sizeof r->error));
-    if (colour && t->samples == 0) {
-        DIG_TRY(read_raw(r, o, t));
-        return shade(r, o, frame, t, 0);
+    DIG_TRY(batches_draw(p->b, &r->meshes, &r->programs, gl, kinds[o->layer], 0, colour ? p->b->solid : p->b->count, r->error,
+                         sizeof r->error));
+    if (colour && p->t->samples == 0) {
+        DIG_TRY(read_raw(r, o, p->t));
+        return shade(r, p);
     }
     if (colour) {
         DIG_TRY(paint_sky(r));
-        DIG_TRY(paint_clear(r, o->shadows));
-        resolve(gl, t);
+        DIG_TRY(paint_clear(r, p));
+        resolve(gl, p->t);
     }
-    return read_raw(r, o, t);
+    return read_raw(r, o, p->t);
+}
+
+static dig_status paint_pass(Renderer *r, const Pass *p)
+{
+    set_state(&r->gl, p->eye.rise > 0);
+    programs_set_frame(&r->programs, &r->gl, p->frame);
+    use_textures(&r->gl, &r->light, p->mirror);
+    return p->eye.near > 0 ? shade(r, p) : paint_layer(r, p);       /* near: nothing for OpenGL to do */
+}
+
+/* ---- what a smooth floor mirrors ---------------------------------------- */
+
+static bool has_mirror(const View *v, const Stage *s, const Sight *e)
+{
+    return s->floor_item >= 0 && plane_sheen(&v->items[s->floor_item]) > 0 && e->at.z > s->floor;
+}
+
+/* The frame of the same moment from another height. */
+static void move_light(Frame *to, const Frame *from)
+{
+    memcpy(to->to_sun, from->to_sun, sizeof to->to_sun);
+    for (int i = 0; i < 3; i++)
+        to->to_sun[12 + i] += from->to_sun[8 + i] * (to->eye[2] - from->eye[2]);
+    memcpy(to->top, from->top, sizeof to->top);
+    memcpy(to->shade, from->shade, sizeof to->shade);
+    to->sun[3] = from->sun[3];
+    to->sun_colour[3] = from->sun_colour[3];
+    to->ground[3] = from->ground[3];
+}
+
+static bool keep_mirror(Renderer *r, size_t size)
+{
+    if (r->mirror_capacity < size) {
+        free(r->mirror);
+        r->mirror = malloc(size);
+        r->mirror_capacity = r->mirror ? size : 0;
+    }
+    if (r->mirror)
+        memcpy(r->mirror, r->raw, size);
+    return r->mirror != NULL;
+}
+
+/* Draws what the floor mirrors, half as fine as the picture: the view of an eye below it, upside down, so that both pictures show a
+ * floor's pixel at the same place. `p` gets it. What lies below the floor is left out where rays are cast, and not where OpenGL draws. */
+static dig_status paint_mirror(Renderer *r, const View *v, const Stage *s, const Sight *e, const BatchEye *from, Pass *p)
+{
+    const Gl *gl = &r->gl;
+    RenderOptions o = *p->o;
+    o.width = (o.width + 1) / 2;
+    o.height = (o.height + 1) / 2;
+    o.samples = 0;
+    Sight m = *e;
+    m.at.z = 2 * s->floor - e->at.z;
+    m.right.z = -e->right.z;
+    m.up.z = -e->up.z;
+    m.forward.z = -e->forward.z;
+    BatchEye eye = *from;
+    eye.at = m.at;
+    eye.pixels *= 0.5;
+    eye.numbers = true;
+    eye.patch = eye.mirrors = false;
+    const Target *t = targets_get(&r->targets, gl, TARGET_MIRROR, o.width, o.height, 0, r->error, sizeof r->error);
+    if (!t || batches_build(&r->mirrored, &r->meshes, gl, v, s, &eye, r->draw) != DIG_OK)
+        return no_room(r, &o);
+    Frame frame;
+    set_frame(&frame, v, s, &m, &o, from->reach);
+    move_light(&frame, p->frame);
+    Pass below = {&o, &r->mirrored, &frame, t, {.near = r->mirrored.drawn == 0 ? find_near(&m) : 0, .rise = s->floor - m.at.z}, 0};
+    dig_status status = paint_pass(r, &below);
+    if (status != DIG_OK || !keep_mirror(r, 4 * (size_t)o.width * (size_t)o.height))
+        return status != DIG_OK ? status : no_room(r, &o);
+    if (p->t->samples > 0) {            /* OpenGL draws the floor */
+        gl->ActiveTexture(GL_TEXTURE0 + UNIT_MIRROR);
+        gl->BindTexture(GL_TEXTURE_2D, t->picture);
+        gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, o.width, o.height, GL_RGBA, GL_UNSIGNED_BYTE, r->mirror);
+        p->mirror = t->picture;
+    }
+    p->eye.mirror = (ShadeMirror){r->mirror, o.width, o.height};
+    return DIG_OK;
 }
 
 dig_status paint(Renderer *r, const View *v, const RenderOptions *o, const Target *t)
@@ -318,12 +410,13 @@ dig_status paint(Renderer *r, const View *v, const RenderOptions *o, const Targe
                     .numbers = colour && t->samples == 0, .fine = !colour};
     if (colour && (o->overlay & OVERLAY_TEMPERATURE))
         eye.heat = heat_scale(v);
+    eye.mirrors = colour && has_mirror(v, &s, &e);
     Frame frame;
     set_frame(&frame, v, &s, &e, o, reach);
     eye.patch = colour && !eye.numbers && s.floor_item >= 0;
     if (eye.patch)
         light_ground(&s, vec3_from(frame.sun), &eye.patch_x, &eye.patch_y, &eye.patch_half);
-    set_state(gl);
+    gl->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
     gl->ActiveTexture(GL_TEXTURE0 + UNIT_HEIGHT);       /* uploads must not unbind another unit's texture */
     dig_status status = batches_build(&r->batches, &r->meshes, gl, v, &s, &eye, ++r->draw);
     if (status != DIG_OK) {
@@ -341,11 +434,10 @@ dig_status paint(Renderer *r, const View *v, const RenderOptions *o, const Targe
             light_upload(&r->light, gl);
         r->times.light += 1e-3 * (cpu_us() - began);
     }
-    programs_set_frame(&r->programs, gl, &frame);
-    use_textures(gl, &r->light);
-    if (eye.numbers && r->batches.drawn == 0)           /* nothing for OpenGL to do */
-        return shade(r, o, &frame, t, find_near(&e));
-    return paint_layer(r, o, &frame, t);
+    Pass pass = {o, &r->batches, &frame, t, {.near = eye.numbers && r->batches.drawn == 0 ? find_near(&e) : 0}, 0};
+    if (eye.mirrors)
+        DIG_TRY(paint_mirror(r, v, &s, &e, &eye, &pass));
+    return paint_pass(r, &pass);
 }
 
 dig_status paint_overlay(Renderer *r, const View *v, const RenderOptions *o, const Target *t)

@@ -17,7 +17,7 @@ struct Renderer {
     Gl         gl;
     Programs   programs;
     Meshes     meshes;
-    Batches    batches;
+    Batches    batches, mirrored;   /* from the eye, and from its place in the mirror of a smooth floor */
     Light      light;
     Overlay    overlay;
     Targets    targets;
@@ -27,9 +27,10 @@ struct Renderer {
     GLuint     empty;               /* vertex array without attributes, for the sky */
     uint64_t   draw;                /* pictures so far */
     void      *pixels, *raw;        /* of the last picture: as handed out; as read, bottom row first */
+    void      *mirror;              /* what a smooth floor mirrors, as `raw`, half as fine */
     uint32_t  *sum;                 /* of the moments of a blurred picture so far: squares of levels, about as light adds */
     size_t     sum_capacity;
-    size_t     pixel_capacity, raw_capacity;
+    size_t     pixel_capacity, raw_capacity, mirror_capacity;
     char       description[200], error[400];
 };
 

@@ -9,7 +9,7 @@ uint32_t program_key_bits(ProgramKey key)
 {
     return (uint32_t)key.kind | (uint32_t)key.form << 4 | (uint32_t)key.pattern << 8 | (uint32_t)key.lamps << 12 |
            (uint32_t)key.shadows << 16 | (uint32_t)key.plane << 17 | (uint32_t)key.floor << 18 | (uint32_t)key.corner_sky << 19 |
-           (uint32_t)key.open << 20 | (uint32_t)key.clear << 21;
+           (uint32_t)key.open << 20 | (uint32_t)key.clear << 21 | (uint32_t)key.mirror << 22;
 }
 
 void programs_open(Programs *p, const Gl *gl)
@@ -63,7 +63,8 @@ static bool attach(const Gl *gl, GLuint program, GLenum stage, const char *defin
 static void wire_textures(const Gl *gl, GLuint program)
 {
     static const char *const names[] = {
-        [UNIT_SUN] = "sun_map", [UNIT_HEIGHT] = "height_map", [UNIT_FLOOR] = "floor_map", [UNIT_FONT] = "font",
+        [UNIT_SUN] = "sun_map", [UNIT_HEIGHT] = "height_map", [UNIT_FLOOR] = "floor_map", [UNIT_MIRROR] = "mirror_map",
+        [UNIT_FONT] = "font",
     };
     gl->UseProgram(program);
     for (int unit = 0; unit <= UNIT_FONT; unit++) {
@@ -81,8 +82,8 @@ static bool build(const Gl *gl, ProgramKey key, Program *out, char *why, size_t 
     char defines[256];
     snprintf(defines, sizeof defines,
              "#define FORM %d\n#define PATTERN %d\n#define LAMPS %d\n#define SHADOWS %d\n#define PLANE %d\n#define FLOOR %d\n"
-             "#define CORNER_SKY %d\n#define OPEN %d\n#define CLEAR %d\n",
-             (int)key.form, key.pattern, key.lamps, key.shadows, key.plane, key.floor, key.corner_sky, key.open, key.clear);
+             "#define CORNER_SKY %d\n#define OPEN %d\n#define CLEAR %d\n#define MIRROR %d\n",
+             (int)key.form, key.pattern, key.lamps, key.shadows, key.plane, key.floor, key.corner_sky, key.open, key.clear, key.mirror);
     const ShaderSource *source = &shader_sources[key.kind];
     GLuint program = gl->CreateProgram();
     bool ok = attach(gl, program, GL_VERTEX_SHADER, defines, source->vertex, why, capacity) &&

@@ -28,6 +28,7 @@ typedef struct ProgramKey {
     bool        clear;          /* what lies behind is seen through it       */
     bool        floor;          /* ... whose light comes from the floor map  */
     bool        open;           /* ... but not here: outside the map         */
+    bool        mirror;         /* ... which mirrors what stands on it       */
 } ProgramKey;
 
 enum { PROGRAM_CAPACITY = 192, FRAME_LAMPS = 4 };
@@ -59,7 +60,7 @@ typedef struct Programs {
 } Programs;
 
 /* Texture units that programs read from. */
-enum { UNIT_SUN, UNIT_HEIGHT, UNIT_FLOOR, UNIT_FONT };
+enum { UNIT_SUN, UNIT_HEIGHT, UNIT_FLOOR, UNIT_MIRROR, UNIT_FONT };
 
 void programs_open(Programs *p, const Gl *gl);
 void programs_close(Programs *p, const Gl *gl);

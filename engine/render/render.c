@@ -18,6 +18,7 @@ static void release_gl(Renderer *r)
     overlay_close(&r->overlay, gl);
     light_close(&r->light, gl);
     batches_close(&r->batches, gl);
+    batches_close(&r->mirrored, gl);
     meshes_close(&r->meshes, gl);
     programs_close(&r->programs, gl);
     gl->DeleteVertexArrays(1, &r->empty);
@@ -111,6 +112,7 @@ void render_close(Renderer *r)
     shade_close(&r->shade);
     smooth_close(&r->smooth);
     free(r->sum);
+    free(r->mirror);
     free(r->pixels);
     free(r->raw);
     free(r);

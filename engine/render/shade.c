@@ -155,7 +155,7 @@ typedef struct ShadeJob {
     const Light      *light;
     uint32_t         *raw;
     int               width, height, low, high;     /* the picture; rows [low, high) of it are the band */
-    real              near;             /* scene units; nearer things are not seen */
+    const ShadeEye   *eye;
     bool              numbers;          /* what to do: number the band's pixels, or shade them */
     bool              known;            /* space->depth says where the band's rays meet the solids */
 } ShadeJob;
@@ -204,7 +204,7 @@ LANE_CODE void shade_block(const ShadeJob *job, const Subject *s, Block *b)
         throw_light(s, job->frame, b);
         fade(job->frame, b);
     }
-    show(s, b);
+    show(s, &job->eye->mirror, job->width, job->height, b);
     for (int k = 0; k < b->parts; k++)
         memcpy(job->raw + b->part[k].place, b->out + b->part[k].first, (size_t)b->part[k].count * sizeof *b->out);
     b->n = b->parts = 0;
@@ -248,13 +248,16 @@ LANE_CODE void shade_subject(const ShadeJob *job, int number)
 
 /* ---- numbers --------------------------------------------------------------- */
 
+/* Nothing nearer is seen: than `near`, or, in a mirror, than the floor: `rise` above the eye, where rays rise by base + step x. */
+typedef struct Sill { float near, rise, base, step; } Sill;
+
 /* Casts rays from n pixels, from (x, y) on to the right, and numbers those for which the solid is the nearest so far. `base` and
  * `step`: the ray of x = 0 in this row, and what it gains from pixel to pixel. */
-LANE_CODE void number_pixels(const Solid *solid, SubjectForm form, const float base[3], const float step[3], int x, int n, float near,
+LANE_CODE void number_pixels(const Solid *solid, SubjectForm form, const float base[3], const float step[3], int x, int n, Sill sill,
                              uint32_t number, float *depth, uint32_t *raw)
 {
     for (int i = 0; i < n; i++) {
-        float at = (float)(x + i);
+        float at = (float)(x + i), near = sill.rise > 0 ? sill.rise / most(sill.step * at + sill.base, 1e-9f) : sill.near;
         Reach r = reach_form(solid, form, step[0] * at + base[0], step[1] * at + base[1], step[2] * at + base[2]);
         bool nearest = (r.miss <= 0) & (r.t > near) & (r.t < depth[i]);
         depth[i] = nearest ? r.t : depth[i];
@@ -266,22 +269,25 @@ LANE_CODE void number_pixels(const Solid *solid, SubjectForm form, const float b
 LANE_CODE void number_range(const ShadeJob *job, const Subject *s, SubjectForm form, uint32_t number)
 {
     const SubjectRange range = s->range;
+    const Subject *sky = &job->space->subjects[0];          /* its rays lie in the scene's axes */
+    Sill sill = {(float)job->eye->near, (float)job->eye->rise, 0, sky->ray[0][2]};
     const Solid solid = solid_of(s);
-    const float near = (float)job->near, step[3] = {s->ray[0][0], s->ray[0][1], s->ray[0][2]};
+    const float step[3] = {s->ray[0][0], s->ray[0][1], s->ray[0][2]};
     const int width = job->width;
     for (int y = int_max(range.y0, job->low); y < int_min(range.y1, job->high); y++) {
         float *depth = job->space->depth + (size_t)(y - job->low) * (size_t)width, base[3];
         uint32_t *raw = job->raw + (size_t)y * (size_t)width;
+        sill.base = sky->ray[1][2] * (float)y + sky->ray[2][2];
         for (int k = 0; k < 3; k++)
             base[k] = s->ray[1][k] * (float)y + s->ray[2][k];
         if (form == SUBJECT_PLANE && !(least(base[1], base[1] + step[1] * (float)width) < 0))
             continue;               /* above its horizon */
         if (width < LANE_STEP)
-            number_pixels(&solid, form, base, step, 0, width, near, number, depth, raw);
+            number_pixels(&solid, form, base, step, 0, width, sill, number, depth, raw);
         else
             for (int x = range.x0; x < range.x1; x += LANE_STEP) {
                 int from = int_min(x, width - LANE_STEP);
-                number_pixels(&solid, form, base, step, from, LANE_STEP, near, number, depth + from, raw + from);
+                number_pixels(&solid, form, base, step, from, LANE_STEP, sill, number, depth + from, raw + from);
             }
     }
 }
@@ -331,13 +337,13 @@ WIDE static void run_widely(const ShadeJob *job) { run_job(job); }
 
 static void run(const ShadeJob *job) { (has_wide() ? run_widely : run_plainly)(job); }
 
-dig_status shade_picture(ShadeSpace *space, const Frame *frame, const Batches *b, const Light *l, real near, uint32_t *raw, int width,
+dig_status shade_picture(ShadeSpace *space, const Frame *frame, const Batches *b, const Light *l, const ShadeEye *eye, uint32_t *raw, int width,
                          int height)
 {
-    if (!set_subjects(space, frame, b, near, width, height) || !index_items(space, b) || !fit_band(space, width))
+    if (!set_subjects(space, frame, b, eye->near, width, height) || !index_items(space, b) || !fit_band(space, width))
         return DIG_E_MEMORY;
     memset(space->ends, 0, (size_t)width + 8);
-    ShadeJob job = {space, frame, b, l, raw, width, height, 0, 0, near, false, near > 0};
+    ShadeJob job = {space, frame, b, l, raw, width, height, 0, 0, eye, false, eye->near > 0};
     for (job.low = 0; job.low < height; job.low = job.high) {
         job.high = int_min(height, job.low + BAND);
         job.numbers = job.known;

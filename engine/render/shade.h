@@ -26,10 +26,16 @@ typedef struct ShadeSpace {
               subject_capacity, end_capacity;
 } ShadeSpace;
 
+/* A picture of what the floor mirrors, bottom row first, that covers the same view; none = {0}. */
+typedef struct ShadeMirror { const uint32_t *pixels; int width, height; } ShadeMirror;
+
+/* From where and how rays are cast. near > 0: pixels are numbered here, by rays, which every item must allow (subject_can); nothing
+ * nearer than that (scene units) is seen. rise > 0: the eye is so far below the floor, and what is nearer than that is not seen. */
+typedef struct ShadeEye { real near, rise; ShadeMirror mirror; } ShadeEye;
+
 /* Gives the pixels of `raw`, RGBA with the bottom row first, whose alpha is SHADE_KEY or SKY_KEY their colours and keys.
- * near > 0: their numbers are found here, by casting rays, which every item must allow (subject_can); nothing nearer than that (scene
- * units) is seen. DIG_E_MEMORY leaves some as they are. */
-dig_status shade_picture(ShadeSpace *space, const Frame *frame, const Batches *b, const Light *l, real near, uint32_t *raw, int width,
+ * DIG_E_MEMORY leaves some as they are. */
+dig_status shade_picture(ShadeSpace *space, const Frame *frame, const Batches *b, const Light *l, const ShadeEye *eye, uint32_t *raw, int width,
                          int height);
 void       shade_close(ShadeSpace *space);
 

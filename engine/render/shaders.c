@@ -96,7 +96,7 @@ static const char surface_inputs[] =
     "flat in vec3 f_x, f_y, f_z, f_direct, f_sky;\n"
     "flat in float f_seed, f_key, f_clear;\n"
     "flat in vec2 f_grain;\n"
-    "uniform sampler2D sun_map, floor_map;\n"
+    "uniform sampler2D sun_map, floor_map, mirror_map;\n"
     "#if CLEAR\n"
     "layout(location = 0, index = 0) out vec4 pixel;\n"
     "layout(location = 0, index = 1) out vec4 key_factor;\n"
@@ -293,6 +293,11 @@ static const char surface_main[] =
     "    key_factor = vec4(0.95 - 0.3 * fract(key * 7.0));\n"
     "#else\n"
     "    pixel = vec4(shown(lit), key);\n"
+    "#endif\n"
+    "#if MIRROR\n"
+    "    float across = 1.0 - abs(dot(n, v)), across2 = across * across;\n"
+    "    vec3 f1 = mix(vec3(0.08), f_colour.rgb, f_look.w), share = (f1 + (1.0 - f1) * (across2 * across2 * across)) * f_look.y;\n"
+    "    pixel.rgb = mix(pixel.rgb, texture(mirror_map, gl_FragCoord.xy * screen.xy * 0.5).rgb, share);\n"
     "#endif\n"
     "}\n";
 

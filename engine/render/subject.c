@@ -110,6 +110,9 @@ void subject_set(Subject *s, const Frame *f, const DrawItem *d, int width, int h
         s->direct[i] = fmaxf(s->sun[1], 0) * f->sun_colour[i];
         s->sky[i] = f->ground[i] + (s->up[1] * 0.5f + 0.5f) * (f->zenith[i] - f->ground[i]);
     }
+    for (int i = 0; i < 3 && s->form == SUBJECT_PLANE; i++)
+        s->mirror[i] = 0.08f + s->look[3] * (s->colour[i] - 0.08f);
+    s->sheen = s->form == SUBJECT_PLANE ? s->look[1] : 0;
     for (int i = 0; i < s->lamps; i++) {
         turn_into(s->lamp[i], &a, f->lamp_at[i]);
         for (int axis = 0; axis < 3; axis++)

@@ -28,6 +28,7 @@ typedef struct Subject {
     float inverse[3];                   /* 1 / half                                                           */
     float to_sun[3][4], to_top[3][4];   /* place to texels of the sun map and depth; to 0..1 of the maps over the floor and height */
     float direct[3], sky[3];            /* planes: light of the open sun and of the open sky                  */
+    float mirror[3], sheen;             /* planes: what they mirror of what is straight above them; all of it times this */
     float lamp[FRAME_LAMPS][3];
     uint32_t key[SIDES];                /* of each side, in place                                             */
     SubjectRange range;                 /* set by whom casts rays at it                                       */

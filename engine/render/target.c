@@ -5,7 +5,7 @@
 
 static const GLenum colour_formats[TARGET_COUNT] = {
     [RENDER_COLOUR] = GL_RGBA8, [RENDER_DEPTH] = GL_R32F, [RENDER_ID] = GL_R32UI, [RENDER_NORMAL] = GL_RGBA8,
-    [TARGET_OVERLAY] = GL_RGBA8,
+    [TARGET_OVERLAY] = GL_RGBA8, [TARGET_MIRROR] = GL_RGBA8,
 };
 
 static void drop(Target *t, const Gl *gl)
@@ -33,24 +33,26 @@ static GLuint make_buffer(const Gl *gl, GLenum format, int width, int height, in
     return name;
 }
 
-static GLuint make_picture(const Gl *gl, int width, int height)
+static GLuint make_picture(const Gl *gl, int width, int height, GLint filter)
 {
     GLuint name = 0;
     gl->GenTextures(1, &name);
     gl->BindTexture(GL_TEXTURE_2D, name);
     gl->TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, NULL);
-    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
     gl->FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, name, 0);
     return name;
 }
 
-static void make(Target *t, const Gl *gl, GLenum format)
+static void make(Target *t, const Gl *gl, GLenum format, GLint filter)
 {
     gl->GenFramebuffers(1, &t->draw);
     gl->BindFramebuffer(GL_FRAMEBUFFER, t->draw);
     if (format == GL_RGBA8 && t->samples == 0)
-        t->picture = make_picture(gl, t->width, t->height);
+        t->picture = make_picture(gl, t->width, t->height, filter);
     else
         t->colour = make_buffer(gl, format, t->width, t->height, t->samples, GL_COLOR_ATTACHMENT0);
     t->depth = make_buffer(gl, GL_DEPTH_COMPONENT24, t->width, t->height, t->samples, GL_DEPTH_ATTACHMENT);
@@ -83,7 +85,7 @@ const Target *targets_get(Targets *targets, const Gl *gl, int index, int width, 
         return t;
     drop(t, gl);
     *t = (Target){.width = width, .height = height, .samples = samples};
-    make(t, gl, colour_formats[index]);
+    make(t, gl, colour_formats[index], index == TARGET_MIRROR ? GL_LINEAR : GL_NEAREST);
     if (complete(t, gl))
         return t;
     drop(t, gl);

@@ -9,7 +9,7 @@
 #include "render/gl.h"
 #include "render/render.h"
 
-enum { LAYER_COUNT = 4, TARGET_OVERLAY = LAYER_COUNT, TARGET_COUNT };        /* targets: the layers, and overlays apart */
+enum { LAYER_COUNT = 4, TARGET_OVERLAY = LAYER_COUNT, TARGET_MIRROR, TARGET_COUNT };     /* targets: the layers, overlays, what a floor mirrors */
 
 typedef struct Target {
     int    width, height, samples;
@@ -20,7 +20,7 @@ typedef struct Target {
 
 typedef struct Targets { Target entry[TARGET_COUNT]; } Targets;
 
-/* A target (RenderLayer or TARGET_OVERLAY) at that size, made anew when it changed. NULL and a sentence when the driver refuses. */
+/* A target (RenderLayer, TARGET_OVERLAY, TARGET_MIRROR) at that size, made anew when it changed. NULL and a sentence when the driver refuses. */
 const Target *targets_get(Targets *t, const Gl *gl, int index, int width, int height, int samples, char *why, size_t capacity);
 void          targets_close(Targets *t, const Gl *gl);
 

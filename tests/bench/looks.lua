@@ -19,7 +19,8 @@ local function place(i, n)      -- in rings above the floor
   return { ring * math.cos(turn), 0.35 + 0.24 * (i // n), ring * math.sin(turn) }
 end
 
-world:floor { material = "tile" }
+digbox.material("polished", { like = "tile", roughness = 0.05 })
+world:floor { material = "polished" }
 for i = 0, 59 do
   local a, b = 0.15 + 0.010 * (i % 5), 0.12 + 0.012 * (i % 7)
   local at, paint = place(i, 12), paints[(i // 6 + i) % 6 + 1]

@@ -137,6 +137,37 @@ TEST(rays_find_the_bodies_that_opengl_draws)
     }
 }
 
+/* A smooth floor mirrors what stands on it, straight below it and as high, whoever draws it; a dull one, and what lies below, does not. */
+TEST(a_smooth_floor_mirrors_what_stands_on_it)
+{
+    Scene s;
+    RenderOptions o = options();
+    scene_open(&s);
+    ViewItem *plane = add(&s, VIEW_PLANE, 0, 0, 0, 0, 0, 0), *ball = add(&s, VIEW_SPHERE, 0.4, 0, 0, 0, 1, 0);
+    plane->fixed = true;
+    ball->colour[0] = 0.9f;
+    ball->colour[1] = ball->colour[2] = 0.02f;
+    o.shadows = false;
+    o.camera = (RenderCamera){{0, 1.5, 6}, {0, 0, 0}, {0, 1, 0}, 0.8};
+    /* the ball's image is at (0, -1, 0): 1 m below what the camera looks at, seen from 1.5 m up and 6 m away */
+    double slope = atan2(1.5, 6), image = atan2(2.5, 6) - slope, y = HEIGHT / 2.0 * (1 + tan(image) / tan(0.4));
+    int red[4], beside[4];
+    for (int i = 0; i < 4; i++) {
+        plane->roughness = i == 3 ? 0.4f : 0.02f;
+        ball->p[1] = i == 2 ? -1 : 1;
+        o.samples = i == 1 ? 4 : 0;
+        const unsigned char *p = draw(&s, &o), *at = p + 3 * ((int)y * WIDTH + WIDTH / 2), *off = at + 3 * (WIDTH / 3);
+        red[i] = at[0] - at[1];
+        beside[i] = off[0] - off[1];
+    }
+    for (int i = 0; i < 2; i++)
+        if (!(red[i] > beside[i] + 8))
+            fail_msg("%s: red less green is %d in the image of the ball, %d beside it", i == 0 ? "by rays" : "by OpenGL", red[i], beside[i]);
+    CHECK(abs(red[0] - red[1]) < 3);
+    CHECK(abs(red[2] - beside[2]) < 3);
+    CHECK(abs(red[3] - beside[3]) < 3);
+}
+
 /* A box stands in a clear slab over a deep floor; seen from above, its shadow on the slab ends in a straight line. */
 TEST(a_shadow_on_what_is_seen_through_has_a_straight_rim)
 {
@@ -179,6 +210,7 @@ int main(void)
         unit_test(bodies_look_the_same_whoever_shades_them),
         unit_test(rays_find_the_bodies_that_opengl_draws),
         unit_test(a_shadow_on_what_is_seen_through_has_a_straight_rim),
+        unit_test(a_smooth_floor_mirrors_what_stands_on_it),
     };
     return cmocka_run_group_tests(tests, open_shared, close_shared);
 }
