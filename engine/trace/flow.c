@@ -182,16 +182,32 @@ void trace_keep(Tracer *t, int stage)
         keep_quad(t, t->quad[stage]);
 }
 
-bool trace_rate(Tracer *t, const State *y, real time, int stage)
+static void begin_rate(Tracer *t, const State *y, real time)
 {
     trace_load(t, y, time);
     t->g->evaluations++;
     trace_kinematics(t);
     trace_follow(t);
+}
+
+bool trace_rate(Tracer *t, const State *y, real time, int stage)
+{
+    begin_rate(t, y, time);
     bool inside = stage > 0 && stage < STAGES - 1;      /* of the step: nothing is looked for there */
     if (inside ? !trace_solve(t) : !trace_accelerate(t))
         return false;
     trace_keep(t, stage);
+    t->known = y;
+    return true;
+}
+
+/* At the end of a probe: most often by the forces of its start. */
+static bool probe_rate(Tracer *t, const State *y, real time)
+{
+    begin_rate(t, y, time);
+    if (!trace_again(t) && !trace_accelerate(t))
+        return false;
+    trace_keep(t, STAGES - 1);
     t->known = y;
     return true;
 }
@@ -328,7 +344,7 @@ real trace_try(Tracer *t, real h)
     }
     if (steady || (may && same_accelerations(t, h))) {
         parabola(t, h, t->y1);
-        if (!trace_rate(t, t->y1, t->t + h, STAGES - 1))
+        if (!probe_rate(t, t->y1, t->t + h))
             return INFINITY;
         if (same_accelerations(t, h)) {
             t->probed = true;

@@ -13,7 +13,7 @@
 #define TURNED     1e-10        /* a direction that moves less has settled          */
 #define DIRECTIONS 400          /* passes of the fixed point                        */
 
-static real acceleration_scale(const Tracer *t)
+real trace_acceleration_scale(const Tracer *t)
 {
     real most = t->g->fall + 1e-9 * t->size * t->pace * t->pace;
     for (int i = 0; i < t->g->moving_count; i++)
@@ -58,6 +58,17 @@ static real mobility_of(const Group *g, const Touching *c, bool roll)
     for (int k = 0; k < 2; k++)
         most = real_max(most, arm_term(g, c->a, c->k.at, e[k]) + arm_term(g, c->b, c->k.at, e[k]));
     return roll ? real_max(ii.r0.x, real_max(ii.r1.y, ii.r2.z)) : most;
+}
+
+/* What is so slow that it will be held in its direction is so from the first solve on. */
+static void lock_slow(Tracer *t, bool first)
+{
+    t->locks = false;
+    for (int i = 0; i < t->touch_count && first; i++) {
+        Touching *c = &t->touch[i];
+        c->slip.locked = trace_slow_slip(t, c, real_min(t->h_next, t->end));
+        t->locks = t->locks || c->slip.locked;
+    }
 }
 
 /* False: a motor without a bound is not at its speed. It gets there by a blow, which no force that is followed can be. */
@@ -344,15 +355,18 @@ static bool start_slips(Tracer *t, real acc_scale)
     return weaker;
 }
 
-bool trace_kinds(Tracer *t)
+bool trace_kinds(Tracer *t, bool first)
 {
     int n = t->touch_count + t->stop_count + t->hold_count, directions = 0;
     if (!start_kinds(t))
         return false;
     change_weights(t);          /* by the forces of before: most often they are those of now */
+    lock_slow(t, first);
+    if (first && trace_again(t))
+        return true;
     apply_hint(t);
     t->sys.redundant = false;
-    real acc_scale = acceleration_scale(t);
+    real acc_scale = trace_acceleration_scale(t);
     for (int pivots = 0; pivots < 20 + 6 * n && directions < DIRECTIONS;) {
         trace_align(t);
         if (!trace_accelerate(t))

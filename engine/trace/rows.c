@@ -265,7 +265,7 @@ static real row_acceleration(const Tracer *t, const Row *r)
     return a;
 }
 
-static void read_accelerations(Tracer *t)
+void trace_read_accelerations(Tracer *t)
 {
     for (int i = 0; i < t->touch_count; i++) {
         Touching *c = &t->touch[i];
@@ -289,7 +289,7 @@ static void read_accelerations(Tracer *t)
 }
 
 /* alpha = I^-1 (tau - w x L) */
-static vec3 spin_up(const Tracer *t, int i, vec3 torque)
+vec3 trace_spin_up(const Tracer *t, int i, vec3 torque)
 {
     const Group *g = t->g;
     if (!g->member[i].round && !g->planar)
@@ -321,7 +321,7 @@ bool trace_solve(Tracer *t)
     memcpy(t->torque, t->torque0, (size_t)g->moving_count * sizeof *t->torque);
     push_holds(t);
     for (int i = 0; i < g->moving_count; i++)
-        t->alpha[i] = spin_up(t, i, t->torque[i]);
+        t->alpha[i] = trace_spin_up(t, i, t->torque[i]);
     build_lines(t, true, false);
     if (t->fault)
         return false;
@@ -356,7 +356,7 @@ bool trace_accelerate(Tracer *t)
 {
     if (!trace_solve(t))
         return false;
-    read_accelerations(t);
+    trace_read_accelerations(t);
     return true;
 }
 

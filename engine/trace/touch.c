@@ -18,19 +18,22 @@ static const Touching *find_old(const Tracer *t, const GroupContact *c, int cont
     return NULL;
 }
 
-static void new_contact(const Tracer *t, Touching *c, const GroupPair *q, const PointMemory *memory)
+static void new_contact(const Tracer *t, Touching *c, const GroupPair *q, const GroupContact *from, const PointMemory *memory)
 {
     memset(&c->gate, 0, sizeof c->gate);
     memset(&c->slip, 0, sizeof c->slip);
     memset(&c->roll, 0, sizeof c->roll);
     c->slip.weight = c->roll.weight = 1;
     c->gate.force = memory->normal;
+    c->slip.force = memory->tangent;
     c->slip.axes = q->friction > 0 ? 2 : 0;
     c->slip.still = q->friction;
     c->slip.moving = q->friction_dynamic;
     real a = q->sa->rolling, b = q->sb->rolling, radius = a > 0 && b > 0 ? a * b / (a + b) : real_max(a, b);
     c->roll.axes = q->rolling > 0 && radius > 0 && !t->g->planar ? 3 : 0;
     c->roll.still = c->roll.moving = q->rolling * radius;
+    if (c->roll.axes && from->manifold.count == 1)
+        c->roll.force = from->rolling;
 }
 
 static bool any_moves(const Group *g, const GroupContact *c) { return g->member[c->a].moves || g->member[c->b].moves; }
@@ -42,11 +45,12 @@ static bool held_before(const Tracer *t, const GroupContact *c, int point, const
 }
 
 /* Is the feature of before, in its present place, what the manifold's point means? Edges across each other are looked at anew. */
-static bool still_fits(const Group *g, Touching *c, const ManifoldPoint *p, real size)
+static bool still_fits(const Tracer *t, Touching *c, const ManifoldPoint *p, real size)
 {
     if (c->feature.kind != POINT_PLANE && c->feature.kind != PLANE_POINT)
         return false;
-    feature_move(g, &c->feature, c->a, c->b, &c->k);
+    if (!t->known)              /* else it was moved there for the last evaluation */
+        feature_move(t->g, &c->feature, c->a, c->b, &c->k);
     return fabs(c->k.gap - p->gap) <= SAME_SPOT * size && vec3_distance(c->k.at, p->a) <= fabs(p->gap) + SAME_SPOT * size;
 }
 
@@ -86,7 +90,7 @@ static bool add_point(Tracer *t, int contact, int point, const Sides *sides, boo
     if (old)
         *n = *old;
     else
-        new_contact(t, n, q, &c->memory[point]);
+        new_contact(t, n, q, c, &c->memory[point]);
     n->contact = contact;
     n->point = point;
     n->a = c->a;
@@ -95,7 +99,7 @@ static bool add_point(Tracer *t, int contact, int point, const Sides *sides, boo
     if (id) {
         n->feature = rim;
         feature_move(g, &n->feature, n->a, n->b, &n->k);
-    } else if (!old || !still_fits(g, n, p, q->size)) {
+    } else if (!old || !still_fits(t, n, p, q->size)) {
         feature_find(q, sides, p, &n->feature);
         feature_move(g, &n->feature, n->a, n->b, &n->k);
     }

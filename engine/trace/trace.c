@@ -171,7 +171,7 @@ static bool settle(Tracer *t, bool first)
         return false;
     moved = false;
     g->evaluations++;
-    if (!trace_kinds(t) || !put_right(t, false, &moved) || (moved && !trace_accelerate(t)))
+    if (!trace_kinds(t, first) || !put_right(t, false, &moved) || (moved && !trace_accelerate(t)))
         return false;
     trace_keep(t, 0);
     t->dirty = false;
@@ -218,8 +218,7 @@ static bool aim_slips(Tracer *t)
     return trace_accelerate(t);
 }
 
-/* Friction alone would turn it, or bring it to its end, within the step. */
-static bool is_slow_slip(const Tracer *t, const Touching *c, real h)
+bool trace_slow_slip(const Tracer *t, const Touching *c, real h)
 {
     if (!c->gate.presses || !c->slip.axes || c->slip.grip != GRIP_SLIP)
         return false;
@@ -230,7 +229,7 @@ static bool is_slow_slip(const Tracer *t, const Touching *c, real h)
 static bool any_slow_slip(const Tracer *t, real h)
 {
     for (int i = 0; i < t->touch_count; i++)
-        if (is_slow_slip(t, &t->touch[i], h))
+        if (trace_slow_slip(t, &t->touch[i], h))
             return true;
     return false;
 }
@@ -243,17 +242,18 @@ static bool hold_slow_slips(Tracer *t, real h, bool aim)
         Touching *c = &t->touch[i];
         if (!c->gate.presses || !c->slip.axes || c->slip.grip != GRIP_SLIP)
             continue;
-        bool slow = is_slow_slip(t, c, h);
+        bool slow = trace_slow_slip(t, c, h);
         real speed = vec3_length(c->slip.u);
         if (slow && !c->slip.locked && speed > 0)
             c->slip.d = vec3_scale(1 / speed, c->slip.u);
         changed = changed || slow != c->slip.locked || (aim && slow);
         c->slip.locked = slow;
     }
-    if (!changed)
+    if (!changed && !t->locks)
         return true;
+    t->locks = false;
     trace_align(t);
-    if (!trace_accelerate(t))
+    if (changed && !trace_accelerate(t))
         return false;
     if (aim && !aim_slips(t))
         return false;
@@ -268,7 +268,8 @@ static bool hold_slow_slips(Tracer *t, real h, bool aim)
     }
     if (released && !trace_accelerate(t))
         return false;
-    trace_keep(t, 0);
+    if (changed || released)
+        trace_keep(t, 0);
     return true;
 }
 

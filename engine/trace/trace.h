@@ -192,6 +192,7 @@ typedef struct Tracer {
     bool   probed;              /* the present step has constant accelerations */
     int    probe_wait, probe_fails;
     bool   dirty;               /* kinds must be found anew                */
+    bool   locks;               /* they were found with slips held in their direction: see hold_slow_slips */
     Event  hint;
     const char *fault;          /* why it cannot go on                     */
     real     given;             /* J  by movers and motors in the last projection of velocities */
@@ -230,6 +231,8 @@ static inline void trace_line_push(const Tracer *t, Line *l, int body, const Arr
 }
 bool trace_solve(Tracer *t);                    /* forces for the present kinds, and what they do to the bodies */
 bool trace_accelerate(Tracer *t);               /* the same, and the accelerations of contacts, stops and holds */
+void trace_read_accelerations(Tracer *t);       /* these alone, from those of the bodies */
+vec3 trace_spin_up(const Tracer *t, int body, vec3 torque);     /* rad/s^2 */
 bool trace_project(Tracer *t, bool positions);  /* puts what drifted back on its constraints; false = fault */
 typedef struct Violation { real joints, gates; } Violation;
 Violation trace_violation(const Tracer *t);     /* m  worst of errors and gaps and (over pace) rates that should be zero */
@@ -238,8 +241,12 @@ real trace_row_rate(const Tracer *t, const Row *r);
 /* patch.c: rows of one contact, from its first touching point on */
 void trace_patch(Tracer *t, int first, bool forces, bool positions);
 /* kinds.c */
-bool trace_kinds(Tracer *t);                    /* who presses, sticks, slides */
+bool trace_kinds(Tracer *t, bool first);        /* who presses, sticks, slides; first: in this frame */
+real trace_acceleration_scale(const Tracer *t); /* m/s^2 */
+bool trace_slow_slip(const Tracer *t, const Touching *c, real h);       /* friction alone would turn it, or end it, within h */
 void trace_align(Tracer *t);                    /* slip directions of one patch */
+/* again.c */
+bool trace_again(Tracer *t);                    /* the forces that contacts have are right now, too; and accelerations are by them */
 /* flow.c */
 extern const real dormand_prince[STAGES][STAGES - 1];       /* its last row: the weights of the fifth order */
 void trace_keep_angles(Tracer *t);                      /* here a step begins */

@@ -1,0 +1,81 @@
+/* trace/again.c - do the forces of before still hold?
+ *
+ * What rests, slides or rolls on needs the same forces in frame after frame, and at both ends of each. To see that they solve the
+ * equations of now costs a small part of solving these. They are taken only when they do so to rounding, better than a solve is asked to.
+ */
+#include "trace/trace.h"
+
+#define ROUNDING 1e-14          /* of the largest acceleration or force */
+
+static void push(Tracer *t, int body, vec3 at, vec3 force, vec3 couple)
+{
+    const Group *g = t->g;
+    if (!trace_moves(t, body))
+        return;
+    t->acc[body] = vec3_mad(t->acc[body], g->mass[body].im, force);
+    t->torque[body] = vec3_add(t->torque[body], vec3_add(couple, vec3_cross(vec3_sub(at, g->pos[body].x), force)));
+}
+
+/* False: something that touches has none. */
+static bool put_forces(Tracer *t)
+{
+    t->gate_most = 0;
+    for (int i = 0; i < t->touch_count; i++) {
+        Touching *c = &t->touch[i];
+        if (!c->gate.closed) {
+            c->slip.force = c->roll.force = vec3_zero();
+            continue;
+        }
+        if (!c->gate.presses || !(c->gate.force > 0))
+            return false;
+        vec3 force = vec3_mad(c->slip.force, c->gate.force, c->k.n);
+        push(t, c->a, c->k.at, vec3_neg(force), vec3_neg(c->roll.force));
+        push(t, c->b, c->k.at, force, c->roll.force);
+        t->gate_most = real_max(t->gate_most, c->gate.force);
+    }
+    return t->gate_most > 0;
+}
+
+/* unit: m a unit of the cone's motion. Is its force the one that its grip has, and its acceleration the one it leaves? */
+static bool cone_holds(const Tracer *t, Cone *c, vec3 n, real normal, real acc_zero, real unit)
+{
+    real force_zero = ROUNDING * t->gate_most * unit;
+    c->lateral = 0;
+    if (!c->axes)
+        return vec3_length(c->force) <= force_zero;
+    if (c->grip == GRIP_STICK)
+        return vec3_length(c->force) <= cone_hold(c, normal) && vec3_length(c->acc) * unit <= acc_zero;
+    if (c->grip != GRIP_SLIP || vec3_length(c->u) * unit <= t->slip_zero)
+        return false;
+    vec3 off = vec3_mad(c->force, cone_bound(c) * normal, c->d);
+    if (c->locked) {
+        vec3 across = vec3_cross(n, c->d);
+        c->lateral = vec3_dot(off, across);
+        off = vec3_mad(off, -c->lateral, across);
+        if (fabs(vec3_dot(c->acc, across)) * unit > acc_zero)
+            return false;
+    }
+    return vec3_length(off) <= force_zero;
+}
+
+bool trace_again(Tracer *t)
+{
+    const Group *g = t->g;
+    if (g->joint_count > 0 || g->planar)
+        return false;
+    memcpy(t->acc, t->acc0, (size_t)g->moving_count * sizeof *t->acc);
+    memcpy(t->torque, t->torque0, (size_t)g->moving_count * sizeof *t->torque);
+    if (!put_forces(t))
+        return false;
+    for (int i = 0; i < g->moving_count; i++)
+        t->alpha[i] = trace_spin_up(t, i, t->torque[i]);
+    trace_read_accelerations(t);
+    real acc_zero = ROUNDING * trace_acceleration_scale(t);
+    for (int i = 0; i < t->touch_count; i++) {
+        Touching *c = &t->touch[i];
+        if (c->gate.closed && !(fabs(c->gate.acc) <= acc_zero && cone_holds(t, &c->slip, c->k.n, c->gate.force, acc_zero, 1) &&
+                                cone_holds(t, &c->roll, c->k.n, c->gate.force, acc_zero, t->size)))
+            return false;
+    }
+    return true;
+}
