@@ -13,7 +13,8 @@
 #define BLOCK_BYTES  (1024u * 1024u)    /* a block is full with so many bytes before packing */
 #define BLOCK_FRAMES 256u               /* or so many frames                                 */
 #define LEVEL        1                  /* of deflate: higher ones gain a few per cent of doubles */
-#define SAMPLE       (32u * 1024u)      /* bytes that are packed to see whether packing is worth its time */
+#define PIECES       8u                 /* so many pieces, ...                                            */
+#define PIECE        2048u              /* ... each of so many bytes, are packed to see whether packing is worth its time */
 
 static const char part_tags[PARTS][5] = {"MESH", "BODY", "NOTE", "CMDS", "FRAM"};
 
@@ -44,7 +45,7 @@ dig_status writer_bytes(Writer *f, const void *data, size_t size)
     return f->failed;
 }
 
-static size_t deflate(Writer *f, const unsigned char *from, size_t size, size_t most)
+static size_t pack_some(Writer *f, const unsigned char *from, size_t size, size_t most)
 {
     if (f->room < size) {
         free(f->packed);
@@ -54,16 +55,22 @@ static size_t deflate(Writer *f, const unsigned char *from, size_t size, size_t 
     return f->packed ? libdeflate_deflate_compress(f->compressor, from, size, f->packed, most) : 0;
 }
 
-/* Bytes in f->packed, or 0: it stays as it is. Deflate takes 40 instructions a byte, ten times what it cost to make these bytes; what
- * moves freely loses a fifth by it and is left. A piece in the middle says what is to be had; a block begins with all rows, which are
- * not like the rest. */
+/* Deflate takes 40 instructions a byte, ten times what it cost to make these bytes; what moves freely loses a fifth by it and is left.
+ * Tables follow each other in a frame and pack very differently, so pieces from all of the block say what is to be had. */
+static bool worth_packing(Writer *f, const Pack *body)
+{
+    unsigned char some[PIECES * PIECE];
+    if (body->size < 4 * sizeof some)
+        return true;
+    for (size_t i = 0; i < PIECES; i++)
+        memcpy(some + i * PIECE, body->data + (2 * i + 1) * (body->size / (2 * PIECES)), PIECE);
+    return pack_some(f, some, sizeof some, sizeof some - sizeof some / 4) > 0;
+}
+
+/* Bytes in f->packed, or 0: it stays as it is. */
 static size_t pack_body(Writer *f, const Pack *body)
 {
-    if (body->size <= 64)
-        return 0;
-    if (body->size >= 4 * SAMPLE && deflate(f, body->data + body->size / 2, SAMPLE, SAMPLE - SAMPLE / 3) == 0)
-        return 0;
-    return deflate(f, body->data, body->size, body->size);
+    return body->size > 64 && worth_packing(f, body) ? pack_some(f, body->data, body->size, body->size) : 0;
 }
 
 dig_status writer_section(Writer *f, const char *tag, uint32_t first, uint32_t count, const Pack *body)

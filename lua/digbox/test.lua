@@ -383,6 +383,10 @@ function Scenario.golden(s, name, fields)
   count_check()
   local why = compare_golden(golden, picture, f.layer)
   if why then fail("golden '%s': %s\n  golden:  %s\n  now:     %s", name, why, golden, picture) end
+  local drawn = core.png_text(golden, "Renderer")
+  if drawn ~= core.renderer() then
+    s.notes[#s.notes + 1] = ("golden '%s' holds, but only nearly: it was drawn by %s"):format(name, drawn or "an unknown renderer")
+  end
 end
 
 -- ---- perturbation ----

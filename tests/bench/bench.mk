@@ -48,7 +48,7 @@ bench-run: $(bench_dir)/looks.run all
 else ifeq ($(SCENE),page)
 bench-run: all
 	@mkdir -p $(bench_dir)/page
-	@$(program) run -q tests/bench/page.lua -o $(bench_dir)/page --force --replay $(bench_dir)/page/tumble.replay
+	@$(program) run -q tests/bench/tumble.lua --set seconds=10 -o $(bench_dir)/page --force --replay $(bench_dir)/page/tumble.replay
 	@$(program) view $(bench_dir)/page/tumble.replay -o $(bench_dir)/page/tumble.html
 	@CHROMIUM=$(or $(shell command -v chromium),chromium) NODE_MODULES=build/viewer/node_modules \
 	    node tests/view/open.mjs $(bench_dir)/page/tumble.html $(or $(REPEATS),5)

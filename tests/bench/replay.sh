@@ -13,7 +13,7 @@ count() {
     name=$1 boxes=$2 seconds=$3
     shift 3
     rm -f "$folder/$name".*
-    valgrind -q --tool=callgrind --separate-threads=yes --callgrind-out-file="$folder/$name.%p" "$program" run --trust -q tests/bench/replay.lua \
+    valgrind -q --tool=callgrind --separate-threads=yes --callgrind-out-file="$folder/$name.%p" "$program" run --trust -q tests/bench/tumble.lua \
         -o "$folder" --force --set "n=$boxes" --set "seconds=$seconds" "$@" >"$folder/$name.log" 2>&1
     awk '/^summary:/ { sum += $2 } END { printf "%d\n", sum / 1000 }' "$folder/$name".*-*
 }
