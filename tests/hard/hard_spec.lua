@@ -46,7 +46,7 @@ end
 -- Seeds whose failure is known: see docs/stability.md
 local known = {}
 
--- and those in which free pairs on joints lost angular momentum; the last three only in time: a damped spring, a slider that runs far out, a blow
+-- and those in which free pairs lost angular momentum, the last three only in time: a damped spring, a slider far out, a blow
 local others = { 22, 26, 53, 64, 73, 197 }
 local long = { [64] = 10, [73] = 20, [197] = 20 }
 
