@@ -234,17 +234,20 @@ static void mark_constrained(Group *g)
 }
 
 /* Bodies that move with their new velocities lose energy together; a few of them, whose neighbours move with the mean, may gain it: then
- * all do that something holds. */
+ * all do that something holds. Joints that hold for the mean would be broken by it. */
 static void move_alike(Group *g)
 {
     real lost = 0;
+    if (g->row_count > 0)
+        return;
     for (int i = 0; i < g->moving_count; i++) {
         const Member *m = &g->member[i];
         if (m->moves && m->implicit_move && !moves_by_euler(m))
             lost += vec3_dot(m->force, vec3_sub(g->vel[i].v, m->start_vel.v)) + vec3_dot(m->torque, vec3_sub(g->vel[i].w, m->start_vel.w));
     }
     for (int i = 0; i < g->moving_count && lost < 0; i++)
-        g->member[i].implicit_move = g->member[i].implicit_move || g->member[i].constrained;
+        if (g->member[i].constrained)
+            g->member[i].implicit_move = g->member[i].met = true;
 }
 
 /* m/s: a small group whose velocities are worse than this gets more sweeps than its plan gives. */

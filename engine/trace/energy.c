@@ -47,11 +47,11 @@ static void find_mechanisms(Tracer *t)
     }
 }
 
-/* Is all that acts a joint, or the same force wherever bodies go? */
+/* Is all that acts a joint, a contact, or the same force wherever bodies go? */
 static bool keeps_turning(const Tracer *t)
 {
     const Group *g = t->g;
-    if (g->joint_count == 0 || !t->even || g->own || g->drags || g->rules || g->planar || t->hold_count > 0)
+    if (g->joint_count + g->contact_count == 0 || !t->even || g->own || g->drags || g->rules || g->planar)
         return false;
     for (int i = g->moving_count; i < g->body_count; i++)
         if (g->member[i].kinematic && (vec3_length2(g->vel[i].v) > 0 || vec3_length2(g->vel[i].w) > 0))
@@ -66,6 +66,8 @@ static bool keeps_turning(const Tracer *t)
 static bool conserves(const Tracer *t)
 {
     const Group *g = t->g;
+    if (g->joint_count == 0 || g->stores || t->hold_count > 0)
+        return false;
     for (int j = 0; j < g->joint_count; j++)
         for (int k = 0; k < t->row_count[j]; k++) {
             const Row *r = &t->rows[j * JOINT_SLOTS + k];
@@ -91,7 +93,7 @@ static void add_springs(const Tracer *t, real sign, real *sum)
 void trace_mark_energy(Tracer *t)
 {
     t->turns = keeps_turning(t);
-    t->conserves = t->turns && !t->g->stores && conserves(t);
+    t->conserves = t->turns && conserves(t);
     if (!t->turns)
         return;
     find_mechanisms(t);
@@ -248,12 +250,35 @@ static void hold_mechanism(Tracer *t, int root)
     }
 }
 
+/* What pressed on each other in the frame has one angular momentum. */
+static void join_touching(Tracer *t)
+{
+    const Group *g = t->g;
+    for (int i = 0; i < g->contact_count; i++) {
+        int a = g->contacts[i].a, b = g->contacts[i].b;
+        bool one = trace_moves(t, a), other = trace_moves(t, b);
+        if (vec3_is_zero(g->contacts[i].impulse) || !(one || other))
+            continue;
+        if (one && other)
+            forest_unite(t->root, a, b);
+        else
+            t->held[forest_root(t->root, one ? a : b)] = true;
+    }
+    for (int i = 0; i < g->moving_count; i++) {
+        int root = forest_root(t->root, i);
+        t->held[root] = t->held[root] || t->held[i];
+        t->gain[root] += root == i ? 0 : t->gain[i];
+        t->root[i] = root;
+    }
+}
+
 /* At the end of the frame. Whatever else gave or took energy in it is in the books. */
 void trace_hold_energy(Tracer *t)
 {
     Group *g = t->g;
-    if (!t->turns || (g->located > 0 && g->contact_count > 0))
+    if (!t->turns)
         return;
+    join_touching(t);
     for (int i = 0; i < g->joint_count; i++)
         group_joint_view(g, i);
     add_springs(t, 1, t->gain);
