@@ -163,11 +163,11 @@ static int compile(lua_State *L, const char *text)
     return status;
 }
 
-/* Reads lines until they make a whole; pushes the function. False at the end of the input. */
+/* Reads lines until they make a whole; pushes the function. False at the end of the input, or when told to end. */
 static bool read_chunk(Reader *r, lua_State *L)
 {
     const char *line = read_one(r, "> ");
-    if (!line)
+    if (!line || strcmp(line, "exit") == 0 || strcmp(line, "quit") == 0)
         return false;
     lua_pushstring(L, line);
     for (;;) {

@@ -191,13 +191,15 @@ function core.types.body.methods.remove(body)
     gone[body] = true
   elseif not delivering.removed_twice and not core.options.quiet then
     delivering.removed_twice = true
-    core.tell(("digbox: %s%s was removed already, by an earlier handler of this step\n"):format(core.where(), (tostring(body):gsub("^removed ", ""))))
+    local name = tostring(body):gsub("^removed ", "")
+    core.tell(("digbox: %s%s was removed already, by an earlier handler of this step\n"):format(core.where(), name))
   end
 end
 
 local function who(e)
   local a, b = e.a or e.from, e.b or e.to
-  return a and (" of %s%s"):format(tostring(a), b and " and " .. tostring(b) or e.wall and " and wall " .. e.wall or "") or ""
+  local other = b and " and " .. tostring(b) or e.wall and " and wall " .. e.wall or ""
+  return a and " of " .. tostring(a) .. other or ""
 end
 
 local function call(state, sub, e)
