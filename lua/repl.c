@@ -307,5 +307,6 @@ const Command repl_command = {
         "      --require-jail      only behind the walls of `digbox run` (docs/security.md)\n"
         "      --verbose           say which of them hold\n"
         "      --trust             the script may use io and os, and write anywhere\n",
+    .notes = "\nexit, quit or Ctrl-D end it; help \"world:ball\" says what a function takes.\n",
     .run = command_repl,
 };
