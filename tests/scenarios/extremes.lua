@@ -1,4 +1,4 @@
--- extremes.lua: bodies where none can be, and ratios, spins and heights beyond all use (A11, A12): numbers stay finite, and nothing explodes.
+-- extremes.lua: bodies where none can be; ratios, spins and heights beyond all use (A11, A12). Numbers stay finite, nothing explodes.
 local test = require "digbox.test"
 local scenario, expect = test.scenario, test.expect
 
