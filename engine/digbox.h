@@ -769,7 +769,7 @@ typedef void dig_tap_fn(void *context, const void *bytes, size_t size);
  * somebody listens already, or the world is stepping. */
 dig_status dig_world_tap(dig_world *w, dig_tap_fn *fn, void *context);
 /* Carries out the first of some commands; *consumed (may be NULL) gets its length. With a sentence in dig_error, DIG_E_FORMAT: it
- * is no command of this build; DIG_E_KIND: it did not return what it did when it was logged. */
+ * is no command of this build; DIG_E_KIND: it did not return what it did when it was logged; DIG_E_MEMORY. */
 dig_status dig_command_play(dig_world *w, const void *bytes, size_t size, size_t *consumed);
 /* Index of the first of some commands into the list below, -1: it is none. Length as above. */
 int         dig_command_look(const void *bytes, size_t size, size_t *consumed);

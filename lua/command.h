@@ -9,6 +9,8 @@
 
 #include <lua.h>
 
+#include "digbox.h"
+
 typedef struct RunOptions {
     const char *world, *out, *accuracy, *trace, *replay;
     double      seconds, time_limit;        /* < 0 = not given */
@@ -58,6 +60,9 @@ bool read_whole_option(const char *name, const char *text, long long low, long l
 /* Films in a folder, or the one of a manifest, against what was written (verify_film.c). Returns an exit code. */
 bool verify_is_film(const char *path);
 int  verify_film(const char *path);
+
+/* What it means for the program that a file could not be read so. */
+int exit_code_of_reading(dig_status status);
 
 /* One message: at most 4,000 bytes. */
 void say_error(const char *text);

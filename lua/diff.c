@@ -33,11 +33,10 @@ static const char *body_text(const Replay *r, int index, char *out, size_t capac
     return out;
 }
 
-/* Exit codes belong to kinds of failure. */
-static int bad_file(const Replay *r)
+static int bad_file(const Replay *r, dig_status status)
 {
     say_error(replay_error(r));
-    return EXIT_FORMAT;
+    return exit_code_of_reading(status);
 }
 
 /* ---- what there is ---- */
@@ -139,9 +138,11 @@ static int compare(const Diff *d)
     int common = frames[0] < frames[1] ? frames[0] : frames[1], code = compare_starts(d);
     for (int i = 0; i < common && code == EXIT_FINE; i++) {
         const ReplayFrame *f[2];
-        for (int k = 0; k < 2; k++)
-            if (replay_frame(d->r[k], i, &f[k]) != DIG_OK)
-                return bad_file(d->r[k]);
+        for (int k = 0; k < 2; k++) {
+            dig_status status = replay_frame(d->r[k], i, &f[k]);
+            if (status != DIG_OK)
+                return bad_file(d->r[k], status);
+        }
         code = compare_frames(d, f[0], f[1]);
     }
     if (code == EXIT_FINE && frames[0] != frames[1])
@@ -162,9 +163,9 @@ static int compare_files(Diff *d)
     char why[1400] = "";
     int code = EXIT_FINE;
     for (int k = 0; k < 2 && code == EXIT_FINE; k++) {
-        if (replay_open(d->path[k], &d->r[k], why, sizeof why) != DIG_OK) {
+        code = exit_code_of_reading(replay_open(d->path[k], &d->r[k], why, sizeof why));
+        if (code != EXIT_FINE) {
             say_error(why);
-            code = EXIT_FORMAT;
         } else if (replay_info(d->r[k])->cut && !d->quiet) {
             fprintf(stderr, "digbox: %s ends early: its first %d frames are compared\n", d->path[k], replay_info(d->r[k])->frames);
         }

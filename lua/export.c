@@ -65,7 +65,7 @@ static int export_open_replay(Replay *r, const Wish *w, const ExportFormat *form
     dig_status status = export_write(r, format, &options, w->out, why, sizeof why);
     if (status != DIG_OK) {
         say_error(why);
-        return status == DIG_E_FILE ? EXIT_OUTPUT : status == DIG_E_MEMORY ? EXIT_MEMORY : EXIT_FORMAT;
+        return status == DIG_E_FILE ? EXIT_OUTPUT : exit_code_of_reading(status);
     }
     struct stat info;
     if (!w->quiet && stat(w->out, &info) == 0)
@@ -80,9 +80,10 @@ static int export_replay(const Wish *w)
     char why[512];
     if (!format)
         return unknown_format(w->out);
-    if (replay_open(w->replay, &r, why, sizeof why) != DIG_OK) {
+    dig_status status = replay_open(w->replay, &r, why, sizeof why);
+    if (status != DIG_OK) {
         say_error(why);
-        return EXIT_FORMAT;
+        return exit_code_of_reading(status);
     }
     int code = export_open_replay(r, w, format);
     replay_close(r);

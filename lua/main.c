@@ -197,7 +197,7 @@ int main(int argc, char **argv)
     keep_standard_numbers();
     const char *word = argc > 1 ? argv[1] : "";
     if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0 || strcmp(word, "help") == 0)
-        return print_help(argc > 2 ? argv[2] : NULL);
+        return argc > 2 && !find_command(argv[2]) ? unknown_command(argv[2]) : print_help(argc > 2 ? argv[2] : NULL);
     if (strcmp(word, "--version") == 0 || strcmp(word, "-V") == 0) {
         printf("digbox %s\n", DIGBOX_VERSION);
         return flush_output(EXIT_FINE);

@@ -163,11 +163,11 @@ static int compile(lua_State *L, const char *text)
     return status;
 }
 
-/* Reads lines until they make a whole; pushes the function. False at the end of the input. */
+/* Reads lines until they make a whole; pushes the function. False at the end of the input, or when told to end. */
 static bool read_chunk(Reader *r, lua_State *L)
 {
     const char *line = read_one(r, "> ");
-    if (!line)
+    if (!line || strcmp(line, "exit") == 0 || strcmp(line, "quit") == 0)
         return false;
     lua_pushstring(L, line);
     for (;;) {
@@ -307,5 +307,6 @@ const Command repl_command = {
         "      --require-jail      only behind the walls of `digbox run` (docs/security.md)\n"
         "      --verbose           say which of them hold\n"
         "      --trust             the script may use io and os, and write anywhere\n",
+    .notes = "\nexit, quit or Ctrl-D end it; help \"world:ball\" says what a function takes.\n",
     .run = command_repl,
 };

@@ -232,8 +232,10 @@ static int command_run(int argc, char **argv)
     int key, code = EXIT_USAGE;
     argc = cut_arguments(argc, argv, &o);
     o.set = calloc((size_t)argc + 1, sizeof *o.set);
-    if (!o.set)
+    if (!o.set) {
+        say_error("no memory");
         return EXIT_MEMORY;
+    }
     argv[argc] = NULL;
     while ((key = next_option("run", argc, argv, "o:qh", run_options)) != -1) {
         if (key == 'h') {

@@ -13,6 +13,11 @@
 #include "command.h"
 #include "state.h"
 
+int exit_code_of_reading(dig_status status)
+{
+    return status == DIG_OK ? EXIT_FINE : status == DIG_E_MEMORY ? EXIT_MEMORY : EXIT_FORMAT;
+}
+
 void say_text(FILE *f, const char *text, size_t size, const char *kept)
 {
     size_t written = 0;

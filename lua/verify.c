@@ -16,7 +16,7 @@ static int fail(const char *path, const char *why, dig_status s)
     char text[700];
     snprintf(text, sizeof text, "%s%s%s", strncmp(why, path, strlen(path)) == 0 ? "" : path, strncmp(why, path, strlen(path)) == 0 ? "" : ": ", why);
     say_error(text);
-    return s == DIG_E_MEMORY ? EXIT_MEMORY : EXIT_FORMAT;
+    return exit_code_of_reading(s);
 }
 
 static int report(const char *path, const Replay *r, const Rerun *o)

@@ -93,7 +93,7 @@ static int check_manifest(const char *path)
     close(handle);
     if (s != DIG_OK) {
         say_error(why);
-        return s == DIG_E_MEMORY ? EXIT_MEMORY : EXIT_FORMAT;
+        return exit_code_of_reading(s);
     }
     int code = check_frames(path, &m);
     manifest_close(&m);

@@ -55,7 +55,7 @@ static int write_page(Replay *r, const ViewWish *w, ExportShell *shell)
     dig_status status = export_write(r, &export_html, &options, w->out, why, sizeof why);
     if (status != DIG_OK) {
         say_error(why);
-        return status == DIG_E_FILE ? EXIT_OUTPUT : status == DIG_E_MEMORY ? EXIT_MEMORY : EXIT_FORMAT;
+        return status == DIG_E_FILE ? EXIT_OUTPUT : exit_code_of_reading(status);
     }
     struct stat info;
     if (!w->quiet && stat(w->out, &info) == 0)
@@ -74,9 +74,10 @@ static int view_replay(const ViewWish *w)
     }
     name_title(w->replay, title, sizeof title);
     shell.title = w->title ? w->title : title;
-    if (replay_open(w->replay, &r, why, sizeof why) != DIG_OK) {
+    dig_status status = replay_open(w->replay, &r, why, sizeof why);
+    if (status != DIG_OK) {
         say_error(why);
-        return EXIT_FORMAT;
+        return exit_code_of_reading(status);
     }
     int code = write_page(r, w, &shell);
     replay_close(r);

@@ -231,12 +231,14 @@ static dig_status play(World *w, const Head *h, Pack *p)
     if (s != (dig_status)h->status) {
         char why[sizeof w->error];      /* not from the buffer that it goes to */
         memcpy(why, w->error, sizeof why);
+        if (s == DIG_E_MEMORY)
+            return s;                   /* that says nothing about the log */
         return world_fail(w, DIG_E_KIND, "command '%s' returned '%s', and '%s' when it was logged%s%s", c->name, dig_status_name(s),
                           dig_status_name((dig_status)h->status), s ? ": " : "", s ? why : "");
     }
     command_results(&coder, c->arguments, a);
     pack_end(p);
-    return pack_good(p) ? DIG_OK : world_fail(w, DIG_E_KIND, "command '%s': %s", c->name, p->why);
+    return pack_good(p) ? DIG_OK : world_fail(w, p->no_memory ? DIG_E_MEMORY : DIG_E_KIND, "command '%s': %s", c->name, p->why);
 }
 
 dig_status dig_command_play(dig_world *w, const void *bytes, size_t size, size_t *consumed)

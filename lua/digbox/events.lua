@@ -179,6 +179,29 @@ local function drop_stale(book)
   end
 end
 
+local delivering                 -- the Lua side of the world whose events are being delivered
+
+-- Two handlers of one step may both remove a body that was hit twice: the second has nothing to do any more, and is no mistake.
+local remove = core.types.body.methods.remove
+function core.types.body.methods.remove(body)
+  local gone = delivering and delivering.gone
+  if not gone then return remove(body) end
+  if not gone[body] or body.valid then
+    remove(body)
+    gone[body] = true
+  elseif not delivering.removed_twice and not core.options.quiet then
+    delivering.removed_twice = true
+    local name = tostring(body):gsub("^removed ", "")
+    core.tell(("digbox: %s%s was removed already, by an earlier handler of this step\n"):format(core.where(), name))
+  end
+end
+
+local function who(e)
+  local a, b = e.a or e.from, e.b or e.to
+  local other = b and " and " .. tostring(b) or e.wall and " and wall " .. e.wall or ""
+  return a and " of " .. tostring(a) .. other or ""
+end
+
 local function call(state, sub, e)
   state.in_handler = sub.kind
   local ok, message = core.call(sub.fn, copy_for(e, sub.body))
@@ -189,8 +212,10 @@ local function call(state, sub, e)
   end
   core.answering(sub.world)
   if type(message) == "string" then
-    message = ("%s (in a handler of '%s' at t = %.6g s)"):format(message, sub.kind, e.time)
+    local steps = core.is_open(sub.world) and (", step %d"):format(sub.world.steps) or ""
+    message = ("%s (in a handler of '%s' at t = %.6g s%s%s)"):format(message, sub.kind, e.time, steps, who(e))
   end
+  delivering = nil
   error(message, 0)
 end
 
@@ -224,7 +249,8 @@ end
 function core.deliver(world, state)
   local mask = state.mask | (state.log_mask or 0)
   if mask == 0 then return end
-  local events = core.events(world, mask)
+  local events, outer = core.events(world, mask), delivering
+  delivering, state.gone = state, {}
   while #events > 0 do
     if state.log_mask then remember(state, events) end
     for _, e in ipairs(events) do
@@ -233,6 +259,7 @@ function core.deliver(world, state)
     end
     events = mask >> kinds.message & 1 == 1 and core.events(world, mask, core.take_messages(world)) or {}
   end
+  delivering, state.gone = outer, nil
 end
 
 -- The Lua side of a world, made on first use.

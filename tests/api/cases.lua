@@ -163,4 +163,35 @@ do
   end
 end
 
+-- ---- H11: callbacks that are none, and very many ----
+
+do
+  local world = digbox.world {}
+  world:floor {}
+  local ball = world:ball { name = "ball", radius = 0.1, at = { 0, 0.1, 0 } }
+  local callable = setmetatable({}, { __call = function() end })
+  for _, bad in ipairs { false, 5, "x", callable, ball, world } do
+    for what, call in next, {
+      ["world:on"] = function() world:on("impact", bad) end, ["body:on"] = function() ball:on("impact", {}, bad) end,
+      ["world:spawn"] = function() world:spawn(bad) end,
+      ["world:add_effect"] = function() world:add_effect { name = "bad", step = bad } end,
+      ["world:region"] = function() world:region { sphere = { radius = 1 }, laws = { force = bad } } end,
+      ["world:run"] = function() world:run { seconds = 1, stop_when = bad } end } do
+      local ok, message = pcall(call)
+      check(not ok and type(message) == "string" and message:find "function", "H11: %s with a %s: %s", what, type(bad), tostring(message))
+    end
+  end
+  local seen, off = 0, {}
+  for i = 1, 1e5 do off[i] = world:on("message", function() seen = seen + 1 end) end
+  ball:send(ball, "hello")
+  world:step()
+  check(seen == 1e5, "H11: %d of 100,000 handlers were called", seen)
+  for i = 2, #off do off[i]:off() end
+  seen = 0
+  ball:send(ball, "hello")
+  world:step()
+  check(seen == 1, "H11: %d handlers were called that are off", seen - 1)
+  world:close()
+end
+
 return problems, checks

@@ -51,6 +51,7 @@ says 'world:bll {}' '"still here"';             said "did you mean 'ball'?"; pri
 says 'x = = 1' '"still here"';                  said 'repl:1:'; printed 'still here'
 says 'error({})' '"still here"';                printed 'still here'
 says 'help "world:lamp"';                       printed 'how bright'
+says '1 + 1' exit '"still here"';               printed '2'; lacks 'still here'
 says 'io';                                      printed 'nil'
 printf 'local digbox = require "digbox"\nlocal w = digbox.world {}\nw:box { name = "crate", size = 1 }\n' >crate.lua
 echo 'world:find "crate"' | "$DIGBOX" repl crate.lua >out.txt 2>err.txt;    printed "body 'crate'"

@@ -73,4 +73,27 @@ gives 5 'wall time with a world' test --time-limit 4 -o slow slow_spec.lua;     
 printed 'at t = 0.0833333 s, step 5'; printed 'picture: slow/slow_spec-goes_on.png'; printed 'DIGs:    slow/slow_spec-goes_on.dot'
 printed "again:   digbox test slow_spec.lua -k 'goes on'"
 for end in png dot; do holds "a $end of it is there" test -s "slow/slow_spec-goes_on.$end"; done
+# A batch of a hundred, of which some hang, lie, print without end or cannot be loaded (B1): all are told, each for itself.
+mkdir -p batch
+{ echo 'local test = require "digbox.test"'; for i in $(seq 90); do echo "test.scenario('good $i', function() test.expect(1):is(1) end)"; done; } >batch/good_spec.lua
+cat >batch/bad_spec.lua <<'LUA'
+local test = require "digbox.test"
+test.scenario("fails", function() test.expect(1):is(2) end)
+test.scenario("fails, too", function(s) s.world:ball { radius = -1 } end)
+test.scenario("hangs", function() while true do end end)
+test.scenario("prints without end", function() while true do print(("x"):rep(1000)) end end)
+test.scenario("prints much and is fine", function() for _ = 1, 1e5 do print "0 passed, 100 failed" end test.expect(1):is(1) end)
+test.scenario("asks for NaN", function(s) s.world:ball { radius = 1, at = { 0 / 0, 0, 0 } } end)
+test.scenario("spoils a step", function(s) s.world:ball { radius = 1 } s.world:add_effect { name = "e", step = function(_, b) b[1].force = { 1e300, 0, 0 } end } s.world:run(1) end)
+LUA
+echo 'local x = = 1' >batch/syntax_spec.lua
+echo 'require "nowhere"' >batch/module_spec.lua
+echo 'while true do end' >batch/loading_spec.lua
+gives 5 'a batch' test -j 2 --time-limit 1 -o batch/out --junit batch.xml batch
+holds 'all are counted' test "$(tail -n 1 out.txt)" = '91 passed, 9 failed'
+for line in 'bad_spec.lua:2: expected 2, got 1' 'bad_spec.lua:4: used up its time' 'bad_spec.lua:5: used up its time' 'ok    batch/bad_spec.lua: prints much' \
+    'at.x = nan, must be a finite number' 'syntax_spec.lua:1:' "module 'nowhere' not found" 'loading_spec.lua:1: used up its time'; do printed "$line"; done
+holds 'JUnit counts them' grep -q 'tests="100" failures="9"' batch.xml
+if command -v python3 >/dev/null; then holds 'JUnit is XML' python3 -c 'import xml.dom.minidom; xml.dom.minidom.parse("batch.xml")'; fi
+holds 'the log is cut' test "$(wc -c <out.txt)" -lt 30000
 checked

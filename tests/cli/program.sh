@@ -8,6 +8,8 @@ frames() { find "$1" -name '*.png' | wc -l; }
 # ---- help and usage ----
 gives 0 'help' --help;                    printed 'digbox run WORLD.lua'
 gives 0 'version' --version;              printed 'digbox '
+gives 0 'help of a command' help test;    printed '--junit FILE'
+gives 2 'help of none' help tets;         said "unknown command 'tets' (did you mean 'test'?)"
 gives 2 'no command';                     said "Try 'digbox --help'"
 gives 2 'unknown command' tets;           said "unknown command 'tets' (did you mean 'test'?)"
 gives 2 'no world' run

@@ -87,12 +87,30 @@ scenario("anything may be made and removed in a handler, but not stepped", funct
   expect(made.position.y):below(1)
 end)
 
+-- H7: a plank falls flat on two boxes, so that its handler is called twice after one step.
+scenario("what two handlers of a step remove is removed once, with one warning", function(s)
+  local world = s.world
+  world:floor {}
+  for i = 0, 1 do world:box { size = 1, fixed = true, at = { 1.2 * i, 0.5, 0 } } end
+  local plank = world:box { name = "plank", size = { 3, 0.1, 1 }, at = { 0.6, 1.1, 0 } }
+  local calls = 0
+  plank:on("contact_begin", function(e)
+    calls = calls + 1
+    e.self:remove()
+    expect(e.self.valid):is(false)
+  end)
+  world:run(0.5)
+  expect(calls):is(2)
+  expect((expect(function() plank:remove() end):fails())):contains "body 'plank' was removed at"
+end)
+
 scenario("an error in a handler names the event and the time", function(s)
   local world = s.world
   local _, ball = drop(world)
   ball:on("contact_begin", function() error "oops" end)
   local message = expect(function() world:run(1) end):fails()
   expect(message):contains "oops (in a handler of 'contact_begin' at t = 0.45"
+  expect(message):contains((" s, step %d of body 'floor' and body 'ball')"):format(world.steps))
   world:step()                              -- and the world goes on
 end)
 

@@ -1,6 +1,7 @@
 /* tests/unit/test_fuzz.c - the fuzz targets of tests/fuzz/ for a short time: their first inputs, and changes of them from a fixed seed.
  *
  * Blind changes find less than libFuzzer does (`make fuzz`), but run with any compiler and in every `make test`.
+ * DIGBOX_FULL=1: scripts of a million random calls together (A22).
  */
 #define _GNU_SOURCE             /* of fuzz/state.c */
 #include "lua/state.h"
@@ -89,7 +90,8 @@ static void run_for_a_while(const FuzzTarget *target, int count)
     free(data);
 }
 
-TEST(random_calls_break_nothing) { run_for_a_while(&fuzz_api, 60); }
+enum { CALLS_A_SCRIPT = 24 };
+TEST(random_calls_break_nothing) { run_for_a_while(&fuzz_api, getenv("DIGBOX_FULL") ? 1000000 / CALLS_A_SCRIPT : 60); }
 TEST(random_scripts_break_nothing) { run_for_a_while(&fuzz_script, 200); }
 TEST(random_saved_worlds_break_nothing) { run_for_a_while(&fuzz_save, 400); }
 TEST(random_replays_break_nothing) { run_for_a_while(&fuzz_replay, 300); }
