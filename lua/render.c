@@ -28,7 +28,7 @@ typedef struct RenderJob {
     const char *replay, *to, *camera, *frames, *size, *layer, *overlay;     /* NULL = not given */
     double      fps;                                                        /* Hz, < 0 = not given */
     long long   samples, blur, workers;                                     /* < 0 = not given */
-    bool        resume, force;
+    bool        resume, force, quiet;
     int        *list, count;                                                /* frames to draw */
 } RenderJob;
 
@@ -311,10 +311,13 @@ static int render(RenderJob *job)
         return EXIT_INTERNAL;
     int code = make_plan(L, &app, job);
     bool video = false;
+    char name[1024] = "";
     if (code == EXIT_FINE) {
         lua_getfield(L, -1, "video");
         video = lua_toboolean(L, -1);
-        lua_pop(L, 1);
+        lua_getfield(L, -2, "said");
+        snprintf(name, sizeof name, "%s", lua_tostring(L, -1));
+        lua_pop(L, 2);
         code = list_frames(L, &app, job, video);
     }
     if (code != EXIT_FINE) {
@@ -322,6 +325,8 @@ static int render(RenderJob *job)
     } else {
         job->workers = job->workers < job->count ? job->workers : job->count > 0 ? job->count : 1;
         code = run_workers(L, &app, job, video);
+        if (code == EXIT_FINE && !job->quiet && !job->resume)           /* resuming says more */
+            fprintf(stderr, "digbox: %s: %d frame%s\n", name, job->count, job->count == 1 ? "" : "s");
     }
     lua_close(L);
     free(job->list);
@@ -338,7 +343,7 @@ static const struct option render_options[] = {
     {"size", required_argument, NULL, OPT_SIZE}, {"samples", required_argument, NULL, OPT_SAMPLES},
     {"layer", required_argument, NULL, OPT_LAYER}, {"overlay", required_argument, NULL, OPT_OVERLAY},
     {"blur", required_argument, NULL, OPT_BLUR}, {"resume", no_argument, NULL, OPT_RESUME}, {"force", no_argument, NULL, OPT_FORCE},
-    {"help", no_argument, NULL, 'h'},
+    {"quiet", no_argument, NULL, 'q'}, {"help", no_argument, NULL, 'h'},
     {NULL, 0, NULL, 0},
 };
 
@@ -357,6 +362,7 @@ static bool read_option(RenderJob *job, int key)
     case OPT_BLUR: return read_whole_option("blur", optarg, 1, 64, &job->blur);
     case OPT_RESUME: job->resume = true; return true;
     case OPT_FORCE: job->force = true; return true;
+    case 'q': job->quiet = true; return true;
     default: return false;               /* next_option said why */
     }
 }
@@ -365,7 +371,7 @@ static int command_render(int argc, char **argv)
 {
     RenderJob job = {.fps = -1, .samples = -1, .blur = -1, .workers = 1};
     int key;
-    while ((key = next_option("render", argc, argv, "o:j:h", render_options)) != -1) {
+    while ((key = next_option("render", argc, argv, "o:j:qh", render_options)) != -1) {
         if (key == 'h')
             return print_help("render");
         if (!read_option(&job, key))
@@ -395,6 +401,7 @@ const Command render_command = {
                "  --samples 0|2|4        samples a pixel; not given: edges are smoothed afterwards\n"
                "  --blur N               motion blur: each frame is the mean of N moments of its first half (1)\n"
                "  --resume               keep the frames that are there and whole, draw the others\n"
-               "  --force                forget what is there and draw the film anew\n",
+               "  --force                forget what is there and draw the film anew\n"
+               "  -q, --quiet            no closing line\n",
     .run = command_render,
 };

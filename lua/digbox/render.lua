@@ -91,7 +91,7 @@ end
 local function set_target(plan, to)
   local folder, name = to:match "^(.*)/([^/]+)$"
   core.options.out = folder and (folder == "" and "/" or folder) or "."
-  plan.to_name = name or to
+  plan.to_name, plan.said = name or to, to
   plan.video = plan.to_name:match "%.mp4$" or plan.to_name:match "%.webm$"
   if plan.video then
     if plan.options.layer ~= 0 and plan.options.layer ~= 3 then

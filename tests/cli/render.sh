@@ -31,8 +31,9 @@ holds 'as many frames as the film has, and a manifest' test "$(ls two | wc -l)" 
 for n in 00000 00001 00007; do
     holds "frame $n is the film's" test "$(image "film/film-$n.png")" = "$(image "two/f-$n.png")"
 done
-gives 0 'one process' render fall.replay -o one/f-%05d.png
-gives 0 'a part' render fall.replay -o one/part-%05d.png --frames 5..8
+gives 0 'one process' render fall.replay -o one/f-%05d.png;                 said "digbox: one/f-%05d.png: $frames frames"
+gives 0 'a part, quietly' render fall.replay -q -o one/part-%05d.png --frames 5..8
+holds 'not a word' test ! -s err.txt
 for f in two/*; do holds "$f does not depend on the split" cmp "$f" "one/${f#two/}"; done
 holds 'four frames' test "$(ls one/part-*.png | wc -l)" = 4
 gives 0 'verify' verify two one;        printed "two/f-manifest.sha256: $frames frames: all"; printed 'one/part-manifest-5-8.sha256: 4 frames: all'
@@ -135,6 +136,13 @@ if command -v ffmpeg >/dev/null; then
     gives 0 'a film' render fall.replay -j 2 -o a.mp4
     gives 0 'the same film by one process' render fall.replay -o b.mp4
     holds 'byte for byte' cmp a.mp4 b.mp4
+    gives 0 'another kind of film' render fall.replay -o c.webm --frames 0..5
+    if command -v ffprobe >/dev/null; then
+        for film in a.mp4:h264:$frames c.webm:vp9:6; do
+            got=$(ffprobe -v error -count_frames -show_entries stream=codec_name,nb_read_frames -of csv=p=0 "${film%%:*}")
+            holds "$film: a player reads it (got $got)" test "${film%%:*}:${got/,/:}" = "$film"
+        done
+    fi
 fi
 
 gives 8 'no such file' render nowhere.replay;                       said 'nowhere.replay: cannot be read'

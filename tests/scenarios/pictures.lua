@@ -1,5 +1,5 @@
--- Pictures of today, kept: golden/pictures. `digbox test --update-goldens tests/scenarios/pictures.lua` takes those of now as right, after a
--- change of the looks that was looked at. Which body is where does not change with them.
+-- Pictures of today, kept in golden/pictures. `digbox test --update-goldens tests/scenarios/pictures.lua` takes those of now as right,
+-- after a change of the looks that was looked at. Which body is where does not change with them.
 local digbox, test = require "digbox", require "digbox.test"
 local scenario, expect = test.scenario, test.expect
 
