@@ -5,7 +5,7 @@
  */
 #include "trace/trace.h"
 
-#define ROUNDING 1e-14          /* of the largest acceleration or force */
+#define ROUNDING 1e-15          /* of the largest acceleration or force */
 
 static void push(Tracer *t, int body, vec3 at, vec3 force, vec3 couple)
 {

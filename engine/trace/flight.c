@@ -1,7 +1,7 @@
 /* trace/flight.c - free flight: a body that nothing holds and nothing can meet in this step.
  *
  * The centre of mass follows its parabola exactly. The angular momentum L does not change, and the orientation obeys
- * q' = w q / 2 with w = R I^-1 R^T L: integrated by the fifth-order formula of Dormand & Prince (1980), in parts small enough
+ * q' = q w / 2 with w = I^-1 R^T L in body axes: integrated by the fifth-order formula of Dormand & Prince (1980), in parts small enough
  * for the group's tolerance. A round body turns evenly.
  */
 #include "trace/trace.h"
@@ -20,10 +20,8 @@ static quat mad(quat a, real s, quat b) { return (quat){a.x + s * b.x, a.y + s *
 
 static quat rate(const Member *m, quat q, vec3 l)
 {
-    quat u = quat_unit(q);
-    vec3 w = quat_rotate(u, mat3_mul_vec(m->inv_inertia, quat_unrotate(u, l)));
-    quat r = quat_mul((quat){w.x, w.y, w.z, 0}, q);
-    return (quat){0.5 * r.x, 0.5 * r.y, 0.5 * r.z, 0.5 * r.w};
+    vec3 w = vec3_scale(0.5, mat3_mul_vec(m->inv_inertia, quat_unrotate(quat_unit(q), l)));         /* half of it, in body axes */
+    return quat_mul(q, (quat){w.x, w.y, w.z, 0});
 }
 
 static quat turn(const Member *m, quat q, vec3 l, real h)
@@ -40,8 +38,14 @@ static quat turn(const Member *m, quat q, vec3 l, real h)
     return quat_unit(q);
 }
 
-/* rad  How far one part may turn: its local error is about a hundredth of the fifth power of the angle. */
-static real part_angle(real tolerance) { return 0.8 * pow(tolerance, 0.2); }
+/* For a turn by so many rad. The local error of a part is about a hundredth of the fifth power of its angle. */
+static int parts_of(real angle, real tolerance)
+{
+    real part = angle / 0.8;
+    if (part * part * part * part * part <= tolerance)
+        return 1;
+    return (int)real_clamp(ceil(part / pow(tolerance, 0.2)), 1, 1000);
+}
 
 static void fly(Group *g, int i, real h)
 {
@@ -57,7 +61,7 @@ static void fly(Group *g, int i, real h)
     }
     quat q = g->pos[i].q;
     vec3 l = quat_rotate(q, mat3_mul_vec(m->inertia, quat_unrotate(q, w)));
-    int parts = (int)real_clamp(ceil(vec3_length(w) * h / part_angle(g->tolerance)), 1, 1000);
+    int parts = parts_of(vec3_length(w) * h, g->tolerance);
     for (int k = 0; k < parts; k++)
         q = turn(m, q, l, h / parts);
     g->pos[i].q = q;

@@ -82,8 +82,8 @@ static Line *add_line(Tracer *t, LineKind kind, const Patch *p, const Subset *s,
     return l;
 }
 
-/* The same of e_i = w_i d, and its force along it. */
-static Line *add_even_line(Tracer *t, LineKind kind, const Patch *p, const Subset *s, const real *w, vec3 d)
+/* The same of e_i = w_i d, and c_i = w_i f. */
+static Line *add_even_line(Tracer *t, LineKind kind, const Patch *p, const Subset *s, const real *w, vec3 d, vec3 f)
 {
     vec3 e[MANIFOLD_POINTS];
     for (int i = 0; i < s->count; i++)
@@ -98,8 +98,11 @@ static Line *add_even_line(Tracer *t, LineKind kind, const Patch *p, const Subse
             lever = vec3_mad(lever, w[i], p->lever[side][s->which[i]]);
             sum += w[i];
         }
-        Arrow j = arrow(side, vec3_scale(sum, d), vec3_cross(lever, d));
-        push_body(t, l, p->body[side], &j, &j);
+        Arrow j = arrow(side, vec3_scale(sum, d), vec3_cross(lever, d)), g;
+        bool same = vec3_equal(d, f);
+        if (!same)
+            g = arrow(side, vec3_scale(sum, f), vec3_cross(lever, f));
+        push_body(t, l, p->body[side], &j, same ? &j : &g);
     }
     return l;
 }
@@ -168,10 +171,27 @@ static int distributions(const Patch *p, real field[3][MANIFOLD_POINTS])
     return independent(field, 3, p->count, size);
 }
 
+/* What does not turn slides the same way at all its points. */
+static bool slides_alike(const Tracer *t, const Patch *p)
+{
+    const Touching *first = &t->touch[p->point[0]];
+    for (int i = 0; i < p->count; i++) {
+        const Touching *q = &t->touch[p->point[i]];
+        if (q->slip.grip != first->slip.grip || q->slip.grip == GRIP_STICK || !vec3_equal(q->slip.d, first->slip.d) || q->roll.axes)
+            return false;
+    }
+    return p->even && first->slip.axes;
+}
+
 static Line *normal_line(Tracer *t, const Patch *p, const Subset *all, const real *share, bool sliding)
 {
-    if (!sliding && p->even)
-        return add_even_line(t, LINE_NORMAL, p, all, share, p->n);
+    if (p->even && !sliding)
+        return add_even_line(t, LINE_NORMAL, p, all, share, p->n, p->n);
+    if (slides_alike(t, p)) {
+        vec3 push, turn;
+        add_sliding(&t->touch[p->point[0]], &push, &turn);
+        return add_even_line(t, LINE_NORMAL, p, all, share, p->n, push);
+    }
     vec3 e[MANIFOLD_POINTS], c[MANIFOLD_POINTS], tau[MANIFOLD_POINTS];
     for (int i = 0; i < p->count; i++) {
         vec3 push, turn;
@@ -228,7 +248,7 @@ static void stick_rows(Tracer *t, const Patch *p)
     if (s.count == 1)
         weight[0] = 1;
     for (int way = 0; way < 2 && s.count > 0; way++)
-        add_drift(t, add_even_line(t, LINE_SLIP, p, &s, weight, p->t[way]));
+        add_drift(t, add_even_line(t, LINE_SLIP, p, &s, weight, p->t[way], p->t[way]));
     vec3 e[MANIFOLD_POINTS];
     for (int i = 0; i < s.count && s.count > 1; i++)
         e[i] = vec3_scale(weight[i] / size, vec3_cross(p->n, p->arm[s.which[i]]));
@@ -260,7 +280,7 @@ static void lateral_rows(Tracer *t, const Patch *p)
         vec3 across = vec3_unit_or(vec3_cross(p->n, c->d), vec3_zero());
         int rank = independent(field, 2, s.count, size);
         for (int f = 0; f < rank; f++)
-            add_drift(t, add_even_line(t, LINE_LATERAL, p, &s, field[f], across));
+            add_drift(t, add_even_line(t, LINE_LATERAL, p, &s, field[f], across, across));
     }
 }
 
