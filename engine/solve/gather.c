@@ -116,11 +116,10 @@ static dig_status list_moving(Group *g, int *joints)
     return sort_u32(slots, n, g->arena);
 }
 
-/* Unless it can move by itself; the last one noted is mostly the same: the ground. */
-static void note_still(const World *w, uint32_t *still, int *count, uint32_t body)
+/* The last one noted is mostly the same: the ground. */
+static void note_still(uint32_t *still, int *count, uint32_t body)
 {
-    bool stands = body == NONE || w->bodies.data[body].kind != DIG_DYNAMIC;
-    if (stands && (*count == 0 || still[*count - 1] != body))
+    if (*count == 0 || still[*count - 1] != body)
         still[(*count)++] = body;
 }
 
@@ -136,15 +135,20 @@ static dig_status list_still(Group *g, const uint32_t *pairs, int pair_count, in
     if (!still)
         return DIG_E_MEMORY;
     for (int i = 0; i < pair_count; i++) {
-        note_still(w, still, &n, w->pairs.data[pairs[i]].body_a);
-        note_still(w, still, &n, w->pairs.data[pairs[i]].body_b);
+        const Pair *p = &w->pairs.data[pairs[i]];
+        if (i + FETCH_AHEAD < pair_count)
+            fetch_soon(&w->pairs.data[pairs[i + FETCH_AHEAD]], offsetof(Pair, next));
+        if (!p->dynamic_a)
+            note_still(still, &n, p->body_a);
+        if (!p->dynamic_b)
+            note_still(still, &n, p->body_b);
     }
     for (int i = 0; i < g->moving_count && joints > 0; i++)
         for (uint32_t j = w->bodies.data[g->slots[i]].joint_first; j != NONE; j = joint_next(w, j, g->slots[i])) {
             const JointRec *r = &w->joints.data[j];
             uint32_t other = r->a == g->slots[i] ? r->b : r->a;
-            if (other != NONE)
-                note_still(w, still, &n, other);
+            if (other != NONE && w->bodies.data[other].kind != DIG_DYNAMIC)
+                note_still(still, &n, other);
         }
     DIG_TRY(sort_u32(still, n, g->arena));
     for (int i = 0; i < n; i++)
