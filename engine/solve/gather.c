@@ -531,12 +531,13 @@ static bool contact_idle(const GroupContact *c)
     return c->manifold.count == 0 && vec3_is_zero(c->impulse) && vec3_is_zero(c->rolling) && !c->sliding;
 }
 
-typedef struct Verdict { int changed, turned, widened, live, rubbing; } Verdict;     /* counts of one thread */
+typedef struct Verdict { int changed, turned, widened, live, rubbing; real finest; } Verdict;     /* of one thread */
 typedef struct Judge { Group *g; real dt; Verdict *verdict; } Judge;
 
 static void judge_pair(Group *g, int i, real dt, Verdict *v, int *changed, int *turned)
 {
     GroupPair *q = &g->pairs[i];
+    v->finest = real_min(v->finest, q->size);
     q->touching = false;
     for (int k = q->contact; k < q->contact + q->contacts; k++) {
         GroupContact *c = &g->contacts[k];
@@ -565,7 +566,7 @@ static void judge_share(void *context, int thread, int threads)
     const Judge *j = context;
     Group *g = j->g;
     int first = team_first(g->pair_count, thread, threads), end = team_end(g->pair_count, thread, threads);
-    Verdict v = {0};
+    Verdict v = {.finest = INFINITY};
     for (int i = first; i < end; i++)
         judge_pair(g, i, j->dt, &v, g->changed + first, g->turned + g->pairs[first].contact);
     j->verdict[thread] = v;
@@ -580,6 +581,7 @@ dig_status group_judge(Group *g, real dt)
         return DIG_E_MEMORY;
     team_run(g->team, judge_share, &j);
     g->changed_count = g->turned_count = g->widened_count = g->live_count = g->rubbing_count = 0;
+    g->finest = INFINITY;
     for (int t = 0; t < threads && g->pair_count > 0; t++) {
         const Verdict *v = &j.verdict[t];
         int first = team_first(g->pair_count, t, threads);
@@ -592,6 +594,7 @@ dig_status group_judge(Group *g, real dt)
         g->widened_count += v->widened;
         g->live_count += v->live;
         g->rubbing_count += v->rubbing;
+        g->finest = real_min(g->finest, v->finest);
     }
     return DIG_OK;
 }
@@ -621,6 +624,8 @@ static void commit_body(World *w, const Group *g, int i, real dt)
 {
     const Member *m = &g->member[i];
     Body *b = &w->bodies.data[m->slot];
+    b->watch.rise = m->moves ? g->watch.part : 0;
+    b->watch.borne = m->moves ? g->watch.part_borne : 0;
     if (!m->moves)
         return;
     vec3 old_v = vec3_sub(b->v, b->hit_v), old_w = vec3_sub(b->w, b->hit_w);
