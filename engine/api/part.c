@@ -49,8 +49,6 @@ static uint32_t place(const Slots *s, uint32_t slot)
 
 typedef struct Taking { const World *w; Part *p; Map digs; dig_status status; } Taking;     /* digs: first members of those that are in */
 
-static bool is_dynamic(const World *w, uint32_t body) { return body != NONE && w->bodies.data[body].kind == DIG_DYNAMIC; }
-
 static box3 box_of(const World *w, const Body *b)
 {
     vec3 out = {b->outer, b->outer, b->outer};
@@ -73,7 +71,7 @@ static dig_status add_grounds(const World *w, Part *p, uint32_t member)
         for (uint32_t l = w->solids.data[s].pair_first; l != NONE; l = w->pairs.data[l / 2].next[l % 2]) {
             const Pair *pair = &w->pairs.data[l / 2];
             uint32_t other = l % 2 ? pair->body_a : pair->body_b;
-            if (other != NONE && !is_dynamic(w, other))
+            if (other != NONE && !body_dynamic(w, other))
                 DIG_TRY(add(&p->bodies, other));
         }
     return DIG_OK;
@@ -98,7 +96,7 @@ static bool found(void *context, uint32_t solid)
     Taking *t = context;
     uint32_t body = t->w->solids.data[solid].body;
     if (body != NONE)
-        t->status = is_dynamic(t->w, body) ? add_dig(t, body) : add(&t->p->bodies, body);
+        t->status = body_dynamic(t->w, body) ? add_dig(t, body) : add(&t->p->bodies, body);
     return t->status == DIG_OK;
 }
 
@@ -126,7 +124,7 @@ static dig_status find_pairs(const World *w, Part *p)
 {
     for (int i = 0; i < p->solids.count; i++) {
         const Solid *s = &w->solids.data[p->solids.data[i]];
-        for (uint32_t l = is_dynamic(w, s->body) ? s->pair_first : NONE; l != NONE; l = w->pairs.data[l / 2].next[l % 2])
+        for (uint32_t l = body_dynamic(w, s->body) ? s->pair_first : NONE; l != NONE; l = w->pairs.data[l / 2].next[l % 2])
             if (place(&p->solids, l % 2 ? w->pairs.data[l / 2].solid_a : w->pairs.data[l / 2].solid_b) != NONE)
                 DIG_TRY(add(&p->pairs, l / 2));
     }
@@ -164,7 +162,7 @@ static dig_status find_all(Taking *t, uint32_t body, real far)
         uint32_t slot = p->bodies.data[i];
         for (uint32_t s = w->bodies.data[slot].shape_first; s != NONE; s = w->solids.data[s].next)
             DIG_TRY(add(&p->solids, s));
-        for (uint32_t j = is_dynamic(w, slot) ? w->bodies.data[slot].joint_first : NONE; j != NONE; j = joint_next(w, j, slot))
+        for (uint32_t j = body_dynamic(w, slot) ? w->bodies.data[slot].joint_first : NONE; j != NONE; j = joint_next(w, j, slot))
             DIG_TRY(add(&p->joints, j));
     }
     DIG_TRY(tidy(&p->solids, scratch));
@@ -308,7 +306,7 @@ static dig_status copy_graph(const World *w, const Part *p)
     Graph *g = to->graph;
     DIG_TRY(graph_reserve(g, to->bodies.count, p->links.count));
     for (int i = 0; i < to->bodies.count; i++)
-        if (is_dynamic(to, (uint32_t)i))
+        if (body_dynamic(to, (uint32_t)i))
             DIG_TRY(graph_node_add(g, (uint32_t)i));
     graph_begin(g);
     for (int i = 0; i < p->links.count; i++) {
@@ -320,7 +318,7 @@ static dig_status copy_graph(const World *w, const Part *p)
     }
     DIG_TRY(graph_end(g));
     for (int i = 0; i < to->bodies.count && w->dig_accuracies; i++)
-        if (is_dynamic(to, (uint32_t)i))
+        if (body_dynamic(to, (uint32_t)i))
             graph_set_user(g, graph_of(g, (uint32_t)i), graph_user_of(w->graph, p->bodies.data[i]));
     return DIG_OK;
 }

@@ -11,7 +11,6 @@ static bool body_is(const World *w, uint32_t slot) { return slot < (uint32_t)w->
 static bool solid_is(const World *w, uint32_t slot) { return slot < (uint32_t)w->solids.count && w->solids.data[slot].alive; }
 static bool joint_is(const World *w, uint32_t slot) { return slot < (uint32_t)w->joints.count && w->joints.data[slot].alive; }
 static bool touch_is(const World *w, uint32_t slot) { return slot < (uint32_t)w->touches.count && w->touches.data[slot].alive; }
-static bool is_dynamic(const World *w, uint32_t body) { return body != NONE && w->bodies.data[body].kind == DIG_DYNAMIC; }
 static bool is_plane(const Solid *s) { return s->shape.type == &shape_plane; }
 
 /* ---- bodies and solids ---- */
@@ -115,7 +114,7 @@ static void connect_awake(Pack *p, World *w)
         s->asks = true;
     }
     for (int i = 0; i < w->pushes.count; i++)
-        pack_check(p, body_is(w, w->pushes.data[i].body) && is_dynamic(w, w->pushes.data[i].body), "a push acts on nothing");
+        pack_check(p, body_is(w, w->pushes.data[i].body) && body_dynamic(w, w->pushes.data[i].body), "a push acts on nothing");
 }
 
 /* ---- joints ---- */
@@ -140,7 +139,7 @@ static bool ends_are_sound(const World *w, const JointRec *j)
 {
     if (!body_is(w, j->a) || j->a == j->b || (j->b != NONE && !body_is(w, j->b)))
         return false;
-    return is_dynamic(w, j->a) || is_dynamic(w, j->b);
+    return body_dynamic(w, j->a) || body_dynamic(w, j->b);
 }
 
 /* A coupling holds two other joints, by a body of each. */
@@ -220,7 +219,7 @@ static bool pair_is_sound(World *w, uint32_t slot)
     pair_sort(w, p);
     p->prev[0] = p->prev[1] = NONE;
     uint32_t other;
-    return a->body != b->body && (is_dynamic(w, a->body) || is_dynamic(w, b->body)) && p->pieces == many && !pair_find(w, p->solid_a, p->solid_b, &other)
+    return a->body != b->body && (body_dynamic(w, a->body) || body_dynamic(w, b->body)) && p->pieces == many && !pair_find(w, p->solid_a, p->solid_b, &other)
         && pair_enter(w, slot) == DIG_OK;
 }
 
@@ -269,7 +268,7 @@ static bool touch_is_sound(World *w, uint32_t slot)
     const Touch *t = &w->touches.data[slot];
     if (!body_is(w, t->body_a) || (t->body_b != NONE && !body_is(w, t->body_b)) || t->body_a >= t->body_b)
         return false;
-    if ((t->body_b == NONE) != (t->wall > 0) || (!is_dynamic(w, t->body_a) && !is_dynamic(w, t->body_b)))
+    if ((t->body_b == NONE) != (t->wall > 0) || (!body_dynamic(w, t->body_a) && !body_dynamic(w, t->body_b)))
         return false;
     return !touch_find(w, t->body_a, t->body_b, t->wall) && touch_enter(w, slot) == DIG_OK;
 }
@@ -300,7 +299,7 @@ static void connect_touches(Pack *p, World *w, int *pairs)
 
 static bool link_joins(const GraphLink *l, uint32_t a, uint32_t b, const World *w)
 {
-    return l && ((l->a == a && l->b == b) || (l->a == b && l->b == a)) && l->bound == !(is_dynamic(w, a) && is_dynamic(w, b));
+    return l && ((l->a == a && l->b == b) || (l->a == b && l->b == a)) && l->bound == !(body_dynamic(w, a) && body_dynamic(w, b));
 }
 
 static int count_links(const World *w)

@@ -72,8 +72,8 @@ dig_status bodies_open(Crowd *c)
     size_t n = (size_t)(c->bodies + threads);
     Six *six = arena_zero(g->arena, 7 * n * sizeof *six);
     c->frame = arena_alloc(g->arena, n * sizeof *c->frame);
-    c->others_turn = arena_alloc(g->arena, (size_t)(g->body_count - c->bodies) * sizeof *c->others_turn);
-    if (!six || !c->frame || !c->others_turn)
+    c->others = arena_alloc(g->arena, (size_t)(g->body_count - c->bodies) * sizeof *c->others);
+    if (!six || !c->frame || !c->others)
         return DIG_E_MEMORY;
     c->vel = six;
     c->move = six + n;
@@ -82,8 +82,8 @@ dig_status bodies_open(Crowd *c)
     c->push = six + 4 * n;
     c->axes[0] = six + 5 * n;
     c->axes[1] = six + 6 * n;
-    c->turn = (mat3 *)(void *)c->last;
-    _Static_assert(sizeof *c->turn <= 4 * sizeof *six, "there is room for turns in the place of four of them");
+    c->carriage = (Carriage *)(void *)c->last;
+    _Static_assert(sizeof *c->carriage <= 4 * sizeof *six, "there is room for a carriage in the place of four of them");
     team_run(g->team, open_share, c);
     return DIG_OK;
 }
@@ -104,7 +104,7 @@ static void turn_by(Crowd *c, int i, vec3 angle)
     quat q = quat_exp(angle);
     g->shift[i].w = angle;
     g->pos[i].q = quat_unit(quat_mul(q, g->pos[i].q));
-    *turn_of(c, i) = quat_matrix(q);
+    *carriage_of(c, i) = (Carriage){quat_matrix(q), g->member[i].start_pos.x, g->pos[i].x};
 }
 
 /* The angular momentum stays. A body that turns far meanwhile does so with the spin that belongs to the middle of its turn. */

@@ -4,10 +4,10 @@
 /* The turn is exact: what turns for ever about one axis would move its points outward by half its square in every step. */
 static vec3 carried(const Crowd *c, int body, vec3 at)
 {
-    const Member *m = &c->g->member[body];
-    if (!m->moves && !m->kinematic)
+    if (!c->trait[body].moves && !c->trait[body].kinematic)
         return at;
-    return vec3_add(c->g->pos[body].x, mat3_mul_vec(*turn_of(c, body), vec3_sub(at, m->start_pos.x)));
+    const Carriage *k = carriage_of(c, body);
+    return vec3_add(k->to, mat3_mul_vec(k->turn, vec3_sub(at, k->from)));
 }
 
 /* Points go with their bodies; the gap changes by what the row saw. */
@@ -22,11 +22,12 @@ static void carry(const Crowd *crowd, GroupContact *c)
         p->gap = vec3_dot(c->manifold.normal, vec3_sub(p->b, p->a));
     }
     if (c->manifold.count >= 3) {
-        int side = g->member[c->a].moves && !(g->member[c->a].round && g->member[c->b].moves) ? c->a : c->b;
-        if (!g->member[c->a].moves || !g->member[c->b].moves)
-            side = g->member[c->a].moves ? c->b : c->a;
-        if (g->member[side].moves || g->member[side].kinematic)
-            c->manifold.normal = vec3_unit(mat3_mul_vec(*turn_of(crowd, side), c->manifold.normal));
+        const Trait *a = &crowd->trait[c->a], *b = &crowd->trait[c->b];
+        int side = a->moves && !(a->round && b->moves) ? c->a : c->b;
+        if (!a->moves || !b->moves)
+            side = a->moves ? c->b : c->a;
+        if (crowd->trait[side].moves || crowd->trait[side].kinematic)
+            c->manifold.normal = vec3_unit(mat3_mul_vec(carriage_of(crowd, side)->turn, c->manifold.normal));
         if (q->contacts == 1)           /* others may be in other threads' hands */
             crowd_sign(g, q);
     }
@@ -37,9 +38,9 @@ static bool strikes(const Crowd *c, real speed)
     return speed > c->g->close_speed + 2 * c->g->fall * (real)c->h;
 }
 
-static bool pushes_sleeper(const Group *g, const GroupContact *t, real sum)
+static bool pushes_sleeper(const Crowd *c, const GroupContact *t, real sum)
 {
-    return sum > 0 && (g->member[t->a].dormant || g->member[t->b].dormant);
+    return sum > 0 && (c->trait[t->a].dormant || c->trait[t->b].dormant);
 }
 
 /* Strikes are listed in the order of batches, and sleepers are marked, by one thread: what concerns more than the contact. */
@@ -60,7 +61,7 @@ static void note_batch(Crowd *c, const Batch *b)
             g->member[t->a].collided = g->member[t->b].collided = true;
             strike_report(g, &r, speed);
         }
-        for (int k = 0; k < 2 && pushes_sleeper(g, t, sum); k++) {
+        for (int k = 0; k < 2 && pushes_sleeper(c, t, sum); k++) {
             Member *m = &g->member[k ? t->b : t->a];
             if (m->dormant)
                 m->pushed = g->woke = true;
@@ -138,7 +139,7 @@ static void book_lane(Crowd *c, Batch *b, int lane)
             b->noted = b->noted || q->contacts > 1 || strikes(c, speed);
         }
     }
-    b->noted = b->noted || pushes_sleeper(g, t, sum);
+    b->noted = b->noted || pushes_sleeper(c, t, sum);
     if (b->patch)
         book_friction(t, b, lane, h, load);
     t->impulse = vec3_mad(t->impulse, sum, t->manifold.normal);
@@ -197,6 +198,10 @@ static void fetch_batches(const Crowd *c, int i)
         fetch_head(c->g, after->contact[k]);
     for (int k = 0; k < LANES && next->contact[k] >= 0; k++)
         fetch_body(c->g, next->contact[k]);
+    for (int k = 0; k < next->points; k++)
+        fetch_soon(&next->point[k].j, sizeof next->point[k] - offsetof(WidePoint, j));
+    if (next->patch)
+        fetch_soon(&next->patch->j, sizeof *next->patch - offsetof(WidePatch, j));
 }
 
 static void book_share(void *context, int thread, int threads)

@@ -42,7 +42,7 @@ static bool may_act(const Crowd *c, const GroupContact *t)
 {
     const Group *g = c->g;
     const GroupPair *q = &g->pairs[t->pair];
-    real near = NEAR * q->size + real_max(g->member[t->a].pull, g->member[t->b].pull) * c->dt * c->dt;
+    real near = NEAR * q->size + real_max(c->trait[t->a].pull, c->trait[t->b].pull) * c->dt * c->dt;
     real stop = c->stop ? c->dt * real_max(c->stop[t->a], c->stop[t->b]) : 0;
     for (int k = 0; k < t->manifold.count; k++) {
         const ManifoldPoint *p = &t->manifold.points[k];
@@ -114,7 +114,7 @@ static void choose_share(void *context, int thread, int threads)
         GroupContact *t = &g->contacts[i];
         const GroupPair *q = &g->pairs[t->pair];
         Chosen *x = &r->chosen[i];
-        x->acts = t->live && (g->member[t->a].moves || g->member[t->b].moves) && may_act(c, t);
+        x->acts = t->live && (c->trait[t->a].moves || c->trait[t->b].moves) && may_act(c, t);
         if (!x->acts) {
             forget(g, t);
             continue;
@@ -156,13 +156,13 @@ typedef struct Ends {           /* of one contact                               
 } Ends;
 
 /* Movers at a point: what their speed adds to a rate. */
-static vec3 driven_velocity(const Group *g, const Ends *e, vec3 at)
+static vec3 driven_velocity(const Crowd *c, const Ends *e, vec3 at)
 {
     vec3 v = vec3_zero();
-    if (g->member[e->c->b].kinematic)
-        v = vec3_add(v, crowd_velocity(g, e->c->b, at));
-    if (g->member[e->c->a].kinematic)
-        v = vec3_sub(v, crowd_velocity(g, e->c->a, at));
+    if (c->trait[e->c->b].kinematic)
+        v = vec3_add(v, crowd_velocity(c->g, e->c->b, at));
+    if (c->trait[e->c->a].kinematic)
+        v = vec3_sub(v, crowd_velocity(c->g, e->c->a, at));
     return v;
 }
 
@@ -178,7 +178,7 @@ static void fill_point(const Crowd *c, const Ends *e, WidePoint *p, int lane, in
     p->j[lane] = (float)e->c->memory[k].normal * c->h;
     p->borne[lane] = e->c->memory[k].borne * c->h;
     if (e->driven)
-        p->drive[lane] = (float)vec3_dot(e->c->manifold.normal, driven_velocity(c->g, e, m->a));
+        p->drive[lane] = (float)vec3_dot(e->c->manifold.normal, driven_velocity(c, e, m->a));
 }
 
 /* The torque of what the points remember, about their middle. */
@@ -206,7 +206,7 @@ static void fill_patch(const Crowd *c, const Ends *e, WidePatch *p, WideTwist *t
     if (m->count > 1)
         turn->j[lane] = (float)twist_of(e->c, middle) * c->h;
     if (e->driven) {
-        vec3 v = driven_velocity(c->g, e, middle);
+        vec3 v = driven_velocity(c, e, middle);
         p->drive[0][lane] = (float)vec3_dot(v, t);
         p->drive[1][lane] = (float)vec3_dot(v, u);
     }
@@ -235,9 +235,9 @@ static void fill_roll(const Crowd *c, const Ends *e, const GroupPair *q, WideRol
     r->k[4][lane] = (float)k.r1.z;
     r->k[5][lane] = (float)k.r2.z;
     vec3 spin = vec3_zero();
-    if (g->member[e->c->b].kinematic)
+    if (c->trait[e->c->b].kinematic)
         spin = vec3_add(spin, g->vel[e->c->b].w);
-    if (g->member[e->c->a].kinematic)
+    if (c->trait[e->c->a].kinematic)
         spin = vec3_sub(spin, g->vel[e->c->a].w);
     put(r->drive, lane, spin);
     r->lever[lane] = (float)(q->rolling * rolling_radius(q));
@@ -248,7 +248,7 @@ static Ends ends_of(const Crowd *c, const GroupContact *t)
 {
     const Group *g = c->g;
     Ends e = {.c = t, .a = crowd_index(c, t->a), .b = crowd_index(c, t->b), .xa = g->pos[t->a].x, .xb = g->pos[t->b].x};
-    e.driven = g->member[t->a].kinematic || g->member[t->b].kinematic;
+    e.driven = c->trait[t->a].kinematic || c->trait[t->b].kinematic;
     return e;
 }
 

@@ -78,6 +78,15 @@ typedef struct Frame {          /* a moving body at the start of the step       
     bool held;                  /* some row acts on it                                         */
 } Frame;
 
+/* What contacts ask of a body. In the group's members it would lie far apart: those of thousands of bodies fit no cache, these do. */
+typedef struct Trait {
+    real travel, pull;          /* m, m/s^2  as in Member                                      */
+    bool moves, kinematic, dormant, round;
+} Trait;
+
+/* How the step moves what is fixed to a body. */
+typedef struct Carriage { mat3 turn; vec3 from, to; } Carriage;      /* centre of mass, before and after */
+
 /* The contacts of a batch lie far apart: the heads of those of the batch after the next, then, of the next, what they point to. */
 static inline void fetch_head(const Group *g, int contact) { fetch_soon(&g->contacts[contact], sizeof(GroupContact)); }
 static inline void fetch_body(const Group *g, int contact)
@@ -112,13 +121,13 @@ typedef struct Crowd {
     int    substeps;
     float  h;                   /* s   of a substep                                            */
     int    bodies;              /* moving ones; a spare Six for each thread comes after them   */
+    Trait *trait;               /* [body_count of g]                                           */
     Frame *frame;
     Six   *vel, *move;          /* scaled velocity; scaled displacement since the start        */
     Six   *start;               /* velocity at the start of the step                           */
     Six   *last, *push;         /* velocity at the last substep's start; change by forces per substep */
     Six   *axes[2];             /* spin = s * scaled spin: columns of s, root                  */
-    mat3  *turn, *others_turn;  /* since the start, at the end of the step: of moving bodies, in the place of last, push and axes; of the
-                                 * group's others */
+    Carriage *carriage, *others;    /* at the end of the step: of moving bodies, in the place of last, push and axes; of the group's others */
     Batch *batch; int batches;
     Phase *phase; int phases;
     Soft   soft[PASSES_MOST][2];    /* by how many passes there are; between moving bodies; against what does not move */
@@ -141,8 +150,8 @@ static inline vec3 crowd_velocity(const Group *g, int body, vec3 at)
 dig_status bodies_open(Crowd *c);       /* scaled, from the group's */
 void       bodies_close(Crowd *c);      /* and back */
 mat3       body_axes(const Crowd *c, int body);         /* s, of the pose at the start */
-static inline int crowd_index(const Crowd *c, int body) { return body < c->bodies && c->g->member[body].moves ? body : c->bodies; }
-static inline mat3 *turn_of(const Crowd *c, int body) { return body < c->bodies ? &c->turn[body] : &c->others_turn[body - c->bodies]; }
+static inline int crowd_index(const Crowd *c, int body) { return body < c->bodies && c->trait[body].moves ? body : c->bodies; }
+static inline Carriage *carriage_of(const Crowd *c, int body) { return body < c->bodies ? &c->carriage[body] : &c->others[body - c->bodies]; }
 /* rows.c: which contacts act, in batches */
 dig_status rows_open(Crowd *c);
 /* wide.c: the substeps. width: 0 = the widest this machine has, else 1 = without special instructions, 2 = AVX2 */

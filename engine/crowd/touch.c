@@ -48,10 +48,10 @@ static bool keeps(const Group *g, GroupPair *q)
 }
 
 /* Of one or two points, or none: as long as its bodies have moved so little since they were found that the normal is still right. */
-static bool stays(const Group *g, const GroupPair *q)
+static bool stays(const Crowd *crowd, const GroupPair *q)
 {
-    GroupContact *c = &g->contacts[q->contact];
-    real travel = g->member[q->a].travel + g->member[q->b].travel;
+    GroupContact *c = &crowd->g->contacts[q->contact];
+    real travel = crowd->trait[q->a].travel + crowd->trait[q->b].travel;
     if (q->fresh || c->manifold.count == 0 || travel > q->until)
         return false;
     for (int k = 0; k < c->manifold.count; k++) {
@@ -62,10 +62,11 @@ static bool stays(const Group *g, const GroupPair *q)
 }
 
 /* Finds the contact, and for how long that will do. */
-static void find(Group *g, GroupPair *q, real time)
+static void find(const Crowd *crowd, GroupPair *q)
 {
-    GroupContact *c = &g->contacts[q->contact];
-    real travel = g->member[q->a].travel + g->member[q->b].travel, room = group_touch_convex(g, q, time, FARTHER * q->size);
+    GroupContact *c = &crowd->g->contacts[q->contact];
+    real travel = crowd->trait[q->a].travel + crowd->trait[q->b].travel;
+    real room = group_touch_convex(crowd->g, q, crowd->dt, FARTHER * q->size);
     if (!c->live)
         q->until = travel + room - LOOKS * q->size;
     else if (c->manifold.count < 3 && !(q->sa->round > 0 && q->sb->round > 0 && c->room == 1))
@@ -96,27 +97,28 @@ static real struck(const Group *g, const GroupPair *q, real dt)
     return most;
 }
 
-typedef struct Touching { Group *g; real dt; float *struck; } Touching;     /* struck: m/s, of each pair */
+typedef struct Touching { const Crowd *c; float *struck; } Touching;     /* struck: m/s, of each pair */
 
 /* False: its bodies have hardly moved, and it was left as it was. */
-static bool touch_pair(Group *g, GroupPair *q, real time)
+static bool touch_pair(const Crowd *c, GroupPair *q)
 {
-    if (q->contacts == 1 && (keeps(g, q) || stays(g, q)))
+    if (q->contacts == 1 && (keeps(c->g, q) || stays(c, q)))
         return false;
     if (q->contacts == 1)
-        find(g, q, time);
+        find(c, q);
     else
-        group_touch_pair(g, q, time);
+        group_touch_pair(c->g, q, c->dt);
     return true;
 }
 
 static void touch_share(void *context, int thread, int threads)
 {
     const Touching *t = context;
-    for (int i = team_first(t->g->pair_count, thread, threads), end = team_end(t->g->pair_count, thread, threads); i < end; i++) {
-        GroupPair *q = &t->g->pairs[i];
-        if (touch_pair(t->g, q, t->dt) && q->reach > (BRISK + LOOKS) * q->size)        /* it looked so far ahead, for the pair is fast */
-            t->struck[i] = (float)struck(t->g, q, t->dt);
+    const Group *g = t->c->g;
+    for (int i = team_first(g->pair_count, thread, threads), end = team_end(g->pair_count, thread, threads); i < end; i++) {
+        GroupPair *q = &g->pairs[i];
+        if (touch_pair(t->c, q) && q->reach > (BRISK + LOOKS) * q->size)        /* it looked so far ahead, for the pair is fast */
+            t->struck[i] = (float)struck(g, q, t->c->dt);
     }
 }
 
@@ -134,8 +136,7 @@ static bool follow(Crowd *c, GroupPair *q)
 {
     Group *g = c->g;
     real *a = &c->stop[q->a], *b = &c->stop[q->b], most = real_max(*a, *b), way = most * c->dt;
-    bool both = g->member[q->a].moves && g->member[q->b].moves;
-    if (!both || !(way > BRISK * q->size) || (*a == *b && q->reach >= way))
+    if (!(way > BRISK * q->size) || (*a == *b && q->reach >= way) || !c->trait[q->a].moves || !c->trait[q->b].moves)
         return false;
     if (least_gap(g, q) > 0 && q->reach < way)
         group_touch_within(g, q, way + q->reach);
@@ -147,27 +148,47 @@ static bool follow(Crowd *c, GroupPair *q)
 
 #define FOLLOWERS 32            /* as many bodies one behind the other */
 
-/* Bodies that fall together do not close on each other until the first of them is stopped, and then within the step. */
-static dig_status look_behind(Crowd *c, const float *struck)
+/* The ends of pairs that were struck may be stopped. news: 1 for these. False: out of memory. */
+static bool note_stops(Crowd *c, const float *struck, uint8_t **news)
 {
     Group *g = c->g;
-    bool more = false;
     for (int i = 0; i < g->pair_count; i++) {
         if (!(struck[i] > 0))
             continue;
-        c->stop = c->stop ? c->stop : arena_zero(g->arena, (size_t)g->body_count * sizeof *c->stop);
-        if (!c->stop)
-            return DIG_E_MEMORY;
+        if (!c->stop) {
+            c->stop = arena_zero(g->arena, (size_t)g->body_count * sizeof *c->stop);
+            *news = arena_zero(g->arena, (size_t)g->body_count);
+            if (!c->stop || !*news)
+                return false;
+        }
         for (int k = 0; k < 2; k++) {
             int body = k ? g->pairs[i].b : g->pairs[i].a;
-            c->stop[body] = g->member[body].moves ? real_max(c->stop[body], (real)struck[i]) : 0;
+            c->stop[body] = c->trait[body].moves ? real_max(c->stop[body], (real)struck[i]) : 0;
+            (*news)[body] = 1;
         }
-        more = true;
     }
-    for (int round = 0; round < FOLLOWERS && more; round++) {
+    return true;
+}
+
+/* Bodies that fall together do not close on each other until the first of them is stopped, and then within the step. A pair is looked
+ * at again only when there was news of one of its bodies in the round before, or is in this one. */
+static dig_status look_behind(Crowd *c, const float *struck)
+{
+    Group *g = c->g;
+    uint8_t *news = NULL;       /* [body_count] number of the round in which its stop was changed last, counted from 1; 0 = in none */
+    if (!note_stops(c, struck, &news))
+        return DIG_E_MEMORY;
+    bool more = c->stop != NULL;
+    for (int round = 1; round <= FOLLOWERS && more; round++) {
         more = false;
-        for (int i = 0; i < g->pair_count; i++)
-            more = follow(c, &g->pairs[i]) || more;
+        for (int i = 0; i < g->pair_count; i++) {
+            GroupPair *q = &g->pairs[i];
+            int latest = int_max(news[q->a], news[q->b]);
+            if (latest == 0 || latest < round - 1 || !follow(c, q))
+                continue;
+            news[q->a] = news[q->b] = (uint8_t)round;
+            more = true;
+        }
     }
     return DIG_OK;
 }
@@ -175,7 +196,7 @@ static dig_status look_behind(Crowd *c, const float *struck)
 dig_status crowd_touch(Crowd *c)
 {
     Group *g = c->g;
-    Touching t = {g, c->dt, arena_zero(g->arena, (size_t)(g->pair_count + 1) * sizeof *t.struck)};
+    Touching t = {c, arena_zero(g->arena, (size_t)(g->pair_count + 1) * sizeof *t.struck)};
     if (!t.struck)
         return DIG_E_MEMORY;
     team_run(g->team, touch_share, &t);

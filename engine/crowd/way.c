@@ -35,8 +35,15 @@ static dig_status open(Crowd *c)
     g->close_speed = group_close_speed(g);
     g->h = c->dt;
     DIG_TRY(group_forces(g));
-    for (int i = g->moving_count; i < g->body_count; i++)
-        g->member[i].start_pos = g->pos[i];
+    c->trait = arena_alloc(g->arena, (size_t)g->body_count * sizeof *c->trait);
+    if (!c->trait)
+        return DIG_E_MEMORY;
+    for (int i = 0; i < g->body_count; i++) {
+        Member *m = &g->member[i];
+        c->trait[i] = (Trait){m->travel, m->pull, m->moves, m->kinematic, m->dormant, m->round};
+        if (i >= g->moving_count)
+            m->start_pos = g->pos[i];
+    }
     real size = smallest(g);
     c->push_most = (float)(PUSH_MOST * sqrt(size));
     c->bounce_least = (float)(g->close_speed + 2 * g->fall * (real)c->h);
@@ -70,6 +77,7 @@ static dig_status advance(Group *g, real dt)
 {
     Crowd c = {.g = g, .team = g->team, .dt = dt, .substeps = g->plan->substeps, .h = (float)(dt / g->plan->substeps), .bodies = g->moving_count};
     DIG_TRY(open(&c));
+    ArenaMark mark = arena_mark(g->arena);
     DIG_TRY(crowd_touch(&c));
     DIG_TRY(bodies_open(&c));
     DIG_TRY(rows_open(&c));
@@ -81,6 +89,11 @@ static dig_status advance(Group *g, real dt)
     g->sweeps = c.passes;
     bodies_close(&c);
     DIG_TRY(book_close(&c));
+    if (g->strike_count == 0) {     /* nothing of it is needed any more: the next group finds its room still in the cache */
+        arena_rewind(g->arena, mark);
+        g->strikes = NULL;
+        g->strike_capacity = 0;
+    }
     if (g->woke)
         return DIG_OK;          /* this try is thrown away: the sleeper wakes and the step starts again */
     DIG_TRY(g->stage(g, STAGE_SETTLE));

@@ -116,11 +116,10 @@ static dig_status list_moving(Group *g, int *joints)
     return sort_u32(slots, n, g->arena);
 }
 
-/* Unless it can move by itself; the last one noted is mostly the same: the ground. */
-static void note_still(const World *w, uint32_t *still, int *count, uint32_t body)
+/* The last one noted is mostly the same: the ground. */
+static void note_still(uint32_t *still, int *count, uint32_t body)
 {
-    bool stands = body == NONE || w->bodies.data[body].kind != DIG_DYNAMIC;
-    if (stands && (*count == 0 || still[*count - 1] != body))
+    if (*count == 0 || still[*count - 1] != body)
         still[(*count)++] = body;
 }
 
@@ -136,15 +135,20 @@ static dig_status list_still(Group *g, const uint32_t *pairs, int pair_count, in
     if (!still)
         return DIG_E_MEMORY;
     for (int i = 0; i < pair_count; i++) {
-        note_still(w, still, &n, w->pairs.data[pairs[i]].body_a);
-        note_still(w, still, &n, w->pairs.data[pairs[i]].body_b);
+        const Pair *p = &w->pairs.data[pairs[i]];
+        if (i + FETCH_AHEAD < pair_count)
+            fetch_soon(&w->pairs.data[pairs[i + FETCH_AHEAD]], offsetof(Pair, next));
+        if (!p->dynamic_a)
+            note_still(still, &n, p->body_a);
+        if (!p->dynamic_b)
+            note_still(still, &n, p->body_b);
     }
     for (int i = 0; i < g->moving_count && joints > 0; i++)
         for (uint32_t j = w->bodies.data[g->slots[i]].joint_first; j != NONE; j = joint_next(w, j, g->slots[i])) {
             const JointRec *r = &w->joints.data[j];
             uint32_t other = r->a == g->slots[i] ? r->b : r->a;
-            if (other != NONE)
-                note_still(w, still, &n, other);
+            if (other != NONE && w->bodies.data[other].kind != DIG_DYNAMIC)
+                note_still(still, &n, other);
         }
     DIG_TRY(sort_u32(still, n, g->arena));
     for (int i = 0; i < n; i++)
@@ -527,12 +531,13 @@ static bool contact_idle(const GroupContact *c)
     return c->manifold.count == 0 && vec3_is_zero(c->impulse) && vec3_is_zero(c->rolling) && !c->sliding;
 }
 
-typedef struct Verdict { int changed, turned, widened, live, rubbing; } Verdict;     /* counts of one thread */
+typedef struct Verdict { int changed, turned, widened, live, rubbing; real finest; } Verdict;     /* of one thread */
 typedef struct Judge { Group *g; real dt; Verdict *verdict; } Judge;
 
 static void judge_pair(Group *g, int i, real dt, Verdict *v, int *changed, int *turned)
 {
     GroupPair *q = &g->pairs[i];
+    v->finest = real_min(v->finest, q->size);
     q->touching = false;
     for (int k = q->contact; k < q->contact + q->contacts; k++) {
         GroupContact *c = &g->contacts[k];
@@ -561,7 +566,7 @@ static void judge_share(void *context, int thread, int threads)
     const Judge *j = context;
     Group *g = j->g;
     int first = team_first(g->pair_count, thread, threads), end = team_end(g->pair_count, thread, threads);
-    Verdict v = {0};
+    Verdict v = {.finest = INFINITY};
     for (int i = first; i < end; i++)
         judge_pair(g, i, j->dt, &v, g->changed + first, g->turned + g->pairs[first].contact);
     j->verdict[thread] = v;
@@ -576,6 +581,7 @@ dig_status group_judge(Group *g, real dt)
         return DIG_E_MEMORY;
     team_run(g->team, judge_share, &j);
     g->changed_count = g->turned_count = g->widened_count = g->live_count = g->rubbing_count = 0;
+    g->finest = INFINITY;
     for (int t = 0; t < threads && g->pair_count > 0; t++) {
         const Verdict *v = &j.verdict[t];
         int first = team_first(g->pair_count, t, threads);
@@ -588,6 +594,7 @@ dig_status group_judge(Group *g, real dt)
         g->widened_count += v->widened;
         g->live_count += v->live;
         g->rubbing_count += v->rubbing;
+        g->finest = real_min(g->finest, v->finest);
     }
     return DIG_OK;
 }
@@ -617,6 +624,8 @@ static void commit_body(World *w, const Group *g, int i, real dt)
 {
     const Member *m = &g->member[i];
     Body *b = &w->bodies.data[m->slot];
+    b->watch.rise = m->moves ? g->watch.part : 0;
+    b->watch.borne = m->moves ? g->watch.part_borne : 0;
     if (!m->moves)
         return;
     vec3 old_v = vec3_sub(b->v, b->hit_v), old_w = vec3_sub(b->w, b->hit_w);

@@ -209,6 +209,7 @@ struct Group {
     int       live_count, rubbing_count;        /* group_judge: contacts with points, and those of them with friction */
     int      *turned;       int turned_count;   /* group_judge: contacts whose record in the world comes, goes, or gets room for more points */
     int       widened_count;    /* group_judge: the last of these                  */
+    real      finest;           /* m   group_judge: size of the smallest solid in a pair; INFINITY: there is no pair */
     GroupContact *contacts; int contact_count;
     ContactPoint *places;   int place_count;    /* of each contact, room for its points first, then for their memories */
     GroupJoint *joints;     int joint_count;
@@ -257,6 +258,7 @@ struct Group {
         real  elastic;          /* J   in its springs at the start of the step                    */
         real  rise, borne;      /* J   gained without work in it; how much may be                 */
         real  carried, carried_borne;   /* J   the same, of the steps before                      */
+        real  part, part_borne; /* J   what each member carries on of the sum of rises, and of how much may be */
         real  smallest;         /* m   size of its smallest moving body                           */
         int   gainer;           /*     who gained most                                            */
         int   count;            /*     moving bodies                                              */
@@ -265,6 +267,7 @@ struct Group {
     real      effect_us[MAX_EFFECTS], touch_us;     /* us, only in timed steps */
     bool      timed;
     dig_status status;
+    bool      sound;            /* it came out well, and all its numbers are finite and not too large */
     int       culprit;          /* local body that became non-finite */
     const char *culprit_effect;
     bool      woke;             /* a sleeping body was pushed: its DIG wakes and the step starts again */

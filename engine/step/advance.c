@@ -147,6 +147,32 @@ static void poison(Group *g, dig_body who)
             g->vel[i].v.x = (real)NAN;
 }
 
+static bool group_finite(const Group *g)
+{
+    for (int i = 0; i < g->moving_count; i++)
+        if (g->member[i].moves && !(vec3_finite(g->pos[i].x) && quat_finite(g->pos[i].q) && vel_finite(&g->vel[i])))
+            return false;
+    for (int i = 0; i < g->joint_count; i++)
+        if (!vec3_finite(g->joints[i].impulse) || !vec3_finite(g->joints[i].angular_impulse))
+            return false;
+    return g->status == DIG_OK;
+}
+
+/* Numbers may be finite and yet so large that no step could follow, nor a file hold them. */
+static bool in_range(const Group *g, int i)
+{
+    real fast = real_max(vec3_largest(vec3_abs(g->vel[i].v)), vec3_largest(vec3_abs(g->vel[i].w)));
+    return !g->member[i].moves || (vec3_largest(vec3_abs(g->pos[i].x)) <= WORLD_FAR && fast <= WORLD_FAST);
+}
+
+static bool group_in_range(const Group *g)
+{
+    for (int i = 0; i < g->moving_count; i++)
+        if (!in_range(g, i))
+            return false;
+    return true;
+}
+
 typedef struct Context { World *w; Step *s; bool blame, alone; } Context;     /* alone: this is the calling thread, and others wait */
 
 static void advance_one(void *context, int i, Arena *arena)
@@ -176,17 +202,7 @@ static void advance_one(void *context, int i, Arena *arena)
     g->status = advance_judged(g, c->s->dt);
     if (g->status == DIG_OK)
         watch_group(g);
-}
-
-static bool group_finite(const Group *g)
-{
-    for (int i = 0; i < g->moving_count; i++)
-        if (g->member[i].moves && !(vec3_finite(g->pos[i].x) && quat_finite(g->pos[i].q) && vel_finite(&g->vel[i])))
-            return false;
-    for (int i = 0; i < g->joint_count; i++)
-        if (!vec3_finite(g->joints[i].impulse) || !vec3_finite(g->joints[i].angular_impulse))
-            return false;
-    return g->status == DIG_OK;
+    g->sound = group_finite(g) && group_in_range(g);
 }
 
 static bool all_finite(const Step *s)
@@ -386,14 +402,13 @@ dig_status advance_groups(World *w, Step *s)
 
 /* ---- the finite check ---- */
 
-/* Numbers may be finite and yet so large that no step could follow, nor a file hold them. */
 static dig_status check_range(World *w, const Group *g)
 {
     for (int i = 0; i < g->moving_count; i++) {
+        if (in_range(g, i))
+            continue;
         real far = vec3_largest(vec3_abs(g->pos[i].x));
         real fast = real_max(vec3_largest(vec3_abs(g->vel[i].v)), vec3_largest(vec3_abs(g->vel[i].w)));
-        if (!g->member[i].moves || (far <= WORLD_FAR && fast <= WORLD_FAST))
-            continue;
         const Body *b = &w->bodies.data[g->member[i].slot];
         accuse(w, g, i);
         w->stats.rejected++;
@@ -411,6 +426,8 @@ static dig_status check_range(World *w, const Group *g)
 dig_status check_finite(World *w, Step *s)
 {
     for (int i = 0; i < s->count; i++) {
+        if (s->groups[i].sound)
+            continue;
         if (group_finite(&s->groups[i])) {
             DIG_TRY(check_range(w, &s->groups[i]));
             continue;

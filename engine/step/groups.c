@@ -45,8 +45,6 @@ static uint32_t dig_node(World *w, uint32_t body, Found *f)
     return lead;
 }
 
-static bool is_dynamic(const World *w, uint32_t body) { return body != NONE && w->bodies.data[body].kind == DIG_DYNAMIC; }
-
 /* Only what is listed has a reach of this step. */
 static box3 reach_now(const World *w, const Solid *s, bool listed)
 {
@@ -68,7 +66,7 @@ static bool mover_wakes(World *w, uint32_t mover, uint32_t other)
 static bool is_listed(const World *w, uint32_t body) { return body != NONE && w->bodies.data[body].listed; }
 
 /* What is found out about a listed pair before anything is united. */
-enum { GONE, APART, MEETS };
+enum { GONE, APART, MEETS, WITHIN };        /* WITHIN: so do two of the same DIG, which unites nothing */
 
 typedef struct Looking { World *w; uint8_t *found; } Looking;       /* [near] */
 
@@ -103,9 +101,14 @@ static void look_share(void *context, int thread, int threads)
             continue;                       /* gone; or gone, and its slot was given to a new pair */
         bool a = is_listed(w, p->body_a), b = is_listed(w, p->body_b);
         p->listed = a || b;
-        if (p->listed)
-            l->found[i] = (is_dynamic(w, p->body_a) || is_dynamic(w, p->body_b)) &&
-                          box3_overlap(reach_now(w, &w->solids.data[p->solid_a], a), reach_now(w, &w->solids.data[p->solid_b], b)) ? MEETS : APART;
+        if (!p->listed)
+            continue;
+        l->found[i] = APART;
+        if (!(p->dynamic_a || p->dynamic_b) ||
+            !box3_overlap(reach_now(w, &w->solids.data[p->solid_a], a), reach_now(w, &w->solids.data[p->solid_b], b)))
+            continue;
+        bool within = p->dynamic_a && p->dynamic_b && graph_lead(w->graph, p->body_a) == graph_lead(w->graph, p->body_b);
+        l->found[i] = within ? WITHIN : MEETS;
     }
 }
 
@@ -113,13 +116,10 @@ static void look_share(void *context, int thread, int threads)
 static dig_status collect_pair(World *w, uint32_t slot, Found *f)
 {
     const Pair *p = &w->pairs.data[slot];
-    bool a = is_dynamic(w, p->body_a), b = is_dynamic(w, p->body_b);
-    if (a && b) {
-        uint32_t one = graph_lead(w->graph, p->body_a), other = graph_lead(w->graph, p->body_b);
-        if (one != other)               /* else its DIG is awake, for one end is listed, and noted */
-            unite(w, dig_node(w, p->body_a, f), dig_node(w, p->body_b, f));
+    if (p->dynamic_a && p->dynamic_b) {
+        unite(w, dig_node(w, p->body_a, f), dig_node(w, p->body_b, f));
     } else {
-        uint32_t body = a ? p->body_a : p->body_b, other = a ? p->body_b : p->body_a;
+        uint32_t body = p->dynamic_a ? p->body_a : p->body_b, other = p->dynamic_a ? p->body_b : p->body_a;
         if (!w->bodies.data[body].awake)    /* the other is a mover, for one end is listed */
             return mover_wakes(w, other, body) ? DIG_E_BUSY : DIG_OK;
         dig_node(w, body, f);
@@ -168,6 +168,8 @@ static dig_status collect_pairs(World *w, Found *f)
         near[n++] = near[i];
         if (status == DIG_OK && l.found[i] == MEETS)
             status = collect_pair(w, near[i], f);
+        else if (status == DIG_OK && l.found[i] == WITHIN)
+            f->pairs[f->pair_count++] = near[i];        /* its DIG is awake, for one end is listed, and noted */
     }
     w->near.count = n;
     return status;
@@ -253,7 +255,7 @@ static bool takes_chain(const World *w, const Step *s, const struct StepGroup *g
 static uint32_t pair_root(World *w, uint32_t pair)
 {
     const Pair *p = &w->pairs.data[pair];
-    return find_root(w, graph_lead(w->graph, is_dynamic(w, p->body_a) ? p->body_a : p->body_b));
+    return find_root(w, graph_lead(w->graph, p->dynamic_a ? p->body_a : p->body_b));
 }
 
 /* Shares the sorted nodes and pairs out to the groups, the one with the lowest root first. A root is the lowest node of its group, so
@@ -361,7 +363,7 @@ dig_status form_groups(World *w, Step *s)
     if (!f.nodes || !f.pairs)
         return world_fail(w, DIG_E_MEMORY, "not enough memory for the step's groups");
     for (int i = 0; i < w->awake.count; i++)
-        if (is_dynamic(w, w->awake.data[i]))
+        if (body_dynamic(w, w->awake.data[i]))
             dig_node(w, w->awake.data[i], &f);
     s->count = 0;
     dig_status status = collect_pairs(w, &f);

@@ -51,16 +51,14 @@ dig_status reserve_regraph(World *w, Step *s)
     return graph_reserve(w->graph, w->bodies.capacity, w->touches.capacity + w->joints.capacity);
 }
 
-static bool is_dynamic(const World *w, uint32_t body) { return body != NONE && w->bodies.data[body].kind == DIG_DYNAMIC; }
-
 static void begin_link(World *w, uint32_t touch)
 {
     Touch *t = &w->touches.data[touch];
     uint32_t a = t->body_a, b = t->body_b;
     if (t->link != NONE || b == NONE)
         return;                             /* a wall has no body: a touch, but no link */
-    bool bound = !is_dynamic(w, a) || !is_dynamic(w, b);
-    if (bound && !is_dynamic(w, a)) {       /* the static end comes second */
+    bool bound = !body_dynamic(w, a) || !body_dynamic(w, b);
+    if (bound && !body_dynamic(w, a)) {       /* the static end comes second */
         uint32_t x = a;
         a = b;
         b = x;
@@ -151,7 +149,7 @@ static void touch_pair(World *w, const Group *g, const GroupPair *q, real start)
         return;
     }
     /* ended, or a bounce: remembered until the end of this step's regraph, or of the next one's */
-    bool both_move = is_dynamic(w, p->body_a) && is_dynamic(w, p->body_b) &&
+    bool both_move = body_dynamic(w, p->body_a) && body_dynamic(w, p->body_b) &&
                      (q->both_moved || (moves_now(w, p->body_a) && moves_now(w, p->body_b)));
     if (q->struck && both_move)
         begin_link(w, slot);

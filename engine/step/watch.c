@@ -72,6 +72,22 @@ static real kinetic(const Body *b, quat q, vec3 v, vec3 w)
     return 0.5 * body_inertness(b) * (b->mass * vec3_length2(v) + spin);
 }
 
+/* s  For about so long a rise is compared with the most energy that the group had. */
+#define LATELY 2
+
+/* The sum of all rises of a group since it last lost as much (Page 1954, Biometrika 41, 100: a cumulative sum that starts anew at
+ * zero): what an oscillation takes and gives back is no rise. */
+static real rise_of(const Group *g) { return g->stores ? 0 : real_max(0, g->watch.carried + g->watch.rise); }
+static real borne_of(const Group *g) { return real_max(g->watch.borne, g->watch.carried_borne / (1 + g->world->def.step / LATELY)); }
+
+/* All members carry the same part, from the commit on, so that a group that falls apart takes it along. */
+static void carry(Group *g, real rise, real borne)
+{
+    real part = 1 / real_max(1, g->watch.count);
+    g->watch.part = part * rise;
+    g->watch.part_borne = part * borne;
+}
+
 #define STANDS 0.01             /* of its size a second: what moves slower stands  */
 #define HOP 0.1                 /* of its size: so high it may hop                */
 
@@ -106,6 +122,7 @@ void watch_group(Group *g)
     watch->rise += end - watch->elastic - g->work_in - g->law;
     watch->rise = real_min(watch->rise, real_max(0, motion));       /* what is moved out of an overlap may be lifted */
     watch->borne += part * (end + watch->elastic);
+    carry(g, rise_of(g), borne_of(g));
 }
 
 /* ---- what lasts is recorded ---- */
@@ -151,33 +168,15 @@ static bool lasts(World *w, dig_rule rule, uint32_t slot, uint64_t pause)
     return true;
 }
 
-/* s  For about so long a rise is compared with the most energy that the group had. */
-#define LATELY 2
-
-/* All members carry the same part, so that a group that falls apart takes it along. */
-static void carry(World *w, const Group *g, real rise, real borne)
-{
-    real part = 1 / real_max(1, g->watch.count);
-    for (int i = 0; i < g->moving_count; i++) {
-        BodyWatch *b = &w->bodies.data[g->slots[i]].watch;
-        b->rise = g->member[i].moves ? part * rise : 0;
-        b->borne = g->member[i].moves ? part * borne : 0;
-    }
-}
-
-/* The sum of all rises of a group since it last lost as much (Page 1954, Biometrika 41, 100: a cumulative sum that starts anew at
- * zero): what an oscillation takes and gives back is no rise. */
+/* Who was told of a rise does not carry it on. */
 static void judge_energy(World *w, const Group *g)
 {
-    const struct GroupWatch *watch = &g->watch;
-    uint32_t lead = g->slots[0];
-    real borne = real_max(watch->borne, watch->carried_borne / (1 + w->def.step / LATELY));
-    real rise = g->stores ? 0 : real_max(0, watch->carried + watch->rise);
-    if (rise > borne && lasts(w, DIG_RULE_ENERGY, lead, 0)) {
-        warn(w, DIG_RULE_ENERGY, g->member[watch->gainer].slot, rise, borne, "");
-        rise = 0;
-    }
-    carry(w, g, rise, borne);
+    real rise = rise_of(g), borne = borne_of(g);
+    if (!(rise > borne) || !lasts(w, DIG_RULE_ENERGY, g->slots[0], 0))
+        return;
+    warn(w, DIG_RULE_ENERGY, g->member[g->watch.gainer].slot, rise, borne, "");
+    for (int i = 0; i < g->moving_count; i++)
+        w->bodies.data[g->slots[i]].watch.rise = 0;
 }
 
 /* Of two bodies, the lighter one that moves. */
@@ -189,8 +188,8 @@ static uint32_t lighter(const Group *g, int a, int b)
     return g->member[first || b < 0 ? a : b].slot;
 }
 
-/* Part of the size of a group's smallest body below which nobody looks at its contacts one by one. */
-#define FINE 1e-3
+/* Part of the bound for the smallest pair of a group below which nobody looks at its contacts one by one. */
+#define FINE 0.1
 
 static real depth_of(const GroupContact *c)
 {
@@ -202,7 +201,7 @@ static real depth_of(const GroupContact *c)
 
 static void judge_overlaps(World *w, const Group *g)
 {
-    if (!(g->penetration > FINE * g->watch.smallest))
+    if (!(g->penetration > FINE * rules[DIG_RULE_OVERLAP].bound * g->finest))
         return;
     for (int i = 0; i < g->contact_count; i++) {
         const GroupContact *c = &g->contacts[i];

@@ -32,6 +32,8 @@ static dig_status check_pairs(const World *w)
         uint32_t found;
         if (!pair_find(w, p->solid_a, p->solid_b, &found) || found != (uint32_t)i)
             return world_fail(w, DIG_E_ARG, "pair %d is not in the index", i);
+        if (p->dynamic_a != body_dynamic(w, p->body_a) || p->dynamic_b != body_dynamic(w, p->body_b))
+            return world_fail(w, DIG_E_ARG, "pair %d does not know the kinds of its bodies", i);
         for (uint32_t c = p->contact; c != NONE; c = w->contacts.data[c].next)
             if (w->contacts.data[c].count > (w->contacts.data[c].more == NONE ? 1 : MANIFOLD_POINTS))
                 return world_fail(w, DIG_E_ARG, "pair %d has a contact of %d points without room for them", i, w->contacts.data[c].count);

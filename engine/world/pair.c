@@ -31,6 +31,8 @@ void contact_give(World *w, uint32_t slot)
 void pair_sort(const World *w, Pair *p)
 {
     const ShapeType *a = w->solids.data[p->solid_a].shape.type, *b = w->solids.data[p->solid_b].shape.type;
+    p->dynamic_a = body_dynamic(w, p->body_a);
+    p->dynamic_b = body_dynamic(w, p->body_b);
     p->pieces = a->pieces || b->pieces;
     p->round = a == &shape_sphere || b == &shape_sphere;
 }

@@ -141,6 +141,7 @@ typedef struct Pair {           /* two solids whose fat boxes overlap; what ever
     bool     listed : 1;        /* in world->near                                      */
     bool     pieces : 1;        /* with a mesh or height field: it has a list of contacts, else one at most */
     bool     round : 1;         /* with a sphere: no contact of it has more than one point */
+    bool     dynamic_a : 1, dynamic_b : 1;      /* the kinds of its bodies: to look at these for it would be a miss each */
     bool     touching, fresh;   /* fresh: the stored manifold is not that of the present poses */
     uint32_t solid_a, solid_b, body_a, body_b;     /* body NONE: the world; solid_a < solid_b */
     uint32_t next[2], prev[2];  /* lists of the two solids, as 2 * pair + side         */
@@ -346,6 +347,8 @@ static inline Region *world_region(const World *w, dig_region r)
         return NULL;
     return &w->regions.data[r.slot];
 }
+/* NONE, the world itself, is not. */
+static inline bool body_dynamic(const World *w, uint32_t slot) { return slot != NONE && w->bodies.data[slot].kind == DIG_DYNAMIC; }
 static inline real world_time(const World *w) { return (real)w->steps * w->def.step; }
 
 /* Pose of the body's origin. */
@@ -450,7 +453,7 @@ static inline void contacts_fetch(const World *w, const Pair *p, const Pair *end
 dig_status contact_take(World *w, uint32_t *slot);      /* without a point, next or room for more than one */
 dig_status contact_widen(World *w, Contact *c);         /* room for all points; DIG_E_MEMORY: unchanged */
 void       contact_give(World *w, uint32_t slot);
-void       pair_sort(const World *w, Pair *p);           /* what its shapes make it: pieces, round */
+void       pair_sort(const World *w, Pair *p);           /* what its solids make it: pieces, round, whose ends are dynamic */
 dig_status pair_add(World *w, uint32_t solid_a, uint32_t solid_b);     /* that are none yet */
 bool       pair_find(const World *w, uint32_t solid_a, uint32_t solid_b, uint32_t *pair);         /* in any order */
 dig_status pair_enter(World *w, uint32_t pair);         /* into the index; it is not there yet */
