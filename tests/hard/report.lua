@@ -148,6 +148,17 @@ local function write_table(list, add)
   end
 end
 
+-- Other frame steps: what the issue is judged by, without costs and other engines.
+local function write_compact(list, add)
+  add "| case | verdict | criterion nearest to failing | measured | limit | always |"
+  add "|---|---|---|---:|---:|---|"
+  for _, r in ipairs(list) do
+    local verdict = r.verdict == "pass" and "pass" or "**" .. r.verdict .. "**"
+    add("| %s %s | %s | %s | %s | %s | %s |", r.id, cell(r.title), verdict, cell(r.worst or ""), short(r.value),
+      ((r.limit or ""):gsub("<= ", "")), cell(r.always or ""))
+  end
+end
+
 local function write_failures(list, add)
   add ""
   add "### What fails"
@@ -163,16 +174,36 @@ local function write_failures(list, add)
   end
 end
 
-local function figures(list)
-  local out, passed, fine = {}, 0, 0
-  local function add(format, ...) out[#out + 1] = select("#", ...) > 0 and format:format(...) or format end
+-- The rows of one frame step, and one sentence on them
+local function at_step(list, step, add)
+  local some, passed, fine = {}, 0, 0
   for _, r in ipairs(list) do
-    passed, fine = passed + (r.verdict == "pass" and 1 or 0), fine + (r.always == "ok" and 1 or 0)
+    if r.step == step then
+      some[#some + 1] = r
+      passed, fine = passed + (r.verdict == "pass" and 1 or 0), fine + (r.always == "ok" and 1 or 0)
+    end
   end
-  add("%d runs (a case at a frame step): %d pass their own criteria; in %d all of G1 to G8 hold.", #list, passed, fine)
-  summary(list, add)
+  if #some > 0 then
+    add ""
+    add("### At %s s", step)
+    add ""
+    add("%d cases: %d pass their own criteria; in %d all of G1 to G8 hold.", #some, passed, fine)
+  end
+  return some
+end
+
+local function figures(list)
+  local out = {}
+  local function add(format, ...) out[#out + 1] = select("#", ...) > 0 and format:format(...) or format end
+  local usual = at_step(list, "1/60", add)
+  summary(usual, add)
   add ""
-  write_table(list, add)
+  if #usual > 0 then write_table(usual, add) end
+  for _, step in ipairs { "1/30", "1/1000" } do
+    local some = at_step(list, step, add)
+    add ""
+    if #some > 0 then write_compact(some, add) end
+  end
   write_failures(list, add)
   return table.concat(out, "\n")
 end
