@@ -149,6 +149,30 @@ static dig_status force(const EffectSlot *e, Group *g)
     return DIG_OK;
 }
 
+/* Might some of the body get wet in this step? */
+static bool comes_near(const World *w, const Water *water, const Body *b, vec3 up)
+{
+    real dt = w->def.step, r = b->outer + dt * (vec3_length(b->v) + dt * b->pull);
+    box3 at = box3_grow((box3){b->x, b->x}, r);
+    real x[3][3] = {{water->at.x - at.high.x, at.low.x - water->at.x, water->size.x},
+                    {water->at.y - at.high.y, at.low.y - water->at.y, water->size.y},
+                    {water->at.z - at.high.z, at.low.z - water->at.z, water->size.z}};
+    real rise[3] = {up.x, up.y, up.z};
+    for (int k = 0; k < 3; k++)             /* below its low end, or past its high one; what is above counts as within */
+        if (x[k][2] > 0 && ((rise[k] >= 0 && x[k][0] > 0.5 * x[k][2]) || (rise[k] <= 0 && x[k][1] > 0.5 * x[k][2])))
+            return false;
+    return vec3_dot(up, b->x) - r <= water->level;
+}
+
+static bool wanted(const World *w, const Group *g)
+{
+    const EffectSlot *e = other(w, "buoyancy");
+    for (int i = 0; e && e->world && i < g->moving_count; i++)
+        if (comes_near(w, e->world, &w->bodies.data[g->member[i].slot], medium_up(w)))
+            return true;
+    return false;
+}
+
 /* J/m^3  What it takes to push something under: the weight of the water displaced, times how far it was lifted. Its density is linear
  * in height. */
 static real pushed(const World *w, const Water *water, real height)
@@ -207,6 +231,7 @@ const EffectType effect_buoyancy = {
     .cite = "archimedes1897",
     .world_params = world_params,
     .world_size = sizeof(Water),
+    .wanted = wanted,
     .varies = true,
     .energy = energy,
     .flow = flow,

@@ -181,14 +181,15 @@ end
 
 local delivering                 -- the Lua side of the world whose events are being delivered
 
--- Two handlers of one step may both remove a body that was hit twice: the second has nothing to do any more, and is no mistake.
+-- Two handlers of one step may both remove a body that was hit twice: the second has nothing to do any more, and is no mistake. One that
+-- removes it twice itself makes one.
 local remove = core.types.body.methods.remove
 function core.types.body.methods.remove(body)
   local gone = delivering and delivering.gone
   if not gone then return remove(body) end
-  if not gone[body] or body.valid then
+  if not gone[body] or gone[body] == delivering.calls or body.valid then
     remove(body)
-    gone[body] = true
+    gone[body] = delivering.calls
   elseif not delivering.removed_twice and not core.options.quiet then
     delivering.removed_twice = true
     local name = tostring(body):gsub("^removed ", "")
@@ -203,7 +204,7 @@ local function who(e)
 end
 
 local function call(state, sub, e)
-  state.in_handler = sub.kind
+  state.in_handler, state.calls = sub.kind, (state.calls or 0) + 1
   local ok, message = core.call(sub.fn, copy_for(e, sub.body))
   state.in_handler = nil
   if ok then
