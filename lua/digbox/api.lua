@@ -298,6 +298,30 @@ local function show_property(lines, name)
   return p or f
 end
 
+-- What a material gives its bodies, and their units.
+api.material_columns = { { "density", "kg/m^3" }, { "friction", "1" }, { "friction_dynamic", "1" }, { "rolling_friction", "1" },
+  { "restitution", "1" }, { "heat_capacity", "J/(kg K)" }, { "conductivity", "W/(m K)" }, { "resistivity", "ohm m" }, { "strength", "Pa" },
+  { "stiffness", "Pa" } }
+
+local function show_material(lines, name)
+  local world, known = core.digbox.world {}, {}
+  for _, other in ipairs(core.material_names(world)) do known[other] = true end
+  if known[name] then
+    local m, rows = core.material_of(world, name), {}
+    for i, c in ipairs(api.material_columns) do
+      rows[i] = { c[1], m[c[1]] and ("%.6g%s"):format(m[c[1]], c[2] ~= "1" and " " .. c[2] or "") or "" }
+    end
+    for _, p in ipairs(core.material_pairs(world)) do
+      local other = p.a == name and p.b or p.b == name and p.a
+      if other and p.friction then rows[#rows + 1] = { "friction on " .. other, ("%.6g"):format(p.friction) } end
+    end
+    lines[#lines + 1] = ('material = "%s" gives a body'):format(name)
+    append(lines, columns(rows))
+    lines[#lines + 1] = "All materials: digbox api --materials"
+  end
+  world:close()
+end
+
 -- The text for one name, or nil.
 function api.explain(name)
   local lines = {}
@@ -321,6 +345,7 @@ function api.explain(name)
     gap()
     show_property(lines, "body." .. name)
   end
+  if #lines == 0 then show_material(lines, name) end
   return #lines > 0 and lines or nil
 end
 

@@ -244,9 +244,7 @@ end
 
 -- ---- docs/materials.md ----
 
-local columns = { { "density", "kg/m^3" }, { "friction", "1" }, { "friction_dynamic", "1" }, { "rolling_friction", "1" }, { "restitution",
-  "1" },
-  { "heat_capacity", "J/(kg K)" }, { "conductivity", "W/(m K)" }, { "resistivity", "ohm m" }, { "strength", "Pa" }, { "stiffness", "Pa" } }
+local columns = api.material_columns
 
 local function figure(x) return x and ("%.6g"):format(x) or "" end
 

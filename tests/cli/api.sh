@@ -21,6 +21,7 @@ gives 2 'an unknown option' api --frobnicate
 # ---- the forms ----
 gives 0 'markdown' api --markdown
 holds 'docs/lua.md is of today (make docs)' cmp out.txt "$tree/docs/lua.md"
+gives 0 'a material' api oak; printed 'material = "oak" gives a body'; printed '720 kg/m^3'
 gives 0 'materials' api --materials
 holds 'docs/materials.md is of today (make docs)' cmp out.txt "$tree/docs/materials.md"
 (cd "$tree" && sh .ci/gallery.sh page "$DIGBOX") >gallery.md
