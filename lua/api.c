@@ -114,7 +114,7 @@ static int command_api(int argc, char **argv)
 
 const Command api_command = {
     .name = "api",
-    .use = "  digbox api [NAME] [options]                     what a script can name: functions, fields, events\n",
+    .use = "  digbox api [NAME] [options]                     what a script can name: functions, fields, events, materials\n",
     .options =
         "      --json              for programs\n"
         "      --luacats           for editors: the file digbox.d.lua\n"
