@@ -201,6 +201,7 @@ static dig_status prepare(World *w, const dig_joint_def *def, JointRec *r)
     char why[256] = "";
     if (param_check(type->params, r->params, type->name, why, sizeof why) != DIG_OK)
         return world_fail(w, DIG_E_ARG, "%s", why);
+    param_settle(type->params, r->params);
     if (!memchr(def->name.s, 0, sizeof def->name.s))
         return world_fail(w, DIG_E_ARG, "%s: its name is longer than 63 bytes", type->name);
     if (!(def->breaks_at > 0))
@@ -363,6 +364,7 @@ static dig_status do_set(World *w, dig_joint handle, const dig_setting *set, int
     memcpy(params, r->params, sizeof params);
     for (int i = 0; i < count; i++)
         DIG_TRY(set_one(w, r, &set[i], params, &breaks_at));
+    param_settle(r->type->params, params);
     if (memcmp(params, r->params, sizeof params) != 0) {
         DIG_TRY(check_params(w, r, params));
         real before = api_joint_energy(w, handle.slot);

@@ -237,6 +237,7 @@ static dig_status do_add_material(World *w, const char *name, const dig_material
         snprintf(w->materials.data[i].name, sizeof w->materials.data[i].name, "%s", name);
     }
     w->materials.data[i].def = *def;
+    param_settle(dig_schema_at("material", 0)->rows, &w->materials.data[i].def);
     return DIG_OK;
 }
 

@@ -39,6 +39,7 @@ static dig_status do_create(World *w, const dig_region_def *def, dig_region *out
     pose at = def->at;
     at.q = quat_norm2(at.q) > 0 ? quat_unit(at.q) : quat_identity();
     w->regions.data[slot] = (Region){.gen = gen, .alive = true, .shape = shape, .at = at, .laws = *def};
+    param_settle(dig_schema_at("region", 0)->rows, &w->regions.data[slot].laws);
     w->regions.data[slot].laws.shape = (dig_shape_def){0};      /* the caller's: its copy is .shape */
     w->region_count++;
     region_changed(w);

@@ -58,6 +58,7 @@ static dig_status do_set(World *w, const dig_room_def *def)
     for (int i = 0; i < 6 && w->has_room; i++)
         remove_wall(w, i);
     w->room = *def;
+    param_settle(dig_schema_at("room", 0)->rows, &w->room);
     w->has_room = true;
     for (int i = 0; i < 6; i++)
         w->room_solid[i] = NONE;

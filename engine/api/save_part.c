@@ -51,8 +51,6 @@ void save_pose(Pack *p, pose *at, const char *what)
 
 /* ---- structs described by rows ---- */
 
-#define SPECK 1e-250    /* numbers nearer to 0 than this have no finite inverse once they are multiplied */
-
 /* Reals and whole numbers of a field, through copies: fields are reached by offset. */
 static void pack_reals(Pack *p, char *field, size_t size)
 {
@@ -89,12 +87,6 @@ static void pack_handle_field(Pack *p, const World *w, char *field)
     memcpy(field, &b, sizeof b);
 }
 
-static bool is_real(dig_kind kind)
-{
-    return kind == DIG_REAL || kind == DIG_RANGE || kind == DIG_PAIR || kind == DIG_VEC3 || kind == DIG_DIR || kind == DIG_SIZE3
-        || kind == DIG_COLOUR || kind == DIG_QUAT;
-}
-
 void save_field(Pack *p, const World *w, const dig_param *row, void *field)
 {
     switch (row->kind) {
@@ -114,7 +106,7 @@ static void check_specks(Pack *p, const char *field, size_t size)
     for (size_t at = 0; at < size; at += sizeof(real)) {
         real x;
         memcpy(&x, field + at, sizeof x);
-        pack_check(p, x == 0 || !(fabs(x) < SPECK), "a number is too small to be divided by");
+        pack_check(p, x == 0 || !(fabs(x) < PARAM_SPECK), "a number is too small to be divided by");
     }
 }
 
@@ -127,7 +119,7 @@ static void pack_fields(Pack *p, const World *w, const dig_param *rows, char *fi
             continue;
         }
         save_field(p, w, row, field);
-        if (is_real(row->kind))
+        if (param_has_reals(row))
             check_specks(p, field, param_size(row));
     }
 }

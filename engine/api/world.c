@@ -68,7 +68,9 @@ dig_status dig_world_open(const dig_world_def *def, dig_world **out, char *why, 
     *out = NULL;
     DIG_TRY(check_world_def(def, why, capacity));
     World *w;
-    DIG_TRY(world_open(def, &w, why, capacity));
+    dig_world_def settled = *def;
+    param_settle(dig_schema_at("world", 0)->rows, &settled);
+    DIG_TRY(world_open(&settled, &w, why, capacity));
     w->accuracy = !isnan(def->tolerance) ? accuracy_for(def->tolerance) : accuracy_find(def->accuracy.s[0] ? def->accuracy.s : "play");
     api_open_effects(w);
     if (def->threads > 1) {

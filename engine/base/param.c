@@ -117,6 +117,31 @@ void dig_schema_defaults(const dig_schema *s, void *def)
     param_defaults(s->rows, def);
 }
 
+/* ---- specks -------------------------------------------------------------- */
+
+bool param_has_reals(const dig_param *row)
+{
+    switch (row->kind) {
+    case DIG_REAL: case DIG_RANGE: case DIG_PAIR: case DIG_VEC3: case DIG_DIR: case DIG_SIZE3: case DIG_COLOUR: case DIG_QUAT: return true;
+    default: return false;
+    }
+}
+
+void param_settle(const dig_param *rows, void *def)
+{
+    for (const dig_param *row = rows; row && row->name; row++) {
+        char *field = (char *)def + row->offset;
+        if (row->kind == DIG_TABLE)
+            param_settle(row->rows, field);
+        for (size_t at = 0; param_has_reals(row) && at < param_size(row); at += sizeof(real)) {
+            real x;
+            memcpy(&x, field + at, sizeof x);
+            if (fabs(x) > 0 && fabs(x) < PARAM_SPECK)
+                memset(field + at, 0, sizeof x);
+        }
+    }
+}
+
 /* ---- checks ---------------------------------------------------------------- */
 
 static bool has_range(const dig_param *row)

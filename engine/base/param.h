@@ -28,6 +28,14 @@ size_t param_size(const dig_param *row);
 /* Fills def with the defaults of the rows (recursively). */
 void param_defaults(const dig_param *rows, void *def);
 
+/* Numbers nearer to 0 than this have no finite inverse once they are multiplied: records hold none. */
+#define PARAM_SPECK 1e-250
+
+bool param_has_reals(const dig_param *row);
+
+/* Makes such numbers 0, recursively. */
+void param_settle(const dig_param *rows, void *def);
+
 /* Is this one field as the row wants it? On failure DIG_E_ARG, and why holds one sentence that starts with subject:
  * "body 'plank 7': mass = -3 kg, must be > 0". */
 dig_status param_check_field(const dig_param *row, const void *field, const char *subject, char *why, size_t capacity);

@@ -208,3 +208,17 @@ scenario("what a joint cannot be is refused, with its name", function(s)
   says(function() world:bolt { holds = b, a = other } end, "world:bolt: holds and a are the same field")
   says(function() world:spring { a = b, stiffness = "5 N" } end, "world:spring.stiffness wants a stiffness; '5 N' is a force")
 end)
+
+scenario("numbers next to nothing are nothing, and a world that was given them can be loaded", function(s)
+  local world = s:world { gravity = { 1e-300, -9.81, 0 } }
+  digbox.material("thin air", { density = 1, rolling_friction = 5e-324 })
+  local b = world:box { material = "thin air", size = 0.2, at = { 0, 1, 0 } }
+  local motor = world:motor { a = b, along = { 0, 1, 0 }, speed = 5e-324 }
+  world:region { shape = digbox.box { size = 4 }, laws = { drag = 1e-300 } }
+  world:room { size = { 1e3, 1e3, 1e3 } }
+  expect(motor.speed):is(0)
+  motor:set { speed = 1e-251 }
+  s:settle "0.1 s"
+  world:save "specks.dig"
+  expect(digbox.load("specks.dig"):checksum()):is(world:checksum())
+end)
