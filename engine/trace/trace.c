@@ -316,7 +316,8 @@ static bool accept_step(Tracer *t, const Event *e)
         go_back(t);
         return trace_touch(t, false);
     }
-    trace_book(t, look ? t->old_touch : t->touch, look ? t->old_count : t->touch_count, begin);
+    bool before = look && t->relisted;
+    trace_book(t, before ? t->old_touch : t->touch, before ? t->old_count : t->touch_count, begin);
     State *old = t->y;
     t->y = t->y1;
     t->y1 = old;
