@@ -192,9 +192,11 @@ static void begin_rate(Tracer *t, const State *y, real time)
 
 bool trace_rate(Tracer *t, const State *y, real time, int stage)
 {
+    t->passing = stage > 0 && stage < STAGES - 1;
     begin_rate(t, y, time);
-    bool inside = stage > 0 && stage < STAGES - 1;      /* of the step: nothing is looked for there */
-    if (inside ? !trace_solve(t) : !trace_accelerate(t))
+    bool solved = t->passing ? trace_solve(t) : trace_accelerate(t);
+    t->passing = false;
+    if (!solved)
         return false;
     trace_keep(t, stage);
     t->known = y;

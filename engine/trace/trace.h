@@ -192,6 +192,7 @@ typedef struct Tracer {
     real   h, h_next, h_probe;  /* s  of the present step, of the next, of the probe that the present one is part of */
     bool   probed;              /* the present step has constant accelerations */
     int    probe_wait, probe_fails;
+    bool   passing;             /* an instant within a step: nothing is looked for there */
     bool   dirty;               /* kinds must be found anew                */
     bool   locks;               /* they were found with slips held in their direction: see hold_slow_slips */
     Event  hint;
