@@ -2,17 +2,9 @@
  *
  * Unsymmetric: rows are exchanged inside a block only. Golub & Van Loan, Matrix Computations, ch. 3. */
 #include "conserve/system.h"
+#include "math/pair.h"
 
-#define INLINE static inline __attribute__((always_inline))
-#if defined(__clang__)
-#define UNROLL _Pragma("clang loop unroll(full)")
-#else
-#define UNROLL _Pragma("GCC unroll 6")
-#endif
 #define SIZE_MOST TIE_ROWS      /* rows of a block: 6 of a body, at most as many of a joint */
-
-typedef real pair __attribute__((vector_size(16), aligned(8), may_alias));      /* two columns, anywhere */
-#define PAIR(x) (*(pair *)(void *)&(x))
 
 /* d of n x n becomes L U of its rows in the order `row`; the diagonal of U is inverted apart from it. */
 INLINE bool decompose(real *restrict d, int n, int *restrict row, real *restrict inverse)

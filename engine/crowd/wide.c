@@ -5,17 +5,11 @@
  * the same on all.
  */
 #include "crowd/system.h"
+#include "math/pair.h"
 
 #if defined(__GNUC__)
 #pragma GCC diagnostic ignored "-Wpsabi"        /* vectors are passed to inlined functions only */
 #endif
-/* Loops over lanes, rows and coordinates must go, so that vectors stay in registers. */
-#if defined(__clang__)
-#define UNROLL _Pragma("clang loop unroll(full)")
-#else
-#define UNROLL _Pragma("GCC unroll 8")
-#endif
-#define INLINE static inline __attribute__((always_inline))
 
 INLINE wide pick(wide_int which, wide yes, wide no) { return (wide)((which & (wide_int)yes) | (~which & (wide_int)no)); }
 INLINE wide most(wide a, wide b) { return pick(a > b, a, b); }
