@@ -136,7 +136,7 @@ static dig_status ask(World *w, uint32_t solid)
 }
 
 /* Planes are in no tree: they are compared with the boxes directly. */
-static bool plane_near(const World *w, uint32_t plane, box3 box)
+bool plane_near(const World *w, uint32_t plane, box3 box)
 {
     const Solid *p = &w->solids.data[plane];
     pose at = solid_pose(w, p);

@@ -112,7 +112,6 @@ static void mark_start(Tracer *t)
     for (int i = 0; i < t->touch_count; i++) {
         Touching *c = &t->touch[i];
         t->conserves = t->conserves && !c->gate.presses;
-        t->turns = t->turns && !c->gate.presses;
         c->gate.gap0 = c->gate.gap;
         c->gate.rate0 = c->gate.rate;
         c->gate.acc0 = c->gate.acc;

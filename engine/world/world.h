@@ -84,7 +84,7 @@ typedef struct Body {           /* what every step reads comes first            
     Surface  surface;
     vec3     colour;            /* x < 0 = the material's                              */
     real     opacity;           /* 1      as drawn                                     */
-    vec3     move_from, move_to; quat turn_from, turn_to; real move_start, move_end;   /* kinematic: s, end < start = none */
+    vec3     move_to; quat turn_to; real move_start, move_end;      /* kinematic: s, end < start = none */
     uint64_t message_id, message_root; real message_time; dig_body message_from; char message_kind[32];
 } Body;
 
@@ -217,6 +217,13 @@ typedef struct Ledger {         /* J since the start                            
     bool started;
 } Ledger;
 
+/* Counted as they come and go: whoever asks for dig_stats in every step is not to pay for all that sleeps. */
+typedef struct Tally {
+    int    touching;            /* touches that last: of a touching pair               */
+    int    smooth;              /* pairs without friction                              */
+    size_t shapes;              /* bytes of the solids' shapes                         */
+} Tally;
+
 /* What first called for an effect; what it was not is null. */
 typedef struct EffectCause { dig_body body; dig_joint joint; dig_region region; } EffectCause;
 
@@ -298,6 +305,7 @@ struct dig_world {
     dig_room_def room; bool has_room; uint32_t room_solid[6];
 
     Ledger   ledger;
+    Tally    tally;
     dig_stats stats;
     dig_warning warnings[DIG_WARNINGS]; int warning_count;
     Arena    scratch;                   /* of the calling thread                       */
@@ -404,6 +412,7 @@ dig_status world_open(const dig_world_def *def, World **out, char *why, size_t c
 void       world_close(World *w);
 size_t     world_bytes(const World *w);
 uint64_t   world_hash(const World *w);
+Tally      world_tally(const World *w);                 /* counted anew */
 
 /* body.c */
 dig_status body_create(World *w, const dig_body_def *def, dig_body *out);
@@ -467,6 +476,7 @@ void       pairs_refresh_surfaces(World *w, uint32_t body);
 dig_status touch_find_or_add(World *w, uint32_t a, uint32_t b, uint8_t wall, uint32_t *slot);
 dig_status touch_enter(World *w, uint32_t touch);       /* into the index; it is not there yet */
 void       touch_remove(World *w, uint32_t slot);
+void       touch_count(World *w, Touch *t, int more);   /* so many more of its pairs touch */
 Touch     *touch_find(const World *w, uint32_t a, uint32_t b, uint8_t wall);
 
 /* joint.c */
