@@ -128,9 +128,20 @@ static Vel relative(const Tracer *t, int i, const Rigid *m)
     return (Vel){vec3_sub(v->v, vec3_add(m->v, vec3_cross(m->w, arm))), vec3_sub(v->w, m->w)};
 }
 
+/* One body on which nothing pressed or pulled: its momenta are its state, and all its motion is rigid. */
+static bool flies_alone(const Tracer *t, int root)
+{
+    for (int i = root + 1; i < t->g->moving_count; i++)
+        if (t->root[i] == root)
+            return false;
+    return !t->held[root];
+}
+
 static void hold_mechanism(Tracer *t, int root)
 {
     Group *g = t->g;
+    if (flies_alone(t, root))
+        return;
     Mechanism m = {.gain = t->gain[root]};
     real allowed = 0;           /* J  what a local error of the tolerance does */
     if (!t->held[root]) {
