@@ -331,7 +331,7 @@ bool trace_solve(Tracer *t)
             const Line *l = &s->lines[i];
             real a = l->drift;
             for (int k = 0; k < l->count; k++)
-                a += vec3_dot(l->lin[k], t->acc[l->body[k]]) + vec3_dot(l->ang[k], t->alpha[l->body[k]]);
+                a += vec3_dot(l->j[k].lin, t->acc[l->body[k]]) + vec3_dot(l->j[k].ang, t->alpha[l->body[k]]);
             s->b[i] = -a;
         }
         if (!system_factor(s) || !system_solve(s, CONTRADICTION)) {
@@ -345,8 +345,8 @@ bool trace_solve(Tracer *t)
         const Line *l = &s->lines[i];
         real force = s->x[i];
         for (int k = 0; k < l->count; k++) {
-            t->acc[l->body[k]] = vec3_mad(t->acc[l->body[k]], force, l->mlin[k]);
-            t->alpha[l->body[k]] = vec3_mad(t->alpha[l->body[k]], force, l->mang[k]);
+            t->acc[l->body[k]] = vec3_mad(t->acc[l->body[k]], force, l->m[k].lin);
+            t->alpha[l->body[k]] = vec3_mad(t->alpha[l->body[k]], force, l->m[k].ang);
             t->torque[l->body[k]] = vec3_mad(t->torque[l->body[k]], force, l->gang[k]);
         }
     }
@@ -395,11 +395,11 @@ static void shift(Tracer *t, const Line *l, real amount, bool positions)
     for (int k = 0; k < l->count; k++) {
         int b = l->body[k];
         if (positions) {
-            g->pos[b].x = vec3_mad(g->pos[b].x, amount, l->mlin[k]);
-            g->pos[b].q = quat_unit(quat_mul(quat_exp(vec3_scale(amount, l->mang[k])), g->pos[b].q));
+            g->pos[b].x = vec3_mad(g->pos[b].x, amount, l->m[k].lin);
+            g->pos[b].q = quat_unit(quat_mul(quat_exp(vec3_scale(amount, l->m[k].ang)), g->pos[b].q));
         } else {
-            g->vel[b].v = vec3_mad(g->vel[b].v, amount, l->mlin[k]);
-            g->vel[b].w = vec3_mad(g->vel[b].w, amount, l->mang[k]);
+            g->vel[b].v = vec3_mad(g->vel[b].v, amount, l->m[k].lin);
+            g->vel[b].w = vec3_mad(g->vel[b].w, amount, l->m[k].ang);
         }
     }
 }
@@ -429,7 +429,7 @@ static real own_rate(const Tracer *t, const Line *l)
     real rate = 0;
     for (int k = 0; k < l->count; k++) {
         const Vel *v = &t->g->vel[l->body[k]];
-        rate += vec3_dot(l->lin[k], v->v) + vec3_dot(l->ang[k], v->w);
+        rate += vec3_dot(l->j[k].lin, v->v) + vec3_dot(l->j[k].ang, v->w);
     }
     return rate;
 }

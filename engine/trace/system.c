@@ -9,6 +9,7 @@
  * keeps the constraints exactly and shares the load with least norm (Rockafellar 1976). Where rows that should repeat each other
  * differ a little, because the bodies have drifted off a loop, what is left is that difference: it moves nothing.
  */
+#include "math/pair.h"
 #include "trace/system.h"
 #include "trace/trace.h"
 
@@ -16,6 +17,9 @@
 #define REFINE_MOST  16
 #define SOFTENING    1e-7       /* part of the diagonal */
 #define ENOUGH       2e-15
+
+_Static_assert(sizeof(Arrow) == 6 * sizeof(real), "six numbers, two at a time");
+static inline pair two(const real *x) { return *(const pair *)(const void *)x; }
 
 static inline bool same_bodies(const Line *i, const Line *k)
 {
@@ -32,9 +36,12 @@ static inline void couple_body(System *s, int i, int i_end, int p, int k, int k_
 {
     for (const Line *own = &s->lines[i]; i < i_end; i++, own++) {
         real *a = s->a + i * s->count + k, *end = s->a + i * s->count + (s->sliding ? k_end : int_min(k_end, i + 1));
-        const vec3 lin = own->lin[p], ang = own->ang[p];
+        const real *j = &own->j[p].lin.x;
+        const pair j0 = two(j), j1 = two(j + 2), j2 = two(j + 4);
         for (const Line *other = &s->lines[k]; a < end; a++, other++) {
-            real sum = vec3_dot(lin, other->mlin[q]) + vec3_dot(ang, other->mang[q]);
+            const real *m = &other->m[q].lin.x;
+            pair both = j0 * two(m) + j1 * two(m + 2) + j2 * two(m + 4);
+            real sum = both[0] + both[1];
             *a = first ? sum : *a + sum;
         }
     }

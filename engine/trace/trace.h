@@ -112,8 +112,7 @@ typedef struct Line {           /* one row: J of the moving bodies, and M^-1 G *
     real share[MANIFOLD_POINTS];                /* by how much (normal),  */
     vec3 e[MANIFOLD_POINTS];                    /* or along what (tangential) */
     int  count, body[ROW_BODIES];
-    vec3 lin[ROW_BODIES], ang[ROW_BODIES];      /* J                     */
-    vec3 mlin[ROW_BODIES], mang[ROW_BODIES];    /* M^-1 G                */
+    Arrow j[ROW_BODIES], m[ROW_BODIES];         /* J; M^-1 G             */
     vec3 gang[ROW_BODIES];      /* G, its torques; G = J without sliding */
     real drift, error, want;    /* m/s^2, m, m/s                         */
 } Line;
@@ -225,11 +224,9 @@ static inline void trace_line_push(const Tracer *t, Line *l, int body, const Arr
     const Mass *m = &t->g->mass[body];
     int k = l->count++;
     l->body[k] = body;
-    l->lin[k] = j->lin;
-    l->ang[k] = j->ang;
+    l->j[k] = *j;
     l->gang[k] = g->ang;
-    l->mlin[k] = vec3_scale(m->im, g->lin);
-    l->mang[k] = mat3_mul_vec(m->ii, g->ang);
+    l->m[k] = (Arrow){vec3_scale(m->im, g->lin), mat3_mul_vec(m->ii, g->ang)};
 }
 bool trace_solve(Tracer *t);                    /* forces for the present kinds, and what they do to the bodies */
 bool trace_accelerate(Tracer *t);               /* the same, and the accelerations of contacts, stops and holds */

@@ -35,11 +35,11 @@ static void put_body(Bench *t, Line *l, int body, vec3 lin, vec3 ang, vec3 glin,
 {
     int k = l->count++;
     l->body[k] = body;
-    l->lin[k] = lin;
-    l->ang[k] = ang;
+    l->j[k].lin = lin;
+    l->j[k].ang = ang;
     l->gang[k] = gang;
-    l->mlin[k] = vec3_scale(t->im[body], glin);
-    l->mang[k] = mat3_mul_vec(t->ii[body], gang);
+    l->m[k].lin = vec3_scale(t->im[body], glin);
+    l->m[k].ang = mat3_mul_vec(t->ii[body], gang);
 }
 
 /* slide: how far G departs from the transpose of J */
@@ -57,7 +57,7 @@ static void spread(const Line *l, bool mass, real row[DOF])
 {
     memset(row, 0, DOF * sizeof *row);
     for (int k = 0; k < l->count; k++) {
-        vec3 v[2] = {mass ? l->mlin[k] : l->lin[k], mass ? l->mang[k] : l->ang[k]};
+        vec3 v[2] = {mass ? l->m[k].lin : l->j[k].lin, mass ? l->m[k].ang : l->j[k].ang};
         for (int i = 0; i < 6; i++)
             row[6 * l->body[k] + i] += vec3_at(v[i / 3], i % 3);
     }
