@@ -99,34 +99,48 @@ void trace_follow(Tracer *t)
     }
 }
 
-/* Force and torque of one row on the joint's body a, and what it takes from or gives to the energy. */
-static void keep_row(const Tracer *t, int joint, const Row *r, Arrow *sum, real *lost, real *gained)
+/* W  What the kinematic ones of a row's bodies give through its force. */
+static real driven_power(const Group *g, const Row *r, real force)
+{
+    real power = 0;
+    for (int m = 0; m < r->count; m++) {
+        int b = r->body[m];
+        if (b >= 0 && g->member[b].kinematic)
+            power -= force * (vec3_dot(r->lin[m], g->vel[b].v) + vec3_dot(r->ang[m], g->vel[b].w));
+    }
+    return power;
+}
+
+/* Force and torque of a joint's rows on its body a, and what they take from or give to the energy. */
+static Arrow keep_joint(const Tracer *t, int joint, bool movers, real *lost, real *gained)
 {
     const Group *g = t->g;
-    real force = t->joint_force[joint * JOINT_SLOTS + r->slot];
-    int a = g->joints[joint].a, count = force != 0 ? r->count : 0;
-    for (int m = 0; m < count; m++) {
-        int b = r->body[m];
-        if (b < 0)
+    const real *forces = &t->joint_force[joint * JOINT_SLOTS];
+    const Row *r = &t->rows[joint * JOINT_SLOTS], *end = r + t->row_count[joint];
+    vec3 lin = vec3_zero(), ang = vec3_zero();
+    for (int a = g->joints[joint].a; r < end; r++) {
+        real force = forces[r->slot];
+        for (int m = 0; m < r->count; m++)
+            if (r->body[m] == a && a >= 0) {
+                lin = vec3_mad(lin, force, r->lin[m]);
+                ang = vec3_mad(ang, force, r->ang[m]);
+            }
+        if (movers)
+            *gained += driven_power(g, r, force);
+        if (r->kind == ROW_HARD || r->kind == ROW_LIMIT)
             continue;
-        if (b == a) {
-            sum->lin = vec3_mad(sum->lin, force, r->lin[m]);
-            sum->ang = vec3_mad(sum->ang, force, r->ang[m]);
-        }
-        if (g->member[b].kinematic)
-            *gained -= force * (vec3_dot(r->lin[m], g->vel[b].v) + vec3_dot(r->ang[m], g->vel[b].w));
+        real rate = trace_row_rate(t, r);
+        *lost += r->kind == ROW_DRY ? -force * rate : r->kind == ROW_SOFT ? r->damping * rate * rate : 0;
+        *gained += r->kind == ROW_MOTOR ? force * rate : 0;
     }
-    if (r->kind == ROW_HARD || r->kind == ROW_LIMIT)
-        return;
-    real rate = trace_row_rate(t, r);
-    *lost += r->kind == ROW_DRY ? -force * rate : r->kind == ROW_SOFT ? r->damping * rate * rate : 0;
-    *gained += r->kind == ROW_MOTOR ? force * rate : 0;
+    return (Arrow){lin, ang};
 }
 
 static void keep_quad(const Tracer *t, real *q)
 {
     const Group *g = t->g;
     real lost = 0, gained = 0, law = 0;
+    bool movers = g->joint_count > 0 && trace_movers(g);
     for (int i = 0; i < t->touch_count; i++, q += TOUCH_POWERS) {
         const Touching *c = &t->touch[i];
         vec3 f = c->gate.presses ? vec3_mad(c->slip.force, c->gate.force, c->k.n) : vec3_zero();
@@ -147,10 +161,8 @@ static void keep_quad(const Tracer *t, real *q)
         }
     }
     for (int j = 0; j < g->joint_count; j++, q += JOINT_POWERS) {
-        Arrow sum = {vec3_zero(), vec3_zero()};
         real before = lost;
-        for (int k = 0; k < t->row_count[j]; k++)
-            keep_row(t, j, &t->rows[j * JOINT_SLOTS + k], &sum, &lost, &gained);
+        Arrow sum = keep_joint(t, j, movers, &lost, &gained);
         memcpy(q, &sum, sizeof sum);
         q[6] = lost - before;
     }

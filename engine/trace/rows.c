@@ -434,7 +434,7 @@ static real own_rate(const Tracer *t, const Line *l)
     return rate;
 }
 
-static bool any_mover(const Group *g)
+bool trace_movers(const Group *g)
 {
     for (int i = g->moving_count; i < g->body_count; i++)
         if (g->member[i].kinematic)
@@ -457,7 +457,7 @@ bool trace_project(Tracer *t, bool positions)
         return false;
     }
     t->given = 0;
-    bool driven = !positions && (t->hold_count > 0 || any_mover(t->g));
+    bool driven = !positions && (t->hold_count > 0 || trace_movers(t->g));
     for (int i = 0; i < s->count && driven; i++)
         t->given += s->x[i] * (own_rate(t, &s->lines[i]) + s->b[i]);
     for (int i = 0; i < s->count; i++)

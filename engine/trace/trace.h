@@ -230,6 +230,7 @@ static inline void trace_line_push(const Tracer *t, Line *l, int body, const Arr
 }
 bool trace_solve(Tracer *t);                    /* forces for the present kinds, and what they do to the bodies */
 bool trace_accelerate(Tracer *t);               /* the same, and the accelerations of contacts, stops and holds */
+bool trace_movers(const Group *g);              /* is any of its bodies kinematic? */
 void trace_read_accelerations(Tracer *t);       /* these alone, from those of the bodies */
 vec3 trace_spin_up(const Tracer *t, int body, vec3 torque);     /* rad/s^2 */
 bool trace_project(Tracer *t, bool positions);  /* puts what drifted back on its constraints; false = fault */
