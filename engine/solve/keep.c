@@ -1,12 +1,14 @@
 /* solve/keep.c - a group as it was, for ways that may find half way that they cannot do it. */
 #include "solve/group.h"
 
-static void *copy(Arena *a, const void *from, size_t bytes)
+/* All copies lie in one block: the next one is at `to`. */
+static void *copy(unsigned char **to, const void *from, size_t bytes)
 {
-    void *to = arena_alloc(a, bytes + 1);
-    if (to && bytes > 0)        /* there may be none, and nowhere to take them from */
-        memcpy(to, from, bytes);
-    return to;
+    void *at = *to;
+    if (bytes > 0)              /* there may be none, and nowhere to take them from */
+        memcpy(at, from, bytes);
+    *to += (bytes + ARENA_ALIGN - 1) & ~(size_t)(ARENA_ALIGN - 1);
+    return at;
 }
 
 static void put_back(void *to, const void *from, size_t bytes)
@@ -15,15 +17,29 @@ static void put_back(void *to, const void *from, size_t bytes)
         memcpy(to, from, bytes);
 }
 
-#define KEEP(field, count) ((k->field = copy(g->arena, g->field, (size_t)(count) * sizeof *g->field)))
+#define SIZE(field, count) ((size_t)(count) * sizeof *g->field + ARENA_ALIGN)
+#define KEEP(field, count) (k->field = copy(&to, g->field, (size_t)(count) * sizeof *g->field))
 #define BACK(field, count) put_back(g->field, k->field, (size_t)(count) * sizeof *g->field)
 
 bool group_keep(const Group *g, GroupKept *k)
 {
+    int bodies = g->body_count;
+    size_t bytes = SIZE(pos, bodies) + SIZE(vel, bodies) + SIZE(mass, bodies) + SIZE(member, bodies) + SIZE(push_work, bodies)
+        + SIZE(pairs, g->pair_count) + SIZE(contacts, g->contact_count) + SIZE(places, g->place_count) + SIZE(joints, g->joint_count);
+    unsigned char *to = arena_alloc(g->arena, bytes);
+    if (!to)
+        return false;
     k->scalars = *g;
-    return KEEP(pos, g->body_count) && KEEP(vel, g->body_count) && KEEP(mass, g->body_count) && KEEP(member, g->body_count)
-        && KEEP(pairs, g->pair_count) && KEEP(contacts, g->contact_count) && KEEP(places, g->place_count) && KEEP(joints, g->joint_count)
-        && KEEP(push_work, g->body_count);
+    KEEP(pos, bodies);
+    KEEP(vel, bodies);
+    KEEP(mass, bodies);
+    KEEP(member, bodies);
+    KEEP(push_work, bodies);
+    KEEP(pairs, g->pair_count);
+    KEEP(contacts, g->contact_count);
+    KEEP(places, g->place_count);
+    KEEP(joints, g->joint_count);
+    return true;
 }
 
 void group_put_back(Group *g, const GroupKept *k)
