@@ -237,14 +237,20 @@ static bool keeps_direction(const Cone *c)
 static bool glides(const Tracer *t, real h)
 {
     const Group *g = t->g;
-    bool same = t->even && !g->own;
-    for (int i = 0; i < g->moving_count && same; i++)
-        same = g->member[i].round || !turns(t, i, h);
+    bool same = t->even && !g->own, any = false;
+    for (int i = 0; i < g->body_count && same; i++) {
+        bool turned = turns(t, i, h);
+        same = !turned || g->member[i].round || i >= g->moving_count;
+        any = any || turned;
+    }
     for (int i = 0; i < t->touch_count && same; i++) {
         const Touching *c = &t->touch[i];
         bool plane_b = c->feature.kind == POINT_PLANE;
-        if (c->gate.presses)
-            same = keeps_direction(&c->slip) && keeps_direction(&c->roll) && !turns(t, plane_b ? c->b : c->a, h) &&
+        if (!c->gate.presses)
+            continue;
+        same = keeps_direction(&c->slip) && keeps_direction(&c->roll);
+        if (any && same)
+            same = !turns(t, plane_b ? c->b : c->a, h) &&
                    (vec3_is_zero(plane_b ? c->feature.pa : c->feature.pb) || !turns(t, plane_b ? c->a : c->b, h));
     }
     return same;

@@ -222,7 +222,7 @@ bool trace_slow_slip(const Tracer *t, const Touching *c, real h)
     if (!c->gate.presses || !c->slip.axes || c->slip.grip != GRIP_SLIP)
         return false;
     real press = c->slip.moving * c->gate.force, push = press * (t->g->mass[c->a].im + t->g->mass[c->b].im);
-    return vec3_length(c->slip.u) < 2 * h * real_max(push, vec3_length(c->slip.acc));
+    return vec3_length2(c->slip.u) < 4 * h * h * real_max(push * push, vec3_length2(c->slip.acc));
 }
 
 static bool any_slow_slip(const Tracer *t, real h)
