@@ -6,6 +6,7 @@
 #include "trace/trace.h"
 
 #define ROUNDING 1e-15          /* of the largest acceleration or force */
+#define FOLLOWS  (1 - 1e-9)     /* cosine */
 
 static void push(Tracer *t, int body, vec3 at, vec3 force, vec3 couple)
 {
@@ -16,10 +17,10 @@ static void push(Tracer *t, int body, vec3 at, vec3 force, vec3 couple)
     t->torque[body] = vec3_add(t->torque[body], vec3_add(couple, vec3_cross(vec3_sub(at, g->pos[body].x), force)));
 }
 
-/* Friction points where the slip does now: most often by as little as rounding from where it did, but a slow slip turns by that. */
+/* Friction points where the slip does now: by as little as rounding from where it did, but a slow slip turns by that. */
 static void follow_slip(Cone *c, real normal)
 {
-    if (c->axes && c->grip == GRIP_SLIP && !c->locked)
+    if (c->axes && c->grip == GRIP_SLIP && !c->locked && vec3_dot(c->force, c->d) < -FOLLOWS * vec3_length(c->force))
         c->force = vec3_scale(-cone_bound(c) * normal, c->d);
 }
 
