@@ -10,7 +10,6 @@
  *     (k h / m + E A^-1 M^T) dp = -C - E loose          one such front for each body, added up joint by joint
  */
 #include "chain/system.h"
-#include "math/pair.h"
 
 #define ITERATIONS 8
 #define TURN_AT_ONCE 0.5        /* rad   of one iteration                                           */
@@ -87,16 +86,7 @@ static real place(const Chain *c, const Linkage *t)
 
 /* ---- the front of a body ---- */
 
-
-/* Of each row, by coordinates in body axes. */
-typedef struct Levers { real end[3][FRONT_COLUMNS], mid[3][FRONT_COLUMNS]; } Levers;
-
-static void put3(real to[3][FRONT_COLUMNS], int at, vec3 v)
-{
-    to[0][at] = v.x;
-    to[1][at] = v.y;
-    to[2][at] = v.z;
-}
+typedef struct Levers { vec3 end[LINK_ROWS], mid[LINK_ROWS]; } Levers;      /* body axes */
 
 /* Of the rows of one end, with their impulses' torque and how that changes with the turn. */
 static void add_levers(const Tie *t, const End *e, const Link *l, const mat3 *back, Levers *to, vec3 *twist, mat3 *slope)
@@ -105,56 +95,48 @@ static void add_levers(const Tie *t, const End *e, const Link *l, const mat3 *ba
     vec3 mid = vec3_scale(0.5, vec3_add(e->arm, mat3_mul_vec(*back, e->r0)));
     vec3 p = vec3_mad(vec3_mad(vec3_scale(t->p.x, axis[0]), t->p.y, axis[1]), t->p.z, axis[2]);
     for (int i = 0; i < 3; i++) {
-        put3(to->end, e->at + i, vec3_cross(e->arm, axis[i]));
-        put3(to->mid, e->at + i, vec3_cross(mid, axis[i]));
+        to->end[e->at + i] = vec3_cross(e->arm, axis[i]);
+        to->mid[e->at + i] = vec3_cross(mid, axis[i]);
     }
     *twist = vec3_add(*twist, vec3_cross(mid, p));
     real along = 0.5 * vec3_dot(p, e->arm);
     *slope = mat3_add(*slope, mat3_sub(mat3_diagonal((vec3){along, along, along}), mat3_outer(vec3_scale(0.5, e->arm), p)));
 }
 
-/* What of the front the body alone knows; the right-hand side is the column after the rows. */
-INLINE void fill_rows(real *f, real *turn, const Levers *v, const mat3 *inverse, vec3 loose, int rows, int columns)
+/* What of the front the body alone knows. */
+static inline __attribute__((always_inline)) void fill_rows(real *f, vec3 *turn, const Levers *v, const mat3 *inverse, vec3 loose, int rows)
 {
-    real *t[3] = {turn, turn + columns, turn + 2 * columns};
-    const vec3 to[3] = {inverse->r0, inverse->r1, inverse->r2};
-    const real rest[3] = {-loose.x, -loose.y, -loose.z};
-    UNROLL
-    for (int i = 0; i < 3; i++) {
-        UNROLL
-        for (int c = 0; c < columns; c += 2)
-            PAIR(t[i][c]) = to[i].x * PAIR(v->mid[0][c]) + to[i].y * PAIR(v->mid[1][c]) + to[i].z * PAIR(v->mid[2][c]);
-        t[i][rows] = rest[i];
-    }
-    for (int i = 0; i < rows; i++, f += columns) {
-        UNROLL
-        for (int c = 0; c < columns; c += 2)
-            PAIR(f[c]) = v->end[0][i] * PAIR(t[0][c]) + v->end[1][i] * PAIR(t[1][c]) + v->end[2][i] * PAIR(t[2][c]);
+    for (int i = 0; i < rows; i++)
+        turn[i] = mat3_mul_vec(*inverse, v->mid[i]);
+    for (int i = 0; i < rows; i++, f += rows + 1) {
+        for (int k = 0; k < rows; k++)
+            f[k] = vec3_dot(v->end[i], turn[k]);
+        f[rows] = -vec3_dot(v->end[i], loose);
     }
 }
 
 static void fill_front(const Chain *c, const Link *l, const Levers *v, const mat3 *inverse)
 {
     real *f = c->number + l->front, give = c->k * c->h / l->mass;
-    int rows = l->rows, columns = l->columns;
+    int rows = l->rows;
     const End *ends = c->end + l->end;
     if (rows == 6)
-        fill_rows(f, c->turn + l->turn, v, inverse, l->loose, 6, 8);
+        fill_rows(f, c->turn + l->turn, v, inverse, l->loose, 6);
     else
-        fill_rows(f, c->turn + l->turn, v, inverse, l->loose, rows, columns);
+        fill_rows(f, c->turn + l->turn, v, inverse, l->loose, rows);
     for (int a = 0; a < l->ends; a++)
         for (int b = 0; b < l->ends; b++)
             for (int i = 0; i < TIE_ROWS; i++)
-                f[(ends[a].at + i) * columns + ends[b].at + i] += ends[a].side * ends[b].side * give;
+                f[(ends[a].at + i) * (rows + 1) + ends[b].at + i] += ends[a].side * ends[b].side * give;
     for (int i = 0; i < rows; i++)
-        f[i * (columns + 1)] *= 1 + SHARE;
+        f[i * (rows + 2)] *= 1 + SHARE;
 }
 
 /* Errors of the joints this body is the last to see, and what the bodies that hang on it left. */
 static void gather_front(const Chain *c, Link *l)
 {
     real *f = c->number + l->front;
-    int stride = l->columns;
+    int stride = l->rows + 1;
     for (int n = 0; n < l->ends; n++) {
         const End *e = &c->end[l->end + n];
         const Tie *t = &c->tie[e->tie];
@@ -164,7 +146,7 @@ static void gather_front(const Chain *c, Link *l)
         if (e->child < 0)
             continue;
         const Link *d = &c->link[e->child];
-        int wide = d->columns, from = d->rows - d->passed;
+        int wide = d->rows + 1, from = d->rows - d->passed;
         const real *left = c->number + d->front + from * wide + from;
         for (int i = 0; i < d->passed; i++) {
             for (int k = 0; k < d->passed; k++)
@@ -175,21 +157,19 @@ static void gather_front(const Chain *c, Link *l)
 }
 
 /* Gauss elimination of the first `done` rows. False: a pivot vanished. */
-INLINE bool eliminate(real *f, int rows, int columns, int done)
+static inline __attribute__((always_inline)) bool eliminate(real *f, int rows, int done)
 {
-    UNROLL
+    int stride = rows + 1;
     for (int k = 0; k < done; k++) {
-        real *pivot = f + k * columns, inverse = 1 / pivot[k];
+        real *pivot = f + k * stride, inverse = 1 / pivot[k];
         if (!isfinite(inverse))
             return false;
-        UNROLL
-        for (int i = k + 1; i < rows; i++) {
-            real *row = f + i * columns, share = row[k] * inverse;
-            UNROLL
-            for (int c = (k + 1) & ~1; c < columns; c += 2)
-                PAIR(row[c]) -= share * PAIR(pivot[c]);
-        }
         pivot[k] = inverse;
+        for (int i = k + 1; i < rows; i++) {
+            real *row = f + i * stride, share = row[k] * inverse;
+            for (int n = k + 1; n <= rows; n++)
+                row[n] -= share * pivot[n];
+        }
     }
     return true;
 }
@@ -210,7 +190,7 @@ static bool front(const Chain *c, Link *l)
     fill_front(c, l, &v, &inverse);
     gather_front(c, l);
     real *f = c->number + l->front;
-    return l->rows == 6 && l->passed == 3 ? eliminate(f, 6, 8, 3) : eliminate(f, l->rows, l->columns, l->rows - l->passed);
+    return l->rows == 6 && l->passed == 3 ? eliminate(f, 6, 3) : eliminate(f, l->rows, l->rows - l->passed);
 }
 
 /* ---- the iteration ---- */
@@ -220,8 +200,8 @@ static real substitute(const Chain *c, Link *l)
 {
     real dp[LINK_ROWS];
     const real *f = c->number + l->front;
-    const real *turn = c->turn + l->turn;
-    int own = l->rows - l->passed, stride = l->columns;
+    const vec3 *turn = c->turn + l->turn;
+    int own = l->rows - l->passed, stride = l->rows + 1;
     if (l->passed) {
         const Tie *t = &c->tie[c->end[l->end + l->ends - 1].tie];
         for (int i = 0; i < l->passed; i++)
@@ -235,7 +215,7 @@ static real substitute(const Chain *c, Link *l)
     }
     vec3 by = l->loose;
     for (int i = 0; i < l->rows; i++)
-        by = vec3_mad(by, dp[i], (vec3){turn[i], turn[stride + i], turn[2 * stride + i]});
+        by = vec3_mad(by, dp[i], turn[i]);
     for (int n = 0; n < l->ends; n++) {
         const End *e = &c->end[l->end + n];
         Tie *t = &c->tie[e->tie];

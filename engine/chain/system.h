@@ -10,7 +10,6 @@
 #define TIE_ROWS  3             /* of a joint                           */
 #define LINK_ENDS 8             /* most joints of a body                */
 #define LINK_ROWS (LINK_ENDS * TIE_ROWS)
-#define FRONT_COLUMNS (LINK_ROWS + 2)   /* with the right-hand side, even: they are computed in pairs */
 
 /* A joint keeps two points together. */
 typedef struct Tie {
@@ -40,9 +39,8 @@ typedef struct Link {
     int  body;
     int  end, ends;
     int  rows, passed;          /* of the front; of them left to the link towards the root */
-    int  columns;               /* of the front: its rows, the right-hand side, even */
-    int  front;                 /* first of its numbers in Chain.number: rows x columns */
-    int  turn;                  /* first of its numbers in Chain.turn: 3 x columns */
+    int  front;                 /* first of its numbers in Chain.number: rows x (rows + 1), the last column is the right-hand side */
+    int  turn;                  /* first of its columns in Chain.turn   */
     real mass;
     mat3 inertia;               /* body axes                            */
     vec3 x0, v0, w0; quat q0; mat3 r0;      /* at the start; w0 body axes */
@@ -63,7 +61,7 @@ typedef struct Chain {
     Tie   *tie;  int ties;
     Linkage  *tree; int trees;
     real  *number;
-    real  *turn;                /* rad/(N s)  inverse angular slope times the lever of each row: their x, y, z, body axes */
+    vec3  *turn;                /* rad/(N s)  inverse angular slope times the lever of a row, body axes */
     real   error;               /* m  largest of the last substep       */
     real   enough;              /* m  at which an iteration is the last */
 } Chain;

@@ -116,9 +116,8 @@ dig_status tree_make(Chain *c, bool *fits)
             list_ends(c, &near, place, l);
         l->front = numbers;
         l->turn = turns;
-        l->columns = (l->rows + 2) & ~1;
-        numbers += l->rows * l->columns;
-        turns += 3 * l->columns;
+        numbers += l->rows * (l->rows + 1);
+        turns += l->rows;
     }
     c->number = arena_alloc(c->g->arena, (size_t)(numbers + 1) * sizeof *c->number);
     c->turn = arena_alloc(c->g->arena, (size_t)(turns + 1) * sizeof *c->turn);

@@ -10,16 +10,36 @@ static vec3 carried(const Crowd *c, int body, vec3 at)
     return vec3_add(k->to, mat3_mul_vec(k->turn, vec3_sub(at, k->from)));
 }
 
+/* m  By how much more its two bodies travel than points of one move against the other: at this contact by `slip`, about it by their turn
+ * against each other. */
+static real in_common(const Crowd *crowd, const GroupContact *c, real slip)
+{
+    static const Carriage stands = {.turn = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    const Trait *a = &crowd->trait[c->a], *b = &crowd->trait[c->b];
+    const Carriage *ka = a->moves || a->kinematic ? carriage_of(crowd, c->a) : &stands;
+    const Carriage *kb = b->moves || b->kinematic ? carriage_of(crowd, c->b) : &stands;
+    vec3 skew = {(kb->turn.r2.y - kb->turn.r1.z) - (ka->turn.r2.y - ka->turn.r1.z),
+                 (kb->turn.r0.z - kb->turn.r2.x) - (ka->turn.r0.z - ka->turn.r2.x),
+                 (kb->turn.r1.x - kb->turn.r0.y) - (ka->turn.r1.x - ka->turn.r0.y)};       /* twice the axis times the sine */
+    real way = ka->way + kb->way - slip - 0.5 * vec3_length(skew) * crowd->g->pairs[c->pair].size;
+    return way > 0 && isfinite(way) ? way : 0;      /* a plane that turns has no farthest point */
+}
+
 /* Points go with their bodies; the gap changes by what the row saw. */
 static void carry(const Crowd *crowd, GroupContact *c)
 {
     Group *g = crowd->g;
     GroupPair *q = &g->pairs[c->pair];
+    bool few = c->manifold.count < 3 && q->contacts == 1 && q->until >= 0;      /* others may be in other threads' hands */
+    real slip2 = 0;
     for (int k = 0; k < c->manifold.count; k++) {
         ManifoldPoint *p = &c->manifold.points[k];
-        p->a = carried(crowd, c->a, p->a);
-        p->b = carried(crowd, c->b, p->b);
-        p->gap = vec3_dot(c->manifold.normal, vec3_sub(p->b, p->a));
+        vec3 a = carried(crowd, c->a, p->a), b = carried(crowd, c->b, p->b);
+        if (few)
+            slip2 = real_max(slip2, vec3_length2(vec3_sub(vec3_sub(b, a), vec3_sub(p->b, p->a))));
+        p->a = a;
+        p->b = b;
+        p->gap = vec3_dot(c->manifold.normal, vec3_sub(b, a));
     }
     if (c->manifold.count >= 3) {
         const Trait *a = &crowd->trait[c->a], *b = &crowd->trait[c->b];
@@ -28,9 +48,11 @@ static void carry(const Crowd *crowd, GroupContact *c)
             side = a->moves ? c->b : c->a;
         if (crowd->trait[side].moves || crowd->trait[side].kinematic)
             c->manifold.normal = vec3_unit(mat3_mul_vec(carriage_of(crowd, side)->turn, c->manifold.normal));
-        if (q->contacts == 1)           /* others may be in other threads' hands */
+        if (q->contacts == 1)
             crowd_sign(g, q);
     }
+    if (few)
+        q->until += in_common(crowd, c, sqrt(slip2));
 }
 
 static bool strikes(const Crowd *c, real speed)
@@ -195,12 +217,14 @@ static void book_energy(Crowd *c)
 
 typedef struct Book { Crowd *c; real *deepest; uint8_t *to_note; } Book;      /* m  of each thread; [contact_count] */
 
-static void carry_on(const Book *b, int contact, int thread)
+/* Returns the deepest of what was so before and this contact, m. */
+static real carry_on(const Book *b, int contact, real deepest)
 {
     GroupContact *t = &b->c->g->contacts[contact];
     carry(b->c, t);
     for (int k = 0; k < t->manifold.count; k++)
-        b->deepest[thread] = real_max(b->deepest[thread], -t->manifold.points[k].gap);
+        deepest = real_max(deepest, -t->manifold.points[k].gap);
+    return deepest;
 }
 
 /* In the order of contacts, for what is known of each lies in it; the rows of neighbours are near each other, too (rows.c). What is to
@@ -210,12 +234,13 @@ static void book_share(void *context, int thread, int threads)
     const Book *b = context;
     const Crowd *c = b->c;
     int count = c->g->contact_count;
-    b->deepest[thread] = 0;
+    real deepest = 0;
     for (int i = team_first(count, thread, threads), end = team_end(count, thread, threads); i < end; i++) {
         b->to_note[i] = c->row[i] >= 0 && book_row(c, i);
         if (c->g->contacts[i].live && !b->to_note[i])
-            carry_on(b, i, thread);
+            deepest = carry_on(b, i, deepest);
     }
+    b->deepest[thread] = deepest;
 }
 
 static void carry_noted(void *context, int thread, int threads)
@@ -224,7 +249,7 @@ static void carry_noted(void *context, int thread, int threads)
     int count = b->c->g->contact_count;
     for (int i = team_first(count, thread, threads), end = team_end(count, thread, threads); i < end; i++)
         if (b->to_note[i])
-            carry_on(b, i, thread);
+            b->deepest[thread] = carry_on(b, i, b->deepest[thread]);
 }
 
 /* There is room for a strike of each contact that may have one. */

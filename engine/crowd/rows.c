@@ -130,8 +130,10 @@ static void choose_share(void *context, int thread, int threads)
         *x = (Chosen){.contact = i, .a = crowd_index(c, t->a), .b = crowd_index(c, t->b), .points = (uint8_t)t->manifold.count, .acts = true,
                       .rubs = q->friction > 0 && !g->decay_friction, .rolls = q->rolling > 0 && rolling_radius(q) > 0,
                       .driven = a->kinematic || b->kinematic, .bounces = q->restitution > 0};
+        real gap = 0;
         for (int k = 0; k < t->manifold.count; k++)
-            deepest = real_max(deepest, -t->manifold.points[k].gap / needed(q, t));
+            gap = real_min(gap, t->manifold.points[k].gap);
+        deepest = gap < 0 ? real_max(deepest, -gap / needed(q, t)) : deepest;
     }
     r->deepest[thread] = deepest;
 }

@@ -82,7 +82,7 @@ typedef struct Trait {
 } Trait;
 
 /* How the step moves what is fixed to a body. */
-typedef struct Carriage { mat3 turn; vec3 from, to; } Carriage;      /* centre of mass, before and after */
+typedef struct Carriage { mat3 turn; vec3 from, to; real way; } Carriage;     /* centre of mass, before and after; m  what its travel grows by */
 
 /* Batches of one colour: no moving body is in two of them, unless they are done one after the other, alone. */
 typedef struct Phase { int first, count; bool alone; } Phase;
