@@ -58,11 +58,21 @@ static void open_body(Crowd *c, int i)
     c->push[i] = six_of(vec3_scale((real)c->h * f->root, m->force), vec3_scale((real)c->h, torque));
 }
 
+/* Threads share blocks of bodies, not bodies: their sums are then the same for any number of threads. */
+#define BLOCK 64
+
+static int block_end(const Crowd *c, int block) { return int_min((block + 1) * BLOCK, c->bodies); }
+
 static void open_share(void *context, int thread, int threads)
 {
     Crowd *c = context;
-    for (int i = team_first(c->bodies, thread, threads), end = team_end(c->bodies, thread, threads); i < end; i++)
-        open_body(c, i);
+    for (int b = team_first(c->blocks, thread, threads), end = team_end(c->blocks, thread, threads); b < end; b++) {
+        c->lost[b] = 0;
+        for (int i = b * BLOCK; i < block_end(c, b); i++) {
+            open_body(c, i);
+            c->lost[b] += group_kinetic_of(c->g, i);
+        }
+    }
 }
 
 dig_status bodies_open(Crowd *c)
@@ -72,8 +82,10 @@ dig_status bodies_open(Crowd *c)
     size_t n = (size_t)(c->bodies + threads);
     Six *six = arena_zero(g->arena, 7 * n * sizeof *six);
     c->frame = arena_alloc(g->arena, n * sizeof *c->frame);
+    c->blocks = (c->bodies + BLOCK - 1) / BLOCK;
+    c->lost = arena_alloc(g->arena, (size_t)c->blocks * sizeof *c->lost);
     c->others = arena_alloc(g->arena, (size_t)(g->body_count - c->bodies) * sizeof *c->others);
-    if (!six || !c->frame || !c->others)
+    if (!six || !c->frame || !c->lost || !c->others)
         return DIG_E_MEMORY;
     c->vel = six;
     c->move = six + n;
@@ -166,8 +178,14 @@ static void close_body(Crowd *c, int i)
 static void close_share(void *context, int thread, int threads)
 {
     Crowd *c = context;
-    for (int i = team_first(c->bodies, thread, threads), end = team_end(c->bodies, thread, threads); i < end; i++)
-        close_body(c, i);
+    const Group *g = c->g;
+    for (int b = team_first(c->blocks, thread, threads), end = team_end(c->blocks, thread, threads); b < end; b++)
+        for (int i = b * BLOCK; i < block_end(c, b); i++) {
+            const Member *m = &g->member[i];
+            close_body(c, i);
+            if (m->moves)
+                c->lost[b] += vec3_dot(m->force, vec3_sub(g->pos[i].x, m->start_pos.x)) + vec3_dot(m->torque, g->shift[i].w) - group_kinetic_of(g, i);
+        }
 }
 
 void bodies_close(Crowd *c)

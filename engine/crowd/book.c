@@ -188,23 +188,14 @@ static real movers_work(const Group *g, const GroupContact *c)
     return work;
 }
 
-void book_open(Crowd *c)
-{
-    c->g->lost += group_kinetic(c->g);
-}
-
 /* What forces gave, and kinetic energy has not got, is lost. */
 static void book_energy(Crowd *c)
 {
     Group *g = c->g;
-    for (int i = 0; i < g->moving_count; i++) {
-        const Member *m = &g->member[i];
-        if (!m->moves)
-            continue;
-        vec3 moved = vec3_sub(g->pos[i].x, m->start_pos.x);
-        g->lost += vec3_dot(m->force, moved) + vec3_dot(m->torque, g->shift[i].w);
-        group_book_apart(g, i, moved, g->shift[i].w, c->dt);
-    }
+    for (int i = 0; i < c->blocks; i++)
+        g->lost += c->lost[i];
+    for (int i = 0; i < g->moving_count && (g->drags || g->rules); i++)
+        group_book_apart(g, i, vec3_sub(g->pos[i].x, g->member[i].start_pos.x), g->shift[i].w, c->dt);
     for (int i = 0; i < g->push_count; i++) {
         const GroupPush *p = &g->pushes[i];
         vec3 arm = p->has_at ? quat_rotate(g->pos[p->body].q, p->at) : vec3_zero();
@@ -212,7 +203,6 @@ static void book_energy(Crowd *c)
         real work = vec3_dot(p->force, way) + vec3_dot(p->torque, g->shift[p->body].w);
         group_book_push(g, p, work);
     }
-    g->lost -= group_kinetic(g);
 }
 
 typedef struct Book { Crowd *c; real *deepest; uint8_t *to_note; } Book;      /* m  of each thread; [contact_count] */

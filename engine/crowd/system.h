@@ -116,6 +116,8 @@ typedef struct Crowd {
     Six   *last, *push;         /* velocity at the last substep's start; change by forces per substep */
     Six   *axes[2];             /* spin = s * scaled spin: columns of s, root                  */
     Carriage *carriage, *others;    /* at the end of the step: of moving bodies, in the place of last, push and axes; of the group's others */
+    real  *lost;                /* [blocks] J  kinetic energy of a block of bodies, and the work of forces on it, less what it has in the end */
+    int    blocks;
     Batch *batch; int batches;
     int   *row;                 /* [contact_count of g] LANES times its batch, and its lane; < 0: it does not act */
     real   deep;                /* 1    deepest overlap, in changes that matter (rows.c)       */
@@ -147,7 +149,6 @@ dig_status rows_open(Crowd *c);
 /* wide.c: the substeps. width: 0 = the widest this machine has, else 1 = without special instructions, 2 = AVX2 */
 void       wide_solve(Crowd *c, int width);
 /* book.c: forces, points, impacts and energy for the group's records */
-void       book_open(Crowd *c);
 dig_status book_close(Crowd *c);
 
 #endif

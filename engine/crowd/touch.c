@@ -102,7 +102,9 @@ static real struck(const Group *g, const GroupPair *q, real dt)
     return most;
 }
 
-typedef struct Touching { const Crowd *c; float *struck; } Touching;     /* struck: m/s, of each pair */
+/* Of each pair, close together: who it is between, and m/s, see struck(). */
+typedef struct Ends { int a, b; float struck; } Ends;
+typedef struct Touching { const Crowd *c; Ends *ends; } Touching;
 
 /* False: its bodies have hardly moved, and it was left as it was. */
 static bool touch_pair(const Crowd *c, GroupPair *q)
@@ -122,8 +124,9 @@ static void touch_share(void *context, int thread, int threads)
     const Group *g = t->c->g;
     for (int i = team_first(g->pair_count, thread, threads), end = team_end(g->pair_count, thread, threads); i < end; i++) {
         GroupPair *q = &g->pairs[i];
+        t->ends[i] = (Ends){.a = q->a, .b = q->b};
         if (touch_pair(t->c, q) && q->reach > (BRISK + LOOKS) * q->size)        /* it looked so far ahead, for the pair is fast */
-            t->struck[i] = (float)struck(g, q, t->c->dt);
+            t->ends[i].struck = (float)struck(g, q, t->c->dt);
     }
 }
 
@@ -158,14 +161,16 @@ static bool follow(const Blows *s, GroupPair *q)
     Group *g = c->g;
     int x = c->stop[q->a] >= c->stop[q->b] ? q->a : q->b, y = x == q->a ? q->b : q->a;
     real most = c->stop[x], way = most * c->dt;
-    if (!(way > BRISK * q->size) || (c->stop[y] == most && q->reach >= way) || !c->trait[x].moves || !c->trait[y].moves)
+    if (!(way > BRISK * q->size) || !c->trait[x].moves || !c->trait[y].moves)
+        return false;
+    real passed = passed_on(s, q, x, y);
+    if (passed <= c->stop[y] && q->reach >= way)
         return false;
     if (q->reach < way && least_gap(g, q) > 0) {
         real room = group_touch_within(g, q, way + q->reach);
         if (q->contacts == 1)
             note_until(c, q, room);
     }
-    real passed = passed_on(s, q, x, y);
     if (passed <= c->stop[y] || least_gap(g, q) > q->reach)
         return false;
     c->stop[y] = passed;
@@ -192,13 +197,13 @@ static void note_stops(const Blows *s, const GroupPair *q, real struck)
 }
 
 /* Bodies that fall together do not close on each other until the first of them is stopped, and then within the step. A pair is looked
- * at again only when there was news of one of its bodies in the round before, or is in this one. struck: m/s, of each pair. */
-static dig_status look_behind(Crowd *c, const float *struck)
+ * at again only when there was news of one of its bodies in the round before, or is in this one. */
+static dig_status look_behind(Crowd *c, const Ends *ends)
 {
     Group *g = c->g;
     Blows s = {.c = c};
     for (int i = 0; i < g->pair_count; i++) {
-        if (!(struck[i] > 0))
+        if (!(ends[i].struck > 0))
             continue;
         if (!c->stop) {
             size_t count = (size_t)g->body_count;
@@ -208,17 +213,17 @@ static dig_status look_behind(Crowd *c, const float *struck)
             if (!c->stop || !s.behind || !s.news)
                 return DIG_E_MEMORY;
         }
-        note_stops(&s, &g->pairs[i], (real)struck[i]);
+        note_stops(&s, &g->pairs[i], (real)ends[i].struck);
     }
     bool more = c->stop != NULL;
     for (int round = 1; round <= FOLLOWERS && more; round++) {
         more = false;
         for (int i = 0; i < g->pair_count; i++) {
-            GroupPair *q = &g->pairs[i];
-            int latest = int_max(s.news[q->a], s.news[q->b]);
-            if (latest == 0 || latest < round - 1 || !follow(&s, q))
+            const Ends *e = &ends[i];
+            int latest = int_max(s.news[e->a], s.news[e->b]);
+            if (latest == 0 || latest < round - 1 || !follow(&s, &g->pairs[i]))
                 continue;
-            s.news[q->a] = s.news[q->b] = (uint8_t)round;
+            s.news[e->a] = s.news[e->b] = (uint8_t)round;
             more = true;
         }
     }
@@ -228,9 +233,9 @@ static dig_status look_behind(Crowd *c, const float *struck)
 dig_status crowd_touch(Crowd *c)
 {
     Group *g = c->g;
-    Touching t = {c, arena_zero(g->arena, (size_t)(g->pair_count + 1) * sizeof *t.struck)};
-    if (!t.struck)
+    Touching t = {c, arena_alloc(g->arena, (size_t)(g->pair_count + 1) * sizeof *t.ends)};
+    if (!t.ends)
         return DIG_E_MEMORY;
     team_run(g->team, touch_share, &t);
-    return look_behind(c, t.struck);
+    return look_behind(c, t.ends);
 }

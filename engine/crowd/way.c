@@ -79,7 +79,6 @@ static dig_status advance(Group *g, real dt)
     DIG_TRY(bodies_open(&c));
     DIG_TRY(rows_open(&c));
     DIG_TRY(plan_passes(&c));
-    book_open(&c);
     wide_solve(&c, 0);
     g->t = dt;
     g->substeps = c.substeps;

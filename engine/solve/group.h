@@ -352,6 +352,7 @@ dig_status group_hold(Group *g, bool both, real *taken);
 dig_status sweep_advance(Group *g, real dt);
 dig_status sweep_piece(Group *g, real dt, real until);  /* from g->t on, of a step of dt; room for rows and strikes is there */
 real group_kinetic(const Group *g);                     /* J */
+real group_kinetic_of(const Group *g, int body);         /* J */
 real group_close_speed(const Group *g);                 /* m/s  slower impacts are no impacts */
 /* impact.c: what touches and approaches is struck, now */
 void impacts(Group *g);

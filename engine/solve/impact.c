@@ -60,16 +60,20 @@ static void build_rows(Group *g)
     }
 }
 
+real group_kinetic_of(const Group *g, int body)
+{
+    const Member *m = &g->member[body];
+    if (!m->moves)
+        return 0;
+    vec3 w = quat_unrotate(g->pos[body].q, g->vel[body].w);
+    return 0.5 * m->mass * vec3_length2(g->vel[body].v) + 0.5 * vec3_dot(w, mat3_mul_vec(m->inertia, w));
+}
+
 real group_kinetic(const Group *g)
 {
     real sum = 0;
-    for (int i = 0; i < g->moving_count; i++) {
-        const Member *m = &g->member[i];
-        if (!m->moves)
-            continue;
-        vec3 w = quat_unrotate(g->pos[i].q, g->vel[i].w);
-        sum += 0.5 * m->mass * vec3_length2(g->vel[i].v) + 0.5 * vec3_dot(w, mat3_mul_vec(m->inertia, w));
-    }
+    for (int i = 0; i < g->moving_count; i++)
+        sum += group_kinetic_of(g, i);
     return sum;
 }
 

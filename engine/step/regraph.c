@@ -26,6 +26,9 @@ static int leavers(const World *w, const Group *g)
     return n;
 }
 
+/* So many slots there must be for `more` to be taken: what was given back is taken first. */
+static int slots_for(int count, int given_back, int more) { return count + int_max(0, more - given_back); }
+
 /* All that regraph and what follows may need: a touch, a link and their events for each pair whose touch changes. */
 dig_status reserve_regraph(World *w, Step *s)
 {
@@ -37,11 +40,11 @@ dig_status reserve_regraph(World *w, Step *s)
         widened += s->groups[i].widened_count;
         others += leavers(w, &s->groups[i]) + s->groups[i].strike_count + 4 * s->groups[i].joint_count;
     }
-    DIG_TRY(list_reserve(&w->contacts, w->contacts.count + born, &w->allocations));
+    DIG_TRY(list_reserve(&w->contacts, slots_for(w->contacts.count, w->free_contacts.count, born), &w->allocations));
     DIG_TRY(list_reserve(&w->free_contacts, w->contacts.capacity, &w->allocations));
-    DIG_TRY(list_reserve(&w->more, w->more.count + widened, &w->allocations));
+    DIG_TRY(list_reserve(&w->more, slots_for(w->more.count, w->free_more.count, widened), &w->allocations));
     DIG_TRY(list_reserve(&w->free_more, w->more.capacity, &w->allocations));
-    DIG_TRY(list_reserve(&w->touches, w->touches.count + changed, &w->allocations));
+    DIG_TRY(list_reserve(&w->touches, slots_for(w->touches.count, w->free_touches.count, changed), &w->allocations));
     DIG_TRY(list_reserve(&w->free_touches, w->touches.capacity, &w->allocations));
     DIG_TRY(list_reserve(&w->brief, w->touches.capacity, &w->allocations));
     DIG_TRY(index_reserve(&w->touch_index, w->touches.capacity));

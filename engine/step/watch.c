@@ -91,37 +91,94 @@ static void carry(Group *g, real rise, real borne)
 #define STANDS 0.01             /* of its size a second: what moves slower stands  */
 #define HOP 0.1                 /* of its size: so high it may hop                */
 
+/* What a block of members adds up to. Blocks do not depend on how many threads there are, so sums do not, either. */
+#define BLOCK 64
+typedef struct Sum { real rise, motion, borne, carried, carried_borne, smallest, most; int count, gainer; } Sum;
+typedef struct Sums { const Group *g; Sum *of; int blocks; } Sums;
+
+static void watch_member(const Group *g, int i, Sum *s)
+{
+    const Member *m = &g->member[i];
+    const Body *b = &g->world->bodies.data[m->slot];    /* as it was before the step */
+    if (!m->moves)
+        return;
+    real before = kinetic(b, b->q, b->v, b->w), after = kinetic(b, g->pos[i].q, g->vel[i].v, g->vel[i].w);
+    real gain = after - before - b->mass * b->gravity_scale * vec3_dot(g->gravity, vec3_sub(g->pos[i].x, b->x));
+    real slow = STANDS * b->outer, hop = HOP * fabs(b->gravity_scale) * g->fall * b->outer;
+    s->rise += gain;
+    s->motion += after - before;
+    s->borne += rules[DIG_RULE_ENERGY].bound * (before + after) + b->mass * (slow * slow + hop);
+    s->carried += b->watch.rise;
+    s->carried_borne += b->watch.borne;
+    s->count++;
+    s->smallest = real_min(s->smallest, b->outer);
+    if (gain > s->most) {
+        s->most = gain;
+        s->gainer = i;
+    }
+}
+
+static Sum sum_block(const Group *g, int block)
+{
+    Sum s = {.smallest = INFINITY, .most = -INFINITY};
+    for (int i = block * BLOCK; i < int_min((block + 1) * BLOCK, g->moving_count); i++)
+        watch_member(g, i, &s);
+    return s;
+}
+
+static void sum_share(void *context, int thread, int threads)
+{
+    const Sums *s = context;
+    for (int i = team_first(s->blocks, thread, threads), end = team_end(s->blocks, thread, threads); i < end; i++)
+        s->of[i] = sum_block(s->g, i);
+}
+
+static void add_block(Sum *to, const Sum *s)
+{
+    to->rise += s->rise;
+    to->motion += s->motion;
+    to->borne += s->borne;
+    to->carried += s->carried;
+    to->carried_borne += s->carried_borne;
+    to->count += s->count;
+    to->smallest = real_min(to->smallest, s->smallest);
+    if (s->most > to->most) {
+        to->most = s->most;
+        to->gainer = s->gainer;
+    }
+}
+
+/* Where there is no memory to share it, one thread does it: no step fails for being watched. */
+static Sum sum_members(Group *g)
+{
+    Sum all = {.smallest = INFINITY, .most = -INFINITY};
+    Sums s = {.g = g, .blocks = (g->moving_count + BLOCK - 1) / BLOCK};
+    s.of = g->team ? arena_alloc(g->arena, (size_t)s.blocks * sizeof *s.of) : NULL;
+    if (s.of)
+        team_run(g->team, sum_share, &s);
+    for (int i = 0; i < s.blocks; i++) {
+        Sum one = s.of ? s.of[i] : sum_block(g, i);
+        add_block(&all, &one);
+    }
+    return all;
+}
+
 void watch_group(Group *g)
 {
-    const World *w = g->world;
     struct GroupWatch *watch = &g->watch;
-    real most = -INFINITY, motion = 0, weight = g->fall, part = rules[DIG_RULE_ENERGY].bound;
-    for (int i = 0; i < g->moving_count; i++) {
-        const Member *m = &g->member[i];
-        const Body *b = &w->bodies.data[m->slot];       /* as it was before the step */
-        if (!m->moves)
-            continue;
-        real before = kinetic(b, b->q, b->v, b->w), after = kinetic(b, g->pos[i].q, g->vel[i].v, g->vel[i].w);
-        real gain = after - before - b->mass * b->gravity_scale * vec3_dot(g->gravity, vec3_sub(g->pos[i].x, b->x));
-        real slow = STANDS * b->outer;
-        watch->rise += gain;
-        real hop = HOP * fabs(b->gravity_scale) * weight * b->outer;
-        motion += after - before;
-        watch->borne += part * (before + after) + b->mass * (slow * slow + hop);
-        watch->carried += b->watch.rise;
-        watch->carried_borne += b->watch.borne;
-        watch->count++;
-        watch->smallest = real_min(watch->smallest, b->outer);
-        if (gain > most) {
-            most = gain;
-            watch->gainer = i;
-        }
-    }
+    Sum s = sum_members(g);
+    watch->rise += s.rise;
+    watch->borne += s.borne;
+    watch->carried += s.carried;
+    watch->carried_borne += s.carried_borne;
+    watch->count += s.count;
+    watch->smallest = real_min(watch->smallest, s.smallest);
+    watch->gainer = s.gainer;
     view_joints(g);
     real end = elastic(g);
     watch->rise += end - watch->elastic - g->work_in - g->law;
-    watch->rise = real_min(watch->rise, real_max(0, motion));       /* what is moved out of an overlap may be lifted */
-    watch->borne += part * (end + watch->elastic);
+    watch->rise = real_min(watch->rise, real_max(0, s.motion));     /* what is moved out of an overlap may be lifted */
+    watch->borne += rules[DIG_RULE_ENERGY].bound * (end + watch->elastic);
     carry(g, rise_of(g), borne_of(g));
 }
 
