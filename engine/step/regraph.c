@@ -37,6 +37,8 @@ dig_status reserve_regraph(World *w, Step *s)
         widened += s->groups[i].widened_count;
         others += leavers(w, &s->groups[i]) + s->groups[i].strike_count + 4 * s->groups[i].joint_count;
     }
+    DIG_TRY(list_reserve(&w->memories, w->memories.count + born, &w->allocations));
+    DIG_TRY(list_reserve(&w->free_memories, w->memories.capacity, &w->allocations));
     DIG_TRY(list_reserve(&w->contacts, w->contacts.count + born, &w->allocations));
     DIG_TRY(list_reserve(&w->free_contacts, w->contacts.capacity, &w->allocations));
     DIG_TRY(list_reserve(&w->more, w->more.count + widened, &w->allocations));
