@@ -232,68 +232,6 @@ static dig_status wake_pushed(World *w, const Step *s)
     return woke ? DIG_E_BUSY : DIG_OK;
 }
 
-/* ---- who got farther than foreseen ---- */
-
-#define ASTRAY_TRIES 6          /* of one step */
-
-static int compare_slot(const void *key, const void *pair)
-{
-    uint32_t a = *(const uint32_t *)key, b = ((const GroupPair *)pair)->slot;
-    return a < b ? -1 : a > b;
-}
-
-typedef struct Meeting { const World *w; const Group *g; uint32_t solid; bool missed; } Meeting;
-
-/* Is this a pair that the group did not watch? */
-static bool meets(void *context, uint32_t other)
-{
-    Meeting *m = context;
-    const World *w = m->w;
-    if (other == m->solid || !bodies_may_touch(w, &w->solids.data[m->solid], &w->solids.data[other]))
-        return true;
-    uint32_t pair = NONE;
-    bool known = pair_find(w, m->solid, other, &pair);
-    m->missed = !known || !bsearch(&pair, m->g->pairs, (size_t)m->g->pair_count, sizeof *m->g->pairs, compare_slot);
-    return !m->missed;
-}
-
-static bool watch_solid(World *w, const Group *g, int member, uint32_t solid)
-{
-    Solid *s = &w->solids.data[solid];
-    const Body *b = &w->bodies.data[g->member[member].slot];
-    const Pos *p = &g->pos[member];
-    pose at = pose_mul((pose){vec3_sub(p->x, quat_rotate(p->q, b->centre)), p->q}, s->at);
-    if (s->leaf < 0 || !vec3_finite(p->x) || !quat_finite(p->q))
-        return false;
-    box3 end = s->shape.type->bounds(&s->shape, at);
-    if (box3_inside(s->reach, end))
-        return false;
-    Meeting m = {w, g, solid, false};
-    tree_query(&w->tree, end, meets, &m);
-    if (!m.missed)
-        return false;
-    vec3 low = vec3_sub(s->reach.low, end.low), high = vec3_sub(end.high, s->reach.high);
-    s->astray += real_max(vec3_largest(low), vec3_largest(high)) + 0.1 * s->shape.outer;
-    return true;
-}
-
-/* A blow may send a body where the boxes of this step did not look. Where it would end up in something that its group did not
- * watch, the step is done again with a longer reach. Only for groups that follow their blows in time: the others are not exact. */
-static dig_status look_for_strays(World *w, Step *s)
-{
-    bool stray = false;
-    if (s->tries >= ASTRAY_TRIES)
-        return DIG_OK;
-    for (int i = 0; i < s->count; i++) {
-        const Group *g = &s->groups[i];
-        for (int k = 0; k < g->moving_count && (g->located > 0 || g->varies); k++)
-            for (uint32_t c = w->bodies.data[g->member[k].slot].shape_first; c != NONE && g->member[k].moves; c = w->solids.data[c].next)
-                stray = watch_solid(w, g, k, c) || stray;
-    }
-    s->tries += stray;
-    return stray && all_finite(s) ? DIG_E_BUSY : DIG_OK;
-}
-
 /* Who asks for it, can take the step without this body. Where functions of the caller's act it is for them to mend what they did. */
 static void accuse(World *w, const Group *g, int member)
 {
@@ -397,7 +335,7 @@ dig_status advance_groups(World *w, Step *s)
             return status;
     }
     DIG_TRY(wake_pushed(w, s));
-    return look_for_strays(w, s);
+    return all_finite(s) ? look_for_strays(w, s) : DIG_OK;
 }
 
 /* ---- the finite check ---- */

@@ -38,12 +38,15 @@ typedef struct Step {           /* what the stages hand to each other; lives in 
 
 /* sense.c */
 dig_status sense_pairs(World *w, real dt);          /* whose boxes may meet in this step                    */
+bool       plane_near(const World *w, uint32_t plane, box3 box);    /* is a part of the box in it?                           */
 /* groups.c */
 dig_status form_groups(World *w, Step *s);          /* DIGs that may meet are advanced together             */
 /* advance.c */
 dig_status advance_groups(World *w, Step *s);       /* on private copies, in parallel; DIG_E_BUSY = a sleeper woke or a body went astray: again */
 void       commit_groups(World *w, Step *s);        /* the copies become the world                          */
 dig_status check_finite(World *w, Step *s);         /* all numbers finite, or name the culprit              */
+/* stray.c */
+dig_status look_for_strays(World *w, Step *s);      /* DIG_E_BUSY = a body got where its group did not look: again */
 /* ways.c */
 dig_status group_advance(Group *g, real dt);        /* by the first way that suits and can                  */
 /* regraph.c */

@@ -387,12 +387,18 @@ static inline mat3 body_inertia_world(const Body *b)
     return mat3_mul(mat3_mul(r, b->inertia), mat3_transpose(r));
 }
 
-/* It is about to be at x, q. A point at a distance r is moved at most by that of the centre and 2 r |change of q|. */
+/* m  So far at most moves a point at a distance r when the centre moves and q changes: as the centre, and 2 r |change of q|. */
+static inline real travel_by(vec3 move, quat from, quat to, real r)
+{
+    quat d = {to.x - from.x, to.y - from.y, to.z - from.z, to.w - from.w};
+    real turn2 = d.x * d.x + d.y * d.y + d.z * d.z + d.w * d.w;
+    return vec3_length(move) + (turn2 > 0 ? 2 * r * sqrt(turn2) : 0);
+}
+
+/* It is about to be at x, q. */
 static inline void body_travels(Body *b, vec3 x, quat q)
 {
-    quat d = {q.x - b->q.x, q.y - b->q.y, q.z - b->q.z, q.w - b->q.w};
-    real turn2 = d.x * d.x + d.y * d.y + d.z * d.z + d.w * d.w, way = vec3_length(vec3_sub(x, b->x));
-    b->travel = real_min(TRAVEL_MOST, b->travel + way + (turn2 > 0 ? 2 * b->outer * sqrt(turn2) : 0));
+    b->travel = real_min(TRAVEL_MOST, b->travel + travel_by(vec3_sub(x, b->x), b->q, q, b->outer));
 }
 
 /* 1  Where time goes r times as fast, motion is r times as fast, under the same forces and with the same energy: against the

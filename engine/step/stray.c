@@ -1,0 +1,128 @@
+/* step/stray.c - who got farther than foreseen, and into something that its group did not watch.
+ *
+ * Which bodies may meet in a step is decided before it, from their speeds then; a blow can send one farther. Where it would end up in
+ * what its group did not watch, the step is done again with a longer reach. Only for groups that follow their blows in time: the
+ * others are not exact.
+ */
+#include "step/step.h"
+
+#include <stdlib.h>
+
+#define ASTRAY_TRIES 6          /* of one step */
+
+/* A solid that ends beyond its reach. */
+typedef struct Stray { const Group *g; uint32_t solid; box3 end; bool missed; } Stray;
+
+static int compare_slot(const void *key, const void *pair)
+{
+    uint32_t a = *(const uint32_t *)key, b = ((const GroupPair *)pair)->slot;
+    return a < b ? -1 : a > b;
+}
+
+/* May the two touch, and is that no pair that the group watched? */
+static bool unwatched(const World *w, const Group *g, uint32_t solid, uint32_t other)
+{
+    uint32_t pair = NONE;
+    if (other == solid || !bodies_may_touch(w, &w->solids.data[solid], &w->solids.data[other]))
+        return false;
+    return !pair_find(w, solid, other, &pair) || !bsearch(&pair, g->pairs, (size_t)g->pair_count, sizeof *g->pairs, compare_slot);
+}
+
+static bool follows_blows(const Group *g) { return g->located > 0 || g->varies; }
+
+static bool strays(const World *w, const Group *g, int member, uint32_t solid, box3 *end)
+{
+    const Solid *s = &w->solids.data[solid];
+    const Body *b = &w->bodies.data[g->member[member].slot];
+    const Pos *p = &g->pos[member];
+    pose at = pose_mul((pose){vec3_sub(p->x, quat_rotate(p->q, b->centre)), p->q}, s->at);
+    if (s->leaf < 0 || !vec3_finite(p->x) || !quat_finite(p->q))
+        return false;
+    *end = s->shape.type->bounds(&s->shape, at);
+    return !box3_inside(s->reach, *end);
+}
+
+/* Fills `out`, if there is one; returns how many there are. */
+static int list_strays(const World *w, const Step *s, Stray *out)
+{
+    int n = 0;
+    for (int i = 0; i < s->count; i++) {
+        const Group *g = &s->groups[i];
+        for (int k = 0; k < g->moving_count && follows_blows(g); k++)
+            for (uint32_t c = w->bodies.data[g->member[k].slot].shape_first; c != NONE && g->member[k].moves; c = w->solids.data[c].next) {
+                Stray stray = {.g = g, .solid = c};
+                if (!strays(w, g, k, c, &stray.end))
+                    continue;
+                if (out)
+                    out[n] = stray;
+                n++;
+            }
+    }
+    return n;
+}
+
+typedef struct Meeting { const World *w; Stray *stray; } Meeting;
+
+static bool meets(void *context, uint32_t other)
+{
+    const Meeting *m = context;
+    m->stray->missed = unwatched(m->w, m->stray->g, m->stray->solid, other);
+    return !m->stray->missed;
+}
+
+/* The tree has no planes. */
+static void look_at_planes(const World *w, Stray *stray)
+{
+    for (int i = 0; i < w->unbounded.count && !stray->missed; i++) {
+        uint32_t plane = w->unbounded.data[i];
+        stray->missed = plane_near(w, plane, stray->end) && unwatched(w, stray->g, stray->solid, plane);
+    }
+}
+
+static int compare_low(const void *a, const void *b)
+{
+    const Stray *x = a, *y = b;
+    if (x->end.low.x != y->end.low.x)
+        return x->end.low.x < y->end.low.x ? -1 : 1;
+    return (x->solid > y->solid) - (x->solid < y->solid);
+}
+
+/* The tree knows where solids were looked for, not where two that both went astray met. */
+static void look_at_each_other(const World *w, Stray *list, int count)
+{
+    qsort(list, (size_t)count, sizeof *list, compare_low);
+    for (int i = 0; i < count; i++)
+        for (int k = i + 1; k < count && list[k].end.low.x <= list[i].end.high.x; k++)
+            if (box3_overlap(list[i].end, list[k].end) && unwatched(w, list[i].g, list[i].solid, list[k].solid))
+                list[i].missed = list[k].missed = true;
+}
+
+static void reach_farther(Solid *s, box3 end)
+{
+    vec3 low = vec3_sub(s->reach.low, end.low), high = vec3_sub(end.high, s->reach.high);
+    s->astray += real_max(vec3_largest(low), vec3_largest(high)) + 0.1 * s->shape.outer;
+}
+
+dig_status look_for_strays(World *w, Step *s)
+{
+    int count = s->tries < ASTRAY_TRIES ? list_strays(w, s, NULL) : 0;
+    if (count == 0)
+        return DIG_OK;
+    Stray *list = arena_alloc(&w->scratch, (size_t)count * sizeof *list);
+    if (!list)
+        return world_fail(w, DIG_E_MEMORY, "not enough memory for bodies that got farther than foreseen");
+    list_strays(w, s, list);
+    for (int i = 0; i < count; i++) {
+        tree_query(&w->tree, list[i].end, meets, &(Meeting){w, &list[i]});
+        look_at_planes(w, &list[i]);
+    }
+    look_at_each_other(w, list, count);
+    bool again = false;
+    for (int i = 0; i < count; i++)
+        if (list[i].missed) {
+            reach_farther(&w->solids.data[list[i].solid], list[i].end);
+            again = true;
+        }
+    s->tries += again;
+    return again ? DIG_E_BUSY : DIG_OK;
+}
