@@ -81,8 +81,10 @@ static dig_status search_up(Ask *k, real low, real drawn, real *needs)
 static bool sticks(const World *w)
 {
     bool more = false;
-    for (int i = 0; i < w->pairs.count && !more; i++)
-        more = w->pairs.data[i].alive && w->pairs.data[i].friction_dynamic < w->pairs.data[i].friction;
+    for (int i = 0; i < w->pairs.count && !more; i++) {
+        Rub rub = w->pairs.data[i].alive ? pair_rub(w, &w->pairs.data[i]) : (Rub){0, 0, 0, 0};
+        more = rub.friction_dynamic < rub.friction;
+    }
     return more || strcmp(w->def.friction_law.s, "decay") == 0;
 }
 

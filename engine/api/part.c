@@ -253,6 +253,12 @@ static dig_status copy_pairs(const World *w, const Part *p)
         pair->body_a = to->solids.data[pair->solid_a].body;
         pair->body_b = to->solids.data[pair->solid_b].body;
         pair->contact = place(&p->contacts, pair->contact);
+        pair->memory = NONE;
+        uint32_t memory = w->pairs.data[p->pairs.data[i]].memory;
+        if (memory != NONE) {
+            DIG_TRY(pair_remember(to, pair));
+            to->memories.data[pair->memory] = w->memories.data[memory];
+        }
         pair_attach(to, (uint32_t)i);
         DIG_TRY(pair_enter(to, (uint32_t)i));
         if (pair->listed)

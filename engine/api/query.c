@@ -238,6 +238,7 @@ static dig_status do_add_material(World *w, const char *name, const dig_material
     }
     w->materials.data[i].def = *def;
     param_settle(dig_schema_at("material", 0)->rows, &w->materials.data[i].def);
+    all_pairs_refresh_surfaces(w);      /* it may be another meaning of a name in use */
     return DIG_OK;
 }
 
@@ -274,12 +275,7 @@ static dig_status do_add_pair(World *w, const dig_pair_def *def)
     if (list_push(&w->material_pairs, &w->allocations) != DIG_OK)
         return world_fail(w, DIG_E_MEMORY, "not enough memory for a pair of materials");
     w->material_pairs.data[w->material_pairs.count - 1] = (MaterialPair){a, b, values[0], values[1], values[2], values[3]};
-    for (int i = 0; i < w->pairs.count; i++) {
-        Pair *p = &w->pairs.data[i];
-        if (p->alive)
-            surface_pair(w, &w->solids.data[p->solid_a].surface, &w->solids.data[p->solid_b].surface, p);
-    }
-    w->tally = world_tally(w);
+    all_pairs_refresh_surfaces(w);
     return DIG_OK;
 }
 

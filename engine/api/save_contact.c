@@ -87,22 +87,46 @@ static void pack_cache(Pack *p, ManifoldCache *c)
         pack_real_in(p, &c->axis[i], -1e100, 1e100, "axis of a pair");
 }
 
+/* Every pair has one in the file. */
+static void pack_memory(Pack *p, PairMemory *k)
+{
+    pack_cache(p, &k->cache);
+    pack_real_in(p, &k->rub.friction, 0, 1e6, "friction of a pair");
+    pack_real_in(p, &k->rub.friction_dynamic, 0, 1e6, "friction_dynamic of a pair");
+    pack_real_in(p, &k->rub.rolling, 0, 1e6, "rolling_friction of a pair");
+    pack_real_in(p, &k->rub.restitution, 0, 1, "restitution of a pair");
+}
+
+/* A pair has a memory from its first contact or hint on. */
+static void connect_memory(Pack *p, World *w, Pair *pair, const PairMemory *k)
+{
+    if (!pack_good(p) || (pair->contact == NONE && k->cache.kind == 0))
+        return;
+    if (pair_remember(w, pair) == DIG_OK)
+        w->memories.data[pair->memory] = *k;
+    else
+        pack_fail_memory(p);
+}
+
 static void pack_pair(Pack *p, World *w, Pair *pair, unsigned char *taken)
 {
+    PairMemory memory = {.cache = {.kind = 0}};
+    if (p->reading)
+        pair->memory = NONE;
+    else
+        memory = pair->memory == NONE ? (PairMemory){.rub = pair_rub(w, pair)} : w->memories.data[pair->memory];
     pair->alive = true;
     pack_index(p, &pair->solid_a, (uint32_t)w->solids.count, false, "first solid of a pair");
     pack_index(p, &pair->solid_b, (uint32_t)w->solids.count, false, "second solid of a pair");
     pack_real_in(p, &pair->until, -1, 4 * TRAVEL_MOST, "travel of a pair");
-    pack_cache(p, &pair->cache);
-    pack_real_in(p, &pair->friction, 0, 1e6, "friction of a pair");
-    pack_real_in(p, &pair->friction_dynamic, 0, 1e6, "friction_dynamic of a pair");
-    pack_real_in(p, &pair->rolling, 0, 1e6, "rolling_friction of a pair");
-    pack_real_in(p, &pair->restitution, 0, 1, "restitution of a pair");
+    pack_memory(p, &memory);
     pack_u32(p, &pair->next[0]);
     pack_u32(p, &pair->next[1]);
     pack_bool(p, &pair->touching);
     pack_bool(p, &pair->fresh);
     pack_contacts(p, w, pair, taken);
+    if (p->reading)
+        connect_memory(p, w, pair, &memory);
 }
 
 static bool all_taken(const World *w, const unsigned char *taken)

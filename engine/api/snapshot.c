@@ -21,6 +21,7 @@ static dig_status copy_tables(World *to, const World *from)
     uint64_t *n = &to->allocations;
     DIG_TRY(list_copy(&to->bodies, &from->bodies, n));
     DIG_TRY(list_copy(&to->pairs, &from->pairs, n));
+    DIG_TRY(list_copy(&to->memories, &from->memories, n));
     DIG_TRY(list_copy(&to->contacts, &from->contacts, n));
     DIG_TRY(list_copy(&to->more, &from->more, n));
     DIG_TRY(list_copy(&to->touches, &from->touches, n));
@@ -52,6 +53,7 @@ static dig_status copy_free_lists(World *to, const World *from)
     DIG_TRY(list_reserve(&to->free_bodies, from->free_bodies.capacity, n));
     DIG_TRY(list_reserve(&to->free_solids, from->free_solids.capacity, n));
     DIG_TRY(list_reserve(&to->free_pairs, from->free_pairs.capacity, n));
+    DIG_TRY(list_reserve(&to->free_memories, from->free_memories.capacity, n));
     DIG_TRY(list_reserve(&to->free_contacts, from->free_contacts.capacity, n));
     DIG_TRY(list_reserve(&to->free_more, from->free_more.capacity, n));
     DIG_TRY(list_reserve(&to->free_touches, from->free_touches.capacity, n));
@@ -60,6 +62,7 @@ static dig_status copy_free_lists(World *to, const World *from)
     DIG_TRY(list_copy(&to->free_bodies, &from->free_bodies, n));
     DIG_TRY(list_copy(&to->free_solids, &from->free_solids, n));
     DIG_TRY(list_copy(&to->free_pairs, &from->free_pairs, n));
+    DIG_TRY(list_copy(&to->free_memories, &from->free_memories, n));
     DIG_TRY(list_copy(&to->free_contacts, &from->free_contacts, n));
     DIG_TRY(list_copy(&to->free_more, &from->free_more, n));
     DIG_TRY(list_copy(&to->free_touches, &from->free_touches, n));

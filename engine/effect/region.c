@@ -58,7 +58,7 @@ static void apply(Group *g, int i)
 /* Friction and restitution of a contact take the scales of both bodies' places. */
 static void scale_pair(Group *g, GroupPair *q)
 {
-    const Pair *p = &g->world->pairs.data[q->slot];
+    Rub rub = pair_rub(g->world, &g->world->pairs.data[q->slot]);
     real friction = 1, restitution = 1;
     for (int r = 0; r < g->world->regions.count; r++) {
         const Region *region = &g->world->regions.data[r];
@@ -67,9 +67,9 @@ static void scale_pair(Group *g, GroupPair *q)
         restitution *= inside ? region->laws.restitution_scale : 1;
     }
     friction = g->laws >> LAW_FRICTION & 1 ? friction : 0;
-    q->friction = friction * p->friction;
-    q->friction_dynamic = friction * p->friction_dynamic;
-    q->restitution = real_min(1, restitution * p->restitution);
+    q->friction = friction * rub.friction;
+    q->friction_dynamic = friction * rub.friction_dynamic;
+    q->restitution = real_min(1, restitution * rub.restitution);
 }
 
 static dig_status force(const EffectSlot *e, Group *g)

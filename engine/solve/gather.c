@@ -222,7 +222,17 @@ typedef struct Span {           /* m  of a body */
 
 typedef struct Nearby { Group *g; const uint32_t *pairs; Near *near; Span *span; int count; } Nearby;
 
-static void gather_pair(Group *g, GroupPair *q, const Near *n)
+typedef struct LastRub { Surface a, b; Rub rub; bool known; } LastRub;
+
+/* Of a pair that has no memory: mostly of the same two surfaces as the one before it. */
+static Rub rub_as_last(const World *w, const Solid *a, const Solid *b, LastRub *last)
+{
+    if (!last->known || memcmp(&last->a, &a->surface, sizeof last->a) != 0 || memcmp(&last->b, &b->surface, sizeof last->b) != 0)
+        *last = (LastRub){a->surface, b->surface, surface_pair(w, &a->surface, &b->surface), true};
+    return last->rub;
+}
+
+static void gather_pair(Group *g, GroupPair *q, const Near *n, LastRub *last)
 {
     const World *w = g->world;
     const Pair *p = &w->pairs.data[n->slot];
@@ -234,15 +244,18 @@ static void gather_pair(Group *g, GroupPair *q, const Near *n)
     q->on_b = b;
     q->sa = &a->shape;
     q->sb = &b->shape;
-    q->cache = p->cache;
+    const PairMemory *m = p->memory == NONE ? NULL : &w->memories.data[p->memory];
+    Rub rub = m ? m->rub : rub_as_last(w, a, b, last);
+    q->memory = p->memory;
+    q->cache = m ? m->cache : (ManifoldCache){.kind = 0};
     q->covered = (Covered){0, 0};
     q->reach = 0;
     q->until = g->crowd ? p->until : -1;
     q->meets = false;
-    q->friction = p->friction;
-    q->friction_dynamic = p->friction_dynamic;
-    q->rolling = p->rolling;
-    q->restitution = p->restitution;
+    q->friction = rub.friction;
+    q->friction_dynamic = rub.friction_dynamic;
+    q->rolling = rub.rolling;
+    q->restitution = rub.restitution;
     q->size = pair_size(q->sa, q->sb);
     q->fresh = p->fresh;
     q->was_touching = p->touching;
@@ -307,7 +320,7 @@ static void find_near(void *context, int thread, int threads)
     for (int i = team_first(n->count, thread, threads), end = team_end(n->count, thread, threads); i < end; i++) {
         const Pair *p = &w->pairs.data[n->pairs[i]];
         if (i + FETCH_AHEAD < n->count)
-            fetch_soon(&w->pairs.data[n->pairs[i + FETCH_AHEAD]], offsetof(Pair, cache));
+            fetch_soon(&w->pairs.data[n->pairs[i + FETCH_AHEAD]], sizeof(Pair));
         Near *near = &n->near[i];
         *near = (Near){.slot = n->pairs[i], .a = local_of(g, p->body_a), .b = local_of(g, p->body_b), .first = p->contact};
         if (g->crowd && p->contact == NONE && !p->touching) {
@@ -347,6 +360,8 @@ static void fetch_near(const Group *g, const Near *near, int i)
     fetch_soon(&w->solids.data[p->solid_b].shape, sizeof(Shape) + sizeof(pose));
     fetch_soon(&g->member[n->a], offsetof(Member, pull));
     fetch_soon(&g->member[n->b], offsetof(Member, pull));
+    if (p->memory != NONE)
+        fetch_soon(&w->memories.data[p->memory], sizeof(PairMemory));
     if (n->first != NONE)
         fetch_soon(&w->contacts.data[n->first], sizeof(Contact));
 }
@@ -355,12 +370,13 @@ static void gather_near(void *context, int thread, int threads)
 {
     const Nearby *n = context;
     Group *g = n->g;
+    LastRub last = {.known = false};
     for (int i = team_first(g->pair_count, thread, threads), end = team_end(g->pair_count, thread, threads); i < end; i++) {
         const Near *near = &n->near[i];
         GroupPair *q = &g->pairs[i];
         fetch_near(g, n->near, i);
         uint32_t c = near->first;
-        gather_pair(g, q, near);
+        gather_pair(g, q, near, &last);
         q->contact = near->contact;
         q->contacts = near->contacts;
         for (int k = 0; k < near->contacts; k++) {
@@ -532,6 +548,9 @@ static bool contact_idle(const GroupContact *c)
     return c->manifold.count == 0 && vec3_is_zero(c->impulse) && vec3_is_zero(c->rolling) && !c->sliding;
 }
 
+/* Is there something to keep of a pair: by its hint and its first contact? Meshes have theirs from the start. */
+static bool keeps_memory(const GroupPair *q, const GroupContact *first) { return q->contacts > 1 || q->cache.kind != 0 || !first->idle; }
+
 typedef struct Verdict { int changed, turned, widened, live, rubbing; real finest; } Verdict;     /* of one thread */
 typedef struct Judge { Group *g; real dt; Verdict *verdict; } Judge;
 
@@ -552,7 +571,8 @@ static void judge_pair(Group *g, int i, real dt, Verdict *v, int *changed, int *
         c->idle = contact_idle(c);
         bool comes_or_goes = q->contacts == 1 && (c->slot == NONE) != c->idle;
         bool widens = c->manifold.count > 1 && !c->wide;
-        if (comes_or_goes || widens)
+        bool remembers = k == q->contact && keeps_memory(q, c) != (q->memory != NONE);
+        if (comes_or_goes || widens || remembers)
             turned[v->turned++] = k;
         v->widened += widens;
         v->live += c->live;
@@ -667,20 +687,31 @@ static void commit_contact(World *w, Contact *to, const GroupContact *from, real
                                        : from->manifold.count ? from->manifold.points[0].a : vec3_zero();
 }
 
+static dig_status commit_memory(World *w, Pair *p, GroupPair *q, bool keeps)
+{
+    dig_status room = keeps && p->memory == NONE ? pair_remember(w, p) : DIG_OK;
+    if (!keeps && p->memory != NONE)
+        pair_forget(w, p);
+    q->memory = p->memory;
+    return room;
+}
+
 /* A pair of convex solids has a contact as long as there is something to remember, and that has room for more than one point from when
- * there are more; there is memory for both (reserve_regraph). */
+ * there are more; there is room for all of these (reserve_regraph). */
 void group_commit_records(World *w, Group *g)
 {
     for (int i = 0; i < g->turned_count; i++) {
         GroupContact *c = &g->contacts[g->turned[i]];
-        Pair *p = &w->pairs.data[g->pairs[c->pair].slot];
-        dig_status room = DIG_OK;
-        if (c->idle) {
-            contact_give(w, c->slot);
+        GroupPair *q = &g->pairs[c->pair];
+        Pair *p = &w->pairs.data[q->slot];
+        dig_status room = g->turned[i] == q->contact ? commit_memory(w, p, q, keeps_memory(q, c)) : DIG_OK;
+        if (c->idle && q->contacts == 1) {
+            if (c->slot != NONE)
+                contact_give(w, c->slot);
             p->contact = c->slot = NONE;
             continue;
         }
-        if (c->slot == NONE) {
+        if (c->slot == NONE && room == DIG_OK) {
             room = contact_take(w, &c->slot);
             p->contact = c->slot;
         }
@@ -693,7 +724,8 @@ void group_commit_records(World *w, Group *g)
 static void commit_pair(World *w, const Group *g, const GroupPair *q, real dt)
 {
     Pair *p = &w->pairs.data[q->slot];
-    p->cache = q->cache;
+    if (q->memory != NONE)
+        w->memories.data[q->memory].cache = q->cache;
     p->until = q->until;
     p->fresh = false;
     p->touching = q->touching;
@@ -720,6 +752,8 @@ static void fetch_commit(const World *w, const Group *g, int i)
     uint32_t slot = g->contacts[q->contact].slot;
     fetch_more(w, g->contacts[g->pairs[i + FETCH_AHEAD / 2].contact].slot);
     fetch_soon(&w->pairs.data[q->slot], sizeof(Pair));
+    if (q->memory != NONE)
+        fetch_soon(&w->memories.data[q->memory], sizeof(ManifoldCache));
     if (slot != NONE)
         fetch_soon(&w->contacts.data[slot], sizeof(Contact));
 }

@@ -132,6 +132,7 @@ typedef struct GroupContact {
 
 typedef struct GroupPair {
     uint32_t slot;              /* world pair                       */
+    uint32_t memory;            /* the world's; NONE: it has none   */
     int      a, b;              /* local bodies                     */
     int      contact, contacts; /* range of the group's contacts    */
     int      strike_first, strike;      /* its first and last entry of strikes + 1; 0 = none */
@@ -207,7 +208,7 @@ struct Group {
     GroupPair *pairs;       int pair_count;
     int      *changed;      int changed_count;  /* group_judge: pairs whose touch began or ended, or that were struck apart */
     int       live_count, rubbing_count;        /* group_judge: contacts with points, and those of them with friction */
-    int      *turned;       int turned_count;   /* group_judge: contacts whose record in the world comes, goes, or gets room for more points */
+    int      *turned;       int turned_count;   /* group_judge: contacts whose record in the world, or whose pair's memory, comes, goes, or grows */
     int       widened_count;    /* group_judge: the last of these                  */
     real      finest;           /* m   group_judge: size of the smallest solid in a pair; INFINITY: there is no pair */
     GroupContact *contacts; int contact_count;

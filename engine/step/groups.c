@@ -209,9 +209,11 @@ static bool plain_bodies(const World *w, const Step *s, const struct StepGroup *
 /* Bounces are simultaneous in a crowd; what bounces well deserves better, unless there is very much of it. */
 static bool bounces_well(const World *w, const Step *s, const struct StepGroup *g)
 {
-    for (int i = 0; i < g->pair_count; i++)
-        if (w->pairs.data[s->pairs[g->pair_first + i]].restitution > CROWD_LIVELY)
+    for (int i = 0; i < g->pair_count; i++) {
+        const Pair *p = &w->pairs.data[s->pairs[g->pair_first + i]];
+        if (p->bounces && pair_rub(w, p).restitution > CROWD_LIVELY)
             return true;
+    }
     return false;
 }
 

@@ -40,6 +40,8 @@ dig_status reserve_regraph(World *w, Step *s)
         widened += s->groups[i].widened_count;
         others += leavers(w, &s->groups[i]) + s->groups[i].strike_count + 4 * s->groups[i].joint_count;
     }
+    DIG_TRY(list_reserve(&w->memories, slots_for(w->memories.count, w->free_memories.count, born), &w->allocations));
+    DIG_TRY(list_reserve(&w->free_memories, w->memories.capacity, &w->allocations));
     DIG_TRY(list_reserve(&w->contacts, slots_for(w->contacts.count, w->free_contacts.count, born), &w->allocations));
     DIG_TRY(list_reserve(&w->free_contacts, w->contacts.capacity, &w->allocations));
     DIG_TRY(list_reserve(&w->more, slots_for(w->more.count, w->free_more.count, widened), &w->allocations));

@@ -300,9 +300,10 @@ static dig_status spread_from(World *w, uint32_t solid, const Body *striker, rea
         const Body *b = o->body == NONE ? NULL : &w->bodies.data[o->body];
         bool dynamic = b && b->kind == DIG_DYNAMIC && b->awake;
         vec3 speed = b ? vec3_sub(striker->v, b->v) : striker->v;
-        real far = dt * (vec3_length(speed) + vec3_length(striker->w) * striker->outer + striker->pull * dt), back = 1 + p->restitution;
+        real far = dt * (vec3_length(speed) + vec3_length(striker->w) * striker->outer + striker->pull * dt);
         if (far <= 0.9 * s->shape.inner || (o->leaf >= 0 && !box3_overlap(s->reach, dynamic ? o->reach : tree_box(&w->tree, o->leaf))))
             continue;
+        real back = 1 + pair_rub(w, p).restitution;
         DIG_TRY(grow_reach(w, solid, 0.5 * back * (far + (b ? dt * vec3_length(b->v) : 0))));
         if (dynamic)
             DIG_TRY(grow_reach(w, other, back * handed_on(striker, b) * far));

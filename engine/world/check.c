@@ -23,10 +23,16 @@ static dig_status check_bodies(const World *w)
 
 static dig_status check_pairs(const World *w)
 {
+    int memories = w->memories.count - w->free_memories.count;
     for (int i = 0; i < w->pairs.count; i++) {
         const Pair *p = &w->pairs.data[i];
         if (!p->alive)
             continue;
+        memories -= p->memory != NONE;
+        if (p->contact != NONE && !p->pieces && p->memory == NONE)
+            return world_fail(w, DIG_E_ARG, "pair %d has a contact, but no memory", i);
+        if (p->smooth != !(pair_rub(w, p).friction > 0))
+            return world_fail(w, DIG_E_ARG, "pair %d does not know that it is %s", i, p->smooth ? "rough" : "smooth");
         if (!w->solids.data[p->solid_a].alive || !w->solids.data[p->solid_b].alive || p->solid_a >= p->solid_b)
             return world_fail(w, DIG_E_ARG, "pair %d joins solids %u and %u, one of them gone", i, p->solid_a, p->solid_b);
         uint32_t found;
@@ -38,6 +44,8 @@ static dig_status check_pairs(const World *w)
             if (w->contacts.data[c].count > (w->contacts.data[c].more == NONE ? 1 : MANIFOLD_POINTS))
                 return world_fail(w, DIG_E_ARG, "pair %d has a contact of %d points without room for them", i, w->contacts.data[c].count);
     }
+    if (memories != 0)
+        return world_fail(w, DIG_E_ARG, "%d memories of pairs belong to none", memories);
     return DIG_OK;
 }
 

@@ -1,6 +1,6 @@
-/* world/compact.c - pairs and contacts move up when many of their slots are free, as when a swarm has come to rest.
+/* world/compact.c - pairs, memories and contacts move up when many of their slots are free, as when a swarm has come to rest.
  *
- * Pairs keep their order, so that results do not change; contacts get that of their pairs, in which every step goes through them.
+ * Pairs keep their order, so that results do not change; what is theirs gets that order, too, in which every step goes through them.
  */
 #include "world/world.h"
 
@@ -53,6 +53,29 @@ static dig_status move_pairs(World *w)
     return DIG_OK;
 }
 
+static dig_status move_memories(World *w)
+{
+    if (!many_free(w->memories.count, w->free_memories.count))
+        return DIG_OK;
+    ArenaMark mark = arena_mark(&w->scratch);
+    PairMemory *old = arena_alloc(&w->scratch, (size_t)w->memories.count * sizeof *old);
+    if (!old)
+        return world_fail(w, DIG_E_MEMORY, "not enough memory for %d memories", w->memories.count);
+    memcpy(old, w->memories.data, (size_t)w->memories.count * sizeof *old);
+    w->memories.count = w->free_memories.count = 0;
+    for (int i = 0; i < w->pairs.count; i++) {
+        Pair *p = &w->pairs.data[i];
+        if (!p->alive || p->memory == NONE)
+            continue;
+        w->memories.data[w->memories.count] = old[p->memory];
+        p->memory = (uint32_t)w->memories.count++;
+    }
+    arena_rewind(&w->scratch, mark);
+    list_trim(&w->memories, w->memories.count + w->memories.count / 8);
+    list_trim(&w->free_memories, w->memories.capacity);
+    return DIG_OK;
+}
+
 /* Contacts of one pair, from the old places to the next free ones. */
 static void move_list(World *w, Pair *p, const Contact *old, const MorePoints *old_more)
 {
@@ -98,5 +121,6 @@ static dig_status move_contacts(World *w)
 dig_status world_compact(World *w)
 {
     DIG_TRY(move_pairs(w));
+    DIG_TRY(move_memories(w));
     return move_contacts(w);
 }

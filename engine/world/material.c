@@ -93,13 +93,12 @@ static real pick(real special, real general) { return isnan(special) ? general :
 
 /* Friction and restitution of two surfaces: a row of the material table of their own, else the geometric mean of the frictions
  * and the larger restitution. A body that gives its own number overrides the table. */
-void surface_pair(const World *w, const Surface *a, const Surface *b, Pair *p)
+Rub surface_pair(const World *w, const Surface *a, const Surface *b)
 {
     Surface ra = surface_resolve(w, a), rb = surface_resolve(w, b);
-    p->friction = sqrt(ra.friction * rb.friction);
-    p->friction_dynamic = real_min(p->friction, sqrt(ra.friction_dynamic * rb.friction_dynamic));
-    p->rolling = real_max(ra.rolling, rb.rolling);
-    p->restitution = real_max(ra.restitution, rb.restitution);
+    Rub r = {.friction = sqrt(ra.friction * rb.friction), .rolling = real_max(ra.rolling, rb.rolling),
+             .restitution = real_max(ra.restitution, rb.restitution)};
+    r.friction_dynamic = real_min(r.friction, sqrt(ra.friction_dynamic * rb.friction_dynamic));
     bool own_friction = !isnan(a->friction) || !isnan(b->friction);
     bool own_restitution = !isnan(a->restitution) || !isnan(b->restitution);
     for (int i = w->material_pairs.count - 1; i >= 0; i--) {
@@ -107,12 +106,13 @@ void surface_pair(const World *w, const Surface *a, const Surface *b, Pair *p)
         if (!((m->a == a->material && m->b == b->material) || (m->a == b->material && m->b == a->material)))
             continue;
         if (!own_friction) {
-            p->friction_dynamic = pick(m->friction_dynamic, pick(m->friction, p->friction_dynamic));
-            p->friction = pick(m->friction, p->friction);
+            r.friction_dynamic = pick(m->friction_dynamic, pick(m->friction, r.friction_dynamic));
+            r.friction = pick(m->friction, r.friction);
         }
-        p->rolling = isnan(a->rolling) && isnan(b->rolling) ? pick(m->rolling, p->rolling) : p->rolling;
+        r.rolling = isnan(a->rolling) && isnan(b->rolling) ? pick(m->rolling, r.rolling) : r.rolling;
         if (!own_restitution)
-            p->restitution = pick(m->restitution, p->restitution);
+            r.restitution = pick(m->restitution, r.restitution);
         break;
     }
+    return r;
 }

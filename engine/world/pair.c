@@ -28,8 +28,33 @@ void contact_give(World *w, uint32_t slot)
 /* Triangles of a mesh or height field that one convex solid may touch at once. */
 #define MESH_CONTACTS 16
 
+static Rub rub_of(const World *w, const Pair *p)
+{
+    return surface_pair(w, &w->solids.data[p->solid_a].surface, &w->solids.data[p->solid_b].surface);
+}
+
+Rub pair_rub(const World *w, const Pair *p) { return p->memory == NONE ? rub_of(w, p) : w->memories.data[p->memory].rub; }
+
+dig_status pair_remember(World *w, Pair *p)
+{
+    uint32_t slot;
+    DIG_TRY(world_slot(w, &w->memories, &w->free_memories, &slot));
+    w->memories.data[slot].rub = rub_of(w, p);
+    p->memory = slot;
+    return DIG_OK;
+}
+
+void pair_forget(World *w, Pair *p)
+{
+    slot_give(w, &w->free_memories, p->memory);
+    p->memory = NONE;
+}
+
 void pair_sort(const World *w, Pair *p)
 {
+    Rub rub = pair_rub(w, p);
+    p->smooth = !(rub.friction > 0);
+    p->bounces = rub.restitution > 0;
     const ShapeType *a = w->solids.data[p->solid_a].shape.type, *b = w->solids.data[p->solid_b].shape.type;
     p->dynamic_a = body_dynamic(w, p->body_a);
     p->dynamic_b = body_dynamic(w, p->body_b);
@@ -116,7 +141,8 @@ dig_status pair_add(World *w, uint32_t solid_a, uint32_t solid_b)
     MapKey key = {solid_a, solid_b, 0};
     uint32_t slot;
     const Solid *a = &w->solids.data[solid_a], *b = &w->solids.data[solid_b];
-    Pair pair = {.alive = true, .solid_a = solid_a, .solid_b = solid_b, .body_a = a->body, .body_b = b->body, .listed = true, .fresh = true, .until = -1};
+    Pair pair = {.alive = true, .solid_a = solid_a, .solid_b = solid_b, .body_a = a->body, .body_b = b->body, .memory = NONE,
+                 .listed = true, .fresh = true, .until = -1};
     pair_sort(w, &pair);
     int want = pair.pieces ? MESH_CONTACTS : 0;
     uint32_t contact[MESH_CONTACTS];
@@ -124,8 +150,7 @@ dig_status pair_add(World *w, uint32_t solid_a, uint32_t solid_b)
     for (int i = 0; i < want; i++)
         w->contacts.data[contact[i]].next = i + 1 < want ? contact[i + 1] : NONE;
     pair.contact = want > 0 ? contact[0] : NONE;
-    surface_pair(w, &a->surface, &b->surface, &pair);
-    w->tally.smooth += !(pair.friction > 0);
+    w->tally.smooth += pair.smooth;
     w->pairs.data[slot] = pair;
     w->near.data[w->near.count++] = slot;
     pair_attach(w, slot);
@@ -165,13 +190,15 @@ void pair_remove(World *w, uint32_t pair)
         contact_give(w, c);
         c = next;
     }
+    if (p->memory != NONE)
+        pair_forget(w, p);
     if (p->touching)
         leave_touch(w, p);
     link_out(w, pair, 0, p->solid_a);
     link_out(w, pair, 1, p->solid_b);
     index_remove(&w->pair_index, (MapKey){p->solid_a, p->solid_b, 0}, pair);
     p->alive = false;
-    w->tally.smooth -= !(p->friction > 0);
+    w->tally.smooth -= p->smooth;
     slot_give(w, &w->free_pairs, pair);
 }
 
@@ -181,15 +208,27 @@ void pairs_of_solid_remove(World *w, uint32_t solid)
         pair_remove(w, w->solids.data[solid].pair_first / 2);
 }
 
+static void refresh_surfaces(World *w, Pair *p)
+{
+    if (p->memory != NONE)
+        w->memories.data[p->memory].rub = rub_of(w, p);
+    w->tally.smooth -= p->smooth;
+    pair_sort(w, p);
+    w->tally.smooth += p->smooth;
+}
+
+void all_pairs_refresh_surfaces(World *w)
+{
+    for (int i = 0; i < w->pairs.count; i++)
+        if (w->pairs.data[i].alive)
+            refresh_surfaces(w, &w->pairs.data[i]);
+}
+
 void pairs_refresh_surfaces(World *w, uint32_t body)
 {
     for (uint32_t s = w->bodies.data[body].shape_first; s != NONE; s = w->solids.data[s].next)
-        for (uint32_t l = w->solids.data[s].pair_first; l != NONE; l = w->pairs.data[l / 2].next[l % 2]) {
-            Pair *p = &w->pairs.data[l / 2];
-            w->tally.smooth -= !(p->friction > 0);
-            surface_pair(w, &w->solids.data[p->solid_a].surface, &w->solids.data[p->solid_b].surface, p);
-            w->tally.smooth += !(p->friction > 0);
-        }
+        for (uint32_t l = w->solids.data[s].pair_first; l != NONE; l = w->pairs.data[l / 2].next[l % 2])
+            refresh_surfaces(w, &w->pairs.data[l / 2]);
 }
 
 static bool is_touch(const void *world, uint32_t touch, MapKey key)

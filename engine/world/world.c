@@ -96,6 +96,7 @@ void world_close(World *w)
     list_close(&w->bodies);
     list_close(&w->solids);
     list_close(&w->pairs);
+    list_close(&w->memories);
     list_close(&w->contacts);
     list_close(&w->more);
     list_close(&w->touches);
@@ -104,6 +105,7 @@ void world_close(World *w)
     list_close(&w->free_bodies);
     list_close(&w->free_solids);
     list_close(&w->free_pairs);
+    list_close(&w->free_memories);
     list_close(&w->free_contacts);
     list_close(&w->free_more);
     list_close(&w->free_touches);
@@ -132,7 +134,7 @@ void world_close(World *w)
 size_t world_bytes(const World *w)
 {
     size_t bytes = sizeof *w;
-    bytes += list_bytes(&w->bodies) + list_bytes(&w->solids) + list_bytes(&w->pairs) + list_bytes(&w->contacts);
+    bytes += list_bytes(&w->bodies) + list_bytes(&w->solids) + list_bytes(&w->pairs) + list_bytes(&w->memories) + list_bytes(&w->contacts);
     bytes += list_bytes(&w->more) + list_bytes(&w->touches) + list_bytes(&w->joints) + list_bytes(&w->pushes) + list_bytes(&w->events)
         + list_bytes(&w->pending);
     bytes += list_bytes(&w->materials) + list_bytes(&w->material_pairs);
@@ -152,7 +154,7 @@ Tally world_tally(const World *w)
     for (int i = 0; i < w->touches.count; i++)
         t.touching += w->touches.data[i].alive && w->touches.data[i].pairs > 0;
     for (int i = 0; i < w->pairs.count; i++)
-        t.smooth += w->pairs.data[i].alive && !(w->pairs.data[i].friction > 0);
+        t.smooth += w->pairs.data[i].alive && w->pairs.data[i].smooth;
     for (int i = 0; i < w->solids.count; i++)
         t.shapes += w->solids.data[i].alive ? shape_bytes(&w->solids.data[i].shape) : 0;
     return t;

@@ -136,19 +136,26 @@ typedef struct Contact {        /* one manifold of a pair; a convex pair has at 
                                  *     it only where an effect asks for it (EffectType.losses) */
 } Contact;
 
-typedef struct Pair {           /* two solids whose fat boxes overlap; what every step reads comes first */
+typedef struct Rub { real friction, friction_dynamic, rolling, restitution; } Rub;      /* what two surfaces make of each other */
+
+typedef struct PairMemory {     /* what is kept of a pair while it has a contact, or a hint where to look for one */
+    ManifoldCache cache;
+    Rub      rub;
+} PairMemory;
+
+typedef struct Pair {           /* two solids whose fat boxes overlap: mostly that is all there is of them, so it is small */
     bool     alive : 1;
     bool     listed : 1;        /* in world->near                                      */
     bool     pieces : 1;        /* with a mesh or height field: it has a list of contacts, else one at most */
     bool     round : 1;         /* with a sphere: no contact of it has more than one point */
     bool     dynamic_a : 1, dynamic_b : 1;      /* the kinds of its bodies: to look at these for it would be a miss each */
+    bool     smooth : 1, bounces : 1;           /* has no friction; has some restitution */
     bool     touching, fresh;   /* fresh: the stored manifold is not that of the present poses */
     uint32_t solid_a, solid_b, body_a, body_b;     /* body NONE: the world; solid_a < solid_b */
     uint32_t next[2], prev[2];  /* lists of the two solids, as 2 * pair + side         */
     uint32_t contact;           /* first of its contacts; NONE: two convex solids with nothing to remember */
+    uint32_t memory;            /* in world->memories; NONE: no contact, and no hint      */
     real     until;             /* m   travel of both bodies up to which a crowd need not look at them anew (crowd/touch.c); < 0: it must */
-    ManifoldCache cache;
-    real     friction, friction_dynamic, rolling, restitution; /* of this pair of surfaces */
 } Pair;
 
 typedef struct Touch {          /* two bodies that touch by at least one pair          */
@@ -273,13 +280,14 @@ struct dig_world {
     LIST(Body)     bodies;
     LIST(Solid)    solids;
     LIST(Pair)     pairs;
+    LIST(PairMemory) memories;          /* of pairs                                    */
     LIST(Contact)  contacts;
     LIST(MorePoints) more;              /* of contacts                                 */
     LIST(Touch)    touches;
     LIST(JointRec) joints;
     LIST(Push)     pushes;
     LIST(Region)   regions; int region_count;
-    LIST(uint32_t) free_bodies, free_solids, free_pairs, free_contacts, free_more, free_touches, free_joints, free_regions;
+    LIST(uint32_t) free_bodies, free_solids, free_pairs, free_memories, free_contacts, free_more, free_touches, free_joints, free_regions;
     LIST(uint32_t) unbounded;           /* solids that are planes                      */
     LIST(uint32_t) awake;               /* bodies to be advanced, ascending            */
     LIST(uint32_t) near;                /* pairs of listed bodies, and some that were; nearly ascending */
@@ -443,7 +451,7 @@ real       body_energy(const World *w, const Body *b);  /* J, kinetic + potentia
 dig_status solid_add(World *w, uint32_t body, const Shape *shape, pose at, const Surface *surface, vec3 colour, uint32_t *slot);
 void       solid_remove(World *w, uint32_t slot);
 Surface    surface_resolve(const World *w, const Surface *s);           /* no NaN left */
-void       surface_pair(const World *w, const Surface *a, const Surface *b, Pair *p);
+Rub        surface_pair(const World *w, const Surface *a, const Surface *b);
 
 /* Point k of a contact, less than its count; or, where it has room, than MANIFOLD_POINTS. */
 static inline ContactPoint *contact_point(World *w, Contact *c, int k) { return k == 0 ? &c->first : &w->more.data[c->more].point[k - 1]; }
@@ -468,7 +476,10 @@ static inline void contacts_fetch(const World *w, const Pair *p, const Pair *end
 dig_status contact_take(World *w, uint32_t *slot);      /* without a point, next or room for more than one */
 dig_status contact_widen(World *w, Contact *c);         /* room for all points; DIG_E_MEMORY: unchanged */
 void       contact_give(World *w, uint32_t slot);
-void       pair_sort(const World *w, Pair *p);           /* what its solids make it: pieces, round, whose ends are dynamic */
+dig_status pair_remember(World *w, Pair *p);
+void       pair_forget(World *w, Pair *p);
+Rub        pair_rub(const World *w, const Pair *p);
+void       pair_sort(const World *w, Pair *p);           /* what its solids make it: pieces, round, whose ends are dynamic, how they rub */
 dig_status pair_add(World *w, uint32_t solid_a, uint32_t solid_b);     /* that are none yet */
 bool       pair_find(const World *w, uint32_t solid_a, uint32_t solid_b, uint32_t *pair);         /* in any order */
 dig_status pair_enter(World *w, uint32_t pair);         /* into the index; it is not there yet */
@@ -479,6 +490,7 @@ bool       pair_between(const World *w, uint32_t body_a, uint32_t body_b, uint32
 static inline uint32_t pair_side(const Pair *p, uint32_t solid) { return p->solid_a == solid ? 0 : 1; }
 void       pairs_of_solid_remove(World *w, uint32_t solid);
 void       pairs_refresh_surfaces(World *w, uint32_t body);
+void       all_pairs_refresh_surfaces(World *w);
 dig_status touch_find_or_add(World *w, uint32_t a, uint32_t b, uint8_t wall, uint32_t *slot);
 dig_status touch_enter(World *w, uint32_t touch);       /* into the index; it is not there yet */
 void       touch_remove(World *w, uint32_t slot);

@@ -50,6 +50,24 @@ scenario("surface and heat that a body was given itself stay; its mass follows t
   expect(box.heat_capacity):is(1000.0)
 end)
 
+scenario("a material that is replaced is another one for what touches already, too", function(s)
+  digbox.material("wax of the test", { density = 900, friction = 1 })
+  local world = s.world
+  world:plane { normal = { 0, 1, 0 }, material = "wax of the test" }
+  local box = world:box { size = 0.1, at = { 0, 0.05, 0 }, material = "wax of the test" }
+  local function slide()
+    world:run "0.1 s"
+    box:teleport { velocity = { 2, 0, 0 } }
+    world:run "0.1 s"
+    return box.velocity.x
+  end
+  expect(slide()):near(2 - 0.981, 1e-2)
+  expect(world:stats().smooth):is(0)
+  digbox.material("wax of the test", { density = 900, friction = 0 })
+  expect(slide()):near(2, 1e-6)
+  expect(world:stats().smooth):is(1)
+end)
+
 scenario("strength of a plank comes from its material", function(s)
   local function limit(material)
     local plank = s.world:plank { from = { 0, 1, 0 }, to = { 1, 1, 0 }, width = 0.1, height = 0.02, material = material, segments = 4 }
