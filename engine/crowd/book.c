@@ -127,13 +127,16 @@ static void book_friction(GroupContact *t, const Batch *b, int lane, real h, rea
     }
 }
 
-#define YIELDS 0.1              /* s: soft rows carry a load by overlap at first, and after some of this without */
+#define YIELDS 0.1              /* s: soft rows carry a load by overlap at first, and after some of this without; by as much sooner as
+                                 * there are passes, for then the load has come through */
 
-/* N  What of a force a soft row need not carry by overlap: what it has carried for long. Else piles sink under their own weight. Not
+/* N  What of a force a soft row need not carry by overlap: what it has carried for long. Else piles sink under their own weight, and
+ * overlap that no motion can take away, for contacts all around hold it, waits until the load has grown enough to open one of them. Not
  * where points share the load, and may exchange it. */
 static float borne(const Crowd *c, real before, real force)
 {
-    return (float)real_min(force, before + real_min(1, c->dt / YIELDS) * (force - before));
+    real passes = (real)c->passes / c->substeps;
+    return (float)real_min(force, before + real_min(1, passes * c->dt / YIELDS) * (force - before));
 }
 
 /* Returns whether there is something to note. */

@@ -32,13 +32,13 @@ static bool goes_past(const GroupPair *q, real gap, real closing, real speed)
     return gap > q->size && across2 * gap * gap > reach * reach * closing * closing;
 }
 
-/* If an impact stops either, the other goes on alone. */
+/* If an impact stops either, the other goes on alone. Not of what is near: there an impact that throws either to its side matters, too. */
 static bool alone_goes_past(const Group *g, const GroupContact *t, const ManifoldPoint *p)
 {
     const GroupPair *q = &g->pairs[t->pair];
     vec3 n = t->manifold.normal, a = crowd_velocity(g, t->a, p->a), b = crowd_velocity(g, t->b, p->b);
     real to_b = vec3_dot(n, a), to_a = -vec3_dot(n, b);
-    return (to_b <= 0 || goes_past(q, p->gap, to_b, vec3_length(a))) && (to_a <= 0 || goes_past(q, p->gap, to_a, vec3_length(b)));
+    return p->gap > q->size && (to_b <= 0 || goes_past(q, p->gap, to_b, vec3_length(a))) && (to_a <= 0 || goes_past(q, p->gap, to_a, vec3_length(b)));
 }
 
 /* Might it act within the step? Others may push as hard as the bodies move. */

@@ -126,6 +126,7 @@ typedef struct Crowd {
     int    passes, passes_most; /* of a substep, at first; never more                          */
     float *worst[2];            /* [threads] error of rates over what matters; of this pass, of the one before */
     real  *stop;                /* [body_count of g] m/s  by how much an impact in this step may change its speed; NULL: there is none */
+    real   finest;              /* m   size of the smallest solid in a pair                    */
     float  push_most;           /* m/s  at which overlap is corrected at most                  */
     float  bounce_least;        /* m/s  slower approaches do not bounce                        */
 } Crowd;

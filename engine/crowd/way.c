@@ -44,8 +44,8 @@ static dig_status open(Crowd *c)
         if (i >= g->moving_count)
             m->start_pos = g->pos[i];
     }
-    real size = smallest(g);
-    c->push_most = (float)(PUSH_MOST * sqrt(size));
+    c->finest = smallest(g);
+    c->push_most = (float)(PUSH_MOST * sqrt(c->finest));
     c->bounce_least = (float)(g->close_speed + 2 * g->fall * (real)c->h);
     return DIG_OK;
 }
@@ -53,17 +53,33 @@ static dig_status open(Crowd *c)
 /* As many passes as the load needs, to come through from the top of the pile to the ground: what overlaps says so. */
 #define SHALLOW 2.0             /* times what a pass needs to change; so much more takes one more */
 #define WORK    40000           /* points, in all passes of a substep */
+/* A pile that has landed may take more, as long as it is deep in itself: then little else is to be done, and it is brief. These make
+ * rows no harder, for what lies in them would be thrown up. */
+#define CALM_WORK 8             /* times as many */
+#define BRISK     0.01          /* of the size: what moves farther in the step has not landed */
+#define LANDED    0.9           /* of all bodies */
+
+static bool calm(const Crowd *c)
+{
+    real fast = BRISK * c->finest / c->dt;
+    int brisk = 0;
+    for (int i = 0; i < c->bodies; i++)
+        brisk += vec3_length2(c->g->vel[i].v) > fast * fast;
+    return brisk < (1 - LANDED) * c->bodies;
+}
 
 static dig_status plan_passes(Crowd *c)
 {
     int points = 1, threads = c->team ? c->team->threads : 1;
     for (int i = 0; i < c->batches; i++)
         points += LANES * c->batch[i].points;
-    c->passes_most = (int)real_clamp(WORK / (real)points, 1, PASSES_MOST);
-    c->passes = (int)real_clamp(1 + c->deep - SHALLOW, 1, c->passes_most);
+    int hardest = (int)real_clamp(WORK / (real)points, 1, PASSES_MOST);
+    real wanted = 1 + c->deep - SHALLOW;
+    c->passes_most = wanted > hardest && calm(c) ? int_min(CALM_WORK * hardest, PASSES_MOST) : hardest;
+    c->passes = (int)real_clamp(wanted, 1, c->passes_most);
     for (int i = 0; i < c->passes_most; i++) {
-        c->soft[i][0] = soft_of(STIFF * (i + 1), (real)c->h);
-        c->soft[i][1] = soft_of(FIRM * (i + 1), (real)c->h);
+        c->soft[i][0] = soft_of(STIFF * int_min(i + 1, hardest), (real)c->h);
+        c->soft[i][1] = soft_of(FIRM * int_min(i + 1, hardest), (real)c->h);
     }
     c->worst[0] = arena_zero(c->g->arena, 2 * (size_t)threads * sizeof *c->worst[0]);
     c->worst[1] = c->worst[0] + threads;
