@@ -101,6 +101,29 @@ test.scenario("verdicts tell a good integrator from bad ones", function()
   test.expect(passes(rungs(1, 1e-14, 5, 50))):is "order=true floor=false proportionality=true bound=false"
 end)
 
+-- One second of frames; below 1e-6 as good as a fifth order is, above it at one step a frame, with the error of that
+local function frame_long(error_of)
+  local rows = rungs(1, 1e-14, 5)
+  for _, row in ipairs(rows) do
+    local tolerance = tonumber(row.setting)
+    row.steps = math.max(60, math.floor(60 * (tolerance / 1e-6) ^ -0.2))
+    row.evaluations = 7 * row.steps
+    row.error = error_of(tolerance)
+  end
+  return rows
+end
+
+test.scenario("verdicts judge proportionality where steps are shorter than a frame, and say from where on", function()
+  local scene = { id = "X", seconds = 1 }
+  local function verdict(rows) return verdicts.judge(scene, rows)[3] end
+  local v = verdict(frame_long(function(tolerance) return math.min(tolerance, 1e-6) end))
+  test.expect(v.pass):is(true)
+  test.expect(v.from):near(1e-7, 1e-12)
+  -- a plateau at shorter steps is one still, and so is a slow fall
+  test.expect(verdict(frame_long(function(tolerance) return tolerance > 1e-9 and 1e-6 or tolerance end)).pass):is(false)
+  test.expect(verdict(frame_long(function(tolerance) return math.sqrt(tolerance) end)).pass):is(false)
+end)
+
 test.scenario("verdicts read CSV, and judge the goal without looking at the time", function()
   local rows = verdicts.read(suite.header .. "\nX,digbox,play,1e-7,1000,1,1,0,0,0,,0\nX,digbox,reference,1e-9,1,1,1,0,0,0,,0\n")
   test.expect(#rows):is(2)
