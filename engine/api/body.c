@@ -352,9 +352,7 @@ static dig_status do_move_to(World *w, dig_body handle, vec3 at, const quat *rot
     if (!(over > 0 && isfinite(over)))
         return world_fail(w, DIG_E_ARG, "move_to: over = %g s, must be > 0", over);
     quat q = rotation ? quat_unit(*rotation) : b->q;
-    b->move_from = b->x;
     b->move_to = vec3_add(at, quat_rotate(q, b->centre));
-    b->turn_from = b->q;
     b->turn_to = q;
     b->move_start = world_time(w);
     b->move_end = b->move_start + real_max(over, w->def.step);

@@ -373,6 +373,7 @@ static dig_status copy_all(const World *w, const Part *p)
     DIG_TRY(copy_touches(w, p));
     DIG_TRY(copy_joints(w, p));
     DIG_TRY(copy_graph(w, p));
+    p->world->tally = world_tally(p->world);
     return copy_acts(w, p);
 }
 

@@ -279,6 +279,7 @@ static dig_status do_add_pair(World *w, const dig_pair_def *def)
         if (p->alive)
             surface_pair(w, &w->solids.data[p->solid_a].surface, &w->solids.data[p->solid_b].surface, p);
     }
+    w->tally = world_tally(w);
     return DIG_OK;
 }
 

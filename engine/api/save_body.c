@@ -32,9 +32,11 @@ static void pack_mover(Pack *p, Body *b)
     bool used = b->turn_to.w != 0 || b->turn_to.x != 0 || b->turn_to.y != 0 || b->turn_to.z != 0;
     pack_bool(p, &used);
     pack_check(p, used || !(b->move_end > b->move_start), "a body moves to nowhere");
-    pack_vec3(p, &b->move_from, SAVE_FAR, "start of a move");
+    vec3 from = b->move_to;             /* where it came from has its place in the file, but nobody asks for it */
+    quat turn_from = b->turn_to;
+    pack_vec3(p, &from, SAVE_FAR, "start of a move");
     pack_vec3(p, &b->move_to, SAVE_FAR, "end of a move");
-    pack_turn(p, &b->turn_from, used);
+    pack_turn(p, &turn_from, used);
     pack_turn(p, &b->turn_to, used);
 }
 

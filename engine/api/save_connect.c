@@ -391,6 +391,7 @@ void save_connect(Pack *p, World *w)
             connect_touches(p, w, pairs);
         if (pack_good(p))
             connect_graph(p, w);
+        w->tally = world_tally(w);
     }
     free(met);
     free(pairs);

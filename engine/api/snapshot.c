@@ -116,6 +116,7 @@ static void copy_numbers(World *to, const World *from)
     to->has_room = from->has_room;
     memcpy(to->room_solid, from->room_solid, sizeof to->room_solid);
     to->ledger = from->ledger;
+    to->tally = from->tally;
     to->stats = from->stats;
     memcpy(to->warnings, from->warnings, sizeof to->warnings);
     to->warning_count = from->warning_count;

@@ -266,14 +266,6 @@ vec3 dig_world_angular_momentum(const dig_world *w)
     return l;
 }
 
-static int alive_contacts(const World *w)
-{
-    int n = 0;
-    for (int i = 0; i < w->touches.count; i++)
-        n += w->touches.data[i].alive && w->touches.data[i].pairs > 0;
-    return n;
-}
-
 void dig_time_every_step(dig_world *w, bool on) { w->timed_always = on; }
 
 /* Did it get farther than a ball that fits inside it is wide? */
@@ -285,20 +277,12 @@ static bool is_fast(const World *w, const Body *b)
     return vec3_distance(b->x, b->prev_x) > inner;
 }
 
-static int smooth_pairs(const World *w)
-{
-    int n = 0;
-    for (int i = 0; i < w->pairs.count; i++)
-        n += w->pairs.data[i].alive && !(w->pairs.data[i].friction > 0);
-    return n;
-}
-
 dig_stats dig_world_stats(const dig_world *w)
 {
     dig_stats s = w->stats;
-    world_work_through(w, 1);
+    world_work(w, 4 * (uint64_t)w->awake.count);
     s.fast = 0;
-    s.smooth = smooth_pairs(w);
+    s.smooth = w->tally.smooth;
     s.bodies = w->bodies.count - w->free_bodies.count;
     s.awake = 0;
     for (int i = 0; i < w->awake.count; i++) {
@@ -310,7 +294,7 @@ dig_stats dig_world_stats(const dig_world *w)
     s.digs = graph_count(w->graph);
     s.pairs = w->pairs.count - w->free_pairs.count;
     s.joints = w->joints.count - w->free_joints.count;
-    s.contacts = alive_contacts(w);
+    s.contacts = w->tally.touching;
     s.bytes = world_bytes(w) + (w->workers ? workers_bytes(w->workers) : 0);
     s.allocations = w->allocations + w->scratch.allocations;
     return s;

@@ -1,7 +1,7 @@
 /* base/arena.c - chunks of scratch memory in a list, filled one after the other. */
 #include "base/arena.h"
 
-#include <stdlib.h>
+#include "base/block.h"
 
 static size_t round_up(size_t bytes)
 {
@@ -18,9 +18,11 @@ static void poison(void *data, size_t bytes)
 #endif
 }
 
+static size_t chunk_bytes(size_t size) { return sizeof(ArenaChunk) + size + ARENA_ALIGN; }
+
 static ArenaChunk *chunk_open(Arena *a, size_t size)
 {
-    ArenaChunk *c = malloc(sizeof *c + size + ARENA_ALIGN);
+    ArenaChunk *c = block_resize(NULL, 0, chunk_bytes(size));
     if (!c)
         return NULL;
     unsigned char *data = (unsigned char *)(c + 1);
@@ -35,7 +37,7 @@ static void chunks_close(Arena *a)
 {
     for (ArenaChunk *c = a->first, *next; c; c = next) {
         next = c->next;
-        free(c);
+        block_free(c, chunk_bytes(c->size));
     }
     a->first = a->current = NULL;
     a->live = a->held = 0;

@@ -1,6 +1,6 @@
 /* base/list.h - typed growable arrays: LIST(Body) bodies;
  *
- * Owns:      `data`; list_close frees it.
+ * Owns:      `data`, a block (base/block.h); list_close frees it.
  * Invariant: count <= capacity. New items are zeroed. Data moves when the list
  *            grows, so hold indices, not pointers, across list_push.
  * Floor:     base.
@@ -44,8 +44,8 @@ dig_status list_push_any(void **data, int *count, int *capacity, size_t item, ui
 void list_trim_any(void **data, int count, int *capacity, size_t item, int keep);
 #define list_trim(list, keep) list_trim_any((void **)&(list)->data, (list)->count, &(list)->capacity, sizeof *(list)->data, (keep))
 
-void list_free_any(void **data, int *count, int *capacity);
-#define list_close(list) list_free_any((void **)&(list)->data, &(list)->count, &(list)->capacity)
+void list_free_any(void **data, int *count, int *capacity, size_t item);
+#define list_close(list) list_free_any((void **)&(list)->data, &(list)->count, &(list)->capacity, sizeof *(list)->data)
 
 #define list_bytes(list) ((size_t)(list)->capacity * sizeof *(list)->data)
 

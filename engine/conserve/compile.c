@@ -1,4 +1,5 @@
 /* conserve/compile.c - which formula each row of a joint is, found from the row itself. */
+#include "base/forest.h"
 #include "conserve/system.h"
 
 typedef struct Found { Part part[TIE_ROWS]; int parts, rows; bool hard, coupled; const char *why; } Found;
@@ -187,6 +188,25 @@ static void warm(System *s, const Tie *t, const JointView *v)
     }
 }
 
+/* Does a ring of hard rows share its load in many ways? What does not move is one piece. */
+static dig_status find_rings(System *s)
+{
+    int *parent = arena_alloc(s->g->arena, (size_t)s->piece_count * sizeof *parent);
+    if (!parent)
+        return DIG_E_MEMORY;
+    for (int i = 0; i < s->piece_count; i++)
+        parent[i] = s->piece[i].moves ? i : s->piece_count - 1;
+    s->rings = false;
+    for (int i = 0; i < s->tie_count; i++) {
+        const Tie *t = &s->tie[i];
+        if (!t->hard)
+            continue;
+        s->rings = s->rings || forest_root(parent, t->a) == forest_root(parent, t->b);
+        forest_unite(parent, t->a, t->b);
+    }
+    return DIG_OK;
+}
+
 dig_status parts_compile(System *s)
 {
     Group *g = s->g;
@@ -214,5 +234,5 @@ dig_status parts_compile(System *s)
         s->row_count += f.rows;
         warm(s, t, &v);
     }
-    return DIG_OK;
+    return find_rings(s);
 }

@@ -2,32 +2,16 @@
  *
  * Unsymmetric: rows are exchanged inside a block only. Golub & Van Loan, Matrix Computations, ch. 3. */
 #include "conserve/system.h"
+#include "math/pair.h"
 
-static void swap_rows(real *m, int width, int i, int k)
-{
-    for (int c = 0; c < width; c++) {
-        real t = m[i * width + c];
-        m[i * width + c] = m[k * width + c];
-        m[k * width + c] = t;
-    }
-}
+#define SIZE_MOST TIE_ROWS      /* rows of a block: 6 of a body, at most as many of a joint */
 
-/* y -= f x. Points and bodies have 3 and 6 rows: those are written out. */
-static inline void subtract(real *restrict y, real f, const real *restrict x, int n)
+/* d of n x n becomes L U of its rows in the order `row`; the diagonal of U is inverted apart from it. */
+INLINE bool decompose(real *restrict d, int n, int *restrict row, real *restrict inverse)
 {
-    int c = 0;
-    for (; c + 3 <= n; c += 3) {
-        y[c] -= f * x[c];
-        y[c + 1] -= f * x[c + 1];
-        y[c + 2] -= f * x[c + 2];
-    }
-    for (; c < n; c++)
-        y[c] -= f * x[c];
-}
-
-/* Solves d x = [u | b] in place; d is n x n. */
-static bool solve_block(real *d, int n, real *u, int width, real *b)
-{
+    for (int k = 0; k < n; k++)
+        row[k] = k;
+    UNROLL
     for (int k = 0; k < n; k++) {
         int best = k;
         for (int i = k + 1; i < n; i++)
@@ -37,44 +21,149 @@ static bool solve_block(real *d, int n, real *u, int width, real *b)
         if (!(fabs(pivot) > 1e-280) || !isfinite(pivot))
             return false;
         if (best != k) {
-            swap_rows(d, n, k, best);
-            swap_rows(u, width, k, best);
-            swap_rows(b, 1, k, best);
+            int r = row[k];
+            row[k] = row[best];
+            row[best] = r;
+            for (int c = 0; c < n; c++) {
+                real t = d[k * n + c];
+                d[k * n + c] = d[best * n + c];
+                d[best * n + c] = t;
+            }
         }
+        inverse[k] = 1 / pivot;
+        UNROLL
         for (int i = k + 1; i < n; i++) {
             real f = d[i * n + k] / pivot;
-            if (f == 0)
-                continue;
-            subtract(d + i * n + k + 1, f, d + k * n + k + 1, n - k - 1);
-            subtract(u + i * width, f, u + k * width, width);
-            b[i] -= f * b[k];
-        }
-    }
-    for (int k = n - 1; k >= 0; k--) {
-        real f = 1 / d[k * n + k];
-        for (int c = 0; c < width; c++)
-            u[k * width + c] *= f;
-        b[k] *= f;
-        for (int i = 0; i < k; i++) {
-            subtract(u + i * width, d[i * n + k], u + k * width, width);
-            b[i] -= d[i * n + k] * b[k];
+            d[i * n + k] = f;
+            UNROLL
+            for (int c = k + 1; c < n; c++)
+                d[i * n + c] -= f * d[k * n + c];
         }
     }
     return true;
 }
 
-/* to -= l x, l: rows x n, x: n rows of `width` of which `columns` are used */
-static void subtract_product(real *to, int stride, const real *l, int rows, int n, const real *x, int width, int columns)
+/* A column of u, n rows of `width`, becomes x with d x = u. */
+INLINE void solve_one(const real *restrict d, int n, const int *restrict row, const real *restrict inverse, real *restrict u, int width)
 {
-    for (int i = 0; i < rows; i++) {
-        real *row = to + i * stride;
-        for (int k = 0; k < n; k++) {
-            real f = l[i * n + k];
-            if (f == 0)
-                continue;
-            subtract(row, f, x + k * width, columns);
+    real x[SIZE_MOST];
+    UNROLL
+    for (int k = 0; k < n; k++)
+        x[k] = u[row[k] * width];
+    UNROLL
+    for (int k = 0; k < n; k++) {
+        UNROLL
+        for (int i = k + 1; i < n; i++)
+            x[i] -= d[i * n + k] * x[k];
+    }
+    UNROLL
+    for (int k = n - 1; k >= 0; k--) {
+        x[k] *= inverse[k];
+        UNROLL
+        for (int i = 0; i < k; i++)
+            x[i] -= d[i * n + k] * x[k];
+    }
+    UNROLL
+    for (int k = 0; k < n; k++)
+        u[k * width] = x[k];
+}
+
+/* Two columns next to each other. */
+INLINE void solve_two(const real *restrict d, int n, const int *restrict row, const real *restrict inverse, real *restrict u, int width)
+{
+    pair x[SIZE_MOST];
+    UNROLL
+    for (int k = 0; k < n; k++)
+        x[k] = PAIR(u[row[k] * width]);
+    UNROLL
+    for (int k = 0; k < n; k++) {
+        UNROLL
+        for (int i = k + 1; i < n; i++)
+            x[i] -= d[i * n + k] * x[k];
+    }
+    UNROLL
+    for (int k = n - 1; k >= 0; k--) {
+        x[k] *= inverse[k];
+        UNROLL
+        for (int i = 0; i < k; i++)
+            x[i] -= d[i * n + k] * x[k];
+    }
+    UNROLL
+    for (int k = 0; k < n; k++)
+        PAIR(u[k * width]) = x[k];
+}
+
+/* Solves d x = [u | b] in place; d is n x n. */
+INLINE bool solve_sized(real *restrict d, int n, real *restrict u, int width, real *restrict b)
+{
+    int row[SIZE_MOST], at = 0;
+    real inverse[SIZE_MOST];
+    if (!decompose(d, n, row, inverse))
+        return false;
+    for (; at + 2 <= width; at += 2)
+        solve_two(d, n, row, inverse, u + at, width);
+    if (at < width)
+        solve_one(d, n, row, inverse, u + at, width);
+    solve_one(d, n, row, inverse, b, 1);
+    return true;
+}
+
+static bool solve_block(real *d, int n, real *u, int width, real *b)
+{
+    switch (n) {
+    case 1: return solve_sized(d, 1, u, width, b);
+    case 2: return solve_sized(d, 2, u, width, b);
+    case 3: return solve_sized(d, 3, u, width, b);
+    case 4: return solve_sized(d, 4, u, width, b);
+    case 5: return solve_sized(d, 5, u, width, b);
+    default: return solve_sized(d, SIZE_MOST, u, width, b);
+    }
+}
+
+/* to -= l x, l: rows x n, x: n rows of `width` of which `columns` are used */
+INLINE void subtract_sized(real *restrict to, int stride, const real *restrict l, int l_stride, int rows, int n, const real *restrict x, int width, int columns)
+{
+    for (int i = 0; i < rows; i++, to += stride, l += l_stride) {
+        int c = 0;
+        for (; c + 2 <= columns; c += 2) {
+            pair sum = PAIR(to[c]);
+            UNROLL
+            for (int k = 0; k < n; k++)
+                sum -= l[k] * PAIR(x[k * width + c]);
+            PAIR(to[c]) = sum;
+        }
+        if (c < columns) {
+            real sum = to[c];
+            UNROLL
+            for (int k = 0; k < n; k++)
+                sum -= l[k] * x[k * width + c];
+            to[c] = sum;
         }
     }
+}
+
+static void subtract_product(real *to, int stride, const real *l, int rows, int n, const real *x, int width, int columns)
+{
+    switch (n) {
+    case 1: subtract_sized(to, stride, l, 1, rows, 1, x, width, columns); return;
+    case 2: subtract_sized(to, stride, l, 2, rows, 2, x, width, columns); return;
+    case 3: subtract_sized(to, stride, l, 3, rows, 3, x, width, columns); return;
+    case 4: subtract_sized(to, stride, l, 4, rows, 4, x, width, columns); return;
+    case 5: subtract_sized(to, stride, l, 5, rows, 5, x, width, columns); return;
+    default: subtract_sized(to, stride, l, SIZE_MOST, rows, SIZE_MOST, x, width, columns);
+    }
+}
+
+/* to -= x y, x: rows of `width` of which the first n are used */
+static void subtract_known(real *to, int rows, const real *x, int width, const real *y, int n)
+{
+    if (n == SIZE_MOST)
+        subtract_sized(to, 1, x, width, rows, SIZE_MOST, y, 1, 1);
+    else if (n == 3)
+        subtract_sized(to, 1, x, width, rows, 3, y, 1, 1);
+    else
+        for (int i = 0; i < n; i++)
+            subtract_sized(to, 1, x + i, width, rows, 1, y + i, 1, 1);
 }
 
 bool factor_solve(System *s)
@@ -100,10 +189,7 @@ bool factor_solve(System *s)
         real *b = s->side + 6 * e->node;
         for (int i = 0; i < e->count; i++) {
             const Later *l = &s->later[e->first + i];
-            const real *y = s->side + 6 * l->node;
-            for (int r = 0; r < e->size; r++)
-                for (int c = 0; c < l->size; c++)
-                    b[r] -= x[r * e->width + l->column + c] * y[c];
+            subtract_known(b, e->size, x + l->column, e->width, s->side + 6 * l->node, l->size);
         }
     }
     return true;

@@ -120,12 +120,13 @@ static EvalFn *const formulas[] = {[PART_POINT] = eval_point, [PART_LINE] = eval
  * costs no accuracy. */
 #define SHARE 1e-8
 
-static real own_diagonal(const System *s, const Piece *piece, const real *row)
+/* What a unit impulse of a row changes its own rate by, at one end. */
+static real mobility(const Piece *piece, const real *row)
 {
     if (!piece->moves)
         return 0;
     vec3 turn = mat3_mul_vec(mat3_transpose(piece->r), take(row, 1));
-    return 0.5 * s->h * (vec3_length2(take(row, 0)) / piece->mass + vec3_dot(turn, mat3_mul_vec(piece->inv_inertia, turn)));
+    return vec3_length2(take(row, 0)) / piece->mass + vec3_dot(turn, mat3_mul_vec(piece->inv_inertia, turn));
 }
 
 static void push(Piece *piece, const real *row, real p)
@@ -144,12 +145,19 @@ static void finish_rows(System *s, Tie *t, const Part *part)
             real begin = half * (1 - part->late) - part->damper * (1 + part->late);
             t->give[i] = 1 / ((half + part->damper) * (1 + part->late));
             t->error[i] += t->give[i] * (p + begin * part->start - part->damper * part->late * s->h * part->rate);
-        } else {
-            t->give[i] = SHARE * (own_diagonal(s, a, t->end[i]) + own_diagonal(s, b, t->end[i] + 6));
         }
         push(a, t->mid[i], p);
         push(b, t->mid[i] + 6, p);
     }
+}
+
+/* Those of soft rows are set with their errors. */
+void parts_give(const System *s, Tie *t)
+{
+    real share = SHARE * (s->resting ? 1 : 0.5 * s->h);
+    for (int n = t->part; n < t->part + t->parts; n++)
+        for (int i = s->part[n].at; i < s->part[n].at + s->part[n].rows && !s->part[n].soft; i++)
+            t->give[i] = share * (mobility(&s->piece[t->a], t->end[i]) + mobility(&s->piece[t->b], t->end[i] + 6));
 }
 
 void parts_evaluate(System *s)
@@ -180,6 +188,20 @@ void parts_push(System *s, const real *p)
     }
 }
 
+/* After parts_begin; the discrete gradient is that of the start. */
+void parts_guess(System *s)
+{
+    for (int i = 0; i < s->piece_count; i++)
+        s->piece[i].push = s->piece[i].twist = vec3_zero();
+    for (int i = 0; i < s->tie_count; i++) {
+        const Tie *t = &s->tie[i];
+        for (int k = 0; k < t->rows; k++) {
+            push(&s->piece[t->a], t->mid[k], s->p[t->row + k]);
+            push(&s->piece[t->b], t->mid[k] + 6, s->p[t->row + k]);
+        }
+    }
+}
+
 /* coth z - 1 / z (Langevin's function) */
 static real langevin(real z) { return fabs(z) < 1e-3 ? z / 3 : 1 / tanh(z) - 1 / z; }
 
@@ -198,7 +220,7 @@ static void begin_damper(const System *s, const Tie *t, Part *part)
     const Piece *a = &s->piece[t->a], *b = &s->piece[t->b];
     const real *row = t->end[part->at];
     real strong = 0.5 * fabs(s->h) * part->stiffness;
-    part->late = strong > part->damping ? langevin(part->damping * (own_diagonal(s, a, row) + own_diagonal(s, b, row + 6))) : 0;
+    part->late = strong > part->damping ? langevin(0.5 * s->h * part->damping * (mobility(a, row) + mobility(b, row + 6))) : 0;
     part->damper = part->damping + fabs(part->late) * real_max(0, strong - part->damping);
     part->rate = rate_of(a, row) + rate_of(b, row + 6);
 }
@@ -277,6 +299,20 @@ static mat3 bend_point(vec3 r, vec3 p)
 {
     real c = -0.5 * vec3_dot(r, p);
     return mat3_add(mat3_scale(0.5, mat3_outer(r, p)), mat3_diagonal((vec3){c, c, c}));
+}
+
+void parts_bend(const System *s, const Tie *t, mat3 *a, mat3 *b)
+{
+    Arms r = arms_of(s, t);
+    *a = *b = mat3_zero();
+    for (int n = t->part; n < t->part + t->parts; n++) {
+        const real *p = s->p + t->row + s->part[n].at;
+        if (s->part[n].kind != PART_POINT)
+            continue;
+        vec3 force = {p[0], p[1], p[2]};
+        *a = mat3_add(*a, bend_point(r.a1, force));
+        *b = mat3_add(*b, bend_point(r.b1, vec3_neg(force)));
+    }
 }
 
 void parts_stiffness(const System *s, const Tie *t, real k[12][12])

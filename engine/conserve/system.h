@@ -107,6 +107,7 @@ typedef struct System {
     real   *value;
     real   *side;               /* right-hand side, then the solution; 6 per node */
 
+    bool    rings;              /* of hard ties                 */
     real    residual;           /* m                            */
     bool    precise;            /* solve to rounding            */
     bool    resting;            /* solve for velocities at fixed poses */
@@ -116,9 +117,12 @@ typedef struct System {
 bool   parts_understood(const Group *g);        /* every row of every joint has its formula here, and no stop is near */
 dig_status parts_compile(System *s);
 void   parts_begin(System *s);                  /* start of a step: C0, spring numbers         */
+void   parts_guess(System *s);                  /* what the impulses of the rows would do to the pieces at the start */
 void   parts_evaluate(System *s);               /* at the end poses: rows, errors, forces      */
 void   parts_push(System *s, const real *p);    /* what impulses do to the pieces, at fixed poses */
+void   parts_give(const System *s, Tie *t);     /* compliance of its hard rows at the end poses */
 void   parts_stiffness(const System *s, const Tie *t, real k[12][12]);  /* derivative of the forces by the end poses */
+void   parts_bend(const System *s, const Tie *t, mat3 *a, mat3 *b);     /* the same if not coupled: of the torques by the turns */
 
 /* order.c */
 dig_status order_make(System *s);

@@ -1,6 +1,7 @@
 /* conserve/way.c - when the energy-momentum way takes a group, how it cuts the step, and what it reports. */
 #include "conserve/conserve.h"
 #include "conserve/system.h"
+#include "solve/momentum.h"
 
 #define LEVELS 10               /* halvings of a part of the step                              */
 #define EASY 8                  /* iterations; two such steps in a row, and the next are longer */
@@ -261,6 +262,7 @@ static dig_status advance(Group *g, real dt)
     if (group_deep(g))
         return hand_on(g, &saved, "conserve: bodies met");
     step_remember(&s);
+    DIG_TRY(group_hold_momenta(g, dt));
     DIG_TRY(g->stage(g, STAGE_SETTLE));
     return g->status;
 }

@@ -104,7 +104,9 @@ static void turn_by(Crowd *c, int i, vec3 angle)
     quat q = quat_exp(angle);
     g->shift[i].w = angle;
     g->pos[i].q = quat_unit(quat_mul(q, g->pos[i].q));
-    *carriage_of(c, i) = (Carriage){quat_matrix(q), g->member[i].start_pos.x, g->pos[i].x};
+    const Member *m = &g->member[i];
+    vec3 from = m->start_pos.x, to = g->pos[i].x;
+    *carriage_of(c, i) = (Carriage){quat_matrix(q), from, to, travel_by(vec3_sub(to, from), m->start_pos.q, g->pos[i].q, m->outer)};
 }
 
 /* The angular momentum stays. A body that turns far meanwhile does so with the spin that belongs to the middle of its turn. */

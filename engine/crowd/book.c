@@ -10,16 +10,36 @@ static vec3 carried(const Crowd *c, int body, vec3 at)
     return vec3_add(k->to, mat3_mul_vec(k->turn, vec3_sub(at, k->from)));
 }
 
+/* m  By how much more its two bodies travel than points of one move against the other: at this contact by `slip`, about it by their turn
+ * against each other. */
+static real in_common(const Crowd *crowd, const GroupContact *c, real slip)
+{
+    static const Carriage stands = {.turn = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    const Trait *a = &crowd->trait[c->a], *b = &crowd->trait[c->b];
+    const Carriage *ka = a->moves || a->kinematic ? carriage_of(crowd, c->a) : &stands;
+    const Carriage *kb = b->moves || b->kinematic ? carriage_of(crowd, c->b) : &stands;
+    vec3 skew = {(kb->turn.r2.y - kb->turn.r1.z) - (ka->turn.r2.y - ka->turn.r1.z),
+                 (kb->turn.r0.z - kb->turn.r2.x) - (ka->turn.r0.z - ka->turn.r2.x),
+                 (kb->turn.r1.x - kb->turn.r0.y) - (ka->turn.r1.x - ka->turn.r0.y)};       /* twice the axis times the sine */
+    real way = ka->way + kb->way - slip - 0.5 * vec3_length(skew) * crowd->g->pairs[c->pair].size;
+    return way > 0 && isfinite(way) ? way : 0;      /* a plane that turns has no farthest point */
+}
+
 /* Points go with their bodies; the gap changes by what the row saw. */
 static void carry(const Crowd *crowd, GroupContact *c)
 {
     Group *g = crowd->g;
     GroupPair *q = &g->pairs[c->pair];
+    bool few = c->manifold.count < 3 && q->contacts == 1 && q->until >= 0;      /* others may be in other threads' hands */
+    real slip2 = 0;
     for (int k = 0; k < c->manifold.count; k++) {
         ManifoldPoint *p = &c->manifold.points[k];
-        p->a = carried(crowd, c->a, p->a);
-        p->b = carried(crowd, c->b, p->b);
-        p->gap = vec3_dot(c->manifold.normal, vec3_sub(p->b, p->a));
+        vec3 a = carried(crowd, c->a, p->a), b = carried(crowd, c->b, p->b);
+        if (few)
+            slip2 = real_max(slip2, vec3_length2(vec3_sub(vec3_sub(b, a), vec3_sub(p->b, p->a))));
+        p->a = a;
+        p->b = b;
+        p->gap = vec3_dot(c->manifold.normal, vec3_sub(b, a));
     }
     if (c->manifold.count >= 3) {
         const Trait *a = &crowd->trait[c->a], *b = &crowd->trait[c->b];
@@ -28,9 +48,11 @@ static void carry(const Crowd *crowd, GroupContact *c)
             side = a->moves ? c->b : c->a;
         if (crowd->trait[side].moves || crowd->trait[side].kinematic)
             c->manifold.normal = vec3_unit(mat3_mul_vec(carriage_of(crowd, side)->turn, c->manifold.normal));
-        if (q->contacts == 1)           /* others may be in other threads' hands */
+        if (q->contacts == 1)
             crowd_sign(g, q);
     }
+    if (few)
+        q->until += in_common(crowd, c, sqrt(slip2));
 }
 
 static bool strikes(const Crowd *c, real speed)
@@ -43,40 +65,39 @@ static bool pushes_sleeper(const Crowd *c, const GroupContact *t, real sum)
     return sum > 0 && (c->trait[t->a].dormant || c->trait[t->b].dormant);
 }
 
-/* Strikes are listed in the order of batches, and sleepers are marked, by one thread: what concerns more than the contact. */
-static void note_batch(Crowd *c, const Batch *b)
+/* The row of a contact: its batch, and the lane. */
+static Batch *batch_of(const Crowd *c, int contact, int *lane)
 {
-    Group *g = c->g;
-    for (int lane = 0; lane < LANES && b->contact[lane] >= 0; lane++) {
-        const GroupContact *t = &g->contacts[b->contact[lane]];
-        real sum = 0;
-        for (int k = 0; k < t->manifold.count; k++) {
-            real whole = (real)b->point[k].sum[lane], speed = -(real)b->point[k].rate_before[lane];
-            PointRow r = {.contact = b->contact[lane], .point = k, .a = t->a, .b = t->b, .jn = whole};
-            sum += whole;
-            if (whole > 0)
-                g->pairs[t->pair].approach = real_max(g->pairs[t->pair].approach, speed);
-            if (!(whole > 0) || !strikes(c, speed))
-                continue;
-            g->member[t->a].collided = g->member[t->b].collided = true;
-            strike_report(g, &r, speed);
-        }
-        for (int k = 0; k < 2 && pushes_sleeper(c, t, sum); k++) {
-            Member *m = &g->member[k ? t->b : t->a];
-            if (m->dormant)
-                m->pushed = g->woke = true;
-        }
-    }
+    *lane = c->row[contact] % LANES;
+    return &c->batch[c->row[contact] / LANES];
 }
 
-/* Room for a strike of each contact that may have one. */
-static dig_status reserve_strikes(Crowd *c)
+static real lane_of(const wide *v, int lane) { return (real)((const float *)v)[lane]; }
+
+/* Strikes are listed in the order of contacts, and sleepers are marked, by one thread: what concerns more than the contact. */
+static void note_contact(Crowd *c, int contact)
 {
     Group *g = c->g;
-    for (int i = 0; i < c->batches; i++)
-        g->strike_capacity += c->batch[i].noted ? LANES : 0;
-    g->strikes = arena_alloc(g->arena, (size_t)(g->strike_capacity + 1) * sizeof *g->strikes);
-    return g->strikes ? DIG_OK : DIG_E_MEMORY;
+    const GroupContact *t = &g->contacts[contact];
+    int lane;
+    const Batch *b = batch_of(c, contact, &lane);
+    real sum = 0;
+    for (int k = 0; k < t->manifold.count; k++) {
+        real whole = lane_of(&b->point[k].sum, lane), speed = -lane_of(&b->point[k].rate_before, lane);
+        PointRow r = {.contact = contact, .point = k, .a = t->a, .b = t->b, .jn = whole};
+        sum += whole;
+        if (whole > 0)
+            g->pairs[t->pair].approach = real_max(g->pairs[t->pair].approach, speed);
+        if (!(whole > 0) || !strikes(c, speed))
+            continue;
+        g->member[t->a].collided = g->member[t->b].collided = true;
+        strike_report(g, &r, speed);
+    }
+    for (int k = 0; k < 2 && pushes_sleeper(c, t, sum); k++) {
+        Member *m = &g->member[k ? t->b : t->a];
+        if (m->dormant)
+            m->pushed = g->woke = true;
+    }
 }
 
 /* Friction at the middle becomes forces at the points. */
@@ -84,10 +105,10 @@ static void book_friction(GroupContact *t, const Batch *b, int lane, real h, rea
 {
     vec3 n = t->manifold.normal, u, v, middle = vec3_zero();
     int count = t->manifold.count;
-    real spread = 0, twist = b->twist ? (real)b->twist->j[lane] : 0;
+    real spread = 0, twist = b->twist ? lane_of(&b->twist->j, lane) : 0;
     vec3_basis(n, &u, &v);
-    vec3 force = vec3_add(vec3_scale((real)b->patch->j[0][lane], u), vec3_scale((real)b->patch->j[1][lane], v));
-    vec3 whole = vec3_add(vec3_scale((real)b->patch->sum[0][lane], u), vec3_scale((real)b->patch->sum[1][lane], v));
+    vec3 force = vec3_add(vec3_scale(lane_of(&b->patch->j[0], lane), u), vec3_scale(lane_of(&b->patch->j[1], lane), v));
+    vec3 whole = vec3_add(vec3_scale(lane_of(&b->patch->sum[0], lane), u), vec3_scale(lane_of(&b->patch->sum[1], lane), v));
     t->impulse = vec3_add(t->impulse, whole);
     real part = 1.0 / count, per_load = load > 0 ? 1 / load : 0, rate = 1 / h;
     if (twist != 0) {
@@ -115,14 +136,19 @@ static float borne(const Crowd *c, real before, real force)
     return (float)real_min(force, before + real_min(1, c->dt / YIELDS) * (force - before));
 }
 
-static void book_lane(Crowd *c, Batch *b, int lane)
+/* Returns whether there is something to note. */
+static bool book_row(const Crowd *c, int contact)
 {
     Group *g = c->g;
-    GroupContact *t = &g->contacts[b->contact[lane]];
+    GroupContact *t = &g->contacts[contact];
     GroupPair *q = &g->pairs[t->pair];
+    int lane;
+    const Batch *b = batch_of(c, contact, &lane);
     real load = 0, sum = 0, h = (real)c->h, rate = 1 / h;
+    bool noted = false;
     for (int k = 0; k < t->manifold.count; k++) {
-        real j = (real)b->point[k].j[lane], whole = (real)b->point[k].sum[lane], speed = -(real)b->point[k].rate_before[lane];
+        const WidePoint *p = &b->point[k];
+        real j = lane_of(&p->j, lane), whole = lane_of(&p->sum, lane), speed = -lane_of(&p->rate_before, lane);
         load += j;
         sum += whole;
         t->memory[k].normal = j * rate;
@@ -136,15 +162,15 @@ static void book_lane(Crowd *c, Batch *b, int lane)
             t->last = g->t;
             if (q->contacts == 1)       /* the pair's other contacts may be in other threads' hands */
                 q->approach = real_max(q->approach, speed);
-            b->noted = b->noted || q->contacts > 1 || strikes(c, speed);
+            noted = noted || q->contacts > 1 || strikes(c, speed);
         }
     }
-    b->noted = b->noted || pushes_sleeper(c, t, sum);
     if (b->patch)
         book_friction(t, b, lane, h, load);
     t->impulse = vec3_mad(t->impulse, sum, t->manifold.normal);
-    t->rolling = b->roll ? vec3_scale(rate, (vec3){(real)b->roll->j[0][lane], (real)b->roll->j[1][lane], (real)b->roll->j[2][lane]})
+    t->rolling = b->roll ? vec3_scale(rate, (vec3){lane_of(&b->roll->j[0], lane), lane_of(&b->roll->j[1], lane), lane_of(&b->roll->j[2], lane)})
                          : vec3_zero();
+    return noted || pushes_sleeper(c, t, sum);
 }
 
 /* J  Given by movers through this contact: their velocity is constant. */
@@ -189,47 +215,56 @@ static void book_energy(Crowd *c)
     g->lost -= group_kinetic(g);
 }
 
-typedef struct Book { Crowd *c; real *deepest; } Book;      /* m  of each thread */
+typedef struct Book { Crowd *c; real *deepest; uint8_t *to_note; } Book;      /* m  of each thread; [contact_count] */
 
-static void fetch_batches(const Crowd *c, int i)
+/* Returns the deepest of what was so before and this contact, m. */
+static real carry_on(const Book *b, int contact, real deepest)
 {
-    const Batch *next = &c->batch[int_min(i + 1, c->batches - 1)], *after = &c->batch[int_min(i + 2, c->batches - 1)];
-    for (int k = 0; k < LANES && after->contact[k] >= 0; k++)
-        fetch_head(c->g, after->contact[k]);
-    for (int k = 0; k < LANES && next->contact[k] >= 0; k++)
-        fetch_body(c->g, next->contact[k]);
-    for (int k = 0; k < next->points; k++)
-        fetch_soon(&next->point[k].j, sizeof next->point[k] - offsetof(WidePoint, j));
-    if (next->patch)
-        fetch_soon(&next->patch->j, sizeof *next->patch - offsetof(WidePatch, j));
+    GroupContact *t = &b->c->g->contacts[contact];
+    carry(b->c, t);
+    for (int k = 0; k < t->manifold.count; k++)
+        deepest = real_max(deepest, -t->manifold.points[k].gap);
+    return deepest;
 }
 
+/* In the order of contacts, for what is known of each lies in it; the rows of neighbours are near each other, too (rows.c). What is to
+ * be noted stays where it struck until then. */
 static void book_share(void *context, int thread, int threads)
 {
     const Book *b = context;
-    Crowd *c = b->c;
-    for (int i = team_first(c->batches, thread, threads), last = team_end(c->batches, thread, threads); i < last; i++) {
-        fetch_batches(c, i);
-        for (int k = 0; k < LANES && c->batch[i].contact[k] >= 0; k++)
-            book_lane(c, &c->batch[i], k);
-    }
-}
-
-static void carry_share(void *context, int thread, int threads)
-{
-    const Book *b = context;
-    Group *g = b->c->g;
-    int first = team_first(g->contact_count, thread, threads), end = team_end(g->contact_count, thread, threads);
+    const Crowd *c = b->c;
+    int count = c->g->contact_count;
     real deepest = 0;
-    for (int i = first; i < end; i++) {
-        GroupContact *t = &g->contacts[i];
-        if (!t->live)
-            continue;
-        carry(b->c, t);
-        for (int k = 0; k < t->manifold.count; k++)
-            deepest = real_max(deepest, -t->manifold.points[k].gap);
+    for (int i = team_first(count, thread, threads), end = team_end(count, thread, threads); i < end; i++) {
+        b->to_note[i] = c->row[i] >= 0 && book_row(c, i);
+        if (c->g->contacts[i].live && !b->to_note[i])
+            deepest = carry_on(b, i, deepest);
     }
     b->deepest[thread] = deepest;
+}
+
+static void carry_noted(void *context, int thread, int threads)
+{
+    const Book *b = context;
+    int count = b->c->g->contact_count;
+    for (int i = team_first(count, thread, threads), end = team_end(count, thread, threads); i < end; i++)
+        if (b->to_note[i])
+            b->deepest[thread] = carry_on(b, i, b->deepest[thread]);
+}
+
+/* There is room for a strike of each contact that may have one. */
+static dig_status note(const Book *b)
+{
+    Group *g = b->c->g;
+    for (int i = 0; i < g->contact_count; i++)
+        g->strike_capacity += b->to_note[i];
+    g->strikes = arena_alloc(g->arena, (size_t)(g->strike_capacity + 1) * sizeof *g->strikes);
+    if (!g->strikes)
+        return DIG_E_MEMORY;
+    for (int i = 0; i < g->contact_count && g->strike_capacity > 0; i++)
+        if (b->to_note[i])
+            note_contact(b->c, i);
+    return DIG_OK;
 }
 
 static void book_movers(Group *g)
@@ -280,19 +315,17 @@ dig_status book_close(Crowd *c)
 {
     Group *g = c->g;
     int threads = c->team ? c->team->threads : 1;
-    Book b = {c, arena_alloc(g->arena, (size_t)threads * sizeof *b.deepest)};
-    if (!b.deepest)
+    Book b = {c, arena_alloc(g->arena, (size_t)threads * sizeof *b.deepest), arena_alloc(g->arena, (size_t)(g->contact_count + 1))};
+    if (!b.deepest || !b.to_note)
         return DIG_E_MEMORY;
     team_run(c->team, book_share, &b);
-    DIG_TRY(reserve_strikes(c));
-    for (int i = 0; i < c->batches; i++)
-        if (c->batch[i].noted)
-            note_batch(c, &c->batch[i]);
+    DIG_TRY(note(&b));
+    if (g->strike_capacity > 0)
+        team_run(c->team, carry_noted, &b);
     book_energy(c);
     book_movers(g);
     if (g->losses)
         share_losses(c, g->lost);
-    team_run(c->team, carry_share, &b);
     for (int i = 0; i < threads; i++)
         g->penetration = real_max(g->penetration, b.deepest[i]);
     return DIG_OK;

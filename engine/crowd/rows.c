@@ -11,7 +11,11 @@
 #define NEEDED_MANY 1e-2
 #define NEAR    0.01            /* of the size: points nearer than this act in any case           */
 
-typedef struct Chosen { int contact; uint8_t colour, points; bool acts : 1, fixed : 1, rubs : 1, rolls : 1; } Chosen;
+typedef struct Chosen {         /* what there is to know of a contact before it has a row; of one that does not act: only that */
+    int     contact, a, b;      /* a, b: the Crowd's bodies; who does not move is none of them */
+    uint8_t colour, points;
+    bool    acts : 1, fixed : 1, rubs : 1, rolls : 1, driven : 1, bounces : 1;
+} Chosen;
 
 /* One place for each kind of batch: fixed or not, colour, points. */
 #define KINDS (2 * (COLOURS + 1) * (MANIFOLD_POINTS + 1))
@@ -62,8 +66,7 @@ static int lowest(uint64_t taken) { return taken == UINT64_MAX ? COLOURS : __bui
 
 static void colour(Crowd *c, Chosen *x, uint64_t (*taken)[2])
 {
-    const GroupContact *t = &c->g->contacts[x->contact];
-    int a = crowd_index(c, t->a), b = crowd_index(c, t->b);
+    int a = x->a, b = x->b;
     x->fixed = a == c->bodies || b == c->bodies;
     uint64_t used = (a < c->bodies ? taken[a][x->fixed] : 0) | (b < c->bodies ? taken[b][x->fixed] : 0);
     int at = lowest(used);
@@ -103,25 +106,36 @@ static void forget(const Group *g, GroupContact *t)
         t->rolling = vec3_zero();
 }
 
-typedef struct Rows { Crowd *c; Chosen *chosen, *sorted; int count; int *first; } Rows;     /* first: sorted contact of a batch */
+typedef struct Rows { Crowd *c; Chosen *chosen, *sorted; int count; real *deepest; } Rows;     /* deepest: of each thread, see Crowd.deep */
+
+/* m  By how much a pass need not move a point. */
+static real needed(const GroupPair *q, const GroupContact *t) { return (t->manifold.count > 1 ? NEEDED_MANY : NEEDED_ONE) * q->size; }
 
 static void choose_share(void *context, int thread, int threads)
 {
     const Rows *r = context;
     Crowd *c = r->c;
     Group *g = c->g;
+    real deepest = 0;
     for (int i = team_first(g->contact_count, thread, threads), end = team_end(g->contact_count, thread, threads); i < end; i++) {
         GroupContact *t = &g->contacts[i];
         const GroupPair *q = &g->pairs[t->pair];
+        const Trait *a = &c->trait[t->a], *b = &c->trait[t->b];
         Chosen *x = &r->chosen[i];
-        x->acts = t->live && (c->trait[t->a].moves || c->trait[t->b].moves) && may_act(c, t);
+        x->acts = t->live && (a->moves || b->moves) && may_act(c, t);
         if (!x->acts) {
             forget(g, t);
             continue;
         }
-        *x = (Chosen){.contact = i, .points = (uint8_t)t->manifold.count, .acts = true,
-                      .rubs = q->friction > 0 && !g->decay_friction, .rolls = q->rolling > 0 && rolling_radius(q) > 0};
+        *x = (Chosen){.contact = i, .a = crowd_index(c, t->a), .b = crowd_index(c, t->b), .points = (uint8_t)t->manifold.count, .acts = true,
+                      .rubs = q->friction > 0 && !g->decay_friction, .rolls = q->rolling > 0 && rolling_radius(q) > 0,
+                      .driven = a->kinematic || b->kinematic, .bounces = q->restitution > 0};
+        real gap = 0;
+        for (int k = 0; k < t->manifold.count; k++)
+            gap = real_min(gap, t->manifold.points[k].gap);
+        deepest = gap < 0 ? real_max(deepest, -gap / needed(q, t)) : deepest;
     }
+    r->deepest[thread] = deepest;
 }
 
 /* Those that act move to the front, with their colours; returns how many. */
@@ -129,6 +143,7 @@ static int colour_all(const Rows *r, uint64_t (*taken)[2], int count[KINDS])
 {
     int n = 0;
     for (int i = 0; i < r->c->g->contact_count; i++) {
+        r->c->row[i] = -1;
         if (!r->chosen[i].acts)
             continue;
         Chosen *x = &r->chosen[n++];
@@ -141,11 +156,14 @@ static int colour_all(const Rows *r, uint64_t (*taken)[2], int count[KINDS])
 
 /* ---- filling lanes ---- */
 
+/* Other threads may write to other lanes at the same time: one number is written, not eight. */
+static inline void set(wide *v, int lane, real x) { ((float *)v)[lane] = (float)x; }
+
 static void put(wide v[3], int lane, vec3 x)
 {
-    v[0][lane] = (float)x.x;
-    v[1][lane] = (float)x.y;
-    v[2][lane] = (float)x.z;
+    set(&v[0], lane, x.x);
+    set(&v[1], lane, x.y);
+    set(&v[2], lane, x.z);
 }
 
 typedef struct Ends {           /* of one contact                                              */
@@ -169,16 +187,15 @@ static vec3 driven_velocity(const Crowd *c, const Ends *e, vec3 at)
 static void fill_point(const Crowd *c, const Ends *e, WidePoint *p, int lane, int k)
 {
     const ManifoldPoint *m = &e->c->manifold.points[k];
-    if (e->a < c->bodies)
-        put(p->a, lane, vec3_sub(m->a, e->xa));
-    if (e->b < c->bodies)
-        put(p->b, lane, vec3_sub(m->b, e->xb));
-    p->mass[lane] = 1;
-    p->gap[lane] = (float)m->gap;
-    p->j[lane] = (float)e->c->memory[k].normal * c->h;
-    p->borne[lane] = e->c->memory[k].borne * c->h;
+    const PointMemory *memory = &e->c->memory[k];
+    put(p->a, lane, e->a < c->bodies ? vec3_sub(m->a, e->xa) : vec3_zero());
+    put(p->b, lane, e->b < c->bodies ? vec3_sub(m->b, e->xb) : vec3_zero());
+    set(&p->mass, lane, 1);
+    set(&p->gap, lane, m->gap);
+    set(&p->j, lane, (real)((float)memory->normal * c->h));
+    set(&p->borne, lane, (real)(memory->borne * c->h));
     if (e->driven)
-        p->drive[lane] = (float)vec3_dot(e->c->manifold.normal, driven_velocity(c, e, m->a));
+        set(&p->drive, lane, vec3_dot(e->c->manifold.normal, driven_velocity(c, e, m->a)));
 }
 
 /* The torque of what the points remember, about their middle. */
@@ -201,14 +218,14 @@ static void fill_patch(const Crowd *c, const Ends *e, WidePatch *p, WideTwist *t
         force = vec3_add(force, e->c->memory[k].tangent);
         middle = vec3_mad(middle, part, m->points[k].a);
     }
-    p->j[0][lane] = (float)vec3_dot(force, t) * c->h;
-    p->j[1][lane] = (float)vec3_dot(force, u) * c->h;
+    set(&p->j[0], lane, (real)((float)vec3_dot(force, t) * c->h));
+    set(&p->j[1], lane, (real)((float)vec3_dot(force, u) * c->h));
     if (m->count > 1)
-        turn->j[lane] = (float)twist_of(e->c, middle) * c->h;
+        set(&turn->j, lane, (real)((float)twist_of(e->c, middle) * c->h));
     if (e->driven) {
         vec3 v = driven_velocity(c, e, middle);
-        p->drive[0][lane] = (float)vec3_dot(v, t);
-        p->drive[1][lane] = (float)vec3_dot(v, u);
+        set(&p->drive[0], lane, vec3_dot(v, t));
+        set(&p->drive[1], lane, vec3_dot(v, u));
     }
 }
 
@@ -231,16 +248,16 @@ static void fill_roll(const Crowd *c, const Ends *e, const GroupPair *q, WideRol
     if (e->b < c->bodies)
         put_matrix(r->sb, lane, body_axes(c, e->b));
     put(r->k, lane, k.r0);
-    r->k[3][lane] = (float)k.r1.y;
-    r->k[4][lane] = (float)k.r1.z;
-    r->k[5][lane] = (float)k.r2.z;
+    set(&r->k[3], lane, k.r1.y);
+    set(&r->k[4], lane, k.r1.z);
+    set(&r->k[5], lane, k.r2.z);
     vec3 spin = vec3_zero();
     if (c->trait[e->c->b].kinematic)
         spin = vec3_add(spin, g->vel[e->c->b].w);
     if (c->trait[e->c->a].kinematic)
         spin = vec3_sub(spin, g->vel[e->c->a].w);
     put(r->drive, lane, spin);
-    r->lever[lane] = (float)(q->rolling * rolling_radius(q));
+    set(&r->lever, lane, q->rolling * rolling_radius(q));
     put(r->j, lane, vec3_scale((real)c->h, e->c->rolling));
 }
 
@@ -262,27 +279,20 @@ static bool slides(const Group *g, const GroupContact *c, const GroupPair *q)
     return vec3_length2(slip) > SLIPS * SLIPS * q->size * g->fall;
 }
 
-static void fill_lane(Crowd *c, Batch *b, int lane, int contact, int spare)
+static void fill_lane(Crowd *c, Batch *b, int lane, GroupContact *t)
 {
-    Group *g = c->g;
-    GroupContact *t = &g->contacts[contact];
+    const Group *g = c->g;
     const GroupPair *q = &g->pairs[t->pair];
     Ends e = ends_of(c, t);
-    b->contact[lane] = contact;
-    b->a[lane] = e.a < c->bodies ? e.a : spare;
-    b->b[lane] = e.b < c->bodies ? e.b : spare;
+    b->a[lane] = e.a;
+    b->b[lane] = e.b;
     put(b->n, lane, t->manifold.normal);
-    b->driven = b->driven || e.driven;
-    b->bounces = b->bounces || q->restitution > 0;
-    b->restitution[lane] = (float)q->restitution;
+    set(&b->restitution, lane, q->restitution);
     t->sliding = q->friction > q->friction_dynamic && slides(g, t, q);
-    b->friction[lane] = (float)(t->sliding ? q->friction_dynamic : q->friction);
-    real needed = (t->manifold.count > 1 ? NEEDED_MANY : NEEDED_ONE) * q->size;
-    b->care[lane] = c->h / (float)needed;
-    for (int k = 0; k < t->manifold.count; k++) {
+    set(&b->friction, lane, t->sliding ? q->friction_dynamic : q->friction);
+    set(&b->care, lane, (real)(c->h / (float)needed(q, t)));
+    for (int k = 0; k < t->manifold.count; k++)
         fill_point(c, &e, &b->point[k], lane, k);
-        b->deep = (float)real_max((real)b->deep, -t->manifold.points[k].gap / needed);
-    }
     if (b->patch)
         fill_patch(c, &e, b->patch, b->twist, lane);
     if (b->roll && q->rolling > 0 && rolling_radius(q) > 0)
@@ -296,20 +306,38 @@ static void *room_for(Crowd *c, size_t bytes, dig_status *status)
     return p;
 }
 
+/* What not every lane fills must hold 0. */
+static void clear(Batch *b)
+{
+    memset(b->point, 0, (size_t)b->points * sizeof *b->point);
+    if (b->patch)
+        memset(b->patch, 0, sizeof *b->patch);
+    if (b->twist)
+        memset(b->twist, 0, sizeof *b->twist);
+    if (b->roll)
+        memset(b->roll, 0, sizeof *b->roll);
+}
+
 /* Room for the rows of a batch. */
 static dig_status make_batch(Crowd *c, Batch *b, const Chosen *x, int count)
 {
     dig_status status = DIG_OK;
     bool rubs = false, rolls = false;
+    *b = (Batch){.points = x->points, .fixed = x->fixed};
     for (int i = 0; i < count; i++) {
         rubs = rubs || x[i].rubs;
         rolls = rolls || x[i].rolls;
+        b->driven = b->driven || x[i].driven;
+        b->bounces = b->bounces || x[i].bounces;
     }
-    *b = (Batch){.points = x->points, .fixed = x->fixed};
     b->point = room_for(c, (size_t)b->points * sizeof *b->point, &status);
     b->patch = rubs ? room_for(c, sizeof *b->patch, &status) : NULL;
     b->twist = rubs && b->points > 1 ? room_for(c, sizeof *b->twist, &status) : NULL;
     b->roll = rolls ? room_for(c, sizeof *b->roll, &status) : NULL;
+    for (int k = count; k < LANES; k++)
+        b->a[k] = b->b[k] = c->bodies;
+    if (status == DIG_OK && (count < LANES || x[count - 1].points < x->points || b->driven || b->roll))
+        clear(b);
     return status;
 }
 
@@ -324,7 +352,7 @@ static int lanes_from(const Rows *r, int i)
 }
 
 /* Contacts of one colour, those with most points first, eight by eight. */
-static dig_status make_batches(Rows *r)
+static dig_status make_batches(const Rows *r)
 {
     Crowd *c = r->c;
     const Chosen *x = r->sorted;
@@ -333,71 +361,46 @@ static dig_status make_batches(Rows *r)
         batches++;
     c->batch = arena_alloc(c->g->arena, (size_t)batches * sizeof *c->batch);
     c->phase = arena_alloc(c->g->arena, (2 * (COLOURS + 1) + 1) * sizeof *c->phase);
-    r->first = arena_alloc(c->g->arena, (size_t)(batches + 1) * sizeof *r->first);
-    if (!c->batch || !c->phase || !r->first)
+    if (!c->batch || !c->phase)
         return DIG_E_MEMORY;
     for (int i = 0, n; i < r->count; i += n) {
         n = lanes_from(r, i);
         if (i == 0 || x[i - 1].colour != x[i].colour || x[i - 1].fixed != x[i].fixed)
             c->phase[c->phases++] = (Phase){.first = c->batches, .alone = x[i].colour == COLOURS};
-        r->first[c->batches] = i;
+        for (int k = 0; k < n; k++)
+            c->row[x[i + k].contact] = c->batches * LANES + k;
         DIG_TRY(make_batch(c, &c->batch[c->batches++], &x[i], n));
         c->phase[c->phases - 1].count++;
     }
-    r->first[c->batches] = r->count;
     return DIG_OK;
 }
 
-static void fill_batch(Rows *r, int i, int spare)
-{
-    Crowd *c = r->c;
-    Batch *b = &c->batch[i];
-    memset(b->point, 0, (size_t)b->points * sizeof *b->point);
-    if (b->patch)
-        memset(b->patch, 0, sizeof *b->patch);
-    if (b->twist)
-        memset(b->twist, 0, sizeof *b->twist);
-    if (b->roll)
-        memset(b->roll, 0, sizeof *b->roll);
-    for (int k = 0; k < LANES; k++) {
-        b->a[k] = b->b[k] = spare;
-        b->contact[k] = -1;
-    }
-    for (int k = 0; k < r->first[i + 1] - r->first[i]; k++)
-        fill_lane(c, b, k, r->sorted[r->first[i] + k].contact, spare);
-}
-
-static void fetch_batches(const Rows *r, int i)
-{
-    int last = r->c->batches, one = int_min(i + 1, last), two = int_min(i + 2, last), three = int_min(i + 3, last);
-    for (int k = r->first[two]; k < r->first[three]; k++)
-        fetch_head(r->c->g, r->sorted[k].contact);
-    for (int k = r->first[one]; k < r->first[two]; k++)
-        fetch_body(r->c->g, r->sorted[k].contact);
-}
-
+/* In the order of contacts: those of a colour fill its batches one after the other, so that the few that are being filled stay in the
+ * cache, and contacts, pairs and points are read as they lie. */
 static void fill_share(void *context, int thread, int threads)
 {
-    Rows *r = context;
-    for (int p = 0; p < r->c->phases; p++) {
-        Phase x = r->c->phase[p];
-        for (int i = phase_first(x, thread, threads), end = phase_end(x, thread, threads); i < end; i++) {
-            fetch_batches(r, i);
-            fill_batch(r, i, r->c->bodies + thread);
-        }
-    }
+    Crowd *c = context;
+    int count = c->g->contact_count;
+    for (int i = team_first(count, thread, threads), end = team_end(count, thread, threads); i < end; i++)
+        if (c->row[i] >= 0)
+            fill_lane(c, &c->batch[c->row[i] / LANES], c->row[i] % LANES, &c->g->contacts[i]);
 }
 
 dig_status rows_open(Crowd *c)
 {
     Group *g = c->g;
+    int threads = g->team ? g->team->threads : 1;
     Rows r = {.c = c, .chosen = arena_alloc(g->arena, 2 * (size_t)(g->contact_count + 1) * sizeof *r.chosen)};
     uint64_t (*taken)[2] = arena_zero(g->arena, (size_t)(c->bodies + 1) * sizeof *taken);
-    if (!r.chosen || !taken)
+    c->row = arena_alloc(g->arena, (size_t)(g->contact_count + 1) * sizeof *c->row);
+    r.deepest = arena_alloc(g->arena, (size_t)threads * sizeof *r.deepest);
+    if (!r.chosen || !taken || !c->row || !r.deepest)
         return DIG_E_MEMORY;
     int place[KINDS] = {0};
     r.sorted = r.chosen + g->contact_count + 1;
     team_run(g->team, choose_share, &r);
+    for (int i = 0; i < threads; i++)
+        c->deep = real_max(c->deep, r.deepest[i]);
     r.count = colour_all(&r, taken, place);
     for (int i = 0, sum = 0; i < KINDS; i++) {
         int n = place[i];
@@ -407,6 +410,6 @@ dig_status rows_open(Crowd *c)
     for (int i = 0; i < r.count; i++)
         r.sorted[place[kind_of(&r.chosen[i])]++] = r.chosen[i];
     DIG_TRY(make_batches(&r));
-    team_run(g->team, fill_share, &r);
+    team_run(g->team, fill_share, c);
     return DIG_OK;
 }

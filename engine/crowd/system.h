@@ -51,17 +51,14 @@ typedef struct WideRoll {       /* rolling resistance                           
 } WideRoll;
 
 typedef struct Batch {          /* up to eight contacts that share no moving body              */
-    int32_t a[LANES], b[LANES]; /*      Six of each body; who does not move has a spare one    */
-    int32_t contact[LANES];     /*      of the group's contacts; < 0 = empty lane              */
+    int32_t a[LANES], b[LANES]; /*      Six of each body; who does not move has a spare one, wide.c */
     int  points;                /*      most points of a lane                                  */
     bool fixed;                 /*      one side of each contact does not move                 */
     bool driven, bounces;
-    bool noted;                 /*      a strike to be reported, or a sleeper that was pushed; book.c */
     wide n[3];                  /*      from a to b                                            */
     wide ra, rb;                /* 1/sqrt(kg)  roots of the inverse masses; wide.c             */
     wide friction, restitution;
     wide care;                  /* s/m  one over the error of a rate that does not matter: passes that change less need no other; rows.c */
-    float deep;                 /* 1    deepest overlap, in changes that matter                 */
     WidePoint *point;
     WidePatch *patch;           /* NULL: no friction                                           */
     WideTwist *twist;           /* NULL: one point each, or no friction                        */
@@ -85,16 +82,7 @@ typedef struct Trait {
 } Trait;
 
 /* How the step moves what is fixed to a body. */
-typedef struct Carriage { mat3 turn; vec3 from, to; } Carriage;      /* centre of mass, before and after */
-
-/* The contacts of a batch lie far apart: the heads of those of the batch after the next, then, of the next, what they point to. */
-static inline void fetch_head(const Group *g, int contact) { fetch_soon(&g->contacts[contact], sizeof(GroupContact)); }
-static inline void fetch_body(const Group *g, int contact)
-{
-    const GroupContact *t = &g->contacts[contact];
-    fetch_soon(t->manifold.points, (size_t)t->room * sizeof(ContactPoint));
-    fetch_soon(&g->pairs[t->pair], offsetof(GroupPair, cache));
-}
+typedef struct Carriage { mat3 turn; vec3 from, to; real way; } Carriage;     /* centre of mass, before and after; m  what its travel grows by */
 
 /* Batches of one colour: no moving body is in two of them, unless they are done one after the other, alone. */
 typedef struct Phase { int first, count; bool alone; } Phase;
@@ -129,6 +117,8 @@ typedef struct Crowd {
     Six   *axes[2];             /* spin = s * scaled spin: columns of s, root                  */
     Carriage *carriage, *others;    /* at the end of the step: of moving bodies, in the place of last, push and axes; of the group's others */
     Batch *batch; int batches;
+    int   *row;                 /* [contact_count of g] LANES times its batch, and its lane; < 0: it does not act */
+    real   deep;                /* 1    deepest overlap, in changes that matter (rows.c)       */
     Phase *phase; int phases;
     Soft   soft[PASSES_MOST][2];    /* by how many passes there are; between moving bodies; against what does not move */
     int    passes, passes_most; /* of a substep, at first; never more                          */

@@ -9,7 +9,7 @@
 #define CARRIED 0x63617272u     /* kind of a hint that holds a sign; no shape pair has this one   */
 #define SLID    2e-3            /* of the size: points that have slid farther are found anew      */
 #define TILTED  4e-3            /* of the size: so are manifolds whose gaps differ by more        */
-#define STAYS   2e-3            /* of the size: so far may bodies of fewer points go till then    */
+#define STAYS   2e-3            /* of the size: so far may bodies of fewer points go against each other till then */
 #define FARTHER 0.05            /* of the size: so much farther is looked for what is near        */
 #define LOOKS   0.01            /* of the size: what contacts look ahead for in any case          */
 
@@ -47,7 +47,8 @@ static bool keeps(const Group *g, GroupPair *q)
     return slid < SLID * SLID * q->size * q->size && high - low < TILTED * q->size && high < SLID * q->size;
 }
 
-/* Of one or two points, or none: as long as its bodies have moved so little since they were found that the normal is still right. */
+/* Of one or two points, or none: as long as its bodies have moved so little since they were found that the normal is still right. What
+ * both of them moved in common does not count (book.c). */
 static bool stays(const Crowd *crowd, const GroupPair *q)
 {
     GroupContact *c = &crowd->g->contacts[q->contact];
@@ -61,16 +62,20 @@ static bool stays(const Crowd *crowd, const GroupPair *q)
     return true;
 }
 
-/* Finds the contact, and for how long that will do. */
-static void find(const Crowd *crowd, GroupPair *q)
+/* For how long the contact that was found will do. room: m  between the two, where there is none. */
+static void note_until(const Crowd *crowd, GroupPair *q, real room)
 {
-    GroupContact *c = &crowd->g->contacts[q->contact];
+    const GroupContact *c = &crowd->g->contacts[q->contact];
     real travel = crowd->trait[q->a].travel + crowd->trait[q->b].travel;
-    real room = group_touch_convex(crowd->g, q, crowd->dt, FARTHER * q->size);
     if (!c->live)
         q->until = travel + room - LOOKS * q->size;
     else if (c->manifold.count < 3 && !(q->sa->round > 0 && q->sb->round > 0 && c->room == 1))
         q->until = travel + STAYS * q->size;
+}
+
+static void find(const Crowd *crowd, GroupPair *q)
+{
+    note_until(crowd, q, group_touch_convex(crowd->g, q, crowd->dt, FARTHER * q->size));
 }
 
 real crowd_closing(const Group *g, const GroupContact *t, const ManifoldPoint *p, real *speed)
@@ -131,62 +136,89 @@ static real least_gap(const Group *g, const GroupPair *q)
     return gap;
 }
 
-/* A pair of which an impact may stop one. Can the other get there in this step? Then it may be stopped, too. True: it is news. */
-static bool follow(Crowd *c, GroupPair *q)
+/* What impacts may do to the bodies of a crowd. */
+typedef struct Blows {
+    Crowd   *c;
+    real    *behind;            /* [body_count of g] kg  mass behind Crowd.stop: of the two that met                  */
+    uint8_t *news;              /* [body_count of g] number of the round in which its stop was changed last, counted from 1; 0 = in none */
+} Blows;
+
+/* m/s  By how much y may be changed, when x is by so much: y runs into x as fast as it moves, or is pushed by x, and shares the impulse. */
+static real passed_on(const Blows *s, const GroupPair *q, int x, int y)
 {
+    const Group *g = s->c->g;
+    real most = s->c->stop[x], mass = s->behind[x], share = (1 + q->restitution) * mass / (mass + g->member[y].mass);
+    return real_min(most, real_max(vec3_length(g->vel[y].v), share * most));
+}
+
+/* A pair of which an impact may stop one. Can the other get there in this step? Then it may be stopped, too. True: it is news. */
+static bool follow(const Blows *s, GroupPair *q)
+{
+    Crowd *c = s->c;
     Group *g = c->g;
-    real *a = &c->stop[q->a], *b = &c->stop[q->b], most = real_max(*a, *b), way = most * c->dt;
-    if (!(way > BRISK * q->size) || (*a == *b && q->reach >= way) || !c->trait[q->a].moves || !c->trait[q->b].moves)
+    int x = c->stop[q->a] >= c->stop[q->b] ? q->a : q->b, y = x == q->a ? q->b : q->a;
+    real most = c->stop[x], way = most * c->dt;
+    if (!(way > BRISK * q->size) || (c->stop[y] == most && q->reach >= way) || !c->trait[x].moves || !c->trait[y].moves)
         return false;
-    if (least_gap(g, q) > 0 && q->reach < way)
-        group_touch_within(g, q, way + q->reach);
-    if (*a == *b || least_gap(g, q) > q->reach)
+    if (q->reach < way && least_gap(g, q) > 0) {
+        real room = group_touch_within(g, q, way + q->reach);
+        if (q->contacts == 1)
+            note_until(c, q, room);
+    }
+    real passed = passed_on(s, q, x, y);
+    if (passed <= c->stop[y] || least_gap(g, q) > q->reach)
         return false;
-    *a = *b = most;
+    c->stop[y] = passed;
+    s->behind[y] = s->behind[x];
     return true;
 }
 
 #define FOLLOWERS 32            /* as many bodies one behind the other */
 
-/* The ends of pairs that were struck may be stopped. news: 1 for these. False: out of memory. */
-static bool note_stops(Crowd *c, const float *struck, uint8_t **news)
+/* The ends of a pair that was struck may be stopped. */
+static void note_stops(const Blows *s, const GroupPair *q, real struck)
+{
+    const Group *g = s->c->g;
+    bool a = s->c->trait[q->a].moves, b = s->c->trait[q->b].moves;
+    real mass = (a ? g->member[q->a].mass : 0) + (b ? g->member[q->b].mass : 0);
+    for (int k = 0; k < 2; k++) {
+        int body = k ? q->b : q->a;
+        if (!(k ? b : a))
+            continue;
+        s->c->stop[body] = real_max(s->c->stop[body], struck);
+        s->behind[body] = real_max(s->behind[body], mass);
+        s->news[body] = 1;
+    }
+}
+
+/* Bodies that fall together do not close on each other until the first of them is stopped, and then within the step. A pair is looked
+ * at again only when there was news of one of its bodies in the round before, or is in this one. struck: m/s, of each pair. */
+static dig_status look_behind(Crowd *c, const float *struck)
 {
     Group *g = c->g;
+    Blows s = {.c = c};
     for (int i = 0; i < g->pair_count; i++) {
         if (!(struck[i] > 0))
             continue;
         if (!c->stop) {
-            c->stop = arena_zero(g->arena, (size_t)g->body_count * sizeof *c->stop);
-            *news = arena_zero(g->arena, (size_t)g->body_count);
-            if (!c->stop || !*news)
-                return false;
+            size_t count = (size_t)g->body_count;
+            c->stop = arena_zero(g->arena, count * sizeof *c->stop);
+            s.behind = arena_zero(g->arena, count * sizeof *s.behind);
+            s.news = arena_zero(g->arena, count);
+            if (!c->stop || !s.behind || !s.news)
+                return DIG_E_MEMORY;
         }
-        for (int k = 0; k < 2; k++) {
-            int body = k ? g->pairs[i].b : g->pairs[i].a;
-            c->stop[body] = c->trait[body].moves ? real_max(c->stop[body], (real)struck[i]) : 0;
-            (*news)[body] = 1;
-        }
+        note_stops(&s, &g->pairs[i], (real)struck[i]);
     }
-    return true;
-}
-
-/* Bodies that fall together do not close on each other until the first of them is stopped, and then within the step. A pair is looked
- * at again only when there was news of one of its bodies in the round before, or is in this one. */
-static dig_status look_behind(Crowd *c, const float *struck)
-{
-    Group *g = c->g;
-    uint8_t *news = NULL;       /* [body_count] number of the round in which its stop was changed last, counted from 1; 0 = in none */
-    if (!note_stops(c, struck, &news))
-        return DIG_E_MEMORY;
     bool more = c->stop != NULL;
     for (int round = 1; round <= FOLLOWERS && more; round++) {
         more = false;
         for (int i = 0; i < g->pair_count; i++) {
             GroupPair *q = &g->pairs[i];
-            int latest = int_max(news[q->a], news[q->b]);
-            if (latest == 0 || latest < round - 1 || !follow(c, q))
+            int latest = int_max(s.news[q->a], s.news[q->b]);
+            if (latest == 0 || latest < round - 1 || !follow(&s, q))
                 continue;
-            news[q->a] = news[q->b] = (uint8_t)round;
+            s.news[q->a] = s.news[q->b] = (uint8_t)round;
             more = true;
         }
     }

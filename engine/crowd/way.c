@@ -57,13 +57,10 @@ static dig_status open(Crowd *c)
 static dig_status plan_passes(Crowd *c)
 {
     int points = 1, threads = c->team ? c->team->threads : 1;
-    real deep = 0;
-    for (int i = 0; i < c->batches; i++) {
+    for (int i = 0; i < c->batches; i++)
         points += LANES * c->batch[i].points;
-        deep = real_max(deep, (real)c->batch[i].deep);
-    }
     c->passes_most = (int)real_clamp(WORK / (real)points, 1, PASSES_MOST);
-    c->passes = (int)real_clamp(1 + deep - SHALLOW, 1, c->passes_most);
+    c->passes = (int)real_clamp(1 + c->deep - SHALLOW, 1, c->passes_most);
     for (int i = 0; i < c->passes_most; i++) {
         c->soft[i][0] = soft_of(STIFF * (i + 1), (real)c->h);
         c->soft[i][1] = soft_of(FIRM * (i + 1), (real)c->h);

@@ -5,17 +5,11 @@
  * the same on all.
  */
 #include "crowd/system.h"
+#include "math/pair.h"
 
 #if defined(__GNUC__)
 #pragma GCC diagnostic ignored "-Wpsabi"        /* vectors are passed to inlined functions only */
 #endif
-/* Loops over lanes, rows and coordinates must go, so that vectors stay in registers. */
-#if defined(__clang__)
-#define UNROLL _Pragma("clang loop unroll(full)")
-#else
-#define UNROLL _Pragma("GCC unroll 8")
-#endif
-#define INLINE static inline __attribute__((always_inline))
 
 INLINE wide pick(wide_int which, wide yes, wide no) { return (wide)((which & (wide_int)yes) | (~which & (wide_int)no)); }
 INLINE wide most(wide a, wide b) { return pick(a > b, a, b); }
@@ -134,6 +128,7 @@ INLINE void prepare_patch(const Batch *x, const Axes *a, const Axes *b, const wi
     f->ktu = -ktu;
     f->det = inverse_of(ktt * kuu - ktu * ktu);
     f->step = inverse_of(all(0.5f) * (ktt + kuu) + root(half * half + ktu * ktu));
+    f->sum[0] = f->sum[1] = all(0);
 }
 
 INLINE void prepare_twist(const Batch *x, const Axes *a, const Axes *b)
@@ -145,9 +140,18 @@ INLINE void prepare_twist(const Batch *x, const Axes *a, const Axes *b)
     t->mass = inverse_of(dot(t->a, t->a) + dot(t->b, t->b));
 }
 
-/* What is one vector a point becomes its Jacobian, and the middle of the points the place of friction. */
-INLINE void prepare(const Crowd *c, Batch *x)
+/* What does not move is read and written like the rest: each thread has a body that is nobody's. */
+INLINE void spare(const Crowd *c, int32_t at[LANES], int thread)
 {
+    for (int i = 0; i < LANES; i++)
+        at[i] = at[i] < c->bodies ? at[i] : c->bodies + thread;
+}
+
+/* What is one vector a point becomes its Jacobian, and the middle of the points the place of friction. */
+INLINE void prepare(const Crowd *c, Batch *x, int thread)
+{
+    spare(c, x->a, thread);
+    spare(c, x->b, thread);
     Axes a, b;
     wide va[8], vb[8], middle[2][3], count = all(0), reach = all(0);
     gather_axes(c, x->a, &a);
@@ -182,11 +186,12 @@ INLINE void prepare(const Crowd *c, Batch *x)
         reach += present * root(dot(off, off));
         angular(&a, &b, x->n, p->a, p->b, p->a, p->b);
         p->mass = present * inverse_of(linear + dot(p->a, p->a) + dot(p->b, p->b));
-        p->rate_before = present * (closing + dot(p->a, &va[3]) + dot(p->b, &vb[3]) + p->drive);
+        wide rate = closing + dot(p->a, &va[3]) + dot(p->b, &vb[3]);
+        p->rate_before = present * (x->driven ? rate + p->drive : rate);
+        p->sum = all(0);
     }
-    if (x->patch) {
+    if (x->patch)
         prepare_patch(x, &a, &b, (const wide(*)[3])middle, linear);
-    }
     if (x->twist) {
         prepare_twist(x, &a, &b);
         x->twist->reach = reach * inverse_of(count);
@@ -503,7 +508,9 @@ INLINE void bounce(const Crowd *c, const Batch *x)
         WidePoint *p = &x->point[i];
         wide b[3];
         between(x, &v, b);
-        wide rate = dot(x->n, b) + dot(p->a, &v.a[3]) + dot(p->b, &v.b[3]) + p->drive;
+        wide rate = dot(x->n, b) + dot(p->a, &v.a[3]) + dot(p->b, &v.b[3]);
+        if (x->driven)
+            rate += p->drive;
         wide_int struck = (p->rate_before < all(-c->bounce_least)) & (p->sum > 0);
         wide j = most(p->j - p->mass * (rate + x->restitution * p->rate_before), all(0));
         wide change = pick(struck, j - p->j, all(0));
@@ -589,7 +596,7 @@ INLINE void solve(Crowd *c, const Part *me)
 {
     for (int p = 0; p < c->phases; p++)
         MY_BATCHES(c->phase[p], me, i)
-            prepare(c, &c->batch[i]);
+            prepare(c, &c->batch[i], me->thread);
     meet(me);
     int passes = c->passes, all_passes = 0;
     for (int s = 0; s < c->substeps; s++) {

@@ -56,19 +56,22 @@ static void rows(const JointView *j, RowList *out)
     RowList one = {&like, 0, 1};
     rows_point(out, j, POINT);
     rows_parallel(out, j, PARALLEL);
-    real angle = joint_angle(j, j->memory);         /* unwound even where nothing needs it now */
-    if (!drive_acts(j->params))
+    bool acts = drive_acts(j->params);
+    real angle = acts || !j->passing ? joint_angle(j, j->memory) : 0;       /* unwound even where nothing needs it now */
+    if (!acts)
         return;
     rows_twist(&one, j, ROW_SOFT, DRIVE);
     rows_drive(out, &like, angle, j->params, DRIVE);
 }
+
+static bool loose(const void *params) { return !drive_acts(params); }
 
 static real energy(const JointView *j) { return spring_energy(&((const Drive *)j->params)->spring, coordinate(j)); }
 
 static bool at_limit(const JointView *j)
 {
     const Drive *d = j->params;
-    return at_limits(coordinate(j), d->limits[0], d->limits[1]);
+    return drive_acts(d) && at_limits(coordinate(j), d->limits[0], d->limits[1]);
 }
 
 const JointType joint_hinge = {
@@ -83,5 +86,6 @@ const JointType joint_hinge = {
     .angular = true,
     .coordinate_row = coordinate_row,
     .energy = energy,
+    .loose = loose,
     .at_limit = at_limit,
 };

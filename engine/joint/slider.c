@@ -62,12 +62,14 @@ static void rows(const JointView *j, RowList *out)
     rows_drive(out, &like, like.error, j->params, DRIVE);
 }
 
+static bool loose(const void *params) { return !drive_acts(params); }
+
 static real energy(const JointView *j) { return spring_energy(&((const Drive *)j->params)->spring, coordinate(j)); }
 
 static bool at_limit(const JointView *j)
 {
     const Drive *d = j->params;
-    return at_limits(coordinate(j), d->limits[0], d->limits[1]);
+    return drive_acts(d) && at_limits(coordinate(j), d->limits[0], d->limits[1]);
 }
 
 const JointType joint_slider = {
@@ -81,5 +83,6 @@ const JointType joint_slider = {
     .speed = speed,
     .coordinate_row = coordinate_row,
     .energy = energy,
+    .loose = loose,
     .at_limit = at_limit,
 };

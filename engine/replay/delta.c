@@ -53,7 +53,7 @@ void kept_close(Kept *k)
 {
     look_close(&k->look);
     for (int t = LOOK_TABLES; t < KEPT_TABLES; t++)
-        free(kept_table(k, t)->data);
+        list_free_any(&kept_table(k, t)->data, &kept_table(k, t)->count, &kept_table(k, t)->capacity, kept_row_size(t));
     *k = (Kept){0};
 }
 

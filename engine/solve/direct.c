@@ -47,7 +47,8 @@ static const real most_work[2] = {1e6, 4e6};                                    
 #define CROWD_SOFT    1e5
 #define JOINT_FACTORS 300
 #define JOINT_STEPS   75
-#define JOINT_ROUNDS  4         /*      so many, and on while rows are off by more than JOINT_POOR, */
+#define JOINT_ROUNDS  4         /*      so many, and on while rows are off by more than JOINT_POOR */
+#define JOINT_SETTLED 0.1       /*      or estimates by more than this part of the rows' speeds, */
 #define JOINT_MOST_ROUNDS 12    /*      up to this */
 #define JOINT_AIM     1e-6      /* m/s */
 #define JOINT_POOR    1e-3      /* m/s */
@@ -382,20 +383,23 @@ static bool solve(Direct *d, real residual)
 }
 
 /* The same for joints, whose rows are solved from soft to hard. Poor is better than what sweeps leave, but what is off by more than
- * the rows' own speeds has diverged. */
+ * the rows' own speeds has diverged. Lifts that change as much are not those of this motion: what heals on a slope slides, its lift
+ * takes back all that it aims at, and by turns it is thrown up and let sink. */
 static bool solve_joints(Direct *d)
 {
     start_from(d);
-    real speed = speed_of_rows(d);
+    real speed = speed_of_rows(d), moved = INFINITY;
     direct_begin(d);
     d->error = INFINITY;
     while (d->rounds < JOINT_MOST_ROUNDS && d->factors < d->most_factors && d->error > JOINT_AIM) {
         bool carries = d->rounds == 0 || d->g->heals;
         if ((carries && !carry_on(d)) || !minimise(d, 0.1 * AIM))
             return false;
+        real before = moved;
         d->error = direct_off(d);
-        direct_round(d, true);
-        if (++d->rounds >= JOINT_ROUNDS && d->error < JOINT_POOR)
+        moved = direct_round(d, true);
+        d->swings = moved > 0.5 * before;
+        if (++d->rounds >= JOINT_ROUNDS && d->error < JOINT_POOR && moved < JOINT_SETTLED * speed)
             break;
     }
     return finite(d) && real_max(d->error, d->unbalanced) < real_max(JOINT_POOR, speed);

@@ -53,7 +53,7 @@ void group_book_apart(Group *g, int body, vec3 moved, vec3 turned, real h)
 real group_spring_energy(const GroupJoint *j)
 {
     real memory[JOINT_MEMORY];
-    if (!j->view.type->energy)
+    if (!joint_stores(&j->view))
         return 0;
     JointView now = j->view;
     memcpy(memory, j->memory, sizeof memory);

@@ -455,6 +455,7 @@ static dig_status gather_joints(Group *g, int joints)
         g->joints[i].view.params = r->params;
         g->joints[i].view.breaks_at = r->breaks_at;
         g->joints[i].view.memory = g->joints[i].memory;
+        g->joints[i].view.passing = false;
     }
     return DIG_OK;
 }

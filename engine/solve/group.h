@@ -332,7 +332,7 @@ void group_touch_pair(Group *g, GroupPair *q, real time);
 /* The same of two convex solids, looking `farther` for what is near without a contact. m  What is between them at least, where there
  * is no point; else 0. */
 real group_touch_convex(Group *g, GroupPair *q, real time, real farther);
-void group_touch_within(Group *g, GroupPair *q, real reach);       /* m */
+real group_touch_within(Group *g, GroupPair *q, real reach);       /* m; returns the same */
 /* Pairs that the velocities now found press deep into each other, for they had no row: they get one when the substep is solved again.
  * What comes down on what is stopped in this substep was not approaching it at its start. */
 bool group_touch_missed(Group *g, real time);

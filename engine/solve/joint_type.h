@@ -32,6 +32,8 @@ typedef struct JointType {
     void       (*rows)(const JointView *j, RowList *out);
     /* Are the rows of rows_point in slots 0..2 all that acts: no stop, motor, spring or friction? NULL = no. */
     bool       (*only_point)(const void *params);
+    /* Does nothing act on the free coordinate: no stop, motor, spring or friction? Then there is no energy and no limit either. NULL = no. */
+    bool       (*loose)(const void *params);
     /* The free coordinate (rad or m), and its rate. NULL when it has none. */
     real       (*coordinate)(const JointView *j);
     real       (*speed)(const JointView *j);
@@ -53,6 +55,8 @@ typedef struct JointType {
 #define JOINT_END(key, text, params, field)                                                      \
     {.name = (key), .kind = DIG_VEC3, .unit = "m", .doc = (text), .fallback = NAN, .min = -1e9, .max = 1e9, \
      .offset = offsetof(params, field)}
+
+static inline bool joint_stores(const JointView *j) { return j->type->energy && !(j->type->loose && j->type->loose(j->params)); }
 
 /* Load over what the joint bears, 0 where nothing breaks it. */
 real joint_share(const JointView *j, vec3 force, vec3 couple);

@@ -11,14 +11,21 @@ const AccuracyPlan accuracy_plans[] = {
     {0}
 };
 
-/* accuracy_for of their tolerances: every group of every step asks, and logarithms take longer than the flight of a ball. */
+/* accuracy_for of their tolerances. Every group of every step asks: logarithms and powers take a good part of a ball's flight. */
 static const int numbers[] = {16, 64, 112, 160};
 
-#define STEPS 16.0              /* of the accuracy number in a decade */
+#define STEPS 16                /* of the accuracy number in a decade */
+_Static_assert(ACCURACY_FINEST < 13 * STEPS, "as many decades as are written out");
+static const real decades[] = {1, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12};
+static const real parts[STEPS] = {              /* 10^(-i / STEPS) */
+    1, 0.8659643233600653, 0.7498942093324559, 0.6493816315762113, 0.5623413251903491, 0.4869675251658631,
+    0.42169650342858224, 0.36517412725483772, 0.31622776601683794, 0.27384196342643613, 0.23713737056616552,
+    0.20535250264571462, 0.17782794100389228, 0.15399265260594919, 0.13335214321633240, 0.11547819846894582,
+};
 
 int accuracy_for(real metres)
 {
-    return (int)real_clamp(ceil(-STEPS * log10(metres) - 1e-9), 1, ACCURACY_FINEST);
+    return (int)real_clamp(ceil(-(real)STEPS * log10(metres) - 1e-9), 1, ACCURACY_FINEST);
 }
 
 int accuracy_find(const char *plan)
@@ -37,7 +44,7 @@ const AccuracyPlan *accuracy_plan(int accuracy)
     return &accuracy_plans[i];
 }
 
-real accuracy_tolerance(int accuracy) { return pow(10, -accuracy / STEPS); }
+real accuracy_tolerance(int accuracy) { return decades[accuracy / STEPS] * parts[accuracy % STEPS]; }
 
 /* A hundredth of the tolerance, for local errors add up. Traced groups are never coarser than a millionth: beyond that, events
  * are missed. */

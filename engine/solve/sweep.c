@@ -7,6 +7,7 @@
  * substep is cut at the first impact, which is then struck at its own time.
  */
 #include "solve/direction.h"
+#include "solve/momentum.h"
 
 /* x' = x + h v' (semi-implicit Euler). All others: x' = x + h (v + v') / 2, which is Verlet's 2 x - x'' + a h^2 written with the
  * velocity: it needs no equal steps and no position before the last impact. */
@@ -786,6 +787,7 @@ dig_status sweep_advance(Group *g, real dt)
         measure(g);
         if (g->joints_direct && !g->heals && gapes(g))
             DIG_TRY(close_gaps(g, part));
+        DIG_TRY(group_hold_momenta(g, dt));
         DIG_TRY(g->stage(g, STAGE_SETTLE));
     }
     return g->status;

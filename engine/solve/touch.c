@@ -174,12 +174,10 @@ real group_touch_convex(Group *g, GroupPair *q, real time, real farther) { retur
 
 void group_touch_pair(Group *g, GroupPair *q, real time) { group_touch_within(g, q, pair_reach(g, q, time)); }
 
-void group_touch_within(Group *g, GroupPair *q, real reach)
+real group_touch_within(Group *g, GroupPair *q, real reach)
 {
-    if (q->contacts == 1) {
-        touch_convex(g, q, reach, 0);
-        return;
-    }
+    if (q->contacts == 1)
+        return touch_convex(g, q, reach, 0);
     pose pa = group_shape_pose(g, q->a, pair_local(q, false)), pb = group_shape_pose(g, q->b, pair_local(q, true));
     q->reach = reach;
     q->fresh = false;
@@ -188,6 +186,7 @@ void group_touch_within(Group *g, GroupPair *q, real reach)
     uint32_t pieces[PIECES];
     int count = manifold_collide(q->sa, pa, q->sb, pb, reach, &q->cache, found, pieces, int_min(q->contacts, PIECES));
     touch_pieces(g, q, found, pieces, count);
+    return 0;
 }
 
 static bool pair_moves(const Group *g, const GroupPair *q)

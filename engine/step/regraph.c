@@ -135,7 +135,7 @@ static void touch_pair(World *w, const Group *g, const GroupPair *q, real start)
         return;
     Touch *t = &w->touches.data[slot];
     bool fresh = t->pairs == 0 && !t->brief && t->began <= 0 && t->link == NONE;
-    t->pairs += (int)now - (int)was;
+    touch_count(w, t, (int)now - (int)was);
     real time = start + (q->struck ? q->struck_time : g->t);
     real speed = q->struck ? q->struck_speed : q->approach;
     if (fresh && (now || q->struck)) {

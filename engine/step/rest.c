@@ -6,6 +6,7 @@
  * sleeps and costs nothing until something disturbs it.
  */
 #include "step/step.h"
+#include "world/joint.h"
 
 /* m/s; solver noise of a body at rest is far below, real motion passes it within a step or two. What is damped hard creeps for
  * seconds, and stays off its end by its way in them: finer accuracies rest at lower speeds. */
@@ -17,15 +18,46 @@
 /* m/s  By the time where it is. */
 static real speed_of(const Body *b) { return (vec3_length(b->v) + vec3_length(b->w) * b->outer) / b->rate; }
 
-static bool is_held(const World *w, const Body *b)
+/* What it touches or is joined to. */
+typedef struct Ties { bool any, fixed; } Ties;         /* fixed: something that no impulse moves */
+
+static void tie(const World *w, uint32_t other, Ties *t)
 {
-    if (b->joint_first != NONE)
-        return true;
+    t->any = true;
+    t->fixed = t->fixed || other == NONE || w->bodies.data[other].kind != DIG_DYNAMIC;
+}
+
+static Ties ties_of(const World *w, uint32_t slot)
+{
+    const Body *b = &w->bodies.data[slot];
+    Ties t = {false, false};
+    for (uint32_t j = b->joint_first; j != NONE && !t.fixed; j = joint_next(w, j, slot))
+        tie(w, w->joints.data[j].a == slot ? w->joints.data[j].b : w->joints.data[j].a, &t);
     for (uint32_t s = b->shape_first; s != NONE; s = w->solids.data[s].next)
-        for (uint32_t l = w->solids.data[s].pair_first; l != NONE; l = w->pairs.data[l / 2].next[l % 2])
-            if (w->pairs.data[l / 2].touching)
-                return true;
-    return false;
+        for (uint32_t l = w->solids.data[s].pair_first; l != NONE && !t.fixed; l = w->pairs.data[l / 2].next[l % 2]) {
+            const Pair *p = &w->pairs.data[l / 2];
+            if (p->touching)
+                tie(w, l % 2 ? p->body_a : p->body_b, &t);
+        }
+    return t;
+}
+
+typedef struct Anchor { uint32_t lead; bool held; } Anchor;    /* what was found of the DIG asked for last */
+
+/* Does something hold it up? A DIG that holds on to nothing else floats: it keeps its momentum, slow as it may be. */
+static bool is_held(const World *w, uint32_t slot, Anchor *known)
+{
+    const Body *b = &w->bodies.data[slot];
+    Ties own = ties_of(w, slot);
+    if (!own.any || own.fixed || (vec3_is_zero(b->v) && vec3_is_zero(b->w)))
+        return own.any;
+    uint32_t lead = graph_lead(w->graph, slot);
+    if (known->lead != lead) {
+        *known = (Anchor){lead, false};
+        for (uint32_t m = lead; m != NONE && !known->held; m = graph_next(w->graph, m))
+            known->held = ties_of(w, m).fixed;
+    }
+    return known->held;
 }
 
 /* What little it moved by is lost. */
@@ -42,12 +74,12 @@ static bool creeps(const World *w, uint32_t slot, real speed)
     return speed >= REST_PART * accuracy_tolerance(accuracy);
 }
 
-static void settle(World *w, uint32_t slot, real dt)
+static void settle(World *w, uint32_t slot, real dt, Anchor *known)
 {
     Body *b = &w->bodies.data[slot];
     real speed = speed_of(b);
     b->still = speed < SLEEP_SPEED ? b->still + dt : 0;
-    if (speed < REST_SPEED && b->still >= 2 * dt && is_held(w, b)) {
+    if (speed < REST_SPEED && b->still >= 2 * dt && is_held(w, slot, known)) {
         if (speed > 0 && creeps(w, slot, speed))
             return;
         stop(w, b);
@@ -78,9 +110,10 @@ static bool may_sleep(const World *w, uint32_t lead)
     for (uint32_t m = lead; m != NONE; m = graph_next(w->graph, m))      /* mostly one of them says no at once */
         if (w->bodies.data[m].still < SLEEP_TIME)
             return false;
+    Anchor known = {NONE, false};
     for (uint32_t m = lead; m != NONE; m = graph_next(w->graph, m)) {
         const Body *b = &w->bodies.data[m];
-        if (!is_held(w, b) || is_carried(w, b))
+        if (!is_held(w, m, &known) || is_carried(w, b))
             return false;
     }
     return true;
@@ -100,10 +133,11 @@ static void fall_asleep(World *w, uint32_t lead)
 
 void rest(World *w, real dt)
 {
+    Anchor known = {NONE, false};
     for (int i = 0; i < w->awake.count; i++) {
         uint32_t slot = w->awake.data[i];
         if (w->bodies.data[slot].kind == DIG_DYNAMIC)
-            settle(w, slot, dt);
+            settle(w, slot, dt, &known);
     }
     if (!w->def.sleeping)
         return;

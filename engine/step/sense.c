@@ -281,8 +281,16 @@ static dig_status grow_reach(World *w, uint32_t solid, real far)
     return ask_planes(w, solid);
 }
 
-/* What strikes fast enough to pass through something before the next step may bounce anywhere within that speed, and can hand
- * what it strikes twice as much. Only the speed against the other counts: a swarm that falls together strikes nothing. */
+/* 1  Of the speed at which something strikes a body, how much that may get at most at any of its points, where nothing bounces: a
+ * point far from the centre of mass, as the corner of a cube, is as light as a quarter of the body. */
+static real handed_on(const Body *striker, const Body *struck)
+{
+    return striker->kind == DIG_DYNAMIC ? striker->mass / (striker->mass + 0.25 * struck->mass) : 1;
+}
+
+/* What strikes fast enough to pass through something before the next step may bounce: it then ends on a sphere through where it would
+ * have been, for what is plastic half as wide as its way, and for what is elastic as wide. And it hands on what it strikes with. Only
+ * the speed against the other counts: a swarm that falls together strikes nothing. */
 static dig_status spread_from(World *w, uint32_t solid, const Body *striker, real dt)
 {
     for (uint32_t l = w->solids.data[solid].pair_first; l != NONE; l = w->pairs.data[l / 2].next[l % 2]) {
@@ -292,12 +300,12 @@ static dig_status spread_from(World *w, uint32_t solid, const Body *striker, rea
         const Body *b = o->body == NONE ? NULL : &w->bodies.data[o->body];
         bool dynamic = b && b->kind == DIG_DYNAMIC && b->awake;
         vec3 speed = b ? vec3_sub(striker->v, b->v) : striker->v;
-        real far = dt * (vec3_length(speed) + vec3_length(striker->w) * striker->outer + striker->pull * dt);
+        real far = dt * (vec3_length(speed) + vec3_length(striker->w) * striker->outer + striker->pull * dt), back = 1 + p->restitution;
         if (far <= 0.9 * s->shape.inner || (o->leaf >= 0 && !box3_overlap(s->reach, dynamic ? o->reach : tree_box(&w->tree, o->leaf))))
             continue;
-        DIG_TRY(grow_reach(w, solid, far));
+        DIG_TRY(grow_reach(w, solid, 0.5 * back * (far + (b ? dt * vec3_length(b->v) : 0))));
         if (dynamic)
-            DIG_TRY(grow_reach(w, other, 2 * far));
+            DIG_TRY(grow_reach(w, other, back * handed_on(striker, b) * far));
     }
     return DIG_OK;
 }

@@ -54,7 +54,7 @@ static real elastic(const Group *g)
 static void view_joints(Group *g)
 {
     for (int i = 0; i < g->joint_count; i++)
-        if (g->joints[i].view.type->energy)
+        if (joint_stores(&g->joints[i].view))
             group_joint_view(g, i);
 }
 

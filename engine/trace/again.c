@@ -6,6 +6,7 @@
 #include "trace/trace.h"
 
 #define ROUNDING 1e-15          /* of the largest acceleration or force */
+#define FOLLOWS  (1 - 1e-9)     /* cosine */
 
 static void push(Tracer *t, int body, vec3 at, vec3 force, vec3 couple)
 {
@@ -14,6 +15,13 @@ static void push(Tracer *t, int body, vec3 at, vec3 force, vec3 couple)
         return;
     t->acc[body] = vec3_mad(t->acc[body], g->mass[body].im, force);
     t->torque[body] = vec3_add(t->torque[body], vec3_add(couple, vec3_cross(vec3_sub(at, g->pos[body].x), force)));
+}
+
+/* Friction points where the slip does now: by as little as rounding from where it did, but a slow slip turns by that. */
+static void follow_slip(Cone *c, real normal)
+{
+    if (c->axes && c->grip == GRIP_SLIP && !c->locked && vec3_dot(c->force, c->d) < -FOLLOWS * vec3_length(c->force))
+        c->force = vec3_scale(-cone_bound(c) * normal, c->d);
 }
 
 /* False: something that touches has none. */
@@ -28,6 +36,8 @@ static bool put_forces(Tracer *t)
         }
         if (!c->gate.presses || !(c->gate.force > 0))
             return false;
+        follow_slip(&c->slip, c->gate.force);
+        follow_slip(&c->roll, c->gate.force);
         vec3 force = vec3_mad(c->slip.force, c->gate.force, c->k.n);
         push(t, c->a, c->k.at, vec3_neg(force), vec3_neg(c->roll.force));
         push(t, c->b, c->k.at, force, c->roll.force);
@@ -58,6 +68,19 @@ static bool cone_holds(const Tracer *t, Cone *c, vec3 n, real normal, real acc_z
     return vec3_length(off) <= force_zero;
 }
 
+/* What turns faster and faster by no more than rounding does not: else that would add up from frame to frame, until slips of one body
+ * have other directions. */
+static void end_noise(Tracer *t, real acc_zero)
+{
+    const Group *g = t->g;
+    for (int i = 0; i < g->moving_count; i++) {
+        if (!(vec3_length(t->alpha[i]) * g->member[i].outer <= acc_zero))
+            continue;
+        t->alpha[i] = vec3_zero();
+        t->torque[i] = g->member[i].round ? vec3_zero() : vec3_cross(g->vel[i].w, t->spin_l[i]);
+    }
+}
+
 bool trace_again(Tracer *t)
 {
     const Group *g = t->g;
@@ -77,5 +100,6 @@ bool trace_again(Tracer *t)
                                 cone_holds(t, &c->roll, c->k.n, c->gate.force, acc_zero, t->size)))
             return false;
     }
+    end_noise(t, acc_zero);
     return true;
 }

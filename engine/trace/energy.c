@@ -9,6 +9,7 @@
  * be, the change may be, and no more: what asks for more is no error of the integration.
  */
 #include "base/forest.h"
+#include "solve/momentum.h"
 #include "trace/trace.h"
 
 #define NOISE 1e-14             /* of the energies in the sum: less may be rounding...  */
@@ -51,7 +52,7 @@ static void find_mechanisms(Tracer *t)
 static bool keeps_turning(const Tracer *t)
 {
     const Group *g = t->g;
-    if (g->joint_count + g->contact_count == 0 || !t->even || g->own || g->drags || g->rules || g->planar)
+    if (!group_isolated(g))
         return false;
     for (int i = g->moving_count; i < g->body_count; i++)
         if (g->member[i].kinematic && (vec3_length2(g->vel[i].v) > 0 || vec3_length2(g->vel[i].w) > 0))
@@ -84,7 +85,7 @@ static void add_springs(const Tracer *t, real sign, real *sum)
     for (int j = 0; j < g->joint_count; j++) {
         const GroupJoint *joint = &g->joints[j];
         int body = trace_moves(t, joint->a) ? joint->a : joint->b;
-        if (joint->view.type->energy && trace_moves(t, body))
+        if (joint_stores(&joint->view) && trace_moves(t, body))
             sum[t->root[body]] += sign * group_spring_energy(joint);
     }
 }
@@ -107,8 +108,7 @@ static real kinetic_of(const Member *m, quat q, vec3 v, vec3 w)
     return 0.5 * m->mass * vec3_length2(v) + 0.5 * vec3_dot(l, mat3_mul_vec(m->inertia, l));
 }
 
-/* at, v, w, l, inertia: of the rigid motion. l is no product of the two: those of what spins fast and reaches far cancel */
-typedef struct Mechanism { real gain, scale, kinetic; vec3 at, v, w, l; mat3 inertia; } Mechanism;
+typedef struct Mechanism { real gain, scale, kinetic; Rigid rigid; } Mechanism;
 
 /* What body i gained since the start of the frame. */
 static void add_gain(const Tracer *t, int i, Mechanism *sum)
@@ -121,109 +121,33 @@ static void add_gain(const Tracer *t, int i, Mechanism *sum)
     sum->scale += after + m->mass * vec3_length(t->pull[i]) * vec3_length(b->x);
 }
 
-/* kg m^2/s  About a point that moves with the velocity v. */
-static vec3 turning(const Member *m, const Pos *pos, const Vel *vel, vec3 at, vec3 v)
-{
-    vec3 own = quat_rotate(pos->q, mat3_mul_vec(m->inertia, quat_unrotate(pos->q, vel->w)));
-    return vec3_mad(own, m->mass, vec3_cross(vec3_sub(pos->x, at), vec3_sub(vel->v, v)));
-}
-
-/* The rigid motion with the momentum and angular momentum of a mechanism. */
-static void find_rigid(const Tracer *t, int root, Mechanism *out)
-{
-    const Group *g = t->g;
-    real mass = 0;
-    mat3 inertia = mat3_zero();
-    for (int i = root; i < g->moving_count; i++) {
-        if (t->root[i] != root)
-            continue;
-        mass += g->member[i].mass;
-        out->at = vec3_mad(out->at, g->member[i].mass, g->pos[i].x);
-        out->v = vec3_mad(out->v, g->member[i].mass, g->vel[i].v);
-    }
-    out->at = vec3_scale(1 / mass, out->at);
-    out->v = vec3_scale(1 / mass, out->v);
-    for (int i = root; i < g->moving_count; i++) {
-        if (t->root[i] != root)
-            continue;
-        const Member *m = &g->member[i];
-        mat3 turn = quat_matrix(g->pos[i].q), skew = mat3_skew(vec3_sub(g->pos[i].x, out->at));
-        out->l = vec3_add(out->l, turning(m, &g->pos[i], &g->vel[i], out->at, out->v));
-        inertia = mat3_add(inertia, mat3_mul(turn, mat3_mul(m->inertia, mat3_transpose(turn))));
-        inertia = mat3_sub(inertia, mat3_scale(m->mass, mat3_mul(skew, skew)));
-    }
-    out->inertia = inertia;
-    out->w = mat3_mul_vec(mat3_inverse(inertia), out->l);
-}
-
-/* kg m^2/s  About its centre of mass at the start of the frame; *scale: what it is summed from. False: what pulls may turn it. */
-static bool turning_before(const Tracer *t, int root, vec3 *l, real *scale)
-{
-    const Group *g = t->g;
-    real mass = 0;
-    vec3 at = vec3_zero(), v = vec3_zero();
-    for (int i = root; i < g->moving_count; i++) {
-        if (t->root[i] != root)
-            continue;
-        const Body *b = &g->world->bodies.data[g->member[i].slot];
-        if (t->pull[i].x != t->pull[root].x || t->pull[i].y != t->pull[root].y || t->pull[i].z != t->pull[root].z)
-            return false;
-        mass += g->member[i].mass;
-        at = vec3_mad(at, g->member[i].mass, b->x);
-        v = vec3_mad(v, g->member[i].mass, b->v);
-    }
-    at = vec3_scale(1 / mass, at);
-    v = vec3_scale(1 / mass, v);
-    *l = vec3_zero();
-    *scale = 0;
-    for (int i = root; i < g->moving_count; i++) {
-        if (t->root[i] != root)
-            continue;
-        const Body *b = &g->world->bodies.data[g->member[i].slot];
-        real outer = g->member[i].outer, speed = vec3_distance(b->v, v) + outer * vec3_length(b->w);
-        *l = vec3_add(*l, turning(&g->member[i], &(Pos){b->x, b->q}, &(Vel){b->v, b->w}, at, v));
-        *scale += g->member[i].mass * (vec3_distance(b->x, at) + outer) * speed;
-    }
-    return true;
-}
-
-/* The angular momentum that a free mechanism had at the start of the frame, by turning all of it a little faster or slower. */
-static void hold_turning(Tracer *t, int root, Mechanism *m)
-{
-    Group *g = t->g;
-    vec3 before;
-    real scale;
-    if (!turning_before(t, root, &before, &scale))
-        return;
-    vec3 off = vec3_sub(before, m->l);
-    if (!(vec3_length(off) <= t->tolerance * scale))
-        return;
-    vec3 change = mat3_mul_vec(mat3_inverse(m->inertia), off);
-    for (int i = root; i < g->moving_count; i++) {
-        if (t->root[i] != root)
-            continue;
-        g->vel[i].v = vec3_add(g->vel[i].v, vec3_cross(change, vec3_sub(g->pos[i].x, m->at)));
-        g->vel[i].w = vec3_add(g->vel[i].w, change);
-    }
-    m->w = vec3_add(m->w, change);
-}
-
-static Vel relative(const Tracer *t, int i, const Mechanism *m)
+static Vel relative(const Tracer *t, int i, const Rigid *m)
 {
     const Vel *v = &t->g->vel[i];
     vec3 arm = vec3_sub(t->g->pos[i].x, m->at);
     return (Vel){vec3_sub(v->v, vec3_add(m->v, vec3_cross(m->w, arm))), vec3_sub(v->w, m->w)};
 }
 
+/* One body on which nothing pressed or pulled: its momenta are its state, and all its motion is rigid. */
+static bool flies_alone(const Tracer *t, int root)
+{
+    for (int i = root + 1; i < t->g->moving_count; i++)
+        if (t->root[i] == root)
+            return false;
+    return !t->held[root];
+}
+
 static void hold_mechanism(Tracer *t, int root)
 {
     Group *g = t->g;
+    if (flies_alone(t, root))
+        return;
     Mechanism m = {.gain = t->gain[root]};
     real allowed = 0;           /* J  what local errors of the tolerance do */
     real pace = real_max(t->pace, t->swing), steps = real_max(1, g->substeps);
     if (!t->held[root]) {
-        find_rigid(t, root, &m);
-        hold_turning(t, root, &m);
+        rigid_motion(g, t->root, root, &m.rigid);
+        rigid_hold_turning(g, t->root, root, t->tolerance, &m.rigid);
     }
     if (!t->conserves || g->located > 0)
         return;
@@ -233,7 +157,7 @@ static void hold_mechanism(Tracer *t, int root)
     for (int i = root; i < g->moving_count; i++) {
         if (t->root[i] != root)
             continue;
-        Vel own = relative(t, i, &m);
+        Vel own = relative(t, i, &m.rigid);
         m.kinetic += kinetic_of(&g->member[i], g->pos[i].q, own.v, own.w);
         real speed = vec3_length(own.v) + g->member[i].outer * vec3_length(own.w);
         allowed += steps * g->member[i].mass * t->tolerance * (vec3_length(t->pull[i]) + pace * speed);
@@ -245,7 +169,7 @@ static void hold_mechanism(Tracer *t, int root)
     for (int i = root; i < g->moving_count; i++) {
         if (t->root[i] != root)
             continue;
-        Vel own = relative(t, i, &m);
+        Vel own = relative(t, i, &m.rigid);
         g->vel[i].v = vec3_mad(g->vel[i].v, change, own.v);
         g->vel[i].w = vec3_mad(g->vel[i].w, change, own.w);
     }
@@ -281,7 +205,8 @@ void trace_hold_energy(Tracer *t)
         return;
     join_touching(t);
     for (int i = 0; i < g->joint_count; i++)
-        group_joint_view(g, i);
+        if (joint_stores(&g->joints[i].view))
+            group_joint_view(g, i);
     add_springs(t, 1, t->gain);
     for (int i = 0; i < g->moving_count; i++)
         if (g->member[i].moves && t->root[i] == i)

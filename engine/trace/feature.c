@@ -299,10 +299,43 @@ static inline Turning turning_of(const Spin *a, const Spin *b, const Feature *f)
     return between(pa, material(a, pa), pb, material(b, pb), f->ra, f->rb);
 }
 
+/* Few bodies that stand still are turned. */
+static inline vec3 still_turn(const Pos *at, vec3 d) { return at->q.x != 0 || at->q.y != 0 || at->q.z != 0 ? quat_rotate(at->q, d) : d; }
+
+/* A point on a plane of what does not move: what most contacts are. The terms that are left, in the order of the general way.
+ * side: 1 where b has the point, -1 where a has it. */
+static void move_on_still(const Pos *plane, vec3 o, vec3 normal, const Pos *x, const Vel *v, vec3 point, real round, real side, Kinematics *k)
+{
+    vec3 n = still_turn(plane, normal), arm = quat_rotate(x->q, point), p = vec3_add(x->x, arm);
+    vec3 turned = vec3_cross(v->w, vec3_sub(p, x->x)), pdot = vec3_add(v->v, turned), u = pdot;
+    k->gap = vec3_dot(n, vec3_sub(p, vec3_add(plane->x, still_turn(plane, o)))) - round;
+    k->at = p;
+    if (round != 0) {
+        k->at = vec3_mad(p, -round, n);
+        u = vec3_add(v->v, vec3_cross(v->w, vec3_sub(k->at, x->x)));
+    }
+    vec3 drift = vec3_cross(v->w, vec3_sub(pdot, v->v));
+    k->n = vec3_scale(side, n);
+    k->u = vec3_scale(side, u);
+    k->rate = vec3_dot(n, u);
+    k->drift = vec3_scale(side, drift);
+    k->drift_n = vec3_dot(n, drift);
+}
+
+static inline bool is_still(const Vel *v) { return vec3_is_zero(v->v) && vec3_is_zero(v->w); }
+
 /* u = material velocity of b against a at the contact point c. Without accelerations c' - v stays of the body's own velocity at the
  * moving point:  du/dt = wb x (c' - vb) - wa x (c' - va),  d(n . u)/dt = n . du/dt + n' . u. */
 void feature_move(const Group *g, const Feature *f, int a, int b, Kinematics *k)
 {
+    if (f->kind == PLANE_POINT && is_still(&g->vel[a])) {
+        move_on_still(&g->pos[a], f->pa, f->da, &g->pos[b], &g->vel[b], f->pb, f->rb, 1, k);
+        return;
+    }
+    if (f->kind == POINT_PLANE && is_still(&g->vel[b])) {
+        move_on_still(&g->pos[b], f->pb, f->db, &g->pos[a], &g->vel[a], f->pa, f->ra, -1, k);
+        return;
+    }
     Spin sa = spin_of(g, a), sb = spin_of(g, b);
     Turning t = turning_of(&sa, &sb, f);
     k->n = t.n;

@@ -1,8 +1,8 @@
 /* trace/flight.c - free flight: a body that nothing holds and nothing can meet in this step.
  *
  * The centre of mass follows its parabola exactly. The angular momentum L does not change, and the orientation obeys
- * q' = q w / 2 with w = I^-1 R^T L in body axes: integrated by the fifth-order formula of Dormand & Prince (1980), in parts small enough
- * for the group's tolerance. A round body turns evenly.
+ * q' = q w / 2 with w = I^-1 R^T L in body axes: a power series, with as many terms as the group's tolerance needs. A round body turns
+ * evenly.
  */
 #include "trace/trace.h"
 
@@ -16,35 +16,50 @@ static bool suits(const Group *g)
     return g->pair_count == 0;
 }
 
-static quat mad(quat a, real s, quat b) { return (quat){a.x + s * b.x, a.y + s * b.y, a.z + s * b.z, a.w + s * b.w}; }
+#define ORDERS 24               /* most terms of the series */
+#define LEAST  4
+#define PART   0.5              /* rad: so far a part may turn at most, whichever axis it turns about */
+#define ENOUGH 1e-4             /* of the tolerance: a term this small is the last. Those that follow are smaller by its size and more. */
 
-static quat rate(const Member *m, quat q, vec3 l)
+/* a (w, 0) */
+static inline quat mul_pure(quat a, vec3 w)
 {
-    vec3 w = vec3_scale(0.5, mat3_mul_vec(m->inv_inertia, quat_unrotate(quat_unit(q), l)));         /* half of it, in body axes */
-    return quat_mul(q, (quat){w.x, w.y, w.z, 0});
+    return (quat){a.w * w.x + a.y * w.z - a.z * w.y, a.w * w.y + a.z * w.x - a.x * w.z, a.w * w.z + a.x * w.y - a.y * w.x,
+                  -a.x * w.x - a.y * w.y - a.z * w.z};
 }
+static inline quat add(quat a, quat b) { return (quat){a.x + b.x, a.y + b.y, a.z + b.z, a.w + b.w}; }
+static inline quat scale(real s, quat a) { return (quat){s * a.x, s * a.y, s * a.z, s * a.w}; }
 
-static quat turn(const Member *m, quat q, vec3 l, real h)
+/* The turn of a part of length h, as a power series in the time of the part. In body axes L' = L x w and w = I^-1 L: the terms of L give
+ * those of u = h w / 2, and these the next ones of p' = p u and of L' = 2 L x u. */
+static quat turn(const Member *m, quat q, vec3 momentum, real h, real enough)
 {
-    quat k[6];
-    for (int s = 0; s < 6; s++) {
-        quat y = q;
-        for (int i = 0; i < s; i++)
-            y = mad(y, h * dormand_prince[s][i], k[i]);
-        k[s] = rate(m, y, l);
+    vec3 l[ORDERS], u[ORDERS];
+    quat p[ORDERS], sum = quat_identity();
+    l[0] = quat_unrotate(q, momentum);
+    for (int k = 0; k < ORDERS; k++) {
+        real next = 1.0 / (k + 1);
+        u[k] = vec3_scale(0.5 * h, mat3_mul_vec(m->inv_inertia, l[k]));
+        quat term = {u[k].x, u[k].y, u[k].z, 0};                    /* the first of p is 1 */
+        for (int i = 0; i < k; i++)
+            term = add(term, mul_pure(p[i], u[k - 1 - i]));
+        p[k] = scale(next, term);
+        sum = add(sum, p[k]);
+        if (k + 1 == ORDERS || (k + 1 >= LEAST && quat_norm2(p[k]) <= enough * enough))
+            break;
+        vec3 grow = vec3_zero();
+        for (int i = 0; i <= k; i++)
+            grow = vec3_add(grow, vec3_cross(l[i], u[k - i]));
+        l[k + 1] = vec3_scale(2 * next, grow);
     }
-    for (int i = 0; i < 6; i++)
-        q = mad(q, h * dormand_prince[6][i], k[i]);
-    return quat_unit(q);
+    return quat_unit(quat_mul(q, sum));
 }
 
-/* For a turn by so many rad. The local error of a part is about a hundredth of the fifth power of its angle. */
-static int parts_of(real angle, real tolerance)
+/* No axis lets a body with this angular momentum turn faster than it would about one that has the sum of all three. */
+static int parts_of(const Member *m, real momentum, real h)
 {
-    real part = angle / 0.8;
-    if (part * part * part * part * part <= tolerance)
-        return 1;
-    return (int)real_clamp(ceil(part / pow(tolerance, 0.2)), 1, 1000);
+    real fastest = momentum * (m->inv_inertia.r0.x + m->inv_inertia.r1.y + m->inv_inertia.r2.z);
+    return fastest * h <= PART ? 1 : (int)real_clamp(ceil(fastest * h / PART), 1, 1000);
 }
 
 static void fly(Group *g, int i, real h)
@@ -61,9 +76,9 @@ static void fly(Group *g, int i, real h)
     }
     quat q = g->pos[i].q;
     vec3 l = quat_rotate(q, mat3_mul_vec(m->inertia, quat_unrotate(q, w)));
-    int parts = parts_of(vec3_length(w) * h, g->tolerance);
+    int parts = parts_of(m, vec3_length(l), h);
     for (int k = 0; k < parts; k++)
-        q = turn(m, q, l, h / parts);
+        q = turn(m, q, l, h / parts, ENOUGH * g->tolerance);
     g->pos[i].q = q;
     group_refresh_mass(g, i);
     w = quat_rotate(q, mat3_mul_vec(m->inv_inertia, quat_unrotate(q, l)));

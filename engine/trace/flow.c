@@ -192,20 +192,57 @@ static void begin_rate(Tracer *t, const State *y, real time)
 
 bool trace_rate(Tracer *t, const State *y, real time, int stage)
 {
+    t->passing = stage > 0 && stage < STAGES - 1;
     begin_rate(t, y, time);
-    bool inside = stage > 0 && stage < STAGES - 1;      /* of the step: nothing is looked for there */
-    if (inside ? !trace_solve(t) : !trace_accelerate(t))
+    bool solved = t->passing ? trace_solve(t) : trace_accelerate(t);
+    t->passing = false;
+    if (!solved)
         return false;
     trace_keep(t, stage);
     t->known = y;
     return true;
 }
 
-/* At the end of a probe: most often by the forces of its start. */
-static bool probe_rate(Tracer *t, const State *y, real time)
+/* ---- what glides ---- */
+
+#define ROUNDING 1e-15          /* rad */
+#define TURNED   1e-12          /* rad  so far the friction of a slow slip is turned by rounding */
+
+static bool turns(const Tracer *t, int i, real h)
 {
-    begin_rate(t, y, time);
-    if (!trace_again(t) && !trace_accelerate(t))
+    if (!trace_moves(t, i))
+        return !vec3_is_zero(t->g->vel[i].w);
+    return h * (vec3_length(t->spin0[i]) + h * vec3_length(t->alpha0[i])) > ROUNDING;
+}
+
+static bool keeps_direction(const Cone *c)
+{
+    return !c->axes || c->grip == GRIP_STICK || (c->grip == GRIP_SLIP && vec3_distance(c->d, c->from) <= TURNED);
+}
+
+/* Of a step that looks steady, at its end: does nothing turn in it but balls about their centres, and no slip change its direction? Then
+ * all arms are what they were, and forces that held at its start hold. */
+static bool glides(const Tracer *t, real h)
+{
+    const Group *g = t->g;
+    bool same = t->even && !g->own;
+    for (int i = 0; i < g->moving_count && same; i++)
+        same = g->member[i].round || !turns(t, i, h);
+    for (int i = 0; i < t->touch_count && same; i++) {
+        const Touching *c = &t->touch[i];
+        bool plane_b = c->feature.kind == POINT_PLANE;
+        if (c->gate.presses)
+            same = keeps_direction(&c->slip) && keeps_direction(&c->roll) && !turns(t, plane_b ? c->b : c->a, h) &&
+                   (vec3_is_zero(plane_b ? c->feature.pa : c->feature.pb) || !turns(t, plane_b ? c->a : c->b, h));
+    }
+    return same;
+}
+
+/* At the end of a probe: most often by the forces of its start, and of a steady one without a look at them. */
+static bool probe_rate(Tracer *t, const State *y, real h, bool steady)
+{
+    begin_rate(t, y, t->t + h);
+    if (!(steady && glides(t, h)) && !trace_again(t) && !trace_accelerate(t))
         return false;
     trace_keep(t, STAGES - 1);
     t->known = y;
@@ -344,7 +381,7 @@ real trace_try(Tracer *t, real h)
     }
     if (steady || (may && same_accelerations(t, h))) {
         parabola(t, h, t->y1);
-        if (!probe_rate(t, t->y1, t->t + h))
+        if (!probe_rate(t, t->y1, h, steady))
             return INFINITY;
         if (same_accelerations(t, h)) {
             t->probed = true;

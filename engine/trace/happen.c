@@ -47,7 +47,8 @@ static real value_at(Tracer *t, const Event *e, real part)
 /* False position with a bisection every eighth pass; f(lo) > 0 >= f(hi). */
 static real root_of(Tracer *t, const Event *e, real lo, real flo, real hi, real fhi)
 {
-    real enough = e->kind == EVENT_CLOSE ? 1e-15 * t->size : 0;
+    bool slip = e->kind == EVENT_HALT && e->cone;
+    real enough = e->kind == EVENT_CLOSE ? 1e-15 * t->size : slip ? 1e-15 * t->size * t->pace : 0;
     Bracket b = {lo, hi, flo, fhi, 0};
     for (int pass = 1; pass <= PASSES && b.hi - b.lo > 4e-16 * b.hi; pass++) {
         real x = pass % 8 == 0 ? 0.5 * (b.lo + b.hi) : b.lo + (b.hi - b.lo) * b.at_lo / (b.at_lo - b.at_hi);

@@ -5,7 +5,8 @@
 
 #define RIM 0xf0000000u         /* numbers of rims, apart from those of manifold points */
 
-#define SAME_SPOT 1e-12     /* of the size */
+#define SAME_SPOT  1e-12    /* of the size */
+#define SAME_PLACE 1e-7     /* of the size: so far a frozen feature may be from the manifold's point that it stands for */
 
 /* The same contact before: a ball that rolls over an edge has another feature, and is the same still. */
 static const Touching *find_old(const Tracer *t, const GroupContact *c, int contact, uint32_t id)
@@ -75,6 +76,28 @@ static bool has_rim(const Tracer *t, int contact, uint32_t id)
     return false;
 }
 
+/* The feature of a known point as it is now, and how its bodies move there. False: it is not what the manifold's point means. */
+static bool place_point(const Tracer *t, Touching *n, const GroupPair *q, const Sides *sides, const ManifoldPoint *p, bool fits)
+{
+    if (!fits) {
+        feature_find(q, sides, p, &n->feature);
+        feature_move(t->g, &n->feature, n->a, n->b, &n->k);
+    }
+    n->gate.gap = n->k.gap;
+    n->gate.rate = n->k.rate;
+    n->slip.u = vec3_mad(n->k.u, -n->k.rate, n->k.n);
+    n->roll.u = vec3_sub(t->g->vel[n->b].w, t->g->vel[n->a].w);
+    return fabs(n->k.gap - p->gap) <= SAME_PLACE * q->size;
+}
+
+static bool place_rim(const Tracer *t, Touching *n, const GroupPair *q, const Sides *sides, const ManifoldPoint *p, const Feature *rim)
+{
+    n->feature = *rim;
+    feature_move(t->g, rim, n->a, n->b, &n->k);
+    place_point(t, n, q, sides, p, true);
+    return n->k.gap <= p->gap + SAME_PLACE * q->size;
+}
+
 static bool add_point(Tracer *t, int contact, int point, const Sides *sides, bool first)
 {
     Group *g = t->g;
@@ -96,23 +119,12 @@ static bool add_point(Tracer *t, int contact, int point, const Sides *sides, boo
     n->a = c->a;
     n->b = c->b;
     n->id = id ? id : p->feature;
-    if (id) {
-        n->feature = rim;
-        feature_move(g, &n->feature, n->a, n->b, &n->k);
-    } else if (!old || !still_fits(t, n, p, q->size)) {
-        feature_find(q, sides, p, &n->feature);
-        feature_move(g, &n->feature, n->a, n->b, &n->k);
-    }
-    if (id ? n->k.gap > p->gap + 1e-7 * q->size : fabs(n->k.gap - p->gap) > 1e-7 * q->size) {         /* the frozen feature is not what the manifold means */
+    if (!(id ? place_rim(t, n, q, sides, p, &rim) : place_point(t, n, q, sides, p, old && still_fits(t, n, p, q->size)))) {
         if (p->gap > 1e-6 * q->size)
-            return true;        /* and does not touch: it is looked for again when it is nearer */
+            return true;        /* the frozen feature is not what the manifold means, and does not touch: it is looked for again when it is nearer */
         t->fault = "a contact without a frozen feature";
         return false;
     }
-    n->gate.gap = n->k.gap;
-    n->gate.rate = n->k.rate;
-    n->slip.u = vec3_mad(n->k.u, -n->k.rate, n->k.n);
-    n->roll.u = vec3_sub(g->vel[n->b].w, g->vel[n->a].w);
     if (first) {
         n->gate.closed = n->gate.presses = held_before(t, c, point, &n->k, q->size);
         n->slip.grip = c->sliding || vec3_length(n->slip.u) > t->slip_zero ? GRIP_SLIP : GRIP_STICK;
@@ -123,6 +135,38 @@ static bool add_point(Tracer *t, int contact, int point, const Sides *sides, boo
     if (!old && !n->gate.closed && fabs(n->k.gap) <= t->gap_zero && n->k.rate <= t->speed_zero)
         t->dirty = true;
     t->touch_count++;
+    return true;
+}
+
+/* Are the points those of before, in the same order? Corners of faces, that is: other features may have to be found anew. */
+static bool same_points(const Tracer *t)
+{
+    const Group *g = t->g;
+    int n = 0;
+    for (int i = 0; i < g->contact_count; i++) {
+        const GroupContact *c = &g->contacts[i];
+        int count = c->live && any_moves(g, c) ? c->manifold.count : 0;
+        for (int k = 0; k < count; k++, n++) {
+            const Touching *o = &t->touch[n];
+            const ManifoldPoint *p = &c->manifold.points[k];
+            if (n == t->touch_count || o->contact != i || o->point != k || o->id != p->feature)
+                return false;
+        }
+    }
+    return n == t->touch_count;
+}
+
+/* They stay where they are, with all that is known of them. */
+static bool keep_points(Tracer *t)
+{
+    for (int i = 0; i < t->touch_count; i++) {
+        Touching *n = &t->touch[i];
+        const GroupContact *c = &t->g->contacts[n->contact];
+        const GroupPair *q = &t->g->pairs[c->pair];
+        const ManifoldPoint *p = &c->manifold.points[n->point];
+        if (!still_fits(t, n, p, q->size) || !place_point(t, n, q, NULL, p, true))
+            return false;
+    }
     return true;
 }
 
@@ -197,12 +241,15 @@ static bool all_held(const Tracer *t)
 bool trace_touch(Tracer *t, bool first)
 {
     Group *g = t->g;
+    group_touch(g, t->end, !first || !all_held(t));
+    t->relisted = first || !same_points(t) || !keep_points(t);
+    if (!t->relisted)
+        return true;
     Touching *swap = t->old_touch;
     t->old_touch = t->touch;
     t->old_count = t->touch_count;
     t->touch = swap;
     t->touch_count = 0;
-    group_touch(g, t->end, !first || !all_held(t));
     for (int i = 0; i < g->contact_count; i++) {
         const GroupContact *c = &g->contacts[i];
         if (!c->live || !any_moves(g, c))

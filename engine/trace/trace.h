@@ -168,6 +168,7 @@ typedef struct Tracer {
     real   gap_zero, gap_deep;  /* m  what touches; how deep it may be found to lie by another way's doing */
     real   speed_zero, slip_zero;               /* m/s                    */
     Touching *touch, *old_touch; int touch_count, old_count, touch_capacity;
+    bool   relisted;            /* touch was, when last looked for; else it is as it was, and old_touch says nothing */
     Stop  *stops; int stop_count;
     Hold  *holds; int hold_count;
     Bond  *bonds; int bond_count;
@@ -192,6 +193,7 @@ typedef struct Tracer {
     real   h, h_next, h_probe;  /* s  of the present step, of the next, of the probe that the present one is part of */
     bool   probed;              /* the present step has constant accelerations */
     int    probe_wait, probe_fails;
+    bool   passing;             /* an instant within a step: nothing is looked for there */
     bool   dirty;               /* kinds must be found anew                */
     bool   locks;               /* they were found with slips held in their direction: see hold_slow_slips */
     Event  hint;

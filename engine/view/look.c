@@ -488,7 +488,7 @@ dig_status look_copy_tables(Look *to, const Look *from)
 void look_close(Look *l)
 {
     for (int t = 0; t < LOOK_TABLES; t++)
-        free(l->tables[t].data);
+        list_free_any(&l->tables[t].data, &l->tables[t].count, &l->tables[t].capacity, look_row_size[t]);
     for (int i = 0; i < l->meshes.count; i++) {
         free(l->meshes.data[i].mesh.vertices);
         free(l->meshes.data[i].mesh.normals);

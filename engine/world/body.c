@@ -58,6 +58,7 @@ dig_status solid_add(World *w, uint32_t body, const Shape *shape, pose at, const
     /* room for every solid at once, so that asking cannot fail later */
     DIG_TRY(list_reserve(&w->asking, w->solids.capacity, &w->allocations));
     solid_ask(w, *slot);
+    w->tally.shapes += shape_bytes(shape);
     return DIG_OK;
 }
 
@@ -78,6 +79,7 @@ void solid_remove(World *w, uint32_t slot)
         for (int i = 0; i < w->asking.count; i++)
             if (w->asking.data[i] == slot)
                 w->asking.data[i] = w->asking.data[--w->asking.count];
+    w->tally.shapes -= shape_bytes(&s->shape);
     shape_free(&s->shape);
     s->alive = false;
     slot_give(w, &w->free_solids, slot);

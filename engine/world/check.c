@@ -65,11 +65,21 @@ static dig_status check_touches(const World *w)
     return DIG_OK;
 }
 
+static dig_status check_tally(const World *w)
+{
+    Tally t = world_tally(w);
+    if (w->tally.touching != t.touching || w->tally.smooth != t.smooth || w->tally.shapes != t.shapes)
+        return world_fail(w, DIG_E_ARG, "the tally has %d touches, %d smooth pairs, %zu bytes of shapes; there are %d, %d, %zu", w->tally.touching,
+                          w->tally.smooth, w->tally.shapes, t.touching, t.smooth, t.shapes);
+    return DIG_OK;
+}
+
 dig_status world_check(const World *w)
 {
     DIG_TRY(check_bodies(w));
     DIG_TRY(check_pairs(w));
     DIG_TRY(check_touches(w));
+    DIG_TRY(check_tally(w));
     if (!graph_check(w->graph))
         return world_fail(w, DIG_E_ARG, "the DIGs are not the connected components of the links");
     for (uint32_t i = 1; i < DIG_LAYERS; i++)

@@ -1,21 +1,14 @@
 /* world/column.c - one struct a body for those that take part in an effect, in the order of their slots. */
 #include "world/column.h"
 
+#include "base/block.h"
 #include "base/list.h"
-
-#include <stdlib.h>
 
 static dig_status reserve(Column *c, uint32_t body, uint64_t *allocations)
 {
-    int room = c->capacity, rows = c->rows;
-    int same = room;
-    DIG_TRY(list_reserve_any((void **)&c->data, &room, c->size, c->count + 1, allocations));
-    DIG_TRY(list_reserve_any((void **)&c->body, &same, sizeof *c->body, c->count + 1, allocations));
-    c->capacity = int_min(room, same);
-    DIG_TRY(list_reserve_any((void **)&c->row, &rows, sizeof *c->row, (int)body + 1, allocations));
-    memset(c->row + c->rows, 0, (size_t)(rows - c->rows) * sizeof *c->row);
-    c->rows = rows;
-    return DIG_OK;
+    DIG_TRY(list_reserve_any((void **)&c->data, &c->capacity, c->size, c->count + 1, allocations));
+    DIG_TRY(list_reserve_any((void **)&c->body, &c->bodies, sizeof *c->body, c->count + 1, allocations));
+    return list_reserve_any((void **)&c->row, &c->rows, sizeof *c->row, (int)body + 1, allocations);
 }
 
 /* Members from `first` on are where they are now. */
@@ -66,15 +59,15 @@ dig_status column_copy(Column *to, const Column *from, uint64_t *allocations)
 
 void column_close(Column *c)
 {
-    free(c->data);
-    free(c->body);
-    free(c->row);
+    block_free(c->data, (size_t)c->capacity * c->size);
+    block_free(c->body, (size_t)c->bodies * sizeof *c->body);
+    block_free(c->row, (size_t)c->rows * sizeof *c->row);
     *c = (Column){.size = c->size};
 }
 
 size_t column_bytes(const Column *c)
 {
-    return (size_t)c->capacity * (c->size + sizeof *c->body) + (size_t)c->rows * sizeof *c->row;
+    return (size_t)c->capacity * c->size + (size_t)c->bodies * sizeof *c->body + (size_t)c->rows * sizeof *c->row;
 }
 
 uint64_t column_hash(const Column *c, uint64_t h)

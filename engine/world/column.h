@@ -17,6 +17,7 @@ typedef struct Column {
     uint32_t *body;             /* [count] their slots, ascending                          */
     uint32_t *row;              /* [rows] of a body slot: place in the above + 1; 0 = takes no part */
     int       count, capacity, rows;
+    int       bodies;           /* room in body: as capacity, but where memory ran out     */
 } Column;
 
 static inline void *column_at(const Column *c, int i) { return (char *)c->data + (size_t)i * c->size; }

@@ -125,6 +125,7 @@ dig_status pair_add(World *w, uint32_t solid_a, uint32_t solid_b)
         w->contacts.data[contact[i]].next = i + 1 < want ? contact[i + 1] : NONE;
     pair.contact = want > 0 ? contact[0] : NONE;
     surface_pair(w, &a->surface, &b->surface, &pair);
+    w->tally.smooth += !(pair.friction > 0);
     w->pairs.data[slot] = pair;
     w->near.data[w->near.count++] = slot;
     pair_attach(w, slot);
@@ -138,7 +139,7 @@ static void leave_touch(World *w, const Pair *p)
     Touch *t = touch_find(w, p->body_a, p->body_b, wall);
     if (!t || t->pairs == 0)
         return;
-    t->pairs--;
+    touch_count(w, t, -1);
     if (t->pairs == 0 && !t->brief && w->brief.count < w->brief.capacity) {     /* there is room for every touch */
         t->brief = true;
         w->brief.data[w->brief.count++] = (uint32_t)(t - w->touches.data);
@@ -170,6 +171,7 @@ void pair_remove(World *w, uint32_t pair)
     link_out(w, pair, 1, p->solid_b);
     index_remove(&w->pair_index, (MapKey){p->solid_a, p->solid_b, 0}, pair);
     p->alive = false;
+    w->tally.smooth -= !(p->friction > 0);
     slot_give(w, &w->free_pairs, pair);
 }
 
@@ -184,7 +186,9 @@ void pairs_refresh_surfaces(World *w, uint32_t body)
     for (uint32_t s = w->bodies.data[body].shape_first; s != NONE; s = w->solids.data[s].next)
         for (uint32_t l = w->solids.data[s].pair_first; l != NONE; l = w->pairs.data[l / 2].next[l % 2]) {
             Pair *p = &w->pairs.data[l / 2];
+            w->tally.smooth -= !(p->friction > 0);
             surface_pair(w, &w->solids.data[p->solid_a].surface, &w->solids.data[p->solid_b].surface, p);
+            w->tally.smooth += !(p->friction > 0);
         }
 }
 
@@ -216,6 +220,13 @@ dig_status touch_find_or_add(World *w, uint32_t a, uint32_t b, uint8_t wall, uin
     return DIG_OK;
 }
 
+void touch_count(World *w, Touch *t, int more)
+{
+    w->tally.touching -= t->pairs > 0;
+    t->pairs += more;
+    w->tally.touching += t->pairs > 0;
+}
+
 Touch *touch_find(const World *w, uint32_t a, uint32_t b, uint8_t wall)
 {
     uint32_t slot;
@@ -233,6 +244,7 @@ void touch_remove(World *w, uint32_t slot)
             w->brief.data[n++] = w->brief.data[i];
     w->brief.count = t->brief ? n : w->brief.count;
     index_remove(&w->touch_index, (MapKey){t->body_a, t->body_b, t->wall}, slot);
+    touch_count(w, t, -t->pairs);
     t->alive = false;
     slot_give(w, &w->free_touches, slot);
 }

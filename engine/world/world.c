@@ -138,14 +138,24 @@ size_t world_bytes(const World *w)
     bytes += list_bytes(&w->materials) + list_bytes(&w->material_pairs);
     bytes += index_bytes(&w->pair_index) + index_bytes(&w->touch_index) + (size_t)w->tree.capacity * sizeof(TreeNode);
     bytes += list_bytes(&w->near) + graph_bytes(w->graph) + arena_bytes(&w->scratch) + w->note_size;
-    for (int i = 0; i < w->solids.count; i++)
-        if (w->solids.data[i].alive)
-            bytes += shape_bytes(&w->solids.data[i].shape);
+    bytes += w->tally.shapes;
     for (int i = 0; i < w->effect_count; i++)
         bytes += effect_bytes(&w->effects[i]);
     for (int i = 0; i < DIG_LAYERS; i++)
         bytes += layer_bytes(&w->layers[i]);
     return bytes + mail_bytes(&w->mail);
+}
+
+Tally world_tally(const World *w)
+{
+    Tally t = {0, 0, 0};
+    for (int i = 0; i < w->touches.count; i++)
+        t.touching += w->touches.data[i].alive && w->touches.data[i].pairs > 0;
+    for (int i = 0; i < w->pairs.count; i++)
+        t.smooth += w->pairs.data[i].alive && !(w->pairs.data[i].friction > 0);
+    for (int i = 0; i < w->solids.count; i++)
+        t.shapes += w->solids.data[i].alive ? shape_bytes(&w->solids.data[i].shape) : 0;
+    return t;
 }
 
 size_t effect_bytes(const EffectSlot *e)

@@ -84,7 +84,7 @@ typedef struct Body {           /* what every step reads comes first            
     Surface  surface;
     vec3     colour;            /* x < 0 = the material's                              */
     real     opacity;           /* 1      as drawn                                     */
-    vec3     move_from, move_to; quat turn_from, turn_to; real move_start, move_end;   /* kinematic: s, end < start = none */
+    vec3     move_to; quat turn_to; real move_start, move_end;      /* kinematic: s, end < start = none */
     uint64_t message_id, message_root; real message_time; dig_body message_from; char message_kind[32];
 } Body;
 
@@ -217,6 +217,13 @@ typedef struct Ledger {         /* J since the start                            
     bool started;
 } Ledger;
 
+/* Counted as they come and go: whoever asks for dig_stats in every step is not to pay for all that sleeps. */
+typedef struct Tally {
+    int    touching;            /* touches that last: of a touching pair               */
+    int    smooth;              /* pairs without friction                              */
+    size_t shapes;              /* bytes of the solids' shapes                         */
+} Tally;
+
 /* What first called for an effect; what it was not is null. */
 typedef struct EffectCause { dig_body body; dig_joint joint; dig_region region; } EffectCause;
 
@@ -298,6 +305,7 @@ struct dig_world {
     dig_room_def room; bool has_room; uint32_t room_solid[6];
 
     Ledger   ledger;
+    Tally    tally;
     dig_stats stats;
     dig_warning warnings[DIG_WARNINGS]; int warning_count;
     Arena    scratch;                   /* of the calling thread                       */
@@ -371,12 +379,18 @@ static inline mat3 body_inertia_world(const Body *b)
     return mat3_mul(mat3_mul(r, b->inertia), mat3_transpose(r));
 }
 
-/* It is about to be at x, q. A point at a distance r is moved at most by that of the centre and 2 r |change of q|. */
+/* m  So far at most moves a point at a distance r when the centre moves and q changes: as the centre, and 2 r |change of q|. */
+static inline real travel_by(vec3 move, quat from, quat to, real r)
+{
+    quat d = {to.x - from.x, to.y - from.y, to.z - from.z, to.w - from.w};
+    real turn2 = d.x * d.x + d.y * d.y + d.z * d.z + d.w * d.w;
+    return vec3_length(move) + (turn2 > 0 ? 2 * r * sqrt(turn2) : 0);
+}
+
+/* It is about to be at x, q. */
 static inline void body_travels(Body *b, vec3 x, quat q)
 {
-    quat d = {q.x - b->q.x, q.y - b->q.y, q.z - b->q.z, q.w - b->q.w};
-    real turn2 = d.x * d.x + d.y * d.y + d.z * d.z + d.w * d.w, way = vec3_length(vec3_sub(x, b->x));
-    b->travel = real_min(TRAVEL_MOST, b->travel + way + (turn2 > 0 ? 2 * b->outer * sqrt(turn2) : 0));
+    b->travel = real_min(TRAVEL_MOST, b->travel + travel_by(vec3_sub(x, b->x), b->q, q, b->outer));
 }
 
 /* 1  Where time goes r times as fast, motion is r times as fast, under the same forces and with the same energy: against the
@@ -404,6 +418,7 @@ dig_status world_open(const dig_world_def *def, World **out, char *why, size_t c
 void       world_close(World *w);
 size_t     world_bytes(const World *w);
 uint64_t   world_hash(const World *w);
+Tally      world_tally(const World *w);                 /* counted anew */
 
 /* body.c */
 dig_status body_create(World *w, const dig_body_def *def, dig_body *out);
@@ -467,6 +482,7 @@ void       pairs_refresh_surfaces(World *w, uint32_t body);
 dig_status touch_find_or_add(World *w, uint32_t a, uint32_t b, uint8_t wall, uint32_t *slot);
 dig_status touch_enter(World *w, uint32_t touch);       /* into the index; it is not there yet */
 void       touch_remove(World *w, uint32_t slot);
+void       touch_count(World *w, Touch *t, int more);   /* so many more of its pairs touch */
 Touch     *touch_find(const World *w, uint32_t a, uint32_t b, uint8_t wall);
 
 /* joint.c */

@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
-# tests/cli/same.sh - the same world gives the same bytes: wherever, whenever and by whom it is run (D2, D3), drawn by any number of
-# threads (D5), and after each step was taken back and taken again (D4).
+# tests/cli/same.sh - the same world gives the same bytes: by any number of threads (D1), wherever, whenever and by whom it is run
+# (D2, D3), drawn by any number of threads (D5), and after each step was taken back and taken again (D4).
 set -u
 worlds=$(cd "${0%/*}/../../worlds" && pwd)
 . "${0%/*}/../check.sh"
 export MESA_SHADER_CACHE_DISABLE=true
 
-# ---- D2, D3: every world, another folder, environment, place in memory ----
-mkdir -p here there/deep/er
+# ---- D1, D2, D3: every world, 2 or 8 threads; another folder, environment, place in memory ----
+mkdir -p here there/deep/er many
+threads=8
 fixed=(); setarch -R true 2>/dev/null && fixed=(setarch -R)         # a container may not allow it
 for path in "$worlds"/*.lua; do
     name=$(basename "$path" .lua)
@@ -17,6 +18,9 @@ for path in "$worlds"/*.lua; do
         ASAN_OPTIONS="${ASAN_OPTIONS:-}" "${fixed[@]}" "$DIGBOX" run -q --seconds 0.5 --replay "$name.replay" "$path" >"$name.txt" 2>/dev/null </dev/null)
     holds "$name prints the same" cmp "here/$name.txt" "there/deep/er/$name.txt"
     holds "$name does the same" cmp "here/$name.replay" "there/deep/er/$name.replay"
+    threads=$((10 - threads))
+    (cd many && "$DIGBOX" run -q --seconds 0.5 --threads $threads --replay "$name.replay" "$path" >/dev/null 2>&1 </dev/null)
+    gives 0 "$name does the same with $threads threads" diff "here/$name.replay" "many/$name.replay"
 done
 holds 'there were worlds' test "$(find here -name '*.replay' -size +1k | wc -l)" -ge 12
 

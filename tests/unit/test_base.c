@@ -2,6 +2,7 @@
 #include "check.h"
 
 #include "base/arena.h"
+#include "base/block.h"
 #include "base/index.h"
 #include "base/list.h"
 #include "base/map.h"
@@ -314,6 +315,32 @@ TEST(a_trimmed_list_keeps_what_it_holds_and_little_more)
     list_close(&list);
 }
 
+/* Back and forth across the size from which blocks are the system's pages. */
+TEST(a_list_of_any_size_keeps_its_items_and_what_is_new_is_zero)
+{
+    const int large = (int)(BLOCK_LARGE / sizeof(uint32_t)), room[] = {100, large - 1, large, 5 * large, 3 * large, large - 1, 10, 2 * large};
+    LIST(uint32_t) list = {NULL, 0, 0};
+    for (int r = 0; r < (int)(sizeof room / sizeof *room); r++) {
+        list.count = 10;
+        list_trim(&list, room[r]);
+        CHECK_INT(list_reserve(&list, room[r], NULL), DIG_OK);
+        CHECK(list.capacity >= room[r]);
+        bool kept = true, zero = true;
+        for (int i = 0; i < list.capacity; i++) {
+            if (r > 0 && i < 10)
+                kept = kept && list.data[i] == 7u * (uint32_t)i;
+            else if (r > 0 && i >= room[r - 1])
+                zero = zero && list.data[i] == 0;
+        }
+        CHECK(kept && zero);
+        for (int i = 0; i < list.capacity; i++)
+            list.data[i] = 7u * (uint32_t)i;
+        list_trim(&list, room[r]);
+    }
+    list_close(&list);
+    CHECK(!list.data && list.capacity == 0);
+}
+
 TEST(a_shrunk_piece_makes_room_for_the_next_one)
 {
     Arena a = {0};
@@ -454,6 +481,7 @@ int main(void)
         unit_test(an_impossible_reserve_is_refused),
         unit_test(numbers_of_any_size_and_count_come_out_ascending),
         unit_test(a_trimmed_list_keeps_what_it_holds_and_little_more),
+        unit_test(a_list_of_any_size_keeps_its_items_and_what_is_new_is_zero),
         unit_test(every_character_is_known_and_nothing_else_is_one),
         unit_test(names_are_text_and_messages_are_cleaned)
     );

@@ -137,6 +137,13 @@ static void check_close3(const char *what, FeatureKind kind, vec3 got, vec3 want
                  want.z);
 }
 
+/* In some of the tries one of the two does not move, as most grounds do not. */
+static void stand_still(Hand *h, int i)
+{
+    if (i % 4 > 1)
+        h->vel[i % 4 - 2] = (Vel){vec3_zero(), vec3_zero()};
+}
+
 TEST(gap_normal_point_and_velocity_of_a_feature_are_those_of_the_nearest_points)
 {
     Dice d = {1};
@@ -145,6 +152,7 @@ TEST(gap_normal_point_and_velocity_of_a_feature_are_those_of_the_nearest_points)
     for (int kind = 0; kind < KINDS; kind++)
         for (int i = 0; i < TRIES; i++) {
             Feature f = random_meeting(&h, &d, (FeatureKind)kind);
+            stand_still(&h, i);
             Plain want = plain(h.pos, h.vel, &f);
             Kinematics k;
             feature_move(&h.g, &f, 0, 1, &k);
@@ -164,6 +172,7 @@ TEST(rate_and_drift_of_a_feature_are_derivatives_along_free_motion)
         real largest = 0;
         for (int i = 0; i < TRIES; i++) {
             Feature f = random_meeting(&h, &d, (FeatureKind)kind);
+            stand_still(&h, i);
             Kinematics k;
             feature_move(&h.g, &f, 0, 1, &k);
             real gap[4], rate[4], ux[4], uy[4], uz[4];

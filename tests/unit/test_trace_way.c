@@ -25,6 +25,12 @@ TEST(the_accuracy_number_grows_as_the_tolerance_shrinks)
     CHECK_INT(accuracy_for(5), 1);
 }
 
+TEST(an_accuracy_number_has_its_power_of_ten)
+{
+    for (int a = 0; a <= ACCURACY_FINEST; a++)
+        CHECK_NEAR(accuracy_tolerance(a) / pow(10, -a / 16.0), 1, 1e-15);
+}
+
 TEST(a_plan_is_the_coarsest_that_keeps_the_tolerance)
 {
     const AccuracyPlan *last = accuracy_plan(0);
@@ -522,6 +528,7 @@ TEST(a_sliding_spinning_box_does_the_same_a_kilometre_away)
 int main(void)
 {
     RUN_TESTS(unit_test(the_accuracy_number_grows_as_the_tolerance_shrinks),
+              unit_test(an_accuracy_number_has_its_power_of_ten),
               unit_test(a_plan_is_the_coarsest_that_keeps_the_tolerance),
               unit_test(a_plans_name_stands_for_its_tolerance),
               unit_test(the_local_error_falls_with_the_accuracy_within_its_bounds),

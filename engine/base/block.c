@@ -1,0 +1,65 @@
+/* base/block.c - blocks from malloc or from the system's pages. */
+#define _GNU_SOURCE             /* mremap */
+#include "base/block.h"
+
+#include <stdlib.h>
+#include <sys/mman.h>
+
+/* Where every access is checked, the checker's malloc knows more about a block than its pages. */
+#if defined(MREMAP_MAYMOVE) && !defined(__SANITIZE_ADDRESS__)
+static bool from_pages(size_t bytes) { return bytes >= BLOCK_LARGE; }
+
+static void *pages_open(size_t bytes)
+{
+    void *data = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    return data == MAP_FAILED ? NULL : data;
+}
+
+static void *pages_resize(void *data, size_t old, size_t bytes)
+{
+    void *moved = mremap(data, old, bytes, MREMAP_MAYMOVE);
+    return moved == MAP_FAILED ? NULL : moved;
+}
+
+static void pages_close(void *data, size_t bytes) { munmap(data, bytes); }
+#else
+static bool from_pages(size_t bytes) { (void)bytes; return false; }
+static void *pages_open(size_t bytes) { (void)bytes; return NULL; }
+static void *pages_resize(void *data, size_t old, size_t bytes) { (void)data; (void)old; (void)bytes; return NULL; }
+static void pages_close(void *data, size_t bytes) { (void)data; (void)bytes; }
+#endif
+
+static void *small_resize(void *data, size_t old, size_t bytes)
+{
+    char *moved = realloc(data, bytes);
+    if (moved && bytes > old)
+        memset(moved + old, 0, bytes - old);
+    return moved;
+}
+
+void *block_resize(void *data, size_t old, size_t bytes)
+{
+    if (bytes == 0) {
+        block_free(data, old);
+        return NULL;
+    }
+    if (from_pages(old) && from_pages(bytes))
+        return pages_resize(data, old, bytes);
+    if (!from_pages(old) && !from_pages(bytes))
+        return small_resize(data, old, bytes);
+    void *moved = from_pages(bytes) ? pages_open(bytes) : malloc(bytes);
+    if (!moved)
+        return NULL;
+    if (old > 0)
+        memcpy(moved, data, old < bytes ? old : bytes);
+    block_free(data, old);
+    return moved;
+}
+
+void block_free(void *data, size_t bytes)
+{
+    if (data && from_pages(bytes))
+        pages_close(data, bytes);
+    else
+        free(data);
+}

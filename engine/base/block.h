@@ -1,0 +1,22 @@
+/* base/block.h - memory whose owner knows its size: small blocks from malloc, large ones straight from the system, page by page.
+ *
+ * Large worlds grow while things land in them. From malloc, what grew out of its place leaves a hole that little else fits: a fifth of
+ * the memory of a pile of 8000 balls. Pages are given back at once, go along when a block grows (nothing is copied), and take no memory
+ * until they are written to: room that is kept ready costs nothing.
+ *
+ * Invariant: a block stays where it was obtained from as long as its size is on the same side of BLOCK_LARGE: hand in the size it has.
+ * Floor:     base.
+ */
+#ifndef DIG_BLOCK_H
+#define DIG_BLOCK_H
+
+#include "base/base.h"
+
+#define BLOCK_LARGE ((size_t)256 << 10)         /* bytes */
+
+/* From `old` bytes to `bytes`, either may be 0 (data is NULL then); what is new is 0. NULL: no memory, or bytes = 0; without memory
+ * the old block is as it was. */
+void *block_resize(void *data, size_t old, size_t bytes);
+void  block_free(void *data, size_t bytes);
+
+#endif

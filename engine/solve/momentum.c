@@ -1,0 +1,180 @@
+/* solve/momentum.c - what hangs on nothing keeps its momentum and its angular momentum, whatever a solve leaves undone.
+ *
+ * Impulses come in pairs, and so do their torques, but for what a substep's turns, a solve that stops at its tolerance, and positions
+ * that are put right leave: after a frame in which only joints, contacts and an even field acted, all of a floating mechanism is
+ * given the motion of one rigid body that it lacks. That changes no velocity of one part against another: joints and contacts hold as
+ * before.
+ */
+#include "base/forest.h"
+#include "solve/momentum.h"
+
+#define LARGEST 1e-2            /* of the momenta in the sum: more than a solve leaves, and not made good */
+
+/* kg m^2/s  About a point that moves with the velocity v. */
+static vec3 turning(const Member *m, const Pos *pos, const Vel *vel, vec3 at, vec3 v)
+{
+    vec3 own = quat_rotate(pos->q, mat3_mul_vec(m->inertia, quat_unrotate(pos->q, vel->w)));
+    return vec3_mad(own, m->mass, vec3_cross(vec3_sub(pos->x, at), vec3_sub(vel->v, v)));
+}
+
+void rigid_motion(const Group *g, const int *root, int which, Rigid *out)
+{
+    *out = (Rigid){.inertia = mat3_zero()};
+    for (int i = which; i < g->moving_count; i++) {
+        if (root[i] != which)
+            continue;
+        out->mass += g->member[i].mass;
+        out->at = vec3_mad(out->at, g->member[i].mass, g->pos[i].x);
+        out->v = vec3_mad(out->v, g->member[i].mass, g->vel[i].v);
+    }
+    out->at = vec3_scale(1 / out->mass, out->at);
+    out->v = vec3_scale(1 / out->mass, out->v);
+    for (int i = which; i < g->moving_count; i++) {
+        if (root[i] != which)
+            continue;
+        const Member *m = &g->member[i];
+        mat3 turn = quat_matrix(g->pos[i].q), skew = mat3_skew(vec3_sub(g->pos[i].x, out->at));
+        out->l = vec3_add(out->l, turning(m, &g->pos[i], &g->vel[i], out->at, out->v));
+        out->inertia = mat3_add(out->inertia, mat3_mul(turn, mat3_mul(m->inertia, mat3_transpose(turn))));
+        out->inertia = mat3_sub(out->inertia, mat3_scale(m->mass, mat3_mul(skew, skew)));
+    }
+    out->w = mat3_mul_vec(mat3_inverse(out->inertia), out->l);
+}
+
+/* Does everything pull at its parts alike? */
+static bool pulled_alike(const Group *g, const int *root, int which, vec3 *pull)
+{
+    *pull = vec3_scale(g->mass[which].im, g->member[which].force);
+    for (int i = which; i < g->moving_count; i++) {
+        vec3 own = vec3_scale(g->mass[i].im, g->member[i].force);
+        if (root[i] == which && (!vec3_equal(own, *pull) || vec3_length2(g->member[i].torque) > 0))
+            return false;
+    }
+    return true;
+}
+
+/* As it was at the start of the frame: velocity of its centre of mass, angular momentum about that, and from how much each is summed. */
+typedef struct Before { vec3 v, l; real speed, turns; } Before;
+
+static Before before(const Group *g, const int *root, int which)
+{
+    Before b = {.speed = 0};
+    real mass = 0;
+    vec3 at = vec3_zero();
+    for (int i = which; i < g->moving_count; i++) {
+        if (root[i] != which)
+            continue;
+        const Body *was = &g->world->bodies.data[g->member[i].slot];
+        mass += g->member[i].mass;
+        at = vec3_mad(at, g->member[i].mass, was->x);
+        b.v = vec3_mad(b.v, g->member[i].mass, was->v);
+        b.speed += g->member[i].mass * vec3_length(was->v);
+    }
+    at = vec3_scale(1 / mass, at);
+    b.v = vec3_scale(1 / mass, b.v);
+    b.speed /= mass;
+    for (int i = which; i < g->moving_count; i++) {
+        if (root[i] != which)
+            continue;
+        const Body *was = &g->world->bodies.data[g->member[i].slot];
+        real outer = g->member[i].outer, speed = vec3_distance(was->v, b.v) + outer * vec3_length(was->w);
+        b.l = vec3_add(b.l, turning(&g->member[i], &(Pos){was->x, was->q}, &(Vel){was->v, was->w}, at, b.v));
+        b.turns += g->member[i].mass * (vec3_distance(was->x, at) + outer) * speed;
+    }
+    return b;
+}
+
+static void add_motion(Group *g, const int *root, int which, Rigid *r, vec3 v, vec3 w)
+{
+    for (int i = which; i < g->moving_count; i++) {
+        if (root[i] != which)
+            continue;
+        g->vel[i].v = vec3_add(g->vel[i].v, vec3_add(v, vec3_cross(w, vec3_sub(g->pos[i].x, r->at))));
+        g->vel[i].w = vec3_add(g->vel[i].w, w);
+    }
+    r->v = vec3_add(r->v, v);
+    r->w = vec3_add(r->w, w);
+}
+
+void rigid_hold_turning(Group *g, const int *root, int which, real most, Rigid *r)
+{
+    vec3 pull;
+    if (!pulled_alike(g, root, which, &pull))
+        return;
+    Before b = before(g, root, which);
+    vec3 off = vec3_sub(b.l, r->l);
+    if (vec3_length(off) <= most * b.turns)
+        add_motion(g, root, which, r, vec3_zero(), mat3_mul_vec(mat3_inverse(r->inertia), off));
+}
+
+static void hold_speed(Group *g, const int *root, int which, real dt, Rigid *r)
+{
+    vec3 pull;
+    if (!pulled_alike(g, root, which, &pull))
+        return;
+    Before b = before(g, root, which);
+    vec3 off = vec3_sub(vec3_mad(b.v, dt, pull), r->v);
+    if (vec3_length(off) <= LARGEST * (b.speed + dt * vec3_length(pull)))
+        add_motion(g, root, which, r, off, vec3_zero());
+}
+
+bool group_isolated(const Group *g)
+{
+    bool even = g->push_count == 0 && g->world->region_count == 0 && !g->varies;
+    return g->joint_count + g->contact_count > 0 && even && !g->own && !g->drags && !g->rules && !g->planar;
+}
+
+static void tie(const Group *g, int *root, bool *held, int a, int b)
+{
+    bool one = a >= 0 && g->member[a].moves, other = b >= 0 && g->member[b].moves;
+    if (one && other)
+        forest_unite(root, a, b);
+    else if (one || other)
+        held[one ? a : b] = true;
+}
+
+/* What joints hold together, and what pressed on each other in the frame. */
+static void find(const Group *g, int *root, bool *held)
+{
+    for (int i = 0; i < g->moving_count; i++)
+        root[i] = i;
+    for (int i = 0; i < g->joint_count; i++) {
+        const GroupJoint *j = &g->joints[i];
+        tie(g, root, held, j->a, j->b);
+        for (int k = 0; k < 2; k++) {           /* gears and racks act on the bodies of those that they couple, too */
+            const GroupJoint *other = j->other[k] >= 0 ? &g->joints[j->other[k]] : j;
+            tie(g, root, held, j->a, other->a);
+            tie(g, root, held, j->a, other->b);
+        }
+    }
+    for (int i = 0; i < g->contact_count; i++)
+        if (!vec3_is_zero(g->contacts[i].impulse))
+            tie(g, root, held, g->contacts[i].a, g->contacts[i].b);
+    for (int i = 0; i < g->moving_count; i++) {
+        root[i] = forest_root(root, i);
+        held[root[i]] = held[root[i]] || held[i];
+    }
+}
+
+dig_status group_hold_momenta(Group *g, real dt)
+{
+    if (!group_isolated(g))
+        return DIG_OK;
+    ArenaMark mark = arena_mark(g->arena);
+    size_t n = (size_t)g->moving_count;
+    int *root = arena_alloc(g->arena, (n + 1) * sizeof *root);
+    bool *held = arena_zero(g->arena, n + 1);
+    if (!root || !held)
+        return DIG_E_MEMORY;
+    find(g, root, held);
+    for (int i = 0; i < g->moving_count; i++) {
+        Rigid r;
+        if (!g->member[i].moves || root[i] != i || held[i])
+            continue;
+        rigid_motion(g, root, i, &r);
+        hold_speed(g, root, i, dt, &r);
+        rigid_hold_turning(g, root, i, LARGEST, &r);
+    }
+    arena_rewind(g->arena, mark);
+    return DIG_OK;
+}
