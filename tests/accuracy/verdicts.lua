@@ -94,7 +94,7 @@ local function proportionality(list, scale, rounding, frames)
   end
   if not from then return { name = "proportionality", text = "at the floor with the longest steps there are" } end
   local text = where and ("err(tol/10) / err(tol) up to %.2g at %g (wanted 0.2)"):format(worst, where) or "falls to the floor at once"
-  return { name = "proportionality", pass = worst <= 1 / 5, value = worst, from = from, text = ("%s, judged from %g on"):format(text, from) }
+  return { name = "proportionality", pass = worst <= 1 / 5, value = worst, from = from, text = text .. (", judged from %g"):format(from) }
 end
 
 -- 3b. The error stays below ten times the tolerance, on the scene's scale
