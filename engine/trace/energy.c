@@ -5,8 +5,8 @@
  * energy is that at its start (Hairer, Lubich & Wanner, Geometric Numerical Integration, IV.4: projection on an invariant). A
  * scaled velocity obeys every joint that the velocity obeyed. Mechanisms that hang on nothing are scaled in their motion relative
  * to the rigid one with the same momentum and angular momentum, so that these stay, too; and before that the rigid motion is given the
- * angular momentum of the frame's start, for the pair keeps no invariant but the linear ones. What one step's local error may be, the
- * change may be, and no more: what asks for more is no error of the integration.
+ * angular momentum of the frame's start, for the pair keeps no invariant but the linear ones. What the local errors of its steps may
+ * be, the change may be, and no more: what asks for more is no error of the integration.
  */
 #include "base/forest.h"
 #include "solve/momentum.h"
@@ -143,7 +143,8 @@ static void hold_mechanism(Tracer *t, int root)
     if (flies_alone(t, root))
         return;
     Mechanism m = {.gain = t->gain[root]};
-    real allowed = 0;           /* J  what a local error of the tolerance does */
+    real allowed = 0;           /* J  what local errors of the tolerance do */
+    real pace = real_max(t->pace, t->swing), steps = real_max(1, g->substeps);
     if (!t->held[root]) {
         rigid_motion(g, t->root, root, &m.rigid);
         rigid_hold_turning(g, t->root, root, t->tolerance, &m.rigid);
@@ -159,7 +160,7 @@ static void hold_mechanism(Tracer *t, int root)
         Vel own = relative(t, i, &m.rigid);
         m.kinetic += kinetic_of(&g->member[i], g->pos[i].q, own.v, own.w);
         real speed = vec3_length(own.v) + g->member[i].outer * vec3_length(own.w);
-        allowed += g->member[i].mass * t->tolerance * (vec3_length(t->pull[i]) + t->pace * speed);
+        allowed += steps * g->member[i].mass * t->tolerance * (vec3_length(t->pull[i]) + pace * speed);
     }
     bool known = m.kinetic > BRISK * m.scale || fabs(m.gain) > NOISE * m.scale;
     if (!known || !(fabs(m.gain) <= real_min(allowed, GENTLE * m.kinetic)))

@@ -341,8 +341,8 @@ static void combine(const Tracer *t, const real *weight, int stages, real h, con
 
 static real error_of(const Tracer *t, real h)
 {
-    real worst = 0;
     combine(t, error_weight, STAGES, h, NULL, t->y2);
+    real worst = t->swing > t->pace ? trace_swing_error(t, t->y2) : 0;
     for (int i = 0; i < t->g->moving_count; i++) {
         const State *e = &t->y2[i];
         const Member *m = &t->g->member[i];

@@ -257,7 +257,7 @@ static vec3 point_acceleration(const Tracer *t, int body, vec3 at)
     return vec3_add(t->acc[body], vec3_cross(t->alpha[body], vec3_sub(at, t->g->pos[body].x)));
 }
 
-static real row_acceleration(const Tracer *t, const Row *r)
+real trace_row_acceleration(const Tracer *t, const Row *r)
 {
     real a = r->drift;
     for (int k = 0; k < r->count; k++)
@@ -281,11 +281,11 @@ void trace_read_accelerations(Tracer *t)
     }
     for (int i = 0; i < t->stop_count; i++) {
         const Row *r = trace_row(t, t->stops[i].joint, t->stops[i].slot);
-        t->stops[i].gate.acc = r ? row_acceleration(t, r) : 0;
+        t->stops[i].gate.acc = r ? trace_row_acceleration(t, r) : 0;
     }
     for (int i = 0; i < t->hold_count; i++) {
         const Row *r = trace_row(t, t->holds[i].joint, t->holds[i].slot);
-        t->holds[i].acc = r ? row_acceleration(t, r) : 0;
+        t->holds[i].acc = r ? trace_row_acceleration(t, r) : 0;
     }
 }
 

@@ -18,12 +18,13 @@
 #define GATE_DRIFT    1e-4      /* the same of what touches: more would count as open        */
 #define BOUNCE_LEAST  1e-13     /* of the size: bounces lower than this are over             */
 
+/* why: what was tried in vain; NULL: it is left to another way, which serves as well. */
 static void hand_on(Group *g, const GroupKept *k, const char *why)
 {
     group_put_back(g, k);
     g->handed_on = true;
     g->gave_up = why;
-    g->trace_failed = true;
+    g->trace_failed = why != NULL;
 }
 
 /* ---- a frame ---- */
@@ -487,8 +488,11 @@ static bool run(Tracer *t)
         t->mover_start[i] = g->pos[i];
     bool fine = trace_start(t);
     trace_mark_energy(t);
-    if (trace_too_stiff(t)) {
-        t->fault = "springs or dampers too stiff for its steps";
+    t->swing = fine ? trace_fastest_swing(t) : 0;
+    Stiffness stiffness = fine ? trace_stiffness(t) : STIFF_NOT;
+    if (stiffness != STIFF_NOT) {
+        t->fault = stiffness == STIFF_BEYOND ? "springs or dampers too stiff for its steps" : NULL;
+        t->left = stiffness == STIFF_UNSEEN;
         return false;
     }
     bool first = true;
@@ -523,7 +527,7 @@ static dig_status advance(Group *g, real dt)
     if (g->status != DIG_OK)
         return g->status;
     if (!fine) {
-        hand_on(g, &start, t->fault ? t->fault : "no step");
+        hand_on(g, &start, t->left ? NULL : t->fault ? t->fault : "no step");
         return DIG_OK;
     }
     g->t = dt;

@@ -163,6 +163,7 @@ typedef struct Tracer {
     real   t, end;              /* s  within the step                     */
     real   tolerance;           /* m  local error                         */
     real   size, pace;          /* m; 1/s: what turns velocities into lengths */
+    real   swing;               /* 1/s  the fastest spring's              */
     real   gap_zero, gap_deep;  /* m  what touches; how deep it may be found to lie by another way's doing */
     real   speed_zero, slip_zero;               /* m/s                    */
     Touching *touch, *old_touch; int touch_count, old_count, touch_capacity;
@@ -196,6 +197,7 @@ typedef struct Tracer {
     bool   locks;               /* they were found with slips held in their direction: see hold_slow_slips */
     Event  hint;
     const char *fault;          /* why it cannot go on                     */
+    bool   left;                /* to another way, which serves as well    */
     real     given;             /* J  by movers and motors in the last projection of velocities */
     int    near_events; real event_time;
     int    passes, work;        /* places swept past in this frame; most evaluations */
@@ -212,7 +214,11 @@ static inline int trace_powers(const Tracer *t) { return TOUCH_POWERS * t->touch
 
 /* suits.c */
 bool trace_suits(const Group *g);
-bool trace_too_stiff(const Tracer *t);          /* springs that swing too often within the step */
+/* swing.c */
+typedef enum Stiffness { STIFF_NOT, STIFF_UNSEEN, STIFF_BEYOND } Stiffness;     /* its steps follow it; need not; cannot */
+Stiffness trace_stiffness(Tracer *t);           /* of springs and dampers at the start of a frame */
+real trace_fastest_swing(const Tracer *t);      /* 1/s  of all springs */
+real trace_swing_error(const Tracer *t, State *e);      /* m  of errors e, what is an error of such swings' velocity; taken out of e */
 /* rows.c */
 void trace_kinematics(Tracer *t);               /* contacts, joint rows and free accelerations of the group's present state */
 void trace_drives(Tracer *t);                   /* of stops and holds alone, from the joints' rows */
@@ -238,6 +244,7 @@ typedef struct Violation { real joints, gates; } Violation;
 Violation trace_violation(const Tracer *t);     /* m  worst of errors and gaps and (over pace) rates that should be zero */
 Row *trace_row(const Tracer *t, int joint, int slot);
 real trace_row_rate(const Tracer *t, const Row *r);
+real trace_row_acceleration(const Tracer *t, const Row *r);
 /* patch.c: rows of one contact, from its first touching point on */
 void trace_patch(Tracer *t, int first, bool forces, bool positions);
 /* kinds.c */

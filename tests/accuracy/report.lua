@@ -219,7 +219,9 @@ local function write_verdicts(list)
   say ""
   say "By `tests/accuracy/verdicts.lua`, over the ladder of tolerances from 1e-2 to 1e-12. Order: slope of log error against log"
   say "evaluations (steps, where none are counted) over the three finest tolerances above the floor. Floor: the least error, relative to"
-  say "the size of the scene. Proportionality: the worst error(tol / 10) / error(tol) until the floor. Bound: the worst error / (10 tol)."
+  say "the size of the scene. Proportionality: the worst error(tol / 10) / error(tol) until the floor, from the tolerance that it names on:"
+  say "with coarser ones most steps are as long as a frame already, or the run is the same to the last digit. Two tolerances of one and the"
+  say "same run are not compared with each other. Bound: the worst error / (10 tol), of all."
   say ""
   say "| scene | order ≥ 3.8 | floor ≤ 1e-11 | proportionality ≤ 0.2 | bound ≤ 1 |"
   say "|---|---|---|---|---|"
@@ -227,7 +229,8 @@ local function write_verdicts(list)
     local cells, any = {}, false
     for _, v in ipairs(verdicts.judge(item.scene, item.rows.digbox or {})) do
       local shown = v.value and (v.name == "order" and ("%.1f"):format(v.value) or number(v.value)) or ""
-      cells[v.name] = v.pass == nil and "" or ("%s%s"):format(v.pass and "**yes** " or "no: ", shown)
+      local from = v.from and (" from %g"):format(v.from) or ""
+      cells[v.name] = v.pass == nil and "" or (v.pass and "**yes** " or "no: ") .. shown .. from
       any = any or v.pass ~= nil
     end
     if any and cells.floor then

@@ -8,7 +8,7 @@ local verdicts = require "verdicts"
 -- Error at "play". Where the scene has a goal, that is its bound; these are the others.
 local bounds = {
   A02z = 1e-9, A03h = 1e-8, A05b = 1e-8, A07p = 1e-6, A08l = 1e-2, A08p = 1e-5, A09n = 1e-6, A10c = 1e-9,
-  A15a = 1e-5, A15b = 1e-4, A15c = 1e-5, A16a = 1e-6, A16b = 1e-6, A16c = 1e-7,
+  A15a = 1e-5, A15b = 1e-4, A15c = 1e-5, A16a = 1e-6, A16b = 1e-6, A16c = 1e-7, A16d = 3e-7,
   A17a = 1e-9, A17b = 1e-9, A17c = 1e-8, A17d = 1e-9, A18 = 1e-6, A18p = 1e-9, A19a = 1e-5, A19b = 1e-5, A20 = 1e-5,
 }
 
@@ -50,6 +50,25 @@ test.scenario("what creeps at a fine accuracy is not held before its end", funct
   test.expect(math.abs(world.energy.elastic - before)):between(1e-13, 1e-8)
 end)
 
+-- 1 kg on 1e8 N/m swings 1592 times a second, by 1e-7 m: no plan coarser than that has to see where, and each finer one follows it.
+test.scenario("a spring too stiff for the frame is followed where the tolerance shows it, and kept in its energy where not", function(s)
+  local function place(accuracy)
+    local row = suite.run(suite.scenes { "A16d" }[1], accuracy, s.cpu_seconds, 0)
+    test.expect(row.gave_up):is(0)
+    return row.error, row.traced
+  end
+  for _, accuracy in ipairs { "play", "study" } do
+    local off, traced = place(accuracy)
+    test.expect(traced):is(0)
+    test.expect(off):below(2e-7)
+  end
+  for _, accuracy in ipairs { 1e-8, 1e-10 } do
+    local off, traced = place(accuracy)
+    test.expect(traced):is(120)
+    test.expect(off):below(10 * accuracy)
+  end
+end)
+
 test.scenario("the references of the scenes agree with the published digits", function()
   for _, scene in ipairs(suite.scenes()) do
     if scene.check then test.expect(scene.check(scene.world and scene.world.step or 1 / 60)):below(2e-12) end
@@ -80,6 +99,29 @@ test.scenario("verdicts tell a good integrator from bad ones", function()
   test.expect(passes(rungs(1, 1e-7, 5))):is "order=true floor=false proportionality=true bound=false"
   test.expect(passes(rungs(0.5, 1e-14, 5))):is "order=true floor=false proportionality=false bound=false"
   test.expect(passes(rungs(1, 1e-14, 5, 50))):is "order=true floor=false proportionality=true bound=false"
+end)
+
+-- One second of frames; below 1e-6 as good as a fifth order is, above it at one step a frame, with the error of that
+local function frame_long(error_of)
+  local rows = rungs(1, 1e-14, 5)
+  for _, row in ipairs(rows) do
+    local tolerance = tonumber(row.setting)
+    row.steps = math.max(60, math.floor(60 * (tolerance / 1e-6) ^ -0.2))
+    row.evaluations = 7 * row.steps
+    row.error = error_of(tolerance)
+  end
+  return rows
+end
+
+test.scenario("verdicts judge proportionality where steps are shorter than a frame, and say from where on", function()
+  local scene = { id = "X", seconds = 1 }
+  local function verdict(rows) return verdicts.judge(scene, rows)[3] end
+  local v = verdict(frame_long(function(tolerance) return math.min(tolerance, 1e-6) end))
+  test.expect(v.pass):is(true)
+  test.expect(v.from):near(1e-7, 1e-12)
+  -- a plateau at shorter steps is one still, and so is a slow fall
+  test.expect(verdict(frame_long(function(tolerance) return tolerance > 1e-9 and 1e-6 or tolerance end)).pass):is(false)
+  test.expect(verdict(frame_long(function(tolerance) return math.sqrt(tolerance) end)).pass):is(false)
 end)
 
 test.scenario("verdicts read CSV, and judge the goal without looking at the time", function()

@@ -35,7 +35,9 @@ local function ladder_of(rows)
     local tolerance = tonumber(row.setting)
     if tolerance and row.engine == "digbox" then
       local work = (row.evaluations or 0) > 0 and row.evaluations or row.steps or row.substeps
-      list[#list + 1] = { tolerance = tolerance, error = row.error, work = work }
+      local steps = row.steps or math.max(row.substeps or 0, row.frames or 0)
+      local counted = (row.evaluations or 0) > steps
+      list[#list + 1] = { tolerance = tolerance, error = row.error, work = work, steps = steps, counted = counted }
     end
   end
   table.sort(list, function(a, b) return a.tolerance > b.tolerance end)
@@ -72,22 +74,27 @@ local function floor(list, scale, rounding)
   return { name = "floor", pass = least <= rounding, value = least, text = ("%.1e of the scale (wanted %.0e)"):format(least, rounding) }
 end
 
--- 3a. Ten times less tolerance, a fifth of the error at least, until the floor
-local function proportionality(list, scale, rounding)
+-- A step cannot be longer than a frame: while most are as long as that, a coarser tolerance can be no coarser. Nor are two rungs with the
+-- same error at the same work, to the last digit, two runs: the engine does not tell these tolerances apart.
+local function at_longest_step(row, frames) return row.counted and row.steps < 1.5 * frames end
+local function same_run(a, b) return a.error == b.error and a.work == b.work end
+
+-- 3a. Ten times less tolerance, a fifth of the error at least, from where the engine tells tolerances apart until the floor
+local function proportionality(list, scale, rounding, frames)
   local limit = math.max(10 * floor_of(list, scale), rounding)
-  local worst, where, pairs_judged = 0, nil, 0
+  local worst, where, from = 0, nil, nil
   for i = 2, #list do
     local a, b = list[i - 1], list[i]
     local decade = math.abs(a.tolerance / b.tolerance - 10) < 1e-6
-    if decade and a.error / scale > limit then
-      pairs_judged = pairs_judged + 1
+    if decade and a.error / scale > limit and not at_longest_step(a, frames) and not same_run(a, b) then
+      from = from or a.tolerance
       local ratio = b.error / a.error
       if b.error / scale > limit and ratio > worst then worst, where = ratio, b.tolerance end
     end
   end
-  if pairs_judged == 0 then return { name = "proportionality", text = "at the floor from the first rung on" } end
-  return { name = "proportionality", pass = worst <= 1 / 5, value = worst,
-           text = where and ("err(tol/10) / err(tol) up to %.2g at %g (wanted 0.2)"):format(worst, where) or "falls to the floor at once" }
+  if not from then return { name = "proportionality", text = "at the floor with the longest steps there are" } end
+  local text = where and ("err(tol/10) / err(tol) up to %.2g at %g (wanted 0.2)"):format(worst, where) or "falls to the floor at once"
+  return { name = "proportionality", pass = worst <= 1 / 5, value = worst, from = from, text = text .. (", judged from %g"):format(from) }
 end
 
 -- 3b. The error stays below ten times the tolerance, on the scene's scale
@@ -127,7 +134,8 @@ function verdicts.judge(scene, rows, nominal)
     end
   elseif #list >= 3 then
     out = {
-      order(list, scale, rounding, nominal or 4), floor(list, scale, rounding), proportionality(list, scale, rounding),
+      order(list, scale, rounding, nominal or 4), floor(list, scale, rounding),
+      proportionality(list, scale, rounding, (scene.seconds or 0) / (scene.world and scene.world.step or 1 / 60)),
       bounded(list, scale, rounding),
     }
   end
