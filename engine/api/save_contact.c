@@ -113,8 +113,10 @@ static void pack_pair(Pack *p, World *w, Pair *pair, unsigned char *taken)
     PairMemory memory = {.cache = {.kind = 0}};
     if (p->reading)
         pair->memory = NONE;
+    else if (pair->memory != NONE)
+        memory = w->memories.data[pair->memory];
     else
-        memory = pair->memory == NONE ? (PairMemory){.rub = pair_rub(w, pair)} : w->memories.data[pair->memory];
+        memory.rub = pair_rub(w, pair);
     pair->alive = true;
     pack_index(p, &pair->solid_a, (uint32_t)w->solids.count, false, "first solid of a pair");
     pack_index(p, &pair->solid_b, (uint32_t)w->solids.count, false, "second solid of a pair");

@@ -124,35 +124,39 @@ bool group_isolated(const Group *g)
     return g->joint_count + g->contact_count > 0 && even && !g->own && !g->drags && !g->rules && !g->planar;
 }
 
-static void tie(const Group *g, int *root, bool *held, int a, int b)
+enum { TIED = 1, HELD = 2 };    /* to another that moves, to what does not */
+
+static void tie(const Group *g, int *root, uint8_t *ties, int a, int b)
 {
     bool one = a >= 0 && g->member[a].moves, other = b >= 0 && g->member[b].moves;
-    if (one && other)
+    if (one && other) {
         forest_unite(root, a, b);
-    else if (one || other)
-        held[one ? a : b] = true;
+        ties[a] |= TIED;
+    } else if (one || other) {
+        ties[one ? a : b] |= HELD;
+    }
 }
 
 /* What joints hold together, and what pressed on each other in the frame. */
-static void find(const Group *g, int *root, bool *held)
+static void find(const Group *g, int *root, uint8_t *ties)
 {
     for (int i = 0; i < g->moving_count; i++)
         root[i] = i;
     for (int i = 0; i < g->joint_count; i++) {
         const GroupJoint *j = &g->joints[i];
-        tie(g, root, held, j->a, j->b);
+        tie(g, root, ties, j->a, j->b);
         for (int k = 0; k < 2; k++) {           /* gears and racks act on the bodies of those that they couple, too */
             const GroupJoint *other = j->other[k] >= 0 ? &g->joints[j->other[k]] : j;
-            tie(g, root, held, j->a, other->a);
-            tie(g, root, held, j->a, other->b);
+            tie(g, root, ties, j->a, other->a);
+            tie(g, root, ties, j->a, other->b);
         }
     }
     for (int i = 0; i < g->contact_count; i++)
         if (!vec3_is_zero(g->contacts[i].impulse))
-            tie(g, root, held, g->contacts[i].a, g->contacts[i].b);
+            tie(g, root, ties, g->contacts[i].a, g->contacts[i].b);
     for (int i = 0; i < g->moving_count; i++) {
         root[i] = forest_root(root, i);
-        held[root[i]] = held[root[i]] || held[i];
+        ties[root[i]] |= ties[i];
     }
 }
 
@@ -163,13 +167,13 @@ dig_status group_hold_momenta(Group *g, real dt)
     ArenaMark mark = arena_mark(g->arena);
     size_t n = (size_t)g->moving_count;
     int *root = arena_alloc(g->arena, (n + 1) * sizeof *root);
-    bool *held = arena_zero(g->arena, n + 1);
-    if (!root || !held)
+    uint8_t *ties = arena_zero(g->arena, n + 1);
+    if (!root || !ties)
         return DIG_E_MEMORY;
-    find(g, root, held);
+    find(g, root, ties);
     for (int i = 0; i < g->moving_count; i++) {
         Rigid r;
-        if (!g->member[i].moves || root[i] != i || held[i])
+        if (!g->member[i].moves || root[i] != i || ties[i] != TIED)     /* one alone does what its integrator does */
             continue;
         rigid_motion(g, root, i, &r);
         hold_speed(g, root, i, dt, &r);

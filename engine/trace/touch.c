@@ -76,13 +76,9 @@ static bool has_rim(const Tracer *t, int contact, uint32_t id)
     return false;
 }
 
-/* The feature of a known point as it is now, and how its bodies move there. False: it is not what the manifold's point means. */
-static bool place_point(const Tracer *t, Touching *n, const GroupPair *q, const Sides *sides, const ManifoldPoint *p, bool fits)
+/* How the bodies of a point move at its feature. False: that is not what the manifold's point means. */
+static bool place_point(const Tracer *t, Touching *n, const GroupPair *q, const ManifoldPoint *p)
 {
-    if (!fits) {
-        feature_find(q, sides, p, &n->feature);
-        feature_move(t->g, &n->feature, n->a, n->b, &n->k);
-    }
     n->gate.gap = n->k.gap;
     n->gate.rate = n->k.rate;
     n->slip.u = vec3_mad(n->k.u, -n->k.rate, n->k.n);
@@ -90,11 +86,11 @@ static bool place_point(const Tracer *t, Touching *n, const GroupPair *q, const 
     return fabs(n->k.gap - p->gap) <= SAME_PLACE * q->size;
 }
 
-static bool place_rim(const Tracer *t, Touching *n, const GroupPair *q, const Sides *sides, const ManifoldPoint *p, const Feature *rim)
+static bool place_rim(const Tracer *t, Touching *n, const GroupPair *q, const ManifoldPoint *p, const Feature *rim)
 {
     n->feature = *rim;
     feature_move(t->g, rim, n->a, n->b, &n->k);
-    place_point(t, n, q, sides, p, true);
+    place_point(t, n, q, p);
     return n->k.gap <= p->gap + SAME_PLACE * q->size;
 }
 
@@ -119,7 +115,11 @@ static bool add_point(Tracer *t, int contact, int point, const Sides *sides, boo
     n->a = c->a;
     n->b = c->b;
     n->id = id ? id : p->feature;
-    if (!(id ? place_rim(t, n, q, sides, p, &rim) : place_point(t, n, q, sides, p, old && still_fits(t, n, p, q->size)))) {
+    if (!id && !(old && still_fits(t, n, p, q->size))) {
+        feature_find(q, sides, p, &n->feature);
+        feature_move(t->g, &n->feature, n->a, n->b, &n->k);
+    }
+    if (!(id ? place_rim(t, n, q, p, &rim) : place_point(t, n, q, p))) {
         if (p->gap > 1e-6 * q->size)
             return true;        /* the frozen feature is not what the manifold means, and does not touch: it is looked for again when it is nearer */
         t->fault = "a contact without a frozen feature";
@@ -164,7 +164,7 @@ static bool keep_points(Tracer *t)
         const GroupContact *c = &t->g->contacts[n->contact];
         const GroupPair *q = &t->g->pairs[c->pair];
         const ManifoldPoint *p = &c->manifold.points[n->point];
-        if (!still_fits(t, n, p, q->size) || !place_point(t, n, q, NULL, p, true))
+        if (!still_fits(t, n, p, q->size) || !place_point(t, n, q, p))
             return false;
     }
     return true;
