@@ -162,12 +162,6 @@ static int distributions(const Patch *p, real field[3][MANIFOLD_POINTS])
     field[0][0] = 1;
     if (p->count == 1)
         return 1;
-    if (p->count == 2) {        /* the sum and the difference, unless they are one place */
-        const real half = 0.7071067811865476;           /* its root */
-        field[0][0] = field[0][1] = field[1][0] = half;
-        field[1][1] = -half;
-        return vec3_is_zero(p->arm[0]) ? 1 : 2;
-    }
     for (int i = 0; i < p->count; i++) {
         field[0][i] = 1;
         field[1][i] = vec3_dot(p->arm[i], p->t[0]);
