@@ -4,9 +4,18 @@
 
 #include <stdlib.h>
 #include <sys/mman.h>
+#include <unistd.h>
 
 /* Where every access is checked, the checker's malloc knows more about a block than its pages. */
-#if defined(MREMAP_MAYMOVE) && !defined(__SANITIZE_ADDRESS__)
+#if defined(__SANITIZE_ADDRESS__)
+#define CHECKED
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define CHECKED
+#endif
+#endif
+
+#if defined(MREMAP_MAYMOVE) && !defined(CHECKED)
 static bool from_pages(size_t bytes) { return bytes >= BLOCK_LARGE; }
 
 static void *pages_open(size_t bytes)
@@ -17,8 +26,13 @@ static void *pages_open(size_t bytes)
 
 static void *pages_resize(void *data, size_t old, size_t bytes)
 {
-    void *moved = mremap(data, old, bytes, MREMAP_MAYMOVE);
-    return moved == MAP_FAILED ? NULL : moved;
+    char *moved = mremap(data, old, bytes, MREMAP_MAYMOVE);
+    if (moved == MAP_FAILED)
+        return NULL;
+    size_t page = (size_t)sysconf(_SC_PAGESIZE), end = (old + page - 1) / page * page;
+    if (bytes > old)            /* what was given back within a page is still there */
+        memset(moved + old, 0, (bytes < end ? bytes : end) - old);
+    return moved;
 }
 
 static void pages_close(void *data, size_t bytes) { munmap(data, bytes); }

@@ -200,20 +200,23 @@ static void improve(System *s)
  * which: it would add up from step to step (a door on three hinges at 1 kHz: to 226 times its weight in 20 s). */
 #define KEEPS (1 - 1.0 / 128)
 
-/* Where bodies would get by their momenta and outer forces, and by `share` of what the joints did in the last step. Returns the
+/* Where bodies would get by their momenta and outer forces, and if asked for by what the joints did in the last step. Returns the
  * farthest that the joints' part moves one, m. */
-static real predict(System *s, real share)
+static real predict(System *s, bool joints)
 {
     real farthest = 0;
     for (int i = 0; i < s->row_count; i++)
         s->p[i] = KEEPS * s->h * s->p_last[i];
-    parts_guess(s);
+    for (int i = 0; i < s->piece_count; i++)
+        s->piece[i].push = s->piece[i].twist = vec3_zero();
+    if (joints)
+        parts_guess(s);
     for (int i = 0; i < s->piece_count; i++) {
         Piece *b = &s->piece[i];
         if (!b->moves)
             continue;
-        vec3 v = vec3_scale(1 / b->mass, vec3_mad(b->p0, share, b->push));
-        vec3 w = mat3_mul_vec(b->inv_inertia, mat3_mul_vec(mat3_transpose(b->r0), vec3_mad(b->l0, share, b->twist)));
+        vec3 v = vec3_scale(1 / b->mass, vec3_add(b->p0, b->push));
+        vec3 w = mat3_mul_vec(b->inv_inertia, mat3_mul_vec(mat3_transpose(b->r0), vec3_add(b->l0, b->twist)));
         vec3 g = vec3_scale(0.25 * s->h, vec3_add(b->w0, w));
         b->x = vec3_mad(b->x0, 0.5 * s->h, vec3_add(b->v0, v));
         b->q = quat_unit(quat_mul(b->q0, (quat){g.x, g.y, g.z, 1}));
@@ -228,11 +231,12 @@ static real predict(System *s, real share)
 static bool begin_newton(System *s)
 {
     if (!s->rings) {
-        real farthest = predict(s, 1);
+        real farthest = predict(s, true);
         if (evaluate(s) && s->residual < GUESSED * farthest)
             return true;
+        s->g->evaluations++;
     }
-    predict(s, 0);
+    predict(s, false);
     return evaluate(s);
 }
 

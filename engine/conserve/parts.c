@@ -191,8 +191,6 @@ void parts_push(System *s, const real *p)
 /* After parts_begin; the discrete gradient is that of the start. */
 void parts_guess(System *s)
 {
-    for (int i = 0; i < s->piece_count; i++)
-        s->piece[i].push = s->piece[i].twist = vec3_zero();
     for (int i = 0; i < s->tie_count; i++) {
         const Tie *t = &s->tie[i];
         for (int k = 0; k < t->rows; k++) {

@@ -117,7 +117,7 @@ typedef struct System {
 bool   parts_understood(const Group *g);        /* every row of every joint has its formula here, and no stop is near */
 dig_status parts_compile(System *s);
 void   parts_begin(System *s);                  /* start of a step: C0, spring numbers         */
-void   parts_guess(System *s);                  /* what the impulses of the rows would do to the pieces at the start */
+void   parts_guess(System *s);                  /* adds what the impulses of the rows would do to the pieces at the start */
 void   parts_evaluate(System *s);               /* at the end poses: rows, errors, forces      */
 void   parts_push(System *s, const real *p);    /* what impulses do to the pieces, at fixed poses */
 void   parts_give(const System *s, Tie *t);     /* compliance of its hard rows at the end poses */

@@ -10,18 +10,20 @@ static vec3 carried(const Crowd *c, int body, vec3 at)
     return vec3_add(k->to, mat3_mul_vec(k->turn, vec3_sub(at, k->from)));
 }
 
+/* rad  Twice the axis times the sine of a turn. */
+static vec3 skew_of(const mat3 *m) { return (vec3){m->r2.y - m->r1.z, m->r0.z - m->r2.x, m->r1.x - m->r0.y}; }
+
 /* m  By how much more its two bodies travel than points of one move against the other: at this contact by `slip`, about it by their turn
- * against each other. */
+ * against each other. What they turn in common counts as well, for the normal stays where it is meanwhile. */
 static real in_common(const Crowd *crowd, const GroupContact *c, real slip)
 {
     static const Carriage stands = {.turn = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     const Trait *a = &crowd->trait[c->a], *b = &crowd->trait[c->b];
     const Carriage *ka = a->moves || a->kinematic ? carriage_of(crowd, c->a) : &stands;
     const Carriage *kb = b->moves || b->kinematic ? carriage_of(crowd, c->b) : &stands;
-    vec3 skew = {(kb->turn.r2.y - kb->turn.r1.z) - (ka->turn.r2.y - ka->turn.r1.z),
-                 (kb->turn.r0.z - kb->turn.r2.x) - (ka->turn.r0.z - ka->turn.r2.x),
-                 (kb->turn.r1.x - kb->turn.r0.y) - (ka->turn.r1.x - ka->turn.r0.y)};       /* twice the axis times the sine */
-    real way = ka->way + kb->way - slip - 0.5 * vec3_length(skew) * crowd->g->pairs[c->pair].size;
+    vec3 sa = skew_of(&ka->turn), sb = skew_of(&kb->turn);
+    real turn = 0.5 * vec3_distance(sa, sb) + 0.25 * vec3_length(vec3_add(sa, sb));
+    real way = ka->way + kb->way - slip - turn * crowd->g->pairs[c->pair].size;
     return way > 0 && isfinite(way) ? way : 0;      /* a plane that turns has no farthest point */
 }
 

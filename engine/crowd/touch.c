@@ -150,7 +150,7 @@ typedef struct Blows {
 static real passed_on(const Blows *s, const GroupPair *q, int x, int y)
 {
     const Group *g = s->c->g;
-    real most = s->c->stop[x], mass = s->behind[x], share = (1 + q->restitution) * mass / (mass + g->member[y].mass);
+    real most = s->c->stop[x], mass = s->behind[x], part = isinf(mass) ? 1 : mass / (mass + g->member[y].mass), share = (1 + q->restitution) * part;
     return real_min(most, real_max(vec3_length(g->vel[y].v), share * most));
 }
 
@@ -185,7 +185,8 @@ static void note_stops(const Blows *s, const GroupPair *q, real struck)
 {
     const Group *g = s->c->g;
     bool a = s->c->trait[q->a].moves, b = s->c->trait[q->b].moves;
-    real mass = (a ? g->member[q->a].mass : 0) + (b ? g->member[q->b].mass : 0);
+    bool driven = s->c->trait[q->a].kinematic || s->c->trait[q->b].kinematic;      /* does not give way */
+    real mass = driven ? INFINITY : (a ? g->member[q->a].mass : 0) + (b ? g->member[q->b].mass : 0);
     for (int k = 0; k < 2; k++) {
         int body = k ? q->b : q->a;
         if (!(k ? b : a))

@@ -55,10 +55,10 @@ static quat turn(const Member *m, quat q, vec3 momentum, real h, real enough)
     return quat_unit(quat_mul(q, sum));
 }
 
-/* No axis lets a body with this angular momentum turn faster than it would about one that has the sum of all three. */
-static int parts_of(const Member *m, real momentum, real h)
+/* w . L is kept, too: no axis lets a body turn faster than it would with all of it about one that has the sum of all three. */
+static int parts_of(const Member *m, real twice_energy, real h)
 {
-    real fastest = momentum * (m->inv_inertia.r0.x + m->inv_inertia.r1.y + m->inv_inertia.r2.z);
+    real fastest = sqrt(real_max(0, twice_energy) * (m->inv_inertia.r0.x + m->inv_inertia.r1.y + m->inv_inertia.r2.z));
     return fastest * h <= PART ? 1 : (int)real_clamp(ceil(fastest * h / PART), 1, 1000);
 }
 
@@ -76,7 +76,7 @@ static void fly(Group *g, int i, real h)
     }
     quat q = g->pos[i].q;
     vec3 l = quat_rotate(q, mat3_mul_vec(m->inertia, quat_unrotate(q, w)));
-    int parts = parts_of(m, vec3_length(l), h);
+    int parts = parts_of(m, vec3_dot(w, l), h);
     for (int k = 0; k < parts; k++)
         q = turn(m, q, l, h / parts, ENOUGH * g->tolerance);
     g->pos[i].q = q;
