@@ -43,38 +43,14 @@ INLINE bool decompose(real *restrict d, int n, int *restrict row, real *restrict
     return true;
 }
 
-/* A column of u, n rows of `width`, becomes x with d x = u. */
-INLINE void solve_one(const real *restrict d, int n, const int *restrict row, const real *restrict inverse, real *restrict u, int width)
-{
-    real x[SIZE_MOST];
-    UNROLL
-    for (int k = 0; k < n; k++)
-        x[k] = u[row[k] * width];
-    UNROLL
-    for (int k = 0; k < n; k++) {
-        UNROLL
-        for (int i = k + 1; i < n; i++)
-            x[i] -= d[i * n + k] * x[k];
-    }
-    UNROLL
-    for (int k = n - 1; k >= 0; k--) {
-        x[k] *= inverse[k];
-        UNROLL
-        for (int i = 0; i < k; i++)
-            x[i] -= d[i * n + k] * x[k];
-    }
-    UNROLL
-    for (int k = 0; k < n; k++)
-        u[k * width] = x[k];
-}
-
-/* Two columns next to each other. */
-INLINE void solve_two(const real *restrict d, int n, const int *restrict row, const real *restrict inverse, real *restrict u, int width)
+/* One or two columns of u, next to each other in n rows of `width`, become x with d x = u. */
+INLINE void solve_columns(const real *restrict d, int n, const int *restrict row, const real *restrict inverse, real *restrict u, int width,
+                          int columns)
 {
     pair x[SIZE_MOST];
     UNROLL
     for (int k = 0; k < n; k++)
-        x[k] = PAIR(u[row[k] * width]);
+        x[k] = columns == 2 ? PAIR(u[row[k] * width]) : (pair){u[row[k] * width], 0};
     UNROLL
     for (int k = 0; k < n; k++) {
         UNROLL
@@ -89,8 +65,12 @@ INLINE void solve_two(const real *restrict d, int n, const int *restrict row, co
             x[i] -= d[i * n + k] * x[k];
     }
     UNROLL
-    for (int k = 0; k < n; k++)
-        PAIR(u[k * width]) = x[k];
+    for (int k = 0; k < n; k++) {
+        if (columns == 2)
+            PAIR(u[k * width]) = x[k];
+        else
+            u[k * width] = x[k][0];
+    }
 }
 
 /* Solves d x = [u | b] in place; d is n x n. */
@@ -101,10 +81,10 @@ INLINE bool solve_sized(real *restrict d, int n, real *restrict u, int width, re
     if (!decompose(d, n, row, inverse))
         return false;
     for (; at + 2 <= width; at += 2)
-        solve_two(d, n, row, inverse, u + at, width);
+        solve_columns(d, n, row, inverse, u + at, width, 2);
     if (at < width)
-        solve_one(d, n, row, inverse, u + at, width);
-    solve_one(d, n, row, inverse, b, 1);
+        solve_columns(d, n, row, inverse, u + at, width, 1);
+    solve_columns(d, n, row, inverse, b, 1, 1);
     return true;
 }
 

@@ -96,26 +96,34 @@ static void add_motion(Group *g, const int *root, int which, Rigid *r, vec3 v, v
     r->w = vec3_add(r->w, w);
 }
 
+static void hold_turning(Group *g, const int *root, int which, const Before *b, real most, Rigid *r)
+{
+    vec3 off = vec3_sub(b->l, r->l);
+    if (vec3_length(off) <= most * b->turns)
+        add_motion(g, root, which, r, vec3_zero(), mat3_mul_vec(mat3_inverse(r->inertia), off));
+}
+
 void rigid_hold_turning(Group *g, const int *root, int which, real most, Rigid *r)
 {
     vec3 pull;
     if (!pulled_alike(g, root, which, &pull))
         return;
     Before b = before(g, root, which);
-    vec3 off = vec3_sub(b.l, r->l);
-    if (vec3_length(off) <= most * b.turns)
-        add_motion(g, root, which, r, vec3_zero(), mat3_mul_vec(mat3_inverse(r->inertia), off));
+    hold_turning(g, root, which, &b, most, r);
 }
 
-static void hold_speed(Group *g, const int *root, int which, real dt, Rigid *r)
+static void hold_both(Group *g, const int *root, int which, real dt)
 {
     vec3 pull;
+    Rigid r;
     if (!pulled_alike(g, root, which, &pull))
         return;
+    rigid_motion(g, root, which, &r);
     Before b = before(g, root, which);
-    vec3 off = vec3_sub(vec3_mad(b.v, dt, pull), r->v);
+    vec3 off = vec3_sub(vec3_mad(b.v, dt, pull), r.v);
     if (vec3_length(off) <= LARGEST * (b.speed + dt * vec3_length(pull)))
-        add_motion(g, root, which, r, off, vec3_zero());
+        add_motion(g, root, which, &r, off, vec3_zero());
+    hold_turning(g, root, which, &b, LARGEST, &r);
 }
 
 bool group_isolated(const Group *g)
@@ -171,14 +179,9 @@ dig_status group_hold_momenta(Group *g, real dt)
     if (!root || !ties)
         return DIG_E_MEMORY;
     find(g, root, ties);
-    for (int i = 0; i < g->moving_count; i++) {
-        Rigid r;
-        if (!g->member[i].moves || root[i] != i || ties[i] != TIED)     /* one alone does what its integrator does */
-            continue;
-        rigid_motion(g, root, i, &r);
-        hold_speed(g, root, i, dt, &r);
-        rigid_hold_turning(g, root, i, LARGEST, &r);
-    }
+    for (int i = 0; i < g->moving_count; i++)
+        if (g->member[i].moves && root[i] == i && ties[i] == TIED)      /* one alone does what its integrator does */
+            hold_both(g, root, i, dt);
     arena_rewind(g->arena, mark);
     return DIG_OK;
 }

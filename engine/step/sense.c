@@ -281,8 +281,9 @@ static dig_status grow_reach(World *w, uint32_t solid, real far)
     return ask_planes(w, solid);
 }
 
-/* 1  Of the speed at which something strikes a body, how much that may get at most at any of its points, where nothing bounces: a
- * point far from the centre of mass, as the corner of a cube, is as light as a quarter of the body. */
+/* 1  Of the speed at which something strikes a body, how much that gets at the place of the blow where nothing bounces: far from the
+ * centre of mass, as at the end of a rod, a body is as light as a quarter of it. A measure, not a bound: what is struck off its centre may
+ * be faster elsewhere. Groups that follow their blows find such a one afterwards (stray.c); others a step later. */
 static real handed_on(const Body *striker, const Body *struck)
 {
     return striker->kind == DIG_DYNAMIC ? striker->mass / (striker->mass + 0.25 * struck->mass) : 1;
