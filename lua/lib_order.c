@@ -3,7 +3,10 @@
  *
  * Lua hashes strings with a seed that differs between runs, and everything else by its address, so its own order is another one in
  * every run. Tables, functions and coroutines as keys have nothing to be ordered by: two of them in one table are refused where
- * a script asks for an order. The program's own Lua gets them last, as Lua has them: it sorts what it shows. */
+ * a script asks for an order. The program's own Lua gets them last, as Lua has them: it sorts what it shows.
+ *
+ * What a weak table still holds hangs on when Lua collected last, and that on addresses (they decide when a table grows): a script
+ * may look a key up in one, as a cache does, but not go through it. */
 
 #include <stdint.h>
 #include <stdlib.h>
@@ -77,6 +80,16 @@ static void refuse(lua_State *L, const Key *a, const Key *b)
 {
     if (a->rank == KEY_OTHER || compare_keys(a, b) == 0)
         bind_error(L, "pairs: tables, functions and coroutines as keys have no fixed order; use a list, or names as keys");
+}
+
+/* Refuses to go through the table at t where what is in it differs from run to run. */
+static void check_strong(lua_State *L, int t)
+{
+    if (luaL_getmetafield(L, t, "__mode") == LUA_TNIL)
+        return;
+    if (lua_isstring(L, -1) && strpbrk(lua_tostring(L, -1), "kv"))
+        bind_error(L, "pairs: what a weak table (__mode) still holds differs from run to run; keep a list of what is to be gone through");
+    lua_pop(L, 1);
 }
 
 /* Are the keys numbers that come in their order by themselves? Then nothing has to be sorted. */
@@ -251,12 +264,15 @@ static int order_next(lua_State *L)
 {
     luaL_checktype(L, 1, LUA_TTABLE);
     lua_settop(L, 2);
+    bool strict = lua_toboolean(L, lua_upvalueindex(2));
+    if (strict)
+        check_strong(L, 1);
     if (lua_isnil(L, 2))
-        return first_key(L, 1, lua_toboolean(L, lua_upvalueindex(2)));
+        return first_key(L, 1, strict);
     int cache = lua_upvalueindex(1);
     Order *o = find_slot(L, cache);
     if (!o)
-        o = make_slot(L, cache, lua_toboolean(L, lua_upvalueindex(2)));
+        o = make_slot(L, cache, strict);
     int n = give_next(L, 1, 3, o);
     if (n == 1)
         o->at = 0;
@@ -292,10 +308,13 @@ static int order_pairs(lua_State *L)
     }
     luaL_checktype(L, 1, LUA_TTABLE);
     lua_settop(L, 1);
+    bool strict = lua_toboolean(L, lua_upvalueindex(2));
+    if (strict)
+        check_strong(L, 1);
     if (is_in_order(L, 1)) {
         lua_pushvalue(L, lua_upvalueindex(1));
     } else {
-        push_order(L, 1, lua_toboolean(L, lua_upvalueindex(2)));
+        push_order(L, 1, strict);
         lua_pushcclosure(L, step_sorted, 2);
     }
     lua_pushvalue(L, 1);

@@ -67,7 +67,7 @@ if [ "${1:-}" = --one ]; then
     LC_ALL=C grep -qP '[\x00-\x08\x0b-\x1f\x7f]' err.txt && why="$why; control bytes on stderr"
     LC_ALL=C grep -qP '[\x00-\x08\x0b-\x1f\x7f]' out.txt && why="$why; control bytes on stdout"
     [ "$(wc -c <err.txt)" -gt 6000 ] && why="$why; $(wc -c <err.txt) bytes on stderr"
-    [ -n "$(find "$work" -maxdepth 1 -name 'up*')" ] && why="$why; it wrote outside"
+    [ -n "$(find "$work" -maxdepth 1 -name 'up*' 2>/dev/null)" ] && why="$why; it wrote outside"
     echo "${why:-ok}|$name|$setup|$expect|$code|$ms|$(head -n 1 err.txt | cut -c 1-100)"
     rm -rf "$place"
     exit 0
