@@ -242,6 +242,7 @@ bool trace_touch(Tracer *t, bool first)
 {
     Group *g = t->g;
     group_touch(g, t->end, !first || !all_held(t));
+    t->touched = t->t;
     t->relisted = first || !same_points(t) || !keep_points(t);
     if (!t->relisted)
         return true;

@@ -154,6 +154,11 @@ static bool settle(Tracer *t, bool first)
     Group *g = t->g;
     if (!first)
         trace_kinematics(t);
+    if (approaching(t) && t->touched != t->t) {     /* no step that only opens or sticks looks for contacts: blows go by these */
+        if (!trace_touch(t, false))
+            return false;
+        trace_kinematics(t);
+    }
     if (approaching(t)) {
         trace_remember(t);
         g->t = t->t;

@@ -167,6 +167,7 @@ typedef struct Tracer {
     real   gap_zero, gap_deep;  /* m  what touches; how deep it may be found to lie by another way's doing */
     real   speed_zero, slip_zero;               /* m/s                    */
     Touching *touch, *old_touch; int touch_count, old_count, touch_capacity;
+    real   touched;             /* s  when contacts were last looked for */
     bool   relisted;            /* touch was, when last looked for; else it is as it was, and old_touch says nothing */
     Stop  *stops; int stop_count;
     Hold  *holds; int hold_count;
