@@ -53,24 +53,24 @@ static bool pulled_alike(const Group *g, const int *root, int which, vec3 *pull)
     return true;
 }
 
-/* As it was at the start of the frame: velocity of its centre of mass, angular momentum about that, and from how much each is summed. */
-typedef struct Before { vec3 v, l; real speed, turns; } Before;
+/* As it was at the start of the frame: its centre of mass, the velocity of that, angular momentum about it, and from how much each of
+ * these two is summed. */
+typedef struct Before { vec3 at, v, l; real speed, turns; } Before;
 
 static Before before(const Group *g, const int *root, int which)
 {
     Before b = {.speed = 0};
     real mass = 0;
-    vec3 at = vec3_zero();
     for (int i = which; i < g->moving_count; i++) {
         if (root[i] != which)
             continue;
         const Body *was = &g->world->bodies.data[g->member[i].slot];
         mass += g->member[i].mass;
-        at = vec3_mad(at, g->member[i].mass, was->x);
+        b.at = vec3_mad(b.at, g->member[i].mass, was->x);
         b.v = vec3_mad(b.v, g->member[i].mass, was->v);
         b.speed += g->member[i].mass * vec3_length(was->v);
     }
-    at = vec3_scale(1 / mass, at);
+    b.at = vec3_scale(1 / mass, b.at);
     b.v = vec3_scale(1 / mass, b.v);
     b.speed /= mass;
     for (int i = which; i < g->moving_count; i++) {
@@ -78,8 +78,8 @@ static Before before(const Group *g, const int *root, int which)
             continue;
         const Body *was = &g->world->bodies.data[g->member[i].slot];
         real outer = g->member[i].outer, speed = vec3_distance(was->v, b.v) + outer * vec3_length(was->w);
-        b.l = vec3_add(b.l, turning(&g->member[i], &(Pos){was->x, was->q}, &(Vel){was->v, was->w}, at, b.v));
-        b.turns += g->member[i].mass * (vec3_distance(was->x, at) + outer) * speed;
+        b.l = vec3_add(b.l, turning(&g->member[i], &(Pos){was->x, was->q}, &(Vel){was->v, was->w}, b.at, b.v));
+        b.turns += g->member[i].mass * (vec3_distance(was->x, b.at) + outer) * speed;
     }
     return b;
 }
@@ -112,6 +112,18 @@ void rigid_hold_turning(Group *g, const int *root, int which, real most, Rigid *
     hold_turning(g, root, which, &b, most, r);
 }
 
+/* Overlaps that are put right by equal shares, and substeps that move bodies by other velocities, leave the straight line a little:
+ * about any point but the centre itself, that is angular momentum. */
+static void hold_course(Group *g, const int *root, int which, const Before *b, real dt, const Rigid *r)
+{
+    vec3 off = vec3_sub(vec3_mad(b->at, dt, b->v), r->at);
+    if (vec3_length(off) > LARGEST * dt * b->speed)
+        return;
+    for (int i = which; i < g->moving_count; i++)
+        if (root[i] == which)
+            g->pos[i].x = vec3_add(g->pos[i].x, off);
+}
+
 static void hold_both(Group *g, const int *root, int which, real dt)
 {
     vec3 pull;
@@ -124,6 +136,8 @@ static void hold_both(Group *g, const int *root, int which, real dt)
     if (vec3_length(off) <= LARGEST * (b.speed + dt * vec3_length(pull)))
         add_motion(g, root, which, &r, off, vec3_zero());
     hold_turning(g, root, which, &b, LARGEST, &r);
+    if (vec3_is_zero(pull))
+        hold_course(g, root, which, &b, dt, &r);
 }
 
 bool group_isolated(const Group *g)
