@@ -79,6 +79,7 @@ typedef struct PointRow {       /* a contact point in the solve     */
     bool curved;                /* the normal turns: the row holds for the mean velocity of the substep */
     real jn, jt[2];             /* N s                              */
     real blow;                  /* N s  of the normal impulse, what a bounce gave: the solve does not take it back */
+    real gap, healed;           /* m    before and after it was put right in place; equal if it was not */
 } PointRow;
 
 typedef struct RollRow {        /* rolling resistance of one contact: three angular directions */
@@ -222,6 +223,7 @@ struct Group {
     Strike   *strikes;      int strike_count, strike_capacity;
 
     real      t, h;             /* s   since the start of the step, this substep */
+    real      heal_over;        /* s   so long overlaps heal in this substep: one cut short by an impact heals as the whole did in which that was found */
     real      touch;            /* m   gap at which contacts count as touching, per metre of size */
     real      close_speed;      /* m/s below which a bounce is over */
     bool      midpoint;         /* joint rows hold for the mean velocity of the substep */
@@ -373,6 +375,7 @@ bool direct_joints(const Group *g);     /* should joints and contacts be solved 
 real direct_wanted(const Group *g);     /* m/s  sweeps that stop above this are to be followed by direct_solve; 0 = never */
 /* project.c: position errors are removed without touching velocities */
 void project(Group *g);
+void project_back(Group *g);    /* the gaps only: the poses are the caller's. Not those that were looked at anew since */
 /* locate.c: s into the substep of the first impact, or INFINITY */
 real locate_impact(Group *g);
 bool overshoots(const Group *g);        /* would the substep press bodies deep into each other? */

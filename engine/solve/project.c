@@ -16,7 +16,7 @@ static real wanted_gap(const Group *g, const PointRow *r)
     real depth = -c->manifold.points[r->point].gap;
     if (!(depth > 0))
         return depth;           /* may close by its gap, no more */
-    real most = HEAL_SPEED * sqrt(g->pairs[c->pair].size) * g->h;
+    real most = HEAL_SPEED * sqrt(g->pairs[c->pair].size) * g->heal_over;
     return real_min(depth, most);
 }
 
@@ -84,7 +84,7 @@ static void start_shift(Group *g, real *saved, Kept *kept)
         r->gamma = 0;
         r->bias = -r->row.error;
         bool acts = r->row.kind == ROW_HARD || (r->row.kind == ROW_LIMIT && r->row.error < 0);
-        real most = (r->row.angular ? 20.0 : HEAL_SPEED) * g->h;
+        real most = (r->row.angular ? 20.0 : HEAL_SPEED) * g->heal_over;
         r->bias = real_clamp(r->bias, -most, most);
         if (!acts)
             r->k = 0;
@@ -97,7 +97,8 @@ static void end_shift(Group *g, const real *saved, const Kept *kept)
         PointRow *r = &g->points[i];
         ManifoldPoint *p = &g->contacts[r->contact].manifold.points[r->point];
         r->n = kept[i].n;
-        p->gap += dir_rate(g, &r->n, r->a, r->b);
+        r->gap = p->gap;
+        r->healed = p->gap += dir_rate(g, &r->n, r->a, r->b);
         r->jn = saved[4 * i];
         memcpy(r->jt, kept[i].jt, sizeof r->jt);
         r->target = saved[4 * i + 1];
@@ -152,4 +153,14 @@ void project(Group *g)
         g->pos[i].q = quat_unit(quat_mul(quat_exp(g->shift[i].w), g->pos[i].q));
     }
     arena_rewind(g->arena, mark);
+}
+
+void project_back(Group *g)
+{
+    for (int i = 0; i < g->point_count; i++) {
+        const PointRow *r = &g->points[i];
+        GroupManifold *m = &g->contacts[r->contact].manifold;
+        if (r->point < m->count && m->points[r->point].gap == r->healed)
+            m->points[r->point].gap = r->gap;
+    }
 }

@@ -145,7 +145,7 @@ static void scale_guess(Group *g, real s)
  * solution light bodies under heavy ones show much energy too, and that solve gets there. */
 static dig_status start_from_guess(Group *g)
 {
-    if (g->row_count == 0 || g->joints_direct) {
+    if (g->joints_direct) {
         warm_start(g);
         return DIG_OK;
     }
@@ -439,8 +439,10 @@ static void forget_idle(Group *g)
         }
 }
 
+/* As before the solve. */
 static void restore(Group *g)
 {
+    project_back(g);
     for (int i = 0; i < g->moving_count; i++) {
         g->pos[i] = g->member[i].start_pos;
         g->vel[i] = g->member[i].start_vel;
@@ -594,7 +596,7 @@ static dig_status meet(Group *g)
 
 static dig_status substep(Group *g, real until)
 {
-    g->h = until - g->t;
+    g->h = g->heal_over = until - g->t;
     if (g->locate)
         group_clean_joints(g);
     DIG_TRY(solve_substep(g));
@@ -617,7 +619,7 @@ static dig_status substep(Group *g, real until)
     }
     for (real shortest = g->h / 16; g->locate && g->h > shortest && overshoots(g);) {
         restore(g);
-        g->h *= 0.5;
+        g->h = g->heal_over = 0.5 * g->h;
         until = g->t + g->h;
         DIG_TRY(solve_substep(g));
     }
@@ -685,7 +687,7 @@ static bool gapes(const Group *g)
  * the square of the angle. */
 static dig_status close_gaps(Group *g, real part)
 {
-    g->h = part;
+    g->h = g->heal_over = part;
     g->point_count = g->roll_count = g->block_count = g->row_count = 0;
     DIG_TRY(g->stage(g, STAGE_ROWS));
     group_build_joints(g, false);
@@ -740,7 +742,7 @@ static void begin(Group *g, real part, bool all)
     g->heals = g->joints_direct && (g->conserve_failed || group_top_heavy(g) || group_elastic(g));
     g->locate = g->moving_count <= g->plan->events_bodies && !g->joints_direct;
     g->events_left = int_min(g->plan->events, int_max(4, 4000 / (g->pair_count + 1)));
-    g->h = part;
+    g->h = g->heal_over = part;
     group_touch(g, part, all);
     if (g->locate)
         impacts(g);
