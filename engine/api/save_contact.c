@@ -97,10 +97,10 @@ static void pack_memory(Pack *p, PairMemory *k)
     pack_real_in(p, &k->rub.restitution, 0, 1, "restitution of a pair");
 }
 
-/* A pair has a memory from its first contact or hint on. */
+/* A pair has a memory as long as it has a hint; one with pieces, from the start. */
 static void connect_memory(Pack *p, World *w, Pair *pair, const PairMemory *k)
 {
-    if (!pack_good(p) || (pair->contact == NONE && k->cache.kind == 0))
+    if (!pack_good(p) || (count_contacts(w, pair) < 2 && k->cache.kind == 0))
         return;
     if (pair_remember(w, pair) == DIG_OK)
         w->memories.data[pair->memory] = *k;

@@ -4,15 +4,28 @@
 #include <stdlib.h>
 
 #define INDEX_LARGEST (1u << 30)        /* entries of the table */
+#define SMALLEST 16u
 
 static bool holds(uint32_t size, uint64_t entries) { return entries * 3 <= (uint64_t)size * 2; }
+
+/* Of the sizes that a table goes through, the first that holds so many: a quarter more each time, for a large one doubled is mostly air. */
+static uint32_t size_for(uint32_t size, uint64_t entries)
+{
+    while (!holds(size, entries))
+        size += size / 4;
+    return size;
+}
+
+/* Where an entry belongs, by the upper bits of its hash, and where to look next. */
+static uint32_t home_of(const Index *x, uint32_t hash) { return (uint32_t)((uint64_t)hash * x->size >> 32); }
+static uint32_t after(const Index *x, uint32_t i) { return i + 1 < x->size ? i + 1 : 0; }
 
 /* There is room. */
 static void put(Index *x, IndexEntry e)
 {
-    uint32_t mask = x->size - 1, i = e.hash & mask;
+    uint32_t i = home_of(x, e.hash);
     while (x->entries[i].hash)
-        i = (i + 1) & mask;
+        i = after(x, i);
     x->entries[i] = e;
     x->count++;
 }
@@ -21,9 +34,7 @@ dig_status index_reserve(Index *x, int entries)
 {
     if (entries < 0 || !holds(INDEX_LARGEST, (uint64_t)entries))
         return DIG_E_ARG;
-    uint32_t size = x->size ? x->size : 16;
-    while (!holds(size, (uint64_t)entries))
-        size *= 2;
+    uint32_t size = size_for(x->size ? x->size : SMALLEST, (uint64_t)entries);
     if (size == x->size)
         return DIG_OK;
     Index grown = {.entries = calloc(size, sizeof *grown.entries), .size = size};
@@ -39,10 +50,10 @@ dig_status index_reserve(Index *x, int entries)
 
 bool index_find(const Index *x, MapKey key, IndexSame *same, const void *context, uint32_t *record)
 {
-    uint32_t mask = x->size - 1, hash = map_hash(key);
+    uint32_t hash = map_hash(key);
     if (!x->count)
         return false;
-    for (uint32_t i = hash & mask; x->entries[i].hash; i = (i + 1) & mask)
+    for (uint32_t i = home_of(x, hash); x->entries[i].hash; i = after(x, i))
         if (x->entries[i].hash == hash && same(context, x->entries[i].record, key)) {
             *record = x->entries[i].record;
             return true;
@@ -57,19 +68,22 @@ dig_status index_add(Index *x, MapKey key, uint32_t record)
     return DIG_OK;
 }
 
+/* Steps from one place to another, around the end. */
+static uint32_t way(const Index *x, uint32_t from, uint32_t to) { return to >= from ? to - from : x->size - from + to; }
+
 void index_remove(Index *x, MapKey key, uint32_t record)
 {
-    uint32_t mask = x->size - 1, hash = map_hash(key), hole = hash & mask;
+    uint32_t hole = home_of(x, map_hash(key));
     if (!x->count)
         return;
     while (x->entries[hole].hash && x->entries[hole].record != record)
-        hole = (hole + 1) & mask;
+        hole = after(x, hole);
     if (!x->entries[hole].hash)
         return;
     /* An entry may fill the hole unless its home lies cyclically behind the hole. */
-    for (uint32_t i = (hole + 1) & mask; x->entries[i].hash; i = (i + 1) & mask) {
-        uint32_t home = x->entries[i].hash & mask;
-        if (((i - home) & mask) >= ((i - hole) & mask)) {
+    for (uint32_t i = after(x, hole); x->entries[i].hash; i = after(x, i)) {
+        uint32_t home = home_of(x, x->entries[i].hash);
+        if (way(x, home, i) >= way(x, hole, i)) {
             x->entries[hole] = x->entries[i];
             hole = i;
         }
@@ -80,9 +94,7 @@ void index_remove(Index *x, MapKey key, uint32_t record)
 
 void index_renumber(Index *x, const uint32_t *to)
 {
-    uint32_t size = 16;
-    while (!holds(size, x->count))
-        size *= 2;
+    uint32_t size = size_for(SMALLEST, x->count);
     for (uint32_t i = 0; i < x->size; i++)
         if (x->entries[i].hash)
             x->entries[i].record = to[x->entries[i].record];

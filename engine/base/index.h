@@ -15,7 +15,7 @@
 typedef struct IndexEntry { uint32_t hash, record; } IndexEntry;        /* hash 0 = free */
 
 typedef struct Index {
-    IndexEntry *entries;        /* [size], size a power of two or 0 */
+    IndexEntry *entries;        /* [size], or NULL */
     uint32_t  size;
     uint32_t  count;            /* used entries */
 } Index;

@@ -102,8 +102,8 @@ static real struck(const Group *g, const GroupPair *q, real dt)
     return most;
 }
 
-/* Of each pair, close together: who it is between, and m/s, see struck(). */
-typedef struct Ends { int a, b; float struck; } Ends;
+/* Of each pair, close together: who it is between; m/s, see struck(); m, its reach. */
+typedef struct Ends { int a, b; float struck, reach; } Ends;
 typedef struct Touching { const Crowd *c; Ends *ends; } Touching;
 
 /* False: its bodies have hardly moved, and it was left as it was. */
@@ -127,6 +127,7 @@ static void touch_share(void *context, int thread, int threads)
         t->ends[i] = (Ends){.a = q->a, .b = q->b};
         if (touch_pair(t->c, q) && q->reach > (BRISK + LOOKS) * q->size)        /* it looked so far ahead, for the pair is fast */
             t->ends[i].struck = (float)struck(g, q, t->c->dt);
+        t->ends[i].reach = (float)q->reach;
     }
 }
 
@@ -149,33 +150,37 @@ typedef struct Blows {
 /* m/s  By how much y may be changed, when x is by so much: y runs into x as fast as it moves, or is pushed by x, and shares the impulse. */
 static real passed_on(const Blows *s, const GroupPair *q, int x, int y)
 {
-    const Group *g = s->c->g;
-    real most = s->c->stop[x], mass = s->behind[x], part = isinf(mass) ? 1 : mass / (mass + g->member[y].mass), share = (1 + q->restitution) * part;
-    return real_min(most, real_max(vec3_length(g->vel[y].v), share * most));
+    const Crowd *c = s->c;
+    real most = c->stop[x], mass = s->behind[x], part = isinf(mass) ? 1 : mass / (mass + c->trait[y].mass), share = (1 + q->restitution) * part;
+    return real_min(most, real_max(vec3_length(c->g->vel[y].v), share * most));
 }
 
-/* A pair of which an impact may stop one. Can the other get there in this step? Then it may be stopped, too. True: it is news. */
-static bool follow(const Blows *s, GroupPair *q)
+#define NEWS 1.1                /* times what was known: what is less is not passed on */
+
+/* A pair of which an impact may stop one. Can the other get there in this step? Then it may be stopped, too: the body; else -1. */
+static int follow(const Blows *s, Ends *e, GroupPair *q)
 {
     Crowd *c = s->c;
-    Group *g = c->g;
-    int x = c->stop[q->a] >= c->stop[q->b] ? q->a : q->b, y = x == q->a ? q->b : q->a;
-    real most = c->stop[x], way = most * c->dt;
+    int x = c->stop[e->a] >= c->stop[e->b] ? e->a : e->b, y = x == e->a ? e->b : e->a;
+    real most = c->stop[x], way = most * c->dt, known = NEWS * c->stop[y];
+    if (most <= known && (real)e->reach >= way)         /* mostly so, and to look at the pair would be a miss */
+        return -1;
     if (!(way > BRISK * q->size) || !c->trait[x].moves || !c->trait[y].moves)
-        return false;
+        return -1;
     real passed = passed_on(s, q, x, y);
-    if (passed <= c->stop[y] && q->reach >= way)
-        return false;
-    if (q->reach < way && least_gap(g, q) > 0) {
-        real room = group_touch_within(g, q, way + q->reach);
+    if (passed <= known && q->reach >= way)
+        return -1;
+    if (q->reach < way && least_gap(c->g, q) > 0) {
+        real room = group_touch_within(c->g, q, way + q->reach);
         if (q->contacts == 1)
             note_until(c, q, room);
+        e->reach = (float)q->reach;
     }
-    if (passed <= c->stop[y] || least_gap(g, q) > q->reach)
-        return false;
+    if (passed <= known || least_gap(c->g, q) > q->reach)
+        return -1;
     c->stop[y] = passed;
     s->behind[y] = s->behind[x];
-    return true;
+    return y;
 }
 
 #define FOLLOWERS 32            /* as many bodies one behind the other */
@@ -183,10 +188,9 @@ static bool follow(const Blows *s, GroupPair *q)
 /* The ends of a pair that was struck may be stopped. */
 static void note_stops(const Blows *s, const GroupPair *q, real struck)
 {
-    const Group *g = s->c->g;
     bool a = s->c->trait[q->a].moves, b = s->c->trait[q->b].moves;
     bool driven = s->c->trait[q->a].kinematic || s->c->trait[q->b].kinematic;      /* does not give way */
-    real mass = driven ? INFINITY : (a ? g->member[q->a].mass : 0) + (b ? g->member[q->b].mass : 0);
+    real mass = driven ? INFINITY : (a ? s->c->trait[q->a].mass : 0) + (b ? s->c->trait[q->b].mass : 0);
     for (int k = 0; k < 2; k++) {
         int body = k ? q->b : q->a;
         if (!(k ? b : a))
@@ -199,7 +203,7 @@ static void note_stops(const Blows *s, const GroupPair *q, real struck)
 
 /* Bodies that fall together do not close on each other until the first of them is stopped, and then within the step. A pair is looked
  * at again only when there was news of one of its bodies in the round before, or is in this one. */
-static dig_status look_behind(Crowd *c, const Ends *ends)
+static dig_status look_behind(Crowd *c, Ends *ends)
 {
     Group *g = c->g;
     Blows s = {.c = c};
@@ -220,11 +224,12 @@ static dig_status look_behind(Crowd *c, const Ends *ends)
     for (int round = 1; round <= FOLLOWERS && more; round++) {
         more = false;
         for (int i = 0; i < g->pair_count; i++) {
-            const Ends *e = &ends[i];
+            Ends *e = &ends[i];
             int latest = int_max(s.news[e->a], s.news[e->b]);
-            if (latest == 0 || latest < round - 1 || !follow(&s, &g->pairs[i]))
+            int body = latest == 0 || latest < round - 1 ? -1 : follow(&s, e, &g->pairs[i]);
+            if (body < 0)
                 continue;
-            s.news[e->a] = s.news[e->b] = (uint8_t)round;
+            s.news[body] = (uint8_t)round;
             more = true;
         }
     }

@@ -40,7 +40,7 @@ static dig_status open(Crowd *c)
         return DIG_E_MEMORY;
     for (int i = 0; i < g->body_count; i++) {
         Member *m = &g->member[i];
-        c->trait[i] = (Trait){m->travel, m->pull, m->moves, m->kinematic, m->dormant, m->round};
+        c->trait[i] = (Trait){m->travel, m->pull, m->mass, m->moves, m->kinematic, m->dormant, m->round};
         if (i >= g->moving_count)
             m->start_pos = g->pos[i];
     }

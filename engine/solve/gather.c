@@ -222,17 +222,19 @@ typedef struct Span {           /* m  of a body */
 
 typedef struct Nearby { Group *g; const uint32_t *pairs; Near *near; Span *span; int count; } Nearby;
 
-typedef struct LastRub { Surface a, b; Rub rub; bool known; } LastRub;
+#define RUBS 16                 /* of two kinds of surfaces each */
+typedef struct KnownRub { Surface a, b; Rub rub; bool known; } KnownRub;
 
-/* Of a pair that has no memory: mostly of the same two surfaces as the one before it. */
-static Rub rub_as_last(const World *w, const Solid *a, const Solid *b, LastRub *last)
+/* Of a pair that has no memory: mostly others have had the same two surfaces before it. */
+static Rub rub_as_before(const World *w, const Solid *a, const Solid *b, KnownRub known[RUBS])
 {
-    if (!last->known || memcmp(&last->a, &a->surface, sizeof last->a) != 0 || memcmp(&last->b, &b->surface, sizeof last->b) != 0)
-        *last = (LastRub){a->surface, b->surface, surface_pair(w, &a->surface, &b->surface), true};
-    return last->rub;
+    KnownRub *k = &known[(unsigned)(3 * a->surface.material + b->surface.material) % RUBS];
+    if (!k->known || memcmp(&k->a, &a->surface, sizeof k->a) != 0 || memcmp(&k->b, &b->surface, sizeof k->b) != 0)
+        *k = (KnownRub){a->surface, b->surface, surface_pair(w, &a->surface, &b->surface), true};
+    return k->rub;
 }
 
-static void gather_pair(Group *g, GroupPair *q, const Near *n, LastRub *last)
+static void gather_pair(Group *g, GroupPair *q, const Near *n, KnownRub known[RUBS])
 {
     const World *w = g->world;
     const Pair *p = &w->pairs.data[n->slot];
@@ -245,7 +247,7 @@ static void gather_pair(Group *g, GroupPair *q, const Near *n, LastRub *last)
     q->sa = &a->shape;
     q->sb = &b->shape;
     const PairMemory *m = p->memory == NONE ? NULL : &w->memories.data[p->memory];
-    Rub rub = m ? m->rub : rub_as_last(w, a, b, last);
+    Rub rub = m ? m->rub : rub_as_before(w, a, b, known);
     q->memory = p->memory;
     q->cache = m ? m->cache : (ManifoldCache){.kind = 0};
     q->covered = (Covered){0, 0};
@@ -356,8 +358,9 @@ static void fetch_near(const Group *g, const Near *near, int i)
     fetch_more(w, near[i + FETCH_AHEAD / 2].first);
     const Near *n = &near[i + FETCH_AHEAD];
     const Pair *p = &w->pairs.data[n->slot];
-    fetch_soon(&w->solids.data[p->solid_a].shape, sizeof(Shape) + sizeof(pose));
-    fetch_soon(&w->solids.data[p->solid_b].shape, sizeof(Shape) + sizeof(pose));
+    size_t bytes = (p->memory == NONE ? offsetof(Solid, colour) : offsetof(Solid, centre)) - offsetof(Solid, shape);
+    fetch_soon(&w->solids.data[p->solid_a].shape, bytes);
+    fetch_soon(&w->solids.data[p->solid_b].shape, bytes);
     fetch_soon(&g->member[n->a], offsetof(Member, pull));
     fetch_soon(&g->member[n->b], offsetof(Member, pull));
     if (p->memory != NONE)
@@ -370,13 +373,13 @@ static void gather_near(void *context, int thread, int threads)
 {
     const Nearby *n = context;
     Group *g = n->g;
-    LastRub last = {.known = false};
+    KnownRub known[RUBS] = {{.known = false}};
     for (int i = team_first(g->pair_count, thread, threads), end = team_end(g->pair_count, thread, threads); i < end; i++) {
         const Near *near = &n->near[i];
         GroupPair *q = &g->pairs[i];
         fetch_near(g, n->near, i);
         uint32_t c = near->first;
-        gather_pair(g, q, near, &last);
+        gather_pair(g, q, near, known);
         q->contact = near->contact;
         q->contacts = near->contacts;
         for (int k = 0; k < near->contacts; k++) {
@@ -548,10 +551,10 @@ static bool contact_idle(const GroupContact *c)
     return c->manifold.count == 0 && vec3_is_zero(c->impulse) && vec3_is_zero(c->rolling) && !c->sliding;
 }
 
-/* Is there something to keep of a pair: by its hint and its first contact? Meshes have theirs from the start. */
-static bool keeps_memory(const GroupPair *q, const GroupContact *first) { return q->contacts > 1 || q->cache.kind != 0 || !first->idle; }
+/* Is there a hint to keep of a pair? Meshes have theirs from the start. */
+static bool keeps_memory(const GroupPair *q) { return q->contacts > 1 || q->cache.kind != 0; }
 
-typedef struct Verdict { int changed, turned, widened, live, rubbing; real finest; } Verdict;     /* of one thread */
+typedef struct Verdict { int changed, turned, widened, remembered, live, rubbing; real finest; } Verdict;     /* of one thread */
 typedef struct Judge { Group *g; real dt; Verdict *verdict; } Judge;
 
 static void judge_pair(Group *g, int i, real dt, Verdict *v, int *changed, int *turned)
@@ -571,10 +574,11 @@ static void judge_pair(Group *g, int i, real dt, Verdict *v, int *changed, int *
         c->idle = contact_idle(c);
         bool comes_or_goes = q->contacts == 1 && (c->slot == NONE) != c->idle;
         bool widens = c->manifold.count > 1 && !c->wide;
-        bool remembers = k == q->contact && keeps_memory(q, c) != (q->memory != NONE);
+        bool remembers = k == q->contact && keeps_memory(q) != (q->memory != NONE);
         if (comes_or_goes || widens || remembers)
             turned[v->turned++] = k;
         v->widened += widens;
+        v->remembered += remembers && q->memory == NONE;
         v->live += c->live;
         v->rubbing += c->live && q->friction > 0;
     }
@@ -601,7 +605,7 @@ dig_status group_judge(Group *g, real dt)
     if (!j.verdict)
         return DIG_E_MEMORY;
     team_run(g->team, judge_share, &j);
-    g->changed_count = g->turned_count = g->widened_count = g->live_count = g->rubbing_count = 0;
+    g->changed_count = g->turned_count = g->widened_count = g->remembered_count = g->live_count = g->rubbing_count = 0;
     g->finest = INFINITY;
     for (int t = 0; t < threads && g->pair_count > 0; t++) {
         const Verdict *v = &j.verdict[t];
@@ -613,6 +617,7 @@ dig_status group_judge(Group *g, real dt)
         g->changed_count += v->changed;
         g->turned_count += v->turned;
         g->widened_count += v->widened;
+        g->remembered_count += v->remembered;
         g->live_count += v->live;
         g->rubbing_count += v->rubbing;
         g->finest = real_min(g->finest, v->finest);
@@ -697,14 +702,14 @@ static dig_status commit_memory(World *w, Pair *p, GroupPair *q, bool keeps)
 }
 
 /* A pair of convex solids has a contact as long as there is something to remember, and that has room for more than one point from when
- * there are more; there is room for all of these (reserve_regraph). */
+ * there are more, and a memory as long as there is a hint; there is room for all of these (reserve_regraph). */
 void group_commit_records(World *w, Group *g)
 {
     for (int i = 0; i < g->turned_count; i++) {
         GroupContact *c = &g->contacts[g->turned[i]];
         GroupPair *q = &g->pairs[c->pair];
         Pair *p = &w->pairs.data[q->slot];
-        dig_status room = g->turned[i] == q->contact ? commit_memory(w, p, q, keeps_memory(q, c)) : DIG_OK;
+        dig_status room = g->turned[i] == q->contact ? commit_memory(w, p, q, keeps_memory(q)) : DIG_OK;
         if (c->idle && q->contacts == 1) {
             if (c->slot != NONE)
                 contact_give(w, c->slot);

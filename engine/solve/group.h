@@ -210,7 +210,7 @@ struct Group {
     int      *changed;      int changed_count;  /* group_judge: pairs whose touch began or ended, or that were struck apart */
     int       live_count, rubbing_count;        /* group_judge: contacts with points, and those of them with friction */
     int      *turned;       int turned_count;   /* group_judge: contacts whose record in the world, or whose pair's memory, comes, goes, or grows */
-    int       widened_count;    /* group_judge: the last of these                  */
+    int       widened_count, remembered_count;  /* group_judge: of these, contacts that grow; memories that come */
     real      finest;           /* m   group_judge: size of the smallest solid in a pair; INFINITY: there is no pair */
     GroupContact *contacts; int contact_count;
     ContactPoint *places;   int place_count;    /* of each contact, room for its points first, then for their memories */

@@ -33,14 +33,15 @@ static int slots_for(int count, int given_back, int more) { return count + int_m
 dig_status reserve_regraph(World *w, Step *s)
 {
     DIG_TRY(reserve_tell(w, s));
-    int changed = 0, born = 0, widened = 0, others = sleepers(w, s->dt) + 64;
+    int changed = 0, born = 0, widened = 0, remembered = 0, others = sleepers(w, s->dt) + 64;
     for (int i = 0; i < s->count; i++) {
         changed += s->groups[i].changed_count;
         born += s->groups[i].turned_count;
         widened += s->groups[i].widened_count;
+        remembered += s->groups[i].remembered_count;
         others += leavers(w, &s->groups[i]) + s->groups[i].strike_count + 4 * s->groups[i].joint_count;
     }
-    DIG_TRY(list_reserve(&w->memories, slots_for(w->memories.count, w->free_memories.count, born), &w->allocations));
+    DIG_TRY(list_reserve(&w->memories, slots_for(w->memories.count, w->free_memories.count, remembered), &w->allocations));
     DIG_TRY(list_reserve(&w->free_memories, w->memories.capacity, &w->allocations));
     DIG_TRY(list_reserve(&w->contacts, slots_for(w->contacts.count, w->free_contacts.count, born), &w->allocations));
     DIG_TRY(list_reserve(&w->free_contacts, w->contacts.capacity, &w->allocations));
@@ -52,7 +53,7 @@ dig_status reserve_regraph(World *w, Step *s)
     DIG_TRY(index_reserve(&w->touch_index, w->touches.capacity));
     int events = w->pending.count + 4 * (changed + w->brief.count) + others;
     w->events_most = int_max(w->events_most, events);
-    DIG_TRY(list_reserve(&w->pending, events, &w->allocations));
+    DIG_TRY(list_reserve(&w->events, events, &w->allocations));     /* see begin_events */
     return graph_reserve(w->graph, w->bodies.capacity, w->touches.capacity + w->joints.capacity);
 }
 

@@ -58,19 +58,35 @@ static void trim_events(World *w)
     w->events_most = 0;
 }
 
-/* What was waiting is delivered; the room of the last step's events is for the next ones. */
-static void deliver_events(World *w)
+/* The lists change places; what is in them stays where it is. */
+static void turn_events(World *w)
 {
     dig_event *room = w->events.data;
-    int capacity = w->events.capacity;
+    int capacity = w->events.capacity, count = w->events.count;
     w->events.data = w->pending.data;
     w->events.count = w->pending.count;
     w->events.capacity = w->pending.capacity;
     w->pending.data = room;
-    w->pending.count = 0;
+    w->pending.count = count;
     w->pending.capacity = capacity;
+}
+
+/* The room of the last step's events is for those of this one, after what has been waiting: only one of the lists ever gets large. */
+void begin_events(World *w)
+{
+    w->events.count = w->pending.count;
+    if (w->pending.count > 0)
+        memcpy(w->events.data, w->pending.data, (size_t)w->pending.count * sizeof *w->events.data);
+    w->pending.count = 0;
+    turn_events(w);
+}
+
+/* What was waiting is delivered. */
+static void deliver_events(World *w)
+{
+    turn_events(w);
     dig_message *letters = w->mail.shown.data;
-    capacity = w->mail.shown.capacity;
+    int capacity = w->mail.shown.capacity;
     w->mail.shown.data = w->mail.waiting.data;
     w->mail.shown.count = w->mail.waiting.count;
     w->mail.shown.capacity = w->mail.waiting.capacity;

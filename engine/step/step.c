@@ -72,6 +72,7 @@ dig_status step_world(World *w)
     DIG_TRY(check_finite(w, &s));       /* 2 all numbers finite, or name the culprit         */
     DIG_TRY(reserve_regraph(w, &s));    /* 3 from here on nothing can fail:                  */
     DIG_TRY(reserve_flow(w, s.dt));     /*   all memory is there                             */
+    begin_events(w);
     commit_groups(w, &s);               /* 4 the copies become the world                     */
     move_movers(w, s.dt);               /* 5 kinematic bodies                                */
     region_cross_all(w);                /*   who crossed the border of a region              */

@@ -74,6 +74,7 @@ int        deliver_list(World *w, const Post *p, const dig_body *to, const real 
 void       count_work(World *w, const Step *s);     /* of one try of the step, whatever came of it          */
 /* report.c */
 bool       world_left(const World *w, vec3 x);      /* out of the room, or farther than anyone looks        */
+void       begin_events(World *w);                 /* before the first one of this step: nothing can fail any more */
 void       report(World *w, const Step *s);
 
 /* workers.c: runs job(context, i) for i in 0..count-1 on the world's threads; arenas[thread]. */

@@ -29,8 +29,8 @@ static dig_status check_pairs(const World *w)
         if (!p->alive)
             continue;
         memories -= p->memory != NONE;
-        if (p->contact != NONE && !p->pieces && p->memory == NONE)
-            return world_fail(w, DIG_E_ARG, "pair %d has a contact, but no memory", i);
+        if (p->memory != NONE && !p->pieces && w->memories.data[p->memory].cache.kind == 0)
+            return world_fail(w, DIG_E_ARG, "pair %d has a memory, but no hint", i);
         if (p->smooth != !(pair_rub(w, p).friction > 0))
             return world_fail(w, DIG_E_ARG, "pair %d does not know that it is %s", i, p->smooth ? "rough" : "smooth");
         if (!w->solids.data[p->solid_a].alive || !w->solids.data[p->solid_b].alive || p->solid_a >= p->solid_b)

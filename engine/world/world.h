@@ -138,7 +138,7 @@ typedef struct Contact {        /* one manifold of a pair; a convex pair has at 
 
 typedef struct Rub { real friction, friction_dynamic, rolling, restitution; } Rub;      /* what two surfaces make of each other */
 
-typedef struct PairMemory {     /* what is kept of a pair while it has a contact, or a hint where to look for one */
+typedef struct PairMemory {     /* what is kept of a pair while there is a hint where to look for its contact */
     ManifoldCache cache;
     Rub      rub;
 } PairMemory;
@@ -154,7 +154,7 @@ typedef struct Pair {           /* two solids whose fat boxes overlap: mostly th
     uint32_t solid_a, solid_b, body_a, body_b;     /* body NONE: the world; solid_a < solid_b */
     uint32_t next[2], prev[2];  /* lists of the two solids, as 2 * pair + side         */
     uint32_t contact;           /* first of its contacts; NONE: two convex solids with nothing to remember */
-    uint32_t memory;            /* in world->memories; NONE: no contact, and no hint      */
+    uint32_t memory;            /* in world->memories; NONE: no hint                      */
     real     until;             /* m   travel of both bodies up to which a crowd need not look at them anew (crowd/touch.c); < 0: it must */
 } Pair;
 
