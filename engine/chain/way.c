@@ -335,6 +335,7 @@ static void forget_contacts(Group *g)
         }
 }
 
+/* What was found is the group's, or the group is handed on. */
 static dig_status finish(const Chain *c, const Saved *s, real dt)
 {
     Group *g = c->g;
@@ -358,8 +359,7 @@ static dig_status finish(const Chain *c, const Saved *s, real dt)
     g->t = dt;
     g->close_speed = group_close_speed(g);
     forget_contacts(g);
-    DIG_TRY(g->stage(g, STAGE_SETTLE));
-    return g->status;
+    return DIG_OK;
 }
 
 static dig_status advance(Group *g, real dt)
@@ -375,6 +375,7 @@ static dig_status advance(Group *g, real dt)
         if (any_near(g, dt))
             return hand_on(g, &saved, NULL);
     }
+    ArenaMark mark = arena_mark(g->arena);
     DIG_TRY(tree_make(&c, &fits));
     if (!fits)
         return hand_on(g, &saved, NULL);
@@ -382,7 +383,13 @@ static dig_status advance(Group *g, real dt)
     for (int i = 0; i < c.trees; i++)
         if (!advance_tree(&c, &c.tree[i], dt))
             return hand_on(g, &saved, "chain: no solution");
-    return finish(&c, &saved, dt);
+    DIG_TRY(finish(&c, &saved, dt));
+    if (g->handed_on)
+        return DIG_OK;
+    if (g->pair_count == 0)         /* nothing of it is needed any more: the next group finds its room still in the cache */
+        arena_rewind(g->arena, mark);
+    DIG_TRY(g->stage(g, STAGE_SETTLE));
+    return g->status;
 }
 
 const Way way_chain = {.name = "chain", .tally = WAY_SWEPT, .suits = suits, .advance = advance};
