@@ -19,7 +19,8 @@
  * What makes it fast: a first guess that has the impulses of the last step in it, so that one or two Newton iterations are enough
  * for a swing, four on the average, substeps included, for chains that crack; bodies ordered from the leaves of the tree to its
  * root, each with a small dense front of its joints' rows that passes on to the next what is left of it (the multifrontal method:
- * Duff & Reid 1983, ACM Trans. Math. Softw. 9, 302; on a tree nothing fills in); nothing is stored that the next body does not need.
+ * Duff & Reid 1983, ACM Trans. Math. Softw. 9, 302; on a tree nothing fills in); four bodies of a tree side by side in all that each
+ * does by itself, so that along the tree there is left only what one body passes on to the next.
  *
  * Not taken: rings, joints with stops, motors, springs or friction, bodies that may touch something. Those are swept.
  *

@@ -28,98 +28,139 @@ static dig_status list_joints(const Group *g, Near *near)
 
 typedef struct Place { int link, joint; } Place;        /* of a body in the tree: its link, the joint towards the root; < 0 = none */
 
+typedef struct Order { Near near; Place *place; int *body; } Order;     /* body: of each link; < 0 = none */
+
 /* Breadth first from a body. False: there is a ring. */
-static bool reach(Chain *c, const Near *near, Place *place, int root)
+static bool reach(Chain *c, Order *o, int root)
 {
     const Group *g = c->g;
-    Linkage *t = &c->tree[c->trees++];
-    *t = (Linkage){.first = c->links};
-    c->link[c->links].body = root;
-    place[root] = (Place){c->links++, -1};
-    for (int n = t->first; n < c->links; n++) {
-        int body = c->link[n].body;
-        for (int i = near->from[body]; i < near->from[body + 1]; i++) {
-            int joint = near->list[i], other = end_body(g, joint, end_body(g, joint, 0) == body);
-            if (joint == place[body].joint || !moves(g, other))
+    const int first = c->link_count;
+    o->body[c->link_count] = root;
+    o->place[root] = (Place){c->link_count++, -1};
+    for (int n = first; n < c->link_count; n++) {
+        int body = o->body[n];
+        for (int i = o->near.from[body]; i < o->near.from[body + 1]; i++) {
+            int joint = o->near.list[i], other = end_body(g, joint, end_body(g, joint, 0) == body);
+            if (joint == o->place[body].joint || !moves(g, other))
                 continue;
-            if (place[other].link >= 0)
+            if (o->place[other].link >= 0)
                 return false;
-            c->link[c->links].body = other;
-            place[other] = (Place){c->links++, joint};
+            o->body[c->link_count] = other;
+            o->place[other] = (Place){c->link_count++, joint};
         }
     }
-    t->links = c->links - t->first;
+    while (c->link_count % LANES != 0)
+        o->body[c->link_count++] = -1;
+    c->tree[c->trees++] = (Linkage){first / LANES, c->link_count / LANES};
     return true;
 }
 
-static void add_end(Chain *c, Link *l, int joint, int child)
+static int ends_at(const Order *o, int body) { return body < 0 ? 0 : o->near.from[body + 1] - o->near.from[body]; }
+
+/* Lanes that no joint takes, or no link owns, are to stay 0. */
+static void clear_end(Ends *e)
+{
+    e->side = four_all(0);
+    e->arm = e->p = e->change = e->error = four3_zero();
+}
+
+/* Where the ends and numbers of each four links are. */
+static dig_status reserve_links(Chain *c, const Order *o)
+{
+    const int blocks = c->link_count / LANES;
+    int ends = 0, numbers = 0, turns = 0;
+    c->links = arena_alloc(c->g->arena, (size_t)(blocks + 1) * sizeof *c->links);
+    if (!c->links)
+        return DIG_E_MEMORY;
+    for (int i = 0; i < blocks; i++) {
+        Links *l = &c->links[i];
+        l->ends = 0;
+        for (int k = 0; k < LANES; k++) {
+            l->ends = int_max(l->ends, ends_at(o, o->body[i * LANES + k]));
+            l->own[k] = l->count[k] = 0;
+        }
+        int rows = l->ends * TIE_ROWS;
+        l->end = ends;
+        l->front = numbers;
+        l->turn = turns;
+        ends += l->ends;
+        numbers += rows * (rows + 1);
+        turns += rows;
+    }
+    c->ends = arena_alloc(c->g->arena, (size_t)(ends + 1) * sizeof *c->ends);
+    c->number = arena_alloc(c->g->arena, (size_t)(numbers + 1) * sizeof *c->number);
+    c->turn = arena_alloc(c->g->arena, (size_t)(turns + 1) * sizeof *c->turn);
+    for (int i = 0; i < ends && c->ends; i++)
+        clear_end(&c->ends[i]);
+    return c->ends && c->number && c->turn ? DIG_OK : DIG_E_MEMORY;
+}
+
+static void add_end(Chain *c, int link, int joint, int child)
 {
     const GroupJoint *j = &c->g->joints[joint];
-    bool a = j->a == l->body;
-    c->end[c->ends++] = (End){.tie = joint, .child = child, .at = l->rows, .side = a ? 1 : -1, .arm = a ? j->ra : j->rb};
-    c->tie[joint].link[!a] = (int)(l - c->link);
-    l->rows += TIE_ROWS;
-    l->ends++;
+    Links *l = links_of(c, link);
+    int lane = lane_of(link), n = l->end + l->count[lane]++;
+    bool a = j->a == l->body[lane];
+    Ends *e = &c->ends[n];
+    e->tie[lane] = joint;
+    e->child[lane] = child;
+    e->side[lane] = a ? 1 : -1;
+    four3_put(&e->arm, lane, a ? j->ra : j->rb);
+    c->tie[joint].end[!a] = n * LANES + lane;
 }
 
-/* What is eliminated first comes first: anchors, then what hangs on the body, then the joint towards the root. */
-static void list_ends(Chain *c, const Near *near, const Place *place, Link *l)
+/* What is eliminated last comes first: the joint towards the root, then what hangs on the body, then anchors. */
+static void list_ends(Chain *c, const Order *o, int link)
 {
-    l->end = c->ends;
-    l->ends = l->rows = l->passed = 0;
-    for (int pass = 0; pass < 2; pass++)
-        for (int i = near->from[l->body]; i < near->from[l->body + 1]; i++) {
-            int joint = near->list[i], other = end_body(c->g, joint, end_body(c->g, joint, 0) == l->body);
-            if (joint != place[l->body].joint && moves(c->g, other) == (pass == 1))
-                add_end(c, l, joint, pass ? place[other].link : -1);
+    const int body = o->body[link];
+    Links *l = links_of(c, link);
+    l->body[lane_of(link)] = body;
+    if (body < 0)
+        return;
+    if (o->place[body].joint >= 0)
+        add_end(c, link, o->place[body].joint, -1);
+    l->own[lane_of(link)] = l->count[lane_of(link)];
+    for (int anchors = 0; anchors < 2; anchors++)
+        for (int i = o->near.from[body]; i < o->near.from[body + 1]; i++) {
+            int joint = o->near.list[i], other = end_body(c->g, joint, end_body(c->g, joint, 0) == body);
+            if (joint != o->place[body].joint && moves(c->g, other) == !anchors)
+                add_end(c, link, joint, anchors ? -1 : o->place[other].link);
         }
-    if (place[l->body].joint >= 0) {
-        add_end(c, l, place[l->body].joint, -1);
-        l->passed = TIE_ROWS;
-    }
 }
 
-static dig_status reserve(Chain *c, Near *near, Place **place)
+static dig_status reserve(Chain *c, Order *o)
 {
     Group *g = c->g;
-    DIG_TRY(list_joints(g, near));
-    c->link = arena_alloc(g->arena, (size_t)g->moving_count * sizeof *c->link);
+    DIG_TRY(list_joints(g, &o->near));
     c->tree = arena_alloc(g->arena, (size_t)g->moving_count * sizeof *c->tree);
-    c->end = arena_alloc(g->arena, (size_t)(2 * g->joint_count + 1) * sizeof *c->end);
-    c->tie = arena_alloc(g->arena, (size_t)(g->joint_count + 1) * sizeof *c->tie);
-    *place = arena_alloc(g->arena, (size_t)g->moving_count * sizeof **place);
-    if (!c->link || !c->tree || !c->end || !c->tie || !*place)
+    c->tie = arena_zero(g->arena, (size_t)(g->joint_count + 1) * sizeof *c->tie);
+    o->place = arena_alloc(g->arena, (size_t)g->moving_count * sizeof *o->place);
+    o->body = arena_alloc(g->arena, (size_t)g->moving_count * LANES * sizeof *o->body);
+    if (!c->tree || !c->tie || !o->place || !o->body)
         return DIG_E_MEMORY;
     for (int i = 0; i < g->moving_count; i++)
-        (*place)[i] = (Place){-1, -1};
+        o->place[i] = (Place){-1, -1};
     for (int i = 0; i < g->joint_count; i++) {
         c->tie[i].joint = i;
-        c->tie[i].link[0] = c->tie[i].link[1] = -1;
+        c->tie[i].end[0] = c->tie[i].end[1] = -1;
     }
     return DIG_OK;
 }
 
 dig_status tree_make(Chain *c, bool *fits)
 {
-    Near near;
-    Place *place;
-    int numbers = 0, turns = 0;
-    DIG_TRY(reserve(c, &near, &place));
+    Order o;
+    DIG_TRY(reserve(c, &o));
     *fits = true;
     for (int i = 0; i < c->g->moving_count && *fits; i++)
-        if (c->g->member[i].moves && place[i].link < 0)
-            *fits = reach(c, &near, place, i);
-    for (int i = 0; i < c->links && *fits; i++) {
-        Link *l = &c->link[i];
-        *fits = near.from[l->body + 1] - near.from[l->body] <= LINK_ENDS;
-        if (*fits)
-            list_ends(c, &near, place, l);
-        l->front = numbers;
-        l->turn = turns;
-        numbers += l->rows * (l->rows + 1);
-        turns += l->rows;
-    }
-    c->number = arena_alloc(c->g->arena, (size_t)(numbers + 1) * sizeof *c->number);
-    c->turn = arena_alloc(c->g->arena, (size_t)(turns + 1) * sizeof *c->turn);
-    return c->number && c->turn ? DIG_OK : DIG_E_MEMORY;
+        if (c->g->member[i].moves && o.place[i].link < 0)
+            *fits = reach(c, &o, i);
+    for (int i = 0; i < c->link_count && *fits; i++)
+        *fits = ends_at(&o, o.body[i]) <= LINK_ENDS;
+    if (!*fits)
+        return DIG_OK;
+    DIG_TRY(reserve_links(c, &o));
+    for (int i = 0; i < c->link_count; i++)
+        list_ends(c, &o, i);
+    return DIG_OK;
 }

@@ -52,30 +52,26 @@ static Pos fixed_pose(const Group *g, int body, real time)
     return (Pos){vec3_mad(g->pos[body].x, time, g->vel[body].v), quat_unit(quat_mul(turn, g->pos[body].q))};
 }
 
-static void open_link(const Chain *c, Link *l)
+/* A lane without a body stands still. */
+static void open_link(const Chain *c, Links *l, int lane)
 {
     const Group *g = c->g;
-    const Member *m = &g->member[l->body];
-    l->mass = m->mass;
-    l->inertia = m->inertia;
-    l->x = g->pos[l->body].x;
-    l->q = g->pos[l->body].q;
-    l->r = quat_matrix(l->q);
-    l->v = g->vel[l->body].v;
-    l->w = mat3_mul_vec(mat3_transpose(l->r), g->vel[l->body].w);
-}
-
-/* The end of the last substep is the start of the next. */
-static void begin_link(const Chain *c, Link *l)
-{
-    const Member *m = &c->g->member[l->body];
-    l->x0 = l->x;
-    l->q0 = l->q;
-    l->r0 = l->r;
-    l->v0 = l->v;
-    l->w0 = l->w;
-    l->p0 = vec3_mad(vec3_scale(l->mass, l->v0), c->h, m->force);
-    l->l0 = vec3_mad(mat3_mul_vec(l->r0, mat3_mul_vec(l->inertia, l->w0)), c->h, m->torque);
+    const int body = l->body[lane];
+    const mat3 unit = mat3_identity();
+    const Member *m = body < 0 ? NULL : &g->member[body];
+    const Pos pos = m ? g->pos[body] : (Pos){vec3_zero(), quat_identity()};
+    const Vel vel = m ? g->vel[body] : (Vel){vec3_zero(), vec3_zero()};
+    const mat3 r = quat_matrix(pos.q);
+    l->mass[lane] = m ? m->mass : 1;
+    four33_put(&l->inertia, lane, m ? &m->inertia : &unit);
+    four33_put(&l->inverse, lane, m ? &m->inv_inertia : &unit);
+    four3_put(&l->force, lane, m ? m->force : vec3_zero());
+    four3_put(&l->torque, lane, m ? m->torque : vec3_zero());
+    four3_put(&l->x, lane, pos.x);
+    four_quat_put(&l->q, lane, pos.q);
+    four33_put(&l->r, lane, &r);
+    four3_put(&l->v, lane, vel.v);
+    four3_put(&l->w, lane, mat3_mul_vec(mat3_transpose(r), vel.w));
 }
 
 /* Of an anchor that does not move, or is driven, between the times t0 and t1. */
@@ -94,41 +90,64 @@ static void begin_fixed(const Chain *c, Tie *t, int side, real t0, real t1)
 static quat frame_of(const Chain *c, const Tie *t)
 {
     const GroupJoint *j = &c->g->joints[t->joint];
-    return quat_mul(t->link[1] >= 0 ? c->link[t->link[1]].q : fixed_pose(c->g, j->b, 0).q, j->fb);
+    return quat_mul(t->end[1] >= 0 ? c->g->pos[j->b].q : fixed_pose(c->g, j->b, 0).q, j->fb);
 }
 
+/* As in the last step, at both ends. */
 static void guess(const Chain *c, Tie *t)
 {
     const real *force = c->g->joints[t->joint].force;
-    t->p = vec3_scale(c->h, quat_rotate(frame_of(c, t), (vec3){force[0], force[1], force[2]}));
-    t->impulse = t->twist[0] = t->twist[1] = vec3_zero();
+    vec3 p = vec3_scale(c->h, quat_rotate(frame_of(c, t), (vec3){force[0], force[1], force[2]}));
+    t->twist = vec3_zero();
+    for (int side = 0; side < 2; side++) {
+        if (t->end[side] < 0)
+            continue;
+        Ends *e = ends_of(c, t->end[side]);
+        four3_put(&e->p, lane_of(t->end[side]), p);
+    }
 }
 
 static void begin(const Chain *c, const Linkage *t, real from)
 {
-    for (int n = t->first; n < t->first + t->links; n++) {
-        if (from == 0)
-            open_link(c, &c->link[n]);
-        begin_link(c, &c->link[n]);
-    }
-    for (int n = t->first; n < t->first + t->links; n++)
-        for (int i = 0; i < c->link[n].ends; i++) {
-            const End *e = &c->end[c->link[n].end + i];
-            if (!link_owns(&c->link[n], i))
-                continue;
-            if (e->child < 0)
-                begin_fixed(c, &c->tie[e->tie], e->side > 0, from, from + c->h);
-            c->tie[e->tie].h = c->h;
+    for (int n = t->first * LANES; n < t->last * LANES && from == 0; n++)
+        open_link(c, links_of(c, n), lane_of(n));
+    for (int n = t->first; n < t->last && from == 0; n++)
+        for (Ends *e = c->ends + c->links[n].end; e < c->ends + c->links[n].end + c->links[n].ends; e++)
+            e->impulse = e->twist = four3_zero();
+    for (int n = t->first * LANES; n < t->last * LANES; n++) {
+        const Links *l = links_of(c, n);
+        for (int i = l->own[lane_of(n)]; i < l->count[lane_of(n)]; i++) {
+            const Ends *e = &c->ends[l->end + i];
+            Tie *tie = &c->tie[e->tie[lane_of(n)]];
+            tie->h = c->h;
+            if (e->child[lane_of(n)] < 0)
+                begin_fixed(c, tie, e->side[lane_of(n)] > 0, from, from + c->h);
             if (from == 0)
-                guess(c, &c->tie[e->tie]);
+                guess(c, tie);
         }
+    }
+}
+
+/* What the joints of a substep do to bodies that do not move. */
+static void twist_fixed(const Chain *c, const Linkage *t)
+{
+    for (int n = t->first * LANES; n < t->last * LANES; n++) {
+        const Links *l = links_of(c, n);
+        for (int i = l->own[lane_of(n)]; i < l->count[lane_of(n)]; i++) {
+            const Ends *e = &c->ends[l->end + i];
+            Tie *tie = &c->tie[e->tie[lane_of(n)]];
+            if (e->child[lane_of(n)] < 0)
+                tie->twist = vec3_sub(tie->twist, vec3_cross(tie->arm, vec3_scale(e->side[lane_of(n)], four3_get(&e->p, lane_of(n)))));
+        }
+    }
 }
 
 static int parts_of(const Chain *c, const Linkage *t, real dt)
 {
     real w = 0;
-    for (int n = t->first; n < t->first + t->links; n++)
-        w = real_max(w, vec3_length2(c->g->vel[c->link[n].body].w));
+    for (int n = t->first * LANES; n < t->last * LANES; n++)
+        if (links_of(c, n)->body[lane_of(n)] >= 0)
+            w = real_max(w, vec3_length2(c->g->vel[links_of(c, n)->body[lane_of(n)]].w));
     int parts = 1;
     while (parts < PARTS_MOST && sqrt(w) * dt > parts * SPIN_MOST)
         parts *= 2;
@@ -144,6 +163,8 @@ static bool advance_tree(Chain *c, const Linkage *t, real dt)
         for (int i = 0; i < parts && done; i++) {
             begin(c, t, i * c->h);
             done = tree_step(c, t);
+            if (done)
+                twist_fixed(c, t);
         }
         if (!done) {
             c->g->refused++;
@@ -158,24 +179,32 @@ static bool advance_tree(Chain *c, const Linkage *t, real dt)
 
 /* ---- what is kept ---- */
 
-static void close_link(Group *g, const Link *l)
+static void close_link(Group *g, const Links *l, int lane)
 {
-    Member *m = &g->member[l->body];
-    m->start_pos = g->pos[l->body];
-    m->start_vel = g->vel[l->body];
-    m->constrained = m->constrained || l->ends > 0;
-    g->pos[l->body] = (Pos){l->x, l->q};
-    g->vel[l->body] = (Vel){l->v, mat3_mul_vec(l->r, l->w)};
-    group_refresh_mass(g, l->body);
+    const int body = l->body[lane];
+    Member *m = &g->member[body];
+    m->start_pos = g->pos[body];
+    m->start_vel = g->vel[body];
+    m->constrained = m->constrained || l->count[lane] > 0;
+    g->pos[body] = (Pos){four3_get(&l->x, lane), four_quat_get(&l->q, lane)};
+    vec3 w = four3_get(&l->w, lane);
+    g->vel[body] = (Vel){four3_get(&l->v, lane), quat_rotate(g->pos[body].q, w)};
 }
 
+/* Poses are those of the end. */
 static void close_tie(const Chain *c, const Tie *t)
 {
     Group *g = c->g;
     GroupJoint *j = &g->joints[t->joint];
-    j->impulse = t->impulse;
-    j->angular_impulse = t->twist[0];
-    vec3 force = vec3_scale(1 / t->h, quat_unrotate(frame_of(c, t), t->p));
+    const int own = t->end[0] >= 0 ? 0 : 1, lane = lane_of(t->end[own]);       /* an end that moves */
+    const Ends *e = ends_of(c, t->end[own]);
+    vec3 impulse = vec3_scale(e->side[lane], four3_get(&e->impulse, lane)), twist[2] = {t->twist, t->twist};
+    for (int side = 0; side < 2; side++)
+        if (t->end[side] >= 0)
+            twist[side] = four3_get(&ends_of(c, t->end[side])->twist, lane_of(t->end[side]));
+    j->impulse = impulse;
+    j->angular_impulse = twist[0];
+    vec3 force = vec3_scale(1 / t->h, quat_unrotate(frame_of(c, t), four3_get(&e->p, lane)));
     memset(j->force, 0, sizeof j->force);
     j->force[0] = force.x;
     j->force[1] = force.y;
@@ -183,7 +212,7 @@ static void close_tie(const Chain *c, const Tie *t)
     for (int side = 0; side < 2; side++) {
         int body = side ? j->b : j->a;
         if (body >= 0 && g->member[body].kinematic)
-            g->work_in -= (side ? -1 : 1) * vec3_dot(t->impulse, g->vel[body].v) + vec3_dot(t->twist[side], g->vel[body].w);
+            g->work_in -= (side ? -1 : 1) * vec3_dot(impulse, g->vel[body].v) + vec3_dot(twist[side], g->vel[body].w);
     }
 }
 
@@ -278,8 +307,9 @@ static void move_bodies(const Chain *c, real dt)
         if (g->member[i].kinematic)
             g->pos[i] = fixed_pose(g, i, dt);
     }
-    for (int i = 0; i < c->links; i++)
-        close_link(g, &c->link[i]);
+    for (int i = 0; i < c->link_count; i++)
+        if (links_of(c, i)->body[lane_of(i)] >= 0)
+            close_link(g, links_of(c, i), lane_of(i));
 }
 
 static void undo(Group *g)
@@ -305,6 +335,7 @@ static void forget_contacts(Group *g)
         }
 }
 
+/* What was found is the group's, or the group is handed on. */
 static dig_status finish(const Chain *c, const Saved *s, real dt)
 {
     Group *g = c->g;
@@ -328,8 +359,7 @@ static dig_status finish(const Chain *c, const Saved *s, real dt)
     g->t = dt;
     g->close_speed = group_close_speed(g);
     forget_contacts(g);
-    DIG_TRY(g->stage(g, STAGE_SETTLE));
-    return g->status;
+    return DIG_OK;
 }
 
 static dig_status advance(Group *g, real dt)
@@ -345,6 +375,7 @@ static dig_status advance(Group *g, real dt)
         if (any_near(g, dt))
             return hand_on(g, &saved, NULL);
     }
+    ArenaMark mark = arena_mark(g->arena);
     DIG_TRY(tree_make(&c, &fits));
     if (!fits)
         return hand_on(g, &saved, NULL);
@@ -352,7 +383,13 @@ static dig_status advance(Group *g, real dt)
     for (int i = 0; i < c.trees; i++)
         if (!advance_tree(&c, &c.tree[i], dt))
             return hand_on(g, &saved, "chain: no solution");
-    return finish(&c, &saved, dt);
+    DIG_TRY(finish(&c, &saved, dt));
+    if (g->handed_on)
+        return DIG_OK;
+    if (g->pair_count == 0)         /* nothing of it is needed any more: the next group finds its room still in the cache */
+        arena_rewind(g->arena, mark);
+    DIG_TRY(g->stage(g, STAGE_SETTLE));
+    return g->status;
 }
 
 const Way way_chain = {.name = "chain", .tally = WAY_SWEPT, .suits = suits, .advance = advance};

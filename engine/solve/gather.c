@@ -94,6 +94,13 @@ static void gather_body(Group *g, int i, uint32_t slot, bool awake)
     group_refresh_mass(g, i);
 }
 
+/* A joint counts once: at its first dynamic body. */
+static bool counts_at(const World *w, uint32_t joint, uint32_t body)
+{
+    const JointRec *r = &w->joints.data[joint];
+    return r->b != body || r->a == NONE || w->bodies.data[r->a].kind != DIG_DYNAMIC;
+}
+
 /* Members of the DIGs, ascending; their joints are counted. */
 static dig_status list_moving(Group *g, int *joints)
 {
@@ -111,7 +118,7 @@ static dig_status list_moving(Group *g, int *joints)
         for (uint32_t m = g->leads[d]; m != NONE; m = graph_next(w->graph, m)) {
             slots[n++] = m;
             for (uint32_t j = w->bodies.data[m].joint_first; j != NONE; j = joint_next(w, j, m))
-                (*joints)++;
+                *joints += counts_at(w, j, m);
         }
     return sort_u32(slots, n, g->arena);
 }
@@ -431,40 +438,33 @@ static int joint_index(const Group *g, uint32_t slot)
     return -1;
 }
 
+static void gather_joint(Group *g, GroupJoint *j, uint32_t slot)
+{
+    const JointRec *r = &g->world->joints.data[slot];
+    *j = (GroupJoint){.slot = slot, .ra = r->ra, .rb = r->rb, .fa = r->fa, .fb = r->fb, .breaks_at = r->breaks_at};
+    j->a = r->a == NONE ? -1 : local_of(g, r->a);
+    j->b = r->b == NONE ? -1 : local_of(g, r->b);
+    memcpy(j->memory, r->memory, sizeof j->memory);
+    memcpy(j->force, r->impulse, sizeof j->force);
+}
+
+/* joints: as many at most. */
 static dig_status gather_joints(Group *g, int joints)
 {
     const World *w = g->world;
     int count = 0;
     if (joints == 0)
         return DIG_OK;
-    for (int pass = 0; pass < 2; pass++) {
-        int n = 0;
-        for (int i = 0; i < g->moving_count; i++) {
-            uint32_t body = g->member[i].slot;
-            for (uint32_t s = w->bodies.data[body].joint_first; s != NONE; s = joint_next(w, s, body)) {
-                const JointRec *r = &w->joints.data[s];
-                /* once per joint: at its first dynamic body */
-                bool a_dynamic = r->a != NONE && w->bodies.data[r->a].kind == DIG_DYNAMIC;
-                if ((r->b == body && a_dynamic) || g->member[i].dormant)
-                    continue;
-                if (pass) {
-                    GroupJoint *j = &g->joints[n];
-                    *j = (GroupJoint){.slot = s, .ra = r->ra, .rb = r->rb, .fa = r->fa, .fb = r->fb, .breaks_at = r->breaks_at};
-                    j->a = r->a == NONE ? -1 : local_of(g, r->a);
-                    j->b = r->b == NONE ? -1 : local_of(g, r->b);
-                    memcpy(j->memory, r->memory, sizeof j->memory);
-                    memcpy(j->force, r->impulse, sizeof j->force);
-                }
-                n++;
-            }
-        }
-        if (pass == 0) {
-            count = n;
-            g->joints = arena_alloc(g->arena, (size_t)(count + 1) * sizeof *g->joints);
-            if (!g->joints)
-                return DIG_E_MEMORY;
-        }
+    g->joints = arena_alloc(g->arena, (size_t)joints * sizeof *g->joints);
+    if (!g->joints)
+        return DIG_E_MEMORY;
+    for (int i = 0; i < g->moving_count; i++) {
+        uint32_t body = g->member[i].slot;
+        for (uint32_t s = w->bodies.data[body].joint_first; s != NONE && !g->member[i].dormant; s = joint_next(w, s, body))
+            if (counts_at(w, s, body))
+                gather_joint(g, &g->joints[count++], s);
     }
+    arena_shrink(g->arena, g->joints, (size_t)count * sizeof *g->joints);
     g->joint_count = count;
     for (int i = 0; i < count; i++) {
         const JointRec *r = &w->joints.data[g->joints[i].slot];
