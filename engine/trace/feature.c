@@ -113,21 +113,26 @@ static Place place_on_cylinder(const Shape *s, vec3 p, vec3 toward)
     return (Place){.spot = SPOT_LINE, .p = {0, p.y, 0}, .d = {0, 1, 0}, .round = c->radius};
 }
 
-static Place place_on(const Shape *s, vec3 p, vec3 toward)
+/* Does it matter from where it is touched? */
+static inline bool has_sides(const Shape *s) { return s->type != &shape_sphere && s->type != &shape_plane; }
+
+/* point: in the world, on or near the core; toward: written where there are sides. */
+static Place place_on(const Shape *s, const pose *at, vec3 point, const vec3 *toward)
 {
-    if (s->type == &shape_cylinder)
-        return place_on_cylinder(s, p, toward);
+    if (s->type == &shape_sphere)
+        return (Place){.spot = SPOT_POINT};             /* its centre */
+    vec3 p = pose_unpoint(*at, point);
     if (s->type == &shape_box)
-        return place_on_box(s, p, toward);
-    if (s->type == &shape_hull)
-        return place_on_hull(s, p, toward);
-    if (s->type == &shape_capsule)
-        return place_on_capsule(s, p);
+        return place_on_box(s, p, *toward);
     if (s->type == &shape_plane) {
         const PlaneData *plane = s->data;
         return (Place){.spot = SPOT_FACE, .p = vec3_mad(p, plane->offset - vec3_dot(plane->normal, p), plane->normal), .d = plane->normal};
     }
-    return (Place){.spot = SPOT_POINT};                 /* a sphere: its centre */
+    if (s->type == &shape_cylinder)
+        return place_on_cylinder(s, p, *toward);
+    if (s->type == &shape_hull)
+        return place_on_hull(s, p, *toward);
+    return place_on_capsule(s, p);
 }
 
 /* Faces that lie on each other touch where their outlines cross: there the two edges are the feature, and follow when one slides.
@@ -163,15 +168,16 @@ void feature_sides(const Group *g, const GroupPair *q, vec3 normal, Sides *out)
     out->a = group_shape_pose(g, q->a, out->la);
     out->b = group_shape_pose(g, q->b, out->lb);
     out->n = normal;
-    out->out_a = quat_unrotate(out->a.q, normal);
-    out->out_b = quat_unrotate(out->b.q, vec3_neg(normal));
+    if (has_sides(q->sa))
+        out->out_a = quat_unrotate(out->a.q, normal);
+    if (has_sides(q->sb))
+        out->out_b = quat_unrotate(out->b.q, vec3_neg(normal));
 }
 
 void feature_find(const GroupPair *q, const Sides *s, const ManifoldPoint *p, Feature *out)
 {
     vec3 core_a = vec3_mad(p->a, -q->sa->round, s->n), core_b = vec3_mad(p->b, q->sb->round, s->n);
-    Place a = place_on(q->sa, pose_unpoint(s->a, core_a), s->out_a);
-    Place b = place_on(q->sb, pose_unpoint(s->b, core_b), s->out_b);
+    Place a = place_on(q->sa, &s->a, core_a, &s->out_a), b = place_on(q->sb, &s->b, core_b, &s->out_b);
     *out = (Feature){.kind = kind_of(&a, &b), .ra = q->sa->round + a.round, .rb = q->sb->round + b.round};
     bool rims = a.spot == SPOT_FACE && b.spot == SPOT_FACE && a.rim == 1 && b.rim == 1;
     if (rims || out->kind == LINE_LINE) {
@@ -302,19 +308,21 @@ static inline Turning turning_of(const Spin *a, const Spin *b, const Feature *f)
 /* Few bodies that stand still are turned. */
 static inline vec3 still_turn(const Pos *at, vec3 d) { return at->q.x != 0 || at->q.y != 0 || at->q.z != 0 ? quat_rotate(at->q, d) : d; }
 
-/* A point on a plane of what does not move: what most contacts are. The terms that are left, in the order of the general way.
- * side: 1 where b has the point, -1 where a has it. */
-static void move_on_still(const Pos *plane, vec3 o, vec3 normal, const Pos *x, const Vel *v, vec3 point, real round, real side, Kinematics *k)
+/* A point on a plane of what does not move: what most contacts are. The terms that are left, in the order of the general way. */
+static inline void move_on_still(const Pos *plane, const Pos *x, const Vel *v, const Feature *f, Kinematics *k)
 {
-    vec3 n = still_turn(plane, normal), arm = quat_rotate(x->q, point), p = vec3_add(x->x, arm);
-    vec3 turned = vec3_cross(v->w, vec3_sub(p, x->x)), pdot = vec3_add(v->v, turned), u = pdot;
-    k->gap = vec3_dot(n, vec3_sub(p, vec3_add(plane->x, still_turn(plane, o)))) - round;
-    k->at = p;
-    if (round != 0) {
-        k->at = vec3_mad(p, -round, n);
-        u = vec3_add(v->v, vec3_cross(v->w, vec3_sub(k->at, x->x)));
+    bool on_a = f->kind == PLANE_POINT;
+    real side = on_a ? 1 : -1, round = on_a ? f->rb : f->ra;
+    vec3 n = still_turn(plane, on_a ? f->da : f->db), o = still_turn(plane, on_a ? f->pa : f->pb);
+    vec3 p = vec3_add(x->x, quat_rotate(x->q, on_a ? f->pb : f->pa));
+    vec3 u = v->v, drift = vec3_zero();
+    k->gap = vec3_dot(n, vec3_sub(p, vec3_add(plane->x, o))) - round;
+    k->at = round != 0 ? vec3_mad(p, -round, n) : p;
+    if (!vec3_is_zero(v->w)) {
+        vec3 pdot = vec3_add(v->v, vec3_cross(v->w, vec3_sub(p, x->x)));
+        u = round != 0 ? vec3_add(v->v, vec3_cross(v->w, vec3_sub(k->at, x->x))) : pdot;
+        drift = vec3_cross(v->w, vec3_sub(pdot, v->v));
     }
-    vec3 drift = vec3_cross(v->w, vec3_sub(pdot, v->v));
     k->n = vec3_scale(side, n);
     k->u = vec3_scale(side, u);
     k->rate = vec3_dot(n, u);
@@ -328,13 +336,14 @@ static inline bool is_still(const Vel *v) { return vec3_is_zero(v->v) && vec3_is
  * moving point:  du/dt = wb x (c' - vb) - wa x (c' - va),  d(n . u)/dt = n . du/dt + n' . u. */
 void feature_move(const Group *g, const Feature *f, int a, int b, Kinematics *k)
 {
-    if (f->kind == PLANE_POINT && is_still(&g->vel[a])) {
-        move_on_still(&g->pos[a], f->pa, f->da, &g->pos[b], &g->vel[b], f->pb, f->rb, 1, k);
-        return;
-    }
-    if (f->kind == POINT_PLANE && is_still(&g->vel[b])) {
-        move_on_still(&g->pos[b], f->pb, f->db, &g->pos[a], &g->vel[a], f->pa, f->ra, -1, k);
-        return;
+    if (f->kind == PLANE_POINT || f->kind == POINT_PLANE) {
+        bool on_a = f->kind == PLANE_POINT;     /* the plane */
+        int plane = on_a ? a : b, point = on_a ? b : a;
+        const Member *m = &g->member[plane];
+        if ((!m->moves && !m->kinematic) || is_still(&g->vel[plane])) {
+            move_on_still(&g->pos[plane], &g->pos[point], &g->vel[point], f, k);
+            return;
+        }
     }
     Spin sa = spin_of(g, a), sb = spin_of(g, b);
     Turning t = turning_of(&sa, &sb, f);

@@ -378,9 +378,11 @@ static bool looks_steady(const Tracer *t, real h)
     for (int i = 0; i < g->body_count; i++)
         if (!(g->member[i].moves && g->member[i].round) && vec3_length(g->vel[i].w) * h > STEADY)
             return false;
-    for (int i = 0; i < t->touch_count; i++)
-        if (t->touch[i].gate.presses && t->touch[i].feature.kind != POINT_PLANE && t->touch[i].feature.kind != PLANE_POINT)
+    for (int i = 0; i < t->touch_count; i++) {
+        const Touching *c = &t->touch[i];
+        if (c->gate.presses && c->gate.force != 0 && c->feature.kind != POINT_PLANE && c->feature.kind != PLANE_POINT)
             return false;
+    }
     return true;
 }
 

@@ -203,7 +203,10 @@ bool trace_items(Tracer *t)
     for (int i = 0; i < t->touch_count; i++)
         if (i == 0 || t->touch[i].contact != t->touch[i - 1].contact)
             items[n++] = item_of(t, t->touch[i].a, t->touch[i].b, -1 - i);
-    if (n > 1)
+    bool sorted = true;         /* as bodies that came one after the other are */
+    for (int i = 1; i < n && sorted; i++)
+        sorted = compare_items(&items[i - 1], &items[i]) < 0;
+    if (!sorted)
         qsort(items, (size_t)n, sizeof *items, compare_items);
     for (int i = 0; i < n; i++)
         t->item[i] = items[i].what;
