@@ -104,6 +104,7 @@ typedef struct Bond {           /* a joint that can break              */
 typedef enum LineKind { LINE_HARD, LINE_NORMAL, LINE_STOP, LINE_SLIP, LINE_ROLL, LINE_HOLD, LINE_LATERAL } LineKind;
 
 typedef struct Arrow { vec3 lin, ang; } Arrow;
+_Static_assert(sizeof(Arrow) == 6 * sizeof(real), "six numbers, two at a time");
 
 typedef struct Line {           /* one row: J of the moving bodies, and M^-1 G */
     LineKind kind;
