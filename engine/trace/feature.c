@@ -198,10 +198,12 @@ void feature_find(const GroupPair *q, const Sides *s, const ManifoldPoint *p, Fe
 
 /* ---- moving ---- */
 
-typedef struct Spin { vec3 x, v, w; quat q; } Spin;     /* one body */
+typedef struct Spin { const Pos *at; const Vel *go; } Spin;     /* one body */
 
-static inline Spin spin_of(const Group *g, int i) { return (Spin){g->pos[i].x, g->vel[i].v, g->vel[i].w, g->pos[i].q}; }
-static inline vec3 material(const Spin *s, vec3 at) { return vec3_add(s->v, vec3_cross(s->w, vec3_sub(at, s->x))); }
+static inline Spin spin_of(const Group *g, int i) { return (Spin){&g->pos[i], &g->vel[i]}; }
+static inline vec3 material(const Spin *s, vec3 at) { return vec3_add(s->go->v, vec3_cross(s->go->w, vec3_sub(at, s->at->x))); }
+/* A point fixed in the body: of balls, its centre. */
+static inline vec3 place_of(const Pos *at, vec3 p) { return vec3_is_zero(p) ? at->x : vec3_add(at->x, quat_rotate(at->q, p)); }
 static vec3 along_normal_removed(vec3 v, vec3 n) { return vec3_mad(v, -vec3_dot(v, n), n); }
 
 typedef struct Turning { vec3 n, ndot, at, atdot; real gap; } Turning;
@@ -209,7 +211,7 @@ typedef struct Turning { vec3 n, ndot, at, atdot; real gap; } Turning;
 /* Plane of s through o, point p of the other body with its velocity: n fixed in s. */
 static inline Turning on_plane(const Spin *s, vec3 o, vec3 normal, vec3 p, vec3 pdot, real round)
 {
-    vec3 ndot = vec3_cross(s->w, normal);
+    vec3 ndot = vec3_cross(s->go->w, normal);
     return (Turning){normal, ndot, vec3_mad(p, -round, normal), vec3_mad(pdot, -round, ndot), vec3_dot(normal, vec3_sub(p, o)) - round};
 }
 
@@ -226,7 +228,7 @@ static Turning between(vec3 f, vec3 fdot, vec3 p, vec3 pdot, real ra, real rb)
 /* Foot of p on the line of s through o along d: o + s d, s = (p - o) . d. */
 static void foot_of(const Spin *s, vec3 o, vec3 d, vec3 p, vec3 pdot, vec3 *f, vec3 *fdot)
 {
-    vec3 odot = material(s, o), ddot = vec3_cross(s->w, d), r = vec3_sub(p, o);
+    vec3 odot = material(s, o), ddot = vec3_cross(s->go->w, d), r = vec3_sub(p, o);
     real at = vec3_dot(r, d), atdot = vec3_dot(vec3_sub(pdot, odot), d) + vec3_dot(r, ddot);
     *f = vec3_mad(o, at, d);
     *fdot = vec3_add(vec3_mad(odot, atdot, d), vec3_scale(at, ddot));
@@ -235,7 +237,7 @@ static void foot_of(const Spin *s, vec3 o, vec3 d, vec3 p, vec3 pdot, vec3 *f, v
 /* Where the circle of radius r about o, across d, goes farthest along q: f = o + r e, e the unit vector of q' = q - (q . d) d. */
 static void rim_toward(const Spin *s, vec3 o, vec3 d, real r, vec3 q, vec3 qdot, vec3 *f, vec3 *fdot)
 {
-    vec3 ddot = vec3_cross(s->w, d), in = along_normal_removed(q, d);
+    vec3 ddot = vec3_cross(s->go->w, d), in = along_normal_removed(q, d);
     vec3 indot = vec3_mad(vec3_mad(qdot, -vec3_dot(qdot, d) - vec3_dot(q, ddot), d), -vec3_dot(q, d), ddot);
     real size = vec3_length(in);
     vec3 e = vec3_unit_or(in, vec3_zero());
@@ -247,7 +249,7 @@ static void rim_toward(const Spin *s, vec3 o, vec3 d, real r, vec3 q, vec3 qdot,
 static Turning rim_on_plane(const Spin *r, vec3 o, vec3 d, real radius, const Spin *s, vec3 p, vec3 normal)
 {
     vec3 f, fdot;
-    rim_toward(r, o, d, radius, vec3_neg(normal), vec3_neg(vec3_cross(s->w, normal)), &f, &fdot);
+    rim_toward(r, o, d, radius, vec3_neg(normal), vec3_neg(vec3_cross(s->go->w, normal)), &f, &fdot);
     return on_plane(s, p, normal, f, fdot, 0);
 }
 
@@ -261,7 +263,7 @@ static Turning turned_round(Turning t)
 /* m = da x db points from a to b; the nearest point of line b lies at s = (ob - oa) . (da x m) / m^2 along it. */
 static Turning crossing(const Spin *a, vec3 oa, vec3 da, const Spin *b, vec3 ob, vec3 db, const Feature *f)
 {
-    vec3 m = vec3_cross(da, db), dadot = vec3_cross(a->w, da), dbdot = vec3_cross(b->w, db);
+    vec3 m = vec3_cross(da, db), dadot = vec3_cross(a->go->w, da), dbdot = vec3_cross(b->go->w, db);
     vec3 mdot = vec3_add(vec3_cross(dadot, db), vec3_cross(da, dbdot));
     real k = vec3_length2(m), size = sqrt(k);
     vec3 r = vec3_sub(ob, oa), rdot = vec3_sub(material(b, ob), material(a, oa));
@@ -274,31 +276,31 @@ static Turning crossing(const Spin *a, vec3 oa, vec3 da, const Spin *b, vec3 ob,
 
 static inline Turning turning_of(const Spin *a, const Spin *b, const Feature *f)
 {
-    vec3 pa = vec3_add(a->x, quat_rotate(a->q, f->pa)), pb = vec3_add(b->x, quat_rotate(b->q, f->pb));
+    vec3 pa = place_of(a->at, f->pa), pb = place_of(b->at, f->pb);
     vec3 foot, footdot;
     switch (f->kind) {
     case PLANE_POINT:
-        return on_plane(a, pa, quat_rotate(a->q, f->da), pb, material(b, pb), f->rb);
+        return on_plane(a, pa, quat_rotate(a->at->q, f->da), pb, material(b, pb), f->rb);
     case POINT_PLANE:
-        return turned_round(on_plane(b, pb, quat_rotate(b->q, f->db), pa, material(a, pa), f->ra));
+        return turned_round(on_plane(b, pb, quat_rotate(b->at->q, f->db), pa, material(a, pa), f->ra));
     case PLANE_RIM:
-        return rim_on_plane(b, pb, quat_rotate(b->q, f->db), f->rb, a, pa, quat_rotate(a->q, f->da));
+        return rim_on_plane(b, pb, quat_rotate(b->at->q, f->db), f->rb, a, pa, quat_rotate(a->at->q, f->da));
     case RIM_PLANE:
-        return turned_round(rim_on_plane(a, pa, quat_rotate(a->q, f->da), f->ra, b, pb, quat_rotate(b->q, f->db)));
+        return turned_round(rim_on_plane(a, pa, quat_rotate(a->at->q, f->da), f->ra, b, pb, quat_rotate(b->at->q, f->db)));
     case RIM_POINT:
-        rim_toward(a, pa, quat_rotate(a->q, f->da), f->ra, vec3_sub(pb, pa), vec3_sub(material(b, pb), material(a, pa)), &foot, &footdot);
+        rim_toward(a, pa, quat_rotate(a->at->q, f->da), f->ra, vec3_sub(pb, pa), vec3_sub(material(b, pb), material(a, pa)), &foot, &footdot);
         return between(foot, footdot, pb, material(b, pb), 0, f->rb);
     case POINT_RIM:
-        rim_toward(b, pb, quat_rotate(b->q, f->db), f->rb, vec3_sub(pa, pb), vec3_sub(material(a, pa), material(b, pb)), &foot, &footdot);
+        rim_toward(b, pb, quat_rotate(b->at->q, f->db), f->rb, vec3_sub(pa, pb), vec3_sub(material(a, pa), material(b, pb)), &foot, &footdot);
         return between(pa, material(a, pa), foot, footdot, f->ra, 0);
     case LINE_POINT:
-        foot_of(a, pa, quat_rotate(a->q, f->da), pb, material(b, pb), &foot, &footdot);
+        foot_of(a, pa, quat_rotate(a->at->q, f->da), pb, material(b, pb), &foot, &footdot);
         return between(foot, footdot, pb, material(b, pb), f->ra, f->rb);
     case POINT_LINE:
-        foot_of(b, pb, quat_rotate(b->q, f->db), pa, material(a, pa), &foot, &footdot);
+        foot_of(b, pb, quat_rotate(b->at->q, f->db), pa, material(a, pa), &foot, &footdot);
         return between(pa, material(a, pa), foot, footdot, f->ra, f->rb);
     case LINE_LINE:
-        return crossing(a, pa, quat_rotate(a->q, f->da), b, pb, quat_rotate(b->q, f->db), f);
+        return crossing(a, pa, quat_rotate(a->at->q, f->da), b, pb, quat_rotate(b->at->q, f->db), f);
     case POINT_POINT:
         break;
     }
@@ -314,7 +316,7 @@ static inline void move_on_still(const Pos *plane, const Pos *x, const Vel *v, c
     bool on_a = f->kind == PLANE_POINT;
     real side = on_a ? 1 : -1, round = on_a ? f->rb : f->ra;
     vec3 n = still_turn(plane, on_a ? f->da : f->db), o = still_turn(plane, on_a ? f->pa : f->pb);
-    vec3 p = vec3_add(x->x, quat_rotate(x->q, on_a ? f->pb : f->pa));
+    vec3 p = place_of(x, on_a ? f->pb : f->pa);
     vec3 u = v->v, drift = vec3_zero();
     k->gap = vec3_dot(n, vec3_sub(p, vec3_add(plane->x, o))) - round;
     k->at = round != 0 ? vec3_mad(p, -round, n) : p;
@@ -352,6 +354,6 @@ void feature_move(const Group *g, const Feature *f, int a, int b, Kinematics *k)
     k->gap = t.gap;
     k->u = vec3_sub(material(&sb, t.at), material(&sa, t.at));
     k->rate = vec3_dot(t.n, k->u);
-    k->drift = vec3_sub(vec3_cross(sb.w, vec3_sub(t.atdot, sb.v)), vec3_cross(sa.w, vec3_sub(t.atdot, sa.v)));
+    k->drift = vec3_sub(vec3_cross(sb.go->w, vec3_sub(t.atdot, sb.go->v)), vec3_cross(sa.go->w, vec3_sub(t.atdot, sa.go->v)));
     k->drift_n = vec3_dot(t.n, k->drift) + vec3_dot(t.ndot, k->u);
 }
