@@ -116,7 +116,7 @@ static Place place_on_cylinder(const Shape *s, vec3 p, vec3 toward)
 /* Does it matter from where it is touched? */
 static inline bool has_sides(const Shape *s) { return s->type != &shape_sphere && s->type != &shape_plane; }
 
-/* point: in the world, on or near the core; toward: written where there are sides. */
+/* point: in the world, on or near the core; at, toward: see Sides. */
 static Place place_on(const Shape *s, const pose *at, vec3 point, const vec3 *toward)
 {
     if (s->type == &shape_sphere)
@@ -165,9 +165,11 @@ void feature_sides(const Group *g, const GroupPair *q, vec3 normal, Sides *out)
 {
     out->la = pair_local(q, false);
     out->lb = pair_local(q, true);
-    out->a = group_shape_pose(g, q->a, out->la);
-    out->b = group_shape_pose(g, q->b, out->lb);
     out->n = normal;
+    if (q->sa->type != &shape_sphere)
+        out->a = group_shape_pose(g, q->a, out->la);
+    if (q->sb->type != &shape_sphere)
+        out->b = group_shape_pose(g, q->b, out->lb);
     if (has_sides(q->sa))
         out->out_a = quat_unrotate(out->a.q, normal);
     if (has_sides(q->sb))
@@ -178,7 +180,9 @@ void feature_find(const GroupPair *q, const Sides *s, const ManifoldPoint *p, Fe
 {
     vec3 core_a = vec3_mad(p->a, -q->sa->round, s->n), core_b = vec3_mad(p->b, q->sb->round, s->n);
     Place a = place_on(q->sa, &s->a, core_a, &s->out_a), b = place_on(q->sb, &s->b, core_b, &s->out_b);
-    *out = (Feature){.kind = kind_of(&a, &b), .ra = q->sa->round + a.round, .rb = q->sb->round + b.round};
+    out->kind = kind_of(&a, &b);
+    out->ra = q->sa->round + a.round;
+    out->rb = q->sb->round + b.round;
     bool rims = a.spot == SPOT_FACE && b.spot == SPOT_FACE && a.rim == 1 && b.rim == 1;
     if (rims || out->kind == LINE_LINE) {
         vec3 da = rims ? a.edge : a.d, db = rims ? b.edge : b.d, m = vec3_cross(quat_rotate(s->a.q, da), quat_rotate(s->b.q, db));
@@ -334,6 +338,19 @@ static inline void move_on_still(const Pos *plane, const Pos *x, const Vel *v, c
 
 static inline bool is_still(const Vel *v) { return vec3_is_zero(v->v) && vec3_is_zero(v->w); }
 
+/* Two balls that do not turn. */
+static void move_balls(const Spin *a, const Spin *b, real ra, real rb, Kinematics *k)
+{
+    Turning t = between(a->at->x, a->go->v, b->at->x, b->go->v, ra, rb);
+    k->n = t.n;
+    k->at = t.at;
+    k->gap = t.gap;
+    k->u = vec3_sub(b->go->v, a->go->v);
+    k->rate = vec3_dot(t.n, k->u);
+    k->drift = vec3_zero();
+    k->drift_n = vec3_dot(t.ndot, k->u);
+}
+
 /* u = material velocity of b against a at the contact point c. Without accelerations c' - v stays of the body's own velocity at the
  * moving point:  du/dt = wb x (c' - vb) - wa x (c' - va),  d(n . u)/dt = n . du/dt + n' . u. */
 void feature_move(const Group *g, const Feature *f, int a, int b, Kinematics *k)
@@ -348,6 +365,10 @@ void feature_move(const Group *g, const Feature *f, int a, int b, Kinematics *k)
         }
     }
     Spin sa = spin_of(g, a), sb = spin_of(g, b);
+    if (f->kind == POINT_POINT && vec3_is_zero(sa.go->w) && vec3_is_zero(sb.go->w) && vec3_is_zero(f->pa) && vec3_is_zero(f->pb)) {
+        move_balls(&sa, &sb, f->ra, f->rb, k);
+        return;
+    }
     Turning t = turning_of(&sa, &sb, f);
     k->n = t.n;
     k->at = t.at;

@@ -431,19 +431,27 @@ Violation trace_violation(const Tracer *t)
     return v;
 }
 
-static void shift(Tracer *t, const Line *l, real amount, bool positions)
+/* What the rows' impulses do to velocities, or to places: each body once for a run of rows. */
+static void shift_bodies(Tracer *t, bool positions)
 {
     Group *g = t->g;
-    for (int k = 0; k < l->count; k++) {
-        int b = l->body[k];
-        if (positions) {
-            g->pos[b].x = vec3_mad(g->pos[b].x, amount, l->m[k].lin);
-            g->pos[b].q = quat_unit(quat_mul(quat_exp(vec3_scale(amount, l->m[k].ang)), g->pos[b].q));
-        } else {
-            g->vel[b].v = vec3_mad(g->vel[b].v, amount, l->m[k].lin);
-            g->vel[b].w = vec3_mad(g->vel[b].w, amount, l->m[k].ang);
+    const System *s = &t->sys;
+    for (int i = 0; i < s->count; i = s->run[i])
+        for (int k = 0; k < s->lines[i].count; k++) {
+            int b = s->lines[i].body[k];
+            vec3 move = vec3_zero(), turn = vec3_zero();
+            for (int r = i; r < s->run[i]; r++) {
+                move = vec3_mad(move, s->x[r], s->lines[r].m[k].lin);
+                turn = vec3_mad(turn, s->x[r], s->lines[r].m[k].ang);
+            }
+            if (positions) {
+                g->pos[b].x = vec3_add(g->pos[b].x, move);
+                g->pos[b].q = quat_unit(quat_mul(quat_exp(turn), g->pos[b].q));
+            } else {
+                g->vel[b].v = vec3_add(g->vel[b].v, move);
+                g->vel[b].w = vec3_add(g->vel[b].w, turn);
+            }
         }
-    }
 }
 
 /* The rate of a row that should be what it wants: against what moves by itself, too. */
@@ -502,7 +510,6 @@ bool trace_project(Tracer *t, bool positions)
     bool driven = !positions && (t->hold_count > 0 || trace_movers(t->g));
     for (int i = 0; i < s->count && driven; i++)
         t->given += s->x[i] * (own_rate(t, &s->lines[i]) + s->b[i]);
-    for (int i = 0; i < s->count; i++)
-        shift(t, &s->lines[i], s->x[i], positions);
+    shift_bodies(t, positions);
     return true;
 }

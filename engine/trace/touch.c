@@ -1,6 +1,7 @@
 /* trace/touch.c - contacts of the present state become frozen features; those that stay keep their kinds. */
 #include "trace/trace.h"
 
+#include <stddef.h>
 #include <stdlib.h>
 
 #define RIM 0xf0000000u         /* numbers of rims, apart from those of manifold points */
@@ -21,9 +22,7 @@ static const Touching *find_old(const Tracer *t, const GroupContact *c, int cont
 
 static void new_contact(const Tracer *t, Touching *c, const GroupPair *q, const GroupContact *from, const PointMemory *memory)
 {
-    memset(&c->gate, 0, sizeof c->gate);
-    memset(&c->slip, 0, sizeof c->slip);
-    memset(&c->roll, 0, sizeof c->roll);
+    memset(c, 0, offsetof(Touching, feature));          /* its gate and its cones */
     c->slip.weight = c->roll.weight = 1;
     c->gate.force = memory->normal;
     c->slip.force = memory->tangent;

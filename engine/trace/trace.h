@@ -39,7 +39,7 @@ typedef struct Kinematics {     /* of a contact, world axes */
 } Kinematics;
 
 /* What all points of a manifold share: where the two shapes are, in the world and in their bodies, its normal, and the same in either's
- * frame, outward, of shapes that are not the same all round. */
+ * frame, outward; of balls only the place in the body, of planes no direction. */
 typedef struct Sides { pose a, b, la, lb; vec3 n, out_a, out_b; } Sides;
 
 void feature_sides(const Group *g, const GroupPair *q, vec3 normal, Sides *out);
