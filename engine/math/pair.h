@@ -18,5 +18,6 @@
 
 typedef real pair __attribute__((vector_size(16), aligned(8), may_alias));
 #define PAIR(x) (*(pair *)(void *)&(x))         /* x and its neighbour */
+static inline pair two(const real *x) { return *(const pair *)(const void *)x; }
 
 #endif

@@ -24,7 +24,7 @@ static void follow_slip(Cone *c, real normal)
         c->force = vec3_scale(-cone_bound(c) * normal, c->d);
 }
 
-/* False: something that touches has none. */
+/* False: something that touches pulls. */
 static bool put_forces(Tracer *t)
 {
     t->gate_most = 0;
@@ -34,7 +34,7 @@ static bool put_forces(Tracer *t)
             c->slip.force = c->roll.force = vec3_zero();
             continue;
         }
-        if (!c->gate.presses || !(c->gate.force > 0))
+        if (!c->gate.presses || !(c->gate.force >= 0))
             return false;
         follow_slip(&c->slip, c->gate.force);
         follow_slip(&c->roll, c->gate.force);
@@ -43,7 +43,7 @@ static bool put_forces(Tracer *t)
         push(t, c->b, c->k.at, force, c->roll.force);
         t->gate_most = real_max(t->gate_most, c->gate.force);
     }
-    return t->gate_most > 0;
+    return t->touch_count > 0;
 }
 
 /* unit: m a unit of the cone's motion. Is its force the one that its grip has, and its acceleration the one it leaves? */

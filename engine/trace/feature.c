@@ -113,21 +113,26 @@ static Place place_on_cylinder(const Shape *s, vec3 p, vec3 toward)
     return (Place){.spot = SPOT_LINE, .p = {0, p.y, 0}, .d = {0, 1, 0}, .round = c->radius};
 }
 
-static Place place_on(const Shape *s, vec3 p, vec3 toward)
+/* Does it matter from where it is touched? */
+static inline bool has_sides(const Shape *s) { return s->type != &shape_sphere && s->type != &shape_plane; }
+
+/* point: in the world, on or near the core; at, toward: see Sides. */
+static Place place_on(const Shape *s, const pose *at, vec3 point, const vec3 *toward)
 {
-    if (s->type == &shape_cylinder)
-        return place_on_cylinder(s, p, toward);
+    if (s->type == &shape_sphere)
+        return (Place){.spot = SPOT_POINT};             /* its centre */
+    vec3 p = pose_unpoint(*at, point);
     if (s->type == &shape_box)
-        return place_on_box(s, p, toward);
-    if (s->type == &shape_hull)
-        return place_on_hull(s, p, toward);
-    if (s->type == &shape_capsule)
-        return place_on_capsule(s, p);
+        return place_on_box(s, p, *toward);
     if (s->type == &shape_plane) {
         const PlaneData *plane = s->data;
         return (Place){.spot = SPOT_FACE, .p = vec3_mad(p, plane->offset - vec3_dot(plane->normal, p), plane->normal), .d = plane->normal};
     }
-    return (Place){.spot = SPOT_POINT};                 /* a sphere: its centre */
+    if (s->type == &shape_cylinder)
+        return place_on_cylinder(s, p, *toward);
+    if (s->type == &shape_hull)
+        return place_on_hull(s, p, *toward);
+    return place_on_capsule(s, p);
 }
 
 /* Faces that lie on each other touch where their outlines cross: there the two edges are the feature, and follow when one slides.
@@ -160,19 +165,24 @@ void feature_sides(const Group *g, const GroupPair *q, vec3 normal, Sides *out)
 {
     out->la = pair_local(q, false);
     out->lb = pair_local(q, true);
-    out->a = group_shape_pose(g, q->a, out->la);
-    out->b = group_shape_pose(g, q->b, out->lb);
     out->n = normal;
-    out->out_a = quat_unrotate(out->a.q, normal);
-    out->out_b = quat_unrotate(out->b.q, vec3_neg(normal));
+    if (q->sa->type != &shape_sphere)
+        out->a = group_shape_pose(g, q->a, out->la);
+    if (q->sb->type != &shape_sphere)
+        out->b = group_shape_pose(g, q->b, out->lb);
+    if (has_sides(q->sa))
+        out->out_a = quat_unrotate(out->a.q, normal);
+    if (has_sides(q->sb))
+        out->out_b = quat_unrotate(out->b.q, vec3_neg(normal));
 }
 
 void feature_find(const GroupPair *q, const Sides *s, const ManifoldPoint *p, Feature *out)
 {
     vec3 core_a = vec3_mad(p->a, -q->sa->round, s->n), core_b = vec3_mad(p->b, q->sb->round, s->n);
-    Place a = place_on(q->sa, pose_unpoint(s->a, core_a), s->out_a);
-    Place b = place_on(q->sb, pose_unpoint(s->b, core_b), s->out_b);
-    *out = (Feature){.kind = kind_of(&a, &b), .ra = q->sa->round + a.round, .rb = q->sb->round + b.round};
+    Place a = place_on(q->sa, &s->a, core_a, &s->out_a), b = place_on(q->sb, &s->b, core_b, &s->out_b);
+    out->kind = kind_of(&a, &b);
+    out->ra = q->sa->round + a.round;
+    out->rb = q->sb->round + b.round;
     bool rims = a.spot == SPOT_FACE && b.spot == SPOT_FACE && a.rim == 1 && b.rim == 1;
     if (rims || out->kind == LINE_LINE) {
         vec3 da = rims ? a.edge : a.d, db = rims ? b.edge : b.d, m = vec3_cross(quat_rotate(s->a.q, da), quat_rotate(s->b.q, db));
@@ -192,10 +202,12 @@ void feature_find(const GroupPair *q, const Sides *s, const ManifoldPoint *p, Fe
 
 /* ---- moving ---- */
 
-typedef struct Spin { vec3 x, v, w; quat q; } Spin;     /* one body */
+typedef struct Spin { const Pos *at; const Vel *go; } Spin;     /* one body */
 
-static inline Spin spin_of(const Group *g, int i) { return (Spin){g->pos[i].x, g->vel[i].v, g->vel[i].w, g->pos[i].q}; }
-static inline vec3 material(const Spin *s, vec3 at) { return vec3_add(s->v, vec3_cross(s->w, vec3_sub(at, s->x))); }
+static inline Spin spin_of(const Group *g, int i) { return (Spin){&g->pos[i], &g->vel[i]}; }
+static inline vec3 material(const Spin *s, vec3 at) { return vec3_add(s->go->v, vec3_cross(s->go->w, vec3_sub(at, s->at->x))); }
+/* A point fixed in the body: of balls, its centre. */
+static inline vec3 place_of(const Pos *at, vec3 p) { return vec3_is_zero(p) ? at->x : vec3_add(at->x, quat_rotate(at->q, p)); }
 static vec3 along_normal_removed(vec3 v, vec3 n) { return vec3_mad(v, -vec3_dot(v, n), n); }
 
 typedef struct Turning { vec3 n, ndot, at, atdot; real gap; } Turning;
@@ -203,7 +215,7 @@ typedef struct Turning { vec3 n, ndot, at, atdot; real gap; } Turning;
 /* Plane of s through o, point p of the other body with its velocity: n fixed in s. */
 static inline Turning on_plane(const Spin *s, vec3 o, vec3 normal, vec3 p, vec3 pdot, real round)
 {
-    vec3 ndot = vec3_cross(s->w, normal);
+    vec3 ndot = vec3_cross(s->go->w, normal);
     return (Turning){normal, ndot, vec3_mad(p, -round, normal), vec3_mad(pdot, -round, ndot), vec3_dot(normal, vec3_sub(p, o)) - round};
 }
 
@@ -220,7 +232,7 @@ static Turning between(vec3 f, vec3 fdot, vec3 p, vec3 pdot, real ra, real rb)
 /* Foot of p on the line of s through o along d: o + s d, s = (p - o) . d. */
 static void foot_of(const Spin *s, vec3 o, vec3 d, vec3 p, vec3 pdot, vec3 *f, vec3 *fdot)
 {
-    vec3 odot = material(s, o), ddot = vec3_cross(s->w, d), r = vec3_sub(p, o);
+    vec3 odot = material(s, o), ddot = vec3_cross(s->go->w, d), r = vec3_sub(p, o);
     real at = vec3_dot(r, d), atdot = vec3_dot(vec3_sub(pdot, odot), d) + vec3_dot(r, ddot);
     *f = vec3_mad(o, at, d);
     *fdot = vec3_add(vec3_mad(odot, atdot, d), vec3_scale(at, ddot));
@@ -229,7 +241,7 @@ static void foot_of(const Spin *s, vec3 o, vec3 d, vec3 p, vec3 pdot, vec3 *f, v
 /* Where the circle of radius r about o, across d, goes farthest along q: f = o + r e, e the unit vector of q' = q - (q . d) d. */
 static void rim_toward(const Spin *s, vec3 o, vec3 d, real r, vec3 q, vec3 qdot, vec3 *f, vec3 *fdot)
 {
-    vec3 ddot = vec3_cross(s->w, d), in = along_normal_removed(q, d);
+    vec3 ddot = vec3_cross(s->go->w, d), in = along_normal_removed(q, d);
     vec3 indot = vec3_mad(vec3_mad(qdot, -vec3_dot(qdot, d) - vec3_dot(q, ddot), d), -vec3_dot(q, d), ddot);
     real size = vec3_length(in);
     vec3 e = vec3_unit_or(in, vec3_zero());
@@ -241,7 +253,7 @@ static void rim_toward(const Spin *s, vec3 o, vec3 d, real r, vec3 q, vec3 qdot,
 static Turning rim_on_plane(const Spin *r, vec3 o, vec3 d, real radius, const Spin *s, vec3 p, vec3 normal)
 {
     vec3 f, fdot;
-    rim_toward(r, o, d, radius, vec3_neg(normal), vec3_neg(vec3_cross(s->w, normal)), &f, &fdot);
+    rim_toward(r, o, d, radius, vec3_neg(normal), vec3_neg(vec3_cross(s->go->w, normal)), &f, &fdot);
     return on_plane(s, p, normal, f, fdot, 0);
 }
 
@@ -255,7 +267,7 @@ static Turning turned_round(Turning t)
 /* m = da x db points from a to b; the nearest point of line b lies at s = (ob - oa) . (da x m) / m^2 along it. */
 static Turning crossing(const Spin *a, vec3 oa, vec3 da, const Spin *b, vec3 ob, vec3 db, const Feature *f)
 {
-    vec3 m = vec3_cross(da, db), dadot = vec3_cross(a->w, da), dbdot = vec3_cross(b->w, db);
+    vec3 m = vec3_cross(da, db), dadot = vec3_cross(a->go->w, da), dbdot = vec3_cross(b->go->w, db);
     vec3 mdot = vec3_add(vec3_cross(dadot, db), vec3_cross(da, dbdot));
     real k = vec3_length2(m), size = sqrt(k);
     vec3 r = vec3_sub(ob, oa), rdot = vec3_sub(material(b, ob), material(a, oa));
@@ -268,31 +280,31 @@ static Turning crossing(const Spin *a, vec3 oa, vec3 da, const Spin *b, vec3 ob,
 
 static inline Turning turning_of(const Spin *a, const Spin *b, const Feature *f)
 {
-    vec3 pa = vec3_add(a->x, quat_rotate(a->q, f->pa)), pb = vec3_add(b->x, quat_rotate(b->q, f->pb));
+    vec3 pa = place_of(a->at, f->pa), pb = place_of(b->at, f->pb);
     vec3 foot, footdot;
     switch (f->kind) {
     case PLANE_POINT:
-        return on_plane(a, pa, quat_rotate(a->q, f->da), pb, material(b, pb), f->rb);
+        return on_plane(a, pa, quat_rotate(a->at->q, f->da), pb, material(b, pb), f->rb);
     case POINT_PLANE:
-        return turned_round(on_plane(b, pb, quat_rotate(b->q, f->db), pa, material(a, pa), f->ra));
+        return turned_round(on_plane(b, pb, quat_rotate(b->at->q, f->db), pa, material(a, pa), f->ra));
     case PLANE_RIM:
-        return rim_on_plane(b, pb, quat_rotate(b->q, f->db), f->rb, a, pa, quat_rotate(a->q, f->da));
+        return rim_on_plane(b, pb, quat_rotate(b->at->q, f->db), f->rb, a, pa, quat_rotate(a->at->q, f->da));
     case RIM_PLANE:
-        return turned_round(rim_on_plane(a, pa, quat_rotate(a->q, f->da), f->ra, b, pb, quat_rotate(b->q, f->db)));
+        return turned_round(rim_on_plane(a, pa, quat_rotate(a->at->q, f->da), f->ra, b, pb, quat_rotate(b->at->q, f->db)));
     case RIM_POINT:
-        rim_toward(a, pa, quat_rotate(a->q, f->da), f->ra, vec3_sub(pb, pa), vec3_sub(material(b, pb), material(a, pa)), &foot, &footdot);
+        rim_toward(a, pa, quat_rotate(a->at->q, f->da), f->ra, vec3_sub(pb, pa), vec3_sub(material(b, pb), material(a, pa)), &foot, &footdot);
         return between(foot, footdot, pb, material(b, pb), 0, f->rb);
     case POINT_RIM:
-        rim_toward(b, pb, quat_rotate(b->q, f->db), f->rb, vec3_sub(pa, pb), vec3_sub(material(a, pa), material(b, pb)), &foot, &footdot);
+        rim_toward(b, pb, quat_rotate(b->at->q, f->db), f->rb, vec3_sub(pa, pb), vec3_sub(material(a, pa), material(b, pb)), &foot, &footdot);
         return between(pa, material(a, pa), foot, footdot, f->ra, 0);
     case LINE_POINT:
-        foot_of(a, pa, quat_rotate(a->q, f->da), pb, material(b, pb), &foot, &footdot);
+        foot_of(a, pa, quat_rotate(a->at->q, f->da), pb, material(b, pb), &foot, &footdot);
         return between(foot, footdot, pb, material(b, pb), f->ra, f->rb);
     case POINT_LINE:
-        foot_of(b, pb, quat_rotate(b->q, f->db), pa, material(a, pa), &foot, &footdot);
+        foot_of(b, pb, quat_rotate(b->at->q, f->db), pa, material(a, pa), &foot, &footdot);
         return between(pa, material(a, pa), foot, footdot, f->ra, f->rb);
     case LINE_LINE:
-        return crossing(a, pa, quat_rotate(a->q, f->da), b, pb, quat_rotate(b->q, f->db), f);
+        return crossing(a, pa, quat_rotate(a->at->q, f->da), b, pb, quat_rotate(b->at->q, f->db), f);
     case POINT_POINT:
         break;
     }
@@ -302,19 +314,21 @@ static inline Turning turning_of(const Spin *a, const Spin *b, const Feature *f)
 /* Few bodies that stand still are turned. */
 static inline vec3 still_turn(const Pos *at, vec3 d) { return at->q.x != 0 || at->q.y != 0 || at->q.z != 0 ? quat_rotate(at->q, d) : d; }
 
-/* A point on a plane of what does not move: what most contacts are. The terms that are left, in the order of the general way.
- * side: 1 where b has the point, -1 where a has it. */
-static void move_on_still(const Pos *plane, vec3 o, vec3 normal, const Pos *x, const Vel *v, vec3 point, real round, real side, Kinematics *k)
+/* A point on a plane of what does not move: what most contacts are. The terms that are left, in the order of the general way. */
+static inline void move_on_still(const Pos *plane, const Pos *x, const Vel *v, const Feature *f, Kinematics *k)
 {
-    vec3 n = still_turn(plane, normal), arm = quat_rotate(x->q, point), p = vec3_add(x->x, arm);
-    vec3 turned = vec3_cross(v->w, vec3_sub(p, x->x)), pdot = vec3_add(v->v, turned), u = pdot;
-    k->gap = vec3_dot(n, vec3_sub(p, vec3_add(plane->x, still_turn(plane, o)))) - round;
-    k->at = p;
-    if (round != 0) {
-        k->at = vec3_mad(p, -round, n);
-        u = vec3_add(v->v, vec3_cross(v->w, vec3_sub(k->at, x->x)));
+    bool on_a = f->kind == PLANE_POINT;
+    real side = on_a ? 1 : -1, round = on_a ? f->rb : f->ra;
+    vec3 n = still_turn(plane, on_a ? f->da : f->db), o = still_turn(plane, on_a ? f->pa : f->pb);
+    vec3 p = place_of(x, on_a ? f->pb : f->pa);
+    vec3 u = v->v, drift = vec3_zero();
+    k->gap = vec3_dot(n, vec3_sub(p, vec3_add(plane->x, o))) - round;
+    k->at = round != 0 ? vec3_mad(p, -round, n) : p;
+    if (!vec3_is_zero(v->w)) {
+        vec3 pdot = vec3_add(v->v, vec3_cross(v->w, vec3_sub(p, x->x)));
+        u = round != 0 ? vec3_add(v->v, vec3_cross(v->w, vec3_sub(k->at, x->x))) : pdot;
+        drift = vec3_cross(v->w, vec3_sub(pdot, v->v));
     }
-    vec3 drift = vec3_cross(v->w, vec3_sub(pdot, v->v));
     k->n = vec3_scale(side, n);
     k->u = vec3_scale(side, u);
     k->rate = vec3_dot(n, u);
@@ -324,25 +338,43 @@ static void move_on_still(const Pos *plane, vec3 o, vec3 normal, const Pos *x, c
 
 static inline bool is_still(const Vel *v) { return vec3_is_zero(v->v) && vec3_is_zero(v->w); }
 
+/* Two balls that do not turn. */
+static void move_balls(const Spin *a, const Spin *b, real ra, real rb, Kinematics *k)
+{
+    Turning t = between(a->at->x, a->go->v, b->at->x, b->go->v, ra, rb);
+    k->n = t.n;
+    k->at = t.at;
+    k->gap = t.gap;
+    k->u = vec3_sub(b->go->v, a->go->v);
+    k->rate = vec3_dot(t.n, k->u);
+    k->drift = vec3_zero();
+    k->drift_n = vec3_dot(t.ndot, k->u);
+}
+
 /* u = material velocity of b against a at the contact point c. Without accelerations c' - v stays of the body's own velocity at the
  * moving point:  du/dt = wb x (c' - vb) - wa x (c' - va),  d(n . u)/dt = n . du/dt + n' . u. */
 void feature_move(const Group *g, const Feature *f, int a, int b, Kinematics *k)
 {
-    if (f->kind == PLANE_POINT && is_still(&g->vel[a])) {
-        move_on_still(&g->pos[a], f->pa, f->da, &g->pos[b], &g->vel[b], f->pb, f->rb, 1, k);
-        return;
-    }
-    if (f->kind == POINT_PLANE && is_still(&g->vel[b])) {
-        move_on_still(&g->pos[b], f->pb, f->db, &g->pos[a], &g->vel[a], f->pa, f->ra, -1, k);
-        return;
+    if (f->kind == PLANE_POINT || f->kind == POINT_PLANE) {
+        bool on_a = f->kind == PLANE_POINT;     /* the plane */
+        int plane = on_a ? a : b, point = on_a ? b : a;
+        const Member *m = &g->member[plane];
+        if ((!m->moves && !m->kinematic) || is_still(&g->vel[plane])) {
+            move_on_still(&g->pos[plane], &g->pos[point], &g->vel[point], f, k);
+            return;
+        }
     }
     Spin sa = spin_of(g, a), sb = spin_of(g, b);
+    if (f->kind == POINT_POINT && vec3_is_zero(sa.go->w) && vec3_is_zero(sb.go->w) && vec3_is_zero(f->pa) && vec3_is_zero(f->pb)) {
+        move_balls(&sa, &sb, f->ra, f->rb, k);
+        return;
+    }
     Turning t = turning_of(&sa, &sb, f);
     k->n = t.n;
     k->at = t.at;
     k->gap = t.gap;
     k->u = vec3_sub(material(&sb, t.at), material(&sa, t.at));
     k->rate = vec3_dot(t.n, k->u);
-    k->drift = vec3_sub(vec3_cross(sb.w, vec3_sub(t.atdot, sb.v)), vec3_cross(sa.w, vec3_sub(t.atdot, sa.v)));
+    k->drift = vec3_sub(vec3_cross(sb.go->w, vec3_sub(t.atdot, sb.go->v)), vec3_cross(sa.go->w, vec3_sub(t.atdot, sa.go->v)));
     k->drift_n = vec3_dot(t.n, k->drift) + vec3_dot(t.ndot, k->u);
 }

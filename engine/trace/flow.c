@@ -36,10 +36,12 @@ void trace_keep_angles(Tracer *t)
         memcpy(t->unwound[i].memory, t->g->joints[i].memory, sizeof t->unwound[i].memory);
 }
 
-/* Angles unwind from the start of the step: a stage of a step that is refused may have turned anywhere. */
+/* Angles unwind from the start of the step: a stage of a step that is refused may have turned anywhere. What is moved along its own way
+ * is where it is at the group's time. */
 void trace_load(Tracer *t, const State *y, real time)
 {
     Group *g = t->g;
+    bool later = time != g->t;
     g->t = time;
     t->known = NULL;
     for (int i = 0; i < g->joint_count; i++)
@@ -52,7 +54,7 @@ void trace_load(Tracer *t, const State *y, real time)
             group_refresh_mass(g, i);
             g->vel[i].w = mat3_mul_vec(g->mass[i].ii, y[i].l);
             t->spin_l[i] = y[i].l;
-        } else if (m->kinematic) {
+        } else if (m->kinematic && later) {
             const Pos *p = &t->mover_start[i];
             g->pos[i] = (Pos){vec3_mad(p->x, time, g->vel[i].v), quat_unit(quat_mul(quat_exp(vec3_scale(time, g->vel[i].w)), p->q))};
         }
@@ -79,10 +81,11 @@ void trace_refine(Tracer *t, const State *y)
 
 /* ---- rates ---- */
 
+/* Half of (w, 0) q. */
 static quat quat_rate(vec3 w, quat q)
 {
-    quat r = quat_mul((quat){w.x, w.y, w.z, 0}, q);
-    return (quat){0.5 * r.x, 0.5 * r.y, 0.5 * r.z, 0.5 * r.w};
+    return (quat){0.5 * (w.x * q.w + w.y * q.z - w.z * q.y), 0.5 * (w.y * q.w - w.x * q.z + w.z * q.x),
+                  0.5 * (w.x * q.y - w.y * q.x + w.z * q.w), -0.5 * (w.x * q.x + w.y * q.y + w.z * q.z)};
 }
 
 /* Sliding follows the slip through the stages; where that turns round, the sign keeps the rates smooth beyond the stop. */
@@ -378,9 +381,11 @@ static bool looks_steady(const Tracer *t, real h)
     for (int i = 0; i < g->body_count; i++)
         if (!(g->member[i].moves && g->member[i].round) && vec3_length(g->vel[i].w) * h > STEADY)
             return false;
-    for (int i = 0; i < t->touch_count; i++)
-        if (t->touch[i].gate.presses && t->touch[i].feature.kind != POINT_PLANE && t->touch[i].feature.kind != PLANE_POINT)
+    for (int i = 0; i < t->touch_count; i++) {
+        const Touching *c = &t->touch[i];
+        if (c->gate.presses && c->gate.force != 0 && c->feature.kind != POINT_PLANE && c->feature.kind != PLANE_POINT)
             return false;
+    }
     return true;
 }
 

@@ -1,4 +1,5 @@
 /* trace/rows.c - the equations at one instant: kinematics of contacts and joints, their rows, forces and accelerations. */
+#include "math/pair.h"
 #include "trace/trace.h"
 
 /* Part of the largest acceleration by which redundant rows may contradict each other: the stages of a step are off their loops by its
@@ -314,6 +315,60 @@ static void push_holds(Tracer *t)
     }
 }
 
+/* A linear and an angular vector, two numbers at a time, like those of an Arrow. */
+typedef struct Six { pair p[3]; } Six;
+
+static inline Six six_of(vec3 lin, vec3 ang) { return (Six){{{lin.x, lin.y}, {lin.z, ang.x}, {ang.y, ang.z}}}; }
+
+static inline real dot_arrow(const Six *s, const Arrow *arrow)
+{
+    const real *a = &arrow->lin.x;
+    pair sum = s->p[0] * two(a) + s->p[1] * two(a + 2) + s->p[2] * two(a + 4);
+    return sum[0] + sum[1];
+}
+
+static inline void add_arrow(Six *s, real factor, const Arrow *arrow)
+{
+    const real *a = &arrow->lin.x;
+    pair f = {factor, factor};
+    for (int i = 0; i < 3; i++)
+        s->p[i] += f * two(a + 2 * i);
+}
+
+/* The accelerations that are missing at the rows, which follow each other in runs on the same bodies. */
+static void right_side(Tracer *t)
+{
+    System *s = &t->sys;
+    for (int i = 0; i < s->count; i++)
+        s->b[i] = -s->lines[i].drift;
+    for (int i = 0; i < s->count; i = s->run[i])
+        for (int k = 0; k < s->lines[i].count; k++) {
+            int body = s->lines[i].body[k];
+            const Six a = six_of(t->acc[body], t->alpha[body]);
+            for (int r = i; r < s->run[i]; r++)
+                s->b[r] -= dot_arrow(&a, &s->lines[r].j[k]);
+        }
+}
+
+/* What the rows' forces do to the bodies. */
+static void push_bodies(Tracer *t)
+{
+    const System *s = &t->sys;
+    for (int i = 0; i < s->count; i = s->run[i])
+        for (int k = 0; k < s->lines[i].count; k++) {
+            int body = s->lines[i].body[k];
+            Six a = six_of(t->acc[body], t->alpha[body]);
+            vec3 torque = t->torque[body];
+            for (int r = i; r < s->run[i]; r++) {
+                add_arrow(&a, s->x[r], &s->lines[r].m[k]);
+                torque = vec3_mad(torque, s->x[r], s->lines[r].gang[k]);
+            }
+            t->acc[body] = (vec3){a.p[0][0], a.p[0][1], a.p[1][0]};
+            t->alpha[body] = (vec3){a.p[1][1], a.p[2][0], a.p[2][1]};
+            t->torque[body] = torque;
+        }
+}
+
 bool trace_solve(Tracer *t)
 {
     Group *g = t->g;
@@ -327,29 +382,16 @@ bool trace_solve(Tracer *t)
     if (t->fault)
         return false;
     if (s->count > 0) {
-        for (int i = 0; i < s->count; i++) {
-            const Line *l = &s->lines[i];
-            real a = l->drift;
-            for (int k = 0; k < l->count; k++)
-                a += vec3_dot(l->j[k].lin, t->acc[l->body[k]]) + vec3_dot(l->j[k].ang, t->alpha[l->body[k]]);
-            s->b[i] = -a;
-        }
-        if (!system_factor(s) || !system_solve(s, CONTRADICTION)) {
+        bool regular = system_factor(s);
+        right_side(t);
+        if (!regular || !system_solve(s, CONTRADICTION)) {
             t->fault = "rows that contradict each other";
             return false;
         }
         g->residual = real_max(g->residual, s->residual);
     }
     read_forces(t);
-    for (int i = 0; i < s->count; i++) {
-        const Line *l = &s->lines[i];
-        real force = s->x[i];
-        for (int k = 0; k < l->count; k++) {
-            t->acc[l->body[k]] = vec3_mad(t->acc[l->body[k]], force, l->m[k].lin);
-            t->alpha[l->body[k]] = vec3_mad(t->alpha[l->body[k]], force, l->m[k].ang);
-            t->torque[l->body[k]] = vec3_mad(t->torque[l->body[k]], force, l->gang[k]);
-        }
-    }
+    push_bodies(t);
     return true;
 }
 
@@ -389,19 +431,27 @@ Violation trace_violation(const Tracer *t)
     return v;
 }
 
-static void shift(Tracer *t, const Line *l, real amount, bool positions)
+/* What the rows' impulses do to velocities, or to places: each body once for a run of rows. */
+static void shift_bodies(Tracer *t, bool positions)
 {
     Group *g = t->g;
-    for (int k = 0; k < l->count; k++) {
-        int b = l->body[k];
-        if (positions) {
-            g->pos[b].x = vec3_mad(g->pos[b].x, amount, l->m[k].lin);
-            g->pos[b].q = quat_unit(quat_mul(quat_exp(vec3_scale(amount, l->m[k].ang)), g->pos[b].q));
-        } else {
-            g->vel[b].v = vec3_mad(g->vel[b].v, amount, l->m[k].lin);
-            g->vel[b].w = vec3_mad(g->vel[b].w, amount, l->m[k].ang);
+    const System *s = &t->sys;
+    for (int i = 0; i < s->count; i = s->run[i])
+        for (int k = 0; k < s->lines[i].count; k++) {
+            int b = s->lines[i].body[k];
+            vec3 move = vec3_zero(), turn = vec3_zero();
+            for (int r = i; r < s->run[i]; r++) {
+                move = vec3_mad(move, s->x[r], s->lines[r].m[k].lin);
+                turn = vec3_mad(turn, s->x[r], s->lines[r].m[k].ang);
+            }
+            if (positions) {
+                g->pos[b].x = vec3_add(g->pos[b].x, move);
+                g->pos[b].q = quat_unit(quat_mul(quat_exp(turn), g->pos[b].q));
+            } else {
+                g->vel[b].v = vec3_add(g->vel[b].v, move);
+                g->vel[b].w = vec3_add(g->vel[b].w, turn);
+            }
         }
-    }
 }
 
 /* The rate of a row that should be what it wants: against what moves by itself, too. */
@@ -460,7 +510,6 @@ bool trace_project(Tracer *t, bool positions)
     bool driven = !positions && (t->hold_count > 0 || trace_movers(t->g));
     for (int i = 0; i < s->count && driven; i++)
         t->given += s->x[i] * (own_rate(t, &s->lines[i]) + s->b[i]);
-    for (int i = 0; i < s->count; i++)
-        shift(t, &s->lines[i], s->x[i], positions);
+    shift_bodies(t, positions);
     return true;
 }

@@ -18,9 +18,6 @@
 #define SOFTENING    1e-7       /* part of the diagonal */
 #define ENOUGH       2e-15
 
-_Static_assert(sizeof(Arrow) == 6 * sizeof(real), "six numbers, two at a time");
-static inline pair two(const real *x) { return *(const pair *)(const void *)x; }
-
 static inline bool same_bodies(const Line *i, const Line *k)
 {
     if (i->count != k->count)
@@ -31,24 +28,43 @@ static inline bool same_bodies(const Line *i, const Line *k)
     return true;
 }
 
-/* Adds to (or, at first, makes) rows i .. i_end of A in the columns k .. k_end what their p-th and q-th bodies, the same one, do. */
-static inline void couple_body(System *s, int i, int i_end, int p, int k, int k_end, int q, bool first)
+/* Adds to (or, at first, makes) `count` numbers of a row of A: what its p-th body and the q-th of the other rows, the same one, do. */
+INLINE void couple_row(real *a, const real *j, const Line *other, int q, int count, bool first)
 {
-    for (const Line *own = &s->lines[i]; i < i_end; i++, own++) {
-        real *a = s->a + i * s->count + k, *end = s->a + i * s->count + (s->sliding ? k_end : int_min(k_end, i + 1));
-        const real *j = &own->j[p].lin.x;
-        const pair j0 = two(j), j1 = two(j + 2), j2 = two(j + 4);
-        for (const Line *other = &s->lines[k]; a < end; a++, other++) {
-            const real *m = &other->m[q].lin.x;
-            pair both = j0 * two(m) + j1 * two(m + 2) + j2 * two(m + 4);
-            real sum = both[0] + both[1];
-            *a = first ? sum : *a + sum;
-        }
+    const pair j0 = two(j), j1 = two(j + 2), j2 = two(j + 4);
+    int k = 0;
+    for (; k + 1 < count; k += 2, other += 2) {
+        const real *m = &other[0].m[q].lin.x, *n = &other[1].m[q].lin.x;
+        pair x = j0 * two(m) + j1 * two(m + 2) + j2 * two(m + 4), y = j0 * two(n) + j1 * two(n + 2) + j2 * two(n + 4);
+        pair sum = (pair){x[0], y[0]} + (pair){x[1], y[1]};
+        if (!first)
+            sum += PAIR(a[k]);
+        PAIR(a[k]) = sum;
+    }
+    if (k < count) {
+        const real *m = &other->m[q].lin.x;
+        pair x = j0 * two(m) + j1 * two(m + 2) + j2 * two(m + 4);
+        a[k] = first ? x[0] + x[1] : a[k] + (x[0] + x[1]);
     }
 }
 
-/* Rows i .. i_end of A in the columns k .. k_end, where all rows have the same bodies, and so have all columns. */
-static void couple(System *s, int i, int i_end, int k, int k_end)
+/* The rows i .. i_end of A in the columns k .. k_end, all rows of the same bodies, and so all columns. Where A is symmetric up to the
+ * diagonal, or one beyond, which nobody reads. */
+static inline void couple_body(System *s, int i, int i_end, int p, int k, int k_end, int q, bool first)
+{
+    real *a = s->a + i * s->count + k;
+    const Line *other = &s->lines[k];
+    for (const Line *own = &s->lines[i]; i < i_end; i++, own++, a += s->count) {
+        int count = s->sliding ? k_end - k : int_min(k_end - k, (i - k + 2) & ~1);
+        if (first)
+            couple_row(a, &own->j[p].lin.x, other, q, count, true);
+        else
+            couple_row(a, &own->j[p].lin.x, other, q, count, false);
+    }
+}
+
+/* All that they have in common. False: nothing. */
+static bool couple(System *s, int i, int i_end, int k, int k_end)
 {
     const Line *own = &s->lines[i], *other = &s->lines[k];
     bool first = true;
@@ -60,8 +76,7 @@ static void couple(System *s, int i, int i_end, int k, int k_end)
             }
     for (; first && i < i_end; i++)
         memset(s->a + i * s->count + k, 0, (size_t)(k_end - k) * sizeof *s->a);
-    for (; i < i_end; i++)
-        s->first[i] = int_min(s->first[i], k);
+    return !first;
 }
 
 /* Rows of one joint or patch follow each other and have the same bodies: where each such run ends. */
@@ -81,11 +96,14 @@ static void assemble(System *s)
             couple_body(s, 0, s->count, p, 0, s->count, p, p == 0);
         return;
     }
-    for (int i = 0; i < s->count; i++)
-        s->first[i] = s->sliding ? 0 : i;
-    for (int i = 0; i < s->count; i = s->run[i])
+    for (int i = 0; i < s->count; i = s->run[i]) {
+        int first = s->sliding ? 0 : s->count;
         for (int k = 0; k < (s->sliding ? s->count : s->run[i]); k = s->run[k])
-            couple(s, i, s->run[i], k, s->run[k]);
+            if (couple(s, i, s->run[i], k, s->run[k]))
+                first = int_min(first, k);
+        for (int k = i; k < s->run[i]; k++)
+            s->first[k] = int_min(first, k);
+    }
 }
 
 /* L D L^T within the profile, D inverted. False: a pivot vanished. */

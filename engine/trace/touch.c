@@ -1,6 +1,7 @@
 /* trace/touch.c - contacts of the present state become frozen features; those that stay keep their kinds. */
 #include "trace/trace.h"
 
+#include <stddef.h>
 #include <stdlib.h>
 
 #define RIM 0xf0000000u         /* numbers of rims, apart from those of manifold points */
@@ -21,9 +22,7 @@ static const Touching *find_old(const Tracer *t, const GroupContact *c, int cont
 
 static void new_contact(const Tracer *t, Touching *c, const GroupPair *q, const GroupContact *from, const PointMemory *memory)
 {
-    memset(&c->gate, 0, sizeof c->gate);
-    memset(&c->slip, 0, sizeof c->slip);
-    memset(&c->roll, 0, sizeof c->roll);
+    memset(c, 0, offsetof(Touching, feature));          /* its gate and its cones */
     c->slip.weight = c->roll.weight = 1;
     c->gate.force = memory->normal;
     c->slip.force = memory->tangent;
@@ -203,7 +202,10 @@ bool trace_items(Tracer *t)
     for (int i = 0; i < t->touch_count; i++)
         if (i == 0 || t->touch[i].contact != t->touch[i - 1].contact)
             items[n++] = item_of(t, t->touch[i].a, t->touch[i].b, -1 - i);
-    if (n > 1)
+    bool sorted = true;         /* as bodies that came one after the other are */
+    for (int i = 1; i < n && sorted; i++)
+        sorted = compare_items(&items[i - 1], &items[i]) < 0;
+    if (!sorted)
         qsort(items, (size_t)n, sizeof *items, compare_items);
     for (int i = 0; i < n; i++)
         t->item[i] = items[i].what;

@@ -66,8 +66,8 @@ static bool approaching(const Tracer *t)
  * frame that is the jerk of joints and contacts whose velocities others, a script among them, left apart: it is lost. */
 static bool close_all(Tracer *t, bool start, bool *moved)
 {
+    Violation v = trace_violation(t);
     for (int pass = 0; pass < 8; pass++) {
-        Violation v = trace_violation(t);
         real off = real_max(v.joints, v.gates);
         if (v.joints <= real_max(1e-13 * t->size, JOINT_DRIFT * t->tolerance) && v.gates <= real_max(1e-13 * t->size, GATE_DRIFT * t->tolerance))
             return true;

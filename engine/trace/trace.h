@@ -39,7 +39,7 @@ typedef struct Kinematics {     /* of a contact, world axes */
 } Kinematics;
 
 /* What all points of a manifold share: where the two shapes are, in the world and in their bodies, its normal, and the same in either's
- * frame, outward. */
+ * frame, outward; of balls only the place in the body, of planes no direction. */
 typedef struct Sides { pose a, b, la, lb; vec3 n, out_a, out_b; } Sides;
 
 void feature_sides(const Group *g, const GroupPair *q, vec3 normal, Sides *out);
@@ -104,6 +104,7 @@ typedef struct Bond {           /* a joint that can break              */
 typedef enum LineKind { LINE_HARD, LINE_NORMAL, LINE_STOP, LINE_SLIP, LINE_ROLL, LINE_HOLD, LINE_LATERAL } LineKind;
 
 typedef struct Arrow { vec3 lin, ang; } Arrow;
+_Static_assert(sizeof(Arrow) == 6 * sizeof(real), "six numbers, two at a time");
 
 typedef struct Line {           /* one row: J of the moving bodies, and M^-1 G */
     LineKind kind;
