@@ -32,13 +32,20 @@ static bool goes_past(const GroupPair *q, real gap, real closing, real speed)
     return gap > q->size && across2 * gap * gap > reach * reach * closing * closing;
 }
 
-/* If an impact stops either, the other goes on alone. Not of what is near: there an impact that throws either to its side matters, too. */
-static bool alone_goes_past(const Group *g, const GroupContact *t, const ManifoldPoint *p)
+/* May impacts in this step give it a good part of its speed, or more? Then it goes who knows where. */
+static bool is_thrown(const Crowd *c, int body) { return vec3_length(c->g->vel[body].v) < 0.5 * c->stop[body]; }
+
+/* If an impact stops either, the other goes on alone. Not of what is near, or rests: there an impact that throws either to its side matters,
+ * too. */
+static bool alone_goes_past(const Crowd *c, const GroupContact *t, const ManifoldPoint *p)
 {
+    const Group *g = c->g;
     const GroupPair *q = &g->pairs[t->pair];
+    if (p->gap <= q->size || (is_thrown(c, t->a) && is_thrown(c, t->b)))
+        return false;
     vec3 n = t->manifold.normal, a = crowd_velocity(g, t->a, p->a), b = crowd_velocity(g, t->b, p->b);
     real to_b = vec3_dot(n, a), to_a = -vec3_dot(n, b);
-    return p->gap > q->size && (to_b <= 0 || goes_past(q, p->gap, to_b, vec3_length(a))) && (to_a <= 0 || goes_past(q, p->gap, to_a, vec3_length(b)));
+    return (to_b <= 0 || goes_past(q, p->gap, to_b, vec3_length(a))) && (to_a <= 0 || goes_past(q, p->gap, to_a, vec3_length(b)));
 }
 
 /* Might it act within the step? Others may push as hard as the bodies move. */
@@ -54,7 +61,7 @@ static bool may_act(const Crowd *c, const GroupContact *t)
             return true;
         real speed, closing = crowd_closing(g, t, p, &speed), way = c->dt * (0.5 * speed + real_max(0, closing));
         bool past = closing > 0 && goes_past(q, p->gap, closing, speed);
-        if ((p->gap <= near + way && !past) || (stop > 0 && p->gap <= near + stop + (past ? 0 : way) && !alone_goes_past(g, t, p)))
+        if ((p->gap <= near + way && !past) || (stop > 0 && p->gap <= near + stop + (past ? 0 : way) && !alone_goes_past(c, t, p)))
             return true;
     }
     return false;

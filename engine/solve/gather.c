@@ -224,7 +224,7 @@ typedef struct Near {           /* a pair that may be gathered                  
 
 typedef struct Span {           /* m  of a body */
     real wide;                  /*    within this of its centre of mass is all that it is, and gets to in the step */
-    real far;                   /*    its travel, and so far it gets at most in the step, unless something strikes it */
+    real far;                   /*    its travel, and so far it gets at most in the step */
 } Span;
 
 typedef struct Nearby { Group *g; const uint32_t *pairs; Near *near; Span *span; int count; } Nearby;
@@ -302,22 +302,37 @@ static void gather_contact(const World *w, const GroupPair *q, int pair, uint32_
     }
 }
 
-static Span span_of(const Group *g, int body)
+/* m  No point of the body gets farther in the step, unless something strikes it. */
+static real way_of(const Group *g, int body)
 {
     const Member *m = &g->member[body];
     const Vel *v = &g->vel[body];
     if (m->slot == NONE)
-        return (Span){INFINITY, 0};     /* the world itself */
+        return 0;               /* the world itself */
     real dt = g->world->def.step, spin = vec3_length2(v->w) > 0 ? vec3_length(v->w) * m->outer : 0;
-    real way = dt * (vec3_length(v->v) + spin + m->pull * dt);
-    return (Span){1.01 * m->outer + way, m->travel + way};
+    return dt * (vec3_length(v->v) + spin + m->pull * dt);
 }
 
-static void find_spans(void *context, int thread, int threads)
+static void find_ways(void *context, int thread, int threads)
 {
     const Nearby *n = context;
     for (int i = team_first(n->g->body_count, thread, threads), end = team_end(n->g->body_count, thread, threads); i < end; i++)
-        n->span[i] = span_of(n->g, i);
+        n->span[i].far = way_of(n->g, i);
+}
+
+/* What is struck, be it through others between, gets about as far as the fastest of its group would have. */
+static void find_spans(Nearby *n)
+{
+    const Group *g = n->g;
+    team_run(g->team, find_ways, n);
+    real blow = 0;
+    for (int i = 0; i < g->body_count; i++)
+        blow = real_max(blow, n->span[i].far);
+    for (int i = 0; i < g->body_count; i++) {
+        const Member *m = &g->member[i];
+        real way = m->moves ? blow : n->span[i].far;
+        n->span[i] = m->slot == NONE ? (Span){INFINITY, 0} : (Span){1.01 * m->outer + way, m->travel + way};
+    }
 }
 
 /* Most pairs of a crowd are near each other without a contact, and get none in this step: they are left out. */
@@ -406,7 +421,7 @@ static dig_status gather_pairs(Group *g, const uint32_t *pairs, int pair_count)
     if (!n.near || !n.span)
         return DIG_E_MEMORY;
     if (g->crowd)
-        team_run(g->team, find_spans, &n);
+        find_spans(&n);
     team_run(g->team, find_near, &n);
     for (int i = 0; i < pair_count; i++)
         if (n.near[i].contacts > 0) {

@@ -65,6 +65,12 @@ static bool mover_wakes(World *w, uint32_t mover, uint32_t other)
 
 static bool is_listed(const World *w, uint32_t body) { return body != NONE && w->bodies.data[body].listed; }
 
+bool pair_met(const World *w, const Pair *p)
+{
+    return (p->dynamic_a || p->dynamic_b) && box3_overlap(reach_now(w, &w->solids.data[p->solid_a], is_listed(w, p->body_a)),
+                                                          reach_now(w, &w->solids.data[p->solid_b], is_listed(w, p->body_b)));
+}
+
 /* What is found out about a listed pair before anything is united. */
 enum { GONE, APART, MEETS, WITHIN };        /* WITHIN: so do two of the same DIG, which unites nothing */
 
@@ -99,13 +105,11 @@ static void look_share(void *context, int thread, int threads)
         l->found[i] = GONE;
         if (!p->alive || (i > 0 && w->near.data[i - 1] == w->near.data[i]))
             continue;                       /* gone; or gone, and its slot was given to a new pair */
-        bool a = is_listed(w, p->body_a), b = is_listed(w, p->body_b);
-        p->listed = a || b;
+        p->listed = is_listed(w, p->body_a) || is_listed(w, p->body_b);
         if (!p->listed)
             continue;
         l->found[i] = APART;
-        if (!(p->dynamic_a || p->dynamic_b) ||
-            !box3_overlap(reach_now(w, &w->solids.data[p->solid_a], a), reach_now(w, &w->solids.data[p->solid_b], b)))
+        if (!pair_met(w, p))
             continue;
         bool within = p->dynamic_a && p->dynamic_b && graph_lead(w->graph, p->body_a) == graph_lead(w->graph, p->body_b);
         l->found[i] = within ? WITHIN : MEETS;

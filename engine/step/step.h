@@ -40,6 +40,7 @@ typedef struct Step {           /* what the stages hand to each other; lives in 
 dig_status sense_pairs(World *w, real dt);          /* whose boxes may meet in this step                    */
 bool       plane_near(const World *w, uint32_t plane, box3 box);    /* is a part of the box in it?                           */
 /* groups.c */
+bool       pair_met(const World *w, const Pair *p);  /* of a listed pair: is it watched in this try?         */
 dig_status form_groups(World *w, Step *s);          /* DIGs that may meet are advanced together             */
 /* advance.c */
 dig_status advance_groups(World *w, Step *s);       /* on private copies, in parallel; DIG_E_BUSY = a sleeper woke or a body went astray: again */

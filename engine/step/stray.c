@@ -1,45 +1,44 @@
 /* step/stray.c - who got farther than foreseen, and into something that its group did not watch.
  *
  * Which bodies may meet in a step is decided before it, from their speeds then; a blow can send one farther. Where it would end up in
- * what its group did not watch, the step is done again with a longer reach. Only for groups that follow their blows in time: the
- * others are not exact.
+ * what its group did not watch, the step is done again with a longer reach. For groups that follow their blows in time, and, where it
+ * would end up deep, for crowds: a plate that is driven into them hands its speed on through any number of bodies. The others are not exact.
  */
 #include "step/step.h"
 
 #include <stdlib.h>
 
 #define ASTRAY_TRIES 6          /* of one step */
+#define DEEP 0.02               /* outer radii: by less bodies of a crowd may end up in each other */
 
 /* A solid that ends beyond its reach. */
-typedef struct Stray { const Group *g; uint32_t solid; box3 end; bool missed; } Stray;
-
-static int compare_slot(const void *key, const void *pair)
-{
-    uint32_t a = *(const uint32_t *)key, b = ((const GroupPair *)pair)->slot;
-    return a < b ? -1 : a > b;
-}
+typedef struct Stray { const Group *g; uint32_t solid; vec3 at; box3 end; bool missed; } Stray;
 
 /* May the two touch, and is that no pair that the group watched? */
-static bool unwatched(const World *w, const Group *g, uint32_t solid, uint32_t other)
+static bool unwatched(const World *w, uint32_t solid, uint32_t other)
 {
     uint32_t pair = NONE;
     if (other == solid || !bodies_may_touch(w, &w->solids.data[solid], &w->solids.data[other]))
         return false;
-    return !pair_find(w, solid, other, &pair) || !bsearch(&pair, g->pairs, (size_t)g->pair_count, sizeof *g->pairs, compare_slot);
+    return !pair_find(w, solid, other, &pair) || !pair_met(w, &w->pairs.data[pair]);
 }
 
-static bool follows_blows(const Group *g) { return g->located > 0 || g->varies; }
+static bool followed(const Group *g) { return g->located > 0 || g->varies || g->crowd; }
 
-static bool strays(const World *w, const Group *g, int member, uint32_t solid, box3 *end)
+static real margin_of(const Group *g, const Solid *s) { return g->crowd ? DEEP * s->shape.outer : 0; }
+
+static bool strays(const World *w, int member, Stray *out)
 {
-    const Solid *s = &w->solids.data[solid];
+    const Group *g = out->g;
+    const Solid *s = &w->solids.data[out->solid];
     const Body *b = &w->bodies.data[g->member[member].slot];
     const Pos *p = &g->pos[member];
     pose at = pose_mul((pose){vec3_sub(p->x, quat_rotate(p->q, b->centre)), p->q}, s->at);
     if (s->leaf < 0 || !vec3_finite(p->x) || !quat_finite(p->q))
         return false;
-    *end = s->shape.type->bounds(&s->shape, at);
-    return !box3_inside(s->reach, *end);
+    out->at = at.p;
+    out->end = box3_grow(s->shape.type->bounds(&s->shape, at), -margin_of(g, s));
+    return !box3_inside(s->reach, out->end);
 }
 
 /* Fills `out`, if there is one; returns how many there are. */
@@ -48,10 +47,10 @@ static int list_strays(const World *w, const Step *s, Stray *out)
     int n = 0;
     for (int i = 0; i < s->count; i++) {
         const Group *g = &s->groups[i];
-        for (int k = 0; k < g->moving_count && follows_blows(g); k++)
+        for (int k = 0; k < g->moving_count && followed(g); k++)
             for (uint32_t c = w->bodies.data[g->member[k].slot].shape_first; c != NONE && g->member[k].moves; c = w->solids.data[c].next) {
                 Stray stray = {.g = g, .solid = c};
-                if (!strays(w, g, k, c, &stray.end))
+                if (!strays(w, k, &stray))
                     continue;
                 if (out)
                     out[n] = stray;
@@ -61,12 +60,27 @@ static int list_strays(const World *w, const Step *s, Stray *out)
     return n;
 }
 
-typedef struct Meeting { const World *w; Stray *stray; } Meeting;
+/* Might two solids whose centres end up there be in each other by more than does not matter? Of a crowd's; others' are looked at anew. */
+static bool deep(const World *w, const Stray *x, uint32_t other, vec3 at)
+{
+    const Solid *s = &w->solids.data[x->solid], *o = &w->solids.data[other];
+    real near = s->shape.outer + o->shape.outer - DEEP * real_min(s->shape.outer, o->shape.outer);
+    return !x->g->crowd || vec3_length2(vec3_sub(at, x->at)) < near * near;
+}
 
+typedef struct Meeting { const World *w; real dt; Stray *stray; } Meeting;
+
+/* The other is where it would be if nothing had struck it. */
 static bool meets(void *context, uint32_t other)
 {
     const Meeting *m = context;
-    m->stray->missed = unwatched(m->w, m->stray->g, m->stray->solid, other);
+    const Solid *o = &m->w->solids.data[other];
+    const Body *b = o->body == NONE ? NULL : &m->w->bodies.data[o->body];
+    pose at = solid_pose(m->w, o);
+    if (b && (b->kind == DIG_KINEMATIC || (b->kind == DIG_DYNAMIC && b->awake)))
+        at.p = vec3_mad(at.p, m->dt, b->v);
+    m->stray->missed = unwatched(m->w, m->stray->solid, other) && deep(m->w, m->stray, other, at.p) &&
+                       (!m->stray->g->crowd || box3_overlap(m->stray->end, o->shape.type->bounds(&o->shape, at)));
     return !m->stray->missed;
 }
 
@@ -75,7 +89,7 @@ static void look_at_planes(const World *w, Stray *stray)
 {
     for (int i = 0; i < w->unbounded.count && !stray->missed; i++) {
         uint32_t plane = w->unbounded.data[i];
-        stray->missed = plane_near(w, plane, stray->end) && unwatched(w, stray->g, stray->solid, plane);
+        stray->missed = plane_near(w, plane, stray->end) && unwatched(w, stray->solid, plane);
     }
 }
 
@@ -93,7 +107,7 @@ static void look_at_each_other(const World *w, Stray *list, int count)
     qsort(list, (size_t)count, sizeof *list, compare_low);
     for (int i = 0; i < count; i++)
         for (int k = i + 1; k < count && list[k].end.low.x <= list[i].end.high.x; k++)
-            if (box3_overlap(list[i].end, list[k].end) && unwatched(w, list[i].g, list[i].solid, list[k].solid))
+            if (box3_overlap(list[i].end, list[k].end) && unwatched(w, list[i].solid, list[k].solid) && deep(w, &list[i], list[k].solid, list[k].at))
                 list[i].missed = list[k].missed = true;
 }
 
@@ -113,7 +127,7 @@ dig_status look_for_strays(World *w, Step *s)
         return world_fail(w, DIG_E_MEMORY, "not enough memory for bodies that got farther than foreseen");
     list_strays(w, s, list);
     for (int i = 0; i < count; i++) {
-        tree_query(&w->tree, list[i].end, meets, &(Meeting){w, &list[i]});
+        tree_query(&w->tree, list[i].end, meets, &(Meeting){w, s->dt, &list[i]});
         look_at_planes(w, &list[i]);
     }
     look_at_each_other(w, list, count);

@@ -418,9 +418,14 @@ static void rest_on(Tracer *t, real h)
     t->h_next = t->end;
 }
 
+/* rad  Of the fastest spring, in a step. Where its swing is below the tolerance no error tells of a longer one, which adds to its energy. */
+#define SWUNG 1.0
+
 static bool one_step(Tracer *t)
 {
     real rest = t->end - t->t, h = real_min(rest, t->h_next);
+    if (t->swing * h > SWUNG)
+        h = SWUNG / t->swing;
     bool aim = t->g->evaluations > AIM_WORK * t->work && any_slow_slip(t, AIM_STEP * t->end);
     if (aim)
         h = real_min(rest, AIM_STEP * t->end);

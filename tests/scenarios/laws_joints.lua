@@ -162,6 +162,23 @@ scenario("rope: slack it does nothing, taut it bears the weight", function(s)
   expect(rope.force.y):near(1.5 * g, 0.02)
 end)
 
+-- A ball on a spring that turns its phase by so much in a frame; its swing of 1e-7 m lies far below the tolerance of "play".
+scenario("spring: a swing that no tolerance shows gains no energy, however fast it is", function(s)
+  for _, phase in ipairs { 0.5, 1.1, 2, 3, 4, 5, 5.9, 6.1, 20 } do
+    local step, swing = 1 / 60, 1e-7
+    local k = (phase / step) ^ 2
+    local world = s:world { gravity = { 0, 0, 0 }, sleeping = false, step = step }
+    local ball = world:ball { radius = 0.1, mass = 1, at = { 0, -1, 0 }, velocity = { 0, swing * phase / step, 0 } }
+    world:spring { a = ball, at_b = { 0, 0, 0 }, length = 1, stiffness = k }
+    local start, most = world.energy.kinetic, 0
+    for _ = 1, 600 do
+      world:step()
+      most = math.max(most, world.energy.kinetic + k * (ball.position.y + 1) ^ 2 / 2)
+    end
+    expect(most / start):near(1, 1e-3)
+  end
+end)
+
 scenario("spring: in series with a mass it swings with 2 pi sqrt(m / k)", function(s)
   local world = s:world(none)
   local k, m, M = 50, 1, 3                              -- two free masses: the reduced mass counts

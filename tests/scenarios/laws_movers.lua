@@ -157,6 +157,38 @@ for _, side in ipairs { 10, 36 } do
   end)
 end
 
+-- Columns of resting balls in a crowd, so far apart that none is near the next; who is pushed into the next one pushes that in turn, within
+-- the frame.
+for _, case in ipairs { { 1, 0.004 }, { 5, 0.004 }, { 5, 0.03 }, { 20, 0.15 } } do
+  local speed, apart = table.unpack(case)
+  scenario(("mover: a plate at %g m/s pushes columns of balls %g mm apart, and none into another"):format(speed, 1000 * apart), function(s)
+    local world = s:world { gravity = { 0, 0, 0 }, sleeping = false }
+    world:box { size = { 9, 0.1, 9 }, at = { 0, -0.06, 0 }, kinematic = true }:drive { velocity = { 0, speed, 0 } }
+    local columns = {}
+    for i = 1, 36 do
+      local column = {}
+      for k = 1, 12 do
+        column[k] = world:ball { radius = 0.1, mass = 1, restitution = 0, friction = 0.3,
+                                 at = { (i % 6 - 3) * 0.21, 0.1 + apart + (k - 1) * (0.2 + apart), (i // 6 - 3) * 0.21 } }
+      end
+      columns[i] = column
+    end
+    local deepest = 0
+    for _ = 1, 20 do
+      world:step()
+      for _, column in ipairs(columns) do
+        for k = 2, #column do
+          local way = column[k].position - column[k - 1].position
+          expect(way.y):above(0)                -- none went through the next
+          deepest = math.max(deepest, 0.2 - #way)
+        end
+      end
+    end
+    expect(deepest):below(0.01)
+    expect(world:stats().swept):above(0)
+  end)
+end
+
 scenario("overlap: what lies in it, and nothing else", function(s)
   local world = s:world { gravity = { 0, 0, 0 } }
   local list = {}
