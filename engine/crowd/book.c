@@ -129,6 +129,13 @@ static void book_friction(GroupContact *t, const Batch *b, int lane, real h, rea
     }
 }
 
+/* The vector across the normal of a round contact. */
+static void book_rub(GroupContact *t, const WideRub *r, int lane, real h)
+{
+    t->impulse = vec3_add(t->impulse, (vec3){lane_of(&r->sum[0], lane), lane_of(&r->sum[1], lane), lane_of(&r->sum[2], lane)});
+    t->memory[0].tangent = vec3_scale(1 / h, (vec3){lane_of(&r->j[0], lane), lane_of(&r->j[1], lane), lane_of(&r->j[2], lane)});
+}
+
 #define YIELDS 0.1              /* s: soft rows carry a load by overlap at first, and after some of this without; by as much sooner as
                                  * there are passes, for then the load has come through */
 
@@ -161,7 +168,7 @@ static bool book_row(const Crowd *c, int contact)
         t->memory[k].held = whole > 0 ? HELD_SUBSTEPS : 0;
         t->point_sum = vec3_mad(t->point_sum, whole, t->manifold.points[k].a);
         t->point_weight += whole;
-        if (!b->patch)
+        if (!b->patch && !b->rub)
             t->memory[k].tangent = vec3_zero();
         if (whole > 0) {
             t->last = g->t;
@@ -172,6 +179,8 @@ static bool book_row(const Crowd *c, int contact)
     }
     if (b->patch)
         book_friction(t, b, lane, h, load);
+    if (b->rub)
+        book_rub(t, b->rub, lane, h);
     t->impulse = vec3_mad(t->impulse, sum, t->manifold.normal);
     t->rolling = b->roll ? vec3_scale(rate, (vec3){lane_of(&b->roll->j[0], lane), lane_of(&b->roll->j[1], lane), lane_of(&b->roll->j[2], lane)})
                          : vec3_zero();

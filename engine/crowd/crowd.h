@@ -16,6 +16,7 @@
  *   - With J fixed in the step, applying the impulses of the last substep again changes every body by what they changed it
  *     then. Warm starting needs no pass over the rows: a body's velocity goes on by its last difference.
  *   - Eight rows that share no body are solved side by side (wide.c); rows are as large as their number of points.
+ *   - Contacts of balls have rows of their own: a normal that turns nobody, and friction as one vector. They are half as large.
  *   - Rows are single precision, and hold differences from the start of the step only; state and positions stay double.
  *   - What a contact of one point has carried for a while by overlap it goes on carrying without (book.c): piles of balls do not sink.
  *   - What an impact stops is in the way of others that fell along behind it, at no speed against it: they are looked for (touch.c).

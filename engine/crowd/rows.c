@@ -14,14 +14,14 @@
 typedef struct Chosen {         /* what there is to know of a contact before it has a row; of one that does not act: only that */
     int     contact, a, b;      /* a, b: the Crowd's bodies; who does not move is none of them */
     uint8_t colour, points;
-    bool    acts : 1, fixed : 1, rubs : 1, rolls : 1, driven : 1, bounces : 1;
+    bool    acts : 1, fixed : 1, rubs : 1, rolls : 1, driven : 1, bounces : 1, round : 1;
 } Chosen;
 
-/* One place for each kind of batch: fixed or not, colour, points. */
+/* One place for each kind of batch: fixed or not, colour, points; round ones come last. */
 #define KINDS (2 * (COLOURS + 1) * (MANIFOLD_POINTS + 1))
 static int kind_of(const Chosen *x)
 {
-    return ((int)x->fixed * (COLOURS + 1) + x->colour) * (MANIFOLD_POINTS + 1) + MANIFOLD_POINTS - x->points;
+    return ((int)x->fixed * (COLOURS + 1) + x->colour) * (MANIFOLD_POINTS + 1) + MANIFOLD_POINTS - (x->round ? 0 : x->points);
 }
 
 /* Does what comes with this velocity, relative to the other, pass by at its side before the gap could close? A row holds for the present
@@ -118,6 +118,23 @@ typedef struct Rows { Crowd *c; Chosen *chosen, *sorted; int count; real *deepes
 /* m  By how much a pass need not move a point. */
 static real needed(const GroupPair *q, const GroupContact *t) { return (t->manifold.count > 1 ? NEEDED_MANY : NEEDED_ONE) * q->size; }
 
+#define STRAIGHT 1e-9           /* rad: rounding */
+
+/* Is the point straight before the centre of this body, which turns alike about all axes? Or does the body not move? */
+static bool before_centre(const Crowd *c, int body, vec3 n, vec3 at)
+{
+    if (!c->trait[body].moves)
+        return true;
+    vec3 arm = vec3_sub(at, c->g->pos[body].x);
+    return c->trait[body].round && vec3_length2(vec3_cross(n, arm)) <= STRAIGHT * STRAIGHT * vec3_length2(arm);
+}
+
+static bool is_round(const Crowd *c, const GroupContact *t)
+{
+    const GroupManifold *m = &t->manifold;
+    return m->count == 1 && before_centre(c, t->a, m->normal, m->points[0].a) && before_centre(c, t->b, m->normal, m->points[0].b);
+}
+
 static void choose_share(void *context, int thread, int threads)
 {
     const Rows *r = context;
@@ -137,6 +154,7 @@ static void choose_share(void *context, int thread, int threads)
         *x = (Chosen){.contact = i, .a = crowd_index(c, t->a), .b = crowd_index(c, t->b), .points = (uint8_t)t->manifold.count, .acts = true,
                       .rubs = q->friction > 0 && !g->decay_friction, .rolls = q->rolling > 0 && rolling_radius(q) > 0,
                       .driven = a->kinematic || b->kinematic, .bounces = q->restitution > 0};
+        x->round = !x->driven && !x->rolls && is_round(c, t);
         real gap = 0;
         for (int k = 0; k < t->manifold.count; k++)
             gap = real_min(gap, t->manifold.points[k].gap);
@@ -191,12 +209,14 @@ static vec3 driven_velocity(const Crowd *c, const Ends *e, vec3 at)
     return v;
 }
 
-static void fill_point(const Crowd *c, const Ends *e, WidePoint *p, int lane, int k)
+static void fill_point(const Crowd *c, const Ends *e, bool round, WidePoint *p, int lane, int k)
 {
     const ManifoldPoint *m = &e->c->manifold.points[k];
     const PointMemory *memory = &e->c->memory[k];
-    put(p->a, lane, e->a < c->bodies ? vec3_sub(m->a, e->xa) : vec3_zero());
-    put(p->b, lane, e->b < c->bodies ? vec3_sub(m->b, e->xb) : vec3_zero());
+    if (!round) {
+        put(p->a, lane, e->a < c->bodies ? vec3_sub(m->a, e->xa) : vec3_zero());
+        put(p->b, lane, e->b < c->bodies ? vec3_sub(m->b, e->xb) : vec3_zero());
+    }
     set(&p->mass, lane, 1);
     set(&p->gap, lane, m->gap);
     set(&p->j, lane, (real)((float)memory->normal * c->h));
@@ -234,6 +254,14 @@ static void fill_patch(const Crowd *c, const Ends *e, WidePatch *p, WideTwist *t
         set(&p->drive[0], lane, vec3_dot(v, t));
         set(&p->drive[1], lane, vec3_dot(v, u));
     }
+}
+
+static void fill_rub(const Crowd *c, const Ends *e, WideRub *r, int lane)
+{
+    const GroupManifold *m = &e->c->manifold;
+    set(&r->a, lane, e->a < c->bodies ? vec3_dot(m->normal, vec3_sub(m->points[0].a, e->xa)) : 0);
+    set(&r->b, lane, e->b < c->bodies ? vec3_dot(m->normal, vec3_sub(e->xb, m->points[0].b)) : 0);
+    put(r->j, lane, vec3_scale((real)c->h, e->c->memory[0].tangent));
 }
 
 static void put_matrix(wide *v, int lane, mat3 m)
@@ -299,7 +327,9 @@ static void fill_lane(Crowd *c, Batch *b, int lane, GroupContact *t)
     set(&b->friction, lane, t->sliding ? q->friction_dynamic : q->friction);
     set(&b->care, lane, (real)(c->h / (float)needed(q, t)));
     for (int k = 0; k < t->manifold.count; k++)
-        fill_point(c, &e, &b->point[k], lane, k);
+        fill_point(c, &e, b->round, &b->point[k], lane, k);
+    if (b->rub)
+        fill_rub(c, &e, b->rub, lane);
     if (b->patch)
         fill_patch(c, &e, b->patch, b->twist, lane);
     if (b->roll && q->rolling > 0 && rolling_radius(q) > 0)
@@ -317,6 +347,8 @@ static void *room_for(Crowd *c, size_t bytes, dig_status *status)
 static void clear(Batch *b)
 {
     memset(b->point, 0, (size_t)b->points * sizeof *b->point);
+    if (b->rub)
+        memset(b->rub, 0, sizeof *b->rub);
     if (b->patch)
         memset(b->patch, 0, sizeof *b->patch);
     if (b->twist)
@@ -330,7 +362,7 @@ static dig_status make_batch(Crowd *c, Batch *b, const Chosen *x, int count)
 {
     dig_status status = DIG_OK;
     bool rubs = false, rolls = false;
-    *b = (Batch){.points = x->points, .fixed = x->fixed};
+    *b = (Batch){.points = x->points, .fixed = x->fixed, .round = x->round};
     for (int i = 0; i < count; i++) {
         rubs = rubs || x[i].rubs;
         rolls = rolls || x[i].rolls;
@@ -338,7 +370,8 @@ static dig_status make_batch(Crowd *c, Batch *b, const Chosen *x, int count)
         b->bounces = b->bounces || x[i].bounces;
     }
     b->point = room_for(c, (size_t)b->points * sizeof *b->point, &status);
-    b->patch = rubs ? room_for(c, sizeof *b->patch, &status) : NULL;
+    b->rub = rubs && b->round ? room_for(c, sizeof *b->rub, &status) : NULL;
+    b->patch = rubs && !b->round ? room_for(c, sizeof *b->patch, &status) : NULL;
     b->twist = rubs && b->points > 1 ? room_for(c, sizeof *b->twist, &status) : NULL;
     b->roll = rolls ? room_for(c, sizeof *b->roll, &status) : NULL;
     for (int k = count; k < LANES; k++)

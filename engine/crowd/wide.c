@@ -147,6 +147,23 @@ INLINE void spare(const Crowd *c, int32_t at[LANES], int thread)
         at[i] = at[i] < c->bodies ? at[i] : c->bodies + thread;
 }
 
+/* Ball against ball, or against what does not move: only arms are scaled. */
+INLINE void prepare_round(Batch *x, const Axes *a, const Axes *b, wide closing)
+{
+    WidePoint *p = x->point;
+    wide linear = x->ra * x->ra + x->rb * x->rb, present = p->mass;
+    p->mass = present * inverse_of(linear);
+    p->rate_before = present * closing;
+    p->sum = all(0);
+    if (!x->rub)
+        return;
+    WideRub *r = x->rub;
+    r->a *= a->s[0];
+    r->b *= b->s[0];
+    r->mass = inverse_of(linear + r->a * r->a + r->b * r->b);
+    r->sum[0] = r->sum[1] = r->sum[2] = all(0);
+}
+
 /* What is one vector a point becomes its Jacobian, and the middle of the points the place of friction. */
 INLINE void prepare(const Crowd *c, Batch *x, int thread)
 {
@@ -160,6 +177,14 @@ INLINE void prepare(const Crowd *c, Batch *x, int thread)
     gather(c->vel, x->b, vb);
     x->ra = a.root;
     x->rb = b.root;
+    wide linear = x->ra * x->ra + x->rb * x->rb, closing = all(0);
+    UNROLL
+    for (int k = 0; k < 3; k++)
+        closing += x->n[k] * (x->rb * vb[k] - x->ra * va[k]);
+    if (x->round) {
+        prepare_round(x, &a, &b, closing);
+        return;
+    }
     for (int i = 0; i < x->points; i++)
         count += x->point[i].mass;
     UNROLL
@@ -172,10 +197,6 @@ INLINE void prepare(const Crowd *c, Batch *x, int thread)
         middle[0][k] *= inverse_of(count);
         middle[1][k] *= inverse_of(count);
     }
-    wide linear = x->ra * x->ra + x->rb * x->rb, closing = all(0);
-    UNROLL
-    for (int k = 0; k < 3; k++)
-        closing += x->n[k] * (x->rb * vb[k] - x->ra * va[k]);
     for (int i = 0; i < x->points; i++) {
         WidePoint *p = &x->point[i];
         wide_int moves = x->ra > 0;
@@ -226,6 +247,20 @@ INLINE void push_angular(Both *v, const wide a[3], const wide b[3], wide p)
     for (int i = 0; i < 3; i++) {
         v->a[3 + i] += p * a[i];
         v->b[3 + i] += p * b[i];
+    }
+}
+
+/* By a vector across the normal. */
+INLINE void push_rub(const Batch *x, Both *v, const wide p[3])
+{
+    wide turn[3];
+    cross(p, x->n, turn);
+    UNROLL
+    for (int i = 0; i < 3; i++) {
+        v->a[i] -= x->ra * p[i];
+        v->b[i] += x->rb * p[i];
+        v->a[3 + i] += x->rub->a * turn[i];
+        v->b[3 + i] += x->rub->b * turn[i];
     }
 }
 
@@ -321,35 +356,56 @@ INLINE wide pushed_impulse(WidePoint *p, Care *k, wide rate, wide gap, wide care
     return j;
 }
 
-/* One direction for all points of a contact: rate along the normal of the centres of mass is kept up by hand. */
-INLINE void solve_points(const Crowd *c, const Batch *x, Both *v, Care *k)
+/* The relaxing pass: what the other one left, less what pushed. */
+INLINE wide relaxed_impulse(WidePoint *p, Care *k, wide rate, wide care)
 {
-    wide b[3], inverse = x->ra * x->ra + x->rb * x->rb, pushed = all(0), closed = all(0);
-    Both d = {.a = {all(0)}};
-    if (k->push) {
-        gather(c->move, x->a, d.a);
-        gather(c->move, x->b, d.b);
-        between(x, &d, b);
-        closed = dot(x->n, b);
+    wide j = most(p->j - p->mass * (rate + p->room), all(0));
+    wide by = (j - p->j) / most(p->mass, all(1e-30f));
+    k->worst = most(k->worst, most(by, -by) * care);
+    p->sum += k->first ? j : j - p->j;
+    return j;
+}
+
+/* Returns the change of the impulse of a point whose bodies go apart at this rate. */
+INLINE wide solve_point(const Batch *x, WidePoint *p, Care *k, wide rate)
+{
+    wide j = k->push ? pushed_impulse(p, k, rate, p->now, x->care) : relaxed_impulse(p, k, rate, x->care);
+    wide change = j - p->j;
+    p->j = j;
+    return change;
+}
+
+/* Gaps hold for all passes of a substep that push. */
+INLINE void find_gaps(const Crowd *c, const Batch *x, wide time)
+{
+    Both d;
+    wide b[3];
+    gather(c->move, x->a, d.a);
+    gather(c->move, x->b, d.b);
+    between(x, &d, b);
+    wide closed = dot(x->n, b);
+    for (int i = 0; i < x->points; i++) {
+        WidePoint *p = &x->point[i];
+        p->now = p->gap + closed;
+        if (!x->round)
+            p->now = p->now + dot(p->a, &d.a[3]) + dot(p->b, &d.b[3]);
+        if (x->driven)
+            p->now += p->drive * time;
     }
+}
+
+/* One direction for all points of a contact: rate along the normal of the centres of mass is kept up by hand. */
+INLINE void solve_points(const Batch *x, Both *v, Care *k)
+{
+    wide b[3], inverse = x->ra * x->ra + x->rb * x->rb, pushed = all(0);
     between(x, v, b);
     wide rate0 = dot(x->n, b);
     for (int i = 0; i < x->points; i++) {
         WidePoint *p = &x->point[i];
-        wide rate = rate0 + dot(p->a, &v->a[3]) + dot(p->b, &v->b[3]), j;
+        wide rate = rate0 + dot(p->a, &v->a[3]) + dot(p->b, &v->b[3]);
         if (x->driven)
             rate += p->drive;
-        if (k->push) {
-            wide gap = p->gap + closed + dot(p->a, &d.a[3]) + dot(p->b, &d.b[3]);
-            j = pushed_impulse(p, k, rate, x->driven ? gap + p->drive * k->time : gap, x->care);
-        } else {
-            j = most(p->j - p->mass * (rate + p->room), all(0));
-            wide by = (j - p->j) / most(p->mass, all(1e-30f));
-            k->worst = most(k->worst, most(by, -by) * x->care);
-            p->sum += k->first ? j : j - p->j;
-        }
-        wide change = j - p->j;
-        p->j = j;
+        wide change = solve_point(x, p, k, rate);
         pushed += change;
         rate0 += inverse * change;
         push_angular(v, p->a, p->b, change);
@@ -357,28 +413,74 @@ INLINE void solve_points(const Crowd *c, const Batch *x, Both *v, Care *k)
     push_linear(x, v, x->n, pushed);
 }
 
-INLINE void solve_batch(const Crowd *c, const Batch *x, Care *k)
+/* Sticks where the cone allows it, else it opposes the slip, which is what is across the normal: between is the relative velocity of
+ * the centres, along that which is along it. */
+INLINE void solve_rub(const Batch *x, Both *v, const Care *k, const wide between[3], wide along, wide bound)
 {
-    Both v;
-    gather(c->vel, x->a, v.a);
-    gather(c->vel, x->b, v.b);
+    WideRub *r = x->rub;
+    wide spin[3], roll[3], f[3], p[3];
+    UNROLL
+    for (int i = 0; i < 3; i++)
+        spin[i] = r->a * v->a[3 + i] + r->b * v->b[3 + i];
+    cross(x->n, spin, roll);
+    UNROLL
+    for (int i = 0; i < 3; i++)
+        f[i] = r->j[i] - r->mass * (between[i] - along * x->n[i] + roll[i]);
+    wide scale = least(all(1), bound / most(root(dot(f, f)), all(1e-30f)));
+    UNROLL
+    for (int i = 0; i < 3; i++) {
+        f[i] *= scale;
+        p[i] = f[i] - r->j[i];
+        r->j[i] = f[i];
+        if (!k->push)
+            r->sum[i] += k->first ? f[i] : p[i];
+    }
+    push_rub(x, v, p);
+}
+
+/* Friction is across the normal, and changes nothing along it. */
+INLINE void solve_round(const Batch *x, Both *v, Care *k)
+{
+    wide b[3];
+    between(x, v, b);
+    wide along = dot(x->n, b);
+    if (x->rub)
+        solve_rub(x, v, k, b, along, x->point->j * x->friction);
+    push_linear(x, v, x->n, solve_point(x, x->point, k, along));
+}
+
+INLINE void solve_flat(const Batch *x, Both *v, Care *k)
+{
     wide load = normal_sum(x), before[2] = {all(0), all(0)};
     if (x->roll)
-        solve_roll(x, &v, load);
+        solve_roll(x, v, load);
     if (x->patch && !k->first) {
         before[0] = x->patch->j[0];
         before[1] = x->patch->j[1];
     }
     if (x->patch) {
         if (x->twist)
-            solve_twist(x, &v, load * x->friction);
-        solve_friction(x, &v, load * x->friction);
+            solve_twist(x, v, load * x->friction);
+        solve_friction(x, v, load * x->friction);
     }
-    solve_points(c, x, &v, k);
+    solve_points(x, v, k);
     if (x->patch && !k->push) {
         x->patch->sum[0] += x->patch->j[0] - before[0];
         x->patch->sum[1] += x->patch->j[1] - before[1];
     }
+}
+
+INLINE void solve_batch(const Crowd *c, const Batch *x, Care *k)
+{
+    Both v;
+    if (k->push && k->first)
+        find_gaps(c, x, k->time);
+    gather(c->vel, x->a, v.a);
+    gather(c->vel, x->b, v.b);
+    if (x->round)
+        solve_round(x, &v, k);
+    else
+        solve_flat(x, &v, k);
     scatter(c->vel, x->a, v.a);
     scatter(c->vel, x->b, v.b);
 }
@@ -453,7 +555,9 @@ INLINE void warm_batch(const Crowd *c, const Batch *x)
     gather(c->vel, x->a, v.a);
     gather(c->vel, x->b, v.b);
     push_linear(x, &v, x->n, normal_sum(x));
-    for (int k = 0; k < x->points; k++)
+    if (x->rub)
+        push_rub(x, &v, x->rub->j);
+    for (int k = 0; k < x->points && !x->round; k++)
         push_angular(&v, x->point[k].a, x->point[k].b, x->point[k].j);
     if (x->patch) {
         WidePatch *f = x->patch;
@@ -508,7 +612,9 @@ INLINE void bounce(const Crowd *c, const Batch *x)
         WidePoint *p = &x->point[i];
         wide b[3];
         between(x, &v, b);
-        wide rate = dot(x->n, b) + dot(p->a, &v.a[3]) + dot(p->b, &v.b[3]);
+        wide rate = dot(x->n, b);
+        if (!x->round)
+            rate = rate + dot(p->a, &v.a[3]) + dot(p->b, &v.b[3]);
         if (x->driven)
             rate += p->drive;
         wide_int struck = (p->rate_before < all(-c->bounce_least)) & (p->sum > 0);
@@ -516,7 +622,8 @@ INLINE void bounce(const Crowd *c, const Batch *x)
         wide change = pick(struck, j - p->j, all(0));
         p->room = change;
         push_linear(x, &v, x->n, change);
-        push_angular(&v, p->a, p->b, change);
+        if (!x->round)
+            push_angular(&v, p->a, p->b, change);
     }
     scatter(c->vel, x->a, v.a);
     scatter(c->vel, x->b, v.b);

@@ -769,7 +769,10 @@ static void fetch_commit(const World *w, const Group *g, int i)
     if (i + FETCH_AHEAD >= g->pair_count)
         return;
     const GroupPair *q = &g->pairs[i + FETCH_AHEAD];
-    uint32_t slot = g->contacts[q->contact].slot;
+    const GroupContact *from = &g->contacts[q->contact];
+    uint32_t slot = from->slot;
+    fetch_soon(from->manifold.points, (size_t)from->manifold.count * sizeof(ManifoldPoint));
+    fetch_soon(from->memory, (size_t)from->manifold.count * sizeof(PointMemory));
     fetch_more(w, g->contacts[g->pairs[i + FETCH_AHEAD / 2].contact].slot);
     fetch_soon(&w->pairs.data[q->slot], sizeof(Pair));
     if (q->memory != NONE)
@@ -787,7 +790,7 @@ static void commit_share(void *context, int thread, int threads)
     real dt = c->w->def.step;
     for (int i = team_first(g->moving_count, thread, threads), end = team_end(g->moving_count, thread, threads); i < end; i++) {
         if (i + BODIES_AHEAD < g->moving_count)
-            fetch_soon(&c->w->bodies.data[g->slots[i + BODIES_AHEAD]], offsetof(Body, watch));
+            fetch_soon(&c->w->bodies.data[g->slots[i + BODIES_AHEAD]], offsetof(Body, watch) + offsetof(BodyWatch, since));
         commit_body(c->w, g, i, dt);
     }
     for (int i = team_first(g->pair_count, thread, threads), end = team_end(g->pair_count, thread, threads); i < end; i++) {

@@ -208,7 +208,7 @@ static void advance_one(void *context, int i, Arena *arena)
 static bool all_finite(const Step *s)
 {
     for (int i = 0; i < s->count; i++)
-        if (!group_finite(&s->groups[i]))
+        if (!s->groups[i].sound && !group_finite(&s->groups[i]))
             return false;
     return true;
 }
