@@ -29,6 +29,18 @@ static real smallest(const Group *g)
     return isfinite(size) ? size : 1;
 }
 
+static void trait_share(void *context, int thread, int threads)
+{
+    Crowd *c = context;
+    Group *g = c->g;
+    for (int i = team_first(g->body_count, thread, threads), end = team_end(g->body_count, thread, threads); i < end; i++) {
+        Member *m = &g->member[i];
+        c->trait[i] = (Trait){m->travel, m->pull, m->mass, m->moves, m->kinematic, m->dormant, m->round};
+        if (i >= g->moving_count)
+            m->start_pos = g->pos[i];
+    }
+}
+
 static dig_status open(Crowd *c)
 {
     Group *g = c->g;
@@ -38,12 +50,7 @@ static dig_status open(Crowd *c)
     c->trait = arena_alloc(g->arena, (size_t)g->body_count * sizeof *c->trait);
     if (!c->trait)
         return DIG_E_MEMORY;
-    for (int i = 0; i < g->body_count; i++) {
-        Member *m = &g->member[i];
-        c->trait[i] = (Trait){m->travel, m->pull, m->mass, m->moves, m->kinematic, m->dormant, m->round};
-        if (i >= g->moving_count)
-            m->start_pos = g->pos[i];
-    }
+    team_run(g->team, trait_share, c);
     c->finest = smallest(g);
     c->push_most = (float)(PUSH_MOST * sqrt(c->finest));
     c->bounce_least = (float)(g->close_speed + 2 * g->fall * (real)c->h);

@@ -70,4 +70,7 @@ void     graph_id_set(Graph *g, uint32_t dig, uint32_t id);
 /* graph_split.c: applies the open batch and finds the net change. */
 void     graph_apply(Graph *g);
 
+/* graph_check, in the room of a number for each node: no memory is to be told from no graph. */
+bool     graph_check_in(const Graph *g, uint32_t *low);
+
 #endif
