@@ -1,28 +1,34 @@
 /* chain/tree.c - the bodies and joints of a group, put in the order in which the step's equations are solved. */
 #include "chain/system.h"
 
-static bool moves(const Group *g, int body) { return body >= 0 && g->member[body].moves; }
-
-static int end_body(const Group *g, int joint, int side) { return side ? g->joints[joint].b : g->joints[joint].a; }
+/* A joint at a body, and what it holds it to; < 0: that does not move by itself. */
+typedef struct Next { int joint, body; } Next;
 
 /* Joints of each body: from[b] .. from[b + 1] in list. */
-typedef struct Near { int *from, *list; } Near;
+typedef struct Near { int *from; Next *list; } Near;
+
+static int mover(const Group *g, int body) { return body >= 0 && g->member[body].moves ? body : -1; }
 
 static dig_status list_joints(const Group *g, Near *near)
 {
     near->from = arena_zero(g->arena, (size_t)(g->moving_count + 2) * sizeof *near->from);
     near->list = arena_alloc(g->arena, (size_t)(2 * g->joint_count + 1) * sizeof *near->list);
-    if (!near->from || !near->list)
+    int (*ends)[2] = arena_alloc(g->arena, (size_t)(g->joint_count + 1) * sizeof *ends);
+    if (!near->from || !near->list || !ends)
         return DIG_E_MEMORY;
     int *next = near->from + 1;             /* while filling: where the next joint of body b goes */
-    for (int i = 0; i < 2 * g->joint_count; i++)
-        if (moves(g, end_body(g, i / 2, i % 2)))
-            next[end_body(g, i / 2, i % 2) + 1]++;
+    for (int i = 0; i < g->joint_count; i++)
+        for (int side = 0; side < 2; side++) {
+            int body = ends[i][side] = mover(g, side ? g->joints[i].b : g->joints[i].a);
+            if (body >= 0)
+                next[body + 1]++;
+        }
     for (int b = 1; b <= g->moving_count; b++)
         next[b] += next[b - 1];
-    for (int i = 0; i < 2 * g->joint_count; i++)
-        if (moves(g, end_body(g, i / 2, i % 2)))
-            near->list[next[end_body(g, i / 2, i % 2)]++] = i / 2;
+    for (int i = 0; i < g->joint_count; i++)
+        for (int side = 0; side < 2; side++)
+            if (ends[i][side] >= 0)
+                near->list[next[ends[i][side]]++] = (Next){i, ends[i][!side]};
     return DIG_OK;
 }
 
@@ -33,20 +39,19 @@ typedef struct Order { Near near; Place *place; int *body; } Order;     /* body:
 /* Breadth first from a body. False: there is a ring. */
 static bool reach(Chain *c, Order *o, int root)
 {
-    const Group *g = c->g;
     const int first = c->link_count;
     o->body[c->link_count] = root;
     o->place[root] = (Place){c->link_count++, -1};
     for (int n = first; n < c->link_count; n++) {
         int body = o->body[n];
         for (int i = o->near.from[body]; i < o->near.from[body + 1]; i++) {
-            int joint = o->near.list[i], other = end_body(g, joint, end_body(g, joint, 0) == body);
-            if (joint == o->place[body].joint || !moves(g, other))
+            const Next to = o->near.list[i];
+            if (to.joint == o->place[body].joint || to.body < 0)
                 continue;
-            if (o->place[other].link >= 0)
+            if (o->place[to.body].link >= 0)
                 return false;
-            o->body[c->link_count] = other;
-            o->place[other] = (Place){c->link_count++, joint};
+            o->body[c->link_count] = to.body;
+            o->place[to.body] = (Place){c->link_count++, to.joint};
         }
     }
     while (c->link_count % LANES != 0)
@@ -122,9 +127,9 @@ static void list_ends(Chain *c, const Order *o, int link)
     l->own[lane_of(link)] = l->count[lane_of(link)];
     for (int anchors = 0; anchors < 2; anchors++)
         for (int i = o->near.from[body]; i < o->near.from[body + 1]; i++) {
-            int joint = o->near.list[i], other = end_body(c->g, joint, end_body(c->g, joint, 0) == body);
-            if (joint != o->place[body].joint && moves(c->g, other) == !anchors)
-                add_end(c, link, joint, anchors ? -1 : o->place[other].link);
+            const Next to = o->near.list[i];
+            if (to.joint != o->place[body].joint && (to.body < 0) == anchors)
+                add_end(c, link, to.joint, anchors ? -1 : o->place[to.body].link);
         }
 }
 
