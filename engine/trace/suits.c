@@ -3,11 +3,13 @@
 #include "trace/trace.h"
 
 #define FAST_LOOP  0.3          /* rad in a step */
+#define FINE_LOOP  2e-10        /* of the size: a loop followed so closely is on its joints in singular positions, too, slow or not */
 #define LOOP_BODIES 128         /* more than any plan traces */
 
 /* Do the joints close a loop, by themselves or through what does not move? Loops pass through singular positions; the way that
- * holds joints in place passes them better than this one, which holds accelerations, unless they turn fast against the step. */
-static bool has_loop(const Group *g)
+ * holds joints in place passes them better than this one, which holds accelerations, unless they turn fast against the step, or its own
+ * steps are fine: the error of the other falls with the square of the substep only. */
+bool trace_has_loop(const Group *g)
 {
     int parent[LOOP_BODIES + 1];
     if (g->moving_count > LOOP_BODIES)
@@ -43,7 +45,7 @@ bool trace_suits(const Group *g)
     for (int i = 0; i < g->moving_count; i++)
         if (g->member[i].moves && g->member[i].integrator != DIG_AUTO)
             return false;
-    if (g->pair_count == 0 && has_loop(g) && fastest_spin(g) * g->world->def.step < FAST_LOOP)
+    if (g->pair_count == 0 && g->tolerance > FINE_LOOP && trace_has_loop(g) && fastest_spin(g) * g->world->def.step < FAST_LOOP)
         return false;
     for (int i = 0; i < g->pair_count; i++) {
         const GroupPair *q = &g->pairs[i];
