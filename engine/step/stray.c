@@ -11,8 +11,8 @@
 #define ASTRAY_TRIES 6          /* of one step */
 #define DEEP 0.02               /* outer radii: by less bodies of a crowd may end up in each other */
 
-/* A solid that ends beyond its reach. */
-typedef struct Stray { const Group *g; uint32_t solid; vec3 at; box3 end; bool missed; } Stray;
+/* A solid that ends beyond its reach: there is its centre, and its box. low: m  the box begins here, along the axis of the search. */
+typedef struct Stray { const Group *g; uint32_t solid; vec3 at; box3 end; real low; bool missed; } Stray;
 
 /* May the two touch, and is that no pair that the group watched? */
 static bool unwatched(const World *w, uint32_t solid, uint32_t other)
@@ -96,17 +96,32 @@ static void look_at_planes(const World *w, Stray *stray)
 static int compare_low(const void *a, const void *b)
 {
     const Stray *x = a, *y = b;
-    if (x->end.low.x != y->end.low.x)
-        return x->end.low.x < y->end.low.x ? -1 : 1;
+    if (x->low != y->low)
+        return x->low < y->low ? -1 : 1;
     return (x->solid > y->solid) - (x->solid < y->solid);
+}
+
+/* Along which they are farthest apart: many may lie in one plane. */
+static int widest_axis(const Stray *list, int count)
+{
+    vec3 low = list[0].end.low, high = low;
+    for (int i = 1; i < count; i++) {
+        low = vec3_min(low, list[i].end.low);
+        high = vec3_max(high, list[i].end.low);
+    }
+    vec3 wide = vec3_sub(high, low);
+    return wide.x >= wide.y && wide.x >= wide.z ? 0 : wide.y >= wide.z ? 1 : 2;
 }
 
 /* The tree knows where solids were looked for, not where two that both went astray met. */
 static void look_at_each_other(const World *w, Stray *list, int count)
 {
+    int axis = widest_axis(list, count);
+    for (int i = 0; i < count; i++)
+        list[i].low = vec3_at(list[i].end.low, axis);
     qsort(list, (size_t)count, sizeof *list, compare_low);
     for (int i = 0; i < count; i++)
-        for (int k = i + 1; k < count && list[k].end.low.x <= list[i].end.high.x; k++)
+        for (int k = i + 1; k < count && list[k].low <= vec3_at(list[i].end.high, axis); k++)
             if (box3_overlap(list[i].end, list[k].end) && unwatched(w, list[i].solid, list[k].solid) && deep(w, &list[i], list[k].solid, list[k].at))
                 list[i].missed = list[k].missed = true;
 }
