@@ -351,6 +351,15 @@ void joint_row_warm(Group *g, JointRow *r);
  * given back, too, where it is little. *taken: J out of their motion */
 dig_status group_hold(Group *g, bool both, real *taken);
 
+#define BODIES_AHEAD 3          /* turns of a loop, that a body's record is fetched before it is needed */
+
+/* The points of a world's contact after the first, once it is here itself. */
+static inline void fetch_more(const World *w, uint32_t contact)
+{
+    if (contact != NONE && w->contacts.data[contact].more != NONE)
+        fetch_soon(&w->more.data[w->contacts.data[contact].more], sizeof(MorePoints));
+}
+
 /* sweep.c: the sub-stepped way */
 dig_status sweep_advance(Group *g, real dt);
 dig_status sweep_piece(Group *g, real dt, real until);  /* from g->t on, of a step of dt; room for rows and strikes is there */

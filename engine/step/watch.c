@@ -118,14 +118,14 @@ static void watch_member(const Group *g, int i, Sum *s)
     }
 }
 
-#define BODIES_AHEAD 6          /* what the step has read of them is still near, but for what is watched */
+#define WATCHED_AHEAD 6          /* what the step has read of them is still near, but for what is watched */
 
 static Sum sum_block(const Group *g, int block)
 {
     Sum s = {.smallest = INFINITY, .most = -INFINITY};
     for (int i = block * BLOCK; i < int_min((block + 1) * BLOCK, g->moving_count); i++) {
-        if (i + BODIES_AHEAD < g->moving_count)
-            fetch_soon(&g->world->bodies.data[g->slots[i + BODIES_AHEAD]].watch, offsetof(BodyWatch, since));
+        if (i + WATCHED_AHEAD < g->moving_count)
+            fetch_soon(&g->world->bodies.data[g->slots[i + WATCHED_AHEAD]].watch, offsetof(BodyWatch, since));
         watch_member(g, i, &s);
     }
     return s;

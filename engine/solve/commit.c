@@ -1,0 +1,273 @@
+/* solve/commit.c - the end of a group's step: which pairs begin and end, and all that it found goes back into the world's records. */
+#include "solve/group.h"
+
+#include "world/joint.h"
+
+/* Does the point lie still against the other body? Then it touches, though nothing presses: books side by side. */
+static bool point_rests(const Group *g, const GroupContact *c, const ManifoldPoint *p)
+{
+    vec3 va = vec3_add(g->vel[c->a].v, vec3_cross(g->vel[c->a].w, vec3_sub(p->a, g->pos[c->a].x)));
+    vec3 vb = vec3_add(g->vel[c->b].v, vec3_cross(g->vel[c->b].w, vec3_sub(p->b, g->pos[c->b].x)));
+    return fabs(vec3_dot(c->manifold.normal, vec3_sub(vb, va))) <= 0.1 * g->close_speed;
+}
+
+/* Does it touch? A touch begins with force and ends with distance: a hop of a thousandth of the size is no end while force comes
+ * back. */
+static bool contact_touches(const Group *g, const GroupPair *q, const GroupContact *c, real dt)
+{
+    bool hops = q->was_touching && c->last > 0.5 * dt;
+    real tolerance = (hops ? 2e-3 : 100 * g->touch) * q->size;
+    for (int k = 0; k < c->manifold.count; k++) {
+        const ManifoldPoint *at = &c->manifold.points[k];
+        if (at->gap <= tolerance && (c->memory[k].normal > 0 || q->was_touching || point_rests(g, c, at)))
+            return true;
+    }
+    return false;
+}
+
+/* Has it no point, and no force that the world's record would hold? */
+static bool contact_idle(const GroupContact *c)
+{
+    return c->manifold.count == 0 && vec3_is_zero(c->impulse) && vec3_is_zero(c->rolling) && !c->sliding;
+}
+
+/* Is there a hint to keep of a pair? Meshes have theirs from the start. */
+static bool keeps_memory(const GroupPair *q) { return q->contacts > 1 || q->cache.kind != 0; }
+
+typedef struct Verdict { int changed, turned, widened, remembered, live, rubbing; real finest; } Verdict;     /* of one thread */
+typedef struct Judge { Group *g; real dt; Verdict *verdict; } Judge;
+
+static void judge_pair(Group *g, int i, real dt, Verdict *v, int *changed, int *turned)
+{
+    GroupPair *q = &g->pairs[i];
+    v->finest = real_min(v->finest, q->size);
+    q->touching = false;
+    for (int k = q->contact; k < q->contact + q->contacts; k++) {
+        GroupContact *c = &g->contacts[k];
+        if (c->manifold.count == 0) {       /* what is over is not remembered */
+            c->rolling = vec3_zero();
+            c->sliding = false;
+        }
+        c->touching = contact_touches(g, q, c, dt);
+        q->touching = q->touching || c->touching;
+        c->was_idle = c->idle;
+        c->idle = contact_idle(c);
+        bool comes_or_goes = q->contacts == 1 && (c->slot == NONE) != c->idle;
+        bool widens = c->manifold.count > 1 && !c->wide;
+        bool remembers = k == q->contact && keeps_memory(q) != (q->memory != NONE);
+        if (comes_or_goes || widens || remembers)
+            turned[v->turned++] = k;
+        v->widened += widens;
+        v->remembered += remembers && q->memory == NONE;
+        v->live += c->live;
+        v->rubbing += c->live && q->friction > 0;
+    }
+    if (q->touching != q->was_touching || (q->struck && !q->touching))
+        changed[v->changed++] = i;
+}
+
+static void judge_share(void *context, int thread, int threads)
+{
+    const Judge *j = context;
+    Group *g = j->g;
+    int first = team_first(g->pair_count, thread, threads), end = team_end(g->pair_count, thread, threads);
+    Verdict v = {.finest = INFINITY};
+    for (int i = first; i < end; i++)
+        judge_pair(g, i, j->dt, &v, g->changed + first, g->turned + g->pairs[first].contact);
+    j->verdict[thread] = v;
+}
+
+/* Lists the pairs that regraph must look at: begun, over, or struck and apart again. */
+dig_status group_judge(Group *g, real dt)
+{
+    int threads = g->team ? g->team->threads : 1;
+    Judge j = {.g = g, .dt = dt, .verdict = arena_alloc(g->arena, (size_t)threads * sizeof *j.verdict)};
+    if (!j.verdict)
+        return DIG_E_MEMORY;
+    team_run(g->team, judge_share, &j);
+    g->changed_count = g->turned_count = g->widened_count = g->remembered_count = g->live_count = g->rubbing_count = 0;
+    g->finest = INFINITY;
+    for (int t = 0; t < threads && g->pair_count > 0; t++) {
+        const Verdict *v = &j.verdict[t];
+        int first = team_first(g->pair_count, t, threads);
+        if (first < g->pair_count) {
+            memmove(g->changed + g->changed_count, g->changed + first, (size_t)v->changed * sizeof *g->changed);
+            memmove(g->turned + g->turned_count, g->turned + g->pairs[first].contact, (size_t)v->turned * sizeof *g->turned);
+        }
+        g->changed_count += v->changed;
+        g->turned_count += v->turned;
+        g->widened_count += v->widened;
+        g->remembered_count += v->remembered;
+        g->live_count += v->live;
+        g->rubbing_count += v->rubbing;
+        g->finest = real_min(g->finest, v->finest);
+    }
+    return DIG_OK;
+}
+
+/* ---- back into the world ---- */
+
+#define FIRST_PAUSE 64          /* over the substeps of the plan: 16 steps at "play", 4 at "study" */
+
+/* A group that the traced way handed on is not tried again for some steps, then twice as many, ...; each that succeeds forgets one. */
+static void commit_trace(const Group *g, Body *b)
+{
+    if (g->trace_failed) {
+        int first = int_min(16, FIRST_PAUSE / g->plan->substeps);
+        b->trace_pause = (uint16_t)int_min(1024, int_max(first, 2 * b->trace_pause));
+        b->trace_wait = b->trace_pause;
+        b->trace_step = 0;
+        return;
+    }
+    if (b->trace_wait > 0)
+        b->trace_wait--;
+    else if (b->trace_pause > 0)
+        b->trace_pause--;
+    b->trace_step = g->trace_step;
+}
+
+static void commit_body(World *w, const Group *g, int i, real dt)
+{
+    const Member *m = &g->member[i];
+    Body *b = &w->bodies.data[m->slot];
+    b->watch.rise = m->moves ? g->watch.part : 0;
+    b->watch.borne = m->moves ? g->watch.part_borne : 0;
+    if (!m->moves)
+        return;
+    vec3 old_v = vec3_sub(b->v, b->hit_v), old_w = vec3_sub(b->w, b->hit_w);
+    vec3 old_l = body_spin_momentum(b, old_w);
+    b->prev_x = b->x;
+    b->prev_q = b->q;
+    body_travels(b, g->pos[i].x, g->pos[i].q);
+    b->x = g->pos[i].x;
+    b->q = g->pos[i].q;
+    b->v = g->vel[i].v;
+    b->w = g->vel[i].w;
+    b->collided = m->collided;
+    b->euler = m->integrator == DIG_AUTO ? m->collided || m->constrained : m->integrator == DIG_SWITCH ? m->collided : m->integrator == DIG_EULER;
+    b->work += g->push_work[i];
+    commit_trace(g, b);
+    b->force = vec3_scale(m->mass / dt, vec3_sub(b->v, old_v));
+    b->torque = vec3_scale(body_inertness(b) / dt, vec3_sub(body_spin_momentum(b, b->w), old_l));
+    b->hit_v = b->hit_w = vec3_zero();
+}
+
+static void commit_contact(World *w, Contact *to, const GroupContact *from, real dt)
+{
+    to->idle = from->idle;
+    to->piece = from->piece;
+    to->normal = from->manifold.normal;
+    to->count = (uint8_t)from->manifold.count;
+    for (int k = 0; k < from->manifold.count; k++) {
+        ContactPoint *p = contact_point(w, to, k);
+        p->at = from->manifold.points[k];
+        p->memory = from->memory[k];
+    }
+    to->rolling = from->rolling;
+    to->sliding = from->sliding;
+    to->touching = from->touching;
+    to->force = vec3_scale(1 / dt, from->impulse);
+    to->lost = from->lost;
+    to->point = from->point_weight > WEIGHT_LEAST ? vec3_scale(1 / from->point_weight, from->point_sum)
+                                       : from->manifold.count ? from->manifold.points[0].a : vec3_zero();
+}
+
+static dig_status commit_memory(World *w, Pair *p, GroupPair *q, bool keeps)
+{
+    dig_status room = keeps && p->memory == NONE ? pair_remember(w, p) : DIG_OK;
+    if (!keeps && p->memory != NONE)
+        pair_forget(w, p);
+    q->memory = p->memory;
+    return room;
+}
+
+/* A pair of convex solids has a contact as long as there is something to remember, and that has room for more than one point from when
+ * there are more, and a memory as long as there is a hint; there is room for all of these (reserve_regraph). */
+void group_commit_records(World *w, Group *g)
+{
+    for (int i = 0; i < g->turned_count; i++) {
+        GroupContact *c = &g->contacts[g->turned[i]];
+        GroupPair *q = &g->pairs[c->pair];
+        Pair *p = &w->pairs.data[q->slot];
+        dig_status room = g->turned[i] == q->contact ? commit_memory(w, p, q, keeps_memory(q)) : DIG_OK;
+        if (c->idle && q->contacts == 1) {
+            if (c->slot != NONE)
+                contact_give(w, c->slot);
+            p->contact = c->slot = NONE;
+            continue;
+        }
+        if (c->slot == NONE && room == DIG_OK) {
+            room = contact_take(w, &c->slot);
+            p->contact = c->slot;
+        }
+        if (c->manifold.count > 1 && room == DIG_OK)
+            room = contact_widen(w, &w->contacts.data[c->slot]);
+        DIG_ASSERT(room == DIG_OK);
+    }
+}
+
+static void commit_pair(World *w, const Group *g, const GroupPair *q, real dt)
+{
+    Pair *p = &w->pairs.data[q->slot];
+    if (q->memory != NONE)
+        w->memories.data[q->memory].cache = q->cache;
+    p->until = q->until;
+    p->fresh = false;
+    p->touching = q->touching;
+    for (int i = q->contact; i < q->contact + q->contacts; i++)
+        if (g->contacts[i].slot != NONE && !(g->contacts[i].idle && g->contacts[i].was_idle))
+            commit_contact(w, &w->contacts.data[g->contacts[i].slot], &g->contacts[i], dt);
+}
+
+static void commit_joint(World *w, const GroupJoint *j, real dt)
+{
+    JointRec *r = &w->joints.data[j->slot];
+    memcpy(r->memory, j->memory, sizeof r->memory);
+    memcpy(r->impulse, j->force, sizeof r->impulse);
+    r->lost = j->lost;
+    r->force = vec3_scale(1 / dt, j->impulse);
+    r->torque = vec3_scale(1 / dt, j->angular_impulse);
+}
+
+static void fetch_commit(const World *w, const Group *g, int i)
+{
+    if (i + FETCH_AHEAD >= g->pair_count)
+        return;
+    const GroupPair *q = &g->pairs[i + FETCH_AHEAD];
+    const GroupContact *from = &g->contacts[q->contact];
+    uint32_t slot = from->slot;
+    fetch_soon(from->manifold.points, (size_t)from->manifold.count * sizeof(ManifoldPoint));
+    fetch_soon(from->memory, (size_t)from->manifold.count * sizeof(PointMemory));
+    fetch_more(w, g->contacts[g->pairs[i + FETCH_AHEAD / 2].contact].slot);
+    fetch_soon(&w->pairs.data[q->slot], sizeof(Pair));
+    if (q->memory != NONE)
+        fetch_soon(&w->memories.data[q->memory], sizeof(ManifoldCache));
+    if (slot != NONE)
+        fetch_soon(&w->contacts.data[slot], sizeof(Contact));
+}
+
+typedef struct Commit { World *w; const Group *g; } Commit;
+
+static void commit_share(void *context, int thread, int threads)
+{
+    const Commit *c = context;
+    const Group *g = c->g;
+    real dt = c->w->def.step;
+    for (int i = team_first(g->moving_count, thread, threads), end = team_end(g->moving_count, thread, threads); i < end; i++) {
+        if (i + BODIES_AHEAD < g->moving_count)
+            fetch_soon(&c->w->bodies.data[g->slots[i + BODIES_AHEAD]], offsetof(Body, watch) + offsetof(BodyWatch, since));
+        commit_body(c->w, g, i, dt);
+    }
+    for (int i = team_first(g->pair_count, thread, threads), end = team_end(g->pair_count, thread, threads); i < end; i++) {
+        fetch_commit(c->w, g, i);
+        commit_pair(c->w, g, &g->pairs[i], dt);
+    }
+}
+
+void group_commit(World *w, const Group *g)
+{
+    Commit c = {w, g};
+    team_run(g->team, commit_share, &c);
+    for (int i = 0; i < g->joint_count; i++)
+        commit_joint(w, &g->joints[i], w->def.step);
+}
