@@ -86,7 +86,7 @@ typedef struct Frame {          /* a moving body at the start of the step       
 
 /* What contacts ask of a body. In the group's members it would lie far apart: those of thousands of bodies fit no cache, these do. */
 typedef struct Trait {
-    real travel, pull, mass;    /* m, m/s^2, kg  as in Member                                  */
+    real travel, pull;          /* m, m/s^2  as in Member                                        */
     bool moves, kinematic, dormant, round;
 } Trait;
 

@@ -102,7 +102,7 @@ static real struck(const Group *g, const GroupPair *q, real dt)
     return most;
 }
 
-/* Of each pair, close together: who it is between; m/s, see struck(); m, its reach. */
+/* Of each pair, close together: who it is between; m/s, see struck(); m, its reach, once that was asked for. */
 typedef struct Ends { int a, b; float struck, reach; } Ends;
 typedef struct Touching { const Crowd *c; Ends *ends; } Touching;
 
@@ -127,7 +127,6 @@ static void touch_share(void *context, int thread, int threads)
         t->ends[i] = (Ends){.a = q->a, .b = q->b};
         if (touch_pair(t->c, q) && q->reach > (BRISK + LOOKS) * q->size)        /* it looked so far ahead, for the pair is fast */
             t->ends[i].struck = (float)struck(g, q, t->c->dt);
-        t->ends[i].reach = (float)q->reach;
     }
 }
 
@@ -151,7 +150,7 @@ typedef struct Blows {
 static real passed_on(const Blows *s, const GroupPair *q, int x, int y)
 {
     const Crowd *c = s->c;
-    real most = c->stop[x], mass = s->behind[x], part = isinf(mass) ? 1 : mass / (mass + c->trait[y].mass), share = (1 + q->restitution) * part;
+    real most = c->stop[x], mass = s->behind[x], part = isinf(mass) ? 1 : mass / (mass + c->g->member[y].mass), share = (1 + q->restitution) * part;
     return real_min(most, real_max(vec3_length(c->g->vel[y].v), share * most));
 }
 
@@ -165,6 +164,7 @@ static int follow(const Blows *s, Ends *e, GroupPair *q)
     real most = c->stop[x], way = most * c->dt, known = NEWS * c->stop[y];
     if (most <= known && (real)e->reach >= way)         /* mostly so, and to look at the pair would be a miss */
         return -1;
+    e->reach = (float)q->reach;
     if (!(way > BRISK * q->size) || !c->trait[x].moves || !c->trait[y].moves)
         return -1;
     real passed = passed_on(s, q, x, y);
@@ -190,7 +190,7 @@ static void note_stops(const Blows *s, const GroupPair *q, real struck)
 {
     bool a = s->c->trait[q->a].moves, b = s->c->trait[q->b].moves;
     bool driven = s->c->trait[q->a].kinematic || s->c->trait[q->b].kinematic;      /* does not give way */
-    real mass = driven ? INFINITY : (a ? s->c->trait[q->a].mass : 0) + (b ? s->c->trait[q->b].mass : 0);
+    real mass = driven ? INFINITY : (a ? s->c->g->member[q->a].mass : 0) + (b ? s->c->g->member[q->b].mass : 0);
     for (int k = 0; k < 2; k++) {
         int body = k ? q->b : q->a;
         if (!(k ? b : a))

@@ -35,7 +35,7 @@ static void trait_share(void *context, int thread, int threads)
     Group *g = c->g;
     for (int i = team_first(g->body_count, thread, threads), end = team_end(g->body_count, thread, threads); i < end; i++) {
         Member *m = &g->member[i];
-        c->trait[i] = (Trait){m->travel, m->pull, m->mass, m->moves, m->kinematic, m->dormant, m->round};
+        c->trait[i] = (Trait){m->travel, m->pull, m->moves, m->kinematic, m->dormant, m->round};
         if (i >= g->moving_count)
             m->start_pos = g->pos[i];
     }
