@@ -318,18 +318,17 @@ static void find_ways(void *context, int thread, int threads)
         n->span[i].far = way_of(n->g, i);
 }
 
-/* What is struck, be it through others between, gets about as far as the fastest of its group would have. Where that matters is found
- * out by a try without it (step/stray.c): it makes several times as many pairs. */
+/* What is struck, be it through others between, gets about as far as the fastest of its group would have. */
 static void find_spans(Nearby *n)
 {
     const Group *g = n->g;
     team_run(g->team, find_ways, n);
     real blow = 0;
-    for (int i = 0; i < g->body_count && g->again; i++)
+    for (int i = 0; i < g->body_count; i++)
         blow = real_max(blow, n->span[i].far);
     for (int i = 0; i < g->body_count; i++) {
         const Member *m = &g->member[i];
-        real way = m->moves ? real_max(n->span[i].far, blow) : n->span[i].far;
+        real way = m->moves ? blow : n->span[i].far;
         n->span[i] = m->slot == NONE ? (Span){INFINITY, 0} : (Span){1.01 * m->outer + way, m->travel + way};
     }
 }

@@ -249,7 +249,6 @@ struct Group {
     int       trace_wait;       /*     steps for which it is not tried again           */
     bool      may_trace;        /*     the world's budget for traced and conserved groups reaches it */
     bool      crowd;            /*     the crowd takes it: it need not look for what cannot act in this step */
-    bool      again;            /*     the step was tried before: some went farther than foreseen */
     bool      trace_failed;     /*     it was tried in this step, and handed on        */
     real      passed;           /* s   that it left to the sweep within this step      */
     bool      breaks_found;     /*     its breaks were found as it went on             */

@@ -185,7 +185,6 @@ static void advance_one(void *context, int i, Arena *arena)
     g->tolerance = accuracy_local(part->accuracy);
     g->may_trace = part->may_trace;
     g->crowd = part->crowd;
-    g->again = c->s->tries > 0;
     g->team = part->together ? workers_team(c->w->workers) : NULL;
     g->stage = run_stage;
     g->blame = c->blame;

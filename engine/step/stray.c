@@ -14,34 +14,18 @@
 /* A solid that ends beyond its reach: there is its centre, and its box. low: m  the box begins here, along the axis of the search. */
 typedef struct Stray { const Group *g; uint32_t solid; vec3 at; box3 end; real low; bool missed; } Stray;
 
-static int compare_slot(const void *key, const void *pair)
-{
-    uint32_t a = *(const uint32_t *)key, b = ((const GroupPair *)pair)->slot;
-    return a < b ? -1 : a > b;
-}
-
-/* May the two touch, and is that no pair that the group watched? A crowd leaves out pairs that nothing brings together. */
-static bool unwatched(const World *w, const Group *g, uint32_t solid, uint32_t other)
+/* May the two touch, and is that no pair that the group watched? */
+static bool unwatched(const World *w, uint32_t solid, uint32_t other)
 {
     uint32_t pair = NONE;
     if (other == solid || !bodies_may_touch(w, &w->solids.data[solid], &w->solids.data[other]))
         return false;
-    if (!pair_find(w, solid, other, &pair) || !pair_met(w, &w->pairs.data[pair]))
-        return true;
-    return g->crowd && !bsearch(&pair, g->pairs, (size_t)g->pair_count, sizeof *g->pairs, compare_slot);
+    return !pair_find(w, solid, other, &pair) || !pair_met(w, &w->pairs.data[pair]);
 }
 
 static bool followed(const Group *g) { return g->located > 0 || g->varies || g->crowd; }
 
 static real margin_of(const Group *g, const Solid *s) { return g->crowd ? DEEP * s->shape.outer : 0; }
-
-/* Was it thrown farther than its own way? In its first try a crowd leaves out the pairs that nobody's own way brings together. */
-static bool thrown(const World *w, const Group *g, int member)
-{
-    const Body *b = &w->bodies.data[g->member[member].slot];
-    real dt = w->def.step, way = dt * (vec3_length(b->v) + g->member[member].pull * dt) + DEEP * b->outer;
-    return g->crowd && !g->again && vec3_length2(vec3_sub(g->pos[member].x, b->x)) > way * way;
-}
 
 static bool strays(const World *w, int member, Stray *out)
 {
@@ -54,7 +38,7 @@ static bool strays(const World *w, int member, Stray *out)
         return false;
     out->at = at.p;
     out->end = box3_grow(s->shape.type->bounds(&s->shape, at), -margin_of(g, s));
-    return !box3_inside(s->reach, out->end) || thrown(w, g, member);
+    return !box3_inside(s->reach, out->end);
 }
 
 /* Fills `out`, if there is one; returns how many there are. */
@@ -95,7 +79,7 @@ static bool meets(void *context, uint32_t other)
     pose at = solid_pose(m->w, o);
     if (b && (b->kind == DIG_KINEMATIC || (b->kind == DIG_DYNAMIC && b->awake)))
         at.p = vec3_mad(at.p, m->dt, b->v);
-    m->stray->missed = unwatched(m->w, m->stray->g, m->stray->solid, other) && deep(m->w, m->stray, other, at.p) &&
+    m->stray->missed = unwatched(m->w, m->stray->solid, other) && deep(m->w, m->stray, other, at.p) &&
                        (!m->stray->g->crowd || box3_overlap(m->stray->end, o->shape.type->bounds(&o->shape, at)));
     return !m->stray->missed;
 }
@@ -105,7 +89,7 @@ static void look_at_planes(const World *w, Stray *stray)
 {
     for (int i = 0; i < w->unbounded.count && !stray->missed; i++) {
         uint32_t plane = w->unbounded.data[i];
-        stray->missed = plane_near(w, plane, stray->end) && unwatched(w, stray->g, stray->solid, plane);
+        stray->missed = plane_near(w, plane, stray->end) && unwatched(w, stray->solid, plane);
     }
 }
 
@@ -138,14 +122,14 @@ static void look_at_each_other(const World *w, Stray *list, int count)
     qsort(list, (size_t)count, sizeof *list, compare_low);
     for (int i = 0; i < count; i++)
         for (int k = i + 1; k < count && list[k].low <= vec3_at(list[i].end.high, axis); k++)
-            if (box3_overlap(list[i].end, list[k].end) && unwatched(w, list[i].g, list[i].solid, list[k].solid) && deep(w, &list[i], list[k].solid, list[k].at))
+            if (box3_overlap(list[i].end, list[k].end) && unwatched(w, list[i].solid, list[k].solid) && deep(w, &list[i], list[k].solid, list[k].at))
                 list[i].missed = list[k].missed = true;
 }
 
 static void reach_farther(Solid *s, box3 end)
 {
     vec3 low = vec3_sub(s->reach.low, end.low), high = vec3_sub(end.high, s->reach.high);
-    s->astray += real_max(0, real_max(vec3_largest(low), vec3_largest(high))) + 0.1 * s->shape.outer;
+    s->astray += real_max(vec3_largest(low), vec3_largest(high)) + 0.1 * s->shape.outer;
 }
 
 dig_status look_for_strays(World *w, Step *s)
