@@ -1,4 +1,5 @@
 /* trace/trace.c - the traced way: from event to event through a frame, on a private copy, within a budget of counts. */
+#include "solve/momentum.h"
 #include "trace/trace.h"
 
 #define CHATTER       40        /* events within CHATTER_TIME of the frame                   */
@@ -178,6 +179,7 @@ static bool settle(Tracer *t, bool first)
     bool moved = false;
     if (first && !put_right(t, true, &moved))         /* another way may have left the closed ones a little off */
         return false;
+    t->shifted = t->shifted || moved;
     moved = false;
     g->evaluations++;
     if (!trace_kinds(t, first) || !put_right(t, false, &moved) || (moved && !trace_accelerate(t)))
@@ -551,6 +553,8 @@ static dig_status advance(Group *g, real dt)
             trace_kinematics(t);
         }
         trace_refine(t, t->y);
+        if (t->shifted || t->passes > 0)        /* what was moved into place kept its velocities, not its angular momentum */
+            DIG_TRY(group_hold_momenta(g, dt));
         trace_hold_energy(t);
         trace_finish(t);
         g->trace_step = t->h_next;

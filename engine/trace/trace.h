@@ -207,6 +207,7 @@ typedef struct Tracer {
     real   pass, pass_end;      /* s  length and end of the last of them  */
     bool   conserves;           /* nothing in this frame took or gave energy so far: it is held, see energy.c */
     bool   turns;               /* the same of angular momentum: jerks of joints and breaks leave it */
+    bool   shifted;             /* what was off its joints or contacts at the start was moved */
     int   *root; bool *held;    /* mechanisms: [moving_count + 1] lowest body; does it hang on something? */
     real  *gain;                /* J   of each, by its lowest body             */
 } Tracer;
