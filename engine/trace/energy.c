@@ -6,7 +6,8 @@
  * scaled velocity obeys every joint that the velocity obeyed. Mechanisms that hang on nothing are scaled in their motion relative
  * to the rigid one with the same momentum and angular momentum, so that these stay, too; and before that the rigid motion is given the
  * angular momentum of the frame's start, for the pair keeps no invariant but the linear ones. What the local errors of its steps may
- * be, the change may be, and no more: what asks for more is no error of the integration.
+ * be, the change may be, and no more: what asks for more is no error of the integration. Where a frame ends as the mechanism turns back,
+ * there is next to no velocity to scale, and its place is changed instead.
  */
 #include "base/forest.h"
 #include "solve/momentum.h"
@@ -137,6 +138,29 @@ static bool flies_alone(const Tracer *t, int root)
     return !t->held[root];
 }
 
+/* Where it turns back, velocities are too small for the change: it is moved along its accelerations instead, of which m a is the sum of
+ * all that acts but for joints, which do no work. Only what hangs on something: what floats turns on about itself. */
+static void move_mechanism(Tracer *t, int root, real gain)
+{
+    Group *g = t->g;
+    real work = 0, farthest = 0;        /* J, m per s^2 */
+    for (int i = root; i < g->moving_count; i++) {
+        if (t->root[i] != root)
+            continue;
+        work += 2 * kinetic_of(&g->member[i], g->pos[i].q, t->acc[i], t->alpha[i]);
+        farthest = real_max(farthest, vec3_length(t->acc[i]) + g->member[i].outer * vec3_length(t->alpha[i]));
+    }
+    if (!t->held[root] || !(fabs(gain) * farthest <= t->tolerance * work))
+        return;
+    real far = gain / work;
+    for (int i = root; i < g->moving_count; i++) {
+        if (t->root[i] != root)
+            continue;
+        g->pos[i].x = vec3_mad(g->pos[i].x, far, t->acc[i]);
+        g->pos[i].q = quat_unit(quat_mul(quat_exp(vec3_scale(far, t->alpha[i])), g->pos[i].q));
+    }
+}
+
 static void hold_mechanism(Tracer *t, int root)
 {
     Group *g = t->g;
@@ -163,8 +187,12 @@ static void hold_mechanism(Tracer *t, int root)
         allowed += steps * g->member[i].mass * t->tolerance * (vec3_length(t->pull[i]) + pace * speed);
     }
     bool known = m.kinetic > BRISK * m.scale || fabs(m.gain) > NOISE * m.scale;
-    if (!known || !(fabs(m.gain) <= real_min(allowed, GENTLE * m.kinetic)))
+    if (!known || !(fabs(m.gain) <= allowed))
         return;
+    if (fabs(m.gain) > GENTLE * m.kinetic) {
+        move_mechanism(t, root, m.gain);
+        return;
+    }
     real change = sqrt(1 - m.gain / m.kinetic) - 1;
     for (int i = root; i < g->moving_count; i++) {
         if (t->root[i] != root)

@@ -5,7 +5,7 @@ local frames = 1000000
 
 return {
   {
-    id = "B14a", title = "rotor, a million frames", seconds = frames / 60, slow = true, watch_every = 10000, isolated = true,
+    id = "B14a", title = "rotor, a million frames", frames = frames, slow = true, watch_every = 10000, isolated = true,
     world = { gravity = { 0, 0, 0 } },
     build = function(place)
       local s = { energy = 0, size = 0 }
@@ -23,7 +23,7 @@ return {
     end,
   },
   {
-    id = "B14b", title = "pendulum, a million frames", seconds = frames / 60, slow = true, watch_every = 10000,
+    id = "B14b", title = "pendulum, a million frames", frames = frames, slow = true, watch_every = 10000,
     build = function(place)
       local s = { first = 0, last = 0 }
       s.rod = place:box { size = { 1, 0.1, 0.1 }, mass = 1, at = { 0.5, 0, 0 }, collides = false }
@@ -32,11 +32,11 @@ return {
       s.start = e.kinetic + e.potential
       return s
     end,
-    frame = function(s, t, k)
+    frame = function(s, _, k)
       if k % 100 ~= 0 then return end
       local e = s.world.energy
       local off = math.abs(e.kinetic + e.potential - s.start) / (9.81 / 2)
-      if t < frames / 600 then s.first = math.max(s.first, off) else s.last = math.max(s.last, off) end
+      if k < frames / 10 then s.first = math.max(s.first, off) else s.last = math.max(s.last, off) end
     end,
     finish = function(s)
       return { hard.most("energy, relative", math.max(s.first, s.last), 1e-6),

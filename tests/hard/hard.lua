@@ -1,7 +1,7 @@
 -- tests/hard/hard.lua - the hard cases: loads them, runs one at one frame step, watches what must always hold (G1 to G8), and judges.
 --
 -- A case file returns one case or a list of cases:
---   id, title, seconds            seconds of simulated time
+--   id, title, seconds            seconds of simulated time; or frames, as many at every frame step
 --   fast                          seconds of it in the tests that always run; absent = not there
 --   steps                         frame steps; default 1/30, 1/60 and 1/1000; slow = true: 1/60 alone
 --   world                         fields of digbox.world
@@ -250,7 +250,7 @@ end
 -- o: dt, seconds, clock, limit (CPU s), accuracy, picture (path). Returns a row.
 function hard.run(case, o)
   local dt, clock = o.dt or 1 / 60, o.clock or function() return 0 end
-  local seconds = o.seconds or case.seconds
+  local seconds = o.seconds or case.frames and case.frames * dt or case.seconds
   o = { compare = math.min(1, seconds), limit = o.limit, accuracy = o.accuracy, picture = o.picture, settled = o.repeats ~= false }
   local state, world = open_case(case, dt, nil, o.accuracy)
   local row = { case = case, dt = dt, always = {}, traced = 0, conserved = 0, swept = 0, frames = 0 }
