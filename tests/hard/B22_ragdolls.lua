@@ -1,4 +1,5 @@
--- B22 sixteen ragdolls of 19 bones with limits at their joints fall into a pit.
+-- B22 sixteen ragdolls of 19 bones with limits at their joints fall into a pit. Joints rub a little: on hinges without friction a limb
+-- that is left dangling swings for ever, in exact mechanics too, and whether one is left is chance.
 local hard = require "hard"
 
 -- name, length, thickness, mass, parent, where on the parent (-1 lower to 1 upper end), side, direction of growth, limits in degrees
@@ -19,7 +20,7 @@ for _, side in ipairs { -1, 1 } do
   add("shin", 0.4, 0.1, 4, mark .. "thigh", -1, 0)
   add("foot", 0.14, 0.08, 1, mark .. "shin", -1, 0)
 end
-local limit = math.rad(40)
+local limit, rub = math.rad(40), 0.3         -- rub: N m; a thigh's weight turns its hinge with 14
 
 local function ragdoll(place, s, group, x, y, z)
   local made = {}
@@ -34,7 +35,7 @@ local function ragdoll(place, s, group, x, y, z)
     s.bones[#s.bones + 1] = body
     if parent then
       s.joints[#s.joints + 1] = place:hinge { a = body, b = made[parent].body, at = { bx, joint_y, z }, limits = { -limit, limit },
-                                              axis = #s.joints % 3 == 0 and { 0, 0, 1 } or { 1, 0, 0 } }
+                                              friction = rub, axis = #s.joints % 3 == 0 and { 0, 0, 1 } or { 1, 0, 0 } }
     end
   end
 end

@@ -157,6 +157,9 @@ static void put_geom(Peer *p, int i)
     put(p, " pos='%.17g %.17g %.17g' quat='%.17g %.17g %.17g %.17g'/>\n", at[0], at[1], at[2], turn[0], turn[1], turn[2], turn[3]);
 }
 
+/* A motor that holds still is dry friction, which MuJoCo has as such. */
+static bool rubs(const PeerJoint *j) { return j->motor_torque > 0 && j->motor_speed == 0; }
+
 static void put_tree_joint(Peer *p, int i)
 {
     const PeerJoint *j = &p->scene->joint[p->first[i]];
@@ -173,6 +176,8 @@ static void put_tree_joint(Peer *p, int i)
         put(p, " axis='%.17g %.17g %.17g'", axis[0], axis[1], axis[2]);
     if (j->limited)
         put(p, " limited='true' range='%.17g %.17g'", j->lower, j->upper);
+    if (rubs(j))
+        put(p, " frictionloss='%.17g'", j->motor_torque);
     put(p, "/>\n");
 }
 
@@ -292,7 +297,7 @@ static void put_joints(Peer *p, const bool *closes)
                 s->joint[k].stiffness, s->joint[k].damping, s->joint[k].length, k, k);
     put(p, "</tendon><actuator>\n");
     for (int k = 0; k < s->joints; k++)
-        if (s->joint[k].motor_torque > 0 && !closes[k])
+        if (s->joint[k].motor_torque > 0 && !rubs(&s->joint[k]) && !closes[k])
             put(p, "<velocity joint='j%d' kv='%.17g' forcelimited='true' forcerange='%.17g %.17g'/>\n", k,
                 2 * s->joint[k].motor_torque / fabs(s->joint[k].motor_speed), -s->joint[k].motor_torque, s->joint[k].motor_torque);
     put(p, "</actuator>\n");
@@ -475,7 +480,7 @@ Peer *peer_open(const PeerScene *scene, char *why, size_t room)
             p->of_geom[geom] = i;
     }
     for (int u = 0, k = 0; k < scene->joints && u < p->model->nu; k++)
-        if (scene->joint[k].motor_torque > 0)
+        if (scene->joint[k].motor_torque > 0 && !rubs(&scene->joint[k]))
             p->data->ctrl[u++] = scene->joint[k].motor_speed;
     set_speeds(p);
     mj_forward(p->model, p->data);

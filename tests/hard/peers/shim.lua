@@ -148,7 +148,7 @@ Joint.__index = function(j, key)
 end
 
 local function add_joint(world, kind, f)
-  local limits, motor = f.limits, f.motor or {}
+  local limits, motor = f.limits, f.motor or { speed = 0, max_torque = f.friction }     -- a motor that holds still rubs
   local at = f.at or (f.a and kind ~= "slider" and f.a.position) or f.a.position
   local index = world.core:joint {
     kind = kind, a = f.a.index, b = f.b and f.b.index or -1, at = list(at), at_b = f.at_b and list(f.at_b) or nil,
