@@ -18,10 +18,28 @@
 #if defined(MREMAP_MAYMOVE) && !defined(CHECKED)
 static bool from_pages(size_t bytes) { return bytes >= BLOCK_LARGE; }
 
+#define WIDE_PAGE ((size_t)2 << 20)     /* bytes of the larger pages that most systems have */
+
+/* Steps go through tables of many megabytes: in small pages every few bodies cost a look into the tables of pages, too. Only a wish:
+ * where a block's wide pages cannot lie, small ones do. Not aligned for it: the whole tail of each block would then take memory. */
+static void widen(void *data, size_t bytes)
+{
+#ifdef MADV_HUGEPAGE
+    if (bytes >= WIDE_PAGE)
+        (void)madvise(data, bytes, MADV_HUGEPAGE);
+#else
+    (void)data;
+    (void)bytes;
+#endif
+}
+
 static void *pages_open(size_t bytes)
 {
     void *data = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    return data == MAP_FAILED ? NULL : data;
+    if (data == MAP_FAILED)
+        return NULL;
+    widen(data, bytes);
+    return data;
 }
 
 static void *pages_resize(void *data, size_t old, size_t bytes)
@@ -29,6 +47,7 @@ static void *pages_resize(void *data, size_t old, size_t bytes)
     char *moved = mremap(data, old, bytes, MREMAP_MAYMOVE);
     if (moved == MAP_FAILED)
         return NULL;
+    widen(moved, bytes);
     size_t page = (size_t)sysconf(_SC_PAGESIZE), end = (old + page - 1) / page * page;
     if (bytes > old)            /* what was given back within a page is still there */
         memset(moved + old, 0, (bytes < end ? bytes : end) - old);

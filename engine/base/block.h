@@ -2,7 +2,7 @@
  *
  * Large worlds grow while things land in them. From malloc, what grew out of its place leaves a hole that little else fits: a fifth of
  * the memory of a pile of 8000 balls. Pages are given back at once, go along when a block grows (nothing is copied), and take no memory
- * until they are written to: room that is kept ready costs nothing.
+ * until they are written to: room that is kept ready costs nothing, but for the rest of a wide page (two megabytes, where the system has them).
  *
  * Invariant: a block stays where it was obtained from as long as its size is on the same side of BLOCK_LARGE: hand in the size it has.
  * Floor:     base.
