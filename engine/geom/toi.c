@@ -3,7 +3,12 @@
  *
  * While both shapes move for h seconds, no gap along the unit normal n closes by more than
  *     c1 h + c2 h^2 / 2 + min(s h, 2 (Ra + Rb)),    c1 = -n.(vb - va), c2 = -n.(ab - aa), s = |n x wa| Ra + |n x wb| Rb,
- * with R the radius of each core about its centre of mass: a point at r moves along n at n.(w x r) = (n x w).r. */
+ * with R the radius of each core about its centre of mass: a point at r moves along n at n.(w x r) = (n x w).r.
+ *
+ * Where shapes turn, supports say more. Let n turn along at the rate W, with neither of them or with one, and c lie between the centres
+ * of mass. At first the gap along n grows by n.v + (W x n).c, and a point at r gets nearer by r.(n x (w - W)): after h seconds the points
+ * of a core are no farther along n than its support in the direction n + h n x (w - W) and what the second derivatives may add. Two
+ * stones of an arch that hinge on an edge are so followed in 3 steps, where each alone turns its corners far into the other's side. */
 #include "geom/pair.h"
 
 #define TOLERANCE   1e-10       /* of the size */
@@ -32,7 +37,11 @@ typedef struct Flight {
     int  count;                 /* gaps computed */
 } Flight;
 
-typedef struct Moment { real t, gap, rate; vec3 normal; } Moment;   /* gap - target; rate: how fast it closes at the nearest points */
+typedef struct Moment {
+    real t, gap, rate;          /* gap - target; rate: how fast it closes at the nearest points */
+    vec3 normal;
+    pose a, b;
+} Moment;
 
 static vec3 velocity_of(const Motion *m, pose at, real t, vec3 point)
 {
@@ -46,7 +55,7 @@ static Moment moment_at(Flight *f, real t)
     Pair p = pair_make(f->a, pa, f->b, pb);
     ConvexGap g;
     pair_gap(&p, INFINITY, &f->axis, &g);
-    Moment m = {.t = t, .gap = g.gap - f->target, .normal = pair_direction(&p, g.normal)};
+    Moment m = {.t = t, .gap = g.gap - f->target, .normal = pair_direction(&p, g.normal), .a = pa, .b = pb};
     vec3 va = velocity_of(f->ma, pa, t, pair_point(&p, g.on_a)), vb = velocity_of(f->mb, pb, t, pair_point(&p, g.on_b));
     m.rate = -vec3_dot(m.normal, vec3_sub(vb, va));
     f->count++;
@@ -79,6 +88,88 @@ static real safe_step(const Flight *f, const Moment *m)
     real turning = vec3_length(vec3_cross(n, f->ma->w)) * f->reach_a + vec3_length(vec3_cross(n, f->mb->w)) * f->reach_b;
     real most = 2 * ((vec3_length2(f->ma->w) > 0 ? f->reach_a : 0) + (vec3_length2(f->mb->w) > 0 ? f->reach_b : 0));
     return real_max(first_root(c2, c1 + turning, m->gap), first_root(c2, c1, m->gap - most));
+}
+
+/* A bound of the gap along a normal n that turns at the rate `turn`, from a moment on. */
+typedef struct Bound {
+    const Flight *f;
+    const Moment *m;
+    vec3 n, turn;
+    real rate, bend;            /* m/s, m/s^2  of the bound, but for what the supports say */
+} Bound;
+
+/* m/s^2  How fast the turn of a core may change the rate of its points along n. */
+static real core_bend(const Bound *b, const Motion *m, real radius)
+{
+    if (vec3_equal(m->w, b->turn))
+        return 0;
+    real w = vec3_length(m->w), turn = vec3_length(b->turn), along = vec3_length(vec3_cross(b->n, b->turn));
+    real across = turn > 0 ? w : vec3_length(vec3_cross(b->n, m->w));           /* of w to the normal, wherever that turns */
+    return radius * (along * (turn + 2 * w) + across * w);
+}
+
+static Bound bound_of(const Flight *f, const Moment *m, vec3 turn)
+{
+    Bound b = {.f = f, .m = m, .n = m->normal, .turn = turn};
+    vec3 c = vec3_sub(pose_point(m->b, f->mb->centre), pose_point(m->a, f->ma->centre)), v = vec3_mad(f->v, m->t, f->acceleration);
+    vec3 change = vec3_cross(turn, b.n);
+    real time = f->time - m->t, a = vec3_length(f->acceleration), fastest = vec3_length(v) + a * time;
+    real farthest = vec3_length(c) + fastest * time, along = vec3_length(change);
+    b.rate = vec3_dot(b.n, v) + vec3_dot(change, c);
+    b.bend = real_min(0, vec3_dot(b.n, f->acceleration)) - along * (vec3_length(turn) * farthest + 2 * fastest + time * a);
+    b.bend -= core_bend(&b, f->ma, f->reach_a) + core_bend(&b, f->mb, f->reach_b);
+    return b;
+}
+
+/* m  How far a core reaches along d from its centre of mass. */
+static real reach_along(const Shape *s, const Motion *m, quat q, vec3 d)
+{
+    vec3 local = quat_unrotate(q, d);
+    return vec3_dot(local, vec3_sub(s->type->support(s, local), m->centre));
+}
+
+/* m  By how much more it may reach along n after h seconds. */
+static real turned_out(const Bound *b, const Shape *s, const Motion *m, quat q, vec3 n, real h)
+{
+    vec3 lean = vec3_cross(n, vec3_sub(m->w, b->turn));
+    if (!(vec3_length2(lean) > 0))
+        return 0;
+    return s->type->convex ? reach_along(s, m, q, vec3_mad(n, h, lean)) - reach_along(s, m, q, n) : INFINITY;
+}
+
+/* m  The gap h seconds later is no less. Concave in h. */
+static real least_gap(const Bound *b, real h)
+{
+    const Flight *f = b->f;
+    return b->m->gap + h * b->rate + 0.5 * h * h * b->bend - turned_out(b, f->a, f->ma, b->m->a.q, b->n, h) -
+           turned_out(b, f->b, f->mb, b->m->b.q, vec3_neg(b->n), h);
+}
+
+#define CHORDS 3
+
+/* s  The bound stays above 0 for so long: all the time that is left, or what chords, which it is never below, tell. */
+static real sure_step(const Flight *f, const Moment *m, vec3 turn)
+{
+    Bound b = bound_of(f, m, turn);
+    real end = f->time - m->t, h = 0, gap = m->gap, last = least_gap(&b, end);
+    if (last > 0)
+        return INFINITY;
+    for (int i = 0; i < CHORDS && last > -INFINITY && gap > 0; i++) {
+        real next = h + (end - h) * gap / (gap - last);
+        gap = least_gap(&b, next);
+        h = gap >= 0 ? next : h;
+    }
+    return h;
+}
+
+/* safe_step, and where that is not enough, what the supports are sure of. */
+static real longest_step(const Flight *f, const Moment *m)
+{
+    real h = safe_step(f, m), end = f->time - m->t;
+    const vec3 turns[3] = {f->ma->w, f->mb->w, vec3_zero()};
+    for (int i = 0; i < 3 && h <= end; i++)
+        h = real_max(h, sure_step(f, m, turns[i]));
+    return h;
 }
 
 /* The zero in [lo, hi], lo.gap > 0 >= hi.gap: regula falsi, Illinois variant (Dowell & Jarratt 1971), halving when that is slow. */
@@ -172,7 +263,7 @@ static real advance(Flight *f)
         return from_below(f, &m);
 
     for (int step = 0; step < ALL_STEPS; step++) {
-        real h = safe_step(f, &m);
+        real h = longest_step(f, &m);
         if (!(h >= 0))
             return INFINITY;                    /* a motion that is not finite meets nothing */
         if (m.t + h > f->time * (1 + 1e-14))

@@ -104,6 +104,7 @@ const JointType joint_ball = {
     .params = ball_rows,
     .params_size = sizeof(Ball),
     .free_axes = 3,
+    .lower_pair = true,
     .rows = rows,
     .only_point = only_point,
     .at_limit = at_limit,

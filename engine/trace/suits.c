@@ -6,6 +6,16 @@
 #define FINE_LOOP  2e-10        /* of the size: a loop followed so closely is on its joints in singular positions, too, slow or not */
 #define LOOP_BODIES 128         /* more than any plan traces */
 
+/* Is joint j one more of those that hold the same two bodies, as the hinges of a door do? What each of them allows is a group of motions,
+ * and so is what all of them allow: of as many axes everywhere. No loop in the sense below. */
+static bool repeats(const Group *g, int j)
+{
+    for (int i = 0; i < j && g->joints[j].view.type->lower_pair; i++)
+        if (g->joints[i].a == g->joints[j].a && g->joints[i].b == g->joints[j].b && g->joints[i].view.type->lower_pair)
+            return true;
+    return false;
+}
+
 /* Do the joints close a loop, by themselves or through what does not move? Loops pass through singular positions; the way that
  * holds joints in place passes them better than this one, which holds accelerations, unless they turn fast against the step, or its own
  * steps are fine: the error of the other falls with the square of the substep only. */
@@ -22,7 +32,7 @@ bool trace_has_loop(const Group *g)
         int a = g->joints[j].a, b = g->joints[j].b, n = g->moving_count;
         a = forest_root(parent, a >= 0 && a < n && g->member[a].moves ? a : n);
         b = forest_root(parent, b >= 0 && b < n && g->member[b].moves ? b : n);
-        if (a == b)
+        if (a == b && !repeats(g, j))
             return true;
         parent[a] = b;
     }
