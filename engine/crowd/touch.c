@@ -104,7 +104,7 @@ static real struck(const Group *g, const GroupPair *q, real dt)
 
 /* Of each pair, close together: who it is between; m/s, see struck(); m, its reach, once that was asked for. */
 typedef struct Ends { int a, b; float struck, reach; } Ends;
-typedef struct Touching { const Crowd *c; Ends *ends; } Touching;
+typedef struct Touching { const Crowd *c; Ends *ends; int first; } Touching;       /* from this pair on */
 
 /* False: its bodies have hardly moved, and it was left as it was. */
 static bool touch_pair(const Crowd *c, GroupPair *q)
@@ -122,7 +122,8 @@ static void touch_share(void *context, int thread, int threads)
 {
     const Touching *t = context;
     const Group *g = t->c->g;
-    for (int i = team_first(g->pair_count, thread, threads), end = team_end(g->pair_count, thread, threads); i < end; i++) {
+    int count = g->pair_count - t->first;
+    for (int i = t->first + team_first(count, thread, threads), end = t->first + team_end(count, thread, threads); i < end; i++) {
         GroupPair *q = &g->pairs[i];
         t->ends[i] = (Ends){.a = q->a, .b = q->b};
         if (touch_pair(t->c, q) && q->reach > (BRISK + LOOKS) * q->size)        /* it looked so far ahead, for the pair is fast */
@@ -201,6 +202,18 @@ static void note_stops(const Blows *s, const GroupPair *q, real struck)
     }
 }
 
+#define TEAM_LEAST 512          /* pairs: fewer are not worth a team */
+
+/* Pairs that the blows known by now may bring together. */
+static dig_status touch_struck(Crowd *c, Ends *ends)
+{
+    Group *g = c->g;
+    Touching t = {c, ends, g->pair_count};
+    DIG_TRY(group_gather_struck(g, c->stop, c->dt));
+    team_run(g->pair_count - t.first < TEAM_LEAST ? NULL : g->team, touch_share, &t);
+    return DIG_OK;
+}
+
 /* Bodies that fall together do not close on each other until the first of them is stopped, and then within the step. A pair is looked
  * at again only when there was news of one of its bodies in the round before, or is in this one. */
 static dig_status look_behind(Crowd *c, Ends *ends)
@@ -223,6 +236,7 @@ static dig_status look_behind(Crowd *c, Ends *ends)
     bool more = c->stop != NULL;
     for (int round = 1; round <= FOLLOWERS && more; round++) {
         more = false;
+        DIG_TRY(touch_struck(c, ends));
         for (int i = 0; i < g->pair_count; i++) {
             Ends *e = &ends[i];
             int latest = int_max(s.news[e->a], s.news[e->b]);
@@ -239,7 +253,7 @@ static dig_status look_behind(Crowd *c, Ends *ends)
 dig_status crowd_touch(Crowd *c)
 {
     Group *g = c->g;
-    Touching t = {c, arena_alloc(g->arena, (size_t)(g->pair_count + 1) * sizeof *t.ends)};
+    Touching t = {.c = c, .ends = arena_alloc(g->arena, (size_t)(g->pair_count + g->left_count + 1) * sizeof *t.ends)};
     if (!t.ends)
         return DIG_E_MEMORY;
     team_run(g->team, touch_share, &t);

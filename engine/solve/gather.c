@@ -217,16 +217,25 @@ typedef struct Near {           /* a pair that may be gathered                  
     int a, b;                   /* local bodies                                    */
     int contact, contacts;      /* of the group; 0: left out                       */
     uint32_t first;             /* of the world's contacts                         */
-    int place;                  /* first of the group's; by find_near, how many    */
+    int place;                  /* first of its room; by find_near, how many there are */
+    float slack;                /* m  of one that is left out, see Left            */
 } Near;
 
-typedef struct Span {           /* m  of a body */
+typedef struct Span {           /* m  of a body, unless something strikes it */
     real wide;                  /*    within this of its centre of mass is all that it is, and gets to in the step */
     real far;                   /*    its travel, and so far it gets at most in the step */
 } Span;
 
-typedef struct Nearby { Group *g; const uint32_t *pairs; Near *near; Span *span; int count; } Nearby;
+typedef struct Nearby {
+    Group *g;
+    const uint32_t *pairs; int count;   /* of the world, that may be gathered */
+    Near  *near;
+    Span  *span;                /* [body_count of g] NULL: all are gathered */
+    int    first, taken;        /* of g's pairs: near[0] becomes the first of so many */
+    ContactPoint *places;       /* room for their points */
+} Nearby;
 
+#define SHARED_LEAST 512         /* pairs: fewer are not worth a team */
 #define RUBS 16                 /* of two kinds of surfaces each */
 typedef struct KnownRub { Surface a, b; Rub rub; bool known; } KnownRub;
 
@@ -305,35 +314,35 @@ static real way_of(const Group *g, int body)
 {
     const Member *m = &g->member[body];
     const Vel *v = &g->vel[body];
-    if (m->slot == NONE)
-        return 0;               /* the world itself */
     real dt = g->world->def.step, spin = vec3_length2(v->w) > 0 ? vec3_length(v->w) * m->outer : 0;
     return dt * (vec3_length(v->v) + spin + m->pull * dt);
 }
 
-static void find_ways(void *context, int thread, int threads)
+static void find_spans(void *context, int thread, int threads)
 {
     const Nearby *n = context;
-    for (int i = team_first(n->g->body_count, thread, threads), end = team_end(n->g->body_count, thread, threads); i < end; i++)
-        n->span[i].far = way_of(n->g, i);
-}
-
-/* What is struck, be it through others between, gets about as far as the fastest of its group would have. */
-static void find_spans(Nearby *n)
-{
     const Group *g = n->g;
-    team_run(g->team, find_ways, n);
-    real blow = 0;
-    for (int i = 0; i < g->body_count; i++)
-        blow = real_max(blow, n->span[i].far);
-    for (int i = 0; i < g->body_count; i++) {
+    for (int i = team_first(g->body_count, thread, threads), end = team_end(g->body_count, thread, threads); i < end; i++) {
         const Member *m = &g->member[i];
-        real way = m->moves ? blow : n->span[i].far;
+        real way = m->slot == NONE ? 0 : way_of(g, i);         /* NONE: the world itself */
         n->span[i] = m->slot == NONE ? (Span){INFINITY, 0} : (Span){1.01 * m->outer + way, m->travel + way};
     }
 }
 
-/* Most pairs of a crowd are near each other without a contact, and get none in this step: they are left out. */
+/* m  So much farther the two may get, together, than by themselves, before they could meet. */
+static real slack_of(const Nearby *n, const Pair *p, int a, int b)
+{
+    const Group *g = n->g;
+    const Span *x = &n->span[a], *y = &n->span[b];
+    real reach = x->wide + y->wide, room = p->until - x->far - y->far;
+    if (!p->fresh && room > 0)
+        return room;            /* crowd/touch.c has seen that there is so much between them */
+    real apart2 = vec3_length2(vec3_sub(g->pos[b].x, g->pos[a].x));
+    return apart2 > reach * reach ? sqrt(apart2) - reach : 0;
+}
+
+/* Most pairs of a crowd are near each other without a contact, and get none in this step: they are left out, until something strikes one
+ * of their bodies. */
 static void find_near(void *context, int thread, int threads)
 {
     const Nearby *n = context;
@@ -344,29 +353,24 @@ static void find_near(void *context, int thread, int threads)
         if (i + FETCH_AHEAD < n->count)
             fetch_soon(&w->pairs.data[n->pairs[i + FETCH_AHEAD]], sizeof(Pair));
         Near *near = &n->near[i];
-        *near = (Near){.slot = n->pairs[i], .a = local_of(g, p->body_a), .b = local_of(g, p->body_b), .first = p->contact};
-        if (g->crowd && p->contact == NONE && !p->touching) {
-            const Span *a = &n->span[near->a], *b = &n->span[near->b];
-            real reach = a->wide + b->wide;
-            if (!p->fresh && a->far + b->far < p->until)
-                continue;                           /* crowd/touch.c has seen that there is so much between them */
-            if (vec3_length2(vec3_sub(g->pos[near->b].x, g->pos[near->a].x)) > reach * reach)
-                continue;
-        }
-        near->contacts = 1;
+        *near = (Near){.slot = n->pairs[i], .a = local_of(g, p->body_a), .b = local_of(g, p->body_b), .first = p->contact, .contacts = 1};
         for (uint32_t c = p->pieces ? w->contacts.data[p->contact].next : NONE; c != NONE; c = w->contacts.data[c].next)
             near->contacts++;
-        near->place = near->contacts * (p->round ? 1 : MANIFOLD_POINTS);        /* so many */
+        near->place = near->contacts * (p->round ? 1 : MANIFOLD_POINTS);
+        if (n->span && p->contact == NONE && !p->touching)
+            near->slack = (float)slack_of(n, p, near->a, near->b);
+        if (near->slack > 0)
+            near->contacts = 0;
     }
 }
 
 /* Of the pairs that come after number i: the next ones but some, and of the next ones what they name. */
-static void fetch_near(const Group *g, const Near *near, int i)
+static void fetch_near(const Group *g, const Near *near, int count, int i)
 {
     const World *w = g->world;
-    if (i + 2 * FETCH_AHEAD < g->pair_count)
+    if (i + 2 * FETCH_AHEAD < count)
         fetch_soon(&w->pairs.data[near[i + 2 * FETCH_AHEAD].slot], sizeof(Pair));
-    if (i + FETCH_AHEAD >= g->pair_count)
+    if (i + FETCH_AHEAD >= count)
         return;
     fetch_more(w, near[i + FETCH_AHEAD / 2].first);
     const Near *n = &near[i + FETCH_AHEAD];
@@ -387,10 +391,10 @@ static void gather_near(void *context, int thread, int threads)
     const Nearby *n = context;
     Group *g = n->g;
     KnownRub known[RUBS] = {{.known = false}};
-    for (int i = team_first(g->pair_count, thread, threads), end = team_end(g->pair_count, thread, threads); i < end; i++) {
+    for (int i = team_first(n->taken, thread, threads), end = team_end(n->taken, thread, threads); i < end; i++) {
         const Near *near = &n->near[i];
-        GroupPair *q = &g->pairs[i];
-        fetch_near(g, n->near, i);
+        GroupPair *q = &g->pairs[n->first + i];
+        fetch_near(g, n->near, n->taken, i);
         uint32_t c = near->first;
         gather_pair(g, q, near, known);
         q->contact = near->contact;
@@ -398,42 +402,113 @@ static void gather_near(void *context, int thread, int threads)
         for (int k = 0; k < near->contacts; k++) {
             GroupContact *to = &g->contacts[q->contact + k];
             to->room = g->world->pairs.data[near->slot].round ? 1 : MANIFOLD_POINTS;
-            gather_contact(g->world, q, i, c, &g->places[near->place + k * to->room], to);
+            gather_contact(g->world, q, n->first + i, c, &n->places[near->place + k * to->room], to);
             c = c == NONE ? NONE : g->world->contacts.data[c].next;
         }
     }
 }
 
+/* Each pair that is taken gets its place among the group's; returns how many points they need room for. */
+static int place_near(Group *g, Near *near, int count)
+{
+    int places = 0;
+    for (int i = 0; i < count; i++) {
+        int needed = near[i].place;
+        near[i].contact = g->contact_count;
+        near[i].place = places;
+        g->contact_count += near[i].contacts;
+        places += needed;
+    }
+    g->pair_count += count;
+    return places;
+}
+
+/* Those that are taken move to the front, the others to g->left. */
+static dig_status choose_near(Nearby *n)
+{
+    Group *g = n->g;
+    g->left = arena_alloc(g->arena, (size_t)(n->span ? n->count : 0) * sizeof *g->left);
+    if (!g->left)
+        return DIG_E_MEMORY;
+    for (int i = 0; i < n->count; i++) {
+        const Near *near = &n->near[i];
+        if (near->contacts > 0)
+            n->near[n->taken++] = *near;
+        else
+            g->left[g->left_count++] = (Left){near->slot, near->a, near->b, near->slack, near->place};
+    }
+    arena_shrink(g->arena, g->left, (size_t)g->left_count * sizeof *g->left);
+    return DIG_OK;
+}
+
+/* All pairs that are left out may yet come in, and each has one contact. None is where a region has laws of its own for pairs, nor where a
+ * body was thrown into one that nothing known had brought it to. */
 static dig_status gather_pairs(Group *g, const uint32_t *pairs, int pair_count)
 {
     Nearby n = {.g = g, .pairs = pairs, .count = pair_count};
-    n.span = arena_alloc(g->arena, (size_t)g->body_count * sizeof *n.span);
+    bool leaves = g->crowd && g->world->region_count == 0 && !g->again;
+    n.span = leaves ? arena_alloc(g->arena, (size_t)g->body_count * sizeof *n.span) : NULL;
     n.near = arena_alloc(g->arena, (size_t)pair_count * sizeof *n.near);
-    if (!n.near || !n.span)
+    if (!n.near || (leaves && !n.span))
         return DIG_E_MEMORY;
-    if (g->crowd)
-        find_spans(&n);
+    if (leaves)
+        team_run(g->team, find_spans, &n);
     team_run(g->team, find_near, &n);
-    for (int i = 0; i < pair_count; i++)
-        if (n.near[i].contacts > 0) {
-            Near *near = &n.near[g->pair_count++];
-            int places = n.near[i].place;
-            *near = n.near[i];
-            near->contact = g->contact_count;
-            near->place = g->place_count;
-            g->contact_count += near->contacts;
-            g->place_count += places;
-        }
-    arena_shrink(g->arena, n.near, (size_t)g->pair_count * sizeof *n.near);
-    g->pairs = arena_alloc(g->arena, (size_t)g->pair_count * sizeof *g->pairs);
-    g->contacts = arena_alloc(g->arena, (size_t)g->contact_count * sizeof *g->contacts);
-    g->places = arena_alloc(g->arena, (size_t)g->place_count * sizeof *g->places);
-    g->changed = arena_alloc(g->arena, (size_t)g->pair_count * sizeof *g->changed);
-    g->turned = arena_alloc(g->arena, (size_t)g->contact_count * sizeof *g->turned);
+    DIG_TRY(choose_near(&n));
+    g->place_count = place_near(g, n.near, n.taken);
+    size_t most = (size_t)(g->pair_count + g->left_count), contacts = (size_t)(g->contact_count + g->left_count);
+    g->pairs = arena_alloc(g->arena, most * sizeof *g->pairs);
+    g->contacts = arena_alloc(g->arena, contacts * sizeof *g->contacts);
+    g->places = n.places = arena_alloc(g->arena, (size_t)g->place_count * sizeof *g->places);
+    g->changed = arena_alloc(g->arena, most * sizeof *g->changed);
+    g->turned = arena_alloc(g->arena, contacts * sizeof *g->turned);
     if (!g->pairs || !g->contacts || !g->places || !g->changed || !g->turned)
         return DIG_E_MEMORY;
     team_run(g->team, gather_near, &n);
     return DIG_OK;
+}
+
+/* Takes those that may meet if each body gets so much farther than by itself to the front of `near`; returns how many. */
+static int take_left(Group *g, const real *stop, real dt, Near *near)
+{
+    int taken = 0, kept = 0;
+    for (int i = 0; i < g->left_count; i++) {
+        Left l = g->left[i];
+        if ((real)l.slack > dt * (stop[l.a] + stop[l.b]))
+            g->left[kept++] = l;
+        else
+            near[taken++] = (Near){.slot = l.slot, .a = l.a, .b = l.b, .contacts = 1, .first = NONE, .place = l.places};
+    }
+    g->left_count = kept;
+    return taken;
+}
+
+dig_status group_gather_struck(Group *g, const real *stop, real dt)
+{
+    Nearby n = {.g = g, .first = g->pair_count};
+    if (g->left_count == 0)
+        return DIG_OK;
+    n.near = arena_alloc(g->arena, (size_t)g->left_count * sizeof *n.near);
+    if (!n.near)
+        return DIG_E_MEMORY;
+    n.taken = take_left(g, stop, dt, n.near);
+    arena_shrink(g->arena, n.near, (size_t)n.taken * sizeof *n.near);
+    if (n.taken == 0)
+        return DIG_OK;
+    n.places = arena_alloc(g->arena, (size_t)place_near(g, n.near, n.taken) * sizeof *n.places);
+    if (!n.places)
+        return DIG_E_MEMORY;
+    team_run(n.taken < SHARED_LEAST ? NULL : g->team, gather_near, &n);
+    group_leave_out(g, n.first);
+    return DIG_OK;
+}
+
+void group_leave_out(Group *g, int first)
+{
+    for (int i = first; i < g->pair_count && !(g->laws >> LAW_FRICTION & 1); i++)
+        g->pairs[i].friction = g->pairs[i].friction_dynamic = 0;
+    for (int i = first; i < g->pair_count && !(g->laws >> LAW_ROLLING & 1); i++)
+        g->pairs[i].rolling = 0;
 }
 
 static int joint_index(const Group *g, uint32_t slot)

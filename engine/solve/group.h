@@ -155,6 +155,14 @@ typedef struct GroupPair {
     real     struck_time, struck_speed, struck_impulse;
 } GroupPair;
 
+/* A pair that a crowd has left out: its bodies do not meet by themselves in this step. */
+typedef struct Left {
+    uint32_t slot;              /* world pair                       */
+    int      a, b;              /* local bodies                     */
+    float    slack;             /* m   so much farther the two may get, together, before they could */
+    int      places;            /* points there can be              */
+} Left;
+
 typedef struct GroupJoint {
     uint32_t slot;
     JointView view;
@@ -206,14 +214,16 @@ struct Group {
 
     Pos      *pos; Vel *vel; Mass *mass; Member *member; int body_count, moving_count;
     Vel      *shift;            /* m, rad  position correction of a projection */
-    GroupPair *pairs;       int pair_count;
+    GroupPair *pairs;       int pair_count;     /* there is room for those left out, too */
+    Left     *left;         int left_count;
     int      *changed;      int changed_count;  /* group_judge: pairs whose touch began or ended, or that were struck apart */
     int       live_count, rubbing_count;        /* group_judge: contacts with points, and those of them with friction */
     int      *turned;       int turned_count;   /* group_judge: contacts whose record in the world, or whose pair's memory, comes, goes, or grows */
     int       widened_count, remembered_count;  /* group_judge: of these, contacts that grow; memories that come */
     real      finest;           /* m   group_judge: size of the smallest solid in a pair; INFINITY: there is no pair */
     GroupContact *contacts; int contact_count;
-    ContactPoint *places;   int place_count;    /* of each contact, room for its points first, then for their memories */
+    ContactPoint *places;   int place_count;    /* of each contact, room for its points first, then for their memories; of those that
+                                                         * came in later elsewhere */
     GroupJoint *joints;     int joint_count;
     GroupPush *pushes;      int push_count;
     PointRow *points;       int point_count, point_capacity;
@@ -249,6 +259,7 @@ struct Group {
     int       trace_wait;       /*     steps for which it is not tried again           */
     bool      may_trace;        /*     the world's budget for traced and conserved groups reaches it */
     bool      crowd;            /*     the crowd takes it: it need not look for what cannot act in this step */
+    bool      again;            /*     the step was tried before: some went farther than foreseen */
     bool      trace_failed;     /*     it was tried in this step, and handed on        */
     real      passed;           /* s   that it left to the sweep within this step      */
     bool      breaks_found;     /*     its breaks were found as it went on             */
@@ -280,6 +291,9 @@ struct Group {
 /* gather.c */
 dig_status group_gather(Group *g, const World *w, const uint32_t *leads, int dig_count, const uint32_t *pairs, int pair_count,
                         Arena *arena);
+/* Gathers pairs left out whose bodies may meet if the speed of each changes by so much: [body_count], m/s. They come last. */
+dig_status group_gather_struck(Group *g, const real *stop, real dt);
+void       group_leave_out(Group *g, int first);        /* what no effect stands for, of pairs from this on */
 dig_status group_judge(Group *g, real dt);              /* at the end of the step: who touches */
 void       group_commit_records(World *w, Group *g);    /* of contacts; one group at a time */
 void       group_commit(World *w, const Group *g);      /* then what is in them: groups at once */

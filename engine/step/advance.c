@@ -89,16 +89,13 @@ static void call_effects(Group *g)
 /* What no effect stands for is kept from the ways. Pairs come back when the step is judged: bodies may touch without force. */
 static void leave_out(Group *g)
 {
-    for (int i = 0; i < g->pair_count && !(g->laws >> LAW_FRICTION & 1); i++)
-        g->pairs[i].friction = g->pairs[i].friction_dynamic = 0;
-    for (int i = 0; i < g->pair_count && !(g->laws >> LAW_ROLLING & 1); i++)
-        g->pairs[i].rolling = 0;
+    group_leave_out(g, 0);
     if (!(g->laws >> LAW_JOINTS & 1))
         g->joint_count = 0;
     if (!(g->laws >> LAW_PUSH & 1))
         g->push_count = 0;
     if (!(g->laws >> LAW_CONTACT & 1))
-        g->pair_count = g->contact_count = 0;
+        g->pair_count = g->contact_count = g->left_count = 0;
 }
 
 static bool is_sphere(const World *w, const Body *b)
@@ -131,7 +128,7 @@ static dig_status advance_judged(Group *g, real dt)
     watch_start(g);
     DIG_TRY(group_advance(g, dt));
     keep_spins(g, dt);
-    if (g->pair_count != pairs) {
+    if (!(g->laws >> LAW_CONTACT & 1)) {
         g->pair_count = pairs;
         g->contact_count = contacts;
         group_touch(g, dt, true);
@@ -185,6 +182,7 @@ static void advance_one(void *context, int i, Arena *arena)
     g->tolerance = accuracy_local(part->accuracy);
     g->may_trace = part->may_trace;
     g->crowd = part->crowd;
+    g->again = c->s->tries > 0;
     g->team = part->together ? workers_team(c->w->workers) : NULL;
     g->stage = run_stage;
     g->blame = c->blame;

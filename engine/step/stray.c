@@ -14,13 +14,21 @@
 /* A solid that ends beyond its reach: there is its centre, and its box. low: m  the box begins here, along the axis of the search. */
 typedef struct Stray { const Group *g; uint32_t solid; vec3 at; box3 end; real low; bool missed; } Stray;
 
+static int compare_slot(const void *key, const void *left)
+{
+    uint32_t a = *(const uint32_t *)key, b = ((const Left *)left)->slot;
+    return a < b ? -1 : a > b;
+}
+
 /* May the two touch, and is that no pair that the group watched? */
-static bool unwatched(const World *w, uint32_t solid, uint32_t other)
+static bool unwatched(const World *w, const Group *g, uint32_t solid, uint32_t other)
 {
     uint32_t pair = NONE;
     if (other == solid || !bodies_may_touch(w, &w->solids.data[solid], &w->solids.data[other]))
         return false;
-    return !pair_find(w, solid, other, &pair) || !pair_met(w, &w->pairs.data[pair]);
+    if (!pair_find(w, solid, other, &pair) || !pair_met(w, &w->pairs.data[pair]))
+        return true;
+    return g->left_count > 0 && bsearch(&pair, g->left, (size_t)g->left_count, sizeof *g->left, compare_slot);
 }
 
 static bool followed(const Group *g) { return g->located > 0 || g->varies || g->crowd; }
@@ -79,7 +87,7 @@ static bool meets(void *context, uint32_t other)
     pose at = solid_pose(m->w, o);
     if (b && (b->kind == DIG_KINEMATIC || (b->kind == DIG_DYNAMIC && b->awake)))
         at.p = vec3_mad(at.p, m->dt, b->v);
-    m->stray->missed = unwatched(m->w, m->stray->solid, other) && deep(m->w, m->stray, other, at.p) &&
+    m->stray->missed = unwatched(m->w, m->stray->g, m->stray->solid, other) && deep(m->w, m->stray, other, at.p) &&
                        (!m->stray->g->crowd || box3_overlap(m->stray->end, o->shape.type->bounds(&o->shape, at)));
     return !m->stray->missed;
 }
@@ -89,7 +97,7 @@ static void look_at_planes(const World *w, Stray *stray)
 {
     for (int i = 0; i < w->unbounded.count && !stray->missed; i++) {
         uint32_t plane = w->unbounded.data[i];
-        stray->missed = plane_near(w, plane, stray->end) && unwatched(w, stray->solid, plane);
+        stray->missed = plane_near(w, plane, stray->end) && unwatched(w, stray->g, stray->solid, plane);
     }
 }
 
@@ -122,7 +130,7 @@ static void look_at_each_other(const World *w, Stray *list, int count)
     qsort(list, (size_t)count, sizeof *list, compare_low);
     for (int i = 0; i < count; i++)
         for (int k = i + 1; k < count && list[k].low <= vec3_at(list[i].end.high, axis); k++)
-            if (box3_overlap(list[i].end, list[k].end) && unwatched(w, list[i].solid, list[k].solid) && deep(w, &list[i], list[k].solid, list[k].at))
+            if (box3_overlap(list[i].end, list[k].end) && unwatched(w, list[i].g, list[i].solid, list[k].solid) && deep(w, &list[i], list[k].solid, list[k].at))
                 list[i].missed = list[k].missed = true;
 }
 
