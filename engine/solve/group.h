@@ -157,18 +157,18 @@ typedef struct GroupPair {
 
 typedef struct GroupJoint {
     uint32_t slot;
-    JointView view;
+    int      a, b;
+    int      other[2];          /* local joints, < 0 none           */
+    bool     broken;            /* in this step, at the time        */
+    real     broke;             /* s   into it                      */
+    real     overload;          /* 1   its share of what it bears, then */
+    real     breaks_at;         /* N   0 = never                    */
+    vec3     ra, rb; quat fa, fb;
     real     memory[JOINT_MEMORY];
     real     force[JOINT_SLOTS];            /* N or N m, warm start */
     vec3     impulse, angular_impulse;      /* on a, over the step  */
     real     lost;              /* J   to its friction and dampers, over the step; of the group's lost */
-    int      other[2];          /* local joints, < 0 none           */
-    vec3     ra, rb; quat fa, fb;
-    int      a, b;
-    real     breaks_at;         /* N   0 = never                    */
-    bool     broken;            /* in this step, at the time        */
-    real     broke;             /* s   into it                      */
-    real     overload;          /* 1   its share of what it bears, then */
+    JointView view;             /* its ends: once group_joint_view was asked for */
 } GroupJoint;
 
 typedef struct GroupPush { int body; vec3 force, torque, at; bool has_at, law; } GroupPush;    /* scaled by the share of the step it acts */
@@ -352,6 +352,7 @@ void joint_row_warm(Group *g, JointRow *r);
 dig_status group_hold(Group *g, bool both, real *taken);
 
 #define BODIES_AHEAD 3          /* turns of a loop, that a body's record is fetched before it is needed */
+#define JOINTS_AHEAD 4          /* the same of a joint's                                               */
 
 /* The points of a world's contact after the first, once it is here itself. */
 static inline void fetch_more(const World *w, uint32_t contact)
