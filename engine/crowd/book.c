@@ -1,13 +1,18 @@
 /* crowd/book.c - what the solve found goes to the group's records: forces, points, impacts, energy. */
 #include "crowd/system.h"
 
-/* The turn is exact: what turns for ever about one axis would move its points outward by half its square in every step. */
-static vec3 carried(const Crowd *c, int body, vec3 at)
+static const Carriage stands = {.turn = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+
+/* NULL: it stays where it is. */
+static const Carriage *carriage_that_moves(const Crowd *c, int body)
 {
-    if (!c->trait[body].moves && !c->trait[body].kinematic)
-        return at;
-    const Carriage *k = carriage_of(c, body);
-    return vec3_add(k->to, mat3_mul_vec(k->turn, vec3_sub(at, k->from)));
+    return c->trait[body].moves || c->trait[body].kinematic ? carriage_of(c, body) : NULL;
+}
+
+/* The turn is exact: what turns for ever about one axis would move its points outward by half its square in every step. */
+static inline vec3 carried(const Carriage *k, vec3 at)
+{
+    return k ? vec3_add(k->to, mat3_mul_vec(k->turn, vec3_sub(at, k->from))) : at;
 }
 
 /* rad  Twice the axis times the sine of a turn. */
@@ -15,15 +20,13 @@ static vec3 skew_of(const mat3 *m) { return (vec3){m->r2.y - m->r1.z, m->r0.z - 
 
 /* m  By how much more its two bodies travel than points of one move against the other: at this contact by `slip`, about it by their turn
  * against each other. What they turn in common counts as well, for the normal stays where it is meanwhile. */
-static real in_common(const Crowd *crowd, const GroupContact *c, real slip)
+static real in_common(const GroupPair *q, const Carriage *ka, const Carriage *kb, real slip)
 {
-    static const Carriage stands = {.turn = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-    const Trait *a = &crowd->trait[c->a], *b = &crowd->trait[c->b];
-    const Carriage *ka = a->moves || a->kinematic ? carriage_of(crowd, c->a) : &stands;
-    const Carriage *kb = b->moves || b->kinematic ? carriage_of(crowd, c->b) : &stands;
+    ka = ka ? ka : &stands;
+    kb = kb ? kb : &stands;
     vec3 sa = skew_of(&ka->turn), sb = skew_of(&kb->turn);
     real turn = 0.5 * vec3_distance(sa, sb) + 0.25 * vec3_length(vec3_add(sa, sb));
-    real way = ka->way + kb->way - slip - turn * crowd->g->pairs[c->pair].size;
+    real way = ka->way + kb->way - slip - turn * q->size;
     return way > 0 && isfinite(way) ? way : 0;      /* a plane that turns has no farthest point */
 }
 
@@ -33,10 +36,11 @@ static void carry(const Crowd *crowd, GroupContact *c)
     Group *g = crowd->g;
     GroupPair *q = &g->pairs[c->pair];
     bool few = c->manifold.count < 3 && q->contacts == 1 && q->until >= 0;      /* others may be in other threads' hands */
+    const Carriage *ka = carriage_that_moves(crowd, c->a), *kb = carriage_that_moves(crowd, c->b);
     real slip2 = 0;
     for (int k = 0; k < c->manifold.count; k++) {
         ManifoldPoint *p = &c->manifold.points[k];
-        vec3 a = carried(crowd, c->a, p->a), b = carried(crowd, c->b, p->b);
+        vec3 a = carried(ka, p->a), b = carried(kb, p->b);
         if (few)
             slip2 = real_max(slip2, vec3_length2(vec3_sub(vec3_sub(b, a), vec3_sub(p->b, p->a))));
         p->a = a;
@@ -45,16 +49,16 @@ static void carry(const Crowd *crowd, GroupContact *c)
     }
     if (c->manifold.count >= 3) {
         const Trait *a = &crowd->trait[c->a], *b = &crowd->trait[c->b];
-        int side = a->moves && !(a->round && b->moves) ? c->a : c->b;
+        const Carriage *side = a->moves && !(a->round && b->moves) ? ka : kb;
         if (!a->moves || !b->moves)
-            side = a->moves ? c->b : c->a;
-        if (crowd->trait[side].moves || crowd->trait[side].kinematic)
-            c->manifold.normal = vec3_unit(mat3_mul_vec(carriage_of(crowd, side)->turn, c->manifold.normal));
+            side = a->moves ? kb : ka;
+        if (side)
+            c->manifold.normal = vec3_unit(mat3_mul_vec(side->turn, c->manifold.normal));
         if (q->contacts == 1)
             crowd_sign(g, q);
     }
     if (few)
-        q->until += in_common(crowd, c, sqrt(slip2));
+        q->until += in_common(q, ka, kb, sqrt(slip2));
 }
 
 static bool strikes(const Crowd *c, real speed)

@@ -268,6 +268,11 @@ void group_commit(World *w, const Group *g)
 {
     Commit c = {w, g};
     team_run(g->team, commit_share, &c);
-    for (int i = 0; i < g->joint_count; i++)
+    for (int i = 0; i < g->joint_count; i++) {
+        if (i + JOINTS_AHEAD < g->joint_count) {
+            const JointRec *next = &w->joints.data[g->joints[i + JOINTS_AHEAD].slot];
+            fetch_soon(next->memory, offsetof(JointRec, error) - offsetof(JointRec, memory));
+        }
         commit_joint(w, &g->joints[i], w->def.step);
+    }
 }

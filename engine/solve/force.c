@@ -1,18 +1,22 @@
 /* solve/force.c - forces of the effects; whose work is booked apart: drags, and the laws of regions; energy at joints. */
 #include "solve/group.h"
 
+dig_status group_apart(Group *g)
+{
+    if (!g->varies && g->world->region_count == 0)
+        return DIG_OK;
+    g->apart = arena_zero(g->arena, (size_t)g->moving_count * sizeof *g->apart);
+    return g->apart ? DIG_OK : DIG_E_MEMORY;
+}
+
 dig_status group_forces(Group *g)
 {
     for (int i = 0; i < g->moving_count; i++) {
         Member *m = &g->member[i];
         m->force = m->torque = vec3_zero();
-        if (g->drags) {
-            m->drag = m->drag_torque = vec3_zero();
-            m->driven = 0;
-        }
-        if (g->rules)
-            m->law = m->law_torque = vec3_zero();
     }
+    if (g->drags || g->rules)
+        memset(g->apart, 0, (size_t)g->moving_count * sizeof *g->apart);
     return g->stage(g, STAGE_FORCE);
 }
 
@@ -21,8 +25,9 @@ void group_brake(Group *g, int body, vec3 force, vec3 torque)
     Member *m = &g->member[body];
     m->force = vec3_add(m->force, force);
     m->torque = vec3_add(m->torque, torque);
-    m->drag = vec3_add(m->drag, force);
-    m->drag_torque = vec3_add(m->drag_torque, torque);
+    Apart *a = &g->apart[body];
+    a->drag = vec3_add(a->drag, force);
+    a->drag_torque = vec3_add(a->drag_torque, torque);
     g->drags = true;
 }
 
@@ -31,23 +36,24 @@ void group_rule(Group *g, int body, vec3 force, vec3 torque)
     Member *m = &g->member[body];
     m->force = vec3_add(m->force, force);
     m->torque = vec3_add(m->torque, torque);
-    m->law = vec3_add(m->law, force);
-    m->law_torque = vec3_add(m->law_torque, torque);
+    Apart *a = &g->apart[body];
+    a->law = vec3_add(a->law, force);
+    a->law_torque = vec3_add(a->law_torque, torque);
     g->rules = true;
 }
 
 /* A drag -k (v - u) does the work of u in, and loses that of v - u. */
 void group_book_apart(Group *g, int body, vec3 moved, vec3 turned, real h)
 {
-    const Member *m = &g->member[body];
-    if (!m->moves)
+    if (!g->member[body].moves || !g->apart)
         return;
+    const Apart *a = &g->apart[body];
     if (g->drags) {
-        g->work_in += m->driven * h;
-        g->lost += m->driven * h - vec3_dot(m->drag, moved) - vec3_dot(m->drag_torque, turned);
+        g->work_in += a->driven * h;
+        g->lost += a->driven * h - vec3_dot(a->drag, moved) - vec3_dot(a->drag_torque, turned);
     }
     if (g->rules)
-        g->law += vec3_dot(m->law, moved) + vec3_dot(m->law_torque, turned);
+        g->law += vec3_dot(a->law, moved) + vec3_dot(a->law_torque, turned);
 }
 
 real group_spring_energy(const GroupJoint *j)

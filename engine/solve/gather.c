@@ -101,6 +101,13 @@ static bool counts_at(const World *w, uint32_t joint, uint32_t body)
     return r->b != body || r->a == NONE || w->bodies.data[r->a].kind != DIG_DYNAMIC;
 }
 
+/* Joints that were made one after the other mostly are at neighbours, too. */
+static void fetch_joint(const World *w, uint32_t joint)
+{
+    if (joint + JOINTS_AHEAD < (uint32_t)w->joints.count)
+        fetch_soon(&w->joints.data[joint + JOINTS_AHEAD], offsetof(JointRec, force));
+}
+
 /* Members of the DIGs, ascending; their joints are counted. */
 static dig_status list_moving(Group *g, int *joints)
 {
@@ -117,8 +124,10 @@ static dig_status list_moving(Group *g, int *joints)
     for (int d = 0; d < g->dig_count; d++)
         for (uint32_t m = g->leads[d]; m != NONE; m = graph_next(w->graph, m)) {
             slots[n++] = m;
-            for (uint32_t j = w->bodies.data[m].joint_first; j != NONE; j = joint_next(w, j, m))
+            for (uint32_t j = w->bodies.data[m].joint_first; j != NONE; j = joint_next(w, j, m)) {
+                fetch_joint(w, j);
                 *joints += counts_at(w, j, m);
+            }
         }
     return sort_u32(slots, n, g->arena);
 }
@@ -522,7 +531,15 @@ static int joint_index(const Group *g, uint32_t slot)
 static void gather_joint(Group *g, GroupJoint *j, uint32_t slot)
 {
     const JointRec *r = &g->world->joints.data[slot];
-    *j = (GroupJoint){.slot = slot, .ra = r->ra, .rb = r->rb, .fa = r->fa, .fb = r->fb, .breaks_at = r->breaks_at};
+    j->slot = slot;
+    j->ra = r->ra;
+    j->rb = r->rb;
+    j->fa = r->fa;
+    j->fb = r->fb;
+    j->breaks_at = r->breaks_at;
+    j->broken = false;
+    j->broke = j->overload = j->lost = 0;
+    j->impulse = j->angular_impulse = vec3_zero();
     j->a = r->a == NONE ? -1 : local_of(g, r->a);
     j->b = r->b == NONE ? -1 : local_of(g, r->b);
     memcpy(j->memory, r->memory, sizeof j->memory);
@@ -549,13 +566,16 @@ static dig_status gather_joints(Group *g, int joints)
     g->joint_count = count;
     for (int i = 0; i < count; i++) {
         const JointRec *r = &w->joints.data[g->joints[i].slot];
-        for (int k = 0; k < 2; k++)
-            g->joints[i].other[k] = r->other[k] == NONE ? -1 : joint_index(g, r->other[k]);
-        g->joints[i].view.type = r->type;
-        g->joints[i].view.params = r->params;
-        g->joints[i].view.breaks_at = r->breaks_at;
-        g->joints[i].view.memory = g->joints[i].memory;
-        g->joints[i].view.passing = false;
+        GroupJoint *j = &g->joints[i];
+        for (int k = 0; k < 2; k++) {
+            j->other[k] = r->other[k] == NONE ? -1 : joint_index(g, r->other[k]);
+            j->view.other[k] = NULL;
+        }
+        j->view.type = r->type;
+        j->view.params = r->params;
+        j->view.breaks_at = r->breaks_at;
+        j->view.memory = j->memory;
+        j->view.passing = false;
     }
     return DIG_OK;
 }

@@ -51,11 +51,14 @@ typedef struct Member {         /* the rest of a gathered body */
     real     mass, gravity_scale;
     mat3     inertia, inv_inertia;      /* body axes                                   */
     vec3     force, torque;     /* N, N m, of this substep                             */
-    vec3     drag, drag_torque; /* N, N m of these, what takes energy away for good    */
-    vec3     law, law_torque;   /* N, N m of these, what laws of regions and of scripts add, but for drags */
-    real     driven;            /* W   what moves the medium puts in by them           */
     Pos      start_pos; Vel start_vel;  /* at the start of the substep                 */
 } Member;
+
+typedef struct Apart {          /* of a member's forces in this substep, what is booked apart */
+    vec3     drag, drag_torque; /* N, N m  what takes energy away for good             */
+    vec3     law, law_torque;   /* N, N m  what laws of regions and of scripts add, but for drags */
+    real     driven;            /* W   what moves the medium puts in by them           */
+} Apart;
 
 /* One direction of one contact point: Jacobian and effective mass. */
 typedef struct Dir {
@@ -165,18 +168,18 @@ typedef struct Left {
 
 typedef struct GroupJoint {
     uint32_t slot;
-    JointView view;
+    int      a, b;
+    int      other[2];          /* local joints, < 0 none           */
+    bool     broken;            /* in this step, at the time        */
+    real     broke;             /* s   into it                      */
+    real     overload;          /* 1   its share of what it bears, then */
+    real     breaks_at;         /* N   0 = never                    */
+    vec3     ra, rb; quat fa, fb;
     real     memory[JOINT_MEMORY];
     real     force[JOINT_SLOTS];            /* N or N m, warm start */
     vec3     impulse, angular_impulse;      /* on a, over the step  */
     real     lost;              /* J   to its friction and dampers, over the step; of the group's lost */
-    int      other[2];          /* local joints, < 0 none           */
-    vec3     ra, rb; quat fa, fb;
-    int      a, b;
-    real     breaks_at;         /* N   0 = never                    */
-    bool     broken;            /* in this step, at the time        */
-    real     broke;             /* s   into it                      */
-    real     overload;          /* 1   its share of what it bears, then */
+    JointView view;             /* its ends: once group_joint_view was asked for */
 } GroupJoint;
 
 typedef struct GroupPush { int body; vec3 force, torque, at; bool has_at, law; } GroupPush;    /* scaled by the share of the step it acts */
@@ -203,7 +206,7 @@ struct Group {
     bool      decay_friction;   /* the founding document's alternative to Coulomb */
     bool      varies;           /* forces depend on where bodies are or how they move */
     bool      stores;           /* forces have a potential that only their effect knows */
-    bool      drags, rules;     /* some forces are drags, or laws of regions: see Member.drag, Member.law */
+    bool      drags, rules;     /* some forces are drags, or laws of regions: see Apart */
     bool      own;              /* an effect of the caller's takes part: only the calling thread may advance the group */
     bool      waits;            /* and this thread is another: it is still to be advanced */
     dig_effect_part *parts;     /* [moving_count] what such effects are shown; NULL = none was asked yet */
@@ -213,6 +216,7 @@ struct Group {
     const uint32_t *slots, *still;              /* of the bodies, ascending: of those that may move, and of the rest */
 
     Pos      *pos; Vel *vel; Mass *mass; Member *member; int body_count, moving_count;
+    Apart    *apart;            /* [moving_count]; NULL: no force of this group can be a drag or a law's */
     Vel      *shift;            /* m, rad  position correction of a projection */
     GroupPair *pairs;       int pair_count;     /* there is room for those left out, too */
     Left     *left;         int left_count;
@@ -320,6 +324,7 @@ void       cover(Group *g);
 /* force.c: what the effects of STAGE_FORCE ask for now, and what drags and laws of regions took and gave over a substep in which
  * bodies moved and turned so far */
 dig_status group_forces(Group *g);
+dig_status group_apart(Group *g);                       /* room for what is booked apart, once it is known which effects take part */
 void       group_brake(Group *g, int body, vec3 force, vec3 torque);        /* adds a drag against what stands still */
 void       group_rule(Group *g, int body, vec3 force, vec3 torque);         /* adds what is the work of laws: regions', scripts' */
 void       group_book_apart(Group *g, int body, vec3 moved, vec3 turned, real h);
@@ -332,6 +337,7 @@ int  group_overloaded(Group *g, real dt, real *share);  /* the joint most over i
 /* keep.c */
 typedef struct GroupKept {      /* a group as it was */
     Pos *pos; Vel *vel; Mass *mass; Member *member; GroupPair *pairs; GroupContact *contacts; ContactPoint *places; GroupJoint *joints;
+    Apart *apart;
     real *push_work;
     Group scalars;
 } GroupKept;
@@ -366,6 +372,7 @@ void joint_row_warm(Group *g, JointRow *r);
 dig_status group_hold(Group *g, bool both, real *taken);
 
 #define BODIES_AHEAD 3          /* turns of a loop, that a body's record is fetched before it is needed */
+#define JOINTS_AHEAD 4          /* the same of a joint's                                               */
 
 /* The points of a world's contact after the first, once it is here itself. */
 static inline void fetch_more(const World *w, uint32_t contact)

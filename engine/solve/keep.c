@@ -25,7 +25,8 @@ bool group_keep(const Group *g, GroupKept *k)
 {
     int bodies = g->body_count;
     size_t bytes = SIZE(pos, bodies) + SIZE(vel, bodies) + SIZE(mass, bodies) + SIZE(member, bodies) + SIZE(push_work, bodies)
-        + SIZE(pairs, g->pair_count) + SIZE(contacts, g->contact_count) + SIZE(places, g->place_count) + SIZE(joints, g->joint_count);
+        + SIZE(pairs, g->pair_count) + SIZE(contacts, g->contact_count) + SIZE(places, g->place_count) + SIZE(joints, g->joint_count)
+        + SIZE(apart, g->apart ? g->moving_count : 0);
     unsigned char *to = arena_alloc(g->arena, bytes);
     if (!to)
         return false;
@@ -39,6 +40,7 @@ bool group_keep(const Group *g, GroupKept *k)
     KEEP(contacts, g->contact_count);
     KEEP(places, g->place_count);
     KEEP(joints, g->joint_count);
+    KEEP(apart, g->apart ? g->moving_count : 0);
     return true;
 }
 
@@ -53,6 +55,7 @@ void group_put_back(Group *g, const GroupKept *k)
     BACK(contacts, g->contact_count);
     BACK(places, g->place_count);
     BACK(joints, g->joint_count);
+    BACK(apart, g->apart ? g->moving_count : 0);
     BACK(push_work, g->body_count);
     *g = k->scalars;
     g->evaluations = evaluations;

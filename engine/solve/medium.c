@@ -110,8 +110,9 @@ void medium_drag(Group *g, int body, const Medium *m, const DragBody *own, real 
     vec3 torque = vec3_add(vec3_cross(arm, force), brake);
     to->force = vec3_add(to->force, force);
     to->torque = vec3_add(to->torque, torque);
-    to->drag = vec3_add(to->drag, force);
-    to->drag_torque = vec3_add(to->drag_torque, torque);
-    to->driven += vec3_dot(force, m->flow);
+    Apart *apart = &g->apart[body];
+    apart->drag = vec3_add(apart->drag, force);
+    apart->drag_torque = vec3_add(apart->drag_torque, torque);
+    apart->driven += vec3_dot(force, m->flow);
     g->drags = true;
 }

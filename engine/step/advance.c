@@ -125,6 +125,7 @@ static dig_status advance_judged(Group *g, real dt)
 {
     int pairs = g->pair_count, contacts = g->contact_count;
     leave_out(g);
+    DIG_TRY(group_apart(g));
     watch_start(g);
     DIG_TRY(group_advance(g, dt));
     keep_spins(g, dt);

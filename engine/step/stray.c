@@ -41,11 +41,14 @@ static bool strays(const World *w, int member, Stray *out)
     const Solid *s = &w->solids.data[out->solid];
     const Body *b = &w->bodies.data[g->member[member].slot];
     const Pos *p = &g->pos[member];
+    real margin = margin_of(g, s);
+    if (margin > 0 && travel_by(vec3_sub(p->x, b->x), b->q, p->q, b->outer) <= margin)
+        return false;           /* its reach has room for where it was */
     pose at = pose_mul((pose){vec3_sub(p->x, quat_rotate(p->q, b->centre)), p->q}, s->at);
     if (s->leaf < 0 || !vec3_finite(p->x) || !quat_finite(p->q))
         return false;
     out->at = at.p;
-    out->end = box3_grow(s->shape.type->bounds(&s->shape, at), -margin_of(g, s));
+    out->end = box3_grow(s->shape.type->bounds(&s->shape, at), -margin);
     return !box3_inside(s->reach, out->end);
 }
 

@@ -176,11 +176,11 @@ static void keep_quad(const Tracer *t, real *q)
         *(p->law ? &law : &gained) += *q;
     }
     for (int i = 0; i < g->moving_count && g->rules; i++)
-        law += vec3_dot(g->member[i].law, g->vel[i].v);
+        law += vec3_dot(g->apart[i].law, g->vel[i].v);
     for (int i = 0; i < g->moving_count && g->drags; i++) {
-        const Member *m = &g->member[i];
-        gained += m->driven;
-        lost += m->driven - vec3_dot(m->drag, g->vel[i].v) - vec3_dot(m->drag_torque, g->vel[i].w);
+        const Apart *a = &g->apart[i];
+        gained += a->driven;
+        lost += a->driven - vec3_dot(a->drag, g->vel[i].v) - vec3_dot(a->drag_torque, g->vel[i].w);
     }
     q[0] = lost;
     q[1] = gained;

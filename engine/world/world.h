@@ -183,26 +183,26 @@ typedef struct Region {
 
 struct JointType;
 
-typedef struct JointRec {
+typedef struct JointRec {       /* what every step reads comes first                   */
     uint32_t gen;
     bool     alive, collides;
-    const struct JointType *type;
-    char     name[64];
+    bool     at_limit;
     uint32_t a, b;              /* body slots; NONE = the world                        */
     uint32_t next_a, next_b;    /* lists of the bodies' joints                         */
     uint32_t other[2];          /* joint slots, for gear and rack                      */
     uint32_t link;
+    const struct JointType *type;
     vec3     ra, rb;            /* m   anchors from the centre of mass, body axes      */
     quat     fa, fb;            /*     joint frames in body axes: x axis = the joint's */
     real     breaks_at;         /* N                                                   */
-    real     params[48];        /* the type's struct                                   */
     real     memory[4];         /* JOINT_MEMORY                                        */
     real     impulse[12];       /* JOINT_SLOTS  N or N m, force of the last substep    */
     vec3     force, torque;     /* on a, mean over the last step                       */
     real     lost;              /* J   to friction, dampers and yielding in the last step in which one of its bodies was awake; no part of
                                  *     the state */
     real     error;
-    bool     at_limit;
+    real     params[48];        /* the type's struct                                   */
+    char     name[64];
 } JointRec;
 
 /* ---- outside acts ---- */
