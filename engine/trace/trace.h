@@ -270,6 +270,7 @@ void trace_note_rows(Tracer *t, bool regular);  /* they were built and factored 
 bool trace_rows_stay(Tracer *t);                /* they are those that were noted; of the present state but for rounding */
 /* again.c */
 bool trace_again(Tracer *t);                    /* the forces that contacts have are right now, too; and accelerations are by them */
+bool trace_joints_again(Tracer *t);             /* at a frame's start, the same of joints alone: to what the tolerance allows */
 /* flow.c */
 extern const real dormand_prince[STAGES][STAGES - 1];       /* its last row: the weights of the fifth order */
 void trace_keep_angles(Tracer *t);                      /* here a step begins */
