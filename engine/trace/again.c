@@ -7,6 +7,7 @@
 
 #define ROUNDING 1e-15          /* of the largest acceleration or force */
 #define FOLLOWS  (1 - 1e-9)     /* cosine */
+#define UNSEEN   1e-3           /* of the tolerance: what the accelerations of joints are off by makes no more in a frame */
 
 static void push(Tracer *t, int body, vec3 at, vec3 force, vec3 couple)
 {
@@ -101,5 +102,48 @@ bool trace_again(Tracer *t)
             return false;
     }
     end_noise(t, acc_zero);
+    return true;
+}
+
+/* What the forces of the frame before do through the hard rows of a joint. */
+static void push_joint(Tracer *t, int joint)
+{
+    const Group *g = t->g;
+    for (int k = 0; k < t->row_count[joint]; k++) {
+        const Row *r = &t->rows[joint * JOINT_SLOTS + k];
+        if (r->kind != ROW_HARD)
+            continue;
+        real force = t->joint_force[joint * JOINT_SLOTS + r->slot] = g->joints[joint].force[r->slot];
+        for (int m = 0; m < r->count; m++) {
+            int b = r->body[m];
+            if (!trace_moves(t, b))
+                continue;
+            t->acc[b] = vec3_mad(t->acc[b], force * g->mass[b].im, r->lin[m]);
+            t->torque[b] = vec3_mad(t->torque[b], force, r->ang[m]);
+        }
+    }
+}
+
+/* At a frame's end joints are put right and energy is held, by changes far below the tolerance: so are those of the forces. A frame is
+ * begun with them all the same where they leave no more than that at any row. Not in loops: near a singular position rows tell little. */
+bool trace_joints_again(Tracer *t)
+{
+    const Group *g = t->g;
+    if (g->joint_count == 0 || t->touch_count + t->stop_count + t->hold_count > 0 || g->planar || trace_has_loop(g))
+        return false;
+    memcpy(t->acc, t->acc0, (size_t)g->moving_count * sizeof *t->acc);
+    memcpy(t->torque, t->torque0, (size_t)g->moving_count * sizeof *t->torque);
+    for (int j = 0; j < g->joint_count; j++)
+        push_joint(t, j);
+    for (int i = 0; i < g->moving_count; i++)
+        t->alpha[i] = trace_spin_up(t, i, t->torque[i]);
+    real most = UNSEEN * t->tolerance / (t->end * t->end);
+    for (int j = 0; j < g->joint_count; j++)
+        for (int k = 0; k < t->row_count[j]; k++) {
+            const Row *r = &t->rows[j * JOINT_SLOTS + k];
+            if (r->kind == ROW_HARD && !(fabs(trace_row_acceleration(t, r)) * (r->angular ? t->size : 1) <= most))
+                return false;
+        }
+    t->gate_most = 0;
     return true;
 }

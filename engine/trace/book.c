@@ -85,6 +85,8 @@ static void lay_out(Tracer *t, Block *b)
     int n = g->moving_count, joints = g->joint_count, powers = TOUCH_POWERS * t->touch_capacity + JOINT_POWERS * joints + g->push_count + 3;
     TAKE(t, touch, t->touch_capacity);
     TAKE(t, old_touch, t->touch_capacity);
+    TAKE(t, footing, t->touch_capacity);
+    TAKE(t, noted_q, n);
     TAKE(t, stops, joints * JOINT_SLOTS);
     TAKE(t, holds, joints * JOINT_SLOTS);
     TAKE(t, bonds, joints);

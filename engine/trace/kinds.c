@@ -362,7 +362,7 @@ bool trace_kinds(Tracer *t, bool first)
         return false;
     change_weights(t);          /* by the forces of before: most often they are those of now */
     lock_slow(t, first);
-    if (first && trace_again(t))
+    if (first && (trace_again(t) || trace_joints_again(t)))
         return true;
     apply_hint(t);
     t->sys.redundant = false;

@@ -185,6 +185,7 @@ static void joint_lines(Tracer *t, int j, bool positions)
 /* forces: with the columns of sliding friction. */
 static void build_lines(Tracer *t, bool forces, bool positions)
 {
+    t->noted = false;
     t->sys.count = 0;
     t->sys.sliding = false;
     for (int i = 0; i < t->item_count && !t->fault; i++) {
@@ -378,11 +379,15 @@ bool trace_solve(Tracer *t)
     push_holds(t);
     for (int i = 0; i < g->moving_count; i++)
         t->alpha[i] = trace_spin_up(t, i, t->torque[i]);
-    build_lines(t, true, false);
-    if (t->fault)
-        return false;
+    bool regular = t->noted && trace_rows_stay(t);
+    if (!regular) {
+        build_lines(t, true, false);
+        if (t->fault)
+            return false;
+        regular = s->count == 0 || system_factor(s);
+        trace_note_rows(t, regular);
+    }
     if (s->count > 0) {
-        bool regular = system_factor(s);
         right_side(t);
         if (!regular || !system_solve(s, CONTRADICTION)) {
             t->fault = "rows that contradict each other";

@@ -248,6 +248,7 @@ bool trace_touch(Tracer *t, bool first)
     t->relisted = first || !same_points(t) || !keep_points(t);
     if (!t->relisted)
         return true;
+    t->noted = false;
     Touching *swap = t->old_touch;
     t->old_touch = t->touch;
     t->old_count = t->touch_count;

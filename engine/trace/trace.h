@@ -87,6 +87,13 @@ typedef struct Touching {       /* a contact point */
     uint32_t id;                /* the manifold point's feature number                    */
 } Touching;
 
+typedef struct Footing {        /* what the rows of a touching point were made of */
+    unsigned kinds;
+    real weight;
+    vec3 n, lever[2];           /* 1, m    */
+    vec3 slip, roll;            /* directions */
+} Footing;
+
 typedef struct Stop { Gate gate; int joint, slot; } Stop;       /* a LIMIT row of a joint */
 
 typedef struct Hold {           /* a motor or dry friction of a joint */
@@ -175,6 +182,8 @@ typedef struct Tracer {
     Bond  *bonds; int bond_count;
     Row   *rows; int *row_count;                /* JOINT_SLOTS per joint   */
     System sys;
+    Footing *footing; quat *noted_q;            /* of the touching points and the moving bodies, when the rows were noted... */
+    bool  noted;                /* ...which are those of the system, still, and factored */
     int   *order;               /* of bodies along chains and stacks       */
     int   *item; int item_count;                /* joints (>= 0) and contacts (-1 - i) in that order */
     real  *joint_force;         /* N or N m, JOINT_SLOTS per joint         */
@@ -256,8 +265,12 @@ bool trace_kinds(Tracer *t, bool first);        /* who presses, sticks, slides; 
 real trace_acceleration_scale(const Tracer *t); /* m/s^2 */
 bool trace_slow_slip(const Tracer *t, const Touching *c, real h);       /* friction alone would turn it, or end it, within h */
 void trace_align(Tracer *t);                    /* slip directions of one patch */
+/* stay.c */
+void trace_note_rows(Tracer *t, bool regular);  /* they were built and factored just now */
+bool trace_rows_stay(Tracer *t);                /* they are those that were noted; of the present state but for rounding */
 /* again.c */
 bool trace_again(Tracer *t);                    /* the forces that contacts have are right now, too; and accelerations are by them */
+bool trace_joints_again(Tracer *t);             /* at a frame's start, the same of joints alone: to what the tolerance allows */
 /* flow.c */
 extern const real dormand_prince[STAGES][STAGES - 1];       /* its last row: the weights of the fifth order */
 void trace_keep_angles(Tracer *t);                      /* here a step begins */

@@ -2,9 +2,9 @@
  *
  *   peer-ENGINE [SCENE]    e.g. peer-ode A07; without a scene: all of them
  *
- * The time is the processor time of the process for the step calls, less what reading the clock takes, per simulated second. States are
- * read between the frames of the first run, which warms caches and memory up; in the others nothing is between them but what moves
- * movers, and the least of those counts. What takes long is not repeated.
+ * The time is the processor time of the process per simulated second. States are read between the frames of the first run, which warms
+ * caches and memory up, and of which only the step calls count, less what reading the clock takes; in the others nothing is between them
+ * but what moves movers, and the least of those counts. What takes long is not repeated.
  */
 #include <math.h>
 #include <stdio.h>
@@ -138,7 +138,7 @@ static int run_once(const PeerCase *c, const PeerSetting *setting, PeerRun *run,
     return 1;
 }
 
-/* The frames with nothing between them; by one reading of the clock, where nothing is driven. -> ms a simulated second, or none */
+/* The frames with nothing between them but what moves movers, by one reading of the clock. -> ms a simulated second, or none */
 static double time_bare(const PeerCase *c, const PeerSetting *setting)
 {
     PeerScene scene = {.id = c->id, .gravity = {0, 0, -9.81}};
@@ -146,15 +146,13 @@ static double time_bare(const PeerCase *c, const PeerSetting *setting)
     if (!peer_open(&scene, setting))
         return HUGE_VAL;
     int frames = (int)(c->seconds * 60 + 0.5);
-    double ms = 0, idle = c->drive ? clock_ms() : 0, begin = cpu_ms();
+    double begin = cpu_ms();
     for (int k = 0; k < frames; k++) {
         if (c->drive)
             c->drive(k / 60.0, c->variant);
-        double before = c->drive ? cpu_ms() : 0;
         peer_advance(setting->rate / 60);
-        ms += c->drive ? fmax(cpu_ms() - before - idle, 0) : 0;
     }
-    ms = c->drive ? ms : cpu_ms() - begin;
+    double ms = cpu_ms() - begin;
     peer_close();
     return ms / c->seconds;
 }

@@ -310,6 +310,36 @@ TEST(the_mean_force_of_a_joint_is_what_the_momentum_gains)
     hand_close(&h);
 }
 
+/* The forces of the frame before serve where the body has been moved by as little as the holding of its energy moves it, no farther. */
+TEST(a_frame_begins_with_the_forces_that_joints_had_where_they_still_hold)
+{
+    static const struct { real faster; bool again; } cases[] = {{0, true}, {1e-10, true}, {1e-6, false}, {-1e-3, false}};
+    for (int i = 0; i < 4; i++) {
+        Hand h;
+        pendulum_open(&h, 0.9, 1.5);
+        start(&h);
+        Tracer *t = &h.t;
+        t->end = 1.0 / 60;
+        CHECK(!trace_joints_again(t));                  /* none yet */
+        CHECK(trace_accelerate(t));
+        memcpy(h.joints[0].force, t->joint_force, sizeof h.joints[0].force);
+        t->y[0].v = vec3_scale(1 + cases[i].faster, t->y[0].v);
+        t->y[0].l = vec3_scale(1 + cases[i].faster, t->y[0].l);
+        trace_load(t, t->y, 0);
+        trace_kinematics(t);
+        CHECK_INT(trace_joints_again(t), cases[i].again);
+        vec3 acc = t->acc[0], alpha = t->alpha[0];
+        CHECK(trace_accelerate(t));
+        if (cases[i].again) {
+            CHECK_NEAR(vec3_distance(t->acc[0], acc), 0, 4e-9);         /* m/s^2: a thousandth of the tolerance in a frame */
+            CHECK_NEAR(vec3_distance(t->alpha[0], alpha), 0, 4e-9);
+        }
+        h.joints[0].force[0] += 1e-3;
+        CHECK(!trace_joints_again(t));
+        hand_close(&h);
+    }
+}
+
 TEST(what_is_pushed_evenly_follows_its_parabola_in_one_step)
 {
     Hand h;
@@ -488,6 +518,7 @@ int main(void)
               unit_test(the_error_estimate_falls_with_the_fifth_power_of_the_step_and_bounds_the_error),
               unit_test(the_dense_output_is_of_fourth_order_and_meets_the_ends),
               unit_test(the_mean_force_of_a_joint_is_what_the_momentum_gains),
+              unit_test(a_frame_begins_with_the_forces_that_joints_had_where_they_still_hold),
               unit_test(what_is_pushed_evenly_follows_its_parabola_in_one_step),
               unit_test(a_spin_that_grows_evenly_turns_with_order_four),
               unit_test(flight_by_the_fewest_terms_turns_with_order_four),

@@ -563,6 +563,52 @@ TEST(forces_that_still_hold_are_told_from_those_that_do_not)
     }
 }
 
+/* Rows that were noted serve where the box went on as it was, whatever pushes it there; where anything of theirs is another, they do not. */
+TEST(rows_serve_as_long_as_nothing_of_theirs_has_changed)
+{
+    Dice d = {17};
+    for (int round = 0; round < 50; round++) {
+        Table t;
+        bool slides = round % 2;
+        table_open(&t, &d, 15, true);
+        t.h.vel[0].v = vec3_scale(slides ? 2 : 0, t.ex);
+        for (int i = 0; i < 4 && slides; i++) {
+            t.h.t.touch[i].slip.grip = GRIP_SLIP;
+            t.h.t.touch[i].slip.moving = 0.2;
+            t.h.t.touch[i].slip.d = t.ex;
+        }
+        accelerate(&t);
+        CHECK(trace_rows_stay(&t.h.t));
+        t.h.pos[0].x = vec3_mad(t.h.pos[0].x, 1e-3, t.ex);
+        push(&t, vec3_scale(0.1 * t.weight, dice_unit(&d)), dice_vec(&d));
+        trace_kinematics(&t.h.t);
+        CHECK(trace_rows_stay(&t.h.t));
+        CHECK(trace_accelerate(&t.h.t));
+        check_balance(&t);
+        vec3 acc = t.h.t.acc[0], alpha = t.h.t.alpha[0];
+        t.h.t.noted = false;
+        CHECK(trace_accelerate(&t.h.t));
+        CHECK_NEAR(vec3_distance(t.h.t.acc[0], acc), 0, 1e-12);
+        CHECK_NEAR(vec3_distance(t.h.t.alpha[0], alpha), 0, 1e-11);
+        Touching *c = &t.h.t.touch[round % 4];
+        c->gate.presses = false;
+        CHECK(!trace_rows_stay(&t.h.t));
+        c->gate.presses = true;
+        CHECK(trace_accelerate(&t.h.t));
+        CHECK(trace_rows_stay(&t.h.t));
+        c->slip.weight *= 0.5;
+        CHECK(!trace_rows_stay(&t.h.t));
+        c->slip.weight *= 2;
+        CHECK(trace_accelerate(&t.h.t));
+        c->slip.d = vec3_unit(vec3_mad(c->slip.d, 1e-9, t.ez));
+        CHECK_INT(trace_rows_stay(&t.h.t), !slides);
+        CHECK(trace_accelerate(&t.h.t));
+        t.h.pos[0].q = quat_unit(quat_mul(quat_exp(vec3_scale(1e-9, dice_unit(&d))), t.h.pos[0].q));
+        CHECK(!trace_rows_stay(&t.h.t));
+        hand_close(&t.h);
+    }
+}
+
 int main(void)
 {
     RUN_TESTS(unit_test(a_symmetric_system_has_the_solution_of_gaussian_elimination),
@@ -576,6 +622,7 @@ int main(void)
               unit_test(four_corners_that_stick_carry_weight_and_push_as_a_plane_over_the_patch),
               unit_test(any_set_of_corners_that_presses_does_not_move_and_the_body_obeys_newton),
               unit_test(a_box_held_at_two_corners_tips_about_their_edge),
+              unit_test(rows_serve_as_long_as_nothing_of_theirs_has_changed),
               unit_test(forces_that_still_hold_are_told_from_those_that_do_not),
               unit_test(a_sliding_box_slows_by_mu_g_and_leans_on_its_front_corners),
               unit_test(kinds_are_found_from_the_forces));
