@@ -242,6 +242,7 @@ struct Group {
     real      close_speed;      /* m/s below which a bounce is over */
     bool      midpoint;         /* joint rows hold for the mean velocity of the substep */
     bool      locate;           /* impacts are located in time in this group */
+    bool      patches;          /* sweeps take the points of a contact together: see relax_patch */
     bool      joints_direct;    /* joints and contacts are solved together, directly */
     bool      heals;            /* so that position errors heal by velocities */
     int       events_left;

@@ -6,6 +6,8 @@
  */
 #include "trace/trace.h"
 
+#define EVEN 1e-9       /* normals that differ by less are one: see patch.c */
+
 static const real node[STAGES] = {0, 1.0 / 5, 3.0 / 10, 4.0 / 5, 8.0 / 9, 1, 1};
 const real dormand_prince[STAGES][STAGES - 1] = {
     {0},
@@ -88,11 +90,24 @@ static quat quat_rate(vec3 w, quat q)
                   0.5 * (w.x * q.y - w.y * q.x + w.z * q.w), -0.5 * (w.x * q.x + w.y * q.y + w.z * q.z)};
 }
 
+/* A direction that is held turns with the plane of its contact: friction has no part along the normal. Points of one patch keep one. */
+static void turn_held(Tracer *t, int i)
+{
+    Touching *c = &t->touch[i];
+    const Touching *before = i > 0 && t->touch[i - 1].contact == c->contact ? &t->touch[i - 1] : NULL;
+    if (before && before->slip.locked && vec3_equal(before->slip.from, c->slip.from) && vec3_distance(before->k.n, c->k.n) < EVEN)
+        c->slip.d = before->slip.d;
+    else
+        c->slip.d = vec3_unit_or(vec3_mad(c->slip.from, -vec3_dot(c->slip.from, c->k.n), c->k.n), c->slip.from);
+}
+
 /* Sliding follows the slip through the stages; where that turns round, the sign keeps the rates smooth beyond the stop. */
 void trace_follow(Tracer *t)
 {
     for (int i = 0; i < t->touch_count; i++) {
         Cone *both[2] = {&t->touch[i].slip, &t->touch[i].roll};
+        if (both[0]->locked && both[0]->grip == GRIP_SLIP)
+            turn_held(t, i);
         for (int k = 0; k < 2; k++) {
             Cone *c = both[k];
             real speed = c->axes && c->grip == GRIP_SLIP && !c->locked ? vec3_length(c->u) : 0;

@@ -97,6 +97,9 @@ static bool start_kinds(Tracer *t)
     return true;
 }
 
+/* The end is located to the tolerance: a slip that comes to it, too, may have been followed past it by as much, and point the other way. */
+static bool ends(const Cone *c) { return vec3_dot(c->acc, c->u) <= 0 || vec3_dot(c->u, c->from) <= 0; }
+
 /* Where one slip comes to its end, those as slow that lose speed end with it: one at a time they would drag each other on. */
 static void halt_slow(Tracer *t)
 {
@@ -104,7 +107,7 @@ static void halt_slow(Tracer *t)
         Cone *both[2] = {&t->touch[i].slip, &t->touch[i].roll};
         for (int k = 0; k < 2; k++) {
             Cone *c = both[k];
-            if (c->axes && c->grip == GRIP_SLIP && vec3_length(c->u) * (k ? t->size : 1) <= 10 * t->slip_zero && vec3_dot(c->acc, c->u) <= 0)
+            if (c->axes && c->grip == GRIP_SLIP && vec3_length(c->u) * (k ? t->size : 1) <= 10 * t->slip_zero && ends(c))
                 c->grip = GRIP_STICK;
         }
     }

@@ -165,7 +165,9 @@ static bool settle(Tracer *t, bool first)
     if (approaching(t)) {
         trace_remember(t);
         g->t = t->t;
+        g->patches = true;
         impacts(g);
+        g->patches = false;
         g->located++;
         if (g->status != DIG_OK)
             return false;
