@@ -1,4 +1,5 @@
 /* solve/direct_rows.c - rows of the direct solve: Jacobians, impulses as functions of velocities, gradient and matrix. */
+#include "math/pair.h"
 #include "solve/direct.h"
 
 /* Compliance of the augmented Lagrangian over a row's own effective mass. The smaller, the fewer rounds; too small, and
@@ -254,24 +255,29 @@ static void derivative(const Triple *t, const real *y, real *w)
             w[3 * i + k] += a * line[i] * line[k];
 }
 
-/* h += J^T W, both three rows of which six columns count */
-static void add_block(real *restrict h, const real *restrict j, const real *restrict w)
+/* h += J^T X, both three rows of which six columns count */
+static void add_block(real *restrict h, const real *restrict j, const real *restrict x)
 {
-    for (int k = 0; k < 3; k++)
+    UNROLL
+    for (int c = 0; c < 6; c += 2) {
+        pair x0 = two(x + c), x1 = two(x + 12 + c), x2 = two(x + 24 + c);
+        UNROLL
         for (int r = 0; r < 6; r++)
-            for (int c = 0; c < 6; c++)
-                h[6 * r + c] += j[12 * k + r] * w[12 * k + c];
+            PAIR(h[6 * r + c]) = PAIR(h[6 * r + c]) + j[r] * x0 + j[12 + r] * x1 + j[24 + r] * x2;
+    }
 }
 
 static void assemble_triple(Direct *d, const Triple *t)
 {
     if (t->held == HELD_NOT)
         return;
-    const real *w = t->w;
     real x[36];
-    for (int i = 0; i < 3; i++)
-        for (int c = 0; c < 12; c++)
-            x[12 * i + c] = (w[3 * i] * t->j[0][c] + w[3 * i + 1] * t->j[1][c] + w[3 * i + 2] * t->j[2][c]) / t->r;
+    for (int i = 0; i < 3; i++) {
+        const real *w = t->w + 3 * i;
+        UNROLL
+        for (int c = 0; c < 12; c += 2)
+            PAIR(x[12 * i + c]) = (w[0] * two(t->j[0] + c) + w[1] * two(t->j[1] + c) + w[2] * two(t->j[2] + c)) / t->r;
+    }
     for (int m = 0; m < 2; m++)
         if (t->place[m] >= 0)
             add_block(d->blocks.diagonal + BLOCK * t->place[m], t->j[0] + 6 * m, x + 6 * m);

@@ -2,7 +2,7 @@
  *
  * The centre of mass follows its parabola exactly. The angular momentum L does not change, and the orientation obeys
  * q' = q w / 2 with w = I^-1 R^T L in body axes: a power series, with as many terms as the group's tolerance needs. A round body turns
- * evenly.
+ * evenly; one that is round about an axis does so about L, and about its axis besides.
  */
 #include "trace/trace.h"
 
@@ -20,6 +20,8 @@ static bool suits(const Group *g)
 #define LEAST  4
 #define PART   0.5              /* rad: so far a part may turn at most, whichever axis it turns about */
 #define ENOUGH 1e-4             /* of the tolerance: a term this small is the last. Those that follow are smaller by its size and more. */
+
+#define SAME   1e-15            /* moments of inertia that differ by this part turn nothing in a step */
 
 /* a (w, 0) */
 static inline quat mul_pure(quat a, vec3 w)
@@ -55,11 +57,41 @@ static quat turn(const Member *m, quat q, vec3 momentum, real h, real enough)
     return quat_unit(quat_mul(q, sum));
 }
 
-/* w . L is kept, too: no axis lets a body turn faster than it would with all of it about one that has the sum of all three. */
-static int parts_of(const Member *m, real twice_energy, real h)
+static bool is_diagonal(const mat3 *i) { return i->r0.y == 0 && i->r0.z == 0 && i->r1.z == 0; }
+
+/* Of what is 1 / I. The axis about which the others are the same within rounding, or -1. */
+static int axis_of_symmetry(const mat3 *i)
 {
-    real fastest = sqrt(real_max(0, twice_energy) * (m->inv_inertia.r0.x + m->inv_inertia.r1.y + m->inv_inertia.r2.z));
-    return fastest * h <= PART ? 1 : (int)real_clamp(ceil(fastest * h / PART), 1, 1000);
+    const real d[3] = {i->r0.x, i->r1.y, i->r2.z};
+    for (int k = 0; k < 3 && is_diagonal(i); k++)
+        if (fabs(d[(k + 1) % 3] - d[(k + 2) % 3]) <= SAME * d[(k + 1) % 3])
+            return k;
+    return -1;
+}
+
+/* w = L / I + e (1 / Ie - 1 / I) L.e, and L.e stays: the first part turns about L in the world, the second about e in the body. */
+static quat turn_about_axis(const Member *m, quat q, vec3 momentum, real h, int axis)
+{
+    const real d[3] = {m->inv_inertia.r0.x, m->inv_inertia.r1.y, m->inv_inertia.r2.z};
+    const vec3 e = {axis == 0, axis == 1, axis == 2};
+    real across = d[(axis + 1) % 3], own = (d[axis] - across) * vec3_dot(e, quat_unrotate(q, momentum));
+    return quat_unit(quat_mul(quat_exp(vec3_scale(h * across, momentum)), quat_mul(q, quat_exp(vec3_scale(h * own, e)))));
+}
+
+/* w . L is kept, too: no axis lets a body turn faster than it would with all of it about one that has the sum of all three. And |L| is:
+ * 1 / I between its least a and its most b has (1 / I - a) (1 / I - b) <= 0, so that w.w <= (a + b) w.L - a b L.L. A slender body that
+ * tumbles cannot spin about its length. Series of as few terms as with the first bound go with half a radian of the second's times the root
+ * of three. */
+static int parts_of(const Member *m, vec3 w, vec3 l, real h)
+{
+    const mat3 *i = &m->inv_inertia;
+    real kept = real_max(0, vec3_dot(w, l)), fastest2 = kept * (i->r0.x + i->r1.y + i->r2.z);
+    if (is_diagonal(i)) {
+        real a = real_min(i->r0.x, real_min(i->r1.y, i->r2.z)), b = real_max(i->r0.x, real_max(i->r1.y, i->r2.z));
+        fastest2 = real_min(fastest2, 3 * real_max(0, (a + b) * kept - a * b * vec3_length2(l)));
+    }
+    real turn = sqrt(fastest2) * h;
+    return turn <= PART ? 1 : (int)real_clamp(ceil(turn / PART), 1, 1000);
 }
 
 static void fly(Group *g, int i, real h)
@@ -76,7 +108,9 @@ static void fly(Group *g, int i, real h)
     }
     quat q = g->pos[i].q;
     vec3 l = quat_rotate(q, mat3_mul_vec(m->inertia, quat_unrotate(q, w)));
-    int parts = parts_of(m, vec3_dot(w, l), h);
+    int axis = axis_of_symmetry(&m->inv_inertia), parts = axis < 0 ? parts_of(m, w, l, h) : 0;
+    if (axis >= 0)
+        q = turn_about_axis(m, q, l, h, axis);
     for (int k = 0; k < parts; k++)
         q = turn(m, q, l, h / parts, ENOUGH * g->tolerance);
     g->pos[i].q = q;

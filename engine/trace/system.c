@@ -6,7 +6,8 @@
  *
  * Rows that repeat each other (four corners on a face, a door on eight hinges) make A singular. Then every diagonal entry
  * is softened by a small part of itself and the solution refined with the unsoftened A: a proximal-point iteration whose limit
- * keeps the constraints exactly and shares the load with least norm (Rockafellar 1976). Where rows that should repeat each other
+ * keeps the constraints exactly and shares the load with least norm (Rockafellar 1976). Many such rows on the same bodies are
+ * reduced to their rank instead (rank.c). Where rows that should repeat each other
  * differ a little, because the bodies have drifted off a loop, what is left is that difference: it moves nothing.
  */
 #include "math/pair.h"
@@ -168,18 +169,27 @@ static bool factor_general(System *s)
     return true;
 }
 
+/* All rows are of the same bodies, and their rank can be told. */
+static bool factor_by_rank(System *s)
+{
+    bool alike = s->redundant && !s->sliding && s->count >= RANK_ROWS && s->run[0] == s->count && s->lines[0].count > 0;
+    s->rank = alike ? rank_factor(s->a, s->f, s->count) : 0;
+    return s->rank > 0;
+}
+
 bool system_factor(System *s)
 {
     assemble(s);
+    s->rank = 0;
     for (int i = 0; i < s->count; i++)      /* a row without any effect holds nothing: it stands for itself */
         if (!(s->a[i * s->count + i] > 0) && !s->sliding)
             s->a[i * s->count + i] = 1;
-    if (s->sliding ? factor_general(s) : factor_symmetric(s))
+    if (factor_by_rank(s) || (s->sliding ? factor_general(s) : factor_symmetric(s)))
         return true;
     if (s->redundant)
         return false;
     s->redundant = true;
-    return s->sliding ? factor_general(s) : factor_symmetric(s);
+    return factor_by_rank(s) || (s->sliding ? factor_general(s) : factor_symmetric(s));
 }
 
 static void back_symmetric(const System *s, real *x)
@@ -265,7 +275,9 @@ static real remainder_of(const System *s)
 
 static void back(const System *s, real *x)
 {
-    if (s->sliding)
+    if (s->rank > 0)
+        rank_back(s->f, x, s->count, s->rank);
+    else if (s->sliding)
         back_general(s, x);
     else if (small_size(s->count))
         small_back(s->f, x, s->count);

@@ -16,4 +16,12 @@ bool small_factor(const real *a, real *f, real softer, real least, int n);     /
 void small_back(const real *f, real *x, int n);                                /* x in place of the right side */
 void small_remainder(const real *a, const real *b, const real *x, real *r, int n);      /* r = b - A x */
 
+/* ---- rows of the same bodies that repeat each other (rank.c) ---- */
+
+#define RANK_ROWS 12            /* with fewer the softened factor costs no more */
+
+/* f takes what rank_back needs, n * n reals. 0: the rank cannot be told, or is more than six. */
+int rank_factor(const real *a, real *f, int n);
+void rank_back(const real *f, real *x, int n, int rank);                       /* x of the least norm in place of the right side */
+
 #endif

@@ -460,6 +460,29 @@ TEST(a_thin_fast_body_in_flight_keeps_its_digits_in_every_length_of_step)
     CHECK_NEAR(angle_between(ends[0], ends[1]), 0, 1e-10);
 }
 
+/* A square rod of 1 kg at 600 rad/s, coarsely: its length goes round the angular momentum at |L| / I, turning evenly about itself. */
+TEST(a_rod_in_flight_goes_round_its_angular_momentum)
+{
+    dig_world_def def = dig_world_defaults();
+    def.gravity = vec3_zero();
+    def.tolerance = 1e-2;
+    dig_world *w = open_with(def);
+    dig_body_def d = body_with(look(0, 0), vec3_zero(), quat_identity());
+    d.mass = 1;
+    d.spin = (vec3){60, 40, 600};
+    dig_box_def box = {{0.04, 1, 0.04}};
+    dig_body b = add_body(w, d, "box", &box);
+    const real across = (1 + 0.0016) / 12, along = 0.0032 / 12;
+    const vec3 l = {across * 60, along * 40, across * 600};
+    for (int i = 1; i <= 60; i++) {
+        step(w, 1);
+        quat round = quat_exp(vec3_scale(i / 60.0 / across, l)), self = quat_exp((vec3){0, i / 60.0 * 40 * (1 - along / across), 0});
+        CHECK_NEAR(angle_between(state_of(w, b).rotation, quat_mul(round, self)), 0, 1e-10);
+        CHECK_NEAR(vec3_distance(dig_world_angular_momentum(w), l), 0, 1e-12);
+    }
+    dig_world_close(w);
+}
+
 static dig_body open_rotor(dig_world **w, real tolerance)
 {
     dig_world_def def = dig_world_defaults();
@@ -523,6 +546,7 @@ int main(void)
               unit_test(a_spin_that_grows_evenly_turns_with_order_four),
               unit_test(flight_by_the_fewest_terms_turns_with_order_four),
               unit_test(a_thin_fast_body_in_flight_keeps_its_digits_in_every_length_of_step),
+              unit_test(a_rod_in_flight_goes_round_its_angular_momentum),
               unit_test(the_rotor_in_flight_has_the_digits_of_the_elliptic_functions),
               unit_test(the_angle_of_flight_falls_with_the_tolerance));
 }

@@ -251,6 +251,33 @@ TEST(a_row_stated_three_times_holds_a_third_each)
     }
 }
 
+/* As the hinges of a door. */
+TEST(four_rows_on_the_same_bodies_stated_five_times_hold_a_fifth_each)
+{
+    Dice d = {8};
+    for (int round = 0; round < 100; round++) {
+        Bench t;
+        bench_open(&t, &d);
+        for (int i = 0; i < 4; i++)
+            add_row(&t, &d, 0, 1, 0);
+        for (int i = 4; i < 20; i++)
+            t.lines[t.s.count++] = t.lines[i % 4];
+        real want[N], a[N][N];
+        for (int i = 0; i < 20; i++)
+            want[i] = t.b[i] = i < 4 ? dice(&d) : t.b[i % 4];
+        multiply_out(&t);
+        memcpy(a, t.dense, sizeof a);
+        eliminate(a, 4, want);
+        CHECK(system_factor(&t.s));
+        CHECK_INT(t.s.rank, 4);
+        CHECK(system_solve(&t.s, 1e-2));
+        CHECK(remainder_over(&t) < 1e-11);
+        real most = largest(want, 4);
+        for (int i = 0; i < 20; i++)
+            CHECK_NEAR(t.x[i], want[i % 4] / 5, 1e-10 * most);
+    }
+}
+
 TEST(unsymmetric_rows_that_repeat_are_solved_too)
 {
     Dice d = {6};
@@ -616,6 +643,7 @@ int main(void)
               unit_test(rows_in_order_along_a_chain_are_factored_within_a_narrow_profile),
               unit_test(four_corners_share_the_load_with_least_norm),
               unit_test(a_row_stated_three_times_holds_a_third_each),
+              unit_test(four_rows_on_the_same_bodies_stated_five_times_hold_a_fifth_each),
               unit_test(unsymmetric_rows_that_repeat_are_solved_too),
               unit_test(repeated_rows_that_contradict_each_other_are_refused_beyond_what_drift_may_do),
               unit_test(no_right_side_means_no_forces_and_no_numbers_mean_no_solution),
