@@ -60,8 +60,8 @@ static dig_status open(Crowd *c)
 /* As many passes as the load needs, to come through from the top of the pile to the ground: what overlaps says so. */
 #define SHALLOW 2.0             /* times what a pass needs to change; so much more takes one more */
 #define WORK    40000           /* points, in all passes of a substep */
-/* A pile that has landed may take more, as long as it is deep in itself: then little else is to be done, and it is brief. These make
- * rows no harder, for what lies in them would be thrown up. */
+/* A pile that has landed may take more, for what is deep in it, or where a blow or a load that shifts asks for them: little else is to be
+ * done then, and it is brief. These make rows no harder, for what lies in them would be thrown up. */
 #define CALM_WORK 8             /* times as many */
 #define BRISK     0.01          /* of the size: what moves farther in the step has not landed */
 #define LANDED    0.9           /* of all bodies */
@@ -82,7 +82,7 @@ static dig_status plan_passes(Crowd *c)
         points += LANES * c->batch[i].points;
     int hardest = (int)real_clamp(WORK / (real)points, 1, PASSES_MOST);
     real wanted = 1 + c->deep - SHALLOW;
-    c->passes_most = wanted > hardest && calm(c) ? int_min(CALM_WORK * hardest, PASSES_MOST) : hardest;
+    c->passes_most = calm(c) ? int_min(CALM_WORK * hardest, PASSES_MOST) : hardest;
     c->passes = (int)real_clamp(wanted, 1, c->passes_most);
     for (int i = 0; i < c->passes_most; i++) {
         c->soft[i][0] = soft_of(STIFF * int_min(i + 1, hardest), (real)c->h);
