@@ -71,8 +71,10 @@ static void free_motion(Tracer *t)
 {
     if (!t->pulled)
         ask_effects(t);
-    memcpy(t->acc0, t->pull, (size_t)t->g->moving_count * sizeof *t->acc0);
-    memcpy(t->torque0, t->twist, (size_t)t->g->moving_count * sizeof *t->torque0);
+    for (int i = 0; i < t->g->moving_count; i++) {      /* of few bodies: calls to copy them would take longer */
+        t->acc0[i] = t->pull[i];
+        t->torque0[i] = t->twist[i];
+    }
 }
 
 void trace_drives(Tracer *t)
@@ -374,8 +376,10 @@ bool trace_solve(Tracer *t)
 {
     Group *g = t->g;
     System *s = &t->sys;
-    memcpy(t->acc, t->acc0, (size_t)g->moving_count * sizeof *t->acc);
-    memcpy(t->torque, t->torque0, (size_t)g->moving_count * sizeof *t->torque);
+    for (int i = 0; i < g->moving_count; i++) {
+        t->acc[i] = t->acc0[i];
+        t->torque[i] = t->torque0[i];
+    }
     push_holds(t);
     for (int i = 0; i < g->moving_count; i++)
         t->alpha[i] = trace_spin_up(t, i, t->torque[i]);

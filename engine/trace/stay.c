@@ -9,7 +9,7 @@
 
 static inline bool near_vec(vec3 a, vec3 b, real most)
 {
-    return fabs(a.x - b.x) <= most && fabs(a.y - b.y) <= most && fabs(a.z - b.z) <= most;
+    return vec3_length2(vec3_sub(a, b)) <= most * most;
 }
 
 static inline bool near_quat(quat a, quat b)
@@ -25,6 +25,11 @@ static inline unsigned kinds_of(const Touching *c)
 
 static inline vec3 lever_of(const Tracer *t, int body, vec3 at) { return trace_moves(t, body) ? vec3_sub(at, t->g->pos[body].x) : vec3_zero(); }
 
+static inline bool same_lever(const Tracer *t, int body, vec3 at, vec3 noted)
+{
+    return !trace_moves(t, body) || near_vec(vec3_sub(at, t->g->pos[body].x), noted, ROUNDING * t->size);
+}
+
 static inline bool slides(const Cone *c) { return c->axes && c->grip != GRIP_STICK; }
 
 static inline bool stays(const Tracer *t, const Touching *c, const Footing *f)
@@ -32,8 +37,7 @@ static inline bool stays(const Tracer *t, const Touching *c, const Footing *f)
     return kinds_of(c) == f->kinds
         && (!c->gate.presses
             || (c->slip.weight == f->weight && near_vec(c->k.n, f->n, ROUNDING)
-                && near_vec(lever_of(t, c->a, c->k.at), f->lever[0], ROUNDING * t->size)
-                && near_vec(lever_of(t, c->b, c->k.at), f->lever[1], ROUNDING * t->size)
+                && same_lever(t, c->a, c->k.at, f->lever[0]) && same_lever(t, c->b, c->k.at, f->lever[1])
                 && (!slides(&c->slip) || near_vec(c->slip.d, f->slip, ROUNDING)) && (!slides(&c->roll) || near_vec(c->roll.d, f->roll, ROUNDING))));
 }
 
