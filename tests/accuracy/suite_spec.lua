@@ -69,6 +69,13 @@ test.scenario("a spring too stiff for the frame is followed where the tolerance 
   end
 end)
 
+test.scenario("a mechanism of 81 bars in 40 loops is traced at the finest plan", function(s)
+  local scene = setmetatable({ seconds = 1 }, { __index = suite.scenes { "A19c" }[1] })
+  local row = suite.run(scene, "reference", s.cpu_seconds, 0)
+  test.expect(row.traced):is(60)
+  test.expect(row.error):below(1e-10)
+end)
+
 -- Blows at a row of leaning dominoes: one corner taken after the other, the sweeps of the fourth found, in 4294 of them, an outcome in
 -- which they turn aside; then contacts chattered, and the rest was swept. All that happens is alike on both sides of the row's plane.
 test.scenario("a row of dominoes falls in its plane, followed from blow to blow", function(s)
