@@ -166,9 +166,11 @@ static real sure_step(const Flight *f, const Moment *m, vec3 turn)
 static real longest_step(const Flight *f, const Moment *m)
 {
     real h = safe_step(f, m), end = f->time - m->t;
-    const vec3 turns[3] = {f->ma->w, f->mb->w, vec3_zero()};
-    for (int i = 0; i < 3 && h <= end; i++)
-        h = real_max(h, sure_step(f, m, turns[i]));
+    const vec3 turns[3] = {vec3_zero(), f->ma->w, f->mb->w};
+    bool leans = vec3_length2(f->ma->w) * f->reach_a + vec3_length2(f->mb->w) * f->reach_b > 0;
+    for (int i = 0; i < 3 && leans && h <= end; i++)
+        if (i == 0 || vec3_length2(turns[i]) > 0)
+            h = real_max(h, sure_step(f, m, turns[i]));
     return h;
 }
 
