@@ -107,13 +107,13 @@ dig_status group_judge(Group *g, real dt)
 
 /* ---- back into the world ---- */
 
-#define FIRST_PAUSE 64          /* over the substeps of the plan: 16 steps at "play", 4 at "study" */
+#define FIRST_PAUSE 256         /* over the square of the plan's substeps: 16 steps at "play", 1 at "study", where sweeps cost what is asked for */
 
 /* A group that the traced way handed on is not tried again for some steps, then twice as many, ...; each that succeeds forgets one. */
 static void commit_trace(const Group *g, Body *b)
 {
     if (g->trace_failed) {
-        int first = int_min(16, FIRST_PAUSE / g->plan->substeps);
+        int first = int_max(1, int_min(16, FIRST_PAUSE / (g->plan->substeps * g->plan->substeps)));
         b->trace_pause = (uint16_t)int_min(1024, int_max(first, 2 * b->trace_pause));
         b->trace_wait = b->trace_pause;
         b->trace_step = 0;
