@@ -644,6 +644,7 @@ typedef struct dig_event {
 
 /* Events of the last step in the order (time, kind, lower slot, higher slot). Valid until the next step. */
 int dig_events(const dig_world *w, const dig_event **out);
+void dig_tell_moves(dig_world *w, bool on);         /* from the next step on there are events `moved`: of each body that did, in each step */
 
 typedef struct dig_message {
     uint64_t id, root;          /* root: id of the message that this one, by way of others, answers; its own when none */

@@ -330,6 +330,13 @@ static int graph_events(lua_State *L)
     return 1;
 }
 
+/* core.tell_moves(world): who moves is an event from now on */
+static int graph_tell_moves(lua_State *L)
+{
+    dig_tell_moves(bind_check_world(L, 1)->w, true);
+    return 0;
+}
+
 /* core.mark_removed(body, how): a body that the engine took away, not the script */
 static int graph_mark_removed(lua_State *L)
 {
@@ -354,7 +361,7 @@ static const luaL_Reg body_methods[] = {
 };
 static const luaL_Reg world_methods[] = {{"digs", world_digs}, {NULL, NULL}};
 static const luaL_Reg functions[] = {
-    {"path", graph_path}, {"events", graph_events}, {"mark_removed", graph_mark_removed}, {NULL, NULL},
+    {"path", graph_path}, {"events", graph_events}, {"tell_moves", graph_tell_moves}, {"mark_removed", graph_mark_removed}, {NULL, NULL},
 };
 
 void bind_graph_open(lua_State *L, int core)

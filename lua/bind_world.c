@@ -413,7 +413,7 @@ static int world_newindex(lua_State *L)
         dig_text plan;
         real tolerance;
         bind_accuracy(L, 3, "digbox.world", &plan, &tolerance);
-        s = dig_world_set_accuracy(ref->w, plan.s, tolerance);
+        s = dig_world_set_accuracy(ref->w, plan.s[0] ? plan.s : NULL, tolerance);
     } else {
         return bind_error(L, "world.%s cannot be assigned (gravity and accuracy can)", key);
     }

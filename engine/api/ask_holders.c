@@ -172,10 +172,18 @@ static void name_part(const Ask *k, dig_part p, char *text, size_t capacity)
     }
 }
 
+/* It is to go up, and no link has been found without which it would. */
+static bool only_weight_holds(const Ask *k)
+{
+    const World *w = k->part.world;
+    vec3 weight = vec3_scale(w->bodies.data[k->body].gravity_scale, w->def.gravity);
+    return k->a->held_count == 0 && !k->q->turns && vec3_dot(weight, k->along) < 0;
+}
+
 const char *ask_name_holders(const Ask *k, char *text, size_t capacity)
 {
     size_t at = 0;
-    snprintf(text, capacity, "what it hangs on");
+    snprintf(text, capacity, only_weight_holds(k) ? "its weight" : "what it hangs on");
     for (int i = 0; i < k->a->held_count && at < capacity; i++) {
         char name[100];
         name_part(k, k->a->held[i], name, sizeof name);

@@ -307,7 +307,7 @@ static dig_status do_teleport(World *w, dig_body handle, const vec3 *at, const q
     b->prev_x = b->x;
     b->prev_q = b->q;
     b->euler = b->euler || b->integrator == DIG_SWITCH;     /* what it did before is no history of where it is now */
-    region_cross(w, handle.slot, from);             /* what is given is as it is seen there; what is not is kept */
+    region_cross(w, handle.slot, from, 0);          /* what is given is as it is seen there; what is not is kept */
     if (velocity && b->kind != DIG_STATIC)
         b->v = *velocity;
     if (spin && b->kind != DIG_STATIC)

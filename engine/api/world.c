@@ -268,6 +268,8 @@ vec3 dig_world_angular_momentum(const dig_world *w)
 
 void dig_time_every_step(dig_world *w, bool on) { w->timed_always = on; }
 
+void dig_tell_moves(dig_world *w, bool on) { w->tells_moves = on; }
+
 /* Did it get farther than a ball that fits inside it is wide? */
 static bool is_fast(const World *w, const Body *b)
 {

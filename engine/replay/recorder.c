@@ -183,14 +183,18 @@ static void keep_handle(const World *w, uint32_t out[2], uint32_t slot, uint32_t
     out[1] = gen ? gen - w->gen_start + 1 : 0;
 }
 
+/* Who moved is told by the poses. */
 static dig_status take_events(Recorder *r)
 {
     const dig_event *events;
-    int count = dig_events(r->w, &events);
+    int all = dig_events(r->w, &events), count = 0;
+    for (int i = 0; i < all; i++)
+        count += events[i].kind != DIG_EVENT_MOVED;
     DIG_TRY(kept_resize(&r->now, KEPT_EVENTS, count));
-    for (int i = 0; i < count; i++) {
-        const dig_event *e = &events[i];
-        KeptEvent *k = &kept_events(&r->now)[i];
+    KeptEvent *k = kept_events(&r->now);
+    for (const dig_event *e = events; e < events + all; e++) {
+        if (e->kind == DIG_EVENT_MOVED)
+            continue;
         *k = (KeptEvent){.time = e->time, .speed = e->speed, .impulse = e->impulse, .stress = e->stress, .point = e->point,
                          .normal = e->normal, .message = e->message, .kind = (uint32_t)e->kind, .dig = e->dig, .other_dig = e->other_dig,
                          .wall = (uint32_t)e->wall, .link = (uint32_t)e->link, .layer = e->layer};
@@ -198,6 +202,7 @@ static dig_status take_events(Recorder *r)
         keep_handle(r->w, k->b, e->b.slot, e->b.gen);
         keep_handle(r->w, k->joint, e->joint.slot, e->joint.gen);
         keep_handle(r->w, k->region, e->region.slot, e->region.gen);
+        k++;
     }
     return DIG_OK;
 }

@@ -2,7 +2,7 @@
  * has their normal (geom/manifold_covered.c). What breaks off shows its face from the next step on, for its joint is gone.
  *
  * Only where the bodies' rest pose has the whole face on the other box; a plank that bends opens and closes there, and stays one.
- * Bodies of several solids are left alone. */
+ * Bodies of several solids are left alone, and so are those whose joint lets them touch each other: there these faces are what touches. */
 #include "solve/group.h"
 
 #define OVER   1e-2             /* of the box's smallest half: so far outside a face is the other box looked for */
@@ -64,7 +64,8 @@ void cover(Group *g)
     bool any = false;
     for (int i = 0; i < g->joint_count && g->pair_count > 0; i++) {
         const GroupJoint *j = &g->joints[i];
-        const Solid *a = j->view.type->fuses ? only_box(g, j->a) : NULL, *b = a ? only_box(g, j->b) : NULL;
+        bool one_thing = j->view.type->fuses && !g->world->joints.data[j->slot].collides;
+        const Solid *a = one_thing ? only_box(g, j->a) : NULL, *b = a ? only_box(g, j->b) : NULL;
         if (!b)
             continue;
         Side of_a = side_of(g, j->a, a, j->ra, j->fa), of_b = side_of(g, j->b, b, j->rb, j->fb);

@@ -133,6 +133,17 @@ static void watch_edge(World *w)
     }
 }
 
+/* Only for whom it matters: it is an event for each body in each step. What is at rest has moved by rounding at most. */
+static void tell_moves(World *w)
+{
+    for (int i = 0; i < w->awake.count && w->tells_moves; i++) {
+        const Body *b = &w->bodies.data[w->awake.data[i]];
+        bool turned = b->q.x != b->prev_q.x || b->q.y != b->prev_q.y || b->q.z != b->prev_q.z || b->q.w != b->prev_q.w;
+        if (b->mode != DIG_RESTING && (turned || vec3_distance(b->x, b->prev_x) > 0))
+            event_post(w, DIG_EVENT_MOVED, w->awake.data[i], NONE);
+    }
+}
+
 static void sum_groups(World *w, const Step *s)
 {
     dig_stats *t = &w->stats;
@@ -246,6 +257,7 @@ void report(World *w, const Step *s)
     count_effects(w, s);
     end_pushes(w);
     watch_edge(w);
+    tell_moves(w);
     w->stats.steps = w->steps;
     watch_world(w, s);
     deliver_due(w);

@@ -75,8 +75,8 @@ dig_status step_world(World *w)
     begin_events(w);
     commit_groups(w, &s);               /* 4 the copies become the world                     */
     move_movers(w, s.dt);               /* 5 kinematic bodies                                */
-    region_cross_all(w);                /*   who crossed the border of a region              */
     w->steps++;
+    region_cross_all(w);                /*   who crossed the border of a region              */
     book_time(&s, &w->stats.us_commit);
     regraph(w, &s);                     /* 6 contacts begin and end, DIGs merge and split    */
     book_time(&s, &w->stats.us_graph);

@@ -39,7 +39,22 @@ static void take_rate(World *w, Body *b)
     b->rate = rate;
 }
 
-void region_cross(World *w, uint32_t body, vec3 from)
+/* 0..1  Where a straight way crosses the border, of its length; one end is inside, the other is not. */
+static real crossing(const Region *r, vec3 from, vec3 to)
+{
+    bool was = region_holds(r, from);
+    real before = 0, after = 1;
+    for (int i = 0; i < 40; i++) {
+        real middle = 0.5 * (before + after);
+        if (region_holds(r, vec3_mad(from, middle, vec3_sub(to, from))) == was)
+            before = middle;
+        else
+            after = middle;
+    }
+    return after;
+}
+
+void region_cross(World *w, uint32_t body, vec3 from, real took)
 {
     Body *b = &w->bodies.data[body];
     for (int i = 0; i < w->regions.count && b->kind == DIG_DYNAMIC; i++) {
@@ -47,6 +62,7 @@ void region_cross(World *w, uint32_t body, vec3 from)
         bool was = region_holds(r, from), is = region_holds(r, b->x);
         dig_event *e = was == is ? NULL : event_post(w, is ? DIG_EVENT_ENTERED : DIG_EVENT_LEFT, body, NONE);
         if (e) {
+            e->time -= took > 0 ? (1 - crossing(r, from, b->x)) * took : 0;
             e->region = (dig_region){(uint32_t)i, r->gen};
             e->point = b->x;
         }
@@ -57,7 +73,7 @@ void region_cross(World *w, uint32_t body, vec3 from)
 void region_cross_all(World *w)
 {
     for (int i = 0; i < w->awake.count && w->region_count > 0; i++)
-        region_cross(w, w->awake.data[i], w->bodies.data[w->awake.data[i]].prev_x);
+        region_cross(w, w->awake.data[i], w->bodies.data[w->awake.data[i]].prev_x, w->def.step);
 }
 
 void region_changed(World *w)

@@ -21,8 +21,9 @@ static inline bool region_holds(const Region *r, vec3 at)
 real region_rate(const World *w, vec3 at);              /* 1  of time: the product of all regions there */
 real region_conduct(const World *w, vec3 at);           /* 1  factor on conductances: the product of all regions there */
 real region_fall(const World *w, const Body *b, vec3 at);       /* m/s^2  in the world's time, at gravity_scale 1: how fast it falls there */
-/* Its centre of mass was at `from`: tells whose border it has crossed, and takes over the rate of time. */
-void region_cross(World *w, uint32_t body, vec3 from);
+/* Its centre of mass was at `from`, `took` s ago: tells whose border it has crossed, and when, as if the way were straight; and takes
+ * over the rate of time. */
+void region_cross(World *w, uint32_t body, vec3 from, real took);
 void region_cross_all(World *w);                        /* those that move, at the end of a step */
 void region_changed(World *w);                          /* a region came or went: all take over the rate of time */
 uint64_t region_hash(const Region *r, uint64_t h);

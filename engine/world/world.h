@@ -271,6 +271,7 @@ struct dig_world {
     dig_world_def def;
     int      accuracy;                  /* see solve/plan.h                            */
     bool     timed_always;              /* the clock is read in every step, not only in each 16th */
+    bool     tells_moves;               /* somebody asked for the events `moved`       */
     uint64_t steps, serial;             /* serial: distinguishes worlds' handles       */
     uint64_t rng;
     bool     busy;

@@ -240,13 +240,25 @@ end
 
 local engine_mesh = methods.mesh
 
-core.declare("world:mesh", { "A surface of triangles; static, or dynamic when it is closed.", fields = {
+core.declare("world:mesh", { "A surface of triangles; static, or dynamic when it is closed. One that moves meets balls, boxes and "
+  .. "other convex shapes; it falls through planes such as the floor, other meshes and height fields.", fields = {
   file = { "text", "a Wavefront .obj beside the script, instead of vertices and triangles" } }, with = { "shape mesh", "body" },
   gives = "body" })
 
+-- Nothing would be seen of it but that it falls through the floor.
+local function tell_what_it_meets(world, body)
+  local state = core.lua_state(world)
+  if body.kind == "dynamic" and not state.told_of_meshes and not core.options.quiet then
+    state.told_of_meshes = true
+    core.tell(("digbox: %sa mesh that moves falls through planes (world:floor, rooms), meshes and height fields; a hull, or a body of "
+      .. "parts, does not\n"):format(core.where()))
+  end
+  return body
+end
+
 -- world:mesh{file = "beside/the/script.obj"} or {vertices=, triangles=}
 function methods.mesh(world, fields)
-  if type(fields) ~= "table" or rawget(fields, "file") == nil then return engine_mesh(world, fields) end
+  if type(fields) ~= "table" or rawget(fields, "file") == nil then return tell_what_it_meets(world, engine_mesh(world, fields)) end
   if type(fields.file) ~= "string" then core.fail("world:mesh.file wants a file name; got %s", core.type(fields.file)) end
   local path, why = core.beside(fields.file)
   local text
@@ -256,7 +268,7 @@ function methods.mesh(world, fields)
   for k, v in next, fields do copy[k] = v end
   copy.file = nil
   copy.vertices, copy.triangles = read_obj(text, fields.file)
-  return engine_mesh(world, copy)
+  return tell_what_it_meets(world, engine_mesh(world, copy))
 end
 
 return true

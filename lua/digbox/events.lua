@@ -30,12 +30,13 @@ function Subscription.off(handle)
   sub.book.stale = true
 end
 
-local function book_of(state, kind)
+local function book_of(world, state, kind)
   local book = state.handlers[kind]
   if not book then
     book = { everyone = {}, by_body = {}, stale = false }
     state.handlers[kind] = book
     state.mask = state.mask | (1 << kinds[kind])
+    if kind == "moved" then core.tell_moves(world) end
   end
   return book
 end
@@ -87,7 +88,7 @@ local function subscribe(world, body, what, kind, filter, fn)
   if fn == nil and (type(filter) == "function" or core.type(filter) ~= "table") then filter, fn = nil, filter end
   if type(fn) ~= "function" then core.fail("%s('%s') wants a function; got %s", what, kind, core.type(fn)) end
   local state = core.lua_state(world)
-  local book = book_of(state, kind)
+  local book = book_of(world, state, kind)
   state.subscriptions = state.subscriptions + 1
   local sub = { id = state.subscriptions, fn = fn, body = body, world = world, kind = kind, active = true, book = book,
     filter = read_filter(filter, what, world) }

@@ -233,7 +233,8 @@ core.declare("lift:go", { "Drives to that height above where it began and stops 
 core.declare("lift:stop", { "Stops, and holds what it carries.", gives = "lift" })
 
 -- parts.lift(world, {at = the middle of its floor's top, height = travel, ...}) -> lift
-part("lift", "A platform that a motor drives up and down a shaft.", core.join_fields(held, {
+part("lift", "A platform that a motor drives up and down a shaft; `at` is the middle of its top, at least its thickness above a floor.",
+  core.join_fields(held, {
   height = { "real m >0", "how far it goes up", need = true }, width = { "real m >0", "of its platform, both ways", default = 1.2 },
   thickness = { "real m >0", "of its platform", default = 0.1 }, mass = { "real kg >0", "of its platform", default = 200 },
   speed = { "real m/s >0", "of its drive", default = 0.5 }, force = { "real N >0", "the most its motor gives", default = 5000 },

@@ -231,4 +231,18 @@ LUA
 gives 0 'a run says what it reached' run ends.lua;      said 'traced 100 %'; said 'J lost - numerical'
 gives 0 'a closed world is fine' run ends.lua -- --close
 
+# What passes through the floor does not do so unsaid.
+cat >mesh.lua <<'LUA'
+local world = require "digbox".world {}
+world:floor {}
+for x = 0, 1 do
+  world:mesh { vertices = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 0, 1 }, { 0, 1, 0 } }, triangles = { 1, 2, 3, 1, 4, 2, 2, 4, 3, 3, 4, 1 },
+    at = { 3 * x, 1, 0 }, fixed = require "digbox".args { still = { default = false } }.still }
+end
+LUA
+gives 0 'a mesh that moves' run mesh.lua;               said 'mesh.lua:4: a mesh that moves falls through planes'
+holds 'which is said once' test "$(grep -c 'falls through' err.txt)" = 1
+gives 0 'a mesh that stands still' run mesh.lua -- --still
+holds 'of which nothing is said' test "$(grep -c 'falls through' err.txt)" = 0
+
 checked

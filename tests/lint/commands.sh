@@ -9,6 +9,7 @@ dig_world_save           looks only
 dig_world_pack           looks only
 dig_world_note           is no part of the state
 dig_time_every_step      the clock is no part of the state
+dig_tell_moves           who listens is no part of the state
 dig_message_send         through dig_message_post
 dig_message_broadcast    through dig_message_post
 dig_ask                  asks a copy

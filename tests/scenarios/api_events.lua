@@ -130,6 +130,27 @@ scenario("a body falls asleep and wakes", function(s)
   expect(box.awake):is(true)
 end)
 
+scenario("who moves is told in every step, who rests is not", function(s)
+  local world = s.world
+  world:floor {}
+  local ball = world:ball { name = "ball", radius = 0.1, at = { 0, 0.6, 0 } }
+  world:box { name = "box", size = 0.2, at = { 3, 0.1, 0 } }
+  local lift = world:box { name = "lift", size = 0.2, kinematic = true, at = { 6, 1, 0 } }
+  local mine, all = {}, {}
+  ball:on("moved", function(e) mine[#mine + 1] = e.time end)
+  world:on("moved", function(e) all[e.self.name] = (all[e.self.name] or 0) + 1 end)
+  world:run "3 s"
+  expect(ball.asleep):is(true)
+  expect(mine[1]):is(world.frame)
+  expect(#mine):between(math.sqrt(2 * 0.5 / 9.81) / world.frame, 25)       -- as long as it falls, and until it is at rest
+  expect(all.ball):is(#mine)
+  expect(all.box or 0):below(3)
+  expect(all.lift):is(nil)
+  lift:move_to { at = { 6, 2, 0 }, over = "0.5 s" }
+  world:run "2 s"
+  expect(all.lift):is(30)
+end)
+
 scenario("DIGs merge when things meet and split when they part", function(s)
   local world = s:world { gravity = { 0, 0, 0 } }
   local a = world:ball { name = "a", radius = 0.5, at = { 0, 0, 0 }, mass = 1 }

@@ -90,6 +90,22 @@ scenario("parameters can be read and set", function(s)
   expect(s.world:ball { radius = 1, at = { 5, 0, 0 }, data = 7 }.data):is(7)
 end)
 
+scenario("accuracy is a plan or a length, and either can be assigned", function(s)
+  local world = s.world
+  for _, plan in ipairs { "sketch", "play", "study", "reference" } do
+    world.accuracy = plan
+    expect(world.accuracy):is(plan)
+  end
+  world.accuracy = 1e-4
+  local length = world.accuracy
+  expect(length):is_not("reference")
+  world.accuracy = "0.1 mm"
+  expect(world.accuracy):is(length)
+  expect(function() world.accuracy = "plya" end):fails()
+  expect(function() world.accuracy = 2 end):fails()
+  expect(world.accuracy):is(length)
+end)
+
 scenario("pushes, twists and hits do what Newton says", function(s)
   local world = s:world { gravity = { 0, 0, 0 } }
   local a = world:box { size = 1, mass = 2, at = { 0, 0, 0 } }

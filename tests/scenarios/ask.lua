@@ -160,6 +160,18 @@ scenario("without a push the answer is how much it needs: a block on a floor and
   expect(block:can_move { along = { 0, 1, 0 } }.needs):near(5 * g, 0.05 * g)
 end)
 
+scenario("what is to be lifted is held by its weight alone", function(s)
+  local world = s.world
+  world:floor {}
+  local crate = world:box { name = "crate", mass = "10 kg", size = 0.5, at = { 0, 0.25, 0 } }
+  world:run(0.5)
+  local answer = crate:can_move { along = { 0, 1, 0 }, by = "20 cm" }
+  expect(answer.verdict):is "needs"
+  expect(answer.needs):between(98.1, 98.3)
+  expect(answer.held_by):is(nil)
+  expect(answer.because):contains "its weight holds it; it needs 98."
+end)
+
 scenario("what is fixed says so; a free body moves at once", function(s)
   local world = s:world { gravity = { 0, 0, 0 } }
   local rock = world:box { name = "rock", fixed = true, size = 1 }

@@ -67,7 +67,7 @@ scenario("at the border of slow time the velocity changes by the rate, within a 
   local twin = world:ball { radius = 0.1, mass = 2, at = { -2, 9, 0 }, velocity = { 3, 0, 0 }, spin = { 0, 1, 0 }, friction = 0.3 }
   local energy = world.energy.total
   local seen = {}
-  local function note(e) seen[#seen + 1] = { e.event, e.region, e.self, e.self.position.x, e.self.velocity.x } end
+  local function note(e) seen[#seen + 1] = { e.event, e.region, e.self, e.self.position.x, e.self.velocity.x, e.time } end
   world:on("entered", note)
   world:on("left", note)
   world:run(4)
@@ -79,6 +79,9 @@ scenario("at the border of slow time the velocity changes by the rate, within a 
     expect(seen[i][4]):between(row[2], row[2] + 3 * world.frame)        -- noticed at the end of the step
     expect(seen[i][5]):near(row[3], 1e-15)
   end
+  local late = (seen[1][4] + 1) / 3                                     -- it was seen so long after it had entered, at 3 m/s
+  expect(seen[1][6]):near(1 / 3, 1e-12)
+  expect(seen[2][6]):near(1 / 3 + late + (2 - 3 * late) / 0.9, 1e-12)
   for _, key in ipairs { "mass", "friction", "velocity", "spin" } do expect(ball[key]):is(twin[key]) end
   expect(world.energy.total):is(energy)
 end)
