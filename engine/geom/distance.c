@@ -232,19 +232,14 @@ static void surface_gap(const Pair *p, real enough, ConvexGap *out)
         *out = (ConvexGap){.gap = enough < INFINITY ? enough * (1 + 1e-12) + 1e-300 : INFINITY, .normal = {0, 1, 0}};
 }
 
-static bool has_gap(ShapeKind a, ShapeKind b)
-{
-    return a < KIND_PLANE || b < KIND_PLANE;            /* planes and surfaces never meet each other: both stand still */
-}
-
 real shape_distance(const Shape *a, pose pa, const Shape *b, pose pb, real enough, vec3 *normal, vec3 *on_a, vec3 *on_b)
 {
     Pair p = pair_make(a, pa, b, pb);
     ConvexGap g = {.gap = INFINITY, .normal = {0, 1, 0}};
-    if (has_gap(p.kind_a, p.kind_b)) {
-        if (p.kind_a == KIND_SURFACE) {
+    if (kinds_meet(a, p.kind_a, b, p.kind_b)) {
+        if (in_pieces(p.kind_a, p.kind_b)) {
             surface_gap(&p, enough, &g);
-        } else if (p.kind_b == KIND_SURFACE) {
+        } else if (in_pieces(p.kind_b, p.kind_a)) {
             Pair s = pair_swapped(&p);
             surface_gap(&s, enough, &g);
             from_frame_of_b(&p, &g);

@@ -2,6 +2,7 @@
 #include "geom/pair.h"
 
 #define ON_SURFACE 1e-10        /* of the smaller shape */
+#define FOOT 0.05               /* of the size of a mesh: corners that much higher are none of its foot */
 
 /* Balls have one point on the line through their centres. */
 static int collide_balls(const Shape *a, pose pa, const Shape *b, pose pb, real reach, Manifold *out)
@@ -41,6 +42,19 @@ static void add_below(const Pair *p, vec3 core_point, real offset, uint32_t feat
     contacts_add(c, p->reach, on_a, on_b, feature);
 }
 
+/* A plane and a mesh. Of corners far above the deepest one none is taken: what stands on its foot need not touch with what sticks out. */
+static int collide_foot(const Pair *p, vec3 down, vec3 deepest, Contacts *c, Manifold *out)
+{
+    const PlaneData *plane = p->a->data;
+    vec3 corner[SHAPE_FOOT];
+    uint32_t feature[SHAPE_FOOT];
+    real gap = vec3_dot(c->normal, deepest) - plane->offset, height = real_min(p->reach - gap, FOOT * p->b->outer);
+    int count = p->b->type->foot(p->b, down, real_max(height, pair_same(p, ON_SURFACE)), corner, feature);
+    for (int i = 0; i < count; i++)
+        add_below(p, convex_point_b(&p->c, corner[i]), plane->offset, feature[i], c);
+    return contacts_finish(p, c, out);
+}
+
 /* A plane and a convex: the corners of the face that looks down, and the deepest point where that is none of them (a rim). */
 static int collide_plane(const Pair *p, ManifoldCache *cache, Manifold *out)
 {
@@ -57,6 +71,8 @@ static int collide_plane(const Pair *p, ManifoldCache *cache, Manifold *out)
         return 0;
 
     int count = 2;
+    if (p->kind_b == KIND_SURFACE)
+        return collide_foot(p, down, deepest, &c, out);
     if (p->kind_b == KIND_CAPSULE) {                    /* both ends, however it stands */
         corner[1] = (vec3){0, ((const CapsuleData *)p->b->data)->half, 0};
         corner[0] = vec3_neg(corner[1]);
@@ -105,8 +121,8 @@ int manifold_collide(const Shape *a, pose pa, const Shape *b, pose pb, real reac
                      int capacity)
 {
     ShapeKind ka = shape_kind(a), kb = shape_kind(b);
-    if (capacity < 1 || (ka >= KIND_PLANE && kb >= KIND_PLANE))
-        return 0;                                       /* planes and surfaces stand still: they never meet */
+    if (capacity < 1 || !kinds_meet(a, ka, b, kb))
+        return 0;
     if (piece)
         piece[0] = 0;
     if (ka == KIND_BALL && kb == KIND_BALL)
@@ -114,7 +130,7 @@ int manifold_collide(const Shape *a, pose pa, const Shape *b, pose pb, real reac
 
     Pair p = pair_make(a, pa, b, pb);
     p.reach = reach;
-    if (ka == KIND_SURFACE || kb == KIND_SURFACE)
+    if (in_pieces(ka, kb) || in_pieces(kb, ka))
         return collide_any_surface(&p, out, piece, capacity);
     PairRow row = row_for(ka, kb);
     if (!row.swapped)

@@ -21,7 +21,7 @@ static void corners_of(const MeshData *d, uint32_t piece, vec3 corners[3])
         corners[k] = mesh_vertices(d)[t[k]];
 }
 
-/* Of the box about the triangles: not tight where the mesh is turned, but meshes stand still. */
+/* Of the box about the triangles: not tight where the mesh is turned, but most meshes stand still. */
 static box3 mesh_bounds(const Shape *s, pose at)
 {
     box3 local = mesh_nodes(s->data)->box;
@@ -119,6 +119,93 @@ static dig_status mesh_mesh(const Shape *s, ShapeMesh *out)
     return DIG_OK;
 }
 
+/* ---- against planes: as its convex hull ---- */
+
+/* How far a box reaches along d. */
+static real box_along(box3 box, vec3 d)
+{
+    vec3 far = {d.x > 0 ? box.high.x : box.low.x, d.y > 0 ? box.high.y : box.low.y, d.z > 0 ? box.high.z : box.low.z};
+    return vec3_dot(far, d);
+}
+
+typedef void VertexVisit(void *context, uint32_t number, vec3 v);
+
+/* Every vertex that reaches at least *most along d, some of them more than once; visit may raise *most. */
+static void visit_along(const MeshData *d, vec3 along, const real *most, VertexVisit *visit, void *context)
+{
+    const MeshNode *nodes = mesh_nodes(d);
+    for (uint32_t i = 0; i < (uint32_t)d->node_count;) {
+        if (box_along(nodes[i].box, along) < *most) {
+            i = nodes[i].next;
+            continue;
+        }
+        for (uint32_t k = 3 * nodes[i].first; k < 3 * (nodes[i].first + nodes[i].count); k++) {
+            uint32_t number = mesh_triangles(d)[k];
+            vec3 v = mesh_vertices(d)[number];
+            if (vec3_dot(v, along) >= *most)
+                visit(context, number, v);
+        }
+        i++;
+    }
+}
+
+typedef struct Farthest { vec3 along, at; real most; } Farthest;
+
+static void take_farthest(void *context, uint32_t number, vec3 v)
+{
+    (void)number;
+    Farthest *f = context;
+    real reach = vec3_dot(v, f->along);
+    if (reach > f->most) {
+        f->most = reach;
+        f->at = v;
+    }
+}
+
+static vec3 mesh_support(const Shape *s, vec3 direction)
+{
+    Farthest f = {.along = direction, .most = -INFINITY};
+    visit_along(s->data, direction, &f.most, take_farthest, &f);
+    return f.at;
+}
+
+typedef struct Foot { vec3 across[SHAPE_FOOT]; real most[SHAPE_FOOT]; vec3 at[SHAPE_FOOT]; uint32_t number[SHAPE_FOOT]; } Foot;
+
+static void take_foot(void *context, uint32_t number, vec3 v)
+{
+    Foot *f = context;
+    for (int i = 0; i < SHAPE_FOOT; i++) {
+        real reach = vec3_dot(v, f->across[i]);
+        if (reach > f->most[i]) {
+            f->most[i] = reach;
+            f->at[i] = v;
+            f->number[i] = number;
+        }
+    }
+}
+
+static int mesh_foot(const Shape *s, vec3 down, real height, vec3 corners[SHAPE_FOOT], uint32_t feature[SHAPE_FOOT])
+{
+    Foot f;
+    vec3 u, v;
+    int count = 0;
+    real from = vec3_dot(mesh_support(s, down), down) - height;
+    vec3_basis(down, &u, &v);
+    for (int i = 0; i < SHAPE_FOOT; i++) {
+        real angle = 2 * DIG_PI * (i + 0.3) / SHAPE_FOOT;        /* square to no edge of what is made along axes: all of it would be farthest */
+        f.across[i] = vec3_mad(vec3_scale(cos(angle), u), sin(angle), v);
+        f.most[i] = -INFINITY;
+    }
+    visit_along(s->data, down, &from, take_foot, &f);
+    for (int i = 0; i < SHAPE_FOOT; i++) {
+        if (count > 0 && (f.number[i] == feature[count - 1] || f.number[i] == feature[0]))
+            continue;
+        corners[count] = f.at[i];
+        feature[count++] = f.number[i];
+    }
+    return count;
+}
+
 /* ---- pieces: the triangles ---- */
 
 static void mesh_piece(const Shape *s, uint32_t piece, vec3 corners[3])
@@ -164,6 +251,8 @@ const ShapeType shape_mesh = {
     .params   = mesh_params,
     .def_size = sizeof(dig_mesh_def),
     .make     = mesh_make,
+    .support  = mesh_support,
+    .foot     = mesh_foot,
     .bounds   = mesh_bounds,
     .mass     = mesh_mass,
     .area     = mesh_area,

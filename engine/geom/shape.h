@@ -42,6 +42,8 @@ typedef struct ShapeMesh {
     uint32_t *indices;
 } ShapeMesh;
 
+#define SHAPE_FOOT 16           /* directions, see foot() */
+
 typedef struct ShapeType ShapeType;
 
 typedef struct Shape {
@@ -65,7 +67,7 @@ struct ShapeType {
         };
     };
     bool        solid;          /* false: plane, mesh, height field, which are surfaces        */
-    bool        convex;         /* has support()                                              */
+    bool        convex;         /* is what support() says                                     */
     /* Checks def (already inside its ranges) and fills shape. why gets one sentence with value, unit and bound. */
     dig_status (*make)(const void *def, Shape *shape, char *why, size_t capacity);
     vec3       (*support)(const Shape *s, vec3 direction);      /* core point farthest along; local; direction need not be unit */
@@ -85,6 +87,9 @@ struct ShapeType {
      * clockwise about the outward normal, at most 16 (thin out evenly beyond), returns their number (1 = a vertex or
      * smooth point, 2 = an edge or side line, >= 3 = a face) and the feature number of the face. Used to build manifolds. */
     int        (*face)(const Shape *s, vec3 direction, vec3 corners[16], uint32_t *feature);    /* NULL when not convex */
+    /* Only for meshes, which planes meet as they would meet their hulls: of the corners no more than height behind the farthest one along
+     * down (a unit vector, local), the farthest in each of so many directions across, in order around; each once, with its number. */
+    int        (*foot)(const Shape *s, vec3 down, real height, vec3 corners[SHAPE_FOOT], uint32_t feature[SHAPE_FOOT]);
     /* Only for mesh and heightfield: convex pieces (triangles, as hull-like Shapes on the caller's storage) whose bounds
      * meet `box` (local). Returns the number there are; writes at most capacity indices. */
     int        (*pieces)(const Shape *s, box3 box, uint32_t *piece, int capacity);

@@ -403,11 +403,11 @@ real time_of_impact(const Shape *a, const Motion *ma, const Shape *b, const Moti
     int *counted = iterations ? iterations : &count;
     ShapeKind ka = shape_kind(a), kb = shape_kind(b);
     *counted = 0;
-    if ((ka >= KIND_PLANE && kb >= KIND_PLANE) || !(time >= 0))
+    if (!kinds_meet(a, ka, b, kb) || !(time >= 0))
         return INFINITY;
-    if (ka == KIND_SURFACE)
+    if (in_pieces(ka, kb))
         return surface_impact(a, ma, b, mb, target, time, counted);
-    if (kb == KIND_SURFACE)
+    if (in_pieces(kb, ka))
         return surface_impact(b, mb, a, ma, target, time, counted);
     return convex_impact(a, ma, b, mb, target, time, counted);
 }

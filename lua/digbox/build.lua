@@ -240,25 +240,29 @@ end
 
 local engine_mesh = methods.mesh
 
-core.declare("world:mesh", { "A surface of triangles; static, or dynamic when it is closed. One that moves meets balls, boxes and "
-  .. "other convex shapes; it falls through planes such as the floor, other meshes and height fields.", fields = {
+core.declare("world:mesh", { "A surface of triangles; static, or dynamic when it is closed. One that moves meets planes such as the floor, "
+  .. "balls, boxes and other convex shapes; it passes through other meshes and height fields.", fields = {
   file = { "text", "a Wavefront .obj beside the script, instead of vertices and triangles" } }, with = { "shape mesh", "body" },
   gives = "body" })
 
--- Nothing would be seen of it but that it falls through the floor.
-local function tell_what_it_meets(world, body)
+-- Nothing would be seen of it but that one passes through the other.
+local function tell_what_meets(world, body)
   local state = core.lua_state(world)
-  if body.kind == "dynamic" and not state.told_of_meshes and not core.options.quiet then
+  state.surfaces, state.moving_mesh = (state.surfaces or 0) + 1, state.moving_mesh or body.kind == "dynamic"
+  if state.moving_mesh and state.surfaces > 1 and not state.told_of_meshes and not core.options.quiet then
     state.told_of_meshes = true
-    core.tell(("digbox: %sa mesh that moves falls through planes (world:floor, rooms), meshes and height fields; a hull, or a body of "
-      .. "parts, does not\n"):format(core.where()))
+    core.tell(("digbox: %sa mesh that moves passes through other meshes and height fields; a hull, or a body of parts, does not\n")
+      :format(core.where()))
   end
   return body
 end
 
+local engine_heightfield = methods.heightfield
+function methods.heightfield(world, fields) return tell_what_meets(world, engine_heightfield(world, fields)) end
+
 -- world:mesh{file = "beside/the/script.obj"} or {vertices=, triangles=}
 function methods.mesh(world, fields)
-  if type(fields) ~= "table" or rawget(fields, "file") == nil then return tell_what_it_meets(world, engine_mesh(world, fields)) end
+  if type(fields) ~= "table" or rawget(fields, "file") == nil then return tell_what_meets(world, engine_mesh(world, fields)) end
   if type(fields.file) ~= "string" then core.fail("world:mesh.file wants a file name; got %s", core.type(fields.file)) end
   local path, why = core.beside(fields.file)
   local text
@@ -268,7 +272,7 @@ function methods.mesh(world, fields)
   for k, v in next, fields do copy[k] = v end
   copy.file = nil
   copy.vertices, copy.triangles = read_obj(text, fields.file)
-  return tell_what_it_meets(world, engine_mesh(world, copy))
+  return tell_what_meets(world, engine_mesh(world, copy))
 end
 
 return true

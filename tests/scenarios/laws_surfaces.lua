@@ -115,3 +115,44 @@ scenario("materials: the standard pairs are in the table: steel on ice slides, s
   expect(slides "ice"):near(a / 2, 2e-2)
   expect(slides "steel"):near(0, 1e-6)                  -- 0.74 static
 end)
+
+-- A disc of triangles: 24 sides, its faces fans about their middles.
+local function disc(radius, height)
+  local vertices, triangles, n = {}, {}, 24
+  for side = 0, 1 do
+    for i = 1, n do
+      local turn = 2 * math.pi * i / n
+      vertices[side * n + i] = { radius * math.cos(turn), (side - 0.5) * height, radius * math.sin(turn) }
+    end
+  end
+  vertices[2 * n + 1], vertices[2 * n + 2] = { 0, -height / 2, 0 }, { 0, height / 2, 0 }
+  for i = 1, n do
+    local j = i % n + 1
+    for _, corners in ipairs { { 2 * n + 1, i, j }, { 2 * n + 2, n + j, n + i }, { i, n + i, j }, { j, n + i, n + j } } do
+      triangles[#triangles + 1] = corners
+    end
+  end
+  return { vertices = vertices, triangles = triangles, mass = 2 }
+end
+
+scenario("a mesh that moves stands, slides and lands on planes as a solid does", function(s)
+  local world = s:world {}
+  world:floor { friction = 0.5 }
+  local function add(fields)
+    for k, v in pairs(disc(0.3, 0.2)) do fields[k] = v end
+    return world:mesh(fields)
+  end
+  local stands, slides = add { at = { 0, 0.1, 0 } }, add { at = { 2, 0.1, 0 }, velocity = { 1, 0, 0 } }
+  local falls = add { at = { 4, 0.6, 0 }, rotation = { axis = { 1, 0, 0 }, angle = 1 } }
+  local fast = add { at = { 6, 20, 0 }, velocity = { 0, -300, 0 } }
+  local box = world:box { size = 0.1, at = { 0, 0.25, 0 } }
+  world:run(4)
+  expect(stands.position.y):near(0.1, 1e-9)
+  expect(box.position.y):near(0.25, 1e-9)
+  expect(slides.position.x - 2):near(1 / (2 * 0.5 * 9.81), 1e-5)         -- v^2 / (2 mu g), swept
+  for _, body in ipairs { slides, falls, fast } do
+    expect(body.position.y):near(0.1, 1e-6)
+    expect(body.speed):at_most(1e-6)
+  end
+  expect(world:stats().worst_penetration):at_most(1e-4)
+end)

@@ -292,11 +292,75 @@ TEST(the_nearest_contact_of_a_bumpy_surface_is_never_lost)
     shape_free(&ground[1]);
 }
 
+/* A box of triangles, its faces cut into n x n squares. */
+static Shape box_of_triangles(real x, real y, real z, int n)
+{
+    static vec3 v[6 * 25];
+    static int64_t t[6 * 16 * 6];
+    const vec3 half = {0.5 * x, 0.5 * y, 0.5 * z};
+    int count = 0, at = 0;
+    for (int f = 0; f < 6; f++) {
+        real side = f % 2 ? 1 : -1;
+        for (int i = 0; i <= n; i++)
+            for (int j = 0; j <= n; j++) {
+                real a = side * (2.0 * i / n - 1), b = 2.0 * j / n - 1, c[3];
+                c[f / 2] = side;
+                c[(f / 2 + 1) % 3] = a;
+                c[(f / 2 + 2) % 3] = b;
+                v[count++] = (vec3){c[0] * half.x, c[1] * half.y, c[2] * half.z};
+            }
+        for (int i = 0; i < n; i++)
+            for (int j = 0; j < n; j++) {
+                int64_t c = f * (n + 1) * (n + 1) + i * (n + 1) + j + 1;
+                const int64_t six[6] = {c, c + n + 1, c + n + 2, c, c + n + 2, c + 1};
+                memcpy(t + at, six, sizeof six);
+                at += 6;
+            }
+    }
+    return fixture_make("mesh", &(dig_mesh_def){{v, count}, {t, at}});
+}
+
+/* Planes meet a closed mesh as they meet its hull: gaps, deepest contacts, and what stands on its face stands on its four corners, however
+ * many triangles that face has. */
+TEST(a_plane_meets_a_mesh_as_it_meets_its_hull)
+{
+    Shape floor = fixture_plane((vec3){0.1, 1, 0.2}, 0.3), box = fixture_box(0.5, 0.3, 0.7), mesh[2];
+    Random r = {12};
+    for (int k = 0; k < 2; k++) {
+        mesh[k] = box_of_triangles(0.5, 0.3, 0.7, k ? 4 : 1);
+        for (int i = 0; i < 400; i++) {
+            pose at = {{random_between(&r, -3, 3), random_between(&r, -0.5, 1.5), random_between(&r, -3, 3)}, random_turn(&r)};
+            Manifold one, other;
+            vec3 on_a, on_b;
+            real d = shape_distance(&floor, pose_identity(), &mesh[k], at, INFINITY, NULL, &on_a, &on_b);
+            CHECK_NEAR(d, shape_distance(&floor, pose_identity(), &box, at, INFINITY, NULL, NULL, NULL), 1e-13);
+            CHECK_NEAR(d, shape_distance(&mesh[k], at, &floor, pose_identity(), INFINITY, NULL, NULL, NULL), 1e-13);
+            CHECK_NEAR(vec3_distance(on_a, on_b), fabs(d), 1e-13);
+            int met = manifold_collide(&floor, pose_identity(), &mesh[k], at, 0.1, NULL, &one, NULL, 1);
+            CHECK_INT(met, manifold_collide(&floor, pose_identity(), &box, at, 0.1, NULL, &other, NULL, 1));
+            if (met) {
+                CHECK_NEAR(deepest_gap(&one), d, 1e-13);
+                CHECK_NEAR(vec3_distance(one.normal, other.normal), 0, 1e-15);
+            }
+        }
+        pose flat = {{0, 0.45, 0}, quat_between((vec3){0, 1, 0}, vec3_unit((vec3){0.1, 1, 0.2}))};
+        Manifold m;
+        CHECK_INT(manifold_collide(&floor, pose_identity(), &mesh[k], flat, 0.1, NULL, &m, NULL, 1), 1);
+        CHECK_INT(m.count, 4);
+        for (int i = 0; i < 4; i++)             /* the corners, not what lies between them */
+            CHECK_NEAR(vec3_distance(pose_unpoint(flat, m.points[i].b), (vec3){0, -0.15, 0}), hypot(0.25, 0.35), 1e-13);
+        shape_free(&mesh[k]);
+    }
+    shape_free(&floor);
+    shape_free(&box);
+}
+
 int main(void)
 {
     RUN_TESTS(unit_test(sliding_over_flat_triangles_shows_only_the_planes_normal), unit_test(a_box_on_many_triangles_stands_on_its_corners),
               unit_test(a_ball_in_a_valley_touches_both_sides), unit_test(a_ridge_is_met_across_its_edge_once),
               unit_test(the_rim_of_an_open_mesh_is_real), unit_test(what_sank_into_a_height_field_is_pushed_up),
               unit_test(with_little_room_the_deepest_are_kept), unit_test(distances_to_surfaces_equal_the_least_over_all_triangles),
-              unit_test(the_nearest_contact_of_a_bumpy_surface_is_never_lost));
+              unit_test(the_nearest_contact_of_a_bumpy_surface_is_never_lost),
+              unit_test(a_plane_meets_a_mesh_as_it_meets_its_hull));
 }

@@ -231,6 +231,26 @@ TEST(spheres_fall_on_meshes_and_height_fields_as_on_planes)
     shape_free(&ball);
 }
 
+TEST(a_mesh_falls_on_a_plane_as_its_hull_does)
+{
+    vec3 corner[4] = {{0, 0, 0}, {0.3, 0, 0}, {0, 0.4, 0}, {0, 0, 0.5}};
+    const int64_t sides[12] = {1, 2, 4, 1, 3, 2, 1, 4, 3, 2, 3, 4};
+    Shape mesh = fixture_make("mesh", &(dig_mesh_def){{corner, 4}, {sides, 12}}), hull = fixture_hull(corner, 4);
+    Shape floor = fixture_plane((vec3){0, 1, 0}, 0);
+    Motion ground = still(pose_identity());
+    Random r = {11};
+    for (int i = 0; i < 200; i++) {
+        vec3 spin = {random_between(&r, -20, 20), random_between(&r, -20, 20), random_between(&r, -20, 20)};
+        Motion fall = motion((pose){{0, 2, 0}, random_turn(&r)}, (vec3){0, -random_between(&r, 5, 1000), 0}, spin, (vec3){0, -9.81, 0});
+        real t = time_of_impact(&mesh, &fall, &floor, &ground, 0, 0.5, NULL);
+        CHECK(t < 0.5);
+        CHECK_NEAR(t, time_of_impact(&floor, &ground, &hull, &fall, 0, 0.5, NULL), 1e-9 * t);
+    }
+    shape_free(&mesh);
+    shape_free(&hull);
+    shape_free(&floor);
+}
+
 TEST(far_shapes_cost_no_gap_at_all)
 {
     Shape a = fixture_box(1, 1, 1), b = fixture_cylinder(0.5, 1);
@@ -250,5 +270,6 @@ int main(void)
               unit_test(a_turning_rod_meets_a_wall_when_its_end_gets_there), unit_test(fast_spheres_never_pass_a_thin_wall),
               unit_test(spinning_rods_are_never_missed), unit_test(tumbling_shapes_meet_at_the_target_and_not_before),
               unit_test(what_hinges_on_an_edge_takes_few_gaps), unit_test(what_starts_at_the_target_counts_only_when_it_approaches),
-              unit_test(spheres_fall_on_meshes_and_height_fields_as_on_planes), unit_test(far_shapes_cost_no_gap_at_all));
+              unit_test(spheres_fall_on_meshes_and_height_fields_as_on_planes),
+              unit_test(a_mesh_falls_on_a_plane_as_its_hull_does), unit_test(far_shapes_cost_no_gap_at_all));
 }

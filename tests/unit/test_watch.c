@@ -307,7 +307,7 @@ TEST(a_dig_over_the_budget_of_what_was_asked_for_is_named)
     for (int i = 0; i < 200 && dig_warnings(w, NULL, 0) == 0; i++)
         step(w, 1);
     dig_warning n = warned(w, DIG_RULE_BUDGET);
-    CHECK_NEAR(n.time, (1 + 5 + 9 + 17 + 33) * STEP, 1e-9);     /* the first past a second, after pauses of 4, 8, 16 and 32 steps */
+    CHECK_NEAR(n.time, (1 + 2 + 3 + 5 + 9 + 17 + 33) * STEP, 1e-9);     /* the first past a second, after pauses of 1, 2, 4, ... 32 steps */
     CHECK_TEXT(n.name.s, "shaken");
     CHECK_TEXT(n.why, dig_world_stats(w).gave_up_why);
     CHECK_INT(n.dig, dig_of(w, n.body).id);
