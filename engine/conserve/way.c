@@ -144,6 +144,8 @@ static dig_status part_joints(System *s, Run *r, real dt)
     int worst = group_overloaded(g, dt, &share);
     if (worst < 0)
         return DIG_OK;
+    for (int i = 0; i < g->joint_count; i++)
+        group_joint_view(g, i);
     step_remember(s);
     group_part(g, worst, share);
     if (!parts_understood(g))
