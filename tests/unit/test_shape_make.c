@@ -63,7 +63,7 @@ TEST(parameter_rows_are_sound)
         CHECK(shape_type_find(t->name) == t);
         CHECK(strlen(t->doc) > 8 && t->doc[strlen(t->doc) - 1] == '.');
         CHECK(t->make && t->bounds && t->ray && t->contains && t->mesh);
-        CHECK(t->convex == (t->support != NULL) && t->convex == (t->face != NULL));
+        CHECK((t->convex || t->foot) == (t->support != NULL) && t->convex == (t->face != NULL));
         CHECK(!t->solid || t->mass);
         CHECK((t->pieces != NULL) == (t->piece != NULL) && (t->pieces != NULL) == (t->neighbour != NULL));
         for (const dig_param *row = t->params; row->name; row++) {
