@@ -6,11 +6,7 @@
 
 #include <stdlib.h>
 
-typedef struct Making {
-    const Look *l;
-    vec3      origin;
-    float    *stress;                       /* [bodies] the largest share of its limit that a joint of its bears; -1: none can break */
-    uint32_t *mesh;                         /* [meshes of the look] in the view; LOOK_NONE: not yet */
+typedef struct Lists {
     LIST(ViewItem)    items;
     LIST(ViewMesh)    meshes;
     LIST(ViewContact) contacts;
@@ -18,6 +14,17 @@ typedef struct Making {
     LIST(ViewArrow)   arrows;
     LIST(ViewLabel)   labels;
     LIST(ViewEdge)    edges;
+} Lists;
+
+/* A view is the front of what owns its arrays: they can only be given back by those who know how much room they have. */
+typedef struct Kept { View view; Lists lists; } Kept;
+
+typedef struct Making {
+    const Look *l;
+    vec3      origin;
+    float    *stress;                       /* [bodies] the largest share of its limit that a joint of its bears; -1: none can break */
+    uint32_t *mesh;                         /* [meshes of the look] in the view; LOOK_NONE: not yet */
+    Lists    *to;
 } Making;
 
 static void write_vec(float out[3], vec3 v)
@@ -55,15 +62,15 @@ static dig_status make_mesh(Making *m, uint32_t index, int *mesh)
     if (m->mesh[index] == LOOK_NONE) {
         const ViewMesh *from = &m->l->meshes.data[index].mesh;
         size_t vertices = (size_t)from->vertex_count * 3 * sizeof(float);
-        DIG_TRY(list_push(&m->meshes, NULL));
-        ViewMesh *to = &m->meshes.data[m->meshes.count - 1];
+        DIG_TRY(list_push(&m->to->meshes, NULL));
+        ViewMesh *to = &m->to->meshes.data[m->to->meshes.count - 1];
         *to = *from;
         to->vertices = to->normals = NULL;
         to->indices = NULL;
         DIG_TRY(copy_array((void **)&to->vertices, from->vertices, vertices));
         DIG_TRY(copy_array((void **)&to->normals, from->normals, vertices));
         DIG_TRY(copy_array((void **)&to->indices, from->indices, (size_t)from->index_count * sizeof *from->indices));
-        m->mesh[index] = (uint32_t)m->meshes.count - 1;
+        m->mesh[index] = (uint32_t)m->to->meshes.count - 1;
     }
     *mesh = (int)m->mesh[index];
     return DIG_OK;
@@ -82,12 +89,12 @@ static dig_status make_item(Making *m, const LookSolid *s)
     const LookPose *p = b ? &look_poses(m->l)[s->body] : NULL;
     int mesh;
     DIG_TRY(make_mesh(m, s->mesh, &mesh));
-    DIG_TRY(list_push(&m->items, NULL));
-    ViewItem *item = &m->items.data[m->items.count - 1];
+    DIG_TRY(list_push(&m->to->items, NULL));
+    ViewItem *item = &m->to->items.data[m->to->items.count - 1];
     pose at = s->at;
     if (b)
         at = pose_mul((pose){vec3_sub(p->x, quat_rotate(p->q, b->centre)), p->q}, at);
-    if (m->meshes.data[mesh].form == VIEW_PLANE)
+    if (m->to->meshes.data[mesh].form == VIEW_PLANE)
         at = plane_pose(&m->l->meshes.data[s->mesh], at);
     item->body = b ? s->body + 1 : 0;
     item->mesh = mesh;
@@ -158,11 +165,11 @@ static dig_status make_strut(Making *m, const LookJoint *j, float stress)
     const LookPose *p = &look_poses(m->l)[j->a];
     if (!(vec3_distance(a, b) > 1e-9))
         return DIG_OK;
-    DIG_TRY(list_push(&m->meshes, NULL));
-    DIG_TRY(strut_mesh(&m->meshes.data[m->meshes.count - 1], (float)j->radius, (float)vec3_distance(a, b)));
-    DIG_TRY(list_push(&m->items, NULL));
-    ViewItem *item = &m->items.data[m->items.count - 1];
-    *item = (ViewItem){.joint = (uint32_t)(j - look_joints(m->l)) + 1, .mesh = m->meshes.count - 1, .colour = {0.30f, 0.32f, 0.35f},
+    DIG_TRY(list_push(&m->to->meshes, NULL));
+    DIG_TRY(strut_mesh(&m->to->meshes.data[m->to->meshes.count - 1], (float)j->radius, (float)vec3_distance(a, b)));
+    DIG_TRY(list_push(&m->to->items, NULL));
+    ViewItem *item = &m->to->items.data[m->to->items.count - 1];
+    *item = (ViewItem){.joint = (uint32_t)(j - look_joints(m->l)) + 1, .mesh = m->to->meshes.count - 1, .colour = {0.30f, 0.32f, 0.35f},
                        .roughness = 0.45f, .stress = stress, .dig = p->dig, .asleep = !p->awake};
     write_quat(item->q, quat_between((vec3){0, 1, 0}, vec3_unit(vec3_sub(b, a))));
     write_point(m, item->p, vec3_scale(0.5, vec3_add(a, b)));
@@ -204,22 +211,22 @@ static dig_status make_struts(Making *m)
 static dig_status make_contacts(Making *m)
 {
     int count = look_count(m->l, LOOK_CONTACTS);
-    DIG_TRY(list_reserve(&m->contacts, count, NULL));
+    DIG_TRY(list_reserve(&m->to->contacts, count, NULL));
     for (int i = 0; i < count; i++) {
         const LookContact *from = &look_contacts(m->l)[i];
-        ViewContact *to = &m->contacts.data[i];
+        ViewContact *to = &m->to->contacts.data[i];
         memcpy(to->p, from->p, sizeof to->p);
         memcpy(to->n, from->n, sizeof to->n);
         memcpy(to->force, from->force, sizeof to->force);
     }
-    m->contacts.count = count;
+    m->to->contacts.count = count;
     return DIG_OK;
 }
 
 static dig_status make_line(Making *m, vec3 a, vec3 b, vec3 colour, uint32_t dig)
 {
-    DIG_TRY(list_push(&m->lines, NULL));
-    ViewLine *line = &m->lines.data[m->lines.count - 1];
+    DIG_TRY(list_push(&m->to->lines, NULL));
+    ViewLine *line = &m->to->lines.data[m->to->lines.count - 1];
     write_point(m, line->a, a);
     write_point(m, line->b, b);
     write_vec(line->colour, colour);
@@ -265,8 +272,8 @@ static dig_status make_arrows(Making *m)
 {
     for (int i = 0; i < look_count(m->l, LOOK_ARROWS); i++) {
         const LookArrow *from = &look_arrows(m->l)[i];
-        DIG_TRY(list_push(&m->arrows, NULL));
-        ViewArrow *a = &m->arrows.data[m->arrows.count - 1];
+        DIG_TRY(list_push(&m->to->arrows, NULL));
+        ViewArrow *a = &m->to->arrows.data[m->to->arrows.count - 1];
         write_point(m, a->p, from->p);
         memcpy(a->v, from->v, sizeof a->v);
         write_vec(a->colour, (vec3){0.04, 0.22, 0.80});      /* not that of contact forces */
@@ -280,8 +287,8 @@ static dig_status make_labels(Making *m)
         const LookBody *b = &look_bodies(m->l)[i];
         if (!b->there || !b->labelled)
             continue;
-        DIG_TRY(list_push(&m->labels, NULL));
-        ViewLabel *label = &m->labels.data[m->labels.count - 1];
+        DIG_TRY(list_push(&m->to->labels, NULL));
+        ViewLabel *label = &m->to->labels.data[m->to->labels.count - 1];
         write_point(m, label->p, look_poses(m->l)[i].x);
         memcpy(label->text, b->name, sizeof label->text);
     }
@@ -291,10 +298,10 @@ static dig_status make_labels(Making *m)
 static dig_status make_edges(Making *m)
 {
     int count = look_count(m->l, LOOK_EDGES);
-    DIG_TRY(list_reserve(&m->edges, count, NULL));
+    DIG_TRY(list_reserve(&m->to->edges, count, NULL));
     for (int i = 0; i < count; i++) {
         const LookEdge *from = &look_edges(m->l)[i];
-        ViewEdge *e = &m->edges.data[i];
+        ViewEdge *e = &m->to->edges.data[i];
         *e = (ViewEdge){.dig = from->dig, .kind = from->kind, .layer = from->layer, .bound = from->bound};
         write_point(m, e->a, look_poses(m->l)[from->a].x);
         if (from->bound)
@@ -302,7 +309,7 @@ static dig_status make_edges(Making *m)
         else
             write_point(m, e->b, look_poses(m->l)[from->b].x);
     }
-    m->edges.count = count;
+    m->to->edges.count = count;
     return DIG_OK;
 }
 
@@ -326,27 +333,28 @@ static dig_status make_all(Making *m)
     return make_edges(m);
 }
 
-static void hand_over(Making *m, View *v)
+static void show(Kept *k)
 {
-    v->items = m->items.data;       v->item_count = m->items.count;
-    v->meshes = m->meshes.data;     v->mesh_count = m->meshes.count;
-    v->contacts = m->contacts.data; v->contact_count = m->contacts.count;
-    v->lines = m->lines.data;       v->line_count = m->lines.count;
-    v->arrows = m->arrows.data;     v->arrow_count = m->arrows.count;
-    v->labels = m->labels.data;     v->label_count = m->labels.count;
-    v->edges = m->edges.data;       v->edge_count = m->edges.count;
-    free(m->stress);
-    free(m->mesh);
+    View *v = &k->view;
+    Lists *l = &k->lists;
+    v->items = l->items.data;       v->item_count = l->items.count;
+    v->meshes = l->meshes.data;     v->mesh_count = l->meshes.count;
+    v->contacts = l->contacts.data; v->contact_count = l->contacts.count;
+    v->lines = l->lines.data;       v->line_count = l->lines.count;
+    v->arrows = l->arrows.data;     v->arrow_count = l->arrows.count;
+    v->labels = l->labels.data;     v->label_count = l->labels.count;
+    v->edges = l->edges.data;       v->edge_count = l->edges.count;
 }
 
 dig_status look_view(const Look *l, View **out)
 {
     const LookScene *scene = look_scene(l);
-    View *v = calloc(1, sizeof *v);
+    Kept *k = calloc(1, sizeof *k);
     *out = NULL;
-    if (!v)
+    if (!k)
         return DIG_E_MEMORY;
-    Making m = {.l = l, .origin = look_origin(scene)};
+    View *v = &k->view;
+    Making m = {.l = l, .origin = look_origin(scene), .to = &k->lists};
     v->origin[0] = m.origin.x;
     v->origin[1] = m.origin.y;
     v->origin[2] = m.origin.z;
@@ -357,7 +365,9 @@ dig_status look_view(const Look *l, View **out)
     write_point(&m, v->high, scene->high);
     write_vec(v->up, vec3_unit_or(vec3_neg(scene->gravity), (vec3){0, 1, 0}));
     dig_status s = make_all(&m);
-    hand_over(&m, v);
+    show(k);
+    free(m.stress);
+    free(m.mesh);
     if (s == DIG_OK)
         *out = v;
     else
@@ -385,12 +395,13 @@ void dig_view_free(View *v)
         free(v->meshes[i].normals);
         free(v->meshes[i].indices);
     }
-    free(v->meshes);
-    free(v->items);
-    free(v->contacts);
-    free(v->lines);
-    free(v->arrows);
-    free(v->labels);
-    free(v->edges);
+    Lists *l = &((Kept *)v)->lists;
+    list_close(&l->meshes);
+    list_close(&l->items);
+    list_close(&l->contacts);
+    list_close(&l->lines);
+    list_close(&l->arrows);
+    list_close(&l->labels);
+    list_close(&l->edges);
     free(v);
 }

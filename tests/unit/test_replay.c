@@ -717,6 +717,21 @@ TEST(wrong_contents_with_right_checksums_do_no_harm)
     remove(path);
 }
 
+/* Its arrays lie in pages of their own, not in malloc's (base/block.h). */
+TEST(a_view_of_thousands_of_bodies_is_given_back)
+{
+    enum { COUNT = 12000 };
+    dig_world *w = open_world(0.01, NULL, false);
+    for (int i = 0; i < COUNT; i++)
+        add_ball(w, (Look){0}, 0.5, 1, (vec3){2.0 * (i % 100), 0, 2.0 * (i / 100)}, vec3_zero());
+    for (int i = 0; i < 3; i++) {
+        View *v = view_of(w);
+        CHECK_INT(v->item_count, COUNT);
+        dig_view_free(v);
+    }
+    dig_world_close(w);
+}
+
 int main(void)
 {
     RUN_TESTS(unit_test(everything_looks_the_same), unit_test(what_a_script_does_between_steps_is_seen),
@@ -724,5 +739,6 @@ int main(void)
               unit_test(joints_break_and_bear), unit_test(poses_are_those_of_the_world), unit_test(notes_and_commands_belong_to_frames),
               unit_test(cameras_belong_to_frames), unit_test(a_camera_that_stands_still_is_written_once),
               unit_test(a_file_that_cannot_be_written_is_named), unit_test(a_file_cut_at_any_byte_opens_to_its_last_whole_block),
-              unit_test(changed_bytes_are_refused_or_harmless), unit_test(wrong_contents_with_right_checksums_do_no_harm));
+              unit_test(changed_bytes_are_refused_or_harmless), unit_test(wrong_contents_with_right_checksums_do_no_harm),
+              unit_test(a_view_of_thousands_of_bodies_is_given_back));
 }
