@@ -98,6 +98,8 @@ typedef struct Phase { int first, count; bool alone; } Phase;
 
 #define PASSES_MOST 32
 
+#define SHALLOW 2.0             /* times what a pass needs to change: overlap so small is left; so much more takes one more pass */
+
 #define SHARED_LEAST 4          /* batches: fewer are not worth a meeting                      */
 
 /* The batches of a phase that are a thread's. */
@@ -133,6 +135,7 @@ typedef struct Crowd {
     Phase *phase; int phases;
     Soft   soft[PASSES_MOST][2];    /* by how many passes there are; between moving bodies; against what does not move */
     int    passes, passes_most; /* of a substep, at first; never more                          */
+    int    separations;         /* passes at most that put deep overlap apart at the end of the step */
     float *worst[2];            /* [threads] error of rates over what matters; of this pass, of the one before */
     real  *stop;                /* [body_count of g] m/s  by how much an impact in this step may change its speed; NULL: there is none */
     real   finest;              /* m   size of the smallest solid in a pair                    */
@@ -158,6 +161,8 @@ static inline Carriage *carriage_of(const Crowd *c, int body) { return body < c-
 dig_status rows_open(Crowd *c);
 /* wide.c: the substeps. width: 0 = the widest this machine has, else 1 = without special instructions, 2 = AVX2 */
 void       wide_solve(Crowd *c, int width);
+/* bounce.c: takes so much of the bounces just made as the energy before them allows */
+void       bounce_share(Crowd *c);
 /* book.c: forces, points, impacts and energy for the group's records */
 dig_status book_close(Crowd *c);
 

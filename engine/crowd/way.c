@@ -58,17 +58,20 @@ static dig_status open(Crowd *c)
 }
 
 /* As many passes as the load needs, to come through from the top of the pile to the ground: what overlaps says so. */
-#define SHALLOW 2.0             /* times what a pass needs to change; so much more takes one more */
-#define WORK    40000           /* points, in all passes of a substep */
+#define WORK    40000           /* points, in all passes of a substep of a step of 1/60 s or less; longer ones may do more, for there are fewer */
+#define USUAL   (1.0 / 60)      /* s */
 /* A pile that has landed may take more, for what is deep in it, or where a blow or a load that shifts asks for them: little else is to be
  * done then, and it is brief. These make rows no harder, for what lies in them would be thrown up. */
 #define CALM_WORK 8             /* times as many */
-#define BRISK     0.01          /* of the size: what moves farther in the step has not landed */
+#define BRISK     0.01          /* of the size: what moves farther in 1/60 s, or in a step that is shorter, has not landed */
 #define LANDED    0.9           /* of all bodies */
+/* What is deep in it all the same, because the load shifts a little in every step or a blow met a single pass, is put apart at the end of
+ * the step, in place alone: springs would need many steps, and harder ones would throw it up. */
+#define SEPARATIONS 8
 
 static bool calm(const Crowd *c)
 {
-    real fast = BRISK * c->finest / c->dt;
+    real fast = BRISK * c->finest / real_min(c->dt, USUAL);
     int brisk = 0;
     for (int i = 0; i < c->bodies; i++)
         brisk += vec3_length2(c->g->vel[i].v) > fast * fast;
@@ -80,9 +83,11 @@ static dig_status plan_passes(Crowd *c)
     int points = 1, threads = c->team ? c->team->threads : 1;
     for (int i = 0; i < c->batches; i++)
         points += LANES * c->batch[i].points;
-    int hardest = (int)real_clamp(WORK / (real)points, 1, PASSES_MOST);
+    int hardest = (int)real_clamp(WORK * real_max(1, c->dt / USUAL) / (real)points, 1, PASSES_MOST);
     real wanted = 1 + c->deep - SHALLOW;
-    c->passes_most = calm(c) ? int_min(CALM_WORK * hardest, PASSES_MOST) : hardest;
+    bool landed = calm(c);
+    c->passes_most = landed ? int_min(CALM_WORK * hardest, PASSES_MOST) : hardest;
+    c->separations = landed ? SEPARATIONS : 0;
     c->passes = (int)real_clamp(wanted, 1, c->passes_most);
     for (int i = 0; i < c->passes_most; i++) {
         c->soft[i][0] = soft_of(STIFF * int_min(i + 1, hardest), (real)c->h);

@@ -16,7 +16,6 @@ INLINE wide most(wide a, wide b) { return pick(a > b, a, b); }
 INLINE wide least(wide a, wide b) { return pick(a < b, a, b); }
 INLINE wide dot(const wide a[3], const wide b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 INLINE wide all(float x) { return (wide){x, x, x, x, x, x, x, x}; }
-
 INLINE wide root(wide x)
 {
     UNROLL
@@ -25,9 +24,8 @@ INLINE wide root(wide x)
     return x;
 }
 
-#define SHUFFLE __builtin_shufflevector
-
 /* Eight rows of eight become eight columns. */
+#define SHUFFLE __builtin_shufflevector
 INLINE void transpose(wide r[8])
 {
     wide s[8];
@@ -375,6 +373,14 @@ INLINE wide solve_point(const Batch *x, WidePoint *p, Care *k, wide rate)
     return change;
 }
 
+/* What the centres of mass do along the normal, and what spins and movers add to that at a point: velocities, or displacements in a time. */
+INLINE wide at_point(const Batch *x, const WidePoint *p, const Both *d, wide centres, wide time)
+{
+    if (!x->round)
+        centres = centres + dot(p->a, &d->a[3]) + dot(p->b, &d->b[3]);
+    return x->driven ? centres + p->drive * time : centres;
+}
+
 /* Gaps hold for all passes of a substep that push. */
 INLINE void find_gaps(const Crowd *c, const Batch *x, wide time)
 {
@@ -386,11 +392,7 @@ INLINE void find_gaps(const Crowd *c, const Batch *x, wide time)
     wide closed = dot(x->n, b);
     for (int i = 0; i < x->points; i++) {
         WidePoint *p = &x->point[i];
-        p->now = p->gap + closed;
-        if (!x->round)
-            p->now = p->now + dot(p->a, &d.a[3]) + dot(p->b, &d.b[3]);
-        if (x->driven)
-            p->now += p->drive * time;
+        p->now = at_point(x, p, &d, p->gap + closed, time);
     }
 }
 
@@ -402,9 +404,7 @@ INLINE void solve_points(const Batch *x, Both *v, Care *k)
     wide rate0 = dot(x->n, b);
     for (int i = 0; i < x->points; i++) {
         WidePoint *p = &x->point[i];
-        wide rate = rate0 + dot(p->a, &v->a[3]) + dot(p->b, &v->b[3]);
-        if (x->driven)
-            rate += p->drive;
+        wide rate = at_point(x, p, v, rate0, all(1));
         wide change = solve_point(x, p, k, rate);
         pushed += change;
         rate0 += inverse * change;
@@ -487,7 +487,6 @@ INLINE void solve_batch(const Crowd *c, const Batch *x, Care *k)
 
 /* The part of one thread in work on all bodies or batches, and whom it meets: who else does so. */
 typedef struct Part { Team *team; int thread, threads; } Part;
-
 #define MY_BODIES(c, me, i) \
     for (int i = team_first((c)->bodies, (me)->thread, (me)->threads), end = team_end((c)->bodies, (me)->thread, (me)->threads); i < end; i++)
 #define MY_BATCHES(phase, me, i) \
@@ -612,11 +611,7 @@ INLINE void bounce(const Crowd *c, const Batch *x)
         WidePoint *p = &x->point[i];
         wide b[3];
         between(x, &v, b);
-        wide rate = dot(x->n, b);
-        if (!x->round)
-            rate = rate + dot(p->a, &v.a[3]) + dot(p->b, &v.b[3]);
-        if (x->driven)
-            rate += p->drive;
+        wide rate = at_point(x, p, &v, dot(x->n, b), all(1));
         wide_int struck = (p->rate_before < all(-c->bounce_least)) & (p->sum > 0);
         wide j = most(p->j - p->mass * (rate + x->restitution * p->rate_before), all(0));
         wide change = pick(struck, j - p->j, all(0));
@@ -627,58 +622,6 @@ INLINE void bounce(const Crowd *c, const Batch *x)
     }
     scatter(c->vel, x->a, v.a);
     scatter(c->vel, x->b, v.b);
-}
-
-/* J, twice what movers gave: by all impulses before the bounces, and by the bounces. Their speed is what they add to the rates. */
-static void work_of_movers(const Crowd *c, double *before, double *bounces)
-{
-    *before = *bounces = 0;
-    for (int i = 0; i < c->batches; i++) {
-        const Batch *x = &c->batch[i];
-        if (!x->driven)
-            continue;
-        for (int lane = 0; lane < LANES; lane++) {
-            for (int k = 0; k < x->points; k++) {
-                *before -= 2 * (double)x->point[k].sum[lane] * (double)x->point[k].drive[lane];
-                *bounces -= x->bounces ? 2 * (double)x->point[k].room[lane] * (double)x->point[k].drive[lane] : 0;
-            }
-            for (int k = 0; k < 2 && x->patch; k++)
-                *before -= 2 * (double)x->patch->sum[k][lane] * (double)x->patch->drive[k][lane];
-        }
-    }
-}
-
-/* Many that bounce at once, each off its approach before the step, may gain energy. So much of all bounces is taken as the energy
- * before the step, with what forces and movers gave, allows: |plastic + share (bounced - plastic)|^2 = allowed + share of the work
- * that movers do in the bounces. c->last has the plastic velocity. */
-static float allowed_share(const Crowd *c)
-{
-    double allowed, given, plastic = 0, mixed = 0, gain = 0;
-    work_of_movers(c, &allowed, &given);
-    for (int i = 0; i < c->bodies; i++)
-        for (int k = 0; k < 6; k++) {
-            double start = (double)c->start[i].at[k], last = (double)c->last[i].at[k], change = (double)c->vel[i].at[k] - last;
-            allowed += start * start + 2 * (double)c->push[i].at[k] / (double)c->h * (double)c->move[i].at[k];
-            plastic += last * last;
-            mixed += last * change;
-            gain += change * change;
-        }
-    double room = allowed - plastic, half = mixed - given / 2, square = half * half + gain * room;
-    if (!(gain > 0) || gain + 2 * half <= room)
-        return 1;
-    return square > 0 ? (float)fmax(0, (sqrt(square) - half) / gain) : 0;
-}
-
-static void take_share(Crowd *c, float share)
-{
-    for (int i = 0; i < c->bodies; i++)
-        for (int k = 0; k < 6; k++)
-            c->vel[i].at[k] = c->last[i].at[k] + share * (c->vel[i].at[k] - c->last[i].at[k]);
-    for (int i = 0; i < c->batches; i++)
-        for (int k = 0; k < c->batch[i].points && c->batch[i].bounces; k++) {
-            WidePoint *p = &c->batch[i].point[k];
-            p->sum += all(share) * p->room;      /* not to j: the next step does not begin with a blow */
-        }
 }
 
 /* Restitution; what depends on sums over all bodies is one thread's. */
@@ -696,7 +639,63 @@ INLINE void bounce_all(Crowd *c, const Part *me)
     }
     meet(me);
     if (me->thread == 0)
-        take_share(c, allowed_share(c));
+        bounce_share(c);
+}
+
+/* ---- what is deep after all ---- */
+
+/* m  Overlap that is nothing to care about. */
+INLINE wide shallow(const Crowd *c, const Batch *x) { return all((float)SHALLOW * c->h) / x->care; }
+
+INLINE bool any_of(wide_int which)
+{
+    int found = 0;
+    for (int i = 0; i < LANES; i++)
+        found |= which[i];
+    return found;
+}
+
+/* Takes from each point of the batch what it overlaps by over what is shallow, by moving its bodies alone, no faster than springs may:
+ * velocities and impulses stay. Returns whether there was anything to take. */
+INLINE bool separate_batch(const Crowd *c, const Batch *x)
+{
+    Both d;
+    gather(c->move, x->a, d.a);
+    gather(c->move, x->b, d.b);
+    wide most_by = all(c->push_most * c->h), bound = shallow(c, x), time = all((float)c->substeps * c->h);
+    wide_int any = {0};
+    for (int i = 0; i < x->points; i++) {
+        const WidePoint *p = &x->point[i];
+        wide b[3];
+        between(x, &d, b);
+        wide gap = at_point(x, p, &d, p->gap + dot(x->n, b), time);
+        wide j = p->mass * least(most(-gap - bound, all(0)), most_by);      /* no point in a lane: mass 0 */
+        any |= j > all(0);
+        push_linear(x, &d, x->n, j);
+        if (!x->round)
+            push_angular(&d, p->a, p->b, j);
+    }
+    if (!any_of(any))
+        return false;
+    scatter(c->move, x->a, d.a);
+    scatter(c->move, x->b, d.b);
+    return true;
+}
+
+INLINE void separate(const Crowd *c, const Part *me)
+{
+    for (int n = 0; n < c->separations; n++) {
+        bool any = false;
+        for (int p = 0; p < c->phases; p++) {
+            meet_before(c, me, p);
+            MY_BATCHES(c->phase[p], me, i)
+                any |= separate_batch(c, &c->batch[i]);
+        }
+        c->worst[n & 1][me->thread] = any;
+        meet(me);
+        if (worst_of(c, me, n & 1) == 0)
+            return;
+    }
 }
 
 INLINE void solve(Crowd *c, const Part *me)
@@ -719,6 +718,7 @@ INLINE void solve(Crowd *c, const Part *me)
         meet(me);
         passes_of(c, me, false, 1, passes, (float)(s + 1) * c->h);
     }
+    separate(c, me);
     if (me->thread == 0)        /* the others have theirs, and the last meeting is over */
         c->passes = all_passes;
     bool bounces = false;

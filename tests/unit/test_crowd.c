@@ -345,6 +345,45 @@ static void make_balls(Sample *s, Crowd *c, bool round)
     }
 }
 
+/* m  What the rows of the sample overlap by in the end, over what may stay. */
+static real overlap_of(const Sample *s, real left)
+{
+    real sum = 0;
+    for (int i = 0; i < BATCHES; i++)
+        for (int k = 0; k < LANES; k++) {
+            const Batch *b = &s->batch[i];
+            const Six *x = &s->six[1][b->a[k]], *y = &s->six[1][b->b[k]];
+            real gap = (real)s->point[i][0].gap[k];
+            for (int n = 0; n < 3; n++)
+                gap += (real)b->n[n][k] * ((real)b->rb[k] * (real)y->at[n] - (real)b->ra[k] * (real)x->at[n]);
+            sum += real_max(0, -gap - left);
+        }
+    return sum;
+}
+
+TEST(what_is_deep_is_put_apart_in_place_alone)
+{
+    const real left = 2e-3;
+    Sample *s[2];
+    for (int i = 0; i < 2; i++) {
+        Crowd c;
+        s[i] = aligned_alloc(32, sizeof **s);
+        assert_non_null(s[i]);
+        make_balls(s[i], &c, true);
+        c.substeps = 1;
+        c.separations = 32 * i;
+        for (int k = 0; k < BATCHES; k++)
+            for (int lane = 0; lane < LANES; lane++)
+                s[i]->batch[k].care[lane] = (float)(SHALLOW * (real)c.h / left);
+        wide_solve(&c, 0);
+    }
+    CHECK(overlap_of(s[0], left) > 0.01);
+    CHECK(overlap_of(s[1], left) < 0.01 * overlap_of(s[0], left));
+    CHECK(memcmp(s[0]->six[0], s[1]->six[0], sizeof s[0]->six[0]) == 0);
+    for (int i = 0; i < 2; i++)
+        free(s[i]);
+}
+
 TEST(round_rows_do_to_balls_what_rows_of_any_shape_do)
 {
     Sample *s[2];
@@ -411,7 +450,7 @@ int main(void)
     RUN_TESTS(unit_test(a_pyramid_rests_and_the_floor_carries_its_weight), unit_test(friction_holds_up_to_its_coefficient),
               unit_test(a_cloud_that_collides_keeps_its_momenta), unit_test(what_is_not_looked_at_meets_in_time),
               unit_test(columns_that_land_do_not_sink_into_each_other), unit_test(any_number_of_threads_gives_the_same_bits),
-              unit_test(wide_rows_give_the_same_bits_on_all_instructions),
+              unit_test(wide_rows_give_the_same_bits_on_all_instructions), unit_test(what_is_deep_is_put_apart_in_place_alone),
               unit_test(round_rows_do_to_balls_what_rows_of_any_shape_do),
               unit_test(room_for_pairs_and_contacts_is_given_back_when_most_are_over));
 }
