@@ -257,6 +257,7 @@ struct Group {
     int       rescues_failed;   /*     the same of those that are tried after the sweeps */
     bool      stalled;          /*     the last sweeps brought nothing                  */
     bool      unsolved;         /*     in this substep, rows that contradict each other */
+    bool      contradicts;      /*     the same in some substep of this step            */
     int       evaluations, refused, events;
     int       unturned;         /*     spheres whose rotation was not solved: nothing can turn them */
     real      tolerance;        /* 1   local error of the traced way over the size of the bodies */

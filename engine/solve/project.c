@@ -5,8 +5,9 @@
 /* m/s per sqrt(m): overlaps heal at most as fast as a body would fall by its own size under 10 m/s^2. */
 #define HEAL_SPEED 3.0
 
-/* Part of the size. The points of what overlaps farther say little about where it would press: it is moved apart without being
- * turned. Turned, a row of boxes laid into each other rears up while it heals, and what was lifted falls. */
+/* Part of the size. The points of what overlaps farther say little about where it would press: bodies that do are moved apart without being
+ * turned, by any of their contacts. Turned, a row of boxes laid into each other rears up while it heals, and what was lifted falls; and what
+ * is deep in a wall on one side and just touched on the other was turned by the touch. */
 #define DEEP 0.05
 
 /* Works on g->shift in the place of velocities: directions and rows apply to Vel. */
@@ -48,24 +49,37 @@ static bool needed(const Group *g)
     return false;
 }
 
-static void drop_levers(const Group *g, PointRow *r)
+static bool is_deep(const Group *g, const PointRow *r)
 {
     const GroupContact *c = &g->contacts[r->contact];
-    if (-c->manifold.points[r->point].gap <= DEEP * g->pairs[c->pair].size)
-        return;
-    r->n.aa = r->n.ab = r->n.ia = r->n.ib = vec3_zero();
-    r->n.k = (g->mass[r->a].im + g->mass[r->b].im) * vec3_length2(r->n.n);
+    return -c->manifold.points[r->point].gap > DEEP * g->pairs[c->pair].size;
+}
+
+/* deep: by body */
+static void drop_levers(const Group *g, const bool *deep, PointRow *r)
+{
+    if (deep[r->a])
+        r->n.aa = r->n.ia = vec3_zero();
+    if (deep[r->b])
+        r->n.ab = r->n.ib = vec3_zero();
+    if (deep[r->a] || deep[r->b])
+        r->n.k = (g->mass[r->a].im + g->mass[r->b].im) * vec3_length2(r->n.n) + vec3_dot(r->n.aa, r->n.ia) + vec3_dot(r->n.ab, r->n.ib);
 }
 
 typedef struct Kept { Dir n; real jt[2]; } Kept;
 
-static void start_shift(Group *g, real *saved, Kept *kept)
+static void start_shift(Group *g, real *saved, Kept *kept, bool *deep)
 {
+    for (int i = 0; i < g->point_count; i++) {
+        const PointRow *r = &g->points[i];
+        if (is_deep(g, r))
+            deep[r->a] = deep[r->b] = true;
+    }
     for (int i = 0; i < g->point_count; i++) {
         PointRow *r = &g->points[i];
         kept[i] = (Kept){r->n, {r->jt[0], r->jt[1]}};
         r->jt[0] = r->jt[1] = 0;
-        drop_levers(g, r);
+        drop_levers(g, deep, r);
         saved[4 * i] = r->jn;
         saved[4 * i + 1] = r->target;
         saved[4 * i + 2] = r->friction;
@@ -128,14 +142,15 @@ void project(Group *g)
     ArenaMark mark = arena_mark(g->arena);
     real *saved = arena_alloc(g->arena, (size_t)(4 * (g->point_count + g->row_count) + 1) * sizeof *saved);
     Kept *kept = arena_alloc(g->arena, (size_t)(g->point_count + 1) * sizeof *kept);
-    if (!saved || !kept) {
+    bool *deep = arena_zero(g->arena, (size_t)g->body_count * sizeof *deep);
+    if (!saved || !kept || !deep) {
         g->status = DIG_E_MEMORY;
         return;
     }
     for (int i = 0; i < g->body_count; i++)
         g->shift[i] = (Vel){vec3_zero(), vec3_zero()};
     swap_velocities(g);
-    start_shift(g, saved, kept);
+    start_shift(g, saved, kept, deep);
     int sweeps = (int)real_clamp(20000.0 / (g->point_count + g->row_count + 1), 3, 100);
     bool done = g->joints_direct && direct_project(g);
     for (int i = 0; i < sweeps && !done; i++) {

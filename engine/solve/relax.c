@@ -280,19 +280,20 @@ static real sweep_once(Group *g)
  * more sweeps bring nothing. While the sweeps change velocities by over a hundredth of what the first did, the best of so many
  * must be better than the best of those before by a tenth. */
 #define LOOK 40
+#define LOOK_AGAIN 10           /* once a substep of the step has been so */
 #define PROGRESS 0.9
 #define FAR 0.01
 
-typedef struct Progress { real first, best, latest; int seen; } Progress;
+typedef struct Progress { real first, best, latest; int seen, look; } Progress;
 
 static bool stalls(Progress *p, real worst)
 {
     p->first = p->seen == 0 ? worst : p->first;
-    p->latest = p->seen % LOOK == 0 ? worst : real_min(p->latest, worst);
-    if (++p->seen % LOOK != 0)
+    p->latest = p->seen % p->look == 0 ? worst : real_min(p->latest, worst);
+    if (++p->seen % p->look != 0)
         return false;
-    bool none = p->seen > LOOK && p->latest > FAR * p->first && !(p->latest < PROGRESS * p->best);
-    p->best = p->seen > LOOK ? real_min(p->best, p->latest) : p->latest;
+    bool none = p->seen > p->look && p->latest > FAR * p->first && !(p->latest < PROGRESS * p->best);
+    p->best = p->seen > p->look ? real_min(p->best, p->latest) : p->latest;
     return none;
 }
 
@@ -324,7 +325,7 @@ static int relax_plainly(Group *g, const real *start, const Vel *vel, int sweeps
 {
     int done = 0;
     real first = 0;
-    Progress progress = {0};
+    Progress progress = {.look = g->contradicts ? LOOK_AGAIN : LOOK};
     back_to(g, start, vel);
     g->stalled = false;
     *worst = INFINITY;
@@ -353,7 +354,7 @@ static int relax_accelerated(Group *g, int sweeps, real residual, real *worst)
         return 0;
     }
     real old = 0, first = INFINITY;
-    Progress progress = {0};
+    Progress progress = {.look = g->contradicts ? LOOK_AGAIN : LOOK};
     read_impulses(g, start);
     memcpy(vel, g->vel, (size_t)g->body_count * sizeof *vel);
     *worst = INFINITY;

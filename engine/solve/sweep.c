@@ -491,6 +491,7 @@ static void relax_group(Group *g)
         relax(g, sweeps_for(g, 10 * g->plan->sweeps) - sweeps, COARSE);
     }
     g->unsolved = g->residual > COARSE && g->stalled;
+    g->contradicts = g->contradicts || g->unsolved;
     if (g->unsolved || g->sweeps > DEAR)
         g->events_left = 0;
     g->residual = real_max(g->residual, worst);
