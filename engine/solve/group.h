@@ -265,6 +265,7 @@ struct Group {
     bool      may_trace;        /*     the world's budget for traced and conserved groups reaches it */
     bool      crowd;            /*     the crowd takes it: it need not look for what cannot act in this step */
     bool      again;            /*     the step was tried before: some went farther than foreseen */
+    int       strays;           /*     solids that did so now (step/stray.c) */
     bool      trace_failed;     /*     it was tried in this step, and handed on        */
     real      passed;           /* s   that it left to the sweep within this step      */
     bool      breaks_found;     /*     its breaks were found as it went on             */
