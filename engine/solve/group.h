@@ -282,6 +282,7 @@ struct Group {
         real  smallest;         /* m   size of its smallest moving body                           */
         int   gainer;           /*     who gained most                                            */
         int   count;            /*     moving bodies                                              */
+        int   leavers;          /*     bodies that end up beyond the edge of the world, and were not reported there */
     } watch;
     real     *push_work;        /* [body_count] J */
     real      effect_us[MAX_EFFECTS], touch_us;     /* us, only in timed steps */
