@@ -266,6 +266,7 @@ struct Group {
     bool      may_trace;        /*     the world's budget for traced and conserved groups reaches it */
     bool      crowd;            /*     the crowd takes it: it need not look for what cannot act in this step */
     bool      again;            /*     the step was tried before: some went farther than foreseen */
+    int       strays;           /*     solids that did so now (step/stray.c) */
     bool      trace_failed;     /*     it was tried in this step, and handed on        */
     real      passed;           /* s   that it left to the sweep within this step      */
     bool      breaks_found;     /*     its breaks were found as it went on             */
@@ -282,6 +283,7 @@ struct Group {
         real  smallest;         /* m   size of its smallest moving body                           */
         int   gainer;           /*     who gained most                                            */
         int   count;            /*     moving bodies                                              */
+        int   leavers;          /*     bodies that end up beyond the edge of the world, and were not reported there */
     } watch;
     real     *push_work;        /* [body_count] J */
     real      effect_us[MAX_EFFECTS], touch_us;     /* us, only in timed steps */

@@ -201,7 +201,9 @@ static void advance_one(void *context, int i, Arena *arena)
     g->status = advance_judged(g, c->s->dt);
     if (g->status == DIG_OK)
         watch_group(g);
-    g->sound = group_finite(g) && group_in_range(g);
+    bool finite = group_finite(g);
+    g->sound = finite && group_in_range(g);
+    g->strays = finite ? count_strays(g) : 0;
 }
 
 static bool all_finite(const Step *s)

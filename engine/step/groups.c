@@ -153,7 +153,7 @@ static dig_status sort_near(World *w)
     return DIG_OK;
 }
 
-#define SHARED_LEAST 512         /* pairs: fewer are not worth a team */
+#define SHARED_LEAST 512         /* pairs, or bodies and pairs: fewer are not worth a team */
 
 /* Goes through the pairs in the order of their storage, and drops those that are gone or fell asleep. */
 static dig_status collect_pairs(World *w, Found *f)
@@ -327,6 +327,18 @@ static void join_crowds(const World *w, Step *s)
     s->count = n;
 }
 
+typedef struct Choosing { const World *w; Step *s; int total; } Choosing;
+
+static void choose_way(void *context, int i, Arena *arena)
+{
+    const Choosing *c = context;
+    struct StepGroup *g = &c->s->parts[i];
+    (void)arena;
+    g->accuracy = group_accuracy(c->w, c->s->leads + g->dig_first, g->dig_count);
+    g->crowd = takes_crowd(c->w, c->s, g, c->total);
+    g->cost = bodies_of(c->w, c->s, g) + g->pair_count;
+}
+
 static dig_status cut(World *w, Step *s, const Found *f)
 {
     size_t nodes = (size_t)f->node_count;
@@ -349,11 +361,10 @@ static dig_status cut(World *w, Step *s, const Found *f)
     }
     int64_t spent = 0;
     int total = w->awake.count + f->pair_count;
+    Choosing c = {w, s, total};
+    workers_run(total < SHARED_LEAST ? NULL : w->workers, &w->scratch, choose_way, &c, s->count);
     for (int i = 0; i < s->count; i++) {
         struct StepGroup *g = &s->parts[i];
-        g->accuracy = group_accuracy(w, s->leads + g->dig_first, g->dig_count);
-        g->crowd = takes_crowd(w, s, g, total);
-        g->cost = bodies_of(w, s, g) + g->pair_count;
         g->may_trace = !g->crowd && !takes_chain(w, s, g, total) && within_budget(g, &spent);
     }
     if (total > accuracy_plan(w->accuracy)->crowd_total)

@@ -9,20 +9,12 @@
 
 static uint8_t pair_wall(const World *w, const Pair *p) { return w->solids.data[p->solid_a].wall | w->solids.data[p->solid_b].wall; }
 
-/* Who may fall asleep at the end of this step, and who has left the world in it. */
+/* Who may fall asleep at the end of this step. */
 static int sleepers(const World *w, real dt)
 {
     int n = 0;
     for (int i = 0; i < w->awake.count && w->def.sleeping; i++)
         n += w->bodies.data[w->awake.data[i]].still + dt >= SLEEP_TIME;
-    return n;
-}
-
-static int leavers(const World *w, const Group *g)
-{
-    int n = 0;
-    for (int i = 0; i < g->moving_count; i++)
-        n += world_left(w, g->pos[i].x) && !w->bodies.data[g->slots[i]].out;
     return n;
 }
 
@@ -39,7 +31,7 @@ dig_status reserve_regraph(World *w, Step *s)
         born += s->groups[i].turned_count;
         widened += s->groups[i].widened_count;
         remembered += s->groups[i].remembered_count;
-        others += leavers(w, &s->groups[i]) + s->groups[i].strike_count + 4 * s->groups[i].joint_count;
+        others += s->groups[i].watch.leavers + s->groups[i].strike_count + 4 * s->groups[i].joint_count;
     }
     DIG_TRY(list_reserve(&w->memories, slots_for(w->memories.count, w->free_memories.count, remembered), &w->allocations));
     DIG_TRY(list_reserve(&w->free_memories, w->memories.capacity, &w->allocations));

@@ -120,17 +120,17 @@ bool world_left(const World *w, vec3 x)
     return d.x > edge.x || d.y > edge.y || d.z > edge.z;
 }
 
-static void watch_edge(World *w)
+static void watch_edge(World *w, const Step *s)
 {
-    for (int i = 0; i < w->awake.count; i++) {
-        Body *b = &w->bodies.data[w->awake.data[i]];
-        if (b->kind != DIG_DYNAMIC || b->out)
-            continue;
-        if (world_left(w, b->x)) {
+    for (int i = 0; i < s->count; i++)
+        for (int k = 0; k < s->groups[i].moving_count && s->groups[i].watch.leavers > 0; k++) {
+            uint32_t slot = s->groups[i].slots[k];
+            Body *b = &w->bodies.data[slot];
+            if (b->out || !b->awake || !world_left(w, b->x))
+                continue;
             b->out = true;
-            event_post(w, DIG_EVENT_OUT_OF_WORLD, w->awake.data[i], NONE);
+            event_post(w, DIG_EVENT_OUT_OF_WORLD, slot, NONE);
         }
-    }
 }
 
 /* Only for whom it matters: it is an event for each body in each step. What is at rest has moved by rounding at most. */
@@ -256,7 +256,7 @@ void report(World *w, const Step *s)
         part_touch(&w->stats);
     count_effects(w, s);
     end_pushes(w);
-    watch_edge(w);
+    watch_edge(w, s);
     tell_moves(w);
     w->stats.steps = w->steps;
     watch_world(w, s);

@@ -60,12 +60,13 @@ static bool is_held(const World *w, uint32_t slot, Anchor *known)
     return known->held;
 }
 
-/* What little it moved by is lost. */
-static void stop(World *w, Body *b)
+/* What little it moved by is lost: J. */
+static real stop(Body *b)
 {
     vec3 spin = quat_unrotate(b->q, b->w);
-    w->ledger.lost += 0.5 * body_inertness(b) * (b->mass * vec3_length2(b->v) + vec3_dot(spin, mat3_mul_vec(b->inertia, spin)));
+    real lost = 0.5 * body_inertness(b) * (b->mass * vec3_length2(b->v) + vec3_dot(spin, mat3_mul_vec(b->inertia, spin)));
     b->v = b->w = vec3_zero();
+    return lost;
 }
 
 static bool creeps(const World *w, uint32_t slot, real speed)
@@ -74,19 +75,21 @@ static bool creeps(const World *w, uint32_t slot, real speed)
     return speed >= REST_PART * accuracy_tolerance(accuracy);
 }
 
-static void settle(World *w, uint32_t slot, real dt, Anchor *known)
+/* Returns the energy lost by it, J. */
+static real settle(World *w, uint32_t slot, real dt, Anchor *known)
 {
     Body *b = &w->bodies.data[slot];
     real speed = speed_of(b);
     b->still = speed < SLEEP_SPEED ? b->still + dt : 0;
     if (speed < REST_SPEED && b->still >= 2 * dt && is_held(w, slot, known)) {
         if (speed > 0 && creeps(w, slot, speed))
-            return;
-        stop(w, b);
+            return 0;
         b->mode = DIG_RESTING;
-    } else if (speed >= REST_SPEED) {
-        b->mode = DIG_MOVING;
+        return stop(b);
     }
+    if (speed >= REST_SPEED)
+        b->mode = DIG_MOVING;
+    return 0;
 }
 
 /* Would the mover wake it at once? (groups.c) */
@@ -125,20 +128,48 @@ static void fall_asleep(World *w, uint32_t lead)
         Body *b = &w->bodies.data[m];
         b->awake = false;
         b->mode = DIG_RESTING;
-        stop(w, b);
+        w->ledger.lost += stop(b);
         b->force = b->torque = vec3_zero();
         event_post(w, DIG_EVENT_SLEPT, m, NONE);
     }
 }
 
+#define SHARED_LEAST 256        /* bodies: fewer are not worth a team */
+
+typedef struct Resting { World *w; real dt, *lost; } Resting;       /* [awake] J; NULL: it goes to the ledger at once */
+
+/* Of another body nothing is asked that changes here. */
+static void rest_share(void *context, int thread, int threads)
+{
+    const Resting *r = context;
+    World *w = r->w;
+    Anchor known = {NONE, false};
+    for (int i = team_first(w->awake.count, thread, threads), end = team_end(w->awake.count, thread, threads); i < end; i++) {
+        uint32_t slot = w->awake.data[i];
+        if (i + FETCH_AHEAD < w->awake.count)
+            fetch_soon(&w->bodies.data[w->awake.data[i + FETCH_AHEAD]], offsetof(Body, inertia));
+        real lost = w->bodies.data[slot].kind == DIG_DYNAMIC ? settle(w, slot, r->dt, &known) : 0;
+        if (r->lost)
+            r->lost[i] = lost;
+        else
+            w->ledger.lost += lost;
+    }
+}
+
+/* What they lose is added in their order, for any number of threads. Where there is no memory for that, one thread does it all. */
+static void settle_all(World *w, real dt)
+{
+    Resting r = {.w = w, .dt = dt};
+    Team *team = w->awake.count < SHARED_LEAST ? NULL : workers_team(w->workers);
+    r.lost = team ? arena_alloc(&w->scratch, (size_t)w->awake.count * sizeof *r.lost) : NULL;
+    team_run(r.lost ? team : NULL, rest_share, &r);
+    for (int i = 0; i < w->awake.count && r.lost; i++)
+        w->ledger.lost += r.lost[i];
+}
+
 void rest(World *w, real dt)
 {
-    Anchor known = {NONE, false};
-    for (int i = 0; i < w->awake.count; i++) {
-        uint32_t slot = w->awake.data[i];
-        if (w->bodies.data[slot].kind == DIG_DYNAMIC)
-            settle(w, slot, dt, &known);
-    }
+    settle_all(w, dt);
     if (!w->def.sleeping)
         return;
     for (int i = 0; i < w->awake.count; i++) {

@@ -27,6 +27,7 @@ static void tidy_awake(World *w)
 {
     int n = 0;
     bool sorted = true;
+    w->movers = 0;
     for (int i = 0; i < w->awake.count; i++) {
         uint32_t slot = w->awake.data[i];
         Body *b = &w->bodies.data[slot];
@@ -35,6 +36,7 @@ static void tidy_awake(World *w)
             b->listed = b->paired = false;
             continue;
         }
+        w->movers += b->kind == DIG_KINEMATIC;
         sorted = sorted && (n == 0 || w->awake.data[n - 1] < slot);
         w->awake.data[n++] = slot;
     }
@@ -55,14 +57,28 @@ static real strongest_gravity(const World *w)
     return most;
 }
 
+#define SHARED_LEAST 256         /* bodies: fewer are not worth a team */
+
+static Team *team_for(const World *w) { return w->awake.count < SHARED_LEAST ? NULL : workers_team(w->workers); }
+
+typedef struct Pulling { World *w; real gravity; } Pulling;
+
+static void pull_share(void *context, int thread, int threads)
+{
+    const Pulling *p = context;
+    World *w = p->w;
+    for (int i = team_first(w->awake.count, thread, threads), end = team_end(w->awake.count, thread, threads); i < end; i++) {
+        Body *b = &w->bodies.data[w->awake.data[i]];
+        if (i + FETCH_AHEAD < w->awake.count)
+            fetch_soon(&w->bodies.data[w->awake.data[i + FETCH_AHEAD]].gravity_scale, offsetof(Body, still) - offsetof(Body, gravity_scale));
+        b->pull = b->kind == DIG_DYNAMIC ? fabs(b->gravity_scale) * p->gravity / body_inertness(b) : 0;
+    }
+}
+
 /* What acts from outside, for all that are to be advanced. Drags only slow, and are left out. */
 static void find_pulls(World *w)
 {
-    real gravity = strongest_gravity(w);
-    for (int i = 0; i < w->awake.count; i++) {
-        Body *b = &w->bodies.data[w->awake.data[i]];
-        b->pull = b->kind == DIG_DYNAMIC ? fabs(b->gravity_scale) * gravity / body_inertness(b) : 0;
-    }
+    team_run(team_for(w), pull_share, &(Pulling){w, strongest_gravity(w)});
     for (int i = 0; i < w->pushes.count; i++) {
         const Push *p = &w->pushes.data[i];
         Body *b = &w->bodies.data[p->body];
@@ -344,8 +360,6 @@ static void wake_near(World *w, uint32_t solid)
         wake_if_near(w, solid, l % 2 ? w->pairs.data[l / 2].solid_a : w->pairs.data[l / 2].solid_b);
 }
 
-#define SHARED_LEAST 256         /* bodies: fewer are not worth a team */
-
 /* All reaches first, for they need nobody else; then, in order, what changes the tree and the pairs. */
 static dig_status sense_bodies(World *w, real dt)
 {
@@ -353,7 +367,7 @@ static dig_status sense_bodies(World *w, real dt)
     Sensing n = {w, dt, arena_alloc(&w->scratch, (size_t)count)};
     if (!n.found)
         return world_fail(w, DIG_E_MEMORY, "not enough memory for %d bodies", count);
-    team_run(count < SHARED_LEAST ? NULL : workers_team(w->workers), sense_share, &n);
+    team_run(team_for(w), sense_share, &n);
     for (int i = 0; i < count; i++) {
         uint32_t slot = w->awake.data[i];
         if (n.found[i] & UNPAIRED)
@@ -398,8 +412,10 @@ dig_status sense_pairs(World *w, real dt)
 {
     DIG_TRY(world_compact(w));
     tidy_awake(w);
-    DIG_TRY(ask_all(w));
-    tidy_awake(w);                      /* who was woken just now has its place in the order */
+    if (w->asking.count > 0) {
+        DIG_TRY(ask_all(w));
+        tidy_awake(w);                  /* who was woken just now has its place in the order */
+    }
     find_pulls(w);
     return sense_bodies(w, dt);
 }

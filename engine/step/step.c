@@ -90,7 +90,7 @@ dig_status step_world(World *w)
 static void move_movers(World *w, real dt)
 {
     real end = (real)(w->steps + 1) * dt;
-    for (int i = 0; i < w->awake.count; i++) {
+    for (int i = 0; i < w->awake.count && w->movers > 0; i++) {
         Body *b = &w->bodies.data[w->awake.data[i]];
         if (b->kind != DIG_KINEMATIC)
             continue;

@@ -47,6 +47,7 @@ dig_status advance_groups(World *w, Step *s);       /* on private copies, in par
 void       commit_groups(World *w, Step *s);        /* the copies become the world                          */
 dig_status check_finite(World *w, Step *s);         /* all numbers finite, or name the culprit              */
 /* stray.c */
+int        count_strays(const Group *g);            /* that got farther than foreseen                       */
 dig_status look_for_strays(World *w, Step *s);      /* DIG_E_BUSY = a body got where its group did not look: again */
 /* ways.c */
 dig_status group_advance(Group *g, real dt);        /* by the first way that suits and can                  */

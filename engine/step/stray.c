@@ -52,23 +52,46 @@ static bool strays(const World *w, int member, Stray *out)
     return !box3_inside(s->reach, out->end);
 }
 
-/* Fills `out`, if there is one; returns how many there are. */
-static int list_strays(const World *w, const Step *s, Stray *out)
+/* The solids of a member that stray: fills `out`, if there is one; returns how many there are. */
+static int list_member(const World *w, const Group *g, int member, Stray *out)
 {
     int n = 0;
-    for (int i = 0; i < s->count; i++) {
-        const Group *g = &s->groups[i];
-        for (int k = 0; k < g->moving_count && followed(g); k++)
-            for (uint32_t c = w->bodies.data[g->member[k].slot].shape_first; c != NONE && g->member[k].moves; c = w->solids.data[c].next) {
-                Stray stray = {.g = g, .solid = c};
-                if (!strays(w, k, &stray))
-                    continue;
-                if (out)
-                    out[n] = stray;
-                n++;
-            }
+    for (uint32_t c = w->bodies.data[g->member[member].slot].shape_first; c != NONE && g->member[member].moves; c = w->solids.data[c].next) {
+        Stray stray = {.g = g, .solid = c};
+        if (!strays(w, member, &stray))
+            continue;
+        if (out)
+            out[n] = stray;
+        n++;
     }
     return n;
+}
+
+typedef struct Count { const Group *g; atomic_int strays; } Count;
+
+static void count_share(void *context, int thread, int threads)
+{
+    Count *c = context;
+    int n = 0;
+    for (int i = team_first(c->g->moving_count, thread, threads), end = team_end(c->g->moving_count, thread, threads); i < end; i++)
+        n += list_member(c->g->world, c->g, i, NULL);
+    atomic_fetch_add(&c->strays, n);
+}
+
+int count_strays(const Group *g)
+{
+    Count c = {.g = g};
+    if (followed(g))
+        team_run(g->team, count_share, &c);
+    return atomic_load(&c.strays);
+}
+
+/* Of groups that have any. */
+static void list_strays(const World *w, const Step *s, Stray *out)
+{
+    for (int i = 0, n = 0; i < s->count; i++)
+        for (int k = 0; k < s->groups[i].moving_count && s->groups[i].strays > 0; k++)
+            n += list_member(w, &s->groups[i], k, out + n);
 }
 
 /* Might two solids whose centres end up there be in each other by more than does not matter? Of a crowd's; others' are looked at anew. */
@@ -145,8 +168,10 @@ static void reach_farther(Solid *s, box3 end)
 
 dig_status look_for_strays(World *w, Step *s)
 {
-    int count = s->tries < ASTRAY_TRIES ? list_strays(w, s, NULL) : 0;
-    if (count == 0)
+    int count = 0;
+    for (int i = 0; i < s->count; i++)
+        count += s->groups[i].strays;
+    if (count == 0 || s->tries >= ASTRAY_TRIES)
         return DIG_OK;
     Stray *list = arena_alloc(&w->scratch, (size_t)count * sizeof *list);
     if (!list)

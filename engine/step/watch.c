@@ -93,13 +93,14 @@ static void carry(Group *g, real rise, real borne)
 
 /* What a block of members adds up to. Blocks do not depend on how many threads there are, so sums do not, either. */
 #define BLOCK 64
-typedef struct Sum { real rise, motion, borne, carried, carried_borne, smallest, most; int count, gainer; } Sum;
+typedef struct Sum { real rise, motion, borne, carried, carried_borne, smallest, most; int count, gainer, leavers; } Sum;
 typedef struct Sums { const Group *g; Sum *of; int blocks; } Sums;
 
 static void watch_member(const Group *g, int i, Sum *s)
 {
     const Member *m = &g->member[i];
     const Body *b = &g->world->bodies.data[m->slot];    /* as it was before the step */
+    s->leavers += !b->out && world_left(g->world, g->pos[i].x);
     if (!m->moves)
         return;
     real before = kinetic(b, b->q, b->v, b->w), after = kinetic(b, g->pos[i].q, g->vel[i].v, g->vel[i].w);
@@ -146,6 +147,7 @@ static void add_block(Sum *to, const Sum *s)
     to->carried += s->carried;
     to->carried_borne += s->carried_borne;
     to->count += s->count;
+    to->leavers += s->leavers;
     to->smallest = real_min(to->smallest, s->smallest);
     if (s->most > to->most) {
         to->most = s->most;
@@ -177,6 +179,7 @@ void watch_group(Group *g)
     watch->carried += s.carried;
     watch->carried_borne += s.carried_borne;
     watch->count += s.count;
+    watch->leavers += s.leavers;
     watch->smallest = real_min(watch->smallest, s.smallest);
     watch->gainer = s.gainer;
     view_joints(g);

@@ -291,6 +291,7 @@ struct dig_world {
     LIST(uint32_t) free_bodies, free_solids, free_pairs, free_memories, free_contacts, free_more, free_touches, free_joints, free_regions;
     LIST(uint32_t) unbounded;           /* solids that are planes                      */
     LIST(uint32_t) awake;               /* bodies to be advanced, ascending            */
+    int      movers;                    /* of them, kinematic ones; of this step       */
     LIST(uint32_t) near;                /* pairs of listed bodies, and some that were; nearly ascending */
     LIST(uint32_t) asking;              /* solids that are new or were moved by hand   */
     LIST(uint32_t) brief;               /* touches whose link lives one step           */
