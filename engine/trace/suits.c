@@ -3,7 +3,9 @@
 #include "trace/trace.h"
 
 #define FAST_LOOP  0.3          /* rad in a step */
-#define FINE_LOOP  2e-10        /* of the size: a loop followed so closely is on its joints in singular positions, too, slow or not */
+#define LOOP_MOST  1e-10        /* of the size: a slow loop followed so closely is on its joints in singular positions, too */
+#define LOOP_WORK  2000         /* evaluations in a frame that these may take, so that less is no budget for them */
+#define LOOP_LEAST 1e-12        /* of the size: finer steps of a loop come so near to singular positions that rounding leads on there */
 #define LOOP_BODIES 128         /* more than any plan traces */
 
 /* Is joint j one more of those that hold the same two bodies, as the hinges of a door do? What each of them allows is a group of motions,
@@ -18,7 +20,7 @@ static bool repeats(const Group *g, int j)
 
 /* Do the joints close a loop, by themselves or through what does not move? Loops pass through singular positions; the way that
  * holds joints in place passes them better than this one, which holds accelerations, unless they turn fast against the step, or its own
- * steps are fine: the error of the other falls with the square of the substep only. */
+ * steps are fine: then it passes them, and at less cost than the other, whose error no estimate controls. */
 bool trace_has_loop(const Group *g)
 {
     int parent[LOOP_BODIES + 1];
@@ -47,6 +49,18 @@ static real fastest_spin(const Group *g)
     return sqrt(w);
 }
 
+static bool is_slow_loop(const Group *g)
+{
+    return g->joint_count > 0 && g->pair_count == 0 && trace_has_loop(g) && fastest_spin(g) * g->world->def.step < FAST_LOOP;
+}
+
+real trace_tolerance(const Group *g)
+{
+    if (g->tolerance > LOOP_MOST && is_slow_loop(g))
+        return LOOP_MOST;
+    return g->tolerance < LOOP_LEAST && trace_has_loop(g) ? LOOP_LEAST : g->tolerance;
+}
+
 bool trace_suits(const Group *g)
 {
     const AccuracyPlan *p = g->plan;
@@ -55,7 +69,7 @@ bool trace_suits(const Group *g)
     for (int i = 0; i < g->moving_count; i++)
         if (g->member[i].moves && g->member[i].integrator != DIG_AUTO)
             return false;
-    if (g->pair_count == 0 && g->tolerance > FINE_LOOP && trace_has_loop(g) && fastest_spin(g) * g->world->def.step < FAST_LOOP)
+    if (p->trace_work < LOOP_WORK && is_slow_loop(g))
         return false;
     for (int i = 0; i < g->pair_count; i++) {
         const GroupPair *q = &g->pairs[i];

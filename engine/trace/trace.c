@@ -18,7 +18,6 @@
 #define JOINT_DRIFT   1e-2      /* of the tolerance: a joint that much off is put right       */
 #define GATE_DRIFT    1e-4      /* the same of what touches: more would count as open        */
 #define BOUNCE_LEAST  1e-13     /* of the size: bounces lower than this are over             */
-#define LOOP_LEAST    1e-12     /* of the size: finer steps of a loop come so near to singular positions that rounding leads on there */
 
 /* why: what was tried in vain; NULL: it is left to another way, which serves as well. */
 static void hand_on(Group *g, const GroupKept *k, const char *why)
@@ -41,8 +40,7 @@ static void set_scales(Tracer *t)
         size = real_max(size, g->member[i].outer);
     t->size = size > 0 && isfinite(size) ? size : 1;
     t->pace = weight > 0 ? sqrt(weight / t->size) : 1;
-    bool fine = g->tolerance < LOOP_LEAST && trace_has_loop(g);
-    t->tolerance = (fine ? LOOP_LEAST : g->tolerance) * t->size;
+    t->tolerance = trace_tolerance(g) * t->size;
     t->gap_zero = 1e-10 * t->size;
     t->gap_deep = 1e-6 * t->size;
     g->close_speed = sqrt(2 * weight * BOUNCE_LEAST * t->size) + 1e-9 * t->size;

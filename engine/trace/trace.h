@@ -228,6 +228,7 @@ static inline int trace_powers(const Tracer *t) { return TOUCH_POWERS * t->touch
 /* suits.c */
 bool trace_suits(const Group *g);
 bool trace_has_loop(const Group *g);            /* of joints */
+real trace_tolerance(const Group *g);           /* local error of its steps, of the size */
 /* swing.c */
 typedef enum Stiffness { STIFF_NOT, STIFF_UNSEEN, STIFF_BEYOND } Stiffness;     /* its steps follow it; need not; cannot */
 Stiffness trace_stiffness(Tracer *t);           /* of springs and dampers at the start of a frame */

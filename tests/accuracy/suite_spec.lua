@@ -69,6 +69,16 @@ test.scenario("a spring too stiff for the frame is followed where the tolerance 
   end
 end)
 
+test.scenario("slow loops are traced where the budget lasts, with one error at all such tolerances", function(s)
+  for _, scene in ipairs(suite.scenes { "A19a", "A19b", "A20" }) do
+    for _, accuracy in ipairs { 1e-5, "study" } do
+      local row = suite.run(scene, accuracy, s.cpu_seconds, 0)
+      test.expect(row.error):below(2e-10)
+      test.expect(row.gave_up):is(0)
+    end
+  end
+end)
+
 test.scenario("a mechanism of 81 bars in 40 loops is traced at the finest plan", function(s)
   local scene = setmetatable({ seconds = 1 }, { __index = suite.scenes { "A19c" }[1] })
   local row = suite.run(scene, "reference", s.cpu_seconds, 0)

@@ -58,7 +58,7 @@ static vec3 tip(const dig_world *w, dig_body rod)
 }
 
 /* Groups of up to 12 bodies are traced at "play" unless their joints close a loop, and none at "sketch": the worlds here are longer,
- * closed, or "sketch". Loops, too, are traced at "reference". */
+ * closed, or "sketch". Loops, too, are traced at "study". */
 static void check_conserved(const dig_world *w)
 {
     dig_stats s = dig_world_stats(w);
@@ -212,10 +212,14 @@ static void check_four_bar(const char *plan, bool traced, real gap, real energy,
 }
 
 /* B20 */
-TEST(four_bar_loop_stays_in_its_plane_and_follows_its_equation) { check_four_bar("study", false, 1e-12, 5e-12, 1e-14, 2e-8); }
+TEST(four_bar_loop_stays_in_its_plane_and_follows_its_equation) { check_four_bar("play", false, 1e-12, 5e-12, 1e-14, 3e-7); }
 
-/* Where the tolerance is fine it is traced, though it turns slowly. */
-TEST(four_bar_loop_is_traced_at_a_fine_tolerance) { check_four_bar("reference", true, 2e-13, 5e-12, 1e-14, 1e-11); }
+/* Where the budget lasts for it it is traced, though it turns slowly, with local errors of 1e-10 at most. */
+TEST(four_bar_loop_is_traced_at_a_fine_tolerance)
+{
+    check_four_bar("study", true, 1e-12, 5e-12, 1e-14, 1e-11);
+    check_four_bar("reference", true, 2e-13, 5e-12, 1e-14, 1e-11);
+}
 
 /* A20. Five rods and six hinges that by count could not move. OpenSim's layout; P3(1 s) from one closed coordinate. */
 static real bricard_error(real h, const char *plan)
