@@ -172,6 +172,8 @@ int bind_unknown(lua_State *L, const char *what, const char *kind, const char *n
         }
         used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", used ? ", " : "", names[i]);
     }
+    if (used == 0)
+        return bind_error(L, "%s %s '%.60s': it has none", what, kind, name);
     return bind_error(L, "%s %s '%.60s' (known: %s)", what, kind, name, known);
 }
 

@@ -27,6 +27,7 @@ scenario("an unknown field is named, with the one that was meant", function(s)
   says(function() digbox.box { siez = 1 } end, "digbox.box: unknown field 'siez' (did you mean 'size'?)")
   says(function() world:sphere { 0.1 } end, "world:sphere: unknown field 1 (fields have names)")
   expect((message_of(function() world:sphere { zzzzzz = 1 } end))):contains "(known: at, collides, colour, "
+  says(function() return world:snapshot().restore end, "snapshot has no field or method 'restore': it has none")
 end)
 
 scenario("a hull needs a few points that span something", function(s)
