@@ -6,9 +6,11 @@
  *   normal forces      lie on a plane over the patch, f = a + b x + c y: the distribution of least norm;
  *   tangential forces  are those of a rigid turn of the patch, weighted with the normal forces.
  */
+#include "math/pair.h"
 #include "trace/trace.h"
 
 #define FLAT    1e-9        /* 1 - cosine: points of such normals make one patch                */
+#define SQRT_HALF 0.70710678118654752
 #define THIN    1e-6        /* of the patch's size: a way that narrow is none                   */
 
 typedef struct Patch {
@@ -23,29 +25,29 @@ typedef struct Patch {
 /* The points that take part in a row. */
 typedef struct Subset { int count, which[MANIFOLD_POINTS]; } Subset;
 
-/* Opens a row whose rate is sum_i e_i . u_i. */
-static Line *open_line(Tracer *t, LineKind kind, const Patch *p, const Subset *s, const vec3 *e)
+/* Opens a row on these points; what its e are is the caller's to say. */
+INLINE Line *open_line(Tracer *t, LineKind kind, const Patch *p, const Subset *s)
 {
     Line *l = trace_line(t, kind, p->point[s->which[0]]);
     if (!l)
         return NULL;
     l->points = s->count;
-    for (int i = 0; i < s->count; i++) {
+    for (int i = 0; i < s->count; i++)
         l->point[i] = p->point[s->which[i]];
-        l->e[i] = e[i];
-    }
     return l;
 }
 
-/* On one body. */
-static inline void push_body(const Tracer *t, Line *l, int body, Arrow *j, Arrow *g)
+/* On one body. The copies keep the arrows of all other worlds in registers. */
+INLINE void push_body(const Tracer *t, Line *l, int body, const Arrow *j, const Arrow *g)
 {
     if (t->g->planar) {
-        dir_mask(t->g, &j->lin, &j->ang);
-        if (g != j)
-            dir_mask(t->g, &g->lin, &g->ang);
+        Arrow flat_j = *j, flat_g = *g;
+        dir_mask(t->g, &flat_j.lin, &flat_j.ang);
+        dir_mask(t->g, &flat_g.lin, &flat_g.ang);
+        trace_line_push(t, l, body, &flat_j, &flat_g);
+    } else {
+        trace_line_push(t, l, body, j, g);
     }
-    trace_line_push(t, l, body, j, g);
 }
 
 /* Outward on b, inward on a. */
@@ -70,7 +72,9 @@ static Arrow arrow_of(const Patch *p, const Subset *s, int side, const vec3 *e, 
 /* A row whose rate is sum_i e_i . u_i and whose force on b at point i is c_i, with the torque tau_i; NULL: as e_i, without torques. */
 static Line *add_line(Tracer *t, LineKind kind, const Patch *p, const Subset *s, const vec3 *e, const vec3 *c, const vec3 *tau)
 {
-    Line *l = open_line(t, kind, p, s, e);
+    Line *l = open_line(t, kind, p, s);
+    for (int i = 0; l && i < s->count; i++)
+        l->e[i] = e[i];
     for (int side = 0; l && side < 2; side++) {
         if (p->body[side] < 0)
             continue;
@@ -85,21 +89,22 @@ static Line *add_line(Tracer *t, LineKind kind, const Patch *p, const Subset *s,
 /* The same of e_i = w_i d, and c_i = w_i f. */
 static Line *add_even_line(Tracer *t, LineKind kind, const Patch *p, const Subset *s, const real *w, vec3 d, vec3 f)
 {
-    vec3 e[MANIFOLD_POINTS];
-    for (int i = 0; i < s->count; i++)
-        e[i] = vec3_scale(w[i], d);
-    Line *l = open_line(t, kind, p, s, e);
-    for (int side = 0; l && side < 2; side++) {
+    Line *l = open_line(t, kind, p, s);
+    if (!l)
+        return NULL;
+    real sum = 0;
+    for (int i = 0; i < s->count; i++) {
+        l->e[i] = vec3_scale(w[i], d);
+        sum += w[i];
+    }
+    bool same = vec3_equal(d, f);
+    for (int side = 0; side < 2; side++) {
         if (p->body[side] < 0)
             continue;
         vec3 lever = vec3_zero();
-        real sum = 0;
-        for (int i = 0; i < s->count; i++) {
+        for (int i = 0; i < s->count; i++)
             lever = vec3_mad(lever, w[i], p->lever[side][s->which[i]]);
-            sum += w[i];
-        }
         Arrow j = arrow(side, vec3_scale(sum, d), vec3_cross(lever, d)), g;
-        bool same = vec3_equal(d, f);
         if (!same)
             g = arrow(side, vec3_scale(sum, f), vec3_cross(lever, f));
         push_body(t, l, p->body[side], &j, same ? &j : &g);
@@ -155,13 +160,19 @@ static bool slides(const Touching *q)
     return (q->slip.axes && q->slip.grip != GRIP_STICK) || (q->roll.axes && q->roll.grip != GRIP_STICK);
 }
 
-/* f = a + b x + c y over the patch, as independent distributions. */
+/* f = a + b x + c y over the patch, as independent distributions. Of two points those are what both have alike and what they have against
+ * each other, wherever they are; unless they are in one place. */
 static int distributions(const Patch *p, real field[3][MANIFOLD_POINTS])
 {
     real size = 0;
     field[0][0] = 1;
     if (p->count == 1)
         return 1;
+    if (p->count == 2 && vec3_length2(p->arm[0]) > 0) {
+        field[0][0] = field[0][1] = field[1][0] = SQRT_HALF;
+        field[1][1] = -SQRT_HALF;
+        return 2;
+    }
     for (int i = 0; i < p->count; i++) {
         field[0][i] = 1;
         field[1][i] = vec3_dot(p->arm[i], p->t[0]);
