@@ -10,7 +10,6 @@
 #include "trace/trace.h"
 
 #define FLAT    1e-9        /* 1 - cosine: points of such normals make one patch                */
-#define SQRT_HALF 0.70710678118654752
 #define THIN    1e-6        /* of the patch's size: a way that narrow is none                   */
 
 typedef struct Patch {
@@ -113,7 +112,7 @@ static Line *add_even_line(Tracer *t, LineKind kind, const Patch *p, const Subse
 }
 
 /* Gram and Schmidt: the fields that are independent on these points, of unit norm. Returns their number. */
-static int independent(real field[][MANIFOLD_POINTS], int fields, int points, real size)
+INLINE int orthogonal(real field[][MANIFOLD_POINTS], int fields, int points, real size)
 {
     int rank = 0;
     for (int f = 0; f < fields; f++) {
@@ -124,26 +123,41 @@ static int independent(real field[][MANIFOLD_POINTS], int fields, int points, re
             real taken = 0, left = 0;
             for (int k = 0; k < rank; k++) {
                 real dot = 0;
+                UNROLL
                 for (int i = 0; i < points; i++)
                     dot += v[i] * field[k][i];
+                UNROLL
                 for (int i = 0; i < points; i++)
                     v[i] -= dot * field[k][i];
                 taken += dot * dot;
             }
+            UNROLL
             for (int i = 0; i < points; i++)
                 left += v[i] * v[i];
             again = taken > left;           /* little is left: once more takes the rounding out */
         }
+        UNROLL
         for (int i = 0; i < points; i++)
             norm += v[i] * v[i];
         norm = sqrt(norm);
         if (!(norm > THIN * (f == 0 ? 1 : size)) || rank == points)
             continue;
+        UNROLL
         for (int i = 0; i < points; i++)
             field[rank][i] = v[i] / norm;
         rank++;
     }
     return rank;
+}
+
+/* The same, written out by the compiler for edges and for faces. */
+static int independent(real field[][MANIFOLD_POINTS], int fields, int points, real size)
+{
+    switch (points) {
+    case 2: return orthogonal(field, fields, 2, size);
+    case 4: return orthogonal(field, fields, 4, size);
+    default: return orthogonal(field, fields, points, size);
+    }
 }
 
 /* ---- normal forces, with sliding friction and rolling resistance in their columns ---- */
@@ -160,19 +174,13 @@ static bool slides(const Touching *q)
     return (q->slip.axes && q->slip.grip != GRIP_STICK) || (q->roll.axes && q->roll.grip != GRIP_STICK);
 }
 
-/* f = a + b x + c y over the patch, as independent distributions. Of two points those are what both have alike and what they have against
- * each other, wherever they are; unless they are in one place. */
+/* f = a + b x + c y over the patch, as independent distributions. */
 static int distributions(const Patch *p, real field[3][MANIFOLD_POINTS])
 {
     real size = 0;
     field[0][0] = 1;
     if (p->count == 1)
         return 1;
-    if (p->count == 2 && vec3_length2(p->arm[0]) > 0) {
-        field[0][0] = field[0][1] = field[1][0] = SQRT_HALF;
-        field[1][1] = -SQRT_HALF;
-        return 2;
-    }
     for (int i = 0; i < p->count; i++) {
         field[0][i] = 1;
         field[1][i] = vec3_dot(p->arm[i], p->t[0]);
