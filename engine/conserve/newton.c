@@ -5,6 +5,9 @@
 #define EXACT 1e-13             /* m  residual at which a precise step is done               */
 #define FINE 3e-12              /* m  for other steps, and when an iteration gains little    */
 #define ENOUGH 1e-9             /* m  residual that is taken when rounding allows no better  */
+#define QUICK 1e-4              /* of the residual before: an iteration that leaves less lends the next its factor */
+#define SLOW 0.05               /* the same: one with such a factor that leaves more is the last of them */
+#define OVERSHOOT 1e-15         /* m  residual down to which such iterations of a precise step gain what those with a factor of their own would */
 #define GUESSED 1.0             /* of the farthest move by joints that were guessed: a residual below it says the guess is good */
 #define TURN_AT_ONCE 0.5        /* rad, of one Newton iteration                              */
 #define TURN_MOST 6.0           /* of the Cayley vector: 143 degrees                         */
@@ -255,19 +258,36 @@ static void finish(System *s)
         s->p_last[i] = s->p[i] / s->h;
 }
 
+/* Is it good enough? last: the residual before; kept: the last iteration went by the factor of one before. */
+static bool is_solved(const System *s, real best, real last, bool kept, int iteration)
+{
+    if (s->residual < (s->precise ? EXACT : FINE))
+        return !kept || s->residual < OVERSHOOT || s->residual > SLOW * last;
+    return (s->residual < FINE && s->residual > 0.01 * best && !kept) || (s->residual < ENOUGH && iteration >= 7);
+}
+
+/* Near the solution the matrix hardly changes from one iteration to the next: the factor of the last one then gains four digits or more,
+ * for a tenth of the work, and is not counted. Only precise steps go on from there: what others ask for is mostly there by then. */
 bool newton_step(System *s)
 {
-    real best = INFINITY;
+    real best = INFINITY, last = INFINITY;
+    bool kept = false;
     for (int i = 0; i <= ITERATIONS; i++) {
         if (i == 0 ? !begin_newton(s) : !evaluate(s))
             return false;
-        s->g->evaluations++;
-        if (s->residual < (s->precise ? EXACT : FINE) || (s->residual < FINE && s->residual > 0.01 * best) || (s->residual < ENOUGH && i >= 7)) {
+        s->g->evaluations += !kept;
+        if (is_solved(s, best, last, kept, i)) {
             finish(s);
             return true;
         }
-        if (i == ITERATIONS || (i >= 6 && s->residual > 10 * best) || !solve(s))
+        if (i == ITERATIONS || (i >= 6 && s->residual > 10 * best))
             return false;
+        kept = s->precise && i > 0 && s->residual < (kept ? SLOW : QUICK) * last;
+        if (kept)
+            factor_again(s);
+        else if (!solve(s))
+            return false;
+        last = s->residual;
         best = real_min(best, s->residual);
         improve(s);
     }

@@ -92,8 +92,9 @@ static dig_status lay_out(System *s, Later **later)
     s->target = arena_alloc(s->g->arena, (size_t)(pairs + 1) * sizeof *s->target);
     s->blocks = arena_zero(s->g->arena, (size_t)(s->tie_count + 1) * sizeof *s->blocks);
     s->value = arena_alloc(s->g->arena, (size_t)(s->value_count + 1) * sizeof *s->value);
+    s->exchange = arena_alloc(s->g->arena, (size_t)(s->node_count + 1) * sizeof *s->exchange);
     s->side = arena_alloc(s->g->arena, (size_t)(6 * s->node_count + 1) * sizeof *s->side);
-    if (!s->later || !s->target || !s->blocks || !s->value || !s->side)
+    if (!s->later || !s->target || !s->blocks || !s->value || !s->exchange || !s->side)
         return DIG_E_MEMORY;
     for (int k = 0; k < s->node_count; k++)
         memcpy(s->later + s->order[k].first, later[k], (size_t)s->order[k].count * sizeof *s->later);

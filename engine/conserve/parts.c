@@ -258,14 +258,6 @@ static Twelve bend_line(const Part *part, const Arms *r, real p, Twelve d)
                     vec3_neg(vec3_mad(vec3_cross(from_b, change), p, vec3_cross(lever, dm)))};
 }
 
-static Twelve bend_normal(const Part *part, const Arms *r, real p, Twelve d)
-{
-    vec3 x0 = mat3_mul_vec(r->a->r0, part->in_a), x1 = mat3_mul_vec(r->a->r, part->in_a);
-    vec3 y0 = mat3_mul_vec(r->b->r0, part->in_b), y1 = mat3_mul_vec(r->b->r, part->in_b);
-    vec3 c = vec3_scale(0.5 * p, vec3_add(vec3_cross(vec3_cross(d.ta, x1), mean(y0, y1)), vec3_cross(mean(x0, x1), vec3_cross(d.tb, y1))));
-    return (Twelve){vec3_zero(), c, vec3_zero(), vec3_neg(c)};
-}
-
 static Twelve bend_length(const Part *part, const Arms *r, real p, Twelve d)
 {
     (void)part;
@@ -279,16 +271,16 @@ static Twelve bend_length(const Part *part, const Arms *r, real p, Twelve d)
 }
 
 typedef Twelve BendFn(const Part *part, const Arms *r, real p, Twelve d);
-static BendFn *const bends[] = {[PART_POINT] = NULL, [PART_LINE] = bend_line, [PART_NORMAL] = bend_normal,
+static BendFn *const bends[] = {[PART_POINT] = NULL, [PART_LINE] = bend_line, [PART_NORMAL] = NULL,
                                 [PART_LENGTH] = bend_length, [PART_TWIST] = NULL};
 
-static void add_mat(real k[12][12], int at, mat3 m)
+static void add_mat(real k[12][12], int row, int column, mat3 m)
 {
-    const vec3 row[3] = {m.r0, m.r1, m.r2};
+    const vec3 rows[3] = {m.r0, m.r1, m.r2};
     for (int i = 0; i < 3; i++) {
-        k[at + i][at] += row[i].x;
-        k[at + i][at + 1] += row[i].y;
-        k[at + i][at + 2] += row[i].z;
+        k[row + i][column] += rows[i].x;
+        k[row + i][column + 1] += rows[i].y;
+        k[row + i][column + 2] += rows[i].z;
     }
 }
 
@@ -297,6 +289,21 @@ static mat3 bend_point(vec3 r, vec3 p)
 {
     real c = -0.5 * vec3_dot(r, p);
     return mat3_add(mat3_scale(0.5, mat3_outer(r, p)), mat3_diagonal((vec3){c, c, c}));
+}
+
+/* Torque p (x x y) on a, against it on b, of directions x in a and y in b, each taken at its mean: of the ends' turns ta and tb
+ * p / 2 ((ta x x1) x ym + xm x (tb x y1)), with (t x x) x y = x (y . t) - t (x . y). */
+static void bend_normal(const Part *part, const Arms *r, real p, real k[12][12])
+{
+    vec3 x1 = mat3_mul_vec(r->a->r, part->in_a), y1 = mat3_mul_vec(r->b->r, part->in_b);
+    vec3 xm = mean(mat3_mul_vec(r->a->r0, part->in_a), x1), ym = mean(mat3_mul_vec(r->b->r0, part->in_b), y1);
+    real a = -0.5 * p * vec3_dot(x1, ym), b = 0.5 * p * vec3_dot(xm, y1);
+    mat3 of_a = mat3_add(mat3_scale(0.5 * p, mat3_outer(x1, ym)), mat3_diagonal((vec3){a, a, a}));
+    mat3 of_b = mat3_add(mat3_scale(-0.5 * p, mat3_outer(y1, xm)), mat3_diagonal((vec3){b, b, b}));
+    add_mat(k, 3, 3, of_a);
+    add_mat(k, 3, 9, of_b);
+    add_mat(k, 9, 3, mat3_scale(-1, of_a));
+    add_mat(k, 9, 9, mat3_scale(-1, of_b));
 }
 
 void parts_bend(const System *s, const Tie *t, mat3 *a, mat3 *b)
@@ -322,8 +329,10 @@ void parts_stiffness(const System *s, const Tie *t, real k[12][12])
         const real *p = s->p + t->row + part->at;
         if (part->kind == PART_POINT) {
             vec3 force = {p[0], p[1], p[2]};
-            add_mat(k, 3, bend_point(r.a1, force));
-            add_mat(k, 9, bend_point(r.b1, vec3_neg(force)));
+            add_mat(k, 3, 3, bend_point(r.a1, force));
+            add_mat(k, 9, 9, bend_point(r.b1, vec3_neg(force)));
+        } else if (part->kind == PART_NORMAL) {
+            bend_normal(part, &r, p[0], k);
         }
         for (int i = 0; i < 12 && bends[part->kind]; i++) {
             Twelve c = bends[part->kind](part, &r, p[0], unit_column(i));

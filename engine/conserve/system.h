@@ -25,6 +25,7 @@
 #include "solve/group.h"
 
 #define TIE_ROWS 6              /* rows of one joint that can act at once */
+#define BLOCK_ROWS TIE_ROWS     /* of a node: 6 of a body, at most as many of a joint */
 
 typedef enum PartKind { PART_POINT, PART_LINE, PART_NORMAL, PART_LENGTH, PART_TWIST } PartKind;
 
@@ -82,6 +83,11 @@ typedef struct Elimination {    /* one node, in order           */
     int pair;
 } Elimination;
 
+typedef struct Exchange {       /* of a diagonal block, decomposed: its rows in order, and 1 over the diagonal */
+    int  row[BLOCK_ROWS];
+    real inverse[BLOCK_ROWS];
+} Exchange;
+
 typedef struct Later { int node, size, column; } Later;
 
 typedef struct TieBlocks { Block ja[2], aj[2], ab, ba; } TieBlocks;
@@ -104,7 +110,8 @@ typedef struct System {
     Block  *target;             /* what eliminating a node changes */
     TieBlocks *blocks;
     int     value_count;
-    real   *value;
+    real   *value;              /* the matrix, then its factor  */
+    Exchange *exchange;         /* [node_count], in order       */
     real   *side;               /* right-hand side, then the solution; 6 per node */
 
     bool    rings;              /* of hard ties                 */
@@ -129,7 +136,8 @@ dig_status order_make(System *s);
 Block  order_diagonal(const System *s, int node);
 
 /* factor.c */
-bool   factor_solve(System *s);                 /* value, side -> side; false: a pivot vanished */
+bool   factor_solve(System *s);                 /* value, side -> its factor, the solution; false: a pivot vanished */
+void   factor_again(System *s);                 /* another side -> its solution, by that factor */
 
 /* newton.c */
 bool   newton_step(System *s);                  /* from x0, q0, v0, w0 to the end of h */

@@ -246,18 +246,21 @@ typedef struct Nearby {
 
 #define SHARED_LEAST 512         /* pairs: fewer are not worth a team */
 #define RUBS 16                 /* of two kinds of surfaces each */
-typedef struct KnownRub { Surface a, b; Rub rub; bool known; } KnownRub;
+typedef struct KnownRub { Surface a, b; Rub rub; } KnownRub;
+typedef struct KnownRubs { bool known[RUBS]; KnownRub of[RUBS]; } KnownRubs;   /* only what is known is written */
 
 /* Of a pair that has no memory: mostly others have had the same two surfaces before it. */
-static Rub rub_as_before(const World *w, const Solid *a, const Solid *b, KnownRub known[RUBS])
+static Rub rub_as_before(const World *w, const Solid *a, const Solid *b, KnownRubs *known)
 {
-    KnownRub *k = &known[(unsigned)(3 * a->surface.material + b->surface.material) % RUBS];
-    if (!k->known || memcmp(&k->a, &a->surface, sizeof k->a) != 0 || memcmp(&k->b, &b->surface, sizeof k->b) != 0)
-        *k = (KnownRub){a->surface, b->surface, surface_pair(w, &a->surface, &b->surface), true};
+    unsigned i = (unsigned)(3 * a->surface.material + b->surface.material) % RUBS;
+    KnownRub *k = &known->of[i];
+    if (!known->known[i] || memcmp(&k->a, &a->surface, sizeof k->a) != 0 || memcmp(&k->b, &b->surface, sizeof k->b) != 0)
+        *k = (KnownRub){a->surface, b->surface, surface_pair(w, &a->surface, &b->surface)};
+    known->known[i] = true;
     return k->rub;
 }
 
-static void gather_pair(Group *g, GroupPair *q, const Near *n, KnownRub known[RUBS])
+static void gather_pair(Group *g, GroupPair *q, const Near *n, KnownRubs *known)
 {
     const World *w = g->world;
     const Pair *p = &w->pairs.data[n->slot];
@@ -399,13 +402,14 @@ static void gather_near(void *context, int thread, int threads)
 {
     const Nearby *n = context;
     Group *g = n->g;
-    KnownRub known[RUBS] = {{.known = false}};
+    KnownRubs known;
+    memset(known.known, 0, sizeof known.known);
     for (int i = team_first(n->taken, thread, threads), end = team_end(n->taken, thread, threads); i < end; i++) {
         const Near *near = &n->near[i];
         GroupPair *q = &g->pairs[n->first + i];
         fetch_near(g, n->near, n->taken, i);
         uint32_t c = near->first;
-        gather_pair(g, q, near, known);
+        gather_pair(g, q, near, &known);
         q->contact = near->contact;
         q->contacts = near->contacts;
         for (int k = 0; k < near->contacts; k++) {
@@ -455,6 +459,8 @@ static dig_status choose_near(Nearby *n)
 static dig_status gather_pairs(Group *g, const uint32_t *pairs, int pair_count)
 {
     Nearby n = {.g = g, .pairs = pairs, .count = pair_count};
+    if (pair_count == 0)
+        return DIG_OK;
     bool leaves = g->crowd && g->world->region_count == 0 && !g->again;
     n.span = leaves ? arena_alloc(g->arena, (size_t)g->body_count * sizeof *n.span) : NULL;
     n.near = arena_alloc(g->arena, (size_t)pair_count * sizeof *n.near);

@@ -195,13 +195,19 @@ static vec3 leaf_ahead(const Solid *s, const Body *b, real dt)
     return vec3_scale(way > 0 ? dt * real_max(1, far / way) : 0, b->v);
 }
 
+/* The box of its leaf in the tree, that lasts for some steps. */
+static box3 leaf_of(const Solid *s, const Body *b, real dt)
+{
+    return box3_grow(box3_swept(s->reach, leaf_ahead(s, b, dt)), LEAF_MARGIN * s->shape.outer);
+}
+
 static real sum_of(vec3 v) { return fabs(v.x) + fabs(v.y) + fabs(v.z); }
 
-/* Is it left over from faster days? Then it finds too many pairs. */
+/* Is it left over from faster days? Then it finds too many pairs. What a blow could have added in the last step it will in this. */
 static bool oversized(box3 leaf, const Solid *s, const Body *b, real dt)
 {
     real margin = LEAF_MARGIN * s->shape.outer, ahead = sum_of(leaf_ahead(s, b, dt));
-    real fresh = sum_of(vec3_sub(s->reach.high, s->reach.low)) + ahead + 6 * margin;
+    real fresh = sum_of(vec3_sub(s->reach.high, s->reach.low)) + ahead + 6 * (margin + real_max(0, -s->blow));
     return sum_of(vec3_sub(leaf.high, leaf.low)) > (ahead < margin ? OVERSIZED_RESTING : OVERSIZED) * fresh;
 }
 
@@ -229,7 +235,7 @@ static bool find_reach(World *w, Solid *s, const Body *b, real dt)
         return false;
     if (!box_sane(s->reach))        /* not by its motion so far: the step will find out what does it */
         s->reach = s->shape.type->bounds(&s->shape, solid_pose(w, s));
-    s->blow = 0;
+    s->blow = s->blow > 0 ? -s->blow : 0;
     return !box3_inside(tree_box(&w->tree, s->leaf), s->reach) || oversized(tree_box(&w->tree, s->leaf), s, b, dt);
 }
 
@@ -272,7 +278,7 @@ static dig_status follow_body(World *w, uint32_t slot, bool strayed, real dt)
         if (s->leaf < 0)
             continue;
         if (strayed && (!box3_inside(tree_box(&w->tree, s->leaf), s->reach) || oversized(tree_box(&w->tree, s->leaf), s, b, dt))) {
-            tree_move(&w->tree, s->leaf, box3_grow(box3_swept(s->reach, leaf_ahead(s, b, dt)), LEAF_MARGIN * s->shape.outer));
+            tree_move(&w->tree, s->leaf, leaf_of(s, b, dt));
             s->asks = false;            /* asked here */
             drop_parted(w, i);
             DIG_TRY(ask(w, i));
@@ -283,16 +289,16 @@ static dig_status follow_body(World *w, uint32_t slot, bool strayed, real dt)
 }
 
 /* Lets a solid reach `far` farther in this step, in any direction; once, by the largest. */
-static dig_status grow_reach(World *w, uint32_t solid, real far)
+static dig_status grow_reach(World *w, uint32_t solid, real far, real dt)
 {
     Solid *s = &w->solids.data[solid];
-    if (far <= s->blow)
+    if (far <= real_max(0, s->blow))
         return DIG_OK;
-    s->reach = box3_grow(s->reach, far - s->blow);
+    s->reach = box3_grow(s->reach, far - real_max(0, s->blow));
     s->blow = far;
     if (s->leaf < 0 || box3_inside(tree_box(&w->tree, s->leaf), s->reach))
         return DIG_OK;
-    tree_move(&w->tree, s->leaf, s->reach);
+    tree_move(&w->tree, s->leaf, leaf_of(s, &w->bodies.data[s->body], dt));
     DIG_TRY(ask(w, solid));
     return ask_planes(w, solid);
 }
@@ -321,9 +327,9 @@ static dig_status spread_from(World *w, uint32_t solid, const Body *striker, rea
         if (far <= 0.9 * s->shape.inner || (o->leaf >= 0 && !box3_overlap(s->reach, dynamic ? o->reach : tree_box(&w->tree, o->leaf))))
             continue;
         real back = 1 + pair_rub(w, p).restitution;
-        DIG_TRY(grow_reach(w, solid, 0.5 * back * (far + (b ? dt * vec3_length(b->v) : 0))));
+        DIG_TRY(grow_reach(w, solid, 0.5 * back * (far + (b ? dt * vec3_length(b->v) : 0)), dt));
         if (dynamic)
-            DIG_TRY(grow_reach(w, other, back * handed_on(striker, b) * far));
+            DIG_TRY(grow_reach(w, other, back * handed_on(striker, b) * far, dt));
     }
     return DIG_OK;
 }

@@ -21,39 +21,30 @@ typedef enum Spot { SPOT_POINT, SPOT_LINE, SPOT_FACE, SPOT_RIM } Spot;
 /* In the shape's frame. On a face: 2 at one of its corners, 1 on an edge of its rim, 0 inside. */
 typedef struct Place { Spot spot; vec3 p, d; int rim; vec3 edge; real round; } Place;      /* round: m, of what is round about p or d */
 
-static real component(vec3 v, int i) { return i == 0 ? v.x : i == 1 ? v.y : v.z; }
-static void set_component(vec3 *v, int i, real to) { *(i == 0 ? &v->x : i == 1 ? &v->y : &v->z) = to; }
+static vec3 axis_of(int i, real length) { return (vec3){i == 0 ? length : 0, i == 1 ? length : 0, i == 2 ? length : 0}; }
 
 static Place place_on_box(const Shape *s, vec3 p, vec3 toward)
 {
-    vec3 h = ((const BoxData *)s->data)->half;
-    real same = ON_EDGE * s->outer;
-    Place r = {.p = p};
+    const vec3 half = ((const BoxData *)s->data)->half;
+    const real h[3] = {half.x, half.y, half.z}, to[3] = {toward.x, toward.y, toward.z};
+    real at[3] = {p.x, p.y, p.z}, same = ON_EDGE * s->outer;
     int on = 0, across = 0, along = 0;
     for (int i = 0; i < 3; i++) {
-        bool at = fabs(component(p, i)) >= component(h, i) - same;
-        on += at;
-        if (at)
-            set_component(&r.p, i, copysign(component(h, i), component(p, i)));     /* onto it, without the manifold's rounding */
-        else
+        if (fabs(at[i]) >= h[i] - same) {
+            at[i] = copysign(h[i], at[i]);      /* onto it, without the manifold's rounding */
+            on++;
+        } else {
             along = i;
-        if (fabs(component(toward, i)) > fabs(component(toward, across)))
+        }
+        if (fabs(to[i]) > fabs(to[across]))
             across = i;
     }
-    vec3 face = vec3_zero(), line = vec3_zero();
-    set_component(&face, across, copysign(1, component(toward, across)));
-    set_component(&line, along, 1);
-    r.rim = on >= 3 ? 2 : on == 2 ? 1 : 0;
-    r.edge = line;
-    if (vec3_length(vec3_cross(face, toward)) < ALIGNED) {
-        r.spot = SPOT_FACE;
-        r.d = face;
-        set_component(&r.p, across, component(face, across) * component(h, across));
-    } else {
-        r.spot = on >= 3 ? SPOT_POINT : on == 2 ? SPOT_LINE : SPOT_FACE;
-        r.d = on == 2 ? line : face;
-    }
-    return r;
+    vec3 face = axis_of(across, copysign(1, to[across])), line = axis_of(along, 1);
+    bool square = vec3_length2(vec3_cross(face, toward)) < ALIGNED * ALIGNED;
+    if (square)
+        at[across] = copysign(h[across], to[across]);
+    return (Place){.spot = square || on < 2 ? SPOT_FACE : on == 2 ? SPOT_LINE : SPOT_POINT, .p = {at[0], at[1], at[2]},
+                   .d = on == 2 && !square ? line : face, .rim = on >= 3 ? 2 : on == 2 ? 1 : 0, .edge = line};
 }
 
 static Place place_on_hull(const Shape *s, vec3 p, vec3 toward)
@@ -154,17 +145,16 @@ static FeatureKind kind_of(const Place *a, const Place *b)
     return a->spot == SPOT_LINE ? LINE_POINT : b->spot == SPOT_LINE ? POINT_LINE : POINT_POINT;
 }
 
-/* Few shapes are turned in their body. */
-static inline vec3 turn_to_body(const pose *at, vec3 d)
-{
-    return at->q.x != 0 || at->q.y != 0 || at->q.z != 0 ? quat_rotate(at->q, d) : d;
-}
-static inline vec3 to_body(const pose *at, vec3 local) { return vec3_add(at->p, turn_to_body(at, local)); }
+static inline bool is_turned(quat q) { return q.x != 0 || q.y != 0 || q.z != 0; }
+static inline vec3 turn_to_body(const pose *at, bool turned, vec3 d) { return turned ? quat_rotate(at->q, d) : d; }
+static inline vec3 to_body(const pose *at, bool turned, vec3 local) { return vec3_add(at->p, turn_to_body(at, turned, local)); }
 
 void feature_sides(const Group *g, const GroupPair *q, vec3 normal, Sides *out)
 {
     out->la = pair_local(q, false);
     out->lb = pair_local(q, true);
+    out->turned_a = is_turned(out->la.q);
+    out->turned_b = is_turned(out->lb.q);
     out->n = normal;
     if (q->sa->type != &shape_sphere)
         out->a = group_shape_pose(g, q->a, out->la);
@@ -194,10 +184,10 @@ void feature_find(const GroupPair *q, const Sides *s, const ManifoldPoint *p, Fe
             out->kind = LINE_POINT;
         }
     }
-    out->pa = to_body(&s->la, a.p);
-    out->pb = to_body(&s->lb, b.p);
-    out->da = turn_to_body(&s->la, a.d);
-    out->db = turn_to_body(&s->lb, b.d);
+    out->pa = to_body(&s->la, s->turned_a, a.p);
+    out->pb = to_body(&s->lb, s->turned_b, b.p);
+    out->da = turn_to_body(&s->la, s->turned_a, a.d);
+    out->db = turn_to_body(&s->lb, s->turned_b, b.d);
 }
 
 /* ---- moving ---- */
@@ -312,14 +302,14 @@ static inline Turning turning_of(const Spin *a, const Spin *b, const Feature *f)
 }
 
 /* Few bodies that stand still are turned. */
-static inline vec3 still_turn(const Pos *at, vec3 d) { return at->q.x != 0 || at->q.y != 0 || at->q.z != 0 ? quat_rotate(at->q, d) : d; }
+static inline vec3 still_turn(const Pos *at, bool turned, vec3 d) { return turned ? quat_rotate(at->q, d) : d; }
 
 /* A point on a plane of what does not move: what most contacts are. The terms that are left, in the order of the general way. */
 static inline void move_on_still(const Pos *plane, const Pos *x, const Vel *v, const Feature *f, Kinematics *k)
 {
-    bool on_a = f->kind == PLANE_POINT;
+    bool on_a = f->kind == PLANE_POINT, turned = is_turned(plane->q);
     real side = on_a ? 1 : -1, round = on_a ? f->rb : f->ra;
-    vec3 n = still_turn(plane, on_a ? f->da : f->db), o = still_turn(plane, on_a ? f->pa : f->pb);
+    vec3 n = still_turn(plane, turned, on_a ? f->da : f->db), o = still_turn(plane, turned, on_a ? f->pa : f->pb);
     vec3 p = place_of(x, on_a ? f->pb : f->pa);
     vec3 u = v->v, drift = vec3_zero();
     k->gap = vec3_dot(n, vec3_sub(p, vec3_add(plane->x, o))) - round;

@@ -6,6 +6,7 @@
  *   normal forces      lie on a plane over the patch, f = a + b x + c y: the distribution of least norm;
  *   tangential forces  are those of a rigid turn of the patch, weighted with the normal forces.
  */
+#include "math/pair.h"
 #include "trace/trace.h"
 
 #define FLAT    1e-9        /* 1 - cosine: points of such normals make one patch                */
@@ -23,29 +24,29 @@ typedef struct Patch {
 /* The points that take part in a row. */
 typedef struct Subset { int count, which[MANIFOLD_POINTS]; } Subset;
 
-/* Opens a row whose rate is sum_i e_i . u_i. */
-static Line *open_line(Tracer *t, LineKind kind, const Patch *p, const Subset *s, const vec3 *e)
+/* Opens a row on these points; what its e are is the caller's to say. */
+INLINE Line *open_line(Tracer *t, LineKind kind, const Patch *p, const Subset *s)
 {
     Line *l = trace_line(t, kind, p->point[s->which[0]]);
     if (!l)
         return NULL;
     l->points = s->count;
-    for (int i = 0; i < s->count; i++) {
+    for (int i = 0; i < s->count; i++)
         l->point[i] = p->point[s->which[i]];
-        l->e[i] = e[i];
-    }
     return l;
 }
 
-/* On one body. */
-static inline void push_body(const Tracer *t, Line *l, int body, Arrow *j, Arrow *g)
+/* On one body. The copies keep the arrows of all other worlds in registers. */
+INLINE void push_body(const Tracer *t, Line *l, int body, const Arrow *j, const Arrow *g)
 {
     if (t->g->planar) {
-        dir_mask(t->g, &j->lin, &j->ang);
-        if (g != j)
-            dir_mask(t->g, &g->lin, &g->ang);
+        Arrow flat_j = *j, flat_g = *g;
+        dir_mask(t->g, &flat_j.lin, &flat_j.ang);
+        dir_mask(t->g, &flat_g.lin, &flat_g.ang);
+        trace_line_push(t, l, body, &flat_j, &flat_g);
+    } else {
+        trace_line_push(t, l, body, j, g);
     }
-    trace_line_push(t, l, body, j, g);
 }
 
 /* Outward on b, inward on a. */
@@ -70,7 +71,9 @@ static Arrow arrow_of(const Patch *p, const Subset *s, int side, const vec3 *e, 
 /* A row whose rate is sum_i e_i . u_i and whose force on b at point i is c_i, with the torque tau_i; NULL: as e_i, without torques. */
 static Line *add_line(Tracer *t, LineKind kind, const Patch *p, const Subset *s, const vec3 *e, const vec3 *c, const vec3 *tau)
 {
-    Line *l = open_line(t, kind, p, s, e);
+    Line *l = open_line(t, kind, p, s);
+    for (int i = 0; l && i < s->count; i++)
+        l->e[i] = e[i];
     for (int side = 0; l && side < 2; side++) {
         if (p->body[side] < 0)
             continue;
@@ -85,21 +88,22 @@ static Line *add_line(Tracer *t, LineKind kind, const Patch *p, const Subset *s,
 /* The same of e_i = w_i d, and c_i = w_i f. */
 static Line *add_even_line(Tracer *t, LineKind kind, const Patch *p, const Subset *s, const real *w, vec3 d, vec3 f)
 {
-    vec3 e[MANIFOLD_POINTS];
-    for (int i = 0; i < s->count; i++)
-        e[i] = vec3_scale(w[i], d);
-    Line *l = open_line(t, kind, p, s, e);
-    for (int side = 0; l && side < 2; side++) {
+    Line *l = open_line(t, kind, p, s);
+    if (!l)
+        return NULL;
+    real sum = 0;
+    for (int i = 0; i < s->count; i++) {
+        l->e[i] = vec3_scale(w[i], d);
+        sum += w[i];
+    }
+    bool same = vec3_equal(d, f);
+    for (int side = 0; side < 2; side++) {
         if (p->body[side] < 0)
             continue;
         vec3 lever = vec3_zero();
-        real sum = 0;
-        for (int i = 0; i < s->count; i++) {
+        for (int i = 0; i < s->count; i++)
             lever = vec3_mad(lever, w[i], p->lever[side][s->which[i]]);
-            sum += w[i];
-        }
         Arrow j = arrow(side, vec3_scale(sum, d), vec3_cross(lever, d)), g;
-        bool same = vec3_equal(d, f);
         if (!same)
             g = arrow(side, vec3_scale(sum, f), vec3_cross(lever, f));
         push_body(t, l, p->body[side], &j, same ? &j : &g);
@@ -108,7 +112,7 @@ static Line *add_even_line(Tracer *t, LineKind kind, const Patch *p, const Subse
 }
 
 /* Gram and Schmidt: the fields that are independent on these points, of unit norm. Returns their number. */
-static int independent(real field[][MANIFOLD_POINTS], int fields, int points, real size)
+INLINE int orthogonal(real field[][MANIFOLD_POINTS], int fields, int points, real size)
 {
     int rank = 0;
     for (int f = 0; f < fields; f++) {
@@ -119,26 +123,41 @@ static int independent(real field[][MANIFOLD_POINTS], int fields, int points, re
             real taken = 0, left = 0;
             for (int k = 0; k < rank; k++) {
                 real dot = 0;
+                UNROLL
                 for (int i = 0; i < points; i++)
                     dot += v[i] * field[k][i];
+                UNROLL
                 for (int i = 0; i < points; i++)
                     v[i] -= dot * field[k][i];
                 taken += dot * dot;
             }
+            UNROLL
             for (int i = 0; i < points; i++)
                 left += v[i] * v[i];
             again = taken > left;           /* little is left: once more takes the rounding out */
         }
+        UNROLL
         for (int i = 0; i < points; i++)
             norm += v[i] * v[i];
         norm = sqrt(norm);
         if (!(norm > THIN * (f == 0 ? 1 : size)) || rank == points)
             continue;
+        UNROLL
         for (int i = 0; i < points; i++)
             field[rank][i] = v[i] / norm;
         rank++;
     }
     return rank;
+}
+
+/* The same, written out by the compiler for edges and for faces. */
+static int independent(real field[][MANIFOLD_POINTS], int fields, int points, real size)
+{
+    switch (points) {
+    case 2: return orthogonal(field, fields, 2, size);
+    case 4: return orthogonal(field, fields, 4, size);
+    default: return orthogonal(field, fields, points, size);
+    }
 }
 
 /* ---- normal forces, with sliding friction and rolling resistance in their columns ---- */

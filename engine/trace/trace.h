@@ -39,8 +39,8 @@ typedef struct Kinematics {     /* of a contact, world axes */
 } Kinematics;
 
 /* What all points of a manifold share: where the two shapes are, in the world and in their bodies, its normal, and the same in either's
- * frame, outward; of balls only the place in the body, of planes no direction. */
-typedef struct Sides { pose a, b, la, lb; vec3 n, out_a, out_b; } Sides;
+ * frame, outward; of balls only the place in the body, of planes no direction. Few shapes are turned in their body. */
+typedef struct Sides { pose a, b, la, lb; vec3 n, out_a, out_b; bool turned_a, turned_b; } Sides;
 
 void feature_sides(const Group *g, const GroupPair *q, vec3 normal, Sides *out);
 /* What touches at a manifold's point of two shapes of known kind. */
@@ -133,7 +133,7 @@ typedef struct System {         /* A x = b with A = J M^-1 G: L D L^T in its pro
     int  *run;                  /* one past the last of the rows that follow each other on the same bodies */
     bool  sliding;              /* A is not symmetric                    */
     bool  redundant;            /* softened and refined                  */
-    int   rank;                 /* of rows that repeat others, all on the same bodies; 0: not factored so */
+    int   rank;                 /* of rows that repeat others, all on the same bodies, which need no A; 0: not factored so */
     real  residual;             /* over the right side                   */
 } System;
 

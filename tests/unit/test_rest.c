@@ -1,6 +1,7 @@
 /* tests/unit/test_rest.c - rest: no overlap, exact zeros, sleep that costs nothing, waking in time, piles, movers, steady memory,
  * the same bits for any number of threads. "Row" and "B.." as in test_laws.c. */
 #include "physics_fixture.h"
+#include "world/world.h"
 
 static int sleepers(const dig_world *w)
 {
@@ -277,6 +278,28 @@ TEST(kinematic_pusher_moves_what_is_in_its_way)
     dig_world_close(w);
 }
 
+/* A turntable whose edge is fast enough to strike what lies on it far away: the box of the ball's leaf has room for that, and lasts. */
+TEST(leaves_of_what_a_fast_mover_carries_last_for_steps)
+{
+    dig_world *w = open_world(1.0 / 60, NULL, true);
+    dig_body_def d = body_with(look(0.5, 0), (vec3){0, -0.1, 0}, quat_identity());
+    d.kinematic = true;
+    d.spin = (vec3){0, 3.5, 0};
+    add_body(w, d, "box", &(dig_box_def){{6, 0.2, 6}});
+    dig_body ball = add_ball(w, look(0.5, 0), 0.1, 1, (vec3){1, 0.1, 0}, (vec3){0, 0, 0.5});
+    int32_t leaf = w->solids.data[w->bodies.data[ball.slot].shape_first].leaf;
+    int moved = 0;
+    for (int i = 0; i < 120; i++) {
+        box3 before = tree_box(&w->tree, leaf), after;
+        step(w, 1);
+        after = tree_box(&w->tree, leaf);
+        moved += !vec3_equal(before.low, after.low);
+    }
+    CHECK(moved > 0 && moved < 60);
+    CHECK_NEAR(state_of(w, ball).position.y, 0.1, 1e-6);
+    dig_world_close(w);
+}
+
 TEST(lift_carries_its_load_up_and_down)
 {
     dig_world *w = open_world(1.0 / 60, NULL, true);
@@ -415,6 +438,7 @@ int main(void)
               unit_test(stack_of_ten_stands_and_carries_its_weight),
               unit_test(sleeping_stack_costs_nothing_and_wakes_whole),
               unit_test(kinematic_pusher_moves_what_is_in_its_way),
+              unit_test(leaves_of_what_a_fast_mover_carries_last_for_steps),
               unit_test(lift_carries_its_load_up_and_down),
               unit_test(three_spheres_on_one_axis_come_to_rest),
               unit_test(three_elastic_spheres_on_one_axis_keep_their_energy),
