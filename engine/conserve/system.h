@@ -120,6 +120,22 @@ typedef struct System {
     bool    resting;            /* solve for velocities at fixed poses */
 } System;
 
+/* romberg.c: runs over one frame step in 2, 4, 8, ... parts, extrapolated to infinitely many (Romberg's table) */
+#define ROMBERG_ROWS 6
+
+typedef struct Moved { vec3 x, turn, v, w; } Moved;     /* m, rad  since the start of the frame; velocities at its end */
+
+typedef struct Romberg {
+    int    rows, bodies;
+    real   error;               /* m   estimate, of places; INFINITY: of one run there is none */
+    Moved *last;                /* [ROMBERG_ROWS][bodies]  the last row, one column after the other */
+    real   lost[ROMBERG_ROWS];  /* J   the same */
+} Romberg;
+
+dig_status romberg_open(Romberg *r, const Group *g);
+void   romberg_enter(Romberg *r, const Group *g, const GroupKept *from);       /* a finished run, of twice as many parts as the last */
+void   romberg_take(const Romberg *r, Group *g, const GroupKept *from);        /* the best there is becomes the group's */
+
 /* parts.c */
 bool   parts_understood(const Group *g);        /* every row of every joint has its formula here, and no stop is near */
 dig_status parts_compile(System *s);

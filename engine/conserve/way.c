@@ -10,6 +10,8 @@
 #define COMPOSED_LEVEL 1        /* halvings for the spin, past which single steps are cheaper  */
 #define COMPOSED_MOST 64        /* parts of a step                                             */
 #define LEAST_MOST 7            /* of the parts that the tolerance alone asks for              */
+#define CREEPS 10               /* decay of a damped motion within the step, from which it creeps */
+#define EXTRAPOLATED_MOST 4     /* parts of a step, over its substeps                          */
 
 /* A part of the step made of five steps, one of them backward: fourth order from a symmetric rule of second order, and every
  * conserved quantity stays conserved. Suzuki 1990, Phys. Lett. A 146, 319: 1 / (4 - 4^(1/3)) and 1 - 4 of that. */
@@ -213,20 +215,62 @@ static dig_status run(Group *g, real dt, Run r, System *s, const char **why)
     return DIG_OK;
 }
 
-/* Backward steps and dampers do not go together. */
-static bool may_compose(const Group *g)
+/* Composed: nothing is lost; backward steps and dampers do not go together. Extrapolated: what dampers hold back so much that its speed
+ * is gone within the step creeps, and the error of single steps is a series in the square of their length however long they are. */
+typedef enum Kind { SINGLE, COMPOSED, EXTRAPOLATED } Kind;
+
+static Kind kind_of(const Group *g, real dt)
 {
-    if (g->world->region_count > 0 || g->varies)
-        return false;
+    Kind kind = COMPOSED;
+    if (!is_small(g) || g->world->region_count > 0 || g->varies)
+        return SINGLE;
     for (int i = 0; i < g->joint_count; i++) {
         Row rows[JOINT_SLOTS];
         RowList list = {rows, 0, JOINT_SLOTS};
         g->joints[i].view.type->rows(&g->joints[i].view, &list);
-        for (int k = 0; k < list.count; k++)
-            if (rows[k].kind == ROW_SOFT && rows[k].damping > 0)
-                return false;
+        for (int k = 0; k < list.count; k++) {
+            if (rows[k].kind != ROW_SOFT || !(rows[k].damping > 0))
+                continue;
+            real mobility = 0;
+            for (int m = 0; m < rows[k].count; m++)
+                mobility += group_row_mobility(g, &rows[k], m);
+            if (rows[k].damping < dt * rows[k].stiffness || rows[k].damping * mobility * dt < CREEPS)
+                return SINGLE;
+            kind = EXTRAPOLATED;
+        }
     }
-    return true;
+    return kind;
+}
+
+static real largest(const Group *g)
+{
+    real size = 0;
+    for (int i = 0; i < g->moving_count; i++)
+        size = real_max(size, g->member[i].outer);
+    return size;
+}
+
+/* 2 steps, 4, 8, ... until their extrapolation tells that its error is within the tolerance: then nothing was given up. Odd numbers
+ * would part with the others: what a step overshoots the next takes back. */
+static dig_status extrapolate(Group *g, real dt, const GroupKept *from, System *s, const char **why)
+{
+    Romberg table;
+    real most = g->tolerance * largest(g);
+    DIG_TRY(romberg_open(&table, g));
+    for (int parts = 2; parts <= EXTRAPOLATED_MOST * g->plan->substeps && table.rows < ROMBERG_ROWS && table.error > most; parts *= 2) {
+        if (table.rows > 0)
+            group_put_back(g, from);
+        DIG_TRY(run(g, dt, run_of(parts, false, false), s, why));
+        if (*why || g->woke)
+            return DIG_OK;
+        romberg_enter(&table, g, from);
+    }
+    romberg_take(&table, g, from);
+    if (table.error <= most)
+        g->gave_up = NULL;
+    else if (!g->gave_up)
+        g->gave_up = "conserve: an error above its tolerance";
+    return DIG_OK;
 }
 
 static dig_status advance(Group *g, real dt)
@@ -241,10 +285,13 @@ static dig_status advance(Group *g, real dt)
         return hand_on(g, &saved, NULL);                /* something may touch */
     for (int i = 0; i < g->joint_count; i++)
         group_joint_view(g, i);
-    bool composed = is_small(g) && may_compose(g);
-    int parts = composed ? composed_parts(g, dt) : is_small(g) ? g->plan->substeps : parts_of(g->plan);
-    DIG_TRY(run(g, dt, run_of(parts, composed, false), &s, &why));
-    if (why && composed) {
+    Kind kind = kind_of(g, dt);
+    int parts = kind == COMPOSED ? composed_parts(g, dt) : is_small(g) ? g->plan->substeps : parts_of(g->plan);
+    if (kind == EXTRAPOLATED)
+        DIG_TRY(extrapolate(g, dt, &saved, &s, &why));
+    else
+        DIG_TRY(run(g, dt, run_of(parts, kind == COMPOSED, false), &s, &why));
+    if (why && kind != SINGLE) {
         group_put_back(g, &saved);                             /* single steps then */
         DIG_TRY(run(g, dt, run_of(parts_of(g->plan), false, false), &s, &why));
     }

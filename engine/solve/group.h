@@ -370,6 +370,7 @@ void group_turn_joints(Group *g, const Vel *found);     /* for the velocities at
                                                          * did before, or by the velocities found; [body_count] */
 void group_clean_joints(Group *g);
 void joint_row_warm(Group *g, JointRow *r);
+real group_row_mobility(const Group *g, const Row *r, int k);   /* kg^-1 or (kg m^2)^-1  what a row moves of its k-th body, per unit of impulse */
 
 /* hold.c: after a substep in which poses and velocities of moving members went on from start_pos and start_vel. both: what was lost is
  * given back, too, where it is little. *taken: J out of their motion */

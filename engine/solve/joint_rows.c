@@ -43,6 +43,14 @@ void group_joint_move(Group *g, int joint)
         set_end(g, &j->view.b, j->b, j->rb, j->fb);
 }
 
+real group_row_mobility(const Group *g, const Row *r, int k)
+{
+    int b = r->body[k];
+    if (b < 0)
+        return 0;
+    return g->mass[b].im * vec3_length2(r->lin[k]) + vec3_dot(r->ang[k], mat3_mul_vec(g->mass[b].ii, r->ang[k]));
+}
+
 static real start_rate(const Group *g, const Row *r)
 {
     real rate = 0;

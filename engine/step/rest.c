@@ -12,6 +12,7 @@
  * seconds, and stays off its end by its way in them: finer accuracies rest at lower speeds. */
 #define REST_SPEED 1e-6
 #define REST_PART 1e-2          /* 1/s  of the tolerance */
+#define SWING_SPEED 1e-8        /* m/s: what only joints hold swings, and is this slow for two steps at the end alone */
 /* m/s: slower than this for SLEEP_TIME, and a DIG sleeps */
 #define SLEEP_SPEED 2e-3
 
@@ -69,10 +70,19 @@ static real stop(Body *b)
     return lost;
 }
 
+static bool touches(const World *w, const Body *b)
+{
+    for (uint32_t s = b->shape_first; s != NONE; s = w->solids.data[s].next)
+        for (uint32_t l = w->solids.data[s].pair_first; l != NONE; l = w->pairs.data[l / 2].next[l % 2])
+            if (w->pairs.data[l / 2].touching)
+                return true;
+    return false;
+}
+
 static bool creeps(const World *w, uint32_t slot, real speed)
 {
     int accuracy = int_max(w->accuracy, (int)graph_user_of(w->graph, graph_lead(w->graph, slot)));
-    return speed >= REST_PART * accuracy_tolerance(accuracy);
+    return speed >= REST_PART * accuracy_tolerance(accuracy) || (speed >= SWING_SPEED && !touches(w, &w->bodies.data[slot]));
 }
 
 /* Returns the energy lost by it, J. */

@@ -13,15 +13,6 @@
 #define SWING_PART    0.25      /* of the tolerance for errors of a swing: they add up over the swings that follow */
 #define AIM           100       /* a plan's tolerance over the local error: see accuracy_local */
 
-/* kg^-1 or (kg m^2)^-1  What a row moves of its k-th body, per unit of impulse. */
-static real mobility_of(const Group *g, const Row *r, int k)
-{
-    int b = r->body[k];
-    if (b < 0)
-        return 0;
-    return g->mass[b].im * vec3_length2(r->lin[k]) + vec3_dot(r->ang[k], mat3_mul_vec(g->mass[b].ii, r->ang[k]));
-}
-
 /* Of a soft row: what all its bodies move; how fast it lets them swing, and how fast it lets that die down. */
 typedef struct Rates { real mobility, swing, decay; } Rates;
 
@@ -29,7 +20,7 @@ static Rates rates_of(const Group *g, const Row *r)
 {
     real mobility = 0;
     for (int k = 0; k < r->count; k++)
-        mobility += mobility_of(g, r, k);
+        mobility += group_row_mobility(g, r, k);
     return (Rates){mobility, sqrt(r->stiffness * mobility), r->damping * mobility};
 }
 
@@ -100,7 +91,7 @@ static bool too_damped(const Tracer *t)
             for (int k = 0; k < r->count && r->damping > 0; k++) {
                 int b = r->body[k];
                 if (pass == 0 && b >= 0)
-                    rate[b] += r->damping * mobility_of(g, r, k);
+                    rate[b] += r->damping * group_row_mobility(g, r, k);
                 sum += b >= 0 ? rate[b] : 0;
             }
             worst = real_max(worst, sum);
