@@ -172,7 +172,6 @@ static void close_body(Crowd *c, int i)
         angle = fly(c, i);
     }
     turn(c, i, angle);
-    group_refresh_mass(g, i);
 }
 
 static void close_share(void *context, int thread, int threads)

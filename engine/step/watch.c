@@ -253,8 +253,10 @@ static uint32_t lighter(const Group *g, int a, int b)
     return g->member[first || b < 0 ? a : b].slot;
 }
 
-/* Part of the bound for the smallest pair of a group below which nobody looks at its contacts one by one. */
+/* Part of the bound for the smallest pair of a group below which nobody looks at its contacts one by one. What a crowd says of its overlap is
+ * that of its contacts as they are now. */
 #define FINE 0.1
+static real fine_of(const Group *g) { return g->crowd ? 1 : FINE; }
 
 static real depth_of(const GroupContact *c)
 {
@@ -266,7 +268,7 @@ static real depth_of(const GroupContact *c)
 
 static void judge_overlaps(World *w, const Group *g)
 {
-    if (!(g->penetration > FINE * rules[DIG_RULE_OVERLAP].bound * g->finest))
+    if (!(g->penetration > fine_of(g) * rules[DIG_RULE_OVERLAP].bound * g->finest))
         return;
     for (int i = 0; i < g->contact_count; i++) {
         const GroupContact *c = &g->contacts[i];
