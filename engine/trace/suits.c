@@ -4,7 +4,7 @@
 
 #define FAST_LOOP  0.3          /* rad in a step */
 #define LOOP_MOST  1e-10        /* of the size: a slow loop followed so closely is on its joints in singular positions, too */
-#define LOOP_WORK  2000         /* evaluations in a frame that these may take, so that less is no budget for them */
+#define LOOP_WORK  2000         /* evaluations in a frame that these may take: a plan with less does not trace them */
 #define LOOP_LEAST 1e-12        /* of the size: finer steps of a loop come so near to singular positions that rounding leads on there */
 #define LOOP_BODIES 128         /* more than any plan traces */
 
@@ -56,7 +56,7 @@ static bool is_slow_loop(const Group *g)
 
 real trace_tolerance(const Group *g)
 {
-    if (g->tolerance > LOOP_MOST && is_slow_loop(g))
+    if (g->tolerance > LOOP_MOST && g->plan->trace_work >= LOOP_WORK && is_slow_loop(g))
         return LOOP_MOST;
     return g->tolerance < LOOP_LEAST && trace_has_loop(g) ? LOOP_LEAST : g->tolerance;
 }
