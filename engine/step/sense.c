@@ -203,11 +203,11 @@ static box3 leaf_of(const Solid *s, const Body *b, real dt)
 
 static real sum_of(vec3 v) { return fabs(v.x) + fabs(v.y) + fabs(v.z); }
 
-/* Is it left over from faster days? Then it finds too many pairs. What a blow could have added in the last step it will in this. */
+/* Is it left over from faster days? Then it finds too many pairs. */
 static bool oversized(box3 leaf, const Solid *s, const Body *b, real dt)
 {
     real margin = LEAF_MARGIN * s->shape.outer, ahead = sum_of(leaf_ahead(s, b, dt));
-    real fresh = sum_of(vec3_sub(s->reach.high, s->reach.low)) + ahead + 6 * (margin + real_max(0, -s->blow));
+    real fresh = sum_of(vec3_sub(s->reach.high, s->reach.low)) + ahead + 6 * (margin + s->struck);
     return sum_of(vec3_sub(leaf.high, leaf.low)) > (ahead < margin ? OVERSIZED_RESTING : OVERSIZED) * fresh;
 }
 
@@ -235,7 +235,7 @@ static bool find_reach(World *w, Solid *s, const Body *b, real dt)
         return false;
     if (!box_sane(s->reach))        /* not by its motion so far: the step will find out what does it */
         s->reach = s->shape.type->bounds(&s->shape, solid_pose(w, s));
-    s->blow = s->blow > 0 ? -s->blow : 0;
+    s->blow = 0;
     return !box3_inside(tree_box(&w->tree, s->leaf), s->reach) || oversized(tree_box(&w->tree, s->leaf), s, b, dt);
 }
 
@@ -279,6 +279,7 @@ static dig_status follow_body(World *w, uint32_t slot, bool strayed, real dt)
             continue;
         if (strayed && (!box3_inside(tree_box(&w->tree, s->leaf), s->reach) || oversized(tree_box(&w->tree, s->leaf), s, b, dt))) {
             tree_move(&w->tree, s->leaf, leaf_of(s, b, dt));
+            s->struck = 0;
             s->asks = false;            /* asked here */
             drop_parted(w, i);
             DIG_TRY(ask(w, i));
@@ -288,17 +289,19 @@ static dig_status follow_body(World *w, uint32_t slot, bool strayed, real dt)
     return DIG_OK;
 }
 
-/* Lets a solid reach `far` farther in this step, in any direction; once, by the largest. */
-static dig_status grow_reach(World *w, uint32_t solid, real far, real dt)
+/* Lets a solid reach `far` farther in this step, in any direction; once, by the largest. A blow by a mover, or on one, could come in each of
+ * the next steps as well: its leaf is made to last. */
+static dig_status grow_reach(World *w, uint32_t solid, real far, bool mover, real dt)
 {
     Solid *s = &w->solids.data[solid];
-    if (far <= real_max(0, s->blow))
+    if (far <= s->blow)
         return DIG_OK;
-    s->reach = box3_grow(s->reach, far - real_max(0, s->blow));
+    s->reach = box3_grow(s->reach, far - s->blow);
     s->blow = far;
     if (s->leaf < 0 || box3_inside(tree_box(&w->tree, s->leaf), s->reach))
         return DIG_OK;
-    tree_move(&w->tree, s->leaf, leaf_of(s, &w->bodies.data[s->body], dt));
+    s->struck = mover ? far : 0;
+    tree_move(&w->tree, s->leaf, mover ? leaf_of(s, &w->bodies.data[s->body], dt) : s->reach);
     DIG_TRY(ask(w, solid));
     return ask_planes(w, solid);
 }
@@ -326,10 +329,11 @@ static dig_status spread_from(World *w, uint32_t solid, const Body *striker, rea
         real far = dt * (vec3_length(speed) + vec3_length(striker->w) * striker->outer + striker->pull * dt);
         if (far <= 0.9 * s->shape.inner || (o->leaf >= 0 && !box3_overlap(s->reach, dynamic ? o->reach : tree_box(&w->tree, o->leaf))))
             continue;
+        bool mover = striker->kind == DIG_KINEMATIC || (b && b->kind == DIG_KINEMATIC);
         real back = 1 + pair_rub(w, p).restitution;
-        DIG_TRY(grow_reach(w, solid, 0.5 * back * (far + (b ? dt * vec3_length(b->v) : 0)), dt));
+        DIG_TRY(grow_reach(w, solid, 0.5 * back * (far + (b ? dt * vec3_length(b->v) : 0)), mover, dt));
         if (dynamic)
-            DIG_TRY(grow_reach(w, other, back * handed_on(striker, b) * far, dt));
+            DIG_TRY(grow_reach(w, other, back * handed_on(striker, b) * far, mover, dt));
     }
     return DIG_OK;
 }

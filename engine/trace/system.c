@@ -29,23 +29,25 @@ static inline bool same_bodies(const Line *i, const Line *k)
     return true;
 }
 
-/* Adds to (or, at first, makes) `count` numbers of a row of A: what its p-th body and the q-th of the other rows, the same one, do. */
-INLINE void couple_row(real *a, const real *j, const Line *other, int q, int count, bool first)
+/* Adds to (or, at first, makes) one or two columns of A, k and the next, in the rows i .. i_end: what their p-th body and the q-th of those
+ * rows, the same one, do. */
+INLINE void couple_columns(System *s, int i, int i_end, int p, int k, int columns, int q, bool first)
 {
-    const pair j0 = two(j), j1 = two(j + 2), j2 = two(j + 4);
-    int k = 0;
-    for (; k + 1 < count; k += 2, other += 2) {
-        const real *m = &other[0].m[q].lin.x, *n = &other[1].m[q].lin.x;
-        pair x = j0 * two(m) + j1 * two(m + 2) + j2 * two(m + 4), y = j0 * two(n) + j1 * two(n + 2) + j2 * two(n + 4);
-        pair sum = (pair){x[0], y[0]} + (pair){x[1], y[1]};
-        if (!first)
-            sum += PAIR(a[k]);
-        PAIR(a[k]) = sum;
-    }
-    if (k < count) {
-        const real *m = &other->m[q].lin.x;
-        pair x = j0 * two(m) + j1 * two(m + 2) + j2 * two(m + 4);
-        a[k] = first ? x[0] + x[1] : a[k] + (x[0] + x[1]);
+    const real *m = &s->lines[k].m[q].lin.x, *n = &s->lines[k + columns - 1].m[q].lin.x;
+    const pair m0 = two(m), m1 = two(m + 2), m2 = two(m + 4), n0 = two(n), n1 = two(n + 2), n2 = two(n + 4);
+    real *a = s->a + i * s->count + k;
+    for (const Line *own = &s->lines[i]; i < i_end; i++, own++, a += s->count) {
+        const real *j = &own->j[p].lin.x;
+        const pair j0 = two(j), j1 = two(j + 2), j2 = two(j + 4), x = j0 * m0 + j1 * m1 + j2 * m2;
+        if (columns == 2) {
+            const pair y = j0 * n0 + j1 * n1 + j2 * n2;
+            pair sum = (pair){x[0], y[0]} + (pair){x[1], y[1]};
+            if (!first)
+                sum += PAIR(a[0]);
+            PAIR(a[0]) = sum;
+        } else {
+            a[0] = first ? x[0] + x[1] : a[0] + (x[0] + x[1]);
+        }
     }
 }
 
@@ -53,14 +55,14 @@ INLINE void couple_row(real *a, const real *j, const Line *other, int q, int cou
  * diagonal, or one beyond, which nobody reads. */
 static inline void couple_body(System *s, int i, int i_end, int p, int k, int k_end, int q, bool first)
 {
-    real *a = s->a + i * s->count + k;
-    const Line *other = &s->lines[k];
-    for (const Line *own = &s->lines[i]; i < i_end; i++, own++, a += s->count) {
-        int count = s->sliding ? k_end - k : int_min(k_end - k, (i - k + 2) & ~1);
-        if (first)
-            couple_row(a, &own->j[p].lin.x, other, q, count, true);
+    for (; k < k_end; k += 2) {
+        int from = s->sliding ? i : int_max(i, k);
+        if (k + 1 == k_end)
+            couple_columns(s, from, i_end, p, k, 1, q, first);
+        else if (first)
+            couple_columns(s, from, i_end, p, k, 2, q, true);
         else
-            couple_row(a, &own->j[p].lin.x, other, q, count, false);
+            couple_columns(s, from, i_end, p, k, 2, q, false);
     }
 }
 

@@ -103,7 +103,8 @@ typedef struct Solid {          /* one shape in a body, or of the world itself (
     vec3     arm;               /* m   the shape's origin from there, in the body frame */
     Surface  surface;
     vec3     colour;
-    real     blow;              /* m   of that, what a blow could add; < 0: nothing yet, and so much in the last step */
+    real     blow;              /* m   of that, what a blow could add                  */
+    real     struck;            /* m   the same of a mover's blow, for which its leaf has room */
     real     astray;            /* m   how much farther than foreseen it got in the tries of this step, not kept between steps */
 } Solid;
 
