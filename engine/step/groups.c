@@ -103,8 +103,8 @@ static void look_share(void *context, int thread, int threads)
         Pair *p = &w->pairs.data[w->near.data[i]];
         fetch_pairs(w, i);
         l->found[i] = GONE;
-        if (!p->alive || (i > 0 && w->near.data[i - 1] == w->near.data[i]))
-            continue;                       /* gone; or gone, and its slot was given to a new pair */
+        if ((i > 0 && w->near.data[i - 1] == w->near.data[i]) || !p->alive)
+            continue;                       /* gone, and its slot was given to a new pair, which may be another thread's; or gone */
         p->listed = is_listed(w, p->body_a) || is_listed(w, p->body_b);
         if (!p->listed)
             continue;
