@@ -16,6 +16,7 @@ INLINE wide most(wide a, wide b) { return pick(a > b, a, b); }
 INLINE wide least(wide a, wide b) { return pick(a < b, a, b); }
 INLINE wide dot(const wide a[3], const wide b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 INLINE wide all(float x) { return (wide){x, x, x, x, x, x, x, x}; }
+
 INLINE wide root(wide x)
 {
     UNROLL
@@ -24,8 +25,9 @@ INLINE wide root(wide x)
     return x;
 }
 
-/* Eight rows of eight become eight columns. */
 #define SHUFFLE __builtin_shufflevector
+
+/* Eight rows of eight become eight columns. */
 INLINE void transpose(wide r[8])
 {
     wide s[8];
@@ -487,6 +489,7 @@ INLINE void solve_batch(const Crowd *c, const Batch *x, Care *k)
 
 /* The part of one thread in work on all bodies or batches, and whom it meets: who else does so. */
 typedef struct Part { Team *team; int thread, threads; } Part;
+
 #define MY_BODIES(c, me, i) \
     for (int i = team_first((c)->bodies, (me)->thread, (me)->threads), end = team_end((c)->bodies, (me)->thread, (me)->threads); i < end; i++)
 #define MY_BATCHES(phase, me, i) \

@@ -32,7 +32,7 @@ Pair pair_make(const Shape *a, pose pa, const Shape *b, pose pb);
 /* Planes stand still, and so do surfaces, but for meshes that are closed: planes meet these as they would meet their hulls. */
 static inline bool kinds_meet(const Shape *a, ShapeKind kind_a, const Shape *b, ShapeKind kind_b)
 {
-    return kind_a < KIND_PLANE || kind_b < KIND_PLANE || (kind_a != kind_b && a->type->support != b->type->support);
+    return kind_a < KIND_PLANE || kind_b < KIND_PLANE || (kind_a != kind_b && (a->type->support || b->type->support));
 }
 /* A surface by its pieces; what planes meet is one. */
 static inline bool in_pieces(ShapeKind surface, ShapeKind other) { return surface == KIND_SURFACE && other != KIND_PLANE; }
