@@ -6,7 +6,8 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-/* Where every access is checked, the checker's malloc knows more about a block than its pages. */
+/* Where every access is checked, the checker's malloc knows more about a block than its pages. A header before what it hands out
+ * keeps the two kinds apart there, too: pages that are given to free(), or a small block that is closed as pages, are then reported. */
 #if defined(__SANITIZE_ADDRESS__)
 #define CHECKED
 #elif defined(__has_feature)
@@ -55,6 +56,32 @@ static void *pages_resize(void *data, size_t old, size_t bytes)
 }
 
 static void pages_close(void *data, size_t bytes) { munmap(data, bytes); }
+#elif defined(CHECKED)
+#define HEADER 16               /* bytes: what malloc's blocks are aligned to */
+
+static bool from_pages(size_t bytes) { return bytes >= BLOCK_LARGE; }
+
+static void *pages_open(size_t bytes)
+{
+    char *base = bytes <= SIZE_MAX - HEADER ? calloc(1, bytes + HEADER) : NULL;
+    return base ? base + HEADER : NULL;
+}
+
+static void *pages_resize(void *data, size_t old, size_t bytes)
+{
+    char *base = bytes <= SIZE_MAX - HEADER ? realloc((char *)data - HEADER, bytes + HEADER) : NULL;
+    if (!base)
+        return NULL;
+    if (bytes > old)
+        memset(base + HEADER + old, 0, bytes - old);
+    return base + HEADER;
+}
+
+static void pages_close(void *data, size_t bytes)
+{
+    (void)bytes;
+    free((char *)data - HEADER);
+}
 #else
 static bool from_pages(size_t bytes) { (void)bytes; return false; }
 static void *pages_open(size_t bytes) { (void)bytes; return NULL; }
