@@ -67,6 +67,7 @@ typedef struct Chain {
     Linkage *tree; int trees;
     four  *number;
     four3 *turn;                /* rad/(N s)  inverse angular slope times the lever of a row, body axes */
+    real   lost;                /* J  of motion, by the trees so far    */
     real   error;               /* m  largest of the last substep       */
     real   enough;              /* m  at which an iteration is the last */
 } Chain;

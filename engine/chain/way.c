@@ -53,7 +53,7 @@ static Pos fixed_pose(const Group *g, int body, real time)
 }
 
 /* A lane without a body stands still. */
-static void open_link(const Chain *c, Links *l, int lane)
+static void open_lane(const Chain *c, Links *l, int lane)
 {
     const Group *g = c->g;
     const int body = l->body[lane];
@@ -61,7 +61,6 @@ static void open_link(const Chain *c, Links *l, int lane)
     const Member *m = body < 0 ? NULL : &g->member[body];
     const Pos pos = m ? g->pos[body] : (Pos){vec3_zero(), quat_identity()};
     const Vel vel = m ? g->vel[body] : (Vel){vec3_zero(), vec3_zero()};
-    const mat3 r = quat_matrix(pos.q);
     l->mass[lane] = m ? m->mass : 1;
     four33_put(&l->inertia, lane, m ? &m->inertia : &unit);
     four33_put(&l->inverse, lane, m ? &m->inv_inertia : &unit);
@@ -69,9 +68,27 @@ static void open_link(const Chain *c, Links *l, int lane)
     four3_put(&l->torque, lane, m ? m->torque : vec3_zero());
     four3_put(&l->x, lane, pos.x);
     four_quat_put(&l->q, lane, pos.q);
-    four33_put(&l->r, lane, &r);
     four3_put(&l->v, lane, vel.v);
-    four3_put(&l->w, lane, mat3_mul_vec(mat3_transpose(r), vel.w));
+    four3_put(&l->w, lane, vel.w);
+}
+
+static void open_links(const Chain *c, Links *l)
+{
+    for (int lane = 0; lane < LANES; lane++)
+        open_lane(c, l, lane);
+    l->r = four_quat_matrix(l->q);
+    l->w = four33_back3(&l->r, l->w);
+    for (Ends *e = c->ends + l->end; e < c->ends + l->end + l->ends; e++)
+        e->impulse = e->twist = four3_zero();
+}
+
+/* J  Of the links' present motion. */
+static real motion_of(const Chain *c, const Linkage *t)
+{
+    four sum = four_all(0);
+    for (const Links *l = c->links + t->first; l < c->links + t->last; l++)
+        sum += l->mass * four3_dot(l->v, l->v) + four3_dot(l->w, four33_mul3(&l->inertia, l->w));
+    return 0.5 * ((sum[0] + sum[1]) + (sum[2] + sum[3]));
 }
 
 /* Of an anchor that does not move, or is driven, between the times t0 and t1. */
@@ -109,11 +126,8 @@ static void guess(const Chain *c, Tie *t)
 
 static void begin(const Chain *c, const Linkage *t, real from)
 {
-    for (int n = t->first * LANES; n < t->last * LANES && from == 0; n++)
-        open_link(c, links_of(c, n), lane_of(n));
     for (int n = t->first; n < t->last && from == 0; n++)
-        for (Ends *e = c->ends + c->links[n].end; e < c->ends + c->links[n].end + c->links[n].ends; e++)
-            e->impulse = e->twist = four3_zero();
+        open_links(c, &c->links[n]);
     for (int n = t->first * LANES; n < t->last * LANES; n++) {
         const Links *l = links_of(c, n);
         for (int i = l->own[lane_of(n)]; i < l->count[lane_of(n)]; i++) {
@@ -159,9 +173,12 @@ static bool advance_tree(Chain *c, const Linkage *t, real dt)
 {
     for (int parts = parts_of(c, t, dt); parts <= PARTS_MOST; parts *= 2) {
         bool done = true;
+        real before = 0;
         c->h = dt / parts;
         for (int i = 0; i < parts && done; i++) {
             begin(c, t, i * c->h);
+            if (i == 0)
+                before = motion_of(c, t);
             done = tree_step(c, t);
             if (done)
                 twist_fixed(c, t);
@@ -170,6 +187,7 @@ static bool advance_tree(Chain *c, const Linkage *t, real dt)
             c->g->refused++;
             continue;
         }
+        c->lost += before - motion_of(c, t);
         c->g->substeps = int_max(c->g->substeps, parts);
         c->g->joint_error = real_max(c->g->joint_error, c->error);
         return true;
@@ -339,7 +357,7 @@ static void forget_contacts(Group *g)
 static dig_status finish(const Chain *c, const Saved *s, real dt)
 {
     Group *g = c->g;
-    real before = group_kinetic(g), given = g->work_in;
+    real given = g->work_in;
     move_bodies(c, dt);
     if (g->pair_count > 0) {
         group_touch(g, dt / g->plan->substeps, true);
@@ -351,7 +369,7 @@ static dig_status finish(const Chain *c, const Saved *s, real dt)
     for (int i = 0; i < c->ties; i++)
         close_tie(c, &c->tie[i]);
     given = g->work_in - given;
-    g->lost += before + given + work_of(g, dt) - group_kinetic(g);
+    g->lost += c->lost + given + work_of(g, dt);
     for (int i = 0; i < g->moving_count; i++) {
         const Member *m = &g->member[i];
         group_book_apart(g, i, vec3_sub(g->pos[i].x, m->start_pos.x), vec3_scale(0.5 * dt, vec3_add(g->vel[i].w, m->start_vel.w)), dt);
