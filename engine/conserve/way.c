@@ -316,4 +316,4 @@ static dig_status advance(Group *g, real dt)
     return g->status;
 }
 
-const Way way_conserve = {.name = "conserve", .tally = WAY_CONSERVED, .suits = suits, .advance = advance};
+const Way way_conserve = {.name = "conserve", .tally = WAY_CONSERVED, .suits = suits, .advance = advance, .inertias = true};

@@ -274,7 +274,7 @@ static void put_matrix(wide *v, int lane, mat3 m)
 static void fill_roll(const Crowd *c, const Ends *e, const GroupPair *q, WideRoll *r, int lane)
 {
     const Group *g = c->g;
-    mat3 k = mat3_add(g->mass[e->c->a].ii, g->mass[e->c->b].ii);
+    mat3 k = mat3_add(group_inverse_inertia(g, e->c->a), group_inverse_inertia(g, e->c->b));
     if (!(mat3_det(k) > 0))
         return;
     k = mat3_inverse(k);

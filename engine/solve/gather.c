@@ -32,22 +32,26 @@ static int local_of(const Group *g, uint32_t slot)
     return g->moving_count + i;
 }
 
-void group_refresh_mass(Group *g, int i)
+mat3 group_inverse_inertia(const Group *g, int i)
 {
-    Member *m = &g->member[i];
+    const Member *m = &g->member[i];
     if (!m->moves)
-        return;
-    if (m->round) {
-        g->mass[i].ii = m->inv_inertia;
-        return;
-    }
+        return mat3_zero();
+    if (m->round)
+        return m->inv_inertia;
     mat3 r = quat_matrix(g->pos[i].q);
     mat3 ii = mat3_mul(mat3_mul(r, m->inv_inertia), mat3_transpose(r));
     if (g->planar) {
         real k = g->planar == 1 ? ii.r0.x : g->planar == 2 ? ii.r1.y : ii.r2.z;
         ii = mat3_diagonal((vec3){g->planar == 1 ? k : 0, g->planar == 2 ? k : 0, g->planar == 3 ? k : 0});
     }
-    g->mass[i].ii = ii;
+    return ii;
+}
+
+void group_refresh_mass(Group *g, int i)
+{
+    if (g->member[i].moves)
+        g->mass[i].ii = group_inverse_inertia(g, i);
 }
 
 /* A body woken by what is about to strike it was at rest: waking makes its mode moving, and leaves its velocity zero. */
@@ -91,7 +95,6 @@ static void gather_body(Group *g, int i, uint32_t slot, bool awake)
         g->mass[i].im = b->inv_mass / inert;
     if (m->dormant)
         g->vel[i] = (Vel){vec3_zero(), vec3_zero()};
-    group_refresh_mass(g, i);
 }
 
 /* A joint counts once: at its first dynamic body. */

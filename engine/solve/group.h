@@ -316,7 +316,8 @@ static inline pose group_shape_pose(const Group *g, int body, pose local)
 {
     return pose_of_part((pose){g->pos[body].x, g->pos[body].q}, local);
 }
-void       group_refresh_mass(Group *g, int body);      /* inverse inertia in world axes */
+mat3       group_inverse_inertia(const Group *g, int body);     /* in world axes, now */
+void       group_refresh_mass(Group *g, int body);      /* keeps it */
 void       group_joint_view(Group *g, int joint);       /* its ends from the present positions and velocities */
 real       group_spring_energy(const GroupJoint *j);        /* J  as it was viewed last */
 real       group_row_driven(const Group *g, const Row *r);      /* m/s or rad/s  of its rate, what kinematic ends do */
@@ -427,6 +428,7 @@ typedef struct Way {
     WayTally    tally;          /* where dig_stats counts its groups */
     bool       (*suits)(const Group *g);
     dig_status (*advance)(Group *g, real dt);
+    bool        inertias;       /* begins with inverse inertias in world axes: g->mass[].ii */
 } Way;
 
 #endif

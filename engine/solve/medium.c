@@ -99,7 +99,7 @@ void medium_drag(Group *g, int body, const Medium *m, const DragBody *own, real 
     medium_area(g->world, to->slot, g->pos[body].q, along, &area, &drag);
     real c = own && !isnan(own->coefficient) ? own->coefficient : area > 0 ? drag / area : 0;
     area = own && own->area > 0 ? own->area : area;
-    real mobility = g->mass[body].im + vec3_dot(lever, mat3_mul_vec(g->mass[body].ii, lever));
+    real mobility = g->mass[body].im + vec3_dot(lever, mat3_mul_vec(group_inverse_inertia(g, body), lever));
     real damping = m->damping * displaced, h = g->h;
     if (m->viscosity > 0)       /* Stokes 1851 */
         damping += 3 * DIG_PI * m->viscosity * cbrt(6 * displaced / (DIG_PI * m->density));

@@ -11,15 +11,26 @@ static bool suits_all(const Group *g)
     return true;
 }
 
-static const Way way_sweep = {.name = "sweep", .tally = WAY_SWEPT, .suits = suits_all, .advance = sweep_advance};
+static const Way way_sweep = {.name = "sweep", .tally = WAY_SWEPT, .suits = suits_all, .advance = sweep_advance, .inertias = true};
 
 static const Way *const ways[] = {&way_flight, &way_trace, &way_billiard, &way_conserve, &way_chain, &way_crowd, &way_sweep};
 
+static void share_inertias(void *context, int thread, int threads)
+{
+    Group *g = context;
+    for (int i = team_first(g->moving_count, thread, threads), end = team_end(g->moving_count, thread, threads); i < end; i++)
+        group_refresh_mass(g, i);
+}
+
 dig_status group_advance(Group *g, real dt)
 {
+    bool turned = false;        /* ways put back what they change */
     for (size_t i = 0; i < sizeof ways / sizeof *ways; i++) {
         if (!ways[i]->suits(g))
             continue;
+        if (ways[i]->inertias && !turned)
+            team_run(g->team, share_inertias, g);
+        turned = turned || ways[i]->inertias;
         g->way = ways[i];
         g->handed_on = false;
         dig_status status = ways[i]->advance(g, dt);

@@ -302,4 +302,4 @@ static dig_status advance(Group *g, real dt)
     return g->stage(g, STAGE_SETTLE);
 }
 
-const Way way_billiard = {.name = "billiard", .tally = WAY_TRACED, .suits = suits, .advance = advance};
+const Way way_billiard = {.name = "billiard", .tally = WAY_TRACED, .suits = suits, .advance = advance, .inertias = true};

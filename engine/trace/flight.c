@@ -114,7 +114,6 @@ static void fly(Group *g, int i, real h)
     for (int k = 0; k < parts; k++)
         q = turn(m, q, l, h / parts, ENOUGH * g->tolerance);
     g->pos[i].q = q;
-    group_refresh_mass(g, i);
     w = quat_rotate(q, mat3_mul_vec(m->inv_inertia, quat_unrotate(q, l)));
     /* refined once: |q| is 1 within rounding only, and that bias would add up to a drift of the angular momentum */
     vec3 off = vec3_sub(l, quat_rotate(q, mat3_mul_vec(m->inertia, quat_unrotate(q, w))));

@@ -565,4 +565,4 @@ static dig_status advance(Group *g, real dt)
     return g->status;
 }
 
-const Way way_trace = {.name = "trace", .tally = WAY_TRACED, .suits = trace_suits, .advance = advance};
+const Way way_trace = {.name = "trace", .tally = WAY_TRACED, .suits = trace_suits, .advance = advance, .inertias = true};
