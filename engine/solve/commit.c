@@ -1,6 +1,7 @@
 /* solve/commit.c - the end of a group's step: which pairs begin and end, and all that it found goes back into the world's records. */
 #include "solve/group.h"
 
+#include "math/pair3.h"
 #include "world/joint.h"
 
 /* Does the point lie still against the other body? Then it touches, though nothing presses: books side by side. */
@@ -126,6 +127,16 @@ static void commit_trace(const Group *g, Body *b)
     b->trace_step = g->trace_step;
 }
 
+/* kg m^2/s  about the centre of mass, turned to q[i] with spin w[i] in lane i; by the time where it is */
+static pair3 spin_momenta(const Body *b, quat q0, vec3 w0, quat q1, vec3 w1)
+{
+    pair3 w = pair3_of(w0, w1);
+    if (b->round_inertia)
+        return pair3_by(&b->inertia, w);
+    pair_quat q = pair_quat_of(q0, q1);
+    return pair_quat_rotate(q, pair3_by(&b->inertia, pair_quat_rotate(pair_quat_conjugate(q), w)));
+}
+
 static void commit_body(World *w, const Group *g, int i, real dt)
 {
     const Member *m = &g->member[i];
@@ -135,7 +146,7 @@ static void commit_body(World *w, const Group *g, int i, real dt)
     if (!m->moves)
         return;
     vec3 old_v = vec3_sub(b->v, b->hit_v), old_w = vec3_sub(b->w, b->hit_w);
-    vec3 old_l = body_spin_momentum(b, old_w);
+    pair3 l = spin_momenta(b, b->q, old_w, g->pos[i].q, g->vel[i].w);
     b->prev_x = b->x;
     b->prev_q = b->q;
     body_travels(b, g->pos[i].x, g->pos[i].q);
@@ -148,7 +159,7 @@ static void commit_body(World *w, const Group *g, int i, real dt)
     b->work += g->push_work[i];
     commit_trace(g, b);
     b->force = vec3_scale(m->mass / dt, vec3_sub(b->v, old_v));
-    b->torque = vec3_scale(body_inertness(b) / dt, vec3_sub(body_spin_momentum(b, b->w), old_l));
+    b->torque = vec3_scale(body_inertness(b) / dt, vec3_sub(pair3_get(l, 1), pair3_get(l, 0)));
     b->hit_v = b->hit_w = vec3_zero();
 }
 

@@ -4,6 +4,7 @@
  * patience: one bad step is no alarm. What lasts is recorded with body, DIG, time
  * and value. Nothing here has an influence on motion, and what sleeps costs nothing.
  */
+#include "math/pair3.h"
 #include "step/step.h"
 #include "solve/direction.h"
 
@@ -65,11 +66,16 @@ void watch_start(Group *g)
     g->watch.elastic = elastic(g);
 }
 
-static real kinetic(const Body *b, quat q, vec3 v, vec3 w)
+/* J  In lane 0 as the world has the body, in lane 1 as the group has it after the step. */
+static pair kinetic(const Body *b, const Pos *pos, const Vel *vel)
 {
-    vec3 l = b->round_inertia ? w : quat_unrotate(q, w);       /* a ball has the same in all axes */
-    real spin = b->round_inertia ? b->inertia.r0.x * vec3_length2(l) : vec3_dot(l, mat3_mul_vec(b->inertia, l));
-    return 0.5 * body_inertness(b) * (b->mass * vec3_length2(v) + spin);
+    pair3 v = pair3_of(b->v, vel->v), w = pair3_of(b->w, vel->w);
+    pair spin = b->inertia.r0.x * pair3_dot(w, w);
+    if (!b->round_inertia) {    /* else it has the same in all axes */
+        w = pair_quat_rotate(pair_quat_conjugate(pair_quat_of(b->q, pos->q)), w);
+        spin = pair3_dot(w, pair3_by(&b->inertia, w));
+    }
+    return 0.5 * body_inertness(b) * (b->mass * pair3_dot(v, v) + spin);
 }
 
 /* s  For about so long a rise is compared with the most energy that the group had. */
@@ -103,7 +109,8 @@ static void watch_member(const Group *g, int i, Sum *s)
     s->leavers += !b->out && world_left(g->world, g->pos[i].x);
     if (!m->moves)
         return;
-    real before = kinetic(b, b->q, b->v, b->w), after = kinetic(b, g->pos[i].q, g->vel[i].v, g->vel[i].w);
+    pair energy = kinetic(b, &g->pos[i], &g->vel[i]);
+    real before = energy[0], after = energy[1];
     real gain = after - before - b->mass * b->gravity_scale * vec3_dot(g->gravity, vec3_sub(g->pos[i].x, b->x));
     real slow = STANDS * b->outer, hop = HOP * fabs(b->gravity_scale) * g->fall * b->outer;
     s->rise += gain;

@@ -408,14 +408,6 @@ static inline void body_travels(Body *b, vec3 x, quat q)
  * forces of the world's time, mass and inertia are 1/r^2 of what they are. (Weight is not: it is a force.) */
 static inline real body_inertness(const Body *b) { return 1 / (b->rate * b->rate); }
 
-/* kg m^2/s  about the centre of mass, at spin w; by the time where it is */
-static inline vec3 body_spin_momentum(const Body *b, vec3 w)
-{
-    if (b->round_inertia)
-        return mat3_mul_vec(b->inertia, w);
-    return quat_rotate(b->q, mat3_mul_vec(b->inertia, quat_unrotate(b->q, w)));
-}
-
 /* Takes a free slot of a list or adds one. */
 dig_status slot_take(World *w, void **data, int *count, int *capacity, size_t item, void *free_list, uint32_t *slot);
 #define world_slot(w, list, free_list, slot) \
