@@ -1,19 +1,24 @@
 /* crowd/book.c - what the solve found goes to the group's records: forces, points, impacts, energy. */
 #include "crowd/system.h"
+#include "math/pair3.h"
 
 static const Carriage stands = {.turn = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 
-/* NULL: it stays where it is. */
 static const Carriage *carriage_that_moves(const Crowd *c, int body)
 {
-    return c->trait[body].moves || c->trait[body].kinematic ? carriage_of(c, body) : NULL;
+    return c->trait[body].moves || c->trait[body].kinematic ? carriage_of(c, body) : &stands;
 }
 
-/* The turn is exact: what turns for ever about one axis would move its points outward by half its square in every step. */
-static inline vec3 carried(const Carriage *k, vec3 at)
+/* Carriages of a and b. The turn is exact: what turns for ever about one axis would move its points outward by half its square in every
+ * step. */
+typedef struct Carriages { pair33 turn; pair3 from, to; } Carriages;
+
+static inline Carriages carriages_of(const Carriage *a, const Carriage *b)
 {
-    return k ? vec3_add(k->to, mat3_mul_vec(k->turn, vec3_sub(at, k->from))) : at;
+    return (Carriages){pair33_of(&a->turn, &b->turn), pair3_of(a->from, b->from), pair3_of(a->to, b->to)};
 }
+
+static inline pair3 carried(const Carriages *k, pair3 at) { return pair3_add(k->to, pair33_by(&k->turn, pair3_sub(at, k->from))); }
 
 /* rad  Twice the axis times the sine of a turn. */
 static vec3 skew_of(const mat3 *m) { return (vec3){m->r2.y - m->r1.z, m->r0.z - m->r2.x, m->r1.x - m->r0.y}; }
@@ -22,8 +27,6 @@ static vec3 skew_of(const mat3 *m) { return (vec3){m->r2.y - m->r1.z, m->r0.z - 
  * against each other. What they turn in common counts as well, for the normal stays where it is meanwhile. */
 static real in_common(const GroupPair *q, const Carriage *ka, const Carriage *kb, real slip)
 {
-    ka = ka ? ka : &stands;
-    kb = kb ? kb : &stands;
     vec3 sa = skew_of(&ka->turn), sb = skew_of(&kb->turn);
     real turn = 0.5 * vec3_distance(sa, sb) + 0.25 * vec3_length(vec3_add(sa, sb));
     real way = ka->way + kb->way - slip - turn * q->size;
@@ -37,10 +40,12 @@ static void carry(const Crowd *crowd, GroupContact *c)
     GroupPair *q = &g->pairs[c->pair];
     bool few = c->manifold.count < 3 && q->contacts == 1 && q->until >= 0;      /* others may be in other threads' hands */
     const Carriage *ka = carriage_that_moves(crowd, c->a), *kb = carriage_that_moves(crowd, c->b);
+    const Carriages both = carriages_of(ka, kb);
     real slip2 = 0;
     for (int k = 0; k < c->manifold.count; k++) {
         ManifoldPoint *p = &c->manifold.points[k];
-        vec3 a = carried(ka, p->a), b = carried(kb, p->b);
+        pair3 at = carried(&both, pair3_of(p->a, p->b));
+        vec3 a = pair3_get(at, 0), b = pair3_get(at, 1);
         if (few)
             slip2 = real_max(slip2, vec3_length2(vec3_sub(vec3_sub(b, a), vec3_sub(p->b, p->a))));
         p->a = a;
@@ -52,7 +57,7 @@ static void carry(const Crowd *crowd, GroupContact *c)
         const Carriage *side = a->moves && !(a->round && b->moves) ? ka : kb;
         if (!a->moves || !b->moves)
             side = a->moves ? kb : ka;
-        if (side)
+        if (side != &stands)
             c->manifold.normal = vec3_unit(mat3_mul_vec(side->turn, c->manifold.normal));
         if (q->contacts == 1)
             crowd_sign(g, q);
