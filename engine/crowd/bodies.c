@@ -24,19 +24,24 @@ static mat3 spin_root(const Member *m, quat q)
 
 mat3 body_axes(const Crowd *c, int body) { return spin_root(&c->g->member[body], c->g->member[body].start_pos.q); }
 
-/* S^T I w = S^-1 w */
-static vec3 scaled_spin(const Member *m, quat q, const mat3 *s, vec3 w)
-{
-    vec3 l = quat_rotate(q, mat3_mul_vec(m->inertia, quat_unrotate(q, w)));
-    return mat3_mul_vec(mat3_transpose(*s), l);
-}
+static vec3 momentum_of(const Member *m, quat q, vec3 w) { return quat_rotate(q, mat3_mul_vec(m->inertia, quat_unrotate(q, w))); }
+static vec3 spin_of(const Member *m, quat q, vec3 l) { return quat_rotate(q, mat3_mul_vec(m->inv_inertia, quat_unrotate(q, l))); }
+
+/* J  l: of its spin. */
+static real kinetic_of(const Member *m, Vel v, vec3 l) { return 0.5 * m->mass * vec3_length2(v.v) + 0.5 * vec3_dot(v.w, l); }
 
 static Six six_of(vec3 linear, vec3 angular)
 {
     return (Six){{(float)linear.x, (float)linear.y, (float)linear.z, (float)angular.x, (float)angular.y, (float)angular.z}};
 }
 
-static void open_body(Crowd *c, int i)
+static void open_still(Crowd *c, int i)
+{
+    c->vel[i] = c->move[i] = c->start[i] = c->last[i] = c->push[i] = c->axes[0][i] = c->axes[1][i] = (Six){{0}};
+}
+
+/* J  Its kinetic energy. */
+static real open_body(Crowd *c, int i)
 {
     Group *g = c->g;
     Member *m = &g->member[i];
@@ -44,18 +49,23 @@ static void open_body(Crowd *c, int i)
     m->start_pos = g->pos[i];
     m->start_vel = g->vel[i];
     *f = (Frame){.root = 0};
-    if (!m->moves)
-        return;
+    if (!m->moves) {
+        open_still(c, i);
+        return 0;
+    }
     *f = (Frame){.root = sqrt(g->mass[i].im)};
     mat3 axes = body_axes(c, i);
     const mat3 *s = &axes;
     c->axes[0][i] = (Six){{(float)s->r0.x, (float)s->r1.x, (float)s->r2.x, (float)s->r0.y,
                            (float)s->r1.y, (float)s->r2.y, (float)s->r0.z, (float)s->r1.z}};
     c->axes[1][i] = (Six){{(float)s->r2.z, (float)f->root}};
-    c->vel[i] = six_of(vec3_scale(1 / f->root, g->vel[i].v), scaled_spin(m, g->pos[i].q, s, g->vel[i].w));
+    vec3 l = momentum_of(m, g->pos[i].q, g->vel[i].w);
+    c->vel[i] = six_of(vec3_scale(1 / f->root, g->vel[i].v), mat3_mul_vec(mat3_transpose(*s), l));      /* S^T I w = S^-1 w */
+    c->move[i] = (Six){{0}};
     c->last[i] = c->start[i] = c->vel[i];
     vec3 torque = vec3_length2(m->torque) > 0 ? mat3_mul_vec(mat3_transpose(*s), m->torque) : vec3_zero();
     c->push[i] = six_of(vec3_scale((real)c->h * f->root, m->force), vec3_scale((real)c->h, torque));
+    return kinetic_of(m, g->vel[i], l);
 }
 
 /* Threads share blocks of bodies, not bodies: their sums are then the same for any number of threads. */
@@ -68,10 +78,8 @@ static void open_share(void *context, int thread, int threads)
     Crowd *c = context;
     for (int b = team_first(c->blocks, thread, threads), end = team_end(c->blocks, thread, threads); b < end; b++) {
         c->lost[b] = 0;
-        for (int i = b * BLOCK; i < block_end(c, b); i++) {
-            open_body(c, i);
-            c->lost[b] += group_kinetic_of(c->g, i);
-        }
+        for (int i = b * BLOCK; i < block_end(c, b); i++)
+            c->lost[b] += open_body(c, i);
     }
 }
 
@@ -80,7 +88,7 @@ dig_status bodies_open(Crowd *c)
     Group *g = c->g;
     int threads = g->team ? g->team->threads : 1;
     size_t n = (size_t)(c->bodies + threads);
-    Six *six = arena_zero(g->arena, 7 * n * sizeof *six);
+    Six *six = arena_alloc(g->arena, 7 * n * sizeof *six);
     c->frame = arena_alloc(g->arena, n * sizeof *c->frame);
     c->blocks = (c->bodies + BLOCK - 1) / BLOCK;
     c->lost = arena_alloc(g->arena, (size_t)c->blocks * sizeof *c->lost);
@@ -96,6 +104,8 @@ dig_status bodies_open(Crowd *c)
     c->axes[1] = six + 6 * n;
     c->carriage = (Carriage *)(void *)c->last;
     _Static_assert(sizeof *c->carriage <= 4 * sizeof *six, "there is room for a carriage in the place of four of them");
+    for (int i = c->bodies; i < (int)n; i++)
+        open_still(c, i);
     team_run(g->team, open_share, c);
     return DIG_OK;
 }
@@ -105,9 +115,6 @@ static vec3 change(const Six *now, const Six *before, int at)
     return (vec3){(real)now->at[at] - (real)before->at[at], (real)now->at[at + 1] - (real)before->at[at + 1],
                   (real)now->at[at + 2] - (real)before->at[at + 2]};
 }
-
-static vec3 momentum_of(const Member *m, quat q, vec3 w) { return quat_rotate(q, mat3_mul_vec(m->inertia, quat_unrotate(q, w))); }
-static vec3 spin_of(const Member *m, quat q, vec3 l) { return quat_rotate(q, mat3_mul_vec(m->inv_inertia, quat_unrotate(q, l))); }
 
 /* By so much has the body turned since the start: in world axes. */
 static void turn_by(Crowd *c, int i, vec3 angle)
@@ -121,15 +128,15 @@ static void turn_by(Crowd *c, int i, vec3 angle)
     *carriage_of(c, i) = (Carriage){quat_matrix(q), from, to, travel_by(vec3_sub(to, from), m->start_pos.q, g->pos[i].q, m->outer)};
 }
 
-/* The angular momentum stays. A body that turns far meanwhile does so with the spin that belongs to the middle of its turn. */
-static void turn(Crowd *c, int i, vec3 angle)
+/* The angular momentum stays, and is returned. A body that turns far meanwhile does so with the spin that belongs to the middle of its turn. */
+static vec3 turn(Crowd *c, int i, vec3 angle)
 {
     Group *g = c->g;
     const Member *m = &g->member[i];
     quat q = g->pos[i].q;
     if (m->round) {
         turn_by(c, i, angle);
-        return;
+        return mat3_mul_vec(m->inertia, g->vel[i].w);
     }
     vec3 w = g->vel[i].w, l = momentum_of(m, q, w);
     if (vec3_length2(angle) > 1e-6) {
@@ -138,6 +145,7 @@ static void turn(Crowd *c, int i, vec3 angle)
     }
     turn_by(c, i, angle);
     g->vel[i].w = spin_of(m, g->pos[i].q, l);
+    return l;
 }
 
 /* On its parabola, with the exact end of its turn as for others. */
@@ -153,13 +161,14 @@ static vec3 fly(Crowd *c, int i)
     return vec3_scale(0.5 * c->dt, vec3_add(before, g->vel[i].w));
 }
 
-static void close_body(Crowd *c, int i)
+/* J  Its kinetic energy, less what forces gave. */
+static real close_body(Crowd *c, int i)
 {
     Group *g = c->g;
     const Frame *f = &c->frame[i];
     Member *m = &g->member[i];
     if (!m->moves)
-        return;
+        return 0;
     m->constrained = f->held;
     vec3 angle;
     if (f->held) {
@@ -171,20 +180,16 @@ static void close_body(Crowd *c, int i)
     } else {
         angle = fly(c, i);
     }
-    turn(c, i, angle);
+    vec3 l = turn(c, i, angle);
+    return kinetic_of(m, g->vel[i], l) - vec3_dot(m->force, vec3_sub(g->pos[i].x, m->start_pos.x)) - vec3_dot(m->torque, g->shift[i].w);
 }
 
 static void close_share(void *context, int thread, int threads)
 {
     Crowd *c = context;
-    const Group *g = c->g;
     for (int b = team_first(c->blocks, thread, threads), end = team_end(c->blocks, thread, threads); b < end; b++)
-        for (int i = b * BLOCK; i < block_end(c, b); i++) {
-            const Member *m = &g->member[i];
-            close_body(c, i);
-            if (m->moves)
-                c->lost[b] += vec3_dot(m->force, vec3_sub(g->pos[i].x, m->start_pos.x)) + vec3_dot(m->torque, g->shift[i].w) - group_kinetic_of(g, i);
-        }
+        for (int i = b * BLOCK; i < block_end(c, b); i++)
+            c->lost[b] -= close_body(c, i);
 }
 
 void bodies_close(Crowd *c)
