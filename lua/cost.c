@@ -215,7 +215,8 @@ static int take(Cost *c, int index, real expected)
     s->run = run_setting(c->o, s->name, s->name, 0, expected);
     if (!s->run)
         return EXIT_INTERNAL;
-    say_end(c->o, s->name, s->run);
+    if (s->run->steps > 0 || s->run->end != COST_FAILED)       /* else its message says all */
+        say_end(c->o, s->name, s->run);
     if (app_signal())
         return 128 + app_signal();
     if (index != c->play || s->run->end != COST_FAILED)

@@ -26,7 +26,7 @@ gives 2 'accuracy is not to be chosen' cost --accuracy play a.lua
 gives 2 'no length' cost --within '3 s' a.lua;           said '--within'
 gives 2 'no budget' cost --budget 0 a.lua
 gives 2 'set without =' cost --set height a.lua
-gives 1 'a world that is not there' cost nowhere.lua;    said 'digbox: nowhere.lua: No such file'
+gives 1 'a world that is not there' cost nowhere.lua;    said 'digbox: nowhere.lua: No such file'; holds 'and no run is said to have failed' test "$(grep -c 'CPU time' err.txt)" = 0
 
 # ---- a world whose error is known to come from the integration alone: a pendulum ----
 cat >pendulum.lua <<'LUA'
