@@ -284,6 +284,7 @@ void trace_follow(Tracer *t);                   /* slip directions of the presen
 bool trace_rate(Tracer *t, const State *y, real time, int stage);
 void trace_parabola(Tracer *t, real h);         /* a step whose forces are those at its start throughout, untried */
 real trace_try(Tracer *t, real h);              /* one step from y to y1; its error over the tolerance; INFINITY = fault */
+bool trace_stretch(Tracer *t, real more);       /* the tried step by so little, s; false: that is not little */
 void trace_dense(const Tracer *t, real part, State *out);   /* y .. y1 at a part of the tried step */
 /* happen.c */
 Event trace_scan(Tracer *t);                    /* the first event of the tried step */
