@@ -133,7 +133,7 @@ typedef struct System {         /* A x = b with A = J M^-1 G: L D L^T in its pro
     int  *run;                  /* one past the last of the rows that follow each other on the same bodies */
     bool  sliding;              /* A is not symmetric                    */
     bool  redundant;            /* softened and refined                  */
-    int   rank;                 /* of rows that repeat others, all on the same bodies; 0: not factored so */
+    int   rank;                 /* of rows that repeat others, all on the same bodies, which need no A; 0: not factored so */
     real  residual;             /* over the right side                   */
 } System;
 
