@@ -22,7 +22,7 @@ static size_t chunk_bytes(size_t size) { return sizeof(ArenaChunk) + size + AREN
 
 static ArenaChunk *chunk_open(Arena *a, size_t size)
 {
-    ArenaChunk *c = block_resize(NULL, 0, chunk_bytes(size));
+    ArenaChunk *c = block_open(chunk_bytes(size));
     if (!c)
         return NULL;
     unsigned char *data = (unsigned char *)(c + 1);

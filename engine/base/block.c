@@ -89,13 +89,18 @@ static void *pages_resize(void *data, size_t old, size_t bytes) { (void)data; (v
 static void pages_close(void *data, size_t bytes) { (void)data; (void)bytes; }
 #endif
 
+/* What is new from malloc is cleared by calloc, which leaves pages alone that the system hands out as zeros. */
 static void *small_resize(void *data, size_t old, size_t bytes)
 {
+    if (old == 0)
+        return calloc(1, bytes);
     char *moved = realloc(data, bytes);
     if (moved && bytes > old)
         memset(moved + old, 0, bytes - old);
     return moved;
 }
+
+void *block_open(size_t bytes) { return from_pages(bytes) ? pages_open(bytes) : malloc(bytes); }
 
 void *block_resize(void *data, size_t old, size_t bytes)
 {
@@ -107,7 +112,7 @@ void *block_resize(void *data, size_t old, size_t bytes)
         return pages_resize(data, old, bytes);
     if (!from_pages(old) && !from_pages(bytes))
         return small_resize(data, old, bytes);
-    void *moved = from_pages(bytes) ? pages_open(bytes) : malloc(bytes);
+    void *moved = block_open(bytes);
     if (!moved)
         return NULL;
     if (old > 0)

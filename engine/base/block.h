@@ -17,6 +17,7 @@
 /* From `old` bytes to `bytes`, either may be 0 (data is NULL then); what is new is 0. NULL: no memory, or bytes = 0; without memory
  * the old block is as it was. */
 void *block_resize(void *data, size_t old, size_t bytes);
+void *block_open(size_t bytes);         /* of more than 0, the same but for its contents, which are not set */
 void  block_free(void *data, size_t bytes);
 
 #endif

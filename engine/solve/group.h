@@ -414,6 +414,7 @@ void project(Group *g);
 void project_back(Group *g);    /* the gaps only: the poses are the caller's. Not those that were looked at anew since */
 /* locate.c: s into the substep of the first impact, or INFINITY */
 real locate_impact(Group *g);
+real missing_little(const Group *g, real dt);         /* s  the longest substep that may go without */
 bool overshoots(const Group *g);        /* would the substep press bodies deep into each other? */
 
 typedef enum WayTally { WAY_TRACED, WAY_CONSERVED, WAY_SWEPT } WayTally;

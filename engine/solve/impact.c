@@ -105,11 +105,11 @@ static void solve_all(Group *g, real residual)
 /* Solves the chosen rows together with the joints; on[] marks them. */
 static void solve_marked(Group *g, const bool *on, bool all, real speed)
 {
-    if (all) {
-        solve_all(g, real_max(IMPACT_RESIDUAL * speed, g->point_count > FEW_POINTS ? g->plan->residual : 0));
+    real aim = IMPACT_RESIDUAL * speed, enough = aim + rounding_floor(g);
+    if (all) {                  /* the sweep's to the last: heaps of rods crept where they were not */
+        solve_all(g, real_max(g->patches ? enough : aim, g->point_count > FEW_POINTS ? g->plan->residual : 0));
         return;
     }
-    real enough = IMPACT_RESIDUAL * speed + rounding_floor(g);
     for (int sweep = impact_sweeps(g); sweep > 0; sweep--) {
         real worst = relax_joints(g);
         for (int i = 0; i < g->point_count; i++)

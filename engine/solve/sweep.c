@@ -711,7 +711,7 @@ static real longest_piece(const Group *g, real dt)
     if (!g->locate)
         return dt;
     if (g->events_left <= 0)
-        return dt / 16;         /* no more impacts are located in this step: short pieces keep what is missed small */
+        return missing_little(g, dt);
     real fastest = 0;
     for (int i = 0; i < g->pair_count; i++) {
         const GroupPair *q = &g->pairs[i];

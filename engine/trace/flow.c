@@ -432,6 +432,26 @@ real trace_try(Tracer *t, real h)
     return pair_step(t, h, first);
 }
 
+/* What the rates at the end of a step leave out of a little more of it is of the second order, and less than rounding. */
+#define LITTLE 1e-9             /* rad, of what swings or turns the fastest */
+
+bool trace_stretch(Tracer *t, real more)
+{
+    const Group *g = t->g;
+    real fastest = real_max(t->pace, t->swing);
+    for (int i = 0; i < g->body_count; i++)
+        fastest = real_max(fastest, vec3_length(g->vel[i].w));
+    if (!(fabs(more) * fastest <= LITTLE))
+        return false;
+    for (int i = 0; i < g->moving_count; i++) {
+        t->y1[i] = state_mad(&t->y1[i], more, &t->stage[STAGES - 1][i]);
+        t->y1[i].q = quat_unit(t->y1[i].q);
+    }
+    t->h += more;
+    trace_load(t, t->y1, t->t + t->h);
+    return true;
+}
+
 void trace_dense(const Tracer *t, real part, State *out)
 {
     if (t->probed) {

@@ -383,6 +383,8 @@ bool trace_stop_at(Tracer *t, const Event *e)
         real next = h - f / slope;
         if (!(next > 0 && next <= whole) || fabs(next - h) < 1e-17)
             break;
+        if (e->kind == EVENT_CLOSE && trace_stretch(t, next - h))
+            break;              /* nothing is left to correct */
         h = next;
     }
     return true;

@@ -2,71 +2,110 @@
  *
  * A, scaled to a diagonal of ones, is L L^T with no more columns in L than a rigid body has freedoms: a Cholesky factorisation with
  * pivots, left where nothing is left. Then A^+ = L (L^T L)^-2 L^T, so that the load is shared with the least norm at once: (rows) x 36
- * multiplications where the whole factor has a sixth of the cube of the rows.
+ * multiplications where the whole factor has a sixth of the cube of the rows. Nor is A itself needed: of its columns those of the pivots
+ * are, and what it does to the forces goes by way of the bodies.
  */
+#include "math/pair.h"
 #include "trace/system.h"
+#include "trace/trace.h"
 
 #define RANK_MOST 6
 #define CLEAR     1e-5          /* a pivot above this part of its diagonal counts, */
 #define NOTHING   1e-12         /* below this it is rounding: in between no rank can be told */
 
-/* f: L by rows of RANK_MOST, what scales each row, what is left of its diagonal, and the factor of L^T L. */
+/* f: L by rows of RANK_MOST, zero where it has no columns, what scales each row, what is left of its diagonal, and the factor of L^T L. */
 static real *scale_in(real *f, int n) { return f + RANK_MOST * n; }
 static real *rest_in(real *f, int n) { return scale_in(f, n) + n; }
 static real *gram_in(real *f, int n) { return rest_in(f, n) + n; }
 
 _Static_assert(RANK_ROWS * RANK_ROWS >= (RANK_MOST + 2) * RANK_ROWS + RANK_MOST * RANK_MOST, "all of it lies in f");
 
-static int largest(const real *x, int n)
+INLINE real sum_of(pair p) { return p[0] + p[1]; }
+
+/* Of six numbers each. */
+INLINE real dot_six(const real *a, const real *b) { return sum_of(two(a) * two(b) + two(a + 2) * two(b + 2) + two(a + 4) * two(b + 4)); }
+
+/* A_ii */
+INLINE real diagonal_of(const Line *l)
 {
-    int best = 0;
-    for (int i = 1; i < n; i++)
-        best = x[i] > x[best] ? i : best;
-    return best;
+    real sum = 0;
+    for (int m = 0; m < l->count; m++)
+        sum += dot_six(&l->j[m].lin.x, &l->m[m].lin.x);
+    return sum;
 }
 
-/* Column `rank` of L, from the pivot p. */
-static void add_column(const real *a, real *f, int n, int p, int rank)
+typedef struct Moved { real of[ROW_BODIES][6]; } Moved;      /* of the bodies */
+
+/* Column `rank` of L, from the pivot p: each row times one motion, M^-1 G of the pivot's less what the columns before have of it. Returns
+ * the row of which the most is left. */
+static int add_column(const Line *lines, real *f, int n, int p, int rank, Moved columns[RANK_MOST])
 {
-    const real *scale = scale_in(f, n), *lp = f + RANK_MOST * p;
-    real *rest = rest_in(f, n), root = 1 / sqrt(rest[p]);
-    for (int i = 0; i < n; i++) {
-        real *l = f + RANK_MOST * i, sum = scale[i] * scale[p] * (i > p ? a[i * n + p] : a[p * n + i]);
-        for (int m = 0; m < rank; m++)
-            sum -= l[m] * lp[m];
-        l[rank] = sum * root;
-        rest[i] -= l[rank] * l[rank];
+    real *scale = scale_in(f, n), *rest = rest_in(f, n), root = 1 / sqrt(rest[p]), most = -1;
+    int bodies = lines[0].count, best = 0;
+    Moved *own = &columns[rank];
+    for (int m = 0; m < bodies; m++) {
+        const real *moves = (const real *)(const void *)&lines[p].m[m];
+        for (int c = 0; c < 6; c++) {
+            real sum = scale[p] * moves[c];
+            for (int k = 0; k < rank; k++)
+                sum -= columns[k].of[m][c] * f[RANK_MOST * p + k];
+            own->of[m][c] = root * sum;
+        }
     }
-    rest[p] = 0;
+    for (int i = 0; i < n; i++) {
+        real sum = dot_six(&lines[i].j[0].lin.x, own->of[0]);
+        for (int m = 1; m < bodies; m++)
+            sum += dot_six(&lines[i].j[m].lin.x, own->of[m]);
+        sum *= scale[i];
+        f[RANK_MOST * i + rank] = sum;
+        rest[i] = i == p ? 0 : rest[i] - sum * sum;
+        if (rest[i] > most) {
+            most = rest[i];
+            best = i;
+        }
+    }
+    return best;
 }
 
 /* Cholesky's factor of L^T L, its diagonal inverted. */
 static void factor_gram(real *f, int n, int rank)
 {
     real *g = gram_in(f, n);
+    pair sum[RANK_MOST][RANK_MOST / 2] = {{{0}}};
+    for (int row = 0; row < n; row++) {
+        const real *l = f + RANK_MOST * row;
+        UNROLL
+        for (int i = 0; i < RANK_MOST; i++) {
+            const pair own = {l[i], l[i]};
+            UNROLL
+            for (int k = 0; k <= i / 2; k++)
+                sum[i][k] += own * two(l + 2 * k);
+        }
+    }
     for (int i = 0; i < rank; i++)
         for (int k = 0; k <= i; k++) {
-            real sum = 0;
-            for (int row = 0; row < n; row++)
-                sum += f[RANK_MOST * row + i] * f[RANK_MOST * row + k];
+            real left = sum[i][k / 2][k % 2];
             for (int m = 0; m < k; m++)
-                sum -= g[RANK_MOST * i + m] * g[RANK_MOST * k + m];
-            g[RANK_MOST * i + k] = i == k ? 1 / sqrt(sum) : sum * g[RANK_MOST * k + k];
+                left -= g[RANK_MOST * i + m] * g[RANK_MOST * k + m];
+            g[RANK_MOST * i + k] = i == k ? 1 / sqrt(left) : left * g[RANK_MOST * k + k];
         }
 }
 
-int rank_factor(const real *a, real *f, int n)
+int rank_factor(const Line *lines, real *f, int n)
 {
     real *scale = scale_in(f, n), *rest = rest_in(f, n);
+    memset(f, 0, (size_t)(RANK_MOST * n) * sizeof *f);
     for (int i = 0; i < n; i++) {
-        scale[i] = 1 / sqrt(a[i * n + i]);
+        real own = diagonal_of(&lines[i]);
+        if (!(own > 0))
+            return 0;
+        scale[i] = 1 / sqrt(own);
         rest[i] = 1;
     }
+    Moved columns[RANK_MOST];
     int rank = 0, p = 0;
-    for (; rank < RANK_MOST && rest[p] > CLEAR; rank++) {
-        add_column(a, f, n, p, rank);
-        p = largest(rest, n);
-    }
+    for (; rank < RANK_MOST && rest[p] > CLEAR; rank++)
+        p = add_column(lines, f, n, p, rank, columns);
     if (!(rest[p] <= NOTHING))
         return 0;
     factor_gram(f, n, rank);
@@ -91,15 +130,28 @@ void rank_back(const real *f, real *x, int n, int rank)
 {
     const real *scale = f + RANK_MOST * n, *g = scale + 2 * n;
     real z[RANK_MOST] = {0};
-    for (int i = 0; i < n; i++)
-        for (int m = 0; m < rank; m++)
-            z[m] += f[RANK_MOST * i + m] * scale[i] * x[i];
-    solve_gram(g, z, rank);
-    solve_gram(g, z, rank);
     for (int i = 0; i < n; i++) {
-        real sum = 0;
-        for (int m = 0; m < rank; m++)
-            sum += f[RANK_MOST * i + m] * z[m];
-        x[i] = scale[i] * sum;
+        const pair by = {scale[i] * x[i], scale[i] * x[i]};
+        for (int m = 0; m < RANK_MOST; m += 2)
+            PAIR(z[m]) += by * two(f + RANK_MOST * i + m);
+    }
+    solve_gram(g, z, rank);
+    solve_gram(g, z, rank);
+    for (int i = 0; i < n; i++)
+        x[i] = scale[i] * dot_six(f + RANK_MOST * i, z);
+}
+
+void rank_remainder(const Line *lines, const real *b, const real *x, real *r, int n)
+{
+    memcpy(r, b, (size_t)n * sizeof *r);
+    for (int m = 0; m < lines[0].count; m++) {
+        real moved[6] = {0};            /* this body, by all forces */
+        for (int i = 0; i < n; i++) {
+            const pair by = {x[i], x[i]};
+            for (int c = 0; c < 6; c += 2)
+                PAIR(moved[c]) += by * two(&lines[i].m[m].lin.x + c);
+        }
+        for (int i = 0; i < n; i++)
+            r[i] -= dot_six(&lines[i].j[m].lin.x, moved);
     }
 }

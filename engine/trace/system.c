@@ -92,7 +92,6 @@ static void find_runs(System *s)
 /* a holds the rows by their own stride `count`. */
 static void assemble(System *s)
 {
-    find_runs(s);
     if (s->count > 0 && s->run[0] == s->count && s->lines[0].count > 0 && !s->sliding) {       /* one joint or contact */
         memset(s->first, 0, (size_t)s->count * sizeof *s->first);
         for (int p = 0; p < s->lines[0].count; p++)
@@ -175,18 +174,20 @@ static bool factor_general(System *s)
 static bool factor_by_rank(System *s)
 {
     bool alike = s->redundant && !s->sliding && s->count >= RANK_ROWS && s->run[0] == s->count && s->lines[0].count > 0;
-    s->rank = alike ? rank_factor(s->a, s->f, s->count) : 0;
+    s->rank = alike ? rank_factor(s->lines, s->f, s->count) : 0;
     return s->rank > 0;
 }
 
 bool system_factor(System *s)
 {
+    find_runs(s);
+    if (factor_by_rank(s))
+        return true;
     assemble(s);
-    s->rank = 0;
     for (int i = 0; i < s->count; i++)      /* a row without any effect holds nothing: it stands for itself */
         if (!(s->a[i * s->count + i] > 0) && !s->sliding)
             s->a[i * s->count + i] = 1;
-    if (factor_by_rank(s) || (s->sliding ? factor_general(s) : factor_symmetric(s)))
+    if (s->sliding ? factor_general(s) : factor_symmetric(s))
         return true;
     if (s->redundant)
         return false;
@@ -263,7 +264,9 @@ static void remainder_general(const System *s)
 /* Its largest entry. */
 static real remainder_of(const System *s)
 {
-    if (s->sliding)
+    if (s->rank > 0)
+        rank_remainder(s->lines, s->b, s->x, s->r, s->count);
+    else if (s->sliding)
         remainder_general(s);
     else if (small_size(s->count))
         small_remainder(s->a, s->b, s->x, s->r, s->count);

@@ -20,8 +20,11 @@ void small_remainder(const real *a, const real *b, const real *x, real *r, int n
 
 #define RANK_ROWS 12            /* with fewer the softened factor costs no more */
 
+struct Line;
+
 /* f takes what rank_back needs, n * n reals. 0: the rank cannot be told, or is more than six. */
-int rank_factor(const real *a, real *f, int n);
+int rank_factor(const struct Line *lines, real *f, int n);
 void rank_back(const real *f, real *x, int n, int rank);                       /* x of the least norm in place of the right side */
+void rank_remainder(const struct Line *lines, const real *b, const real *x, real *r, int n);    /* r = b - A x, without A */
 
 #endif

@@ -133,7 +133,7 @@ typedef struct System {         /* A x = b with A = J M^-1 G: L D L^T in its pro
     int  *run;                  /* one past the last of the rows that follow each other on the same bodies */
     bool  sliding;              /* A is not symmetric                    */
     bool  redundant;            /* softened and refined                  */
-    int   rank;                 /* of rows that repeat others, all on the same bodies; 0: not factored so */
+    int   rank;                 /* of rows that repeat others, all on the same bodies, which need no A; 0: not factored so */
     real  residual;             /* over the right side                   */
 } System;
 
@@ -284,6 +284,7 @@ void trace_follow(Tracer *t);                   /* slip directions of the presen
 bool trace_rate(Tracer *t, const State *y, real time, int stage);
 void trace_parabola(Tracer *t, real h);         /* a step whose forces are those at its start throughout, untried */
 real trace_try(Tracer *t, real h);              /* one step from y to y1; its error over the tolerance; INFINITY = fault */
+bool trace_stretch(Tracer *t, real more);       /* the tried step by so little, s; false: that is not little */
 void trace_dense(const Tracer *t, real part, State *out);   /* y .. y1 at a part of the tried step */
 /* happen.c */
 Event trace_scan(Tracer *t);                    /* the first event of the tried step */

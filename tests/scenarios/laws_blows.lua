@@ -106,3 +106,25 @@ scenario("a ball that falls on a whirling disc an edge of which is in the floor 
   expect(world.energy.kinetic + world.energy.potential):near(25.23, 0.05)
   expect(world:stats().substeps):below(20)
 end)
+
+-- Where a blow came, the step was made three times to its last digit, with 28 evaluations in all; and where points that lie still came
+-- at each other by rounding, their blow was swept a thousand times for less than rounding.
+scenario("the blows of a block that rocks cost few evaluations, and few sweeps to the last", function()
+  local world = digbox.world {}
+  world:floor { friction = 2 }
+  local turn = digbox.quat { axis = { 0, 0, 1 }, angle = 0.1 }
+  local corner = turn:rotate { -0.25, -0.5, 0 }
+  local block = world:box { size = { 0.5, 1, 0.5 }, friction = 2, rotation = turn, at = { -corner.x, -corner.y, 0 } }
+  local events, evaluations, iterations = 0, 0, 0
+  while world.time < 1.1 do
+    world:step()
+    local stats = world:stats()
+    if stats.events == events + 1 then evaluations = math.max(evaluations, stats.evaluations) end
+    iterations, events = iterations + stats.iterations, stats.events
+  end
+  expect(events):above(20)
+  expect(evaluations):at_most(21)
+  expect(iterations):at_most(50 * events)
+  expect(block.position):near({ 0.25, 0.5, 0 }, 1e-3)
+  expect(block.speed):below(1e-9)
+end)
