@@ -256,8 +256,9 @@ static void move_alike(Group *g)
 /* m/s: and what is nearly at rest must not be worse than this, for it adds up */
 #define CREEP 1e-6
 
-/* A step that took so many sweeps locates no more impacts: each would cost as many again. */
+/* A step that took so many sweeps, or so many times those of a finer plan, locates no more impacts: each would cost as many again. */
 #define DEAR 4000
+#define DEAR_PLANS 5
 
 /* ---- bookkeeping after a substep: forces remembered, energy booked, sleepers that were pushed ---- */
 
@@ -492,7 +493,7 @@ static void relax_group(Group *g)
     }
     g->unsolved = g->residual > COARSE && g->stalled;
     g->contradicts = g->contradicts || g->unsolved;
-    if (g->unsolved || g->sweeps > DEAR)
+    if (g->unsolved || g->sweeps > int_max(DEAR, DEAR_PLANS * g->plan->sweeps * g->plan->substeps))
         g->events_left = 0;
     g->residual = real_max(g->residual, worst);
 }
