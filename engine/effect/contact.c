@@ -89,6 +89,13 @@ static void follow_curve(Group *g, GroupPair *q, PointRow *r, real gap)
     *r = middle;
 }
 
+/* It carries, or has just come to lie: what blows have stopped remembers no force yet, and may roll round an edge all the same. Its turning
+ * normal would be taken for the next blow, and so on in each substep. */
+static bool lies(const Group *g, const GroupPair *q, const PointRow *r, real gap, bool carried)
+{
+    return carried || (gap <= g->touch * q->size && fabs(r->rate_before) <= g->close_speed);
+}
+
 static void warm(const Group *g, PointRow *r, const PointMemory *m)
 {
     r->jn = m->normal * g->h;
@@ -109,12 +116,13 @@ static dig_status rows(const EffectSlot *e, Group *g)
             PointRow *r = &g->points[g->point_count];
             bool left = false;
             point_row_make(g, r, i, k);
-            bool needed = set_target(g, q, r, c->manifold.points[k].gap, c->memory[k].held > 0, &left);
+            real gap = c->manifold.points[k].gap;
+            bool carried = c->memory[k].held > 0, needed = set_target(g, q, r, gap, carried, &left);
             c->left |= (uint16_t)(left << k);
             if (!needed)
                 continue;
-            if (g->locate && c->manifold.count == 1 && c->memory[k].held > 0 && q->contacts == 1)
-                follow_curve(g, q, r, c->manifold.points[k].gap);
+            if (g->locate && c->manifold.count == 1 && q->contacts == 1 && lies(g, q, r, gap, carried))
+                follow_curve(g, q, r, gap);
             warm(g, r, &c->memory[k]);
             q->approach = real_max(q->approach, -r->rate_before);
             g->point_count++;
