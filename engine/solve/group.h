@@ -52,6 +52,7 @@ typedef struct Member {         /* the rest of a gathered body */
     mat3     inertia, inv_inertia;      /* body axes                                   */
     vec3     force, torque;     /* N, N m, of this substep                             */
     Pos      start_pos; Vel start_vel;  /* at the start of the substep                 */
+    vec3     swerve;            /* rad/s  change of its spin in the substep by its own turning: in velocities from predict() to move() */
 } Member;
 
 typedef struct Apart {          /* of a member's forces in this substep, what is booked apart */
@@ -409,6 +410,9 @@ bool group_top_heavy(const Group *g);   /* is something much heavier than someth
 bool group_elastic(const Group *g);     /* do any of its joints give and store energy? */
 bool direct_joints(const Group *g);     /* should joints and contacts be solved together? */
 real direct_wanted(const Group *g);     /* m/s  sweeps that stop above this are to be followed by direct_solve; 0 = never */
+/* turn.c */
+vec3 group_swerve(const Group *g, int i);        /* rad/s  Member.swerve, from the velocities before the substep */
+void group_turn(Group *g, int i, vec3 mean_w);  /* turns the body on through the substep */
 /* project.c: position errors are removed without touching velocities */
 void project(Group *g);
 void project_back(Group *g);    /* the gaps only: the poses are the caller's. Not those that were looked at anew since */

@@ -1,0 +1,54 @@
+/* solve/turn.c - how bodies turn within a substep. */
+#include "solve/group.h"
+
+static vec3 momentum_of(const Member *m, quat q, vec3 w) { return quat_rotate(q, mat3_mul_vec(m->inertia, quat_unrotate(q, w))); }
+static vec3 spin_of(const Member *m, quat q, vec3 l) { return quat_rotate(q, mat3_mul_vec(m->inv_inertia, quat_unrotate(q, l))); }
+
+/* rad/s  By how much a body that nothing holds turns otherwise at the end of the substep, its angular momentum staying as it is. Joint rows
+ * are to know of it: they hold for the mean of the velocities before and after, and group_turn() turns it on so. */
+vec3 group_swerve(const Group *g, int i)
+{
+    const Member *m = &g->member[i];
+    vec3 w = g->vel[i].w;
+    if (g->joint_count == 0 || m->round || g->planar)
+        return vec3_zero();
+    return vec3_scale(g->h, mat3_mul_vec(g->mass[i].ii, vec3_cross(momentum_of(m, g->pos[i].q, w), w)));
+}
+
+/* q' = w q / 2 with constant angular momentum L, classical fourth-order Runge-Kutta. */
+static quat turn(const Member *m, quat q, vec3 l, real h)
+{
+    quat k[4], y = q;
+    static const real at[4] = {0, 0.5, 0.5, 1}, weight[4] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
+    quat sum = {0, 0, 0, 0};
+    for (int i = 0; i < 4; i++) {
+        if (i > 0)
+            y = (quat){q.x + h * at[i] * k[i - 1].x, q.y + h * at[i] * k[i - 1].y, q.z + h * at[i] * k[i - 1].z, q.w + h * at[i] * k[i - 1].w};
+        quat u = quat_unit(y);
+        vec3 w = spin_of(m, u, l);
+        quat r = quat_mul((quat){w.x, w.y, w.z, 0}, y);
+        k[i] = (quat){0.5 * r.x, 0.5 * r.y, 0.5 * r.z, 0.5 * r.w};
+        sum = (quat){sum.x + weight[i] * k[i].x, sum.y + weight[i] * k[i].y, sum.z + weight[i] * k[i].z, sum.w + weight[i] * k[i].w};
+    }
+    return quat_unit((quat){q.x + h * sum.x, q.y + h * sum.y, q.z + h * sum.z, q.w + h * sum.w});
+}
+
+/* The angular momentum that the impulses left is kept while the body turns. Fast spins are cut into turns of at most 0.1 rad. */
+void group_turn(Group *g, int i, vec3 mean_w)
+{
+    Member *m = &g->member[i];
+    if (m->round || g->planar) {
+        g->pos[i].q = quat_unit(quat_mul(quat_exp(vec3_scale(g->h, mean_w)), g->pos[i].q));
+        return;
+    }
+    quat q = g->pos[i].q;
+    vec3 end = momentum_of(m, q, vec3_sub(g->vel[i].w, m->swerve)), mean = momentum_of(m, q, vec3_mad(mean_w, -0.5, m->swerve));
+    int parts = (int)real_clamp(ceil(vec3_length(mean_w) * g->h / 0.1), 1, 256);
+    for (int k = 0; k < parts; k++)
+        q = turn(m, q, mean, g->h / parts);
+    g->pos[i].q = q;
+    vec3 w = spin_of(m, q, end);
+    /* refined once: |q| is 1 within rounding only, and that bias would add up to a drift of the angular momentum */
+    g->vel[i].w = vec3_add(w, spin_of(m, q, vec3_sub(end, momentum_of(m, q, w))));
+    group_refresh_mass(g, i);
+}
