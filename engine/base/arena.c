@@ -20,6 +20,9 @@ static void poison(void *data, size_t bytes)
 
 static size_t chunk_bytes(size_t size) { return sizeof(ArenaChunk) + size + ARENA_ALIGN; }
 
+/* Bytes of the first chunk, opened while a world is built, that are written to at once: its first step need not wait for their pages. */
+#define READY ((size_t)64 << 10)
+
 static ArenaChunk *chunk_open(Arena *a, size_t size)
 {
     ArenaChunk *c = block_open(chunk_bytes(size));
@@ -28,6 +31,8 @@ static ArenaChunk *chunk_open(Arena *a, size_t size)
     unsigned char *data = (unsigned char *)(c + 1);
     data += (ARENA_ALIGN - (uintptr_t)data % ARENA_ALIGN) % ARENA_ALIGN;
     *c = (ArenaChunk){.data = data, .size = size};
+    if (a->allocations == 0)
+        memset(data, 0, size < READY ? size : READY);
     a->held += size;
     a->allocations++;
     return c;
