@@ -239,6 +239,7 @@ struct Group {
 
     real      t, h;             /* s   since the start of the step, this substep */
     real      heal_over;        /* s   so long overlaps heal in this substep: one cut short by an impact heals as the whole did in which that was found */
+    real      lifted;           /* J   against forces, by healing in this substep */
     real      touch;            /* m   gap at which contacts count as touching, per metre of size */
     real      close_speed;      /* m/s below which a bounce is over */
     bool      midpoint;         /* joint rows hold for the mean velocity of the substep */

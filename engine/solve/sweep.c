@@ -26,6 +26,7 @@ static bool any_euler(const Group *g)
 
 static void predict(Group *g)
 {
+    g->lifted = 0;
     for (int i = 0; i < g->moving_count; i++) {
         Member *m = &g->member[i];
         m->start_pos = g->pos[i];
@@ -368,8 +369,21 @@ static void book_joint(Group *g, const JointBlock *b)
     }
 }
 
+/* What healing lifts out of an overlap had fallen too far, and the blow that stopped it took that, too: so much less has been lost, as far
+ * as anything has in this step. What bounces has kept a part of it; that is made up, and stays in that figure. Joints heal otherwise. */
+static void book_lift(Group *g)
+{
+    real bounce = 0;
+    for (int i = 0; i < g->point_count; i++)
+        if (g->points[i].gap < 0)
+            bounce = real_max(bounce, g->pairs[g->contacts[g->points[i].contact].pair].restitution);
+    if (g->row_count == 0 && g->lifted > 0)
+        g->lost -= real_clamp((1 - bounce * bounce) * g->lifted, 0, real_max(0, g->lost));
+}
+
 static void book(Group *g)
 {
+    book_lift(g);
     for (int i = 0; i < g->point_count; i++)
         book_point(g, &g->points[i]);
     for (int i = 0; i < g->roll_count; i++)
