@@ -109,6 +109,34 @@ void arena_shrink(Arena *a, void *last, size_t bytes)
     c->used = keep;
 }
 
+#define SPARE_LEAST 1024        /* bytes: less is not worth a look */
+
+void spare_add(Spare **list, void *at, size_t bytes)
+{
+    size_t skip = (ARENA_ALIGN - (uintptr_t)at % ARENA_ALIGN) % ARENA_ALIGN;
+    if (bytes < SPARE_LEAST + skip)
+        return;
+    Spare *s = (void *)((unsigned char *)at + skip);
+    *s = (Spare){*list, (bytes - skip) / ARENA_ALIGN * ARENA_ALIGN};
+    *list = s;
+}
+
+/* From its end, so that its head stays where it is. */
+void *spare_take(Spare **list, Arena *a, size_t bytes)
+{
+    _Static_assert(sizeof(Spare) <= ARENA_ALIGN, "the head takes one unit");
+    size_t size = bytes ? round_up(bytes) : ARENA_ALIGN;
+    for (Spare *s = *list; s; s = s->next) {
+        if (bytes >= s->bytes || size + ARENA_ALIGN > s->bytes)         /* the first: size may have overflowed */
+            continue;
+        s->bytes -= size;
+        unsigned char *piece = (unsigned char *)s + s->bytes;
+        poison(piece, size);
+        return piece;
+    }
+    return arena_alloc(a, bytes);
+}
+
 ArenaMark arena_mark(const Arena *a)
 {
     return (ArenaMark){a->current, a->current ? a->current->used : 0, a->live};

@@ -70,6 +70,14 @@ void      arena_shrink(Arena *a, void *last, size_t bytes);
 /* Where the next piece begins if it has room there; NULL: not known. */
 static inline void *arena_next(const Arena *a) { return a->current ? a->current->data + a->current->used : NULL; }
 
+/* Scratch memory that was taken and is no longer needed, while what was taken after it still is: a list that lies in that memory itself.
+ * Its user forgets it where the arena is rewound before any of it. */
+typedef struct Spare Spare;
+struct Spare { Spare *next; size_t bytes; };            /* bytes from here on, a multiple of ARENA_ALIGN */
+
+void      spare_add(Spare **list, void *at, size_t bytes);
+void     *spare_take(Spare **list, Arena *a, size_t bytes);     /* from the list where it has room, else arena_alloc */
+
 ArenaMark arena_mark(const Arena *a);
 void      arena_rewind(Arena *a, ArenaMark m);          /* gives back all taken since the mark; marks nest */
 void      arena_reset(Arena *a);                        /* gives back everything; invalidates marks */

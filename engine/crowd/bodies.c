@@ -88,8 +88,8 @@ dig_status bodies_open(Crowd *c)
     Group *g = c->g;
     int threads = g->team ? g->team->threads : 1;
     size_t n = (size_t)(c->bodies + threads);
-    Six *six = arena_alloc(g->arena, 7 * n * sizeof *six);
-    c->frame = arena_alloc(g->arena, n * sizeof *c->frame);
+    Six *six = spare_take(&g->spare, g->arena, 7 * n * sizeof *six);
+    c->frame = spare_take(&g->spare, g->arena, n * sizeof *c->frame);
     c->blocks = (c->bodies + BLOCK - 1) / BLOCK;
     c->lost = arena_alloc(g->arena, (size_t)c->blocks * sizeof *c->lost);
     c->others = arena_alloc(g->arena, (size_t)(g->body_count - c->bodies) * sizeof *c->others);

@@ -338,7 +338,7 @@ static void fill_lane(Crowd *c, Batch *b, int lane, GroupContact *t)
 
 static void *room_for(Crowd *c, size_t bytes, dig_status *status)
 {
-    void *p = arena_alloc(c->g->arena, bytes);
+    void *p = spare_take(&c->g->spare, c->g->arena, bytes);
     *status = p ? *status : DIG_E_MEMORY;
     return p;
 }
@@ -399,7 +399,7 @@ static dig_status make_batches(const Rows *r)
     int batches = 0;
     for (int i = 0; i < r->count; i += lanes_from(r, i))
         batches++;
-    c->batch = arena_alloc(c->g->arena, (size_t)batches * sizeof *c->batch);
+    c->batch = spare_take(&c->g->spare, c->g->arena, (size_t)batches * sizeof *c->batch);
     c->phase = arena_alloc(c->g->arena, (2 * (COLOURS + 1) + 1) * sizeof *c->phase);
     if (!c->batch || !c->phase)
         return DIG_E_MEMORY;
@@ -430,9 +430,9 @@ dig_status rows_open(Crowd *c)
 {
     Group *g = c->g;
     int threads = g->team ? g->team->threads : 1;
-    Rows r = {.c = c, .chosen = arena_alloc(g->arena, 2 * (size_t)(g->contact_count + 1) * sizeof *r.chosen)};
+    Rows r = {.c = c, .chosen = spare_take(&g->spare, g->arena, 2 * (size_t)(g->contact_count + 1) * sizeof *r.chosen)};
     uint64_t (*taken)[2] = arena_zero(g->arena, (size_t)(c->bodies + 1) * sizeof *taken);
-    c->row = arena_alloc(g->arena, (size_t)(g->contact_count + 1) * sizeof *c->row);
+    c->row = spare_take(&g->spare, g->arena, (size_t)(g->contact_count + 1) * sizeof *c->row);
     r.deepest = arena_alloc(g->arena, (size_t)threads * sizeof *r.deepest);
     if (!r.chosen || !taken || !c->row || !r.deepest)
         return DIG_E_MEMORY;

@@ -253,9 +253,13 @@ static dig_status look_behind(Crowd *c, Ends *ends)
 dig_status crowd_touch(Crowd *c)
 {
     Group *g = c->g;
-    Touching t = {.c = c, .ends = arena_alloc(g->arena, (size_t)(g->pair_count + g->left_count + 1) * sizeof *t.ends)};
+    size_t most = (size_t)(g->pair_count + g->left_count);
+    Touching t = {.c = c, .ends = spare_take(&g->spare, g->arena, most * sizeof *t.ends)};
     if (!t.ends)
         return DIG_E_MEMORY;
     team_run(g->team, touch_share, &t);
-    return look_behind(c, t.ends);
+    DIG_TRY(look_behind(c, t.ends));
+    spare_add(&g->spare, t.ends, most * sizeof *t.ends);
+    group_close_left(g);
+    return DIG_OK;
 }

@@ -47,7 +47,7 @@ static dig_status open(Crowd *c)
     g->close_speed = group_close_speed(g);
     g->h = c->dt;
     DIG_TRY(group_forces(g));
-    c->trait = arena_alloc(g->arena, (size_t)g->body_count * sizeof *c->trait);
+    c->trait = spare_take(&g->spare, g->arena, (size_t)g->body_count * sizeof *c->trait);
     if (!c->trait)
         return DIG_E_MEMORY;
     team_run(g->team, trait_share, c);
@@ -115,6 +115,7 @@ static dig_status advance(Group *g, real dt)
     DIG_TRY(book_close(&c));
     if (g->strike_count == 0) {     /* nothing of it is needed any more: the next group finds its room still in the cache */
         arena_rewind(g->arena, mark);
+        g->spare = NULL;        /* some of it is gone */
         g->strikes = NULL;
         g->strike_capacity = 0;
     }

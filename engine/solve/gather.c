@@ -478,11 +478,12 @@ static dig_status gather_pairs(Group *g, const uint32_t *pairs, int pair_count)
     g->pairs = arena_alloc(g->arena, most * sizeof *g->pairs);
     g->contacts = arena_alloc(g->arena, contacts * sizeof *g->contacts);
     g->places = n.places = arena_alloc(g->arena, (size_t)g->place_count * sizeof *g->places);
-    g->changed = arena_alloc(g->arena, most * sizeof *g->changed);
-    g->turned = arena_alloc(g->arena, contacts * sizeof *g->turned);
-    if (!g->pairs || !g->contacts || !g->places || !g->changed || !g->turned)
+    if (!g->pairs || !g->contacts || !g->places)
         return DIG_E_MEMORY;
     team_run(g->team, gather_near, &n);
+    spare_add(&g->spare, n.near, (size_t)pair_count * sizeof *n.near);
+    if (leaves)
+        spare_add(&g->spare, n.span, (size_t)g->body_count * sizeof *n.span);
     return DIG_OK;
 }
 
@@ -519,6 +520,12 @@ dig_status group_gather_struck(Group *g, const real *stop, real dt)
     team_run(n.taken < SHARED_LEAST ? NULL : g->team, gather_near, &n);
     group_leave_out(g, n.first);
     return DIG_OK;
+}
+
+void group_close_left(Group *g)
+{
+    spare_add(&g->spare, g->pairs + g->pair_count, (size_t)g->left_count * sizeof *g->pairs);
+    spare_add(&g->spare, g->contacts + g->contact_count, (size_t)g->left_count * sizeof *g->contacts);
 }
 
 void group_leave_out(Group *g, int first)

@@ -197,6 +197,7 @@ struct Group {
     const World *world;
     const AccuracyPlan *plan;
     Arena    *arena;
+    Spare    *spare;            /* of it, what the group has done with */
     Team     *team;             /* that advances it; NULL: one thread */
     vec3      gravity;          /* m/s^2  of the world */
     real      fall;             /* m/s^2  the largest where its members are: the scale of what weight does */
@@ -220,7 +221,7 @@ struct Group {
     Apart    *apart;            /* [moving_count]; NULL: no force of this group can be a drag or a law's */
     Vel      *shift;            /* m, rad  position correction of a projection */
     GroupPair *pairs;       int pair_count;     /* there is room for those left out, too */
-    Left     *left;         int left_count;
+    Left     *left;         int left_count;     /* see group_gather_struck */
     int      *changed;      int changed_count;  /* group_judge: pairs whose touch began or ended, or that were struck apart */
     int       live_count, rubbing_count;        /* group_judge: contacts with points, and those of them with friction */
     int      *turned;       int turned_count;   /* group_judge: contacts whose record in the world, or whose pair's memory, comes, goes, or grows */
@@ -303,6 +304,7 @@ dig_status group_gather(Group *g, const World *w, const uint32_t *leads, int dig
                         Arena *arena);
 /* Gathers pairs left out whose bodies may meet if the speed of each changes by so much: [body_count], m/s. They come last. */
 dig_status group_gather_struck(Group *g, const real *stop, real dt);
+void       group_close_left(Group *g);                  /* no more of them come in: their room is spare */
 void       group_leave_out(Group *g, int first);        /* what no effect stands for, of pairs from this on */
 dig_status group_judge(Group *g, real dt);              /* at the end of the step: who touches */
 void       group_commit_records(World *w, Group *g);    /* of contacts; one group at a time */

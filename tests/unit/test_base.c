@@ -72,6 +72,34 @@ TEST(rewinding_gives_back_what_was_taken_since_the_mark_and_keeps_the_rest)
     arena_close(&a);
 }
 
+TEST(spare_memory_is_used_first_and_its_pieces_do_not_overlap)
+{
+    Arena a = {0};
+    Spare *spare = NULL;
+    unsigned char *dead = arena_alloc(&a, 4096), *more = arena_alloc(&a, 4096), *kept = arena_alloc(&a, 64);
+    memset(kept, 7, 64);
+    spare_add(&spare, dead + 5, 4096 - 5);              /* its start need not be aligned */
+    spare_add(&spare, more, 4096);
+    spare_add(&spare, kept, 64);                        /* too small to matter: left as it is */
+    size_t live = a.live;
+    unsigned char *piece[7];
+    int fills = 0;
+    for (int i = 0; i < 7; i++) {                       /* three fit beside each head: 3 * 1024 + 32 <= 4064 */
+        piece[i] = spare_take(&spare, &a, 1000);
+        CHECK((uintptr_t)piece[i] % ARENA_ALIGN == 0);
+        memset(piece[i], i + 1, 1000);
+        CHECK_INT(a.live > live, i == 6);
+        CHECK_INT((piece[i] >= dead && piece[i] + 1000 <= more + 4096), i < 6);
+    }
+    for (int i = 0; i < 7; i++)
+        for (int k = 0; k < 1000; k++)
+            fills += piece[i][k] != i + 1;
+    CHECK_INT(fills, 0);
+    CHECK_INT(kept[0] + kept[63], 14);
+    CHECK(spare_take(&spare, &a, SIZE_MAX - 8) == NULL);
+    arena_close(&a);
+}
+
 TEST(after_one_reset_the_same_step_never_allocates_again)
 {
     Arena a = {0};
@@ -468,6 +496,7 @@ int main(void)
         unit_test(pieces_are_aligned_and_do_not_overlap),
         unit_test(zeroed_pieces_are_zero_even_in_used_memory),
         unit_test(rewinding_gives_back_what_was_taken_since_the_mark_and_keeps_the_rest),
+        unit_test(spare_memory_is_used_first_and_its_pieces_do_not_overlap),
         unit_test(after_one_reset_the_same_step_never_allocates_again),
         unit_test(a_rewound_chain_of_chunks_is_filled_again_without_the_allocator),
         unit_test(a_demand_beyond_all_memory_is_refused_and_changes_nothing),
