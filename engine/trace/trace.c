@@ -64,8 +64,7 @@ static bool approaching(const Tracer *t)
 }
 
 /* What drifted or was overlooked by a solver with other habits is put right, first in place, then in velocity. At the start of a
- * frame that is the jerk of joints and contacts whose velocities others, a script among them, left apart: it is lost. So is, within
- * a frame, what is more than drift: a slip that a blow has nearly stopped is held from then on. */
+ * frame that is the jerk of joints and contacts whose velocities others, a script among them, left apart: it is lost. */
 static bool close_all(Tracer *t, bool start, bool *moved)
 {
     Violation v = trace_violation(t);
@@ -79,10 +78,10 @@ static bool close_all(Tracer *t, bool start, bool *moved)
         trace_store(t, t->y);
         trace_load(t, t->y, t->t);
         trace_kinematics(t);
-        real kinetic = group_kinetic(t->g);
+        real kinetic = start ? group_kinetic(t->g) : 0;
         if (!trace_project(t, false))
             return false;
-        if (off > t->tolerance || (start && !t->conserves)) {
+        if (start && (!t->conserves || off > t->tolerance)) {
             t->conserves = false;
             t->g->work_in += t->given;
             t->g->lost += kinetic + t->given - group_kinetic(t->g);
