@@ -85,9 +85,9 @@ scenario("the work of a push is its force times the way", function(s)
   expect(world.energy.numerical):near(0, 1e-9)
 end)
 
--- Stones that fall on each other, in starts that differ in their last digits. What healing lifts had been taken by blows too much, and blows were
--- not located once a coarser plan's sweeps were used up: up to 2e-4 of what was lost was made up. Now 2.3e-7 in eleven of them, and 7e-5 in
--- the sixth, where 5e-8 m/s at contacts that hardly differ are put right by velocities that take 0.1 J.
+-- Stones that fall on each other, in starts that differ in their last digits. What healing lifts had been taken by blows too much, and
+-- blows were not located once a coarser plan's sweeps were used up: up to 2e-4 of what was lost was made up. Now 2.3e-7 in eleven of
+-- them, and 7e-5 in the sixth, where 5e-8 m/s at contacts that hardly differ are put right by velocities that take 0.1 J.
 scenario("the books of an arch that falls close at study, however it falls", function()
   local R, thickness, depth, n, worse = 1, 0.08, 0.4, 12, 0
   for start = 1, 12 do
