@@ -32,11 +32,10 @@ static int local_of(const Group *g, uint32_t slot)
     return g->moving_count + i;
 }
 
-mat3 group_inverse_inertia(const Group *g, int i)
+/* Of what moves. */
+static inline __attribute__((always_inline)) mat3 inverse_inertia(const Group *g, int i)
 {
     const Member *m = &g->member[i];
-    if (!m->moves)
-        return mat3_zero();
     if (m->round)
         return m->inv_inertia;
     mat3 r = quat_matrix(g->pos[i].q);
@@ -48,10 +47,12 @@ mat3 group_inverse_inertia(const Group *g, int i)
     return ii;
 }
 
+mat3 group_inverse_inertia(const Group *g, int i) { return g->member[i].moves ? inverse_inertia(g, i) : mat3_zero(); }
+
 void group_refresh_mass(Group *g, int i)
 {
     if (g->member[i].moves)
-        g->mass[i].ii = group_inverse_inertia(g, i);
+        g->mass[i].ii = inverse_inertia(g, i);
 }
 
 /* A body woken by what is about to strike it was at rest: waking makes its mode moving, and leaves its velocity zero. */

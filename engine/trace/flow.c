@@ -4,6 +4,7 @@
  * Differential Equations I, II.6). Where forces are constant - free flight, sliding, rolling - an evaluation or two show it, and
  * the motion is the parabola itself.
  */
+#include "math/pair.h"
 #include "trace/trace.h"
 
 #define EVEN 1e-9       /* normals that differ by less are one: see patch.c */
@@ -339,7 +340,8 @@ static bool may_probe(const Tracer *t, real h)
 
 /* ---- the pair ---- */
 
-static State state_mad(const State *a, real h, const State *k)
+/* In its loop it stays in registers. */
+INLINE State state_mad(const State *a, real h, const State *k)
 {
     return (State){vec3_mad(a->x, h, k->x), {a->q.x + h * k->q.x, a->q.y + h * k->q.y, a->q.z + h * k->q.z, a->q.w + h * k->q.w},
                    vec3_mad(a->v, h, k->v), vec3_mad(a->l, h, k->l)};
