@@ -31,7 +31,7 @@ BUILD   ?= build$(patsubst -%,/%,$(variant))
 # ---- flags ----
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes -Werror
 # The same bits on every machine and at every -O: no fused multiply-add, no -ffast-math.
-CFLAGS   ?= -O2 -g
+CFLAGS   ?= -O3 -g
 BASE     := -std=c17 $(CFLAGS) -ffp-contract=off -fno-math-errno -pthread $(WARNINGS) -Iengine
 LINK     := $(CC) -pthread
 ifeq ($(DEBUG),1)

@@ -128,7 +128,26 @@ static void turn_by(Crowd *c, int i, vec3 angle)
     *carriage_of(c, i) = (Carriage){quat_matrix(q), from, to, travel_by(vec3_sub(to, from), m->start_pos.q, g->pos[i].q, m->outer)};
 }
 
-/* The angular momentum stays, and is returned. A body that turns far meanwhile does so with the spin that belongs to the middle of its turn. */
+/* rad: by so much the middle of the turn may differ from its start, of bodies that are turned in one piece */
+#define ASTRAY 0.01
+
+#define GAIN 0.02               /* of a body's energy of spin: its turn may not add more */
+
+/* kg m^2/s  Impulses act along arms as they lie at the start. When a long thin body turns away from them, a part of what turned it across
+ * comes to turn it about its own axis, with thousands of times the energy. Such an angular momentum is taken a part of the way to where
+ * it would be had it turned with the body, where its energy is that of before: so far that nothing is gained. before: twice that energy, J. */
+static vec3 without_gain(const Member *m, vec3 l, vec3 turned, quat q, real before)
+{
+    real gain = vec3_dot(l, spin_of(m, q, l)) - before;
+    if (!(gain > GAIN * before))
+        return l;
+    vec3 d = vec3_sub(turned, l);
+    real part = gain / real_max(gain, vec3_dot(d, spin_of(m, q, d)));     /* the smaller root of what is left */
+    return vec3_mad(l, part, d);
+}
+
+/* The angular momentum stays, but for that, and is returned. A body that turns far meanwhile does so with the spin that belongs to the middle of its turn;
+ * and what is long and thin, whose spin changes much more than its axis in that time, piece by piece. */
 static vec3 turn(Crowd *c, int i, vec3 angle)
 {
     Group *g = c->g;
@@ -141,9 +160,14 @@ static vec3 turn(Crowd *c, int i, vec3 angle)
     vec3 w = g->vel[i].w, l = momentum_of(m, q, w);
     if (vec3_length2(angle) > 1e-6) {
         quat middle = quat_unit(quat_mul(quat_exp(vec3_scale(0.5, angle)), q));
-        angle = vec3_mad(angle, c->dt, vec3_sub(spin_of(m, middle, l), w));
+        vec3 off = vec3_scale(c->dt, vec3_sub(spin_of(m, middle, l), w));
+        if (vec3_length2(off) < ASTRAY * ASTRAY)
+            angle = vec3_add(angle, off);
+        else
+            angle = quat_log(quat_mul(member_turned(m, q, momentum_of(m, q, vec3_scale(1 / c->dt, angle)), c->dt), quat_conjugate(q)));
     }
     turn_by(c, i, angle);
+    l = without_gain(m, l, quat_rotate(quat_mul(g->pos[i].q, quat_conjugate(q)), l), g->pos[i].q, vec3_dot(w, l));
     g->vel[i].w = spin_of(m, g->pos[i].q, l);
     return l;
 }

@@ -269,12 +269,19 @@ static void carry_noted(void *context, int thread, int threads)
 static dig_status note(const Book *b)
 {
     Group *g = b->c->g;
+    int more = 0;
     for (int i = 0; i < g->contact_count; i++)
-        g->strike_capacity += b->to_note[i];
-    g->strikes = arena_alloc(g->arena, (size_t)(g->strike_capacity + 1) * sizeof *g->strikes);
-    if (!g->strikes)
+        more += b->to_note[i];
+    if (more == 0)
+        return DIG_OK;
+    Strike *strikes = arena_alloc(g->arena, (size_t)(g->strike_count + more) * sizeof *strikes);
+    if (!strikes)
         return DIG_E_MEMORY;
-    for (int i = 0; i < g->contact_count && g->strike_capacity > 0; i++)
+    for (int i = 0; i < g->strike_count; i++)       /* of pieces before this one */
+        strikes[i] = g->strikes[i];
+    g->strikes = strikes;
+    g->strike_capacity = g->strike_count + more;
+    for (int i = 0; i < g->contact_count; i++)
         if (b->to_note[i])
             note_contact(b->c, i);
     return DIG_OK;
@@ -332,14 +339,19 @@ dig_status book_close(Crowd *c)
     if (!b.deepest || !b.to_note)
         return DIG_E_MEMORY;
     team_run(c->team, book_share, &b);
+    const Strike *before = g->strikes;
     DIG_TRY(note(&b));
-    if (g->strike_capacity > 0)
+    if (g->strikes != before)
         team_run(c->team, carry_noted, &b);
     book_energy(c);
-    book_movers(g);
-    if (g->losses)
-        share_losses(c, g->lost);
     for (int i = 0; i < threads; i++)
         g->penetration = real_max(g->penetration, b.deepest[i]);
     return DIG_OK;
+}
+
+void book_step(const Crowd *c)
+{
+    book_movers(c->g);
+    if (c->g->losses)
+        share_losses(c, c->g->lost);
 }

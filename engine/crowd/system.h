@@ -87,6 +87,7 @@ typedef struct Frame {          /* a moving body at the start of the step       
 /* What contacts ask of a body. In the group's members it would lie far apart: those of thousands of bodies fit no cache, these do. */
 typedef struct Trait {
     real travel, pull;          /* m, m/s^2  as in Member                                        */
+    real rim;                   /* m/s  no rim is faster by its turn; 0 of balls                 */
     bool moves, kinematic, dormant, round;
 } Trait;
 
@@ -138,7 +139,7 @@ typedef struct Crowd {
     int    separations;         /* passes at most that put deep overlap apart at the end of the step */
     float *worst[2];            /* [threads] error of rates over what matters; of this pass, of the one before */
     real  *stop;                /* [body_count of g] m/s  by how much an impact in this step may change its speed; NULL: there is none */
-    real   finest;              /* m   size of the smallest solid in a pair                    */
+    real   finest, thinnest;    /* m   size of the smallest solid in a pair; least thickness of a pair */
     float  push_most;           /* m/s  at which overlap is corrected at most                  */
     float  bounce_least;        /* m/s  slower approaches do not bounce                        */
 } Crowd;
@@ -151,6 +152,14 @@ static inline vec3 crowd_velocity(const Group *g, int body, vec3 at)
 {
     return vec3_add(g->vel[body].v, vec3_cross(g->vel[body].w, vec3_sub(at, g->pos[body].x)));
 }
+/* m  Of the thinner of a pair, at most its size; planes and meshes have none. What overlaps by half of it may come out at the far side. */
+static inline real crowd_thickness(const GroupPair *q)
+{
+    real a = q->sa->inner > 0 ? q->sa->inner : INFINITY, b = q->sb->inner > 0 ? q->sb->inner : INFINITY;
+    return real_min(q->size, 2 * real_min(a, b));
+}
+/* pieces.c: into how many pieces this step is cut, each with contacts of its own */
+int        crowd_pieces(const Crowd *c);
 /* bodies.c */
 dig_status bodies_open(Crowd *c);       /* scaled, from the group's */
 void       bodies_close(Crowd *c);      /* and back */
@@ -163,7 +172,8 @@ dig_status rows_open(Crowd *c);
 void       wide_solve(Crowd *c, int width);
 /* bounce.c: takes so much of the bounces just made as the energy before them allows */
 void       bounce_share(Crowd *c);
-/* book.c: forces, points, impacts and energy for the group's records */
+/* book.c: forces, points, impacts and energy for the group's records; of a piece, and of the whole step after it */
 dig_status book_close(Crowd *c);
+void       book_step(const Crowd *c);
 
 #endif

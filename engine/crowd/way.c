@@ -21,12 +21,16 @@ static Soft soft_of(real share, real h)
     return (Soft){(float)(w / a), (float)(b / (1 + b)), (float)(1 / (1 + b))};
 }
 
-static real smallest(const Group *g)
+/* Of all pairs: their size, and how thin they are. */
+static void find_smallest(Crowd *c)
 {
-    real size = INFINITY;
-    for (int i = 0; i < g->pair_count; i++)
-        size = real_min(size, g->pairs[i].size);
-    return isfinite(size) ? size : 1;
+    const Group *g = c->g;
+    c->finest = c->thinnest = INFINITY;
+    for (int i = 0; i < g->pair_count; i++) {
+        c->finest = real_min(c->finest, g->pairs[i].size);
+        c->thinnest = real_min(c->thinnest, crowd_thickness(&g->pairs[i]));
+    }
+    c->finest = isfinite(c->finest) ? c->finest : 1;
 }
 
 static void trait_share(void *context, int thread, int threads)
@@ -35,9 +39,7 @@ static void trait_share(void *context, int thread, int threads)
     Group *g = c->g;
     for (int i = team_first(g->body_count, thread, threads), end = team_end(g->body_count, thread, threads); i < end; i++) {
         Member *m = &g->member[i];
-        c->trait[i] = (Trait){m->travel, m->pull, m->moves, m->kinematic, m->dormant, m->round};
-        if (i >= g->moving_count)
-            m->start_pos = g->pos[i];
+        c->trait[i] = (Trait){m->travel, m->pull, m->moves && !m->round ? m->outer * vec3_length(g->vel[i].w) : 0, m->moves, m->kinematic, m->dormant, m->round};
     }
 }
 
@@ -51,10 +53,27 @@ static dig_status open(Crowd *c)
     if (!c->trait)
         return DIG_E_MEMORY;
     team_run(g->team, trait_share, c);
-    c->finest = smallest(g);
+    find_smallest(c);
     c->push_most = (float)(PUSH_MOST * sqrt(c->finest));
-    c->bounce_least = (float)(g->close_speed + 2 * g->fall * (real)c->h);
     return DIG_OK;
+}
+
+/* What was left out, for nothing in a whole step could bring it together by itself, may meet after the first of several pieces. */
+static dig_status take_all(Group *g)
+{
+    real *anything = arena_alloc(g->arena, (size_t)g->body_count * sizeof *anything);
+    if (!anything)
+        return DIG_E_MEMORY;
+    for (int i = 0; i < g->body_count; i++)
+        anything[i] = INFINITY;
+    return group_gather_struck(g, anything, 1);
+}
+
+/* Where nothing stays for long, everything is looked at anew, in the next step, too. */
+static void look_anew(Group *g)
+{
+    for (int i = 0; i < g->pair_count; i++)
+        g->pairs[i].until = -1;
 }
 
 /* As many passes as the load needs, to come through from the top of the pile to the ground: what overlaps says so. */
@@ -98,29 +117,52 @@ static dig_status plan_passes(Crowd *c)
     return c->worst[0] ? DIG_OK : DIG_E_MEMORY;
 }
 
-static dig_status advance(Group *g, real dt)
+static dig_status advance_piece(Crowd *c, real until)
 {
-    Crowd c = {.g = g, .team = g->team, .dt = dt, .substeps = g->plan->substeps, .h = (float)(dt / g->plan->substeps), .bodies = g->moving_count};
-    DIG_TRY(open(&c));
+    Group *g = c->g;
     ArenaMark mark = arena_mark(g->arena);
-    DIG_TRY(crowd_touch(&c));
-    DIG_TRY(bodies_open(&c));
-    DIG_TRY(rows_open(&c));
-    DIG_TRY(plan_passes(&c));
-    wide_solve(&c, 0);
-    g->t = dt;
-    g->substeps = c.substeps;
-    g->sweeps = c.passes;
-    bodies_close(&c);
-    DIG_TRY(book_close(&c));
-    if (g->strike_count == 0) {     /* nothing of it is needed any more: the next group finds its room still in the cache */
+    int pairs = g->pair_count;
+    const Strike *strikes = g->strikes;
+    for (int i = g->moving_count; i < g->body_count; i++)
+        g->member[i].start_pos = g->pos[i];
+    DIG_TRY(crowd_touch(c));
+    DIG_TRY(bodies_open(c));
+    DIG_TRY(rows_open(c));
+    DIG_TRY(plan_passes(c));
+    wide_solve(c, 0);
+    g->t = until;
+    g->substeps += c->substeps;
+    g->sweeps += c->passes;
+    bodies_close(c);
+    DIG_TRY(book_close(c));
+    if (g->strikes == strikes && g->pair_count == pairs) {  /* nothing of it is needed any more: what comes next finds its room still in the cache */
         arena_rewind(g->arena, mark);
         g->spare = NULL;        /* some of it is gone */
-        g->strikes = NULL;
-        g->strike_capacity = 0;
     }
-    if (g->woke)
-        return DIG_OK;          /* this try is thrown away: the sleeper wakes and the step starts again */
+    return DIG_OK;
+}
+
+static dig_status advance(Group *g, real dt)
+{
+    Crowd whole = {.g = g, .team = g->team, .dt = dt, .substeps = g->plan->substeps, .bodies = g->moving_count};
+    DIG_TRY(open(&whole));
+    int pieces = crowd_pieces(&whole);
+    if (pieces > 1)
+        DIG_TRY(take_all(g));
+    for (int i = 0; i < pieces; i++) {
+        Crowd c = whole;
+        c.dt = dt / pieces;
+        c.h = (float)(c.dt / c.substeps);
+        c.bounce_least = (float)(g->close_speed + 2 * g->fall * (real)c.h);
+        if (pieces > 1)
+            look_anew(g);
+        DIG_TRY(advance_piece(&c, i + 1 < pieces ? (i + 1) * c.dt : dt));
+        if (g->woke)
+            return DIG_OK;      /* this try is thrown away: the sleeper wakes and the step starts again */
+    }
+    if (pieces > 1)
+        look_anew(g);
+    book_step(&whole);
     DIG_TRY(g->stage(g, STAGE_SETTLE));
     return g->status;
 }

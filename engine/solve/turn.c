@@ -33,7 +33,16 @@ static quat turn(const Member *m, quat q, vec3 l, real h)
     return quat_unit((quat){q.x + h * sum.x, q.y + h * sum.y, q.z + h * sum.z, q.w + h * sum.w});
 }
 
-/* The angular momentum that the impulses left is kept while the body turns. Fast spins are cut into turns of at most 0.1 rad. */
+/* Fast spins are cut into turns of at most 0.1 rad. */
+quat member_turned(const Member *m, quat q, vec3 l, real h)
+{
+    int parts = (int)real_clamp(ceil(vec3_length(spin_of(m, q, l)) * h / 0.1), 1, 256);
+    for (int k = 0; k < parts; k++)
+        q = turn(m, q, l, h / parts);
+    return q;
+}
+
+/* The angular momentum that the impulses left is kept while the body turns. */
 void group_turn(Group *g, int i, vec3 mean_w)
 {
     Member *m = &g->member[i];
@@ -43,10 +52,7 @@ void group_turn(Group *g, int i, vec3 mean_w)
     }
     quat q = g->pos[i].q;
     vec3 end = momentum_of(m, q, vec3_sub(g->vel[i].w, m->swerve)), mean = momentum_of(m, q, vec3_mad(mean_w, -0.5, m->swerve));
-    int parts = (int)real_clamp(ceil(vec3_length(mean_w) * g->h / 0.1), 1, 256);
-    for (int k = 0; k < parts; k++)
-        q = turn(m, q, mean, g->h / parts);
-    g->pos[i].q = q;
+    g->pos[i].q = q = member_turned(m, q, mean, g->h);
     vec3 w = spin_of(m, q, end);
     /* refined once: |q| is 1 within rounding only, and that bias would add up to a drift of the angular momentum */
     g->vel[i].w = vec3_add(w, spin_of(m, q, vec3_sub(end, momentum_of(m, q, w))));
