@@ -21,6 +21,7 @@
  *   - What a contact of one point has carried for a while by overlap it goes on carrying without (book.c): piles of balls do not sink.
  *   - What an impact stops is in the way of others that fell along behind it, at no speed against it: they are looked for (touch.c).
  *   - What is still deep in a pile that has landed is put apart at the end of the step, in place alone (wide.c, separate).
+ *   - Thin things take the step in pieces, each with contacts of its own (pieces.c), and a turn may add no energy (bodies.c).
  *   - Friction acts at the middle of the contact area, two directions in a round cone and a torque about the normal.
  *
  * Price: penetration of about a millimetre for metre-sized boxes, impacts at the ends of steps, errors of 1e-7 of the impulses.

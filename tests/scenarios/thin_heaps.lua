@@ -60,3 +60,48 @@ for _, h in ipairs(heaps) do
     expect(#w:warnings()):is(0)
   end)
 end
+
+-- Rods, discs, capsules, cones and boxes of 1 cm to 0.3 m, much alike in mass, in a pit without a way out.
+local function mixture(s, seed, count)
+  local w, x = s:world {}, seed * 7919 + 13
+  local function random()
+    x = (x * 1103515245 + 12345) % 2147483648
+    return x / 2147483648
+  end
+  local function length() return 0.01 * 100 ^ (0.7 * random()) end
+  w:floor { friction = 0.5 }
+  for k = 0, 3 do
+    w:plane { normal = { math.cos(k * math.pi / 2), 0, math.sin(k * math.pi / 2) }, offset = -1.5, friction = 0.3 }
+  end
+  local made = {}
+  for i = 1, count do
+    local kind, a, b, c = math.floor(5 * random()), length(), length(), length()
+    local f = { mass = 1 + 4 * random(), friction = 0.2 + 0.6 * random(), at = { 1.6 * random() - 0.8, 0.3 + 0.04 * i, 1.6 * random() - 0.8 },
+                rotation = digbox.quat { axis = { random() - 0.5, random() - 0.5, random() - 0.5 }, angle = 6 * random() } }
+    if kind == 1 then
+      f.radius, f.length = b / 2, a
+      made[i] = w:capsule(f)
+    elseif kind == 2 or kind == 3 then
+      f.radius, f.height = a / 2, b
+      made[i] = kind == 2 and w:cylinder(f) or w:cone(f)
+    else
+      f.size = kind == 0 and { a, b, c } or { a, 0.01, 0.01 + b / 10 }
+      made[i] = w:box(f)
+    end
+  end
+  return w, made
+end
+
+for seed = 2, 3 do
+  scenario(("250 things, many of them thin, fall into a pit (%d)"):format(seed), function(s)
+    local w, bodies = mixture(s, seed, 250)
+    local rise, deepest = run(w, bodies, 3)
+    expect(rise):below(1e-4)
+    expect(deepest):below(0.02)
+    for _, b in ipairs(bodies) do
+      expect(b.position.y):above(0)
+      expect(math.max(math.abs(b.position.x), math.abs(b.position.z))):below(1.5)
+    end
+    expect(#w:warnings()):is(0)
+  end)
+end
