@@ -316,7 +316,7 @@ bool direct_joints(const Group *g)
 {
     if (g->joint_count == 0 || g->planar)
         return false;
-    return g->conserve_failed || (g->contact_count > 0 && (group_top_heavy(g) || g->joint_count >= MANY_JOINTS));
+    return g->conserve_failed || group_top_heavy(g) || (g->contact_count > 0 && g->joint_count >= MANY_JOINTS);
 }
 
 real direct_wanted(const Group *g)

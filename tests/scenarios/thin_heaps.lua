@@ -76,7 +76,8 @@ local function mixture(s, seed, count)
   local made = {}
   for i = 1, count do
     local kind, a, b, c = math.floor(5 * random()), length(), length(), length()
-    local f = { mass = 1 + 4 * random(), friction = 0.2 + 0.6 * random(), at = { 1.6 * random() - 0.8, 0.3 + 0.04 * i, 1.6 * random() - 0.8 },
+    local f = { mass = 1 + 4 * random(), friction = 0.2 + 0.6 * random(),
+                at = { 1.6 * random() - 0.8, 0.3 + 0.04 * i, 1.6 * random() - 0.8 },
                 rotation = digbox.quat { axis = { random() - 0.5, random() - 0.5, random() - 0.5 }, angle = 6 * random() } }
     if kind == 1 then
       f.radius, f.length = b / 2, a
