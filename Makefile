@@ -124,8 +124,10 @@ pixel_loops := $(if $(filter 1,$(DEBUG) $(SANITIZE)),,-O3 -fno-trapping-math)
 $(patsubst %,$(BUILD)/obj/engine/render/%.o,blur cast light png shade smooth): extra = $(RENDER_CFLAGS) $(pixel_loops)
 # Blocks of 6 x 6: the same.
 block_loops := $(if $(filter 1,$(DEBUG) $(SANITIZE)),,-O3 -fno-trapping-math)
-$(patsubst %,$(BUILD)/obj/engine/solve/%.o,blocks direct_rows direct_joints): extra = $(block_loops)
+$(patsubst %,$(BUILD)/obj/engine/solve/%.o,direct_rows direct_joints): extra = $(block_loops)
+$(BUILD)/obj/engine/solve/blocks.o: extra = $(block_loops) -Wno-psabi
 $(BUILD)/obj/engine/crowd/%.o $(BUILD)/obj/engine/chain/%.o: extra = -Wno-psabi  # of wide numbers: they are passed to inlined functions only
+
 
 $(BUILD)/obj/%.o: %.c $(BUILD)/flags.txt
 	@mkdir -p $(@D)

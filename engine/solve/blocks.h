@@ -11,7 +11,8 @@
 
 #include "base/arena.h"
 
-#define BLOCK 36                /* reals in a block, row by row */
+#define BLOCK  36               /* reals in a block, row by row */
+#define SPREAD 72
 
 typedef struct Blocks {
     int   n;
@@ -20,6 +21,8 @@ typedef struct Blocks {
     int  *row;                  /*          their rows, ascending                                     */
     int  *at;                   /* [n * n]  block of (row, column) with row > column, < 0 none        */
     real *diagonal, *below;     /* BLOCK reals each                                                   */
+    real *spread;               /* [longest * SPREAD] a column, as the factorisation reads it         */
+    int   longest;              /* blocks below the diagonal of a column, at most                     */
     real  work;                 /* multiplications of a factorisation                                 */
 } Blocks;
 
@@ -31,7 +34,7 @@ void blocks_copy(Blocks *to, const Blocks *from);
 void blocks_clear(Blocks *s);
 /* Block of two places, row > column, that are linked. */
 static inline real *blocks_at(const Blocks *s, int row, int column) { return s->below + (size_t)BLOCK * (size_t)s->at[row * s->n + column]; }
-bool blocks_factor(Blocks *s);                  /* in place; false: not positive definite */
+bool blocks_factor(Blocks *s, bool plain);      /* in place; false: not positive definite. plain: without special instructions */
 void blocks_solve(const Blocks *s, real *x);    /* [6 n] in places */
 
 #endif

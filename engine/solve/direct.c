@@ -211,7 +211,7 @@ static bool newton(Direct *d, bool fresh)
     if (!d->kept) {
         direct_assemble(d, fresh);
         d->factors++;
-        d->kept = blocks_factor(&d->blocks);
+        d->kept = blocks_factor(&d->blocks, false);
     }
     for (int k = 0; k < 6 * d->blocks.n; k++)
         d->dv[k] = -d->grad[k];
