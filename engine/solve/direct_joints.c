@@ -116,12 +116,24 @@ void singles_gradient(Direct *d)
     }
 }
 
+void singles_line(Direct *d)
+{
+    for (int i = 0; i < d->single_count; i++) {
+        const Single *t = &d->singles[i];
+        if (t->bounded)
+            continue;
+        d->level -= t->change * (wish(t, 0) - t->start);
+        d->rise += t->change * t->change / t->r;
+    }
+}
+
 real singles_slope(const Direct *d, real along)
 {
     real slope = 0;
     for (int i = 0; i < d->single_count; i++) {
         const Single *t = &d->singles[i];
-        slope -= t->change * (real_clamp(wish(t, along), t->lo, t->hi) - t->start);
+        if (t->bounded)
+            slope -= t->change * (real_clamp(wish(t, along), t->lo, t->hi) - t->start);
     }
     return slope;
 }
