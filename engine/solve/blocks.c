@@ -204,21 +204,31 @@ void blocks_solve(const Blocks *s, real *x)
         }
         for (int p = s->first[j]; p < s->first[j + 1]; p++) {
             const real *b = s->below + (size_t)BLOCK * (size_t)p;
-            real *to = x + 6 * s->row[p];
-            for (int i = 0; i < 6; i++)
+            real *restrict to = x + 6 * s->row[p];
+            for (int i = 0; i < 6; i++) {
+                real sum = to[i];
                 for (int k = 0; k < 6; k++)
-                    to[i] -= b[6 * i + k] * xj[k];
+                    sum -= b[6 * i + k] * xj[k];
+                to[i] = sum;
+            }
         }
     }
     for (int j = s->n - 1; j >= 0; j--) {
         const real *l = s->diagonal + (size_t)BLOCK * (size_t)j;
         real *xj = x + 6 * j;
+        pair x0 = two(xj), x1 = two(xj + 2), x2 = two(xj + 4);
         for (int p = s->first[j]; p < s->first[j + 1]; p++) {
             const real *b = s->below + (size_t)BLOCK * (size_t)p, *from = x + 6 * s->row[p];
-            for (int i = 0; i < 6; i++)
-                for (int k = 0; k < 6; k++)
-                    xj[k] -= b[6 * i + k] * from[i];
+            UNROLL
+            for (int i = 0; i < 6; i++) {
+                x0 -= two(b + 6 * i) * from[i];
+                x1 -= two(b + 6 * i + 2) * from[i];
+                x2 -= two(b + 6 * i + 4) * from[i];
+            }
         }
+        PAIR(xj[0]) = x0;
+        PAIR(xj[2]) = x1;
+        PAIR(xj[4]) = x2;
         for (int i = 5; i >= 0; i--) {
             for (int k = i + 1; k < 6; k++)
                 xj[i] -= l[6 * k + i] * xj[k];

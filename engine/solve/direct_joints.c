@@ -110,9 +110,13 @@ void singles_gradient(Direct *d)
 {
     for (int i = 0; i < d->single_count; i++) {
         const Single *t = &d->singles[i];
-        for (int m = 0; m < t->count; m++)
+        real change = t->force - t->start;
+        for (int m = 0; m < t->count; m++) {
+            real *restrict grad = d->grad + 6 * t->place[m];
+            const real *restrict j = t->j[m];
             for (int c = 0; c < 6; c++)
-                d->grad[6 * t->place[m] + c] -= t->j[m][c] * (t->force - t->start);
+                grad[c] -= j[c] * change;
+        }
     }
 }
 

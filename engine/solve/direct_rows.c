@@ -192,10 +192,17 @@ void direct_gradient(Direct *d)
     }
     for (int i = 0; i < d->triple_count; i++) {
         const Triple *t = &d->triples[i];
-        for (int k = 0; k < 3; k++)
-            for (int m = 0; m < 2; m++)
-                for (int c = 0; t->place[m] >= 0 && c < 6; c++)
-                    d->grad[6 * t->place[m] + c] -= t->j[k][6 * m + c] * (t->force[k] - t->start[k]);
+        for (int m = 0; m < 2; m++) {
+            if (t->place[m] < 0)
+                continue;
+            real *restrict grad = d->grad + 6 * t->place[m];
+            for (int k = 0; k < 3; k++) {
+                const real *restrict j = t->j[k] + 6 * m;
+                real change = t->force[k] - t->start[k];
+                for (int c = 0; c < 6; c++)
+                    grad[c] -= j[c] * change;
+            }
+        }
     }
     singles_gradient(d);
 }
