@@ -58,7 +58,7 @@ typedef struct Direct {
     int    *body;               /* [places]                                                        */
     real   *mass;               /* [places][10]  kg, kg m^2: m and the tensor                      */
     real   *v, *v0, *dv, *grad; /* [6 places]                                                      */
-    real    level, rise;        /* of the slope along dv: at its start, and per step; of masses and rows without a bound, where it is a straight line */
+    real    level, rise;        /* of the slope along dv, at its start and per step: what rows of joints without a bound give to it */
     bool    projects;           /* positions, not velocities: nothing moves so far, nothing is taut */
     bool    heavy;              /* something in the group is heavy on what is light                 */
     bool    kept;               /* the factor is that of the present sets                          */
@@ -80,8 +80,8 @@ bool singles_forces(Direct *d);                         /* false: the factor is 
 void singles_begin(Direct *d);
 void singles_gradient(Direct *d);
 void singles_assemble(Direct *d, bool bounded);         /* those with a bound, or those without */
-void singles_line(Direct *d);                           /* rows without a bound; adds to Direct.level and rise */
-real singles_slope(const Direct *d, real along);        /* of the others */
+void singles_line(Direct *d);                           /* before singles_slope() is asked along a new dv */
+real singles_slope(const Direct *d, real along);
 real singles_off(const Direct *d);
 void singles_round(Direct *d, real harder);             /* harder: times the compliance of what has a bound */
 void singles_write(Direct *d);                          /* impulses and velocities into the group */
@@ -95,8 +95,7 @@ void direct_forces(Direct *d);                          /* impulses of the prese
 void direct_begin(Direct *d);                           /* forces predicted from the first estimate */
 void direct_gradient(Direct *d);
 void direct_assemble(Direct *d, bool fresh);            /* fresh: as the forces answer now, else as at the end of the last round */
-void direct_line(Direct *d);                            /* before direct_slope() is asked along a new dv */
-real direct_slope(const Direct *d, real along);         /* of the merit function, this part of the step on */
+real direct_slope(const Direct *d, real along);         /* after singles_line(): of the merit function, this part of the step on */
 real direct_off(const Direct *d);                       /* m/s  how far off the estimate is */
 /* The impulses are the new estimate, with harder rows if asked. m/s  how far off the last one was; leaves predicted forces. */
 real direct_round(Direct *d, bool harden);

@@ -122,6 +122,7 @@ void singles_gradient(Direct *d)
 
 void singles_line(Direct *d)
 {
+    d->level = d->rise = 0;
     for (int i = 0; i < d->single_count; i++) {
         const Single *t = &d->singles[i];
         if (t->bounded)
@@ -133,7 +134,7 @@ void singles_line(Direct *d)
 
 real singles_slope(const Direct *d, real along)
 {
-    real slope = 0;
+    real slope = d->level + along * d->rise;
     for (int i = 0; i < d->single_count; i++) {
         const Single *t = &d->singles[i];
         if (t->bounded)

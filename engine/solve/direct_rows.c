@@ -207,25 +207,16 @@ void direct_gradient(Direct *d)
     singles_gradient(d);
 }
 
-void direct_line(Direct *d)
-{
-    d->level = d->rise = 0;
-    for (int i = 0; i < d->blocks.n; i++) {
-        const real *dv = d->dv + 6 * i;
-        real off[6], p[6] = {0}, q[6] = {0};
-        for (int k = 0; k < 6; k++)
-            off[k] = d->v[6 * i + k] - d->v0[6 * i + k];
-        mass_times(d->mass + 10 * i, off, p);
-        mass_times(d->mass + 10 * i, dv, q);
-        d->level += dot6(p, dv);
-        d->rise += dot6(q, dv);
-    }
-    singles_line(d);
-}
-
 real direct_slope(const Direct *d, real along)
 {
-    real slope = d->level + along * d->rise + singles_slope(d, along);
+    real slope = singles_slope(d, along);
+    for (int i = 0; i < d->blocks.n; i++) {
+        real off[6], p[6] = {0};
+        for (int k = 0; k < 6; k++)
+            off[k] = d->v[6 * i + k] + along * d->dv[6 * i + k] - d->v0[6 * i + k];
+        mass_times(d->mass + 10 * i, off, p);
+        slope += dot6(p, d->dv + 6 * i);
+    }
     for (int i = 0; i < d->triple_count; i++) {
         const Triple *t = &d->triples[i];
         real y[3], f[3];
