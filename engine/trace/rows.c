@@ -109,6 +109,8 @@ void trace_kinematics(Tracer *t)
     trace_drives(t);
     for (int i = 0; i < t->touch_count; i++) {
         Touching *c = &t->touch[i];
+        if (t->passing && !c->gate.presses)
+            continue;           /* where it is, nobody asks before the step ends */
         feature_move(g, &c->feature, c->a, c->b, &c->k);
         c->gate.gap = c->k.gap;
         c->gate.rate = c->k.rate;
