@@ -25,6 +25,7 @@ typedef enum FeatureKind {      /* on a, on b; RIM: the circle round the end of 
 
 typedef struct Feature {
     FeatureKind kind;
+    bool fixed;                 /* the plane is of what never moves: pa and da, or pb and db, are in world axes */
     vec3 pa, pb;                /* m   a point of the core, from the centre of mass, body axes; a rim's centre */
     vec3 da, db;                /*     outward normal of the plane, or direction of the line, or axis of the rim */
     real ra, rb;                /* m   rounding radii; of a rim: the circle's                   */
@@ -40,7 +41,12 @@ typedef struct Kinematics {     /* of a contact, world axes */
 
 /* What all points of a manifold share: where the two shapes are, in the world and in their bodies, its normal, and the same in either's
  * frame, outward; of balls only the place in the body, of planes no direction. Few shapes are turned in their body. */
-typedef struct Sides { pose a, b, la, lb; vec3 n, out_a, out_b; bool turned_a, turned_b; } Sides;
+typedef struct Sides {
+    pose a, b, la, lb;
+    vec3 n, out_a, out_b;
+    bool turned_a, turned_b;
+    const Pos *fixed_a, *fixed_b;       /* of bodies that never move; NULL: it may */
+} Sides;
 
 void feature_sides(const Group *g, const GroupPair *q, vec3 normal, Sides *out);
 /* What touches at a manifold's point of two shapes of known kind. */
