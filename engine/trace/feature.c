@@ -109,7 +109,7 @@ static Place place_on_cylinder(const Shape *s, vec3 p, vec3 toward)
 static inline bool has_sides(const Shape *s) { return s->type != &shape_sphere && s->type != &shape_plane; }
 
 /* point: in the world, on or near the core; at, toward: see Sides. */
-static Place place_on(const Shape *s, const pose *at, vec3 point, const vec3 *toward)
+INLINE Place place_on(const Shape *s, const pose *at, vec3 point, const vec3 *toward)
 {
     if (s->type == &shape_sphere)
         return (Place){.spot = SPOT_POINT};             /* its centre */
