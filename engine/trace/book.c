@@ -19,6 +19,11 @@ static void order_bodies(Tracer *t, int *queue)
     const Group *g = t->g;
     int n = g->moving_count, head = 0, tail = 0;
     int *degree = queue + n + 1;
+    if (n == 1) {
+        t->order[0] = 0;
+        return;
+    }
+    memset(queue, 0, (2 * (size_t)n + 4) * sizeof *queue);
     for (int i = 0; i < n; i++)
         t->order[i] = -1;
     for (int j = 0; j < g->joint_count; j++)
@@ -140,7 +145,6 @@ dig_status trace_reserve(Tracer *t)
         b = (Block){data, 0};
         lay_out(t, &b);
     }
-    memset(queue, 0, (2 * (size_t)n + 4) * sizeof *queue);
     memset(t->joint_force, 0, (size_t)(joints * JOINT_SLOTS) * sizeof *t->joint_force);
     memset(t->row_count, 0, (size_t)joints * sizeof *t->row_count);
     order_bodies(t, queue);
