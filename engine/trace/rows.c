@@ -121,21 +121,6 @@ void trace_kinematics(Tracer *t)
 
 /* ---- rows ---- */
 
-Line *trace_line(Tracer *t, LineKind kind, int owner)
-{
-    System *s = &t->sys;
-    if (s->count == s->capacity) {
-        t->fault = "more rows than its budget";
-        return NULL;
-    }
-    Line *l = &s->lines[s->count++];
-    l->kind = kind;
-    l->owner = owner;
-    l->count = l->points = 0;
-    l->drift = l->error = l->want = 0;
-    return l;
-}
-
 static Line *line_joint(Tracer *t, LineKind kind, int owner, int joint, const Row *r)
 {
     Line *l = trace_line(t, kind, owner);
@@ -256,7 +241,7 @@ static void read_forces(Tracer *t)
     }
 }
 
-static vec3 point_acceleration(const Tracer *t, int body, vec3 at)
+INLINE vec3 point_acceleration(const Tracer *t, int body, vec3 at)
 {
     if (!trace_moves(t, body))
         return vec3_zero();

@@ -243,7 +243,21 @@ real trace_swing_error(const Tracer *t, State *e);      /* m  of errors e, what 
 /* rows.c */
 void trace_kinematics(Tracer *t);               /* contacts, joint rows and free accelerations of the group's present state */
 void trace_drives(Tracer *t);                   /* of stops and holds alone, from the joints' rows */
-Line *trace_line(Tracer *t, LineKind kind, int owner);      /* NULL: the budget is used up */
+/* NULL: the budget is used up. */
+static inline Line *trace_line(Tracer *t, LineKind kind, int owner)
+{
+    System *s = &t->sys;
+    if (s->count == s->capacity) {
+        t->fault = "more rows than its budget";
+        return NULL;
+    }
+    Line *l = &s->lines[s->count++];
+    l->kind = kind;
+    l->owner = owner;
+    l->count = l->points = 0;
+    l->drift = l->error = l->want = 0;
+    return l;
+}
 static inline bool trace_moves(const Tracer *t, int body) { return body >= 0 && t->g->member[body].moves; }
 /* Of a line, for one of its bodies that moves: J, and the torque and M^-1 of G. */
 static inline void trace_line_push(const Tracer *t, Line *l, int body, const Arrow *j, const Arrow *g)
