@@ -83,28 +83,35 @@ static Line *add_line(Tracer *t, LineKind kind, const Patch *p, const Subset *s,
     return l;
 }
 
-/* The same of e_i = w_i d, and c_i = w_i f. */
-static Line *add_even_line(Tracer *t, LineKind kind, const Patch *p, const Subset *s, const real *w, vec3 d, vec3 f)
+/* The same of e_i = w_i d, and c_i = w_i f; NULL: as e_i. */
+INLINE Line *even_line(Tracer *t, LineKind kind, const Patch *p, const Subset *s, const real *w, vec3 d, const vec3 *f)
 {
     Line *l = open_line(t, kind, p, s);
-    if (!l)
-        return NULL;
     real sum = 0;
-    for (int i = 0; i < s->count; i++)
+    for (int i = 0; l && i < s->count; i++)
         sum += w[i];
-    bool same = vec3_equal(d, f);
-    for (int side = 0; side < 2; side++) {
+    for (int side = 0; l && side < 2; side++) {
         if (p->body[side] < 0)
             continue;
         vec3 lever = vec3_zero();
         for (int i = 0; i < s->count; i++)
             lever = vec3_mad(lever, w[i], p->lever[side][s->which[i]]);
-        Arrow j = arrow(side, vec3_scale(sum, d), vec3_cross(lever, d)), g;
-        if (!same)
-            g = arrow(side, vec3_scale(sum, f), vec3_cross(lever, f));
-        push_body(t, l, p->body[side], &j, same ? &j : &g);
+        Arrow j = arrow(side, vec3_scale(sum, d), vec3_cross(lever, d)), g = j;
+        if (f)
+            g = arrow(side, vec3_scale(sum, *f), vec3_cross(lever, *f));
+        push_body(t, l, p->body[side], &j, &g);
     }
     return l;
+}
+
+static Line *add_even_line(Tracer *t, LineKind kind, const Patch *p, const Subset *s, const real *w, vec3 d)
+{
+    return even_line(t, kind, p, s, w, d, NULL);
+}
+
+static Line *add_sliding_line(Tracer *t, LineKind kind, const Patch *p, const Subset *s, const real *w, vec3 d, vec3 f)
+{
+    return even_line(t, kind, p, s, w, d, &f);
 }
 
 /* Gram and Schmidt: the fields that are independent on these points, of unit norm. Returns their number. */
@@ -201,11 +208,11 @@ static bool slides_alike(const Tracer *t, const Patch *p)
 static Line *normal_line(Tracer *t, const Patch *p, const Subset *all, const real *share, bool sliding)
 {
     if (p->even && !sliding)
-        return add_even_line(t, LINE_NORMAL, p, all, share, p->n, p->n);
+        return add_even_line(t, LINE_NORMAL, p, all, share, p->n);
     if (slides_alike(t, p)) {
         vec3 push, turn;
         add_sliding(&t->touch[p->point[0]], &push, &turn);
-        return add_even_line(t, LINE_NORMAL, p, all, share, p->n, push);
+        return add_sliding_line(t, LINE_NORMAL, p, all, share, p->n, push);
     }
     vec3 e[MANIFOLD_POINTS], c[MANIFOLD_POINTS], tau[MANIFOLD_POINTS];
     for (int i = 0; i < p->count; i++) {
@@ -257,7 +264,7 @@ static void add_along(Tracer *t, LineKind kind, const Patch *p, const Subset *s,
     vec3 e[MANIFOLD_POINTS];
     for (int i = 0; i < s->count; i++)
         e[i] = vec3_scale(w[i], d);
-    act_along(t, add_even_line(t, kind, p, s, w, d, d), e);
+    act_along(t, add_even_line(t, kind, p, s, w, d), e);
 }
 
 static void stick_rows(Tracer *t, const Patch *p)
