@@ -1,4 +1,5 @@
 /* trace/book.c - storage of a tracer, and what the world wants to know: impulses, work, what points remember. */
+#include "math/pair.h"
 #include "trace/trace.h"
 
 /* One block for all, laid out where the next piece is expected, and again where it was not. Not cleared: everything is written before
@@ -162,9 +163,11 @@ void trace_mean(Tracer *t)
     for (int i = 0; i < n && t->probed; i++)
         t->sum[i] = first[i] + part * (last[i] - first[i]);
     for (int i = 0; i < n && !t->probed; i++) {
-        t->sum[i] = weight[0] * first[i];
+        real sum = weight[0] * first[i];
+        UNROLL
         for (int s = 2; s < STAGES - 1; s++)
-            t->sum[i] += weight[s] * t->quad[s][i];
+            sum += weight[s] * t->quad[s][i];
+        t->sum[i] = sum;
     }
 }
 
