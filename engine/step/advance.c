@@ -59,10 +59,9 @@ static bool is_idle(const EffectSlot *e)
     return e->members.count == 0 && !e->world && (e->type->body_params || e->type->world_params);
 }
 
+/* Of one that is not idle. */
 static bool is_wanted(const Group *g, const EffectSlot *e)
 {
-    if (is_idle(e))
-        return false;
     if (e->owner)
         return e->owner->all ? g->moving_count > 0 : has_member(g, &e->members);
     if (e->type->wanted)
@@ -75,8 +74,10 @@ static void call_effects(Group *g)
     const World *w = g->world;
     for (int i = 0; i < w->effect_count; i++) {
         const EffectSlot *e = &w->effects[i];
-        g->losses = g->losses || (e->on && e->members.count > 0 && e->type->losses);
-        if (!e->on || !is_wanted(g, e))
+        if (!e->on || is_idle(e))
+            continue;
+        g->losses = g->losses || (e->members.count > 0 && e->type->losses);
+        if (!is_wanted(g, e))
             continue;
         g->effects |= 1u << i;
         g->laws |= 1u << e->type->stands;

@@ -3,13 +3,14 @@
  * What rests, slides or rolls on needs the same forces in frame after frame, and at both ends of each. To see that they solve the
  * equations of now costs a small part of solving these. They are taken only when they do so to rounding, better than a solve is asked to.
  */
+#include "math/pair.h"
 #include "trace/trace.h"
 
 #define ROUNDING 1e-15          /* of the largest acceleration or force */
 #define FOLLOWS  (1 - 1e-9)     /* cosine */
 #define UNSEEN   1e-3           /* of the tolerance: what the accelerations of joints are off by makes no more in a frame */
 
-static void push(Tracer *t, int body, vec3 at, vec3 force, vec3 couple)
+INLINE void push(Tracer *t, int body, vec3 at, vec3 force, vec3 couple)
 {
     const Group *g = t->g;
     if (!trace_moves(t, body))
@@ -19,7 +20,7 @@ static void push(Tracer *t, int body, vec3 at, vec3 force, vec3 couple)
 }
 
 /* Friction points where the slip does now: by as little as rounding from where it did, but a slow slip turns by that. */
-static void follow_slip(Cone *c, real normal)
+INLINE void follow_slip(Cone *c, real normal)
 {
     if (c->axes && c->grip == GRIP_SLIP && !c->locked && vec3_dot(c->force, c->d) < -FOLLOWS * vec3_length(c->force))
         c->force = vec3_scale(-cone_bound(c) * normal, c->d);
@@ -48,7 +49,7 @@ static bool put_forces(Tracer *t)
 }
 
 /* unit: m a unit of the cone's motion. Is its force the one that its grip has, and its acceleration the one it leaves? */
-static bool cone_holds(const Tracer *t, Cone *c, vec3 n, real normal, real acc_zero, real unit)
+INLINE bool cone_holds(const Tracer *t, Cone *c, vec3 n, real normal, real acc_zero, real unit)
 {
     real force_zero = ROUNDING * t->gate_most * unit;
     c->lateral = 0;

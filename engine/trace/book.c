@@ -1,4 +1,5 @@
 /* trace/book.c - storage of a tracer, and what the world wants to know: impulses, work, what points remember. */
+#include "math/pair.h"
 #include "trace/trace.h"
 
 /* One block for all, laid out where the next piece is expected, and again where it was not. Not cleared: everything is written before
@@ -19,6 +20,11 @@ static void order_bodies(Tracer *t, int *queue)
     const Group *g = t->g;
     int n = g->moving_count, head = 0, tail = 0;
     int *degree = queue + n + 1;
+    if (n == 1) {
+        t->order[0] = 0;
+        return;
+    }
+    memset(queue, 0, (2 * (size_t)n + 4) * sizeof *queue);
     for (int i = 0; i < n; i++)
         t->order[i] = -1;
     for (int j = 0; j < g->joint_count; j++)
@@ -140,7 +146,6 @@ dig_status trace_reserve(Tracer *t)
         b = (Block){data, 0};
         lay_out(t, &b);
     }
-    memset(queue, 0, (2 * (size_t)n + 4) * sizeof *queue);
     memset(t->joint_force, 0, (size_t)(joints * JOINT_SLOTS) * sizeof *t->joint_force);
     memset(t->row_count, 0, (size_t)joints * sizeof *t->row_count);
     order_bodies(t, queue);
@@ -158,9 +163,11 @@ void trace_mean(Tracer *t)
     for (int i = 0; i < n && t->probed; i++)
         t->sum[i] = first[i] + part * (last[i] - first[i]);
     for (int i = 0; i < n && !t->probed; i++) {
-        t->sum[i] = weight[0] * first[i];
+        real sum = weight[0] * first[i];
+        UNROLL
         for (int s = 2; s < STAGES - 1; s++)
-            t->sum[i] += weight[s] * t->quad[s][i];
+            sum += weight[s] * t->quad[s][i];
+        t->sum[i] = sum;
     }
 }
 

@@ -3,6 +3,7 @@
  * A feature is frozen: as long as it is the right one, its gap is a smooth function of the two poses, and every rate below is
  * exact. Derivations: the material of a body moves as v + w x r; a direction c fixed in it as dc/dt = w x c.
  */
+#include "math/pair.h"
 #include "trace/trace.h"
 
 #define ALIGNED  1e-6       /* sine: a face this square to the normal is the one that touches   */
@@ -108,7 +109,7 @@ static Place place_on_cylinder(const Shape *s, vec3 p, vec3 toward)
 static inline bool has_sides(const Shape *s) { return s->type != &shape_sphere && s->type != &shape_plane; }
 
 /* point: in the world, on or near the core; at, toward: see Sides. */
-static Place place_on(const Shape *s, const pose *at, vec3 point, const vec3 *toward)
+INLINE Place place_on(const Shape *s, const pose *at, vec3 point, const vec3 *toward)
 {
     if (s->type == &shape_sphere)
         return (Place){.spot = SPOT_POINT};             /* its centre */
@@ -149,8 +150,16 @@ static inline bool is_turned(quat q) { return q.x != 0 || q.y != 0 || q.z != 0; 
 static inline vec3 turn_to_body(const pose *at, bool turned, vec3 d) { return turned ? quat_rotate(at->q, d) : d; }
 static inline vec3 to_body(const pose *at, bool turned, vec3 local) { return vec3_add(at->p, turn_to_body(at, turned, local)); }
 
+static const Pos *fixed_place(const Group *g, int body)
+{
+    const Member *m = &g->member[body];
+    return m->moves || m->kinematic ? NULL : &g->pos[body];
+}
+
 void feature_sides(const Group *g, const GroupPair *q, vec3 normal, Sides *out)
 {
+    out->fixed_a = fixed_place(g, q->a);
+    out->fixed_b = fixed_place(g, q->b);
     out->la = pair_local(q, false);
     out->lb = pair_local(q, true);
     out->turned_a = is_turned(out->la.q);
@@ -164,6 +173,14 @@ void feature_sides(const Group *g, const GroupPair *q, vec3 normal, Sides *out)
         out->out_a = quat_unrotate(out->a.q, normal);
     if (has_sides(q->sb))
         out->out_b = quat_unrotate(out->b.q, vec3_neg(normal));
+}
+
+/* Few bodies that stand still are turned. */
+static inline void to_world(const Pos *at, vec3 *point, vec3 *d)
+{
+    bool turned = is_turned(at->q);
+    *point = vec3_add(at->x, turned ? quat_rotate(at->q, *point) : *point);
+    *d = turned ? quat_rotate(at->q, *d) : *d;
 }
 
 void feature_find(const GroupPair *q, const Sides *s, const ManifoldPoint *p, Feature *out)
@@ -188,6 +205,10 @@ void feature_find(const GroupPair *q, const Sides *s, const ManifoldPoint *p, Fe
     out->pb = to_body(&s->lb, s->turned_b, b.p);
     out->da = turn_to_body(&s->la, s->turned_a, a.d);
     out->db = turn_to_body(&s->lb, s->turned_b, b.d);
+    const Pos *plane = out->kind == PLANE_POINT ? s->fixed_a : out->kind == POINT_PLANE ? s->fixed_b : NULL;
+    out->fixed = plane != NULL;
+    if (plane)
+        to_world(plane, out->kind == PLANE_POINT ? &out->pa : &out->pb, out->kind == PLANE_POINT ? &out->da : &out->db);
 }
 
 /* ---- moving ---- */
@@ -301,18 +322,14 @@ static inline Turning turning_of(const Spin *a, const Spin *b, const Feature *f)
     return between(pa, material(a, pa), pb, material(b, pb), f->ra, f->rb);
 }
 
-/* Few bodies that stand still are turned. */
-static inline vec3 still_turn(const Pos *at, bool turned, vec3 d) { return turned ? quat_rotate(at->q, d) : d; }
-
-/* A point on a plane of what does not move: what most contacts are. The terms that are left, in the order of the general way. */
-static inline void move_on_still(const Pos *plane, const Pos *x, const Vel *v, const Feature *f, Kinematics *k)
+/* A point on a plane of what does not move, o on it: what most contacts are. The terms that are left, in the order of the general way. */
+INLINE void move_on_still(vec3 o, vec3 n, const Pos *x, const Vel *v, const Feature *f, Kinematics *k)
 {
-    bool on_a = f->kind == PLANE_POINT, turned = is_turned(plane->q);
+    bool on_a = f->kind == PLANE_POINT;
     real side = on_a ? 1 : -1, round = on_a ? f->rb : f->ra;
-    vec3 n = still_turn(plane, turned, on_a ? f->da : f->db), o = still_turn(plane, turned, on_a ? f->pa : f->pb);
     vec3 p = place_of(x, on_a ? f->pb : f->pa);
     vec3 u = v->v, drift = vec3_zero();
-    k->gap = vec3_dot(n, vec3_sub(p, vec3_add(plane->x, o))) - round;
+    k->gap = vec3_dot(n, vec3_sub(p, o)) - round;
     k->at = round != 0 ? vec3_mad(p, -round, n) : p;
     if (!vec3_is_zero(v->w)) {
         vec3 pdot = vec3_add(v->v, vec3_cross(v->w, vec3_sub(p, x->x)));
@@ -348,9 +365,11 @@ void feature_move(const Group *g, const Feature *f, int a, int b, Kinematics *k)
     if (f->kind == PLANE_POINT || f->kind == POINT_PLANE) {
         bool on_a = f->kind == PLANE_POINT;     /* the plane */
         int plane = on_a ? a : b, point = on_a ? b : a;
-        const Member *m = &g->member[plane];
-        if ((!m->moves && !m->kinematic) || is_still(&g->vel[plane])) {
-            move_on_still(&g->pos[plane], &g->pos[point], &g->vel[point], f, k);
+        vec3 o = on_a ? f->pa : f->pb, n = on_a ? f->da : f->db;
+        if (f->fixed || is_still(&g->vel[plane])) {
+            if (!f->fixed)
+                to_world(&g->pos[plane], &o, &n);
+            move_on_still(o, n, &g->pos[point], &g->vel[point], f, k);
             return;
         }
     }

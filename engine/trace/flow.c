@@ -96,7 +96,7 @@ static void turn_held(Tracer *t, int i)
 {
     Touching *c = &t->touch[i];
     const Touching *before = i > 0 && t->touch[i - 1].contact == c->contact ? &t->touch[i - 1] : NULL;
-    if (before && before->slip.locked && vec3_equal(before->slip.from, c->slip.from) && vec3_distance(before->k.n, c->k.n) < EVEN)
+    if (before && before->gate.presses && before->slip.locked && vec3_equal(before->slip.from, c->slip.from) && vec3_distance(before->k.n, c->k.n) < EVEN)
         c->slip.d = before->slip.d;
     else
         c->slip.d = vec3_unit_or(vec3_mad(c->slip.from, -vec3_dot(c->slip.from, c->k.n), c->k.n), c->slip.from);
@@ -107,6 +107,8 @@ void trace_follow(Tracer *t)
 {
     for (int i = 0; i < t->touch_count; i++) {
         Cone *both[2] = {&t->touch[i].slip, &t->touch[i].roll};
+        if (t->passing && !t->touch[i].gate.presses)
+            continue;
         if (both[0]->locked && both[0]->grip == GRIP_SLIP)
             turn_held(t, i);
         for (int k = 0; k < 2; k++) {

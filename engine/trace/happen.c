@@ -5,6 +5,7 @@
  * is zero.
  */
 #include "base/bracket.h"
+#include "math/pair.h"
 #include "trace/trace.h"
 
 #define BELOW       1e-9        /* of the scale: force and acceleration tests, as in kinds.c    */
@@ -13,7 +14,8 @@
 #define CORRECTIONS 6
 static const real samples[] = {0.25, 0.5, 0.75, 1};
 
-static real value_of(const Tracer *t, const Event *e)
+/* Where the kind is known the compiler leaves the one case. */
+INLINE real value_of(const Tracer *t, const Event *e)
 {
     switch (e->kind) {
     case EVENT_CLOSE: return e->gate->gap;
@@ -147,7 +149,7 @@ static void scan_gaps(Tracer *t, Event *first)
 
 typedef struct Violated { Event e; real end; } Violated;
 
-static void note(const Tracer *t, Violated *list, int *n, Event e, real below)
+INLINE void note(const Tracer *t, Violated *list, int *n, Event e, real below)
 {
     real end = value_of(t, &e);
     if (end < -below)

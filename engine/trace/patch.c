@@ -24,7 +24,7 @@ typedef struct Patch {
 /* The points that take part in a row. */
 typedef struct Subset { int count, which[MANIFOLD_POINTS]; } Subset;
 
-/* Opens a row on these points; what its e are is the caller's to say. */
+/* Opens a row on these points; what its e are, which nobody asks of normal forces, is the caller's to say. */
 INLINE Line *open_line(Tracer *t, LineKind kind, const Patch *p, const Subset *s)
 {
     Line *l = trace_line(t, kind, p->point[s->which[0]]);
@@ -72,8 +72,6 @@ static Arrow arrow_of(const Patch *p, const Subset *s, int side, const vec3 *e, 
 static Line *add_line(Tracer *t, LineKind kind, const Patch *p, const Subset *s, const vec3 *e, const vec3 *c, const vec3 *tau)
 {
     Line *l = open_line(t, kind, p, s);
-    for (int i = 0; l && i < s->count; i++)
-        l->e[i] = e[i];
     for (int side = 0; l && side < 2; side++) {
         if (p->body[side] < 0)
             continue;
@@ -85,30 +83,35 @@ static Line *add_line(Tracer *t, LineKind kind, const Patch *p, const Subset *s,
     return l;
 }
 
-/* The same of e_i = w_i d, and c_i = w_i f. */
-static Line *add_even_line(Tracer *t, LineKind kind, const Patch *p, const Subset *s, const real *w, vec3 d, vec3 f)
+/* The same of e_i = w_i d, and c_i = w_i f; NULL: as e_i. */
+INLINE Line *even_line(Tracer *t, LineKind kind, const Patch *p, const Subset *s, const real *w, vec3 d, const vec3 *f)
 {
     Line *l = open_line(t, kind, p, s);
-    if (!l)
-        return NULL;
     real sum = 0;
-    for (int i = 0; i < s->count; i++) {
-        l->e[i] = vec3_scale(w[i], d);
+    for (int i = 0; l && i < s->count; i++)
         sum += w[i];
-    }
-    bool same = vec3_equal(d, f);
-    for (int side = 0; side < 2; side++) {
+    for (int side = 0; l && side < 2; side++) {
         if (p->body[side] < 0)
             continue;
         vec3 lever = vec3_zero();
         for (int i = 0; i < s->count; i++)
             lever = vec3_mad(lever, w[i], p->lever[side][s->which[i]]);
-        Arrow j = arrow(side, vec3_scale(sum, d), vec3_cross(lever, d)), g;
-        if (!same)
-            g = arrow(side, vec3_scale(sum, f), vec3_cross(lever, f));
-        push_body(t, l, p->body[side], &j, same ? &j : &g);
+        Arrow j = arrow(side, vec3_scale(sum, d), vec3_cross(lever, d)), g = j;
+        if (f)
+            g = arrow(side, vec3_scale(sum, *f), vec3_cross(lever, *f));
+        push_body(t, l, p->body[side], &j, &g);
     }
     return l;
+}
+
+static Line *add_even_line(Tracer *t, LineKind kind, const Patch *p, const Subset *s, const real *w, vec3 d)
+{
+    return even_line(t, kind, p, s, w, d, NULL);
+}
+
+static Line *add_sliding_line(Tracer *t, LineKind kind, const Patch *p, const Subset *s, const real *w, vec3 d, vec3 f)
+{
+    return even_line(t, kind, p, s, w, d, &f);
 }
 
 /* Gram and Schmidt: the fields that are independent on these points, of unit norm. Returns their number. */
@@ -205,11 +208,11 @@ static bool slides_alike(const Tracer *t, const Patch *p)
 static Line *normal_line(Tracer *t, const Patch *p, const Subset *all, const real *share, bool sliding)
 {
     if (p->even && !sliding)
-        return add_even_line(t, LINE_NORMAL, p, all, share, p->n, p->n);
+        return add_even_line(t, LINE_NORMAL, p, all, share, p->n);
     if (slides_alike(t, p)) {
         vec3 push, turn;
         add_sliding(&t->touch[p->point[0]], &push, &turn);
-        return add_even_line(t, LINE_NORMAL, p, all, share, p->n, push);
+        return add_sliding_line(t, LINE_NORMAL, p, all, share, p->n, push);
     }
     vec3 e[MANIFOLD_POINTS], c[MANIFOLD_POINTS], tau[MANIFOLD_POINTS];
     for (int i = 0; i < p->count; i++) {
@@ -246,10 +249,22 @@ static void normal_rows(Tracer *t, const Patch *p, bool forces)
 
 /* ---- friction that sticks ---- */
 
-static void add_drift(const Tracer *t, Line *l)
+/* Its force acts along e at its points. */
+INLINE void act_along(const Tracer *t, Line *l, const vec3 *e)
 {
-    for (int i = 0; l && i < l->points; i++)
-        l->drift += vec3_dot(l->e[i], t->touch[l->point[i]].k.drift);
+    for (int i = 0; l && i < l->points; i++) {
+        l->e[i] = e[i];
+        l->drift += vec3_dot(e[i], t->touch[l->point[i]].k.drift);
+    }
+}
+
+/* The same way at all of them, w_i d. */
+static void add_along(Tracer *t, LineKind kind, const Patch *p, const Subset *s, const real *w, vec3 d)
+{
+    vec3 e[MANIFOLD_POINTS];
+    for (int i = 0; i < s->count; i++)
+        e[i] = vec3_scale(w[i], d);
+    act_along(t, add_even_line(t, kind, p, s, w, d), e);
 }
 
 static void stick_rows(Tracer *t, const Patch *p)
@@ -267,12 +282,12 @@ static void stick_rows(Tracer *t, const Patch *p)
     if (s.count == 1)
         weight[0] = 1;
     for (int way = 0; way < 2 && s.count > 0; way++)
-        add_drift(t, add_even_line(t, LINE_SLIP, p, &s, weight, p->t[way], p->t[way]));
+        add_along(t, LINE_SLIP, p, &s, weight, p->t[way]);
     vec3 e[MANIFOLD_POINTS];
     for (int i = 0; i < s.count && s.count > 1; i++)
         e[i] = vec3_scale(weight[i] / size, vec3_cross(p->n, p->arm[s.which[i]]));
     if (s.count > 1)
-        add_drift(t, add_line(t, LINE_SLIP, p, &s, e, NULL, NULL));
+        act_along(t, add_line(t, LINE_SLIP, p, &s, e, NULL, NULL), e);
 }
 
 /* ---- slip so slow that its direction is held: nothing may move across it ---- */
@@ -299,7 +314,7 @@ static void lateral_rows(Tracer *t, const Patch *p)
         vec3 across = vec3_unit_or(vec3_cross(p->n, c->d), vec3_zero());
         int rank = independent(field, 2, s.count, size);
         for (int f = 0; f < rank; f++)
-            add_drift(t, add_even_line(t, LINE_LATERAL, p, &s, field[f], across, across));
+            add_along(t, LINE_LATERAL, p, &s, field[f], across);
     }
 }
 

@@ -109,6 +109,8 @@ void trace_kinematics(Tracer *t)
     trace_drives(t);
     for (int i = 0; i < t->touch_count; i++) {
         Touching *c = &t->touch[i];
+        if (t->passing && !c->gate.presses)
+            continue;           /* where it is, nobody asks before the step ends */
         feature_move(g, &c->feature, c->a, c->b, &c->k);
         c->gate.gap = c->k.gap;
         c->gate.rate = c->k.rate;
@@ -118,21 +120,6 @@ void trace_kinematics(Tracer *t)
 }
 
 /* ---- rows ---- */
-
-Line *trace_line(Tracer *t, LineKind kind, int owner)
-{
-    System *s = &t->sys;
-    if (s->count == s->capacity) {
-        t->fault = "more rows than its budget";
-        return NULL;
-    }
-    Line *l = &s->lines[s->count++];
-    l->kind = kind;
-    l->owner = owner;
-    l->count = l->points = 0;
-    l->drift = l->error = l->want = 0;
-    return l;
-}
 
 static Line *line_joint(Tracer *t, LineKind kind, int owner, int joint, const Row *r)
 {
@@ -254,7 +241,7 @@ static void read_forces(Tracer *t)
     }
 }
 
-static vec3 point_acceleration(const Tracer *t, int body, vec3 at)
+INLINE vec3 point_acceleration(const Tracer *t, int body, vec3 at)
 {
     if (!trace_moves(t, body))
         return vec3_zero();

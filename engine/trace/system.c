@@ -178,21 +178,32 @@ static bool factor_by_rank(System *s)
     return s->rank > 0;
 }
 
+static bool factor(System *s) { return s->sliding ? factor_general(s) : factor_symmetric(s); }
+
+/* A row without any effect holds nothing: it stands for itself. Its pivot is none, and so it is looked for where one vanished. */
+static bool stand_alone(System *s)
+{
+    bool any = false;
+    for (int i = 0; i < s->count && !s->sliding; i++)
+        if (!(s->a[i * s->count + i] > 0)) {
+            s->a[i * s->count + i] = 1;
+            any = true;
+        }
+    return any;
+}
+
 bool system_factor(System *s)
 {
     find_runs(s);
     if (factor_by_rank(s))
         return true;
     assemble(s);
-    for (int i = 0; i < s->count; i++)      /* a row without any effect holds nothing: it stands for itself */
-        if (!(s->a[i * s->count + i] > 0) && !s->sliding)
-            s->a[i * s->count + i] = 1;
-    if (s->sliding ? factor_general(s) : factor_symmetric(s))
+    if (factor(s) || (stand_alone(s) && factor(s)))
         return true;
     if (s->redundant)
         return false;
     s->redundant = true;
-    return factor_by_rank(s) || (s->sliding ? factor_general(s) : factor_symmetric(s));
+    return factor_by_rank(s) || factor(s);
 }
 
 static void back_symmetric(const System *s, real *x)

@@ -163,7 +163,7 @@ static bool keep_points(Tracer *t)
         const GroupContact *c = &t->g->contacts[n->contact];
         const GroupPair *q = &t->g->pairs[c->pair];
         const ManifoldPoint *p = &c->manifold.points[n->point];
-        if (!still_fits(t, n, p, q->size) || !place_point(t, n, q, p))
+        if (!still_fits(t, n, p, q->size) || (!t->known && !place_point(t, n, q, p)))
             return false;
     }
     return true;

@@ -25,6 +25,7 @@ typedef enum FeatureKind {      /* on a, on b; RIM: the circle round the end of 
 
 typedef struct Feature {
     FeatureKind kind;
+    bool fixed;                 /* the plane is of what never moves: pa and da, or pb and db, are in world axes */
     vec3 pa, pb;                /* m   a point of the core, from the centre of mass, body axes; a rim's centre */
     vec3 da, db;                /*     outward normal of the plane, or direction of the line, or axis of the rim */
     real ra, rb;                /* m   rounding radii; of a rim: the circle's                   */
@@ -40,7 +41,12 @@ typedef struct Kinematics {     /* of a contact, world axes */
 
 /* What all points of a manifold share: where the two shapes are, in the world and in their bodies, its normal, and the same in either's
  * frame, outward; of balls only the place in the body, of planes no direction. Few shapes are turned in their body. */
-typedef struct Sides { pose a, b, la, lb; vec3 n, out_a, out_b; bool turned_a, turned_b; } Sides;
+typedef struct Sides {
+    pose a, b, la, lb;
+    vec3 n, out_a, out_b;
+    bool turned_a, turned_b;
+    const Pos *fixed_a, *fixed_b;       /* of bodies that never move; NULL: it may */
+} Sides;
 
 void feature_sides(const Group *g, const GroupPair *q, vec3 normal, Sides *out);
 /* What touches at a manifold's point of two shapes of known kind. */
@@ -237,7 +243,21 @@ real trace_swing_error(const Tracer *t, State *e);      /* m  of errors e, what 
 /* rows.c */
 void trace_kinematics(Tracer *t);               /* contacts, joint rows and free accelerations of the group's present state */
 void trace_drives(Tracer *t);                   /* of stops and holds alone, from the joints' rows */
-Line *trace_line(Tracer *t, LineKind kind, int owner);      /* NULL: the budget is used up */
+/* NULL: the budget is used up. */
+static inline Line *trace_line(Tracer *t, LineKind kind, int owner)
+{
+    System *s = &t->sys;
+    if (s->count == s->capacity) {
+        t->fault = "more rows than its budget";
+        return NULL;
+    }
+    Line *l = &s->lines[s->count++];
+    l->kind = kind;
+    l->owner = owner;
+    l->count = l->points = 0;
+    l->drift = l->error = l->want = 0;
+    return l;
+}
 static inline bool trace_moves(const Tracer *t, int body) { return body >= 0 && t->g->member[body].moves; }
 /* Of a line, for one of its bodies that moves: J, and the torque and M^-1 of G. */
 static inline void trace_line_push(const Tracer *t, Line *l, int body, const Arrow *j, const Arrow *g)
