@@ -349,8 +349,8 @@ static dig_status do_move_to(World *w, dig_body handle, vec3 at, const quat *rot
         return s;
     DIG_TRY(api_within(w, at, WORLD_FAR, "move_to", "at", "m"));
     DIG_TRY(check_rotation(w, rotation, "move_to"));
-    if (!(over > 0 && isfinite(over)))
-        return world_fail(w, DIG_E_ARG, "move_to: over = %g s, must be > 0", over);
+    if (!(over >= 0 && isfinite(over)))
+        return world_fail(w, DIG_E_ARG, "move_to: over = %g s, must be >= 0", over);
     quat q = rotation ? quat_unit(*rotation) : b->q;
     b->move_to = vec3_add(at, quat_rotate(q, b->centre));
     b->turn_to = q;

@@ -191,6 +191,30 @@ static void end_touches(World *w, real start, real dt)
 /* Mean load of the step on a's anchor. */
 static vec3 couple_of(const JointRec *r, const JointView *v) { return vec3_sub(r->torque, vec3_cross(v->a.r, r->force)); }
 
+static bool is_slow(const World *w, uint32_t body) { return body != NONE && w->bodies.data[body].still > 0; }
+
+static void stir(World *w, uint32_t body)
+{
+    if (body != NONE)
+        w->bodies.data[body].still = 0;
+}
+
+/* Does a motor in it turn or push, slow as it may be? One that is held fast does not. */
+static bool is_driven(Group *g, int joint)
+{
+    const JointView *v = &g->joints[joint].view;
+    if (!v->type->speed)
+        return false;
+    Row rows[JOINT_SLOTS];
+    RowList list = {rows, 0, JOINT_SLOTS};
+    group_joint_view(g, joint);
+    v->type->rows(v, &list);
+    for (int i = 0; i < list.count; i++)
+        if (rows[i].kind == ROW_MOTOR && v->type->speed(v) * rows[i].rate > 0.5 * rows[i].rate * rows[i].rate)
+            return true;
+    return false;
+}
+
 static void joints_of(World *w, Group *g)
 {
     for (int i = 0; i < g->joint_count; i++) {
@@ -203,6 +227,10 @@ static void joints_of(World *w, Group *g)
             w->ledger.lost += lost;
             r->lost += lost;
             memcpy(r->memory, j->memory, sizeof r->memory);
+        }
+        if ((is_slow(w, r->a) || is_slow(w, r->b)) && is_driven(g, i)) {    /* the hand of a clock does not rest */
+            stir(w, r->a);
+            stir(w, r->b);
         }
         bool limit = type->at_limit && type->at_limit(&j->view);
         if (limit && !r->at_limit) {

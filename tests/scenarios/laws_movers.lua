@@ -27,6 +27,21 @@ scenario("mover: it goes where it is told, on time, whatever stands in its way",
   expect(lift.dig == nil or lift.dig ~= load.dig):is(true)                  -- a mover is no member of its load's DIG
 end)
 
+scenario("mover: where no time is said it gets there in one frame step", function(s)
+  local world = s.world
+  local plate = world:box { kinematic = true, size = 0.5, at = { 0, 1, 0 } }
+  plate:move_to { at = { 0.1, 1, 0 } }
+  world:step()
+  expect(plate.position):near({ 0.1, 1, 0 }, 1e-12)
+  plate:move_to { rotation = digbox.quat { angle = 0.1 }, over = 0 }
+  world:step()
+  expect(plate.position):near({ 0.1, 1, 0 }, 1e-12)
+  expect(plate.rotation.angle):near(0.1, 1e-12)
+  world:step()
+  expect(plate.velocity):is(digbox.vec(0, 0, 0))
+  expect(function() plate:move_to { over = -1 } end):fails()
+end)
+
 scenario("mover: a conveyor drags what lies on it up to its own speed, with mu g", function(s)
   local world = s.world
   local belt = world:box { name = "belt", kinematic = true, size = { 100, 0.1, 1 }, at = { 0, -0.05, 0 }, friction = 0.25 }

@@ -123,6 +123,30 @@ scenario("a clock shows the time that passes, at its rate", function(s)
   expect(clock.time):near(3 * 3600 + 600 * 9, 20)
 end)
 
+scenario("a clock that keeps the time of day does not fall asleep, slow as its hands are", function(s)
+  local world = s.world
+  local clock = parts.clock(world, { at = { 0, 1, 0 } })
+  world:run(10)
+  expect(clock.time):near(10, 1e-3)
+  expect(clock.hour_hand.awake):is(true)
+  clock:set_rate(0)
+  world:run(2)
+  expect(clock.time):near(10, 0.05)
+  expect(clock.hour_hand.asleep):is(true)
+end)
+
+scenario("a motor that is held fast lets its load sleep, one that creeps does not", function(s)
+  local world = s.world
+  world:floor {}
+  local box = world:box { size = 0.2, at = { 0, 0.1, 0 }, mass = 100 }
+  local drive = world:slider { a = box, along = { 1, 0, 0 }, motor = { speed = 0.1, max_force = 1 } }
+  world:run(2)
+  expect(box.asleep):is(true)
+  drive:set { motor = { speed = 1e-3, max_force = 1000 } }
+  world:run(3)
+  expect(drive.distance):near(3e-3, 1e-5)
+end)
+
 scenario("a ragdoll that is struck falls and comes to rest, and never has more energy than it was given", function(s)
   local world = s.world
   world:floor {}
