@@ -53,7 +53,8 @@ static const real most_work[2] = {1e6, 4e6};                                    
 #define JOINT_AIM     1e-6      /* m/s */
 #define JOINT_POOR    1e-3      /* m/s */
 #define JOINT_FAILURES 4        /*      in a step, after which its rows are left to the sweeps */
-#define MANY_JOINTS   6         /*      as many are solved together, with their contacts */
+#define MANY_JOINTS   6         /*      as many are solved together, with their contacts, */
+#define GENTLE        1.0       /*      but springs that change speeds by less of what stretches them in a substep */
 #define PROJECT_FACTORS 40      /*      of a projection; five are usual */
 #define GOOD          1e-7      /* m/s  the rows hold within this: the solve has worked */
 
@@ -313,11 +314,40 @@ static void start_from(Direct *d)
     direct_move(d, 1);
 }
 
-bool direct_joints(const Group *g)
+/* Does a joint push only as springs do that hardly change the speeds of their ends in a substep? Sweeps agree on those at once. */
+static bool is_gentle(Group *g, int joint)
+{
+    Row rows[JOINT_SLOTS];
+    RowList list = {rows, 0, JOINT_SLOTS};
+    real memory[JOINT_MEMORY], h = g->world->def.step / g->plan->substeps;
+    group_joint_view(g, joint);
+    JointView v = g->joints[joint].view;
+    memcpy(memory, g->joints[joint].memory, sizeof memory);
+    v.memory = memory;
+    v.type->rows(&v, &list);
+    for (int i = 0; i < list.count; i++) {
+        real mobility = 0;
+        for (int k = 0; k < rows[i].count; k++)
+            mobility += group_row_mobility(g, &rows[i], k);
+        if (rows[i].kind != ROW_SOFT || !(h * mobility * (h * rows[i].stiffness + rows[i].damping) < GENTLE))
+            return false;
+    }
+    return true;
+}
+
+static bool holds_many(Group *g)
+{
+    int count = 0;
+    for (int i = 0; i < g->joint_count && count < MANY_JOINTS; i++)
+        count += !is_gentle(g, i);
+    return count >= MANY_JOINTS;
+}
+
+bool direct_joints(Group *g)
 {
     if (g->joint_count == 0 || g->planar)
         return false;
-    return g->conserve_failed || group_top_heavy(g) || (g->contact_count > 0 && g->joint_count >= MANY_JOINTS);
+    return g->conserve_failed || group_top_heavy(g) || (g->contact_count > 0 && holds_many(g));
 }
 
 real direct_wanted(const Group *g)

@@ -411,7 +411,7 @@ bool direct_rescue(Group *g);           /* the same where sweeps have not got th
 bool direct_project(Group *g);          /* a projection's rows at once, into g->vel, which holds the shift */
 bool group_top_heavy(const Group *g);   /* is something much heavier than something else? */
 bool group_elastic(const Group *g);     /* do any of its joints give and store energy? */
-bool direct_joints(const Group *g);     /* should joints and contacts be solved together? */
+bool direct_joints(Group *g);           /* should joints and contacts be solved together? */
 real direct_wanted(const Group *g);     /* m/s  sweeps that stop above this are to be followed by direct_solve; 0 = never */
 /* turn.c */
 vec3 group_swerve(const Group *g, int i);        /* rad/s  Member.swerve, from the velocities before the substep */
