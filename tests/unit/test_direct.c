@@ -114,7 +114,12 @@ TEST(a_linked_matrix_is_factored_and_solved)
                 blocks_at(&s, r / 6, c / 6)[6 * (r % 6) + c % 6] = full[r][c];
             b[r] += full[r][c] * (1 + c % 5);
         }
-    CHECK(blocks_factor(&s));
+    Blocks plain;
+    CHECK(blocks_like(&plain, &s, &arena));
+    blocks_copy(&plain, &s);
+    CHECK(blocks_factor(&s, false) && blocks_factor(&plain, true));
+    CHECK(memcmp(plain.diagonal, s.diagonal, N * BLOCK * sizeof(real)) == 0);          /* the same bits by all instructions */
+    CHECK(memcmp(plain.below, s.below, (size_t)s.first[N] * BLOCK * sizeof(real)) == 0);
     memcpy(x, b, sizeof x);
     blocks_solve(&s, x);
     for (int r = 0; r < 6 * N; r++)
@@ -148,7 +153,7 @@ TEST(an_indefinite_matrix_is_refused)
     blocks_clear(&s);
     for (int i = 0; i < 6; i++)
         s.diagonal[7 * i] = i == 4 ? -1 : 1;
-    CHECK(!blocks_factor(&s));
+    CHECK(!blocks_factor(&s, false));
     arena_close(&arena);
 }
 
