@@ -30,6 +30,20 @@ static bool overlaps(const Tracer *t)
     return false;
 }
 
+/* m or rad: a joint that begins so far beyond its stop is led back by the sweeps; the trace only holds what gets there */
+#define BEYOND 1e-4
+
+static bool beyond_stop(const Tracer *t)
+{
+    for (int j = 0; j < t->g->joint_count; j++)
+        for (int k = 0; k < t->row_count[j]; k++) {
+            const Row *r = &t->rows[j * JOINT_SLOTS + k];
+            if (r->kind == ROW_LIMIT && r->error < -BEYOND)
+                return true;
+        }
+    return false;
+}
+
 bool trace_start(Tracer *t)
 {
     Group *g = t->g;
@@ -46,6 +60,8 @@ bool trace_start(Tracer *t)
         return false;
     if (overlaps(t))
         t->fault = "bodies that overlap";
+    else if (t->stop_count > 0 && beyond_stop(t))
+        t->fault = "a joint beyond its stop";
     return !t->fault;
 }
 

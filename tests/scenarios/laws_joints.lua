@@ -363,3 +363,16 @@ scenario("a wrecking ball of 1.4 t hangs on a rope of 6 kg from a jib with a mot
   expect(world.energy.total):below(top)
   s:expect_reliable()
 end)
+
+scenario("a joint that begins beyond its stop is led back to it, with nothing that moves it", function(s)
+  local world = s:world { gravity = { 0, 0, 0 } }
+  local turned = world:hinge { a = world:box { size = 0.2, at = { 0, 0, 0 } }, at = { 0, 0, 0 }, axis = { 0, 0, 1 }, limits = { 1, 2 } }
+  local slid = world:slider { a = world:box { size = 0.2, at = { 3, 0, 0 } }, at = { 3, 0, 0 }, axis = { 0, 0, 1 }, limits = { 0.5, 1 } }
+  world:run "0.5 s"
+  expect(turned.angle):near(1, 1e-3)
+  expect(slid.distance):near(0.5, 1e-3)
+  turned:set { limits = { -2, 0.4 } }
+  world:run "0.5 s"
+  expect(turned.angle):near(0.4, 1e-3)
+  expect(turned.a.speed):below(1e-6)
+end)
