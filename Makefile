@@ -128,7 +128,6 @@ $(patsubst %,$(BUILD)/obj/engine/solve/%.o,direct_rows direct_joints): extra = $
 $(BUILD)/obj/engine/solve/blocks.o: extra = $(block_loops) -Wno-psabi
 $(BUILD)/obj/engine/crowd/%.o $(BUILD)/obj/engine/chain/%.o: extra = -Wno-psabi  # of wide numbers: they are passed to inlined functions only
 
-
 $(BUILD)/obj/%.o: %.c $(BUILD)/flags.txt
 	@mkdir -p $(@D)
 	$(call say,CC,$<)$(CC) $(BASE) $(extra) -MMD -MP -c -o $@ $<

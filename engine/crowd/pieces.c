@@ -2,13 +2,15 @@
  *
  * Rows hold for poses as they are at the start, and soft ones carry a load by overlap, the more the longer they have to. Where things
  * are thin for that, or turn, they get through each other and are pushed out at the far side: 60 rods of 2 m x 1 cm boiled for ever at
- * 2 m/s, in pieces of a quarter of 1/60 s they lie still within a centimetre a second. Each piece has contacts of its own.
+ * 2 m/s, in pieces of a quarter of 1/60 s they lie still within 5 mm/s. Each piece has contacts of its own.
  */
 #include "crowd/system.h"
 
 #define PIECES_MOST 16
-#define SAGS        0.0168      /* of the thickness: so much may gravity times the square of a piece's time be */
-#define THICK       0.2         /*      of that: such things bear 300 of their kind in one piece and do not sink deep */
+/* Of the thickness: so much may gravity times the square of a piece's time be. Things of 1 cm take four pieces of 1/60 s, for with those
+ * their heaps lay still. */
+#define SAGS        0.0168
+#define THICK       0.2         /*      of that: by the springs of way.c it takes 200 of such things to press one in by DEEP */
 #define SWEPT       0.25        /* of the thickness: so far may a rim go by its turn in a piece */
 #define DEEP        0.05        /* of the thickness: so much overlap asks for a piece more */
 #define SOME        0.05        /* of the contacts may need more pieces than there are */
@@ -26,10 +28,13 @@ static real rim_speed(const Group *g, int body)
 /* Is everything thick for how fast it falls and turns? Then no contact needs to be asked. */
 static bool all_thick(const Crowd *c)
 {
-    real rim = 0;
+    const Group *g = c->g;
+    if (!(g->fall * c->dt * c->dt < THICK * SAGS * c->thinnest))
+        return false;
     for (int i = 0; i < c->bodies; i++)
-        rim = real_max(rim, c->trait[i].rim);
-    return rim * c->dt < SWEPT * c->thinnest && c->g->fall * c->dt * c->dt < THICK * SAGS * c->thinnest;
+        if (c->trait[i].moves && !c->trait[i].round && !(c->dt * g->member[i].outer * vec3_length(g->vel[i].w) < SWEPT * c->thinnest))
+            return false;
+    return true;
 }
 
 static int pieces_for(const Crowd *c, const GroupContact *t)

@@ -87,7 +87,6 @@ typedef struct Frame {          /* a moving body at the start of the step       
 /* What contacts ask of a body. In the group's members it would lie far apart: those of thousands of bodies fit no cache, these do. */
 typedef struct Trait {
     real travel, pull;          /* m, m/s^2  as in Member                                        */
-    real rim;                   /* m/s  no rim is faster by its turn; 0 of balls                 */
     bool moves, kinematic, dormant, round;
 } Trait;
 

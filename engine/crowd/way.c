@@ -39,8 +39,7 @@ static void trait_share(void *context, int thread, int threads)
     Group *g = c->g;
     for (int i = team_first(g->body_count, thread, threads), end = team_end(g->body_count, thread, threads); i < end; i++) {
         Member *m = &g->member[i];
-        real rim = m->moves && !m->round ? m->outer * vec3_length(g->vel[i].w) : 0;
-        c->trait[i] = (Trait){m->travel, m->pull, rim, m->moves, m->kinematic, m->dormant, m->round};
+        c->trait[i] = (Trait){m->travel, m->pull, m->moves, m->kinematic, m->dormant, m->round};
     }
 }
 

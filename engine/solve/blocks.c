@@ -47,34 +47,33 @@ bool blocks_plan(Blocks *s, Arena *arena, int n, unsigned char *linked)
     if (!s->place || !s->first || !s->at || !degree || !around)
         return false;
     order(s, linked, degree, around);
-    int *who = degree, blocks = 0;
+    int *who = degree, blocks = 0, longest = 0;
     for (int i = 0; i < n; i++)
         who[s->place[i]] = i;
     s->work = 0;
-    s->longest = 0;
     for (int j = 0; j < n; j++) {
         s->first[j] = blocks;
         for (int i = 0; i < n; i++)
             s->at[i * n + j] = i > j && linked[who[i] * n + who[j]] ? blocks++ : -1;
         real count = blocks - s->first[j];
-        s->longest = int_max(s->longest, blocks - s->first[j]);
+        longest = int_max(longest, blocks - s->first[j]);
         s->work += 72 + 126 * count + 108 * count * (count + 1);
     }
     s->first[n] = blocks;
     s->row = arena_alloc(arena, (size_t)(blocks + 1) * sizeof *s->row);
+    s->spread = arena_alloc(arena, (size_t)(longest + 1) * SPREAD * sizeof *s->spread);
     for (int i = 0; s->row && i < n; i++)
         for (int j = 0; j < i; j++)
             if (s->at[i * n + j] >= 0)
                 s->row[s->at[i * n + j]] = i;
-    return s->row != NULL;
+    return s->row && s->spread;
 }
 
 bool blocks_reserve(Blocks *s, Arena *arena)
 {
     s->diagonal = arena_alloc(arena, (size_t)s->n * BLOCK * sizeof(real));
     s->below = arena_alloc(arena, (size_t)(s->first[s->n] + 1) * BLOCK * sizeof(real));
-    s->spread = arena_alloc(arena, (size_t)(s->longest + 1) * SPREAD * sizeof(real));
-    return s->diagonal && s->below && s->spread;
+    return s->diagonal && s->below;
 }
 
 bool blocks_like(Blocks *s, const Blocks *of, Arena *arena)

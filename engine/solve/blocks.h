@@ -12,7 +12,7 @@
 #include "base/arena.h"
 
 #define BLOCK  36               /* reals in a block, row by row */
-#define SPREAD 72
+#define SPREAD 72               /* the transpose of a block, each row of it twice */
 
 typedef struct Blocks {
     int   n;
@@ -21,8 +21,7 @@ typedef struct Blocks {
     int  *row;                  /*          their rows, ascending                                     */
     int  *at;                   /* [n * n]  block of (row, column) with row > column, < 0 none        */
     real *diagonal, *below;     /* BLOCK reals each                                                   */
-    real *spread;               /* [longest * SPREAD] a column, as the factorisation reads it         */
-    int   longest;              /* blocks below the diagonal of a column, at most                     */
+    real *spread;               /* [blocks of the longest column + 1][SPREAD] a column, as the factorisation reads it; of all of a pattern */
     real  work;                 /* multiplications of a factorisation                                 */
 } Blocks;
 

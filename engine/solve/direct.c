@@ -12,7 +12,7 @@
  * 6x6 block per body and link (solve/blocks.h).
  *
  * Joints that carry what is heavy take part with their geometric stiffness (solve/direct_joints.c): chains and bridges under
- * contact. There the rows start softer and harden from round to round, and slip is followed only as far as the rounds go.
+ * contact, cranes with a motor. There the rows start softer and harden from round to round, and slip is followed only as far as the rounds go.
  */
 #include "base/bracket.h"
 #include "solve/direct.h"
