@@ -373,6 +373,8 @@ bool group_touch_missed(Group *g, real time);
 void group_build_joints(Group *g, bool midpoint);
 void group_turn_joints(Group *g, const Vel *found);     /* for the velocities at the end, as their bodies will have turned half-way: as they
                                                          * did before, or by the velocities found; [body_count] */
+/* Will the velocities found open a joint? What is thin and turns far in a substep swings its ends off the line that they hold for. */
+bool group_joints_open(const Group *g);
 void group_clean_joints(Group *g);
 void joint_row_warm(Group *g, JointRow *r);
 real group_row_mobility(const Group *g, const Row *r, int k);   /* kg^-1 or (kg m^2)^-1  what a row moves of its k-th body, per unit of impulse */
@@ -395,6 +397,7 @@ static inline void fetch_more(const World *w, uint32_t contact)
 dig_status sweep_advance(Group *g, real dt);
 dig_status sweep_piece(Group *g, real dt, real until);  /* from g->t on, of a step of dt; room for rows and strikes is there */
 real group_kinetic(const Group *g);                     /* J */
+Vel  group_way_of(const Group *g, int body);            /* what a substep moves it with: forces work along that */
 real group_kinetic_of(const Group *g, int body);         /* J */
 real group_close_speed(const Group *g);                 /* m/s  slower impacts are no impacts */
 /* impact.c: what touches and approaches is struck, now */

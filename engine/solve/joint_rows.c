@@ -270,3 +270,38 @@ void group_clean_joints(Group *g)
     g->work_in += given;
     g->lost += before + given - group_kinetic(g);       /* the jerk */
 }
+
+#define OPENS_MOST 5e-3         /* of the smaller body: by more no joint may be opened in one substep */
+
+/* m  Where an anchor gets in the substep; *size becomes that of its body if smaller. */
+static vec3 anchor_after(const Group *g, int body, vec3 anchor, real *size)
+{
+    if (body < 0)
+        return anchor;
+    Vel way = group_way_of(g, body);
+    quat q = quat_mul(quat_exp(vec3_scale(g->h, way.w)), g->pos[body].q);
+    *size = real_min(*size, g->member[body].outer);
+    return vec3_add(vec3_mad(g->pos[body].x, g->h, way.v), quat_rotate(q, anchor));
+}
+
+static bool keeps_point(const Group *g, const JointBlock *b)
+{
+    int rows = 0;
+    for (int i = b->first; i < b->first + b->count; i++)
+        rows += g->rows[i].row.kind == ROW_HARD && !g->rows[i].row.angular;
+    return rows == 3;
+}
+
+bool group_joints_open(const Group *g)
+{
+    for (int i = 0; i < g->block_count; i++) {
+        const GroupJoint *j = &g->joints[g->blocks[i].joint];
+        if (!keeps_point(g, &g->blocks[i]))
+            continue;
+        real size = INFINITY, before = vec3_distance(j->view.a.p, j->view.b.p);
+        vec3 a = anchor_after(g, j->a, j->ra, &size), b = anchor_after(g, j->b, j->rb, &size);
+        if (vec3_distance(a, b) > before + OPENS_MOST * size)
+            return true;
+    }
+    return false;
+}

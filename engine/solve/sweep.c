@@ -237,8 +237,7 @@ static Vel mean_velocity(const Group *g, int body)
     return (Vel){vec3_scale(0.5, vec3_add(v->v, start->v)), vec3_scale(0.5, vec3_add(v->w, start->w))};
 }
 
-/* What it is moved with: forces work along the way. Impulses of contacts and joints work along the mean, which is theirs. */
-static Vel way_of(const Group *g, int body) { return g->member[body].implicit_move ? g->vel[body] : mean_velocity(g, body); }
+Vel group_way_of(const Group *g, int body) { return g->member[body].implicit_move ? g->vel[body] : mean_velocity(g, body); }
 
 /* An impulse along a direction: by the arms that it was solved with, so that nothing is lost between it and the velocities. */
 static real book_dir(Group *g, const Dir *d, int a, int b, real p)
@@ -319,7 +318,7 @@ static real mean_row_rate(const Group *g, const Row *r) { return row_rate_of(g, 
  * Euler there is 1/2 k dx^2 more. */
 static real lost_in_spring(const Group *g, const JointRow *r)
 {
-    real dx = g->h * row_rate_of(g, &r->row, way_of);
+    real dx = g->h * row_rate_of(g, &r->row, group_way_of);
     return r->k > 0 ? -r->p * mean_row_rate(g, &r->row) - r->row.stiffness * dx * (r->row.error + 0.5 * dx) : 0;
 }
 
@@ -393,12 +392,12 @@ static void book(Group *g)
     book_implicit(g);
     g->lost += g->braced;
     for (int i = 0; i < g->moving_count && (g->drags || g->rules); i++) {
-        Vel v = way_of(g, i);
+        Vel v = group_way_of(g, i);
         group_book_apart(g, i, vec3_scale(g->h, v.v), vec3_scale(g->h, v.w), g->h);
     }
     for (int i = 0; i < g->push_count; i++) {
         const GroupPush *p = &g->pushes[i];
-        Vel v = way_of(g, p->body);
+        Vel v = group_way_of(g, p->body);
         vec3 arm = p->has_at ? quat_rotate(g->pos[p->body].q, p->at) : vec3_zero();
         real work = g->h * (vec3_dot(p->force, vec3_add(v.v, vec3_cross(v.w, arm))) + vec3_dot(p->torque, v.w));
         group_book_push(g, p, work);
@@ -572,6 +571,12 @@ static dig_status meet(Group *g)
     return DIG_OK;
 }
 
+/* Velocities found for a substep that do not hold for all of it. What is light flings about when the heavy jerks at it. */
+static bool too_long(const Group *g)
+{
+    return g->locate ? overshoots(g) : g->joints_direct && group_top_heavy(g) && group_joints_open(g);
+}
+
 static dig_status substep(Group *g, real until)
 {
     g->h = g->heal_over = until - g->t;
@@ -595,7 +600,7 @@ static dig_status substep(Group *g, real until)
             g->located++;
         }
     }
-    for (real shortest = g->h / 16; g->locate && g->h > shortest && overshoots(g);) {
+    for (real shortest = g->h / 16; g->h > shortest && too_long(g);) {
         restore(g);
         g->h = g->heal_over = 0.5 * g->h;
         until = g->t + g->h;
