@@ -343,6 +343,16 @@ static bool holds_many(Group *g)
     return count >= MANY_JOINTS;
 }
 
+bool group_elastic(const Group *g)
+{
+    for (int i = 0; i < g->joint_count; i++)
+        if (g->joints[i].view.type->elastic)
+            return true;
+    return false;
+}
+
+bool group_bears_load(const Group *g) { return g->conserve_failed || group_top_heavy(g) || group_elastic(g); }
+
 bool direct_joints(Group *g)
 {
     if (g->joint_count == 0 || g->planar)
@@ -423,7 +433,7 @@ static bool solve_joints(Direct *d)
     direct_begin(d);
     d->error = INFINITY;
     while (d->rounds < JOINT_MOST_ROUNDS && d->factors < d->most_factors && d->error > JOINT_AIM) {
-        bool carries = d->rounds == 0 || d->g->heals;
+        bool carries = d->rounds == 0 || group_bears_load(d->g);
         if ((carries && !carry_on(d)) || !minimise(d, 0.1 * AIM))
             return false;
         real before = moved;
@@ -434,14 +444,6 @@ static bool solve_joints(Direct *d)
             break;
     }
     return finite(d) && real_max(d->error, d->unbalanced) < real_max(JOINT_POOR, speed);
-}
-
-bool group_elastic(const Group *g)
-{
-    for (int i = 0; i < g->joint_count; i++)
-        if (g->joints[i].view.type->elastic)
-            return true;
-    return false;
 }
 
 static bool run(Direct *d, real residual)
@@ -487,7 +489,7 @@ bool direct_solve(Group *g, real residual)
     bool heavy = group_top_heavy(g), light = !heavy && !g->joints_direct, fine = false;
     residual = real_min(residual, AIM);
     if (g->joints_direct) {
-        d.hardened = g->heals ? JOINT_SOFT : CROWD_SOFT;
+        d.hardened = group_bears_load(g) ? JOINT_SOFT : CROWD_SOFT;
         d.most_factors = JOINT_FACTORS;
     } else if (!heavy) {
         d.most_factors = int_min(MOST_FACTORS, int_max(FEW_FACTORS, FACTOR_POINTS / g->point_count));

@@ -19,6 +19,22 @@
 
 /* ---- rows ---- */
 
+static void place_row(const Direct *d, Single *t, const Row *row)
+{
+    const Group *g = d->g;
+    for (int k = 0; k < row->count; k++) {
+        int b = row->body[k];
+        if (b < 0)
+            continue;
+        t->rate += vec3_dot(row->lin[k], g->vel[b].v) + vec3_dot(row->ang[k], g->vel[b].w);
+        if (d->place[b] < 0)
+            continue;
+        vec3 part[2] = {row->lin[k], row->ang[k]};
+        memcpy(t->j[t->count], part, sizeof part);
+        t->place[t->count++] = d->place[b];
+    }
+}
+
 static void add_single(Direct *d, int i)
 {
     const Group *g = d->g;
@@ -41,24 +57,66 @@ static void add_single(Direct *d, int i)
         t->r = p->gamma;
         t->prox = 0;
     }
-    for (int k = 0; k < p->row.count; k++) {
-        int b = p->row.body[k];
-        if (b < 0)
-            continue;
-        t->rate += vec3_dot(p->row.lin[k], g->vel[b].v) + vec3_dot(p->row.ang[k], g->vel[b].w);
-        if (d->place[b] < 0)
-            continue;
-        vec3 part[2] = {p->row.lin[k], p->row.ang[k]};
-        memcpy(t->j[t->count], part, sizeof part);
-        t->place[t->count++] = d->place[b];
+    place_row(d, t, &p->row);
+}
+
+/* N  The last force of a joint on the side `a` of it. */
+static vec3 joint_pull(const Group *g, const JointBlock *b)
+{
+    const GroupJoint *j = &g->joints[b->joint];
+    vec3 f = vec3_zero();
+    for (int i = b->first; i < b->first + b->count; i++) {
+        const Row *r = &g->rows[i].row;
+        for (int k = 0; k < r->count; k++)
+            if (r->body[k] == j->a)
+                f = vec3_mad(f, j->force[r->slot], r->lin[k]);
+    }
+    return f;
+}
+
+#define SWINGS 0.05             /* h^2 K over the mass: tauter lines are taken into account */
+
+/* A taut line of tension T and length l swings back with T / l across itself. */
+static void add_line(Direct *d, const JointBlock *b)
+{
+    const Group *g = d->g;
+    const JointView *v = &g->joints[b->joint].view;
+    vec3 line = vec3_sub(v->a.p, v->b.p), across[2];
+    real length = vec3_length(line);
+    if (!v->type->two_anchors || !(length > 0))
+        return;
+    line = vec3_scale(1 / length, line);
+    real added = -vec3_dot(joint_pull(g, b), line) / length * g->h * g->h, mobility = 0;        /* kg, 1 / kg */
+    vec3_basis(line, &across[0], &across[1]);
+    const JointEnd *end[2] = {&v->a, &v->b};
+    for (int k = 0; k < 2; k++)
+        mobility += end[k]->body < 0 ? 0 : g->mass[end[k]->body].im;
+    if (!(added * mobility > SWINGS))
+        return;
+    for (int i = 0; i < 2; i++) {
+        Row row = {.kind = ROW_SOFT};
+        for (int k = 0; k < 2; k++) {
+            row.lin[k] = k ? vec3_neg(across[i]) : across[i];
+            row.ang[k] = vec3_cross(end[k]->r, row.lin[k]);
+            row.body[k] = end[k]->body;
+        }
+        row.count = 2;
+        Single *t = &d->singles[d->single_count++];
+        *t = (Single){.row = -1, .lo = -INFINITY, .hi = INFINITY, .soft = true, .r = 1 / added};
+        place_row(d, t, &row);
+        if (t->count == 0)
+            d->single_count--;
     }
 }
 
 bool singles_open(Direct *d)
 {
-    d->singles = arena_alloc(d->g->arena, (size_t)(d->g->row_count + 1) * sizeof *d->singles);
-    for (int i = 0; d->singles && i < d->g->row_count; i++)
+    const Group *g = d->g;
+    d->singles = arena_alloc(g->arena, (size_t)(g->row_count + 2 * g->block_count + 1) * sizeof *d->singles);
+    for (int i = 0; d->singles && i < g->row_count; i++)
         add_single(d, i);
+    for (int i = 0; d->singles && i < g->block_count && !d->projects; i++)
+        add_line(d, &g->blocks[i]);
     return d->singles;
 }
 
@@ -209,12 +267,28 @@ void singles_round(Direct *d, real harder)
     }
 }
 
+static real rate_at_start(const Direct *d, const Single *t)
+{
+    real rate = 0;
+    for (int k = 0; k < t->count; k++) {
+        const Vel *v = &d->g->member[d->body[t->place[k]]].start_vel;
+        const real *j = t->j[k];
+        rate += vec3_dot((vec3){j[0], j[1], j[2]}, v->v) + vec3_dot((vec3){j[3], j[4], j[5]}, v->w);
+    }
+    return rate;
+}
+
 /* Impulses of the rows, and the velocities. */
 void singles_write(Direct *d)
 {
     Group *g = d->g;
-    for (int i = 0; i < d->single_count; i++)
-        g->rows[d->singles[i].row].p = d->singles[i].soft ? d->singles[i].force : d->singles[i].prox;
+    for (int i = 0; i < d->single_count; i++) {
+        const Single *t = &d->singles[i];
+        if (t->row < 0)
+            g->braced -= t->force * 0.5 * (rate_at_start(d, t) - t->r * t->force);
+        else
+            g->rows[t->row].p = t->soft ? t->force : t->prox;
+    }
     for (int i = 0; i < d->blocks.n; i++) {
         int b = d->body[i];
         const real *v = d->v + 6 * i;
@@ -226,20 +300,6 @@ void singles_write(Direct *d)
 }
 
 /* ---- geometric stiffness ---- */
-
-/* N  The last force of a joint on the side `a` of it. */
-static vec3 joint_pull(const Group *g, const JointBlock *b)
-{
-    const GroupJoint *j = &g->joints[b->joint];
-    vec3 f = vec3_zero();
-    for (int i = b->first; i < b->first + b->count; i++) {
-        const Row *r = &g->rows[i].row;
-        for (int k = 0; k < r->count; k++)
-            if (r->body[k] == j->a)
-                f = vec3_mad(f, j->force[r->slot], r->lin[k]);
-    }
-    return f;
-}
 
 static void add_stiffness(mat3 *k, vec3 f, vec3 r)
 {

@@ -247,7 +247,6 @@ struct Group {
     bool      locate;           /* impacts are located in time in this group */
     bool      patches;          /* sweeps take the points of a contact together: see relax_patch */
     bool      joints_direct;    /* joints and contacts are solved together, directly */
-    bool      heals;            /* so that position errors heal by velocities */
     int       events_left;
 
     /* what it took and achieved */
@@ -414,6 +413,7 @@ bool direct_rescue(Group *g);           /* the same where sweeps have not got th
 bool direct_project(Group *g);          /* a projection's rows at once, into g->vel, which holds the shift */
 bool group_top_heavy(const Group *g);   /* is something much heavier than something else? */
 bool group_elastic(const Group *g);     /* do any of its joints give and store energy? */
+bool group_bears_load(const Group *g);  /* do joints carry what is heavy, or give? Else they are limbs that slide and turn */
 bool direct_joints(Group *g);           /* should joints and contacts be solved together? */
 real direct_wanted(const Group *g);     /* m/s  sweeps that stop above this are to be followed by direct_solve; 0 = never */
 /* turn.c */

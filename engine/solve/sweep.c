@@ -353,7 +353,7 @@ static void book_joint(Group *g, const JointBlock *b)
                 j->angular_impulse = vec3_mad(j->angular_impulse, r->p, r->row.ang[k]);
             }
         g->work_in -= r->p * group_row_driven(g, &r->row);
-        if (r->row.kind == ROW_HARD)        /* what a jerk of a joint takes */
+        if (r->row.kind == ROW_HARD || r->row.kind == ROW_LIMIT)        /* what a jerk of a joint takes */
             g->lost -= r->p * mean_row_rate(g, &r->row);
         if (r->row.kind == ROW_DRY || r->row.kind == ROW_MOTOR) {
             real work = r->p * mean_row_rate(g, &r->row);
@@ -519,9 +519,9 @@ static dig_status solve_with(Group *g, const Vel *found)
     DIG_TRY(g->stage(g, STAGE_ROWS));
     if (g->midpoint && (any_euler(g) || g->joints_direct))
         group_build_joints(g, false);       /* who moves with the new velocity needs rows for it, not for the mean */
-    if (g->joints_direct && group_elastic(g) && (found || !blow_comes(g)))
+    if (g->joints_direct && (found || !blow_comes(g)))
         group_turn_joints(g, found);        /* a turn straight on from where they are would stretch what bends */
-    if (g->joints_direct && g->heals)
+    if (g->joints_direct)
         heal(g);
     else
         project(g);
@@ -611,7 +611,7 @@ static dig_status substep(Group *g, real until)
     if (g->woke)
         return DIG_OK;          /* this try is thrown away: the sleeper wakes and the step starts again */
     move(g);
-    if (g->heals) {             /* by velocities, which are not to be kept where they did work */
+    if (g->joints_direct) {     /* heals by velocities, which are not to be kept where they did work */
         real taken;
         DIG_TRY(group_hold(g, false, &taken));
         g->lost += taken;
@@ -666,15 +666,28 @@ static bool gapes(const Group *g)
     return false;
 }
 
+#define CLOSED_BY 5.0           /* times the widest gap that was: what has to move farther to close it hangs taut between what is fixed */
+
 /* What the last substep's turns have opened, as the next one would begin with: limbs that whirl open theirs by their reach times half
- * the square of the angle. */
+ * the square of the angle. Not in a straight bridge, which would be lifted by a hundred times what its joints are apart. */
 static dig_status close_gaps(Group *g, real part)
 {
+    Pos *before = arena_alloc(g->arena, (size_t)g->moving_count * sizeof *before);
+    if (!before)
+        return DIG_E_MEMORY;
+    memcpy(before, g->pos, (size_t)g->moving_count * sizeof *before);
     g->h = g->heal_over = part;
     g->point_count = g->roll_count = g->block_count = g->row_count = 0;
     DIG_TRY(g->stage(g, STAGE_ROWS));
     group_build_joints(g, false);
     project(g);
+    real moved = 0;
+    for (int i = 0; i < g->moving_count; i++)
+        moved = real_max(moved, vec3_distance(before[i].x, g->pos[i].x));
+    if (moved > CLOSED_BY * g->joint_error) {
+        project_back(g);
+        memcpy(g->pos, before, (size_t)g->moving_count * sizeof *before);
+    }
     for (int i = 0; i < g->moving_count; i++)
         group_refresh_mass(g, i);
     group_touch(g, part, true);
@@ -722,7 +735,6 @@ static void begin(Group *g, real part, bool all)
 {
     g->close_speed = group_close_speed(g);
     g->joints_direct = direct_joints(g);
-    g->heals = g->joints_direct && (g->conserve_failed || group_top_heavy(g) || group_elastic(g));
     g->locate = g->moving_count <= g->plan->events_bodies && !g->joints_direct;
     g->events_left = int_min(g->plan->events, int_max(4, 4000 / (g->pair_count + 1)));
     g->h = g->heal_over = part;
@@ -770,7 +782,7 @@ dig_status sweep_advance(Group *g, real dt)
         DIG_TRY(sweep_until(g, dt, k + 1 < g->plan->substeps ? part * (k + 1) : dt));
     if (!g->woke) {
         measure(g);
-        if (g->joints_direct && !g->heals && gapes(g))
+        if (g->joints_direct && !group_bears_load(g) && gapes(g))
             DIG_TRY(close_gaps(g, part));
         DIG_TRY(group_hold_momenta(g, dt));
         DIG_TRY(g->stage(g, STAGE_SETTLE));

@@ -100,7 +100,7 @@ bool trace_pass(Tracer *t)
     g->h = h;
     g->events_left = events_left;
     g->locate = true;
-    g->joints_direct = g->heals = false;
+    g->joints_direct = false;
     g->passed += length;
     g->trace_failed = g->passed > FAILED * t->end;
     g->gave_up = t->fault ? t->fault : "no step";

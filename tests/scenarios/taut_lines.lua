@@ -1,0 +1,117 @@
+-- Light things that are taut between heavy or fixed ones: ropes of cranes, straight bridges, nets.
+local test = require "digbox.test"
+local scenario, expect = test.scenario, test.expect
+
+local g = 9.81
+
+-- ---- a crane whose slewing hinge is driven: what is 2800 times as heavy as what carries it ----
+
+scenario("a wrecking ball of 1.4 t hangs on a rope of 6 kg from a jib with a motor", function(s)
+  local world = s:world { gravity = { 0, -g, 0 } }
+  world:floor {}
+  local mast = world:box { fixed = true, size = { 0.3, 6, 0.3 }, at = { -3, 3, 0 } }
+  local jib = world:box { size = { 4, 0.2, 0.2 }, at = { -1.2, 6.1, 0 }, mass = 200 }
+  local slew = world:hinge { a = jib, b = mast, at = { -3, 6.1, 0 }, axis = { 0, 1, 0 }, motor = { speed = 0, max_torque = 5000 } }
+  local ball = world:ball { radius = 0.35, material = "steel", at = { 0.7, 1.7, -3 } }
+  local rope = world:rope { a = jib, b = ball, at = { 0.7, 6, 0 }, to = { 0.7, 2, -2.9 }, segments = 12, mass = 6, radius = 0.02 }
+  local top, apart, worst = world.energy.total, 0, 0
+  for _ = 1, 180 do
+    world:step()
+    worst = math.max(worst, math.abs(rope.error))
+    apart = math.max(apart, slew.error)
+  end
+  expect(worst):below "5 mm"
+  expect(apart):below "1 mm"
+  expect(ball.speed):below(6)
+  expect(world.energy.total):below(top)
+  s:expect_reliable()
+end)
+
+-- The ball pulls the jib round under it; the rope goes slack, and taut again with a jerk.
+for _, slewing in ipairs { { friction = 100 }, { motor = { speed = 0.5, max_torque = 2e4 } } } do
+  scenario("a wrecking ball of 10 t jerks at a rope of 6 kg from a jib with a " .. (slewing.motor and "motor" or "stiff hinge"), function(s)
+    local world = s:world { gravity = { 0, -g, 0 } }
+    local jib = world:box { size = { 4, 0.2, 0.2 }, at = { -1.2, 6.1, 0 }, mass = 200 }
+    world:hinge { a = jib, at = { -3, 6.1, 0 }, axis = { 0, 1, 0 }, friction = slewing.friction, motor = slewing.motor }
+    local ball = world:ball { radius = 0.35, mass = 10000, at = { 0.7, 1.7, -3 } }
+    local rope = world:rope { a = jib, b = ball, at = { 0.7, 6, 0 }, to = { 0.7, 2, -2.9 }, segments = 12, mass = 6, radius = 0.02 }
+    local apart, off = 0, 0
+    for _ = 1, 120 do
+      world:step()
+      apart, off = math.max(apart, rope.error), math.max(off, math.abs(world.energy.numerical))
+    end
+    expect(apart):below "5 mm"
+    expect(off):below(0.01 * 10000 * g * 4)
+    s:expect_reliable()
+  end)
+end
+
+-- Straight from pier to pier: what opens a joint by a little lets the planks sag by far more, and what closes it would lift them so far.
+for _, load in ipairs { { mass = 20, apart = "0.5 mm", off = 30 }, { mass = 200, apart = "1 cm", off = 100 } } do
+  scenario(("a box of %g kg lands on twenty planks without slack, and lies there"):format(load.mass), function(s)
+    local world = s:world { gravity = { 0, -g, 0 } }
+    local function pier(x) return world:box { fixed = true, size = { 1, 4, 2 }, at = { x, 2, 0 } } end
+    local joints, last = {}, pier(-0.5)
+    local function hold(plank, x)
+      for _, z in ipairs { -0.7, 0.7 } do joints[#joints + 1] = world:ball_joint { a = last, b = plank, at = { x, 4, z } } end
+      last = plank
+    end
+    for i = 1, 20 do hold(world:box { size = { 0.48, 0.06, 1.6 }, at = { (i - 0.5) / 2, 4, 0 }, mass = 8 }, (i - 1) / 2) end
+    hold(pier(10.5), 10)
+    local box = world:box { size = { 1.5, 0.6, 1.2 }, mass = load.mass, at = { 2, 4.5, 0 }, friction = 0.5 }
+    local apart, off = 0, 0
+    for _ = 1, 180 do
+      world:step()
+      for _, j in ipairs(joints) do apart = math.max(apart, j.error) end
+      off = math.max(off, math.abs(world.energy.numerical))
+    end
+    expect(apart):below(load.apart)
+    expect(off):below(load.off)
+    expect(box.speed):below "0.2 m/s"
+    s:expect_reliable()
+  end)
+end
+
+-- ---- nets: light nodes between taut ropes, and what falls into them ----
+
+-- Nine by nine nodes of 50 g, those of the rim fixed. Without slack a ball stays where it lands, else where ropes are at their length.
+local function net(s, joint, slack)
+  local world, n, a, node, joints = s:world { gravity = { 0, -g, 0 } }, 9, 0.4, {}, {}
+  local function rim(i) return i == 1 or i == n end
+  for i = 1, n do
+    node[i] = {}
+    for k = 1, n do
+      node[i][k] = world:ball { radius = 0.03, mass = 0.05, fixed = rim(i) or rim(k), at = { (i - 5) * a, 3, (k - 5) * a } }
+    end
+  end
+  local function tie(i, k, i2, k2)
+    joints[#joints + 1] = world[joint](world, { a = node[i][k], b = node[i2][k2], length = a * (1 + slack) })
+  end
+  for i = 1, n do
+    for k = 1, n do
+      if i < n and not rim(k) then tie(i, k, i + 1, k) end
+      if k < n and not rim(i) then tie(i, k, i, k + 1) end
+    end
+  end
+  return world, joints
+end
+
+for _, way in ipairs { { "distance", 0, 200 }, { "distance", 0, 2000 }, { "rope", 0, 20 }, { "rope", 0.05, 20 }, { "rope", 0.05, 200 } } do
+  local joint, slack, mass = table.unpack(way)
+  scenario(("a net of nodes of 50 g, tied by %s joints with %g %% slack, catches %g kg"):format(joint, 100 * slack, mass), function(s)
+    local world, joints = net(s, joint, slack)
+    local ball = world:ball { radius = 0.5, mass = mass, at = { 0.1, 5, 0.07 } }
+    local fell, longest = 0, 0
+    for _ = 1, 180 do
+      world:step()
+      fell = math.max(fell, 5 - ball.at.y)
+      for _, j in ipairs(joints) do longest = math.max(longest, j.distance - 0.4 * (1 + slack)) end
+    end
+    local work = mass * g * fell
+    expect(longest):below(mass > 20 and 0.12 or 0.025)
+    expect(ball.at.y):near(slack > 0 and 2.97 or 3.45, 0.03)
+    expect(ball.speed):below "0.3 m/s"
+    expect(world.energy.numerical):near(0, 0.01 * work)
+    expect(world.energy.lost):near(mass * g * (5 - ball.at.y), 0.02 * work)
+  end)
+end
