@@ -15,6 +15,7 @@
 #define SMALL         4         /* bodies, joints and pairs                                   */
 #define STEP_LEAST    1e-10     /* of the frame: a step this short without an event is none  */
 #define SHORTER_MOST  1e-4      /* of the frame: a step longer than this may fail once more   */
+#define REACH         0.2       /* of a step: the error of one this short tells nothing of it  */
 #define JOINT_DRIFT   1e-2      /* of the tolerance: a joint that much off is put right       */
 #define GATE_DRIFT    1e-4      /* the same of what touches: more would count as open        */
 #define BOUNCE_LEAST  1e-13     /* of the size: bounces lower than this are over             */
@@ -338,7 +339,7 @@ static bool accept_step(Tracer *t, const Event *e)
 static real grown(const Tracer *t, real h, real error)
 {
     real factor = t->probed || !(error > 0) ? 5 : real_clamp(0.9 * pow(error, -0.2), 0.2, 5);
-    return real_min(t->end, real_max(t->h_next > h ? t->h_next * real_min(factor, 1) : 0, h * factor));
+    return real_min(t->end, real_max(t->h_next * REACH > h ? t->h_next * real_min(factor, 1) : 0, h * factor));
 }
 
 static bool shorten(Tracer *t, real h, real factor)
@@ -433,8 +434,7 @@ static bool one_step(Tracer *t)
     bool aim = t->g->evaluations > AIM_WORK * t->work && any_slow_slip(t, AIM_STEP * t->end);
     if (aim)
         h = real_min(rest, AIM_STEP * t->end);
-    if (rest - h < 0.01 * h)
-        h = rest;
+    h = rest / ceil(rest / h - 0.01);
     if (!hold_slow_slips(t, h, aim))
         return false;
     mark_start(t);
