@@ -16,6 +16,7 @@
 #define STEP_LEAST    1e-10     /* of the frame: a step this short without an event is none  */
 #define SHORTER_MOST  1e-4      /* of the frame: a step longer than this may fail once more   */
 #define REACH         0.2       /* of a step: the error of one this short tells nothing of it  */
+#define ROUNDED       1e-15     /* of the fastest: joints cannot hold velocities better       */
 #define JOINT_DRIFT   1e-2      /* of the tolerance: a joint that much off is put right       */
 #define GATE_DRIFT    1e-4      /* the same of what touches: more would count as open        */
 #define BOUNCE_LEAST  1e-13     /* of the size: bounces lower than this are over             */
@@ -64,14 +65,25 @@ static bool approaching(const Tracer *t)
     return false;
 }
 
+/* m/s  Of any point. */
+static real fastest(const Tracer *t)
+{
+    const Group *g = t->g;
+    real most = 0;
+    for (int i = 0; i < g->moving_count; i++)
+        most = real_max(most, vec3_length(g->vel[i].v) + g->member[i].outer * vec3_length(g->vel[i].w));
+    return most;
+}
+
 /* What drifted or was overlooked by a solver with other habits is put right, first in place, then in velocity. At the start of a
  * frame that is the jerk of joints and contacts whose velocities others, a script among them, left apart: it is lost. */
 static bool close_all(Tracer *t, bool start, bool *moved)
 {
     Violation v = trace_violation(t);
+    real least = real_max(1e-13 * t->size, ROUNDED * fastest(t) / t->pace);
     for (int pass = 0; pass < 8; pass++) {
         real off = real_max(v.joints, v.gates);
-        if (v.joints <= real_max(1e-13 * t->size, JOINT_DRIFT * t->tolerance) && v.gates <= real_max(1e-13 * t->size, GATE_DRIFT * t->tolerance))
+        if (v.joints <= real_max(least, JOINT_DRIFT * t->tolerance) && v.gates <= real_max(1e-13 * t->size, GATE_DRIFT * t->tolerance))
             return true;
         *moved = true;
         if (!trace_project(t, true))
