@@ -19,7 +19,7 @@ static bool suits(const Group *g)
 #define ORDERS 24               /* most terms of the series */
 #define LEAST  4
 #define PART   0.5              /* rad: so far a part may turn at most, whichever axis it turns about */
-#define ENOUGH 1e-4             /* of the tolerance: a term this small is the last. Those that follow are smaller by its size and more. */
+#define ENOUGH 1e-2             /* of the tolerance: a term bounded by this is the last. Those that follow are smaller by its size and more. */
 
 #define SAME   1e-15            /* moments of inertia that differ by this part turn nothing in a step */
 
@@ -34,12 +34,12 @@ static inline quat scale(real s, quat a) { return (quat){s * a.x, s * a.y, s * a
 
 /* The turn of a part of length h, as a power series in the time of the part. In body axes L' = L x w and w = I^-1 L: the terms of L give
  * those of u = h w / 2, and these the next ones of p' = p u and of L' = 2 L x u. */
-static quat turn(const Member *m, quat q, vec3 momentum, real h, real enough)
+static quat turn(const Member *m, quat q, vec3 momentum, real h, int terms)
 {
     vec3 l[ORDERS], u[ORDERS];
     quat p[ORDERS], sum = quat_identity();
     l[0] = quat_unrotate(q, momentum);
-    for (int k = 0; k < ORDERS; k++) {
+    for (int k = 0;; k++) {
         real next = 1.0 / (k + 1);
         u[k] = vec3_scale(0.5 * h, mat3_mul_vec(m->inv_inertia, l[k]));
         quat term = {u[k].x, u[k].y, u[k].z, 0};                    /* the first of p is 1 */
@@ -47,7 +47,7 @@ static quat turn(const Member *m, quat q, vec3 momentum, real h, real enough)
             term = add(term, mul_pure(p[i], u[k - 1 - i]));
         p[k] = scale(next, term);
         sum = add(sum, p[k]);
-        if (k + 1 == ORDERS || (k + 1 >= LEAST && quat_norm2(p[k]) <= enough * enough))
+        if (k + 1 == terms)
             break;
         vec3 grow = vec3_zero();
         for (int i = 0; i <= k; i++)
@@ -78,20 +78,40 @@ static quat turn_about_axis(const Member *m, quat q, vec3 momentum, real h, int 
     return quat_unit(quat_mul(quat_exp(vec3_scale(h * across, momentum)), quat_mul(q, quat_exp(vec3_scale(h * own, e)))));
 }
 
+/* What a turn keeps bounds how fast it can become. */
+typedef struct Bounds {
+    real spin;                  /* rad/s  of the body, about any axis                 */
+    real sway;                  /* rad/s  of w in body axes: at the rate of its elliptic functions */
+    real safe;                  /* rad/s  of the spin, by which parts are cut         */
+} Bounds;
+
 /* w . L is kept, too: no axis lets a body turn faster than it would with all of it about one that has the sum of all three. And |L| is:
  * 1 / I between its least a and its most b has (1 / I - a) (1 / I - b) <= 0, so that w.w <= (a + b) w.L - a b L.L. A slender body that
  * tumbles cannot spin about its length. Series of as few terms as with the first bound go with half a radian of the second's times the root
- * of three. */
-static int parts_of(const Member *m, vec3 w, vec3 l, real h)
+ * of three. Of inertia off its principal axes only the first is known, and that w sways no faster than twice that. */
+static Bounds bounds_of(const mat3 *i, vec3 w, vec3 l)
 {
-    const mat3 *i = &m->inv_inertia;
-    real kept = real_max(0, vec3_dot(w, l)), fastest2 = kept * (i->r0.x + i->r1.y + i->r2.z);
-    if (is_diagonal(i)) {
-        real a = real_min(i->r0.x, real_min(i->r1.y, i->r2.z)), b = real_max(i->r0.x, real_max(i->r1.y, i->r2.z));
-        fastest2 = real_min(fastest2, 3 * real_max(0, (a + b) * kept - a * b * vec3_length2(l)));
+    real sum = i->r0.x + i->r1.y + i->r2.z, kept = real_max(0, vec3_dot(w, l)), all = sqrt(kept * sum);
+    if (!is_diagonal(i))
+        return (Bounds){all, 2 * all, all};
+    real a = real_min(i->r0.x, real_min(i->r1.y, i->r2.z)), b = real_max(i->r0.x, real_max(i->r1.y, i->r2.z)), mid = sum - a - b;
+    real l2 = vec3_length2(l), spin = sqrt(real_max(0, (a + b) * kept - a * b * l2));
+    real sway2 = real_max((mid - a) * (b * l2 - kept), (b - mid) * (kept - a * l2));
+    return (Bounds){spin, sqrt(real_max(0, sway2)), real_min(all, sqrt(3) * spin)};
+}
+
+/* The elliptic functions of w have their nearest pole a quarter of a period, pi / 2 over their rate, from the real axis, or farther: the
+ * terms of u = h w / 2 shrink by 2 sway h / pi, and those of p, by p' = p u, by (u + k sway) / (k + 1). By what is kept, not by the terms
+ * themselves: all steps of a flight then have as many, and it errs by what the tolerance says instead of where it last had one too few. */
+static int terms_of(Bounds b, real h, real enough)
+{
+    real u = 0.5 * b.spin * h, shrink = b.sway * h * (2 / DIG_PI), term = u;
+    int terms = 1;
+    while (terms < ORDERS && (terms < LEAST || term > enough)) {
+        term *= (u + terms * shrink) / (terms + 1);
+        terms++;
     }
-    real turn = sqrt(fastest2) * h;
-    return turn <= PART ? 1 : (int)real_clamp(ceil(turn / PART), 1, 1000);
+    return terms;
 }
 
 static void fly(Group *g, int i, real h)
@@ -108,11 +128,15 @@ static void fly(Group *g, int i, real h)
     }
     quat q = g->pos[i].q;
     vec3 l = quat_rotate(q, mat3_mul_vec(m->inertia, quat_unrotate(q, w)));
-    int axis = axis_of_symmetry(&m->inv_inertia), parts = axis < 0 ? parts_of(m, w, l, h) : 0;
+    int axis = axis_of_symmetry(&m->inv_inertia);
     if (axis >= 0)
         q = turn_about_axis(m, q, l, h, axis);
-    for (int k = 0; k < parts; k++)
-        q = turn(m, q, l, h / parts, ENOUGH * g->tolerance);
+    else {
+        Bounds bounds = bounds_of(&m->inv_inertia, w, l);
+        int parts = (int)real_clamp(ceil(bounds.safe * h / PART), 1, 1000), terms = terms_of(bounds, h / parts, ENOUGH * g->tolerance);
+        for (int k = 0; k < parts; k++)
+            q = turn(m, q, l, h / parts, terms);
+    }
     g->pos[i].q = q;
     w = quat_rotate(q, mat3_mul_vec(m->inv_inertia, quat_unrotate(q, l)));
     /* refined once: |q| is 1 within rounding only, and that bias would add up to a drift of the angular momentum */

@@ -349,15 +349,16 @@ INLINE State state_mad(const State *a, real h, const State *k)
                    vec3_mad(a->v, h, k->v), vec3_mad(a->l, h, k->l)};
 }
 
+/* The small ones first: their sum is rounded by much less than the state that it is added to. */
 static void combine(const Tracer *t, const real *weight, int stages, real h, const State *from, State *out)
 {
     static const State none = {.q = {0, 0, 0, 0}};
     for (int i = 0; i < t->g->moving_count; i++) {
-        State sum = from ? from[i] : none;
+        State sum = none;
         for (int s = 0; s < stages; s++)
             if (weight[s] != 0)
-                sum = state_mad(&sum, h * weight[s], &t->stage[s][i]);
-        out[i] = sum;
+                sum = state_mad(&sum, weight[s], &t->stage[s][i]);
+        out[i] = state_mad(from ? &from[i] : &none, h, &sum);
     }
 }
 

@@ -301,7 +301,7 @@ static void back(const System *s, real *x)
         back_symmetric(s, x);
 }
 
-bool system_solve(System *s, real accept)
+static bool solved(System *s, real accept)
 {
     int n = s->count;
     real scale = 0;
@@ -324,4 +324,15 @@ bool system_solve(System *s, real accept)
     }
     s->residual = worst / scale;
     return s->residual <= (s->redundant ? accept : 1e-8);
+}
+
+/* Rows that nearly repeat others may pass for independent ones, by pivots just large enough: then the solution tells. */
+bool system_solve(System *s, real accept)
+{
+    if (solved(s, accept))
+        return true;
+    if (s->redundant)
+        return false;
+    s->redundant = true;
+    return (factor_by_rank(s) || factor(s)) && solved(s, accept);
 }

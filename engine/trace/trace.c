@@ -15,6 +15,8 @@
 #define SMALL         4         /* bodies, joints and pairs                                   */
 #define STEP_LEAST    1e-10     /* of the frame: a step this short without an event is none  */
 #define SHORTER_MOST  1e-4      /* of the frame: a step longer than this may fail once more   */
+#define REACH         0.2       /* of a step: the error of one this short tells nothing of it  */
+#define ROUNDED       1e-15     /* of the fastest: joints cannot hold velocities better       */
 #define JOINT_DRIFT   1e-2      /* of the tolerance: a joint that much off is put right       */
 #define GATE_DRIFT    1e-4      /* the same of what touches: more would count as open        */
 #define BOUNCE_LEAST  1e-13     /* of the size: bounces lower than this are over             */
@@ -63,14 +65,25 @@ static bool approaching(const Tracer *t)
     return false;
 }
 
+/* m/s  Of any point. */
+static real fastest(const Tracer *t)
+{
+    const Group *g = t->g;
+    real most = 0;
+    for (int i = 0; i < g->moving_count; i++)
+        most = real_max(most, vec3_length(g->vel[i].v) + g->member[i].outer * vec3_length(g->vel[i].w));
+    return most;
+}
+
 /* What drifted or was overlooked by a solver with other habits is put right, first in place, then in velocity. At the start of a
  * frame that is the jerk of joints and contacts whose velocities others, a script among them, left apart: it is lost. */
 static bool close_all(Tracer *t, bool start, bool *moved)
 {
     Violation v = trace_violation(t);
+    real least = real_max(1e-13 * t->size, ROUNDED * fastest(t) / t->pace);
     for (int pass = 0; pass < 8; pass++) {
         real off = real_max(v.joints, v.gates);
-        if (v.joints <= real_max(1e-13 * t->size, JOINT_DRIFT * t->tolerance) && v.gates <= real_max(1e-13 * t->size, GATE_DRIFT * t->tolerance))
+        if (v.joints <= real_max(least, JOINT_DRIFT * t->tolerance) && v.gates <= real_max(1e-13 * t->size, GATE_DRIFT * t->tolerance))
             return true;
         *moved = true;
         if (!trace_project(t, true))
@@ -332,19 +345,21 @@ static bool accept_step(Tracer *t, const Event *e)
     State *old = t->y;
     t->y = t->y1;
     t->y1 = old;
+    t->shortened = false;
     return true;
 }
 
 static real grown(const Tracer *t, real h, real error)
 {
     real factor = t->probed || !(error > 0) ? 5 : real_clamp(0.9 * pow(error, -0.2), 0.2, 5);
-    return real_min(t->end, real_max(t->h_next > h ? t->h_next * real_min(factor, 1) : 0, h * factor));
+    return real_min(t->end, real_max(t->h_next * REACH > h ? t->h_next * real_min(factor, 1) : 0, h * factor));
 }
 
 static bool shorten(Tracer *t, real h, real factor)
 {
     t->g->refused++;
     t->h_next = h * factor;
+    t->shortened = true;
     if (t->h_next < STEP_LEAST * t->end)
         t->fault = "steps that become too short";
     go_back(t);
@@ -431,10 +446,9 @@ static bool one_step(Tracer *t)
     if (t->swing * h > SWUNG)
         h = SWUNG / t->swing;
     bool aim = t->g->evaluations > AIM_WORK * t->work && any_slow_slip(t, AIM_STEP * t->end);
-    if (aim)
+    if (aim && !t->shortened)
         h = real_min(rest, AIM_STEP * t->end);
-    if (rest - h < 0.01 * h)
-        h = rest;
+    h = rest / ceil(rest / h - 0.01);
     if (!hold_slow_slips(t, h, aim))
         return false;
     mark_start(t);
