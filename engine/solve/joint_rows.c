@@ -271,36 +271,52 @@ void group_clean_joints(Group *g)
     g->lost += before + given - group_kinetic(g);       /* the jerk */
 }
 
-#define OPENS_MOST 2e-3         /* of the smaller body: by more no joint may be opened in one substep */
+#define OPENS_MOST 2e-3         /* of the smaller body, or of a line: by more no joint may be opened in one substep */
 
-/* m  Where an anchor gets in the substep; *size becomes that of its body if smaller. */
-static vec3 anchor_after(const Group *g, int body, vec3 anchor, real *size)
+/* m  Where an anchor gets in the substep, and in *straight if its body did not turn on; *size becomes that of its body if smaller. */
+static vec3 anchor_after(const Group *g, const JointEnd *e, vec3 anchor, real *size, vec3 *straight)
 {
-    if (body < 0)
-        return anchor;
-    Vel way = group_way_of(g, body);
-    quat q = quat_mul(quat_exp(vec3_scale(g->h, way.w)), g->pos[body].q);
-    *size = real_min(*size, g->member[body].outer);
-    return vec3_add(vec3_mad(g->pos[body].x, g->h, way.v), quat_rotate(q, anchor));
+    *straight = e->p;
+    if (e->body < 0)
+        return e->p;
+    Vel way = group_way_of(g, e->body);
+    quat q = quat_mul(quat_exp(vec3_scale(g->h, way.w)), g->pos[e->body].q);
+    *size = real_min(*size, g->member[e->body].outer);
+    *straight = vec3_mad(e->p, g->h, vec3_add(way.v, vec3_cross(way.w, e->r)));
+    return vec3_add(vec3_mad(g->pos[e->body].x, g->h, way.v), quat_rotate(q, anchor));
 }
 
-static bool keeps_point(const Group *g, const JointBlock *b)
+typedef enum Keeps { KEEPS_OTHER, KEEPS_POINT, KEEPS_LINE } Keeps;
+
+static Keeps what_it_keeps(const Group *g, const JointBlock *b)
 {
-    int rows = 0;
-    for (int i = b->first; i < b->first + b->count; i++)
-        rows += g->rows[i].row.kind == ROW_HARD && !g->rows[i].row.angular;
-    return rows == 3;
+    const JointRow *rows = &g->rows[b->first];
+    int hard = 0;
+    for (int i = 0; i < b->count; i++)
+        hard += rows[i].row.kind == ROW_HARD && !rows[i].row.angular;
+    if (hard == 3)
+        return KEEPS_POINT;
+    bool line = g->joints[b->joint].view.type->two_anchors && b->count == 1;
+    return line && (hard == 1 || (rows->row.kind == ROW_LIMIT && rows->p > 0)) ? KEEPS_LINE : KEEPS_OTHER;
 }
 
 bool group_joints_open(const Group *g)
 {
     for (int i = 0; i < g->block_count; i++) {
         const GroupJoint *j = &g->joints[g->blocks[i].joint];
-        if (!keeps_point(g, &g->blocks[i]))
+        const JointView *v = &j->view;
+        Keeps keeps = what_it_keeps(g, &g->blocks[i]);
+        if (keeps == KEEPS_OTHER)
             continue;
-        real size = INFINITY, before = vec3_distance(j->view.a.p, j->view.b.p);
-        vec3 a = anchor_after(g, j->a, j->ra, &size), b = anchor_after(g, j->b, j->rb, &size);
-        if (vec3_distance(a, b) > before + OPENS_MOST * size)
+        real size = INFINITY, before = vec3_distance(v->a.p, v->b.p);
+        vec3 straight[2], a = anchor_after(g, &v->a, j->ra, &size, &straight[0]), b = anchor_after(g, &v->b, j->rb, &size, &straight[1]);
+        real opens = vec3_distance(a, b) - before;
+        if (keeps == KEEPS_LINE) {
+            vec3 line = vec3_sub(v->a.p, v->b.p);
+            opens -= vec3_dot(vec3_sub(vec3_sub(straight[0], straight[1]), line), line) / before;
+            size = before;
+        }
+        if (opens > OPENS_MOST * size)
             return true;
     }
     return false;
