@@ -214,6 +214,29 @@ local function write_goals(list)
   say ""
 end
 
+local order_of_verdicts = { "order", "floor", "proportionality", "bound" }
+
+-- Why some are no, where a scene says so; those with one reason together
+local function write_limits(reasons)
+  if #reasons == 0 then return end
+  say "What is behind a no:"
+  say ""
+  for _, r in ipairs(reasons) do say("* %s, %s: %s", r.id, table.concat(r.names, " and "), r.text) end
+  say ""
+end
+
+local function add_limits(reasons, item, failed)
+  local own = {}
+  for _, name in ipairs(order_of_verdicts) do
+    local text = failed[name] and (item.scene.limits and item.scene.limits[name] or "not explained.")
+    if text and not own[text] then
+      own[text] = { id = item.id, names = {}, text = text }
+      reasons[#reasons + 1] = own[text]
+    end
+    if text then table.insert(own[text].names, name) end
+  end
+end
+
 local function write_verdicts(list)
   say "### Verdicts on the tolerances"
   say ""
@@ -225,19 +248,23 @@ local function write_verdicts(list)
   say ""
   say "| scene | order ≥ 3.8 | floor ≤ 1e-11 | proportionality ≤ 0.2 | bound ≤ 1 |"
   say "|---|---|---|---|---|"
+  local reasons = {}
   for _, item in ipairs(list) do
-    local cells, any = {}, false
+    local cells, failed, any = {}, {}, false
     for _, v in ipairs(verdicts.judge(item.scene, item.rows.digbox or {})) do
       local shown = v.value and (v.name == "order" and ("%.1f"):format(v.value) or number(v.value)) or ""
       local from = v.from and (" from %g"):format(v.from) or ""
       cells[v.name] = v.pass == nil and "" or (v.pass and "**yes** " or "no: ") .. shown .. from
       any = any or v.pass ~= nil
+      failed[v.name] = v.pass == false
     end
     if any and cells.floor then
+      add_limits(reasons, item, failed)
       say("| %s | %s | %s | %s | %s |", item.id, cells.order, cells.floor, cells.proportionality, cells.bound)
     end
   end
   say ""
+  write_limits(reasons)
 end
 
 local function write_peers(list)

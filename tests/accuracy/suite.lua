@@ -12,6 +12,7 @@
 --   finish(state, t)              returns { error = number, ... } with whatever else is worth printing
 --   self_converged                finish returns `value` instead of `error`; the error is against the same scene at a finer setting
 --   rounding                      relative floor of the error where the motion amplifies rounding; default 1e-11
+--   limits                        { order =, floor =, proportionality =, bound = }: why that verdict is no where it is, with a figure
 --   check(dt)                     how far the scene's own reference is from the published digits, if there are any
 --   slow                          not part of the fast subset
 local digbox = require "digbox"

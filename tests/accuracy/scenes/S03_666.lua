@@ -10,11 +10,15 @@ local function noise(seed)
   end
 end
 
+local swept = "216 bodies in touch are more than any plan traces (96), and what is swept is of first order in the substep, if that: " ..
+  "7.3e-6, 5.0e-6 and 7.6e-7 m with 4, 16 and 64 of them."
+
 local function pile(letter, e, height, seconds)
   local scene = { id = "S03" .. letter, scale = 1, seconds = seconds, slow = true }
   scene.title = e > 0 and "216 elastic balls" or "216 plastic balls"
   scene.metric = e > 0 and "relative" or "m"
   scene.conserves = { energy = e == 1 }
+  scene.limits = e == 0 and { floor = swept, bound = swept } or nil
   function scene.build(world)
     local s = { balls = {}, sum = 0, frames = 0, deepest = 0 }
     local off = noise(42)
