@@ -271,7 +271,7 @@ void group_clean_joints(Group *g)
     g->lost += before + given - group_kinetic(g);       /* the jerk */
 }
 
-#define OPENS_MOST 2e-3         /* of the smaller body, or of a line: by more no joint may be opened in one substep */
+#define OPENS_MOST 1.5e-3         /* of the smaller body, or of a line: by more no joint may be opened in one substep */
 
 /* m  Where an anchor gets in the substep, and in *straight if its body did not turn on; *size becomes that of its body if smaller. */
 static vec3 anchor_after(const Group *g, const JointEnd *e, vec3 anchor, real *size, vec3 *straight)

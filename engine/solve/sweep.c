@@ -478,7 +478,7 @@ static void relax_group(Group *g)
 #define HEAL_SPEED 3.0
 #define HEAL_SPIN 20.0
 
-static real heal_rate(const Group *g, real error, real most) { return real_clamp(HEAL_PART * error / g->h, -most, most); }
+static real heal_rate(const Group *g, real error, real most) { return real_clamp(HEAL_PART * error / g->heal_over, -most, most); }
 
 /* Where joints are solved with their contacts, position errors heal by velocities: a body moved by itself would pull at joints
  * so stiff that it is thrown back. */
@@ -600,9 +600,10 @@ static dig_status substep(Group *g, real until)
             g->located++;
         }
     }
-    for (real shortest = g->h / 16; g->h > shortest && too_long(g);) {
+    for (real shortest = g->world->def.step / g->plan->substeps / 16; g->h > shortest && too_long(g);) {
         restore(g);
-        g->h = g->heal_over = 0.5 * g->h;
+        g->h *= 0.5;
+        g->heal_over = g->locate ? g->h : g->heal_over;
         until = g->t + g->h;
         DIG_TRY(solve_substep(g));
     }

@@ -21,11 +21,23 @@ shown.breaks_at, shown.at_a, shown.at_b = nil, nil, nil              -- as of th
 core.declare("world:rope", { "Ends never farther apart than its length: a joint, or with segments a chain of rods that has mass.",
   fields = shown, with = { "joint rope", "body" }, gives = "joint|rope" })
 
+-- Where a rope bends that is longer than the distance of its ends: downwards, or aside where its ends lie one above the other.
+local function across(span, down)
+  if #span == 0 then return down end
+  local along = span / #span
+  local best
+  for _, way in ipairs { down, core.vec(1, 0, 0), core.vec(0, 0, 1) } do
+    best = way - along * way:dot(along)
+    if #best > 1e-3 then break end
+  end
+  return best:normalized()
+end
+
 -- Corners of a rope of the given length hung between two points: straight, or a V when it is longer than their distance.
 local function corners_of(from, to, length, down, n)
-  local span, middle = #(to - from), (from + to) / 2
-  local sag = math.sqrt(math.max(0, (length / 2) ^ 2 - (span / 2) ^ 2))
-  local apex = middle + down * sag
+  local span = to - from
+  local sag = math.sqrt(math.max(0, (length / 2) ^ 2 - (#span / 2) ^ 2))
+  local apex = (from + to) / 2 + across(span, down) * sag
   local corners = {}
   for i = 0, n do
     local s = i / n
