@@ -345,7 +345,6 @@ static bool accept_step(Tracer *t, const Event *e)
     State *old = t->y;
     t->y = t->y1;
     t->y1 = old;
-    t->shortened = false;
     return true;
 }
 
@@ -359,7 +358,6 @@ static bool shorten(Tracer *t, real h, real factor)
 {
     t->g->refused++;
     t->h_next = h * factor;
-    t->shortened = true;
     if (t->h_next < STEP_LEAST * t->end)
         t->fault = "steps that become too short";
     go_back(t);
@@ -446,7 +444,7 @@ static bool one_step(Tracer *t)
     if (t->swing * h > SWUNG)
         h = SWUNG / t->swing;
     bool aim = t->g->evaluations > AIM_WORK * t->work && any_slow_slip(t, AIM_STEP * t->end);
-    if (aim && !t->shortened)
+    if (aim)
         h = real_min(rest, AIM_STEP * t->end);
     h = rest / ceil(rest / h - 0.01);
     if (!hold_slow_slips(t, h, aim))

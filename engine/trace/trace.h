@@ -208,7 +208,6 @@ typedef struct Tracer {
     const State *known;         /* the state of which the present rows and forces are; NULL: of another one */
     real  *quad[STAGES], *sum;  /* forces and powers to be integrated: see flow.c */
     real   h, h_next, h_probe;  /* s  of the present step, of the next, of the probe that the present one is part of */
-    bool   shortened;           /* the last try was refused: the next is as short as that asks for */
     bool   probed;              /* the present step has constant accelerations */
     int    probe_wait, probe_fails;
     bool   passing;             /* an instant within a step: nothing is looked for there */
