@@ -8,7 +8,8 @@ local methods = core.types.world.methods
 local engine_rope = methods.rope
 
 local rope_fields = {
-  a = { "any", "the body it begins at", type = "body" }, b = { "any", "the body it ends at", type = "body" },
+  a = { "any", "the body it begins at; with segments, none: it begins at a point of the world", type = "body" },
+  b = { "any", "the body it ends at; none: a point of the world", type = "body" },
   at = { "vec m", "where it begins; default the place of a. Without b and to: where it ends" },
   to = { "vec m", "where it ends; default the place of b" },
   at_a = { "vec m", "where it begins, as at" }, at_b = { "vec m", "where it ends, as to" },
@@ -54,12 +55,13 @@ end
 local function ends_of(own)
   check_body(own.a, "a")
   check_body(own.b, "b")
-  core.need("world:rope", own, "a")
   local from, to = own.at_a or own.at, own.at_b or own.to
-  if not own.b and not to then from, to = own.at_a, own.at end
-  to = to or own.b and own.b.position
-  if not to then core.fail "world:rope: a rope of segments wants b, or at: the point of the world where it ends" end
-  return from or own.a.position, to
+  if own.a and not own.b and not to then from, to = own.at_a, own.at end
+  from, to = from or own.a and own.a.position, to or own.b and own.b.position
+  if not from then core.fail "world:rope: a rope of segments wants a, or at: the point of the world where it begins" end
+  local last = own.a and "at" or "to"
+  if not to then core.fail("world:rope: a rope of segments wants b, or %s: the point of the world where it ends", last) end
+  return from, to
 end
 
 -- A rod that begins within a or b, which it is tied to farther along, touches nothing: it would be thrown out.
@@ -79,7 +81,7 @@ local function make(world, self, own, rest, from, to)
   local n = own.segments + own.segments % 2
   local corners = corners_of(from, to, own.length, #g > 0 and g:normalized() or core.vec(0, -1, 0), n)
   local function tie(a, b, at, i)
-    self.joints[i] = world:ball_joint { a = a, b = b, at = at, breaks_at = own.breaks_at }
+    self.joints[i] = world:ball_joint { a = a or b, b = a and b, at = at, breaks_at = own.breaks_at }
   end
   local before = own.a
   for i = 1, n do
@@ -102,10 +104,11 @@ function getters.valid(self)
   return soft.broken(self) == 0
 end
 
--- N, by which it pulls at a; nothing once it is torn there
+-- N, by which it pulls at a, or at the world where it begins there; nothing once it is torn there
 function getters.force(self)
   local first = self.joints[1]
-  return first.valid and first.force or core.vec(0, 0, 0)
+  if not first.valid then return core.vec(0, 0, 0) end
+  return first.b and first.force or -first.force
 end
 
 local function end_of(self, i, j)
@@ -138,7 +141,7 @@ function rope_methods.remove(rope)
 end
 
 -- world:rope{a=, b=, length=}: ends never farther apart than length, without mass.
--- world:rope{a=, b= or at=, length=, segments=, radius=} -> rope: a chain of rods
+-- world:rope{a= or at=, b= or to=, length=, segments=, radius=} -> rope: a chain of rods
 function methods.rope(world, fields)
   if type(fields) ~= "table" or rawget(fields, "segments") == nil then return engine_rope(world, fields) end
   local own, rest = soft.split("world:rope", fields, rope_fields, taken)

@@ -161,6 +161,19 @@ scenario("a rope of segments hangs between its ends", function(s)
   expect(function() world:rope { a = a, b = b, length = 1, segments = 4 } end):fails()
 end)
 
+scenario("a rope of segments begins and ends at points of the world where no bodies are given", function(s)
+  local world = s.world
+  local rope = world:rope { at = { -1, 3, 0 }, to = { 1, 3, 0 }, length = 2.1, segments = 10, radius = 0.01, mass = 0.1 }
+  local ball = world:ball { radius = 0.1, mass = 2, at = { 5, 1, 0 } }
+  local hung = world:rope { at = { 5, 3, 0 }, b = ball, segments = 4, radius = 0.01, mass = 0.1 }
+  world:run(3)
+  expect(rope.error):below(1e-3)
+  expect(rope.distance):near(2, 1e-3)
+  expect(hung.force.y):near(-(2 + 4 * 0.1) * world.gravity:length(), 0.05)
+  expect(function() world:rope { to = { 1, 3, 0 }, segments = 4 } end):fails "wants a, or at"
+  expect(function() world:rope { at = { 1, 3, 0 }, segments = 4 } end):fails "wants b, or to"
+end)
+
 scenario("a rope of segments ends at a point of the world as the plain one does, and is asked as a joint is", function(s)
   local world = s.world
   local ball = world:ball { radius = 0.1, mass = 2, at = { 0, 1, 0 }, name = "bob" }
