@@ -3,12 +3,9 @@
  * A taut joint turns with its bodies within the substep: a restoring torque that velocities alone do not see, and that makes
  * an exact solve of chains and bridges explode when the substep is long against their transverse swing. It is taken implicitly,
  * with the joint's last force F at the arm r:  I + h^2 K in place of I  (Tournier, Nesme, Gilles & Faure 2015, "Stable constrained
- * dynamics", ACM Trans. Graph. 34(4)). The torque (t x r) x F that a turn t gives rise to is -((F . r) 1 - r F^T) t. Of it
- *
- *     K = (F . r) (1 - r r^T / r^2)
- *
- * is taken: all of it where F pulls along r, symmetric, and nothing about r itself. Its symmetric part, sym(r F^T), would hand a turn
- * across a thin rod over to one about the rod, which has next to no inertia there: a rope of 6 kg that 10 t jerk at got 1e35 J by that.
+ * dynamics", ACM Trans. Graph. 34(4)). The torque (t x r) x F that a turn t gives rise to is -((F . r) 1 - r F^T) t, of which the
+ * symmetric part is taken:  K = (F . r) 1 - sym(r F^T). Not where it would hand a turn across a thin rod over to one about the rod, which
+ * has next to no inertia there: a rope of 6 kg that 10 t jerk at got 1e35 J by that.
  */
 #include "solve/direct.h"
 
@@ -303,9 +300,27 @@ void singles_write(Direct *d)
 
 static void add_stiffness(mat3 *k, vec3 f, vec3 r)
 {
-    real r2 = vec3_length2(r);
-    if (r2 > 0)
-        *k = mat3_add(*k, mat3_scale(vec3_dot(f, r), mat3_sub(mat3_identity(), mat3_scale(1 / r2, mat3_outer(r, r)))));
+    mat3 both = mat3_add(mat3_outer(r, f), mat3_outer(f, r));
+    *k = mat3_add(*k, mat3_add(mat3_scale(vec3_dot(f, r), mat3_identity()), mat3_scale(-0.5, both)));
+}
+
+#define THIN 16.0               /* times the inertia about one axis: a body that has more about another is thin */
+
+static void uncouple(real *a, real *b, real one, real other)
+{
+    if (one > THIN * other || other > THIN * one)
+        *a = *b = 0;
+}
+
+/* In body axes without what couples a turn about the length of a thin body to others. */
+static mat3 uncoupled(const Group *g, int body, mat3 k)
+{
+    const mat3 r = quat_matrix(g->pos[body].q), i = g->member[body].inertia;
+    mat3 m = mat3_mul(mat3_mul(mat3_transpose(r), k), r);
+    uncouple(&m.r0.y, &m.r1.x, i.r0.x, i.r1.y);
+    uncouple(&m.r1.z, &m.r2.y, i.r1.y, i.r2.z);
+    uncouple(&m.r0.z, &m.r2.x, i.r0.x, i.r2.z);
+    return mat3_mul(mat3_mul(r, m), mat3_transpose(r));
 }
 
 static bool positive_definite(mat3 m)
@@ -329,7 +344,7 @@ bool stiffness_open(Direct *d)
     }
     for (int i = 0; i < g->body_count; i++) {
         mat3 *k = &d->stiff[i];
-        *k = mat3_scale(g->h * g->h, *k);
+        *k = uncoupled(g, i, mat3_scale(g->h * g->h, *k));
         bool pulls = k->r0.x + k->r1.y + k->r2.z > 0 && d->place[i] >= 0 && !g->planar;
         if (!pulls || !positive_definite(mat3_add(*k, mat3_inverse(g->mass[i].ii))))
             *k = (mat3){vec3_zero(), vec3_zero(), vec3_zero()};

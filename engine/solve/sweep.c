@@ -509,6 +509,15 @@ static bool blow_comes(const Group *g)
     return false;
 }
 
+#define FEW_POINTS 24
+
+/* May rows lie where bodies will have turned to? Not where something heavy presses at many points on what joints hold: no solve gets
+ * there, and what is found does not turn them so. */
+static bool turns_on(const Group *g)
+{
+    return g->joints_direct && (group_elastic(g) || g->point_count <= FEW_POINTS || !group_top_heavy(g));
+}
+
 /* found: velocities at the end from a solve before; NULL = none. */
 static dig_status solve_with(Group *g, const Vel *found)
 {
@@ -519,7 +528,7 @@ static dig_status solve_with(Group *g, const Vel *found)
     DIG_TRY(g->stage(g, STAGE_ROWS));
     if (g->midpoint && (any_euler(g) || g->joints_direct))
         group_build_joints(g, false);       /* who moves with the new velocity needs rows for it, not for the mean */
-    if (g->joints_direct && (found || !blow_comes(g)))
+    if (turns_on(g) && (found || !blow_comes(g)))
         group_turn_joints(g, found);        /* a turn straight on from where they are would stretch what bends */
     if (g->joints_direct)
         heal(g);
@@ -574,7 +583,7 @@ static dig_status meet(Group *g)
 /* Velocities found for a substep that do not hold for all of it. What is light flings about when the heavy jerks at it. */
 static bool too_long(const Group *g)
 {
-    return g->locate ? overshoots(g) : g->joints_direct && group_top_heavy(g) && group_joints_open(g);
+    return g->locate ? overshoots(g) : turns_on(g) && group_top_heavy(g) && group_joints_open(g);
 }
 
 static dig_status substep(Group *g, real until)

