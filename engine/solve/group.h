@@ -374,6 +374,7 @@ void group_turn_joints(Group *g, const Vel *found);     /* for the velocities at
                                                          * did before, or by the velocities found; [body_count] */
 /* Will the velocities found open a joint? What is thin and turns far in a substep swings its ends off the line that they hold for. */
 bool group_joints_open(const Group *g);
+bool group_joints_gape(const Group *g);     /* is one open as its present rows say, so that it could be seen? */
 void group_clean_joints(Group *g);
 void joint_row_warm(Group *g, JointRow *r);
 real group_row_mobility(const Group *g, const Row *r, int k);   /* kg^-1 or (kg m^2)^-1  what a row moves of its k-th body, per unit of impulse */

@@ -321,3 +321,18 @@ bool group_joints_open(const Group *g)
     }
     return false;
 }
+
+#define GAPING 1e-3             /* of the smallest size: wider gaps of joints are closed before anybody sees them */
+
+bool group_joints_gape(const Group *g)
+{
+    for (int i = 0; i < g->row_count; i++) {
+        const Row *r = &g->rows[i].row;
+        real size = INFINITY;
+        for (int k = 0; k < r->count; k++)
+            size = r->body[k] < 0 ? size : real_min(size, g->member[r->body[k]].outer);
+        if (r->kind == ROW_HARD && !r->angular && fabs(r->error) > GAPING * size)
+            return true;
+    }
+    return false;
+}

@@ -660,22 +660,6 @@ static void measure(Group *g)
             g->joint_error = real_max(g->joint_error, fabs(g->rows[i].row.error));
 }
 
-#define GAPING 1e-3             /* of the smallest size: wider gaps of joints are closed before anybody sees them */
-
-/* After measure(). */
-static bool gapes(const Group *g)
-{
-    for (int i = 0; i < g->row_count; i++) {
-        const Row *r = &g->rows[i].row;
-        real size = INFINITY;
-        for (int k = 0; k < r->count; k++)
-            size = r->body[k] < 0 ? size : real_min(size, g->member[r->body[k]].outer);
-        if (r->kind == ROW_HARD && !r->angular && fabs(r->error) > GAPING * size)
-            return true;
-    }
-    return false;
-}
-
 #define CLOSED_BY 5.0           /* times the widest gap that was: what has to move farther to close it hangs taut between what is fixed */
 
 /* What the last substep's turns have opened, as the next one would begin with: limbs that whirl open theirs by their reach times half
@@ -792,7 +776,7 @@ dig_status sweep_advance(Group *g, real dt)
         DIG_TRY(sweep_until(g, dt, k + 1 < g->plan->substeps ? part * (k + 1) : dt));
     if (!g->woke) {
         measure(g);
-        if (g->joints_direct && !group_bears_load(g) && gapes(g))
+        if (g->joints_direct && !group_bears_load(g) && group_joints_gape(g))
             DIG_TRY(close_gaps(g, part));
         DIG_TRY(group_hold_momenta(g, dt));
         DIG_TRY(g->stage(g, STAGE_SETTLE));
