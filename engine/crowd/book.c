@@ -1,6 +1,6 @@
 /* crowd/book.c - what the solve found goes to the group's records: forces, points, impacts, energy. */
 #include "crowd/system.h"
-#include "math/pair3.h"
+#include "math/reg3.h"
 
 static const Carriage stands = {.turn = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 
@@ -9,16 +9,12 @@ static const Carriage *carriage_that_moves(const Crowd *c, int body)
     return c->trait[body].moves || c->trait[body].kinematic ? carriage_of(c, body) : &stands;
 }
 
-/* Carriages of a and b. The turn is exact: what turns for ever about one axis would move its points outward by half its square in every
- * step. */
-typedef struct Carriages { pair33 turn; pair3 from, to; } Carriages;
+/* A carriage for many points. The turn is exact: what turns for ever about one axis would move its points outward by half its square in
+ * every step. */
+typedef struct Carrier { reg33 turn; reg3 from, to; } Carrier;
 
-static inline Carriages carriages_of(const Carriage *a, const Carriage *b)
-{
-    return (Carriages){pair33_of(&a->turn, &b->turn), pair3_of(a->from, b->from), pair3_of(a->to, b->to)};
-}
-
-static inline pair3 carried(const Carriages *k, pair3 at) { return pair3_add(k->to, pair33_by(&k->turn, pair3_sub(at, k->from))); }
+INLINE Carrier carrier_of(const Carriage *k) { return (Carrier){reg33_of(&k->turn), reg3_of(k->from), reg3_of(k->to)}; }
+INLINE reg3 carried(const Carrier *k, reg3 at) { return k->to + reg33_by(&k->turn, at - k->from); }
 
 /* rad  Twice the axis times the sine of a turn. */
 static vec3 skew_of(const mat3 *m) { return (vec3){m->r2.y - m->r1.z, m->r0.z - m->r2.x, m->r1.x - m->r0.y}; }
@@ -33,43 +29,49 @@ static real in_common(const GroupPair *q, const Carriage *ka, const Carriage *kb
     return way > 0 && isfinite(way) ? way : 0;      /* a plane that turns has no farthest point */
 }
 
-/* Points go with their bodies; the gap changes by what the row saw. */
-static void carry(const Crowd *crowd, GroupContact *c)
+/* A manifold turns with the side that has its face. */
+static void turn_normal(const Crowd *crowd, GroupContact *c, const Carriage *ka, const Carriage *kb)
+{
+    const Trait *a = &crowd->trait[c->a], *b = &crowd->trait[c->b];
+    const Carriage *side = a->moves && !(a->round && b->moves) ? ka : kb;
+    if (!a->moves || !b->moves)
+        side = a->moves ? kb : ka;
+    if (side != &stands)
+        c->manifold.normal = vec3_unit(mat3_mul_vec(side->turn, c->manifold.normal));
+}
+
+/* Points go with their bodies; the gap changes by what the row saw. Returns the deepest of what was so before and these, m. */
+INLINE real carry(const Crowd *crowd, GroupContact *c, real deepest)
 {
     Group *g = crowd->g;
     GroupPair *q = &g->pairs[c->pair];
-    bool few = c->manifold.count < 3 && q->contacts == 1 && q->until >= 0;      /* others may be in other threads' hands */
+    const int count = c->manifold.count;
+    bool few = count < 3 && q->contacts == 1 && q->until >= 0;      /* others may be in other threads' hands */
     const Carriage *ka = carriage_that_moves(crowd, c->a), *kb = carriage_that_moves(crowd, c->b);
-    const Carriages both = carriages_of(ka, kb);
+    const Carrier ca = carrier_of(ka), cb = carrier_of(kb);
+    const reg3 normal = reg3_of(c->manifold.normal);
     real slip2 = 0;
-    for (int k = 0; k < c->manifold.count; k++) {
-        ManifoldPoint *p = &c->manifold.points[k];
-        pair3 at = carried(&both, pair3_of(p->a, p->b));
-        vec3 a = pair3_get(at, 0), b = pair3_get(at, 1);
+    for (ManifoldPoint *p = c->manifold.points, *end = p + count; p < end; p++) {
+        reg3 a0 = reg3_load(&p->a), b0 = reg3_load(&p->b), a = carried(&ca, a0), b = carried(&cb, b0), d = b - a;
         if (few)
-            slip2 = real_max(slip2, vec3_length2(vec3_sub(vec3_sub(b, a), vec3_sub(p->b, p->a))));
-        p->a = a;
-        p->b = b;
-        p->gap = vec3_dot(c->manifold.normal, vec3_sub(b, a));
+            slip2 = real_max(slip2, reg3_length2(d - (b0 - a0)));
+        reg3_store(&p->a, a);
+        reg3_store(&p->b, b);
+        p->gap = reg3_dot(normal, d);
+        deepest = real_max(deepest, -p->gap);
     }
-    if (c->manifold.count >= 3) {
-        const Trait *a = &crowd->trait[c->a], *b = &crowd->trait[c->b];
-        const Carriage *side = a->moves && !(a->round && b->moves) ? ka : kb;
-        if (!a->moves || !b->moves)
-            side = a->moves ? kb : ka;
-        if (side != &stands)
-            c->manifold.normal = vec3_unit(mat3_mul_vec(side->turn, c->manifold.normal));
+    if (count >= 3) {
+        turn_normal(crowd, c, ka, kb);
         if (q->contacts == 1)
             crowd_sign(g, q);
     }
     if (few)
         q->until += in_common(q, ka, kb, sqrt(slip2));
+    return deepest;
 }
 
-static bool strikes(const Crowd *c, real speed)
-{
-    return speed > c->g->close_speed + 2 * c->g->fall * (real)c->h;
-}
+/* m/s  What approaches no faster has only fallen so far in a substep. */
+static real strike_speed(const Crowd *c) { return c->g->close_speed + 2 * c->g->fall * (real)c->h; }
 
 static bool pushes_sleeper(const Crowd *c, const GroupContact *t, real sum)
 {
@@ -99,7 +101,7 @@ static void note_contact(Crowd *c, int contact)
         sum += whole;
         if (whole > 0)
             g->pairs[t->pair].approach = real_max(g->pairs[t->pair].approach, speed);
-        if (!(whole > 0) || !strikes(c, speed))
+        if (!(whole > 0) || !(speed > strike_speed(c)))
             continue;
         g->member[t->a].collided = g->member[t->b].collided = true;
         strike_report(g, &r, speed);
@@ -112,29 +114,30 @@ static void note_contact(Crowd *c, int contact)
 }
 
 /* Friction at the middle becomes forces at the points. */
-static void book_friction(GroupContact *t, const Batch *b, int lane, real h, real load)
+INLINE void book_friction(GroupContact *t, const Batch *b, int lane, real h, real load)
 {
-    vec3 n = t->manifold.normal, u, v, middle = vec3_zero();
-    int count = t->manifold.count;
-    real spread = 0, twist = b->twist ? lane_of(&b->twist->j, lane) : 0;
+    const ManifoldPoint *point = t->manifold.points;
+    PointMemory *memory = t->memory;
+    const int count = t->manifold.count;
+    vec3 n = t->manifold.normal, u, v;
     vec3_basis(n, &u, &v);
-    vec3 force = vec3_add(vec3_scale(lane_of(&b->patch->j[0], lane), u), vec3_scale(lane_of(&b->patch->j[1], lane), v));
+    real part = 1.0 / count, per_load = load > 0 ? 1 / load : 0, rate = 1 / h, spread = 0, twist = b->twist ? lane_of(&b->twist->j, lane) : 0;
+    vec3 last = vec3_add(vec3_scale(lane_of(&b->patch->j[0], lane), u), vec3_scale(lane_of(&b->patch->j[1], lane), v));
     vec3 whole = vec3_add(vec3_scale(lane_of(&b->patch->sum[0], lane), u), vec3_scale(lane_of(&b->patch->sum[1], lane), v));
     t->impulse = vec3_add(t->impulse, whole);
-    real part = 1.0 / count, per_load = load > 0 ? 1 / load : 0, rate = 1 / h;
+    reg3 axis = reg3_of(n), force = reg3_of(vec3_scale(rate, last)), middle = reg3_all(0);
     if (twist != 0) {
         for (int k = 0; k < count; k++)
-            middle = vec3_mad(middle, 0.5 * part, vec3_add(t->manifold.points[k].a, t->manifold.points[k].b));
+            middle = middle + reg3_all(0.5 * part) * (reg3_load(&point[k].a) + reg3_load(&point[k].b));
         for (int k = 0; k < count; k++)
-            spread += vec3_length2(vec3_sub(t->manifold.points[k].a, middle));
+            spread += reg3_length2(reg3_load(&point[k].a) - middle);
     }
     real turn = spread > 0 ? rate * twist / spread : 0;
-    force = vec3_scale(rate, force);
     for (int k = 0; k < count; k++) {
-        vec3 tangent = vec3_scale(load > 0 ? t->memory[k].normal * h * per_load : part, force);
+        reg3 tangent = reg3_all(load > 0 ? memory[k].normal * h * per_load : part) * force;
         if (turn != 0)
-            tangent = vec3_mad(tangent, turn, vec3_cross(n, vec3_sub(t->manifold.points[k].a, middle)));
-        t->memory[k].tangent = tangent;
+            tangent = tangent + reg3_all(turn) * reg3_cross(axis, reg3_load(&point[k].a) - middle);
+        memory[k].tangent = reg3_get(tangent);
     }
 }
 
@@ -157,43 +160,50 @@ static float borne(const Crowd *c, real before, real force)
     return (float)real_min(force, before + real_min(1, passes * c->dt / YIELDS) * (force - before));
 }
 
+typedef struct Book { Crowd *c; real strikes, *deepest; uint8_t *to_note; } Book;     /* m/s  see strike_speed; m  of each thread; [contact_count] */
+
 /* Returns whether there is something to note. */
-static bool book_row(const Crowd *c, int contact)
+INLINE bool book_row(const Book *book, int contact)
 {
+    const Crowd *c = book->c;
     Group *g = c->g;
     GroupContact *t = &g->contacts[contact];
     GroupPair *q = &g->pairs[t->pair];
     int lane;
     const Batch *b = batch_of(c, contact, &lane);
-    real load = 0, sum = 0, h = (real)c->h, rate = 1 / h;
-    bool noted = false;
-    for (int k = 0; k < t->manifold.count; k++) {
+    const int count = t->manifold.count;
+    PointMemory *memory = t->memory;
+    reg3 at = reg3_of(t->point_sum);
+    real load = 0, sum = 0, weight = t->point_weight, fastest = -INFINITY, h = (real)c->h, rate = 1 / h;
+    for (int k = 0; k < count; k++) {
         const WidePoint *p = &b->point[k];
-        real j = lane_of(&p->j, lane), whole = lane_of(&p->sum, lane), speed = -lane_of(&p->rate_before, lane);
+        real j = lane_of(&p->j, lane), whole = lane_of(&p->sum, lane), force = j * rate;
         load += j;
         sum += whole;
-        t->memory[k].normal = j * rate;
-        t->memory[k].borne = t->manifold.count == 1 ? borne(c, (real)t->memory[k].borne, j * rate) : 0;
-        t->memory[k].held = whole > 0 ? HELD_SUBSTEPS : 0;
-        t->point_sum = vec3_mad(t->point_sum, whole, t->manifold.points[k].a);
-        t->point_weight += whole;
-        if (!b->patch && !b->rub)
-            t->memory[k].tangent = vec3_zero();
-        if (whole > 0) {
-            t->last = g->t;
-            if (q->contacts == 1)       /* the pair's other contacts may be in other threads' hands */
-                q->approach = real_max(q->approach, speed);
-            noted = noted || q->contacts > 1 || strikes(c, speed);
-        }
+        memory[k].normal = force;
+        memory[k].borne = count == 1 ? borne(c, (real)memory[k].borne, force) : 0;
+        memory[k].held = whole > 0 ? HELD_SUBSTEPS : 0;
+        at = at + reg3_all(whole) * reg3_load(&t->manifold.points[k].a);
+        weight += whole;
+        if (whole > 0)
+            fastest = real_max(fastest, -lane_of(&p->rate_before, lane));
     }
+    t->point_sum = reg3_get(at);
+    t->point_weight = weight;
+    if (sum > 0)
+        t->last = g->t;
+    if (q->contacts == 1)       /* the pair's other contacts may be in other threads' hands */
+        q->approach = real_max(q->approach, fastest);
     if (b->patch)
         book_friction(t, b, lane, h, load);
-    if (b->rub)
+    else if (b->rub)
         book_rub(t, b->rub, lane, h);
+    for (int k = 0; k < count && !b->patch && !b->rub; k++)
+        memory[k].tangent = vec3_zero();
     t->impulse = vec3_mad(t->impulse, sum, t->manifold.normal);
     t->rolling = b->roll ? vec3_scale(rate, (vec3){lane_of(&b->roll->j[0], lane), lane_of(&b->roll->j[1], lane), lane_of(&b->roll->j[2], lane)})
                          : vec3_zero();
-    return noted || pushes_sleeper(c, t, sum);
+    return fastest > book->strikes || (q->contacts > 1 && sum > 0) || pushes_sleeper(c, t, sum);
 }
 
 /* J  Given by movers through this contact: their velocity is constant. */
@@ -228,33 +238,23 @@ static void book_energy(Crowd *c)
     }
 }
 
-typedef struct Book { Crowd *c; real *deepest; uint8_t *to_note; } Book;      /* m  of each thread; [contact_count] */
-
-/* Returns the deepest of what was so before and this contact, m. */
-static real carry_on(const Book *b, int contact, real deepest)
-{
-    GroupContact *t = &b->c->g->contacts[contact];
-    carry(b->c, t);
-    for (int k = 0; k < t->manifold.count; k++)
-        deepest = real_max(deepest, -t->manifold.points[k].gap);
-    return deepest;
-}
-
 /* In the order of contacts, for what is known of each lies in it; the rows of neighbours are near each other, too (rows.c). What is to
  * be noted stays where it struck until then. */
-static void book_share(void *context, int thread, int threads)
+INLINE void book_part(void *context, int thread, int threads)
 {
     const Book *b = context;
     const Crowd *c = b->c;
     int count = c->g->contact_count;
     real deepest = 0;
     for (int i = team_first(count, thread, threads), end = team_end(count, thread, threads); i < end; i++) {
-        b->to_note[i] = c->row[i] >= 0 && book_row(c, i);
+        b->to_note[i] = c->row[i] >= 0 && book_row(b, i);
         if (c->g->contacts[i].live && !b->to_note[i])
-            deepest = carry_on(b, i, deepest);
+            deepest = carry(c, &c->g->contacts[i], deepest);
     }
     b->deepest[thread] = deepest;
 }
+
+FOR_WIDTHS(book_share, book_part)
 
 static void carry_noted(void *context, int thread, int threads)
 {
@@ -262,7 +262,7 @@ static void carry_noted(void *context, int thread, int threads)
     int count = b->c->g->contact_count;
     for (int i = team_first(count, thread, threads), end = team_end(count, thread, threads); i < end; i++)
         if (b->to_note[i])
-            b->deepest[thread] = carry_on(b, i, b->deepest[thread]);
+            b->deepest[thread] = carry(b->c, &b->c->g->contacts[i], b->deepest[thread]);
 }
 
 /* There is room for a strike of each contact that may have one. */
@@ -335,10 +335,10 @@ dig_status book_close(Crowd *c)
 {
     Group *g = c->g;
     int threads = c->team ? c->team->threads : 1;
-    Book b = {c, arena_alloc(g->arena, (size_t)threads * sizeof *b.deepest), arena_alloc(g->arena, (size_t)(g->contact_count + 1))};
+    Book b = {c, strike_speed(c), arena_alloc(g->arena, (size_t)threads * sizeof *b.deepest), arena_alloc(g->arena, (size_t)(g->contact_count + 1))};
     if (!b.deepest || !b.to_note)
         return DIG_E_MEMORY;
-    team_run(c->team, book_share, &b);
+    team_run(c->team, book_share(c), &b);
     const Strike *before = g->strikes;
     DIG_TRY(note(&b));
     if (g->strikes != before)

@@ -4,6 +4,7 @@
  * what does not move have colours of their own and are solved last in every pass, so that nothing is pushed through the ground.
  */
 #include "crowd/system.h"
+#include "math/reg3.h"
 
 #define COLOURS 64              /* what finds none of them is solved alone                        */
 /* A pass that moves a point by less of the size is the last. Where many points share a load, it shifts from one to the other for ever. */
@@ -184,17 +185,26 @@ static int colour_all(const Rows *r, uint64_t (*taken)[2], int count[KINDS])
 /* Other threads may write to other lanes at the same time: one number is written, not eight. */
 static inline void set(wide *v, int lane, real x) { ((float *)v)[lane] = (float)x; }
 
-static void put(wide v[3], int lane, vec3 x)
+static inline void put(wide v[3], int lane, vec3 x)
 {
     set(&v[0], lane, x.x);
     set(&v[1], lane, x.y);
     set(&v[2], lane, x.z);
 }
 
+typedef float reg3_short __attribute__((vector_size(16)));
+
+INLINE void put_reg(wide v[3], int lane, reg3 x)
+{
+    reg3_short s = __builtin_convertvector(x, reg3_short);
+    for (int i = 0; i < 3; i++)
+        ((float *)&v[i])[lane] = s[i];
+}
+
 typedef struct Ends {           /* of one contact                                              */
     const GroupContact *c;
     int  a, b;                  /* who does not move: the spare one                            */
-    vec3 xa, xb;
+    reg3 xa, xb;
     bool driven;                /* a mover takes part                                          */
 } Ends;
 
@@ -209,13 +219,13 @@ static vec3 driven_velocity(const Crowd *c, const Ends *e, vec3 at)
     return v;
 }
 
-static void fill_point(const Crowd *c, const Ends *e, bool round, WidePoint *p, int lane, int k)
+INLINE void fill_point(const Crowd *c, const Ends *e, bool round, WidePoint *p, int lane, int k)
 {
     const ManifoldPoint *m = &e->c->manifold.points[k];
     const PointMemory *memory = &e->c->memory[k];
     if (!round) {
-        put(p->a, lane, e->a < c->bodies ? vec3_sub(m->a, e->xa) : vec3_zero());
-        put(p->b, lane, e->b < c->bodies ? vec3_sub(m->b, e->xb) : vec3_zero());
+        put_reg(p->a, lane, e->a < c->bodies ? reg3_load(&m->a) - e->xa : reg3_all(0));
+        put_reg(p->b, lane, e->b < c->bodies ? reg3_load(&m->b) - e->xb : reg3_all(0));
     }
     set(&p->mass, lane, 1);
     set(&p->gap, lane, m->gap);
@@ -225,43 +235,38 @@ static void fill_point(const Crowd *c, const Ends *e, bool round, WidePoint *p, 
         set(&p->drive, lane, vec3_dot(e->c->manifold.normal, driven_velocity(c, e, m->a)));
 }
 
-/* The torque of what the points remember, about their middle. */
-static real twist_of(const GroupContact *c, vec3 middle)
-{
-    vec3 torque = vec3_zero();
-    for (int k = 0; k < c->manifold.count; k++)
-        torque = vec3_add(torque, vec3_cross(vec3_sub(c->manifold.points[k].a, middle), c->memory[k].tangent));
-    return vec3_dot(c->manifold.normal, torque);
-}
-
-static void fill_patch(const Crowd *c, const Ends *e, WidePatch *p, WideTwist *turn, int lane)
+INLINE void fill_patch(const Crowd *c, const Ends *e, WidePatch *p, WideTwist *turn, int lane)
 {
     const GroupManifold *m = &e->c->manifold;
-    vec3 t, u, middle = vec3_zero(), force = vec3_zero();
+    const PointMemory *memory = e->c->memory;
+    vec3 t, u;
     vec3_basis(m->normal, &t, &u);
     put(p->t, lane, t);
-    real part = 1.0 / m->count;
+    reg3 part = reg3_all(1.0 / m->count), middle = reg3_all(0), force = reg3_all(0), torque = reg3_all(0);
     for (int k = 0; k < m->count; k++) {
-        force = vec3_add(force, e->c->memory[k].tangent);
-        middle = vec3_mad(middle, part, m->points[k].a);
+        force = force + reg3_load(&memory[k].tangent);
+        middle = middle + part * reg3_load(&m->points[k].a);
     }
-    set(&p->j[0], lane, (real)((float)vec3_dot(force, t) * c->h));
-    set(&p->j[1], lane, (real)((float)vec3_dot(force, u) * c->h));
+    set(&p->j[0], lane, (real)((float)reg3_dot(force, reg3_of(t)) * c->h));
+    set(&p->j[1], lane, (real)((float)reg3_dot(force, reg3_of(u)) * c->h));
+    for (int k = 0; k < m->count; k++)          /* of what the points remember, about their middle */
+        torque = torque + reg3_cross(reg3_load(&m->points[k].a) - middle, reg3_load(&memory[k].tangent));
     if (m->count > 1)
-        set(&turn->j, lane, (real)((float)twist_of(e->c, middle) * c->h));
+        set(&turn->j, lane, (real)((float)reg3_dot(reg3_of(m->normal), torque) * c->h));
     if (e->driven) {
-        vec3 v = driven_velocity(c, e, middle);
+        vec3 v = driven_velocity(c, e, reg3_get(middle));
         set(&p->drive[0], lane, vec3_dot(v, t));
         set(&p->drive[1], lane, vec3_dot(v, u));
     }
 }
 
-static void fill_rub(const Crowd *c, const Ends *e, WideRub *r, int lane)
+INLINE void fill_rub(const Crowd *c, const Ends *e, WideRub *r, int lane)
 {
     const GroupManifold *m = &e->c->manifold;
-    set(&r->a, lane, e->a < c->bodies ? vec3_dot(m->normal, vec3_sub(m->points[0].a, e->xa)) : 0);
-    set(&r->b, lane, e->b < c->bodies ? vec3_dot(m->normal, vec3_sub(e->xb, m->points[0].b)) : 0);
-    put(r->j, lane, vec3_scale((real)c->h, e->c->memory[0].tangent));
+    reg3 n = reg3_of(m->normal);
+    set(&r->a, lane, e->a < c->bodies ? reg3_dot(n, reg3_load(&m->points[0].a) - e->xa) : 0);
+    set(&r->b, lane, e->b < c->bodies ? reg3_dot(n, e->xb - reg3_load(&m->points[0].b)) : 0);
+    put_reg(r->j, lane, reg3_all((real)c->h) * reg3_load(&e->c->memory[0].tangent));
 }
 
 static void put_matrix(wide *v, int lane, mat3 m)
@@ -296,10 +301,10 @@ static void fill_roll(const Crowd *c, const Ends *e, const GroupPair *q, WideRol
     put(r->j, lane, vec3_scale((real)c->h, e->c->rolling));
 }
 
-static Ends ends_of(const Crowd *c, const GroupContact *t)
+INLINE Ends ends_of(const Crowd *c, const GroupContact *t)
 {
     const Group *g = c->g;
-    Ends e = {.c = t, .a = crowd_index(c, t->a), .b = crowd_index(c, t->b), .xa = g->pos[t->a].x, .xb = g->pos[t->b].x};
+    Ends e = {.c = t, .a = crowd_index(c, t->a), .b = crowd_index(c, t->b), .xa = reg3_of(g->pos[t->a].x), .xb = reg3_of(g->pos[t->b].x)};
     e.driven = c->trait[t->a].kinematic || c->trait[t->b].kinematic;
     return e;
 }
@@ -314,7 +319,7 @@ static bool slides(const Group *g, const GroupContact *c, const GroupPair *q)
     return vec3_length2(slip) > SLIPS * SLIPS * q->size * g->fall;
 }
 
-static void fill_lane(Crowd *c, Batch *b, int lane, GroupContact *t)
+INLINE void fill_lane(Crowd *c, Batch *b, int lane, GroupContact *t)
 {
     const Group *g = c->g;
     const GroupPair *q = &g->pairs[t->pair];
@@ -417,7 +422,7 @@ static dig_status make_batches(const Rows *r)
 
 /* In the order of contacts: those of a colour fill its batches one after the other, so that the few that are being filled stay in the
  * cache, and contacts, pairs and points are read as they lie. */
-static void fill_share(void *context, int thread, int threads)
+INLINE void fill_part(void *context, int thread, int threads)
 {
     Crowd *c = context;
     int count = c->g->contact_count;
@@ -425,6 +430,8 @@ static void fill_share(void *context, int thread, int threads)
         if (c->row[i] >= 0)
             fill_lane(c, &c->batch[c->row[i] / LANES], c->row[i] % LANES, &c->g->contacts[i]);
 }
+
+FOR_WIDTHS(fill_share, fill_part)
 
 dig_status rows_open(Crowd *c)
 {
@@ -450,6 +457,6 @@ dig_status rows_open(Crowd *c)
     for (int i = 0; i < r.count; i++)
         r.sorted[place[kind_of(&r.chosen[i])]++] = r.chosen[i];
     DIG_TRY(make_batches(&r));
-    team_run(g->team, fill_share, c);
+    team_run(g->team, fill_share(c), c);
     return DIG_OK;
 }

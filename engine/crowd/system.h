@@ -7,6 +7,37 @@
 
 #include "solve/group.h"
 
+/* ---- sets of instructions ---- */
+
+/* Loops over many are compiled for each of these, from one text, and the widest is taken that the machine has. None fuses operations or puts
+ * them in another order: the bits are the same. */
+typedef enum Width { WIDTH_ANY, WIDTH_PLAIN, WIDTH_AVX2, WIDTH_AVX512 } Width;
+
+#if defined(__x86_64__)
+#define AVX2   __attribute__((target("avx2")))
+#if defined(__clang__)
+#define AVX512 __attribute__((target("avx512f,avx512vl,avx512bw,avx512dq")))
+#else           /* twice the registers, as long ones: a wide number fills one */
+#define AVX512 __attribute__((target("avx512f,avx512vl,avx512bw,avx512dq,prefer-vector-width=256")))
+#endif
+static inline Width widest(void)
+{
+    bool most = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw") &&
+                __builtin_cpu_supports("avx512dq");
+    return most ? WIDTH_AVX512 : __builtin_cpu_supports("avx2") ? WIDTH_AVX2 : WIDTH_PLAIN;
+}
+#else
+#define AVX2
+#define AVX512
+static inline Width widest(void) { return WIDTH_PLAIN; }
+#endif
+
+/* Makes of `part`, which is inlined, the function name(crowd): that part for the crowd's width. */
+#define FOR_WIDTHS(name, part) \
+    static void name##_plain(void *context, int thread, int threads) { part(context, thread, threads); } \
+    AVX2 static void name##_avx2(void *context, int thread, int threads) { part(context, thread, threads); } \
+    static TeamPart *name(const Crowd *c) { return c->width >= WIDTH_AVX2 ? name##_avx2 : name##_plain; }
+
 /* ---- wide numbers: eight rows side by side ---- */
 
 #define LANES 8
@@ -116,6 +147,7 @@ static inline int phase_end(Phase x, int thread, int threads)
 typedef struct Crowd {
     Group *g;
     Team  *team;                /* g's                                                         */
+    Width  width;
     real   dt;
     int    substeps;
     float  h;                   /* s   of a substep                                            */
@@ -167,8 +199,8 @@ static inline int crowd_index(const Crowd *c, int body) { return body < c->bodie
 static inline Carriage *carriage_of(const Crowd *c, int body) { return body < c->bodies ? &c->carriage[body] : &c->others[body - c->bodies]; }
 /* rows.c: which contacts act, in batches */
 dig_status rows_open(Crowd *c);
-/* wide.c: the substeps. width: 0 = the widest this machine has, else 1 = without special instructions, 2 = AVX2 */
-void       wide_solve(Crowd *c, int width);
+/* wide.c: the substeps */
+void       wide_solve(Crowd *c);
 /* bounce.c: takes so much of the bounces just made as the energy before them allows */
 void       bounce_share(Crowd *c);
 /* book.c: forces, points, impacts and energy for the group's records; of a piece, and of the whole step after it */

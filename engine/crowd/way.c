@@ -129,7 +129,7 @@ static dig_status advance_piece(Crowd *c, real until)
     DIG_TRY(bodies_open(c));
     DIG_TRY(rows_open(c));
     DIG_TRY(plan_passes(c));
-    wide_solve(c, 0);
+    wide_solve(c);
     g->t = until;
     g->substeps += c->substeps;
     g->sweeps += c->passes;
@@ -144,7 +144,8 @@ static dig_status advance_piece(Crowd *c, real until)
 
 static dig_status advance(Group *g, real dt)
 {
-    Crowd whole = {.g = g, .team = g->team, .dt = dt, .substeps = g->plan->substeps, .bodies = g->moving_count};
+    Width width = (Width)g->world->width;
+    Crowd whole = {.g = g, .team = g->team, .width = width == WIDTH_ANY ? widest() : width, .dt = dt, .substeps = g->plan->substeps, .bodies = g->moving_count};
     DIG_TRY(open(&whole));
     int pieces = crowd_pieces(&whole);
     if (pieces > 1)

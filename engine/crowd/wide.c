@@ -511,21 +511,19 @@ INLINE void meet(const Part *me)
 /* soft: NULL = a relaxing pass. Returns the worst error of this thread's rates over what matters. */
 INLINE float pass(const Crowd *c, const Part *me, const Soft *soft, float time, bool first)
 {
-    wide worst = all(0);
+    Care k = {.push_most = all(c->push_most), .per_step = all(1 / c->h), .time = all(time), .worst = all(0), .push = soft != NULL, .first = first};
     for (int p = 0; p < c->phases; p++) {
+        Soft s = soft ? soft[c->batch[c->phase[p].first].fixed] : (Soft){0};        /* the same for the batches of a phase */
+        k.rate = all(s.rate);
+        k.mass = all(s.mass);
+        k.keep = all(s.keep);
         meet_before(c, me, p);
-        MY_BATCHES(c->phase[p], me, i) {
-            const Batch *x = &c->batch[i];
-            Soft s = soft ? soft[x->fixed] : (Soft){0};
-            Care k = {.rate = all(s.rate), .push_most = all(c->push_most), .mass = all(s.mass), .keep = all(s.keep),
-                      .per_step = all(1 / c->h), .time = all(time), .worst = worst, .push = soft != NULL, .first = first};
-            solve_batch(c, x, &k);
-            worst = k.worst;
-        }
+        MY_BATCHES(c->phase[p], me, i)
+            solve_batch(c, &c->batch[i], &k);
     }
     float most = 0;
     for (int i = 0; i < LANES; i++)
-        most = worst[i] > most ? worst[i] : most;
+        most = k.worst[i] > most ? k.worst[i] : most;
     return most;
 }
 
@@ -731,29 +729,13 @@ INLINE void solve(Crowd *c, const Part *me)
         bounce_all(c, me);
 }
 
-static void solve_plain(void *context, int thread, int threads)
+INLINE void solve_part(void *context, int thread, int threads)
 {
     Crowd *c = context;
     solve(c, &(Part){c->team, thread, threads});
 }
 
-#if defined(__x86_64__)
-__attribute__((target("avx2"))) static void solve_avx2(void *context, int thread, int threads)
-{
-    Crowd *c = context;
-    solve(c, &(Part){c->team, thread, threads});
-}
+FOR_WIDTHS(solve_for, solve_part)
+AVX512 static void solve_avx512(void *context, int thread, int threads) { solve_part(context, thread, threads); }
 
-static TeamPart *solve_for(int width)
-{
-    return width == 2 || (width == 0 && __builtin_cpu_supports("avx2")) ? solve_avx2 : solve_plain;
-}
-#else
-static TeamPart *solve_for(int width)
-{
-    (void)width;
-    return solve_plain;
-}
-#endif
-
-void wide_solve(Crowd *c, int width) { team_run(c->team, solve_for(width), c); }
+void wide_solve(Crowd *c) { team_run(c->team, c->width == WIDTH_AVX512 ? solve_avx512 : solve_for(c), c); }

@@ -29,13 +29,6 @@ INLINE pair3 pair3_by(const mat3 *m, pair3 v)
 INLINE pair3 pair3_add(pair3 a, pair3 b) { return (pair3){a.x + b.x, a.y + b.y, a.z + b.z}; }
 INLINE pair3 pair3_sub(pair3 a, pair3 b) { return (pair3){a.x - b.x, a.y - b.y, a.z - b.z}; }
 
-typedef struct pair33 { pair3 r0, r1, r2; } pair33;             /* rows */
-INLINE pair33 pair33_of(const mat3 *a, const mat3 *b)
-{
-    return (pair33){pair3_of(a->r0, b->r0), pair3_of(a->r1, b->r1), pair3_of(a->r2, b->r2)};
-}
-INLINE pair3 pair33_by(const pair33 *m, pair3 v) { return (pair3){pair3_dot(m->r0, v), pair3_dot(m->r1, v), pair3_dot(m->r2, v)}; }
-
 INLINE pair_quat pair_quat_conjugate(pair_quat q) { return (pair_quat){-q.x, -q.y, -q.z, q.w}; }
 INLINE pair3 pair_quat_rotate(pair_quat q, pair3 v)
 {

@@ -272,6 +272,7 @@ struct dig_world {
     dig_world_def def;
     int      accuracy;                  /* see solve/plan.h                            */
     bool     timed_always;              /* the clock is read in every step, not only in each 16th */
+    unsigned width;                     /* of instructions, as crowd/system.h names them; 0 = the widest this machine has. Tests ask for others */
     bool     tells_moves;               /* somebody asked for the events `moved`       */
     uint64_t steps, serial;             /* serial: distinguishes worlds' handles       */
     uint64_t rng;

@@ -178,13 +178,14 @@ static uint64_t towers(int threads)
 }
 
 /* Layers of balls and boxes that fall on each other: one group, which all threads advance together. */
-static uint64_t heap(int threads)
+static uint64_t heap(int threads, Width width)
 {
     dig_world_def def = dig_world_defaults();
     uint64_t rng = 5;
     def.step = STEP;
     def.threads = threads;
     dig_world *w = open_with(def);
+    w->width = width;
     Look bouncy = {0.5, NAN, 0.3, 0.01};
     add_floor(w, rough);
     for (int i = 0; i < 240; i++) {
@@ -206,9 +207,17 @@ static uint64_t heap(int threads)
 TEST(any_number_of_threads_gives_the_same_bits)
 {
     CHECK(towers(1) == towers(2));
-    uint64_t alone = heap(1);
-    CHECK(heap(2) == alone);
-    CHECK(heap(3) == alone);
+    uint64_t alone = heap(1, WIDTH_ANY);
+    CHECK(heap(2, WIDTH_ANY) == alone);
+    CHECK(heap(3, WIDTH_ANY) == alone);
+}
+
+/* Rows, books and all: those that this machine has. */
+TEST(a_heap_gives_the_same_bits_on_all_instructions)
+{
+    uint64_t plain = heap(1, WIDTH_PLAIN);
+    for (Width width = WIDTH_AVX2; width <= widest(); width++)
+        CHECK(heap(1, width) == plain);
 }
 
 #define BODIES 40
@@ -269,7 +278,7 @@ static void make_sample(Sample *s, Crowd *c)
             for (int k = 0; k < LANES; k++)
                 s->point[i][p].mass[k] = 1;
     }
-    *c = (Crowd){.dt = STEP, .substeps = 4, .h = (float)(STEP / 4), .bodies = BODIES, .push_most = 3, .bounce_least = 0.1f,
+    *c = (Crowd){.width = widest(), .dt = STEP, .substeps = 4, .h = (float)(STEP / 4), .bodies = BODIES, .push_most = 3, .bounce_least = 0.1f,
                  .vel = s->six[0], .move = s->six[1], .last = s->six[2], .push = s->six[3], .start = s->six[4],
                  .axes = {s->six[5], s->six[6]}, .batch = s->batch, .batches = BATCHES,
                  .phase = s->phase, .phases = BATCHES, .passes = 1, .passes_most = 2,
@@ -279,25 +288,26 @@ static void make_sample(Sample *s, Crowd *c)
 
 TEST(wide_rows_give_the_same_bits_on_all_instructions)
 {
-    Sample *s[2];
-    for (int i = 0; i < 2; i++) {
+    Sample *s[WIDTH_AVX512 + 1];
+    for (Width width = WIDTH_PLAIN; width <= widest(); width++) {
         Crowd c;
-        s[i] = aligned_alloc(32, sizeof **s);
-        assert_non_null(s[i]);
-        make_sample(s[i], &c);
-        Six before = s[i]->six[0][3];
-        wide_solve(&c, 1 + i);
-        CHECK(memcmp(&before, &s[i]->six[0][3], sizeof before) != 0);
+        Sample *x = s[width] = aligned_alloc(32, sizeof *x);
+        assert_non_null(x);
+        make_sample(x, &c);
+        c.width = width;
+        Six before = x->six[0][3];
+        wide_solve(&c);
+        CHECK(memcmp(&before, &x->six[0][3], sizeof before) != 0);
         CHECK_INT(c.passes, 4 * 2);
+        CHECK(memcmp(s[WIDTH_PLAIN]->six, x->six, sizeof x->six) == 0);
+        CHECK(memcmp(s[WIDTH_PLAIN]->point, x->point, sizeof x->point) == 0);
+        CHECK(memcmp(s[WIDTH_PLAIN]->rub, x->rub, sizeof x->rub) == 0);
+        CHECK(memcmp(s[WIDTH_PLAIN]->patch, x->patch, sizeof x->patch) == 0);
+        CHECK(memcmp(s[WIDTH_PLAIN]->twist, x->twist, sizeof x->twist) == 0);
+        CHECK(memcmp(s[WIDTH_PLAIN]->roll, x->roll, sizeof x->roll) == 0);
     }
-    CHECK(memcmp(s[0]->six, s[1]->six, sizeof s[0]->six) == 0);
-    CHECK(memcmp(s[0]->point, s[1]->point, sizeof s[0]->point) == 0);
-    CHECK(memcmp(s[0]->rub, s[1]->rub, sizeof s[0]->rub) == 0);
-    CHECK(memcmp(s[0]->patch, s[1]->patch, sizeof s[0]->patch) == 0);
-    CHECK(memcmp(s[0]->twist, s[1]->twist, sizeof s[0]->twist) == 0);
-    CHECK(memcmp(s[0]->roll, s[1]->roll, sizeof s[0]->roll) == 0);
-    free(s[0]);
-    free(s[1]);
+    for (Width width = WIDTH_PLAIN; width <= widest(); width++)
+        free(s[width]);
 }
 
 /* Unit balls of many masses that meet in all directions: as round rows, or as such of any shape. */
@@ -375,7 +385,7 @@ TEST(what_is_deep_is_put_apart_in_place_alone)
         for (int k = 0; k < BATCHES; k++)
             for (int lane = 0; lane < LANES; lane++)
                 s[i]->batch[k].care[lane] = (float)(SHALLOW * (real)c.h / left);
-        wide_solve(&c, 0);
+        wide_solve(&c);
     }
     CHECK(overlap_of(s[0], left) > 0.01);
     CHECK(overlap_of(s[1], left) < 0.01 * overlap_of(s[0], left));
@@ -393,7 +403,7 @@ TEST(round_rows_do_to_balls_what_rows_of_any_shape_do)
         assert_non_null(s[i]);
         make_balls(s[i], &c, i == 1);
         c.substeps = 1;         /* gaps that this one closes are none, or by rounding none at all, for the next */
-        wide_solve(&c, 0);
+        wide_solve(&c);
         CHECK_INT(c.passes, 2);
     }
     real moved = 0;
@@ -450,6 +460,7 @@ int main(void)
     RUN_TESTS(unit_test(a_pyramid_rests_and_the_floor_carries_its_weight), unit_test(friction_holds_up_to_its_coefficient),
               unit_test(a_cloud_that_collides_keeps_its_momenta), unit_test(what_is_not_looked_at_meets_in_time),
               unit_test(columns_that_land_do_not_sink_into_each_other), unit_test(any_number_of_threads_gives_the_same_bits),
+              unit_test(a_heap_gives_the_same_bits_on_all_instructions),
               unit_test(wide_rows_give_the_same_bits_on_all_instructions), unit_test(what_is_deep_is_put_apart_in_place_alone),
               unit_test(round_rows_do_to_balls_what_rows_of_any_shape_do),
               unit_test(room_for_pairs_and_contacts_is_given_back_when_most_are_over));
