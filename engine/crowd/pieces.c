@@ -37,26 +37,63 @@ static bool all_thick(const Crowd *c)
     return true;
 }
 
-static int pieces_for(const Crowd *c, const GroupContact *t)
+typedef struct Cut {
+    const Crowd *c;
+    real  *rim;                         /* [body_count of g] m/s */
+    int  (*want)[PIECES_MOST + 1];      /* [threads] contacts that need so many pieces */
+} Cut;
+
+static void rim_share(void *context, int thread, int threads)
 {
+    const Cut *x = context;
+    const Group *g = x->c->g;
+    for (int i = team_first(g->body_count, thread, threads), end = team_end(g->body_count, thread, threads); i < end; i++)
+        x->rim[i] = rim_speed(g, i);
+}
+
+static int pieces_for(const Cut *x, const GroupContact *t)
+{
+    const Crowd *c = x->c;
     const Group *g = c->g;
     real thick = crowd_thickness(&g->pairs[t->pair]), deepest = 0;
     for (int k = 0; k < t->manifold.count; k++)
         deepest = real_max(deepest, -t->manifold.points[k].gap);
-    real swept = c->dt * (rim_speed(g, t->a) + rim_speed(g, t->b)) / (SWEPT * thick);
+    real swept = c->dt * (x->rim[t->a] + x->rim[t->b]) / (SWEPT * thick);
     real sinks = sqrt(g->fall * c->dt * c->dt / (SAGS * thick)) + deepest / (DEEP * thick);
     return (int)real_clamp(real_max(swept, sinks), 1, PIECES_MOST);
 }
 
-int crowd_pieces(const Crowd *c)
+static void want_share(void *context, int thread, int threads)
 {
-    int want[PIECES_MOST + 1] = {0}, pieces = PIECES_MOST, contacts = 0, count = all_thick(c) ? 0 : c->g->contact_count;
-    for (int i = 0; i < count; i++)
-        if (c->g->contacts[i].live) {
-            want[pieces_for(c, &c->g->contacts[i])]++;
-            contacts++;
-        }
-    for (int more = want[pieces]; pieces > 1 && more <= SOME * contacts; more += want[pieces])
-        pieces--;
-    return pieces;
+    const Cut *x = context;
+    const Group *g = x->c->g;
+    int *want = x->want[thread];
+    for (int i = team_first(g->contact_count, thread, threads), end = team_end(g->contact_count, thread, threads); i < end; i++)
+        if (g->contacts[i].live)
+            want[pieces_for(x, &g->contacts[i])]++;
+}
+
+dig_status crowd_pieces(const Crowd *c, int *pieces)
+{
+    *pieces = 1;
+    if (all_thick(c))
+        return DIG_OK;
+    Group *g = c->g;
+    int threads = c->team ? c->team->threads : 1, contacts = 0, more = 0;
+    Cut x = {c, arena_alloc(g->arena, (size_t)g->body_count * sizeof *x.rim), arena_zero(g->arena, (size_t)threads * sizeof *x.want)};
+    if (!x.rim || !x.want)
+        return DIG_E_MEMORY;
+    team_run(c->team, rim_share, &x);
+    team_run(c->team, want_share, &x);
+    for (int i = 1; i < threads; i++)
+        for (int n = 1; n <= PIECES_MOST; n++)
+            x.want[0][n] += x.want[i][n];
+    for (int n = 1; n <= PIECES_MOST; n++)
+        contacts += x.want[0][n];
+    for (*pieces = PIECES_MOST; *pieces > 1; --*pieces) {
+        more += x.want[0][*pieces];
+        if (more > SOME * contacts)
+            break;
+    }
+    return DIG_OK;
 }

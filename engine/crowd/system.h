@@ -190,7 +190,7 @@ static inline real crowd_thickness(const GroupPair *q)
     return real_min(q->size, 2 * real_min(a, b));
 }
 /* pieces.c: into how many pieces this step is cut, each with contacts of its own */
-int        crowd_pieces(const Crowd *c);
+dig_status crowd_pieces(const Crowd *c, int *pieces);
 /* bodies.c */
 dig_status bodies_open(Crowd *c);       /* scaled, from the group's */
 void       bodies_close(Crowd *c);      /* and back */

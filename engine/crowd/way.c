@@ -21,16 +21,34 @@ static Soft soft_of(real share, real h)
     return (Soft){(float)(w / a), (float)(b / (1 + b)), (float)(1 / (1 + b))};
 }
 
-/* Of all pairs: their size, and how thin they are. */
-static void find_smallest(Crowd *c)
+typedef struct Smallest { const Group *g; struct Least { real size, thickness; } *least; } Smallest;       /* m  [threads] */
+
+static void smallest_share(void *context, int thread, int threads)
 {
-    const Group *g = c->g;
+    const Smallest *s = context;
+    struct Least least = {INFINITY, INFINITY};
+    for (int i = team_first(s->g->pair_count, thread, threads), end = team_end(s->g->pair_count, thread, threads); i < end; i++) {
+        least.size = real_min(least.size, s->g->pairs[i].size);
+        least.thickness = real_min(least.thickness, crowd_thickness(&s->g->pairs[i]));
+    }
+    s->least[thread] = least;
+}
+
+/* Of all pairs: their size, and how thin they are. */
+static dig_status find_smallest(Crowd *c)
+{
+    int threads = c->team ? c->team->threads : 1;
+    Smallest s = {c->g, arena_alloc(c->g->arena, (size_t)threads * sizeof *s.least)};
+    if (!s.least)
+        return DIG_E_MEMORY;
+    team_run(c->team, smallest_share, &s);
     c->finest = c->thinnest = INFINITY;
-    for (int i = 0; i < g->pair_count; i++) {
-        c->finest = real_min(c->finest, g->pairs[i].size);
-        c->thinnest = real_min(c->thinnest, crowd_thickness(&g->pairs[i]));
+    for (int i = 0; i < threads; i++) {
+        c->finest = real_min(c->finest, s.least[i].size);
+        c->thinnest = real_min(c->thinnest, s.least[i].thickness);
     }
     c->finest = isfinite(c->finest) ? c->finest : 1;
+    return DIG_OK;
 }
 
 static void trait_share(void *context, int thread, int threads)
@@ -53,7 +71,7 @@ static dig_status open(Crowd *c)
     if (!c->trait)
         return DIG_E_MEMORY;
     team_run(g->team, trait_share, c);
-    find_smallest(c);
+    DIG_TRY(find_smallest(c));
     c->push_most = (float)(PUSH_MOST * sqrt(c->finest));
     return DIG_OK;
 }
@@ -147,7 +165,8 @@ static dig_status advance(Group *g, real dt)
     Width width = (Width)g->world->width;
     Crowd whole = {.g = g, .team = g->team, .width = width == WIDTH_ANY ? widest() : width, .dt = dt, .substeps = g->plan->substeps, .bodies = g->moving_count};
     DIG_TRY(open(&whole));
-    int pieces = crowd_pieces(&whole);
+    int pieces;
+    DIG_TRY(crowd_pieces(&whole, &pieces));
     if (pieces > 1)
         DIG_TRY(take_all(g));
     for (int i = 0; i < pieces; i++) {
