@@ -145,6 +145,8 @@ typedef struct Blows {
     Crowd   *c;
     real    *behind;            /* [body_count of g] kg  mass behind Crowd.stop: of the two that met                  */
     uint8_t *news;              /* [body_count of g] number of the round in which its stop was changed last, counted from 1; 0 = in none */
+    int     *first, *next;      /* [body_count of g], [2 pairs] lists of the pairs of each body that moves, as 2 pair + side; < 0: no more */
+    uint64_t *looks[2];         /* a bit a pair: to be looked at in this round, in the next one */
 } Blows;
 
 /* m/s  By how much y may be changed, when x is by so much: y runs into x as fast as it moves, or is pushed by x, and shares the impulse. */
@@ -186,6 +188,28 @@ static int follow(const Blows *s, Ends *e, GroupPair *q)
 
 #define FOLLOWERS 32            /* as many bodies one behind the other */
 
+static void list_pairs(const Blows *s, const Ends *ends, int from, int end)
+{
+    for (int i = 2 * from; i < 2 * end; i++) {
+        int body = i % 2 ? ends[i / 2].b : ends[i / 2].a;
+        s->next[i] = s->c->trait[body].moves ? s->first[body] : -1;
+        if (s->c->trait[body].moves)
+            s->first[body] = i;
+    }
+}
+
+static inline void mark(uint64_t *looks, int pair) { looks[pair / 64] |= (uint64_t)1 << pair % 64; }
+
+/* There is news of this body, from pair number i: its pairs are looked at in the next round, and those after that one in this. */
+static void tell_pairs(const Blows *s, int body, int i)
+{
+    for (int k = s->first[body]; k >= 0; k = s->next[k]) {
+        mark(s->looks[1], k / 2);
+        if (k / 2 > i)
+            mark(s->looks[0], k / 2);
+    }
+}
+
 /* The ends of a pair that was struck may be stopped. */
 static void note_stops(const Blows *s, const GroupPair *q, real struck)
 {
@@ -198,55 +222,93 @@ static void note_stops(const Blows *s, const GroupPair *q, real struck)
             continue;
         s->c->stop[body] = real_max(s->c->stop[body], struck);
         s->behind[body] = real_max(s->behind[body], mass);
+        if (s->news[body] == 0)
+            tell_pairs(s, body, -1);
         s->news[body] = 1;
     }
 }
 
 #define TEAM_LEAST 512          /* pairs: fewer are not worth a team */
 
-/* Pairs that the blows known by now may bring together. */
-static dig_status touch_struck(Crowd *c, Ends *ends)
+/* Pairs that the blows known by now may bring together; those of bodies with news are looked at. */
+static dig_status touch_struck(const Blows *s, Ends *ends, int round)
 {
-    Group *g = c->g;
-    Touching t = {c, ends, g->pair_count};
-    DIG_TRY(group_gather_struck(g, c->stop, c->dt));
+    Group *g = s->c->g;
+    Touching t = {s->c, ends, g->pair_count};
+    DIG_TRY(group_gather_struck(g, s->c->stop, s->c->dt));
     team_run(g->pair_count - t.first < TEAM_LEAST ? NULL : g->team, touch_share, &t);
+    list_pairs(s, ends, t.first, g->pair_count);
+    for (int i = t.first; i < g->pair_count; i++) {
+        int latest = int_max(s->news[ends[i].a], s->news[ends[i].b]);
+        if (latest > 0 && latest >= round - 1)
+            mark(s->looks[0], i);
+        if (latest >= round)
+            mark(s->looks[1], i);
+    }
     return DIG_OK;
 }
 
+static dig_status open_blows(Blows *s, const Ends *ends, size_t most)
+{
+    Crowd *c = s->c;
+    Group *g = c->g;
+    size_t count = (size_t)g->body_count, words = most / 64 + 1;
+    c->stop = arena_zero(g->arena, count * sizeof *c->stop);
+    s->behind = arena_zero(g->arena, count * sizeof *s->behind);
+    s->news = arena_zero(g->arena, count);
+    s->first = arena_alloc(g->arena, count * sizeof *s->first);
+    s->next = spare_take(&g->spare, g->arena, 2 * most * sizeof *s->next);
+    s->looks[0] = arena_zero(g->arena, 2 * words * sizeof *s->looks[0]);
+    s->looks[1] = s->looks[0] + words;
+    if (!c->stop || !s->behind || !s->news || !s->first || !s->next || !s->looks[0])
+        return DIG_E_MEMORY;
+    memset(s->first, 0xff, count * sizeof *s->first);
+    list_pairs(s, ends, 0, g->pair_count);
+    return DIG_OK;
+}
+
+/* Of the pairs that this round looks at, in their order. Returns whether there was news. */
+static bool one_round(const Blows *s, Ends *ends, int round)
+{
+    Group *g = s->c->g;
+    bool more = false;
+    for (int w = 0; w <= g->pair_count / 64; w++)
+        while (s->looks[0][w]) {            /* what is marked meanwhile comes later */
+            int i = 64 * w + __builtin_ctzll(s->looks[0][w]);
+            s->looks[0][w] &= s->looks[0][w] - 1;
+            int body = follow(s, &ends[i], &g->pairs[i]);
+            if (body < 0)
+                continue;
+            s->news[body] = (uint8_t)round;
+            tell_pairs(s, body, i);
+            more = true;
+        }
+    return more;
+}
+
 /* Bodies that fall together do not close on each other until the first of them is stopped, and then within the step. A pair is looked
- * at again only when there was news of one of its bodies in the round before, or is in this one. */
-static dig_status look_behind(Crowd *c, Ends *ends)
+ * at again only when there was news of one of its bodies in the round before, or is in this one. most: pairs there can be. */
+static dig_status look_behind(Crowd *c, Ends *ends, size_t most)
 {
     Group *g = c->g;
     Blows s = {.c = c};
     for (int i = 0; i < g->pair_count; i++) {
         if (!(ends[i].struck > 0))
             continue;
-        if (!c->stop) {
-            size_t count = (size_t)g->body_count;
-            c->stop = arena_zero(g->arena, count * sizeof *c->stop);
-            s.behind = arena_zero(g->arena, count * sizeof *s.behind);
-            s.news = arena_zero(g->arena, count);
-            if (!c->stop || !s.behind || !s.news)
-                return DIG_E_MEMORY;
-        }
+        if (!c->stop)
+            DIG_TRY(open_blows(&s, ends, most));
         note_stops(&s, &g->pairs[i], (real)ends[i].struck);
     }
     bool more = c->stop != NULL;
     for (int round = 1; round <= FOLLOWERS && more; round++) {
-        more = false;
-        DIG_TRY(touch_struck(c, ends));
-        for (int i = 0; i < g->pair_count; i++) {
-            Ends *e = &ends[i];
-            int latest = int_max(s.news[e->a], s.news[e->b]);
-            int body = latest == 0 || latest < round - 1 ? -1 : follow(&s, e, &g->pairs[i]);
-            if (body < 0)
-                continue;
-            s.news[body] = (uint8_t)round;
-            more = true;
-        }
+        DIG_TRY(touch_struck(&s, ends, round));
+        more = one_round(&s, ends, round);
+        uint64_t *done = s.looks[0];        /* none is left in it */
+        s.looks[0] = s.looks[1];
+        s.looks[1] = done;
     }
+    if (s.next)
+        spare_add(&g->spare, s.next, 2 * most * sizeof *s.next);
     return DIG_OK;
 }
 
@@ -258,7 +320,7 @@ dig_status crowd_touch(Crowd *c)
     if (!t.ends)
         return DIG_E_MEMORY;
     team_run(g->team, touch_share, &t);
-    DIG_TRY(look_behind(c, t.ends));
+    DIG_TRY(look_behind(c, t.ends, most));
     spare_add(&g->spare, t.ends, most * sizeof *t.ends);
     group_close_left(g);
     return DIG_OK;
