@@ -29,7 +29,8 @@ variant := $(if $(filter 1,$(SANITIZE)),-sanitize)$(if $(filter 1,$(DEBUG)),-deb
 BUILD   ?= build$(patsubst -%,/%,$(variant))
 
 # ---- flags ----
-WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes -Werror
+# psabi: wide numbers are passed to inlined functions only.
+WARNINGS := -Wno-psabi -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes -Werror
 # The same bits on every machine and at every -O: no fused multiply-add, no -ffast-math.
 CFLAGS   ?= -O3 -g
 BASE     := -std=c17 $(CFLAGS) -ffp-contract=off -fno-math-errno -pthread $(WARNINGS) -Iengine
@@ -124,9 +125,7 @@ pixel_loops := $(if $(filter 1,$(DEBUG) $(SANITIZE)),,-O3 -fno-trapping-math)
 $(patsubst %,$(BUILD)/obj/engine/render/%.o,blur cast light png shade smooth): extra = $(RENDER_CFLAGS) $(pixel_loops)
 # Blocks of 6 x 6: the same.
 block_loops := $(if $(filter 1,$(DEBUG) $(SANITIZE)),,-O3 -fno-trapping-math)
-$(patsubst %,$(BUILD)/obj/engine/solve/%.o,direct_rows direct_joints): extra = $(block_loops)
-$(BUILD)/obj/engine/solve/blocks.o: extra = $(block_loops) -Wno-psabi
-$(BUILD)/obj/engine/crowd/%.o $(BUILD)/obj/engine/chain/%.o: extra = -Wno-psabi  # of wide numbers: they are passed to inlined functions only
+$(patsubst %,$(BUILD)/obj/engine/solve/%.o,blocks direct_rows direct_joints): extra = $(block_loops)
 
 $(BUILD)/obj/%.o: %.c $(BUILD)/flags.txt
 	@mkdir -p $(@D)

@@ -5,6 +5,7 @@
  * of the poses, kept where the pair has its hint.
  */
 #include "crowd/system.h"
+#include "math/reg3.h"
 
 #define CARRIED 0x63617272u     /* kind of a hint that holds a sign; no shape pair has this one   */
 #define SLID    2e-3            /* of the size: points that have slid farther are found anew      */
@@ -27,37 +28,38 @@ void crowd_sign(const Group *g, GroupPair *q)
     q->cache = (ManifoldCache){.kind = CARRIED, .axis = {s.x, s.y, s.z}};
 }
 
-static bool keeps(const Group *g, GroupPair *q)
+INLINE bool keeps(const Group *g, GroupPair *q)
 {
     if (q->fresh || q->cache.kind != CARRIED)
         return false;
     GroupContact *c = &g->contacts[q->contact];
-    vec3 s = sign_of(g, q), n = c->manifold.normal;
+    vec3 s = sign_of(g, q);
     if (c->manifold.count < 3 || s.x != q->cache.axis[0] || s.y != q->cache.axis[1] || s.z != q->cache.axis[2])
         return false;
+    const reg3 n = reg3_of(c->manifold.normal);
     real low = INFINITY, high = -INFINITY, slid = 0;
-    for (int k = 0; k < c->manifold.count; k++) {
-        ManifoldPoint *p = &c->manifold.points[k];
-        vec3 d = vec3_sub(p->b, p->a);
-        p->gap = vec3_dot(d, n);
+    for (ManifoldPoint *p = c->manifold.points, *end = p + c->manifold.count; p < end; p++) {
+        reg3 d = reg3_load(&p->b) - reg3_load(&p->a);
+        p->gap = reg3_dot(d, n);
         low = real_min(low, p->gap);
         high = real_max(high, p->gap);
-        slid = real_max(slid, vec3_length2(vec3_mad(d, -p->gap, n)));
+        slid = real_max(slid, reg3_length2(d - reg3_all(p->gap) * n));
     }
     return slid < SLID * SLID * q->size * q->size && high - low < TILTED * q->size && high < SLID * q->size;
 }
 
 /* Of one or two points, or none: as long as its bodies have moved so little since they were found that the normal is still right. What
  * both of them moved in common does not count (book.c). */
-static bool stays(const Crowd *crowd, const GroupPair *q)
+INLINE bool stays(const Crowd *crowd, const GroupPair *q)
 {
     GroupContact *c = &crowd->g->contacts[q->contact];
     real travel = crowd->trait[q->a].travel + crowd->trait[q->b].travel;
     if (q->fresh || c->manifold.count == 0 || travel > q->until)
         return false;
+    const reg3 n = reg3_of(c->manifold.normal);
     for (int k = 0; k < c->manifold.count; k++) {
         ManifoldPoint *p = &c->manifold.points[k];
-        p->gap = vec3_dot(vec3_sub(p->b, p->a), c->manifold.normal);
+        p->gap = reg3_dot(reg3_load(&p->b) - reg3_load(&p->a), n);
     }
     return true;
 }
@@ -107,7 +109,7 @@ typedef struct Ends { int a, b; float struck, reach; } Ends;
 typedef struct Touching { const Crowd *c; Ends *ends; int first; } Touching;       /* from this pair on */
 
 /* False: its bodies have hardly moved, and it was left as it was. */
-static bool touch_pair(const Crowd *c, GroupPair *q)
+INLINE bool touch_pair(const Crowd *c, GroupPair *q)
 {
     if (q->contacts == 1 && (keeps(c->g, q) || stays(c, q)))
         return false;
@@ -118,7 +120,7 @@ static bool touch_pair(const Crowd *c, GroupPair *q)
     return true;
 }
 
-static void touch_share(void *context, int thread, int threads)
+INLINE void touch_part(void *context, int thread, int threads)
 {
     const Touching *t = context;
     const Group *g = t->c->g;
@@ -130,6 +132,8 @@ static void touch_share(void *context, int thread, int threads)
             t->ends[i].struck = (float)struck(g, q, t->c->dt);
     }
 }
+
+FOR_WIDTHS(touch_share, touch_part)
 
 static real least_gap(const Group *g, const GroupPair *q)
 {
@@ -198,7 +202,7 @@ static void list_pairs(const Blows *s, const Ends *ends, int from, int end)
     }
 }
 
-static inline void mark(uint64_t *looks, int pair) { looks[pair / 64] |= (uint64_t)1 << pair % 64; }
+static inline void mark(uint64_t *looks, int i) { looks[i / 64] |= (uint64_t)1 << i % 64; }
 
 /* There is news of this body, from pair number i: its pairs are looked at in the next round, and those after that one in this. */
 static void tell_pairs(const Blows *s, int body, int i)
@@ -236,7 +240,7 @@ static dig_status touch_struck(const Blows *s, Ends *ends, int round)
     Group *g = s->c->g;
     Touching t = {s->c, ends, g->pair_count};
     DIG_TRY(group_gather_struck(g, s->c->stop, s->c->dt));
-    team_run(g->pair_count - t.first < TEAM_LEAST ? NULL : g->team, touch_share, &t);
+    team_run(g->pair_count - t.first < TEAM_LEAST ? NULL : g->team, touch_share(s->c), &t);
     list_pairs(s, ends, t.first, g->pair_count);
     for (int i = t.first; i < g->pair_count; i++) {
         int latest = int_max(s->news[ends[i].a], s->news[ends[i].b]);
@@ -319,7 +323,7 @@ dig_status crowd_touch(Crowd *c)
     Touching t = {.c = c, .ends = spare_take(&g->spare, g->arena, most * sizeof *t.ends)};
     if (!t.ends)
         return DIG_E_MEMORY;
-    team_run(g->team, touch_share, &t);
+    team_run(g->team, touch_share(c), &t);
     DIG_TRY(look_behind(c, t.ends, most));
     spare_add(&g->spare, t.ends, most * sizeof *t.ends);
     group_close_left(g);

@@ -7,10 +7,6 @@
 #include "crowd/system.h"
 #include "math/pair.h"
 
-#if defined(__GNUC__)
-#pragma GCC diagnostic ignored "-Wpsabi"        /* vectors are passed to inlined functions only */
-#endif
-
 INLINE wide pick(wide_int which, wide yes, wide no) { return (wide)((which & (wide_int)yes) | (~which & (wide_int)no)); }
 INLINE wide most(wide a, wide b) { return pick(a > b, a, b); }
 INLINE wide least(wide a, wide b) { return pick(a < b, a, b); }

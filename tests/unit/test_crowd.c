@@ -1,6 +1,7 @@
 /* tests/unit/test_crowd.c - the way for crowds, against closed forms, and the same bits on all instructions and threads. */
 #include "base/rng.h"
 #include "crowd/system.h"
+#include "math/reg3.h"
 #include "physics_fixture.h"
 
 #include <stdlib.h>
@@ -210,6 +211,29 @@ TEST(any_number_of_threads_gives_the_same_bits)
     uint64_t alone = heap(1, WIDTH_ANY);
     CHECK(heap(2, WIDTH_ANY) == alone);
     CHECK(heap(3, WIDTH_ANY) == alone);
+}
+
+static bool same_bits(vec3 a, vec3 b) { return memcmp(&a, &b, sizeof a) == 0; }
+
+TEST(a_vector_in_a_register_is_computed_like_one_in_three)
+{
+    uint64_t rng = 3;
+    for (int i = 0; i < 1000; i++) {
+        real n[16];
+        for (int k = 0; k < 16; k++)
+            n[k] = ldexp(rng_real(&rng) - 0.5, (int)(20 * rng_real(&rng)));
+        const vec3 a = {n[0], n[1], n[2]}, b = {n[3], n[4], n[5]};
+        const mat3 m = {{n[6], n[7], n[8]}, {n[9], n[10], n[11]}, {n[12], n[13], n[14]}};
+        const reg3 ra = reg3_of(a), rb = reg3_load((const vec3 *)(const void *)&n[3]);
+        const reg33 rm = reg33_of(&m);
+        vec3 room[2] = {a, a};
+        reg3_store(room, rb);
+        CHECK(same_bits(reg3_get(reg3_cross(ra, rb)), vec3_cross(a, b)));
+        CHECK(same_bits(reg3_get(reg33_by(&rm, ra)), mat3_mul_vec(m, a)));
+        CHECK(same_bits(reg3_get(ra + reg3_all(n[15]) * rb), vec3_mad(a, n[15], b)));
+        CHECK(reg3_dot(ra, rb) == vec3_dot(a, b) && reg3_length2(ra) == vec3_length2(a));
+        CHECK(same_bits(room[0], b) && room[1].y == a.y && room[1].z == a.z);
+    }
 }
 
 /* Rows, books and all: those that this machine has. */
@@ -460,7 +484,7 @@ int main(void)
     RUN_TESTS(unit_test(a_pyramid_rests_and_the_floor_carries_its_weight), unit_test(friction_holds_up_to_its_coefficient),
               unit_test(a_cloud_that_collides_keeps_its_momenta), unit_test(what_is_not_looked_at_meets_in_time),
               unit_test(columns_that_land_do_not_sink_into_each_other), unit_test(any_number_of_threads_gives_the_same_bits),
-              unit_test(a_heap_gives_the_same_bits_on_all_instructions),
+              unit_test(a_vector_in_a_register_is_computed_like_one_in_three), unit_test(a_heap_gives_the_same_bits_on_all_instructions),
               unit_test(wide_rows_give_the_same_bits_on_all_instructions), unit_test(what_is_deep_is_put_apart_in_place_alone),
               unit_test(round_rows_do_to_balls_what_rows_of_any_shape_do),
               unit_test(room_for_pairs_and_contacts_is_given_back_when_most_are_over));
