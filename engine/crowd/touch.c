@@ -104,8 +104,9 @@ static real struck(const Group *g, const GroupPair *q, real dt)
     return most;
 }
 
-/* Of each pair, close together: who it is between; m/s, see struck(); m, its reach, once that was asked for. */
-typedef struct Ends { int a, b; float struck, reach; } Ends;
+/* Of each pair, close together: who it is between; m/s, see struck(); m, its reach, once that was asked for; m, its least gap, once there was a
+ * blow. */
+typedef struct Ends { int a, b; float struck, reach; real gap; } Ends;
 typedef struct Touching { const Crowd *c; Ends *ends; int first; } Touching;       /* from this pair on */
 
 /* False: its bodies have hardly moved, and it was left as it was. */
@@ -135,6 +136,7 @@ INLINE void touch_part(void *context, int thread, int threads)
 
 FOR_WIDTHS(touch_share, touch_part)
 
+/* m  Infinite: nothing is near. */
 static real least_gap(const Group *g, const GroupPair *q)
 {
     real gap = INFINITY;
@@ -142,6 +144,16 @@ static real least_gap(const Group *g, const GroupPair *q)
         for (int k = 0; g->contacts[i].live && k < g->contacts[i].manifold.count; k++)
             gap = real_min(gap, g->contacts[i].manifold.points[k].gap);
     return gap;
+}
+
+/* By all threads, for to look at a contact is a miss. */
+static void gap_share(void *context, int thread, int threads)
+{
+    const Touching *t = context;
+    const Group *g = t->c->g;
+    int count = g->pair_count - t->first;
+    for (int i = t->first + team_first(count, thread, threads), end = t->first + team_end(count, thread, threads); i < end; i++)
+        t->ends[i].gap = least_gap(g, &g->pairs[i]);
 }
 
 /* What impacts may do to the bodies of a crowd. */
@@ -177,13 +189,14 @@ static int follow(const Blows *s, Ends *e, GroupPair *q)
     real passed = passed_on(s, q, x, y);
     if (passed <= known && q->reach >= way)
         return -1;
-    if (q->reach < way && least_gap(c->g, q) > 0) {
+    if (q->reach < way && e->gap > 0) {
         real room = group_touch_within(c->g, q, way + q->reach);
         if (q->contacts == 1)
             note_until(c, q, room);
         e->reach = (float)q->reach;
+        e->gap = least_gap(c->g, q);
     }
-    if (passed <= known || least_gap(c->g, q) > q->reach)
+    if (passed <= known || e->gap > q->reach)
         return -1;
     c->stop[y] = passed;
     s->behind[y] = s->behind[x];
@@ -240,7 +253,9 @@ static dig_status touch_struck(const Blows *s, Ends *ends, int round)
     Group *g = s->c->g;
     Touching t = {s->c, ends, g->pair_count};
     DIG_TRY(group_gather_struck(g, s->c->stop, s->c->dt));
-    team_run(g->pair_count - t.first < TEAM_LEAST ? NULL : g->team, touch_share(s->c), &t);
+    Team *team = g->pair_count - t.first < TEAM_LEAST ? NULL : g->team;
+    team_run(team, touch_share(s->c), &t);
+    team_run(team, gap_share, &t);
     list_pairs(s, ends, t.first, g->pair_count);
     for (int i = t.first; i < g->pair_count; i++) {
         int latest = int_max(s->news[ends[i].a], s->news[ends[i].b]);
@@ -252,7 +267,7 @@ static dig_status touch_struck(const Blows *s, Ends *ends, int round)
     return DIG_OK;
 }
 
-static dig_status open_blows(Blows *s, const Ends *ends, size_t most)
+static dig_status open_blows(Blows *s, Ends *ends, size_t most)
 {
     Crowd *c = s->c;
     Group *g = c->g;
@@ -267,6 +282,7 @@ static dig_status open_blows(Blows *s, const Ends *ends, size_t most)
     if (!c->stop || !s->behind || !s->news || !s->first || !s->next || !s->looks[0])
         return DIG_E_MEMORY;
     memset(s->first, 0xff, count * sizeof *s->first);
+    team_run(g->team, gap_share, &(Touching){c, ends, 0});
     list_pairs(s, ends, 0, g->pair_count);
     return DIG_OK;
 }
