@@ -479,6 +479,26 @@ TEST(room_for_pairs_and_contacts_is_given_back_when_most_are_over)
     dig_world_close(w);
 }
 
+/* Balls in a pit of four slopes, never asleep: once they lie, a step asks the allocator for nothing. */
+TEST(a_pile_that_lies_is_stepped_without_the_allocator)
+{
+    dig_world_def def = dig_world_defaults();
+    uint64_t rng = 8;
+    def.step = STEP;
+    def.sleeping = false;
+    dig_world *w = open_with(def);
+    for (int i = 0; i < 4; i++)
+        add_slope(w, rough, vec3_unit((vec3){i == 0 ? 1 : i == 1 ? -1 : 0, 1, i == 2 ? 1 : i == 3 ? -1 : 0}));
+    for (int i = 0; i < 200; i++)
+        add_ball(w, rough, 0.25, 60, (vec3){i % 5 * 0.55 - 1.1, 3 + i / 25 * 0.55 + 0.1 * rng_real(&rng), i / 5 % 5 * 0.55 - 1.1}, vec3_zero());
+    step(w, 300);
+    dig_stats before = dig_world_stats(w);
+    CHECK(before.contacts > 300 && before.awake == 200 && before.swept == 1);
+    step(w, 300);
+    CHECK_INT(dig_world_stats(w).allocations, before.allocations);
+    dig_world_close(w);
+}
+
 int main(void)
 {
     RUN_TESTS(unit_test(a_pyramid_rests_and_the_floor_carries_its_weight), unit_test(friction_holds_up_to_its_coefficient),
@@ -487,5 +507,6 @@ int main(void)
               unit_test(a_vector_in_a_register_is_computed_like_one_in_three), unit_test(a_heap_gives_the_same_bits_on_all_instructions),
               unit_test(wide_rows_give_the_same_bits_on_all_instructions), unit_test(what_is_deep_is_put_apart_in_place_alone),
               unit_test(round_rows_do_to_balls_what_rows_of_any_shape_do),
-              unit_test(room_for_pairs_and_contacts_is_given_back_when_most_are_over));
+              unit_test(room_for_pairs_and_contacts_is_given_back_when_most_are_over),
+              unit_test(a_pile_that_lies_is_stepped_without_the_allocator));
 }
