@@ -28,6 +28,22 @@ static real rate_before(const Group *g, const PointRow *r)
     return vec3_dot(r->n.n, vec3_sub(vb.v, va.v)) + vec3_dot(r->n.aa, va.w) + vec3_dot(r->n.ab, vb.w);
 }
 
+#define SLIVER 1e-4             /* of a step: a substep so short is what blows or rounding have left of one */
+#define ABOVE  1e6              /* times the fastest: so fast is nothing, and digits enough are left beside it */
+
+/* m/s  What a gap may close with at most. In a sliver of a substep that would be any speed, and all digits of a solve would go into it. */
+static real closes_by(const Group *g, real size, real gap)
+{
+    if (!(g->h < SLIVER * g->world->def.step))
+        return gap / g->h;
+    real fastest = size;                                    /* in a second */
+    for (int i = 0; i < g->body_count; i++) {
+        real spin = vec3_length(g->vel[i].w);               /* of 0 about what is infinite: no number */
+        fastest = real_max(fastest, vec3_length(g->vel[i].v) + (spin > 0 ? spin * g->member[i].outer : 0));
+    }
+    return real_min(gap / g->h, ABOVE * fastest);
+}
+
 /* Does the point need a row, and what velocity may it keep? *left: it has none because its approach is an impact. A point that
  * carried force before keeps its row: a ball that rolls over an edge seems to leave, while its normal turns. */
 static bool set_target(const Group *g, const GroupPair *q, PointRow *r, real gap, bool carried, bool *left)
@@ -37,7 +53,7 @@ static bool set_target(const Group *g, const GroupPair *q, PointRow *r, real gap
     if (gap <= g->touch * q->size) {
         if (g->locate && g->events_left > 0 && !carried && r->rate_before > g->close_speed && gap > -g->touch * q->size)
             return false;               /* it bounced off: should it come back in this substep, that is an impact */
-        r->target = gap > 0 ? -gap / g->h : 0;
+        r->target = gap > 0 ? -closes_by(g, q->size, gap) : 0;
     } else {
         if (!carried && !q->meets && gap + g->h * real_min(predicted, 0) > 0.5 * gap + 1e-3 * q->size)
             return false;               /* not this substep */
@@ -47,7 +63,7 @@ static bool set_target(const Group *g, const GroupPair *q, PointRow *r, real gap
         *left = g->locate && g->events_left > 0 && strike > plastic;
         if (*left)
             return false;               /* it will be located */
-        r->target = -gap / g->h;
+        r->target = -closes_by(g, q->size, gap);
     }
     r->bounce = g->locate && g->events_left > 0 ? 0 : q->restitution;
     return true;

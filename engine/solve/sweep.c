@@ -737,11 +737,14 @@ static void begin(Group *g, real part, bool all)
         impacts(g);
 }
 
+#define SLIVER 1e-9             /* of a substep: what sums of times leave by rounding is no substep of its own */
+
 static dig_status sweep_until(Group *g, real dt, real until)
 {
     real part = dt / g->plan->substeps;
     while (g->t < until && !g->woke) {
-        DIG_TRY(substep(g, real_min(until, g->t + longest_piece(g, dt))));
+        real next = g->t + longest_piece(g, dt);
+        DIG_TRY(substep(g, next < until - SLIVER * part ? next : until));
         if (g->woke)
             break;
         real share;
