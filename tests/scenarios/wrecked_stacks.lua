@@ -3,7 +3,6 @@
 -- Dozens of blows and edges in a frame leave slivers of substeps, of 1e-18 s by the rounding of sums of times. What a gap may close with in
 -- such a one is any speed; the numbers of it once took all digits of the solve, and the stacks flew apart with ten times the ball's energy
 -- (160 to 400 kJ in one frame for three of seven speeds of the ball from 11 to 15 m/s; 0.15 kJ since, where what overlaps is lifted).
-local digbox = require "digbox"
 local test = require "digbox.test"
 
 local HULL = { { -0.3, -0.15, -0.3 }, { 0.3, -0.15, -0.3 }, { 0.3, -0.15, 0.3 }, { -0.3, -0.15, 0.3 },
