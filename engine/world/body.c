@@ -1,5 +1,6 @@
 /* world/body.c - bodies and their solids: creation, removal, mass, boxes, waking. */
 #include "world/world.h"
+#include "world/joint.h"
 #include "world/region.h"
 
 #include "geom/mass.h"
@@ -442,6 +443,12 @@ void touches_wake(World *w, uint32_t slot)
             if (p->touching && other != NONE)
                 body_wake(w, other);
         }
+    for (uint32_t j = w->bodies.data[slot].joint_first; j != NONE; j = joint_next(w, j, slot)) {
+        const JointRec *r = &w->joints.data[j];
+        uint32_t other = r->a == slot ? r->b : r->a;
+        if (other != NONE)
+            body_wake(w, other);
+    }
 }
 
 /* Wakes what touches the body, and drops its touches and links. */

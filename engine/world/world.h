@@ -437,7 +437,7 @@ void       body_disable(World *w, uint32_t slot);       /* it stands where it is
 void       body_wake(World *w, uint32_t slot);          /* its whole DIG */
 void       world_wake_all(World *w);
 void       body_list(World *w, uint32_t slot);          /* into world->awake; there is always room */
-void       touches_wake(World *w, uint32_t slot);       /* all that touches the body */
+void       touches_wake(World *w, uint32_t slot);       /* all that touches the body or is joined to it */
 void       body_set_mass(Body *b, real mass);
 void       body_refit(World *w, uint32_t slot);         /* its solids' boxes in the tree */
 /* Where its body's centre of mass is, from the shape and from the body. */
