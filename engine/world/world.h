@@ -407,6 +407,7 @@ static inline void body_travels(Body *b, vec3 x, quat q)
 
 /* 1  Where time goes r times as fast, motion is r times as fast, under the same forces and with the same energy: against the
  * forces of the world's time, mass and inertia are 1/r^2 of what they are. (Weight is not: it is a force.) */
+bool       body_turns(const Body *b);                   /* does it have no more inertia than its shapes can? */
 static inline real body_inertness(const Body *b) { return 1 / (b->rate * b->rate); }
 
 /* Takes a free slot of a list or adds one. */
