@@ -379,11 +379,11 @@ dig_status dig_body_move_to(dig_world *w, dig_body handle, vec3 at, const quat *
 static dig_status do_set_velocity(World *w, dig_body handle, vec3 velocity, vec3 spin)
 {
     dig_status s;
-    Body *b = kinematic(w, handle, "set_velocity", &s);
+    Body *b = kinematic(w, handle, "drive", &s);
     if (!b)
         return s;
-    DIG_TRY(api_within(w, velocity, WORLD_FAST, "set_velocity", "velocity", "m/s"));
-    DIG_TRY(api_within(w, spin, WORLD_FAST, "set_velocity", "spin", "rad/s"));
+    DIG_TRY(api_within(w, velocity, WORLD_FAST, "drive", "velocity", "m/s"));
+    DIG_TRY(api_within(w, spin, WORLD_FAST, "drive", "spin", "rad/s"));
     b->v = velocity;
     b->w = spin;
     b->move_end = b->move_start - 1;

@@ -91,7 +91,7 @@ end
 scenario("only what is kinematic can be driven", function(s)
   local ball = s.world:ball { radius = 0.1 }
   expect(function() ball:move_to { at = { 1, 0, 0 }, over = 1 } end):fails()
-  expect(function() ball:drive { velocity = { 1, 0, 0 } } end):fails()
+  expect(expect(function() ball:drive { velocity = { 1, 0, 0 } } end):fails()):contains "drive: body #"
 end)
 
 -- A world with a bit of everything: a stack, a pendulum, a rolling ball, a push under way
