@@ -414,6 +414,7 @@ typedef struct dig_body_def {
     bool     fixed, kinematic;
     real     gravity_scale;
     bool     collides;
+    bool     turns;             /* false: it keeps its orientation, as a particle does */
     int64_t  group;             /* bodies of the same negative group never touch    */
     int64_t  integrator;        /* dig_integrator                                   */
     vec3     colour;

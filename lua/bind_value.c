@@ -127,10 +127,10 @@ vec3 bind_vec3(lua_State *L, int index, const char *unit, const char *what, cons
     return out;
 }
 
-/* {axis =, angle =}: sine and cosine of half the angle about the unit axis */
+/* {axis =, angle =}: sine and cosine of half the angle about the unit axis. Of {from =, to =} nothing is there, only known. */
 static quat from_axis_angle(lua_State *L, int table, const char *what)
 {
-    static const char *const names[] = {"axis", "angle", NULL};
+    static const char *const names[] = {"axis", "angle", "from", "to", NULL};
     vec3 axis = {0, 1, 0};
     real angle = 0;
     bind_check_keys(L, table, what, NULL, names);
@@ -145,18 +145,59 @@ static quat from_axis_angle(lua_State *L, int table, const char *what)
     return (quat){s * axis.x, s * axis.y, s * axis.z, cos(angle / 2)};
 }
 
+/* The shortest turn from one direction to another: q ~ (a x b, 1 + a.b). Opposite ones turn about any normal. */
+static quat between(vec3 a, vec3 b)
+{
+    real d = a.x * b.x + a.y * b.y + a.z * b.z;
+    vec3 c = {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+    if (d < -1 + 1e-12) {
+        vec3 n = fabs(a.x) < 0.6 ? (vec3){0, a.z, -a.y} : (vec3){-a.z, 0, a.x};
+        real length = sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
+        return (quat){n.x / length, n.y / length, n.z / length, 0};
+    }
+    real n = sqrt(c.x * c.x + c.y * c.y + c.z * c.z + (1 + d) * (1 + d));
+    return (quat){c.x / n, c.y / n, c.z / n, (1 + d) / n};
+}
+
+static vec3 direction(lua_State *L, int table, const char *what, const char *field)
+{
+    vec3 v = {0, 1, 0};
+    bind_get_vec3(L, table, what, field, "1", &v);
+    real n = sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
+    if (!(n > 0))
+        bind_error(L, "%s.%s = {0, 0, 0}, must not be zero: it is a direction", what, field);
+    return (vec3){v.x / n, v.y / n, v.z / n};
+}
+
+/* {from =, to =}: directions before and after */
+static quat from_directions(lua_State *L, int table, const char *what)
+{
+    static const char *const names[] = {"from", "to", NULL};
+    bind_check_keys(L, table, what, NULL, names);
+    vec3 from = direction(L, table, what, "from");
+    return between(from, direction(L, table, what, "to"));
+}
+
+static bool has_field(lua_State *L, int table, const char *name)
+{
+    bool has = lua_getfield(L, table, name) != LUA_TNIL;
+    lua_pop(L, 1);
+    return has;
+}
+
 quat bind_quat(lua_State *L, int index, const char *what, const char *field)
 {
     quat *q = luaL_testudata(L, index, BIND_QUAT);
     if (q)
         return *q;
     if (!lua_istable(L, index))
-        wrong_type(L, index, what, field, "a rotation: digbox.quat{axis=, angle=} or {x, y, z, w}");
+        wrong_type(L, index, what, field, "a rotation: {axis=, angle=}, {from=, to=} or {x, y, z, w}");
     index = lua_absindex(L, index);
     push_path(L, what, field);
     const char *path = lua_tostring(L, -1);
     if (lua_rawlen(L, index) == 0) {
-        quat turned = from_axis_angle(L, index, path);
+        bool pointed = has_field(L, index, "from") || has_field(L, index, "to");
+        quat turned = pointed ? from_directions(L, index, path) : from_axis_angle(L, index, path);
         lua_pop(L, 1);
         return turned;
     }

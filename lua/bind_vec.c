@@ -182,40 +182,9 @@ static int vec_component(lua_State *L)
 
 /* ---- rotations ------------------------------------------------------------------- */
 
-/* The shortest turn from one direction to another: q ~ (a x b, 1 + a.b). Opposite ones turn about any normal. */
-static quat between(vec3 a, vec3 b)
-{
-    real d = a.x * b.x + a.y * b.y + a.z * b.z;
-    if (d < -1 + 1e-12) {
-        vec3 n = cross(a, fabs(a.x) < 0.6 ? (vec3){1, 0, 0} : (vec3){0, 1, 0});
-        real length = length_of(n);
-        return (quat){n.x / length, n.y / length, n.z / length, 0};
-    }
-    vec3 c = cross(a, b);
-    real n = sqrt(c.x * c.x + c.y * c.y + c.z * c.z + (1 + d) * (1 + d));
-    return (quat){c.x / n, c.y / n, c.z / n, (1 + d) / n};
-}
-
-static vec3 direction(lua_State *L, const char *field)
-{
-    vec3 v = {0, 1, 0};
-    bind_get_vec3(L, 1, "digbox.quat", field, "1", &v);
-    real n = length_of(v);
-    if (!(n > 0))
-        bind_error(L, "digbox.quat.%s = {0, 0, 0}, must not be zero: it is a direction", field);
-    return (vec3){v.x / n, v.y / n, v.z / n};
-}
-
 /* digbox.quat{axis=, angle=} | {from=, to=} | {x, y, z, w} -> rotation */
 static int quat_new(lua_State *L)
 {
-    if (lua_istable(L, 1) && (lua_getfield(L, 1, "from") != LUA_TNIL || lua_getfield(L, 1, "to") != LUA_TNIL)) {
-        static const char *const names[] = {"from", "to", NULL};
-        bind_check_keys(L, 1, "digbox.quat", NULL, names);
-        vec3 from = direction(L, "from");
-        bind_push_quat(L, between(from, direction(L, "to")));
-        return 1;
-    }
     bind_push_quat(L, bind_quat(L, 1, "digbox.quat", NULL));
     return 1;
 }

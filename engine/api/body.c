@@ -297,6 +297,8 @@ static dig_status do_teleport(World *w, dig_body handle, const vec3 *at, const q
         DIG_TRY(api_within(w, *velocity, WORLD_FAST, "teleport", "velocity", "m/s"));
     if (spin)
         DIG_TRY(api_within(w, *spin, WORLD_FAST, "teleport", "spin", "rad/s"));
+    if (spin && vec3_length2(*spin) > 0 && !body_turns(b))
+        return world_fail(w, DIG_E_ARG, "teleport: %s was made with turns = false and takes no spin", BODY_TEXT(w, b));
     DIG_TRY(check_rotation(w, rotation, "teleport"));
     real before = body_energy(w, b) + api_body_springs(w, handle.slot) + (w->ledger.started ? api_effects_stored(w) : 0);
     touches_wake(w, handle.slot);
@@ -377,11 +379,11 @@ dig_status dig_body_move_to(dig_world *w, dig_body handle, vec3 at, const quat *
 static dig_status do_set_velocity(World *w, dig_body handle, vec3 velocity, vec3 spin)
 {
     dig_status s;
-    Body *b = kinematic(w, handle, "set_velocity", &s);
+    Body *b = kinematic(w, handle, "drive", &s);
     if (!b)
         return s;
-    DIG_TRY(api_within(w, velocity, WORLD_FAST, "set_velocity", "velocity", "m/s"));
-    DIG_TRY(api_within(w, spin, WORLD_FAST, "set_velocity", "spin", "rad/s"));
+    DIG_TRY(api_within(w, velocity, WORLD_FAST, "drive", "velocity", "m/s"));
+    DIG_TRY(api_within(w, spin, WORLD_FAST, "drive", "spin", "rad/s"));
     b->v = velocity;
     b->w = spin;
     b->move_end = b->move_start - 1;

@@ -164,6 +164,7 @@ dig_status dig_body_param(const dig_world *w, dig_body handle, const char *name,
     def.kinematic = b->kind == DIG_KINEMATIC;
     def.gravity_scale = b->gravity_scale;
     def.collides = b->collides;
+    def.turns = body_turns(b);
     def.group = b->group;
     def.integrator = b->integrator;
     def.colour = b->colour.x >= 0 ? b->colour : w->materials.data[s.material].def.colour;

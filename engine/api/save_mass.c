@@ -38,6 +38,9 @@ static bool solids_weigh(const World *w, const Body *b, real *least)
 static bool inertia_is_possible(const Body *b, real least)
 {
     mat3 i = b->inertia;
+    if (!body_turns(b))
+        return b->round_inertia && vec3_equal(i.r0, (vec3){i.r0.x, 0, 0}) && vec3_equal(i.r1, (vec3){0, i.r0.x, 0}) &&
+               vec3_equal(i.r2, (vec3){0, 0, i.r0.x}) && i.r0.x <= 1e10 * b->mass * b->outer * b->outer;
     real trace = i.r0.x + i.r1.y + i.r2.z, slack = 1e-9 * trace;
     if (!(trace > 0 && trace <= 2 * b->mass * b->outer * b->outer * (1 + 1e-9)))
         return false;

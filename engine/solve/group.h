@@ -239,6 +239,7 @@ struct Group {
     Strike   *strikes;      int strike_count, strike_capacity;
 
     real      t, h;             /* s   since the start of the step, this substep */
+    bool      jammed;           /*     what heals contradicts itself: for the rest of the step it heals in place, as far as it goes */
     real      heal_over;        /* s   so long overlaps heal in this substep: one cut short by an impact heals as the whole did in which that was found */
     real      lifted;           /* J   against forces, by healing in this substep */
     real      touch;            /* m   gap at which contacts count as touching, per metre of size */
@@ -374,6 +375,9 @@ void group_turn_joints(Group *g, const Vel *found);     /* for the velocities at
                                                          * did before, or by the velocities found; [body_count] */
 /* Will the velocities found open a joint? What is thin and turns far in a substep swings its ends off the line that they hold for. */
 bool group_joints_open(const Group *g);
+real group_heal(Group *g);                 /* has the rows take position errors off; returns the fastest, m/s */
+bool group_jams(const Group *g, real heals);            /* could the rows not do both what holds and that? */
+void group_unwind(Group *g);               /* all rows begin without an impulse */
 bool group_joints_gape(const Group *g);     /* is one open as its present rows say, so that it could be seen? */
 void group_clean_joints(Group *g);
 void joint_row_warm(Group *g, JointRow *r);

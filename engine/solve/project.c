@@ -152,7 +152,7 @@ void project(Group *g)
     swap_velocities(g);
     start_shift(g, saved, kept, deep);
     int sweeps = (int)real_clamp(20000.0 / (g->point_count + g->row_count + 1), 3, 100);
-    bool done = g->joints_direct && direct_project(g);
+    bool done = g->joints_direct && !g->jammed && direct_project(g);
     for (int i = 0; i < sweeps && !done; i++) {
         real worst = relax_joints(g);
         worst = real_max(worst, relax_points(g, 0, g->point_count));

@@ -473,30 +473,6 @@ static void relax_group(Group *g)
     g->residual = real_max(g->residual, worst);
 }
 
-/* Part of a position error that velocities take off in a substep, and the most, m/s and rad/s. */
-#define HEAL_PART 0.2
-#define HEAL_SPEED 3.0
-#define HEAL_SPIN 20.0
-
-static real heal_rate(const Group *g, real error, real most) { return real_clamp(HEAL_PART * error / g->heal_over, -most, most); }
-
-/* Where joints are solved with their contacts, position errors heal by velocities: a body moved by itself would pull at joints
- * so stiff that it is thrown back. */
-static void heal(Group *g)
-{
-    for (int i = 0; i < g->row_count; i++) {
-        JointRow *r = &g->rows[i];
-        if (r->row.kind == ROW_HARD || (r->row.kind == ROW_LIMIT && r->row.error < 0))
-            r->bias -= heal_rate(g, r->row.error, r->row.angular ? HEAL_SPIN : HEAL_SPEED);
-    }
-    for (int i = 0; i < g->point_count; i++) {
-        PointRow *r = &g->points[i];
-        real gap = g->contacts[r->contact].manifold.points[r->point].gap;
-        if (gap < 0)
-            r->target = real_max(r->target, heal_rate(g, -gap, HEAL_SPEED));
-    }
-}
-
 /* Does something close in this substep that was open? Then bodies will not turn on as they did. */
 static bool blow_comes(const Group *g)
 {
@@ -530,16 +506,25 @@ static dig_status solve_with(Group *g, const Vel *found)
         group_build_joints(g, false);       /* who moves with the new velocity needs rows for it, not for the mean */
     if (turns_on(g) && (found || !blow_comes(g)))
         group_turn_joints(g, found);        /* a turn straight on from where they are would stretch what bends */
-    if (g->joints_direct)
-        heal(g);
-    else
+    real heals = g->joints_direct && !g->jammed ? group_heal(g) : 0, before = g->residual;
+    if (!g->joints_direct || g->jammed)
         project(g);
+    if (g->jammed)
+        group_unwind(g);
     if (g->joints_direct)
         bounce(g);
     DIG_TRY(start_from_guess(g));
     if (!g->joints_direct)
         bounce(g);
+    g->residual = 0;
     relax_group(g);
+    if (group_jams(g, heals)) {
+        g->jammed = true;
+        g->residual = before;
+        restore(g);
+        return solve_with(g, found);
+    }
+    g->residual = real_max(g->residual, before);
     for (int i = 0; i < g->point_count; i++)
         g->points[i].jn += g->points[i].blow;
     mark_constrained(g);

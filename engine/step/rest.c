@@ -102,6 +102,19 @@ static real settle(World *w, uint32_t slot, real dt, Anchor *known)
     return 0;
 }
 
+static bool is_on_its_way(const Body *b) { return b->kind == DIG_KINEMATIC && (vec3_length2(b->v) > 0 || vec3_length2(b->w) > 0); }
+
+/* By a joint: asleep, it would stay behind, for nothing tells it. */
+static bool is_towed(const World *w, uint32_t slot)
+{
+    for (uint32_t j = w->bodies.data[slot].joint_first; j != NONE; j = joint_next(w, j, slot)) {
+        uint32_t other = w->joints.data[j].a == slot ? w->joints.data[j].b : w->joints.data[j].a;
+        if (other != NONE && is_on_its_way(&w->bodies.data[other]))
+            return true;
+    }
+    return false;
+}
+
 /* Would the mover wake it at once? (groups.c) */
 static bool is_carried(const World *w, const Body *b)
 {
@@ -110,14 +123,13 @@ static bool is_carried(const World *w, const Body *b)
             const Pair *p = &w->pairs.data[l / 2];
             const Solid *other = &w->solids.data[l % 2 ? p->solid_a : p->solid_b];
             const Body *o = other->body == NONE ? NULL : &w->bodies.data[other->body];
-            if (o && o->kind == DIG_KINEMATIC && (vec3_length2(o->v) > 0 || vec3_length2(o->w) > 0) &&
-                box3_overlap(w->solids.data[s].reach, other->reach))
+            if (o && is_on_its_way(o) && box3_overlap(w->solids.data[s].reach, other->reach))
                 return true;
         }
     return false;
 }
 
-/* A member that a mover carries, or that nothing holds, keeps its DIG awake. */
+/* A member that a mover carries or tows, or that nothing holds, keeps its DIG awake. */
 static bool may_sleep(const World *w, uint32_t lead)
 {
     for (uint32_t m = lead; m != NONE; m = graph_next(w->graph, m))      /* mostly one of them says no at once */
@@ -125,8 +137,7 @@ static bool may_sleep(const World *w, uint32_t lead)
             return false;
     Anchor known = {NONE, false};
     for (uint32_t m = lead; m != NONE; m = graph_next(w->graph, m)) {
-        const Body *b = &w->bodies.data[m];
-        if (!is_held(w, m, &known) || is_carried(w, b))
+        if (!is_held(w, m, &known) || is_carried(w, &w->bodies.data[m]) || is_towed(w, m))
             return false;
     }
     return true;

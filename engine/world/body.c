@@ -1,5 +1,6 @@
 /* world/body.c - bodies and their solids: creation, removal, mass, boxes, waking. */
 #include "world/world.h"
+#include "world/joint.h"
 #include "world/region.h"
 
 #include "geom/mass.h"
@@ -168,6 +169,22 @@ static dig_status set_mass_from_shapes(World *w, Body *b, const dig_body_def *de
     return DIG_OK;
 }
 
+/* What does not turn has so much inertia, that of all its mass at its farthest point, that no force it could bear turns it by anything
+ * that shows: all ways to advance it take that as they take any inertia. */
+#define UNTURNED 1e9
+
+static void keep_from_turning(Body *b)
+{
+    b->inertia = mat3_diagonal(vec3_scale(UNTURNED * b->mass * b->outer * b->outer, (vec3){1, 1, 1}));
+    b->inv_inertia = mat3_inverse(b->inertia);
+    b->round_inertia = true;
+}
+
+bool body_turns(const Body *b)
+{
+    return b->kind != DIG_DYNAMIC || b->inertia.r0.x < 0.5 * UNTURNED * b->mass * b->outer * b->outer;
+}
+
 /* ---- creation ---- */
 
 static bool is_share(real x) { return isnan(x) || (x >= 0 && isfinite(x)); }
@@ -191,6 +208,8 @@ static dig_status check_def(const World *w, const dig_body_def *def)
         return world_fail(w, DIG_E_ARG, "%s: fixed and kinematic exclude each other", name);
     if (!vec3_finite(def->at) || !vec3_finite(def->velocity) || !vec3_finite(def->spin) || !quat_finite(def->rotation))
         return world_fail(w, DIG_E_ARG, "%s: at, rotation, velocity and spin must be finite", name);
+    if (!def->turns && vec3_length2(def->spin) > 0)
+        return world_fail(w, DIG_E_ARG, "%s: turns = false and a spin exclude each other", name);
     if (!isnan(def->mass) && !(def->mass > 0 && isfinite(def->mass)))
         return world_fail(w, DIG_E_ARG, "%s: mass = %g kg, must be > 0%s", name, def->mass,
                           def->mass == 0 ? " (a body without mass is fixed = true or kinematic = true)" : "");
@@ -318,6 +337,8 @@ static dig_status finish_body(World *w, uint32_t slot, const dig_body_def *def, 
     DIG_TRY(attach_solids(w, slot, def, shapes, materials));
     b = &w->bodies.data[slot];
     b->outer = outer_radius(w, b);
+    if (b->kind == DIG_DYNAMIC && !def->turns)
+        keep_from_turning(b);
     DIG_TRY(list_reserve(&w->awake, w->bodies.capacity, &w->allocations));
     while (w->parent.count < w->bodies.capacity) {
         DIG_TRY(list_push(&w->parent, &w->allocations));
@@ -442,6 +463,12 @@ void touches_wake(World *w, uint32_t slot)
             if (p->touching && other != NONE)
                 body_wake(w, other);
         }
+    for (uint32_t j = w->bodies.data[slot].joint_first; j != NONE; j = joint_next(w, j, slot)) {
+        const JointRec *r = &w->joints.data[j];
+        uint32_t other = r->a == slot ? r->b : r->a;
+        if (other != NONE)
+            body_wake(w, other);
+    }
 }
 
 /* Wakes what touches the body, and drops its touches and links. */

@@ -407,6 +407,7 @@ static inline void body_travels(Body *b, vec3 x, quat q)
 
 /* 1  Where time goes r times as fast, motion is r times as fast, under the same forces and with the same energy: against the
  * forces of the world's time, mass and inertia are 1/r^2 of what they are. (Weight is not: it is a force.) */
+bool       body_turns(const Body *b);                   /* does it have no more inertia than its shapes can? */
 static inline real body_inertness(const Body *b) { return 1 / (b->rate * b->rate); }
 
 /* Takes a free slot of a list or adds one. */
@@ -437,7 +438,7 @@ void       body_disable(World *w, uint32_t slot);       /* it stands where it is
 void       body_wake(World *w, uint32_t slot);          /* its whole DIG */
 void       world_wake_all(World *w);
 void       body_list(World *w, uint32_t slot);          /* into world->awake; there is always room */
-void       touches_wake(World *w, uint32_t slot);       /* all that touches the body */
+void       touches_wake(World *w, uint32_t slot);       /* all that touches the body or is joined to it */
 void       body_set_mass(Body *b, real mass);
 void       body_refit(World *w, uint32_t slot);         /* its solids' boxes in the tree */
 /* Where its body's centre of mass is, from the shape and from the body. */

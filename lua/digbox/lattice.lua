@@ -72,6 +72,7 @@ local function add_node(world, self, rest, at, mass, fixed, i, j, k)
   for name, v in next, rest do fields[name] = v end
   fields.name, fields.at, fields.mass, fields.radius = ("%s %s"):format(self.name, key(i, j, k)), at, mass, self.radius
   fields.fixed, fields.group = fixed or nil, self.group
+  if fields.turns == nil then fields.turns = false end   -- its struts would not keep it from rolling as the ball of a bearing does
   local body = world:ball(fields)
   self.node[key(i, j, k)] = body
   self.bodies[#self.bodies + 1] = body

@@ -1,7 +1,7 @@
 -- digbox/rope.lua - world:rope: without segments a joint of the engine, with segments a chain of rods that has mass.
 
 local core = ...
-local ipairs, math = ipairs, math
+local next, type, ipairs, math = next, type, ipairs, math
 
 local soft = core.soft
 local methods = core.types.world.methods
@@ -140,10 +140,21 @@ function rope_methods.remove(rope)
   end
 end
 
--- world:rope{a=, b=, length=}: ends never farther apart than length, without mass.
+-- The joint knows its ends by at_a and at_b; its own at is where it ends in the world.
+local function plain(world, fields)
+  if type(fields) ~= "table" or (rawget(fields, "to") == nil and rawget(fields, "b") == nil) then return engine_rope(world, fields) end
+  local own = {}
+  for k, v in next, fields do own[k] = v end
+  if own.to ~= nil and own.at_b ~= nil then core.fail "world:rope: give either to or at_b" end
+  local ends = core.check({ at = own.at, to = own.to }, "world:rope", rope_fields)         -- what is wrong has the name it was given
+  own.at, own.to, own.at_a, own.at_b = nil, nil, own.at_a or ends.at, own.at_b or ends.to
+  return engine_rope(world, own)
+end
+
+-- world:rope{a=, b= or to=, length=}: ends never farther apart than length, without mass.
 -- world:rope{a= or at=, b= or to=, length=, segments=, radius=} -> rope: a chain of rods
 function methods.rope(world, fields)
-  if type(fields) ~= "table" or rawget(fields, "segments") == nil then return engine_rope(world, fields) end
+  if type(fields) ~= "table" or rawget(fields, "segments") == nil then return plain(world, fields) end
   local own, rest = soft.split("world:rope", fields, rope_fields, taken)
   local from, to = ends_of(own)
   local apart = #(to - from)

@@ -174,6 +174,18 @@ scenario("a rope of segments begins and ends at points of the world where no bod
   expect(function() world:rope { at = { 1, 3, 0 }, segments = 4 } end):fails "wants b, or to"
 end)
 
+scenario("a plain rope begins at `at` and ends at `to`, as one of segments does", function(s)
+  local world = s.world
+  local a, b = world:box { size = 1, at = { 0, 3, 0 } }, world:box { size = 1, at = { 2, 3, 0 } }
+  local function length(fields) return world:rope(fields).length end
+  expect(length { a = a, to = { 0, 5, 0 } }):near(2, 1e-12)
+  expect(length { a = a, at = { 0, 3.5, 0 }, to = { 0, 5, 0 } }):near(1.5, 1e-12)
+  expect(length { a = a, b = b, at = { 0, 3.5, 0 }, to = { 2, 3.5, 0 } }):near(2, 1e-12)
+  expect(length { a = a, b = b, at = { 0, 3.5, 0 } }):near(math.sqrt(4.25), 1e-12)
+  expect(length { a = a, at = { 0, 5, 0 } }):near(2, 1e-12)
+  expect(expect(function() world:rope { a = a, to = { 0, 5, 0 }, at_b = { 0, 6, 0 } } end):fails()):contains "either to or at_b"
+end)
+
 scenario("a rope of segments ends at a point of the world as the plain one does, and is asked as a joint is", function(s)
   local world = s.world
   local ball = world:ball { radius = 0.1, mass = 2, at = { 0, 1, 0 }, name = "bob" }

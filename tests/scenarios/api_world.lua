@@ -35,6 +35,17 @@ scenario("rotations turn vectors", function()
   expect(digbox.quat { from = { 0, 1, 0 }, to = { 0, -1, 0 } }:rotate { 0, 1, 0 }):near({ 0, -1, 0 }, 1e-14)
 end)
 
+scenario("a body's rotation is given as digbox.quat takes it", function(s)
+  local world = s.world
+  local rod = world:cylinder { radius = 0.1, height = 1, rotation = { from = { 0, 1, 0 }, to = { 3, 0, 4 } } }
+  expect(rod.rotation * digbox.vec(0, 1, 0)):near({ 0.6, 0, 0.8 }, 1e-14)
+  expect(world:box { size = 1, rotation = { to = { 0, -1, 0 } } }.rotation * digbox.vec(0, 1, 0)):near({ 0, -1, 0 }, 1e-14)
+  expect(expect(function() world:box { size = 1, rotation = { form = { 0, 1, 0 } } } end):fails()):contains "did you mean 'from'"
+  local mixed = expect(function() world:box { size = 1, rotation = { from = { 0, 1, 0 }, angle = 1 } } end):fails()
+  expect(mixed):contains "unknown field 'angle'"
+  expect(expect(function() world:box { size = 1, rotation = { to = { 0, 0, 0 } } } end):fails()):contains "rotation.to = {0, 0, 0}"
+end)
+
 scenario("time is a count of steps", function(s)
   local world = s:world { step = 0.01 }
   for _ = 1, 7 do world:step() end

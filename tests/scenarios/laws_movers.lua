@@ -64,10 +64,34 @@ scenario("mover: a ball bounces off a wall that comes towards it with e of the r
   expect(wall.position.x):near(3 - 1.5, 1e-9)
 end)
 
+-- What sleeps is told by its joints, too: nothing else tells it that the hook goes.
+for _, way in ipairs { "drive", "move_to", "teleport", "slow" } do
+  for _, joint in ipairs { "rope", "distance", "spring", "hinge", "weld", "ball_joint", "slider" } do
+    scenario(("mover: what sleeps at its %s comes along (%s)"):format(joint, way), function(s)
+      local world = s:world { gravity = { 0, -9.81, 0 } }
+      world:floor {}
+      local hook = world:box { kinematic = true, size = 0.1, at = { 0, 0.05, 0 } }
+      local load = world:box { size = 0.1, mass = 1, at = { 0.3, 0.05, 0 }, friction = 0.3 }
+      local held = world[joint](world, { a = load, b = hook, stiffness = joint == "spring" and 1e4 or nil,
+        axis = (joint == "hinge" or joint == "slider") and { 0, 1, 0 } or nil })
+      world:run(2)
+      expect(load.asleep):is(true)
+      if way == "move_to" then hook:move_to { at = { -0.2, 0.05, 0 }, over = 1 }
+      elseif way == "teleport" then hook:teleport { at = { -0.01, 0.05, 0 } }
+      else hook:drive { velocity = { way == "slow" and -1e-3 or -0.2, 0, 0 } } end
+      world:run(way == "slow" and 3 or 1)
+      local gone = way == "teleport" and 0.01 or way == "slow" and 0.003 or 0.2
+      expect(load.at.x):near(0.3 - gone, joint == "spring" and 1e-3 or 1e-4)
+      if joint ~= "spring" then expect(held.error):below "0.1 mm" end
+      expect(world.energy.numerical):near(0, 0.01)
+    end)
+  end
+end
+
 scenario("only what is kinematic can be driven", function(s)
   local ball = s.world:ball { radius = 0.1 }
   expect(function() ball:move_to { at = { 1, 0, 0 }, over = 1 } end):fails()
-  expect(function() ball:drive { velocity = { 1, 0, 0 } } end):fails()
+  expect(expect(function() ball:drive { velocity = { 1, 0, 0 } } end):fails()):contains "drive: body #"
 end)
 
 -- A world with a bit of everything: a stack, a pendulum, a rolling ball, a push under way

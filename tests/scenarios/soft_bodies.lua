@@ -1,4 +1,5 @@
 -- soft_bodies.lua: cloth, ropes and lattices made of particles; a table with a sawn leg; the graph inside a body.
+local digbox = require "digbox"
 local test = require "digbox.test"
 local scenario, expect = test.scenario, test.expect
 
@@ -246,4 +247,48 @@ scenario("what is wrong with a soft thing is said in its words, and nothing is l
       expect(pcall(act)):is(false)
     end
   end
+end)
+
+-- Their particles are balls to what they touch, and would carry them as the balls of a bearing do.
+for _, what in ipairs { "lattice", "cloth" } do
+  scenario(("a %s that slides on a floor stops after v^2 / 2 mu g and falls asleep"):format(what), function(s)
+    local world = s:world { gravity = { 0, -g, 0 } }
+    world:floor { friction = 0.5 }
+    local thing = what == "lattice" and world:lattice { size = 0.4, mass = 4, friction = 0.5, at = { 0, 0.25, 0 }, stiffness = 20000 }
+      or world:cloth { at = { 0, 0.03, 0 }, across = { 0.6, 0, 0 }, down = { 0, 0, 0.6 }, columns = 6, rows = 6, mass = 1, friction = 0.5,
+        stiffness = 2000, pins = "none" }
+    world:run(0.5)
+    local from = thing.position.x
+    for _, b in ipairs(thing.bodies) do b:teleport { velocity = { 2, 0, 0 } } end
+    world:run(2)
+    expect(thing.position.x - from):near(2 ^ 2 / (2 * 0.5 * g), 0.02)
+    for _, b in ipairs(thing.bodies) do
+      expect(b.asleep):is(true)
+      expect(b.spin):is(digbox.vec(0, 0, 0))
+    end
+  end)
+end
+
+scenario("a ball that does not turn slides as a box does, pushes beside its centre or not, and is kept in a file", function(s)
+  local world = s:world { gravity = { 0, -g, 0 } }
+  world:floor { friction = 0.5 }
+  local ball = world:ball { name = "ball", radius = 0.1, mass = 1, friction = 0.5, at = { 0, 0.1, 0 }, velocity = { 2, 0, 0 },
+    turns = false }
+  local free = world:ball { radius = 0.1, mass = 1, friction = 0.5, at = { 0, 0.1, 1 }, velocity = { 2, 0, 0 } }
+  expect(ball.turns):is(false)
+  expect(free.turns):is(true)
+  expect(expect(function() ball:teleport { spin = { 0, 1, 0 } } end):fails()):contains "turns = false"
+  expect(expect(function() world:ball { radius = 1, spin = { 0, 1, 0 }, turns = false } end):fails()):contains "turns = false"
+  world:save "still.save"
+  world:run(2)
+  expect(ball.at.x):near(2 ^ 2 / (2 * 0.5 * g), 1e-6)
+  expect(free.speed):near(2 * 5 / 7, 1e-6)
+  ball:hit { impulse = { 0, 0, 1 }, at = ball.at + digbox.vec(0.1, 0, 0) }
+  world:run(0.1)
+  expect(ball.velocity.z):near(1 - 0.5 * g * 0.1, 1e-6)
+  expect(ball.rotation.angle):below(1e-6)
+  local again = digbox.load "still.save"
+  again:run(2)
+  expect(again:find "ball".turns):is(false)
+  expect(again:find "ball".at.x):near(2 ^ 2 / (2 * 0.5 * g), 1e-6)
 end)

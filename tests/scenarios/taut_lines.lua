@@ -1,4 +1,5 @@
 -- Light things that are taut between heavy or fixed ones: ropes of cranes, straight bridges, nets.
+local digbox = require "digbox"
 local test = require "digbox.test"
 local scenario, expect = test.scenario, test.expect
 
@@ -220,3 +221,35 @@ scenario("a tank of 300 kg drives on two tracks of 36 plates", function(s)
   expect(world.energy.numerical):near(0, 100)         -- of 3.6 kJ
   s:expect_reliable()
 end)
+
+-- ---- what cannot be: rings that are too tight ----
+
+-- The plates' inner faces lie within the drum by so much, and their hinges would have to open for them to come out.
+for _, ring in ipairs { { 6, "1 mm", true }, { 6, "1 mm" }, { 12, "0.1 mm" }, { 12, "1 mm", true }, { 12, "1 mm" }, { 24, "0.1 mm" } } do
+  local n, over, fixed = ring[1], digbox.quantity(ring[2], "m"), ring[3]
+  local drum_is = fixed and "a fixed drum" or "a drum"
+  scenario(("a ring of %d hinged plates that is %s too tight for %s stays on it"):format(n, ring[2], drum_is), function(s)
+    local world = s:world { gravity = { 0, -g, 0 } }
+    local drum = world:cylinder { radius = 0.3, height = 0.5, fixed = fixed, mass = not fixed and 10 or nil, friction = 0.5,
+                                  rotation = { from = { 0, 1, 0 }, to = { 0, 0, 1 } } }
+    if not fixed then world:hinge { a = drum, at = { 0, 0, 0 }, axis = { 0, 0, 1 } } end
+    local half, mid, plates, joints = math.pi / n, 0.31 - over, {}, {}
+    local function at(angle, r) return { r * math.cos(angle), r * math.sin(angle), 0 } end
+    for i = 1, n do
+      plates[i] = world:box { size = { 0.02, 1.9 * mid * math.tan(half), 0.4 }, mass = 0.4, friction = 0.8, group = -1,
+                              at = at(2 * half * i, mid), rotation = { axis = { 0, 0, 1 }, angle = 2 * half * i } }
+    end
+    for i = 1, n do
+      joints[i] = world:hinge { a = plates[i], b = plates[i % n + 1], axis = { 0, 0, 1 },
+                                at = at(2 * half * i + half, mid / math.cos(half)) }
+    end
+    local apart, fast = 0, 0
+    for _ = 1, 120 do
+      world:step()
+      for i = 1, n do apart, fast = math.max(apart, joints[i].error), math.max(fast, plates[i].speed) end
+    end
+    expect(apart):below(1.5 * over)
+    expect(fast):below "5 cm/s"
+    expect(world.energy.numerical):near(0, 1)
+  end)
+end
