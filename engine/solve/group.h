@@ -322,7 +322,7 @@ static inline pose group_shape_pose(const Group *g, int body, pose local)
 }
 mat3       group_inverse_inertia(const Group *g, int body);     /* in world axes, now */
 void       group_refresh_mass(Group *g, int body);      /* keeps it */
-void       group_joint_view(Group *g, int joint);       /* its ends from the present positions and velocities */
+void       group_joint_view(Group *g, int joint);       /* its ends and those of joints that it couples, from the present positions and velocities */
 real       group_spring_energy(const GroupJoint *j);        /* J  as it was viewed last */
 real       group_row_driven(const Group *g, const Row *r);      /* m/s or rad/s  of its rate, what kinematic ends do */
 void       group_joint_move(Group *g, int joint);       /* once viewed: those of its ends that can move, again */
@@ -377,6 +377,7 @@ void group_turn_joints(Group *g, const Vel *found);     /* for the velocities at
 bool group_joints_open(const Group *g);
 real group_heal(Group *g);                 /* has the rows take position errors off; returns the fastest, m/s */
 bool group_jams(const Group *g, real heals);            /* could the rows not do both what holds and that? */
+bool group_throws(const Group *g, real heals);          /* do limbs whirl that are wedged near their joints? */
 void group_unwind(Group *g);               /* all rows begin without an impulse */
 bool group_joints_gape(const Group *g);     /* is one open as its present rows say, so that it could be seen? */
 void group_clean_joints(Group *g);

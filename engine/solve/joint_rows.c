@@ -25,13 +25,23 @@ static void set_end(const Group *g, JointEnd *e, int body, vec3 anchor, quat fra
         joint_end_set(e, g->pos[body].x, g->pos[body].q, g->vel[body].v, g->vel[body].w, anchor, frame);
 }
 
+static void set_ends(const Group *g, GroupJoint *j)
+{
+    set_end(g, &j->view.a, j->a, j->ra, j->fa);
+    set_end(g, &j->view.b, j->b, j->rb, j->fb);
+}
+
+/* Who asks for a gear alone is to find its hinges where they are, too: it may come before them. */
 void group_joint_view(Group *g, int joint)
 {
     GroupJoint *j = &g->joints[joint];
-    set_end(g, &j->view.a, j->a, j->ra, j->fa);
-    set_end(g, &j->view.b, j->b, j->rb, j->fb);
-    for (int k = 0; k < 2; k++)
-        j->view.other[k] = j->other[k] < 0 ? NULL : &g->joints[j->other[k]].view;
+    set_ends(g, j);
+    for (int k = 0; k < 2; k++) {
+        GroupJoint *other = j->other[k] < 0 ? NULL : &g->joints[j->other[k]];
+        j->view.other[k] = other ? &other->view : NULL;
+        if (other)
+            set_ends(g, other);
+    }
 }
 
 void group_joint_move(Group *g, int joint)

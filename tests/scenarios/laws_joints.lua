@@ -354,6 +354,22 @@ scenario("a joint that begins beyond its stop is led back to it, with nothing th
   expect(turned.a.speed):below(1e-6)
 end)
 
+scenario("boxes fall on a train of gears, and it runs on", function(s)
+  local world = s.world
+  world:floor {}
+  local hinges = {}
+  for i = 1, 3 do
+    local wheel = world:cylinder { name = "wheel " .. i, radius = 0.2, height = 0.1, at = { 0.41 * i, 0.6, 0 },
+      rotation = { axis = { 1, 0, 0 }, angle = "90 deg" } }
+    hinges[i] = world:hinge { a = wheel, at = wheel.position, axis = { 0, 0, 1 } }
+    if i > 1 then world:gear { a = hinges[i - 1], b = hinges[i], ratio = { 1, -1 } } end
+  end
+  for i = 1, 30 do world:box { size = 0.1, mass = 1, at = { 0.2 * i, 1 + 0.05 * i, 0 } } end
+  world:run "2 s"
+  for i = 2, 3 do expect(hinges[i].angle):near((-1) ^ (i - 1) * hinges[1].angle, 1e-3) end
+  s:expect_reliable()
+end)
+
 -- Springs that are gentle for the step are swept, stiff ones are solved with the contacts at once: both bear what touches.
 for _, stiffness in ipairs { 1000, 1e6 } do
   scenario(("a box lies on a plate that hangs on eight springs of %g N/m"):format(stiffness), function(s)
