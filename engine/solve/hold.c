@@ -1,13 +1,14 @@
-/* solve/hold.c - mechanisms that hang on what stands gain no energy but what forces give, whatever a solve leaves undone.
+/* solve/hold.c - mechanisms gain no energy but what forces give, whatever a solve leaves undone or heals.
  *
  * Joints do no work but for what a solve leaves of their errors. Where a mechanism can hardly move, that counts. A bridge as long as
  * the gap it spans pulls like a string drawn straight: 1e-11 m at each of its forty joints is a joule in every millisecond, and 1e-7 m,
  * as a blow leaves them and healing takes back, is as much as a ton falls by in a metre. What a substep has gained is taken out of the
- * velocities, all by the same share: they obey joints and contacts as before. Mechanisms that hang on nothing are left as they are, for
- * they have momenta to keep; so are those with springs, motors or movers, whose joints do work.
+ * velocities, all by the same share: they obey joints and contacts as before. What hangs on nothing has momenta to keep, and gives it out of
+ * how its parts move against each other. Those with springs, motors or movers are left as they are: their joints do work.
  */
 #include "base/forest.h"
 #include "solve/group.h"
+#include "solve/momentum.h"
 
 #define HIDDEN 1e-10            /* of the energies in the sum: less is what a solve may leave  */
 #define GENTLE 0.1              /* of the kinetic energy: more is not given back               */
@@ -81,29 +82,59 @@ static real kinetic_of(const Member *m, quat q, Vel v)
     return 0.5 * m->mass * vec3_length2(v.v) + 0.5 * vec3_dot(w, mat3_mul_vec(m->inertia, w));
 }
 
-/* J  Taken out of it. */
-static real hold(const Held *h, int root, bool both)
+typedef struct Gain { real gain, scale, kinetic; bool twisted; } Gain;      /* J, but for the work of forces; twisted: by torques, too */
+
+static Gain gain_of(const Held *h, int root)
 {
-    Group *g = h->g;
-    real gain = 0, scale = 0, kinetic = 0;
+    const Group *g = h->g;
+    Gain e = {0, 0, 0, false};
     for (int i = root; i < g->moving_count; i++) {
         const Member *m = &g->member[i];
         if (!m->moves || h->root[i] != root)
             continue;
-        if (vec3_length2(m->torque) > 0)
-            return 0;
         real after = kinetic_of(m, g->pos[i].q, g->vel[i]);
-        kinetic += after;
-        gain += after - kinetic_of(m, m->start_pos.q, m->start_vel) - vec3_dot(m->force, vec3_sub(g->pos[i].x, m->start_pos.x));
-        scale += after + vec3_length(m->force) * vec3_length(g->pos[i].x);
+        e.twisted = e.twisted || vec3_length2(m->torque) > 0;
+        e.kinetic += after;
+        e.gain += after - kinetic_of(m, m->start_pos.q, m->start_vel) - vec3_dot(m->force, vec3_sub(g->pos[i].x, m->start_pos.x));
+        e.scale += after + vec3_length(m->force) * vec3_length(g->pos[i].x);
     }
-    if (!(fabs(gain) > HIDDEN * scale) || gain < (both ? -GENTLE * kinetic : 0) || !is_passive(h, root))
+    return e;
+}
+
+/* J  Taken out of it. */
+static real hold(const Held *h, int root, bool both)
+{
+    Group *g = h->g;
+    Gain e = gain_of(h, root);
+    if (e.twisted || !(fabs(e.gain) > HIDDEN * e.scale) || e.gain < (both ? -GENTLE * e.kinetic : 0) || !is_passive(h, root))
         return 0;
-    real share = sqrt(real_max(0, 1 - gain / kinetic));
+    real share = sqrt(real_max(0, 1 - e.gain / e.kinetic));
     for (int i = root; i < g->moving_count; i++)
         if (g->member[i].moves && h->root[i] == root)
             g->vel[i] = (Vel){vec3_scale(share, g->vel[i].v), vec3_scale(share, g->vel[i].w)};
-    return kinetic * (1 - share * share);
+    return e.kinetic * (1 - share * share);
+}
+
+/* J  The same of one that floats: out of how its parts move against each other, for the whole has its momenta to keep. */
+static real hold_floating(const Held *h, int root)
+{
+    Group *g = h->g;
+    Gain e = gain_of(h, root);
+    if (e.twisted || !(e.gain > HIDDEN * e.scale) || !is_passive(h, root))
+        return 0;
+    Rigid r;
+    rigid_motion(g, h->root, root, &r);
+    real inner = e.kinetic - 0.5 * r.mass * vec3_length2(r.v) - 0.5 * vec3_dot(r.w, r.l);
+    if (!(inner > HIDDEN * e.scale))
+        return 0;
+    real share = sqrt(real_max(0, 1 - e.gain / inner));
+    for (int i = root; i < g->moving_count; i++) {
+        if (!g->member[i].moves || h->root[i] != root)
+            continue;
+        vec3 v = vec3_add(r.v, vec3_cross(r.w, vec3_sub(g->pos[i].x, r.at))), w = r.w;
+        g->vel[i] = (Vel){vec3_mad(v, share, vec3_sub(g->vel[i].v, v)), vec3_mad(w, share, vec3_sub(g->vel[i].w, w))};
+    }
+    return inner * (1 - share * share);
 }
 
 dig_status group_hold(Group *g, bool both, real *taken)
@@ -116,8 +147,8 @@ dig_status group_hold(Group *g, bool both, real *taken)
     find(&h);
     *taken = 0;
     for (int i = 0; i < g->moving_count; i++)
-        if (g->member[i].moves && h.root[i] == i && h.held[i] && !h.driven[i])
-            *taken += hold(&h, i, both);
+        if (g->member[i].moves && h.root[i] == i && !h.driven[i])
+            *taken += h.held[i] ? hold(&h, i, both) : both ? 0 : hold_floating(&h, i);
     arena_rewind(g->arena, start);
     return DIG_OK;
 }
