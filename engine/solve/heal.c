@@ -38,6 +38,72 @@ real group_heal(Group *g)
 
 bool group_jams(const Group *g, real heals) { return heals > 0 && g->residual > real_max(JAMMED, JAMMED_PART * heals); }
 
+/* Healing throws things when it makes a body so many times faster than itself, is this part of the energy that is gained, and that is more
+ * than there was: a limb that is wedged near its joint would have to whirl. Where nothing overlaps, joints alone may fling what is light. */
+#define THROWN      2.0
+#define THROWN_PART 0.5
+#define THROWS      0.1         /* m/s  what heals slower throws nothing */
+
+/* m/s  Of any of its points, how much faster the substep has made the body that it has done most to. */
+static real most_thrown(const Group *g)
+{
+    real most = 0;
+    for (int i = 0; i < g->moving_count; i++) {
+        const Member *m = &g->member[i];
+        vec3 spin = vec3_sub(g->vel[i].w, m->start_vel.w);
+        if (m->moves)
+            most = real_max(most, vec3_length(vec3_sub(g->vel[i].v, m->start_vel.v)) +
+                                      (vec3_length2(spin) > 0 ? vec3_length(spin) * m->outer : 0));
+    }
+    return most;
+}
+
+/* J  Of what the last solve's impulses did, what came of speeds that part what overlaps. */
+static real parting_work(const Group *g)
+{
+    real work = 0;
+    for (int i = 0; i < g->point_count; i++)
+        work += 0.5 * g->points[i].jn * real_max(g->points[i].target, 0);
+    return work;
+}
+
+/* J  The same of speeds that close joints. */
+static real closing_work(const Group *g)
+{
+    real work = 0;
+    for (int i = 0; i < g->row_count; i++) {
+        const JointRow *r = &g->rows[i];
+        if (r->row.kind == ROW_HARD || (r->row.kind == ROW_LIMIT && r->row.error < 0))
+            work += 0.5 * fabs(r->p * heal_rate(g, r->row.error, r->row.angular ? HEAL_SPIN : HEAL_SPEED));
+    }
+    return work;
+}
+
+/* J  That all of them got in this substep, but for the work of forces; *before: what they had. */
+static real gain_of(const Group *g, real *before)
+{
+    real gain = *before = 0;
+    for (int i = 0; i < g->moving_count; i++) {
+        const Member *m = &g->member[i];
+        vec3 w = quat_unrotate(m->start_pos.q, m->start_vel.w);
+        if (!m->moves)
+            continue;
+        real had = 0.5 * m->mass * vec3_length2(m->start_vel.v) + 0.5 * vec3_dot(w, mat3_mul_vec(m->inertia, w));
+        gain += group_kinetic_of(g, i) - had - 0.5 * g->h * vec3_dot(m->force, vec3_add(m->start_vel.v, g->vel[i].v));
+        *before += had;
+    }
+    return gain;
+}
+
+bool group_throws(const Group *g, real heals)
+{
+    real thrown = heals > THROWS ? most_thrown(g) : 0, before;
+    if (!(thrown > THROWN * heals))
+        return false;
+    real gain = gain_of(g, &before), parting = parting_work(g), work = parting > 0 ? parting + closing_work(g) : 0;
+    return gain > before && work > THROWN_PART * gain;
+}
+
 /* Impulses that wanted what cannot be have grown from substep to substep, and are no guess. */
 void group_unwind(Group *g)
 {

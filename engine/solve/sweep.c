@@ -518,7 +518,7 @@ static dig_status solve_with(Group *g, const Vel *found)
         bounce(g);
     g->residual = 0;
     relax_group(g);
-    if (group_jams(g, heals)) {
+    if (group_jams(g, heals) || group_throws(g, heals)) {
         g->jammed = true;
         g->residual = before;
         restore(g);
