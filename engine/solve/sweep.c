@@ -462,9 +462,10 @@ static void relax_group(Group *g)
         g->residual = 0;
         relax(g, LAST_SWEEPS, g->plan->residual);
     }
-    if (g->residual > COARSE && !g->stalled) {
+    int more = sweeps_for(g, 10 * g->plan->sweeps) - sweeps;        /* none: what is left of it stays the residual */
+    if (g->residual > COARSE && !g->stalled && more > 0) {
         g->residual = 0;
-        relax(g, sweeps_for(g, 10 * g->plan->sweeps) - sweeps, COARSE);
+        relax(g, more, COARSE);
     }
     g->unsolved = g->residual > COARSE && g->stalled;
     g->contradicts = g->contradicts || g->unsolved;
