@@ -4,6 +4,7 @@
 local test = require "digbox.test"
 local hard = require "hard"
 local random = require "random_world"
+local machines = require "random_machines"
 
 local function expect_held(criteria)
   for _, c in ipairs(criteria) do
@@ -112,4 +113,19 @@ test.scenario("a failing world shrinks to the bodies that matter", function()
   test.expect(#least.bodies):is(1)
   test.expect(#least.joints):is(0)
   test.expect(random.script(least, 2, "a test")):contains "world:run(2)"
+end)
+
+test.scenario("random machines: five seeds for two seconds", function(s)
+  for _, seed in ipairs { 1, 6, 13, 14, 20 } do
+    local row = hard.run(machines.case(machines.world(seed), 2), { clock = s.cpu_seconds, limit = 60 })
+    test.expect(row.error or ""):is ""
+    expect_held(row.criteria)
+    expect_held(row.always)
+  end
+end)
+
+test.scenario("a machine world that fails shrinks to the part that is needed", function()
+  local least = machines.shrink(machines.world(1), function(less) return not less.without[2] end)
+  test.expect(least.without):is { [1] = true, [3] = true, [4] = true, [5] = true }
+  test.expect(machines.script(least, 6, "a test")):contains "seed 1"
 end)

@@ -19,11 +19,14 @@ local function round(x) return tonumber(("%.4g"):format(x)) end
 local function choices(uniform)
   local pick = {}
   function pick.of(list) return list[1 + math.floor(uniform() * #list)] end
+  function pick.int(a, b) return a + math.floor((b - a + 1) * uniform()) end
   function pick.between(a, b) return round(a + (b - a) * uniform()) end
   function pick.decades(a, b) return round(10 ^ (a + (b - a) * uniform())) end
   function pick.vector(size) return { pick.between(-size, size), pick.between(-size, size), pick.between(-size, size) } end
   return pick
 end
+
+function random.dice(seed) return choices(generator(seed)) end
 
 local makers = {
   ball = function(p) return { radius = p.decades(-1.3, -0.35) } end,
@@ -36,7 +39,7 @@ local joints = { "hinge", "ball_joint", "weld", "distance", "spring", "slider" }
 
 -- One world as data: { gravity, walls, bodies = { { shape, fields } }, joints = { { type, i, j, fields } } }; bodies stand apart
 function random.world(seed)
-  local p = choices(generator(seed))
+  local p = random.dice(seed)
   local w = { seed = seed, bodies = {}, joints = {}, gravity = p.of { 9.81, 9.81, 9.81, 0 }, mu = p.of { 0, 0.3, 0.6, 1 } }
   w.free = w.gravity == 0 and p.of { true, false }          -- nothing but bodies: momentum must stay
   local heavy, count, e = p.of { 0, 1, 3 }, math.floor(p.between(2, 13)), p.of { 0, 0, 0.5, 0.9, 1 }

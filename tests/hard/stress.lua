@@ -1,10 +1,12 @@
 -- tests/hard/stress.lua - random worlds from seeds against what must always hold; a seed that fails is shrunk and printed as a script.
 --
 --   digbox run tests/hard/stress.lua -- --seed 1 --count 20 --seconds 20
+--   digbox run tests/hard/stress.lua -- --machines true --seed 1 --count 20 --seconds 6
 local digbox = require "digbox"
 local test = require "digbox.test"
 local hard = require "hard"
 local random = require "random_world"
+local machines = require "random_machines"
 
 local options = digbox.args {
   seed = { default = 1, help = "the first seed" },
@@ -12,6 +14,7 @@ local options = digbox.args {
   seconds = { default = 20, help = "simulated time" },
   limit = { default = 20, help = "CPU seconds of one run; beyond it a seed counts as over time" },
   shrink = { default = true, help = "look for the fewest bodies that still fail" },
+  machines = { default = false, help = "bridges, carts, figures, ... instead of loose bodies" },
   dearest = { default = false, help = "a frame of over 20 times the median cost (G7) is a failure, too" },
 }
 
@@ -26,24 +29,26 @@ local function failure(row)
   end
 end
 
+local kinds = options.machines and machines or random
+
 test.scenario("random worlds", function(s)
-  local function run(w) return hard.run(random.case(w, options.seconds), { clock = s.cpu_seconds, limit = options.limit }) end
+  local function run(w) return hard.run(kinds.case(w, options.seconds), { clock = s.cpu_seconds, limit = options.limit }) end
   local counts = { pass = 0, fail = 0, ["over time"] = 0 }
   for seed = options.seed, options.seed + options.count - 1 do
-    local w = random.world(seed)
+    local w = kinds.world(seed)
     local row = run(w)
     local kind, why = failure(row)
     local verdict = kind and "fail" or row.over_time and "over time" or "pass"
     counts[verdict] = counts[verdict] + 1
     print(("seed %d\t%s\t%s\t%.3g ms/s\t%s\t%s\t%s"):format(seed, row.case.title, verdict, row.ms_per_s, row.shares, row.why, why or ""))
     if kind and options.shrink then
-      local least = random.shrink(w, function(less)
+      local least = kinds.shrink(w, function(less)
         local ok, again = pcall(run, less)
         local same, reason = failure(ok and again or { always = {}, criteria = {} })
         if same == kind then why = reason end
         return same == kind
       end)
-      print(random.script(least, options.seconds, why))
+      print(kinds.script(least, options.seconds, why))
     end
   end
   print(("%d seeds: %d passed, %d failed, %d over time"):format(options.count, counts.pass, counts.fail, counts["over time"]))
