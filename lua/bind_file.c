@@ -359,6 +359,43 @@ static int check_class_name(lua_State *L)
     return check_type_name(L);
 }
 
+static int leave_guard(lua_State *L, int status, lua_KContext unused)
+{
+    (void)status, (void)unused;
+    return lua_gettop(L);
+}
+
+/* upvalues: a function written in Lua, its name, the class that its first argument has to have or nil */
+static int call_guarded(lua_State *L)
+{
+    int n = lua_gettop(L);
+    if (!lua_isnil(L, lua_upvalueindex(3))) {
+        lua_pushcfunction(L, check_class_name);
+        if (n > 0)
+            lua_pushvalue(L, 1);
+        else
+            lua_pushnil(L);
+        lua_call(L, 1, 1);
+        if (!lua_rawequal(L, -1, lua_upvalueindex(3)))
+            return bind_error(L, "%s: expected a %s, got %s (methods are called with ':')", lua_tostring(L, lua_upvalueindex(2)),
+                              lua_tostring(L, lua_upvalueindex(3)), lua_tostring(L, -1));
+        lua_pop(L, 1);
+    }
+    lua_pushvalue(L, lua_upvalueindex(1));
+    lua_insert(L, 1);
+    lua_callk(L, n, LUA_MULTRET, 0, leave_guard);
+    return leave_guard(L, LUA_OK, 0);
+}
+
+/* core.guard(function, name, class or nil) -> the function as one in C: who ends with `return world:record{...}` leaves his own frame
+ * on the stack, and with it the line that errors name. Calls may yield. */
+static int make_guard(lua_State *L)
+{
+    lua_settop(L, 3);
+    lua_pushcclosure(L, call_guarded, 3);
+    return 1;
+}
+
 /* core.is_lua(function) */
 static int check_is_lua(lua_State *L)
 {
@@ -378,7 +415,7 @@ static int make_list(lua_State *L)
 
 static const luaL_Reg checks[] = {
     {"check", check_fields}, {"quantity", check_quantity}, {"seconds", check_seconds}, {"type", check_type_name}, {"list", make_list},
-    {"class_of", check_class_name}, {"is_lua", check_is_lua}, {NULL, NULL},
+    {"class_of", check_class_name}, {"is_lua", check_is_lua}, {"guard", make_guard}, {NULL, NULL},
 };
 
 void bind_file_open(lua_State *L, int core)

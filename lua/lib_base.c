@@ -140,7 +140,7 @@ static int base_getmetatable(lua_State *L)
     if (is_first_globals(L))
         return 0;
     lua_settop(L, 1);
-    return lib_call_first(L, 1);
+    return lib_call_first(L);
 }
 
 /* setmetatable without finalizers. A script that gives _G another metatable finds `require` in _G itself. upvalue: the library's own */
@@ -158,7 +158,7 @@ static int base_setmetatable(lua_State *L)
             return bind_error(L, "setmetatable: __gc is not available to scripts");
     }
     lua_settop(L, 2);
-    return lib_call_first(L, 1);
+    return lib_call_first(L);
 }
 
 static int base_collectgarbage(lua_State *L)
@@ -381,7 +381,7 @@ static int charged(lua_State *L)
         if (lua_type(L, i) == LUA_TSTRING)
             work += lua_rawlen(L, i) / BYTES_A_UNIT;
     app_charge(L, work);
-    return lib_call_first(L, LUA_MULTRET);
+    return lib_call_first(L);
 }
 
 /* Notes that the C function on the top may be there. */

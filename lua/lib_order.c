@@ -294,7 +294,10 @@ static int step_plain(lua_State *L)
     if (lua_type(L, -2) == LUA_TNUMBER && (first || lua_tonumber(L, -2) > last))
         return 2;
     lua_settop(L, 2);
-    return lib_call_first(L, 2);
+    lua_pushvalue(L, lua_upvalueindex(1));
+    lua_insert(L, 1);
+    lua_call(L, 2, 2);
+    return 2;
 }
 
 /* upvalues: step_plain, is it strict */

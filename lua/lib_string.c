@@ -436,10 +436,7 @@ static int string_format(lua_State *L)
         work += lua_type(L, argument) == LUA_TSTRING ? lua_rawlen(L, argument) / BYTES_A_UNIT : 8;
     }
     app_charge(L, work + length);
-    lua_pushvalue(L, lua_upvalueindex(1));
-    lua_insert(L, 1);
-    lua_call(L, n, 1);
-    return 1;
+    return lib_call_first(L);
 }
 
 /* upvalue: Lua's own. What the sizes in the format ask for is looked at before it is filled byte by byte. */
@@ -461,10 +458,7 @@ static int string_pack(lua_State *L)
         if (lua_type(L, i) == LUA_TSTRING)
             work += lua_rawlen(L, i) / BYTES_A_UNIT;
     app_charge(L, work);
-    lua_pushvalue(L, lua_upvalueindex(1));
-    lua_insert(L, 1);
-    lua_call(L, n, 1);
-    return 1;
+    return lib_call_first(L);
 }
 
 const LibEntry lib_string[] = {

@@ -45,15 +45,11 @@ void lib_open(lua_State *L, bool trust);
 /* Walks all that can be reached from _G and the metatables of basic types. Raises at a C function that is not on the list. */
 void lib_check(lua_State *L);
 
-/* Calls what the running function stands before, its upvalue 1, with all that is on the stack; returns how many values that gave,
- * `results` of them or, with LUA_MULTRET, all. */
-static inline int lib_call_first(lua_State *L, int results)
+/* Runs the function of Lua's library that the running one stands before, its upvalue 1, in its place: with all that is on the stack,
+ * and its errors name the script's line. Only for functions without upvalues of their own. Returns how many values it gave. */
+static inline int lib_call_first(lua_State *L)
 {
-    int n = lua_gettop(L);
-    lua_pushvalue(L, lua_upvalueindex(1));
-    lua_insert(L, 1);
-    lua_call(L, n, results);
-    return lua_gettop(L);
+    return lua_tocfunction(L, lua_upvalueindex(1))(L);
 }
 
 /* One entry: our own function, or with NULL that of Lua's library; `work`: bytes of string arguments are charged before it. */

@@ -46,14 +46,15 @@ end
 function core.guard_methods()
   for _, t in ipairs(declared.type_list) do
     for name, method in next, t.methods do
-      if declared.by_name[t.name .. ":" .. name] and type(method) == "function" and core.is_lua(method) then
-        t.methods[name] = function(self, ...)
-          if core.class_of(self) ~= t.name then
-            core.fail("%s:%s: expected a %s, got %s (methods are called with ':')", t.name, name, t.name, core.class_of(self))
-          end
-          return method(self, ...)
-        end
+      local full = t.name .. ":" .. name
+      if declared.by_name[full] and type(method) == "function" and core.is_lua(method) then
+        t.methods[name] = core.guard(method, full, t.name)
       end
+    end
+  end
+  for prefix, functions in next, { ["digbox."] = core.digbox, ["digbox.parts."] = core.digbox.parts } do
+    for name, value in next, functions do
+      if type(value) == "function" and core.is_lua(value) then functions[name] = core.guard(value, prefix .. name) end
     end
   end
 end
