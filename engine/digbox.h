@@ -562,7 +562,7 @@ dig_status dig_joint_get(const dig_world *w, dig_joint j, dig_joint_state *out);
 typedef struct dig_setting { const char *param; const void *value; } dig_setting;   /* "motor.speed", "friction", "breaks_at", ... */
 /* All or none; they are checked together, so min and max of a range may pass those there were. */
 dig_status dig_joint_set(dig_world *w, dig_joint j, const dig_setting *settings, int count);
-dig_status dig_joint_param(const dig_world *w, dig_joint j, const char *param, void *value);        /* reads one, or breaks_at */
+dig_status dig_joint_param(const dig_world *w, dig_joint j, const char *param, void *value);        /* reads one, breaks_at or collides */
 dig_joint  dig_joint_find(const dig_world *w, const char *name);
 
 /* ---- dynamic interaction graphs ---------------------------------------------------- */

@@ -301,7 +301,6 @@ static void arg_body_value(Coder *c, CommandArg *a)
 /* Names of parameters, and as many bytes as their rows say. */
 static void arg_settings(Coder *c, CommandArg *a)
 {
-    static const dig_param strength = {.name = "breaks_at", .kind = DIG_REAL};
     const JointRec *r = world_joint(c->w, a[-1].joint);
     CommandSettings *l = struct_of(c, a, sizeof *l);
     if (!l)
@@ -313,8 +312,8 @@ static void arg_settings(Coder *c, CommandArg *a)
         arg_text(c, &name);
         const char *text = name.what;
         size_t offset;
-        bool breaks = text && strcmp(text, strength.name) == 0;
-        code_value(c, breaks ? &strength : r && text ? param_find_path(r->type->params, text, &offset) : NULL, &value);
+        bool shared = text && (strcmp(text, "breaks_at") == 0 || strcmp(text, "collides") == 0);
+        code_value(c, shared ? param_find(common("joint.common"), text) : r && text ? param_find_path(r->type->params, text, &offset) : NULL, &value);
         set[i] = (dig_setting){text, value.what};
     }
     *l = (CommandSettings){set, set ? (int)count : 0};

@@ -325,6 +325,10 @@ dig_status dig_joint_param(const dig_world *w, dig_joint handle, const char *nam
         *(real *)value = r->breaks_at > 0 ? r->breaks_at : INFINITY;
         return DIG_OK;
     }
+    if (strcmp(name, "collides") == 0) {
+        *(bool *)value = r->collides;
+        return DIG_OK;
+    }
     const dig_param *row = param_find_path(r->type->params, name, &offset);
     if (!row)
         return world_fail(w, DIG_E_ARG, "%s has no parameter '%s'", r->type->name, name);
@@ -332,8 +336,10 @@ dig_status dig_joint_param(const dig_world *w, dig_joint handle, const char *nam
     return DIG_OK;
 }
 
-/* Into copies of what the joint has. */
-static dig_status set_one(World *w, const JointRec *r, const dig_setting *set, real *params, real *breaks_at)
+/* Copies of what can be set in a joint. */
+typedef struct Settable { real params[sizeof ((JointRec *)0)->params / sizeof(real)], breaks_at; bool collides; } Settable;
+
+static dig_status set_one(World *w, const JointRec *r, const dig_setting *set, Settable *to)
 {
     size_t offset;
     char why[256];
@@ -341,8 +347,12 @@ static dig_status set_one(World *w, const JointRec *r, const dig_setting *set, r
         real force = *(const real *)set->value;
         if (!(force > 0))
             return world_fail(w, DIG_E_ARG, "%s: breaks_at = %g N, must be > 0", r->type->name, force);
-        *breaks_at = isfinite(force) ? force : 0;
+        to->breaks_at = isfinite(force) ? force : 0;
         return DIG_OK;
+    }
+    if (strcmp(set->param, "collides") == 0) {
+        to->collides = *(const bool *)set->value;
+        return to->collides || !r->type->couples ? DIG_OK : world_fail(w, DIG_E_ARG, "%s: collides is a matter of the joints it couples", r->type->name);
     }
     const dig_param *row = param_find_path(r->type->params, set->param, &offset);
     if (!row)
@@ -351,8 +361,23 @@ static dig_status set_one(World *w, const JointRec *r, const dig_setting *set, r
         return world_fail(w, DIG_E_ARG, "%s: '%s' is fixed at creation", r->type->name, set->param);
     if (param_check_field(row, set->value, r->type->name, why, sizeof why) != DIG_OK)
         return world_fail(w, DIG_E_ARG, "%s", why);
-    memcpy((char *)params + offset, set->value, param_size(row));
+    memcpy((char *)to->params + offset, set->value, param_size(row));
     return DIG_OK;
+}
+
+/* Pairs of its two bodies come and go at the next step. */
+static void set_collides(World *w, JointRec *r, bool collides)
+{
+    if (collides == r->collides)
+        return;
+    r->collides = collides;
+    for (int k = 0; k < 2; k++) {
+        uint32_t body = k ? r->b : r->a;
+        if (r->a != NONE && r->b != NONE) {
+            body_wake(w, body);
+            body_refit(w, body);
+        }
+    }
 }
 
 static dig_status do_set(World *w, dig_joint handle, const dig_setting *set, int count)
@@ -360,22 +385,23 @@ static dig_status do_set(World *w, dig_joint handle, const dig_setting *set, int
     JointRec *r = api_joint(w, handle, count > 0 ? set[0].param : "set");
     if (!r)
         return DIG_E_DEAD;
-    real params[sizeof r->params / sizeof(real)], breaks_at = r->breaks_at;
-    memcpy(params, r->params, sizeof params);
+    Settable to = {.breaks_at = r->breaks_at, .collides = r->collides};
+    memcpy(to.params, r->params, sizeof to.params);
     for (int i = 0; i < count; i++)
-        DIG_TRY(set_one(w, r, &set[i], params, &breaks_at));
-    param_settle(r->type->params, params);
-    if (memcmp(params, r->params, sizeof params) != 0) {
-        DIG_TRY(check_params(w, r, params));
+        DIG_TRY(set_one(w, r, &set[i], &to));
+    param_settle(r->type->params, to.params);
+    if (memcmp(to.params, r->params, sizeof to.params) != 0) {
+        DIG_TRY(check_params(w, r, to.params));
         real before = api_joint_energy(w, handle.slot);
-        memcpy(r->params, params, sizeof params);
+        memcpy(r->params, to.params, sizeof to.params);
         api_book_given(w, api_joint_energy(w, handle.slot) - before);
         if (r->a != NONE)
             body_wake(w, r->a);
         if (r->b != NONE)
             body_wake(w, r->b);
     }
-    r->breaks_at = breaks_at;
+    r->breaks_at = to.breaks_at;
+    set_collides(w, r, to.collides);
     return DIG_OK;
 }
 

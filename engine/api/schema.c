@@ -80,7 +80,7 @@ static const dig_param body_rows[] = {
 static const dig_param joint_rows[] = {
     {.name = "name", .kind = DIG_TEXT, .unit = "", .doc = "for messages and events", .offset = AT(dig_joint_def, name)},
     {.name = "a", .kind = DIG_BODY, .unit = "", .doc = "first body", .offset = AT(dig_joint_def, a)},
-    {.name = "b", .kind = DIG_BODY, .unit = "", .doc = "second body; none = the world", .offset = AT(dig_joint_def, b)},
+    {.name = "b", .kind = DIG_BODY, .unit = "", .doc = "second body; none, or b = world: the world", .offset = AT(dig_joint_def, b)},
     {.name = "at", .kind = DIG_VEC3, .unit = "m",
      .doc = "where, in world coordinates; default the centre of mass of a",
      .fallback = NAN, .min = -1e9, .max = 1e9, .offset = AT(dig_joint_def, at)},
