@@ -493,6 +493,7 @@ int bind_open(lua_State *L)
     bind_effect_open(L, core);
     bind_own_open(L, core);
     bind_message_open(L, core);
+    bind_frozen_open(L, core);
     bind_shape_open(L, core);
     bind_joint_open(L, core);
     bind_graph_open(L, core);

@@ -73,6 +73,7 @@ void bind_effect_open(lua_State *L, int core);
 void bind_ask_open(lua_State *L, int core);
 void bind_own_open(lua_State *L, int core);
 void bind_message_open(lua_State *L, int core);
+void bind_frozen_open(lua_State *L, int core);
 void bind_trace_open(lua_State *L, int core);
 void bind_schema_open(lua_State *L, int core);
 void bind_replay_open(lua_State *L, int core);
@@ -293,6 +294,11 @@ const dig_param *bind_part_rows(void);
 
 /* Raises an error for a key that is neither in the row sets (NULL-terminated) nor in extras (NULL-terminated, may be NULL). */
 void bind_check_keys(lua_State *L, int table, const char *what, const dig_param *const *sets, const char *const *extras);
+
+/* Puts in the place of the table below the top, and of `what` at the top ("joint.motor"), a table that reads the same and cannot be
+ * assigned to; and takes what was frozen out again where such a table is given (anything else stays as it is). */
+void bind_freeze(lua_State *L, const char *what);
+void bind_thaw(lua_State *L, int index);
 
 /* Pushes a field of a def struct as a Lua value. */
 void bind_push_field(lua_State *L, int world, const dig_param *row, const void *field);

@@ -37,9 +37,16 @@ static void check_bounds(const Fill *f, const dig_param *row, const char *part, 
     bind_error(f->L, "%s, must be at most %s%s%s", value, lua_pushfstring(f->L, "%f", row->max), gap, unit);
 }
 
+/* "world", "plank", or what Lua calls it */
+static const char *class_of(lua_State *L, int index)
+{
+    index = lua_absindex(L, index);
+    return luaL_getmetafield(L, index, "__name") == LUA_TSTRING ? lua_tostring(L, -1) : luaL_typename(L, index);
+}
+
 static void wrong_kind(const Fill *f, const dig_param *row, const char *wanted)
 {
-    bind_error(f->L, "%s.%s wants %s; got %s", f->what, row->name, wanted, luaL_typename(f->L, -1));
+    bind_error(f->L, "%s.%s wants %s; got %s", f->what, row->name, wanted, class_of(f->L, -1));
 }
 
 /* ---- one function per family of kinds ------------------------------------------ */
@@ -111,6 +118,7 @@ static void fill_colour(const Fill *f, const dig_param *row, vec3 *field)
 static void fill_range(const Fill *f, const dig_param *row, real *field)
 {
     lua_State *L = f->L;
+    bind_thaw(L, -1);
     if (!lua_istable(L, -1) || lua_rawlen(L, -1) != 2)
         wrong_kind(f, row, row->kind == DIG_RANGE ? "{lowest, highest}" : "{first, second}");
     for (int i = 0; i < 2; i++) {
@@ -261,6 +269,13 @@ static void fill_indices(const Fill *f, const dig_param *row, dig_indices *field
 static void fill_body(const Fill *f, const dig_param *row, dig_body *field)
 {
     lua_State *L = f->L;
+    const WorldRef *world = luaL_testudata(L, -1, BIND_WORLD);
+    bool first = strcmp(row->name, "a") == 0 || strcmp(row->name, "holds") == 0;
+    if (lua_type(L, -1) == LUA_TSTRING)
+        bind_error(L, "%s.%s wants a body; got the text '%.60s' (world:find gives the body of a name)", f->what, row->name, lua_tostring(L, -1));
+    if (world)
+        bind_error(L, "%s.%s wants a body; got %s (%s)", f->what, row->name, world == f->world ? "world" : "another world",
+                   first ? "give the body as a, and b = world or no b" : "what is held by the world has none");
     if (!luaL_testudata(L, -1, BIND_BODY))
         wrong_kind(f, row, "a body");
     *field = (f->world ? bind_body_of(L, lua_gettop(L), f->world) : bind_check_body(L, lua_gettop(L)))->id;
@@ -280,6 +295,7 @@ static void fill_joint(const Fill *f, const dig_param *row, dig_joint *field)
 static void fill_table(const Fill *f, const dig_param *row, void *field)
 {
     lua_State *L = f->L;
+    bind_thaw(L, -1);
     if (!lua_istable(L, -1))
         wrong_kind(f, row, "a table");
     const dig_param *sets[] = {row->rows, NULL};

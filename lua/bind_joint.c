@@ -28,11 +28,27 @@ static const dig_param *find_row(const dig_param *rows, const char *name)
 
 /* ---- creating --------------------------------------------------------------------- */
 
+/* The key at -2 says no more than leaving it away: motor = false, or b = the world that the joint is in. */
+static bool says_nothing(lua_State *L, const dig_schema *schema)
+{
+    const char *key = lua_tostring(L, -2);
+    if (lua_isboolean(L, -1) && !lua_toboolean(L, -1)) {
+        const dig_param *row = find_row(schema->rows, key);
+        return row && (row->kind == DIG_TABLE || row->kind == DIG_RANGE);
+    }
+    for (const dig_param *row = schema->rows; row->name; row++)
+        if (row->kind == DIG_JOINT)             /* it couples joints: none of them is the world */
+            return false;
+    return (strcmp(key, "b") == 0 || strcmp(key, "into") == 0) && lua_rawequal(L, -1, 1);
+}
+
 /* Makes a copy of the table at 2 in which aliases have their own names. */
 static void resolve_aliases(lua_State *L, const char *what, const dig_schema *schema, bool used[ALIAS_COUNT])
 {
     lua_newtable(L);
     for (lua_pushnil(L); lua_next(L, 2); lua_pop(L, 1)) {
+        if (says_nothing(L, schema))
+            continue;
         lua_pushvalue(L, -2);
         lua_pushvalue(L, -2);
         lua_rawset(L, -5);
@@ -200,12 +216,39 @@ typedef struct Settings {
     int         count;
 } Settings;
 
+static void *next_setting(lua_State *L, Settings *s, const char *path)
+{
+    if (s->count == SETTINGS)
+        bind_error(L, "joint:set: more than %d parameters", SETTINGS);
+    s->set[s->count] = (dig_setting){path, s->field[s->count].bytes};
+    return s->field[s->count++].bytes;
+}
+
+/* nil or false: as if it had not been given. */
+static void clear_row(lua_State *L, Settings *s, const dig_param *row, const char *path)
+{
+    luaL_checkstack(L, 8, "parameters of a joint");
+    for (const dig_param *inner = row->kind == DIG_TABLE ? row->rows : NULL; inner && inner->name; inner++)
+        clear_row(L, s, inner, lua_pushfstring(L, "%s.%s", path, inner->name));
+    if (row->kind == DIG_TABLE)
+        return;
+    if (row->required || (row->kind != DIG_REAL && row->kind != DIG_RANGE))
+        bind_error(L, "joint.%s cannot be taken away, it has to have a value", path);
+    const real none[2] = {row->fallback, row->fallback};
+    memcpy(next_setting(L, s, path), none, row->kind == DIG_REAL ? sizeof none[0] : sizeof none);
+}
+
 /* Takes the value on top of the stack; leaves what has to be kept there. */
 static void read_row(lua_State *L, JointRef *j, Settings *s, const dig_param *row, const char *path, const char *subject)
 {
     int value = lua_gettop(L);
     luaL_checkstack(L, 8, "parameters of a joint");
+    if (!lua_toboolean(L, value) && row->kind != DIG_BOOL) {
+        clear_row(L, s, row, path);
+        return;
+    }
     if (row->kind == DIG_TABLE) {
+        bind_thaw(L, value);
         if (!lua_istable(L, value))
             bind_error(L, "joint.%s wants a table; got %s", path, luaL_typename(L, value));
         const dig_param *sets[] = {row->rows, NULL};
@@ -219,12 +262,43 @@ static void read_row(lua_State *L, JointRef *j, Settings *s, const dig_param *ro
         }
         return;
     }
-    if (s->count == SETTINGS)
-        bind_error(L, "joint:set: more than %d parameters", SETTINGS);
     Fill fill = {L, value, value, "joint", subject, j->world};
-    bind_fill_field(&fill, row, s->field[s->count].bytes);
-    s->set[s->count] = (dig_setting){path, s->field[s->count].bytes};
-    s->count++;
+    bind_fill_field(&fill, row, next_setting(L, s, path));
+}
+
+static bool is_shared(const char *key) { return strcmp(key, "breaks_at") == 0 || strcmp(key, "collides") == 0; }
+
+static const dig_param *parameter_row(const dig_schema *schema, const char *key)
+{
+    const dig_param *row = schema ? find_row(schema->rows, key) : NULL;
+    return row || !is_shared(key) ? row : find_row(common_rows(), key);
+}
+
+/* Pushes a table with the names of all parameters. */
+static int push_parameter_names(lua_State *L, const dig_schema *schema)
+{
+    lua_newtable(L);
+    for (int k = 0; k < 2; k++)
+        for (const dig_param *row = k ? common_rows() : schema->rows; row->name; row++)
+            if (k == 0 || is_shared(row->name)) {
+                lua_pushboolean(L, 1);
+                lua_setfield(L, -2, row->name);
+            }
+    return lua_gettop(L);
+}
+
+/* joint.angle = 1, joint.a = body */
+static void refuse_state(lua_State *L, const char *type, const char *key)
+{
+    if (strcmp(key, "angle") == 0 || strcmp(key, "distance") == 0 || strcmp(key, "speed") == 0)
+        bind_error(L, "joint.%s is state and cannot be assigned: a motor or a spring of the joint brings it there (digbox api world:%s)", key, type);
+    lua_getfield(L, LUA_REGISTRYINDEX, "digbox.core");
+    lua_getfield(L, -1, "types");
+    lua_getfield(L, -1, BIND_JOINT);
+    lua_getfield(L, -1, "getters");
+    if (lua_getfield(L, -1, key) != LUA_TNIL)
+        bind_error(L, "joint.%s cannot be assigned", key);
+    lua_pop(L, 5);
 }
 
 /* The value of `key` is on top of the stack. */
@@ -232,18 +306,11 @@ static void read_parameter(lua_State *L, JointRef *j, Settings *s, const char *k
 {
     dig_joint_state now = state(L);
     const dig_schema *schema = dig_schema_find("joint", now.type);
-    const dig_param *row = schema ? find_row(schema->rows, key) : NULL;
-    if (!row && (strcmp(key, "breaks_at") == 0 || strcmp(key, "collides") == 0))
-        row = find_row(common_rows(), key);
+    const dig_param *row = parameter_row(schema, key);
     if (!row) {
-        lua_newtable(L);
-        lua_pushboolean(L, 1);
-        lua_setfield(L, -2, "breaks_at");
-        for (row = schema ? schema->rows : common_rows(); row->name; row++) {
-            lua_pushboolean(L, 1);
-            lua_setfield(L, -2, row->name);
-        }
-        bind_unknown(L, now.type, "has no parameter", key, lua_gettop(L), lua_gettop(L));
+        refuse_state(L, now.type, key);
+        int names = push_parameter_names(L, schema);
+        bind_unknown(L, now.type, "has no parameter", key, names, names);
     }
     const char *subject = lua_pushfstring(L, "joint '%s'", now.name);
     lua_insert(L, -2);
@@ -297,7 +364,7 @@ static int joint_set(lua_State *L)
     return 1;
 }
 
-/* As it is given: a table of its own, which changes nothing when it is changed; what is not set is nil. */
+/* As it is given, in tables that are read only: one that is changed would change nothing. What is not set is nil. */
 static void push_parameter(lua_State *L, int world, JointRef *j, const dig_param *row, const char *path)
 {
     union { real align; char bytes[FIELD_BYTES]; } field;
@@ -309,6 +376,7 @@ static void push_parameter(lua_State *L, int world, JointRef *j, const dig_param
             lua_remove(L, -2);
             lua_setfield(L, -2, inner->name);
         }
+        bind_freeze(L, lua_pushfstring(L, "joint.%s", path));
         return;
     }
     dig_status s = dig_joint_param(j->world->w, j->id, path, field.bytes);
@@ -321,6 +389,8 @@ static void push_parameter(lua_State *L, int world, JointRef *j, const dig_param
         lua_pushnil(L);
     else
         bind_push_field(L, world, row, field.bytes);
+    if (lua_istable(L, -1))
+        bind_freeze(L, lua_pushfstring(L, "joint.%s", path));
 }
 
 /* Parameters of its type are read as they are set. */
@@ -329,16 +399,22 @@ static int joint_parameter(lua_State *L)
     JointRef *j = luaL_testudata(L, 1, BIND_JOINT);
     if (!j || lua_type(L, 2) != LUA_TSTRING || !j->world->w || !dig_joint_alive(j->world->w, j->id))
         return 0;
-    const dig_schema *schema = dig_schema_find("joint", state(L).type);
+    const char *type = state(L).type;
+    const dig_schema *schema = dig_schema_find("joint", type);
     const char *key = bind_string(L, 2, NULL);
-    const dig_param *row = schema ? find_row(schema->rows, key) : NULL;
-    if (!row && strcmp(key, "breaks_at") == 0)
-        row = find_row(common_rows(), key);
-    if (!row)
-        return 0;
-    bind_push_world_of(L, 1);
-    push_parameter(L, lua_gettop(L), j, row, key);
-    return 1;
+    const dig_param *row = parameter_row(schema, key);
+    if (row) {
+        bind_push_world_of(L, 1);
+        push_parameter(L, lua_gettop(L), j, row, key);
+        return 1;
+    }
+    lua_getfield(L, LUA_REGISTRYINDEX, "digbox.core");
+    lua_getfield(L, -1, "types");
+    lua_getfield(L, -1, BIND_JOINT);
+    lua_getfield(L, -1, "getters");
+    lua_getfield(L, -2, "methods");
+    int names = push_parameter_names(L, schema);
+    return bind_unknown(L, type, "has no field or method", key, names - 2, names);
 }
 
 /* joint:remove() */

@@ -196,7 +196,8 @@ declare_type("hit", "A place where a ray or a moving shape meets a body.", {}, {
 
 -- ---- joints ----
 
-declare_type("joint", "A joint. Its parameters (stiffness, limits, ...) are read and set as fields of its type.", methods.joint, {
+declare_type("joint", "A joint. Its parameters (motor, limits, ...) are read and set as fields, whole: joint.motor = { speed = 5 }; "
+  .. "nil takes one away.", methods.joint, {
   type = { "string", "hinge, slider, ..." }, name = { "string", "its name" },
   a = { "body", "one body" }, b = { "body|nil", "the other; nil: the world" },
   at = { "vector", "where it is now", unit = "m" },
@@ -207,7 +208,7 @@ declare_type("joint", "A joint. Its parameters (stiffness, limits, ...) are read
   error = { "number", "how far it is from where it should be", unit = "m" },
   stress = { "number", "load over limit; 1 breaks" },
   at_limit = { "boolean", "it is at one of its limits" }, valid = { "boolean", "it is still there" } })
-declare("joint:set", { "Changes parameters of its type, such as motor, limits or stiffness.",
+declare("joint:set", { "Changes parameters of its type, such as motor, limits or stiffness, breaks_at and collides; false takes one away.",
   takes = { { "parameters", "table", "fields of that type of joint" } }, gives = "joint" })
 declare("joint:remove", { "Takes the joint away." })
 declare("joint:withdraw", { "The same, as one says of a bolt." })

@@ -154,6 +154,11 @@ end
 -- world:rope{a=, b= or to=, length=}: ends never farther apart than length, without mass.
 -- world:rope{a= or at=, b= or to=, length=, segments=, radius=} -> rope: a chain of rods
 function methods.rope(world, fields)
+  if type(fields) == "table" and rawget(fields, "b") == world then         -- as if there were none
+    local own = {}
+    for k, v in next, fields do own[k] = k ~= "b" and v or nil end
+    fields = own
+  end
   if type(fields) ~= "table" or rawget(fields, "segments") == nil then return plain(world, fields) end
   local own, rest = soft.split("world:rope", fields, rope_fields, taken)
   local from, to = ends_of(own)

@@ -66,6 +66,7 @@ local function show(value)
     return math.type(value) == "integer" and ("%d"):format(value) or ("%.9g"):format(value)
   end
   if kind ~= "table" then return tostring(value) end
+  value = core.thaw(value)
   local parts, named = {}, {}
   for i = 1, #value do parts[i] = show(value[i]) end
   for k, v in next, value do
@@ -92,6 +93,7 @@ local function same(a, b, depth)
   if core.type(a) == "vector" then a = { a.x, a.y, a.z } end
   if core.type(b) == "vector" then b = { b.x, b.y, b.z } end
   if type(a) ~= "table" or type(b) ~= "table" or depth > 20 then return false end
+  a, b = core.thaw(a), core.thaw(b)
   for k, v in next, a do
     if not same(v, b[k], depth + 1) then return false end
   end

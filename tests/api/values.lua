@@ -251,7 +251,9 @@ local function try_fields(name)
       for k, v in next, instead[name] and instead[name][field] or {} do t[k] = v or nil end
       t[field] = bad
       local later = bad == "unobtainium" and entry.owner == "digbox" and entry.gives == "shape"     -- known when a body is made of it
-      if not later then refused(("%s{ %s = %s }"):format(name, field, show(bad)), field, before, call(name, t)) end
+      local fixed = bad == world and (field == "b" or field == "into") and entry.gives:find "^joint" and name ~= "world:gear"
+        and name ~= "world:rack"                                           -- a joint to the world
+      if not later and not fixed then refused(("%s{ %s = %s }"):format(name, field, show(bad)), field, before, call(name, t)) end
     end
   end
   local t = copy(base)
