@@ -7,6 +7,7 @@
 
 #include "math/unit.h"
 
+#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -356,7 +357,16 @@ static bool read_number(const char **text, real *value)
 
 /* ---- the public call -------------------------------------------------------------- */
 
-static dig_status wrong_dimension(const char *text, Dimension got, Dimension wanted, const char *want, char *why, size_t capacity)
+/* Degrees in which temperatures are told, of which C and F are coulomb and farad: " (write '20 degC' or '293.15 K')". */
+static void suggest_degrees(const char *text, real x, char *out, size_t capacity)
+{
+    char unit = text[strlen(text) - 1];
+    real celsius = unit == 'F' ? (x - 32) / 1.8 : x;
+    if (unit == 'C' || unit == 'F')
+        snprintf(out, capacity, " (write '%.6g degC' or '%.6g K')", celsius, celsius + 273.15);
+}
+
+static dig_status wrong_dimension(const char *text, real x, Dimension got, Dimension wanted, const char *want, char *why, size_t capacity)
 {
     const char *is = unit_dimension_name(got, text);
     const char *wants = unit_dimension_name(wanted, want);
@@ -365,8 +375,11 @@ static dig_status wrong_dimension(const char *text, Dimension got, Dimension wan
         snprintf(other, sizeof other, "a quantity in %.30s", want);
         wants = other;
     }
+    char meant[64] = "";
+    if (same_dimension(wanted, (Dimension){.K = 1}))
+        suggest_degrees(text, x, meant, sizeof meant);
     if (is)
-        snprintf(why, capacity, "wants %s; '%.40s' is %s", wants, text, is);
+        snprintf(why, capacity, "wants %s; '%.40s' is %s%s", wants, text, is, meant);
     else
         snprintf(why, capacity, "wants %s; '%.40s' is not", wants, text);
     return DIG_E_ARG;
@@ -376,6 +389,44 @@ static dig_status wrong_dimension(const char *text, Dimension got, Dimension wan
 static bool fits(Dimension got, Dimension wanted)
 {
     return same_dimension(got, wanted) || (same_but_angle(got, wanted) && got.rad == 0 && wanted.rad < 0);
+}
+
+/* How units are called in full or elsewhere, in small letters and without an s at the end; those that have a scale are no units here. */
+static const struct { const char *word, *unit; real scale; } words[] = {
+    {"degree", "deg", 0}, {"radian", "rad", 0}, {"metre", "m", 0}, {"meter", "m", 0}, {"centimetre", "cm", 0}, {"centimeter", "cm", 0},
+    {"millimetre", "mm", 0}, {"millimeter", "mm", 0}, {"kilometre", "km", 0}, {"kilometer", "km", 0}, {"sec", "s", 0}, {"second", "s", 0},
+    {"millisecond", "ms", 0}, {"minute", "min", 0}, {"hour", "h", 0}, {"hr", "h", 0}, {"kg", "kg", 0}, {"kilo", "kg", 0}, {"kilogram", "kg", 0},
+    {"gram", "g", 0}, {"ton", "t", 0}, {"tonne", "t", 0}, {"newton", "N", 0}, {"nm", "N m", 0}, {"joule", "J", 0}, {"watt", "W", 0},
+    {"volt", "V", 0}, {"amp", "A", 0}, {"ampere", "A", 0}, {"pascal", "Pa", 0}, {"litre", "l", 0}, {"liter", "l", 0}, {"percent", "%", 0},
+    {"kelvin", "K", 0}, {"celsiu", "degC", 0}, {"kmh", "km/h", 0}, {"kph", "km/h", 0}, {"mp", "m/s", 0}, {"hertz", "Hz", 0},
+    {"revolution", "rev", 0}, {"m", "m", 0}, {"in", "cm", 2.54}, {"inch", "cm", 2.54}, {"inche", "cm", 2.54}, {"ft", "m", 0.3048},
+    {"foot", "m", 0.3048}, {"feet", "m", 0.3048}, {"yard", "m", 0.9144}, {"yd", "m", 0.9144}, {"mile", "km", 1.609344},
+    {"mph", "m/s", 0.44704}, {"lb", "kg", 0.45359237}, {"pound", "kg", 0.45359237}, {"oz", "g", 28.349523125}, {"lbf", "N", 4.4482216},
+    {"psi", "kPa", 6.8947573}, {"atm", "Pa", 101325}, {"cal", "J", 4.184}, {"kcal", "kJ", 4.184}, {"hp", "W", 745.7}, {"knot", "m/s", 0.514444},
+};
+
+/* " (did you mean 'deg'?)" for "degrees", " (1 ft is 0.3048 m)" for "ft". */
+static bool suggest_word(const char *unit, char *out, size_t capacity)
+{
+    char word[16];
+    size_t n = 0;
+    if (unit[0] == ',')
+        return snprintf(out, capacity, " (decimals follow a point: 1.5)") > 0;
+    for (; unit[n] && n < sizeof word - 1; n++)
+        word[n] = (char)tolower((unsigned char)unit[n]);
+    word[n] = '\0';
+    if (n > 1 && word[n - 1] == 's')
+        word[n - 1] = '\0';
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+        if (strcmp(words[i].word, word) != 0)
+            continue;
+        if (words[i].scale > 0)
+            snprintf(out, capacity, " (1 %.16s is %.10g %s)", unit, words[i].scale, words[i].unit);
+        else
+            snprintf(out, capacity, " (did you mean '%s'?)", words[i].unit);
+        return true;
+    }
+    return false;
 }
 
 /* " (did you mean 'cm'?)" for "cmm": the nearest unit of the dimension that is wanted; nothing when none is near. */
@@ -436,7 +487,7 @@ dig_status dig_unit_parse(const char *text, const char *want, real *value, char 
         x += 273.15;        /* ice point, K: BIPM 2.3.1 */
     } else if (*p && unit_read(p, &got, &scale, bad, sizeof bad) != DIG_OK) {
         char meant[48] = "";
-        if (want)
+        if (!suggest_word(p, meant, sizeof meant) && want)
             suggest(p, bad, wanted, meant, sizeof meant);
         snprintf(why, capacity, "'%.40s': unknown unit '%s'%s", text, bad, meant);
         return DIG_E_FORMAT;
@@ -445,6 +496,6 @@ dig_status dig_unit_parse(const char *text, const char *want, real *value, char 
         return DIG_E_ARG;
     }
     if (want && !fits(got, wanted))
-        return wrong_dimension(text, got, wanted, want, why, capacity);
+        return wrong_dimension(text, x, got, wanted, want, why, capacity);
     return finish(text, x, scale, value, why, capacity);
 }

@@ -85,7 +85,13 @@ TEST(what_is_no_quantity_is_refused)
     refused("5 kgs", "kg", "'5 kgs': unknown unit 'kgs' (did you mean 'kg'?)");
     refused("5 Nm", "N*m", "'5 Nm': unknown unit 'Nm' (did you mean 'N m'?)");
     refused("5 m/ss", "m/s", "'5 m/ss': unknown unit 'ss' (did you mean 'm/s'?)");
-    refused("4 in", "m", "'4 in': unknown unit 'in'");
+    refused("4 in", "m", "'4 in': unknown unit 'in' (1 in is 2.54 cm)");
+    refused("90 degrees", "rad", "'90 degrees': unknown unit 'degrees' (did you mean 'deg'?)");
+    refused("3 KG", "kg", "'3 KG': unknown unit 'KG' (did you mean 'kg'?)");
+    refused("30 mph", "m/s", "'30 mph': unknown unit 'mph' (1 mph is 0.44704 m/s)");
+    refused("1,5 m", "m", "'1,5 m': unknown unit ',5 m' (decimals follow a point: 1.5)");
+    refused("20 C", "K", "wants a temperature; '20 C' is an electric charge (write '20 degC' or '293.15 K')");
+    refused("68 F", "K", "wants a temperature; '68 F' is a capacitance (write '20 degC' or '293.15 K')");
     refused("", "m", "'' is not a number with a unit");
     refused("cm", "m", "'cm' is not a number with a unit");
     refused("nan m", "m", "'nan m' is not a number with a unit");
