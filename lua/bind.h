@@ -232,6 +232,10 @@ real bind_real(lua_State *L, int index, const char *unit, const char *what, cons
 /* "play" (plan), 0.001 or "1 mm" (tolerance, m; plan is then empty). */
 void bind_accuracy(lua_State *L, int index, const char *what, dig_text *plan, real *tolerance);
 lua_Integer bind_int(lua_State *L, int index, const char *what, const char *field);
+/* Raises an error where an angle past a full turn looks like one in degrees ('90 deg' and '90 rad' are taken as they are). */
+void bind_refuse_degrees(lua_State *L, int index, const char *what, const char *field);
+/* A line on stderr with the script's position, once: what is legal but hardly meant. */
+void bind_remark(lua_State *L, const char *text);
 real bind_seconds(lua_State *L, int index, const char *what);
 
 /* Fields of a table of arguments. A nil field leaves *value alone and returns false. */

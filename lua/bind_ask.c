@@ -75,6 +75,11 @@ static void read_question(lua_State *L, const char *what, dig_question *q)
     bool by = bind_get_real(L, 2, what, "by", q->turns ? "rad" : "m", &q->by);
     if (q->turns && !by)
         q->by = 0.01;
+    if (q->turns && by) {
+        bind_own_field(L, 2, "by");
+        bind_refuse_degrees(L, -1, what, "by");
+        lua_pop(L, 1);
+    }
     bind_get_real(L, 2, what, "with", q->turns ? "N*m" : "N", &q->with);
     q->has_at = bind_get_vec3(L, 2, what, "at", "m", &q->at);
     bind_get_real(L, 2, what, "within", "s", &q->within);

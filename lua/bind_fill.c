@@ -56,6 +56,8 @@ static real checked_real(const Fill *f, const dig_param *row, int index, const c
     if (lua_type(f->L, index) == LUA_TNUMBER && isnan(lua_tonumber(f->L, index)))
         check_bounds(f, row, part, (real)NAN);
     real x = bind_real(f->L, index, row->unit, f->what, row->name);
+    if (row->unit && strcmp(row->unit, "rad") == 0)
+        bind_refuse_degrees(f->L, index, f->what, row->name);
     check_bounds(f, row, part, x);
     return x;
 }

@@ -3,6 +3,7 @@
 #include "bind.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* "world:sphere.radius"; just one of them when the other is missing. */
@@ -51,6 +52,50 @@ real bind_real(lua_State *L, int index, const char *unit, const char *what, cons
         bind_error(L, "%s = nan, must be a finite number", lua_tostring(L, -1));
     }
     return value;
+}
+
+/* A plain number past a full turn that is whole, or whole and a half, is hardly ever one of radians: those come with pi. */
+static bool seems_degrees(lua_State *L, int index, real *x)
+{
+    *x = lua_type(L, index) == LUA_TNUMBER ? lua_tonumber(L, index) : 0;
+    return isfinite(*x) && fabs(*x) > 6.5 && floor(2 * *x) == 2 * *x;
+}
+
+void bind_refuse_degrees(lua_State *L, int index, const char *what, const char *field)
+{
+    real x;
+    if (!seems_degrees(L, index, &x))
+        return;
+    push_path(L, what, field);
+    bind_error(L, "%s = %.6g rad is %.3g turns: write '%.6g deg' if degrees are meant, else '%.6g rad'", lua_tostring(L, -1), x,
+               fabs(x) / 6.283185307179586, x, x);
+}
+
+/* An angle that a thing is turned by may well be any number: this is said, not refused. */
+static void remark_degrees(lua_State *L, int table, const char *what)
+{
+    real x;
+    lua_pushliteral(L, "angle");
+    if (lua_rawget(L, table) == LUA_TNUMBER && seems_degrees(L, -1, &x) && fmod(x, 5) == 0) {
+        char text[200];
+        snprintf(text, sizeof text, "%s.angle = %.6g rad: write '%.6g deg' if degrees are meant", what, x, x);
+        bind_remark(L, text);
+    }
+    lua_pop(L, 1);
+}
+
+void bind_remark(lua_State *L, const char *text)
+{
+    lua_getfield(L, LUA_REGISTRYINDEX, "digbox.core");
+    if (lua_getfield(L, -1, "remark") == LUA_TFUNCTION) {
+        bind_where(L);
+        lua_pushstring(L, text);
+        lua_concat(L, 2);
+        lua_call(L, 1, 0);
+        lua_pop(L, 1);
+    } else {
+        lua_pop(L, 2);
+    }
 }
 
 lua_Integer bind_int(lua_State *L, int index, const char *what, const char *field)
@@ -136,6 +181,7 @@ static quat from_axis_angle(lua_State *L, int table, const char *what)
     bind_check_keys(L, table, what, NULL, names);
     bind_get_vec3(L, table, what, "axis", "1", &axis);
     bind_get_real(L, table, what, "angle", "rad", &angle);
+    remark_degrees(L, table, what);
     real length = sqrt(axis.x * axis.x + axis.y * axis.y + axis.z * axis.z);
     if (!(length > 0) || isinf(length))
         bind_error(L, "%s.axis = {%g, %g, %g}, must not be zero: it is a direction", what, axis.x, axis.y, axis.z);
@@ -191,7 +237,7 @@ quat bind_quat(lua_State *L, int index, const char *what, const char *field)
     if (q)
         return *q;
     if (!lua_istable(L, index))
-        wrong_type(L, index, what, field, "a rotation: {axis=, angle=}, {from=, to=} or {x, y, z, w}");
+        wrong_type(L, index, what, field, "a rotation: {axis = {0, 1, 0}, angle = '90 deg'}, {from=, to=} or {x, y, z, w}");
     index = lua_absindex(L, index);
     push_path(L, what, field);
     const char *path = lua_tostring(L, -1);
@@ -202,7 +248,7 @@ quat bind_quat(lua_State *L, int index, const char *what, const char *field)
         return turned;
     }
     if (lua_rawlen(L, index) != 4)
-        bind_error(L, "%s wants {x, y, z, w}; got %d components", path, (int)lua_rawlen(L, index));
+        bind_error(L, "%s wants {axis = {0, 1, 0}, angle = '90 deg'} or {x, y, z, w}; got %d components", path, (int)lua_rawlen(L, index));
     real c[4];
     for (int i = 0; i < 4; i++) {
         lua_rawgeti(L, index, i + 1);

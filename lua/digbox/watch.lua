@@ -44,6 +44,17 @@ function core.count_warnings(world)
   return ("; %d warning%s (%s)"):format(#list, #list == 1 and "" or "s", table.concat(rules, ", "))
 end
 
+local remarked = {}
+
+-- What is legal but hardly meant, once: "world.lua:12: world:box.rotation.angle = 90 rad: write '90 deg' if degrees are meant"
+function core.remark(text)
+  local mode = core.options.mode
+  if remarked[text] or mode == "test" or (core.options.quiet and mode ~= "check") then return end
+  remarked[text] = true
+  core.clear_progress()
+  core.tell("digbox: " .. text .. "\n")
+end
+
 -- ---- bodies whose numbers were not finite any more ----
 
 local faults = {}               -- { body =, text = } of those that were set aside and nobody dealt with

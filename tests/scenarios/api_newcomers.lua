@@ -151,3 +151,21 @@ scenario("what a joint cannot be told is refused with what can", function(s)
     .. "(digbox api world:hinge)")
   says(function() hinge.a = hinge.a end, "joint.a cannot be assigned")
 end)
+
+scenario("numbers of radians that are hardly meant to be are refused with both ways to write them", function(s)
+  local world = s.world
+  local a = world:box { size = 0.2, at = { 0, 2, 0 } }
+  local hinge = world:hinge { a = a, at = { 0, 2, 0 }, axis = { 0, 0, 1 }, limits = { "-90 deg", "90 deg" } }
+  local hint = " is 14.3 turns: write '90 deg' if degrees are meant, else '90 rad'"
+  says(function() world:hinge { a = a, limits = { 0, 90 } } end, "world:hinge.limits = 90 rad" .. hint)
+  says(function() hinge.limits = { 0, 90 } end, "joint.limits = 90 rad" .. hint)
+  says(function() world:hinge { a = a, spring = { stiffness = 1, rest = 90 } } end, "world:hinge.spring.rest = 90 rad" .. hint)
+  says(function() world:ball_joint { a = a, swing = 90 } end, "world:ball_joint.swing = 90 rad" .. hint)
+  says(function() world:camera { at = { 1, 1, 1 }, fov = 90 } end, "world:camera.fov = 90 rad" .. hint)
+  says(function() a:can_move { turn = { 0, 1, 0 }, by = 90 } end, "body:can_move.by = 90 rad" .. hint)
+  hinge.limits = { -20 * math.pi, "90 rad" }            -- many turns
+  hinge.limits = { -6.2, math.huge }
+  world:slider { a = world:box { size = 0.2, at = { 3, 2, 0 } }, limits = { -90, 90 } }
+  says(function() world:box { size = 1, rotation = { 0, 90, 0 } } end,
+    "world:box.rotation wants {axis = {0, 1, 0}, angle = '90 deg'} or {x, y, z, w}; got 3 components")
+end)
