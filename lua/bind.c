@@ -158,7 +158,12 @@ int bind_unknown(lua_State *L, const char *what, const char *kind, const char *n
     char known[LIST_LIMIT + 8] = "";
     luaL_checkstack(L, 8, "too many values");
     const char **names = bind_names(L, first, last, &count);
-    const char *near = dig_suggest(name, names, count);
+    const char *near = bind_mean(name, names, count);
+    const char *note = near ? NULL : bind_mean_note(name, names, count);
+    if (note)
+        return bind_error(L, "%s %s '%.60s' (%s)", what, kind, name, note);
+    if (!near && strlen(name) > 1)      /* any letter is one edit from any other */
+        near = dig_suggest(name, names, count);
     if (near)
         return bind_error(L, "%s %s '%.60s' (did you mean '%s'?)", what, kind, name, near);
     size_t used = 0;
@@ -213,6 +218,8 @@ static int object_index(lua_State *L)
 static int read_only(lua_State *L)
 {
     const char *key = bind_name(L, 2, NULL);
+    if (luaL_testudata(L, 1, BIND_VEC))
+        return bind_error(L, "vector.%s cannot be assigned: vectors do not change, make another ({x, y, z}; body:teleport{ at = ... })", key);
     return bind_error(L, "%s.%s cannot be assigned", lua_tostring(L, lua_upvalueindex(1)), key);
 }
 
@@ -302,10 +309,22 @@ static int function_index(lua_State *L)
     return bind_error(L, "attempt to index a function value (field '%s')", key);
 }
 
+/* #world.bodies */
+static int function_length(lua_State *L)
+{
+    lua_settop(L, 1);
+    if (!push_method_name(L))
+        return bind_error(L, "attempt to get length of a function value");
+    const char *type = lua_tostring(L, -2), *method = lua_tostring(L, -1);
+    return bind_error(L, "%s is a method: #%s:%s()", method, type, method);
+}
+
 void bind_hint_methods(lua_State *L)
 {
     lua_pushcfunction(L, function_index);
-    lua_createtable(L, 0, 2);
+    lua_createtable(L, 0, 3);
+    lua_pushcfunction(L, function_length);
+    lua_setfield(L, -2, "__len");
     lua_pushcfunction(L, function_index);
     lua_setfield(L, -2, "__index");
     lua_pushboolean(L, 0);
@@ -494,6 +513,7 @@ int bind_open(lua_State *L)
     bind_own_open(L, core);
     bind_message_open(L, core);
     bind_frozen_open(L, core);
+    bind_mean_open(L, core);
     bind_shape_open(L, core);
     bind_joint_open(L, core);
     bind_graph_open(L, core);

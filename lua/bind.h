@@ -74,6 +74,7 @@ void bind_ask_open(lua_State *L, int core);
 void bind_own_open(lua_State *L, int core);
 void bind_message_open(lua_State *L, int core);
 void bind_frozen_open(lua_State *L, int core);
+void bind_mean_open(lua_State *L, int core);
 void bind_trace_open(lua_State *L, int core);
 void bind_schema_open(lua_State *L, int core);
 void bind_replay_open(lua_State *L, int core);
@@ -169,6 +170,14 @@ const char **bind_names(lua_State *L, int first, int last, int *count);
 /* "unknown field 'radus' (did you mean 'radius'?)", or the list of what is known. Candidates are the string keys of the tables
  * at first..last of the stack. */
 int bind_unknown(lua_State *L, const char *what, const char *kind, const char *name, int first, int last);
+
+/* What another name stands for here, by its meaning, out of the names that are known; or a sentence instead (bind_mean.c). NULL: nothing. */
+const char *bind_mean(const char *name, const char *const *names, int count);
+const char *bind_mean_note(const char *name, const char *const *names, int count);
+/* Pushes "world:ball{ radius = 0.1, at = {0, 1, 0} }", or "" where there is no example. */
+const char *bind_example(lua_State *L, const char *what);
+/* Raises "world:ball wants a table of fields; got number (write world:ball{ ... })". */
+int bind_wants_fields(lua_State *L, int index, const char *what);
 
 /* ---- types ------------------------------------------------------------------------- */
 

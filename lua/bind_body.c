@@ -284,6 +284,19 @@ static bool is_state(const char *key)
     return false;
 }
 
+static int refuse_state(lua_State *L, const char *key)
+{
+    static const struct { const char *names, *way; } ways[] = {
+        {" position at rotation velocity speed spin centre ", ": use :teleport"}, {" force ", ": use :push or :hit"}, {" torque ", ": use :twist"},
+        {" awake asleep ", ": use :wake"},
+    };
+    const char *way = "", *key_between = lua_pushfstring(L, " %s ", key);
+    for (size_t i = 0; i < sizeof ways / sizeof *ways; i++)
+        if (strstr(ways[i].names, key_between))
+            way = ways[i].way;
+    return bind_error(L, "body.%s is state and cannot be assigned%s", key, way);
+}
+
 /* body.friction = 0.3; body.position = p is refused */
 static int body_newindex(lua_State *L)
 {
@@ -296,7 +309,7 @@ static int body_newindex(lua_State *L)
         return 0;
     }
     if (is_state(key))
-        return bind_error(L, "body.%s is state and cannot be assigned: use :teleport", key);
+        return refuse_state(L, key);
     const dig_param *row = find_row(key);
     if (!row) {
         lua_newtable(L);

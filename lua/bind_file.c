@@ -278,7 +278,7 @@ static int check_fields(lua_State *L)
     WorldRef *world = luaL_testudata(L, 4, BIND_WORLD);
     lua_settop(L, 4);
     if (!lua_istable(L, 1))
-        return bind_error(L, "%s wants a table of fields; got %s", what, luaL_typename(L, 1));
+        return bind_wants_fields(L, 1, what);
     if (lua_isnil(L, 3)) {
         bind_push_declared(L, what);
         lua_replace(L, 3);

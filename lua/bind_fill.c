@@ -403,7 +403,8 @@ static void fail_nameless_key(lua_State *L, int table, const char *what)
             kind = luaL_typename(L, -2);
         }
     }
-    bind_error(L, "%s: unknown field %s (fields have names)", what, number ? lua_tostring(L, -1) : kind);
+    const char *name = number ? lua_tostring(L, -1) : kind, *example = bind_example(L, what);
+    bind_error(L, "%s: unknown field %s (fields have names%s%s)", what, name, *example ? ": " : "", example);
 }
 
 void bind_check_keys(lua_State *L, int table, const char *what, const dig_param *const *sets, const char *const *extras)

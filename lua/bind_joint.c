@@ -130,7 +130,7 @@ static int make_joint(lua_State *L)
 
     lua_settop(L, 2);
     if (!lua_istable(L, 2))
-        return bind_error(L, "%s wants a table of fields; got %s", what, luaL_typename(L, 2));
+        return bind_wants_fields(L, 2, what);
     check_joint_keys(L, what, schema);
     bool used[ALIAS_COUNT];
     resolve_aliases(L, what, schema, used);

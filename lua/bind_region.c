@@ -70,7 +70,7 @@ const dig_shape_def *bind_shape_argument(lua_State *L, const char *what, pose *a
         lua_rawseti(L, 2, 1);
     }
     if (!lua_istable(L, 2))
-        bind_error(L, "%s wants a table of fields; got %s", what, luaL_typename(L, 2));
+        bind_wants_fields(L, 2, what);
     if (lua_rawgeti(L, 2, 1) != LUA_TNIL)
         put_shape(L, what, NULL);
     lua_settop(L, 2);

@@ -136,7 +136,7 @@ static void check_required(lua_State *L, int table, const char *what, const dig_
 static void want_table(lua_State *L, int arg, const char *what)
 {
     if (!lua_istable(L, arg))
-        bind_error(L, "%s wants a table of fields; got %s", what, luaL_typename(L, arg));
+        bind_wants_fields(L, arg, what);
 }
 
 /* ---- world:sphere{...} and its kind --------------------------------------------------- */

@@ -19,11 +19,15 @@ static void push_path(lua_State *L, const char *what, const char *field)
 
 static int wrong_type(lua_State *L, int index, const char *what, const char *field, const char *wanted)
 {
-    const char *got = luaL_typename(L, index);
-    if (luaL_getmetafield(L, index, "__name") == LUA_TSTRING)
-        got = lua_tostring(L, -1);
+    index = lua_absindex(L, index);
+    const char *got = luaL_getmetafield(L, index, "__name") == LUA_TSTRING ? lua_tostring(L, -1) : luaL_typename(L, index);
     push_path(L, what, field);
-    return bind_error(L, "%s wants %s; got %s", lua_tostring(L, -1), wanted, got);
+    const char *hint = "";
+    if (luaL_testudata(L, index, BIND_BODY) && strncmp(wanted, "a vector", 8) == 0)
+        hint = " (its place is body.position)";
+    if (lua_type(L, index) == LUA_TNUMBER && field && strcmp(field, "gravity") == 0)
+        hint = " (y is up: {0, -9.81, 0})";
+    return bind_error(L, "%s wants %s; got %s%s", lua_tostring(L, -1), wanted, got, hint);
 }
 
 static real parse_text(lua_State *L, const char *text, const char *unit, const char *what, const char *field)
@@ -275,7 +279,7 @@ void bind_push_declared(lua_State *L, const char *what)
 void bind_arguments(lua_State *L, int table, const char *what)
 {
     if (!lua_istable(L, table))
-        wrong_type(L, table, what, NULL, "a table");
+        bind_wants_fields(L, table, what);
     table = lua_absindex(L, table);
     bind_push_declared(L, what);
     int declared = lua_gettop(L);

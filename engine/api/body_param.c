@@ -109,7 +109,7 @@ static dig_status do_set(World *w, dig_body handle, const char *name, const void
     else if (strcmp(name, "opacity") == 0)
         b->opacity = *number;
     else
-        return world_fail(w, DIG_E_ARG, "%s: '%s' is fixed at creation or is state; use :teleport for state", BODY_TEXT(w, b), name);
+        return world_fail(w, DIG_E_ARG, "%s: '%s' is decided when a body is made", BODY_TEXT(w, b), name);
     w->ledger.initial += w->ledger.started ? body_energy(w, b) - before : 0;      /* mass, material, gravity_scale */
     if (status == DIG_OK && (strcmp(name, "mass") == 0 || strcmp(name, "density") == 0 || strcmp(name, "material") == 0))
         status = api_effects_follow(w, handle.slot);

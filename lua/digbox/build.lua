@@ -8,7 +8,7 @@ local methods = core.types.world.methods
 -- Splits a table of fields: those named in spec, checked; the others, which must be fields of a body, but none of those that the thing
 -- gives its bodies itself. taken: field -> what to give instead, or nil
 function core.split(what, fields, spec, taken)
-  if type(fields) ~= "table" then core.fail("%s wants a table of fields; got %s", what, core.type(fields)) end
+  if type(fields) ~= "table" then core.wants_fields(fields, what) end
   local own, rest = {}, {}
   local strange
   for key, value in next, fields do
@@ -21,6 +21,7 @@ function core.split(what, fields, spec, taken)
       if not core.body_fields[key] and (not strange or tostring(key) < tostring(strange)) then strange = key end
     end
   end
+  if strange ~= nil and type(strange) ~= "string" then core.check({ [strange] = true }, what, spec) end         -- it says so
   if strange ~= nil then core.unknown(what .. ":", "unknown field", tostring(strange), spec, core.body_fields) end
   return core.check(own, what, spec), rest
 end
@@ -126,7 +127,7 @@ end
 
 -- world:room{size=, at=, friction=, restitution=} -> room: six walls without a body
 function methods.room(world, fields)
-  if type(fields) ~= "table" then core.fail("world:room wants a table of fields; got %s", core.type(fields)) end
+  if type(fields) ~= "table" then core.wants_fields(fields, "world:room") end
   core.room(world, fields)
   return setmetatable({ world = world }, Room)
 end

@@ -85,8 +85,9 @@ core.declare("digbox.world", { "Makes a world.", with = { "world" }, optional = 
 
 -- digbox.world{gravity=, step=, accuracy=, seed=, threads=, ...} -> world
 function digbox.world(fields)
+  if fields == digbox then core.fail "digbox.world is called with a point: digbox.world{...}" end
   if fields ~= nil and type(fields) ~= "table" then
-    core.fail("digbox.world wants a table of fields; got %s", core.type(fields))
+    core.wants_fields(fields, "digbox.world")
   end
   local copy = {}
   for k, v in next, fields or {} do copy[k] = v end
@@ -273,7 +274,10 @@ end
 
 core.guard_methods()
 setmetatable(digbox, {
-  __index = function(_, key) core.unknown("digbox", "has no function", tostring(key), digbox) end,
+  __index = function(_, key)
+    if methods[key] then core.fail("digbox has no function '%s': it is one of a world (world:%s)", key, key) end
+    core.unknown("digbox", "has no function", tostring(key), digbox)
+  end,
   __newindex = function(_, key) core.fail("digbox.%s cannot be assigned", tostring(key)) end,
   __metatable = false,
 })

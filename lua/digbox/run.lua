@@ -205,7 +205,9 @@ core.declare("world:step", { "Takes frame steps.", takes = { { "n", "int 1 >=0",
 function methods.step(world, n)
   local state = core.forbid_in_handler(world, "world:step()")
   if n == nil then n = 1 end
-  if math.type(n) ~= "integer" or n < 0 then core.fail("world:step wants a whole number of steps >= 0; got %s", tostring(n)) end
+  if math.type(n) ~= "integer" or n < 0 then
+    core.fail("world:step wants a whole number of steps >= 0; got %s (world:run goes by time)", tostring(n))
+  end
   while n > 0 do
     if core.options.dry or past_end(world) then core.finish_early() end
     n = n - advance_some(world, state, n)

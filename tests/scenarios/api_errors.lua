@@ -25,7 +25,8 @@ scenario("an unknown field is named, with the one that was meant", function(s)
   says(function() world:sun { form = { 1, 1, 1 } } end, "world:sun: unknown field 'form' (did you mean 'from'?)")
   says(function() digbox.world { gravty = 0 } end, "digbox.world: unknown field 'gravty' (did you mean 'gravity'?)")
   says(function() digbox.box { siez = 1 } end, "digbox.box: unknown field 'siez' (did you mean 'size'?)")
-  says(function() world:sphere { 0.1 } end, "world:sphere: unknown field 1 (fields have names)")
+  says(function() world:sphere { 0.1 } end,
+    "world:sphere: unknown field 1 (fields have names: world:sphere{ radius = 0.1, at = {0, 1, 0} })")
   expect((message_of(function() world:sphere { zzzzzz = 1 } end))):contains "(known: at, collides, colour, "
   says(function() return world:snapshot().restore end, "snapshot has no field or method 'restore': it has none")
 end)
@@ -63,16 +64,17 @@ scenario("of several mistakes the first in the alphabet is told, in every run", 
   expect(hinge.friction):is(friction)                       -- nothing is half done
   says(function() hinge:set { [print] = 1, friction = 1 } end, "joint:set: a parameter has a name; got a function")
   says(function() world:ball { [true] = 1, [7] = 2, [-2.5] = 3, [print] = 4, radus = 1 } end,
-    "world:ball: unknown field -2.5 (fields have names)")
-  says(function() world:ball { [print] = 4, [true] = 1, [{}] = 1 } end, "world:ball: unknown field boolean (fields have names)")
+    "world:ball: unknown field -2.5 (fields have names: world:ball{ radius = 0.1, at = {0, 1, 0} })")
+  says(function() world:ball { [print] = 4, [true] = 1, [{}] = 1 } end,
+    "world:ball: unknown field boolean (fields have names: world:ball{ radius = 0.1, at = {0, 1, 0} })")
   says(function() world:record { to = "x-%d.png", fps = -1, crf = -1, bitrate = 1 } end, (message_of(function()
     world:record { bitrate = 1, crf = -1, fps = -1, to = "x-%d.png" }
   end)))
 end)
 
 scenario("a far-off name lists what is known", function(s)
-  local text = message_of(function() s.world:sphere { bounciness = 1 } end)
-  expect(text):contains "world:sphere: unknown field 'bounciness' (known: "
+  local text = message_of(function() s.world:sphere { flavour = 1 } end)
+  expect(text):contains "world:sphere: unknown field 'flavour' (known: "
   expect(text):contains "radius"
   expect(text):contains "restitution"
 end)
@@ -163,7 +165,7 @@ scenario("fields, methods, events and modules that do not exist are errors", fun
   says(function() world:on("impact", { faster = 1 }, print) end,
     "world:on: unknown field 'faster' (known: faster_than, harder_than, kind, layer, region, wall, with)")
   says(function() return digbox.wrold end, "digbox has no function 'wrold' (did you mean 'world'?)")
-  says(function() return ball.position.w end, "vector has no field or method 'w' (did you mean 'x'?)")
+  says(function() return ball.position.w end, "vector has no field or method 'w' (known: cross, dot, length, normalized, unpack, x, y, z)")
   says(function() world:sphere { radius = 1, material = "oka" } end, "world:sphere.material: unknown material 'oka' (did you mean 'oak'?)")
   says(function() require "nonsense" end, "module 'nonsense' not found beside the script")
 end)
@@ -191,7 +193,8 @@ scenario("state cannot be assigned", function(s)
   local ball = s.world:ball { radius = 1 }
   says(function() ball.position = { 0, 1, 0 } end, "body.position is state and cannot be assigned: use :teleport")
   says(function() ball.velocity = { 0, 1, 0 } end, "body.velocity is state and cannot be assigned: use :teleport")
-  says(function() ball.position.x = 1 end, "vector.x cannot be assigned")
+  says(function() ball.position.x = 1 end, "vector.x cannot be assigned: "
+    .. "vectors do not change, make another ({x, y, z}; body:teleport{ at = ... })")
   says(function() s.world.time = 1 end, "world.time cannot be assigned (gravity and accuracy can)")
 end)
 
@@ -204,7 +207,8 @@ scenario("what is called or passed wrongly is said", function(s)
   says(function() ball:touches(stranger) end, "body 'stranger' belongs to another world")
   says(function() ball:touches(3) end, "expected a body, got number")
   says(function() ball:touches(world) end, "expected a body, got world")
-  says(function() world:sphere(3) end, "world:sphere wants a table of fields; got number")
+  says(function() world:sphere(3) end,
+    "world:sphere wants a table of fields; got number (write world:sphere{ radius = 0.1, at = {0, 1, 0} })")
   says(function() world:sphere { radius = 1, fixed = 1 } end, "world:sphere.fixed wants true or false; got number")
   says(function() world:sphere { radius = 1, at = { 1, 2 } } end, "world:sphere.at wants {x, y, z}; component z is missing")
   says(function() world:sphere { radius = 1, at = { 1, 2, 3, 4 } } end, "world:sphere.at wants {x, y, z}; got 4 components")

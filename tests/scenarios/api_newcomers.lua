@@ -169,3 +169,84 @@ scenario("numbers of radians that are hardly meant to be are refused with both w
   says(function() world:box { size = 1, rotation = { 0, 90, 0 } } end,
     "world:box.rotation wants {axis = {0, 1, 0}, angle = '90 deg'} or {x, y, z, w}; got 3 components")
 end)
+
+-- what is written, where, and what it is called here
+local elsewhere = {
+  { "world:ball { position = { 0, 1, 0 } }", "at" }, { "world:ball { pos = { 0, 1, 0 } }", "at" },
+  { "world:ball { static = true }", "fixed" }, { "world:ball { isStatic = true }", "fixed" }, { "world:ball { isKinematic = true }", "kinematic" },
+  { "world:ball { weight = 1 }", "mass" }, { "world:ball { color = 'red' }", "colour" }, { "world:ball { bounciness = 1 }", "restitution" },
+  { "world:ball { linearVelocity = { 1, 0, 0 } }", "velocity" }, { "world:ball { angular_velocity = { 1, 0, 0 } }", "spin" },
+  { "world:ball { diameter = 1 }", "radius" }, { "world:ball { frictionCoefficient = 1 }", "friction" },
+  { "world:ball { userData = 1 }", "data" }, { "world:ball { quaternion = 1 }", "rotation" },
+  { "world:box { halfExtents = { 1, 1, 1 } }", "size" }, { "world:box { width = 1 }", "size" },
+  { "world:addBall { radius = 1 }", "ball" }, { "world:cube { size = 1 }", "box" }, { "world:BoxGeometry(1, 1, 1)", "box" },
+  { "world:ground {}", "floor" }, { "world:stepSimulation()", "step" }, { "world:simulate(3)", "run" }, { "world:setGravity(0, -10, 0)", "gravity" },
+  { "world:raycast { from = 1 }", "ray" }, { "world:getBodies()", "bodies" }, { "world:createRevoluteJoint {}", "hinge" },
+  { "world:prismatic {}", "slider" }, { "world:FixedJoint {}", "weld" }, { "world:point2point {}", "ball_joint" }, { "world:light {}", "sun" },
+  { "world:draw()", "render" }, { "world:film {}", "record" }, { "world:getTime()", "time" },
+  { "print(ball.pos)", "position" }, { "print(ball:getPosition())", "position" }, { "print(ball.linvel)", "velocity" },
+  { "print(ball.omega)", "spin" }, { "print(ball.orientation)", "rotation" }, { "print(ball.com)", "centre" },
+  { "ball:setPosition(0, 1, 0)", "teleport" }, { "ball:set_velocity { 1, 0, 0 }", "teleport" }, { "ball:applyForce { 1, 0, 0 }", "push" },
+  { "ball:AddForce { 1, 0, 0 }", "push" }, { "ball:apply_impulse { 1, 0, 0 }", "hit" }, { "ball:addTorque { 1, 0, 0 }", "twist" },
+  { "ball:destroy()", "remove" }, { "ball:get_contacts()", "neighbours" }, { "print(ball.sleeping)", "asleep" },
+  { "ball.bounce = 1", "restitution" }, { "ball.gravity = 0", "gravity_scale" },
+  { "ball:push { force = { 1, 0, 0 }, duration = 1 }", "lasts" }, { "ball:push { force = 1, direction = { 1, 0, 0 } }", "along" },
+  { "ball:hit { force = { 1, 0, 0 } }", "impulse" }, { "ball:twist { torque = 1, axis = { 1, 0, 0 } }", "along" },
+  { "ball:teleport { position = { 0, 1, 0 } }", "at" }, { "ball:on('collision', print)", "contact_begin" },
+  { "world:on('onCollisionEnter', print)", "contact_begin" }, { "world:on('EndContact', print)", "contact_end" },
+  { "world:run { duration = 1 }", "seconds" }, { "world:camera { position = { 1, 1, 1 } }", "at" },
+  { "world:camera { at = { 1, 1, 1 }, target = ball }", "look_at" }, { "world:record { file = 'a.mp4' }", "to" },
+  { "world:render { to = 'a.png', width = 640 }", "size" }, { "digbox.world { dt = 0.01 }", "step" }, { "digbox.createWorld()", "world" },
+  { "digbox.Vector3(1, 2, 3)", "vec" }, { "world:hinge { bodyA = ball }", "a" }, { "world:hinge { a = ball, connectedBody = ball }", "b" },
+  { "world:hinge { a = ball, anchor = { 0, 1, 0 } }", "at" }, { "world:hinge { a = ball, lower = 1 }", "limits" },
+  { "world:spring { a = ball, k = 100 }", "stiffness" }, { "world:spring { a = ball, stiffness = 1, rest_length = 1 }", "length" },
+  { "world:weld { a = ball, breakForce = 10 }", "breaks_at" }, { "world:ball { radius = 1, material = 'metal' }", "steel" },
+}
+
+scenario("what has another name elsewhere is known by its meaning", function(s)
+  local env = { world = s.world, digbox = digbox, print = print, ball = s.world:ball { radius = 0.1, at = { 0, 1, 0 } } }
+  for _, case in ipairs(elsewhere) do
+    local text = expect(assert(load(case[1], "=line", "t", env))):fails()
+    local meant = text:match "did you mean '([^']*)'"
+    if meant ~= case[2] then expect(case[1] .. ": " .. text):is(case[2]) end
+  end
+  local world, ball = s.world, env.ball
+  says(function() world:add { shape = "box" } end, "world has no field or method 'add' "
+    .. "(things are made by their kind: world:ball{...}, world:box{...})")
+  expect((message_of(function() world:on("update", print) end))):contains "world:spawn(function(task) while true do ... task:wait() end end)"
+  expect((message_of(function() world:joint { type = "hinge" } end))):contains "joints are made by their kind"
+  expect((message_of(function() ball.onCollision = print end))):contains "body:on('contact_begin', function(e) ... end)"
+  says(function() return digbox.ball { radius = 1 } end, "digbox has no function 'ball': it is one of a world (world:ball)")
+  says(function() return digbox:world {} end, "digbox.world is called with a point: digbox.world{...}")
+  expect((message_of(function() ball.k = 1 end))):contains "(known: "             -- not the nearest letter
+end)
+
+scenario("fields have names, and an error shows how they are written", function(s)
+  local world = s.world
+  local ball = world:ball { radius = 0.1, at = { 0, 1, 0 } }
+  says(function() world:ball { 1, 2, 3 } end, "world:ball: unknown field 1 (fields have names: world:ball{ radius = 0.1, at = {0, 1, 0} })")
+  says(function() ball:push { 0, 0, 5 } end, "body:push: unknown field 1 (fields have names: body:push{ force = {0, 0, 5} })")
+  says(function() world:hinge(ball, ball) end, "world:hinge wants a table of fields; got body "
+    .. "(write world:hinge{ a = door, b = frame, at = {0, 1, 0}, axis = {0, 1, 0} })")
+  says(function() world:record "film.mp4" end, "world:record wants a table of fields; got string (write world:record{ to = 'film.mp4' })")
+  says(function() return #world.bodies end, "bodies is a method: #world:bodies()")
+  says(function() world.gravity = -9.81 end, "world.gravity wants a vector {x, y, z}; got number (y is up: {0, -9.81, 0})")
+  says(function() world:camera { at = ball } end, "world:camera.at wants a vector {x, y, z}; got body (its place is body.position)")
+  says(function() world:step(0.1) end, "world:step wants a whole number of steps >= 0; got 0.1 (world:run goes by time)")
+  says(function() ball.force = { 1, 0, 0 } end, "body.force is state and cannot be assigned: use :push or :hit")
+  says(function() ball.fixed = true end, "body #0: 'fixed' is decided when a body is made")
+end)
+
+-- Every answer of lua/bind_mean.c's examples is a call that works
+scenario("what an error shows can be written", function(s)
+  local world = s.world
+  local env = { world = world, digbox = digbox, body = world:ball { radius = 0.1, at = { 0, 9, 0 } } }
+  for _, call in ipairs { "world:ball", "world:sphere", "world:box", "world:capsule", "world:cylinder", "world:cone", "world:rod", "world:room",
+    "world:floor", "world:plane", "digbox.sphere", "digbox.box", "digbox.capsule", "digbox.cylinder", "body:push", "body:hit", "body:twist",
+    "body:teleport", "body:can_move", "world:sun", "world:lamp", "world:ray", "digbox.world" } do
+    local text = expect(assert(load(call .. "{ 1 }", "=line", "t", env))):fails()
+    local example = text:match "fields have names: (.*)%)$" or text:match "write (.*)%)$"
+    if not example then expect(call .. ": " .. text):is "an example" end
+    assert(load(example, "=line", "t", env))()
+  end
+end)
