@@ -514,6 +514,7 @@ int bind_open(lua_State *L)
     bind_message_open(L, core);
     bind_frozen_open(L, core);
     bind_mean_open(L, core);
+    bind_hint_open(L, core);
     bind_shape_open(L, core);
     bind_joint_open(L, core);
     bind_graph_open(L, core);

@@ -75,6 +75,7 @@ void bind_own_open(lua_State *L, int core);
 void bind_message_open(lua_State *L, int core);
 void bind_frozen_open(lua_State *L, int core);
 void bind_mean_open(lua_State *L, int core);
+void bind_hint_open(lua_State *L, int core);
 void bind_trace_open(lua_State *L, int core);
 void bind_schema_open(lua_State *L, int core);
 void bind_replay_open(lua_State *L, int core);
@@ -176,6 +177,8 @@ const char *bind_mean(const char *name, const char *const *names, int count);
 const char *bind_mean_note(const char *name, const char *const *names, int count);
 /* Pushes "world:ball{ radius = 0.1, at = {0, 1, 0} }", or "" where there is no example. */
 const char *bind_example(lua_State *L, const char *what);
+/* Puts behind the message on the top, where it is one of Lua's own, what may help who comes from elsewhere (bind_hint.c). */
+void bind_hint(lua_State *L);
 /* Raises "world:ball wants a table of fields; got number (write world:ball{ ... })". */
 int bind_wants_fields(lua_State *L, int index, const char *what);
 

@@ -424,6 +424,20 @@ static void make_library(lua_State *L, const char *name, lua_CFunction open, con
     lua_pop(L, 1);
 }
 
+/* A global that is not there is nil, but words that mean something elsewhere are not meant to be nothing: `fixed = True`. */
+static int refuse_foreign(lua_State *L)
+{
+    static const struct { const char *word, *here; } words[] = {
+        {"True", "true"}, {"TRUE", "true"}, {"False", "false"}, {"FALSE", "false"}, {"None", "nil"}, {"null", "nil"}, {"NULL", "nil"},
+        {"nullptr", "nil"}, {"undefined", "nil"},
+    };
+    const char *key = lua_type(L, 2) == LUA_TSTRING ? lua_tostring(L, 2) : "";
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+        if (strcmp(words[i].word, key) == 0)
+            return bind_error(L, "there is no '%s': Lua writes %s", key, words[i].here);
+    return 0;
+}
+
 /* `require` is no field of _G (the table on the top) but found by its metatable. */
 static void make_require(lua_State *L)
 {
@@ -433,6 +447,11 @@ static void make_require(lua_State *L)
     lua_pushcclosure(L, base_require, 1);
     allow(L);
     lua_setfield(L, -2, "require");
+    lua_createtable(L, 0, 1);
+    lua_pushcfunction(L, refuse_foreign);
+    allow(L);
+    lua_setfield(L, -2, "__index");
+    lua_setmetatable(L, -2);
     lua_setfield(L, -2, "__index");
     lua_pushvalue(L, -1);
     lua_setfield(L, LUA_REGISTRYINDEX, "digbox.globals");

@@ -511,6 +511,8 @@ static int handle_message(lua_State *L)
             lua_insert(L, 1);
             lua_concat(L, 2);
         }
+        lua_settop(L, 1);
+        bind_hint(L);
         return 1;
     }
     lua_getfield(L, LUA_REGISTRYINDEX, "digbox.core");

@@ -412,7 +412,7 @@ static bool suggest_word(const char *unit, char *out, size_t capacity)
     size_t n = 0;
     if (unit[0] == ',')
         return snprintf(out, capacity, " (decimals follow a point: 1.5)") > 0;
-    for (; unit[n] && n < sizeof word - 1; n++)
+    for (; n < sizeof word - 1 && unit[n]; n++)
         word[n] = (char)tolower((unsigned char)unit[n]);
     word[n] = '\0';
     if (n > 1 && word[n - 1] == 's')

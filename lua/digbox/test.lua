@@ -522,7 +522,8 @@ local function run_once(entry, jitter)
   local s = new_scenario(entry, jitter)
   current = s
   local ok, message = xpcall(entry.fn, function(m)
-    if type(m) == "string" or m == core.finished then return m end
+    if type(m) == "string" then return core.hint(m) end
+    if m == core.finished then return m end
     return core.where() .. ("error was called with a %s, must be with a text that says what is wrong"):format(type(m))
   end, s, entry.accuracy)
   current = nil

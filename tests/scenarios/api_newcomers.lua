@@ -173,16 +173,19 @@ end)
 -- what is written, where, and what it is called here
 local elsewhere = {
   { "world:ball { position = { 0, 1, 0 } }", "at" }, { "world:ball { pos = { 0, 1, 0 } }", "at" },
-  { "world:ball { static = true }", "fixed" }, { "world:ball { isStatic = true }", "fixed" }, { "world:ball { isKinematic = true }", "kinematic" },
+  { "world:ball { static = true }", "fixed" }, { "world:ball { isStatic = true }", "fixed" },
+  { "world:ball { isKinematic = true }", "kinematic" },
   { "world:ball { weight = 1 }", "mass" }, { "world:ball { color = 'red' }", "colour" }, { "world:ball { bounciness = 1 }", "restitution" },
   { "world:ball { linearVelocity = { 1, 0, 0 } }", "velocity" }, { "world:ball { angular_velocity = { 1, 0, 0 } }", "spin" },
   { "world:ball { diameter = 1 }", "radius" }, { "world:ball { frictionCoefficient = 1 }", "friction" },
   { "world:ball { userData = 1 }", "data" }, { "world:ball { quaternion = 1 }", "rotation" },
   { "world:box { halfExtents = { 1, 1, 1 } }", "size" }, { "world:box { width = 1 }", "size" },
   { "world:addBall { radius = 1 }", "ball" }, { "world:cube { size = 1 }", "box" }, { "world:BoxGeometry(1, 1, 1)", "box" },
-  { "world:ground {}", "floor" }, { "world:stepSimulation()", "step" }, { "world:simulate(3)", "run" }, { "world:setGravity(0, -10, 0)", "gravity" },
+  { "world:ground {}", "floor" }, { "world:stepSimulation()", "step" }, { "world:simulate(3)", "run" },
+  { "world:setGravity(0, -10, 0)", "gravity" },
   { "world:raycast { from = 1 }", "ray" }, { "world:getBodies()", "bodies" }, { "world:createRevoluteJoint {}", "hinge" },
-  { "world:prismatic {}", "slider" }, { "world:FixedJoint {}", "weld" }, { "world:point2point {}", "ball_joint" }, { "world:light {}", "sun" },
+  { "world:prismatic {}", "slider" }, { "world:FixedJoint {}", "weld" }, { "world:point2point {}", "ball_joint" },
+  { "world:light {}", "sun" },
   { "world:draw()", "render" }, { "world:film {}", "record" }, { "world:getTime()", "time" },
   { "print(ball.pos)", "position" }, { "print(ball:getPosition())", "position" }, { "print(ball.linvel)", "velocity" },
   { "print(ball.omega)", "spin" }, { "print(ball.orientation)", "rotation" }, { "print(ball.com)", "centre" },
@@ -213,7 +216,8 @@ scenario("what has another name elsewhere is known by its meaning", function(s)
   local world, ball = s.world, env.ball
   says(function() world:add { shape = "box" } end, "world has no field or method 'add' "
     .. "(things are made by their kind: world:ball{...}, world:box{...})")
-  expect((message_of(function() world:on("update", print) end))):contains "world:spawn(function(task) while true do ... task:wait() end end)"
+  expect((message_of(function() world:on("update",
+    print) end))):contains "world:spawn(function(task) while true do ... task:wait() end end)"
   expect((message_of(function() world:joint { type = "hinge" } end))):contains "joints are made by their kind"
   expect((message_of(function() ball.onCollision = print end))):contains "body:on('contact_begin', function(e) ... end)"
   says(function() return digbox.ball { radius = 1 } end, "digbox has no function 'ball': it is one of a world (world:ball)")
@@ -241,7 +245,8 @@ end)
 scenario("what an error shows can be written", function(s)
   local world = s.world
   local env = { world = world, digbox = digbox, body = world:ball { radius = 0.1, at = { 0, 9, 0 } } }
-  for _, call in ipairs { "world:ball", "world:sphere", "world:box", "world:capsule", "world:cylinder", "world:cone", "world:rod", "world:room",
+  for _, call in ipairs { "world:ball", "world:sphere", "world:box", "world:capsule", "world:cylinder", "world:cone",
+    "world:rod", "world:room",
     "world:floor", "world:plane", "digbox.sphere", "digbox.box", "digbox.capsule", "digbox.cylinder", "body:push", "body:hit", "body:twist",
     "body:teleport", "body:can_move", "world:sun", "world:lamp", "world:ray", "digbox.world" } do
     local text = expect(assert(load(call .. "{ 1 }", "=line", "t", env))):fails()
