@@ -34,7 +34,8 @@ static void check_bounds(const Fill *f, const dig_param *row, const char *part, 
         bind_error(f->L, "%s, must be >= 0", value);
     if (x < row->min)
         bind_error(f->L, "%s, must be at least %s%s%s", value, lua_pushfstring(f->L, "%f", row->min), gap, unit);
-    bind_error(f->L, "%s, must be at most %s%s%s", value, lua_pushfstring(f->L, "%f", row->max), gap, unit);
+    bind_error(f->L, "%s, must be at most %s%s%s%s", value, lua_pushfstring(f->L, "%f", row->max), gap, unit,
+               row->kind == DIG_COLOUR ? " (write {1, 0.5, 0}, '#ff8000' or a name)" : "");
 }
 
 /* "world", "plank", or what Lua calls it */

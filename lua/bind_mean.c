@@ -72,7 +72,7 @@ static const Meaning meanings[] = {
     {"contacts getcontacts touching collisions colliding getcontactpoints overlapping contactlist getcollisions", "neighbours touches"},
     {"iscolliding istouching collideswith intersects", "touches"},
     {"aabb boundingbox getaabb box bbox", "bounds"},
-    {"connections joined", "links"},
+    {"connections joined joints constraints getjoints", "joints links"},
     {"duration time seconds for timespan period", "lasts seconds"},
     {"direction dir axis normal toward towards heading", "along axis turn"},
     {"point position pos location where anchor pivot origin contactpoint", "at"},

@@ -25,6 +25,10 @@ static int wrong_type(lua_State *L, int index, const char *what, const char *fie
     const char *hint = "";
     if (luaL_testudata(L, index, BIND_BODY) && strncmp(wanted, "a vector", 8) == 0)
         hint = " (its place is body.position)";
+    const char *text = lua_type(L, index) == LUA_TSTRING ? lua_tostring(L, index) : "";
+    size_t sign = *text == '-' || *text == '+';
+    if (text[sign] && strchr("xyzXYZ", text[sign]) && !text[sign + 1])
+        hint = strchr("xX", text[sign]) ? " (x is {1, 0, 0})" : strchr("yY", text[sign]) ? " (y, up, is {0, 1, 0})" : " (z is {0, 0, 1})";
     if (lua_type(L, index) == LUA_TNUMBER && field && strcmp(field, "gravity") == 0)
         hint = " (y is up: {0, -9.81, 0})";
     return bind_error(L, "%s wants %s; got %s%s", lua_tostring(L, -1), wanted, got, hint);

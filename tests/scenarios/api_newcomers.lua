@@ -236,6 +236,10 @@ scenario("fields have names, and an error shows how they are written", function(
   says(function() return #world.bodies end, "bodies is a method: #world:bodies()")
   says(function() world.gravity = -9.81 end, "world.gravity wants a vector {x, y, z}; got number (y is up: {0, -9.81, 0})")
   says(function() world:camera { at = ball } end, "world:camera.at wants a vector {x, y, z}; got body (its place is body.position)")
+  says(function() world:hinge { a = ball, axis = "z" } end, "world:hinge.axis wants a vector {x, y, z}; got string (z is {0, 0, 1})")
+  says(function() ball:push { force = 1, along = "-y" } end, "body:push.along wants a vector {x, y, z}; got string (y, up, is {0, 1, 0})")
+  says(function() world:ball { radius = 1, colour = { 255, 0, 0 } } end,
+    "world:ball: colour.x = 255, must be at most 1.0 (write {1, 0.5, 0}, '#ff8000' or a name)")
   says(function() world:step(0.1) end, "world:step wants a whole number of steps >= 0; got 0.1 (world:run goes by time)")
   says(function() ball.force = { 1, 0, 0 } end, "body.force is state and cannot be assigned: use :push or :hit")
   says(function() ball.fixed = true end, "body #0: 'fixed' is decided when a body is made")
