@@ -51,6 +51,11 @@ static const Meaning meanings[] = {
     {"title label id tag key", "name"},
     {"userdata user custom properties attributes extra", "data"},
     {"substance stuff surface", "material"},
+    {"depth height surface", "level"},
+    {"radius diameter r", "radius top_radius"},
+    {"gravity drag force", "laws"},
+    {"magnitude len norm mag size abs", "length"},
+    {"normalize unit unitvector direction", "normalized"},
     {"dimensions dims dimension extents extent scale sides halfextents halfsize width height depth length resolution res w h", "size"},
     {"diameter r rad d", "radius"},
     {"length l depth", "height"},
@@ -138,7 +143,7 @@ static const Meaning meanings[] = {
     /* pictures */
     {"target look lookat center centre focus aim", "look_at"},
     {"fieldofview zoom angle", "fov"},
-    {"file filename path output out name", "to"},
+    {"file filename path output out", "to"},
     {"framerate fpsrate rate frequency hz", "fps"},
     {"aa antialiasing msaa supersampling", "samples"},
     {"track attach parent", "follow"},
@@ -168,6 +173,9 @@ static const Meaning meanings[] = {
     {"limit reached", "limit_reached"},
     {"enter regionenter", "entered"},
     {"exit leave", "left"},
+    {"position pos location at where contactpoint", "point"},
+    {"target othercollider body2 collider hit", "other"},
+    {"body me this source object", "self"},
     /* materials */
     {"metal", "steel"}, {"timber oakwood hardwood", "oak"}, {"softwood", "pine"}, {"rock granite marble", "stone"}, {"cement", "concrete"},
     {"aluminum alu", "aluminium"}, {"ceramic", "tile"}, {"styrofoam", "foam"}, {"none", "default"},
@@ -181,10 +189,12 @@ static const struct { const char *words, *where, *text; } notes[] = {
     {"remove delete destroy kill", "floor", "things remove themselves: body:remove(), joint:remove()"},
     {"update step tick frame everyframe fixedupdate prestep poststep timer time stepped heartbeat", "contact_begin",
      "what is done at every step is a task: world:spawn(function(task) while true do ... task:wait() end end)"},
+    {"direction dir at position angle", "shadows", "from = {3, 6, 2} is where its light comes from"},
     {"duration seconds length time", "fps", "a film goes on while the world runs: world:run '3 s'"},
     {"oncontact oncollision ontrigger oncollisionenter ontriggerenter oncollide onhit onstep onupdate", "gravity_scale",
      "events are listened to: body:on('contact_begin', function(e) ... end)"},
     {"active enabled isactive awake", "gravity_scale", "body:disable() takes it out of the world, body:wake() wakes it"},
+    {"name mass material id fixed data asleep remove push", "other_dig", "a handler gets an event, with its bodies: e.self, e.other"},
     {"speed velocity pos position", "gravity_scale", "state is set by body:teleport{ at =, velocity =, spin = }"},
 };
 

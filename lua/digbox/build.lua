@@ -128,6 +128,7 @@ end
 -- world:room{size=, at=, friction=, restitution=} -> room: six walls without a body
 function methods.room(world, fields)
   if type(fields) ~= "table" then core.wants_fields(fields, "world:room") end
+  if rawget(fields, "size") == nil and rawget(fields, 1) == nil then core.fail "world:room: size is missing (from wall to wall)" end
   core.room(world, fields)
   return setmetatable({ world = world }, Room)
 end

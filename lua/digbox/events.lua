@@ -204,9 +204,15 @@ local function who(e)
   return a and " of " .. tostring(a) .. other or ""
 end
 
+-- What handlers get is a copy; a name that no event has is a mistake, such as that of a handler that takes the other body for it.
+local event_meta = { __metatable = false, __index = function(_, key)
+  local known = core.declared.types.event.properties
+  if type(key) == "string" and not known[key] then core.unknown("event", "has no field", key, known) end
+end }
+
 local function call(state, sub, e)
   state.in_handler, state.calls = sub.kind, (state.calls or 0) + 1
-  local ok, message = core.call(sub.fn, copy_for(e, sub.body))
+  local ok, message = core.call(sub.fn, setmetatable(copy_for(e, sub.body), event_meta))
   state.in_handler = nil
   if ok then
     if message == true and e.event == "disabled" then core.forgive(e.a) end

@@ -203,6 +203,9 @@ local elsewhere = {
   { "digbox.Vector3(1, 2, 3)", "vec" }, { "world:hinge { bodyA = ball }", "a" }, { "world:hinge { a = ball, connectedBody = ball }", "b" },
   { "world:hinge { a = ball, anchor = { 0, 1, 0 } }", "at" }, { "world:hinge { a = ball, lower = 1 }", "limits" },
   { "world:spring { a = ball, k = 100 }", "stiffness" }, { "world:spring { a = ball, stiffness = 1, rest_length = 1 }", "length" },
+  { "world:bucket { radius = 1 }", "top_radius" }, { "world:water { depth = 1 }", "level" },
+  { "world:region { at = { 0, 1, 0 }, gravity = { 0, 1, 0 } }", "laws" }, { "print(ball.velocity:magnitude())", "length" },
+  { "print(ball.velocity:normalize())", "normalized" },
   { "world:weld { a = ball, breakForce = 10 }", "breaks_at" }, { "world:ball { radius = 1, material = 'metal' }", "steel" },
 }
 
@@ -222,6 +225,9 @@ scenario("what has another name elsewhere is known by its meaning", function(s)
   expect((message_of(function() ball.onCollision = print end))):contains "body:on('contact_begin', function(e) ... end)"
   says(function() return digbox.ball { radius = 1 } end, "digbox has no function 'ball': it is one of a world (world:ball)")
   says(function() return digbox:world {} end, "digbox.world is called with a point: digbox.world{...}")
+  says(function() world:sun { direction = { 0, -1, 0 } } end, "world:sun: unknown field 'direction' "
+    .. "(from = {3, 6, 2} is where its light comes from)")
+  says(function() world:room {} end, "world:room: size is missing (from wall to wall)")
   expect((message_of(function() ball.k = 1 end))):contains "(known: "             -- not the nearest letter
 end)
 
@@ -258,4 +264,24 @@ scenario("what an error shows can be written", function(s)
     if not example then expect(call .. ": " .. text):is "an example" end
     assert(load(example, "=line", "t", env))()
   end
+end)
+
+scenario("a handler that takes the event for a body hears of it", function(s)
+  local world = s.world
+  world:floor {}
+  local ball = world:ball { radius = 0.1, at = { 0, 0.2, 0 } }
+  local sub = ball:on("contact_begin", function(other) print(other.name) end)
+  local text = expect(function() world:run(1) end):fails()
+  expect(text):contains "event has no field 'name' (a handler gets an event, with its bodies: e.self, e.other)"
+  sub:off()
+  ball:teleport { at = { 0, 1, 0 } }
+  local seen
+  ball:on("contact_begin", function(e)
+    e.note = "own"
+    seen = { e.note, e.joint, e[1], e.other.kind, pcall(function() return e.position end) }
+  end)
+  world:run(1)
+  expect(seen[1]):is "own"
+  expect(seen[2]):is(nil)
+  expect(seen[#seen]):contains "event has no field 'position' (did you mean 'point'?)"
 end)
