@@ -196,6 +196,7 @@ typedef struct dig_stats {
     uint64_t rejected;                  /* steps that failed and were undone            */
     int      groups;                    /* sets of DIGs advanced together, last step    */
     int      iterations;                /* solver sweeps, summed over groups            */
+    int      factors;                   /* of them, factorisations: all rows of a group solved at once */
     int      substeps;                  /* parts of the step, summed over groups        */
     int      located;                   /* impacts located in time, last step           */
     int      traced, conserved, swept;  /* groups by the way they were advanced, last step */

@@ -339,6 +339,7 @@ static int world_stats(lua_State *L)
     bind_set_int(L, "rejected", (lua_Integer)s.rejected);
     bind_set_int(L, "groups", s.groups);
     bind_set_int(L, "iterations", s.iterations);
+    bind_set_int(L, "factors", s.factors);
     bind_set_int(L, "substeps", s.substeps);
     bind_set_int(L, "located", s.located);
     bind_set_int(L, "traced", s.traced);

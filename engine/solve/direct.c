@@ -446,6 +446,14 @@ static bool solve_joints(Direct *d)
     return finite(d) && real_max(d->error, d->unbalanced) < real_max(JOINT_POOR, speed);
 }
 
+/* A factorisation also counts as a sweep. */
+static void count(Direct *d)
+{
+    d->g->sweeps += d->factors;
+    d->g->factors += d->factors;
+    d->g->multiplied += d->factors * d->blocks.work;
+}
+
 static bool run(Direct *d, real residual)
 {
     Group *g = d->g;
@@ -455,7 +463,7 @@ static bool run(Direct *d, real residual)
     bool fine = open_direct(d) && (g->joints_direct ? solve_joints(d) : solve(d, residual));
     if (fine)
         write_back(d);
-    g->sweeps += d->factors;
+    count(d);
     arena_rewind(g->arena, mark);
     return fine;
 }
@@ -471,7 +479,7 @@ bool direct_project(Group *g)
         const real *v = d.v + 6 * i;
         g->vel[d.body[i]] = (Vel){{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
     }
-    g->sweeps += d.factors;
+    count(&d);
     arena_rewind(g->arena, mark);
     return fine;
 }

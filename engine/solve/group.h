@@ -256,6 +256,8 @@ struct Group {
     const char *gave_up;        /* why a finer way failed within its budget in this step; NULL = none did */
     int       substeps, sweeps, located;
     bool      starts_soft;      /*     a direct solve of this step did not get there with rows hard at once */
+    int       factors;          /*     factorisations of direct solves of this step */
+    real      multiplied;       /*     multiplications in them */
     int       direct_failures;  /*     direct solves of this step that did not converge */
     int       rescues_failed;   /*     the same of those that are tried after the sweeps */
     bool      stalled;          /*     the last sweeps brought nothing                  */

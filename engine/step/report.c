@@ -148,12 +148,13 @@ static void sum_groups(World *w, const Step *s)
 {
     dig_stats *t = &w->stats;
     t->groups = s->count;
-    t->iterations = t->substeps = t->located = t->evaluations = t->refused = t->trace_events = 0;
+    t->iterations = t->factors = t->substeps = t->located = t->evaluations = t->refused = t->trace_events = 0;
     t->traced = t->conserved = t->swept = t->unturned = 0;
     t->residual = t->penetration = t->joint_error = 0;
     for (int i = 0; i < s->count; i++) {
         const Group *g = &s->groups[i];
         t->iterations += g->sweeps;
+        t->factors += g->factors;
         t->substeps += g->substeps;
         t->located += g->located;
         t->evaluations += g->evaluations;
