@@ -19,12 +19,12 @@
 
 #define HEAVY         30.0      /*      times the lightest mass: an error that is nothing to what is heavy throws what is light */
 /* Counts that bound the work, without and with something heavy */
-static const int most_points[2] = {1000, 4000}, most_failures[2] = {1, 64};     /* failures in a step */
+static const int most_points[2] = {1000, 4000}, most_failures[2] = {1, 4};      /* failures in a step, one after the other */
 static const real most_work[2] = {1e6, 4e6};                                    /* multiplications of one factorisation */
 #define MOST_BODIES   512
 #define MOST_ROUNDS   20
 #define MOST_STEPS    30        /*      of Newton's method in a round */
-#define MOST_FACTORS  60        /*      in all rounds; where nothing is heavy also so many as points times factors allow, or few */
+#define MOST_FACTORS  200       /*      in all rounds; where nothing is heavy also so many as points times factors allow, or few */
 #define FACTOR_POINTS 4000
 #define FEW_FACTORS   12
 #define FAST          0.03      /*      of the speed of a fall by its own size: such a contact slides or tumbles */
@@ -40,6 +40,9 @@ static const real most_work[2] = {1e6, 4e6};                                    
 #define MOST_RESCUES  2         /*      that failed in a step */
 #define AIM           1e-9      /* m/s  wanted at least: what is left adds up to creep */
 #define LOOSE         0.1       /*      a round is done to this part of what it is off */
+#define AHEAD         0.1       /*      and of what the estimates were off in the last one: lifts that are still to change throw away what is finer */
+#define LIFT_ALONE    1e-3      /*      of that: rows that are off by less hold, and only lifts change. Harder rows do not bring those nearer. */
+#define LOST          1e-2      /* m/s  a round that ends this far from its minimum has failed, and with it the solve */
 /* With joints */
 #define JOINT_SOFT    1e3       /*      times the compliance of a contact at first */
 /* The same where nothing is heavy, but much slides and turns. There a round is not carried on: the next would begin with all
@@ -411,10 +414,11 @@ static bool solve(Direct *d, real residual)
     d->error = INFINITY;
     for (int stalled = 0; d->rounds < MOST_ROUNDS && d->error > residual && d->factors < d->most_factors; d->rounds++) {
         real before = d->error, off_before = off;
-        if (!carry_on(d) || !minimise(d, enough))
+        if (!carry_on(d) || !minimise(d, isfinite(before) ? real_max(enough, AHEAD * before) : enough) || d->unbalanced > LOST)
             return false;
         off = direct_off(d);
-        d->error = direct_round(d, d->hardened > 1 || off > 0.1 * off_before);
+        bool soft = d->hardened > 1 || off > 0.1 * off_before, holds = off < real_max(0.1 * residual, LIFT_ALONE * before);
+        d->error = direct_round(d, soft && !holds);
         stalled = d->error > 0.5 * before ? stalled + 1 : 0;
         d->swings = stalled >= 2;
         if (stalled >= 2 && d->error < GOOD)
@@ -495,6 +499,7 @@ bool direct_solve(Group *g, real residual)
 {
     Direct d = {.g = g, .hardened = 1, .hardest = HARDEST, .most_factors = MOST_FACTORS, .accept = GOOD};
     bool heavy = group_top_heavy(g), light = !heavy && !g->joints_direct, fine = false;
+    int before = g->factors;
     residual = real_min(residual, AIM);
     if (g->joints_direct) {
         d.hardened = group_bears_load(g) ? JOINT_SOFT : CROWD_SOFT;
@@ -509,7 +514,8 @@ bool direct_solve(Group *g, real residual)
     g->starts_soft = light && !fine;
     if (g->starts_soft)
         fine = solve_soft(g, residual, int_min(SOFT_FACTORS, SOFT_POINTS / g->point_count), SOFT_GOOD);
-    g->direct_failures += !fine;
+    g->direct_factors = g->factors - before;
+    g->direct_failures = fine && !g->joints_direct ? 0 : g->direct_failures + !fine;
     return fine;
 }
 

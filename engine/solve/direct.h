@@ -27,6 +27,7 @@ typedef struct Triple {
     real target[3];             /* m/s */
     real mu, bound;
     real lift;                  /* m/s   De Saxce's: mu times the slip                             */
+    real lift_before, slip_before;  /* m/s  the lift of the round before, and what it led to; no number = none */
     real start[3];              /* N s   already in the velocities                                 */
     real prox[3], force[3];     /* N s   of the last round, and now                                */
     real rate[3], change[3];    /* m/s   J v, and J dv                                             */

@@ -27,6 +27,11 @@ static real start_rate(const Group *g, const Dir *d, int a, int b)
     return vec3_dot(d->n, vec3_sub(vb.v, va.v)) + vec3_dot(d->aa, va.w) + vec3_dot(d->ab, vb.w);
 }
 
+#define ON_CONE 0.999           /* of the bound: what sweeps have left there slides */
+
+/* By the sweeps so far. What is open counts as sliding: it will, should it close. */
+static bool sticks(const PointRow *p, real mu) { return hypot(p->jt[0], p->jt[1]) < ON_CONE * mu * (p->jn + p->blow); }
+
 static void add_point(Direct *d, int i)
 {
     const PointRow *p = &d->g->points[i];
@@ -47,7 +52,8 @@ static void add_point(Direct *d, int i)
     t->rate[0] = dir_rate(d->g, &p->n, p->a, p->b);
     t->rate[1] = dir_rate(d->g, &p->t[0], p->a, p->b);
     t->rate[2] = dir_rate(d->g, &p->t[1], p->a, p->b);
-    if (t->set == SET_CONE && p->slides && p->jn > 0)
+    t->lift_before = t->slip_before = NAN;
+    if (t->set == SET_CONE && (d->g->joints_direct ? p->slides && p->jn > 0 : !sticks(p, t->mu)))
         t->lift = t->mu * (d->late_lift ? hypot(start_rate(d->g, &p->t[0], p->a, p->b), start_rate(d->g, &p->t[1], p->a, p->b))
                                         : length_of(t->rate + 1, 2));
 }
@@ -387,6 +393,22 @@ void direct_begin(Direct *d)
     }
 }
 
+/* The lift that the slip of this round asks for, or a better one where rounds go to and fro: by the secant through the last two, which is
+ * Aitken's (Irons & Tuck 1969). Plain rounds come nearer by half each, or not at all; the bounds keep kinks from throwing it. */
+#define SECANT_LEAST 0.25
+#define SECANT_MOST  8.0
+static void follow_lift(const Direct *d, Triple *t, real lift)
+{
+    real was = t->lift, part = 1;
+    if (d->swings) {
+        real slope = (lift - t->slip_before) / (was - t->lift_before);
+        part = isfinite(slope) ? slope < 1 ? real_clamp(1 / (1 - slope), SECANT_LEAST, SECANT_MOST) : SECANT_MOST : 0.5;
+    }
+    t->lift = real_max(0, was + part * (lift - was));
+    t->lift_before = was;
+    t->slip_before = lift;
+}
+
 /* The estimate of one triple; returns how far it was off. The forces are carried on in a straight line to what the new
  * estimate wishes for: friction and gaps answer to it as they do now. */
 static real next_triple(Direct *d, int i, real harder)
@@ -404,7 +426,7 @@ static real next_triple(Direct *d, int i, real harder)
     if (d->late_lift)
         lift = t->lift;
     worst = real_max(worst, fabs(lift - t->lift));
-    t->lift = d->swings ? 0.5 * (t->lift + lift) : lift;
+    follow_lift(d, t, lift);
     follow_bounds(d, i);
     worst = real_max(worst, reach * t->r / (COMPLIANCE * d->hardened) * fabs(t->bound - bound));
     t->r *= harder;

@@ -258,7 +258,9 @@ struct Group {
     bool      starts_soft;      /*     a direct solve of this step did not get there with rows hard at once */
     int       factors;          /*     factorisations of direct solves of this step */
     real      multiplied;       /*     multiplications in them */
-    int       direct_failures;  /*     direct solves of this step that did not converge */
+    int       direct_failures;  /*     direct solves of this step that did not converge; without joints, one after the other */
+    int       direct_factors;   /*     that the last direct solve of this step took */
+    real      residual_first;   /* m/s what the first of the last sweeps changed velocities by */
     int       rescues_failed;   /*     the same of those that are tried after the sweeps */
     bool      stalled;          /*     the last sweeps brought nothing                  */
     bool      unsolved;         /*     in this substep, rows that contradict each other */

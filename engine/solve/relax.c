@@ -364,6 +364,7 @@ static int relax_accelerated(Group *g, int sweeps, real residual, real *worst)
         *worst = sweep_once(g);
         done++;
         first = done == 1 ? *worst : first;
+        g->residual_first = first;
         diverged = !(*worst <= DIVERGED * first);       /* or is no number */
         if (diverged)
             break;

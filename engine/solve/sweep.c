@@ -438,6 +438,15 @@ static int sweeps_for(const Group *g, int most)
 #define FIRST_SWEEPS 12
 #define LAST_SWEEPS 3
 
+#define FACTOR_COSTS 3          /* sweeps */
+
+/* Would sweeps, as they have come along so far, get there for less than the last direct solve of this step took? */
+static bool soon_there(const Group *g, real wanted)
+{
+    real rate = log(g->residual / g->residual_first) / FIRST_SWEEPS, more = log(wanted / g->residual) / rate;
+    return rate < 0 && !g->stalled && more < FACTOR_COSTS * g->direct_factors;
+}
+
 static void relax_group(Group *g)
 {
     real worst = g->residual;
@@ -449,14 +458,19 @@ static void relax_group(Group *g)
         g->residual = real_max(g->residual, worst);
         return;
     }
-    int first = wanted > 0 ? int_min(sweeps, FIRST_SWEEPS) : sweeps;
-    relax(g, first, wanted > 0 ? wanted : g->plan->residual);
+    int done = wanted > 0 ? int_min(sweeps, FIRST_SWEEPS) : sweeps;
+    relax(g, done, wanted > 0 ? wanted : g->plan->residual);
+    while (wanted > 0 && g->residual > wanted && done + FIRST_SWEEPS <= sweeps && soon_there(g, wanted)) {
+        g->residual = 0;
+        relax(g, FIRST_SWEEPS, wanted);
+        done += FIRST_SWEEPS;
+    }
     if (wanted > 0 && g->residual > wanted && direct_solve(g, wanted)) {
         g->residual = 0;
         relax(g, LAST_SWEEPS, g->plan->residual);
-    } else if (g->residual > g->plan->residual && sweeps > first) {
+    } else if (g->residual > g->plan->residual && sweeps > done) {
         g->residual = 0;
-        relax(g, sweeps - first, g->plan->residual);
+        relax(g, sweeps - done, g->plan->residual);
     }
     if (g->residual > (wanted > 0 ? CREEP : COARSE) && direct_rescue(g)) {
         g->residual = 0;

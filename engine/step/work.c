@@ -12,7 +12,8 @@ static uint64_t work_of(const Group *g)
     uint64_t moving = (uint64_t)g->moving_count, pairs = (uint64_t)g->pair_count, rows = (uint64_t)(g->point_count + g->row_count);
     uint64_t substeps = (uint64_t)int_max(g->substeps, 1), sweeps = (uint64_t)g->sweeps, evaluations = (uint64_t)(g->evaluations + g->refused);
     uint64_t factors = (uint64_t)(g->multiplied / MULTIPLICATIONS);
-    return GROUP + factors + substeps * (MOVE * moving + PAIR * pairs) + sweeps * (SWEEP + ROW * rows) + evaluations * (EVALUATION + TERM * (moving + pairs + rows));
+    uint64_t done = GROUP + factors + substeps * (MOVE * moving + PAIR * pairs) + sweeps * (SWEEP + ROW * rows);
+    return done + evaluations * (EVALUATION + TERM * (moving + pairs + rows));
 }
 
 void count_work(World *w, const Step *s)
