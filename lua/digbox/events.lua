@@ -35,7 +35,7 @@ local function book_of(world, state, kind)
   if not book then
     book = { everyone = {}, by_body = {}, stale = false }
     state.handlers[kind] = book
-    state.mask = state.mask | (1 << kinds[kind])
+    state.mask, state.quiet = state.mask | (1 << kinds[kind]), nil
     if kind == "moved" then core.tell_moves(world) end
   end
   return book

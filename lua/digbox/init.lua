@@ -129,6 +129,9 @@ core.declare("world:restore", { "Goes back to a snapshot of this world.", takes 
 function methods.restore(world, snapshot)
   core.forbid_in_handler(world, "world:restore")
   core.restore(world, snapshot)
+  local state = core.lua_state(world)
+  state.quiet = nil
+  if state.handlers.moved then core.tell_moves(world) end         -- the handler may be younger than the snapshot
 end
 
 core.declare("world:close", { "Frees the world; its handles are dead from then on." })

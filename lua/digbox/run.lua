@@ -2,6 +2,7 @@
 
 local core = ...
 local type, pcall, error = type, pcall, error
+local state_of = core.state
 local create, resume, status, yield, running = coroutine.create, coroutine.resume, coroutine.status, coroutine.yield, coroutine.running
 
 local methods, getters = core.types.world.methods, core.types.world.getters
@@ -91,6 +92,7 @@ function methods.spawn(world, fn)
   if type(fn) ~= "function" then core.fail("world:spawn wants a function; got %s", core.type(fn)) end
   local state = core.lua_state(world)
   local outer = state.in_task
+  state.quiet = nil
   local task = { world = world, done = false, wake = world.time }
   local handle = make_task(task)
   task.thread = create(function() fn(handle) end)
@@ -131,7 +133,7 @@ function methods.region(world, fields)
   local laws = rawget(fields, "laws")
   local force = laws and rawget(laws, "force")
   if force then kept[#kept + 1] = { region = region, force = force } end
-  state.forces = kept
+  state.forces, state.quiet = kept, nil
   return region
 end
 
@@ -174,36 +176,48 @@ local function past_end(world)
   return limit and world.time >= limit - 1e-9
 end
 
--- How many of the next `count` steps may be taken in one go, because nothing is to be done or looked at between them. What a step of a
--- small world costs is about what one turn of the loop here costs.
-local function together(world, state, count)
+-- Is nothing to be done or looked at around the next step? A step of a small world costs less than a turn of advance(), and no more than
+-- to ask all this: state.quiet keeps a yes, until what would change it takes it away.
+local function alone(world, state)
   local options = core.options
-  if not core.steps or count < 2 or options.replay or options.trace or options.sim_limit or options.progress or options.inject then
-    return 0
-  end
-  if #state.films > 0 or state.past or #state.forces > 0 or #state.tasks > 0 or state.newborn or state.own then return 0 end
-  if state.mask | (state.log_mask or 0) ~= 0 or (state.before_first_step and world.steps == 0) then return 0 end
-  if not options.seconds then return count end
-  return math.min(count, math.max(0, (options.seconds - world.time) // world.frame - 1))        -- the last ones are counted exactly
+  return core.steps and state.mask == 0 and #state.films == 0 and #state.forces == 0 and #state.tasks == 0
+    and not (state.past or state.newborn or state.own or (state.log_mask or 0) ~= 0 or options.replay or options.trace or options.sim_limit
+      or options.progress or options.inject or options.dry or (state.before_first_step and world.steps == 0))
+end
+
+-- How many of the next `count` steps may be taken in one go.
+local function together(world, state, count)
+  if not alone(world, state) then return 0 end
+  local seconds = core.options.seconds
+  if not seconds then return count end
+  return math.min(count, math.max(0, (seconds - world.time) // world.frame - 1))        -- the last ones are counted exactly
+end
+
+-- Up to `count` steps with nothing around them -> how many
+local function step_alone(world, state, count)
+  local done, warnings = core.steps(world, count, core.poll, state.warnings)
+  if warnings ~= state.warnings then core.watch(world, state, warnings) end
+  return done
 end
 
 -- Up to `count` steps, at least one -> how many
 local function advance_some(world, state, count)
   local many = together(world, state, count)
-  if many < 2 then
-    advance(world, state)
-    return 1
-  end
-  local done, warnings = core.steps(world, math.tointeger(math.min(many, 1 << 30)), core.poll, state.warnings)
-  if warnings ~= state.warnings then core.watch(world, state, warnings) end
-  return done
+  if many >= 1 then return step_alone(world, state, math.tointeger(math.min(many, 1 << 30))) end
+  advance(world, state)
+  return 1
 end
 
 core.declare("world:step", { "Takes frame steps.", takes = { { "n", "int 1 >=0", "how many", optional = true, default = 1 } } })
 
 -- world:step([n])
 function methods.step(world, n)
-  local state = core.forbid_in_handler(world, "world:step()")
+  local state = state_of(world)
+  if n == nil and state.quiet then
+    step_alone(world, state, 1)
+    return
+  end
+  state = core.forbid_in_handler(world, "world:step()")
   if n == nil then n = 1 end
   if math.type(n) ~= "integer" or n < 0 then
     core.fail("world:step wants a whole number of steps >= 0; got %s (world:run goes by time)", tostring(n))
@@ -212,6 +226,7 @@ function methods.step(world, n)
     if core.options.dry or past_end(world) then core.finish_early() end
     n = n - advance_some(world, state, n)
   end
+  state.quiet = not core.options.seconds and alone(world, state)
 end
 
 core.declare("world:run", { "Runs for a time; true when stop_when ended it.", fields = {
