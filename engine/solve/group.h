@@ -247,6 +247,7 @@ struct Group {
     bool      midpoint;         /* joint rows hold for the mean velocity of the substep */
     bool      locate;           /* impacts are located in time in this group */
     bool      patches;          /* sweeps take the points of a contact together: see relax_patch */
+    bool      strikes_stops;    /* joints that run into their stops strike, too: see impacts */
     bool      joints_direct;    /* joints and contacts are solved together, directly */
     int       events_left;
 
@@ -385,6 +386,7 @@ bool group_throws(const Group *g, real heals);          /* do limbs whirl that a
 void group_unwind(Group *g);               /* all rows begin without an impulse */
 bool group_joints_gape(const Group *g);     /* is one open as its present rows say, so that it could be seen? */
 void group_clean_joints(Group *g);
+real joint_row_rate(const Group *g, const Row *r);      /* m/s or rad/s, now */
 void joint_row_warm(Group *g, JointRow *r);
 real group_row_mobility(const Group *g, const Row *r, int k);   /* kg^-1 or (kg m^2)^-1  what a row moves of its k-th body, per unit of impulse */
 

@@ -32,6 +32,18 @@ static bool any_approach(const Group *g)
     return false;
 }
 
+/* m/s or rad/s  What the fastest joint runs into its stop with. After build_rows(). */
+static real stop_approach(const Group *g)
+{
+    real approach = 0;
+    for (int i = 0; i < g->row_count && g->strikes_stops; i++) {
+        const JointRow *r = &g->rows[i];
+        if (r->row.kind == ROW_LIMIT && r->k > 0)
+            approach = real_max(approach, -joint_row_rate(g, &r->row));
+    }
+    return approach;
+}
+
 static void build_rows(Group *g)
 {
     g->point_count = 0;
@@ -326,6 +338,7 @@ static bool strike_once(Group *g, bool *on, real *rate, bool allow_elastic)
     }
     for (int i = 0; i < g->row_count; i++)
         g->rows[i].p = 0;
+    approach = real_max(approach, stop_approach(g));
     if (approach <= 0.1 * g->close_speed)
         return false;
     bool elastic = allow_elastic && choose_elastic(g, on, rate) > 0;
@@ -372,7 +385,7 @@ static void note_joints(Group *g)
 
 void impacts(Group *g)
 {
-    if (!any_approach(g))
+    if (!g->strikes_stops && !any_approach(g))
         return;
     build_rows(g);
     ArenaMark mark = arena_mark(g->arena);

@@ -131,7 +131,7 @@ real relax_rolls(Group *g)
 
 /* ---- joints ---- */
 
-static real row_rate(const Group *g, const Row *r)
+real joint_row_rate(const Group *g, const Row *r)
 {
     real rate = 0;
     for (int k = 0; k < r->count; k++)
@@ -171,7 +171,7 @@ static real relax_hard(Group *g, const JointBlock *b)
     real x[6], worst = 0;
     for (int i = 0; i < b->hard; i++) {
         JointRow *r = &g->rows[b->first + i];
-        x[i] = r->bias - row_rate(g, &r->row);
+        x[i] = r->bias - joint_row_rate(g, &r->row);
         worst = real_max(worst, fabs(x[i]));
     }
     ldl_solve(b->l, b->hard, x);
@@ -194,7 +194,7 @@ static real relax_scalar(Group *g, JointRow *r)
         hi = r->row.hi * g->h;
         lo = -hi;
     }
-    real error = r->bias - row_rate(g, &r->row) - r->gamma * r->p;
+    real error = r->bias - joint_row_rate(g, &r->row) - r->gamma * r->p;
     real p = real_clamp(r->p + error / (r->k + r->gamma), lo, hi);
     real change = p - r->p;
     r->p = p;

@@ -21,12 +21,13 @@ real trace_acceleration_scale(const Tracer *t)
     return most;
 }
 
-/* What pressed up to here and is off by no more than a step's error still does; it is put right as soon as all kinds are known. */
-static void close_gate(const Tracer *t, Gate *g, real unit)
+/* What pressed up to here and is off by no more than a step's error still does; it is put right as soon as all kinds are known. deep: m
+ * or rad, so far beyond may it be. */
+static void close_gate(const Tracer *t, Gate *g, real unit, real deep)
 {
     real gap = g->presses ? real_max(t->gap_zero, t->tolerance) : t->gap_zero;
     real rate = g->presses ? real_max(t->speed_zero, t->tolerance * t->pace) : t->speed_zero;
-    g->closed = g->gap * unit <= gap && g->gap * unit >= -t->gap_deep && fabs(g->rate) * unit <= rate;
+    g->closed = g->gap * unit <= gap && g->gap >= -deep && fabs(g->rate) * unit <= rate;
     g->presses = g->closed;
     if (!g->closed)
         g->force = 0;
@@ -76,13 +77,13 @@ static bool start_kinds(Tracer *t)
 {
     for (int i = 0; i < t->touch_count; i++) {
         Touching *c = &t->touch[i];
-        close_gate(t, &c->gate, 1);
+        close_gate(t, &c->gate, 1, t->gap_deep);
         take_grip(&c->slip, t->slip_zero);
         take_grip(&c->roll, t->slip_zero / t->size);
     }
     for (int i = 0; i < t->stop_count; i++) {
         const Row *r = trace_row(t, t->stops[i].joint, t->stops[i].slot);
-        close_gate(t, &t->stops[i].gate, r && r->angular ? t->size : 1);
+        close_gate(t, &t->stops[i].gate, r && r->angular ? t->size : 1, BEYOND);
     }
     for (int i = 0; i < t->hold_count; i++) {
         Hold *h = &t->holds[i];

@@ -16,7 +16,7 @@ static void list_drives(Tracer *t)
         for (int k = 0; k < t->row_count[j]; k++) {
             const Row *r = &t->rows[j * JOINT_SLOTS + k];
             if (r->kind == ROW_LIMIT)
-                t->stops[t->stop_count++] = (Stop){.joint = j, .slot = r->slot};
+                t->stops[t->stop_count++] = (Stop){.gate.presses = t->g->joints[j].force[r->slot] > 0, .joint = j, .slot = r->slot};
             else if (r->kind == ROW_MOTOR || r->kind == ROW_DRY)
                 t->holds[t->hold_count++] = (Hold){.joint = j, .slot = r->slot, .most = r->hi, .target = r->kind == ROW_MOTOR ? r->rate : 0};
         }
@@ -29,9 +29,6 @@ static bool overlaps(const Tracer *t)
             return true;
     return false;
 }
-
-/* m or rad: a joint that begins so far beyond its stop is led back by the sweeps; the trace only holds what gets there */
-#define BEYOND 1e-4
 
 static bool beyond_stop(const Tracer *t)
 {

@@ -177,8 +177,9 @@ static bool settle(Tracer *t, bool first)
         trace_remember(t);
         g->t = t->t;
         g->patches = true;
+        g->strikes_stops = t->stop_count > 0;
         impacts(g);
-        g->patches = false;
+        g->patches = g->strikes_stops = false;
         g->located++;
         if (g->status != DIG_OK)
             return false;

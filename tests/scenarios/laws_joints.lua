@@ -179,6 +179,46 @@ scenario("rope: slack it does nothing, taut it bears the weight", function(s)
   expect(rope.force.y):near(1.5 * g, 0.02)
 end)
 
+scenario("rope: a pendulum on it keeps its energy", function(s)
+  local world = s.world
+  local ball = world:ball { radius = 0.05, mass = 1, at = { 1, 2, 0 } }
+  local rope = world:rope { a = ball, to = { 0, 2, 0 } }
+  for _ = 1, 300 do
+    world:step()
+    expect(rope.distance):near(1, 1e-8)
+  end
+  expect(world.energy.lost):near(0, 1e-9)
+  expect(world.energy.numerical):near(0, 1e-5)          -- of 9.8 J that swing
+  expect(world:stats().gave_up):is(0)
+end)
+
+-- Falls 0.8 m beside its pivot, 0.6 m from it, until a rope of 1 m is taut: that takes the part of the speed along it.
+scenario("rope: a jerk takes the speed along it, and no more", function(s)
+  local world = s.world
+  local ball = world:ball { radius = 0.05, mass = 1, at = { 0.6, 0, 0 } }
+  local rope = world:rope { a = ball, to = { 0, 0, 0 }, length = 1 }
+  world:run "0.45 s"                                     -- taut at 0.404 s
+  expect(rope.at_limit):is(true)
+  expect(world.energy.lost):near(g * 0.8 * 0.8 ^ 2, 1e-9)
+  world:run "2 s"
+  expect(world.energy.numerical):near(0, 1e-6)
+  expect(world:stats().gave_up):is(0)
+end)
+
+scenario("hinge and slider: what runs into a stop loses its speed there, and rests on it", function(s)
+  local world = s.world
+  local bar = world:box { mass = 2, size = { 1, 0.05, 0.05 }, at = { 0.5, 0, 0 } }
+  world:hinge { a = bar, at = { 0, 0, 0 }, axis = { 0, 0, 1 }, limits = { "-60 deg", "45 deg" } }
+  local block = world:box { mass = 3, size = { 0.2, 0.2, 0.2 }, at = { 0, 0, 3 } }
+  world:slider { a = block, at = { 0, 0, 3 }, axis = { 0, 1, 0 }, limits = { -0.7, 0.1 } }
+  world:run "2 s"
+  expect(bar.position):near({ 0.5 * math.cos(math.pi / 3), -0.5 * math.sin(math.pi / 3), 0 }, 1e-9)
+  expect(block.position.y):near(-0.7, 1e-9)
+  expect(world.energy.lost):near(2 * g * 0.5 * math.sin(math.pi / 3) + 3 * g * 0.7, 1e-8)
+  expect(world.energy.numerical):near(0, 1e-9)
+  expect(world:stats().gave_up):is(0)
+end)
+
 -- A ball on a spring that turns its phase by so much in a frame; its swing of 1e-7 m lies far below the tolerance of "play".
 scenario("spring: a swing that no tolerance shows gains no energy, however fast it is", function(s)
   for _, phase in ipairs { 0.5, 1.1, 2, 3, 4, 5, 5.9, 6.1, 20 } do
