@@ -29,7 +29,7 @@ static int kind_of(const Chosen *x)
  * direction only. */
 static bool goes_past(const GroupPair *q, real gap, real closing, real speed)
 {
-    real across2 = speed * speed - closing * closing, reach = q->sa->outer + q->sb->outer;
+    real across2 = speed * speed - closing * closing, reach = q->on_a->shape.outer + q->on_b->shape.outer;
     return gap > q->size && across2 * gap * gap > reach * reach * closing * closing;
 }
 
@@ -90,7 +90,7 @@ static void colour(Crowd *c, Chosen *x, uint64_t (*taken)[2])
 /* m  Radius at which the pair rolls (effect/rolling.c); 0: it does not. */
 static real rolling_radius(const GroupPair *q)
 {
-    real a = q->sa->rolling, b = q->sb->rolling;
+    real a = q->on_a->shape.rolling, b = q->on_b->shape.rolling;
     return a > 0 && b > 0 ? a * b / (a + b) : real_max(a, b);
 }
 

@@ -186,7 +186,7 @@ static inline vec3 crowd_velocity(const Group *g, int body, vec3 at)
 /* m  Of the thinner of a pair, at most its size; planes and meshes have none. What overlaps by half of it may come out at the far side. */
 static inline real crowd_thickness(const GroupPair *q)
 {
-    real a = q->sa->inner > 0 ? q->sa->inner : INFINITY, b = q->sb->inner > 0 ? q->sb->inner : INFINITY;
+    real a = q->on_a->shape.inner > 0 ? q->on_a->shape.inner : INFINITY, b = q->on_b->shape.inner > 0 ? q->on_b->shape.inner : INFINITY;
     return real_min(q->size, 2 * real_min(a, b));
 }
 /* pieces.c: into how many pieces this step is cut, each with contacts of its own */

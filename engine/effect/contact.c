@@ -94,7 +94,7 @@ static void follow_curve(Group *g, GroupPair *q, PointRow *r, real gap)
     Manifold m = {.count = 0};
     uint32_t piece;
     ManifoldCache cache = q->cache;
-    if (manifold_collide(q->sa, pa, q->sb, pb, far, &cache, &m, &piece, 1) != 1 || m.count != 1)
+    if (manifold_collide(&q->on_a->shape, pa, &q->on_b->shape, pb, far, &cache, &m, &piece, 1) != 1 || m.count != 1)
         return;
     if (vec3_dot(m.normal, r->n.n) > 1 - 1e-14 || vec3_dot(m.normal, r->n.n) < 0.5)
         return;                             /* flat, or another side altogether */

@@ -2,7 +2,7 @@
 #include "effect/effect.h"
 #include "solve/direction.h"
 
-static bool rolls(const GroupPair *q) { return q->rolling > 0 && (q->sa->rolling > 0 || q->sb->rolling > 0); }
+static bool rolls(const GroupPair *q) { return q->rolling > 0 && (q->on_a->shape.rolling > 0 || q->on_b->shape.rolling > 0); }
 
 static bool wanted(const World *w, const Group *g)
 {
@@ -32,7 +32,7 @@ static EffectCause cause(const Group *g)
 /* Radius at which the pair rolls: that of the only round one, or of both together (1/r = 1/ra + 1/rb). */
 static real rolling_radius(const GroupPair *q)
 {
-    real a = q->sa->rolling, b = q->sb->rolling;
+    real a = q->on_a->shape.rolling, b = q->on_b->shape.rolling;
     return a > 0 && b > 0 ? a * b / (a + b) : real_max(a, b);
 }
 

@@ -274,8 +274,6 @@ static void gather_pair(Group *g, GroupPair *q, const Near *n, KnownRubs *known)
     q->b = n->b;
     q->on_a = a;
     q->on_b = b;
-    q->sa = &a->shape;
-    q->sb = &b->shape;
     const PairMemory *m = p->memory == NONE ? NULL : &w->memories.data[p->memory];
     Rub rub = m ? m->rub : rub_as_before(w, a, b, known);
     q->memory = p->memory;
@@ -288,7 +286,7 @@ static void gather_pair(Group *g, GroupPair *q, const Near *n, KnownRubs *known)
     q->friction_dynamic = rub.friction_dynamic;
     q->rolling = rub.rolling;
     q->restitution = rub.restitution;
-    q->size = pair_size(q->sa, q->sb);
+    q->size = pair_size(&q->on_a->shape, &q->on_b->shape);
     q->fresh = p->fresh;
     q->was_touching = p->touching;
     q->both_moved = g->member[q->a].moved && g->member[q->b].moved;

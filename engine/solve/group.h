@@ -148,8 +148,7 @@ typedef struct GroupPair {
     bool     touching;          /* of this one, by group_judge     */
     bool     both_moved;        /* neither was at rest before      */
     Covered  covered;           /* faces that joints hold to the next piece of the same thing */
-    const Solid *on_a, *on_b;   /* the world's                     */
-    const Shape *sa, *sb;       /* theirs                          */
+    const Solid *on_a, *on_b;   /* the world's, with their shapes      */
     real     approach;          /* m/s  fastest approach seen by the rows */
     real     friction, friction_dynamic, rolling, restitution;
     real     size;              /* m   of the smaller solid: scale of tolerances */

@@ -31,13 +31,13 @@ static Motion shape_motion(const Group *g, int body, pose local)
 
 static bool cannot_meet(const Group *g, const GroupPair *q, const Motion *a, const Motion *b)
 {
-    if (!isfinite(q->sa->outer) || !isfinite(q->sb->outer))
+    if (!isfinite(q->on_a->shape.outer) || !isfinite(q->on_b->shape.outer))
         return false;
     real h = g->h;
     vec3 v = vec3_sub(b->v, a->v), acc = vec3_sub(b->a, a->a);
     real travel = vec3_length(v) * h + 0.5 * vec3_length(acc) * h * h;
     travel += 2 * (g->member[q->a].outer + g->member[q->b].outer) * real_min(1, 0.5 * h * (vec3_length(a->w) + vec3_length(b->w)));
-    return vec3_distance(a->start.p, b->start.p) - q->sa->outer - q->sb->outer > travel;
+    return vec3_distance(a->start.p, b->start.p) - q->on_a->shape.outer - q->on_b->shape.outer > travel;
 }
 
 static vec3 velocity_at(const Motion *m, vec3 at, real t)
@@ -52,12 +52,12 @@ static real locate_apart(const Group *g, const GroupPair *q)
     Motion a = shape_motion(g, q->a, pair_local(q, false)), b = shape_motion(g, q->b, pair_local(q, true));
     if (cannot_meet(g, q, &a, &b))
         return INFINITY;
-    real t = time_of_impact(q->sa, &a, q->sb, &b, 0.25 * g->touch * q->size, g->h, NULL);
+    real t = time_of_impact(&q->on_a->shape, &a, &q->on_b->shape, &b, 0.25 * g->touch * q->size, g->h, NULL);
     if (!(t <= g->h))
         return INFINITY;
     vec3 n, pa, pb;
-    real gap = shape_distance(q->sa, motion_at(&a, t), q->sb, motion_at(&b, t), INFINITY, &n, &pa, &pb);
-    if (manifold_covered(q->sa, motion_at(&a, t), q->sb, motion_at(&b, t), q->covered, n))
+    real gap = shape_distance(&q->on_a->shape, motion_at(&a, t), &q->on_b->shape, motion_at(&b, t), INFINITY, &n, &pa, &pb);
+    if (manifold_covered(&q->on_a->shape, motion_at(&a, t), &q->on_b->shape, motion_at(&b, t), q->covered, n))
         return INFINITY;
     real speed = -vec3_dot(n, vec3_sub(velocity_at(&b, pb, t), velocity_at(&a, pa, t)));
     if (!(speed > g->close_speed))
@@ -126,14 +126,14 @@ bool overshoots(const Group *g)
         Motion a = shape_motion(g, q->a, pair_local(q, false)), b = shape_motion(g, q->b, pair_local(q, true));
         real most = SINK_MOST * q->size;
         real travel = g->h * (vec3_length(vec3_sub(b.v, a.v)) + vec3_length(vec3_sub(b.a, a.a)) * g->h);
-        travel += isfinite(q->sa->outer) ? g->h * vec3_length(a.w) * g->member[q->a].outer : 0;
-        travel += isfinite(q->sb->outer) ? g->h * vec3_length(b.w) * g->member[q->b].outer : 0;
+        travel += isfinite(q->on_a->shape.outer) ? g->h * vec3_length(a.w) * g->member[q->a].outer : 0;
+        travel += isfinite(q->on_b->shape.outer) ? g->h * vec3_length(b.w) * g->member[q->b].outer : 0;
         if (travel <= most)
             continue;
         real depth = 0;
         for (int k = 0; k < c->manifold.count; k++)
             depth = real_max(depth, -c->manifold.points[k].gap);
-        if (-shape_distance(q->sa, motion_at(&a, g->h), q->sb, motion_at(&b, g->h), 0, NULL, NULL, NULL) > depth + most)
+        if (-shape_distance(&q->on_a->shape, motion_at(&a, g->h), &q->on_b->shape, motion_at(&b, g->h), 0, NULL, NULL, NULL) > depth + most)
             return true;
     }
     return false;

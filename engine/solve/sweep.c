@@ -707,9 +707,9 @@ static real longest_piece(const Group *g, real dt)
         bool live = false;
         for (int k = q->contact; k < q->contact + q->contacts; k++)
             live = live || g->contacts[k].live;
-        if (live && angular_shape(q->sa))
+        if (live && angular_shape(&q->on_a->shape))
             fastest = real_max(fastest, vec3_length2(g->vel[q->a].w));
-        if (live && angular_shape(q->sb))
+        if (live && angular_shape(&q->on_b->shape))
             fastest = real_max(fastest, vec3_length2(g->vel[q->b].w));
     }
     return real_max(dt / 32, TURN_MOST / real_max(sqrt(fastest), 1e-9));

@@ -105,7 +105,7 @@ static void touch_again(GroupPair *q, GroupContact *c, pose pa, pose pb, bool ap
     found.normal = c->manifold.normal;
     found.count = 0;
     if (!apart)
-        manifold_of_parts(q->sa, pa, q->sb, pb, q->reach, q->covered, &q->cache, &found);
+        manifold_of_parts(&q->on_a->shape, pa, &q->on_b->shape, pb, q->reach, q->covered, &q->cache, &found);
     put_points(c, &found);
     keep_memory(c, &old);
 }
@@ -114,7 +114,7 @@ static void touch_again(GroupPair *q, GroupContact *c, pose pa, pose pb, bool ap
 static real room_between(GroupPair *q, pose pa, pose pb, real most)
 {
     Manifold found = {.count = 0};
-    manifold_of_parts(q->sa, pa, q->sb, pb, most, q->covered, &q->cache, &found);
+    manifold_of_parts(&q->on_a->shape, pa, &q->on_b->shape, pb, most, q->covered, &q->cache, &found);
     for (int k = 0; k < found.count; k++)
         most = real_min(most, found.points[k].gap);
     return most;
@@ -131,7 +131,7 @@ static vec3 centre_of(const Group *g, int body, vec3 local)
 static real touch_balls(const Group *g, GroupPair *q, GroupContact *c, real reach)
 {
     vec3 a = centre_of(g, q->a, q->on_a->arm), b = centre_of(g, q->b, q->on_b->arm), d = vec3_sub(b, a);
-    real length = vec3_length(d), gap = length - q->sa->round - q->sb->round;
+    real length = vec3_length(d), gap = length - q->on_a->shape.round - q->on_b->shape.round;
     c->live = gap <= reach;
     if (!c->live) {
         c->manifold.count = 0;
@@ -143,7 +143,7 @@ static real touch_balls(const Group *g, GroupPair *q, GroupContact *c, real reac
     vec3 n = length > 0 ? vec3_scale(1 / length, d) : vec3_unit(d);
     c->manifold.normal = n;
     c->manifold.count = 1;
-    c->manifold.points[0] = (ManifoldPoint){vec3_mad(a, q->sa->round, n), vec3_mad(b, -q->sb->round, n), gap, 0};
+    c->manifold.points[0] = (ManifoldPoint){vec3_mad(a, q->on_a->shape.round, n), vec3_mad(b, -q->on_b->shape.round, n), gap, 0};
     return 0;
 }
 
@@ -152,11 +152,11 @@ static real touch_convex(Group *g, GroupPair *q, real reach, real farther)
     q->fresh = false;
     q->until = -1;
     q->reach = reach;
-    if (is_ball(q->sa) && is_ball(q->sb))
+    if (is_ball(&q->on_a->shape) && is_ball(&q->on_b->shape))
         return touch_balls(g, q, &g->contacts[q->contact], reach);
     pose pa = group_shape_pose(g, q->a, pair_local(q, false)), pb = group_shape_pose(g, q->b, pair_local(q, true));
     GroupContact *c = &g->contacts[q->contact];
-    real room = vec3_length(vec3_sub(pb.p, pa.p)) - q->sa->outer - q->sb->outer;     /* infinite outer: never apart */
+    real room = vec3_length(vec3_sub(pb.p, pa.p)) - q->on_a->shape.outer - q->on_b->shape.outer;     /* infinite outer: never apart */
     bool apart = room > reach;
     if (c->manifold.count == 0 && !apart && farther > 0) {
         room = room_between(q, pa, pb, reach + farther);
@@ -184,7 +184,7 @@ real group_touch_within(Group *g, GroupPair *q, real reach)
     q->until = -1;
     Manifold found[PIECES];
     uint32_t pieces[PIECES];
-    int count = manifold_collide(q->sa, pa, q->sb, pb, reach, &q->cache, found, pieces, int_min(q->contacts, PIECES));
+    int count = manifold_collide(&q->on_a->shape, pa, &q->on_b->shape, pb, reach, &q->cache, found, pieces, int_min(q->contacts, PIECES));
     touch_pieces(g, q, found, pieces, count);
     return 0;
 }

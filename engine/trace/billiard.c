@@ -43,8 +43,8 @@ static bool suits(const Group *g)
             return false;
     for (int i = 0; i < g->pair_count; i++) {
         const GroupPair *q = &g->pairs[i];
-        bool a = is_ball(g, q->a, q->sa, pair_local(q, false)), b = is_ball(g, q->b, q->sb, pair_local(q, true));
-        if (!(a && b) && !(a && is_wall(g, q->b, q->sb)) && !(b && is_wall(g, q->a, q->sa)))
+        bool a = is_ball(g, q->a, &q->on_a->shape, pair_local(q, false)), b = is_ball(g, q->b, &q->on_b->shape, pair_local(q, true));
+        if (!(a && b) && !(a && is_wall(g, q->b, &q->on_b->shape)) && !(b && is_wall(g, q->a, &q->on_a->shape)))
             return false;
         if (q->friction > 0 || q->rolling > 0 || q->restitution < LIVELY || q->contacts != 1)
             return false;
@@ -95,17 +95,17 @@ static void foresee(Billiard *b, int pair, real now)
 {
     const Group *g = b->g;
     const GroupPair *q = &g->pairs[pair];
-    bool wall_a = is_wall(g, q->a, q->sa);
+    bool wall_a = is_wall(g, q->a, &q->on_a->shape);
     int ball = wall_a ? q->b : q->a;
-    const Shape *s = wall_a ? q->sb : q->sa;
-    if (!wall_a && !is_wall(g, q->b, q->sb)) {
+    const Shape *s = wall_a ? &q->on_b->shape : &q->on_a->shape;
+    if (!wall_a && !is_wall(g, q->b, &q->on_b->shape)) {
         vec3 r = vec3_sub(place_of(b, q->b, now), place_of(b, q->a, now)), v = vec3_sub(velocity_of(b, q->b, now), velocity_of(b, q->a, now));
-        b->when[pair] = now + meet_ball(r, v, q->sa->outer + q->sb->outer);
+        b->when[pair] = now + meet_ball(r, v, q->on_a->shape.outer + q->on_b->shape.outer);
         return;
     }
     pose plane = group_shape_pose(g, wall_a ? q->a : q->b, pair_local(q, !wall_a));
     vec3 x = place_of(b, ball, now), n, pa, pb;
-    real gap = shape_distance(wall_a ? q->sa : q->sb, plane, s, (pose){x, quat_identity()}, INFINITY, &n, &pa, &pb);
+    real gap = shape_distance(wall_a ? &q->on_a->shape : &q->on_b->shape, plane, s, (pose){x, quat_identity()}, INFINITY, &n, &pa, &pb);
     real rate = vec3_dot(n, velocity_of(b, ball, now)), acc = vec3_dot(n, b->fall);
     if (gap <= g->touch * q->size && acc < 0 && fabs(rate) < -HOP * g->h * acc)
         b->rests = true;

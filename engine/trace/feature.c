@@ -165,13 +165,13 @@ void feature_sides(const Group *g, const GroupPair *q, vec3 normal, Sides *out)
     out->turned_a = is_turned(out->la.q);
     out->turned_b = is_turned(out->lb.q);
     out->n = normal;
-    if (q->sa->type != &shape_sphere)
+    if (q->on_a->shape.type != &shape_sphere)
         out->a = group_shape_pose(g, q->a, out->la);
-    if (q->sb->type != &shape_sphere)
+    if (q->on_b->shape.type != &shape_sphere)
         out->b = group_shape_pose(g, q->b, out->lb);
-    if (has_sides(q->sa))
+    if (has_sides(&q->on_a->shape))
         out->out_a = quat_unrotate(out->a.q, normal);
-    if (has_sides(q->sb))
+    if (has_sides(&q->on_b->shape))
         out->out_b = quat_unrotate(out->b.q, vec3_neg(normal));
 }
 
@@ -185,11 +185,11 @@ static inline void to_world(const Pos *at, vec3 *point, vec3 *d)
 
 void feature_find(const GroupPair *q, const Sides *s, const ManifoldPoint *p, Feature *out)
 {
-    vec3 core_a = vec3_mad(p->a, -q->sa->round, s->n), core_b = vec3_mad(p->b, q->sb->round, s->n);
-    Place a = place_on(q->sa, &s->a, core_a, &s->out_a), b = place_on(q->sb, &s->b, core_b, &s->out_b);
+    vec3 core_a = vec3_mad(p->a, -q->on_a->shape.round, s->n), core_b = vec3_mad(p->b, q->on_b->shape.round, s->n);
+    Place a = place_on(&q->on_a->shape, &s->a, core_a, &s->out_a), b = place_on(&q->on_b->shape, &s->b, core_b, &s->out_b);
     out->kind = kind_of(&a, &b);
-    out->ra = q->sa->round + a.round;
-    out->rb = q->sb->round + b.round;
+    out->ra = q->on_a->shape.round + a.round;
+    out->rb = q->on_b->shape.round + b.round;
     bool rims = a.spot == SPOT_FACE && b.spot == SPOT_FACE && a.rim == 1 && b.rim == 1;
     if (rims || out->kind == LINE_LINE) {
         vec3 da = rims ? a.edge : a.d, db = rims ? b.edge : b.d, m = vec3_cross(quat_rotate(s->a.q, da), quat_rotate(s->b.q, db));

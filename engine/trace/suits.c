@@ -73,7 +73,7 @@ bool trace_suits(const Group *g)
         return false;
     for (int i = 0; i < g->pair_count; i++) {
         const GroupPair *q = &g->pairs[i];
-        if (!feature_kind_known(q->sa) || !feature_kind_known(q->sb) || q->contacts != 1)
+        if (!feature_kind_known(&q->on_a->shape) || !feature_kind_known(&q->on_b->shape) || q->contacts != 1)
             return false;
     }
     return true;

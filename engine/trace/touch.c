@@ -29,7 +29,7 @@ static void new_contact(const Tracer *t, Touching *c, const GroupPair *q, const 
     c->slip.axes = q->friction > 0 ? 2 : 0;
     c->slip.still = q->friction;
     c->slip.moving = q->friction_dynamic;
-    real a = q->sa->rolling, b = q->sb->rolling, radius = a > 0 && b > 0 ? a * b / (a + b) : real_max(a, b);
+    real a = q->on_a->shape.rolling, b = q->on_b->shape.rolling, radius = a > 0 && b > 0 ? a * b / (a + b) : real_max(a, b);
     c->roll.axes = q->rolling > 0 && radius > 0 && !t->g->planar ? 3 : 0;
     c->roll.still = c->roll.moving = q->rolling * radius;
     if (c->roll.axes && from->manifold.count == 1)
@@ -57,7 +57,7 @@ static bool still_fits(const Tracer *t, Touching *c, const ManifoldPoint *p, rea
 /* A rim touches in one place, whichever of its points the manifold has, and is the same rim wherever that is. 0: it is none. */
 static uint32_t rim_of(const GroupPair *q, const Sides *sides, const ManifoldPoint *p, Feature *out)
 {
-    if (q->sa->type != &shape_cylinder && q->sb->type != &shape_cylinder)
+    if (q->on_a->shape.type != &shape_cylinder && q->on_b->shape.type != &shape_cylinder)
         return 0;
     feature_find(q, sides, p, out);
     if (!feature_has_rim(out))

@@ -232,7 +232,7 @@ static Shape shape_of(Solidity s)
     return shape;
 }
 
-typedef struct Meeting { Hand h; GroupPair pair; Solid on[2]; Shape a, b; Manifold m; int count; bool corners; } Meeting;
+typedef struct Meeting { Hand h; GroupPair pair; Solid on[2]; Manifold m; int count; bool corners; } Meeting;
 
 /* Its shapes in their bodies. */
 static pose local(const Meeting *m, int side) { return (pose){m->on[side].arm, m->on[side].at.q}; }
@@ -245,22 +245,21 @@ static void set_local(Meeting *m, int side, pose at)
 static void meeting_open(Meeting *m, Solidity a, Solidity b)
 {
     hand_open(&m->h, 2, 2);
-    m->a = shape_of(a);
-    m->b = shape_of(b);
-    m->on[0] = m->on[1] = (Solid){.at.q = quat_identity()};
-    m->pair = (GroupPair){.a = 0, .b = 1, .on_a = &m->on[0], .on_b = &m->on[1], .sa = &m->a, .sb = &m->b, .size = 1};
+    m->on[0] = (Solid){.shape = shape_of(a), .at.q = quat_identity()};
+    m->on[1] = (Solid){.shape = shape_of(b), .at.q = quat_identity()};
+    m->pair = (GroupPair){.a = 0, .b = 1, .on_a = &m->on[0], .on_b = &m->on[1], .size = 1};
 }
 
 static void meeting_close(Meeting *m)
 {
-    shape_free(&m->a);
-    shape_free(&m->b);
+    shape_free(&m->on[0].shape);
+    shape_free(&m->on[1].shape);
 }
 
 static void collide(Meeting *m)
 {
     pose pa = group_shape_pose(&m->h.g, 0, local(m, 0)), pb = group_shape_pose(&m->h.g, 1, local(m, 1));
-    m->count = manifold_collide(&m->a, pa, &m->b, pb, 1e-2, NULL, &m->m, NULL, 1) == 1 ? m->m.count : 0;
+    m->count = manifold_collide(&m->on[0].shape, pa, &m->on[1].shape, pb, 1e-2, NULL, &m->m, NULL, 1) == 1 ? m->m.count : 0;
 }
 
 static int sides_of(const Shape *s, vec3 local)
@@ -282,20 +281,20 @@ static void approach(Meeting *m, Dice *d, real gap)
     set_local(m, 0, (pose){vec3_scale(0.3, dice_vec(d)), dice_quat(d)});
     set_local(m, 1, (pose){vec3_scale(0.3, dice_vec(d)), dice_quat(d)});
     vec3 up = quat_rotate(quat_mul(m->h.pos[0].q, local(m, 0).q), (vec3){0, 1, 0});
-    if (m->a.type == &shape_plane)
+    if (m->on[0].shape.type == &shape_plane)
         m->h.pos[1].x = vec3_scale(6, up);
-    if (m->b.type == &shape_plane)
+    if (m->on[1].shape.type == &shape_plane)
         m->h.pos[1].x = vec3_scale(-6, quat_rotate(quat_mul(m->h.pos[1].q, local(m, 1).q), (vec3){0, 1, 0}));
     vec3 way = vec3_unit(vec3_sub(m->h.pos[1].x, m->h.pos[0].x));
     for (int pass = 0; pass < 40; pass++) {
         pose pa = group_shape_pose(&m->h.g, 0, local(m, 0)), pb = group_shape_pose(&m->h.g, 1, local(m, 1));
         vec3 n, on_a, on_b;
-        real apart = shape_distance(&m->a, pa, &m->b, pb, INFINITY, &n, &on_a, &on_b);
+        real apart = shape_distance(&m->on[0].shape, pa, &m->on[1].shape, pb, INFINITY, &n, &on_a, &on_b);
         if (apart > 0.02) {
             m->h.pos[1].x = vec3_mad(m->h.pos[1].x, 0.01 - apart, way);
             continue;
         }
-        m->corners = sides_of(&m->a, pose_unpoint(pa, on_a)) + sides_of(&m->b, pose_unpoint(pb, on_b)) >= 5;
+        m->corners = sides_of(&m->on[0].shape, pose_unpoint(pa, on_a)) + sides_of(&m->on[1].shape, pose_unpoint(pb, on_b)) >= 5;
         m->h.pos[1].x = vec3_mad(m->h.pos[1].x, gap - apart, n);
         break;
     }
@@ -314,7 +313,8 @@ static void find(const Meeting *m, const ManifoldPoint *p, Feature *f)
 static void check_features(const Meeting *m, real tolerance)
 {
     real deepest = INFINITY;
-    bool simple = m->a.type == &shape_plane || m->b.type == &shape_plane || m->a.type == &shape_sphere || m->b.type == &shape_sphere;
+    const Shape *a = &m->on[0].shape, *b = &m->on[1].shape;
+    bool simple = a->type == &shape_plane || b->type == &shape_plane || a->type == &shape_sphere || b->type == &shape_sphere;
     for (int i = 0; i < m->count; i++)
         deepest = real_min(deepest, m->m.points[i].gap);
     for (int i = 0; i < m->count; i++) {
@@ -327,7 +327,7 @@ static void check_features(const Meeting *m, real tolerance)
         if ((!simple && p->gap > deepest + 1e-9) || (pointed && fabs(p->gap) < 1e-6))
             continue;                   /* a corner that meets a corner or an edge: no normal, and nothing rests on it */
         if (!(fabs(k.gap - p->gap) <= tolerance))
-            fail_msg("%s on %s, point %d of %d, %s: gap %.12g, want %.12g (off by %g)", m->a.type->name, m->b.type->name, i, m->count,
+            fail_msg("%s on %s, point %d of %d, %s: gap %.12g, want %.12g (off by %g)", m->on[0].shape.type->name, m->on[1].shape.type->name, i, m->count,
                      kind_names[f.kind], k.gap, p->gap, k.gap - p->gap);
         CHECK_NEAR(vec3_dot(k.n, m->m.normal), 1, 1e-6);
     }
@@ -343,11 +343,11 @@ static void check_place(const Meeting *m)
     if (m->count != 1 || m->m.points[0].gap < 1e-3)
         return;
     find(m, &m->m.points[0], &f);
-    shape_distance(&m->a, pa, &m->b, pb, INFINITY, &n, &on_a, &on_b);
+    shape_distance(&m->on[0].shape, pa, &m->on[1].shape, pb, INFINITY, &n, &on_a, &on_b);
     feature_move(&m->h.g, &f, 0, 1, &k);
     vec3 want = f.kind == POINT_PLANE ? on_a : on_b;
     if (!(vec3_distance(k.at, want) < 1e-9))
-        fail_msg("%s on %s, %s: contact point %g m from the nearest", m->a.type->name, m->b.type->name, kind_names[f.kind],
+        fail_msg("%s on %s, %s: contact point %g m from the nearest", m->on[0].shape.type->name, m->on[1].shape.type->name, kind_names[f.kind],
                  vec3_distance(k.at, want));
 }
 
@@ -473,8 +473,6 @@ TEST(crossing_rims_of_two_boxes_follow_the_crossing)
         Meeting later = m;
         later.h.g.pos = later.h.pos;
         later.h.pos[1] = moved.pos[1];
-        later.pair.sa = &later.a;
-        later.pair.sb = &later.b;
         later.pair.on_a = &later.on[0];
         later.pair.on_b = &later.on[1];
         collide(&later);
