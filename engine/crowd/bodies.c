@@ -53,7 +53,7 @@ static real open_body(Crowd *c, int i)
         open_still(c, i);
         return 0;
     }
-    *f = (Frame){.root = sqrt(g->mass[i].im)};
+    *f = (Frame){.root = sqrt(m->im)};
     mat3 axes = body_axes(c, i);
     const mat3 *s = &axes;
     c->axes[0][i] = (Six){{(float)s->r0.x, (float)s->r1.x, (float)s->r2.x, (float)s->r0.y,
@@ -121,7 +121,7 @@ static void turn_by(Crowd *c, int i, vec3 angle)
 {
     Group *g = c->g;
     quat q = quat_exp(angle);
-    g->shift[i].w = angle;
+    g->member[i].swerve = angle;
     g->pos[i].q = quat_unit(quat_mul(q, g->pos[i].q));
     const Member *m = &g->member[i];
     vec3 from = m->start_pos.x, to = g->pos[i].x;
@@ -177,7 +177,7 @@ static vec3 fly(Crowd *c, int i)
 {
     Group *g = c->g;
     const Member *m = &g->member[i];
-    vec3 a = vec3_scale(g->mass[i].im, m->force);
+    vec3 a = vec3_scale(m->im, m->force);
     g->pos[i].x = vec3_mad(vec3_mad(g->pos[i].x, c->dt, g->vel[i].v), 0.5 * c->dt * c->dt, a);
     g->vel[i].v = vec3_mad(g->vel[i].v, c->dt, a);
     vec3 before = g->vel[i].w;
@@ -205,7 +205,7 @@ static real close_body(Crowd *c, int i)
         angle = fly(c, i);
     }
     vec3 l = turn(c, i, angle);
-    return kinetic_of(m, g->vel[i], l) - vec3_dot(m->force, vec3_sub(g->pos[i].x, m->start_pos.x)) - vec3_dot(m->torque, g->shift[i].w);
+    return kinetic_of(m, g->vel[i], l) - vec3_dot(m->force, vec3_sub(g->pos[i].x, m->start_pos.x)) - vec3_dot(m->torque, m->swerve);
 }
 
 static void close_share(void *context, int thread, int threads)

@@ -228,12 +228,13 @@ static void book_energy(Crowd *c)
     for (int i = 0; i < c->blocks; i++)
         g->lost += c->lost[i];
     for (int i = 0; i < g->moving_count && (g->drags || g->rules); i++)
-        group_book_apart(g, i, vec3_sub(g->pos[i].x, g->member[i].start_pos.x), g->shift[i].w, c->dt);
+        group_book_apart(g, i, vec3_sub(g->pos[i].x, g->member[i].start_pos.x), g->member[i].swerve, c->dt);
     for (int i = 0; i < g->push_count; i++) {
         const GroupPush *p = &g->pushes[i];
         vec3 arm = p->has_at ? quat_rotate(g->pos[p->body].q, p->at) : vec3_zero();
-        vec3 way = vec3_add(vec3_sub(g->pos[p->body].x, g->member[p->body].start_pos.x), vec3_cross(g->shift[p->body].w, arm));
-        real work = vec3_dot(p->force, way) + vec3_dot(p->torque, g->shift[p->body].w);
+        const Member *m = &g->member[p->body];
+        vec3 way = vec3_add(vec3_sub(g->pos[p->body].x, m->start_pos.x), vec3_cross(m->swerve, arm));
+        real work = vec3_dot(p->force, way) + vec3_dot(p->torque, m->swerve);
         group_book_push(g, p, work);
     }
 }

@@ -115,7 +115,7 @@ static const DragBody *own_drag(const World *w, uint32_t body)
 static void bear(const Water *water, Group *g, int i, vec3 up, real gravity)
 {
     Member *m = &g->member[i];
-    real h = g->h, im = g->mass[i].im;
+    real h = g->h, im = m->im;
     vec3 x = vec3_mad(g->pos[i].x, 0.5 * h, g->vel[i].v);
     quat q = quat_unit(quat_mul(quat_exp(vec3_scale(0.5 * h, g->vel[i].w)), g->pos[i].q));
     if (!within(water, x, up))

@@ -63,8 +63,6 @@ static void gather_body(Group *g, int i, uint32_t slot, bool awake)
     Member *m = &g->member[i];
     memset(m, 0, sizeof *m);
     m->slot = slot;
-    g->mass[i] = (Mass){0, mat3_zero()};
-    g->shift[i] = (Vel){vec3_zero(), vec3_zero()};
     g->push_work[i] = 0;
     if (slot == NONE) {
         g->pos[i] = (Pos){vec3_zero(), quat_identity()};
@@ -93,7 +91,7 @@ static void gather_body(Group *g, int i, uint32_t slot, bool awake)
     m->outer = b->outer;
     m->travel = b->travel;
     if (m->moves)
-        g->mass[i].im = b->inv_mass / inert;
+        m->im = b->inv_mass / inert;
     if (m->dormant)
         g->vel[i] = (Vel){vec3_zero(), vec3_zero()};
 }
@@ -200,11 +198,9 @@ static dig_status gather_bodies(Group *g, const uint32_t *pairs, int pair_count,
     size_t total = (size_t)g->body_count;
     g->pos = arena_alloc(g->arena, total * sizeof *g->pos);
     g->vel = arena_alloc(g->arena, total * sizeof *g->vel);
-    g->mass = arena_alloc(g->arena, total * sizeof *g->mass);
     g->member = arena_alloc(g->arena, total * sizeof *g->member);
-    g->shift = arena_alloc(g->arena, total * sizeof *g->shift);
     g->push_work = arena_alloc(g->arena, total * sizeof *g->push_work);
-    if (!g->pos || !g->vel || !g->mass || !g->member || !g->shift || !g->push_work)
+    if (!g->pos || !g->vel || !g->member || !g->push_work)
         return DIG_E_MEMORY;
     team_run(g->team, gather_share, g);
     for (int i = 0; i < g->moving_count && w->region_count > 0; i++)
@@ -216,6 +212,25 @@ static dig_status gather_bodies(Group *g, const uint32_t *pairs, int pair_count,
         g->trace_wait = int_max(g->trace_wait, b->trace_wait);
         g->trace_step = b->trace_step > 0 && (g->trace_step == 0 || b->trace_step < g->trace_step) ? b->trace_step : g->trace_step;
     }
+    return DIG_OK;
+}
+
+static void weigh_share(void *context, int thread, int threads)
+{
+    Group *g = context;
+    for (int i = team_first(g->body_count, thread, threads), end = team_end(g->body_count, thread, threads); i < end; i++) {
+        g->mass[i] = (Mass){g->member[i].im, mat3_zero()};
+        g->shift[i] = (Vel){vec3_zero(), vec3_zero()};
+    }
+}
+
+dig_status group_weigh(Group *g)
+{
+    g->mass = arena_alloc(g->arena, (size_t)g->body_count * sizeof *g->mass);
+    g->shift = arena_alloc(g->arena, (size_t)g->body_count * sizeof *g->shift);
+    if (!g->mass || !g->shift)
+        return DIG_E_MEMORY;
+    team_run(g->team, weigh_share, g);
     return DIG_OK;
 }
 

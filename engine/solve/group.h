@@ -49,10 +49,12 @@ typedef struct Member {         /* the rest of a gathered body */
     real     pull;              /* m/s^2  gravity and pushes do no more to any point of it */
     real     outer, travel;     /* m                                                   */
     real     mass, gravity_scale;
+    real     im;                /* 1/kg  0: it does not move                           */
     mat3     inertia, inv_inertia;      /* body axes                                   */
     vec3     force, torque;     /* N, N m, of this substep                             */
     Pos      start_pos; Vel start_vel;  /* at the start of the substep                 */
-    vec3     swerve;            /* rad/s  change of its spin in the substep by its own turning: in velocities from predict() to move() */
+    vec3     swerve;            /* rad/s  change of its spin in the substep by its own turning: in velocities from predict() to move();
+                                 *     of a crowd, rad: its turn in this piece of the step */
 } Member;
 
 typedef struct Apart {          /* of a member's forces in this substep, what is booked apart */
@@ -218,7 +220,7 @@ struct Group {
 
     Pos      *pos; Vel *vel; Mass *mass; Member *member; int body_count, moving_count;
     Apart    *apart;            /* [moving_count]; NULL: no force of this group can be a drag or a law's */
-    Vel      *shift;            /* m, rad  position correction of a projection */
+    Vel      *shift;            /* m, rad  position correction of a projection; as mass, not there in a crowd, which asks for neither */
     GroupPair *pairs;       int pair_count;     /* there is room for those left out, too */
     Left     *left;         int left_count;     /* see group_gather_struck */
     int      *changed;      int changed_count;  /* group_judge: pairs whose touch began or ended, or that were struck apart */
@@ -324,6 +326,7 @@ static inline pose group_shape_pose(const Group *g, int body, pose local)
 {
     return pose_of_part((pose){g->pos[body].x, g->pos[body].q}, local);
 }
+dig_status group_weigh(Group *g);                       /* mass, but for inertias, and shift */
 mat3       group_inverse_inertia(const Group *g, int body);     /* in world axes, now */
 void       group_refresh_mass(Group *g, int body);      /* keeps it */
 void       group_joint_view(Group *g, int joint);       /* its ends and those of joints that it couples, from the present positions and velocities */

@@ -99,11 +99,11 @@ void medium_drag(Group *g, int body, const Medium *m, const DragBody *own, real 
     medium_area(g->world, to->slot, g->pos[body].q, along, &area, &drag);
     real c = own && !isnan(own->coefficient) ? own->coefficient : area > 0 ? drag / area : 0;
     area = own && own->area > 0 ? own->area : area;
-    real mobility = g->mass[body].im + vec3_dot(lever, mat3_mul_vec(group_inverse_inertia(g, body), lever));
+    real mobility = to->im + vec3_dot(lever, mat3_mul_vec(group_inverse_inertia(g, body), lever));
     real damping = m->damping * displaced, h = g->h;
     if (m->viscosity > 0)       /* Stokes 1851 */
         damping += 3 * DIG_PI * m->viscosity * cbrt(6 * displaced / (DIG_PI * m->density));
-    vec3 a = vec3_scale(g->mass[body].im, to->force);
+    vec3 a = vec3_scale(to->im, to->force);
     vec3 force = vec3_scale(1 / mobility, medium_slowing(u, a, 0.5 * m->density * c * area * share * mobility, damping * mobility, h));
     vec3 spin = quat_unrotate(g->pos[body].q, g->vel[body].w);
     vec3 brake = quat_rotate(g->pos[body].q, spin_resistance(b, spin, m->density * share, c, damping / b->mass, h));

@@ -28,6 +28,8 @@ dig_status group_advance(Group *g, real dt)
     for (size_t i = 0; i < sizeof ways / sizeof *ways; i++) {
         if (!ways[i]->suits(g))
             continue;
+        if (ways[i] != &way_crowd && !g->mass)
+            DIG_TRY(group_weigh(g));
         if (ways[i]->inertias && !turned)
             team_run(g->team, share_inertias, g);
         turned = turned || ways[i]->inertias;
