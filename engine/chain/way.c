@@ -62,8 +62,8 @@ static void open_lane(const Chain *c, Links *l, int lane)
     const Pos pos = m ? g->pos[body] : (Pos){vec3_zero(), quat_identity()};
     const Vel vel = m ? g->vel[body] : (Vel){vec3_zero(), vec3_zero()};
     l->mass[lane] = m ? m->mass : 1;
-    four33_put(&l->inertia, lane, m ? &m->inertia : &unit);
-    four33_put(&l->inverse, lane, m ? &m->inv_inertia : &unit);
+    four33_put(&l->inertia, lane, m ? m->inertia : &unit);
+    four33_put(&l->inverse, lane, m ? m->inv_inertia : &unit);
     four3_put(&l->force, lane, m ? m->force : vec3_zero());
     four3_put(&l->torque, lane, m ? m->torque : vec3_zero());
     four3_put(&l->x, lane, pos.x);

@@ -18,9 +18,9 @@ dig_status step_open(System *s, Group *g)
         const Member *m = &g->member[i];
         p->moves = m->moves;
         p->mass = m->mass;
-        p->inertia = m->inertia;
-        p->inv_inertia = m->inv_inertia;
-        p->reach = 5 * (m->inertia.r0.x + m->inertia.r1.y + m->inertia.r2.z);
+        p->inertia = *m->inertia;
+        p->inv_inertia = *m->inv_inertia;
+        p->reach = 5 * (m->inertia->r0.x + m->inertia->r1.y + m->inertia->r2.z);
     }
     DIG_TRY(parts_compile(s));
     s->node_count = g->moving_count + s->tie_count;

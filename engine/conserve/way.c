@@ -96,7 +96,7 @@ static real turning_rate(const Group *g)
     for (int i = 0; i < g->moving_count; i++) {
         const Member *m = &g->member[i];
         vec3 w = quat_unrotate(g->pos[i].q, g->vel[i].w);
-        real spin = vec3_dot(w, mat3_mul_vec(m->inertia, w)), w2 = vec3_length2(w);
+        real spin = vec3_dot(w, mat3_mul_vec(*m->inertia, w)), w2 = vec3_length2(w);
         if (!m->moves)
             continue;
         sum += spin * w2;

@@ -18,14 +18,14 @@ static mat3 root_of(mat3 m)
 static mat3 spin_root(const Member *m, quat q)
 {
     if (m->round)
-        return mat3_diagonal((vec3){sqrt(m->inv_inertia.r0.x), sqrt(m->inv_inertia.r0.x), sqrt(m->inv_inertia.r0.x)});
-    return mat3_mul(quat_matrix(q), root_of(m->inv_inertia));
+        return mat3_diagonal((vec3){sqrt(m->inv_inertia->r0.x), sqrt(m->inv_inertia->r0.x), sqrt(m->inv_inertia->r0.x)});
+    return mat3_mul(quat_matrix(q), root_of(*m->inv_inertia));
 }
 
 mat3 body_axes(const Crowd *c, int body) { return spin_root(&c->g->member[body], c->g->member[body].start_pos.q); }
 
-static vec3 momentum_of(const Member *m, quat q, vec3 w) { return quat_rotate(q, mat3_mul_vec(m->inertia, quat_unrotate(q, w))); }
-static vec3 spin_of(const Member *m, quat q, vec3 l) { return quat_rotate(q, mat3_mul_vec(m->inv_inertia, quat_unrotate(q, l))); }
+static vec3 momentum_of(const Member *m, quat q, vec3 w) { return quat_rotate(q, mat3_mul_vec(*m->inertia, quat_unrotate(q, w))); }
+static vec3 spin_of(const Member *m, quat q, vec3 l) { return quat_rotate(q, mat3_mul_vec(*m->inv_inertia, quat_unrotate(q, l))); }
 
 /* J  l: of its spin. */
 static real kinetic_of(const Member *m, Vel v, vec3 l) { return 0.5 * m->mass * vec3_length2(v.v) + 0.5 * vec3_dot(v.w, l); }
@@ -155,7 +155,7 @@ static vec3 turn(Crowd *c, int i, vec3 angle)
     quat q = g->pos[i].q;
     if (m->round) {
         turn_by(c, i, angle);
-        return mat3_mul_vec(m->inertia, g->vel[i].w);
+        return mat3_mul_vec(*m->inertia, g->vel[i].w);
     }
     vec3 w = g->vel[i].w, l = momentum_of(m, q, w);
     if (vec3_length2(angle) > 1e-6) {

@@ -22,7 +22,7 @@ static real rim_speed(const Group *g, int body)
     if (m->round || !m->moves)
         return 0;
     vec3 w = quat_unrotate(g->pos[body].q, g->vel[body].w);
-    return sqrt(3 * real_max(0, vec3_dot(w, mat3_mul_vec(m->inertia, w))) / m->mass);
+    return sqrt(3 * real_max(0, vec3_dot(w, mat3_mul_vec(*m->inertia, w))) / m->mass);
 }
 
 /* Is everything thick for how fast it falls and turns? Then no contact needs to be asked. */

@@ -52,7 +52,7 @@ static void apply(Group *g, int i)
         return;
     real c = decay(drag * g->world->bodies.data[m->slot].rate, g->h);
     vec3 w = quat_unrotate(g->pos[i].q, g->vel[i].w);
-    group_brake(g, i, vec3_scale(-c * m->mass, g->vel[i].v), quat_rotate(g->pos[i].q, vec3_scale(-c, mat3_mul_vec(m->inertia, w))));
+    group_brake(g, i, vec3_scale(-c * m->mass, g->vel[i].v), quat_rotate(g->pos[i].q, vec3_scale(-c, mat3_mul_vec(*m->inertia, w))));
 }
 
 /* Friction and restitution of a contact take the scales of both bodies' places. */

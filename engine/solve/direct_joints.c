@@ -315,7 +315,7 @@ static void uncouple(real *a, real *b, real one, real other)
 /* In body axes without what couples a turn about the length of a thin body to others. */
 static mat3 uncoupled(const Group *g, int body, mat3 k)
 {
-    const mat3 r = quat_matrix(g->pos[body].q), i = g->member[body].inertia;
+    const mat3 r = quat_matrix(g->pos[body].q), i = *g->member[body].inertia;
     mat3 m = mat3_mul(mat3_mul(mat3_transpose(r), k), r);
     uncouple(&m.r0.y, &m.r1.x, i.r0.x, i.r1.y);
     uncouple(&m.r1.z, &m.r2.y, i.r1.y, i.r2.z);

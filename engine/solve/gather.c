@@ -37,9 +37,9 @@ static inline __attribute__((always_inline)) mat3 inverse_inertia(const Group *g
 {
     const Member *m = &g->member[i];
     if (m->round)
-        return m->inv_inertia;
+        return *m->inv_inertia;
     mat3 r = quat_matrix(g->pos[i].q);
-    mat3 ii = mat3_mul(mat3_mul(r, m->inv_inertia), mat3_transpose(r));
+    mat3 ii = mat3_mul(mat3_mul(r, *m->inv_inertia), mat3_transpose(r));
     if (g->planar) {
         real k = g->planar == 1 ? ii.r0.x : g->planar == 2 ? ii.r1.y : ii.r2.z;
         ii = mat3_diagonal((vec3){g->planar == 1 ? k : 0, g->planar == 2 ? k : 0, g->planar == 3 ? k : 0});
@@ -58,6 +58,20 @@ void group_refresh_mass(Group *g, int i)
 /* A body woken by what is about to strike it was at rest: waking makes its mode moving, and leaves its velocity zero. */
 static bool body_moving(const Body *b) { return b->mode == DIG_MOVING && (vec3_length2(b->v) > 0 || vec3_length2(b->w) > 0); }
 
+static void take_inertia(Group *g, int i, const Body *b, real inert)
+{
+    Member *m = &g->member[i];
+    m->inertia = &b->inertia;
+    m->inv_inertia = &b->inv_inertia;
+    if (inert == 1)
+        return;
+    DIG_ASSERT(g->inertias);
+    g->inertias[i] = mat3_scale(inert, b->inertia);
+    g->inertias[g->body_count + i] = mat3_scale(1 / inert, b->inv_inertia);
+    m->inertia = &g->inertias[i];
+    m->inv_inertia = &g->inertias[g->body_count + i];
+}
+
 static void gather_body(Group *g, int i, uint32_t slot, bool awake)
 {
     Member *m = &g->member[i];
@@ -65,6 +79,8 @@ static void gather_body(Group *g, int i, uint32_t slot, bool awake)
     m->slot = slot;
     g->push_work[i] = 0;
     if (slot == NONE) {
+        static const mat3 none = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+        m->inertia = m->inv_inertia = &none;
         g->pos[i] = (Pos){vec3_zero(), quat_identity()};
         g->vel[i] = (Vel){vec3_zero(), vec3_zero()};
         return;
@@ -85,8 +101,7 @@ static void gather_body(Group *g, int i, uint32_t slot, bool awake)
     m->pull = m->moves ? b->pull : 0;
     m->integrator = b->integrator;
     m->fresh = b->euler;
-    m->inertia = mat3_scale(inert, b->inertia);
-    m->inv_inertia = mat3_scale(1 / inert, b->inv_inertia);
+    take_inertia(g, i, b, inert);
     m->centre = b->centre;
     m->outer = b->outer;
     m->travel = b->travel;
@@ -200,7 +215,8 @@ static dig_status gather_bodies(Group *g, const uint32_t *pairs, int pair_count,
     g->vel = arena_alloc(g->arena, total * sizeof *g->vel);
     g->member = arena_alloc(g->arena, total * sizeof *g->member);
     g->push_work = arena_alloc(g->arena, total * sizeof *g->push_work);
-    if (!g->pos || !g->vel || !g->member || !g->push_work)
+    g->inertias = w->region_count > 0 ? arena_alloc(g->arena, 2 * total * sizeof *g->inertias) : NULL;
+    if (!g->pos || !g->vel || !g->member || !g->push_work || (w->region_count > 0 && !g->inertias))
         return DIG_E_MEMORY;
     team_run(g->team, gather_share, g);
     for (int i = 0; i < g->moving_count && w->region_count > 0; i++)

@@ -50,7 +50,7 @@ typedef struct Member {         /* the rest of a gathered body */
     real     outer, travel;     /* m                                                   */
     real     mass, gravity_scale;
     real     im;                /* 1/kg  0: it does not move                           */
-    mat3     inertia, inv_inertia;      /* body axes                                   */
+    const mat3 *inertia, *inv_inertia;  /* body axes; the world's, but where time goes at another rate */
     vec3     force, torque;     /* N, N m, of this substep                             */
     Pos      start_pos; Vel start_vel;  /* at the start of the substep                 */
     vec3     swerve;            /* rad/s  change of its spin in the substep by its own turning: in velocities from predict() to move();
@@ -219,6 +219,7 @@ struct Group {
     const uint32_t *slots, *still;              /* of the bodies, ascending: of those that may move, and of the rest */
 
     Pos      *pos; Vel *vel; Mass *mass; Member *member; int body_count, moving_count;
+    mat3     *inertias;         /* [2 body_count] where time may go at another rate: of members, then their inverses */
     Apart    *apart;            /* [moving_count]; NULL: no force of this group can be a drag or a law's */
     Vel      *shift;            /* m, rad  position correction of a projection; as mass, not there in a crowd, which asks for neither */
     GroupPair *pairs;       int pair_count;     /* there is room for those left out, too */

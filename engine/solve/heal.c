@@ -88,7 +88,7 @@ static real gain_of(const Group *g, real *before)
         vec3 w = quat_unrotate(m->start_pos.q, m->start_vel.w);
         if (!m->moves)
             continue;
-        real had = 0.5 * m->mass * vec3_length2(m->start_vel.v) + 0.5 * vec3_dot(w, mat3_mul_vec(m->inertia, w));
+        real had = 0.5 * m->mass * vec3_length2(m->start_vel.v) + 0.5 * vec3_dot(w, mat3_mul_vec(*m->inertia, w));
         gain += group_kinetic_of(g, i) - had - 0.5 * g->h * vec3_dot(m->force, vec3_add(m->start_vel.v, g->vel[i].v));
         *before += had;
     }

@@ -79,7 +79,7 @@ static bool is_passive(const Held *h, int root)
 static real kinetic_of(const Member *m, quat q, Vel v)
 {
     vec3 w = quat_unrotate(q, v.w);
-    return 0.5 * m->mass * vec3_length2(v.v) + 0.5 * vec3_dot(w, mat3_mul_vec(m->inertia, w));
+    return 0.5 * m->mass * vec3_length2(v.v) + 0.5 * vec3_dot(w, mat3_mul_vec(*m->inertia, w));
 }
 
 typedef struct Gain { real gain, scale, kinetic; bool twisted; } Gain;      /* J, but for the work of forces; twisted: by torques, too */

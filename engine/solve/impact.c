@@ -78,7 +78,7 @@ real group_kinetic_of(const Group *g, int body)
     if (!m->moves)
         return 0;
     vec3 w = quat_unrotate(g->pos[body].q, g->vel[body].w);
-    return 0.5 * m->mass * vec3_length2(g->vel[body].v) + 0.5 * vec3_dot(w, mat3_mul_vec(m->inertia, w));
+    return 0.5 * m->mass * vec3_length2(g->vel[body].v) + 0.5 * vec3_dot(w, mat3_mul_vec(*m->inertia, w));
 }
 
 real group_kinetic(const Group *g)

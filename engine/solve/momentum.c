@@ -13,7 +13,7 @@
 /* kg m^2/s  About a point that moves with the velocity v. */
 static vec3 turning(const Member *m, const Pos *pos, const Vel *vel, vec3 at, vec3 v)
 {
-    vec3 own = quat_rotate(pos->q, mat3_mul_vec(m->inertia, quat_unrotate(pos->q, vel->w)));
+    vec3 own = quat_rotate(pos->q, mat3_mul_vec(*m->inertia, quat_unrotate(pos->q, vel->w)));
     return vec3_mad(own, m->mass, vec3_cross(vec3_sub(pos->x, at), vec3_sub(vel->v, v)));
 }
 
@@ -35,7 +35,7 @@ void rigid_motion(const Group *g, const int *root, int which, Rigid *out)
         const Member *m = &g->member[i];
         mat3 turn = quat_matrix(g->pos[i].q), skew = mat3_skew(vec3_sub(g->pos[i].x, out->at));
         out->l = vec3_add(out->l, turning(m, &g->pos[i], &g->vel[i], out->at, out->v));
-        out->inertia = mat3_add(out->inertia, mat3_mul(turn, mat3_mul(m->inertia, mat3_transpose(turn))));
+        out->inertia = mat3_add(out->inertia, mat3_mul(turn, mat3_mul(*m->inertia, mat3_transpose(turn))));
         out->inertia = mat3_sub(out->inertia, mat3_scale(m->mass, mat3_mul(skew, skew)));
     }
     out->w = mat3_mul_vec(mat3_inverse(out->inertia), out->l);

@@ -81,7 +81,7 @@ static real along(const Group *g, int i, Vel a, Vel b)
 {
     const Member *m = &g->member[i];
     vec3 wa = quat_unrotate(g->pos[i].q, a.w), wb = quat_unrotate(g->pos[i].q, b.w);
-    return m->moves ? m->mass * vec3_dot(a.v, b.v) + vec3_dot(wa, mat3_mul_vec(m->inertia, wb)) : 0;
+    return m->moves ? m->mass * vec3_dot(a.v, b.v) + vec3_dot(wa, mat3_mul_vec(*m->inertia, wb)) : 0;
 }
 
 static void scale_guess(Group *g, real s)

@@ -1,8 +1,8 @@
 /* solve/turn.c - how bodies turn within a substep. */
 #include "solve/group.h"
 
-static vec3 momentum_of(const Member *m, quat q, vec3 w) { return quat_rotate(q, mat3_mul_vec(m->inertia, quat_unrotate(q, w))); }
-static vec3 spin_of(const Member *m, quat q, vec3 l) { return quat_rotate(q, mat3_mul_vec(m->inv_inertia, quat_unrotate(q, l))); }
+static vec3 momentum_of(const Member *m, quat q, vec3 w) { return quat_rotate(q, mat3_mul_vec(*m->inertia, quat_unrotate(q, w))); }
+static vec3 spin_of(const Member *m, quat q, vec3 l) { return quat_rotate(q, mat3_mul_vec(*m->inv_inertia, quat_unrotate(q, l))); }
 
 /* rad/s  By how much a body that nothing holds turns otherwise at the end of the substep, its angular momentum staying as it is. Joint rows
  * are to know of it: they hold for the mean of the velocities before and after, and group_turn() turns it on so. */

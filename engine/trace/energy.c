@@ -106,7 +106,7 @@ void trace_mark_energy(Tracer *t)
 static real kinetic_of(const Member *m, quat q, vec3 v, vec3 w)
 {
     vec3 l = quat_unrotate(q, w);
-    return 0.5 * m->mass * vec3_length2(v) + 0.5 * vec3_dot(l, mat3_mul_vec(m->inertia, l));
+    return 0.5 * m->mass * vec3_length2(v) + 0.5 * vec3_dot(l, mat3_mul_vec(*m->inertia, l));
 }
 
 typedef struct Mechanism { real gain, scale, kinetic; Rigid rigid; } Mechanism;

@@ -41,7 +41,7 @@ static quat turn(const Member *m, quat q, vec3 momentum, real h, int terms)
     l[0] = quat_unrotate(q, momentum);
     for (int k = 0;; k++) {
         real next = 1.0 / (k + 1);
-        u[k] = vec3_scale(0.5 * h, mat3_mul_vec(m->inv_inertia, l[k]));
+        u[k] = vec3_scale(0.5 * h, mat3_mul_vec(*m->inv_inertia, l[k]));
         quat term = {u[k].x, u[k].y, u[k].z, 0};                    /* the first of p is 1 */
         for (int i = 0; i < k; i++)
             term = add(term, mul_pure(p[i], u[k - 1 - i]));
@@ -72,7 +72,7 @@ static int axis_of_symmetry(const mat3 *i)
 /* w = L / I + e (1 / Ie - 1 / I) L.e, and L.e stays: the first part turns about L in the world, the second about e in the body. */
 static quat turn_about_axis(const Member *m, quat q, vec3 momentum, real h, int axis)
 {
-    const real d[3] = {m->inv_inertia.r0.x, m->inv_inertia.r1.y, m->inv_inertia.r2.z};
+    const real d[3] = {m->inv_inertia->r0.x, m->inv_inertia->r1.y, m->inv_inertia->r2.z};
     const vec3 e = {axis == 0, axis == 1, axis == 2};
     real across = d[(axis + 1) % 3], own = (d[axis] - across) * vec3_dot(e, quat_unrotate(q, momentum));
     return quat_unit(quat_mul(quat_exp(vec3_scale(h * across, momentum)), quat_mul(q, quat_exp(vec3_scale(h * own, e)))));
@@ -127,21 +127,21 @@ static void fly(Group *g, int i, real h)
         return;
     }
     quat q = g->pos[i].q;
-    vec3 l = quat_rotate(q, mat3_mul_vec(m->inertia, quat_unrotate(q, w)));
-    int axis = axis_of_symmetry(&m->inv_inertia);
+    vec3 l = quat_rotate(q, mat3_mul_vec(*m->inertia, quat_unrotate(q, w)));
+    int axis = axis_of_symmetry(m->inv_inertia);
     if (axis >= 0)
         q = turn_about_axis(m, q, l, h, axis);
     else {
-        Bounds bounds = bounds_of(&m->inv_inertia, w, l);
+        Bounds bounds = bounds_of(m->inv_inertia, w, l);
         int parts = (int)real_clamp(ceil(bounds.safe * h / PART), 1, 1000), terms = terms_of(bounds, h / parts, ENOUGH * g->tolerance);
         for (int k = 0; k < parts; k++)
             q = turn(m, q, l, h / parts, terms);
     }
     g->pos[i].q = q;
-    w = quat_rotate(q, mat3_mul_vec(m->inv_inertia, quat_unrotate(q, l)));
+    w = quat_rotate(q, mat3_mul_vec(*m->inv_inertia, quat_unrotate(q, l)));
     /* refined once: |q| is 1 within rounding only, and that bias would add up to a drift of the angular momentum */
-    vec3 off = vec3_sub(l, quat_rotate(q, mat3_mul_vec(m->inertia, quat_unrotate(q, w))));
-    g->vel[i].w = vec3_add(w, quat_rotate(q, mat3_mul_vec(m->inv_inertia, quat_unrotate(q, off))));
+    vec3 off = vec3_sub(l, quat_rotate(q, mat3_mul_vec(*m->inertia, quat_unrotate(q, w))));
+    g->vel[i].w = vec3_add(w, quat_rotate(q, mat3_mul_vec(*m->inv_inertia, quat_unrotate(q, off))));
 }
 
 static dig_status advance(Group *g, real dt)

@@ -30,7 +30,7 @@ static const real dense_weight[STAGES] = {
 static vec3 angular_momentum(const Group *g, int i)
 {
     const Member *m = &g->member[i];
-    return quat_rotate(g->pos[i].q, mat3_mul_vec(m->inertia, quat_unrotate(g->pos[i].q, g->vel[i].w)));
+    return quat_rotate(g->pos[i].q, mat3_mul_vec(*m->inertia, quat_unrotate(g->pos[i].q, g->vel[i].w)));
 }
 
 void trace_keep_angles(Tracer *t)

@@ -423,7 +423,7 @@ static void check_balance(const Table *t)
         if (c->slip.axes && c->slip.grip == GRIP_STICK)
             CHECK_NEAR(vec3_length(c->slip.acc), 0, 1e-11);
     }
-    vec3 w = h->vel[0].w, l = quat_rotate(h->pos[0].q, mat3_mul_vec(h->member[0].inertia, quat_unrotate(h->pos[0].q, w)));
+    vec3 w = h->vel[0].w, l = quat_rotate(h->pos[0].q, mat3_mul_vec(*h->member[0].inertia, quat_unrotate(h->pos[0].q, w)));
     vec3 a = vec3_scale(1 / t->mass, force), alpha = mat3_mul_vec(h->mass[0].ii, vec3_sub(torque, vec3_cross(w, l)));
     CHECK_NEAR(vec3_distance(h->t.acc[0], a), 0, 1e-11);
     CHECK_NEAR(vec3_distance(h->t.alpha[0], alpha), 0, 1e-11);

@@ -21,6 +21,7 @@ typedef struct Hand {
     Vel    vel[HAND_BODIES], shift[HAND_BODIES];
     Mass   mass[HAND_BODIES];
     Member member[HAND_BODIES];
+    mat3   inertia[HAND_BODIES], inv_inertia[HAND_BODIES];
     real   push_work[HAND_BODIES];
     GroupPair pairs[1];
     GroupContact contacts[2];
@@ -98,8 +99,9 @@ static inline void hand_open(Hand *h, int moving, int bodies)
     g->body_count = bodies;
     for (int i = 0; i < bodies; i++) {
         h->pos[i].q = quat_identity();
-        h->member[i] = (Member){.slot = (uint32_t)i, .moves = i < moving, .mass = 1, .gravity_scale = 1, .outer = 1,
-                                .inertia = mat3_identity(), .inv_inertia = mat3_identity()};
+        h->inertia[i] = h->inv_inertia[i] = mat3_identity();
+        h->member[i] = (Member){.slot = (uint32_t)i, .moves = i < moving, .mass = 1, .im = i < moving ? 1 : 0, .gravity_scale = 1, .outer = 1,
+                                .inertia = &h->inertia[i], .inv_inertia = &h->inv_inertia[i]};
         h->mass[i].im = i < moving ? 1 : 0;
         group_refresh_mass(g, i);
     }
@@ -109,9 +111,9 @@ static inline void hand_mass(Hand *h, int body, real mass, vec3 inertia)
 {
     Member *m = &h->member[body];
     m->mass = mass;
-    m->inertia = mat3_diagonal(inertia);
-    m->inv_inertia = mat3_diagonal((vec3){1 / inertia.x, 1 / inertia.y, 1 / inertia.z});
-    h->mass[body].im = 1 / mass;
+    h->inertia[body] = mat3_diagonal(inertia);
+    h->inv_inertia[body] = mat3_diagonal((vec3){1 / inertia.x, 1 / inertia.y, 1 / inertia.z});
+    h->mass[body].im = m->im = 1 / mass;
     group_refresh_mass(&h->g, body);
 }
 
