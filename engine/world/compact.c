@@ -10,7 +10,7 @@ static bool many_free(int count, int unused) { return count >= MOVES_LEAST && un
 
 static uint32_t moved_side(const uint32_t *to, uint32_t side) { return side == NONE ? NONE : 2 * to[side / 2] + side % 2; }
 
-/* What there is of pairs by number: their lists, those of their solids, the near ones, the index. */
+/* What there is of pairs by number, but for the index: their lists, those of their solids, the near ones. */
 static void renumber_pairs(World *w, const uint32_t *to, int count)
 {
     int n = 0;
@@ -26,7 +26,6 @@ static void renumber_pairs(World *w, const uint32_t *to, int count)
         if (to[w->near.data[i]] != NONE)
             w->near.data[n++] = to[w->near.data[i]];
     w->near.count = n;
-    index_renumber(&w->pair_index, to);
 }
 
 static dig_status move_pairs(World *w)
@@ -44,12 +43,13 @@ static dig_status move_pairs(World *w)
             w->pairs.data[count++] = w->pairs.data[i];
     }
     renumber_pairs(w, to, count);
-    arena_rewind(&w->scratch, mark);
     w->pairs.count = count;
     w->free_pairs.count = 0;
     list_trim(&w->pairs, count + count / 8);
     list_trim(&w->free_pairs, w->pairs.capacity);
     list_trim(&w->near, w->near.count + w->near.count / 8);
+    index_renumber(&w->pair_index, to);     /* last: for a while there are two of it, and this step is often the one that takes most memory */
+    arena_rewind(&w->scratch, mark);
     return DIG_OK;
 }
 
