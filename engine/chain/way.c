@@ -271,7 +271,7 @@ static bool any_near(const Group *g, real time)
 }
 
 /* What looking for contacts changes, and the poses; nothing else is written before the step has succeeded. */
-typedef struct Saved { GroupContact *contacts; ContactPoint *places; GroupPair *pairs; } Saved;
+typedef struct Saved { GroupContact *contacts; real *places; GroupPair *pairs; } Saved;
 
 static dig_status save(const Group *g, Saved *s)
 {

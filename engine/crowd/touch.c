@@ -22,19 +22,20 @@ static vec3 sign_of(const Group *g, const GroupPair *q)
     return vec3_add(turns, vec3_mad(b->x, 0.75, a->x));
 }
 
+/* It has three points or more: no ball. */
 void crowd_sign(const Group *g, GroupPair *q)
 {
     vec3 s = sign_of(g, q);
-    q->cache = (ManifoldCache){.kind = CARRIED, .axis = {s.x, s.y, s.z}};
+    *q->hint = (ManifoldCache){.kind = CARRIED, .axis = {s.x, s.y, s.z}};
 }
 
 INLINE bool keeps(const Group *g, GroupPair *q)
 {
-    if (q->fresh || q->cache.kind != CARRIED)
+    if (q->fresh || !q->hint || q->hint->kind != CARRIED)
         return false;
     GroupContact *c = &g->contacts[q->contact];
     vec3 s = sign_of(g, q);
-    if (c->manifold.count < 3 || s.x != q->cache.axis[0] || s.y != q->cache.axis[1] || s.z != q->cache.axis[2])
+    if (c->manifold.count < 3 || s.x != q->hint->axis[0] || s.y != q->hint->axis[1] || s.z != q->hint->axis[2])
         return false;
     const reg3 n = reg3_of(c->manifold.normal);
     real low = INFINITY, high = -INFINITY, slid = 0;

@@ -93,7 +93,7 @@ static void follow_curve(Group *g, GroupPair *q, PointRow *r, real gap)
     pose pb = {vec3_add(b.x, quat_rotate(b.q, lb.p)), quat_mul(b.q, lb.q)};
     Manifold m = {.count = 0};
     uint32_t piece;
-    ManifoldCache cache = q->cache;
+    ManifoldCache cache = q->hint ? *q->hint : (ManifoldCache){.kind = 0};
     if (manifold_collide(&q->on_a->shape, pa, &q->on_b->shape, pb, far, &cache, &m, &piece, 1) != 1 || m.count != 1)
         return;
     if (vec3_dot(m.normal, r->n.n) > 1 - 1e-14 || vec3_dot(m.normal, r->n.n) < 0.5)

@@ -33,7 +33,7 @@ static bool contact_idle(const GroupContact *c)
 }
 
 /* Is there a hint to keep of a pair? Meshes have theirs from the start. */
-static bool keeps_memory(const GroupPair *q) { return q->contacts > 1 || q->cache.kind != 0; }
+static bool keeps_memory(const GroupPair *q) { return q->contacts > 1 || (q->hint && q->hint->kind != 0); }
 
 typedef struct Verdict { int changed, turned, widened, remembered, live, rubbing; real finest; } Verdict;     /* of one thread */
 typedef struct Judge { Group *g; real dt; Verdict *verdict; } Judge;
@@ -222,8 +222,8 @@ void group_commit_records(World *w, Group *g)
 static void commit_pair(World *w, const Group *g, const GroupPair *q, real dt)
 {
     Pair *p = &w->pairs.data[q->slot];
-    if (q->memory != NONE)
-        w->memories.data[q->memory].cache = q->cache;
+    if (q->memory != NONE && q->hint)
+        w->memories.data[q->memory].cache = *q->hint;
     p->until = q->until;
     p->fresh = false;
     p->touching = q->touching;

@@ -261,7 +261,7 @@ typedef struct Near {           /* a pair that may be gathered                  
     int a, b;                   /* local bodies                                    */
     int contact, contacts;      /* of the group; 0: left out                       */
     uint32_t first;             /* of the world's contacts                         */
-    int place;                  /* first of its room; by find_near, how many there are */
+    int place;                  /* first of its room; by find_near, how much it takes */
     float slack;                /* m  of one that is left out, see Left            */
 } Near;
 
@@ -276,8 +276,13 @@ typedef struct Nearby {
     Near  *near;
     Span  *span;                /* [body_count of g] NULL: all are gathered */
     int    first, taken;        /* of g's pairs: near[0] becomes the first of so many */
-    ContactPoint *places;       /* room for their points */
+    real  *places;              /* room for their points and hints */
 } Nearby;
+
+#define POINT_PLACE ((int)(sizeof(ContactPoint) / sizeof(real)))        /* of the group's places */
+#define HINT_PLACE  ((int)(sizeof(ManifoldCache) / sizeof(real)))
+_Static_assert(sizeof(ManifoldPoint) + sizeof(PointMemory) == sizeof(ContactPoint) && sizeof(ContactPoint) % sizeof(real) == 0 &&
+               sizeof(ManifoldCache) % sizeof(real) == 0, "points, memories and hints lie close together in reals");
 
 #define SHARED_LEAST 512         /* pairs: fewer are not worth a team */
 #define RUBS 16                 /* of two kinds of surfaces each */
@@ -308,7 +313,8 @@ static void gather_pair(Group *g, GroupPair *q, const Near *n, KnownRubs *known)
     const PairMemory *m = p->memory == NONE ? NULL : &w->memories.data[p->memory];
     Rub rub = m ? m->rub : rub_as_before(w, a, b, known);
     q->memory = p->memory;
-    q->cache = m ? m->cache : (ManifoldCache){.kind = 0};
+    if (q->hint)
+        *q->hint = m ? m->cache : (ManifoldCache){.kind = 0};
     q->covered = (Covered){0, 0};
     q->reach = 0;
     q->until = g->crowd ? p->until : -1;
@@ -327,7 +333,7 @@ static void gather_pair(Group *g, GroupPair *q, const Near *n, KnownRubs *known)
 }
 
 /* Only what there is. Points beyond the count stay unwritten. */
-static void gather_contact(const World *w, const GroupPair *q, int pair, uint32_t slot, ContactPoint *places, GroupContact *to)
+static void gather_contact(const World *w, const GroupPair *q, int pair, uint32_t slot, real *places, GroupContact *to)
 {
     static const Contact none = {.idle = true, .more = NONE};
     const Contact *from = slot == NONE ? &none : &w->contacts.data[slot];
@@ -401,7 +407,7 @@ static void find_near(void *context, int thread, int threads)
         *near = (Near){.slot = n->pairs[i], .a = local_of(g, p->body_a), .b = local_of(g, p->body_b), .first = p->contact, .contacts = 1};
         for (uint32_t c = p->pieces ? w->contacts.data[p->contact].next : NONE; c != NONE; c = w->contacts.data[c].next)
             near->contacts++;
-        near->place = near->contacts * (p->round ? 1 : MANIFOLD_POINTS);
+        near->place = p->round ? near->contacts * POINT_PLACE : near->contacts * MANIFOLD_POINTS * POINT_PLACE + HINT_PLACE;
         if (n->span && p->contact == NONE && !p->touching)
             near->slack = (float)slack_of(n, p, near->a, near->b);
         if (near->slack > 0)
@@ -431,6 +437,20 @@ static void fetch_near(const Group *g, const Near *near, int count, int i)
         fetch_soon(&w->contacts.data[n->first], sizeof(Contact));
 }
 
+/* The pair's contacts, and its hint after what they have room for. */
+static void gather_pair_contacts(const Nearby *n, const Near *near, GroupPair *q, int pair)
+{
+    Group *g = n->g;
+    const World *w = g->world;
+    uint32_t c = near->first;
+    for (int k = 0; k < near->contacts; k++) {
+        GroupContact *to = &g->contacts[q->contact + k];
+        to->room = q->hint ? MANIFOLD_POINTS : 1;
+        gather_contact(w, q, pair, c, n->places + near->place + k * to->room * POINT_PLACE, to);
+        c = c == NONE ? NONE : w->contacts.data[c].next;
+    }
+}
+
 static void gather_near(void *context, int thread, int threads)
 {
     const Nearby *n = context;
@@ -441,16 +461,12 @@ static void gather_near(void *context, int thread, int threads)
         const Near *near = &n->near[i];
         GroupPair *q = &g->pairs[n->first + i];
         fetch_near(g, n->near, n->taken, i);
-        uint32_t c = near->first;
+        bool round = g->world->pairs.data[near->slot].round;
+        q->hint = round ? NULL : (ManifoldCache *)(void *)(n->places + near->place + near->contacts * MANIFOLD_POINTS * POINT_PLACE);
         gather_pair(g, q, near, &known);
         q->contact = near->contact;
         q->contacts = near->contacts;
-        for (int k = 0; k < near->contacts; k++) {
-            GroupContact *to = &g->contacts[q->contact + k];
-            to->room = g->world->pairs.data[near->slot].round ? 1 : MANIFOLD_POINTS;
-            gather_contact(g->world, q, n->first + i, c, &n->places[near->place + k * to->room], to);
-            c = c == NONE ? NONE : g->world->contacts.data[c].next;
-        }
+        gather_pair_contacts(n, near, q, n->first + i);
     }
 }
 

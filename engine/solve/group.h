@@ -156,7 +156,7 @@ typedef struct GroupPair {
     real     size;              /* m   of the smaller solid: scale of tolerances */
     real     reach;             /* m   so far ahead its contact looks  */
     real     until;             /* m   see Pair; < 0 but in a crowd    */
-    ManifoldCache cache;
+    ManifoldCache *hint;        /* in the group's places; NULL: a ball, which needs none */
     real     struck_time, struck_speed, struck_impulse;
 } GroupPair;
 
@@ -230,8 +230,8 @@ struct Group {
     int       widened_count, remembered_count;  /* group_judge: of these, contacts that grow; memories that come */
     real      finest;           /* m   group_judge: size of the smallest solid in a pair; INFINITY: there is no pair */
     GroupContact *contacts; int contact_count;
-    ContactPoint *places;   int place_count;    /* of each contact, room for its points first, then for their memories; of those that
-                                                         * came in later elsewhere */
+    real     *places;       int place_count;    /* of each contact, room for its points first, then for their memories; then of its pair, for
+                                                         * a hint, unless with a ball; of those that came in later elsewhere */
     GroupJoint *joints;     int joint_count;
     GroupPush *pushes;      int push_count;
     PointRow *points;       int point_count, point_capacity;
@@ -353,7 +353,7 @@ int  group_overloaded(Group *g, real dt, real *share);  /* the joint most over i
 
 /* keep.c */
 typedef struct GroupKept {      /* a group as it was */
-    Pos *pos; Vel *vel; Mass *mass; Member *member; GroupPair *pairs; GroupContact *contacts; ContactPoint *places; GroupJoint *joints;
+    Pos *pos; Vel *vel; Mass *mass; Member *member; GroupPair *pairs; GroupContact *contacts; real *places; GroupJoint *joints;
     Apart *apart;
     real *push_work;
     Group scalars;

@@ -105,7 +105,7 @@ static void touch_again(GroupPair *q, GroupContact *c, pose pa, pose pb, bool ap
     found.normal = c->manifold.normal;
     found.count = 0;
     if (!apart)
-        manifold_of_parts(&q->on_a->shape, pa, &q->on_b->shape, pb, q->reach, q->covered, &q->cache, &found);
+        manifold_of_parts(&q->on_a->shape, pa, &q->on_b->shape, pb, q->reach, q->covered, q->hint, &found);
     put_points(c, &found);
     keep_memory(c, &old);
 }
@@ -114,7 +114,7 @@ static void touch_again(GroupPair *q, GroupContact *c, pose pa, pose pb, bool ap
 static real room_between(GroupPair *q, pose pa, pose pb, real most)
 {
     Manifold found = {.count = 0};
-    manifold_of_parts(&q->on_a->shape, pa, &q->on_b->shape, pb, most, q->covered, &q->cache, &found);
+    manifold_of_parts(&q->on_a->shape, pa, &q->on_b->shape, pb, most, q->covered, q->hint, &found);
     for (int k = 0; k < found.count; k++)
         most = real_min(most, found.points[k].gap);
     return most;
@@ -184,7 +184,7 @@ real group_touch_within(Group *g, GroupPair *q, real reach)
     q->until = -1;
     Manifold found[PIECES];
     uint32_t pieces[PIECES];
-    int count = manifold_collide(&q->on_a->shape, pa, &q->on_b->shape, pb, reach, &q->cache, found, pieces, int_min(q->contacts, PIECES));
+    int count = manifold_collide(&q->on_a->shape, pa, &q->on_b->shape, pb, reach, q->hint, found, pieces, int_min(q->contacts, PIECES));
     touch_pieces(g, q, found, pieces, count);
     return 0;
 }
