@@ -35,7 +35,7 @@ static bool suits(const Group *g)
         return false;
     for (int i = 0; i < g->contact_count; i++)
         for (int k = 0; g->contacts[i].live && k < g->contacts[i].manifold.count; k++)
-            if (g->contacts[i].memory[k].normal > 0)
+            if (contact_memory(&g->contacts[i])[k].normal > 0)
                 return false;           /* it carried load a step ago */
     return plain_joints(g);
 }
@@ -346,7 +346,7 @@ static void forget_contacts(Group *g)
 {
     for (int i = 0; i < g->contact_count; i++)
         for (int k = 0; k < g->contacts[i].manifold.count; k++) {
-            PointMemory *m = &g->contacts[i].memory[k];
+            PointMemory *m = &contact_memory(&g->contacts[i])[k];
             m->normal = 0;
             m->held = 0;
             m->tangent = vec3_zero();

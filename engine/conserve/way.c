@@ -71,7 +71,7 @@ static bool suits(const Group *g)
             return false;
     for (int i = 0; i < g->contact_count; i++)
         for (int k = 0; g->contacts[i].live && k < g->contacts[i].manifold.count; k++)
-            if (g->contacts[i].memory[k].normal > 0)
+            if (contact_memory(&g->contacts[i])[k].normal > 0)
                 return false;           /* it carried load a step ago */
     return parts_understood(g);
 }

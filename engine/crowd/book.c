@@ -117,7 +117,7 @@ static void note_contact(Crowd *c, int contact)
 INLINE void book_friction(GroupContact *t, const Batch *b, int lane, real h, real load)
 {
     const ManifoldPoint *point = t->manifold.points;
-    PointMemory *memory = t->memory;
+    PointMemory *memory = contact_memory(t);
     const int count = t->manifold.count;
     vec3 n = t->manifold.normal, u, v;
     vec3_basis(n, &u, &v);
@@ -145,7 +145,7 @@ INLINE void book_friction(GroupContact *t, const Batch *b, int lane, real h, rea
 static void book_rub(GroupContact *t, const WideRub *r, int lane, real h)
 {
     t->impulse = vec3_add(t->impulse, (vec3){lane_of(&r->sum[0], lane), lane_of(&r->sum[1], lane), lane_of(&r->sum[2], lane)});
-    t->memory[0].tangent = vec3_scale(1 / h, (vec3){lane_of(&r->j[0], lane), lane_of(&r->j[1], lane), lane_of(&r->j[2], lane)});
+    contact_memory(t)->tangent = vec3_scale(1 / h, (vec3){lane_of(&r->j[0], lane), lane_of(&r->j[1], lane), lane_of(&r->j[2], lane)});
 }
 
 #define YIELDS 0.1              /* s: soft rows carry a load by overlap at first, and after some of this without; by as much sooner as
@@ -172,7 +172,7 @@ INLINE bool book_row(const Book *book, int contact)
     int lane;
     const Batch *b = batch_of(c, contact, &lane);
     const int count = t->manifold.count;
-    PointMemory *memory = t->memory;
+    PointMemory *memory = contact_memory(t);
     reg3 at = reg3_of(t->point_sum);
     real load = 0, sum = 0, weight = t->point_weight, fastest = -INFINITY, h = (real)c->h, rate = 1 / h;
     for (int k = 0; k < count; k++) {

@@ -104,11 +104,11 @@ static void forget(const Group *g, GroupContact *t)
         t->live = false;
         t->manifold.count = 0;
     }
-    for (int k = 0; k < t->manifold.count; k++) {
-        t->memory[k].normal = 0;
-        t->memory[k].borne = 0;
-        t->memory[k].held = 0;
-        t->memory[k].tangent = vec3_zero();
+    for (PointMemory *m = contact_memory(t), *end = m + t->manifold.count; m < end; m++) {
+        m->normal = 0;
+        m->borne = 0;
+        m->held = 0;
+        m->tangent = vec3_zero();
     }
     if (t->live)
         t->rolling = vec3_zero();
@@ -222,7 +222,7 @@ static vec3 driven_velocity(const Crowd *c, const Ends *e, vec3 at)
 INLINE void fill_point(const Crowd *c, const Ends *e, bool round, WidePoint *p, int lane, int k)
 {
     const ManifoldPoint *m = &e->c->manifold.points[k];
-    const PointMemory *memory = &e->c->memory[k];
+    const PointMemory *memory = &contact_memory(e->c)[k];
     if (!round) {
         put_reg(p->a, lane, e->a < c->bodies ? reg3_load(&m->a) - e->xa : reg3_all(0));
         put_reg(p->b, lane, e->b < c->bodies ? reg3_load(&m->b) - e->xb : reg3_all(0));
@@ -238,7 +238,7 @@ INLINE void fill_point(const Crowd *c, const Ends *e, bool round, WidePoint *p, 
 INLINE void fill_patch(const Crowd *c, const Ends *e, WidePatch *p, WideTwist *turn, int lane)
 {
     const GroupManifold *m = &e->c->manifold;
-    const PointMemory *memory = e->c->memory;
+    const PointMemory *memory = contact_memory(e->c);
     vec3 t, u;
     vec3_basis(m->normal, &t, &u);
     put(p->t, lane, t);
@@ -266,7 +266,7 @@ INLINE void fill_rub(const Crowd *c, const Ends *e, WideRub *r, int lane)
     reg3 n = reg3_of(m->normal);
     set(&r->a, lane, e->a < c->bodies ? reg3_dot(n, reg3_load(&m->points[0].a) - e->xa) : 0);
     set(&r->b, lane, e->b < c->bodies ? reg3_dot(n, e->xb - reg3_load(&m->points[0].b)) : 0);
-    put_reg(r->j, lane, reg3_all((real)c->h) * reg3_load(&e->c->memory[0].tangent));
+    put_reg(r->j, lane, reg3_all((real)c->h) * reg3_load(&contact_memory(e->c)->tangent));
 }
 
 static void put_matrix(wide *v, int lane, mat3 m)

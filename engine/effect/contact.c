@@ -133,13 +133,13 @@ static dig_status rows(const EffectSlot *e, Group *g)
             bool left = false;
             point_row_make(g, r, i, k);
             real gap = c->manifold.points[k].gap;
-            bool carried = c->memory[k].held > 0, needed = set_target(g, q, r, gap, carried, &left);
+            bool carried = contact_memory(c)[k].held > 0, needed = set_target(g, q, r, gap, carried, &left);
             c->left |= (uint16_t)(left << k);
             if (!needed)
                 continue;
             if (g->locate && c->manifold.count == 1 && q->contacts == 1 && lies(g, q, r, gap, carried))
                 follow_curve(g, q, r, gap);
-            warm(g, r, &c->memory[k]);
+            warm(g, r, &contact_memory(c)[k]);
             q->approach = real_max(q->approach, -r->rate_before);
             g->point_count++;
         }

@@ -29,7 +29,7 @@ static dig_status decay(Group *g)
 {
     for (int i = 0; i < g->contact_count; i++) {
         const GroupContact *c = &g->contacts[i];
-        if (!c->live || !(c->memory[0].normal > 0))
+        if (!c->live || !(contact_memory(c)[0].normal > 0))
             continue;
         real rate = DECAY_RATE * g->pairs[c->pair].friction_dynamic;
         vec3 slip = vec3_sub(g->vel[c->b].v, g->vel[c->a].v);

@@ -20,7 +20,7 @@ static bool contact_touches(const Group *g, const GroupPair *q, const GroupConta
     real tolerance = (hops ? 2e-3 : 100 * g->touch) * q->size;
     for (int k = 0; k < c->manifold.count; k++) {
         const ManifoldPoint *at = &c->manifold.points[k];
-        if (at->gap <= tolerance && (c->memory[k].normal > 0 || q->was_touching || point_rests(g, c, at)))
+        if (at->gap <= tolerance && (contact_memory(c)[k].normal > 0 || q->was_touching || point_rests(g, c, at)))
             return true;
     }
     return false;
@@ -174,7 +174,7 @@ static void commit_contact(World *w, Contact *to, const GroupContact *from, real
     for (int k = 0; k < from->manifold.count; k++) {
         ContactPoint *p = contact_point(w, to, k);
         p->at = from->manifold.points[k];
-        p->memory = from->memory[k];
+        p->memory = contact_memory(from)[k];
     }
     to->rolling = from->rolling;
     to->sliding = from->sliding;
@@ -250,7 +250,7 @@ static void fetch_commit(const World *w, const Group *g, int i)
     const GroupContact *from = &g->contacts[q->contact];
     uint32_t slot = from->slot;
     fetch_soon(from->manifold.points, (size_t)from->manifold.count * sizeof(ManifoldPoint));
-    fetch_soon(from->memory, (size_t)from->manifold.count * sizeof(PointMemory));
+    fetch_soon(contact_memory(from), (size_t)from->manifold.count * sizeof(PointMemory));
     fetch_more(w, g->contacts[g->pairs[i + FETCH_AHEAD / 2].contact].slot);
     fetch_soon(&w->pairs.data[q->slot], sizeof(Pair));
     if (q->memory != NONE)

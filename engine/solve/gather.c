@@ -352,11 +352,10 @@ static void gather_contact(const World *w, const GroupPair *q, int pair, uint32_
     to->manifold.normal = from->normal;
     to->manifold.count = int_min(from->count, to->room);
     to->manifold.points = (ManifoldPoint *)(void *)places;
-    to->memory = (PointMemory *)(void *)(to->manifold.points + to->room);
     for (int k = 0; k < to->manifold.count; k++) {
         const ContactPoint *p = contact_point_seen(w, from, k);
         to->manifold.points[k] = p->at;
-        to->memory[k] = p->memory;
+        contact_memory(to)[k] = p->memory;
     }
 }
 

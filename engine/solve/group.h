@@ -122,20 +122,22 @@ typedef struct GroupContact {
     uint32_t slot;              /* world contact; NONE = spare      */
     uint32_t piece;
     uint8_t  room;              /* points and memories there can be */
-    bool     wide;              /* the world's has room for more than one, too */
-    bool     live;              /* has points                       */
-    bool     idle, was_idle;    /* no point, and no force: until group_judge in the world's record, then now; then */
-    bool     touching;          /* at the end of the step, by group_judge */
-    bool     sliding;
+    bool     wide : 1;          /* the world's has room for more than one, too */
+    bool     live : 1;          /* has points                       */
+    bool     idle : 1, was_idle : 1;    /* no point, and no force: until group_judge in the world's record, then now; then */
+    bool     touching : 1;      /* at the end of the step, by group_judge */
+    bool     sliding : 1;
     uint16_t left;              /* bit per point without a row in this substep: where it closes, that is located as an impact */
-    GroupManifold manifold;
-    PointMemory *memory;        /* [room] as the points, in the group's places */
+    GroupManifold manifold;     /* its points in the group's places */
     vec3     rolling;           /* N m                              */
     vec3     impulse;           /* N s on b, over the whole step    */
     real     last;              /* s   into the step, when force last acted */
     vec3     point_sum; real point_weight;      /* where, weighted by impulse; up to WEIGHT_LEAST: nowhere */
     real     lost;              /* J   to friction, rolling and blows, over the whole step; of the group's lost */
 } GroupContact;
+
+/* Of its points, which they come after: [room]. */
+static inline PointMemory *contact_memory(const GroupContact *c) { return (PointMemory *)(void *)(c->manifold.points + c->room); }
 
 typedef struct GroupPair {
     uint32_t slot;              /* world pair                       */

@@ -161,7 +161,7 @@ static void note_strike(Group *g, const PointRow *r, real speed)
         return;
     c->last = g->t;
     if (speed > 0.1 * g->close_speed)
-        c->memory[r->point].held = 0;   /* if it bounces, it flies; if not, the next substep holds it */
+        contact_memory(c)[r->point].held = 0;   /* if it bounces, it flies; if not, the next substep holds it */
     g->member[c->a].collided = g->member[c->b].collided = true;
     for (int k = 0; k < 2; k++) {
         Member *m = &g->member[k ? c->b : c->a];
@@ -227,7 +227,7 @@ static real choose_elastic(Group *g, bool *on, const real *rate)
  * sideways stays on its table, a table struck by a ball stays on its floor. */
 static bool is_held(const Group *g, const PointRow *r, real rate)
 {
-    return g->contacts[r->contact].memory[r->point].held > 0 && rate <= 0.1 * g->close_speed;       /* and not leaving already */
+    return contact_memory(&g->contacts[r->contact])[r->point].held > 0 && rate <= 0.1 * g->close_speed;       /* and not leaving already */
 }
 
 /* ---- no blow makes energy ----

@@ -138,7 +138,7 @@ static dig_status start_from_guess(Group *g)
  * none. What presses already does not bounce there. */
 static bool carries_load(const Group *g, const PointRow *r)
 {
-    return g->joints_direct && g->contacts[r->contact].memory[r->point].held > 0;
+    return g->joints_direct && contact_memory(&g->contacts[r->contact])[r->point].held > 0;
 }
 
 #define BOUNCE_PASSES 64
@@ -172,7 +172,7 @@ static void mark_constrained(Group *g)
         if (!(r->jn > 0))
             continue;               /* it could have touched, but did not: free flight */
         /* a point that carries on is smooth, though turning bodies approach there a little at each substep's start */
-        bool carries = g->contacts[r->contact].memory[r->point].held == HELD_SUBSTEPS;
+        bool carries = contact_memory(&g->contacts[r->contact])[r->point].held == HELD_SUBSTEPS;
         bool several = g->contacts[r->contact].manifold.count > 1;
         bool met = r->target < -1e-6 || (fabs(r->rate_before) > 1e-6 && !carries);
         if (several && carries && g->row_count == 0)    /* of one point the row itself follows the curve, where it can */
@@ -264,11 +264,11 @@ static void book_point(Group *g, PointRow *r)
         rubbed = COARSE / (pressed * r->n.k);
         pressed = COARSE / r->n.k;
     }
-    c->memory[r->point].normal = pressed / remembered_over(g);
+    contact_memory(c)[r->point].normal = pressed / remembered_over(g);
     c->last = r->jn > 0 ? g->t + g->h : c->last;
     if (r->jn > 0)              /* what closed a gap still approaches: the next substep is not smooth either */
-        c->memory[r->point].held = r->target < -1e-6 ? HELD_SUBSTEPS - 1 : HELD_SUBSTEPS;
-    c->memory[r->point].tangent = vec3_scale(rubbed / remembered_over(g), tangent);
+        contact_memory(c)[r->point].held = r->target < -1e-6 ? HELD_SUBSTEPS - 1 : HELD_SUBSTEPS;
+    contact_memory(c)[r->point].tangent = vec3_scale(rubbed / remembered_over(g), tangent);
     c->impulse = vec3_add(c->impulse, impulse);
     c->point_sum = vec3_mad(c->point_sum, r->jn, p->a);
     c->point_weight += r->jn;
@@ -409,9 +409,9 @@ static void forget_idle(Group *g)
 {
     for (int i = 0; i < g->contact_count; i++)
         for (int k = 0; k < g->contacts[i].manifold.count; k++) {
-            g->contacts[i].memory[k].normal = 0;
-            g->contacts[i].memory[k].held = int_max(0, g->contacts[i].memory[k].held - 1);
-            g->contacts[i].memory[k].tangent = vec3_zero();
+            contact_memory(&g->contacts[i])[k].normal = 0;
+            contact_memory(&g->contacts[i])[k].held = int_max(0, contact_memory(&g->contacts[i])[k].held - 1);
+            contact_memory(&g->contacts[i])[k].tangent = vec3_zero();
         }
 }
 

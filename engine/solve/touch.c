@@ -23,7 +23,7 @@ static void note_before(const GroupContact *c, Before *old)
     old->rolling = c->rolling;
     for (int k = 0; k < old->count; k++) {
         old->feature[k] = c->manifold.points[k].feature;
-        old->memory[k] = c->memory[k];
+        old->memory[k] = contact_memory(c)[k];
     }
 }
 
@@ -31,15 +31,15 @@ static void note_before(const GroupContact *c, Before *old)
 static void keep_memory(GroupContact *c, const Before *old)
 {
     for (int i = 0; i < c->manifold.count; i++) {
-        c->memory[i] = (PointMemory){.feature = c->manifold.points[i].feature};
+        contact_memory(c)[i] = (PointMemory){.feature = c->manifold.points[i].feature};
         if (c->manifold.count == 1 && old->count == 1) {       /* a ball rolls over an edge: another feature, the same contact */
-            c->memory[0] = old->memory[0];
-            c->memory[0].feature = c->manifold.points[0].feature;
+            contact_memory(c)[0] = old->memory[0];
+            contact_memory(c)[0].feature = c->manifold.points[0].feature;
             return;
         }
         for (int k = 0; k < old->count; k++)
             if (old->feature[k] == c->manifold.points[i].feature) {
-                c->memory[i] = old->memory[k];
+                contact_memory(c)[i] = old->memory[k];
                 break;
             }
     }
@@ -138,8 +138,8 @@ static real touch_balls(const Group *g, GroupPair *q, GroupContact *c, real reac
         return gap;
     }
     if (c->manifold.count != 1)
-        c->memory[0] = (PointMemory){.feature = 0};
-    c->memory[0].feature = 0;
+        *contact_memory(c) = (PointMemory){.feature = 0};
+    contact_memory(c)->feature = 0;
     vec3 n = length > 0 ? vec3_scale(1 / length, d) : vec3_unit(d);
     c->manifold.normal = n;
     c->manifold.count = 1;

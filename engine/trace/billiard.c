@@ -49,7 +49,7 @@ static bool suits(const Group *g)
         if (q->friction > 0 || q->rolling > 0 || q->restitution < LIVELY || q->contacts != 1)
             return false;
         const GroupContact *c = &g->contacts[q->contact];
-        if (!(a && b) && c->manifold.count > 0 && c->memory[0].held > 0)    /* it rests there */
+        if (!(a && b) && c->manifold.count > 0 && contact_memory(c)[0].held > 0)    /* it rests there */
             return false;
     }
     return true;
@@ -266,7 +266,7 @@ static void end_frame(Billiard *b, real dt)
         c->sliding = false;
         c->rolling = vec3_zero();
         for (int k = 0; k < c->manifold.count; k++)
-            c->memory[k] = (PointMemory){.feature = c->memory[k].feature};
+            contact_memory(c)[k] = (PointMemory){.feature = contact_memory(c)[k].feature};
         for (int k = 0; c->live && k < c->manifold.count; k++)
             g->penetration = real_max(g->penetration, -c->manifold.points[k].gap);
     }

@@ -41,7 +41,7 @@ static bool any_moves(const Group *g, const GroupContact *c) { return g->member[
 /* A contact that pressed in the last step still does, though another way may have left it a little off. */
 static bool held_before(const Tracer *t, const GroupContact *c, int point, const Kinematics *k, real size)
 {
-    return c->memory[point].held > 0 && fabs(k->gap) < 1e-3 * size && fabs(k->rate) < 1e-4 * t->size * t->pace;
+    return contact_memory(c)[point].held > 0 && fabs(k->gap) < 1e-3 * size && fabs(k->rate) < 1e-4 * t->size * t->pace;
 }
 
 /* Is the feature of before, in its present place, what the manifold's point means? Edges across each other are looked at anew. */
@@ -108,7 +108,7 @@ static bool add_point(Tracer *t, int contact, int point, const Sides *sides, boo
     if (old)
         *n = *old;
     else
-        new_contact(t, n, q, c, &c->memory[point]);
+        new_contact(t, n, q, c, &contact_memory(c)[point]);
     n->contact = contact;
     n->point = point;
     n->a = c->a;
@@ -233,7 +233,7 @@ static bool all_held(const Tracer *t)
         const GroupContact *c = &g->contacts[i];
         bool held = false;
         for (int k = 0; k < c->manifold.count; k++)
-            held = held || c->memory[k].held == HELD_SUBSTEPS;
+            held = held || contact_memory(c)[k].held == HELD_SUBSTEPS;
         if (!held && any_moves(g, c))
             return false;
     }
