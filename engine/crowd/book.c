@@ -275,7 +275,7 @@ static dig_status note(const Book *b)
         more += b->to_note[i];
     if (more == 0)
         return DIG_OK;
-    Strike *strikes = arena_alloc(g->arena, (size_t)(g->strike_count + more) * sizeof *strikes);
+    Strike *strikes = spare_take(&g->spare, g->arena, (size_t)(g->strike_count + more) * sizeof *strikes);
     if (!strikes)
         return DIG_E_MEMORY;
     for (int i = 0; i < g->strike_count; i++)       /* of pieces before this one */

@@ -456,6 +456,8 @@ dig_status rows_open(Crowd *c)
     }
     for (int i = 0; i < r.count; i++)
         r.sorted[place[kind_of(&r.chosen[i])]++] = r.chosen[i];
+    spare_add(&g->spare, r.chosen, (size_t)(g->contact_count + 1) * sizeof *r.chosen);
+    spare_add(&g->spare, r.sorted + r.count, (size_t)(g->contact_count + 1 - r.count) * sizeof *r.chosen);
     DIG_TRY(make_batches(&r));
     team_run(g->team, fill_share(c), c);
     return DIG_OK;

@@ -83,8 +83,8 @@ dig_status group_judge(Group *g, real dt)
 {
     int threads = g->team ? g->team->threads : 1;
     Judge j = {.g = g, .dt = dt, .verdict = arena_alloc(g->arena, (size_t)threads * sizeof *j.verdict)};
-    g->changed = arena_alloc(g->arena, (size_t)g->pair_count * sizeof *g->changed);
-    g->turned = arena_alloc(g->arena, (size_t)g->contact_count * sizeof *g->turned);
+    g->changed = spare_take(&g->spare, g->arena, (size_t)g->pair_count * sizeof *g->changed);
+    g->turned = spare_take(&g->spare, g->arena, (size_t)g->contact_count * sizeof *g->turned);
     if (!j.verdict || !g->changed || !g->turned)
         return DIG_E_MEMORY;
     team_run(g->team, judge_share, &j);
