@@ -16,7 +16,8 @@ static void pack_point(Pack *p, ContactPoint *c)
     pack_vec3(p, &point->b, 2 * SAVE_FAR, "point of a contact");
     pack_real_in(p, &point->gap, -4 * SAVE_FAR, 4 * SAVE_FAR, "gap of a contact");
     pack_u32(p, &point->feature);
-    pack_u32(p, &memory->feature);
+    uint32_t again = point->feature;        /* its memory had a copy once, and has its place in the file */
+    pack_u32(p, &again);
     pack_real_in(p, &memory->normal, -SAVE_STRONG, SAVE_STRONG, "force of a contact");
     pack_vec3(p, &memory->tangent, SAVE_STRONG, "friction of a contact");
     pack_enum(p, &memory->held, 256, "memory of a contact");

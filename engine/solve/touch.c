@@ -31,10 +31,9 @@ static void note_before(const GroupContact *c, Before *old)
 static void keep_memory(GroupContact *c, const Before *old)
 {
     for (int i = 0; i < c->manifold.count; i++) {
-        contact_memory(c)[i] = (PointMemory){.feature = c->manifold.points[i].feature};
+        contact_memory(c)[i] = (PointMemory){.held = 0};
         if (c->manifold.count == 1 && old->count == 1) {       /* a ball rolls over an edge: another feature, the same contact */
             contact_memory(c)[0] = old->memory[0];
-            contact_memory(c)[0].feature = c->manifold.points[0].feature;
             return;
         }
         for (int k = 0; k < old->count; k++)
@@ -138,8 +137,7 @@ static real touch_balls(const Group *g, GroupPair *q, GroupContact *c, real reac
         return gap;
     }
     if (c->manifold.count != 1)
-        *contact_memory(c) = (PointMemory){.feature = 0};
-    contact_memory(c)->feature = 0;
+        *contact_memory(c) = (PointMemory){.held = 0};
     vec3 n = length > 0 ? vec3_scale(1 / length, d) : vec3_unit(d);
     c->manifold.normal = n;
     c->manifold.count = 1;

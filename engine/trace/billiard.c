@@ -266,7 +266,7 @@ static void end_frame(Billiard *b, real dt)
         c->sliding = false;
         c->rolling = vec3_zero();
         for (int k = 0; k < c->manifold.count; k++)
-            contact_memory(c)[k] = (PointMemory){.feature = contact_memory(c)[k].feature};
+            contact_memory(c)[k] = (PointMemory){.held = 0};
         for (int k = 0; c->live && k < c->manifold.count; k++)
             g->penetration = real_max(g->penetration, -c->manifold.points[k].gap);
     }

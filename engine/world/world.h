@@ -111,7 +111,6 @@ typedef struct Solid {          /* one shape in a body, or of the world itself (
 /* ---- contacts ---- */
 
 typedef struct PointMemory {    /* what a contact point remembers between steps        */
-    uint32_t feature;
     real     normal;            /* N   force, for warm starting                        */
     vec3     tangent;           /* N   friction, world axes                            */
     int      held;              /* substeps since it carried force, counted down to 0  */
