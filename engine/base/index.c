@@ -1,7 +1,7 @@
 /* base/index.c - records by the hash of a key that they hold themselves. */
 #include "base/index.h"
 
-#include <stdlib.h>
+#include "base/block.h"
 
 #define INDEX_LARGEST (1u << 30)        /* entries of the table */
 #define SMALLEST 16u
@@ -30,6 +30,8 @@ static void put(Index *x, IndexEntry e)
     x->count++;
 }
 
+static IndexEntry *table_open(uint32_t size) { return block_resize(NULL, 0, size * sizeof(IndexEntry)); }
+
 dig_status index_reserve(Index *x, int entries)
 {
     if (entries < 0 || !holds(INDEX_LARGEST, (uint64_t)entries))
@@ -37,13 +39,13 @@ dig_status index_reserve(Index *x, int entries)
     uint32_t size = size_for(x->size ? x->size : SMALLEST, (uint64_t)entries);
     if (size == x->size)
         return DIG_OK;
-    Index grown = {.entries = calloc(size, sizeof *grown.entries), .size = size};
+    Index grown = {.entries = table_open(size), .size = size};
     if (!grown.entries)
         return DIG_E_MEMORY;
     for (uint32_t i = 0; i < x->size; i++)
         if (x->entries[i].hash)
             put(&grown, x->entries[i]);
-    free(x->entries);
+    block_free(x->entries, x->size * sizeof *x->entries);
     *x = grown;
     return DIG_OK;
 }
@@ -99,12 +101,12 @@ void index_renumber(Index *x, const uint32_t *to)
         if (x->entries[i].hash)
             x->entries[i].record = to[x->entries[i].record];
     Index small = {.size = size};
-    if (size >= x->size || !(small.entries = calloc(size, sizeof *small.entries)))
+    if (size >= x->size || !(small.entries = table_open(size)))
         return;
     for (uint32_t i = 0; i < x->size; i++)
         if (x->entries[i].hash)
             put(&small, x->entries[i]);
-    free(x->entries);
+    block_free(x->entries, x->size * sizeof *x->entries);
     *x = small;
 }
 
@@ -113,10 +115,10 @@ dig_status index_copy(Index *to, const Index *from)
     if (to == from)
         return DIG_OK;
     if (to->size != from->size) {
-        IndexEntry *table = from->size ? malloc(from->size * sizeof *table) : NULL;
+        IndexEntry *table = from->size ? block_open(from->size * sizeof *table) : NULL;
         if (from->size && !table)
             return DIG_E_MEMORY;
-        free(to->entries);
+        block_free(to->entries, to->size * sizeof *to->entries);
         to->entries = table;
         to->size = from->size;
     }
@@ -128,7 +130,7 @@ dig_status index_copy(Index *to, const Index *from)
 
 void index_close(Index *x)
 {
-    free(x->entries);
+    block_free(x->entries, x->size * sizeof *x->entries);
     *x = (Index){0};
 }
 

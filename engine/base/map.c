@@ -1,7 +1,7 @@
 /* base/map.c - hash map with open addressing, linear probing and removal by shifting back. */
 #include "base/map.h"
 
-#include <stdlib.h>
+#include "base/block.h"
 
 #define MAP_LARGEST (1u << 30)  /* entries of the table */
 
@@ -47,14 +47,14 @@ dig_status map_reserve(Map *m, int entries)
         size *= 2;
     if (size == m->size)
         return DIG_OK;
-    MapEntry *table = calloc(size, sizeof *table);
+    MapEntry *table = block_resize(NULL, 0, size * sizeof *table);
     if (!table)
         return DIG_E_MEMORY;
     Map grown = {table, size, m->count, m->allocations + 1};
     for (uint32_t i = 0; i < m->size; i++)
         if (m->entries[i].hash)
             table[find_place(&grown, m->entries[i].key, m->entries[i].hash)] = m->entries[i];
-    free(m->entries);
+    block_free(m->entries, m->size * sizeof *m->entries);
     *m = grown;
     return DIG_OK;
 }
@@ -113,12 +113,12 @@ dig_status map_copy(Map *to, const Map *from)
     if (to->size != from->size) {
         MapEntry *table = NULL;
         if (from->size) {
-            table = malloc(from->size * sizeof *table);
+            table = block_open(from->size * sizeof *table);
             if (!table)
                 return DIG_E_MEMORY;
             to->allocations++;
         }
-        free(to->entries);
+        block_free(to->entries, to->size * sizeof *to->entries);
         to->entries = table;
         to->size = from->size;
     }
@@ -130,7 +130,7 @@ dig_status map_copy(Map *to, const Map *from)
 
 void map_close(Map *m)
 {
-    free(m->entries);
+    block_free(m->entries, m->size * sizeof *m->entries);
     *m = (Map){0};
 }
 

@@ -1,7 +1,7 @@
 /* geom/tree.c - the dynamic tree of bounding boxes: insertion by least surface, rotations on the way up, queries without a stack. */
 #include "geom/tree.h"
 
-#include <stdlib.h>
+#include "base/block.h"
 
 /* Half the surface of a box, the measure of how often it is met. */
 static real area_of(box3 b)
@@ -19,27 +19,33 @@ void tree_open(Tree *t)
 
 void tree_close(Tree *t)
 {
-    free(t->nodes);
+    block_free(t->nodes, (size_t)t->capacity * sizeof *t->nodes);
     tree_open(t);
 }
 
-/* Room for `capacity` nodes in all. New ones join the end of the free list, so that which number comes next does not depend
+/* From here on there is room for so many. New ones join the end of the free list, so that which number comes next does not depend
  * on when the array grew. */
+static void add_free(Tree *t, int capacity)
+{
+    for (int i = t->capacity; i < capacity; i++)
+        t->nodes[i] = (TreeNode){.parent = i + 1 < capacity ? i + 1 : -1, .child = {-1, -1}, .height = -1};
+    int32_t *last = &t->free;
+    while (*last >= 0)
+        last = &t->nodes[*last].parent;
+    *last = t->capacity < capacity ? t->capacity : -1;
+    t->capacity = capacity;
+}
+
+/* Room for `capacity` nodes in all. */
 static dig_status grow_to(Tree *t, int capacity)
 {
     if (capacity <= t->capacity)
         return DIG_OK;
-    TreeNode *nodes = realloc(t->nodes, (size_t)capacity * sizeof *nodes);
+    TreeNode *nodes = block_resize(t->nodes, (size_t)t->capacity * sizeof *nodes, (size_t)capacity * sizeof *nodes);
     if (!nodes)
         return DIG_E_MEMORY;
-    for (int i = t->capacity; i < capacity; i++)
-        nodes[i] = (TreeNode){.parent = i + 1 < capacity ? i + 1 : -1, .child = {-1, -1}, .height = -1};
-    int32_t *last = &t->free;
-    while (*last >= 0)
-        last = &nodes[*last].parent;
-    *last = t->capacity;
     t->nodes = nodes;
-    t->capacity = capacity;
+    add_free(t, capacity);
     return DIG_OK;
 }
 
@@ -344,22 +350,13 @@ bool tree_check(const Tree *t)
 dig_status tree_copy(Tree *to, const Tree *from)
 {
     int capacity = int_max(to->capacity, from->capacity);
-    to->capacity = 0;                           /* every node is written anew */
-    to->free = -1;
-    if (capacity > 0) {
-        TreeNode *nodes = realloc(to->nodes, (size_t)capacity * sizeof *nodes);
-        if (!nodes) {
-            free(to->nodes);
-            tree_open(to);
-            return DIG_E_MEMORY;
-        }
-        to->nodes = nodes;
-    }
+    DIG_TRY(grow_to(to, capacity));             /* every node is written anew */
     if (from->capacity > 0)
         memcpy(to->nodes, from->nodes, (size_t)from->capacity * sizeof *to->nodes);
     to->capacity = from->capacity;
     to->count = from->count;
     to->root = from->root;
     to->free = from->free;
-    return grow_to(to, capacity);
+    add_free(to, capacity);
+    return DIG_OK;
 }

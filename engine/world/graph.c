@@ -1,4 +1,5 @@
 /* world/graph.c - tables of a graph: nodes, links and DIG records, and the questions about them. */
+#include "base/block.h"
 #include "world/graph_inside.h"
 
 #include <stdlib.h>
@@ -22,15 +23,15 @@ dig_status graph_open(Graph **g)
 
 static void free_tables(Graph *g)
 {
-    free(g->nodes);
-    free(g->digs);
-    free(g->alive);
-    free(g->touched);
-    free(g->queue);
-    free(g->changes);
-    free(g->links);
-    free(g->adds);
-    free(g->removes);
+    block_free(g->nodes, g->held[TABLE_NODES]);
+    block_free(g->digs, g->held[TABLE_DIGS]);
+    block_free(g->alive, g->held[TABLE_ALIVE]);
+    block_free(g->touched, g->held[TABLE_TOUCHED]);
+    block_free(g->queue, g->held[TABLE_QUEUE]);
+    block_free(g->changes, g->held[TABLE_CHANGES]);
+    block_free(g->links, g->held[TABLE_LINKS]);
+    block_free(g->adds, g->held[TABLE_ADDS]);
+    block_free(g->removes, g->held[TABLE_REMOVES]);
     map_close(&g->by_id);
 }
 
@@ -42,18 +43,19 @@ void graph_close(Graph *g)
     free(g);
 }
 
-/* Enlarges the table whose pointer is stored at `where` to `to` elements, the new ones zero. False: out of memory, table
- * unchanged. (memcpy because the pointers differ in type.) */
-static bool enlarge(Graph *g, void *where, size_t element, uint32_t from, uint32_t to)
+/* Enlarges the table whose pointer is stored at `where` to so many bytes, the new ones zero: they take no memory until they are written
+ * to. False: out of memory, table unchanged. (memcpy because the pointers differ in type.) */
+static bool enlarge(Graph *g, int which, void *where, size_t bytes)
 {
     void *table;
     memcpy(&table, where, sizeof table);
-    unsigned char *bytes = realloc(table, element * to);
-    if (!bytes)
+    if (bytes <= g->held[which])
+        return true;
+    table = block_resize(table, g->held[which], bytes);
+    if (!table)
         return false;
-    memset(bytes + element * from, 0, element * (to - from));
-    table = bytes;
     memcpy(where, &table, sizeof table);
+    g->held[which] = bytes;
     g->allocations++;
     return true;
 }
@@ -71,11 +73,11 @@ static dig_status reserve_nodes(Graph *g, uint32_t capacity)
         return DIG_OK;
     if (capacity > NODE_LIMIT)
         return DIG_E_FULL;
-    if (!enlarge(g, &g->nodes, sizeof *g->nodes, have, capacity) || !enlarge(g, &g->digs, sizeof *g->digs, have, capacity)
-        || !enlarge(g, &g->alive, sizeof *g->alive, have, capacity)
-        || !enlarge(g, &g->touched, sizeof *g->touched, have, capacity)
-        || !enlarge(g, &g->queue, sizeof *g->queue, have, capacity)
-        || !enlarge(g, &g->changes, sizeof *g->changes, 2 * have, 2 * capacity))
+    if (!enlarge(g, TABLE_NODES, &g->nodes, sizeof *g->nodes * capacity) || !enlarge(g, TABLE_DIGS, &g->digs, sizeof *g->digs * capacity)
+        || !enlarge(g, TABLE_ALIVE, &g->alive, sizeof *g->alive * capacity)
+        || !enlarge(g, TABLE_TOUCHED, &g->touched, sizeof *g->touched * capacity)
+        || !enlarge(g, TABLE_QUEUE, &g->queue, sizeof *g->queue * capacity)
+        || !enlarge(g, TABLE_CHANGES, &g->changes, sizeof *g->changes * 2 * capacity))
         return DIG_E_MEMORY;
     DIG_TRY(map_reserve(&g->by_id, (int)capacity));     /* last: its size always fits node_capacity, see copy_contents */
     for (uint32_t i = have; i < capacity; i++)
@@ -91,8 +93,8 @@ static dig_status reserve_links(Graph *g, uint32_t capacity)
         return DIG_OK;
     if (capacity > LINK_LIMIT)
         return DIG_E_FULL;
-    if (!enlarge(g, &g->links, sizeof *g->links, have, capacity) || !enlarge(g, &g->adds, sizeof *g->adds, have, capacity)
-        || !enlarge(g, &g->removes, sizeof *g->removes, have, capacity))
+    if (!enlarge(g, TABLE_LINKS, &g->links, sizeof *g->links * capacity) || !enlarge(g, TABLE_ADDS, &g->adds, sizeof *g->adds * capacity)
+        || !enlarge(g, TABLE_REMOVES, &g->removes, sizeof *g->removes * capacity))
         return DIG_E_MEMORY;
     g->link_capacity = capacity;
     return DIG_OK;
@@ -120,6 +122,7 @@ static void copy_contents(Graph *to, const Graph *from)
     to->links = own.links;
     to->adds = own.adds;
     to->removes = own.removes;
+    memcpy(to->held, own.held, sizeof to->held);
     to->by_id = own.by_id;
     to->allocations = own.allocations;
     if (to->node_capacity) {

@@ -41,6 +41,8 @@ typedef struct GraphDig {
     uint64_t kept_user;         /* root: user value that goes with it                 */
 } GraphDig;
 
+enum { TABLE_NODES, TABLE_DIGS, TABLE_ALIVE, TABLE_TOUCHED, TABLE_QUEUE, TABLE_CHANGES, TABLE_LINKS, TABLE_ADDS, TABLE_REMOVES, GRAPH_TABLES };
+
 struct Graph {
     GraphNode   *nodes;         /* [node_capacity] by slot                            */
     GraphDig    *digs;          /* [node_capacity] there are never more DIGs than nodes */
@@ -52,6 +54,7 @@ struct Graph {
     uint32_t    *adds, *removes;/* [link_capacity] of the open batch, in call order   */
     Map          by_id;         /* id -> record                                       */
     uint32_t     node_capacity, link_capacity;
+    size_t       held[GRAPH_TABLES];        /* bytes of each; more than the capacities say where a later one found no memory */
     uint32_t     node_count, alive_count, touched_count, change_count, add_count, remove_count;
     uint32_t     dig_top, link_top;         /* records ever used                      */
     uint32_t     free_dig, free_link;       /* last freed first; NIL = none           */
