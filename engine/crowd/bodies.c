@@ -88,20 +88,20 @@ dig_status bodies_open(Crowd *c)
     Group *g = c->g;
     int threads = g->team ? g->team->threads : 1;
     size_t n = (size_t)(c->bodies + threads);
-    Six *six = spare_take(&g->spare, g->arena, 7 * n * sizeof *six);
+    Six *six = spare_take(&g->spare, g->arena, 4 * n * sizeof *six);         /* in pieces, for what is spare is */
+    c->vel = spare_take(&g->spare, g->arena, n * sizeof *six);
+    c->move = spare_take(&g->spare, g->arena, n * sizeof *six);
+    c->start = spare_take(&g->spare, g->arena, n * sizeof *six);
     c->frame = spare_take(&g->spare, g->arena, n * sizeof *c->frame);
     c->blocks = (c->bodies + BLOCK - 1) / BLOCK;
     c->lost = arena_alloc(g->arena, (size_t)c->blocks * sizeof *c->lost);
     c->others = arena_alloc(g->arena, (size_t)(g->body_count - c->bodies) * sizeof *c->others);
-    if (!six || !c->frame || !c->lost || !c->others)
+    if (!six || !c->vel || !c->move || !c->start || !c->frame || !c->lost || !c->others)
         return DIG_E_MEMORY;
-    c->vel = six;
-    c->move = six + n;
-    c->start = six + 2 * n;
-    c->last = six + 3 * n;
-    c->push = six + 4 * n;
-    c->axes[0] = six + 5 * n;
-    c->axes[1] = six + 6 * n;
+    c->last = six;
+    c->push = six + n;
+    c->axes[0] = six + 2 * n;
+    c->axes[1] = six + 3 * n;
     c->carriage = (Carriage *)(void *)c->last;
     _Static_assert(sizeof *c->carriage <= 4 * sizeof *six, "there is room for a carriage in the place of four of them");
     for (int i = c->bodies; i < (int)n; i++)

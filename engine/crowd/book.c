@@ -100,7 +100,7 @@ static void note_contact(Crowd *c, int contact)
         PointRow r = {.contact = contact, .point = k, .a = t->a, .b = t->b, .jn = whole};
         sum += whole;
         if (whole > 0)
-            g->pairs[t->pair].approach = real_max(g->pairs[t->pair].approach, speed);
+            pair_approaches(&g->pairs[t->pair], speed);
         if (!(whole > 0) || !(speed > strike_speed(c)))
             continue;
         g->member[t->a].collided = g->member[t->b].collided = true;
@@ -193,7 +193,7 @@ INLINE bool book_row(const Book *book, int contact)
     if (sum > 0)
         t->last = g->t;
     if (q->contacts == 1)       /* the pair's other contacts may be in other threads' hands */
-        q->approach = real_max(q->approach, fastest);
+        pair_approaches(q, fastest);
     if (b->patch)
         book_friction(t, b, lane, h, load);
     else if (b->rub)

@@ -140,7 +140,7 @@ static dig_status rows(const EffectSlot *e, Group *g)
             if (g->locate && c->manifold.count == 1 && q->contacts == 1 && lies(g, q, r, gap, carried))
                 follow_curve(g, q, r, gap);
             warm(g, r, &contact_memory(c)[k]);
-            q->approach = real_max(q->approach, -r->rate_before);
+            pair_approaches(q, -r->rate_before);
             g->point_count++;
         }
     }

@@ -329,7 +329,7 @@ static void gather_pair(Group *g, GroupPair *q, const Near *n, KnownRubs *known)
     q->both_moved = g->member[q->a].moved && g->member[q->b].moved;
     q->struck = false;
     q->strike_first = q->strike = 0;
-    q->approach = q->struck_time = q->struck_speed = q->struck_impulse = 0;
+    q->speed = q->struck_time = q->struck_impulse = 0;
 }
 
 /* Only what there is. Points beyond the count stay unwritten. */

@@ -153,14 +153,16 @@ typedef struct GroupPair {
     bool     both_moved;        /* neither was at rest before      */
     Covered  covered;           /* faces that joints hold to the next piece of the same thing */
     const Solid *on_a, *on_b;   /* the world's, with their shapes      */
-    real     approach;          /* m/s  fastest approach seen by the rows */
+    real     speed;             /* m/s  fastest approach seen by the rows; once struck, of its impacts */
     real     friction, friction_dynamic, rolling, restitution;
     real     size;              /* m   of the smaller solid: scale of tolerances */
     real     reach;             /* m   so far ahead its contact looks  */
     real     until;             /* m   see Pair; < 0 but in a crowd    */
     ManifoldCache *hint;        /* in the group's places; NULL: a ball, which needs none */
-    real     struck_time, struck_speed, struck_impulse;
+    real     struck_time, struck_impulse;
 } GroupPair;
+
+static inline void pair_approaches(GroupPair *q, real speed) { q->speed = q->struck ? q->speed : real_max(q->speed, speed); }
 
 /* A pair that a crowd has left out: its bodies do not meet by themselves in this step. */
 typedef struct Left {

@@ -187,9 +187,9 @@ void strike_report(Group *g, const PointRow *r, real speed)
     if (!q->struck) {
         q->struck = true;
         q->struck_time = g->t;
-        q->struck_speed = speed;
+        q->speed = speed;
     }
-    q->struck_speed = real_max(q->struck_speed, speed);
+    q->speed = real_max(q->speed, speed);
     q->struck_impulse += r->jn;
     /* A blow that goes to and fro along a row of touching bodies within one instant is one impact of each pair; where
      * impacts are not located, all of a step's are. */

@@ -135,12 +135,11 @@ static void touch_pair(World *w, const Group *g, const GroupPair *q, real start)
     bool fresh = t->pairs == 0 && !t->brief && t->began <= 0 && t->link == NONE;
     touch_count(w, t, (int)now - (int)was);
     real time = start + (q->struck ? q->struck_time : g->t);
-    real speed = q->struck ? q->struck_speed : q->approach;
     if (fresh && (now || q->struck)) {
         t->began = time + 1e-300;           /* > 0: has begun, even at t = 0 */
-        t->speed = speed;
+        t->speed = q->speed;
         t->impulse = q->struck_impulse;
-        fill_event(event_post(w, DIG_EVENT_CONTACT_BEGIN, p->body_a, p->body_b), g, q, wall, time, speed, q->struck_impulse);
+        fill_event(event_post(w, DIG_EVENT_CONTACT_BEGIN, p->body_a, p->body_b), g, q, wall, time, q->speed, q->struck_impulse);
     }
     if (t->pairs > 0) {
         begin_link(w, slot);
