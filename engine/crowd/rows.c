@@ -437,18 +437,20 @@ dig_status rows_open(Crowd *c)
 {
     Group *g = c->g;
     int threads = g->team ? g->team->threads : 1;
-    Rows r = {.c = c, .chosen = spare_take(&g->spare, g->arena, 2 * (size_t)(g->contact_count + 1) * sizeof *r.chosen)};
+    Rows r = {.c = c, .chosen = spare_take(&g->spare, g->arena, (size_t)(g->contact_count + 1) * sizeof *r.chosen)};
     uint64_t (*taken)[2] = arena_zero(g->arena, (size_t)(c->bodies + 1) * sizeof *taken);
     c->row = spare_take(&g->spare, g->arena, (size_t)(g->contact_count + 1) * sizeof *c->row);
     r.deepest = arena_alloc(g->arena, (size_t)threads * sizeof *r.deepest);
     if (!r.chosen || !taken || !c->row || !r.deepest)
         return DIG_E_MEMORY;
     int place[KINDS] = {0};
-    r.sorted = r.chosen + g->contact_count + 1;
     team_run(g->team, choose_share, &r);
     for (int i = 0; i < threads; i++)
         c->deep = real_max(c->deep, r.deepest[i]);
     r.count = colour_all(&r, taken, place);
+    r.sorted = spare_take(&g->spare, g->arena, (size_t)r.count * sizeof *r.sorted);
+    if (!r.sorted)
+        return DIG_E_MEMORY;
     for (int i = 0, sum = 0; i < KINDS; i++) {
         int n = place[i];
         place[i] = sum;
@@ -457,7 +459,6 @@ dig_status rows_open(Crowd *c)
     for (int i = 0; i < r.count; i++)
         r.sorted[place[kind_of(&r.chosen[i])]++] = r.chosen[i];
     spare_add(&g->spare, r.chosen, (size_t)(g->contact_count + 1) * sizeof *r.chosen);
-    spare_add(&g->spare, r.sorted + r.count, (size_t)(g->contact_count + 1 - r.count) * sizeof *r.chosen);
     DIG_TRY(make_batches(&r));
     team_run(g->team, fill_share(c), c);
     return DIG_OK;

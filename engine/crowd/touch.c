@@ -328,8 +328,11 @@ static dig_status look_behind(Crowd *c, Ends *ends, size_t most)
         s.looks[0] = s.looks[1];
         s.looks[1] = done;
     }
-    if (s.next)
+    if (s.next) {
         spare_add(&g->spare, s.next, 2 * most * sizeof *s.next);
+        spare_add(&g->spare, s.first, (size_t)g->body_count * sizeof *s.first);
+        spare_add(&g->spare, s.behind, (size_t)g->body_count * sizeof *s.behind);
+    }
     return DIG_OK;
 }
 

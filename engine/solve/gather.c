@@ -563,6 +563,7 @@ dig_status group_gather_struck(Group *g, const real *stop, real dt)
     if (!n.places)
         return DIG_E_MEMORY;
     team_run(n.taken < SHARED_LEAST ? NULL : g->team, gather_near, &n);
+    spare_add(&g->spare, n.near, (size_t)n.taken * sizeof *n.near);
     group_leave_out(g, n.first);
     return DIG_OK;
 }
