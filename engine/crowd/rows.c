@@ -328,8 +328,8 @@ INLINE void fill_lane(Crowd *c, Batch *b, int lane, GroupContact *t)
     b->b[lane] = e.b;
     put(b->n, lane, t->manifold.normal);
     set(&b->restitution, lane, q->restitution);
-    t->sliding = q->friction > q->friction_dynamic && slides(g, t, q);
-    set(&b->friction, lane, t->sliding ? q->friction_dynamic : q->friction);
+    t->manifold.slides = q->friction > q->friction_dynamic && slides(g, t, q);
+    set(&b->friction, lane, t->manifold.slides ? q->friction_dynamic : q->friction);
     set(&b->care, lane, (real)(c->h / (float)needed(q, t)));
     for (int k = 0; k < t->manifold.count; k++)
         fill_point(c, &e, b->round, &b->point[k], lane, k);

@@ -72,7 +72,7 @@ static void note_until(const Crowd *crowd, GroupPair *q, real room)
     real travel = crowd->trait[q->a].travel + crowd->trait[q->b].travel;
     if (!c->live)
         q->until = travel + room - LOOKS * q->size;
-    else if (c->manifold.count < 3 && !(q->on_a->shape.round > 0 && q->on_b->shape.round > 0 && c->room == 1))
+    else if (c->manifold.count < 3 && !(q->on_a->shape.round > 0 && q->on_b->shape.round > 0 && c->manifold.room == 1))
         q->until = travel + STAYS * q->size;
 }
 

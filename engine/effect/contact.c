@@ -127,14 +127,14 @@ static dig_status rows(const EffectSlot *e, Group *g)
         GroupPair *q = &g->pairs[c->pair];
         if (!c->live || (!g->member[c->a].moves && !g->member[c->b].moves))
             continue;
-        c->left = 0;
+        c->manifold.left = 0;
         for (int k = 0; k < c->manifold.count; k++) {
             PointRow *r = &g->points[g->point_count];
             bool left = false;
             point_row_make(g, r, i, k);
             real gap = c->manifold.points[k].gap;
             bool carried = contact_memory(c)[k].held > 0, needed = set_target(g, q, r, gap, carried, &left);
-            c->left |= (uint16_t)(left << k);
+            c->manifold.left |= (uint8_t)(left << k);
             if (!needed)
                 continue;
             if (g->locate && c->manifold.count == 1 && q->contacts == 1 && lies(g, q, r, gap, carried))

@@ -29,7 +29,7 @@ static bool contact_touches(const Group *g, const GroupPair *q, const GroupConta
 /* Has it no point, and no force that the world's record would hold? */
 static bool contact_idle(const GroupContact *c)
 {
-    return c->manifold.count == 0 && vec3_is_zero(c->impulse) && vec3_is_zero(c->rolling) && !c->sliding;
+    return c->manifold.count == 0 && vec3_is_zero(c->impulse) && vec3_is_zero(c->rolling) && !c->manifold.slides;
 }
 
 /* Is there a hint to keep of a pair? Meshes have theirs from the start. */
@@ -47,14 +47,14 @@ static void judge_pair(Group *g, int i, real dt, Verdict *v, int *changed, int *
         GroupContact *c = &g->contacts[k];
         if (c->manifold.count == 0) {       /* what is over is not remembered */
             c->rolling = vec3_zero();
-            c->sliding = false;
+            c->manifold.slides = false;
         }
         c->touching = contact_touches(g, q, c, dt);
         q->touching = q->touching || c->touching;
         c->was_idle = c->idle;
         c->idle = contact_idle(c);
         bool comes_or_goes = q->contacts == 1 && (c->slot == NONE) != c->idle;
-        bool widens = c->manifold.count > 1 && !c->wide;
+        bool widens = c->manifold.count > 1 && !c->manifold.wide;
         bool remembers = k == q->contact && keeps_memory(q) != (q->memory != NONE);
         if (comes_or_goes || widens || remembers)
             turned[v->turned++] = k;
@@ -177,7 +177,7 @@ static void commit_contact(World *w, Contact *to, const GroupContact *from, real
         p->memory = contact_memory(from)[k];
     }
     to->rolling = from->rolling;
-    to->sliding = from->sliding;
+    to->sliding = from->manifold.slides;
     to->touching = from->touching;
     to->force = vec3_scale(1 / dt, from->impulse);
     to->lost = from->lost;

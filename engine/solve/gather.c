@@ -343,14 +343,14 @@ static void gather_contact(const World *w, const GroupPair *q, int pair, uint32_
     to->slot = slot;
     to->piece = from->piece;
     to->idle = from->idle;
-    to->wide = from->more != NONE;
+    to->manifold.wide = from->more != NONE;
     to->live = from->count > 0;
-    to->sliding = from->sliding;
+    to->manifold.slides = from->sliding;
     to->rolling = from->idle ? vec3_zero() : from->rolling;
     to->impulse = to->point_sum = vec3_zero();
     to->last = to->point_weight = to->lost = 0;
     to->manifold.normal = from->normal;
-    to->manifold.count = int_min(from->count, to->room);
+    to->manifold.count = int_min(from->count, to->manifold.room);
     to->manifold.points = (ManifoldPoint *)(void *)places;
     for (int k = 0; k < to->manifold.count; k++) {
         const ContactPoint *p = contact_point_seen(w, from, k);
@@ -444,8 +444,8 @@ static void gather_pair_contacts(const Nearby *n, const Near *near, GroupPair *q
     uint32_t c = near->first;
     for (int k = 0; k < near->contacts; k++) {
         GroupContact *to = &g->contacts[q->contact + k];
-        to->room = q->hint ? MANIFOLD_POINTS : 1;
-        gather_contact(w, q, pair, c, n->places + near->place + k * to->room * POINT_PLACE, to);
+        to->manifold.room = q->hint ? MANIFOLD_POINTS : 1;
+        gather_contact(w, q, pair, c, n->places + near->place + k * to->manifold.room * POINT_PLACE, to);
         c = c == NONE ? NONE : w->contacts.data[c].next;
     }
 }

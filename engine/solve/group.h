@@ -112,7 +112,15 @@ typedef struct JointRow {
 } JointRow;
 
 /* A manifold with as many points as its shapes can have. */
-typedef struct GroupManifold { vec3 normal; int count; ManifoldPoint *points; } GroupManifold;
+typedef struct GroupManifold {
+    vec3     normal;
+    ManifoldPoint *points;      /* in the group's places            */
+    int      count;
+    uint8_t  room;              /* points and memories there can be */
+    uint8_t  left;              /* bit per point without a row in this substep: where it closes, that is located as an impact */
+    bool     wide;              /* the world's has room for more than one, too */
+    bool     slides;
+} GroupManifold;
 
 #define WEIGHT_LEAST 1e-300     /* N s  1 over less is no number */
 
@@ -121,14 +129,10 @@ typedef struct GroupContact {
     int      a, b;              /* local bodies                     */
     uint32_t slot;              /* world contact; NONE = spare      */
     uint32_t piece;
-    uint8_t  room;              /* points and memories there can be */
-    bool     wide : 1;          /* the world's has room for more than one, too */
-    bool     live : 1;          /* has points                       */
-    bool     idle : 1, was_idle : 1;    /* no point, and no force: until group_judge in the world's record, then now; then */
-    bool     touching : 1;      /* at the end of the step, by group_judge */
-    bool     sliding : 1;
-    uint16_t left;              /* bit per point without a row in this substep: where it closes, that is located as an impact */
-    GroupManifold manifold;     /* its points in the group's places */
+    bool     live;              /* has points                       */
+    bool     idle, was_idle;    /* no point, and no force: until group_judge in the world's record, then now; then */
+    bool     touching;          /* at the end of the step, by group_judge */
+    GroupManifold manifold;
     vec3     rolling;           /* N m                              */
     vec3     impulse;           /* N s on b, over the whole step    */
     real     last;              /* s   into the step, when force last acted */
@@ -137,7 +141,7 @@ typedef struct GroupContact {
 } GroupContact;
 
 /* Of its points, which they come after: [room]. */
-static inline PointMemory *contact_memory(const GroupContact *c) { return (PointMemory *)(void *)(c->manifold.points + c->room); }
+static inline PointMemory *contact_memory(const GroupContact *c) { return (PointMemory *)(void *)(c->manifold.points + c->manifold.room); }
 
 typedef struct GroupPair {
     uint32_t slot;              /* world pair                       */

@@ -84,7 +84,7 @@ static real locate_points(const Group *g, const GroupPair *q, real tolerance)
             }
             /* gap + v0 t + acc t^2 / 2 = 0, the root without cancellation */
             real d = v0 * v0 - 2 * acc * p->gap;
-            if (!(d > 0) || !(sqrt(d) > (c->left >> k & 1 ? 0 : g->close_speed)))
+            if (!(d > 0) || !(sqrt(d) > (c->manifold.left >> k & 1 ? 0 : g->close_speed)))
                 continue;
             real t = 2 * p->gap / (sqrt(d) - v0);
             if (t > 0 && t <= g->h)

@@ -272,7 +272,7 @@ static void book_point(Group *g, PointRow *r)
     c->impulse = vec3_add(c->impulse, impulse);
     c->point_sum = vec3_mad(c->point_sum, r->jn, p->a);
     c->point_weight += r->jn;
-    c->sliding = r->slides;
+    c->manifold.slides = r->slides;
     /* where impacts are not located, a fast approach that ends in this substep is one */
     if (!g->locate && r->jn > 0 && -r->rate_before > blow_speed(g)) {
         g->member[r->a].collided = g->member[r->b].collided = true;

@@ -47,7 +47,7 @@ static void keep_memory(GroupContact *c, const Before *old)
 static void put_points(GroupContact *c, const Manifold *found)
 {
     c->manifold.normal = found->normal;
-    c->manifold.count = int_min(found->count, c->room);
+    c->manifold.count = int_min(found->count, c->manifold.room);
     c->live = c->manifold.count > 0;
     for (int k = 0; k < c->manifold.count; k++)
         c->manifold.points[k] = found->points[k];

@@ -263,7 +263,7 @@ static void end_frame(Billiard *b, real dt)
     group_touch(g, dt, true);
     for (int i = 0; i < g->contact_count; i++) {
         GroupContact *c = &g->contacts[i];
-        c->sliding = false;
+        c->manifold.slides = false;
         c->rolling = vec3_zero();
         for (int k = 0; k < c->manifold.count; k++)
             contact_memory(c)[k] = (PointMemory){.held = 0};

@@ -214,7 +214,7 @@ void trace_remember(Tracer *t)
 {
     Group *g = t->g;
     for (int i = 0; i < g->contact_count; i++)
-        for (int k = 0; k < g->contacts[i].room; k++) {
+        for (int k = 0; k < g->contacts[i].manifold.room; k++) {
             PointMemory *m = &contact_memory(&g->contacts[i])[k];
             m->normal = 0;
             m->tangent = vec3_zero();
@@ -228,7 +228,7 @@ void trace_remember(Tracer *t)
         contact_memory(to)[c->point].normal = real_max(c->gate.force, 0);
         contact_memory(to)[c->point].tangent = c->slip.force;
         contact_memory(to)[c->point].held = c->gate.force > 0 ? HELD_SUBSTEPS : 0;
-        to->sliding = c->slip.axes && c->slip.grip == GRIP_SLIP;
+        to->manifold.slides = c->slip.axes && c->slip.grip == GRIP_SLIP;
         to->rolling = c->roll.force;
     }
 }

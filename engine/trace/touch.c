@@ -126,7 +126,7 @@ static bool add_point(Tracer *t, int contact, int point, const Sides *sides, boo
     }
     if (first) {
         n->gate.closed = n->gate.presses = held_before(t, c, point, &n->k, q->size);
-        n->slip.grip = c->sliding || vec3_length(n->slip.u) > t->slip_zero ? GRIP_SLIP : GRIP_STICK;
+        n->slip.grip = c->manifold.slides || vec3_length(n->slip.u) > t->slip_zero ? GRIP_SLIP : GRIP_STICK;
         n->roll.grip = t->size * vec3_length(n->roll.u) > t->slip_zero ? GRIP_SLIP : GRIP_STICK;
     }
     if (!old)
