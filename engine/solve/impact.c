@@ -283,6 +283,9 @@ static bool struck_by_mover(const Group *g, const bool *on)
     for (int i = 0; i < g->point_count; i++)
         if (on[i] && (g->member[g->points[i].a].kinematic || g->member[g->points[i].b].kinematic))
             return true;
+    for (int i = 0; i < g->row_count && g->strikes_stops; i++)
+        if (g->rows[i].row.kind == ROW_LIMIT && g->rows[i].k > 0 && group_row_driven(g, &g->rows[i].row) < 0)
+            return true;
     return false;
 }
 

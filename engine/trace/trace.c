@@ -173,7 +173,8 @@ static bool settle(Tracer *t, bool first)
             return false;
         trace_kinematics(t);
     }
-    if (approaching(t)) {
+    bool struck = approaching(t);
+    if (struck) {
         trace_remember(t);
         g->t = t->t;
         g->patches = true;
@@ -191,7 +192,7 @@ static bool settle(Tracer *t, bool first)
             return false;
     }
     bool moved = false;
-    if (first && !put_right(t, true, &moved))         /* another way may have left the closed ones a little off */
+    if (first && !struck && !put_right(t, true, &moved))         /* another way may have left the closed ones a little off; a blow opens some */
         return false;
     t->shifted = t->shifted || moved;
     moved = false;

@@ -205,6 +205,30 @@ scenario("rope: a jerk takes the speed along it, and no more", function(s)
   expect(world:stats().gave_up):is(0)
 end)
 
+scenario("rope: a mover that draws it taut lifts a box with one jerk", function(s)
+  local world = s.world
+  world:floor {}
+  local box = world:box { size = { 0.2, 0.2, 0.2 }, mass = 1, at = { 0, 0.1, 0 } }
+  local hook = world:box { kinematic = true, size = { 0.1, 0.1, 0.1 }, at = { 0, 1, 0 } }
+  world:rope { a = box, b = hook, at_a = { 0, 0.2, 0 }, at_b = { 0, 0.95, 0 }, length = 1 }
+  hook:drive { velocity = { 0, 0.3, 0 } }
+  world:run "2 s"
+  expect(box.position.y):near(0.1 + 0.3 * (2 - 0.25 / 0.3), 1e-9)
+  expect(world.energy.lost):near(0.5 * 0.3 ^ 2, 1e-9)
+  expect(world.energy.work_in):near(0.3 ^ 2 + g * (box.position.y - 0.1), 1e-9)
+end)
+
+scenario("rope: two balls on two of them, one below the other", function(s)
+  local world = s.world
+  local upper = world:ball { radius = 0.05, mass = 1, at = { 0.7, 0, 0 } }
+  local lower = world:ball { radius = 0.05, mass = 1, at = { 1.4, 0, 0 } }
+  world:rope { a = upper, to = { 0, 0, 0 } }
+  world:rope { a = upper, b = lower }
+  world:run "5 s"                                        -- they jerk, too
+  expect(world.energy.numerical):near(0, 1e-4)          -- of 14 J
+  expect(world:stats().gave_up):is(0)
+end)
+
 scenario("hinge and slider: what runs into a stop loses its speed there, and rests on it", function(s)
   local world = s.world
   local bar = world:box { mass = 2, size = { 1, 0.05, 0.05 }, at = { 0.5, 0, 0 } }
