@@ -26,6 +26,7 @@ static const Meaning meanings[] = {
     {"position centre center", "at centre"},
     {"com centerofmass centreofmass worldcenter massposition", "centre"},
     {"offset from start", "at"},
+    {"to end until", "at_b"},
     {"orientation quaternion quat rot euler rpy eulerangles angles heading attitude axisangle orn transform pose matrix angle", "rotation position"},
     {"vel linearvelocity linvel linear speed qvel", "velocity motor"},
     {"angularvelocity angvel angular omega rotationspeed rotationalvelocity", "spin"},
