@@ -26,8 +26,8 @@ static const dig_param distance_rows[] = {
 static dig_status check(void *params, const JointView *now, char *why, size_t capacity)
 {
     Distance *d = params;
-    bool ranged = !isnan(d->min) || !isnan(d->max);
-    if (ranged && !isnan(d->length)) {
+    bool range = !isnan(d->min) || !isnan(d->max);
+    if (range && !isnan(d->length)) {
         snprintf(why, capacity, "length = %g m cannot go with min or max: give either", d->length);
         return DIG_E_ARG;
     }
@@ -35,7 +35,7 @@ static dig_status check(void *params, const JointView *now, char *why, size_t ca
         snprintf(why, capacity, "min = %g m, must be at most max = %g m", d->min, d->max);
         return DIG_E_ARG;
     }
-    if (ranged || !isnan(d->length))
+    if (range || !isnan(d->length))
         return DIG_OK;
     real present = vec3_distance(now->a.p, now->b.p);
     if (!(present >= 1e-6)) {
@@ -69,6 +69,8 @@ static bool at_limit(const JointView *j)
     return at_limits(joint_length(j), d->min, d->max);
 }
 
+static bool ranged(const void *params) { return isnan(((const Distance *)params)->length); }
+
 const JointType joint_distance = {
     .name = "distance",
     .doc = "two points stay a distance apart, or within a range of distances",
@@ -82,4 +84,5 @@ const JointType joint_distance = {
     .coordinate = joint_length,
     .speed = joint_length_rate,
     .at_limit = at_limit,
+    .only_limits = ranged,
 };

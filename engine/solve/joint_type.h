@@ -33,6 +33,8 @@ typedef struct JointType {
     void       (*rows)(const JointView *j, RowList *out);
     /* Are the rows of rows_point in slots 0..2 all that acts: no stop, motor, spring or friction? NULL = no. */
     bool       (*only_point)(const void *params);
+    /* Has it stops alone, and holds nothing between them? NULL = no. */
+    bool       (*only_limits)(const void *params);
     /* Does nothing act on the free coordinate: no stop, motor, spring or friction? Then there is no energy and no limit either. NULL = no. */
     bool       (*loose)(const void *params);
     /* The free coordinate (rad or m), and its rate. NULL when it has none. */

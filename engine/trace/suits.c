@@ -29,7 +29,8 @@ bool trace_has_loop(const Group *g)
     for (int i = 0; i <= g->moving_count; i++)
         parent[i] = i;
     for (int j = 0; j < g->joint_count; j++) {
-        if (g->joints[j].view.type->free_axes == 6 || g->joints[j].view.type->couples)
+        const JointType *type = g->joints[j].view.type;
+        if (type->free_axes == 6 || type->couples || (type->only_limits && type->only_limits(g->joints[j].view.params)))
             continue;
         int a = g->joints[j].a, b = g->joints[j].b, n = g->moving_count;
         a = forest_root(parent, a >= 0 && a < n && g->member[a].moves ? a : n);

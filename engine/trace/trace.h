@@ -101,7 +101,7 @@ typedef struct Footing {        /* what the rows of a touching point were made o
 } Footing;
 
 /* m or rad: a joint that begins so far beyond its stop is led back by the sweeps; nearer it is put right, as sweeps leave it so */
-#define BEYOND 1e-4
+#define BEYOND 1e-3
 
 typedef struct Stop { Gate gate; int joint, slot; } Stop;       /* a LIMIT row of a joint */
 
