@@ -445,9 +445,11 @@ static bool one_step(Tracer *t)
     real rest = t->end - t->t, h = real_min(rest, t->h_next);
     if (t->swing * h > SWUNG)
         h = SWUNG / t->swing;
-    bool aim = t->g->evaluations > AIM_WORK * t->work && any_slow_slip(t, AIM_STEP * t->end);
-    if (aim)
+    bool aim = t->aimed_at != t->t && t->g->evaluations > AIM_WORK * t->work && any_slow_slip(t, AIM_STEP * t->end);
+    if (aim) {
         h = real_min(rest, AIM_STEP * t->end);
+        t->aimed_at = t->t;         /* once from each place: what is refused must get shorter */
+    }
     h = rest / ceil(rest / h - 0.01);
     if (!hold_slow_slips(t, h, aim))
         return false;
@@ -552,6 +554,7 @@ static dig_status advance(Group *g, real dt)
     set_scales(t);
     t->work = work_of(t);
     t->h_next = g->trace_step > 0 ? real_min(g->trace_step, dt) : dt;
+    t->aimed_at = -1;
     DIG_TRY(trace_reserve(t));
     bool fine = run(t);
     if (g->status != DIG_OK)

@@ -210,6 +210,7 @@ typedef struct Tracer {
     State *y, *y1, *y2, *kept, *stage[STAGES];         /* states and their rates  */
     const State *known;         /* the state of which the present rows and forces are; NULL: of another one */
     real  *quad[STAGES], *sum;  /* forces and powers to be integrated: see flow.c */
+    real   aimed_at;            /* s  where the last step began that followed slow slips by their forces */
     real   h, h_next, h_probe;  /* s  of the present step, of the next, of the probe that the present one is part of */
     bool   probed;              /* the present step has constant accelerations */
     int    probe_wait, probe_fails;
