@@ -34,6 +34,7 @@
 #include "solve/group.h"
 
 extern const Way way_crowd;
+extern const Way way_calm;              /* calm.c: what would be a crowd, but lies there */
 
 /* What a crowd does not take. The step decides by these, before it gathers anything (step/groups.c). */
 #define CROWD_MASS_RATIO 30.0   /* of the bodies of a group: beyond it, single passes do not carry the load */

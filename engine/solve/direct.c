@@ -26,6 +26,11 @@ static const real most_work[2] = {1e6, 4e6};                                    
 #define MOST_STEPS    30        /*      of Newton's method in a round */
 #define MOST_FACTORS  200       /*      in all rounds; where nothing is heavy also so many as points times factors allow, or few */
 #define FACTOR_POINTS 4000
+/* The same for many bodies that lie calm (crowd/calm.c): found once, their forces last. */
+#define CALM_POINTS   6000
+#define CALM_MATRIX   1.2e7     /*      multiplications of one factorisation, */
+#define CALM_WORK     6e8       /*      and of all: half a second or so, once */
+#define CALM_FACTORS  500
 #define FEW_FACTORS   12
 #define FAST          0.03      /*      of the speed of a fall by its own size: such a contact slides or tumbles */
 #define MOST_FAST     0.05      /*      of the points may: else Newton's method takes long, and creep does not matter */
@@ -125,7 +130,7 @@ static bool open_direct(Direct *d)
         g->status = DIG_E_MEMORY;
         return false;
     }
-    if (d->blocks.work > most_work[d->heavy])
+    if (d->blocks.work > (g->calm ? CALM_MATRIX : most_work[d->heavy]))
         return false;
     for (int i = 0; i < g->body_count; i++)
         if (d->place[i] >= 0) {
@@ -369,7 +374,7 @@ real direct_wanted(const Group *g)
     if (g->joints_direct)
         return g->point_count > most_points[heavy] || g->moving_count > MOST_BODIES || g->direct_failures >= JOINT_FAILURES
                    ? 0 : g->plan->residual;
-    if (g->row_count > 0 || g->point_count == 0 || g->point_count > most_points[heavy] || g->moving_count > MOST_BODIES)
+    if (g->row_count > 0 || g->point_count == 0 || g->point_count > (g->calm ? CALM_POINTS : most_points[heavy]) || g->moving_count > MOST_BODIES)
         return 0;
     if (g->direct_failures >= most_failures[heavy] || !(heavy || calm(g)))
         return 0;
@@ -464,7 +469,10 @@ static bool run(Direct *d, real residual)
     d->late_lift = group_elastic(g);
     ArenaMark mark = arena_mark(g->arena);
     d->heavy = group_top_heavy(g);
-    bool fine = open_direct(d) && (g->joints_direct ? solve_joints(d) : solve(d, residual));
+    bool open = open_direct(d);
+    if (open && g->calm && g->trace_wait == 0)
+        d->most_factors = (int)real_clamp(CALM_WORK / d->blocks.work, 1, CALM_FACTORS);
+    bool fine = open && (g->joints_direct ? solve_joints(d) : solve(d, residual));
     if (fine)
         write_back(d);
     count(d);
@@ -511,7 +519,7 @@ bool direct_solve(Group *g, real residual)
         fine = run(&d, residual);
     if (fine && g->joints_direct)
         g->residual = d.error;
-    g->starts_soft = light && !fine;
+    g->starts_soft = light && !fine && !(g->calm && g->trace_wait > 0);
     if (g->starts_soft)
         fine = solve_soft(g, residual, int_min(SOFT_FACTORS, SOFT_POINTS / g->point_count), SOFT_GOOD);
     g->direct_factors = g->factors - before;
@@ -521,7 +529,7 @@ bool direct_solve(Group *g, real residual)
 
 bool direct_rescue(Group *g)
 {
-    if (g->row_count > 0 || g->point_count == 0 || g->point_count > most_points[0] || g->moving_count > MOST_BODIES
+    if (g->calm || g->row_count > 0 || g->point_count == 0 || g->point_count > most_points[0] || g->moving_count > MOST_BODIES
         || g->rescues_failed >= MOST_RESCUES)
         return false;
     real accept = RESCUED * g->residual;

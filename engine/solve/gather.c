@@ -221,7 +221,7 @@ static dig_status gather_bodies(Group *g, const uint32_t *pairs, int pair_count,
     team_run(g->team, gather_share, g);
     for (int i = 0; i < g->moving_count && w->region_count > 0; i++)
         g->fall = real_max(g->fall, region_fall(w, &w->bodies.data[g->slots[i]], g->pos[i].x));
-    for (int i = 0; i < g->moving_count && g->may_trace; i++) {
+    for (int i = 0; i < g->moving_count && (g->may_trace || g->calm); i++) {
         const Body *b = &w->bodies.data[g->slots[i]];
         if (!b->awake)
             continue;

@@ -283,6 +283,7 @@ struct Group {
     int       trace_wait;       /*     steps for which it is not tried again           */
     bool      may_trace;        /*     the world's budget for traced and conserved groups reaches it */
     bool      crowd;            /*     the crowd takes it: it need not look for what cannot act in this step */
+    bool      calm;             /*     as many as a crowd, but they lie there: all is solved at once, or handed on to the crowd */
     bool      again;            /*     the step was tried before: some went farther than foreseen */
     int       strays;           /*     solids that did so now (step/stray.c) */
     bool      trace_failed;     /*     it was tried in this step, and handed on        */

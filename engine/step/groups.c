@@ -221,6 +221,36 @@ static bool bounces_well(const World *w, const Step *s, const struct StepGroup *
     return false;
 }
 
+/* What lies calm: crowd/calm.c. */
+#define FAST      0.03          /* of the speed of a fall by its own size: such a pair slides, tumbles or is about to hit */
+#define SLEEPY    4             /* times as much may be in the world where it will fall asleep: it is solved once */
+#define PATIENCE  128           /* steps: who was put off for longer is a crowd until it is tried again */
+#define MOST_FAST 0.05          /* of the pairs may: else direct solves take long, and creep does not matter */
+
+/* m^2/s^2  How fast two move against each other where the smaller one is, its rim included, squared. */
+static real pair_speed2(const Body *small, const Body *large)
+{
+    vec3 v = vec3_sub(vec3_sub(small->v, large->v), vec3_cross(large->w, vec3_sub(small->x, large->x)));
+    return vec3_length2(v) + small->outer * small->outer * vec3_length2(vec3_sub(small->w, large->w));
+}
+
+/* Do they lie there, against each other, on a table that moves, too? Then all may be solved at once, unless that has just failed. */
+static bool lies_calm(const World *w, const Step *s, const struct StepGroup *g)
+{
+    static const Body ground;
+    int fast = 0;
+    for (int i = 0; i < g->pair_count; i++) {
+        const Pair *p = &w->pairs.data[s->pairs[g->pair_first + i]];
+        const Body *a = p->body_a == NONE ? &ground : &w->bodies.data[p->body_a], *b = p->body_b == NONE ? &ground : &w->bodies.data[p->body_b];
+        bool first = p->dynamic_a && (!p->dynamic_b || a->outer <= b->outer);
+        const Body *small = first ? a : b;
+        if (small->trace_wait > 0 && small->trace_pause > PATIENCE)
+            return false;
+        fast += !(pair_speed2(small, first ? b : a) <= FAST * FAST * small->outer * small->pull);
+    }
+    return fast <= MOST_FAST * g->pair_count;
+}
+
 /* Is it for the crowd: by its own size, or because the world has so much else to advance that small groups are no exception? */
 static bool takes_crowd(const World *w, const Step *s, const struct StepGroup *g, int total)
 {
@@ -313,7 +343,7 @@ static void join_crowds(const World *w, Step *s)
     int n = 0, bodies = JOINED_MOST;    /* of the last group; as good as full: none may join it */
     for (int i = 0; i < s->count; i++) {
         struct StepGroup g = s->parts[i];
-        int own = g.crowd ? bodies_of(w, s, &g) : JOINED_MOST;
+        int own = g.crowd && !g.calm ? bodies_of(w, s, &g) : JOINED_MOST;
         if (n > 0 && bodies + own <= JOINED_MOST && s->parts[n - 1].accuracy == g.accuracy) {
             s->parts[n - 1].dig_count += g.dig_count;
             s->parts[n - 1].pair_count += g.pair_count;
@@ -335,7 +365,10 @@ static void choose_way(void *context, int i, Arena *arena)
     struct StepGroup *g = &c->s->parts[i];
     (void)arena;
     g->accuracy = group_accuracy(c->w, c->s->leads + g->dig_first, g->dig_count);
+    const AccuracyPlan *plan = accuracy_plan(g->accuracy);
     g->crowd = takes_crowd(c->w, c->s, g, c->total);
+    g->calm = g->crowd && bodies_of(c->w, c->s, g) <= plan->calm_bodies && c->total <= (c->w->def.sleeping ? SLEEPY : 1) * (int64_t)plan->crowd_total
+           && lies_calm(c->w, c->s, g);
     g->cost = bodies_of(c->w, c->s, g) + g->pair_count;
 }
 

@@ -1,0 +1,108 @@
+-- Stacks of more bodies than are solved one by one: they stand as few do, to the last micrometre, and fall asleep. Hit, they fall and do not
+-- rise.
+local test = require "digbox.test"
+
+local function column(world, count)
+  local boxes = {}
+  for i = 1, count do boxes[i] = world:box { size = 1, at = { 0, i - 0.5, 0 } } end
+  return boxes
+end
+
+-- Three blocks a layer, each layer across the one below.
+local function jenga(world, layers)
+  local long, wide, high = 0.075, 0.025, 0.015
+  local blocks = {}
+  for i = 0, layers - 1 do
+    for k = -1, 1 do
+      local across = i % 2 == 1
+      blocks[#blocks + 1] = world:box { material = "pine", size = across and { wide, high, long } or { long, high, wide },
+                                        at = { across and k * wide or 0, (i + 0.5) * high, across and 0 or k * wide } }
+    end
+  end
+  return blocks
+end
+
+local function pyramid(world, rows)
+  local boxes = {}
+  for i = 0, rows - 1 do
+    for k = 0, rows - 1 - i do boxes[#boxes + 1] = world:box { size = 1, at = { k + 0.5 * i - rows / 2, i + 0.5, 0 } } end
+  end
+  return boxes
+end
+
+-- m  How far the body that moved farthest is from where it was built.
+local function stands(s, bodies, within)
+  local at = {}
+  for i, b in ipairs(bodies) do at[i] = b.position end
+  s:eventually("all sleep", "2 s", function()
+    for _, b in ipairs(bodies) do if b.awake then return false end end
+    return true
+  end)
+  local worst = 0
+  for i, b in ipairs(bodies) do worst = math.max(worst, #(b.position - at[i])) end
+  test.expect(worst):below(within)
+end
+
+for _, accuracy in ipairs { "sketch", "play" } do
+  test.scenario("a column of sixty boxes stands, at " .. accuracy, function(s)
+    local world = s:world { accuracy = accuracy }
+    world:floor {}
+    stands(s, column(world, 60), 1e-6)
+  end)
+end
+
+test.scenario("a column of a hundred boxes stands", function(s)
+  s.world:floor {}
+  stands(s, column(s.world, 100), 1e-6)
+end)
+
+test.scenario("a Jenga tower of 54 blocks stands", function(s)
+  s.world:floor {}
+  stands(s, jenga(s.world, 18), 1e-6)
+end)
+
+test.scenario("a Jenga tower of 108 blocks stands", function(s)
+  s.world:floor {}
+  stands(s, jenga(s.world, 36), 1e-6)
+end)
+
+test.scenario("a pyramid of 210 boxes stands", function(s)
+  s.world:floor {}
+  stands(s, pyramid(s.world, 20), 1e-6)
+end)
+
+test.scenario("a tower on a tray that is moved evenly stands", function(s)
+  local tray = s.world:box { kinematic = true, size = { 3, 0.2, 3 }, at = { 0, -0.1, 0 }, velocity = { 0, 0.5, 0 } }
+  local boxes = {}
+  for i = 1, 60 do boxes[i] = s.world:box { size = 1, at = { 0, i - 0.5, 0 }, velocity = { 0, 0.5, 0 } } end
+  s.world:run "2 s"
+  test.expect(boxes[60].position.y - tray.position.y):near(59.6, 1e-6)
+  test.expect(boxes[60].position.x):near(0, 1e-6)
+end)
+
+test.scenario("a heap of 150 boxes falls asleep", function(s)
+  local world = s.world
+  world:room { size = { 4, 20, 4 }, at = { 0, 10, 0 } }
+  for i = 1, 150 do
+    world:box { size = 0.3, at = { (math.random() - 0.5) * 2.5, 1 + i * 0.15, (math.random() - 0.5) * 2.5 },
+                rotation = { axis = { math.random(), math.random(), math.random() + 0.1 }, angle = math.random() * 3 } }
+  end
+  s:eventually("all sleep", "8 s", function() return world:stats().awake == 0 end)
+end)
+
+-- A heavy ball strikes the eleventh box at 20 m/s. It brings 100 kJ, which lifts a box by 10 m; a column that falls has 17 to 49 MJ.
+for _, count in ipairs { 60, 100 } do
+  test.scenario(("a column of %d boxes that is hit falls, and nothing rises"):format(count), function(s)
+    local world = s.world
+    world:floor {}
+    local boxes = column(world, count)
+    world:ball { mass = 500, radius = 0.4, at = { -8, 10, 0.1 }, velocity = { 20, 0, 0 } }
+    local highest = 0
+    for _ = 1, 360 do
+      world:step()
+      for _, b in ipairs(boxes) do highest = math.max(highest, b.position.y) end
+    end
+    test.expect(highest):below(count + 2)
+    test.expect(math.abs(world.energy.numerical)):below(0.01 * world.energy.initial)
+  end)
+end
