@@ -32,6 +32,7 @@ typedef struct Flight {
     const Motion *ma, *mb;
     real target, time, size;
     real reach_a, reach_b;      /* m  of the cores about the centres of mass */
+    real spin_a, spin_b;        /* rad/s  of their turns, what moves their surfaces */
     vec3 v, acceleration;       /* of b against a */
     vec3 axis;                  /* where the last normal was, for GJK */
     int  count;                 /* gaps computed */
@@ -85,7 +86,8 @@ static real safe_step(const Flight *f, const Moment *m)
 {
     vec3 n = m->normal;
     real c1 = -vec3_dot(n, vec3_mad(f->v, m->t, f->acceleration)), c2 = -0.5 * vec3_dot(n, f->acceleration);
-    real turning = vec3_length(vec3_cross(n, f->ma->w)) * f->reach_a + vec3_length(vec3_cross(n, f->mb->w)) * f->reach_b;
+    real turning = real_min(f->spin_a, vec3_length(vec3_cross(n, f->ma->w))) * f->reach_a;
+    turning += real_min(f->spin_b, vec3_length(vec3_cross(n, f->mb->w))) * f->reach_b;
     real most = 2 * ((vec3_length2(f->ma->w) > 0 ? f->reach_a : 0) + (vec3_length2(f->mb->w) > 0 ? f->reach_b : 0));
     return real_max(first_root(c2, c1 + turning, m->gap), first_root(c2, c1, m->gap - most));
 }
@@ -332,10 +334,20 @@ static real scale_of(const Shape *s)
     return s->inner > 0 ? s->inner : s->outer > 0 ? s->outer : INFINITY;
 }
 
+/* rad/s  What turns a shape about its own axis, on which its centre of mass lies, leaves its surface where it is: a barrel that rolls beside another
+ * comes no nearer. The angle between that axis, y of the shape, and w does not change. */
+static real surface_spin(const Shape *s, const Motion *m)
+{
+    ShapeKind kind = shape_kind(s);
+    bool round = (kind == KIND_CYLINDER || kind == KIND_CAPSULE || kind == KIND_CONE) && m->centre.x == 0 && m->centre.z == 0;
+    return vec3_length(round ? vec3_cross(quat_rotate(m->start.q, (vec3){0, 1, 0}), m->w) : m->w);
+}
+
 static real convex_impact(const Shape *a, const Motion *ma, const Shape *b, const Motion *mb, real target, real time, int *iterations)
 {
     Flight f = {.a = a, .b = b, .ma = ma, .mb = mb, .target = target, .time = time, .size = real_min(scale_of(a), scale_of(b)),
                 .reach_a = core_reach(a, ma->centre), .reach_b = core_reach(b, mb->centre),
+                .spin_a = surface_spin(a, ma), .spin_b = surface_spin(b, mb),
                 .v = vec3_sub(mb->v, ma->v), .acceleration = vec3_sub(mb->a, ma->a)};
     if (stays_far(&f))
         return INFINITY;

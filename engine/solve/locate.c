@@ -29,14 +29,33 @@ static Motion shape_motion(const Group *g, int body, pose local)
     return r;
 }
 
+/* m  The farthest that a point of a shape moves by its turn. */
+static real rim_travel(const Group *g, int body, const Motion *m)
+{
+    real turn = g->h * vec3_length(m->w);
+    return turn > 0 ? 2 * g->member[body].outer * real_min(1, 0.5 * turn) : 0;
+}
+
+/* m  How far healing has moved the points of a body since its contacts were found. */
+static real healed_by(const Group *g, int body)
+{
+    const Member *m = &g->member[body];
+    if (!m->moves)
+        return 0;
+    quat turn = quat_mul(g->pos[body].q, quat_conjugate(m->start_pos.q));
+    return vec3_distance(g->pos[body].x, m->start_pos.x) + 2 * m->outer * vec3_length((vec3){turn.x, turn.y, turn.z});
+}
+
+/* What had no contact is farther apart than that looked for; and balls around the shapes say more of what is far. */
 static bool cannot_meet(const Group *g, const GroupPair *q, const Motion *a, const Motion *b)
 {
-    if (!isfinite(q->on_a->shape.outer) || !isfinite(q->on_b->shape.outer))
-        return false;
     real h = g->h;
     vec3 v = vec3_sub(b->v, a->v), acc = vec3_sub(b->a, a->a);
-    real travel = vec3_length(v) * h + 0.5 * vec3_length(acc) * h * h;
-    travel += 2 * (g->member[q->a].outer + g->member[q->b].outer) * real_min(1, 0.5 * h * (vec3_length(a->w) + vec3_length(b->w)));
+    real travel = vec3_length(v) * h + 0.5 * vec3_length(acc) * h * h + rim_travel(g, q->a, a) + rim_travel(g, q->b, b);
+    if (q->contacts == 1 && g->contacts[q->contact].manifold.count == 0 && travel + healed_by(g, q->a) + healed_by(g, q->b) < q->reach)
+        return true;
+    if (!isfinite(q->on_a->shape.outer) || !isfinite(q->on_b->shape.outer))
+        return false;
     return vec3_distance(a->start.p, b->start.p) - q->on_a->shape.outer - q->on_b->shape.outer > travel;
 }
 

@@ -179,6 +179,48 @@ TEST(what_hinges_on_an_edge_takes_few_gaps)
     shape_free(&stone);
 }
 
+/* A barrel's turn about its own axis moves its surface along itself. */
+TEST(what_rolls_beside_another_takes_one_gap)
+{
+    Shape barrel = fixture_cylinder(0.3, 1), capsule = fixture_capsule(0.3, 1);
+    for (int i = 0; i < 20; i++) {
+        Motion a = motion(at_point(0, 0, 0), vec3_zero(), (vec3){0, 40, 0}, vec3_zero());
+        Motion b = motion(at_point(0.6 + 1e-8, 0, 0), (vec3){0, 1, 0}, (vec3){0, -5 * i, 0}, vec3_zero());
+        int count;
+        CHECK(isinf(time_of_impact(&barrel, &a, i % 2 ? &barrel : &capsule, &b, 0, 1.0 / 60, &count)));
+        CHECK_INT(count, 1);
+    }
+    shape_free(&barrel);
+    shape_free(&capsule);
+}
+
+/* And one that tumbles while it spins fast meets where the gaps say so. */
+TEST(what_spins_about_its_own_axis_meets_at_the_target)
+{
+    Random r = {11};
+    int met = 0;
+    Shape barrel = fixture_cylinder(0.3, 1), capsule = fixture_capsule(0.3, 1);
+    for (int i = 0; i < 60; i++) {
+        const Shape *a = i % 2 ? &barrel : &capsule;
+        Motion ma = motion((pose){vec3_zero(), random_turn(&r)}, random_vec3(&r, 1), vec3_zero(), vec3_zero()), mb = ma;
+        ma.w = vec3_add(vec3_scale(40, quat_rotate(ma.start.q, (vec3){0, 1, 0})), random_vec3(&r, 4));
+        mb.start = (pose){vec3_scale(2, random_direction(&r)), random_turn(&r)};
+        mb.v = vec3_mad(random_vec3(&r, 1), -3, mb.start.p);
+        mb.w = random_vec3(&r, 4);
+        if (!(gap_at(a, &ma, &barrel, &mb, 0) > 0.05))
+            continue;
+        real t = time_of_impact(a, &ma, &barrel, &mb, 0, 1, NULL), end = real_min(t, 1);
+        for (int k = 0; k < 300; k++)
+            CHECK(gap_at(a, &ma, &barrel, &mb, end * k / 300) > -1e-11);
+        if (t <= 1)
+            CHECK_NEAR(gap_at(a, &ma, &barrel, &mb, t), 0, 1e-11);
+        met += t <= 1;
+    }
+    CHECK(met > 20);
+    shape_free(&barrel);
+    shape_free(&capsule);
+}
+
 TEST(what_starts_at_the_target_counts_only_when_it_approaches)
 {
     Shape floor = fixture_box(10, 2, 10), box = fixture_box(1, 1, 1);
@@ -269,7 +311,8 @@ int main(void)
               unit_test(a_thrown_ball_that_does_not_reach_the_ceiling_meets_nothing),
               unit_test(a_turning_rod_meets_a_wall_when_its_end_gets_there), unit_test(fast_spheres_never_pass_a_thin_wall),
               unit_test(spinning_rods_are_never_missed), unit_test(tumbling_shapes_meet_at_the_target_and_not_before),
-              unit_test(what_hinges_on_an_edge_takes_few_gaps), unit_test(what_starts_at_the_target_counts_only_when_it_approaches),
+              unit_test(what_hinges_on_an_edge_takes_few_gaps), unit_test(what_rolls_beside_another_takes_one_gap), unit_test(what_spins_about_its_own_axis_meets_at_the_target),
+              unit_test(what_starts_at_the_target_counts_only_when_it_approaches),
               unit_test(spheres_fall_on_meshes_and_height_fields_as_on_planes),
               unit_test(a_mesh_falls_on_a_plane_as_its_hull_does), unit_test(far_shapes_cost_no_gap_at_all));
 }
