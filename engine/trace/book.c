@@ -115,6 +115,7 @@ static void lay_out(Tracer *t, Block *b)
     TAKE(t, mover_start, g->body_count);
     TAKE(t, root, n + 1);
     TAKE(t, held, n + 1);
+    TAKE(t, anchor, n + 1);
     TAKE(t, gain, n);
     TAKE(t, y, n);
     TAKE(t, y1, n);

@@ -6,8 +6,8 @@
  * scaled velocity obeys every joint that the velocity obeyed. Mechanisms that hang on nothing are scaled in their motion relative
  * to the rigid one with the same momentum and angular momentum, so that these stay, too; and before that the rigid motion is given the
  * angular momentum of the frame's start, for the pair keeps no invariant but the linear ones. What the local errors of its steps may
- * be, the change may be, and no more: what asks for more is no error of the integration. Where a frame ends as the mechanism turns back,
- * there is next to no velocity to scale, and its place is changed instead.
+ * be, the change may be, and no more: what asks for more is no error of the integration. What hangs on something is moved along its
+ * velocities, too, the more the nearer it is to turning back: there is little velocity to scale, and its time would be lost.
  */
 #include "base/forest.h"
 #include "solve/momentum.h"
@@ -15,6 +15,8 @@
 
 #define NOISE 1e-14             /* of the energies in the sum: less may be rounding...  */
 #define BRISK 1e-6              /* ...which disturbs only what has less kinetic energy  */
+#define HARMONIC 3              /* of a swing: local errors are of high derivatives, and these of its higher harmonics */
+#define STANDING 1e-3           /* of the speed of the swing */
 #define GENTLE 0.1              /* of the kinetic energy: more is not made good        */
 
 /* Mechanisms, by their lowest body; moving_count stands for all that does not move. */
@@ -42,10 +44,11 @@ static void find_mechanisms(Tracer *t)
         t->root[i] = forest_root(t->root, i);
     for (int j = 0; j < g->joint_count; j++) {
         int a = g->joints[j].a, b = g->joints[j].b;
-        if (trace_moves(t, a) && !trace_moves(t, b))
-            t->held[t->root[a]] = true;
-        if (trace_moves(t, b) && !trace_moves(t, a))
-            t->held[t->root[b]] = true;
+        if (trace_moves(t, a) == trace_moves(t, b))
+            continue;
+        int root = t->root[trace_moves(t, a) ? a : b];
+        t->held[root] = true;
+        t->anchor[root] = trace_moves(t, a) ? g->joints[j].view.b.p : g->joints[j].view.a.p;
     }
 }
 
@@ -109,7 +112,22 @@ static real kinetic_of(const Member *m, quat q, vec3 v, vec3 w)
     return 0.5 * m->mass * vec3_length2(v) + 0.5 * vec3_dot(l, mat3_mul_vec(*m->inertia, l));
 }
 
-typedef struct Mechanism { real gain, scale, kinetic; Rigid rigid; } Mechanism;
+/* power: W  of what acts; reach: m  from where it hangs to its farthest point */
+typedef struct Mechanism { real gain, scale, kinetic, power, reach; Rigid rigid; } Mechanism;
+typedef struct Shift { real faster, later; } Shift;     /* of the velocities; s  along them */
+
+/* The motion v of body i, and what takes part in it. */
+static void add_motion(const Tracer *t, int i, const Vel *v, bool held, Mechanism *sum)
+{
+    const Member *m = &t->g->member[i];
+    quat q = t->g->pos[i].q;
+    vec3 turning = quat_unrotate(q, v->w), l = mat3_mul_vec(*m->inertia, turning);
+    sum->kinetic += 0.5 * (m->mass * vec3_length2(v->v) + vec3_dot(turning, l));
+    if (!held)
+        return;
+    sum->reach = real_max(sum->reach, vec3_distance(t->g->pos[i].x, t->anchor[t->root[i]]) + m->outer);
+    sum->power += m->mass * vec3_dot(v->v, t->acc[i]) + vec3_dot(l, quat_unrotate(q, t->alpha[i]));
+}
 
 /* What body i gained since the start of the frame. */
 static void add_gain(const Tracer *t, int i, Mechanism *sum)
@@ -161,6 +179,22 @@ static void move_mechanism(Tracer *t, int root, real gain)
     }
 }
 
+/* The change that takes the energy back, along the velocities, which obey all joints. Nearly all of it is theirs; but scaled velocities
+ * alone shift a swing in time where it turns back, by the error of its energy over what is left of its speed. So within the time there
+ * that its local errors belong to, its place changes instead. */
+static bool find_shift(const Tracer *t, const Mechanism *m, Shift *out)
+{
+    real rate = real_max(t->swing, m->reach > 0 && t->g->fall > 0 ? HARMONIC * sqrt(t->g->fall / m->reach) : t->pace);
+    real twice = 2 * m->kinetic, turn = fabs(m->power) / rate;
+    if (!(twice > STANDING * turn))             /* what joints leave to rounding tells their direction by then */
+        return false;
+    real over = turn / twice, places = over * over * over * over, part = m->gain / (1 + places);
+    if (!(fabs(part) <= GENTLE * m->kinetic))
+        return false;
+    *out = (Shift){sqrt(1 - part / m->kinetic) - 1, turn > 0 ? places * part / m->power : 0};
+    return true;
+}
+
 static void hold_mechanism(Tracer *t, int root)
 {
     Group *g = t->g;
@@ -182,24 +216,27 @@ static void hold_mechanism(Tracer *t, int root)
         if (t->root[i] != root)
             continue;
         Vel own = relative(t, i, &m.rigid);
-        m.kinetic += kinetic_of(&g->member[i], g->pos[i].q, own.v, own.w);
+        add_motion(t, i, &own, t->held[root], &m);
         real speed = vec3_length(own.v) + g->member[i].outer * vec3_length(own.w);
         allowed += steps * g->member[i].mass * t->tolerance * (vec3_length(t->pull[i]) + pace * speed);
     }
     bool known = m.kinetic > BRISK * m.scale || fabs(m.gain) > NOISE * m.scale;
     if (!known || !(fabs(m.gain) <= allowed))
         return;
-    if (fabs(m.gain) > GENTLE * m.kinetic) {
+    Shift shift;
+    if (!find_shift(t, &m, &shift)) {
         move_mechanism(t, root, m.gain);
         return;
     }
-    real change = sqrt(1 - m.gain / m.kinetic) - 1;
     for (int i = root; i < g->moving_count; i++) {
         if (t->root[i] != root)
             continue;
         Vel own = relative(t, i, &m.rigid);
-        g->vel[i].v = vec3_mad(g->vel[i].v, change, own.v);
-        g->vel[i].w = vec3_mad(g->vel[i].w, change, own.w);
+        g->vel[i].v = vec3_mad(g->vel[i].v, shift.faster, own.v);
+        g->vel[i].w = vec3_mad(g->vel[i].w, shift.faster, own.w);
+        g->pos[i].x = vec3_mad(g->pos[i].x, shift.later, own.v);
+        if (shift.later != 0)
+            g->pos[i].q = quat_unit(quat_mul(quat_exp(vec3_scale(shift.later, own.w)), g->pos[i].q));
     }
 }
 

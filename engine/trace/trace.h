@@ -229,6 +229,7 @@ typedef struct Tracer {
     bool   turns;               /* the same of angular momentum: jerks of joints and breaks leave it */
     bool   shifted;             /* what was off its joints or contacts at the start was moved */
     int   *root; bool *held;    /* mechanisms: [moving_count + 1] lowest body; does it hang on something? */
+    vec3  *anchor;              /* m   ... where (one place of them) */
     real  *gain;                /* J   of each, by its lowest body             */
 } Tracer;
 
