@@ -181,11 +181,11 @@ static void move_mechanism(Tracer *t, int root, real gain)
 
 /* The change that takes the energy back, along the velocities, which obey all joints. Nearly all of it is theirs; but scaled velocities
  * alone shift a swing in time where it turns back, by the error of its energy over what is left of its speed. So within the time there
- * that its local errors belong to, its place changes instead. */
+ * that its local errors belong to, its place changes instead. Not of stiff springs, whose energy a place tells to its rounding only. */
 static bool find_shift(const Tracer *t, const Mechanism *m, Shift *out)
 {
-    real rate = real_max(t->swing, m->reach > 0 && t->g->fall > 0 ? HARMONIC * sqrt(t->g->fall / m->reach) : t->pace);
-    real twice = 2 * m->kinetic, turn = fabs(m->power) / rate;
+    real rate = m->reach > 0 && t->g->fall > 0 ? HARMONIC * sqrt(t->g->fall / m->reach) : t->pace;
+    real twice = 2 * m->kinetic, turn = t->swing > rate ? 0 : fabs(m->power) / rate;
     if (!(twice > STANDING * turn))             /* what joints leave to rounding tells their direction by then */
         return false;
     real over = turn / twice, places = over * over * over * over, part = m->gain / (1 + places);
