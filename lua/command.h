@@ -12,7 +12,7 @@
 #include "digbox.h"
 
 typedef struct RunOptions {
-    const char *world, *out, *accuracy, *trace, *replay;
+    const char *world, *out, *accuracy, *trace, *replay, *result;
     double      seconds, time_limit;        /* < 0 = not given */
     long long   seed, threads, memory, fuel;
     bool        trust, quiet, strict, dry, jail_needed, verbose;
@@ -34,8 +34,8 @@ typedef struct Command {
     bool        starts_runs;            /* starts a process for each script itself; others run in a child of main.c (process.h) */
 } Command;
 
-extern const Command run_command, test_command, check_command, cost_command, render_command, export_command, view_command,
-                     diff_command, verify_command, api_command, repl_command, new_command, doctor_command;
+extern const Command run_command, test_command, check_command, cost_command, sweep_command, task_command, merge_command, render_command,
+                     export_command, view_command, diff_command, verify_command, api_command, repl_command, new_command, doctor_command;
 
 /* In the order of the help; NULL past the end. */
 const Command *command_at(int index);

@@ -19,8 +19,8 @@
 #include "state.h"
 
 static const Command *const commands[] = {
-    &run_command, &test_command, &check_command, &cost_command, &render_command, &export_command, &view_command,
-    &diff_command, &verify_command, &api_command, &repl_command, &new_command, &doctor_command,
+    &run_command, &test_command, &check_command, &cost_command, &sweep_command, &task_command, &merge_command, &render_command,
+    &export_command, &view_command, &diff_command, &verify_command, &api_command, &repl_command, &new_command, &doctor_command,
 };
 enum { COMMAND_COUNT = sizeof commands / sizeof *commands };
 

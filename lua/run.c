@@ -17,7 +17,7 @@
 /* ---- run ----------------------------------------------------------------------- */
 
 enum { OPT_SECONDS = 256, OPT_ACCURACY, OPT_SEED, OPT_THREADS, OPT_SET, OPT_TIME, OPT_MEMORY, OPT_FUEL, OPT_TRUST, OPT_STRICT,
-       OPT_TRACE, OPT_JAIL, OPT_VERBOSE, OPT_LOG, OPT_REPLAY, OPT_RESUME, OPT_FORCE, OPT_INJECT };
+       OPT_TRACE, OPT_JAIL, OPT_VERBOSE, OPT_LOG, OPT_REPLAY, OPT_RESUME, OPT_FORCE, OPT_INJECT, OPT_RESULT };
 
 static const struct option run_options[] = {
     {"output", required_argument, NULL, 'o'}, {"seconds", required_argument, NULL, OPT_SECONDS},
@@ -26,7 +26,7 @@ static const struct option run_options[] = {
     {"time-limit", required_argument, NULL, OPT_TIME}, {"memory-limit", required_argument, NULL, OPT_MEMORY},
     {"fuel", required_argument, NULL, OPT_FUEL}, {"trust", no_argument, NULL, OPT_TRUST},
     {"strict", no_argument, NULL, OPT_STRICT}, {"trace", required_argument, NULL, OPT_TRACE},
-    {"replay", required_argument, NULL, OPT_REPLAY}, {"quiet", no_argument, NULL, 'q'},
+    {"replay", required_argument, NULL, OPT_REPLAY}, {"result", required_argument, NULL, OPT_RESULT}, {"quiet", no_argument, NULL, 'q'},
     {"require-jail", no_argument, NULL, OPT_JAIL}, {"verbose", no_argument, NULL, OPT_VERBOSE},
     {"resume", no_argument, NULL, OPT_RESUME}, {"force", no_argument, NULL, OPT_FORCE},
     {"log-limit", required_argument, NULL, OPT_LOG}, {"inject", required_argument, NULL, OPT_INJECT}, {"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0},
@@ -63,6 +63,7 @@ static bool read_run_option(RunOptions *o, int key)
     case OPT_RESUME: o->resume = true; return true;
     case OPT_FORCE: o->force = true; return true;
     case OPT_TRACE: o->trace = optarg; return *optarg || usage_error("--trace: the file is missing") == 0;
+    case OPT_RESULT: o->result = optarg; return *optarg || usage_error("--result: the file is missing") == 0;
     case OPT_REPLAY: o->replay = optarg; return *optarg || usage_error("--replay: the file is missing") == 0;
     case OPT_SET:
         if (!strchr(optarg, '=') || optarg[0] == '=')
@@ -173,6 +174,10 @@ static int finish_run(lua_State *L, App *app, const RunOptions *o, bool *ended)
     int code = app_call_core(L, app, "finish_run", 0, 0);
     if (code == EXIT_FINE)
         code = app_call_core(L, app, "finish_replay", 0, 0);
+    if (code == EXIT_FINE && o->result) {
+        lua_pushstring(L, o->result);
+        code = app_call_core(L, app, "finish_result", 1, 0);
+    }
     const char *slash = strrchr(o->world, '/'), *name = slash ? slash + 1 : o->world;
     if (code != EXIT_FINE)
         return code;
@@ -254,7 +259,7 @@ static int command_run(int argc, char **argv)
     } else {
         o.world = argv[optind];
         App app = {.memory_limit = (size_t)o.memory << 20, .fuel = o.fuel, .trust = o.trust, .script = o.world, .out = o.out,
-                   .also = {o.trace, o.replay}, .jailed = true, .jail_needed = o.jail_needed, .jail_said = o.verbose,
+                   .also = {o.trace, o.replay, o.result}, .jailed = true, .jail_needed = o.jail_needed, .jail_said = o.verbose,
                    .log_limit = o.trust ? 0 : (size_t)o.log_limit << 20};
         if (o.time_limit > 0)
             app_limit_time(&app, o.time_limit);
@@ -285,6 +290,7 @@ const Command run_command = {
         "      --verbose           say which of them hold, and with --fuel how much was used\n"
         "      --trust             the script may use io and os, and write anywhere\n"
         "      --replay FILE       keep the run in a file: to draw, compare and export it without simulating again\n"
+        "      --result FILE       as JSON: checksum, energies, and what the script returned (return { range = 3.2 })\n"
         "      --trace FILE        what each step spent its time on, for chrome://tracing or ui.perfetto.dev\n"
         "      --inject nan:body=N,step=K   for tests: after step K, a number of body #N is not finite (exit code 10)\n"
         "      --strict            a run that became unreliable ends with exit code 12\n"

@@ -602,5 +602,9 @@ int app_run_file(lua_State *L, App *app)
     int code = app_call(L, app, 1, 1);
     if (code != EXIT_FINE)
         return code;
-    return app_call(L, app, 0, 0);
+    const int below = lua_gettop(L) - 1;
+    code = app_call(L, app, 0, 1);
+    if (code == EXIT_FINE && lua_gettop(L) > below)     /* nothing is there where it was ended early */
+        app_set_option(L, "returned");
+    return code;
 }

@@ -333,6 +333,31 @@ function core.finish_run()
   core.close_films()
 end
 
+-- What a script returned, as far as it has a name and is a number, a text or a truth.
+local function named_values(returned)
+  local values = {}
+  for name, value in next, type(returned) == "table" and returned or {} do
+    if type(name) == "string" and name ~= "" and #name < 64 then
+      local kind = type(value)
+      values[name] = (kind == "number" or kind == "string" or kind == "boolean") and value or nil
+    end
+  end
+  return next(values) and values or nil
+end
+
+-- --result FILE: where the run came to, and what the script returned.
+function core.finish_result(path)
+  local world, facts = core.last_world, {}
+  if world and core.is_open(world) then
+    local e = world.energy
+    facts = { steps = world.steps, time = world.time, checksum = world:checksum(), energy = { initial = e.initial, total = e.total,
+      work_in = e.work_in, lost = e.lost, law = e.law, numerical = e.numerical } }
+  end
+  facts.values = named_values(core.options.returned)
+  core.make_folders(path)
+  core.write(path, core.json(facts) .. "\n")
+end
+
 -- After an error or Ctrl-C: films end with the frames they have.
 function core.report_stop()
   core.stopping = true

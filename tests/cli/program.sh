@@ -21,7 +21,7 @@ gives 2 'no value, in full' render --fps;               said 'render: --fps want
 gives 2 'a value too many' run --quiet=3 a.lua;         said 'run: --quiet takes no value'
 gives 2 'a short option' verify -x;                     said "verify: unknown option '-x'"
 gives 2 'short for several' run --se 3 a.lua;           said "run: option '--se' may mean several"
-for command in run test cost render export view diff verify api repl new doctor; do
+for command in run test cost sweep task merge render export view diff verify api repl new doctor; do
     gives 2 "$command: an option that it has not" $command --frobnicate
     holds "$command says it in one line" test "$(grep -c . err.txt)" = 2 -a "$(head -n 1 err.txt | cut -c 1-8)" = 'digbox: '
 done
