@@ -1,12 +1,32 @@
-/* world/compact.c - pairs, memories and contacts move up when many of their slots are free, as when a swarm has come to rest.
+/* world/compact.c - pairs, memories and contacts are put in the order of bodies, without gaps.
  *
- * Pairs keep their order, so that results do not change; what is theirs gets that order, too, in which every step goes through them.
+ * A new pair takes a slot that happens to be free. When a pile has been poured, pairs that follow each other are of bodies anywhere in it,
+ * and every loop over them has to fetch both from memory; when a swarm has come to rest, many slots are free. So where many pairs are out
+ * of order or gone, all move: those that a solid has with earlier ones come one after the other, and what is theirs gets their order, too.
+ * Rows are made in that order, so it decides bits. It depends on the state alone, and a world of few pairs keeps its own.
  */
 #include "world/world.h"
 
 #define MOVES_LEAST 4096        /* records: fewer are left where they are */
+#define LOOKS_EVERY 16          /* steps */
+#define ASTRAY      16          /* one in so many pairs out of order is too much */
 
 static bool many_free(int count, int unused) { return count >= MOVES_LEAST && unused > count / 3; }
+
+/* Of the pairs that a step goes through: have many a later solid that should come before that of the pair before them? */
+static bool disordered(const World *w)
+{
+    uint32_t before = 0;
+    int astray = 0;
+    if (w->near.count < MOVES_LEAST || w->steps % LOOKS_EVERY != 0)
+        return false;
+    for (int i = 0; i < w->near.count; i++) {
+        const Pair *p = &w->pairs.data[w->near.data[i]];
+        astray += p->alive && p->solid_b < before;
+        before = p->alive ? p->solid_b : before;
+    }
+    return astray > w->near.count / ASTRAY;
+}
 
 static uint32_t moved_side(const uint32_t *to, uint32_t side) { return side == NONE ? NONE : 2 * to[side / 2] + side % 2; }
 
@@ -28,20 +48,32 @@ static void renumber_pairs(World *w, const uint32_t *to, int count)
     w->near.count = n;
 }
 
-static dig_status move_pairs(World *w)
+/* to[pair]: its number when the pairs of each solid with earlier ones follow each other; NONE = it is gone. Returns how many there are. */
+static int number_pairs(const World *w, uint32_t *to)
 {
     int count = 0;
-    if (!many_free(w->pairs.count, w->free_pairs.count))
-        return DIG_OK;
+    memset(to, 0xff, (size_t)w->pairs.count * sizeof *to);
+    for (int i = 0; i < w->solids.count; i++)
+        for (uint32_t l = w->solids.data[i].alive ? w->solids.data[i].pair_first : NONE; l != NONE; l = w->pairs.data[l / 2].next[l % 2])
+            if (l % 2 == 1)     /* once, as the later of its two */
+                to[l / 2] = (uint32_t)count++;
+    return count;
+}
+
+static dig_status move_pairs(World *w)
+{
     ArenaMark mark = arena_mark(&w->scratch);
     uint32_t *to = arena_alloc(&w->scratch, (size_t)w->pairs.count * sizeof *to);
-    if (!to)
+    Pair *old = arena_alloc(&w->scratch, (size_t)w->pairs.count * sizeof *old);
+    if (!to || !old) {
+        arena_rewind(&w->scratch, mark);
         return world_fail(w, DIG_E_MEMORY, "not enough memory for %d pairs", w->pairs.count);
-    for (int i = 0; i < w->pairs.count; i++) {
-        to[i] = w->pairs.data[i].alive ? (uint32_t)count : NONE;
-        if (w->pairs.data[i].alive)
-            w->pairs.data[count++] = w->pairs.data[i];
     }
+    memcpy(old, w->pairs.data, (size_t)w->pairs.count * sizeof *old);
+    int count = number_pairs(w, to);
+    for (int i = 0; i < w->pairs.count; i++)
+        if (to[i] != NONE)
+            w->pairs.data[to[i]] = old[i];
     renumber_pairs(w, to, count);
     w->pairs.count = count;
     w->free_pairs.count = 0;
@@ -55,8 +87,6 @@ static dig_status move_pairs(World *w)
 
 static dig_status move_memories(World *w)
 {
-    if (!many_free(w->memories.count, w->free_memories.count))
-        return DIG_OK;
     ArenaMark mark = arena_mark(&w->scratch);
     PairMemory *old = arena_alloc(&w->scratch, (size_t)w->memories.count * sizeof *old);
     if (!old)
@@ -94,8 +124,6 @@ static void move_list(World *w, Pair *p, const Contact *old, const MorePoints *o
 
 static dig_status move_contacts(World *w)
 {
-    if (!many_free(w->contacts.count, w->free_contacts.count))
-        return DIG_OK;
     ArenaMark mark = arena_mark(&w->scratch);
     Contact *old = arena_alloc(&w->scratch, (size_t)w->contacts.count * sizeof *old);
     MorePoints *old_more = arena_alloc(&w->scratch, (size_t)w->more.count * sizeof *old_more);
@@ -120,7 +148,11 @@ static dig_status move_contacts(World *w)
 
 dig_status world_compact(World *w)
 {
-    DIG_TRY(move_pairs(w));
-    DIG_TRY(move_memories(w));
-    return move_contacts(w);
+    bool all = disordered(w) || many_free(w->pairs.count, w->free_pairs.count);
+    if (all)
+        DIG_TRY(move_pairs(w));
+    if (w->memories.count > 0 && (all || many_free(w->memories.count, w->free_memories.count)))
+        DIG_TRY(move_memories(w));
+    bool contacts = w->contacts.count > 0 && (all || many_free(w->contacts.count, w->free_contacts.count));
+    return contacts ? move_contacts(w) : DIG_OK;
 }
