@@ -172,6 +172,10 @@ const char **bind_names(lua_State *L, int first, int last, int *count);
  * at first..last of the stack. */
 int bind_unknown(lua_State *L, const char *what, const char *kind, const char *name, int first, int last);
 
+/* The table on the top is a record of that name: a name that it has not is an error, but for `empty` (NULL-ended, or NULL), which may be
+ * nil. With `spelled`, names may be as in the founding document: currPos for curr_pos. */
+void bind_record(lua_State *L, const char *what, const char *const *empty, bool spelled);
+
 /* What another name stands for here, by its meaning, out of the names that are known; or a sentence instead (bind_mean.c). NULL: nothing. */
 const char *bind_mean(const char *name, const char *const *names, int count);
 const char *bind_mean_note(const char *name, const char *const *names, int count);

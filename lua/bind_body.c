@@ -158,6 +158,23 @@ static void set_matrix(lua_State *L, const char *name, const real *m, int size)
     lua_setfield(L, -2, name);
 }
 
+/* Of the last message that it received, if it received one. */
+static const char *const sometimes[] = {"origin", "me", "you", "direction", NULL};
+
+/* The fields of its packet: me sent it, you got it, direction is from one to the other. */
+static void set_packet(lua_State *L, const BodyRef *b, int world, const dig_body_debug *d)
+{
+    dig_body_debug from;
+    if (dig_body_inspect(b->world->w, d->origin, &from) != DIG_OK)
+        return;
+    const vec3 me = from.curr_pos, you = d->curr_pos;
+    bind_push_body(L, world, d->origin);
+    lua_setfield(L, -2, "me");
+    bind_push_body(L, world, b->id);
+    lua_setfield(L, -2, "you");
+    set_vec3(L, "direction", (vec3){you.x - me.x, you.y - me.y, you.z - me.z});
+}
+
 static int get_debug(lua_State *L)
 {
     BodyRef *b = bind_check_body(L, 1);
@@ -199,6 +216,8 @@ static int get_debug(lua_State *L)
     bind_set_text(L, "sp", d.material);
     set_matrix(L, "matrix", d.matrix, 4);
     bind_set_text(L, "object_type", d.object_type);
+    set_packet(L, b, world, &d);
+    bind_record(L, "body.debug", sometimes, true);
     return 1;
 }
 

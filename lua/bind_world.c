@@ -317,6 +317,7 @@ static int world_energy(lua_State *L)
     bind_set_real(L, "numerical", e.numerical);
     bind_set_real(L, "total", e.total);
     bind_set_real(L, "initial", e.initial);
+    bind_record(L, "world.energy", NULL, false);
     return 1;
 }
 

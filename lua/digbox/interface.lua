@@ -136,7 +136,7 @@ declare_type("body", "A body. Its fields as listed under body fields can be read
   bounds = { "table", "{low, high}: corners of the box around it", unit = "m" },
   mode = { "string", "moving, resting or fixed" }, kind = { "string", "dynamic, kinematic or static" },
   integrating = { "string", "euler while it has no history, else verlet" },
-  debug = { "table", "the record of the founding document, appendix B" },
+  debug = { "table", "the record of the founding document, appendix B; me, you and direction are of the last message" },
   name = { "string", "for messages, events and world:find", set = true },
   work_received = { "number", "work of pushes on it", unit = "J" }, world = { "world", "its world" },
   data = { "any", "any value that the script wants to keep with it", set = true } })

@@ -240,3 +240,32 @@ scenario("the numbers of a body's debug record are whole", function(s)
   for _, key in ipairs { "m_id", "db_id", "dig_id" } do expect(math.type(debug[key])):is "integer" end
   expect(debug.m_id):above(0)
 end)
+
+scenario("the debug record has the founding document's names, as it spells them, and its packet", function(s)
+  local world = s.world
+  local a = world:ball { radius = 0.1, name = "a", gravity_scale = 0 }
+  local b = world:ball { radius = 0.1, name = "b", gravity_scale = 0, at = { 0, 2, 0 }, velocity = { 1, 0, 0 } }
+  expect(b.debug.me):is(nil)
+  expect(b.debug.origin):is(nil)
+  a:send(b, "hello", 1)
+  world:step()
+  local debug = b.debug
+  for _, key in ipairs { "m_id", "db_id", "mess_type", "dig_id", "mess_time", "floor", "collided", "euler", "currPos", "prevPos", "nextPos",
+    "currRot", "prevRot", "nextRot", "iTensor", "iti", "itiws", "moInertia", "resForce", "torque", "cMass", "angMom", "velocity",
+    "omega", "mass", "rest", "origin", "sp", "matrix", "objectType", "me", "you", "direction" } do
+    expect(debug[key] ~= nil):is(true)
+  end
+  expect(debug.currPos):is(debug.curr_pos)
+  expect(debug.me):is(a)
+  expect(debug.you):is(b)
+  expect(debug.direction):near(digbox.vec(1 / 60, 2, 0), 1e-12)
+  expect(expect(function() return debug.velocty end):fails()):contains "body.debug has no field 'velocty' (did you mean 'velocity'?)"
+end)
+
+scenario("the books have no other names", function(s)
+  local energy = s.world.energy
+  expect(expect(function() return energy.kinetik end):fails()):contains "world.energy has no field 'kinetik' (did you mean 'kinetic'?)"
+  local count = 0
+  for _, joules in pairs(energy) do count = count + (joules == 0 and 1 or 0) end
+  expect(count):is(11)
+end)
