@@ -246,7 +246,8 @@ static bool lies_calm(const World *w, const Step *s, const struct StepGroup *g)
         const Body *small = first ? a : b;
         if (small->trace_wait > 0 && small->trace_pause > PATIENCE)
             return false;
-        fast += !(pair_speed2(small, first ? b : a) <= FAST * FAST * small->outer * small->pull);
+        real pull = real_max(a->awake ? a->pull : 0, b->awake ? b->pull : 0);       /* that of a sleeper is an old one */
+        fast += !(pair_speed2(small, first ? b : a) <= FAST * FAST * small->outer * pull);
     }
     return fast <= MOST_FAST * g->pair_count;
 }
