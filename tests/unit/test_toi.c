@@ -311,7 +311,8 @@ int main(void)
               unit_test(a_thrown_ball_that_does_not_reach_the_ceiling_meets_nothing),
               unit_test(a_turning_rod_meets_a_wall_when_its_end_gets_there), unit_test(fast_spheres_never_pass_a_thin_wall),
               unit_test(spinning_rods_are_never_missed), unit_test(tumbling_shapes_meet_at_the_target_and_not_before),
-              unit_test(what_hinges_on_an_edge_takes_few_gaps), unit_test(what_rolls_beside_another_takes_one_gap), unit_test(what_spins_about_its_own_axis_meets_at_the_target),
+              unit_test(what_hinges_on_an_edge_takes_few_gaps), unit_test(what_rolls_beside_another_takes_one_gap),
+              unit_test(what_spins_about_its_own_axis_meets_at_the_target),
               unit_test(what_starts_at_the_target_counts_only_when_it_approaches),
               unit_test(spheres_fall_on_meshes_and_height_fields_as_on_planes),
               unit_test(a_mesh_falls_on_a_plane_as_its_hull_does), unit_test(far_shapes_cost_no_gap_at_all));
