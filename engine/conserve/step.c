@@ -243,6 +243,5 @@ dig_status step_single(System *s, bool *done)
     write_back(s);
     DIG_TRY(group_hold(g, true, &taken));
     g->residual = real_max(g->residual, s->residual / fabs(s->h));
-    g->substeps++;
     return DIG_OK;
 }

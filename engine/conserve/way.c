@@ -133,6 +133,7 @@ static dig_status part(System *s, real h, bool composed, bool *done)
         s->h = composed ? stages[i] * h : h;
         DIG_TRY(step_single(s, done));
     }
+    s->g->substeps += *done;            /* one step of the fourth order, as the stages of an explicit one are no steps */
     return DIG_OK;
 }
 

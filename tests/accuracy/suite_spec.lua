@@ -79,11 +79,12 @@ test.scenario("a spring too stiff for the frame is followed where the tolerance 
   local function place(accuracy)
     local row = suite.run(suite.scenes { "A16d" }[1], accuracy, s.cpu_seconds, 0)
     test.expect(row.gave_up):is(0)
-    return row.error, row.traced
+    return row.error, row.traced, row.substeps
   end
-  for _, accuracy in ipairs { "play", "study" } do
-    local off, traced = place(accuracy)
+  for accuracy, steps in pairs { play = 120, study = 240 } do           -- steps composed of five are of the fourth order together
+    local off, traced, taken = place(accuracy)
     test.expect(traced):is(0)
+    test.expect(taken):is(steps)
     test.expect(off):below(2e-7)
   end
   for _, accuracy in ipairs { 1e-8, 1e-10 } do

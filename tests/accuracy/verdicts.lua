@@ -75,7 +75,8 @@ local function floor(list, scale, rounding)
 end
 
 -- A step cannot be longer than a frame: while most are as long as that, a coarser tolerance can be no coarser. Nor are two rungs with the
--- same error at the same work, to the last digit, two runs: the engine does not tell these tolerances apart.
+-- same error at the same work, to the last digit, two runs: the engine does not tell these tolerances apart. A step
+-- composed of five counts as one, as one with stages does.
 local function at_longest_step(row, frames) return row.counted and row.steps < 1.5 * frames end
 local function same_run(a, b) return a.error == b.error and a.work == b.work end
 
