@@ -431,8 +431,6 @@ real relax_points(Group *g, int first, int count);
 real relax_joints(Group *g);
 real relax_rolls(Group *g);
 int  relax(Group *g, int sweeps, real residual);        /* until the change is below residual; returns sweeps done */
-/* stick.c: the points that press, at once, where none of them slides; to residual, m/s. false: not so, and nothing changed */
-bool stick_solve(Group *g, real residual);
 /* direct.c: all contacts at once, exactly, from the present impulses; false: not for this group, or it failed, and nothing changed */
 bool direct_solve(Group *g, real residual);
 bool direct_rescue(Group *g);           /* the same where sweeps have not got there, slower and surer */

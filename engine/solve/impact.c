@@ -103,34 +103,12 @@ static real rounding_floor(const Group *g)
 /* Counts bound the work: few rows are solved to rounding, many as well as a substep's. */
 static int impact_sweeps(const Group *g) { return (int)real_clamp(40000.0 / (g->point_count + g->row_count + 1), 40, IMPACT_SWEEPS); }
 
-/* Sweeps after which it is tried to solve the points that press at once, and more of them after which it is tried again. */
-#define FIRST_LOOK 4
-#define LAST_LOOK  64
-
-/* Returns the sweeps left to do; 0: it is solved. */
-static int solve_sticking(Group *g, real residual)
-{
-    int left = impact_sweeps(g);
-    for (int look = FIRST_LOOK; g->patches && g->row_count == 0 && look <= LAST_LOOK && look < left; look *= 2) {
-        g->residual = 0;
-        left -= relax(g, look, residual);
-        if (g->residual <= residual || stick_solve(g, residual)) {
-            g->residual = real_min(g->residual, residual);
-            return 0;
-        }
-    }
-    return left;
-}
-
 /* Where something is heavy, what sweeps do not get to is solved at once. */
 static void solve_all(Group *g, real residual)
 {
     real worst = g->residual;
-    int left = solve_sticking(g, residual);
-    if (left > 0) {
-        g->residual = 0;
-        relax(g, left, residual);
-    }
+    g->residual = 0;
+    relax(g, impact_sweeps(g), residual);
     if (g->residual > residual && group_top_heavy(g) && direct_wanted(g) > 0 && direct_solve(g, residual))
         g->residual = residual;
     g->residual = real_max(g->residual, worst);
