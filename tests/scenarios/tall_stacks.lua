@@ -1,5 +1,5 @@
--- Stacks of more bodies than are solved one by one: they stand as few do, to the last micrometre, and fall asleep. Hit, they fall and do not
--- rise.
+-- Stacks of more bodies than are solved one by one: they stand as few do, to the last micrometre, and fall asleep. Hit, they
+-- fall and do not rise.
 local test = require "digbox.test"
 
 local function column(world, count)
