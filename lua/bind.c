@@ -505,6 +505,7 @@ int bind_open(lua_State *L)
     bind_trace_open(L, core);
     bind_replay_open(L, core);
     bind_reader_open(L, core);
+    bind_json_open(L, core);
     bind_past_open(L, core);
     bind_region_open(L, core);
     bind_body_open(L, core);

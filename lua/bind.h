@@ -80,7 +80,11 @@ void bind_trace_open(lua_State *L, int core);
 void bind_schema_open(lua_State *L, int core);
 void bind_replay_open(lua_State *L, int core);
 void bind_reader_open(lua_State *L, int core);
+void bind_json_open(lua_State *L, int core);
 void bind_past_open(lua_State *L, int core);
+
+/* Pushes the value of a JSON text (bind_json.c); false: it is none, and nothing is pushed. */
+bool bind_push_json(lua_State *L, const char *text);
 
 /* A view as Lua has it; takes it over. Without a renderer an error. */
 struct View;

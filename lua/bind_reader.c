@@ -2,7 +2,6 @@
  * lua/digbox/render.lua. */
 #include "bind.h"
 
-#include <cjson/cJSON.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -71,53 +70,13 @@ static int reader_info(lua_State *L)
     return 1;
 }
 
-/* JSON as Lua has it: whole numbers are integers, null is nil, lists from 1. cJSON bounds the nesting. */
-static void push_json(lua_State *L, const cJSON *j)
-{
-    const cJSON *item;
-    lua_Integer n = 0, whole;
-    luaL_checkstack(L, 4, "too deep");
-    if (!cJSON_IsArray(j) && !cJSON_IsObject(j)) {
-        if (cJSON_IsNumber(j) && lua_numbertointeger(j->valuedouble, &whole) && (lua_Number)whole == j->valuedouble)
-            lua_pushinteger(L, whole);
-        else if (cJSON_IsNumber(j))
-            lua_pushnumber(L, j->valuedouble);
-        else if (cJSON_IsBool(j))
-            lua_pushboolean(L, cJSON_IsTrue(j));
-        else
-            lua_pushstring(L, cJSON_GetStringValue(j));         /* null: nil */
-        return;
-    }
-    lua_newtable(L);
-    cJSON_ArrayForEach(item, j) {
-        push_json(L, item);
-        if (cJSON_IsArray(j))
-            lua_rawseti(L, -2, ++n);
-        else
-            lua_setfield(L, -2, item->string);
-    }
-}
-
-static int push_note(lua_State *L)
-{
-    push_json(L, lua_touserdata(L, 1));
-    return 1;
-}
-
 /* core.reader_note(reader, name, frame) -> value of the note, or nil where there is none */
 static int reader_note(lua_State *L)
 {
     const char *name = luaL_checkstring(L, 2), *text = replay_note(check_reader(L), name, (int)luaL_checkinteger(L, 3), NULL);
     if (!text)
         return 0;
-    cJSON *note = cJSON_Parse(text);
-    lua_pushcfunction(L, push_note);
-    lua_pushlightuserdata(L, note);
-    int failed = note ? lua_pcall(L, 1, 1, 0) : LUA_OK;         /* no memory: the note is freed all the same */
-    cJSON_Delete(note);
-    if (!note)
-        return bind_error(L, "the replay's note '%s' is damaged", name);
-    return failed == LUA_OK ? 1 : lua_error(L);
+    return bind_push_json(L, text) ? 1 : bind_error(L, "the replay's note '%s' is damaged", name);
 }
 
 static void set_vector(lua_State *L, const char *name, bool there, vec3 v)

@@ -132,9 +132,8 @@ static int levels_of(const Crowd *c, uint8_t *level)
     for (bool any = true; any;) {
         any = false;
         for (int i = 0; i < g->contact_count; i++) {
-            const GroupPair *p = &g->pairs[g->contacts[i].pair];
-            uint8_t *high = level[p->a] > level[p->b] ? &level[p->a] : &level[p->b], low = level[p->a] > level[p->b] ? level[p->b] : level[p->a];
-            if (!g->contacts[i].live || low >= UINT8_MAX - 1 || *high <= low + 1)
+            uint8_t *a = &level[g->contacts[i].a], *b = &level[g->contacts[i].b], *high = *a > *b ? a : b, low = *a > *b ? *b : *a;
+            if (!g->contacts[i].live || low + 1 >= *high)
                 continue;
             *high = (uint8_t)(low + 1);
             any = true;

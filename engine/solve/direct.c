@@ -27,13 +27,11 @@ static const real most_work[2] = {1e6, 4e6};                                    
 #define MOST_FACTORS  200       /*      in all rounds; where nothing is heavy also so many as points times factors allow, or few */
 #define FACTOR_POINTS 4000
 /* The same for many bodies that lie calm (crowd/calm.c): found once, their forces last. */
-#define CALM_POINTS   6000
-#define CALM_MATRIX   1.2e7     /*      multiplications of one factorisation, */
-#define CALM_WORK     6e8       /*      and of all: half a second or so, once */
-#define CALM_FACTORS  500
+#define MANY_POINTS   6000
+#define MANY_MATRIX   1.2e7     /*      multiplications of one factorisation, */
+#define MANY_WORK     6e8       /*      and of all (2.4e8 take 0.2 s) */
+#define MANY_FACTORS  500
 #define FEW_FACTORS   12
-#define FAST          0.03      /*      of the speed of a fall by its own size: such a contact slides or tumbles */
-#define MOST_FAST     0.05      /*      of the points may: else Newton's method takes long, and creep does not matter */
 /* The second try of what slides at many points, from soft to hard: with rows hard at once Newton's method stops at their kinks. */
 #define SOFT_POINTS   32000     /*      points times factors */
 #define SOFT_FACTORS  150
@@ -130,7 +128,7 @@ static bool open_direct(Direct *d)
         g->status = DIG_E_MEMORY;
         return false;
     }
-    if (d->blocks.work > (g->calm ? CALM_MATRIX : most_work[d->heavy]))
+    if (d->blocks.work > (g->calm ? MANY_MATRIX : most_work[d->heavy]))
         return false;
     for (int i = 0; i < g->body_count; i++)
         if (d->place[i] >= 0) {
@@ -167,9 +165,9 @@ static bool calm(const Group *g)
         vec3 at = c->manifold.points[r->point].a;
         vec3 va = vec3_add(a.v, vec3_cross(a.w, vec3_sub(at, g->pos[r->a].x)));
         vec3 vb = vec3_add(b.v, vec3_cross(b.w, vec3_sub(at, g->pos[r->b].x)));
-        fast += vec3_length2(vec3_sub(vb, va)) > FAST * FAST * g->pairs[c->pair].size * g->fall;
+        fast += vec3_length2(vec3_sub(vb, va)) > CALM_SPEED * CALM_SPEED * g->pairs[c->pair].size * g->fall;
     }
-    return fast <= MOST_FAST * g->point_count;
+    return fast <= CALM_FAST * g->point_count;
 }
 
 /* ---- Newton's method ---- */
@@ -374,7 +372,7 @@ real direct_wanted(const Group *g)
     if (g->joints_direct)
         return g->point_count > most_points[heavy] || g->moving_count > MOST_BODIES || g->direct_failures >= JOINT_FAILURES
                    ? 0 : g->plan->residual;
-    if (g->row_count > 0 || g->point_count == 0 || g->point_count > (g->calm ? CALM_POINTS : most_points[heavy]) || g->moving_count > MOST_BODIES)
+    if (g->row_count > 0 || g->point_count == 0 || g->point_count > (g->calm ? MANY_POINTS : most_points[heavy]) || g->moving_count > MOST_BODIES)
         return 0;
     if (g->direct_failures >= most_failures[heavy] || !(heavy || calm(g)))
         return 0;
@@ -471,7 +469,7 @@ static bool run(Direct *d, real residual)
     d->heavy = group_top_heavy(g);
     bool open = open_direct(d);
     if (open && g->calm && g->trace_wait == 0)
-        d->most_factors = (int)real_clamp(CALM_WORK / d->blocks.work, 1, CALM_FACTORS);
+        d->most_factors = (int)real_clamp(MANY_WORK / d->blocks.work, 1, MANY_FACTORS);
     bool fine = open && (g->joints_direct ? solve_joints(d) : solve(d, residual));
     if (fine)
         write_back(d);

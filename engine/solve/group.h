@@ -452,6 +452,11 @@ real locate_impact(Group *g);
 real missing_little(const Group *g, real dt);         /* s  the longest substep that may go without */
 bool overshoots(const Group *g);        /* would the substep press bodies deep into each other? */
 
+/* What lies calm: two that touch move against each other no faster than this part of the speed of a fall by their own size, but for this
+ * part of them. Else direct solves take long, and creep does not matter. */
+#define CALM_SPEED 0.03
+#define CALM_FAST  0.05
+
 typedef enum WayTally { WAY_TRACED, WAY_CONSERVED, WAY_SWEPT } WayTally;
 
 /* A way to advance a group. The choice is by counts, never by the clock.

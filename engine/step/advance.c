@@ -183,7 +183,7 @@ static void advance_one(void *context, int i, Arena *arena)
     g->plan = accuracy_plan(part->accuracy);
     g->tolerance = accuracy_local(part->accuracy);
     g->may_trace = part->may_trace;
-    g->crowd = part->crowd && !part->calm;
+    g->crowd = part->crowd;
     g->calm = part->calm;
     g->again = c->s->tries > 0;
     g->team = part->together ? workers_team(c->w->workers) : NULL;

@@ -221,11 +221,8 @@ static bool bounces_well(const World *w, const Step *s, const struct StepGroup *
     return false;
 }
 
-/* What lies calm: crowd/calm.c. */
-#define FAST      0.03          /* of the speed of a fall by its own size: such a pair slides, tumbles or is about to hit */
-#define SLEEPY    4             /* times as much may be in the world where it will fall asleep: it is solved once */
-#define PATIENCE  128           /* steps: who was put off for longer is a crowd until it is tried again */
-#define MOST_FAST 0.05          /* of the pairs may: else direct solves take long, and creep does not matter */
+#define SLEEPY   4              /* times as much may be in the world where it will fall asleep: it is solved once */
+#define PATIENCE 128            /* steps: who was put off for longer is a crowd until it is tried again */
 
 /* m^2/s^2  How fast two move against each other where the smaller one is, its rim included, squared. */
 static real pair_speed2(const Body *small, const Body *large)
@@ -247,9 +244,9 @@ static bool lies_calm(const World *w, const Step *s, const struct StepGroup *g)
         if (small->trace_wait > 0 && small->trace_pause > PATIENCE)
             return false;
         real pull = real_max(a->awake ? a->pull : 0, b->awake ? b->pull : 0);       /* that of a sleeper is an old one */
-        fast += !(pair_speed2(small, first ? b : a) <= FAST * FAST * small->outer * pull);
+        fast += !(pair_speed2(small, first ? b : a) <= CALM_SPEED * CALM_SPEED * small->outer * pull);
     }
-    return fast <= MOST_FAST * g->pair_count;
+    return fast <= CALM_FAST * g->pair_count;
 }
 
 /* Is it for the crowd: by its own size, or because the world has so much else to advance that small groups are no exception? */
@@ -260,6 +257,14 @@ static bool takes_crowd(const World *w, const Step *s, const struct StepGroup *g
     if ((bodies <= plan->crowd_bodies && total <= plan->crowd_total) || !crowd_allows(w) || !plain_bodies(w, s, g))
         return false;
     return bodies > CROWD_LIVELY_MOST * plan->crowd_bodies || !bounces_well(w, s, g);
+}
+
+/* Of a crowd: is it to be solved at once (crowd/calm.c)? */
+static bool takes_calm(const World *w, const Step *s, const struct StepGroup *g, int total)
+{
+    const AccuracyPlan *plan = accuracy_plan(g->accuracy);
+    int64_t most = (w->def.sleeping ? SLEEPY : 1) * (int64_t)plan->crowd_total;
+    return total <= most && bodies_of(w, s, g) <= plan->calm_bodies && lies_calm(w, s, g);
 }
 
 /* The sum of what traced groups may cost is bounded by counts, never by the clock, so that results do not depend on the machine.
@@ -344,7 +349,7 @@ static void join_crowds(const World *w, Step *s)
     int n = 0, bodies = JOINED_MOST;    /* of the last group; as good as full: none may join it */
     for (int i = 0; i < s->count; i++) {
         struct StepGroup g = s->parts[i];
-        int own = g.crowd && !g.calm ? bodies_of(w, s, &g) : JOINED_MOST;
+        int own = g.crowd ? bodies_of(w, s, &g) : JOINED_MOST;
         if (n > 0 && bodies + own <= JOINED_MOST && s->parts[n - 1].accuracy == g.accuracy) {
             s->parts[n - 1].dig_count += g.dig_count;
             s->parts[n - 1].pair_count += g.pair_count;
@@ -366,10 +371,9 @@ static void choose_way(void *context, int i, Arena *arena)
     struct StepGroup *g = &c->s->parts[i];
     (void)arena;
     g->accuracy = group_accuracy(c->w, c->s->leads + g->dig_first, g->dig_count);
-    const AccuracyPlan *plan = accuracy_plan(g->accuracy);
-    g->crowd = takes_crowd(c->w, c->s, g, c->total);
-    g->calm = g->crowd && bodies_of(c->w, c->s, g) <= plan->calm_bodies && c->total <= (c->w->def.sleeping ? SLEEPY : 1) * (int64_t)plan->crowd_total
-           && lies_calm(c->w, c->s, g);
+    bool many = takes_crowd(c->w, c->s, g, c->total);
+    g->calm = many && takes_calm(c->w, c->s, g, c->total);
+    g->crowd = many && !g->calm;
     g->cost = bodies_of(c->w, c->s, g) + g->pair_count;
 }
 
@@ -399,7 +403,7 @@ static dig_status cut(World *w, Step *s, const Found *f)
     workers_run(total < SHARED_LEAST ? NULL : w->workers, &w->scratch, choose_way, &c, s->count);
     for (int i = 0; i < s->count; i++) {
         struct StepGroup *g = &s->parts[i];
-        g->may_trace = !g->crowd && !takes_chain(w, s, g, total) && within_budget(g, &spent);
+        g->may_trace = !g->crowd && !g->calm && !takes_chain(w, s, g, total) && within_budget(g, &spent);
     }
     if (total > accuracy_plan(w->accuracy)->crowd_total)
         join_crowds(w, s);

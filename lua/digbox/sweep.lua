@@ -9,70 +9,10 @@ local MOST = 1000000            -- tasks of a plan
 
 local plan                      -- {folder =, path =, tasks = list of {index, script, hash, set, seed, options, arguments, output}}
 
--- ---- JSON that core.json wrote ----
-
-local back = { n = "\n", r = "\r", t = "\t", b = "\b", f = "\f" }
-
-local function unquote(text)
-  return (text:gsub("\\(.)(%x?%x?%x?%x?)", function(c, code)
-    return c == "u" and #code == 4 and utf8.char(tonumber(code, 16)) or (back[c] or c) .. code
-  end))
-end
-
-local read_value
-
-local function read_items(text, at, close, each)
-  at = text:match("^%s*()", at)
-  if text:sub(at, at) == close then return at + 1 end
-  while true do
-    at = text:match("^%s*()", each(at))
-    local mark = text:sub(at, at)
-    if mark == close then return at + 1 end
-    if mark ~= "," then core.raise(8, "") end
-    at = at + 1
-  end
-end
-
-local function read_text(text, at)
-  local stop = at + 1
-  while text:sub(stop, stop) ~= '"' do
-    if stop > #text then core.raise(8, "") end
-    stop = stop + (text:sub(stop, stop) == "\\" and 2 or 1)
-  end
-  return unquote(text:sub(at + 1, stop - 1)), stop + 1
-end
-
-local truths = { ["true"] = true, ["false"] = false }
-
--- -> value, place after it
-function read_value(text, at)
-  at = text:match("^%s*()", at)
-  local first, result = text:sub(at, at), {}
-  if first == '"' then return read_text(text, at) end
-  if first == "[" then
-    return result, read_items(text, at + 1, "]", function(from)
-      result[#result + 1], from = read_value(text, from)
-      return from
-    end)
-  end
-  if first == "{" then
-    return result, read_items(text, at + 1, "}", function(from)
-      local key
-      key, from = read_text(text, text:match("^%s*()", from))
-      result[key], from = read_value(text, text:match("^%s*:()", from) or core.raise(8, ""))
-      return from
-    end)
-  end
-  local word, after = text:match("^([%w%+%-%.]+)()", at)
-  if not word or not (truths[word] ~= nil or word == "null" or tonumber(word)) then core.raise(8, "") end
-  if word == "null" then return nil, after end
-  if truths[word] ~= nil then return truths[word], after end
-  return tonumber(word), after
-end
-
+-- A line that core.json wrote
 local function decode(text, path)
-  local ok, value = pcall(read_value, text, 1)
-  if not ok or type(value) ~= "table" then core.raise(8, path .. ": is no JSON of digbox sweep") end
+  local value = core.from_json(text)
+  if type(value) ~= "table" then core.raise(8, path .. ": is no JSON of digbox sweep") end
   return value
 end
 

@@ -43,33 +43,18 @@ local function stands(s, bodies, within)
   test.expect(worst):below(within)
 end
 
-for _, accuracy in ipairs { "sketch", "play" } do
-  test.scenario("a column of sixty boxes stands, at " .. accuracy, function(s)
+for _, case in ipairs {
+  { "a column of sixty boxes", column, 60, "sketch" }, { "a column of sixty boxes", column, 60 },
+  { "a column of a hundred boxes", column, 100 },
+  { "a Jenga tower of 54 blocks", jenga, 18 }, { "a Jenga tower of 108 blocks", jenga, 36 }, { "a pyramid of 210 boxes", pyramid, 20 },
+} do
+  local name, build, size, accuracy = table.unpack(case)
+  test.scenario(("%s stands, at %s"):format(name, accuracy or "play"), function(s)
     local world = s:world { accuracy = accuracy }
     world:floor {}
-    stands(s, column(world, 60), 1e-6)
+    stands(s, build(world, size), 1e-6)
   end)
 end
-
-test.scenario("a column of a hundred boxes stands", function(s)
-  s.world:floor {}
-  stands(s, column(s.world, 100), 1e-6)
-end)
-
-test.scenario("a Jenga tower of 54 blocks stands", function(s)
-  s.world:floor {}
-  stands(s, jenga(s.world, 18), 1e-6)
-end)
-
-test.scenario("a Jenga tower of 108 blocks stands", function(s)
-  s.world:floor {}
-  stands(s, jenga(s.world, 36), 1e-6)
-end)
-
-test.scenario("a pyramid of 210 boxes stands", function(s)
-  s.world:floor {}
-  stands(s, pyramid(s.world, 20), 1e-6)
-end)
 
 test.scenario("a tower on a tray that is moved evenly stands", function(s)
   local tray = s.world:box { kinematic = true, size = { 3, 0.2, 3 }, at = { 0, -0.1, 0 }, velocity = { 0, 0.5, 0 } }
@@ -90,7 +75,8 @@ test.scenario("a heap of 150 boxes falls asleep", function(s)
   s:eventually("all sleep", "8 s", function() return world:stats().awake == 0 end)
 end)
 
--- A heavy ball strikes the eleventh box at 20 m/s. It brings 100 kJ, which lifts a box by 10 m; a column that falls has 17 to 49 MJ.
+-- A heavy ball strikes the eleventh box at 20 m/s. It brings 100 kJ, which lifts a box by 10 m; a column that
+-- falls has 17 to 49 MJ, of which 0.05 % are made up.
 for _, count in ipairs { 60, 100 } do
   test.scenario(("a column of %d boxes that is hit falls, and nothing rises"):format(count), function(s)
     local world = s.world
