@@ -1,8 +1,9 @@
 /* trace/flight.c - free flight: a body that nothing holds and nothing can meet in this step.
  *
  * The centre of mass follows its parabola exactly. The angular momentum L does not change, and the orientation obeys
- * q' = q w / 2 with w = I^-1 R^T L in body axes: a power series, with as many terms as the group's tolerance needs. A round body turns
- * evenly; one that is round about an axis does so about L, and about its axis besides.
+ * q' = q w / 2 with w = I^-1 R^T L in body axes: a power series, with as many terms as the group's tolerance needs, or what it
+ * sums up to where that would be many parts (tumble.c). A round body turns evenly; one that is round about an axis does so about L, and
+ * about its axis besides.
  */
 #include "trace/trace.h"
 
@@ -134,7 +135,8 @@ static void fly(Group *g, int i, real h)
     else {
         Bounds bounds = bounds_of(m->inv_inertia, w, l);
         int parts = (int)real_clamp(ceil(bounds.safe * h / PART), 1, 1000), terms = terms_of(bounds, h / parts, ENOUGH * g->tolerance);
-        for (int k = 0; k < parts; k++)
+        bool done = parts > 1 && is_diagonal(m->inv_inertia) && tumble(m->inv_inertia, &q, l, h);
+        for (int k = 0; k < parts && !done; k++)
             q = turn(m, q, l, h / parts, terms);
     }
     g->pos[i].q = q;

@@ -320,6 +320,8 @@ real trace_load_on(const Tracer *t, int joint); /* N  now; of types with a share
 void trace_part(Tracer *t, const Event *e);     /* lets go what the event broke */
 /* bounce.c */
 bool trace_bounce(Tracer *t);                   /* after a blow: what follows in closed form, if it can be; false = fault */
+/* tumble.c: a free body of principal axes turns on for h seconds. false: too near the separatrix, and nothing changed */
+bool tumble(const mat3 *inv_inertia, quat *q, vec3 momentum, real h);
 /* touch.c */
 bool trace_touch(Tracer *t, bool first);        /* contacts of the present state; sets dirty when what touches has changed */
 bool trace_items(Tracer *t);                    /* joints and contacts in the order of the rows */
