@@ -78,6 +78,7 @@ static bool start_kinds(Tracer *t)
     for (int i = 0; i < t->touch_count; i++) {
         Touching *c = &t->touch[i];
         close_gate(t, &c->gate, 1, t->gap_deep);
+        c->opened = 0;
         take_grip(&c->slip, t->slip_zero);
         take_grip(&c->roll, t->slip_zero / t->size);
     }
@@ -226,17 +227,36 @@ static void consider(Change *c, Gate *g, real force_zero, real acc_zero, bool fi
     *c = (Change){g, off, !g->presses};
 }
 
+/* What sticks may pull where what slides presses: the friction that holds it is more than its cone has. One that sinks again when it has let
+ * go is such a one. */
+static void let_go(Touching *c)
+{
+    if (c->opened++ > 0 && sticks(c) && vec3_length2(c->slip.force) > 0) {
+        c->slip.grip = GRIP_BRINK;
+        c->slip.d = vec3_unit_or(vec3_neg(c->slip.force), c->slip.d);
+    } else {
+        c->gate.presses = false;
+    }
+}
+
 static bool change_gate(Tracer *t, real acc_scale, bool first_wins)
 {
     Change c = {NULL, 0, false};
     real force_zero = PULLS * t->gate_most + 1e-300, acc_zero = SINKS * acc_scale + 1e-300;
-    for (int i = 0; i < t->touch_count; i++)
+    Touching *touching = NULL;
+    for (int i = 0; i < t->touch_count; i++) {
         consider(&c, &t->touch[i].gate, force_zero, acc_zero, first_wins);
+        touching = c.gate == &t->touch[i].gate ? &t->touch[i] : touching;
+    }
     for (int i = 0; i < t->stop_count; i++)
         consider(&c, &t->stops[i].gate, force_zero, acc_zero, first_wins);
-    if (c.gate)
+    if (!c.gate)
+        return false;
+    if (touching && c.gate == &touching->gate && !c.press)
+        let_go(touching);
+    else
         c.gate->presses = c.press;
-    return c.gate;
+    return true;
 }
 
 /* ---- grips ---- */

@@ -91,6 +91,7 @@ typedef struct Touching {       /* a contact point */
     int  contact, point;        /* of the group                                           */
     int  a, b;
     uint32_t id;                /* the manifold point's feature number                    */
+    int  opened;                /* how often it let go while its kind was looked for      */
 } Touching;
 
 typedef struct Footing {        /* what the rows of a touching point were made of */
