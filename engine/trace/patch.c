@@ -386,9 +386,69 @@ static void point_rows(Tracer *t, const Patch *p, bool positions)
             l->drift = vec3_dot(p->t[way], c->k.drift);
 }
 
+/* ---- an edge: two points that stick or have no friction ---- */
+
+static bool edge_end(const Touching *q)
+{
+    return !q->roll.axes && (!q->slip.axes || (q->slip.grip == GRIP_STICK && q->slip.weight > 0));
+}
+
+static bool is_edge(const Tracer *t, const Patch *p)
+{
+    if (p->count != 2 || !p->even)
+        return false;
+    const Touching *a = &t->touch[p->point[0]], *b = &t->touch[p->point[1]];
+    return edge_end(a) && edge_end(b) && !a->slip.axes == !b->slip.axes && !vec3_equal(a->k.at, b->k.at);
+}
+
+/* w[0] d at one end and w[1] d at the other. */
+INLINE void edge_line(Tracer *t, LineKind kind, const Patch *p, const real w[2], vec3 d)
+{
+    const Subset ends = {2, {0, 1}};
+    Line *l = open_line(t, kind, p, &ends);
+    for (int side = 0; l && side < 2; side++) {
+        if (p->body[side] < 0)
+            continue;
+        vec3 lever = vec3_mad(vec3_scale(w[0], p->lever[side][0]), w[1], p->lever[side][1]);
+        Arrow j = arrow(side, vec3_scale(w[0] + w[1], d), vec3_cross(lever, d));
+        push_body(t, l, p->body[side], &j, &j);
+    }
+    for (int i = 0; l && i < 2; i++) {
+        const Kinematics *k = &t->touch[p->point[i]].k;
+        if (kind == LINE_NORMAL) {
+            l->share[i] = w[i];
+            l->drift += w[i] * k->drift_n;
+            l->error += w[i] * k->gap;
+        } else {
+            l->e[i] = vec3_scale(w[i], d);
+            l->drift += vec3_dot(l->e[i], k->drift);
+        }
+    }
+}
+
+/* The rows that normal_rows and stick_rows would find, written out: what rocks has them built six times a frame. */
+static void edge_rows(Tracer *t, const Patch *p, bool positions)
+{
+    const Cone *a = &t->touch[p->point[0]].slip, *b = &t->touch[p->point[1]].slip;
+    const real even[2] = {sqrt(0.5), sqrt(0.5)}, odd[2] = {-sqrt(0.5), sqrt(0.5)};
+    edge_line(t, LINE_NORMAL, p, even, p->n);
+    edge_line(t, LINE_NORMAL, p, odd, p->n);
+    if (positions || !a->axes)
+        return;
+    const real held[2] = {a->weight, b->weight}, turned[2] = {-a->weight, b->weight};
+    vec3 along = vec3_sub(p->arm[1], p->arm[0]);
+    edge_line(t, LINE_SLIP, p, held, p->t[0]);
+    edge_line(t, LINE_SLIP, p, held, p->t[1]);
+    edge_line(t, LINE_SLIP, p, turned, vec3_scale(0.5 / vec3_length(along), vec3_cross(p->n, along)));
+}
+
 static void patch_rows(Tracer *t, Patch *p, bool forces, bool positions)
 {
     lay_out_patch(t, p);
+    if (is_edge(t, p)) {
+        edge_rows(t, p, positions);
+        return;
+    }
     bool simple = p->count == 1 && !slides(&t->touch[p->point[0]]);
     if (simple)
         point_rows(t, p, positions);

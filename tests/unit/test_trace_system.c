@@ -472,6 +472,33 @@ TEST(any_set_of_corners_that_presses_does_not_move_and_the_body_obeys_newton)
         }
 }
 
+/* Two points whose normals are equal to the last digit have rows of their own. A tilt of 1e-10 leads the other way, to the same forces. */
+TEST(an_edge_shares_its_forces_as_any_patch_does)
+{
+    Dice d = {19};
+    for (int round = 0; round < 100; round++) {
+        static const int two[] = {1 + 2, 1 + 4, 2 + 4, 4 + 8};
+        Table t;
+        table_open(&t, &d, two[round % 4], round % 3 != 0);
+        push(&t, vec3_scale(0.5 * t.weight, dice_vec(&d)), vec3_mul(t.half, dice_vec(&d)));
+        Touching *touch = t.h.t.touch;
+        for (int i = 0; i < 4; i++)
+            touch[i].slip.weight = dice_in(&d, 0.1, 1);
+        accelerate(&t);
+        Touching edge[4];
+        memcpy(edge, touch, sizeof edge);
+        int rows = t.h.t.sys.count, last = two[round % 4] & 8 ? 3 : two[round % 4] & 4 ? 2 : 1;
+        touch[last].feature.da = vec3_unit(vec3_mad(t.ey, 1e-10, t.ex));
+        accelerate(&t);
+        CHECK_INT(t.h.t.sys.count, rows);
+        for (int i = 0; i < 4; i++) {
+            CHECK_NEAR(touch[i].gate.force, edge[i].gate.force, 1e-7 * t.weight);
+            CHECK_NEAR(vec3_distance(touch[i].slip.force, edge[i].slip.force), 0, 1e-7 * t.weight);
+        }
+        hand_close(&t.h);
+    }
+}
+
 /* On one edge the box stands on two points and tips about them: a pendulum upside down. */
 TEST(a_box_held_at_two_corners_tips_about_their_edge)
 {
@@ -650,6 +677,7 @@ int main(void)
               unit_test(four_corners_that_stick_carry_weight_and_push_as_a_plane_over_the_patch),
               unit_test(any_set_of_corners_that_presses_does_not_move_and_the_body_obeys_newton),
               unit_test(a_box_held_at_two_corners_tips_about_their_edge),
+              unit_test(an_edge_shares_its_forces_as_any_patch_does),
               unit_test(rows_serve_as_long_as_nothing_of_theirs_has_changed),
               unit_test(forces_that_still_hold_are_told_from_those_that_do_not),
               unit_test(a_sliding_box_slows_by_mu_g_and_leans_on_its_front_corners),
