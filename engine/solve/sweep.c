@@ -724,6 +724,17 @@ real group_close_speed(const Group *g)
     return isfinite(size) ? sqrt(2e-5 * size * g->fall) + 1e-9 * size : 0;
 }
 
+#define FINER        4          /* times as many parts, for so few */
+#define FINER_BODIES 8
+
+/* Into how many parts a step is cut. What contacts hold moves on by the velocities at the end of a part: that makes up or loses
+ * energy in proportion to the part. Where the traced way was tried in vain, which is far dearer than sweeps of so few, it is to be less. */
+static int parts_of(const Group *g)
+{
+    bool tried = (g->trace_failed || g->trace_wait > 0) && g->moving_count <= FINER_BODIES;
+    return g->plan->substeps * (tried && g->plan->substeps >= FINE ? FINER : 1);
+}
+
 /* What holds for all of a step, and the contacts of its start. */
 static void begin(Group *g, real part, bool all)
 {
@@ -741,7 +752,7 @@ static void begin(Group *g, real part, bool all)
 
 static dig_status sweep_until(Group *g, real dt, real until)
 {
-    real part = dt / g->plan->substeps;
+    real part = dt / parts_of(g);
     while (g->t < until && !g->woke) {
         real next = g->t + longest_piece(g, dt);
         DIG_TRY(substep(g, next < until - SLIVER * part ? next : until));
@@ -762,7 +773,7 @@ static dig_status sweep_until(Group *g, real dt, real until)
 
 dig_status sweep_piece(Group *g, real dt, real until)
 {
-    real part = real_min(until - g->t, dt / g->plan->substeps);
+    real part = real_min(until - g->t, dt / parts_of(g));
     begin(g, part, true);
     while (g->t < until && !g->woke && g->status == DIG_OK)
         DIG_TRY(sweep_until(g, dt, until - g->t < 1.5 * part ? until : g->t + part));
@@ -772,11 +783,11 @@ dig_status sweep_piece(Group *g, real dt, real until)
 dig_status sweep_advance(Group *g, real dt)
 {
     DIG_TRY(reserve(g));
-    real part = dt / g->plan->substeps;
+    real part = dt / parts_of(g);
     begin(g, part, false);
     g->breaks_found = true;
-    for (int k = 0; k < g->plan->substeps && !g->woke; k++)
-        DIG_TRY(sweep_until(g, dt, k + 1 < g->plan->substeps ? part * (k + 1) : dt));
+    for (int k = 0; k < parts_of(g) && !g->woke; k++)
+        DIG_TRY(sweep_until(g, dt, k + 1 < parts_of(g) ? part * (k + 1) : dt));
     if (!g->woke) {
         measure(g);
         if (g->joints_direct && !group_bears_load(g) && group_joints_gape(g))

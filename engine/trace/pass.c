@@ -91,6 +91,7 @@ bool trace_pass(Tracer *t)
     for (int j = 0; j < g->joint_count; j++)
         memcpy(g->joints[j].force, &t->joint_force[j * JOINT_SLOTS], sizeof g->joints[j].force);
     g->touch = 1e-7;
+    g->trace_failed = true;         /* at this place: it is swept the finer */
     g->status = sweep_piece(g, t->end, t->t + length < t->end ? t->t + length : t->end);
     g->touch = touch;
     g->close_speed = close_speed;
