@@ -4,6 +4,7 @@
 --   initial + work_in + law = total + lost - numerical
 --
 -- At "study" that figure itself may be a millionth of the energy moved. The exceptions are listed with the reason.
+-- Only in the plain build: figures; the worlds run under sanitizers from other tests.
 local digbox = require "digbox"
 local test = require "digbox.test"
 local scenario, expect = test.scenario, test.expect

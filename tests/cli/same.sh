@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # tests/cli/same.sh - the same world gives the same bytes: by any number of threads (D1), wherever, whenever and by whom it is run
 # (D2, D3), drawn by any number of threads (D5), and after each step was taken back and taken again (D4).
+# Only in the plain build: what is compared are bits, of every world run three times.
 set -u
 worlds=$(cd "${0%/*}/../../worlds" && pwd)
 . "${0%/*}/../check.sh"

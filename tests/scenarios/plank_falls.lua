@@ -1,5 +1,5 @@
 -- plank_falls.lua: planks that fall on each other, flush or not, gain no energy and do not sink into each other.
--- Not under sanitizers: the same code runs there in soft_planks.lua, and this takes minutes.
+-- Only in the plain build: figures of long runs; soft_planks.lua runs the same code under sanitizers.
 local test = require "digbox.test"
 local scenario, expect = test.scenario, test.expect
 

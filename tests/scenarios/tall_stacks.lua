@@ -1,5 +1,6 @@
 -- Stacks of more bodies than are solved one by one: they stand as few do, to the last micrometre, and fall asleep. Hit, they
 -- fall and do not rise.
+-- Only in the plain build: figures of long runs; test_crowd.c and test_random_stacks.c run the same code under sanitizers.
 local test = require "digbox.test"
 
 local function column(world, count)

@@ -1,4 +1,5 @@
 -- Light things that are taut between heavy or fixed ones: ropes of cranes, straight bridges, nets.
+-- Only in the plain build: figures of long runs; test_direct.c and soft_planks.lua run the same code under sanitizers.
 local digbox = require "digbox"
 local test = require "digbox.test"
 local scenario, expect = test.scenario, test.expect

@@ -1,4 +1,5 @@
 -- Heaps of more thin things than the accurate ways take: they may not get through each other, gain energy, or stir for ever.
+-- Only in the plain build: figures of large heaps; test_crowd.c runs the same code under sanitizers.
 local digbox = require "digbox"
 local test = require "digbox.test"
 local scenario, expect = test.scenario, test.expect
