@@ -283,11 +283,12 @@ static void stick_rows(Tracer *t, const Patch *p)
         weight[0] = 1;
     for (int way = 0; way < 2 && s.count > 0; way++)
         add_along(t, LINE_SLIP, p, &s, weight, p->t[way]);
+    if (!(size > 0))            /* one point, or some at the same place: no turn to hold */
+        return;
     vec3 e[MANIFOLD_POINTS];
-    for (int i = 0; i < s.count && s.count > 1; i++)
+    for (int i = 0; i < s.count; i++)
         e[i] = vec3_scale(weight[i] / size, vec3_cross(p->n, p->arm[s.which[i]]));
-    if (s.count > 1)
-        act_along(t, add_line(t, LINE_SLIP, p, &s, e, NULL, NULL), e);
+    act_along(t, add_line(t, LINE_SLIP, p, &s, e, NULL, NULL), e);
 }
 
 /* ---- slip so slow that its direction is held: nothing may move across it ---- */

@@ -499,6 +499,23 @@ TEST(an_edge_shares_its_forces_as_any_patch_does)
     }
 }
 
+/* They have no turn to hold, and no size to divide by: as one they do. */
+TEST(corners_at_the_same_place_act_as_one)
+{
+    Dice d = {20};
+    for (int round = 0; round < 20; round++) {
+        Table t;
+        table_open(&t, &d, 1 + 2, true);
+        t.h.t.touch[1].feature.pb = t.h.t.touch[0].feature.pb;
+        push(&t, vec3_scale(0.2 * t.weight, dice_vec(&d)), vec3_mul(t.half, dice_vec(&d)));
+        accelerate(&t);
+        check_balance(&t);
+        CHECK_NEAR(t.h.t.touch[0].gate.force, t.h.t.touch[1].gate.force, 1e-10 * t.weight);
+        CHECK_NEAR(vec3_distance(t.h.t.touch[0].slip.force, t.h.t.touch[1].slip.force), 0, 1e-10 * t.weight);
+        hand_close(&t.h);
+    }
+}
+
 /* On one edge the box stands on two points and tips about them: a pendulum upside down. */
 TEST(a_box_held_at_two_corners_tips_about_their_edge)
 {
@@ -677,6 +694,7 @@ int main(void)
               unit_test(four_corners_that_stick_carry_weight_and_push_as_a_plane_over_the_patch),
               unit_test(any_set_of_corners_that_presses_does_not_move_and_the_body_obeys_newton),
               unit_test(a_box_held_at_two_corners_tips_about_their_edge),
+              unit_test(corners_at_the_same_place_act_as_one),
               unit_test(an_edge_shares_its_forces_as_any_patch_does),
               unit_test(rows_serve_as_long_as_nothing_of_theirs_has_changed),
               unit_test(forces_that_still_hold_are_told_from_those_that_do_not),
