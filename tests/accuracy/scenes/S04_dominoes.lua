@@ -2,8 +2,9 @@
 -- No closed form: the time is compared with the same scene at a much finer setting.
 local count = 30
 
-local passed = "one to nine times a run tracing gives up on a place where many press at once, and a third of the frames or more are swept: " ..
-  "the last one passes 0.1 rad after 4.954 to 4.975 s, at any tolerance from 1e-2 to 1e-12, and which of these is nearest to the truth is not known."
+local passed = "one to nine times a run tracing gives up on a place where many press at once, and a third of the frames or more " ..
+  "are swept: the last one passes 0.1 rad after 4.954 to 4.975 s, at any tolerance from 1e-2 to 1e-12, and which of these is " ..
+  "nearest to the truth is not known."
 
 return {
   id = "S04", title = "row of 30 dominoes", metric = "s", scale = 1, seconds = 6, slow = true, self_converged = true,
