@@ -15,6 +15,26 @@ void team_pause(int tries)
 #endif
 }
 
+typedef struct Deal { TeamPart *part; void *context; int shares; atomic_int next; } Deal;
+
+static void take_shares(void *context, int thread, int threads)
+{
+    Deal *d = context;
+    (void)thread;
+    (void)threads;
+    for (int i; (i = atomic_fetch_add_explicit(&d->next, 1, memory_order_relaxed)) < d->shares;)
+        d->part(d->context, i, d->shares);
+}
+
+void team_deal(Team *t, TeamPart *part, void *context)
+{
+    Deal d = {.part = part, .context = context, .shares = team_shares(t)};
+    if (t)
+        t->run(t, take_shares, &d);
+    else
+        part(context, 0, 1);
+}
+
 void team_meet(Team *t)
 {
     if (!t)

@@ -22,7 +22,7 @@ struct Team {
     atomic_uint meetings;       /* that are over                                               */
 };
 
-/* Every thread does its part; returns when all are done. */
+/* Every thread does its part at the same time, so that parts may meet; returns when all are done. */
 static inline void team_run(Team *t, TeamPart *part, void *context)
 {
     if (t)
@@ -31,11 +31,19 @@ static inline void team_run(Team *t, TeamPart *part, void *context)
         part(context, 0, 1);
 }
 
-/* Within a part: waits until all have come here. What they wrote before is seen by all after. */
+#define TEAM_SHARES 8           /* for each thread: who was late or has the dearer ones takes fewer */
+
+/* Into how many shares a deal goes. */
+static inline int team_shares(const Team *t) { return t ? TEAM_SHARES * t->threads : 1; }
+
+/* As team_run for parts that do not meet, called once for each of team_shares: whoever is free takes the next. */
+void team_deal(Team *t, TeamPart *part, void *context);
+
+/* Within a part of team_run: waits until all have come here. What they wrote before is seen by all after. */
 void team_meet(Team *t);
 void team_pause(int tries);     /* a little while, for a loop that waits; after many tries others may have the processor */
 
-/* The share of `count` things in a row that falls to a thread: first <= i < end. */
+/* The share of `count` things in a row that falls to a thread, or is dealt out: first <= i < end. */
 static inline int team_first(int count, int thread, int threads) { return (int)((int64_t)count * thread / threads); }
 static inline int team_end(int count, int thread, int threads) { return team_first(count, thread + 1, threads); }
 

@@ -106,7 +106,7 @@ dig_status bodies_open(Crowd *c)
     _Static_assert(sizeof *c->carriage <= 4 * sizeof *six, "there is room for a carriage in the place of four of them");
     for (int i = c->bodies; i < (int)n; i++)
         open_still(c, i);
-    team_run(g->team, open_share, c);
+    team_deal(g->team, open_share, c);
     return DIG_OK;
 }
 
@@ -219,7 +219,7 @@ static void close_share(void *context, int thread, int threads)
 void bodies_close(Crowd *c)
 {
     Group *g = c->g;
-    team_run(g->team, close_share, c);
+    team_deal(g->team, close_share, c);
     for (int i = c->bodies; i < g->body_count; i++) {
         if (!g->member[i].kinematic)
             continue;

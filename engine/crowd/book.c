@@ -335,17 +335,17 @@ static void share_losses(const Crowd *c, real lost)
 dig_status book_close(Crowd *c)
 {
     Group *g = c->g;
-    int threads = c->team ? c->team->threads : 1;
-    Book b = {c, strike_speed(c), arena_alloc(g->arena, (size_t)threads * sizeof *b.deepest), arena_alloc(g->arena, (size_t)(g->contact_count + 1))};
+    int shares = team_shares(c->team);
+    Book b = {c, strike_speed(c), arena_alloc(g->arena, (size_t)shares * sizeof *b.deepest), arena_alloc(g->arena, (size_t)(g->contact_count + 1))};
     if (!b.deepest || !b.to_note)
         return DIG_E_MEMORY;
-    team_run(c->team, book_share(c), &b);
+    team_deal(c->team, book_share(c), &b);
     const Strike *before = g->strikes;
     DIG_TRY(note(&b));
     if (g->strikes != before)
-        team_run(c->team, carry_noted, &b);
+        team_deal(c->team, carry_noted, &b);
     book_energy(c);
-    for (int i = 0; i < threads; i++)
+    for (int i = 0; i < shares; i++)
         g->penetration = real_max(g->penetration, b.deepest[i]);
     return DIG_OK;
 }

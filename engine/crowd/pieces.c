@@ -40,7 +40,7 @@ static bool all_thick(const Crowd *c)
 typedef struct Cut {
     const Crowd *c;
     real  *rim;                         /* [body_count of g] m/s */
-    int  (*want)[PIECES_MOST + 1];      /* [threads] contacts that need so many pieces */
+    int  (*want)[PIECES_MOST + 1];      /* [shares] contacts that need so many pieces */
 } Cut;
 
 static void rim_share(void *context, int thread, int threads)
@@ -79,13 +79,13 @@ dig_status crowd_pieces(const Crowd *c, int *pieces)
     if (all_thick(c))
         return DIG_OK;
     Group *g = c->g;
-    int threads = c->team ? c->team->threads : 1, contacts = 0, more = 0;
-    Cut x = {c, arena_alloc(g->arena, (size_t)g->body_count * sizeof *x.rim), arena_zero(g->arena, (size_t)threads * sizeof *x.want)};
+    int shares = team_shares(c->team), contacts = 0, more = 0;
+    Cut x = {c, arena_alloc(g->arena, (size_t)g->body_count * sizeof *x.rim), arena_zero(g->arena, (size_t)shares * sizeof *x.want)};
     if (!x.rim || !x.want)
         return DIG_E_MEMORY;
-    team_run(c->team, rim_share, &x);
-    team_run(c->team, want_share, &x);
-    for (int i = 1; i < threads; i++)
+    team_deal(c->team, rim_share, &x);
+    team_deal(c->team, want_share, &x);
+    for (int i = 1; i < shares; i++)
         for (int n = 1; n <= PIECES_MOST; n++)
             x.want[0][n] += x.want[i][n];
     for (int n = 1; n <= PIECES_MOST; n++)

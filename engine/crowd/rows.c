@@ -436,16 +436,16 @@ FOR_WIDTHS(fill_share, fill_part)
 dig_status rows_open(Crowd *c)
 {
     Group *g = c->g;
-    int threads = g->team ? g->team->threads : 1;
+    int shares = team_shares(g->team);
     Rows r = {.c = c, .chosen = spare_take(&g->spare, g->arena, (size_t)(g->contact_count + 1) * sizeof *r.chosen)};
     uint64_t (*taken)[2] = arena_zero(g->arena, (size_t)(c->bodies + 1) * sizeof *taken);
     c->row = spare_take(&g->spare, g->arena, (size_t)(g->contact_count + 1) * sizeof *c->row);
-    r.deepest = arena_alloc(g->arena, (size_t)threads * sizeof *r.deepest);
+    r.deepest = arena_alloc(g->arena, (size_t)shares * sizeof *r.deepest);
     if (!r.chosen || !taken || !c->row || !r.deepest)
         return DIG_E_MEMORY;
     int place[KINDS] = {0};
-    team_run(g->team, choose_share, &r);
-    for (int i = 0; i < threads; i++)
+    team_deal(g->team, choose_share, &r);
+    for (int i = 0; i < shares; i++)
         c->deep = real_max(c->deep, r.deepest[i]);
     r.count = colour_all(&r, taken, place);
     r.sorted = spare_take(&g->spare, g->arena, (size_t)r.count * sizeof *r.sorted);
@@ -460,6 +460,6 @@ dig_status rows_open(Crowd *c)
         r.sorted[place[kind_of(&r.chosen[i])]++] = r.chosen[i];
     spare_add(&g->spare, r.chosen, (size_t)(g->contact_count + 1) * sizeof *r.chosen);
     DIG_TRY(make_batches(&r));
-    team_run(g->team, fill_share(c), c);
+    team_deal(g->team, fill_share(c), c);
     return DIG_OK;
 }

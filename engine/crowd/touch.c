@@ -255,8 +255,8 @@ static dig_status touch_struck(const Blows *s, Ends *ends, int round)
     Touching t = {s->c, ends, g->pair_count};
     DIG_TRY(group_gather_struck(g, s->c->stop, s->c->dt));
     Team *team = g->pair_count - t.first < TEAM_LEAST ? NULL : g->team;
-    team_run(team, touch_share(s->c), &t);
-    team_run(team, gap_share, &t);
+    team_deal(team, touch_share(s->c), &t);
+    team_deal(team, gap_share, &t);
     list_pairs(s, ends, t.first, g->pair_count);
     for (int i = t.first; i < g->pair_count; i++) {
         int latest = int_max(s->news[ends[i].a], s->news[ends[i].b]);
@@ -283,7 +283,7 @@ static dig_status open_blows(Blows *s, Ends *ends, size_t most)
     if (!c->stop || !s->behind || !s->news || !s->first || !s->next || !s->looks[0])
         return DIG_E_MEMORY;
     memset(s->first, 0xff, count * sizeof *s->first);
-    team_run(g->team, gap_share, &(Touching){c, ends, 0});
+    team_deal(g->team, gap_share, &(Touching){c, ends, 0});
     list_pairs(s, ends, 0, g->pair_count);
     return DIG_OK;
 }
@@ -343,7 +343,7 @@ dig_status crowd_touch(Crowd *c)
     Touching t = {.c = c, .ends = spare_take(&g->spare, g->arena, most * sizeof *t.ends)};
     if (!t.ends)
         return DIG_E_MEMORY;
-    team_run(g->team, touch_share(c), &t);
+    team_deal(g->team, touch_share(c), &t);
     DIG_TRY(look_behind(c, t.ends, most));
     spare_add(&g->spare, t.ends, most * sizeof *t.ends);
     group_close_left(g);

@@ -21,7 +21,7 @@ static Soft soft_of(real share, real h)
     return (Soft){(float)(w / a), (float)(b / (1 + b)), (float)(1 / (1 + b))};
 }
 
-typedef struct Smallest { const Group *g; struct Least { real size, thickness; } *least; } Smallest;       /* m  [threads] */
+typedef struct Smallest { const Group *g; struct Least { real size, thickness; } *least; } Smallest;       /* m  [shares] */
 
 static void smallest_share(void *context, int thread, int threads)
 {
@@ -37,13 +37,13 @@ static void smallest_share(void *context, int thread, int threads)
 /* Of all pairs: their size, and how thin they are. */
 static dig_status find_smallest(Crowd *c)
 {
-    int threads = c->team ? c->team->threads : 1;
-    Smallest s = {c->g, arena_alloc(c->g->arena, (size_t)threads * sizeof *s.least)};
+    int shares = team_shares(c->team);
+    Smallest s = {c->g, arena_alloc(c->g->arena, (size_t)shares * sizeof *s.least)};
     if (!s.least)
         return DIG_E_MEMORY;
-    team_run(c->team, smallest_share, &s);
+    team_deal(c->team, smallest_share, &s);
     c->finest = c->thinnest = INFINITY;
-    for (int i = 0; i < threads; i++) {
+    for (int i = 0; i < shares; i++) {
         c->finest = real_min(c->finest, s.least[i].size);
         c->thinnest = real_min(c->thinnest, s.least[i].thickness);
     }
@@ -70,7 +70,7 @@ static dig_status open(Crowd *c)
     c->trait = spare_take(&g->spare, g->arena, (size_t)g->body_count * sizeof *c->trait);
     if (!c->trait)
         return DIG_E_MEMORY;
-    team_run(g->team, trait_share, c);
+    team_deal(g->team, trait_share, c);
     DIG_TRY(find_smallest(c));
     c->push_most = (float)(PUSH_MOST * sqrt(c->finest));
     return DIG_OK;

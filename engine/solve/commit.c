@@ -81,18 +81,18 @@ static void judge_share(void *context, int thread, int threads)
 /* Lists the pairs that regraph must look at: begun, over, or struck and apart again. */
 dig_status group_judge(Group *g, real dt)
 {
-    int threads = g->team ? g->team->threads : 1;
-    Judge j = {.g = g, .dt = dt, .verdict = arena_alloc(g->arena, (size_t)threads * sizeof *j.verdict)};
+    int shares = team_shares(g->team);
+    Judge j = {.g = g, .dt = dt, .verdict = arena_alloc(g->arena, (size_t)shares * sizeof *j.verdict)};
     g->changed = spare_take(&g->spare, g->arena, (size_t)g->pair_count * sizeof *g->changed);
     g->turned = spare_take(&g->spare, g->arena, (size_t)g->contact_count * sizeof *g->turned);
     if (!j.verdict || !g->changed || !g->turned)
         return DIG_E_MEMORY;
-    team_run(g->team, judge_share, &j);
+    team_deal(g->team, judge_share, &j);
     g->changed_count = g->turned_count = g->widened_count = g->remembered_count = g->live_count = g->rubbing_count = 0;
     g->finest = INFINITY;
-    for (int t = 0; t < threads && g->pair_count > 0; t++) {
+    for (int t = 0; t < shares && g->pair_count > 0; t++) {
         const Verdict *v = &j.verdict[t];
-        int first = team_first(g->pair_count, t, threads);
+        int first = team_first(g->pair_count, t, shares);
         if (first < g->pair_count) {
             memmove(g->changed + g->changed_count, g->changed + first, (size_t)v->changed * sizeof *g->changed);
             memmove(g->turned + g->turned_count, g->turned + g->pairs[first].contact, (size_t)v->turned * sizeof *g->turned);
@@ -280,7 +280,7 @@ static void commit_share(void *context, int thread, int threads)
 void group_commit(World *w, const Group *g)
 {
     Commit c = {w, g};
-    team_run(g->team, commit_share, &c);
+    team_deal(g->team, commit_share, &c);
     for (int i = 0; i < g->joint_count; i++) {
         if (i + JOINTS_AHEAD < g->joint_count) {
             const JointRec *next = &w->joints.data[g->joints[i + JOINTS_AHEAD].slot];

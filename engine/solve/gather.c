@@ -218,7 +218,7 @@ static dig_status gather_bodies(Group *g, const uint32_t *pairs, int pair_count,
     g->inertias = w->region_count > 0 ? arena_alloc(g->arena, 2 * total * sizeof *g->inertias) : NULL;
     if (!g->pos || !g->vel || !g->member || !g->push_work || (w->region_count > 0 && !g->inertias))
         return DIG_E_MEMORY;
-    team_run(g->team, gather_share, g);
+    team_deal(g->team, gather_share, g);
     for (int i = 0; i < g->moving_count && w->region_count > 0; i++)
         g->fall = real_max(g->fall, region_fall(w, &w->bodies.data[g->slots[i]], g->pos[i].x));
     for (int i = 0; i < g->moving_count && (g->may_trace || g->calm); i++) {
@@ -246,7 +246,7 @@ dig_status group_weigh(Group *g)
     g->shift = arena_alloc(g->arena, (size_t)g->body_count * sizeof *g->shift);
     if (!g->mass || !g->shift)
         return DIG_E_MEMORY;
-    team_run(g->team, weigh_share, g);
+    team_deal(g->team, weigh_share, g);
     return DIG_OK;
 }
 
@@ -515,8 +515,8 @@ static dig_status gather_pairs(Group *g, const uint32_t *pairs, int pair_count)
     if (!n.near || (leaves && !n.span))
         return DIG_E_MEMORY;
     if (leaves)
-        team_run(g->team, find_spans, &n);
-    team_run(g->team, find_near, &n);
+        team_deal(g->team, find_spans, &n);
+    team_deal(g->team, find_near, &n);
     DIG_TRY(choose_near(&n));
     g->place_count = place_near(g, n.near, n.taken);
     size_t most = (size_t)(g->pair_count + g->left_count), contacts = (size_t)(g->contact_count + g->left_count);
@@ -525,7 +525,7 @@ static dig_status gather_pairs(Group *g, const uint32_t *pairs, int pair_count)
     g->places = n.places = arena_alloc(g->arena, (size_t)g->place_count * sizeof *g->places);
     if (!g->pairs || !g->contacts || !g->places)
         return DIG_E_MEMORY;
-    team_run(g->team, gather_near, &n);
+    team_deal(g->team, gather_near, &n);
     spare_add(&g->spare, n.near, (size_t)pair_count * sizeof *n.near);
     if (leaves)
         spare_add(&g->spare, n.span, (size_t)g->body_count * sizeof *n.span);
@@ -562,7 +562,7 @@ dig_status group_gather_struck(Group *g, const real *stop, real dt)
     n.places = arena_alloc(g->arena, (size_t)place_near(g, n.near, n.taken) * sizeof *n.places);
     if (!n.places)
         return DIG_E_MEMORY;
-    team_run(n.taken < SHARED_LEAST ? NULL : g->team, gather_near, &n);
+    team_deal(n.taken < SHARED_LEAST ? NULL : g->team, gather_near, &n);
     spare_add(&g->spare, n.near, (size_t)n.taken * sizeof *n.near);
     group_leave_out(g, n.first);
     return DIG_OK;

@@ -164,7 +164,7 @@ static dig_status collect_pairs(World *w, Found *f)
     Looking l = {w, arena_alloc(&w->scratch, (size_t)count)};
     if (!l.found)
         return DIG_E_MEMORY;
-    team_run(count < SHARED_LEAST ? NULL : workers_team(w->workers), look_share, &l);
+    team_deal(count < SHARED_LEAST ? NULL : workers_team(w->workers), look_share, &l);
     dig_status status = DIG_OK;
     for (int i = 0; i < count; i++) {
         if (l.found[i] == GONE)

@@ -183,7 +183,7 @@ static void settle_all(World *w, real dt)
     Resting r = {.w = w, .dt = dt};
     Team *team = w->awake.count < SHARED_LEAST ? NULL : workers_team(w->workers);
     r.lost = team ? arena_alloc(&w->scratch, (size_t)w->awake.count * sizeof *r.lost) : NULL;
-    team_run(r.lost ? team : NULL, rest_share, &r);
+    team_deal(r.lost ? team : NULL, rest_share, &r);
     for (int i = 0; i < w->awake.count && r.lost; i++)
         w->ledger.lost += r.lost[i];
 }

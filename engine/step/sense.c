@@ -78,7 +78,7 @@ static void pull_share(void *context, int thread, int threads)
 /* What acts from outside, for all that are to be advanced. Drags only slow, and are left out. */
 static void find_pulls(World *w)
 {
-    team_run(team_for(w), pull_share, &(Pulling){w, strongest_gravity(w)});
+    team_deal(team_for(w), pull_share, &(Pulling){w, strongest_gravity(w)});
     for (int i = 0; i < w->pushes.count; i++) {
         const Push *p = &w->pushes.data[i];
         Body *b = &w->bodies.data[p->body];
@@ -377,7 +377,7 @@ static dig_status sense_bodies(World *w, real dt)
     Sensing n = {w, dt, arena_alloc(&w->scratch, (size_t)count)};
     if (!n.found)
         return world_fail(w, DIG_E_MEMORY, "not enough memory for %d bodies", count);
-    team_run(team_for(w), sense_share, &n);
+    team_deal(team_for(w), sense_share, &n);
     for (int i = 0; i < count; i++) {
         uint32_t slot = w->awake.data[i];
         if (n.found[i] & UNPAIRED)

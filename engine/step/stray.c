@@ -82,7 +82,7 @@ int count_strays(const Group *g)
 {
     Count c = {.g = g};
     if (followed(g))
-        team_run(g->team, count_share, &c);
+        team_deal(g->team, count_share, &c);
     return atomic_load(&c.strays);
 }
 

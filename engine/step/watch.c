@@ -169,7 +169,7 @@ static Sum sum_members(Group *g)
     Sums s = {.g = g, .blocks = (g->moving_count + BLOCK - 1) / BLOCK};
     s.of = g->team ? arena_alloc(g->arena, (size_t)s.blocks * sizeof *s.of) : NULL;
     if (s.of)
-        team_run(g->team, sum_share, &s);
+        team_deal(g->team, sum_share, &s);
     for (int i = 0; i < s.blocks; i++) {
         Sum one = s.of ? s.of[i] : sum_block(g, i);
         add_block(&all, &one);

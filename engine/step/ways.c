@@ -31,7 +31,7 @@ dig_status group_advance(Group *g, real dt)
         if (ways[i] != &way_crowd && !g->mass)
             DIG_TRY(group_weigh(g));
         if (ways[i]->inertias && !turned)
-            team_run(g->team, share_inertias, g);
+            team_deal(g->team, share_inertias, g);
         turned = turned || ways[i]->inertias;
         g->way = ways[i];
         g->handed_on = false;

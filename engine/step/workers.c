@@ -24,8 +24,9 @@ struct Workers {
     pthread_cond_t  start;
 };
 
-/* A worker looks for the next round for some tens of microseconds: within a step it comes soon. */
-#define LOOKS 1000
+/* A worker looks for the next round for about a millisecond, and lets others have its processor for most of it: within a step one comes
+ * soon, and to be woken takes longer than most rounds. */
+#define LOOKS 4000
 
 /* False: there is none to come. */
 static bool next_round(struct Workers *p, unsigned *round)
@@ -33,7 +34,7 @@ static bool next_round(struct Workers *p, unsigned *round)
     for (int i = 0; i < LOOKS; i++) {
         if (atomic_load(&p->round) != *round || atomic_load(&p->stop))
             break;
-        team_pause(0);
+        team_pause(i);
     }
     if (atomic_load(&p->round) == *round && !atomic_load(&p->stop)) {
         pthread_mutex_lock(&p->lock);
