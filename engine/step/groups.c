@@ -45,11 +45,13 @@ static uint32_t dig_node(World *w, uint32_t body, Found *f)
     return lead;
 }
 
-/* Only what is listed has a reach of this step. */
+/* Only what is listed has a reach of this step. A sleeper is just where it is: its leaf is as wide as when it moved. */
 static box3 reach_now(const World *w, const Solid *s, bool listed)
 {
     if (listed)
         return s->reach;
+    if (s->body != NONE && w->bodies.data[s->body].kind == DIG_DYNAMIC)
+        return s->shape.type->bounds(&s->shape, solid_pose(w, s));
     return s->leaf >= 0 ? tree_box(&w->tree, s->leaf) : (box3){{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}};
 }
 
