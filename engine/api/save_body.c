@@ -5,7 +5,7 @@
 
 enum { BODY_BYTES = 366, SOLID_BYTES = 125 + SHAPE_PACKED };        /* at least */
 
-/* Follows from the rest: inverses, list membership, the number of shapes, the outer radius. */
+/* Follows from the rest: inverses, list membership, the number of shapes, the outer radius and what turning moves of it. */
 static void pack_mass(Pack *p, Body *b)
 {
     pack_real_in(p, &b->mass, 1e-30, 1e30, "mass of a body");

@@ -55,12 +55,9 @@ static bool mat3_finite(mat3 m) { return vec3_finite(m.r0) && vec3_finite(m.r1) 
 bool save_derive_mass(World *w, Body *b)
 {
     real least = 0;
-    b->outer = 0;
-    for (uint32_t s = b->shape_first; s != NONE; s = w->solids.data[s].next) {
-        Solid *solid = &w->solids.data[s];
-        solid_place(solid, b->centre);
-        b->outer = real_max(b->outer, vec3_length(vec3_sub(solid->at.p, b->centre)) + solid->shape.outer);
-    }
+    for (uint32_t s = b->shape_first; s != NONE; s = w->solids.data[s].next)
+        solid_place(&w->solids.data[s], b->centre);
+    body_measure(w, b);
     if (b->kind != DIG_DYNAMIC)
         return true;
     if (!solids_weigh(w, b, &least) || !inertia_is_possible(b, least))

@@ -104,6 +104,7 @@ static void gather_body(Group *g, int i, uint32_t slot, bool awake)
     take_inertia(g, i, b, inert);
     m->centre = b->centre;
     m->outer = b->outer;
+    m->rim = b->rim;
     m->travel = b->travel;
     if (m->moves)
         m->im = b->inv_mass / inert;
@@ -364,7 +365,7 @@ static real way_of(const Group *g, int body)
 {
     const Member *m = &g->member[body];
     const Vel *v = &g->vel[body];
-    real dt = g->world->def.step, spin = vec3_length2(v->w) > 0 ? vec3_length(v->w) * m->outer : 0;
+    real dt = g->world->def.step, spin = m->rim > 0 && vec3_length2(v->w) > 0 ? vec3_length(v->w) * m->rim : 0;
     return dt * (vec3_length(v->v) + spin + m->pull * dt);
 }
 

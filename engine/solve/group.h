@@ -47,7 +47,7 @@ typedef struct Member {         /* the rest of a gathered body */
     int      integrator;        /* dig_integrator; all but DIG_AUTO are the sweep's alone */
     vec3     centre;            /* m   centre of mass in the body frame                */
     real     pull;              /* m/s^2  gravity and pushes do no more to any point of it */
-    real     outer, travel;     /* m                                                   */
+    real     outer, rim, travel;    /* m                                               */
     real     mass, gravity_scale;
     real     im;                /* 1/kg  0: it does not move                           */
     const mat3 *inertia, *inv_inertia;  /* body axes; the world's, but where time goes at another rate */

@@ -99,13 +99,7 @@ static void leave_out(Group *g)
         g->pair_count = g->contact_count = g->left_count = 0;
 }
 
-static bool is_sphere(const World *w, const Body *b)
-{
-    if (!b->round_inertia || b->shape_count != 1)
-        return false;
-    const Solid *s = &w->solids.data[b->shape_first];
-    return s->shape.inner >= s->shape.outer && vec3_equal(s->at.p, b->centre);
-}
+static bool is_sphere(const Body *b) { return b->round_inertia && b->rim == 0; }
 
 /* Where nothing can turn a sphere, its rotation is no unknown: it keeps its spin to the last bit and goes on turning evenly, whatever
  * rounding in the rows of its contacts says. */
@@ -114,7 +108,7 @@ static void keep_spins(Group *g, real dt)
     const World *w = g->world;
     for (int i = 0; i < g->moving_count && !g->turns && !g->woke; i++) {
         const Body *b = &w->bodies.data[g->member[i].slot];         /* as before the step */
-        if (!g->member[i].moves || !is_sphere(w, b))
+        if (!g->member[i].moves || !is_sphere(b))
             continue;
         g->vel[i].w = b->w;
         g->pos[i].q = vec3_length2(b->w) > 0 ? quat_unit(quat_mul(quat_exp(vec3_scale(dt, b->w)), b->q)) : b->q;

@@ -45,8 +45,8 @@ static void tidy_awake(World *w)
         qsort(w->awake.data, (size_t)n, sizeof *w->awake.data, compare_u32);
 }
 
-/* m/s  No point of the body gets faster in the step, unless something strikes it. */
-static real point_speed(const Body *b, real dt) { return vec3_length(b->v) + vec3_length(b->w) * b->outer + b->pull * dt; }
+/* m/s  No place of its surface gets faster in the step, unless something strikes it. */
+static real point_speed(const Body *b, real dt) { return vec3_length(b->v) + vec3_length(b->w) * b->rim + b->pull * dt; }
 
 static real strongest_gravity(const World *w)
 {
@@ -327,7 +327,7 @@ static dig_status spread_from(World *w, uint32_t solid, const Body *striker, rea
         const Body *b = o->body == NONE ? NULL : &w->bodies.data[o->body];
         bool dynamic = b && b->kind == DIG_DYNAMIC && b->awake;
         vec3 speed = b ? vec3_sub(striker->v, b->v) : striker->v;
-        real far = dt * (vec3_length(speed) + vec3_length(striker->w) * striker->outer + striker->pull * dt);
+        real far = dt * (vec3_length(speed) + vec3_length(striker->w) * striker->rim + striker->pull * dt);
         if (far <= 0.9 * s->shape.inner || (o->leaf >= 0 && !box3_overlap(s->reach, dynamic ? o->reach : tree_box(&w->tree, o->leaf))))
             continue;
         bool mover = striker->kind == DIG_KINEMATIC || (b && b->kind == DIG_KINEMATIC);

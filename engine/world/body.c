@@ -251,14 +251,16 @@ static dig_status make_shapes(World *w, const dig_body_def *def, Shape *shapes, 
     return DIG_OK;
 }
 
-static real outer_radius(const World *w, const Body *b)
+/* A ball about its own centre gets nowhere by turning. */
+void body_measure(const World *w, Body *b)
 {
-    real outer = 0;
+    const Solid *only = b->shape_count == 1 ? &w->solids.data[b->shape_first] : NULL;
+    b->outer = 0;
     for (uint32_t s = b->shape_first; s != NONE; s = w->solids.data[s].next) {
         const Solid *solid = &w->solids.data[s];
-        outer = real_max(outer, vec3_length(vec3_sub(solid->at.p, b->centre)) + solid->shape.outer);
+        b->outer = real_max(b->outer, vec3_length(vec3_sub(solid->at.p, b->centre)) + solid->shape.outer);
     }
-    return outer;
+    b->rim = only && only->shape.inner >= only->shape.outer && vec3_equal(only->at.p, b->centre) ? 0 : b->outer;
 }
 
 /* What the part says, where it does not the body, where that does not (NaN) the material. */
@@ -336,7 +338,7 @@ static dig_status finish_body(World *w, uint32_t slot, const dig_body_def *def, 
     b->prev_q = b->q;
     DIG_TRY(attach_solids(w, slot, def, shapes, materials));
     b = &w->bodies.data[slot];
-    b->outer = outer_radius(w, b);
+    body_measure(w, b);
     if (b->kind == DIG_DYNAMIC && !def->turns)
         keep_from_turning(b);
     DIG_TRY(list_reserve(&w->awake, w->bodies.capacity, &w->allocations));

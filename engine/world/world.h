@@ -66,6 +66,7 @@ typedef struct Body {           /* what every step reads comes first            
     real     gravity_scale;
     real     rate;              /* 1      of time where it is (world/region.h); 1 outside of all regions */
     real     outer;             /* m      no point of it is farther from the centre    */
+    real     rim;               /* m      the same of what turning moves: 0 for a ball about its centre */
     real     pull;              /* m/s^2  gravity and pushes do no more to any point of it in this step; made anew in each */
     real     still;             /* s      time spent slower than the sleep threshold   */
     real     travel;            /* m      no point of it has moved farther so far, added up over steps; for Pair.until */
@@ -440,6 +441,7 @@ void       body_list(World *w, uint32_t slot);          /* into world->awake; th
 void       touches_wake(World *w, uint32_t slot);       /* all that touches the body or is joined to it */
 void       body_set_mass(Body *b, real mass);
 void       body_refit(World *w, uint32_t slot);         /* its solids' boxes in the tree */
+void       body_measure(const World *w, Body *b);      /* its radii, from where its solids are */
 /* Where its body's centre of mass is, from the shape and from the body. */
 void       solid_place(Solid *s, vec3 centre);
 bool       bodies_may_touch(const World *w, const Solid *a, const Solid *b);
