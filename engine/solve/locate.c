@@ -33,7 +33,7 @@ static Motion shape_motion(const Group *g, int body, pose local)
 static real rim_travel(const Group *g, int body, const Motion *m)
 {
     real turn = g->h * vec3_length(m->w);
-    return turn > 0 ? 2 * g->member[body].outer * real_min(1, 0.5 * turn) : 0;
+    return turn > 0 ? 2 * g->member[body].rim * real_min(1, 0.5 * turn) : 0;
 }
 
 /* m  How far healing has moved the points of a body since its contacts were found. */
@@ -43,7 +43,7 @@ static real healed_by(const Group *g, int body)
     if (!m->moves)
         return 0;
     quat turn = quat_mul(g->pos[body].q, quat_conjugate(m->start_pos.q));
-    return vec3_distance(g->pos[body].x, m->start_pos.x) + 2 * m->outer * vec3_length((vec3){turn.x, turn.y, turn.z});
+    return vec3_distance(g->pos[body].x, m->start_pos.x) + 2 * m->rim * vec3_length((vec3){turn.x, turn.y, turn.z});
 }
 
 /* What had no contact is farther apart than that looked for; and balls around the shapes say more of what is far. */
@@ -145,8 +145,8 @@ bool overshoots(const Group *g)
         Motion a = shape_motion(g, q->a, pair_local(q, false)), b = shape_motion(g, q->b, pair_local(q, true));
         real most = SINK_MOST * q->size;
         real travel = g->h * (vec3_length(vec3_sub(b.v, a.v)) + vec3_length(vec3_sub(b.a, a.a)) * g->h);
-        travel += isfinite(q->on_a->shape.outer) ? g->h * vec3_length(a.w) * g->member[q->a].outer : 0;
-        travel += isfinite(q->on_b->shape.outer) ? g->h * vec3_length(b.w) * g->member[q->b].outer : 0;
+        travel += isfinite(q->on_a->shape.outer) ? g->h * vec3_length(a.w) * g->member[q->a].rim : 0;
+        travel += isfinite(q->on_b->shape.outer) ? g->h * vec3_length(b.w) * g->member[q->b].rim : 0;
         if (travel <= most)
             continue;
         real depth = 0;
