@@ -424,6 +424,7 @@ Vel  group_way_of(const Group *g, int body);            /* what a substep moves 
 real group_kinetic_of(const Group *g, int body);         /* J */
 real group_close_speed(const Group *g);                 /* m/s  slower impacts are no impacts */
 /* impact.c: what touches and approaches is struck, now */
+int  group_events(const Group *g);                      /* impacts that may be located in a step */
 void impacts(Group *g);
 void strike_report(Group *g, const PointRow *r, real speed);
 /* relax.c: Gauss-Seidel sweeps over rows; each returns the largest velocity change, m/s */

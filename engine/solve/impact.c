@@ -89,6 +89,19 @@ real group_kinetic(const Group *g)
     return sum;
 }
 
+#define EVENTS_LEAST 4
+#define EVENTS_PAIRS 4000       /* times pairs */
+
+/* Each impact that is located cuts the step in two, and all is solved in both: what they cost together grows with the pairs squared. Where
+ * these are more than the plan has impacts, that is more than their order in a heap is worth. */
+int group_events(const Group *g)
+{
+    int pairs = g->pair_count + 1, events = g->plan->events, most = EVENTS_PAIRS / pairs;
+    if (pairs > events)
+        most = (int)((int64_t)most * events / pairs);
+    return int_min(events, int_max(EVENTS_LEAST, most));
+}
+
 /* m/s  No velocity change below this can be told from rounding. */
 static real rounding_floor(const Group *g)
 {

@@ -741,7 +741,7 @@ static void begin(Group *g, real part, bool all)
     g->close_speed = group_close_speed(g);
     g->joints_direct = direct_joints(g);
     g->locate = g->moving_count <= g->plan->events_bodies && !g->joints_direct;
-    g->events_left = int_min(g->plan->events, int_max(4, 4000 / (g->pair_count + 1)));
+    g->events_left = group_events(g);
     g->h = g->heal_over = part;
     group_touch(g, part, all);
     if (g->locate)
