@@ -98,7 +98,7 @@ static box3 reach_of(const World *w, const Solid *s, const Body *b, real dt)
     vec3 fall = vec3_scale(0.5 * dt * dt * b->gravity_scale, w->def.gravity);
     box = box3_swept(box, vec3_mad(b->kind == DIG_DYNAMIC ? fall : vec3_zero(), dt, b->v));
     real angle = real_min(2, vec3_length(b->w) * dt);
-    real rim = s->shape.inner < s->shape.outer ? s->shape.outer : 0;        /* a ball gets nowhere by turning about its own centre */
+    real rim = s->shape.type == &shape_sphere ? 0 : s->shape.outer;         /* a ball gets nowhere by turning about its own centre */
     real arm = vec3_length(vec3_sub(s->at.p, b->centre)) + rim;
     return box3_grow(box, angle * arm + 0.02 * s->shape.outer + b->pull * dt * dt);
 }

@@ -260,8 +260,7 @@ void body_measure(const World *w, Body *b)
         const Solid *solid = &w->solids.data[s];
         b->outer = real_max(b->outer, vec3_length(vec3_sub(solid->at.p, b->centre)) + solid->shape.outer);
     }
-    bool ball = only && isfinite(b->outer) && only->shape.inner >= only->shape.outer && vec3_equal(only->at.p, b->centre);
-    b->rim = ball ? 0 : b->outer;
+    b->rim = only && only->shape.type == &shape_sphere && vec3_equal(only->at.p, b->centre) ? 0 : b->outer;
 }
 
 /* What the part says, where it does not the body, where that does not (NaN) the material. */
