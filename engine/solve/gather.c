@@ -213,7 +213,7 @@ static dig_status gather_bodies(Group *g, const uint32_t *pairs, int pair_count,
     DIG_TRY(list_still(g, pairs, pair_count, *joints));
     size_t total = (size_t)g->body_count;
     g->pos = arena_alloc(g->arena, total * sizeof *g->pos);
-    g->vel = arena_alloc(g->arena, total * sizeof *g->vel);
+    g->vel = arena_alloc(g->arena, (total + 1) * sizeof *g->vel);        /* a spare one after the last, for fours.c */
     g->member = arena_alloc(g->arena, total * sizeof *g->member);
     g->push_work = arena_alloc(g->arena, total * sizeof *g->push_work);
     g->inertias = w->region_count > 0 ? arena_alloc(g->arena, 2 * total * sizeof *g->inertias) : NULL;
@@ -244,7 +244,7 @@ static void weigh_share(void *context, int thread, int threads)
 dig_status group_weigh(Group *g)
 {
     g->mass = arena_alloc(g->arena, (size_t)g->body_count * sizeof *g->mass);
-    g->shift = arena_alloc(g->arena, (size_t)g->body_count * sizeof *g->shift);
+    g->shift = arena_alloc(g->arena, (size_t)(g->body_count + 1) * sizeof *g->shift);        /* takes turns with vel */
     if (!g->mass || !g->shift)
         return DIG_E_MEMORY;
     team_deal(g->team, weigh_share, g);

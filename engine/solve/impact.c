@@ -135,9 +135,14 @@ static void solve_marked(Group *g, const bool *on, bool all, real speed)
         solve_all(g, real_max(g->patches ? enough : aim, g->point_count > FEW_POINTS ? g->plan->residual : 0));
         return;
     }
+    int first = 0, end = g->point_count;        /* of the few that are on, among many */
+    while (first < end && !on[first])
+        first++;
+    while (end > first && !on[end - 1])
+        end--;
     for (int sweep = impact_sweeps(g); sweep > 0; sweep--) {
         real worst = relax_joints(g);
-        for (int i = 0; i < g->point_count; i++)
+        for (int i = first; i < end; i++)
             if (on[i])
                 worst = real_max(worst, relax_points(g, i, 1));
         g->sweeps++;

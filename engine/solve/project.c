@@ -1,6 +1,7 @@
 /* solve/project.c - position errors are removed without touching velocities, so that what overlaps is moved apart and
  * nothing is launched, whatever the step. One linearised pass over penetrating points and joint errors. */
 #include "solve/direction.h"
+#include "solve/fours.h"
 
 /* m/s per sqrt(m): overlaps heal at most as fast as a body would fall by its own size under 10 m/s^2. */
 #define HEAL_SPEED 3.0
@@ -135,6 +136,22 @@ static void swap_velocities(Group *g)
     g->shift = t;
 }
 
+static void relax_shift(Group *g)
+{
+    int sweeps = (int)real_clamp(20000.0 / (g->point_count + g->row_count + 1), 3, 100), rolls = g->roll_count;
+    g->roll_count = 0;          /* nothing rolls here */
+    Fours *fours = fours_open(g, 0, false);
+    for (int i = 0; i < sweeps; i++) {
+        real worst = relax_joints(g);
+        worst = real_max(worst, fours ? fours_relax(fours) : relax_points(g, 0, g->point_count));
+        if (worst < 1e-13)
+            break;
+    }
+    if (fours)
+        fours_close(fours);
+    g->roll_count = rolls;
+}
+
 void project(Group *g)
 {
     if (!needed(g))
@@ -151,14 +168,8 @@ void project(Group *g)
         g->shift[i] = (Vel){vec3_zero(), vec3_zero()};
     swap_velocities(g);
     start_shift(g, saved, kept, deep);
-    int sweeps = (int)real_clamp(20000.0 / (g->point_count + g->row_count + 1), 3, 100);
-    bool done = g->joints_direct && !g->jammed && direct_project(g);
-    for (int i = 0; i < sweeps && !done; i++) {
-        real worst = relax_joints(g);
-        worst = real_max(worst, relax_points(g, 0, g->point_count));
-        if (worst < 1e-13)
-            break;
-    }
+    if (!g->joints_direct || g->jammed || !direct_project(g))
+        relax_shift(g);
     end_shift(g, saved, kept);
     swap_velocities(g);
     for (int i = 0; i < g->moving_count; i++) {

@@ -5,28 +5,42 @@
  * velocity error it met, m/s, so that the caller stops on what was reached and not on a count alone.
  */
 #include "solve/direction.h"
+#include "solve/fours.h"
+#include "math/pair.h"
 
-static real relax_normal(Group *g, PointRow *r)
+/* One point and its two bodies' velocities, which stay in registers until all is done. */
+typedef struct Meet { const Mass *ma, *mb; Vel a, b; } Meet;
+
+INLINE real meet_rate(const Meet *m, const Dir *d)
+{
+    return vec3_dot(d->n, vec3_sub(m->b.v, m->a.v)) + vec3_dot(d->aa, m->a.w) + vec3_dot(d->ab, m->b.w);
+}
+
+INLINE void meet_apply(Meet *m, const Dir *d, real p)
+{
+    m->a = (Vel){vec3_mad(m->a.v, -p * m->ma->im, d->n), vec3_mad(m->a.w, p, d->ia)};
+    m->b = (Vel){vec3_mad(m->b.v, p * m->mb->im, d->n), vec3_mad(m->b.w, p, d->ib)};
+}
+
+INLINE real relax_normal(Meet *m, PointRow *r)
 {
     if (!(r->n.k > 0))
         return 0;
-    real error = r->target - dir_rate(g, &r->n, r->a, r->b);
+    real error = r->target - meet_rate(m, &r->n);
     real jn = real_max(0, r->jn + error / r->n.k);
     real p = jn - r->jn;
-    if (p == 0)
-        return 0;
     r->jn = jn;
-    dir_apply(g, &r->n, r->a, r->b, p);
+    meet_apply(m, &r->n, p);
     return fabs(p) * r->n.k;
 }
 
 /* Sticks if the cone allows it; else steps towards the cone along the slip, with the step 1 / largest eigenvalue, whose fixed
  * point has friction opposite to slip for any tangential mass matrix (maximal dissipation). */
-static real relax_friction(Group *g, PointRow *r)
+INLINE real relax_friction(Meet *m, PointRow *r)
 {
     if (!(r->friction > 0) || !(r->kmax > 0))
         return 0;
-    real u0 = dir_rate(g, &r->t[0], r->a, r->b), u1 = dir_rate(g, &r->t[1], r->a, r->b);
+    real u0 = meet_rate(m, &r->t[0]), u1 = meet_rate(m, &r->t[1]);
     real det = r->t[0].k * r->t[1].k - r->ktt * r->ktt;
     real j0, j1;
     real bound = (r->jn + r->blow) * (r->slides ? r->friction_dynamic : r->friction);
@@ -49,8 +63,8 @@ static real relax_friction(Group *g, PointRow *r)
     real p0 = j0 - r->jt[0], p1 = j1 - r->jt[1];
     r->jt[0] = j0;
     r->jt[1] = j1;
-    dir_apply(g, &r->t[0], r->a, r->b, p0);
-    dir_apply(g, &r->t[1], r->a, r->b, p1);
+    meet_apply(m, &r->t[0], p0);
+    meet_apply(m, &r->t[1], p1);
     return real_max(fabs(p0), fabs(p1)) * r->kmax;
 }
 
@@ -58,8 +72,12 @@ real relax_points(Group *g, int first, int count)
 {
     real worst = 0;
     for (int i = first; i < first + count; i++) {
-        worst = real_max(worst, relax_friction(g, &g->points[i]));
-        worst = real_max(worst, relax_normal(g, &g->points[i]));
+        PointRow *r = &g->points[i];
+        Meet m = {&g->mass[r->a], &g->mass[r->b], g->vel[r->a], g->vel[r->b]};
+        worst = real_max(worst, relax_friction(&m, r));
+        worst = real_max(worst, relax_normal(&m, r));
+        g->vel[r->a] = m.a;
+        g->vel[r->b] = m.b;
     }
     return worst;
 }
@@ -222,16 +240,33 @@ real relax_joints(Group *g)
  * for interactive contact force problems", The Visual Computer 26 (2010). A tower of ten boxes needs tens of sweeps instead of
  * thousands. */
 
-static int impulse_count(const Group *g) { return 3 * g->point_count + 3 * g->roll_count + g->row_count; }
+/* What is swept: the rows as they are, or points and rolls four at a time. */
+typedef struct Sweep {
+    Group *g;
+    Fours *fours;               /* NULL: one row after the other                       */
+    real  *now;                 /* [4 quads] N s, N m s  impulses: of points and rolls, then of joints' rows; the last ones may be no row's */
+    int    quads;
+} Sweep;
 
-static void read_impulses(const Group *g, real *x)
+static bool sweep_open(Sweep *s, Group *g)
 {
-    for (int i = 0; i < g->point_count; i++) {
+    Fours *fours = fours_open(g, g->row_count, false);
+    int count = (fours ? fours_count(fours) : 3 * g->point_count + 3 * g->roll_count) + g->row_count, quads = (count + 3) / 4;
+    *s = (Sweep){g, fours, fours ? fours_impulses(fours) : arena_zero(g->arena, 4 * (size_t)quads * sizeof(real)), quads};
+    return s->now && g->status == DIG_OK;
+}
+
+/* From the rows to `now`; of fours it is there. */
+static void read_impulses(const Sweep *s)
+{
+    const Group *g = s->g;
+    real *x = s->now + (s->fours ? fours_count(s->fours) : 0);
+    for (int i = 0; i < g->point_count && !s->fours; i++) {
         *x++ = g->points[i].jn;
         *x++ = g->points[i].jt[0];
         *x++ = g->points[i].jt[1];
     }
-    for (int i = 0; i < g->roll_count; i++) {
+    for (int i = 0; i < g->roll_count && !s->fours; i++) {
         *x++ = g->rolls[i].j.x;
         *x++ = g->rolls[i].j.y;
         *x++ = g->rolls[i].j.z;
@@ -240,36 +275,34 @@ static void read_impulses(const Group *g, real *x)
         *x++ = g->rows[i].p;
 }
 
-/* Adds scale * d to the impulses and to the velocities. */
-static void add_impulses(Group *g, const real *d, real scale)
+/* And back. */
+static void write_impulses(const Sweep *s)
 {
-    for (int i = 0; i < g->point_count; i++, d += 3) {
-        PointRow *r = &g->points[i];
-        r->jn += scale * d[0];
-        r->jt[0] += scale * d[1];
-        r->jt[1] += scale * d[2];
-        dir_apply(g, &r->n, r->a, r->b, scale * d[0]);
-        dir_apply(g, &r->t[0], r->a, r->b, scale * d[1]);
-        dir_apply(g, &r->t[1], r->a, r->b, scale * d[2]);
+    Group *g = s->g;
+    const real *x = s->now + (s->fours ? fours_count(s->fours) : 0);
+    for (int i = 0; i < g->point_count && !s->fours; i++, x += 3) {
+        g->points[i].jn = x[0];
+        g->points[i].jt[0] = x[1];
+        g->points[i].jt[1] = x[2];
     }
-    for (int i = 0; i < g->roll_count; i++, d += 3) {
-        RollRow *r = &g->rolls[i];
-        vec3 p = vec3_scale(scale, (vec3){d[0], d[1], d[2]});
-        r->j = vec3_add(r->j, p);
-        g->vel[r->a].w = vec3_sub(g->vel[r->a].w, mat3_mul_vec(g->mass[r->a].ii, p));
-        g->vel[r->b].w = vec3_add(g->vel[r->b].w, mat3_mul_vec(g->mass[r->b].ii, p));
-    }
-    for (int i = 0; i < g->row_count; i++, d++) {
-        g->rows[i].p += scale * *d;
-        row_apply(g, &g->rows[i], scale * *d);
-    }
+    for (int i = 0; i < g->roll_count && !s->fours; i++, x += 3)
+        g->rolls[i].j = (vec3){x[0], x[1], x[2]};
+    for (int i = 0; i < g->row_count; i++)
+        g->rows[i].p = *x++;
 }
 
-static real sweep_once(Group *g)
+static real relax_contacts(Group *g)
 {
-    real worst = relax_joints(g);
-    worst = real_max(worst, relax_rolls(g));
+    real worst = relax_rolls(g);
     return real_max(worst, g->patches ? relax_patches(g) : relax_points(g, 0, g->point_count));
+}
+
+static real sweep_once(const Sweep *s)
+{
+    real worst = relax_joints(s->g);
+    worst = real_max(worst, s->fours ? fours_relax(s->fours) : relax_contacts(s->g));
+    read_impulses(s);
+    return worst;
 }
 
 /* The conjugate direction has no guarantee where friction couples with several normals: a sweep that changes velocities this
@@ -297,21 +330,6 @@ static bool stalls(Progress *p, real worst)
     return none;
 }
 
-/* Impulses and velocities as they were: taking impulses off again would not bring back what has overflowed. */
-static void back_to(Group *g, const real *x, const Vel *vel)
-{
-    for (int i = 0; i < g->point_count; i++, x += 3) {
-        g->points[i].jn = x[0];
-        g->points[i].jt[0] = x[1];
-        g->points[i].jt[1] = x[2];
-    }
-    for (int i = 0; i < g->roll_count; i++, x += 3)
-        g->rolls[i].j = (vec3){x[0], x[1], x[2]};
-    for (int i = 0; i < g->row_count; i++)
-        g->rows[i].p = *x++;
-    memcpy(g->vel, vel, (size_t)g->body_count * sizeof *vel);
-}
-
 static bool vel_finite(const Group *g)
 {
     real sum = 0;
@@ -320,74 +338,127 @@ static bool vel_finite(const Group *g)
     return isfinite(sum);
 }
 
-/* Back to the start, and on without acceleration. What overflows all the same is not solved, and stays as it was. */
-static int relax_plainly(Group *g, const real *start, const Vel *vel, int sweeps, real residual, real *worst)
+/* Impulses, and velocities: as they are, or what the one does to the other. Sums of both go together, so that no row need be applied again. */
+typedef struct Line { real *x; Vel *vel; } Line;
+
+static bool line_open(Line *l, const Sweep *s)
 {
+    l->x = arena_zero(s->g->arena, 4 * (size_t)s->quads * sizeof *l->x);
+    l->vel = arena_zero(s->g->arena, (size_t)(s->g->body_count + 1) * sizeof *l->vel);
+    return l->x && l->vel;
+}
+
+static void line_read(Line *l, const Sweep *s)
+{
+    memcpy(l->x, s->now, 4 * (size_t)s->quads * sizeof *l->x);
+    memcpy(l->vel, s->g->vel, (size_t)s->g->body_count * sizeof *l->vel);
+}
+
+/* Impulses and velocities as they were: taking impulses off again would not bring back what has overflowed. */
+static void back_to(const Sweep *s, const Line *l)
+{
+    memcpy(s->now, l->x, 4 * (size_t)s->quads * sizeof *l->x);
+    write_impulses(s);
+    memcpy(s->g->vel, l->vel, (size_t)s->g->body_count * sizeof *l->vel);
+}
+
+/* Of what the sweep has changed impulses by since `was`. Four sums, which do not wait for each other. */
+static real change_squared(const Sweep *s, const Line *was)
+{
+    real sum[4] = {0, 0, 0, 0};
+    for (int i = 0; i < s->quads; i++)
+        for (int k = 0; k < 4; k++) {
+            real change = s->now[4 * i + k] - was->x[4 * i + k];
+            sum[k] += change * change;
+        }
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
+/* Goes on by beta times `way`, which then becomes that and what the sweep has changed since `was`; and `was` is where that leads. */
+static void line_go(const Sweep *s, Line *way, Line *was, real beta)
+{
+    real *restrict x = s->now, *restrict to = way->x, *restrict from = was->x;
+    for (int i = 0; i < 4 * s->quads; i++) {
+        real step = beta * to[i];
+        to[i] = step + (x[i] - from[i]);
+        from[i] = x[i] += step;
+    }
+    write_impulses(s);
+    real *restrict v = (real *)s->g->vel, *restrict w = (real *)way->vel, *restrict u = (real *)was->vel;
+    for (int i = 0; i < 6 * s->g->moving_count; i++) {
+        real step = beta * w[i];
+        w[i] = step + (v[i] - u[i]);
+        u[i] = v[i] += step;
+    }
+}
+
+static void line_stop(const Sweep *s, Line *way)
+{
+    memset(way->x, 0, 4 * (size_t)s->quads * sizeof *way->x);
+    memset(way->vel, 0, (size_t)s->g->body_count * sizeof *way->vel);
+}
+
+/* Back to the start, and on without acceleration. What overflows all the same is not solved, and stays as it was. */
+static int relax_plainly(const Sweep *s, const Line *start, int sweeps, real residual, real *worst)
+{
+    Group *g = s->g;
     int done = 0;
     real first = 0;
     Progress progress = {.look = g->contradicts ? LOOK_AGAIN : LOOK};
-    back_to(g, start, vel);
+    back_to(s, start);
     g->stalled = false;
     *worst = INFINITY;
     while (done < sweeps && *worst > residual && !g->stalled) {
-        *worst = sweep_once(g);
+        *worst = sweep_once(s);
         first = done++ == 0 ? *worst : first;
         g->stalled = stalls(&progress, *worst);
     }
     if (vel_finite(g) && isfinite(*worst))
         return done;
-    back_to(g, start, vel);
+    back_to(s, start);
     *worst = isfinite(first) ? first : 1e300;
     g->stalled = true;
     return done;
 }
 
-static int relax_accelerated(Group *g, int sweeps, real residual, real *worst)
+static int relax_accelerated(const Sweep *s, int sweeps, real residual, real *worst)
 {
-    int n = impulse_count(g), done = 0;
-    ArenaMark mark = arena_mark(g->arena);
-    real *x = arena_alloc(g->arena, (size_t)(n + 1) * sizeof *x), *gradient = arena_alloc(g->arena, (size_t)(n + 1) * sizeof *x);
-    real *p = arena_zero(g->arena, (size_t)(n + 1) * sizeof *x), *start = arena_alloc(g->arena, (size_t)(n + 1) * sizeof *x);
-    Vel *vel = arena_alloc(g->arena, (size_t)(g->body_count + 1) * sizeof *vel);
-    if (!x || !gradient || !p || !start || !vel) {
+    Group *g = s->g;
+    int done = 0;
+    Line start, was, way;
+    if (!line_open(&start, s) || !line_open(&was, s) || !line_open(&way, s)) {
         g->status = DIG_E_MEMORY;
         return 0;
     }
     real old = 0, first = INFINITY;
     Progress progress = {.look = g->contradicts ? LOOK_AGAIN : LOOK};
-    read_impulses(g, start);
-    memcpy(vel, g->vel, (size_t)g->body_count * sizeof *vel);
+    read_impulses(s);
+    line_read(&start, s);
+    line_read(&was, s);
     *worst = INFINITY;
     bool diverged = false;
     while (done < sweeps && *worst > residual && !g->stalled) {
-        read_impulses(g, x);
-        *worst = sweep_once(g);
+        *worst = sweep_once(s);
         done++;
         first = done == 1 ? *worst : first;
         g->residual_first = first;
         diverged = !(*worst <= DIVERGED * first);       /* or is no number */
         if (diverged)
             break;
-        read_impulses(g, gradient);
-        real now = 0;
-        for (int i = 0; i < n; i++) {
-            gradient[i] -= x[i];
-            now += gradient[i] * gradient[i];
-        }
-        real beta = old > 0 ? now / old : 0;
+        real now = change_squared(s, &was), beta = old > 0 ? now / old : 0;
         old = now;
         g->stalled = *worst > residual && stalls(&progress, *worst);
-        if (beta > 1 || *worst <= residual || done == sweeps || g->stalled) {      /* no step after the last sweep: cones hold */
-            memset(p, 0, (size_t)n * sizeof *p);
-            continue;
+        if (*worst <= residual || done == sweeps || g->stalled)     /* no step after the last sweep: cones hold */
+            break;
+        if (beta > 1) {
+            line_stop(s, &way);
+            line_read(&was, s);
+        } else {
+            line_go(s, &way, &was, beta);
         }
-        add_impulses(g, p, beta);
-        for (int i = 0; i < n; i++)
-            p[i] = beta * p[i] + gradient[i];
     }
     if (diverged || !vel_finite(g))
-        done += relax_plainly(g, start, vel, sweeps, residual, worst);
-    arena_rewind(g->arena, mark);
+        done += relax_plainly(s, &start, sweeps, residual, worst);
     return done;
 }
 
@@ -396,8 +467,17 @@ int relax(Group *g, int sweeps, real residual)
     real worst = 0;
     int done = 0;
     g->stalled = false;
-    if (g->point_count + g->roll_count + g->row_count > 0)
-        done = relax_accelerated(g, sweeps, residual, &worst);
+    if (g->point_count + g->roll_count + g->row_count > 0) {
+        ArenaMark mark = arena_mark(g->arena);
+        Sweep s;
+        if (sweep_open(&s, g))
+            done = relax_accelerated(&s, sweeps, residual, &worst);
+        else
+            g->status = DIG_E_MEMORY;
+        if (s.fours)
+            fours_close(s.fours);
+        arena_rewind(g->arena, mark);
+    }
     g->residual = real_max(g->residual, worst == INFINITY ? 0 : worst);
     g->sweeps += int_max(done, 1);
     return done;

@@ -1,0 +1,428 @@
+/* solve/fours.c - contact points and rolling resistance of a group, four rows side by side.
+ *
+ * Every lane computes what relax.c computes for one row, by the same rounded operations in the same order.
+ */
+#include "solve/fours.h"
+#include "math/four.h"
+
+/* ---- rows in lanes ---- */
+
+typedef real four_any __attribute__((vector_size(4 * sizeof(real)), aligned(8), may_alias));    /* wherever it lies */
+
+typedef struct FourDir { four3 n, aa, ab, ia, ib; four k; } FourDir;       /* as Dir */
+
+typedef struct FourPoints {
+    int32_t  a[LANES], b[LANES];
+    int32_t  row[LANES];        /* of the group's points; < 0: none */
+    four     ima, imb;          /* 1/kg */
+    FourDir  n, t[2];
+    four     target;
+    four_int acts;              /* n.k > 0 */
+    bool     rub;               /* some lane has friction */
+    four_int rubs, sticks;      /* lanes with friction; those whose tangents can be solved together */
+    four     friction, blow, ktt, det, kmax;
+} FourPoints;
+
+typedef struct FourRolls {
+    int32_t  a[LANES], b[LANES];
+    int32_t  row[LANES];        /* of the group's rolls; < 0: none */
+    four33   inv_k, ia, ib;
+    four     lever, reach;
+} FourRolls;
+
+typedef struct Impulses { real at[3][LANES]; } Impulses;       /* N s of a normal and two tangents, or N m s of a roll */
+
+struct Fours {
+    Group      *g;
+    FourPoints *points; int point_fours;
+    FourRolls  *rolls;  int roll_fours;
+    Impulses   *impulses;       /* [point_fours + roll_fours]          */
+    int        *place;          /* [point_count] of the normal impulse, in numbers */
+    bool        plain;
+};
+
+/* ---- which rows go together ---- */
+
+typedef struct Deal {
+    const Group *g;
+    int *last;                  /* [body_count] the four after the last one with a row of this body */
+    int *lanes;                 /* [rows] in use of each four */
+    int *next;                  /* [rows] the first four at or after it that may have a lane left */
+    int  fours;
+} Deal;
+
+static bool deal_open(Deal *d, Group *g, int rows)
+{
+    d->g = g;
+    d->fours = 0;
+    d->last = arena_zero(g->arena, (size_t)g->body_count * sizeof *d->last);
+    d->lanes = arena_zero(g->arena, (size_t)(rows + 1) * sizeof *d->lanes);
+    d->next = arena_alloc(g->arena, (size_t)(rows + 2) * sizeof *d->next);
+    for (int i = 0; d->next && i < rows + 2; i++)
+        d->next[i] = i;
+    return d->last && d->lanes && d->next;
+}
+
+static int room_from(Deal *d, int i)
+{
+    while (d->next[i] != i)
+        i = d->next[i] = d->next[d->next[i]];
+    return i;
+}
+
+/* LANES times its four, and its lane. */
+static int deal_row(Deal *d, int a, int b)
+{
+    bool of_a = d->g->member[a].moves, of_b = d->g->member[b].moves;
+    int i = room_from(d, int_max(of_a ? d->last[a] : 0, of_b ? d->last[b] : 0));
+    int lane = d->lanes[i]++;
+    if (d->lanes[i] == LANES)
+        d->next[i] = i + 1;
+    d->last[a] = of_a ? i + 1 : 0;
+    d->last[b] = of_b ? i + 1 : 0;
+    d->fours = int_max(d->fours, i + 1);
+    return LANES * i + lane;
+}
+
+/* Places of all points, then of all rolls. NULL: no memory. */
+static int *deal_points(Group *g, int *fours)
+{
+    Deal d;
+    int *place = arena_alloc(g->arena, (size_t)(g->point_count + 1) * sizeof *place);
+    if (!place || !deal_open(&d, g, g->point_count))
+        return NULL;
+    for (int i = 0; i < g->point_count; i++)
+        place[i] = deal_row(&d, g->points[i].a, g->points[i].b);
+    *fours = d.fours;
+    return place;
+}
+
+static int *deal_rolls(Group *g, int *fours)
+{
+    Deal d;
+    int *place = arena_alloc(g->arena, (size_t)(g->roll_count + 1) * sizeof *place);
+    if (!place || !deal_open(&d, g, g->roll_count))
+        return NULL;
+    for (int i = 0; i < g->roll_count; i++)
+        place[i] = deal_row(&d, g->rolls[i].a, g->rolls[i].b);
+    *fours = d.fours;
+    return place;
+}
+
+/* ---- filling ---- */
+
+static void put_dir(FourDir *to, int lane, const Dir *d)
+{
+    four3_put(&to->n, lane, d->n);
+    four3_put(&to->aa, lane, d->aa);
+    four3_put(&to->ab, lane, d->ab);
+    four3_put(&to->ia, lane, d->ia);
+    four3_put(&to->ib, lane, d->ib);
+    to->k[lane] = d->k;
+}
+
+static void put_point(const Group *g, FourPoints *to, int lane, int row)
+{
+    const PointRow *r = &g->points[row];
+    to->a[lane] = r->a;
+    to->b[lane] = r->b;
+    to->row[lane] = row;
+    to->ima[lane] = g->mass[r->a].im;
+    to->imb[lane] = g->mass[r->b].im;
+    put_dir(&to->n, lane, &r->n);
+    to->target[lane] = r->target;
+    to->acts[lane] = r->n.k > 0 ? -1 : 0;
+    to->n.k[lane] = r->n.k > 0 ? r->n.k : 1;
+    if (!(r->friction > 0) || !(r->kmax > 0))
+        return;
+    put_dir(&to->t[0], lane, &r->t[0]);
+    put_dir(&to->t[1], lane, &r->t[1]);
+    real det = r->t[0].k * r->t[1].k - r->ktt * r->ktt;
+    bool sticks = det > 1e-12 * r->kmax * r->kmax;
+    to->rub = true;
+    to->rubs[lane] = -1;
+    to->sticks[lane] = sticks ? -1 : 0;
+    to->friction[lane] = r->slides ? r->friction_dynamic : r->friction;
+    to->blow[lane] = r->blow;
+    to->ktt[lane] = r->ktt;
+    to->det[lane] = sticks ? det : 1;
+    to->kmax[lane] = r->kmax;
+}
+
+static void put_roll(const Group *g, FourRolls *to, int lane, int row)
+{
+    const RollRow *r = &g->rolls[row];
+    to->a[lane] = r->a;
+    to->b[lane] = r->b;
+    to->row[lane] = row;
+    four33_put(&to->inv_k, lane, &r->inv_k);
+    four33_put(&to->ia, lane, &g->mass[r->a].ii);
+    four33_put(&to->ib, lane, &g->mass[r->b].ii);
+    to->lever[lane] = r->lever;
+    to->reach[lane] = r->reach;
+}
+
+/* Lanes without a row write to the spare velocity after the last, and divide by 1. */
+static void fill_points(Fours *f, const int *place)
+{
+    const Group *g = f->g;
+    for (int i = 0; i < f->point_fours; i++) {
+        FourPoints *x = &f->points[i];
+        *x = (FourPoints){.n.k = four_all(1), .t[0].k = four_all(1), .t[1].k = four_all(1), .det = four_all(1), .kmax = four_all(1)};
+        for (int lane = 0; lane < LANES; lane++) {
+            x->a[lane] = x->b[lane] = g->body_count;
+            x->row[lane] = -1;
+        }
+    }
+    for (int i = 0; i < g->point_count; i++) {
+        int x = place[i] / LANES, lane = place[i] % LANES;
+        Impulses *j = &f->impulses[x];
+        put_point(g, &f->points[x], lane, i);
+        j->at[0][lane] = g->points[i].jn;
+        j->at[1][lane] = g->points[i].jt[0];
+        j->at[2][lane] = g->points[i].jt[1];
+        f->place[i] = LANES * 3 * x + lane;
+    }
+}
+
+static void fill_rolls(Fours *f, const int *place)
+{
+    const Group *g = f->g;
+    for (int i = 0; i < f->roll_fours; i++) {
+        FourRolls *x = &f->rolls[i];
+        *x = (FourRolls){.lever = four_all(0)};
+        for (int lane = 0; lane < LANES; lane++) {
+            x->a[lane] = x->b[lane] = g->body_count;
+            x->row[lane] = -1;
+        }
+    }
+    for (int i = 0; i < g->roll_count; i++) {
+        int x = place[i] / LANES, lane = place[i] % LANES;
+        Impulses *j = &f->impulses[f->point_fours + x];
+        put_roll(g, &f->rolls[x], lane, i);
+        j->at[0][lane] = g->rolls[i].j.x;
+        j->at[1][lane] = g->rolls[i].j.y;
+        j->at[2][lane] = g->rolls[i].j.z;
+    }
+}
+
+#define ROWS_LEAST 8
+#define FILLED_LEAST 1.5        /* lanes in the mean: below that, one row after the other is as fast */
+
+static Fours *fours_make(Group *g, int more)
+{
+    int point_fours = 0, roll_fours = 0, *points = deal_points(g, &point_fours), *rolls = deal_rolls(g, &roll_fours);
+    Fours *f = arena_alloc(g->arena, sizeof *f);
+    if (!points || !rolls || !f) {
+        g->status = DIG_E_MEMORY;
+        return NULL;
+    }
+    if (g->point_count < FILLED_LEAST * point_fours)
+        return NULL;
+    *f = (Fours){.g = g, .place = points, .point_fours = point_fours, .roll_fours = roll_fours};
+    f->points = arena_alloc(g->arena, (size_t)point_fours * sizeof *f->points);
+    f->rolls = arena_alloc(g->arena, (size_t)roll_fours * sizeof *f->rolls);
+    f->impulses = arena_zero(g->arena, (size_t)(point_fours + roll_fours) * sizeof *f->impulses + (size_t)(more + 3) * sizeof(real));
+    if (!f->points || !f->rolls || !f->impulses) {
+        g->status = DIG_E_MEMORY;
+        return NULL;
+    }
+    fill_points(f, points);
+    fill_rolls(f, rolls);
+    g->vel[g->body_count] = (Vel){vec3_zero(), vec3_zero()};
+    return f;
+}
+
+Fours *fours_open(Group *g, int more, bool plain)
+{
+    if (g->point_count < ROWS_LEAST || g->patches)
+        return NULL;
+    ArenaMark mark = arena_mark(g->arena);
+    Fours *f = fours_make(g, more);
+    if (f)
+        f->plain = plain;
+    else
+        arena_rewind(g->arena, mark);
+    return f;
+}
+
+int fours_count(const Fours *f) { return 3 * LANES * (f->point_fours + f->roll_fours); }
+real *fours_impulses(Fours *f) { return f->impulses->at[0]; }
+
+void fours_close(const Fours *f)
+{
+    const real *x = f->impulses->at[0];
+    for (int i = 0; i < f->g->point_count; i++) {
+        PointRow *r = &f->g->points[i];
+        r->jn = x[f->place[i]];
+        r->jt[0] = x[f->place[i] + LANES];
+        r->jt[1] = x[f->place[i] + 2 * LANES];
+    }
+    for (int i = 0; i < f->roll_fours; i++) {
+        const Impulses *j = &f->impulses[f->point_fours + i];
+        for (int lane = 0; lane < LANES; lane++)
+            if (f->rolls[i].row[lane] >= 0)
+                f->g->rolls[f->rolls[i].row[lane]].j = (vec3){j->at[0][lane], j->at[1][lane], j->at[2][lane]};
+    }
+}
+
+/* ---- velocities ---- */
+
+typedef struct FourVel { four3 v, w; } FourVel;
+
+#define SHUFFLE __builtin_shufflevector
+
+/* Four rows of four become four columns. */
+INLINE void transpose(four r[4])
+{
+    four s0 = SHUFFLE(r[0], r[1], 0, 4, 2, 6), s1 = SHUFFLE(r[0], r[1], 1, 5, 3, 7);
+    four s2 = SHUFFLE(r[2], r[3], 0, 4, 2, 6), s3 = SHUFFLE(r[2], r[3], 1, 5, 3, 7);
+    r[0] = SHUFFLE(s0, s2, 0, 1, 4, 5);
+    r[1] = SHUFFLE(s1, s3, 0, 1, 4, 5);
+    r[2] = SHUFFLE(s0, s2, 2, 3, 6, 7);
+    r[3] = SHUFFLE(s1, s3, 2, 3, 6, 7);
+}
+
+/* Of each body v and the first of w, then the other two. */
+INLINE FourVel gather(const Vel *vel, const int32_t at[LANES])
+{
+    four r[4];
+    pair p[4];
+    UNROLL
+    for (int i = 0; i < LANES; i++) {
+        r[i] = *(const four_any *)(const void *)&vel[at[i]].v.x;
+        p[i] = *(const pair *)(const void *)&vel[at[i]].w.y;
+    }
+    transpose(r);
+    four low = SHUFFLE(p[0], p[2], 0, 1, 2, 3), high = SHUFFLE(p[1], p[3], 0, 1, 2, 3);
+    return (FourVel){{r[0], r[1], r[2]}, {r[3], SHUFFLE(low, high, 0, 4, 2, 6), SHUFFLE(low, high, 1, 5, 3, 7)}};
+}
+
+INLINE void scatter(Vel *vel, const int32_t at[LANES], const FourVel *from)
+{
+    four r[4] = {from->v.x, from->v.y, from->v.z, from->w.x};
+    four low = SHUFFLE(from->w.y, from->w.z, 0, 4, 2, 6), high = SHUFFLE(from->w.y, from->w.z, 1, 5, 3, 7);
+    pair p[4] = {SHUFFLE(low, low, 0, 1), SHUFFLE(high, high, 0, 1), SHUFFLE(low, low, 2, 3), SHUFFLE(high, high, 2, 3)};
+    transpose(r);
+    UNROLL
+    for (int i = 0; i < LANES; i++) {
+        *(four_any *)(void *)&vel[at[i]].v.x = r[i];
+        *(pair *)(void *)&vel[at[i]].w.y = p[i];
+    }
+}
+
+/* Spins alone, and one number more, which goes back as it came. */
+INLINE void gather_spins(const Vel *vel, const int32_t at[LANES], four r[4])
+{
+    UNROLL
+    for (int i = 0; i < LANES; i++)
+        r[i] = *(const four_any *)(const void *)&vel[at[i]].v.z;
+    transpose(r);
+}
+
+INLINE void scatter_spins(Vel *vel, const int32_t at[LANES], four r[4])
+{
+    transpose(r);
+    UNROLL
+    for (int i = 0; i < LANES; i++)
+        *(four_any *)(void *)&vel[at[i]].v.z = r[i];
+}
+
+/* ---- the sweep; see relax.c for what it does ---- */
+
+INLINE four rate_of(const FourDir *d, const FourVel *a, const FourVel *b)
+{
+    return four3_dot(d->n, four3_sub(b->v, a->v)) + four3_dot(d->aa, a->w) + four3_dot(d->ab, b->w);
+}
+
+INLINE void apply(const FourPoints *x, const FourDir *d, FourVel *a, FourVel *b, four p)
+{
+    a->v = four3_mad(a->v, -p * x->ima, d->n);
+    a->w = four3_mad(a->w, p, d->ia);
+    b->v = four3_mad(b->v, p * x->imb, d->n);
+    b->w = four3_mad(b->w, p, d->ib);
+}
+
+INLINE four relax_rubs(const FourPoints *x, four_any *j, FourVel *a, FourVel *b)
+{
+    four u0 = rate_of(&x->t[0], a, b), u1 = rate_of(&x->t[1], a, b), zero = four_all(0);
+    four bound = (j[0] + x->blow) * x->friction;
+    four s0 = j[1] - (x->t[1].k * u0 - x->ktt * u1) / x->det, s1 = j[2] - (x->t[0].k * u1 - x->ktt * u0) / x->det;
+    four_int sticks = x->sticks & (four_int)(s0 * s0 + s1 * s1 <= bound * bound);
+    four j0 = j[1] - u0 / x->kmax, j1 = j[2] - u1 / x->kmax;
+    four length = four_root(j0 * j0 + j1 * j1);
+    four_int over = (four_int)(length > bound);
+    four s = four_pick(over, bound / four_pick(over, length, four_all(1)), four_all(1));
+    j0 = four_pick(x->rubs, four_pick(sticks, s0, j0 * s), j[1]);
+    j1 = four_pick(x->rubs, four_pick(sticks, s1, j1 * s), j[2]);
+    four p0 = four_pick(x->rubs, j0 - j[1], zero), p1 = four_pick(x->rubs, j1 - j[2], zero);
+    j[1] = j0;
+    j[2] = j1;
+    apply(x, &x->t[0], a, b, p0);
+    apply(x, &x->t[1], a, b, p1);
+    return four_most(four_abs(p0), four_abs(p1)) * x->kmax;
+}
+
+INLINE four relax_normals(const FourPoints *x, four_any *j, FourVel *a, FourVel *b)
+{
+    four error = x->target - rate_of(&x->n, a, b);
+    four jn = four_pick(x->acts, four_most(four_all(0), j[0] + error / x->n.k), j[0]);
+    four p = jn - j[0];
+    j[0] = jn;
+    apply(x, &x->n, a, b, p);
+    return four_abs(p) * x->n.k;
+}
+
+INLINE four relax_rolling(const Fours *f, const FourRolls *x, four_any *j)
+{
+    const Group *g = f->g;
+    const real *impulses = f->impulses->at[0];
+    four a[4], b[4], normal = four_all(0);
+    for (int lane = 0; lane < LANES && x->row[lane] >= 0; lane++) {
+        const RollRow *r = &g->rolls[x->row[lane]];
+        for (int k = r->first; k < r->first + r->count; k++)
+            normal[lane] += impulses[f->place[k]] + g->points[k].blow;
+    }
+    gather_spins(g->vel, x->a, a);
+    gather_spins(g->vel, x->b, b);
+    four3 wa = {a[1], a[2], a[3]}, wb = {b[1], b[2], b[3]}, was = {j[0], j[1], j[2]};
+    four3 to = four3_sub(was, four33_mul3(&x->inv_k, four3_sub(wb, wa)));
+    four length = four_root(four3_dot(to, to)), bound = x->lever * normal;
+    four_int over = (four_int)(length > bound);
+    to = four3_scale(four_pick(over, bound / four_pick(over, length, four_all(1)), four_all(1)), to);
+    four3 p = four3_sub(to, was), da = four33_mul3(&x->ia, p), db = four33_mul3(&x->ib, p);
+    j[0] = to.x;
+    j[1] = to.y;
+    j[2] = to.z;
+    scatter_spins(g->vel, x->a, (four[4]){a[0], wa.x - da.x, wa.y - da.y, wa.z - da.z});
+    scatter_spins(g->vel, x->b, (four[4]){b[0], wb.x + db.x, wb.y + db.y, wb.z + db.z});
+    return x->reach * four_most(four_root(four3_dot(da, da)), four_root(four3_dot(db, db)));
+}
+
+INLINE real relax_fours(Fours *f)
+{
+    four worst = four_all(0);
+    Vel *vel = f->g->vel;
+    for (int i = 0; i < f->roll_fours; i++)
+        worst = four_most(worst, relax_rolling(f, &f->rolls[i], (four_any *)(void *)&f->impulses[f->point_fours + i]));
+    for (int i = 0; i < f->point_fours; i++) {
+        const FourPoints *x = &f->points[i];
+        four_any *j = (four_any *)(void *)&f->impulses[i];
+        FourVel a = gather(vel, x->a), b = gather(vel, x->b);
+        if (x->rub)
+            worst = four_most(worst, relax_rubs(x, j, &a, &b));
+        worst = four_most(worst, relax_normals(x, j, &a, &b));
+        scatter(vel, x->a, &a);
+        scatter(vel, x->b, &b);
+    }
+    return real_max(real_max(worst[0], worst[1]), real_max(worst[2], worst[3]));
+}
+
+static real relax_plain(Fours *f) { return relax_fours(f); }
+
+#if defined(__x86_64__)
+__attribute__((target("avx2"))) static real relax_avx2(Fours *f) { return relax_fours(f); }
+real fours_relax(Fours *f) { return !f->plain && __builtin_cpu_supports("avx2") ? relax_avx2(f) : relax_plain(f); }
+#else
+real fours_relax(Fours *f) { return relax_plain(f); }
+#endif

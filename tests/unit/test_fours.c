@@ -1,0 +1,140 @@
+/* tests/unit/test_fours.c - rows four side by side are solved to the bits of rows one after the other. */
+#include "physics_fixture.h"
+#include "solve/direction.h"
+#include "solve/fours.h"
+
+#include <stdlib.h>
+
+enum { BODIES = 24, STILL = 3, POINTS = 90, ROLLS = 30 };
+
+typedef struct Heap {
+    Arena    arena;
+    Group    g;
+    Vel      vel[BODIES + 1];
+    Mass     mass[BODIES];
+    Member   member[BODIES];
+    PointRow points[POINTS];
+    RollRow  rolls[ROLLS];
+    uint64_t seed;
+} Heap;
+
+static real draw(Heap *h, real lo, real hi)
+{
+    h->seed = h->seed * 6364136223846793005u + 1442695040888963407u;
+    return lo + (hi - lo) * (real)(h->seed >> 11) * 0x1p-53;
+}
+
+static vec3 draw3(Heap *h, real most) { return (vec3){draw(h, -most, most), draw(h, -most, most), draw(h, -most, most)}; }
+
+static void body(Heap *h, int i)
+{
+    bool moves = i < BODIES - STILL;
+    real m = draw(h, 0.1, 10);
+    h->member[i].moves = moves;
+    h->vel[i] = (Vel){draw3(h, 2), draw3(h, 5)};
+    h->mass[i] = moves ? (Mass){1 / m, mat3_diagonal((vec3){draw(h, 5, 20) / m, draw(h, 5, 20) / m, draw(h, 5, 20) / m})} : (Mass){0, mat3_zero()};
+}
+
+static void point(Heap *h, int i, int a, int b)
+{
+    PointRow *r = &h->points[i];
+    *r = (PointRow){.a = a, .b = b, .contact = i};
+    point_row_set(&h->g, r, vec3_unit(draw3(h, 1)), vec3_zero(), draw3(h, 0.5), draw3(h, 0.5));
+    r->target = draw(h, -1, 1);
+    r->friction = i % 4 == 0 ? 0 : 0.5;
+    r->friction_dynamic = 0.3;
+    r->slides = i % 3 == 0;
+    r->blow = i % 5 == 0 ? 0.2 : 0;
+    r->jn = draw(h, 0, 1);
+    r->jt[0] = draw(h, -0.1, 0.1);
+    if (i % 17 == 0)
+        r->n.k = 0;             /* a row that nothing can move */
+}
+
+static void roll(Heap *h, int i)
+{
+    const PointRow *p = &h->points[3 * i];
+    real k = draw(h, 0.01, 0.1);
+    h->rolls[i] = (RollRow){.first = 3 * i, .count = 1 + i % 3, .a = p->a, .b = p->b, .lever = 0.01, .reach = 0.3, .inv_k = mat3_diagonal((vec3){k, k, k})};
+}
+
+/* Points of pairs drawn at random, one side at most of which does not move; of `one`, all with the first body. */
+static Heap *heap(uint64_t seed, bool one)
+{
+    Heap *h = calloc(1, sizeof *h);
+    CHECK(h != NULL);
+    h->seed = seed;
+    h->g = (Group){.arena = &h->arena, .vel = h->vel, .mass = h->mass, .member = h->member, .body_count = BODIES, .moving_count = BODIES - STILL,
+                   .points = h->points, .point_count = POINTS, .rolls = h->rolls, .roll_count = ROLLS};
+    for (int i = 0; i < BODIES; i++)
+        body(h, i);
+    for (int i = 0; i < POINTS; i++) {
+        int a = one ? 0 : (int)draw(h, 0, BODIES - STILL), b = (int)draw(h, 0, BODIES);
+        point(h, i, a, b == a ? BODIES - 1 : b);
+    }
+    for (int i = 0; i < ROLLS; i++)
+        roll(h, i);
+    return h;
+}
+
+static void drop(Heap *h)
+{
+    arena_close(&h->arena);
+    free(h);
+}
+
+static void check_same(const Heap *a, const Heap *b)
+{
+    for (int i = 0; i < BODIES; i++) {
+        CHECK(vec3_distance(a->vel[i].v, b->vel[i].v) == 0);
+        CHECK(vec3_distance(a->vel[i].w, b->vel[i].w) == 0);
+    }
+    for (int i = 0; i < POINTS; i++)
+        CHECK(a->points[i].jn == b->points[i].jn && a->points[i].jt[0] == b->points[i].jt[0] && a->points[i].jt[1] == b->points[i].jt[1]);
+    for (int i = 0; i < ROLLS; i++)
+        CHECK(vec3_distance(a->rolls[i].j, b->rolls[i].j) == 0);
+}
+
+TEST(rows_side_by_side_are_swept_to_the_bits_of_rows_in_turn)
+{
+    for (uint64_t seed = 1; seed <= 20; seed++)
+        for (int plain = 0; plain < 2; plain++) {
+            Heap *one = heap(seed, false), *four = heap(seed, false);
+            Fours *f = fours_open(&four->g, 5, plain);
+            CHECK(f != NULL);
+            for (int sweep = 0; sweep < 10; sweep++) {
+                real rolls = relax_rolls(&one->g), worst = real_max(rolls, relax_points(&one->g, 0, POINTS));
+                CHECK(worst > 0);
+                CHECK_NEAR(fours_relax(f), worst, 0);
+            }
+            for (int i = 0; i < 5; i++)
+                CHECK(fours_impulses(f)[fours_count(f) + i] == 0);
+            fours_close(f);
+            check_same(one, four);
+            drop(one);
+            drop(four);
+        }
+}
+
+TEST(rows_that_all_have_one_body_are_left_to_be_swept_in_turn)
+{
+    Heap *h = heap(1, true);
+    CHECK(fours_open(&h->g, 0, false) == NULL);
+    CHECK_INT(h->g.status, DIG_OK);
+    drop(h);
+}
+
+TEST(few_rows_are_left_to_be_swept_in_turn)
+{
+    Heap *h = heap(1, false);
+    h->g.point_count = 4;
+    CHECK(fours_open(&h->g, 0, false) == NULL);
+    drop(h);
+}
+
+int main(void)
+{
+    RUN_TESTS(unit_test(rows_side_by_side_are_swept_to_the_bits_of_rows_in_turn),
+               unit_test(rows_that_all_have_one_body_are_left_to_be_swept_in_turn),
+               unit_test(few_rows_are_left_to_be_swept_in_turn));
+}
