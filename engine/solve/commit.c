@@ -112,12 +112,16 @@ dig_status group_judge(Group *g, real dt)
 
 #define FIRST_PAUSE 256         /* over the square of the plan's substeps: 16 steps at "play", 1 at "study", where sweeps cost what is asked for */
 
+#define LONGEST_PAUSE 1024
+#define CALM_PAUSE    128       /* of what lies calm: then all of it is solved at once again */
+
 /* A group that the traced way handed on is not tried again for some steps, then twice as many, ...; each that succeeds forgets one. */
 static void commit_trace(const Group *g, Body *b)
 {
     if (g->trace_failed) {
+        int longest = g->calm ? int_max(CALM_PAUSE, b->trace_pause) : LONGEST_PAUSE;
         int first = int_max(1, int_min(16, FIRST_PAUSE / (g->plan->substeps * g->plan->substeps)));
-        b->trace_pause = (uint16_t)int_min(1024, int_max(first, 2 * b->trace_pause));
+        b->trace_pause = (uint16_t)int_min(longest, int_max(first, 2 * b->trace_pause));
         b->trace_wait = b->trace_pause;
         b->trace_step = 0;
         return;

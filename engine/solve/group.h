@@ -432,6 +432,11 @@ real relax_points(Group *g, int first, int count);
 real relax_joints(Group *g);
 real relax_rolls(Group *g);
 int  relax(Group *g, int sweeps, real residual);        /* until the change is below residual; returns sweeps done */
+/* impulses.c: of all rows, from their present ones */
+#define VELOCITY_COARSE 1e-3             /* m/s: a small group whose velocities are worse than this gets more sweeps than its plan gives */
+void relax_group(Group *g);
+/* Many that lie there, of which a direct solve has not found the forces: see crowd/calm.c. */
+static inline bool lies_uneasy(const Group *g) { return g->calm && g->trace_wait > 0; }
 /* direct.c: all contacts at once, exactly, from the present impulses; false: not for this group, or it failed, and nothing changed */
 bool direct_solve(Group *g, real residual);
 bool direct_rescue(Group *g);           /* the same where sweeps have not got there, slower and surer */

@@ -213,16 +213,6 @@ static void move_alike(Group *g)
             g->member[i].implicit_move = g->member[i].met = true;
 }
 
-/* m/s: a small group whose velocities are worse than this gets more sweeps than its plan gives. */
-#define COARSE 1e-3
-/* m/s: and what is nearly at rest must not be worse than this, for it adds up */
-#define CREEP 1e-6
-
-/* A step that took so many sweeps locates no more impacts: each would cost as many again. Or so many times all those of its plan: what
- * is that fine may take as many where nothing is wrong, and a blow that is not located there costs a thousandth of its energy. */
-#define DEAR 4000
-#define DEAR_PLANS 5
-
 /* ---- bookkeeping after a substep: forces remembered, energy booked, sleepers that were pushed ---- */
 
 /* s  A substep cut short by an impact may be a billionth of the others. What stopped an approach in it, divided by so short a
@@ -260,9 +250,9 @@ static void book_point(Group *g, PointRow *r)
     vec3 tangent = vec3_add(vec3_scale(r->jt[0], r->t[0].n), vec3_scale(r->jt[1], r->t[1].n));
     vec3 impulse = vec3_mad(tangent, r->jn, r->n.n);
     real pressed = r->jn - r->blow, rubbed = 1;
-    if (g->unsolved && pressed * r->n.k > COARSE) {     /* what has no solution is no guess for the next one */
-        rubbed = COARSE / (pressed * r->n.k);
-        pressed = COARSE / r->n.k;
+    if (g->unsolved && pressed * r->n.k > VELOCITY_COARSE) {     /* what has no solution is no guess for the next one */
+        rubbed = VELOCITY_COARSE / (pressed * r->n.k);
+        pressed = VELOCITY_COARSE / r->n.k;
     }
     contact_memory(c)[r->point].normal = pressed / remembered_over(g);
     c->last = r->jn > 0 ? g->t + g->h : c->last;
@@ -424,68 +414,6 @@ static void restore(Group *g)
         g->vel[i] = g->member[i].start_vel;
         group_refresh_mass(g, i);
     }
-}
-
-static int sweeps_for(const Group *g, int most)
-{
-    int rows = 2 * g->joint_count + 1;
-    for (int i = 0; i < g->contact_count; i++)
-        rows += g->contacts[i].live;
-    return (int)real_clamp(8000.0 / rows, 4, most);
-}
-
-/* So many are tried; where they do not get there, all rows are solved at once, and checked by so many more. */
-#define FIRST_SWEEPS 12
-#define LAST_SWEEPS 3
-
-#define FACTOR_COSTS 3          /* sweeps */
-
-/* Would sweeps, as they have come along so far, get there for less than the last direct solve of this step took? */
-static bool soon_there(const Group *g, real wanted)
-{
-    real rate = log(g->residual / g->residual_first) / FIRST_SWEEPS, more = log(wanted / g->residual) / rate;
-    return rate < 0 && !g->stalled && more < FACTOR_COSTS * g->direct_factors;
-}
-
-static void relax_group(Group *g)
-{
-    real worst = g->residual;
-    g->residual = 0;
-    g->unsolved = false;
-    int sweeps = sweeps_for(g, g->plan->sweeps);
-    real wanted = direct_wanted(g);
-    if (g->joints_direct && wanted > 0 && direct_solve(g, wanted)) {
-        g->residual = real_max(g->residual, worst);
-        return;
-    }
-    int done = wanted > 0 ? int_min(sweeps, FIRST_SWEEPS) : sweeps;
-    relax(g, done, wanted > 0 ? wanted : g->plan->residual);
-    while (wanted > 0 && g->residual > wanted && done + FIRST_SWEEPS <= sweeps && soon_there(g, wanted)) {
-        g->residual = 0;
-        relax(g, FIRST_SWEEPS, wanted);
-        done += FIRST_SWEEPS;
-    }
-    if (wanted > 0 && g->residual > wanted && direct_solve(g, wanted)) {
-        g->residual = 0;
-        relax(g, LAST_SWEEPS, g->plan->residual);
-    } else if (g->residual > g->plan->residual && sweeps > done) {
-        g->residual = 0;
-        relax(g, sweeps - done, g->plan->residual);
-    }
-    if (g->residual > (wanted > 0 ? CREEP : COARSE) && direct_rescue(g)) {
-        g->residual = 0;
-        relax(g, LAST_SWEEPS, g->plan->residual);
-    }
-    int more = sweeps_for(g, 10 * g->plan->sweeps) - sweeps;        /* none: what is left of it stays the residual */
-    if (g->residual > COARSE && !g->stalled && more > 0) {
-        g->residual = 0;
-        relax(g, more, COARSE);
-    }
-    g->unsolved = g->residual > COARSE && g->stalled;
-    g->contradicts = g->contradicts || g->unsolved;
-    if (g->unsolved || g->sweeps > int_max(DEAR, DEAR_PLANS * g->plan->substeps * g->plan->sweeps))
-        g->events_left = 0;
-    g->residual = real_max(g->residual, worst);
 }
 
 /* Does something close in this substep that was open? Then bodies will not turn on as they did. */
@@ -728,9 +656,12 @@ real group_close_speed(const Group *g)
 #define FINER_BODIES 8
 
 /* Into how many parts a step is cut. What contacts hold moves on by the velocities at the end of a part: that makes up or loses
- * energy in proportion to the part. Where the traced way was tried in vain, which is far dearer than sweeps of so few, it is to be less. */
+ * energy in proportion to the part. Where the traced way was tried in vain, which is far dearer than sweeps of so few, it is to be less.
+ * Of many that lie there one part has more of what sweeps there are: they creep the less. */
 static int parts_of(const Group *g)
 {
+    if (lies_uneasy(g))
+        return 1;
     bool tried = (g->trace_failed || g->trace_wait > 0) && g->moving_count <= FINER_BODIES;
     return g->plan->substeps * (tried && g->plan->substeps >= FINE ? FINER : 1);
 }

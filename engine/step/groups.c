@@ -224,7 +224,7 @@ static bool bounces_well(const World *w, const Step *s, const struct StepGroup *
 }
 
 #define SLEEPY   4              /* times as much may be in the world where it will fall asleep: it is solved once */
-#define PATIENCE 128            /* steps: who was put off for longer is a crowd until it is tried again */
+#define PATIENCE 512            /* steps: who was put off for longer is a crowd until it is tried again: sweeps left it too rough, several times */
 
 /* m^2/s^2  How fast two move against each other where the smaller one is, its rim included, squared. */
 static real pair_speed2(const Body *small, const Body *large)
@@ -233,7 +233,7 @@ static real pair_speed2(const Body *small, const Body *large)
     return vec3_length2(v) + small->outer * small->outer * vec3_length2(vec3_sub(small->w, large->w));
 }
 
-/* Do they lie there, against each other, on a table that moves, too? Then all may be solved at once, unless that has just failed. */
+/* Do they lie there, against each other, on a table that moves, too? Then it is not for a crowd. */
 static bool lies_calm(const World *w, const Step *s, const struct StepGroup *g)
 {
     static const Body ground;

@@ -66,14 +66,15 @@ test.scenario("a tower on a tray that is moved evenly stands", function(s)
   test.expect(boxes[60].position.x):near(0, 1e-6)
 end)
 
+-- At 5.8 s. It crept by millimetres a second for 30 s and more where a crowd had it whenever all could not be solved at once.
 test.scenario("a heap of 150 boxes falls asleep", function(s)
   local world = s.world
-  world:room { size = { 4, 20, 4 }, at = { 0, 10, 0 } }
+  world:room { size = { 4, 20, 4 } }
   for i = 1, 150 do
     world:box { size = 0.3, at = { (math.random() - 0.5) * 2.5, 1 + i * 0.15, (math.random() - 0.5) * 2.5 },
                 rotation = { axis = { math.random(), math.random(), math.random() + 0.1 }, angle = math.random() * 3 } }
   end
-  s:eventually("all sleep", "8 s", function() return world:stats().awake == 0 end)
+  s:eventually("all sleep", "15 s", function() return world:stats().awake == 0 end)
 end)
 
 -- A heavy ball strikes the eleventh box at 20 m/s. It brings 100 kJ, which lifts a box by 10 m; a column that
