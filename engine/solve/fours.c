@@ -43,43 +43,44 @@ struct Fours {
 
 /* ---- which rows go together ---- */
 
+/* Bits of fours: which have a row of a body, and which have no lane left. */
 typedef struct Deal {
     const Group *g;
-    int *last;                  /* [body_count] the four after the last one with a row of this body */
-    int *lanes;                 /* [rows] in use of each four */
-    int *next;                  /* [rows] the first four at or after it that may have a lane left */
-    int  fours;
+    uint64_t *has;              /* [body_count][words] */
+    uint64_t *full;             /* [words]             */
+    int      *lanes;            /* [rows] in use of each four */
+    int       words, fours, none;       /* none: words before this one are full */
 } Deal;
 
 static bool deal_open(Deal *d, Group *g, int rows)
 {
-    d->g = g;
-    d->fours = 0;
-    d->last = arena_zero(g->arena, (size_t)g->body_count * sizeof *d->last);
+    *d = (Deal){.g = g, .words = rows / 64 + 1};
+    d->has = arena_zero(g->arena, (size_t)g->body_count * (size_t)d->words * sizeof *d->has);
+    d->full = arena_zero(g->arena, (size_t)d->words * sizeof *d->full);
     d->lanes = arena_zero(g->arena, (size_t)(rows + 1) * sizeof *d->lanes);
-    d->next = arena_alloc(g->arena, (size_t)(rows + 2) * sizeof *d->next);
-    for (int i = 0; d->next && i < rows + 2; i++)
-        d->next[i] = i;
-    return d->last && d->lanes && d->next;
-}
-
-static int room_from(Deal *d, int i)
-{
-    while (d->next[i] != i)
-        i = d->next[i] = d->next[d->next[i]];
-    return i;
+    return d->has && d->full && d->lanes;
 }
 
 /* LANES times its four, and its lane. */
 static int deal_row(Deal *d, int a, int b)
 {
     bool of_a = d->g->member[a].moves, of_b = d->g->member[b].moves;
-    int i = room_from(d, int_max(of_a ? d->last[a] : 0, of_b ? d->last[b] : 0));
+    uint64_t *has_a = d->has + (size_t)a * (size_t)d->words, *has_b = d->has + (size_t)b * (size_t)d->words, free = 0;
+    while (d->full[d->none] == UINT64_MAX)
+        d->none++;
+    int word = d->none;
+    for (;; word++) {
+        free = ~(d->full[word] | (of_a ? has_a[word] : 0) | (of_b ? has_b[word] : 0));
+        if (free)
+            break;
+    }
+    int i = 64 * word + __builtin_ctzll(free);
+    uint64_t bit = free & (~free + 1);
     int lane = d->lanes[i]++;
-    if (d->lanes[i] == LANES)
-        d->next[i] = i + 1;
-    d->last[a] = of_a ? i + 1 : 0;
-    d->last[b] = of_b ? i + 1 : 0;
+    if (lane == LANES - 1)
+        d->full[word] |= bit;
+    has_a[word] |= bit;
+    has_b[word] |= bit;
     d->fours = int_max(d->fours, i + 1);
     return LANES * i + lane;
 }
@@ -248,6 +249,16 @@ Fours *fours_open(Group *g, int more, bool plain)
 
 int fours_count(const Fours *f) { return 3 * LANES * (f->point_fours + f->roll_fours); }
 real *fours_impulses(Fours *f) { return f->impulses->at[0]; }
+
+void fours_order(const Fours *f, int *points, int *rolls)
+{
+    for (int i = 0; i < f->point_fours; i++)
+        for (int lane = 0; lane < LANES && f->points[i].row[lane] >= 0; lane++)
+            *points++ = f->points[i].row[lane];
+    for (int i = 0; i < f->roll_fours; i++)
+        for (int lane = 0; lane < LANES && f->rolls[i].row[lane] >= 0; lane++)
+            *rolls++ = f->rolls[i].row[lane];
+}
 
 void fours_close(const Fours *f)
 {

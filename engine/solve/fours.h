@@ -1,9 +1,8 @@
 /* solve/fours.h - contact points and rolling resistance of a group, four rows side by side, for sweeps.
  *
  * Rows that share no moving body can be solved in any order, or at once: the outcome has the same bits. So each row goes to the first
- * four that comes after all those with one of its bodies and has a lane left, and a sweep over the fours is the sweep over the rows one
- * after the other (relax_rolls, relax_points), in a third of the time. Impulses lie in one row of numbers, as the acceleration of
- * sweeps wants them.
+ * four with a lane left and no row of its bodies, and a sweep over the fours is the sweep over the rows in their order (relax_rolls,
+ * relax_points), in a third of the time. Impulses lie in one row of numbers, as the acceleration of sweeps wants them.
  *
  * Floor: solve.
  */
@@ -21,6 +20,7 @@ Fours *fours_open(Group *g, int more, bool plain);
 int    fours_count(const Fours *f);     /* numbers of which the impulses consist: three a row, and those of lanes without one, which are 0 */
 real  *fours_impulses(Fours *f);        /* [fours_count + more] N s and N m s */
 real   fours_relax(Fours *f);           /* one sweep: rolling resistance, then points; as relax_points: the largest change, m/s */
+void   fours_order(const Fours *f, int *points, int *rolls);    /* the group's rows in the order of a sweep */
 void   fours_close(const Fours *f);     /* impulses back to the group's rows */
 
 #endif
