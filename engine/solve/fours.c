@@ -207,7 +207,8 @@ static void fill_rolls(Fours *f, const int *place)
     }
 }
 
-#define ROWS_LEAST 8
+#define ROWS_LEAST   8
+#define BODIES_LEAST 3
 #define FILLED_LEAST 1.5        /* lanes in the mean: below that, one row after the other is as fast */
 
 static Fours *fours_make(Group *g, int more)
@@ -236,7 +237,7 @@ static Fours *fours_make(Group *g, int more)
 
 Fours *fours_open(Group *g, int more, bool plain)
 {
-    if (g->point_count < ROWS_LEAST || g->patches)
+    if (g->point_count < ROWS_LEAST || g->moving_count < BODIES_LEAST || g->patches || group_top_heavy(g))
         return NULL;
     ArenaMark mark = arena_mark(g->arena);
     Fours *f = fours_make(g, more);

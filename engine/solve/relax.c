@@ -68,17 +68,28 @@ INLINE real relax_friction(Meet *m, PointRow *r)
     return real_max(fabs(p0), fabs(p1)) * r->kmax;
 }
 
+static void meet_end(Group *g, const Meet *m, const PointRow *r)
+{
+    g->vel[r->a] = m->a;
+    g->vel[r->b] = m->b;
+}
+
 real relax_points(Group *g, int first, int count)
 {
     real worst = 0;
+    Meet m;
     for (int i = first; i < first + count; i++) {
-        PointRow *r = &g->points[i];
-        Meet m = {&g->mass[r->a], &g->mass[r->b], g->vel[r->a], g->vel[r->b]};
+        PointRow *r = &g->points[i], *last = i > first ? r - 1 : NULL;
+        if (!last || last->a != r->a || last->b != r->b) {      /* else the next point of the same two */
+            if (last)
+                meet_end(g, &m, last);
+            m = (Meet){&g->mass[r->a], &g->mass[r->b], g->vel[r->a], g->vel[r->b]};
+        }
         worst = real_max(worst, relax_friction(&m, r));
         worst = real_max(worst, relax_normal(&m, r));
-        g->vel[r->a] = m.a;
-        g->vel[r->b] = m.b;
     }
+    if (count > 0)
+        meet_end(g, &m, &g->points[first + count - 1]);
     return worst;
 }
 
