@@ -14,8 +14,9 @@
 typedef struct Fours Fours;
 
 /* In the group's arena. NULL: there are too few rows, or too few of them can be solved side by side, or something heavy stands on them, whose
- * load comes down a tower in one sweep only where rows are in its order; or no memory (then g->status says so). more: so many numbers have room after the impulses, rounded up to a multiple of four, and are 0. plain: without the long registers
- * that the machine may have; to the same bits. */
+ * load comes down a tower in one sweep only where rows are in its order; or no memory (then g->status says so). more: so many numbers have
+ * room after the impulses, rounded up to a multiple of four, and are 0. plain: without the long registers that the machine may have; to the
+ * same bits. */
 Fours *fours_open(Group *g, int more, bool plain);
 int    fours_count(const Fours *f);     /* numbers of which the impulses consist: three a row, and those of lanes without one, which are 0 */
 real  *fours_impulses(Fours *f);        /* [fours_count + more] N s and N m s */
