@@ -253,7 +253,8 @@ for _, step in ipairs { 1 / 30, 1 / 60 } do
       end
       expect(high):below(0.6)
       expect(tilt):below(10)
-      expect(pieces):below(14)         -- of a sixteenth each, were a slow piston's cut as short as a fast one's
+      -- at 1/60 s 8, and 13 were a slow piston's cut as short as a fast one's; at 1/30 s 15, for no corner may sink in by over 0.5 %
+      expect(pieces):below(step < 0.02 and 10 or 17)
       expect(box.position):near({ 0, 0.5, 0 }, 0.15)
       expect(box.speed):below(1e-6)
     end)
