@@ -5,8 +5,8 @@
  * some dozens of factorisations, the next steps in none, and half a second later all is asleep. What slides a little in a heap takes more
  * than that is worth: then it is swept, for as many steps as after a failure of the traced way. In one part of the step, with as many
  * sweeps as few bodies have: heaps of 100 to 450 boxes in a room, which crept by millimetres a second for ever as a crowd and in four
- * parts, sleep 4 to 15 s after they were dropped (37 of 37; of 16 more of 150, 15 within 20 s). What sweeps leave too rough is put back, and is a crowd in this step (4 of
- * 15,000 steps of such heaps).
+ * parts, sleep 4 to 15 s after they were dropped (37 of 37; of 16 more of 150, 15 within 20 s). What sweeps leave too rough is put back,
+ * and is a crowd in this step (4 of 15,000 steps of such heaps).
  */
 #include "crowd/crowd.h"
 
