@@ -13,6 +13,7 @@
 
 #define LANES 4
 typedef real    four __attribute__((vector_size(LANES * sizeof(real))));
+typedef real    four_any __attribute__((vector_size(LANES * sizeof(real)), aligned(8), may_alias));       /* wherever it lies */
 typedef int64_t four_int __attribute__((vector_size(LANES * sizeof(int64_t))));
 
 typedef struct four3 { four x, y, z; } four3;

@@ -135,8 +135,6 @@ INLINE void divide(real *restrict a, const real *restrict l, real *restrict spre
             spread[12 * k + i] = spread[12 * k + 6 + i] = a[6 * i + k] = t[6 * k + i];
 }
 
-typedef real four_any __attribute__((vector_size(4 * sizeof(real)), aligned(8), may_alias));    /* wherever it lies */
-
 /* c -= a b^T, of b what divide() spread */
 INLINE void subtract(real *restrict c, const real *restrict a, const real *restrict b)
 {

@@ -8,20 +8,22 @@
 #include "solve/group.h"
 
 void dir_make(const Group *g, Dir *d, int a, int b, vec3 n, vec3 ra, vec3 rb);
-/* m/s, of b relative to a; here and below inline: these two are what sweeps spend their time in */
-static inline real dir_rate(const Group *g, const Dir *d, int a, int b)
+/* m/s, of b relative to a; here and below inline: these are what sweeps spend their time in */
+static inline __attribute__((always_inline)) real dir_rate_between(const Dir *d, const Vel *a, const Vel *b)
 {
-    const Vel *va = &g->vel[a], *vb = &g->vel[b];
-    return vec3_dot(d->n, vec3_sub(vb->v, va->v)) + vec3_dot(d->aa, va->w) + vec3_dot(d->ab, vb->w);
+    return vec3_dot(d->n, vec3_sub(b->v, a->v)) + vec3_dot(d->aa, a->w) + vec3_dot(d->ab, b->w);
 }
 /* N s on b, minus on a */
+static inline __attribute__((always_inline)) void dir_apply_between(const Dir *d, Vel *a, real ima, Vel *b, real imb, real p)
+{
+    *a = (Vel){vec3_mad(a->v, -p * ima, d->n), vec3_mad(a->w, p, d->ia)};
+    *b = (Vel){vec3_mad(b->v, p * imb, d->n), vec3_mad(b->w, p, d->ib)};
+}
+/* The same of the group's bodies. */
+static inline real dir_rate(const Group *g, const Dir *d, int a, int b) { return dir_rate_between(d, &g->vel[a], &g->vel[b]); }
 static inline void dir_apply(Group *g, const Dir *d, int a, int b, real p)
 {
-    Vel *va = &g->vel[a], *vb = &g->vel[b];
-    va->v = vec3_mad(va->v, -p * g->mass[a].im, d->n);
-    va->w = vec3_mad(va->w, p, d->ia);
-    vb->v = vec3_mad(vb->v, p * g->mass[b].im, d->n);
-    vb->w = vec3_mad(vb->w, p, d->ib);
+    dir_apply_between(d, &g->vel[a], g->mass[a].im, &g->vel[b], g->mass[b].im, p);
 }
 real dir_coupling(const Group *g, const Dir *d, const Dir *e, int a, int b);
 void dir_mask(const Group *g, vec3 *linear, vec3 *angular);             /* drops the dead axis of a planar world */

@@ -7,13 +7,13 @@
 
 /* ---- rows in lanes ---- */
 
-typedef real four_any __attribute__((vector_size(4 * sizeof(real)), aligned(8), may_alias));    /* wherever it lies */
-
 typedef struct FourDir { four3 n, aa, ab, ia, ib; four k; } FourDir;       /* as Dir */
 
+/* Bodies, and which row of the group it is; < 0: none, and the bodies are the spare one after the last. */
+typedef struct FourRows { int32_t a[LANES], b[LANES], row[LANES]; } FourRows;
+
 typedef struct FourPoints {
-    int32_t  a[LANES], b[LANES];
-    int32_t  row[LANES];        /* of the group's points; < 0: none */
+    FourRows of;
     four     ima, imb;          /* 1/kg */
     FourDir  n, t[2];
     four     target;
@@ -24,8 +24,7 @@ typedef struct FourPoints {
 } FourPoints;
 
 typedef struct FourRolls {
-    int32_t  a[LANES], b[LANES];
-    int32_t  row[LANES];        /* of the group's rolls; < 0: none */
+    FourRows of;
     four33   inv_k, ia, ib;
     four     lever, reach;
 } FourRolls;
@@ -85,32 +84,44 @@ static int deal_row(Deal *d, int a, int b)
     return LANES * i + lane;
 }
 
-/* Places of all points, then of all rolls. NULL: no memory. */
-static int *deal_points(Group *g, int *fours)
+/* Places of all points or of all rolls. NULL: no memory. */
+static int *deal(Group *g, bool rolls, int *fours)
 {
     Deal d;
-    int *place = arena_alloc(g->arena, (size_t)(g->point_count + 1) * sizeof *place);
-    if (!place || !deal_open(&d, g, g->point_count))
+    int count = rolls ? g->roll_count : g->point_count, *place = arena_alloc(g->arena, (size_t)(count + 1) * sizeof *place);
+    if (!place || !deal_open(&d, g, count))
         return NULL;
-    for (int i = 0; i < g->point_count; i++)
-        place[i] = deal_row(&d, g->points[i].a, g->points[i].b);
-    *fours = d.fours;
-    return place;
-}
-
-static int *deal_rolls(Group *g, int *fours)
-{
-    Deal d;
-    int *place = arena_alloc(g->arena, (size_t)(g->roll_count + 1) * sizeof *place);
-    if (!place || !deal_open(&d, g, g->roll_count))
-        return NULL;
-    for (int i = 0; i < g->roll_count; i++)
-        place[i] = deal_row(&d, g->rolls[i].a, g->rolls[i].b);
+    for (int i = 0; i < count; i++)
+        place[i] = rolls ? deal_row(&d, g->rolls[i].a, g->rolls[i].b) : deal_row(&d, g->points[i].a, g->points[i].b);
     *fours = d.fours;
     return place;
 }
 
 /* ---- filling ---- */
+
+static FourRows no_rows(int spare)
+{
+    FourRows r;
+    for (int lane = 0; lane < LANES; lane++) {
+        r.a[lane] = r.b[lane] = spare;
+        r.row[lane] = -1;
+    }
+    return r;
+}
+
+static void put_rows(FourRows *to, int lane, int a, int b, int row)
+{
+    to->a[lane] = a;
+    to->b[lane] = b;
+    to->row[lane] = row;
+}
+
+static void put_impulse(Impulses *to, int lane, vec3 j)
+{
+    to->at[0][lane] = j.x;
+    to->at[1][lane] = j.y;
+    to->at[2][lane] = j.z;
+}
 
 static void put_dir(FourDir *to, int lane, const Dir *d)
 {
@@ -125,9 +136,7 @@ static void put_dir(FourDir *to, int lane, const Dir *d)
 static void put_point(const Group *g, FourPoints *to, int lane, int row)
 {
     const PointRow *r = &g->points[row];
-    to->a[lane] = r->a;
-    to->b[lane] = r->b;
-    to->row[lane] = row;
+    put_rows(&to->of, lane, r->a, r->b, row);
     to->ima[lane] = g->mass[r->a].im;
     to->imb[lane] = g->mass[r->b].im;
     put_dir(&to->n, lane, &r->n);
@@ -153,9 +162,7 @@ static void put_point(const Group *g, FourPoints *to, int lane, int row)
 static void put_roll(const Group *g, FourRolls *to, int lane, int row)
 {
     const RollRow *r = &g->rolls[row];
-    to->a[lane] = r->a;
-    to->b[lane] = r->b;
-    to->row[lane] = row;
+    put_rows(&to->of, lane, r->a, r->b, row);
     four33_put(&to->inv_k, lane, &r->inv_k);
     four33_put(&to->ia, lane, &g->mass[r->a].ii);
     four33_put(&to->ib, lane, &g->mass[r->b].ii);
@@ -170,18 +177,13 @@ static void fill_points(Fours *f, const int *place)
     for (int i = 0; i < f->point_fours; i++) {
         FourPoints *x = &f->points[i];
         *x = (FourPoints){.n.k = four_all(1), .t[0].k = four_all(1), .t[1].k = four_all(1), .det = four_all(1), .kmax = four_all(1)};
-        for (int lane = 0; lane < LANES; lane++) {
-            x->a[lane] = x->b[lane] = g->body_count;
-            x->row[lane] = -1;
-        }
+        x->of = no_rows(g->body_count);
     }
     for (int i = 0; i < g->point_count; i++) {
         int x = place[i] / LANES, lane = place[i] % LANES;
-        Impulses *j = &f->impulses[x];
+        const PointRow *r = &g->points[i];
         put_point(g, &f->points[x], lane, i);
-        j->at[0][lane] = g->points[i].jn;
-        j->at[1][lane] = g->points[i].jt[0];
-        j->at[2][lane] = g->points[i].jt[1];
+        put_impulse(&f->impulses[x], lane, (vec3){r->jn, r->jt[0], r->jt[1]});
         f->place[i] = LANES * 3 * x + lane;
     }
 }
@@ -189,21 +191,12 @@ static void fill_points(Fours *f, const int *place)
 static void fill_rolls(Fours *f, const int *place)
 {
     const Group *g = f->g;
-    for (int i = 0; i < f->roll_fours; i++) {
-        FourRolls *x = &f->rolls[i];
-        *x = (FourRolls){.lever = four_all(0)};
-        for (int lane = 0; lane < LANES; lane++) {
-            x->a[lane] = x->b[lane] = g->body_count;
-            x->row[lane] = -1;
-        }
-    }
+    for (int i = 0; i < f->roll_fours; i++)
+        f->rolls[i] = (FourRolls){.of = no_rows(g->body_count)};
     for (int i = 0; i < g->roll_count; i++) {
         int x = place[i] / LANES, lane = place[i] % LANES;
-        Impulses *j = &f->impulses[f->point_fours + x];
         put_roll(g, &f->rolls[x], lane, i);
-        j->at[0][lane] = g->rolls[i].j.x;
-        j->at[1][lane] = g->rolls[i].j.y;
-        j->at[2][lane] = g->rolls[i].j.z;
+        put_impulse(&f->impulses[f->point_fours + x], lane, g->rolls[i].j);
     }
 }
 
@@ -213,7 +206,7 @@ static void fill_rolls(Fours *f, const int *place)
 
 static Fours *fours_make(Group *g, int more)
 {
-    int point_fours = 0, roll_fours = 0, *points = deal_points(g, &point_fours), *rolls = deal_rolls(g, &roll_fours);
+    int point_fours = 0, roll_fours = 0, *points = deal(g, false, &point_fours), *rolls = deal(g, true, &roll_fours);
     Fours *f = arena_alloc(g->arena, sizeof *f);
     if (!points || !rolls || !f) {
         g->status = DIG_E_MEMORY;
@@ -254,11 +247,11 @@ real *fours_impulses(Fours *f) { return f->impulses->at[0]; }
 void fours_order(const Fours *f, int *points, int *rolls)
 {
     for (int i = 0; i < f->point_fours; i++)
-        for (int lane = 0; lane < LANES && f->points[i].row[lane] >= 0; lane++)
-            *points++ = f->points[i].row[lane];
+        for (int lane = 0; lane < LANES && f->points[i].of.row[lane] >= 0; lane++)
+            *points++ = f->points[i].of.row[lane];
     for (int i = 0; i < f->roll_fours; i++)
-        for (int lane = 0; lane < LANES && f->rolls[i].row[lane] >= 0; lane++)
-            *rolls++ = f->rolls[i].row[lane];
+        for (int lane = 0; lane < LANES && f->rolls[i].of.row[lane] >= 0; lane++)
+            *rolls++ = f->rolls[i].of.row[lane];
 }
 
 void fours_close(const Fours *f)
@@ -273,8 +266,8 @@ void fours_close(const Fours *f)
     for (int i = 0; i < f->roll_fours; i++) {
         const Impulses *j = &f->impulses[f->point_fours + i];
         for (int lane = 0; lane < LANES; lane++)
-            if (f->rolls[i].row[lane] >= 0)
-                f->g->rolls[f->rolls[i].row[lane]].j = (vec3){j->at[0][lane], j->at[1][lane], j->at[2][lane]};
+            if (f->rolls[i].of.row[lane] >= 0)
+                f->g->rolls[f->rolls[i].of.row[lane]].j = (vec3){j->at[0][lane], j->at[1][lane], j->at[2][lane]};
     }
 }
 
@@ -390,13 +383,13 @@ INLINE four relax_rolling(const Fours *f, const FourRolls *x, four_any *j)
     const Group *g = f->g;
     const real *impulses = f->impulses->at[0];
     four a[4], b[4], normal = four_all(0);
-    for (int lane = 0; lane < LANES && x->row[lane] >= 0; lane++) {
-        const RollRow *r = &g->rolls[x->row[lane]];
+    for (int lane = 0; lane < LANES && x->of.row[lane] >= 0; lane++) {
+        const RollRow *r = &g->rolls[x->of.row[lane]];
         for (int k = r->first; k < r->first + r->count; k++)
             normal[lane] += impulses[f->place[k]] + g->points[k].blow;
     }
-    gather_spins(g->vel, x->a, a);
-    gather_spins(g->vel, x->b, b);
+    gather_spins(g->vel, x->of.a, a);
+    gather_spins(g->vel, x->of.b, b);
     four3 wa = {a[1], a[2], a[3]}, wb = {b[1], b[2], b[3]}, was = {j[0], j[1], j[2]};
     four3 to = four3_sub(was, four33_mul3(&x->inv_k, four3_sub(wb, wa)));
     four length = four_root(four3_dot(to, to)), bound = x->lever * normal;
@@ -406,8 +399,8 @@ INLINE four relax_rolling(const Fours *f, const FourRolls *x, four_any *j)
     j[0] = to.x;
     j[1] = to.y;
     j[2] = to.z;
-    scatter_spins(g->vel, x->a, (four[4]){a[0], wa.x - da.x, wa.y - da.y, wa.z - da.z});
-    scatter_spins(g->vel, x->b, (four[4]){b[0], wb.x + db.x, wb.y + db.y, wb.z + db.z});
+    scatter_spins(g->vel, x->of.a, (four[4]){a[0], wa.x - da.x, wa.y - da.y, wa.z - da.z});
+    scatter_spins(g->vel, x->of.b, (four[4]){b[0], wb.x + db.x, wb.y + db.y, wb.z + db.z});
     return x->reach * four_most(four_root(four3_dot(da, da)), four_root(four3_dot(db, db)));
 }
 
@@ -420,12 +413,12 @@ INLINE real relax_fours(Fours *f)
     for (int i = 0; i < f->point_fours; i++) {
         const FourPoints *x = &f->points[i];
         four_any *j = (four_any *)(void *)&f->impulses[i];
-        FourVel a = gather(vel, x->a), b = gather(vel, x->b);
+        FourVel a = gather(vel, x->of.a), b = gather(vel, x->of.b);
         if (x->rub)
             worst = four_most(worst, relax_rubs(x, j, &a, &b));
         worst = four_most(worst, relax_normals(x, j, &a, &b));
-        scatter(vel, x->a, &a);
-        scatter(vel, x->b, &b);
+        scatter(vel, x->of.a, &a);
+        scatter(vel, x->of.b, &b);
     }
     return real_max(real_max(worst[0], worst[1]), real_max(worst[2], worst[3]));
 }

@@ -11,16 +11,8 @@
 /* One point and its two bodies' velocities, which stay in registers until all is done. */
 typedef struct Meet { const Mass *ma, *mb; Vel a, b; } Meet;
 
-INLINE real meet_rate(const Meet *m, const Dir *d)
-{
-    return vec3_dot(d->n, vec3_sub(m->b.v, m->a.v)) + vec3_dot(d->aa, m->a.w) + vec3_dot(d->ab, m->b.w);
-}
-
-INLINE void meet_apply(Meet *m, const Dir *d, real p)
-{
-    m->a = (Vel){vec3_mad(m->a.v, -p * m->ma->im, d->n), vec3_mad(m->a.w, p, d->ia)};
-    m->b = (Vel){vec3_mad(m->b.v, p * m->mb->im, d->n), vec3_mad(m->b.w, p, d->ib)};
-}
+INLINE real meet_rate(const Meet *m, const Dir *d) { return dir_rate_between(d, &m->a, &m->b); }
+INLINE void meet_apply(Meet *m, const Dir *d, real p) { dir_apply_between(d, &m->a, m->ma->im, &m->b, m->mb->im, p); }
 
 INLINE real relax_normal(Meet *m, PointRow *r)
 {
@@ -264,7 +256,9 @@ static bool sweep_open(Sweep *s, Group *g)
     Fours *fours = fours_open(g, g->row_count, false);
     int count = (fours ? fours_count(fours) : 3 * g->point_count + 3 * g->roll_count) + g->row_count, quads = (count + 3) / 4;
     *s = (Sweep){g, fours, fours ? fours_impulses(fours) : arena_zero(g->arena, 4 * (size_t)quads * sizeof(real)), quads};
-    return s->now && g->status == DIG_OK;
+    if (!s->now)
+        g->status = DIG_E_MEMORY;
+    return g->status == DIG_OK;
 }
 
 /* From the rows to `now`; of fours it is there. */
@@ -354,8 +348,8 @@ typedef struct Line { real *x; Vel *vel; } Line;
 
 static bool line_open(Line *l, const Sweep *s)
 {
-    l->x = arena_zero(s->g->arena, 4 * (size_t)s->quads * sizeof *l->x);
-    l->vel = arena_zero(s->g->arena, (size_t)(s->g->body_count + 1) * sizeof *l->vel);
+    l->x = arena_alloc(s->g->arena, 4 * (size_t)s->quads * sizeof *l->x);
+    l->vel = arena_alloc(s->g->arena, (size_t)(s->g->body_count + 1) * sizeof *l->vel);
     return l->x && l->vel;
 }
 
@@ -446,6 +440,7 @@ static int relax_accelerated(const Sweep *s, int sweeps, real residual, real *wo
     read_impulses(s);
     line_read(&start, s);
     line_read(&was, s);
+    line_stop(s, &way);
     *worst = INFINITY;
     bool diverged = false;
     while (done < sweeps && *worst > residual && !g->stalled) {
@@ -483,8 +478,6 @@ int relax(Group *g, int sweeps, real residual)
         Sweep s;
         if (sweep_open(&s, g))
             done = relax_accelerated(&s, sweeps, residual, &worst);
-        else
-            g->status = DIG_E_MEMORY;
         if (s.fours)
             fours_close(s.fours);
         arena_rewind(g->arena, mark);

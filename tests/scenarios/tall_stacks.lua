@@ -66,7 +66,7 @@ test.scenario("a tower on a tray that is moved evenly stands", function(s)
   test.expect(boxes[60].position.x):near(0, 1e-6)
 end)
 
--- At 5.8 s. It crept by millimetres a second for 30 s and more where a crowd had it whenever all could not be solved at once.
+-- At 4.5 s. It crept by millimetres a second for 30 s and more where a crowd had it whenever all could not be solved at once.
 test.scenario("a heap of 150 boxes falls asleep", function(s)
   local world = s.world
   world:room { size = { 4, 20, 4 } }

@@ -149,9 +149,22 @@ TEST(few_rows_are_left_to_be_swept_in_turn)
     drop(h);
 }
 
+/* In any other order its load would not come down a tower in one sweep. */
+TEST(what_carries_something_heavy_is_left_to_be_swept_in_turn)
+{
+    for (int heavy = 0; heavy < 2; heavy++) {
+        Heap *h = heap(1, false);
+        for (int i = 0; i < BODIES - STILL; i++)
+            h->member[i].mass = heavy && i == 0 ? 100 : 1;
+        CHECK((fours_open(&h->g, 0, false) == NULL) == (heavy == 1));
+        drop(h);
+    }
+}
+
 int main(void)
 {
     RUN_TESTS(unit_test(rows_side_by_side_are_swept_to_the_bits_of_rows_in_turn),
                unit_test(rows_that_all_have_one_body_are_left_to_be_swept_in_turn),
-               unit_test(few_rows_are_left_to_be_swept_in_turn));
+               unit_test(few_rows_are_left_to_be_swept_in_turn),
+               unit_test(what_carries_something_heavy_is_left_to_be_swept_in_turn));
 }
