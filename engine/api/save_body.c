@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-enum { BODY_BYTES = 366, SOLID_BYTES = 125 + SHAPE_PACKED };        /* at least */
+enum { BODY_BYTES = 367, SOLID_BYTES = 125 + SHAPE_PACKED };        /* at least */
 
 /* Follows from the rest: inverses, list membership, the number of shapes, the outer radius and what turning moves of it. */
 static void pack_mass(Pack *p, Body *b)
@@ -51,6 +51,18 @@ static void pack_last_message(Pack *p, const World *w, Body *b)
     pack_text(p, b->message_kind, sizeof b->message_kind);
 }
 
+static void pack_drift(Pack *p, Body *b)
+{
+    pack_bool(p, &b->crowded);
+    for (int i = 0; i < 3 && b->crowded; i++) {
+        real way = (real)b->drift.way[i], turn = (real)b->drift.turn[i];
+        pack_real_in(p, &way, -SAVE_FAR, SAVE_FAR, "drift of a body");
+        pack_real_in(p, &turn, -SAVE_LONG, SAVE_LONG, "drift of a body");
+        b->drift.way[i] = (float)way;
+        b->drift.turn[i] = (float)turn;
+    }
+}
+
 static void pack_motion(Pack *p, Body *b)
 {
     pack_vec3(p, &b->x, SAVE_FAR, "position of a body");
@@ -65,6 +77,7 @@ static void pack_motion(Pack *p, Body *b)
     pack_vec3(p, &b->hit_w, 2 * SAVE_FAST, "hits of a body");
     pack_real_in(p, &b->work, -SAVE_MUCH, SAVE_MUCH, "work on a body");
     pack_real_in(p, &b->still, 0, SAVE_LONG, "time a body was still");
+    pack_drift(p, b);
     pack_real_in(p, &b->travel, 0, TRAVEL_MOST, "travel of a body");
     pack_bool(p, &b->collided);
     pack_bool(p, &b->euler);

@@ -166,6 +166,7 @@ typedef struct Crowd {
     real   deep;                /* 1    deepest overlap, in changes that matter (rows.c)       */
     Phase *phase; int phases;
     Soft   soft[PASSES_MOST][2];    /* by how many passes there are; between moving bodies; against what does not move */
+    int    pieces;              /* that its step is cut into                                  */
     int    passes, passes_most; /* of a substep, at first; never more                          */
     int    separations;         /* passes at most that put deep overlap apart at the end of the step */
     float *worst[2];            /* [threads] error of rates over what matters; of this pass, of the one before */

@@ -106,13 +106,28 @@ static void look_anew(Group *g)
  * the step, in place alone: springs would need many steps, and harder ones would throw it up. */
 #define SEPARATIONS 8
 
-static bool calm(const Crowd *c)
+/* m/s  speed  Is no more than such a part of the bodies faster? */
+static bool most_slower(const Crowd *c, real speed, real part)
 {
-    real fast = BRISK * c->finest / real_min(c->dt, USUAL);
-    int brisk = 0;
+    int fast = 0;
     for (int i = 0; i < c->bodies; i++)
-        brisk += vec3_length2(c->g->vel[i].v) > fast * fast;
-    return brisk < (1 - LANDED) * c->bodies;
+        fast += vec3_length2(c->g->vel[i].v) > speed * speed;
+    return fast < part * c->bodies;
+}
+
+static bool landed(const Crowd *c) { return most_slower(c, BRISK * c->finest / real_min(c->dt, USUAL), 1 - LANDED); }
+
+/* A heap that one to five passes hold up creeps on by millimetres a second, for ever. With so many the median is below 0.1, and it falls asleep;
+ * half as many are not enough. Rows as hard as for all of these would have thin things thrown up and a pyramid tremble; as soft as for one, those
+ * heaps stir at 10 to 20 mm/s. */
+#define SETTLING 32             /* passes of a substep, where it can sleep, nearly all is slow and there is work for so many */
+#define SETTLING_HARD 4         /* its rows are as hard as for so many */
+#define SLOW     0.02           /* m/s */
+#define NEARLY   0.95           /* of all bodies */
+
+static bool settles(const Crowd *c)
+{
+    return c->passes_most >= SETTLING && c->pieces == 1 && c->g->world->def.sleeping && most_slower(c, SLOW, 1 - NEARLY);
 }
 
 /* How hard rows may be at most where a load comes down through so many contacts. What pushes a tower apart adds up to its top, and what
@@ -166,9 +181,13 @@ static dig_status plan_passes(Crowd *c)
     real wanted = 1 + c->deep - SHALLOW;
     int hard = hardest;
     DIG_TRY(limit_hardness(c, &hard));
-    bool landed = calm(c);
-    c->passes_most = landed ? int_min(CALM_WORK * hardest, PASSES_MOST) : hardest;
-    c->separations = landed ? SEPARATIONS : 0;
+    bool down = landed(c);
+    c->passes_most = down ? int_min(CALM_WORK * hardest, PASSES_MOST) : hardest;
+    c->separations = down ? SEPARATIONS : 0;
+    if (down && settles(c)) {
+        hard = (int)real_clamp(real_max(wanted, SETTLING_HARD), 1, hard);
+        wanted = real_max(wanted, SETTLING);
+    }
     c->passes = (int)real_clamp(wanted, 1, c->passes_most);
     for (int i = 0; i < c->passes_most; i++) {
         c->soft[i][0] = soft_of(STIFF * int_min(i + 1, hard), (real)c->h);
@@ -215,6 +234,7 @@ static dig_status advance(Group *g, real dt)
         DIG_TRY(take_all(g));
     for (int i = 0; i < pieces; i++) {
         Crowd c = whole;
+        c.pieces = pieces;
         c.dt = dt / pieces;
         c.h = (float)(c.dt / c.substeps);
         c.bounce_least = (float)(g->close_speed + 2 * g->fall * (real)c.h);

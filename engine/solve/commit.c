@@ -143,6 +143,25 @@ static pair3 spin_momenta(const Body *b, quat q0, vec3 w0, quat q1, vec3 w1)
     return pair_quat_rotate(q, pair3_by(&b->inertia, pair_quat_rotate(pair_quat_conjugate(q), w)));
 }
 
+/* What lies in a crowd trembles: where it gets to says more than its speed. */
+static void commit_drift(const Group *g, Body *b, const Pos *to)
+{
+    bool crowded = g->crowd && g->world->def.sleeping;
+    if (crowded && !b->crowded)
+        b->drift = (Drift){{0}, {0}};
+    b->crowded = crowded;
+    if (!crowded)
+        return;
+    quat q = quat_mul(to->q, quat_conjugate(b->q));     /* turns are small: their sines do */
+    vec3 way = vec3_sub(to->x, b->x), turn = vec3_scale(copysign(2, q.w), (vec3){q.x, q.y, q.z});
+    b->drift.way[0] += (float)way.x;
+    b->drift.way[1] += (float)way.y;
+    b->drift.way[2] += (float)way.z;
+    b->drift.turn[0] += (float)turn.x;
+    b->drift.turn[1] += (float)turn.y;
+    b->drift.turn[2] += (float)turn.z;
+}
+
 static void commit_body(World *w, const Group *g, int i, real dt)
 {
     const Member *m = &g->member[i];
@@ -153,6 +172,7 @@ static void commit_body(World *w, const Group *g, int i, real dt)
         return;
     vec3 old_v = vec3_sub(b->v, b->hit_v), old_w = vec3_sub(b->w, b->hit_w);
     pair3 l = spin_momenta(b, b->q, old_w, g->pos[i].q, g->vel[i].w);
+    commit_drift(g, b, &g->pos[i]);
     b->prev_x = b->x;
     b->prev_q = b->q;
     body_travels(b, g->pos[i].x, g->pos[i].q);

@@ -3,7 +3,10 @@
  * Rest is a mode, not a small speed: a body whose contacts or joints have held
  * it still for two steps gets exactly zero velocity (constraint mode of the
  * founding document). A DIG all of whose members are slow for half a second
- * sleeps and costs nothing until something disturbs it.
+ * sleeps and costs nothing until something disturbs it. In a crowd, whose
+ * solver trembles, it is the way of half a second that is looked at: of 1500
+ * boxes that lay in a heap, 200 to 300 were faster than 2 mm/s at some step of
+ * it, and two to seven got anywhere by it.
  */
 #include "step/step.h"
 #include "world/joint.h"
@@ -15,6 +18,9 @@
 #define SWING_SPEED 1e-8        /* m/s: what only joints hold swings, and is this slow for two steps at the end alone */
 /* m/s: slower than this for SLEEP_TIME, and a DIG sleeps */
 #define SLEEP_SPEED 2e-3
+
+#define DRIFT_PART 0.025        /* 1  of the size: one of a crowd that gets no farther in SLEEP_TIME is slow   */
+#define DRIFT_MOST 5e-3         /* m  however large it is; of small ones, the way at SLEEP_SPEED is left to all */
 
 /* m/s  By the time where it is. */
 static real speed_of(const Body *b) { return (vec3_length(b->v) + vec3_length(b->w) * b->outer) / b->rate; }
@@ -85,12 +91,27 @@ static bool creeps(const World *w, uint32_t slot, real speed)
     return speed >= REST_PART * accuracy_tolerance(accuracy) || (speed >= SWING_SPEED && !touches(w, &w->bodies.data[slot]));
 }
 
+static real length3(const float v[3]) { return sqrt((real)v[0] * (real)v[0] + (real)v[1] * (real)v[1] + (real)v[2] * (real)v[2]); }
+
+/* s  For how long it has been slow. */
+static real still_for(Body *b, real speed, real dt)
+{
+    if (!b->crowded)
+        return speed < SLEEP_SPEED ? b->still + dt : 0;
+    real way = length3(b->drift.way) + length3(b->drift.turn) * b->outer;
+    bool slow = way < real_clamp(DRIFT_PART * b->outer, SLEEP_SPEED * SLEEP_TIME, DRIFT_MOST) * b->rate;
+    real still = slow ? b->still + dt : 0;
+    if (!slow || floor(still / SLEEP_TIME) > floor(b->still / SLEEP_TIME))
+        b->drift = (Drift){{0}, {0}};
+    return still;
+}
+
 /* Returns the energy lost by it, J. */
 static real settle(World *w, uint32_t slot, real dt, Anchor *known)
 {
     Body *b = &w->bodies.data[slot];
     real speed = speed_of(b);
-    b->still = speed < SLEEP_SPEED ? b->still + dt : 0;
+    b->still = still_for(b, speed, dt);
     if (speed < REST_SPEED && b->still >= 2 * dt && is_held(w, slot, known)) {
         if (speed > 0 && creeps(w, slot, speed))
             return 0;

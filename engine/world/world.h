@@ -44,6 +44,8 @@ typedef struct BodyWatch {
     uint16_t run[DIG_RULES];    /*        times in that row, or the most that it counts; 0 = none */
 } BodyWatch;
 
+typedef struct Drift { float way[3], turn[3]; } Drift;     /* m, rad  where a body got to since it was looked at last; step/rest.c */
+
 typedef struct Body {           /* what every step reads comes first                   */
     uint32_t gen;               /*        generation of the handle                     */
     bool     alive, awake, collides, out;   /* out: already reported out of the world  */
@@ -58,6 +60,7 @@ typedef struct Body {           /* what every step reads comes first            
     uint8_t  integrator;        /* dig_integrator                                      */
     bool     round_inertia;     /*        isotropic: no gyroscopic torque              */
     bool     collided, euler;   /*        in the last step: struck; was not in free flight before */
+    bool     crowded;           /*        in the last step: a crowd had it             */
     vec3     x;                 /* m      centre of mass, world                        */
     quat     q;                 /* 1      body to world                                */
     vec3     v, w;              /* m/s, rad/s of the centre of mass, world             */
@@ -69,6 +72,7 @@ typedef struct Body {           /* what every step reads comes first            
     real     rim;               /* m      the same of what turning moves: 0 for a ball about its centre */
     real     pull;              /* m/s^2  gravity and pushes do no more to any point of it in this step; made anew in each */
     real     still;             /* s      time spent slower than the sleep threshold   */
+    Drift    drift;             /*        of one in a crowd                            */
     real     travel;            /* m      no point of it has moved farther so far, added up over steps; for Pair.until */
     mat3     inertia, inv_inertia;      /* kg m^2, body axes, about the centre         */
     vec3     prev_x;  quat prev_q;      /* before the last step                        */

@@ -47,17 +47,56 @@ static void check_pyramid(dig_world *w, const dig_body *b, int n, dig_body floor
     check_world(w);
 }
 
-TEST(a_pyramid_rests_and_the_floor_carries_its_weight)
+/* Returns how many are awake after four seconds. */
+static int pyramid_of_a_crowd(bool sleeping, int passes)
 {
-    dig_world *w = open_world(STEP, NULL, true);
+    dig_world_def def = dig_world_defaults();
+    def.step = STEP;
+    def.sleeping = sleeping;
+    dig_world *w = open_with(def);
     dig_body b[64], floor = add_floor(w, rough);
     int n = add_pyramid(w, b);
     stay_a_crowd(w);
-    step(w, 240);
-    check_pyramid(w, b, n, floor, 5e-3 * ROWS);
+    step(w, 20);
+    CHECK_INT(dig_world_stats(w).iterations, passes);
     CHECK(dig_world_stats(w).penetration < 5e-3);
-    CHECK_INT(dig_world_stats(w).iterations, 4);        /* passes: the sweep would take hundreds */
+    step(w, 220);
+    check_pyramid(w, b, n, floor, 5e-3 * ROWS);
+    int awake = (int)dig_world_stats(w).awake;
     dig_world_close(w);
+    return awake;
+}
+
+TEST(a_pyramid_rests_and_the_floor_carries_its_weight)
+{
+    CHECK_INT(pyramid_of_a_crowd(false, 4), ROWS * (ROWS + 1) / 2);     /* passes: the sweep would take hundreds */
+}
+
+/* Where it can sleep it is worth more of them: four let it creep on. */
+TEST(a_pyramid_falls_asleep_as_a_crowd) { CHECK_INT(pyramid_of_a_crowd(true, 128), 0); }
+
+/* Sixty boxes of 1.4 m side by side that slide without friction. Returns how many are awake after a second. */
+static int awake_at(real speed)
+{
+    dig_world *w = open_world(STEP, NULL, true);
+    Look smooth = {0, NAN, 0, 0};
+    add_floor(w, smooth);
+    for (int i = 0; i < 60; i++) {
+        dig_body b = add_box(w, smooth, (vec3){1, 0.2, 1}, 100, (vec3){1.01 * i, 0.1, 0}, quat_identity());
+        w->bodies.data[b.slot].v.x = speed;
+    }
+    stay_a_crowd(w);
+    step(w, 60);
+    int awake = (int)dig_world_stats(w).awake;
+    dig_world_close(w);
+    return awake;
+}
+
+/* The bound is 5 mm in half a second. */
+TEST(one_of_a_crowd_sleeps_by_how_far_it_gets)
+{
+    CHECK_INT(awake_at(9.5e-3), 0);
+    CHECK_INT(awake_at(10.5e-3), 60);
 }
 
 TEST(a_pyramid_that_lies_calm_is_solved_once_and_sleeps)
@@ -531,6 +570,7 @@ TEST(a_pile_that_lies_is_stepped_without_the_allocator)
 int main(void)
 {
     RUN_TESTS(unit_test(a_pyramid_rests_and_the_floor_carries_its_weight), unit_test(a_pyramid_that_lies_calm_is_solved_once_and_sleeps),
+              unit_test(a_pyramid_falls_asleep_as_a_crowd), unit_test(one_of_a_crowd_sleeps_by_how_far_it_gets),
               unit_test(friction_holds_up_to_its_coefficient),
               unit_test(a_cloud_that_collides_keeps_its_momenta), unit_test(what_is_not_looked_at_meets_in_time),
               unit_test(columns_that_land_do_not_sink_into_each_other), unit_test(any_number_of_threads_gives_the_same_bits),
