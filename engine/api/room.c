@@ -2,11 +2,7 @@
 #include "api/api.h"
 #include "api/command.h"
 
-const char *dig_wall_name(int wall)
-{
-    static const char *const names[] = {"", "+x", "-x", "+y", "-y", "+z", "-z"};
-    return wall >= 0 && wall < (int)(sizeof names / sizeof *names) ? names[wall] : "";
-}
+const char *dig_wall_name(int wall) { return wall_name(wall); }
 
 /* The wall on side i faces inwards; it is a plane of the world itself. */
 static dig_status add_wall(World *w, int i)

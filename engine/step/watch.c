@@ -273,6 +273,16 @@ static real depth_of(const GroupContact *c)
     return depth;
 }
 
+/* With whom. Of the world itself, which is solid all through, a body may well have been put beyond the surface. */
+static void warn_overlap(World *w, const GroupPair *q, uint32_t body, real depth, real bound)
+{
+    char text[BODY_TEXT_SIZE], why[sizeof((dig_warning *)0)->why];
+    const Solid *other = q->on_a->body == body ? q->on_b : q->on_a;
+    bool beyond = other->body == NONE && depth > w->bodies.data[body].outer;
+    snprintf(why, sizeof why, "%s %.50s", beyond ? "it is beyond" : "with", solid_text(w, other, text));
+    warn(w, DIG_RULE_OVERLAP, body, depth, bound, why);
+}
+
 static void judge_overlaps(World *w, const Group *g)
 {
     if (!(g->penetration > fine_of(g) * rules[DIG_RULE_OVERLAP].bound * g->finest))
@@ -284,7 +294,7 @@ static void judge_overlaps(World *w, const Group *g)
             continue;
         uint32_t body = lighter(g, c->a, c->b);
         if (lasts(w, DIG_RULE_OVERLAP, body, 0))
-            warn(w, DIG_RULE_OVERLAP, body, depth, bound, "");
+            warn_overlap(w, &g->pairs[c->pair], body, depth, bound);
     }
 }
 

@@ -25,6 +25,22 @@ const char *body_text(const World *w, const Body *b, char text[BODY_TEXT_SIZE])
     return text;
 }
 
+const char *wall_name(int wall)
+{
+    static const char *const names[] = {"", "+x", "-x", "+y", "-y", "+z", "-z"};
+    return wall >= 0 && wall < (int)(sizeof names / sizeof *names) ? names[wall] : "";
+}
+
+const char *solid_text(const World *w, const Solid *s, char text[BODY_TEXT_SIZE])
+{
+    if (s->body != NONE)
+        return body_text(w, &w->bodies.data[s->body], text);
+    if (!s->wall)
+        return "the ground";
+    snprintf(text, BODY_TEXT_SIZE, "wall %s of the room", wall_name(s->wall));
+    return text;
+}
+
 /* ---- solids ---- */
 
 /* Its box is to be compared with all others at the next step. */

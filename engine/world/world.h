@@ -435,6 +435,9 @@ dig_status body_create(World *w, const dig_body_def *def, dig_body *out);
 enum { BODY_TEXT_SIZE = 80 };
 const char *body_text(const World *w, const Body *b, char text[BODY_TEXT_SIZE]);
 const char *new_body_text(const char *name, char text[BODY_TEXT_SIZE]);
+const char *wall_name(int wall);                /* as dig_wall_name */
+/* Its body, or what it is of the world itself. */
+const char *solid_text(const World *w, const Solid *s, char text[BODY_TEXT_SIZE]);
 #define BODY_TEXT(w, b)     body_text((w), (b), (char[BODY_TEXT_SIZE]){0})
 #define NEW_BODY_TEXT(name) new_body_text((name), (char[BODY_TEXT_SIZE]){0})
 void       body_remove(World *w, uint32_t slot);

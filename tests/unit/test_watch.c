@@ -230,6 +230,19 @@ TEST(what_is_pinned_between_walls_is_named_before_it_sleeps)
     CHECK_TEXT(n.name.s, "pinned");
     CHECK_NEAR(n.time, 0.4, 0.15);
     CHECK(n.value > 0.05 && n.value < 0.21);            /* m: 0.1 on each side, or all on one */
+    CHECK_TEXT(n.why, "with body #0");
+    dig_world_close(w);
+}
+
+/* The middle of a room's floor was taken for the middle of the room. */
+TEST(what_is_put_beyond_a_wall_is_told_so)
+{
+    dig_world *w = open_world(STEP, NULL, true);
+    dig_room_def r = {.size = {4, 20, 4}, .at = {0, 10, 0}, .friction = 0.5};
+    CHECK_INT(dig_room_set(w, &r), DIG_OK);
+    add_box(w, look(0.5, 0), (vec3){1, 1, 1}, 1, (vec3){0, 0.5, 0}, quat_identity());
+    step(w, 40);
+    CHECK_TEXT(warned(w, DIG_RULE_OVERLAP).why, "it is beyond wall -y of the room");
     dig_world_close(w);
 }
 
@@ -368,7 +381,7 @@ int main(void)
 {
     RUN_TESTS(unit_test(energy_from_nowhere_is_named_with_body_and_time), unit_test(what_is_taken_back_at_once_is_no_alarm),
               unit_test(the_smallest_steps_of_a_rise_add_up), unit_test(booked_work_is_no_rise),
-              unit_test(what_is_pinned_between_walls_is_named_before_it_sleeps), unit_test(an_overlap_that_heals_is_no_alarm),
+              unit_test(what_is_pinned_between_walls_is_named_before_it_sleeps), unit_test(what_is_put_beyond_a_wall_is_told_so), unit_test(an_overlap_that_heals_is_no_alarm),
               unit_test(joints_that_contradict_each_other_are_named), unit_test(a_residual_that_does_not_fall_is_named),
               unit_test(a_dig_over_the_budget_of_what_was_asked_for_is_named), unit_test(at_the_default_sweeping_is_no_alarm),
               unit_test(a_snapshot_takes_the_record_along), unit_test(a_body_that_breaks_a_rule_again_is_counted_not_listed_again));
