@@ -381,7 +381,8 @@ int main(void)
 {
     RUN_TESTS(unit_test(energy_from_nowhere_is_named_with_body_and_time), unit_test(what_is_taken_back_at_once_is_no_alarm),
               unit_test(the_smallest_steps_of_a_rise_add_up), unit_test(booked_work_is_no_rise),
-              unit_test(what_is_pinned_between_walls_is_named_before_it_sleeps), unit_test(what_is_put_beyond_a_wall_is_told_so), unit_test(an_overlap_that_heals_is_no_alarm),
+              unit_test(what_is_pinned_between_walls_is_named_before_it_sleeps), unit_test(what_is_put_beyond_a_wall_is_told_so),
+              unit_test(an_overlap_that_heals_is_no_alarm),
               unit_test(joints_that_contradict_each_other_are_named), unit_test(a_residual_that_does_not_fall_is_named),
               unit_test(a_dig_over_the_budget_of_what_was_asked_for_is_named), unit_test(at_the_default_sweeping_is_no_alarm),
               unit_test(a_snapshot_takes_the_record_along), unit_test(a_body_that_breaks_a_rule_again_is_counted_not_listed_again));
