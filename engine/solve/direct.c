@@ -199,7 +199,7 @@ static real size_of_step(const Direct *d)
 /* How far along dv the merit function falls: its slope is monotone, for the function is convex. */
 static real search(Direct *d)
 {
-    singles_line(d);
+    direct_line(d);
     Bracket b = {0, 1, direct_slope(d, 0), direct_slope(d, 1), 0};
     real start = fabs(b.at_lo);
     if (!(b.at_hi > 0.3 * start) || !(b.at_lo < 0))

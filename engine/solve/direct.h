@@ -36,17 +36,20 @@ typedef struct Triple {
 } Triple;
 
 /* A row of a joint. */
-typedef struct Single {
+typedef struct Single {         /* what is read most comes first                                   */
+    real rate, change;
+    real target, lo, hi;
+    real r;                     /* compliance: of the augmented Lagrangian, or a spring's own      */
+    real prox, force, start;    /* as of a triple                                                  */
+    bool bounded, soft;         /* the impulse has a bound; it is a spring's                       */
+    bool answers, factored;     /* the force follows the velocities: it is not at a bound          */
     int  row;                   /* of the group's                                                  */
     int  count, place[ROW_BODIES];
     real j[ROW_BODIES][6];
-    real r;                     /* compliance: of the augmented Lagrangian, or a spring's own      */
-    bool bounded, soft;         /* the impulse has a bound; it is a spring's                       */
-    real target, lo, hi;
-    real start, prox, force;    /* as of a triple                                                  */
-    real rate, change;
-    bool answers, factored;     /* the force follows the velocities: it is not at a bound          */
 } Single;
+
+/* What the force of a row with a bound is along dv: the nearest value in its range to wish - along by. */
+typedef struct Bend { real wish, by, change, lo, hi; } Bend;
 
 typedef struct Direct {
     Group  *g;
@@ -59,7 +62,8 @@ typedef struct Direct {
     int    *body;               /* [places]                                                        */
     real   *mass;               /* [places][10]  kg, kg m^2: m and the tensor                      */
     real   *v, *v0, *dv, *grad; /* [6 places]                                                      */
-    real    level, rise;        /* of the slope along dv, at its start and per step: what rows of joints without a bound give to it */
+    Bend   *bends; int bend_count;      /* of the present dv                                       */
+    real    level, rise;        /* of the slope along dv, at its start and per step: what is straight in it                         */
     bool    projects;           /* positions, not velocities: nothing moves so far, nothing is taut */
     bool    heavy;              /* something in the group is heavy on what is light                 */
     bool    kept;               /* the factor is that of the present sets                          */
@@ -81,8 +85,8 @@ bool singles_forces(Direct *d);                         /* false: the factor is 
 void singles_begin(Direct *d);
 void singles_gradient(Direct *d);
 void singles_assemble(Direct *d, bool bounded);         /* those with a bound, or those without */
-void singles_line(Direct *d);                           /* before singles_slope() is asked along a new dv */
-real singles_slope(const Direct *d, real along);
+void singles_line(Direct *d);                           /* adds to level and rise, and notes what bends */
+real singles_slope(const Direct *d, real along);        /* of what bends */
 real singles_off(const Direct *d);
 void singles_round(Direct *d, real harder);             /* harder: times the compliance of what has a bound */
 void singles_write(Direct *d);                          /* impulses and velocities into the group */
@@ -96,7 +100,8 @@ void direct_forces(Direct *d);                          /* impulses of the prese
 void direct_begin(Direct *d);                           /* forces predicted from the first estimate */
 void direct_gradient(Direct *d);
 void direct_assemble(Direct *d, bool fresh);            /* fresh: as the forces answer now, else as at the end of the last round */
-real direct_slope(const Direct *d, real along);         /* after singles_line(): of the merit function, this part of the step on */
+void direct_line(Direct *d);                            /* before direct_slope() is asked along a new dv */
+real direct_slope(const Direct *d, real along);         /* of the merit function, this part of the step on */
 real direct_off(const Direct *d);                       /* m/s  how far off the estimate is */
 /* The impulses are the new estimate, with harder rows if asked. m/s  how far off the last one was; leaves predicted forces. */
 real direct_round(Direct *d, bool harden);

@@ -109,12 +109,16 @@ static void add_line(Direct *d, const JointBlock *b)
 bool singles_open(Direct *d)
 {
     const Group *g = d->g;
-    d->singles = arena_alloc(g->arena, (size_t)(g->row_count + 2 * g->block_count + 1) * sizeof *d->singles);
-    for (int i = 0; d->singles && i < g->row_count; i++)
+    size_t most = (size_t)(g->row_count + 2 * g->block_count + 1);
+    d->singles = arena_alloc(g->arena, most * sizeof *d->singles);
+    d->bends = arena_alloc(g->arena, most * sizeof *d->bends);
+    if (!d->singles || !d->bends)
+        return false;
+    for (int i = 0; i < g->row_count; i++)
         add_single(d, i);
-    for (int i = 0; d->singles && i < g->block_count && !d->projects; i++)
+    for (int i = 0; i < g->block_count && !d->projects; i++)
         add_line(d, &g->blocks[i]);
-    return d->singles;
+    return true;
 }
 
 void singles_link(const Direct *d, unsigned char *linked, int n)
@@ -182,23 +186,26 @@ void singles_gradient(Direct *d)
 
 void singles_line(Direct *d)
 {
-    d->level = d->rise = 0;
+    d->bend_count = 0;
     for (int i = 0; i < d->single_count; i++) {
         const Single *t = &d->singles[i];
+        real y = wish(t, 0), by = t->change / t->r;
+        d->level += t->change * t->start;
         if (t->bounded)
-            continue;
-        d->level -= t->change * (wish(t, 0) - t->start);
-        d->rise += t->change * t->change / t->r;
+            d->bends[d->bend_count++] = (Bend){y, by, t->change, t->lo, t->hi};
+        else {
+            d->level -= t->change * y;
+            d->rise += t->change * by;
+        }
     }
 }
 
 real singles_slope(const Direct *d, real along)
 {
-    real slope = d->level + along * d->rise;
-    for (int i = 0; i < d->single_count; i++) {
-        const Single *t = &d->singles[i];
-        if (t->bounded)
-            slope -= t->change * (real_clamp(wish(t, along), t->lo, t->hi) - t->start);
+    real slope = 0;
+    for (int i = 0; i < d->bend_count; i++) {
+        const Bend *b = &d->bends[i];
+        slope -= b->change * real_clamp(b->wish - along * b->by, b->lo, b->hi);
     }
     return slope;
 }

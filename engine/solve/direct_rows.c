@@ -213,16 +213,24 @@ void direct_gradient(Direct *d)
     singles_gradient(d);
 }
 
-real direct_slope(const Direct *d, real along)
+void direct_line(Direct *d)
 {
-    real slope = singles_slope(d, along);
+    d->level = d->rise = 0;
     for (int i = 0; i < d->blocks.n; i++) {
+        const real *dv = d->dv + 6 * i;
         real off[6], p[6] = {0};
         for (int k = 0; k < 6; k++)
-            off[k] = d->v[6 * i + k] + along * d->dv[6 * i + k] - d->v0[6 * i + k];
-        mass_times(d->mass + 10 * i, off, p);
-        slope += dot6(p, d->dv + 6 * i);
+            off[k] = d->v[6 * i + k] - d->v0[6 * i + k];
+        mass_times(d->mass + 10 * i, dv, p);    /* it is symmetric */
+        d->level += dot6(p, off);
+        d->rise += dot6(p, dv);
     }
+    singles_line(d);
+}
+
+real direct_slope(const Direct *d, real along)
+{
+    real slope = d->level + along * d->rise + singles_slope(d, along);
     for (int i = 0; i < d->triple_count; i++) {
         const Triple *t = &d->triples[i];
         real y[3], f[3];
