@@ -249,7 +249,7 @@ typedef struct dig_warning {
     uint32_t dig;               /* id of its DIG then; 0 = none         */
     real     value, bound;      /* the worst so far, and what is borne  */
     uint64_t times;             /* that this body broke this rule       */
-    char     why[64];           /* more about it, or empty              */
+    char     why[96];           /* more about it, or empty              */
 } dig_warning;
 
 /* One for each rule and body, in the order of time. Fills at most capacity entries and returns the number there are. */

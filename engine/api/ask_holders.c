@@ -162,7 +162,7 @@ static void name_part(const Ask *k, dig_part p, char *text, size_t capacity)
         const JointRec *r = &w->joints.data[p.joint.slot];
         snprintf(text, capacity, "%s%s%s%s", r->type->name, r->name[0] ? " '" : "", r->name, r->name[0] ? "'" : "");
     } else if (p.wall) {
-        snprintf(text, capacity, "the wall %s of the room", dig_wall_name(p.wall));
+        snprintf(text, capacity, "the wall %s of the room", wall_name(p.wall));
     } else {
         const Body *b = &w->bodies.data[p.body.slot];
         if (b->name[0])

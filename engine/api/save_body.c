@@ -54,13 +54,10 @@ static void pack_last_message(Pack *p, const World *w, Body *b)
 static void pack_drift(Pack *p, Body *b)
 {
     pack_bool(p, &b->crowded);
-    for (int i = 0; i < 3 && b->crowded; i++) {
-        real way = (real)b->drift.way[i], turn = (real)b->drift.turn[i];
-        pack_real_in(p, &way, -SAVE_FAR, SAVE_FAR, "drift of a body");
-        pack_real_in(p, &turn, -SAVE_LONG, SAVE_LONG, "drift of a body");
-        b->drift.way[i] = (float)way;
-        b->drift.turn[i] = (float)turn;
-    }
+    if (!b->crowded)
+        return;
+    pack_vec3(p, &b->drift.way, SAVE_FAR, "drift of a body");
+    pack_vec3(p, &b->drift.turn, SAVE_LONG, "drift of a body");
 }
 
 static void pack_motion(Pack *p, Body *b)

@@ -106,16 +106,16 @@ static void look_anew(Group *g)
  * the step, in place alone: springs would need many steps, and harder ones would throw it up. */
 #define SEPARATIONS 8
 
-/* m/s  speed  Is no more than such a part of the bodies faster? */
-static bool most_slower(const Crowd *c, real speed, real part)
+/* Are over such a part of the bodies no faster than that (m/s)? Their spins do not count: balls may roll on the spot. */
+static bool slower(const Crowd *c, real speed, real part)
 {
     int fast = 0;
     for (int i = 0; i < c->bodies; i++)
         fast += vec3_length2(c->g->vel[i].v) > speed * speed;
-    return fast < part * c->bodies;
+    return fast < (1 - part) * c->bodies;
 }
 
-static bool landed(const Crowd *c) { return most_slower(c, BRISK * c->finest / real_min(c->dt, USUAL), 1 - LANDED); }
+static bool landed(const Crowd *c) { return slower(c, BRISK * c->finest / real_min(c->dt, USUAL), LANDED); }
 
 /* A heap that one to five passes hold up creeps on by millimetres a second, for ever. With so many the median is below 0.1, and it falls asleep;
  * half as many are not enough. Rows as hard as for all of these would have thin things thrown up and a pyramid tremble; as soft as for one, those
@@ -125,9 +125,10 @@ static bool landed(const Crowd *c) { return most_slower(c, BRISK * c->finest / r
 #define SLOW     0.02           /* m/s */
 #define NEARLY   0.95           /* of all bodies */
 
+/* In a step that is cut into pieces, up to 16, each would take as many: no. */
 static bool settles(const Crowd *c)
 {
-    return c->passes_most >= SETTLING && c->pieces == 1 && c->g->world->def.sleeping && most_slower(c, SLOW, 1 - NEARLY);
+    return c->passes_most >= SETTLING && c->pieces == 1 && c->g->world->def.sleeping && slower(c, SLOW, NEARLY);
 }
 
 /* How hard rows may be at most where a load comes down through so many contacts. What pushes a tower apart adds up to its top, and what
@@ -185,7 +186,7 @@ static dig_status plan_passes(Crowd *c)
     c->passes_most = down ? int_min(CALM_WORK * hardest, PASSES_MOST) : hardest;
     c->separations = down ? SEPARATIONS : 0;
     if (down && settles(c)) {
-        hard = (int)real_clamp(real_max(wanted, SETTLING_HARD), 1, hard);
+        hard = int_min(hard, (int)real_max(wanted, SETTLING_HARD));
         wanted = real_max(wanted, SETTLING);
     }
     c->passes = (int)real_clamp(wanted, 1, c->passes_most);

@@ -147,19 +147,14 @@ static pair3 spin_momenta(const Body *b, quat q0, vec3 w0, quat q1, vec3 w1)
 static void commit_drift(const Group *g, Body *b, const Pos *to)
 {
     bool crowded = g->crowd && g->world->def.sleeping;
-    if (crowded && !b->crowded)
-        b->drift = (Drift){{0}, {0}};
+    if (crowded && (!b->crowded || b->still <= 0))
+        b->drift = (Drift){vec3_zero(), vec3_zero()};
     b->crowded = crowded;
     if (!crowded)
         return;
-    quat q = quat_mul(to->q, quat_conjugate(b->q));     /* turns are small: their sines do */
-    vec3 way = vec3_sub(to->x, b->x), turn = vec3_scale(copysign(2, q.w), (vec3){q.x, q.y, q.z});
-    b->drift.way[0] += (float)way.x;
-    b->drift.way[1] += (float)way.y;
-    b->drift.way[2] += (float)way.z;
-    b->drift.turn[0] += (float)turn.x;
-    b->drift.turn[1] += (float)turn.y;
-    b->drift.turn[2] += (float)turn.z;
+    quat q = quat_mul(to->q, quat_conjugate(b->q));
+    b->drift.way = vec3_add(b->drift.way, vec3_sub(to->x, b->x));
+    b->drift.turn = vec3_mad(b->drift.turn, copysign(2, q.w), (vec3){q.x, q.y, q.z});
 }
 
 static void commit_body(World *w, const Group *g, int i, real dt)

@@ -21,6 +21,7 @@
 
 #define DRIFT_PART 0.025        /* 1  of the size: one of a crowd that gets no farther in SLEEP_TIME is slow   */
 #define DRIFT_MOST 5e-3         /* m  however large it is; of small ones, the way at SLEEP_SPEED is left to all */
+#define AWAKE_SPEED 1e-2        /* m/s  and no member may be as fast as this at the moment when all fall asleep: what gathers speed, or spins, goes on */
 
 /* m/s  By the time where it is. */
 static real speed_of(const Body *b) { return (vec3_length(b->v) + vec3_length(b->w) * b->outer) / b->rate; }
@@ -91,18 +92,16 @@ static bool creeps(const World *w, uint32_t slot, real speed)
     return speed >= REST_PART * accuracy_tolerance(accuracy) || (speed >= SWING_SPEED && !touches(w, &w->bodies.data[slot]));
 }
 
-static real length3(const float v[3]) { return sqrt((real)v[0] * (real)v[0] + (real)v[1] * (real)v[1] + (real)v[2] * (real)v[2]); }
-
 /* s  For how long it has been slow. */
 static real still_for(Body *b, real speed, real dt)
 {
     if (!b->crowded)
         return speed < SLEEP_SPEED ? b->still + dt : 0;
-    real way = length3(b->drift.way) + length3(b->drift.turn) * b->outer;
+    real way = vec3_length(b->drift.way) + vec3_length(b->drift.turn) * b->outer;
     bool slow = way < real_clamp(DRIFT_PART * b->outer, SLEEP_SPEED * SLEEP_TIME, DRIFT_MOST) * b->rate;
     real still = slow ? b->still + dt : 0;
-    if (!slow || floor(still / SLEEP_TIME) > floor(b->still / SLEEP_TIME))
-        b->drift = (Drift){{0}, {0}};
+    if (floor(still / SLEEP_TIME) > floor(b->still / SLEEP_TIME))      /* a creep gets to any place in time */
+        b->drift = (Drift){vec3_zero(), vec3_zero()};
     return still;
 }
 
@@ -154,7 +153,7 @@ static bool is_carried(const World *w, const Body *b)
 static bool may_sleep(const World *w, uint32_t lead)
 {
     for (uint32_t m = lead; m != NONE; m = graph_next(w->graph, m))      /* mostly one of them says no at once */
-        if (w->bodies.data[m].still < SLEEP_TIME)
+        if (w->bodies.data[m].still < SLEEP_TIME || speed_of(&w->bodies.data[m]) >= AWAKE_SPEED)
             return false;
     Anchor known = {NONE, false};
     for (uint32_t m = lead; m != NONE; m = graph_next(w->graph, m)) {

@@ -209,7 +209,10 @@ static void warn(World *w, dig_rule rule, uint32_t slot, real value, real bound,
         if (old->rule != rule || old->body.slot != body.slot || old->body.gen != body.gen)
             continue;
         old->times++;
-        old->value = real_max(old->value, value);
+        if (value > old->value) {
+            old->value = value;
+            snprintf(old->why, sizeof old->why, "%s", why);
+        }
         return;
     }
     if (w->warning_count == DIG_WARNINGS)
@@ -273,13 +276,13 @@ static real depth_of(const GroupContact *c)
     return depth;
 }
 
-/* With whom. Of the world itself, which is solid all through, a body may well have been put beyond the surface. */
+/* With whom. A plane is solid all through: a body may well have been put beyond its surface. */
 static void warn_overlap(World *w, const GroupPair *q, uint32_t body, real depth, real bound)
 {
     char text[BODY_TEXT_SIZE], why[sizeof((dig_warning *)0)->why];
     const Solid *other = q->on_a->body == body ? q->on_b : q->on_a;
-    bool beyond = other->body == NONE && depth > w->bodies.data[body].outer;
-    snprintf(why, sizeof why, "%s %.50s", beyond ? "it is beyond" : "with", solid_text(w, other, text));
+    bool beyond = other->shape.type == &shape_plane && depth > w->bodies.data[body].outer;
+    snprintf(why, sizeof why, "%s %s", beyond ? "its middle is beyond" : "with", solid_text(w, other, text));
     warn(w, DIG_RULE_OVERLAP, body, depth, bound, why);
 }
 

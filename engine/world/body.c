@@ -35,8 +35,6 @@ const char *solid_text(const World *w, const Solid *s, char text[BODY_TEXT_SIZE]
 {
     if (s->body != NONE)
         return body_text(w, &w->bodies.data[s->body], text);
-    if (!s->wall)
-        return "the ground";
     snprintf(text, BODY_TEXT_SIZE, "wall %s of the room", wall_name(s->wall));
     return text;
 }
@@ -559,7 +557,7 @@ void body_disable(World *w, uint32_t slot)
     b->v = b->w = b->force = b->torque = b->hit_v = b->hit_w = vec3_zero();
     b->mass = b->inv_mass = b->density = b->pull = b->still = b->trace_step = 0;
     b->inertia = b->inv_inertia = mat3_zero();
-    b->round_inertia = b->collided = false;
+    b->round_inertia = b->collided = b->crowded = false;
     b->trace_wait = b->trace_pause = 0;
     b->accuracy = 0;
     b->rate = 1;

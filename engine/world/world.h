@@ -44,7 +44,7 @@ typedef struct BodyWatch {
     uint16_t run[DIG_RULES];    /*        times in that row, or the most that it counts; 0 = none */
 } BodyWatch;
 
-typedef struct Drift { float way[3], turn[3]; } Drift;     /* m, rad  where a body got to since it was looked at last; step/rest.c */
+typedef struct Drift { vec3 way, turn; } Drift;     /* m, 1  where a body got to since it was looked at last, and twice the sines of half its turns; step/rest.c */
 
 typedef struct Body {           /* what every step reads comes first                   */
     uint32_t gen;               /*        generation of the handle                     */
@@ -60,7 +60,7 @@ typedef struct Body {           /* what every step reads comes first            
     uint8_t  integrator;        /* dig_integrator                                      */
     bool     round_inertia;     /*        isotropic: no gyroscopic torque              */
     bool     collided, euler;   /*        in the last step: struck; was not in free flight before */
-    bool     crowded;           /*        in the last step: a crowd had it             */
+    bool     crowded;           /*        a crowd that may sleep had it last           */
     vec3     x;                 /* m      centre of mass, world                        */
     quat     q;                 /* 1      body to world                                */
     vec3     v, w;              /* m/s, rad/s of the centre of mass, world             */
@@ -436,7 +436,7 @@ enum { BODY_TEXT_SIZE = 80 };
 const char *body_text(const World *w, const Body *b, char text[BODY_TEXT_SIZE]);
 const char *new_body_text(const char *name, char text[BODY_TEXT_SIZE]);
 const char *wall_name(int wall);                /* as dig_wall_name */
-/* Its body, or what it is of the world itself. */
+/* Its body, or the wall of the room that it is. */
 const char *solid_text(const World *w, const Solid *s, char text[BODY_TEXT_SIZE]);
 #define BODY_TEXT(w, b)     body_text((w), (b), (char[BODY_TEXT_SIZE]){0})
 #define NEW_BODY_TEXT(name) new_body_text((name), (char[BODY_TEXT_SIZE]){0})

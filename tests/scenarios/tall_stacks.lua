@@ -77,7 +77,7 @@ test.scenario("a heap of 150 boxes falls asleep", function(s)
   s:eventually("all sleep", "15 s", function() return world:stats().awake == 0 end)
 end)
 
--- More than are solved at once: at 5.6 s. Before passes were added where nearly all is slow, boxes of such heaps crept on by 1 to 4 mm/s,
+-- More than are solved at once: at 6.6 s. Before passes were added where nearly all is slow, boxes of such heaps crept on by 1 to 4 mm/s,
 -- and the greatest speed of half a second counted: none of 16 fell asleep in 20 s.
 test.scenario("a heap of 600 boxes, balls, capsules and cylinders falls asleep", function(s)
   local world = s.world

@@ -242,7 +242,13 @@ TEST(what_is_put_beyond_a_wall_is_told_so)
     CHECK_INT(dig_room_set(w, &r), DIG_OK);
     add_box(w, look(0.5, 0), (vec3){1, 1, 1}, 1, (vec3){0, 0.5, 0}, quat_identity());
     step(w, 40);
-    CHECK_TEXT(warned(w, DIG_RULE_OVERLAP).why, "it is beyond wall -y of the room");
+    CHECK_TEXT(warned(w, DIG_RULE_OVERLAP).why, "its middle is beyond wall -y of the room");
+    dig_world_close(w);
+    w = open_world(STEP, NULL, true);
+    add_floor(w, look(0.5, 0));
+    add_box(w, look(0.5, 0), (vec3){1, 1, 1}, 1, (vec3){0, -5, 0}, quat_identity());
+    step(w, 40);
+    CHECK_TEXT(warned(w, DIG_RULE_OVERLAP).why, "its middle is beyond body #0");
     dig_world_close(w);
 }
 
