@@ -44,7 +44,8 @@ typedef struct BodyWatch {
     uint16_t run[DIG_RULES];    /*        times in that row, or the most that it counts; 0 = none */
 } BodyWatch;
 
-typedef struct Drift { vec3 way, turn; } Drift;     /* m, 1  where a body got to since it was looked at last, and twice the sines of half its turns; step/rest.c */
+/* m, 1  Where a body got to since it was looked at last, and twice the sines of half its turns; step/rest.c. */
+typedef struct Drift { vec3 way, turn; } Drift;
 
 typedef struct Body {           /* what every step reads comes first                   */
     uint32_t gen;               /*        generation of the handle                     */
