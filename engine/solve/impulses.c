@@ -59,7 +59,7 @@ void relax_group(Group *g)
         g->residual = 0;
         relax(g, sweeps - done, g->plan->residual);
     }
-    if (g->residual > (wanted > 0 ? CREEP : VELOCITY_COARSE) && direct_rescue(g)) {
+    if (g->residual > (wanted > 0 ? CREEP : VELOCITY_COARSE) && direct_rescue(g) && g->row_count == 0) {
         g->residual = 0;
         relax(g, LAST_SWEEPS, g->plan->residual);
     }
