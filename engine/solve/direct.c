@@ -537,9 +537,10 @@ static bool rescue_joints(Group *g)
     bool fine = run(&d, g->plan->residual);
     g->joints_direct = false;
     g->rescues_failed += !fine;
-    g->stalled = !fine;
-    if (fine)
+    if (fine) {
         g->residual = d.error;
+        g->stalled = false;
+    }
     return fine;
 }
 
