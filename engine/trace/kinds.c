@@ -73,6 +73,20 @@ static void lock_slow(Tracer *t, bool first)
 }
 
 /* False: a motor without a bound is not at its speed. It gets there by a blow, which no force that is followed can be. */
+bool trace_sides(Tracer *t)
+{
+    bool fine = true;
+    for (int i = 0; i < t->hold_count; i++) {
+        Hold *h = &t->holds[i];
+        const Row *r = trace_row(t, h->joint, h->slot);
+        real off = h->target - h->rate;
+        bool lags = fabs(off) * (r && r->angular ? t->size : 1) > t->slip_zero;
+        h->side = !lags || isinf(h->most) ? 0 : off > 0 ? 1 : -1;
+        fine = fine && !(lags && isinf(h->most));
+    }
+    return fine;
+}
+
 static bool start_kinds(Tracer *t)
 {
     for (int i = 0; i < t->touch_count; i++) {
@@ -86,17 +100,9 @@ static bool start_kinds(Tracer *t)
         const Row *r = trace_row(t, t->stops[i].joint, t->stops[i].slot);
         close_gate(t, &t->stops[i].gate, r && r->angular ? t->size : 1, BEYOND);
     }
-    for (int i = 0; i < t->hold_count; i++) {
-        Hold *h = &t->holds[i];
-        const Row *r = trace_row(t, h->joint, h->slot);
-        real off = h->target - h->rate;
-        h->side = fabs(off) * (r && r->angular ? t->size : 1) <= t->slip_zero ? 0 : off > 0 ? 1 : -1;
-        if (h->side != 0 && isinf(h->most)) {
-            t->fault = "a motor without a bound that is not at its speed";
-            return false;
-        }
-    }
-    return true;
+    if (!trace_sides(t))
+        t->fault = "a motor without a bound that is not at its speed";
+    return !t->fault;
 }
 
 /* The end is located to the tolerance: a slip that comes to it, too, may have been followed past it by as much, and point the other way. */

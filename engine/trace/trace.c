@@ -80,9 +80,12 @@ static real fastest(const Tracer *t)
 
 /* Contacts that hardly differ may agree only at velocities far from these: what then goes is not what was off. In arches that fall 1e-8 m/s
  * that were off took 2.8 J of 450, 1.7 million times their share, and 3 mm/s 0.16 J of 53, 4 times theirs; elsewhere it is 0.02 at most, and
- * up to 8 where next to nothing goes. */
+ * up to 8 where next to nothing goes. What holds its speed may be off, too, by what counts as none: a friction that brings all to rest takes
+ * all there is. */
 static bool jerks(Tracer *t, real kinetic, real off)
 {
+    if (t->hold_count > 0)
+        off = real_max(off, t->slip_zero);
     real gone = fabs(kinetic + t->given - group_kinetic(t->g)), share = JERK * off / real_max(fastest(t), 1e-300);
     if (gone <= real_max(JERK_LEAST, share) * kinetic)
         return false;
@@ -109,7 +112,7 @@ static bool close_all(Tracer *t, bool start, bool *moved)
         real kinetic = group_kinetic(t->g);
         if (!trace_project(t, false))
             return false;
-        if (!start && jerks(t, kinetic, off))
+        if (!start && v.gates > 0 && jerks(t, kinetic, off))
             return false;
         if (start && (!t->conserves || off > t->tolerance)) {
             t->conserves = false;
@@ -210,6 +213,8 @@ static bool settle(Tracer *t, bool first)
             return false;
     }
     bool moved = false;
+    if (first)
+        trace_sides(t);         /* what pushes with its bound, does: no jerk stops it */
     if (first && !struck && !put_right(t, true, &moved))         /* another way may have left the closed ones a little off; a blow opens some */
         return false;
     t->shifted = t->shifted || moved;

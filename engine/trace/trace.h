@@ -290,6 +290,7 @@ real trace_row_acceleration(const Tracer *t, const Row *r);
 void trace_patch(Tracer *t, int first, bool forces, bool positions);
 /* kinds.c */
 bool trace_kinds(Tracer *t, bool first);        /* who presses, sticks, slides; first: in this frame */
+bool trace_sides(Tracer *t);                    /* which motors and dry frictions hold their speed, which push with their bound */
 real trace_acceleration_scale(const Tracer *t); /* m/s^2 */
 bool trace_slow_slip(const Tracer *t, const Touching *c, real h);       /* friction alone would turn it, or end it, within h */
 void trace_align(Tracer *t);                    /* slip directions of one patch */

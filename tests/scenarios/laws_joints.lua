@@ -45,6 +45,49 @@ scenario("hinge: its motor gives no more than its torque, its friction no more t
   expect(hinge.speed):near(0, 1e-6)
 end)
 
+-- What a step leaves its joints off, 1e-8 m, is put right: that stops no motor and no friction that pushes with all it has.
+scenario("hinge: friction of 1 mN m takes from a swinging rod what it takes along its way, and no more", function(s)
+  local world = s.world
+  local rod = world:box { size = { 1, 0.1, 0.1 }, mass = 1, at = { 0.5, 0, 0 }, collides = false }
+  local hinge = world:hinge { a = rod, at = { 0, 0, 0 }, axis = { 0, 0, 1 }, friction = 0.001 }
+  local last, way = 0, 0
+  s:always("no dead stop", "4 s", function()
+    last, way = hinge.angle, way + math.abs(hinge.angle - last)
+    return world.energy.lost < 0.0011 * way + 1e-4
+  end)
+  rod:teleport { at = rod.position + digbox.vec(0, 1e-7, 0) }
+  local before = hinge.speed
+  world:step()
+  expect(hinge.speed):near(before, 0.3)                 -- gravity changes it by 0.25 rad/s a frame at most
+end)
+
+scenario("hinge: a motor brakes a falling rod, and lets it turn back at its highest", function(s)
+  local exact = { [0.5] = { -1.463257, 7.139195 }, [0.1] = { -1.489977, 9.330105 } }     -- I a = -m g l cos(angle) - torque sgn(speed)
+  for torque, want in pairs(exact) do
+    local world = s:world {}
+    local rod = world:box { size = { 0.3, 0.04, 0.04 }, mass = 3, at = { 0.15, 0, 0 }, collides = false }
+    local hinge = world:hinge { a = rod, at = { 0, 0, 0 }, axis = { 0, 0, 1 }, motor = { speed = 0, max_torque = torque } }
+    world:run "0.8 s"
+    expect(hinge.angle):near(want[1], 1e-5)
+    expect(hinge.speed):near(want[2], 1e-5)
+    expect(world:stats().gave_up):is(0)
+  end
+end)
+
+scenario("hinge: over a rack, a motor too weak for its load lets it fall with what is left", function(s)
+  for _, step in ipairs { 1 / 30, 1 / 60, 1 / 120 } do
+    local world = s:world { step = step }
+    local wheel = world:cylinder { radius = 0.3, height = 0.05, mass = 5, at = { 0, 1, 0 }, collides = false,
+                                   rotation = { axis = { 1, 0, 0 }, angle = math.pi / 2 } }
+    local hinge = world:hinge { a = wheel, at = { 0, 1, 0 }, axis = { 0, 0, 1 }, motor = { speed = 2, max_torque = 12 } }
+    local load = world:box { size = 0.2, mass = 30, at = { 1, 1, 0 }, collides = false }
+    local slider = world:slider { a = load, along = { 0, 1, 0 } }
+    world:rack { a = hinge, b = slider, ratio = 0.3 }
+    world:run "2 s"
+    expect(slider.speed):near(-2 * (30 * g - 12 / 0.3) / (30 + 0.225 / 0.09), 1e-4)     -- I = m r^2 / 2 = 0.225
+  end
+end)
+
 scenario("hinge: a mass on its spring swings with 2 pi sqrt(I / k), and its limits stop it", function(s)
   local world = s:world { gravity = { 0, 0, 0 }, accuracy = "study" }
   local wheel = world:cylinder { radius = 0.2, height = 0.1, mass = 5, spin = { 0, 2, 0 } }     -- I = 0.1
