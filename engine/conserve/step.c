@@ -1,5 +1,9 @@
 /* conserve/step.c - a group becomes the equations of a step, and what they gave goes back and is booked. */
 #include "conserve/system.h"
+#include "solve/momentum.h"
+
+#define ACROSS 1e-4             /* of the kinetic energy: less of it across the joints stays there */
+#define GENTLE 0.1              /* of the same: and more, too                                      */
 
 /* ---- pieces ---- */
 
@@ -203,6 +207,55 @@ bool step_clean(System *s)
     g->work_in += work;
     g->lost += before + work - kinetic(s);
     return true;
+}
+
+static bool is_driven(const Group *g)
+{
+    for (int i = g->moving_count; i < g->body_count; i++)
+        if (g->member[i].kinematic && vec3_length2(g->vel[i].v) + vec3_length2(g->vel[i].w) > 0)
+            return true;
+    return false;
+}
+
+/* The rule ends on the joints in place, not in velocity: it leaves something across them, which the next step mirrors. Of a smooth motion
+ * that belongs to the fourth order of composed steps; where it is not smooth, it adds up, and is energy that no motion has. Then it is
+ * given back to the motion. */
+dig_status step_settle(System *s)
+{
+    Group *g = s->g;
+    size_t n = (size_t)g->moving_count;
+    ArenaMark mark = arena_mark(g->arena);
+    int *root = arena_alloc(g->arena, (n + 1) * sizeof *root);
+    uint8_t *ties = arena_zero(g->arena, n + 1);
+    Vel *was = arena_alloc(g->arena, (n + 1) * sizeof *was);
+    real *kinetic = arena_alloc(g->arena, (n + 1) * sizeof *kinetic);
+    if (!root || !ties || !was || !kinetic)
+        return DIG_E_MEMORY;
+    start(s);
+    if (is_driven(g) || !newton_clean(s)) {
+        arena_rewind(g->arena, mark);
+        return DIG_OK;
+    }
+    group_mechanisms(g, root, ties);
+    for (int i = 0; i < g->moving_count; i++)
+        kinetic[i] = root[i] == i ? mechanism_kinetic(g, root, i) : 0;
+    for (int i = 0; i < g->moving_count; i++) {
+        was[i] = g->vel[i];
+        if (s->piece[i].moves)
+            g->vel[i] = (Vel){s->piece[i].v0, mat3_mul_vec(s->piece[i].r0, s->piece[i].w0)};
+    }
+    for (int i = 0; i < g->moving_count; i++) {
+        if (!s->piece[i].moves || root[i] != i)
+            continue;
+        bool adds_up = kinetic[i] - mechanism_kinetic(g, root, i) > ACROSS * kinetic[i];
+        if (adds_up && mechanism_hold_kinetic(g, root, i, !(ties[i] & MECHANISM_HELD), kinetic[i], GENTLE))
+            continue;
+        for (int k = i; k < g->moving_count; k++)
+            if (root[k] == i)
+                g->vel[k] = was[k];
+    }
+    arena_rewind(g->arena, mark);
+    return DIG_OK;
 }
 
 static void write_back(System *s)

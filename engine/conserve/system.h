@@ -164,6 +164,7 @@ bool   newton_clean(System *s);                 /* velocities that obey the join
 dig_status step_open(System *s, Group *g);      /* joints taken apart, order made              */
 bool   step_place(System *s);                   /* poses that obey the joints                  */
 bool   step_clean(System *s);                   /* velocities that obey the joints: a plastic blow */
+dig_status step_settle(System *s);              /* velocities that obey the joints where they are far off them, of the same energy and momenta */
 dig_status step_single(System *s, bool *done);  /* a step of s->h; *done: it converged, and is booked */
 bool   step_watch(Group *g, bool last);         /* angles unwind; false: a stop was met        */
 void   step_remember(System *s);                /* joint forces for reports, and as the next first guess; joints are viewed */

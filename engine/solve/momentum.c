@@ -140,27 +140,72 @@ static void hold_both(Group *g, const int *root, int which, real dt)
         hold_course(g, root, which, &b, dt, &r);
 }
 
+/* J  Of body i, were its motion that. */
+static real motion_energy(const Group *g, int i, const Vel *vel)
+{
+    const Member *m = &g->member[i];
+    vec3 w = quat_unrotate(g->pos[i].q, vel->w);
+    return 0.5 * (m->mass * vec3_length2(vel->v) + vec3_dot(w, mat3_mul_vec(*m->inertia, w)));
+}
+
+real mechanism_kinetic(const Group *g, const int *root, int which)
+{
+    real sum = 0;
+    for (int i = which; i < g->moving_count; i++)
+        if (root[i] == which)
+            sum += motion_energy(g, i, &g->vel[i]);
+    return sum;
+}
+
+/* Of body i, as part of that rigid one. */
+static Vel carried(const Group *g, int i, const Rigid *r)
+{
+    return (Vel){vec3_add(r->v, vec3_cross(r->w, vec3_sub(g->pos[i].x, r->at))), r->w};
+}
+
+bool mechanism_hold_kinetic(Group *g, const int *root, int which, bool floats, real kinetic, real most)
+{
+    Rigid rigid = {.mass = 0};
+    real own = 0, gone = kinetic - mechanism_kinetic(g, root, which);
+    if (floats)
+        rigid_motion(g, root, which, &rigid);
+    for (int i = which; i < g->moving_count; i++) {
+        if (root[i] != which)
+            continue;
+        Vel by = carried(g, i, &rigid);
+        own += motion_energy(g, i, &(Vel){vec3_sub(g->vel[i].v, by.v), vec3_sub(g->vel[i].w, by.w)});
+    }
+    if (!(fabs(gone) <= most * own))
+        return false;
+    real scale = own > 0 ? sqrt(1 + gone / own) : 1;
+    for (int i = which; i < g->moving_count; i++) {
+        if (root[i] != which)
+            continue;
+        Vel by = carried(g, i, &rigid);
+        g->vel[i] = (Vel){vec3_mad(by.v, scale, vec3_sub(g->vel[i].v, by.v)), vec3_mad(by.w, scale, vec3_sub(g->vel[i].w, by.w))};
+    }
+    return true;
+}
+
 bool group_isolated(const Group *g)
 {
     bool even = g->push_count == 0 && g->world->region_count == 0 && !g->varies;
     return g->joint_count + g->contact_count > 0 && even && !g->own && !g->drags && !g->rules && !g->planar;
 }
 
-enum { TIED = 1, HELD = 2 };    /* to another that moves, to what does not */
-
 static void tie(const Group *g, int *root, uint8_t *ties, int a, int b)
 {
     bool one = a >= 0 && g->member[a].moves, other = b >= 0 && g->member[b].moves;
     if (one && other) {
         forest_unite(root, a, b);
-        ties[a] |= TIED;
+        ties[a] |= MECHANISM_TIED;
     } else if (one || other) {
-        ties[one ? a : b] |= HELD;
+        ties[one ? a : b] |= MECHANISM_HELD;
     }
 }
 
 /* What joints hold together, and what pressed on each other in the frame. */
-static void find(const Group *g, int *root, uint8_t *ties)
+void group_mechanisms(const Group *g, int *root, uint8_t *ties)
 {
     for (int i = 0; i < g->moving_count; i++)
         root[i] = i;
@@ -192,9 +237,9 @@ dig_status group_hold_momenta(Group *g, real dt)
     uint8_t *ties = arena_zero(g->arena, n + 1);
     if (!root || !ties)
         return DIG_E_MEMORY;
-    find(g, root, ties);
+    group_mechanisms(g, root, ties);
     for (int i = 0; i < g->moving_count; i++)
-        if (g->member[i].moves && root[i] == i && ties[i] == TIED)      /* one alone does what its integrator does */
+        if (g->member[i].moves && root[i] == i && ties[i] == MECHANISM_TIED)      /* one alone does what its integrator does */
             hold_both(g, root, i, dt);
     arena_rewind(g->arena, mark);
     return DIG_OK;

@@ -117,6 +117,7 @@ static void lay_out(Tracer *t, Block *b)
     TAKE(t, held, n + 1);
     TAKE(t, anchor, n + 1);
     TAKE(t, gain, n);
+    TAKE(t, motion, n);
     TAKE(t, y, n);
     TAKE(t, y1, n);
     TAKE(t, y2, n);

@@ -106,6 +106,33 @@ void trace_mark_energy(Tracer *t)
     add_springs(t, -1, t->gain);
 }
 
+/* The way that conserves energy ends on the joints in place, not in velocity: some of its energy is across them (engine/conserve/step.c).
+ * Not where something pressed, was hit or given a speed: those jerks are real. */
+bool trace_mirrored(const Tracer *t)
+{
+    for (int i = 0; i < t->touch_count; i++)
+        if (t->touch[i].gate.presses)
+            return false;
+    for (int i = 0; i < t->stop_count; i++)
+        if (t->stops[i].gate.presses)
+            return false;
+    return t->conserves && !group_joints_broken(t->g);
+}
+
+void trace_mark_motion(Tracer *t)
+{
+    for (int i = 0; i < t->g->moving_count; i++)
+        t->motion[i] = t->root[i] == i ? mechanism_kinetic(t->g, t->root, i) : 0;
+}
+
+bool trace_hold_motion(Tracer *t)
+{
+    for (int i = 0; i < t->g->moving_count; i++)
+        if (t->root[i] == i && t->g->member[i].moves && !mechanism_hold_kinetic(t->g, t->root, i, !t->held[i], t->motion[i], GENTLE))
+            return false;
+    return true;
+}
+
 static real kinetic_of(const Member *m, quat q, vec3 v, vec3 w)
 {
     vec3 l = quat_unrotate(q, w);

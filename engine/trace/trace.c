@@ -94,7 +94,8 @@ static bool jerks(Tracer *t, real kinetic, real off)
 }
 
 /* What drifted or was overlooked by a solver with other habits is put right, first in place, then in velocity. At the start of a
- * frame that is the jerk of joints and contacts whose velocities others, a script among them, left apart: it is lost. */
+ * frame that is the jerk of joints and contacts whose velocities others, a script among them, left apart: it is lost. What nothing but
+ * the way before left across joints is given back; where that is much, it is left to that way. */
 static bool close_all(Tracer *t, bool start, bool *moved)
 {
     Violation v = trace_violation(t);
@@ -110,11 +111,18 @@ static bool close_all(Tracer *t, bool start, bool *moved)
         trace_load(t, t->y, t->t);
         trace_kinematics(t);
         real kinetic = group_kinetic(t->g);
+        bool mirrored = start && off > t->tolerance && trace_mirrored(t);      /* less is made good at the frame's end */
+        if (mirrored)
+            trace_mark_motion(t);
         if (!trace_project(t, false))
             return false;
+        if (mirrored && !trace_hold_motion(t)) {
+            t->left = true;
+            return false;
+        }
         if (!start && v.gates > 0 && jerks(t, kinetic, off))
             return false;
-        if (start && (!t->conserves || off > t->tolerance)) {
+        if (start && !mirrored && (!t->conserves || off > t->tolerance)) {
             t->conserves = false;
             t->g->work_in += t->given;
             t->g->lost += kinetic + t->given - group_kinetic(t->g);

@@ -232,6 +232,7 @@ typedef struct Tracer {
     int   *root; bool *held;    /* mechanisms: [moving_count + 1] lowest body; does it hang on something? */
     vec3  *anchor;              /* m   ... where (one place of them) */
     real  *gain;                /* J   of each, by its lowest body             */
+    real  *motion;              /* J   kinetic, the same, before joints are put right at the start of the frame */
 } Tracer;
 
 /* How many forces and powers are integrated: 4 a contact point, 6 a joint, 1 a push, and three sums. */
@@ -334,6 +335,9 @@ bool trace_may_pass(const Tracer *t);
 bool trace_pass(Tracer *t);                     /* sweeps past the present time, and starts there; false = fault there */
 /* energy.c */
 void trace_mark_energy(Tracer *t);
+bool trace_mirrored(const Tracer *t);           /* are velocities off the joints at the start of the frame by the way before alone? */
+void trace_mark_motion(Tracer *t);              /* of each mechanism, before they are put right... */
+bool trace_hold_motion(Tracer *t);              /* ...and after it: what that took is given back; false: it is too much */
 void trace_hold_energy(Tracer *t);
 /* book.c */
 dig_status trace_reserve(Tracer *t);

@@ -88,6 +88,53 @@ scenario("hinge: over a rack, a motor too weak for its load lets it fall with wh
   end
 end)
 
+-- Linkages turn slowly and fast in turn, and go from the way that conserves energy to the trace and back.
+local function bar_between(world, a, b, mass, thick)
+  local d = b - a
+  return world:box { size = { #d, 0.05, thick }, mass = mass, at = (a + b) / 2, collides = false,
+                     rotation = digbox.quat { from = { 1, 0, 0 }, to = d:normalized() } }
+end
+
+local function four_bar(world)
+  local p = { digbox.vec(0, 0, 0), digbox.vec(-0.3, 1, 0), digbox.vec(1.7, 1.4, 0), digbox.vec(2, 0, 0) }
+  local bars = {}
+  for i, mass in ipairs { 2, 1, 5 } do bars[i] = bar_between(world, p[i], p[i + 1], mass, 0.05) end
+  for i = 1, 4 do world:hinge { a = bars[i] or bars[3], b = i < 4 and bars[i - 1] or nil, at = p[i], axis = { 0, 0, 1 } } end
+  return bars
+end
+
+local function ring_of_bars(world, n)
+  local bars = {}
+  local function corner(i) return digbox.vec(math.cos(2 * math.pi * i / n), math.sin(2 * math.pi * i / n), 0) end
+  for i = 1, n do bars[i] = bar_between(world, corner(i - 1), corner(i), 0.5 + 0.1 * i, 0.1) end
+  for i = 1, n do world:hinge { a = bars[i], b = bars[i % n + 1], at = corner(i), axis = { 0, 0, 1 } } end
+  world:hinge { a = bars[3], at = corner(3), axis = { 0, 0, 1 } }
+end
+
+scenario("hinge: linkages keep their energy, whichever way takes them", function(s)
+  for _, case in ipairs { { 1 / 30, four_bar }, { 1 / 60, ring_of_bars, 6 }, { 1 / 60, ring_of_bars, 12 } } do
+    local world = s:world { step = case[1] }
+    case[2](world, case[3])
+    local start, greatest = world.energy.total, 0
+    s:always("it changes by rounding", "20 s", function()
+      greatest = math.max(greatest, world.energy.kinetic)
+      return math.abs(world.energy.total - start) <= 1e-6 * greatest + 1e-9
+    end)
+    expect(world.energy.lost):near(0, 1e-12)
+  end
+end)
+
+scenario("hinge: a linkage is where finer steps have it", function(s)
+  local fine, places = s:world { accuracy = "study" }, {}
+  local bars = four_bar(fine)
+  fine:run "10 s"
+  for i = 1, 3 do places[i] = bars[i].position end
+  local coarse = s:world { step = 1 / 30 }
+  bars = four_bar(coarse)
+  coarse:run "10 s"
+  for i = 1, 3 do expect(bars[i].position):near(places[i], 1e-3) end     -- of a way of 40 m
+end)
+
 scenario("hinge: a mass on its spring swings with 2 pi sqrt(I / k), and its limits stop it", function(s)
   local world = s:world { gravity = { 0, 0, 0 }, accuracy = "study" }
   local wheel = world:cylinder { radius = 0.2, height = 0.1, mass = 5, spin = { 0, 2, 0 } }     -- I = 0.1
