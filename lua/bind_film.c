@@ -393,16 +393,15 @@ static int start_ffmpeg(Pipe *p, const char *fps)
     int ends[2];
     posix_spawn_file_actions_t actions;
     posix_spawnattr_t attributes;
-    if (pipe(ends) != 0)
-        return errno;
+    int error = file_pipe(ends);
+    if (error != 0)
+        return error;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, ends[0], 0);
-    posix_spawn_file_actions_addclose(&actions, ends[0]);
-    posix_spawn_file_actions_addclose(&actions, ends[1]);
     posix_spawnattr_init(&attributes);
     posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
     posix_spawnattr_setpgroup(&attributes, 0);
-    int error = posix_spawnp(&p->pid, "ffmpeg", &actions, &attributes, (char *const *)(uintptr_t)arguments, environ);
+    error = posix_spawnp(&p->pid, "ffmpeg", &actions, &attributes, (char *const *)(uintptr_t)arguments, environ);
     posix_spawn_file_actions_destroy(&actions);
     posix_spawnattr_destroy(&attributes);
     close(ends[0]);

@@ -9,7 +9,6 @@
 #define _XOPEN_SOURCE 700       /* fork, setenv */
 
 #include <errno.h>
-#include <fcntl.h>
 #include <getopt.h>
 #include <signal.h>
 #include <stdio.h>
@@ -18,6 +17,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/file.h"
 #include "command.h"
 #include "process.h"
 #include "state.h"
@@ -101,7 +101,7 @@ static bool ask_renderer(lua_State *L, App *app, char *text, size_t capacity)
 {
     int ends[2], status = 0;
     *text = '\0';
-    if (pipe(ends) != 0)
+    if (file_pipe(ends) != 0)
         return false;
     fflush(stdout);
     pid_t pid = fork();
@@ -188,12 +188,13 @@ static int start_worker(const RenderJob *job, Worker *workers, int index)
 {
     int ends[2] = {-1, -1};
     const pid_t parent = getpid();
-    if (pipe(ends) != 0)
-        return errno;
+    int error = file_pipe(ends);
+    if (error != 0)
+        return error;
     fflush(stdout);
     pid_t pid = fork();
     if (pid < 0) {
-        int error = errno;
+        error = errno;
         close(ends[0]);
         close(ends[1]);
         return error;
@@ -209,7 +210,6 @@ static int start_worker(const RenderJob *job, Worker *workers, int index)
         _exit(work(job, index, ends[1]));
     }
     close(ends[1]);
-    fcntl(ends[0], F_SETFD, FD_CLOEXEC);
     workers[index] = (Worker){pid, ends[0]};
     return 0;
 }

@@ -140,6 +140,15 @@ void file_draft_drop(FileDraft *d)
     d->handle = -1;
 }
 
+int file_pipe(int ends[2])
+{
+    if (pipe(ends) != 0)
+        return errno;
+    for (int i = 0; i < 2; i++)
+        fcntl(ends[i], F_SETFD, FD_CLOEXEC);
+    return 0;
+}
+
 /* The name is on the disk only when the folder is. Some file systems cannot say: the file itself is safe by then. */
 void file_sync_folder(const char *path)
 {

@@ -30,6 +30,9 @@ dig_status file_draft_write(FileDraft *d, const char *path, const void *data, si
 dig_status file_draft_place(FileDraft *d, const char *path, FileCare care, char *why, size_t capacity);
 void file_draft_drop(FileDraft *d);
 
+/* A pipe that no program started later inherits: one that held the writing end would keep the reader waiting for its end. Returns an errno. */
+int file_pipe(int ends[2]);
+
 /* All of it: a draft, the bytes, the name. */
 dig_status file_replace(const char *path, const void *data, size_t size, FileCare care, char *why, size_t capacity);
 

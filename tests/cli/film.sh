@@ -167,6 +167,19 @@ if command -v ffmpeg >/dev/null; then
     holds 'nothing changed' cmp v.mp4 video/v.mp4
     gives 0 'but with --force' run -q -o video --force --seconds 0.1 video.lua
     holds 'it is the same again' cmp v.mp4 video/v.mp4
+    # Two at once: the second ffmpeg must not hold the pipe of the first, whose end would never come.
+    cat >two.lua <<'LUA'
+local digbox = require "digbox"
+local world, opt = digbox.world {}, digbox.args { seconds = 0.3 }
+world:ball { radius = 0.1, at = { 0, 1, 0 } }
+for _, name in ipairs { "a", "b" } do world:record { to = name .. ".mp4", fps = 30, size = { 32, 18 }, samples = 0 } end
+world:run(opt.seconds)
+LUA
+    gives 0 'two videos at once' run -q -o two --time-limit 60 two.lua
+    holds 'both are there, and nothing else' test "$(ls -A two | tr '\n' ' ')" = 'a.mp4 b.mp4 '
+    gives 5 'two videos that take too long' run -q -o late --time-limit 1 --set seconds=1e5 two.lua
+    for _ in $(seq 100); do pgrep -f 'late/.digbox-.*mp4' >/dev/null || break; sleep 0.05; done
+    holds 'no ffmpeg lingers' test -z "$(pgrep -f 'late/.digbox-.*mp4')"
 fi
 
 # A draft of a killed process is swept away, one that is being written is not.
