@@ -96,7 +96,8 @@ LANE_CODE void reach_sun(const Subject *s, const Light *l, const Frame *f, Block
     settle(&o, b->n, SUN_SIZE);
     fetch_pairs(l->moments, SUN_SIZE, &o, b->n, first, second);
     for (int i = 0; i < b->n; i++) {
-        float behind = most(row_of(s->to_sun[2], b->px[i], b->py[i], b->pz[i]) - first[i], 0);
+        float z = least(row_of(s->to_sun[2], b->px[i], b->py[i], b->pz[i]), 0.5f);      /* beyond the map's far end: as at it, lit */
+        float behind = most(z - first[i], 0);
         float spread = most(second[i] - first[i] * first[i], least_spread);
         b->lit[i] = unit_range(1.25f * spread / (spread + behind * behind) - 0.25f);
     }

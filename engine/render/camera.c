@@ -65,7 +65,7 @@ RenderCamera render_camera_for(const View *v, real fov, real aspect)
 {
     const real azimuth = 0.50, elevation = 0.36, margin = 1.14;      /* rad, rad, 1 */
     const real nearest = 1.9;       /* times the stage's half diagonal: closer, and what is near looks swollen */
-    Stage s = stage_of(v, false);
+    Stage s = stage_of(v, NULL);
     vec3 back = {cos(elevation) * sin(azimuth), -cos(elevation) * cos(azimuth), sin(elevation)};
     vec3 right = vec3_unit(vec3_cross((vec3){0, 0, 1}, back));
     mat3 camera = {right, vec3_cross(back, right), back};

@@ -63,6 +63,12 @@ static vec3 vec3_of_array(const real a[3]) { return (vec3){a[0], a[1], a[2]}; }
 /* The camera's eye relative to the view's origin, m. */
 static vec3 eye_in_view(const View *v, const RenderCamera *c) { return vec3_sub(vec3_of_array(c->at), vec3_of_array(v->origin)); }
 
+static Stage find_stage(const View *v, const RenderOptions *o)
+{
+    StageEye eye = {eye_in_view(v, &o->camera), tan(0.5 * o->camera.fov)};
+    return stage_of(v, &eye);
+}
+
 static Sight find_sight(const View *v, const Stage *s, const RenderOptions *o)
 {
     const RenderCamera *c = &o->camera;
@@ -402,7 +408,7 @@ dig_status paint(Renderer *r, const View *v, const RenderOptions *o, const Targe
 {
     const Gl *gl = &r->gl;
     bool colour = o->layer == RENDER_COLOUR;
-    Stage s = stage_of(v, true);
+    Stage s = find_stage(v, o);
     Sight e = find_sight(v, &s, o);
     real reach = real_max(16, 4.5 * vec3_length(e.at));
     BatchEye eye = {.at = e.at, .pixels = o->height / (2 * e.tan_y), .reach = reach, .lamps = colour ? o->lamp_count : 0,
@@ -444,7 +450,7 @@ dig_status paint_overlay(Renderer *r, const View *v, const RenderOptions *o, con
 {
     static const float nothing[4] = {0, 0, 0, 0};
     const Gl *gl = &r->gl;
-    Stage s = stage_of(v, true);
+    Stage s = find_stage(v, o);
     Sight e = find_sight(v, &s, o);
     mat3 to_world = mat3_transpose(s.axes);
     OverlayEye eye = {.at = eye_in_view(v, &o->camera), .right = mat3_mul_vec(to_world, e.right), .up = mat3_mul_vec(to_world, e.up),

@@ -223,7 +223,7 @@ static const char surface_light[] =
     "    float lit = 1.0;\n"
     "#if SHADOWS\n"
     "    vec2 m = texture(sun_map, v_sun.xy).xy;\n"
-    "    float behind = max(v_sun.z - m.x, 0.0), spread = max(m.y - m.x * m.x, sun_colour.w);\n"
+    "    float behind = max(min(v_sun.z, 0.5) - m.x, 0.0), spread = max(m.y - m.x * m.x, sun_colour.w);\n"
     "    lit = clamp(1.25 * spread / (spread + behind * behind) - 0.25, 0.0, 1.0);\n"
     "#endif\n"
     "#if CORNER_SKY\n"

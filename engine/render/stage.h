@@ -17,14 +17,18 @@ typedef struct Stage {
     vec3 centre;        /* m, world axes, relative to the view's origin: scene (0, 0, 0)        */
     real unit;          /* m per scene unit, on a ladder of 2^(1/4), so that films do not shimmer */
     vec3 low, high;     /* 1, scene: box round what matters                                     */
-    real typical;       /* 1, scene: geometric mean radius of the moving bodies                 */
+    real typical;       /* 1, scene: geometric mean radius of the moving bodies, by their radii */
     real floor;         /* 1, scene z of the floor, or of the lowest thing where there is none  */
     int  floor_item;    /* the horizontal plane under the scene, -1 = none                      */
 } Stage;
 
+/* Who looks at it. */
+typedef struct StageEye { vec3 at; real half; } StageEye;       /* m, relative to the view's origin; half the height that is seen one metre away */
+
 /* What matters: the moving bodies, the fixed ones around them, the floor below. Of huge fixed bodies only the part
- * near the moving ones counts. With `trim`, the odd body flung far away from twenty others or more is left out. */
-Stage stage_of(const View *v, bool trim);
+ * near the moving ones counts. For an eye, the odd body flung far away from the others is left out, and where what moves is hardly seen
+ * the whole scene decides; all that changes smoothly with the places of bodies and eye. Without one (NULL) all bodies count. */
+Stage stage_of(const View *v, const StageEye *eye);
 
 /* A point of the view (m, world axes, relative to origin) in scene units. */
 vec3 stage_point(const Stage *s, vec3 p);
