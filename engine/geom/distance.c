@@ -224,7 +224,8 @@ static void surface_gap(const Pair *p, real enough, ConvexGap *out)
     }
     *out = (ConvexGap){l.gap, l.normal, l.on_a, l.on_b};
     /* wholly inside a solid: as deep as the way to the surface and once through it */
-    if (l.gap > 0 && box3_overlap(whole, (box3){p->c.shift, p->c.shift}) && p->a->type->contains(p->a, p->c.shift)) {
+    vec3 middle = convex_point_b(&p->c, shape_middle(p->b));
+    if (l.gap > 0 && box3_overlap(whole, (box3){middle, middle}) && p->a->type->contains(p->a, middle)) {
         out->gap = -(l.gap + 2 * p->b->inner);
         out->normal = vec3_neg(l.normal);
     }

@@ -123,7 +123,7 @@ static bool first_polytope(Polytope *t, vec3 hint, ConvexGap *out)
     real size = t->pair->size;
     real width = widest_pair(t, hint);
     if (!(width > FLAT * size)) {
-        fill_flat(t, vec3_unit_or(t->pair->shift, (vec3){0, 1, 0}), out);
+        fill_flat(t, vec3_unit_or(convex_way(t->pair), (vec3){0, 1, 0}), out);
         return false;
     }
     vec3 u = vec3_unit(vec3_sub(t->w[1], t->w[0])), side, other;
@@ -137,7 +137,7 @@ static bool first_polytope(Polytope *t, vec3 hint, ConvexGap *out)
     add_width(t, n);
     real up = vec3_dot(n, vec3_sub(t->w[3], t->w[0])), down = -vec3_dot(n, vec3_sub(t->w[4], t->w[0]));
     if (!(real_max(up, down) > FLAT * size)) {
-        fill_flat(t, vec3_dot(n, t->pair->shift) < 0 ? vec3_neg(n) : n, out);
+        fill_flat(t, vec3_dot(n, convex_way(t->pair)) < 0 ? vec3_neg(n) : n, out);
         return false;
     }
     t->corner_count = 4;

@@ -172,7 +172,7 @@ static void fill(const Simplex *s, vec3 v, ConvexGap *out)
 bool gjk_distance(const ConvexPair *p, real enough, vec3 start, ConvexGap *out)
 {
     Simplex s = {.count = 0};
-    vec3 v = vec3_length2(start) > 0 ? vec3_neg(start) : vec3_neg(p->shift);
+    vec3 v = vec3_length2(start) > 0 ? vec3_neg(start) : vec3_neg(convex_way(p));
     if (!(vec3_length2(v) > 0))
         v = (vec3){1, 0, 0};
     add_corner(&s, convex_support_a(p, vec3_neg(v)), convex_support_b(p, v));

@@ -31,6 +31,12 @@ static inline vec3 convex_support_b(const ConvexPair *p, vec3 d)
     return convex_point_b(p, p->b->type->support(p->b, mat3_mul_vec(p->back, d)));
 }
 
+/* From inside a to inside b: roughly the way that b lies. */
+static inline vec3 convex_way(const ConvexPair *p)
+{
+    return vec3_sub(convex_point_b(p, shape_middle(p->b)), shape_middle(p->a));
+}
+
 /* Fills out. Gives up early once the gap is known to exceed `enough`: gap is then a lower bound above it. axis (may be
  * NULL): a guess of the normal to start from, zero = none; replaced by the normal found. */
 void convex_gap(const ConvexPair *p, real enough, vec3 *axis, ConvexGap *out);

@@ -143,6 +143,8 @@ static real hull_area_of(const Shape *s)
     return sum;
 }
 
+static vec3 hull_middle(const Shape *s) { return hull_data(s)->mass.centre; }
+
 static void hull_mass(const Shape *s, MassProps *out)
 {
     *out = hull_data(s)->mass;
@@ -256,6 +258,7 @@ const ShapeType shape_hull = {
     .convex   = true,
     .make     = hull_make,
     .support  = hull_support,
+    .middle   = hull_middle,
     .bounds   = hull_bounds,
     .mass     = hull_mass,
     .wet      = hull_wet,

@@ -216,7 +216,7 @@ static bool meet_piece(void *context, const SurfacePiece *piece)
     Pair p = pair_with_piece(meet->p, &triangle, piece->origin);
     Manifold m;
     vec3 front = vec3_unit_or(vec3_cross(vec3_sub(c[1], c[0]), vec3_sub(c[2], c[0])), vec3_zero());
-    real centre = vec3_dot(front, vec3_sub(p.c.shift, c[0]));
+    real centre = vec3_dot(front, vec3_sub(convex_point_b(&p.c, shape_middle(p.b)), c[0]));
     if (!meet->solid && centre < 0) {
         front = vec3_neg(front);
         centre = -centre;

@@ -85,7 +85,7 @@ static bool patch_foot(const Patch *t, real size, ConvexGap *out)
 bool patch_gap(const ConvexPair *p, vec3 guess, real enough, ConvexGap *out)
 {
     bool guessed = vec3_length2(guess) > 0, point = p->a->outer == p->a->round || p->b->outer == p->b->round;
-    vec3 toward = vec3_unit_or(guessed ? guess : p->shift, vec3_zero());
+    vec3 toward = vec3_unit_or(guessed ? guess : convex_way(p), vec3_zero());
     real sine = guessed ? NEAR : NEAR_B;
     for (int k = 0; k < 2 && !point; k++) {            /* points need no patch: GJK is as quick */
         vec3 n = k == 0 ? face_normal(p->a, toward) : face_normal_of_b(p, toward);

@@ -50,7 +50,7 @@ typedef struct Shape {
     const ShapeType *type;
     const void      *data;      /* the type's own, immutable               */
     real             round;     /* m  rounding radius around the core      */
-    real             inner;     /* m  radius of a ball that fits inside, for continuous collision; 0 = none (plane: infinite) */
+    real             inner;     /* m  radius of a ball about shape_middle that fits inside, for continuous collision; 0 = none (plane: infinite) */
     real             outer;     /* m  radius about the shape's origin that contains it (plane: infinite) */
     real             rolling;   /* m  radius of curvature where it rolls (sphere, capsule, cylinder); 0 = it does not */
     int             *refs;      /* shared by copies and snapshots (shape_keep, shape_free) */
@@ -71,6 +71,7 @@ struct ShapeType {
     /* Checks def (already inside its ranges) and fills shape. why gets one sentence with value, unit and bound. */
     dig_status (*make)(const void *def, Shape *shape, char *why, size_t capacity);
     vec3       (*support)(const Shape *s, vec3 direction);      /* core point farthest along; local; direction need not be unit */
+    vec3       (*middle)(const Shape *s);                       /* m  a point well inside, see shape_middle; NULL: the origin is one */
     box3       (*bounds)(const Shape *s, pose at);              /* world, rounding included; infinite planes use +-1e30 */
     void       (*mass)(const Shape *s, MassProps *out);         /* exact; NULL: has none. An open mesh gives volume 0 */
     /* Adds the part with normal . x <= offset, a unit vector; what does not meet the plane is not asked. NULL: is no solid. */
@@ -124,6 +125,9 @@ static inline const vec3 *hull_vertices(const HullData *h) { return (const vec3 
 static inline const HullFace *hull_faces(const HullData *h) { return (const HullFace *)(const void *)(hull_vertices(h) + h->vertex_count); }
 static inline const HullEdge *hull_edges(const HullData *h) { return (const HullEdge *)(const void *)(hull_faces(h) + h->face_count); }
 static inline const uint8_t *hull_corners(const HullData *h) { return (const uint8_t *)(hull_edges(h) + h->edge_count); }
+
+/* m  A point that is surely inside a convex shape: corners of hulls lie about any origin, on their surface or far beside them, too. */
+static inline vec3 shape_middle(const Shape *s) { return s->type->middle ? s->type->middle(s) : vec3_zero(); }
 
 bool shape_mesh_closed(const Shape *s);     /* a mesh whose surface encloses a volume: its mass is exact, contains() works */
 

@@ -33,6 +33,34 @@ static Shape field_of(real (*height)(real x, real z))
     return fixture_make("heightfield", &(dig_heightfield_def){.heights = heights, .columns = N, .rows = N, .size = {8, 0, 8}});
 }
 
+/* A box of triangles, its faces cut into n x n squares. */
+static Shape box_of_triangles(real x, real y, real z, int n)
+{
+    static vec3 v[6 * 25];
+    static int64_t t[6 * 16 * 6];
+    const vec3 half = {0.5 * x, 0.5 * y, 0.5 * z};
+    int count = 0, at = 0;
+    for (int f = 0; f < 6; f++) {
+        real side = f % 2 ? 1 : -1;
+        for (int i = 0; i <= n; i++)
+            for (int j = 0; j <= n; j++) {
+                real a = side * (2.0 * i / n - 1), b = 2.0 * j / n - 1, c[3];
+                c[f / 2] = side;
+                c[(f / 2 + 1) % 3] = a;
+                c[(f / 2 + 2) % 3] = b;
+                v[count++] = (vec3){c[0] * half.x, c[1] * half.y, c[2] * half.z};
+            }
+        for (int i = 0; i < n; i++)
+            for (int j = 0; j < n; j++) {
+                int64_t c = f * (n + 1) * (n + 1) + i * (n + 1) + j + 1;
+                const int64_t six[6] = {c, c + n + 1, c + n + 2, c, c + n + 2, c + 1};
+                memcpy(t + at, six, sizeof six);
+                at += 6;
+            }
+    }
+    return fixture_make("mesh", &(dig_mesh_def){{v, count}, {t, at}});
+}
+
 static real flat(real x, real z) { return 0 * x * z; }
 static real ramp(real x, real z) { return 0.2 * x + 0 * z; }
 static real valley(real x, real z) { return fabs(x) + 0 * z; }
@@ -179,6 +207,35 @@ TEST(the_rim_of_an_open_mesh_is_real)
     shape_free(&ball);
 }
 
+/* The corners of a hull lie about any origin: on its lower face, above its upper one, or far beside it. Which side of an open mesh it is on is told
+ * by where the hull is. */
+TEST(a_hull_meets_an_open_mesh_wherever_its_origin_is)
+{
+    Shape ground = mesh_of(flat), closed = box_of_triangles(3, 3, 3, 1);
+    Manifold m[MANY];
+    uint32_t piece[MANY];
+    const vec3 off[] = {{0, 0, 0}, {0, 0.2, 0}, {0, 0.3, 0}, {0, -0.2, 0}, {0, -0.3, 0}, {1, 0.5, -1}, {3, -7, 2}};
+    for (size_t k = 0; k < sizeof off / sizeof *off; k++) {
+        vec3 corner[8];
+        for (int i = 0; i < 8; i++)
+            corner[i] = vec3_add(off[k], (vec3){i & 1 ? 0.2 : -0.2, i & 2 ? 0.2 : -0.2, i & 4 ? 0.2 : -0.2});
+        Shape hull = fixture_hull(corner, 8);
+        for (int i = 0; i < 8; i++) {
+            real gap = (real[]){0.01, 1e-9, 0, -1e-3}[i % 4], side = i < 4 ? 1 : -1;
+            pose at = {vec3_sub((vec3){0.3, side * (0.2 + gap), 0.1}, off[k]), quat_identity()};
+            int count = manifold_collide(&ground, pose_identity(), &hull, at, 0.02, NULL, m, piece, MANY);
+            CHECK(count > 0);
+            check_only_normal(m, count, (vec3){0, side, 0}, 1e-9);
+            CHECK_NEAR(deepest_of(m, count), gap, 1e-12);
+        }
+        pose inside = {vec3_neg(off[k]), quat_identity()};
+        CHECK_NEAR(shape_distance(&closed, pose_identity(), &hull, inside, INFINITY, NULL, NULL, NULL), -(1.3 + 2 * 0.2), 1e-12);
+        shape_free(&hull);
+    }
+    shape_free(&ground);
+    shape_free(&closed);
+}
+
 /* A height field is solid below: what has sunk in is pushed up. */
 TEST(what_sank_into_a_height_field_is_pushed_up)
 {
@@ -292,34 +349,6 @@ TEST(the_nearest_contact_of_a_bumpy_surface_is_never_lost)
     shape_free(&ground[1]);
 }
 
-/* A box of triangles, its faces cut into n x n squares. */
-static Shape box_of_triangles(real x, real y, real z, int n)
-{
-    static vec3 v[6 * 25];
-    static int64_t t[6 * 16 * 6];
-    const vec3 half = {0.5 * x, 0.5 * y, 0.5 * z};
-    int count = 0, at = 0;
-    for (int f = 0; f < 6; f++) {
-        real side = f % 2 ? 1 : -1;
-        for (int i = 0; i <= n; i++)
-            for (int j = 0; j <= n; j++) {
-                real a = side * (2.0 * i / n - 1), b = 2.0 * j / n - 1, c[3];
-                c[f / 2] = side;
-                c[(f / 2 + 1) % 3] = a;
-                c[(f / 2 + 2) % 3] = b;
-                v[count++] = (vec3){c[0] * half.x, c[1] * half.y, c[2] * half.z};
-            }
-        for (int i = 0; i < n; i++)
-            for (int j = 0; j < n; j++) {
-                int64_t c = f * (n + 1) * (n + 1) + i * (n + 1) + j + 1;
-                const int64_t six[6] = {c, c + n + 1, c + n + 2, c, c + n + 2, c + 1};
-                memcpy(t + at, six, sizeof six);
-                at += 6;
-            }
-    }
-    return fixture_make("mesh", &(dig_mesh_def){{v, count}, {t, at}});
-}
-
 /* Planes meet a closed mesh as they meet its hull: gaps, deepest contacts, and what stands on its face stands on its four corners, however
  * many triangles that face has. */
 TEST(a_plane_meets_a_mesh_as_it_meets_its_hull)
@@ -360,6 +389,7 @@ int main(void)
     RUN_TESTS(unit_test(sliding_over_flat_triangles_shows_only_the_planes_normal), unit_test(a_box_on_many_triangles_stands_on_its_corners),
               unit_test(a_ball_in_a_valley_touches_both_sides), unit_test(a_ridge_is_met_across_its_edge_once),
               unit_test(the_rim_of_an_open_mesh_is_real), unit_test(what_sank_into_a_height_field_is_pushed_up),
+              unit_test(a_hull_meets_an_open_mesh_wherever_its_origin_is),
               unit_test(with_little_room_the_deepest_are_kept), unit_test(distances_to_surfaces_equal_the_least_over_all_triangles),
               unit_test(the_nearest_contact_of_a_bumpy_surface_is_never_lost),
               unit_test(a_plane_meets_a_mesh_as_it_meets_its_hull));
