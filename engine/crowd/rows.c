@@ -36,13 +36,19 @@ static bool goes_past(const GroupPair *q, real gap, real closing, real speed)
 /* May impacts in this step give it a good part of its speed, or more? Then it goes who knows where. */
 static bool is_thrown(const Crowd *c, int body) { return vec3_length(c->g->vel[body].v) < 0.5 * c->stop[body]; }
 
+/* Is that so of this end of a pair, or does it not move and is wider than it is far? A wall is met whichever way what was thrown comes. */
+static bool may_come(const Crowd *c, int body, const Shape *s, real gap)
+{
+    return c->trait[body].moves ? is_thrown(c, body) : gap < s->outer;
+}
+
 /* If an impact stops either, the other goes on alone. Not of what is near, or rests: there an impact that throws either to its side matters,
  * too. */
 static bool alone_goes_past(const Crowd *c, const GroupContact *t, const ManifoldPoint *p)
 {
     const Group *g = c->g;
     const GroupPair *q = &g->pairs[t->pair];
-    if (p->gap <= q->size || (is_thrown(c, t->a) && is_thrown(c, t->b)))
+    if (p->gap <= q->size || (may_come(c, t->a, &q->on_a->shape, p->gap) && may_come(c, t->b, &q->on_b->shape, p->gap)))
         return false;
     vec3 n = t->manifold.normal, a = crowd_velocity(g, t->a, p->a), b = crowd_velocity(g, t->b, p->b);
     real to_b = vec3_dot(n, a), to_a = -vec3_dot(n, b);

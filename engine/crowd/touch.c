@@ -185,9 +185,9 @@ static int follow(const Blows *s, Ends *e, GroupPair *q)
     if (most <= known && (real)e->reach >= way)         /* mostly so, and to look at the pair would be a miss */
         return -1;
     e->reach = (float)q->reach;
-    if (!(way > BRISK * q->size) || !c->trait[x].moves || !c->trait[y].moves)
+    if (!(way > BRISK * q->size) || !c->trait[x].moves)
         return -1;
-    real passed = passed_on(s, q, x, y);
+    real passed = c->trait[y].moves ? passed_on(s, q, x, y) : 0;        /* a wall is looked at, too, but hands nothing on */
     if (passed <= known && q->reach >= way)
         return -1;
     if (q->reach < way && e->gap > 0) {

@@ -383,9 +383,11 @@ void group_touch_pair(Group *g, GroupPair *q, real time);
  * is no point; else 0. */
 real group_touch_convex(Group *g, GroupPair *q, real time, real farther);
 real group_touch_within(Group *g, GroupPair *q, real reach);       /* m; returns the same */
+bool group_outruns(const Group *g, real time);                     /* may two close on each other in that time by more than was looked ahead for? */
 /* Pairs that the velocities now found press deep into each other, for they had no row: they get one when the substep is solved again.
- * What comes down on what is stopped in this substep was not approaching it at its start. */
-bool group_touch_missed(Group *g, real time);
+ * What comes down on what is stopped in this substep was not approaching it at its start. through: only those that a blow makes so much
+ * faster than was looked ahead for that they would get past each other. */
+bool group_touch_missed(Group *g, real time, bool through);
 
 /* joint_rows.c */
 void group_build_joints(Group *g, bool midpoint);

@@ -496,12 +496,13 @@ static dig_status turn_as_found(Group *g)
 /* As many bodies of a stack may meet one after the other in one substep. */
 #define MEETINGS 8
 
-/* Where impacts are not located in time, what is stopped in this substep is met in it by what comes after. */
+/* Where impacts are not located in time, what is stopped in this substep is met in it by what comes after, and what is struck meets what is
+ * before it, though it be thin. */
 static dig_status meet(Group *g)
 {
     for (int i = 0; i < g->pair_count; i++)
         g->pairs[i].meets = false;
-    for (int i = 0; i < MEETINGS && group_touch_missed(g, g->world->def.step / g->plan->substeps); i++) {
+    for (int i = 0; i < MEETINGS && group_touch_missed(g, g->world->def.step / g->plan->substeps, !g->joints_direct); i++) {
         restore(g);
         DIG_TRY(solve_substep(g));
     }
@@ -520,7 +521,7 @@ static dig_status substep(Group *g, real until)
     if (g->locate)
         group_clean_joints(g);
     DIG_TRY(solve_substep(g));
-    if (g->joints_direct)
+    if (g->joints_direct || !g->locate || g->events_left <= 0)
         DIG_TRY(meet(g));
     if (g->joints_direct && g->plan->substeps >= FINE && group_elastic(g) && blow_comes(g))
         DIG_TRY(turn_as_found(g));

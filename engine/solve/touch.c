@@ -192,35 +192,50 @@ static bool pair_moves(const Group *g, const GroupPair *q)
     return g->member[q->a].moves || g->member[q->b].moves || g->member[q->a].kinematic || g->member[q->b].kinematic;
 }
 
+bool group_outruns(const Group *g, real time)
+{
+    for (int i = 0; i < g->pair_count; i++)
+        if (pair_moves(g, &g->pairs[i]) && pair_reach(g, &g->pairs[i], time) > g->pairs[i].reach)
+            return true;
+    return false;
+}
+
 #define FARTHER 0.02            /* of the smaller size: by so much more two solids may close on each other than was looked for */
 #define MISSED  1e-3            /* the same: deeper than this they would overlap */
 
-/* Would a point that got no row go deep by the velocities that the solve has found? */
-static bool goes_deep(const Group *g, const GroupPair *q)
+/* Would a point that got no row go this deep by the velocities that the solve has found? */
+static bool goes_deep(const Group *g, const GroupPair *q, const GroupContact *c, real deep)
 {
-    const GroupContact *c = &g->contacts[q->contact];
     const Vel *a = &g->vel[q->a], *b = &g->vel[q->b];
     for (int k = 0; c->live && k < c->manifold.count; k++) {
         const ManifoldPoint *p = &c->manifold.points[k];
         vec3 va = vec3_add(a->v, vec3_cross(a->w, vec3_sub(p->a, g->pos[q->a].x)));
         vec3 vb = vec3_add(b->v, vec3_cross(b->w, vec3_sub(p->b, g->pos[q->b].x)));
         real rate = vec3_dot(c->manifold.normal, vec3_sub(vb, va));
-        if (rate < 0 && p->gap + g->h * rate < real_min(p->gap, 0) - MISSED * q->size)
+        if (rate < 0 && p->gap + g->h * rate < real_min(p->gap, 0) - deep)
             return true;
     }
     return false;
 }
 
-bool group_touch_missed(Group *g, real time)
+/* m  With its middle so deep in the other the thinner one of a pair is past it. */
+static real thin(const GroupPair *q)
+{
+    return real_max(MISSED * q->size, real_min(q->on_a->shape.inner, q->on_b->shape.inner));
+}
+
+bool group_touch_missed(Group *g, real time, bool through)
 {
     bool any = false;
     for (int i = 0; i < g->pair_count; i++) {
         GroupPair *q = &g->pairs[i];
-        if (q->meets || q->contacts != 1 || (!g->member[q->a].moves && !g->member[q->b].moves))
+        if (q->meets || (q->contacts != 1 && !through) || (!g->member[q->a].moves && !g->member[q->b].moves))
             continue;
-        if (pair_reach(g, q, time) > q->reach + FARTHER * q->size)
+        bool outran = pair_reach(g, q, time) > q->reach + FARTHER * q->size;
+        if (outran)
             group_touch_pair(g, q, time);
-        q->meets = goes_deep(g, q);
+        for (int k = 0; k < q->contacts && (outran || !through) && !q->meets; k++)
+            q->meets = goes_deep(g, q, &g->contacts[q->contact + k], through ? thin(q) : MISSED * q->size);
         any = any || q->meets;
     }
     return any;

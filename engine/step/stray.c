@@ -1,18 +1,21 @@
 /* step/stray.c - who got farther than foreseen, and into something that its group did not watch.
  *
  * Which bodies may meet in a step is decided before it, from their speeds then; a blow can send one farther. Where it would end up in
- * what its group did not watch, the step is done again with a longer reach. For groups that follow their blows in time, and, where it
- * would end up deep, for crowds: a plate that is driven into them hands its speed on through any number of bodies. The others are not exact.
+ * what its group did not watch, or would have passed through that on its way, the step is done again with a longer reach. Groups that do not
+ * follow their blows in time, crowds among them, are not exact: there it must end up deep. A plate that is driven into a crowd hands its
+ * speed on through any number of bodies, and so does a row of balls: the last of them may end far behind a thin wall.
  */
 #include "step/step.h"
+#include "geom/cast.h"
 
 #include <stdlib.h>
 
 #define ASTRAY_TRIES 6          /* of one step */
-#define DEEP 0.02               /* outer radii: by less bodies of a crowd may end up in each other */
+#define DEEP 0.02               /* outer radii: by less bodies may end up in each other where blows are not followed */
 
-/* A solid that ends beyond its reach: there is its centre, and its box. low: m  the box begins here, along the axis of the search. */
-typedef struct Stray { const Group *g; uint32_t solid; vec3 at; box3 end; real low; bool missed; } Stray;
+/* A solid that ends beyond its reach: its centre is there, and was there before; its box. low: m  the box begins here, along the axis of the
+ * search. */
+typedef struct Stray { const Group *g; uint32_t solid; vec3 at, from; box3 end; real low; bool missed; } Stray;
 
 static int compare_slot(const void *key, const void *left)
 {
@@ -31,9 +34,10 @@ static bool unwatched(const World *w, const Group *g, uint32_t solid, uint32_t o
     return g->left_count > 0 && bsearch(&pair, g->left, (size_t)g->left_count, sizeof *g->left, compare_slot);
 }
 
-static bool followed(const Group *g) { return g->located > 0 || g->varies || g->crowd; }
+/* Does it follow its blows in time? */
+static bool exact(const Group *g) { return !g->crowd && (g->located > 0 || g->varies); }
 
-static real margin_of(const Group *g, const Solid *s) { return g->crowd ? DEEP * s->shape.outer : 0; }
+static real margin_of(const Group *g, const Solid *s) { return exact(g) ? 0 : DEEP * s->shape.outer; }
 
 static bool strays(const World *w, int member, Stray *out)
 {
@@ -48,6 +52,7 @@ static bool strays(const World *w, int member, Stray *out)
     if (s->leaf < 0 || !vec3_finite(p->x) || !quat_finite(p->q))
         return false;
     out->at = at.p;
+    out->from = solid_pose(w, s).p;
     out->end = box3_grow(s->shape.type->bounds(&s->shape, at), -margin);
     return !box3_inside(s->reach, out->end);
 }
@@ -81,8 +86,7 @@ static void count_share(void *context, int thread, int threads)
 int count_strays(const Group *g)
 {
     Count c = {.g = g};
-    if (followed(g))
-        team_deal(g->team, count_share, &c);
+    team_deal(g->team, count_share, &c);
     return atomic_load(&c.strays);
 }
 
@@ -94,28 +98,59 @@ static void list_strays(const World *w, const Step *s, Stray *out)
             n += list_member(w, &s->groups[i], k, out + n);
 }
 
-/* Might two solids whose centres end up there be in each other by more than does not matter? Of a crowd's; others' are looked at anew. */
+/* Might two solids whose centres end up there be in each other by more than does not matter? What is exact is looked at anew. */
 static bool deep(const World *w, const Stray *x, uint32_t other, vec3 at)
 {
     const Solid *s = &w->solids.data[x->solid], *o = &w->solids.data[other];
     real near = s->shape.outer + o->shape.outer - DEEP * real_min(s->shape.outer, o->shape.outer);
-    return !x->g->crowd || vec3_length2(vec3_sub(at, x->at)) < near * near;
+    return exact(x->g) || vec3_length2(vec3_sub(at, x->at)) < near * near;
 }
 
-typedef struct Meeting { const World *w; real dt; Stray *stray; } Meeting;
+typedef struct Meeting { World *w; real dt; Stray *stray; } Meeting;
 
-/* The other is where it would be if nothing had struck it. */
+/* m  How far it gets if nothing strikes it. */
+static vec3 way_of(const Meeting *m, const Solid *o)
+{
+    const Body *b = o->body == NONE ? NULL : &m->w->bodies.data[o->body];
+    bool moves = b && (b->kind == DIG_KINEMATIC || (b->kind == DIG_DYNAMIC && b->awake));
+    return moves ? vec3_scale(m->dt, b->v) : vec3_zero();
+}
+
 static bool meets(void *context, uint32_t other)
 {
     const Meeting *m = context;
     const Solid *o = &m->w->solids.data[other];
-    const Body *b = o->body == NONE ? NULL : &m->w->bodies.data[o->body];
     pose at = solid_pose(m->w, o);
-    if (b && (b->kind == DIG_KINEMATIC || (b->kind == DIG_DYNAMIC && b->awake)))
-        at.p = vec3_mad(at.p, m->dt, b->v);
+    at.p = vec3_add(at.p, way_of(m, o));
     m->stray->missed = unwatched(m->w, m->stray->g, m->stray->solid, other) && deep(m->w, m->stray, other, at.p) &&
-                       (!m->stray->g->crowd || box3_overlap(m->stray->end, o->shape.type->bounds(&o->shape, at)));
+                       (exact(m->stray->g) || box3_overlap(m->stray->end, o->shape.type->bounds(&o->shape, at)));
     return !m->stray->missed;
+}
+
+/* Does the straight line from where its centre was to where it ends pass through the other? That will be struck, and may get as far: of
+ * a row of balls each try would else find the next one alone. */
+static bool passes(void *context, uint32_t other)
+{
+    const Meeting *m = context;
+    Solid *o = &m->w->solids.data[other];
+    vec3 way = vec3_sub(vec3_sub(m->stray->at, m->stray->from), way_of(m, o));
+    CastHit hit;
+    if (!unwatched(m->w, m->stray->g, m->stray->solid, other) || !cast_ray(&o->shape, solid_pose(m->w, o), m->stray->from, way, 1, &hit))
+        return true;
+    m->stray->missed = true;
+    if (m->stray->g->crowd)
+        return false;
+    if (o->body != NONE && m->w->bodies.data[o->body].kind == DIG_DYNAMIC && m->w->bodies.data[o->body].awake)
+        o->astray = real_max(o->astray, vec3_length(way));
+    return true;
+}
+
+static void look_on_its_way(World *w, real dt, Stray *stray)
+{
+    Meeting m = {w, dt, stray};
+    tree_query(&w->tree, stray->end, meets, &m);
+    if (!stray->missed)
+        tree_query(&w->tree, (box3){vec3_min(stray->from, stray->at), vec3_max(stray->from, stray->at)}, passes, &m);
 }
 
 /* The tree has no planes. */
@@ -178,7 +213,7 @@ dig_status look_for_strays(World *w, Step *s)
         return world_fail(w, DIG_E_MEMORY, "not enough memory for bodies that got farther than foreseen");
     list_strays(w, s, list);
     for (int i = 0; i < count; i++) {
-        tree_query(&w->tree, list[i].end, meets, &(Meeting){w, s->dt, &list[i]});
+        look_on_its_way(w, s->dt, &list[i]);
         look_at_planes(w, &list[i]);
     }
     look_at_each_other(w, list, count);

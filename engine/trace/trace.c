@@ -191,6 +191,16 @@ static void end_slips(Tracer *t)
     }
 }
 
+/* What a blow made faster may pass through a thin wall that was too far off to be looked at before, within the step. */
+static bool look_farther(Tracer *t)
+{
+    if (!group_outruns(t->g, t->end - t->t))
+        return true;
+    bool found = trace_touch(t, false);
+    trace_kinematics(t);
+    return found;
+}
+
 /* Finds the kinds anew at the present state: blows first, then who presses and slides. */
 static bool settle(Tracer *t, bool first)
 {
@@ -217,7 +227,7 @@ static bool settle(Tracer *t, bool first)
         trace_load(t, t->y, t->t);
         trace_kinematics(t);
         end_slips(t);
-        if (!trace_bounce(t))
+        if (!look_farther(t) || !trace_bounce(t))
             return false;
     }
     bool moved = false;

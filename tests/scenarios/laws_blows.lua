@@ -128,3 +128,85 @@ scenario("the blows of a block that rocks cost few evaluations, and few sweeps t
   expect(block.position):near({ 0.25, 0.5, 0 }, 1e-3)
   expect(block.speed):below(1e-9)
 end)
+
+-- What `make` puts into a world without gravity, on this side of a wall of 10 mm at x = 0: how many are beyond it after 0.2 s?
+local function behind_wall(accuracy, wall, make)
+  local world = digbox.world { gravity = { 0, 0, 0 }, accuracy = accuracy }
+  wall.size, wall.at = { 0.01, 12, 12 }, { 0.005, 0, 0 }
+  world:box(wall)
+  local bodies, behind = make(world), 0
+  world:run(0.2)
+  for _, body in ipairs(bodies) do behind = behind + (body.position.x > 0 and 1 or 0) end
+  return behind
+end
+
+-- Contacts were looked for by the speeds before the blow, and what was at rest got none with a wall a decimetre away: it ended 2.9 m
+-- behind that, for strikers of 15 to 165 m/s.
+scenario("what is struck at rest does not pass through a thin wall in the same step", function()
+  for _, accuracy in ipairs { "sketch", "play", "study", "reference" } do
+    for _, wall in ipairs { { fixed = true }, { kinematic = true }, { mass = 1000 } } do
+      for _, kind in ipairs { "ball", "box" } do
+        for _, speed in ipairs { 15, 30, 90, 165 } do
+          expect(behind_wall(accuracy, wall, function(world)
+            local function body(x, v) return world[kind](world, { [kind == "ball" and "radius" or "size"] = kind == "ball" and 0.05 or 0.1,
+                                                                  restitution = 1, at = { x, 0, 0 }, velocity = { v, 0, 0 } }) end
+            return { body(-0.15, 0), body(-0.35, speed) }
+          end)):is(0)
+        end
+      end
+    end
+  end
+end)
+
+-- Too many for their blows to be located: each got the wall's row a substep late, and four (at "sketch" 13, two still) got out.
+scenario("of a hundred lively balls in a box with thin walls all are still in it", function()
+  for _, accuracy in ipairs { "play", "study" } do
+    local world, balls = digbox.world { gravity = { 0, 0, 0 }, accuracy = accuracy }, {}
+    for side = -1, 1, 2 do
+      world:box { fixed = true, size = { 0.01, 2.2, 2.2 }, at = { 1.005 * side, 0, 0 } }
+      world:box { fixed = true, size = { 2.2, 0.01, 2.2 }, at = { 0, 1.005 * side, 0 } }
+      world:box { fixed = true, size = { 2.2, 2.2, 0.01 }, at = { 0, 0, 1.005 * side } }
+    end
+    for i = 0, 99 do
+      local way = digbox.vec(math.sin(12.9 * i), math.sin(78.2 * i), math.sin(37.7 * i))
+      balls[i + 1] = world:ball { radius = 0.04 + 0.0004 * i, restitution = 1, velocity = i % 3 == 0 and 80 * way or { 0, 0, 0 },
+                                  at = { 0.25 * (i % 6) - 0.62, 0.25 * (i // 6 % 6) - 0.62, 0.25 * (i // 36) - 0.62 } }
+    end
+    for _ = 1, 30 do
+      world:step()
+      for _, ball in ipairs(balls) do
+        expect(math.max(math.abs(ball.position.x), math.abs(ball.position.y), math.abs(ball.position.z))):below(1)
+      end
+    end
+  end
+end)
+
+-- A wall hands no blow on, and so nobody looked at it again for who had been struck; or its row was left out, for what is thrown may go past.
+-- 15 balls of 999 got through, and 21 boxes.
+scenario("a crowd that is thrown at a thin wall stays before it", function()
+  for _, accuracy in ipairs { "sketch", "play" } do
+    expect(behind_wall(accuracy, { fixed = true }, function(world)
+      local balls = {}
+      for i = 0, 332 do
+        local fast = 0.5 + 0.5 * math.sin(12.9 * i)
+        balls[i + 1] = world:ball { radius = 0.05, restitution = 0.3, velocity = { 1 + 199 * fast, 10 * math.sin(78.2 * i), 10 * math.sin(37.7 * i) },
+                                    at = { -1.5 - 0.15 * (i // 100), -2 + 0.4 * (i % 10), -2 + 0.4 * (i // 10 % 10) } }
+      end
+      return balls
+    end)):is(0)
+  end
+end)
+
+-- The last of the row is struck by one that was itself at rest: where it ends, two metres behind the wall, there is nothing.
+scenario("the last ball of a row that is struck does not pass through a thin wall", function()
+  for _, accuracy in ipairs { "sketch", "play", "study" } do
+    for _, count in ipairs { 10, 40 } do
+      expect(behind_wall(accuracy, { fixed = true }, function(world)
+        local balls = {}
+        for i = 1, count do balls[i] = world:ball { radius = 0.05, restitution = 1, at = { -0.15 - 0.12 * (i - 1), 0, 0 } } end
+        world:ball { radius = 0.05, restitution = 1, at = { -0.23 - 0.12 * count, 0, 0 }, velocity = { 120, 0, 0 } }
+        return balls
+      end)):is(0)
+    end
+  end
+end)
