@@ -745,10 +745,11 @@ typedef struct dig_consequence {
 } dig_consequence;
 
 typedef struct dig_answer {
-    dig_verdict verdict;    /* free: it moves, by `moved`; blocked: not a millimetre, whatever is asked; needs: more, `needs`;
-                             * conflict: what it is part of contradicts itself */
-    bool     ok;            /* it does what was asked                                            */
-    real     needs;         /* N or N m that start it; NaN = not asked, infinite = none does     */
+    dig_verdict verdict;    /* free: it moves by as much as was asked; blocked: no push does it, from where `moved` ends;
+                             * needs: more, `needs`; conflict: what it is part of contradicts itself; unknown: time was up */
+    bool     ok;            /* it does what was asked: free, or without a push an answer to how much                     */
+    real     needs;         /* N or N m that start it, get it on from where it stopped, or there in time;
+                             * NaN = not asked or found, infinite = none does                    */
     real     moved;         /* m or rad, before it had moved `by`, stopped, or time was up       */
     real     time;          /* s that took                                                       */
     dig_part held[DIG_ANSWER_PARTS];    int held_count;     /* what holds it: without these it would move; the first counts most */

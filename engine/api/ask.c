@@ -3,8 +3,8 @@
  * Stages, the cheap ones first, ending with the first that decides:
  *   1  what is fixed does not move; gears that contradict each other (ask_linkage.c) do not turn;
  *   2  the push, tried: does the body move at all within a few steps, and then as far as was asked?
- *   3  it does not: how much more would it need? (ask_needs.c)
- *   4  what holds it? (ask_holders.c)
+ *   3  it does not: how much more would it need, from the start or from where it was stopped? (ask_needs.c)
+ *   4  what holds it, and what holds that? (ask_holders.c)
  *
  * The copy is stepped like any world: an answer is what would come out, not a guess about it. It holds that DIG and what is around it
  * (part.h); where something gets farther than that, more of the world is taken, and where there was more, it is tried again.
@@ -36,6 +36,22 @@ static dig_status open_part(Ask *k)
     return DIG_OK;
 }
 
+/* What was put somewhere since the last step touches nothing yet: what it stands on, and what holds it, is found by stepping. */
+static dig_status settle_part(Ask *k)
+{
+    World *w = k->part.world;
+    if (w->asking.count == 0)
+        return DIG_OK;
+    if ((k->copy ? api_refill(k->copy, w) : api_clone(w, &k->copy)) != DIG_OK)
+        return no_memory(k);
+    k->used = true;
+    k->a->steps++;
+    dig_status s = dig_world_step(k->copy);
+    if (s != DIG_OK)
+        return world_fail(k->w, s, "ask: %s", dig_error(k->copy));
+    return api_refill(w, k->copy) == DIG_OK ? DIG_OK : no_memory(k);
+}
+
 static bool same_slots(const Slots *a, const Slots *b)
 {
     return a->count == b->count && (a->count == 0 || memcmp(a->data, b->data, (size_t)a->count * sizeof *a->data) == 0);
@@ -57,6 +73,7 @@ static dig_status widen(Ask *k, bool *more)
         world_work(k->w, k->copy ? k->copy->work : 0);
         dig_world_close(k->copy);
         k->copy = NULL;
+        DIG_TRY(settle_part(k));
     }
     return DIG_OK;
 }
@@ -112,12 +129,12 @@ static void note_moves(Ask *k)
 }
 
 /* *stopped: by something, not by the clock; *more: it got where there is more than the part holds. */
-static dig_status push_once(Ask *k, Trial *t, bool *stopped, bool *more)
+static dig_status push_once(Ask *k, real push, Trial *t, bool *stopped, bool *more)
 {
     const dig_question *q = k->q;
     *stopped = *more = false;
     k->a->consequence_count = 0;
-    DIG_TRY(ask_push(k, q->with, t));
+    DIG_TRY(ask_push(k, push, t));
     while (!*more && !*stopped && t->moved < q->by && (real)t->steps * k->copy->def.step < q->within) {
         DIG_TRY(ask_step(k, t));
         note_breaks(k);
@@ -128,40 +145,71 @@ static dig_status push_once(Ask *k, Trial *t, bool *stopped, bool *more)
     return DIG_OK;
 }
 
-static dig_status try_push(Ask *k, Trial *t, bool *stopped)
+static bool gets_there(const Ask *k, const Trial *t) { return t->moved >= k->q->by * (1 - 1e-12); }
+
+static dig_status try_push(Ask *k, real push, Trial *t, bool *stopped)
 {
     bool more;
     do
-        DIG_TRY(push_once(k, t, stopped, &more));
+        DIG_TRY(push_once(k, push, t, stopped, &more));
     while (more);
-    note_moves(k);
-    k->a->moved = real_min(t->moved, k->q->by);
-    k->a->time = (real)t->steps * k->copy->def.step;
     return DIG_OK;
 }
 
 /* ---- answers ---- */
 
 static const char *unit(const Ask *k) { return k->q->turns ? "N m" : "N"; }
+static const char *way_unit(const Ask *k) { return k->q->turns ? "rad" : "m"; }
 
 static void add_self(Ask *k) { ask_add_chain(k->a, (dig_part){.body = body_handle(k->part.world, k->body)}); }
 
-/* It went a part of the way. */
-static dig_status answer_partly(Ask *k, bool stopped)
+/* a->needs is known. Where no push does it, it is asked who holds it against one that friction and weight do not. */
+static dig_status find_holders(Ask *k, real push, char *who, size_t capacity)
+{
+    real from = isfinite(k->a->needs) ? push : ASK_STRONG * ask_weight(k);
+    DIG_TRY(ask_holders(k, from));
+    DIG_TRY(ask_chain(k, from));
+    ask_name_holders(k, who, capacity);
+    return DIG_OK;
+}
+
+/* Something stops it on its way: does more push get it on from there? */
+static dig_status answer_stopped(Ask *k)
 {
     dig_answer *a = k->a;
-    char who[160] = "time";
-    if (stopped) {
-        DIG_TRY(go_on_from_here(k));
-        DIG_TRY(ask_holders(k, k->q->with));
-        DIG_TRY(ask_chain(k));
-        ask_name_holders(k, who, sizeof who);
-    } else {
-        add_self(k);
-    }
-    a->verdict = DIG_FREE;
-    snprintf(a->because, sizeof a->because, "it moves %.4g of %.4g %s, then %s %s", a->moved, k->q->by, k->q->turns ? "rad" : "m", who,
-             !stopped ? "is up" : a->held_count > 1 ? "stop it" : "stops it");
+    char who[160], more[80] = ", whatever the push";
+    DIG_TRY(go_on_from_here(k));
+    DIG_TRY(ask_needs(k, k->q->with, true, &a->needs));
+    DIG_TRY(find_holders(k, k->q->with, who, sizeof who));
+    a->verdict = isfinite(a->needs) ? DIG_NEEDS : DIG_BLOCKED;
+    if (isfinite(a->needs))
+        snprintf(more, sizeof more, "; to go on it needs %.4g %s", a->needs, unit(k));
+    snprintf(a->because, sizeof a->because, "it moves %.4g of %.4g %s, then %s %s it%s", a->moved, k->q->by, way_unit(k), who,
+             a->held_count > 1 ? "stop" : "stops", more);
+    return DIG_OK;
+}
+
+/* It is on its way when time is up. Where what is beyond the push that starts it (`starts`, NaN: unknown) makes it faster in proportion,
+ * so much of it is needed; that is tried. */
+static dig_status answer_slow(Ask *k, real starts, bool free)
+{
+    dig_answer *a = k->a, said = *a;
+    Trial t = {0};
+    bool stopped;
+    real with = k->q->with, least = starts > 0 && starts < with ? starts : 0;
+    real push = (least + (with - least) * k->q->by / a->moved) * (1 + 1e-6);
+    DIG_TRY(try_push(k, push, &t, &stopped));
+    said.trials = a->trials;
+    said.steps = a->steps;
+    *a = said;
+    add_self(k);
+    bool does = gets_there(k, &t);
+    a->verdict = does ? DIG_NEEDS : DIG_UNKNOWN;
+    a->needs = does ? push : (real)NAN;
+    int n = snprintf(a->because, sizeof a->because, "%sit moves %.4g of %.4g %s in %.3g s%s", free ? "nothing holds it but its own inertia: " : "",
+                     a->moved, k->q->by, way_unit(k), a->time, free ? "" : ", then time is up");
+    if (does)
+        snprintf(a->because + n, sizeof a->because - (size_t)n, "; in that time it needs %.4g %s", push, unit(k));
     return DIG_OK;
 }
 
@@ -170,9 +218,7 @@ static dig_status answer_held(Ask *k, real from)
 {
     dig_answer *a = k->a;
     char who[160];
-    DIG_TRY(ask_holders(k, from));
-    DIG_TRY(ask_chain(k));
-    ask_name_holders(k, who, sizeof who);
+    DIG_TRY(find_holders(k, from, who, sizeof who));
     const char *hold = a->held_count > 1 ? "hold" : "holds";
     if (isfinite(a->needs)) {
         a->verdict = DIG_NEEDS;
@@ -190,7 +236,7 @@ static dig_status answer_how_much(Ask *k)
     dig_answer *a = k->a;
     DIG_TRY(ask_needs(k, ask_weight(k), false, &a->needs));
     if (a->needs > ASK_FREE * ask_weight(k))
-        return answer_held(k, isfinite(a->needs) ? 0.5 * a->needs : ask_weight(k));
+        return answer_held(k, 0.5 * a->needs);
     a->verdict = DIG_FREE;
     a->ok = true;
     add_self(k);
@@ -198,30 +244,47 @@ static dig_status answer_how_much(Ask *k)
     return DIG_OK;
 }
 
+/* It does not get there: stopped by something, or too slow, or it does not start. */
+static dig_status answer_short(Ask *k, bool stopped)
+{
+    dig_answer *a = k->a;
+    real starts = NAN;
+    if (!stopped && a->moved > 0)
+        DIG_TRY(ask_draw(k, ASK_MOST * ask_weight(k), &starts));
+    bool moved = a->moved >= ASK_LITTLE * ask_scale(k), free = starts <= ASK_FREE * ask_weight(k);
+    if (stopped && moved)
+        return answer_stopped(k);
+    if (!stopped && (moved || free))
+        return answer_slow(k, starts, free);
+    DIG_TRY(ask_needs(k, k->q->with, true, &a->needs));
+    return answer_held(k, k->q->with);
+}
+
 static dig_status answer_push(Ask *k)
 {
     dig_answer *a = k->a;
-    Trial t;
+    Trial t = {0};
     bool stopped;
-    DIG_TRY(try_push(k, &t, &stopped));
-    if (t.moved >= k->q->by * (1 - 1e-12)) {
-        a->verdict = DIG_FREE;
-        a->ok = true;
-        add_self(k);
-        snprintf(a->because, sizeof a->because, "it moves %.4g %s in %.3g s", k->q->by, k->q->turns ? "rad" : "m", a->time);
-        return DIG_OK;
-    }
-    if (fabs(t.moved) >= ASK_LITTLE * ask_scale(k))
-        return answer_partly(k, stopped);
-    DIG_TRY(ask_needs(k, k->q->with, true, &a->needs));
-    return answer_held(k, k->q->with);
+    DIG_TRY(try_push(k, k->q->with, &t, &stopped));
+    note_moves(k);
+    a->moved = real_min(t.moved, k->q->by);
+    a->time = (real)t.steps * k->copy->def.step;
+    if (!gets_there(k, &t))
+        return answer_short(k, stopped);
+    a->verdict = DIG_FREE;
+    a->ok = true;
+    add_self(k);
+    snprintf(a->because, sizeof a->because, "it moves %.4g %s in %.3g s", k->q->by, way_unit(k), a->time);
+    return DIG_OK;
 }
 
 static dig_status answer(Ask *k)
 {
     dig_answer *a = k->a;
-    if (!ask_conflict(k->part.world, k->body, a->held, &a->held_count))
+    if (!ask_conflict(k->part.world, k->body, a->held, &a->held_count)) {
+        DIG_TRY(settle_part(k));
         return isnan(k->q->with) ? answer_how_much(k) : answer_push(k);
+    }
     char who[160];
     a->verdict = DIG_CONFLICT;
     a->needs = INFINITY;
@@ -240,7 +303,8 @@ static dig_status check(const World *w, const dig_question *q)
     if (!(vec3_length(q->along) > 0))
         return world_fail(w, DIG_E_ARG, "ask: along = {0, 0, 0}, must not be zero: it is a direction");
     if (!(q->by > 0 && q->by <= 1e6))
-        return world_fail(w, DIG_E_ARG, "ask: by = %g %s, must be > 0", q->by, q->turns ? "rad" : "m");
+        return world_fail(w, DIG_E_ARG, "ask: by = %g %s, must be > 0: for the other way reverse %s", q->by, q->turns ? "rad" : "m",
+                          q->turns ? "the axis" : "the direction");
     if (!isnan(q->with) && !(q->with > 0 && q->with <= 1e30))
         return world_fail(w, DIG_E_ARG, "ask: with = %g %s, must be > 0", q->with, q->turns ? "N m" : "N");
     if (!(q->within > 0 && q->within <= 1e4))

@@ -14,6 +14,7 @@
 #define ASK_STARTS  1e-4        /* m/s: faster than this after a few steps, and it moves    */
 #define ASK_LITTLE  1e-3        /* m: less is not moved                                     */
 #define ASK_MOST    1e3         /* times the weight of a DIG: no push is stronger           */
+#define ASK_STRONG  4           /* times the weight of a DIG: more than rubs and weighs     */
 #define ASK_FREE    5e-3        /* times the weight of a DIG: what needs less is free       */
 #define ASK_LINKS   24          /* of a body that are tried to be taken away                */
 
@@ -24,6 +25,7 @@ typedef struct Ask {
     Part     part;              /* as it is before each trial            */
     World   *copy;              /* in which the trials are made          */
     bool     used;              /* the copy is no longer what part is    */
+    bool     linked;            /* the body has links; ask_holders       */
     real     far;               /* m   around its DIG the part goes      */
     uint32_t body;              /* that is to move                       */
     vec3     along;             /* unit                                  */
@@ -56,9 +58,10 @@ dig_status ask_needs(Ask *k, real push, bool known, real *needs);
 /* ---- ask_holders.c ---- */
 /* Fills held[]: the first link without which that push would start it; or, where there is none, as many of them as it takes. */
 dig_status ask_holders(Ask *k, real push);
-dig_status ask_chain(Ask *k);                   /* fills chain[], from the body by what holds it to what stands firm */
+/* Fills chain[], from the body by what holds it, and by what holds that, to what stands firm: by trials with that push. */
+dig_status ask_chain(Ask *k, real push);
 void       ask_add_chain(dig_answer *a, dig_part p);
-/* "bolt 'b' and body 'box'", in `text`. */
+/* "bolt 'b' and body 'box'", in `text`; of one who holds, who stands firm behind it. */
 const char *ask_name_holders(const Ask *k, char *text, size_t capacity);
 
 /* ---- ask_linkage.c ---- */

@@ -104,10 +104,12 @@ static bool is_held(const Ask *k, const Trial *t)
     return t->steps >= 2 && fabs(t->speed) < HELD * ask_scale(k) && fabs(t->moved) < HELD * ask_scale(k);
 }
 
+/* What only its inertia holds back speeds up as evenly at last as at first; what is held creeps, or comes to rest. */
 bool ask_stuck(const Ask *k, const Trial *t)
 {
     bool slow = fabs(t->speed) < ASK_STARTS * ask_scale(k) && t->faster < 0.2 * ASK_STARTS * ask_scale(k);
-    return is_held(k, t) || (t->steps >= FEW && slow);
+    bool speeds_up = t->faster > 0 && t->faster * t->steps > 0.5 * fabs(t->speed);
+    return is_held(k, t) || (t->steps >= FEW && slow && !speeds_up);
 }
 
 /* far: m, where it is sure before the last of the steps. */

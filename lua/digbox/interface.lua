@@ -181,12 +181,13 @@ declare("body:warm", { "Gives it heat, or brings it to a temperature.", fields =
   energy = { "real J", "so much heat" }, to = { "real K", "or up to this temperature" } }, gives = "body" })
 
 declare_type("answer", "What a question found out.", {}, {
-  verdict = { "string", "free, blocked, needs, conflict or unknown" }, ok = { "boolean", "it can be done as asked" },
-  needs = { "number|nil", "the least force or torque that does it, N or N m" }, moved = { "number", "how far it came, m or rad" },
+  verdict = { "string", "free (all the way), blocked, needs, conflict or unknown" }, ok = { "boolean", "it can be done as asked" },
+  needs = { "number|nil", "the least force or torque that starts it, or gets it on from there, N or N m" },
+  moved = { "number", "how far it came, m or rad" },
   time = { "number", "how long that took", unit = "s" },
   blocked_by = { "body|joint|string|nil", "who is in the way; a wall of the room by its name" },
   held_by = { "body|joint|string|nil", "who holds it: the same" }, holders = { "table", "all of those, the first first" },
-  chain = { "table", "the way that the message took: bodies and joints" },
+  chain = { "table", "the way that the message took, from it by who holds it to what stands firm: bodies and joints" },
   consequences = { "table", "what else would move or break: {what, who, amount}" },
   because = { "string", "the reason, in one sentence" }, trials = { "integer", "how many copies were tried" },
   steps = { "integer", "steps of all trials" } })

@@ -102,6 +102,7 @@ scenario("a bolted drawer says what holds it, and asking changes nothing", funct
   -- farther than its runner lets it: it says how far, and what stops it
   local far = drawer:can_move { along = { 0, 0, 1 }, by = "50 cm", with = "30 N" }
   expect(far.ok):is(false)
+  expect(far.verdict):is "blocked"
   expect(far.moved):near(0.35, 1e-3)
   expect(far.held_by):is(runner)
 end)
@@ -116,6 +117,88 @@ scenario("pulled harder than the bolt's strength, the answer says that it breaks
   expect(answer.consequences[1].what):is "broken"
   expect(answer.consequences[1].who):is(bolt)
   expect(bolt.valid):is(true)
+end)
+
+-- ---- the holder, not what guides ----
+
+scenario("what stands against a door holds it, not its hinge, shut as it is", function(s)
+  local world = s.world
+  world:floor {}
+  local leaf = world:box { name = "door", size = { 0.8, 2, 0.04 }, at = { 0.4, 1.005, 0 }, mass = 20, friction = 0 }
+  world:hinge { name = "hinge", a = leaf, at = { 0, 1, 0 }, axis = { 0, 1, 0 }, limits = { "-110 deg", 0 } }
+  local block = world:box { name = "block", fixed = true, size = 0.4, at = { 0.4, 0.2, 0.22 } }
+  local outward = { along = { 0, 0, 1 }, at = { 0.75, 1, 0 }, by = "20 cm", with = "40 N" }
+  local function holds(first, chain)
+    local answer = leaf:can_move(outward)
+    expect(answer.held_by):is(first)
+    expect(answer.chain):is(chain)
+    return answer
+  end
+  expect(holds(block, { leaf, block }).verdict):is "blocked"         -- before the first step, too
+  world:run(0.2)
+  expect(holds(block, { leaf, block }).because):is "body 'block' holds it, whatever the push"
+  block:remove()
+  local drum = world:cylinder { name = "drum", radius = 0.2, height = 0.4, mass = 20, friction = 0.5, at = { 0.4, 0.2, 0.22 } }
+  world:run(0.2)
+  local answer = holds(drum, { leaf, drum, world:find "floor" })
+  expect(answer.needs):near(0.5 * 20 * 9.81 * 0.40 / 0.75, 0.1)
+  expect(answer.because):contains "body 'drum', itself held by body 'floor', holds it; it needs"
+  local inward = leaf:can_move { along = { 0, 0, -1 }, at = { 0.75, 1, 0 }, with = "40 N" }
+  expect(inward.held_by.name):is "hinge"
+end)
+
+scenario("boxes in a row before a wall: the chain ends at the wall", function(s)
+  local world, row = s.world, {}
+  world:floor {}
+  for i = 1, 3 do row[i] = world:box { name = "b" .. i, size = 0.5, mass = 10, at = { 0.5 * i, 0.25, 0 } } end
+  local wall = world:box { name = "wall", fixed = true, size = { 0.5, 2, 2 }, at = { 2, 1, 0 } }
+  local answer = row[1]:can_move { along = { 1, 0, 0 }, by = "5 cm", with = "100 N" }
+  expect(answer.verdict):is "blocked"
+  expect(answer.chain):is { row[1], row[2], row[3], wall }
+  expect(answer.because):is "body 'b2', itself held by body 'wall', holds it, whatever the push"
+end)
+
+scenario("what nothing holds is slow by its own inertia, and moves in time", function(s)
+  local world = s:world { gravity = { 0, 0, 0 } }
+  local safe = world:box { name = "safe", size = 1, mass = 1000 }
+  local function push(force, within) return safe:can_move { along = { 1, 0, 0 }, by = 1, with = force, within = within } end
+  local slow = push("1 N", 5)
+  expect(slow.verdict):is "needs"
+  expect(slow.moved):near(0.0125, 1e-4)                 -- F t^2 / 2 m
+  expect(slow.needs):near(80, 0.1)
+  expect(slow.held_by):is(nil)
+  expect(slow.because):contains "nothing holds it but its own inertia"
+  expect(push(slow.needs, 5).ok):is(true)
+  local long = push("1 N", 60)
+  expect(long.ok):is(true)
+  expect(long.time):near(math.sqrt(2 * 1000), 0.05)
+end)
+
+scenario("asked before the first step, a box on a floor names the floor", function(s)
+  local world = s.world
+  local floor = world:floor {}
+  local box = world:box { name = "box", size = 1, mass = 100, at = { 0, 0.5, 0 } }
+  local answer = box:can_move { along = { 1, 0, 0 }, with = "400 N" }
+  expect(answer.needs):near(490.5, 0.5)
+  expect(answer.held_by):is(floor)
+end)
+
+scenario("free and ok agree: who is stopped on its way is blocked, or needs more", function(s)
+  local world = s:world { gravity = { 0, 0, 0 } }
+  local post = world:box { name = "post", fixed = true, size = 0.1 }
+  local dog = world:box { name = "dog", size = 0.2, at = { 0.5, 0, 0 }, mass = 5 }
+  local leash = world:distance { name = "leash", a = dog, b = post, max = 0.8 }
+  local answer = dog:can_move { along = { 1, 0, 0 }, by = 1, with = "10 N" }
+  expect(answer.verdict):is "blocked"
+  expect(answer.moved):near(0.3, 1e-3)
+  expect(answer.held_by):is(leash)
+  leash:remove()
+  world:spring { name = "spring", a = dog, at = { 0, 0, 0 }, stiffness = 100, length = 0.5, damping = 50 }
+  answer = dog:can_move { along = { 1, 0, 0 }, by = 0.2, with = "10 N" }
+  expect(answer.verdict):is "needs"
+  expect(answer.moved):near(0.1, 1e-3)
+  expect(answer.needs):near(10, 0.5)
+  expect(answer.because):contains "to go on it needs"
 end)
 
 -- ---- wheels ----
@@ -258,7 +341,8 @@ scenario("bad questions are refused at their line", function(s)
   expect(expect(function() ball:can_move { along = { 0, 0, 0 } } end):fails()):contains "must not be zero"
   expect(expect(function() ball:can_move { with = 3 } end):fails()):contains "along is missing"
   expect(expect(function() ball:can_move { along = { 1, 0, 0 }, with = "3 kg" } end):fails()):contains "mass"
-  expect(expect(function() ball:can_move { along = { 1, 0, 0 }, by = -1 } end):fails()):contains "must be > 0"
+  expect(expect(function() ball:can_move { along = { 1, 0, 0 }, by = -1 } end):fails()):contains "must be > 0: for the other way reverse the direction"
+  expect(expect(function() ball:can_move { turn = { 0, 1, 0 }, by = "-30 deg" } end):fails()):contains "reverse the axis"
   expect(expect(function() ball:can_move { along = { 1, 0, 0 }, force = 1 } end):fails()):contains "unknown field 'force'"
   expect(expect(function() world:ask { along = { 1, 0, 0 } } end):fails()):contains "body is missing"
 end)
