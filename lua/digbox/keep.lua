@@ -175,6 +175,7 @@ function methods.find(world, name)
   for _, thing in ipairs(things_of(world)) do
     if thing[1].name == name and stands(thing) then return thing end
   end
+  return nil
 end
 
 return true

@@ -261,3 +261,16 @@ scenario("a filter names the body by its name, too", function(s)
   local message = expect(function() world:on("contact_begin", { with = { "one", "three" } }, print) end):fails()
   expect(message):contains "world:on.with[2]: there is no body 'three'"
 end)
+
+scenario("what breaks says where, and who is not there is not found", function()
+  local world = digbox.world {}
+  local post, weight = world:box { fixed = true, size = 0.1, at = { 3, 5, 1 } }, world:box { size = 0.1, mass = 1, at = { 3, 4, 1 } }
+  local joint = world:weld { name = "thread", a = weight, b = post, at = { 3, 4.5, 1 }, breaks_at = 5 }
+  local at
+  world:on("broken", function(e) at = e.point end)
+  world:run(0.1)
+  expect(joint.valid):is(false)
+  expect(at):near({ 3, 4.5, 1 }, 0.01)
+  expect(select("#", world:find "thread")):is(1)
+  expect(world:find "thread"):is(nil)
+end)

@@ -341,7 +341,8 @@ scenario("bad questions are refused at their line", function(s)
   expect(expect(function() ball:can_move { along = { 0, 0, 0 } } end):fails()):contains "must not be zero"
   expect(expect(function() ball:can_move { with = 3 } end):fails()):contains "along is missing"
   expect(expect(function() ball:can_move { along = { 1, 0, 0 }, with = "3 kg" } end):fails()):contains "mass"
-  expect(expect(function() ball:can_move { along = { 1, 0, 0 }, by = -1 } end):fails()):contains "must be > 0: for the other way reverse the direction"
+  local back = expect(function() ball:can_move { along = { 1, 0, 0 }, by = -1 } end):fails()
+  expect(back):contains "must be > 0: for the other way reverse the direction"
   expect(expect(function() ball:can_move { turn = { 0, 1, 0 }, by = "-30 deg" } end):fails()):contains "reverse the axis"
   expect(expect(function() ball:can_move { along = { 1, 0, 0 }, force = 1 } end):fails()):contains "unknown field 'force'"
   expect(expect(function() world:ask { along = { 1, 0, 0 } } end):fails()):contains "body is missing"
