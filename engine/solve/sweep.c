@@ -521,7 +521,8 @@ static dig_status substep(Group *g, real until)
     if (g->locate)
         group_clean_joints(g);
     DIG_TRY(solve_substep(g));
-    if (g->joints_direct || !g->locate || g->events_left <= 0)
+    bool late = (!g->locate || g->events_left <= 0) && !g->unsolved;     /* of what contradicts itself no velocity says who gets where */
+    if (g->joints_direct || late)
         DIG_TRY(meet(g));
     if (g->joints_direct && g->plan->substeps >= FINE && group_elastic(g) && blow_comes(g))
         DIG_TRY(turn_as_found(g));
