@@ -62,7 +62,9 @@ static void add_touches(Links *list, const Ask *k, uint32_t body, bool moving)
         if (!t->alive || t->pairs == 0 || (t->body_a != body && t->body_b != body))
             continue;
         uint32_t other = t->body_a == body ? t->body_b : t->body_a;
-        dig_part part = other == NONE ? (dig_part){.wall = t->wall} : (dig_part){.body = body_handle(w, other)};
+        dig_part part = {.wall = t->wall};
+        if (other != NONE)
+            part = (dig_part){.body = body_handle(w, other)};
         if ((other != NONE && w->bodies.data[other].kind == DIG_DYNAMIC) == moving && !in_chain(k->a, part))
             add_link(list, part);
     }
