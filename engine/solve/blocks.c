@@ -36,28 +36,42 @@ static void order(Blocks *s, unsigned char *linked, int *degree, int *around)
     }
 }
 
-bool blocks_plan(Blocks *s, Arena *arena, int n, unsigned char *linked)
+/* Multiplications of column j, that many blocks long, of which that many are narrow. */
+static real work_of(bool narrow, real blocks, real narrow_blocks)
+{
+    real all = 72 + 126 * blocks + 108 * blocks * (blocks + 1);
+    real few = 72 + 18 * narrow_blocks + 13.5 * narrow_blocks * (narrow_blocks + 1), rest = blocks - narrow_blocks;
+    return narrow ? few + 126 * rest + 108 * rest * (blocks + narrow_blocks + 1) : all;
+}
+
+bool blocks_plan(Blocks *s, Arena *arena, int n, unsigned char *linked, const bool *narrow)
 {
     size_t size = (size_t)n;
     s->n = n;
     s->place = arena_alloc(arena, size * sizeof *s->place);
     s->first = arena_alloc(arena, (size + 1) * sizeof *s->first);
     s->at = arena_alloc(arena, size * size * sizeof *s->at);
+    s->narrow = arena_zero(arena, size * sizeof *s->narrow);
     int *degree = arena_alloc(arena, size * sizeof *degree), *around = arena_alloc(arena, size * sizeof *around);
-    if (!s->place || !s->first || !s->at || !degree || !around)
+    if (!s->place || !s->first || !s->at || !s->narrow || !degree || !around)
         return false;
     order(s, linked, degree, around);
     int *who = degree, blocks = 0, longest = 0;
-    for (int i = 0; i < n; i++)
+    for (int i = 0; i < n; i++) {
         who[s->place[i]] = i;
+        s->narrow[s->place[i]] = narrow && narrow[i];
+    }
     s->work = 0;
     for (int j = 0; j < n; j++) {
+        int thin = 0;
         s->first[j] = blocks;
-        for (int i = 0; i < n; i++)
-            s->at[i * n + j] = i > j && linked[who[i] * n + who[j]] ? blocks++ : -1;
-        real count = blocks - s->first[j];
+        for (int i = 0; i < n; i++) {
+            bool below = i > j && linked[who[j] * n + who[i]];
+            s->at[i * n + j] = below ? blocks++ : -1;
+            thin += below && s->narrow[i];
+        }
         longest = int_max(longest, blocks - s->first[j]);
-        s->work += 72 + 126 * count + 108 * count * (count + 1);
+        s->work += work_of(s->narrow[j], blocks - s->first[j], thin);
     }
     s->first[n] = blocks;
     s->row = arena_alloc(arena, (size_t)(blocks + 1) * sizeof *s->row);
@@ -156,12 +170,83 @@ INLINE void subtract(real *restrict c, const real *restrict a, const real *restr
     }
 }
 
+/* ---- the same where three rows and columns count: in blocks of the same size, of which the others are zero ---- */
+
+/* What divide_narrow() leaves out of the transpose: subtract() reads it. */
+INLINE void spread_all(real *spread)
+{
+    for (int k = 0; k < 3; k++) {
+        spread[12 * k + 4] = spread[12 * k + 5] = 0;
+        memcpy(spread + 12 * k + 6, spread + 12 * k, 6 * sizeof *spread);
+    }
+    memset(spread + 36, 0, (SPREAD - 36) * sizeof *spread);
+}
+
+INLINE void divide_narrow(real *restrict a, const real *restrict l, real *restrict spread)
+{
+    UNROLL
+    for (int i = 0; i < 3; i++) {
+        real *restrict row = a + 6 * i;
+        row[0] *= l[0];
+        row[1] = (row[1] - row[0] * l[6]) * l[7];
+        row[2] = (row[2] - row[0] * l[12] - row[1] * l[13]) * l[14];
+        for (int k = 0; k < 3; k++)
+            spread[12 * k + i] = row[k];
+    }
+    spread[3] = spread[15] = spread[27] = 0;
+}
+
+INLINE void subtract_narrow(real *restrict c, const real *restrict a, const real *restrict b)
+{
+    const four_any *row = (const four_any *)(const void *)b;
+    four b0 = row[0], b1 = *(const four_any *)(const void *)(b + 12), b2 = *(const four_any *)(const void *)(b + 24);
+    UNROLL
+    for (int i = 0; i < 3; i++) {
+        four_any *to = (four_any *)(void *)(c + 6 * i);
+        *to = *to - four_all(a[6 * i]) * b0 - four_all(a[6 * i + 1]) * b1 - four_all(a[6 * i + 2]) * b2;
+    }
+}
+
+INLINE void eliminate_narrow(Blocks *s, int j)
+{
+    const real *l = s->diagonal + (size_t)BLOCK * (size_t)j;
+    int first = s->first[j], count = s->first[j + 1] - first;
+    real *below = s->below + (size_t)BLOCK * (size_t)first;
+    bool mixed = false;
+    for (int p = 0; p < count; p++) {
+        if (s->narrow[s->row[first + p]])
+            divide_narrow(below + BLOCK * p, l, s->spread + SPREAD * p);
+        else
+            divide(below + BLOCK * p, l, s->spread + SPREAD * p);
+        mixed = mixed || !s->narrow[s->row[first + p]];
+    }
+    for (int p = 0; p < count && mixed; p++)
+        if (s->narrow[s->row[first + p]])
+            spread_all(s->spread + SPREAD * p);
+    for (int p = 0; p < count; p++) {
+        int row = s->row[first + p];
+        const int *at = s->at + (size_t)row * (size_t)s->n;
+        for (int q = 0; q <= p; q++) {
+            int column = s->row[first + q];
+            real *to = q < p ? s->below + (size_t)BLOCK * (size_t)at[column] : s->diagonal + (size_t)BLOCK * (size_t)row;
+            if (s->narrow[row] && s->narrow[column])
+                subtract_narrow(to, below + BLOCK * p, s->spread + SPREAD * q);
+            else
+                subtract(to, below + BLOCK * p, s->spread + SPREAD * q);
+        }
+    }
+}
+
 INLINE bool factor(Blocks *s)
 {
     for (int j = 0; j < s->n; j++) {
         real *l = s->diagonal + (size_t)BLOCK * (size_t)j;
         if (!factor_block(l))
             return false;
+        if (s->narrow[j]) {
+            eliminate_narrow(s, j);
+            continue;
+        }
         int first = s->first[j], count = s->first[j + 1] - first;
         real *below = s->below + (size_t)BLOCK * (size_t)first;
         for (int p = 0; p < count; p++)
@@ -189,6 +274,63 @@ bool blocks_factor(Blocks *s, bool plain)
 }
 #endif
 
+/* Takes what place j is out of those below it, and the other way round. */
+INLINE void solve_forth(const Blocks *s, int j, real *x)
+{
+    const real *xj = x + 6 * j;
+    for (int p = s->first[j]; p < s->first[j + 1]; p++) {
+        const real *b = s->below + (size_t)BLOCK * (size_t)p;
+        real *restrict to = x + 6 * s->row[p];
+        for (int i = 0; i < 6; i++) {
+            real sum = to[i];
+            for (int k = 0; k < 6; k++)
+                sum -= b[6 * i + k] * xj[k];
+            to[i] = sum;
+        }
+    }
+}
+
+INLINE void solve_back(const Blocks *s, int j, real *x)
+{
+    real *xj = x + 6 * j;
+    pair x0 = two(xj), x1 = two(xj + 2), x2 = two(xj + 4);
+    for (int p = s->first[j]; p < s->first[j + 1]; p++) {
+        const real *b = s->below + (size_t)BLOCK * (size_t)p, *from = x + 6 * s->row[p];
+        UNROLL
+        for (int i = 0; i < 6; i++) {
+            x0 -= two(b + 6 * i) * from[i];
+            x1 -= two(b + 6 * i + 2) * from[i];
+            x2 -= two(b + 6 * i + 4) * from[i];
+        }
+    }
+    PAIR(xj[0]) = x0;
+    PAIR(xj[2]) = x1;
+    PAIR(xj[4]) = x2;
+}
+
+/* The same of what is narrow. */
+INLINE void solve_forth_narrow(const Blocks *s, int j, real *x)
+{
+    const real *xj = x + 6 * j;
+    for (int p = s->first[j]; p < s->first[j + 1]; p++) {
+        const real *b = s->below + (size_t)BLOCK * (size_t)p;
+        real *restrict to = x + 6 * s->row[p];
+        for (int i = 0, n = s->narrow[s->row[p]] ? 3 : 6; i < n; i++)
+            to[i] -= b[6 * i] * xj[0] + b[6 * i + 1] * xj[1] + b[6 * i + 2] * xj[2];
+    }
+}
+
+INLINE void solve_back_narrow(const Blocks *s, int j, real *x)
+{
+    real *xj = x + 6 * j;
+    for (int p = s->first[j]; p < s->first[j + 1]; p++) {
+        const real *b = s->below + (size_t)BLOCK * (size_t)p, *from = x + 6 * s->row[p];
+        for (int i = 0, n = s->narrow[s->row[p]] ? 3 : 6; i < n; i++)
+            for (int k = 0; k < 3; k++)
+                xj[k] -= b[6 * i + k] * from[i];
+    }
+}
+
 void blocks_solve(const Blocks *s, real *x)
 {
     for (int j = 0; j < s->n; j++) {
@@ -199,33 +341,18 @@ void blocks_solve(const Blocks *s, real *x)
                 xj[i] -= l[6 * i + k] * xj[k];
             xj[i] *= l[7 * i];
         }
-        for (int p = s->first[j]; p < s->first[j + 1]; p++) {
-            const real *b = s->below + (size_t)BLOCK * (size_t)p;
-            real *restrict to = x + 6 * s->row[p];
-            for (int i = 0; i < 6; i++) {
-                real sum = to[i];
-                for (int k = 0; k < 6; k++)
-                    sum -= b[6 * i + k] * xj[k];
-                to[i] = sum;
-            }
-        }
+        if (s->narrow[j])
+            solve_forth_narrow(s, j, x);
+        else
+            solve_forth(s, j, x);
     }
     for (int j = s->n - 1; j >= 0; j--) {
         const real *l = s->diagonal + (size_t)BLOCK * (size_t)j;
         real *xj = x + 6 * j;
-        pair x0 = two(xj), x1 = two(xj + 2), x2 = two(xj + 4);
-        for (int p = s->first[j]; p < s->first[j + 1]; p++) {
-            const real *b = s->below + (size_t)BLOCK * (size_t)p, *from = x + 6 * s->row[p];
-            UNROLL
-            for (int i = 0; i < 6; i++) {
-                x0 -= two(b + 6 * i) * from[i];
-                x1 -= two(b + 6 * i + 2) * from[i];
-                x2 -= two(b + 6 * i + 4) * from[i];
-            }
-        }
-        PAIR(xj[0]) = x0;
-        PAIR(xj[2]) = x1;
-        PAIR(xj[4]) = x2;
+        if (s->narrow[j])
+            solve_back_narrow(s, j, x);
+        else
+            solve_back(s, j, x);
         for (int i = 5; i >= 0; i--) {
             for (int k = i + 1; k < 6; k++)
                 xj[i] -= l[6 * k + i] * xj[k];

@@ -32,6 +32,9 @@ static const real most_work[2] = {1e6, 4e6};                                    
 #define MANY_WORK     6e8       /*      and of all (2.4e8 take 0.2 s) */
 #define MANY_FACTORS  500
 #define FEW_FACTORS   12
+/* The same for springs: a few sweeps leave forces that are not those of how they are stretched, which makes up energy without end. */
+#define ELASTIC_BODIES 1200
+#define ELASTIC_MATRIX 2e7
 /* The second try of what slides at many points, from soft to hard: with rows hard at once Newton's method stops at their kinks. */
 #define SOFT_POINTS   32000     /*      points times factors */
 #define SOFT_FACTORS  150
@@ -112,9 +115,16 @@ static bool open_direct(Direct *d)
     Group *g = d->g;
     int n = 0;
     d->place = arena_alloc(g->arena, (size_t)(g->body_count + 1) * sizeof *d->place);
-    for (int i = 0; d->place && i < g->body_count; i++)
-        d->place[i] = g->member[i].moves ? n++ : -1;
-    if (!d->place || n == 0)
+    d->narrow = arena_alloc(g->arena, (size_t)(2 * g->body_count + 1) * sizeof *d->narrow);
+    if (!d->place || !d->narrow)
+        return false;
+    bool *narrow = d->narrow + g->body_count;       /* of the unknowns */
+    for (int i = 0; i < g->body_count; i++) {
+        bool moves = g->member[i].moves;
+        d->narrow[i] = narrow[n] = moves && !body_turns(&g->world->bodies.data[g->member[i].slot]);
+        d->place[i] = moves ? n++ : -1;
+    }
+    if (n == 0)
         return false;
     unsigned char *linked = links(d, n);
     size_t size = (size_t)n;
@@ -124,11 +134,11 @@ static bool open_direct(Direct *d)
     d->v0 = arena_zero(g->arena, 6 * size * sizeof *d->v0);
     d->dv = arena_alloc(g->arena, 6 * size * sizeof *d->dv);
     d->grad = arena_alloc(g->arena, 6 * size * sizeof *d->grad);
-    if (!linked || !d->body || !d->mass || !d->v || !d->v0 || !d->dv || !d->grad || !blocks_plan(&d->blocks, g->arena, n, linked)) {
+    if (!linked || !d->body || !d->mass || !d->v || !d->v0 || !d->dv || !d->grad || !blocks_plan(&d->blocks, g->arena, n, linked, narrow)) {
         g->status = DIG_E_MEMORY;
         return false;
     }
-    if (d->blocks.work > (g->calm ? MANY_MATRIX : most_work[d->heavy]))
+    if (d->blocks.work > (g->calm ? MANY_MATRIX : g->joints_direct && group_elastic(g) ? ELASTIC_MATRIX : most_work[d->heavy]))
         return false;
     for (int i = 0; i < g->body_count; i++)
         if (d->place[i] >= 0) {
@@ -369,8 +379,9 @@ bool direct_joints(Group *g)
 real direct_wanted(const Group *g)
 {
     bool heavy = group_top_heavy(g);
+    int most = g->joints_direct && group_elastic(g) ? ELASTIC_BODIES : MOST_BODIES;
     if (g->joints_direct)
-        return g->point_count > most_points[heavy] || g->moving_count > MOST_BODIES || g->direct_failures >= JOINT_FAILURES
+        return g->point_count > most_points[heavy] || g->moving_count > most || g->direct_failures >= JOINT_FAILURES
                    ? 0 : g->plan->residual;
     if (g->row_count > 0 || g->point_count == 0 || g->point_count > (g->calm ? MANY_POINTS : most_points[heavy]) || g->moving_count > MOST_BODIES)
         return 0;

@@ -59,6 +59,7 @@ typedef struct Direct {
     Single *singles; int single_count;
     mat3   *stiff;              /* [bodies] kg m^2  h^2 times the geometric stiffness              */
     int    *place;              /* [bodies] < 0: no unknown                                        */
+    bool   *narrow;             /* [bodies] it does not turn                                       */
     int    *body;               /* [places]                                                        */
     real   *mass;               /* [places][10]  kg, kg m^2: m and the tensor                      */
     real   *v, *v0, *dv, *grad; /* [6 places]                                                      */

@@ -26,7 +26,7 @@ static void place_row(const Direct *d, Single *t, const Row *row)
         t->rate += vec3_dot(row->lin[k], g->vel[b].v) + vec3_dot(row->ang[k], g->vel[b].w);
         if (d->place[b] < 0)
             continue;
-        vec3 part[2] = {row->lin[k], row->ang[k]};
+        vec3 part[2] = {row->lin[k], d->narrow[b] ? vec3_zero() : row->ang[k]};
         memcpy(t->j[t->count], part, sizeof part);
         t->place[t->count++] = d->place[b];
     }

@@ -27,6 +27,15 @@ static real start_rate(const Group *g, const Dir *d, int a, int b)
     return vec3_dot(d->n, vec3_sub(vb.v, va.v)) + vec3_dot(d->aa, va.w) + vec3_dot(d->ab, vb.w);
 }
 
+/* What does not turn has an inertia beyond all others: its arms do not count. */
+static void drop_arms(const Direct *d, real *j, int a, int b)
+{
+    if (d->narrow[a])
+        memset(j + 3, 0, 3 * sizeof *j);
+    if (d->narrow[b])
+        memset(j + 9, 0, 3 * sizeof *j);
+}
+
 #define ON_CONE 0.999           /* of the bound: what sweeps have left there slides */
 
 /* By the sweeps so far. What is open counts as sliding: it will, should it close. */
@@ -42,6 +51,8 @@ static void add_point(Direct *d, int i)
     set_line(t->j[0], &p->n);
     set_line(t->j[1], &p->t[0]);
     set_line(t->j[2], &p->t[1]);
+    for (int k = 0; k < 3; k++)
+        drop_arms(d, t->j[k], p->a, p->b);
     t->r = COMPLIANCE * d->hardened * (p->n.k + p->t[0].k + p->t[1].k) / 3;
     t->target[0] = p->target;
     t->mu = p->friction > 0 && p->kmax > 0 ? p->slides ? p->friction_dynamic : p->friction : 0;
@@ -66,6 +77,7 @@ static void add_roll(Direct *d, int i)
     for (int k = 0; k < 3; k++) {
         t->j[k][3 + k] = -1;
         t->j[k][9 + k] = 1;
+        drop_arms(d, t->j[k], p->a, p->b);
     }
     mat3 k = mat3_add(d->g->mass[p->a].ii, d->g->mass[p->b].ii);
     t->r = COMPLIANCE * d->hardened * (k.r0.x + k.r1.y + k.r2.z) / 3;
