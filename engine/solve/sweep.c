@@ -477,8 +477,6 @@ static dig_status solve_with(Group *g, const Vel *found)
 
 static dig_status solve_substep(Group *g) { return solve_with(g, NULL); }
 
-#define FINE 16         /* substeps of a step: in longer ones what was found first is no good guess of the turn */
-
 /* What bends turns on otherwise after a blow than before it. */
 static dig_status turn_as_found(Group *g)
 {
@@ -491,6 +489,23 @@ static dig_status turn_as_found(Group *g)
     dig_status status = solve_with(g, found);
     arena_rewind(g->arena, mark);
     return status;
+}
+
+#define FINE 16         /* substeps of a step: in longer ones what was found first is no good guess of how bodies turn */
+
+/* Does all that gives do so along a line? Then it is places that turn it. */
+static bool is_threads(const Group *g)
+{
+    for (int i = 0; i < g->joint_count; i++)
+        if (g->joints[i].view.type->elastic && !g->joints[i].view.type->two_anchors)
+            return false;
+    return true;
+}
+
+static dig_status turn_on(Group *g)
+{
+    bool good = g->joints_direct && group_elastic(g) && (g->plan->substeps >= FINE || is_threads(g));
+    return good && blow_comes(g) ? turn_as_found(g) : DIG_OK;
 }
 
 /* As many bodies of a stack may meet one after the other in one substep. */
@@ -509,10 +524,53 @@ static dig_status meet(Group *g)
     return DIG_OK;
 }
 
-/* Velocities found for a substep that do not hold for all of it. What is light flings about when the heavy jerks at it. */
-static bool too_long(const Group *g)
+static real stored(Group *g)
 {
-    return g->locate ? overshoots(g) : turns_on(g) && group_top_heavy(g) && group_joints_open(g);
+    real sum = 0;
+    for (int i = 0; i < g->joint_count; i++)
+        if (joint_stores(&g->joints[i].view)) {
+            group_joint_view(g, i);
+            sum += group_spring_energy(&g->joints[i]);
+        }
+    return sum;
+}
+
+/* Springs may gain so much in a substep: of the energy of motion, and of what lifts all bodies by their size */
+#define MADE_UP 1e-3
+
+/* Will springs store more than was taken for it? Their rows see no turn: a thread whose one end a blow stops is stretched by the square of
+ * what the other goes on across it. */
+static bool springs_gain(Group *g)
+{
+    real gain = -stored(g), lost = 0;
+    ArenaMark mark = arena_mark(g->arena);
+    Pos *before = arena_alloc(g->arena, (size_t)g->body_count * sizeof *before);
+    if (!before) {
+        g->status = DIG_E_MEMORY;
+        return false;
+    }
+    memcpy(before, g->pos, (size_t)g->body_count * sizeof *before);
+    move(g);
+    gain += stored(g);
+    memcpy(g->pos, before, (size_t)g->body_count * sizeof *before);
+    arena_rewind(g->arena, mark);
+    real much = group_kinetic(g);
+    for (int i = 0; i < g->moving_count; i++) {
+        group_refresh_mass(g, i);
+        much += g->member[i].moves ? vec3_length(g->member[i].force) * g->member[i].outer : 0;
+    }
+    for (int i = 0; i < g->row_count; i++)
+        if (g->rows[i].row.kind == ROW_SOFT)
+            lost -= g->rows[i].p * mean_row_rate(g, &g->rows[i].row);
+    return gain - lost > MADE_UP * much;
+}
+
+/* Velocities found for a substep that do not hold for all of it. What is light flings about when the heavy jerks at it. */
+static bool too_long(Group *g)
+{
+    if (g->locate)
+        return overshoots(g);
+    return (turns_on(g) && group_top_heavy(g) && group_joints_open(g)) || (g->joints_direct && group_elastic(g) && springs_gain(g));
 }
 
 static dig_status substep(Group *g, real until)
@@ -524,8 +582,7 @@ static dig_status substep(Group *g, real until)
     bool late = (!g->locate || g->events_left <= 0) && !g->unsolved;     /* of what contradicts itself no velocity says who gets where */
     if (g->joints_direct || late)
         DIG_TRY(meet(g));
-    if (g->joints_direct && g->plan->substeps >= FINE && group_elastic(g) && blow_comes(g))
-        DIG_TRY(turn_as_found(g));
+    DIG_TRY(turn_on(g));
     if (g->locate && g->events_left > 0) {
         real hit = locate_impact(g);
         if (hit < g->h * (1 - 1e-9)) {
@@ -545,6 +602,7 @@ static dig_status substep(Group *g, real until)
         g->heal_over = g->locate ? g->h : g->heal_over;
         until = g->t + g->h;
         DIG_TRY(solve_substep(g));
+        DIG_TRY(turn_on(g));
     }
     forget_idle(g);
     book(g);
