@@ -23,15 +23,13 @@ const char *dig_verdict_name(dig_verdict v)
 
 /* ---- the part of the world that is asked ---- */
 
-static dig_status no_memory(const Ask *k) { return world_fail(k->w, DIG_E_MEMORY, "ask: not enough memory for a copy of the DIG"); }
-
 static dig_status open_part(Ask *k)
 {
     const Body *b = &k->w->bodies.data[k->q->body.slot];
     real by = k->q->turns ? k->q->by * b->outer : k->q->by;
     k->far = 0.02 + 0.1 * b->outer + real_min(by, 2 * b->outer);
     if (part_take(k->w, k->q->body.slot, k->far, &k->part) != DIG_OK)
-        return no_memory(k);
+        return ask_no_memory(k);
     k->body = part_body(&k->part, k->q->body.slot);
     return DIG_OK;
 }
@@ -42,14 +40,12 @@ static dig_status settle_part(Ask *k)
     World *w = k->part.world;
     if (w->asking.count == 0)
         return DIG_OK;
-    if ((k->copy ? api_refill(k->copy, w) : api_clone(w, &k->copy)) != DIG_OK)
-        return no_memory(k);
-    k->used = true;
+    DIG_TRY(ask_use_copy(k));
     k->a->steps++;
     dig_status s = dig_world_step(k->copy);
     if (s != DIG_OK)
         return world_fail(k->w, s, "ask: %s", dig_error(k->copy));
-    return api_refill(w, k->copy) == DIG_OK ? DIG_OK : no_memory(k);
+    return api_refill(w, k->copy) == DIG_OK ? DIG_OK : ask_no_memory(k);
 }
 
 static bool same_slots(const Slots *a, const Slots *b)
@@ -63,7 +59,7 @@ static dig_status widen(Ask *k, bool *more)
     Part wider;
     k->far *= 4;
     if (part_take(k->w, k->q->body.slot, k->far, &wider) != DIG_OK)
-        return no_memory(k);
+        return ask_no_memory(k);
     *more = !same_slots(&wider.bodies, &k->part.bodies);
     world_work(k->w, k->part.world->work);
     part_close(&k->part);
@@ -90,7 +86,7 @@ static dig_status go_on_from_here(Ask *k)
 {
     World *w = k->part.world;
     if (api_refill(w, k->copy) != DIG_OK)
-        return no_memory(k);
+        return ask_no_memory(k);
     int last = w->pushes.count - 1;
     while (last >= 0 && (w->pushes.data[last].body != k->body || w->pushes.data[last].law))
         last--;

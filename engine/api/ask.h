@@ -41,6 +41,8 @@ typedef struct Trial {          /* of one push */
 /* ---- ask_trial.c ---- */
 real       ask_scale(const Ask *k);             /* m/s or rad/s  of a body this large, for 1 m/s */
 real       ask_weight(const Ask *k);            /* N or N m  of its DIG, at least as in 1 m/s^2 */
+dig_status ask_no_memory(const Ask *k);         /* says so in the world's error */
+dig_status ask_use_copy(Ask *k);                /* the copy is as the part is, and about to change */
 dig_status ask_push(Ask *k, real push, Trial *t);      /* joints may break in it */
 dig_status ask_step(Ask *k, Trial *t);
 bool       ask_stuck(const Ask *k, const Trial *t);     /* at rest, and not starting */

@@ -46,12 +46,20 @@ static void open_lock(World *copy, dig_part p)
         dig_body_set(copy, p.body, "collides", &no);
 }
 
+dig_status ask_no_memory(const Ask *k) { return world_fail(k->w, DIG_E_MEMORY, "ask: not enough memory for a copy of the DIG"); }
+
+dig_status ask_use_copy(Ask *k)
+{
+    if ((k->used || !k->copy) && (k->copy ? api_refill(k->copy, k->part.world) : api_clone(k->part.world, &k->copy)) != DIG_OK)
+        return ask_no_memory(k);
+    k->used = true;
+    return DIG_OK;
+}
+
 static dig_status prepare(Ask *k, Trial *t)
 {
     *t = (Trial){0};
-    if ((k->used || !k->copy) && (k->copy ? api_refill(k->copy, k->part.world) : api_clone(k->part.world, &k->copy)) != DIG_OK)
-        return world_fail(k->w, DIG_E_MEMORY, "ask: not enough memory for a copy of the DIG");
-    k->used = true;
+    DIG_TRY(ask_use_copy(k));
     k->a->trials++;
     t->start = point_now(k);
     t->speed = rate_now(k);

@@ -241,13 +241,6 @@ static void joints_of(World *w, Group *g)
     }
 }
 
-/* m  Where its end on a is. */
-static vec3 joint_place(const World *w, const JointRec *r)
-{
-    const Body *a = r->a == NONE ? NULL : &w->bodies.data[r->a];
-    return a ? vec3_add(a->x, quat_rotate(a->q, r->ra)) : r->ra;
-}
-
 /* load in N; share of what it bears; time in s of the world. What its springs held is sound and heat. */
 static void break_joint(World *w, const GroupJoint *j, real load, real share, real time)
 {
@@ -261,7 +254,7 @@ static void break_joint(World *w, const GroupJoint *j, real load, real share, re
         e->joint = joint_handle(w, slot);
         e->impulse = load * w->def.step;
         e->stress = share;
-        e->point = joint_place(w, r);
+        e->point = j->view.a.p;
     }
     joint_remove(w, slot);
     for (int i = first; i < w->pending.count; i++)      /* what follows from it happened with it */

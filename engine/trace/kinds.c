@@ -100,9 +100,11 @@ static bool start_kinds(Tracer *t)
         const Row *r = trace_row(t, t->stops[i].joint, t->stops[i].slot);
         close_gate(t, &t->stops[i].gate, r && r->angular ? t->size : 1, BEYOND);
     }
-    if (!trace_sides(t))
+    if (!trace_sides(t)) {
         t->fault = "a motor without a bound that is not at its speed";
-    return !t->fault;
+        return false;
+    }
+    return true;
 }
 
 /* The end is located to the tolerance: a slip that comes to it, too, may have been followed past it by as much, and point the other way. */
