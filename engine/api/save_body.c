@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-enum { BODY_BYTES = 368, SOLID_BYTES = 125 + SHAPE_PACKED };        /* at least */
+enum { BODY_BYTES = 367, SOLID_BYTES = 125 + SHAPE_PACKED };        /* at least */
 
 /* Follows from the rest: inverses, list membership, the number of shapes, the outer radius and what turning moves of it. */
 static void pack_mass(Pack *p, Body *b)
@@ -114,7 +114,6 @@ static void pack_body(Pack *p, const World *w, Body *b)
     pack_small(p, &b->accuracy, ACCURACY_FINEST + 1, "accuracy of a body");
     pack_u16(p, &b->trace_wait);
     pack_u16(p, &b->trace_pause);
-    pack_u8(p, &b->crowd_wait);
     pack_real_in(p, &b->trace_step, 0, 1, "traced step of a body");
     pack_small(p, &b->integrator, DIG_INTEGRATORS, "integrator of a body");
 }

@@ -133,18 +133,6 @@ static void commit_trace(const Group *g, Body *b)
     b->trace_step = g->trace_step;
 }
 
-#define SPELL 240                /* steps */
-
-/* A group that cost more than its plan gives is a crowd for so long. Not tried again sooner: each step among hard rows stirs up what
- * soft ones have let sink in. */
-static void commit_dear(const Group *g, Body *b)
-{
-    if (g->dear)
-        b->crowd_wait = SPELL;
-    else if (b->crowd_wait > 0)
-        b->crowd_wait--;
-}
-
 /* kg m^2/s  about the centre of mass, turned to q[i] with spin w[i] in lane i; by the time where it is */
 static pair3 spin_momenta(const Body *b, quat q0, vec3 w0, quat q1, vec3 w1)
 {
@@ -191,7 +179,6 @@ static void commit_body(World *w, const Group *g, int i, real dt)
     b->euler = m->integrator == DIG_AUTO ? m->collided || m->constrained : m->integrator == DIG_SWITCH ? m->collided : m->integrator == DIG_EULER;
     b->work += g->push_work[i];
     commit_trace(g, b);
-    commit_dear(g, b);
     b->force = vec3_scale(m->mass / dt, vec3_sub(b->v, old_v));
     b->torque = vec3_scale(body_inertness(b) / dt, vec3_sub(pair3_get(l, 1), pair3_get(l, 0)));
     b->hit_v = b->hit_w = vec3_zero();

@@ -282,7 +282,6 @@ struct Group {
     real      trace_step;       /* s   its last step length; 0 = none                  */
     int       trace_wait;       /*     steps for which it is not tried again           */
     bool      may_trace;        /*     the world's budget for traced and conserved groups reaches it */
-    bool      dear;             /*     it took more than its plan gives who could be a crowd; told after the step (step/work.c) */
     bool      crowd;            /*     the crowd takes it: it need not look for what cannot act in this step */
     bool      calm;             /*     as many as a crowd, but they lie there: all is solved at once, or handed on to the crowd */
     bool      again;            /*     the step was tried before: some went farther than foreseen */

@@ -19,7 +19,6 @@ typedef struct AccuracyPlan {
     int         crowd_bodies;   /* 1    groups with more moving bodies than this are advanced as a crowd   */
     int         calm_bodies;    /* 1    up to so many are not where they lie calm: they are solved at once, and fall asleep  */
     int         crowd_total;    /* 1    so are all groups beyond trace_total, with more awake bodies and pairs in the world */
-    int         crowd_work;     /* 10 ns  as step/work.c counts: who could be a crowd, is more than trace_bodies, and took more, is one for some steps */
     int         trace_bodies;   /* 1    groups with more moving bodies than this are not traced           */
     int         trace_rows;     /* 1    most rows of a traced group's direct solve                        */
     int         trace_total;    /* 1    most bodies and pairs of all traced and conserved groups of a world together */

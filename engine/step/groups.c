@@ -251,23 +251,12 @@ static bool lies_calm(const World *w, const Step *s, const struct StepGroup *g)
     return fast <= CALM_FAST * g->pair_count;
 }
 
-/* Was it too dear lately, and it is not so few that it could be traced? */
-static bool too_dear(const World *w, const Step *s, const struct StepGroup *g, int bodies, const AccuracyPlan *plan)
-{
-    for (int i = 0; i < g->dig_count && bodies > plan->trace_bodies; i++)
-        for (uint32_t m = s->leads[g->dig_first + i]; m != NONE; m = graph_next(w->graph, m))
-            if (w->bodies.data[m].awake && w->bodies.data[m].crowd_wait > 0)
-                return true;
-    return false;
-}
-
-/* Is it for the crowd: by its own size or cost, or because the world has so much else to advance that small groups are no exception? */
+/* Is it for the crowd: by its own size, or because the world has so much else to advance that small groups are no exception? */
 static bool takes_crowd(const World *w, const Step *s, const struct StepGroup *g, int total)
 {
     const AccuracyPlan *plan = accuracy_plan(g->accuracy);
     int bodies = bodies_of(w, s, g);
-    bool few = bodies <= plan->crowd_bodies && total <= plan->crowd_total && !too_dear(w, s, g, bodies, plan);
-    if (few || !crowd_allows(w) || !plain_bodies(w, s, g))
+    if ((bodies <= plan->crowd_bodies && total <= plan->crowd_total) || !crowd_allows(w) || !plain_bodies(w, s, g))
         return false;
     return bodies > CROWD_LIVELY_MOST * plan->crowd_bodies || !bounces_well(w, s, g);
 }

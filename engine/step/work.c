@@ -16,16 +16,10 @@ static uint64_t work_of(const Group *g)
     return done + evaluations * (EVALUATION + TERM * (moving + pairs + rows));
 }
 
-/* And who was too dear to be advanced so again: a heap of forty boxes that tumble costs one to two frames a frame where all their blows
- * are located, and 1/20 of that as a crowd. */
 void count_work(World *w, const Step *s)
 {
     uint64_t sum = STEP + BODY * (uint64_t)w->awake.count;
-    for (int i = 0; i < s->count; i++) {
-        Group *g = &s->groups[i];
-        uint64_t work = work_of(g);
-        g->dear = !g->crowd && g->joint_count == 0 && g->moving_count > g->plan->trace_bodies && work > (uint64_t)g->plan->crowd_work;
-        sum += work;
-    }
+    for (int i = 0; i < s->count; i++)
+        sum += work_of(&s->groups[i]);
     world_work(w, sum);
 }

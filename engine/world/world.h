@@ -62,7 +62,6 @@ typedef struct Body {           /* what every step reads comes first            
     bool     round_inertia;     /*        isotropic: no gyroscopic torque              */
     bool     collided, euler;   /*        in the last step: struck; was not in free flight before */
     bool     crowded;           /*        a crowd that may sleep had it last           */
-    uint8_t  crowd_wait;        /*        steps for which its group, that was too dear, still is a crowd */
     vec3     x;                 /* m      centre of mass, world                        */
     quat     q;                 /* 1      body to world                                */
     vec3     v, w;              /* m/s, rad/s of the centre of mass, world             */

@@ -616,42 +616,6 @@ TEST(a_pile_that_lies_is_stepped_without_the_allocator)
     dig_world_close(w);
 }
 
-/* Thirty boxes that tumble in a shaft for two seconds. Returns the work of a step, on the mean; *spells: steps with a crowd for its cost. */
-static uint64_t work_of_a_heap(const char *plan, int *spells)
-{
-    dig_world *w = open_world(STEP, plan, true);
-    uint64_t rng = 3, before = w->work;
-    add_floor(w, rough);
-    for (int i = 0; i < 4; i++)
-        add_slope(w, rough, (vec3){i == 0 ? 1 : i == 1 ? -1 : 0, 0.2, i == 2 ? 1 : i == 3 ? -1 : 0});
-    for (int i = 0; i < 30; i++) {
-        vec3 axis = {rng_real(&rng) - 0.5, rng_real(&rng) - 0.5, rng_real(&rng) - 0.5};
-        vec3 at = {0.4 * (i % 3) - 0.4, 0.5 + 0.12 * i, 0.4 * (i / 3 % 3) - 0.4};
-        add_box(w, rough, (vec3){0.2, 0.15, 0.12}, 1, at, quat_exp(vec3_scale(4, axis)));
-    }
-    *spells = 0;
-    for (int i = 0; i < 120; i++) {
-        step(w, 1);
-        bool waits = false;
-        for (int k = 0; k < w->bodies.count; k++)
-            waits = waits || w->bodies.data[k].crowd_wait > 0;
-        *spells += waits;
-    }
-    uint64_t mean = (w->work - before) / 120;
-    dig_world_close(w);
-    return mean;
-}
-
-/* Bounded by counts: with all blows located it was 1,250,000 units, and is 180,000. */
-TEST(few_that_are_too_dear_become_a_crowd)
-{
-    int spells, none;
-    CHECK(work_of_a_heap("play", &spells) < 400000);
-    CHECK(spells > 60);
-    work_of_a_heap("study", &none);
-    CHECK_INT(none, 0);
-}
-
 int main(void)
 {
     RUN_TESTS(unit_test(a_pyramid_rests_and_the_floor_carries_its_weight), unit_test(a_pyramid_that_lies_calm_is_solved_once_and_sleeps),
@@ -665,5 +629,5 @@ int main(void)
               unit_test(wide_rows_give_the_same_bits_on_all_instructions), unit_test(what_is_deep_is_put_apart_in_place_alone),
               unit_test(round_rows_do_to_balls_what_rows_of_any_shape_do),
               unit_test(room_for_pairs_and_contacts_is_given_back_when_most_are_over),
-              unit_test(a_pile_that_lies_is_stepped_without_the_allocator), unit_test(few_that_are_too_dear_become_a_crowd));
+              unit_test(a_pile_that_lies_is_stepped_without_the_allocator));
 }
