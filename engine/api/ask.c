@@ -173,7 +173,7 @@ static dig_status find_holders(Ask *k, real push, char *who, size_t capacity)
 static dig_status answer_stopped(Ask *k)
 {
     dig_answer *a = k->a;
-    char who[160], more[80] = ", whatever the push";
+    char who[144], more[48] = ", whatever the push"; /* together they fit a->because */
     DIG_TRY(go_on_from_here(k));
     DIG_TRY(ask_needs(k, k->q->with, true, &a->needs));
     DIG_TRY(find_holders(k, k->q->with, who, sizeof who));
