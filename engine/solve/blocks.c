@@ -1,4 +1,4 @@
-/* solve/blocks.c - sparse block Cholesky: order, pattern, factor, solve.
+/* solve/blocks.c - sparse block Cholesky: factor and solve.
  *
  * The factor takes most of the time of what is solved at once. It is written in vectors of four, which the compiler splits where registers
  * are shorter, and compiled for two sets of instructions: the same rounded operations in the same order, the same bits.
@@ -6,106 +6,49 @@
 #include "math/four.h"
 #include "solve/blocks.h"
 
-/* What is left of the graph after an elimination has all neighbours of the eliminated linked with each other. */
-static void order(Blocks *s, unsigned char *linked, int *degree, int *around)
-{
-    int n = s->n;
-    for (int i = 0; i < n; i++) {
-        degree[i] = 0;
-        for (int k = 0; k < n; k++)
-            degree[i] += linked[i * n + k] != 0;
-        s->place[i] = -1;
-    }
-    for (int place = 0; place < n; place++) {
-        int best = -1, count = 0;
-        for (int i = 0; i < n; i++)
-            if (s->place[i] < 0 && (best < 0 || degree[i] < degree[best]))
-                best = i;
-        s->place[best] = place;
-        for (int i = 0; i < n; i++)
-            if (linked[best * n + i] && s->place[i] < 0)
-                around[count++] = i;
-        for (int i = 0; i < count; i++) {
-            degree[around[i]]--;
-            for (int k = 0; k < count; k++)
-                if (i != k && !linked[around[i] * n + around[k]]) {
-                    linked[around[i] * n + around[k]] = 1;
-                    degree[around[i]]++;
-                }
-        }
-    }
-}
-
-/* Multiplications of column j, that many blocks long, of which that many are narrow. */
-static real work_of(bool narrow, real blocks, real narrow_blocks)
-{
-    real all = 72 + 126 * blocks + 108 * blocks * (blocks + 1);
-    real few = 72 + 18 * narrow_blocks + 13.5 * narrow_blocks * (narrow_blocks + 1), rest = blocks - narrow_blocks;
-    return narrow ? few + 126 * rest + 108 * rest * (blocks + narrow_blocks + 1) : all;
-}
-
-bool blocks_plan(Blocks *s, Arena *arena, int n, unsigned char *linked, const bool *narrow)
-{
-    size_t size = (size_t)n;
-    s->n = n;
-    s->place = arena_alloc(arena, size * sizeof *s->place);
-    s->first = arena_alloc(arena, (size + 1) * sizeof *s->first);
-    s->at = arena_alloc(arena, size * size * sizeof *s->at);
-    s->narrow = arena_zero(arena, size * sizeof *s->narrow);
-    int *degree = arena_alloc(arena, size * sizeof *degree), *around = arena_alloc(arena, size * sizeof *around);
-    if (!s->place || !s->first || !s->at || !s->narrow || !degree || !around)
-        return false;
-    order(s, linked, degree, around);
-    int *who = degree, blocks = 0, longest = 0;
-    for (int i = 0; i < n; i++) {
-        who[s->place[i]] = i;
-        s->narrow[s->place[i]] = narrow && narrow[i];
-    }
-    s->work = 0;
-    for (int j = 0; j < n; j++) {
-        int thin = 0;
-        s->first[j] = blocks;
-        for (int i = 0; i < n; i++) {
-            bool below = i > j && linked[who[j] * n + who[i]];
-            s->at[i * n + j] = below ? blocks++ : -1;
-            thin += below && s->narrow[i];
-        }
-        longest = int_max(longest, blocks - s->first[j]);
-        s->work += work_of(s->narrow[j], blocks - s->first[j], thin);
-    }
-    s->first[n] = blocks;
-    s->row = arena_alloc(arena, (size_t)(blocks + 1) * sizeof *s->row);
-    s->spread = arena_alloc(arena, (size_t)(longest + 1) * SPREAD * sizeof *s->spread);
-    for (int i = 0; s->row && i < n; i++)
-        for (int j = 0; j < i; j++)
-            if (s->at[i * n + j] >= 0)
-                s->row[s->at[i * n + j]] = i;
-    return s->row && s->spread;
-}
+static size_t late_diagonals(const Blocks *s) { return (size_t)(s->n - s->early) * BLOCK * sizeof(real); }
+static size_t late_blocks(const Blocks *s) { return (size_t)(s->at[s->first[s->n]] - s->at[s->first[s->early]]) * sizeof(real); }
+static real *first_late(const Blocks *s) { return s->below + s->at[s->first[s->early]]; }
 
 bool blocks_reserve(Blocks *s, Arena *arena)
 {
     s->diagonal = arena_alloc(arena, (size_t)s->n * BLOCK * sizeof(real));
-    s->below = arena_alloc(arena, (size_t)(s->first[s->n] + 1) * BLOCK * sizeof(real));
-    return s->diagonal && s->below;
+    s->below = arena_alloc(arena, (size_t)(s->at[s->first[s->n]] + 1) * sizeof(real));
+    s->kept_diagonal = arena_alloc(arena, late_diagonals(s));
+    s->kept_below = arena_alloc(arena, late_blocks(s));
+    return s->diagonal && s->below && s->kept_diagonal && s->kept_below;
 }
 
-bool blocks_like(Blocks *s, const Blocks *of, Arena *arena)
+real *blocks_at(const Blocks *s, int row, int column)
 {
-    *s = *of;
-    return blocks_reserve(s, arena);
+    int from = s->first[column], to = s->first[column + 1];
+    while (from < to) {
+        int middle = from + (to - from) / 2;
+        if (s->row[middle] < row)
+            from = middle + 1;
+        else
+            to = middle;
+    }
+    DIG_ASSERT(from < s->first[column + 1] && s->row[from] == row);
+    return s->below + s->at[from];
 }
 
-void blocks_copy(Blocks *to, const Blocks *from)
+void blocks_keep(Blocks *s)
 {
-    memcpy(to->diagonal, from->diagonal, (size_t)to->n * BLOCK * sizeof(real));
-    memcpy(to->below, from->below, (size_t)to->first[to->n] * BLOCK * sizeof(real));
+    memcpy(s->kept_diagonal, s->diagonal + (size_t)BLOCK * (size_t)s->early, late_diagonals(s));
+    memcpy(s->kept_below, first_late(s), late_blocks(s));
+}
+
+void blocks_back(Blocks *s)
+{
+    memcpy(s->diagonal + (size_t)BLOCK * (size_t)s->early, s->kept_diagonal, late_diagonals(s));
+    memcpy(first_late(s), s->kept_below, late_blocks(s));
 }
 
 void blocks_clear(Blocks *s)
 {
     memset(s->diagonal, 0, (size_t)s->n * BLOCK * sizeof(real));
-    memset(s->below, 0, (size_t)s->first[s->n] * BLOCK * sizeof(real));
+    memset(s->below, 0, (size_t)s->at[s->first[s->n]] * sizeof(real));
 }
 
 /* L L^T = A within the block; the diagonal of L is kept inverted. */
@@ -170,7 +113,7 @@ INLINE void subtract(real *restrict c, const real *restrict a, const real *restr
     }
 }
 
-/* ---- the same where three rows and columns count: in blocks of the same size, of which the others are zero ---- */
+/* ---- the same where three rows and columns count: SMALL blocks, or larger ones of which the others are zero ---- */
 
 /* What divide_narrow() leaves out of the transpose: subtract() reads it. */
 INLINE void spread_all(real *spread)
@@ -182,11 +125,12 @@ INLINE void spread_all(real *spread)
     memset(spread + 36, 0, (SPREAD - 36) * sizeof *spread);
 }
 
+/* a has three rows of which three columns count, l six. */
 INLINE void divide_narrow(real *restrict a, const real *restrict l, real *restrict spread)
 {
     UNROLL
     for (int i = 0; i < 3; i++) {
-        real *restrict row = a + 6 * i;
+        real *restrict row = a + 4 * i;
         row[0] *= l[0];
         row[1] = (row[1] - row[0] * l[6]) * l[7];
         row[2] = (row[2] - row[0] * l[12] - row[1] * l[13]) * l[14];
@@ -196,90 +140,148 @@ INLINE void divide_narrow(real *restrict a, const real *restrict l, real *restri
     spread[3] = spread[15] = spread[27] = 0;
 }
 
-INLINE void subtract_narrow(real *restrict c, const real *restrict a, const real *restrict b)
+/* c's rows are that long, a is SMALL */
+INLINE void subtract_narrow(real *restrict c, int stride, const real *restrict a, const real *restrict b)
 {
     const four_any *row = (const four_any *)(const void *)b;
     four b0 = row[0], b1 = *(const four_any *)(const void *)(b + 12), b2 = *(const four_any *)(const void *)(b + 24);
     UNROLL
     for (int i = 0; i < 3; i++) {
-        four_any *to = (four_any *)(void *)(c + 6 * i);
-        *to = *to - four_all(a[6 * i]) * b0 - four_all(a[6 * i + 1]) * b1 - four_all(a[6 * i + 2]) * b2;
+        four_any *to = (four_any *)(void *)(c + stride * i);
+        *to = *to - four_all(a[4 * i]) * b0 - four_all(a[4 * i + 1]) * b1 - four_all(a[4 * i + 2]) * b2;
     }
+}
+
+/* The same of what turns: c is SMALL, a and b are not. */
+INLINE void subtract_small(real *restrict c, const real *restrict a, const real *restrict b)
+{
+    for (int i = 0; i < 3; i++) {
+        four_any *to = (four_any *)(void *)(c + 4 * i);
+        four sum = *to;
+        for (int k = 0; k < 6; k++)
+            sum -= four_all(a[6 * i + k]) * *(const four_any *)(const void *)(b + 12 * k);
+        *to = sum;
+    }
+}
+
+/* Of a SMALL block one as others are */
+INLINE void widen(real *restrict to, const real *restrict a)
+{
+    memset(to, 0, BLOCK * sizeof *to);
+    for (int i = 0; i < 3; i++)
+        memcpy(to + 6 * i, a + 4 * i, 3 * sizeof *to);
+}
+
+/* Column j's blocks of the rows from p on are in column row[p], too, with others between: the next of them there, from k on. */
+INLINE int next_in_column(const Blocks *s, int k, int row)
+{
+    while (s->row[k] < row)
+        k++;
+    return k;
+}
+
+/* Between one that turns and column j's row number q, which does not: rarely. */
+INLINE void subtract_mixed(Blocks *s, int p, int q, int k, const real *spread)
+{
+    real wide[BLOCK];
+    const real *a = s->below + s->at[p];
+    if (s->narrow[s->row[p]]) {
+        widen(wide, a);
+        a = wide;
+    }
+    real *to = p == q ? s->diagonal + (size_t)BLOCK * (size_t)s->row[q] : s->below + s->at[k];
+    subtract(to, a, spread);
 }
 
 INLINE void eliminate_narrow(Blocks *s, int j)
 {
     const real *l = s->diagonal + (size_t)BLOCK * (size_t)j;
-    int first = s->first[j], count = s->first[j + 1] - first;
-    real *below = s->below + (size_t)BLOCK * (size_t)first;
+    int first = s->first[j], end = s->first[j + 1];
     bool mixed = false;
-    for (int p = 0; p < count; p++) {
-        if (s->narrow[s->row[first + p]])
-            divide_narrow(below + BLOCK * p, l, s->spread + SPREAD * p);
+    for (int p = first; p < end; p++) {
+        if (s->narrow[s->row[p]])
+            divide_narrow(s->below + s->at[p], l, s->spread + SPREAD * (p - first));
         else
-            divide(below + BLOCK * p, l, s->spread + SPREAD * p);
-        mixed = mixed || !s->narrow[s->row[first + p]];
+            divide(s->below + s->at[p], l, s->spread + SPREAD * (p - first));
+        mixed = mixed || !s->narrow[s->row[p]];
     }
-    for (int p = 0; p < count && mixed; p++)
-        if (s->narrow[s->row[first + p]])
-            spread_all(s->spread + SPREAD * p);
-    for (int p = 0; p < count; p++) {
-        int row = s->row[first + p];
-        const int *at = s->at + (size_t)row * (size_t)s->n;
-        for (int q = 0; q <= p; q++) {
-            int column = s->row[first + q];
-            real *to = q < p ? s->below + (size_t)BLOCK * (size_t)at[column] : s->diagonal + (size_t)BLOCK * (size_t)row;
-            if (s->narrow[row] && s->narrow[column])
-                subtract_narrow(to, below + BLOCK * p, s->spread + SPREAD * q);
+    for (int p = first; p < end && mixed; p++)
+        if (s->narrow[s->row[p]])
+            spread_all(s->spread + SPREAD * (p - first));
+    for (int q = first; q < end; q++) {
+        int column = s->row[q];
+        const real *spread = s->spread + SPREAD * (q - first);
+        for (int p = q, k = s->first[column]; p < end; p++) {
+            k = p > q ? next_in_column(s, k, s->row[p]) : k;
+            if (!blocks_small(s, s->row[p], column))
+                subtract_mixed(s, p, q, k, spread);
+            else if (p == q)
+                subtract_narrow(s->diagonal + (size_t)BLOCK * (size_t)column, 6, s->below + s->at[p], spread);
             else
-                subtract(to, below + BLOCK * p, s->spread + SPREAD * q);
+                subtract_narrow(s->below + s->at[k], 4, s->below + s->at[p], spread);
         }
     }
 }
 
-INLINE bool factor(Blocks *s)
+INLINE void eliminate(Blocks *s, int j)
 {
-    for (int j = 0; j < s->n; j++) {
-        real *l = s->diagonal + (size_t)BLOCK * (size_t)j;
-        if (!factor_block(l))
+    const real *l = s->diagonal + (size_t)BLOCK * (size_t)j;
+    int first = s->first[j], count = s->first[j + 1] - first;
+    real *below = s->below + s->at[first];
+    for (int p = 0; p < count; p++)
+        divide(below + BLOCK * p, l, s->spread + SPREAD * p);
+    for (int q = 0; q < count; q++) {
+        int column = s->row[first + q], k = s->first[column];
+        subtract(s->diagonal + (size_t)BLOCK * (size_t)column, below + BLOCK * q, s->spread + SPREAD * q);
+        for (int p = q + 1; p < count; p++) {
+            k = next_in_column(s, k, s->row[first + p]);
+            if (blocks_small(s, s->row[k], column))
+                subtract_small(s->below + s->at[k], below + BLOCK * p, s->spread + SPREAD * q);
+            else
+                subtract(s->below + s->at[k], below + BLOCK * p, s->spread + SPREAD * q);
+        }
+    }
+}
+
+INLINE bool factor(Blocks *s, int from, int to)
+{
+    for (int j = from; j < to; j++) {
+        if (!factor_block(s->diagonal + (size_t)BLOCK * (size_t)j))
             return false;
-        if (s->narrow[j]) {
+        if (s->narrow[j])
             eliminate_narrow(s, j);
-            continue;
-        }
-        int first = s->first[j], count = s->first[j + 1] - first;
-        real *below = s->below + (size_t)BLOCK * (size_t)first;
-        for (int p = 0; p < count; p++)
-            divide(below + BLOCK * p, l, s->spread + SPREAD * p);
-        for (int p = 0; p < count; p++) {
-            for (int q = 0; q < p; q++)
-                subtract(blocks_at(s, s->row[first + p], s->row[first + q]), below + BLOCK * p, s->spread + SPREAD * q);
-            subtract(s->diagonal + (size_t)BLOCK * (size_t)s->row[first + p], below + BLOCK * p, s->spread + SPREAD * p);
-        }
+        else
+            eliminate(s, j);
     }
     return true;
 }
 
-static bool factor_plain(Blocks *s) { return factor(s); }
+static bool factor_plain(Blocks *s, int from, int to) { return factor(s, from, to); }
 
 #if defined(__x86_64__)
-__attribute__((target("avx2"))) static bool factor_avx2(Blocks *s) { return factor(s); }
+__attribute__((target("avx2"))) static bool factor_avx2(Blocks *s, int from, int to) { return factor(s, from, to); }
 
-bool blocks_factor(Blocks *s, bool plain) { return !plain && __builtin_cpu_supports("avx2") ? factor_avx2(s) : factor_plain(s); }
+static bool factor_columns(Blocks *s, int from, int to, bool plain)
+{
+    return !plain && __builtin_cpu_supports("avx2") ? factor_avx2(s, from, to) : factor_plain(s, from, to);
+}
 #else
-bool blocks_factor(Blocks *s, bool plain)
+static bool factor_columns(Blocks *s, int from, int to, bool plain)
 {
     (void)plain;
-    return factor_plain(s);
+    return factor_plain(s, from, to);
 }
 #endif
+
+bool blocks_begin(Blocks *s, bool plain) { return factor_columns(s, 0, s->early, plain); }
+bool blocks_factor(Blocks *s, bool plain) { return factor_columns(s, s->early, s->n, plain); }
 
 /* Takes what place j is out of those below it, and the other way round. */
 INLINE void solve_forth(const Blocks *s, int j, real *x)
 {
     const real *xj = x + 6 * j;
     for (int p = s->first[j]; p < s->first[j + 1]; p++) {
-        const real *b = s->below + (size_t)BLOCK * (size_t)p;
+        const real *b = s->below + s->at[p];
         real *restrict to = x + 6 * s->row[p];
         for (int i = 0; i < 6; i++) {
             real sum = to[i];
@@ -295,7 +297,7 @@ INLINE void solve_back(const Blocks *s, int j, real *x)
     real *xj = x + 6 * j;
     pair x0 = two(xj), x1 = two(xj + 2), x2 = two(xj + 4);
     for (int p = s->first[j]; p < s->first[j + 1]; p++) {
-        const real *b = s->below + (size_t)BLOCK * (size_t)p, *from = x + 6 * s->row[p];
+        const real *b = s->below + s->at[p], *from = x + 6 * s->row[p];
         UNROLL
         for (int i = 0; i < 6; i++) {
             x0 -= two(b + 6 * i) * from[i];
@@ -311,24 +313,31 @@ INLINE void solve_back(const Blocks *s, int j, real *x)
 /* The same of what is narrow. */
 INLINE void solve_forth_narrow(const Blocks *s, int j, real *x)
 {
-    const real *xj = x + 6 * j;
+    const real x0 = x[6 * j], x1 = x[6 * j + 1], x2 = x[6 * j + 2];
     for (int p = s->first[j]; p < s->first[j + 1]; p++) {
-        const real *b = s->below + (size_t)BLOCK * (size_t)p;
+        const real *b = s->below + s->at[p];
         real *restrict to = x + 6 * s->row[p];
-        for (int i = 0, n = s->narrow[s->row[p]] ? 3 : 6; i < n; i++)
-            to[i] -= b[6 * i] * xj[0] + b[6 * i + 1] * xj[1] + b[6 * i + 2] * xj[2];
+        const bool small = s->narrow[s->row[p]];
+        for (int i = 0, n = small ? 3 : 6, stride = small ? 4 : 6; i < n; i++)
+            to[i] -= b[stride * i] * x0 + b[stride * i + 1] * x1 + b[stride * i + 2] * x2;
     }
 }
 
 INLINE void solve_back_narrow(const Blocks *s, int j, real *x)
 {
-    real *xj = x + 6 * j;
+    real x0 = x[6 * j], x1 = x[6 * j + 1], x2 = x[6 * j + 2];
     for (int p = s->first[j]; p < s->first[j + 1]; p++) {
-        const real *b = s->below + (size_t)BLOCK * (size_t)p, *from = x + 6 * s->row[p];
-        for (int i = 0, n = s->narrow[s->row[p]] ? 3 : 6; i < n; i++)
-            for (int k = 0; k < 3; k++)
-                xj[k] -= b[6 * i + k] * from[i];
+        const real *b = s->below + s->at[p], *from = x + 6 * s->row[p];
+        const bool small = s->narrow[s->row[p]];
+        for (int i = 0, n = small ? 3 : 6, stride = small ? 4 : 6; i < n; i++) {
+            x0 -= b[stride * i] * from[i];
+            x1 -= b[stride * i + 1] * from[i];
+            x2 -= b[stride * i + 2] * from[i];
+        }
     }
+    x[6 * j] = x0;
+    x[6 * j + 1] = x1;
+    x[6 * j + 2] = x2;
 }
 
 void blocks_solve(const Blocks *s, real *x)

@@ -15,30 +15,41 @@
 #include "base/arena.h"
 
 #define BLOCK  36               /* reals in a block, row by row */
+#define SMALL  12               /* in one between two that do not turn: three rows of three and a fourth that is not used */
 #define SPREAD 72               /* the transpose of a block, each row of it twice */
 
 typedef struct Blocks {
-    int   n;
+    int   n, early;             /* rows; how many are eliminated by blocks_begin                      */
     int  *place;                /* [n]      of what is numbered i, in the order of elimination        */
     int  *first;                /* [n + 1]  column j's blocks below the diagonal: first[j] .. first[j + 1] - 1 */
     int  *row;                  /*          their rows, ascending                                     */
-    int  *at;                   /* [n * n]  block of (row, column) with row > column, < 0 none        */
-    real *diagonal, *below;     /* BLOCK reals each                                                   */
-    real *spread;               /* [blocks of the longest column + 1][SPREAD] a column, as the factorisation reads it; of all of a pattern */
+    int  *at;                   /* [first[n] + 1]  where they are in below                            */
+    real *diagonal, *below;     /* BLOCK reals each; BLOCK or SMALL                                   */
+    real *kept_diagonal, *kept_below;       /* of those that are not early, by blocks_keep            */
+    real *spread;               /* [blocks of the longest column + 1][SPREAD] a column, as the factorisation reads it */
     bool *narrow;               /* [n]      by place: it does not turn                                */
-    real  work;                 /* multiplications of a factorisation                                 */
+    real  begin_work, late_work;            /* multiplications of blocks_begin and blocks_factor   */
+    real  work;                 /* of a factorisation, where four go on from one beginning            */
 } Blocks;
 
-/* Order and pattern. linked: n * n bytes, symmetric, nonzero where two are linked; it is used up. narrow: [n], NULL = none is. False: out
- * of memory. */
-bool blocks_plan(Blocks *s, Arena *arena, int n, unsigned char *linked, const bool *narrow);
+typedef struct BlockLinks {
+    int         n, links;
+    const int  *link;           /* [2 links]  pairs of numbers that share a row; twice the same is no harm  */
+    const bool *narrow, *late;  /* [n] which do not turn, and whose blocks change; NULL = none         */
+} BlockLinks;
+
+/* Order and pattern. The late ones are put last where that saves work. False: out of memory. */
+bool blocks_plan(Blocks *s, Arena *arena, const BlockLinks *of);
 bool blocks_reserve(Blocks *s, Arena *arena);
-bool blocks_like(Blocks *s, const Blocks *of, Arena *arena);    /* of the same pattern; false: out of memory */
-void blocks_copy(Blocks *to, const Blocks *from);
 void blocks_clear(Blocks *s);
 /* Block of two places, row > column, that are linked. */
-static inline real *blocks_at(const Blocks *s, int row, int column) { return s->below + (size_t)BLOCK * (size_t)s->at[row * s->n + column]; }
-bool blocks_factor(Blocks *s, bool plain);      /* in place; false: not positive definite. plain: without special instructions */
+real *blocks_at(const Blocks *s, int row, int column);
+static inline bool blocks_small(const Blocks *s, int row, int column) { return s->narrow[row] && s->narrow[column]; }
+/* In place; false: not positive definite. plain: without special instructions. */
+bool blocks_begin(Blocks *s, bool plain);
+bool blocks_factor(Blocks *s, bool plain);
+void blocks_keep(Blocks *s);
+void blocks_back(Blocks *s);
 void blocks_solve(const Blocks *s, real *x);    /* [6 n] in places */
 
 #endif

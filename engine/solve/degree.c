@@ -22,6 +22,12 @@ void degree_open(Degree *d, Arena *arena, int count)
         d->head[i] = -1;
 }
 
+void degree_by_index(Degree *d)
+{
+    d->words = d->count / 64 + 1;
+    d->waiting = taken(d, (size_t)d->words * ((size_t)d->count + 1) * sizeof *d->waiting);
+}
+
 static bool adjacent(const Adjacent *a, int node)
 {
     for (int i = 0; i < a->count; i++)
@@ -65,8 +71,17 @@ static void disconnect(Adjacent *a, int node)
     a->count = n;
 }
 
+static uint64_t *word_of(Degree *d, int node, int degree)
+{
+    return d->waiting + (size_t)degree * (size_t)d->words + (size_t)(node / 64);
+}
+
 static void bucket_take(Degree *d, int node, int degree)
 {
+    if (d->waiting) {
+        *word_of(d, node, degree) &= ~((uint64_t)1 << node % 64);
+        return;
+    }
     if (d->before[node] >= 0)
         d->after[d->before[node]] = d->after[node];
     else
@@ -78,6 +93,10 @@ static void bucket_take(Degree *d, int node, int degree)
 static void bucket_put(Degree *d, int node)
 {
     int degree = d->next[node].count;
+    if (d->waiting) {
+        *word_of(d, node, degree) |= (uint64_t)1 << node % 64;
+        return;
+    }
     d->after[node] = d->head[degree];
     d->before[node] = -1;
     if (d->head[degree] >= 0)
@@ -91,9 +110,22 @@ void degree_ready(Degree *d, int node)
     bucket_put(d, node);
 }
 
+static int lowest(const Degree *d)
+{
+    const uint64_t *word = d->waiting;
+    while (*word == 0)
+        word++;
+    return (int)((word - d->waiting) % d->words) * 64 + __builtin_ctzll(*word);
+}
+
 int degree_next(Degree *d)
 {
     int least = 0;
+    if (d->waiting) {
+        least = lowest(d);
+        bucket_take(d, least, d->next[least].count);
+        return least;
+    }
     while (d->head[least] < 0)
         least++;
     int node = d->head[least];

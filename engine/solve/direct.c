@@ -69,19 +69,38 @@ static const real most_work[2] = {1e6, 4e6};                                    
 
 /* ---- storage ---- */
 
-static unsigned char *links(const Direct *d, int n)
+static void mark_late(const Direct *d, bool *late, int body)
+{
+    if (d->place[body] >= 0)
+        late[d->place[body]] = true;
+}
+
+/* Who shares rows, and whose rows answer now so, now so. False: out of memory. */
+static bool links(const Direct *d, BlockLinks *of)
 {
     const Group *g = d->g;
-    unsigned char *linked = arena_zero(g->arena, (size_t)(n * n) + 1);
-    if (!linked)
-        return NULL;
+    int most = g->point_count + singles_link(d, NULL, NULL);
+    int *link = arena_alloc(g->arena, 2 * (size_t)(most + 1) * sizeof *link);
+    bool *late = arena_zero(g->arena, (size_t)of->n * sizeof *late);
+    if (!link || !late)
+        return false;
     for (int i = 0; i < g->point_count; i++) {
-        int a = d->place[g->points[i].a], b = d->place[g->points[i].b];
-        if (a >= 0 && b >= 0)
-            linked[a * n + b] = linked[b * n + a] = 1;
+        const PointRow *p = &g->points[i];
+        mark_late(d, late, p->a);
+        mark_late(d, late, p->b);
+        if (d->place[p->a] >= 0 && d->place[p->b] >= 0) {
+            link[2 * of->links] = d->place[p->a];
+            link[2 * of->links++ + 1] = d->place[p->b];
+        }
     }
-    singles_link(d, linked, n);
-    return linked;
+    for (int i = 0; i < g->roll_count; i++) {
+        mark_late(d, late, g->rolls[i].a);
+        mark_late(d, late, g->rolls[i].b);
+    }
+    of->links += singles_link(d, link + 2 * (size_t)of->links, late);
+    of->link = link;
+    of->late = late;
+    return true;
 }
 
 /* Mass and tensor of inertia, the inverse of what the sweeps use, and what taut joints add to it; 0 in what a planar world keeps still counts as 1: no row
@@ -126,7 +145,7 @@ static bool open_direct(Direct *d)
     }
     if (n == 0)
         return false;
-    unsigned char *linked = links(d, n);
+    BlockLinks of = {.n = n, .narrow = narrow};
     size_t size = (size_t)n;
     d->body = arena_alloc(g->arena, size * sizeof *d->body);
     d->mass = arena_alloc(g->arena, 10 * size * sizeof *d->mass);
@@ -134,7 +153,7 @@ static bool open_direct(Direct *d)
     d->v0 = arena_zero(g->arena, 6 * size * sizeof *d->v0);
     d->dv = arena_alloc(g->arena, 6 * size * sizeof *d->dv);
     d->grad = arena_alloc(g->arena, 6 * size * sizeof *d->grad);
-    if (!linked || !d->body || !d->mass || !d->v || !d->v0 || !d->dv || !d->grad || !blocks_plan(&d->blocks, g->arena, n, linked, narrow)) {
+    if (!d->body || !d->mass || !d->v || !d->v0 || !d->dv || !d->grad || !links(d, &of) || !blocks_plan(&d->blocks, g->arena, &of)) {
         g->status = DIG_E_MEMORY;
         return false;
     }
@@ -145,7 +164,7 @@ static bool open_direct(Direct *d)
             d->place[i] = d->blocks.place[d->place[i]];
             d->body[d->place[i]] = i;
         }
-    if (!blocks_reserve(&d->blocks, g->arena) || !blocks_like(&d->base, &d->blocks, g->arena) || !direct_rows(d) || !stiffness_open(d)) {
+    if (!blocks_reserve(&d->blocks, g->arena) || !direct_rows(d) || !stiffness_open(d)) {
         g->status = DIG_E_MEMORY;
         return false;
     }
@@ -227,9 +246,8 @@ static real search(Direct *d)
 static bool newton(Direct *d, bool fresh)
 {
     if (!d->kept) {
-        direct_assemble(d, fresh);
         d->factors++;
-        d->kept = blocks_factor(&d->blocks, false);
+        d->kept = direct_assemble(d, fresh) && blocks_factor(&d->blocks, false);
     }
     for (int k = 0; k < 6 * d->blocks.n; k++)
         d->dv[k] = -d->grad[k];
@@ -469,7 +487,7 @@ static void count(Direct *d)
 {
     d->g->sweeps += d->factors;
     d->g->factors += d->factors;
-    d->g->multiplied += d->factors * d->blocks.work;
+    d->g->multiplied += d->factors > 0 ? d->blocks.begin_work + d->factors * d->blocks.late_work : 0;
 }
 
 static bool run(Direct *d, real residual)

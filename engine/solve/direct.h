@@ -53,8 +53,8 @@ typedef struct Bend { real wish, by, change, lo, hi; } Bend;
 
 typedef struct Direct {
     Group  *g;
-    Blocks  blocks, base;       /* the matrix; what is the same in all rounds                       */
-    bool    based;
+    Blocks  blocks;             /* the matrix                                                       */
+    bool    based;              /* what is the same in all rounds is in it, and eliminated          */
     Triple *triples; int triple_count;
     Single *singles; int single_count;
     mat3   *stiff;              /* [bodies] kg m^2  h^2 times the geometric stiffness              */
@@ -79,7 +79,7 @@ typedef struct Direct {
 
 /* direct_joints.c: the same for rows of joints, called by what is below */
 bool singles_open(Direct *d);                           /* false: out of memory */
-void singles_link(const Direct *d, unsigned char *linked, int n);       /* n * n, by d->place */
+int singles_link(const Direct *d, int *link, bool *late);       /* puts pairs by d->place there, NULL: counts them; late: of rows with a bound */
 void singles_changes(Direct *d);
 void singles_move(Direct *d, real along);
 bool singles_forces(Direct *d);                         /* false: the factor is not of these any more */
@@ -100,7 +100,7 @@ void direct_move(Direct *d, real along);                /* takes this part of dv
 void direct_forces(Direct *d);                          /* impulses of the present rates */
 void direct_begin(Direct *d);                           /* forces predicted from the first estimate */
 void direct_gradient(Direct *d);
-void direct_assemble(Direct *d, bool fresh);            /* fresh: as the forces answer now, else as at the end of the last round */
+bool direct_assemble(Direct *d, bool fresh);            /* fresh: as the forces answer now, else as at the end of the last round; false: no factor */
 void direct_line(Direct *d);                            /* before direct_slope() is asked along a new dv */
 real direct_slope(const Direct *d, real along);         /* of the merit function, this part of the step on */
 real direct_off(const Direct *d);                       /* m/s  how far off the estimate is */

@@ -121,17 +121,30 @@ bool singles_open(Direct *d)
     return true;
 }
 
-void singles_link(const Direct *d, unsigned char *linked, int n)
+static bool has_bound(const Row *r) { return r->kind == ROW_LIMIT || r->kind == ROW_MOTOR || r->kind == ROW_DRY; }
+
+int singles_link(const Direct *d, int *link, bool *late)
 {
+    int count = 0;
     for (int i = 0; i < d->g->row_count; i++) {
         const Row *r = &d->g->rows[i].row;
-        for (int k = 0; k < r->count; k++)
-            for (int m = 0; m < r->count; m++) {
-                int a = r->body[k] < 0 ? -1 : d->place[r->body[k]], b = r->body[m] < 0 ? -1 : d->place[r->body[m]];
-                if (a >= 0 && b >= 0 && a != b)
-                    linked[a * n + b] = 1;
+        for (int k = 0; k < r->count; k++) {
+            int a = r->body[k] < 0 ? -1 : d->place[r->body[k]];
+            if (a >= 0 && late)
+                late[a] = late[a] || has_bound(r);
+            for (int m = 0; m < k; m++) {
+                int b = r->body[m] < 0 ? -1 : d->place[r->body[m]];
+                if (a < 0 || b < 0 || a == b)
+                    continue;
+                if (link) {
+                    link[2 * count] = a;
+                    link[2 * count + 1] = b;
+                }
+                count++;
             }
+        }
     }
+    return count;
 }
 
 /* ---- impulses ---- */
@@ -210,9 +223,15 @@ real singles_slope(const Direct *d, real along)
     return slope;
 }
 
-/* h += s x y^T, six by six */
-static void add_outer(real *restrict h, const real *restrict x, const real *restrict y, real s)
+/* h += s x y^T, six by six or, of what does not turn, three by three in rows of four */
+static void add_outer(real *restrict h, const real *restrict x, const real *restrict y, real s, bool small)
 {
+    if (small) {
+        for (int r = 0; r < 3; r++)
+            for (int c = 0; c < 3; c++)
+                h[4 * r + c] += s * x[r] * y[c];
+        return;
+    }
     for (int r = 0; r < 6; r++)
         for (int c = 0; c < 6; c++)
             h[6 * r + c] += s * x[r] * y[c];
@@ -229,9 +248,10 @@ void singles_assemble(Direct *d, bool bounded)
         for (int m = 0; answers && m < t->count; m++)
             for (int n = 0; n < t->count; n++) {
                 if (t->place[m] == t->place[n])
-                    add_outer(d->blocks.diagonal + BLOCK * t->place[m], t->j[m], t->j[n], 1 / t->r);
+                    add_outer(d->blocks.diagonal + BLOCK * t->place[m], t->j[m], t->j[n], 1 / t->r, false);
                 else if (t->place[m] > t->place[n])
-                    add_outer(blocks_at(&d->blocks, t->place[m], t->place[n]), t->j[m], t->j[n], 1 / t->r);
+                    add_outer(blocks_at(&d->blocks, t->place[m], t->place[n]), t->j[m], t->j[n], 1 / t->r,
+                              blocks_small(&d->blocks, t->place[m], t->place[n]));
             }
     }
 }

@@ -303,6 +303,14 @@ static void add_block(real *restrict h, const real *restrict j, const real *rest
     }
 }
 
+/* The same between two that do not turn */
+static void add_small(real *restrict h, const real *restrict j, const real *restrict x)
+{
+    for (int r = 0; r < 3; r++)
+        for (int c = 0; c < 3; c++)
+            h[4 * r + c] += j[r] * x[c] + j[12 + r] * x[12 + c] + j[24 + r] * x[24 + c];
+}
+
 static void assemble_triple(Direct *d, const Triple *t)
 {
     if (t->held == HELD_NOT)
@@ -320,11 +328,15 @@ static void assemble_triple(Direct *d, const Triple *t)
     if (t->place[0] < 0 || t->place[1] < 0)
         return;
     int row = t->place[0] > t->place[1] ? 0 : 1;
-    add_block(blocks_at(&d->blocks, t->place[row], t->place[1 - row]), t->j[0] + 6 * row, x + 6 * (1 - row));
+    real *to = blocks_at(&d->blocks, t->place[row], t->place[1 - row]);
+    if (blocks_small(&d->blocks, t->place[row], t->place[1 - row]))
+        add_small(to, t->j[0] + 6 * row, x + 6 * (1 - row));
+    else
+        add_block(to, t->j[0] + 6 * row, x + 6 * (1 - row));
 }
 
-/* What stays the same from one assembly to the next: masses, and rows without a bound. */
-static void assemble_base(Direct *d)
+/* What stays the same from one assembly to the next: masses, and rows without a bound. False: not positive definite. */
+static bool assemble_base(Direct *d)
 {
     blocks_clear(&d->blocks);
     for (int i = 0; i < d->blocks.n; i++) {
@@ -336,16 +348,17 @@ static void assemble_base(Direct *d)
         }
     }
     singles_assemble(d, false);
-    blocks_copy(&d->base, &d->blocks);
-    d->based = true;
+    d->based = blocks_begin(&d->blocks, false);
+    blocks_keep(&d->blocks);
+    return d->based;
 }
 
-void direct_assemble(Direct *d, bool fresh)
+bool direct_assemble(Direct *d, bool fresh)
 {
     if (d->based)
-        blocks_copy(&d->blocks, &d->base);
-    else
-        assemble_base(d);
+        blocks_back(&d->blocks);
+    else if (!assemble_base(d))
+        return false;
     for (int i = 0; i < d->triple_count; i++) {
         if (fresh) {
             real y[3];
@@ -356,6 +369,7 @@ void direct_assemble(Direct *d, bool fresh)
         d->triples[i].factored = d->triples[i].held;
     }
     singles_assemble(d, true);
+    return true;
 }
 
 /* ---- the outer loop ---- */

@@ -94,20 +94,51 @@ static bool has_entry(const unsigned char *links, const bool *narrow, const int 
     return a == b ? !turns || (r % 6 > 2) == (c % 6 > 2) : links[a * N + b] && !turns;
 }
 
-/* A ring of bodies and one that all touch: the solution of A x = b is known. */
-static void check_solved(const bool *narrow)
+/* Its lower half, into s. */
+static void put_matrix(Blocks *s, real (*full)[6 * N])
+{
+    blocks_clear(s);
+    for (int r = 0; r < 6 * N; r++)
+        for (int c = 0; c < 6 * N; c++) {
+            int a = r / 6, b = c / 6, stride = a > b && blocks_small(s, a, b) ? 4 : 6;
+            if (a == b)
+                s->diagonal[BLOCK * a + 6 * (r % 6) + c % 6] = full[r][c];
+            else if (a > b && full[r][c] != 0)
+                blocks_at(s, a, b)[stride * (r % 6) + c % 6] = full[r][c];
+        }
+}
+
+static size_t below_bytes(const Blocks *s) { return (size_t)s->at[s->first[N]] * sizeof(real); }
+
+/* x is 1, 2, 3, 4, 5, 1, ... */
+static void check_known(const Blocks *s, real (*full)[6 * N])
+{
+    real x[6 * N] = {0};
+    for (int r = 0; r < 6 * N; r++)
+        for (int c = 0; c < 6 * N; c++)
+            x[r] += full[r][c] * (1 + c % 5);
+    blocks_solve(s, x);
+    for (int r = 0; r < 6 * N; r++)
+        CHECK_NEAR(x[r], 1 + r % 5, 1e-13);
+}
+
+/* A ring of bodies and one that all touch: the solution of A x = b is known, and again after the blocks of the late ones have changed. */
+static int check_solved(const bool *narrow, const bool *late)
 {
     Arena arena = {0};
     Blocks s;
-    unsigned char linked[N * N] = {0}, links[N * N];
+    unsigned char links[N * N] = {0};
+    int link[4 * N], count = 0;
     for (int i = 0; i < N - 1; i++) {
         int next = (i + 1) % (N - 1);
-        linked[i * N + next] = linked[next * N + i] = linked[i * N + N - 1] = linked[(N - 1) * N + i] = 1;
+        links[i * N + next] = links[next * N + i] = links[i * N + N - 1] = links[(N - 1) * N + i] = 1;
+        link[count++] = i;
+        link[count++] = next;
+        link[count++] = N - 1;
+        link[count++] = i;
     }
-    memcpy(links, linked, sizeof links);
-    CHECK(blocks_plan(&s, &arena, N, linked, narrow) && blocks_reserve(&s, &arena));
-    blocks_clear(&s);
-    real full[6 * N][6 * N] = {{0}}, x[6 * N], b[6 * N] = {0};
+    CHECK(blocks_plan(&s, &arena, &(BlockLinks){N, count / 2, link, narrow, late}) && blocks_reserve(&s, &arena));
+    real full[6 * N][6 * N] = {{0}};
     int who[N];
     for (int i = 0; i < N; i++)
         who[s.place[i]] = i;
@@ -115,33 +146,43 @@ static void check_solved(const bool *narrow)
         for (int c = 0; c <= r; c++)
             if (has_entry(links, narrow, who, r, c))
                 full[r][c] = full[c][r] = r == c ? 60 : sin(r + 3.0 * c);
-    for (int r = 0; r < 6 * N; r++)
-        for (int c = 0; c < 6 * N; c++) {
-            if (r / 6 == c / 6)
-                s.diagonal[BLOCK * (r / 6) + 6 * (r % 6) + c % 6] = full[r][c];
-            else if (r / 6 > c / 6 && full[r][c] != 0)
-                blocks_at(&s, r / 6, c / 6)[6 * (r % 6) + c % 6] = full[r][c];
-            b[r] += full[r][c] * (1 + c % 5);
+    put_matrix(&s, full);
+    CHECK(blocks_begin(&s, false));
+    blocks_keep(&s);
+    CHECK(blocks_factor(&s, false));
+    check_known(&s, full);
+    real *diagonal = arena_alloc(&arena, sizeof(real) * N * BLOCK), *below = arena_alloc(&arena, below_bytes(&s) + 1);
+    memcpy(diagonal, s.diagonal, sizeof(real) * N * BLOCK);
+    memcpy(below, s.below, below_bytes(&s));
+    put_matrix(&s, full);
+    CHECK(blocks_begin(&s, true) && blocks_factor(&s, true));
+    CHECK(memcmp(diagonal, s.diagonal, sizeof(real) * N * BLOCK) == 0);         /* the same bits by all instructions */
+    CHECK(memcmp(below, s.below, below_bytes(&s)) == 0);
+    blocks_back(&s);
+    for (int i = 0; i < N; i++)
+        for (int k = 0; late[who[i]] && i >= s.early && k < 6; k++) {
+            full[6 * i + k][6 * i + k] += 7 * k;
+            s.diagonal[BLOCK * i + 7 * k] += 7 * k;
         }
-    Blocks plain;
-    CHECK(blocks_like(&plain, &s, &arena));
-    blocks_copy(&plain, &s);
-    CHECK(blocks_factor(&s, false) && blocks_factor(&plain, true));
-    CHECK(memcmp(plain.diagonal, s.diagonal, N * BLOCK * sizeof(real)) == 0);          /* the same bits by all instructions */
-    CHECK(memcmp(plain.below, s.below, (size_t)s.first[N] * BLOCK * sizeof(real)) == 0);
-    memcpy(x, b, sizeof x);
-    blocks_solve(&s, x);
-    for (int r = 0; r < 6 * N; r++)
-        CHECK_NEAR(x[r], 1 + r % 5, 1e-13);
+    CHECK(blocks_factor(&s, false));
+    check_known(&s, full);
     arena_close(&arena);
+    return s.early;
 }
 
 TEST(a_linked_matrix_is_factored_and_solved)
 {
-    check_solved((bool[N]){false});
-    check_solved((bool[N]){true, true, true, true, true, true, true, true, true});
-    for (int i = 1; i < 1 << N; i += 37)        /* some turn, and others do not */
-        check_solved((bool[N]){i & 1, i & 2, i & 4, i & 8, i & 16, i & 32, i & 64, i & 128, i & 256});
+    static const bool none[N] = {false}, last[N] = {[N - 1] = true}, two[N] = {[2] = true, [6] = true};
+    check_solved(none, none);
+    check_solved((bool[N]){true, true, true, true, true, true, true, true, true}, none);
+    CHECK_INT(check_solved(none, last), N - 1);
+    CHECK_INT(check_solved(none, none), 0);
+    for (int i = 1; i < 1 << N; i += 37) {      /* some turn, and others do not */
+        const bool narrow[N] = {i & 1, i & 2, i & 4, i & 8, i & 16, i & 32, i & 64, i & 128, i & 256};
+        check_solved(narrow, none);
+        check_solved(narrow, last);
+        check_solved(narrow, two);
+    }
 }
 
 /* A chain has no fill: 2 n blocks at most, whatever its numbering. */
@@ -150,14 +191,41 @@ TEST(a_chain_is_factored_without_fill)
     enum { COUNT = 40 };
     Arena arena = {0};
     Blocks s;
-    static unsigned char linked[COUNT * COUNT];
-    memset(linked, 0, sizeof linked);
+    int link[2 * COUNT];
     for (int i = 0; i + 1 < COUNT; i++) {
-        int a = i * 7 % COUNT, b = (i + 1) * 7 % COUNT;
-        linked[a * COUNT + b] = linked[b * COUNT + a] = 1;
+        link[2 * i] = i * 7 % COUNT;
+        link[2 * i + 1] = (i + 1) * 7 % COUNT;
     }
-    CHECK(blocks_plan(&s, &arena, COUNT, linked, NULL));
+    CHECK(blocks_plan(&s, &arena, &(BlockLinks){.n = COUNT, .links = COUNT - 1, .link = link}));
     CHECK_INT(s.first[COUNT], COUNT - 1);
+    arena_close(&arena);
+}
+
+/* A grid of which one corner changes: what stays is eliminated once. Where every other one changes, and the rest would fill them in, all
+ * go as they come. */
+TEST(what_changes_goes_last_where_that_saves_work)
+{
+    enum { SIDE = 12, COUNT = SIDE * SIDE };
+    Arena arena = {0};
+    Blocks whole, corner, all;
+    int link[4 * COUNT], links = 0;
+    bool few[COUNT] = {false}, many[COUNT], narrow[COUNT];
+    for (int i = 0; i < COUNT; i++) {
+        int down = i + SIDE < COUNT ? i + SIDE : i, right = (i + 1) % SIDE ? i + 1 : i;
+        link[links++] = i;
+        link[links++] = down;
+        link[links++] = right;
+        link[links++] = i;
+        few[i] = i / SIDE < 3 && i % SIDE < 3;
+        many[i] = i > 0;
+        narrow[i] = true;
+    }
+    CHECK(blocks_plan(&whole, &arena, &(BlockLinks){COUNT, links / 2, link, narrow, NULL}));
+    CHECK(blocks_plan(&corner, &arena, &(BlockLinks){COUNT, links / 2, link, narrow, few}));
+    CHECK(blocks_plan(&all, &arena, &(BlockLinks){COUNT, links / 2, link, narrow, many}));
+    CHECK_INT(corner.early, COUNT - 9);
+    CHECK(corner.late_work < 0.2 * whole.late_work);
+    CHECK(all.work <= whole.work);
     arena_close(&arena);
 }
 
@@ -165,8 +233,7 @@ TEST(an_indefinite_matrix_is_refused)
 {
     Arena arena = {0};
     Blocks s;
-    unsigned char linked[1] = {0};
-    CHECK(blocks_plan(&s, &arena, 1, linked, NULL) && blocks_reserve(&s, &arena));
+    CHECK(blocks_plan(&s, &arena, &(BlockLinks){.n = 1}) && blocks_reserve(&s, &arena));
     blocks_clear(&s);
     for (int i = 0; i < 6; i++)
         s.diagonal[7 * i] = i == 4 ? -1 : 1;
@@ -416,6 +483,7 @@ TEST(any_number_of_threads_gives_the_same_bits)
 int main(void)
 {
     RUN_TESTS(unit_test(a_linked_matrix_is_factored_and_solved), unit_test(a_chain_is_factored_without_fill),
+              unit_test(what_changes_goes_last_where_that_saves_work),
                      unit_test(an_indefinite_matrix_is_refused), unit_test(five_light_boxes_carry_a_heavy_one),
                      unit_test(thirteen_light_boxes_not_quite_above_each_other_carry_a_heavy_one),
                      unit_test(a_stack_of_fourteen_stands_when_a_heavy_box_is_dropped_on_it),

@@ -1,0 +1,148 @@
+/* solve/blocks_plan.c - in which order a block matrix is eliminated, and which blocks its factor has.
+ *
+ * Least degree first. Putting off what changes fills the factor in: it is done where it saves work all the same.
+ */
+#include "solve/blocks.h"
+#include "solve/degree.h"
+
+#define REPEATS 4               /* factorisations of a matrix from one beginning by which an order is judged; five to fifteen are usual */
+#define PLAINLY 0.25            /* of what goes first: what is late costs so little that no other order is looked at */
+#define HOPELESS 4.0            /* the same: so much that it is not looked at any further */
+
+typedef struct Pattern {
+    int      *place;            /* [n] */
+    Adjacent *later;            /* [n] by place: what the columns have below the diagonal, by number */
+    int       early, blocks, longest;
+    real      begin_work, late_work;    /* multiplications */
+} Pattern;
+
+/* Multiplications of a column that many blocks long, of which that many are narrow. */
+static real work_of(bool narrow, real blocks, real narrow_blocks)
+{
+    real all = 72 + 126 * blocks + 108 * blocks * (blocks + 1);
+    real few = 72 + 18 * narrow_blocks + 13.5 * narrow_blocks * (narrow_blocks + 1), rest = blocks - narrow_blocks;
+    return narrow ? few + 126 * rest + 108 * rest * (blocks + narrow_blocks + 1) : all;
+}
+
+static real mean_work(const Pattern *p) { return p->begin_work / REPEATS + p->late_work; }
+
+static bool is_narrow(const BlockLinks *of, int i) { return of->narrow && of->narrow[i]; }
+
+static void go(Pattern *p, Degree *d, const BlockLinks *of, int place)
+{
+    int node = degree_next(d), thin = 0;
+    Adjacent *later = &p->later[place];
+    p->place[node] = place;
+    *later = d->next[node];             /* nobody changes the list of one that has gone */
+    for (int i = 0; i < later->count; i++)
+        thin += is_narrow(of, later->node[i]);
+    *(place < p->early ? &p->begin_work : &p->late_work) += work_of(is_narrow(of, node), later->count, thin);
+    p->blocks += later->count;
+    p->longest = int_max(p->longest, later->count);
+    degree_eliminate(d, node, false);
+}
+
+/* The first `early` to go are those that are not late; 0: all go as they come. *fits: what is late does not cost many times the rest, else
+ * p is of no use. False: out of memory. */
+static bool eliminate(Pattern *p, Arena *arena, const BlockLinks *of, int early, bool *fits)
+{
+    Degree d;
+    *p = (Pattern){.early = early};
+    p->place = arena_alloc(arena, (size_t)of->n * sizeof *p->place);
+    p->later = arena_alloc(arena, (size_t)of->n * sizeof *p->later);
+    degree_open(&d, arena, of->n);
+    degree_by_index(&d);
+    if (!p->place || !p->later || d.failed)
+        return false;
+    for (int i = 0; i < of->links; i++)
+        degree_link(&d, of->link[2 * i], of->link[2 * i + 1]);
+    for (int i = 0; i < of->n && !d.failed; i++)
+        if (early == 0 || !of->late[i])
+            degree_ready(&d, i);
+    *fits = true;
+    for (int place = 0; place < of->n && !d.failed && *fits; place++) {
+        for (int i = 0; i < of->n && place == early && early > 0; i++)
+            if (of->late[i])
+                degree_ready(&d, i);
+        go(p, &d, of, place);
+        *fits = early == 0 || p->late_work < HOPELESS * p->begin_work;
+    }
+    return !d.failed;
+}
+
+static int count_early(const BlockLinks *of)
+{
+    int count = 0;
+    for (int i = 0; i < of->n && of->late; i++)
+        count += !of->late[i];
+    return of->late && count < of->n ? count : 0;
+}
+
+/* Ascending; columns are short. */
+static void sort_rows(int *row, int count)
+{
+    for (int i = 1; i < count; i++) {
+        int r = row[i], k = i;
+        for (; k > 0 && row[k - 1] > r; k--)
+            row[k] = row[k - 1];
+        row[k] = r;
+    }
+}
+
+static void write_pattern(Blocks *s, const Pattern *p, const BlockLinks *of)
+{
+    int blocks = 0, at = 0;
+    for (int i = 0; i < s->n; i++)
+        s->narrow[p->place[i]] = is_narrow(of, i);
+    for (int j = 0; j < s->n; j++) {
+        const Adjacent *later = &p->later[j];
+        s->first[j] = blocks;
+        for (int i = 0; i < later->count; i++)
+            s->row[blocks++] = p->place[later->node[i]];
+        sort_rows(s->row + s->first[j], later->count);
+        for (int i = s->first[j]; i < blocks; i++) {
+            s->at[i] = at;
+            at += blocks_small(s, s->row[i], j) ? SMALL : BLOCK;
+        }
+    }
+    s->first[s->n] = blocks;
+    s->at[blocks] = at;
+}
+
+/* The late ones last where that is plainly less, or less than what all as they come take. */
+static bool choose(Pattern *p, Arena *arena, const BlockLinks *of)
+{
+    Pattern split;
+    int early = count_early(of);
+    bool fits = false;
+    if (early > 0 && !eliminate(&split, arena, of, early, &fits))
+        return false;
+    if (!fits || split.late_work > PLAINLY * split.begin_work) {
+        bool always;
+        if (!eliminate(p, arena, of, 0, &always))
+            return false;
+        fits = fits && mean_work(&split) < mean_work(p);
+    }
+    if (fits)
+        *p = split;
+    return true;
+}
+
+bool blocks_plan(Blocks *s, Arena *arena, const BlockLinks *of)
+{
+    Pattern p;
+    if (!choose(&p, arena, of))
+        return false;
+    size_t n = (size_t)of->n;
+    *s = (Blocks){.n = of->n, .early = p.early, .place = p.place,
+                  .begin_work = p.begin_work, .late_work = p.late_work, .work = mean_work(&p)};
+    s->narrow = arena_alloc(arena, n * sizeof *s->narrow);
+    s->first = arena_alloc(arena, (n + 1) * sizeof *s->first);
+    s->row = arena_alloc(arena, (size_t)(p.blocks + 1) * sizeof *s->row);
+    s->at = arena_alloc(arena, (size_t)(p.blocks + 1) * sizeof *s->at);
+    s->spread = arena_alloc(arena, (size_t)(p.longest + 1) * SPREAD * sizeof *s->spread);
+    if (!s->narrow || !s->first || !s->row || !s->at || !s->spread)
+        return false;
+    write_pattern(s, &p, of);
+    return true;
+}
