@@ -172,16 +172,8 @@ INLINE void widen(real *restrict to, const real *restrict a)
         memcpy(to + 6 * i, a + 4 * i, 3 * sizeof *to);
 }
 
-/* Column j's blocks of the rows from p on are in column row[p], too, with others between: the next of them there, from k on. */
-INLINE int next_in_column(const Blocks *s, int k, int row)
-{
-    while (s->row[k] < row)
-        k++;
-    return k;
-}
-
-/* Between one that turns and column j's row number q, which does not: rarely. */
-INLINE void subtract_mixed(Blocks *s, int p, int q, int k, const real *spread)
+/* Where one of the two turns: rarely. */
+INLINE void subtract_mixed(Blocks *s, int p, real *to, const real *spread)
 {
     real wide[BLOCK];
     const real *a = s->below + s->at[p];
@@ -189,7 +181,6 @@ INLINE void subtract_mixed(Blocks *s, int p, int q, int k, const real *spread)
         widen(wide, a);
         a = wide;
     }
-    real *to = p == q ? s->diagonal + (size_t)BLOCK * (size_t)s->row[q] : s->below + s->at[k];
     subtract(to, a, spread);
 }
 
@@ -208,17 +199,19 @@ INLINE void eliminate_narrow(Blocks *s, int j)
     for (int p = first; p < end && mixed; p++)
         if (s->narrow[s->row[p]])
             spread_all(s->spread + SPREAD * (p - first));
+    const int *target = s->target + s->pair[j];
     for (int q = first; q < end; q++) {
-        int column = s->row[q];
+        const int column = s->row[q];
         const real *spread = s->spread + SPREAD * (q - first);
-        for (int p = q, k = s->first[column]; p < end; p++) {
-            k = p > q ? next_in_column(s, k, s->row[p]) : k;
-            if (!blocks_small(s, s->row[p], column))
-                subtract_mixed(s, p, q, k, spread);
-            else if (p == q)
-                subtract_narrow(s->diagonal + (size_t)BLOCK * (size_t)column, 6, s->below + s->at[p], spread);
+        if (s->narrow[column])
+            subtract_narrow(s->diagonal + (size_t)BLOCK * (size_t)column, 6, s->below + s->at[q], spread);
+        else
+            subtract(s->diagonal + (size_t)BLOCK * (size_t)column, s->below + s->at[q], spread);
+        for (int p = q + 1; p < end; p++) {
+            if (blocks_small(s, s->row[p], column))
+                subtract_narrow(s->below + s->at[*target++], 4, s->below + s->at[p], spread);
             else
-                subtract_narrow(s->below + s->at[k], 4, s->below + s->at[p], spread);
+                subtract_mixed(s, p, s->below + s->at[*target++], spread);
         }
     }
 }
@@ -230,11 +223,12 @@ INLINE void eliminate(Blocks *s, int j)
     real *below = s->below + s->at[first];
     for (int p = 0; p < count; p++)
         divide(below + BLOCK * p, l, s->spread + SPREAD * p);
+    const int *target = s->target + s->pair[j];
     for (int q = 0; q < count; q++) {
-        int column = s->row[first + q], k = s->first[column];
+        int column = s->row[first + q];
         subtract(s->diagonal + (size_t)BLOCK * (size_t)column, below + BLOCK * q, s->spread + SPREAD * q);
         for (int p = q + 1; p < count; p++) {
-            k = next_in_column(s, k, s->row[first + p]);
+            int k = *target++;
             if (blocks_small(s, s->row[k], column))
                 subtract_small(s->below + s->at[k], below + BLOCK * p, s->spread + SPREAD * q);
             else

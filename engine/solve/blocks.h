@@ -24,6 +24,8 @@ typedef struct Blocks {
     int  *first;                /* [n + 1]  column j's blocks below the diagonal: first[j] .. first[j + 1] - 1 */
     int  *row;                  /*          their rows, ascending                                     */
     int  *at;                   /* [first[n] + 1]  where they are in below                            */
+    int  *pair;                 /* [n]      column j's targets: from pair[j] on                       */
+    int  *target;               /*          of rows q < p of a column, q by q: block (row[p], row[q]) */
     real *diagonal, *below;     /* BLOCK reals each; BLOCK or SMALL                                   */
     real *kept_diagonal, *kept_below;       /* of those that are not early, by blocks_keep            */
     real *spread;               /* [blocks of the longest column + 1][SPREAD] a column, as the factorisation reads it */
@@ -36,9 +38,11 @@ typedef struct BlockLinks {
     int         n, links;
     const int  *link;           /* [2 links]  pairs of numbers that share a row; twice the same is no harm  */
     const bool *narrow, *late;  /* [n] which do not turn, and whose blocks change; NULL = none         */
+    real        most;           /* work, beyond which the pattern is not wanted; 0 = none              */
 } BlockLinks;
 
-/* Order and pattern. The late ones are put last where that saves work. False: out of memory. */
+/* Order and pattern. The late ones are put last where that saves work. Of a pattern that is not wanted only n and work are known. False:
+ * out of memory. */
 bool blocks_plan(Blocks *s, Arena *arena, const BlockLinks *of);
 bool blocks_reserve(Blocks *s, Arena *arena);
 void blocks_clear(Blocks *s);

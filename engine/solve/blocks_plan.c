@@ -7,12 +7,14 @@
 
 #define REPEATS 4               /* factorisations of a matrix from one beginning by which an order is judged; five to fifteen are usual */
 #define PLAINLY 0.25            /* of what goes first: what is late costs so little that no other order is looked at */
-#define HOPELESS 4.0            /* the same: so much that it is not looked at any further */
+#define MOSTLY   0.75           /* of all: where fewer are not late, these are not tried first */
+#define HOPELESS 4.0            /* of what goes first: so much that it is not looked at any further */
 
 typedef struct Pattern {
     int      *place;            /* [n] */
     Adjacent *later;            /* [n] by place: what the columns have below the diagonal, by number */
     int       early, blocks, longest;
+    size_t    pairs;            /* of blocks in one column */
     real      begin_work, late_work;    /* multiplications */
 } Pattern;
 
@@ -38,6 +40,7 @@ static void go(Pattern *p, Degree *d, const BlockLinks *of, int place)
         thin += is_narrow(of, later->node[i]);
     *(place < p->early ? &p->begin_work : &p->late_work) += work_of(is_narrow(of, node), later->count, thin);
     p->blocks += later->count;
+    p->pairs += (size_t)later->count * (size_t)int_max(0, later->count - 1) / 2;
     p->longest = int_max(p->longest, later->count);
     degree_eliminate(d, node, false);
 }
@@ -115,7 +118,7 @@ static bool choose(Pattern *p, Arena *arena, const BlockLinks *of)
     Pattern split;
     int early = count_early(of);
     bool fits = false;
-    if (early > 0 && !eliminate(&split, arena, of, early, &fits))
+    if (early > MOSTLY * of->n && !eliminate(&split, arena, of, early, &fits))
         return false;
     if (!fits || split.late_work > PLAINLY * split.begin_work) {
         bool always;
@@ -128,6 +131,21 @@ static bool choose(Pattern *p, Arena *arena, const BlockLinks *of)
     return true;
 }
 
+/* Column j's rows from p on are rows of column row[q], too, with others between. */
+static void find_targets(Blocks *s)
+{
+    int *to = s->target;
+    for (int j = 0; j < s->n; j++) {
+        s->pair[j] = (int)(to - s->target);
+        for (int q = s->first[j]; q < s->first[j + 1]; q++)
+            for (int p = q + 1, k = s->first[s->row[q]]; p < s->first[j + 1]; p++) {
+                while (s->row[k] < s->row[p])
+                    k++;
+                *to++ = k;
+            }
+    }
+}
+
 bool blocks_plan(Blocks *s, Arena *arena, const BlockLinks *of)
 {
     Pattern p;
@@ -136,13 +154,18 @@ bool blocks_plan(Blocks *s, Arena *arena, const BlockLinks *of)
     size_t n = (size_t)of->n;
     *s = (Blocks){.n = of->n, .early = p.early, .place = p.place,
                   .begin_work = p.begin_work, .late_work = p.late_work, .work = mean_work(&p)};
+    if (of->most > 0 && s->work > of->most)
+        return true;
     s->narrow = arena_alloc(arena, n * sizeof *s->narrow);
     s->first = arena_alloc(arena, (n + 1) * sizeof *s->first);
     s->row = arena_alloc(arena, (size_t)(p.blocks + 1) * sizeof *s->row);
     s->at = arena_alloc(arena, (size_t)(p.blocks + 1) * sizeof *s->at);
+    s->pair = arena_alloc(arena, n * sizeof *s->pair);
+    s->target = arena_alloc(arena, (p.pairs + 1) * sizeof *s->target);
     s->spread = arena_alloc(arena, (size_t)(p.longest + 1) * SPREAD * sizeof *s->spread);
-    if (!s->narrow || !s->first || !s->row || !s->at || !s->spread)
+    if (!s->narrow || !s->first || !s->row || !s->at || !s->pair || !s->target || !s->spread)
         return false;
     write_pattern(s, &p, of);
+    find_targets(s);
     return true;
 }

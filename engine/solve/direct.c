@@ -145,7 +145,8 @@ static bool open_direct(Direct *d)
     }
     if (n == 0)
         return false;
-    BlockLinks of = {.n = n, .narrow = narrow};
+    real most = g->calm ? MANY_MATRIX : g->joints_direct && group_elastic(g) ? ELASTIC_MATRIX : most_work[d->heavy];
+    BlockLinks of = {.n = n, .narrow = narrow, .most = most};
     size_t size = (size_t)n;
     d->body = arena_alloc(g->arena, size * sizeof *d->body);
     d->mass = arena_alloc(g->arena, 10 * size * sizeof *d->mass);
@@ -157,7 +158,7 @@ static bool open_direct(Direct *d)
         g->status = DIG_E_MEMORY;
         return false;
     }
-    if (d->blocks.work > (g->calm ? MANY_MATRIX : g->joints_direct && group_elastic(g) ? ELASTIC_MATRIX : most_work[d->heavy]))
+    if (d->blocks.work > most)
         return false;
     for (int i = 0; i < g->body_count; i++)
         if (d->place[i] >= 0) {
