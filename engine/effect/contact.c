@@ -98,6 +98,8 @@ static void follow_curve(Group *g, GroupPair *q, PointRow *r, real gap)
         return;
     if (vec3_dot(m.normal, r->n.n) > 1 - 1e-14 || vec3_dot(m.normal, r->n.n) < 0.5)
         return;                             /* flat, or another side altogether */
+    if (seam_hides(g, q, pa, pb, &m))
+        return;
     PointRow middle = *r;
     point_row_set(g, &middle, m.normal, vec3_scale(0.5, vec3_add(m.points[0].a, m.points[0].b)), a.x, b.x);
     middle.target = -(rate_before(g, &middle) - r->rate_before) - 2 * real_max(gap, 0) / g->h;

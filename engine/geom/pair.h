@@ -79,9 +79,6 @@ int contacts_finish(const Pair *p, Contacts *c, Manifold *out);
 /* One point. */
 int contacts_single(const Pair *p, const ConvexGap *g, Manifold *out);
 
-/* a and b exchanged. */
-void manifold_mirror(Manifold *m);
-
 /* ---- pairs (manifold_convex.c, manifold_box.c) ---- */
 
 /* From the gap and its normal to up to four points, by clipping the faces that look at each other. */

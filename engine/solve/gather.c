@@ -566,7 +566,7 @@ dig_status group_gather_struck(Group *g, const real *stop, real dt)
     team_deal(n.taken < SHARED_LEAST ? NULL : g->team, gather_near, &n);
     spare_add(&g->spare, n.near, (size_t)n.taken * sizeof *n.near);
     group_leave_out(g, n.first);
-    return DIG_OK;
+    return seams(g, n.first);
 }
 
 void group_close_left(Group *g)
@@ -682,5 +682,6 @@ dig_status group_gather(Group *g, const World *w, const uint32_t *leads, int dig
     DIG_TRY(gather_pairs(g, pairs, pair_count));
     DIG_TRY(gather_joints(g, joints));
     cover(g);
+    DIG_TRY(seams(g, 0));
     return gather_pushes(g, w->def.step);
 }

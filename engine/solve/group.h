@@ -168,6 +168,9 @@ typedef struct GroupPair {
 
 static inline void pair_approaches(GroupPair *q, real speed) { q->speed = q->struck ? q->speed : real_max(q->speed, speed); }
 
+/* Of a pair with a fixed solid, what else is fixed beside that, near the other one of the pair: a range of the group's. */
+typedef struct Seams { int first, count; } Seams;
+
 /* A pair that a crowd has left out: its bodies do not meet by themselves in this step. */
 typedef struct Left {
     uint32_t slot;              /* world pair                       */
@@ -236,6 +239,8 @@ struct Group {
     int       live_count, rubbing_count;        /* group_judge: contacts with points, and those of them with friction */
     int      *turned;       int turned_count;   /* group_judge: contacts whose record in the world, or whose pair's memory, comes, goes, or grows */
     int       widened_count, remembered_count;  /* group_judge: of these, contacts that grow; memories that come */
+    Seams    *seams;            /* [pair_count] what is beside the fixed one of each; NULL: nothing is */
+    Beside   *beside;
     real      finest;           /* m   group_judge: size of the smallest solid in a pair; INFINITY: there is no pair */
     GroupContact *contacts; int contact_count;
     real     *places;       int place_count;    /* of each contact, room for its points first, then for their memories; then of its pair, for
@@ -346,6 +351,13 @@ void       group_joint_move(Group *g, int joint);       /* once viewed: those of
 
 /* cover.c: faces at joints that are none of a thing's surface */
 void       cover(Group *g);
+
+/* seam.c: fixed solids beside each other, and what is hidden between them. Again when pairs have come in, from this on. */
+dig_status seams(Group *g, int first);
+bool seam_near(const Group *g, const GroupPair *q);     /* is something fixed beside the fixed one of this pair? */
+/* A contact of the pair, in these poses: is it at a part of the fixed one that others cover? Uncovered it is at one that they do not, or none. */
+bool seam_hides(const Group *g, const GroupPair *q, pose pa, pose pb, const Manifold *m);
+bool seam_uncover(const Group *g, const GroupPair *q, pose pa, pose pb, Manifold *m);
 
 /* force.c: what the effects of STAGE_FORCE ask for now, and what drags and laws of regions took and gave over a substep in which
  * bodies moved and turned so far */

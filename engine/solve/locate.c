@@ -52,7 +52,8 @@ static bool cannot_meet(const Group *g, const GroupPair *q, const Motion *a, con
     real h = g->h;
     vec3 v = vec3_sub(b->v, a->v), acc = vec3_sub(b->a, a->a);
     real travel = vec3_length(v) * h + 0.5 * vec3_length(acc) * h * h + rim_travel(g, q->a, a) + rim_travel(g, q->b, b);
-    if (q->contacts == 1 && g->contacts[q->contact].manifold.count == 0 && travel + healed_by(g, q->a) + healed_by(g, q->b) < q->reach)
+    if (q->contacts == 1 && g->contacts[q->contact].manifold.count == 0 && !seam_near(g, q) &&
+        travel + healed_by(g, q->a) + healed_by(g, q->b) < q->reach)
         return true;
     if (!isfinite(q->on_a->shape.outer) || !isfinite(q->on_b->shape.outer))
         return false;
@@ -77,6 +78,9 @@ static real locate_apart(const Group *g, const GroupPair *q)
     vec3 n, pa, pb;
     real gap = shape_distance(&q->on_a->shape, motion_at(&a, t), &q->on_b->shape, motion_at(&b, t), INFINITY, &n, &pa, &pb);
     if (manifold_covered(&q->on_a->shape, motion_at(&a, t), &q->on_b->shape, motion_at(&b, t), q->covered, n))
+        return INFINITY;
+    Manifold there = {.normal = n, .count = 1, .points = {{.a = pa, .b = pb, .gap = gap}}};
+    if (seam_hides(g, q, motion_at(&a, t), motion_at(&b, t), &there))
         return INFINITY;
     real speed = -vec3_dot(n, vec3_sub(velocity_at(&b, pb, t), velocity_at(&a, pa, t)));
     if (!(speed > g->close_speed))

@@ -95,18 +95,22 @@ static void touch_pieces(Group *g, GroupPair *q, const Manifold *found, const ui
     }
 }
 
-/* Finds the points anew. */
-static void touch_again(GroupPair *q, GroupContact *c, pose pa, pose pb, bool apart)
+/* Finds the points anew. False: what was found is hidden, and there may be something nearer than the pair's reach without a point. */
+static bool touch_again(const Group *g, GroupPair *q, GroupContact *c, pose pa, pose pb, bool apart)
 {
     Manifold found;
     Before old;
+    bool hidden = false;
     note_before(c, &old);
     found.normal = c->manifold.normal;
     found.count = 0;
-    if (!apart)
+    if (!apart) {
         manifold_of_parts(&q->on_a->shape, pa, &q->on_b->shape, pb, q->reach, q->covered, q->hint, &found);
+        hidden = seam_uncover(g, q, pa, pb, &found);
+    }
     put_points(c, &found);
     keep_memory(c, &old);
+    return !hidden;
 }
 
 /* m  What is between two solids that are farther than `reach` from each other, at least; else, or if it is more than `most`, that. */
@@ -164,8 +168,8 @@ static real touch_convex(Group *g, GroupPair *q, real reach, real farther)
         c->live = false;
         return room;
     }
-    touch_again(q, c, pa, pb, apart);
-    return c->live ? 0 : real_max(room, reach);
+    bool seen = touch_again(g, q, c, pa, pb, apart);
+    return c->live || !seen ? 0 : real_max(room, reach);
 }
 
 real group_touch_convex(Group *g, GroupPair *q, real time, real farther) { return touch_convex(g, q, pair_reach(g, q, time), farther); }

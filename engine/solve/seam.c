@@ -1,0 +1,211 @@
+/* solve/seam.c - which fixed solids lie beside each other where something moves: there a contact with one of them may be at a part of its
+ * surface that the other covers (geom/manifold_hidden.c).
+ *
+ * What covers a place that a body touches is near the body, too, and makes a pair with it: so the pairs of each moving solid tell all of
+ * its fixed neighbours. Nothing is kept from step to step, and a group with less than two fixed solids is not looked at any further. */
+#include "solve/group.h"
+
+#include <stdlib.h>
+
+#define FLUSH 2e-3              /* of its outer radius: what is no farther from a fixed solid is beside it, and what stands out of a fixed plane
+                                 * by no more is flush with it */
+
+/* A pair of something that moves with something fixed. */
+typedef struct Meeting {
+    const Solid *mover, *fixed;
+    int   pair;
+    box3  box;                  /* m  about the fixed one; of planes, infinite */
+} Meeting;
+
+static bool is_fixed(const Group *g, int body)
+{
+    return body >= g->moving_count && (g->member[body].slot == NONE || g->world->bodies.data[g->member[body].slot].kind == DIG_STATIC);
+}
+
+/* Are there two fixed solids at all? Those of the world itself, the walls of its room, are planes, and not beside each other. */
+static bool two_fixed(const Group *g)
+{
+    int count = 0;
+    for (int i = g->moving_count; i < g->body_count && count < 2; i++)
+        if (is_fixed(g, i))
+            count += g->member[i].slot == NONE ? 1 : int_min(2, g->world->bodies.data[g->member[i].slot].shape_count);
+    return count >= 2;
+}
+
+/* The body of a pair that moves, where the other is fixed; else -1. */
+static int mover_of(const Group *g, const GroupPair *q)
+{
+    return q->a < g->moving_count ? (is_fixed(g, q->b) ? q->a : -1) : q->b < g->moving_count && is_fixed(g, q->a) ? q->b : -1;
+}
+
+static bool meeting_of(const Group *g, int pair, Meeting *m)
+{
+    static const box3 everywhere = {{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}};
+    const GroupPair *q = &g->pairs[pair];
+    bool a = q->a >= g->moving_count;
+    *m = (Meeting){.mover = a ? q->on_b : q->on_a, .fixed = a ? q->on_a : q->on_b, .pair = pair};
+    if (!m->fixed->shape.type->convex && m->fixed->shape.type != &shape_plane)
+        return false;
+    real margin = FLUSH * m->fixed->shape.outer;
+    m->box = m->fixed->leaf < 0 ? everywhere : box3_grow(tree_box(&g->world->tree, m->fixed->leaf), margin);
+    return true;
+}
+
+/* Of bodies that meet two fixed solids or more; -1: out of memory. */
+static int list_meetings(const Group *g, Meeting **list)
+{
+    uint8_t *met = arena_alloc(g->arena, (size_t)g->moving_count);
+    int most = 0, count = 0;
+    if (!met)
+        return -1;
+    memset(met, 0, (size_t)g->moving_count);
+    for (int i = 0; i < g->pair_count; i++) {
+        int mover = mover_of(g, &g->pairs[i]);
+        if (mover >= 0) {
+            met[mover] = (uint8_t)int_min(2, met[mover] + 1);
+            most++;
+        }
+    }
+    *list = arena_alloc(g->arena, (size_t)most * sizeof **list);
+    if (!*list)
+        return -1;
+    for (int i = 0; i < g->pair_count; i++) {
+        int mover = mover_of(g, &g->pairs[i]);
+        if (mover >= 0 && met[mover] > 1)
+            count += meeting_of(g, i, *list + count);
+    }
+    return count;
+}
+
+/* Those of one mover together, and of these from left to right; what is beside what does not depend on more. */
+static int compare_meetings(const void *a, const void *b)
+{
+    const Meeting *x = a, *y = b;
+    if (x->mover != y->mover)
+        return x->mover < y->mover ? -1 : 1;
+    if (x->box.low.x != y->box.low.x)
+        return x->box.low.x < y->box.low.x ? -1 : 1;
+    return x->pair - y->pair;
+}
+
+static bool is_plane(const Meeting *m) { return m->fixed->shape.type == &shape_plane; }
+
+/* Is the whole solid in the plane's, but for so little that the two are flush? */
+static bool sunk(const World *w, const Solid *plane, const Solid *s)
+{
+    const PlaneData *d = plane->shape.data;
+    pose at = solid_pose(w, plane), of = solid_pose(w, s);
+    vec3 n = quat_rotate(at.q, d->normal), highest = pose_point(of, s->shape.type->support(&s->shape, quat_unrotate(of.q, n)));
+    return vec3_dot(n, vec3_sub(highest, at.p)) + s->shape.round - d->offset <= FLUSH * s->shape.outer;
+}
+
+static bool beside(const World *w, const Meeting *x, const Meeting *y)
+{
+    if (is_plane(x) || is_plane(y))
+        return is_plane(x) != is_plane(y) && (is_plane(x) ? sunk(w, x->fixed, y->fixed) : sunk(w, y->fixed, x->fixed));
+    return box3_overlap(x->box, y->box);
+}
+
+/* Of meetings from..end of one mover: counts, or writes, what is beside what. */
+static int link_run(Group *g, const Meeting *m, int from, int end, bool write)
+{
+    int links = 0;
+    for (int i = from; i < end; i++)
+        for (int k = i + 1; k < end && m[k].box.low.x <= m[i].box.high.x; k++) {
+            if (!beside(g->world, &m[i], &m[k]))
+                continue;
+            links += 2;
+            Seams *x = &g->seams[m[i].pair], *y = &g->seams[m[k].pair];
+            if (write) {
+                g->beside[x->first + x->count] = (Beside){&m[k].fixed->shape, solid_pose(g->world, m[k].fixed), m[k].box};
+                g->beside[y->first + y->count] = (Beside){&m[i].fixed->shape, solid_pose(g->world, m[i].fixed), m[i].box};
+            }
+            x->count++;
+            y->count++;
+        }
+    return links;
+}
+
+static int link_all(Group *g, const Meeting *m, int count, bool write)
+{
+    int links = 0;
+    for (int from = 0, end; from < count; from = end) {
+        for (end = from + 1; end < count && m[end].mover == m[from].mover; end++);
+        links += link_run(g, m, from, end, write);
+    }
+    return links;
+}
+
+/* Room for pairs left out, too: those without a fixed solid come in as they are. */
+static bool open_seams(Group *g)
+{
+    size_t bytes = (size_t)(g->pair_count + g->left_count) * sizeof *g->seams;
+    g->seams = arena_alloc(g->arena, bytes);
+    if (g->seams)
+        memset(g->seams, 0, bytes);
+    return g->seams;
+}
+
+static dig_status link_meetings(Group *g, const Meeting *m, int count)
+{
+    if (!open_seams(g))
+        return DIG_E_MEMORY;
+    int links = link_all(g, m, count, false);
+    g->beside = arena_alloc(g->arena, (size_t)links * sizeof *g->beside);
+    if (!g->beside)
+        return DIG_E_MEMORY;
+    for (int i = 0, first = 0; i < g->pair_count; i++) {
+        first += g->seams[i].count;
+        g->seams[i] = (Seams){first - g->seams[i].count, 0};
+    }
+    link_all(g, m, count, true);
+    if (links == 0)
+        g->seams = NULL;
+    return DIG_OK;
+}
+
+dig_status seams(Group *g, int first)
+{
+    bool any = false;
+    for (int i = first; i < g->pair_count && !any; i++)
+        any = mover_of(g, &g->pairs[i]) >= 0;
+    if (!any || g->pair_count < 2 || !two_fixed(g))
+        return DIG_OK;
+    Meeting *m;
+    int count = list_meetings(g, &m);
+    if (count < 2)
+        return count < 0 ? DIG_E_MEMORY : DIG_OK;
+    qsort(m, (size_t)count, sizeof *m, compare_meetings);
+    return link_meetings(g, m, count);
+}
+
+static const Seams *seams_of(const Group *g, const GroupPair *q) { return &g->seams[q - g->pairs]; }
+
+bool seam_near(const Group *g, const GroupPair *q) { return g->seams && seams_of(g, q)->count > 0; }
+
+bool seam_uncover(const Group *g, const GroupPair *q, pose pa, pose pb, Manifold *m)
+{
+    if (!seam_near(g, q))
+        return false;
+    const Seams *s = seams_of(g, q);
+    const Beside *by = &g->beside[s->first];
+    if (q->a >= g->moving_count)
+        return manifold_uncover(&q->on_a->shape, pa, &q->on_b->shape, pb, q->reach, by, s->count, m);
+    manifold_mirror(m);
+    bool changed = manifold_uncover(&q->on_b->shape, pb, &q->on_a->shape, pa, q->reach, by, s->count, m);
+    manifold_mirror(m);
+    return changed;
+}
+
+bool seam_hides(const Group *g, const GroupPair *q, pose pa, pose pb, const Manifold *m)
+{
+    if (!seam_near(g, q))
+        return false;
+    const Seams *s = seams_of(g, q);
+    const Beside *by = &g->beside[s->first];
+    if (q->a >= g->moving_count)
+        return manifold_hidden(&q->on_a->shape, pa, &q->on_b->shape, pb, by, s->count, m);
+    Manifold mirrored = *m;
+    manifold_mirror(&mirrored);
+    return manifold_hidden(&q->on_b->shape, pb, &q->on_a->shape, pa, by, s->count, &mirrored);
+}
