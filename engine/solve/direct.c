@@ -34,7 +34,7 @@ static const real most_work[2] = {1e6, 4e6};                                    
 #define FEW_FACTORS   12
 /* The same for springs: a few sweeps leave forces that are not those of how they are stretched, which makes up energy without end. */
 #define ELASTIC_BODIES 1200
-#define ELASTIC_MATRIX 2e7
+#define ELASTIC_MATRIX 8e7
 /* The second try of what slides at many points, from soft to hard: with rows hard at once Newton's method stops at their kinks. */
 #define SOFT_POINTS   32000     /*      points times factors */
 #define SOFT_FACTORS  150
