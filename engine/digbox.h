@@ -439,7 +439,7 @@ typedef struct dig_body_state {
     quat          rotation;
     vec3          centre;           /* m, centre of mass, world         */
     vec3          velocity, spin;   /* m/s at the centre of mass, rad/s */
-    real          mass;             /* kg; infinite for fixed           */
+    real          mass;             /* kg; fixed, kinematic: as given, or infinite */
     real          inertia[9];       /* kg m^2, world axes, row by row   */
     vec3          force, torque;    /* N, N m: mean resultant over the last step */
     vec3          low, high;        /* m, bounds                        */

@@ -93,7 +93,7 @@ dig_status dig_body_get(const dig_world *w, dig_body handle, dig_body_state *out
     out->centre = b->x;
     out->velocity = b->v;
     out->spin = b->w;
-    out->mass = b->kind == DIG_DYNAMIC ? b->mass : INFINITY;
+    out->mass = body_mass_read(b);
     write_mat3(out->inertia, body_inertia_world(b));
     out->force = b->force;
     out->torque = b->torque;
@@ -147,7 +147,7 @@ dig_status dig_body_inspect(const dig_world *w, dig_body handle, dig_body_debug 
     out->mess_type = b->message_kind;
     out->dig_id = graph_of(w->graph, handle.slot);
     out->mess_time = b->message_time;
-    out->mass = b->kind == DIG_DYNAMIC ? b->mass : INFINITY;
+    out->mass = body_mass_read(b);
     out->rest = surface_resolve(w, &b->surface).restitution;
     out->origin = b->message_from;
     out->material = w->materials.data[b->surface.material].name;

@@ -39,14 +39,23 @@ static dig_status set_material(World *w, uint32_t slot, const char *name)
     return DIG_OK;
 }
 
+/* Of what is not dynamic it is kept to be read again. */
 static dig_status set_mass(World *w, Body *b, real mass)
 {
-    if (b->kind != DIG_DYNAMIC)
-        return world_fail(w, DIG_E_KIND, "%s is not dynamic: it has no mass to set", BODY_TEXT(w, b));
     if (!(mass > 0 && isfinite(mass)))
         return world_fail(w, DIG_E_ARG, "%s: mass = %g kg, must be > 0 and finite", BODY_TEXT(w, b), mass);
-    body_set_mass(b, mass);
+    if (b->kind == DIG_DYNAMIC)
+        body_set_mass(b, mass);
+    else
+        b->told_mass = mass;
     return DIG_OK;
+}
+
+static dig_status set_density(World *w, Body *b, real density)
+{
+    if (b->kind != DIG_DYNAMIC)
+        return world_fail(w, DIG_E_KIND, "%s is not dynamic: it has no density to set", BODY_TEXT(w, b));
+    return set_mass(w, b, b->density > 0 ? b->mass * density / b->density : density);
 }
 
 static void set_integrator(Body *b, int64_t integrator)
@@ -89,7 +98,7 @@ static dig_status do_set(World *w, dig_body handle, const char *name, const void
     if (strcmp(name, "mass") == 0)
         status = set_mass(w, b, *number);
     else if (strcmp(name, "density") == 0)
-        status = set_mass(w, b, b->density > 0 ? b->mass * *number / b->density : *number);
+        status = set_density(w, b, *number);
     else if (strcmp(name, "material") == 0)
         status = set_material(w, handle.slot, ((const dig_text *)value)->s);
     else if (strstr(name, "friction") || strcmp(name, "restitution") == 0)
@@ -109,7 +118,8 @@ static dig_status do_set(World *w, dig_body handle, const char *name, const void
     else if (strcmp(name, "opacity") == 0)
         b->opacity = *number;
     else
-        return world_fail(w, DIG_E_ARG, "%s: '%s' is decided when a body is made", BODY_TEXT(w, b), name);
+        return world_fail(w, DIG_E_ARG, "%s: '%s' is decided when a body is made%s", BODY_TEXT(w, b), name,
+                          strcmp(name, "fixed") == 0 ? " (what is held for a while is welded to the world, until the weld is removed)" : "");
     w->ledger.initial += w->ledger.started ? body_energy(w, b) - before : 0;      /* mass, material, gravity_scale */
     if (status == DIG_OK && (strcmp(name, "mass") == 0 || strcmp(name, "density") == 0 || strcmp(name, "material") == 0))
         status = api_effects_follow(w, handle.slot);
@@ -153,7 +163,7 @@ dig_status dig_body_param(const dig_world *w, dig_body handle, const char *name,
     def.rotation = at.q;
     def.velocity = b->v;
     def.spin = b->w;
-    def.mass = b->kind == DIG_DYNAMIC ? b->mass : INFINITY;
+    def.mass = body_mass_read(b);
     def.density = b->density;
     snprintf(def.material.s, sizeof def.material.s, "%s", w->materials.data[s.material].name);
     def.friction = s.friction;

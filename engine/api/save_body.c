@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-enum { BODY_BYTES = 367, SOLID_BYTES = 125 + SHAPE_PACKED };        /* at least */
+enum { BODY_BYTES = 375, SOLID_BYTES = 125 + SHAPE_PACKED };        /* at least */
 
 /* Follows from the rest: inverses, list membership, the number of shapes, the outer radius and what turning moves of it. */
 static void pack_mass(Pack *p, Body *b)
@@ -96,6 +96,8 @@ static void pack_body(Pack *p, const World *w, Body *b)
     pack_vec3(p, &b->centre, SAVE_FAR, "centre of mass of a body");
     if (b->kind == DIG_DYNAMIC)
         pack_mass(p, b);
+    else
+        pack_real_in(p, &b->told_mass, 0, 1e30, "mass of a body");
     pack_real_in(p, &b->gravity_scale, -1000, 1000, "gravity_scale of a body");
     pack_i64(p, &b->group);
     save_surface(p, w, &b->surface);

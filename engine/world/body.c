@@ -335,6 +335,7 @@ static void fill_body(World *w, Body *b, const dig_body_def *def)
     b->surface = (Surface){def->material.s[0] ? material_find(w, def->material.s) : 0, def->friction, def->friction_dynamic,
                            def->rolling_friction, def->restitution};
     b->move_end = -1;
+    b->told_mass = b->kind == DIG_DYNAMIC || isnan(def->mass) ? 0 : def->mass;
     b->integrator = (uint8_t)def->integrator;
     b->euler = b->integrator != DIG_VERLET;
 }
@@ -555,6 +556,7 @@ void body_disable(World *w, uint32_t slot)
     b->collides = false;
     b->awake = true;
     b->v = b->w = b->force = b->torque = b->hit_v = b->hit_w = vec3_zero();
+    b->told_mass = b->mass;
     b->mass = b->inv_mass = b->density = b->pull = b->still = b->trace_step = 0;
     b->inertia = b->inv_inertia = mat3_zero();
     b->round_inertia = b->collided = b->crowded = false;

@@ -86,6 +86,7 @@ typedef struct Body {           /* what every step reads comes first            
     /* What steps hardly ever read comes last. */
     char     name[64];
     real     density;           /* kg/m^3 mean                                         */
+    real     told_mass;         /* kg     as given to one that is not dynamic, 0 = none; no law asks for it */
     int64_t  group;
     Surface  surface;
     vec3     colour;            /* x < 0 = the material's                              */
@@ -448,6 +449,8 @@ void       world_wake_all(World *w);
 void       body_list(World *w, uint32_t slot);          /* into world->awake; there is always room */
 void       touches_wake(World *w, uint32_t slot);       /* all that touches the body or is joined to it */
 void       body_set_mass(Body *b, real mass);
+/* kg  As it is read: of one that is not dynamic what was given, or infinite. */
+static inline real body_mass_read(const Body *b) { return b->kind == DIG_DYNAMIC ? b->mass : b->told_mass > 0 ? b->told_mass : INFINITY; }
 void       body_refit(World *w, uint32_t slot);         /* its solids' boxes in the tree */
 void       body_measure(const World *w, Body *b);      /* its radii, from where its solids are */
 /* Where its body's centre of mass is, from the shape and from the body. */

@@ -126,7 +126,7 @@ declare_type("body", "A body. Its fields as listed under body fields can be read
   position = { "vector", "of its origin", unit = "m" }, centre = { "vector", "its centre of mass", unit = "m" },
   rotation = { "rotation", "its orientation" },
   velocity = { "vector", "of its centre of mass", unit = "m/s" }, speed = { "number", "length of the velocity", unit = "m/s" },
-  spin = { "vector", "angular velocity", unit = "rad/s" }, mass = { "number", "its mass", unit = "kg", set = true },
+  spin = { "vector", "angular velocity", unit = "rad/s" }, mass = { "number", "its mass; of a fixed or kinematic one as given, else infinite", unit = "kg", set = true },
   inertia = { "number[][]", "inertia tensor about the centre of mass, world axes, as rows", unit = "kg m^2" },
   awake = { "boolean", "it is being solved" }, asleep = { "boolean", "it rests and costs nothing" },
   valid = { "boolean", "it was not removed" }, dig = { "DIG|nil", "the DIG it belongs to; static bodies are in none" },

@@ -248,7 +248,8 @@ scenario("fields have names, and an error shows how they are written", function(
     "world:ball: colour.x = 255, must be at most 1.0 (write {1, 0.5, 0}, '#ff8000' or a name)")
   says(function() world:step(0.1) end, "world:step wants a whole number of steps >= 0; got 0.1 (world:run goes by time)")
   says(function() ball.force = { 1, 0, 0 } end, "body.force is state and cannot be assigned: use :push or :hit")
-  says(function() ball.fixed = true end, "body #0: 'fixed' is decided when a body is made")
+  says(function() ball.fixed = true end, "body #0: 'fixed' is decided when a body is made"
+    .. " (what is held for a while is welded to the world, until the weld is removed)")
 end)
 
 -- Every answer of lua/bind_mean.c's examples is a call that works

@@ -344,3 +344,26 @@ scenario("a mesh comes from a list, and points make a hull", function(s)
   local ground = world:heightfield { size = { 4, 0, 4 }, heights = { { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 0 } }, at = { 0, -5, 0 } }
   expect(ground.kind):is "static"
 end)
+
+-- no law asks for it, but the pins of a cloth weigh something, and a script may
+scenario("what is fixed keeps the mass that it was given, in files and snapshots, too", function(s)
+  local world = s.world
+  local wall = world:box { name = "wall", fixed = true, mass = 5, size = 0.1 }
+  local lift = world:box { name = "lift", kinematic = true, mass = "2 kg", size = 0.1, at = { 1, 0, 0 } }
+  local plain = world:box { fixed = true, size = 0.1, at = { 2, 0, 0 } }
+  expect(wall.mass):is(5.0)
+  expect(wall.debug.mass):is(5.0)
+  expect(lift.mass):is(2.0)
+  expect(plain.mass):is(math.huge)
+  local before = world:snapshot()
+  wall.mass = 7
+  expect(wall.mass):is(7.0)
+  world:restore(before)
+  expect(wall.mass):is(5.0)
+  expect(function() wall.density = 500 end):fails "body 'wall' is not dynamic: it has no density to set"
+  world:run "0.1 s"
+  world:save "kept-mass.world"
+  local again = digbox.load "kept-mass.world"
+  expect(again:find "wall".mass):is(5.0)
+  expect(again:find "lift".mass):is(2.0)
+end)
