@@ -14,9 +14,12 @@ common_fields.stiffness = { "real N >0", "E A of a thread: force for doubling it
 local taken = { fixed = "give a cloth pins, or fix bodies", rotation = "its own fields say how it lies", density = "give mass" }
 local RELAXES = 0.02               -- s  of which nothing is said
 
--- N by which what is fixed holds it
+-- N by which what is fixed holds it: the pull of its struts, and the weight of the pinned particles themselves
 local function support(self)
-  local sum = core.vec(0, 0, 0)
+  local sum, g = core.vec(0, 0, 0), self.world.gravity
+  for _, b in ipairs(self.bodies) do
+    if b.valid and b.fixed then sum = sum - g * (b.mass * b.gravity_scale) end
+  end
   for _, j in ipairs(self.joints) do
     if j.valid and j.a.fixed ~= j.b.fixed then sum = sum + (j.b.fixed and j.force or -j.force) end
   end
@@ -37,7 +40,7 @@ local getters = { stress = soft.stress, mass = soft.mass, position = soft.positi
   stretch = stretch }
 local readable = { name = true, breaks_at = true, bodies = true, joints = true, columns = true, rows = true, layers = true }
 local properties = core.join_fields(soft.properties, {
-  stress = { "number", "largest load over limit; 1 breaks" }, support = { "vector", "by which what is fixed holds it", unit = "N" },
+  stress = { "number", "largest load over limit; 1 breaks" }, support = { "vector", "by which what is fixed holds it, the weight of pinned particles included", unit = "N" },
   stretch = { "number", "the longest strut over its length at rest, less 1" }, breaks_at = { "number|nil", "as given", unit = "N" },
   columns = { "integer", "particles one way" }, rows = { "integer", "particles the other way" },
   layers = { "integer|nil", "particles the third way" } })
