@@ -213,6 +213,8 @@ static int get_debug(lua_State *L)
     bind_set_real(L, "rest", d.rest);
     bind_push_body(L, world, d.origin);
     lua_setfield(L, -2, "origin");
+    bind_push_body(L, world, b->id);
+    lua_setfield(L, -2, "object");
     bind_set_text(L, "sp", d.material);
     set_matrix(L, "matrix", d.matrix, 4);
     bind_set_text(L, "object_type", d.object_type);

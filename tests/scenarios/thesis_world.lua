@@ -166,7 +166,7 @@ scenario("row 90: every field of the thesis' Appendix B can be read, and says wh
   for _, field in ipairs { "m_id", "db_id", "mess_type", "dig_id", "mess_time", "floor", "collided", "euler", "curr_pos", "prev_pos",
     "next_pos", "curr_rot", "prev_rot",
     "next_rot", "itensor", "iti", "itiws", "mo_inertia", "res_force", "torque", "c_mass", "ang_mom", "velocity",
-    "omega", "mass", "rest", "sp", "matrix", "object_type" } do
+    "omega", "mass", "rest", "object", "sp", "matrix", "object_type" } do
     expect(d[field]):is_not(nil)
   end
   local I = 2 / 5 * 2 * 0.1 ^ 2
@@ -174,6 +174,7 @@ scenario("row 90: every field of the thesis' Appendix B can be read, and says wh
   expect(d.rest):is(0.5)
   expect(d.sp):is "steel"
   expect(d.object_type):is "sphere"
+  expect(d.object == ball):is(true)
   expect(d.dig_id):is(ball.dig.id)
   expect(d.mo_inertia):near(I, 1e-12)
   for i = 1, 3 do
