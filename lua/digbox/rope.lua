@@ -15,6 +15,7 @@ local rope_fields = {
   at_a = { "vec m", "where it begins, as at" }, at_b = { "vec m", "where it ends, as to" },
   length = { "real m >0", "its length; default the distance of its ends" },
   segments = { "int 1", "with segments it is a chain of so many rods, or one more: it has mass", min = 1, max = 10000 },
+  mass = { "real kg >0", "of the whole rope, with segments; default from the density of its rods" },
   radius = { "real m >0", "of its rods; default a tenth of their length" }, breaks_at = { "real N >0", "breaks when a joint bears more" } }
 local taken = { fixed = "its ends are held by a and b", kinematic = "its ends are held by a and b", rotation = "its ends say which way" }
 local shown = core.join_fields(rope_fields)
@@ -85,7 +86,7 @@ local function make(world, self, own, rest, from, to)
   end
   local before = own.a
   for i = 1, n do
-    local rod = { from = corners[i - 1], to = corners[i], radius = own.radius or own.length / n / 10 }
+    local rod = { from = corners[i - 1], to = corners[i], radius = own.radius or own.length / n / 10, mass = own.mass and own.mass / n }
     if starts_inside(world, rod, i > 1 and own.a, i < n and own.b) then rod.collides = false end
     for k, v in pairs(rest) do rod[k] = v end
     rod.name = ("%s %d"):format(self.name, i)
@@ -152,7 +153,7 @@ local function plain(world, fields)
 end
 
 -- world:rope{a=, b= or to=, length=}: ends never farther apart than length, without mass.
--- world:rope{a= or at=, b= or to=, length=, segments=, radius=} -> rope: a chain of rods
+-- world:rope{a= or at=, b= or to=, length=, segments=, radius=, mass=} -> rope: a chain of rods
 function methods.rope(world, fields)
   if type(fields) == "table" and rawget(fields, "b") == world then         -- as if there were none
     local own = {}

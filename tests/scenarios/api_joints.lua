@@ -150,7 +150,9 @@ scenario("a rope of segments hangs between its ends", function(s)
   local world = s.world
   local a = world:box { name = "a", fixed = true, size = 0.1, at = { -1, 3, 0 } }
   local b = world:box { name = "b", fixed = true, size = 0.1, at = { 1, 3, 0 } }
-  local rope = world:rope { name = "rope", a = a, b = b, length = "3 m", segments = 10, radius = "1 cm", mass = "0.1 kg" }
+  local rope = world:rope { name = "rope", a = a, b = b, length = "3 m", segments = 10, radius = "1 cm", mass = "1 kg" }
+  expect(rope.mass):near(1, 1e-9)                             -- of all of it
+  expect(rope.links[3].mass):near(0.1, 1e-9)
   expect(#rope.links):is(10)
   expect(#rope.joints):is(11)
   s:settle "3 s"
@@ -162,13 +164,13 @@ end)
 
 scenario("a rope of segments begins and ends at points of the world where no bodies are given", function(s)
   local world = s.world
-  local rope = world:rope { at = { -1, 3, 0 }, to = { 1, 3, 0 }, length = 2.1, segments = 10, radius = 0.01, mass = 0.1 }
+  local rope = world:rope { at = { -1, 3, 0 }, to = { 1, 3, 0 }, length = 2.1, segments = 10, radius = 0.01, mass = 1 }
   local ball = world:ball { radius = 0.1, mass = 2, at = { 5, 1, 0 } }
-  local hung = world:rope { at = { 5, 3, 0 }, b = ball, segments = 4, radius = 0.01, mass = 0.1 }
+  local hung = world:rope { at = { 5, 3, 0 }, b = ball, segments = 4, radius = 0.01, mass = 0.4 }
   world:run(3)
   expect(rope.error):below(1e-3)
   expect(rope.distance):near(2, 1e-3)
-  expect(hung.force.y):near(-(2 + 4 * 0.1) * world.gravity:length(), 0.05)
+  expect(hung.force.y):near(-(2 + 0.4) * world.gravity:length(), 0.05)
   expect(function() world:rope { to = { 1, 3, 0 }, segments = 4 } end):fails "wants a, or at"
   expect(function() world:rope { at = { 1, 3, 0 }, segments = 4 } end):fails "wants b, or to"
 end)
