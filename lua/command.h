@@ -79,6 +79,9 @@ int  text_place(TextFile *t, const char *path);
 /* The code, or that of failed output when stdout cannot take the rest. */
 int flush_output(int code);
 
+/* `digbox run` with these words, up to the first step of the world; nothing is written (run.c). */
+int run_dry(int argc, char **argv);
+
 /* What stands after a bare -- is for the world: the number of arguments before it. */
 int cut_arguments(int argc, char **argv, RunOptions *o);
 

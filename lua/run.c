@@ -219,8 +219,8 @@ static int run_world(const RunOptions *o, App *app)
         code = app_run_file(L, app);
     if (o->verbose && app->fuel >= 0)
         fprintf(stderr, "digbox: fuel: %lld used\n", app->fuel_given - app->fuel);
-    if (code == EXIT_FINE && !o->dry)
-        code = finish_run(L, app, o, &ended);
+    if (code == EXIT_FINE)
+        code = o->dry ? app_call_core(L, app, "judge_arguments", 0, 0) : finish_run(L, app, o, &ended);
     if (app_call_core(L, app, "clear_progress", 0, 0) != EXIT_FINE)
         lua_pop(L, 1);
     if (code != EXIT_FINE && lua_isstring(L, -1))
@@ -231,9 +231,10 @@ static int run_world(const RunOptions *o, App *app)
     return code;
 }
 
-static int command_run(int argc, char **argv)
+/* dry: the world is built up to its first step, as `digbox check` does. */
+static int run_with(int argc, char **argv, bool dry)
 {
-    RunOptions o = {.out = "out", .seconds = -1, .time_limit = -1, .seed = LLONG_MIN, .fuel = -1, .log_limit = 1};
+    RunOptions o = {.out = "out", .seconds = -1, .time_limit = -1, .seed = LLONG_MIN, .fuel = -1, .log_limit = 1, .dry = dry};
     int key, code = EXIT_USAGE;
     argc = cut_arguments(argc, argv, &o);
     o.set = calloc((size_t)argc + 1, sizeof *o.set);
@@ -268,6 +269,16 @@ static int command_run(int argc, char **argv)
 done:
     free(o.set);
     return code;
+}
+
+static int command_run(int argc, char **argv)
+{
+    return run_with(argc, argv, false);
+}
+
+int run_dry(int argc, char **argv)
+{
+    return run_with(argc, argv, true);
 }
 
 const Command run_command = {

@@ -94,14 +94,14 @@ static int cannot(const char *path)
     return EXIT_OUTPUT;
 }
 
-/* `digbox run` with these words, which begin with a place for the program; what it says goes into the file. */
-static int run_quietly(const char *log, int count, char **words)
+/* run(words), which begin with a place for the program, in a process of its own; what it says goes into the file. */
+static int run_quietly(const char *log, int (*run)(int, char **), int count, char **words)
 {
     fflush(NULL);
     int out = dup(1), err = dup(2), file = open(log, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666), code = EXIT_OUTPUT;
     if (out >= 0 && err >= 0 && file >= 0 && dup2(file, 1) >= 0 && dup2(file, 2) >= 0) {
         optind = 0;         /* getopt begins anew */
-        code = process_supervise(run_command.run, count, words);
+        code = process_supervise(run, count, words);
     }
     fflush(NULL);
     dup2(out, 1);
@@ -143,7 +143,7 @@ static int work(lua_State *L, App *app, char *program, long long index)
     int code = remove_tree(draft) && mkdir(draft, 0777) == 0 ? EXIT_FINE : cannot(draft);
     const double begin = app_clock();
     if (code == EXIT_FINE)
-        code = run_quietly(log, count, words);
+        code = run_quietly(log, run_command.run, count, words);
     free(words);
     lua_settop(L, 0);
     if (code > 128 || code == EXIT_OUTPUT)
@@ -240,7 +240,7 @@ static void push_words(lua_State *L, char **words, int count, const char *name)
     lua_setfield(L, -2, name);
 }
 
-static int make_plan(lua_State *L, App *app, const SweepOptions *o, long long *count)
+static int make_plan(lua_State *L, App *app, const SweepOptions *o, long long *count, bool *fresh)
 {
     char script[PATH_ROOM], *real_path = realpath(o->script, NULL);
     snprintf(script, sizeof script, "%s", real_path ? real_path : o->script);
@@ -253,10 +253,51 @@ static int make_plan(lua_State *L, App *app, const SweepOptions *o, long long *c
     push_words(L, o->set, o->set_count, "set");
     push_words(L, o->options, o->option_count, "options");
     push_words(L, o->arguments, o->argument_count, "arguments");
-    int code = call(L, app, "sweep_plan", 1, 1);
-    *count = code == EXIT_FINE ? lua_tointeger(L, -1) : 0;
+    int code = call(L, app, "sweep_plan", 1, 2);
+    *count = code == EXIT_FINE ? lua_tointeger(L, -2) : 0;
+    *fresh = code == EXIT_FINE && lua_toboolean(L, -1);
     lua_settop(L, 0);
     return code;
+}
+
+/* Says what was said last there; the folder is as it was before the sweep. */
+static int refuse_plan(lua_State *L, App *app, const SweepOptions *o, const char *log)
+{
+    char path[PATH_ROOM];
+    lua_settop(L, 0);
+    lua_pushstring(L, log);
+    if (call(L, app, "sweep_said", 1, 1) == EXIT_FINE)
+        usage_error("sweep: %s", lua_tostring(L, -1));
+    snprintf(path, sizeof path, "%s/plan.jsonl", o->out);
+    remove(path);
+    return EXIT_USAGE;
+}
+
+/* Builds the world of the first task up to its first step: arguments that it does not know would fail in every task. */
+static int try_first(lua_State *L, App *app, const SweepOptions *o, char *program)
+{
+    char draft[PATH_ROOM], log[PATH_ROOM + 16];
+    int count = 0;
+    lua_pushinteger(L, 0);
+    int code = call(L, app, "sweep_task", 1, 2);
+    if (code != EXIT_FINE)
+        return code;
+    snprintf(draft, sizeof draft, "%.4000s.tmp", lua_tostring(L, 1));
+    snprintf(log, sizeof log, "%s/log.txt", draft);
+    char **words = words_of(L, program, &count);
+    if (!words)
+        return EXIT_MEMORY;
+    if (remove_tree(draft) && mkdir(draft, 0777) == 0)
+        code = run_quietly(log, run_dry, count, words);
+    free(words);
+    const bool refused = code == EXIT_USAGE;
+    if (refused)
+        code = refuse_plan(L, app, o, log);
+    remove_tree(draft);
+    if (refused)
+        rmdir(o->out);      /* where nothing else is in it */
+    lua_settop(L, 0);
+    return refused ? code : EXIT_FINE;      /* other failures are the tasks' own */
 }
 
 /* The program, for the lines that others start. */
@@ -307,7 +348,10 @@ static int sweep(const SweepOptions *o, char *program)
     lua_State *L = open_plans(&app);
     if (!L)
         return EXIT_MEMORY;
-    int code = make_plan(L, &app, o, &count);
+    bool fresh = false;
+    int code = make_plan(L, &app, o, &count, &fresh);
+    if (code == EXIT_FINE && fresh)
+        code = try_first(L, &app, o, program);
     if (code == EXIT_FINE)
         code = with_engine(L, &app, o, program, count);
     lua_close(L);

@@ -320,14 +320,19 @@ function core.summary()
   return table.concat({ line, table.unpack(core.effect_lines(world)) }, "\ndigbox: ")
 end
 
-function core.finish_run()
-  if core.options.inject then core.usage("--inject: no world took the step after step %d", core.options.inject.step) end
+-- What was given for arguments of a world that has none has no meaning.
+function core.judge_arguments()
   if core.options.set and next(core.options.set) and not core.args_declared then
     core.usage("this world declares no arguments (digbox.args); --set %s has no meaning", (next(core.options.set)))
   end
   if core.options.args and core.options.args[1] and not core.args_declared then
     core.usage("this world declares no arguments (digbox.args); '%s' has no meaning", core.options.args[1])
   end
+end
+
+function core.finish_run()
+  if core.options.inject then core.usage("--inject: no world took the step after step %d", core.options.inject.step) end
+  core.judge_arguments()
   local world = core.last_world
   if core.options.seconds and world and core.is_open(world) then methods.run(world, { seconds = core.options.seconds }) end
   core.close_films()

@@ -76,6 +76,14 @@ end
 
 -- ---- the plan ----
 
+-- The last line that the run said, without the name of the program
+local function last_line(path)
+  local text = core.exists(path) and core.read(path) or ""
+  local last = ""
+  for line in text:gmatch "[^\n]+" do last = line end
+  return (last:gsub("^digbox: ", ""))
+end
+
 local function read_script(path)
   local text, why = core.read(path)
   if not text then core.raise(1, why) end
@@ -88,7 +96,8 @@ local function same_file(path, text)
   return there ~= nil and there ~= false
 end
 
--- core.sweep_plan{script =, shown =, out =, set = {"NAME=A..B/N"}, seeds =, options = {}, arguments = {}} -> number of tasks
+-- core.sweep_plan{script =, shown =, out =, set = {"NAME=A..B/N"}, seeds =, options = {}, arguments = {}} -> number of tasks, and
+-- whether the plan is new
 function core.sweep_plan(o)
   local hash, lines = read_script(o.script), {}
   local sets = combinations(o.set)
@@ -101,12 +110,16 @@ function core.sweep_plan(o)
     end
   end
   local text, path = table.concat(lines, "\n") .. "\n", o.out .. "/plan.jsonl"
-  if not same_file(path, text) then
+  local new = not same_file(path, text)
+  if new then
     core.make_folders(path)
     core.write(path, text)
   end
-  return core.sweep_open(path)
+  return core.sweep_open(path), new
 end
+
+-- core.sweep_said(log) -> the last line in it
+function core.sweep_said(path) return last_line(path) end
 
 -- core.sweep_open(plan.jsonl, or its folder) -> number of tasks
 function core.sweep_open(path)
@@ -157,14 +170,6 @@ function core.sweep_task(index)
   add(table.unpack(task.options))
   if #task.arguments > 0 then add("--", table.unpack(task.arguments)) end
   return folder, words
-end
-
--- The last line that the run said, without the name of the program
-local function last_line(path)
-  local text = core.exists(path) and core.read(path) or ""
-  local last = ""
-  for line in text:gmatch "[^\n]+" do last = line end
-  return (last:gsub("^digbox: ", ""))
 end
 
 -- core.sweep_result(index, exit code, s): writes what came of it into the folder where it worked.

@@ -65,6 +65,18 @@ holds 'its scripts are' grep -qF "task 'f 1/plan.jsonl' --index \"\$SLURM_ARRAY_
 holds 'two at a time' grep -q 'array=0-2%2' "f 1/job.sh"
 fi
 
+# What would fail in every task is refused at once, and leaves nothing behind.
+gives 2 'a misspelt argument' sweep fall.lua --set hieght=1..2/3 -o g
+said "digbox: sweep: unknown argument 'hieght' (did you mean 'height'?)"
+holds 'no task was begun, no plan is left' test ! -e g
+gives 2 'a value of another kind' sweep fall.lua --set height=3kg,4kg -o g;    said "argument.height wants a length; '3kg' is a mass"
+echo 'require "digbox".world {}:run(1)' >plain.lua
+gives 2 'a world without arguments' sweep plain.lua --set height=1..2/3 -o g;  said 'sweep: this world declares no arguments (digbox.args); --set height'
+mkdir g; echo mine >g/notes.txt
+gives 2 'in a folder that is there' sweep fall.lua --set hieght=1..2/3 -o g --engine print
+holds 'which keeps what is in it' test "$(ls g)" = notes.txt
+rm -r g
+
 gives 2 'nothing varied' sweep fall.lua -o g;                       said 'nothing is varied'
 gives 2 'no folder' sweep fall.lua --seeds 2;                       said 'where to?'
 gives 2 'a range without a number' sweep fall.lua --set height=1..2 -o g;      said 'A..B/N'
