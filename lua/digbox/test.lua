@@ -270,7 +270,8 @@ end
 
 core.declare_type("scenario", "What a scenario is given, by habit called s. s:world{...} makes its world with options.", Scenario, {
   world = { "world", "its world, fresh; s:world{...} makes one with options" } })
-core.declare("scenario:settle", { "Lets things come to rest.", takes = { { "time", "real s >=0", "how long" } } })
+core.declare("scenario:settle", { "Lets things come to rest, held by something: true, or false and what still moves. What falls fails.",
+  takes = { { "time", "real s >=0", "how long, at least a step" } }, gives = "boolean" })
 core.declare("scenario:expect_reliable", { "The world has found nothing wrong with itself so far." })
 core.declare("scenario:cpu_seconds", { "CPU time of the process so far, s.", gives = "number" })
 local CLAIM = { "claim", "text", "what should be, in words" }
@@ -279,9 +280,53 @@ core.declare("scenario:eventually", { "Within that time the condition holds; giv
 core.declare("scenario:always", { "For all that time the condition holds.", takes = { CLAIM,
   { "time", "real s >=0", "for how long" }, { "condition", "function", "asked before each step" } } })
 
--- s:settle "1 s": lets things come to rest
+-- ---- rest ----
+
+local SLOW = 0.01                -- m/s  of any point of what is at rest
+local FREE = 0.1                 -- of its weight: what is pulled by its weight, within that, is not borne
+
+local function is_dynamic(body) return body ~= nil and body.kind == "dynamic" end
+
+-- Does anything hold up the DIG of b: a joint or a contact with what is no part of a DIG?
+local function is_held(world, b)
+  for _, k in ipairs(b.dig:links()) do
+    if k.bound then return true end
+  end
+  for _, j in ipairs(world:joints()) do
+    local free, other = j.a, j.b
+    if not is_dynamic(free) then free, other = other, free end
+    if is_dynamic(free) and not is_dynamic(other) and free.dig == b.dig then return true end
+  end
+  return false
+end
+
+-- It is slow at its start and where it turns, but nothing bears its weight.
+local function falls(world, b)
+  local weight = world.gravity * (b.mass * b.gravity_scale)
+  return #weight > 0 and #(b.force - weight) < FREE * #weight and not is_held(world, b)
+end
+
+-- m/s  Of its fastest point, at most
+local function speed_of(b)
+  return #b.velocity + #b.spin * #(b.bounds.high - b.bounds.low) / 2
+end
+
+-- s:settle "1 s": lets things come to rest for so long, at least a step -> true, or false and what still moves
+-- What falls with nothing to hold it up has no rest to come to: the scenario fails. What swings, rolls or is driven may still move.
 function Scenario.settle(s, time)
-  world_of(s):run(core.seconds(time, "s:settle"))
+  local world, limit = world_of(s), core.seconds(time, "s:settle")
+  world:run(math.max(limit, world.frame))
+  local fastest, most
+  for _, b in ipairs(world:bodies()) do
+    if is_dynamic(b) and not b.asleep and b.mode ~= "resting" then
+      if falls(world, b) then fail("s:settle: after %g s %s falls at %.3g m/s: nothing holds it up", limit, tostring(b), b.speed) end
+      local speed = speed_of(b)
+      if speed > SLOW and not (most and most >= speed) then fastest, most = b, speed end
+    end
+  end
+  if not fastest then return true end
+  s.notes[#s.notes + 1] = ("s:settle: at t = %.6g s %s still moved at %.3g m/s"):format(world.time, tostring(fastest), most)
+  return false, fastest
 end
 
 -- s:expect_reliable(): the world has found nothing wrong with itself so far (world:warnings())
@@ -593,7 +638,9 @@ function core.run_scenario(entry)
     pcall(keep_replay, entry, jitter, lines, took)
     lines[#lines + 1] = command_of(s)
   end
-  for _, note in ipairs(s.notes) do lines[#lines + 1] = note end
+  for _, note in ipairs(s.notes) do
+    if not (ok and note:find("^s:settle")) then lines[#lines + 1] = note end       -- of use where something failed
+  end
   pcall(close_world, s)
   return { passed = ok, text = table.concat(lines, "\n"), checks = checks, message = message }
 end

@@ -22,7 +22,7 @@ test.scenario("short", function(s)
 end)
 test.scenario("only when started elsewhere", function(s)
   local b = s.world:ball { radius = 0.1, at = { 0, 1, 0 } }
-  s:settle "0.1 s"
+  s.world:run "0.1 s"
   test.expect(b.position.x):is(0.0)
   s:perturb { seeds = 2, position = "1 mm" }
 end)
@@ -96,4 +96,20 @@ for line in 'bad_spec.lua:2: expected 2, got 1' 'bad_spec.lua:4: used up its tim
 holds 'JUnit counts them' grep -q 'tests="100" failures="9"' batch.xml
 if command -v python3 >/dev/null; then holds 'JUnit is XML' python3 -c 'import xml.dom.minidom; xml.dom.minidom.parse("batch.xml")'; fi
 holds 'the log is cut' test "$(wc -c <out.txt)" -lt 30000
+# What still moves after s:settle is told where something fails; what falls fails by itself.
+cat >settle_spec.lua <<'LUA'
+local test = require "digbox.test"
+test.scenario("still moves", function(s)
+  local b = s.world:ball { name = "bob", radius = 0.1, at = { 1, 2, 0 } }
+  s.world:distance { a = b, at_b = { 0, 2, 0 }, length = 1 }
+  test.expect(s:settle "0.2 s"):is(true)
+end)
+test.scenario("falls", function(s)
+  s.world:ball { name = "stone", radius = 0.1, at = { 0, 9, 0 } }
+  s:settle "0 s"
+end)
+LUA
+gives 6 'no rest' test -o left settle_spec.lua
+printed "s:settle: at t = 0.2 s body 'bob' still moved at 1.9"
+printed "settle_spec.lua:9: s:settle: after 0 s body 'stone' falls at 0.164 m/s: nothing holds it up"
 checked

@@ -367,3 +367,25 @@ scenario("what is fixed keeps the mass that it was given, in files and snapshots
   expect(again:find "wall".mass):is(5.0)
   expect(again:find "lift".mass):is(2.0)
 end)
+
+scenario("to settle is to rest on something: not to be slow at the start or the top of a fall", function(s)
+  local world = s.world
+  world:floor {}
+  local thrown = world:ball { name = "thrown", radius = 0.1, at = { 0, 5, 0 }, velocity = { 0, g * 0.5, 0 } }
+  local message = expect(function() s:settle(0) end):fails()                       -- a step of it
+  expect(message):contains "s:settle: after 0 s body 'thrown' falls at"
+  world:run(0.5 - world.time)
+  expect(thrown.speed):below(0.2)                                                  -- the top
+  expect(expect(function() s:settle(0) end):fails()):contains "nothing holds it up"
+  local a, b = world:ball { radius = 0.1, at = { 3, 4, 0 } }, world:ball { radius = 0.1, at = { 3, 5, 0 } }
+  world:weld { a = a, b = b }                                                      -- no hold: both fall
+  thrown:remove()
+  expect(expect(function() s:settle(0) end):fails()):contains "nothing holds it up"
+  expect(s:settle "5 s"):is(true)
+  expect(a:touches(world:find "floor") or b:touches(world:find "floor")):is(true)
+  local bob = world:ball { name = "bob", radius = 0.1, at = { 6, 3, 0 } }
+  world:hinge { a = bob, at = { 5, 3, 0 }, axis = { 0, 0, 1 } }                    -- held, though it begins as if it fell
+  local rests, which = s:settle(0)
+  expect(rests):is(false)
+  expect(which):is(bob)
+end)
