@@ -117,6 +117,7 @@ static inline void bind_set_bool(lua_State *L, const char *name, bool on)
 
 static inline void bind_set_real(lua_State *L, const char *name, real x)
 {
+    x += 0.0;           /* -0 is 0 to who reads it */
     lua_pushnumber(L, x);
     lua_setfield(L, -2, name);
 }

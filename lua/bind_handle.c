@@ -17,10 +17,16 @@ static const char *name_of_type(lua_State *L, int arg)
 static void *check_type(lua_State *L, int arg, const char *name)
 {
     void *ref = luaL_testudata(L, arg, name);
-    if (!ref)
+    lua_Debug call;
+    if (ref)
+        return ref;
+    bool known = lua_getstack(L, 0, &call) && lua_getinfo(L, "n", &call) && call.name, method = known && strcmp(call.namewhat, "method") == 0;
+    if (known && arg > (method ? 2 : 1))        /* a body that is asked of one other says enough */
+        bind_error(L, "%s: argument %d: expected a %s, got %s", call.name, arg - method, name, name_of_type(L, arg));
+    else
         bind_error(L, "expected a %s, got %s%s", name, name_of_type(L, arg),
                    arg == 1 && !lua_isuserdata(L, 1) ? " (methods are called with ':')" : "");
-    return ref;
+    return NULL;
 }
 
 /* ---- what calls cost ---- */

@@ -149,6 +149,9 @@ static int make_joint(lua_State *L)
     if (s != DIG_OK) {
         const char *text = dig_error(ref->w);
         bool named = strncmp(text, "joint '", 7) == 0;
+        size_t type = strlen(schema->name);         /* world:hinge says it already */
+        if (strncmp(text, schema->name, type) == 0 && strncmp(text + type, ": ", 2) == 0)
+            text += type + 2;
         return bind_fail_text(L, s, "%s%s%s", named ? "" : what, named ? "" : ": ", text);
     }
     bind_note(L, 1, "joints", id.slot, id.gen);

@@ -124,7 +124,7 @@ static int vec_tostring(lua_State *L)
 {
     const vec3 *v = luaL_checkudata(L, 1, BIND_VEC);
     char text[128];
-    snprintf(text, sizeof text, "(%.6g, %.6g, %.6g)", v->x, v->y, v->z);
+    snprintf(text, sizeof text, "(%.6g, %.6g, %.6g)", v->x + 0.0, v->y + 0.0, v->z + 0.0);       /* no -0 */
     lua_pushstring(L, text);
     return 1;
 }
@@ -226,7 +226,7 @@ static int quat_tostring(lua_State *L)
 {
     const quat *q = luaL_checkudata(L, 1, BIND_QUAT);
     char text[160];
-    snprintf(text, sizeof text, "(%.6g, %.6g, %.6g; %.6g)", q->x, q->y, q->z, q->w);
+    snprintf(text, sizeof text, "(%.6g, %.6g, %.6g; %.6g)", q->x + 0.0, q->y + 0.0, q->z + 0.0, q->w + 0.0);
     lua_pushstring(L, text);
     return 1;
 }

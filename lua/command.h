@@ -55,6 +55,8 @@ int print_help(const char *command);
 bool read_number_option(const char *name, const char *text, const char *unit, double low, double high, double *value);
 /* A..B, A.. or ..B of so many frames. */
 bool read_frames_option(const char *text, int frames, int *first, int *last);
+/* The name of a plan, or a tolerance: a length. */
+bool read_accuracy_option(const char *text);
 bool read_whole_option(const char *name, const char *text, long long low, long long high, long long *value);
 
 /* Films in a folder, or the one of a manifest, against what was written (verify_film.c). Returns an exit code. */

@@ -241,5 +241,9 @@ static int command_doctor(int argc, char **argv)
 const Command doctor_command = {
     .name = "doctor",
     .use = "  digbox doctor                                   what this machine has and lacks, and what installs it\n",
+    .notes =
+        "\n"
+        "Looks at the program, the walls that shut scripts in, the renderer, variables that change pictures, ffmpeg and other helpers, and\n"
+        "whether this folder can be written. Exit code 0: all that is needed is there; 1: something must be mended.\n",
     .run = command_doctor,
 };

@@ -58,6 +58,11 @@ static int export_open_replay(Replay *r, const Wish *w, const ExportFormat *form
     char why[512];
     if (w->frames && !read_frames_option(w->frames, replay_info(r)->frames, &options.first, &options.last))
         return EXIT_USAGE;
+    if (!isnan(w->at) && strcmp(format->suffix, ".dot") != 0)
+        return usage_error("--at: %s is no picture of one moment: only .dot is", w->out);
+    const real begin = (real)replay_info(r)->first_step * replay_info(r)->step, end = begin + (replay_info(r)->frames - 1) * replay_info(r)->step;
+    if (!isnan(w->at) && !(w->at >= begin - 1e-9 && w->at <= end + 1e-9))
+        return usage_error("--at: %g s is not within the replay, %g to %g s", w->at, begin, end);
     options.fps = w->fps;
     options.at = w->at;
     if (replay_info(r)->cut && !w->quiet)

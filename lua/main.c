@@ -141,11 +141,26 @@ bool read_number_option(const char *name, const char *text, const char *unit, do
         return false;
     }
     if (!(x >= low && x <= high)) {
-        usage_error("--%s: %s is not from %g to %g", name, text, low, high);
+        usage_error("--%s: %s%s%s is not from %g to %g %s", name, text, plain ? " " : "", plain ? unit : "", low, high, unit);
         return false;
     }
     *value = x;
     return true;
+}
+
+bool read_accuracy_option(const char *text)
+{
+    static const char *const plans[] = {"sketch", "play", "study", "reference"};
+    double metres;
+    if (strchr("0123456789.+-", text[0]) && text[0])
+        return read_number_option("accuracy", text, "m", 1e-15, 1e6, &metres);
+    for (int i = 0; i < 4; i++)
+        if (strcmp(text, plans[i]) == 0)
+            return true;
+    const char *near = dig_suggest(text, plans, 4);
+    if (near)
+        return usage_error("--accuracy: unknown accuracy '%s' (did you mean '%s'?)", text, near) == 0;
+    return usage_error("--accuracy: '%s' is not sketch, play, study, reference or a length", text) == 0;
 }
 
 bool read_whole_option(const char *name, const char *text, long long low, long long high, long long *value)
@@ -168,7 +183,8 @@ static int unknown_command(const char *word)
     const char *names[COMMAND_COUNT];
     for (int i = 0; i < COMMAND_COUNT; i++)
         names[i] = commands[i]->name;
-    const char *near = dig_suggest(word, names, COMMAND_COUNT);
+    static const char *const plain[] = {"--help", "--version"};
+    const char *near = word[0] == '-' ? dig_suggest(word, plain, 2) : dig_suggest(word, names, COMMAND_COUNT);
     if (near)
         return usage_error("unknown command '%s' (did you mean '%s'?)", word, near);
     return usage_error("unknown command '%s'", word);

@@ -403,5 +403,10 @@ const Command render_command = {
                "  --resume               keep the frames that are there and whole, draw the others\n"
                "  --force                forget what is there and draw the film anew\n"
                "  -q, --quiet            no closing line\n",
+    .notes =
+        "\n"
+        "Layers: colour; normal, in world axes, -1..1 as 0..255; depth, 16-bit grey, mm along the view, 65535 for the sky and beyond 65.5 m;\n"
+        "id, which body is seen: R + 256 G + 65536 B is its number in the world's table (body.debug.db_id) + 1, and 0 is none. Overlays are\n"
+        "drawn over colour alone. What each shows is in docs/frames.md. A video holds colour and normal.\n",
     .run = command_render,
 };

@@ -385,7 +385,7 @@ static bool read_passed_option(SweepOptions *o, int key)
     long long whole;
     switch (key) {
     case OPT_SECONDS: return read_number_option("seconds", optarg, "s", 0, 1e9, &number) && pass_option(o, "--seconds", optarg);
-    case OPT_ACCURACY: return pass_option(o, "--accuracy", optarg);
+    case OPT_ACCURACY: return read_accuracy_option(optarg) && pass_option(o, "--accuracy", optarg);
     case OPT_THREADS: return read_whole_option("threads", optarg, 1, 64, &whole) && pass_option(o, "--threads", optarg);
     case OPT_TIME: return read_number_option("time-limit", optarg, "s", 1e-3, 1e9, &number) && pass_option(o, "--time-limit", optarg);
     case OPT_MEMORY: return read_whole_option("memory-limit", optarg, 1, 1 << 20, &whole) && pass_option(o, "--memory-limit", optarg);
@@ -532,6 +532,13 @@ static int command_task(int argc, char **argv)
 const Command task_command = {
     .name = "task",
     .use = "  digbox task PLAN --index N [--stride S]         one run of a sweep; with a stride also N + S, N + 2 S, ...\n",
+    .options =
+        "      --index N           which task of the plan, counted from 0\n"
+        "      --stride S          and every S-th after it: so many of these share a plan\n",
+    .notes =
+        "\n"
+        "PLAN is the plan.jsonl that digbox sweep wrote, or its folder. A task that is done is left alone. Exit code: that of the run,\n"
+        "the greatest of several (docs/sweep.md).\n",
     .run = command_task,
     .starts_runs = true,
 };
@@ -562,5 +569,9 @@ static int command_merge(int argc, char **argv)
 const Command merge_command = {
     .name = "merge",
     .use = "  digbox merge PLAN                               what the runs of a sweep gave, as summary.csv; 1 when some are missing\n",
+    .notes =
+        "\n"
+        "PLAN is the plan.jsonl that digbox sweep wrote, or its folder. summary.csv beside it gets a row for each task: arguments, seed, exit\n"
+        "code, checksum, energies, and what the script returned. Which tasks failed or are missing is said (docs/sweep.md).\n",
     .run = command_merge,
 };

@@ -590,7 +590,10 @@ static int command_test(int argc, char **argv)
     if (code == EXIT_FINE && app_signal())
         code = 128 + app_signal();
     if (code == EXIT_FINE && r.count == 0) {
-        printf("%s\n0 passed, 0 failed\n", r.o.pattern ? "no scenario has that in its name" : "no scenario found");
+        if (r.o.pattern)
+            printf("no scenario has '%s' in its name\n0 passed, 0 failed\n", r.o.pattern);
+        else
+            puts("no scenario found\n0 passed, 0 failed");
         code = EXIT_USAGE;
     } else if (code == EXIT_FINE) {
         code = run_all(&r);

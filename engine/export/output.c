@@ -60,6 +60,7 @@ void output_text(Output *o, const char *format, ...)
 void output_number(Output *o, real x)
 {
     char text[40] = "null";
+    x += 0.0;           /* no -0 */
     for (int digits = 15; digits <= 17 && isfinite(x); digits++) {
         snprintf(text, sizeof text, "%.*g", digits, x);
         if (strtod(text, NULL) == x)

@@ -74,6 +74,7 @@ local function check_camera(fields, what, world)
   if f.name and #f.name > LONGEST_NAME then core.fail("%s: name has %d bytes, at most %d", what, #f.name, LONGEST_NAME) end
   if f.look_at ~= nil and core.type(f.look_at) ~= "body" then
     f.look_at = core.check({ look_at = f.look_at }, what, { look_at = "vec m" }).look_at
+    if f.at and #(f.look_at - f.at) <= 0 then core.fail("%s: at and look_at are the same point %s m", what, tostring(f.at)) end
   end
   return f
 end
@@ -285,7 +286,8 @@ local picture_fields = {
   camera = { "any", "by which it is seen; default the world's first, or one that sees everything", type = "camera" },
   size = { "any", "{width, height} in pixels; default {1280, 720}", type = "integer[]" },
   samples = { "int", "0, 2 or 4 a pixel; not given: edges are smoothed afterwards" },
-  layer = { "text", "what the pixels show", of = layers, default = "colour" },
+  layer = { "text", "what the pixels show: depth is 16-bit grey in mm (65535: the sky), id R + 256 G + 65536 B = body.debug.db_id + 1",
+    of = layers, default = "colour" },
   overlay = { "any", "what is drawn over it: a name or a list", type = "string|string[]", of = overlays } }
 local TO = { "any", "a file in the output folder", type = "string", need = true }
 core.declare("world:render", { "Draws one picture; gives the path of its file.", fields = core.join_fields(picture_fields, { to = TO }),

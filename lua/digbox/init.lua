@@ -231,7 +231,7 @@ local function read_argument(name, d, text)
   local value = tonumber(text)
   if not value or value ~= value then
     local ok, result = pcall(core.quantity, text, d.unit or "1", "argument", name)
-    if not ok then core.usage("%s", (result:gsub("^.-:%d+: ", ""))) end
+    if not ok then core.usage("%s", (result:gsub("^.-:%d+: ", ""):gsub("^argument%.([%w_]+)", "argument '%1'"))) end
     value = result
   end
   return value

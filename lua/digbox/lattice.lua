@@ -40,7 +40,8 @@ local getters = { stress = soft.stress, mass = soft.mass, position = soft.positi
   stretch = stretch }
 local readable = { name = true, breaks_at = true, bodies = true, joints = true, columns = true, rows = true, layers = true }
 local properties = core.join_fields(soft.properties, {
-  stress = { "number", "largest load over limit; 1 breaks" }, support = { "vector", "by which what is fixed holds it, the weight of pinned particles included", unit = "N" },
+  stress = { "number", "largest load over limit; 1 breaks" },
+  support = { "vector", "by which what is fixed holds it, the weight of pinned particles included", unit = "N" },
   stretch = { "number", "the longest strut over its length at rest, less 1" }, breaks_at = { "number|nil", "as given", unit = "N" },
   columns = { "integer", "particles one way" }, rows = { "integer", "particles the other way" },
   layers = { "integer|nil", "particles the third way" } })
@@ -64,7 +65,11 @@ local function node(thing, i, j, k)
     if math.type(n) ~= "integer" then core.fail("%s: %s wants a whole number; got %s", what, name, core.type(n)) end
   end
   local b = thing[1].node[key(i, j, k)]
-  if not b then core.fail("%s(%s): there is none", what, key(i, j, k)) end
+  if not b then
+    local self = thing[1]
+    core.fail("%s(%s): there is none, of %d columns, %d rows%s", what, (key(i, j, k):gsub(" ", ", ")), self.columns, self.rows,
+      self.layers and (", %d layers"):format(self.layers) or "")
+  end
   return b
 end
 

@@ -69,7 +69,7 @@ function body.send(from, to, name, value, fields)
   if type(to) == "table" and core.type(to) == "table" and name == nil then return send_by_route(from, to) end
   local f = core.check(fields or {}, "body:send", delayed)
   f.from, f.to, f.name, f.value, f.route = from, to, name, value, "to"
-  if to == nil then core.fail "body:send wants a body to send to; got nil" end
+  if core.type(to) ~= "body" then core.fail("body:send wants a body to send to; got %s", core.type(to)) end
   post(from, "body:send", f)
   return from
 end

@@ -63,7 +63,7 @@ local function show(value)
   local kind = type(value)
   if kind == "string" then return ("%q"):format(value) end
   if kind == "number" then
-    return math.type(value) == "integer" and ("%d"):format(value) or ("%.9g"):format(value)
+    return math.type(value) == "integer" and ("%d"):format(value) or ("%.9g"):format(value + 0.0)      -- no -0
   end
   if kind ~= "table" then return tostring(value) end
   value = core.thaw(value)
@@ -82,10 +82,10 @@ local function bound(value, what)
     local unit = value:match "^%s*[+-]?[%d.]+[eE]?[+-]?%d*%s*(.-)%s*$" or ""
     local si = core.quantity(value, nil, what)
     local size = unit ~= "" and unit ~= "degC" and core.quantity("1 " .. unit, nil, what) or 1
-    return si, function(x) return unit ~= "" and ("%.6g %s"):format(x / size, unit) or ("%.9g"):format(x) end
+    return si, function(x) return unit ~= "" and ("%.6g %s"):format(x / size + 0.0, unit) or ("%.9g"):format(x + 0.0) end
   end
   if type(value) ~= "number" then core.fail("%s wants a number or a string with a unit; got %s", what, core.type(value)) end
-  return value, function(x) return ("%.9g"):format(x) end
+  return value, function(x) return ("%.9g"):format(x + 0.0) end
 end
 
 local function same(a, b, depth)

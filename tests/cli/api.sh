@@ -63,4 +63,14 @@ for command in $("$DIGBOX" --help | sed -n 's/^  digbox \([a-z]*\) .*/\1/p' | so
         holds "$command takes $option" test "$(grep -c -e 'unrecognized' -e 'invalid option' e.txt)" = 0
     done
 done
+# The help of every command says more than its name.
+for command in $("$DIGBOX" --help | sed -n 's/^  digbox \([a-z]*\) .*/\1/p' | sort -u); do
+    gives 0 "help of $command" help "$command"
+    holds "says more than the list of commands" test "$(wc -l <out.txt)" -ge 4
+done
+gives 0 'what layers hold' help render;                 printed 'depth, 16-bit grey, mm'; printed 'R + 256 G + 65536 B'
+gives 2 'a misspelt option of the program' --hepl;      said "did you mean '--help'?"
+gives 2 'an accuracy that is none' run x.lua --accuracy plya;          said "--accuracy: unknown accuracy 'plya' (did you mean 'play'?)"
+gives 2 'an accuracy of a mass' run x.lua --accuracy 3kg;              said "--accuracy: wants a length; '3kg' is a mass"
+gives 2 'a time that is none' run x.lua --seconds -1;   said '--seconds: -1 s is not from 0 to 1e+09 s'
 checked

@@ -124,6 +124,8 @@ gives 0 'the same bytes again' export -q fall.replay -o again.glb;    holds 'glb
 # ---- what is asked wrongly ----
 gives 2 'no replay' export -o x.glb;                                  said 'which replay?'
 gives 2 'no output' export fall.replay;                               said 'where to?'
+gives 2 'a moment beyond its end' export fall.replay -o x.dot --at 300;   said 's is not within the replay, 0 to'
+gives 2 'a moment of a table' export fall.replay -o x.csv --at 0.1;       said 'only .dot is'
 gives 2 'an unknown ending' export fall.replay -o x.fbx;              said '.glb, .csv, .jsonl, .npy, .dot'
 gives 2 'frames that are not there' export fall.replay -o x.csv --frames 80..91;  said '0..90'
 gives 2 'frames backwards' export fall.replay -o x.csv --frames 20..10;           said 'not within'

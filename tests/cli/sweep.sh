@@ -69,7 +69,7 @@ fi
 gives 2 'a misspelt argument' sweep fall.lua --set hieght=1..2/3 -o g
 said "digbox: sweep: unknown argument 'hieght' (did you mean 'height'?)"
 holds 'no task was begun, no plan is left' test ! -e g
-gives 2 'a value of another kind' sweep fall.lua --set height=3kg,4kg -o g;    said "argument.height wants a length; '3kg' is a mass"
+gives 2 'a value of another kind' sweep fall.lua --set height=3kg,4kg -o g;    said "argument 'height' wants a length; '3kg' is a mass"
 echo 'require "digbox".world {}:run(1)' >plain.lua
 gives 2 'a world without arguments' sweep plain.lua --set height=1..2/3 -o g;  said 'sweep: this world declares no arguments (digbox.args); --set height'
 mkdir g; echo mine >g/notes.txt

@@ -176,8 +176,8 @@ scenario("a body without a name is told by its number everywhere", function(s)
   local ball = world:ball { radius = 1, at = { 9, 9, 9 } }
   expect(tostring(ball)):is "body #2"
   says(function() a:push { force = { 1, 0, 0 } } end, "push: body #0 is fixed: nothing can push it")
-  says(function() world:hinge { a = a, b = b } end, "world:hinge: hinge: nothing to hold: neither body #0 nor body #1 can move")
-  says(function() world:hinge { a = ball, b = ball } end, "world:hinge: hinge: a and b are the same body #2")
+  says(function() world:hinge { a = a, b = b } end, "world:hinge: nothing to hold: neither body #0 nor body #1 can move")
+  says(function() world:hinge { a = ball, b = ball } end, "world:hinge: a and b are the same body #2")
   says(function() ball.mass = -1 end, "body #2: mass = -1 kg, must be > 0")
   ball:remove()
   expect(tostring(ball)):is "removed body #2"
@@ -304,4 +304,17 @@ scenario("a push that no step could follow is refused at once, and nothing of it
   world:run(0.5)
   expect(crate.position):near({ 0, 0.1, 0 }, 1e-6)
   expect(crate.work_received):is(0)
+end)
+
+scenario("an error names the argument, the numbers there are, and nothing twice", function(s)
+  local world = s.world
+  local ball, other = world:ball { name = "ball", radius = 0.1 }, world:ball { name = "other", radius = 0.1, at = { 1, 0, 0 } }
+  local cloth = world:cloth { at = { 0, 3, 0 }, across = { 1, 0, 0 }, down = { 0, 0, 1 }, columns = 4, rows = 5, mass = 0.1, stiffness = 100 }
+  says(function() cloth:node(9, 9) end, "cloth:node(9, 9, 1): there is none, of 4 columns, 5 rows")
+  says(function() return digbox.path(ball) end, "path: argument 2: expected a body, got nil")
+  says(function() ball:send(3, "word") end, "body:send wants a body to send to; got number")
+  says(function() ball:teleport {} end, "body:teleport: at, rotation, velocity or spin is missing")
+  says(function() world:spring { a = ball, b = other } end, "world:spring: stiffness is missing")
+  says(function() world:camera { at = { 1, 2, 3 }, look_at = { 1, 2, 3 } } end, "world:camera: at and look_at are the same point (1, 2, 3) m")
+  expect(tostring(-digbox.vec(0, 1, 0))):is "(0, -1, 0)"
 end)
