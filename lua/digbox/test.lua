@@ -59,11 +59,14 @@ end
 
 -- ---- expectations ----
 
+-- "nan" has no sign that anyone meant, and 0 has none
+local function plain(x, format) return x ~= x and "nan" or format:format(x + 0.0) end
+
 local function show(value)
   local kind = type(value)
   if kind == "string" then return ("%q"):format(value) end
   if kind == "number" then
-    return math.type(value) == "integer" and ("%d"):format(value) or ("%.9g"):format(value + 0.0)      -- no -0
+    return math.type(value) == "integer" and ("%d"):format(value) or plain(value, "%.9g")
   end
   if kind ~= "table" then return tostring(value) end
   value = core.thaw(value)
@@ -76,16 +79,38 @@ local function show(value)
   return "{" .. table.concat(table.move(named, 1, #named, #parts + 1, parts), ", ") .. "}"
 end
 
--- A bound in SI, and how to write a value beside it: "1 mm/s" -> 0.001 and values in mm/s.
-local function bound(value, what)
+local function unit_of(value)
+  return type(value) == "string" and value:match "^%s*[+-]?[%d.]+[eE]?[+-]?%d*%s*(.-)%s*$" or ""
+end
+
+-- A bound in SI, and how to write a value beside it: "1 mm/s" -> 0.001 and values in mm/s. `like`: a unit of the same dimension.
+local function bound(value, what, like)
   if type(value) == "string" then
-    local unit = value:match "^%s*[+-]?[%d.]+[eE]?[+-]?%d*%s*(.-)%s*$" or ""
-    local si = core.quantity(value, nil, what)
+    local unit = unit_of(value)
+    local si = core.quantity(value, unit ~= "" and like or nil, what)
     local size = unit ~= "" and unit ~= "degC" and core.quantity("1 " .. unit, nil, what) or 1
-    return si, function(x) return unit ~= "" and ("%.6g %s"):format(x / size + 0.0, unit) or ("%.9g"):format(x + 0.0) end
+    return si, function(x) return unit ~= "" and plain(x / size, "%.6g") .. " " .. unit or plain(x, "%.9g") end
   end
   if type(value) ~= "number" then core.fail("%s wants a number or a string with a unit; got %s", what, core.type(value)) end
-  return value, function(x) return ("%.9g"):format(x + 0.0) end
+  return value, function(x) return plain(x, "%.9g") end
+end
+
+-- How far off a value may be: a number, a quantity of the dimension of what is wanted, or a share of it: "2 %".
+local function tolerance_of(value, wanted, size)
+  local what, unit, like = "expect:near.tolerance", unit_of(value), nil
+  for _, part in ipairs(type(wanted) == "table" and wanted or { wanted }) do like = like or unit_of(part) ~= "" and unit_of(part) end
+  local tol, write
+  if unit == "%" then
+    tol = core.quantity(value, nil, what) * size
+    write = function(x) return x == tol and value or plain(x, "%.9g") end
+  elseif unit == "degC" then                     -- a difference
+    return tolerance_of(value:gsub("degC", "K"), wanted, size)
+  else
+    tol, write = bound(value, what, like and (like == "degC" and "K" or like))
+  end
+  local sound = tol >= 0                -- false for NaN
+  if not sound then core.fail("%s = %s, must be >= 0", what, write(tol)) end
+  return tol, write
 end
 
 local function same(a, b, depth)
@@ -120,19 +145,33 @@ function Expect.is_not(e, unwanted)
   if same(e.value, unwanted, 0) then fail("expected anything but %s", show(unwanted)) end
 end
 
+-- Three numbers in a list are a vector, too
+local function vector_of(value)
+  if core.type(value) == "vector" then return value end
+  if type(value) ~= "table" or #value ~= 3 or core.type(value) ~= "table" then return nil end
+  for i = 1, 3 do
+    if type(value[i]) ~= "number" then return nil end
+  end
+  return core.vec(value[1], value[2], value[3])
+end
+
 function Expect.near(e, wanted, tolerance)
   count_check()
-  local tol, write_tol = bound(tolerance, "expect:near")
-  if core.type(e.value) == "vector" then
-    local v = core.vec(wanted)
-    local off = #(e.value - v)
-    local close = off <= tol            -- false for NaN
-    if not close then
-      fail("expected %s within %s, got %s (off by %s)", tostring(v), write_tol(tol), show(e.value), write_tol(off))
+  if tolerance == nil then core.fail "expect:near wants a tolerance, too: how far off it may be" end
+  local got_vector = vector_of(e.value)
+  if got_vector then
+    if type(wanted) == "number" or type(wanted) == "string" then
+      core.fail("expect:near: %s is a vector, %s is none", show(e.value), show(wanted))
     end
+    local v = core.vec(wanted)
+    local tol, write = tolerance_of(tolerance, wanted, #v)
+    local off = #(got_vector - v)
+    local close = off <= tol            -- false for NaN
+    if not close then fail("expected %s within %s, got %s (off by %s)", tostring(v), write(tol), show(e.value), write(off)) end
     return
   end
   local want, write = bound(wanted, "expect:near")
+  local tol, write_tol = tolerance_of(tolerance, wanted, math.abs(want))
   local got = number_of(e, "expect:near")
   local close = math.abs(got - want) <= tol
   if not close then
@@ -157,7 +196,9 @@ compare("at_least", "at least", function(a, b) return a >= b end)
 function Expect.between(e, low, high)
   count_check()
   local lo, write = bound(low, "expect:between")
-  local hi = bound(high, "expect:between")
+  local hi = bound(high, "expect:between", unit_of(low) ~= "" and unit_of(low) or nil)
+  local ordered = lo <= hi              -- false for NaN
+  if not ordered then core.fail("expect:between: %s is above %s, the lower bound comes first", show(low), show(high)) end
   local got = number_of(e, "expect:between")
   if not (got >= lo and got <= hi) then fail("expected %s to %s, got %s", write(lo), write(hi), write(got)) end
 end
@@ -201,7 +242,7 @@ local function bounded(name, help) return { name, "any", help, type = "number|st
 check_of("is", "Equal, tables by their contents.", { "wanted", "any", "what it should be" })
 check_of("is_not", "Anything but that.", { "unwanted", "any", "what it should not be" })
 check_of("near", "A number or vector within a tolerance.", { "wanted", "any", "what it should be", type = "number|string|vector" },
-  bounded("tolerance", "how far off it may be"))
+  bounded("tolerance", "how far off it may be: SI, with a unit of the same dimension, or a share: '2 %'"))
 check_of("between", "Between two bounds, both allowed.", bounded("low", "lower bound"), bounded("high", "upper bound"))
 check_of("below", "Smaller than that.", bounded("limit", "bound"))
 check_of("above", "Greater than that.", bounded("limit", "bound"))

@@ -309,12 +309,14 @@ end)
 scenario("an error names the argument, the numbers there are, and nothing twice", function(s)
   local world = s.world
   local ball, other = world:ball { name = "ball", radius = 0.1 }, world:ball { name = "other", radius = 0.1, at = { 1, 0, 0 } }
-  local cloth = world:cloth { at = { 0, 3, 0 }, across = { 1, 0, 0 }, down = { 0, 0, 1 }, columns = 4, rows = 5, mass = 0.1, stiffness = 100 }
+  local cloth = world:cloth { at = { 0, 3, 0 }, across = { 1, 0, 0 }, down = { 0, 0, 1 }, columns = 4, rows = 5, mass = 0.1,
+                              stiffness = 100 }
   says(function() cloth:node(9, 9) end, "cloth:node(9, 9, 1): there is none, of 4 columns, 5 rows")
   says(function() return digbox.path(ball) end, "path: argument 2: expected a body, got nil")
   says(function() ball:send(3, "word") end, "body:send wants a body to send to; got number")
   says(function() ball:teleport {} end, "body:teleport: at, rotation, velocity or spin is missing")
   says(function() world:spring { a = ball, b = other } end, "world:spring: stiffness is missing")
-  says(function() world:camera { at = { 1, 2, 3 }, look_at = { 1, 2, 3 } } end, "world:camera: at and look_at are the same point (1, 2, 3) m")
+  says(function() world:camera { at = { 1, 2, 3 }, look_at = { 1, 2, 3 } } end,
+    "world:camera: at and look_at are the same point (1, 2, 3) m")
   expect(tostring(-digbox.vec(0, 1, 0))):is "(0, -1, 0)"
 end)

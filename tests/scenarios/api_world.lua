@@ -389,3 +389,21 @@ scenario("to settle is to rest on something: not to be slow at the start or the 
   expect(rests):is(false)
   expect(which):is(bob)
 end)
+
+scenario("a tolerance is a number, has the dimension of what is wanted, or is a share of it", function()
+  expect(202.0):near(200, "1 %")
+  expect(expect(function() expect(203.0):near(200, "1 %") end):fails()):contains "expected 200 within 1 %, got 203 (off by 3)"
+  expect(digbox.vec(0, -202, 0)):near({ 0, -200, 0 }, "1 %")
+  expect({ 1, 2, 3.001 }):near({ 1, 2, 3 }, 0.01)                                  -- a list of three is a vector
+  expect(301.0):near("27 degC", "1 degC")                                          -- of a difference: 1 K
+  expect(expect(function() expect(302.0):near("27 degC", "1 degC") end):fails()):contains "within 1 K"
+  local function says(f, text) expect(expect(f):fails()):contains(text) end
+  says(function() expect(1.0):near("1 m", "1 s") end, "expect:near.tolerance wants a length; '1 s' is a time")
+  says(function() expect(1.0):near(1) end, "expect:near wants a tolerance")
+  says(function() expect(1.0):near(1, -1) end, "expect:near.tolerance = -1, must be >= 0")
+  says(function() expect(1.0):near(1, 0 / 0) end, "expect:near.tolerance = nan, must be >= 0")
+  says(function() expect(0 / 0):near(1, 1) end, "got nan (off by nan)")
+  says(function() expect(digbox.vec(1, 0, 0)):near(3, 1) end, "is a vector, 3 is none")
+  says(function() expect(1.0):between("0.3 m", "3 kg") end, "expect:between wants a length; '3 kg' is a mass")
+  says(function() expect(1.0):between(2, 1) end, "the lower bound comes first")
+end)
