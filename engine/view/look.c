@@ -261,6 +261,22 @@ static dig_status take_solids(Look *l, const World *w)
 /* Bodies on joints of these types show how much they bear, even nothing. */
 static bool gives(const char *type) { return strcmp(type, "strut") == 0 || strcmp(type, "beam") == 0; }
 
+/* m  Of a bar or coil that shows a joint between two points: by the smaller body that it holds, and by its length. 0: it is not shown. */
+static real radius_shown(const World *w, const JointRec *j, dig_joint handle, const char *type)
+{
+    static const struct { const char *type; real of_body, of_length; } shown[] = {{"rope", 0.06, 0.01}, {"distance", 0.06, 0.01}, {"spring", 0.35, 0.07}};
+    const Body *a = &w->bodies.data[j->a], *b = j->b == NONE ? NULL : &w->bodies.data[j->b];
+    real length = NAN;
+    for (size_t i = 0; i < sizeof shown / sizeof *shown; i++) {
+        if (strcmp(type, shown[i].type) != 0)
+            continue;
+        real body = real_min(isfinite(a->outer) ? a->outer : 1, b && isfinite(b->outer) ? b->outer : 1) * shown[i].of_body;
+        bool known = dig_joint_param(w, handle, "length", &length) == DIG_OK && length > 1e-6;
+        return known ? real_min(body, length * shown[i].of_length) : body;
+    }
+    return 0;
+}
+
 static void take_joint(const World *w, uint32_t slot, LookJoint *row, LookLoad *load)
 {
     const JointRec *j = &w->joints.data[slot];
@@ -278,6 +294,7 @@ static void take_joint(const World *w, uint32_t slot, LookJoint *row, LookLoad *
         load->stress = (float)s.stress;
     if (strcmp(s.type, "strut") == 0 && dig_joint_param(w, handle, "radius", &radius) == DIG_OK && radius > 0)
         row->radius = radius;
+    row->radius = row->radius > 0 ? row->radius : radius_shown(w, j, handle, s.type);
 }
 
 static dig_status take_joints(Look *l, const World *w)

@@ -83,7 +83,7 @@ typedef struct LookJoint {
     uint32_t drawn;             /* as lines: not between joints, as gears are */
     uint32_t spare;
     vec3     ra, rb;            /* m, anchors from the centres of mass, body axes; rb in the world without b */
-    real     radius;            /* m, of a strut; 0 = it is none            */
+    real     radius;            /* m, of the bar or coil that shows it; 0 = none does */
     char     type[16], name[64];
 } LookJoint;
 

@@ -1,48 +1,13 @@
 /* view/view.c - makes the picture: poses, meshes, contacts, links, as floats about the scene's middle. */
 #include "view/view.h"
 
-#include "view/look.h"
+#include "view/making.h"
 #include "world/world.h"
 
 #include <stdlib.h>
 
-typedef struct Lists {
-    LIST(ViewItem)    items;
-    LIST(ViewMesh)    meshes;
-    LIST(ViewContact) contacts;
-    LIST(ViewLine)    lines;
-    LIST(ViewArrow)   arrows;
-    LIST(ViewLabel)   labels;
-    LIST(ViewEdge)    edges;
-} Lists;
-
 /* A view is the front of what owns its arrays: they can only be given back by those who know how much room they have. */
 typedef struct Kept { View view; Lists lists; } Kept;
-
-typedef struct Making {
-    const Look *l;
-    vec3      origin;
-    float    *stress;                       /* [bodies] the largest share of its limit that a joint of its bears; -1: none can break */
-    uint32_t *mesh;                         /* [meshes of the look] in the view; LOOK_NONE: not yet */
-    Lists    *to;
-} Making;
-
-static void write_vec(float out[3], vec3 v)
-{
-    out[0] = (float)v.x;
-    out[1] = (float)v.y;
-    out[2] = (float)v.z;
-}
-
-static void write_point(const Making *m, float out[3], vec3 p) { write_vec(out, vec3_sub(p, m->origin)); }
-
-static void write_quat(float out[4], quat q)
-{
-    out[0] = (float)q.x;
-    out[1] = (float)q.y;
-    out[2] = (float)q.z;
-    out[3] = (float)q.w;
-}
 
 /* ---- shapes ---- */
 
@@ -121,60 +86,7 @@ static dig_status make_items(Making *m)
     return DIG_OK;
 }
 
-/* ---- structures: what their joints bear, and struts, which have no body ---- */
-
-enum { PRISM = 10 };        /* sides of a strut */
-
-/* An upright prism, 1 in all, whose vertices are sent to the strut's size. */
-static dig_status strut_mesh(ViewMesh *m, float radius, float length)
-{
-    *m = (ViewMesh){.form = VIEW_CYLINDER, .size = {radius, length}, .vertex_count = 2 * PRISM, .index_count = 6 * PRISM + 6 * (PRISM - 2)};
-    m->vertices = malloc((size_t)(3 * m->vertex_count) * sizeof *m->vertices);
-    m->indices = malloc((size_t)m->index_count * sizeof *m->indices);
-    if (!m->vertices || !m->indices)
-        return DIG_E_MEMORY;
-    uint32_t *out = m->indices;
-    for (uint32_t i = 0; i < PRISM; i++) {
-        float x = radius * (float)cos(2 * DIG_PI * i / PRISM), z = radius * (float)sin(2 * DIG_PI * i / PRISM);
-        const float ends[6] = {x, -0.5f * length, z, x, 0.5f * length, z};
-        memcpy(m->vertices + (size_t)6 * i, ends, sizeof ends);
-        uint32_t a = 2 * i, b = 2 * ((i + 1) % PRISM);
-        const uint32_t side[6] = {a, a + 1, b, b, a + 1, b + 1};
-        memcpy(out, side, sizeof side);
-        out += 6;
-    }
-    for (uint32_t i = 1; i + 1 < PRISM; i++) {
-        const uint32_t caps[6] = {0, 2 * i, 2 * i + 2, 1, 2 * i + 3, 2 * i + 1};
-        memcpy(out, caps, sizeof caps);
-        out += 6;
-    }
-    return DIG_OK;
-}
-
-static vec3 joint_end(const Making *m, uint32_t body, vec3 anchor)
-{
-    if (body == LOOK_NONE)
-        return anchor;
-    const LookPose *p = &look_poses(m->l)[body];
-    return vec3_add(p->x, quat_rotate(p->q, anchor));
-}
-
-static dig_status make_strut(Making *m, const LookJoint *j, float stress)
-{
-    vec3 a = joint_end(m, j->a, j->ra), b = joint_end(m, j->b, j->rb);
-    const LookPose *p = &look_poses(m->l)[j->a];
-    if (!(vec3_distance(a, b) > 1e-9))
-        return DIG_OK;
-    DIG_TRY(list_push(&m->to->meshes, NULL));
-    DIG_TRY(strut_mesh(&m->to->meshes.data[m->to->meshes.count - 1], (float)j->radius, (float)vec3_distance(a, b)));
-    DIG_TRY(list_push(&m->to->items, NULL));
-    ViewItem *item = &m->to->items.data[m->to->items.count - 1];
-    *item = (ViewItem){.joint = (uint32_t)(j - look_joints(m->l)) + 1, .mesh = m->to->meshes.count - 1, .colour = {0.30f, 0.32f, 0.35f},
-                       .roughness = 0.45f, .stress = stress, .dig = p->dig, .asleep = !p->awake};
-    write_quat(item->q, quat_between((vec3){0, 1, 0}, vec3_unit(vec3_sub(b, a))));
-    write_point(m, item->p, vec3_scale(0.5, vec3_add(a, b)));
-    return DIG_OK;
-}
+/* ---- what joints bear ---- */
 
 static void raise_stress(Making *m, uint32_t body, float stress)
 {
@@ -194,16 +106,6 @@ static void find_stress(Making *m)
         raise_stress(m, j->a, look_loads(m->l)[i].stress);
         raise_stress(m, j->b, look_loads(m->l)[i].stress);
     }
-}
-
-static dig_status make_struts(Making *m)
-{
-    for (int i = 0; i < look_count(m->l, LOOK_JOINTS); i++) {
-        const LookJoint *j = &look_joints(m->l)[i];
-        if (j->there && j->radius > 0)
-            DIG_TRY(make_strut(m, j, look_loads(m->l)[i].stress));
-    }
-    return DIG_OK;
 }
 
 /* ---- contacts, lines, arrows, names, links ---- */
@@ -324,7 +226,7 @@ static dig_status make_all(Making *m)
     memset(m->mesh, 0xff, (size_t)m->l->meshes.count * sizeof *m->mesh);
     find_stress(m);
     DIG_TRY(make_items(m));
-    DIG_TRY(make_struts(m));
+    DIG_TRY(make_bars(m));
     DIG_TRY(make_contacts(m));
     DIG_TRY(make_joints(m));
     DIG_TRY(make_room(m));

@@ -28,9 +28,9 @@ typedef struct ViewMesh {
     uint32_t *indices;          /* [index_count], 3 a triangle, counter-clockwise seen from outside */
 } ViewMesh;
 
-typedef struct ViewItem {       /* one shape of one body, or a strut */
+typedef struct ViewItem {       /* one shape of one body, or a bar or coil between two points */
     uint32_t body;              /* slot + 1, for the id layer; 0 = none */
-    uint32_t joint;             /* of a strut: slot + 1; 0 = it is none */
+    uint32_t joint;             /* of a bar or coil: slot + 1; 0 = it is none; its mesh stands along y, {radius, length} */
     int      mesh;
     float    p[3];              /* m, relative to origin */
     float    q[4];              /* x y z w */
