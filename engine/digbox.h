@@ -420,6 +420,7 @@ typedef struct dig_body_def {
     int64_t  integrator;        /* dig_integrator                                   */
     vec3     colour;
     real     opacity;           /* 1, share of the light that its surface stops, as drawn */
+    vec3     sheet;             /* 1, number, column and row: a particle of a sheet; number 0 = of none */
     bool     bullet;            /* reserved: continuous collision is always on      */
     const dig_shape_def *shapes;
     int      shape_count;

@@ -179,6 +179,7 @@ dig_status dig_body_param(const dig_world *w, dig_body handle, const char *name,
     def.integrator = b->integrator;
     def.colour = b->colour.x >= 0 ? b->colour : w->materials.data[s.material].def.colour;
     def.opacity = b->opacity;
+    def.sheet = b->sheet;
     memcpy(value, (const char *)&def + row->offset, param_size(row));
     return DIG_OK;
 }

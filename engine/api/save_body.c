@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-enum { BODY_BYTES = 375, SOLID_BYTES = 125 + SHAPE_PACKED };        /* at least */
+enum { BODY_BYTES = 399, SOLID_BYTES = 125 + SHAPE_PACKED };        /* at least */
 
 /* Follows from the rest: inverses, list membership, the number of shapes, the outer radius and what turning moves of it. */
 static void pack_mass(Pack *p, Body *b)
@@ -105,6 +105,9 @@ static void pack_body(Pack *p, const World *w, Body *b)
     pack_real(p, &b->colour.y);
     pack_real(p, &b->colour.z);
     pack_real_in(p, &b->opacity, 0, 1, "opacity of a body");
+    pack_real_in(p, &b->sheet.x, 0, 1e9, "sheet of a body");
+    pack_real_in(p, &b->sheet.y, 0, 1e9, "sheet of a body");
+    pack_real_in(p, &b->sheet.z, 0, 1e9, "sheet of a body");
     pack_motion(p, b);
     if (b->kind == DIG_KINEMATIC)
         pack_mover(p, b);

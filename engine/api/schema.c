@@ -74,6 +74,9 @@ static const dig_param body_rows[] = {
     {.name = "opacity", .kind = DIG_REAL, .unit = "1",
      .doc = "share of the light that its surface stops, as drawn; below 1 what lies behind is seen through it",
      .fallback = 1, .max = 1, .offset = AT(dig_body_def, opacity)},
+    {.name = "sheet", .kind = DIG_VEC3, .unit = "1",
+     .doc = "{number, column, row}: a particle of the sheet of that number, drawn as a surface between neighbours that struts join",
+     .min = 0, .max = 1e9, .offset = AT(dig_body_def, sheet)},
     {.name = NULL},
 };
 

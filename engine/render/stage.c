@@ -21,7 +21,7 @@ bool item_sound(const View *v, const ViewItem *item)
     real n = 0;
     for (int i = 0; i < 4; i++)
         n += (real)item->q[i] * (real)item->q[i];
-    if (item->mesh < 0 || item->mesh >= v->mesh_count || !vec3_finite(p) || !(n > 0 && isfinite(n)))
+    if (item->woven || item->mesh < 0 || item->mesh >= v->mesh_count || !vec3_finite(p) || !(n > 0 && isfinite(n)))
         return false;
     return vec3_finite(vec3_from(v->meshes[item->mesh].size));
 }

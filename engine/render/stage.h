@@ -36,7 +36,7 @@ vec3 stage_point(const Stage *s, vec3 p);
 /* Box round an item in its own axes, m. A plane has none: false. */
 bool item_bounds(const View *v, const ViewItem *item, box3 *box);
 
-/* Whether the numbers of an item are fit to be drawn. */
+/* Whether an item is to be drawn, and its numbers are fit for it. */
 bool item_sound(const View *v, const ViewItem *item);
 
 static inline vec3 vec3_from(const float v[3]) { return (vec3){(real)v[0], (real)v[1], (real)v[2]}; }

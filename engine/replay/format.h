@@ -16,7 +16,7 @@
 
 #include <libdeflate.h>
 
-#define REPLAY_FORMAT 4u
+#define REPLAY_FORMAT 5u
 
 /* ---- sections ---- */
 

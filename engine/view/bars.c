@@ -106,7 +106,8 @@ static dig_status make_bar(Making *m, const LookJoint *j, float stress, int *coi
     DIG_TRY(list_push(&m->to->items, NULL));
     ViewItem *item = &m->to->items.data[m->to->items.count - 1];
     *item = (ViewItem){.joint = (uint32_t)(j - look_joints(m->l)) + 1, .mesh = m->to->meshes.count - 1, .roughness = look->roughness,
-                       .metallic = look->metallic, .stress = stress, .dig = p->dig ? p->dig : q->dig, .asleep = !p->awake && !q->awake};
+                       .metallic = look->metallic, .stress = stress, .dig = p->dig ? p->dig : q->dig, .asleep = !p->awake && !q->awake,
+                       .woven = is_thread(m, j->a, j->b)};
     memcpy(item->colour, look->colour, sizeof item->colour);
     write_quat(item->q, quat_between((vec3){0, 1, 0}, vec3_unit(vec3_sub(b, a))));
     write_point(m, item->p, vec3_scale(0.5, vec3_add(a, b)));

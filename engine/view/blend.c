@@ -31,6 +31,14 @@ static void blend_item(ViewItem *out, const ViewPose *a, const ViewPose *b, cons
         out->q[k] /= sqrtf(length);
 }
 
+/* The vertices of a sheet, about its place, which is blended as any item's is. */
+static void blend_sheet(ViewMesh *out, const ViewMesh *a, float f)
+{
+    bool both = a && a->taken && a->vertex_count == out->vertex_count;
+    for (int i = 0; i < 3 * out->vertex_count; i++)
+        out->vertices[i] = both ? (1 - f) * a->taken[i] + f * out->taken[i] : out->taken[i];
+}
+
 void view_blend(const View *a, const ViewPose *from, View *b, const ViewPose *to, real fraction)
 {
     float shift[3];
@@ -40,7 +48,11 @@ void view_blend(const View *a, const ViewPose *from, View *b, const ViewPose *to
         ViewItem *item = &b->items[i];
         memcpy(item->p, to[i].p, sizeof item->p);
         memcpy(item->q, to[i].q, sizeof item->q);
-        if (i < a->item_count && a->items[i].body == item->body && a->items[i].mesh == item->mesh)
+        bool same = i < a->item_count && a->items[i].body == item->body && a->items[i].mesh == item->mesh;
+        ViewMesh *mesh = &b->meshes[item->mesh];
+        if (same)
             blend_item(item, &from[i], &to[i], shift, (float)fraction);
+        if (mesh->taken)
+            blend_sheet(mesh, same ? &a->meshes[item->mesh] : NULL, (float)fraction);
     }
 }

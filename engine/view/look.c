@@ -12,7 +12,7 @@ const size_t look_row_size[LOOK_TABLES] = {
 };
 
 /* Rows have no padding: these are the sums of their fields. */
-_Static_assert(sizeof(LookScene) == 152 && sizeof(LookBody) == 104 && sizeof(LookPose) == 112 && sizeof(LookSolid) == 96 &&
+_Static_assert(sizeof(LookScene) == 152 && sizeof(LookBody) == 120 && sizeof(LookPose) == 112 && sizeof(LookSolid) == 96 &&
                sizeof(LookJoint) == 160 && sizeof(LookLoad) == 16 && sizeof(LookContact) == 36 && sizeof(LookEdge) == 32 &&
                sizeof(LookArrow) == 40, "a row has padding");
 
@@ -114,7 +114,8 @@ static dig_status take_scene(Look *l, const World *w)
 static void take_body(LookBody *row, const World *w, const Body *b)
 {
     *row = (LookBody){.there = 1, .gen = b->gen - w->gen_start + 1, .index = row->index, .kind = (uint8_t)b->kind,
-                      .labelled = b->name[0] && isfinite(b->outer), .centre = b->centre};
+                      .labelled = b->name[0] && isfinite(b->outer), .centre = b->centre, .sheet = (uint32_t)b->sheet.x,
+                      .column = (uint32_t)b->sheet.y, .row = (uint32_t)b->sheet.z};
     memcpy(row->name, b->name, strlen(b->name));
 }
 

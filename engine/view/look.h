@@ -50,6 +50,7 @@ typedef struct LookBody {
     uint8_t  kind;              /* dig_body_kind                            */
     uint8_t  labelled;          /* it has a name, and an end                */
     uint8_t  spare[2];
+    uint32_t sheet, column, row, spare2;        /* sheet 0: no particle of one */
     vec3     centre;            /* m, centre of mass in the body            */
     char     name[64];
 } LookBody;

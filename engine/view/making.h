@@ -15,6 +15,7 @@ typedef struct Lists {
     LIST(ViewArrow)   arrows;
     LIST(ViewLabel)   labels;
     LIST(ViewEdge)    edges;
+    LIST(ViewQuad)    quads;
 } Lists;
 
 typedef struct Making {         /* a picture while it is made */
@@ -23,6 +24,8 @@ typedef struct Making {         /* a picture while it is made */
     float    *stress;                       /* [bodies] the largest share of its limit that a joint of its bears; -1: none can break */
     uint32_t *mesh;                         /* [meshes of the look] in the view; LOOK_NONE: not yet */
     Lists    *to;
+    bool     *woven;                        /* [bodies] a corner of a quad; NULL: there are no sheets */
+    Map       quads;                        /* sheet, column and row of the first corner -> quad */
 } Making;
 
 static inline void write_vec(float out[3], vec3 v)
@@ -53,5 +56,11 @@ static inline vec3 joint_end(const Making *m, uint32_t body, vec3 anchor)
 
 /* bars.c: joints that are drawn as bars and coils. */
 dig_status make_bars(Making *m);
+
+/* sheet.c: finds the quads of sheets, before items are made; then makes an item for each sheet and DIG of it. */
+dig_status find_quads(Making *m);
+dig_status make_sheets(Making *m);
+/* Is a joint between these bodies a thread or a diagonal of a quad? */
+bool       is_thread(const Making *m, uint32_t a, uint32_t b);
 
 #endif

@@ -30,7 +30,7 @@ static dig_status make_mesh(Making *m, uint32_t index, int *mesh)
         DIG_TRY(list_push(&m->to->meshes, NULL));
         ViewMesh *to = &m->to->meshes.data[m->to->meshes.count - 1];
         *to = *from;
-        to->vertices = to->normals = NULL;
+        to->vertices = to->normals = to->taken = NULL;
         to->indices = NULL;
         DIG_TRY(copy_array((void **)&to->vertices, from->vertices, vertices));
         DIG_TRY(copy_array((void **)&to->normals, from->normals, vertices));
@@ -75,6 +75,7 @@ static dig_status make_item(Making *m, const LookSolid *s)
     item->asleep = b && b->kind == DIG_DYNAMIC && !p->awake;
     item->fixed = !b || b->kind == DIG_STATIC;
     item->temperature = b ? (float)p->temperature : 0;
+    item->woven = b && m->woven && m->woven[s->body];
     return DIG_OK;
 }
 
@@ -125,7 +126,7 @@ static dig_status make_contacts(Making *m)
     return DIG_OK;
 }
 
-static dig_status make_line(Making *m, vec3 a, vec3 b, vec3 colour, uint32_t dig)
+static dig_status make_line(Making *m, vec3 a, vec3 b, vec3 colour, uint32_t dig, bool woven)
 {
     DIG_TRY(list_push(&m->to->lines, NULL));
     ViewLine *line = &m->to->lines.data[m->to->lines.count - 1];
@@ -133,6 +134,7 @@ static dig_status make_line(Making *m, vec3 a, vec3 b, vec3 colour, uint32_t dig
     write_point(m, line->b, b);
     write_vec(line->colour, colour);
     line->dig = dig;
+    line->woven = woven;
     return DIG_OK;
 }
 
@@ -145,11 +147,12 @@ static dig_status make_joints(Making *m)
             continue;
         vec3 a = joint_end(m, j->a, j->ra), b = joint_end(m, j->b, j->rb);
         uint32_t dig = look_poses(m->l)[j->a].dig;
-        DIG_TRY(make_line(m, look_poses(m->l)[j->a].x, a, arm, dig));
+        bool woven = is_thread(m, j->a, j->b);
+        DIG_TRY(make_line(m, look_poses(m->l)[j->a].x, a, arm, dig, woven));
         if (vec3_distance(a, b) > 1e-6)
-            DIG_TRY(make_line(m, a, b, gap, dig));
+            DIG_TRY(make_line(m, a, b, gap, dig, woven));
         if (j->b != LOOK_NONE)
-            DIG_TRY(make_line(m, b, look_poses(m->l)[j->b].x, arm, dig));
+            DIG_TRY(make_line(m, b, look_poses(m->l)[j->b].x, arm, dig, woven));
     }
     return DIG_OK;
 }
@@ -165,7 +168,7 @@ static dig_status make_room(Making *m)
             real s = k & 1 ? 1 : -1, u = k & 2 ? 1 : -1;
             vec3 a = axis == 0 ? (vec3){-h.x, s * h.y, u * h.z} : axis == 1 ? (vec3){s * h.x, -h.y, u * h.z} : (vec3){s * h.x, u * h.y, -h.z};
             vec3 b = axis == 0 ? (vec3){h.x, s * h.y, u * h.z} : axis == 1 ? (vec3){s * h.x, h.y, u * h.z} : (vec3){s * h.x, u * h.y, h.z};
-            DIG_TRY(make_line(m, vec3_add(c, a), vec3_add(c, b), (vec3){0.3, 0.35, 0.4}, 0));
+            DIG_TRY(make_line(m, vec3_add(c, a), vec3_add(c, b), (vec3){0.3, 0.35, 0.4}, 0, false));
         }
     return DIG_OK;
 }
@@ -225,8 +228,10 @@ static dig_status make_all(Making *m)
         return DIG_E_MEMORY;
     memset(m->mesh, 0xff, (size_t)m->l->meshes.count * sizeof *m->mesh);
     find_stress(m);
+    DIG_TRY(find_quads(m));
     DIG_TRY(make_items(m));
     DIG_TRY(make_bars(m));
+    DIG_TRY(make_sheets(m));
     DIG_TRY(make_contacts(m));
     DIG_TRY(make_joints(m));
     DIG_TRY(make_room(m));
@@ -246,6 +251,7 @@ static void show(Kept *k)
     v->arrows = l->arrows.data;     v->arrow_count = l->arrows.count;
     v->labels = l->labels.data;     v->label_count = l->labels.count;
     v->edges = l->edges.data;       v->edge_count = l->edges.count;
+    v->quads = l->quads.data;       v->quad_count = l->quads.count;
 }
 
 dig_status look_view(const Look *l, View **out)
@@ -270,6 +276,8 @@ dig_status look_view(const Look *l, View **out)
     show(k);
     free(m.stress);
     free(m.mesh);
+    free(m.woven);
+    map_close(&m.quads);
     if (s == DIG_OK)
         *out = v;
     else
@@ -296,6 +304,7 @@ void dig_view_free(View *v)
         free(v->meshes[i].vertices);
         free(v->meshes[i].normals);
         free(v->meshes[i].indices);
+        free(v->meshes[i].taken);
     }
     Lists *l = &((Kept *)v)->lists;
     list_close(&l->meshes);
@@ -305,5 +314,6 @@ void dig_view_free(View *v)
     list_close(&l->arrows);
     list_close(&l->labels);
     list_close(&l->edges);
+    list_close(&l->quads);
     free(v);
 }

@@ -26,6 +26,7 @@ typedef struct ViewMesh {
     float    *vertices;         /* [3 * vertex_count] m; always there except for VIEW_PLANE */
     float    *normals;          /* [3 * vertex_count], or NULL for flat shading */
     uint32_t *indices;          /* [index_count], 3 a triangle, counter-clockwise seen from outside */
+    float    *taken;            /* [3 * vertex_count] of a sheet: vertices at the moment of the picture, while view_blend moves them; else NULL */
 } ViewMesh;
 
 typedef struct ViewItem {       /* one shape of one body, or a bar or coil between two points */
@@ -41,17 +42,21 @@ typedef struct ViewItem {       /* one shape of one body, or a bar or coil betwe
     uint32_t dig;               /* DIG id, 0 = none (static) */
     float    stress;            /* 1, the largest share of its limit that a joint of its bears; < 0 = none can break */
     bool     asleep, fixed;
+    bool     woven;             /* a particle or a thread of a sheet: the sheet is drawn in its place */
     float    temperature;       /* K; 0 = it has none */
 } ViewItem;
 
 typedef enum ViewPattern { PATTERN_PLAIN, PATTERN_WOOD, PATTERN_BRICK, PATTERN_TILE, PATTERN_STRIPE, PATTERN_CHECK } ViewPattern;
 
 typedef struct ViewContact { float p[3], n[3], force[3]; } ViewContact;     /* m, 1, N on the second body */
-typedef struct ViewLine    { float a[3], b[3], colour[3]; uint32_t dig; } ViewLine;    /* joints, ropes, springs */
+typedef struct ViewLine    { float a[3], b[3], colour[3]; uint32_t dig; bool woven; } ViewLine;    /* joints, ropes, springs */
 typedef struct ViewArrow   { float p[3], v[3], colour[3]; } ViewArrow;      /* pushes, N */
 typedef struct ViewLabel   { float p[3]; char text[64]; } ViewLabel;
 /* A link, between centres of mass. Bound: b is where the outside is met, and belongs to no DIG. */
 typedef struct ViewEdge    { float a[3], b[3]; uint32_t dig; int kind; uint32_t layer; bool bound; } ViewEdge;
+
+/* A piece of a sheet, between four particles in order round it: slots of bodies. */
+typedef struct ViewQuad    { uint32_t corner[4]; float colour[3]; } ViewQuad;
 
 typedef struct View {
     real         origin[3];             /* m, added to every position            */
@@ -66,6 +71,7 @@ typedef struct View {
     ViewArrow   *arrows;   int arrow_count;
     ViewLabel   *labels;   int label_count;
     ViewEdge    *edges;    int edge_count;
+    ViewQuad    *quads;    int quad_count;
 } View;
 
 /* Makes a picture of the world as it is. DIG_E_MEMORY leaves *out NULL. */

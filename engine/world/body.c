@@ -330,6 +330,7 @@ static void fill_body(World *w, Body *b, const dig_body_def *def)
     b->group = def->group;
     b->colour = def->colour;
     b->opacity = def->opacity;
+    b->sheet = (vec3){round(def->sheet.x), round(def->sheet.y), round(def->sheet.z)};
     b->shape_first = b->joint_first = NONE;
     b->inertia = b->inv_inertia = mat3_zero();
     b->surface = (Surface){def->material.s[0] ? material_find(w, def->material.s) : 0, def->friction, def->friction_dynamic,

@@ -91,6 +91,7 @@ typedef struct Body {           /* what every step reads comes first            
     Surface  surface;
     vec3     colour;            /* x < 0 = the material's                              */
     real     opacity;           /* 1      as drawn                                     */
+    vec3     sheet;             /* 1      number, column and row, as drawn; number 0 = no particle of a sheet */
     vec3     move_to; quat turn_to; real move_start, move_end;      /* kinematic: s, end < start = none */
     uint64_t message_id, message_root; real message_time; dig_body message_from; char message_kind[32];
 } Body;

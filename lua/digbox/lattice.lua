@@ -11,7 +11,8 @@ local common_fields = core.join_fields(soft.strut_fields, {
     "of its particles; default a quarter of their distance" },
   mass = { "real kg >0", "of all of it", need = true } })
 common_fields.stiffness = { "real N >0", "E A of a thread: force for doubling its length", need = true }
-local taken = { fixed = "give a cloth pins, or fix bodies", rotation = "its own fields say how it lies", density = "give mass" }
+local taken = { fixed = "give a cloth pins, or fix bodies", rotation = "its own fields say how it lies", density = "give mass",
+  sheet = "a cloth has a number of its own" }
 local RELAXES = 0.02               -- s  of which nothing is said
 
 -- N by which what is fixed holds it: the pull of its struts, and the weight of the pinned particles themselves
@@ -45,7 +46,7 @@ local properties = core.join_fields(soft.properties, {
   stretch = { "number", "the longest strut over its length at rest, less 1" }, breaks_at = { "number|nil", "as given", unit = "N" },
   columns = { "integer", "particles one way" }, rows = { "integer", "particles the other way" },
   layers = { "integer|nil", "particles the third way" } })
-local kept = { node = "body map", columns = "whole", rows = "whole", layers = "whole?", radius = "number" }
+local kept = { node = "body map", columns = "whole", rows = "whole", layers = "whole?", radius = "number", sheet = "whole?" }
 local new_cloth = soft.class("cloth", "Particles in rows, held to their neighbours.", cloth_methods, getters, readable, properties,
   kept)
 local new_lattice = soft.class("lattice", "Particles in rows and layers: a body that springs back.", lattice_methods, getters, readable,
@@ -80,6 +81,7 @@ local function add_node(world, self, rest, at, mass, fixed, i, j, k)
   for name, v in next, rest do fields[name] = v end
   fields.name, fields.at, fields.mass, fields.radius = ("%s %s"):format(self.name, key(i, j, k)), at, mass, self.radius
   fields.fixed, fields.group = fixed or nil, self.group
+  if self.sheet then fields.sheet = { self.sheet, i, j } end
   if fields.turns == nil then fields.turns = false end   -- its struts would not keep it from rolling as the ball of a bearing does
   local body = world:ball(fields)
   self.node[key(i, j, k)] = body
@@ -165,7 +167,7 @@ function methods.cloth(world, fields)
   local self = begin(world, "cloth", own, rest)
   local n, m, pins = own.columns, own.rows, pinned(own)
   local dx, dy = own.across / math.max(1, n - 1), own.down / math.max(1, m - 1)
-  self.columns, self.rows = n, m
+  self.columns, self.rows, self.sheet = n, m, soft.sheet(world)
   self.radius = own.radius or 0.25 * math.min(n > 1 and #dx or #dy, m > 1 and #dy or #dx)
   self.thickness = 0.3 * self.radius
   soft.build(self, function() make_cloth(world, self, own, rest, pins) end)

@@ -54,6 +54,9 @@ function soft.group(world)
   return state.soft_group
 end
 
+-- The number of a new sheet: of the same count as groups, so that no two have the same after a file was read, either.
+function soft.sheet(world) return FIRST_GROUP - soft.group(world) end
+
 -- ---- the static interaction graph ----
 
 local function sig_of(joints)
@@ -150,7 +153,7 @@ function soft.class(name, what, class_methods, getters, readable, properties, ke
   end
   core.keep.class(name, join(kept, soft.kept), function(self)
     local state = core.lua_state(self.world)
-    state.soft_group = math.min(state.soft_group or FIRST_GROUP, self.group or FIRST_GROUP)
+    state.soft_group = math.min(state.soft_group or FIRST_GROUP, self.group or FIRST_GROUP, FIRST_GROUP - (self.sheet or 0))
     if again then again(self) end
     return make(self)
   end)

@@ -1,5 +1,7 @@
-/* tests/unit/test_drawn.c - what a picture shows of joints between two points: bars and coils from end to end. */
+/* tests/unit/test_drawn.c - what a picture shows of joints between two points, bars and coils from end to end, and of sheets. */
 #include "physics_fixture.h"
+
+#include <stdlib.h>
 
 #include "base/param.h"
 #include "view/view.h"
@@ -89,8 +91,125 @@ TEST(the_faces_of_a_coil_look_away_from_its_wire)
     dig_world_close(w);
 }
 
+enum { SIDE = 3 };          /* particles each way */
+
+typedef struct Cloth { dig_world *w; dig_body body[SIDE][SIDE]; dig_joint across[SIDE][SIDE]; } Cloth;
+
+static dig_joint tie(dig_world *w, dig_body a, dig_body b)
+{
+    real params[64];
+    const dig_schema *s = dig_schema_find("joint", "strut");
+    dig_schema_defaults(s, params);
+    *(real *)(void *)((char *)params + param_find(s->rows, "stiffness")->offset) = 100;
+    *(real *)(void *)((char *)params + param_find(s->rows, "radius")->offset) = 0.01;
+    return create_joint(w, "strut", a, b, vec3_zero(), (vec3){0, 1, 0}, params);
+}
+
+/* Sheet 7: columns along x, rows down, 1 m apart; the first row is fixed and has no threads of its own. */
+static Cloth cloth(void)
+{
+    Cloth c = {.w = open_world(1.0 / 60, NULL, true)};
+    for (int j = 0; j < SIDE; j++)
+        for (int i = 0; i < SIDE; i++) {
+            dig_body_def d = body_with(look(0, 0), (vec3){i, 5 - j, 0}, quat_identity());
+            d.sheet = (vec3){7, i + 1, j + 1};
+            d.fixed = j == 0;
+            d.colour = (vec3){1, 0, 0};
+            c.body[j][i] = add_body(c.w, d, "sphere", &(dig_sphere_def){0.1});
+        }
+    for (int j = 0; j < SIDE; j++)
+        for (int i = 0; i < SIDE; i++) {
+            if (j > 0 && i > 0)
+                c.across[j][i] = tie(c.w, c.body[j][i - 1], c.body[j][i]);
+            if (j > 0)
+                tie(c.w, c.body[j - 1][i], c.body[j][i]);
+        }
+    return c;
+}
+
+static const ViewItem *sheet_of(const View *v)
+{
+    for (int i = 0; i < v->item_count; i++)
+        if (v->meshes[v->items[i].mesh].taken)
+            return &v->items[i];
+    return NULL;
+}
+
+static int count_apart(const View *v)
+{
+    int count = 0;
+    for (int i = 0; i < v->item_count; i++)
+        count += !v->items[i].woven;
+    return count;
+}
+
+TEST(particles_in_rows_that_struts_join_are_one_surface)
+{
+    Cloth c = cloth();
+    View *v = picture(c.w);
+    const ViewItem *sheet = sheet_of(v);
+    CHECK(sheet != NULL);
+    CHECK_INT(v->quad_count, 4);
+    CHECK_INT(count_apart(v), 1);               /* neither balls nor struts */
+    CHECK_INT(sheet->body, c.body[0][0].slot + 1);
+    CHECK_NEAR(sheet->colour[0], 1, 1e-6);
+    CHECK(sheet->dig != 0);
+    const ViewMesh *m = &v->meshes[sheet->mesh];
+    CHECK_INT(m->vertex_count, SIDE * SIDE);
+    CHECK_INT(m->index_count, 6 * 4);
+    for (int i = 0; i < m->vertex_count; i++)
+        CHECK_NEAR(fabsf(m->normals[3 * i + 2]), 1, 1e-6);
+    dig_view_free(v);
+    dig_world_close(c.w);
+}
+
+/* A thread that is gone takes the quads beside it: what they joined is seen by itself where nothing else of the sheet is there. */
+TEST(a_sheet_opens_where_it_is_torn)
+{
+    Cloth c = cloth();
+    CHECK_INT(dig_joint_remove(c.w, c.across[2][2]), DIG_OK);           /* at its lower edge, beside one quad */
+    View *v = picture(c.w);
+    CHECK_INT(v->quad_count, 3);
+    CHECK_INT(count_apart(v), 3);               /* the sheet, the particle in the corner and the thread it hangs by */
+    dig_view_free(v);
+    CHECK_INT(dig_joint_remove(c.w, c.across[1][1]), DIG_OK);           /* between two */
+    v = picture(c.w);
+    CHECK_INT(v->quad_count, 1);
+    dig_view_free(v);
+    dig_world_close(c.w);
+}
+
+/* Films show moments between steps: there the vertices are between, too. */
+TEST(a_sheet_is_blended_between_two_pictures)
+{
+    Cloth c = cloth();
+    View *a = picture(c.w);
+    step(c.w, 1);
+    View *b = picture(c.w);
+    ViewPose *from = view_poses(a), *to = view_poses(b);
+    const ViewItem *now = sheet_of(b), *was = sheet_of(a);
+    int low = 0;                                /* the vertex that fell most */
+    for (int i = 0; i < SIDE * SIDE; i++)
+        low = b->meshes[now->mesh].taken[3 * i + 1] < b->meshes[now->mesh].taken[3 * low + 1] ? i : low;
+    double before = (double)was->p[1] + (double)a->meshes[was->mesh].vertices[3 * low + 1];
+    double after = (double)now->p[1] + (double)b->meshes[now->mesh].vertices[3 * low + 1];
+    CHECK(after < before - 1e-3);
+    for (int k = 0; k <= 4; k++) {
+        view_blend(a, from, b, to, k / 4.0);
+        CHECK_NEAR(now->p[1] + b->meshes[now->mesh].vertices[3 * low + 1], before + k / 4.0 * (after - before), 1e-6);
+    }
+    free(from);
+    free(to);
+    dig_view_free(a);
+    dig_view_free(b);
+    dig_world_close(c.w);
+}
+
 int main(void)
 {
-    RUN_TESTS(unit_test(ropes_rods_and_springs_are_seen_from_end_to_end),
+    RUN_TESTS(unit_test(particles_in_rows_that_struts_join_are_one_surface),
+              unit_test(a_sheet_opens_where_it_is_torn),
+              unit_test(a_sheet_is_blended_between_two_pictures),
+              unit_test(ropes_rods_and_springs_are_seen_from_end_to_end),
               unit_test(the_faces_of_a_coil_look_away_from_its_wire));
 }
