@@ -277,7 +277,7 @@ static void put_moments(const HtmlData *d, HtmlSections *s, real grid)
     const HtmlPart place = {3, 0, 0x1p8 * grid, 0}, arrow = {3, BITS, 0, 16}, ends = {6, 0, 0x1p4 * grid, 0};
     const HtmlPart parts[MOMENTS][2] = {
         [MOMENT_CONTACT] = {place, arrow}, [MOMENT_LINE] = {ends, exact}, [MOMENT_STRUT] = {ends, {2, BITS, 0, 12}},
-        [MOMENT_PUSH] = {place, arrow}, [MOMENT_CAMERA] = {{11, BITS, 0, 0}},
+        [MOMENT_PUSH] = {place, arrow}, [MOMENT_CAMERA] = {{11, BITS, 0, 0}}, [MOMENT_SHEET] = {{5, BITS, 0, 0}},
     };
     for (int i = 0; i < MOMENTS; i++) {
         HtmlRows r = rows_of(d->moments[i].rows.data, d->moments[i].rows.count, html_moments[i].width);

@@ -8,7 +8,8 @@
  *                        DIG; 1 = awake plus twice the mode; K. Those of a body stand together and hold until its next one.
  *   link, effort, link_end   six numbers a span of frames: a, b, kind, layer + 256 when it is to the outside, first frame,
  *                        frames; then for each of its frames |effort|, and where it ends outside (m from `place`)
- *   X_at, X              for X = contact (point, force), line (ends, colour), strut (ends, radius, stress), push (point, force), camera:
+ *   X_at, X              for X = contact (point, force), line (ends, colour), strut (ends, radius, stress), push (point, force),
+ *                        sheet (four bodies, colour), camera:
  *                        first row and rows of every frame; a frame like the one before points at the same rows
  *   camera_at, camera    the script's, eleven numbers each: 1 = place + 2 = target + 4 = up are said; place and target (m from `place`), up, angle
  *   event                [12 * events] frame of the page, time, kind, bodies, speed, impulse, DIGs, kind of link, layer, stress
@@ -37,6 +38,7 @@ typedef struct HtmlTimedKey { uint32_t frame; HtmlKey key; } HtmlTimedKey;
 typedef struct HtmlBody {
     LIST(HtmlTimedKey) keys;
     bool shaped;                    /* its shapes are known */
+    bool woven;                     /* at this frame a sheet is drawn in its place: they are not wanted yet */
 } HtmlBody;
 
 typedef struct HtmlSpan {           /* a link while it holds */
@@ -50,7 +52,7 @@ typedef struct HtmlMesh { uint64_t hash; ViewForm form; float size[3]; int verte
 typedef struct HtmlShape { int body, mesh, pattern; float p[3], q[4], colour[3], roughness, metallic, opacity; } HtmlShape; /* body -1: none */
 typedef struct HtmlEvent { int frame, a, b; dig_event event; } HtmlEvent;
 
-typedef enum HtmlMomentName { MOMENT_CONTACT, MOMENT_LINE, MOMENT_STRUT, MOMENT_PUSH, MOMENT_CAMERA, MOMENTS } HtmlMomentName;
+typedef enum HtmlMomentName { MOMENT_CONTACT, MOMENT_LINE, MOMENT_STRUT, MOMENT_PUSH, MOMENT_CAMERA, MOMENT_SHEET, MOMENTS } HtmlMomentName;
 extern const struct HtmlMomentKind { const char *at, *name; int width; } html_moments[MOMENTS];
 
 typedef struct HtmlMoment {

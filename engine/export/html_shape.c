@@ -6,7 +6,7 @@
 const struct HtmlMomentKind html_moments[MOMENTS] = {
     [MOMENT_CONTACT] = {"contact_at", "contact", 6}, [MOMENT_LINE] = {"line_at", "line", 7},
     [MOMENT_STRUT] = {"strut_at", "strut", 8}, [MOMENT_PUSH] = {"push_at", "push", 6},
-    [MOMENT_CAMERA] = {"camera_at", "camera", 11},
+    [MOMENT_CAMERA] = {"camera_at", "camera", 11}, [MOMENT_SHEET] = {"sheet_at", "sheet", 5},
 };
 
 static vec3 vec_from(const float v[3]) { return (vec3){(real)v[0], (real)v[1], (real)v[2]}; }
@@ -75,6 +75,8 @@ static dig_status take_shapes(HtmlData *d, const ReplayFrame *f, const View *v)
 {
     for (int i = 0; i < v->item_count; i++) {
         const ViewItem *item = &v->items[i];
+        if (v->meshes[item->mesh].taken)
+            continue;                   /* sheets are lists of their corners */
         if (item->body == 0) {
             if (item->fixed && d->frames == 0)
                 DIG_TRY(take_shape(d, v, item, -1, (pose){d->place, quat_identity()}));
@@ -83,10 +85,17 @@ static dig_status take_shapes(HtmlData *d, const ReplayFrame *f, const View *v)
         int row = (int)item->body - 1 < d->row_of.count ? d->row_of.data[item->body - 1] : -1;
         if (row < 0 || d->bodies.data[f->poses[row].body].shaped)
             continue;
+        if (item->woven) {
+            d->bodies.data[f->poses[row].body].woven = true;
+            continue;
+        }
         DIG_TRY(take_shape(d, v, item, f->poses[row].body, (pose){f->poses[row].position, f->poses[row].rotation}));
     }
-    for (int i = 0; i < f->pose_count; i++)
-        d->bodies.data[f->poses[i].body].shaped = true;
+    for (int i = 0; i < f->pose_count; i++) {
+        HtmlBody *b = &d->bodies.data[f->poses[i].body];
+        b->shaped = !b->woven;
+        b->woven = false;
+    }
     return DIG_OK;
 }
 
@@ -135,6 +144,8 @@ static dig_status take_lines(HtmlData *d, const View *v, vec3 shift)
     int before = m->rows.count;
     for (int i = 0; i < v->line_count; i++) {
         float row[7];
+        if (v->lines[i].woven)
+            continue;
         uint32_t colour = packed_colour(v->lines[i].colour);
         write_vec(row, vec3_add(vec_from(v->lines[i].a), shift));
         write_vec(row + 3, vec3_add(vec_from(v->lines[i].b), shift));
@@ -152,7 +163,7 @@ static dig_status take_struts(HtmlData *d, const View *v, vec3 shift)
     for (int i = 0; i < v->item_count; i++) {
         const ViewItem *item = &v->items[i];
         const ViewMesh *mesh = &v->meshes[item->mesh];
-        if (item->body != 0 || item->fixed || mesh->form != VIEW_CYLINDER)
+        if (item->body != 0 || item->fixed || item->woven || mesh->form != VIEW_CYLINDER)
             continue;
         quat q = {(real)item->q[0], (real)item->q[1], (real)item->q[2], (real)item->q[3]};
         vec3 middle = vec3_add(vec_from(item->p), shift), half = quat_rotate(q, (vec3){0, 0.5 * (real)mesh->size[1], 0});
@@ -162,6 +173,27 @@ static dig_status take_struts(HtmlData *d, const View *v, vec3 shift)
         DIG_TRY(html_put(&m->rows, row, 8));
     }
     return html_end_moment(d, MOMENT_STRUT, before);
+}
+
+/* The bodies at the corners of the quads of sheets: the page knows where these are. */
+static dig_status take_sheets(HtmlData *d, const ReplayFrame *f, const View *v)
+{
+    HtmlMoment *m = &d->moments[MOMENT_SHEET];
+    int before = m->rows.count;
+    for (int i = 0; i < v->quad_count; i++) {
+        float row[5];
+        uint32_t colour = packed_colour(v->quads[i].colour);
+        bool known = true;
+        for (int k = 0; k < 4; k++) {
+            int slot = (int)v->quads[i].corner[k], at = slot < d->row_of.count ? d->row_of.data[slot] : -1;
+            known = known && at >= 0;
+            row[k] = at >= 0 ? (float)f->poses[at].body : 0;
+        }
+        memcpy(row + 4, &colour, sizeof colour);
+        if (known)
+            DIG_TRY(html_put(&m->rows, row, 5));
+    }
+    return html_end_moment(d, MOMENT_SHEET, before);
 }
 
 static dig_status take_pushes(HtmlData *d, const View *v, vec3 shift)
@@ -204,5 +236,6 @@ dig_status html_take_view(HtmlData *d, const ReplayFrame *f, const View *v)
     DIG_TRY(take_contacts(d, v, shift));
     DIG_TRY(take_lines(d, v, shift));
     DIG_TRY(take_struts(d, v, shift));
+    DIG_TRY(take_sheets(d, f, v));
     return take_pushes(d, v, shift);
 }

@@ -44,4 +44,14 @@ head -c 300 drop.replay >cut.replay
 gives 8 'a replay without a frame' view cut.replay -o cut.html;         holds 'leaves no page' test ! -e cut.html
 gives 8 'no replay at all' view drop.lua -o cut.html
 gives 8 'a file that is not there' view nowhere.replay -o cut.html
+# A cloth of 4 columns and 3 rows is 6 quads, written once for all frames, and has no balls.
+cat >cloth.lua <<'LUA'
+local world = require "digbox".world {}
+world:cloth { at = { 0, 2, 0 }, across = { 1, 0, 0 }, down = { 0, -1, 0 }, columns = 4, rows = 3, mass = 0.1, stiffness = 100 }
+world:run(0.2)
+LUA
+gives 0 'a cloth' run -q cloth.lua --replay cloth.replay
+gives 0 'its page' view -q cloth.replay -o cloth.html
+holds 'six quads' grep -qE '"sheet":\["f32",[0-9]+,6,' cloth.html
+holds 'no shape beside them' grep -qE '"shapes":\[[[:space:]]*\]' cloth.html
 checked

@@ -53,7 +53,8 @@ TEST(ropes_rods_and_springs_are_seen_from_end_to_end)
     dig_joint j[3];
     for (int i = 0; i < 3; i++)
         j[i] = hang(w, types[i], i);
-    dig_joint other = join_bodies(w, "hinge", add_ball(w, look(0, 0), 0.1, 1, (vec3){5, 2, 0}, vec3_zero()), (dig_body){0, 0}, (vec3){5, 3, 0}, (vec3){0, 0, 1});
+    dig_body door = add_ball(w, look(0, 0), 0.1, 1, (vec3){5, 2, 0}, vec3_zero());
+    dig_joint other = join_bodies(w, "hinge", door, (dig_body){0, 0}, (vec3){5, 3, 0}, (vec3){0, 0, 1});
     View *v = picture(w);
     for (int i = 0; i < 3; i++) {
         const ViewItem *item = item_of(v, j[i]);

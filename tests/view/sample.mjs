@@ -56,6 +56,7 @@ for (let f = 0; f < frames; f++) {
   put("line_at", 0, 0);
   put("strut_at", 0, 0);
   put("push_at", 0, 0);
+  put("sheet_at", 0, 0);
   const row = (lists.camera?.length ?? 0) / 11;         // "still" is there from the start, "mover" from 0.5 s on; it says no up
   put("camera", 7, 4, 3, 7, 0, 1, 0, 0, 1, 0, 0.6);
   if (f >= 30) put("camera", 3, 3 + t, 2, 4, 0, t, 0, 0, 0, 0, 0.5);
@@ -68,14 +69,14 @@ events.push([30, 0.5, 0, 3, 0, 1.5, 0.1, 3, 0, 0, 0, 0], [60, 1, 11, 1, 2, 0, 0,
 
 // Every part with all its bits: the bytes of a column one after the other.
 const kinds = { f64: Float64Array, f32: Float32Array, u32: Uint32Array };
-const widths = { energy: 10, key_pose: 7, key_motion: 9, link: 6, link_end: 3, contact: 6, line: 7, strut: 8, push: 6, camera: 11, event: 12,
-  contact_at: 2, line_at: 2, strut_at: 2, push_at: 2, camera_at: 2, vertex: 3, normal: 3 };
-const typeOf = { times: "f64", energy: "f64", event: "f64", number: "u32", key_frame: "u32", key_dig: "u32", key_flags: "u32", link: "u32", contact_at: "u32", line_at: "u32", strut_at: "u32", push_at: "u32", camera_at: "u32", index: "u32" };
+const widths = { energy: 10, key_pose: 7, key_motion: 9, link: 6, link_end: 3, contact: 6, line: 7, strut: 8, push: 6, camera: 11, sheet: 5, event: 12,
+  contact_at: 2, line_at: 2, strut_at: 2, push_at: 2, camera_at: 2, sheet_at: 2, vertex: 3, normal: 3 };
+const typeOf = { times: "f64", energy: "f64", event: "f64", number: "u32", key_frame: "u32", key_dig: "u32", key_flags: "u32", link: "u32", contact_at: "u32", line_at: "u32", strut_at: "u32", push_at: "u32", camera_at: "u32", sheet_at: "u32", index: "u32" };
 const sections = {}, blocks = [];
 let offset = 0;
 put("event", ...events.flat());
 for (const name of ["times", "energy", "number", "key_frame", "key_pose", "key_motion", "key_dig", "key_flags", "link", "effort", "link_end", "contact_at", "contact",
-  "line_at", "line", "strut_at", "strut", "push_at", "push", "camera_at", "camera", "event", "vertex", "normal", "index"]) {
+  "line_at", "line", "strut_at", "strut", "push_at", "push", "camera_at", "camera", "sheet_at", "sheet", "event", "vertex", "normal", "index"]) {
   const kind = typeOf[name] ?? "f32", width = widths[name] ?? 1, array = new kinds[kind](lists[name] ?? []), rows = array.length / width;
   const bytes = new Uint8Array(array.buffer), size = array.BYTES_PER_ELEMENT, planes = Buffer.alloc(bytes.length);
   sections[name] = [kind, offset, rows, [[width, -1, 1]]];

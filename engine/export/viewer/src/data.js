@@ -183,9 +183,9 @@ export class Replay {
   // The light at a frame; null: nothing is said.
   lightAt(frame) { return this.lights.findLast((l) => l.frame <= frame) ?? null; }
 
-  // Floats of a list that is kept by frame ("contact", "line", "strut", "push").
+  // Floats of a list that is kept by frame ("contact", "line", "strut", "push", "sheet").
   moment(name, frame) {
-    const width = { contact: 6, line: 7, strut: 8, push: 6, camera: 11 }[name];
+    const width = { contact: 6, line: 7, strut: 8, push: 6, camera: 11, sheet: 5 }[name];
     const at = this[`${name}_at`], first = at[2 * frame], count = at[2 * frame + 1];
     return this[name].subarray(width * first, width * (first + count));
   }

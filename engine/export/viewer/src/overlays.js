@@ -1,9 +1,10 @@
-// overlays.js - what is drawn over the bodies: DIG links by kind, contact forces, pushes, joints, struts, the way of the picked body, names.
+// overlays.js - what is drawn beside and over the bodies: sheets, DIG links by kind, contact forces, pushes, joints, struts, the way of the picked body, names.
 import {
-  BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, DynamicDrawUsage, InstancedMesh, Line, LineBasicMaterial, Matrix4,
-  MeshBasicMaterial, MeshStandardMaterial, Quaternion, SphereGeometry, Vector3,
+  BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, DoubleSide, DynamicDrawUsage, InstancedMesh, Line, LineBasicMaterial, Matrix4,
+  Mesh, MeshBasicMaterial, MeshStandardMaterial, Quaternion, SphereGeometry, Vector3,
 } from "three";
 import { rotate } from "./data.js";
+import { digColour } from "./format.js";
 
 const Y = new Vector3(0, 1, 0);
 
@@ -69,6 +70,11 @@ export class Overlays {
     this.struts = new Many(scene, rod(), new MeshStandardMaterial({ roughness: 0.45 }), 0);
     this.struts.mesh.castShadow = true;
     this.threads = new Many(scene, rod(), new MeshStandardMaterial({ roughness: 0.7 }), 0);
+    this.sheet = new Mesh(new BufferGeometry(), new MeshStandardMaterial({ roughness: 0.85, vertexColors: true, side: DoubleSide }));
+    this.sheet.castShadow = true;       // and receives none: it has no thickness to keep its own off
+    this.sheet.frustumCulled = false;
+    this.woven = [];        // bodies that are its vertices
+    scene.add(this.sheet);
     this.trail = new Line(new BufferGeometry(), new LineBasicMaterial({ color: 0x5ea1ff, depthTest: false, transparent: true, opacity: 0.75, fog: false }));
     this.trail.renderOrder = 9;
     this.trail.frustumCulled = false;
@@ -111,6 +117,7 @@ export class Overlays {
     this.drawLinks(frame, part, picked);
     this.drawForces(frame);
     this.drawSolids(frame);
+    this.drawSheets(frame, part);
     this.drawTrail(picked);
   }
 
@@ -181,6 +188,48 @@ export class Overlays {
       this.threads.add(a.fromArray(lines, i), b.fromArray(lines, i + 3), 0.0016 * this.unit, colour);
     }
     this.threads.end();
+  }
+
+  // Which bodies are the corners of quads; made anew when a sheet tears.
+  weave(rows) {
+    const packed = new Uint32Array(rows.buffer, rows.byteOffset, rows.length), vertex = new Map(), index = [], own = [], c = new Color();
+    const at = (body, colour) => {
+      if (!vertex.has(body)) {
+        vertex.set(body, vertex.size);
+        own.push(...c.setHex(colour).toArray());
+      }
+      return vertex.get(body);
+    };
+    for (let i = 0; i < rows.length; i += 5) {
+      const [a, b, d, e] = [0, 1, 2, 3].map((k) => at(rows[i + k], packed[i + 4]));
+      index.push(a, b, d, a, d, e);
+    }
+    this.woven = [...vertex.keys()];
+    this.ownColours = own;
+    this.sheet.geometry.dispose();
+    this.sheet.geometry = new BufferGeometry().setIndex(index)
+      .setAttribute("position", new BufferAttribute(new Float32Array(own.length), 3))
+      .setAttribute("color", new BufferAttribute(new Float32Array(own), 3));
+  }
+
+  // Sheets are surfaces between their particles, which are not drawn themselves.
+  drawSheets(frame, part) {
+    const rows = this.replay.moment("sheet", frame), { groups, colouring } = this.stage, key = `${rows.byteOffset} ${rows.length}`;
+    if (key !== this.wovenBy) this.weave(rows);
+    this.wovenBy = key;
+    this.sheet.visible = rows.length > 0;
+    if (!rows.length) return;
+    const { position, color } = this.sheet.geometry.attributes, tint = new Color();
+    this.woven.forEach((body, i) => {
+      const p = this.centre(body, frame, part), dig = colouring === "dig" ? this.replay.state(body, frame).dig : 0;
+      groups[body].visible = false;
+      if (p) position.setXYZ(i, p.x, p.y, p.z);
+      tint.fromArray(this.ownColours, 3 * i);
+      if (dig) tint.lerp(new Color().setRGB(...digColour(dig)), 0.85);
+      color.setXYZ(i, tint.r, tint.g, tint.b);
+    });
+    position.needsUpdate = color.needsUpdate = true;
+    this.sheet.geometry.computeVertexNormals();
   }
 
   drawTrail(picked) {
