@@ -422,8 +422,6 @@ static int body_teleport(lua_State *L)
     bool has_rotation = bind_get_quat(L, 2, "body:teleport", "rotation", &rotation);
     bool has_velocity = bind_get_vec3(L, 2, "body:teleport", "velocity", "m/s", &velocity);
     bool has_spin = bind_get_vec3(L, 2, "body:teleport", "spin", "rad/s", &spin);
-    if (!has_at && !has_rotation && !has_velocity && !has_spin)
-        return bind_error(L, "body:teleport: at, rotation, velocity or spin is missing");
     return done(L, b, dig_body_teleport(b->world->w, b->id, has_at ? &at : NULL, has_rotation ? &rotation : NULL,
                                         has_velocity ? &velocity : NULL, has_spin ? &spin : NULL));
 }

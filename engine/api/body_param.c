@@ -39,23 +39,14 @@ static dig_status set_material(World *w, uint32_t slot, const char *name)
     return DIG_OK;
 }
 
-/* Of what is not dynamic it is kept to be read again. */
 static dig_status set_mass(World *w, Body *b, real mass)
 {
+    if (b->kind != DIG_DYNAMIC)
+        return world_fail(w, DIG_E_KIND, "%s is not dynamic: it has no mass to set", BODY_TEXT(w, b));
     if (!(mass > 0 && isfinite(mass)))
         return world_fail(w, DIG_E_ARG, "%s: mass = %g kg, must be > 0 and finite", BODY_TEXT(w, b), mass);
-    if (b->kind == DIG_DYNAMIC)
-        body_set_mass(b, mass);
-    else
-        b->told_mass = mass;
+    body_set_mass(b, mass);
     return DIG_OK;
-}
-
-static dig_status set_density(World *w, Body *b, real density)
-{
-    if (b->kind != DIG_DYNAMIC)
-        return world_fail(w, DIG_E_KIND, "%s is not dynamic: it has no density to set", BODY_TEXT(w, b));
-    return set_mass(w, b, b->density > 0 ? b->mass * density / b->density : density);
 }
 
 static void set_integrator(Body *b, int64_t integrator)
@@ -98,7 +89,7 @@ static dig_status do_set(World *w, dig_body handle, const char *name, const void
     if (strcmp(name, "mass") == 0)
         status = set_mass(w, b, *number);
     else if (strcmp(name, "density") == 0)
-        status = set_density(w, b, *number);
+        status = set_mass(w, b, b->density > 0 ? b->mass * *number / b->density : *number);
     else if (strcmp(name, "material") == 0)
         status = set_material(w, handle.slot, ((const dig_text *)value)->s);
     else if (strstr(name, "friction") || strcmp(name, "restitution") == 0)

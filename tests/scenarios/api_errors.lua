@@ -314,7 +314,6 @@ scenario("an error names the argument, the numbers there are, and nothing twice"
   says(function() cloth:node(9, 9) end, "cloth:node(9, 9, 1): there is none, of 4 columns, 5 rows")
   says(function() return digbox.path(ball) end, "path: argument 2: expected a body, got nil")
   says(function() ball:send(3, "word") end, "body:send wants a body to send to; got number")
-  says(function() ball:teleport {} end, "body:teleport: at, rotation, velocity or spin is missing")
   says(function() world:spring { a = ball, b = other } end, "world:spring: stiffness is missing")
   says(function() world:camera { at = { 1, 2, 3 }, look_at = { 1, 2, 3 } } end,
     "world:camera: at and look_at are the same point (1, 2, 3) m")
