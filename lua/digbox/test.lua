@@ -303,7 +303,8 @@ local scenario_meta = { __metatable = "scenario" }
 scenario_meta.__index = function(s, key)
   if key == "world" then return world_of(s) end
   if Scenario[key] then return Scenario[key] end
-  if key == "own_world" or key == "jitter" or key == "accuracy" or key == "failure" or key == "perturbed" or key == "forgiving" then
+  if key == "own_world" or key == "jitter" or key == "accuracy" or key == "failure" or key == "perturbed" or key == "forgiving"
+    or key == "unsettled" then
     return nil
   end
   core.unknown("scenario", "has no field or method", tostring(key), Scenario, { world = true })
@@ -353,14 +354,20 @@ local function speed_of(b)
 end
 
 -- s:settle "1 s": lets things come to rest for so long, at least a step -> true, or false and what still moves
--- What falls with nothing to hold it up has no rest to come to: the scenario fails. What swings, rolls or is driven may still move.
+-- What falls with nothing to hold it up has no rest to come to: the scenario goes on, but fails, by what it finds itself or by this.
+-- What swings, rolls or is driven may still move.
 function Scenario.settle(s, time)
   local world, limit = world_of(s), core.seconds(time, "s:settle")
   world:run(math.max(limit, world.frame))
   local fastest, most
   for _, b in ipairs(world:bodies()) do
     if is_dynamic(b) and not b.asleep and b.mode ~= "resting" then
-      if falls(world, b) then fail("s:settle: after %g s %s falls at %.3g m/s: nothing holds it up", limit, tostring(b), b.speed) end
+      if falls(world, b) then
+        local text = ("s:settle: after %g s %s falls at %.3g m/s: nothing holds it up"):format(limit, tostring(b), b.speed)
+        if current and current.forgiving then fail("%s", text) end
+        s.unsettled = s.unsettled or core.where() .. text
+        return false, b
+      end
       local speed = speed_of(b)
       if speed > SLOW and not (most and most >= speed) then fastest, most = b, speed end
     end
@@ -617,6 +624,7 @@ local function run_once(entry, jitter)
   local fault = core.take_faults()
   if ok and fault then ok, message = false, ("%s: %s"):format(entry.where, fault) end
   if ok and s.failure then ok, message = false, s.failure end
+  if ok and s.unsettled then ok, message = false, s.unsettled end
   if ok and s.checks == 0 then ok, message = false, entry.where .. ": the scenario checks nothing" end
   return s, ok, message
 end
