@@ -248,7 +248,6 @@ static dig_status do_hit(World *w, dig_body handle, vec3 impulse, vec3 at, bool 
     DIG_TRY(api_finite(w, impulse, "hit", "impulse", "N s"));
     if (has_at)
         DIG_TRY(api_finite(w, at, "hit", "at", "m"));
-    body_wake(w, handle.slot);
     real before = body_energy(w, b);
     mat3 r = quat_matrix(b->q), inverse = mat3_mul(mat3_mul(r, b->inv_inertia), mat3_transpose(r));
     real light = 1 / body_inertness(b);
@@ -258,6 +257,7 @@ static dig_status do_hit(World *w, dig_body handle, vec3 impulse, vec3 at, bool 
     if (!vec3_finite(vec3_add(b->v, dv)) || !vec3_finite(vec3_add(b->w, dw)) || fast > WORLD_FAST)
         return world_fail(w, DIG_E_ARG, "hit: impulse = {%g, %g, %g} N s makes %s too fast for a number", impulse.x, impulse.y,
                           impulse.z, BODY_TEXT(w, b));
+    body_wake(w, handle.slot);
     b->v = vec3_add(b->v, dv);
     b->w = vec3_add(b->w, dw);
     b->hit_v = vec3_add(b->hit_v, dv);
@@ -351,15 +351,18 @@ static dig_status do_move_to(World *w, dig_body handle, vec3 at, const quat *rot
         return s;
     DIG_TRY(api_within(w, at, WORLD_FAR, "move_to", "at", "m"));
     DIG_TRY(check_rotation(w, rotation, "move_to"));
-    if (!(over >= 0 && isfinite(over)))
-        return world_fail(w, DIG_E_ARG, "move_to: over = %g s, must be >= 0", over);
+    if (!(over >= 0 && over <= WORLD_LONG))
+        return world_fail(w, DIG_E_ARG, "move_to: over = %g s, must be %s %g s", over, over >= 0 ? "at most" : ">=", over >= 0 ? WORLD_LONG : 0);
     quat q = rotation ? quat_unit(*rotation) : b->q;
-    b->move_to = vec3_add(at, quat_rotate(q, b->centre));
+    vec3 to = vec3_add(at, quat_rotate(q, b->centre));
+    real time = real_max(over, w->def.step);
+    vec3 v = vec3_scale(1 / time, vec3_sub(to, b->x));
+    DIG_TRY(api_within(w, v, WORLD_FAST, "move_to", "velocity", "m/s"));
+    b->move_to = to;
     b->turn_to = q;
     b->move_start = world_time(w);
-    b->move_end = b->move_start + real_max(over, w->def.step);
-    real time = b->move_end - b->move_start;
-    b->v = vec3_scale(1 / time, vec3_sub(b->move_to, b->x));
+    b->move_end = b->move_start + time;
+    b->v = v;
     b->w = vec3_scale(1 / time, quat_log(quat_mul(q, quat_conjugate(b->q))));
     touches_wake(w, handle.slot);
     return DIG_OK;

@@ -273,6 +273,7 @@ typedef struct EffectSlot {     /* one per entry of the effect list             
 #define WORLD_FAST 1e12         /* m/s, rad/s   or faster                            */
 #define TRAVEL_MOST 1e60        /* m            of bodies without a size (planes that are turned) */
 #define WORLD_STRONG 1e35       /* N, N m       nor is it pushed harder              */
+#define WORLD_LONG 1e15         /* s            and no journey takes longer          */
 size_t effect_bytes(const EffectSlot *e);
 
 struct dig_world {

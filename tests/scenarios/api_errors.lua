@@ -319,3 +319,33 @@ scenario("an error names the argument, the numbers there are, and nothing twice"
     "world:camera: at and look_at are the same point (1, 2, 3) m")
   expect(tostring(-digbox.vec(0, 1, 0))):is "(0, -1, 0)"
 end)
+
+scenario("a call that is refused changes nothing: who slept sleeps on", function(s)
+  local world = s.world
+  world:floor {}
+  local crate = world:box { name = "crate", size = 0.2, mass = 1, at = { 0, 0.1, 0 }, temperature = 300 }
+  local lift = world:box { name = "lift", kinematic = true, size = 0.2, at = { 2, 0.1, 0 } }
+  local load = world:box { size = 0.2, at = { 2, 0.3, 0 } }
+  s:settle "2 s"
+  local far = { 1e300, 0, 0 }
+  local before, energy = world:checksum(), world.energy
+  local function refused(f, text)
+    expect(expect(f):fails()):contains(text)
+    expect(crate.asleep and load.asleep):is(true)
+    expect(world:checksum()):is(before)
+    expect(world.energy.work_in):is(energy.work_in)
+  end
+  refused(function() crate:hit { impulse = far } end, "hit: impulse = {1e+300, 0, 0} N s makes body 'crate' too fast for a number")
+  refused(function() crate:hit { impulse = { 1e13, 0, 0 } } end, "too fast for a number")
+  refused(function() crate:hit { impulse = { 1, 0, 0 }, at = { 0, 1e30, 0 } } end, "too fast for a number")
+  refused(function() crate:push { force = far } end, "push: force")
+  refused(function() crate:push { force = { 1, 0, 0 }, at = { 0, 1e300, 0 } } end, "push: inf N m")
+  refused(function() crate:twist { torque = far } end, "twist: torque")
+  refused(function() crate:teleport { at = { 1, 0, 0 }, velocity = far } end, "teleport: velocity")
+  refused(function() crate:warm { energy = 1e300 } end, "warm: body 'crate' would have")
+  refused(function() crate.mass = 1e300 end, "mass = 1e+300 kg, must be at most 1e+15 kg")
+  refused(function() lift:drive { velocity = { 1, 0, 0 }, spin = far } end, "drive: spin")
+  refused(function() lift:move_to { at = far, over = 1 } end, "move_to: at")
+  refused(function() lift:move_to { at = { 1e14, 0, 0 } } end, "move_to: velocity = {6e+15, ")     -- such a world could not be loaded
+  refused(function() lift:move_to { at = { 3, 0, 0 }, over = 1e300 } end, "move_to: over = 1e+300 s, must be at most 1e+15 s")
+end)

@@ -378,6 +378,8 @@ TEST(what_is_refused_is_logged_only_where_it_leaves_traces)
     CHECK(dig_body_remove(w, dead) != DIG_OK);
     CHECK(dig_body_push(w, stone, bad, bad, true, 1) != DIG_OK);
     CHECK(dig_body_twist(w, dead, bad, 1) != DIG_OK);
+    CHECK(dig_body_hit(w, stone, far, bad, false) != DIG_OK);
+    CHECK(dig_body_hit(w, stone, far, bad, true) != DIG_OK);
     CHECK(dig_body_warm(w, stone, 1, NAN) != DIG_OK);
     CHECK(dig_body_teleport(w, stone, &far, NULL, NULL, NULL) != DIG_OK);
     CHECK(dig_body_move_to(w, stone, far, NULL, 1) != DIG_OK);
