@@ -482,7 +482,7 @@ dig_status dig_body_hit(dig_world *w, dig_body b, vec3 impulse, vec3 at, bool ha
 /* Energy, J, or as much as brings it to a temperature, K; the other is NaN. Work done on a body that takes part in the effect heat. */
 dig_status dig_body_warm(dig_world *w, dig_body b, real energy, real to);
 dig_status dig_body_teleport(dig_world *w, dig_body b, const vec3 *at, const quat *rotation, const vec3 *velocity, const vec3 *spin);
-dig_status dig_body_move_to(dig_world *w, dig_body b, vec3 at, const quat *rotation, real over);   /* kinematic only; s, at least a frame step */
+dig_status dig_body_move_to(dig_world *w, dig_body b, vec3 at, const quat *rotation, real over);   /* kinematic only; s, rounded up to whole frame steps */
 dig_status dig_body_set_velocity(dig_world *w, dig_body b, vec3 velocity, vec3 spin);              /* kinematic only */
 /* A row of an effect (dig_effect_schema), in which the body then takes part, or a row of the body schema that may change: mass
  * density material friction... restitution gravity_scale group collides integrator name colour opacity. */

@@ -355,7 +355,7 @@ static dig_status do_move_to(World *w, dig_body handle, vec3 at, const quat *rot
         return world_fail(w, DIG_E_ARG, "move_to: over = %g s, must be %s %g s", over, over >= 0 ? "at most" : ">=", over >= 0 ? WORLD_LONG : 0);
     quat q = rotation ? quat_unit(*rotation) : b->q;
     vec3 to = vec3_add(at, quat_rotate(q, b->centre));
-    real time = real_max(over, w->def.step);
+    real time = real_max(1, ceil(over / w->def.step - MOVE_SLACK)) * w->def.step;     /* whole frames: it stops where one ends */
     vec3 v = vec3_scale(1 / time, vec3_sub(to, b->x));
     DIG_TRY(api_within(w, v, WORLD_FAST, "move_to", "velocity", "m/s"));
     b->move_to = to;

@@ -98,7 +98,7 @@ static void move_movers(World *w, real dt)
         b->prev_q = b->q;
         vec3 x = vec3_mad(b->x, dt, b->v);
         quat q = quat_unit(quat_mul(quat_exp(vec3_scale(dt, b->w)), b->q));
-        bool arrives = b->move_end > b->move_start && end >= b->move_end - 1e-9 * dt;
+        bool arrives = b->move_end > b->move_start && end >= b->move_end - MOVE_SLACK * dt;
         if (arrives) {
             x = b->move_to;
             q = b->turn_to;

@@ -274,6 +274,7 @@ typedef struct EffectSlot {     /* one per entry of the effect list             
 #define TRAVEL_MOST 1e60        /* m            of bodies without a size (planes that are turned) */
 #define WORLD_STRONG 1e35       /* N, N m       nor is it pushed harder              */
 #define WORLD_LONG 1e15         /* s            and no journey takes longer          */
+#define MOVE_SLACK 1e-6         /* frame steps  that a journey may be off a whole number of them and still takes that: rounding */
 size_t effect_bytes(const EffectSlot *e);
 
 struct dig_world {

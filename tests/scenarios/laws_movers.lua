@@ -42,6 +42,34 @@ scenario("mover: where no time is said it gets there in one frame step", functio
   expect(function() plate:move_to { over = -1 } end):fails()
 end)
 
+-- Journeys of 1.003 s end within a frame: at 2 m away, and never faster than asked, at whatever step.
+for _, rate in ipairs { 30, 37, 50, 60, 100, 120, 240 } do
+  scenario(("mover: where it stops within a frame, what it carries and pushes ends where it should (1/%d s)"):format(rate), function(s)
+    local mu, over = 0.5, 1.003
+    local world = s:world { step = 1 / rate }
+    world:floor { friction = mu }
+    local tray = world:box { kinematic = true, size = { 4, 0.1, 1 }, at = { 0, 1, 0 }, friction = mu }
+    local load = world:box { size = 0.2, at = { 0, 1.15, 0 }, friction = mu }
+    local ram = world:box { kinematic = true, size = { 0.2, 0.2, 1 }, at = { 0, 0.2, 5 }, friction = 0 }
+    local pushed = world:box { size = 0.2, at = { 0.2, 0.1, 5 }, friction = mu }
+    world:step(10)
+    tray:move_to { at = { 2, 1, 0 }, over = over }
+    ram:move_to { at = { 2, 0.2, 5 }, over = over }
+    local frames = math.ceil(over * rate)
+    local speed = ram.velocity.x
+    expect(speed):near(2 * rate / frames, 1e-9)
+    world:step(frames - 1)
+    expect(ram.velocity.x):near(speed, 1e-12)
+    expect(ram.at.x):near(2 - speed / rate, 1e-9)
+    world:step()
+    expect(ram.at.x):is(2)
+    expect(ram.velocity.x):is(0)
+    world:run "2 s"
+    expect(load.at.x):near(2, 1e-4)                       -- it slips back at the start by as much as on at the end
+    expect(pushed.at.x):near(2.2 + speed ^ 2 / (2 * mu * g), 1e-4)
+  end)
+end
+
 scenario("mover: a conveyor drags what lies on it up to its own speed, with mu g", function(s)
   local world = s.world
   local belt = world:box { name = "belt", kinematic = true, size = { 100, 0.1, 1 }, at = { 0, -0.05, 0 }, friction = 0.25 }
