@@ -10,6 +10,7 @@
  * turned, by any of their contacts. Turned, a row of boxes laid into each other rears up while it heals, and what was lifted falls; and what
  * is deep in a wall on one side and just touched on the other was turned by the touch. */
 #define DEEP 0.05
+#define SLIGHT 1e-3             /* the same: less than this is no more than what pressing and rolling leave */
 
 /* Works on g->shift in the place of velocities: directions and rows apply to Vel. */
 static real wanted_gap(const Group *g, const PointRow *r)
@@ -50,10 +51,11 @@ static bool needed(const Group *g)
     return false;
 }
 
-static bool is_deep(const Group *g, const PointRow *r)
+/* part: of the size */
+static bool is_deeper(const Group *g, const PointRow *r, real part)
 {
     const GroupContact *c = &g->contacts[r->contact];
-    return -c->manifold.points[r->point].gap > DEEP * g->pairs[c->pair].size;
+    return -c->manifold.points[r->point].gap > part * g->pairs[c->pair].size;
 }
 
 /* deep: by body */
@@ -73,7 +75,7 @@ static void start_shift(Group *g, real *saved, Kept *kept, bool *deep)
 {
     for (int i = 0; i < g->point_count; i++) {
         const PointRow *r = &g->points[i];
-        if (is_deep(g, r))
+        if (is_deeper(g, r, DEEP))
             deep[r->a] = deep[r->b] = true;
     }
     for (int i = 0; i < g->point_count; i++) {
@@ -152,6 +154,15 @@ static void relax_shift(Group *g)
     g->roll_count = rolls;
 }
 
+/* Sweeps bring what lies in something heavy out of it by a hundredth of its way a substep, or less, and meanwhile it turns and slides off. */
+static bool wants_direct(const Group *g)
+{
+    bool plain = true;
+    for (int i = 0; i < g->point_count && plain && !g->joints_direct; i++)
+        plain = !is_deeper(g, &g->points[i], SLIGHT);
+    return g->joints_direct ? !g->jammed : !plain && group_top_heavy(g);
+}
+
 void project(Group *g)
 {
     if (!needed(g))
@@ -168,7 +179,7 @@ void project(Group *g)
         g->shift[i] = (Vel){vec3_zero(), vec3_zero()};
     swap_velocities(g);
     start_shift(g, saved, kept, deep);
-    if (!g->joints_direct || g->jammed || !direct_project(g))
+    if (!wants_direct(g) || !direct_project(g))
         relax_shift(g);
     end_shift(g, saved, kept);
     swap_velocities(g);

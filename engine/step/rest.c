@@ -92,11 +92,11 @@ static bool creeps(const World *w, uint32_t slot, real speed)
     return speed >= REST_PART * accuracy_tolerance(accuracy) || (speed >= SWING_SPEED && !touches(w, &w->bodies.data[slot]));
 }
 
-/* s  For how long it has been slow. */
+/* s  For how long it has been slow. Healing moves what has no velocity: who is being moved out of an overlap is not still. */
 static real still_for(Body *b, real speed, real dt)
 {
     if (!b->crowded)
-        return speed < SLEEP_SPEED ? b->still + dt : 0;
+        return speed < SLEEP_SPEED && vec3_distance(b->x, b->prev_x) < SLEEP_SPEED * dt * b->rate ? b->still + dt : 0;
     real way = vec3_length(b->drift.way) + vec3_length(b->drift.turn) * b->outer;
     bool slow = way < real_clamp(DRIFT_PART * b->outer, SLEEP_SPEED * SLEEP_TIME, DRIFT_MOST) * b->rate;
     real still = slow ? b->still + dt : 0;

@@ -43,6 +43,34 @@ scenario("a body inside another", function(s)
   stays_sane(s.world, 600, FASTEST)
 end)
 
+-- They have no velocity while they are moved apart, and are not to fall asleep meanwhile. Placed under, over and beside what is heavy.
+for _, mass in ipairs { 3, 100, 1000 } do
+  for _, rate in ipairs { 30, 60, 120 } do
+    scenario(("0.1 kg deep in %d kg comes free, and sleeps only then (1/%d s)"):format(mass, rate), function(s)
+      for _, deep in ipairs { 0.2, 0.5 } do
+        for _, heavy_at in ipairs { { 0, 1.5 - deep, 0 }, { 1 - deep, 0.5, 0 }, { 0, 0.5, 0 } } do
+          local world = s:world { step = 1 / rate }
+          world:floor {}
+          local under = heavy_at[1] + heavy_at[2] > 0.5
+          local light = world:box { size = 1, mass = 0.1, at = { 0, under and 0.5 or 1.5 - deep, 0 } }
+          local heavy = world:box { size = 1, mass = mass, at = heavy_at }
+          stays_sane(world, math.ceil(1.3 * rate), 3)
+          expect(light.asleep and heavy.asleep):is(true)
+          local apart = heavy.position - light.position
+          expect(math.max(math.abs(apart.x), math.abs(apart.y), math.abs(apart.z))):near(1, 1e-3)
+        end
+      end
+    end)
+  end
+end
+
+scenario("what cannot come free sleeps nevertheless", function(s)
+  s.world:floor {}
+  s.world:box { size = { 1, 0.2, 1 }, at = { 0, 0.8, 0 }, fixed = true }
+  local jammed = s.world:box { size = 0.9, mass = 1, at = { 0, 0.45, 0 } }       -- by 0.2 m too high for its place
+  s:eventually("it sleeps", "1 s", function() return jammed.asleep end)
+end)
+
 scenario("a million to one", function(s)
   s.world:floor {}
   s.world:box { size = 1, mass = 1e-2, at = { 0, 0.5, 0 } }
