@@ -399,6 +399,7 @@ bool group_outruns(const Group *g, real time);                     /* may two cl
  * What comes down on what is stopped in this substep was not approaching it at its start. through: only those that a blow makes so much
  * faster than was looked ahead for that they would get past each other. */
 bool group_touch_missed(Group *g, real time, bool through);
+real group_thin(const GroupPair *q);       /* m  with its middle so deep in the other the thinner one of a pair is past it */
 
 /* joint_rows.c */
 void group_build_joints(Group *g, bool midpoint);

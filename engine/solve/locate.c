@@ -139,7 +139,14 @@ real locate_impact(Group *g)
  * rim first overlapped by 5 mm in 8 of 24 starts; it costs no more. */
 #define SINK_MOST 0.005
 
-/* Would a corner that no contact point stands for yet be deep in the other body after this substep? */
+/* m  Negative: they are apart. */
+static real depth_at(const GroupPair *q, const Motion *a, const Motion *b, real t)
+{
+    return -shape_distance(&q->on_a->shape, motion_at(a, t), &q->on_b->shape, motion_at(b, t), 0, NULL, NULL, NULL);
+}
+
+/* Would a corner that no contact point stands for yet be deep in the other body after this substep? Where impacts are not located: past
+ * the middle of the thinner one, which healing would then take out on the far side, if it is not there already at the end. */
 bool overshoots(const Group *g)
 {
     for (int i = 0; i < g->pair_count; i++) {
@@ -148,7 +155,7 @@ bool overshoots(const Group *g)
         if (q->contacts != 1 || !c->live || (!g->member[q->a].moves && !g->member[q->b].moves))
             continue;
         Motion a = shape_motion(g, q->a, pair_local(q, false)), b = shape_motion(g, q->b, pair_local(q, true));
-        real most = SINK_MOST * q->size;
+        real most = g->locate ? SINK_MOST * q->size : group_thin(q);
         real travel = g->h * (vec3_length(vec3_sub(b.v, a.v)) + vec3_length(vec3_sub(b.a, a.a)) * g->h);
         travel += isfinite(q->on_a->shape.outer) ? g->h * vec3_length(a.w) * g->member[q->a].rim : 0;
         travel += isfinite(q->on_b->shape.outer) ? g->h * vec3_length(b.w) * g->member[q->b].rim : 0;
@@ -157,7 +164,7 @@ bool overshoots(const Group *g)
         real depth = 0;
         for (int k = 0; k < c->manifold.count; k++)
             depth = real_max(depth, -c->manifold.points[k].gap);
-        if (-shape_distance(&q->on_a->shape, motion_at(&a, g->h), &q->on_b->shape, motion_at(&b, g->h), 0, NULL, NULL, NULL) > depth + most)
+        if (depth_at(q, &a, &b, g->h) > depth + most || (!g->locate && depth_at(q, &a, &b, 0.5 * g->h) > depth + most))
             return true;
     }
     return false;

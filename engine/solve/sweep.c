@@ -568,18 +568,28 @@ static bool springs_gain(Group *g)
 /* Velocities found for a substep that do not hold for all of it. What is light flings about when the heavy jerks at it. */
 static bool too_long(Group *g)
 {
-    if (g->locate)
-        return overshoots(g);
-    return (turns_on(g) && group_top_heavy(g) && group_joints_open(g)) || (g->joints_direct && group_elastic(g) && springs_gain(g));
+    return overshoots(g) || (turns_on(g) && group_top_heavy(g) && group_joints_open(g)) || (g->joints_direct && group_elastic(g) && springs_gain(g));
+}
+
+/* The solve was so dear that no more impacts are located in this step: what its rows left to that needs rows, and a shorter substep. */
+static dig_status solve_unlocated(Group *g, real *until)
+{
+    restore(g);
+    *until = real_min(*until, g->t + missing_little(g, g->world->def.step));
+    g->h = g->heal_over = *until - g->t;
+    return solve_substep(g);
 }
 
 static dig_status substep(Group *g, real until)
 {
     g->h = g->heal_over = until - g->t;
+    int events = g->events_left;
     if (g->locate)
         group_clean_joints(g);
     DIG_TRY(solve_substep(g));
-    bool late = (!g->locate || g->events_left <= 0) && !g->unsolved;     /* of what contradicts itself no velocity says who gets where */
+    if (events > 0 && g->events_left <= 0 && !g->unsolved)
+        DIG_TRY(solve_unlocated(g, &until));
+    bool late = !g->locate || g->events_left <= 0;
     if (g->joints_direct || late)
         DIG_TRY(meet(g));
     DIG_TRY(turn_on(g));

@@ -222,8 +222,16 @@ static bool goes_deep(const Group *g, const GroupPair *q, const GroupContact *c,
     return false;
 }
 
-/* m  With its middle so deep in the other the thinner one of a pair is past it. */
-static real thin(const GroupPair *q)
+static bool overlaps(const Group *g, const GroupPair *q)
+{
+    for (int i = q->contact; i < q->contact + q->contacts; i++)
+        for (int k = 0; g->contacts[i].live && k < g->contacts[i].manifold.count; k++)
+            if (g->contacts[i].manifold.points[k].gap < -MISSED * q->size)
+                return true;
+    return false;
+}
+
+real group_thin(const GroupPair *q)
 {
     return real_max(MISSED * q->size, real_min(q->on_a->shape.inner, q->on_b->shape.inner));
 }
@@ -235,11 +243,12 @@ bool group_touch_missed(Group *g, real time, bool through)
         GroupPair *q = &g->pairs[i];
         if (q->meets || (q->contacts != 1 && !through) || (!g->member[q->a].moves && !g->member[q->b].moves))
             continue;
-        bool outran = pair_reach(g, q, time) > q->reach + FARTHER * q->size;
-        if (outran)
+        if (through && g->unsolved && overlaps(g, q))     /* of what contradicts itself no velocity says who gets where */
+            continue;
+        if (pair_reach(g, q, time) > q->reach + FARTHER * q->size)
             group_touch_pair(g, q, time);
-        for (int k = 0; k < q->contacts && (outran || !through) && !q->meets; k++)
-            q->meets = goes_deep(g, q, &g->contacts[q->contact + k], through ? thin(q) : MISSED * q->size);
+        for (int k = 0; k < q->contacts && !q->meets; k++)
+            q->meets = goes_deep(g, q, &g->contacts[q->contact + k], through ? group_thin(q) : MISSED * q->size);
         any = any || q->meets;
     }
     return any;

@@ -157,7 +157,7 @@ declare("body:teleport", { "Puts it somewhere else at once; what is not given st
   velocity = { "vec m/s", "its new velocity" }, spin = { "vec rad/s", "its new angular velocity" } }, gives = "body" })
 declare("body:move_to", { "Moves a kinematic body there in a given time.", fields = {
   at = AT, rotation = { "quat 1", "its orientation then" },
-  over = { "real s >=0", "how long it takes, rounded up to whole frame steps: it is never faster than asked", default = "one frame step" } },
+  over = { "real s >=0", "how long it takes, rounded up to whole frame steps: never faster than asked", default = "one frame step" } },
   gives = "body" })
 declare("body:drive", { "Keeps a kinematic body moving.", fields = {
   velocity = { "vec m/s", "its velocity", default = "{0, 0, 0}" }, spin = { "vec rad/s", "its angular velocity", default = "{0, 0, 0}" } },
