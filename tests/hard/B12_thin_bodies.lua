@@ -46,7 +46,7 @@ return {
       place:floor { friction = 0.5 }
       for i = 1, 30 do
         s.bodies[i] = place:box { size = rod, density = 7800, friction = 0.5, at = { 0.03 * (i % 7), 0.03 * i, 0.04 * (i % 5) },
-                                  rotation = digbox.quat { axis = { 0, 1, 0 }, angle = 2.4 * i } }
+                                  rotation = digbox.quat { axis = { 0, 1, 0 }, angle = ("%.17g rad"):format(2.4 * i) } }
       end
       return s
     end,
