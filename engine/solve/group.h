@@ -396,8 +396,8 @@ real group_touch_convex(Group *g, GroupPair *q, real time, real farther);
 real group_touch_within(Group *g, GroupPair *q, real reach);       /* m; returns the same */
 bool group_outruns(const Group *g, real time);                     /* may two close on each other in that time by more than was looked ahead for? */
 /* Pairs that the velocities now found press deep into each other, for they had no row: they get one when the substep is solved again.
- * What comes down on what is stopped in this substep was not approaching it at its start. through: only those that a blow makes so much
- * faster than was looked ahead for that they would get past each other. */
+ * What comes down on what is stopped in this substep was not approaching it at its start. through: only those that would get past each
+ * other. */
 bool group_touch_missed(Group *g, real time, bool through);
 real group_thin(const GroupPair *q);       /* m  with its middle so deep in the other the thinner one of a pair is past it */
 
@@ -450,6 +450,7 @@ int  relax(Group *g, int sweeps, real residual);        /* until the change is b
 /* impulses.c: of all rows, from their present ones */
 #define VELOCITY_COARSE 1e-3             /* m/s: a small group whose velocities are worse than this gets more sweeps than its plan gives */
 void relax_group(Group *g);
+dig_status group_warm_start(Group *g);  /* the velocities that the rows' impulses make, or as much of these as does no harm */
 /* Many that lie there, of which a direct solve has not found the forces: see crowd/calm.c. */
 static inline bool lies_uneasy(const Group *g) { return g->calm && g->trace_wait > 0; }
 /* direct.c: all contacts at once, exactly, from the present impulses; false: not for this group, or it failed, and nothing changed */

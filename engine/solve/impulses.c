@@ -1,6 +1,84 @@
 /* solve/impulses.c - the impulses of a substep: by sweeps, and where these would take too long, of all rows at once.
  */
-#include "solve/group.h"
+#include "solve/direction.h"
+
+/* ---- where they begin ---- */
+
+static void warm_start(Group *g)
+{
+    for (int i = 0; i < g->point_count; i++) {
+        PointRow *r = &g->points[i];
+        dir_apply(g, &r->n, r->a, r->b, r->jn);
+        dir_apply(g, &r->t[0], r->a, r->b, r->jt[0]);
+        dir_apply(g, &r->t[1], r->a, r->b, r->jt[1]);
+    }
+    for (int i = 0; i < g->roll_count; i++) {
+        RollRow *r = &g->rolls[i];
+        g->vel[r->a].w = vec3_sub(g->vel[r->a].w, mat3_mul_vec(g->mass[r->a].ii, r->j));
+        g->vel[r->b].w = vec3_add(g->vel[r->b].w, mat3_mul_vec(g->mass[r->b].ii, r->j));
+    }
+    for (int i = 0; i < g->row_count; i++)
+        joint_row_warm(g, &g->rows[i]);
+}
+
+static real along(const Group *g, int i, Vel a, Vel b)
+{
+    const Member *m = &g->member[i];
+    vec3 wa = quat_unrotate(g->pos[i].q, a.w), wb = quat_unrotate(g->pos[i].q, b.w);
+    return m->moves ? m->mass * vec3_dot(a.v, b.v) + vec3_dot(wa, mat3_mul_vec(*m->inertia, wb)) : 0;
+}
+
+static void scale_guess(Group *g, real s)
+{
+    for (int i = 0; i < g->point_count; i++) {
+        PointRow *r = &g->points[i];
+        r->jn *= s;
+        r->jt[0] *= s;
+        r->jt[1] *= s;
+    }
+    for (int i = 0; i < g->roll_count; i++)
+        g->rolls[i].j = vec3_scale(s, g->rolls[i].j);
+    for (int i = 0; i < g->row_count; i++)
+        g->rows[i].p *= s;
+}
+
+#define GUESS_RISE 1.5          /* times the kinetic energy without it */
+
+/* The impulses of the last substep are where the sweeps begin, and each sweep lessens the energy that impulses leave. After a blow, or
+ * a substep that found no solution, that beginning may hold a hundred times the energy of the motion, and the sweeps that there are
+ * leave much of it: joints with a body wedged between others then blow up. A guess that is so much worse than none is scaled by the
+ * one factor after which the least energy is left; impulses so scaled stay in their cones. Not where all is solved at once: near the
+ * solution light bodies under heavy ones show much energy too, and that solve gets there. */
+dig_status group_warm_start(Group *g)
+{
+    if (g->joints_direct) {
+        warm_start(g);
+        return DIG_OK;
+    }
+    ArenaMark mark = arena_mark(g->arena);
+    Vel *before = arena_alloc(g->arena, (size_t)g->body_count * sizeof *before);
+    if (!before)
+        return DIG_E_MEMORY;
+    memcpy(before, g->vel, (size_t)g->body_count * sizeof *before);
+    warm_start(g);
+    real meet = 0, square = 0, energy = 0;
+    for (int i = 0; i < g->moving_count; i++) {
+        Vel change = {vec3_sub(g->vel[i].v, before[i].v), vec3_sub(g->vel[i].w, before[i].w)};
+        meet += along(g, i, before[i], change);
+        square += along(g, i, change, change);
+        energy += along(g, i, before[i], before[i]);
+    }
+    if (energy + 2 * meet + square > GUESS_RISE * energy) {
+        real s = real_clamp(-meet / square, 0, 1);
+        memcpy(g->vel, before, (size_t)g->body_count * sizeof *before);
+        scale_guess(g, s);
+        warm_start(g);
+    }
+    arena_rewind(g->arena, mark);
+    return DIG_OK;
+}
+
+/* ---- how long they are looked for ---- */
 
 /* m/s: and what is nearly at rest must not be worse than this, for it adds up */
 #define CREEP 1e-6

@@ -60,80 +60,6 @@ static void move(Group *g)
     }
 }
 
-static void warm_start(Group *g)
-{
-    for (int i = 0; i < g->point_count; i++) {
-        PointRow *r = &g->points[i];
-        dir_apply(g, &r->n, r->a, r->b, r->jn);
-        dir_apply(g, &r->t[0], r->a, r->b, r->jt[0]);
-        dir_apply(g, &r->t[1], r->a, r->b, r->jt[1]);
-    }
-    for (int i = 0; i < g->roll_count; i++) {
-        RollRow *r = &g->rolls[i];
-        g->vel[r->a].w = vec3_sub(g->vel[r->a].w, mat3_mul_vec(g->mass[r->a].ii, r->j));
-        g->vel[r->b].w = vec3_add(g->vel[r->b].w, mat3_mul_vec(g->mass[r->b].ii, r->j));
-    }
-    for (int i = 0; i < g->row_count; i++)
-        joint_row_warm(g, &g->rows[i]);
-}
-
-static real along(const Group *g, int i, Vel a, Vel b)
-{
-    const Member *m = &g->member[i];
-    vec3 wa = quat_unrotate(g->pos[i].q, a.w), wb = quat_unrotate(g->pos[i].q, b.w);
-    return m->moves ? m->mass * vec3_dot(a.v, b.v) + vec3_dot(wa, mat3_mul_vec(*m->inertia, wb)) : 0;
-}
-
-static void scale_guess(Group *g, real s)
-{
-    for (int i = 0; i < g->point_count; i++) {
-        PointRow *r = &g->points[i];
-        r->jn *= s;
-        r->jt[0] *= s;
-        r->jt[1] *= s;
-    }
-    for (int i = 0; i < g->roll_count; i++)
-        g->rolls[i].j = vec3_scale(s, g->rolls[i].j);
-    for (int i = 0; i < g->row_count; i++)
-        g->rows[i].p *= s;
-}
-
-#define GUESS_RISE 1.5          /* times the kinetic energy without it */
-
-/* The impulses of the last substep are where the sweeps begin, and each sweep lessens the energy that impulses leave. After a blow, or
- * a substep that found no solution, that beginning may hold a hundred times the energy of the motion, and the sweeps that there are
- * leave much of it: joints with a body wedged between others then blow up. A guess that is so much worse than none is scaled by the
- * one factor after which the least energy is left; impulses so scaled stay in their cones. Not where all is solved at once: near the
- * solution light bodies under heavy ones show much energy too, and that solve gets there. */
-static dig_status start_from_guess(Group *g)
-{
-    if (g->joints_direct) {
-        warm_start(g);
-        return DIG_OK;
-    }
-    ArenaMark mark = arena_mark(g->arena);
-    Vel *before = arena_alloc(g->arena, (size_t)g->body_count * sizeof *before);
-    if (!before)
-        return DIG_E_MEMORY;
-    memcpy(before, g->vel, (size_t)g->body_count * sizeof *before);
-    warm_start(g);
-    real meet = 0, square = 0, energy = 0;
-    for (int i = 0; i < g->moving_count; i++) {
-        Vel change = {vec3_sub(g->vel[i].v, before[i].v), vec3_sub(g->vel[i].w, before[i].w)};
-        meet += along(g, i, before[i], change);
-        square += along(g, i, change, change);
-        energy += along(g, i, before[i], before[i]);
-    }
-    if (energy + 2 * meet + square > GUESS_RISE * energy) {
-        real s = real_clamp(-meet / square, 0, 1);
-        memcpy(g->vel, before, (size_t)g->body_count * sizeof *before);
-        scale_guess(g, s);
-        warm_start(g);
-    }
-    arena_rewind(g->arena, mark);
-    return DIG_OK;
-}
-
 /* Under a load that comes through joints the guess of the last impulses is off by more than a light wheel's weight: an approach that is
  * none. What presses already does not bounce there. */
 static bool carries_load(const Group *g, const PointRow *r)
@@ -456,7 +382,7 @@ static dig_status solve_with(Group *g, const Vel *found)
         group_unwind(g);
     if (g->joints_direct)
         bounce(g);
-    DIG_TRY(start_from_guess(g));
+    DIG_TRY(group_warm_start(g));
     if (!g->joints_direct)
         bounce(g);
     g->residual = 0;
@@ -511,13 +437,14 @@ static dig_status turn_on(Group *g)
 /* As many bodies of a stack may meet one after the other in one substep. */
 #define MEETINGS 8
 
-/* Where impacts are not located in time, what is stopped in this substep is met in it by what comes after, and what is struck meets what is
- * before it, though it be thin. */
+/* Where no impacts are located, what is stopped in this substep is met in it by what comes after, and what is struck meets what is before
+ * it. When that goes on for longer, nothing gets through what is thin at least. */
 static dig_status meet(Group *g)
 {
     for (int i = 0; i < g->pair_count; i++)
         g->pairs[i].meets = false;
-    for (int i = 0; i < MEETINGS && group_touch_missed(g, g->world->def.step / g->plan->substeps, !g->joints_direct); i++) {
+    for (int i = 0, most = (g->joints_direct ? 1 : 2) * MEETINGS;
+         i < most && group_touch_missed(g, g->world->def.step / g->plan->substeps, i >= MEETINGS); i++) {
         restore(g);
         DIG_TRY(solve_substep(g));
     }
@@ -594,7 +521,7 @@ static dig_status substep(Group *g, real until)
         DIG_TRY(meet(g));
     DIG_TRY(turn_on(g));
     if (g->locate && g->events_left > 0) {
-        real hit = locate_impact(g);
+        const real hit = locate_impact(g);
         if (hit < g->h * (1 - 1e-9)) {
             restore(g);
             g->h = real_max(hit, 1e-9 * g->h);

@@ -238,12 +238,13 @@ real group_thin(const GroupPair *q)
 
 bool group_touch_missed(Group *g, real time, bool through)
 {
+    const bool all = !g->joints_direct;         /* meshes, too */
     bool any = false;
     for (int i = 0; i < g->pair_count; i++) {
         GroupPair *q = &g->pairs[i];
-        if (q->meets || (q->contacts != 1 && !through) || (!g->member[q->a].moves && !g->member[q->b].moves))
+        if (q->meets || (q->contacts != 1 && !all) || (!g->member[q->a].moves && !g->member[q->b].moves))
             continue;
-        if (through && g->unsolved && overlaps(g, q))     /* of what contradicts itself no velocity says who gets where */
+        if (all && g->unsolved && overlaps(g, q))     /* of what contradicts itself no velocity says who gets where */
             continue;
         if (pair_reach(g, q, time) > q->reach + FARTHER * q->size)
             group_touch_pair(g, q, time);
