@@ -297,6 +297,8 @@ static dig_status advance(Group *g, real dt)
     if (g->status != DIG_OK)
         return g->status;
     end_frame(&b, dt);
+    g->trace_failed = false;            /* what the trace gave up is done, as exactly */
+    g->gave_up = NULL;
     g->touch = 1e-7;
     g->substeps = g->evaluations = 1;
     return g->stage(g, STAGE_SETTLE);

@@ -228,3 +228,18 @@ scenario("layers of balls that fall together land on each other without overlap"
     expect(deep):below "0.2 mm"             -- 18 mm when what lands on what was stopped got no row
   end
 end)
+
+-- What 100 kg press down on 10 g bounces hundreds of times in a frame: more than the trace may follow.
+scenario("a column of 10 g, 100 g and 100 kg that bounces without loss keeps its energy", function(s)
+  for _, rate in ipairs { 30, 60, 120 } do
+    local world = s:world { step = 1 / rate }
+    world:floor { restitution = 1, friction = 0 }
+    for i, mass in ipairs { 0.01, 0.1, 100 } do
+      world:ball { radius = 0.1, mass = mass, restitution = 1, friction = 0, at = { 0, 0.25 + 0.25 * i, 0 } }
+    end
+    local before = world.energy.total
+    for _ = 1, 3 * rate do world:step() end
+    expect(world.energy.total):near(before, 1e-10 * before)     -- half was lost at 30 a second
+    s:expect_reliable()
+  end
+end)
