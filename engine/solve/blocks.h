@@ -36,7 +36,7 @@ typedef struct Blocks {
 
 typedef struct BlockLinks {
     int         n, links;
-    const int  *link;           /* [2 links]  pairs of numbers that share a row; twice the same is no harm  */
+    const int  *link;           /* [2 links]  pairs of numbers that share a row; twice the same, or one with itself, is no harm */
     const bool *narrow, *late;  /* [n] which do not turn, and whose blocks change; NULL = none         */
     real        most;           /* work, beyond which the pattern is not wanted; 0 = none              */
 } BlockLinks;

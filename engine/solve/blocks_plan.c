@@ -58,7 +58,8 @@ static bool eliminate(Pattern *p, Arena *arena, const BlockLinks *of, int early,
     if (!p->place || !p->later || d.failed)
         return false;
     for (int i = 0; i < of->links; i++)
-        degree_link(&d, of->link[2 * i], of->link[2 * i + 1]);
+        if (of->link[2 * i] != of->link[2 * i + 1])
+            degree_link(&d, of->link[2 * i], of->link[2 * i + 1]);
     for (int i = 0; i < of->n && !d.failed; i++)
         if (early == 0 || !of->late[i])
             degree_ready(&d, i);
