@@ -255,18 +255,20 @@ int process_supervise(int (*run)(int argc, char **argv), int argc, char **argv)
         sigaddset(&signals, numbers[i]);
     sigprocmask(SIG_BLOCK, &signals, &before);
     fflush(NULL);
+    int code = EXIT_INTERNAL;
     s.pid = fork();
-    if (s.pid < 0) {
+    if (s.pid < 0)
         fprintf(stderr, "digbox: cannot start a process: %s\n", strerror(errno));
-        return EXIT_INTERNAL;
-    }
     if (s.pid == 0)
         begin_run(run, argc, argv, parent, &before, s.own_group);
-    if (s.own_group)
-        setpgid(s.pid, s.pid);
-    int code = report(&s, wait_for_run(&s, &signals));
-    remove_empty_folders();
+    if (s.pid > 0) {
+        if (s.own_group)
+            setpgid(s.pid, s.pid);
+        code = report(&s, wait_for_run(&s, &signals));
+        remove_empty_folders();
+    }
     munmap(watch, sizeof *watch);
     watch = NULL;
+    sigprocmask(SIG_SETMASK, &before, NULL);        /* who goes on, as a sweep after its try, can be stopped again */
     return code;
 }

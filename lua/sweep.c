@@ -260,20 +260,17 @@ static int make_plan(lua_State *L, App *app, const SweepOptions *o, long long *c
     return code;
 }
 
-/* Says what was said last there; the folder is as it was before the sweep. */
-static int refuse_plan(lua_State *L, App *app, const SweepOptions *o, const char *log)
+/* Says what was said last there. */
+static void say_refusal(lua_State *L, App *app, const char *log)
 {
-    char path[PATH_ROOM];
     lua_settop(L, 0);
     lua_pushstring(L, log);
     if (call(L, app, "sweep_said", 1, 1) == EXIT_FINE)
         usage_error("sweep: %s", lua_tostring(L, -1));
-    snprintf(path, sizeof path, "%s/plan.jsonl", o->out);
-    remove(path);
-    return EXIT_USAGE;
 }
 
-/* Builds the world of the first task up to its first step: arguments that it does not know would fail in every task. */
+/* Builds the world of the first task up to its first step: arguments that it does not know would fail in every task. Where they are refused,
+ * or a signal stops it, the folder is as it was before the sweep. */
 static int try_first(lua_State *L, App *app, const SweepOptions *o, char *program)
 {
     char draft[PATH_ROOM], log[PATH_ROOM + 16];
@@ -290,14 +287,16 @@ static int try_first(lua_State *L, App *app, const SweepOptions *o, char *progra
     if (remove_tree(draft) && mkdir(draft, 0777) == 0)
         code = run_quietly(log, run_dry, count, words);
     free(words);
-    const bool refused = code == EXIT_USAGE;
-    if (refused)
-        code = refuse_plan(L, app, o, log);
+    if (code == EXIT_USAGE)
+        say_refusal(L, app, log);
     remove_tree(draft);
-    if (refused)
-        rmdir(o->out);      /* where nothing else is in it */
     lua_settop(L, 0);
-    return refused ? code : EXIT_FINE;      /* other failures are the tasks' own */
+    if (code != EXIT_USAGE && code <= 128)
+        return EXIT_FINE;   /* other failures are the tasks' own */
+    snprintf(draft, sizeof draft, "%.4000s/plan.jsonl", o->out);
+    remove(draft);
+    rmdir(o->out);          /* where nothing else is in it */
+    return code;
 }
 
 /* The program, for the lines that others start. */

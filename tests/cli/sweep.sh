@@ -77,6 +77,26 @@ gives 2 'in a folder that is there' sweep fall.lua --set hieght=1..2/3 -o g --en
 holds 'which keeps what is in it' test "$(ls g)" = notes.txt
 rm -r g
 
+# ---- Ctrl-C, in tasks and while the world is tried before them ----
+cat >slow.lua <<'LUA'
+local digbox = require "digbox"
+local opt = digbox.args { builds = 0 }
+while opt.builds > 0 do end
+digbox.world {}:run "1e6 s"
+LUA
+# stopped WHAT FILE BUILDS: SIGINT once FILE is there.
+stopped() {
+    "$DIGBOX" sweep -q slow.lua --set "builds=$3" -j 2 --time-limit 20 -o g >out.txt 2>err.txt & child=$!
+    for _ in $(seq 100); do [ -e "$2" ] && break; sleep 0.1; done
+    sleep 0.5; kill -INT "$child"; wait "$child"; code=$?
+    holds "Ctrl-C $1 ends with 130" test "$code" = 130
+}
+stopped 'while its first world is built' g/0.tmp/log.txt 1
+holds 'which leaves nothing' test ! -e g
+stopped 'in tasks' g/1.tmp/log.txt 0,-1
+holds 'which leaves the plan and nothing done' test -e g/plan.jsonl -a ! -e g/0
+rm -r g
+
 gives 2 'nothing varied' sweep fall.lua -o g;                       said 'nothing is varied'
 gives 2 'no folder' sweep fall.lua --seeds 2;                       said 'where to?'
 gives 2 'a range without a number' sweep fall.lua --set height=1..2 -o g;      said 'A..B/N'
