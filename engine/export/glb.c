@@ -76,13 +76,13 @@ static void write_place(float p[3], float q[4], vec3 x, quat r)
     memcpy(q, place + 3, 4 * sizeof *q);
 }
 
-/* The items of a body as nodes below it; their indices go to `children`. */
+/* The items of a body as nodes below it; their indices go to `children`. Sheets are none: their particles are written, which move. */
 static void put_items(Glb *g, const View *v, const ReplayBody *b, const ReplayPose *now, Output *children)
 {
     int count = 0;
     for (int i = 0; i < v->item_count; i++) {
         const ViewItem *item = &v->items[i];
-        int mesh = item->body == b->id.slot + 1 ? glb_mesh(g, v, item) : -1;
+        int mesh = item->body == b->id.slot + 1 && !v->meshes[item->mesh].taken ? glb_mesh(g, v, item) : -1;
         if (mesh < 0)
             continue;
         vec3 at = {item->p[0] + v->origin[0], item->p[1] + v->origin[1], item->p[2] + v->origin[2]};
