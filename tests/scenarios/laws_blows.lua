@@ -212,7 +212,8 @@ scenario("the last ball of a row that is struck does not pass through a thin wal
   end
 end)
 
--- Too many for impacts to be located. The lowest layer stops within a substep in which the next one, a centimetre above it, comes on by more.
+-- Too many for impacts to be located. The lowest layer stops within a substep in which the next one, a centimetre above it, comes on by
+-- more.
 scenario("layers of balls that fall together land on each other without overlap", function(s)
   for _, height in ipairs { 0.2, 0.24, 0.31 } do
     local world = s:world { step = 1 / 30 }
