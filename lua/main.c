@@ -153,7 +153,7 @@ bool read_accuracy_option(const char *text)
     static const char *const plans[] = {"sketch", "play", "study", "reference"};
     double metres;
     if (strchr("0123456789.+-", text[0]) && text[0])
-        return read_number_option("accuracy", text, "m", 1e-15, 1e6, &metres);
+        return read_number_option("accuracy", text, "m", 1e-12, 1, &metres);       /* as the tolerance of a world (engine/api/schema.c) */
     for (int i = 0; i < 4; i++)
         if (strcmp(text, plans[i]) == 0)
             return true;

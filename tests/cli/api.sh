@@ -72,5 +72,8 @@ gives 0 'what layers hold' help render;                 printed 'depth, 16-bit g
 gives 2 'a misspelt option of the program' --hepl;      said "did you mean '--help'?"
 gives 2 'an accuracy that is none' run x.lua --accuracy plya;          said "--accuracy: unknown accuracy 'plya' (did you mean 'play'?)"
 gives 2 'an accuracy of a mass' run x.lua --accuracy 3kg;              said "--accuracy: wants a length; '3kg' is a mass"
+for length in 1e5 1e-13; do
+    gives 2 'an accuracy out of bounds' run x.lua --accuracy $length;  said "--accuracy: $length m is not from 1e-12 to 1 m"
+done
 gives 2 'a time that is none' run x.lua --seconds -1;   said '--seconds: -1 s is not from 0 to 1e+09 s'
 checked
