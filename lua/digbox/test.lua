@@ -221,8 +221,8 @@ function Expect.contains(e, part)
   if not found then fail("expected %s in it, got %s", show(part), show(e.value)) end
 end
 
--- The function raises an error; returns its text
-function Expect.fails(e)
+-- The function raises an error, in which part stands; returns its text
+function Expect.fails(e, part)
   count_check()
   if type(e.value) ~= "function" then fail("expect:fails wants a function; got %s", core.type(e.value)) end
   local outer = current and current.forgiving
@@ -231,7 +231,9 @@ function Expect.fails(e)
   if current then current.forgiving = outer end
   if ok then fail "expected an error, and there was none" end
   if message == core.finished then error(message, 0) end
-  return type(message) == "string" and message or tostring(message)
+  local text = tostring(message)
+  if part ~= nil and not text:find(tostring(part), 1, true) then fail("expected an error that says %s, got %s", show(part), show(text)) end
+  return text
 end
 
 core.declare_type("expect", "What test.expect gives: one check of a value; bounds carry units ('1 mm/s').", Expect)
@@ -250,7 +252,7 @@ check_of("at_most", "Not greater than that.", bounded("limit", "bound"))
 check_of("at_least", "Not smaller than that.", bounded("limit", "bound"))
 check_of("is_empty", "An empty list, table or text.")
 check_of("contains", "A text that holds another, or a list that holds a value.", { "part", "any", "what should be in it" })
-check_of("fails", "A function that raises an error; gives its text.")
+check_of("fails", "A function that raises an error; gives its text.", { "part", "any", "what should be in it", optional = true })
 core.declare("test.expect", { "Begins a check of a value.", takes = { { "value", "any", "what is checked" } }, gives = "expect" })
 
 local expect_meta = {

@@ -389,6 +389,12 @@ scenario("to settle is to rest on something: not to be slow at the start or the 
   expect(which):is(bob)
 end)
 
+scenario("an error is expected to say what is given", function()
+  expect(function() error("too hot", 0) end):fails "hot"
+  local text = expect(function() expect(function() error("too hot", 0) end):fails "cold" end):fails()
+  expect(text):contains 'expected an error that says "cold", got "too hot"'
+end)
+
 scenario("a tolerance is a number, has the dimension of what is wanted, or is a share of it", function()
   expect(202.0):near(200, "1 %")
   expect(expect(function() expect(203.0):near(200, "1 %") end):fails()):contains "expected 200 within 1 %, got 203 (off by 3)"
