@@ -160,7 +160,13 @@ function methods.rope(world, fields)
     for k, v in next, fields do own[k] = k ~= "b" and v or nil end
     fields = own
   end
-  if type(fields) ~= "table" or rawget(fields, "segments") == nil then return plain(world, fields) end
+  if type(fields) ~= "table" then return plain(world, fields) end
+  if rawget(fields, "segments") == nil then
+    for _, name in ipairs { "mass", "radius" } do
+      if rawget(fields, name) ~= nil then core.fail("world:rope: %s is that of a rope of segments: give segments, too", name) end
+    end
+    return plain(world, fields)
+  end
   local own, rest = soft.split("world:rope", fields, rope_fields, taken)
   local from, to = ends_of(own)
   local apart = #(to - from)

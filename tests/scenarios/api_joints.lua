@@ -173,6 +173,8 @@ scenario("a rope of segments begins and ends at points of the world where no bod
   expect(hung.force.y):near(-(2 + 0.4) * world.gravity:length(), 0.05)
   expect(function() world:rope { to = { 1, 3, 0 }, segments = 4 } end):fails "wants a, or at"
   expect(function() world:rope { at = { 1, 3, 0 }, segments = 4 } end):fails "wants b, or to"
+  expect(function() world:rope { at = { 0, 3, 0 }, to = { 1, 3, 0 }, mass = 1 } end)
+    :fails "mass is that of a rope of segments: give segments, too"
 end)
 
 scenario("a plain rope begins at `at` and ends at `to`, as one of segments does", function(s)
