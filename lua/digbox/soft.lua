@@ -11,6 +11,7 @@ core.soft = soft
 local methods = core.types.world.methods
 local LONGEST = 40                 -- bytes of the name of a thing
 local FIRST_GROUP = -1000000       -- groups of their own have numbers below
+local LAST_SHEET = 1000000000      -- as engine/api/schema.c has it
 local STRUCTURAL = { strut = true, beam = true }
 
 -- ---- fields ----
@@ -54,8 +55,9 @@ function soft.group(world)
   return state.soft_group
 end
 
--- The number of a new sheet: of the same count as groups, so that no two have the same after a file was read, either.
-function soft.sheet(world) return FIRST_GROUP - soft.group(world) end
+-- The number of a new sheet, down from the greatest, for scripts count their own up: of the same count as groups, so that no two have the
+-- same after a file was read, either.
+function soft.sheet(world) return LAST_SHEET - (FIRST_GROUP - soft.group(world)) end
 
 -- ---- the static interaction graph ----
 
@@ -153,7 +155,7 @@ function soft.class(name, what, class_methods, getters, readable, properties, ke
   end
   core.keep.class(name, join(kept, soft.kept), function(self)
     local state = core.lua_state(self.world)
-    state.soft_group = math.min(state.soft_group or FIRST_GROUP, self.group or FIRST_GROUP, FIRST_GROUP - (self.sheet or 0))
+    state.soft_group = math.min(state.soft_group or FIRST_GROUP, self.group or FIRST_GROUP, FIRST_GROUP - (LAST_SHEET - (self.sheet or LAST_SHEET)))
     if again then again(self) end
     return make(self)
   end)

@@ -19,6 +19,20 @@ for _, pins in ipairs { "top", "two corners" } do
   end)
 end
 
+scenario("the sheets of cloths are no sheets of the script", function(s)
+  local world = s.world
+  local fields = { at = { 0, 2, 0 }, across = { 1, 0, 0 }, down = { 0, -1, 0 }, columns = 2, rows = 2, mass = 0.4, stiffness = 400 }
+  local one, two = world:cloth(fields), world:cloth(fields)
+  expect(one:node(2, 1).sheet.x):above(1e6)
+  expect(one:node(2, 1).sheet.y):is(2)
+  expect(two:node(1, 1).sheet.x):is_not(one:node(1, 1).sheet.x)
+  world:save "sheets.dig"
+  local again = digbox.load "sheets.dig"
+  local three = again:cloth(fields)
+  expect(three:node(1, 1).sheet.x):is_not(one:node(1, 1).sheet.x)
+  expect(three:node(1, 1).sheet.x):is_not(two:node(1, 1).sheet.x)
+end)
+
 scenario("a thread that bears too much tears where it was cut, and the cloth is two DIGs", function(s)
   local world = s.world
   local c = world:cloth { at = { 0, 2, 0 }, across = { 0.1, 0, 0 }, down = { 0, -1, 0 }, columns = 2, rows = 6, mass = 0.6,
