@@ -48,20 +48,20 @@ void blocks_back(Blocks *s)
 void blocks_clear(Blocks *s)
 {
     memset(s->diagonal, 0, (size_t)s->n * BLOCK * sizeof(real));
-    memset(s->below, 0, (size_t)s->at[s->first[s->n]] * sizeof(real));
+    memset(s->below, 0, (size_t)(s->at[s->first[s->n]] + 1) * sizeof(real));
 }
 
-/* L L^T = A within the block; the diagonal of L is kept inverted. */
-INLINE bool factor_block(real *a)
+/* L L^T = A within `size` rows and columns of a block; the diagonal of L is kept inverted. */
+INLINE bool factor_block(real *a, int size)
 {
-    for (int j = 0; j < 6; j++) {
+    for (int j = 0; j < size; j++) {
         real pivot = a[7 * j];
         for (int k = 0; k < j; k++)
             pivot -= a[6 * j + k] * a[6 * j + k];
         if (!(pivot > 1e-15 * a[7 * j]))
             return false;
         real inverse = 1 / sqrt(pivot);
-        for (int i = j + 1; i < 6; i++) {
+        for (int i = j + 1; i < size; i++) {
             real sum = a[6 * i + j];
             for (int k = 0; k < j; k++)
                 sum -= a[6 * i + k] * a[6 * j + k];
@@ -71,6 +71,9 @@ INLINE bool factor_block(real *a)
     }
     return true;
 }
+
+/* Of what does not turn the halves are not coupled: one need not wait for the other. */
+INLINE bool factor_halves(real *a) { return factor_block(a, 3) & factor_block(a + 21, 3); }
 
 /* A = A L^-T, and its transpose for subtract(): each row of that twice, so that two rows of six are three vectors. */
 INLINE void divide(real *restrict a, const real *restrict l, real *restrict spread)
@@ -113,49 +116,10 @@ INLINE void subtract(real *restrict c, const real *restrict a, const real *restr
     }
 }
 
-/* ---- the same where three rows and columns count: SMALL blocks, or larger ones of which the others are zero ---- */
-
-/* What divide_narrow() leaves out of the transpose: subtract() reads it. */
-INLINE void spread_all(real *spread)
+/* The same where column c is narrow: three or six rows of four. */
+INLINE void subtract_thin(int rows, real *restrict c, const real *restrict a, const real *restrict b)
 {
-    for (int k = 0; k < 3; k++) {
-        spread[12 * k + 4] = spread[12 * k + 5] = 0;
-        memcpy(spread + 12 * k + 6, spread + 12 * k, 6 * sizeof *spread);
-    }
-    memset(spread + 36, 0, (SPREAD - 36) * sizeof *spread);
-}
-
-/* a has three rows of which three columns count, l six. */
-INLINE void divide_narrow(real *restrict a, const real *restrict l, real *restrict spread)
-{
-    UNROLL
-    for (int i = 0; i < 3; i++) {
-        real *restrict row = a + 4 * i;
-        row[0] *= l[0];
-        row[1] = (row[1] - row[0] * l[6]) * l[7];
-        row[2] = (row[2] - row[0] * l[12] - row[1] * l[13]) * l[14];
-        for (int k = 0; k < 3; k++)
-            spread[12 * k + i] = row[k];
-    }
-    spread[3] = spread[15] = spread[27] = 0;
-}
-
-/* c's rows are that long, a is SMALL */
-INLINE void subtract_narrow(real *restrict c, int stride, const real *restrict a, const real *restrict b)
-{
-    const four_any *row = (const four_any *)(const void *)b;
-    four b0 = row[0], b1 = *(const four_any *)(const void *)(b + 12), b2 = *(const four_any *)(const void *)(b + 24);
-    UNROLL
-    for (int i = 0; i < 3; i++) {
-        four_any *to = (four_any *)(void *)(c + stride * i);
-        *to = *to - four_all(a[4 * i]) * b0 - four_all(a[4 * i + 1]) * b1 - four_all(a[4 * i + 2]) * b2;
-    }
-}
-
-/* The same of what turns: c is SMALL, a and b are not. */
-INLINE void subtract_small(real *restrict c, const real *restrict a, const real *restrict b)
-{
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < rows; i++) {
         four_any *to = (four_any *)(void *)(c + 4 * i);
         four sum = *to;
         for (int k = 0; k < 6; k++)
@@ -164,89 +128,166 @@ INLINE void subtract_small(real *restrict c, const real *restrict a, const real 
     }
 }
 
-/* Of a SMALL block one as others are */
-INLINE void widen(real *restrict to, const real *restrict a)
+INLINE bool eliminate(Blocks *s, int j)
 {
-    memset(to, 0, BLOCK * sizeof *to);
-    for (int i = 0; i < 3; i++)
-        memcpy(to + 6 * i, a + 4 * i, 3 * sizeof *to);
-}
-
-/* Where one of the two turns: rarely. */
-INLINE void subtract_mixed(Blocks *s, int p, real *to, const real *spread)
-{
-    real wide[BLOCK];
-    const real *a = s->below + s->at[p];
-    if (s->narrow[s->row[p]]) {
-        widen(wide, a);
-        a = wide;
-    }
-    subtract(to, a, spread);
-}
-
-INLINE void eliminate_narrow(Blocks *s, int j)
-{
-    const real *l = s->diagonal + (size_t)BLOCK * (size_t)j;
-    int first = s->first[j], end = s->first[j + 1];
-    bool mixed = false;
-    for (int p = first; p < end; p++) {
-        if (s->narrow[s->row[p]])
-            divide_narrow(s->below + s->at[p], l, s->spread + SPREAD * (p - first));
-        else
-            divide(s->below + s->at[p], l, s->spread + SPREAD * (p - first));
-        mixed = mixed || !s->narrow[s->row[p]];
-    }
-    for (int p = first; p < end && mixed; p++)
-        if (s->narrow[s->row[p]])
-            spread_all(s->spread + SPREAD * (p - first));
-    const int *target = s->target + s->pair[j];
-    for (int q = first; q < end; q++) {
-        const int column = s->row[q];
-        const real *spread = s->spread + SPREAD * (q - first);
-        if (s->narrow[column])
-            subtract_narrow(s->diagonal + (size_t)BLOCK * (size_t)column, 6, s->below + s->at[q], spread);
-        else
-            subtract(s->diagonal + (size_t)BLOCK * (size_t)column, s->below + s->at[q], spread);
-        for (int p = q + 1; p < end; p++) {
-            if (blocks_small(s, s->row[p], column))
-                subtract_narrow(s->below + s->at[*target++], 4, s->below + s->at[p], spread);
-            else
-                subtract_mixed(s, p, s->below + s->at[*target++], spread);
-        }
-    }
-}
-
-INLINE void eliminate(Blocks *s, int j)
-{
-    const real *l = s->diagonal + (size_t)BLOCK * (size_t)j;
-    int first = s->first[j], count = s->first[j + 1] - first;
+    real *l = s->diagonal + (size_t)BLOCK * (size_t)j;
+    if (!factor_block(l, 6))
+        return false;
+    const int first = s->first[j], count = s->first[j + 1] - first, *row = s->row + first;
     real *below = s->below + s->at[first];
     for (int p = 0; p < count; p++)
         divide(below + BLOCK * p, l, s->spread + SPREAD * p);
     const int *target = s->target + s->pair[j];
     for (int q = 0; q < count; q++) {
-        int column = s->row[first + q];
-        subtract(s->diagonal + (size_t)BLOCK * (size_t)column, below + BLOCK * q, s->spread + SPREAD * q);
-        for (int p = q + 1; p < count; p++) {
-            int k = *target++;
-            if (blocks_small(s, s->row[k], column))
-                subtract_small(s->below + s->at[k], below + BLOCK * p, s->spread + SPREAD * q);
+        const real *spread = s->spread + SPREAD * q;
+        subtract(s->diagonal + (size_t)BLOCK * (size_t)row[q], below + BLOCK * q, spread);
+        for (int p = q + 1; p < count; p++, target++) {
+            if (s->narrow[row[q]])
+                subtract_thin(s->narrow[row[p]] ? 3 : 6, s->below + *target, below + BLOCK * p, spread);
             else
-                subtract(s->below + s->at[k], below + BLOCK * p, s->spread + SPREAD * q);
+                subtract(s->below + *target, below + BLOCK * p, spread);
+        }
+    }
+    return true;
+}
+
+/* ---- panels of narrow columns, in SMALL blocks: a row that turns has two in each column ---- */
+
+/* Of a panel the blocks of one row that turns, of two that do not, or of one. */
+typedef struct Strip {
+    real *a;                    /* the first column's                        */
+    int   rows, apart;          /* 1 or 2, and how far the second is away     */
+    int   step;                 /* from one column to the next                */
+    int   end;                  /* where in s->row the next strip begins      */
+} Strip;
+
+INLINE Strip strip_at(const Blocks *s, real *a, int width, int p, int end)
+{
+    if (!s->narrow[s->row[p]])
+        return (Strip){a, 2, SMALL, 2 * SMALL, p + 1};
+    int rows = p + 1 < end && s->narrow[s->row[p + 1]] ? 2 : 1;
+    return (Strip){a, rows, SMALL * width, SMALL, p + rows};
+}
+
+/* c -= a b^T for one column of the panel after the other, so that c is read and written once. Its rows are `stride` long; b is transposed. */
+INLINE void subtract_rows(int rows, const Strip *of, int depth, const real *restrict b, real *c0, real *c1, int stride)
+{
+    const int step = of->step;
+    const real *a[2] = {of->a, of->a + of->apart};
+    real *c[2] = {c0, c1};
+    four sum[6];
+    UNROLL
+    for (int i = 0; i < 3 * rows; i++)
+        sum[i] = *(const four_any *)(const void *)(c[i / 3] + stride * (i % 3));
+    for (int m = 0; m < depth; m++, b += SMALL) {
+        ROLLED
+        for (int k = 0; k < 3; k++) {       /* unrolled, GCC would load a's rows as vectors to take them apart again */
+            four row = *(const four_any *)(const void *)(b + 4 * k);
+            UNROLL
+            for (int i = 0; i < 3 * rows; i++)
+                sum[i] -= four_all(a[i / 3][4 * (i % 3) + k]) * row;
+        }
+        a[0] += step;
+        a[1] += step;
+    }
+    UNROLL
+    for (int i = 0; i < 3 * rows; i++)
+        *(four_any *)(void *)(c[i / 3] + stride * (i % 3)) = sum[i];
+}
+
+INLINE void subtract_strip(const Strip *of, int depth, const real *restrict b, real *c0, real *c1, int stride)
+{
+    if (of->rows == 2)
+        subtract_rows(2, of, depth, b, c0, c1, stride);
+    else
+        subtract_rows(1, of, depth, b, c0, c0, stride);
+}
+
+/* A = A L^-T, and its transpose */
+INLINE void divide_small(real *restrict a, const real *restrict l, real *restrict spread)
+{
+    UNROLL
+    for (int i = 0; i < 3; i++) {
+        real *restrict row = a + 4 * i;
+        row[0] *= l[0];
+        row[1] = (row[1] - row[0] * l[6]) * l[7];
+        row[2] = (row[2] - row[0] * l[12] - row[1] * l[13]) * l[14];
+        for (int k = 0; k < 3; k++)
+            spread[4 * k + i] = row[k];
+    }
+    spread[3] = spread[7] = spread[11] = 0;
+}
+
+/* The same for the first `depth` columns of panel j. */
+INLINE void divide_strip(Blocks *s, int j, const Strip *of, int depth, real *spread)
+{
+    const int width = SMALL * s->width[j];
+    for (int m = 0; m < depth; m++) {
+        real *c0 = of->a + of->step * m, *c1 = c0 + of->apart;
+        const real *l = s->diagonal + (size_t)BLOCK * (size_t)(j + m);
+        subtract_strip(of, m, s->spread + width * m, c0, c1, 4);
+        divide_small(c0, l, spread + SMALL * m);
+        if (of->rows == 2)
+            divide_small(c1, l, spread + width + SMALL * m);
+    }
+}
+
+/* Out of column row[q], whose own blocks are at a. */
+INLINE void subtract_panel(Blocks *s, int width, int q, int end, real *a, const real *spread, const int *target)
+{
+    const int column = s->row[q], halves = s->narrow[column] ? 1 : 2, stride = s->narrow[column] ? 4 : 6;
+    for (int half = 0; half < halves; half++) {
+        const real *b = spread + SMALL * width * half;
+        Strip of = strip_at(s, a, width, q, q + 1);
+        real *c = s->diagonal + (size_t)BLOCK * (size_t)column + 3 * half;
+        subtract_strip(&of, width, b, c, c + 18, 6);
+        for (int p = q + 1; p < end; p = of.end) {
+            of = strip_at(s, of.a + SMALL * width * of.rows, width, p, end);
+            const int *to = target + p - q - 1;
+            c = s->below + to[0] + 3 * half;
+            subtract_strip(&of, width, b, c, of.end == p + 1 ? c + 3 * stride : s->below + to[1] + 3 * half, stride);
         }
     }
 }
 
+INLINE bool factor_panel(Blocks *s, int j)
+{
+    const int width = s->width[j], outside = s->first[j] + width - 1, end = s->first[j + 1];
+    real *a = s->below + s->at[s->first[j]], *spread = s->spread;
+    for (int i = 0; i < width; i++) {
+        real *l = s->diagonal + (size_t)BLOCK * (size_t)(j + i);
+        Strip of = {.a = a, .rows = 1, .step = SMALL};
+        divide_strip(s, j, &of, i, spread);
+        subtract_strip(&of, i, spread, l, l, 6);
+        if (!factor_halves(l))
+            return false;
+        a += SMALL * i;
+        spread += SMALL * width;
+    }
+    real *rest = a, *rest_spread = spread;
+    for (int p = outside; p < end;) {
+        Strip of = strip_at(s, a, width, p, end);
+        divide_strip(s, j, &of, width, spread);
+        a += SMALL * width * of.rows;
+        spread += SMALL * width * of.rows;
+        p = of.end;
+    }
+    const int *target = s->target + s->pair[j];
+    for (int q = outside; q < end; q++) {
+        int size = SMALL * width * (s->narrow[s->row[q]] ? 1 : 2);
+        subtract_panel(s, width, q, end, rest, rest_spread, target);
+        target += end - q - 1;
+        rest += size;
+        rest_spread += size;
+    }
+    return true;
+}
+
 INLINE bool factor(Blocks *s, int from, int to)
 {
-    for (int j = from; j < to; j++) {
-        if (!factor_block(s->diagonal + (size_t)BLOCK * (size_t)j))
+    for (int j = from; j < to; j += s->width[j])
+        if (!(s->narrow[j] ? factor_panel(s, j) : eliminate(s, j)))
             return false;
-        if (s->narrow[j])
-            eliminate_narrow(s, j);
-        else
-            eliminate(s, j);
-    }
     return true;
 }
 
@@ -269,6 +310,16 @@ static bool factor_columns(Blocks *s, int from, int to, bool plain)
 
 bool blocks_begin(Blocks *s, bool plain) { return factor_columns(s, 0, s->early, plain); }
 bool blocks_factor(Blocks *s, bool plain) { return factor_columns(s, s->early, s->n, plain); }
+
+/* Within a diagonal block. */
+INLINE void solve_lower(const real *l, real *x)
+{
+    for (int i = 0; i < 6; i++) {
+        for (int k = 0; k < i; k++)
+            x[i] -= l[6 * i + k] * x[k];
+        x[i] *= l[7 * i];
+    }
+}
 
 /* Takes what place j is out of those below it, and the other way round. */
 INLINE void solve_forth(const Blocks *s, int j, real *x)
@@ -304,17 +355,26 @@ INLINE void solve_back(const Blocks *s, int j, real *x)
     PAIR(xj[4]) = x2;
 }
 
-/* The same of what is narrow. */
-INLINE void solve_forth_narrow(const Blocks *s, int j, real *x)
+/* Takes out of `to` what `depth` narrow ones from x on are, by blocks of that many rows side by side; returns where they end. */
+INLINE const real *take_row(const real *restrict b, const real *restrict x, int depth, int rows, real *restrict to)
 {
-    const real x0 = x[6 * j], x1 = x[6 * j + 1], x2 = x[6 * j + 2];
-    for (int p = s->first[j]; p < s->first[j + 1]; p++) {
-        const real *b = s->below + s->at[p];
-        real *restrict to = x + 6 * s->row[p];
-        const bool small = s->narrow[s->row[p]];
-        for (int i = 0, n = small ? 3 : 6, stride = small ? 4 : 6; i < n; i++)
-            to[i] -= b[stride * i] * x0 + b[stride * i + 1] * x1 + b[stride * i + 2] * x2;
+    for (int m = 0; m < depth; m++, b += 4 * rows)
+        for (int i = 0; i < rows; i++)
+            to[i] -= b[4 * i] * x[6 * m] + b[4 * i + 1] * x[6 * m + 1] + b[4 * i + 2] * x[6 * m + 2];
+    return b;
+}
+
+/* The same of panels of narrow columns: what is above in it first, then what is below all of them. */
+INLINE void solve_forth_panel(const Blocks *s, int j, real *x)
+{
+    const int width = s->width[j];
+    const real *b = s->below + s->at[s->first[j]];
+    for (int i = 0; i < width; i++) {
+        b = take_row(b, x + 6 * j, i, 3, x + 6 * (j + i));
+        solve_lower(s->diagonal + (size_t)BLOCK * (size_t)(j + i), x + 6 * (j + i));
     }
+    for (int p = s->first[j] + width - 1; p < s->first[j + 1]; p++)
+        b = take_row(b, x + 6 * j, width, s->narrow[s->row[p]] ? 3 : 6, x + 6 * s->row[p]);
 }
 
 INLINE void solve_back_narrow(const Blocks *s, int j, real *x)
@@ -322,11 +382,10 @@ INLINE void solve_back_narrow(const Blocks *s, int j, real *x)
     real x0 = x[6 * j], x1 = x[6 * j + 1], x2 = x[6 * j + 2];
     for (int p = s->first[j]; p < s->first[j + 1]; p++) {
         const real *b = s->below + s->at[p], *from = x + 6 * s->row[p];
-        const bool small = s->narrow[s->row[p]];
-        for (int i = 0, n = small ? 3 : 6, stride = small ? 4 : 6; i < n; i++) {
-            x0 -= b[stride * i] * from[i];
-            x1 -= b[stride * i + 1] * from[i];
-            x2 -= b[stride * i + 2] * from[i];
+        for (int i = 0, n = s->narrow[s->row[p]] ? 3 : 6; i < n; i++) {
+            x0 -= b[4 * i] * from[i];
+            x1 -= b[4 * i + 1] * from[i];
+            x2 -= b[4 * i + 2] * from[i];
         }
     }
     x[6 * j] = x0;
@@ -336,18 +395,13 @@ INLINE void solve_back_narrow(const Blocks *s, int j, real *x)
 
 void blocks_solve(const Blocks *s, real *x)
 {
-    for (int j = 0; j < s->n; j++) {
-        const real *l = s->diagonal + (size_t)BLOCK * (size_t)j;
-        real *xj = x + 6 * j;
-        for (int i = 0; i < 6; i++) {
-            for (int k = 0; k < i; k++)
-                xj[i] -= l[6 * i + k] * xj[k];
-            xj[i] *= l[7 * i];
-        }
-        if (s->narrow[j])
-            solve_forth_narrow(s, j, x);
-        else
+    for (int j = 0; j < s->n; j += s->width[j]) {
+        if (s->narrow[j]) {
+            solve_forth_panel(s, j, x);
+        } else {
+            solve_lower(s->diagonal + (size_t)BLOCK * (size_t)j, x + 6 * j);
             solve_forth(s, j, x);
+        }
     }
     for (int j = s->n - 1; j >= 0; j--) {
         const real *l = s->diagonal + (size_t)BLOCK * (size_t)j;

@@ -25,10 +25,11 @@ typedef struct Blocks {
     int  *row;                  /*          their rows, ascending                                     */
     int  *at;                   /* [first[n] + 1]  where they are in below                            */
     int  *pair;                 /* [n]      column j's targets: from pair[j] on                       */
-    int  *target;               /*          of rows q < p of a column, q by q: block (row[p], row[q]) */
-    real *diagonal, *below;     /* BLOCK reals each; BLOCK or SMALL                                   */
+    int  *target;               /*          of rows q < p of a column, q by q: where block (row[p], row[q]) is in below */
+    int  *width;                /* [n]      columns of the panel that begins with j                   */
+    real *diagonal, *below;     /* BLOCK reals each; BLOCK, or SMALL once or twice                    */
     real *kept_diagonal, *kept_below;       /* of those that are not early, by blocks_keep            */
-    real *spread;               /* [blocks of the longest column + 1][SPREAD] a column, as the factorisation reads it */
+    real *spread;               /*          a column or a panel transposed, as the factorisation reads it */
     bool *narrow;               /* [n]      by place: it does not turn                                */
     real  begin_work, late_work;            /* multiplications of blocks_begin and blocks_factor   */
     real  work;                 /* of a factorisation, where four go on from one beginning            */
@@ -48,7 +49,9 @@ bool blocks_reserve(Blocks *s, Arena *arena);
 void blocks_clear(Blocks *s);
 /* Block of two places, row > column, that are linked. */
 real *blocks_at(const Blocks *s, int row, int column);
-static inline bool blocks_small(const Blocks *s, int row, int column) { return s->narrow[row] && s->narrow[column]; }
+/* How long its rows are in there. In a narrow column there are four reals in a row, of which three count; three rows where the row is
+ * narrow, too, else six. */
+static inline int blocks_stride(const Blocks *s, int column) { return s->narrow[column] ? 4 : 6; }
 /* In place; false: not positive definite. plain: without special instructions. */
 bool blocks_begin(Blocks *s, bool plain);
 bool blocks_factor(Blocks *s, bool plain);

@@ -8,13 +8,13 @@
 #define REPEATS 4               /* factorisations of a matrix from one beginning by which an order is judged; five to fifteen are usual */
 #define PLAINLY 0.25            /* of what goes first: what is late costs so little that no other order is looked at */
 #define MOSTLY   0.75           /* of all: where fewer are not late, these are not tried first */
+#define WIDEST   16             /* columns of a panel: what is read of it again and again stays near */
 #define HOPELESS 4.0            /* of what goes first: so much that it is not looked at any further */
 
 typedef struct Pattern {
     int      *place;            /* [n] */
     Adjacent *later;            /* [n] by place: what the columns have below the diagonal, by number */
-    int       early, blocks, longest;
-    size_t    pairs;            /* of blocks in one column */
+    int       early, blocks;
     real      begin_work, late_work;    /* multiplications */
 } Pattern;
 
@@ -40,8 +40,6 @@ static void go(Pattern *p, Degree *d, const BlockLinks *of, int place)
         thin += is_narrow(of, later->node[i]);
     *(place < p->early ? &p->begin_work : &p->late_work) += work_of(is_narrow(of, node), later->count, thin);
     p->blocks += later->count;
-    p->pairs += (size_t)later->count * (size_t)int_max(0, later->count - 1) / 2;
-    p->longest = int_max(p->longest, later->count);
     degree_eliminate(d, node, false);
 }
 
@@ -93,6 +91,28 @@ static void sort_rows(int *row, int count)
     }
 }
 
+/* Narrow columns that follow one another and have the same rows below all of them. They may be wide where nothing is late in between. */
+static int panel_width(const Blocks *s, int j)
+{
+    int e = j + 1;
+    while (s->narrow[j] && e < s->n && e - j < WIDEST && e != s->early && s->narrow[e] && s->first[e] > s->first[e - 1]
+           && s->row[s->first[e - 1]] == e && s->first[e + 1] - s->first[e] == s->first[e] - s->first[e - 1] - 1)
+        e++;
+    return e - j;
+}
+
+/* A panel's blocks row by row, from `at` on; returns where they end. */
+static int lay_out(Blocks *s, int j, int at)
+{
+    const int width = s->width[j], rows = s->first[j + 1] - s->first[j];
+    for (int i = 1; i <= rows; i++) {
+        int wide = !s->narrow[s->row[s->first[j] + i - 1]], size = s->narrow[j] ? SMALL << wide : BLOCK;
+        for (int m = 0; m < width && m < i; m++, at += size)
+            s->at[s->first[j + m] + i - m - 1] = at;
+    }
+    return at;
+}
+
 static void write_pattern(Blocks *s, const Pattern *p, const BlockLinks *of)
 {
     int blocks = 0, at = 0;
@@ -104,12 +124,12 @@ static void write_pattern(Blocks *s, const Pattern *p, const BlockLinks *of)
         for (int i = 0; i < later->count; i++)
             s->row[blocks++] = p->place[later->node[i]];
         sort_rows(s->row + s->first[j], later->count);
-        for (int i = s->first[j]; i < blocks; i++) {
-            s->at[i] = at;
-            at += blocks_small(s, s->row[i], j) ? SMALL : BLOCK;
-        }
     }
     s->first[s->n] = blocks;
+    for (int j = 0; j < s->n; j += s->width[j]) {
+        s->width[j] = panel_width(s, j);
+        at = lay_out(s, j, at);
+    }
     s->at[blocks] = at;
 }
 
@@ -132,19 +152,42 @@ static bool choose(Pattern *p, Arena *arena, const BlockLinks *of)
     return true;
 }
 
-/* Column j's rows from p on are rows of column row[q], too, with others between. */
+/* The rows below all of a panel: those of its last column. */
+static int last_column(const Blocks *s, int j) { return j + s->width[j] - 1; }
+
+/* Its rows from p on are rows of column row[q], too, with others between. */
 static void find_targets(Blocks *s)
 {
     int *to = s->target;
-    for (int j = 0; j < s->n; j++) {
+    for (int j = 0; j < s->n; j += s->width[j]) {
+        int last = last_column(s, j), end = s->first[last + 1];
         s->pair[j] = (int)(to - s->target);
-        for (int q = s->first[j]; q < s->first[j + 1]; q++)
-            for (int p = q + 1, k = s->first[s->row[q]]; p < s->first[j + 1]; p++) {
+        for (int q = s->first[last]; q < end; q++)
+            for (int p = q + 1, k = s->first[s->row[q]]; p < end; p++) {
                 while (s->row[k] < s->row[p])
                     k++;
-                *to++ = k;
+                *to++ = s->at[k];
             }
     }
+}
+
+/* What the factorisation needs besides: false: out of memory. */
+static bool plan_work(Blocks *s, Arena *arena)
+{
+    size_t pairs = 0, most = 0;
+    for (int j = 0; j < s->n; j += s->width[j]) {
+        int last = last_column(s, j);
+        size_t outside = (size_t)(s->first[last + 1] - s->first[last]), width = (size_t)s->width[j];
+        size_t size = s->narrow[j] ? SMALL * width * (width + 2 * outside) : SPREAD * outside;
+        pairs += outside * (outside + 1) / 2;
+        most = size > most ? size : most;
+    }
+    s->target = arena_alloc(arena, (pairs + 1) * sizeof *s->target);
+    s->spread = arena_alloc(arena, (most + 1) * sizeof *s->spread);
+    if (!s->target || !s->spread)
+        return false;
+    find_targets(s);
+    return true;
 }
 
 bool blocks_plan(Blocks *s, Arena *arena, const BlockLinks *of)
@@ -162,11 +205,9 @@ bool blocks_plan(Blocks *s, Arena *arena, const BlockLinks *of)
     s->row = arena_alloc(arena, (size_t)(p.blocks + 1) * sizeof *s->row);
     s->at = arena_alloc(arena, (size_t)(p.blocks + 1) * sizeof *s->at);
     s->pair = arena_alloc(arena, n * sizeof *s->pair);
-    s->target = arena_alloc(arena, (p.pairs + 1) * sizeof *s->target);
-    s->spread = arena_alloc(arena, (size_t)(p.longest + 1) * SPREAD * sizeof *s->spread);
-    if (!s->narrow || !s->first || !s->row || !s->at || !s->pair || !s->target || !s->spread)
+    s->width = arena_alloc(arena, n * sizeof *s->width);
+    if (!s->narrow || !s->first || !s->row || !s->at || !s->pair || !s->width)
         return false;
     write_pattern(s, &p, of);
-    find_targets(s);
-    return true;
+    return plan_work(s, arena);
 }

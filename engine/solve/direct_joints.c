@@ -7,6 +7,7 @@
  * symmetric part is taken:  K = (F . r) 1 - sym(r F^T). Not where it would hand a turn across a thin rod over to one about the rod, which
  * has next to no inertia there: a rope of 6 kg that 10 t jerk at got 1e35 J by that.
  */
+#include "math/pair.h"
 #include "solve/direct.h"
 
 /* Compliance of the augmented Lagrangian over a row's own effective mass. Equations have no kinks, and may be harder than what
@@ -223,18 +224,23 @@ real singles_slope(const Direct *d, real along)
     return slope;
 }
 
-/* h += s x y^T, six by six or, of what does not turn, three by three in rows of four */
-static void add_outer(real *restrict h, const real *restrict x, const real *restrict y, real s, bool small)
+/* h += s x y^T, in rows of `stride` */
+INLINE void add_outer(real *restrict h, int stride, int rows, int columns, const real *restrict x, const real *restrict y, real s)
 {
-    if (small) {
-        for (int r = 0; r < 3; r++)
-            for (int c = 0; c < 3; c++)
-                h[4 * r + c] += s * x[r] * y[c];
-        return;
-    }
-    for (int r = 0; r < 6; r++)
-        for (int c = 0; c < 6; c++)
-            h[6 * r + c] += s * x[r] * y[c];
+    for (int r = 0; r < rows; r++)
+        for (int c = 0; c < columns; c++)
+            h[stride * r + c] += s * x[r] * y[c];
+}
+
+/* Of places row >= column, of which three unknowns count where they do not turn. */
+static void add_pair(const Blocks *s, int row, int column, const real *x, const real *y, real by)
+{
+    if (row == column)
+        add_outer(s->diagonal + BLOCK * row, 6, 6, 6, x, y, by);
+    else if (!s->narrow[column])
+        add_outer(blocks_at(s, row, column), 6, 6, 6, x, y, by);
+    else
+        add_outer(blocks_at(s, row, column), 4, s->narrow[row] ? 3 : 6, 3, x, y, by);
 }
 
 void singles_assemble(Direct *d, bool bounded)
@@ -246,13 +252,9 @@ void singles_assemble(Direct *d, bool bounded)
         bool answers = !bounded || t->answers;      /* what has no bound answers in each assembly */
         t->factored = t->answers;
         for (int m = 0; answers && m < t->count; m++)
-            for (int n = 0; n < t->count; n++) {
-                if (t->place[m] == t->place[n])
-                    add_outer(d->blocks.diagonal + BLOCK * t->place[m], t->j[m], t->j[n], 1 / t->r, false);
-                else if (t->place[m] > t->place[n])
-                    add_outer(blocks_at(&d->blocks, t->place[m], t->place[n]), t->j[m], t->j[n], 1 / t->r,
-                              blocks_small(&d->blocks, t->place[m], t->place[n]));
-            }
+            for (int n = 0; n < t->count; n++)
+                if (t->place[m] >= t->place[n])
+                    add_pair(&d->blocks, t->place[m], t->place[n], t->j[m], t->j[n], 1 / t->r);
     }
 }
 

@@ -303,10 +303,10 @@ static void add_block(real *restrict h, const real *restrict j, const real *rest
     }
 }
 
-/* The same between two that do not turn */
-static void add_small(real *restrict h, const real *restrict j, const real *restrict x)
+/* The same in the column of what does not turn */
+static void add_thin(real *restrict h, int rows, const real *restrict j, const real *restrict x)
 {
-    for (int r = 0; r < 3; r++)
+    for (int r = 0; r < rows; r++)
         for (int c = 0; c < 3; c++)
             h[4 * r + c] += j[r] * x[c] + j[12 + r] * x[12 + c] + j[24 + r] * x[24 + c];
 }
@@ -329,8 +329,8 @@ static void assemble_triple(Direct *d, const Triple *t)
         return;
     int row = t->place[0] > t->place[1] ? 0 : 1;
     real *to = blocks_at(&d->blocks, t->place[row], t->place[1 - row]);
-    if (blocks_small(&d->blocks, t->place[row], t->place[1 - row]))
-        add_small(to, t->j[0] + 6 * row, x + 6 * (1 - row));
+    if (d->blocks.narrow[t->place[1 - row]])
+        add_thin(to, d->blocks.narrow[t->place[row]] ? 3 : 6, t->j[0] + 6 * row, x + 6 * (1 - row));
     else
         add_block(to, t->j[0] + 6 * row, x + 6 * (1 - row));
 }

@@ -100,7 +100,7 @@ static void put_matrix(Blocks *s, real (*full)[6 * N])
     blocks_clear(s);
     for (int r = 0; r < 6 * N; r++)
         for (int c = 0; c < 6 * N; c++) {
-            int a = r / 6, b = c / 6, stride = a > b && blocks_small(s, a, b) ? 4 : 6;
+            int a = r / 6, b = c / 6, stride = a > b ? blocks_stride(s, b) : 6;
             if (a == b)
                 s->diagonal[BLOCK * a + 6 * (r % 6) + c % 6] = full[r][c];
             else if (a > b && full[r][c] != 0)
