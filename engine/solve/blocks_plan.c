@@ -35,7 +35,7 @@ static void go(Pattern *p, Degree *d, const BlockLinks *of, int place)
     int node = degree_next(d), thin = 0;
     Adjacent *later = &p->later[place];
     p->place[node] = place;
-    *later = d->next[node];             /* nobody changes the list of one that has gone */
+    *later = d->next[node];
     for (int i = 0; i < later->count; i++)
         thin += is_narrow(of, later->node[i]);
     *(place < p->early ? &p->begin_work : &p->late_work) += work_of(is_narrow(of, node), later->count, thin);
@@ -80,15 +80,16 @@ static int count_early(const BlockLinks *of)
     return of->late && count < of->n ? count : 0;
 }
 
-/* Ascending; columns are short. */
-static void sort_rows(int *row, int count)
+/* Ascending, by a bit for each place; returns how many. */
+static int sorted_rows(int *row, const Adjacent *later, const int *place, uint64_t *bits, int n)
 {
-    for (int i = 1; i < count; i++) {
-        int r = row[i], k = i;
-        for (; k > 0 && row[k - 1] > r; k--)
-            row[k] = row[k - 1];
-        row[k] = r;
-    }
+    int count = 0;
+    for (int i = 0; i < later->count; i++)
+        bits[place[later->node[i]] / 64] |= (uint64_t)1 << place[later->node[i]] % 64;
+    for (int w = 0; w <= n / 64; w++)
+        for (; bits[w]; bits[w] &= bits[w] - 1)
+            row[count++] = 64 * w + __builtin_ctzll(bits[w]);
+    return count;
 }
 
 /* Narrow columns that follow one another and have the same rows below all of them. They may be wide where nothing is late in between. */
@@ -113,17 +114,14 @@ static int lay_out(Blocks *s, int j, int at)
     return at;
 }
 
-static void write_pattern(Blocks *s, const Pattern *p, const BlockLinks *of)
+static void write_pattern(Blocks *s, const Pattern *p, const BlockLinks *of, uint64_t *bits)
 {
     int blocks = 0, at = 0;
     for (int i = 0; i < s->n; i++)
         s->narrow[p->place[i]] = is_narrow(of, i);
     for (int j = 0; j < s->n; j++) {
-        const Adjacent *later = &p->later[j];
         s->first[j] = blocks;
-        for (int i = 0; i < later->count; i++)
-            s->row[blocks++] = p->place[later->node[i]];
-        sort_rows(s->row + s->first[j], later->count);
+        blocks += sorted_rows(s->row + blocks, &p->later[j], p->place, bits, s->n);
     }
     s->first[s->n] = blocks;
     for (int j = 0; j < s->n; j += s->width[j]) {
@@ -206,8 +204,9 @@ bool blocks_plan(Blocks *s, Arena *arena, const BlockLinks *of)
     s->at = arena_alloc(arena, (size_t)(p.blocks + 1) * sizeof *s->at);
     s->pair = arena_alloc(arena, n * sizeof *s->pair);
     s->width = arena_alloc(arena, n * sizeof *s->width);
-    if (!s->narrow || !s->first || !s->row || !s->at || !s->pair || !s->width)
+    uint64_t *bits = arena_zero(arena, (n / 64 + 1) * sizeof *bits);
+    if (!s->narrow || !s->first || !s->row || !s->at || !s->pair || !s->width || !bits)
         return false;
-    write_pattern(s, &p, of);
+    write_pattern(s, &p, of, bits);
     return plan_work(s, arena);
 }

@@ -20,7 +20,9 @@ typedef struct Degree {
     Arena    *arena;
     Adjacent *next;             /* neighbours not yet eliminated */
     int      *head, *after, *before;    /* buckets by degree     */
-    uint64_t *waiting;          /* instead, where ties go by number: a bit for each node, [degree][words]; NULL = they do not */
+    uint64_t *waiting;          /* instead, where ties go by number: a bit for each node, [degree][words]; NULL = they do not; */
+    uint64_t *linked;           /* [node][words] its neighbours and itself: then next only lists those of what has gone,      */
+    int      *degree, least;    /* how many they are, and no less than that of any that waits                                 */
     int       words;
     bool     *eligible;         /* may go                        */
     int      *mark, marks;      /* linked to the one looked at when its mark is the last one given */
