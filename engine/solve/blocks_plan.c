@@ -153,19 +153,24 @@ static bool choose(Pattern *p, Arena *arena, const BlockLinks *of)
 /* The rows below all of a panel: those of its last column. */
 static int last_column(const Blocks *s, int j) { return j + s->width[j] - 1; }
 
-/* Its rows from p on are rows of column row[q], too, with others between. */
+/* Its rows from p on are rows of column row[q], too, with others between; no others from where as many are left of both. */
 static void find_targets(Blocks *s)
 {
     int *to = s->target;
     for (int j = 0; j < s->n; j += s->width[j]) {
         int last = last_column(s, j), end = s->first[last + 1];
         s->pair[j] = (int)(to - s->target);
-        for (int q = s->first[last]; q < end; q++)
-            for (int p = q + 1, k = s->first[s->row[q]]; p < end; p++) {
+        for (int q = s->first[last]; q < end; q++) {
+            const int k_end = s->first[s->row[q] + 1];
+            int p = q + 1, k = s->first[s->row[q]];
+            for (; p < end && end - p < k_end - k; p++) {
                 while (s->row[k] < s->row[p])
                     k++;
-                *to++ = s->at[k];
+                *to++ = s->at[k++];
             }
+            for (; p < end; p++)
+                *to++ = s->at[k++];
+        }
     }
 }
 

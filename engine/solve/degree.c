@@ -178,8 +178,9 @@ static void join_bits(Degree *d, int node, int gone)
 {
     uint64_t *restrict to = links_of(d, node);
     const uint64_t *restrict from = links_of(d, gone);
+    const Adjacent *a = &d->next[gone];
     int more = -1;
-    for (int w = 0; w < d->words; w++) {
+    for (int w = a->node[0] / 64; w <= a->node[a->count - 1] / 64; w++) {
         uint64_t new = from[w] & ~to[w];
         to[w] |= new;
         for (; new; new &= new - 1)
