@@ -10,9 +10,10 @@ static size_t late_diagonals(const Blocks *s) { return (size_t)(s->n - s->early)
 static size_t late_blocks(const Blocks *s) { return (size_t)(s->at[s->first[s->n]] - s->at[s->first[s->early]]) * sizeof(real); }
 static real *first_late(const Blocks *s) { return s->below + s->at[s->first[s->early]]; }
 
+/* Vectors of four reach past what counts, by one at the very end. */
 bool blocks_reserve(Blocks *s, Arena *arena)
 {
-    s->diagonal = arena_alloc(arena, (size_t)s->n * BLOCK * sizeof(real));
+    s->diagonal = arena_alloc(arena, ((size_t)s->n * BLOCK + 1) * sizeof(real));
     s->below = arena_alloc(arena, (size_t)(s->at[s->first[s->n]] + 1) * sizeof(real));
     s->kept_diagonal = arena_alloc(arena, late_diagonals(s));
     s->kept_below = arena_alloc(arena, late_blocks(s));
@@ -47,7 +48,7 @@ void blocks_back(Blocks *s)
 
 void blocks_clear(Blocks *s)
 {
-    memset(s->diagonal, 0, (size_t)s->n * BLOCK * sizeof(real));
+    memset(s->diagonal, 0, ((size_t)s->n * BLOCK + 1) * sizeof(real));
     memset(s->below, 0, (size_t)(s->at[s->first[s->n]] + 1) * sizeof(real));
 }
 
