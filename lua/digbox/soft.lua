@@ -155,7 +155,8 @@ function soft.class(name, what, class_methods, getters, readable, properties, ke
   end
   core.keep.class(name, join(kept, soft.kept), function(self)
     local state = core.lua_state(self.world)
-    state.soft_group = math.min(state.soft_group or FIRST_GROUP, self.group or FIRST_GROUP, FIRST_GROUP - (LAST_SHEET - (self.sheet or LAST_SHEET)))
+    local sheet_group = self.sheet and FIRST_GROUP - (LAST_SHEET - self.sheet) or FIRST_GROUP
+    state.soft_group = math.min(state.soft_group or FIRST_GROUP, self.group or FIRST_GROUP, sheet_group)
     if again then again(self) end
     return make(self)
   end)
