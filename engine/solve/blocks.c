@@ -6,6 +6,9 @@
 #include "math/four.h"
 #include "solve/blocks.h"
 
+#define HALF 21                 /* reals from the first of a block to that of its lower right half */
+
+static real *diagonal(const Blocks *s, int j) { return s->diagonal + (size_t)BLOCK * (size_t)j; }
 static size_t late_diagonals(const Blocks *s) { return (size_t)(s->n - s->early) * BLOCK * sizeof(real); }
 static size_t late_blocks(const Blocks *s) { return (size_t)(s->at[s->first[s->n]] - s->at[s->first[s->early]]) * sizeof(real); }
 static real *first_late(const Blocks *s) { return s->below + s->at[s->first[s->early]]; }
@@ -36,13 +39,13 @@ real *blocks_at(const Blocks *s, int row, int column)
 
 void blocks_keep(Blocks *s)
 {
-    memcpy(s->kept_diagonal, s->diagonal + (size_t)BLOCK * (size_t)s->early, late_diagonals(s));
+    memcpy(s->kept_diagonal, diagonal(s, s->early), late_diagonals(s));
     memcpy(s->kept_below, first_late(s), late_blocks(s));
 }
 
 void blocks_back(Blocks *s)
 {
-    memcpy(s->diagonal + (size_t)BLOCK * (size_t)s->early, s->kept_diagonal, late_diagonals(s));
+    memcpy(diagonal(s, s->early), s->kept_diagonal, late_diagonals(s));
     memcpy(first_late(s), s->kept_below, late_blocks(s));
 }
 
@@ -74,7 +77,7 @@ INLINE bool factor_block(real *a, int size)
 }
 
 /* Of what does not turn the halves are not coupled: one need not wait for the other. */
-INLINE bool factor_halves(real *a) { return factor_block(a, 3) & factor_block(a + 21, 3); }
+INLINE bool factor_halves(real *a) { return factor_block(a, 3) & factor_block(a + HALF, 3); }
 
 /* A = A L^-T, and its transpose for subtract(): each row of that twice, so that two rows of six are three vectors. */
 INLINE void divide(real *restrict a, const real *restrict l, real *restrict spread)
@@ -131,7 +134,7 @@ INLINE void subtract_thin(int rows, real *restrict c, const real *restrict a, co
 
 INLINE bool eliminate(Blocks *s, int j)
 {
-    real *l = s->diagonal + (size_t)BLOCK * (size_t)j;
+    real *l = diagonal(s, j);
     if (!factor_block(l, 6))
         return false;
     const int first = s->first[j], count = s->first[j + 1] - first, *row = s->row + first;
@@ -141,7 +144,7 @@ INLINE bool eliminate(Blocks *s, int j)
     const int *target = s->target + s->pair[j];
     for (int q = 0; q < count; q++) {
         const real *spread = s->spread + SPREAD * q;
-        subtract(s->diagonal + (size_t)BLOCK * (size_t)row[q], below + BLOCK * q, spread);
+        subtract(diagonal(s, row[q]), below + BLOCK * q, spread);
         for (int p = q + 1; p < count; p++, target++) {
             if (s->narrow[row[q]])
                 subtract_thin(s->narrow[row[p]] ? 3 : 6, s->below + *target, below + BLOCK * p, spread);
@@ -225,7 +228,7 @@ INLINE void divide_strip(Blocks *s, int j, const Strip *of, int depth, real *spr
     const int width = SMALL * s->width[j];
     for (int m = 0; m < depth; m++) {
         real *c0 = of->a + of->step * m, *c1 = c0 + of->apart;
-        const real *l = s->diagonal + (size_t)BLOCK * (size_t)(j + m);
+        const real *l = diagonal(s, j + m);
         subtract_strip(of, m, s->spread + width * m, c0, c1, 4);
         divide_small(c0, l, spread + SMALL * m);
         if (of->rows == 2)
@@ -240,7 +243,7 @@ INLINE void subtract_panel(Blocks *s, int width, int q, int end, real *a, const 
     for (int half = 0; half < halves; half++) {
         const real *b = spread + SMALL * width * half;
         Strip of = strip_at(s, a, width, q, q + 1);
-        real *c = s->diagonal + (size_t)BLOCK * (size_t)column + 3 * half;
+        real *c = diagonal(s, column) + 3 * half;
         subtract_strip(&of, width, b, c, c + 18, 6);
         for (int p = q + 1; p < end; p = of.end) {
             of = strip_at(s, of.a + SMALL * width * of.rows, width, p, end);
@@ -256,7 +259,7 @@ INLINE bool factor_panel(Blocks *s, int j)
     const int width = s->width[j], outside = s->first[j] + width - 1, end = s->first[j + 1];
     real *a = s->below + s->at[s->first[j]], *spread = s->spread;
     for (int i = 0; i < width; i++) {
-        real *l = s->diagonal + (size_t)BLOCK * (size_t)(j + i);
+        real *l = diagonal(s, j + i);
         Strip of = {.a = a, .rows = 1, .step = SMALL};
         divide_strip(s, j, &of, i, spread);
         subtract_strip(&of, i, spread, l, l, 6);
@@ -312,12 +315,21 @@ static bool factor_columns(Blocks *s, int from, int to, bool plain)
 bool blocks_begin(Blocks *s, bool plain) { return factor_columns(s, 0, s->early, plain); }
 bool blocks_factor(Blocks *s, bool plain) { return factor_columns(s, s->early, s->n, plain); }
 
-/* Within a diagonal block. */
-INLINE void solve_lower(const real *l, real *x)
+/* Within a diagonal block, or half of one; and the other way round. */
+INLINE void solve_lower(const real *l, real *x, int size)
 {
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < size; i++) {
         for (int k = 0; k < i; k++)
             x[i] -= l[6 * i + k] * x[k];
+        x[i] *= l[7 * i];
+    }
+}
+
+INLINE void solve_upper(const real *l, real *x, int size)
+{
+    for (int i = size - 1; i >= 0; i--) {
+        for (int k = i + 1; k < size; k++)
+            x[i] -= l[6 * k + i] * x[k];
         x[i] *= l[7 * i];
     }
 }
@@ -356,13 +368,18 @@ INLINE void solve_back(const Blocks *s, int j, real *x)
     PAIR(xj[4]) = x2;
 }
 
-/* Takes out of `to` what `depth` narrow ones from x on are, by blocks of that many rows side by side; returns where they end. */
-INLINE const real *take_row(const real *restrict b, const real *restrict x, int depth, int rows, real *restrict to)
+/* Takes out of three unknowns what `depth` narrow places from x on are, by SMALL blocks that are `step` apart. */
+INLINE void take(real *to, const real *b, int step, const real *x, int depth)
 {
-    for (int m = 0; m < depth; m++, b += 4 * rows)
-        for (int i = 0; i < rows; i++)
-            to[i] -= b[4 * i] * x[6 * m] + b[4 * i + 1] * x[6 * m + 1] + b[4 * i + 2] * x[6 * m + 2];
-    return b;
+    real t0 = to[0], t1 = to[1], t2 = to[2];
+    for (int m = 0; m < depth; m++, b += step, x += 6) {
+        t0 -= b[0] * x[0] + b[1] * x[1] + b[2] * x[2];
+        t1 -= b[4] * x[0] + b[5] * x[1] + b[6] * x[2];
+        t2 -= b[8] * x[0] + b[9] * x[1] + b[10] * x[2];
+    }
+    to[0] = t0;
+    to[1] = t1;
+    to[2] = t2;
 }
 
 /* The same of panels of narrow columns: what is above in it first, then what is below all of them. */
@@ -371,27 +388,35 @@ INLINE void solve_forth_panel(const Blocks *s, int j, real *x)
     const int width = s->width[j];
     const real *b = s->below + s->at[s->first[j]];
     for (int i = 0; i < width; i++) {
-        b = take_row(b, x + 6 * j, i, 3, x + 6 * (j + i));
-        solve_lower(s->diagonal + (size_t)BLOCK * (size_t)(j + i), x + 6 * (j + i));
+        take(x + 6 * (j + i), b, SMALL, x + 6 * j, i);
+        solve_lower(diagonal(s, j + i), x + 6 * (j + i), 3);
+        solve_lower(diagonal(s, j + i) + HALF, x + 6 * (j + i) + 3, 3);
+        b += SMALL * i;
     }
-    for (int p = s->first[j] + width - 1; p < s->first[j + 1]; p++)
-        b = take_row(b, x + 6 * j, width, s->narrow[s->row[p]] ? 3 : 6, x + 6 * s->row[p]);
+    for (int p = s->first[j] + width - 1; p < s->first[j + 1]; p++) {
+        int halves = s->narrow[s->row[p]] ? 1 : 2;
+        for (int i = 0; i < halves; i++)
+            take(x + 6 * s->row[p] + 3 * i, b + SMALL * i, SMALL * halves, x + 6 * j, width);
+        b += SMALL * halves * width;
+    }
 }
 
 INLINE void solve_back_narrow(const Blocks *s, int j, real *x)
 {
-    real x0 = x[6 * j], x1 = x[6 * j + 1], x2 = x[6 * j + 2];
+    real *xj = x + 6 * j;
+    pair x0 = two(xj), x2 = {xj[2], 0};
     for (int p = s->first[j]; p < s->first[j + 1]; p++) {
-        const real *b = s->below + s->at[p], *from = x + 6 * s->row[p];
-        for (int i = 0, n = s->narrow[s->row[p]] ? 3 : 6; i < n; i++) {
-            x0 -= b[4 * i] * from[i];
-            x1 -= b[4 * i + 1] * from[i];
-            x2 -= b[4 * i + 2] * from[i];
+        const real *b = s->below + s->at[p], *from = x + 6 * s->row[p], *end = from + (s->narrow[s->row[p]] ? 3 : 6);
+        for (; from < end; from += 3, b += SMALL) {
+            UNROLL
+            for (int i = 0; i < 3; i++) {
+                x0 -= two(b + 4 * i) * from[i];
+                x2 -= two(b + 4 * i + 2) * from[i];
+            }
         }
     }
-    x[6 * j] = x0;
-    x[6 * j + 1] = x1;
-    x[6 * j + 2] = x2;
+    PAIR(xj[0]) = x0;
+    xj[2] = x2[0];
 }
 
 void blocks_solve(const Blocks *s, real *x)
@@ -400,21 +425,18 @@ void blocks_solve(const Blocks *s, real *x)
         if (s->narrow[j]) {
             solve_forth_panel(s, j, x);
         } else {
-            solve_lower(s->diagonal + (size_t)BLOCK * (size_t)j, x + 6 * j);
+            solve_lower(diagonal(s, j), x + 6 * j, 6);
             solve_forth(s, j, x);
         }
     }
     for (int j = s->n - 1; j >= 0; j--) {
-        const real *l = s->diagonal + (size_t)BLOCK * (size_t)j;
-        real *xj = x + 6 * j;
-        if (s->narrow[j])
+        if (s->narrow[j]) {
             solve_back_narrow(s, j, x);
-        else
+            solve_upper(diagonal(s, j), x + 6 * j, 3);
+            solve_upper(diagonal(s, j) + HALF, x + 6 * j + 3, 3);
+        } else {
             solve_back(s, j, x);
-        for (int i = 5; i >= 0; i--) {
-            for (int k = i + 1; k < 6; k++)
-                xj[i] -= l[6 * k + i] * xj[k];
-            xj[i] *= l[7 * i];
+            solve_upper(diagonal(s, j), x + 6 * j, 6);
         }
     }
 }
