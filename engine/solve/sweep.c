@@ -514,7 +514,7 @@ static dig_status substep(Group *g, real until)
     if (g->locate)
         group_clean_joints(g);
     DIG_TRY(solve_substep(g));
-    if (events > 0 && g->events_left <= 0 && !g->unsolved)
+    if (g->locate && events > 0 && g->events_left <= 0 && !g->unsolved)
         DIG_TRY(solve_unlocated(g, &until));
     bool late = !g->locate || g->events_left <= 0;
     if (g->joints_direct || late)
