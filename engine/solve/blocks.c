@@ -77,7 +77,11 @@ INLINE bool factor_block(real *a, int size)
 }
 
 /* Of what does not turn the halves are not coupled: one need not wait for the other. */
-INLINE bool factor_halves(real *a) { return factor_block(a, 3) & factor_block(a + HALF, 3); }
+INLINE bool factor_halves(real *a)
+{
+    const bool first = factor_block(a, 3), second = factor_block(a + HALF, 3);
+    return first && second;
+}
 
 /* A = A L^-T, and its transpose for subtract(): each row of that twice, so that two rows of six are three vectors. */
 INLINE void divide(real *restrict a, const real *restrict l, real *restrict spread)
