@@ -79,8 +79,8 @@ INLINE bool factor_block(real *a, int size)
 /* Of what does not turn the halves are not coupled: one need not wait for the other. */
 INLINE bool factor_halves(real *a)
 {
-    const bool first = factor_block(a, 3), second = factor_block(a + HALF, 3);
-    return first && second;
+    bool upper = factor_block(a, 3), lower = factor_block(a + HALF, 3);
+    return upper && lower;
 }
 
 /* A = A L^-T, and its transpose for subtract(): each row of that twice, so that two rows of six are three vectors. */
@@ -188,12 +188,12 @@ INLINE void subtract_rows(int rows, const Strip *of, int depth, const real *rest
     for (int i = 0; i < 3 * rows; i++)
         sum[i] = *(const four_any *)(const void *)(c[i / 3] + stride * (i % 3));
     for (int m = 0; m < depth; m++, b += SMALL) {
-        ROLLED
-        for (int k = 0; k < 3; k++) {       /* unrolled, GCC would load a's rows as vectors to take them apart again */
-            four row = *(const four_any *)(const void *)(b + 4 * k);
-            UNROLL
-            for (int i = 0; i < 3 * rows; i++)
-                sum[i] -= four_all(a[i / 3][4 * (i % 3) + k]) * row;
+        UNROLL
+        for (int i = 0; i < 3 * rows; i++) {        /* one load a row: left to itself, GCC takes vectors apart for less */
+            four r = *(const four_any *)(const void *)(a[i / 3] + 4 * (i % 3));
+            sum[i] -= __builtin_shufflevector(r, r, 0, 0, 0, 0) * *(const four_any *)(const void *)b;
+            sum[i] -= __builtin_shufflevector(r, r, 1, 1, 1, 1) * *(const four_any *)(const void *)(b + 4);
+            sum[i] -= __builtin_shufflevector(r, r, 2, 2, 2, 2) * *(const four_any *)(const void *)(b + 8);
         }
         a[0] += step;
         a[1] += step;
