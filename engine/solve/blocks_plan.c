@@ -3,7 +3,6 @@
  * Least degree first. Putting off what changes fills the factor in: it is done where it saves work all the same.
  */
 #include "solve/blocks.h"
-#include "solve/degree.h"
 
 #define REPEATS 4               /* factorisations of a matrix from one beginning by which an order is judged; five to fifteen are usual */
 #define PLAINLY 0.25            /* of what goes first: what is late costs so little that no other order is looked at */
@@ -11,9 +10,115 @@
 #define WIDEST   16             /* columns of a panel: what is read of it again and again stays near */
 #define HOPELESS 4.0            /* of what goes first: so much that it is not looked at any further */
 
+/* ---- least degree first ---- */
+
+/* As solve/degree.h, but ties go to the lowest number, so that the order is a function of the links alone whatever became ready when; and by a
+ * bit for each node, for what is eliminated here has many neighbours. */
+typedef struct Order {
+    Arena    *arena;
+    int       n, words, least;  /* least: no more than the degree of any that waits */
+    uint64_t *linked;           /* [n][words]  the neighbours of each, and itself */
+    uint64_t *waiting;          /* [n][words]  who may go, by degree */
+    int      *degree;           /* [n] */
+    bool     *ready;            /* [n] */
+} Order;
+
+typedef struct NodeList { int *node; int count; } NodeList;         /* ascending */
+
+static uint64_t bit_of(int node) { return (uint64_t)1 << node % 64; }
+static uint64_t *word_of(const Order *o, uint64_t *bits, int row, int node) { return bits + (size_t)row * (size_t)o->words + (size_t)(node / 64); }
+
+static void link_nodes(Order *o, int x, int y)
+{
+    bool new = !(*word_of(o, o->linked, x, y) & bit_of(y));
+    *word_of(o, o->linked, x, y) |= bit_of(y);
+    *word_of(o, o->linked, y, x) |= bit_of(x);
+    o->degree[x] += new;
+    o->degree[y] += new;
+}
+
+static bool open_order(Order *o, Arena *arena, const BlockLinks *of)
+{
+    size_t n = (size_t)of->n, words = n / 64 + 1;
+    *o = (Order){.arena = arena, .n = of->n, .words = (int)words};
+    o->linked = arena_zero(arena, n * words * sizeof *o->linked);
+    o->waiting = arena_zero(arena, n * words * sizeof *o->waiting);
+    o->degree = arena_zero(arena, n * sizeof *o->degree);
+    o->ready = arena_zero(arena, n * sizeof *o->ready);
+    if (!o->linked || !o->waiting || !o->degree || !o->ready)
+        return false;
+    for (int i = 0; i < of->n; i++)
+        *word_of(o, o->linked, i, i) |= bit_of(i);
+    for (int i = 0; i < of->links; i++)
+        link_nodes(o, of->link[2 * i], of->link[2 * i + 1]);
+    return true;
+}
+
+static void put(Order *o, int node)
+{
+    *word_of(o, o->waiting, o->degree[node], node) |= bit_of(node);
+    o->least = int_min(o->least, o->degree[node]);
+    o->ready[node] = true;
+}
+
+static void take(Order *o, int node) { *word_of(o, o->waiting, o->degree[node], node) &= ~bit_of(node); }
+
+/* The next to go, no longer waiting; some node must be. */
+static int next_node(Order *o)
+{
+    const uint64_t *word = o->waiting + (size_t)o->least * (size_t)o->words;
+    while (*word == 0)
+        word++;
+    o->least = (int)((word - o->waiting) / o->words);
+    int node = (int)((word - o->waiting) % o->words) * 64 + __builtin_ctzll(*word);
+    take(o, node);
+    return node;
+}
+
+static bool list_links(const Order *o, int node, NodeList *list)
+{
+    *list = (NodeList){arena_alloc(o->arena, (size_t)(o->degree[node] + 1) * sizeof *list->node), 0};
+    for (int w = 0; list->node && w < o->words; w++)
+        for (uint64_t rest = o->linked[(size_t)node * (size_t)o->words + (size_t)w]; rest; rest &= rest - 1) {
+            int other = 64 * w + __builtin_ctzll(rest);
+            if (other != node)
+                list->node[list->count++] = other;
+        }
+    return list->node;
+}
+
+/* What is linked to what goes is linked to all of that. */
+static void join(Order *o, int node, int gone, const NodeList *list)
+{
+    uint64_t *restrict to = word_of(o, o->linked, node, 0);
+    const uint64_t *restrict from = word_of(o, o->linked, gone, 0);
+    for (int w = list->node[0] / 64; w <= list->node[list->count - 1] / 64; w++) {
+        uint64_t new = from[w] & ~to[w];
+        to[w] |= new;
+        for (; new; new &= new - 1)
+            o->degree[node]++;
+    }
+    to[gone / 64] &= ~bit_of(gone);
+    o->degree[node]--;
+}
+
+static void remove_node(Order *o, int node, const NodeList *list)
+{
+    for (int i = 0; i < list->count; i++) {
+        int other = list->node[i];
+        if (o->ready[other])
+            take(o, other);
+        join(o, other, node, list);
+        if (o->ready[other])
+            put(o, other);
+    }
+}
+
+/* ---- pattern ---- */
+
 typedef struct Pattern {
     int      *place;            /* [n] */
-    Adjacent *later;            /* [n] by place: what the columns have below the diagonal, by number */
+    NodeList *later;          /* [n] by place: what the columns have below the diagonal, by number */
     int       early, blocks;
     real      begin_work, late_work;    /* multiplications */
 } Pattern;
@@ -30,46 +135,45 @@ static real mean_work(const Pattern *p) { return p->begin_work / REPEATS + p->la
 
 static bool is_narrow(const BlockLinks *of, int i) { return of->narrow && of->narrow[i]; }
 
-static void go(Pattern *p, Degree *d, const BlockLinks *of, int place)
+/* False: out of memory. */
+static bool go(Pattern *p, Order *o, const BlockLinks *of, int place)
 {
-    int node = degree_next(d), thin = 0;
-    Adjacent *later = &p->later[place];
+    int node = next_node(o), thin = 0;
+    NodeList *later = &p->later[place];
     p->place[node] = place;
-    *later = d->next[node];
+    if (!list_links(o, node, later))
+        return false;
     for (int i = 0; i < later->count; i++)
         thin += is_narrow(of, later->node[i]);
     *(place < p->early ? &p->begin_work : &p->late_work) += work_of(is_narrow(of, node), later->count, thin);
     p->blocks += later->count;
-    degree_eliminate(d, node, false);
+    remove_node(o, node, later);
+    return true;
 }
 
 /* The first `early` to go are those that are not late; 0: all go as they come. *fits: what is late does not cost many times the rest, else
  * p is of no use. False: out of memory. */
 static bool eliminate(Pattern *p, Arena *arena, const BlockLinks *of, int early, bool *fits)
 {
-    Degree d;
+    Order o;
     *p = (Pattern){.early = early};
     p->place = arena_alloc(arena, (size_t)of->n * sizeof *p->place);
     p->later = arena_alloc(arena, (size_t)of->n * sizeof *p->later);
-    degree_open(&d, arena, of->n);
-    degree_by_index(&d);
-    if (!p->place || !p->later || d.failed)
+    if (!p->place || !p->later || !open_order(&o, arena, of))
         return false;
-    for (int i = 0; i < of->links; i++)
-        if (of->link[2 * i] != of->link[2 * i + 1])
-            degree_link(&d, of->link[2 * i], of->link[2 * i + 1]);
-    for (int i = 0; i < of->n && !d.failed; i++)
+    for (int i = 0; i < of->n; i++)
         if (early == 0 || !of->late[i])
-            degree_ready(&d, i);
+            put(&o, i);
     *fits = true;
-    for (int place = 0; place < of->n && !d.failed && *fits; place++) {
+    for (int place = 0; place < of->n && *fits; place++) {
         for (int i = 0; i < of->n && place == early && early > 0; i++)
             if (of->late[i])
-                degree_ready(&d, i);
-        go(p, &d, of, place);
+                put(&o, i);
+        if (!go(p, &o, of, place))
+            return false;
         *fits = early == 0 || p->late_work < HOPELESS * p->begin_work;
     }
-    return !d.failed;
+    return true;
 }
 
 static int count_early(const BlockLinks *of)
@@ -81,11 +185,11 @@ static int count_early(const BlockLinks *of)
 }
 
 /* Ascending, by a bit for each place; returns how many. */
-static int sorted_rows(int *row, const Adjacent *later, const int *place, uint64_t *bits, int n)
+static int sorted_rows(int *row, const NodeList *later, const int *place, uint64_t *bits, int n)
 {
     int count = 0;
     for (int i = 0; i < later->count; i++)
-        bits[place[later->node[i]] / 64] |= (uint64_t)1 << place[later->node[i]] % 64;
+        bits[place[later->node[i]] / 64] |= bit_of(place[later->node[i]]);
     for (int w = 0; w <= n / 64; w++)
         for (; bits[w]; bits[w] &= bits[w] - 1)
             row[count++] = 64 * w + __builtin_ctzll(bits[w]);

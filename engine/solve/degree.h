@@ -3,8 +3,7 @@
  * Least degree first (Tinney & Walker 1967), with buckets and last-in first-out ties: on trees there is no fill and the work is
  * linear. Use: degree_open, degree_link for every pair that shares a coefficient, degree_ready for every node that may go, from
  * the last to the first; then degree_next and degree_eliminate until all are gone. What is linked to a node when it goes is the
- * pattern of its column in the factor. After degree_by_index ties go to the lowest number instead: the order is then a function of the links
- * alone, whatever became ready when.
+ * pattern of its column in the factor.
  *
  * Owns:  nothing; all memory is the arena's.
  * Floor: solve. Includes base.
@@ -20,10 +19,6 @@ typedef struct Degree {
     Arena    *arena;
     Adjacent *next;             /* neighbours not yet eliminated */
     int      *head, *after, *before;    /* buckets by degree     */
-    uint64_t *waiting;          /* instead, where ties go by number: a bit for each node, [degree][words]; NULL = they do not; */
-    uint64_t *linked;           /* [node][words] its neighbours and itself: then next only lists those of what has gone,      */
-    int      *degree, least;    /* how many they are, and no less than that of any that waits                                 */
-    int       words;
     bool     *eligible;         /* may go                        */
     int      *mark, marks;      /* linked to the one looked at when its mark is the last one given */
     int       count;
@@ -31,7 +26,6 @@ typedef struct Degree {
 } Degree;
 
 void degree_open(Degree *d, Arena *arena, int count);
-void degree_by_index(Degree *d);                        /* ties go to the lowest number; before anything is ready */
 void degree_link(Degree *d, int x, int y);
 void degree_ready(Degree *d, int node);
 int  degree_next(Degree *d);                            /* the next to go, no longer in its bucket; some node must be ready */

@@ -79,7 +79,7 @@ static void mark_late(const Direct *d, bool *late, int body)
 static bool links(const Direct *d, BlockLinks *of)
 {
     const Group *g = d->g;
-    int most = g->point_count + singles_link(d, NULL, NULL);
+    int most = g->point_count + g->row_count * ROW_BODIES * (ROW_BODIES - 1) / 2;
     int *link = arena_alloc(g->arena, 2 * (size_t)(most + 1) * sizeof *link);
     bool *late = arena_zero(g->arena, (size_t)of->n * sizeof *late);
     if (!link || !late)
@@ -97,7 +97,7 @@ static bool links(const Direct *d, BlockLinks *of)
         mark_late(d, late, g->rolls[i].a);
         mark_late(d, late, g->rolls[i].b);
     }
-    of->links += singles_link(d, link + 2 * (size_t)of->links, late);
+    singles_link(d, of, link, late);
     of->link = link;
     of->late = late;
     return true;

@@ -79,7 +79,7 @@ typedef struct Direct {
 
 /* direct_joints.c: the same for rows of joints, called by what is below */
 bool singles_open(Direct *d);                           /* false: out of memory */
-int singles_link(const Direct *d, int *link, bool *late);       /* puts pairs by d->place there, NULL: counts them; late: of rows with a bound */
+void singles_link(const Direct *d, BlockLinks *of, int *link, bool *late);      /* adds pairs by d->place; late: of rows with a bound */
 void singles_changes(Direct *d);
 void singles_move(Direct *d, real along);
 bool singles_forces(Direct *d);                         /* false: the factor is not of these any more */

@@ -124,28 +124,24 @@ bool singles_open(Direct *d)
 
 static bool has_bound(const Row *r) { return r->kind == ROW_LIMIT || r->kind == ROW_MOTOR || r->kind == ROW_DRY; }
 
-int singles_link(const Direct *d, int *link, bool *late)
+void singles_link(const Direct *d, BlockLinks *of, int *link, bool *late)
 {
-    int count = 0;
     for (int i = 0; i < d->g->row_count; i++) {
         const Row *r = &d->g->rows[i].row;
         for (int k = 0; k < r->count; k++) {
             int a = r->body[k] < 0 ? -1 : d->place[r->body[k]];
-            if (a >= 0 && late)
-                late[a] = late[a] || has_bound(r);
+            if (a < 0)
+                continue;
+            late[a] = late[a] || has_bound(r);
             for (int m = 0; m < k; m++) {
                 int b = r->body[m] < 0 ? -1 : d->place[r->body[m]];
-                if (a < 0 || b < 0 || a == b)
+                if (b < 0)
                     continue;
-                if (link) {
-                    link[2 * count] = a;
-                    link[2 * count + 1] = b;
-                }
-                count++;
+                link[2 * of->links] = a;
+                link[2 * of->links++ + 1] = b;
             }
         }
     }
-    return count;
 }
 
 /* ---- impulses ---- */
