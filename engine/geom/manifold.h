@@ -50,17 +50,19 @@ int manifold_of_parts(const Shape *a, pose pa, const Shape *b, pose pb, real rea
 /* Does this normal (unit, world, from a to b) leave one of them through a covered face? */
 bool manifold_covered(const Shape *a, pose pa, const Shape *b, pose pb, Covered covered, vec3 normal);
 
-/* A fixed shape beside another one, and a box about it in world axes. */
+/* A fixed shape beside others, and a box about it in world axes. */
 typedef struct Beside { const Shape *shape; pose at; box3 box; } Beside;
+
+/* Of these, those beside one fixed shape. */
+typedef struct Neighbours { const Beside *all; const int *which; int count; } Neighbours;
 
 /* Is this contact of a fixed shape with another at a part of its surface that others beside it cover? m: normal (unit, world) from the fixed
  * one to the other, points a on the fixed one. Both convex, but for those beside; else false. Steps and gaps between fixed shapes of up
  * to 2e-3 of the smaller shape of the two are none. */
-bool manifold_hidden(const Shape *fixed, pose at, const Shape *other, pose other_at, const Beside *beside, int count, const Manifold *m);
+bool manifold_hidden(const Shape *fixed, pose at, const Shape *other, pose other_at, const Neighbours *by, const Manifold *m);
 
 /* The same; and a contact that is hidden becomes that with the nearest face that is not, or none. */
-bool manifold_uncover(const Shape *fixed, pose at, const Shape *other, pose other_at, real reach, const Beside *beside, int count,
-                      Manifold *m);
+bool manifold_uncover(const Shape *fixed, pose at, const Shape *other, pose other_at, real reach, const Neighbours *by, Manifold *m);
 
 /* Swaps a and b. */
 void manifold_mirror(Manifold *m);

@@ -21,8 +21,7 @@
 
 typedef struct Seam {           /* a contact of a fixed shape, what is beside that, and all in world axes */
     const Pair   *p;            /* a: the fixed one */
-    const Beside *beside;
-    int           count;
+    const Neighbours *by;
     real          flush;        /* m */
     const Manifold *m;          /* normal out of the fixed one, points a on it */
 } Seam;
@@ -55,12 +54,14 @@ static bool within(const Shape *s, vec3 local, real margin)
     return s->type->convex && point_gap(s, shape_kind(s), local, &gap, &normal, &on) && gap - s->round <= margin;
 }
 
+static const Beside *neighbour(const Neighbours *by, int i) { return &by->all[by->which[i]]; }
+
 static bool has_point(const Seam *s, const Beside *b, vec3 point) { return within(b->shape, pose_unpoint(b->at, point), s->flush); }
 
 static bool any_has_point(const Seam *s, vec3 point)
 {
-    for (int i = 0; i < s->count; i++)
-        if (has_point(s, &s->beside[i], point))
+    for (int i = 0; i < s->by->count; i++)
+        if (has_point(s, neighbour(s->by, i), point))
             return true;
     return false;
 }
@@ -79,8 +80,8 @@ static bool goes_on(const Beside *b, vec3 point, vec3 n)
 /* One that has this point, and goes on beyond the plane across the contact's normal there: that is none of their surface. */
 static bool no_normal(const Seam *s, vec3 point)
 {
-    for (int i = 0; i < s->count; i++)
-        if (has_point(s, &s->beside[i], point) && goes_on(&s->beside[i], point, s->m->normal))
+    for (int i = 0; i < s->by->count; i++)
+        if (has_point(s, neighbour(s->by, i), point) && goes_on(neighbour(s->by, i), point, s->m->normal))
             return true;
     return false;
 }
@@ -204,8 +205,8 @@ static bool suspect(const Seam *s)
     vec3 lift = face ? vec3_scale(LIFT * s->flush, s->m->normal) : vec3_zero(), point;
     for (int i = 0; i < s->m->count; i++) {
         vec3 from = vec3_add(s->m->points[i].a, lift), to = vec3_add(s->m->points[(i + 1) % s->m->count].a, lift);
-        for (int k = 0; k < s->count; k++) {
-            const Beside *b = &s->beside[k];
+        for (int k = 0; k < s->by->count; k++) {
+            const Beside *b = neighbour(s->by, k);
             if (point_between(b->shape, pose_unpoint(b->at, from), pose_unpoint(b->at, to), s->flush, &point) &&
                 (face || goes_on(b, pose_point(b->at, point), s->m->normal)))
                 return true;
@@ -228,7 +229,7 @@ static bool shallow(const Seam *s, const Way *instead)
 static bool hidden(const Seam *s, Way *instead) { return suspect(s) && best_way(s, instead) && shallow(s, instead) && closed(s, instead); }
 
 /* Has the fixed one faces that can stand in for each other, and the contact points near what is beside it? */
-static bool can_hide(const Shape *fixed, const Shape *other, const Beside *beside, int count, const Manifold *m)
+static bool can_hide(const Shape *fixed, const Shape *other, const Neighbours *by, const Manifold *m)
 {
     if (m->count == 0 || !other->type->convex || face_count(fixed) == 0)
         return false;
@@ -236,8 +237,8 @@ static bool can_hide(const Shape *fixed, const Shape *other, const Beside *besid
     for (int i = 1; i < m->count; i++)
         points = (box3){vec3_min(points.low, m->points[i].a), vec3_max(points.high, m->points[i].a)};
     points = box3_grow(points, (LIFT + 1) * flush_of(fixed, other));
-    for (int i = 0; i < count; i++)
-        if (box3_overlap(points, beside[i].box))
+    for (int i = 0; i < by->count; i++)
+        if (box3_overlap(points, neighbour(by, i)->box))
             return true;
     return false;
 }
@@ -259,24 +260,23 @@ static int meet_face(const Pair *p, const Way *w, Manifold *out)
     return collide_faces(p, &g, out);
 }
 
-bool manifold_hidden(const Shape *fixed, pose at, const Shape *other, pose other_at, const Beside *beside, int count, const Manifold *m)
+bool manifold_hidden(const Shape *fixed, pose at, const Shape *other, pose other_at, const Neighbours *by, const Manifold *m)
 {
-    if (!can_hide(fixed, other, beside, count, m))
+    if (!can_hide(fixed, other, by, m))
         return false;
     Pair p = pair_make(fixed, at, other, other_at);
     Way instead;
-    return hidden(&(Seam){&p, beside, count, flush_of(fixed, other), m}, &instead);
+    return hidden(&(Seam){&p, by, flush_of(fixed, other), m}, &instead);
 }
 
-bool manifold_uncover(const Shape *fixed, pose at, const Shape *other, pose other_at, real reach, const Beside *beside, int count,
-                      Manifold *m)
+bool manifold_uncover(const Shape *fixed, pose at, const Shape *other, pose other_at, real reach, const Neighbours *by, Manifold *m)
 {
-    if (!can_hide(fixed, other, beside, count, m))
+    if (!can_hide(fixed, other, by, m))
         return false;
     Pair p = pair_make(fixed, at, other, other_at);
     Way instead;
     p.reach = reach;
-    if (!hidden(&(Seam){&p, beside, count, flush_of(fixed, other), m}, &instead))
+    if (!hidden(&(Seam){&p, by, flush_of(fixed, other), m}, &instead))
         return false;
     meet_face(&p, &instead, m);
     return true;

@@ -168,7 +168,7 @@ typedef struct GroupPair {
 
 static inline void pair_approaches(GroupPair *q, real speed) { q->speed = q->struck ? q->speed : real_max(q->speed, speed); }
 
-/* Of a pair with a fixed solid, what else is fixed beside that, near the other one of the pair: a range of the group's. */
+/* Of a pair with a fixed solid, what else is fixed beside that, near the other one of the pair: a range of the group's `beside_which`. */
 typedef struct Seams { int first, count; } Seams;
 
 /* A pair that a crowd has left out: its bodies do not meet by themselves in this step. */
@@ -240,7 +240,8 @@ struct Group {
     int      *turned;       int turned_count;   /* group_judge: contacts whose record in the world, or whose pair's memory, comes, goes, or grows */
     int       widened_count, remembered_count;  /* group_judge: of these, contacts that grow; memories that come */
     Seams    *seams;            /* [pair_count] what is beside the fixed one of each; NULL: nothing is */
-    Beside   *beside;
+    Beside   *beside;           /* the fixed ones that movers meet */
+    int      *beside_which;     /* of these, by seams */
     real      finest;           /* m   group_judge: size of the smallest solid in a pair; INFINITY: there is no pair */
     GroupContact *contacts; int contact_count;
     real     *places;       int place_count;    /* of each contact, room for its points first, then for their memories; then of its pair, for

@@ -117,8 +117,8 @@ static int link_run(Group *g, const Meeting *m, int from, int end, bool write)
             links += 2;
             Seams *x = &g->seams[m[i].pair], *y = &g->seams[m[k].pair];
             if (write) {
-                g->beside[x->first + x->count] = (Beside){&m[k].fixed->shape, solid_pose(g->world, m[k].fixed), m[k].box};
-                g->beside[y->first + y->count] = (Beside){&m[i].fixed->shape, solid_pose(g->world, m[i].fixed), m[i].box};
+                g->beside_which[x->first + x->count] = k;
+                g->beside_which[y->first + y->count] = i;
             }
             x->count++;
             y->count++;
@@ -151,9 +151,12 @@ static dig_status link_meetings(Group *g, const Meeting *m, int count)
     if (!open_seams(g))
         return DIG_E_MEMORY;
     int links = link_all(g, m, count, false);
-    g->beside = arena_alloc(g->arena, (size_t)links * sizeof *g->beside);
-    if (!g->beside)
+    g->beside_which = arena_alloc(g->arena, (size_t)links * sizeof *g->beside_which);
+    g->beside = arena_alloc(g->arena, (size_t)count * sizeof *g->beside);
+    if (!g->beside_which || !g->beside)
         return DIG_E_MEMORY;
+    for (int i = 0; i < count && links > 0; i++)
+        g->beside[i] = (Beside){&m[i].fixed->shape, solid_pose(g->world, m[i].fixed), m[i].box};
     for (int i = 0, first = 0; i < g->pair_count; i++) {
         first += g->seams[i].count;
         g->seams[i] = (Seams){first - g->seams[i].count, 0};
@@ -179,33 +182,37 @@ dig_status seams(Group *g, int first)
     return link_meetings(g, m, count);
 }
 
-static const Seams *seams_of(const Group *g, const GroupPair *q) { return &g->seams[q - g->pairs]; }
+static Neighbours neighbours_of(const Group *g, const GroupPair *q)
+{
+    if (!g->seams)
+        return (Neighbours){0};
+    const Seams *s = &g->seams[q - g->pairs];
+    return (Neighbours){g->beside, g->beside_which + s->first, s->count};
+}
 
-bool seam_near(const Group *g, const GroupPair *q) { return g->seams && seams_of(g, q)->count > 0; }
+bool seam_near(const Group *g, const GroupPair *q) { return neighbours_of(g, q).count > 0; }
 
 bool seam_uncover(const Group *g, const GroupPair *q, pose pa, pose pb, Manifold *m)
 {
-    if (!seam_near(g, q))
+    Neighbours by = neighbours_of(g, q);
+    if (by.count == 0)
         return false;
-    const Seams *s = seams_of(g, q);
-    const Beside *by = &g->beside[s->first];
     if (q->a >= g->moving_count)
-        return manifold_uncover(&q->on_a->shape, pa, &q->on_b->shape, pb, q->reach, by, s->count, m);
+        return manifold_uncover(&q->on_a->shape, pa, &q->on_b->shape, pb, q->reach, &by, m);
     manifold_mirror(m);
-    bool changed = manifold_uncover(&q->on_b->shape, pb, &q->on_a->shape, pa, q->reach, by, s->count, m);
+    bool changed = manifold_uncover(&q->on_b->shape, pb, &q->on_a->shape, pa, q->reach, &by, m);
     manifold_mirror(m);
     return changed;
 }
 
 bool seam_hides(const Group *g, const GroupPair *q, pose pa, pose pb, const Manifold *m)
 {
-    if (!seam_near(g, q))
+    Neighbours by = neighbours_of(g, q);
+    if (by.count == 0)
         return false;
-    const Seams *s = seams_of(g, q);
-    const Beside *by = &g->beside[s->first];
     if (q->a >= g->moving_count)
-        return manifold_hidden(&q->on_a->shape, pa, &q->on_b->shape, pb, by, s->count, m);
+        return manifold_hidden(&q->on_a->shape, pa, &q->on_b->shape, pb, &by, m);
     Manifold mirrored = *m;
     manifold_mirror(&mirrored);
-    return manifold_hidden(&q->on_b->shape, pb, &q->on_a->shape, pa, by, s->count, &mirrored);
+    return manifold_hidden(&q->on_b->shape, pb, &q->on_a->shape, pa, &by, &mirrored);
 }

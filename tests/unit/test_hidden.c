@@ -7,14 +7,14 @@ static const box3 everywhere = {{-10, -10, -10}, {10, 10, 10}};
 
 static Beside beside(const Shape *s, vec3 at) { return (Beside){s, {at, quat_identity()}, everywhere}; }
 
-/* The contact of a fixed shape with a box, both with and without what is beside; returns whether it was changed. */
-static bool meet(const Shape *fixed, vec3 at, const Shape *box, pose box_at, const Beside *by, int count, Manifold *plain, Manifold *seen)
+/* The contact of a fixed shape with a box, both with and without the one beside; returns whether it was changed. */
+static bool meet(const Shape *fixed, vec3 at, const Shape *box, pose box_at, const Beside *by, Manifold *plain, Manifold *seen)
 {
     pose p = {at, quat_identity()};
     plain->count = 0;
     manifold_collide(fixed, p, box, box_at, 0.1, NULL, plain, NULL, 1);
     *seen = *plain;
-    return manifold_uncover(fixed, p, box, box_at, 0.1, by, count, seen);
+    return manifold_uncover(fixed, p, box, box_at, 0.1, &(Neighbours){by, &(int){0}, 1}, seen);
 }
 
 TEST(over_a_flush_seam_every_normal_is_the_floors)
@@ -27,7 +27,7 @@ TEST(over_a_flush_seam_every_normal_is_the_floors)
             Beside left = beside(&tile[k], (vec3){-0.5, -0.1, 0}), right = beside(&tile[k], (vec3){0.5, -0.1, 0});
             Manifold plain, seen;
             for (int side = 0; side < 2; side++) {
-                replaced += meet(&tile[k], (vec3){side ? 0.5 : -0.5, -0.1, 0}, &box, at, side ? &left : &right, 1, &plain, &seen);
+                replaced += meet(&tile[k], (vec3){side ? 0.5 : -0.5, -0.1, 0}, &box, at, side ? &left : &right, &plain, &seen);
                 for (int j = 0; j < seen.count; j++) {
                     CHECK_NEAR(vec3_distance(seen.normal, (vec3){0, 1, 0}), 0, 1e-12);
                     CHECK_NEAR(seen.points[j].gap, -1e-6 * (i % 3), 1e-12);
@@ -47,7 +47,7 @@ TEST(a_step_is_met_as_it_was)
         pose at = {{-0.15 + 0.0006 * i, 0.05, 0.1}, quat_exp((vec3){0, 0.2 * (i % 4), i % 5 == 0 ? -0.1 : 0})};
         Beside left = beside(&tile, (vec3){-0.5, -0.1, 0});
         Manifold plain, seen;
-        CHECK(!meet(&tile, (vec3){0.5, -0.09, 0}, &box, at, &left, 1, &plain, &seen));
+        CHECK(!meet(&tile, (vec3){0.5, -0.09, 0}, &box, at, &left, &plain, &seen));
         CHECK_INT(seen.count, plain.count);
     }
     shape_free(&tile);
@@ -66,7 +66,7 @@ TEST(nothing_deep_is_hidden)
         pose at = {random_vec3(&r, 0.6), random_turn(&r)};
         Beside by = {&other, {random_vec3(&r, 0.5), random_turn(&r)}, everywhere};
         Manifold plain, seen;
-        if (meet(&fixed, vec3_zero(), &box, at, &by, 1, &plain, &seen)) {
+        if (meet(&fixed, vec3_zero(), &box, at, &by, &plain, &seen)) {
             real gap = shape_distance(&fixed, pose_identity(), &box, at, INFINITY, NULL, NULL, NULL);
             changed++;
             CHECK(gap >= -FLUSH * real_min(fixed.outer, box.outer) * (1 + 1e-9));
