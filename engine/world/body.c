@@ -552,12 +552,12 @@ void body_disable(World *w, uint32_t slot)
         b->x = b->prev_x;
         b->q = b->prev_q;
     }
+    b->told_mass = b->kind == DIG_DYNAMIC ? b->mass : b->told_mass;
     b->kind = DIG_STATIC;
     b->mode = DIG_FIXED;
     b->collides = false;
     b->awake = true;
     b->v = b->w = b->force = b->torque = b->hit_v = b->hit_w = vec3_zero();
-    b->told_mass = b->mass;
     b->mass = b->inv_mass = b->density = b->pull = b->still = b->trace_step = 0;
     b->inertia = b->inv_inertia = mat3_zero();
     b->round_inertia = b->collided = b->crowded = false;

@@ -15,6 +15,7 @@ static Scene open_scene(void)
     dig_body_def d = body_with(look(0.5, 0.2), (vec3){-4, 1, 0}, quat_identity());
     d.kinematic = true;
     d.velocity = (vec3){0.1, 0, 0};
+    d.mass = 20;
     s.mover = add_body(s.w, d, "box", &(dig_box_def){{1, 1, 1}});
     dig_joint_def j = dig_joint_defaults();
     j.type = "ball";
@@ -168,7 +169,14 @@ TEST(what_is_set_aside_leaves_the_others_what_they_would_have_done)
     }
 }
 
-/* A floor, a mover and one that is disabled already may be; one that is gone may not. What rested on it falls. */
+static real mass_of(dig_world *w, dig_body b)
+{
+    real mass;
+    CHECK(dig_body_param(w, b, "mass", &mass) == DIG_OK);
+    return mass;
+}
+
+/* A floor, a mover and one that is disabled already may be, and keep the mass they were given; one that is gone may not. What rested on it falls. */
 TEST(anything_can_be_disabled)
 {
     Scene s = open_scene();
@@ -177,6 +185,7 @@ TEST(anything_can_be_disabled)
     const dig_event *e;
     CHECK(dig_body_disable(s.w, s.mover) == DIG_OK);
     CHECK(dig_body_disable(s.w, s.mover) == DIG_OK);
+    CHECK_NEAR(mass_of(s.w, s.mover), 20, 0);
     CHECK(dig_body_disable(s.w, s.floor) == DIG_OK);
     step(s.w, 1);
     int count = dig_events(s.w, &e), disabled = 0;
