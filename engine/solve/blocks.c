@@ -3,6 +3,7 @@
  * The factor takes most of the time of what is solved at once. It is written in vectors of four, which the compiler splits where registers
  * are shorter, and compiled for two sets of instructions: the same rounded operations in the same order, the same bits.
  */
+#include "base/sort.h"
 #include "math/four.h"
 #include "solve/blocks.h"
 
@@ -25,16 +26,9 @@ bool blocks_reserve(Blocks *s, Arena *arena)
 
 real *blocks_at(const Blocks *s, int row, int column)
 {
-    int from = s->first[column], to = s->first[column + 1];
-    while (from < to) {
-        int middle = from + (to - from) / 2;
-        if (s->row[middle] < row)
-            from = middle + 1;
-        else
-            to = middle;
-    }
-    DIG_ASSERT(from < s->first[column + 1] && s->row[from] == row);
-    return s->below + s->at[from];
+    int at = sorted_place(s->row, s->first[column], s->first[column + 1], row);
+    DIG_ASSERT(at < s->first[column + 1] && s->row[at] == row);
+    return s->below + s->at[at];
 }
 
 void blocks_keep(Blocks *s)

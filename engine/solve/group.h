@@ -451,6 +451,7 @@ int  relax(Group *g, int sweeps, real residual);        /* until the change is b
 /* impulses.c: of all rows, from their present ones */
 #define VELOCITY_COARSE 1e-3             /* m/s: a small group whose velocities are worse than this gets more sweeps than its plan gives */
 void relax_group(Group *g);
+Vel *group_velocities(const Group *g);  /* a copy, from the arena; NULL: out of memory */
 dig_status group_warm_start(Group *g);  /* the velocities that the rows' impulses make, or as much of these as does no harm */
 /* Many that lie there, of which a direct solve has not found the forces: see crowd/calm.c. */
 static inline bool lies_uneasy(const Group *g) { return g->calm && g->trace_wait > 0; }

@@ -21,6 +21,12 @@ static void warm_start(Group *g)
         joint_row_warm(g, &g->rows[i]);
 }
 
+Vel *group_velocities(const Group *g)
+{
+    Vel *copy = arena_alloc(g->arena, (size_t)g->body_count * sizeof *copy);
+    return copy ? memcpy(copy, g->vel, (size_t)g->body_count * sizeof *copy) : NULL;
+}
+
 static real along(const Group *g, int i, Vel a, Vel b)
 {
     const Member *m = &g->member[i];
@@ -56,10 +62,9 @@ dig_status group_warm_start(Group *g)
         return DIG_OK;
     }
     ArenaMark mark = arena_mark(g->arena);
-    Vel *before = arena_alloc(g->arena, (size_t)g->body_count * sizeof *before);
+    const Vel *before = group_velocities(g);
     if (!before)
         return DIG_E_MEMORY;
-    memcpy(before, g->vel, (size_t)g->body_count * sizeof *before);
     warm_start(g);
     real meet = 0, square = 0, energy = 0;
     for (int i = 0; i < g->moving_count; i++) {

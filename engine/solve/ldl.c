@@ -1,6 +1,7 @@
 /* solve/ldl.c - dense and sparse L D L^T. */
 #include "solve/ldl.h"
 
+#include "base/sort.h"
 #include "solve/degree.h"
 
 /* ---- order and pattern ---- */
@@ -79,16 +80,9 @@ int ldl_find(const Ldl *s, int i, int k)
     int low = int_min(r, c), high = int_max(r, c);
     if (s->dense)
         return high * (high - 1) / 2 + low;
-    int from = s->first[low], to = s->first[low + 1];
-    while (from < to) {
-        int middle = from + (to - from) / 2;
-        if (s->row[middle] < high)
-            from = middle + 1;
-        else
-            to = middle;
-    }
-    DIG_ASSERT(from < s->first[low + 1] && s->row[from] == high);
-    return from;
+    int at = sorted_place(s->row, s->first[low], s->first[low + 1], high);
+    DIG_ASSERT(at < s->first[low + 1] && s->row[at] == high);
+    return at;
 }
 
 void ldl_clear(Ldl *s)

@@ -407,10 +407,9 @@ static dig_status solve_substep(Group *g) { return solve_with(g, NULL); }
 static dig_status turn_as_found(Group *g)
 {
     ArenaMark mark = arena_mark(g->arena);
-    Vel *found = arena_alloc(g->arena, (size_t)g->body_count * sizeof *found);
+    const Vel *found = group_velocities(g);
     if (!found)
         return DIG_E_MEMORY;
-    memcpy(found, g->vel, (size_t)g->body_count * sizeof *found);
     restore(g);
     dig_status status = solve_with(g, found);
     arena_rewind(g->arena, mark);
