@@ -120,6 +120,8 @@ static void pack_body(Pack *p, const World *w, Body *b)
     pack_u16(p, &b->trace_wait);
     pack_u16(p, &b->trace_pause);
     pack_real_in(p, &b->trace_step, 0, 1, "traced step of a body");
+    pack_u8(p, &b->toil.steps);
+    pack_u8(p, &b->toil.pause);
     pack_small(p, &b->integrator, DIG_INTEGRATORS, "integrator of a body");
 }
 

@@ -118,6 +118,7 @@ dig_status group_judge(Group *g, real dt)
 /* A group that the traced way handed on is not tried again for some steps, then twice as many, ...; each that succeeds forgets one. */
 static void commit_trace(const Group *g, Body *b)
 {
+    b->toil = toil_after(g, b->toil);
     if (g->trace_failed) {
         int longest = g->calm ? int_max(CALM_PAUSE, b->trace_pause) : LONGEST_PAUSE;
         int first = int_max(1, int_min(16, FIRST_PAUSE / (g->plan->substeps * g->plan->substeps)));

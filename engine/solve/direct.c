@@ -404,7 +404,7 @@ real direct_wanted(const Group *g)
                    ? 0 : g->plan->residual;
     if (g->row_count > 0 || g->point_count == 0 || g->point_count > (g->calm ? MANY_POINTS : most_points[heavy]) || g->moving_count > MOST_BODIES)
         return 0;
-    if (g->direct_failures >= most_failures[heavy] || !(heavy || calm(g)))
+    if (toil_pauses(g) || g->direct_failures >= most_failures[heavy] || !(heavy || calm(g)))
         return 0;
     return heavy ? real_min(g->plan->residual, AIM) : g->plan->residual;
 }
@@ -578,7 +578,7 @@ bool direct_rescue(Group *g)
 {
     if (g->row_count > 0)
         return !g->joints_direct && rescue_joints(g);
-    if (g->calm || g->point_count == 0 || g->point_count > most_points[0] || g->moving_count > MOST_BODIES
+    if (g->calm || toil_pauses(g) || g->point_count == 0 || g->point_count > most_points[0] || g->moving_count > MOST_BODIES
         || g->rescues_failed >= MOST_RESCUES)
         return false;
     real accept = RESCUED * g->residual;

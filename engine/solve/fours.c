@@ -230,7 +230,7 @@ static Fours *fours_make(Group *g, int more)
 
 Fours *fours_open(Group *g, int more, bool plain)
 {
-    if (g->point_count < ROWS_LEAST || g->moving_count < BODIES_LEAST || g->patches || group_top_heavy(g))
+    if (g->point_count < ROWS_LEAST || g->moving_count < BODIES_LEAST || g->patches || (group_top_heavy(g) && !toil_pauses(g)))
         return NULL;
     ArenaMark mark = arena_mark(g->arena);
     Fours *f = fours_make(g, more);

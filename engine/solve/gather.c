@@ -220,6 +220,7 @@ static dig_status gather_bodies(Group *g, const uint32_t *pairs, int pair_count,
     if (!g->pos || !g->vel || !g->member || !g->push_work || (w->region_count > 0 && !g->inertias))
         return DIG_E_MEMORY;
     team_deal(g->team, gather_share, g);
+    toil_gather(g);
     for (int i = 0; i < g->moving_count && w->region_count > 0; i++)
         g->fall = real_max(g->fall, region_fall(w, &w->bodies.data[g->slots[i]], g->pos[i].x));
     for (int i = 0; i < g->moving_count && (g->may_trace || g->calm); i++) {

@@ -292,6 +292,7 @@ struct Group {
     bool      calm;             /*     as many as a crowd, but they lie there: all is solved at once, or handed on to the crowd */
     bool      again;            /*     the step was tried before: some went farther than foreseen */
     int       strays;           /*     solids that did so now (step/stray.c) */
+    Toil      toil;             /*     of its members, the most; after the step, theirs */
     bool      trace_failed;     /*     it was tried in this step, and handed on        */
     real      passed;           /* s   that it left to the sweep within this step      */
     bool      breaks_found;     /*     its breaks were found as it went on             */
@@ -453,6 +454,11 @@ int  relax(Group *g, int sweeps, real residual);        /* until the change is b
 void relax_group(Group *g);
 Vel *group_velocities(const Group *g);  /* a copy, from the arena; NULL: out of memory */
 dig_status group_warm_start(Group *g);  /* the velocities that the rows' impulses make, or as much of these as does no harm */
+/* toil.c */
+void toil_gather(Group *g);
+void toil_count(Group *g);              /* after a step of sweeps */
+Toil toil_after(const Group *g, Toil of);       /* of a member, after the step */
+static inline bool toil_pauses(const Group *g) { return g->toil.pause > 0; }
 /* Many that lie there, of which a direct solve has not found the forces: see crowd/calm.c. */
 static inline bool lies_uneasy(const Group *g) { return g->calm && g->trace_wait > 0; }
 /* direct.c: all contacts at once, exactly, from the present impulses; false: not for this group, or it failed, and nothing changed */

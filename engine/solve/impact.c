@@ -11,6 +11,8 @@
 /* An impact solve stops when the velocities change by less than this part of the approach speed. */
 #define IMPACT_RESIDUAL 1e-12
 #define IMPACT_SWEEPS 1000
+#define WORK          40000.0   /* rows times sweeps */
+#define WORK_PAUSED   8000.0    /* the same of a heap that tumbles on (toil.c) */
 #define FEW_POINTS 24           /* with more of them, as well as a substep's rows is good enough */
 
 static real touch_tolerance(const Group *g, const GroupContact *c) { return g->touch * g->pairs[c->pair].size; }
@@ -114,7 +116,10 @@ static real rounding_floor(const Group *g)
 }
 
 /* Counts bound the work: few rows are solved to rounding, many as well as a substep's. */
-static int impact_sweeps(const Group *g) { return (int)real_clamp(40000.0 / (g->point_count + g->row_count + 1), 40, IMPACT_SWEEPS); }
+static int impact_sweeps(const Group *g)
+{
+    return (int)real_clamp((toil_pauses(g) ? WORK_PAUSED : WORK) / (g->point_count + g->row_count + 1), 40, IMPACT_SWEEPS);
+}
 
 /* Where something is heavy, what sweeps do not get to is solved at once. */
 static void solve_all(Group *g, real residual)

@@ -715,6 +715,7 @@ dig_status sweep_advance(Group *g, real dt)
     g->breaks_found = true;
     for (int k = 0; k < parts_of(g) && !g->woke; k++)
         DIG_TRY(sweep_until(g, dt, k + 1 < parts_of(g) ? part * (k + 1) : dt));
+    toil_count(g);
     if (!g->woke) {
         measure(g);
         if (g->joints_direct && !group_bears_load(g) && group_joints_gape(g))

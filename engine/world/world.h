@@ -47,6 +47,9 @@ typedef struct BodyWatch {
 /* m, 1  Where a body got to since it was looked at last, and twice the sines of half its turns; step/rest.c. */
 typedef struct Drift { vec3 way, turn; } Drift;
 
+/* Of a group that takes long, see solve/toil.c: steps that did, less those that did not; steps left of its pause. */
+typedef struct Toil { uint8_t steps, pause; } Toil;
+
 typedef struct Body {           /* what every step reads comes first                   */
     uint32_t gen;               /*        generation of the handle                     */
     bool     alive, awake, collides, out;   /* out: already reported out of the world  */
@@ -62,6 +65,7 @@ typedef struct Body {           /* what every step reads comes first            
     bool     round_inertia;     /*        isotropic: no gyroscopic torque              */
     bool     collided, euler;   /*        in the last step: struck; was not in free flight before */
     bool     crowded;           /*        a crowd that may sleep had it last           */
+    Toil     toil;              /*        of the group it is in                        */
     vec3     x;                 /* m      centre of mass, world                        */
     quat     q;                 /* 1      body to world                                */
     vec3     v, w;              /* m/s, rad/s of the centre of mass, world             */
