@@ -12,7 +12,7 @@
 #define IMPACT_RESIDUAL 1e-12
 #define IMPACT_SWEEPS 1000
 #define WORK          40000.0   /* rows times sweeps */
-#define WORK_PAUSED   8000.0    /* the same of a heap that tumbles on (toil.c) */
+#define WORK_PAUSED   8000.0    /* the same of a heap that a mover stirs (toil.c) */
 #define FEW_POINTS 24           /* with more of them, as well as a substep's rows is good enough */
 
 static real touch_tolerance(const Group *g, const GroupContact *c) { return g->touch * g->pairs[c->pair].size; }

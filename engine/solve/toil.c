@@ -1,10 +1,10 @@
-/* solve/toil.c - what tumbles on and on is spared, for some steps, the solves that do not pay there.
+/* solve/toil.c - what a mover stirs on and on is spared, for some steps, the solves that do not pay there.
  *
  * Direct solves are what makes a tower stand, an arch hold and a heap fall asleep. In a bucket of balls that is moved to and fro each step has
  * other contacts, Newton's method stops at their kinks, and where forty balls took 1.2 s of processor time a second, sixty, which are a crowd,
- * took 0.05. So steps that take long are counted, one up for each, one down for each that does not. What lands has some dozens of them; what
- * tumbles on has more, and then pauses: it is only swept, and impacts are solved as roughly as few sweeps do. After a pause it has some tries
- * to show that it has come to lie: the first solve of what lies takes long, the next do not.
+ * took 0.05. So where a mover moves, steps that take long are counted, one up for each, one down for each that does not. What lands has some
+ * dozens of them; what is stirred on has more, and then pauses: it is only swept, and impacts are solved as roughly as few sweeps do. After a
+ * pause it has some tries to show that it has come to lie: the first solve of what lies takes long, the next do not.
  *
  * 40 balls in a bucket that is moved by 15 cm at 3 rad/s: 1.2 s of processor time a second before, 0.5 with this, once a second is over. What else was
  * measured and tried is in docs/decisions.md.
@@ -17,11 +17,21 @@
 #define TRIES       3           /* after it, before the next */
 #define PAUSE       64          /* steps */
 
-static bool may_pause(const Group *g) { return g->moving_count > g->plan->toil_bodies && !g->crowd && !g->calm; }
+static bool may_pause(const Group *g) { return g->moving_count > g->plan->toil_bodies && g->stirred && !g->crowd && !g->calm; }
+
+/* Is there a mover that moves? */
+static bool is_stirred(const Group *g)
+{
+    for (int i = g->moving_count; i < g->body_count; i++)
+        if (g->member[i].kinematic && vec3_length2(g->vel[i].v) + vec3_length2(g->vel[i].w) > 0)
+            return true;
+    return false;
+}
 
 void toil_gather(Group *g)
 {
     g->toil = (Toil){0, 0};
+    g->stirred = is_stirred(g);
     for (int i = 0; may_pause(g) && i < g->moving_count; i++) {
         const Body *b = &g->world->bodies.data[g->slots[i]];
         if (!b->awake)

@@ -1,4 +1,4 @@
--- Heaps that tumble on are spared solves that come to nothing (engine/solve/toil.c), and behave all the same.
+-- Heaps that a mover stirs are spared solves that come to nothing (engine/solve/toil.c), and behave all the same.
 local digbox = require "digbox"
 local test = require "digbox.test"
 
