@@ -220,7 +220,6 @@ static dig_status gather_bodies(Group *g, const uint32_t *pairs, int pair_count,
     if (!g->pos || !g->vel || !g->member || !g->push_work || (w->region_count > 0 && !g->inertias))
         return DIG_E_MEMORY;
     team_deal(g->team, gather_share, g);
-    toil_gather(g);
     for (int i = 0; i < g->moving_count && w->region_count > 0; i++)
         g->fall = real_max(g->fall, region_fall(w, &w->bodies.data[g->slots[i]], g->pos[i].x));
     for (int i = 0; i < g->moving_count && (g->may_trace || g->calm); i++) {
@@ -682,6 +681,7 @@ dig_status group_gather(Group *g, const World *w, const uint32_t *leads, int dig
     DIG_TRY(gather_bodies(g, pairs, pair_count, &joints));
     DIG_TRY(gather_pairs(g, pairs, pair_count));
     DIG_TRY(gather_joints(g, joints));
+    toil_gather(g);
     cover(g);
     DIG_TRY(seams(g, 0));
     return gather_pushes(g, w->def.step);

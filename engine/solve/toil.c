@@ -17,7 +17,11 @@
 #define TRIES       3           /* after it, before the next */
 #define PAUSE       64          /* steps */
 
-static bool may_pause(const Group *g) { return g->moving_count > g->plan->toil_bodies && g->stirred && !g->crowd && !g->calm; }
+/* Not what joints hold: these are left apart by rough solves. */
+static bool may_pause(const Group *g)
+{
+    return g->moving_count > g->plan->toil_bodies && g->joint_count == 0 && g->stirred && !g->crowd && !g->calm;
+}
 
 /* Is there a mover that moves? */
 static bool is_stirred(const Group *g)
