@@ -17,7 +17,7 @@
 #define TRIES       3           /* after it, before the next */
 #define PAUSE       64          /* steps */
 
-/* Not what joints hold: these are left apart by rough solves. */
+/* Not what joints hold: there it was not tried. */
 static bool may_pause(const Group *g)
 {
     return g->moving_count > g->plan->toil_bodies && g->joint_count == 0 && g->stirred && !g->crowd && !g->calm;
