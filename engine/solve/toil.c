@@ -17,17 +17,13 @@
 #define TRIES       3           /* after it, before the next */
 #define PAUSE       64          /* steps */
 
-/* Not what joints hold: there it was not tried. */
-static bool may_pause(const Group *g)
-{
-    return g->moving_count > g->plan->toil_bodies && g->joint_count == 0 && g->stirred && !g->crowd && !g->calm;
-}
-
-/* Is there a mover that moves? */
+/* Are they many, and is there a mover that moves? Not what joints hold: there it was not tried. */
 static bool is_stirred(const Group *g)
 {
+    if (g->moving_count <= g->plan->toil_bodies || g->joint_count > 0 || g->crowd || g->calm)
+        return false;
     for (int i = g->moving_count; i < g->body_count; i++)
-        if (g->member[i].kinematic && vec3_length2(g->vel[i].v) + vec3_length2(g->vel[i].w) > 0)
+        if (g->member[i].kinematic && g->member[i].moved)
             return true;
     return false;
 }
@@ -36,7 +32,7 @@ void toil_gather(Group *g)
 {
     g->toil = (Toil){0, 0};
     g->stirred = is_stirred(g);
-    for (int i = 0; may_pause(g) && i < g->moving_count; i++) {
+    for (int i = 0; g->stirred && i < g->moving_count; i++) {
         const Body *b = &g->world->bodies.data[g->slots[i]];
         if (!b->awake)
             continue;
@@ -59,13 +55,13 @@ static void count(Toil *t, bool toils)
 
 void toil_count(Group *g)
 {
-    if (may_pause(g))
+    if (g->stirred)
         count(&g->toil, g->sweeps > SWEEPS || g->factors > FACTORS);
 }
 
 Toil toil_after(const Group *g, Toil of)
 {
-    if (may_pause(g))
+    if (g->stirred)
         return g->toil;
     count(&of, false);
     return of;
