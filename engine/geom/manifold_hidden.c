@@ -167,13 +167,19 @@ static bool covered(const Seam *s, const Way *w)
 /* Is the contact's normal that of a face? */
 static bool is_normal(const Seam *s, vec3 face) { return vec3_distance(pair_direction(s->p, face), s->m->normal) < SAME; }
 
-/* Of those with room before them, the face that separates best; not that of the contact itself. */
+/* Is a part of the other before that face? What lies behind it as a whole is on another side, and would be pulled right through. */
+static bool stands_out(const Pair *p, vec3 normal, real height)
+{
+    return vec3_dot(normal, convex_support_b(&p->c, normal)) + p->b->round > height;
+}
+
+/* Of those with room before them, the face that separates best of which the other stands out; not that of the contact itself. */
 static bool best_way(const Seam *s, Way *best)
 {
     best->gap = -INFINITY;
     for (int i = 0, count = face_count(s->p->a); i < count; i++) {
         Way w = way_out(s->p, face_normal(s->p->a, i));
-        if (w.gap > best->gap + pair_same(s->p, OVER) && !is_normal(s, w.normal) && !covered(s, &w))
+        if (w.gap > best->gap + pair_same(s->p, OVER) && stands_out(s->p, w.normal, w.height) && !is_normal(s, w.normal) && !covered(s, &w))
             *best = w;
     }
     return best->gap > -INFINITY;

@@ -78,7 +78,25 @@ TEST(nothing_deep_is_hidden)
     CHECK(changed > 0);
 }
 
+/* Thin plates that cross: a ball just over one is not taken for something deep behind its other face. */
+TEST(nothing_is_pulled_through)
+{
+    Random r = {11};
+    Shape plate = fixture_box(0.5, 0.02, 0.9), ball = fixture_sphere(0.045);
+    for (int i = 0; i < 20000; i++) {
+        pose at = {{random_between(&r, -0.2, 0.2), 0.055 + random_between(&r, -1e-6, 1e-2), random_between(&r, -0.4, 0.4)}, quat_identity()};
+        Beside by = {&plate, {random_vec3(&r, 0.3), random_turn(&r)}, everywhere};
+        Manifold plain, seen;
+        meet(&plate, vec3_zero(), &ball, at, &by, &plain, &seen);
+        for (int k = 0; k < seen.count; k++)
+            CHECK(seen.points[k].gap > -0.09);
+    }
+    shape_free(&plate);
+    shape_free(&ball);
+}
+
 int main(void)
 {
-    RUN_TESTS(unit_test(over_a_flush_seam_every_normal_is_the_floors), unit_test(a_step_is_met_as_it_was), unit_test(nothing_deep_is_hidden));
+    RUN_TESTS(unit_test(over_a_flush_seam_every_normal_is_the_floors), unit_test(a_step_is_met_as_it_was), unit_test(nothing_deep_is_hidden),
+              unit_test(nothing_is_pulled_through));
 }
