@@ -181,7 +181,7 @@ INLINE bool book_row(const Book *book, int contact)
         load += j;
         sum += whole;
         memory[k].normal = force;
-        memory[k].borne = count == 1 ? borne(c, (real)memory[k].borne, force) : 0;
+        memory[k].borne = count <= crowd_alone(q) ? borne(c, (real)memory[k].borne, force) : 0;
         memory[k].held = whole > 0 ? HELD_SUBSTEPS : 0;
         at = at + reg3_all(whole) * reg3_load(&t->manifold.points[k].a);
         weight += whole;

@@ -123,7 +123,7 @@ static void forget(const Group *g, GroupContact *t)
 typedef struct Rows { Crowd *c; Chosen *chosen, *sorted; int count; real *deepest; } Rows;     /* deepest: of each thread, see Crowd.deep */
 
 /* m  By how much a pass need not move a point. */
-static real needed(const GroupPair *q, const GroupContact *t) { return (t->manifold.count > 1 ? NEEDED_MANY : NEEDED_ONE) * q->size; }
+static real needed(const GroupPair *q, const GroupContact *t) { return (t->manifold.count > crowd_alone(q) ? NEEDED_MANY : NEEDED_ONE) * q->size; }
 
 #define STRAIGHT 1e-9           /* rad: rounding */
 

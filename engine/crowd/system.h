@@ -184,6 +184,8 @@ static inline vec3 crowd_velocity(const Group *g, int body, vec3 at)
 {
     return vec3_add(g->vel[body].v, vec3_cross(g->vel[body].w, vec3_sub(at, g->pos[body].x)));
 }
+/* 1  So many points of a contact carry a load in only one way: one, or the two ends of the line that a cylinder or capsule lies on. */
+static inline int crowd_alone(const GroupPair *q) { return q->on_a->shape.rolling > 0 || q->on_b->shape.rolling > 0 ? 2 : 1; }
 /* m  Of the thinner of a pair, at most its size; planes and meshes have none. What overlaps by half of it may come out at the far side. */
 static inline real crowd_thickness(const GroupPair *q)
 {

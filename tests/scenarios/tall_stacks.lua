@@ -1,6 +1,7 @@
 -- Stacks of more bodies than are solved one by one: they stand as few do, to the last micrometre, and fall asleep. Hit, they
 -- fall and do not rise.
 -- Only in the plain build: figures of long runs; test_crowd.c and test_random_stacks.c run the same code under sanitizers.
+local digbox = require "digbox"
 local test = require "digbox.test"
 
 local function column(world, count)
@@ -128,3 +129,24 @@ for _, count in ipairs { 60, 100 } do
     test.expect(math.abs(world.energy.numerical)):below(0.01 * world.energy.initial)
   end)
 end
+
+-- Logs lie on lines, 78 of them in a pile that its stakes hold together: each shifts by a millimetre until it touches.
+test.scenario("a pile of logs comes to rest", function(s)
+  local world, rows, logs = s.world, 12, {}
+  world:floor { friction = 0.5 }
+  for r = 0, rows - 1 do
+    for i = 0, rows - 1 - r do
+      logs[#logs + 1] = world:cylinder { radius = 0.15, height = 2, density = 600, friction = 0.5,
+        rotation = digbox.quat { axis = { 1, 0, 0 }, angle = math.pi / 2 },
+        at = { (i + r / 2) * 0.301, 0.15 * (1 + r * math.sqrt(3)), 0 } }
+    end
+  end
+  for _, x in ipairs { -0.205, 0.301 * (rows - 1) + 0.211 } do
+    for _, z in ipairs { -0.5, 0.5 } do world:box { fixed = true, size = { 0.1, 0.4, 0.1 }, at = { x, 0.2, z } } end
+  end
+  local top = logs[#logs].position.y
+  world:run { seconds = 8, stop_when = function() return world:stats().awake == 0 end }
+  test.expect(world:stats().awake):is(0)
+  test.expect(logs[#logs].position.y):near(top, "15 mm")
+  test.expect(world.energy.numerical):below(0.01 * world.energy.initial)
+end)
