@@ -75,6 +75,8 @@ void save_settings(Pack *p, World *w)
     pack_u64(p, &w->serial);
     pack_u64(p, &w->rng);
     pack_bool(p, &w->dig_accuracies);
+    pack_u64(p, &w->debt.work);
+    pack_u32(p, &w->debt.pause);
     pack_check(p, w->steps <= (uint64_t)1 << 52, "the number of steps is too large");
     pack_check(p, w->serial <= HANDLES_MOST, "the number of handles is too large");
     pack_ledger(p, &w->ledger);

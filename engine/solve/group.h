@@ -293,7 +293,7 @@ struct Group {
     bool      again;            /*     the step was tried before: some went farther than foreseen */
     int       strays;           /*     solids that did so now (step/stray.c) */
     Toil      toil;             /*     of its members, the most; after the step, theirs */
-    bool      stirred;          /*     by a mover, and it may pause: toil.c            */
+    bool      may_pause;        /*     stirred by a mover, or else a crowd: toil.c     */
     bool      trace_failed;     /*     it was tried in this step, and handed on        */
     real      passed;           /* s   that it left to the sweep within this step      */
     bool      breaks_found;     /*     its breaks were found as it went on             */

@@ -233,7 +233,7 @@ static real pair_speed2(const Body *small, const Body *large)
     return vec3_length2(v) + small->outer * small->outer * vec3_length2(vec3_sub(small->w, large->w));
 }
 
-/* Do they lie there, against each other, on a table that moves, too? Then it is not for a crowd. */
+/* Do they lie there, against each other, on a table that moves, too, and are solved in time (solve/toil.c)? Then it is not for a crowd. */
 static bool lies_calm(const World *w, const Step *s, const struct StepGroup *g)
 {
     static const Body ground;
@@ -243,7 +243,7 @@ static bool lies_calm(const World *w, const Step *s, const struct StepGroup *g)
         const Body *a = p->body_a == NONE ? &ground : &w->bodies.data[p->body_a], *b = p->body_b == NONE ? &ground : &w->bodies.data[p->body_b];
         bool first = p->dynamic_a && (!p->dynamic_b || a->outer <= b->outer);
         const Body *small = first ? a : b;
-        if (small->trace_wait > 0 && small->trace_pause > PATIENCE)
+        if ((small->trace_wait > 0 && small->trace_pause > PATIENCE) || a->toil.pause > 0 || b->toil.pause > 0)
             return false;
         real pull = real_max(a->awake ? a->pull : 0, b->awake ? b->pull : 0);       /* that of a sleeper is an old one */
         fast += !(pair_speed2(small, first ? b : a) <= CALM_SPEED * CALM_SPEED * small->outer * pull);
@@ -260,6 +260,8 @@ static bool takes_crowd(const World *w, const Step *s, const struct StepGroup *g
         return false;
     return bodies > CROWD_LIVELY_MOST * plan->crowd_bodies || !bounces_well(w, s, g);
 }
+
+bool may_crowd(const World *w, const Step *s, const struct StepGroup *g) { return takes_crowd(w, s, g, INT32_MAX); }
 
 /* Of a crowd: is it to be solved at once (crowd/calm.c)? */
 static bool takes_calm(const World *w, const Step *s, const struct StepGroup *g, int total)
@@ -373,7 +375,7 @@ static void choose_way(void *context, int i, Arena *arena)
     struct StepGroup *g = &c->s->parts[i];
     (void)arena;
     g->accuracy = group_accuracy(c->w, c->s->leads + g->dig_first, g->dig_count);
-    bool many = takes_crowd(c->w, c->s, g, c->total);
+    bool many = takes_crowd(c->w, c->s, g, c->w->debt.pause > 0 ? INT32_MAX : c->total);
     g->calm = many && takes_calm(c->w, c->s, g, c->total);
     g->crowd = many && !g->calm;
     g->cost = bodies_of(c->w, c->s, g) + g->pair_count;

@@ -74,6 +74,7 @@ dig_status step_world(World *w)
     DIG_TRY(reserve_flow(w, s.dt));     /*   all memory is there                             */
     begin_events(w);
     commit_groups(w, &s);               /* 4 the copies become the world                     */
+    settle_debt(w, &s);                 /*   did it take longer than a frame may?            */
     move_movers(w, s.dt);               /* 5 kinematic bodies                                */
     w->steps++;
     region_cross_all(w);                /*   who crossed the border of a region              */

@@ -42,6 +42,7 @@ bool       plane_near(const World *w, uint32_t plane, box3 box);    /* is a part
 /* groups.c */
 bool       pair_met(const World *w, const Pair *p);  /* of a listed pair: is it watched in this try?         */
 dig_status form_groups(World *w, Step *s);          /* DIGs that may meet are advanced together             */
+bool       may_crowd(const World *w, const Step *s, const struct StepGroup *g);    /* would it be one in a larger world?      */
 /* advance.c */
 dig_status advance_groups(World *w, Step *s);       /* on private copies, in parallel; DIG_E_BUSY = a sleeper woke or a body went astray: again */
 void       commit_groups(World *w, Step *s);        /* the copies become the world                          */
@@ -73,7 +74,10 @@ int        deliver_post(World *w, const Post *p, dig_receipt *receipt);         
 void       deliver_due(World *w);                   /* what waited until now                                */
 int        deliver_list(World *w, const Post *p, const dig_body *to, const real *value, int count);
 /* work.c */
+uint64_t   work_of(const Group *g);
 void       count_work(World *w, const Step *s);     /* of one try of the step, whatever came of it          */
+/* debt.c */
+void       settle_debt(World *w, const Step *s);    /* of a step that is over, while its groups are as they were */
 /* report.c */
 bool       world_left(const World *w, vec3 x);      /* out of the room, or farther than anyone looks        */
 void       begin_events(World *w);                 /* before the first one of this step: nothing can fail any more */

@@ -7,7 +7,7 @@
 /* units, and multiplications for one */
 enum { STEP = 200, BODY = 40, GROUP = 150, MOVE = 40, PAIR = 60, SWEEP = 40, ROW = 12, MULTIPLICATIONS = 20, EVALUATION = 120, TERM = 25 };
 
-static uint64_t work_of(const Group *g)
+uint64_t work_of(const Group *g)
 {
     uint64_t moving = (uint64_t)g->moving_count, pairs = (uint64_t)g->pair_count, rows = (uint64_t)(g->point_count + g->row_count);
     uint64_t substeps = (uint64_t)int_max(g->substeps, 1), sweeps = (uint64_t)g->sweeps, evaluations = (uint64_t)(g->evaluations + g->refused);

@@ -214,6 +214,7 @@ static uint64_t hash_pair(const World *w, const Pair *p)
 uint64_t world_hash(const World *w)
 {
     uint64_t h = hash_u64(hash_u64(HASH_START, w->steps), w->rng);
+    h = hash_u64(hash_u64(h, w->debt.work), w->debt.pause);
     h = hash_vec3(h, w->def.gravity);
     for (int i = 0; i < w->bodies.count; i++)
         if (w->bodies.data[i].alive)

@@ -50,6 +50,9 @@ typedef struct Drift { vec3 way, turn; } Drift;
 /* Of a group that takes long, see solve/toil.c: steps that did, less those that did not; steps left of its pause. */
 typedef struct Toil { uint8_t steps, pause; } Toil;
 
+/* Of all groups that could be crowds, see step/debt.c: work beyond that of a frame, of all steps so far; steps left in which they are. */
+typedef struct Debt { uint64_t work; uint32_t pause; } Debt;
+
 typedef struct Body {           /* what every step reads comes first                   */
     uint32_t gen;               /*        generation of the handle                     */
     bool     alive, awake, collides, out;   /* out: already reported out of the world  */
@@ -290,6 +293,7 @@ struct dig_world {
     uint64_t steps, serial;             /* serial: distinguishes worlds' handles       */
     uint64_t rng;
     bool     busy;
+    Debt     debt;
     uint32_t gen_start;
     bool     dig_accuracies;            /* some DIG has an accuracy of its own         */
 

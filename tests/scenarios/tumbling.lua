@@ -33,3 +33,41 @@ test.scenario("so do forty balls of 0.05 to 6 kg", function(s)
   test.expect(factors):below(30)
   test.expect(deepest):below(1e-3)
 end)
+
+-- 150 boxes in a tray that is moved to and fro are twenty heaps, each too small for a crowd. In three seconds 1.6e8 units of work;
+-- 1.14e9 when each of them was solved to the last digit.
+test.scenario("a world of many heaps that are shaken is a crowd (engine/step/debt.c)", function(s)
+  local world, parts, boxes = s.world, { digbox.box { size = { 2, 0.1, 2 } } }, {}
+  for _, side in ipairs { { 1, 0 }, { -1, 0 }, { 0, 1 }, { 0, -1 } } do
+    local x, z = table.unpack(side)
+    parts[#parts + 1] = digbox.box { size = { x ~= 0 and 0.1 or 2, 1, z ~= 0 and 0.1 or 2 }, at = { x, 0.5, z } }
+  end
+  local tray = world:body { parts = parts, kinematic = true, at = { 0, 1, 0 } }
+  for i = 0, 149 do
+    boxes[#boxes + 1] = world:box { size = { 0.15, 0.1 + 0.02 * (i % 4), 0.12 },
+      at = { (i % 6) * 0.25 - 0.6, 1.2 + 0.2 * (i // 36), (i // 6 % 6) * 0.25 - 0.6 } }
+  end
+  for half = 0, 5 do
+    tray:move_to { at = { half % 2 == 0 and 0.2 or -0.2, 1, 0 }, over = "0.5 s" }
+    world:run "0.5 s"
+  end
+  local stats = world:stats()
+  test.expect(stats.work):below(4e8)
+  test.expect(stats.worst_penetration):below(6e-3)
+  for _, b in ipairs(boxes) do test.expect(b.position.y):above(1.05) end
+end)
+
+-- Eighty boxes that are drawn together lie calm, but never still: 3.7e9 units of work in 3.5 seconds when they were solved at once in
+-- each step, 1.3e9 now.
+test.scenario("what lies calm and never sleeps is a crowd again", function(s)
+  local world, boxes, middle = s.world, {}, digbox.vec(0.7, 4, 0.7)
+  for i = 0, 79 do
+    boxes[#boxes + 1] = world:box { size = 0.2, at = { (i % 4) * 0.5, 3 + (i // 16) * 0.5, (i // 4 % 4) * 0.5 }, gravity_scale = 0 }
+  end
+  for _ = 1, 210 do
+    for _, b in ipairs(boxes) do b:push { force = -20 * b.mass * (b.position - middle) } end
+    world:step()
+  end
+  test.expect(world:stats().work):below(2e9)
+  test.expect(world:stats().worst_penetration):below(2e-3)
+end)
