@@ -508,6 +508,27 @@ static bool run(Direct *d, real residual)
     return fine;
 }
 
+#define LEVERED 4.0             /* times all that overlaps: what moves on by more does so along a wedge, for which rows of these poses are not made */
+
+/* 1  The part of a projection that may be made at once. In a stack the topmost moves by what overlaps below it, all together. Any part of a
+ * projection obeys its rows, too: what may close closes less, and what overlaps is left for later. */
+static real share_of_shift(const Direct *d)
+{
+    const Group *g = d->g;
+    real sum = 0, deep = 0, most = 0;
+    for (int i = 0; i < g->point_count; i++) {
+        bool next = i == 0 || g->points[i].contact != g->points[i - 1].contact;
+        sum += next ? deep : 0;
+        deep = real_max(next ? 0 : deep, g->points[i].target);
+    }
+    for (int i = 0; i < d->blocks.n; i++) {
+        const real *v = d->v + 6 * i;
+        vec3 move = {v[0], v[1], v[2]}, turn = {v[3], v[4], v[5]};
+        most = real_max(most, vec3_length(move) + g->member[d->body[i]].outer * vec3_length(turn));
+    }
+    return real_min(1, LEVERED * (sum + deep) / most);
+}
+
 bool direct_project(Group *g)
 {
     if (g->point_count > most_points[1] || g->moving_count > MOST_BODIES)
@@ -515,9 +536,10 @@ bool direct_project(Group *g)
     ArenaMark mark = arena_mark(g->arena);
     Direct d = {.g = g, .heavy = true, .projects = true, .hardened = JOINT_SOFT, .hardest = HARDEST, .most_factors = PROJECT_FACTORS, .accept = INFINITY};
     bool fine = open_direct(&d) && solve_joints(&d);
+    real share = fine && !g->joints_direct ? share_of_shift(&d) : 1;
     for (int i = 0; fine && i < d.blocks.n; i++) {
         const real *v = d.v + 6 * i;
-        g->vel[d.body[i]] = (Vel){{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
+        g->vel[d.body[i]] = (Vel){vec3_scale(share, (vec3){v[0], v[1], v[2]}), vec3_scale(share, (vec3){v[3], v[4], v[5]})};
     }
     count(&d);
     arena_rewind(g->arena, mark);
