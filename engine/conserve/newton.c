@@ -326,11 +326,13 @@ static bool solve_resting(System *s)
     return fine;
 }
 
+#define PLACED 60              /* iterations; three are usual, 14 where a chain that is all but straight is too short */
+
 /* Least move of the bodies, weighed by mass, after which the hard rows have no error. */
 bool newton_place(System *s)
 {
     int bodies = s->g->moving_count;
-    for (int n = 0; n < ITERATIONS; n++) {
+    for (int n = 0; n < PLACED; n++) {
         real worst = 0;
         evaluate_resting(s);
         for (int i = 0; i < s->tie_count; i++)
