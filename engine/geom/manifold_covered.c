@@ -4,10 +4,14 @@
  * other are apart along the planks by what is between their end faces, nothing, and overlap across them by a little more: the axis
  * of least overlap lies along the planks, through faces that are no surface at all, for the next piece goes on there. This is the
  * ghost edge of meshes (manifold_surface.c) for boxes. A normal that leaves a part through such a face is none; the best of the
- * remaining faces' normals stands in for it, and only for what lies over that face: what is beside it is the neighbour's. */
+ * remaining faces' normals stands in for it, and only for what lies over that face: what is beside it is the neighbour's.
+ *
+ * So is what touches the edge between two covered faces: the neighbours there make an inner corner, and it lies in that. All that would
+ * stand in is the normal along the edge, on which the two overlap by all their length. */
 #include "geom/pair.h"
 
 #define STEEP   0.5             /* cosine: a normal this near to a covered face's leaves through it */
+#define DEEPER  0.5             /* of the smaller shape's inner radius: a way out that is so much longer than the one through the face is none */
 #define A_BIAS  1e-7            /* of the smaller shape: of two faces that separate equally well the normal is a's */
 
 typedef struct Faces { vec3 axis[3]; uint32_t covered; real sign; } Faces;      /* of one box, in the frame of a; sign: outwards along n */
@@ -67,6 +71,14 @@ bool manifold_covered(const Shape *a, pose pa, const Shape *b, pose pb, Covered 
     return leaves(f, count, mat3_mul_vec(mat3_transpose(p.axes), normal));
 }
 
+static real deepest(const Manifold *m)
+{
+    real gap = m->points[0].gap;
+    for (int k = 1; k < m->count; k++)
+        gap = real_min(gap, m->points[k].gap);
+    return gap;
+}
+
 int manifold_of_parts(const Shape *a, pose pa, const Shape *b, pose pb, real reach, Covered covered, ManifoldCache *cache, Manifold *out)
 {
     int found = manifold_collide(a, pa, b, pb, reach, cache, out, NULL, 1);
@@ -79,6 +91,7 @@ int manifold_of_parts(const Shape *a, pose pa, const Shape *b, pose pb, real rea
     real gap;
     if (!best_normal(&p, f, faces_of(&p, covered, f), &g.normal, &gap))
         return found;                           /* nothing leads out of what is covered all round */
+    bool deep = deepest(out) - gap > DEEPER * real_min(a->inner, b->inner);     /* all of it lies in the corner of two neighbours, which it meets */
     out->count = 0;
-    return gap <= reach ? collide_faces(&p, &g, out) : 0;
+    return gap <= reach && !deep ? collide_faces(&p, &g, out) : 0;
 }

@@ -405,6 +405,25 @@ TEST(a_face_that_the_next_part_covers_is_no_way_out)
     shape_free(&ball);
 }
 
+/* Three cubes welded to a corner, a fourth in it: it touches the edge of the middle one, between two covered faces. */
+TEST(the_edge_in_an_inner_corner_meets_nothing)
+{
+    Shape a = fixture_box(0.2, 0.2, 0.2), b = fixture_box(0.2, 0.2, 0.2);
+    Covered corner = {covered_face(0, 1) | covered_face(1, 1), 0}, none = {0, 0};
+    Manifold m;
+    for (int i = -1; i <= 1; i++)
+        for (int k = -1; k <= 1; k++) {
+            pose at = at_point(0.2 - 1e-6 * i, 0.2 - 1e-6 * k, 0);
+            CHECK(manifold_of_parts(&a, at_point(0, 0, 0), &b, at, 0.01, none, NULL, &m) > 0);
+            CHECK_INT(manifold_of_parts(&a, at_point(0, 0, 0), &b, at, 0.01, corner, NULL, &m), 0);
+        }
+    /* half in it, as no neighbour lets it: out along the edge, for want of a better way */
+    CHECK(manifold_of_parts(&a, at_point(0, 0, 0), &b, at_point(0.1, 0.1, 0.08), 0.01, corner, NULL, &m) > 0);
+    CHECK_NEAR(fabs(m.normal.z), 1, 1e-12);
+    shape_free(&a);
+    shape_free(&b);
+}
+
 int main(void)
 {
     RUN_TESTS(unit_test(spheres_touch_on_the_line_of_centres), unit_test(a_sphere_meets_a_box_at_face_edge_and_from_inside),
@@ -415,5 +434,6 @@ int main(void)
               unit_test(the_deepest_point_is_always_kept), unit_test(crossed_edges_touch_in_one_point),
               unit_test(a_lying_capsule_has_two_points_and_a_steep_one_has_one), unit_test(parallel_capsules_touch_along_a_line),
               unit_test(cylinders_stand_lie_and_lean_on_floors), unit_test(all_pairs_mirror_and_move_with_the_frame_and_reach_the_distance),
-              unit_test(any_cache_gives_the_same_contact), unit_test(a_face_that_the_next_part_covers_is_no_way_out));
+              unit_test(any_cache_gives_the_same_contact), unit_test(a_face_that_the_next_part_covers_is_no_way_out),
+              unit_test(the_edge_in_an_inner_corner_meets_nothing));
 }
