@@ -494,6 +494,8 @@ static dig_status choose_near(Nearby *n)
         return DIG_E_MEMORY;
     for (int i = 0; i < n->count; i++) {
         const Near *near = &n->near[i];
+        if (fused(g, near->slot, near->a, near->b))
+            continue;
         if (near->contacts > 0)
             n->near[n->taken++] = *near;
         else
@@ -679,8 +681,9 @@ dig_status group_gather(Group *g, const World *w, const uint32_t *leads, int dig
     g->culprit = -1;
     int joints = 0;                 /* ends of joints at members */
     DIG_TRY(gather_bodies(g, pairs, pair_count, &joints));
-    DIG_TRY(gather_pairs(g, pairs, pair_count));
     DIG_TRY(gather_joints(g, joints));
+    DIG_TRY(fuse(g, pair_count));
+    DIG_TRY(gather_pairs(g, pairs, pair_count));
     toil_gather(g);
     cover(g);
     DIG_TRY(seams(g, 0));

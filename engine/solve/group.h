@@ -235,6 +235,8 @@ struct Group {
     Vel      *shift;            /* m, rad  position correction of a projection; as mass, not there in a crowd, which asks for neither */
     GroupPair *pairs;       int pair_count;     /* there is room for those left out, too */
     Left     *left;         int left_count;     /* see group_gather_struck */
+    int      *thing;            /* [body_count + 1] of what welds make one, the lowest body; NULL: there is no such thing. fused.c */
+    uint32_t *over;         int over_count;     /* world pairs that touch, of two that have become one thing */
     int      *changed;      int changed_count;  /* group_judge: pairs whose touch began or ended, or that were struck apart */
     int       live_count, rubbing_count;        /* group_judge: contacts with points, and those of them with friction */
     int      *turned;       int turned_count;   /* group_judge: contacts whose record in the world, or whose pair's memory, comes, goes, or grows */
@@ -351,6 +353,10 @@ void       group_joint_view(Group *g, int joint);       /* its ends and those of
 real       group_spring_energy(const GroupJoint *j);        /* J  as it was viewed last */
 real       group_row_driven(const Group *g, const Row *r);      /* m/s or rad/s  of its rate, what kinematic ends do */
 void       group_joint_move(Group *g, int joint);       /* once viewed: those of its ends that can move, again */
+
+/* fused.c: bodies that cannot move against each other do not meet */
+dig_status fuse(Group *g, int pair_count);
+bool       fused(Group *g, uint32_t pair, int a, int b);        /* asked once of each pair */
 
 /* cover.c: faces at joints that are none of a thing's surface */
 void       cover(Group *g);

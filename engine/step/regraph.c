@@ -27,7 +27,7 @@ dig_status reserve_regraph(World *w, Step *s)
     DIG_TRY(reserve_tell(w, s));
     int changed = 0, born = 0, widened = 0, remembered = 0, others = sleepers(w, s->dt) + 64;
     for (int i = 0; i < s->count; i++) {
-        changed += s->groups[i].changed_count;
+        changed += s->groups[i].changed_count + s->groups[i].over_count;
         born += s->groups[i].turned_count;
         widened += s->groups[i].widened_count;
         remembered += s->groups[i].remembered_count;
@@ -305,6 +305,8 @@ void regraph(World *w, Step *s)
         const Group *g = &s->groups[i];
         for (int k = 0; k < g->changed_count; k++)
             touch_pair(w, g, &g->pairs[g->changed[k]], start);
+        for (int k = 0; k < g->over_count; k++)
+            pair_let_go(w, g->over[k]);
     }
     end_touches(w, start, s->dt);
     graph_end(w->graph);

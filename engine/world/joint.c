@@ -67,12 +67,16 @@ void joint_remove(World *w, uint32_t slot)
     slot_give(w, &w->free_joints, slot);
 }
 
-bool joint_forbids_contact(const World *w, uint32_t a, uint32_t b)
+static bool joined(const World *w, uint32_t a, uint32_t b, bool collides)
 {
     for (uint32_t s = w->bodies.data[a].joint_first; s != NONE; s = joint_next(w, s, a)) {
         const JointRec *j = &w->joints.data[s];
-        if (!j->collides && ((j->a == a && j->b == b) || (j->a == b && j->b == a)))
+        if (j->collides == collides && ((j->a == a && j->b == b) || (j->a == b && j->b == a)))
             return true;
     }
     return false;
 }
+
+bool joint_forbids_contact(const World *w, uint32_t a, uint32_t b) { return joined(w, a, b, false); }
+
+bool joint_asks_contact(const World *w, uint32_t a, uint32_t b) { return joined(w, a, b, true); }

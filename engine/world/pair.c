@@ -202,6 +202,29 @@ void pair_remove(World *w, uint32_t pair)
     slot_give(w, &w->free_pairs, pair);
 }
 
+/* Contacts with a mesh stay its own. */
+void pair_let_go(World *w, uint32_t pair)
+{
+    Pair *p = &w->pairs.data[pair];
+    for (uint32_t c = p->contact; c != NONE;) {
+        Contact *contact = &w->contacts.data[c];
+        uint32_t next = contact->next;
+        if (p->pieces)
+            *contact = (Contact){.next = next, .more = contact->more};
+        else
+            contact_give(w, c);
+        c = next;
+    }
+    p->contact = p->pieces ? p->contact : NONE;
+    if (p->memory != NONE)
+        pair_forget(w, p);
+    if (p->touching)
+        leave_touch(w, p);
+    p->touching = false;
+    p->fresh = true;
+    p->until = -1;
+}
+
 void pairs_of_solid_remove(World *w, uint32_t solid)
 {
     while (w->solids.data[solid].pair_first != NONE)

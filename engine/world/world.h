@@ -505,6 +505,7 @@ bool       pair_find(const World *w, uint32_t solid_a, uint32_t solid_b, uint32_
 dig_status pair_enter(World *w, uint32_t pair);         /* into the index; it is not there yet */
 void       pair_attach(World *w, uint32_t pair);        /* into the lists of its solids */
 void       pair_remove(World *w, uint32_t pair);
+void       pair_let_go(World *w, uint32_t pair);        /* as if its solids had just come near each other */
 /* The one pair of two bodies that have one shape each, NONE when there is none. false: they have more, look through their lists. */
 bool       pair_between(const World *w, uint32_t body_a, uint32_t body_b, uint32_t *pair);
 static inline uint32_t pair_side(const Pair *p, uint32_t solid) { return p->solid_a == solid ? 0 : 1; }
@@ -520,6 +521,7 @@ Touch     *touch_find(const World *w, uint32_t a, uint32_t b, uint8_t wall);
 /* joint.c */
 void       joint_remove(World *w, uint32_t slot);
 bool       joint_forbids_contact(const World *w, uint32_t a, uint32_t b);
+bool       joint_asks_contact(const World *w, uint32_t a, uint32_t b);         /* is there one across which they still touch? */
 
 /* event.c */
 dig_event *event_post(World *w, dig_event_kind kind, uint32_t a, uint32_t b);       /* NULL when there is no memory */

@@ -233,6 +233,113 @@ scenario("weld: boxes that touch face to face stay where they are when the weld 
   end
 end)
 
+-- Four cubes and three welds, six cylinders about one: who is not welded to each other touches exactly, and is held by the rest.
+local function square(world, first, turned)
+  local cubes, welds = {}, {}
+  for i, c in ipairs { { -1, -1 }, { 1, -1 }, { 1, 1 }, { -1, 1 } } do
+    cubes[i] = world:box { size = 0.2, mass = 1, at = first + turned * digbox.vec(0.1 * c[1], 0.1 * c[2], 0), rotation = turned }
+    if i > 1 then
+      welds[#welds + 1] = world:weld { a = cubes[i], b = cubes[i - 1], at = (cubes[i].position + cubes[i - 1].position) * 0.5 }
+    end
+  end
+  return cubes, welds
+end
+
+local function flower(world)
+  local bodies = { world:cylinder { radius = 0.1, height = 0.3, mass = 1 } }
+  for i = 1, 6 do
+    local angle = i * math.pi / 3
+    bodies[#bodies + 1] = world:cylinder { radius = 0.1, height = 0.3, mass = 1, at = { 0.2 * math.cos(angle), 0, 0.2 * math.sin(angle) } }
+    world:weld { a = bodies[#bodies], b = bodies[1] }
+  end
+  return bodies
+end
+
+for _, accuracy in ipairs { "sketch", "play", "study" } do
+  scenario("weld: parts of one thing that touch exactly tumble as that thing does, at " .. accuracy, function(s)
+    for _, build in ipairs { function(w) return square(w, digbox.vec(0, 0, 0), digbox.quat { 0, 0, 0, 1 }) end, flower } do
+      local world = s:world { gravity = { 0, 0, 0 }, accuracy = accuracy }
+      local spin = digbox.vec(3, 7, 2)
+      local bodies = build(world)
+      for _, b in ipairs(bodies) do b:teleport { spin = spin, velocity = spin:cross(b.position) } end
+      local before, energy = world.angular_momentum, world.energy.total
+      world:run "2 s"
+      expect(#(world.angular_momentum - before) / #before):below(1e-9)
+      expect(world.energy.total / energy):near(1, 1e-6)
+      expect(world:stats().contacts):is(0)
+    end
+  end)
+end
+
+scenario("weld: a block of cubes tips off an edge as fast as one body of these parts", function(s)
+  local when = {}
+  for _, kind in ipairs { "one body", "welded" } do
+    local world = s:world { gravity = { 0, -g, 0 } }
+    world:floor {}
+    local turned = digbox.quat { angle = math.rad(40), axis = { 0, 0, 1 } }
+    local centre = turned * digbox.vec(0.2, 0.2, 0) + digbox.vec(0, 1e-4, 0)
+    local first
+    if kind == "one body" then
+      local parts = {}
+      for i, c in ipairs { { -1, -1 }, { 1, -1 }, { 1, 1 }, { -1, 1 } } do
+        parts[i] = digbox.box { size = 0.2, at = { 0.1 * c[1], 0.1 * c[2], 0 } }
+      end
+      first = world:body { mass = 4, parts = parts, at = centre, rotation = turned }
+    else
+      first = square(world, centre, turned)[1]
+    end
+    while world.time < 2 and (first.rotation * digbox.vec(0, 1, 0)).y < 0.9999 do world:step() end
+    when[#when + 1] = world.time
+  end
+  expect(when[1]):near(0.567, 0.01)
+  expect(when[2]):near(when[1], 0.02)
+end)
+
+scenario("weld: what a chain of welds made one thing touches again once it is two", function(s)
+  local world = s:world { gravity = { 0, -g, 0 } }
+  world:floor {}
+  local cubes, welds = square(world, digbox.vec(0, 0.2, 0), digbox.quat { 0, 0, 0, 1 })
+  world:run "0.2 s"
+  expect(world:stats().contacts):is(2)             -- with the floor
+  welds[3]:remove()                                -- the upper left one lies on the lower left one now
+  world:run "0.5 s"
+  expect(cubes[4].position):near({ -0.1, 0.3, 0 }, 1e-6)
+  expect(cubes[4]:touches(cubes[1])):is(true)
+  cubes[4]:hit { impulse = { 0, 0, -1 } }
+  world:run "0.1 s"
+  expect(cubes[4].position.z):below(-0.05)
+end)
+
+-- What of the corner's middle cube was left was the normal along its edge, 0.2 m deep: the fourth cube was pushed out along it.
+scenario("weld: a cube lies in the inner corner of three", function(s)
+  local world = s:world { gravity = { 0, -g, 0 } }
+  world:floor {}
+  local cubes, welds = square(world, digbox.vec(0, 0.2, 0), digbox.quat { 0, 0, 0, 1 })
+  welds[3]:remove()
+  world:run "1 s"
+  for i, c in ipairs { { -1, -1 }, { 1, -1 }, { 1, 1 }, { -1, 1 } } do
+    expect(cubes[i].position):near({ 0.1 * c[1], 0.2 + 0.1 * c[2], 0 }, 1e-9)
+  end
+  expect(world:stats().worst_penetration):below(1e-9)
+end)
+
+scenario("weld: a touch that was there before the chain of welds is over with it", function(s)
+  local world = s:world { gravity = { 0, -g, 0 } }
+  world:floor {}
+  local cubes = {}
+  for i, c in ipairs { { -1, -1 }, { 1, -1 }, { 1, 1 }, { -1, 1 } } do
+    cubes[i] = world:box { size = 0.2, mass = 1, at = { 0.1 * c[1], 0.2 + 0.1 * c[2], 0 } }
+  end
+  world:run "0.2 s"
+  local ended = 0
+  cubes[4]:on("contact_end", function(event) if event.other == cubes[1] then ended = ended + 1 end end)
+  for i = 2, 4 do world:weld { a = cubes[i], b = cubes[i - 1] } end
+  world:run "0.2 s"
+  expect(ended):is(1)
+  expect(world:stats().contacts):is(2)
+  expect(cubes[4].dig == cubes[1].dig):is(true)
+end)
+
 scenario("distance: two bodies whirl about each other with the tension m omega^2 r", function(s)
   local world = s:world(none)
   local omega = 3
