@@ -492,6 +492,8 @@ static dig_status choose_near(Nearby *n)
     g->left = arena_alloc(g->arena, (size_t)(n->span ? n->count : 0) * sizeof *g->left);
     if (!g->left)
         return DIG_E_MEMORY;
+    for (int i = 0; i < n->count; i++)
+        fuse_near(g, n->near[i].a, n->near[i].b);
     for (int i = 0; i < n->count; i++) {
         const Near *near = &n->near[i];
         if (fused(g, near->slot, near->a, near->b))

@@ -195,6 +195,13 @@ typedef struct GroupJoint {
     JointView view;             /* its ends: once group_joint_view was asked for */
 } GroupJoint;
 
+/* What welds make one, by its lowest body; the last is the world itself. [body_count + 1] */
+typedef struct Things {
+    int     *firm;              /* by welds that cannot break        */
+    int     *whole;             /* by all that are whole             */
+    bool    *tied;              /* by the lowest of these: something is near it, holds or pushes it */
+} Things;
+
 typedef struct GroupPush { int body; vec3 force, torque, at; bool has_at, law; } GroupPush;    /* scaled by the share of the step it acts */
 
 typedef struct Strike {         /* an impact, for events and messages */
@@ -235,7 +242,7 @@ struct Group {
     Vel      *shift;            /* m, rad  position correction of a projection; as mass, not there in a crowd, which asks for neither */
     GroupPair *pairs;       int pair_count;     /* there is room for those left out, too */
     Left     *left;         int left_count;     /* see group_gather_struck */
-    int      *thing;            /* [body_count + 1] of what welds make one, the lowest body; NULL: there is no such thing. fused.c */
+    Things   *things;           /* NULL: there are none */
     uint32_t *over;         int over_count;     /* world pairs that touch, of two that have become one thing */
     int      *changed;      int changed_count;  /* group_judge: pairs whose touch began or ended, or that were struck apart */
     int       live_count, rubbing_count;        /* group_judge: contacts with points, and those of them with friction */
@@ -356,7 +363,8 @@ void       group_joint_move(Group *g, int joint);       /* once viewed: those of
 
 /* fused.c: bodies that cannot move against each other do not meet */
 dig_status fuse(Group *g, int pair_count);
-bool       fused(Group *g, uint32_t pair, int a, int b);        /* asked once of each pair */
+void       fuse_near(Group *g, int a, int b);           /* told of all pairs, */
+bool       fused(Group *g, uint32_t pair, int a, int b);        /* then asked once of each */
 
 /* cover.c: faces at joints that are none of a thing's surface */
 void       cover(Group *g);

@@ -234,42 +234,59 @@ scenario("weld: boxes that touch face to face stay where they are when the weld 
 end)
 
 -- Four cubes and three welds, six cylinders about one: who is not welded to each other touches exactly, and is held by the rest.
-local function square(world, first, turned)
+local function square(world, first, turned, kind)
   local cubes, welds = {}, {}
   for i, c in ipairs { { -1, -1 }, { 1, -1 }, { 1, 1 }, { -1, 1 } } do
     cubes[i] = world:box { size = 0.2, mass = 1, at = first + turned * digbox.vec(0.1 * c[1], 0.1 * c[2], 0), rotation = turned }
     if i > 1 then
-      welds[#welds + 1] = world:weld { a = cubes[i], b = cubes[i - 1], at = (cubes[i].position + cubes[i - 1].position) * 0.5 }
+      local at = (cubes[i].position + cubes[i - 1].position) * 0.5
+      welds[#welds + 1] = world[kind or "weld"](world, { a = cubes[i], b = cubes[i - 1], at = at, breaks_at = kind == "bolt" and 1e5 or nil })
     end
   end
   return cubes, welds
 end
 
-local function flower(world)
+local function flower(world, kind)
   local bodies = { world:cylinder { radius = 0.1, height = 0.3, mass = 1 } }
   for i = 1, 6 do
     local angle = i * math.pi / 3
     bodies[#bodies + 1] = world:cylinder { radius = 0.1, height = 0.3, mass = 1, at = { 0.2 * math.cos(angle), 0, 0.2 * math.sin(angle) } }
-    world:weld { a = bodies[#bodies], b = bodies[1] }
+    world[kind](world, { a = bodies[#bodies], b = bodies[1], breaks_at = kind == "bolt" and 1e5 or nil })
   end
   return bodies
 end
 
 for _, accuracy in ipairs { "sketch", "play", "study" } do
-  scenario("weld: parts of one thing that touch exactly tumble as that thing does, at " .. accuracy, function(s)
-    for _, build in ipairs { function(w) return square(w, digbox.vec(0, 0, 0), digbox.quat { 0, 0, 0, 1 }) end, flower } do
-      local world = s:world { gravity = { 0, 0, 0 }, accuracy = accuracy }
-      local spin = digbox.vec(3, 7, 2)
-      local bodies = build(world)
-      for _, b in ipairs(bodies) do b:teleport { spin = spin, velocity = spin:cross(b.position) } end
-      local before, energy = world.angular_momentum, world.energy.total
-      world:run "2 s"
-      expect(#(world.angular_momentum - before) / #before):below(1e-9)
-      expect(world.energy.total / energy):near(1, 1e-6)
-      expect(world:stats().contacts):is(0)
+  scenario("weld, bolt: parts of one thing that touch exactly tumble as that thing does, at " .. accuracy, function(s)
+    local function four(world, kind) return square(world, digbox.vec(0, 0, 0), digbox.quat { 0, 0, 0, 1 }, kind) end
+    for _, build in ipairs { four, flower } do
+      for _, kind in ipairs { "weld", "bolt" } do
+        local world = s:world { gravity = { 0, 0, 0 }, accuracy = accuracy }
+        local spin = digbox.vec(3, 7, 2)
+        local bodies = build(world, kind)
+        for _, b in ipairs(bodies) do b:teleport { spin = spin, velocity = spin:cross(b.position) } end
+        local before, energy = world.angular_momentum, world.energy.total
+        world:run "2 s"
+        expect(#(world.angular_momentum - before) / #before):below(1e-9)
+        expect(world.energy.total / energy):near(1, 1e-6)
+        expect(world:stats().contacts):is(0)
+      end
     end
   end)
 end
+
+scenario("bolt: parts of one thing touch each other where something is near", function(s)
+  local world = s:world { gravity = { 0, -g, 0 } }
+  world:floor {}
+  local cubes = square(world, digbox.vec(0, 0.2, 0), digbox.quat { 0, 0, 0, 1 }, "bolt")
+  world:run "0.5 s"
+  expect(cubes[4]:touches(cubes[1])):is(true)
+  for _, c in ipairs(cubes) do c:teleport { at = c.position + digbox.vec(0, 1, 0) } end
+  world:run "0.2 s"
+  expect(cubes[4]:touches(cubes[1])):is(false)
+  world:run "1.5 s"                                -- and again when it has fallen
+  expect(cubes[4]:touches(cubes[1])):is(true)
+end)
 
 scenario("weld: a block of cubes tips off an edge as fast as one body of these parts", function(s)
   local when = {}
