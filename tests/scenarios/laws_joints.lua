@@ -240,7 +240,8 @@ local function square(world, first, turned, kind)
     cubes[i] = world:box { size = 0.2, mass = 1, at = first + turned * digbox.vec(0.1 * c[1], 0.1 * c[2], 0), rotation = turned }
     if i > 1 then
       local at = (cubes[i].position + cubes[i - 1].position) * 0.5
-      welds[#welds + 1] = world[kind or "weld"](world, { a = cubes[i], b = cubes[i - 1], at = at, breaks_at = kind == "bolt" and 1e5 or nil })
+      local def = { a = cubes[i], b = cubes[i - 1], at = at, breaks_at = kind == "bolt" and 1e5 or nil }
+      welds[#welds + 1] = world[kind or "weld"](world, def)
     end
   end
   return cubes, welds
