@@ -107,6 +107,30 @@ static void follow_curve(Group *g, GroupPair *q, PointRow *r, real gap)
     *r = middle;
 }
 
+/* Parts of one thing, joined by others of it. */
+static bool of_one_thing(const Group *g, const GroupPair *q) { return g->things && g->things->whole[q->a] == g->things->whole[q->b]; }
+
+#define TURNS 1e-5              /* rad  in a substep: what turns by less lies there */
+
+/* What turns with both its bodies, which welds hold against each other, is taken where joints are that are solved with it: in the middle of
+ * the substep. At its start it would contradict them, and both would push without end, along arms that are not the same. What the turn
+ * opens of the welds, by its square, it is to let them close. */
+static void turn_along(const Group *g, PointRow *r)
+{
+    const GroupContact *c = &g->contacts[r->contact];
+    const ManifoldPoint *p = &c->manifold.points[r->point];
+    real angle = g->h * vec3_length(start_velocity(g, r->a).w);
+    if (angle < TURNS)
+        return;
+    Pos a = half_way(g, r->a), b = half_way(g, r->b);
+    quat turn = quat_mul(a.q, quat_conjugate(g->pos[r->a].q));
+    vec3 at = vec3_scale(0.5, vec3_add(p->a, p->b));
+    point_row_set(g, r, quat_rotate(turn, c->manifold.normal), vec3_add(a.x, quat_rotate(turn, vec3_sub(at, g->pos[r->a].x))), a.x, b.x);
+    r->target = real_min(r->target, 0) - angle * angle * vec3_distance(a.x, b.x) / g->h;
+    r->bounce = 0;
+    r->curved = true;
+}
+
 /* It carries, or has just come to lie: what blows have stopped remembers no force yet, and may roll round an edge all the same. Its turning
  * normal would be taken for the next blow, and so on in each substep. */
 static bool lies(const Group *g, const GroupPair *q, const PointRow *r, real gap, bool carried)
@@ -139,7 +163,9 @@ static dig_status rows(const EffectSlot *e, Group *g)
             c->manifold.left |= (uint8_t)(left << k);
             if (!needed)
                 continue;
-            if (g->locate && c->manifold.count == 1 && q->contacts == 1 && lies(g, q, r, gap, carried))
+            if (g->joints_direct && of_one_thing(g, q))
+                turn_along(g, r);
+            else if (g->locate && c->manifold.count == 1 && q->contacts == 1 && lies(g, q, r, gap, carried))
                 follow_curve(g, q, r, gap);
             warm(g, r, &contact_memory(c)[k]);
             pair_approaches(q, -r->rate_before);

@@ -6,7 +6,8 @@
  * that were not the same. A square of four cubes with three welds stopped spinning within a second.
  *
  * A weld that can break counts only while its thing flies, with nothing near it, held or pushed by nothing. A wall that is bolted brick to
- * brick bears its weight by what lies on each other, too, and a bolt that had to bear all of it would break. */
+ * brick bears its weight by what lies on each other, too, and a bolt that had to bear all of it would break. There rows of contacts are
+ * those of the middle of the substep, too, as soon as it turns (effect/contact.c). */
 #include "solve/group.h"
 #include "base/forest.h"
 #include "world/joint.h"

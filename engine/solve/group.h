@@ -82,7 +82,8 @@ typedef struct PointRow {       /* a contact point in the solve     */
     real rate_before;           /* m/s  normal velocity at the start of the substep */
     real friction, friction_dynamic;        /* filled by effect/friction.c; 0 = no tangential work */
     bool slides;                /* dynamic friction holds           */
-    bool curved;                /* the normal turns: the row holds for the mean velocity of the substep */
+    bool curved;                /* the normal turns: the row is that of the middle of the substep, for the mean velocity, or of two parts
+                                 * of one thing for that at the end */
     real jn, jt[2];             /* N s                              */
     real blow;                  /* N s  of the normal impulse, what a bounce gave: the solve does not take it back */
     real gap, healed;           /* m    before and after it was put right in place; equal if it was not */

@@ -27,7 +27,7 @@ real group_heal(Group *g)
     for (int i = 0; i < g->point_count; i++) {
         PointRow *r = &g->points[i];
         real gap = g->contacts[r->contact].manifold.points[r->point].gap;
-        if (gap >= 0)
+        if (gap >= 0 || r->curved)              /* welds put right what they hold together */
             continue;
         real rate = heal_rate(g, -gap, HEAL_SPEED);
         r->target = real_max(r->target, rate);

@@ -276,6 +276,32 @@ for _, accuracy in ipairs { "sketch", "play", "study" } do
   end)
 end
 
+-- A feather beside them, and they touch each other as what lies there does.
+for _, accuracy in ipairs { "sketch", "play", "study" } do
+  scenario("bolt: parts of one thing tumble as that thing does near another, at " .. accuracy, function(s)
+    for kind, spin in pairs { bricks = digbox.vec(3, 7, 2), square = digbox.vec(0, 0, 3) } do
+      local world = s:world { gravity = { 0, 0, 0 }, accuracy = accuracy }
+      local bodies, broken = {}, 0
+      world:on("broken", function() broken = broken + 1 end)
+      if kind == "square" then
+        bodies = square(world, digbox.vec(0, 0, 0), digbox.quat { 0, 0, 0, 1 }, "bolt")
+      else
+        for i, at in ipairs { { -0.2, -0.2, 0 }, { 0.2, -0.2, 0 }, { 0, 0, 0 }, { -0.2, 0.2, 0 }, { 0.2, 0.2, 0 } } do
+          bodies[i] = world:box { size = { 0.4, 0.2, 0.2 }, mass = 1, at = at }
+          if i > 1 then world:bolt { a = bodies[i], b = bodies[i - 1], breaks_at = 1e5 } end
+        end
+      end
+      for _, b in ipairs(bodies) do b:teleport { spin = spin, velocity = spin:cross(b.position) } end
+      world:ball { radius = 0.01, mass = 1e-6, at = { 0, 0, 0.115 } }
+      local before, energy = world.angular_momentum, world.energy.total
+      world:run "1 s"
+      expect(#(world.angular_momentum - before) / #before):below(1e-9)
+      expect(world.energy.total / energy):near(1, 1e-2)
+      expect(broken):is(0)
+    end
+  end)
+end
+
 scenario("bolt: parts of one thing touch each other where something is near", function(s)
   local world = s:world { gravity = { 0, -g, 0 } }
   world:floor {}
@@ -311,6 +337,22 @@ scenario("weld: a block of cubes tips off an edge as fast as one body of these p
   end
   expect(when[1]):near(0.567, 0.01)
   expect(when[2]):near(when[1], 0.02)
+end)
+
+scenario("bolt: a block of eight cubes tips off an edge as fast as one body of these parts", function(s)
+  local world = s:world { gravity = { 0, -g, 0 } }
+  world:floor {}
+  local turned = digbox.quat { angle = math.rad(40), axis = { 0, 0, 1 } }
+  local centre = turned * digbox.vec(0.2, 0.2, 0) + digbox.vec(0, 1e-4, 0)
+  local last, first
+  for i = 0, 7 do
+    local at = digbox.vec((i // 4 - 0.5) * 0.2, (i // 2 % 2 - 0.5) * 0.2, (i % 2 - 0.5) * 0.2)
+    local cube = world:box { size = 0.2, mass = 1, at = turned * at + centre, rotation = turned }
+    if last then world:bolt { a = cube, b = last, at = (cube.position + last.position) * 0.5, breaks_at = 1e5 } end
+    last, first = cube, first or cube
+  end
+  while world.time < 2 and (first.rotation * digbox.vec(0, 1, 0)).y < 0.9999 do world:step() end
+  expect(world.time):near(0.567, 0.02)
 end)
 
 scenario("weld: what a chain of welds made one thing touches again once it is two", function(s)
