@@ -5,6 +5,8 @@
  * edge, the brink, until nothing contradicts. On the brink the force's direction is the one the slip is about to take; it is
  * found by a damped fixed point  d <- (rho d + a) / |rho d + a|,  whose damping rho is the acceleration that the whole bound of
  * friction could cause: with less, it diverges wherever the slip is slow to grow.
+ *
+ * Who pushes in a jerk, at the start of a frame, is found the same way, of impulses and rates.
  */
 #include "trace/trace.h"
 
@@ -419,4 +421,162 @@ bool trace_kinds(Tracer *t, bool first)
     }
     t->fault = "contacts that find no agreement";
     return false;
+}
+
+/* ---- jerks: the same at the level of velocities ---- */
+
+#define JERKED 1e-4             /* of size times pace: velocities less off than that drifted, or another way left them so */
+
+/* m/s  How far velocities are off what joints, and what presses at their stops, allow. */
+static real off_speed(const Tracer *t)
+{
+    real most = 0;
+    for (int j = 0; j < t->g->joint_count; j++)
+        for (int k = 0; k < t->row_count[j]; k++) {
+            const Row *r = &t->rows[j * JOINT_SLOTS + k];
+            if (r->kind == ROW_HARD)
+                most = real_max(most, fabs(trace_row_rate(t, r)) * (r->angular ? t->size : 1));
+        }
+    for (int i = 0; i < t->stop_count; i++) {
+        const Row *r = t->stops[i].gate.presses ? trace_row(t, t->stops[i].joint, t->stops[i].slot) : NULL;
+        if (r)
+            most = real_max(most, fabs(t->stops[i].gate.rate) * (r->angular ? t->size : 1));
+    }
+    return most;
+}
+
+/* What presses takes part in a jerk, and what could. false: nothing there has a bound, and all rows are equalities. */
+static bool start_jerk(Tracer *t)
+{
+    bool bounded = false;
+    for (int i = 0; i < t->touch_count; i++) {
+        Gate *g = &t->touch[i].gate;
+        g->closed = g->presses || g->gap <= t->gap_zero;
+        t->touch[i].opened = 0;
+        bounded = bounded || g->closed;
+    }
+    for (int i = 0; i < t->stop_count; i++) {
+        Gate *g = &t->stops[i].gate;
+        g->closed = g->presses || g->gap <= 1e-9;
+        bounded = bounded || g->closed;
+    }
+    for (int i = 0; i < t->hold_count; i++)
+        bounded = bounded || (t->holds[i].side == 0 && !isinf(t->holds[i].most));
+    return bounded;
+}
+
+/* What forces of the frame before give in `time` is added to the impulses of the jerk. */
+static void add_lasting(Tracer *t, real time)
+{
+    Group *g = t->g;
+    for (int i = 0; i < t->touch_count; i++) {
+        Touching *c = &t->touch[i];
+        if (c->gate.presses)
+            c->gate.force += time * real_max(0, contact_memory(&g->contacts[c->contact])[c->point].normal);
+    }
+    for (int i = 0; i < t->stop_count; i++) {
+        Stop *s = &t->stops[i];
+        if (s->gate.presses)
+            s->gate.force += time * real_max(0, g->joints[s->joint].force[s->slot]);
+    }
+    for (int i = 0; i < t->hold_count; i++)
+        t->holds[i].force += time * g->joints[t->holds[i].joint].force[t->holds[i].slot];
+}
+
+/* Those forces, in the place of impulses: they are where the search for kinds begins. */
+static void recall_forces(Tracer *t)
+{
+    for (int i = 0; i < t->touch_count; i++) {
+        Touching *c = &t->touch[i];
+        const GroupContact *from = &t->g->contacts[c->contact];
+        c->gate.force = contact_memory(from)[c->point].normal;
+        c->slip.force = contact_memory(from)[c->point].tangent;
+        c->roll.force = c->roll.axes && from->manifold.count == 1 ? from->rolling : vec3_zero();
+    }
+}
+
+/* What sticks or holds and would need more than it has in `time` gives nothing. */
+static bool yield_all(Tracer *t, real time)
+{
+    bool changed = false;
+    for (int i = 0; i < t->touch_count; i++) {
+        Touching *c = &t->touch[i];
+        Cone *both[2] = {&c->slip, &c->roll};
+        for (int k = 0; k < 2 && c->gate.presses; k++)
+            if (leaves_cone(both[k], c->gate.force, PULLS * t->gate_most * (k ? t->size : 1))) {
+                both[k]->grip = GRIP_SLIP;
+                both[k]->locked = false;
+                changed = true;
+            }
+    }
+    for (int i = 0; i < t->hold_count; i++) {
+        Hold *h = &t->holds[i];
+        if (h->side == 0 && !isinf(h->most) && fabs(h->force) > h->most * time) {
+            h->side = 1;
+            changed = true;
+        }
+    }
+    return changed;
+}
+
+static void read_rates(Tracer *t)
+{
+    trace_kinematics(t);
+    for (int i = 0; i < t->touch_count; i++)
+        t->touch[i].gate.acc = t->touch[i].gate.rate;
+    for (int i = 0; i < t->stop_count; i++)
+        t->stops[i].gate.acc = t->stops[i].gate.rate;
+}
+
+/* s  The speeds of a mover, one a frame, stand for a smooth motion: what has the force for its share in a frame follows. A hit is none. */
+static real smooth_time(const Tracer *t)
+{
+    const Group *g = t->g;
+    bool moved = false, hit = false;
+    for (int i = 0; i < g->moving_count; i++) {
+        const Body *b = &g->world->bodies.data[g->member[i].slot];
+        hit = hit || vec3_length2(b->hit_v) > 0 || vec3_length2(b->hit_w) > 0;
+    }
+    for (int i = g->moving_count; i < g->body_count; i++)
+        moved = moved || (g->member[i].kinematic && (vec3_length2(g->vel[i].v) > 0 || vec3_length2(g->vel[i].w) > 0));
+    return moved && !hit ? t->end : 0;
+}
+
+/* Velocities that a script or a mover left apart at the start of the frame: joints share the impulse that mends it, but what presses only
+ * pushes, and lets go what leaves it. Forces are impulses here, and accelerations the rates after them. A bounded force gives none over
+ * no time. */
+bool trace_jerk(Tracer *t)
+{
+    Group *g = t->g;
+    int n = t->touch_count + t->stop_count, pivots = 0, most = 20 + 6 * n + t->hold_count;
+    real off = n + t->hold_count > 0 ? off_speed(t) : 0;
+    if (!(off > JERKED * t->size * t->pace) || !start_jerk(t))
+        return true;
+    real kinetic = group_kinetic(g), zero = real_max(0.1 * g->close_speed / SINKS, off), time = smooth_time(t);
+    for (; pivots < most; pivots++) {
+        if (!trace_project(t, false))
+            return false;
+        trace_read_forces(t);
+        add_lasting(t, time);
+        read_rates(t);
+        if (!change_gate(t, zero, pivots > 2 * n) && !yield_all(t, time))
+            break;
+        trace_load(t, t->y, t->t);
+        trace_kinematics(t);
+    }
+    recall_forces(t);
+    if (pivots == most) {
+        t->fault = "a jerk that finds no agreement";
+        return false;
+    }
+    if (pivots > 0) {           /* else all is as if it were joints: that is put right with what drifted */
+        t->conserves = false;
+        g->work_in += t->given;
+        g->lost += kinetic + t->given - group_kinetic(g);
+        trace_store(t, t->y);
+    }
+    trace_load(t, t->y, t->t);
+    trace_kinematics(t);
+    trace_sides(t);
+    return true;
 }

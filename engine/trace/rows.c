@@ -187,7 +187,7 @@ static void build_lines(Tracer *t, bool forces, bool positions)
 
 /* ---- forces and accelerations ---- */
 
-static void read_forces(Tracer *t)
+void trace_read_forces(Tracer *t)
 {
     t->gate_most = 0;
     for (int i = 0; i < t->touch_count; i++) {
@@ -386,7 +386,7 @@ bool trace_solve(Tracer *t)
         }
         g->residual = real_max(g->residual, s->residual);
     }
-    read_forces(t);
+    trace_read_forces(t);
     push_bodies(t);
     return true;
 }
@@ -492,6 +492,7 @@ bool trace_project(Tracer *t, bool positions)
 {
     System *s = &t->sys;
     build_lines(t, false, positions);
+    t->given = 0;
     if (s->count == 0 || t->fault)
         return !t->fault;
     for (int i = 0; i < s->count; i++) {
@@ -502,7 +503,6 @@ bool trace_project(Tracer *t, bool positions)
         t->fault = "rows that contradict each other";
         return false;
     }
-    t->given = 0;
     bool driven = !positions && (t->hold_count > 0 || trace_movers(t->g));
     for (int i = 0; i < s->count && driven; i++)
         t->given += s->x[i] * (own_rate(t, &s->lines[i]) + s->b[i]);

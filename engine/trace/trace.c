@@ -233,6 +233,8 @@ static bool settle(Tracer *t, bool first)
     bool moved = false;
     if (first)
         trace_sides(t);         /* what pushes with its bound, does: no jerk stops it */
+    if (first && !struck && !trace_jerk(t))
+        return false;
     if (first && !struck && !put_right(t, true, &moved))         /* another way may have left the closed ones a little off; a blow opens some */
         return false;
     t->shifted = t->shifted || moved;

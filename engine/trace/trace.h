@@ -278,6 +278,7 @@ static inline void trace_line_push(const Tracer *t, Line *l, int body, const Arr
 }
 bool trace_solve(Tracer *t);                    /* forces for the present kinds, and what they do to the bodies */
 bool trace_accelerate(Tracer *t);               /* the same, and the accelerations of contacts, stops and holds */
+void trace_read_forces(Tracer *t);              /* of contacts, stops and holds, from the solved rows */
 bool trace_movers(const Group *g);              /* is any of its bodies kinematic? */
 void trace_read_accelerations(Tracer *t);       /* these alone, from those of the bodies */
 vec3 trace_spin_up(const Tracer *t, int body, vec3 torque);     /* rad/s^2 */
@@ -291,6 +292,7 @@ real trace_row_acceleration(const Tracer *t, const Row *r);
 void trace_patch(Tracer *t, int first, bool forces, bool positions);
 /* kinds.c */
 bool trace_kinds(Tracer *t, bool first);        /* who presses, sticks, slides; first: in this frame */
+bool trace_jerk(Tracer *t);                     /* velocities that others left apart, put right where what presses only pushes; false = fault */
 bool trace_sides(Tracer *t);                    /* which motors and dry frictions hold their speed, which push with their bound */
 real trace_acceleration_scale(const Tracer *t); /* m/s^2 */
 bool trace_slow_slip(const Tracer *t, const Touching *c, real h);       /* friction alone would turn it, or end it, within h */
