@@ -40,13 +40,7 @@ static void add_single(Direct *d, int i)
     if (!(p->k > 0))
         return;
     Single *t = &d->singles[d->single_count++];
-    *t = (Single){.row = i, .target = p->bias, .start = p->p, .prox = p->p, .lo = -INFINITY, .hi = INFINITY, .r = COMPLIANCE * p->k};
-    if (p->row.kind == ROW_LIMIT)
-        t->lo = 0;
-    if (p->row.kind == ROW_MOTOR || p->row.kind == ROW_DRY) {
-        t->hi = p->row.hi * g->h;
-        t->lo = -t->hi;
-    }
+    *t = (Single){.row = i, .target = p->bias, .start = p->p, .prox = p->p, .lo = p->lo, .hi = p->hi, .r = COMPLIANCE * p->k};
     t->bounded = t->lo > -INFINITY || t->hi < INFINITY;
     if (t->bounded)
         t->r = BOUNDED_COMPLIANCE * d->hardened * p->k;

@@ -109,7 +109,7 @@ typedef struct JointRow {
     vec3 im[ROW_BODIES], ii[ROW_BODIES];    /* M^-1 J^T             */
     real k;                     /* J M^-1 J^T                       */
     real gamma, bias;           /* soft: rate + bias + gamma p = 0  */
-    real p;                     /* N s or N m s                     */
+    real p, lo, hi;             /* N s or N m s; its bounds         */
 } JointRow;
 
 /* A manifold with as many points as its shapes can have. */

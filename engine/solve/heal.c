@@ -18,6 +18,8 @@ real group_heal(Group *g)
     real most = 0;
     for (int i = 0; i < g->row_count; i++) {
         JointRow *r = &g->rows[i];
+        if (r->row.kind == ROW_MOTOR && r->row.error < 0 && (r->lo == 0 || r->hi == 0))      /* goes along with its stop */
+            r->bias += copysign(heal_rate(g, r->row.error, r->row.angular ? HEAL_SPIN : HEAL_SPEED), -r->row.rate);
         if (r->row.kind != ROW_HARD && !(r->row.kind == ROW_LIMIT && r->row.error < 0))
             continue;
         real rate = heal_rate(g, r->row.error, r->row.angular ? HEAL_SPIN : HEAL_SPEED);

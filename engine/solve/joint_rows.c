@@ -87,6 +87,22 @@ static void finish_soft(const Group *g, JointRow *r)
     r->bias = -r->row.error * h * k / s - (g->midpoint ? start_rate(g, &r->row) : 0);
 }
 
+#define RIGID 1e3               /* times the impulse that brings it to its speed: no sweep gets to the bound of a motor that gives more */
+
+/* Where a stop is as near as a substep's way, and the motor has no bound or one that sweeps do not get to, the stop wins: the motor
+ * drives no faster than the stop allows, and brakes nothing. That is the stop's to do. */
+static void finish_motor(const Group *g, JointRow *r)
+{
+    real rate = r->row.rate, most = r->row.hi * g->h, room = r->row.error;
+    r->bias = rate;
+    r->lo = -most;
+    r->hi = most;
+    if (!(most * r->k > RIGID * fabs(rate)) || !(room < g->h * fabs(rate)))
+        return;
+    r->bias = copysign(real_max(0, room) / g->h, rate);
+    *(rate > 0 ? &r->lo : &r->hi) = 0;
+}
+
 static void finish_row(const Group *g, const GroupJoint *j, JointRow *r)
 {
     real k = 0;
@@ -104,8 +120,10 @@ static void finish_row(const Group *g, const GroupJoint *j, JointRow *r)
     r->k = k;
     r->gamma = r->bias = 0;
     r->p = j->force[r->row.slot] * g->h;
+    r->lo = r->row.kind == ROW_LIMIT ? 0 : r->row.kind == ROW_DRY ? -r->row.hi * g->h : -INFINITY;
+    r->hi = r->row.kind == ROW_DRY ? r->row.hi * g->h : INFINITY;
     if (r->row.kind == ROW_MOTOR)
-        r->bias = r->row.rate;
+        finish_motor(g, r);
     else if (r->row.kind == ROW_LIMIT)
         r->bias = r->row.error > 0 ? -r->row.error / g->h : 0;
     else if (r->row.kind == ROW_SOFT)

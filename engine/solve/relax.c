@@ -208,15 +208,8 @@ static real relax_scalar(Group *g, JointRow *r)
 {
     if (!(r->k > 0))
         return 0;
-    real lo = -INFINITY, hi = INFINITY;
-    if (r->row.kind == ROW_LIMIT)
-        lo = 0;
-    else if (r->row.kind == ROW_MOTOR || r->row.kind == ROW_DRY) {
-        hi = r->row.hi * g->h;
-        lo = -hi;
-    }
     real error = r->bias - joint_row_rate(g, &r->row) - r->gamma * r->p;
-    real p = real_clamp(r->p + error / (r->k + r->gamma), lo, hi);
+    real p = real_clamp(r->p + error / (r->k + r->gamma), r->lo, r->hi);
     real change = p - r->p;
     r->p = p;
     row_apply(g, r, change);

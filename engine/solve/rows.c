@@ -275,14 +275,17 @@ void rows_limits(RowList *list, const Row *like, real coordinate, real lo, real 
     }
 }
 
-void rows_motor(RowList *list, const Row *like, const DriveMotor *m, int slot)
+static void add_motor(RowList *list, const Row *like, const DriveMotor *m, real room, int slot)
 {
     if (isnan(m->speed) || !(m->most > 0))
         return;
     Row *r = add_like(list, like, ROW_MOTOR, slot);
+    r->error = room;
     r->rate = m->speed;
     r->hi = m->most;
 }
+
+void rows_motor(RowList *list, const Row *like, const DriveMotor *m, int slot) { add_motor(list, like, m, INFINITY, slot); }
 
 void rows_spring(RowList *list, const Row *like, real x, const DriveSpring *s, int slot)
 {
@@ -306,12 +309,19 @@ bool drive_acts(const Drive *d)
         || d->spring.damping > 0 || d->friction > 0;
 }
 
+/* m or rad  From x to the stop that the motor drives at. */
+static real room_ahead(const Drive *d, real x)
+{
+    real room = d->motor.speed > 0 ? d->limits[1] - x : d->motor.speed < 0 ? x - d->limits[0] : INFINITY;
+    return isnan(room) ? INFINITY : room;
+}
+
 void rows_drive(RowList *list, const Row *like, real x, const Drive *d, int slot)
 {
-    rows_limits(list, like, x, d->limits[0], d->limits[1], slot);
-    rows_motor(list, like, &d->motor, slot + 2);
-    rows_spring(list, like, x, &d->spring, slot + 3);
-    rows_friction(list, like, d->friction, slot + 4);
+    rows_limits(list, like, x, d->limits[0], d->limits[1], slot + DRIVE_LO);
+    add_motor(list, like, &d->motor, room_ahead(d, x), slot + DRIVE_MOTOR);
+    rows_spring(list, like, x, &d->spring, slot + DRIVE_SPRING);
+    rows_friction(list, like, d->friction, slot + DRIVE_FRICTION);
 }
 
 real spring_energy(const DriveSpring *s, real x)

@@ -35,7 +35,7 @@ typedef struct Row {
     int     body[ROW_BODIES];           /* local index in the group; < 0 = the world (does not move)       */
     vec3    lin[ROW_BODIES];            /* 1    Jacobian of v                                              */
     vec3    ang[ROW_BODIES];            /* m or 1, Jacobian of w                                           */
-    real    error;                      /* m or rad                                                        */
+    real    error;                      /* m or rad; MOTOR: how far it is to the stop ahead of it, INFINITY = none */
     real    rate;                       /* m/s or rad/s, wanted (MOTOR)                                    */
     real    drift;                      /* m/s^2 or rad/s^2, (dJ/dt) v: what the rate gains without accelerations */
     real    hi;                         /* N or N m, bound on |force| (MOTOR, DRY), INFINITY = none        */
@@ -133,7 +133,7 @@ typedef struct Drive {
     real        friction;       /* N or N m, dry; 0 or NaN = none */
 } Drive;
 
-#define DRIVE_SLOTS 5           /* limits 2, motor, spring, friction */
+enum { DRIVE_LO, DRIVE_HI, DRIVE_MOTOR, DRIVE_SPRING, DRIVE_FRICTION, DRIVE_SLOTS };     /* slots of rows_drive, after its first */
 
 /* Rows with the Jacobian of `like`; x is its coordinate. What is off adds nothing. */
 void rows_motor(RowList *list, const Row *like, const DriveMotor *m, int slot);

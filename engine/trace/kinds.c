@@ -74,6 +74,18 @@ static void lock_slow(Tracer *t, bool first)
     }
 }
 
+#define AT_STOP 1e-9            /* m or rad */
+
+/* A motor without a bound that has got to its stop holds there, and nothing is left to press on the stop. */
+static void hold_at_stop(Tracer *t, Hold *h, const Row *r)
+{
+    bool there = r->error <= AT_STOP;
+    h->target = there ? 0 : r->rate;
+    for (int i = 0; i < t->stop_count && there; i++)
+        if (t->stops[i].joint == h->joint && t->stops[i].slot == h->slot - DRIVE_MOTOR + (r->rate > 0 ? DRIVE_HI : DRIVE_LO))
+            t->stops[i].gate.presses = false;
+}
+
 /* False: a motor without a bound is not at its speed. It gets there by a blow, which no force that is followed can be. */
 bool trace_sides(Tracer *t)
 {
@@ -81,6 +93,8 @@ bool trace_sides(Tracer *t)
     for (int i = 0; i < t->hold_count; i++) {
         Hold *h = &t->holds[i];
         const Row *r = trace_row(t, h->joint, h->slot);
+        if (r && isinf(h->most))
+            hold_at_stop(t, h, r);
         real off = h->target - h->rate;
         bool lags = fabs(off) * (r && r->angular ? t->size : 1) > t->slip_zero;
         h->side = !lags || isinf(h->most) ? 0 : off > 0 ? 1 : -1;

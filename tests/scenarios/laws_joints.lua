@@ -45,6 +45,29 @@ scenario("hinge: its motor gives no more than its torque, its friction no more t
   expect(hinge.speed):near(0, 1e-6)
 end)
 
+-- Nothing bounds what it may press with, and the stop is as hard.
+for _, accuracy in ipairs { "sketch", "play", "study" } do
+  scenario("a motor without a bound stops at its joint's stop, holds there and comes back (" .. accuracy .. ")", function(s)
+    local world = s:world { accuracy = accuracy }
+    local rod = world:box { size = { 1, 0.1, 0.1 }, mass = 3, at = { 0.5, 0, 0 } }
+    local hinge = world:hinge { a = rod, at = { 0, 0, 0 }, axis = { 0, 0, 1 }, motor = { speed = 100 }, limits = { -1, 1 } }
+    local cart = world:box { size = 0.3, mass = 3, at = { 5, 0, 0 } }       -- its weight pulls it off the stop that it is driven at
+    local slider = world:slider { a = cart, axis = { 0, 1, 0 }, motor = { speed = 2 }, limits = { -1, 1 } }
+    world:run "2 s"
+    expect(hinge.angle):near(1, 1e-6)
+    expect(slider.distance):near(1, 1e-6)
+    expect(rod.asleep and cart.asleep):is(true)
+    expect(#world:warnings()):is(0)
+    expect(math.abs(world.energy.numerical)):at_most(1e-3 * world.energy.work_in)
+    slider:set { motor = { speed = -0.5 } }
+    world:run "2 s"
+    expect(slider.distance):near(0, 1e-2)
+    world:run "3 s"
+    expect(slider.distance):near(-1, 1e-6)
+    expect(cart.asleep):is(true)
+  end)
+end
+
 -- What a step leaves its joints off, 1e-8 m, is put right: that stops no motor and no friction that pushes with all it has.
 scenario("hinge: friction of 1 mN m takes from a swinging rod what it takes along its way, and no more", function(s)
   local world = s.world
