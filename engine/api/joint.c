@@ -390,16 +390,18 @@ static dig_status do_set(World *w, dig_joint handle, const dig_setting *set, int
     for (int i = 0; i < count; i++)
         DIG_TRY(set_one(w, r, &set[i], &to));
     param_settle(r->type->params, to.params);
+    bool wakes = to.breaks_at != r->breaks_at;      /* at rest it may bear too much for that */
     if (memcmp(to.params, r->params, sizeof to.params) != 0) {
         DIG_TRY(check_params(w, r, to.params));
         real before = api_joint_energy(w, handle.slot);
         memcpy(r->params, to.params, sizeof to.params);
         api_book_given(w, api_joint_energy(w, handle.slot) - before);
-        if (r->a != NONE)
-            body_wake(w, r->a);
-        if (r->b != NONE)
-            body_wake(w, r->b);
+        wakes = true;
     }
+    if (wakes && r->a != NONE)
+        body_wake(w, r->a);
+    if (wakes && r->b != NONE)
+        body_wake(w, r->b);
     r->breaks_at = to.breaks_at;
     set_collides(w, r, to.collides);
     return DIG_OK;

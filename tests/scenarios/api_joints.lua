@@ -146,6 +146,19 @@ scenario("a joint breaks at its limit and says so", function(s)
   expect(broken):is "glue"
 end)
 
+scenario("a joint that sleeps under more than its new limit breaks", function(s)
+  local world = s.world
+  local box = world:box { size = 0.2, at = { 0, 2, 0 }, mass = 10 }
+  local joint = world:weld { a = box }
+  s:eventually("it sleeps", "3 s", function() return box.asleep end)
+  joint.breaks_at = "200 N"                                   -- it bears 98.1 N
+  world:run "1 s"
+  expect(joint.valid and box.asleep):is(true)
+  joint.breaks_at = "50 N"
+  world:run "0.1 s"
+  expect(joint.valid):is(false)
+end)
+
 scenario("a rope of segments hangs between its ends", function(s)
   local world = s.world
   local a = world:box { name = "a", fixed = true, size = 0.1, at = { -1, 3, 0 } }
