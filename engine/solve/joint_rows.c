@@ -103,7 +103,20 @@ static void finish_motor(const Group *g, JointRow *r)
     *(rate > 0 ? &r->lo : &r->hi) = 0;
 }
 
-static void finish_row(const Group *g, const GroupJoint *j, JointRow *r)
+/* A row at the start of a substep: its error, and how fast that changes. */
+typedef struct RowStart { real error, rate; } RowStart;
+
+/* The rate at the end of a substep that a stop allows. By the midpoint rule its direction, that of the middle, has turned by what the
+ * motion has on `turned`, m/s or rad/s: along the stop as much is turned back, as of a joint that holds, and no energy is lost. What
+ * ran into the stop is not. */
+static real stop_rate(const Group *g, const Row *r, const RowStart *start)
+{
+    real turned = g->midpoint && start ? start_rate(g, r) - start->rate : 0;
+    return (r->error > 0 ? -r->error / g->h : 0) - turned;
+}
+
+/* start: NULL = the rows are those of the start. */
+static void finish_row(const Group *g, const GroupJoint *j, JointRow *r, const RowStart *start)
 {
     real k = 0;
     for (int i = 0; i < r->row.count; i++) {
@@ -125,7 +138,7 @@ static void finish_row(const Group *g, const GroupJoint *j, JointRow *r)
     if (r->row.kind == ROW_MOTOR)
         finish_motor(g, r);
     else if (r->row.kind == ROW_LIMIT)
-        r->bias = r->row.error > 0 ? -r->row.error / g->h : 0;
+        r->bias = stop_rate(g, &r->row, start);
     else if (r->row.kind == ROW_SOFT)
         finish_soft(g, r);
     else if (r->row.kind == ROW_HARD && g->midpoint)
@@ -178,7 +191,7 @@ static void sort_hard_first(Row *rows, int count)
         }
 }
 
-static void build_joint(Group *g, int joint, const real *errors)
+static void build_joint(Group *g, int joint, const RowStart *starts)
 {
     GroupJoint *j = &g->joints[joint];
     Row rows[JOINT_SLOTS];
@@ -191,22 +204,23 @@ static void build_joint(Group *g, int joint, const real *errors)
         JointRow *r = &g->rows[g->row_count++];
         memset(r, 0, sizeof *r);
         r->row = rows[i];
-        if (errors)
-            r->row.error = errors[joint * JOINT_SLOTS + rows[i].slot];
-        finish_row(g, j, r);
+        const RowStart *start = starts ? &starts[joint * JOINT_SLOTS + rows[i].slot] : NULL;
+        if (start)
+            r->row.error = start->error;
+        finish_row(g, j, r, start);
         b->hard += rows[i].kind == ROW_HARD;
         b->count++;
     }
     factor_block(g, b);
 }
 
-static void build_all(Group *g, const real *errors)
+static void build_all(Group *g, const RowStart *starts)
 {
     g->block_count = g->row_count = 0;
     for (int i = 0; i < g->joint_count; i++)
         group_joint_view(g, i);
     for (int i = 0; i < g->joint_count; i++)
-        build_joint(g, i, errors);
+        build_joint(g, i, starts);
 }
 
 /* A soft row whose own oscillation the step cannot follow makes the whole group move with end velocities. */
@@ -220,12 +234,12 @@ static bool any_stiff(const Group *g)
     return false;
 }
 
-static void read_errors(const Group *g, real *errors)
+static void read_starts(const Group *g, RowStart *starts)
 {
     for (int i = 0; i < g->block_count; i++)
         for (int k = 0; k < g->blocks[i].count; k++) {
             const Row *r = &g->rows[g->blocks[i].first + k].row;
-            errors[g->blocks[i].joint * JOINT_SLOTS + r->slot] = r->error;
+            starts[g->blocks[i].joint * JOINT_SLOTS + r->slot] = (RowStart){r->error, start_rate(g, r)};
         }
 }
 
@@ -247,17 +261,17 @@ static void shift_half(Group *g, const Vel *found, const Pos *back)
 static void build_middle(Group *g, bool mean, const Vel *found)
 {
     ArenaMark mark = arena_mark(g->arena);
-    real *errors = arena_zero(g->arena, (size_t)(g->joint_count * JOINT_SLOTS) * sizeof *errors);
+    RowStart *starts = arena_zero(g->arena, (size_t)(g->joint_count * JOINT_SLOTS) * sizeof *starts);
     Pos *back = arena_alloc(g->arena, (size_t)g->body_count * sizeof *back);
-    if (!errors || !back) {
+    if (!starts || !back) {
         g->status = DIG_E_MEMORY;
         return;
     }
     memcpy(back, g->pos, (size_t)g->body_count * sizeof *back);
-    read_errors(g, errors);
+    read_starts(g, starts);
     g->midpoint = mean;
     shift_half(g, found, NULL);
-    build_all(g, errors);
+    build_all(g, starts);
     shift_half(g, NULL, back);
     arena_rewind(g->arena, mark);
 }

@@ -473,6 +473,19 @@ scenario("rope: a pendulum on it keeps its energy", function(s)
 end)
 
 -- Falls 0.8 m beside its pivot, 0.6 m from it, until a rope of 1 m is taut: that takes the part of the speed along it.
+scenario("rope, and distance with a max: what is whirled at 20 rad/s keeps its energy at sketch, too", function(s)
+  local world = s:world { gravity = { 0, 0, 0 }, accuracy = "sketch" }
+  for i, type in ipairs { "rope", "distance" } do
+    local ball = world:ball { radius = 0.1, mass = 1, at = { 10 * i + 1, 0, 0 }, velocity = { 0, 0, 20 } }
+    world[type](world, { a = ball, at_b = { 10 * i, 0, 0 }, [type == "rope" and "length" or "max"] = 1 })
+  end
+  local box = world:box { size = { 0.4, 0.1, 0.1 }, mass = 1, at = { 1.2, 0, 0 }, velocity = { 0, 0, 24 }, spin = { 0, -20, 0 } }
+  world:rope { a = box, at = { 1, 0, 0 }, to = { 0, 0, 0 } }
+  local before = world.energy.total
+  world:run "3 s"
+  expect(world.energy.total):near(before, 1e-4 * before)
+end)
+
 scenario("rope: a jerk takes the speed along it, and no more", function(s)
   local world = s.world
   local ball = world:ball { radius = 0.05, mass = 1, at = { 0.6, 0, 0 } }
