@@ -243,7 +243,8 @@ static void read_starts(const Group *g, RowStart *starts)
         }
 }
 
-/* Everybody half a substep on, along the start velocities or those found, and back. */
+/* Everybody half a substep on, along the start velocities or those found, and back. Inertias stay those of the start: group_turn takes
+ * what impulses give for momentum there. With those of the middle the couple of a stop spun a thin rod about its own axis. */
 static void shift_half(Group *g, const Vel *found, const Pos *back)
 {
     for (int i = 0; i < g->body_count; i++) {
@@ -253,7 +254,6 @@ static void shift_half(Group *g, const Vel *found, const Pos *back)
         Vel v = !m->moves ? g->vel[i] : found ? found[i] : m->start_vel;
         g->pos[i] = back ? back[i] : (Pos){vec3_mad(g->pos[i].x, 0.5 * g->h, v.v),
                                            quat_unit(quat_mul(quat_exp(vec3_scale(0.5 * g->h, v.w)), g->pos[i].q))};
-        group_refresh_mass(g, i);
     }
 }
 
