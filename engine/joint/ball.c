@@ -55,7 +55,10 @@ static void add_swing(const JointView *j, const Ball *ball, RowList *out)
 
 /* The first of the three rows lies along the present spin, so that the torque of a turning ball is the one given in every
  * direction, not up to sqrt(3) times as much. Without accelerations that spin keeps its direction, and with it all three rows:
- * their drift is 0. A ball that hardly turns takes the frame of b instead, which turns with b. */
+ * their drift is 0. A ball that hardly turns takes the frame of b instead, which turns with b.
+ *
+ * Where the motion is followed, the first row is all there is: what lies across the spin would hold its direction, and a stop that turns
+ * it would contradict. */
 static void add_friction(const JointView *j, real friction, RowList *out)
 {
     vec3 spin = vec3_sub(j->a.w, j->b.w), d[3] = {j->b.axis, j->b.u, j->b.n};
@@ -66,7 +69,7 @@ static void add_friction(const JointView *j, real friction, RowList *out)
         d[0] = vec3_unit(spin);
         vec3_basis(d[0], &d[1], &d[2]);
     }
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < (turning && j->followed ? 1 : 3); i++) {
         Row *r = rows_spin(out, j, ROW_DRY, d[i], FRICTION + i);
         r->hi = friction;
         row_turns(r, j, turning ? vec3_zero() : vec3_cross(j->b.w, d[i]));

@@ -642,7 +642,7 @@ static dig_status gather_joints(Group *g, int joints)
         j->view.params = r->params;
         j->view.breaks_at = r->breaks_at;
         j->view.memory = j->memory;
-        j->view.passing = false;
+        j->view.passing = j->view.followed = false;
     }
     return DIG_OK;
 }

@@ -66,6 +66,7 @@ struct JointView {
     real       *memory;             /* [JOINT_MEMORY] kept between steps, part of the state; angle unwinding */
     const JointView *other[2];      /* for gear and rack: the joints they couple, else NULL    */
     const struct JointType *type;
+    bool        followed;           /* the motion is followed in time: friction is a force against it, not what a substep may take */
     bool        passing;            /* an instant within a step: no angle need be unwound but where something acts by it */
 };
 

@@ -88,8 +88,10 @@ bool trace_pass(Tracer *t)
     int events_left = g->events_left;
     trace_load(t, t->y, t->t);
     trace_remember(t);
-    for (int j = 0; j < g->joint_count; j++)
+    for (int j = 0; j < g->joint_count; j++) {
+        g->joints[j].view.followed = false;
         memcpy(g->joints[j].force, &t->joint_force[j * JOINT_SLOTS], sizeof g->joints[j].force);
+    }
     g->touch = 1e-7;
     g->trace_failed = true;         /* at this place: it is swept the finer */
     g->status = sweep_piece(g, t->end, t->t + length < t->end ? t->t + length : t->end);

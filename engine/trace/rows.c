@@ -30,6 +30,7 @@ static void move_joint(Tracer *t, int joint)
 {
     Group *g = t->g;
     RowList list = {&t->rows[joint * JOINT_SLOTS], 0, JOINT_SLOTS};
+    g->joints[joint].view.followed = true;
     g->joints[joint].view.passing = t->passing;
     g->joints[joint].view.type->rows(&g->joints[joint].view, &list);
     t->row_count[joint] = list.count;

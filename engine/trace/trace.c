@@ -26,7 +26,7 @@ static void hand_on(Group *g, const GroupKept *k, const char *why)
 {
     group_put_back(g, k);
     for (int i = 0; i < g->joint_count; i++)
-        g->joints[i].view.passing = false;
+        g->joints[i].view.passing = g->joints[i].view.followed = false;
     g->handed_on = true;
     g->gave_up = why;
     g->trace_failed = why != NULL;
