@@ -267,6 +267,7 @@ struct Group {
     real      t, h;             /* s   since the start of the step, this substep */
     bool      jammed;           /*     what heals contradicts itself: for the rest of the step it heals in place, as far as it goes */
     real      heal_over;        /* s   so long overlaps heal in this substep: one cut short by an impact heals as the whole did in which that was found */
+    vec3      lag;              /* m/s what moves with its end velocity is moved by this, too: see fall_together */
     real      lifted;           /* J   against forces, by healing in this substep */
     real      touch;            /* m   gap at which contacts count as touching, per metre of size */
     real      close_speed;      /* m/s below which a bounce is over */

@@ -20,8 +20,9 @@ static Motion shape_motion(const Group *g, int body, pose local)
     Vel old = m->start_vel;
     r.w = vec3_scale(0.5, vec3_add(old.w, now.w));
     if (m->constrained) {
-        r.v = m->implicit_move ? now.v : vec3_scale(0.5, vec3_add(old.v, now.v));
-        r.w = m->implicit_move ? now.w : r.w;
+        const Vel way = group_way_of(g, body);
+        r.v = way.v;
+        r.w = way.w;
     } else {
         r.v = old.v;
         r.a = vec3_scale(1 / g->h, vec3_sub(now.v, old.v));

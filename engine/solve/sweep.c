@@ -27,6 +27,7 @@ static bool any_euler(const Group *g)
 static void predict(Group *g)
 {
     g->lifted = 0;
+    g->lag = vec3_zero();
     for (int i = 0; i < g->moving_count; i++) {
         Member *m = &g->member[i];
         m->start_pos = g->pos[i];
@@ -49,10 +50,9 @@ static void move(Group *g)
     for (int i = 0; i < g->body_count; i++) {
         Member *m = &g->member[i];
         if (m->moves) {
-            vec3 v = m->implicit_move ? g->vel[i].v : vec3_scale(0.5, vec3_add(m->start_vel.v, g->vel[i].v));
-            vec3 w = m->implicit_move ? g->vel[i].w : vec3_scale(0.5, vec3_add(m->start_vel.w, g->vel[i].w));
-            g->pos[i].x = vec3_mad(g->pos[i].x, g->h, v);
-            group_turn(g, i, w);
+            Vel way = group_way_of(g, i);
+            g->pos[i].x = vec3_mad(g->pos[i].x, g->h, way.v);
+            group_turn(g, i, way.w);
         } else if (m->kinematic) {
             g->pos[i].x = vec3_mad(g->pos[i].x, g->h, g->vel[i].v);
             g->pos[i].q = quat_unit(quat_mul(quat_exp(vec3_scale(g->h, g->vel[i].w)), g->pos[i].q));
@@ -139,6 +139,35 @@ static void move_alike(Group *g)
             g->member[i].implicit_move = g->member[i].met = true;
 }
 
+/* Does anything outside the group hold it, or anything press at all? */
+static bool held_or_pressed(const Group *g)
+{
+    for (int i = 0; i < g->point_count; i++)
+        if (g->points[i].jn > 0)
+            return true;
+    for (int i = 0; i < g->joint_count; i++)
+        if (g->joints[i].a < 0 || g->joints[i].b < 0 || !g->member[g->joints[i].a].moves || !g->member[g->joints[i].b].moves)
+            return true;
+    return false;
+}
+
+/* What moves with its end velocity falls by g h^2 / 2 too far in each substep. Where joints alone act, and none to what is outside, all of it is moved
+ * back alike, so that its centre of mass moves with the mean, and no row sees it. */
+static void fall_together(Group *g)
+{
+    vec3 gained = vec3_zero();
+    real mass = 0;
+    for (int i = 0; i < g->moving_count; i++) {
+        const Member *m = &g->member[i];
+        if (!m->moves || !m->implicit_move)
+            continue;
+        mass += m->mass;
+        gained = vec3_mad(gained, m->mass, vec3_sub(g->vel[i].v, m->start_vel.v));
+    }
+    if (g->joint_count > 0 && mass > 0 && !any_euler(g) && !held_or_pressed(g))
+        g->lag = vec3_scale(-0.5 / mass, gained);
+}
+
 /* ---- bookkeeping after a substep: forces remembered, energy booked, sleepers that were pushed ---- */
 
 /* s  A substep cut short by an impact may be a billionth of the others. What stopped an approach in it, divided by so short a
@@ -153,7 +182,12 @@ static Vel mean_velocity(const Group *g, int body)
     return (Vel){vec3_scale(0.5, vec3_add(v->v, start->v)), vec3_scale(0.5, vec3_add(v->w, start->w))};
 }
 
-Vel group_way_of(const Group *g, int body) { return g->member[body].implicit_move ? g->vel[body] : mean_velocity(g, body); }
+Vel group_way_of(const Group *g, int body)
+{
+    if (!g->member[body].implicit_move)
+        return mean_velocity(g, body);
+    return (Vel){vec3_add(g->vel[body].v, g->lag), g->vel[body].w};
+}
 
 /* An impulse along a direction: by the arms that it was solved with, so that nothing is lost between it and the velocities. */
 static real book_dir(Group *g, const Dir *d, int a, int b, real p)
@@ -251,8 +285,8 @@ static void book_implicit(Group *g)
         const Member *m = &g->member[i];
         if (!m->moves || !m->implicit_move || moves_by_euler(m) || !(all || m->met))
             continue;
-        Vel mean = mean_velocity(g, i);
-        g->lost += g->h * (vec3_dot(m->force, vec3_sub(g->vel[i].v, mean.v)) + vec3_dot(m->torque, vec3_sub(g->vel[i].w, mean.w)));
+        Vel mean = mean_velocity(g, i), way = group_way_of(g, i);
+        g->lost += g->h * (vec3_dot(m->force, vec3_sub(way.v, mean.v)) + vec3_dot(m->torque, vec3_sub(way.w, mean.w)));
     }
 }
 
@@ -398,6 +432,7 @@ static dig_status solve_with(Group *g, const Vel *found)
         g->points[i].jn += g->points[i].blow;
     mark_constrained(g);
     move_alike(g);
+    fall_together(g);
     return g->status;
 }
 

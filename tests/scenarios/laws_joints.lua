@@ -601,6 +601,19 @@ scenario("spring: in series with a mass it swings with 2 pi sqrt(m / k)", functi
   expect(#world.momentum):near(0, 1e-12)
 end)
 
+scenario("wheel: with a damped spring at its stop it falls at sketch as far as anything", function(s)
+  local world = s:world { accuracy = "sketch" }
+  local hull = world:box { size = { 2, 0.5, 1 }, mass = 600, at = { 0, 7, 0 } }
+  local tyre = world:box { size = 0.3, mass = 60, at = { 0, 6.4, 0 } }
+  world:wheel { a = tyre, b = hull, axis = { 0, 1, 0 }, spin_axis = { 0, 0, 1 }, limits = { -0.1, 0.1 },
+    spring = { stiffness = 30000, rest = -0.2, damping = 3000 } }
+  local function height() return (600 * hull.centre.y + 60 * tyre.centre.y) / 660 end
+  local top = height()
+  world:run "0.8 s"
+  expect(top - height()):near(g * 0.8 ^ 2 / 2, 1e-9)
+  expect(world.energy.numerical):near(0, 1e-3)
+end)
+
 scenario("gear: torque goes up as speed goes down", function(s)
   local world = s:world(none)
   local small = world:cylinder { radius = 0.1, height = 0.1, mass = 2, at = { 0, 0, 0 } }       -- I = 0.01
