@@ -6,6 +6,7 @@
 
 #define IN_FEATURE 1e-6     /* of the triangle: corners that lie equally far along the normal */
 #define BEHIND     1e-7     /* rad: neighbours may stand this much above the plane across the normal */
+#define DEEP       1e-2     /* of the inner radius of b: sunk as deep as that, a triangle asks whether another one is nearer */
 #define RING       64       /* most triangles looked at around a corner */
 #define SAME_POINT 1e-9     /* of the smaller shape */
 #define SAME_AXIS  1e-6     /* rad */
@@ -34,8 +35,10 @@ static int corner_at(const vec3 corners[3], vec3 v)
     return -1;
 }
 
-/* Do the triangles around corner v, met one after the other across edges that start (or end) there, lie behind? */
-static bool ring_behind(const Shape *s, uint32_t start, vec3 v, vec3 n)
+typedef bool PieceTest(const void *context, const Shape *s, const vec3 c[3]);
+
+/* Do all triangles around corner v, met one after the other across edges that start (or end) there, pass the test? */
+static bool ring_passes(const Shape *s, uint32_t start, vec3 v, PieceTest *test, const void *context)
 {
     for (int way = 0; way < 2; way++) {
         uint32_t at = start;
@@ -45,7 +48,7 @@ static bool ring_behind(const Shape *s, uint32_t start, vec3 v, vec3 n)
             int k = corner_at(c, v);
             if (k < 0)
                 return true;
-            if (!stands_behind(c[(k + 1) % 3], v, n) || !stands_behind(c[(k + 2) % 3], v, n))
+            if (!test(context, s, c))
                 return false;
             at = s->type->neighbour(s, at, way == 0 ? k : (k + 2) % 3);
             if (at == start)
@@ -55,6 +58,15 @@ static bool ring_behind(const Shape *s, uint32_t start, vec3 v, vec3 n)
         }
     }
     return true;
+}
+
+typedef struct Across { vec3 corner, n; } Across;
+
+static bool lies_behind(const void *context, const Shape *s, const vec3 c[3])
+{
+    const Across *x = context;
+    (void)s;
+    return stands_behind(c[0], x->corner, x->n) && stands_behind(c[1], x->corner, x->n) && stands_behind(c[2], x->corner, x->n);
 }
 
 /* May the surface push along n (frame of the surface) where this piece is farthest along n? */
@@ -87,7 +99,7 @@ static bool allowed(const Shape *s, const SurfacePiece *piece, real size, vec3 n
     }
     for (int k = 0; k < 3; k++)
         if (in[k])
-            return ring_behind(s, piece->number, c[k], n);
+            return ring_passes(s, piece->number, c[k], lies_behind, &(Across){c[k], n});
     return true;
 }
 
@@ -173,9 +185,43 @@ static bool over_triangle(const vec3 c[3], vec3 q)
     return true;
 }
 
-/* The triangle met along its own normal: with what of b lies over it. */
-static int meet_flat(const Pair *p, vec3 front, Manifold *m)
+/* One triangle of a convex corner or edge: is b at most half as deep behind a neighbour's plane as behind its own? What lies behind
+ * both is met through the nearer face. */
+typedef struct Rival { const Shape *surface; const Pair *p; const SurfacePiece *piece; vec3 front; bool turned; real depth; } Rival;
+
+static bool is_no_rival(const void *context, const Shape *s, const vec3 c[3])
 {
+    const Rival *r = context;
+    vec3 n = vec3_unit_or(vec3_cross(vec3_sub(c[1], c[0]), vec3_sub(c[2], c[0])), vec3_zero()), from = vec3_sub(c[0], r->piece->origin);
+    (void)s;
+    n = r->turned ? vec3_neg(n) : n;
+    for (int k = 0; k < 3; k++)
+        if (!stands_behind(r->piece->corners[k], from, n) ||
+            !stands_behind(vec3_sub(c[k], r->piece->origin), r->piece->corners[0], r->front))
+            return true;                        /* no convex corner */
+    real depth = r->p->b->round - vec3_dot(n, vec3_sub(convex_support_b(&r->p->c, vec3_neg(n)), from));
+    return depth > 0.5 * r->depth;
+}
+
+/* A thin plate under the edge of a box of triangles reaches behind the plane of the box's side, too: there by half its width. */
+static bool neighbour_is_nearer(const Rival *r)
+{
+    if (!(r->depth > DEEP * r->p->b->inner))
+        return false;
+    const Shape *s = r->surface;
+    vec3 c[3];
+    s->type->piece(s, r->piece->number, c);
+    for (int k = 0; k < 3; k++)
+        if (!ring_passes(s, r->piece->number, c[k], is_no_rival, r))
+            return true;
+    return false;
+}
+
+/* The triangle met along its own normal: with what of b lies over it. */
+static int meet_flat(const Pair *p, vec3 front, const Rival *rival, Manifold *m)
+{
+    if (neighbour_is_nearer(rival))
+        return 0;
     const vec3 *c = p->a->data;
     ConvexGap g = {.normal = front};
     g.on_b = vec3_mad(convex_support_b(&p->c, vec3_neg(front)), -p->b->round, front);
@@ -190,7 +236,7 @@ static int meet_flat(const Pair *p, vec3 front, Manifold *m)
 }
 
 /* The general way: the nearest points decide, if the surface can push that way at all. */
-static int meet_sharp(const Meeting *meet, const Pair *p, const SurfacePiece *piece, vec3 front, real centre, Manifold *m)
+static int meet_sharp(const Meeting *meet, const Pair *p, const SurfacePiece *piece, vec3 front, real centre, const Rival *rival, Manifold *m)
 {
     ConvexGap g;
     pair_gap(p, p->reach, NULL, &g);
@@ -205,7 +251,7 @@ static int meet_sharp(const Meeting *meet, const Pair *p, const SurfacePiece *pi
         return 0;                               /* from behind */
     if (!meet->field && centre < -p->b->inner)
         return 0;                               /* through a wall: its other side decides */
-    return meet_flat(p, front, m);
+    return meet_flat(p, front, rival, m);
 }
 
 static bool meet_piece(void *context, const SurfacePiece *piece)
@@ -217,15 +263,17 @@ static bool meet_piece(void *context, const SurfacePiece *piece)
     Manifold m;
     vec3 front = vec3_unit_or(vec3_cross(vec3_sub(c[1], c[0]), vec3_sub(c[2], c[0])), vec3_zero());
     real centre = vec3_dot(front, vec3_sub(convex_point_b(&p.c, shape_middle(p.b)), c[0]));
-    if (!meet->solid && centre < 0) {
+    bool turned = !meet->solid && centre < 0;
+    if (turned) {
         front = vec3_neg(front);
         centre = -centre;
     }
     real lowest = vec3_dot(front, vec3_sub(convex_support_b(&p.c, vec3_neg(front)), c[0])) - p.b->round;
     if (lowest > p.reach)
         return true;
+    const Rival rival = {meet->p->a, &p, piece, front, turned, -lowest};
     bool flat = (meet->field || centre >= 0) && !juts_out(meet->p->a, piece, front);
-    if (flat ? meet_flat(&p, front, &m) : meet_sharp(meet, &p, piece, front, centre, &m))
+    if (flat ? meet_flat(&p, front, &rival, &m) : meet_sharp(meet, &p, piece, front, centre, &rival, &m))
         keep(meet, &m, piece->number);
     return true;
 }

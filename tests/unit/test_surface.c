@@ -384,6 +384,31 @@ TEST(a_plane_meets_a_mesh_as_it_meets_its_hull)
     shape_free(&box);
 }
 
+/* A plate 2 m wide under an edge or corner of a box of triangles also reaches 1 m behind the plane of the box's side. */
+TEST(what_lies_under_an_edge_is_not_met_through_the_side)
+{
+    Shape plate = fixture_box(2, 0.02, 2), box = fixture_box(0.2, 0.1, 0.15);
+    Random r = {7};
+    for (int k = 0; k < 2; k++) {
+        Shape mesh = box_of_triangles(0.2, 0.1, 0.15, k ? 4 : 1);
+        for (int i = 0; i < 2000; i++) {
+            real tilt = pow(10, random_between(&r, -7, -2));
+            pose at = {{random_between(&r, -0.7, 0.7), 0, random_between(&r, -0.7, 0.7)},
+                       quat_axis_angle(vec3_unit((vec3){random_between(&r, -1, 1), random_between(&r, -1, 1), random_between(&r, -1, 1)}), tilt)};
+            box3 b = box.type->bounds(&box, at);
+            at.p.y -= b.low.y - 0.01 + pow(10, random_between(&r, -8, -5));         /* sunk by that */
+            Manifold m[MANY];
+            uint32_t piece[MANY];
+            int count = manifold_collide(&mesh, at, &plate, pose_identity(), 0.001, NULL, m, piece, MANY);
+            CHECK(count > 0);
+            CHECK_NEAR(deepest_of(m, count), 0, 1.1e-5);
+        }
+        shape_free(&mesh);
+    }
+    shape_free(&plate);
+    shape_free(&box);
+}
+
 int main(void)
 {
     RUN_TESTS(unit_test(sliding_over_flat_triangles_shows_only_the_planes_normal), unit_test(a_box_on_many_triangles_stands_on_its_corners),
@@ -392,5 +417,5 @@ int main(void)
               unit_test(a_hull_meets_an_open_mesh_wherever_its_origin_is),
               unit_test(with_little_room_the_deepest_are_kept), unit_test(distances_to_surfaces_equal_the_least_over_all_triangles),
               unit_test(the_nearest_contact_of_a_bumpy_surface_is_never_lost),
-              unit_test(a_plane_meets_a_mesh_as_it_meets_its_hull));
+              unit_test(a_plane_meets_a_mesh_as_it_meets_its_hull), unit_test(what_lies_under_an_edge_is_not_met_through_the_side));
 }
