@@ -6,7 +6,8 @@
 static const dig_param world_rows[] = {
     /* name, kind, unit, doc, default, min, max, offset */
     {.name = "gravity", .kind = DIG_VEC3, .unit = "m/s^2",
-     .doc = "acceleration of gravity", .min = -1e6, .max = 1e6, .offset = AT(dig_world_def, gravity)},
+     .doc = "acceleration of gravity; default {0, -9.81, 0}", .fallback = NAN, .min = -1e6, .max = 1e6,
+     .offset = AT(dig_world_def, gravity)},
     {.name = "step", .kind = DIG_REAL, .unit = "s",
      .doc = "the frame step, not the accuracy", .fallback = 1.0 / 60, .min = 1e-6, .max = 0.1, .offset = AT(dig_world_def, step)},
     {.name = "accuracy", .kind = DIG_TEXT, .unit = "",

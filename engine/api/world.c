@@ -47,6 +47,10 @@ dig_world_def dig_world_defaults(void)
 static dig_status check_world_def(const dig_world_def *def, char *why, size_t capacity)
 {
     DIG_TRY(param_check(dig_schema_at("world", 0)->rows, def, "world", why, capacity));
+    if (!vec3_finite(def->gravity)) {       /* of its row NAN only says that the default is none of one number */
+        snprintf(why, capacity, "world: gravity = {%g, %g, %g}, must be finite", def->gravity.x, def->gravity.y, def->gravity.z);
+        return DIG_E_ARG;
+    }
     const char *p = def->plane.s, *f = def->friction_law.s;
     if (p[0] && strcmp(p, "xy") != 0 && strcmp(p, "yz") != 0 && strcmp(p, "xz") != 0) {
         snprintf(why, capacity, "world: plane = '%s', must be 'xy', 'yz' or 'xz'", p);

@@ -131,7 +131,7 @@ declare_type("body", "A body. Its fields as listed under body fields can be read
   inertia = { "number[][]", "inertia tensor about the centre of mass, world axes, as rows", unit = "kg m^2" },
   awake = { "boolean", "it is being solved" }, asleep = { "boolean", "it rests and costs nothing" },
   valid = { "boolean", "it was not removed" }, dig = { "DIG|nil", "the DIG it belongs to; static bodies are in none" },
-  energy = { "number", "kinetic energy", unit = "J" },
+  energy = { "number", "kinetic and potential: of gravity, which is 0 at the origin", unit = "J" },
   force = { "vector", "sum of the forces of the last step", unit = "N" },
   torque = { "vector", "sum of the torques of the last step", unit = "N m" },
   bounds = { "table", "{low, high}: corners of the box around it", unit = "m" },
@@ -220,7 +220,7 @@ declare("joint:withdraw", { "The same, as one says of a bolt." })
 
 declare_type("DIG", "A dynamic interaction graph: the bodies that act on each other now, in one layer.", methods.DIG, {
   id = { "integer", "never used twice" }, layer = { "string", "its layer" }, size = { "integer", "number of members" },
-  awake = { "boolean", "it is being solved" }, energy = { "number", "kinetic energy of its members", unit = "J" },
+  awake = { "boolean", "it is being solved" }, energy = { "number", "kinetic and potential energy of its members", unit = "J" },
   plan = { "string", "the accuracy it is solved with" }, valid = { "boolean", "it did not merge or dissolve" } })
 declare("DIG:members", { "Its bodies.", gives = "body[]" })
 declare("DIG:links", { "Its links, as body:links gives them.", gives = "table[]" })

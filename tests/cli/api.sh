@@ -10,6 +10,8 @@ gives 0 'by its last word' api lamp;            printed 'world:lamp{'
 gives 0 'a joint, with what its tables hold' api hinge;   printed 'motor.max_torque'
 gives 0 'a type' api body;                      printed 'body.position'; printed 'body:push'; printed 'emissivity'
 gives 0 'a property' api body.position;         printed 'of its origin'
+gives 0 'a default of three numbers' api digbox.world;  printed 'default {0, -9.81, 0}'
+gives 0 'an energy with its zero' api body.energy;      printed 'kinetic and potential'
 gives 0 'a field' api gravity_scale;            printed 'share of gravity'
 gives 0 'an event' api contact_begin;           printed 'e.speed'
 gives 2 'an unknown name' api lmap;             said "unknown name 'lmap' (did you mean 'lamp'?)"
