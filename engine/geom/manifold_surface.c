@@ -7,6 +7,7 @@
 #define IN_FEATURE 1e-6     /* of the triangle: corners that lie equally far along the normal */
 #define BEHIND     1e-7     /* rad: neighbours may stand this much above the plane across the normal */
 #define DEEP       1e-2     /* of the inner radius of b: sunk as deep as that, a triangle asks whether another one is nearer */
+#define CREASE     1e-3     /* rad: edges as blunt as that are met as they come */
 #define RING       64       /* most triangles looked at around a corner */
 #define SAME_POINT 1e-9     /* of the smaller shape */
 #define SAME_AXIS  1e-6     /* rad */
@@ -217,6 +218,47 @@ static bool neighbour_is_nearer(const Rival *r)
     return false;
 }
 
+/* Does this triangle rise from triangle `other`, and is the ball over that, and nearer to it than to this plane? */
+static bool rises_from(const Rival *r, uint32_t other, vec3 centre)
+{
+    vec3 c[3];
+    bool rises = false;
+    r->surface->type->piece(r->surface, other, c);
+    for (int i = 0; i < 3; i++) {
+        c[i] = vec3_sub(c[i], r->piece->origin);
+        vec3 d = vec3_sub(c[i], r->piece->corners[0]);
+        rises = rises || vec3_dot(r->front, d) > CREASE * vec3_length(d);
+    }
+    if (!rises || !over_triangle(c, centre))
+        return false;
+    vec3 n = vec3_unit_or(vec3_cross(vec3_sub(c[1], c[0]), vec3_sub(c[2], c[0])), vec3_zero());
+    return vec3_dot(r->turned ? vec3_neg(n) : n, vec3_sub(centre, c[0])) <= r->p->b->round - r->depth;
+}
+
+/* Is the ball, whose foot on this plane is at q, over the triangle across an edge from which this one rises, or one beside that? Between
+ * two planes it is to know of both: when its foot comes over this triangle it would long have sunk into it. */
+static bool comes_to_crease(const Rival *r, vec3 q)
+{
+    const vec3 *c = r->piece->corners;
+    const Shape *s = r->surface;
+    vec3 own = r->turned ? vec3_neg(r->front) : r->front, centre = convex_point_b(&r->p->c, shape_middle(r->p->b));
+    for (int k = 0; k < 3; k++) {
+        vec3 outward = vec3_unit_or(vec3_cross(vec3_sub(c[(k + 1) % 3], c[k]), own), vec3_zero());
+        real beside = vec3_dot(outward, vec3_sub(q, c[k]));
+        uint32_t other = s->type->neighbour(s, r->piece->number, k);
+        if (!(beside > 0) || beside > r->p->reach || other == SHAPE_NO_PIECE)
+            continue;
+        if (rises_from(r, other, centre))
+            return true;
+        for (int i = 0; i < 3; i++) {
+            uint32_t next = s->type->neighbour(s, other, i);
+            if (next != SHAPE_NO_PIECE && next != r->piece->number && rises_from(r, next, centre))
+                return true;
+        }
+    }
+    return false;
+}
+
 /* The triangle met along its own normal: with what of b lies over it. */
 static int meet_flat(const Pair *p, vec3 front, const Rival *rival, Manifold *m)
 {
@@ -229,7 +271,7 @@ static int meet_flat(const Pair *p, vec3 front, const Rival *rival, Manifold *m)
     g.on_a = vec3_mad(g.on_b, -g.gap, front);
     bool over = over_triangle(c, g.on_b);
     if (p->kind_b == KIND_BALL)
-        return over ? contacts_single(p, &g, m) : 0;
+        return over || (g.gap > 0 && comes_to_crease(rival, g.on_b)) ? contacts_single(p, &g, m) : 0;
     if (!over)
         g.gap = INFINITY;                       /* its lowest point lies beside: only clipped corners count */
     return collide_faces(p, &g, m);

@@ -265,3 +265,16 @@ scenario("seams: many slide over tiles, to the same bits with any number of thre
   end
   expect(slides(1)):is(slides(3))
 end)
+
+scenario("seams: a ball in a bowl of facets strikes the next one where it meets it, and makes no energy of sinking into it", function(s)
+  for _, accuracy in ipairs { "sketch", "play" } do
+    local world = s:world { accuracy = accuracy }
+    local height = function(x, z) return 0.5 * (x * x + z * z) end
+    world:heightfield { columns = 25, rows = 25, size = { 2.4, 2.4 }, height = height, friction = 0, restitution = 0 }
+    local ball = world:ball { radius = 0.06, at = { 0.9, height(0.9, 0.1) + 0.12, 0.1 }, velocity = { 0, 0, 1 },
+                              friction = 0, restitution = 0 }
+    world:run "3 s"
+    expect(world.energy.numerical / ball.mass):near(0, 1e-6)        -- J/kg; it was 0.05
+    expect(world:stats().worst_penetration):below(1e-6)
+  end
+end)

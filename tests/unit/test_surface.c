@@ -167,6 +167,32 @@ TEST(a_ball_in_a_valley_touches_both_sides)
     shape_free(&ball);
 }
 
+static real trough(real x, real z) { return 0.2 * fabs(x) + 0 * z; }
+
+/* On one side, its foot on the other still beyond the crease: that other plane is known, at the distance that is left. */
+TEST(a_ball_that_comes_to_a_crease_knows_both_sides)
+{
+    Shape ground[2] = {mesh_of(trough), field_of(trough)}, ball = fixture_sphere(0.05);
+    const real tilt = atan(0.2);
+    for (int k = 0; k < 2; k++)
+        for (int i = 0; i < 50; i++) {
+            Manifold m[MANY];
+            uint32_t piece[MANY];
+            const real along = 0.022 + 0.001 * i;       /* m  from the crease, on the side x > 0; its foot is over the other up to 0.0208 */
+            vec3 at = {along * cos(tilt) - 0.05 * sin(tilt), along * sin(tilt) + 0.05 * cos(tilt), -1.2 + 0.05 * i};
+            int count = manifold_collide(&ground[k], pose_identity(), &ball, (pose){at, quat_identity()}, 0.08, NULL, m, piece, MANY), far = 0;
+            for (int j = 0; j < count; j++) {
+                real gap = m[j].normal.x < 0 ? 0 : along * sin(2 * tilt) - 0.05 * (1 - cos(2 * tilt));
+                CHECK_NEAR(m[j].points[0].gap, gap, 1e-15);
+                far += m[j].normal.x > 0;
+            }
+            CHECK(count > far && far >= 1);
+        }
+    for (int k = 0; k < 2; k++)
+        shape_free(&ground[k]);
+    shape_free(&ball);
+}
+
 TEST(a_ridge_is_met_across_its_edge_once)
 {
     Shape ground[2] = {mesh_of(ridge), field_of(ridge)}, ball = fixture_sphere(0.5), box = fixture_box(2, 1, 0.3);
@@ -413,7 +439,8 @@ int main(void)
 {
     RUN_TESTS(unit_test(sliding_over_flat_triangles_shows_only_the_planes_normal), unit_test(a_box_on_many_triangles_stands_on_its_corners),
               unit_test(a_ball_in_a_valley_touches_both_sides), unit_test(a_ridge_is_met_across_its_edge_once),
-              unit_test(the_rim_of_an_open_mesh_is_real), unit_test(what_sank_into_a_height_field_is_pushed_up),
+              unit_test(the_rim_of_an_open_mesh_is_real), unit_test(a_ball_that_comes_to_a_crease_knows_both_sides),
+              unit_test(what_sank_into_a_height_field_is_pushed_up),
               unit_test(a_hull_meets_an_open_mesh_wherever_its_origin_is),
               unit_test(with_little_room_the_deepest_are_kept), unit_test(distances_to_surfaces_equal_the_least_over_all_triangles),
               unit_test(the_nearest_contact_of_a_bumpy_surface_is_never_lost),
