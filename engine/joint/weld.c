@@ -13,7 +13,7 @@ static void rows(const JointView *j, RowList *out)
 
 const JointType joint_weld = {
     .name = "weld",
-    .doc = "a is rigidly fixed to b",
+    .doc = "a is rigidly fixed to b; what a chain of welds holds does not touch itself",
     .params = weld_rows,
     .fuses = true,
     .free_axes = 0,

@@ -526,7 +526,8 @@ static real share_of_shift(const Direct *d)
         vec3 move = {v[0], v[1], v[2]}, turn = {v[3], v[4], v[5]};
         most = real_max(most, vec3_length(move) + g->member[d->body[i]].outer * vec3_length(turn));
     }
-    return real_min(1, LEVERED * (sum + deep) / most);
+    real all = LEVERED * (sum + deep);
+    return most > all ? all / most : 1;
 }
 
 bool direct_project(Group *g)

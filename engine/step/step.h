@@ -74,7 +74,7 @@ int        deliver_post(World *w, const Post *p, dig_receipt *receipt);         
 void       deliver_due(World *w);                   /* what waited until now                                */
 int        deliver_list(World *w, const Post *p, const dig_body *to, const real *value, int count);
 /* work.c */
-uint64_t   work_of(const Group *g);
+uint64_t   work_of(const Group *g);                 /* units, see world/work.c                              */
 void       count_work(World *w, const Step *s);     /* of one try of the step, whatever came of it          */
 /* debt.c */
 void       settle_debt(World *w, const Step *s);    /* of a step that is over, while its groups are as they were */
