@@ -13,6 +13,7 @@
 # fails when it checks nothing. Results are printed in the order of the list,
 # whatever finishes first. `Only in the plain build: REASON` in the head of a file keeps it
 # out of SANITIZE=1 and RENDER=0: what checks figures over minutes, on code that others run there.
+# `Not in RENDER=0: REASON` keeps it out of that alone: what takes long and meets no renderer has the same code there.
 set -u
 cd "$(dirname "$0")/.." || exit 2
 export LC_ALL=C BUILD=${BUILD:-build} SANITIZE=${SANITIZE:-0} RENDER=${RENDER:-1} V=${V:-0}
@@ -112,6 +113,7 @@ everything=$(
 list=$(
     printf '%s\n' "$everything" | while read -r kind path; do
         if [ "$SANITIZE$RENDER" != 01 ] && head -n 20 "$path" | grep -q 'Only in the plain build: '; then continue; fi
+        if [ "$RENDER" = 0 ] && head -n 20 "$path" | grep -q 'Not in RENDER=0: '; then continue; fi
         echo "$kind $path"
     done
 )

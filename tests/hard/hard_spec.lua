@@ -1,6 +1,7 @@
 -- tests/hard/hard_spec.lua - the fast part of the hard cases, at the default setting: those that pass today must go on passing.
 --
 -- The whole of them, at all frame steps, with figures: make hard-cases. Bounds are counts and physical units, never time.
+-- Not in RENDER=0: physics alone.
 local test = require "digbox.test"
 local hard = require "hard"
 local random = require "random_world"

@@ -1,5 +1,6 @@
 -- heat.lua: bodies warm and cool, conduct where they touch, and take up what friction and blows lose. T1, T2, ... are the cases of
 -- the acceptance tables; T3 and T7 are in tests/unit/test_network.c.
+-- Not in RENDER=0: physics alone.
 local digbox = require "digbox"
 local test = require "digbox.test"
 local scenario, expect = test.scenario, test.expect

@@ -1,4 +1,5 @@
 -- Heaps that a mover stirs are spared solves that come to nothing (engine/solve/toil.c), and behave all the same.
+-- Not in RENDER=0: physics alone.
 local digbox = require "digbox"
 local test = require "digbox.test"
 

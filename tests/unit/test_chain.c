@@ -1,7 +1,8 @@
 /* tests/unit/test_chain.c - jointed groups of crowds: joints hold, energy never rises, momentum stays.
  *
  * The way is for worlds of more than a thousand awake bodies, so every world here has sixty chains of twenty links. They collide
- * with nothing. */
+ * with nothing.
+ * Not in RENDER=0: physics alone. */
 #include "physics_fixture.h"
 
 #include <stdlib.h>

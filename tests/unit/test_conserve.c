@@ -1,7 +1,8 @@
 /* tests/unit/test_conserve.c - jointed groups that touch nothing: joints hold, energy and both momenta stay.
  *
  * Bounds on what is conserved are about three times what a run leaves: single steps are solved to 1e-11 m, composed ones to 1e-13 m,
- * and hundreds of them add up. Momentum needs no solve: it stays to rounding. */
+ * and hundreds of them add up. Momentum needs no solve: it stays to rounding.
+ * Not in RENDER=0: physics alone. */
 #include "base/param.h"
 #include "base/rng.h"
 #include "conserve/system.h"

@@ -1,4 +1,5 @@
-/* tests/unit/test_crowd.c - the way for crowds, against closed forms, and the same bits on all instructions and threads. */
+/* tests/unit/test_crowd.c - the way for crowds, against closed forms, and the same bits on all instructions and threads.
+ * Not in RENDER=0: physics alone. */
 #include "base/rng.h"
 #include "crowd/system.h"
 #include "math/reg3.h"

@@ -1,5 +1,6 @@
 /* tests/unit/test_rest.c - rest: no overlap, exact zeros, sleep that costs nothing, waking in time, piles, movers, steady memory,
- * the same bits for any number of threads. "Row" and "B.." as in test_laws.c. */
+ * the same bits for any number of threads. "Row" and "B.." as in test_laws.c.
+ * Not in RENDER=0: physics alone. */
 #include "physics_fixture.h"
 #include "step/step.h"
 #include "world/world.h"
