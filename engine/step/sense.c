@@ -117,78 +117,6 @@ static dig_status list_pairs(World *w, Body *b)
     return DIG_OK;
 }
 
-/* All that have a pair with it, that it need not ask for. */
-static void mark_known(World *w, uint32_t solid, bool known)
-{
-    for (uint32_t l = w->solids.data[solid].pair_first; l != NONE; l = w->pairs.data[l / 2].next[l % 2])
-        w->solids.data[l % 2 ? w->pairs.data[l / 2].solid_a : w->pairs.data[l / 2].solid_b].known = known;
-}
-
-typedef struct Ask { World *w; uint32_t solid; dig_status status; } Ask;
-
-static bool found(void *context, uint32_t other)
-{
-    Ask *a = context;
-    World *w = a->w;
-    if (other == a->solid || w->solids.data[other].known || !bodies_may_touch(w, &w->solids.data[a->solid], &w->solids.data[other]))
-        return true;
-    a->status = pair_add(w, a->solid, other);
-    return a->status == DIG_OK;
-}
-
-static dig_status ask(World *w, uint32_t solid)
-{
-    Solid *s = &w->solids.data[solid];
-    if (s->leaf < 0)
-        return DIG_OK;
-    Ask a = {w, solid, DIG_OK};
-    mark_known(w, solid, true);
-    tree_query(&w->tree, tree_box(&w->tree, s->leaf), found, &a);
-    mark_known(w, solid, false);
-    if (a.status != DIG_OK && !s->asks) {       /* not forgotten: asked again in the next try of the step */
-        s->asks = true;
-        w->asking.data[w->asking.count++] = solid;
-    }
-    return a.status;
-}
-
-/* Planes are in no tree: they are compared with the boxes directly. */
-bool plane_near(const World *w, uint32_t plane, box3 box)
-{
-    const Solid *p = &w->solids.data[plane];
-    pose at = solid_pose(w, p);
-    const PlaneData *def = p->shape.data;
-    vec3 n = quat_rotate(at.q, def->normal);
-    vec3 lowest = {n.x > 0 ? box.low.x : box.high.x, n.y > 0 ? box.low.y : box.high.y, n.z > 0 ? box.low.z : box.high.z};
-    return vec3_dot(n, vec3_sub(lowest, at.p)) <= def->offset;
-}
-
-static dig_status ask_planes(World *w, uint32_t solid)
-{
-    for (int i = 0; i < w->unbounded.count; i++) {
-        uint32_t plane = w->unbounded.data[i], pair;
-        const Solid *s = &w->solids.data[solid], *p = &w->solids.data[plane];
-        if (plane != solid && s->leaf >= 0 && plane_near(w, plane, s->reach) && bodies_may_touch(w, s, p) && !pair_find(w, solid, plane, &pair))
-            DIG_TRY(pair_add(w, solid, plane));
-    }
-    return DIG_OK;
-}
-
-/* A pair whose fat boxes have parted is forgotten. */
-static void drop_parted(World *w, uint32_t solid)
-{
-    for (uint32_t l = w->solids.data[solid].pair_first; l != NONE;) {
-        const Pair *p = &w->pairs.data[l / 2];
-        uint32_t next = p->next[l % 2], other = l % 2 ? p->solid_a : p->solid_b;
-        const Solid *o = &w->solids.data[other], *s = &w->solids.data[solid];
-        bool near = o->leaf < 0 ? plane_near(w, other, tree_box(&w->tree, s->leaf))
-                                : s->leaf >= 0 && box3_overlap(tree_box(&w->tree, s->leaf), tree_box(&w->tree, o->leaf));
-        if (!near || !bodies_may_touch(w, s, o))
-            pair_remove(w, l / 2);
-        l = next;
-    }
-}
-
 /* m  How far beyond its reach the leaf of a solid is made to last: one of just its reach would be left in each step. */
 static vec3 leaf_ahead(const Solid *s, const Body *b, real dt)
 {
@@ -241,7 +169,7 @@ static bool find_reach(World *w, Solid *s, const Body *b, real dt)
 }
 
 /* What there is to do about a body once its reach is known. */
-enum { STRAYED = 1, FAST = 2, INSANE = 4, UNPAIRED = 8 };
+enum { STRAYED = 1, FAST = 2, INSANE = 4, UNPAIRED = 8, LANDS = 16 };     /* LANDS: near a plane, of which there is no pair yet */
 
 typedef struct Sensing { World *w; real dt; uint8_t *found; } Sensing;      /* [awake] */
 
@@ -257,7 +185,7 @@ static void sense_share(void *context, int thread, int threads)
         real far = point_speed(b, n->dt) * n->dt;
         for (uint32_t k = b->shape_first; k != NONE && !(found & INSANE); k = w->solids.data[k].next) {
             Solid *s = &w->solids.data[k];
-            found |= (uint8_t)((find_reach(w, s, b, n->dt) ? STRAYED : 0) | (far > 0.9 * s->shape.inner ? FAST : 0));
+            found |= (uint8_t)((find_reach(w, s, b, n->dt) ? STRAYED : 0) | (far > 0.9 * s->shape.inner ? FAST : 0) | (plane_new(w, k) ? LANDS : 0));
         }
         n->found[i] = found;
     }
@@ -270,41 +198,33 @@ static dig_status insane(World *w, const Body *b)
     return world_fail(w, DIG_E_FINITE, "at t = %g s the state of %s has a non-finite position or velocity", world_time(w), BODY_TEXT(w, b));
 }
 
-/* Gives the leaves that have been left new boxes, and asks who is near. */
-static dig_status follow_body(World *w, uint32_t slot, bool strayed, real dt)
+/* Gives the leaves that have been left new boxes, with which they will ask who is near. */
+static void move_leaves(World *w, const Body *b, real dt)
 {
-    const Body *b = &w->bodies.data[slot];
     for (uint32_t i = b->shape_first; i != NONE; i = w->solids.data[i].next) {
         Solid *s = &w->solids.data[i];
-        if (s->leaf < 0)
+        if (s->leaf < 0 || (box3_inside(tree_box(&w->tree, s->leaf), s->reach) && !oversized(tree_box(&w->tree, s->leaf), s, b, dt)))
             continue;
-        if (strayed && (!box3_inside(tree_box(&w->tree, s->leaf), s->reach) || oversized(tree_box(&w->tree, s->leaf), s, b, dt))) {
-            tree_move(&w->tree, s->leaf, leaf_of(s, b, dt));
-            s->struck = 0;
-            s->asks = false;            /* asked here */
-            drop_parted(w, i);
-            DIG_TRY(ask(w, i));
-        }
-        DIG_TRY(ask_planes(w, i));
+        tree_move(&w->tree, s->leaf, leaf_of(s, b, dt));
+        s->struck = 0;
+        solid_ask(w, i);
     }
-    return DIG_OK;
 }
 
 /* Lets a solid reach `far` farther in this step, in any direction; once, by the largest. A blow by a mover, or on one, could come in each of
  * the next steps as well: its leaf is made to last. */
-static dig_status grow_reach(World *w, uint32_t solid, real far, bool mover, real dt)
+static void grow_reach(World *w, uint32_t solid, real far, bool mover, real dt)
 {
     Solid *s = &w->solids.data[solid];
     if (far <= s->blow)
-        return DIG_OK;
+        return;
     s->reach = box3_grow(s->reach, far - s->blow);
     s->blow = far;
     if (s->leaf < 0 || box3_inside(tree_box(&w->tree, s->leaf), s->reach))
-        return DIG_OK;
+        return;
     s->struck = mover ? far : 0;
     tree_move(&w->tree, s->leaf, mover ? leaf_of(s, &w->bodies.data[s->body], dt) : s->reach);
-    DIG_TRY(ask(w, solid));
-    return ask_planes(w, solid);
+    solid_ask(w, solid);
 }
 
 /* 1  Of the speed at which something strikes a body, how much that gets at the place of the blow where nothing bounces: far from the
@@ -318,7 +238,7 @@ static real handed_on(const Body *striker, const Body *struck)
 /* What strikes fast enough to pass through something before the next step may bounce: it then ends on a sphere through where it would
  * have been, for what is plastic half as wide as its way, and for what is elastic as wide. And it hands on what it strikes with. Only
  * the speed against the other counts: a swarm that falls together strikes nothing. */
-static dig_status spread_from(World *w, uint32_t solid, const Body *striker, real dt)
+static void spread_from(World *w, uint32_t solid, const Body *striker, real dt)
 {
     for (uint32_t l = w->solids.data[solid].pair_first; l != NONE; l = w->pairs.data[l / 2].next[l % 2]) {
         const Pair *p = &w->pairs.data[l / 2];
@@ -332,19 +252,17 @@ static dig_status spread_from(World *w, uint32_t solid, const Body *striker, rea
             continue;
         bool mover = striker->kind == DIG_KINEMATIC || (b && b->kind == DIG_KINEMATIC);
         real back = 1 + pair_rub(w, p).restitution;
-        DIG_TRY(grow_reach(w, solid, 0.5 * back * (far + (b ? dt * vec3_length(b->v) : 0)), mover, dt));
+        grow_reach(w, solid, 0.5 * back * (far + (b ? dt * vec3_length(b->v) : 0)), mover, dt);
         if (dynamic)
-            DIG_TRY(grow_reach(w, other, back * handed_on(striker, b) * far, mover, dt));
+            grow_reach(w, other, back * handed_on(striker, b) * far, mover, dt);
     }
-    return DIG_OK;
 }
 
-static dig_status spread_speed(World *w, uint32_t slot, real dt)
+static void spread_speed(World *w, uint32_t slot, real dt)
 {
     for (uint32_t s = w->bodies.data[slot].shape_first; s != NONE; s = w->solids.data[s].next)
         if (point_speed(&w->bodies.data[slot], dt) * dt > 0.9 * w->solids.data[s].shape.inner)
-            DIG_TRY(spread_from(w, s, &w->bodies.data[slot], dt));
-    return DIG_OK;
+            spread_from(w, s, &w->bodies.data[slot], dt);
 }
 
 static void wake_if_near(World *w, uint32_t solid, uint32_t other)
@@ -371,7 +289,8 @@ static void wake_near(World *w, uint32_t solid)
         wake_if_near(w, solid, l % 2 ? w->pairs.data[l / 2].solid_a : w->pairs.data[l / 2].solid_b);
 }
 
-/* All reaches first, for they need nobody else; then, in order, what changes the tree and the pairs. */
+/* All reaches first, for they need nobody else; then what changes the tree, in order; then all that were moved ask who is near, and those that
+ * blows may throw farther do so again. */
 static dig_status sense_bodies(World *w, real dt)
 {
     int count = w->awake.count;
@@ -380,42 +299,40 @@ static dig_status sense_bodies(World *w, real dt)
         return world_fail(w, DIG_E_MEMORY, "not enough memory for %d bodies", count);
     team_deal(team_for(w), sense_share, &n);
     for (int i = 0; i < count; i++) {
-        uint32_t slot = w->awake.data[i];
+        Body *b = &w->bodies.data[w->awake.data[i]];
         if (n.found[i] & UNPAIRED)
-            DIG_TRY(list_pairs(w, &w->bodies.data[slot]));
+            DIG_TRY(list_pairs(w, b));
         if (n.found[i] & INSANE)
-            return insane(w, &w->bodies.data[slot]);
-        if (n.found[i] & STRAYED || w->unbounded.count > 0)
-            DIG_TRY(follow_body(w, slot, n.found[i] & STRAYED, dt));
+            return insane(w, b);
     }
     for (int i = 0; i < count; i++)
+        if (n.found[i] & STRAYED)
+            move_leaves(w, &w->bodies.data[w->awake.data[i]], dt);
+    DIG_TRY(ask_all(w));
+    for (int i = 0; i < count; i++)
+        for (uint32_t s = n.found[i] & LANDS ? w->bodies.data[w->awake.data[i]].shape_first : NONE; s != NONE; s = w->solids.data[s].next)
+            DIG_TRY(ask_planes(w, s));
+    for (int i = 0; i < count; i++)
         if (n.found[i] & FAST)
-            DIG_TRY(spread_speed(w, w->awake.data[i], dt));
-    return DIG_OK;
+            spread_speed(w, w->awake.data[i], dt);
+    return ask_all(w);
 }
 
-/* Who is new or was moved by hand. Where memory runs out, it and those after it are asked again in the next try. */
-static dig_status ask_all(World *w)
+/* Who is new or was moved by hand. Where memory runs out, all are asked again in the next try. */
+static dig_status ask_moved(World *w)
 {
-    for (int i = 0; i < w->asking.count; i++) {
-        uint32_t solid = w->asking.data[i];
-        Solid *s = &w->solids.data[solid];
-        if (!s->alive || !s->asks)
-            continue;
+    int count = w->asking.count;
+    uint32_t *moved = arena_alloc(&w->scratch, (size_t)count * sizeof *moved);
+    if (!moved)
+        return DIG_E_MEMORY;
+    memcpy(moved, w->asking.data, (size_t)count * sizeof *moved);
+    for (int i = 0; i < count; i++) {
+        Solid *s = &w->solids.data[moved[i]];
         s->reach = s->leaf >= 0 ? tree_box(&w->tree, s->leaf) : s->reach;
-        drop_parted(w, solid);
-        dig_status status = ask(w, solid);
-        if (status == DIG_OK)
-            status = ask_planes(w, solid);
-        if (status != DIG_OK) {
-            memmove(w->asking.data, w->asking.data + i, (size_t)(w->asking.count - i) * sizeof *w->asking.data);
-            w->asking.count -= i;
-            return status;
-        }
-        s->asks = false;
-        wake_near(w, solid);
     }
-    w->asking.count = 0;
+    DIG_TRY(ask_all(w));
+    for (int i = 0; i < count; i++)
+        wake_near(w, moved[i]);
     return DIG_OK;
 }
 
@@ -424,7 +341,7 @@ dig_status sense_pairs(World *w, real dt)
     DIG_TRY(world_compact(w));
     tidy_awake(w);
     if (w->asking.count > 0) {
-        DIG_TRY(ask_all(w));
+        DIG_TRY(ask_moved(w));
         tidy_awake(w);                  /* who was woken just now has its place in the order */
     }
     find_pulls(w);

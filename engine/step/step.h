@@ -38,7 +38,11 @@ typedef struct Step {           /* what the stages hand to each other; lives in 
 
 /* sense.c */
 dig_status sense_pairs(World *w, real dt);          /* whose boxes may meet in this step                    */
+/* near.c */
+dig_status ask_all(World *w);                       /* w->asking: pairs that have parted go, new ones come   */
 bool       plane_near(const World *w, uint32_t plane, box3 box);    /* is a part of the box in it?                           */
+bool       plane_new(const World *w, uint32_t solid);               /* is one near its reach that it has no pair with?       */
+dig_status ask_planes(World *w, uint32_t solid);    /* those become pairs                                   */
 /* groups.c */
 bool       pair_met(const World *w, const Pair *p);  /* of a listed pair: is it watched in this try?         */
 dig_status form_groups(World *w, Step *s);          /* DIGs that may meet are advanced together             */

@@ -41,8 +41,7 @@ const char *solid_text(const World *w, const Solid *s, char text[BODY_TEXT_SIZE]
 
 /* ---- solids ---- */
 
-/* Its box is to be compared with all others at the next step. */
-static void solid_ask(World *w, uint32_t slot)
+void solid_ask(World *w, uint32_t slot)
 {
     if (w->solids.data[slot].asks)
         return;

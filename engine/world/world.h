@@ -107,7 +107,6 @@ typedef struct Solid {          /* one shape in a body, or of the world itself (
     bool     alive;
     bool     asks;              /* in world->asking: its box wants to be compared with the tree */
     uint8_t  wall;              /* 1..6 for the room's, else 0                         */
-    bool     known;             /* while another asks: they are a pair already         */
     uint32_t body, next;
     uint32_t pair_first;        /* list through Pair.next, as 2 * pair + side          */
     int32_t  leaf;              /* in world->tree; < 0: unbounded (planes) or no collisions */
@@ -470,6 +469,7 @@ bool       bodies_may_touch(const World *w, const Solid *a, const Solid *b);
 real       body_energy(const World *w, const Body *b);  /* J, kinetic + potential */
 dig_status solid_add(World *w, uint32_t body, const Shape *shape, pose at, const Surface *surface, vec3 colour, uint32_t *slot);
 void       solid_remove(World *w, uint32_t slot);
+void       solid_ask(World *w, uint32_t slot);            /* its box is to be compared with all others at the next step, or in this one */
 Surface    surface_resolve(const World *w, const Surface *s);           /* no NaN left */
 Rub        surface_pair(const World *w, const Surface *a, const Surface *b);
 

@@ -1,0 +1,187 @@
+/* step/near.c - who is near whom: solids whose boxes were made anew ask the tree, all of them at once.
+ *
+ * All boxes have moved before the first one asks. What meets what is then found by all threads, which change nothing, and noted by
+ * one, in the order of the list: the same pairs in the same order, however many threads there are.
+ */
+#include "step/step.h"
+
+#define SHARE 32                /* solids that a thread asks for in a row */
+#define BLOCK 124               /* numbers, an even count of them */
+
+typedef struct NearBlock { struct NearBlock *next; int count; uint32_t item[BLOCK]; } NearBlock;
+typedef struct NearList { NearBlock *first, *last; } NearList;
+typedef struct Found { NearList parted, met; bool failed; } Found;      /* of a share: pairs that are over; two solids each that are new ones */
+
+/* Who has a pair with the one that asks: a hash set without removal, `mask` one less than a power of two. */
+typedef struct Known { uint32_t *slot, mask; } Known;
+
+typedef struct Ask { const World *w; uint32_t solid; Known known; Arena *arena; Found *found; } Ask;
+
+#define KNOWN_LEAST 128
+#define SPREAD 2654435769u      /* Knuth's multiplier, 2^32 over the golden ratio */
+
+static bool note(Ask *a, NearList *l, uint32_t item)
+{
+    if (!l->last || l->last->count == BLOCK) {
+        NearBlock *b = arena_alloc(a->arena, sizeof *b);
+        if (!b) {
+            a->found->failed = true;
+            return false;
+        }
+        b->next = NULL;
+        b->count = 0;
+        *(l->last ? &l->last->next : &l->first) = b;
+        l->last = b;
+    }
+    l->last->item[l->last->count++] = item;
+    return true;
+}
+
+static uint32_t known_place(const Known *k, uint32_t solid)
+{
+    uint32_t i = (solid * SPREAD >> 16) & k->mask;
+    while (k->slot[i] != NONE && k->slot[i] != solid)
+        i = (i + 1) & k->mask;
+    return i;
+}
+
+static bool known_open(Known *k, uint32_t count, Arena *arena)
+{
+    uint32_t size = k->slot ? k->mask + 1 : 0, wanted = size > KNOWN_LEAST ? size : KNOWN_LEAST;
+    while (wanted < 2 * count)
+        wanted *= 2;
+    if (wanted > size) {
+        k->slot = arena_alloc(arena, wanted * sizeof *k->slot);
+        k->mask = wanted - 1;
+    }
+    if (k->slot)
+        memset(k->slot, 0xff, (k->mask + 1) * sizeof *k->slot);
+    return k->slot != NULL;
+}
+
+/* Have the fat boxes parted, or are the two no longer to touch? */
+static bool parted(const World *w, const Solid *s, uint32_t other)
+{
+    const Solid *o = &w->solids.data[other];
+    bool near = o->leaf < 0 ? s->leaf >= 0 && plane_near(w, other, tree_box(&w->tree, s->leaf))
+                            : s->leaf >= 0 && box3_overlap(tree_box(&w->tree, s->leaf), tree_box(&w->tree, o->leaf));
+    return !near || !bodies_may_touch(w, s, o);
+}
+
+/* Of two that ask, the lower one says what is found. */
+static bool says(const World *w, uint32_t solid, uint32_t other) { return !w->solids.data[other].asks || solid < other; }
+
+/* Those of its pairs that are over are noted, and all of them known. */
+static bool look_at_pairs(Ask *a)
+{
+    const World *w = a->w;
+    uint32_t first = w->solids.data[a->solid].pair_first, count = 0;
+    for (uint32_t l = first; l != NONE; l = w->pairs.data[l / 2].next[l % 2])
+        count++;
+    if (!known_open(&a->known, count, a->arena))
+        return false;
+    for (uint32_t l = first; l != NONE; l = w->pairs.data[l / 2].next[l % 2]) {
+        const Pair *p = &w->pairs.data[l / 2];
+        uint32_t other = l % 2 ? p->solid_a : p->solid_b;
+        a->known.slot[known_place(&a->known, other)] = other;
+        if (says(w, a->solid, other) && parted(w, &w->solids.data[a->solid], other) && !note(a, &a->found->parted, l / 2))
+            return false;
+    }
+    return true;
+}
+
+static bool meets(void *context, uint32_t other)
+{
+    Ask *a = context;
+    if (other == a->solid || a->known.slot[known_place(&a->known, other)] == other || !says(a->w, a->solid, other) ||
+        !bodies_may_touch(a->w, &a->w->solids.data[a->solid], &a->w->solids.data[other]))
+        return true;
+    return note(a, &a->found->met, a->solid) && note(a, &a->found->met, other);
+}
+
+typedef struct Asking { const World *w; Found *found; } Asking;         /* found: by each share of w->asking */
+
+static void ask_share(void *context, int share, Arena *arena)
+{
+    const Asking *all = context;
+    const World *w = all->w;
+    Ask a = {.w = w, .arena = arena, .found = &all->found[share]};
+    for (int i = SHARE * share; i < w->asking.count && i < SHARE * (share + 1) && !a.found->failed; i++) {
+        a.solid = w->asking.data[i];
+        const Solid *s = &w->solids.data[a.solid];
+        if (!look_at_pairs(&a))
+            a.found->failed = true;
+        else if (s->leaf >= 0)
+            tree_query(&w->tree, tree_box(&w->tree, s->leaf), meets, &a);
+    }
+}
+
+/* Pairs that are over go, then new ones come, in the order of the shares. */
+static dig_status note_all(World *w, const Found *found, int shares)
+{
+    for (int i = 0; i < shares; i++)
+        for (const NearBlock *b = found[i].parted.first; b; b = b->next)
+            for (int k = 0; k < b->count; k++)
+                pair_remove(w, b->item[k]);
+    for (int i = 0; i < shares; i++)
+        for (const NearBlock *b = found[i].met.first; b; b = b->next)
+            for (int k = 0; k < b->count; k += 2)
+                DIG_TRY(pair_add(w, b->item[k], b->item[k + 1]));
+    return DIG_OK;
+}
+
+/* Planes are in no tree: they are compared with the boxes directly. */
+bool plane_near(const World *w, uint32_t plane, box3 box)
+{
+    const Solid *p = &w->solids.data[plane];
+    pose at = solid_pose(w, p);
+    const PlaneData *def = p->shape.data;
+    vec3 n = quat_rotate(at.q, def->normal);
+    vec3 lowest = {n.x > 0 ? box.low.x : box.high.x, n.y > 0 ? box.low.y : box.high.y, n.z > 0 ? box.low.z : box.high.z};
+    return vec3_dot(n, vec3_sub(lowest, at.p)) <= def->offset;
+}
+
+static bool is_new(const World *w, uint32_t solid, uint32_t plane)
+{
+    const Solid *s = &w->solids.data[solid];
+    uint32_t pair;
+    return plane != solid && s->leaf >= 0 && plane_near(w, plane, s->reach) && bodies_may_touch(w, s, &w->solids.data[plane]) &&
+           !pair_find(w, solid, plane, &pair);
+}
+
+bool plane_new(const World *w, uint32_t solid)
+{
+    for (int i = 0; i < w->unbounded.count; i++)
+        if (is_new(w, solid, w->unbounded.data[i]))
+            return true;
+    return false;
+}
+
+dig_status ask_planes(World *w, uint32_t solid)
+{
+    for (int i = 0; i < w->unbounded.count; i++)
+        if (is_new(w, solid, w->unbounded.data[i]))
+            DIG_TRY(pair_add(w, solid, w->unbounded.data[i]));
+    return DIG_OK;
+}
+
+dig_status ask_all(World *w)
+{
+    int shares = (w->asking.count + SHARE - 1) / SHARE;
+    if (shares == 0)
+        return DIG_OK;
+    Asking a = {w, arena_zero(&w->scratch, (size_t)shares * sizeof *a.found)};
+    if (!a.found)
+        return DIG_E_MEMORY;
+    workers_run(w->workers, &w->scratch, ask_share, &a, shares);
+    for (int i = 0; i < shares; i++)
+        if (a.found[i].failed)
+            return DIG_E_MEMORY;
+    DIG_TRY(note_all(w, a.found, shares));
+    for (int i = 0; i < w->asking.count; i++)
+        DIG_TRY(ask_planes(w, w->asking.data[i]));
+    for (int i = 0; i < w->asking.count; i++)
+        w->solids.data[w->asking.data[i]].asks = false;
+    w->asking.count = 0;
+    return DIG_OK;
+}
