@@ -238,7 +238,7 @@ static bool describe(DrawItem *d, const Batches *b, const Meshes *meshes, const 
     set_heat(d, item, eye);
     d->mesh = solid.mesh;
     d->closed = solid.form != FORM_TWO_SIDED;
-    d->caster = !d->key.clear;      /* light goes through */
+    d->caster = !d->key.clear && !item->room;       /* light goes through */
     d->key.form = solid.form;
     d->key.corner_sky = d->closed && vec3_length(half) < CORNER_SKY * s->typical;
     d->distance = (float)distance;

@@ -105,6 +105,8 @@ static dig_status take_scene(Look *l, const World *w)
     if (w->has_room) {
         look_scene(l)->room_size = w->room.size;
         look_scene(l)->room_at = w->room.at;
+        for (int i = 0; i < 6; i++)
+            look_scene(l)->open_walls |= (uint32_t)(w->room_solid[i] == NONE) << i;
     }
     return DIG_OK;
 }
@@ -249,7 +251,7 @@ static dig_status take_solids(Look *l, const World *w)
     DIG_TRY(look_resize(l, LOOK_SOLIDS, w->solids.count));
     for (int i = 0; i < w->solids.count; i++) {
         const Solid *s = &w->solids.data[i];
-        if (s->alive && !s->wall)           /* the room's walls are drawn as edges */
+        if (s->alive && !s->wall)           /* the room's walls: room.c */
             DIG_TRY(take_solid(l, w, s, &look_solids(l)[i]));
         else
             look_solids(l)[i] = (LookSolid){0};

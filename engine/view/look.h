@@ -40,7 +40,7 @@ typedef struct LookScene {
     vec3     low, high;         /* m, bounds of all that has an end; low > high: nothing has */
     vec3     gravity;           /* m/s^2                                    */
     vec3     room_size, room_at;        /* m                                */
-    uint32_t has_room, spare;
+    uint32_t has_room, open_walls;      /* a bit for each, in the order +x -x +y -y +z -z */
 } LookScene;
 
 typedef struct LookBody {

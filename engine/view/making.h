@@ -1,4 +1,4 @@
-/* view/making.h - what the files share that make a picture from tables: view.c, bars.c and sheet.c.
+/* view/making.h - what the files share that make a picture from tables: view.c, bars.c, room.c and sheet.c.
  *
  * Floor: view.
  */
@@ -56,6 +56,9 @@ static inline vec3 joint_end(const Making *m, uint32_t body, vec3 anchor)
 
 /* bars.c: joints that are drawn as bars and coils. */
 dig_status make_bars(Making *m);
+
+/* room.c: its floor and its edges. */
+dig_status make_room(Making *m);
 
 /* sheet.c: finds the quads of sheets, before items are made; then makes an item for each sheet and DIG of it. */
 dig_status find_quads(Making *m);

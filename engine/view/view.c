@@ -157,22 +157,6 @@ static dig_status make_joints(Making *m)
     return DIG_OK;
 }
 
-static dig_status make_room(Making *m)
-{
-    const LookScene *r = look_scene(m->l);
-    if (!r->has_room)
-        return DIG_OK;
-    vec3 h = vec3_scale(0.5, r->room_size), c = vec3_add(r->room_at, (vec3){0, h.y, 0});
-    for (int axis = 0; axis < 3; axis++)
-        for (int k = 0; k < 4; k++) {
-            real s = k & 1 ? 1 : -1, u = k & 2 ? 1 : -1;
-            vec3 a = axis == 0 ? (vec3){-h.x, s * h.y, u * h.z} : axis == 1 ? (vec3){s * h.x, -h.y, u * h.z} : (vec3){s * h.x, u * h.y, -h.z};
-            vec3 b = axis == 0 ? (vec3){h.x, s * h.y, u * h.z} : axis == 1 ? (vec3){s * h.x, h.y, u * h.z} : (vec3){s * h.x, u * h.y, h.z};
-            DIG_TRY(make_line(m, vec3_add(c, a), vec3_add(c, b), (vec3){0.3, 0.35, 0.4}, 0, false));
-        }
-    return DIG_OK;
-}
-
 static dig_status make_arrows(Making *m)
 {
     for (int i = 0; i < look_count(m->l, LOOK_ARROWS); i++) {

@@ -29,7 +29,7 @@ typedef struct ViewMesh {
     float    *taken;            /* [3 * vertex_count] of a sheet: vertices at the moment of the picture, while view_blend moves them; else NULL */
 } ViewMesh;
 
-typedef struct ViewItem {       /* one shape of one body, or a bar or coil between two points */
+typedef struct ViewItem {       /* one shape of one body, a bar or coil between two points, or a part of the room */
     uint32_t body;              /* slot + 1, for the id layer; 0 = none */
     uint32_t joint;             /* of a bar or coil: slot + 1; 0 = it is none; its mesh stands along y, {radius, length} */
     int      mesh;
@@ -42,6 +42,7 @@ typedef struct ViewItem {       /* one shape of one body, or a bar or coil betwe
     uint32_t dig;               /* DIG id, 0 = none (static) */
     float    stress;            /* 1, the largest share of its limit that a joint of its bears; < 0 = none can break */
     bool     asleep, fixed;
+    bool     room;              /* a part of the room: it casts no shadow */
     bool     woven;             /* a particle or a thread of a sheet: the sheet is drawn in its place */
     float    temperature;       /* K; 0 = it has none */
 } ViewItem;

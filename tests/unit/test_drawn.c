@@ -1,4 +1,4 @@
-/* tests/unit/test_drawn.c - what a picture shows of joints between two points, bars and coils from end to end, and of sheets. */
+/* tests/unit/test_drawn.c - what a picture shows of joints between two points, bars and coils from end to end, of sheets, and of the room. */
 #include "physics_fixture.h"
 
 #include <stdlib.h>
@@ -206,9 +206,46 @@ TEST(a_sheet_is_blended_between_two_pictures)
     dig_world_close(c.w);
 }
 
+/* Parts of the room that are level and lie at its floor, and all. */
+static void count_room(const View *v, real floor, int *below, int *all)
+{
+    *below = *all = 0;
+    for (int i = 0; i < v->item_count; i++) {
+        const ViewItem *item = &v->items[i];
+        const float *size = v->meshes[item->mesh].size;
+        real top = (real)item->p[1] + 0.5 * (real)size[1] + v->origin[1];
+        *all += item->room;
+        *below += item->room && size[0] > 3.9f && size[2] > 5.9f && top < floor && top > floor - 1e-3;
+        CHECK(!item->room || (item->body == 0 && item->joint == 0 && item->fixed));
+    }
+}
+
+/* Without them what lies in a room seems to float in the air. */
+TEST(a_room_is_seen_by_its_floor_and_its_edges)
+{
+    dig_world *w = open_world(1.0 / 60, NULL, false);
+    dig_room_def room = {.size = {4, 3, 6}, .at = {1, 0.5, 0}, .friction = 0.5};
+    int below, all;
+    add_ball(w, look(0, 0), 0.1, 1, (vec3){0, 0.6, 0}, vec3_zero());
+    CHECK_INT(dig_room_set(w, &room), DIG_OK);
+    View *v = picture(w);
+    count_room(v, 0.5, &below, &all);
+    CHECK_INT(below, 1);
+    CHECK_INT(all, 13);
+    dig_view_free(v);
+    CHECK_INT(dig_room_open(w, "-y", true), DIG_OK);
+    v = picture(w);
+    count_room(v, 0.5, &below, &all);
+    CHECK_INT(below, 0);
+    CHECK_INT(all, 12);
+    dig_view_free(v);
+    dig_world_close(w);
+}
+
 int main(void)
 {
-    RUN_TESTS(unit_test(particles_in_rows_that_struts_join_are_one_surface),
+    RUN_TESTS(unit_test(a_room_is_seen_by_its_floor_and_its_edges),
+              unit_test(particles_in_rows_that_struts_join_are_one_surface),
               unit_test(a_sheet_opens_where_it_is_torn),
               unit_test(a_sheet_is_blended_between_two_pictures),
               unit_test(ropes_rods_and_springs_are_seen_from_end_to_end),
