@@ -94,6 +94,8 @@ static int world_sweep(lua_State *L)
         real share = length / sqrt(along.x * along.x + along.y * along.y + along.z * along.z);
         at.p = (vec3){at.p.x + from.x, at.p.y + from.y, at.p.z + from.z};
         velocity = (vec3){along.x * share, along.y * share, along.z * share};
+    } else if (!moves) {
+        return bind_error(L, "world:sweep wants a way: from, and to or along, or at and velocity");
     }
     int found = dig_sweep(ref->w, shape, at, velocity, acceleration, time, &hit);
     if (found < 0)

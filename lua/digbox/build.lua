@@ -48,10 +48,11 @@ local function landscape(what, fields)
   if own.heights ~= nil then core.fail("%s: give either height or heights", what) end
   core.need(what, own, "columns", "rows", "size")
   for _, key in ipairs { "columns", "rows" } do
-    local n = own[key]
-    if math.type(n) ~= "integer" or n < 2 or n > GRID_LIMIT then
-      core.fail("%s: %s = %s, must be an integer of 2 to %d", what, key, tostring(n), GRID_LIMIT)
+    local n = core.whole(own[key])
+    if not n or n < 2 or n > GRID_LIMIT then
+      core.fail("%s: %s = %s, must be an integer of 2 to %d", what, key, tostring(own[key]), GRID_LIMIT)
     end
+    own[key] = n
   end
   local size = core.check({ size = own.size }, what, grid_fields).size
   own.height, own.heights = nil, {}

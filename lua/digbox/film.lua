@@ -217,11 +217,12 @@ local function check_size(size, what)
     w, h = size[1], size[2]
   end
   for name, n in next, { width = w or false, height = h or false } do
-    if math.type(n) ~= "integer" or n < 1 or n > 16384 then
+    local pixels = core.whole(n)
+    if not pixels or pixels < 1 or pixels > 16384 then
       core.fail("%s.size: %s = %s, must be a whole number from 1 to 16384", what, name, tostring(n))
     end
   end
-  return w, h
+  return core.whole(w), core.whole(h)
 end
 
 local function check_overlay(list, what)

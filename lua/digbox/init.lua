@@ -4,6 +4,7 @@
 
 local core = ...
 local next, type, tonumber, rawset, setmetatable = next, type, tonumber, rawset, setmetatable
+local math_type, to_integer = math.type, math.tointeger
 
 local digbox = {}
 core.digbox = digbox
@@ -20,6 +21,11 @@ core.finished = setmetatable({}, { __tostring = function() return "finished" end
 -- Ends the script as if it had run to its end.
 function core.finish_early()
   error(core.finished, 0)
+end
+
+-- 5 of 5 and of 10 / 2, which Lua keeps as 5.0; else nil.
+function core.whole(n)
+  return math_type(n) and to_integer(n) or nil
 end
 
 -- A mistake on the command line: exit code 2, no script position.

@@ -63,7 +63,7 @@ local function key(i, j, k) return ("%d %d %d"):format(i, j or 1, k or 1) end
 local function node(thing, i, j, k)
   local what = thing[1].kind .. ":node"
   for name, n in next, { column = i or false, row = j or 1, layer = k or 1 } do
-    if math.type(n) ~= "integer" then core.fail("%s: %s wants a whole number; got %s", what, name, core.type(n)) end
+    if not core.whole(n) then core.fail("%s: %s wants a whole number; got %s", what, name, core.type(n)) end
   end
   local b = thing[1].node[key(i, j, k)]
   if not b then

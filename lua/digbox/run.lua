@@ -218,9 +218,10 @@ function methods.step(world, n)
     return
   end
   state = core.forbid_in_handler(world, "world:step()")
-  if n == nil then n = 1 end
-  if math.type(n) ~= "integer" or n < 0 then
-    core.fail("world:step wants a whole number of steps >= 0; got %s (world:run goes by time)", tostring(n))
+  local given = n
+  n = given == nil and 1 or core.whole(given)
+  if not n or n < 0 then
+    core.fail("world:step wants a whole number of steps >= 0; got %s (world:run goes by time)", tostring(given))
   end
   while n > 0 do
     if core.options.dry or past_end(world) then core.finish_early() end

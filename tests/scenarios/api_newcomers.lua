@@ -252,6 +252,30 @@ scenario("fields have names, and an error shows how they are written", function(
     .. " (what is held for a while is welded to the world, until the weld is removed)")
 end)
 
+-- 10 / 2 is 5.0 in Lua
+scenario("a whole number may come from a division", function(s)
+  local world = s.world
+  world:step(10 / 2)
+  expect(world.steps):is(5)
+  world:run { steps = 10 / 2 }
+  expect(world.steps):is(10)
+  world:heightfield { columns = 8 / 2, rows = 8 / 2, size = { 1, 1 }, height = function() return 0 end }
+  local block = world:lattice { at = { 0, 3, 0 }, size = 0.2, mass = 1, stiffness = 100 }
+  expect(block:node(4 / 2, 2, 2)):is(block:node(2, 2, 2))
+  world:render { to = "half.png", size = { 128 / 2, 72 / 2 } }
+  expect(function() world:render { to = "half.png", size = { 128 / 3, 72 } } end):fails "must be a whole number from 1 to 16384"
+  expect(function() world:step(1 / 2) end):fails "whole number of steps >= 0; got 0.5"
+  expect(function() world:step "5" end):fails "whole number of steps >= 0; got 5"
+end)
+
+scenario("a sweep that says no way is refused", function(s)
+  local world = s.world
+  world:ball { radius = 0.1, at = { 1, 0, 0 } }
+  local wants = "world:sweep wants a way: from, and to or along, or at and velocity"
+  expect(function() world:sweep { sphere = { radius = 0.1 } } end):fails(wants)
+  expect(world:sweep { sphere = { radius = 0.1 }, velocity = { 2, 0, 0 } }.fraction):near(0.4, 1e-6)
+end)
+
 -- Every answer of lua/bind_mean.c's examples is a call that works
 scenario("what an error shows can be written", function(s)
   local world = s.world
