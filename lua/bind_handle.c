@@ -98,6 +98,9 @@ static void fail_removed(lua_State *L, int arg, const char *type)
     const char *how = lua_tostring(L, -2), *name = lua_tostring(L, -1);
     if (how)
         bind_error(L, "%s", how);
+    else if (strcmp(type, BIND_JOINT) == 0)         /* what a script removes says where */
+        bind_error(L, "%s%s%s is no more: it broke (the event broken says when), or world:restore went back before it",
+                   name && *name ? "joint '" : "this joint", name ? name : "", name && *name ? "'" : "");
     else if (name)
         bind_error(L, "%s '%s' was removed", type, name);
     else

@@ -441,7 +441,8 @@ static int joint_tostring(lua_State *L)
     JointRef *j = luaL_checkudata(L, 1, BIND_JOINT);
     if (!j->world->w || !dig_joint_alive(j->world->w, j->id)) {
         lua_getiuservalue(L, 1, REF_NAME);
-        lua_pushfstring(L, "removed joint '%s'", lua_isstring(L, -1) ? lua_tostring(L, -1) : "");
+        const char *name = lua_tostring(L, -1);
+        lua_pushfstring(L, name && *name ? "removed joint '%s'" : "removed joint", name);
         return 1;
     }
     dig_joint_state s = state(L);

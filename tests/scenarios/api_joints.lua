@@ -144,6 +144,7 @@ scenario("a joint breaks at its limit and says so", function(s)
   world:on("broken", function(e) broken = e.joint and e.joint.name or "?" end)
   s:eventually("it breaks", "1 s", function() return not joint.valid end)
   expect(broken):is "glue"
+  expect(function() return joint.force end):fails "joint 'glue' is no more: it broke (the event broken says when)"
 end)
 
 scenario("a joint that sleeps under more than its new limit breaks", function(s)
