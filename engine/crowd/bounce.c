@@ -11,8 +11,8 @@ static void work_of_movers(const Crowd *c, double *before, double *bounces)
             continue;
         for (int lane = 0; lane < LANES; lane++) {
             for (int k = 0; k < x->points; k++) {
-                *before -= 2 * (double)x->point[k].sum[lane] * (double)x->point[k].drive[lane];
-                *bounces -= x->bounces ? 2 * (double)x->point[k].room[lane] * (double)x->point[k].drive[lane] : 0;
+                *before -= 2 * (double)x->point[k].sum[lane] * (double)x->arms[k].drive[lane];
+                *bounces -= x->bounces ? 2 * (double)x->point[k].room[lane] * (double)x->arms[k].drive[lane] : 0;
             }
             for (int k = 0; k < 2 && x->patch; k++)
                 *before -= 2 * (double)x->patch->sum[k][lane] * (double)x->patch->drive[k][lane];

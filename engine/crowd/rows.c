@@ -225,20 +225,20 @@ static vec3 driven_velocity(const Crowd *c, const Ends *e, vec3 at)
     return v;
 }
 
-INLINE void fill_point(const Crowd *c, const Ends *e, bool round, WidePoint *p, int lane, int k)
+INLINE void fill_point(const Crowd *c, const Ends *e, WidePoint *p, WideArms *arms, int lane, int k)
 {
     const ManifoldPoint *m = &e->c->manifold.points[k];
     const PointMemory *memory = &contact_memory(e->c)[k];
-    if (!round) {
-        put_reg(p->a, lane, e->a < c->bodies ? reg3_load(&m->a) - e->xa : reg3_all(0));
-        put_reg(p->b, lane, e->b < c->bodies ? reg3_load(&m->b) - e->xb : reg3_all(0));
+    if (arms) {
+        put_reg(arms->a, lane, e->a < c->bodies ? reg3_load(&m->a) - e->xa : reg3_all(0));
+        put_reg(arms->b, lane, e->b < c->bodies ? reg3_load(&m->b) - e->xb : reg3_all(0));
     }
     set(&p->mass, lane, 1);
     set(&p->gap, lane, m->gap);
     set(&p->j, lane, (real)((float)memory->normal * c->h));
     set(&p->borne, lane, (real)(memory->borne * c->h));
-    if (e->driven)
-        set(&p->drive, lane, vec3_dot(e->c->manifold.normal, driven_velocity(c, e, m->a)));
+    if (e->driven)              /* then it has arms */
+        set(&arms->drive, lane, vec3_dot(e->c->manifold.normal, driven_velocity(c, e, m->a)));
 }
 
 INLINE void fill_patch(const Crowd *c, const Ends *e, WidePatch *p, WideTwist *turn, int lane)
@@ -338,7 +338,7 @@ INLINE void fill_lane(Crowd *c, Batch *b, int lane, GroupContact *t)
     set(&b->friction, lane, t->manifold.slides ? q->friction_dynamic : q->friction);
     set(&b->care, lane, (real)(c->h / (float)needed(q, t)));
     for (int k = 0; k < t->manifold.count; k++)
-        fill_point(c, &e, b->round, &b->point[k], lane, k);
+        fill_point(c, &e, &b->point[k], b->arms ? &b->arms[k] : NULL, lane, k);
     if (b->rub)
         fill_rub(c, &e, b->rub, lane);
     if (b->patch)
@@ -358,6 +358,8 @@ static void *room_for(Crowd *c, size_t bytes, dig_status *status)
 static void clear(Batch *b)
 {
     memset(b->point, 0, (size_t)b->points * sizeof *b->point);
+    if (b->arms)
+        memset(b->arms, 0, (size_t)b->points * sizeof *b->arms);
     if (b->rub)
         memset(b->rub, 0, sizeof *b->rub);
     if (b->patch)
@@ -380,7 +382,8 @@ static dig_status make_batch(Crowd *c, Batch *b, const Chosen *x, int count)
         b->driven = b->driven || x[i].driven;
         b->bounces = b->bounces || x[i].bounces;
     }
-    b->point = room_for(c, (size_t)b->points * sizeof *b->point, &status);
+    b->point = room_for(c, (size_t)b->points * (sizeof *b->point + (b->round ? 0 : sizeof *b->arms)), &status);
+    b->arms = b->round || !b->point ? NULL : (WideArms *)(void *)(b->point + b->points);
     b->rub = rubs && b->round ? room_for(c, sizeof *b->rub, &status) : NULL;
     b->patch = rubs && !b->round ? room_for(c, sizeof *b->patch, &status) : NULL;
     b->twist = rubs && b->points > 1 ? room_for(c, sizeof *b->twist, &status) : NULL;

@@ -48,15 +48,18 @@ typedef int32_t wide_int __attribute__((vector_size(LANES * sizeof(int32_t))));
 typedef struct Six { float at[LANES]; } Six;
 
 typedef struct WidePoint {      /* contact points, one a lane                                  */
-    wide a[3], b[3];            /* 1/sqrt(kg)  angular Jacobian in scaled spins; until wide.c prepares it m, from the centres of mass */
     wide mass;                  /* kg   1 / (J M^-1 J^T); 0 = no point in this lane; before that 1, 0 */
     wide gap, now;              /* m    at the start of the step; at that of the substep       */
-    wide drive;                 /* m/s  part of the rate that movers give                      */
     wide room;                  /* m/s  at which a gap may still close in this substep         */
     wide j, sum;                /* N s  impulse of this substep, of the whole step             */
     wide borne;                 /* N s  part of j that a soft row does not yield to            */
     wide rate_before;           /* m/s  normal velocity at the start of the step               */
 } WidePoint;
+
+typedef struct WideArms {       /* what spins and movers add to the rate of a point: nothing where contacts are round */
+    wide a[3], b[3];            /* 1/sqrt(kg)  angular Jacobian in scaled spins; until wide.c prepares it m, from the centres of mass */
+    wide drive;                 /* m/s  part of the rate that movers give                      */
+} WideArms;
 
 typedef struct WideRub {        /* friction of a round contact, as a vector across the normal  */
     wide a, b;                  /* 1/sqrt(kg)  its arms in scaled spins; until wide.c prepares it m, from the centres of mass along the normal */
@@ -93,16 +96,17 @@ typedef struct Batch {          /* up to eight contacts that share no moving bod
     bool fixed;                 /*      one side of each contact does not move                 */
     bool driven, bounces;
     bool round;                 /* one point each, straight before the centres of balls: it turns none of them, and friction turns them alike
-                                 * in all directions. Points have no a and b then, and friction is in rub */
-    wide n[3];                  /*      from a to b                                            */
-    wide ra, rb;                /* 1/sqrt(kg)  roots of the inverse masses; wide.c             */
-    wide friction, restitution;
-    wide care;                  /* s/m  one over the error of a rate that does not matter: passes that change less need no other; rows.c */
+                                 * in all directions. Points have no arms then, and friction is in rub */
     WidePoint *point;
+    WideArms  *arms;            /* of the points, which they come after; NULL: round           */
     WidePatch *patch;           /* NULL: no friction, or round                                 */
     WideRub   *rub;             /* NULL: no friction, or not round                             */
     WideTwist *twist;           /* NULL: one point each, or no friction                        */
     WideRoll  *roll;            /* NULL: no rolling resistance                                 */
+    wide n[3];                  /*      from a to b                                            */
+    wide ra, rb;                /* 1/sqrt(kg)  roots of the inverse masses; wide.c             */
+    wide friction, restitution;
+    wide care;                  /* s/m  one over the error of a rate that does not matter: passes that change less need no other; rows.c */
 } Batch;
 
 typedef struct Soft {           /* how a pass corrects overlap                                 */

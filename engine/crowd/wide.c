@@ -187,24 +187,25 @@ INLINE void prepare(const Crowd *c, Batch *x, int thread)
     for (int k = 0; k < 3; k++) {
         middle[0][k] = middle[1][k] = all(0);
         for (int i = 0; i < x->points; i++) {
-            middle[0][k] += x->point[i].a[k];
-            middle[1][k] += x->point[i].b[k];
+            middle[0][k] += x->arms[i].a[k];
+            middle[1][k] += x->arms[i].b[k];
         }
         middle[0][k] *= inverse_of(count);
         middle[1][k] *= inverse_of(count);
     }
     for (int i = 0; i < x->points; i++) {
         WidePoint *p = &x->point[i];
+        WideArms *arm = &x->arms[i];
         wide_int moves = x->ra > 0;
         wide off[3], present = p->mass;
         UNROLL
         for (int k = 0; k < 3; k++)
-            off[k] = pick(moves, p->a[k] - middle[0][k], p->b[k] - middle[1][k]);
+            off[k] = pick(moves, arm->a[k] - middle[0][k], arm->b[k] - middle[1][k]);
         reach += present * root(dot(off, off));
-        angular(&a, &b, x->n, p->a, p->b, p->a, p->b);
-        p->mass = present * inverse_of(linear + dot(p->a, p->a) + dot(p->b, p->b));
-        wide rate = closing + dot(p->a, &va[3]) + dot(p->b, &vb[3]);
-        p->rate_before = present * (x->driven ? rate + p->drive : rate);
+        angular(&a, &b, x->n, arm->a, arm->b, arm->a, arm->b);
+        p->mass = present * inverse_of(linear + dot(arm->a, arm->a) + dot(arm->b, arm->b));
+        wide rate = closing + dot(arm->a, &va[3]) + dot(arm->b, &vb[3]);
+        p->rate_before = present * (x->driven ? rate + arm->drive : rate);
         p->sum = all(0);
     }
     if (x->patch)
@@ -371,12 +372,12 @@ INLINE wide solve_point(const Batch *x, WidePoint *p, Care *k, wide rate)
     return change;
 }
 
-/* What the centres of mass do along the normal, and what spins and movers add to that at a point: velocities, or displacements in a time. */
-INLINE wide at_point(const Batch *x, const WidePoint *p, const Both *d, wide centres, wide time)
+/* What the centres of mass do along the normal, and what spins and movers add to that at point i: velocities, or displacements in a time. */
+INLINE wide at_point(const Batch *x, int i, const Both *d, wide centres, wide time)
 {
     if (!x->round)
-        centres = centres + dot(p->a, &d->a[3]) + dot(p->b, &d->b[3]);
-    return x->driven ? centres + p->drive * time : centres;
+        centres = centres + dot(x->arms[i].a, &d->a[3]) + dot(x->arms[i].b, &d->b[3]);
+    return x->driven ? centres + x->arms[i].drive * time : centres;
 }
 
 /* Gaps hold for all passes of a substep that push. */
@@ -390,7 +391,7 @@ INLINE void find_gaps(const Crowd *c, const Batch *x, wide time)
     wide closed = dot(x->n, b);
     for (int i = 0; i < x->points; i++) {
         WidePoint *p = &x->point[i];
-        p->now = at_point(x, p, &d, p->gap + closed, time);
+        p->now = at_point(x, i, &d, p->gap + closed, time);
     }
 }
 
@@ -402,11 +403,11 @@ INLINE void solve_points(const Batch *x, Both *v, Care *k)
     wide rate0 = dot(x->n, b);
     for (int i = 0; i < x->points; i++) {
         WidePoint *p = &x->point[i];
-        wide rate = at_point(x, p, v, rate0, all(1));
+        wide rate = at_point(x, i, v, rate0, all(1));
         wide change = solve_point(x, p, k, rate);
         pushed += change;
         rate0 += inverse * change;
-        push_angular(v, p->a, p->b, change);
+        push_angular(v, x->arms[i].a, x->arms[i].b, change);
     }
     push_linear(x, v, x->n, pushed);
 }
@@ -554,7 +555,7 @@ INLINE void warm_batch(const Crowd *c, const Batch *x)
     if (x->rub)
         push_rub(x, &v, x->rub->j);
     for (int k = 0; k < x->points && !x->round; k++)
-        push_angular(&v, x->point[k].a, x->point[k].b, x->point[k].j);
+        push_angular(&v, x->arms[k].a, x->arms[k].b, x->point[k].j);
     if (x->patch) {
         WidePatch *f = x->patch;
         wide u[3];
@@ -608,14 +609,14 @@ INLINE void bounce(const Crowd *c, const Batch *x)
         WidePoint *p = &x->point[i];
         wide b[3];
         between(x, &v, b);
-        wide rate = at_point(x, p, &v, dot(x->n, b), all(1));
+        wide rate = at_point(x, i, &v, dot(x->n, b), all(1));
         wide_int struck = (p->rate_before < all(-c->bounce_least)) & (p->sum > 0);
         wide j = most(p->j - p->mass * (rate + x->restitution * p->rate_before), all(0));
         wide change = pick(struck, j - p->j, all(0));
         p->room = change;
         push_linear(x, &v, x->n, change);
         if (!x->round)
-            push_angular(&v, p->a, p->b, change);
+            push_angular(&v, x->arms[i].a, x->arms[i].b, change);
     }
     scatter(c->vel, x->a, v.a);
     scatter(c->vel, x->b, v.b);
@@ -665,12 +666,12 @@ INLINE bool separate_batch(const Crowd *c, const Batch *x)
         const WidePoint *p = &x->point[i];
         wide b[3];
         between(x, &d, b);
-        wide gap = at_point(x, p, &d, p->gap + dot(x->n, b), time);
+        wide gap = at_point(x, i, &d, p->gap + dot(x->n, b), time);
         wide j = p->mass * least(most(-gap - bound, all(0)), most_by);      /* no point in a lane: mass 0 */
         any |= j > all(0);
         push_linear(x, &d, x->n, j);
         if (!x->round)
-            push_angular(&d, p->a, p->b, j);
+            push_angular(&d, x->arms[i].a, x->arms[i].b, j);
     }
     if (!any_of(any))
         return false;

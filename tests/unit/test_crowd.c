@@ -369,6 +369,7 @@ typedef struct Sample {
     Six       six[7][BODIES + 1];
     Batch     batch[BATCHES];
     WidePoint point[BATCHES][4];
+    WideArms  arms[BATCHES][4];
     WideRub   rub[BATCHES];
     WidePatch patch[BATCHES];
     WideTwist twist[BATCHES];
@@ -393,6 +394,7 @@ static void make_sample(Sample *s, Crowd *c)
     for (int i = 0; i < BATCHES; i++) {
         Batch *b = &s->batch[i];
         fill(s->point[i], sizeof s->point[i], &rng);
+        fill(s->arms[i], sizeof s->arms[i], &rng);
         fill(&s->rub[i], sizeof s->rub[i], &rng);
         fill(&s->patch[i], sizeof s->patch[i], &rng);
         fill(&s->twist[i], sizeof s->twist[i], &rng);
@@ -412,6 +414,7 @@ static void make_sample(Sample *s, Crowd *c)
         b->driven = i % 5 == 0;
         b->point = s->point[i];
         b->round = i % 4 == 0 && !b->driven;
+        b->arms = b->round ? NULL : s->arms[i];
         b->rub = i % 3 && b->round ? &s->rub[i] : NULL;
         b->patch = i % 3 && !b->round ? &s->patch[i] : NULL;
         b->twist = i % 3 && b->points > 1 ? &s->twist[i] : NULL;
@@ -443,6 +446,7 @@ TEST(wide_rows_give_the_same_bits_on_all_instructions)
         CHECK_INT(c.passes, 4 * 2);
         CHECK(memcmp(s[WIDTH_PLAIN]->six, x->six, sizeof x->six) == 0);
         CHECK(memcmp(s[WIDTH_PLAIN]->point, x->point, sizeof x->point) == 0);
+        CHECK(memcmp(s[WIDTH_PLAIN]->arms, x->arms, sizeof x->arms) == 0);
         CHECK(memcmp(s[WIDTH_PLAIN]->rub, x->rub, sizeof x->rub) == 0);
         CHECK(memcmp(s[WIDTH_PLAIN]->patch, x->patch, sizeof x->patch) == 0);
         CHECK(memcmp(s[WIDTH_PLAIN]->twist, x->twist, sizeof x->twist) == 0);
@@ -471,7 +475,9 @@ static void make_balls(Sample *s, Crowd *c, bool round)
         b->twist = NULL;
         b->points = 1;
         b->round = round;
+        b->arms = round ? NULL : s->arms[i];
         memset(s->point[i], 0, sizeof s->point[i]);
+        memset(s->arms[i], 0, sizeof s->arms[i]);
         memset(&s->patch[i], 0, sizeof s->patch[i]);
         memset(&s->rub[i], 0, sizeof s->rub[i]);
         b->rub = i % 3 && round ? &s->rub[i] : NULL;
@@ -483,8 +489,8 @@ static void make_balls(Sample *s, Crowd *c, bool round)
             for (int x = 0; x < 3; x++) {
                 b->n[x][k] = (float)place[x];
                 s->patch[i].t[x][k] = (float)across[x];
-                s->point[i][0].a[x][k] = round ? 0 : (float)place[x];
-                s->point[i][0].b[x][k] = round || b->fixed ? 0 : -(float)place[x];
+                s->arms[i][0].a[x][k] = (float)place[x];
+                s->arms[i][0].b[x][k] = b->fixed ? 0 : -(float)place[x];
                 s->rub[i].j[x][k] = (float)(0.02 * across[x]);
             }
             s->patch[i].j[0][k] = 0.02f;
