@@ -517,8 +517,9 @@ static bool one_step(Tracer *t)
         return false;
     if (!(error <= 1))
         return shorten(t, h, isfinite(error) ? real_max(0.2, 0.9 * pow(error, -0.2)) : 0.2);
-    if (e.kind == EVENT_SHORTER)
-        return shorten(t, h, 0.25);
+    real part = e.kind == EVENT_SHORTER ? 0.25 : trace_unseen(t, &e);
+    if (part < 1)
+        return shorten(t, h, part);
     if (e.kind == EVENT_NONE) {
         t->h_next = grown(t, h, error);
         if (t->known != t->y1)

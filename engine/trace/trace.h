@@ -318,6 +318,7 @@ bool trace_stretch(Tracer *t, real more);       /* the tried step by so little, 
 void trace_dense(const Tracer *t, real part, State *out);   /* y .. y1 at a part of the tried step */
 /* happen.c */
 Event trace_scan(Tracer *t);                    /* the first event of the tried step */
+real trace_unseen(Tracer *t, const Event *e);   /* < 1: something passes through something before that event; make a step of this part of it */
 bool  trace_stop_at(Tracer *t, const Event *e); /* cuts the tried step at it: y1, t->h */
 /* bond.c: joints that break */
 void trace_bonds(Tracer *t);                    /* lists them */
