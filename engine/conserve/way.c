@@ -47,6 +47,24 @@ static bool may_close(const Group *g, const GroupContact *c, const ManifoldPoint
     return p->gap < closing * time + g->fall * time * time + 1e-4 * g->pairs[c->pair].size;
 }
 
+/* m/s  No point of `other` gets nearer to the body faster: its speed as seen from there, where what turns with the body stands still. */
+static real approach(const Group *g, int body, int other)
+{
+    const Vel *v = &g->vel[body], *u = &g->vel[other];
+    real turns = vec3_distance(u->w, v->w), rim = g->member[other].outer;
+    if (turns > 0 && !isfinite(rim))
+        return INFINITY;
+    vec3 centre = vec3_sub(u->v, point_velocity(g, body, g->pos[other].x));
+    return vec3_length(centre) + (turns > 0 ? turns * rim : 0);
+}
+
+/* Nearest points are nearest now: those of an arm may be at its pivot, and what its end will strike elsewhere. */
+static bool may_come_round(const Group *g, const GroupContact *c, const ManifoldPoint *p, real time)
+{
+    real fastest = real_min(approach(g, c->a, c->b), approach(g, c->b, c->a));
+    return p->gap < fastest * time + g->fall * time * time;
+}
+
 static bool any_closes(const Group *g, real time)
 {
     for (int i = 0; i < g->contact_count; i++) {
@@ -54,7 +72,7 @@ static bool any_closes(const Group *g, real time)
         if (!g->member[c->a].moves && !g->member[c->b].moves)
             continue;
         for (int k = 0; c->live && k < c->manifold.count; k++)
-            if (may_close(g, c, &c->manifold.points[k], time))
+            if (may_close(g, c, &c->manifold.points[k], time) || may_come_round(g, c, &c->manifold.points[k], time))
                 return true;
     }
     return false;

@@ -290,6 +290,7 @@ struct Group {
     int       direct_factors;   /*     that the last direct solve of this step took */
     real      residual_first;   /* m/s what the first of the last sweeps changed velocities by */
     int       rescues_failed;   /*     the same of those that are tried after the sweeps */
+    int       whirled_parts;    /*     of the step: see sweep.c                         */
     bool      stalled;          /*     the last sweeps brought nothing                  */
     bool      unsolved;         /*     in this substep, rows that contradict each other */
     bool      contradicts;      /*     the same in some substep of this step            */

@@ -686,6 +686,27 @@ real group_close_speed(const Group *g)
 #define FINER        4          /* times as many parts, for so few */
 #define FINER_BODIES 8
 
+#define WHIRLED    0.1          /* rad  in a part: an end of a joint that goes farther round opens it by a two-hundredth of its arm */
+#define MOST_PARTS 32
+
+/* Parts in which no end of a joint goes farther round than that. What turns about the joint itself, as a wheel on its axle, does not. */
+static int whirled_parts(const Group *g, real dt)
+{
+    real most = 0;                  /* 1/s^2 */
+    for (int i = 0; i < g->joint_count; i++) {
+        const GroupJoint *j = &g->joints[i];
+        const int body[2] = {j->a, j->b};
+        for (int k = 0; k < 2 && !j->broken; k++) {
+            if (body[k] < 0 || !g->member[body[k]].moves)
+                continue;
+            vec3 arm = quat_rotate(g->pos[body[k]].q, k ? j->rb : j->ra);
+            real around = vec3_length2(vec3_cross(g->vel[body[k]].w, arm)), size = g->member[body[k]].outer;
+            most = real_max(most, around / real_max(vec3_length2(arm), 0.01 * size * size));
+        }
+    }
+    return (int)real_min(ceil(sqrt(most) * dt / WHIRLED), MOST_PARTS);
+}
+
 /* Into how many parts a step is cut. What contacts hold moves on by the velocities at the end of a part: that makes up or loses
  * energy in proportion to the part. Where the traced way was tried in vain, which is far dearer than sweeps of so few, it is to be less.
  * Of many that lie there one part has more of what sweeps there are: they creep the less. */
@@ -694,7 +715,7 @@ static int parts_of(const Group *g)
     if (lies_uneasy(g))
         return 1;
     bool tried = (g->trace_failed || g->trace_wait > 0) && g->moving_count <= FINER_BODIES;
-    return g->plan->substeps * (tried && g->plan->substeps >= FINE ? FINER : 1);
+    return int_max(g->plan->substeps * (tried && g->plan->substeps >= FINE ? FINER : 1), g->joint_count > 0 ? g->whirled_parts : 1);
 }
 
 /* What holds for all of a step, and the contacts of its start. */
@@ -745,6 +766,7 @@ dig_status sweep_piece(Group *g, real dt, real until)
 dig_status sweep_advance(Group *g, real dt)
 {
     DIG_TRY(reserve(g));
+    g->whirled_parts = whirled_parts(g, dt);
     real part = dt / parts_of(g);
     begin(g, part, false);
     g->breaks_found = true;

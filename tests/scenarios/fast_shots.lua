@@ -50,3 +50,36 @@ test.scenario("marbles that meet head on exchange their speeds", function(s)
     expect(b.velocity):near({ speed, 0, 0 }, 1e-9)
   end
 end)
+
+-- An arm on a pivot, or links in a row, that whirl about the origin; a thin post stands in the way of their ends. Nearest to the post are at
+-- first places near the pivot, which hardly move.
+local function whirl(w, links, spin)
+  local last
+  for i = 1, links do
+    local long, x = 1 / links, (i - 0.5) / links
+    local link = w:capsule { radius = 0.01, length = 0.8 * long, at = { x, 0, 0 }, rotation = turned(90), mass = 0.3,
+                             spin = { 0, spin, 0 }, velocity = { 0, 0, -x * spin } }
+    if links == 1 then w:hinge { a = link, at = { 0, 0, 0 }, axis = { 0, 1, 0 } }
+    else w:ball_joint { a = link, b = last, at = { (i - 1) * long, 0, 0 } } end
+    last = link
+  end
+  return last
+end
+
+for _, links in ipairs { 1, 2, 4, 15 } do
+  test.each_accuracy(("what whirls on %d links does not miss a post, and holds together"):format(links), function(s, accuracy)
+    for spin = 17, 149, 12 do
+      local w = s:world { gravity = { 0, 0, 0 }, accuracy = accuracy }
+      local last = whirl(w, links, spin)
+      local post = w:cylinder { radius = 0.01, height = 0.3, at = { 0, 0, 0.91 }, fixed = true }
+      local hits = 0
+      post:on("impact", function() hits = hits + 1 end)
+      for _ = 1, math.ceil(60 * 6 / spin) + 1 do
+        w:step()
+        expect(w:stats().joint_error):below(0.05)
+        expect(#last.position):below(1.01)
+      end
+      expect(hits):at_least(1)
+    end
+  end)
+end
