@@ -32,7 +32,8 @@ static bool put_forces(Tracer *t)
     t->gate_most = 0;
     for (int i = 0; i < t->touch_count; i++) {
         Touching *c = &t->touch[i];
-        if (!c->gate.closed) {
+        if (!c->gate.closed || c->idle) {
+            c->gate.force = 0;
             c->slip.force = c->roll.force = vec3_zero();
             continue;
         }
@@ -98,8 +99,11 @@ bool trace_again(Tracer *t)
     real acc_zero = ROUNDING * trace_acceleration_scale(t);
     for (int i = 0; i < t->touch_count; i++) {
         Touching *c = &t->touch[i];
-        if (c->gate.closed && !(fabs(c->gate.acc) <= acc_zero && cone_holds(t, &c->slip, c->k.n, c->gate.force, acc_zero, 1) &&
-                                cone_holds(t, &c->roll, c->k.n, c->gate.force, acc_zero, t->size)))
+        if (c->idle && c->gate.acc < -acc_zero)
+            return false;
+        if (c->gate.closed && !c->idle &&
+            !(fabs(c->gate.acc) <= acc_zero && cone_holds(t, &c->slip, c->k.n, c->gate.force, acc_zero, 1) &&
+              cone_holds(t, &c->roll, c->k.n, c->gate.force, acc_zero, t->size)))
             return false;
     }
     end_noise(t, acc_zero);

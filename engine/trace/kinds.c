@@ -103,6 +103,55 @@ bool trace_sides(Tracer *t)
     return fine;
 }
 
+/* One past the last point of the contact that this is the first of. */
+static int end_of_contact(const Tracer *t, int first)
+{
+    int i = first;
+    while (i < t->touch_count && t->touch[i].contact == t->touch[first].contact)
+        i++;
+    return i;
+}
+
+/* Faces that touched without a force have none to begin with: they press when they would sink in. A thing between two walls that just
+ * fit may be held by any force between these and friction along them; such a force is only there if something calls for it. */
+static void leave_idle(Tracer *t)
+{
+    real most = 0;
+    for (int i = 0; i < t->touch_count; i++)
+        most = real_max(most, t->touch[i].gate.force);
+    for (int i = 0, end; i < t->touch_count; i = end) {
+        bool idle = true;
+        end = end_of_contact(t, i);
+        for (int k = i; k < end; k++)
+            idle = idle && !t->touch[k].called && !(t->touch[k].gate.force > PULLS * most) && &t->touch[k].gate != t->hint.gate;
+        for (int k = i; k < end; k++) {
+            Touching *c = &t->touch[k];
+            c->idle = idle && c->gate.closed;
+            c->called = !idle;
+            c->gate.presses = c->gate.presses && !c->idle;
+        }
+    }
+}
+
+/* Those that would sink in press, with all their points, and all at once. */
+static bool call_idle(Tracer *t, real acc_scale)
+{
+    bool any = false;
+    for (int i = 0, end; i < t->touch_count; i = end) {
+        bool called = false;
+        end = end_of_contact(t, i);
+        for (int k = i; k < end; k++)
+            called = called || (t->touch[k].idle && t->touch[k].gate.acc < -SINKS * acc_scale);
+        for (int k = i; k < end && called; k++) {
+            Touching *c = &t->touch[k];
+            c->gate.presses = c->gate.presses || c->idle;
+            c->idle = false;
+            c->called = any = true;
+        }
+    }
+    return any;
+}
+
 static bool start_kinds(Tracer *t)
 {
     for (int i = 0; i < t->touch_count; i++) {
@@ -112,6 +161,7 @@ static bool start_kinds(Tracer *t)
         take_grip(&c->slip, t->slip_zero);
         take_grip(&c->roll, t->slip_zero / t->size);
     }
+    leave_idle(t);
     for (int i = 0; i < t->stop_count; i++) {
         const Row *r = trace_row(t, t->stops[i].joint, t->stops[i].slot);
         close_gate(t, &t->stops[i].gate, r && r->angular ? t->size : 1, BEYOND);
@@ -269,7 +319,8 @@ static bool change_gate(Tracer *t, real acc_scale, bool first_wins)
     real force_zero = PULLS * t->gate_most + 1e-300, acc_zero = SINKS * acc_scale + 1e-300;
     Touching *touching = NULL;
     for (int i = 0; i < t->touch_count; i++) {
-        consider(&c, &t->touch[i].gate, force_zero, acc_zero, first_wins);
+        if (!t->touch[i].idle)
+            consider(&c, &t->touch[i].gate, force_zero, acc_zero, first_wins);
         touching = c.gate == &t->touch[i].gate ? &t->touch[i] : touching;
     }
     for (int i = 0; i < t->stop_count; i++)
@@ -428,6 +479,10 @@ bool trace_kinds(Tracer *t, bool first)
             continue;
         }
         Move move = change_grips(t, acc_scale);
+        if (move == MOVE_NONE && call_idle(t, acc_scale)) {
+            pivots++;
+            continue;
+        }
         if (move == MOVE_NONE)
             return !start_slips(t, acc_scale) || trace_accelerate(t);
         pivots += move == MOVE_GRIP;

@@ -86,6 +86,7 @@ static inline real cone_bound(const Cone *c) { return c->grip == GRIP_BRINK ? c-
 typedef struct Touching {       /* a contact point */
     Gate gate;
     Cone slip, roll;
+    bool idle, called;          /* it touches, and nothing presses it; something did in this frame */
     Feature feature;
     Kinematics k;
     int  contact, point;        /* of the group                                           */
