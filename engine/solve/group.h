@@ -470,6 +470,9 @@ int  relax(Group *g, int sweeps, real residual);        /* until the change is b
 /* impulses.c: of all rows, from their present ones */
 #define VELOCITY_COARSE 1e-3             /* m/s: a small group whose velocities are worse than this gets more sweeps than its plan gives */
 void relax_group(Group *g);
+/* idle.c: contacts that nothing presses */
+int idle_leave(Group *g);               /* these have no row from now on; returns how many points */
+int idle_call(Group *g, bool all);      /* those whose bodies approach by the velocities found, or all, have one again; how many */
 Vel *group_velocities(const Group *g);  /* a copy, from the arena; NULL: out of memory */
 dig_status group_warm_start(Group *g);  /* the velocities that the rows' impulses make, or as much of these as does no harm */
 /* toil.c */

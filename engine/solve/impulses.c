@@ -117,17 +117,13 @@ static bool soon_there(const Group *g, real wanted)
     return rate < 0 && !g->stalled && more < FACTOR_COSTS * g->direct_factors;
 }
 
-void relax_group(Group *g)
+static void solve_rows(Group *g)
 {
-    real worst = g->residual;
-    g->residual = 0;
     g->unsolved = false;
     int sweeps = sweeps_for(g, g->plan->sweeps);
     real wanted = lies_uneasy(g) ? 0 : direct_wanted(g);
-    if (g->joints_direct && wanted > 0 && direct_solve(g, wanted)) {
-        g->residual = real_max(g->residual, worst);
+    if (g->joints_direct && wanted > 0 && direct_solve(g, wanted))
         return;
-    }
     int done = wanted > 0 ? int_min(sweeps, FIRST_SWEEPS) : sweeps;
     relax(g, done, wanted > 0 ? wanted : g->plan->residual);
     while (wanted > 0 && g->residual > wanted && done + FIRST_SWEEPS <= sweeps && soon_there(g, wanted)) {
@@ -155,5 +151,22 @@ void relax_group(Group *g)
     g->contradicts = g->contradicts || g->unsolved;
     if (g->unsolved || g->sweeps > int_max(DEAR, DEAR_PLANS * g->plan->substeps * g->plan->sweeps))
         g->events_left = 0;
+}
+
+#define CALLS 2                 /* rounds after which all contacts are called that nothing pressed, should one more sink in */
+
+void relax_group(Group *g)
+{
+    real worst = g->residual;
+    int left = idle_leave(g);
+    for (int round = 1, called = 1; called > 0; round++) {
+        g->residual = 0;
+        solve_rows(g);
+        called = left > 0 ? idle_call(g, false) : 0;
+        if (called > 0 && round == CALLS)
+            called += idle_call(g, true);
+        left -= called;
+    }
+    idle_call(g, true);
     g->residual = real_max(g->residual, worst);
 }

@@ -112,6 +112,8 @@ static int end_of_contact(const Tracer *t, int first)
     return i;
 }
 
+#define OVERLAPS 1e-8           /* of the size: what is deeper was pressed, and is to be put right */
+
 /* Faces that touched without a force have none to begin with: they press when they would sink in. A thing between two walls that just
  * fit may be held by any force between these and friction along them; such a force is only there if something calls for it. */
 static void leave_idle(Tracer *t)
@@ -122,8 +124,10 @@ static void leave_idle(Tracer *t)
     for (int i = 0, end; i < t->touch_count; i = end) {
         bool idle = true;
         end = end_of_contact(t, i);
-        for (int k = i; k < end; k++)
-            idle = idle && !t->touch[k].called && !(t->touch[k].gate.force > PULLS * most) && &t->touch[k].gate != t->hint.gate;
+        for (int k = i; k < end; k++) {
+            const Gate *g = &t->touch[k].gate;
+            idle = idle && !t->touch[k].called && !(g->force > PULLS * most) && g != t->hint.gate && !(g->gap < -OVERLAPS * t->size);
+        }
         for (int k = i; k < end; k++) {
             Touching *c = &t->touch[k];
             c->idle = idle && c->gate.closed;

@@ -91,3 +91,60 @@ everywhere(plans, "a box that is pressed against one of two walls stays there", 
   local moved = push(world, box, { 490, 0, 0 }, 0.5)
   expect(moved:length()):near(0, 1e-5)
 end)
+
+-- ---- where groups are swept: at sketch, of more bodies than are traced, and in trials of a question ----
+
+local all = { "sketch", "play", "study", "reference" }
+
+for _, force in ipairs { 200, 2000 } do
+  everywhere({ "sketch" }, ("a box that just fits between two walls is pushed along them by %g N"):format(force), function(world)
+    local box = slot(world, 0.5)
+    world:run(0.5)
+    local moved, unit = push(world, box, { force, 0, 0 }, 0.5)
+    expect(moved.x / ((force / 36 - 0.5 * g) * unit)):near(1, 1e-4)
+  end)
+end
+
+everywhere({ "sketch", "play" }, "one of 14 books in a row without gaps is pulled out", function(world)
+  local books = row(world, 14)
+  world:run(0.2)
+  local moved, unit = push(world, books[7], { 0, 0, 1.1 * 1.68 * 0.4 * g }, 0.25)
+  expect(moved.z / (0.04 * g * unit)):near(1, 1e-3)
+  expect(books[6].position.z):near(0, 1e-6)
+  expect(books[8].position.z):near(0, 1e-6)
+end)
+
+everywhere(all, "a box that just fits needs no more than the floor holds", function(world)
+  local box = slot(world, 0.5)
+  world:run(0.2)
+  expect(box:can_move { along = { 1, 0, 0 } }.needs / (36 * 0.5 * g)):near(1, 2e-3)
+end)
+
+for _, n in ipairs { 1, 4 } do
+  everywhere(all, ("a book in a row of %d needs no more than the shelf holds"):format(n), function(world)
+    local book = row(world, n)[(n + 1) // 2]
+    world:run(0.2)
+    expect(book:can_move { along = { 0, 0, 1 } }.needs / (1.68 * 0.4 * g)):near(1, 0.02)
+  end)
+end
+
+everywhere(all, "a peg in a hole of its width is lifted by its weight", function(world)
+  floor(world, 0.4)
+  for side = -1, 1, 2 do
+    world:box { fixed = true, size = { 0.2, 0.4, 0.5 }, at = { 0.15 * side, 0.2, 0 }, friction = 0.5 }
+    world:box { fixed = true, size = { 0.08, 0.4, 0.2 }, at = { 0, 0.2, 0.15 * side }, friction = 0.5 }
+  end
+  local peg = world:box { size = { 0.1, 0.4, 0.1 }, mass = 3, at = { 0, 0.2, 0 }, friction = 0.5 }
+  world:run(0.2)
+  expect(peg:can_move { along = { 0, 1, 0 } }.needs / (3 * g)):near(1, 0.01)
+  local moved, unit = push(world, peg, { 0, 3 * (g + 1), 0 }, 0.3)
+  expect(moved.y / unit):near(1, 1e-3)
+end)
+
+everywhere(all, "a blow sends a box along the walls that it touches", function(world)
+  local box = slot(world, 0.5)
+  world:run(0.2)
+  box:hit { impulse = { 72, 0, 0 } }
+  world:run(0.8)
+  expect(box.position.x / (4 / g)):near(1, 1e-3)
+end)
