@@ -112,6 +112,17 @@ static int end_of_contact(const Tracer *t, int first)
     return i;
 }
 
+/* A joint may bear what the contact does: they share it, as of all rows that repeat others each has its part. */
+static bool is_joined(const Tracer *t, const Touching *c)
+{
+    bool joined = false;
+    for (int i = 0; i < t->g->joint_count && !joined; i++) {
+        const GroupJoint *j = &t->g->joints[i];
+        joined = (trace_moves(t, c->a) && (j->a == c->a || j->b == c->a)) || (trace_moves(t, c->b) && (j->a == c->b || j->b == c->b));
+    }
+    return joined;
+}
+
 #define OVERLAPS 1e-8           /* of the size: what is deeper was pressed, and is to be put right */
 
 /* Faces that touched without a force have none to begin with: they press when they would sink in. A thing between two walls that just
@@ -122,7 +133,7 @@ static void leave_idle(Tracer *t)
     for (int i = 0; i < t->touch_count; i++)
         most = real_max(most, t->touch[i].gate.force);
     for (int i = 0, end; i < t->touch_count; i = end) {
-        bool idle = true;
+        bool idle = !is_joined(t, &t->touch[i]);
         end = end_of_contact(t, i);
         for (int k = i; k < end; k++) {
             const Gate *g = &t->touch[k].gate;
