@@ -293,19 +293,22 @@ static int read_parameter(lua_State *L)
     return 1;
 }
 
+static const char *const state_names[] = {
+    "position", "at", "rotation", "velocity", "speed", "spin", "centre", "inertia", "awake", "asleep", "valid", "dig", "energy",
+    "force", "torque", "bounds", "mode", "integrating", "debug", "work_received", "kind", "world",
+};
+enum { STATE_NAMES = sizeof state_names / sizeof *state_names };
+
 static bool is_state(const char *key)
 {
-    static const char *const names[] = {
-        "position", "at", "rotation", "velocity", "speed", "spin", "centre", "inertia", "awake", "asleep", "valid", "dig", "energy",
-        "force", "torque", "bounds", "mode", "integrating", "debug", "work_received", "kind", "world", NULL,
-    };
-    for (int i = 0; names[i]; i++)
-        if (strcmp(names[i], key) == 0)
+    for (int i = 0; i < STATE_NAMES; i++)
+        if (strcmp(state_names[i], key) == 0)
             return true;
     return false;
 }
 
-static int refuse_state(lua_State *L, const char *key)
+/* What changes a body's state in the place of an assignment; "" where nothing does. */
+static const char *way_to_change(lua_State *L, const char *key)
 {
     static const struct { const char *names, *way; } ways[] = {
         {" position at rotation velocity speed spin centre ", ": use :teleport"}, {" force ", ": use :push or :hit"}, {" torque ", ": use :twist"},
@@ -315,7 +318,19 @@ static int refuse_state(lua_State *L, const char *key)
     for (size_t i = 0; i < sizeof ways / sizeof *ways; i++)
         if (strstr(ways[i].names, key_between))
             way = ways[i].way;
-    return bind_error(L, "body.%s is state and cannot be assigned%s", key, way);
+    return way;
+}
+
+/* A slip of the pen in the name of a state is told apart from one in a parameter's. */
+static int refuse_unknown(lua_State *L, const char *key)
+{
+    const char *near = strlen(key) > 1 ? dig_suggest(key, state_names, STATE_NAMES) : NULL;
+    if (near)
+        return bind_error(L, "body has no parameter '%.60s' (did you mean '%s'? it is state and cannot be assigned%s)", key, near, way_to_change(L, near));
+    lua_newtable(L);
+    bind_set_bool(L, "data", true);
+    name_rows(L, is_state);
+    return bind_unknown(L, "body", "has no parameter", key, lua_gettop(L), lua_gettop(L));
 }
 
 /* body.friction = 0.3; body.position = p is refused */
@@ -330,14 +345,10 @@ static int body_newindex(lua_State *L)
         return 0;
     }
     if (is_state(key))
-        return refuse_state(L, key);
+        return bind_error(L, "body.%s is state and cannot be assigned%s", key, way_to_change(L, key));
     const dig_param *row = find_row(key);
-    if (!row) {
-        lua_newtable(L);
-        bind_set_bool(L, "data", true);
-        name_rows(L, is_state);
-        return bind_unknown(L, "body", "has no parameter", key, lua_gettop(L), lua_gettop(L));
-    }
+    if (!row)
+        return refuse_unknown(L, key);
     Field field;
     lua_settop(L, 3);
     bind_push_body_name(L, b);

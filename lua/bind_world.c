@@ -243,7 +243,7 @@ static int world_restore(lua_State *L)
     WorldRef *ref = bind_check_world(L, 1);
     SnapshotRef *snap = luaL_testudata(L, 2, SNAPSHOT);
     if (!snap)
-        return bind_error(L, "world:restore wants a snapshot; got %s", luaL_typename(L, 2));
+        return bind_error(L, "world:restore wants a snapshot; got %s", bind_text(L, 2));
     if (snap->world != ref)
         return bind_error(L, "world:restore: the snapshot belongs to another world");
     dig_status s = dig_world_restore(ref->w, snap->s);
