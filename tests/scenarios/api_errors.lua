@@ -193,7 +193,8 @@ scenario("state cannot be assigned", function(s)
   local ball = s.world:ball { radius = 1 }
   says(function() ball.position = { 0, 1, 0 } end, "body.position is state and cannot be assigned: use :teleport")
   says(function() ball.velocity = { 0, 1, 0 } end, "body.velocity is state and cannot be assigned: use :teleport")
-  says(function() ball.postion = { 0, 1, 0 } end, "body has no parameter 'postion' (did you mean 'position'? it is state and cannot be assigned: use :teleport)")
+  says(function() ball.postion = { 0, 1, 0 } end,
+    "body has no parameter 'postion' (did you mean 'position'? it is state and cannot be assigned: use :teleport)")
   says(function() ball.position.x = 1 end, "vector.x cannot be assigned: "
     .. "vectors do not change, make another ({x, y, z}; body:teleport{ at = ... })")
   says(function() s.world.time = 1 end, "world.time cannot be assigned (gravity and accuracy can)")

@@ -51,8 +51,8 @@ test.scenario("marbles that meet head on exchange their speeds", function(s)
   end
 end)
 
--- An arm on a pivot, or links in a row, that whirl about the origin; a thin post stands in the way of their ends. Nearest to the post are at
--- first places near the pivot, which hardly move.
+-- An arm on a pivot, or links in a row, that whirl about the origin; a thin post stands in the way of their ends. Nearest to the post are
+-- at first places near the pivot, which hardly move.
 local function whirl(w, links, spin)
   local last
   for i = 1, links do
