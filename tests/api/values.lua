@@ -72,7 +72,7 @@ local good = {
   ["world:lattice"] = { at = { 60, 3, 0 }, size = 1, cells = 1, mass = 1, stiffness = 1e3 },
   ["world:room"] = { size = 1000 }, ["world:lamp"] = { at = { 0, 3, 0 } }, ["world:sun"] = {}, ["world:camera"] = {},
   ["world:ambient"] = { temperature = 293 }, ["world:air"] = {}, ["world:water"] = {}, ["world:ray"] = { from = at, to = { 1, 0, 0 } },
-  ["world:overlap"] = { shape = digbox.sphere { radius = 1 } }, ["world:sweep"] = { shape = digbox.sphere { radius = 1 } },
+  ["world:overlap"] = { shape = digbox.sphere { radius = 1 } }, ["world:sweep"] = { shape = digbox.sphere { radius = 1 }, from = { 0, 0, 0 }, to = { 1, 0, 0 } },
   ["world:region"] = { shape = digbox.sphere { radius = 1 } }, ["digbox.world"] = {}, ["digbox.material_pair"] = { a = "oak", b = "steel" },
   ["digbox.quat"] = { axis = { 0, 1, 0 }, angle = 1 }, ["body:push"] = { force = { 0, 0, 0 } }, ["body:twist"] = { torque = { 0, 0, 0 } },
   ["body:hit"] = { impulse = { 0, 0, 0 } }, ["body:teleport"] = {}, ["body:warm"] = { energy = 0 }, ["world:run"] = { seconds = 0 },
@@ -227,8 +227,7 @@ end
 -- Fields that say the same in another way, or mean something only beside others: the good call without them, or with them
 local instead = {
   ["body:can_move"] = { turn = { along = false } }, ["world:ask"] = { turn = { along = false } },
-  ["world:sweep"] = { from = { to = { 1, 0, 0 } }, to = { from = { 0, 0, 0 } }, along = { from = { 0, 0, 0 } },
-    length = { from = { 0, 0, 0 }, along = { 1, 0, 0 } } },
+  ["world:sweep"] = { along = { to = false }, length = { to = false, along = { 1, 0, 0 } } },
   ["world:ray"] = { along = { to = false }, length = { to = false, along = { 1, 0, 0 } } },
   ["body:push"] = { along = { force = 1 } }, ["body:twist"] = { along = { torque = 1 } }, ["body:hit"] = { along = { impulse = 1 } },
   ["digbox.quat"] = { from = { axis = false, angle = false }, to = { axis = false, angle = false } },

@@ -47,11 +47,11 @@ test.scenario("forty balls in a bucket that is moved to and fro", function(s)
   expect(sweeps / steps):below(3500)
 end)
 
--- Factorisations measured: 15,000 and 72,000 before, 21,000 and 68,000 (another seed), 33,000 and 99,000. The seeds are such that no
--- ball jumps over the rim: where light ones are struck by heavy ones, one does in 7 of 12, and did in 8 where more impacts were located.
+-- Factorisations measured: 15,000 and 72,000 before, 25,000 and 68,000 (another seed), 33,000 and 99,000. The seeds are such that no
+-- ball jumps over the rim: where light ones are struck by heavy ones, one does in 6 of 12, and did in 8 where more impacts were located.
 for _, case in ipairs {
   { count = 15, spread = 0, seed = 2, factors = 30000 },
-  { count = 15, spread = 1.5, seed = 1, factors = 45000 },
+  { count = 15, spread = 1.5, seed = 2, factors = 45000 },
   { count = 30, spread = 0, seed = 1, factors = 50000 },
 } do
   local title = ("%d balls in a bucket, densities %.0f to 1"):format(case.count, math.exp(4 * case.spread))
