@@ -58,11 +58,13 @@ static real approach(const Group *g, int body, int other)
     return vec3_length(centre) + (turns > 0 ? turns * rim : 0);
 }
 
-/* Nearest points are nearest now: those of an arm may be at its pivot, and what its end will strike elsewhere. */
+/* Nearest points are nearest now: those of an arm may be at its pivot, and what its end will strike elsewhere. What goes less far than both are
+ * thick is found to have met at the end. */
 static bool may_come_round(const Group *g, const GroupContact *c, const ManifoldPoint *p, real time)
 {
-    real fastest = real_min(approach(g, c->a, c->b), approach(g, c->b, c->a));
-    return p->gap < fastest * time + g->fall * time * time;
+    const GroupPair *q = &g->pairs[c->pair];
+    real way = real_min(approach(g, c->a, c->b), approach(g, c->b, c->a)) * time + g->fall * time * time;
+    return way > q->on_a->shape.inner + q->on_b->shape.inner && p->gap < way;
 }
 
 static bool any_closes(const Group *g, real time)

@@ -306,6 +306,7 @@ struct Group {
     int       strays;           /*     solids that did so now (step/stray.c) */
     Toil      toil;             /*     of its members, the most; after the step, theirs */
     bool      may_pause;        /*     stirred by a mover, or else a crowd: toil.c     */
+    bool      driven;           /*     one of its bodies is a mover that moves         */
     bool      trace_failed;     /*     it was tried in this step, and handed on        */
     real      passed;           /* s   that it left to the sweep within this step      */
     bool      breaks_found;     /*     its breaks were found as it went on             */

@@ -202,10 +202,19 @@ static void note_strike(Group *g, const PointRow *r, real speed)
 }
 
 /* An impact is remembered for events and messages. */
+/* Speeds of a mover, one a frame, stand for a smooth motion: what lay on it, or on what does, is not struck by what a frame of free fall makes
+ * up for. */
+static bool rides(const Group *g, const GroupContact *c, real speed)
+{
+    return g->driven && g->pairs[c->pair].was_touching && speed <= g->fall * g->world->def.step;
+}
+
 void strike_report(Group *g, const PointRow *r, real speed)
 {
     const GroupContact *c = &g->contacts[r->contact];
     GroupPair *q = &g->pairs[c->pair];
+    if (rides(g, c, speed))
+        return;
     const ManifoldPoint *p = &c->manifold.points[r->point];
     if (!q->struck) {
         q->struck = true;

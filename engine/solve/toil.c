@@ -28,10 +28,7 @@ static bool may_pause(const Group *g)
         return true;
     if (g->moving_count <= g->plan->toil_bodies || g->joint_count > 0 || g->crowd)
         return false;
-    for (int i = g->moving_count; i < g->body_count; i++)
-        if (g->member[i].kinematic && g->member[i].moved)
-            return true;
-    return false;
+    return g->driven;
 }
 
 void toil_gather(Group *g)

@@ -316,3 +316,22 @@ scenario("sweep: a falling ball meets a floor after sqrt(2 h / g), an arc misses
   expect(world:sweep(line).body):is(bar)
   expect(world:sweep(line).distance):near(1 - 0.025 - 0.1, 1e-6)
 end)
+
+-- Its speed changes a little in each frame, which stands for a smooth motion; a launch is a blow.
+test.each_accuracy("mover: what rides on a lift, or on what does, is not struck by it", function(s, accuracy)
+  local world = s:world { accuracy = accuracy }
+  world:floor {}
+  local plate = world:box { kinematic = true, size = { 2, 0.1, 1 }, at = { 0, 0.5, 0 } }
+  local boxes, impacts = {}, 0
+  for i = 0, 3 do boxes[i + 1] = world:box { size = 0.3, mass = 5, at = { 0.6 * (i % 2), 0.7 + 0.3 * (i // 2), 0 } } end
+  world:run(0.5)
+  for _, box in ipairs(boxes) do box:on("impact", function() impacts = impacts + 1 end) end
+  for i = 1, 90 do
+    plate:drive { velocity = { 0, 0.3 * math.sin(i / 12), 0 } }
+    world:step()
+  end
+  expect(impacts):is(0)
+  plate:drive { velocity = { 0, 3, 0 } }
+  world:step()
+  expect(impacts):at_least(2)
+end)
