@@ -185,17 +185,58 @@ static bool best_way(const Seam *s, Way *best)
     return best->gap > -INFINITY;
 }
 
-/* Is what the contact is at closed up to that face, where it is not at the rim of the face? There a contact with nearly the face's own
- * normal is one, if nothing hides it. */
+/* Of the contact's area: its corners, the middles of its edges and its own. */
+static int area_points(const Manifold *m) { return m->count == 1 ? 1 : 2 * m->count + 1; }
+
+static vec3 area_point(const Manifold *m, int i)
+{
+    vec3 sum = vec3_zero();
+    if (i < m->count)
+        return m->points[i].a;
+    if (i < 2 * m->count)
+        return vec3_lerp(m->points[i - m->count].a, m->points[(i + 1) % m->count].a, 0.5);
+    for (int k = 0; k < m->count; k++)
+        sum = vec3_add(sum, m->points[k].a);
+    return vec3_scale(1.0 / m->count, sum);
+}
+
+/* Is there room before the contact's own face beside the point? A neighbour has what lies in an inner corner, but the face goes on from
+ * there, and stops what is in the corner. */
+static bool bare_beside(const Seam *s, vec3 point)
+{
+    static const real along[8] = {1, 1, 0, -1, -1, -1, 0, 1}, across[8] = {0, 1, 1, 1, 0, -1, -1, -1};
+    vec3 t, u;
+    vec3_basis(s->m->normal, &t, &u);
+    for (int i = 0; i < 8; i++) {
+        vec3 d = vec3_add(vec3_scale(along[i], t), vec3_scale(across[i], u));
+        vec3 foot = vec3_mad(point, LIFT * s->flush, d), farther = vec3_mad(foot, s->flush, d);
+        if (within(s->p->a, pose_unpoint(s->p->at, farther), pair_same(s->p, OVER)) &&
+            !any_has_point(s, vec3_mad(foot, LIFT * s->flush, s->m->normal)))
+            return true;
+    }
+    return false;
+}
+
+static bool at_face(const Seam *s)
+{
+    bool face = false;
+    for (int i = 0, count = face_count(s->p->a); i < count && !face; i++)
+        face = is_normal(s, face_normal(s->p->a, i));
+    return face;
+}
+
+/* Is all of the contact's area closed up to that face, where it is not at the rim of the face? There a contact with nearly the face's own
+ * normal is one, if nothing hides it. What fits into a hole touches each wall between two others, which have the corners of that area. */
 static bool closed(const Seam *s, const Way *w)
 {
     vec3 out = pair_direction(s->p, w->normal);
-    bool alike = vec3_dot(out, s->m->normal) > ALIKE;
-    for (int i = 0; i < s->m->count; i++) {
-        vec3 point = s->m->points[i].a;
+    bool alike = vec3_dot(out, s->m->normal) > ALIKE, face = at_face(s);
+    for (int i = 0; i < area_points(s->m); i++) {
+        vec3 point = area_point(s->m, i);
         real below = depth_below(s->p, w, point);
         bool rim = below <= s->flush;
-        if (rim ? alike && !no_normal(s, point) : !no_normal(s, point) || !any_has_point(s, vec3_mad(point, below, out)))
+        if (rim ? alike && !no_normal(s, point)
+                : !no_normal(s, point) || !any_has_point(s, vec3_mad(point, below, out)) || (face && bare_beside(s, point)))
             return false;
     }
     return true;
@@ -205,9 +246,7 @@ static bool closed(const Seam *s, const Way *w)
  * another normal one beside it goes on. */
 static bool suspect(const Seam *s)
 {
-    bool face = false;
-    for (int i = 0, count = face_count(s->p->a); i < count && !face; i++)
-        face = is_normal(s, face_normal(s->p->a, i));
+    bool face = at_face(s);
     vec3 lift = face ? vec3_scale(LIFT * s->flush, s->m->normal) : vec3_zero(), point;
     for (int i = 0; i < s->m->count; i++) {
         vec3 from = vec3_add(s->m->points[i].a, lift), to = vec3_add(s->m->points[(i + 1) % s->m->count].a, lift);
@@ -218,34 +257,6 @@ static bool suspect(const Seam *s)
                 return true;
         }
     }
-    return false;
-}
-
-/* Do the two hardly overlap, by the face or by the contact? Else something would be lost where that has no point over the face: shapes that
- * cross are not taken apart, and what is deep between them is met as it was. */
-static bool shallow(const Seam *s, const Way *instead)
-{
-    real least = INFINITY;
-    for (int i = 0; i < s->m->count; i++)
-        least = real_min(least, s->m->points[i].gap);
-    return instead->gap >= -s->flush || least >= -TOUCH * s->flush;
-}
-
-/* Is the contact none of the surface of all of them? Then instead is the face that stands in for it. */
-static bool hidden(const Seam *s, Way *instead) { return suspect(s) && best_way(s, instead) && shallow(s, instead) && closed(s, instead); }
-
-/* Has the fixed one faces that can stand in for each other, and the contact points near what is beside it? */
-static bool can_hide(const Shape *fixed, const Shape *other, const Neighbours *by, const Manifold *m)
-{
-    if (m->count == 0 || !other->type->convex || face_count(fixed) == 0)
-        return false;
-    box3 points = {m->points[0].a, m->points[0].a};
-    for (int i = 1; i < m->count; i++)
-        points = (box3){vec3_min(points.low, m->points[i].a), vec3_max(points.high, m->points[i].a)};
-    points = box3_grow(points, (LIFT + 1) * flush_of(fixed, other));
-    for (int i = 0; i < by->count; i++)
-        if (box3_overlap(points, neighbour(by, i)->box))
-            return true;
     return false;
 }
 
@@ -264,6 +275,43 @@ static int meet_face(const Pair *p, const Way *w, Manifold *out)
     if (!over)
         g.gap = INFINITY;
     return collide_faces(p, &g, out);
+}
+
+static real least_gap(const Manifold *m)
+{
+    real least = INFINITY;
+    for (int i = 0; i < m->count; i++)
+        least = real_min(least, m->points[i].gap);
+    return least;
+}
+
+/* Do the two hardly overlap, by the face or by the contact? Else something would be lost where that has no point over the face: shapes that
+ * cross are not taken apart, and what is deep between them is met as it was. So is what the face would throw out: a brick in a wall of
+ * bricks touches the next one but one along an edge, and only the front of the wall has room before it. */
+static bool shallow(const Seam *s, const Way *instead)
+{
+    if (instead->gap >= -s->flush)
+        return true;
+    Manifold there;
+    return least_gap(s->m) >= -TOUCH * s->flush && (meet_face(s->p, instead, &there) == 0 || least_gap(&there) >= -s->flush);
+}
+
+/* Is the contact none of the surface of all of them? Then instead is the face that stands in for it. */
+static bool hidden(const Seam *s, Way *instead) { return suspect(s) && best_way(s, instead) && shallow(s, instead) && closed(s, instead); }
+
+/* Has the fixed one faces that can stand in for each other, and the contact points near what is beside it? */
+static bool can_hide(const Shape *fixed, const Shape *other, const Neighbours *by, const Manifold *m)
+{
+    if (m->count == 0 || !other->type->convex || face_count(fixed) == 0)
+        return false;
+    box3 points = {m->points[0].a, m->points[0].a};
+    for (int i = 1; i < m->count; i++)
+        points = (box3){vec3_min(points.low, m->points[i].a), vec3_max(points.high, m->points[i].a)};
+    points = box3_grow(points, (LIFT + 1) * flush_of(fixed, other));
+    for (int i = 0; i < by->count; i++)
+        if (box3_overlap(points, neighbour(by, i)->box))
+            return true;
+    return false;
 }
 
 bool manifold_hidden(const Shape *fixed, pose at, const Shape *other, pose other_at, const Neighbours *by, const Manifold *m)

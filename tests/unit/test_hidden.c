@@ -54,6 +54,43 @@ TEST(a_step_is_met_as_it_was)
     shape_free(&box);
 }
 
+/* A peg touches each plank of a hole up to its corners, which the planks beside have; between these the plank is bare. */
+TEST(walls_of_a_hole_are_met_as_they_are)
+{
+    Shape plank = fixture_box(0.1, 0.4, 0.3), end = fixture_box(0.1, 0.4, 0.1), peg = fixture_box(0.1, 0.4, 0.1);
+    for (int i = 0; i < 40; i++) {
+        real clearance = 1e-5 * (i % 8), rise = 1e-3 * (i / 8);
+        Beside by[2];
+        for (int k = 0; k < 2; k++)
+            by[k] = beside(&end, (vec3){0, 0.2, k ? -0.1 : 0.1});
+        pose at = {{clearance, 0.2 + rise, 0}, quat_identity()}, p = {{-0.1, 0.2, 0}, quat_identity()};
+        Manifold plain = {.count = 0}, seen;
+        manifold_collide(&plank, p, &peg, at, 0.1, NULL, &plain, NULL, 1);
+        seen = plain;
+        CHECK_INT(plain.count, 4);
+        CHECK(!manifold_uncover(&plank, p, &peg, at, 0.1, &(Neighbours){by, (int[]){0, 1}, 2}, &seen));
+    }
+    shape_free(&plank);
+    shape_free(&end);
+    shape_free(&peg);
+}
+
+/* Nor does the front of a wall throw out a brick that touches the next but one along an edge. */
+TEST(a_brick_in_a_wall_is_not_thrown_out)
+{
+    Shape brick = fixture_box(0.2, 0.1, 0.1);
+    Beside by[3] = {beside(&brick, (vec3){-0.2, 0, 0}), beside(&brick, (vec3){0, -0.1, 0}), beside(&brick, (vec3){-0.2, 0.1, 0})};
+    for (int i = 0; i < 20; i++) {
+        pose at = {{1e-9 * (i % 4), 0, -1e-4 * i}, quat_identity()}, p = {{-0.2, -0.1, 0}, quat_identity()};
+        Manifold seen = {.count = 0};
+        manifold_collide(&brick, p, &brick, at, 0.1, NULL, &seen, NULL, 1);
+        manifold_uncover(&brick, p, &brick, at, 0.1, &(Neighbours){by, (int[]){0, 1, 2}, 3}, &seen);
+        for (int k = 0; k < seen.count; k++)
+            CHECK(seen.points[k].gap > -1e-6);
+    }
+    shape_free(&brick);
+}
+
 /* Fixed boxes that cross anyhow: only what hardly overlaps may lose its contact or get another. */
 TEST(nothing_deep_is_hidden)
 {
@@ -97,6 +134,7 @@ TEST(nothing_is_pulled_through)
 
 int main(void)
 {
-    RUN_TESTS(unit_test(over_a_flush_seam_every_normal_is_the_floors), unit_test(a_step_is_met_as_it_was), unit_test(nothing_deep_is_hidden),
+    RUN_TESTS(unit_test(over_a_flush_seam_every_normal_is_the_floors), unit_test(a_step_is_met_as_it_was),
+              unit_test(walls_of_a_hole_are_met_as_they_are), unit_test(a_brick_in_a_wall_is_not_thrown_out), unit_test(nothing_deep_is_hidden),
               unit_test(nothing_is_pulled_through));
 }
