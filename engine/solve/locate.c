@@ -68,25 +68,28 @@ static vec3 velocity_at(const Motion *m, vec3 at, real t)
     return vec3_add(vec3_mad(m->v, t, m->a), vec3_cross(m->w, vec3_sub(at, x)));
 }
 
-static real locate_apart(const Group *g, const GroupPair *q)
+static real meeting(const Group *g, const GroupPair *q, const Motion *a, const Motion *b, real time)
 {
-    Motion a = shape_motion(g, q->a, pair_local(q, false)), b = shape_motion(g, q->b, pair_local(q, true));
-    if (cannot_meet(g, q, &a, &b))
-        return INFINITY;
-    real t = time_of_impact(&q->on_a->shape, &a, &q->on_b->shape, &b, 0.25 * g->touch * q->size, g->h, NULL);
-    if (!(t <= g->h))
+    real t = time_of_impact(&q->on_a->shape, a, &q->on_b->shape, b, 0.25 * g->touch * q->size, time, NULL);
+    if (!(t <= time))
         return INFINITY;
     vec3 n, pa, pb;
-    real gap = shape_distance(&q->on_a->shape, motion_at(&a, t), &q->on_b->shape, motion_at(&b, t), INFINITY, &n, &pa, &pb);
-    if (manifold_covered(&q->on_a->shape, motion_at(&a, t), &q->on_b->shape, motion_at(&b, t), q->covered, n))
+    real gap = shape_distance(&q->on_a->shape, motion_at(a, t), &q->on_b->shape, motion_at(b, t), INFINITY, &n, &pa, &pb);
+    if (manifold_covered(&q->on_a->shape, motion_at(a, t), &q->on_b->shape, motion_at(b, t), q->covered, n))
         return INFINITY;
     Manifold there = {.normal = n, .count = 1, .points = {{.a = pa, .b = pb, .gap = gap}}};
-    if (seam_hides(g, q, motion_at(&a, t), motion_at(&b, t), &there))
+    if (seam_hides(g, q, motion_at(a, t), motion_at(b, t), &there))
         return INFINITY;
-    real speed = -vec3_dot(n, vec3_sub(velocity_at(&b, pb, t), velocity_at(&a, pa, t)));
+    real speed = -vec3_dot(n, vec3_sub(velocity_at(b, pb, t), velocity_at(a, pa, t)));
     if (!(speed > g->close_speed))
         return INFINITY;
     return gap > 0 ? t + gap / speed : t;       /* Newton's last step: from the tolerance to the rounding error */
+}
+
+static real locate_apart(const Group *g, const GroupPair *q)
+{
+    Motion a = shape_motion(g, q->a, pair_local(q, false)), b = shape_motion(g, q->b, pair_local(q, true));
+    return cannot_meet(g, q, &a, &b) ? INFINITY : meeting(g, q, &a, &b, g->h);
 }
 
 /* Points of a pair that touches already: their gaps as parabolas of time. */
@@ -118,6 +121,47 @@ static real locate_points(const Group *g, const GroupPair *q, real tolerance)
     return first;
 }
 
+static Motion motion_after(const Motion *m, real t)
+{
+    Motion later = *m;
+    later.start = motion_at(m, t);
+    later.v = vec3_mad(m->v, t, m->a);
+    return later;
+}
+
+/* s  When all points that touch have parted, by as much as the two are thick in this substep: what whirls may then come in with its other
+ * end, of which they know nothing. INFINITY: some point presses on, or the two are slow. */
+static real parted_at(const Group *g, const GroupPair *q, const Motion *a, const Motion *b, real tolerance)
+{
+    real travel = vec3_distance(a->v, b->v) * g->h + rim_travel(g, q->a, a) + rim_travel(g, q->b, b), last = 0;
+    if (!(travel > q->on_a->shape.inner + q->on_b->shape.inner))
+        return INFINITY;
+    for (int i = q->contact; i < q->contact + q->contacts; i++) {
+        const GroupContact *c = &g->contacts[i];
+        for (int k = 0; c->live && k < c->manifold.count; k++) {
+            const ManifoldPoint *p = &c->manifold.points[k];
+            real speed = vec3_dot(c->manifold.normal, vec3_sub(velocity_at(b, p->b, 0), velocity_at(a, p->a, 0)));
+            if (p->gap > tolerance)
+                continue;
+            if (!(speed > g->close_speed))
+                return INFINITY;
+            last = real_max(last, (2 * tolerance - p->gap) / speed);
+        }
+    }
+    return last;
+}
+
+static real locate_other_end(const Group *g, const GroupPair *q, real tolerance)
+{
+    Motion a = shape_motion(g, q->a, pair_local(q, false)), b = shape_motion(g, q->b, pair_local(q, true));
+    real from = parted_at(g, q, &a, &b, tolerance);
+    if (!(from < g->h))
+        return INFINITY;
+    a = motion_after(&a, from);
+    b = motion_after(&b, from);
+    return from + meeting(g, q, &a, &b, g->h - from);
+}
+
 real locate_impact(Group *g)
 {
     real first = INFINITY;
@@ -132,6 +176,8 @@ real locate_impact(Group *g)
             for (int p = 0; g->contacts[k].live && p < g->contacts[k].manifold.count; p++)
                 touching = touching || g->contacts[k].manifold.points[p].gap <= tolerance;
         first = real_min(first, touching ? locate_points(g, q, tolerance) : locate_apart(g, q));
+        if (touching)
+            first = real_min(first, locate_other_end(g, q, tolerance));
     }
     return first;
 }

@@ -653,27 +653,6 @@ static dig_status close_gaps(Group *g, real part)
 
 static bool angular_shape(const Shape *s) { return s->outer - s->inner > 0.01 * s->outer; }
 
-/* s  How long the next substep may be. */
-static real longest_piece(const Group *g, real dt)
-{
-    if (!g->locate)
-        return dt;
-    if (g->events_left <= 0)
-        return missing_little(g, dt);
-    real fastest = 0;
-    for (int i = 0; i < g->pair_count; i++) {
-        const GroupPair *q = &g->pairs[i];
-        bool live = false;
-        for (int k = q->contact; k < q->contact + q->contacts; k++)
-            live = live || g->contacts[k].live;
-        if (live && angular_shape(&q->on_a->shape))
-            fastest = real_max(fastest, vec3_length2(g->vel[q->a].w));
-        if (live && angular_shape(&q->on_b->shape))
-            fastest = real_max(fastest, vec3_length2(g->vel[q->b].w));
-    }
-    return real_max(dt / 32, TURN_MOST / real_max(sqrt(fastest), 1e-9));
-}
-
 /* A bounce is over when it would rise less than a hundred-thousandth of the size of what bounces. */
 real group_close_speed(const Group *g)
 {
@@ -687,7 +666,8 @@ real group_close_speed(const Group *g)
 #define FINER_BODIES 8
 
 #define WHIRLED    0.1          /* rad  in a part: an end of a joint that goes farther round opens it by a two-hundredth of its arm */
-#define MOST_PARTS 32
+#define MOST_PARTS 32           /* of many bodies; of few as many as cost about the same */
+#define FEW_PARTS  256
 
 /* Parts in which no end of a joint goes farther round than that. What turns about the joint itself, as a wheel on its axle, does not. */
 static int whirled_parts(const Group *g, real dt)
@@ -704,7 +684,7 @@ static int whirled_parts(const Group *g, real dt)
             most = real_max(most, around / real_max(vec3_length2(arm), 0.01 * size * size));
         }
     }
-    return (int)real_min(ceil(sqrt(most) * dt / WHIRLED), MOST_PARTS);
+    return (int)real_min(ceil(sqrt(most) * dt / WHIRLED), real_clamp(1024.0 / g->moving_count, MOST_PARTS, FEW_PARTS));
 }
 
 /* Into how many parts a step is cut. What contacts hold moves on by the velocities at the end of a part: that makes up or loses
@@ -716,6 +696,31 @@ static int parts_of(const Group *g)
         return 1;
     bool tried = (g->trace_failed || g->trace_wait > 0) && g->moving_count <= FINER_BODIES;
     return int_max(g->plan->substeps * (tried && g->plan->substeps >= FINE ? FINER : 1), g->joint_count > 0 ? g->whirled_parts : 1);
+}
+
+#define SPUN_UP 2               /* times as many parts: a blow within the step made it whirl */
+
+/* s  How long the next substep may be. */
+static real longest_piece(const Group *g, real dt)
+{
+    int whirled = g->joint_count > 0 ? whirled_parts(g, dt) : 0;
+    real longest = whirled > SPUN_UP * parts_of(g) ? dt / whirled : dt;
+    if (!g->locate)
+        return longest;
+    if (g->events_left <= 0)
+        return real_min(longest, missing_little(g, dt));
+    real fastest = 0;
+    for (int i = 0; i < g->pair_count; i++) {
+        const GroupPair *q = &g->pairs[i];
+        bool live = false;
+        for (int k = q->contact; k < q->contact + q->contacts; k++)
+            live = live || g->contacts[k].live;
+        if (live && angular_shape(&q->on_a->shape))
+            fastest = real_max(fastest, vec3_length2(g->vel[q->a].w));
+        if (live && angular_shape(&q->on_b->shape))
+            fastest = real_max(fastest, vec3_length2(g->vel[q->b].w));
+    }
+    return real_min(longest, real_max(dt / 32, TURN_MOST / real_max(sqrt(fastest), 1e-9)));
 }
 
 /* What holds for all of a step, and the contacts of its start. */

@@ -4,6 +4,8 @@
 static vec3 momentum_of(const Member *m, quat q, vec3 w) { return quat_rotate(q, mat3_mul_vec(*m->inertia, quat_unrotate(q, w))); }
 static vec3 spin_of(const Member *m, quat q, vec3 l) { return quat_rotate(q, mat3_mul_vec(*m->inv_inertia, quat_unrotate(q, l))); }
 
+#define SWERVE_MOST 0.5         /* of the spin: of turns beyond, the rate at the start says ever less, and grows with the spin squared */
+
 /* rad/s  By how much a body that nothing holds turns otherwise at the end of the substep, its angular momentum staying as it is. Joint rows
  * are to know of it: they hold for the mean of the velocities before and after, and group_turn() turns it on so. */
 vec3 group_swerve(const Group *g, int i)
@@ -12,7 +14,9 @@ vec3 group_swerve(const Group *g, int i)
     vec3 w = g->vel[i].w;
     if (g->joint_count == 0 || m->round || g->planar)
         return vec3_zero();
-    return vec3_scale(g->h, mat3_mul_vec(g->mass[i].ii, vec3_cross(momentum_of(m, g->pos[i].q, w), w)));
+    vec3 by = vec3_scale(g->h, mat3_mul_vec(g->mass[i].ii, vec3_cross(momentum_of(m, g->pos[i].q, w), w)));
+    real most = SWERVE_MOST * vec3_length(w), length = vec3_length(by);
+    return length > most ? vec3_scale(most * most / (length * length), by) : by;
 }
 
 /* q' = w q / 2 with constant angular momentum L, classical fourth-order Runge-Kutta. */
