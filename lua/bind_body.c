@@ -324,13 +324,14 @@ static const char *way_to_change(lua_State *L, const char *key)
 /* A slip of the pen in the name of a state is told apart from one in a parameter's. */
 static int refuse_unknown(lua_State *L, const char *key)
 {
-    const char *near = strlen(key) > 1 ? dig_suggest(key, state_names, STATE_NAMES) : NULL;
-    if (near)
-        return bind_error(L, "body has no parameter '%.60s' (did you mean '%s'? it is state and cannot be assigned%s)", key, near, way_to_change(L, near));
     lua_newtable(L);
     bind_set_bool(L, "data", true);
     name_rows(L, is_state);
-    return bind_unknown(L, "body", "has no parameter", key, lua_gettop(L), lua_gettop(L));
+    int count, at = lua_gettop(L);
+    const char **names = bind_names(L, at, at, &count), *near = strlen(key) > 1 ? dig_suggest(key, state_names, STATE_NAMES) : NULL;
+    if (near && !bind_mean(key, names, count) && !bind_mean_note(key, names, count) && !dig_suggest(key, names, count))
+        return bind_error(L, "body has no parameter '%.60s' (did you mean '%s'? it is state and cannot be assigned%s)", key, near, way_to_change(L, near));
+    return bind_unknown(L, "body", "has no parameter", key, at, at);
 }
 
 /* body.friction = 0.3; body.position = p is refused */

@@ -63,18 +63,19 @@ static real falls(const Group *g, const Stopped *s, const PointRow *r)
 
 static bool stops_at(const Group *g, const Stopped *s, int body) { return !g->member[body].moves || s[body].stops; }
 
-/* Of two, the one that nothing has stopped yet stops at the other. */
-static bool stop(const Group *g, Stopped *s, const PointRow *r)
+/* Of two as they were, the one that nothing had stopped yet comes to rest on the other. What lies on several comes down on all of them. */
+static bool comes_down(const Group *g, const Stopped *was, const PointRow *r)
 {
-    bool a = stops_at(g, s, r->a), b = stops_at(g, s, r->b);
-    real fast = falls(g, s, r);
-    if (a == b || !(fast > slack(g, r)))
-        return false;
-    vec3 n = g->contacts[r->contact].manifold.normal;
+    return stops_at(g, was, r->a) != stops_at(g, was, r->b) && falls(g, was, r) > slack(g, r);
+}
+
+static void stop(const Group *g, const Stopped *was, Stopped *s, const PointRow *r)
+{
+    bool a = stops_at(g, was, r->a);
     Stopped *who = &s[a ? r->b : r->a];
-    who->v = vec3_mad(who->v, a ? fast : -fast, n);
+    if (!who->stops)
+        who->v = vec3_mad(who->v, a ? falls(g, was, r) : -falls(g, was, r), g->contacts[r->contact].manifold.normal);
     who->stops = true;
-    return true;
 }
 
 #define PASSES 64
@@ -83,23 +84,29 @@ static bool stop(const Group *g, Stopped *s, const PointRow *r)
 static int foresee(Group *g)
 {
     ArenaMark mark = arena_mark(g->arena);
-    Stopped *s = arena_alloc(g->arena, (size_t)g->body_count * sizeof *s);
+    size_t bytes = (size_t)g->body_count * sizeof(Stopped);
+    Stopped *s = arena_alloc(g->arena, bytes), *was = arena_alloc(g->arena, bytes);
     int called = 0;
-    bool more = s != NULL;              /* without memory the rounds find it */
-    for (int i = 0; i < g->body_count && s; i++)
+    bool more = s && was;               /* without memory the rounds find it */
+    for (int i = 0; i < g->body_count && more; i++)
         s[i] = (Stopped){g->vel[i].v, false};
     for (int pass = 0; pass < PASSES && more; pass++) {
         more = false;
+        memcpy(was, s, bytes);
         for (int i = 0, end; i < g->point_count; i = end) {
-            bool sinks = false, stopped = false;
+            bool down = false;
             end = end_of_contact(g, i);
-            for (int k = i; k < end && !stopped; k++) {
-                sinks = g->points[k].n.k < 0 && stops_at(g, s, g->points[k].a) != stops_at(g, s, g->points[k].b);
-                stopped = stop(g, s, &g->points[k]);
-            }
-            more = more || stopped;
-            for (int k = i; k < end && sinks && stopped; k++, called++)
-                g->points[k].n.k = fabs(g->points[k].n.k);
+            for (int k = i; k < end; k++)
+                if (comes_down(g, was, &g->points[k])) {
+                    stop(g, was, s, &g->points[k]);
+                    down = true;
+                }
+            more = more || down;
+            for (int k = i; k < end && down; k++)
+                if (g->points[k].n.k < 0) {
+                    g->points[k].n.k = -g->points[k].n.k;
+                    called++;
+                }
         }
     }
     arena_rewind(g->arena, mark);

@@ -218,13 +218,14 @@ static void overlapping(dig_world *w)
     add_ball(w, look(0.5, 0), 0.3, 1, (vec3){0.2, 1.2, 0.1}, vec3_zero());
 }
 
-/* 12 boxes that touch in 3 layers of 4: more rows than play allows. */
+/* 6 planks across 6 others: more rows than play allows. */
 static void many_contacts(dig_world *w)
 {
     add_floor(w, look(0.5, 0));
     for (int i = 0; i < 12; i++) {
-        real off = i / 4 % 2 ? 0.4 : 0;         /* each lies on up to four: what only touches beside it has no rows */
-        add_box(w, look(0.5, 0), (vec3){1, 0.5, 1}, 1, (vec3){i % 2 + off, 0.25 + 0.5 * (i / 4), i / 2 % 2 + off}, quat_identity());
+        bool upper = i >= 6;
+        real at = i % 6 - 2.5;
+        add_box(w, look(0.5, 0), (vec3){upper ? 6 : 0.5, 0.2, upper ? 0.5 : 6}, 1, (vec3){upper ? 0 : at, upper ? 0.3 : 0.1, upper ? at : 0}, quat_identity());
     }
 }
 
