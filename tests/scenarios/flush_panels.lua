@@ -1,4 +1,5 @@
 -- flush_panels.lua: what lies between fixed panels that are flush with each other and with it stays there, and can be taken out.
+-- Only in the plain build: hundreds of runs; other scenes run the same code under sanitizers.
 local digbox = require "digbox"
 local test = require "digbox.test"
 local scenario, expect = test.scenario, test.expect

@@ -1,4 +1,5 @@
 -- flush_rows.lua: what just fits, with faces that touch and nothing that presses them together, is not held by them.
+-- Only in the plain build: hundreds of runs; other scenes run the same code under sanitizers.
 
 local test = require "digbox.test"
 local scenario, expect = test.scenario, test.expect

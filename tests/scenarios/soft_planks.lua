@@ -1,5 +1,5 @@
 -- soft_planks.lua: beams of rigid pieces against Euler and Bernoulli: sag, first mode, elastica, sudden load, breaking, saw cuts.
--- Not in RENDER=0: physics alone.
+-- Only in the plain build: figures of long runs; shorter scenes run the same code under sanitizers.
 local test = require "digbox.test"
 local scenario, expect = test.scenario, test.expect
 

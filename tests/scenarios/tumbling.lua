@@ -1,5 +1,5 @@
 -- Heaps that a mover stirs are spared solves that come to nothing (engine/solve/toil.c), and behave all the same.
--- Not in RENDER=0: physics alone.
+-- Only in the plain build: figures of long runs; shorter scenes run the same code under sanitizers.
 local digbox = require "digbox"
 local test = require "digbox.test"
 
