@@ -58,13 +58,13 @@ static real approach(const Group *g, int body, int other)
     return vec3_length(centre) + (turns > 0 ? turns * rim : 0);
 }
 
-/* Nearest points are nearest now: those of an arm may be at its pivot, and what its end will strike elsewhere. What goes less far than both are
- * thick is found to have met at the end. */
-static bool may_come_round(const Group *g, const GroupContact *c, const ManifoldPoint *p, real time)
+/* m  Across such a gap the two may meet. Nearest points are nearest now: those of an arm may be at its pivot, and what its end will strike
+ * elsewhere. What goes less far than both are thick is found to have met at the end. */
+static real comes_round(const Group *g, const GroupContact *c, real time)
 {
     const GroupPair *q = &g->pairs[c->pair];
     real way = real_min(approach(g, c->a, c->b), approach(g, c->b, c->a)) * time + g->fall * time * time;
-    return way > q->on_a->shape.inner + q->on_b->shape.inner && p->gap < way;
+    return way > q->on_a->shape.inner + q->on_b->shape.inner ? way : -INFINITY;
 }
 
 static bool any_closes(const Group *g, real time)
@@ -73,8 +73,9 @@ static bool any_closes(const Group *g, real time)
         const GroupContact *c = &g->contacts[i];
         if (!g->member[c->a].moves && !g->member[c->b].moves)
             continue;
+        real round = c->live ? comes_round(g, c, time) : -INFINITY;
         for (int k = 0; c->live && k < c->manifold.count; k++)
-            if (may_close(g, c, &c->manifold.points[k], time) || may_come_round(g, c, &c->manifold.points[k], time))
+            if (may_close(g, c, &c->manifold.points[k], time) || c->manifold.points[k].gap < round)
                 return true;
     }
     return false;

@@ -77,6 +77,8 @@ real shape_distance(const Shape *a, pose pa, const Shape *b, pose pb, real enoug
 typedef struct Motion { pose start; vec3 centre; vec3 v, w, a; } Motion;
 
 pose motion_at(const Motion *m, real t);
+vec3 motion_velocity(const Motion *m, vec3 at, real t);         /* m/s  of its material that is at this place then */
+Motion motion_from(const Motion *m, real t);                    /* the same motion, begun then */
 
 /* First time in [0, time] at which the gap of the moving shapes falls to `target` (m): conservative advancement (Mirtich
  * 1996) closed by bracketing on the true gap, so that |gap - target| <= 1e-10 * size at the returned time. Returns time of

@@ -27,6 +27,21 @@ pose motion_at(const Motion *m, real t)
     return (pose){vec3_add(m->start.p, vec3_add(moved, swing)), quat_unit(quat_mul(turn, m->start.q))};
 }
 
+vec3 motion_velocity(const Motion *m, vec3 at, real t)
+{
+    vec3 c = pose_point(m->start, m->centre);
+    vec3 x = vec3_add(vec3_mad(c, t, m->v), vec3_scale(0.5 * t * t, m->a));
+    return vec3_add(vec3_mad(m->v, t, m->a), vec3_cross(m->w, vec3_sub(at, x)));
+}
+
+Motion motion_from(const Motion *m, real t)
+{
+    Motion later = *m;
+    later.start = motion_at(m, t);
+    later.v = vec3_mad(m->v, t, m->a);
+    return later;
+}
+
 typedef struct Flight {
     const Shape  *a, *b;
     const Motion *ma, *mb;
@@ -380,14 +395,6 @@ static box3 swept_box(const Shape *a, const Motion *ma, const Shape *b, const Mo
     vec3 x = pose_unpoint(ma->start, pose_point(mb->start, mb->centre));
     vec3 v = quat_rotate(back, vec3_sub(mb->v, ma->v)), acceleration = quat_rotate(back, vec3_sub(mb->a, ma->a));
     return box3_grow(path_box(x, v, acceleration, time), core_reach(b, mb->centre) + b->round + target);
-}
-
-static Motion motion_from(const Motion *m, real t)
-{
-    Motion later = *m;
-    later.start = motion_at(m, t);
-    later.v = vec3_mad(m->v, t, m->a);
-    return later;
 }
 
 /* A long path is cut: a box about all of it would hold far too many pieces. */

@@ -61,13 +61,6 @@ static bool cannot_meet(const Group *g, const GroupPair *q, const Motion *a, con
     return vec3_distance(a->start.p, b->start.p) - q->on_a->shape.outer - q->on_b->shape.outer > travel;
 }
 
-static vec3 velocity_at(const Motion *m, vec3 at, real t)
-{
-    vec3 c = pose_point(m->start, m->centre);
-    vec3 x = vec3_add(vec3_mad(c, t, m->v), vec3_scale(0.5 * t * t, m->a));
-    return vec3_add(vec3_mad(m->v, t, m->a), vec3_cross(m->w, vec3_sub(at, x)));
-}
-
 static real meeting(const Group *g, const GroupPair *q, const Motion *a, const Motion *b, real time)
 {
     real t = time_of_impact(&q->on_a->shape, a, &q->on_b->shape, b, 0.25 * g->touch * q->size, time, NULL);
@@ -80,7 +73,7 @@ static real meeting(const Group *g, const GroupPair *q, const Motion *a, const M
     Manifold there = {.normal = n, .count = 1, .points = {{.a = pa, .b = pb, .gap = gap}}};
     if (seam_hides(g, q, motion_at(a, t), motion_at(b, t), &there))
         return INFINITY;
-    real speed = -vec3_dot(n, vec3_sub(velocity_at(b, pb, t), velocity_at(a, pa, t)));
+    real speed = -vec3_dot(n, vec3_sub(motion_velocity(b, pb, t), motion_velocity(a, pa, t)));
     if (!(speed > g->close_speed))
         return INFINITY;
     return gap > 0 ? t + gap / speed : t;       /* Newton's last step: from the tolerance to the rounding error */
@@ -102,7 +95,7 @@ static real locate_points(const Group *g, const GroupPair *q, real tolerance)
         for (int k = 0; c->live && k < c->manifold.count; k++) {
             const ManifoldPoint *p = &c->manifold.points[k];
             vec3 n = c->manifold.normal;
-            real v0 = vec3_dot(n, vec3_sub(velocity_at(&b, p->b, 0), velocity_at(&a, p->a, 0)));
+            real v0 = vec3_dot(n, vec3_sub(motion_velocity(&b, p->b, 0), motion_velocity(&a, p->a, 0)));
             real acc = vec3_dot(n, vec3_sub(b.a, a.a));
             if (p->gap <= tolerance) {
                 if (v0 > g->close_speed && -2 * v0 >= acc * g->h)       /* leaves and comes back */
@@ -121,14 +114,6 @@ static real locate_points(const Group *g, const GroupPair *q, real tolerance)
     return first;
 }
 
-static Motion motion_after(const Motion *m, real t)
-{
-    Motion later = *m;
-    later.start = motion_at(m, t);
-    later.v = vec3_mad(m->v, t, m->a);
-    return later;
-}
-
 /* s  When all points that touch have parted, by as much as the two are thick in this substep: what whirls may then come in with its other
  * end, of which they know nothing. INFINITY: some point presses on, or the two are slow. */
 static real parted_at(const Group *g, const GroupPair *q, const Motion *a, const Motion *b, real tolerance)
@@ -140,7 +125,7 @@ static real parted_at(const Group *g, const GroupPair *q, const Motion *a, const
         const GroupContact *c = &g->contacts[i];
         for (int k = 0; c->live && k < c->manifold.count; k++) {
             const ManifoldPoint *p = &c->manifold.points[k];
-            real speed = vec3_dot(c->manifold.normal, vec3_sub(velocity_at(b, p->b, 0), velocity_at(a, p->a, 0)));
+            real speed = vec3_dot(c->manifold.normal, vec3_sub(motion_velocity(b, p->b, 0), motion_velocity(a, p->a, 0)));
             if (p->gap > tolerance)
                 continue;
             if (!(speed > g->close_speed))
@@ -157,8 +142,8 @@ static real locate_other_end(const Group *g, const GroupPair *q, real tolerance)
     real from = parted_at(g, q, &a, &b, tolerance);
     if (!(from < g->h))
         return INFINITY;
-    a = motion_after(&a, from);
-    b = motion_after(&b, from);
+    a = motion_from(&a, from);
+    b = motion_from(&b, from);
     return from + meeting(g, q, &a, &b, g->h - from);
 }
 

@@ -12,12 +12,12 @@ typedef struct NearBlock { struct NearBlock *next; int count; uint32_t item[BLOC
 typedef struct NearList { NearBlock *first, *last; } NearList;
 typedef struct Found { NearList parted, met; bool failed; } Found;      /* of a share: pairs that are over; two solids each that are new ones */
 
-/* Who has a pair with the one that asks: a hash set without removal, `mask` one less than a power of two. */
-typedef struct Known { uint32_t *slot, mask; } Known;
+/* Who has a pair with the one that asks: a hash set without removal, of 1 << bits slots. */
+typedef struct Known { uint32_t *slot; int bits; } Known;
 
 typedef struct Ask { const World *w; uint32_t solid; Known known; Arena *arena; Found *found; } Ask;
 
-#define KNOWN_LEAST 128
+#define KNOWN_LEAST 7           /* bits */
 #define SPREAD 2654435769u      /* Knuth's multiplier, 2^32 over the golden ratio */
 
 static bool note(Ask *a, NearList *l, uint32_t item)
@@ -39,23 +39,23 @@ static bool note(Ask *a, NearList *l, uint32_t item)
 
 static uint32_t known_place(const Known *k, uint32_t solid)
 {
-    uint32_t i = (solid * SPREAD >> 16) & k->mask;
+    uint32_t last = ((uint32_t)1 << k->bits) - 1, i = solid * SPREAD >> (32 - k->bits);
     while (k->slot[i] != NONE && k->slot[i] != solid)
-        i = (i + 1) & k->mask;
+        i = (i + 1) & last;
     return i;
 }
 
 static bool known_open(Known *k, uint32_t count, Arena *arena)
 {
-    uint32_t size = k->slot ? k->mask + 1 : 0, wanted = size > KNOWN_LEAST ? size : KNOWN_LEAST;
-    while (wanted < 2 * count)
-        wanted *= 2;
-    if (wanted > size) {
-        k->slot = arena_alloc(arena, wanted * sizeof *k->slot);
-        k->mask = wanted - 1;
+    int bits = int_max(k->bits, KNOWN_LEAST);
+    while ((uint32_t)1 << bits < 2 * count)
+        bits++;
+    if (bits > k->bits) {
+        k->slot = arena_alloc(arena, sizeof *k->slot << bits);
+        k->bits = bits;
     }
     if (k->slot)
-        memset(k->slot, 0xff, (k->mask + 1) * sizeof *k->slot);
+        memset(k->slot, 0xff, sizeof *k->slot << bits);
     return k->slot != NULL;
 }
 

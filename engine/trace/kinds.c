@@ -216,7 +216,7 @@ static bool change_weights(Tracer *t)
     for (int i = 0; i < t->touch_count;) {
         int first = i, sticking = 0, strong = 0;
         real most = 0;
-        for (; i < t->touch_count && t->touch[i].contact == t->touch[first].contact; i++) {
+        for (int end = end_of_contact(t, first); i < end; i++) {
             const Touching *c = &t->touch[i];
             sticking += sticks(c);
             most = real_max(most, c->gate.presses ? c->gate.force : 0);
@@ -257,7 +257,7 @@ static void open_near(Tracer *t)
     for (int i = 0; i < t->touch_count;) {
         int first = i;
         real most = 0;
-        for (; i < t->touch_count && t->touch[i].contact == t->touch[first].contact; i++)
+        for (int end = end_of_contact(t, first); i < end; i++)
             most = real_max(most, t->touch[i].gate.presses ? t->touch[i].gate.force : 0);
         for (int k = first; k < i; k++) {
             Gate *g = &t->touch[k].gate;

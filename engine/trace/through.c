@@ -9,7 +9,7 @@
 
 #define NEAR  1e-6      /* of the step: an event this soon after is the meeting itself  */
 #define SHORT 0.9       /* of the way to the meeting: so far the next step goes         */
-#define LEAST 0.05
+#define LEAST 0.05      /* of the step: shorter ones are for the event's own search     */
 
 static vec3 shift_of(const Tracer *t, int body)
 {
@@ -57,12 +57,6 @@ static bool touched(const Tracer *t, const GroupPair *q)
     return false;
 }
 
-static vec3 speed_at(const Motion *m, vec3 at, real time)
-{
-    vec3 c = vec3_add(vec3_mad(pose_point(m->start, m->centre), time, m->v), vec3_scale(0.5 * time * time, m->a));
-    return vec3_add(vec3_mad(m->v, time, m->a), vec3_cross(m->w, vec3_sub(at, c)));
-}
-
 /* s  INFINITY: they do not meet before `until`. */
 static real meeting(const Tracer *t, const GroupPair *q, real until)
 {
@@ -73,7 +67,7 @@ static real meeting(const Tracer *t, const GroupPair *q, real until)
         return INFINITY;
     vec3 n, pa, pb;
     shape_distance(a, motion_at(&ma, when), b, motion_at(&mb, when), INFINITY, &n, &pa, &pb);
-    bool meets = vec3_dot(n, vec3_sub(speed_at(&mb, pb, when), speed_at(&ma, pa, when))) < -t->g->close_speed;
+    bool meets = vec3_dot(n, vec3_sub(motion_velocity(&mb, pb, when), motion_velocity(&ma, pa, when))) < -t->g->close_speed;
     return meets && !manifold_covered(a, motion_at(&ma, when), b, motion_at(&mb, when), q->covered, n) ? when : INFINITY;
 }
 
