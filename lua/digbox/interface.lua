@@ -100,12 +100,13 @@ declare("world:link", { "Links two bodies in a layer other than the mechanical o
 declare("world:body", { "Makes a body of several shapes.", fields = {
   parts = { "any", "list of shapes such as digbox.box{...}", type = "shape[]", need = true } }, with = { "body" }, gives = "body" })
 
+local LANDSCAPE = "A landscape: a height at each point of a grid. Ground from above only: what comes from below passes through."
 local HEIGHTS = { heights = { "any", "list of rows of heights, instead of rows and columns", type = "number[][]" },
   height = { "any", "gives the height at x, z in m, for each of rows and columns", type = "function" },
   size = { "any", "extents along x and z: {x, z}, or {x, y, z} whose y is ignored", type = "number[]|vector", need = true } }
-declare("world:heightfield", { "A landscape: a height at each point of a grid.", fields = HEIGHTS, with = { "shape heightfield", "body" },
+declare("world:heightfield", { LANDSCAPE, fields = HEIGHTS, with = { "shape heightfield", "body" },
   gives = "body" })
-declare("digbox.heightfield", { "A landscape: a height at each point of a grid.", fields = HEIGHTS, with = { "shape heightfield", "part" },
+declare("digbox.heightfield", { LANDSCAPE, fields = HEIGHTS, with = { "shape heightfield", "part" },
   gives = "shape" })
 
 declare_type("snapshot", "A state of a world that world:restore brings back.", methods.snapshot)
