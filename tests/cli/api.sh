@@ -1,5 +1,7 @@
 #!/usr/bin/env bash
 # tests/cli/api.sh - digbox api: text, suggestions, the forms for editors, shell and paper; docs/lua.md is what the program says.
+#
+# Only in the plain build: hundreds of short runs that print tables, which start three times as slowly under sanitizers.
 set -u
 . "${0%/*}/../check.sh"
 tree=$(cd "${DIGBOX%/*}/.." && while [ ! -e Makefile ] && [ "$PWD" != / ]; do cd ..; done; pwd)

@@ -13,6 +13,7 @@ NR == FNR {                                     # the table
     else may_see[row[1]] = " " row[1] row[2] " "
     next
 }
+/DIGBOX_NO_RENDER/ && FILENAME != "lua/bind_film.c" { bad("only lua/bind_film.c may ask whether there is a renderer") }
 FNR == 1 {
     split(FILENAME, part, "/")
     public = FILENAME == "engine/digbox.h"

@@ -42,6 +42,7 @@ put engine/effect/heat.c '#include "effect/friction.h"';         catches 'an eff
 put engine/effect/heat.c '#include "effect/heat.h"\n#include "effect/effect.h"';       accepts 'an effect and its interface' floors.sh
 put engine/base/a.c '#include <lua.h>';                          catches 'Lua in the engine' floors.sh
 put engine/geom/a.c '#include <GL/gl.h>';                        catches 'OpenGL outside render' floors.sh
+put engine/geom/a.c '#ifdef DIGBOX_NO_RENDER\n#endif';           catches 'code of one build alone' floors.sh
 put engine/digbox.h '#include "base/base.h"';                    catches 'a public header that includes the engine' floors.sh
 put lua/a.c '#include "world/world.h"';                          catches 'Lua bindings that look inside' floors.sh
 put lua/bind.h ''; put lua/a.c '#include "bind.h"\n#include "digbox.h"\n#include "render/render.h"\n#include <lua.h>'
