@@ -18,6 +18,7 @@ struct OwnRef;
 typedef struct BindHost {
     void       (*charge)(lua_State *L, size_t work);    /* so much was done in C for it, in units of about one instruction of Lua; may raise */
     lua_State *(*run)(lua_State *L);                    /* from now on this thread of Lua runs; gives the one that did before                */
+    void       (*poll)(lua_State *L);                   /* before each step: stops at Ctrl-C and at limits; may raise                        */
 } BindHost;
 typedef struct WorldRef {
     dig_world  *w;              /* NULL: closed                                                     */
@@ -135,6 +136,11 @@ const BindHost *bind_host(lua_State *L);        /* NULL: there is none */
 void bind_charge_items(lua_State *L, size_t items);
 /* Charges for what was done in the world since the last time, and for one call. Every check of a handle does. */
 void bind_settle(lua_State *L, WorldRef *world);
+
+/* What a function of core.guard does. Upvalues: a function written in Lua, its name, the class that its first argument has to have or nil,
+ * the metatable of that class or nil. */
+enum { GUARD_UPVALUES = 4 };
+int  bind_guarded(lua_State *L);
 
 /* Opens everything and leaves the module `digbox` on the stack; the core table stands in the registry as "digbox.core". */
 int  bind_open(lua_State *L);

@@ -365,11 +365,20 @@ static int leave_guard(lua_State *L, int status, lua_KContext unused)
     return lua_gettop(L);
 }
 
-/* upvalues: a function written in Lua, its name, the class that its first argument has to have or nil */
-static int call_guarded(lua_State *L)
+/* Is the first argument of the class whose metatable is known? */
+static bool of_class(lua_State *L)
+{
+    if (lua_isnil(L, lua_upvalueindex(4)) || !lua_isuserdata(L, 1) || !lua_getmetatable(L, 1))
+        return false;
+    bool same = lua_rawequal(L, -1, lua_upvalueindex(4));
+    lua_pop(L, 1);
+    return same;
+}
+
+int bind_guarded(lua_State *L)
 {
     int n = lua_gettop(L);
-    if (!lua_isnil(L, lua_upvalueindex(3))) {
+    if (!lua_isnil(L, lua_upvalueindex(3)) && !of_class(L)) {
         lua_pushcfunction(L, check_class_name);
         if (n > 0)
             lua_pushvalue(L, 1);
@@ -392,7 +401,12 @@ static int call_guarded(lua_State *L)
 static int make_guard(lua_State *L)
 {
     lua_settop(L, 3);
-    lua_pushcclosure(L, call_guarded, 3);
+    const char *class = lua_tostring(L, 3);
+    if (!class || luaL_getmetatable(L, class) != LUA_TTABLE) {
+        lua_settop(L, 3);
+        lua_pushnil(L);
+    }
+    lua_pushcclosure(L, bind_guarded, GUARD_UPVALUES);
     return 1;
 }
 

@@ -141,18 +141,22 @@ static int world_step(lua_State *L)
     return 1;
 }
 
-/* core.steps(world, n, poll, warnings): up to n frame steps between which nobody looks; poll is called before each. Another number of
- * entries in world:warnings() ends it. -> how many were taken, that number */
+static void step_alone(lua_State *L, WorldRef *ref)
+{
+    if (ref->host)
+        ref->host->poll(L);
+    bind_step(L, 1);
+    bind_settle(L, ref);
+}
+
+/* core.steps(world, n, warnings): up to n frame steps between which nobody looks. Another number of entries in world:warnings() ends it.
+ * -> how many were taken, that number */
 static int world_steps_many(lua_State *L)
 {
     WorldRef *ref = bind_check_world(L, 1);
-    lua_Integer n = luaL_checkinteger(L, 2), warnings = luaL_checkinteger(L, 4), done = 0;
-    lua_settop(L, 3);
+    lua_Integer n = luaL_checkinteger(L, 2), warnings = luaL_checkinteger(L, 3), done = 0;
     while (done < n) {
-        lua_pushvalue(L, 3);
-        lua_call(L, 0, 0);
-        bind_step(L, 1);
-        bind_settle(L, ref);
+        step_alone(L, ref);
         done++;
         lua_Integer now = dig_warnings(ref->w, NULL, 0);
         if (now != warnings) {
@@ -163,6 +167,60 @@ static int world_steps_many(lua_State *L)
     lua_pushinteger(L, done);
     lua_pushinteger(L, warnings);
     return 2;
+}
+
+enum { QUIET = GUARD_UPVALUES + 1, WARNINGS, CORE };         /* upvalues of quiet_step, after those of what is guarded */
+
+/* The world of a call world:step() around whose step there is nothing to be done (state.quiet), with its state on the top of the stack;
+ * or NULL. */
+static WorldRef *find_quiet(lua_State *L)
+{
+    if (lua_gettop(L) != 1 || !lua_isuserdata(L, 1) || !lua_getmetatable(L, 1))
+        return NULL;
+    if (!lua_rawequal(L, 2, lua_upvalueindex(GUARD_UPVALUES)))
+        return NULL;
+    WorldRef *ref = lua_touserdata(L, 1);
+    if (!ref->w || ref->shut)
+        return NULL;
+    bind_push_state(L, 1);
+    lua_pushvalue(L, lua_upvalueindex(QUIET));
+    lua_rawget(L, 3);
+    return lua_toboolean(L, 4) ? ref : NULL;
+}
+
+/* Most steps of small worlds go here: a step of one body takes no longer than to ask what methods.step asks, and to get there. */
+static int quiet_step(lua_State *L)
+{
+    int n = lua_gettop(L);
+    WorldRef *ref = find_quiet(L);
+    if (!ref) {
+        lua_settop(L, n);
+        return bind_guarded(L);
+    }
+    step_alone(L, ref);
+    lua_pushvalue(L, lua_upvalueindex(WARNINGS));
+    lua_rawget(L, 3);
+    int warnings = dig_warnings(ref->w, NULL, 0);
+    if (lua_tointeger(L, -1) == warnings)
+        return 0;
+    lua_getfield(L, lua_upvalueindex(CORE), "watch");
+    lua_pushvalue(L, 1);
+    lua_pushvalue(L, 3);
+    lua_pushinteger(L, warnings);
+    lua_call(L, 3, 0);
+    return 0;
+}
+
+/* core.quiet_step(step, core) -> the method, of one that is guarded */
+static int make_quiet_step(lua_State *L)
+{
+    for (int i = 1; i <= GUARD_UPVALUES; i++)
+        lua_getupvalue(L, 1, i);
+    lua_pushliteral(L, "quiet");
+    lua_pushliteral(L, "warnings");
+    lua_pushvalue(L, 2);
+    lua_pushcclosure(L, quiet_step, CORE);
+    return 1;
 }
 
 /* core.cpu_seconds() -> s of CPU time of this process, all threads. Scripts cannot reach it: they see simulated time alone. */
@@ -565,7 +623,7 @@ static const luaL_Reg snapshot_methods[] = {{NULL, NULL}};
 static const luaL_Reg snapshot_meta[] = {{"__gc", snapshot_gc}, {"__tostring", snapshot_tostring}, {NULL, NULL}};
 static const luaL_Reg functions[] = {
     {"world", world_open}, {"load", world_load}, {"state", world_state}, {"is_open", world_is_open}, {"is_free", world_is_free},
-    {"step", world_step}, {"steps", world_steps_many}, {"save", world_save}, {"noted", world_noted}, {"gone", world_gone}, {"restore", world_restore},
+    {"step", world_step}, {"steps", world_steps_many}, {"quiet_step", make_quiet_step}, {"save", world_save}, {"noted", world_noted}, {"gone", world_gone}, {"restore", world_restore},
     {"close", world_close}, {"room", world_room}, {"room_open", world_room_open},
     {"material", world_material}, {"material_of", world_material_of}, {"material_pair", world_material_pair},
     {"cpu_seconds", cpu_seconds}, {NULL, NULL},

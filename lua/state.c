@@ -395,7 +395,7 @@ static void forget_at_close(lua_State *L)
     lua_setfield(L, LUA_REGISTRYINDEX, "digbox.app");
 }
 
-static const BindHost host = {.charge = app_charge, .run = app_run};
+static const BindHost host = {.charge = app_charge, .run = app_run, .poll = app_poll};
 
 static int open_state(lua_State *L)
 {

@@ -2,7 +2,6 @@
 
 local core = ...
 local type, pcall, error = type, pcall, error
-local state_of = core.state
 local create, resume, status, yield, running = coroutine.create, coroutine.resume, coroutine.status, coroutine.yield, coroutine.running
 
 local methods, getters = core.types.world.methods, core.types.world.getters
@@ -195,7 +194,7 @@ end
 
 -- Up to `count` steps with nothing around them -> how many
 local function step_alone(world, state, count)
-  local done, warnings = core.steps(world, count, core.poll, state.warnings)
+  local done, warnings = core.steps(world, count, state.warnings)
   if warnings ~= state.warnings then core.watch(world, state, warnings) end
   return done
 end
@@ -210,14 +209,9 @@ end
 
 core.declare("world:step", { "Takes frame steps.", takes = { { "n", "int 1 >=0", "how many", optional = true, default = 1 } } })
 
--- world:step([n])
-function methods.step(world, n)
-  local state = state_of(world)
-  if n == nil and state.quiet then
-    step_alone(world, state, 1)
-    return
-  end
-  state = core.forbid_in_handler(world, "world:step()")
+-- world:step([n]). One step of a world that is quiet is taken without asking here: core.quiet_step.
+local function step(world, n)
+  local state = core.forbid_in_handler(world, "world:step()")
   local given = n
   n = given == nil and 1 or core.whole(given)
   if not n or n < 0 then
@@ -229,6 +223,7 @@ function methods.step(world, n)
   end
   state.quiet = not core.options.seconds and alone(world, state)
 end
+methods.step = core.quiet_step(core.guard(step, "world:step", "world"), core)
 
 core.declare("world:run", { "Runs for a time; true when stop_when ended it.", fields = {
   seconds = { "real s >=0", "how long" }, steps = { "int 1 >=0", "how many frame steps" },
