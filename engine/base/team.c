@@ -26,13 +26,10 @@ static void take_shares(void *context, int thread, int threads)
         d->part(d->context, i, d->shares);
 }
 
-void team_deal(Team *t, TeamPart *part, void *context)
+void team_share_out(Team *t, TeamPart *part, void *context)
 {
     Deal d = {.part = part, .context = context, .shares = team_shares(t)};
-    if (t)
-        t->run(t, take_shares, &d);
-    else
-        part(context, 0, 1);
+    t->run(t, take_shares, &d);
 }
 
 void team_meet(Team *t)

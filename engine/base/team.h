@@ -36,15 +36,28 @@ static inline void team_run(Team *t, TeamPart *part, void *context)
 /* Into how many shares a deal goes. */
 static inline int team_shares(const Team *t) { return t ? TEAM_SHARES * t->threads : 1; }
 
-/* As team_run for parts that do not meet, called once for each of team_shares: whoever is free takes the next. */
-void team_deal(Team *t, TeamPart *part, void *context);
+void team_share_out(Team *t, TeamPart *part, void *context);
+
+/* As team_run for parts that do not meet, called once for each of team_shares: whoever is free takes the next. Inline: without a team the
+ * part becomes a loop of its caller. */
+static inline void team_deal(Team *t, TeamPart *part, void *context)
+{
+    if (t)
+        team_share_out(t, part, context);
+    else
+        part(context, 0, 1);
+}
 
 /* Within a part of team_run: waits until all have come here. What they wrote before is seen by all after. */
 void team_meet(Team *t);
 void team_pause(int tries);     /* a little while, for a loop that waits; after many tries others may have the processor */
 
-/* The share of `count` things in a row that falls to a thread, or is dealt out: first <= i < end. */
-static inline int team_first(int count, int thread, int threads) { return (int)((int64_t)count * thread / threads); }
+/* The share of `count` things in a row that falls to a thread, or is dealt out: first <= i < end. A division takes longer than much of
+ * what is dealt out to one. */
+static inline int team_first(int count, int thread, int threads)
+{
+    return thread == 0 ? 0 : thread == threads ? count : (int)((int64_t)count * thread / threads);
+}
 static inline int team_end(int count, int thread, int threads) { return team_first(count, thread + 1, threads); }
 
 #endif

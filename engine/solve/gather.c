@@ -669,6 +669,9 @@ static dig_status gather_pushes(Group *g, real dt)
     return DIG_OK;
 }
 
+/* The axis across the plane in which a world lies: 1, 2 or 3; 0: in none. */
+static int normal_of(const char *plane) { return plane[0] == '\0' ? 0 : plane[0] == 'y' ? 1 : plane[1] == 'z' ? 2 : 3; }
+
 dig_status group_gather(Group *g, const World *w, const uint32_t *leads, int dig_count, const uint32_t *pairs, int pair_count, Arena *arena)
 {
     g->world = w;
@@ -677,8 +680,8 @@ dig_status group_gather(Group *g, const World *w, const uint32_t *leads, int dig
     g->dig_count = dig_count;
     g->gravity = w->def.gravity;
     g->fall = vec3_length(g->gravity);
-    g->planar = strcmp(w->def.plane.s, "yz") == 0 ? 1 : strcmp(w->def.plane.s, "xz") == 0 ? 2 : strcmp(w->def.plane.s, "xy") == 0 ? 3 : 0;
-    g->decay_friction = strcmp(w->def.friction_law.s, "decay") == 0;
+    g->planar = normal_of(w->def.plane.s);
+    g->decay_friction = w->def.friction_law.s[0] == 'd';        /* "decay", not "coulomb" */
     g->touch = 1e-7;
     g->culprit = -1;
     int joints = 0;                 /* ends of joints at members */

@@ -259,11 +259,13 @@ static int compare_cost(const void *a, const void *b)
  * first. This decides when things are done, not what comes out. */
 static dig_status share_out(World *w, Step *s)
 {
+    if (!workers_team(w->workers))
+        return DIG_OK;
     Cost *list = arena_alloc(&w->scratch, (size_t)s->count * sizeof *list);
     s->order = arena_alloc(&w->scratch, (size_t)s->count * sizeof *s->order);
     if (!list || !s->order)
         return world_fail(w, DIG_E_MEMORY, "not enough memory for the step's groups");
-    int64_t total = 0, threads = workers_team(w->workers) ? workers_team(w->workers)->threads : 1;
+    int64_t total = 0, threads = workers_team(w->workers)->threads;
     for (int i = 0; i < s->count; i++) {
         list[i] = (Cost){s->parts[i].cost, i};
         total += list[i].cost;
@@ -283,24 +285,22 @@ static dig_status share_out(World *w, Step *s)
 /* The groups that are not done together, each by one thread. */
 static void in_order(World *w, Step *s, Job *job, Context *c)
 {
-    if (workers_team(w->workers))
-        workers_run(w->workers, &w->scratch, job, c, s->count - s->together);
-    else
-        for (int i = 0; i < s->count - s->together; i++)
-            job(c, i, &w->scratch);
+    workers_run(w->workers, &w->scratch, job, c, s->count - s->together);
 }
+
+static int turn_of(const Step *s, int i) { return s->order ? s->order[s->together + i] : i; }
 
 static void advance_turn(void *context, int i, Arena *arena)
 {
     const Context *c = context;
-    advance_one(context, c->s->order[c->s->together + i], arena);
+    advance_one(context, turn_of(c->s, i), arena);
 }
 
 static void commit_turn(void *context, int i, Arena *arena)
 {
     const Context *c = context;
     (void)arena;
-    group_commit(c->w, &c->s->groups[c->s->order[c->s->together + i]]);
+    group_commit(c->w, &c->s->groups[turn_of(c->s, i)]);
 }
 
 void commit_groups(World *w, Step *s)
@@ -315,6 +315,8 @@ void commit_groups(World *w, Step *s)
 
 dig_status advance_groups(World *w, Step *s)
 {
+    if (s->count == 0)
+        return DIG_OK;
     Context c = {w, s, false, !workers_team(w->workers)};
     DIG_TRY(share_out(w, s));
     for (int i = 0; i < s->together; i++)

@@ -160,6 +160,8 @@ static dig_status sort_near(World *w)
 /* Goes through the pairs in the order of their storage, and drops those that are gone or fell asleep. */
 static dig_status collect_pairs(World *w, Found *f)
 {
+    if (w->near.count == 0)
+        return DIG_OK;
     DIG_TRY(sort_near(w));
     uint32_t *near = w->near.data;
     int n = 0, count = w->near.count;
@@ -251,17 +253,19 @@ static bool lies_calm(const World *w, const Step *s, const struct StepGroup *g)
     return fast <= CALM_FAST * g->pair_count;
 }
 
-/* Is it for the crowd: by its own size, or because the world has so much else to advance that small groups are no exception? */
-static bool takes_crowd(const World *w, const Step *s, const struct StepGroup *g, int total)
+/* Of so many bodies: is it for the crowd, by its own size, or because the world has so much else to advance that small groups are no exception? */
+static bool takes_crowd(const World *w, const Step *s, const struct StepGroup *g, int bodies, int total)
 {
     const AccuracyPlan *plan = accuracy_plan(g->accuracy);
-    int bodies = bodies_of(w, s, g);
     if ((bodies <= plan->crowd_bodies && total <= plan->crowd_total) || !crowd_allows(w) || !plain_bodies(w, s, g))
         return false;
     return bodies > CROWD_LIVELY_MOST * plan->crowd_bodies || !bounces_well(w, s, g);
 }
 
-bool may_crowd(const World *w, const Step *s, const struct StepGroup *g) { return takes_crowd(w, s, g, INT32_MAX); }
+bool may_crowd(const World *w, const Step *s, const struct StepGroup *g)
+{
+    return takes_crowd(w, s, g, bodies_of(w, s, g), INT32_MAX);
+}
 
 /* Of a crowd: is it to be solved at once (crowd/calm.c)? */
 static bool takes_calm(const World *w, const Step *s, const struct StepGroup *g, int total)
@@ -375,10 +379,11 @@ static void choose_way(void *context, int i, Arena *arena)
     struct StepGroup *g = &c->s->parts[i];
     (void)arena;
     g->accuracy = group_accuracy(c->w, c->s->leads + g->dig_first, g->dig_count);
-    bool many = takes_crowd(c->w, c->s, g, c->w->debt.pause > 0 ? INT32_MAX : c->total);
+    int bodies = bodies_of(c->w, c->s, g);
+    bool many = takes_crowd(c->w, c->s, g, bodies, c->w->debt.pause > 0 ? INT32_MAX : c->total);
     g->calm = many && takes_calm(c->w, c->s, g, c->total);
     g->crowd = many && !g->calm;
-    g->cost = bodies_of(c->w, c->s, g) + g->pair_count;
+    g->cost = bodies + g->pair_count;
 }
 
 static dig_status cut(World *w, Step *s, const Found *f)
@@ -417,6 +422,9 @@ static dig_status cut(World *w, Step *s, const Found *f)
 
 dig_status form_groups(World *w, Step *s)
 {
+    s->count = 0;
+    if (w->awake.count + w->near.count == 0)        /* all are asleep */
+        return DIG_OK;
     Found f = {.nodes = arena_alloc(&w->scratch, (size_t)graph_count(w->graph) * sizeof *f.nodes),
                .pairs = arena_alloc(&w->scratch, (size_t)w->near.count * sizeof *f.pairs)};
     if (!f.nodes || !f.pairs)
@@ -424,7 +432,6 @@ dig_status form_groups(World *w, Step *s)
     for (int i = 0; i < w->awake.count; i++)
         if (body_dynamic(w, w->awake.data[i]))
             dig_node(w, w->awake.data[i], &f);
-    s->count = 0;
     dig_status status = collect_pairs(w, &f);
     if (status == DIG_OK)
         status = cut(w, s, &f);

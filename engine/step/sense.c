@@ -294,6 +294,8 @@ static void wake_near(World *w, uint32_t solid)
 static dig_status sense_bodies(World *w, real dt)
 {
     int count = w->awake.count;
+    if (count == 0)
+        return ask_all(w);
     Sensing n = {w, dt, arena_alloc(&w->scratch, (size_t)count)};
     if (!n.found)
         return world_fail(w, DIG_E_MEMORY, "not enough memory for %d bodies", count);

@@ -30,7 +30,7 @@ typedef struct Step {           /* what the stages hand to each other; lives in 
     struct StepGroup { int dig_first, dig_count, pair_first, pair_count, accuracy, cost; bool may_trace, crowd, calm, together; } *parts;
     Group    *groups;
     int       count;
-    int      *order;            /* in which groups are advanced: */
+    int      *order;            /* in which groups are advanced, NULL: in theirs */
     int       together;         /* the first so many by all threads together, then the others, the dearest first */
     struct Telling *tellings;   /* tell.c: who is to hear of which strike   */
     int       telling_count;

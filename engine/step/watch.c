@@ -165,6 +165,8 @@ static void add_block(Sum *to, const Sum *s)
 /* Where there is no memory to share it, one thread does it: no step fails for being watched. */
 static Sum sum_members(Group *g)
 {
+    if (g->moving_count <= BLOCK)
+        return sum_block(g, 0);
     Sum all = {.smallest = INFINITY, .most = -INFINITY};
     Sums s = {.g = g, .blocks = (g->moving_count + BLOCK - 1) / BLOCK};
     s.of = g->team ? arena_alloc(g->arena, (size_t)s.blocks * sizeof *s.of) : NULL;

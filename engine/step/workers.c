@@ -137,8 +137,13 @@ static void take_jobs(void *context, int thread, int threads)
 
 void workers_run(struct Workers *p, Arena *own, Job *job, void *context, int count)
 {
+    Team *team = count < 2 ? NULL : workers_team(p);
+    for (int i = 0; i < count && !team; i++)
+        job(context, i, own);
+    if (!team)
+        return;
     Jobs j = {.pool = p, .own = own, .job = job, .context = context, .count = count};
-    team_run(count < 2 ? NULL : workers_team(p), take_jobs, &j);
+    team_run(team, take_jobs, &j);
 }
 
 void workers_reset(struct Workers *p)
