@@ -623,7 +623,8 @@ static const luaL_Reg snapshot_methods[] = {{NULL, NULL}};
 static const luaL_Reg snapshot_meta[] = {{"__gc", snapshot_gc}, {"__tostring", snapshot_tostring}, {NULL, NULL}};
 static const luaL_Reg functions[] = {
     {"world", world_open}, {"load", world_load}, {"state", world_state}, {"is_open", world_is_open}, {"is_free", world_is_free},
-    {"step", world_step}, {"steps", world_steps_many}, {"quiet_step", make_quiet_step}, {"save", world_save}, {"noted", world_noted}, {"gone", world_gone}, {"restore", world_restore},
+    {"step", world_step}, {"steps", world_steps_many}, {"quiet_step", make_quiet_step}, {"save", world_save}, {"noted", world_noted},
+    {"gone", world_gone}, {"restore", world_restore},
     {"close", world_close}, {"room", world_room}, {"room_open", world_room_open},
     {"material", world_material}, {"material_of", world_material_of}, {"material_pair", world_material_pair},
     {"cpu_seconds", cpu_seconds}, {NULL, NULL},

@@ -141,12 +141,19 @@ bool plane_near(const World *w, uint32_t plane, box3 box)
     return vec3_dot(n, vec3_sub(lowest, at.p)) <= def->offset;
 }
 
+/* Is that the first pair of the solid? This is seen at once, and is so for most that lie on a plane. */
+static bool is_first(const World *w, const Solid *s, uint32_t plane)
+{
+    const Pair *p = s->pair_first == NONE ? NULL : &w->pairs.data[s->pair_first / 2];
+    return p && (s->pair_first % 2 ? p->solid_a : p->solid_b) == plane;
+}
+
 static bool is_new(const World *w, uint32_t solid, uint32_t plane)
 {
     const Solid *s = &w->solids.data[solid];
     uint32_t pair;
-    return plane != solid && s->leaf >= 0 && plane_near(w, plane, s->reach) && bodies_may_touch(w, s, &w->solids.data[plane]) &&
-           !pair_find(w, solid, plane, &pair);
+    return plane != solid && s->leaf >= 0 && !is_first(w, s, plane) && plane_near(w, plane, s->reach) &&
+           bodies_may_touch(w, s, &w->solids.data[plane]) && !pair_find(w, solid, plane, &pair);
 }
 
 bool plane_new(const World *w, uint32_t solid)
