@@ -105,9 +105,19 @@ static real struck(const Group *g, const GroupPair *q, real dt)
     return most;
 }
 
-/* Of each pair, close together: who it is between; m/s, see struck(); m, its reach, once that was asked for; m, its least gap, once there was a
- * blow. */
-typedef struct Ends { int a, b; float struck, reach; real gap; } Ends;
+/* What blows ask of a pair, close together, for the pairs of thousands of bodies fit no cache. */
+typedef struct Ends {
+    int   a, b;
+    float struck;               /* m/s  see struck()                                                                  */
+    float reach, size;          /* m    the pair's; its reach rounded down, so that what is within it is within that  */
+    float restitution;
+    real  gap;                  /* m    the least, once there was a blow                                              */
+} Ends;
+
+#define ROUNDED (1 - 0x1p-22)   /* 1  times this a number is no larger as a float */
+
+static void note_reach(Ends *e, const GroupPair *q) { e->reach = (float)(ROUNDED * q->reach); }
+
 typedef struct Touching { const Crowd *c; Ends *ends; int first; } Touching;       /* from this pair on */
 
 /* False: its bodies have hardly moved, and it was left as it was. */
@@ -129,8 +139,10 @@ INLINE void touch_part(void *context, int thread, int threads)
     int count = g->pair_count - t->first;
     for (int i = t->first + team_first(count, thread, threads), end = t->first + team_end(count, thread, threads); i < end; i++) {
         GroupPair *q = &g->pairs[i];
-        t->ends[i] = (Ends){.a = q->a, .b = q->b};
-        if (touch_pair(t->c, q) && q->reach > (BRISK + LOOKS) * q->size)        /* it looked so far ahead, for the pair is fast */
+        t->ends[i] = (Ends){.a = q->a, .b = q->b, .size = (float)q->size, .restitution = (float)q->restitution};
+        bool found = touch_pair(t->c, q);
+        note_reach(&t->ends[i], q);
+        if (found && q->reach > (BRISK + LOOKS) * q->size)        /* it looked so far ahead, for the pair is fast */
             t->ends[i].struck = (float)struck(g, q, t->c->dt);
     }
 }
@@ -157,62 +169,119 @@ static void gap_share(void *context, int thread, int threads)
         t->ends[i].gap = least_gap(g, &g->pairs[i]);
 }
 
+/* What a blow asks of a body, close together. */
+typedef struct Weight {
+    real mass, speed;           /* kg, m/s                                                        */
+    real behind;                /* kg  mass behind Crowd.stop: of the two that met                */
+    bool moves;
+} Weight;
+
 /* What impacts may do to the bodies of a crowd. */
 typedef struct Blows {
     Crowd   *c;
-    real    *behind;            /* [body_count of g] kg  mass behind Crowd.stop: of the two that met                  */
+    Ends    *ends;
+    Weight  *weight;            /* [body_count of g] */
     uint8_t *news;              /* [body_count of g] number of the round in which its stop was changed last, counted from 1; 0 = in none */
-    int     *first, *next;      /* [body_count of g], [2 pairs] lists of the pairs of each body that moves, as 2 pair + side; < 0: no more */
+    int     *first, *pairs;     /* [body_count of g + 1], [2 pairs] those that were there at first, body by body               */
+    int     *later, *next;      /* [body_count of g], [2 pairs that came later] lists of these, as 2 (pair - early) + side; < 0: no more */
+    int      early;             /* so many were there at first */
+    int     *tally;             /* [threads, body_count of g] of the pairs that each thread lists, how many; then where the next one goes */
     uint64_t *looks[2];         /* a bit a pair: to be looked at in this round, in the next one */
 } Blows;
 
 /* m/s  By how much y may be changed, when x is by so much: y runs into x as fast as it moves, or is pushed by x, and shares the impulse. */
-static real passed_on(const Blows *s, const GroupPair *q, int x, int y)
+static real passed_on(const Blows *s, const Ends *e, int x, int y)
 {
-    const Crowd *c = s->c;
-    real most = c->stop[x], mass = s->behind[x], part = isinf(mass) ? 1 : mass / (mass + c->g->member[y].mass), share = (1 + q->restitution) * part;
-    return real_min(most, real_max(vec3_length(c->g->vel[y].v), share * most));
+    const Weight *to = &s->weight[y];
+    real most = s->c->stop[x], mass = s->weight[x].behind, part = isinf(mass) ? 1 : mass / (mass + to->mass), share = (1 + (real)e->restitution) * part;
+    return real_min(most, real_max(to->speed, share * most));
 }
 
 #define NEWS 1.1                /* times what was known: what is less is not passed on */
 
-/* A pair of which an impact may stop one. Can the other get there in this step? Then it may be stopped, too: the body; else -1. */
+/* A pair of which an impact may stop one. Can the other get there in this step? Then it may be stopped, too: the body; else -1. To look at
+ * the pair itself would be a miss. */
 static int follow(const Blows *s, Ends *e, GroupPair *q)
 {
     Crowd *c = s->c;
     int x = c->stop[e->a] >= c->stop[e->b] ? e->a : e->b, y = x == e->a ? e->b : e->a;
     real most = c->stop[x], way = most * c->dt, known = NEWS * c->stop[y];
-    if (most <= known && (real)e->reach >= way)         /* mostly so, and to look at the pair would be a miss */
+    bool within = (real)e->reach >= way;
+    if ((most <= known && within) || !(way > BRISK * (real)e->size))        /* mostly so */
         return -1;
-    e->reach = (float)q->reach;
-    if (!(way > BRISK * q->size) || !c->trait[x].moves)
+    real passed = s->weight[y].moves ? passed_on(s, e, x, y) : 0;           /* a wall is looked at, too, but hands nothing on */
+    within = within || q->reach >= way;
+    if (passed <= known && within)
         return -1;
-    real passed = c->trait[y].moves ? passed_on(s, q, x, y) : 0;        /* a wall is looked at, too, but hands nothing on */
-    if (passed <= known && q->reach >= way)
-        return -1;
-    if (q->reach < way && e->gap > 0) {
+    if (!within && e->gap > 0) {
         real room = group_touch_within(c->g, q, way + q->reach);
         if (q->contacts == 1)
             note_until(c, q, room);
-        e->reach = (float)q->reach;
+        note_reach(e, q);
         e->gap = least_gap(c->g, q);
     }
-    if (passed <= known || e->gap > q->reach)
+    if (passed <= known || (e->gap > (real)e->reach && e->gap > q->reach))
         return -1;
     c->stop[y] = passed;
-    s->behind[y] = s->behind[x];
+    s->weight[y].behind = s->weight[x].behind;
     return y;
 }
 
 #define FOLLOWERS 32            /* as many bodies one behind the other */
 
-static void list_pairs(const Blows *s, const Ends *ends, int from, int end)
+static void weigh_share(void *context, int thread, int threads)
 {
-    for (int i = 2 * from; i < 2 * end; i++) {
-        int body = i % 2 ? ends[i / 2].b : ends[i / 2].a;
-        s->next[i] = s->c->trait[body].moves ? s->first[body] : -1;
-        if (s->c->trait[body].moves)
-            s->first[body] = i;
+    const Blows *s = context;
+    const Group *g = s->c->g;
+    for (int i = team_first(g->body_count, thread, threads), end = team_end(g->body_count, thread, threads); i < end; i++)
+        s->weight[i] = (Weight){.mass = g->member[i].mass, .speed = vec3_length(g->vel[i].v), .moves = s->c->trait[i].moves};
+}
+
+static void tally_share(void *context, int thread, int threads)
+{
+    const Blows *s = context;
+    int *tally = s->tally + (size_t)thread * (size_t)s->c->g->body_count;
+    for (int i = team_first(s->early, thread, threads), end = team_end(s->early, thread, threads); i < end; i++) {
+        tally[s->ends[i].a]++;
+        tally[s->ends[i].b]++;
+    }
+}
+
+static void list_share(void *context, int thread, int threads)
+{
+    const Blows *s = context;
+    int *tally = s->tally + (size_t)thread * (size_t)s->c->g->body_count;
+    for (int i = team_first(s->early, thread, threads), end = team_end(s->early, thread, threads); i < end; i++) {
+        s->pairs[tally[s->ends[i].a]++] = i;
+        s->pairs[tally[s->ends[i].b]++] = i;
+    }
+}
+
+/* The pairs of each body, in their order: a list is read in one go. */
+static void list_early(Blows *s)
+{
+    const Group *g = s->c->g;
+    int threads = g->team ? g->team->threads : 1, count = 0;
+    team_run(g->team, tally_share, s);
+    for (int i = 0; i < g->body_count; i++) {
+        s->first[i] = count;
+        for (int t = 0; t < threads; t++) {
+            int *tally = &s->tally[t * g->body_count + i], more = *tally;
+            *tally = count;
+            count += more;
+        }
+    }
+    s->first[g->body_count] = count;
+    team_run(g->team, list_share, s);
+}
+
+static void list_later(const Blows *s, int from, int end)
+{
+    for (int i = 2 * (from - s->early); i < 2 * (end - s->early); i++) {
+        const Ends *e = &s->ends[s->early + i / 2];
+        int body = i % 2 ? e->b : e->a;
+        s->next[i] = s->later[body];
+        s->later[body] = i;
     }
 }
 
@@ -221,10 +290,15 @@ static inline void mark(uint64_t *looks, int i) { looks[i / 64] |= (uint64_t)1 <
 /* There is news of this body, from pair number i: its pairs are looked at in the next round, and those after that one in this. */
 static void tell_pairs(const Blows *s, int body, int i)
 {
-    for (int k = s->first[body]; k >= 0; k = s->next[k]) {
-        mark(s->looks[1], k / 2);
-        if (k / 2 > i)
-            mark(s->looks[0], k / 2);
+    for (int k = s->first[body], end = s->first[body + 1]; k < end; k++) {
+        mark(s->looks[1], s->pairs[k]);
+        if (s->pairs[k] > i)
+            mark(s->looks[0], s->pairs[k]);
+    }
+    for (int k = s->later[body]; k >= 0; k = s->next[k]) {
+        mark(s->looks[1], s->early + k / 2);
+        if (s->early + k / 2 > i)
+            mark(s->looks[0], s->early + k / 2);
     }
 }
 
@@ -239,7 +313,7 @@ static void note_stops(const Blows *s, const GroupPair *q, real struck)
         if (!(k ? b : a))
             continue;
         s->c->stop[body] = real_max(s->c->stop[body], struck);
-        s->behind[body] = real_max(s->behind[body], mass);
+        s->weight[body].behind = real_max(s->weight[body].behind, mass);
         if (s->news[body] == 0)
             tell_pairs(s, body, -1);
         s->news[body] = 1;
@@ -249,15 +323,16 @@ static void note_stops(const Blows *s, const GroupPair *q, real struck)
 #define TEAM_LEAST 512          /* pairs: fewer are not worth a team */
 
 /* Pairs that the blows known by now may bring together; those of bodies with news are looked at. */
-static dig_status touch_struck(const Blows *s, Ends *ends, int round)
+static dig_status touch_struck(const Blows *s, int round)
 {
+    Ends *ends = s->ends;
     Group *g = s->c->g;
     Touching t = {s->c, ends, g->pair_count};
     DIG_TRY(group_gather_struck(g, s->c->stop, s->c->dt));
     Team *team = g->pair_count - t.first < TEAM_LEAST ? NULL : g->team;
     team_deal(team, touch_share(s->c), &t);
     team_deal(team, gap_share, &t);
-    list_pairs(s, ends, t.first, g->pair_count);
+    list_later(s, t.first, g->pair_count);
     for (int i = t.first; i < g->pair_count; i++) {
         int latest = int_max(s->news[ends[i].a], s->news[ends[i].b]);
         if (latest > 0 && latest >= round - 1)
@@ -268,28 +343,45 @@ static dig_status touch_struck(const Blows *s, Ends *ends, int round)
     return DIG_OK;
 }
 
-static dig_status open_blows(Blows *s, Ends *ends, size_t most)
+/* most: pairs there can be. */
+static dig_status open_blows(Blows *s, size_t most)
 {
     Crowd *c = s->c;
     Group *g = c->g;
-    size_t count = (size_t)g->body_count, words = most / 64 + 1;
+    size_t count = (size_t)g->body_count, words = most / 64 + 1, threads = g->team ? (size_t)g->team->threads : 1;
+    s->early = g->pair_count;
     c->stop = arena_zero(g->arena, count * sizeof *c->stop);
-    s->behind = arena_zero(g->arena, count * sizeof *s->behind);
     s->news = arena_zero(g->arena, count);
-    s->first = arena_alloc(g->arena, count * sizeof *s->first);
-    s->next = spare_take(&g->spare, g->arena, 2 * most * sizeof *s->next);
     s->looks[0] = arena_zero(g->arena, 2 * words * sizeof *s->looks[0]);
     s->looks[1] = s->looks[0] + words;
-    if (!c->stop || !s->behind || !s->news || !s->first || !s->next || !s->looks[0])
+    s->weight = spare_take(&g->spare, g->arena, count * sizeof *s->weight);
+    s->first = spare_take(&g->spare, g->arena, (2 * count + 1) * sizeof *s->first);
+    s->pairs = spare_take(&g->spare, g->arena, 2 * most * sizeof *s->pairs);
+    s->tally = spare_take(&g->spare, g->arena, threads * count * sizeof *s->tally);
+    if (!c->stop || !s->news || !s->looks[0] || !s->weight || !s->first || !s->pairs || !s->tally)
         return DIG_E_MEMORY;
-    memset(s->first, 0xff, count * sizeof *s->first);
-    team_deal(g->team, gap_share, &(Touching){c, ends, 0});
-    list_pairs(s, ends, 0, g->pair_count);
+    s->later = s->first + count + 1;
+    s->next = s->pairs + 2 * s->early;
+    memset(s->later, 0xff, count * sizeof *s->later);
+    memset(s->tally, 0, threads * count * sizeof *s->tally);
+    team_deal(g->team, gap_share, &(Touching){c, s->ends, 0});
+    team_deal(g->team, weigh_share, s);
+    list_early(s);
     return DIG_OK;
 }
 
+static void close_blows(Blows *s, size_t most)
+{
+    Group *g = s->c->g;
+    size_t count = (size_t)g->body_count, threads = g->team ? (size_t)g->team->threads : 1;
+    spare_add(&g->spare, s->tally, threads * count * sizeof *s->tally);
+    spare_add(&g->spare, s->pairs, 2 * most * sizeof *s->pairs);
+    spare_add(&g->spare, s->first, (2 * count + 1) * sizeof *s->first);
+    spare_add(&g->spare, s->weight, count * sizeof *s->weight);
+}
+
 /* Of the pairs that this round looks at, in their order. Returns whether there was news. */
-static bool one_round(const Blows *s, Ends *ends, int round)
+static bool one_round(const Blows *s, int round)
 {
     Group *g = s->c->g;
     bool more = false;
@@ -297,7 +389,7 @@ static bool one_round(const Blows *s, Ends *ends, int round)
         while (s->looks[0][w]) {            /* what is marked meanwhile comes later */
             int i = 64 * w + __builtin_ctzll(s->looks[0][w]);
             s->looks[0][w] &= s->looks[0][w] - 1;
-            int body = follow(s, &ends[i], &g->pairs[i]);
+            int body = follow(s, &s->ends[i], &g->pairs[i]);
             if (body < 0)
                 continue;
             s->news[body] = (uint8_t)round;
@@ -312,27 +404,24 @@ static bool one_round(const Blows *s, Ends *ends, int round)
 static dig_status look_behind(Crowd *c, Ends *ends, size_t most)
 {
     Group *g = c->g;
-    Blows s = {.c = c};
+    Blows s = {.c = c, .ends = ends};
     for (int i = 0; i < g->pair_count; i++) {
         if (!(ends[i].struck > 0))
             continue;
         if (!c->stop)
-            DIG_TRY(open_blows(&s, ends, most));
+            DIG_TRY(open_blows(&s, most));
         note_stops(&s, &g->pairs[i], (real)ends[i].struck);
     }
     bool more = c->stop != NULL;
     for (int round = 1; round <= FOLLOWERS && more; round++) {
-        DIG_TRY(touch_struck(&s, ends, round));
-        more = one_round(&s, ends, round);
+        DIG_TRY(touch_struck(&s, round));
+        more = one_round(&s, round);
         uint64_t *done = s.looks[0];        /* none is left in it */
         s.looks[0] = s.looks[1];
         s.looks[1] = done;
     }
-    if (s.next) {
-        spare_add(&g->spare, s.next, 2 * most * sizeof *s.next);
-        spare_add(&g->spare, s.first, (size_t)g->body_count * sizeof *s.first);
-        spare_add(&g->spare, s.behind, (size_t)g->body_count * sizeof *s.behind);
-    }
+    if (c->stop)
+        close_blows(&s, most);
     return DIG_OK;
 }
 

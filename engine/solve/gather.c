@@ -503,6 +503,7 @@ static dig_status choose_near(Nearby *n)
         else
             g->left[g->left_count++] = (Left){near->slot, near->a, near->b, near->slack, near->place};
     }
+    g->left_end = g->left_count;
     arena_shrink(g->arena, g->left, (size_t)g->left_count * sizeof *g->left);
     return DIG_OK;
 }
@@ -537,19 +538,40 @@ static dig_status gather_pairs(Group *g, const uint32_t *pairs, int pair_count)
     return DIG_OK;
 }
 
-/* Takes those that may meet if each body gets so much farther than by itself to the front of `near`; returns how many. */
-static int take_left(Group *g, const real *stop, real dt, Near *near)
+typedef struct Taking {         /* of those that are left out                       */
+    Group *g;
+    const real *stop; real dt;
+    Near *near;                 /* a share's are where it begins to look in g->left */
+    int *taken;                 /* of each share                                    */
+} Taking;
+
+/* Those that may meet if each body gets so much farther than by itself. */
+static void take_share(void *context, int thread, int threads)
 {
-    int taken = 0, kept = 0;
-    for (int i = 0; i < g->left_count; i++) {
-        Left l = g->left[i];
-        if ((real)l.slack > dt * (stop[l.a] + stop[l.b]))
-            g->left[kept++] = l;
-        else
-            near[taken++] = (Near){.slot = l.slot, .a = l.a, .b = l.b, .contacts = 1, .first = NONE, .place = l.places};
+    const Taking *t = context;
+    Group *g = t->g;
+    int first = team_first(g->left_end, thread, threads), taken = 0;
+    for (int i = first, end = team_end(g->left_end, thread, threads); i < end; i++) {
+        Left *l = &g->left[i];
+        if (l->places < 0 || (real)l->slack > t->dt * (t->stop[l->a] + t->stop[l->b]))
+            continue;
+        t->near[first + taken++] = (Near){.slot = l->slot, .a = l->a, .b = l->b, .contacts = 1, .first = NONE, .place = l->places};
+        l->places = -1;         /* it was taken, and stays where it is until no more will be */
     }
-    g->left_count = kept;
-    return taken;
+    t->taken[thread] = taken;
+}
+
+/* They become near[0] and those after it, in their order; returns how many. */
+static int take_left(Taking *t)
+{
+    Group *g = t->g;
+    Team *team = g->left_end < SHARED_LEAST ? NULL : g->team;
+    int shares = team_shares(team), count = 0;
+    team_deal(team, take_share, t);
+    for (int i = 0; i < shares; count += t->taken[i++])
+        memmove(t->near + count, t->near + team_first(g->left_end, i, shares), (size_t)t->taken[i] * sizeof *t->near);
+    g->left_count -= count;
+    return count;
 }
 
 dig_status group_gather_struck(Group *g, const real *stop, real dt)
@@ -557,10 +579,11 @@ dig_status group_gather_struck(Group *g, const real *stop, real dt)
     Nearby n = {.g = g, .first = g->pair_count};
     if (g->left_count == 0)
         return DIG_OK;
-    n.near = arena_alloc(g->arena, (size_t)g->left_count * sizeof *n.near);
-    if (!n.near)
+    Taking t = {g, stop, dt, NULL, arena_alloc(g->arena, (size_t)team_shares(g->team) * sizeof *t.taken)};
+    t.near = n.near = arena_alloc(g->arena, (size_t)g->left_end * sizeof *n.near);
+    if (!n.near || !t.taken)
         return DIG_E_MEMORY;
-    n.taken = take_left(g, stop, dt, n.near);
+    n.taken = take_left(&t);
     arena_shrink(g->arena, n.near, (size_t)n.taken * sizeof *n.near);
     if (n.taken == 0)
         return DIG_OK;
@@ -575,6 +598,11 @@ dig_status group_gather_struck(Group *g, const real *stop, real dt)
 
 void group_close_left(Group *g)
 {
+    int kept = 0;
+    for (int i = 0; i < g->left_end && g->left_count < g->left_end; i++)
+        if (g->left[i].places >= 0)
+            g->left[kept++] = g->left[i];
+    g->left_end = g->left_count;
     spare_add(&g->spare, g->pairs + g->pair_count, (size_t)g->left_count * sizeof *g->pairs);
     spare_add(&g->spare, g->contacts + g->contact_count, (size_t)g->left_count * sizeof *g->contacts);
 }

@@ -177,7 +177,7 @@ typedef struct Left {
     uint32_t slot;              /* world pair                       */
     int      a, b;              /* local bodies                     */
     float    slack;             /* m   so much farther the two may get, together, before they could */
-    int      places;            /* points there can be              */
+    int      places;            /* points there can be; < 0: it was taken since */
 } Left;
 
 typedef struct GroupJoint {
@@ -242,7 +242,7 @@ struct Group {
     Apart    *apart;            /* [moving_count]; NULL: no force of this group can be a drag or a law's */
     Vel      *shift;            /* m, rad  position correction of a projection; as mass, not there in a crowd, which asks for neither */
     GroupPair *pairs;       int pair_count;     /* there is room for those left out, too */
-    Left     *left;         int left_count;     /* see group_gather_struck */
+    Left     *left;         int left_count, left_end;       /* see group_gather_struck; the list's end, with those taken since */
     Things   *things;           /* NULL: there are none */
     uint32_t *over;         int over_count;     /* world pairs that touch, of two that have become one thing */
     int      *changed;      int changed_count;  /* group_judge: pairs whose touch began or ended, or that were struck apart */

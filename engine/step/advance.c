@@ -96,7 +96,7 @@ static void leave_out(Group *g)
     if (!(g->laws >> LAW_PUSH & 1))
         g->push_count = 0;
     if (!(g->laws >> LAW_CONTACT & 1))
-        g->pair_count = g->contact_count = g->left_count = 0;
+        g->pair_count = g->contact_count = g->left_count = g->left_end = 0;
 }
 
 static bool is_sphere(const Body *b) { return b->round_inertia && b->rim == 0; }
