@@ -199,32 +199,51 @@ static real passed_on(const Blows *s, const Ends *e, int x, int y)
 
 #define NEWS 1.1                /* times what was known: what is less is not passed on */
 
-/* A pair of which an impact may stop one. Can the other get there in this step? Then it may be stopped, too: the body; else -1. To look at
- * the pair itself would be a miss. */
+static bool is_reached(const Ends *e, const GroupPair *q) { return e->gap <= (real)e->reach || e->gap <= q->reach; }
+
+/* What comes of it for the other end of a pair that an impact may stop one. */
+typedef struct Follow {
+    int  from, to;              /* bodies                                                          */
+    real way, passed;           /* m  that it goes farther; m/s  by so much the other may be changed */
+    bool news, looks;           /* that is more than was known; its contact is to be looked for so far */
+} Follow;
+
+/* Does anything come of it? To look at the pair itself would be a miss, and mostly need not be. */
+static bool may_follow(const Blows *s, const Ends *e, const GroupPair *q, Follow *f)
+{
+    const Crowd *c = s->c;
+    f->from = c->stop[e->a] >= c->stop[e->b] ? e->a : e->b;
+    f->to = f->from == e->a ? e->b : e->a;
+    real most = c->stop[f->from], known = NEWS * c->stop[f->to];
+    f->way = most * c->dt;
+    bool within = (real)e->reach >= f->way;
+    if ((most <= known && within) || !(f->way > BRISK * (real)e->size))
+        return false;
+    f->passed = s->weight[f->to].moves ? passed_on(s, e, f->from, f->to) : 0;       /* a wall is looked at, too, but hands nothing on */
+    f->news = f->passed > known;
+    f->looks = !within && e->gap > 0 && q->reach < f->way;
+    return f->looks || (f->news && is_reached(e, q));
+}
+
+/* Can the other get there in this step? Then it may be stopped, too: the body; else -1. */
 static int follow(const Blows *s, Ends *e, GroupPair *q)
 {
     Crowd *c = s->c;
-    int x = c->stop[e->a] >= c->stop[e->b] ? e->a : e->b, y = x == e->a ? e->b : e->a;
-    real most = c->stop[x], way = most * c->dt, known = NEWS * c->stop[y];
-    bool within = (real)e->reach >= way;
-    if ((most <= known && within) || !(way > BRISK * (real)e->size))        /* mostly so */
+    Follow f;
+    if (!may_follow(s, e, q, &f))
         return -1;
-    real passed = s->weight[y].moves ? passed_on(s, e, x, y) : 0;           /* a wall is looked at, too, but hands nothing on */
-    within = within || q->reach >= way;
-    if (passed <= known && within)
-        return -1;
-    if (!within && e->gap > 0) {
-        real room = group_touch_within(c->g, q, way + q->reach);
+    if (f.looks) {
+        real room = group_touch_within(c->g, q, f.way + q->reach);
         if (q->contacts == 1)
             note_until(c, q, room);
         note_reach(e, q);
         e->gap = least_gap(c->g, q);
     }
-    if (passed <= known || (e->gap > (real)e->reach && e->gap > q->reach))
+    if (!f.news || !is_reached(e, q))
         return -1;
-    c->stop[y] = passed;
-    s->weight[y].behind = s->weight[x].behind;
-    return y;
+    c->stop[f.to] = f.passed;
+    s->weight[f.to].behind = s->weight[f.from].behind;
+    return f.to;
 }
 
 #define FOLLOWERS 32            /* as many bodies one behind the other */
@@ -380,11 +399,37 @@ static void close_blows(Blows *s, size_t most)
     spare_add(&g->spare, s->weight, count * sizeof *s->weight);
 }
 
+/* Of what is marked, nothing would come of most, as things are now: that can be seen by all threads. What changes meanwhile is marked anew. */
+static void sift_share(void *context, int thread, int threads)
+{
+    const Blows *s = context;
+    int words = s->c->g->pair_count / 64 + 1;
+    for (int w = team_first(words, thread, threads), end = team_end(words, thread, threads); w < end; w++)
+        for (uint64_t left = s->looks[0][w]; left; left &= left - 1) {
+            int i = 64 * w + __builtin_ctzll(left);
+            Follow f;
+            if (!may_follow(s, &s->ends[i], &s->c->g->pairs[i], &f))
+                s->looks[0][w] &= ~(left & -left);
+        }
+}
+
+#define SIFTED_LEAST 512        /* marks: fewer are not worth a team */
+
+static void sift(Blows *s)
+{
+    int marks = 0;
+    for (int w = 0; w <= s->c->g->pair_count / 64 && s->c->team; w++)
+        marks += __builtin_popcountll(s->looks[0][w]);
+    if (marks >= SIFTED_LEAST)
+        team_deal(s->c->team, sift_share, s);
+}
+
 /* Of the pairs that this round looks at, in their order. Returns whether there was news. */
-static bool one_round(const Blows *s, int round)
+static bool one_round(Blows *s, int round)
 {
     Group *g = s->c->g;
     bool more = false;
+    sift(s);
     for (int w = 0; w <= g->pair_count / 64; w++)
         while (s->looks[0][w]) {            /* what is marked meanwhile comes later */
             int i = 64 * w + __builtin_ctzll(s->looks[0][w]);
