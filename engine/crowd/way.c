@@ -47,6 +47,7 @@ static dig_status find_smallest(Crowd *c)
         c->finest = real_min(c->finest, s.least[i].size);
         c->thinnest = real_min(c->thinnest, s.least[i].thickness);
     }
+    c->g->close_speed = close_speed_of(c->finest, c->g->fall);
     c->finest = isfinite(c->finest) ? c->finest : 1;
     return DIG_OK;
 }
@@ -64,7 +65,6 @@ static void trait_share(void *context, int thread, int threads)
 static dig_status open(Crowd *c)
 {
     Group *g = c->g;
-    g->close_speed = group_close_speed(g);
     g->h = c->dt;
     DIG_TRY(group_forces(g));
     c->trait = spare_take(&g->spare, g->arena, (size_t)g->body_count * sizeof *c->trait);

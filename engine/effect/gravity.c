@@ -19,14 +19,20 @@ static EffectCause cause(const Group *g)
     return (EffectCause){.body = body_handle(g->world, g->member[i].slot)};
 }
 
-static dig_status force(const EffectSlot *e, Group *g)
+static void force_share(void *context, int thread, int threads)
 {
-    (void)e;
-    for (int i = 0; i < g->moving_count; i++) {
+    Group *g = context;
+    for (int i = team_first(g->moving_count, thread, threads), end = team_end(g->moving_count, thread, threads); i < end; i++) {
         Member *m = &g->member[i];
         if (m->moves)
             m->force = vec3_mad(m->force, m->mass * m->gravity_scale, g->gravity);
     }
+}
+
+static dig_status force(const EffectSlot *e, Group *g)
+{
+    (void)e;
+    team_deal(g->team, force_share, g);
     return DIG_OK;
 }
 

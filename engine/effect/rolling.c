@@ -7,7 +7,7 @@ static bool rolls(const GroupPair *q) { return q->rolling > 0 && (q->on_a->shape
 static bool wanted(const World *w, const Group *g)
 {
     (void)w;
-    for (int i = 0; i < g->pair_count; i++)
+    for (int i = 0; i < g->pair_count && g->pairs_roll; i++)
         if (rolls(&g->pairs[i]))
             return true;
     return false;

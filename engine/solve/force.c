@@ -9,12 +9,18 @@ dig_status group_apart(Group *g)
     return g->apart ? DIG_OK : DIG_E_MEMORY;
 }
 
-dig_status group_forces(Group *g)
+static void clear_share(void *context, int thread, int threads)
 {
-    for (int i = 0; i < g->moving_count; i++) {
+    Group *g = context;
+    for (int i = team_first(g->moving_count, thread, threads), end = team_end(g->moving_count, thread, threads); i < end; i++) {
         Member *m = &g->member[i];
         m->force = m->torque = vec3_zero();
     }
+}
+
+dig_status group_forces(Group *g)
+{
+    team_deal(g->team, clear_share, g);
     if (g->drags || g->rules)
         memset(g->apart, 0, (size_t)g->moving_count * sizeof *g->apart);
     return g->stage(g, STAGE_FORCE);

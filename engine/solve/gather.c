@@ -1,7 +1,7 @@
 /* solve/gather.c - the world's records become compact copies; solve/commit.c takes them back. */
 #include "base/sort.h"
 #include "solve/direction.h"
-#include "solve/group.h"
+#include "solve/gather.h"
 
 #include "world/joint.h"
 #include "world/region.h"
@@ -21,8 +21,7 @@ static int find_slot(const uint32_t *slots, int count, uint32_t slot)
     return lo < count && slots[lo] == slot ? lo : -1;
 }
 
-/* Local index of a body slot: moving members first, then what stands still. */
-static int local_of(const Group *g, uint32_t slot)
+int local_of(const Group *g, uint32_t slot)
 {
     int i = find_slot(g->slots, g->moving_count, slot);
     if (i >= 0)
@@ -131,6 +130,7 @@ static dig_status list_moving(Group *g, int *joints)
 {
     const World *w = g->world;
     int n = 0;
+    bool joined = w->joints.count > w->free_joints.count;       /* else no body is asked for its own */
     for (int d = 0; d < g->dig_count; d++)
         n += graph_fellows(w->graph, g->leads[d]);
     uint32_t *slots = arena_alloc(g->arena, (size_t)n * sizeof *slots);
@@ -142,7 +142,7 @@ static dig_status list_moving(Group *g, int *joints)
     for (int d = 0; d < g->dig_count; d++)
         for (uint32_t m = g->leads[d]; m != NONE; m = graph_next(w->graph, m)) {
             slots[n++] = m;
-            for (uint32_t j = w->bodies.data[m].joint_first; j != NONE; j = joint_next(w, j, m)) {
+            for (uint32_t j = joined ? w->bodies.data[m].joint_first : NONE; j != NONE; j = joint_next(w, j, m)) {
                 fetch_joint(w, j);
                 *joints += counts_at(w, j, m);
             }
@@ -157,26 +157,51 @@ static void note_still(uint32_t *still, int *count, uint32_t body)
         still[(*count)++] = body;
 }
 
-/* What stands still and may be met or holds a joint, ascending: NONE, the world itself, comes last. */
-static dig_status list_still(Group *g, const uint32_t *pairs, int pair_count, int joints)
+typedef struct Standing { const World *w; const uint32_t *pairs; int count; uint32_t *still; int *found; } Standing;     /* found: by each share */
+
+/* A share's begin at twice its first pair. */
+static void still_share(void *context, int thread, int threads)
 {
-    const World *w = g->world;
-    int n = 0, unique = 0;
-    g->body_count = g->moving_count;
-    if (pair_count + joints == 0)
-        return DIG_OK;
-    uint32_t *still = arena_alloc(g->arena, (size_t)(2 * pair_count + joints) * sizeof *still);
-    if (!still)
-        return DIG_E_MEMORY;
-    for (int i = 0; i < pair_count; i++) {
-        const Pair *p = &w->pairs.data[pairs[i]];
-        if (i + FETCH_AHEAD < pair_count)
-            fetch_soon(&w->pairs.data[pairs[i + FETCH_AHEAD]], offsetof(Pair, next));
+    const Standing *s = context;
+    int first = team_first(s->count, thread, threads);
+    uint32_t *still = s->still + 2 * first;
+    int n = 0;
+    for (int i = first, end = team_end(s->count, thread, threads); i < end; i++) {
+        const Pair *p = &s->w->pairs.data[s->pairs[i]];
+        if (i + FETCH_AHEAD < s->count)
+            fetch_soon(&s->w->pairs.data[s->pairs[i + FETCH_AHEAD]], offsetof(Pair, next));
         if (!p->dynamic_a)
             note_still(still, &n, p->body_a);
         if (!p->dynamic_b)
             note_still(still, &n, p->body_b);
     }
+    s->found[thread] = n;
+}
+
+/* In the order of the pairs; returns how many. */
+static int list_met(Standing *s, Team *team)
+{
+    int shares = team_shares(team), n = 0;
+    team_deal(team, still_share, s);
+    for (int i = 0; i < shares; n += s->found[i++])
+        memmove(s->still + n, s->still + 2 * team_first(s->count, i, shares), (size_t)s->found[i] * sizeof *s->still);
+    return n;
+}
+
+/* What stands still and may be met or holds a joint, ascending: NONE, the world itself, comes last. */
+static dig_status list_still(Group *g, const uint32_t *pairs, int pair_count, int joints)
+{
+    const World *w = g->world;
+    int unique = 0;
+    g->body_count = g->moving_count;
+    if (pair_count + joints == 0)
+        return DIG_OK;
+    Team *team = pair_count < SHARED_LEAST ? NULL : g->team;
+    Standing s = {w, pairs, pair_count, NULL, arena_alloc(g->arena, (size_t)team_shares(team) * sizeof *s.found)};
+    uint32_t *still = s.still = arena_alloc(g->arena, (size_t)(2 * pair_count + joints) * sizeof *still);
+    if (!still || !s.found)
+        return DIG_E_MEMORY;
+    int n = list_met(&s, team);
     for (int i = 0; i < g->moving_count && joints > 0; i++)
         for (uint32_t j = w->bodies.data[g->slots[i]].joint_first; j != NONE; j = joint_next(w, j, g->slots[i])) {
             const JointRec *r = &w->joints.data[j];
@@ -249,370 +274,6 @@ dig_status group_weigh(Group *g)
         return DIG_E_MEMORY;
     team_deal(g->team, weigh_share, g);
     return DIG_OK;
-}
-
-static real pair_size(const Shape *a, const Shape *b)
-{
-    real size = real_min(isfinite(a->outer) ? a->outer : INFINITY, isfinite(b->outer) ? b->outer : INFINITY);
-    return isfinite(size) ? size : 1;
-}
-
-typedef struct Near {           /* a pair that may be gathered                     */
-    uint32_t slot;
-    int a, b;                   /* local bodies                                    */
-    int contact, contacts;      /* of the group; 0: left out                       */
-    uint32_t first;             /* of the world's contacts                         */
-    int place;                  /* first of its room; by find_near, how much it takes */
-    float slack;                /* m  of one that is left out, see Left            */
-} Near;
-
-typedef struct Span {           /* m  of a body, unless something strikes it */
-    real wide;                  /*    within this of its centre of mass is all that it is, and gets to in the step */
-    real far;                   /*    its travel, and so far it gets at most in the step */
-} Span;
-
-typedef struct Nearby {
-    Group *g;
-    const uint32_t *pairs; int count;   /* of the world, that may be gathered */
-    Near  *near;
-    Span  *span;                /* [body_count of g] NULL: all are gathered */
-    int    first, taken;        /* of g's pairs: near[0] becomes the first of so many */
-    real  *places;              /* room for their points and hints */
-} Nearby;
-
-#define POINT_PLACE ((int)(sizeof(ContactPoint) / sizeof(real)))        /* of the group's places */
-#define HINT_PLACE  ((int)(sizeof(ManifoldCache) / sizeof(real)))
-_Static_assert(sizeof(ManifoldPoint) + sizeof(PointMemory) == sizeof(ContactPoint) && sizeof(ContactPoint) % sizeof(real) == 0 &&
-               sizeof(ManifoldCache) % sizeof(real) == 0, "points, memories and hints lie close together in reals");
-
-#define SHARED_LEAST 512         /* pairs: fewer are not worth a team */
-#define RUBS 16                 /* of two kinds of surfaces each */
-typedef struct KnownRub { Surface a, b; Rub rub; } KnownRub;
-typedef struct KnownRubs { bool known[RUBS]; KnownRub of[RUBS]; } KnownRubs;   /* only what is known is written */
-
-/* Of a pair that has no memory: mostly others have had the same two surfaces before it. */
-static Rub rub_as_before(const World *w, const Solid *a, const Solid *b, KnownRubs *known)
-{
-    unsigned i = (unsigned)(3 * a->surface.material + b->surface.material) % RUBS;
-    KnownRub *k = &known->of[i];
-    if (!known->known[i] || memcmp(&k->a, &a->surface, sizeof k->a) != 0 || memcmp(&k->b, &b->surface, sizeof k->b) != 0)
-        *k = (KnownRub){a->surface, b->surface, surface_pair(w, &a->surface, &b->surface)};
-    known->known[i] = true;
-    return k->rub;
-}
-
-static void gather_pair(Group *g, GroupPair *q, const Near *n, KnownRubs *known)
-{
-    const World *w = g->world;
-    const Pair *p = &w->pairs.data[n->slot];
-    const Solid *a = &w->solids.data[p->solid_a], *b = &w->solids.data[p->solid_b];
-    q->slot = n->slot;
-    q->a = n->a;
-    q->b = n->b;
-    q->on_a = a;
-    q->on_b = b;
-    const PairMemory *m = p->memory == NONE ? NULL : &w->memories.data[p->memory];
-    Rub rub = m ? m->rub : rub_as_before(w, a, b, known);
-    q->memory = p->memory;
-    if (q->hint)
-        *q->hint = m ? m->cache : (ManifoldCache){.kind = 0};
-    q->covered = (Covered){0, 0};
-    q->reach = 0;
-    q->until = g->crowd ? p->until : -1;
-    q->meets = false;
-    q->friction = rub.friction;
-    q->friction_dynamic = rub.friction_dynamic;
-    q->rolling = rub.rolling;
-    q->restitution = rub.restitution;
-    q->size = pair_size(&q->on_a->shape, &q->on_b->shape);
-    q->fresh = p->fresh;
-    q->was_touching = p->touching;
-    q->both_moved = g->member[q->a].moved && g->member[q->b].moved;
-    q->struck = false;
-    q->strike_first = q->strike = 0;
-    q->speed = q->struck_time = q->struck_impulse = 0;
-}
-
-/* Only what there is. Points beyond the count stay unwritten. */
-static void gather_contact(const World *w, const GroupPair *q, int pair, uint32_t slot, real *places, GroupContact *to)
-{
-    static const Contact none = {.idle = true, .more = NONE};
-    const Contact *from = slot == NONE ? &none : &w->contacts.data[slot];
-    to->pair = pair;
-    to->a = q->a;
-    to->b = q->b;
-    to->slot = slot;
-    to->piece = from->piece;
-    to->idle = from->idle;
-    to->manifold.wide = from->more != NONE;
-    to->live = from->count > 0;
-    to->manifold.slides = from->sliding;
-    to->rolling = from->idle ? vec3_zero() : from->rolling;
-    to->impulse = to->point_sum = vec3_zero();
-    to->last = to->point_weight = to->lost = 0;
-    to->manifold.normal = from->normal;
-    to->manifold.count = int_min(from->count, to->manifold.room);
-    to->manifold.points = (ManifoldPoint *)(void *)places;
-    for (int k = 0; k < to->manifold.count; k++) {
-        const ContactPoint *p = contact_point_seen(w, from, k);
-        to->manifold.points[k] = p->at;
-        contact_memory(to)[k] = p->memory;
-    }
-}
-
-/* m  No point of the body gets farther in the step, unless something strikes it. */
-static real way_of(const Group *g, int body)
-{
-    const Member *m = &g->member[body];
-    const Vel *v = &g->vel[body];
-    real dt = g->world->def.step, spin = m->rim > 0 && vec3_length2(v->w) > 0 ? vec3_length(v->w) * m->rim : 0;
-    return dt * (vec3_length(v->v) + spin + m->pull * dt);
-}
-
-static void find_spans(void *context, int thread, int threads)
-{
-    const Nearby *n = context;
-    const Group *g = n->g;
-    for (int i = team_first(g->body_count, thread, threads), end = team_end(g->body_count, thread, threads); i < end; i++) {
-        const Member *m = &g->member[i];
-        real way = m->slot == NONE ? 0 : way_of(g, i);         /* NONE: the world itself */
-        n->span[i] = m->slot == NONE ? (Span){INFINITY, 0} : (Span){1.01 * m->outer + way, m->travel + way};
-    }
-}
-
-/* m  So much farther the two may get, together, than by themselves, before they could meet. */
-static real slack_of(const Nearby *n, const Pair *p, int a, int b)
-{
-    const Group *g = n->g;
-    const Span *x = &n->span[a], *y = &n->span[b];
-    real reach = x->wide + y->wide, room = p->until - x->far - y->far;
-    if (!p->fresh && room > 0)
-        return room;            /* crowd/touch.c has seen that there is so much between them */
-    real apart2 = vec3_length2(vec3_sub(g->pos[b].x, g->pos[a].x));
-    return apart2 > reach * reach ? sqrt(apart2) - reach : 0;
-}
-
-/* Most pairs of a crowd are near each other without a contact, and get none in this step: they are left out, until something strikes one
- * of their bodies. */
-static void find_near(void *context, int thread, int threads)
-{
-    const Nearby *n = context;
-    const Group *g = n->g;
-    const World *w = g->world;
-    for (int i = team_first(n->count, thread, threads), end = team_end(n->count, thread, threads); i < end; i++) {
-        const Pair *p = &w->pairs.data[n->pairs[i]];
-        if (i + FETCH_AHEAD < n->count)
-            fetch_soon(&w->pairs.data[n->pairs[i + FETCH_AHEAD]], sizeof(Pair));
-        Near *near = &n->near[i];
-        *near = (Near){.slot = n->pairs[i], .a = local_of(g, p->body_a), .b = local_of(g, p->body_b), .first = p->contact, .contacts = 1};
-        for (uint32_t c = p->pieces ? w->contacts.data[p->contact].next : NONE; c != NONE; c = w->contacts.data[c].next)
-            near->contacts++;
-        near->place = p->round ? near->contacts * POINT_PLACE : near->contacts * MANIFOLD_POINTS * POINT_PLACE + HINT_PLACE;
-        if (n->span && p->contact == NONE && !p->touching)
-            near->slack = (float)slack_of(n, p, near->a, near->b);
-        if (near->slack > 0)
-            near->contacts = 0;
-    }
-}
-
-/* Of the pairs that come after number i: the next ones but some, and of the next ones what they name. */
-static void fetch_near(const Group *g, const Near *near, int count, int i)
-{
-    const World *w = g->world;
-    if (i + 2 * FETCH_AHEAD < count)
-        fetch_soon(&w->pairs.data[near[i + 2 * FETCH_AHEAD].slot], sizeof(Pair));
-    if (i + FETCH_AHEAD >= count)
-        return;
-    fetch_more(w, near[i + FETCH_AHEAD / 2].first);
-    const Near *n = &near[i + FETCH_AHEAD];
-    const Pair *p = &w->pairs.data[n->slot];
-    size_t bytes = (p->memory == NONE ? offsetof(Solid, colour) : offsetof(Solid, centre)) - offsetof(Solid, shape);
-    fetch_soon(&w->solids.data[p->solid_a].shape, bytes);
-    fetch_soon(&w->solids.data[p->solid_b].shape, bytes);
-    fetch_soon(&g->member[n->a], offsetof(Member, pull));
-    fetch_soon(&g->member[n->b], offsetof(Member, pull));
-    if (p->memory != NONE)
-        fetch_soon(&w->memories.data[p->memory], sizeof(PairMemory));
-    if (n->first != NONE)
-        fetch_soon(&w->contacts.data[n->first], sizeof(Contact));
-}
-
-/* The pair's contacts, and its hint after what they have room for. */
-static void gather_pair_contacts(const Nearby *n, const Near *near, GroupPair *q, int pair)
-{
-    Group *g = n->g;
-    const World *w = g->world;
-    uint32_t c = near->first;
-    for (int k = 0; k < near->contacts; k++) {
-        GroupContact *to = &g->contacts[q->contact + k];
-        to->manifold.room = q->hint ? MANIFOLD_POINTS : 1;
-        gather_contact(w, q, pair, c, n->places + near->place + k * to->manifold.room * POINT_PLACE, to);
-        c = c == NONE ? NONE : w->contacts.data[c].next;
-    }
-}
-
-static void gather_near(void *context, int thread, int threads)
-{
-    const Nearby *n = context;
-    Group *g = n->g;
-    KnownRubs known;
-    memset(known.known, 0, sizeof known.known);
-    for (int i = team_first(n->taken, thread, threads), end = team_end(n->taken, thread, threads); i < end; i++) {
-        const Near *near = &n->near[i];
-        GroupPair *q = &g->pairs[n->first + i];
-        fetch_near(g, n->near, n->taken, i);
-        bool round = g->world->pairs.data[near->slot].round;
-        q->hint = round ? NULL : (ManifoldCache *)(void *)(n->places + near->place + near->contacts * MANIFOLD_POINTS * POINT_PLACE);
-        gather_pair(g, q, near, &known);
-        q->contact = near->contact;
-        q->contacts = near->contacts;
-        gather_pair_contacts(n, near, q, n->first + i);
-    }
-}
-
-/* Each pair that is taken gets its place among the group's; returns how many points they need room for. */
-static int place_near(Group *g, Near *near, int count)
-{
-    int places = 0;
-    for (int i = 0; i < count; i++) {
-        int needed = near[i].place;
-        near[i].contact = g->contact_count;
-        near[i].place = places;
-        g->contact_count += near[i].contacts;
-        places += needed;
-    }
-    g->pair_count += count;
-    return places;
-}
-
-/* Those that are taken move to the front, the others to g->left. */
-static dig_status choose_near(Nearby *n)
-{
-    Group *g = n->g;
-    g->left = arena_alloc(g->arena, (size_t)(n->span ? n->count : 0) * sizeof *g->left);
-    if (!g->left)
-        return DIG_E_MEMORY;
-    for (int i = 0; i < n->count; i++)
-        fuse_near(g, n->near[i].a, n->near[i].b);
-    for (int i = 0; i < n->count; i++) {
-        const Near *near = &n->near[i];
-        if (fused(g, near->slot, near->a, near->b))
-            continue;
-        if (near->contacts > 0)
-            n->near[n->taken++] = *near;
-        else
-            g->left[g->left_count++] = (Left){near->slot, near->a, near->b, near->slack, near->place};
-    }
-    g->left_end = g->left_count;
-    arena_shrink(g->arena, g->left, (size_t)g->left_count * sizeof *g->left);
-    return DIG_OK;
-}
-
-/* All pairs that are left out may yet come in, and each has one contact. None is where a region has laws of its own for pairs, nor where a
- * body was thrown into one that nothing known had brought it to. */
-static dig_status gather_pairs(Group *g, const uint32_t *pairs, int pair_count)
-{
-    Nearby n = {.g = g, .pairs = pairs, .count = pair_count};
-    if (pair_count == 0)
-        return DIG_OK;
-    bool leaves = g->crowd && g->world->region_count == 0 && !g->again;
-    n.span = leaves ? arena_alloc(g->arena, (size_t)g->body_count * sizeof *n.span) : NULL;
-    n.near = arena_alloc(g->arena, (size_t)pair_count * sizeof *n.near);
-    if (!n.near || (leaves && !n.span))
-        return DIG_E_MEMORY;
-    if (leaves)
-        team_deal(g->team, find_spans, &n);
-    team_deal(g->team, find_near, &n);
-    DIG_TRY(choose_near(&n));
-    g->place_count = place_near(g, n.near, n.taken);
-    size_t most = (size_t)(g->pair_count + g->left_count), contacts = (size_t)(g->contact_count + g->left_count);
-    g->pairs = arena_alloc(g->arena, most * sizeof *g->pairs);
-    g->contacts = arena_alloc(g->arena, contacts * sizeof *g->contacts);
-    g->places = n.places = arena_alloc(g->arena, (size_t)g->place_count * sizeof *g->places);
-    if (!g->pairs || !g->contacts || !g->places)
-        return DIG_E_MEMORY;
-    team_deal(g->team, gather_near, &n);
-    spare_add(&g->spare, n.near, (size_t)pair_count * sizeof *n.near);
-    if (leaves)
-        spare_add(&g->spare, n.span, (size_t)g->body_count * sizeof *n.span);
-    return DIG_OK;
-}
-
-typedef struct Taking {         /* of those that are left out                       */
-    Group *g;
-    const real *stop; real dt;
-    Near *near;                 /* a share's are where it begins to look in g->left */
-    int *taken;                 /* of each share                                    */
-} Taking;
-
-/* Those that may meet if each body gets so much farther than by itself. */
-static void take_share(void *context, int thread, int threads)
-{
-    const Taking *t = context;
-    Group *g = t->g;
-    int first = team_first(g->left_end, thread, threads), taken = 0;
-    for (int i = first, end = team_end(g->left_end, thread, threads); i < end; i++) {
-        Left *l = &g->left[i];
-        if (l->places < 0 || (real)l->slack > t->dt * (t->stop[l->a] + t->stop[l->b]))
-            continue;
-        t->near[first + taken++] = (Near){.slot = l->slot, .a = l->a, .b = l->b, .contacts = 1, .first = NONE, .place = l->places};
-        l->places = -1;         /* it was taken, and stays where it is until no more will be */
-    }
-    t->taken[thread] = taken;
-}
-
-/* They become near[0] and those after it, in their order; returns how many. */
-static int take_left(Taking *t)
-{
-    Group *g = t->g;
-    Team *team = g->left_end < SHARED_LEAST ? NULL : g->team;
-    int shares = team_shares(team), count = 0;
-    team_deal(team, take_share, t);
-    for (int i = 0; i < shares; count += t->taken[i++])
-        memmove(t->near + count, t->near + team_first(g->left_end, i, shares), (size_t)t->taken[i] * sizeof *t->near);
-    g->left_count -= count;
-    return count;
-}
-
-dig_status group_gather_struck(Group *g, const real *stop, real dt)
-{
-    Nearby n = {.g = g, .first = g->pair_count};
-    if (g->left_count == 0)
-        return DIG_OK;
-    Taking t = {g, stop, dt, NULL, arena_alloc(g->arena, (size_t)team_shares(g->team) * sizeof *t.taken)};
-    t.near = n.near = arena_alloc(g->arena, (size_t)g->left_end * sizeof *n.near);
-    if (!n.near || !t.taken)
-        return DIG_E_MEMORY;
-    n.taken = take_left(&t);
-    arena_shrink(g->arena, n.near, (size_t)n.taken * sizeof *n.near);
-    if (n.taken == 0)
-        return DIG_OK;
-    n.places = arena_alloc(g->arena, (size_t)place_near(g, n.near, n.taken) * sizeof *n.places);
-    if (!n.places)
-        return DIG_E_MEMORY;
-    team_deal(n.taken < SHARED_LEAST ? NULL : g->team, gather_near, &n);
-    spare_add(&g->spare, n.near, (size_t)n.taken * sizeof *n.near);
-    group_leave_out(g, n.first);
-    return seams(g, n.first);
-}
-
-void group_close_left(Group *g)
-{
-    int kept = 0;
-    for (int i = 0; i < g->left_end && g->left_count < g->left_end; i++)
-        if (g->left[i].places >= 0)
-            g->left[kept++] = g->left[i];
-    g->left_end = g->left_count;
-    spare_add(&g->spare, g->pairs + g->pair_count, (size_t)g->left_count * sizeof *g->pairs);
-    spare_add(&g->spare, g->contacts + g->contact_count, (size_t)g->left_count * sizeof *g->contacts);
-}
-
-void group_leave_out(Group *g, int first)
-{
-    for (int i = first; i < g->pair_count && !(g->laws >> LAW_FRICTION & 1); i++)
-        g->pairs[i].friction = g->pairs[i].friction_dynamic = 0;
-    for (int i = first; i < g->pair_count && !(g->laws >> LAW_ROLLING & 1); i++)
-        g->pairs[i].rolling = 0;
 }
 
 static int joint_index(const Group *g, uint32_t slot)

@@ -243,6 +243,9 @@ struct Group {
     Vel      *shift;            /* m, rad  position correction of a projection; as mass, not there in a crowd, which asks for neither */
     GroupPair *pairs;       int pair_count;     /* there is room for those left out, too */
     Left     *left;         int left_count, left_end;       /* see group_gather_struck; the list's end, with those taken since */
+    bool     pairs_roll;        /* some pair may have rolling resistance */
+    int      *walled;       int walled_count;       /* pairs with something fixed, see seam.c */
+    bool     *astray;           /* [moving_count] who got farther than foreseen; NULL: not known */
     Things   *things;           /* NULL: there are none */
     uint32_t *over;         int over_count;     /* world pairs that touch, of two that have become one thing */
     int      *changed;      int changed_count;  /* group_judge: pairs whose touch began or ended, or that were struck apart */
@@ -458,7 +461,9 @@ dig_status sweep_piece(Group *g, real dt, real until);  /* from g->t on, of a st
 real group_kinetic(const Group *g);                     /* J */
 Vel  group_way_of(const Group *g, int body);            /* what a substep moves it with: forces work along that */
 real group_kinetic_of(const Group *g, int body);         /* J */
-real group_close_speed(const Group *g);                 /* m/s  slower impacts are no impacts */
+/* m/s  Slower impacts are no impacts; size: m, of the smallest pair; fall: m/s^2. */
+static inline real close_speed_of(real size, real fall) { return isfinite(size) ? sqrt(2e-5 * size * fall) + 1e-9 * size : 0; }
+real group_close_speed(const Group *g);
 /* impact.c: what touches and approaches is struck, now */
 int  group_events(const Group *g);                      /* impacts that may be located in a step */
 void impacts(Group *g);

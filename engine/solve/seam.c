@@ -51,29 +51,62 @@ static bool meeting_of(const Group *g, int pair, Meeting *m)
     return true;
 }
 
+#define SHARED_LEAST 512        /* pairs: fewer are not worth a team */
+
+typedef struct Walls { const Group *g; int first, *pairs, *found; } Walls;      /* from this pair on; found: by each share */
+
+/* A share's begin where it begins to look. */
+static void wall_share(void *context, int thread, int threads)
+{
+    const Walls *x = context;
+    int count = x->g->pair_count - x->first, from = team_first(count, thread, threads), n = 0;
+    for (int i = from, end = team_end(count, thread, threads); i < end; i++)
+        if (mover_of(x->g, &x->g->pairs[x->first + i]) >= 0)
+            x->pairs[from + n++] = x->first + i;
+    x->found[thread] = n;
+}
+
+/* Those of the pairs from `first` on that are with something fixed come after the ones that were known. */
+static dig_status list_walled(Group *g, int first)
+{
+    int count = g->pair_count - first, known = g->walled_count;
+    Team *team = count < SHARED_LEAST ? NULL : g->team;
+    int shares = team_shares(team);
+    Walls x = {.g = g, .first = first, .found = arena_alloc(g->arena, (size_t)shares * sizeof *x.found)};
+    int *all = arena_alloc(g->arena, (size_t)(known + count) * sizeof *all);
+    if (!x.found || !all)
+        return DIG_E_MEMORY;
+    x.pairs = all + known;
+    team_deal(team, wall_share, &x);
+    for (int i = 0; i < shares; g->walled_count += x.found[i++])
+        memmove(all + g->walled_count, x.pairs + team_first(count, i, shares), (size_t)x.found[i] * sizeof *all);
+    if (g->walled_count == known) {
+        arena_shrink(g->arena, all, 0);
+        return DIG_OK;
+    }
+    arena_shrink(g->arena, all, (size_t)g->walled_count * sizeof *all);
+    if (known > 0)
+        memcpy(all, g->walled, (size_t)known * sizeof *all);
+    g->walled = all;
+    return DIG_OK;
+}
+
 /* Of bodies that meet two fixed solids or more; -1: out of memory. */
 static int list_meetings(const Group *g, Meeting **list)
 {
     uint8_t *met = arena_alloc(g->arena, (size_t)g->moving_count);
-    int most = 0, count = 0;
-    if (!met)
+    int count = 0;
+    *list = arena_alloc(g->arena, (size_t)g->walled_count * sizeof **list);
+    if (!met || !*list)
         return -1;
     memset(met, 0, (size_t)g->moving_count);
-    for (int i = 0; i < g->pair_count; i++) {
-        int mover = mover_of(g, &g->pairs[i]);
-        if (mover >= 0) {
-            met[mover] = (uint8_t)int_min(2, met[mover] + 1);
-            most++;
-        }
+    for (int i = 0; i < g->walled_count; i++) {
+        int mover = mover_of(g, &g->pairs[g->walled[i]]);
+        met[mover] = (uint8_t)int_min(2, met[mover] + 1);
     }
-    *list = arena_alloc(g->arena, (size_t)most * sizeof **list);
-    if (!*list)
-        return -1;
-    for (int i = 0; i < g->pair_count; i++) {
-        int mover = mover_of(g, &g->pairs[i]);
-        if (mover >= 0 && met[mover] > 1)
-            count += meeting_of(g, i, *list + count);
-    }
+    for (int i = 0; i < g->walled_count; i++)
+        if (met[mover_of(g, &g->pairs[g->walled[i]])] > 1)
+            count += meeting_of(g, g->walled[i], *list + count);
     return count;
 }
 
@@ -169,10 +202,11 @@ static dig_status link_meetings(Group *g, const Meeting *m, int count)
 
 dig_status seams(Group *g, int first)
 {
-    bool any = false;
-    for (int i = first; i < g->pair_count && !any; i++)
-        any = mover_of(g, &g->pairs[i]) >= 0;
-    if (!any || g->pair_count < 2 || !two_fixed(g))
+    int known = g->walled_count;
+    if (!two_fixed(g))
+        return DIG_OK;
+    DIG_TRY(list_walled(g, first));
+    if (g->walled_count == known || g->pair_count < 2)
         return DIG_OK;
     Meeting *m;
     int count = list_meetings(g, &m);

@@ -659,7 +659,7 @@ real group_close_speed(const Group *g)
     real size = INFINITY;
     for (int i = 0; i < g->pair_count; i++)
         size = real_min(size, g->pairs[i].size);
-    return isfinite(size) ? sqrt(2e-5 * size * g->fall) + 1e-9 * size : 0;
+    return close_speed_of(size, g->fall);
 }
 
 #define FINER        4          /* times as many parts, for so few */

@@ -140,15 +140,25 @@ static void poison(Group *g, dig_body who)
             g->vel[i].v.x = (real)NAN;
 }
 
-static bool group_finite(const Group *g)
+static bool member_finite(const Group *g, int i)
 {
-    for (int i = 0; i < g->moving_count; i++)
-        if (g->member[i].moves && !(vec3_finite(g->pos[i].x) && quat_finite(g->pos[i].q) && vel_finite(&g->vel[i])))
-            return false;
+    return !g->member[i].moves || (vec3_finite(g->pos[i].x) && quat_finite(g->pos[i].q) && vel_finite(&g->vel[i]));
+}
+
+static bool joints_finite(const Group *g)
+{
     for (int i = 0; i < g->joint_count; i++)
         if (!vec3_finite(g->joints[i].impulse) || !vec3_finite(g->joints[i].angular_impulse))
             return false;
-    return g->status == DIG_OK;
+    return true;
+}
+
+static bool group_finite(const Group *g)
+{
+    for (int i = 0; i < g->moving_count; i++)
+        if (!member_finite(g, i))
+            return false;
+    return joints_finite(g) && g->status == DIG_OK;
 }
 
 /* Numbers may be finite and yet so large that no step could follow, nor a file hold them. */
@@ -158,12 +168,27 @@ static bool in_range(const Group *g, int i)
     return !g->member[i].moves || (vec3_largest(vec3_abs(g->pos[i].x)) <= WORLD_FAR && fast <= WORLD_FAST);
 }
 
-static bool group_in_range(const Group *g)
+typedef struct Soundness { const Group *g; atomic_bool nan, far; } Soundness;      /* of some member: it is no number; it is out of range */
+
+static void sound_share(void *context, int thread, int threads)
 {
-    for (int i = 0; i < g->moving_count; i++)
-        if (!in_range(g, i))
-            return false;
-    return true;
+    Soundness *s = context;
+    for (int i = team_first(s->g->moving_count, thread, threads), end = team_end(s->g->moving_count, thread, threads); i < end; i++) {
+        if (!member_finite(s->g, i))
+            atomic_store(&s->nan, true);
+        if (!in_range(s->g, i))
+            atomic_store(&s->far, true);
+    }
+}
+
+/* As group_finite; g->sound: and all is in range. */
+static bool look_if_sound(Group *g)
+{
+    Soundness s = {.g = g};
+    team_deal(g->team, sound_share, &s);
+    bool finite = !atomic_load(&s.nan) && joints_finite(g) && g->status == DIG_OK;
+    g->sound = finite && !atomic_load(&s.far);
+    return finite;
 }
 
 typedef struct Context { World *w; Step *s; bool blame, alone; } Context;     /* alone: this is the calling thread, and others wait */
@@ -197,8 +222,7 @@ static void advance_one(void *context, int i, Arena *arena)
     g->status = advance_judged(g, c->s->dt);
     if (g->status == DIG_OK)
         watch_group(g);
-    bool finite = group_finite(g);
-    g->sound = finite && group_in_range(g);
+    bool finite = look_if_sound(g);
     g->strays = finite ? count_strays(g) : 0;
 }
 
