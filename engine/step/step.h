@@ -23,6 +23,7 @@ static inline int lowest_bit(uint32_t bits) { return __builtin_ctz(bits); }     
 typedef struct Step {           /* what the stages hand to each other; lives in the world's scratch memory */
     real      dt;
     int       tries;            /* of the step, because something got farther than foreseen */
+    bool      plain;            /* all bodies are free, of about the same mass, and advanced the default way; false: not known */
     bool      timed;            /* phases and effects are timed in this step */
     Stopwatch watch;            /* in a timed step                          */
     uint32_t *leads;            /* first members of the DIGs of all groups, group by group */
@@ -52,7 +53,7 @@ dig_status advance_groups(World *w, Step *s);       /* on private copies, in par
 void       commit_groups(World *w, Step *s);        /* the copies become the world                          */
 dig_status check_finite(World *w, Step *s);         /* all numbers finite, or name the culprit              */
 /* stray.c */
-int        count_strays(const Group *g);            /* that got farther than foreseen                       */
+int        count_strays(Group *g);                  /* that got farther than foreseen                       */
 dig_status look_for_strays(World *w, Step *s);      /* DIG_E_BUSY = a body got where its group did not look: again */
 /* ways.c */
 dig_status group_advance(Group *g, real dt);        /* by the first way that suits and can                  */

@@ -72,22 +72,27 @@ static int list_member(const World *w, const Group *g, int member, Stray *out)
     return n;
 }
 
-typedef struct Count { const Group *g; atomic_int strays; } Count;
+typedef struct Count { const Group *g; bool *strays; atomic_int count; } Count;      /* strays: [moving_count] */
 
 static void count_share(void *context, int thread, int threads)
 {
     Count *c = context;
     int n = 0;
-    for (int i = team_first(c->g->moving_count, thread, threads), end = team_end(c->g->moving_count, thread, threads); i < end; i++)
-        n += list_member(c->g->world, c->g, i, NULL);
-    atomic_fetch_add(&c->strays, n);
+    for (int i = team_first(c->g->moving_count, thread, threads), end = team_end(c->g->moving_count, thread, threads); i < end; i++) {
+        int more = list_member(c->g->world, c->g, i, NULL);
+        if (c->strays)
+            c->strays[i] = more > 0;
+        n += more;
+    }
+    atomic_fetch_add(&c->count, n);
 }
 
-int count_strays(const Group *g)
+int count_strays(Group *g)
 {
-    Count c = {.g = g};
+    Count c = {.g = g, .strays = arena_alloc(g->arena, (size_t)g->moving_count)};       /* NULL: all are asked again */
     team_deal(g->team, count_share, &c);
-    return atomic_load(&c.strays);
+    g->astray = c.strays;
+    return atomic_load(&c.count);
 }
 
 /* Of groups that have any. */
@@ -95,7 +100,8 @@ static void list_strays(const World *w, const Step *s, Stray *out)
 {
     for (int i = 0, n = 0; i < s->count; i++)
         for (int k = 0; k < s->groups[i].moving_count && s->groups[i].strays > 0; k++)
-            n += list_member(w, &s->groups[i], k, out + n);
+            if (!s->groups[i].astray || s->groups[i].astray[k])
+                n += list_member(w, &s->groups[i], k, out + n);
 }
 
 /* Might two solids whose centres end up there be in each other by more than does not matter? What is exact is looked at anew. */
@@ -162,6 +168,21 @@ static void look_at_planes(const World *w, Stray *stray)
     }
 }
 
+typedef struct Straying { World *w; real dt; Stray *list; int count; bool crowds; } Straying;    /* crowds: those of crowds, or the others */
+
+/* What a crowd's may strike is not told that it was: these change nothing but their own. */
+static void look_share(void *context, int thread, int threads)
+{
+    const Straying *x = context;
+    for (int i = team_first(x->count, thread, threads), end = team_end(x->count, thread, threads); i < end; i++)
+        if (x->list[i].g->crowd == x->crowds) {
+            look_on_its_way(x->w, x->dt, &x->list[i]);
+            look_at_planes(x->w, &x->list[i]);
+        }
+}
+
+#define SHARED_LEAST 32         /* fewer are not worth a team */
+
 static int compare_low(const void *a, const void *b)
 {
     const Stray *x = a, *y = b;
@@ -212,10 +233,8 @@ dig_status look_for_strays(World *w, Step *s)
     if (!list)
         return world_fail(w, DIG_E_MEMORY, "not enough memory for bodies that got farther than foreseen");
     list_strays(w, s, list);
-    for (int i = 0; i < count; i++) {
-        look_on_its_way(w, s->dt, &list[i]);
-        look_at_planes(w, &list[i]);
-    }
+    team_deal(count < SHARED_LEAST ? NULL : workers_team(w->workers), look_share, &(Straying){w, s->dt, list, count, true});
+    look_share(&(Straying){w, s->dt, list, count, false}, 0, 1);
     look_at_each_other(w, list, count);
     bool again = false;
     for (int i = 0; i < count; i++)
