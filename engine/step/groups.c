@@ -10,12 +10,16 @@
 #include "step/step.h"
 #include "world/joint.h"
 
+/* Threads unite at the same time. What has a parent never becomes a root again, and each of its parents is one of its forebears for ever. */
+static uint32_t parent_of(const World *w, uint32_t i) { return __atomic_load_n(&w->parent.data[i], __ATOMIC_RELAXED); }
+
 static uint32_t find_root(World *w, uint32_t i)
 {
-    uint32_t *parent = w->parent.data;
-    while (parent[i] != i) {
-        parent[i] = parent[parent[i]];
-        i = parent[i];
+    for (uint32_t up = parent_of(w, i), over; up != i; i = over) {
+        over = parent_of(w, up);
+        if (over != up)
+            __atomic_store_n(&w->parent.data[i], over, __ATOMIC_RELAXED);
+        up = parent_of(w, over);
     }
     return i;
 }
@@ -23,12 +27,15 @@ static uint32_t find_root(World *w, uint32_t i)
 /* The lower slot becomes the root: independent of the order of unions. */
 static void unite(World *w, uint32_t a, uint32_t b)
 {
-    a = find_root(w, a);
-    b = find_root(w, b);
-    if (a < b)
-        w->parent.data[b] = a;
-    else
-        w->parent.data[a] = b;
+    for (;;) {
+        a = find_root(w, a);
+        b = find_root(w, b);
+        if (a == b)
+            return;
+        uint32_t high = a > b ? a : b, low = a > b ? b : a;
+        if (__atomic_compare_exchange_n(&w->parent.data[high], &high, low, false, __ATOMIC_RELAXED, __ATOMIC_RELAXED))
+            return;
+    }
 }
 
 /* What there is to share out: the DIGs concerned, by their first members, and the pairs that may meet. */
@@ -43,6 +50,37 @@ static uint32_t dig_node(World *w, uint32_t body, Found *f)
         f->nodes[f->node_count++] = lead;
     }
     return lead;
+}
+
+typedef struct Awake { World *w; uint32_t *nodes; int *found; } Awake;         /* found: by each share, from where it begins to look */
+
+static void node_share(void *context, int thread, int threads)
+{
+    const Awake *a = context;
+    World *w = a->w;
+    int first = team_first(w->awake.count, thread, threads), n = 0;
+    for (int i = first, end = team_end(w->awake.count, thread, threads); i < end; i++) {
+        uint32_t lead = body_dynamic(w, w->awake.data[i]) ? graph_lead(w->graph, w->awake.data[i]) : NONE;
+        if (lead != NONE && parent_of(w, lead) == NONE && __atomic_exchange_n(&w->parent.data[lead], lead, __ATOMIC_RELAXED) == NONE)
+            a->nodes[first + n++] = lead;
+    }
+    a->found[thread] = n;
+}
+
+#define SHARED_LEAST 512         /* pairs, or bodies and pairs: fewer are not worth a team */
+
+/* The DIGs of all that is awake; in which order is not said. */
+static dig_status list_awake(World *w, Found *f)
+{
+    Team *team = w->awake.count < SHARED_LEAST ? NULL : workers_team(w->workers);
+    int shares = team_shares(team);
+    Awake a = {w, f->nodes, arena_alloc(&w->scratch, (size_t)shares * sizeof *a.found)};
+    if (!a.found)
+        return DIG_E_MEMORY;
+    team_deal(team, node_share, &a);
+    for (int i = 0; i < shares; f->node_count += a.found[i++])
+        memmove(f->nodes + f->node_count, f->nodes + team_first(w->awake.count, i, shares), (size_t)a.found[i] * sizeof *f->nodes);
+    return DIG_OK;
 }
 
 /* Only what is listed has a reach of this step. A sleeper is just where it is: its leaf is as wide as when it moved. */
@@ -73,10 +111,10 @@ bool pair_met(const World *w, const Pair *p)
                                                           reach_now(w, &w->solids.data[p->solid_b], is_listed(w, p->body_b)));
 }
 
-/* What is found out about a listed pair before anything is united. */
-enum { GONE, APART, MEETS, WITHIN };        /* WITHIN: so do two of the same DIG, which unites nothing */
+/* What is found out about a listed pair. */
+enum { GONE, APART, MEETS, UNITED, KINDS };         /* MEETS: and one is asleep; UNITED: so do two of the same group */
 
-typedef struct Looking { World *w; uint8_t *found; } Looking;       /* [near] */
+typedef struct Looking { World *w; uint8_t *found; Found *f; int (*count)[KINDS]; } Looking;        /* [near]; of each share, then of those before it */
 
 static void fetch_ends(const World *w, uint32_t solid, uint32_t body)
 {
@@ -97,10 +135,26 @@ static void fetch_pairs(const World *w, int i)
     fetch_ends(w, p->solid_b, p->body_b);
 }
 
+/* Of a pair that meets: DIGs that are awake are united here. */
+static int unite_pair(World *w, const Pair *p)
+{
+    if (p->dynamic_a && p->dynamic_b) {
+        uint32_t a = graph_lead(w->graph, p->body_a), b = graph_lead(w->graph, p->body_b);
+        if (a == b)
+            return UNITED;          /* it is awake, for one end is listed */
+        if (parent_of(w, a) == NONE || parent_of(w, b) == NONE)
+            return MEETS;
+        unite(w, a, b);
+        return UNITED;
+    }
+    return w->bodies.data[p->dynamic_a ? p->body_a : p->body_b].awake ? UNITED : MEETS;
+}
+
 static void look_share(void *context, int thread, int threads)
 {
     const Looking *l = context;
     World *w = l->w;
+    int count[KINDS] = {0};
     for (int i = team_first(w->near.count, thread, threads), end = team_end(w->near.count, thread, threads); i < end; i++) {
         Pair *p = &w->pairs.data[w->near.data[i]];
         fetch_pairs(w, i);
@@ -110,15 +164,43 @@ static void look_share(void *context, int thread, int threads)
         p->listed = is_listed(w, p->body_a) || is_listed(w, p->body_b);
         if (!p->listed)
             continue;
-        l->found[i] = APART;
-        if (!pair_met(w, p))
-            continue;
-        bool within = p->dynamic_a && p->dynamic_b && graph_lead(w->graph, p->body_a) == graph_lead(w->graph, p->body_b);
-        l->found[i] = within ? WITHIN : MEETS;
+        l->found[i] = (uint8_t)(pair_met(w, p) ? unite_pair(w, p) : APART);
+        count[l->found[i]]++;
+    }
+    memcpy(l->count[thread], count, sizeof count);
+}
+
+/* Where nobody sleeps: those that meet are listed, and what is gone leaves its share of the near ones. */
+static void pack_share(void *context, int thread, int threads)
+{
+    const Looking *l = context;
+    uint32_t *near = l->w->near.data, *pairs = l->f->pairs + l->count[thread][UNITED], *to = near + team_first(l->w->near.count, thread, threads);
+    for (int i = team_first(l->w->near.count, thread, threads), end = team_end(l->w->near.count, thread, threads); i < end; i++) {
+        if (l->found[i] == UNITED)
+            *pairs++ = near[i];
+        if (l->found[i] != GONE)
+            *to++ = near[i];
     }
 }
 
-/* One pair that meets; unites the DIGs of both. DIG_E_BUSY: a mover woke a sleeper. */
+static void pack(Looking *l, Team *team)
+{
+    World *w = l->w;
+    int shares = team_shares(team), total = w->near.count, kept = 0;
+    for (int i = 0; i < shares; i++) {
+        int own = l->count[i][UNITED];
+        l->count[i][APART] += own;          /* so many it keeps */
+        l->count[i][UNITED] = l->f->pair_count;
+        l->f->pair_count += own;
+    }
+    team_deal(team, pack_share, l);
+    for (int i = 0; i < shares; kept += l->count[i++][APART])
+        if (kept < team_first(total, i, shares))
+            memmove(w->near.data + kept, w->near.data + team_first(total, i, shares), (size_t)l->count[i][APART] * sizeof *w->near.data);
+    w->near.count = kept;
+}
+
+/* One pair that meets a sleeper, or a mover; unites the DIGs of both. DIG_E_BUSY: a mover woke a sleeper. */
 static dig_status collect_pair(World *w, uint32_t slot, Found *f)
 {
     const Pair *p = &w->pairs.data[slot];
@@ -155,8 +237,6 @@ static dig_status sort_near(World *w)
     return DIG_OK;
 }
 
-#define SHARED_LEAST 512         /* pairs, or bodies and pairs: fewer are not worth a team */
-
 /* Goes through the pairs in the order of their storage, and drops those that are gone or fell asleep. */
 static dig_status collect_pairs(World *w, Found *f)
 {
@@ -165,10 +245,18 @@ static dig_status collect_pairs(World *w, Found *f)
     DIG_TRY(sort_near(w));
     uint32_t *near = w->near.data;
     int n = 0, count = w->near.count;
-    Looking l = {w, arena_alloc(&w->scratch, (size_t)count)};
-    if (!l.found)
+    Team *team = count < SHARED_LEAST ? NULL : workers_team(w->workers);
+    int shares = team_shares(team), sleepers = 0;
+    Looking l = {w, arena_alloc(&w->scratch, (size_t)count), f, arena_alloc(&w->scratch, (size_t)shares * sizeof *l.count)};
+    if (!l.found || !l.count)
         return DIG_E_MEMORY;
-    team_deal(count < SHARED_LEAST ? NULL : workers_team(w->workers), look_share, &l);
+    team_deal(team, look_share, &l);
+    for (int i = 0; i < shares; i++)
+        sleepers += l.count[i][MEETS];
+    if (sleepers == 0) {
+        pack(&l, team);
+        return DIG_OK;
+    }
     dig_status status = DIG_OK;
     for (int i = 0; i < count; i++) {
         if (l.found[i] == GONE)
@@ -176,8 +264,8 @@ static dig_status collect_pairs(World *w, Found *f)
         near[n++] = near[i];
         if (status == DIG_OK && l.found[i] == MEETS)
             status = collect_pair(w, near[i], f);
-        else if (status == DIG_OK && l.found[i] == WITHIN)
-            f->pairs[f->pair_count++] = near[i];        /* its DIG is awake, for one end is listed, and noted */
+        else if (status == DIG_OK && l.found[i] == UNITED)
+            f->pairs[f->pair_count++] = near[i];
     }
     w->near.count = n;
     return status;
@@ -199,19 +287,60 @@ static int bodies_of(const World *w, const Step *s, const struct StepGroup *g)
     return bodies;
 }
 
+typedef struct Plain { real light, heavy; bool free; } Plain;          /* kg; free, and advanced the default way */
+
+static const Plain nobody = {INFINITY, 0, true};
+
+static void add_plain(Plain *p, const Body *b)
+{
+    p->free = p->free && b->joint_first == NONE && b->integrator == DIG_AUTO;
+    p->light = real_min(p->light, b->mass);
+    p->heavy = real_max(p->heavy, b->mass);
+}
+
 /* Free bodies of about the same mass, advanced the default way. */
+static bool is_plain(const Plain *p) { return p->free && p->heavy <= CROWD_MASS_RATIO * p->light; }
+
 static bool plain_bodies(const World *w, const Step *s, const struct StepGroup *g)
 {
-    real light = INFINITY, heavy = 0;
-    for (int i = 0; i < g->dig_count; i++)
-        for (uint32_t m = s->leads[g->dig_first + i]; m != NONE; m = graph_next(w->graph, m)) {
-            const Body *b = &w->bodies.data[m];
-            if (b->joint_first != NONE || b->integrator != DIG_AUTO)
-                return false;
-            light = real_min(light, b->mass);
-            heavy = real_max(heavy, b->mass);
-        }
-    return heavy <= CROWD_MASS_RATIO * light;
+    Plain p = nobody;
+    for (int i = 0; i < g->dig_count && !s->plain; i++)
+        for (uint32_t m = s->leads[g->dig_first + i]; m != NONE && p.free; m = graph_next(w->graph, m))
+            add_plain(&p, &w->bodies.data[m]);
+    return is_plain(&p);
+}
+
+typedef struct Everybody { const World *w; Plain *of; } Everybody;      /* of each share of the world's bodies */
+
+static void plain_share(void *context, int thread, int threads)
+{
+    const Everybody *e = context;
+    const World *w = e->w;
+    Plain p = nobody;
+    for (int i = team_first(w->bodies.count, thread, threads), end = team_end(w->bodies.count, thread, threads); i < end && p.free; i++)
+        if (w->bodies.data[i].alive && w->bodies.data[i].kind == DIG_DYNAMIC)
+            add_plain(&p, &w->bodies.data[i]);
+    e->of[thread] = p;
+}
+
+/* Is it so of all there are? Where most of them are awake, that is asked once, by all threads. */
+static dig_status find_plain(World *w, Step *s, Team *team)
+{
+    int shares = team_shares(team);
+    s->plain = false;
+    if (!team || 2 * w->awake.count < w->bodies.count)
+        return DIG_OK;
+    Everybody e = {w, arena_alloc(&w->scratch, (size_t)shares * sizeof *e.of)};
+    if (!e.of)
+        return DIG_E_MEMORY;
+    team_deal(team, plain_share, &e);
+    for (int i = 1; i < shares; i++) {
+        e.of[0].free = e.of[0].free && e.of[i].free;
+        e.of[0].light = real_min(e.of[0].light, e.of[i].light);
+        e.of[0].heavy = real_max(e.of[0].heavy, e.of[i].heavy);
+    }
+    s->plain = is_plain(&e.of[0]);
+    return DIG_OK;
 }
 
 /* Bounces are simultaneous in a crowd; what bounces well deserves better, unless there is very much of it. */
@@ -409,6 +538,7 @@ static dig_status cut(World *w, Step *s, const Found *f)
     int64_t spent = 0;
     int total = w->awake.count + f->pair_count;
     Choosing c = {w, s, total};
+    DIG_TRY(find_plain(w, s, total < SHARED_LEAST ? NULL : workers_team(w->workers)));
     workers_run(total < SHARED_LEAST ? NULL : w->workers, &w->scratch, choose_way, &c, s->count);
     for (int i = 0; i < s->count; i++) {
         struct StepGroup *g = &s->parts[i];
@@ -425,14 +555,13 @@ dig_status form_groups(World *w, Step *s)
     s->count = 0;
     if (w->awake.count + w->near.count == 0)        /* all are asleep */
         return DIG_OK;
-    Found f = {.nodes = arena_alloc(&w->scratch, (size_t)graph_count(w->graph) * sizeof *f.nodes),
+    Found f = {.nodes = arena_alloc(&w->scratch, (size_t)int_max(graph_count(w->graph), w->awake.count) * sizeof *f.nodes),
                .pairs = arena_alloc(&w->scratch, (size_t)w->near.count * sizeof *f.pairs)};
     if (!f.nodes || !f.pairs)
         return world_fail(w, DIG_E_MEMORY, "not enough memory for the step's groups");
-    for (int i = 0; i < w->awake.count; i++)
-        if (body_dynamic(w, w->awake.data[i]))
-            dig_node(w, w->awake.data[i], &f);
-    dig_status status = collect_pairs(w, &f);
+    dig_status status = list_awake(w, &f);
+    if (status == DIG_OK)
+        status = collect_pairs(w, &f);
     if (status == DIG_OK)
         status = cut(w, s, &f);
     for (int i = 0; i < f.node_count; i++)
