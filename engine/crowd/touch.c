@@ -339,7 +339,7 @@ static void note_stops(const Blows *s, const GroupPair *q, real struck)
     }
 }
 
-#define TEAM_LEAST 512          /* pairs: fewer are not worth a team */
+#define TEAM_LEAST 64           /* pairs that come in: fewer are not worth a team */
 
 /* Pairs that the blows known by now may bring together; those of bodies with news are looked at. */
 static dig_status touch_struck(const Blows *s, int round)

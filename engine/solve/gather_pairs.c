@@ -384,6 +384,8 @@ static int take_left(Taking *t)
     return count;
 }
 
+#define STRUCK_LEAST 64         /* pairs that come in: fewer are not worth a team */
+
 dig_status group_gather_struck(Group *g, const real *stop, real dt)
 {
     Nearby n = {.g = g, .first = g->pair_count};
@@ -400,7 +402,7 @@ dig_status group_gather_struck(Group *g, const real *stop, real dt)
     n.places = arena_alloc(g->arena, (size_t)place_near(g, n.near, n.taken) * sizeof *n.places);
     if (!n.places)
         return DIG_E_MEMORY;
-    team_deal(n.taken < SHARED_LEAST ? NULL : g->team, gather_near, &n);
+    team_deal(n.taken < STRUCK_LEAST ? NULL : g->team, gather_near, &n);
     g->pairs_roll = g->pairs_roll || atomic_load(&n.rolls);
     spare_add(&g->spare, n.near, (size_t)n.taken * sizeof *n.near);
     group_leave_out(g, n.first);
