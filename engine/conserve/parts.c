@@ -208,6 +208,27 @@ static real rate_of(const Piece *piece, const real *row)
     return vec3_dot(take(row, 0), piece->v0) + vec3_dot(take(row, 1), mat3_mul_vec(piece->r0, piece->w0));
 }
 
+/* J  What each hard row would take of the motion if it alone had no rate any more, by the gradients at the end of the last step. */
+real parts_across(const System *s, const Tie *t)
+{
+    const Group *g = s->g;
+    const int ends[2] = {t->a, t->b};
+    real sum = 0;
+    for (int n = t->part; n < t->part + t->parts; n++)
+        for (int i = s->part[n].at; i < s->part[n].at + s->part[n].rows && !s->part[n].soft; i++) {
+            real rate = 0, gives = 0;
+            for (int k = 0; k < 2; k++) {
+                const real *row = t->end[i] + 6 * k;
+                if (!s->piece[ends[k]].moves)
+                    continue;
+                rate += vec3_dot(take(row, 0), g->vel[ends[k]].v) + vec3_dot(take(row, 1), g->vel[ends[k]].w);
+                gives += mobility(&s->piece[ends[k]], row);
+            }
+            sum += gives > 0 ? 0.5 * rate * rate / gives : 0;
+        }
+    return sum;
+}
+
 /* A damper that stops a motion well within the step must not turn it round, as means over the step would. Spring and damper
  * answer to (1 - late) / 2 times the state at the start and (1 + late) / 2 times that at the end, with `late` such that the row's
  * own motion decays as it does in truth: v1 / v0 = e^(-2 z), z = h c / (2 m). Positions still follow the mean velocity: what is

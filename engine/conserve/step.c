@@ -4,6 +4,7 @@
 
 #define ACROSS 1e-4             /* of the kinetic energy: less of it across the joints stays there */
 #define GENTLE 0.1              /* of the same: and more, too                                      */
+#define ALONE 0.01              /* of that: rows one by one tell of as much at least               */
 
 /* ---- pieces ---- */
 
@@ -218,41 +219,68 @@ static bool is_driven(const Group *g)
 }
 
 /* The rule ends on the joints in place, not in velocity: it leaves something across them, which the next step mirrors. Of a smooth motion
- * that belongs to the fourth order of composed steps; where it is not smooth, it adds up, and is energy that no motion has. Then it is
- * given back to the motion. */
-dig_status step_settle(System *s)
+ * that belongs to the fourth order of composed steps; where it is not smooth, it adds up, and is energy that no motion has: it asks for short
+ * steps with many iterations. Then it is given back to the motion. */
+typedef struct Settle { int *root; uint8_t *ties; Vel *was; real *kinetic, *across; } Settle;
+
+static bool settle_open(const Group *g, Settle *o)
+{
+    size_t n = (size_t)g->moving_count + 1;
+    *o = (Settle){arena_alloc(g->arena, n * sizeof *o->root), arena_zero(g->arena, n), arena_alloc(g->arena, n * sizeof *o->was),
+                  arena_alloc(g->arena, n * sizeof *o->kinetic), arena_zero(g->arena, n * sizeof *o->across)};
+    return o->root && o->ties && o->was && o->kinetic && o->across;
+}
+
+/* Rows one by one tell of less than all of them together, by up to fifty times (a chain of 50 links): is a solve worth while? */
+static bool has_across(const System *s, const Settle *o)
+{
+    const Group *g = s->g;
+    for (int i = 0; i < s->tie_count; i++) {
+        const Tie *t = &s->tie[i];
+        o->across[o->root[s->piece[t->a].moves ? t->a : t->b]] += parts_across(s, t);
+    }
+    for (int i = 0; i < g->moving_count; i++)
+        if (o->root[i] == i && o->across[i] > ACROSS * ALONE * o->kinetic[i])
+            return true;
+    return false;
+}
+
+static void give_back(System *s, const Settle *o)
 {
     Group *g = s->g;
-    size_t n = (size_t)g->moving_count;
-    ArenaMark mark = arena_mark(g->arena);
-    int *root = arena_alloc(g->arena, (n + 1) * sizeof *root);
-    uint8_t *ties = arena_zero(g->arena, n + 1);
-    Vel *was = arena_alloc(g->arena, (n + 1) * sizeof *was);
-    real *kinetic = arena_alloc(g->arena, (n + 1) * sizeof *kinetic);
-    if (!root || !ties || !was || !kinetic)
-        return DIG_E_MEMORY;
-    start(s);
-    if (is_driven(g) || !newton_clean(s)) {
-        arena_rewind(g->arena, mark);
-        return DIG_OK;
-    }
-    group_mechanisms(g, root, ties);
-    for (int i = 0; i < g->moving_count; i++)
-        kinetic[i] = root[i] == i ? mechanism_kinetic(g, root, i) : 0;
     for (int i = 0; i < g->moving_count; i++) {
-        was[i] = g->vel[i];
+        o->was[i] = g->vel[i];
         if (s->piece[i].moves)
             g->vel[i] = (Vel){s->piece[i].v0, mat3_mul_vec(s->piece[i].r0, s->piece[i].w0)};
     }
     for (int i = 0; i < g->moving_count; i++) {
-        if (!s->piece[i].moves || root[i] != i)
+        if (!s->piece[i].moves || o->root[i] != i)
             continue;
-        bool adds_up = kinetic[i] - mechanism_kinetic(g, root, i) > ACROSS * kinetic[i];
-        if (adds_up && mechanism_hold_kinetic(g, root, i, !(ties[i] & MECHANISM_HELD), kinetic[i], GENTLE))
+        bool adds_up = o->kinetic[i] - mechanism_kinetic(g, o->root, i) > ACROSS * o->kinetic[i];
+        if (adds_up && mechanism_hold_kinetic(g, o->root, i, !(o->ties[i] & MECHANISM_HELD), o->kinetic[i], GENTLE))
             continue;
         for (int k = i; k < g->moving_count; k++)
-            if (root[k] == i)
-                g->vel[k] = was[k];
+            if (o->root[k] == i)
+                g->vel[k] = o->was[k];
+    }
+}
+
+dig_status step_settle(System *s)
+{
+    Group *g = s->g;
+    Settle o;
+    if (is_driven(g))
+        return DIG_OK;
+    ArenaMark mark = arena_mark(g->arena);
+    if (!settle_open(g, &o))
+        return DIG_E_MEMORY;
+    group_mechanisms(g, o.root, o.ties);
+    for (int i = 0; i < g->moving_count; i++)
+        o.kinetic[i] = o.root[i] == i ? mechanism_kinetic(g, o.root, i) : 0;
+    if (has_across(s, &o)) {
+        start(s);
+        if (newton_clean(s))
+            give_back(s, &o);
     }
     arena_rewind(g->arena, mark);
     return DIG_OK;

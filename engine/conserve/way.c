@@ -333,7 +333,7 @@ static dig_status advance(Group *g, real dt)
     if (group_deep(g))
         return hand_on(g, &saved, "conserve: bodies met");
     step_remember(&s);
-    if (kind == COMPOSED)
+    if (kind != EXTRAPOLATED)
         DIG_TRY(step_settle(&s));
     DIG_TRY(group_hold_momenta(g, dt));
     DIG_TRY(g->stage(g, STAGE_SETTLE));
