@@ -5,7 +5,8 @@
 #define EXACT 1e-13             /* m  residual at which a precise step is done               */
 #define FINE 3e-12              /* m  for other steps, and when an iteration gains little    */
 #define ENOUGH 1e-9             /* m  residual that is taken when rounding allows no better  */
-#define QUICK 1e-4              /* of the residual before: an iteration that leaves less lends the next its factor */
+#define LEFT 3e-13              /* m  the same, if the last iteration had the factor of one before */
+#define QUICK 1e-4              /* of the residual before: an iteration of a precise step that leaves less lends the next its factor */
 #define SLOW 0.05               /* the same: one with such a factor that leaves more is the last of them */
 #define OVERSHOOT 1e-15         /* m  residual down to which such iterations of a precise step gain what those with a factor of their own would */
 #define GUESSED 1.0             /* of the farthest move by joints that were guessed: a residual below it says the guess is good */
@@ -261,13 +262,22 @@ static void finish(System *s)
 /* Is it good enough? last: the residual before; kept: the last iteration went by the factor of one before. */
 static bool is_solved(const System *s, real best, real last, bool kept, int iteration)
 {
-    if (s->residual < (s->precise ? EXACT : FINE))
-        return !kept || s->residual < OVERSHOOT || s->residual > SLOW * last;
+    if (s->residual < (s->precise ? EXACT : kept ? LEFT : FINE))
+        return !kept || !s->precise || s->residual < OVERSHOOT || s->residual > SLOW * last;
     return (s->residual < FINE && s->residual > 0.01 * best && !kept) || (s->residual < ENOUGH && iteration >= 7);
 }
 
-/* Near the solution the matrix hardly changes from one iteration to the next: the factor of the last one then gains four digits or more,
- * for a tenth of the work, and is not counted. Only precise steps go on from there: what others ask for is mostly there by then. */
+/* Near the solution the matrix hardly changes from one iteration to the next: the factor of the last one then gains about as many digits
+ * as that one did, for a quarter of the work or less, and is not counted. Precise steps go on from there to rounding, others
+ * begin with it where two such iterations should be enough. Not where steps are extrapolated, which shows what they leave. */
+static bool lends_factor(const System *s, real last, bool kept)
+{
+    real gain = s->residual / last;
+    if (kept)
+        return gain < SLOW;
+    return s->precise ? gain < QUICK : s->lends && s->residual * gain * gain < LEFT;
+}
+
 bool newton_step(System *s)
 {
     real best = INFINITY, last = INFINITY;
@@ -282,7 +292,7 @@ bool newton_step(System *s)
         }
         if (i == ITERATIONS || (i >= 6 && s->residual > 10 * best))
             return false;
-        kept = s->precise && i > 0 && s->residual < (kept ? SLOW : QUICK) * last;
+        kept = i > 0 && lends_factor(s, last, kept);
         if (kept)
             factor_again(s);
         else if (!solve(s))

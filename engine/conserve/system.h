@@ -117,6 +117,7 @@ typedef struct System {
     bool    rings;              /* of hard ties                 */
     real    residual;           /* m                            */
     bool    precise;            /* solve to rounding            */
+    bool    lends;              /* others end with the factor of the iteration before */
     bool    resting;            /* solve for velocities at fixed poses */
 } System;
 

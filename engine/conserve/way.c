@@ -158,7 +158,7 @@ static dig_status part(System *s, real h, bool composed, bool *done)
     return DIG_OK;
 }
 
-typedef struct Run { int at, total, level, easy; bool composed, breaks; const char *why; } Run;
+typedef struct Run { int at, total, level, easy; bool composed, breaks, extrapolated; const char *why; } Run;
 
 /* The joint most over its limit after a part of the step lets go then; the equations of the rest are others. */
 static dig_status part_joints(System *s, Run *r, real dt)
@@ -227,6 +227,7 @@ static dig_status run(Group *g, real dt, Run r, System *s, const char **why)
     *why = NULL;
     DIG_TRY(step_open(s, g));
     s->precise = r.composed;
+    s->lends = !r.extrapolated;
     if (!step_place(s))
         r.why = "conserve: no poses obey the joints";
     else if (group_joints_broken(g) && !step_clean(s))         /* the rule would mirror that for ever */
@@ -282,7 +283,9 @@ static dig_status extrapolate(Group *g, real dt, const GroupKept *from, System *
     for (int parts = 2; parts <= EXTRAPOLATED_MOST * g->plan->substeps && table.rows < ROMBERG_ROWS && table.error > most; parts *= 2) {
         if (table.rows > 0)
             group_put_back(g, from);
-        DIG_TRY(run(g, dt, run_of(parts, false, false), s, why));
+        Run r = run_of(parts, false, false);
+        r.extrapolated = true;
+        DIG_TRY(run(g, dt, r, s, why));
         if (*why || g->woke)
             return DIG_OK;
         romberg_enter(&table, g, from);
