@@ -473,6 +473,7 @@ real relax_points(Group *g, int first, int count);
 real relax_joints(Group *g);
 real relax_rolls(Group *g);
 int  relax(Group *g, int sweeps, real residual);        /* until the change is below residual; returns sweeps done */
+bool relax_in_vain(const Group *g, const Vel *before, real worst);    /* the sweep left all bodies as they were before it, though it changed them by `worst` */
 /* impulses.c: of all rows, from their present ones */
 #define VELOCITY_COARSE 1e-3             /* m/s: a small group whose velocities are worse than this gets more sweeps than its plan gives */
 void relax_group(Group *g);

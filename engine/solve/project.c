@@ -138,7 +138,8 @@ static void swap_velocities(Group *g)
     g->shift = t;
 }
 
-static void relax_shift(Group *g)
+/* was: room for velocities, all zero */
+static void relax_shift(Group *g, Vel *was)
 {
     int sweeps = (int)real_clamp(20000.0 / (g->point_count + g->row_count + 1), 3, 100), rolls = g->roll_count;
     g->roll_count = 0;          /* nothing rolls here */
@@ -146,8 +147,9 @@ static void relax_shift(Group *g)
     for (int i = 0; i < sweeps; i++) {
         real worst = relax_joints(g);
         worst = real_max(worst, fours ? fours_relax(fours) : relax_points(g, 0, g->point_count));
-        if (worst < 1e-13)
+        if (worst < 1e-13 || relax_in_vain(g, was, worst))
             break;
+        memcpy(was, g->vel, (size_t)g->moving_count * sizeof *was);
     }
     if (fours)
         fours_close(fours);
@@ -171,7 +173,8 @@ void project(Group *g)
     real *saved = arena_alloc(g->arena, (size_t)(4 * (g->point_count + g->row_count) + 1) * sizeof *saved);
     Kept *kept = arena_alloc(g->arena, (size_t)(g->point_count + 1) * sizeof *kept);
     bool *deep = arena_zero(g->arena, (size_t)g->body_count * sizeof *deep);
-    if (!saved || !kept || !deep) {
+    Vel *was = arena_zero(g->arena, (size_t)(g->moving_count + 1) * sizeof *was);
+    if (!saved || !kept || !deep || !was) {
         g->status = DIG_E_MEMORY;
         return;
     }
@@ -180,7 +183,7 @@ void project(Group *g)
     swap_velocities(g);
     start_shift(g, saved, kept, deep);
     if (!wants_direct(g) || !direct_project(g))
-        relax_shift(g);
+        relax_shift(g, was);
     end_shift(g, saved, kept);
     swap_velocities(g);
     for (int i = 0; i < g->moving_count; i++) {

@@ -150,6 +150,21 @@ real relax_rolls(Group *g)
     return worst;
 }
 
+/* Part of what a sweep changes on its way. */
+#define SAME 1e-9
+
+/* Did the sweep leave all bodies as they were before it? Then rows contradict each other (a box between a wall and a piston), and only
+ * their impulses go on growing. */
+bool relax_in_vain(const Group *g, const Vel *before, real worst)
+{
+    real most = SAME * worst;
+    bool same = true;
+    for (int i = 0; i < g->moving_count && same; i++)
+        same = vec3_largest(vec3_abs(vec3_sub(g->vel[i].v, before[i].v))) <= most &&
+               vec3_largest(vec3_abs(vec3_sub(g->vel[i].w, before[i].w))) <= most;
+    return same;
+}
+
 /* ---- joints ---- */
 
 real joint_row_rate(const Group *g, const Row *r)
@@ -446,7 +461,7 @@ static int relax_accelerated(const Sweep *s, int sweeps, real residual, real *wo
             break;
         real now = change_squared(s, &was), beta = old > 0 ? now / old : 0;
         old = now;
-        g->stalled = *worst > residual && stalls(&progress, *worst);
+        g->stalled = *worst > residual && (relax_in_vain(g, was.vel, *worst) || stalls(&progress, *worst));
         if (*worst <= residual || done == sweeps || g->stalled)     /* no step after the last sweep: cones hold */
             break;
         if (beta > 1) {
