@@ -47,22 +47,36 @@ static bool fast(const Tracer *t, const GroupPair *q)
     return isfinite(thick) && vec3_distance(shift_of(t, q->a), shift_of(t, q->b)) + turn_of(t, q->a) + turn_of(t, q->b) > thick;
 }
 
-static bool touched(const Tracer *t, const GroupPair *q)
+/* s  When a point that touches, and that nothing presses, will be off by so much. INFINITY: it stays. */
+static real leaves_at(const Tracer *t, const Gate *gate, real off)
 {
-    for (int i = 0; i < t->touch_count; i++) {
-        const Touching *c = &t->touch[i];
-        if (c->contact >= q->contact && c->contact < q->contact + q->contacts && (c->gate.closed || c->gate.presses || c->gate.gap0 <= t->gap_zero))
-            return true;
-    }
-    return false;
+    real way = off - gate->gap0, d = gate->rate0 * gate->rate0 + 2 * gate->acc0 * way;
+    if (gate->presses || gate->rate0 < -t->g->close_speed || !(d > 0) || !(gate->rate0 + sqrt(d) > 0))
+        return INFINITY;
+    return 2 * way / (gate->rate0 + sqrt(d));
 }
 
-/* s  INFINITY: they do not meet before `until`. */
-static real meeting(const Tracer *t, const GroupPair *q, real until)
+/* s  When all points of a pair that touch have parted: what whirls may then come in with its other end, of which they know nothing. 0: none
+ * touches. INFINITY: some point stays. */
+static real parted_at(const Tracer *t, const GroupPair *q)
+{
+    real last = 0;
+    for (int i = 0; i < t->touch_count; i++) {
+        const Touching *c = &t->touch[i];
+        bool of_pair = c->contact >= q->contact && c->contact < q->contact + q->contacts;
+        if (of_pair && (c->gate.closed || c->gate.presses || c->gate.gap0 <= t->gap_zero))
+            last = real_max(last, leaves_at(t, &c->gate, 2 * t->gap_zero));
+    }
+    return last;
+}
+
+/* s  INFINITY: they do not meet between `from` and `until`. */
+static real meeting(const Tracer *t, const GroupPair *q, real from, real until)
 {
     const Shape *a = &q->on_a->shape, *b = &q->on_b->shape;
     Motion ma = motion_of(t, q->a, pair_local(q, false)), mb = motion_of(t, q->b, pair_local(q, true));
-    real when = time_of_impact(a, &ma, b, &mb, 0, until, NULL);
+    Motion la = motion_from(&ma, from), lb = motion_from(&mb, from);
+    real when = from + time_of_impact(a, &la, b, &lb, 0, until - from, NULL);
     if (!(when < until))
         return INFINITY;
     vec3 n, pa, pb;
@@ -78,12 +92,15 @@ real trace_unseen(Tracer *t, const Event *e)
     bool loaded = false;
     for (int i = 0; i < g->pair_count && until > 0; i++) {
         const GroupPair *q = &g->pairs[i];
-        if (!fast(t, q) || touched(t, q))
+        if (!fast(t, q))
+            continue;
+        real from = parted_at(t, q);
+        if (!(from < until))
             continue;
         if (!loaded)
             trace_load(t, t->y, t->t);
         loaded = true;
-        first = real_min(first, meeting(t, q, until));
+        first = real_min(first, meeting(t, q, from, until));
     }
     return first < INFINITY ? real_max(LEAST, SHORT * first / t->h) : 1;
 }
