@@ -508,7 +508,7 @@ void project_back(Group *g);    /* the gaps only: the poses are the caller's. No
 /* locate.c: s into the substep of the first impact, or INFINITY */
 real locate_impact(Group *g);
 real missing_little(const Group *g, real dt);         /* s  the longest substep that may go without */
-bool overshoots(const Group *g);        /* would the substep press bodies deep into each other? */
+bool overshoots(const Group *g, bool through);  /* would the substep press bodies deep into each other? through: past the middle of the thinner one */
 
 /* What lies calm: two that touch move against each other no faster than this part of the speed of a fall by their own size, but for this
  * part of them. Else direct solves take long, and creep does not matter. */

@@ -177,26 +177,42 @@ static real depth_at(const GroupPair *q, const Motion *a, const Motion *b, real 
     return -shape_distance(&q->on_a->shape, motion_at(a, t), &q->on_b->shape, motion_at(b, t), 0, NULL, NULL, NULL);
 }
 
-/* Would a corner that no contact point stands for yet be deep in the other body after this substep? Where impacts are not located: past
- * the middle of the thinner one, which healing would then take out on the far side, if it is not there already at the end. */
-bool overshoots(const Group *g)
+/* m  How far points of a pair move against each other in the substep, at most. */
+static real travel_of(const Group *g, const GroupPair *q, const Motion *a, const Motion *b)
+{
+    real travel = g->h * (vec3_length(vec3_sub(b->v, a->v)) + vec3_length(vec3_sub(b->a, a->a)) * g->h);
+    travel += isfinite(q->on_a->shape.outer) ? g->h * vec3_length(a->w) * g->member[q->a].rim : 0;
+    return travel + (isfinite(q->on_b->shape.outer) ? g->h * vec3_length(b->w) * g->member[q->b].rim : 0);
+}
+
+/* Parts of a substep in which what whirls is looked at: what goes through something farther than both are thick may be out again at its end. */
+#define LOOKS 8
+
+static bool goes_deeper(const Group *g, const GroupPair *q, real most, bool through)
+{
+    const GroupContact *c = &g->contacts[q->contact];
+    Motion a = shape_motion(g, q->a, pair_local(q, false)), b = shape_motion(g, q->b, pair_local(q, true));
+    real travel = travel_of(g, q, &a, &b), depth = most;
+    if (travel <= most)
+        return false;
+    for (int k = 0; k < c->manifold.count; k++)
+        depth = real_max(depth, most - c->manifold.points[k].gap);
+    int looks = !through ? 1 : (int)real_clamp(ceil(travel / most), 2, LOOKS);
+    for (int k = looks; k > 0; k--)
+        if (depth_at(q, &a, &b, g->h * k / looks) > depth)
+            return true;
+    return false;
+}
+
+/* Would a corner that no contact point stands for yet be deep in the other body after this substep? through: past the middle of the thinner
+ * one, which healing would then take out on the far side, if it is not there already at the end. */
+bool overshoots(const Group *g, bool through)
 {
     for (int i = 0; i < g->pair_count; i++) {
         const GroupPair *q = &g->pairs[i];
-        const GroupContact *c = &g->contacts[q->contact];
-        if (q->contacts != 1 || !c->live || (!g->member[q->a].moves && !g->member[q->b].moves))
+        if (q->contacts != 1 || !g->contacts[q->contact].live || (!g->member[q->a].moves && !g->member[q->b].moves))
             continue;
-        Motion a = shape_motion(g, q->a, pair_local(q, false)), b = shape_motion(g, q->b, pair_local(q, true));
-        real most = g->locate ? SINK_MOST * q->size : group_thin(q);
-        real travel = g->h * (vec3_length(vec3_sub(b.v, a.v)) + vec3_length(vec3_sub(b.a, a.a)) * g->h);
-        travel += isfinite(q->on_a->shape.outer) ? g->h * vec3_length(a.w) * g->member[q->a].rim : 0;
-        travel += isfinite(q->on_b->shape.outer) ? g->h * vec3_length(b.w) * g->member[q->b].rim : 0;
-        if (travel <= most)
-            continue;
-        real depth = 0;
-        for (int k = 0; k < c->manifold.count; k++)
-            depth = real_max(depth, -c->manifold.points[k].gap);
-        if (depth_at(q, &a, &b, g->h) > depth + most || (!g->locate && depth_at(q, &a, &b, 0.5 * g->h) > depth + most))
+        if (goes_deeper(g, q, through ? group_thin(q) : SINK_MOST * q->size, through))
             return true;
     }
     return false;

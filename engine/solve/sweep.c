@@ -529,7 +529,15 @@ static bool springs_gain(Group *g)
 /* Velocities found for a substep that do not hold for all of it. What is light flings about when the heavy jerks at it. */
 static bool too_long(Group *g)
 {
-    return overshoots(g) || (turns_on(g) && group_top_heavy(g) && group_joints_open(g)) || (g->joints_direct && group_elastic(g) && springs_gain(g));
+    return overshoots(g, !g->locate) || (turns_on(g) && group_top_heavy(g) && group_joints_open(g)) ||
+        (g->joints_direct && group_elastic(g) && springs_gain(g));
+}
+
+#define WHIRLS_ON 64            /* times as short as others a substep gets in which a known point carries something that whirls through something thin */
+
+static bool is_halved(Group *g, real shortest)
+{
+    return g->h > shortest ? too_long(g) : g->locate && g->h > shortest / WHIRLS_ON && overshoots(g, true);
 }
 
 /* The solve was so dear that no more impacts are located in this step: what its rows left to that needs rows, and a shorter substep. */
@@ -567,7 +575,7 @@ static dig_status substep(Group *g, real until)
             g->located++;
         }
     }
-    for (real shortest = g->world->def.step / g->plan->substeps / 16; g->h > shortest && too_long(g);) {
+    for (real shortest = g->world->def.step / g->plan->substeps / 16; is_halved(g, shortest);) {
         restore(g);
         g->h *= 0.5;
         g->heal_over = g->locate ? g->h : g->heal_over;
