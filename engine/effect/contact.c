@@ -78,31 +78,47 @@ static Pos half_way(const Group *g, int body)
     return (Pos){vec3_mad(g->pos[body].x, 0.5 * g->h, v.v), quat_unit(quat_mul(quat_exp(vec3_scale(0.5 * g->h, v.w)), g->pos[body].q))};
 }
 
-/* Where the normal turns as things roll (over an edge, over a ball, in a bowl) the row is taken in the middle of the substep
- * and holds for the mean velocity, as joints do: with J at the middle and v0 the start velocity, J (v0 + v1) / 2 >= 0, less
- * what v0 already breaks at the start, which is to decay. */
-static void follow_curve(Group *g, GroupPair *q, PointRow *r, real gap)
+typedef struct Middle { bool known, found; Pos a, b; Manifold m; } Middle;        /* of a contact: half a substep on */
+
+static void find_middle(const Group *g, const GroupPair *q, const GroupContact *c, Middle *mid)
 {
-    Vel va = start_velocity(g, r->a), vb = start_velocity(g, r->b);
+    Vel va = start_velocity(g, c->a), vb = start_velocity(g, c->b);
     real far = g->h * (vec3_length(vec3_sub(vb.v, va.v)) + vec3_length(vb.w) * q->size + vec3_length(va.w) * q->size);
+    *mid = (Middle){.known = true};
     if (far < 1e-5 * q->size)
         return;
-    Pos a = half_way(g, r->a), b = half_way(g, r->b);
+    mid->a = half_way(g, c->a);
+    mid->b = half_way(g, c->b);
     pose la = pair_local(q, false), lb = pair_local(q, true);
-    pose pa = {vec3_add(a.x, quat_rotate(a.q, la.p)), quat_mul(a.q, la.q)};
-    pose pb = {vec3_add(b.x, quat_rotate(b.q, lb.p)), quat_mul(b.q, lb.q)};
-    Manifold m = {.count = 0};
+    pose pa = {vec3_add(mid->a.x, quat_rotate(mid->a.q, la.p)), quat_mul(mid->a.q, la.q)};
+    pose pb = {vec3_add(mid->b.x, quat_rotate(mid->b.q, lb.p)), quat_mul(mid->b.q, lb.q)};
     uint32_t piece;
     ManifoldCache cache = q->hint ? *q->hint : (ManifoldCache){.kind = 0};
-    if (manifold_collide(&q->on_a->shape, pa, &q->on_b->shape, pb, far, &cache, &m, &piece, 1) != 1 || m.count != 1)
+    if (manifold_collide(&q->on_a->shape, pa, &q->on_b->shape, pb, far, &cache, &mid->m, &piece, 1) != 1 || mid->m.count != c->manifold.count)
         return;
-    if (vec3_dot(m.normal, r->n.n) > 1 - 1e-14 || vec3_dot(m.normal, r->n.n) < 0.5)
+    if (vec3_dot(mid->m.normal, c->manifold.normal) > 1 - 1e-14 || vec3_dot(mid->m.normal, c->manifold.normal) < 0.5)
         return;                             /* flat, or another side altogether */
-    if (seam_hides(g, q, pa, pb, &m))
+    mid->found = !seam_hides(g, q, pa, pb, &mid->m);
+}
+
+/* Where the normal turns as things roll (over an edge, over a ball, in a bowl, barrel on barrel) the row is taken in the middle of the
+ * substep and holds for the mean velocity, as joints do: with J at the middle and v0 the start velocity, J (v0 + v1) / 2 >= 0, less
+ * what v0 already breaks at the start, which is to decay. A line that parts is not held to part on, which would be work. */
+static void follow_curve(const Group *g, const GroupPair *q, Middle *mid, PointRow *r, real gap)
+{
+    const GroupContact *c = &g->contacts[r->contact];
+    const ManifoldPoint *p = mid->m.points;
+    if (!mid->known)
+        find_middle(g, q, c, mid);
+    if (!mid->found)
         return;
+    for (int k = 0; k < mid->m.count && mid->m.count > 1; k++)
+        if (mid->m.points[k].feature == c->manifold.points[r->point].feature)
+            p = &mid->m.points[k];
     PointRow middle = *r;
-    point_row_set(g, &middle, m.normal, vec3_scale(0.5, vec3_add(m.points[0].a, m.points[0].b)), a.x, b.x);
-    middle.target = -(rate_before(g, &middle) - r->rate_before) - 2 * real_max(gap, 0) / g->h;
+    point_row_set(g, &middle, mid->m.normal, vec3_scale(0.5, vec3_add(p->a, p->b)), mid->a.x, mid->b.x);
+    real room = -2 * real_max(gap, 0) / g->h, kept = mid->m.count > 1 ? real_min(real_min(r->rate_before, 0), room) : r->rate_before + room;
+    middle.target = kept - rate_before(g, &middle);
     middle.curved = true;
     *r = middle;
 }
@@ -138,6 +154,17 @@ static bool lies(const Group *g, const GroupPair *q, const PointRow *r, real gap
     return carried || (gap <= g->touch * q->size && fabs(r->rate_before) <= g->close_speed);
 }
 
+#define SMOOTH 1e-3             /* of what weight gives in a substep */
+
+/* A point; or an end of the line along which something round lies, where it neither parts nor comes: a line that has been struck would, by
+ * rows for the mean velocity, swing to and fro, sink in and be lifted. */
+static bool has_curve(const Group *g, const GroupPair *q, const PointRow *r, int count)
+{
+    const ShapeType *a = q->on_a->shape.type, *b = q->on_b->shape.type;
+    bool round = a == &shape_cylinder || a == &shape_capsule || b == &shape_cylinder || b == &shape_capsule;
+    return count == 1 || (count == 2 && round && fabs(r->rate_before) <= SMOOTH * g->fall * g->h);
+}
+
 static void warm(const Group *g, PointRow *r, const PointMemory *m)
 {
     r->jn = m->normal * g->h;
@@ -153,6 +180,7 @@ static dig_status rows(const EffectSlot *e, Group *g)
         GroupPair *q = &g->pairs[c->pair];
         if (!c->live || (!g->member[c->a].moves && !g->member[c->b].moves))
             continue;
+        Middle mid = {.known = false};
         c->manifold.left = 0;
         for (int k = 0; k < c->manifold.count; k++) {
             PointRow *r = &g->points[g->point_count];
@@ -165,8 +193,8 @@ static dig_status rows(const EffectSlot *e, Group *g)
                 continue;
             if (g->joints_direct && of_one_thing(g, q))
                 turn_along(g, r);
-            else if (g->locate && c->manifold.count == 1 && q->contacts == 1 && lies(g, q, r, gap, carried))
-                follow_curve(g, q, r, gap);
+            else if (g->locate && q->contacts == 1 && has_curve(g, q, r, c->manifold.count) && lies(g, q, r, gap, carried))
+                follow_curve(g, q, &mid, r, gap);
             warm(g, r, &contact_memory(c)[k]);
             pair_approaches(q, -r->rate_before);
             g->point_count++;

@@ -72,3 +72,31 @@ test.scenario("what lies calm and never sleeps is a crowd again", function(s)
   test.expect(world:stats().work):below(2e9)
   test.expect(world:stats().worst_penetration):below(2e-3)
 end)
+
+-- Of barrels that roll on barrels the normal turns. By rows of the start of a substep they parted, and were drawn together again by what
+-- pressed, which did work: 1.1e-6 of the energy of motion in the first frame at 1/30 s, 3e-7 at 1/60 s.
+test.scenario("a pile of barrels that is let go makes up nothing", function(s)
+  local turn = digbox.quat { axis = { 0, 0, 1 }, angle = "-20 deg" }
+  for _, step in ipairs { 1 / 30, 1 / 60 } do
+    for shift = 0, 5 do
+      local w, bodies = s:world { step = step }, 0
+      w:plane { normal = turn:rotate { 0, 1, 0 }, friction = 0.5 }
+      local plank = w:box { fixed = true, size = { 0.1, 1, 4 }, rotation = turn, friction = 0.5, at = turn:rotate { 2, 0.5, 0 } }
+      for row = 0, 2 do
+        for i = 0, 3 - row do
+          bodies = bodies + 1
+          local x = 1.65 - 0.6 * i - 0.3 * row + shift * (bodies * 7 % 5 - 2) * 1e-9
+          w:cylinder { radius = 0.3, height = 1, friction = 0.5, density = 500, at = turn:rotate { x, 0.3 + row * 0.3 * math.sqrt(3), 0 },
+                       rotation = turn * digbox.quat { axis = { 1, 0, 0 }, angle = "90 deg" } }
+        end
+      end
+      w:run(1)
+      plank:remove()
+      local start = w.energy.kinetic + w.energy.potential
+      for _ = 1, 5 do
+        w:step()
+        test.expect(w.energy.kinetic + w.energy.potential - start):below(1e-7 * w.energy.kinetic)
+      end
+    end
+  end
+end)
