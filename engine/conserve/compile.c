@@ -62,6 +62,7 @@ static bool find_twist(const JointView *v, const Row *r, Part *part)
         part->kind = PART_TWIST;
         part->turn = turn;
         part->offset = joint_angle(&t, &angle) - r->error;
+        part->start = r->error;             /* wound up by whole turns, too */
         return true;
     }
     return false;
