@@ -4,8 +4,8 @@
 #define ITERATIONS 12
 #define EXACT 1e-13             /* m  residual at which a precise step is done               */
 #define FINE 3e-12              /* m  for other steps, and when an iteration gains little    */
+#define LEFT 3e-13              /* m  for these, if the last iteration had the factor of one before */
 #define ENOUGH 1e-9             /* m  residual that is taken when rounding allows no better  */
-#define LEFT 3e-13              /* m  the same, if the last iteration had the factor of one before */
 #define QUICK 1e-4              /* of the residual before: an iteration of a precise step that leaves less lends the next its factor */
 #define SLOW 0.05               /* the same: one with such a factor that leaves more is the last of them */
 #define OVERSHOOT 1e-15         /* m  residual down to which such iterations of a precise step gain what those with a factor of their own would */

@@ -218,9 +218,8 @@ static bool is_driven(const Group *g)
     return false;
 }
 
-/* The rule ends on the joints in place, not in velocity: it leaves something across them, which the next step mirrors. Of a smooth motion
- * that belongs to the fourth order of composed steps; where it is not smooth, it adds up, and is energy that no motion has: it asks for short
- * steps with many iterations. Then it is given back to the motion. */
+/* Of bodies: the first of their mechanism, and what holds that; their velocities before. Of mechanisms, at their first: J  their motion, and
+ * how much of it is across joints. */
 typedef struct Settle { int *root; uint8_t *ties; Vel *was; real *kinetic, *across; } Settle;
 
 static bool settle_open(const Group *g, Settle *o)
@@ -265,6 +264,9 @@ static void give_back(System *s, const Settle *o)
     }
 }
 
+/* The rule ends on the joints in place, not in velocity: it leaves something across them, which the next step mirrors. Of a smooth motion
+ * that belongs to the fourth order of composed steps; where it is not smooth, it adds up, and is energy that no motion has: it asks for short
+ * steps with many iterations. Then it is given back to the motion. */
 dig_status step_settle(System *s)
 {
     Group *g = s->g;

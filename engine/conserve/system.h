@@ -144,7 +144,7 @@ void   parts_begin(System *s);                  /* start of a step: C0, spring n
 void   parts_guess(System *s);                  /* adds what the impulses of the rows would do to the pieces at the start */
 void   parts_evaluate(System *s);               /* at the end poses: rows, errors, forces      */
 void   parts_push(System *s, const real *p);    /* what impulses do to the pieces, at fixed poses */
-real   parts_across(const System *s, const Tie *t);
+real   parts_across(const System *s, const Tie *t);     /* J  of the motion across its hard rows, one by one  */
 void   parts_give(const System *s, Tie *t);     /* compliance of its hard rows at the end poses */
 void   parts_stiffness(const System *s, const Tie *t, real k[12][12]);  /* derivative of the forces by the end poses */
 void   parts_bend(const System *s, const Tie *t, mat3 *a, mat3 *b);     /* the same if not coupled: of the torques by the turns */
