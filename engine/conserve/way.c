@@ -160,6 +160,15 @@ static dig_status part(System *s, real h, bool composed, bool *done)
 
 typedef struct Run { int at, total, level, easy; bool composed, breaks, extrapolated; const char *why; } Run;
 
+/* The equations of the joints there are now, and how exactly they are solved. */
+static dig_status open_run(System *s, Group *g, const Run *r)
+{
+    DIG_TRY(step_open(s, g));
+    s->precise = r->composed;
+    s->lends = !r->extrapolated;
+    return DIG_OK;
+}
+
 /* The joint most over its limit after a part of the step lets go then; the equations of the rest are others. */
 static dig_status part_joints(System *s, Run *r, real dt)
 {
@@ -174,7 +183,7 @@ static dig_status part_joints(System *s, Run *r, real dt)
     group_part(g, worst, share);
     if (!parts_understood(g))
         r->why = "conserve: a joint met its stop";
-    return r->why ? DIG_OK : step_open(s, g);
+    return r->why ? DIG_OK : open_run(s, g, r);
 }
 
 /* The next part from r->at on. A single step that fails is halved; after two easy ones the next is longer. */
@@ -225,9 +234,7 @@ static Run run_of(int parts, bool composed, bool breaks) { return (Run){.total =
 static dig_status run(Group *g, real dt, Run r, System *s, const char **why)
 {
     *why = NULL;
-    DIG_TRY(step_open(s, g));
-    s->precise = r.composed;
-    s->lends = !r.extrapolated;
+    DIG_TRY(open_run(s, g, &r));
     if (!step_place(s))
         r.why = "conserve: no poses obey the joints";
     else if (group_joints_broken(g) && !step_clean(s))         /* the rule would mirror that for ever */
