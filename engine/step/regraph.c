@@ -7,6 +7,16 @@
  */
 #include "step/step.h"
 
+/* What the end of a step asks of a pair whose touch changes: all threads look, for it lies in many places. */
+struct Change {
+    uint32_t body_a, body_b, touch;     /* touch: NONE = there was none before */
+    int      strike;                    /* Strike of its group + 1, 0 = none   */
+    uint8_t  wall;
+    bool     now, was, struck;
+    bool     bounced;                   /* struck, and both of them move       */
+    real     time, speed, impulse;
+};
+
 static uint8_t pair_wall(const World *w, const Pair *p) { return w->solids.data[p->solid_a].wall | w->solids.data[p->solid_b].wall; }
 
 /* Who may fall asleep at the end of this step. */
@@ -25,14 +35,20 @@ static int slots_for(int count, int given_back, int more) { return count + int_m
 dig_status reserve_regraph(World *w, Step *s)
 {
     DIG_TRY(reserve_tell(w, s));
-    int changed = 0, born = 0, widened = 0, remembered = 0, others = sleepers(w, s->dt) + 64;
+    int changed = 0, most = 0, strikes = 0, born = 0, widened = 0, remembered = 0, others = sleepers(w, s->dt) + 64;
     for (int i = 0; i < s->count; i++) {
         changed += s->groups[i].changed_count + s->groups[i].over_count;
+        most = int_max(most, s->groups[i].changed_count);
+        strikes = int_max(strikes, s->groups[i].strike_count);
         born += s->groups[i].turned_count;
         widened += s->groups[i].widened_count;
         remembered += s->groups[i].remembered_count;
         others += s->groups[i].watch.leavers + s->groups[i].strike_count + 4 * s->groups[i].joint_count;
     }
+    s->changes = most ? arena_alloc(&w->scratch, (size_t)most * sizeof *s->changes) : NULL;
+    s->within = strikes ? arena_alloc(&w->scratch, (size_t)strikes * sizeof *s->within) : NULL;
+    if ((most && !s->changes) || (strikes && !s->within))
+        return world_fail(w, DIG_E_MEMORY, "not enough memory for what %d pairs and %d strikes change", most, strikes);
     DIG_TRY(list_reserve(&w->memories, slots_for(w->memories.count, w->free_memories.count, remembered), &w->allocations));
     DIG_TRY(list_reserve(&w->free_memories, w->memories.capacity, &w->allocations));
     DIG_TRY(list_reserve(&w->contacts, slots_for(w->contacts.count, w->free_contacts.count, born), &w->allocations));
@@ -65,7 +81,7 @@ static void begin_link(World *w, uint32_t touch)
         t->link = NONE;
         return;
     }
-    dig_event *e = event_post(w, DIG_EVENT_LINK, t->body_a, t->body_b);
+    dig_event *e = event_note(w, DIG_EVENT_LINK, t->body_a, t->body_b);
     if (e)
         e->link = DIG_LINK_CONTACT;
 }
@@ -76,41 +92,54 @@ static void end_link(World *w, Touch *t)
         return;
     graph_link_remove(w->graph, t->link);
     t->link = NONE;
-    dig_event *e = event_post(w, DIG_EVENT_UNLINK, t->body_a, t->body_b);
+    dig_event *e = event_note(w, DIG_EVENT_UNLINK, t->body_a, t->body_b);
     if (e)
         e->link = DIG_LINK_CONTACT;
 }
 
-static void fill_event(dig_event *e, const Group *g, const GroupPair *q, uint8_t wall, real time, real speed, real impulse)
+#define SHARED_LEAST 64          /* strikes, pairs, events: fewer are not worth a team */
+
+static Team *team_for(const World *w, int count) { return count < SHARED_LEAST ? NULL : workers_team(w->workers); }
+
+/* Strikes of a group, their events, and which of them are within a DIG, so that nobody is told. */
+typedef struct Striking { const World *w; const Group *g; real start; dig_event *event; bool *within; } Striking;
+
+static void strike_share(void *context, int thread, int threads)
 {
-    if (!e)
-        return;
-    e->time = time;
-    e->wall = wall;
-    e->speed = speed;
-    e->impulse = impulse;
-    if (q->strike_first > 0 && q->strike_first <= g->strike_count) {
-        e->point = g->strikes[q->strike_first - 1].point;
-        e->normal = g->strikes[q->strike_first - 1].normal;
+    const Striking *all = context;
+    const World *w = all->w;
+    int count = all->g->strike_count;
+    for (int i = team_first(count, thread, threads), end = team_end(count, thread, threads); i < end; i++) {
+        const Strike *k = &all->g->strikes[i];
+        const Pair *p = &w->pairs.data[all->g->pairs[k->pair].slot];
+        all->within[i] = graph_lead(w->graph, p->body_a) == graph_lead(w->graph, p->body_b);
+        dig_event *e = &all->event[i];
+        event_write(w, e, DIG_EVENT_IMPACT, p->body_a, p->body_b);
+        event_name(w, e);
+        e->time = all->start + k->time;
+        e->wall = pair_wall(w, p);
+        e->speed = k->speed;
+        e->impulse = k->impulse;
+        e->point = k->point;
+        e->normal = k->normal;
     }
 }
 
 static void strikes_of(World *w, Step *s, const Group *g, real start)
 {
+    Striking all = {w, g, start, events_claim(w, g->strike_count), s->within};
+    if (!all.event)
+        return;
+    team_deal(team_for(w, g->strike_count), strike_share, &all);
     for (int i = 0; i < g->strike_count; i++) {
         const Strike *k = &g->strikes[i];
-        const GroupPair *q = &g->pairs[k->pair];
-        const Pair *p = &w->pairs.data[q->slot];
-        dig_event *e = event_post(w, DIG_EVENT_IMPACT, p->body_a, p->body_b);
-        fill_event(e, g, q, pair_wall(w, p), start + k->time, k->speed, k->impulse);
-        if (e) {
-            e->point = k->point;
-            e->normal = k->normal;
-        }
+        if (all.within[i])
+            continue;
+        const Pair *p = &w->pairs.data[g->pairs[k->pair].slot];
         tell(w, s, p->body_a, p->body_b, start + k->time, k->speed);
         tell(w, s, p->body_b, p->body_a, start + k->time, k->speed);
-        w->stats.events++;
     }
+    w->stats.events += (uint64_t)g->strike_count;
 }
 
 /* m/s: a body that a blow left slower than this was not set in motion by it. */
@@ -122,39 +151,77 @@ static bool moves_now(const World *w, uint32_t body)
     return vec3_length(b->v) + vec3_length(b->w) * b->outer > SET_IN_MOTION;
 }
 
-/* Begin, end, or a bounce of one pair. Additions to the graph only; ends are noted in w->brief for later. */
-static void touch_pair(World *w, const Group *g, const GroupPair *q, real start)
+typedef struct Changing { const World *w; const Group *g; real start; struct Change *change; } Changing;
+
+static void change_share(void *context, int thread, int threads)
 {
-    Pair *p = &w->pairs.data[q->slot];
-    uint8_t wall = pair_wall(w, p);
-    bool now = q->touching, was = q->was_touching;
-    uint32_t slot;
-    if (touch_find_or_add(w, p->body_a, p->body_b, wall, &slot) != DIG_OK)
+    const Changing *all = context;
+    const World *w = all->w;
+    int count = all->g->changed_count;
+    for (int i = team_first(count, thread, threads), end = team_end(count, thread, threads); i < end; i++) {
+        const GroupPair *q = &all->g->pairs[all->g->changed[i]];
+        const Pair *p = &w->pairs.data[q->slot];
+        struct Change *c = &all->change[i];
+        *c = (struct Change){.body_a = p->body_a, .body_b = p->body_b, .strike = q->strike_first, .wall = pair_wall(w, p), .now = q->touching,
+                             .was = q->was_touching, .struck = q->struck, .time = all->start + (q->struck ? q->struck_time : all->g->t),
+                             .speed = q->speed, .impulse = q->struck_impulse};
+        const Touch *t = touch_find(w, c->body_a, c->body_b, c->wall);
+        c->touch = t ? (uint32_t)(t - w->touches.data) : NONE;
+        c->bounced = q->struck && body_dynamic(w, c->body_a) && body_dynamic(w, c->body_b) &&
+                     (q->both_moved || (moves_now(w, c->body_a) && moves_now(w, c->body_b)));
+    }
+}
+
+static void post_begin(World *w, const Group *g, const struct Change *c)
+{
+    dig_event *e = event_note(w, DIG_EVENT_CONTACT_BEGIN, c->body_a, c->body_b);
+    if (!e)
+        return;
+    e->time = c->time;
+    e->wall = c->wall;
+    e->speed = c->speed;
+    e->impulse = c->impulse;
+    if (c->strike > 0 && c->strike <= g->strike_count) {
+        e->point = g->strikes[c->strike - 1].point;
+        e->normal = g->strikes[c->strike - 1].normal;
+    }
+}
+
+/* Begin, end, or a bounce of one pair. Additions to the graph only; ends are noted in w->brief for later. */
+static void touch_pair(World *w, const Group *g, const struct Change *c)
+{
+    uint32_t slot = c->touch;
+    if (slot == NONE && touch_find_or_add(w, c->body_a, c->body_b, c->wall, &slot) != DIG_OK)
         return;
     Touch *t = &w->touches.data[slot];
     bool fresh = t->pairs == 0 && !t->brief && t->began <= 0 && t->link == NONE;
-    touch_count(w, t, (int)now - (int)was);
-    real time = start + (q->struck ? q->struck_time : g->t);
-    if (fresh && (now || q->struck)) {
-        t->began = time + 1e-300;           /* > 0: has begun, even at t = 0 */
-        t->speed = q->speed;
-        t->impulse = q->struck_impulse;
-        fill_event(event_post(w, DIG_EVENT_CONTACT_BEGIN, p->body_a, p->body_b), g, q, wall, time, q->speed, q->struck_impulse);
+    touch_count(w, t, (int)c->now - (int)c->was);
+    if (fresh && (c->now || c->struck)) {
+        t->began = c->time + 1e-300;        /* > 0: has begun, even at t = 0 */
+        t->speed = c->speed;
+        t->impulse = c->impulse;
+        post_begin(w, g, c);
     }
     if (t->pairs > 0) {
         begin_link(w, slot);
         return;
     }
     /* ended, or a bounce: remembered until the end of this step's regraph, or of the next one's */
-    bool both_move = body_dynamic(w, p->body_a) && body_dynamic(w, p->body_b) &&
-                     (q->both_moved || (moves_now(w, p->body_a) && moves_now(w, p->body_b)));
-    if (q->struck && both_move)
+    if (c->bounced)
         begin_link(w, slot);
     if (!t->brief && w->brief.count < w->brief.capacity) {
         t->brief = true;
-        t->bounced = q->struck && both_move;
+        t->bounced = c->bounced;
         w->brief.data[w->brief.count++] = slot;
     }
+}
+
+static void touch_pairs(World *w, const Step *s, const Group *g, real start)
+{
+    Changing all = {w, g, start, s->changes};
+    team_deal(team_for(w, g->changed_count), change_share, &all);
+    for (int i = 0; i < g->changed_count; i++)
+        touch_pair(w, g, &s->changes[i]);
 }
 
 /* Touches that are over give up their link; a bounce of two moving bodies keeps it for one step. */
@@ -176,7 +243,7 @@ static void end_touches(World *w, real start, real dt)
             continue;
         }
         end_link(w, t);
-        dig_event *e = event_post(w, DIG_EVENT_CONTACT_END, t->body_a, t->body_b);
+        dig_event *e = event_note(w, DIG_EVENT_CONTACT_END, t->body_a, t->body_b);
         if (e) {
             e->time = start + dt;
             e->wall = t->wall;
@@ -185,6 +252,22 @@ static void end_touches(World *w, real start, real dt)
         touch_remove(w, slot);
     }
     w->brief.count = n;
+}
+
+typedef struct Naming { const World *w; dig_event *event; int count; } Naming;
+
+static void name_share(void *context, int thread, int threads)
+{
+    const Naming *n = context;
+    for (int i = team_first(n->count, thread, threads), end = team_end(n->count, thread, threads); i < end; i++)
+        event_name(n->w, &n->event[i]);
+}
+
+/* Of all events that were noted from number `first` on. */
+static void name_events(World *w, int first)
+{
+    Naming n = {w, w->pending.data + first, w->pending.count - first};
+    team_deal(team_for(w, n.count), name_share, &n);
 }
 
 /* Mean load of the step on a's anchor. */
@@ -301,14 +384,15 @@ void regraph(World *w, Step *s)
         strikes_of(w, s, &s->groups[i], start);
     tell_all(w, s);
     graph_begin(w->graph);
+    int first = w->pending.count;
     for (int i = 0; i < s->count; i++) {
         const Group *g = &s->groups[i];
-        for (int k = 0; k < g->changed_count; k++)
-            touch_pair(w, g, &g->pairs[g->changed[k]], start);
+        touch_pairs(w, s, g, start);
         for (int k = 0; k < g->over_count; k++)
             pair_let_go(w, g->over[k]);
     }
     end_touches(w, start, s->dt);
+    name_events(w, first);
     graph_end(w->graph);
     post_graph_changes(w, DIG_LAYER_MECHANICAL);
     for (int i = 0; i < s->count; i++) {

@@ -35,6 +35,8 @@ typedef struct Step {           /* what the stages hand to each other; lives in 
     int       together;         /* the first so many by all threads together, then the others, the dearest first */
     struct Telling *tellings;   /* tell.c: who is to hear of which strike   */
     int       telling_count;
+    struct Change *changes;     /* regraph.c: of a group, pairs whose touch changes */
+    bool     *within;           /* of its strikes, which are within a DIG   */
 } Step;
 
 /* sense.c */

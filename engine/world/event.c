@@ -1,16 +1,43 @@
 /* world/event.c - events waiting to be delivered after the next step. */
 #include "world/world.h"
 
-dig_event *event_post(World *w, dig_event_kind kind, uint32_t a, uint32_t b)
+dig_event *events_claim(World *w, int count)
+{
+    if (list_reserve(&w->pending, w->pending.count + count, &w->allocations) != DIG_OK)
+        return NULL;
+    w->pending.count += count;
+    return &w->pending.data[w->pending.count - count];
+}
+
+void event_write(const World *w, dig_event *e, dig_event_kind kind, uint32_t a, uint32_t b)
+{
+    memset(e, 0, sizeof *e);
+    e->kind = kind;
+    e->time = world_time(w);
+    e->a.slot = a;
+    e->b.slot = b;
+}
+
+dig_event *event_note(World *w, dig_event_kind kind, uint32_t a, uint32_t b)
 {
     if (list_push(&w->pending, &w->allocations) != DIG_OK)
         return NULL;
     dig_event *e = &w->pending.data[w->pending.count - 1];
-    memset(e, 0, sizeof *e);
-    e->kind = kind;
-    e->time = world_time(w);
-    e->a = body_handle(w, a);
-    e->b = body_handle(w, b);
+    event_write(w, e, kind, a, b);
+    return e;
+}
+
+void event_name(const World *w, dig_event *e)
+{
+    e->a = body_handle(w, e->a.slot);
+    e->b = body_handle(w, e->b.slot);
+}
+
+dig_event *event_post(World *w, dig_event_kind kind, uint32_t a, uint32_t b)
+{
+    dig_event *e = event_note(w, kind, a, b);
+    if (e)
+        event_name(w, e);
     return e;
 }
 

@@ -525,6 +525,10 @@ bool       joint_asks_contact(const World *w, uint32_t a, uint32_t b);         /
 
 /* event.c */
 dig_event *event_post(World *w, dig_event_kind kind, uint32_t a, uint32_t b);       /* NULL when there is no memory */
+dig_event *event_note(World *w, dig_event_kind kind, uint32_t a, uint32_t b);       /* with the bodies' slots only: to ask for handles would be a miss */
+void       event_write(const World *w, dig_event *e, dig_event_kind kind, uint32_t a, uint32_t b);      /* the same in a place that is there */
+void       event_name(const World *w, dig_event *e);                                /* gives one that was noted its handles */
+dig_event *events_claim(World *w, int count);       /* room for so many in a row, not yet written; NULL when there is no memory */
 void       post_graph_changes(World *w, uint32_t layer);                /* of the last batch of a layer's graph */
 
 /* material.c */
