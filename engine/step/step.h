@@ -34,6 +34,8 @@ typedef struct Step {           /* what the stages hand to each other; lives in 
     int      *order;            /* in which groups are advanced, NULL: in theirs */
     int       together;         /* the first so many by all threads together, then the others, the dearest first */
     struct Telling *tellings;   /* tell.c: who is to hear of which strike   */
+    struct Heard *heard;        /* by whom                                  */
+    struct Missive *missives;   /* and what the log's messages need         */
     int       telling_count;
     struct Change *changes;     /* regraph.c: of a group, pairs whose touch changes */
     bool     *within;           /* of its strikes, which are within a DIG   */

@@ -17,15 +17,30 @@ struct Telling {
     int      count;             /* members */
 };
 
-/* Each strike may concern two DIGs. */
+/* Who remembers a telling, or whose message of it the log keeps. */
+struct Heard { uint32_t member; int telling; uint64_t id; };
+
+/* What the log's message asks of its body and of the striker. */
+struct Missive { dig_body to; vec3 direction; };
+
+/* Each strike may concern two DIGs, and these are of bodies that were advanced, or stand still beside them. */
 dig_status reserve_tell(World *w, Step *s)
 {
-    int strikes = 0;
-    for (int i = 0; i < s->count; i++)
+    int strikes = 0, bodies = 0;
+    for (int i = 0; i < s->count; i++) {
         strikes += s->groups[i].strike_count;
+        bodies += s->groups[i].body_count;
+    }
     s->telling_count = 0;
-    s->tellings = strikes ? arena_alloc(&w->scratch, 2 * (size_t)strikes * sizeof *s->tellings) : NULL;
-    return strikes && !s->tellings ? world_fail(w, DIG_E_MEMORY, "not enough memory for the messages of %d strikes", strikes) : DIG_OK;
+    if (strikes == 0)
+        return DIG_OK;
+    int64_t letters = 2 * (int64_t)strikes * bodies;
+    size_t kept = letters < (int64_t)MESSAGE_KEPT ? (size_t)letters : MESSAGE_KEPT;
+    s->tellings = arena_alloc(&w->scratch, 2 * (size_t)strikes * sizeof *s->tellings);
+    s->heard = arena_alloc(&w->scratch, ((size_t)bodies > kept ? (size_t)bodies : kept) * sizeof *s->heard);
+    s->missives = arena_alloc(&w->scratch, kept * sizeof *s->missives);
+    bool there = s->tellings && s->heard && s->missives;
+    return there ? DIG_OK : world_fail(w, DIG_E_MEMORY, "not enough memory for the messages of %d strikes", strikes);
 }
 
 void tell(World *w, Step *s, uint32_t struck, uint32_t striker, real time, real speed)
@@ -41,24 +56,42 @@ void tell(World *w, Step *s, uint32_t struck, uint32_t striker, real time, real 
 
 /* ---- at the end of the step ---- */
 
+#define SHARED_LEAST 256         /* members: fewer are not worth a team */
+
+static Team *team_for(const World *w, int count) { return count < SHARED_LEAST ? NULL : workers_team(w->workers); }
+
+/* By all threads: members of a pile lie far apart in memory. */
+typedef struct Hearing { World *w; const Step *s; int count; } Hearing;
+
+static void remember_share(void *context, int thread, int threads)
+{
+    const Hearing *all = context;
+    for (int i = team_first(all->count, thread, threads), end = team_end(all->count, thread, threads); i < end; i++) {
+        const struct Heard *h = &all->s->heard[i];
+        const struct Telling *t = &all->s->tellings[h->telling];
+        Body *b = &all->w->bodies.data[h->member];
+        b->message_id = b->message_root = h->id;
+        b->message_time = t->time;
+        b->message_from = body_handle(all->w, t->striker);
+        memcpy(b->message_kind, kind, sizeof b->message_kind);
+    }
+}
+
 /* What every member remembers: the last telling of its DIG, in the order of the calls. Ids that were given before `first` are of
  * earlier steps. */
-static void remember(World *w, const Step *s, uint64_t first)
+static void remember(World *w, Step *s, uint64_t first)
 {
+    int n = 0;
     for (int i = s->telling_count - 1; i >= 0; i--) {
         const struct Telling *t = &s->tellings[i];
         uint64_t id = t->id;
         if (w->bodies.data[t->lead].message_id >= first)
             continue;                       /* a later one was remembered already */
-        for (uint32_t m = t->lead; m != NONE; m = graph_next(w->graph, m)) {
-            Body *b = &w->bodies.data[m];
-            b->message_id = id++;
-            b->message_root = b->message_id;
-            b->message_time = t->time;
-            b->message_from = body_handle(w, t->striker);
-            memcpy(b->message_kind, kind, sizeof b->message_kind);
-        }
+        w->bodies.data[t->lead].message_id = id;
+        for (uint32_t m = t->lead; m != NONE; m = graph_next(w->graph, m))
+            s->heard[n++] = (struct Heard){m, i, id++};
     }
+    team_deal(team_for(w, n), remember_share, &(Hearing){w, s, n});
 }
 
 static int compare_tellings(const void *a, const void *b)
@@ -69,20 +102,52 @@ static int compare_tellings(const void *a, const void *b)
     return x->id < y->id ? -1 : x->id > y->id;
 }
 
-/* The log's messages of one telling but for its first `skip` members. */
-static void write_messages(World *w, const struct Telling *t, int skip)
+/* The striker, unless it has no place. */
+static const Body *striker_of(const World *w, const struct Telling *t)
 {
-    dig_message message = {.time = t->time, .from = body_handle(w, t->striker), .value = {t->speed}};
-    memcpy(message.kind, kind, sizeof message.kind);
-    bool plane = t->striker == NONE || !isfinite(w->bodies.data[t->striker].outer);
-    vec3 from = plane ? vec3_zero() : w->bodies.data[t->striker].x;
+    const Body *b = t->striker == NONE ? NULL : &w->bodies.data[t->striker];
+    return b && isfinite(b->outer) ? b : NULL;
+}
+
+static void write_share(void *context, int thread, int threads)
+{
+    const Hearing *all = context;
+    const World *w = all->w;
+    for (int i = team_first(all->count, thread, threads), end = team_end(all->count, thread, threads); i < end; i++) {
+        const struct Heard *h = &all->s->heard[i];
+        const Body *from = striker_of(w, &all->s->tellings[h->telling]);
+        all->s->missives[i].to = body_handle(w, h->member);
+        all->s->missives[i].direction = from ? vec3_sub(w->bodies.data[h->member].x, from->x) : vec3_zero();
+    }
+}
+
+/* Members from number n of the list on that hear of a telling but for the first `skip` of them; returns where the list ends then. */
+static int list_members(const World *w, Step *s, int telling, int skip, int n)
+{
+    const struct Telling *t = &s->tellings[telling];
     uint32_t m = t->lead;
-    for (int i = 0; i < t->count; i++, m = graph_next(w->graph, m)) {
-        if (i < skip)
-            continue;
-        message.id = t->id + (uint64_t)i;
-        message.to = body_handle(w, m);
-        message.direction = plane ? vec3_zero() : vec3_sub(w->bodies.data[m].x, from);
+    for (int i = 0; i < t->count; i++, m = graph_next(w->graph, m))
+        if (i >= skip)
+            s->heard[n++] = (struct Heard){m, telling, t->id + (uint64_t)i};
+    return n;
+}
+
+/* The log's messages of those on the list. */
+static void write_messages(World *w, Step *s, int count)
+{
+    team_deal(team_for(w, count), write_share, &(Hearing){w, s, count});
+    dig_message message = {0};
+    memcpy(message.kind, kind, sizeof message.kind);
+    for (int i = 0; i < count; i++) {
+        const struct Heard *h = &s->heard[i];
+        const struct Telling *t = &s->tellings[h->telling];
+        if (i == 0 || h->telling != h[-1].telling)
+            message.from = body_handle(w, t->striker);
+        message.id = h->id;
+        message.time = t->time;
+        message.value[0] = t->speed;
+        message.to = s->missives[i].to;
+        message.direction = s->missives[i].direction;
         message_keep(&w->messages, &message);
     }
 }
@@ -94,9 +159,10 @@ void tell_all(World *w, Step *s)
     remember(w, s, s->tellings[0].id);
     qsort(s->tellings, (size_t)s->telling_count, sizeof *s->tellings, compare_tellings);
     int64_t room = MESSAGE_KEPT;
-    int first = s->telling_count;
+    int first = s->telling_count, n = 0;
     while (first > 0 && room > 0)
         room -= s->tellings[--first].count;
     for (int i = first; i < s->telling_count; i++)
-        write_messages(w, &s->tellings[i], i == first && room < 0 ? (int)-room : 0);
+        n = list_members(w, s, i, i == first && room < 0 ? (int)-room : 0, n);
+    write_messages(w, s, n);
 }
