@@ -321,21 +321,56 @@ static void tell_pairs(const Blows *s, int body, int i)
     }
 }
 
-/* The ends of a pair that was struck may be stopped. */
-static void note_stops(const Blows *s, const GroupPair *q, real struck)
+/* kg  What is behind the ends of a pair that was struck. */
+static real mass_behind(const Blows *s, int x, int y)
 {
-    bool a = s->c->trait[q->a].moves, b = s->c->trait[q->b].moves;
-    bool driven = s->c->trait[q->a].kinematic || s->c->trait[q->b].kinematic;      /* does not give way */
-    real mass = driven ? INFINITY : (a ? s->c->g->member[q->a].mass : 0) + (b ? s->c->g->member[q->b].mass : 0);
+    const Trait *a = &s->c->trait[x], *b = &s->c->trait[y];
+    bool driven = a->kinematic || b->kinematic;      /* does not give way */
+    return driven ? INFINITY : (a->moves ? s->weight[x].mass : 0) + (b->moves ? s->weight[y].mass : 0);
+}
+
+/* The ends of a pair that was struck may be stopped. */
+static void note_stops(const Blows *s, const Ends *e)
+{
+    real mass = mass_behind(s, e->a, e->b);
     for (int k = 0; k < 2; k++) {
-        int body = k ? q->b : q->a;
-        if (!(k ? b : a))
+        int body = k ? e->b : e->a;
+        if (!s->c->trait[body].moves)
             continue;
-        s->c->stop[body] = real_max(s->c->stop[body], struck);
+        s->c->stop[body] = real_max(s->c->stop[body], (real)e->struck);
         s->weight[body].behind = real_max(s->weight[body].behind, mass);
         if (s->news[body] == 0)
             tell_pairs(s, body, -1);
         s->news[body] = 1;
+    }
+}
+
+/* The same body by body, for all threads: of what was struck, the most. */
+static void stop_share(void *context, int thread, int threads)
+{
+    const Blows *s = context;
+    const Crowd *c = s->c;
+    for (int i = team_first(c->g->body_count, thread, threads), end = team_end(c->g->body_count, thread, threads); i < end; i++)
+        for (int k = s->first[i]; c->trait[i].moves && k < s->first[i + 1]; k++) {
+            const Ends *e = &s->ends[s->pairs[k]];
+            if (!(e->struck > 0))
+                continue;
+            c->stop[i] = real_max(c->stop[i], (real)e->struck);
+            s->weight[i].behind = real_max(s->weight[i].behind, mass_behind(s, e->a, e->b));
+            s->news[i] = 1;
+        }
+}
+
+/* Pairs of bodies with news. */
+static void mark_share(void *context, int thread, int threads)
+{
+    const Blows *s = context;
+    int words = s->early / 64 + 1;
+    for (int w = team_first(words, thread, threads), end = team_end(words, thread, threads); w < end; w++) {
+        uint64_t marks = 0;
+        for (int i = 64 * w; i < int_min(64 * (w + 1), s->early); i++)
+            marks |= (uint64_t)(s->news[s->ends[i].a] | s->news[s->ends[i].b]) << i % 64;
+        s->looks[0][w] = s->looks[1][w] = marks;
     }
 }
 
@@ -444,19 +479,30 @@ static bool one_round(Blows *s, int round)
     return more;
 }
 
+static int first_struck(const Group *g, const Ends *ends)
+{
+    int i = 0;
+    while (i < g->pair_count && !(ends[i].struck > 0))
+        i++;
+    return i;
+}
+
 /* Bodies that fall together do not close on each other until the first of them is stopped, and then within the step. A pair is looked
  * at again only when there was news of one of its bodies in the round before, or is in this one. most: pairs there can be. */
 static dig_status look_behind(Crowd *c, Ends *ends, size_t most)
 {
     Group *g = c->g;
     Blows s = {.c = c, .ends = ends};
-    for (int i = 0; i < g->pair_count; i++) {
-        if (!(ends[i].struck > 0))
-            continue;
-        if (!c->stop)
-            DIG_TRY(open_blows(&s, most));
-        note_stops(&s, &g->pairs[i], (real)ends[i].struck);
+    int first = first_struck(g, ends);
+    if (first < g->pair_count)
+        DIG_TRY(open_blows(&s, most));
+    if (g->team && c->stop) {
+        team_deal(g->team, stop_share, &s);
+        team_deal(g->team, mark_share, &s);
     }
+    for (int i = first; i < g->pair_count && !g->team; i++)
+        if (ends[i].struck > 0)
+            note_stops(&s, &ends[i]);
     bool more = c->stop != NULL;
     for (int round = 1; round <= FOLLOWERS && more; round++) {
         DIG_TRY(touch_struck(&s, round));
