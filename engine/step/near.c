@@ -7,10 +7,12 @@
 
 #define SHARE 32                /* solids that a thread asks for in a row */
 #define BLOCK 124               /* numbers, an even count of them */
+#define MADE_LEAST 64           /* pairs: fewer are not worth a team */
 
 typedef struct NearBlock { struct NearBlock *next; int count; uint32_t item[BLOCK]; } NearBlock;
 typedef struct NearList { NearBlock *first, *last; } NearList;
-typedef struct Found { NearList parted, met; bool failed; } Found;      /* of a share: pairs that are over; two solids each that are new ones */
+/* Of a share: pairs that are over; two solids each that are new ones, and of these the number of the first among all. */
+typedef struct Found { NearList parted, met; int first; bool failed; } Found;
 
 /* Who has a pair with the one that asks: a hash set without removal, of 1 << bits slots. */
 typedef struct Known { uint32_t *slot; int bits; } Known;
@@ -116,17 +118,39 @@ static void ask_share(void *context, int share, Arena *arena)
     }
 }
 
-/* Pairs that are over go, then new ones come, in the order of the shares. */
-static dig_status note_all(World *w, const Found *found, int shares)
+typedef struct Making { const World *w; const Found *found; Pair *made; } Making;
+
+/* What surfaces and bodies make of a new pair is asked by all threads, for these lie far apart. */
+static void make_share(void *context, int share, Arena *arena)
 {
-    for (int i = 0; i < shares; i++)
+    const Making *m = context;
+    Pair *to = m->made + m->found[share].first;
+    (void)arena;
+    for (const NearBlock *b = m->found[share].met.first; b; b = b->next)
+        for (int k = 0; k < b->count; k += 2)
+            *to++ = pair_new(m->w, b->item[k], b->item[k + 1]);
+}
+
+/* Pairs that are over go, then new ones come, in the order of the shares. */
+static dig_status note_all(World *w, Found *found, int shares)
+{
+    int count = 0;
+    for (int i = 0; i < shares; i++) {
         for (const NearBlock *b = found[i].parted.first; b; b = b->next)
             for (int k = 0; k < b->count; k++)
                 pair_remove(w, b->item[k]);
-    for (int i = 0; i < shares; i++)
+        found[i].first = count;
         for (const NearBlock *b = found[i].met.first; b; b = b->next)
-            for (int k = 0; k < b->count; k += 2)
-                DIG_TRY(pair_add(w, b->item[k], b->item[k + 1]));
+            count += b->count / 2;
+    }
+    if (count == 0)
+        return DIG_OK;
+    Making m = {w, found, arena_alloc(&w->scratch, (size_t)count * sizeof *m.made)};
+    if (!m.made)
+        return DIG_E_MEMORY;
+    workers_run(count < MADE_LEAST ? NULL : w->workers, &w->scratch, make_share, &m, shares);
+    for (int i = 0; i < count; i++)
+        DIG_TRY(pair_add_made(w, &m.made[i]));
     return DIG_OK;
 }
 

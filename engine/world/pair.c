@@ -131,30 +131,34 @@ static dig_status take_room(World *w, MapKey key, uint32_t *slot, uint32_t *cont
     return status;
 }
 
-dig_status pair_add(World *w, uint32_t solid_a, uint32_t solid_b)
+Pair pair_new(const World *w, uint32_t solid_a, uint32_t solid_b)
 {
-    if (solid_a > solid_b) {
-        uint32_t t = solid_a;
-        solid_a = solid_b;
-        solid_b = t;
-    }
-    MapKey key = {solid_a, solid_b, 0};
-    uint32_t slot;
-    const Solid *a = &w->solids.data[solid_a], *b = &w->solids.data[solid_b];
-    Pair pair = {.alive = true, .solid_a = solid_a, .solid_b = solid_b, .body_a = a->body, .body_b = b->body, .memory = NONE,
-                 .listed = true, .fresh = true, .until = -1};
+    uint32_t low = solid_a < solid_b ? solid_a : solid_b, high = solid_a < solid_b ? solid_b : solid_a;
+    Pair pair = {.alive = true, .solid_a = low, .solid_b = high, .body_a = w->solids.data[low].body, .body_b = w->solids.data[high].body,
+                 .memory = NONE, .listed = true, .fresh = true, .until = -1};
     pair_sort(w, &pair);
-    int want = pair.pieces ? MESH_CONTACTS : 0;
-    uint32_t contact[MESH_CONTACTS];
-    DIG_TRY(take_room(w, key, &slot, contact, want));
+    return pair;
+}
+
+dig_status pair_add_made(World *w, const Pair *made)
+{
+    uint32_t slot, contact[MESH_CONTACTS];
+    int want = made->pieces ? MESH_CONTACTS : 0;
+    DIG_TRY(take_room(w, (MapKey){made->solid_a, made->solid_b, 0}, &slot, contact, want));
     for (int i = 0; i < want; i++)
         w->contacts.data[contact[i]].next = i + 1 < want ? contact[i + 1] : NONE;
-    pair.contact = want > 0 ? contact[0] : NONE;
-    w->tally.smooth += pair.smooth;
-    w->pairs.data[slot] = pair;
+    w->pairs.data[slot] = *made;
+    w->pairs.data[slot].contact = want > 0 ? contact[0] : NONE;
+    w->tally.smooth += made->smooth;
     w->near.data[w->near.count++] = slot;
     pair_attach(w, slot);
     return DIG_OK;
+}
+
+dig_status pair_add(World *w, uint32_t solid_a, uint32_t solid_b)
+{
+    Pair made = pair_new(w, solid_a, solid_b);
+    return pair_add_made(w, &made);
 }
 
 /* A touching pair that goes ends its share of the touch. */

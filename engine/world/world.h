@@ -501,6 +501,8 @@ void       pair_forget(World *w, Pair *p);
 Rub        pair_rub(const World *w, const Pair *p);
 void       pair_sort(const World *w, Pair *p);           /* what its solids make it: pieces, round, whose ends are dynamic, how they rub */
 dig_status pair_add(World *w, uint32_t solid_a, uint32_t solid_b);     /* that are none yet */
+Pair       pair_new(const World *w, uint32_t solid_a, uint32_t solid_b);            /* one to be added: changes nothing yet */
+dig_status pair_add_made(World *w, const Pair *made);
 bool       pair_find(const World *w, uint32_t solid_a, uint32_t solid_b, uint32_t *pair);         /* in any order */
 dig_status pair_enter(World *w, uint32_t pair);         /* into the index; it is not there yet */
 void       pair_attach(World *w, uint32_t pair);        /* into the lists of its solids */
