@@ -1,4 +1,4 @@
-/* solve/gather.h - what gather.c and gather_pairs.c share.
+/* solve/gather.h - what gather.c, gather_pairs.c and seam.c share.
  *
  * Floor: solve.
  */

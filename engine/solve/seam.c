@@ -3,7 +3,7 @@
  *
  * What covers a place that a body touches is near the body, too, and makes a pair with it: so the pairs of each moving solid tell all of
  * its fixed neighbours. Nothing is kept from step to step, and a group with less than two fixed solids is not looked at any further. */
-#include "solve/group.h"
+#include "solve/gather.h"
 
 #include <stdlib.h>
 
@@ -50,8 +50,6 @@ static bool meeting_of(const Group *g, int pair, Meeting *m)
     m->box = m->fixed->leaf < 0 ? everywhere : box3_grow(tree_box(&g->world->tree, m->fixed->leaf), margin);
     return true;
 }
-
-#define SHARED_LEAST 512        /* pairs: fewer are not worth a team */
 
 typedef struct Walls { const Group *g; int first, *pairs, *found; } Walls;      /* from this pair on; found: by each share */
 
