@@ -144,8 +144,8 @@ int  bind_guarded(lua_State *L);
 
 /* Opens everything and leaves the module `digbox` on the stack; the core table stands in the registry as "digbox.core". */
 int  bind_open(lua_State *L);
-int  luaopen_digbox(lua_State *L);
-int  luaopen_digbox_test(lua_State *L);
+__attribute__((visibility("default"))) int  luaopen_digbox(lua_State *L);
+__attribute__((visibility("default"))) int  luaopen_digbox_test(lua_State *L);
 
 /* Pushes the value of an embedded file, run once with the core table as its argument; false when there is no such file. */
 bool bind_use(lua_State *L, const char *name);

@@ -24,7 +24,7 @@ $(without_dir)/effects.c: engine/effect/effects.c
 	@mkdir -p $(@D)
 	@sed $(foreach name,$(WITHOUT),-e 's/&effect_$(name),//') $< > $@
 
-$(without_dir)/effects.o: $(without_dir)/effects.c $(BUILD)/flags.txt
+$(without_dir)/effects.o: $(without_dir)/effects.c $(OBJ)/flags.txt
 	$(call say,CC,$@)$(CC) $(BASE) -c -o $@ $<
 
 $(without_dir)/digbox: $(call objects,lua/main.c) $(lua_a) $(render_a) $(without_dir)/effects.o $(filter-out $(without_own),$(call objects,$(core_src)))
