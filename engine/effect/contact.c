@@ -181,11 +181,14 @@ static dig_status rows(const EffectSlot *e, Group *g)
         if (!c->live || (!g->member[c->a].moves && !g->member[c->b].moves))
             continue;
         Middle mid = {.known = false};
+        PointRow *made = &g->points[g->point_count];
+        contact_rows_make(g, made, i);
         c->manifold.left = 0;
         for (int k = 0; k < c->manifold.count; k++) {
             PointRow *r = &g->points[g->point_count];
             bool left = false;
-            point_row_make(g, r, i, k);
+            if (r != &made[k])
+                *r = made[k];
             real gap = c->manifold.points[k].gap;
             bool carried = contact_memory(c)[k].held > 0, needed = set_target(g, q, r, gap, carried, &left);
             c->manifold.left |= (uint8_t)(left << k);

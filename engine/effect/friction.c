@@ -56,6 +56,7 @@ static dig_status rows(const EffectSlot *e, Group *g)
     (void)e;
     if (g->decay_friction)
         return DIG_OK;
+    real slow = 0.01 * g->close_speed + 1e-9;
     for (int i = 0; i < g->point_count; i++) {
         PointRow *r = &g->points[i];
         const GroupPair *q = &g->pairs[g->contacts[r->contact].pair];
@@ -66,7 +67,7 @@ static dig_status rows(const EffectSlot *e, Group *g)
         real slip[2];
         for (int k = 0; k < 2; k++)
             slip[k] = vec3_dot(r->t[k].n, vec3_sub(vb.v, va.v)) + vec3_dot(r->t[k].aa, va.w) + vec3_dot(r->t[k].ab, vb.w);
-        r->slides = hypot(slip[0], slip[1]) > 0.01 * g->close_speed + 1e-9;
+        r->slides = sqrt(slip[0] * slip[0] + slip[1] * slip[1]) > slow;
     }
     return DIG_OK;
 }

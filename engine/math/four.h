@@ -25,6 +25,19 @@ INLINE four four_pick(four_int which, four yes, four no) { return (four)((which 
 INLINE four four_most(four a, four b) { return four_pick(a > b, a, b); }
 INLINE four four_abs(four a) { return four_most(a, -a); }
 
+#define SHUFFLE __builtin_shufflevector
+
+/* Four rows of four become four columns. */
+INLINE void four_transpose(four r[4])
+{
+    four s0 = SHUFFLE(r[0], r[1], 0, 4, 2, 6), s1 = SHUFFLE(r[0], r[1], 1, 5, 3, 7);
+    four s2 = SHUFFLE(r[2], r[3], 0, 4, 2, 6), s3 = SHUFFLE(r[2], r[3], 1, 5, 3, 7);
+    r[0] = SHUFFLE(s0, s2, 0, 1, 4, 5);
+    r[1] = SHUFFLE(s1, s3, 0, 1, 4, 5);
+    r[2] = SHUFFLE(s0, s2, 2, 3, 6, 7);
+    r[3] = SHUFFLE(s1, s3, 2, 3, 6, 7);
+}
+
 INLINE four four_root(four x)
 {
     UNROLL
@@ -44,6 +57,7 @@ INLINE four3 four3_cross(four3 a, four3 b)
 {
     return (four3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
+INLINE four3 four3_all(vec3 v) { return (four3){four_all(v.x), four_all(v.y), four_all(v.z)}; }
 INLINE vec3 four3_get(const four3 *v, int lane) { return (vec3){v->x[lane], v->y[lane], v->z[lane]}; }
 INLINE void four3_put(four3 *v, int lane, vec3 to)
 {
@@ -63,6 +77,7 @@ INLINE four33 four33_mul(const four33 *a, const four33 *b)
 {
     return (four33){four33_back3(b, a->r0), four33_back3(b, a->r1), four33_back3(b, a->r2)};
 }
+INLINE four33 four33_all(const mat3 *m) { return (four33){four3_all(m->r0), four3_all(m->r1), four3_all(m->r2)}; }
 INLINE void four33_put(four33 *m, int lane, const mat3 *to)
 {
     four3_put(&m->r0, lane, to->r0);

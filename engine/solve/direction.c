@@ -1,5 +1,6 @@
-/* solve/direction.c - one direction of a contact point: Jacobian, effective mass, impulse. */
+/* solve/direction.c - directions of contact points: Jacobian, effective mass, impulse. */
 #include "solve/direction.h"
+#include "solve/four_dir.h"
 
 static vec3 masked(const Group *g, vec3 v, bool linear)
 {
@@ -55,4 +56,78 @@ void point_row_make(const Group *g, PointRow *r, int contact, int point)
     const ManifoldPoint *p = &c->manifold.points[point];
     *r = (PointRow){.contact = contact, .point = point, .a = c->a, .b = c->b};
     point_row_set(g, r, c->manifold.normal, vec3_scale(0.5, vec3_add(p->a, p->b)), g->pos[c->a].x, g->pos[c->b].x);
+}
+
+/* ---- the points of a contact side by side ---- */
+
+_Static_assert(MANIFOLD_POINTS == LANES, "a contact's points fill a four");
+
+/* Bodies of a contact, and where its points are from their centres of mass. */
+typedef struct Arms { four im; four33 ii_a, ii_b; four3 ra, rb; } Arms;
+
+INLINE FourDir dirs_make(const Arms *m, vec3 n)
+{
+    FourDir d = {.n = four3_all(n)};
+    d.aa = four3_cross(d.n, m->ra);
+    d.ab = four3_cross(m->rb, d.n);
+    d.ia = four33_mul3(&m->ii_a, d.aa);
+    d.ib = four33_mul3(&m->ii_b, d.ab);
+    d.k = m->im * four3_dot(d.n, d.n) + four3_dot(d.aa, d.ia) + four3_dot(d.ab, d.ib);
+    return d;
+}
+
+INLINE void make_rows(const Group *g, PointRow *r, int contact)
+{
+    const GroupContact *c = &g->contacts[contact];
+    const GroupManifold *m = &c->manifold;
+    const Mass *ma = &g->mass[c->a], *mb = &g->mass[c->b];
+    Arms arms = {.im = four_all(ma->im + mb->im), .ii_a = four33_all(&ma->ii), .ii_b = four33_all(&mb->ii)};
+    vec3 t, u;
+    four3 at;
+    UNROLL
+    for (int k = 0; k < LANES; k++) {
+        const ManifoldPoint *p = &m->points[k < m->count ? k : 0];
+        four3_put(&at, k, vec3_scale(0.5, vec3_add(p->a, p->b)));
+    }
+    arms.ra = four3_sub(at, four3_all(g->pos[c->a].x));
+    arms.rb = four3_sub(at, four3_all(g->pos[c->b].x));
+    vec3_basis(m->normal, &t, &u);
+    FourDir n = dirs_make(&arms, m->normal), d = dirs_make(&arms, t), e = dirs_make(&arms, u);
+    four ktt = arms.im * four3_dot(d.n, e.n) + four3_dot(d.aa, e.ia) + four3_dot(d.ab, e.ib);
+    four mean = 0.5 * (d.k + e.k), half = 0.5 * (d.k - e.k), kmax = mean + four_root(half * half + ktt * ktt);
+    four_dir_store(&n, &r->n, sizeof *r, m->count);
+    four_dir_store(&d, &r->t[0], sizeof *r, m->count);
+    four_dir_store(&e, &r->t[1], sizeof *r, m->count);
+    for (int k = 0; k < m->count; k++) {
+        r[k].ktt = ktt[k];
+        r[k].kmax = kmax[k];
+    }
+}
+
+static void make_plain(const Group *g, PointRow *r, int contact) { make_rows(g, r, contact); }
+
+#if defined(__x86_64__)
+__attribute__((target("avx2"))) static void make_avx2(const Group *g, PointRow *r, int contact) { make_rows(g, r, contact); }
+static bool has_avx2(void) { return __builtin_cpu_supports("avx2"); }
+#else
+static void make_avx2(const Group *g, PointRow *r, int contact) { make_rows(g, r, contact); }
+static bool has_avx2(void) { return false; }
+#endif
+
+void contact_rows_make(const Group *g, PointRow *r, int contact)
+{
+    const GroupContact *c = &g->contacts[contact];
+    if (g->planar || c->manifold.count == 1) {
+        for (int k = 0; k < c->manifold.count; k++)
+            point_row_make(g, &r[k], contact, k);
+        return;
+    }
+    for (int k = 0; k < c->manifold.count; k++) {
+        r[k].contact = contact;
+        r[k].point = k;
+        r[k].a = c->a;
+        r[k].b = c->b;
+        memset((char *)&r[k] + offsetof(PointRow, target), 0, sizeof r[k] - offsetof(PointRow, target));        /* all that effects say */
+    }
+    (has_avx2() ? make_avx2 : make_plain)(g, r, contact);
 }

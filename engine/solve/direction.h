@@ -29,5 +29,7 @@ real dir_coupling(const Group *g, const Dir *d, const Dir *e, int a, int b);
 void dir_mask(const Group *g, vec3 *linear, vec3 *angular);             /* drops the dead axis of a planar world */
 void point_row_set(const Group *g, PointRow *r, vec3 normal, vec3 at, vec3 xa, vec3 xb);
 void point_row_make(const Group *g, PointRow *r, int contact, int point);
+/* r: one for each point of the contact; the same bits as of one after the other */
+void contact_rows_make(const Group *g, PointRow *r, int contact);
 
 #endif

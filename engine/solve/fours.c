@@ -3,11 +3,9 @@
  * Every lane computes what relax.c computes for one row, by the same rounded operations in the same order.
  */
 #include "solve/fours.h"
-#include "math/four.h"
+#include "solve/four_dir.h"
 
 /* ---- rows in lanes ---- */
-
-typedef struct FourDir { four3 n, aa, ab, ia, ib; four k; } FourDir;       /* as Dir */
 
 /* Bodies, and which row of the group it is; < 0: none, and the bodies are the spare one after the last. */
 typedef struct FourRows { int32_t a[LANES], b[LANES], row[LANES]; } FourRows;
@@ -38,6 +36,8 @@ struct Fours {
     Impulses   *impulses;       /* [point_fours + roll_fours]          */
     int        *place;          /* [point_count] of the normal impulse, in numbers */
     bool        plain;
+    bool        swept;          /* once, row by row                    */
+    bool        filled;         /* with more than which rows and bodies, and impulses: from the second sweep on */
 };
 
 /* ---- which rows go together ---- */
@@ -123,88 +123,108 @@ static void put_impulse(Impulses *to, int lane, vec3 j)
     to->at[2][lane] = j.z;
 }
 
-static void put_dir(FourDir *to, int lane, const Dir *d)
+/* What lanes without a row, or without friction, compute with: nothing comes of it. */
+static const PointRow NO_ROW = {.n.k = 1, .t = {{.k = 1}, {.k = 1}}, .kmax = 1};
+
+/* Whose rows stand in `of` already. Lanes without one write to the spare velocity after the last. */
+INLINE void fill_point(const Group *g, FourPoints *to)
 {
-    four3_put(&to->n, lane, d->n);
-    four3_put(&to->aa, lane, d->aa);
-    four3_put(&to->ab, lane, d->ab);
-    four3_put(&to->ia, lane, d->ia);
-    four3_put(&to->ib, lane, d->ib);
-    to->k[lane] = d->k;
+    const Dir *n[LANES], *t[LANES], *u[LANES];
+    to->acts = to->rubs = to->sticks = (four_int){0};
+    to->det = to->kmax = four_all(1);
+    to->ima = to->imb = to->target = to->friction = to->blow = to->ktt = four_all(0);
+    to->rub = false;
+    for (int lane = 0; lane < LANES; lane++) {
+        const PointRow *r = to->of.row[lane] < 0 ? &NO_ROW : &g->points[to->of.row[lane]], *rub = &NO_ROW;
+        n[lane] = &r->n;
+        if (to->of.row[lane] >= 0) {
+            to->ima[lane] = g->mass[r->a].im;
+            to->imb[lane] = g->mass[r->b].im;
+            to->target[lane] = r->target;
+            to->acts[lane] = r->n.k > 0 ? -1 : 0;
+            rub = r->friction > 0 && r->kmax > 0 ? r : rub;
+        }
+        t[lane] = &rub->t[0];
+        u[lane] = &rub->t[1];
+        if (rub == &NO_ROW)
+            continue;
+        real det = r->t[0].k * r->t[1].k - r->ktt * r->ktt;
+        bool sticks = det > 1e-12 * r->kmax * r->kmax;
+        to->rub = true;
+        to->rubs[lane] = -1;
+        to->sticks[lane] = sticks ? -1 : 0;
+        to->friction[lane] = r->slides ? r->friction_dynamic : r->friction;
+        to->blow[lane] = r->blow;
+        to->ktt[lane] = r->ktt;
+        to->det[lane] = sticks ? det : 1;
+        to->kmax[lane] = r->kmax;
+    }
+    four_dir_load(&to->n, n);
+    to->n.k = four_pick(to->acts, to->n.k, four_all(1));
+    four_dir_load(&to->t[0], t);
+    four_dir_load(&to->t[1], u);
 }
 
-static void put_point(const Group *g, FourPoints *to, int lane, int row)
+static void fill_roll(const Group *g, FourRolls *to)
 {
-    const PointRow *r = &g->points[row];
-    put_rows(&to->of, lane, r->a, r->b, row);
-    to->ima[lane] = g->mass[r->a].im;
-    to->imb[lane] = g->mass[r->b].im;
-    put_dir(&to->n, lane, &r->n);
-    to->target[lane] = r->target;
-    to->acts[lane] = r->n.k > 0 ? -1 : 0;
-    to->n.k[lane] = r->n.k > 0 ? r->n.k : 1;
-    if (!(r->friction > 0) || !(r->kmax > 0))
-        return;
-    put_dir(&to->t[0], lane, &r->t[0]);
-    put_dir(&to->t[1], lane, &r->t[1]);
-    real det = r->t[0].k * r->t[1].k - r->ktt * r->ktt;
-    bool sticks = det > 1e-12 * r->kmax * r->kmax;
-    to->rub = true;
-    to->rubs[lane] = -1;
-    to->sticks[lane] = sticks ? -1 : 0;
-    to->friction[lane] = r->slides ? r->friction_dynamic : r->friction;
-    to->blow[lane] = r->blow;
-    to->ktt[lane] = r->ktt;
-    to->det[lane] = sticks ? det : 1;
-    to->kmax[lane] = r->kmax;
+    *to = (FourRolls){.of = to->of};
+    for (int lane = 0; lane < LANES && to->of.row[lane] >= 0; lane++) {
+        const RollRow *r = &g->rolls[to->of.row[lane]];
+        four33_put(&to->inv_k, lane, &r->inv_k);
+        four33_put(&to->ia, lane, &g->mass[r->a].ii);
+        four33_put(&to->ib, lane, &g->mass[r->b].ii);
+        to->lever[lane] = r->lever;
+        to->reach[lane] = r->reach;
+    }
 }
 
-static void put_roll(const Group *g, FourRolls *to, int lane, int row)
+INLINE void fill(Fours *f)
 {
-    const RollRow *r = &g->rolls[row];
-    put_rows(&to->of, lane, r->a, r->b, row);
-    four33_put(&to->inv_k, lane, &r->inv_k);
-    four33_put(&to->ia, lane, &g->mass[r->a].ii);
-    four33_put(&to->ib, lane, &g->mass[r->b].ii);
-    to->lever[lane] = r->lever;
-    to->reach[lane] = r->reach;
+    for (int i = 0; i < f->point_fours; i++)
+        fill_point(f->g, &f->points[i]);
+    for (int i = 0; i < f->roll_fours; i++)
+        fill_roll(f->g, &f->rolls[i]);
+    f->filled = true;
 }
 
-/* Lanes without a row write to the spare velocity after the last, and divide by 1. */
-static void fill_points(Fours *f, const int *place)
+/* Which rows go where. */
+static void lay(Fours *f, const int *points, const int *rolls)
 {
     const Group *g = f->g;
-    for (int i = 0; i < f->point_fours; i++) {
-        FourPoints *x = &f->points[i];
-        *x = (FourPoints){.n.k = four_all(1), .t[0].k = four_all(1), .t[1].k = four_all(1), .det = four_all(1), .kmax = four_all(1)};
-        x->of = no_rows(g->body_count);
-    }
+    for (int i = 0; i < f->point_fours; i++)
+        f->points[i].of = no_rows(g->body_count);
+    for (int i = 0; i < f->roll_fours; i++)
+        f->rolls[i].of = no_rows(g->body_count);
+    for (int i = 0; i < g->roll_count; i++)
+        put_rows(&f->rolls[rolls[i] / LANES].of, rolls[i] % LANES, g->rolls[i].a, g->rolls[i].b, i);
     for (int i = 0; i < g->point_count; i++) {
-        int x = place[i] / LANES, lane = place[i] % LANES;
-        const PointRow *r = &g->points[i];
-        put_point(g, &f->points[x], lane, i);
-        put_impulse(&f->impulses[x], lane, (vec3){r->jn, r->jt[0], r->jt[1]});
+        int x = points[i] / LANES, lane = points[i] % LANES;
+        put_rows(&f->points[x].of, lane, g->points[i].a, g->points[i].b, i);
         f->place[i] = LANES * 3 * x + lane;
     }
 }
 
-static void fill_rolls(Fours *f, const int *place)
+/* From the rows. */
+static void read_impulses(Fours *f)
 {
     const Group *g = f->g;
-    for (int i = 0; i < f->roll_fours; i++)
-        f->rolls[i] = (FourRolls){.of = no_rows(g->body_count)};
-    for (int i = 0; i < g->roll_count; i++) {
-        int x = place[i] / LANES, lane = place[i] % LANES;
-        put_roll(g, &f->rolls[x], lane, i);
-        put_impulse(&f->impulses[f->point_fours + x], lane, g->rolls[i].j);
+    real *x = f->impulses->at[0];
+    for (int i = 0; i < g->point_count; i++) {
+        const PointRow *r = &g->points[i];
+        x[f->place[i]] = r->jn;
+        x[f->place[i] + LANES] = r->jt[0];
+        x[f->place[i] + 2 * LANES] = r->jt[1];
     }
+    for (int i = 0; i < f->roll_fours; i++)
+        for (int lane = 0; lane < LANES && f->rolls[i].of.row[lane] >= 0; lane++)
+            put_impulse(&f->impulses[f->point_fours + i], lane, g->rolls[f->rolls[i].of.row[lane]].j);
 }
 
 #define ROWS_LEAST   8
 #define BODIES_LEAST 3
 #define FILLED_LEAST 1.5        /* lanes in the mean: below that, one row after the other is as fast */
 
-static Fours *fours_make(Group *g, int more)
+static Fours *fours_make(Group *g, int more, bool plain)
 {
     int point_fours = 0, roll_fours = 0, *points = deal(g, false, &point_fours), *rolls = deal(g, true, &roll_fours);
     Fours *f = arena_alloc(g->arena, sizeof *f);
@@ -214,7 +234,7 @@ static Fours *fours_make(Group *g, int more)
     }
     if (g->point_count < FILLED_LEAST * point_fours)
         return NULL;
-    *f = (Fours){.g = g, .place = points, .point_fours = point_fours, .roll_fours = roll_fours};
+    *f = (Fours){.g = g, .place = points, .point_fours = point_fours, .roll_fours = roll_fours, .plain = plain};
     f->points = arena_alloc(g->arena, (size_t)point_fours * sizeof *f->points);
     f->rolls = arena_alloc(g->arena, (size_t)roll_fours * sizeof *f->rolls);
     f->impulses = arena_zero(g->arena, (size_t)(point_fours + roll_fours) * sizeof *f->impulses + (size_t)(more + 3) * sizeof(real));
@@ -222,8 +242,8 @@ static Fours *fours_make(Group *g, int more)
         g->status = DIG_E_MEMORY;
         return NULL;
     }
-    fill_points(f, points);
-    fill_rolls(f, rolls);
+    lay(f, points, rolls);
+    read_impulses(f);
     g->vel[g->body_count] = (Vel){vec3_zero(), vec3_zero()};
     return f;
 }
@@ -233,10 +253,8 @@ Fours *fours_open(Group *g, int more, bool plain)
     if (g->point_count < ROWS_LEAST || g->moving_count < BODIES_LEAST || g->patches || (group_top_heavy(g) && !toil_pauses(g)))
         return NULL;
     ArenaMark mark = arena_mark(g->arena);
-    Fours *f = fours_make(g, more);
-    if (f)
-        f->plain = plain;
-    else
+    Fours *f = fours_make(g, more, plain);
+    if (!f)
         arena_rewind(g->arena, mark);
     return f;
 }
@@ -275,19 +293,6 @@ void fours_close(const Fours *f)
 
 typedef struct FourVel { four3 v, w; } FourVel;
 
-#define SHUFFLE __builtin_shufflevector
-
-/* Four rows of four become four columns. */
-INLINE void transpose(four r[4])
-{
-    four s0 = SHUFFLE(r[0], r[1], 0, 4, 2, 6), s1 = SHUFFLE(r[0], r[1], 1, 5, 3, 7);
-    four s2 = SHUFFLE(r[2], r[3], 0, 4, 2, 6), s3 = SHUFFLE(r[2], r[3], 1, 5, 3, 7);
-    r[0] = SHUFFLE(s0, s2, 0, 1, 4, 5);
-    r[1] = SHUFFLE(s1, s3, 0, 1, 4, 5);
-    r[2] = SHUFFLE(s0, s2, 2, 3, 6, 7);
-    r[3] = SHUFFLE(s1, s3, 2, 3, 6, 7);
-}
-
 /* Of each body v and the first of w, then the other two. */
 INLINE FourVel gather(const Vel *vel, const int32_t at[LANES])
 {
@@ -298,7 +303,7 @@ INLINE FourVel gather(const Vel *vel, const int32_t at[LANES])
         r[i] = *(const four_any *)(const void *)&vel[at[i]].v.x;
         p[i] = *(const pair *)(const void *)&vel[at[i]].w.y;
     }
-    transpose(r);
+    four_transpose(r);
     four low = SHUFFLE(p[0], p[2], 0, 1, 2, 3), high = SHUFFLE(p[1], p[3], 0, 1, 2, 3);
     return (FourVel){{r[0], r[1], r[2]}, {r[3], SHUFFLE(low, high, 0, 4, 2, 6), SHUFFLE(low, high, 1, 5, 3, 7)}};
 }
@@ -308,7 +313,7 @@ INLINE void scatter(Vel *vel, const int32_t at[LANES], const FourVel *from)
     four r[4] = {from->v.x, from->v.y, from->v.z, from->w.x};
     four low = SHUFFLE(from->w.y, from->w.z, 0, 4, 2, 6), high = SHUFFLE(from->w.y, from->w.z, 1, 5, 3, 7);
     pair p[4] = {SHUFFLE(low, low, 0, 1), SHUFFLE(high, high, 0, 1), SHUFFLE(low, low, 2, 3), SHUFFLE(high, high, 2, 3)};
-    transpose(r);
+    four_transpose(r);
     UNROLL
     for (int i = 0; i < LANES; i++) {
         *(four_any *)(void *)&vel[at[i]].v.x = r[i];
@@ -322,12 +327,12 @@ INLINE void gather_spins(const Vel *vel, const int32_t at[LANES], four r[4])
     UNROLL
     for (int i = 0; i < LANES; i++)
         r[i] = *(const four_any *)(const void *)&vel[at[i]].v.z;
-    transpose(r);
+    four_transpose(r);
 }
 
 INLINE void scatter_spins(Vel *vel, const int32_t at[LANES], four r[4])
 {
-    transpose(r);
+    four_transpose(r);
     UNROLL
     for (int i = 0; i < LANES; i++)
         *(four_any *)(void *)&vel[at[i]].v.z = r[i];
@@ -423,11 +428,41 @@ INLINE real relax_fours(Fours *f)
     return real_max(real_max(worst[0], worst[1]), real_max(worst[2], worst[3]));
 }
 
-static real relax_plain(Fours *f) { return relax_fours(f); }
+/* The first sweep, in the same order: what rests needs no second one, and lanes are not worth filling for it. */
+static real relax_rows(Fours *f)
+{
+    Group *g = f->g;
+    real worst = 0;
+    for (int i = 0; i < f->roll_fours; i++)
+        for (int lane = 0; lane < LANES && f->rolls[i].of.row[lane] >= 0; lane++)
+            worst = real_max(worst, relax_roll(g, &g->rolls[f->rolls[i].of.row[lane]]));
+    for (int i = 0; i < f->point_fours; i++)
+        for (int lane = 0; lane < LANES && f->points[i].of.row[lane] >= 0; lane++)
+            worst = real_max(worst, relax_points(g, f->points[i].of.row[lane], 1));
+    read_impulses(f);
+    f->swept = true;
+    return worst;
+}
 
+INLINE real relax_next(Fours *f)
+{
+    if (!f->filled)
+        fill(f);
+    return relax_fours(f);
+}
+
+static real relax_plain(Fours *f) { return relax_next(f); }
 #if defined(__x86_64__)
-__attribute__((target("avx2"))) static real relax_avx2(Fours *f) { return relax_fours(f); }
-real fours_relax(Fours *f) { return !f->plain && __builtin_cpu_supports("avx2") ? relax_avx2(f) : relax_plain(f); }
+__attribute__((target("avx2"))) static real relax_avx2(Fours *f) { return relax_next(f); }
+static bool has_avx2(void) { return __builtin_cpu_supports("avx2"); }
 #else
-real fours_relax(Fours *f) { return relax_plain(f); }
+#define relax_avx2 relax_plain
+static bool has_avx2(void) { return false; }
 #endif
+
+real fours_relax(Fours *f)
+{
+    if (!f->swept)
+        return relax_rows(f);
+    return f->plain || !has_avx2() ? relax_plain(f) : relax_avx2(f);
+}

@@ -459,7 +459,19 @@ static inline void fetch_more(const World *w, uint32_t contact)
 dig_status sweep_advance(Group *g, real dt);
 dig_status sweep_piece(Group *g, real dt, real until);  /* from g->t on, of a step of dt; room for rows and strikes is there */
 real group_kinetic(const Group *g);                     /* J */
+/* x' = x + h v' (semi-implicit Euler). All others: x' = x + h (v + v') / 2, which is Verlet's 2 x - x'' + a h^2 written with the
+ * velocity: it needs no equal steps and no position before the last impact. */
+static inline bool member_by_euler(const Member *m)
+{
+    return m->integrator == DIG_EULER || (m->integrator == DIG_SWITCH && (m->fresh || m->collided));
+}
+/* book.c: what a substep did */
 Vel  group_way_of(const Group *g, int body);            /* what a substep moves it with: forces work along that */
+Vel  group_mean_velocity(const Group *g, int body);     /* of start and end; of what impulses do not move: its own */
+real group_mean_rate(const Group *g, const Row *r);     /* m/s or rad/s  of a row, by these */
+real group_blow_speed(const Group *g);                  /* m/s  an approach faster than by what pushes it in a substep, and lost in it, is a blow */
+void group_forget_idle(Group *g);                       /* points that took no part in the solve remember no force */
+void group_book(Group *g);
 real group_kinetic_of(const Group *g, int body);         /* J */
 /* m/s  Slower impacts are no impacts; size: m, of the smallest pair; fall: m/s^2. */
 static inline real close_speed_of(real size, real fall) { return isfinite(size) ? sqrt(2e-5 * size * fall) + 1e-9 * size : 0; }
@@ -470,7 +482,9 @@ void impacts(Group *g);
 void strike_report(Group *g, const PointRow *r, real speed);
 /* relax.c: Gauss-Seidel sweeps over rows; each returns the largest velocity change, m/s */
 real relax_points(Group *g, int first, int count);
+void warm_points(Group *g);                              /* what their impulses do to velocities */
 real relax_joints(Group *g);
+real relax_roll(Group *g, RollRow *r);
 real relax_rolls(Group *g);
 int  relax(Group *g, int sweeps, real residual);        /* until the change is below residual; returns sweeps done */
 bool relax_in_vain(const Group *g, const Vel *before, real worst);    /* the sweep left all bodies as they were before it, though it changed them by `worst` */

@@ -6,12 +6,7 @@
 
 static void warm_start(Group *g)
 {
-    for (int i = 0; i < g->point_count; i++) {
-        PointRow *r = &g->points[i];
-        dir_apply(g, &r->n, r->a, r->b, r->jn);
-        dir_apply(g, &r->t[0], r->a, r->b, r->jt[0]);
-        dir_apply(g, &r->t[1], r->a, r->b, r->jt[1]);
-    }
+    warm_points(g);
     for (int i = 0; i < g->roll_count; i++) {
         RollRow *r = &g->rolls[i];
         g->vel[r->a].w = vec3_sub(g->vel[r->a].w, mat3_mul_vec(g->mass[r->a].ii, r->j));
@@ -27,11 +22,19 @@ Vel *group_velocities(const Group *g)
     return copy ? memcpy(copy, g->vel, (size_t)g->body_count * sizeof *copy) : NULL;
 }
 
-static real along(const Group *g, int i, Vel a, Vel b)
+/* J, twice: of the motion before impulses, of what they change it by, and between the two. */
+typedef struct Energies { real before, change, between; } Energies;
+
+static void add_energies(const Group *g, int i, Vel before, Vel change, Energies *sum)
 {
     const Member *m = &g->member[i];
-    vec3 wa = quat_unrotate(g->pos[i].q, a.w), wb = quat_unrotate(g->pos[i].q, b.w);
-    return m->moves ? m->mass * vec3_dot(a.v, b.v) + vec3_dot(wa, mat3_mul_vec(*m->inertia, wb)) : 0;
+    if (!m->moves)
+        return;
+    vec3 wb = quat_unrotate(g->pos[i].q, before.w), wc = quat_unrotate(g->pos[i].q, change.w);
+    vec3 lb = mat3_mul_vec(*m->inertia, wb), lc = mat3_mul_vec(*m->inertia, wc);
+    sum->before += m->mass * vec3_dot(before.v, before.v) + vec3_dot(wb, lb);
+    sum->change += m->mass * vec3_dot(change.v, change.v) + vec3_dot(wc, lc);
+    sum->between += m->mass * vec3_dot(before.v, change.v) + vec3_dot(wb, lc);
 }
 
 static void scale_guess(Group *g, real s)
@@ -66,15 +69,11 @@ dig_status group_warm_start(Group *g)
     if (!before)
         return DIG_E_MEMORY;
     warm_start(g);
-    real meet = 0, square = 0, energy = 0;
-    for (int i = 0; i < g->moving_count; i++) {
-        Vel change = {vec3_sub(g->vel[i].v, before[i].v), vec3_sub(g->vel[i].w, before[i].w)};
-        meet += along(g, i, before[i], change);
-        square += along(g, i, change, change);
-        energy += along(g, i, before[i], before[i]);
-    }
-    if (energy + 2 * meet + square > GUESS_RISE * energy) {
-        real s = real_clamp(-meet / square, 0, 1);
+    Energies e = {0};
+    for (int i = 0; i < g->moving_count; i++)
+        add_energies(g, i, before[i], (Vel){vec3_sub(g->vel[i].v, before[i].v), vec3_sub(g->vel[i].w, before[i].w)}, &e);
+    if (e.before + 2 * e.between + e.change > GUESS_RISE * e.before) {
+        real s = real_clamp(-e.between / e.change, 0, 1);
         memcpy(g->vel, before, (size_t)g->body_count * sizeof *before);
         scale_guess(g, s);
         warm_start(g);

@@ -6,11 +6,11 @@
  */
 #include "solve/direction.h"
 
-/* Motion of a pair's shape a or b through the substep. */
-static Motion shape_motion(const Group *g, int body, pose local)
+/* How a body moves through the substep, without where from. */
+static Motion body_motion(const Group *g, int body)
 {
     const Member *m = &g->member[body];
-    Motion r = {.start = group_shape_pose(g, body, local), .centre = pose_unpoint(local, vec3_zero())};
+    Motion r = {.start = {.p = vec3_zero()}};
     Vel now = g->vel[body];
     if (!m->moves) {
         r.v = now.v;
@@ -29,6 +29,16 @@ static Motion shape_motion(const Group *g, int body, pose local)
     }
     return r;
 }
+
+/* The same, from where a shape of it is. */
+static Motion motion_of(const Group *g, int body, pose local, Motion r)
+{
+    r.start = group_shape_pose(g, body, local);
+    r.centre = pose_unpoint(local, vec3_zero());
+    return r;
+}
+
+static Motion shape_motion(const Group *g, int body, pose local) { return motion_of(g, body, local, body_motion(g, body)); }
 
 /* m  The farthest that a point of a shape moves by its turn. */
 static real rim_travel(const Group *g, int body, const Motion *m)
@@ -85,18 +95,34 @@ static real locate_apart(const Group *g, const GroupPair *q)
     return cannot_meet(g, q, &a, &b) ? INFINITY : meeting(g, q, &a, &b, g->h);
 }
 
+/* Where two shapes move, with their centres of mass at the start. */
+typedef struct Meeting { Motion a, b; vec3 centre_a, centre_b; } Meeting;
+
+static Meeting meeting_of(const Group *g, const GroupPair *q)
+{
+    Meeting m = {.a = shape_motion(g, q->a, pair_local(q, false)), .b = shape_motion(g, q->b, pair_local(q, true))};
+    m.centre_a = pose_point(m.a.start, m.a.centre);
+    m.centre_b = pose_point(m.b.start, m.b.centre);
+    return m;
+}
+
+/* m/s  How fast a point parts along n, at first. */
+static real parts_with(const Meeting *m, vec3 n, const ManifoldPoint *p)
+{
+    vec3 va = vec3_add(m->a.v, vec3_cross(m->a.w, vec3_sub(p->a, m->centre_a)));
+    return vec3_dot(n, vec3_sub(vec3_add(m->b.v, vec3_cross(m->b.w, vec3_sub(p->b, m->centre_b))), va));
+}
+
 /* Points of a pair that touches already: their gaps as parabolas of time. */
-static real locate_points(const Group *g, const GroupPair *q, real tolerance)
+static real locate_points(const Group *g, const GroupPair *q, const Meeting *m, real tolerance)
 {
     real first = INFINITY;
-    Motion a = shape_motion(g, q->a, pair_local(q, false)), b = shape_motion(g, q->b, pair_local(q, true));
     for (int i = q->contact; i < q->contact + q->contacts; i++) {
         const GroupContact *c = &g->contacts[i];
         for (int k = 0; c->live && k < c->manifold.count; k++) {
             const ManifoldPoint *p = &c->manifold.points[k];
             vec3 n = c->manifold.normal;
-            real v0 = vec3_dot(n, vec3_sub(motion_velocity(&b, p->b, 0), motion_velocity(&a, p->a, 0)));
-            real acc = vec3_dot(n, vec3_sub(b.a, a.a));
+            real v0 = parts_with(m, n, p), acc = vec3_dot(n, vec3_sub(m->b.a, m->a.a));
             if (p->gap <= tolerance) {
                 if (v0 > g->close_speed && -2 * v0 >= acc * g->h)       /* leaves and comes back */
                     first = real_min(first, -2 * v0 / acc);
@@ -116,16 +142,16 @@ static real locate_points(const Group *g, const GroupPair *q, real tolerance)
 
 /* s  When all points that touch have parted, by as much as the two are thick in this substep: what whirls may then come in with its other
  * end, of which they know nothing. INFINITY: some point presses on, or the two are slow. */
-static real parted_at(const Group *g, const GroupPair *q, const Motion *a, const Motion *b, real tolerance)
+static real parted_at(const Group *g, const GroupPair *q, const Meeting *m, real tolerance)
 {
-    real travel = vec3_distance(a->v, b->v) * g->h + rim_travel(g, q->a, a) + rim_travel(g, q->b, b), last = 0;
+    real travel = vec3_distance(m->a.v, m->b.v) * g->h + rim_travel(g, q->a, &m->a) + rim_travel(g, q->b, &m->b), last = 0;
     if (!(travel > q->on_a->shape.inner + q->on_b->shape.inner))
         return INFINITY;
     for (int i = q->contact; i < q->contact + q->contacts; i++) {
         const GroupContact *c = &g->contacts[i];
         for (int k = 0; c->live && k < c->manifold.count; k++) {
             const ManifoldPoint *p = &c->manifold.points[k];
-            real speed = vec3_dot(c->manifold.normal, vec3_sub(motion_velocity(b, p->b, 0), motion_velocity(a, p->a, 0)));
+            real speed = parts_with(m, c->manifold.normal, p);
             if (p->gap > tolerance)
                 continue;
             if (!(speed > g->close_speed))
@@ -136,14 +162,12 @@ static real parted_at(const Group *g, const GroupPair *q, const Motion *a, const
     return last;
 }
 
-static real locate_other_end(const Group *g, const GroupPair *q, real tolerance)
+static real locate_other_end(const Group *g, const GroupPair *q, const Meeting *m, real tolerance)
 {
-    Motion a = shape_motion(g, q->a, pair_local(q, false)), b = shape_motion(g, q->b, pair_local(q, true));
-    real from = parted_at(g, q, &a, &b, tolerance);
+    real from = parted_at(g, q, m, tolerance);
     if (!(from < g->h))
         return INFINITY;
-    a = motion_from(&a, from);
-    b = motion_from(&b, from);
+    Motion a = motion_from(&m->a, from), b = motion_from(&m->b, from);
     return from + meeting(g, q, &a, &b, g->h - from);
 }
 
@@ -160,9 +184,13 @@ real locate_impact(Group *g)
         for (int k = q->contact; k < q->contact + q->contacts; k++)
             for (int p = 0; g->contacts[k].live && p < g->contacts[k].manifold.count; p++)
                 touching = touching || g->contacts[k].manifold.points[p].gap <= tolerance;
-        first = real_min(first, touching ? locate_points(g, q, tolerance) : locate_apart(g, q));
-        if (touching)
-            first = real_min(first, locate_other_end(g, q, tolerance));
+        if (!touching) {
+            first = real_min(first, locate_apart(g, q));
+            continue;
+        }
+        Meeting m = meeting_of(g, q);
+        first = real_min(first, locate_points(g, q, &m, tolerance));
+        first = real_min(first, locate_other_end(g, q, &m, tolerance));
     }
     return first;
 }
@@ -191,10 +219,12 @@ static real travel_of(const Group *g, const GroupPair *q, const Motion *a, const
 static bool goes_deeper(const Group *g, const GroupPair *q, real most, bool through)
 {
     const GroupContact *c = &g->contacts[q->contact];
-    Motion a = shape_motion(g, q->a, pair_local(q, false)), b = shape_motion(g, q->b, pair_local(q, true));
+    Motion a = body_motion(g, q->a), b = body_motion(g, q->b);
     real travel = travel_of(g, q, &a, &b), depth = most;
     if (travel <= most)
         return false;
+    a = motion_of(g, q->a, pair_local(q, false), a);
+    b = motion_of(g, q->b, pair_local(q, true), b);
     for (int k = 0; k < c->manifold.count; k++)
         depth = real_max(depth, most - c->manifold.points[k].gap);
     int looks = !through ? 1 : (int)real_clamp(ceil(travel / most), 2, LOOKS);

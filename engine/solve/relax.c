@@ -6,13 +6,28 @@
  */
 #include "solve/direction.h"
 #include "solve/fours.h"
-#include "math/pair.h"
+#include "math/reg3.h"
 
 /* One point and its two bodies' velocities, which stay in registers until all is done. */
-typedef struct Meet { const Mass *ma, *mb; Vel a, b; } Meet;
+typedef struct Meet { real ima, imb; reg3 va, wa, vb, wb; } Meet;
 
-INLINE real meet_rate(const Meet *m, const Dir *d) { return dir_rate_between(d, &m->a, &m->b); }
-INLINE void meet_apply(Meet *m, const Dir *d, real p) { dir_apply_between(d, &m->a, m->ma->im, &m->b, m->mb->im, p); }
+INLINE Meet meet_begin(const Group *g, const PointRow *r)
+{
+    const Vel *a = &g->vel[r->a], *b = &g->vel[r->b];
+    return (Meet){g->mass[r->a].im, g->mass[r->b].im, reg3_load(&a->v), reg3_of(a->w), reg3_load(&b->v), reg3_of(b->w)};
+}
+/* As dir_rate_between and dir_apply_between, to the same bits. */
+INLINE real meet_rate(const Meet *m, const Dir *d)
+{
+    return reg3_dot(reg3_load(&d->n), m->vb - m->va) + reg3_dot(reg3_load(&d->aa), m->wa) + reg3_dot(reg3_load(&d->ab), m->wb);
+}
+INLINE void meet_apply(Meet *m, const Dir *d, real p)
+{
+    m->va += reg3_all(-p * m->ima) * reg3_load(&d->n);
+    m->wa += reg3_all(p) * reg3_load(&d->ia);
+    m->vb += reg3_all(p * m->imb) * reg3_load(&d->n);
+    m->wb += reg3_all(p) * reg3_load(&d->ib);
+}
 
 INLINE real relax_normal(Meet *m, PointRow *r)
 {
@@ -60,13 +75,13 @@ INLINE real relax_friction(Meet *m, PointRow *r)
     return real_max(fabs(p0), fabs(p1)) * r->kmax;
 }
 
-static void meet_end(Group *g, const Meet *m, const PointRow *r)
+INLINE void meet_end(Group *g, const Meet *m, const PointRow *r)
 {
-    g->vel[r->a] = m->a;
-    g->vel[r->b] = m->b;
+    g->vel[r->a] = (Vel){reg3_get(m->va), reg3_get(m->wa)};
+    g->vel[r->b] = (Vel){reg3_get(m->vb), reg3_get(m->wb)};
 }
 
-real relax_points(Group *g, int first, int count)
+INLINE real relax_span(Group *g, int first, int count)
 {
     real worst = 0;
     Meet m;
@@ -75,7 +90,7 @@ real relax_points(Group *g, int first, int count)
         if (!last || last->a != r->a || last->b != r->b) {      /* else the next point of the same two */
             if (last)
                 meet_end(g, &m, last);
-            m = (Meet){&g->mass[r->a], &g->mass[r->b], g->vel[r->a], g->vel[r->b]};
+            m = meet_begin(g, r);
         }
         worst = real_max(worst, relax_friction(&m, r));
         worst = real_max(worst, relax_normal(&m, r));
@@ -84,6 +99,37 @@ real relax_points(Group *g, int first, int count)
         meet_end(g, &m, &g->points[first + count - 1]);
     return worst;
 }
+
+/* Impulses from nowhere, of all points. */
+INLINE void warm_all(Group *g)
+{
+    Meet m;
+    for (int i = 0; i < g->point_count; i++) {
+        const PointRow *r = &g->points[i], *next = i + 1 < g->point_count ? r + 1 : NULL;
+        if (i == 0 || r[-1].a != r->a || r[-1].b != r->b)
+            m = meet_begin(g, r);
+        meet_apply(&m, &r->n, r->jn);
+        meet_apply(&m, &r->t[0], r->jt[0]);
+        meet_apply(&m, &r->t[1], r->jt[1]);
+        if (!next || next->a != r->a || next->b != r->b)
+            meet_end(g, &m, r);
+    }
+}
+
+static real relax_plain(Group *g, int first, int count) { return relax_span(g, first, count); }
+static void warm_plain(Group *g) { warm_all(g); }
+#if defined(__x86_64__)
+__attribute__((target("avx2"))) static real relax_avx2(Group *g, int first, int count) { return relax_span(g, first, count); }
+__attribute__((target("avx2"))) static void warm_avx2(Group *g) { warm_all(g); }
+static bool has_avx2(void) { return __builtin_cpu_supports("avx2"); }
+#else
+#define relax_avx2 relax_plain
+#define warm_avx2 warm_plain
+static bool has_avx2(void) { return false; }
+#endif
+
+real relax_points(Group *g, int first, int count) { return (has_avx2() ? relax_avx2 : relax_plain)(g, first, count); }
+void warm_points(Group *g) { (has_avx2() ? warm_avx2 : warm_plain)(g); }
 
 static Vel vel_part(Vel to, const Vel *now, const Vel *was, real part)
 {
@@ -127,26 +173,29 @@ static real relax_patches(Group *g)
     return worst;
 }
 
+real relax_roll(Group *g, RollRow *r)
+{
+    real normal = 0;
+    for (int k = 0; k < r->count; k++)
+        normal += g->points[r->first + k].jn + g->points[r->first + k].blow;
+    vec3 rate = vec3_sub(g->vel[r->b].w, g->vel[r->a].w);
+    vec3 j = vec3_sub(r->j, mat3_mul_vec(r->inv_k, rate));
+    real length = vec3_length(j), bound = r->lever * normal;
+    if (length > bound)
+        j = vec3_scale(length > 0 ? bound / length : 0, j);
+    vec3 p = vec3_sub(j, r->j);
+    r->j = j;
+    vec3 da = mat3_mul_vec(g->mass[r->a].ii, p), db = mat3_mul_vec(g->mass[r->b].ii, p);
+    g->vel[r->a].w = vec3_sub(g->vel[r->a].w, da);
+    g->vel[r->b].w = vec3_add(g->vel[r->b].w, db);
+    return r->reach * real_max(vec3_length(da), vec3_length(db));
+}
+
 real relax_rolls(Group *g)
 {
     real worst = 0;
-    for (int i = 0; i < g->roll_count; i++) {
-        RollRow *r = &g->rolls[i];
-        real normal = 0;
-        for (int k = 0; k < r->count; k++)
-            normal += g->points[r->first + k].jn + g->points[r->first + k].blow;
-        vec3 rate = vec3_sub(g->vel[r->b].w, g->vel[r->a].w);
-        vec3 j = vec3_sub(r->j, mat3_mul_vec(r->inv_k, rate));
-        real length = vec3_length(j), bound = r->lever * normal;
-        if (length > bound)
-            j = vec3_scale(length > 0 ? bound / length : 0, j);
-        vec3 p = vec3_sub(j, r->j);
-        r->j = j;
-        vec3 da = mat3_mul_vec(g->mass[r->a].ii, p), db = mat3_mul_vec(g->mass[r->b].ii, p);
-        g->vel[r->a].w = vec3_sub(g->vel[r->a].w, da);
-        g->vel[r->b].w = vec3_add(g->vel[r->b].w, db);
-        worst = real_max(worst, r->reach * real_max(vec3_length(da), vec3_length(db)));
-    }
+    for (int i = 0; i < g->roll_count; i++)
+        worst = real_max(worst, relax_roll(g, &g->rolls[i]));
     return worst;
 }
 

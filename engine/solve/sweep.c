@@ -9,17 +9,10 @@
 #include "solve/direction.h"
 #include "solve/momentum.h"
 
-/* x' = x + h v' (semi-implicit Euler). All others: x' = x + h (v + v') / 2, which is Verlet's 2 x - x'' + a h^2 written with the
- * velocity: it needs no equal steps and no position before the last impact. */
-static bool moves_by_euler(const Member *m)
-{
-    return m->integrator == DIG_EULER || (m->integrator == DIG_SWITCH && (m->fresh || m->collided));
-}
-
 static bool any_euler(const Group *g)
 {
     for (int i = 0; i < g->moving_count; i++)
-        if (g->member[i].moves && moves_by_euler(&g->member[i]))
+        if (g->member[i].moves && member_by_euler(&g->member[i]))
             return true;
     return false;
 }
@@ -32,7 +25,7 @@ static void predict(Group *g)
         Member *m = &g->member[i];
         m->start_pos = g->pos[i];
         m->start_vel = g->vel[i];
-        m->constrained = m->implicit_move = moves_by_euler(m);
+        m->constrained = m->implicit_move = member_by_euler(m);
         m->met = false;
         m->swerve = vec3_zero();
         if (!m->moves)
@@ -131,7 +124,7 @@ static void move_alike(Group *g)
         return;
     for (int i = 0; i < g->moving_count; i++) {
         const Member *m = &g->member[i];
-        if (m->moves && m->implicit_move && !moves_by_euler(m))
+        if (m->moves && m->implicit_move && !member_by_euler(m))
             lost += vec3_dot(m->force, vec3_sub(g->vel[i].v, m->start_vel.v)) + vec3_dot(m->torque, vec3_sub(g->vel[i].w, m->start_vel.w));
     }
     for (int i = 0; i < g->moving_count && lost < 0; i++)
@@ -168,203 +161,6 @@ static void fall_together(Group *g)
         g->lag = vec3_scale(-0.5 / mass, gained);
 }
 
-/* ---- bookkeeping after a substep: forces remembered, energy booked, sleepers that were pushed ---- */
-
-/* s  A substep cut short by an impact may be a billionth of the others. What stopped an approach in it, divided by so short a
- * time, would start the next solve with impulses a billion times too large. */
-static real remembered_over(const Group *g) { return real_max(g->h, 0.01 * g->world->def.step / g->plan->substeps); }
-
-static Vel mean_velocity(const Group *g, int body)
-{
-    const Vel *v = &g->vel[body], *start = &g->member[body].start_vel;
-    if (!g->member[body].moves)
-        return *v;
-    return (Vel){vec3_scale(0.5, vec3_add(v->v, start->v)), vec3_scale(0.5, vec3_add(v->w, start->w))};
-}
-
-Vel group_way_of(const Group *g, int body)
-{
-    if (!g->member[body].implicit_move)
-        return mean_velocity(g, body);
-    return (Vel){vec3_add(g->vel[body].v, g->lag), g->vel[body].w};
-}
-
-/* An impulse along a direction: by the arms that it was solved with, so that nothing is lost between it and the velocities. */
-static real book_dir(Group *g, const Dir *d, int a, int b, real p)
-{
-    Vel va = mean_velocity(g, a), vb = mean_velocity(g, b);
-    real of_a = vec3_dot(d->aa, va.w) - vec3_dot(d->n, va.v), of_b = vec3_dot(d->ab, vb.w) + vec3_dot(d->n, vb.v);
-    real lost = -p * (of_a + of_b);
-    g->lost += lost;
-    g->work_in -= p * ((g->member[a].kinematic ? of_a : 0) + (g->member[b].kinematic ? of_b : 0));
-    return lost;
-}
-
-/* m/s: what a point approaches with, faster than by what pushes it in a substep, and loses in it, is a blow. */
-static real blow_speed(const Group *g) { return g->close_speed + 2 * g->fall * g->h; }
-
-static void book_point(Group *g, PointRow *r)
-{
-    GroupContact *c = &g->contacts[r->contact];
-    const ManifoldPoint *p = &c->manifold.points[r->point];
-    vec3 tangent = vec3_add(vec3_scale(r->jt[0], r->t[0].n), vec3_scale(r->jt[1], r->t[1].n));
-    vec3 impulse = vec3_mad(tangent, r->jn, r->n.n);
-    real pressed = r->jn - r->blow, rubbed = 1;
-    if (g->unsolved && pressed * r->n.k > VELOCITY_COARSE) {     /* what has no solution is no guess for the next one */
-        rubbed = VELOCITY_COARSE / (pressed * r->n.k);
-        pressed = VELOCITY_COARSE / r->n.k;
-    }
-    contact_memory(c)[r->point].normal = pressed / remembered_over(g);
-    c->last = r->jn > 0 ? g->t + g->h : c->last;
-    if (r->jn > 0)              /* what closed a gap still approaches: the next substep is not smooth either */
-        contact_memory(c)[r->point].held = r->target < -1e-6 ? HELD_SUBSTEPS - 1 : HELD_SUBSTEPS;
-    contact_memory(c)[r->point].tangent = vec3_scale(rubbed / remembered_over(g), tangent);
-    c->impulse = vec3_add(c->impulse, impulse);
-    c->point_sum = vec3_mad(c->point_sum, r->jn, p->a);
-    c->point_weight += r->jn;
-    c->manifold.slides = r->slides;
-    /* where impacts are not located, a fast approach that ends in this substep is one */
-    if (!g->locate && r->jn > 0 && -r->rate_before > blow_speed(g)) {
-        g->member[r->a].collided = g->member[r->b].collided = true;
-        strike_report(g, r, -r->rate_before);
-    }
-    real lost = book_dir(g, &r->n, r->a, r->b, r->jn) + book_dir(g, &r->t[0], r->a, r->b, r->jt[0]) + book_dir(g, &r->t[1], r->a, r->b, r->jt[1]);
-    c->lost += lost;
-    if (r->jn > 0)
-        for (int k = 0; k < 2; k++) {
-            Member *m = &g->member[k ? r->b : r->a];
-            if (m->dormant)
-                m->pushed = g->woke = true;
-        }
-}
-
-static void book_roll(Group *g, RollRow *r)
-{
-    g->contacts[r->contact].rolling = vec3_scale(1 / remembered_over(g), r->j);
-    vec3 wa = mean_velocity(g, r->a).w, wb = mean_velocity(g, r->b).w;
-    real lost = -vec3_dot(r->j, vec3_sub(wb, wa));
-    g->lost += lost;
-    g->contacts[r->contact].lost += lost;
-    g->work_in += g->member[r->a].kinematic ? vec3_dot(r->j, wa) : 0;
-    g->work_in -= g->member[r->b].kinematic ? vec3_dot(r->j, wb) : 0;
-}
-
-static real row_rate_of(const Group *g, const Row *r, Vel (*velocity)(const Group *g, int body))
-{
-    real rate = 0;
-    for (int k = 0; k < r->count; k++) {
-        int b = r->body[k];
-        if (b < 0)
-            continue;
-        Vel v = velocity(g, b);
-        rate += vec3_dot(r->lin[k], v.v) + vec3_dot(r->ang[k], v.w);
-    }
-    return rate;
-}
-
-static real mean_row_rate(const Group *g, const Row *r) { return row_rate_of(g, r, mean_velocity); }
-
-/* J  What a spring and damper takes from the motion and does not store. By the midpoint rule that is the damper's h c rate^2; by backward
- * Euler there is 1/2 k dx^2 more. */
-static real lost_in_spring(const Group *g, const JointRow *r)
-{
-    real dx = g->h * row_rate_of(g, &r->row, group_way_of);
-    return r->k > 0 ? -r->p * mean_row_rate(g, &r->row) - r->row.stiffness * dx * (r->row.error + 0.5 * dx) : 0;
-}
-
-/* J  The same of the forces on what moves with its end velocity: they are booked along its way, and speed it up along the mean. Where
- * springs are booked so; and where a blow, too slow to be located, was struck at the start of the substep: it then took less than its
- * impulse along the mean, for part of that impulse bore the weight. Elsewhere this is what the integration makes up, and stays in
- * that figure. */
-static void book_implicit(Group *g)
-{
-    bool all = group_elastic(g);
-    for (int i = 0; i < g->moving_count; i++)       /* joints hand a blow on */
-        all = all || (g->joints_direct && g->member[i].met);
-    for (int i = 0; i < g->moving_count; i++) {
-        const Member *m = &g->member[i];
-        if (!m->moves || !m->implicit_move || moves_by_euler(m) || !(all || m->met))
-            continue;
-        Vel mean = mean_velocity(g, i), way = group_way_of(g, i);
-        g->lost += g->h * (vec3_dot(m->force, vec3_sub(way.v, mean.v)) + vec3_dot(m->torque, vec3_sub(way.w, mean.w)));
-    }
-}
-
-static void book_joint(Group *g, const JointBlock *b)
-{
-    GroupJoint *j = &g->joints[b->joint];
-    memset(j->force, 0, sizeof j->force);
-    for (int i = 0; i < b->count; i++) {
-        const JointRow *r = &g->rows[b->first + i];
-        j->force[r->row.slot] = r->p / remembered_over(g);
-        for (int k = 0; k < r->row.count; k++)
-            if (r->row.body[k] == j->a && j->a >= 0) {
-                j->impulse = vec3_mad(j->impulse, r->p, r->row.lin[k]);
-                j->angular_impulse = vec3_mad(j->angular_impulse, r->p, r->row.ang[k]);
-            }
-        g->work_in -= r->p * group_row_driven(g, &r->row);
-        if (r->row.kind == ROW_HARD || r->row.kind == ROW_LIMIT)        /* what a jerk of a joint takes */
-            g->lost -= r->p * mean_row_rate(g, &r->row);
-        if (r->row.kind == ROW_DRY || r->row.kind == ROW_MOTOR) {
-            real work = r->p * mean_row_rate(g, &r->row);
-            *(r->row.kind == ROW_DRY ? &g->lost : &g->work_in) += r->row.kind == ROW_DRY ? -work : work;
-            j->lost -= r->row.kind == ROW_DRY ? work : 0;
-        }
-        if (r->row.kind == ROW_SOFT) {
-            real lost = lost_in_spring(g, r);
-            g->lost += lost;
-            j->lost += lost;
-        }
-    }
-}
-
-/* What healing lifts out of an overlap had fallen too far, and the blow that stopped it took that, too: so much less has been lost, as far
- * as anything has in this step. What bounces has kept a part of it; that is made up, and stays in that figure. Joints heal otherwise. */
-static void book_lift(Group *g)
-{
-    real bounce = 0;
-    for (int i = 0; i < g->point_count; i++)
-        if (g->points[i].gap < 0)
-            bounce = real_max(bounce, g->pairs[g->contacts[g->points[i].contact].pair].restitution);
-    if (g->row_count == 0 && g->lifted > 0)
-        g->lost -= real_clamp((1 - bounce * bounce) * g->lifted, 0, real_max(0, g->lost));
-}
-
-static void book(Group *g)
-{
-    book_lift(g);
-    for (int i = 0; i < g->point_count; i++)
-        book_point(g, &g->points[i]);
-    for (int i = 0; i < g->roll_count; i++)
-        book_roll(g, &g->rolls[i]);
-    for (int i = 0; i < g->block_count; i++)
-        book_joint(g, &g->blocks[i]);
-    book_implicit(g);
-    g->lost += g->braced;
-    for (int i = 0; i < g->moving_count && (g->drags || g->rules); i++) {
-        Vel v = group_way_of(g, i);
-        group_book_apart(g, i, vec3_scale(g->h, v.v), vec3_scale(g->h, v.w), g->h);
-    }
-    for (int i = 0; i < g->push_count; i++) {
-        const GroupPush *p = &g->pushes[i];
-        Vel v = group_way_of(g, p->body);
-        vec3 arm = p->has_at ? quat_rotate(g->pos[p->body].q, p->at) : vec3_zero();
-        real work = g->h * (vec3_dot(p->force, vec3_add(v.v, vec3_cross(v.w, arm))) + vec3_dot(p->torque, v.w));
-        group_book_push(g, p, work);
-    }
-}
-
-/* Points that took no part in this solve remember no force. */
-static void forget_idle(Group *g)
-{
-    for (int i = 0; i < g->contact_count; i++)
-        for (int k = 0; k < g->contacts[i].manifold.count; k++) {
-            contact_memory(&g->contacts[i])[k].normal = 0;
-            contact_memory(&g->contacts[i])[k].held = int_max(0, contact_memory(&g->contacts[i])[k].held - 1);
-            contact_memory(&g->contacts[i])[k].tangent = vec3_zero();
-        }
-}
-
 /* As before the solve. */
 static void restore(Group *g)
 {
@@ -382,7 +178,7 @@ static bool blow_comes(const Group *g)
     for (int i = 0; i < g->point_count; i++) {
         const PointRow *r = &g->points[i];
         real gap = g->contacts[r->contact].manifold.points[r->point].gap;
-        if (-r->rate_before > blow_speed(g) && gap + g->h * r->rate_before < 0)
+        if (-r->rate_before > group_blow_speed(g) && gap + g->h * r->rate_before < 0)
             return true;
     }
     return false;
@@ -522,7 +318,7 @@ static bool springs_gain(Group *g)
     }
     for (int i = 0; i < g->row_count; i++)
         if (g->rows[i].row.kind == ROW_SOFT)
-            lost -= g->rows[i].p * mean_row_rate(g, &g->rows[i].row);
+            lost -= g->rows[i].p * group_mean_rate(g, &g->rows[i].row);
     return gain - lost > MADE_UP * much;
 }
 
@@ -583,8 +379,8 @@ static dig_status substep(Group *g, real until)
         DIG_TRY(solve_substep(g));
         DIG_TRY(turn_on(g));
     }
-    forget_idle(g);
-    book(g);
+    group_forget_idle(g);
+    group_book(g);
     if (g->woke)
         return DIG_OK;          /* this try is thrown away: the sleeper wakes and the step starts again */
     move(g);

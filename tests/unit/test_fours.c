@@ -161,10 +161,56 @@ TEST(what_carries_something_heavy_is_left_to_be_swept_in_turn)
     }
 }
 
+/* Impulses from nowhere, as of one direction after the other. */
+TEST(points_warm_up_to_the_bits_of_directions_in_turn)
+{
+    Heap *one = heap(3, false), *all = heap(3, false);
+    warm_points(&all->g);
+    for (int i = 0; i < POINTS; i++) {
+        PointRow *r = &one->points[i];
+        dir_apply(&one->g, &r->n, r->a, r->b, r->jn);
+        dir_apply(&one->g, &r->t[0], r->a, r->b, r->jt[0]);
+        dir_apply(&one->g, &r->t[1], r->a, r->b, r->jt[1]);
+    }
+    check_same(one, all);
+    drop(one);
+    drop(all);
+}
+
+static bool same_dir(const Dir *d, const Dir *e) { return memcmp(d, e, sizeof *d) == 0; }
+
+TEST(rows_of_a_contacts_points_side_by_side_have_the_bits_of_rows_in_turn)
+{
+    Heap *h = heap(5, false);
+    Pos pos[2] = {{draw3(h, 1), quat_identity()}, {draw3(h, 1), quat_identity()}};
+    for (int i = 0; i < 200; i++) {
+        ManifoldPoint at[MANIFOLD_POINTS];
+        GroupContact c = {.a = 0, .b = 1, .manifold = {.normal = vec3_unit(draw3(h, 1)), .points = at, .count = 1 + i % MANIFOLD_POINTS}};
+        for (int k = 0; k < MANIFOLD_POINTS; k++)
+            at[k] = (ManifoldPoint){.a = draw3(h, 2), .b = draw3(h, 2)};
+        PointRow rows[MANIFOLD_POINTS], row;
+        memset(rows, 0xAA, sizeof rows);
+        h->g.pos = pos;
+        h->g.contacts = &c;
+        h->g.planar = i % 5 == 4 ? 1 + i % 3 : 0;
+        contact_rows_make(&h->g, rows, 0);
+        for (int k = 0; k < c.manifold.count; k++) {
+            const PointRow *r = &rows[k];
+            point_row_make(&h->g, &row, 0, k);
+            CHECK(same_dir(&r->n, &row.n) && same_dir(&r->t[0], &row.t[0]) && same_dir(&r->t[1], &row.t[1]));
+            CHECK(r->ktt == row.ktt && r->kmax == row.kmax && r->a == 0 && r->b == 1 && r->point == k);
+            CHECK(r->target == 0 && r->friction == 0 && r->jn == 0 && r->jt[1] == 0 && r->gap == 0 && !r->slides && !r->curved);
+        }
+    }
+    drop(h);
+}
+
 int main(void)
 {
     RUN_TESTS(unit_test(rows_side_by_side_are_swept_to_the_bits_of_rows_in_turn),
                unit_test(rows_that_all_have_one_body_are_left_to_be_swept_in_turn),
                unit_test(few_rows_are_left_to_be_swept_in_turn),
-               unit_test(what_carries_something_heavy_is_left_to_be_swept_in_turn));
+               unit_test(what_carries_something_heavy_is_left_to_be_swept_in_turn),
+               unit_test(points_warm_up_to_the_bits_of_directions_in_turn),
+               unit_test(rows_of_a_contacts_points_side_by_side_have_the_bits_of_rows_in_turn));
 }
