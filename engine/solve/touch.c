@@ -149,6 +149,35 @@ static real touch_balls(const Group *g, GroupPair *q, GroupContact *c, real reac
     return 0;
 }
 
+/* A ball and a plane: as manifold_collide finds it, without the ball's turn, of which nothing is seen. */
+static real touch_plane(const Group *g, GroupPair *q, GroupContact *c, real reach)
+{
+    bool on_a = q->on_a->shape.type == &shape_plane;
+    const Solid *ball = on_a ? q->on_b : q->on_a;
+    const PlaneData *plane = (on_a ? q->on_a : q->on_b)->shape.data;
+    pose at = group_shape_pose(g, on_a ? q->a : q->b, pair_local(q, !on_a));
+    vec3 n = quat_rotate(at.q, plane->normal), low = vec3_mad(centre_of(g, on_a ? q->b : q->a, ball->arm), -ball->shape.round, n);
+    real gap = vec3_dot(n, vec3_sub(low, at.p)) - plane->offset;
+    c->live = gap <= reach;
+    if (!c->live) {
+        c->manifold.count = 0;
+        return gap;
+    }
+    if (c->manifold.count != 1)
+        *contact_memory(c) = (PointMemory){.held = 0};
+    vec3 foot = vec3_mad(low, -gap, n);
+    c->manifold.normal = on_a ? n : vec3_neg(n);
+    c->manifold.count = 1;
+    c->manifold.points[0] = on_a ? (ManifoldPoint){foot, low, gap, 0} : (ManifoldPoint){low, foot, gap, 0};
+    return 0;
+}
+
+static bool is_ball_on_plane(const Group *g, const GroupPair *q)
+{
+    const Shape *a = &q->on_a->shape, *b = &q->on_b->shape;
+    return ((a->type == &shape_plane && is_ball(b)) || (b->type == &shape_plane && is_ball(a))) && !seam_near(g, q);
+}
+
 static real touch_convex(Group *g, GroupPair *q, real reach, real farther)
 {
     q->fresh = false;
@@ -156,6 +185,8 @@ static real touch_convex(Group *g, GroupPair *q, real reach, real farther)
     q->reach = reach;
     if (is_ball(&q->on_a->shape) && is_ball(&q->on_b->shape))
         return touch_balls(g, q, &g->contacts[q->contact], reach);
+    if (is_ball_on_plane(g, q))
+        return touch_plane(g, q, &g->contacts[q->contact], reach);
     pose pa = group_shape_pose(g, q->a, pair_local(q, false)), pb = group_shape_pose(g, q->b, pair_local(q, true));
     GroupContact *c = &g->contacts[q->contact];
     real room = vec3_length(vec3_sub(pb.p, pa.p)) - q->on_a->shape.outer - q->on_b->shape.outer;     /* infinite outer: never apart */
