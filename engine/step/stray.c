@@ -39,12 +39,24 @@ static bool exact(const Group *g) { return !g->crowd && (g->located > 0 || g->va
 
 static real margin_of(const Group *g, const Solid *s) { return exact(g) ? 0 : DEEP * s->shape.outer; }
 
+/* Its reach has room for by how much what is no wider one way than another, or does not turn, misses where its speed would have brought
+ * it (reach_of in sense.c). */
+static bool goes_straight(const World *w, const Body *b, const Pos *p, const Solid *s)
+{
+    real dt = w->def.step, room = 0.02 * s->shape.outer + 0.5 * b->pull * dt * dt;
+    bool round = s->shape.type == &shape_sphere && vec3_equal(s->at.p, b->centre);
+    bool turns = p->q.x != b->q.x || p->q.y != b->q.y || p->q.z != b->q.z || p->q.w != b->q.w;
+    return b->kind == DIG_DYNAMIC && w->region_count == 0 && (round || !turns) && vec3_length2(vec3_sub(p->x, vec3_mad(b->x, dt, b->v))) <= 0.9 * room * room;
+}
+
 static bool strays(const World *w, int member, Stray *out)
 {
     const Group *g = out->g;
     const Solid *s = &w->solids.data[out->solid];
     const Body *b = &w->bodies.data[g->member[member].slot];
     const Pos *p = &g->pos[member];
+    if (goes_straight(w, b, p, s))
+        return false;
     real margin = margin_of(g, s);
     if (margin > 0 && travel_by(vec3_sub(p->x, b->x), b->q, p->q, b->outer) <= margin)
         return false;           /* its reach has room for where it was */
