@@ -283,6 +283,7 @@ struct Group {
 
     /* what it took and achieved */
     const struct Way *way;      /* that advanced it                 */
+    bool      looked;           /* contacts are those of the step's start, within the reach of all of it */
     bool      handed_on;        /* the last way tried put it back for the next one to take */
     const char *gave_up;        /* why a finer way failed within its budget in this step; NULL = none did */
     int       substeps, sweeps, located;

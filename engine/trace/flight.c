@@ -1,11 +1,26 @@
-/* trace/flight.c - free flight: a body that nothing holds and nothing can meet in this step.
+/* trace/flight.c - free flight: a body that nothing holds and nothing meets in this step.
  *
+ * Where there is something near, that is seen from how far the two can get, and of balls from how far they do; else it is handed on.
  * The centre of mass follows its parabola exactly. The angular momentum L does not change, and the orientation obeys
  * q' = q w / 2 with w = I^-1 R^T L in body axes: a power series, with as many terms as the group's tolerance needs, or what it
  * sums up to where that would be many parts (tumble.c). A round body turns evenly; one that is round about an axis does so about L, and
  * about its axis besides.
  */
 #include "trace/trace.h"
+
+#define FEW   4                 /* bodies, or pairs: of more, some meet */
+#define CLEAR 1e-4              /* of the size: what stays so far apart does not touch */
+
+/* Are all pairs of things that did not touch, nor were struck? */
+static bool apart(const Group *g)
+{
+    if (g->crowd || !g->may_trace || g->moving_count > FEW || g->pair_count > FEW)
+        return false;
+    for (int i = 0; i < g->pair_count; i++)
+        if (g->pairs[i].was_touching || g->pairs[i].contacts != 1)
+            return false;
+    return true;
+}
 
 static bool suits(const Group *g)
 {
@@ -14,7 +29,47 @@ static bool suits(const Group *g)
     for (int i = 0; i < g->moving_count; i++)
         if (!g->member[i].moves || g->member[i].integrator != DIG_AUTO)
             return false;
-    return g->pair_count == 0;
+    return g->pair_count == 0 || apart(g);
+}
+
+/* m/s^2 */
+static vec3 fall_of(const Group *g, int body) { return vec3_scale(g->mass[body].im, g->member[body].force); }
+
+static bool is_ball(const Group *g, int body, const Shape *s)
+{
+    return g->member[body].moves && s->outer == s->round && s->outer == g->member[body].outer;
+}
+
+/* A plane between the two, across the line on which they are nearest, parts them as long as they move along it by less than they have. */
+static bool stays_clear(const Group *g, const GroupPair *q, real h)
+{
+    const GroupManifold *m = &g->contacts[q->contact].manifold;
+    const Vel *va = &g->vel[q->a], *vb = &g->vel[q->b];
+    bool ball_a = is_ball(g, q->a, &q->on_a->shape), ball_b = is_ball(g, q->b, &q->on_b->shape);
+    if (m->count != 1 || !(ball_a || ball_b) || !(ball_a || !g->member[q->a].moves) || !(ball_b || !g->member[q->b].moves))
+        return false;
+    if ((!ball_a && g->member[q->a].kinematic && g->member[q->a].moved) || (!ball_b && g->member[q->b].kinematic && g->member[q->b].moved))
+        return false;
+    vec3 a = vec3_sub(ball_b ? fall_of(g, q->b) : vec3_zero(), ball_a ? fall_of(g, q->a) : vec3_zero());
+    real gap = m->points[0].gap, rate = vec3_dot(m->normal, vec3_sub(vb->v, va->v)), acc = vec3_dot(m->normal, a);
+    real turn = acc > 0 ? real_clamp(-rate / acc, 0, h) : 0, least = CLEAR * q->size;
+    return gap > least && gap + h * (rate + 0.5 * h * acc) > least && gap + turn * (rate + 0.5 * turn * acc) > least;
+}
+
+/* Does nothing meet? What was found near is then left behind: the next step looks anew. */
+static bool keeps_apart(Group *g, real h)
+{
+    bool apart = true;
+    for (int i = 0; i < g->pair_count; i++) {
+        group_touch_pair(g, &g->pairs[i], h);
+        apart = apart && (!g->contacts[g->pairs[i].contact].live || stays_clear(g, &g->pairs[i], h));
+    }
+    g->looked = true;
+    for (int i = 0; i < g->pair_count && apart; i++) {
+        g->contacts[g->pairs[i].contact].live = false;
+        g->contacts[g->pairs[i].contact].manifold.count = 0;
+    }
+    return apart;
 }
 
 #define ORDERS 24               /* most terms of the series */
@@ -148,8 +203,14 @@ static void fly(Group *g, int i, real h)
 
 static dig_status advance(Group *g, real dt)
 {
+    real h = g->h;
     g->h = dt;
     DIG_TRY(group_forces(g));
+    if (g->pair_count > 0 && !keeps_apart(g, dt)) {
+        g->h = h;
+        g->handed_on = true;
+        return DIG_OK;
+    }
     for (int i = 0; i < g->moving_count; i++)
         fly(g, i, dt);
     g->evaluations = g->substeps = 1;

@@ -243,7 +243,8 @@ static bool all_held(const Tracer *t)
 bool trace_touch(Tracer *t, bool first)
 {
     Group *g = t->g;
-    group_touch(g, t->end, !first || !all_held(t));
+    group_touch(g, t->end, !first || !(g->looked || all_held(t)));
+    g->looked = false;
     t->touched = t->t;
     t->relisted = first || !same_points(t) || !keep_points(t);
     if (!t->relisted)
