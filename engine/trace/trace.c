@@ -18,7 +18,6 @@
 #define REACH         0.2       /* of a step: the error of one this short tells nothing of it  */
 #define ROUNDED       1e-15     /* of the fastest: joints cannot hold velocities better       */
 #define JOINT_DRIFT   1e-2      /* of the tolerance: a joint that much off is put right       */
-#define GATE_DRIFT    1e-4      /* the same of what touches: more would count as open        */
 #define BOUNCE_LEAST  1e-13     /* of the size: bounces lower than this are over             */
 
 /* why: what was tried in vain; NULL: it is left to another way, which serves as well. */
@@ -34,9 +33,9 @@ static void hand_on(Group *g, const GroupKept *k, const char *why)
 
 /* ---- a frame ---- */
 
-static void set_scales(Tracer *t)
+void trace_scales(Tracer *t)
 {
-    Group *g = t->g;
+    const Group *g = t->g;
     real size = 0, weight = g->fall;
     for (int i = 0; i < g->moving_count; i++)
         size = real_max(size, g->member[i].outer);
@@ -45,9 +44,14 @@ static void set_scales(Tracer *t)
     t->tolerance = trace_tolerance(g) * t->size;
     t->gap_zero = 1e-10 * t->size;
     t->gap_deep = 1e-6 * t->size;
-    g->close_speed = sqrt(2 * weight * BOUNCE_LEAST * t->size) + 1e-9 * t->size;
-    t->speed_zero = g->close_speed;
+    t->speed_zero = sqrt(2 * weight * BOUNCE_LEAST * t->size) + 1e-9 * t->size;
     t->slip_zero = real_max(1e-7 * t->size * t->pace, 10 * t->tolerance * t->pace);
+}
+
+void trace_begin(const Tracer *t)
+{
+    Group *g = t->g;
+    g->close_speed = t->speed_zero;
     g->touch = 1e-9;
     g->locate = true;
     g->h = 1e-14;               /* forces are those of this instant */
@@ -599,7 +603,8 @@ static dig_status advance(Group *g, real dt)
     GroupKept start;
     if (!group_keep(g, &start))             /* before anything is set: the next way is to find what was gathered */
         return DIG_E_MEMORY;
-    set_scales(t);
+    trace_scales(t);
+    trace_begin(t);
     t->work = work_of(t);
     t->h_next = g->trace_step > 0 ? real_min(g->trace_step, dt) : dt;
     t->aimed_at = -1;

@@ -15,7 +15,7 @@
 
 #include "solve/direction.h"
 
-extern const Way way_flight, way_trace, way_billiard;
+extern const Way way_flight, way_glide, way_trace, way_billiard;
 
 /* ---- contact features: what touches what, frozen for a step ---- */
 
@@ -104,6 +104,7 @@ typedef struct Footing {        /* what the rows of a touching point were made o
 
 /* m or rad: a joint that begins so far beyond its stop is led back by the sweeps; nearer it is put right, as sweeps leave it so */
 #define BEYOND 1e-3
+#define GATE_DRIFT 1e-4         /* of the tolerance: what touches and is that much off is put right; more would count as open */
 
 typedef struct Stop { Gate gate; int joint, slot; } Stop;       /* a LIMIT row of a joint */
 
@@ -329,6 +330,9 @@ void trace_part(Tracer *t, const Event *e);     /* lets go what the event broke 
 bool trace_bounce(Tracer *t);                   /* after a blow: what follows in closed form, if it can be; false = fault */
 /* tumble.c: a free body of principal axes turns on for h seconds. false: too near the separatrix, and nothing changed */
 bool tumble(const mat3 *inv_inertia, quat *q, vec3 momentum, real h);
+/* trace.c */
+void trace_scales(Tracer *t);                   /* lengths, speeds and the tolerance, of its group */
+void trace_begin(const Tracer *t);              /* its group is set to be traced */
 /* touch.c */
 bool trace_touch(Tracer *t, bool first);        /* contacts of the present state; sets dirty when what touches has changed */
 bool trace_items(Tracer *t);                    /* joints and contacts in the order of the rows */

@@ -3,13 +3,98 @@ local digbox = require "digbox"
 local test = require "digbox.test"
 local scenario, expect = test.scenario, test.expect
 
+local function slide()
+  local world = digbox.world { sleeping = false }
+  world:floor { friction = 0.4, restitution = 0 }
+  local box = world:box { size = { 0.4, 0.1, 0.4 }, friction = 0.4, restitution = 0, at = { 0, 0.05, 0 }, velocity = { 3, 0, 0 } }
+  return world, box
+end
+
+scenario("a box that slides needs one evaluation a step, and brakes as friction says", function()
+  local world, box = slide()
+  world:step()
+  for k = 2, 40 do
+    world:step()
+    local t, a = k / 60, 0.4 * 9.81
+    expect(world:stats().evaluations):is(1)
+    expect(box.position):near({ 3 * t - a * t * t / 2, 0.05, 0 }, 1e-13)
+    expect(box.velocity):near({ 3 - a * t, 0, 0 }, 1e-13)
+  end
+  world:run(1)
+  expect(box.position.x):near(9 / (2 * 0.4 * 9.81), 1e-9)
+  expect(box.speed):below(1e-12)
+end)
+
+scenario("a ball that rolls down a slope needs one evaluation a step, and has 5/7 of the weight's pull", function()
+  local world = digbox.world {}
+  local turn = digbox.quat { axis = { 0, 0, 1 }, angle = -math.rad(20) }
+  world:plane { normal = turn:rotate { 0, 1, 0 }, friction = 0.5 }
+  local ball = world:ball { radius = 0.1, friction = 0.5, at = turn:rotate { 0, 0.1, 0 } }
+  world:step()
+  for k = 2, 90 do
+    world:step()
+    local v = 5 / 7 * 9.81 * math.sin(math.rad(20)) * k / 60
+    expect(world:stats().evaluations):is(1)
+    expect(ball.speed):near(v, 1e-12)
+    expect(ball.spin.z):near(-v / 0.1, 1e-11)
+  end
+end)
+
+-- By the forces of the step before a change nothing of it would be felt for as long as the body slid on.
+scenario("who slides feels at once what a script changes", function()
+  local changes = {
+    { function(_, box) box.friction = 0.1 end, function(v) return v - 0.2 * 9.81 / 60 end },            -- the root of 0.1 times 0.4
+    { function(world) world.gravity = { 0, -20, 0 } end, function(v) return v - 0.4 * 20 / 60 end },
+    { function(_, box) box.mass = 2 * box.mass end, function(v) return v - 0.4 * 9.81 / 60 end },
+    { function(_, box) box:push { force = { 30 * box.mass, 0, 0 }, lasts = 1 } end, function(v) return v + (30 - 0.4 * 9.81) / 60 end },
+    { function(_, box) box:teleport { velocity = { 5, 0, 0 } } end, function() return 5 - 0.4 * 9.81 / 60 end },
+    { function(_, box) box:teleport { velocity = { -1, 0, 0 } } end, function() return -1 + 0.4 * 9.81 / 60 end },
+  }
+  for _, change in ipairs(changes) do
+    local world, box = slide()
+    world:run "0.2 s"
+    local before = box.velocity.x
+    change[1](world, box)
+    world:step()
+    expect(box.velocity.x):near(change[2](before), 1e-11)
+    expect(box.position.y):near(0.05, 1e-12)
+  end
+end)
+
+scenario("who slides is stopped by a wall", function()
+  local world, box = slide()
+  world:box { fixed = true, size = { 0.02, 1, 1 }, at = { 0.81, 0.5, 0 }, restitution = 0, friction = 0 }
+  world:run "0.5 s"
+  expect(box.position.x):near(0.6, 1e-9)
+end)
+
+scenario("who slides pushes a box that lies in the way", function()
+  local world, box = slide()
+  local other = world:box { size = { 0.4, 0.1, 0.4 }, friction = 0.4, restitution = 0, at = { 0.8, 0.05, 0 } }
+  world:run "0.5 s"
+  expect(other.position.x):above(0.85)
+  expect(other.position.x - box.position.x):at_least(0.4 - 1e-9)
+end)
+
+scenario("who slides over an edge tips there, and not before", function()
+  local world = digbox.world {}
+  world:box { fixed = true, size = { 2, 0.2, 1 }, at = { -0.5, -0.1, 0 }, friction = 0 }
+  local box = world:box { size = { 0.4, 0.1, 0.4 }, friction = 0, restitution = 0, at = { 0, 0.05, 0 }, velocity = { 1, 0, 0 } }
+  while box.position.x + 1 / 60 < 0.5 do
+    world:step()
+    expect(box.spin):near({ 0, 0, 0 }, 1e-9)
+  end
+  world:run "0.2 s"
+  expect(box.spin.z):below(-0.5)
+end)
+
 -- Ball and floor are near enough to be a pair in every step. Steps without a blow are flights, each from its start alone.
 scenario("a ball that bounces needs one evaluation in all steps without a blow but those just before one", function()
   local world = digbox.world {}
   world:floor { restitution = 1 }
   local ball, blows, more = world:ball { radius = 0.5, restitution = 1, at = { 0, 0.6, 0 } }, 0, 0
   ball:on("contact_begin", function() blows = blows + 1 end)
-  for k = 1, 240 do
+  for _ = 1, 240 do
     world:step()
     more = more + (world:stats().evaluations > 1 and 1 or 0)
   end

@@ -1,0 +1,292 @@
+/* trace/glide.c - one body that slides or rolls on, by the forces of the frame before.
+ *
+ * A box that slides on a floor and a ball that rolls down a slope need the same forces frame after frame: normals and levers of their
+ * one contact do not change, accelerations are constant, and the centre of mass follows a parabola. That is what the tracer finds, too,
+ * with all it has for whatever could happen. Here it is only seen that nothing does: the forces balance at the start, friction keeps its
+ * direction, and at the end the same points touch in the same places. Anything else is handed on to the tracer, as it was gathered.
+ */
+#include "trace/trace.h"
+
+#define PAIRS   4               /* most of them; all but one without a point */
+#define ROUNDING 1e-15          /* of the largest acceleration: along the normal nothing is left */
+#define BALANCE 1e-14           /* the same, of what would turn or drag it: far from the origin levers are known no better */
+#define STILL   1e-15           /* rad in a step: what turns by less does not */
+#define SAME    1e-12           /* cosine, and of the size: levers and directions that differ by less */
+#define FOLLOWS (1 - 1e-9)      /* cosine: friction that points there does where the slip is now */
+
+static bool is_still(const Group *g, int i)
+{
+    return !g->member[i].moves && !g->member[i].dormant && vec3_is_zero(g->vel[i].v) && vec3_is_zero(g->vel[i].w);
+}
+
+static bool held(const GroupContact *c)
+{
+    bool all = c->live && c->manifold.count > 0;
+    for (int k = 0; k < c->manifold.count && all; k++)
+        all = contact_memory(c)[k].held == HELD_SUBSTEPS && contact_memory(c)[k].normal >= 0;
+    return all;
+}
+
+/* The one contact with points, or -1: there are more, or something has happened to its pair. */
+static int only_contact(const Group *g)
+{
+    int only = -1;
+    for (int i = 0; i < g->pair_count; i++) {
+        const GroupPair *q = &g->pairs[i];
+        const GroupContact *c = &g->contacts[q->contact];
+        if (q->contacts != 1)
+            return -1;
+        if (c->manifold.count == 0 && !c->live)
+            continue;
+        if (only >= 0 || q->fresh || q->rolling > 0 || !held(c))
+            return -1;
+        only = q->contact;
+    }
+    return only;
+}
+
+static bool suits(const Group *g)
+{
+    if (g->moving_count != 1 || g->trace_step <= 0 || g->pair_count == 0 || g->pair_count > PAIRS || g->joint_count + g->push_count > 0)
+        return false;
+    if (g->own || g->varies || g->planar || g->world->region_count > 0 || !g->member[0].moves)
+        return false;
+    for (int i = 1; i < g->body_count; i++)
+        if (!is_still(g, i))
+            return false;
+    return only_contact(g) >= 0 && trace_suits(g);
+}
+
+typedef struct Glide {
+    Group *g;
+    const Tracer *scales;
+    real h;
+    GroupContact *c;
+    const GroupPair *q;
+    real side;                  /* 1: the body is b of its pair, and the normal points at it; -1 */
+    bool ball;                  /* about its centre of mass: its lever stays whatever it turns */
+    bool turns;
+    int  count;
+    vec3 normal, lever[MANIFOLD_POINTS];
+    uint32_t feature[MANIFOLD_POINTS];
+    PointMemory force[MANIFOLD_POINTS];
+    bool slides;
+    vec3 slip, slip_end;        /* m/s  of b against a, of the first point: of all, where nothing turns */
+    vec3 acc, alpha;            /* m/s^2, rad/s^2 */
+    Pos  pos; Vel vel;          /* at the start */
+    ManifoldPoint points[MANIFOLD_POINTS];
+} Glide;
+
+static vec3 own_point(const Glide *s, const ManifoldPoint *p) { return s->side > 0 ? p->b : p->a; }
+
+/* So far off may what touches be left: more the tracer puts right. */
+static bool closed(const Glide *s, real gap)
+{
+    return fabs(gap) <= real_max(1e-13 * s->scales->size, GATE_DRIFT * s->scales->tolerance);
+}
+
+static void look(Glide *s)
+{
+    const Group *g = s->g;
+    const GroupManifold *m = &s->c->manifold;
+    const Solid *on = s->side > 0 ? s->q->on_b : s->q->on_a;
+    s->count = m->count;
+    s->normal = m->normal;
+    s->pos = g->pos[0];
+    s->vel = g->vel[0];
+    for (int k = 0; k < m->count; k++) {
+        s->points[k] = m->points[k];
+        s->lever[k] = vec3_sub(own_point(s, &m->points[k]), s->pos.x);
+        s->feature[k] = m->points[k].feature;
+        s->force[k] = contact_memory(s->c)[k];
+    }
+    s->ball = m->count == 1 && on->shape.outer == on->shape.round && vec3_length(vec3_cross(s->lever[0], s->normal)) <= SAME * g->member[0].outer;
+    s->turns = s->h * vec3_length(s->vel.w) > STILL;
+}
+
+/* Friction of a point, on b, as its slip wants it. */
+static bool rub(Glide *s, vec3 *tangent, real normal)
+{
+    real speed = vec3_length(s->slip), most = s->q->friction_dynamic * normal;
+    if (!(s->q->friction > 0))
+        return !s->slides && vec3_is_zero(*tangent);
+    if (!s->slides)
+        return speed <= 1e-3 * s->scales->slip_zero && vec3_length(*tangent) <= s->q->friction * normal;
+    real length = vec3_length(*tangent);
+    if (!(speed > s->scales->slip_zero) || !(vec3_dot(*tangent, s->slip) < -FOLLOWS * length * speed) || !(fabs(length - most) <= SAME * most))
+        return false;
+    *tangent = vec3_scale(-most, vec3_scale(1 / speed, s->slip));
+    return true;
+}
+
+/* Do the forces of the frame before balance? Then they are those of this one. */
+static bool balances(Glide *s)
+{
+    const Group *g = s->g;
+    const Member *m = &g->member[0];
+    const Mass *mass = &g->mass[0];
+    vec3 torque = m->torque, u = s->turns ? vec3_add(s->vel.v, vec3_cross(s->vel.w, s->lever[0])) : s->vel.v;
+    real rate = vec3_dot(s->normal, u), bound = 0;
+    s->slip = vec3_scale(s->side, vec3_mad(u, -rate, s->normal));
+    s->slides = s->c->manifold.slides;
+    s->acc = vec3_scale(mass->im, m->force);
+    real scale = real_max(g->fall + 1e-9 * s->scales->size * s->scales->pace * s->scales->pace, vec3_length(s->acc)), zero = BALANCE * scale;
+    if (!closed(s, rate / s->scales->pace))
+        return false;
+    for (int k = 0; k < s->count; k++) {
+        PointMemory *f = &s->force[k];
+        if (!closed(s, s->points[k].gap) || !rub(s, &f->tangent, f->normal))
+            return false;
+        vec3 force = vec3_scale(s->side, vec3_mad(f->tangent, f->normal, s->normal));
+        s->acc = vec3_mad(s->acc, mass->im, force);
+        torque = vec3_add(torque, vec3_cross(s->lever[k], force));
+        bound += s->q->friction_dynamic * f->normal;
+    }
+    s->alpha = mat3_mul_vec(mass->ii, torque);
+    bool spins_up = vec3_length(s->alpha) * m->outer > zero;
+    if (!spins_up)
+        s->alpha = vec3_zero();
+    if ((spins_up || s->turns) && !(s->ball && m->round))
+        return false;
+    real lift = vec3_dot(s->normal, s->acc);
+    vec3 change = vec3_scale(s->side, spins_up ? vec3_add(s->acc, vec3_cross(s->alpha, s->lever[0])) : s->acc);
+    s->slip_end = vec3_mad(s->slip, s->h, change);
+    if (!(fabs(lift) <= ROUNDING * scale))
+        return false;
+    if (!(s->q->friction > 0))
+        return true;
+    if (!s->slides)
+        return vec3_length(change) <= zero;
+    /* not so slow that it might stop, or turn, within the step; nor one that turns */
+    real speed = vec3_length(s->slip), most = real_max(bound * mass->im, vec3_length(change));
+    return speed >= 2 * s->h * most && vec3_length(vec3_cross(s->slip, s->slip_end)) <= SAME * speed * speed;
+}
+
+static bool move(Glide *s)
+{
+    const Group *g = s->g;
+    const Vel *v = &s->vel;
+    real h = s->h;
+    if (vec3_length(vec3_cross(s->alpha, v->w)) * h * h * h * g->member[0].outer > 0.1 * s->scales->tolerance)
+        return false;
+    g->pos[0].x = vec3_mad(vec3_mad(s->pos.x, h, v->v), 0.5 * h * h, s->acc);
+    g->vel[0].v = vec3_mad(v->v, h, s->acc);
+    if (!s->turns && vec3_is_zero(s->alpha))
+        return true;
+    vec3 turn = vec3_add(vec3_scale(h, v->w), vec3_add(vec3_scale(0.5 * h * h, s->alpha), vec3_scale(h * h * h / 12, vec3_cross(s->alpha, v->w))));
+    g->pos[0].q = quat_unit(quat_mul(quat_exp(turn), s->pos.q));
+    g->vel[0].w = vec3_mad(v->w, h, s->alpha);
+    return true;
+}
+
+/* Is nothing near that was far, but what touched, and where it did? */
+static bool touches_as_before(const Glide *s)
+{
+    const GroupManifold *m = &s->c->manifold;
+    real off = SAME * s->g->member[0].outer;
+    bool same = s->c->live && m->count == s->count && vec3_distance(m->normal, s->normal) <= SAME;
+    for (int k = 0; k < s->count && same; k++) {
+        const ManifoldPoint *p = &m->points[k];
+        same = p->feature == s->feature[k] && closed(s, p->gap) && vec3_distance(vec3_sub(own_point(s, p), s->g->pos[0].x), s->lever[k]) <= off;
+    }
+    return same;
+}
+
+/* Pairs without a point stay so in this frame, or they are the tracer's. */
+static bool others_stay_away(const Glide *s)
+{
+    Group *g = s->g;
+    for (int i = 0; i < g->pair_count; i++) {
+        GroupPair *q = &g->pairs[i];
+        if (q == s->q)
+            continue;
+        group_touch_pair(g, q, s->h);
+        if (g->contacts[q->contact].live)
+            return false;
+    }
+    return true;
+}
+
+static void book(const Glide *s)
+{
+    Group *g = s->g;
+    GroupContact *c = s->c;
+    vec3 way = vec3_scale(0.5, vec3_add(s->slip, s->slip_end));
+    for (int k = 0; k < s->count; k++) {
+        const PointMemory *f = &s->force[k];
+        real press = s->h * f->normal;
+        c->impulse = vec3_mad(c->impulse, s->h, vec3_mad(f->tangent, f->normal, s->normal));
+        c->point_sum = vec3_mad(c->point_sum, press, own_point(s, &c->manifold.points[k]));
+        c->point_weight += press;
+        c->lost -= s->h * vec3_dot(f->tangent, way);
+        contact_memory(c)[k] = *f;
+        contact_memory(c)[k].held = f->normal > 0 ? HELD_SUBSTEPS : 0;
+        g->penetration = real_max(g->penetration, -c->manifold.points[k].gap);
+    }
+    c->last = s->h;
+    c->manifold.slides = s->slides;
+    c->rolling = vec3_zero();
+    g->lost += c->lost;
+    g->member[c->a].constrained = g->member[c->b].constrained = true;
+}
+
+/* As it was gathered. */
+static dig_status hand_on(const Glide *s, real h)
+{
+    Group *g = s->g;
+    g->pos[0] = s->pos;
+    g->vel[0] = s->vel;
+    g->h = h;
+    g->evaluations = 0;
+    s->c->live = true;
+    s->c->manifold.count = s->count;
+    s->c->manifold.normal = s->normal;
+    for (int k = 0; k < s->count; k++)
+        s->c->manifold.points[k] = s->points[k];
+    for (int i = 0; i < g->pair_count; i++)
+        g->pairs[i].reach = 0;
+    g->handed_on = true;
+    return DIG_OK;
+}
+
+static dig_status advance(Group *g, real dt)
+{
+    GroupContact *c = &g->contacts[only_contact(g)];
+    Tracer scales;              /* these alone of it: to clear the rest would cost more than to use it */
+    Glide s;
+    PointMemory memory[MANIFOLD_POINTS];
+    real h = g->h;
+    scales.g = s.g = g;
+    s.scales = &scales;
+    s.h = dt;
+    s.c = c;
+    s.q = &g->pairs[c->pair];
+    s.side = c->b == 0 ? 1 : -1;
+    trace_scales(&scales);
+    g->h = 1e-14;               /* forces are those of this instant */
+    look(&s);
+    for (int k = 0; k < s.count; k++)
+        memory[k] = s.force[k];
+    DIG_TRY(group_forces(g));
+    g->evaluations = 1;
+    bool goes_on = balances(&s) && others_stay_away(&s) && move(&s);
+    if (goes_on) {
+        group_touch(g, dt, true);
+        goes_on = touches_as_before(&s);
+    }
+    if (!goes_on) {
+        hand_on(&s, h);
+        for (int k = 0; k < s.count; k++)
+            contact_memory(c)[k] = memory[k];
+        return DIG_OK;
+    }
+    book(&s);
+    trace_begin(&scales);
+    g->substeps = 1;
+    g->t = g->h = g->trace_step = dt;
+    DIG_TRY(g->stage(g, STAGE_SETTLE));
+    g->touch = 1e-7;
+    return g->status;
+}
+
+const Way way_glide = {.name = "glide", .tally = WAY_TRACED, .suits = suits, .advance = advance, .inertias = true};
