@@ -4,6 +4,7 @@
 
 #define ACROSS 1e-4             /* of the kinetic energy: less of it across the joints stays there */
 #define GENTLE 0.1              /* of the same: and more, too                                      */
+#define GIVES 1e-3              /* of the energies: a step in which dampers give more is too long      */
 #define ALONE 0.01              /* of that: rows one by one tell of as much at least               */
 
 /* ---- pieces ---- */
@@ -71,7 +72,41 @@ static void begin(System *s)
 
 /* ---- bookkeeping ---- */
 
+static real kinetic(const System *s)
+{
+    real sum = 0;
+    for (int i = 0; i < s->g->moving_count; i++) {
+        const Piece *p = &s->piece[i];
+        if (p->moves)
+            sum += 0.5 * (p->mass * vec3_length2(p->v0) + vec3_dot(p->w0, mat3_mul_vec(p->inertia, p->w0)));
+    }
+    return sum;
+}
+
 static vec3 get3(const real *v) { return (vec3){v[0], v[1], v[2]}; }
+
+/* J  What row k of a tie, of a spring and damper, takes from the motion and does not store. */
+static real row_loss(const System *s, const Tie *t, const Part *part, int k)
+{
+    real p = s->p[t->row + k], half = 0.5 * s->h * part->stiffness, late = part->late;
+    real damping = part->damper * (1 + late), before = part->damper * late * s->h * part->rate;
+    real change = -(p + (half * (1 - late) - damping) * part->start - before) / (half * (1 + late) + damping) - part->start;
+    return (damping * change - before) * change / s->h + 0.5 * part->stiffness * late * change * change;
+}
+
+/* Dampers only take. Where what they hold back turns within the step, what it did at the start says nothing of the end: they gave as much. */
+static bool gives(const System *s)
+{
+    real lost = 0, stored = 0;
+    for (int i = 0; i < s->tie_count; i++)
+        for (int n = s->tie[i].part; n < s->tie[i].part + s->tie[i].parts; n++) {
+            const Part *part = &s->part[n];
+            stored += part->soft ? 0.5 * part->stiffness * part->start * part->start : 0;
+            for (int k = part->at; k < part->at + part->rows && part->soft; k++)
+                lost += row_loss(s, &s->tie[i], part, k);
+        }
+    return lost < 0 && lost < -GIVES * (stored + kinetic(s));
+}
 
 static void book_tie(System *s, const Tie *t)
 {
@@ -86,10 +121,7 @@ static void book_tie(System *s, const Tie *t)
                 j->angular_impulse = vec3_mad(j->angular_impulse, p, get3(t->mid[k] + 3));
             }
             if (part->soft) {
-                real half = 0.5 * s->h * part->stiffness, late = part->late;
-                real damping = part->damper * (1 + late), before = part->damper * late * s->h * part->rate;
-                real change = -(p + (half * (1 - late) - damping) * part->start - before) / (half * (1 + late) + damping) - part->start;
-                real lost = (damping * change - before) * change / s->h + 0.5 * part->stiffness * late * change * change;
+                real lost = row_loss(s, t, part, k);
                 g->lost += lost;
                 j->lost += lost;
             }
@@ -163,17 +195,6 @@ void step_remember(System *s)
 }
 
 /* ---- steps ---- */
-
-static real kinetic(const System *s)
-{
-    real sum = 0;
-    for (int i = 0; i < s->g->moving_count; i++) {
-        const Piece *p = &s->piece[i];
-        if (p->moves)
-            sum += 0.5 * (p->mass * vec3_length2(p->v0) + vec3_dot(p->w0, mat3_mul_vec(p->inertia, p->w0)));
-    }
-    return sum;
-}
 
 /* Joints that others left apart, a contact solve or a script, would be closed by a jerk. */
 bool step_place(System *s)
@@ -319,7 +340,7 @@ dig_status step_single(System *s, bool *done)
     g->h = s->h;
     DIG_TRY(group_forces(g));
     begin(s);
-    *done = newton_step(s);
+    *done = newton_step(s) && (!s->lends || !gives(s));        /* as many steps as they are to be are not halved where they are extrapolated */
     if (!*done)
         return DIG_OK;
     book(s);

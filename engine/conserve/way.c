@@ -3,7 +3,7 @@
 #include "conserve/system.h"
 #include "solve/momentum.h"
 
-#define LEVELS 10               /* halvings of a part of the step                              */
+#define LEVELS 14               /* halvings of a part of the step                              */
 #define EASY 8                  /* iterations; two such steps in a row, and the next are longer */
 #define SPIN_MOST 0.5           /* rad of one step, of what carries the energy                 */
 #define CARE 200                /* iterations, after which a frame step no longer heeds that   */
@@ -220,6 +220,8 @@ static dig_status next_part(System *s, Run *r, real dt)
         DIG_TRY(part_joints(s, r, dt));
     if (r->why)
         return DIG_OK;
+    if (r->level > 0 && !r->composed && !r->extrapolated)
+        DIG_TRY(step_settle(s));        /* where steps get short, what lies across the joints is what makes them so */
     r->easy = g->evaluations - before <= EASY * (r->composed ? STAGES : 1) ? r->easy + 1 : 0;
     if (r->level > 0 && r->easy >= 2 && r->at % (2 * width) == 0) {
         r->level--;
