@@ -306,15 +306,21 @@ bool newton_step(System *s)
 
 /* ---- at fixed poses: what broke the joints from outside is put right ---- */
 
-static void zero_soft(const System *s, Tie *t)
+/* Springs and dampers rest, or answer to the end of the step: p = -h (k (C + h C') + c C'), with error for what C' is to be but for p. */
+static void rest_soft(const System *s, Tie *t)
 {
-    for (int n = t->part; n < t->part + t->parts; n++)
-        for (int k = s->part[n].at; k < s->part[n].at + s->part[n].rows && s->part[n].soft; k++) {
-            memset(t->end[k], 0, sizeof t->end[k]);
-            memset(t->mid[k], 0, sizeof t->mid[k]);
-            t->give[k] = 1;
-            t->error[k] = 0;
+    for (int n = t->part; n < t->part + t->parts; n++) {
+        const Part *part = &s->part[n];
+        real stiff = s->h * part->stiffness + part->damping;
+        for (int k = part->at; k < part->at + part->rows && part->soft; k++) {
+            if (!s->yields) {
+                memset(t->end[k], 0, sizeof t->end[k]);
+                memset(t->mid[k], 0, sizeof t->mid[k]);
+            }
+            t->give[k] = s->yields ? 1 / (s->h * stiff) : 1;
+            t->error[k] = s->yields ? part->stiffness * part->start / stiff : 0;
         }
+    }
 }
 
 static void evaluate_resting(System *s)
@@ -325,7 +331,7 @@ static void evaluate_resting(System *s)
     parts_evaluate(s);
     memset(s->side, 0, (size_t)(6 * s->node_count) * sizeof *s->side);
     for (int i = 0; i < s->tie_count; i++)
-        zero_soft(s, &s->tie[i]);
+        rest_soft(s, &s->tie[i]);
 }
 
 static bool solve_resting(System *s)
@@ -338,11 +344,25 @@ static bool solve_resting(System *s)
 
 #define PLACED 60              /* iterations; three are usual, 14 where a chain that is all but straight is too short */
 
+#define APPROACHES 300          /* more, that were cut short */
+
+/* Poses far off are approached along one direction: were some bodies held back alone, what they are tied to would be torn away. */
+static bool shorten(System *s)
+{
+    int bodies = s->g->moving_count;
+    real most = 0;
+    for (int i = 0; i < bodies; i++)
+        most = s->piece[i].moves ? real_max(most, vec3_length(get3(s->side + 6 * i + 3))) : most;
+    for (int k = 0; k < 6 * bodies && most > TURN_AT_ONCE; k++)
+        s->side[k] *= TURN_AT_ONCE / most;
+    return most > TURN_AT_ONCE;
+}
+
 /* Least move of the bodies, weighed by mass, after which the hard rows have no error. */
 bool newton_place(System *s)
 {
     int bodies = s->g->moving_count;
-    for (int n = 0; n < PLACED; n++) {
+    for (int n = 0, far = 0; n < PLACED && far < APPROACHES; n++) {
         real worst = 0;
         evaluate_resting(s);
         for (int i = 0; i < s->tie_count; i++)
@@ -354,6 +374,10 @@ bool newton_place(System *s)
             return true;
         if (!isfinite(worst) || !solve_resting(s))
             return false;
+        if (shorten(s)) {
+            n--;
+            far++;
+        }
         improve(s);
         for (int i = 0; i < bodies; i++) {
             Piece *b = &s->piece[i];
@@ -367,6 +391,17 @@ bool newton_place(System *s)
     return false;
 }
 
+static real rate_of(const System *s, const Tie *t, int row)
+{
+    real rate = 0;
+    for (int side = 0; side < 2; side++) {
+        const Piece *b = &s->piece[side ? t->b : t->a];
+        rate += vec3_dot(get3(t->end[row] + 6 * side), b->v0) +
+                vec3_dot(get3(t->end[row] + 6 * side + 3), mat3_mul_vec(b->r0, b->w0));
+    }
+    return rate;
+}
+
 /* Least change of the velocities, weighed by mass, after which the hard rows have no rate. */
 bool newton_clean(System *s)
 {
@@ -374,15 +409,9 @@ bool newton_clean(System *s)
     evaluate_resting(s);
     for (int i = 0; i < s->tie_count; i++) {
         const Tie *t = &s->tie[i];
-        for (int k = 0; k < t->rows; k++) {
-            real rate = 0;
-            for (int side = 0; side < 2; side++) {
-                const Piece *b = &s->piece[side ? t->b : t->a];
-                rate += vec3_dot(get3(t->end[k] + 6 * side), b->v0) +
-                        vec3_dot(get3(t->end[k] + 6 * side + 3), mat3_mul_vec(b->r0, b->w0));
-            }
-            s->side[6 * (bodies + i) + k] = -rate;
-        }
+        for (int n = t->part; n < t->part + t->parts; n++)
+            for (int k = s->part[n].at; k < s->part[n].at + s->part[n].rows; k++)
+                s->side[6 * (bodies + i) + k] = -rate_of(s, t, k) - (s->part[n].soft ? t->error[k] : 0);
     }
     bool fine = solve_resting(s);
     for (int i = 0; i < bodies && fine; i++) {

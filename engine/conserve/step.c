@@ -55,7 +55,7 @@ static void start(System *s)
 }
 
 /* The same, and kinematic bodies go where they are driven. */
-static void begin(System *s)
+void step_begin(System *s)
 {
     const Group *g = s->g;
     start(s);
@@ -72,7 +72,7 @@ static void begin(System *s)
 
 /* ---- bookkeeping ---- */
 
-static real kinetic(const System *s)
+real step_kinetic(const System *s)
 {
     real sum = 0;
     for (int i = 0; i < s->g->moving_count; i++) {
@@ -105,7 +105,7 @@ static bool gives(const System *s)
             for (int k = part->at; k < part->at + part->rows && part->soft; k++)
                 lost += row_loss(s, &s->tie[i], part, k);
         }
-    return lost < 0 && lost < -GIVES * (stored + kinetic(s));
+    return lost < 0 && lost < -GIVES * (stored + step_kinetic(s));
 }
 
 static void book_tie(System *s, const Tie *t)
@@ -217,7 +217,7 @@ bool step_clean(System *s)
     Group *g = s->g;
     real work = 0;
     start(s);
-    real before = kinetic(s);
+    real before = step_kinetic(s);
     if (!newton_clean(s))
         return false;
     for (int i = 0; i < g->moving_count; i++)
@@ -227,7 +227,7 @@ bool step_clean(System *s)
         if (g->member[i].kinematic)
             work -= vec3_dot(s->piece[i].push, g->vel[i].v) + vec3_dot(s->piece[i].twist, g->vel[i].w);
     g->work_in += work;
-    g->lost += before + work - kinetic(s);
+    g->lost += before + work - step_kinetic(s);
     return true;
 }
 
@@ -309,6 +309,14 @@ dig_status step_settle(System *s)
     return DIG_OK;
 }
 
+real step_fastest_spin(const Group *g)
+{
+    real w = 0;
+    for (int i = 0; i < g->moving_count; i++)
+        w = real_max(w, vec3_length2(g->vel[i].w));
+    return sqrt(w);
+}
+
 static void write_back(System *s)
 {
     Group *g = s->g;
@@ -339,7 +347,7 @@ dig_status step_single(System *s, bool *done)
     real taken;
     g->h = s->h;
     DIG_TRY(group_forces(g));
-    begin(s);
+    step_begin(s);
     *done = newton_step(s) && (!s->lends || !gives(s));        /* as many steps as they are to be are not halved where they are extrapolated */
     if (!*done)
         return DIG_OK;

@@ -119,6 +119,8 @@ typedef struct System {
     bool    precise;            /* solve to rounding            */
     bool    lends;              /* others end with the factor of the iteration before */
     bool    resting;            /* solve for velocities at fixed poses */
+    bool    yields;             /* springs and dampers answer to those, over h */
+    bool    unplaced;           /* no poses obey the joints     */
 } System;
 
 /* romberg.c: runs over one frame step in 2, 4, 8, ... parts, extrapolated to infinitely many (Romberg's table) */
@@ -169,6 +171,15 @@ bool   step_clean(System *s);                   /* velocities that obey the join
 dig_status step_settle(System *s);              /* velocities that obey the joints where they are far off them, of the same energy and momenta */
 dig_status step_single(System *s, bool *done);  /* a step of s->h; *done: it converged, and is booked */
 bool   step_watch(Group *g, bool last);         /* angles unwind; false: a stop was met        */
+void   step_begin(System *s);                   /* poses, velocities and outer impulses; kinematic bodies go where they are driven */
+real   step_kinetic(const System *s);           /* J  of the pieces' start velocities */
+real   step_fastest_spin(const Group *g);       /* rad/s                                       */
 void   step_remember(System *s);                /* joint forces for reports, and as the next first guess; joints are viewed */
+
+/* rough.c */
+#define LEVELS 14               /* halvings of a part of the step                              */
+
+int    rough_budget(const Group *g);            /* iterations that one step may take before the group is handed on */
+dig_status rough_run(Group *g, real dt, System *s, const char **why);   /* to the end of the frame; *why: it could not */
 
 #endif

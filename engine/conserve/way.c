@@ -3,7 +3,6 @@
 #include "conserve/system.h"
 #include "solve/momentum.h"
 
-#define LEVELS 14               /* halvings of a part of the step                              */
 #define EASY 8                  /* iterations; two such steps in a row, and the next are longer */
 #define SPIN_MOST 0.5           /* rad of one step, of what carries the energy                 */
 #define CARE 200                /* iterations, after which a frame step no longer heeds that   */
@@ -27,10 +26,7 @@ static int parts_of(const AccuracyPlan *plan) { return int_max(1, plan->substeps
 static bool is_small(const Group *g) { return g->plan->substeps >= 4 && g->moving_count <= g->plan->events_bodies; }
 
 /* Iterations that one step may take before the group is handed on: counted in joints and bodies, as that is their cost. */
-static int budget_of(const Group *g)
-{
-    return (int)real_clamp(400000.0 / (g->moving_count + g->joint_count + 20), 1000, 20000) + 100 * parts_of(g->plan);
-}
+static int budget_of(const Group *g) { return rough_budget(g) + 100 * parts_of(g->plan); }
 
 /* ---- contacts: nothing may touch ---- */
 
@@ -139,14 +135,6 @@ static int composed_parts(const Group *g, real dt)
     return (int)real_clamp(ceil(turning_rate(g) * dt / angle), least, most);
 }
 
-static real fastest_spin(const Group *g)
-{
-    real w = 0;
-    for (int i = 0; i < g->moving_count; i++)
-        w = real_max(w, vec3_length2(g->vel[i].w));
-    return sqrt(w);
-}
-
 static dig_status part(System *s, real h, bool composed, bool *done)
 {
     *done = true;
@@ -158,7 +146,7 @@ static dig_status part(System *s, real h, bool composed, bool *done)
     return DIG_OK;
 }
 
-typedef struct Run { int at, total, level, easy; bool composed, breaks, extrapolated; const char *why; } Run;
+typedef struct Run { int at, total, level, easy; bool composed, breaks, extrapolated, cut; const char *why; } Run;     /* cut: a step of it was refused */
 
 /* The equations of the joints there are now, and how exactly they are solved. */
 static dig_status open_run(System *s, Group *g, const Run *r)
@@ -203,6 +191,7 @@ static dig_status next_part(System *s, Run *r, real dt)
     DIG_TRY(part(s, dt * width / r->total, r->composed, &done));
     if (!done) {
         g->refused++;
+        r->cut = true;
         r->easy = 0;
         r->level++;
         if (r->composed || r->level > LEVELS)
@@ -214,14 +203,14 @@ static dig_status next_part(System *s, Run *r, real dt)
     g->h = dt * width / r->total;
     if (g->evaluations > budget_of(g))
         r->why = "conserve: too many iterations";
-    else if (fastest_spin(g) * g->h > 0.5 && !step_watch(g, false))
+    else if (step_fastest_spin(g) * g->h > 0.5 && !step_watch(g, false))
         r->why = "conserve: a joint met its stop";
     if (r->breaks && !r->why)
         DIG_TRY(part_joints(s, r, dt));
     if (r->why)
         return DIG_OK;
-    if (r->level > 0 && !r->composed && !r->extrapolated)
-        DIG_TRY(step_settle(s));        /* where steps get short, what lies across the joints is what makes them so */
+    if (r->cut && !r->composed && !r->extrapolated)
+        DIG_TRY(step_settle(s));        /* what lies across the joints grows from step to step, and is what has no solution */
     r->easy = g->evaluations - before <= EASY * (r->composed ? STAGES : 1) ? r->easy + 1 : 0;
     if (r->level > 0 && r->easy >= 2 && r->at % (2 * width) == 0) {
         r->level--;
@@ -237,7 +226,8 @@ static dig_status run(Group *g, real dt, Run r, System *s, const char **why)
 {
     *why = NULL;
     DIG_TRY(open_run(s, g, &r));
-    if (!step_place(s))
+    s->unplaced = !step_place(s);
+    if (s->unplaced)
         r.why = "conserve: no poses obey the joints";
     else if (group_joints_broken(g) && !step_clean(s))         /* the rule would mirror that for ever */
         r.why = "conserve: no velocities obey the joints";
@@ -328,6 +318,15 @@ static dig_status advance(Group *g, real dt)
     if (why && kind != SINGLE) {
         group_put_back(g, &saved);                             /* single steps then */
         DIG_TRY(run(g, dt, run_of(parts_of(g->plan), false, false), &s, &why));
+    }
+    if (why && !s.unplaced) {           /* no solution, but there are poses */
+        const char *vain;
+        group_put_back(g, &saved);
+        DIG_TRY(rough_run(g, dt, &s, &vain));
+        if (!vain) {
+            g->gave_up = why;
+            why = NULL;
+        }
     }
     real share;
     if (!why && !g->woke && group_overloaded(g, dt, &share) >= 0) {     /* when, and what then, is for short parts to find */

@@ -78,3 +78,37 @@ scenario("dampers on long arms only take", function(s)
   expect(gap):below(1e-6)
   expect(rise):below(1)
 end)
+
+-- No step is short enough for what whips on arms of a kilometre: eight of these frames were swept, with gaps of 1.7 m
+scenario("what whips faster than the shortest step keeps its joints closed, and the world says so", function(s)
+  local world = s.world
+  chain(world, 20, "distance", 1000, dice(100))
+  local gap, rise = whip(world, 24)
+  local stats = world:stats()
+  expect(gap):below(1e-6)
+  expect(rise):below(1e-3)
+  expect(stats.gave_up):above(0)
+  expect(stats.gave_up_why):is "conserve: no solution at the shortest step"
+  expect(stats.all_swept):is(0)
+end)
+
+-- 52 m beyond what it hangs on: 120 frames later it was as far
+scenario("a link that was put far away comes back to its chain", function(s)
+  local world = s.world
+  local before, rods = world, {}
+  for i = 1, 20 do
+    local rod = world:box { size = { 0.4, 0.05, 0.05 }, at = { 0.5 * i, 5, 0 }, mass = 1, collides = false }
+    world:ball_joint { a = rod, b = before, at = { 0.5 * i - 0.25, 5, 0 } }
+    before, rods[i] = rod, rod
+  end
+  for _ = 1, 60 do world:step() end
+  local p = rods[10].position
+  rods[10]:teleport { at = { p.x + 30, p.y + 30, p.z + 30 } }
+  for _ = 1, 30 do world:step() end
+  local given_up = world:stats().gave_up
+  for _ = 1, 10 do
+    world:step()
+    expect(world:stats().joint_error):below(1e-6)
+  end
+  expect(world:stats().gave_up):is(given_up)
+end)
