@@ -45,12 +45,15 @@ static void chunks_close(Arena *a)
         block_free(c, chunk_bytes(c->size));
     }
     a->first = a->current = NULL;
-    a->live = a->held = 0;
+    a->live = a->held = a->written = 0;
 }
 
 #define LATELY 64               /* resets */
+#define FEW    16               /* of these; LATELY is a multiple */
 /* Bytes up to which an arena doubles and keeps what it has: to save less is worth no call to the allocator. Beyond it grows by a quarter. */
 #define SMALL  ((size_t)8 << 20)
+
+#define REST   ((size_t)1 << 20)        /* bytes that are left in a chunk: less is not worth a call to the system */
 
 /* Makes a chunk with room for `size` bytes the current one: the next in the list when it is large enough, else a new one
  * put in front of it. */
@@ -59,6 +62,9 @@ static ArenaChunk *next_chunk(Arena *a, size_t size)
     ArenaChunk **link = a->current ? &a->current->next : &a->first;
     ArenaChunk *c = *link;
     if (!c || c->size < size) {
+        ArenaChunk *full = a->current;
+        if (full && full->size - full->used >= REST)    /* earlier steps have written to it */
+            block_forget(full->data + full->used, full->size - full->used);
         size_t part = a->held <= SMALL ? a->held : a->held / 4, more = part > ARENA_FIRST ? part : ARENA_FIRST;
         c = chunk_open(a, size > more ? size : more);
         if (!c)
@@ -159,14 +165,36 @@ void arena_rewind(Arena *a, ArenaMark m)
     a->live = m.live;
 }
 
+#define KEPT BLOCK_LARGE        /* bytes, pages are kept up to a multiple of this */
+
+/* Of one large chunk, what the last few steps have not needed takes no memory until it is needed again. */
+static void forget_unused(Arena *a)
+{
+    ArenaChunk *c = a->first;
+    if (!c || c->next || a->held <= SMALL)
+        return;
+    size_t keep = (a->high + a->high / 32 + KEPT - 1) / KEPT * KEPT, written = a->written < c->size ? a->written : c->size;
+    if (written <= keep)
+        return;
+    block_forget(c->data + keep, written - keep);
+    a->written = keep;
+}
+
 void arena_reset(Arena *a)
 {
     arena_rewind(a, (ArenaMark){0});
     bool look = ++a->resets >= LATELY;
-    size_t most = a->high;
+    if (a->high > a->written)
+        a->written = a->high;
+    size_t most = a->high > a->before ? a->high : a->before;
+    if (a->resets % FEW == 0) {
+        forget_unused(a);
+        a->before = most;
+        a->high = 0;
+    }
     if (look) {
         a->resets = 0;
-        a->high = 0;
+        a->before = 0;
     }
     size_t size = round_up(most + most / 16);           /* not all that is held: chunks end where pieces do not fit */
     if (size > a->held || a->held <= SMALL)

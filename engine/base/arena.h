@@ -3,7 +3,8 @@
  * A step takes what it needs with arena_alloc and gives everything back with arena_reset; an inner piece of work that needs
  * scratch brackets it with arena_mark and arena_rewind. When a step needed more than one chunk, arena_reset replaces the chunks
  * by one that would have been enough, so that the steady state never calls the allocator; and by a smaller one when it is
- * larger than eight megabytes and nothing has needed an eighth of it for many steps.
+ * larger than eight megabytes and nothing has needed an eighth of it for many steps. Of one so large, pages that some steps have not
+ * needed are given back, as is what a full chunk has left.
  *
  * Owns:      its chunks. A zeroed Arena is empty and valid; arena_close makes it so again.
  * Invariant: every piece is aligned to ARENA_ALIGN bytes; contents are undefined until written. With DIG_DEBUG, fresh and
@@ -29,8 +30,9 @@ struct ArenaChunk {
 typedef struct Arena {
     ArenaChunk *first, *current;        /* current NULL: nothing taken; chunks after it are kept for reuse */
     size_t   live;                      /* bytes taken now                         */
-    size_t   high;                      /* bytes, most taken at the same time of late */
-    int      resets;                    /* since this was last looked at           */
+    size_t   high, before;              /* bytes, most taken at the same time of late, and before that */
+    size_t   written;                   /* bytes of the first chunk that may take memory */
+    int      resets;                    /* since these were last looked at         */
     size_t   held;                      /* bytes of all chunks                     */
     uint64_t allocations;               /* calls to malloc so far                  */
 } Arena;

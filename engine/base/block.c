@@ -56,6 +56,13 @@ static void *pages_resize(void *data, size_t old, size_t bytes)
 }
 
 static void pages_close(void *data, size_t bytes) { munmap(data, bytes); }
+
+void block_forget(void *part, size_t bytes)
+{
+    uintptr_t page = (uintptr_t)sysconf(_SC_PAGESIZE), first = ((uintptr_t)part + page - 1) / page * page, end = ((uintptr_t)part + bytes) / page * page;
+    if (first < end)
+        (void)madvise((void *)first, end - first, MADV_DONTNEED);
+}
 #elif defined(CHECKED)
 #define HEADER 16               /* bytes: what malloc's blocks are aligned to */
 
@@ -82,11 +89,14 @@ static void pages_close(void *data, size_t bytes)
     (void)bytes;
     free((char *)data - HEADER);
 }
+
+void block_forget(void *part, size_t bytes) { (void)part; (void)bytes; }
 #else
 static bool from_pages(size_t bytes) { (void)bytes; return false; }
 static void *pages_open(size_t bytes) { (void)bytes; return NULL; }
 static void *pages_resize(void *data, size_t old, size_t bytes) { (void)data; (void)old; (void)bytes; return NULL; }
 static void pages_close(void *data, size_t bytes) { (void)data; (void)bytes; }
+void block_forget(void *part, size_t bytes) { (void)part; (void)bytes; }
 #endif
 
 /* What is new from malloc is cleared by calloc, which leaves pages alone that the system hands out as zeros. */

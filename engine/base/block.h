@@ -19,5 +19,8 @@
 void *block_resize(void *data, size_t old, size_t bytes);
 void *block_open(size_t bytes);         /* of more than 0, the same but for its contents, which are not set */
 void  block_free(void *data, size_t bytes);
+/* A part of a large block that is not needed for now: what pages lie wholly within it take no memory until they are written to again. Its
+ * contents are lost. */
+void  block_forget(void *part, size_t bytes);
 
 #endif

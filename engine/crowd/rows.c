@@ -469,6 +469,7 @@ dig_status rows_open(Crowd *c)
         r.sorted[place[kind_of(&r.chosen[i])]++] = r.chosen[i];
     spare_add(&g->spare, r.chosen, (size_t)(g->contact_count + 1) * sizeof *r.chosen);
     DIG_TRY(make_batches(&r));
+    spare_add(&g->spare, r.sorted, (size_t)r.count * sizeof *r.sorted);
     team_deal(g->team, fill_share(c), c);
     return DIG_OK;
 }

@@ -220,6 +220,9 @@ static dig_status advance_piece(Crowd *c, real until)
     if (g->strikes == strikes && g->pair_count == pairs) {  /* nothing of it is needed any more: what comes next finds its room still in the cache */
         arena_rewind(g->arena, mark);
         g->spare = NULL;        /* some of it is gone */
+    } else {
+        spare_add(&g->spare, c->batch, (size_t)c->batches * sizeof *c->batch);
+        spare_add(&g->spare, c->last, 4 * (size_t)c->bodies * sizeof *c->last);
     }
     return DIG_OK;
 }

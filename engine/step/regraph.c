@@ -31,9 +31,23 @@ static int sleepers(const World *w, real dt)
 /* So many slots there must be for `more` to be taken: what was given back is taken first. */
 static int slots_for(int count, int given_back, int more) { return count + int_max(0, more - given_back); }
 
+/* The largest group, which has most to tell of, has most to spare, too. */
+static void find_spare(Step *s)
+{
+    const Group *largest = NULL;
+    for (int i = 0; i < s->count; i++) {
+        Group *g = &s->groups[i];
+        if (!g->spare || (largest && largest->pair_count >= g->pair_count))
+            continue;
+        largest = g;
+        s->spare = &g->spare;
+    }
+}
+
 /* All that regraph and what follows may need: a touch, a link and their events for each pair whose touch changes. */
 dig_status reserve_regraph(World *w, Step *s)
 {
+    find_spare(s);
     DIG_TRY(reserve_tell(w, s));
     int changed = 0, most = 0, strikes = 0, born = 0, widened = 0, remembered = 0, others = sleepers(w, s->dt) + 64;
     for (int i = 0; i < s->count; i++) {
@@ -45,8 +59,8 @@ dig_status reserve_regraph(World *w, Step *s)
         remembered += s->groups[i].remembered_count;
         others += s->groups[i].watch.leavers + s->groups[i].strike_count + 4 * s->groups[i].joint_count;
     }
-    s->changes = most ? arena_alloc(&w->scratch, (size_t)most * sizeof *s->changes) : NULL;
-    s->within = strikes ? arena_alloc(&w->scratch, (size_t)strikes * sizeof *s->within) : NULL;
+    s->changes = most ? step_room(w, s, (size_t)most * sizeof *s->changes) : NULL;
+    s->within = strikes ? step_room(w, s, (size_t)strikes * sizeof *s->within) : NULL;
     if ((most && !s->changes) || (strikes && !s->within))
         return world_fail(w, DIG_E_MEMORY, "not enough memory for what %d pairs and %d strikes change", most, strikes);
     DIG_TRY(list_reserve(&w->memories, slots_for(w->memories.count, w->free_memories.count, remembered), &w->allocations));

@@ -32,6 +32,7 @@ typedef struct Step {           /* what the stages hand to each other; lives in 
     Group    *groups;
     int       count;
     int      *order;            /* in which groups are advanced, NULL: in theirs */
+    Spare   **spare;            /* what a group has done with, NULL: none has           */
     int       together;         /* the first so many by all threads together, then the others, the dearest first */
     struct Telling *tellings;   /* tell.c: who is to hear of which strike   */
     struct Heard *heard;        /* by whom                                  */
@@ -63,6 +64,10 @@ dig_status look_for_strays(World *w, Step *s);      /* DIG_E_BUSY = a body got w
 dig_status group_advance(Group *g, real dt);        /* by the first way that suits and can                  */
 /* regraph.c */
 dig_status reserve_regraph(World *w, Step *s);
+static inline void *step_room(World *w, const Step *s, size_t bytes)
+{
+    return s->spare ? spare_take(s->spare, &w->scratch, bytes) : arena_alloc(&w->scratch, bytes);
+}
 void       regraph(World *w, Step *s);              /* touches begin and end; DIGs merge and split; breaks  */
 /* tell.c: collision messages */
 dig_status reserve_tell(World *w, Step *s);

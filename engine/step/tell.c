@@ -36,9 +36,9 @@ dig_status reserve_tell(World *w, Step *s)
         return DIG_OK;
     int64_t letters = 2 * (int64_t)strikes * bodies;
     size_t kept = letters < (int64_t)MESSAGE_KEPT ? (size_t)letters : MESSAGE_KEPT;
-    s->tellings = arena_alloc(&w->scratch, 2 * (size_t)strikes * sizeof *s->tellings);
-    s->heard = arena_alloc(&w->scratch, ((size_t)bodies > kept ? (size_t)bodies : kept) * sizeof *s->heard);
-    s->missives = arena_alloc(&w->scratch, kept * sizeof *s->missives);
+    s->tellings = step_room(w, s, 2 * (size_t)strikes * sizeof *s->tellings);
+    s->heard = step_room(w, s, ((size_t)bodies > kept ? (size_t)bodies : kept) * sizeof *s->heard);
+    s->missives = step_room(w, s, kept * sizeof *s->missives);
     bool there = s->tellings && s->heard && s->missives;
     return there ? DIG_OK : world_fail(w, DIG_E_MEMORY, "not enough memory for the messages of %d strikes", strikes);
 }

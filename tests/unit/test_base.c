@@ -1,5 +1,7 @@
 /* test_base.c - scratch memory, the hash map and sorting against models of what they should do. */
+#define _DEFAULT_SOURCE         /* sysconf */
 #include "check.h"
+#include "resident.h"
 
 #include "base/arena.h"
 #include "base/block.h"
@@ -404,6 +406,52 @@ TEST(what_is_not_needed_for_long_is_given_back)
     arena_close(&a);
 }
 
+TEST(what_is_forgotten_of_a_block_takes_no_memory_until_it_is_written_to)
+{
+    const size_t size = (size_t)4 << 20, from = 1000, part = (size_t)2 << 20;
+    unsigned char *block = block_open(size);
+    CHECK(block != NULL);
+    memset(block, 1, size);
+    block_forget(block + from, part);
+    CHECK_INT(resident_pages(block + from, part), 0);
+    CHECK(block[from - 1] == 1 && block[from + part] == 1 && block[size - 1] == 1);
+    memset(block + from, 2, part);
+    CHECK(block[from - 1] == 1 && block[from] == 2 && block[from + part - 1] == 2 && block[from + part] == 1);
+    block_free(block, size);
+}
+
+TEST(pages_that_a_few_steps_have_not_needed_are_given_back_without_the_allocator)
+{
+    const size_t most = (size_t)20 << 20, now = (size_t)18 << 20, enough = (size_t)19 << 20;
+    Arena a = {0};
+    memset(arena_alloc(&a, most), 1, most);
+    arena_reset(&a);
+    uint64_t allocations = a.allocations;
+    for (int i = 0; i < 40; i++) {
+        memset(arena_alloc(&a, now), 1, now);
+        arena_reset(&a);
+    }
+    CHECK_INT(a.allocations, allocations);
+    CHECK_INT(resident_pages(a.first->data + enough, most - enough), 0);
+    memset(arena_alloc(&a, most), 1, most);
+    CHECK_INT(a.allocations, allocations);
+    arena_close(&a);
+}
+
+TEST(the_rest_of_a_full_chunk_takes_no_memory)
+{
+    const size_t first = (size_t)9 << 20, kept = (size_t)5 << 20, large = (size_t)8 << 20;
+    Arena a = {0};
+    memset(arena_alloc(&a, first), 1, first);
+    arena_reset(&a);
+    unsigned char *piece = arena_alloc(&a, kept);
+    memset(piece, 2, kept);
+    CHECK(arena_alloc(&a, large) != NULL && a.first->next != NULL);
+    CHECK_INT(resident_pages(piece + kept, first - kept), 0);
+    CHECK(piece[0] == 2 && piece[kept - 1] == 2);
+    arena_close(&a);
+}
+
 #define RECORDS 3000
 
 static bool is_record(const void *records, uint32_t record, MapKey key)
@@ -503,6 +551,9 @@ int main(void)
         unit_test(with_dig_debug_fresh_and_given_back_memory_reads_as_nan),
         unit_test(a_shrunk_piece_makes_room_for_the_next_one),
         unit_test(what_is_not_needed_for_long_is_given_back),
+        unit_test(what_is_forgotten_of_a_block_takes_no_memory_until_it_is_written_to),
+        unit_test(pages_that_a_few_steps_have_not_needed_are_given_back_without_the_allocator),
+        unit_test(the_rest_of_a_full_chunk_takes_no_memory),
         unit_test(an_index_finds_records_by_their_keys_and_follows_when_they_move),
         unit_test(a_map_agrees_with_a_plain_table_over_many_random_calls),
         unit_test(nothing_is_allocated_within_the_reserve),
