@@ -236,8 +236,8 @@ static void name_part(const Ask *k, dig_part p, char *text, size_t capacity)
         snprintf(text, capacity, "the wall %s of the room", wall_name(p.wall));
     } else {
         const Body *b = &w->bodies.data[p.body.slot];
-        if (b->name[0])
-            snprintf(text, capacity, "body '%s'", b->name);
+        if (body_name(w, b)[0])
+            snprintf(text, capacity, "body '%s'", body_name(w, b));
         else
             snprintf(text, capacity, "body #%u", part_body_from(&k->part, p.body.slot));
     }

@@ -84,7 +84,7 @@ dig_status dig_body_get(const dig_world *w, dig_body handle, dig_body_state *out
     memset(out, 0, sizeof *out);
     pose at = body_pose(b);
     box3 box = body_bounds(w, b);
-    out->name = b->name;
+    out->name = body_name(w, b);
     out->kind = b->kind;
     out->mode = b->kind == DIG_STATIC ? DIG_FIXED : b->mode;
     out->awake = b->kind == DIG_DYNAMIC ? b->awake : b->kind == DIG_KINEMATIC;
@@ -358,8 +358,8 @@ static dig_status do_move_to(World *w, dig_body handle, vec3 at, const quat *rot
     real time = real_max(1, ceil(over / w->def.step - MOVE_SLACK)) * w->def.step;     /* whole frames: it stops where one ends */
     vec3 v = vec3_scale(1 / time, vec3_sub(to, b->x));
     DIG_TRY(api_within(w, v, WORLD_FAST, "move_to", "velocity", "m/s"));
-    b->move_to = to;
-    b->turn_to = q;
+    body_rest(w, b)->move_to = to;
+    body_rest(w, b)->turn_to = q;
     b->move_start = world_time(w);
     b->move_end = b->move_start + time;
     b->v = v;

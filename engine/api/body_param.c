@@ -103,7 +103,7 @@ static dig_status do_set(World *w, dig_body handle, const char *name, const void
     else if (strcmp(name, "collides") == 0)
         status = set_collides(w, b, *(const bool *)value);
     else if (strcmp(name, "name") == 0)
-        memcpy(b->name, value, sizeof b->name);
+        memcpy(body_rest(w, b)->name, value, sizeof body_rest(w, b)->name);
     else if (strcmp(name, "colour") == 0)
         b->colour = *(const vec3 *)value;
     else if (strcmp(name, "opacity") == 0)
@@ -148,7 +148,7 @@ dig_status dig_body_param(const dig_world *w, dig_body handle, const char *name,
         return world_fail(w, DIG_E_ARG, "%s has no parameter '%s'", BODY_TEXT(w, b), name);
     Surface s = surface_resolve(w, &b->surface);
     dig_body_def def = dig_body_defaults();
-    memcpy(def.name.s, b->name, sizeof def.name.s);
+    memcpy(def.name.s, body_name(w, b), sizeof def.name.s);
     pose at = body_pose(b);
     def.at = at.p;
     def.rotation = at.q;
@@ -170,7 +170,7 @@ dig_status dig_body_param(const dig_world *w, dig_body handle, const char *name,
     def.integrator = b->integrator;
     def.colour = b->colour.x >= 0 ? b->colour : w->materials.data[s.material].def.colour;
     def.opacity = b->opacity;
-    def.sheet = b->sheet;
+    def.sheet = body_rest(w, b)->sheet;
     memcpy(value, (const char *)&def + row->offset, param_size(row));
     return DIG_OK;
 }

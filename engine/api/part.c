@@ -185,6 +185,7 @@ static dig_status copy_bodies(const World *w, const Part *p)
 {
     World *to = p->world;
     make_table(&to->bodies, &p->bodies, &to->free_bodies);
+    DIG_TRY(bodies_rest(to));
     DIG_TRY(list_reserve(&to->awake, to->bodies.capacity, NULL));
     DIG_TRY(list_reserve(&to->parent, to->bodies.capacity, NULL));
     to->parent.count = to->bodies.capacity;
@@ -192,6 +193,7 @@ static dig_status copy_bodies(const World *w, const Part *p)
     for (int i = 0; i < p->bodies.count; i++) {
         Body *b = &to->bodies.data[i];
         *b = w->bodies.data[p->bodies.data[i]];
+        body_rest_set(&to->rest.data[i], &w->rest.data[p->bodies.data[i]]);
         b->shape_first = place(&p->solids, b->shape_first);
         b->joint_first = NONE;
         b->message_from = (dig_body){0, 0};
@@ -232,11 +234,13 @@ static dig_status copy_pairs(const World *w, const Part *p)
     World *to = p->world;
     make_table(&to->pairs, &p->pairs, &to->free_pairs);
     make_table(&to->contacts, &p->contacts, &to->free_contacts);
+    DIG_TRY(contacts_rest(to));
     DIG_TRY(list_reserve(&to->near, p->pairs.count, NULL));
     DIG_TRY(index_reserve(&to->pair_index, p->pairs.count));
     for (int i = 0; i < p->contacts.count; i++) {
         Contact *c = &to->contacts.data[i];
         *c = w->contacts.data[p->contacts.data[i]];
+        contact_rest_set(&to->contact_rest.data[i], w->contact_rest.data[p->contacts.data[i]]);
         c->next = place(&p->contacts, c->next);
         uint32_t more = c->more;
         c->more = NONE;

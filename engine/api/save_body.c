@@ -25,19 +25,19 @@ static void pack_turn(Pack *p, quat *q, bool used)
         *q = (quat){0, 0, 0, 0};
 }
 
-static void pack_mover(Pack *p, Body *b)
+static void pack_mover(Pack *p, Body *b, BodyRest *rest)
 {
     pack_real_in(p, &b->move_start, -SAVE_LONG, SAVE_LONG, "start of a move");
     pack_real_in(p, &b->move_end, -SAVE_LONG, SAVE_LONG, "end of a move");
-    bool used = b->turn_to.w != 0 || b->turn_to.x != 0 || b->turn_to.y != 0 || b->turn_to.z != 0;
+    bool used = rest->turn_to.w != 0 || rest->turn_to.x != 0 || rest->turn_to.y != 0 || rest->turn_to.z != 0;
     pack_bool(p, &used);
     pack_check(p, used || !(b->move_end > b->move_start), "a body moves to nowhere");
-    vec3 from = b->move_to;             /* where it came from has its place in the file, but nobody asks for it */
-    quat turn_from = b->turn_to;
+    vec3 from = rest->move_to;             /* where it came from has its place in the file, but nobody asks for it */
+    quat turn_from = rest->turn_to;
     pack_vec3(p, &from, SAVE_FAR, "start of a move");
-    pack_vec3(p, &b->move_to, SAVE_FAR, "end of a move");
+    pack_vec3(p, &rest->move_to, SAVE_FAR, "end of a move");
     pack_turn(p, &turn_from, used);
-    pack_turn(p, &b->turn_to, used);
+    pack_turn(p, &rest->turn_to, used);
 }
 
 static void pack_last_message(Pack *p, const World *w, Body *b)
@@ -84,6 +84,7 @@ static void pack_motion(Pack *p, Body *b)
 
 static void pack_body(Pack *p, const World *w, Body *b)
 {
+    BodyRest rest = *body_rest(w, b);
     b->alive = true;
     save_gen(p, w, &b->gen, true);
     pack_bool(p, &b->awake);
@@ -92,7 +93,7 @@ static void pack_body(Pack *p, const World *w, Body *b)
     pack_enum(p, &b->kind, 3, "kind of a body");
     pack_enum(p, &b->mode, 3, "mode of a body");
     pack_check(p, (b->mode == DIG_FIXED) == (b->kind == DIG_STATIC), "the mode of a body is not one of its kind");
-    pack_text(p, b->name, sizeof b->name);
+    pack_text(p, rest.name, sizeof rest.name);
     pack_vec3(p, &b->centre, SAVE_FAR, "centre of mass of a body");
     if (b->kind == DIG_DYNAMIC)
         pack_mass(p, b);
@@ -105,14 +106,15 @@ static void pack_body(Pack *p, const World *w, Body *b)
     pack_real(p, &b->colour.y);
     pack_real(p, &b->colour.z);
     pack_real_in(p, &b->opacity, 0, 1, "opacity of a body");
-    pack_real_in(p, &b->sheet.x, 0, 1e9, "sheet of a body");
-    pack_real_in(p, &b->sheet.y, 0, 1e9, "sheet of a body");
-    pack_real_in(p, &b->sheet.z, 0, 1e9, "sheet of a body");
+    pack_real_in(p, &rest.sheet.x, 0, 1e9, "sheet of a body");
+    pack_real_in(p, &rest.sheet.y, 0, 1e9, "sheet of a body");
+    pack_real_in(p, &rest.sheet.z, 0, 1e9, "sheet of a body");
     pack_motion(p, b);
     if (b->kind == DIG_KINEMATIC)
-        pack_mover(p, b);
+        pack_mover(p, b, &rest);
     else if (p->reading)
         b->move_end = -1;
+    body_rest_set(body_rest(w, b), &rest);
     pack_u32(p, &b->shape_first);
     pack_u32(p, &b->joint_first);
     pack_last_message(p, w, b);
@@ -128,6 +130,8 @@ static void pack_body(Pack *p, const World *w, Body *b)
 void save_bodies(Pack *p, World *w)
 {
     unsigned char *unused = SAVE_TABLE(p, w, &w->bodies, &w->free_bodies, BODY_BYTES, "bodies");
+    if (p->reading && unused && bodies_rest(w) != DIG_OK)
+        pack_fail_memory(p);
     for (int i = 0; unused && i < w->bodies.count && pack_good(p); i++)
         if (!unused[i])
             pack_body(p, w, &w->bodies.data[i]);

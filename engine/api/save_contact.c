@@ -41,7 +41,10 @@ static void pack_contact(Pack *p, World *w, Contact *c)
     }
     for (int i = 0; i < count && pack_good(p); i++)
         pack_point(p, contact_point(w, c, i));
-    pack_vec3(p, &c->rolling, SAVE_STRONG, "rolling friction of a contact");
+    ContactRest *rest = &w->contact_rest.data[c - w->contacts.data];
+    vec3 rolling = rest->rolling;
+    pack_vec3(p, &rolling, SAVE_STRONG, "rolling friction of a contact");
+    contact_rest_set(rest, (ContactRest){rolling, rest->lost});
     pack_vec3(p, &c->force, SAVE_STRONG, "force of a contact");
     pack_vec3(p, &c->point, SAVE_FAR, "place of a contact");
     pack_bool(p, &c->touching);
@@ -143,6 +146,8 @@ static bool all_taken(const World *w, const unsigned char *taken)
 void save_pairs(Pack *p, World *w)
 {
     unsigned char *taken = SAVE_TABLE(p, w, &w->contacts, &w->free_contacts, CONTACT_BYTES, "contacts");
+    if (p->reading && taken && contacts_rest(w) != DIG_OK)
+        pack_fail_memory(p);
     unsigned char *unused = taken ? SAVE_TABLE(p, w, &w->pairs, &w->free_pairs, PAIR_BYTES, "pairs") : NULL;
     for (int i = 0; unused && i < w->pairs.count && pack_good(p); i++)
         if (!unused[i])

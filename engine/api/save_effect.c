@@ -48,7 +48,7 @@ static void pack_member(Pack *p, World *w, EffectSlot *e, int i, real *member)
         return;
     if (!p->reading)
         memcpy(member, column_at(&e->members, i), e->members.size);
-    pack_struct(p, e->type->body_params, member, e->members.size, w->bodies.data[body].name);
+    pack_struct(p, e->type->body_params, member, e->members.size, body_name(w, &w->bodies.data[body]));
     if (p->reading && pack_good(p) && column_add(&e->members, body, member, &w->allocations) != DIG_OK)
         pack_fail_memory(p);
 }

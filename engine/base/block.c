@@ -112,6 +112,19 @@ static void *small_resize(void *data, size_t old, size_t bytes)
 
 void *block_open(size_t bytes) { return from_pages(bytes) ? pages_open(bytes) : malloc(bytes); }
 
+#define ZEROS 1024              /* bytes */
+
+/* To fresh pages, which are 0: what is 0 is not written there, so that it takes no memory. */
+static void copy_written(char *to, const char *from, size_t bytes)
+{
+    static const char zeros[ZEROS];
+    for (size_t i = 0, part; i < bytes; i += part) {
+        part = bytes - i < ZEROS ? bytes - i : ZEROS;
+        if (memcmp(from + i, zeros, part) != 0)
+            memcpy(to + i, from + i, part);
+    }
+}
+
 void *block_resize(void *data, size_t old, size_t bytes)
 {
     if (bytes == 0) {
@@ -125,8 +138,10 @@ void *block_resize(void *data, size_t old, size_t bytes)
     void *moved = block_open(bytes);
     if (!moved)
         return NULL;
-    if (old > 0)
-        memcpy(moved, data, old < bytes ? old : bytes);
+    if (from_pages(bytes))
+        copy_written(moved, data, old);
+    else if (old > 0)
+        memcpy(moved, data, bytes);
     block_free(data, old);
     return moved;
 }

@@ -185,8 +185,9 @@ static void commit_body(World *w, const Group *g, int i, real dt)
     b->hit_v = b->hit_w = vec3_zero();
 }
 
-static void commit_contact(World *w, Contact *to, const GroupContact *from, real dt)
+static void commit_contact(World *w, const GroupContact *from, real dt)
 {
+    Contact *to = &w->contacts.data[from->slot];
     to->idle = from->idle;
     to->piece = from->piece;
     to->normal = from->manifold.normal;
@@ -196,11 +197,10 @@ static void commit_contact(World *w, Contact *to, const GroupContact *from, real
         p->at = from->manifold.points[k];
         p->memory = contact_memory(from)[k];
     }
-    to->rolling = from->rolling;
+    contact_rest_set(&w->contact_rest.data[from->slot], (ContactRest){from->rolling, from->lost});
     to->sliding = from->manifold.slides;
     to->touching = from->touching;
     to->force = vec3_scale(1 / dt, from->impulse);
-    to->lost = from->lost;
     to->point = from->point_weight > WEIGHT_LEAST ? vec3_scale(1 / from->point_weight, from->point_sum)
                                        : from->manifold.count ? from->manifold.points[0].a : vec3_zero();
 }
@@ -249,7 +249,7 @@ static void commit_pair(World *w, const Group *g, const GroupPair *q, real dt)
     p->touching = q->touching;
     for (int i = q->contact; i < q->contact + q->contacts; i++)
         if (g->contacts[i].slot != NONE && !(g->contacts[i].idle && g->contacts[i].was_idle))
-            commit_contact(w, &w->contacts.data[g->contacts[i].slot], &g->contacts[i], dt);
+            commit_contact(w, &g->contacts[i], dt);
 }
 
 static void commit_joint(World *w, const GroupJoint *j, real dt)

@@ -67,6 +67,7 @@ dig_status reserve_regraph(World *w, Step *s)
     DIG_TRY(list_reserve(&w->free_memories, w->memories.capacity, &w->allocations));
     DIG_TRY(list_reserve(&w->contacts, slots_for(w->contacts.count, w->free_contacts.count, born), &w->allocations));
     DIG_TRY(list_reserve(&w->free_contacts, w->contacts.capacity, &w->allocations));
+    DIG_TRY(contacts_rest(w));
     DIG_TRY(list_reserve(&w->more, slots_for(w->more.count, w->free_more.count, widened), &w->allocations));
     DIG_TRY(list_reserve(&w->free_more, w->more.capacity, &w->allocations));
     DIG_TRY(list_reserve(&w->touches, slots_for(w->touches.count, w->free_touches.count, changed), &w->allocations));

@@ -101,8 +101,8 @@ static void move_movers(World *w, real dt)
         quat q = quat_unit(quat_mul(quat_exp(vec3_scale(dt, b->w)), b->q));
         bool arrives = b->move_end > b->move_start && end >= b->move_end - MOVE_SLACK * dt;
         if (arrives) {
-            x = b->move_to;
-            q = b->turn_to;
+            x = body_rest(w, b)->move_to;
+            q = body_rest(w, b)->turn_to;
         }
         body_travels(b, x, q);
         b->x = x;

@@ -222,7 +222,7 @@ static void warn(World *w, dig_rule rule, uint32_t slot, real value, real bound,
     dig_warning *n = &w->warnings[w->warning_count++];
     *n = (dig_warning){.rule = rule, .time = world_time(w), .body = body, .dig = graph_of(w->graph, slot), .value = value, .bound = bound,
                        .times = 1};
-    snprintf(n->name.s, sizeof n->name.s, "%s", b->name);
+    snprintf(n->name.s, sizeof n->name.s, "%s", body_name(w, b));
     snprintf(n->why, sizeof n->why, "%s", why);
 }
 

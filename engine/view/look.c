@@ -115,10 +115,11 @@ static dig_status take_scene(Look *l, const World *w)
 
 static void take_body(LookBody *row, const World *w, const Body *b)
 {
+    const BodyRest *rest = body_rest(w, b);
     *row = (LookBody){.there = 1, .gen = b->gen - w->gen_start + 1, .index = row->index, .kind = (uint8_t)b->kind,
-                      .labelled = b->name[0] && isfinite(b->outer), .centre = b->centre, .sheet = (uint32_t)b->sheet.x,
-                      .column = (uint32_t)b->sheet.y, .row = (uint32_t)b->sheet.z};
-    memcpy(row->name, b->name, strlen(b->name));
+                      .labelled = rest->name[0] && isfinite(b->outer), .centre = b->centre, .sheet = (uint32_t)rest->sheet.x,
+                      .column = (uint32_t)rest->sheet.y, .row = (uint32_t)rest->sheet.z};
+    memcpy(row->name, rest->name, strlen(rest->name));
 }
 
 static void take_pose(LookPose *row, const World *w, const Body *b, uint32_t slot)
@@ -475,7 +476,7 @@ static bool same_body(const World *w, const Body *b, const LookBody *row, const 
         return b->alive == (row->there != 0);
     return b->gen - w->gen_start + 1 == row->gen && memcmp(&b->x, &p->x, sizeof b->x) == 0 && memcmp(&b->q, &p->q, sizeof b->q) == 0 &&
            b->awake == (p->awake != 0) && (float)b->v.x == p->v[0] && (float)b->v.y == p->v[1] && (float)b->v.z == p->v[2] &&
-           memcmp(b->name, row->name, sizeof row->name) == 0;
+           memcmp(body_name(w, b), row->name, sizeof row->name) == 0;
 }
 
 bool look_holds(const Look *l, const dig_world *w)

@@ -19,8 +19,8 @@ const char *new_body_text(const char *name, char text[BODY_TEXT_SIZE])
 
 const char *body_text(const World *w, const Body *b, char text[BODY_TEXT_SIZE])
 {
-    if (b->name[0])
-        return new_body_text(b->name, text);
+    if (body_name(w, b)[0])
+        return new_body_text(body_name(w, b), text);
     snprintf(text, BODY_TEXT_SIZE, "body #%d", (int)(b - w->bodies.data));
     return text;
 }
@@ -155,11 +155,12 @@ static dig_status set_mass_from_shapes(World *w, Body *b, const dig_body_def *de
     for (int i = 0; i < def->shape_count; i++) {
         const ShapeType *type = shapes[i].type;
         if (!type->mass)
-            return world_fail(w, DIG_E_ARG, "%s: a %s has no mass: make the body fixed or kinematic", NEW_BODY_TEXT(b->name), type->name);
+            return world_fail(w, DIG_E_ARG, "%s: a %s has no mass: make the body fixed or kinematic", NEW_BODY_TEXT(def->name.s), type->name);
         MassProps unit;
         type->mass(&shapes[i], &unit);
         if (!(unit.volume > 0))
-            return world_fail(w, DIG_E_ARG, "%s: its %s has volume %g m^3, must be > 0 (is the mesh closed?)", NEW_BODY_TEXT(b->name), type->name, unit.volume);
+            return world_fail(w, DIG_E_ARG, "%s: its %s has volume %g m^3, must be > 0 (is the mesh closed?)", NEW_BODY_TEXT(def->name.s), type->name,
+                              unit.volume);
         real density = isnan(def->density) ? w->materials.data[materials[i]].def.density : def->density;
         if (def->shapes[i].density > 0)
             density = def->shapes[i].density;
@@ -304,13 +305,36 @@ static dig_status attach_solids(World *w, uint32_t slot, const dig_body_def *def
         dig_status s = solid_add(w, slot, &kept, at, &surface, colour, &solid);
         if (s != DIG_OK) {
             shape_free(&kept);
-            return world_fail(w, s, "%s: not enough memory", NEW_BODY_TEXT(b->name));
+            return world_fail(w, s, "%s: not enough memory", NEW_BODY_TEXT(def->name.s));
         }
         *(last == NONE ? &b->shape_first : &w->solids.data[last].next) = solid;
         last = solid;
         b->shape_count++;
     }
     return DIG_OK;
+}
+
+dig_status bodies_rest(World *w)
+{
+    DIG_TRY(list_reserve(&w->rest, w->bodies.capacity, &w->allocations));
+    w->rest.count = w->bodies.count;
+    return DIG_OK;
+}
+
+static dig_status take_slot(World *w, uint32_t *slot)
+{
+    DIG_TRY(world_slot(w, &w->bodies, &w->free_bodies, slot));
+    dig_status room = bodies_rest(w);
+    if (room != DIG_OK)
+        slot_give(w, &w->free_bodies, *slot);
+    return room;
+}
+
+/* What is so already is not written to. */
+void body_rest_set(BodyRest *to, const BodyRest *rest)
+{
+    if (memcmp(to, rest, sizeof *to) != 0)
+        *to = *rest;
 }
 
 static void fill_body(World *w, Body *b, const dig_body_def *def)
@@ -320,7 +344,6 @@ static void fill_body(World *w, Body *b, const dig_body_def *def)
     b->collides = def->collides;
     b->kind = def->fixed ? DIG_STATIC : def->kinematic ? DIG_KINEMATIC : DIG_DYNAMIC;
     b->mode = def->fixed ? DIG_FIXED : DIG_MOVING;
-    memcpy(b->name, def->name.s, sizeof b->name);
     b->q = quat_unit(def->rotation);
     b->v = def->fixed ? vec3_zero() : def->velocity;
     b->w = def->fixed ? vec3_zero() : def->spin;
@@ -329,7 +352,9 @@ static void fill_body(World *w, Body *b, const dig_body_def *def)
     b->group = def->group;
     b->colour = def->colour;
     b->opacity = def->opacity;
-    b->sheet = (vec3){round(def->sheet.x), round(def->sheet.y), round(def->sheet.z)};
+    BodyRest rest = {.sheet = {round(def->sheet.x), round(def->sheet.y), round(def->sheet.z)}};
+    memcpy(rest.name, def->name.s, sizeof rest.name);
+    body_rest_set(body_rest(w, b), &rest);
     b->shape_first = b->joint_first = NONE;
     b->inertia = b->inv_inertia = mat3_zero();
     b->surface = (Surface){def->material.s[0] ? material_find(w, def->material.s) : 0, def->friction, def->friction_dynamic,
@@ -403,7 +428,7 @@ dig_status body_create(World *w, const dig_body_def *given, dig_body *out)
     dig_status s = world_generation(w, NEW_BODY_TEXT(def->name.s), &gen);
     bool numbered = s == DIG_OK;
     if (numbered)
-        s = world_slot(w, &w->bodies, &w->free_bodies, &slot);
+        s = take_slot(w, &slot);
     if (s == DIG_OK) {
         w->bodies.data[slot].gen = gen;
         s = finish_body(w, slot, def, shapes, materials);

@@ -107,12 +107,13 @@ static dig_status move_memories(World *w)
 }
 
 /* Contacts of one pair, from the old places to the next free ones. */
-static void move_list(World *w, Pair *p, const Contact *old, const MorePoints *old_more)
+static void move_list(World *w, Pair *p, const Contact *old, const ContactRest *old_rest, const MorePoints *old_more)
 {
     uint32_t *link = &p->contact;
     for (uint32_t c = p->contact; c != NONE; c = old[c].next) {
         Contact *to = &w->contacts.data[w->contacts.count];
         *to = old[c];
+        contact_rest_set(&w->contact_rest.data[w->contacts.count], old_rest[c]);
         if (to->more != NONE) {
             w->more.data[w->more.count] = old_more[to->more];
             to->more = (uint32_t)w->more.count++;
@@ -126,20 +127,24 @@ static dig_status move_contacts(World *w)
 {
     ArenaMark mark = arena_mark(&w->scratch);
     Contact *old = arena_alloc(&w->scratch, (size_t)w->contacts.count * sizeof *old);
+    ContactRest *old_rest = arena_alloc(&w->scratch, (size_t)w->contacts.count * sizeof *old_rest);
     MorePoints *old_more = arena_alloc(&w->scratch, (size_t)w->more.count * sizeof *old_more);
-    if (!old || !old_more) {
+    if (!old || !old_rest || !old_more) {
         arena_rewind(&w->scratch, mark);
         return world_fail(w, DIG_E_MEMORY, "not enough memory for %d contacts", w->contacts.count);
     }
     memcpy(old, w->contacts.data, (size_t)w->contacts.count * sizeof *old);
+    memcpy(old_rest, w->contact_rest.data, (size_t)w->contacts.count * sizeof *old_rest);
     if (w->more.count > 0)
         memcpy(old_more, w->more.data, (size_t)w->more.count * sizeof *old_more);
     w->contacts.count = w->more.count = w->free_contacts.count = w->free_more.count = 0;
     for (int i = 0; i < w->pairs.count; i++)
         if (w->pairs.data[i].alive)
-            move_list(w, &w->pairs.data[i], old, old_more);
+            move_list(w, &w->pairs.data[i], old, old_rest, old_more);
     arena_rewind(&w->scratch, mark);
     list_trim(&w->contacts, w->contacts.count + w->contacts.count / 8);
+    w->contact_rest.count = w->contacts.count;
+    list_trim(&w->contact_rest, w->contacts.capacity);
     list_trim(&w->more, w->more.count + w->more.count / 8);
     list_trim(&w->free_contacts, w->contacts.capacity);
     list_trim(&w->free_more, w->more.capacity);

@@ -10,6 +10,18 @@ dig_status contact_take(World *w, uint32_t *slot)
 {
     DIG_TRY(world_slot(w, &w->contacts, &w->free_contacts, slot));
     w->contacts.data[*slot].next = w->contacts.data[*slot].more = NONE;
+    dig_status room = contacts_rest(w);
+    if (room == DIG_OK)
+        contact_rest_set(&w->contact_rest.data[*slot], (ContactRest){.lost = 0});
+    else
+        slot_give(w, &w->free_contacts, *slot);
+    return room;
+}
+
+dig_status contacts_rest(World *w)
+{
+    DIG_TRY(list_reserve(&w->contact_rest, w->contacts.capacity, &w->allocations));
+    w->contact_rest.count = w->contacts.count;
     return DIG_OK;
 }
 
@@ -213,10 +225,12 @@ void pair_let_go(World *w, uint32_t pair)
     for (uint32_t c = p->contact; c != NONE;) {
         Contact *contact = &w->contacts.data[c];
         uint32_t next = contact->next;
-        if (p->pieces)
+        if (p->pieces) {
             *contact = (Contact){.next = next, .more = contact->more};
-        else
+            contact_rest_set(&w->contact_rest.data[c], (ContactRest){.lost = 0});
+        } else {
             contact_give(w, c);
+        }
         c = next;
     }
     p->contact = p->pieces ? p->contact : NONE;

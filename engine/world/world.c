@@ -94,10 +94,12 @@ void world_close(World *w)
     list_close(&w->regions);
     list_close(&w->free_regions);
     list_close(&w->bodies);
+    list_close(&w->rest);
     list_close(&w->solids);
     list_close(&w->pairs);
     list_close(&w->memories);
     list_close(&w->contacts);
+    list_close(&w->contact_rest);
     list_close(&w->more);
     list_close(&w->touches);
     list_close(&w->joints);
@@ -135,6 +137,7 @@ size_t world_bytes(const World *w)
 {
     size_t bytes = sizeof *w;
     bytes += list_bytes(&w->bodies) + list_bytes(&w->solids) + list_bytes(&w->pairs) + list_bytes(&w->memories) + list_bytes(&w->contacts);
+    bytes += list_bytes(&w->rest) + list_bytes(&w->contact_rest);
     bytes += list_bytes(&w->more) + list_bytes(&w->touches) + list_bytes(&w->joints) + list_bytes(&w->pushes) + list_bytes(&w->events)
         + list_bytes(&w->pending);
     bytes += list_bytes(&w->materials) + list_bytes(&w->material_pairs);
@@ -204,7 +207,7 @@ static uint64_t hash_pair(const World *w, const Pair *p)
         const Contact *contact = &w->contacts.data[c];
         for (int k = 0; k < contact->count; k++)
             h = hash_u64(h, hash_point(&contact_point_seen(w, contact, k)->memory));
-        h = hash_vec3(h, contact->rolling);
+        h = hash_vec3(h, w->contact_rest.data[c].rolling);
     }
     return h;
 }

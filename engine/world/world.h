@@ -91,17 +91,22 @@ typedef struct Body {           /* what every step reads comes first            
     real     trace_step;        /* s      length of the last step of its traced motion; 0 = none */
     BodyWatch watch;            /* step/watch.c; no part of the state                  */
     /* What steps hardly ever read comes last. */
-    char     name[64];
     real     density;           /* kg/m^3 mean                                         */
     real     told_mass;         /* kg     as given to one that is not dynamic, 0 = none; no law asks for it */
     int64_t  group;
     Surface  surface;
     vec3     colour;            /* x < 0 = the material's                              */
     real     opacity;           /* 1      as drawn                                     */
-    vec3     sheet;             /* 1      number, column and row, as drawn; number 0 = no particle of a sheet */
-    vec3     move_to; quat turn_to; real move_start, move_end;      /* kinematic: s, end < start = none */
+    real     move_start, move_end;      /* s  kinematic: of its way to BodyRest.move_to, end < start = none */
     uint64_t message_id, message_root; real message_time; dig_body message_from; char message_kind[32];
 } Body;
+
+/* What few bodies have, in a list of its own by their slots: as long as all of it is 0 it is not written to, and takes no memory. */
+typedef struct BodyRest {
+    char     name[64];          /*        "" = it has none                             */
+    vec3     sheet;             /* 1      number, column and row, as drawn; number 0 = no particle of a sheet */
+    vec3     move_to; quat turn_to;     /* kinematic: where it is on its way to        */
+} BodyRest;
 
 typedef struct Solid {          /* one shape in a body, or of the world itself (body == NONE) */
     bool     alive;
@@ -143,12 +148,16 @@ typedef struct Contact {        /* one manifold of a pair; a convex pair has at 
     uint8_t  count;             /* points at the end of the last step; see contact_point */
     vec3     normal;            /* 1   unit, from a to b                               */
     ContactPoint first;
-    vec3     rolling;           /* N m                                                 */
     vec3     force;             /* N on b, mean over the last step                     */
     vec3     point;             /* m   where                                           */
+} Contact;
+
+/* What few contacts have: as BodyRest, by their slots. */
+typedef struct ContactRest {
+    vec3     rolling;           /* N m                                                 */
     real     lost;              /* J   in the last step in which one of its bodies was awake; no part of the state. A crowd tells
                                  *     it only where an effect asks for it (EffectType.losses) */
-} Contact;
+} ContactRest;
 
 typedef struct Rub { real friction, friction_dynamic, rolling, restitution; } Rub;      /* what two surfaces make of each other */
 
@@ -297,10 +306,12 @@ struct dig_world {
     bool     dig_accuracies;            /* some DIG has an accuracy of its own         */
 
     LIST(Body)     bodies;
+    LIST(BodyRest) rest;                /* of bodies: as many, or more                 */
     LIST(Solid)    solids;
     LIST(Pair)     pairs;
     LIST(PairMemory) memories;          /* of pairs                                    */
     LIST(Contact)  contacts;
+    LIST(ContactRest) contact_rest;     /* as many, or more                            */
     LIST(MorePoints) more;              /* of contacts                                 */
     LIST(Touch)    touches;
     LIST(JointRec) joints;
@@ -383,6 +394,8 @@ static inline Region *world_region(const World *w, dig_region r)
         return NULL;
     return &w->regions.data[r.slot];
 }
+static inline BodyRest *body_rest(const World *w, const Body *b) { return &w->rest.data[b - w->bodies.data]; }
+static inline const char *body_name(const World *w, const Body *b) { return body_rest(w, b)->name; }
 /* NONE, the world itself, is not. */
 static inline bool body_dynamic(const World *w, uint32_t slot) { return slot != NONE && w->bodies.data[slot].kind == DIG_DYNAMIC; }
 static inline real world_time(const World *w) { return (real)w->steps * w->def.step; }
@@ -442,6 +455,8 @@ uint64_t   world_hash(const World *w);
 Tally      world_tally(const World *w);                 /* counted anew */
 
 /* body.c */
+dig_status bodies_rest(World *w);               /* room for it, for all bodies there are */
+void       body_rest_set(BodyRest *to, const BodyRest *rest);
 dig_status body_create(World *w, const dig_body_def *def, dig_body *out);
 /* For messages: "body 'crate'", or "body #12" where it has no name; of one that is being made, and has no number yet, "body". */
 enum { BODY_TEXT_SIZE = 80 };
@@ -494,6 +509,13 @@ static inline void contacts_fetch(const World *w, const Pair *p, const Pair *end
 
 /* pair.c */
 dig_status contact_take(World *w, uint32_t *slot);      /* without a point, next or room for more than one */
+dig_status contacts_rest(World *w);                     /* room for it, for as many contacts as there is */
+/* What is so already is not written to. */
+static inline void contact_rest_set(ContactRest *to, ContactRest rest)
+{
+    if (memcmp(to, &rest, sizeof *to) != 0)
+        *to = rest;
+}
 dig_status contact_widen(World *w, Contact *c);         /* room for all points; DIG_E_MEMORY: unchanged */
 void       contact_give(World *w, uint32_t slot);
 dig_status pair_remember(World *w, Pair *p);

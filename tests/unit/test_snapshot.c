@@ -1,4 +1,6 @@
 /* tests/unit/test_snapshot.c - a world put back to a snapshot does again what it did. */
+#define _DEFAULT_SOURCE         /* sysconf */
+#include "resident.h"
 #include "save_fixture.h"
 
 #include "world/world.h"
@@ -254,10 +256,35 @@ TEST(a_snapshot_outlives_its_world)
     dig_snapshot_free(s);
 }
 
+/* Names, places in sheets, where movers go, rolling friction and losses of contacts: most have none of these. */
+TEST(what_few_have_takes_no_memory_and_is_restored)
+{
+    dig_world *w = open_scene();
+    dig_body last = {0, 0};
+    for (int i = 0; i < 4000; i++)
+        last = add_ball(w, look(0.5, 0), 0.2, 1, (vec3){100 + i % 50, 50 + i / 50, 0}, vec3_zero());
+    for (uint32_t i = 0, slot; i < 20000; i++)
+        CHECK(contact_take(w, &slot) == DIG_OK);
+    int bodies = resident_pages(&w->rest.data[1000], 3000 * sizeof(BodyRest));          /* of 105: one each time that the list grew */
+    int contacts = resident_pages(&w->contact_rest.data[1000], 19000 * sizeof(ContactRest));       /* of 148 */
+    CHECK(bodies >= 0 && bodies < 12 && contacts >= 0 && contacts < 12);
+    for (uint32_t i = 0; i < 20000; i++)
+        contact_give(w, i + (uint32_t)w->contacts.count - 20000);
+    char name[64] = "last", other[64] = "other";
+    CHECK(dig_body_set(w, last, "name", name) == DIG_OK);
+    dig_snapshot *s = snapshot_of(w);
+    CHECK(dig_body_set(w, last, "name", other) == DIG_OK);
+    restore(w, s);
+    dig_body found = dig_body_find(w, "last");
+    CHECK(found.slot == last.slot && found.gen == last.gen && dig_body_find(w, "other").gen == 0);
+    dig_snapshot_free(s);
+    dig_world_close(w);
+}
+
 int main(void)
 {
     RUN_TESTS(unit_test(restored_it_runs_as_before), unit_test(sleep_is_restored_while_and_before_it_comes), unit_test(warm_start_is_restored),
               unit_test(bodies_and_joints_made_or_removed_in_between_do_not_matter), unit_test(settings_are_restored), unit_test(regions_are_restored),
               unit_test(a_snapshot_of_another_world_is_refused), unit_test(a_world_with_threads_is_restored),
-              unit_test(a_snapshot_outlives_its_world));
+              unit_test(a_snapshot_outlives_its_world), unit_test(what_few_have_takes_no_memory_and_is_restored));
 }
