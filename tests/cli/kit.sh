@@ -82,7 +82,7 @@ test.scenario("fails", function() test.expect(1):is(2) end)
 test.scenario("fails, too", function(s) s.world:ball { radius = -1 } end)
 test.scenario("hangs", function() while true do end end)
 test.scenario("prints without end", function() while true do print(("x"):rep(1000)) end end)
-test.scenario("prints much and is fine", function() for _ = 1, 1e5 do print "0 passed, 100 failed" end test.expect(1):is(1) end)
+test.scenario("prints much and is fine", function() for _ = 1, 2e4 do print "0 passed, 100 failed" end test.expect(1):is(1) end)
 test.scenario("asks for NaN", function(s) s.world:ball { radius = 1, at = { 0 / 0, 0, 0 } } end)
 test.scenario("spoils a step", function(s) s.world:ball { radius = 1 } s.world:add_effect { name = "e", step = function(_, b) b[1].force = { 1e300, 0, 0 } end } s.world:run(1) end)
 LUA
