@@ -62,7 +62,8 @@ edit_header   := $(wildcard /usr/include/editline/readline.h /usr/local/include/
 EDIT_CFLAGS   := $(if $(edit_header),-DDIGBOX_EDIT)
 EDIT_LIBS     := $(if $(edit_header),-ledit)
 LUA_LIBS      := $(call flags,--libs,lua5.4,-llua5.4)
-RENDER_LIBS   := $(call flags,--libs,osmesa libpng freetype2,-lOSMesa -lpng -lfreetype) -lisal -ldl
+# OSMesa and EGL are loaded for the first picture.
+RENDER_LIBS   := $(call flags,--libs,libpng freetype2,-lpng -lfreetype) -lisal -ldl
 
 # ---- what there is ----
 render_src := $(if $(filter 1,$(RENDER)),$(wildcard engine/render/*.c))

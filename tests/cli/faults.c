@@ -4,7 +4,7 @@
  * close, rename or mkdir, N counts from 1, KIND is once or on (it and all after it). Only files that are made or written count, no
  * standard streams. Everything else goes straight to the kernel.
  *
- * DIGBOX_NO_GL=create or current: there is no EGL, and OSMesa refuses that.
+ * DIGBOX_NO_GL=library, create or current: there is no EGL, and of OSMesa not that.
  */
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -123,8 +123,13 @@ unsigned char OSMesaMakeCurrent(void *context, void *buffer, unsigned type, int 
     return refused("current") || !real ? 0 : real(context, buffer, type, width, height);
 }
 
+/* OSMesa is looked up among all that is loaded, where the two above come first. */
 void *dlopen(const char *path, int flags)
 {
     void *(*real)(const char *, int) = (void *(*)(const char *, int))dlsym(RTLD_NEXT, "dlopen");
-    return (path && getenv("DIGBOX_NO_GL") && strstr(path, "libEGL")) || !real ? NULL : real(path, flags);
+    bool osmesa = path && strstr(path, "libOSMesa");
+    if (!real || (path && getenv("DIGBOX_NO_GL") && (strstr(path, "libEGL") || (osmesa && refused("library")))))
+        return NULL;
+    void *library = real(path, osmesa ? (flags & ~RTLD_LOCAL) | RTLD_GLOBAL : flags);
+    return osmesa && library ? real(NULL, RTLD_NOW) : library;
 }
