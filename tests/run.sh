@@ -90,7 +90,7 @@ if [ "${1:-}" = --one ]; then
     exit 0
 fi
 
-# ---- what there is to run: "kind path", long ones first would help little, so by path ----
+# ---- what there is to run: "kind path" ----
 lua_tests() {
     find tests worlds -name '*.lua' 2>/dev/null | sort | grep -E '^tests/(scenarios|worlds|laws)/|_spec\.lua$' |
     while read -r path; do
@@ -133,7 +133,8 @@ fi
 rm -rf "$results"
 mkdir -p "$results"
 count=$(printf '%s\n' "$list" | wc -l)
-printf '%s\n' "$list" | awk '{ print NR, $0 }' |
+# From both ends in turn: the scripts at the end are the longest, and one that began last would keep one core busy alone.
+printf '%s\n' "$list" | awk '{ at[NR] = NR " " $0 } END { for (i = 1; i <= NR - i + 1; i++) { print at[i]; if (i < NR - i + 1) print at[NR - i + 1] } }' |
     xargs -P "$(nproc 2>/dev/null || echo 2)" -L 1 bash tests/run.sh --one &
 runner=$!
 trap 'kill "$runner" 2>/dev/null' INT TERM
