@@ -47,7 +47,8 @@ BASE     += -O0 -DDIG_DEBUG
 endif
 ifeq ($(SANITIZE),1)
 sanitize := -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
-BASE     += -O1 -DDIG_DEBUG $(sanitize)
+# -g1: lines for traces; all of -g takes a quarter of the compiler's time.
+BASE     += -O1 -g1 -DDIG_DEBUG $(sanitize)
 LINK     += $(sanitize)
 endif
 
