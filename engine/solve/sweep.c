@@ -577,7 +577,8 @@ dig_status sweep_advance(Group *g, real dt)
     DIG_TRY(reserve(g));
     g->whirled_parts = whirled_parts(g, dt);
     real part = dt / parts_of(g);
-    begin(g, part, false);
+    begin(g, part, g->looked);              /* a way before has looked farther ahead than the first part needs */
+    g->looked = false;
     g->breaks_found = true;
     for (int k = 0; k < parts_of(g) && !g->woke; k++)
         DIG_TRY(sweep_until(g, dt, k + 1 < parts_of(g) ? part * (k + 1) : dt));

@@ -117,3 +117,16 @@ scenario("who flies just over a floor lands when it gets there", function()
     expect(ball.position.y):near(0.1, 1e-9)
   end
 end)
+
+-- A flight looks for what is near within all of the step. What the sweep's first part cannot reach is not near to that, and no reason for a
+-- shorter one. (A cone is not traced.)
+scenario("who might meet something in a step, and is swept, is swept in as many parts as before it might", function()
+  local parts = { [0.1] = 8, [0.15] = 4, [0.3] = 1 }    -- near, in reach of the step but not of a part, out of reach
+  for height, count in pairs(parts) do
+    local world = digbox.world { gravity = { 0, 0, 0 } }
+    world:floor {}
+    world:cone { radius = 0.2, height = 0.3, at = { 0, height, 0 }, spin = { 0, 40, 0 } }
+    world:step()
+    expect(world:stats().substeps):is(count)
+  end
+end)
