@@ -34,11 +34,11 @@ static int only_contact(const Group *g)
     for (int i = 0; i < g->pair_count; i++) {
         const GroupPair *q = &g->pairs[i];
         const GroupContact *c = &g->contacts[q->contact];
-        if (q->contacts != 1)
+        if (q->contacts != 1 || q->fresh)
             return -1;
         if (c->manifold.count == 0 && !c->live)
             continue;
-        if (only >= 0 || q->fresh || q->rolling > 0 || !held(c))
+        if (only >= 0 || q->rolling > 0 || !held(c))
             return -1;
         only = q->contact;
     }
@@ -243,8 +243,14 @@ static dig_status hand_on(const Glide *s, real h)
     s->c->manifold.normal = s->normal;
     for (int k = 0; k < s->count; k++)
         s->c->manifold.points[k] = s->points[k];
-    for (int i = 0; i < g->pair_count; i++)
+    for (int i = 0; i < g->pair_count; i++) {
+        GroupContact *c = &g->contacts[g->pairs[i].contact];
         g->pairs[i].reach = 0;
+        if (c != s->c) {
+            c->live = false;
+            c->manifold.count = 0;
+        }
+    }
     g->handed_on = true;
     return DIG_OK;
 }
