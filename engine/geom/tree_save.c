@@ -6,6 +6,8 @@
  */
 #include "geom/save.h"
 
+#include "base/block.h"
+
 #include <stdlib.h>
 
 enum { NODE_FREE, NODE_LEAF, NODE_BRANCH, NODE_KINDS };
@@ -163,7 +165,7 @@ static void read_tree(Pack *p, Tree *t, uint32_t users)
     pack_i32(p, &first_free);
     if (!pack_good(p))
         return;
-    t->nodes = count > 0 ? calloc(count, sizeof *t->nodes) : NULL;
+    t->nodes = block_resize(NULL, 0, (size_t)count * sizeof *t->nodes);      /* as the tree itself grows and closes it */
     if (count > 0 && !t->nodes) {
         pack_fail_memory(p);
         return;

@@ -197,6 +197,22 @@ TEST(what_is_made_after_loading_gets_the_same_numbers)
     dig_world_close(w);
 }
 
+/* What was read is grown and closed as what was made here: in blocks that are large, too. */
+TEST(a_large_world_grows_after_loading)
+{
+    dig_world *w = open_with(dig_world_defaults());
+    for (int i = 0; i < 2500; i++)
+        add_ball(w, look(0.5, 0), 0.1, 1, (vec3){i % 50, i / 50, 0}, vec3_zero());
+    dig_world *copy = reloaded(w, "many.dig");
+    for (int i = 0; i < 2500; i++) {
+        vec3 at = {i % 50, i / 50, 9};
+        CHECK_INT(add_ball(copy, look(0.5, 0), 0.1, 1, at, vec3_zero()).slot, add_ball(w, look(0.5, 0), 0.1, 1, at, vec3_zero()).slot);
+    }
+    same_future(w, copy, 2);
+    dig_world_close(copy);
+    dig_world_close(w);
+}
+
 /* A gear keeps handles of its joints among its parameters. */
 TEST(a_gear_goes_on_turning)
 {
@@ -718,6 +734,7 @@ int main(void)
               unit_test(the_largest_body_is_saved_too), unit_test(equal_worlds_give_equal_files),
               unit_test(a_loaded_world_has_the_same_future), unit_test(a_heap_that_settles_has_the_same_future),
               unit_test(what_is_made_after_loading_gets_the_same_numbers),
+        unit_test(a_large_world_grows_after_loading),
               unit_test(a_gear_goes_on_turning), unit_test(shapes_come_back_bit_for_bit), unit_test(what_follows_from_the_file_is_what_it_was),
               unit_test(settings_events_and_messages_come_back), unit_test(how_a_body_is_integrated_comes_back),
               unit_test(handles_of_the_saved_world_are_dead_in_the_loaded_one),
