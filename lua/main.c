@@ -192,7 +192,7 @@ static int unknown_command(const char *word)
 
 #ifdef __SANITIZE_ADDRESS__
 /* Leaks that are not ours, as in tests/lsan.supp, which a run that is shut in cannot read. */
-const char *__lsan_default_suppressions(void);
+__attribute__((visibility("default"))) const char *__lsan_default_suppressions(void);
 const char *__lsan_default_suppressions(void)
 {
     return "leak:libLLVM\nleak:swrast_dri\nleak:libOSMesa\nleak:libfontconfig\n";
