@@ -50,12 +50,12 @@ bool gjk_distance(const ConvexPair *p, real enough, vec3 start, ConvexGap *out);
  * one of many small faces on a round side. */
 bool epa_depth(const ConvexPair *p, vec3 hint, ConvexGap *out);
 
-/* A flat patch of the difference's surface: three or four of its corners, counter-clockwise about the normal. */
-typedef struct Patch { vec3 normal; real offset; int count; vec3 w[4], a[4], b[4]; } Patch;
+#define PATCH_CORNERS 16
 
-bool patch_find(const ConvexPair *p, vec3 n, Patch *out);
+/* A flat patch of the difference's surface: three or more of its corners, counter-clockwise about the normal. */
+typedef struct Patch { vec3 normal; real offset; int count; vec3 w[PATCH_CORNERS], a[PATCH_CORNERS], b[PATCH_CORNERS]; } Patch;
 
-/* Tries the faces that look along the guess (zero: towards b). False proves nothing; true: out is the exact gap. */
+/* Tries the faces that look along the guess (zero: towards b), and the edges that cross there. False proves nothing; true: out is the exact gap. */
 bool patch_gap(const ConvexPair *p, vec3 guess, real enough, ConvexGap *out);
 
 /* As epa_depth, starting from the patch: at once done when that is the nearest. */

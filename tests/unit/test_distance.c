@@ -38,6 +38,43 @@ TEST(boxes_agree_with_their_separating_axes)
     CHECK(apart > 5000 && overlapping > 5000);
 }
 
+static bool looks_along(mat3 axes, vec3 n, real within)
+{
+    vec3 local = vec3_abs(mat3_mul_vec(mat3_transpose(axes), n));
+    return vec3_largest(local) > 1 - within;
+}
+
+/* Where two edges cross, the normal of the step before is enough: nothing is searched for, and the gap is the exact one. */
+TEST(crossing_edges_are_found_from_the_last_normal)
+{
+    Random r = {3};
+    int crossing[2] = {0, 0}, settled[2] = {0, 0};
+    for (int i = 0; i < 20000; i++) {
+        Shape a = fixture_box(random_between(&r, 0.5, 1), random_between(&r, 0.5, 1), random_between(&r, 0.5, 1));
+        Shape b = i % 2 ? fixture_box(random_between(&r, 0.5, 1), random_between(&r, 0.5, 1), random_between(&r, 0.5, 1))
+                        : fixture_capsule(0.1, random_between(&r, 0.5, 1));
+        Pair p = pair_make(&a, (pose){random_vec3(&r, 1), random_turn(&r)}, &b, (pose){random_vec3(&r, 1.2), random_turn(&r)});
+        ConvexGap exact, got;
+        vec3 none = vec3_zero();
+        convex_gap(&p.c, INFINITY, &none, &exact);
+        vec3 guess = vec3_unit(vec3_add(exact.normal, random_vec3(&r, 3e-3)));
+        bool found = patch_gap(&p.c, guess, INFINITY, &got), near = fabs(exact.gap) < 0.1;
+        if (found) {
+            CHECK_NEAR(got.gap, exact.gap, 1e-12);
+            CHECK_NEAR(vec3_dot(vec3_sub(got.on_b, got.on_a), got.normal), got.gap, 1e-12);
+        }
+        bool edge_of_b = i % 2 ? !looks_along(p.c.turn, exact.normal, 0.01) : fabs(vec3_dot(p.c.back.r1, exact.normal)) < 1e-9;
+        if (near && edge_of_b && !looks_along(mat3_identity(), exact.normal, 0.01)) {
+            crossing[i % 2]++;
+            settled[i % 2] += found;
+        }
+        shape_free(&a);
+        shape_free(&b);
+    }
+    for (int k = 0; k < 2; k++)
+        CHECK(crossing[k] > 200 && settled[k] > 0.9 * crossing[k]);
+}
+
 /* Moved apart by its depth along the normal, a pair just touches. */
 TEST(moving_by_the_depth_makes_contact_end)
 {
@@ -209,7 +246,8 @@ TEST(no_tilted_support_plane_shows_less_depth)
 
 int main(void)
 {
-    RUN_TESTS(unit_test(boxes_agree_with_their_separating_axes), unit_test(moving_by_the_depth_makes_contact_end),
+    RUN_TESTS(unit_test(boxes_agree_with_their_separating_axes), unit_test(crossing_edges_are_found_from_the_last_normal),
+              unit_test(moving_by_the_depth_makes_contact_end),
               unit_test(capsules_and_spheres_have_segment_distances), unit_test(needles_and_plates_keep_their_digits),
               unit_test(far_shapes_have_exact_distances), unit_test(small_gaps_and_depths_are_exact),
               unit_test(enough_stops_early_but_never_lies),
