@@ -18,13 +18,33 @@ static int collide_balls(const Shape *a, pose pa, const Shape *b, pose pb, real 
     return length - sum <= reach;
 }
 
-/* One point in closed form, or by the general way where there is none. */
+/* What there is no closed form for. */
 static int collide_ball(const Pair *p, ManifoldCache *cache, Manifold *out)
 {
     (void)cache;
     ConvexGap g;
     pair_gap(p, p->reach, NULL, &g);
     return g.gap <= p->reach ? contacts_single(p, &g, out) : 0;
+}
+
+/* A ball b, in the frame of a alone, for of its own turn nothing is seen. False: there is no closed form. */
+static bool collide_centre(const Shape *a, ShapeKind kind, pose pa, const Shape *ball, vec3 centre, real reach, Manifold *out, int *count)
+{
+    mat3 axes = quat_matrix(pa.q);
+    vec3 local = mat3_mul_vec(mat3_transpose(axes), vec3_sub(centre, pa.p)), n, on;
+    real gap;
+    if (!point_gap(a, kind, local, &gap, &n, &on))
+        return false;
+    gap -= a->round + ball->round;
+    *count = gap <= reach ? 1 : 0;
+    if (*count == 0)
+        return true;
+    on = vec3_mad(on, a->round, n);
+    local = vec3_mad(local, -ball->round, n);
+    out->normal = mat3_mul_vec(axes, n);
+    out->count = 1;
+    out->points[0] = (ManifoldPoint){vec3_add(pa.p, mat3_mul_vec(axes, on)), vec3_add(pa.p, mat3_mul_vec(axes, local)), gap, 0};
+    return true;
 }
 
 static int collide_capsules(const Pair *p, ManifoldCache *cache, Manifold *out)
@@ -128,6 +148,9 @@ int manifold_collide(const Shape *a, pose pa, const Shape *b, pose pb, real reac
     if (ka == KIND_BALL && kb == KIND_BALL)
         return collide_balls(a, pa, b, pb, reach, out);
 
+    int found;
+    if (kb == KIND_BALL && ka < KIND_PLANE && collide_centre(a, ka, pa, b, pb.p, reach, out, &found))
+        return found;
     Pair p = pair_make(a, pa, b, pb);
     p.reach = reach;
     if (in_pieces(ka, kb) || in_pieces(kb, ka))

@@ -45,23 +45,20 @@ static int face_towards(const Shape *s, ShapeKind kind, vec3 direction, vec3 cor
     return 2;
 }
 
-static Face face_of_a(const Pair *p, vec3 n)
+/* Not by value: what is not used of 16 corners need not be written. */
+static void face_of_a(const Pair *p, vec3 n, Face *f)
 {
-    Face f = {.count = 0};
-    f.count = face_towards(p->a, p->kind_a, n, f.corner, &f.feature);
-    measure(&f, n);
-    return f;
+    f->count = face_towards(p->a, p->kind_a, n, f->corner, &f->feature);
+    measure(f, n);
 }
 
-static Face face_of_b(const Pair *p, vec3 n)
+static void face_of_b(const Pair *p, vec3 n, Face *f)
 {
-    Face f = {.count = 0};
     vec3 toward = vec3_neg(n);
-    f.count = face_towards(p->b, p->kind_b, mat3_mul_vec(p->c.back, toward), f.corner, &f.feature);
-    for (int i = 0; i < f.count; i++)
-        f.corner[i] = convex_point_b(&p->c, f.corner[i]);
-    measure(&f, toward);
-    return f;
+    f->count = face_towards(p->b, p->kind_b, mat3_mul_vec(p->c.back, toward), f->corner, &f->feature);
+    for (int i = 0; i < f->count; i++)
+        f->corner[i] = convex_point_b(&p->c, f->corner[i]);
+    measure(f, toward);
 }
 
 /* A corner while clipping: which corner or edge of the incident face it came from, and which side cut it. */
@@ -237,7 +234,9 @@ int collide_faces(const Pair *p, const ConvexGap *g, Manifold *out)
     Contacts c;
     c.normal = g->normal;
     c.count = 0;
-    Face fa = face_of_a(p, g->normal), fb = face_of_b(p, g->normal);
+    Face fa, fb;
+    face_of_a(p, g->normal, &fa);
+    face_of_b(p, g->normal, &fb);
     bool ref_is_a = fa.tilt <= fb.tilt + SAME_TILT;
     const Face *ref = ref_is_a ? &fa : &fb;
 

@@ -82,7 +82,7 @@ static real deepest(const Manifold *m)
 int manifold_of_parts(const Shape *a, pose pa, const Shape *b, pose pb, real reach, Covered covered, ManifoldCache *cache, Manifold *out)
 {
     int found = manifold_collide(a, pa, b, pb, reach, cache, out, NULL, 1);
-    if (found == 0 || !a->type->convex || !b->type->convex || !manifold_covered(a, pa, b, pb, covered, out->normal))
+    if (found == 0 || !(covered.a | covered.b) || !a->type->convex || !b->type->convex || !manifold_covered(a, pa, b, pb, covered, out->normal))
         return found;
     Pair p = pair_make(a, pa, b, pb);
     p.reach = reach;
