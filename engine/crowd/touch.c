@@ -76,8 +76,17 @@ static void note_until(const Crowd *crowd, GroupPair *q, real room)
         q->until = travel + STAYS * q->size;
 }
 
+/* The sign took the place of the hint, but the normal went with the bodies. */
+static void restore_hint(const Group *g, GroupPair *q)
+{
+    quat turn = group_shape_pose(g, q->a, pair_local(q, false)).q;
+    *q->hint = manifold_hint(quat_rotate(quat_conjugate(turn), g->contacts[q->contact].manifold.normal));
+}
+
 static void find(const Crowd *crowd, GroupPair *q)
 {
+    if (q->hint && q->hint->kind == CARRIED)
+        restore_hint(crowd->g, q);
     note_until(crowd, q, group_touch_convex(crowd->g, q, crowd->dt, FARTHER * q->size));
 }
 

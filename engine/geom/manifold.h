@@ -24,6 +24,9 @@ typedef struct Manifold {
 /* Hint kept between steps for one pair of shapes: any values are safe, zeroes mean none. */
 typedef struct ManifoldCache { uint32_t kind, feature_a, feature_b; real axis[3]; } ManifoldCache;
 
+/* The hint that a normal makes, from a to b in the axes of a. */
+ManifoldCache manifold_hint(vec3 normal);
+
 /* Contact of two shapes where the gap is at most `reach` (>= 0, m). At most `capacity` manifolds; a convex pair or a plane
  * gives at most one, a mesh or height field one per touching piece, with `piece[i]` its number (0 otherwise). Ghost contacts
  * at inner edges of meshes are removed. Returns the number of manifolds. Results depend on the relative pose only (the same

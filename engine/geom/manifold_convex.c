@@ -257,6 +257,8 @@ int collide_faces(const Pair *p, const ConvexGap *g, Manifold *out)
     return contacts_finish(p, &c, out);
 }
 
+ManifoldCache manifold_hint(vec3 normal) { return (ManifoldCache){.kind = KIND_CONVEX, .axis = {normal.x, normal.y, normal.z}}; }
+
 int collide_convex(const Pair *p, ManifoldCache *cache, Manifold *out)
 {
     ConvexGap g;
@@ -265,7 +267,7 @@ int collide_convex(const Pair *p, ManifoldCache *cache, Manifold *out)
         axis = (vec3){cache->axis[0], cache->axis[1], cache->axis[2]};
     pair_gap(p, p->reach, &axis, &g);
     if (cache)
-        *cache = (ManifoldCache){.kind = KIND_CONVEX, .axis = {axis.x, axis.y, axis.z}};
+        *cache = manifold_hint(axis);
     if (g.gap > p->reach)
         return 0;
     if (p->kind_a == KIND_BALL || p->kind_b == KIND_BALL)
