@@ -46,14 +46,14 @@ INLINE real carry(const Crowd *crowd, GroupContact *c, real deepest)
     Group *g = crowd->g;
     GroupPair *q = &g->pairs[c->pair];
     const int count = c->manifold.count;
-    bool few = count < 3 && q->contacts == 1 && q->until >= 0;      /* others may be in other threads' hands */
+    bool watched = q->contacts == 1 && q->until >= 0;   /* others may be in other threads' hands */
     const Carriage *ka = carriage_that_moves(crowd, c->a), *kb = carriage_that_moves(crowd, c->b);
     const Carrier ca = carrier_of(ka), cb = carrier_of(kb);
     const reg3 normal = reg3_of(c->manifold.normal);
     real slip2 = 0;
     for (ManifoldPoint *p = c->manifold.points, *end = p + count; p < end; p++) {
         reg3 a0 = reg3_load(&p->a), b0 = reg3_load(&p->b), a = carried(&ca, a0), b = carried(&cb, b0), d = b - a;
-        if (few)
+        if (watched)
             slip2 = real_max(slip2, reg3_length2(d - (b0 - a0)));
         reg3_store(&p->a, a);
         reg3_store(&p->b, b);
@@ -65,7 +65,7 @@ INLINE real carry(const Crowd *crowd, GroupContact *c, real deepest)
         if (q->contacts == 1)
             crowd_sign(g, q);
     }
-    if (few)
+    if (watched)
         q->until += in_common(q, ka, kb, sqrt(slip2));
     return deepest;
 }

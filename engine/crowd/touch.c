@@ -2,7 +2,8 @@
  *
  * A manifold of three or four points whose two sides have hardly moved against each other is not made anew: its points, carried along
  * with their bodies at the end of the last step, still face each other. That they belong to the present poses is told by a sign
- * of the poses, kept where the pair has its hint.
+ * of the poses, kept where the pair has its hint. Other contacts, and manifolds with a corner that is too high for this, are kept until
+ * their bodies have gone too far.
  */
 #include "crowd/system.h"
 #include "math/reg3.h"
@@ -10,7 +11,7 @@
 #define CARRIED 0x63617272u     /* kind of a hint that holds a sign; no shape pair has this one   */
 #define SLID    2e-3            /* of the size: points that have slid farther are found anew      */
 #define TILTED  4e-3            /* of the size: so are manifolds whose gaps differ by more        */
-#define STAYS   2e-3            /* of the size: so far may bodies of fewer points go against each other till then */
+#define STAYS   2e-3            /* of the size: so far may bodies of other contacts go against each other till then */
 #define FARTHER 0.05            /* of the size: so much farther is looked for what is near        */
 #define LOOKS   0.01            /* of the size: what contacts look ahead for in any case          */
 
@@ -49,7 +50,7 @@ INLINE bool keeps(const Group *g, GroupPair *q)
     return slid < SLID * SLID * q->size * q->size && high - low < TILTED * q->size && high < SLID * q->size;
 }
 
-/* Of one or two points, or none: as long as its bodies have moved so little since they were found that the normal is still right. What
+/* Of one or two points, none, or a tilted manifold: as long as its bodies have moved so little since they were found that the normal is still right. What
  * both of them moved in common does not count (book.c). */
 INLINE bool stays(const Crowd *crowd, const GroupPair *q)
 {
@@ -65,6 +66,17 @@ INLINE bool stays(const Crowd *crowd, const GroupPair *q)
     return true;
 }
 
+/* Will keeps() have to refuse a manifold that lies like this? */
+static bool is_tilted(const GroupPair *q, const GroupManifold *m)
+{
+    real low = INFINITY, high = -INFINITY;
+    for (int k = 0; k < m->count; k++) {
+        low = real_min(low, m->points[k].gap);
+        high = real_max(high, m->points[k].gap);
+    }
+    return high >= SLID * q->size || high - low >= TILTED * q->size;
+}
+
 /* For how long the contact that was found will do. room: m  between the two, where there is none. */
 static void note_until(const Crowd *crowd, GroupPair *q, real room)
 {
@@ -72,7 +84,8 @@ static void note_until(const Crowd *crowd, GroupPair *q, real room)
     real travel = crowd->trait[q->a].travel + crowd->trait[q->b].travel;
     if (!c->live)
         q->until = travel + room - LOOKS * q->size;
-    else if (c->manifold.count < 3 && !(q->on_a->shape.round > 0 && q->on_b->shape.round > 0 && c->manifold.room == 1))
+    else if (c->manifold.count >= 3 ? is_tilted(q, &c->manifold)
+                                    : !(q->on_a->shape.round > 0 && q->on_b->shape.round > 0 && c->manifold.room == 1))
         q->until = travel + STAYS * q->size;
 }
 
