@@ -132,7 +132,6 @@ fi
 
 rm -rf "$results"
 mkdir -p "$results"
-count=$(printf '%s\n' "$list" | wc -l)
 # From both ends in turn: the scripts at the end are the longest, and one that began last would keep one core busy alone.
 printf '%s\n' "$list" | awk '{ at[NR] = NR " " $0 } END { for (i = 1; i <= NR - i + 1; i++) { print at[i]; if (i < NR - i + 1) print at[NR - i + 1] } }' |
     xargs -P "$(nproc 2>/dev/null || echo 2)" -L 1 bash tests/run.sh --one &

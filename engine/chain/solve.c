@@ -13,6 +13,7 @@
  * other, and has only the sums and the elimination of a few rows to do.
  */
 #include "chain/system.h"
+#include "base/wide.h"
 
 #define ITERATIONS 8
 #define TURN_AT_ONCE 0.5        /* rad   of one iteration                                           */
@@ -370,11 +371,6 @@ INLINE bool solve(Chain *c, const Linkage *t)
 }
 
 static bool solve_plain(Chain *c, const Linkage *t) { return solve(c, t); }
+WIDE static bool solve_wide(Chain *c, const Linkage *t) { return solve(c, t); }
 
-#if defined(__x86_64__)
-__attribute__((target("avx2"))) static bool solve_avx2(Chain *c, const Linkage *t) { return solve(c, t); }
-
-bool tree_step(Chain *c, const Linkage *t) { return __builtin_cpu_supports("avx2") ? solve_avx2(c, t) : solve_plain(c, t); }
-#else
-bool tree_step(Chain *c, const Linkage *t) { return solve_plain(c, t); }
-#endif
+bool tree_step(Chain *c, const Linkage *t) { return (has_wide() ? solve_wide : solve_plain)(c, t); }

@@ -7,6 +7,7 @@
  *     x1 = x0 + h v1, then moved onto the joints as little as possible, weighed by mass
  *
  * A projection of velocities in the metric of mass takes energy and never gives any; what is taken is booked as lost, and the frame as given up.
+ * What a frame gains on the whole, by moves onto the joints, is left to the figure of what the integration makes up.
  * Projected in places and velocities: Hairer & Wanner 1996, Solving Ordinary Differential Equations II, VII.2.
  */
 #include "conserve/system.h"
@@ -138,13 +139,7 @@ static void write_back(System *s)
     Group *g = s->g;
     for (int i = 0; i < g->body_count; i++) {
         const Piece *p = &s->piece[i];
-        Member *m = &g->member[i];
-        if (!p->moves && !m->kinematic)
-            continue;
-        m->start_pos = g->pos[i];
-        m->start_vel = g->vel[i];
-        g->pos[i] = (Pos){p->x, p->q};
-        if (!p->moves)
+        if (!step_write_pose(s, i))
             continue;
         g->vel[i] = (Vel){p->v0, mat3_mul_vec(p->r0, p->w0)};
         group_refresh_mass(g, i);

@@ -317,18 +317,25 @@ real step_fastest_spin(const Group *g)
     return sqrt(w);
 }
 
+bool step_write_pose(const System *s, int i)
+{
+    Group *g = s->g;
+    const Piece *p = &s->piece[i];
+    Member *m = &g->member[i];
+    if (p->moves || m->kinematic) {
+        m->start_pos = g->pos[i];
+        m->start_vel = g->vel[i];
+        g->pos[i] = (Pos){p->x, p->q};
+    }
+    return p->moves;
+}
+
 static void write_back(System *s)
 {
     Group *g = s->g;
     for (int i = 0; i < g->body_count; i++) {
         const Piece *p = &s->piece[i];
-        Member *m = &g->member[i];
-        if (!p->moves && !m->kinematic)
-            continue;
-        m->start_pos = g->pos[i];
-        m->start_vel = g->vel[i];
-        g->pos[i] = (Pos){p->x, p->q};
-        if (!p->moves)
+        if (!step_write_pose(s, i))
             continue;
         /* refined once: the matrix is orthogonal within rounding only, and that bias would add up */
         vec3 l = vec3_add(p->l0, p->twist), w = mat3_mul_vec(p->r, p->w);

@@ -172,6 +172,7 @@ dig_status step_settle(System *s);              /* velocities that obey the join
 dig_status step_single(System *s, bool *done);  /* a step of s->h; *done: it converged, and is booked */
 bool   step_watch(Group *g, bool last);         /* angles unwind; false: a stop was met        */
 void   step_begin(System *s);                   /* poses, velocities and outer impulses; kinematic bodies go where they are driven */
+bool   step_write_pose(const System *s, int i); /* of piece i, to its group; false: its velocity is not the step's */
 real   step_kinetic(const System *s);           /* J  of the pieces' start velocities */
 real   step_fastest_spin(const Group *g);       /* rad/s                                       */
 void   step_remember(System *s);                /* joint forces for reports, and as the next first guess; joints are viewed */

@@ -4,6 +4,7 @@
  * are shorter, and compiled for two sets of instructions: the same rounded operations in the same order, the same bits.
  */
 #include "base/sort.h"
+#include "base/wide.h"
 #include "math/four.h"
 #include "solve/blocks.h"
 
@@ -294,21 +295,12 @@ INLINE bool factor(Blocks *s, int from, int to)
 }
 
 static bool factor_plain(Blocks *s, int from, int to) { return factor(s, from, to); }
-
-#if defined(__x86_64__)
-__attribute__((target("avx2"))) static bool factor_avx2(Blocks *s, int from, int to) { return factor(s, from, to); }
+WIDE static bool factor_wide(Blocks *s, int from, int to) { return factor(s, from, to); }
 
 static bool factor_columns(Blocks *s, int from, int to, bool plain)
 {
-    return !plain && __builtin_cpu_supports("avx2") ? factor_avx2(s, from, to) : factor_plain(s, from, to);
+    return (plain || !has_wide() ? factor_plain : factor_wide)(s, from, to);
 }
-#else
-static bool factor_columns(Blocks *s, int from, int to, bool plain)
-{
-    (void)plain;
-    return factor_plain(s, from, to);
-}
-#endif
 
 bool blocks_begin(Blocks *s, bool plain) { return factor_columns(s, 0, s->early, plain); }
 bool blocks_factor(Blocks *s, bool plain) { return factor_columns(s, s->early, s->n, plain); }

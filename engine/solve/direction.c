@@ -1,5 +1,6 @@
 /* solve/direction.c - directions of contact points: Jacobian, effective mass, impulse. */
 #include "solve/direction.h"
+#include "base/wide.h"
 #include "solve/four_dir.h"
 
 static vec3 masked(const Group *g, vec3 v, bool linear)
@@ -105,14 +106,7 @@ INLINE void make_rows(const Group *g, PointRow *r, int contact)
 }
 
 static void make_plain(const Group *g, PointRow *r, int contact) { make_rows(g, r, contact); }
-
-#if defined(__x86_64__)
-__attribute__((target("avx2"))) static void make_avx2(const Group *g, PointRow *r, int contact) { make_rows(g, r, contact); }
-static bool has_avx2(void) { return __builtin_cpu_supports("avx2"); }
-#else
-static void make_avx2(const Group *g, PointRow *r, int contact) { make_rows(g, r, contact); }
-static bool has_avx2(void) { return false; }
-#endif
+WIDE static void make_wide(const Group *g, PointRow *r, int contact) { make_rows(g, r, contact); }
 
 void contact_rows_make(const Group *g, PointRow *r, int contact)
 {
@@ -129,5 +123,5 @@ void contact_rows_make(const Group *g, PointRow *r, int contact)
         r[k].b = c->b;
         memset((char *)&r[k] + offsetof(PointRow, target), 0, sizeof r[k] - offsetof(PointRow, target));        /* all that effects say */
     }
-    (has_avx2() ? make_avx2 : make_plain)(g, r, contact);
+    (has_wide() ? make_wide : make_plain)(g, r, contact);
 }

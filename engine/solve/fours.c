@@ -3,6 +3,7 @@
  * Every lane computes what relax.c computes for one row, by the same rounded operations in the same order.
  */
 #include "solve/fours.h"
+#include "base/wide.h"
 #include "solve/four_dir.h"
 
 /* ---- rows in lanes ---- */
@@ -452,17 +453,11 @@ INLINE real relax_next(Fours *f)
 }
 
 static real relax_plain(Fours *f) { return relax_next(f); }
-#if defined(__x86_64__)
-__attribute__((target("avx2"))) static real relax_avx2(Fours *f) { return relax_next(f); }
-static bool has_avx2(void) { return __builtin_cpu_supports("avx2"); }
-#else
-#define relax_avx2 relax_plain
-static bool has_avx2(void) { return false; }
-#endif
+WIDE static real relax_wide(Fours *f) { return relax_next(f); }
 
 real fours_relax(Fours *f)
 {
     if (!f->swept)
         return relax_rows(f);
-    return f->plain || !has_avx2() ? relax_plain(f) : relax_avx2(f);
+    return f->plain || !has_wide() ? relax_plain(f) : relax_wide(f);
 }

@@ -1,8 +1,8 @@
 /* solve/fours.h - contact points and rolling resistance of a group, four rows side by side, for sweeps.
  *
  * Rows that share no moving body can be solved in any order, or at once: the outcome has the same bits. So each row goes to the first
- * four with a lane left and no row of its bodies, and a sweep over the fours is the sweep over the rows in their order (relax_rolls,
- * relax_points), in a third of the time. Impulses lie in one row of numbers, as the acceleration of sweeps wants them.
+ * four with a lane left and no row of its bodies, which is an order of its own (fours_order), and a sweep over the fours is one over the rows
+ * in that order (relax_roll, relax_points), in a third of the time. Impulses lie in one row of numbers, as the acceleration of sweeps wants them.
  *
  * Floor: solve.
  */

@@ -6,6 +6,7 @@
  */
 #include "solve/direction.h"
 #include "solve/fours.h"
+#include "base/wide.h"
 #include "math/reg3.h"
 
 /* One point and its two bodies' velocities, which stay in registers until all is done. */
@@ -118,18 +119,11 @@ INLINE void warm_all(Group *g)
 
 static real relax_plain(Group *g, int first, int count) { return relax_span(g, first, count); }
 static void warm_plain(Group *g) { warm_all(g); }
-#if defined(__x86_64__)
-__attribute__((target("avx2"))) static real relax_avx2(Group *g, int first, int count) { return relax_span(g, first, count); }
-__attribute__((target("avx2"))) static void warm_avx2(Group *g) { warm_all(g); }
-static bool has_avx2(void) { return __builtin_cpu_supports("avx2"); }
-#else
-#define relax_avx2 relax_plain
-#define warm_avx2 warm_plain
-static bool has_avx2(void) { return false; }
-#endif
+WIDE static real relax_wide(Group *g, int first, int count) { return relax_span(g, first, count); }
+WIDE static void warm_wide(Group *g) { warm_all(g); }
 
-real relax_points(Group *g, int first, int count) { return (has_avx2() ? relax_avx2 : relax_plain)(g, first, count); }
-void warm_points(Group *g) { (has_avx2() ? warm_avx2 : warm_plain)(g); }
+real relax_points(Group *g, int first, int count) { return (has_wide() ? relax_wide : relax_plain)(g, first, count); }
+void warm_points(Group *g) { (has_wide() ? warm_wide : warm_plain)(g); }
 
 static Vel vel_part(Vel to, const Vel *now, const Vel *was, real part)
 {

@@ -90,7 +90,8 @@ cat >moves_spec.lua <<'LUA'
 local test = require "digbox.test"
 test.scenario("moves", function(s) test.expect(s:world {}.steps):is(0) end)
 LUA
-export DIGBOX_NO_GL=create
+holds 'the program is not linked to OSMesa' test -z "$(ldd "$DIGBOX" | grep OSMesa)"
+export DIGBOX_NO_GL=library
 for command in 'run -q --replay moves.replay moves.lua' 'test moves_spec.lua' 'verify moves.replay' 'diff moves.replay moves.replay' \
     'export moves.replay -o moves.csv' 'check moves.lua' 'cost moves.lua --seconds 0.1'; do
     faulty $command >out.txt 2>err.txt </dev/null
