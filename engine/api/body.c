@@ -358,8 +358,9 @@ static dig_status do_move_to(World *w, dig_body handle, vec3 at, const quat *rot
     real time = real_max(1, ceil(over / w->def.step - MOVE_SLACK)) * w->def.step;     /* whole frames: it stops where one ends */
     vec3 v = vec3_scale(1 / time, vec3_sub(to, b->x));
     DIG_TRY(api_within(w, v, WORLD_FAST, "move_to", "velocity", "m/s"));
-    body_rest(w, b)->move_to = to;
-    body_rest(w, b)->turn_to = q;
+    BodyRest *rest = body_rest_own(w, b);
+    rest->move_to = to;
+    rest->turn_to = q;
     b->move_start = world_time(w);
     b->move_end = b->move_start + time;
     b->v = v;

@@ -94,8 +94,10 @@ static dig_status do_set(World *w, dig_body handle, const char *name, const void
         status = set_material(w, handle.slot, ((const dig_text *)value)->s);
     else if (strstr(name, "friction") || strcmp(name, "restitution") == 0)
         set_surface(w, handle.slot, name, *number);
-    else if (strcmp(name, "gravity_scale") == 0)
+    else if (strcmp(name, "gravity_scale") == 0) {
         b->gravity_scale = *number;
+        b->lies = -1;
+    }
     else if (strcmp(name, "group") == 0)
         b->group = *(const int64_t *)value;
     else if (strcmp(name, "integrator") == 0)
@@ -103,7 +105,7 @@ static dig_status do_set(World *w, dig_body handle, const char *name, const void
     else if (strcmp(name, "collides") == 0)
         status = set_collides(w, b, *(const bool *)value);
     else if (strcmp(name, "name") == 0)
-        memcpy(body_rest(w, b)->name, value, sizeof body_rest(w, b)->name);
+        memcpy(body_rest_own(w, b)->name, value, sizeof no_rest.name);
     else if (strcmp(name, "colour") == 0)
         b->colour = *(const vec3 *)value;
     else if (strcmp(name, "opacity") == 0)

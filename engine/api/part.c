@@ -193,7 +193,8 @@ static dig_status copy_bodies(const World *w, const Part *p)
     for (int i = 0; i < p->bodies.count; i++) {
         Body *b = &to->bodies.data[i];
         *b = w->bodies.data[p->bodies.data[i]];
-        body_rest_set(&to->rest.data[i], &w->rest.data[p->bodies.data[i]]);
+        if (b->rests)
+            to->rest.data[i] = w->rest.data[p->bodies.data[i]];
         b->shape_first = place(&p->solids, b->shape_first);
         b->joint_first = NONE;
         b->message_from = (dig_body){0, 0};
@@ -240,7 +241,8 @@ static dig_status copy_pairs(const World *w, const Part *p)
     for (int i = 0; i < p->contacts.count; i++) {
         Contact *c = &to->contacts.data[i];
         *c = w->contacts.data[p->contacts.data[i]];
-        contact_rest_set(&to->contact_rest.data[i], w->contact_rest.data[p->contacts.data[i]]);
+        if (c->rests)
+            to->contact_rest.data[i] = w->contact_rest.data[p->contacts.data[i]];
         c->next = place(&p->contacts, c->next);
         uint32_t more = c->more;
         c->more = NONE;

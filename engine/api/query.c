@@ -22,7 +22,7 @@ int dig_bodies(const dig_world *w, dig_body *out, int capacity)
 dig_body dig_body_find(const dig_world *w, const char *name)
 {
     for (int i = 0; i < w->bodies.count; i++)
-        if (w->bodies.data[i].alive && strcmp(w->rest.data[i].name, name) == 0)
+        if (w->bodies.data[i].alive && strcmp(body_name(w, &w->bodies.data[i]), name) == 0)
             return body_handle(w, (uint32_t)i);
     return (dig_body){0, 0};
 }

@@ -82,7 +82,7 @@ static void pack_motion(Pack *p, Body *b)
     pack_check(p, !moves || (b->kind != DIG_STATIC && (b->awake || b->kind == DIG_KINEMATIC)), "a body that is asleep or fixed moves");
 }
 
-static void pack_body(Pack *p, const World *w, Body *b)
+static void pack_body(Pack *p, World *w, Body *b)
 {
     BodyRest rest = *body_rest(w, b);
     b->alive = true;
@@ -114,7 +114,7 @@ static void pack_body(Pack *p, const World *w, Body *b)
         pack_mover(p, b, &rest);
     else if (p->reading)
         b->move_end = -1;
-    body_rest_set(body_rest(w, b), &rest);
+    body_rest_set(w, b, &rest);
     pack_u32(p, &b->shape_first);
     pack_u32(p, &b->joint_first);
     pack_last_message(p, w, b);

@@ -41,10 +41,10 @@ static void pack_contact(Pack *p, World *w, Contact *c)
     }
     for (int i = 0; i < count && pack_good(p); i++)
         pack_point(p, contact_point(w, c, i));
-    ContactRest *rest = &w->contact_rest.data[c - w->contacts.data];
-    vec3 rolling = rest->rolling;
+    uint32_t slot = (uint32_t)(c - w->contacts.data);
+    vec3 rolling = contact_rest(w, slot).rolling;
     pack_vec3(p, &rolling, SAVE_STRONG, "rolling friction of a contact");
-    contact_rest_set(rest, (ContactRest){rolling, rest->lost});
+    contact_rest_set(w, slot, (ContactRest){rolling, contact_rest(w, slot).lost});
     pack_vec3(p, &c->force, SAVE_STRONG, "force of a contact");
     pack_vec3(p, &c->point, SAVE_FAR, "place of a contact");
     pack_bool(p, &c->touching);

@@ -22,13 +22,15 @@ static dig_status copy_tables(World *to, const World *from)
     DIG_TRY(list_copy(&to->bodies, &from->bodies, n));
     DIG_TRY(bodies_rest(to));
     for (int i = 0; i < from->bodies.count; i++)
-        body_rest_set(&to->rest.data[i], &from->rest.data[i]);
+        if (from->bodies.data[i].rests)
+            to->rest.data[i] = from->rest.data[i];
     DIG_TRY(list_copy(&to->pairs, &from->pairs, n));
     DIG_TRY(list_copy(&to->memories, &from->memories, n));
     DIG_TRY(list_copy(&to->contacts, &from->contacts, n));
     DIG_TRY(contacts_rest(to));
     for (int i = 0; i < from->contacts.count; i++)
-        contact_rest_set(&to->contact_rest.data[i], from->contact_rest.data[i]);
+        if (from->contacts.data[i].rests)
+            to->contact_rest.data[i] = from->contact_rest.data[i];
     DIG_TRY(list_copy(&to->more, &from->more, n));
     DIG_TRY(list_copy(&to->touches, &from->touches, n));
     DIG_TRY(list_copy(&to->joints, &from->joints, n));

@@ -177,6 +177,8 @@ static dig_status do_set_gravity(World *w, vec3 g)
     DIG_TRY(api_finite(w, g, "world", "gravity", "m/s^2"));
     real before = dig_world_energy(w).potential;
     w->def.gravity = g;
+    for (int i = 0; i < w->bodies.count; i++)
+        w->bodies.data[i].lies = -1;
     if (w->ledger.started)
         w->ledger.initial += dig_world_energy(w).potential - before;
     world_wake_all(w);

@@ -312,7 +312,7 @@ static real loss_of(const World *w, const Pair *p)
     if (!advanced(w, p->body_a) && !advanced(w, p->body_b))
         return 0;
     for (uint32_t k = p->contact; k != NONE; k = w->contacts.data[k].next)
-        sum += w->contact_rest.data[k].lost;
+        sum += contact_rest(w, k).lost;
     return sum;
 }
 

@@ -31,6 +31,7 @@ static inline vec3 vec3_lerp(vec3 a, vec3 b, real t) { return vec3_mad(a, t, vec
 static inline bool vec3_finite(vec3 a) { return isfinite(a.x) && isfinite(a.y) && isfinite(a.z); }
 static inline bool vec3_equal(vec3 a, vec3 b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 static inline real vec3_at(vec3 a, int i) { return i == 0 ? a.x : i == 1 ? a.y : a.z; }
+static inline real vec3_least(vec3 a) { return real_min(a.x, real_min(a.y, a.z)); }
 static inline real vec3_largest(vec3 a) { return real_max(a.x, real_max(a.y, a.z)); }
 
 /* Unit vector along a, or `otherwise` when a is too short to have a direction.

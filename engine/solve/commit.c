@@ -183,6 +183,7 @@ static void commit_body(World *w, const Group *g, int i, real dt)
     b->force = vec3_scale(m->mass / dt, vec3_sub(b->v, old_v));
     b->torque = vec3_scale(body_inertness(b) / dt, vec3_sub(pair3_get(l, 1), pair3_get(l, 0)));
     b->hit_v = b->hit_w = vec3_zero();
+    b->lies = real_max(b->lies, 0);     /* the pairs have seen that something else acts on it */
 }
 
 static void commit_contact(World *w, const GroupContact *from, real dt)
@@ -197,7 +198,7 @@ static void commit_contact(World *w, const GroupContact *from, real dt)
         p->at = from->manifold.points[k];
         p->memory = contact_memory(from)[k];
     }
-    contact_rest_set(&w->contact_rest.data[from->slot], (ContactRest){from->rolling, from->lost});
+    contact_rest_set(w, from->slot, (ContactRest){from->rolling, from->lost});
     to->sliding = from->manifold.slides;
     to->touching = from->touching;
     to->force = vec3_scale(1 / dt, from->impulse);
@@ -273,8 +274,10 @@ static void fetch_commit(const World *w, const Group *g, int i)
     fetch_soon(contact_memory(from), (size_t)from->manifold.count * sizeof(PointMemory));
     fetch_more(w, g->contacts[g->pairs[i + FETCH_AHEAD / 2].contact].slot);
     fetch_soon(&w->pairs.data[q->slot], sizeof(Pair));
-    if (q->memory != NONE)
+    if (q->memory != NONE && q->hint) {
+        fetch_soon(q->hint, sizeof *q->hint);
         fetch_soon(&w->memories.data[q->memory], sizeof(ManifoldCache));
+    }
     if (slot != NONE)
         fetch_soon(&w->contacts.data[slot], sizeof(Contact));
 }

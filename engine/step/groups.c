@@ -87,7 +87,7 @@ static dig_status list_awake(World *w, Found *f)
 static box3 reach_now(const World *w, const Solid *s, bool listed)
 {
     if (listed)
-        return s->reach;
+        return solid_reach(w, s);
     if (s->body != NONE && w->bodies.data[s->body].kind == DIG_DYNAMIC)
         return s->shape.type->bounds(&s->shape, solid_pose(w, s));
     return s->leaf >= 0 ? tree_box(&w->tree, s->leaf) : (box3){{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}};
@@ -109,6 +109,37 @@ bool pair_met(const World *w, const Pair *p)
 {
     return (p->dynamic_a || p->dynamic_b) && box3_overlap(reach_now(w, &w->solids.data[p->solid_a], is_listed(w, p->body_a)),
                                                           reach_now(w, &w->solids.data[p->solid_b], is_listed(w, p->body_b)));
+}
+
+/* m  So much may the faces of both move, together, until the boxes no longer overlap, or do. */
+static real room_between(box3 a, box3 b)
+{
+    vec3 low = vec3_sub(a.high, b.low), high = vec3_sub(b.high, a.low);
+    return fabs(vec3_least(vec3_min(low, high)));
+}
+
+#define ROUNDING 1e-12          /* of places: differences of them are that wrong */
+#define DOWN     (1 - 2e-7)     /* a float made of a double is no more than that */
+
+/* Do they meet? What was found is kept until one of them may have got far enough to change it: what lies is only asked how far it got. */
+static bool look_at(const World *w, Pair *p)
+{
+    static const Body none;     /* the world itself is nowhere else, and what does not move is as good as that */
+    const Body *a = p->dynamic_a ? &w->bodies.data[p->body_a] : &none, *b = p->dynamic_b ? &w->bodies.data[p->body_b] : &none;
+    bool keeps = p->dynamic_a ? a->listed : !is_listed(w, p->body_a);
+    keeps = keeps && (p->dynamic_b ? b->listed : !is_listed(w, p->body_b)) && (p->dynamic_a || p->dynamic_b);
+    real roam = a->roam + b->roam;
+    if (keeps && roam < p->met_until)
+        return p->met;
+    if (!keeps || !(roam < INFINITY)) {
+        p->met_until = 0;
+        return pair_met(w, p);
+    }
+    box3 x = reach_now(w, &w->solids.data[p->solid_a], p->dynamic_a), y = reach_now(w, &w->solids.data[p->solid_b], p->dynamic_b);
+    p->met = box3_overlap(x, y);
+    real room = room_between(x, y) - ROUNDING * vec3_largest(vec3_max(vec3_abs(p->dynamic_a ? x.low : y.low), vec3_abs(p->dynamic_a ? x.high : y.high)));
+    p->met_until = (float)(DOWN * roams_until(room, a->travel + b->travel, roam));
+    return p->met;
 }
 
 /* What is found out about a listed pair. */
@@ -164,7 +195,7 @@ static void look_share(void *context, int thread, int threads)
         p->listed = is_listed(w, p->body_a) || is_listed(w, p->body_b);
         if (!p->listed)
             continue;
-        l->found[i] = (uint8_t)(pair_met(w, p) ? unite_pair(w, p) : APART);
+        l->found[i] = (uint8_t)(look_at(w, p) ? unite_pair(w, p) : APART);
         count[l->found[i]]++;
     }
     memcpy(l->count[thread], count, sizeof count);

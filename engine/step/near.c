@@ -155,15 +155,17 @@ static dig_status note_all(World *w, Found *found, int shares)
 }
 
 /* Planes are in no tree: they are compared with the boxes directly. */
-bool plane_near(const World *w, uint32_t plane, box3 box)
+static real plane_above(const World *w, uint32_t plane, box3 box)
 {
     const Solid *p = &w->solids.data[plane];
     pose at = solid_pose(w, p);
     const PlaneData *def = p->shape.data;
     vec3 n = quat_rotate(at.q, def->normal);
     vec3 lowest = {n.x > 0 ? box.low.x : box.high.x, n.y > 0 ? box.low.y : box.high.y, n.z > 0 ? box.low.z : box.high.z};
-    return vec3_dot(n, vec3_sub(lowest, at.p)) <= def->offset;
+    return vec3_dot(n, vec3_sub(lowest, at.p)) - def->offset;
 }
+
+bool plane_near(const World *w, uint32_t plane, box3 box) { return plane_above(w, plane, box) <= 0; }
 
 /* Is that the first pair of the solid? This is seen at once, and is so for most that lie on a plane. */
 static bool is_first(const World *w, const Solid *s, uint32_t plane)
@@ -186,6 +188,23 @@ bool plane_new(const World *w, uint32_t solid)
         if (is_new(w, solid, w->unbounded.data[i]))
             return true;
     return false;
+}
+
+/* m  So much each face of its reach may move until plane_new may be true: a corner gets 3^(1/2) times as far. */
+real plane_room(const World *w, uint32_t solid)
+{
+    real room = INFINITY;
+    for (int i = 0; i < w->unbounded.count; i++) {
+        uint32_t plane = w->unbounded.data[i];
+        if (plane == solid || is_first(w, &w->solids.data[solid], plane))
+            continue;
+        real above = plane_above(w, plane, w->solids.data[solid].reach);
+        if (above > 0)
+            room = real_min(room, above / 1.74);
+        else if (is_new(w, solid, plane))
+            return 0;
+    }
+    return room;
 }
 
 dig_status ask_planes(World *w, uint32_t solid)

@@ -33,7 +33,7 @@ static void tidy_awake(World *w)
         Body *b = &w->bodies.data[slot];
         bool keep = b->alive && ((b->kind == DIG_DYNAMIC && b->awake) || b->kind == DIG_KINEMATIC);
         if (!keep) {
-            b->listed = b->paired = false;
+            b->listed = b->paired = b->kept = false;
             continue;
         }
         w->movers += b->kind == DIG_KINEMATIC;
@@ -44,9 +44,6 @@ static void tidy_awake(World *w)
     if (!sorted)
         qsort(w->awake.data, (size_t)n, sizeof *w->awake.data, compare_u32);
 }
-
-/* m/s  No place of its surface gets faster in the step, unless something strikes it. */
-static real point_speed(const Body *b, real dt) { return vec3_length(b->v) + vec3_length(b->w) * b->rim + b->pull * dt; }
 
 static real strongest_gravity(const World *w)
 {
@@ -61,24 +58,22 @@ static real strongest_gravity(const World *w)
 
 static Team *team_for(const World *w) { return w->awake.count < SHARED_LEAST ? NULL : workers_team(w->workers); }
 
-typedef struct Pulling { World *w; real gravity; } Pulling;
-
-static void pull_share(void *context, int thread, int threads)
+/* What acts from outside. Drags only slow, and are left out. */
+static void find_pull(Body *b, real gravity)
 {
-    const Pulling *p = context;
-    World *w = p->w;
-    for (int i = team_first(w->awake.count, thread, threads), end = team_end(w->awake.count, thread, threads); i < end; i++) {
-        Body *b = &w->bodies.data[w->awake.data[i]];
-        if (i + FETCH_AHEAD < w->awake.count)
-            fetch_soon(&w->bodies.data[w->awake.data[i + FETCH_AHEAD]].gravity_scale, offsetof(Body, still) - offsetof(Body, gravity_scale));
-        b->pull = b->kind == DIG_DYNAMIC ? fabs(b->gravity_scale) * p->gravity / body_inertness(b) : 0;
-    }
+    real pull = b->kind == DIG_DYNAMIC ? fabs(b->gravity_scale) * gravity / body_inertness(b) : 0;
+    if (pull != b->pull)
+        b->lies = -1;
+    b->pull = pull;
 }
 
-/* What acts from outside, for all that are to be advanced. Drags only slow, and are left out. */
-static void find_pulls(World *w)
+/* Where something pushes; else that of each is found with its reach. */
+static void find_pulls(World *w, real gravity)
 {
-    team_deal(team_for(w), pull_share, &(Pulling){w, strongest_gravity(w)});
+    for (int i = 0; i < w->awake.count; i++) {
+        Body *b = &w->bodies.data[w->awake.data[i]];
+        find_pull(b, gravity);
+    }
     for (int i = 0; i < w->pushes.count; i++) {
         const Push *p = &w->pushes.data[i];
         Body *b = &w->bodies.data[p->body];
@@ -87,19 +82,28 @@ static void find_pulls(World *w)
         real force = vec3_length(p->force), torque = vec3_length(p->torque) + (p->has_at ? vec3_length(p->at) * force : 0);
         real turned = torque * b->outer * (b->inv_inertia.r0.x + b->inv_inertia.r1.y + b->inv_inertia.r2.z);
         b->pull += (force * b->inv_mass + turned) / body_inertness(b);
+        b->lies = -1;
     }
 }
 
-static box3 reach_of(const World *w, const Solid *s, const Body *b, real dt)
+typedef struct Speed { real way, turn; } Speed;         /* m/s of its centre of mass, rad/s */
+
+static Speed speed_of(const Body *b) { return (Speed){vec3_length(b->v), vec3_length(b->w)}; }
+
+/* m/s  No place of its surface gets faster in the step, unless something strikes it. */
+static real point_speed(const Body *b, Speed v, real dt) { return v.way + v.turn * b->rim + b->pull * dt; }
+
+static box3 reach_of(const World *w, const Solid *s, const Body *b, Speed v, real dt)
 {
     box3 box = s->shape.type->bounds(&s->shape, solid_pose(w, s));
     if (b->kind == DIG_STATIC || (b->kind == DIG_DYNAMIC && !b->awake))
         return box;
     vec3 fall = vec3_scale(0.5 * dt * dt * b->gravity_scale, w->def.gravity);
     box = box3_swept(box, vec3_mad(b->kind == DIG_DYNAMIC ? fall : vec3_zero(), dt, b->v));
-    real angle = real_min(2, vec3_length(b->w) * dt);
+    real angle = real_min(2, v.turn * dt);
     real rim = s->shape.type == &shape_sphere ? 0 : s->shape.outer;         /* a ball gets nowhere by turning about its own centre */
-    real arm = vec3_length(vec3_sub(s->at.p, b->centre)) + rim;
+    vec3 off = vec3_sub(s->at.p, b->centre);
+    real arm = (vec3_is_zero(off) ? 0 : vec3_length(off)) + rim;
     return box3_grow(box, angle * arm + 0.02 * s->shape.outer + b->pull * dt * dt);
 }
 
@@ -118,26 +122,29 @@ static dig_status list_pairs(World *w, Body *b)
 }
 
 /* m  How far beyond its reach the leaf of a solid is made to last: one of just its reach would be left in each step. */
-static vec3 leaf_ahead(const Solid *s, const Body *b, real dt)
+static vec3 leaf_ahead(const Solid *s, const Body *b, real speed, real dt)
 {
-    real way = dt * vec3_length(b->v), far = real_min(LEAF_STEPS * way, LEAF_FAR * s->shape.outer);
+    real way = dt * speed, far = real_min(LEAF_STEPS * way, LEAF_FAR * s->shape.outer);
     return vec3_scale(way > 0 ? dt * real_max(1, far / way) : 0, b->v);
 }
 
 /* The box of its leaf in the tree, that lasts for some steps. */
 static box3 leaf_of(const Solid *s, const Body *b, real dt)
 {
-    return box3_grow(box3_swept(s->reach, leaf_ahead(s, b, dt)), LEAF_MARGIN * s->shape.outer);
+    return box3_grow(box3_swept(s->reach, leaf_ahead(s, b, vec3_length(b->v), dt)), LEAF_MARGIN * s->shape.outer);
 }
 
 static real sum_of(vec3 v) { return fabs(v.x) + fabs(v.y) + fabs(v.z); }
 
 /* Is it left over from faster days? Then it finds too many pairs. */
-static bool oversized(box3 leaf, const Solid *s, const Body *b, real dt)
+static bool oversized(box3 leaf, const Solid *s, const Body *b, real speed, real dt)
 {
-    real margin = LEAF_MARGIN * s->shape.outer, ahead = sum_of(leaf_ahead(s, b, dt));
-    real fresh = sum_of(vec3_sub(s->reach.high, s->reach.low)) + ahead + 6 * (margin + s->struck);
-    return sum_of(vec3_sub(leaf.high, leaf.low)) > (ahead < margin ? OVERSIZED_RESTING : OVERSIZED) * fresh;
+    real margin = LEAF_MARGIN * s->shape.outer, wide = sum_of(vec3_sub(leaf.high, leaf.low));
+    real least = sum_of(vec3_sub(s->reach.high, s->reach.low)) + 6 * (margin + s->struck);     /* of one that does not move */
+    if (wide <= OVERSIZED_RESTING * least)
+        return false;
+    real ahead = sum_of(leaf_ahead(s, b, speed, dt));
+    return wide > (ahead < margin ? OVERSIZED_RESTING : OVERSIZED) * (least + ahead);
 }
 
 /* The tree of boxes must never see NaN or what overflows as an area. */
@@ -145,8 +152,8 @@ static bool oversized(box3 leaf, const Solid *s, const Body *b, real dt)
 
 static bool box_sane(box3 b)
 {
-    vec3 most = vec3_max(vec3_abs(b.low), vec3_abs(b.high));
-    return vec3_finite(b.low) && vec3_finite(b.high) && vec3_largest(most) < FARTHEST;
+    return (fabs(b.low.x) < FARTHEST) & (fabs(b.low.y) < FARTHEST) & (fabs(b.low.z) < FARTHEST) &
+           (fabs(b.high.x) < FARTHEST) & (fabs(b.high.y) < FARTHEST) & (fabs(b.high.z) < FARTHEST);
 }
 
 static bool body_sane(const Body *b)
@@ -155,9 +162,9 @@ static bool body_sane(const Body *b)
 }
 
 /* m  Where the solid may get in the step; returns whether its leaf in the tree is no longer right for that. */
-static bool find_reach(World *w, Solid *s, const Body *b, real dt)
+static bool find_reach(World *w, Solid *s, const Body *b, Speed v, real dt)
 {
-    s->reach = reach_of(w, s, b, dt);
+    s->reach = reach_of(w, s, b, v, dt);
     if (s->astray > 0)
         s->reach = box3_grow(s->reach, s->astray);
     if (s->leaf < 0)
@@ -165,28 +172,72 @@ static bool find_reach(World *w, Solid *s, const Body *b, real dt)
     if (!box_sane(s->reach))        /* not by its motion so far: the step will find out what does it */
         s->reach = s->shape.type->bounds(&s->shape, solid_pose(w, s));
     s->blow = 0;
-    return !box3_inside(tree_box(&w->tree, s->leaf), s->reach) || oversized(tree_box(&w->tree, s->leaf), s, b, dt);
+    return !box3_inside(tree_box(&w->tree, s->leaf), s->reach) || oversized(tree_box(&w->tree, s->leaf), s, b, v.way, dt);
 }
 
 /* What there is to do about a body once its reach is known. */
 enum { STRAYED = 1, FAST = 2, INSANE = 4, UNPAIRED = 8, LANDS = 16 };     /* LANDS: near a plane, of which there is no pair yet */
 
-typedef struct Sensing { World *w; real dt; uint8_t *found; } Sensing;      /* [awake] */
+/* gravity: m/s^2, the strongest; found: [awake]; keeps: reaches may be those of an earlier step. */
+typedef struct Sensing { World *w; real dt, gravity; bool pushed, keeps; uint8_t *found; } Sensing;
+
+#define SLOW      0.02          /* outer radii: who gets farther in a step would not lie within the same bounds for long */
+#define TOO_FAR   1e6           /* m: of who has travelled farther, a double forgets what it moves by */
+#define ROUNDING  1e-12         /* of places: differences of them are that wrong */
+
+/* m  So much each face of its reach may move until there may be something to do about the solid. */
+static real room_of(const World *w, uint32_t solid, const Body *b, real dt)
+{
+    const Solid *s = &w->solids.data[solid];
+    if (s->leaf < 0)
+        return INFINITY;
+    box3 leaf = tree_box(&w->tree, s->leaf);
+    vec3 low = vec3_sub(s->reach.low, leaf.low), high = vec3_sub(leaf.high, s->reach.high), wide = vec3_sub(leaf.high, leaf.low);
+    real least = vec3_least(vec3_min(low, high)), fresh = sum_of(vec3_sub(s->reach.high, s->reach.low)) + 6 * (LEAF_MARGIN * s->shape.outer + s->struck);
+    least = real_min(least, (OVERSIZED_RESTING * fresh - sum_of(wide)) / (6 * OVERSIZED_RESTING));
+    least = real_min(least, real_min(0.9 * s->shape.inner - b->pull * dt * dt, plane_room(w, solid)));
+    return s->astray > 0 ? 0 : least - ROUNDING * vec3_largest(vec3_max(vec3_abs(leaf.low), vec3_abs(leaf.high)));
+}
+
+real roams_until(real room, real travel, real roam) { return travel < TOO_FAR ? real_max(0, 0.999 * room + 2 * travel - roam) : 0; }
+
+/* All that is to be known of a body; returns what there is to do. roam: m, see Body. */
+static uint8_t sense_body(const Sensing *n, Body *b, Speed v, real roam)
+{
+    World *w = n->w;
+    uint8_t found = 0;
+    real far = point_speed(b, v, n->dt) * n->dt, room = n->keeps && roam - b->travel < SLOW * b->outer ? INFINITY : 0;
+    bool astray = false;
+    for (uint32_t k = b->shape_first; k != NONE; k = w->solids.data[k].next) {
+        Solid *s = &w->solids.data[k];
+        found |= (uint8_t)((find_reach(w, s, b, v, n->dt) ? STRAYED : 0) | (far > 0.9 * s->shape.inner ? FAST : 0) | (plane_new(w, k) ? LANDS : 0));
+        astray = astray || s->astray > 0;
+        if (room > 0)
+            room = real_min(room, room_of(w, k, b, n->dt));
+    }
+    b->roam = astray || b->lies < 0 ? INFINITY : roam;
+    b->lies = b->lies < 0 ? -1 : found || astray || !(room > 0) ? 0 : roams_until(room, b->travel, roam);
+    return found;
+}
 
 static void sense_share(void *context, int thread, int threads)
 {
     const Sensing *n = context;
     World *w = n->w;
     for (int i = team_first(w->awake.count, thread, threads), end = team_end(w->awake.count, thread, threads); i < end; i++) {
-        const Body *b = &w->bodies.data[w->awake.data[i]];
+        Body *b = &w->bodies.data[w->awake.data[i]];
         if (i + FETCH_AHEAD < w->awake.count)
             fetch_soon(&w->bodies.data[w->awake.data[i + FETCH_AHEAD]], offsetof(Body, inertia));
         uint8_t found = (uint8_t)((b->paired ? 0 : UNPAIRED) | (body_sane(b) ? 0 : INSANE));
-        real far = point_speed(b, n->dt) * n->dt;
-        for (uint32_t k = b->shape_first; k != NONE && !(found & INSANE); k = w->solids.data[k].next) {
-            Solid *s = &w->solids.data[k];
-            found |= (uint8_t)((find_reach(w, s, b, n->dt) ? STRAYED : 0) | (far > 0.9 * s->shape.inner ? FAST : 0) | (plane_new(w, k) ? LANDS : 0));
-        }
+        if (!n->pushed)
+            find_pull(b, n->gravity);
+        Speed v = speed_of(b);
+        real roam = b->travel + n->dt * (v.way + v.turn * b->outer);
+        b->kept = n->keeps && roam < b->lies && !(found & INSANE);
+        if (b->kept)
+            b->roam = roam;
+        else if (!(found & INSANE))
+            found |= sense_body(n, b, v, roam);
         n->found[i] = found;
     }
 }
@@ -201,14 +252,31 @@ static dig_status insane(World *w, const Body *b)
 /* Gives the leaves that have been left new boxes, with which they will ask who is near. */
 static void move_leaves(World *w, const Body *b, real dt)
 {
+    real speed = vec3_length(b->v);
     for (uint32_t i = b->shape_first; i != NONE; i = w->solids.data[i].next) {
         Solid *s = &w->solids.data[i];
-        if (s->leaf < 0 || (box3_inside(tree_box(&w->tree, s->leaf), s->reach) && !oversized(tree_box(&w->tree, s->leaf), s, b, dt)))
+        if (s->leaf < 0 || (box3_inside(tree_box(&w->tree, s->leaf), s->reach) && !oversized(tree_box(&w->tree, s->leaf), s, b, speed, dt)))
             continue;
         tree_move(&w->tree, s->leaf, leaf_of(s, b, dt));
         s->struck = 0;
         solid_ask(w, i);
     }
+}
+
+box3 solid_reach(const World *w, const Solid *s)
+{
+    const Body *b = s->body == NONE ? NULL : &w->bodies.data[s->body];
+    return b && b->kept ? reach_of(w, s, b, speed_of(b), w->def.step) : s->reach;
+}
+
+/* Reaches that are made longer in this step are first made those of this step. */
+static void end_keeping(World *w, Body *b)
+{
+    for (uint32_t i = b->kept ? b->shape_first : NONE; i != NONE; i = w->solids.data[i].next)
+        w->solids.data[i].reach = solid_reach(w, &w->solids.data[i]);
+    b->kept = false;
+    b->lies = 0;
+    b->roam = INFINITY;
 }
 
 /* Lets a solid reach `far` farther in this step, in any direction; once, by the largest. A blow by a mover, or on one, could come in each of
@@ -218,6 +286,7 @@ static void grow_reach(World *w, uint32_t solid, real far, bool mover, real dt)
     Solid *s = &w->solids.data[solid];
     if (far <= s->blow)
         return;
+    end_keeping(w, &w->bodies.data[s->body]);
     s->reach = box3_grow(s->reach, far - s->blow);
     s->blow = far;
     if (s->leaf < 0 || box3_inside(tree_box(&w->tree, s->leaf), s->reach))
@@ -248,7 +317,7 @@ static void spread_from(World *w, uint32_t solid, const Body *striker, real dt)
         bool dynamic = b && b->kind == DIG_DYNAMIC && b->awake;
         vec3 speed = b ? vec3_sub(striker->v, b->v) : striker->v;
         real far = dt * (vec3_length(speed) + vec3_length(striker->w) * striker->rim + striker->pull * dt);
-        if (far <= 0.9 * s->shape.inner || (o->leaf >= 0 && !box3_overlap(s->reach, dynamic ? o->reach : tree_box(&w->tree, o->leaf))))
+        if (far <= 0.9 * s->shape.inner || (o->leaf >= 0 && !box3_overlap(solid_reach(w, s), dynamic ? solid_reach(w, o) : tree_box(&w->tree, o->leaf))))
             continue;
         bool mover = striker->kind == DIG_KINEMATIC || (b && b->kind == DIG_KINEMATIC);
         real back = 1 + pair_rub(w, p).restitution;
@@ -260,8 +329,9 @@ static void spread_from(World *w, uint32_t solid, const Body *striker, real dt)
 
 static void spread_speed(World *w, uint32_t slot, real dt)
 {
+    real far = dt * point_speed(&w->bodies.data[slot], speed_of(&w->bodies.data[slot]), dt);
     for (uint32_t s = w->bodies.data[slot].shape_first; s != NONE; s = w->solids.data[s].next)
-        if (point_speed(&w->bodies.data[slot], dt) * dt > 0.9 * w->solids.data[s].shape.inner)
+        if (far > 0.9 * w->solids.data[s].shape.inner)
             spread_from(w, s, &w->bodies.data[slot], dt);
 }
 
@@ -291,14 +361,16 @@ static void wake_near(World *w, uint32_t solid)
 
 /* All reaches first, for they need nobody else; then what changes the tree, in order; then all that were moved ask who is near, and those that
  * blows may throw farther do so again. */
-static dig_status sense_bodies(World *w, real dt)
+static dig_status sense_bodies(World *w, real dt, bool keeps)
 {
     int count = w->awake.count;
     if (count == 0)
         return ask_all(w);
-    Sensing n = {w, dt, arena_alloc(&w->scratch, (size_t)count)};
+    Sensing n = {w, dt, strongest_gravity(w), w->pushes.count > 0, keeps, arena_alloc(&w->scratch, (size_t)count)};
     if (!n.found)
         return world_fail(w, DIG_E_MEMORY, "not enough memory for %d bodies", count);
+    if (n.pushed)
+        find_pulls(w, n.gravity);
     team_deal(team_for(w), sense_share, &n);
     for (int i = 0; i < count; i++) {
         Body *b = &w->bodies.data[w->awake.data[i]];
@@ -320,8 +392,8 @@ static dig_status sense_bodies(World *w, real dt)
     return ask_all(w);
 }
 
-/* Who is new or was moved by hand. Where memory runs out, all are asked again in the next try. */
-static dig_status ask_moved(World *w)
+/* Who is new or was moved by hand; planes: is one of them one? Where memory runs out, all are asked again in the next try. */
+static dig_status ask_moved(World *w, bool *planes)
 {
     int count = w->asking.count;
     uint32_t *moved = arena_alloc(&w->scratch, (size_t)count * sizeof *moved);
@@ -331,6 +403,11 @@ static dig_status ask_moved(World *w)
     for (int i = 0; i < count; i++) {
         Solid *s = &w->solids.data[moved[i]];
         s->reach = s->leaf >= 0 ? tree_box(&w->tree, s->leaf) : s->reach;
+        if (s->body != NONE) {
+            w->bodies.data[s->body].kept = false;
+            w->bodies.data[s->body].lies = -1;
+        }
+        *planes = *planes || !isfinite(s->shape.outer);
     }
     DIG_TRY(ask_all(w));
     for (int i = 0; i < count; i++)
@@ -340,12 +417,12 @@ static dig_status ask_moved(World *w)
 
 dig_status sense_pairs(World *w, real dt)
 {
+    bool planes = false;
     DIG_TRY(world_compact(w));
     tidy_awake(w);
     if (w->asking.count > 0) {
-        DIG_TRY(ask_moved(w));
+        DIG_TRY(ask_moved(w, &planes));
         tidy_awake(w);                  /* who was woken just now has its place in the order */
     }
-    find_pulls(w);
-    return sense_bodies(w, dt);
+    return sense_bodies(w, dt, w->movers == 0 && !planes);
 }

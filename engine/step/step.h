@@ -47,6 +47,9 @@ dig_status sense_pairs(World *w, real dt);          /* whose boxes may meet in t
 /* near.c */
 dig_status ask_all(World *w);                       /* w->asking: pairs that have parted go, new ones come   */
 bool       plane_near(const World *w, uint32_t plane, box3 box);    /* is a part of the box in it?                           */
+real       plane_room(const World *w, uint32_t solid);              /* m  how far its reach is from having one */
+box3       solid_reach(const World *w, const Solid *s);             /* m  where it may get in this step, of a listed body */
+real       roams_until(real room, real travel, real roam);          /* m  roam until which faces have moved by less than room since one was so */
 bool       plane_new(const World *w, uint32_t solid);               /* is one near its reach that it has no pair with?       */
 dig_status ask_planes(World *w, uint32_t solid);    /* those become pairs                                   */
 /* groups.c */

@@ -39,41 +39,50 @@ static bool exact(const Group *g) { return !g->crowd && (g->located > 0 || g->va
 
 static real margin_of(const Group *g, const Solid *s) { return exact(g) ? 0 : DEEP * s->shape.outer; }
 
-/* Its reach has room for by how much what is no wider one way than another, or does not turn, misses where its speed would have brought
- * it (reach_of in sense.c). */
-static bool goes_straight(const World *w, const Body *b, const Pos *p, const Solid *s)
+/* Its reach has room for a turn at the speed it had, and for by how much else it misses where its speed would have brought it (reach_of in
+ * sense.c). */
+static bool goes_as_foreseen(const World *w, const Body *b, const Pos *p, const Solid *s)
 {
-    real dt = w->def.step, room = 0.02 * s->shape.outer + 0.5 * b->pull * dt * dt;
-    bool round = s->shape.type == &shape_sphere && vec3_equal(s->at.p, b->centre);
-    bool turns = p->q.x != b->q.x || p->q.y != b->q.y || p->q.z != b->q.z || p->q.w != b->q.w;
-    return b->kind == DIG_DYNAMIC && w->region_count == 0 && (round || !turns) && vec3_length2(vec3_sub(p->x, vec3_mad(b->x, dt, b->v))) <= 0.9 * room * room;
+    if (b->kind != DIG_DYNAMIC || w->region_count > 0)
+        return false;
+    real dt = w->def.step, arm = (vec3_is_zero(s->arm) ? 0 : vec3_length(s->arm)) + (s->shape.type == &shape_sphere ? 0 : s->shape.outer);
+    real room = real_min(2, vec3_length(b->w) * dt) * arm + 0.02 * s->shape.outer + 0.5 * b->pull * dt * dt;
+    return travel_by(vec3_sub(p->x, vec3_mad(b->x, dt, b->v)), b->q, p->q, arm) <= 0.99 * room;
 }
 
+/* Does it hardly move? Its reach has room for where it was. */
+static bool stays(const Body *b, const Pos *p, real margin)
+{
+    vec3 move = vec3_sub(p->x, b->x);
+    return margin > 0 && vec3_length2(move) <= margin * margin && travel_by(move, b->q, p->q, b->outer) <= margin;
+}
+
+/* Asked of what neither stays nor goes as foreseen. */
 static bool strays(const World *w, int member, Stray *out)
 {
     const Group *g = out->g;
     const Solid *s = &w->solids.data[out->solid];
     const Body *b = &w->bodies.data[g->member[member].slot];
     const Pos *p = &g->pos[member];
-    if (goes_straight(w, b, p, s))
-        return false;
     real margin = margin_of(g, s);
-    if (margin > 0 && travel_by(vec3_sub(p->x, b->x), b->q, p->q, b->outer) <= margin)
-        return false;           /* its reach has room for where it was */
     pose at = pose_mul((pose){vec3_sub(p->x, quat_rotate(p->q, b->centre)), p->q}, s->at);
     if (s->leaf < 0 || !vec3_finite(p->x) || !quat_finite(p->q))
         return false;
     out->at = at.p;
     out->from = solid_pose(w, s).p;
     out->end = box3_grow(s->shape.type->bounds(&s->shape, at), -margin);
-    return !box3_inside(s->reach, out->end);
+    return !box3_inside(solid_reach(w, s), out->end);
 }
 
 /* The solids of a member that stray: fills `out`, if there is one; returns how many there are. */
 static int list_member(const World *w, const Group *g, int member, Stray *out)
 {
     int n = 0;
-    for (uint32_t c = w->bodies.data[g->member[member].slot].shape_first; c != NONE && g->member[member].moves; c = w->solids.data[c].next) {
+    const Body *b = &w->bodies.data[g->member[member].slot];
+    for (uint32_t c = b->shape_first; c != NONE && g->member[member].moves; c = w->solids.data[c].next) {
+        const Solid *s = &w->solids.data[c];
+        if (stays(b, &g->pos[member], margin_of(g, s)) || goes_as_foreseen(w, b, &g->pos[member], s))
+            continue;
         Stray stray = {.g = g, .solid = c};
         if (!strays(w, member, &stray))
             continue;
@@ -145,6 +154,12 @@ static bool meets(void *context, uint32_t other)
     return !m->stray->missed;
 }
 
+static void go_astray(World *w, Solid *s, real far)
+{
+    s->astray = far;
+    w->bodies.data[s->body].lies = 0;
+}
+
 /* Does the straight line from where its centre was to where it ends pass through the other? That will be struck, and may get as far: of
  * a row of balls each try would else find the next one alone. */
 static bool passes(void *context, uint32_t other)
@@ -159,7 +174,7 @@ static bool passes(void *context, uint32_t other)
     if (m->stray->g->crowd)
         return false;
     if (o->body != NONE && m->w->bodies.data[o->body].kind == DIG_DYNAMIC && m->w->bodies.data[o->body].awake)
-        o->astray = real_max(o->astray, vec3_length(way));
+        go_astray(m->w, o, real_max(o->astray, vec3_length(way)));
     return true;
 }
 
@@ -228,10 +243,11 @@ static void look_at_each_other(const World *w, Stray *list, int count)
                 list[i].missed = list[k].missed = true;
 }
 
-static void reach_farther(Solid *s, box3 end)
+static void reach_farther(World *w, Solid *s, box3 end)
 {
-    vec3 low = vec3_sub(s->reach.low, end.low), high = vec3_sub(end.high, s->reach.high);
-    s->astray += real_max(vec3_largest(low), vec3_largest(high)) + 0.1 * s->shape.outer;
+    box3 reach = solid_reach(w, s);
+    vec3 low = vec3_sub(reach.low, end.low), high = vec3_sub(end.high, reach.high);
+    go_astray(w, s, s->astray + (real_max(vec3_largest(low), vec3_largest(high)) + 0.1 * s->shape.outer));
 }
 
 dig_status look_for_strays(World *w, Step *s)
@@ -251,7 +267,7 @@ dig_status look_for_strays(World *w, Step *s)
     bool again = false;
     for (int i = 0; i < count; i++)
         if (list[i].missed) {
-            reach_farther(&w->solids.data[list[i].solid], list[i].end);
+            reach_farther(w, &w->solids.data[list[i].solid], list[i].end);
             again = true;
         }
     s->tries += again;

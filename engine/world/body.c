@@ -125,7 +125,7 @@ void body_refit(World *w, uint32_t slot)
             tree_move(&w->tree, solid->leaf, solid->shape.type->bounds(&solid->shape, solid_pose(w, solid)));
         solid_ask(w, s);
         for (uint32_t l = solid->pair_first; l != NONE; l = w->pairs.data[l / 2].next[l % 2])
-            w->pairs.data[l / 2].fresh = true;
+            pair_stir(&w->pairs.data[l / 2]);
     }
 }
 
@@ -330,11 +330,22 @@ static dig_status take_slot(World *w, uint32_t *slot)
     return room;
 }
 
-/* What is so already is not written to. */
-void body_rest_set(BodyRest *to, const BodyRest *rest)
+const BodyRest no_rest;
+
+BodyRest *body_rest_own(World *w, Body *b)
 {
-    if (memcmp(to, rest, sizeof *to) != 0)
-        *to = *rest;
+    BodyRest *rest = &w->rest.data[b - w->bodies.data];
+    if (!b->rests)
+        *rest = no_rest;
+    b->rests = true;
+    return rest;
+}
+
+void body_rest_set(World *w, Body *b, const BodyRest *rest)
+{
+    b->rests = memcmp(rest, &no_rest, sizeof *rest) != 0;
+    if (b->rests)
+        *body_rest_own(w, b) = *rest;
 }
 
 static void fill_body(World *w, Body *b, const dig_body_def *def)
@@ -354,7 +365,7 @@ static void fill_body(World *w, Body *b, const dig_body_def *def)
     b->opacity = def->opacity;
     BodyRest rest = {.sheet = {round(def->sheet.x), round(def->sheet.y), round(def->sheet.z)}};
     memcpy(rest.name, def->name.s, sizeof rest.name);
-    body_rest_set(body_rest(w, b), &rest);
+    body_rest_set(w, b, &rest);
     b->shape_first = b->joint_first = NONE;
     b->inertia = b->inv_inertia = mat3_zero();
     b->surface = (Surface){def->material.s[0] ? material_find(w, def->material.s) : 0, def->friction, def->friction_dynamic,

@@ -113,7 +113,8 @@ static void move_list(World *w, Pair *p, const Contact *old, const ContactRest *
     for (uint32_t c = p->contact; c != NONE; c = old[c].next) {
         Contact *to = &w->contacts.data[w->contacts.count];
         *to = old[c];
-        contact_rest_set(&w->contact_rest.data[w->contacts.count], old_rest[c]);
+        if (to->rests)
+            w->contact_rest.data[w->contacts.count] = old_rest[c];
         if (to->more != NONE) {
             w->more.data[w->more.count] = old_more[to->more];
             to->more = (uint32_t)w->more.count++;
@@ -134,7 +135,9 @@ static dig_status move_contacts(World *w)
         return world_fail(w, DIG_E_MEMORY, "not enough memory for %d contacts", w->contacts.count);
     }
     memcpy(old, w->contacts.data, (size_t)w->contacts.count * sizeof *old);
-    memcpy(old_rest, w->contact_rest.data, (size_t)w->contacts.count * sizeof *old_rest);
+    for (int i = 0; i < w->contacts.count; i++)
+        if (old[i].rests)
+            old_rest[i] = w->contact_rest.data[i];
     if (w->more.count > 0)
         memcpy(old_more, w->more.data, (size_t)w->more.count * sizeof *old_more);
     w->contacts.count = w->more.count = w->free_contacts.count = w->free_more.count = 0;

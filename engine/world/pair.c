@@ -12,7 +12,7 @@ dig_status contact_take(World *w, uint32_t *slot)
     w->contacts.data[*slot].next = w->contacts.data[*slot].more = NONE;
     dig_status room = contacts_rest(w);
     if (room == DIG_OK)
-        contact_rest_set(&w->contact_rest.data[*slot], (ContactRest){.lost = 0});
+        w->contacts.data[*slot].rests = false;
     else
         slot_give(w, &w->free_contacts, *slot);
     return room;
@@ -227,7 +227,6 @@ void pair_let_go(World *w, uint32_t pair)
         uint32_t next = contact->next;
         if (p->pieces) {
             *contact = (Contact){.next = next, .more = contact->more};
-            contact_rest_set(&w->contact_rest.data[c], (ContactRest){.lost = 0});
         } else {
             contact_give(w, c);
         }
@@ -239,8 +238,8 @@ void pair_let_go(World *w, uint32_t pair)
     if (p->touching)
         leave_touch(w, p);
     p->touching = false;
-    p->fresh = true;
     p->until = -1;
+    pair_stir(p);
 }
 
 void pairs_of_solid_remove(World *w, uint32_t solid)

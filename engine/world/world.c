@@ -207,7 +207,7 @@ static uint64_t hash_pair(const World *w, const Pair *p)
         const Contact *contact = &w->contacts.data[c];
         for (int k = 0; k < contact->count; k++)
             h = hash_u64(h, hash_point(&contact_point_seen(w, contact, k)->memory));
-        h = hash_vec3(h, w->contact_rest.data[c].rolling);
+        h = hash_vec3(h, contact_rest(w, c).rolling);
     }
     return h;
 }

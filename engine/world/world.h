@@ -58,6 +58,8 @@ typedef struct Body {           /* what every step reads comes first            
     bool     alive, awake, collides, out;   /* out: already reported out of the world  */
     bool     listed;            /*        in world->awake                              */
     bool     paired;            /*        listed, and its pairs are in world->near     */
+    bool     rests;             /*        in world->rest there is something of it      */
+    bool     kept;              /*        the reaches of its solids are of an earlier step: see solid_reach */
     dig_body_kind kind;
     dig_mode mode;
     uint32_t shape_first;       /* list through Solid.next                             */
@@ -82,6 +84,10 @@ typedef struct Body {           /* what every step reads comes first            
     real     still;             /* s      time spent slower than the sleep threshold   */
     Drift    drift;             /*        of one in a crowd                            */
     real     travel;            /* m      no point of it has moved farther so far, added up over steps; for Pair.until */
+    real     roam;              /* m      that and its way in this step: no face of its reach differs by more from that of another step than the two
+                                 *        roams do from the travel of the earlier one; infinite where it was made longer. No part of the state */
+    real     lies;              /* m      with less roam its solids are within their leaves, slow, and new to no plane. 0 = not known, < 0: and
+                                 *        what acts on it is not what did. No part of the state */
     mat3     inertia, inv_inertia;      /* kg m^2, body axes, about the centre         */
     vec3     prev_x;  quat prev_q;      /* before the last step                        */
     vec3     force, torque;     /* N, N m mean resultant of the last step              */
@@ -101,7 +107,7 @@ typedef struct Body {           /* what every step reads comes first            
     uint64_t message_id, message_root; real message_time; dig_body message_from; char message_kind[32];
 } Body;
 
-/* What few bodies have, in a list of its own by their slots: as long as all of it is 0 it is not written to, and takes no memory. */
+/* What few bodies have, in a list of its own by their slots: what nobody has (Body.rests) is neither read nor written, and takes no memory. */
 typedef struct BodyRest {
     char     name[64];          /*        "" = it has none                             */
     vec3     sheet;             /* 1      number, column and row, as drawn; number 0 = no particle of a sheet */
@@ -143,7 +149,8 @@ typedef struct Contact {        /* one manifold of a pair; a convex pair has at 
     uint32_t next;              /* of the same pair                                    */
     uint32_t piece;
     uint32_t more;              /* in world->more: room for the points after the first; NONE until there were some */
-    bool     idle;              /* no point, and no force in the last step: nothing to gather, mostly nothing to write back */
+    bool     idle : 1;          /* no point, and no force in the last step: nothing to gather, mostly nothing to write back */
+    bool     rests : 1;         /* in world->contact_rest there is something of it     */
     bool     touching, sliding;
     uint8_t  count;             /* points at the end of the last step; see contact_point */
     vec3     normal;            /* 1   unit, from a to b                               */
@@ -174,6 +181,8 @@ typedef struct Pair {           /* two solids whose fat boxes overlap: mostly th
     bool     dynamic_a : 1, dynamic_b : 1;      /* the kinds of its bodies: to look at these for it would be a miss each */
     bool     smooth : 1, bounces : 1;           /* has no friction; has some restitution */
     bool     touching, fresh;   /* fresh: the stored manifold is not that of the present poses */
+    bool     met;               /* did the reaches of its solids overlap? So it is ...    */
+    float    met_until;         /* m   ... while its bodies have less roam than this. 0: not known; no part of the state */
     uint32_t solid_a, solid_b, body_a, body_b;     /* body NONE: the world; solid_a < solid_b */
     uint32_t next[2], prev[2];  /* lists of the two solids, as 2 * pair + side         */
     uint32_t contact;           /* first of its contacts; NONE: two convex solids with nothing to remember */
@@ -394,7 +403,9 @@ static inline Region *world_region(const World *w, dig_region r)
         return NULL;
     return &w->regions.data[r.slot];
 }
-static inline BodyRest *body_rest(const World *w, const Body *b) { return &w->rest.data[b - w->bodies.data]; }
+extern const BodyRest no_rest;      /* of a body that has none: all of it is 0 */
+static inline const BodyRest *body_rest(const World *w, const Body *b) { return b->rests ? &w->rest.data[b - w->bodies.data] : &no_rest; }
+BodyRest  *body_rest_own(World *w, Body *b);            /* to be written to */
 static inline const char *body_name(const World *w, const Body *b) { return body_rest(w, b)->name; }
 /* NONE, the world itself, is not. */
 static inline bool body_dynamic(const World *w, uint32_t slot) { return slot != NONE && w->bodies.data[slot].kind == DIG_DYNAMIC; }
@@ -456,7 +467,7 @@ Tally      world_tally(const World *w);                 /* counted anew */
 
 /* body.c */
 dig_status bodies_rest(World *w);               /* room for it, for all bodies there are */
-void       body_rest_set(BodyRest *to, const BodyRest *rest);
+void       body_rest_set(World *w, Body *b, const BodyRest *rest);
 dig_status body_create(World *w, const dig_body_def *def, dig_body *out);
 /* For messages: "body 'crate'", or "body #12" where it has no name; of one that is being made, and has no number yet, "body". */
 enum { BODY_TEXT_SIZE = 80 };
@@ -484,6 +495,7 @@ bool       bodies_may_touch(const World *w, const Solid *a, const Solid *b);
 real       body_energy(const World *w, const Body *b);  /* J, kinetic + potential */
 dig_status solid_add(World *w, uint32_t body, const Shape *shape, pose at, const Surface *surface, vec3 colour, uint32_t *slot);
 void       solid_remove(World *w, uint32_t slot);
+static inline void pair_stir(Pair *p) { p->fresh = true; p->met_until = 0; }      /* one of its solids is elsewhere, or another */
 void       solid_ask(World *w, uint32_t slot);            /* its box is to be compared with all others at the next step, or in this one */
 Surface    surface_resolve(const World *w, const Surface *s);           /* no NaN left */
 Rub        surface_pair(const World *w, const Surface *a, const Surface *b);
@@ -511,10 +523,17 @@ static inline void contacts_fetch(const World *w, const Pair *p, const Pair *end
 dig_status contact_take(World *w, uint32_t *slot);      /* without a point, next or room for more than one */
 dig_status contacts_rest(World *w);                     /* room for it, for as many contacts as there is */
 /* What is so already is not written to. */
-static inline void contact_rest_set(ContactRest *to, ContactRest rest)
+static inline ContactRest contact_rest(const World *w, uint32_t slot)
 {
-    if (memcmp(to, &rest, sizeof *to) != 0)
-        *to = rest;
+    return w->contacts.data[slot].rests ? w->contact_rest.data[slot] : (ContactRest){.lost = 0};
+}
+
+static inline void contact_rest_set(World *w, uint32_t slot, ContactRest rest)
+{
+    Contact *c = &w->contacts.data[slot];
+    c->rests = rest.lost != 0 || !vec3_is_zero(rest.rolling);
+    if (c->rests)
+        w->contact_rest.data[slot] = rest;
 }
 dig_status contact_widen(World *w, Contact *c);         /* room for all points; DIG_E_MEMORY: unchanged */
 void       contact_give(World *w, uint32_t slot);
