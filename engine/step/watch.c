@@ -52,17 +52,23 @@ static real elastic(const Group *g)
     return sum;
 }
 
-static void view_joints(Group *g)
+/* again: after the step, of which they were viewed at the start. */
+static void view_joints(Group *g, bool again)
 {
-    for (int i = 0; i < g->joint_count; i++)
-        if (joint_stores(&g->joints[i].view))
+    for (int i = 0; i < g->joint_count; i++) {
+        if (!joint_stores(&g->joints[i].view))
+            continue;
+        if (again)
+            group_joint_move(g, i);
+        else
             group_joint_view(g, i);
+    }
 }
 
 void watch_start(Group *g)
 {
     g->watch = (struct GroupWatch){.gainer = 0, .smallest = INFINITY};
-    view_joints(g);
+    view_joints(g, false);
     g->watch.elastic = elastic(g);
 }
 
@@ -191,7 +197,7 @@ void watch_group(Group *g)
     watch->leavers += s.leavers;
     watch->smallest = real_min(watch->smallest, s.smallest);
     watch->gainer = s.gainer;
-    view_joints(g);
+    view_joints(g, true);
     real end = elastic(g);
     watch->rise += end - watch->elastic - g->work_in - g->law;
     watch->rise = real_min(watch->rise, real_max(0, s.motion));     /* what is moved out of an overlap may be lifted */
