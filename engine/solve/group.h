@@ -41,7 +41,7 @@ typedef struct Member {         /* the rest of a gathered body */
     bool     constrained;       /* a row acts on it in this substep                    */
     bool     implicit_move;     /* move with the end velocity, not the mean            */
     bool     met;               /* something that came at it was stopped at the start of this substep */
-    bool     collided;          /* struck in this step                                 */
+    bool     collided;          /* struck in this step: its centre of mass was in `struck` then */
     bool     fresh;             /* no history: new, teleported or struck in the last step */
     uint8_t  covered;           /* faces of its box, Covered                           */
     int      integrator;        /* dig_integrator; all but DIG_AUTO are the sweep's alone */
@@ -53,6 +53,7 @@ typedef struct Member {         /* the rest of a gathered body */
     const mat3 *inertia, *inv_inertia;  /* body axes; the world's, but where time goes at another rate */
     vec3     force, torque;     /* N, N m, of this substep                             */
     Pos      start_pos; Vel start_vel;  /* at the start of the substep                 */
+    box3     struck;            /* m   the blows of this step, by where they found it  */
     vec3     swerve;            /* rad/s  change of its spin in the substep by its own turning: in velocities from predict() to move();
                                  *     of a crowd, rad: its turn in this piece of the step */
 } Member;

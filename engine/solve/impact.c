@@ -172,6 +172,15 @@ static void book_strike(Group *g, const PointRow *r, const real before[3])
     g->contacts[r->contact].lost -= 0.5 * (r->jn * (before[0] + after[0]) + r->jt[0] * (before[1] + after[1]) + r->jt[1] * (before[2] + after[2]));
 }
 
+/* Between its blows it goes straight on, or nearly so. */
+static void note_place(Group *g, int body)
+{
+    Member *m = &g->member[body];
+    vec3 x = g->pos[body].x;
+    m->struck = m->collided ? (box3){vec3_min(m->struck.low, x), vec3_max(m->struck.high, x)} : (box3){x, x};
+    m->collided = true;
+}
+
 static void note_strike(Group *g, const PointRow *r, real speed)
 {
     GroupContact *c = &g->contacts[r->contact];
@@ -185,7 +194,8 @@ static void note_strike(Group *g, const PointRow *r, real speed)
     c->last = g->t;
     if (speed > 0.1 * g->close_speed)
         contact_memory(c)[r->point].held = 0;   /* if it bounces, it flies; if not, the next substep holds it */
-    g->member[c->a].collided = g->member[c->b].collided = true;
+    note_place(g, c->a);
+    note_place(g, c->b);
     for (int k = 0; k < 2; k++) {
         Member *m = &g->member[k ? c->b : c->a];
         if (m->dormant)

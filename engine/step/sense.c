@@ -5,6 +5,7 @@
  * hold fat boxes; only solids that left theirs ask the tree anew, and a pair
  * lives while the fat boxes overlap.
  */
+#include "solve/plan.h"
 #include "step/step.h"
 #include "world/region.h"
 
@@ -327,8 +328,31 @@ static void spread_from(World *w, uint32_t solid, const Body *striker, real dt)
     }
 }
 
+/* Are there only things that never move in its reach? Then its group is itself, its blows are followed in time, and should one send it where
+ * nobody looked, the step is done again (stray.c): a hundred bullets on one wall need not be looked at together. Where small groups are
+ * crowds as well, nobody follows it. */
+static bool flies_alone(const World *w, const Body *b, uint32_t slot)
+{
+    if (b->kind != DIG_DYNAMIC || b->joint_first != NONE || graph_fellows(w->graph, graph_lead(w->graph, slot)) != 1 ||
+        w->awake.count > accuracy_plan(w->accuracy)->crowd_total)
+        return false;
+    for (uint32_t i = b->shape_first; i != NONE; i = w->solids.data[i].next) {
+        const Solid *s = &w->solids.data[i];
+        for (uint32_t l = s->pair_first; l != NONE; l = w->pairs.data[l / 2].next[l % 2]) {
+            const Pair *p = &w->pairs.data[l / 2];
+            const Solid *o = &w->solids.data[l % 2 ? p->solid_a : p->solid_b];
+            bool stands = o->body == NONE || w->bodies.data[o->body].kind == DIG_STATIC;
+            if (!stands && box3_overlap(s->reach, o->leaf >= 0 && !w->bodies.data[o->body].listed ? tree_box(&w->tree, o->leaf) : solid_reach(w, o)))
+                return false;
+        }
+    }
+    return true;
+}
+
 static void spread_speed(World *w, uint32_t slot, real dt)
 {
+    if (flies_alone(w, &w->bodies.data[slot], slot))
+        return;
     real far = dt * point_speed(&w->bodies.data[slot], speed_of(&w->bodies.data[slot]), dt);
     for (uint32_t s = w->bodies.data[slot].shape_first; s != NONE; s = w->solids.data[s].next)
         if (far > 0.9 * w->solids.data[s].shape.inner)

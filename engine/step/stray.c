@@ -14,8 +14,8 @@
 #define DEEP 0.02               /* outer radii: by less bodies may end up in each other where blows are not followed */
 
 /* A solid that ends beyond its reach: its centre is there, and was there before; its box. low: m  the box begins here, along the axis of the
- * search. */
-typedef struct Stray { const Group *g; uint32_t solid; vec3 at, from; box3 end; real low; bool missed; } Stray;
+ * search. alone: the box is of all its way. */
+typedef struct Stray { const Group *g; uint32_t solid; vec3 at, from; box3 end; real low; bool missed, alone; } Stray;
 
 static int compare_slot(const void *key, const void *left)
 {
@@ -40,14 +40,45 @@ static bool exact(const Group *g) { return !g->crowd && (g->located > 0 || g->va
 static real margin_of(const Group *g, const Solid *s) { return exact(g) ? 0 : DEEP * s->shape.outer; }
 
 /* Its reach has room for a turn at the speed it had, and for by how much else it misses where its speed would have brought it (reach_of in
- * sense.c). */
-static bool goes_as_foreseen(const World *w, const Body *b, const Pos *p, const Solid *s)
+ * sense.c). A turn may have room enough for a blow: of what is alone the way is looked at then. */
+static bool goes_as_foreseen(const World *w, const Body *b, const Pos *p, const Solid *s, bool alone)
 {
     if (b->kind != DIG_DYNAMIC || w->region_count > 0)
         return false;
     real dt = w->def.step, arm = (vec3_is_zero(s->arm) ? 0 : vec3_length(s->arm)) + (s->shape.type == &shape_sphere ? 0 : s->shape.outer);
+    if (alone && arm > 0 && vec3_length2(b->w) > 0)
+        return false;
     real room = real_min(2, vec3_length(b->w) * dt) * arm + 0.02 * s->shape.outer + 0.5 * b->pull * dt * dt;
     return travel_by(vec3_sub(p->x, vec3_mad(b->x, dt, b->v)), b->q, p->q, arm) <= 0.99 * room;
+}
+
+/* Where one that is alone may have been: blows turned it round at known places, and what slides along something bends no farther than its
+ * speed lets it. Where it would get was not looked at beforehand (flies_alone in sense.c). */
+static box3 way_alone(const World *w, const Group *g, int member, const Solid *s)
+{
+    const Member *m = &g->member[member];
+    const Body *b = &w->bodies.data[m->slot];
+    vec3 x = g->pos[member].x;
+    real dt = w->def.step, fastest = real_max(vec3_length(b->v), vec3_length(g->vel[member].v)) + b->pull * dt;
+    real chord = vec3_distance(x, b->x), most = fastest * dt, bulge = m->collided ? 0 : 0.5 * sqrt(real_max(0, most * most - chord * chord));
+    box3 way = {vec3_min(b->x, x), vec3_max(b->x, x)}, start = s->shape.type->bounds(&s->shape, solid_pose(w, s));
+    if (m->collided)
+        way = box3_union(way, m->struck);
+    real spin = real_max(vec3_length(b->w), vec3_length(g->vel[member].w)), arm = vec3_distance(s->at.p, b->centre) + s->shape.outer;
+    real turned = real_min(2, spin * dt) * arm + bulge, rim = arm + bulge;
+    vec3 low = vec3_max(vec3_sub(vec3_sub(start.low, b->x), (vec3){turned, turned, turned}), (vec3){-rim, -rim, -rim});
+    vec3 high = vec3_min(vec3_add(vec3_sub(start.high, b->x), (vec3){turned, turned, turned}), (vec3){rim, rim, rim});
+    return (box3){vec3_add(way.low, low), vec3_add(way.high, high)};
+}
+
+/* Alone, and so fast that it might pass through something within the step. */
+static bool alone(const World *w, const Group *g, int member, const Solid *s)
+{
+    if (g->crowd || g->moving_count != 1 || g->joint_count > 0)
+        return false;
+    const Body *b = &w->bodies.data[g->member[member].slot];
+    real far = w->def.step * (vec3_length(b->v) + vec3_length(b->w) * b->rim + b->pull * w->def.step);
+    return far > 0.9 * s->shape.inner;
 }
 
 /* Does it hardly move? Its reach has room for where it was. */
@@ -64,13 +95,15 @@ static bool strays(const World *w, int member, Stray *out)
     const Solid *s = &w->solids.data[out->solid];
     const Body *b = &w->bodies.data[g->member[member].slot];
     const Pos *p = &g->pos[member];
-    real margin = margin_of(g, s);
+    real margin = out->alone ? 0 : margin_of(g, s);
     pose at = pose_mul((pose){vec3_sub(p->x, quat_rotate(p->q, b->centre)), p->q}, s->at);
     if (s->leaf < 0 || !vec3_finite(p->x) || !quat_finite(p->q))
         return false;
     out->at = at.p;
     out->from = solid_pose(w, s).p;
     out->end = box3_grow(s->shape.type->bounds(&s->shape, at), -margin);
+    if (out->alone)
+        out->end = way_alone(w, g, member, s);
     return !box3_inside(solid_reach(w, s), out->end);
 }
 
@@ -81,9 +114,10 @@ static int list_member(const World *w, const Group *g, int member, Stray *out)
     const Body *b = &w->bodies.data[g->member[member].slot];
     for (uint32_t c = b->shape_first; c != NONE && g->member[member].moves; c = w->solids.data[c].next) {
         const Solid *s = &w->solids.data[c];
-        if (stays(b, &g->pos[member], margin_of(g, s)) || goes_as_foreseen(w, b, &g->pos[member], s))
+        bool by_itself = alone(w, g, member, s);
+        if ((!by_itself && stays(b, &g->pos[member], margin_of(g, s))) || goes_as_foreseen(w, b, &g->pos[member], s, by_itself))
             continue;
-        Stray stray = {.g = g, .solid = c};
+        Stray stray = {.g = g, .solid = c, .alone = by_itself};
         if (!strays(w, member, &stray))
             continue;
         if (out)
@@ -130,7 +164,7 @@ static bool deep(const World *w, const Stray *x, uint32_t other, vec3 at)
 {
     const Solid *s = &w->solids.data[x->solid], *o = &w->solids.data[other];
     real near = s->shape.outer + o->shape.outer - DEEP * real_min(s->shape.outer, o->shape.outer);
-    return exact(x->g) || vec3_length2(vec3_sub(at, x->at)) < near * near;
+    return x->alone || exact(x->g) || vec3_length2(vec3_sub(at, x->at)) < near * near;
 }
 
 typedef struct Meeting { World *w; real dt; Stray *stray; } Meeting;
@@ -143,6 +177,14 @@ static vec3 way_of(const Meeting *m, const Solid *o)
     return moves ? vec3_scale(m->dt, b->v) : vec3_zero();
 }
 
+/* What it was seen to reach in this step, or where it stands. */
+static box3 may_be(const World *w, uint32_t other)
+{
+    const Solid *o = &w->solids.data[other];
+    bool listed = o->body != NONE && w->bodies.data[o->body].listed;
+    return listed ? solid_reach(w, o) : o->shape.type->bounds(&o->shape, solid_pose(w, o));
+}
+
 static bool meets(void *context, uint32_t other)
 {
     const Meeting *m = context;
@@ -150,7 +192,8 @@ static bool meets(void *context, uint32_t other)
     pose at = solid_pose(m->w, o);
     at.p = vec3_add(at.p, way_of(m, o));
     m->stray->missed = unwatched(m->w, m->stray->g, m->stray->solid, other) && deep(m->w, m->stray, other, at.p) &&
-                       (exact(m->stray->g) || box3_overlap(m->stray->end, o->shape.type->bounds(&o->shape, at)));
+                       (m->stray->alone ? box3_overlap(m->stray->end, may_be(m->w, other)) :
+                        exact(m->stray->g) || box3_overlap(m->stray->end, o->shape.type->bounds(&o->shape, at)));
     return !m->stray->missed;
 }
 
