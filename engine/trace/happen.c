@@ -141,7 +141,7 @@ static void scan_gaps(Tracer *t, Event *first)
         for (int i = 0; i < n; i++)
             w[i].gaps[s] = w[i].gate->gap;
     }
-    for (int i = 0; i < n; i++)
+    for (int i = 0; i < n && !(first->kind == EVENT_SHORTER && first->at <= 0); i++)        /* none comes before that */
         find_closing(t, w[i].gate, w[i].gaps, first);
 }
 
