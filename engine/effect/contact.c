@@ -53,7 +53,7 @@ static bool set_target(const Group *g, const GroupPair *q, PointRow *r, real gap
     if (gap <= g->touch * q->size) {
         if (g->locate && g->events_left > 0 && !carried && r->rate_before > g->close_speed && gap > -g->touch * q->size)
             return false;               /* it bounced off: should it come back in this substep, that is an impact */
-        r->target = gap > 0 ? -closes_by(g, q->size, gap) : 0;
+        r->target = gap > 0 ? -closes_by(g, q->size, gap) : -squeeze_of(g, r->contact).rate;
     } else {
         if (!carried && !q->meets && gap + g->h * real_min(predicted, 0) > 0.5 * gap + 1e-3 * q->size)
             return false;               /* not this substep */

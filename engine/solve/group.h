@@ -145,6 +145,12 @@ typedef struct GroupContact {
 /* Of its points, which they come after: [room]. */
 static inline PointMemory *contact_memory(const GroupContact *c) { return (PointMemory *)(void *)(c->manifold.points + c->manifold.room); }
 
+/* Of a contact with something that nothing moves, while something else of that kind presses from the other side: see squeeze.c. */
+typedef struct Squeeze {
+    real rate;                  /* m/s  it gives way by             */
+    real depth;                 /* m    so deep it may stay         */
+} Squeeze;
+
 typedef struct GroupPair {
     uint32_t slot;              /* world pair                       */
     uint32_t memory;            /* the world's; NONE: it has none   */
@@ -258,6 +264,8 @@ struct Group {
     int      *beside_which;     /* of these, by seams */
     real      finest;           /* m   group_judge: size of the smallest solid in a pair; INFINITY: there is no pair */
     GroupContact *contacts; int contact_count;
+    Squeeze  *squeezed;         /* [contact_count], if anything squeezes; NULL: not looked for */
+    bool      squeezes;
     real     *places;       int place_count;    /* of each contact, room for its points first, then for their memories; then of its pair, for
                                                          * a hint, unless with a ball; of those that came in later elsewhere */
     GroupJoint *joints;     int joint_count;
@@ -521,6 +529,11 @@ void group_turn(Group *g, int i, vec3 mean_w);  /* turns the body on through the
 /* project.c: position errors are removed without touching velocities */
 void project(Group *g);
 void project_back(Group *g);    /* the gaps only: the poses are the caller's. Not those that were looked at anew since */
+/* squeeze.c: of the contacts there are now */
+void group_squeeze(Group *g);
+bool squeeze_possible(const Group *g);                  /* is it worth looking? */
+static inline Squeeze squeeze_of(const Group *g, int contact) { return g->squeezes ? g->squeezed[contact] : (Squeeze){0, 0}; }
+static inline bool is_squeezed(const Group *g, int contact) { return g->squeezes && g->squeezed[contact].rate + g->squeezed[contact].depth > 0; }
 /* locate.c: s into the substep of the first impact, or INFINITY */
 real locate_impact(Group *g);
 real missing_little(const Group *g, real dt);         /* s  the longest substep that may go without */
@@ -545,5 +558,7 @@ typedef struct Way {
     dig_status (*advance)(Group *g, real dt);
     bool        inertias;       /* begins with inverse inertias in world axes: g->mass[].ii */
 } Way;
+
+extern const Way way_wedge;
 
 #endif

@@ -27,7 +27,7 @@ static bool any_approach(const Group *g)
             vec3 at = c->manifold.points[k].a;
             vec3 va = vec3_add(g->vel[c->a].v, vec3_cross(g->vel[c->a].w, vec3_sub(at, g->pos[c->a].x)));
             vec3 vb = vec3_add(g->vel[c->b].v, vec3_cross(g->vel[c->b].w, vec3_sub(at, g->pos[c->b].x)));
-            if (vec3_dot(c->manifold.normal, vec3_sub(vb, va)) < -0.1 * g->close_speed)
+            if (vec3_dot(c->manifold.normal, vec3_sub(vb, va)) + squeeze_of(g, i).rate < -0.1 * g->close_speed)
                 return true;
         }
     }
@@ -357,7 +357,7 @@ static void solve_capped(Group *g, const bool *on, bool all, real approach)
         keep_outcome(g, &elastic);
         set_between(g, &start, &start, 0);
         for (int i = 0; i < g->point_count; i++)
-            g->points[i].target = 0;
+            g->points[i].target = -squeeze_of(g, g->points[i].contact).rate;
         solve_marked(g, on, all, approach);
         keep_outcome(g, &plastic);
         if (group_kinetic(g) <= before * ENERGY_KEPT)
@@ -375,7 +375,7 @@ static bool strike_once(Group *g, bool *on, real *rate, bool allow_elastic)
     for (int i = 0; i < g->point_count; i++) {
         PointRow *r = &g->points[i];
         find_rates(g, r, before[i]);
-        rate[i] = before[i][0];
+        rate[i] = before[i][0] + squeeze_of(g, r->contact).rate;
         r->jn = r->jt[0] = r->jt[1] = 0;
         r->slides = hypot(before[i][1], before[i][2]) > 0.1 * g->close_speed;
         on[i] = false;
@@ -389,7 +389,7 @@ static bool strike_once(Group *g, bool *on, real *rate, bool allow_elastic)
     bool elastic = allow_elastic && choose_elastic(g, on, rate) > 0;
     for (int i = 0; i < g->point_count; i++) {
         real e = elastic && on[i] ? g->pairs[g->contacts[g->points[i].contact].pair].restitution : 0;
-        g->points[i].target = rate[i] < 0 ? -e * rate[i] : 0;
+        g->points[i].target = (rate[i] < 0 ? -e * rate[i] : 0) - squeeze_of(g, g->points[i].contact).rate;
         if (!elastic || is_held(g, &g->points[i], rate[i]))
             on[i] = true;
     }

@@ -177,7 +177,7 @@ real locate_impact(Group *g)
     for (int i = 0; i < g->pair_count; i++) {
         const GroupPair *q = &g->pairs[i];
         const Member *ma = &g->member[q->a], *mb = &g->member[q->b];
-        if (!ma->moves && !mb->moves)
+        if ((!ma->moves && !mb->moves) || is_squeezed(g, q->contact))
             continue;
         real tolerance = g->touch * q->size;
         bool touching = false;
@@ -240,7 +240,8 @@ bool overshoots(const Group *g, bool through)
 {
     for (int i = 0; i < g->pair_count; i++) {
         const GroupPair *q = &g->pairs[i];
-        if (q->contacts != 1 || !g->contacts[q->contact].live || (!g->member[q->a].moves && !g->member[q->b].moves))
+        if (q->contacts != 1 || !g->contacts[q->contact].live || (!g->member[q->a].moves && !g->member[q->b].moves) ||
+            is_squeezed(g, q->contact))
             continue;
         if (goes_deeper(g, q, through ? group_thin(q) : SINK_MOST * q->size, through))
             return true;

@@ -16,7 +16,7 @@
 static real wanted_gap(const Group *g, const PointRow *r)
 {
     const GroupContact *c = &g->contacts[r->contact];
-    real depth = -c->manifold.points[r->point].gap;
+    real depth = -c->manifold.points[r->point].gap - squeeze_of(g, r->contact).depth;
     if (!(depth > 0))
         return depth;           /* may close by its gap, no more */
     real most = HEAL_SPEED * sqrt(g->pairs[c->pair].size) * g->heal_over;

@@ -405,8 +405,9 @@ static dig_status reserve(Group *g)
     g->rolls = arena_alloc(g->arena, (size_t)(g->contact_count + 1) * sizeof *g->rolls);
     g->blocks = arena_alloc(g->arena, (size_t)(g->joint_count + 1) * sizeof *g->blocks);
     g->rows = arena_alloc(g->arena, (size_t)(g->joint_count * JOINT_SLOTS + 1) * sizeof *g->rows);
+    g->squeezed = arena_alloc(g->arena, (size_t)(g->contact_count + 1) * sizeof *g->squeezed);
     g->strikes = arena_alloc(g->arena, (size_t)(g->strike_capacity + 1) * sizeof *g->strikes);
-    return g->points && g->rolls && g->blocks && g->rows && g->strikes ? DIG_OK : DIG_E_MEMORY;
+    return g->points && g->rolls && g->blocks && g->rows && g->squeezed && g->strikes ? DIG_OK : DIG_E_MEMORY;
 }
 
 static void measure(Group *g)
@@ -536,6 +537,7 @@ static void begin(Group *g, real part, bool all)
     g->events_left = group_events(g);
     g->h = g->heal_over = part;
     group_touch(g, part, all);
+    group_squeeze(g);
     if (g->locate)
         impacts(g);
 }
@@ -555,6 +557,7 @@ static dig_status sweep_until(Group *g, real dt, real until)
         if (worst >= 0)
             group_part(g, worst, share);
         group_touch(g, part, true);
+        group_squeeze(g);
         if (g->locate)
             impacts(g);
         if (g->status != DIG_OK)

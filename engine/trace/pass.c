@@ -41,6 +41,24 @@ static bool beyond_stop(const Tracer *t)
     return false;
 }
 
+bool trace_squeezed(Tracer *t)
+{
+    Group *g = t->g;
+    if (!g->driven || !squeeze_possible(g))
+        return false;
+    g->squeezed = arena_alloc(g->arena, (size_t)(g->contact_count + 1) * sizeof *g->squeezed);
+    if (!g->squeezed)
+        g->status = DIG_E_MEMORY;
+    else
+        group_squeeze(g);
+    bool any = g->squeezes;
+    g->squeezes = false;
+    for (int i = 0; i < g->contact_count && any && !t->fault; i++)
+        if (g->squeezed[i].rate > g->close_speed)
+            t->fault = "something is squeezed that cannot give way";
+    return t->fault;
+}
+
 bool trace_start(Tracer *t)
 {
     Group *g = t->g;
@@ -57,7 +75,7 @@ bool trace_start(Tracer *t)
         return false;
     if (overlaps(t))
         t->fault = "bodies that overlap";
-    else if (t->stop_count > 0 && beyond_stop(t))
+    else if (!trace_squeezed(t) && t->stop_count > 0 && beyond_stop(t))
         t->fault = "a joint beyond its stop";
     return !t->fault;
 }

@@ -231,7 +231,7 @@ static bool settle(Tracer *t, bool first)
         trace_load(t, t->y, t->t);
         trace_kinematics(t);
         end_slips(t);
-        if (!look_farther(t) || !trace_bounce(t))
+        if (!look_farther(t) || !trace_bounce(t) || trace_squeezed(t))
             return false;
     }
     bool moved = false;

@@ -338,6 +338,8 @@ bool trace_touch(Tracer *t, bool first);        /* contacts of the present state
 bool trace_items(Tracer *t);                    /* joints and contacts in the order of the rows */
 bool trace_missed(const Tracer *t);             /* is something deep in something that was not watched? */
 /* pass.c */
+/* Does a mover press something against what does not move? Steps up to there would get ever shorter: that is the fault then. */
+bool trace_squeezed(Tracer *t);
 bool trace_start(Tracer *t);                    /* lists joints and contacts of the present state; false = fault */
 bool trace_may_pass(const Tracer *t);
 bool trace_pass(Tracer *t);                     /* sweeps past the present time, and starts there; false = fault there */

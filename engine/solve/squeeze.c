@@ -1,0 +1,124 @@
+/* solve/squeeze.c - what lies between two things that no impulse moves, and that leave it less room than it is wide.
+ *
+ * A box between a wall and a piston that goes on: the rows of its two contacts ask for speeds that no body has at once, and sweeps go on
+ * raising impulses until they are seen to bring nothing. That there is no solution shows beforehand. Where the places at which both press lie
+ * before each other, whatever turns the body gives to the one there it takes from the other, and their normals are opposite: the sum of both
+ * rows asks for more than nothing from nothing. Then each yields by half of what is missing: the body goes with the mean of both, and what
+ * heals overlaps lets both be in it equally deep.
+ */
+#include "solve/group.h"
+
+#define OPPOSITE (-1 + 1e-6)    /* cosine of normals */
+#define BEFORE   1e-6           /* of the size: so far beside each other two points are one before the other */
+#define SLOW     1e-6           /* of the size in a step: so slowly nothing presses that is not to rounding */
+#define DEEP     1e-3           /* the same: less is no more than what pressing leaves */
+
+static bool is_stiff(const Group *g, int body) { return !g->member[body].moves && !g->member[body].dormant; }
+
+/* The body that is pressed, or -1: both move, or none does. */
+static int pressed_of(const Group *g, const GroupContact *c)
+{
+    return g->member[c->a].moves && is_stiff(g, c->b) ? c->a : g->member[c->b].moves && is_stiff(g, c->a) ? c->b : -1;
+}
+
+static real deepest(const GroupContact *c)
+{
+    real depth = -INFINITY;
+    for (int k = 0; k < c->manifold.count; k++)
+        depth = real_max(depth, -c->manifold.points[k].gap);
+    return depth;
+}
+
+static vec3 mean_point(const GroupContact *c)
+{
+    vec3 sum = vec3_zero();
+    for (int k = 0; k < c->manifold.count; k++)
+        sum = vec3_add(sum, vec3_scale(0.5, vec3_add(c->manifold.points[k].a, c->manifold.points[k].b)));
+    return vec3_scale(1.0 / c->manifold.count, sum);
+}
+
+static vec3 inward(const GroupContact *c, int body) { return c->b == body ? c->manifold.normal : vec3_neg(c->manifold.normal); }
+
+/* m/s  How fast the stiff one comes in, at a point. */
+static real presses_by(const Group *g, const GroupContact *c, int body, vec3 at)
+{
+    int by = c->a == body ? c->b : c->a;
+    return vec3_dot(inward(c, body), vec3_add(g->vel[by].v, vec3_cross(g->vel[by].w, vec3_sub(at, g->pos[by].x))));
+}
+
+/* Along n, does p lie before a triangle? */
+static bool in_triangle(vec3 p, vec3 a, vec3 b, vec3 c, vec3 n)
+{
+    real s = vec3_dot(n, vec3_cross(vec3_sub(b, a), vec3_sub(p, a))), t = vec3_dot(n, vec3_cross(vec3_sub(c, b), vec3_sub(p, b)));
+    real u = vec3_dot(n, vec3_cross(vec3_sub(a, c), vec3_sub(p, c)));
+    return (s >= 0 && t >= 0 && u >= 0) || (s <= 0 && t <= 0 && u <= 0);
+}
+
+/* Does the middle of the one lie before the other? Of four points some triangle has it. */
+static bool before(const GroupContact *c, vec3 p, vec3 n, real near)
+{
+    const ManifoldPoint *at = c->manifold.points;
+    int count = c->manifold.count;
+    for (int k = 0; k < count; k++) {
+        vec3 off = vec3_sub(p, at[k].a);
+        if (vec3_length(vec3_mad(off, -vec3_dot(n, off), n)) <= near)
+            return true;
+    }
+    for (int i = 0; i + 2 < count; i++)
+        for (int j = i + 1; j + 1 < count; j++)
+            for (int k = j + 1; k < count; k++)
+                if (in_triangle(p, at[i].a, at[j].a, at[k].a, n))
+                    return true;
+    return false;
+}
+
+/* Two contacts of one body. */
+static void squeeze(Group *g, int i, int j, int body)
+{
+    const GroupContact *c = &g->contacts[i], *d = &g->contacts[j];
+    vec3 n = inward(c, body), p = mean_point(c), q = mean_point(d);
+    real size = real_min(g->pairs[c->pair].size, g->pairs[d->pair].size), deep = deepest(c) + deepest(d);
+    if (vec3_dot(n, inward(d, body)) > OPPOSITE || deep < -g->touch * size)
+        return;
+    if (!before(d, p, n, BEFORE * size) && !before(c, q, n, BEFORE * size))
+        return;
+    real rate = presses_by(g, c, body, p) + presses_by(g, d, body, q);
+    Squeeze by = {rate * g->world->def.step > SLOW * size ? 0.5 * rate : 0, deep > DEEP * size ? 0.5 * deep : 0};
+    Squeeze *to[2] = {&g->squeezed[i], &g->squeezed[j]};
+    if (by.rate + by.depth <= 0)
+        return;
+    for (int k = 0; k < 2; k++)
+        *to[k] = (Squeeze){real_max(to[k]->rate, by.rate), real_max(to[k]->depth, by.depth)};
+    g->squeezes = true;
+}
+
+/* Does it touch, by something stiff that moves, or deeply? Without one there is nothing to be squeezed by. */
+static bool may_squeeze(const Group *g, const GroupContact *c)
+{
+    bool moves = g->driven && (g->member[c->a].kinematic || g->member[c->b].kinematic);
+    return deepest(c) > (moves ? -g->touch : DEEP) * g->pairs[c->pair].size;
+}
+
+bool squeeze_possible(const Group *g)
+{
+    for (int i = 0; i < g->contact_count; i++)
+        if (g->contacts[i].live && pressed_of(g, &g->contacts[i]) >= 0 && may_squeeze(g, &g->contacts[i]))
+            return true;
+    return false;
+}
+
+void group_squeeze(Group *g)
+{
+    g->squeezes = false;
+    if (!g->squeezed || !squeeze_possible(g))
+        return;
+    memset(g->squeezed, 0, (size_t)g->contact_count * sizeof *g->squeezed);
+    for (int i = 0; i < g->contact_count; i++) {
+        int body = g->contacts[i].live ? pressed_of(g, &g->contacts[i]) : -1;
+        if (body < 0 || !may_squeeze(g, &g->contacts[i]))
+            continue;
+        for (int j = 0; j < g->contact_count; j++)
+            if (j != i && g->contacts[j].live && pressed_of(g, &g->contacts[j]) == body)
+                squeeze(g, i, j, body);
+    }
+}

@@ -1,0 +1,167 @@
+/* solve/wedge.c - one body that two stiff things squeeze, and hold by friction: it goes where they take it.
+ *
+ * No force says how it moves, for between stiff things any pair of opposite forces is one: a solve finds some, with as much friction, from substep to
+ * substep other ones. Where both rub, what they have taken hold of they do not let slip. So it goes with the mean of both, and to where it is as
+ * deep in the one as in the other. What else it touches must not be in its way: that, blows, and bodies that press on it are for the sweep.
+ */
+#include "solve/group.h"
+
+#define HEAL_SPEED 3.0          /* m/s per sqrt(m): as in project.c */
+#define SINKS 1e-9              /* of the size: by less it does not go into what else it touches */
+
+static bool still(const Group *g, int body) { return vec3_is_zero(g->vel[body].v) && vec3_is_zero(g->vel[body].w); }
+
+static bool suits(const Group *g)
+{
+    if (g->moving_count != 1 || g->pair_count < 2 || g->joint_count > 0 || g->push_count > 0 || g->planar || g->own || g->varies)
+        return false;
+    if (!g->member[0].moves || g->member[0].integrator != DIG_AUTO || g->world->region_count > 0)
+        return false;
+    for (int i = 1; i < g->body_count; i++)
+        if (g->member[i].dormant)
+            return false;
+    return squeeze_possible(g);
+}
+
+/* The two contacts that squeeze; false: there are others, or one lets slip. */
+static bool find_jaws(const Group *g, int jaw[2])
+{
+    int n = 0;
+    for (int i = 0; i < g->contact_count; i++) {
+        const GroupContact *c = &g->contacts[i];
+        if (!is_squeezed(g, i))
+            continue;
+        if (n == 2 || !(g->pairs[c->pair].friction > 0) || g->pairs[c->pair].fresh)
+            return false;
+        jaw[n++] = i;
+    }
+    return n == 2;
+}
+
+static real deepest(const GroupContact *c)
+{
+    real depth = -INFINITY;
+    for (int k = 0; k < c->manifold.count; k++)
+        depth = real_max(depth, -c->manifold.points[k].gap);
+    return depth;
+}
+
+/* How they move it: by this speed, and in this step by `heals` more. */
+typedef struct Carried { Vel vel; vec3 heals; } Carried;
+
+static Carried carried_by(const Group *g, const int jaw[2], real dt)
+{
+    Carried c = {0};
+    real depth[2], size = INFINITY;
+    for (int k = 0; k < 2; k++) {
+        const GroupContact *at = &g->contacts[jaw[k]];
+        int by = at->a == 0 ? at->b : at->a;
+        vec3 arm = vec3_sub(g->pos[0].x, g->pos[by].x);
+        c.vel.v = vec3_mad(c.vel.v, 0.5, vec3_add(g->vel[by].v, vec3_cross(g->vel[by].w, arm)));
+        c.vel.w = vec3_mad(c.vel.w, 0.5, g->vel[by].w);
+        depth[k] = deepest(at);
+        size = real_min(size, g->pairs[at->pair].size);
+    }
+    const GroupContact *first = &g->contacts[jaw[0]];
+    real most = HEAL_SPEED * sqrt(size) * dt, side = first->b == 0 ? 1 : -1;
+    c.heals = vec3_scale(side * real_clamp(0.5 * (depth[0] - depth[1]), -most, most), first->manifold.normal);
+    return c;
+}
+
+/* m  What it touches besides, and goes into. */
+static bool in_its_way(const Group *g, const Carried *c, real dt)
+{
+    for (int i = 0; i < g->contact_count; i++) {
+        const GroupContact *at = &g->contacts[i];
+        real side = at->b == 0 ? 1 : -1;
+        int by = at->a == 0 ? at->b : at->a;
+        for (int k = 0; at->live && !is_squeezed(g, i) && k < at->manifold.count; k++) {
+            const ManifoldPoint *p = &at->manifold.points[k];
+            vec3 v = vec3_add(c->vel.v, vec3_cross(c->vel.w, vec3_sub(p->a, g->pos[0].x)));
+            vec3 u = vec3_add(g->vel[by].v, vec3_cross(g->vel[by].w, vec3_sub(p->a, g->pos[by].x)));
+            real way = side * vec3_dot(at->manifold.normal, vec3_mad(c->heals, dt, vec3_sub(v, u)));
+            if (p->gap + way < real_min(p->gap, 0) - SINKS * g->pairs[at->pair].size)
+                return true;
+        }
+    }
+    return false;
+}
+
+static real energy_of(const Group *g) { return group_kinetic_of(g, 0) - vec3_dot(g->member[0].force, g->pos[0].x); }
+
+static void move(Group *g, const Carried *c, real dt)
+{
+    for (int i = 0; i < g->body_count; i++) {
+        if (i == 0)
+            g->vel[i] = c->vel;
+        else if (!g->member[i].kinematic)
+            continue;
+        g->pos[i].x = vec3_mad(g->pos[i].x, dt, g->vel[i].v);
+        if (!still(g, i))
+            g->pos[i].q = quat_unit(quat_mul(quat_exp(vec3_scale(dt, g->vel[i].w)), g->pos[i].q));
+    }
+    g->pos[0].x = vec3_add(g->pos[0].x, c->heals);
+}
+
+/* Does it still touch nothing deeper than before, but for the two? */
+static bool came_through(const Group *g, const int jaw[2], real before)
+{
+    for (int i = 0; i < g->contact_count; i++)
+        if (g->contacts[i].live && i != jaw[0] && i != jaw[1] && deepest(&g->contacts[i]) > before + SINKS * g->member[0].outer)
+            return false;
+    return g->contacts[jaw[0]].live && g->contacts[jaw[1]].live;
+}
+
+static void book(Group *g, const int jaw[2], real gained, real dt)
+{
+    g->work_in += real_max(0, gained);
+    g->lost += real_max(0, -gained);
+    for (int i = 0; i < g->contact_count; i++) {
+        GroupContact *c = &g->contacts[i];
+        for (int k = 0; k < c->manifold.room; k++)
+            contact_memory(c)[k] = (PointMemory){.held = c->live && k < c->manifold.count ? HELD_SUBSTEPS : 0};
+        g->penetration = c->live ? real_max(g->penetration, deepest(c)) : g->penetration;
+    }
+    for (int k = 0; k < 2; k++) {
+        g->contacts[jaw[k]].last = dt;
+        g->contacts[jaw[k]].manifold.slides = false;
+    }
+    g->member[0].constrained = true;
+}
+
+static dig_status advance(Group *g, real dt)
+{
+    int jaw[2];
+    GroupKept kept;
+    g->squeezed = arena_alloc(g->arena, (size_t)(g->contact_count + 1) * sizeof *g->squeezed);
+    if (!g->squeezed || !group_keep(g, &kept))
+        return DIG_E_MEMORY;
+    group_squeeze(g);
+    bool goes = g->squeezes && find_jaws(g, jaw);
+    if (goes) {
+        g->h = dt;
+        DIG_TRY(group_forces(g));
+        Carried c = carried_by(g, jaw, dt);
+        real before = energy_of(g), deep = 0, far = dt * vec3_length(c.vel.v) + vec3_length(c.heals);
+        for (int i = 0; i < g->contact_count; i++)
+            deep = g->contacts[i].live && !is_squeezed(g, i) ? real_max(deep, deepest(&g->contacts[i])) : deep;
+        goes = far < g->pairs[g->contacts[jaw[0]].pair].size && !in_its_way(g, &c, dt);
+        if (goes) {
+            move(g, &c, dt);
+            group_touch(g, dt, true);
+            goes = came_through(g, jaw, deep);
+            book(g, jaw, energy_of(g) - before, dt);
+        }
+    }
+    g->squeezes = false;
+    if (!goes) {
+        group_put_back(g, &kept);
+        g->handed_on = true;
+        return DIG_OK;
+    }
+    g->evaluations = g->substeps = 1;
+    g->t = dt;
+    return g->stage(g, STAGE_SETTLE);
+}
+
+const Way way_wedge = {.name = "wedge", .tally = WAY_SWEPT, .suits = suits, .advance = advance, .inertias = true};
