@@ -48,6 +48,7 @@ typedef struct Flight {
     real target, time, size;
     real reach_a, reach_b;      /* m  of the cores about the centres of mass */
     real spin_a, spin_b;        /* rad/s  of their turns, what moves their surfaces */
+    real turns;                 /* rad/s  of the faster one                        */
     vec3 v, acceleration;       /* of b against a */
     vec3 axis;                  /* where the last normal was, for GJK */
     int  count;                 /* gaps computed */
@@ -96,6 +97,21 @@ static real core_reach(const Shape *s, vec3 centre)
     return s->outer < INFINITY ? s->outer - s->round + vec3_length(centre) : 0;
 }
 
+/* m  How far a core reaches along d from its centre of mass. */
+static real reach_along(const Shape *s, const Motion *m, quat q, vec3 d)
+{
+    vec3 local = quat_unrotate(q, d);
+    return vec3_dot(local, vec3_sub(s->type->support(s, local), m->centre));
+}
+
+/* m  By how much more a core may ever reach along d, however it turns. */
+static real may_reach(const Shape *s, const Motion *m, quat q, vec3 d, real radius)
+{
+    if (!(vec3_length2(m->w) > 0))
+        return 0;
+    return s->type->convex ? real_max(0, radius - reach_along(s, m, q, d)) : 2 * radius;
+}
+
 /* The longest step in which the gap certainly stays above the target. */
 static real safe_step(const Flight *f, const Moment *m)
 {
@@ -103,8 +119,11 @@ static real safe_step(const Flight *f, const Moment *m)
     real c1 = -vec3_dot(n, vec3_mad(f->v, m->t, f->acceleration)), c2 = -0.5 * vec3_dot(n, f->acceleration);
     real turning = real_min(f->spin_a, vec3_length(vec3_cross(n, f->ma->w))) * f->reach_a;
     turning += real_min(f->spin_b, vec3_length(vec3_cross(n, f->mb->w))) * f->reach_b;
-    real most = 2 * ((vec3_length2(f->ma->w) > 0 ? f->reach_a : 0) + (vec3_length2(f->mb->w) > 0 ? f->reach_b : 0));
-    return real_max(first_root(c2, c1 + turning, m->gap), first_root(c2, c1, m->gap - most));
+    real h = first_root(c2, c1 + turning, m->gap);
+    if (!(turning > 0) || m->t + h > f->time)
+        return h;
+    real most = may_reach(f->a, f->ma, m->a.q, n, f->reach_a) + may_reach(f->b, f->mb, m->b.q, vec3_neg(n), f->reach_b);
+    return real_max(h, first_root(c2, c1, m->gap - most));
 }
 
 /* A bound of the gap along a normal n that turns at the rate `turn`, from a moment on. */
@@ -138,13 +157,6 @@ static Bound bound_of(const Flight *f, const Moment *m, vec3 turn)
     return b;
 }
 
-/* m  How far a core reaches along d from its centre of mass. */
-static real reach_along(const Shape *s, const Motion *m, quat q, vec3 d)
-{
-    vec3 local = quat_unrotate(q, d);
-    return vec3_dot(local, vec3_sub(s->type->support(s, local), m->centre));
-}
-
 /* m  By how much more it may reach along n after h seconds. */
 static real turned_out(const Bound *b, const Shape *s, const Motion *m, quat q, vec3 n, real h)
 {
@@ -163,14 +175,15 @@ static real least_gap(const Bound *b, real h)
 }
 
 #define CHORDS 3
+#define FAR_TURN 1.0            /* rad  bounds of what turns farther say little: the chord to there would be short */
 
 /* s  The bound stays above 0 for so long: all the time that is left, or what chords, which it is never below, tell. */
 static real sure_step(const Flight *f, const Moment *m, vec3 turn)
 {
     Bound b = bound_of(f, m, turn);
-    real end = f->time - m->t, h = 0, gap = m->gap, last = least_gap(&b, end);
+    real rest = f->time - m->t, end = real_min(rest, FAR_TURN / real_max(f->turns, 1e-300)), h = 0, gap = m->gap, last = least_gap(&b, end);
     if (last > 0)
-        return INFINITY;
+        return end < rest ? end : INFINITY;
     for (int i = 0; i < CHORDS && last > -INFINITY && gap > 0; i++) {
         real next = h + (end - h) * gap / (gap - last);
         gap = least_gap(&b, next);
@@ -362,7 +375,7 @@ static real convex_impact(const Shape *a, const Motion *ma, const Shape *b, cons
 {
     Flight f = {.a = a, .b = b, .ma = ma, .mb = mb, .target = target, .time = time, .size = real_min(scale_of(a), scale_of(b)),
                 .reach_a = core_reach(a, ma->centre), .reach_b = core_reach(b, mb->centre),
-                .spin_a = surface_spin(a, ma), .spin_b = surface_spin(b, mb),
+                .spin_a = surface_spin(a, ma), .spin_b = surface_spin(b, mb), .turns = sqrt(real_max(vec3_length2(ma->w), vec3_length2(mb->w))),
                 .v = vec3_sub(mb->v, ma->v), .acceleration = vec3_sub(mb->a, ma->a)};
     if (stays_far(&f))
         return INFINITY;

@@ -22,6 +22,34 @@ static bool apart(const Group *g)
     return true;
 }
 
+#define CLOSED 1e-12            /* of the size: what touches by no more overlap has nothing to heal */
+
+/* Does nothing move, whether it touches or not? Where no force acts either, nothing will. */
+static bool lies_still(const Group *g)
+{
+    if (g->fall > 0 || g->crowd || !g->may_trace || g->moving_count > FEW || g->pair_count > FEW)
+        return false;
+    for (int i = 0; i < g->body_count; i++)
+        if (!vec3_is_zero(g->vel[i].v) || !vec3_is_zero(g->vel[i].w))
+            return false;
+    for (int i = 0; i < g->pair_count; i++)
+        if (g->pairs[i].fresh)
+            return false;
+    for (int i = 0; i < g->contact_count; i++)
+        for (int k = 0; k < g->contacts[i].manifold.count; k++)
+            if (g->contacts[i].manifold.points[k].gap < -CLOSED * g->pairs[g->contacts[i].pair].size)
+                return false;
+    return true;
+}
+
+static bool unforced(const Group *g)
+{
+    for (int i = 0; i < g->moving_count; i++)
+        if (!vec3_is_zero(g->member[i].force) || !vec3_is_zero(g->member[i].torque))
+            return false;
+    return true;
+}
+
 static bool suits(const Group *g)
 {
     if (g->joint_count > 0 || g->push_count > 0 || g->world->region_count > 0 || g->varies || g->decay_friction)
@@ -29,7 +57,7 @@ static bool suits(const Group *g)
     for (int i = 0; i < g->moving_count; i++)
         if (!g->member[i].moves || g->member[i].integrator != DIG_AUTO)
             return false;
-    return g->pair_count == 0 || apart(g);
+    return g->pair_count == 0 || apart(g) || lies_still(g);
 }
 
 /* m/s^2 */
@@ -206,13 +234,20 @@ static dig_status advance(Group *g, real dt)
     real h = g->h;
     g->h = dt;
     DIG_TRY(group_forces(g));
-    if (g->pair_count > 0 && !keeps_apart(g, dt)) {
+    bool rests = g->pair_count > 0 && lies_still(g) && unforced(g);
+    if (g->pair_count > 0 && !rests && (!apart(g) || !keeps_apart(g, dt))) {
         g->h = h;
         g->handed_on = true;
         return DIG_OK;
     }
-    for (int i = 0; i < g->moving_count; i++)
+    for (int i = 0; i < g->moving_count && !rests; i++)
         fly(g, i, dt);
+    for (int i = 0; i < g->contact_count && rests; i++) {       /* nothing presses that did: its memory is of no use */
+        for (int k = 0; k < g->contacts[i].manifold.room; k++)
+            contact_memory(&g->contacts[i])[k] = (PointMemory){.normal = 0};
+        for (int k = 0; k < g->contacts[i].manifold.count; k++)
+            g->penetration = real_max(g->penetration, -g->contacts[i].manifold.points[k].gap);
+    }
     g->evaluations = g->substeps = 1;
     g->t = dt;
     return g->stage(g, STAGE_SETTLE);
