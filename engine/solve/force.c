@@ -67,6 +67,8 @@ real group_spring_energy(const GroupJoint *j)
     real memory[JOINT_MEMORY];
     if (!joint_stores(&j->view))
         return 0;
+    if (j->view.type->two_anchors)      /* what acts along a line unwinds no angle: nothing is written */
+        return j->view.type->energy(&j->view);
     JointView now = j->view;
     memcpy(memory, j->memory, sizeof memory);
     now.memory = memory;

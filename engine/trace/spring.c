@@ -112,6 +112,12 @@ static real energy_of(const Swing *s, real longer, real rate)
     return 0.5 * (s->row.stiffness * longer * longer + rate * rate / s->mobility);
 }
 
+static void speed_up(Group *g, int body, const Swing *s, real side, real more)
+{
+    if (is_free(g, body))
+        g->vel[body].v = vec3_mad(g->vel[body].v, side * g->mass[body].im / s->mobility * more, s->line);
+}
+
 /* way, gain: m and m/s  of the length in the step, but for what the ends do without the spring. */
 static void carry(Group *g, int body, const Swing *s, real side, real way, real gain)
 {
@@ -125,6 +131,15 @@ static void carry(Group *g, int body, const Swing *s, real side, real way, real 
         g->pos[body].q = quat_unit(quat_mul(quat_exp(vec3_scale(h, w)), g->pos[body].q));
 }
 
+static vec3 place_of(const Group *g, int body) { return is_free(g, body) ? g->pos[body].x : vec3_zero(); }
+
+/* m/s  The rate that keeps the energy where places are rounded: of a swing of a ten-millionth of a metre they are known to a billionth. */
+static real kept_rate(const Swing *s, real from, real to, real rate)
+{
+    real square = s->rate * s->rate + s->mobility * s->row.stiffness * (from - to) * (from + to);
+    return square > 0.25 * rate * rate ? copysign(sqrt(square), rate) : rate;
+}
+
 static void swing(Group *g, const Swing *s)
 {
     GroupJoint *j = &g->joints[0];
@@ -134,8 +149,17 @@ static void swing(Group *g, const Swing *s)
     real to = from * even + (s->rate + b * from) * odd, rate = s->rate * even - (b * s->rate + w2 * from) * odd;
     real gain = rate - s->rate - h * s->pull;
     real way = to - from - h * (s->rate + 0.5 * h * s->pull);
+    vec3 apart = vec3_sub(place_of(g, j->a), place_of(g, j->b));
     carry(g, j->a, s, 1, way, gain);
     carry(g, j->b, s, -1, way, gain);
+    if (!(s->row.damping > 0)) {
+        to = from + vec3_dot(s->line, vec3_sub(vec3_sub(place_of(g, j->a), place_of(g, j->b)), apart));
+        real more = kept_rate(s, from, to, rate) - rate;
+        speed_up(g, j->a, s, 1, more);
+        speed_up(g, j->b, s, -1, more);
+        rate += more;
+        gain += more;
+    }
     memset(j->force, 0, sizeof j->force);
     j->force[s->row.slot] = -k * (middle + to) - s->row.damping * rate;
     j->impulse = vec3_mad(j->impulse, gain / s->mobility, s->line);
