@@ -529,8 +529,10 @@ void group_turn(Group *g, int i, vec3 mean_w);  /* turns the body on through the
 /* project.c: position errors are removed without touching velocities */
 void project(Group *g);
 void project_back(Group *g);    /* the gaps only: the poses are the caller's. Not those that were looked at anew since */
-/* squeeze.c: of the contacts there are now */
-void group_squeeze(Group *g);
+/* squeeze.c: of the contacts there are now. Rows that are eased press no more than they must: what friction holds would be let slip. */
+typedef enum Jaws { JAWS_SLIP = 1, JAWS_RUB = 2, JAWS_ALL = 3 } Jaws;
+void group_squeeze(Group *g, Jaws which);
+real squeeze_missing(const Group *g);                   /* m/s  what rows ask for that cannot be */
 bool squeeze_possible(const Group *g);                  /* is it worth looking? */
 static inline Squeeze squeeze_of(const Group *g, int contact) { return g->squeezes ? g->squeezed[contact] : (Squeeze){0, 0}; }
 static inline bool is_squeezed(const Group *g, int contact) { return g->squeezes && g->squeezed[contact].rate + g->squeezed[contact].depth > 0; }

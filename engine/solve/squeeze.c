@@ -73,9 +73,11 @@ static bool before(const GroupContact *c, vec3 p, vec3 n, real near)
 }
 
 /* Two contacts of one body. */
-static void squeeze(Group *g, int i, int j, int body)
+static void squeeze(Group *g, int i, int j, int body, Jaws which)
 {
     const GroupContact *c = &g->contacts[i], *d = &g->contacts[j];
+    if (!(which & (g->pairs[c->pair].friction > 0 && g->pairs[d->pair].friction > 0 ? JAWS_RUB : JAWS_SLIP)))
+        return;
     vec3 n = inward(c, body), p = mean_point(c), q = mean_point(d);
     real size = real_min(g->pairs[c->pair].size, g->pairs[d->pair].size), deep = deepest(c) + deepest(d);
     if (vec3_dot(n, inward(d, body)) > OPPOSITE || deep < -g->touch * size)
@@ -107,7 +109,7 @@ bool squeeze_possible(const Group *g)
     return false;
 }
 
-void group_squeeze(Group *g)
+void group_squeeze(Group *g, Jaws which)
 {
     g->squeezes = false;
     if (!g->squeezed || !squeeze_possible(g))
@@ -119,6 +121,14 @@ void group_squeeze(Group *g)
             continue;
         for (int j = 0; j < g->contact_count; j++)
             if (j != i && g->contacts[j].live && pressed_of(g, &g->contacts[j]) == body)
-                squeeze(g, i, j, body);
+                squeeze(g, i, j, body, which);
     }
+}
+
+real squeeze_missing(const Group *g)
+{
+    real most = 0;
+    for (int i = 0; i < g->contact_count && g->squeezes; i++)
+        most = real_max(most, 2 * g->squeezed[i].rate);
+    return most;
 }

@@ -413,6 +413,7 @@ static dig_status reserve(Group *g)
 static void measure(Group *g)
 {
     g->joint_error = 0;
+    g->residual = real_max(g->residual, squeeze_missing(g));
     for (int i = 0; i < g->contact_count; i++)
         for (int k = 0; g->contacts[i].live && k < g->contacts[i].manifold.count; k++)
             g->penetration = real_max(g->penetration, -g->contacts[i].manifold.points[k].gap);
@@ -537,7 +538,7 @@ static void begin(Group *g, real part, bool all)
     g->events_left = group_events(g);
     g->h = g->heal_over = part;
     group_touch(g, part, all);
-    group_squeeze(g);
+    group_squeeze(g, JAWS_SLIP);
     if (g->locate)
         impacts(g);
 }
@@ -557,7 +558,7 @@ static dig_status sweep_until(Group *g, real dt, real until)
         if (worst >= 0)
             group_part(g, worst, share);
         group_touch(g, part, true);
-        group_squeeze(g);
+        group_squeeze(g, JAWS_SLIP);
         if (g->locate)
             impacts(g);
         if (g->status != DIG_OK)

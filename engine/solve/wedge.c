@@ -7,6 +7,7 @@
 #include "solve/group.h"
 
 #define HEAL_SPEED 3.0          /* m/s per sqrt(m): as in project.c */
+#define SLIPS 1e-6              /* of the size in a step */
 #define SINKS 1e-9              /* of the size: by less it does not go into what else it touches */
 
 static bool still(const Group *g, int body) { return vec3_is_zero(g->vel[body].v) && vec3_is_zero(g->vel[body].w); }
@@ -44,6 +45,22 @@ static real deepest(const GroupContact *c)
     for (int k = 0; k < c->manifold.count; k++)
         depth = real_max(depth, -c->manifold.points[k].gap);
     return depth;
+}
+
+/* Do they move alike, but for what squeezes? What glides past the other would make it roll, or lets it slip. */
+static bool move_alike(const Group *g, const int jaw[2])
+{
+    vec3 v[2], w[2], n = g->contacts[jaw[0]].manifold.normal;
+    real size = g->pairs[g->contacts[jaw[0]].pair].size;
+    for (int k = 0; k < 2; k++) {
+        const GroupContact *at = &g->contacts[jaw[k]];
+        int by = at->a == 0 ? at->b : at->a;
+        w[k] = g->vel[by].w;
+        v[k] = vec3_add(g->vel[by].v, vec3_cross(w[k], vec3_sub(g->pos[0].x, g->pos[by].x)));
+    }
+    vec3 off = vec3_sub(v[1], v[0]);
+    real slips = vec3_length(vec3_mad(off, -vec3_dot(n, off), n)) + size * vec3_distance(w[0], w[1]);
+    return slips * g->world->def.step <= SLIPS * size;
 }
 
 /* How they move it: by this speed, and in this step by `heals` more. */
@@ -136,8 +153,8 @@ static dig_status advance(Group *g, real dt)
     g->squeezed = arena_alloc(g->arena, (size_t)(g->contact_count + 1) * sizeof *g->squeezed);
     if (!g->squeezed || !group_keep(g, &kept))
         return DIG_E_MEMORY;
-    group_squeeze(g);
-    bool goes = g->squeezes && find_jaws(g, jaw);
+    group_squeeze(g, JAWS_RUB);
+    bool goes = g->squeezes && find_jaws(g, jaw) && move_alike(g, jaw);
     if (goes) {
         g->h = dt;
         DIG_TRY(group_forces(g));
@@ -153,6 +170,7 @@ static dig_status advance(Group *g, real dt)
             book(g, jaw, energy_of(g) - before, dt);
         }
     }
+    real missing = squeeze_missing(g);
     g->squeezes = false;
     if (!goes) {
         group_put_back(g, &kept);
@@ -160,6 +178,7 @@ static dig_status advance(Group *g, real dt)
         return DIG_OK;
     }
     g->evaluations = g->substeps = 1;
+    g->residual = missing;
     g->t = dt;
     return g->stage(g, STAGE_SETTLE);
 }

@@ -50,7 +50,7 @@ bool trace_squeezed(Tracer *t)
     if (!g->squeezed)
         g->status = DIG_E_MEMORY;
     else
-        group_squeeze(g);
+        group_squeeze(g, JAWS_ALL);
     bool any = g->squeezes;
     g->squeezes = false;
     for (int i = 0; i < g->contact_count && any && !t->fault; i++)

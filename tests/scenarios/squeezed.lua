@@ -49,3 +49,14 @@ test.each_accuracy("a lid that glides over a box takes no hold of it, a slab pre
   expect(v:stats().penetration):below(0.01)
   expect(math.abs(slab.spin.z)):above(0.05)
 end)
+
+-- Pressed down by 1 mm/s, a plate that goes on at 1 m/s rolls it along.
+test.each_accuracy("a ball between the floor and a plate that glides and presses rolls", function(s, accuracy)
+  local w = s:world { accuracy = accuracy }
+  w:floor { friction = 0.6 }
+  local ball = w:ball { radius = 0.5, mass = 1, friction = 0.6, at = { 0, 0.5, 0 } }
+  w:box { kinematic = true, size = { 40, 1, 4 }, at = { 0, 1.5, 0 }, velocity = { 1, -1e-3, 0 }, friction = 0.6 }
+  w:run(1)
+  expect(ball.velocity.x):near(0.5, 0.05)
+  expect(ball.spin.z):near(-1, 0.1)
+end)
