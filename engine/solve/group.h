@@ -159,6 +159,7 @@ typedef struct GroupPair {
     int      strike_first, strike;      /* its first and last entry of strikes + 1; 0 = none */
     bool     struck;            /* an impact happened in this step  */
     bool     meets;             /* in this substep, whatever it looks like at its start */
+    uint8_t  presses;           /* bits: at which points it presses as it did before, in this substep */
     bool     fresh;             /* the manifold must be made anew  */
     bool     was_touching;      /* at the end of the last step     */
     bool     touching;          /* of this one, by group_judge     */

@@ -57,12 +57,18 @@ static real healed_by(const Group *g, int body)
     return vec3_distance(g->pos[body].x, m->start_pos.x) + 2 * m->rim * vec3_length((vec3){turn.x, turn.y, turn.z});
 }
 
-/* What had no contact is farther apart than that looked for; and balls around the shapes say more of what is far. */
-static bool cannot_meet(const Group *g, const GroupPair *q, const Motion *a, const Motion *b)
+/* m  How far points of a pair may move against each other in this substep. */
+static real most_travel(const Group *g, const GroupPair *q, const Motion *a, const Motion *b)
 {
     real h = g->h;
     vec3 v = vec3_sub(b->v, a->v), acc = vec3_sub(b->a, a->a);
-    real travel = vec3_length(v) * h + 0.5 * vec3_length(acc) * h * h + rim_travel(g, q->a, a) + rim_travel(g, q->b, b);
+    return vec3_length(v) * h + 0.5 * vec3_length(acc) * h * h + rim_travel(g, q->a, a) + rim_travel(g, q->b, b);
+}
+
+/* What had no contact is farther apart than that looked for; and balls around the shapes say more of what is far. */
+static bool cannot_meet(const Group *g, const GroupPair *q, const Motion *a, const Motion *b)
+{
+    real travel = most_travel(g, q, a, b);
     if (q->contacts == 1 && g->contacts[q->contact].manifold.count == 0 && !seam_near(g, q) &&
         travel + healed_by(g, q->a) + healed_by(g, q->b) < q->reach)
         return true;
@@ -87,12 +93,6 @@ static real meeting(const Group *g, const GroupPair *q, const Motion *a, const M
     if (!(speed > g->close_speed))
         return INFINITY;
     return gap > 0 ? t + gap / speed : t;       /* Newton's last step: from the tolerance to the rounding error */
-}
-
-static real locate_apart(const Group *g, const GroupPair *q)
-{
-    Motion a = shape_motion(g, q->a, pair_local(q, false)), b = shape_motion(g, q->b, pair_local(q, true));
-    return cannot_meet(g, q, &a, &b) ? INFINITY : meeting(g, q, &a, &b, g->h);
 }
 
 /* Where two shapes move, with their centres of mass at the start. */
@@ -171,9 +171,49 @@ static real locate_other_end(const Group *g, const GroupPair *q, const Meeting *
     return from + meeting(g, q, &a, &b, g->h - from);
 }
 
+static real locate_apart(const Group *g, const GroupPair *q, const Meeting *m)
+{
+    return cannot_meet(g, q, &m->a, &m->b) ? INFINITY : meeting(g, q, &m->a, &m->b, g->h);
+}
+
+/* Points that pressed before, and still do after the solve, lie on each other, though rows that hold for a substep let a gap of h^2 grow where
+ * bodies turn: they close slower than a blow. */
+static void mark_pressed(Group *g)
+{
+    for (int i = 0; i < g->pair_count; i++)
+        g->pairs[i].presses = 0;
+    for (int i = 0; i < g->point_count; i++) {
+        const PointRow *r = &g->points[i];
+        const GroupContact *c = &g->contacts[r->contact];
+        if (r->jn > 0 && contact_memory(c)[r->point].held > 0 && c->manifold.points[r->point].gap < g->close_speed * g->h)
+            g->pairs[c->pair].presses |= (uint8_t)(1 << r->point);
+    }
+}
+
+/* m  By how much the turn of a body bends the way of a point in this substep. */
+static real bent(const Group *g, int body, const Motion *m)
+{
+    real turn = 0.5 * g->h * g->h * vec3_length2(m->w);
+    return turn > 0 ? turn * g->member[body].rim : 0;
+}
+
+/* Does it press, and stay open where it does not, so that nobody need follow it? What is no point of the contact is farther than that looked for. */
+static bool presses_on(const Group *g, const GroupPair *q, const Meeting *m)
+{
+    const GroupManifold *known = &g->contacts[q->contact].manifold;
+    real healed = healed_by(g, q->a) + healed_by(g, q->b), off = bent(g, q->a, &m->a) + bent(g, q->b, &m->b) + healed;
+    if (!q->presses || q->contacts != 1 || !(most_travel(g, q, &m->a, &m->b) + healed < q->reach))
+        return false;
+    for (int k = 0; k < known->count; k++)
+        if (!(q->presses >> k & 1) && !(known->points[k].gap + g->h * parts_with(m, known->normal, &known->points[k]) > off))
+            return false;
+    return true;
+}
+
 real locate_impact(Group *g)
 {
     real first = INFINITY;
+    mark_pressed(g);
     for (int i = 0; i < g->pair_count; i++) {
         const GroupPair *q = &g->pairs[i];
         const Member *ma = &g->member[q->a], *mb = &g->member[q->b];
@@ -184,11 +224,11 @@ real locate_impact(Group *g)
         for (int k = q->contact; k < q->contact + q->contacts; k++)
             for (int p = 0; g->contacts[k].live && p < g->contacts[k].manifold.count; p++)
                 touching = touching || g->contacts[k].manifold.points[p].gap <= tolerance;
+        Meeting m = meeting_of(g, q);
         if (!touching) {
-            first = real_min(first, locate_apart(g, q));
+            first = real_min(first, presses_on(g, q, &m) ? INFINITY : locate_apart(g, q, &m));
             continue;
         }
-        Meeting m = meeting_of(g, q);
         first = real_min(first, locate_points(g, q, &m, tolerance));
         first = real_min(first, locate_other_end(g, q, &m, tolerance));
     }
