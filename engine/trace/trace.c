@@ -543,7 +543,7 @@ static bool one_step(Tracer *t)
     return true;
 }
 
-/* So many evaluations for so little of the frame: the place is better passed than followed. */
+/* So many evaluations for so little of the frame: the place is better passed than followed, or, in a plan without passes, the frame is lost. */
 static bool crawls(Tracer *t)
 {
     if (t->g->evaluations - t->mark_work <= CRAWL_WORK * t->work)
@@ -551,7 +551,7 @@ static bool crawls(Tracer *t)
     bool slow = t->t - t->mark < CRAWL * t->end;
     t->mark_work = t->g->evaluations;
     t->mark = t->t;
-    return slow && t->passes < t->g->plan->trace_passes;
+    return slow && (t->passes < t->g->plan->trace_passes || t->g->plan->trace_passes == 0);
 }
 
 static bool over_budget(Tracer *t)
