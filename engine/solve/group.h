@@ -149,6 +149,7 @@ static inline PointMemory *contact_memory(const GroupContact *c) { return (Point
 typedef struct Squeeze {
     real rate;                  /* m/s  it gives way by             */
     real depth;                 /* m    so deep it may stay         */
+    int      next;              /* of the contacts by which the same body is pressed, < 0: none */
 } Squeeze;
 
 typedef struct GroupPair {
@@ -266,6 +267,7 @@ struct Group {
     real      finest;           /* m   group_judge: size of the smallest solid in a pair; INFINITY: there is no pair */
     GroupContact *contacts; int contact_count;
     Squeeze  *squeezed;         /* [contact_count], if anything squeezes; NULL: not looked for */
+    int      *pressed;          /* [body_count] a body's first of these */
     bool      squeezes;
     real     *places;       int place_count;    /* of each contact, room for its points first, then for their memories; then of its pair, for
                                                          * a hint, unless with a ball; of those that came in later elsewhere */
@@ -532,10 +534,11 @@ void project(Group *g);
 void project_back(Group *g);    /* the gaps only: the poses are the caller's. Not those that were looked at anew since */
 /* squeeze.c: of the contacts there are now. Rows that are eased press no more than they must: what friction holds would be let slip. */
 typedef enum Jaws { JAWS_SLIP = 1, JAWS_RUB = 2, JAWS_ALL = 3 } Jaws;
+dig_status squeeze_open(Group *g);                      /* room for what it finds */
 void group_squeeze(Group *g, Jaws which);
 real squeeze_missing(const Group *g);                   /* m/s  what rows ask for that cannot be */
 bool squeeze_possible(const Group *g);                  /* is it worth looking? */
-static inline Squeeze squeeze_of(const Group *g, int contact) { return g->squeezes ? g->squeezed[contact] : (Squeeze){0, 0}; }
+static inline Squeeze squeeze_of(const Group *g, int contact) { return g->squeezes ? g->squeezed[contact] : (Squeeze){0, 0, -1}; }
 static inline bool is_squeezed(const Group *g, int contact) { return g->squeezes && g->squeezed[contact].rate + g->squeezed[contact].depth > 0; }
 /* locate.c: s into the substep of the first impact, or INFINITY */
 real locate_impact(Group *g);

@@ -85,12 +85,14 @@ static void squeeze(Group *g, int i, int j, int body, Jaws which)
     if (!before(d, p, n, BEFORE * size) && !before(c, q, n, BEFORE * size))
         return;
     real rate = presses_by(g, c, body, p) + presses_by(g, d, body, q);
-    Squeeze by = {rate * g->world->def.step > SLOW * size ? 0.5 * rate : 0, deep > DEEP * size ? 0.5 * deep : 0};
-    Squeeze *to[2] = {&g->squeezed[i], &g->squeezed[j]};
-    if (by.rate + by.depth <= 0)
+    real yields = rate * g->world->def.step > SLOW * size ? 0.5 * rate : 0, heals = deep > DEEP * size ? 0.5 * deep : 0;
+    if (yields + heals <= 0)
         return;
-    for (int k = 0; k < 2; k++)
-        *to[k] = (Squeeze){real_max(to[k]->rate, by.rate), real_max(to[k]->depth, by.depth)};
+    for (int k = 0; k < 2; k++) {
+        Squeeze *to = &g->squeezed[k ? j : i];
+        to->rate = real_max(to->rate, yields);
+        to->depth = real_max(to->depth, heals);
+    }
     g->squeezes = true;
 }
 
@@ -109,18 +111,31 @@ bool squeeze_possible(const Group *g)
     return false;
 }
 
+dig_status squeeze_open(Group *g)
+{
+    g->squeezed = arena_alloc(g->arena, (size_t)(g->contact_count + 1) * sizeof *g->squeezed);
+    g->pressed = arena_alloc(g->arena, (size_t)g->body_count * sizeof *g->pressed);
+    return g->squeezed && g->pressed ? DIG_OK : DIG_E_MEMORY;
+}
+
 void group_squeeze(Group *g, Jaws which)
 {
     g->squeezes = false;
     if (!g->squeezed || !squeeze_possible(g))
         return;
-    memset(g->squeezed, 0, (size_t)g->contact_count * sizeof *g->squeezed);
+    memset(g->pressed, 0xff, (size_t)g->body_count * sizeof *g->pressed);
+    for (int i = g->contact_count - 1; i >= 0; i--) {
+        int body = g->contacts[i].live ? pressed_of(g, &g->contacts[i]) : -1;
+        g->squeezed[i] = (Squeeze){0, 0, body < 0 ? -1 : g->pressed[body]};
+        if (body >= 0)
+            g->pressed[body] = i;
+    }
     for (int i = 0; i < g->contact_count; i++) {
         int body = g->contacts[i].live ? pressed_of(g, &g->contacts[i]) : -1;
         if (body < 0 || !may_squeeze(g, &g->contacts[i]))
             continue;
-        for (int j = 0; j < g->contact_count; j++)
-            if (j != i && g->contacts[j].live && pressed_of(g, &g->contacts[j]) == body)
+        for (int j = g->pressed[body]; j >= 0; j = g->squeezed[j].next)
+            if (j != i)
                 squeeze(g, i, j, body, which);
     }
 }

@@ -405,9 +405,9 @@ static dig_status reserve(Group *g)
     g->rolls = arena_alloc(g->arena, (size_t)(g->contact_count + 1) * sizeof *g->rolls);
     g->blocks = arena_alloc(g->arena, (size_t)(g->joint_count + 1) * sizeof *g->blocks);
     g->rows = arena_alloc(g->arena, (size_t)(g->joint_count * JOINT_SLOTS + 1) * sizeof *g->rows);
-    g->squeezed = arena_alloc(g->arena, (size_t)(g->contact_count + 1) * sizeof *g->squeezed);
+    DIG_TRY(squeeze_open(g));
     g->strikes = arena_alloc(g->arena, (size_t)(g->strike_capacity + 1) * sizeof *g->strikes);
-    return g->points && g->rolls && g->blocks && g->rows && g->squeezed && g->strikes ? DIG_OK : DIG_E_MEMORY;
+    return g->points && g->rolls && g->blocks && g->rows && g->strikes ? DIG_OK : DIG_E_MEMORY;
 }
 
 static void measure(Group *g)

@@ -150,8 +150,8 @@ static dig_status advance(Group *g, real dt)
 {
     int jaw[2];
     GroupKept kept;
-    g->squeezed = arena_alloc(g->arena, (size_t)(g->contact_count + 1) * sizeof *g->squeezed);
-    if (!g->squeezed || !group_keep(g, &kept))
+    DIG_TRY(squeeze_open(g));
+    if (!group_keep(g, &kept))
         return DIG_E_MEMORY;
     group_squeeze(g, JAWS_RUB);
     bool goes = g->squeezes && find_jaws(g, jaw) && move_alike(g, jaw);

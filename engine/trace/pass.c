@@ -46,11 +46,10 @@ bool trace_squeezed(Tracer *t)
     Group *g = t->g;
     if (!g->driven || !squeeze_possible(g))
         return false;
-    g->squeezed = arena_alloc(g->arena, (size_t)(g->contact_count + 1) * sizeof *g->squeezed);
-    if (!g->squeezed)
-        g->status = DIG_E_MEMORY;
-    else
+    if (squeeze_open(g) == DIG_OK)
         group_squeeze(g, JAWS_ALL);
+    else
+        g->status = DIG_E_MEMORY;
     bool any = g->squeezes;
     g->squeezes = false;
     for (int i = 0; i < g->contact_count && any && !t->fault; i++)
