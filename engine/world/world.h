@@ -530,8 +530,9 @@ static inline ContactRest contact_rest(const World *w, uint32_t slot)
 
 static inline void contact_rest_set(World *w, uint32_t slot, ContactRest rest)
 {
+    static const ContactRest none;      /* -0 is another number: the checksum knows it */
     Contact *c = &w->contacts.data[slot];
-    c->rests = rest.lost != 0 || !vec3_is_zero(rest.rolling);
+    c->rests = memcmp(&rest, &none, sizeof none) != 0;
     if (c->rests)
         w->contact_rest.data[slot] = rest;
 }
