@@ -66,9 +66,18 @@ static bool move_alike(const Group *g, const int jaw[2])
 /* How they move it: by this speed, and in this step by `heals` more. */
 typedef struct Carried { Vel vel; vec3 heals; } Carried;
 
+/* m  What turns takes it round, not along the tangent: that would let it out of turning jaws by half the square of their turn in each step. */
+static vec3 bend(vec3 w, vec3 arm, real dt)
+{
+    if (vec3_is_zero(w))
+        return vec3_zero();
+    return vec3_sub(quat_rotate(quat_exp(vec3_scale(dt, w)), arm), vec3_mad(arm, dt, vec3_cross(w, arm)));
+}
+
 static Carried carried_by(const Group *g, const int jaw[2], real dt)
 {
     Carried c = {0};
+    vec3 bends = vec3_zero();
     real depth[2], size = INFINITY;
     for (int k = 0; k < 2; k++) {
         const GroupContact *at = &g->contacts[jaw[k]];
@@ -76,12 +85,13 @@ static Carried carried_by(const Group *g, const int jaw[2], real dt)
         vec3 arm = vec3_sub(g->pos[0].x, g->pos[by].x);
         c.vel.v = vec3_mad(c.vel.v, 0.5, vec3_add(g->vel[by].v, vec3_cross(g->vel[by].w, arm)));
         c.vel.w = vec3_mad(c.vel.w, 0.5, g->vel[by].w);
+        bends = vec3_mad(bends, 0.5, bend(g->vel[by].w, arm, dt));
         depth[k] = deepest(at);
         size = real_min(size, g->pairs[at->pair].size);
     }
     const GroupContact *first = &g->contacts[jaw[0]];
     real most = HEAL_SPEED * sqrt(size) * dt, side = first->b == 0 ? 1 : -1;
-    c.heals = vec3_scale(side * real_clamp(0.5 * (depth[0] - depth[1]), -most, most), first->manifold.normal);
+    c.heals = vec3_mad(bends, side * real_clamp(0.5 * (depth[0] - depth[1]), -most, most), first->manifold.normal);
     return c;
 }
 

@@ -60,3 +60,16 @@ test.each_accuracy("a ball between the floor and a plate that glides and presses
   expect(ball.velocity.x):near(0.5, 0.05)
   expect(ball.spin.z):near(-1, 0.1)
 end)
+
+-- Each plate takes it round the axis of the gripper; on the tangent it would get out by half the square of the turn of a step, in each.
+test.each_accuracy("what a gripper that turns holds goes round with it", function(s, accuracy)
+  for _, spin in ipairs { 0.5, 6 } do
+    local w = s:world { accuracy = accuracy, gravity = { 0, 0, 0 } }
+    local grip = w:body { kinematic = true, friction = 0.8, spin = { 0, spin, 0 }, parts = {
+      digbox.box { size = { 4, 0.2, 1 }, at = { 1.5, 0.59, 0 } }, digbox.box { size = { 4, 0.2, 1 }, at = { 1.5, -0.59, 0 } } } }
+    local box = w:box { size = 1, mass = 1, friction = 0.8, at = { 1.5, 0, 0 }, velocity = { 0, 0, -1.5 * spin }, spin = { 0, spin, 0 } }
+    w:run(1)
+    expect(grip.rotation:inverse():rotate(box.position)):near({ 1.5, 0, 0 }, 1e-9)
+    expect(#box.velocity):near(1.5 * spin, 1e-9)
+  end
+end)
