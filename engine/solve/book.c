@@ -65,7 +65,8 @@ static void book_point(Group *g, PointRow *r, const Means *means)
     c->manifold.slides = r->slides;
     /* where impacts are not located, a fast approach that ends in this substep is one */
     if (!g->locate && r->jn > 0 && -r->rate_before > group_blow_speed(g)) {
-        g->member[r->a].collided = g->member[r->b].collided = true;
+        group_note_blow(g, r->a);
+        group_note_blow(g, r->b);
         strike_report(g, r, -r->rate_before);
     }
     real lost = book_dir(g, &r->n, means, r->jn) + book_dir(g, &r->t[0], means, r->jt[0]) + book_dir(g, &r->t[1], means, r->jt[1]);

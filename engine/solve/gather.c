@@ -76,6 +76,7 @@ static void gather_body(Group *g, int i, uint32_t slot, bool awake)
     Member *m = &g->member[i];
     memset(m, 0, sizeof *m);
     m->slot = slot;
+    m->struck = (box3){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
     g->push_work[i] = 0;
     if (slot == NONE) {
         static const mat3 none = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};

@@ -527,6 +527,7 @@ bool direct_joints(Group *g);           /* should joints and contacts be solved 
 real direct_wanted(const Group *g);     /* m/s  sweeps that stop above this are to be followed by direct_solve; 0 = never */
 /* turn.c */
 vec3 group_swerve(const Group *g, int i);        /* rad/s  Member.swerve, from the velocities before the substep */
+void group_note_blow(Group *g, int body);       /* impact.c: where it is it was struck */
 quat member_turned(const Member *m, quat q, vec3 l, real h);    /* after h seconds free of torque, with angular momentum l */
 void group_turn(Group *g, int i, vec3 mean_w);  /* turns the body on through the substep */
 /* project.c: position errors are removed without touching velocities */

@@ -173,11 +173,11 @@ static void book_strike(Group *g, const PointRow *r, const real before[3])
 }
 
 /* Between its blows it goes straight on, or nearly so. */
-static void note_place(Group *g, int body)
+void group_note_blow(Group *g, int body)
 {
     Member *m = &g->member[body];
     vec3 x = g->pos[body].x;
-    m->struck = m->collided ? (box3){vec3_min(m->struck.low, x), vec3_max(m->struck.high, x)} : (box3){x, x};
+    m->struck = box3_union(m->struck, (box3){x, x});
     m->collided = true;
 }
 
@@ -194,8 +194,8 @@ static void note_strike(Group *g, const PointRow *r, real speed)
     c->last = g->t;
     if (speed > 0.1 * g->close_speed)
         contact_memory(c)[r->point].held = 0;   /* if it bounces, it flies; if not, the next substep holds it */
-    note_place(g, c->a);
-    note_place(g, c->b);
+    group_note_blow(g, c->a);
+    group_note_blow(g, c->b);
     for (int k = 0; k < 2; k++) {
         Member *m = &g->member[k ? c->b : c->a];
         if (m->dormant)

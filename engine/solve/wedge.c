@@ -24,19 +24,22 @@ static bool suits(const Group *g)
     return squeeze_possible(g);
 }
 
-/* The two contacts that squeeze; false: there are others, or one lets slip. */
+/* The two contacts that squeeze; false: there are others, or one lets slip, or nobody drives them: what was made a little too wide for its place
+ * between two that are fixed is not held there. */
 static bool find_jaws(const Group *g, int jaw[2])
 {
     int n = 0;
+    bool driven = false;
     for (int i = 0; i < g->contact_count; i++) {
         const GroupContact *c = &g->contacts[i];
         if (!is_squeezed(g, i))
             continue;
         if (n == 2 || !(g->pairs[c->pair].friction > 0) || g->pairs[c->pair].fresh)
             return false;
+        driven = driven || g->member[c->a].kinematic || g->member[c->b].kinematic;
         jaw[n++] = i;
     }
-    return n == 2;
+    return n == 2 && driven;
 }
 
 static real deepest(const GroupContact *c)

@@ -126,7 +126,7 @@ static bool look_at(const World *w, Pair *p)
 {
     static const Body none;     /* the world itself is nowhere else, and what does not move is as good as that */
     const Body *a = p->dynamic_a ? &w->bodies.data[p->body_a] : &none, *b = p->dynamic_b ? &w->bodies.data[p->body_b] : &none;
-    bool keeps = p->dynamic_a ? a->listed : !is_listed(w, p->body_a);
+    bool keeps = p->pieces ? false : p->dynamic_a ? a->listed : !is_listed(w, p->body_a);
     keeps = keeps && (p->dynamic_b ? b->listed : !is_listed(w, p->body_b)) && (p->dynamic_a || p->dynamic_b);
     real roam = a->roam + b->roam;
     if (keeps && roam < p->met_until)

@@ -213,6 +213,8 @@ static uint8_t sense_body(const Sensing *n, Body *b, Speed v, real roam)
         Solid *s = &w->solids.data[k];
         found |= (uint8_t)((find_reach(w, s, b, v, n->dt) ? STRAYED : 0) | (far > 0.9 * s->shape.inner ? FAST : 0) | (plane_new(w, k) ? LANDS : 0));
         astray = astray || s->astray > 0;
+        if (s->shape.type->pieces)  /* its box is that of another box, turned, whose corners get farther than it does */
+            room = 0;
         if (room > 0)
             room = real_min(room, room_of(w, k, b, n->dt));
     }
@@ -234,6 +236,7 @@ static void sense_share(void *context, int thread, int threads)
             find_pull(b, n->gravity);
         Speed v = speed_of(b);
         real roam = b->travel + n->dt * (v.way + v.turn * b->outer);
+        b->alone = false;
         b->kept = n->keeps && roam < b->lies && !(found & INSANE);
         if (b->kept)
             b->roam = roam;
@@ -334,7 +337,7 @@ static void spread_from(World *w, uint32_t solid, const Body *striker, real dt)
 static bool flies_alone(const World *w, const Body *b, uint32_t slot)
 {
     if (b->kind != DIG_DYNAMIC || b->joint_first != NONE || graph_fellows(w->graph, graph_lead(w->graph, slot)) != 1 ||
-        w->awake.count > accuracy_plan(w->accuracy)->crowd_total)
+        w->debt.pause > 0 || w->awake.count + w->near.count > accuracy_plan(w->accuracy)->crowd_total)
         return false;
     for (uint32_t i = b->shape_first; i != NONE; i = w->solids.data[i].next) {
         const Solid *s = &w->solids.data[i];
@@ -351,7 +354,8 @@ static bool flies_alone(const World *w, const Body *b, uint32_t slot)
 
 static void spread_speed(World *w, uint32_t slot, real dt)
 {
-    if (flies_alone(w, &w->bodies.data[slot], slot))
+    w->bodies.data[slot].alone = flies_alone(w, &w->bodies.data[slot], slot);
+    if (w->bodies.data[slot].alone)
         return;
     real far = dt * point_speed(&w->bodies.data[slot], speed_of(&w->bodies.data[slot]), dt);
     for (uint32_t s = w->bodies.data[slot].shape_first; s != NONE; s = w->solids.data[s].next)

@@ -71,12 +71,12 @@ static box3 way_alone(const World *w, const Group *g, int member, const Solid *s
     return (box3){vec3_add(way.low, low), vec3_add(way.high, high)};
 }
 
-/* Alone, and so fast that it might pass through something within the step. */
+/* Thought to be alone, whoever is in its group now, and so fast that it might pass through something within the step. */
 static bool alone(const World *w, const Group *g, int member, const Solid *s)
 {
-    if (g->crowd || g->moving_count != 1 || g->joint_count > 0)
-        return false;
     const Body *b = &w->bodies.data[g->member[member].slot];
+    if (!b->alone || g->crowd)
+        return false;
     real far = w->def.step * (vec3_length(b->v) + vec3_length(b->w) * b->rim + b->pull * w->def.step);
     return far > 0.9 * s->shape.inner;
 }

@@ -150,7 +150,8 @@ static void strike(Billiard *b, int pair, real time)
         c->last = time;
         c->lost += lost;
         g->lost += lost;
-        g->member[q->a].collided = g->member[q->b].collided = true;
+        group_note_blow(g, q->a);
+        group_note_blow(g, q->b);
         strike_report(g, &(PointRow){.contact = q->contact, .jn = j}, -rate);
         g->located++;
         g->events++;

@@ -58,8 +58,9 @@ typedef struct Body {           /* what every step reads comes first            
     bool     alive, awake, collides, out;   /* out: already reported out of the world  */
     bool     listed;            /*        in world->awake                              */
     bool     paired;            /*        listed, and its pairs are in world->near     */
-    bool     rests;             /*        in world->rest there is something of it      */
-    bool     kept;              /*        the reaches of its solids are of an earlier step: see solid_reach */
+    bool     rests : 1;         /*        in world->rest there is something of it      */
+    bool     alone : 1;         /*        fast, and looked at as if nothing that moves could meet it: flies_alone in step/sense.c */
+    bool     kept : 1;          /*        the reaches of its solids are of an earlier step: see solid_reach */
     dig_body_kind kind;
     dig_mode mode;
     uint32_t shape_first;       /* list through Solid.next                             */
