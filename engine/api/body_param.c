@@ -97,8 +97,7 @@ static dig_status do_set(World *w, dig_body handle, const char *name, const void
     else if (strcmp(name, "gravity_scale") == 0) {
         b->gravity_scale = *number;
         b->lies = -1;
-    }
-    else if (strcmp(name, "group") == 0)
+    } else if (strcmp(name, "group") == 0)
         b->group = *(const int64_t *)value;
     else if (strcmp(name, "integrator") == 0)
         set_integrator(b, *(const int64_t *)value);

@@ -114,7 +114,8 @@ static void pack_body(Pack *p, World *w, Body *b)
         pack_mover(p, b, &rest);
     else if (p->reading)
         b->move_end = -1;
-    body_rest_set(w, b, &rest);
+    if (p->reading)
+        body_rest_set(w, b, &rest);
     pack_u32(p, &b->shape_first);
     pack_u32(p, &b->joint_first);
     pack_last_message(p, w, b);

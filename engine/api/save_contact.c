@@ -44,7 +44,8 @@ static void pack_contact(Pack *p, World *w, Contact *c)
     uint32_t slot = (uint32_t)(c - w->contacts.data);
     vec3 rolling = contact_rest(w, slot).rolling;
     pack_vec3(p, &rolling, SAVE_STRONG, "rolling friction of a contact");
-    contact_rest_set(w, slot, (ContactRest){rolling, contact_rest(w, slot).lost});
+    if (p->reading)
+        contact_rest_set(w, slot, (ContactRest){rolling, 0});
     pack_vec3(p, &c->force, SAVE_STRONG, "force of a contact");
     pack_vec3(p, &c->point, SAVE_FAR, "place of a contact");
     pack_bool(p, &c->touching);

@@ -535,6 +535,7 @@ void project(Group *g);
 void project_back(Group *g);    /* the gaps only: the poses are the caller's. Not those that were looked at anew since */
 /* squeeze.c: of the contacts there are now. Rows that are eased press no more than they must: what friction holds would be let slip. */
 typedef enum Jaws { JAWS_SLIP = 1, JAWS_RUB = 2, JAWS_ALL = 3 } Jaws;
+real contact_depth(const GroupContact *c);              /* m  of its deepest point; -INFINITY: it has none */
 dig_status squeeze_open(Group *g);                      /* room for what it finds */
 void group_squeeze(Group *g, Jaws which);
 real squeeze_missing(const Group *g);                   /* m/s  what rows ask for that cannot be */

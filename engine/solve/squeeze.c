@@ -21,7 +21,7 @@ static int pressed_of(const Group *g, const GroupContact *c)
     return g->member[c->a].moves && is_stiff(g, c->b) ? c->a : g->member[c->b].moves && is_stiff(g, c->a) ? c->b : -1;
 }
 
-static real deepest(const GroupContact *c)
+real contact_depth(const GroupContact *c)
 {
     real depth = -INFINITY;
     for (int k = 0; k < c->manifold.count; k++)
@@ -79,7 +79,7 @@ static void squeeze(Group *g, int i, int j, int body, Jaws which)
     if (!(which & (g->pairs[c->pair].friction > 0 && g->pairs[d->pair].friction > 0 ? JAWS_RUB : JAWS_SLIP)))
         return;
     vec3 n = inward(c, body), p = mean_point(c), q = mean_point(d);
-    real size = real_min(g->pairs[c->pair].size, g->pairs[d->pair].size), deep = deepest(c) + deepest(d);
+    real size = real_min(g->pairs[c->pair].size, g->pairs[d->pair].size), deep = contact_depth(c) + contact_depth(d);
     if (vec3_dot(n, inward(d, body)) > OPPOSITE || deep < -g->touch * size)
         return;
     if (!before(d, p, n, BEFORE * size) && !before(c, q, n, BEFORE * size))
@@ -100,7 +100,7 @@ static void squeeze(Group *g, int i, int j, int body, Jaws which)
 static bool may_squeeze(const Group *g, const GroupContact *c)
 {
     bool moves = g->driven && (g->member[c->a].kinematic || g->member[c->b].kinematic);
-    return deepest(c) > (moves ? -g->touch : DEEP) * g->pairs[c->pair].size;
+    return contact_depth(c) > (moves ? -g->touch : DEEP) * g->pairs[c->pair].size;
 }
 
 bool squeeze_possible(const Group *g)

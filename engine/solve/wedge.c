@@ -42,14 +42,6 @@ static bool find_jaws(const Group *g, int jaw[2])
     return n == 2 && driven;
 }
 
-static real deepest(const GroupContact *c)
-{
-    real depth = -INFINITY;
-    for (int k = 0; k < c->manifold.count; k++)
-        depth = real_max(depth, -c->manifold.points[k].gap);
-    return depth;
-}
-
 /* Do they move alike, but for what squeezes? What glides past the other would make it roll, or lets it slip. */
 static bool move_alike(const Group *g, const int jaw[2])
 {
@@ -89,7 +81,7 @@ static Carried carried_by(const Group *g, const int jaw[2], real dt)
         c.vel.v = vec3_mad(c.vel.v, 0.5, vec3_add(g->vel[by].v, vec3_cross(g->vel[by].w, arm)));
         c.vel.w = vec3_mad(c.vel.w, 0.5, g->vel[by].w);
         bends = vec3_mad(bends, 0.5, bend(g->vel[by].w, arm, dt));
-        depth[k] = deepest(at);
+        depth[k] = contact_depth(at);
         size = real_min(size, g->pairs[at->pair].size);
     }
     const GroupContact *first = &g->contacts[jaw[0]];
@@ -137,7 +129,7 @@ static void move(Group *g, const Carried *c, real dt)
 static bool came_through(const Group *g, const int jaw[2], real before)
 {
     for (int i = 0; i < g->contact_count; i++)
-        if (g->contacts[i].live && i != jaw[0] && i != jaw[1] && deepest(&g->contacts[i]) > before + SINKS * g->member[0].outer)
+        if (g->contacts[i].live && i != jaw[0] && i != jaw[1] && contact_depth(&g->contacts[i]) > before + SINKS * g->member[0].outer)
             return false;
     return g->contacts[jaw[0]].live && g->contacts[jaw[1]].live;
 }
@@ -150,7 +142,7 @@ static void book(Group *g, const int jaw[2], real gained, real dt)
         GroupContact *c = &g->contacts[i];
         for (int k = 0; k < c->manifold.room; k++)
             contact_memory(c)[k] = (PointMemory){.held = c->live && k < c->manifold.count ? HELD_SUBSTEPS : 0};
-        g->penetration = c->live ? real_max(g->penetration, deepest(c)) : g->penetration;
+        g->penetration = c->live ? real_max(g->penetration, contact_depth(c)) : g->penetration;
     }
     for (int k = 0; k < 2; k++) {
         g->contacts[jaw[k]].last = dt;
@@ -174,7 +166,7 @@ static dig_status advance(Group *g, real dt)
         Carried c = carried_by(g, jaw, dt);
         real before = energy_of(g), deep = 0, far = dt * vec3_length(c.vel.v) + vec3_length(c.heals);
         for (int i = 0; i < g->contact_count; i++)
-            deep = g->contacts[i].live && !is_squeezed(g, i) ? real_max(deep, deepest(&g->contacts[i])) : deep;
+            deep = g->contacts[i].live && !is_squeezed(g, i) ? real_max(deep, contact_depth(&g->contacts[i])) : deep;
         goes = far < g->pairs[g->contacts[jaw[0]].pair].size && !in_its_way(g, &c, dt);
         if (goes) {
             move(g, &c, dt);

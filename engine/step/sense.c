@@ -68,12 +68,13 @@ static void find_pull(Body *b, real gravity)
     b->pull = pull;
 }
 
-/* Where something pushes; else that of each is found with its reach. */
+/* Of what is pushed; that of others is found with their reach. */
 static void find_pulls(World *w, real gravity)
 {
-    for (int i = 0; i < w->awake.count; i++) {
-        Body *b = &w->bodies.data[w->awake.data[i]];
+    for (int i = 0; i < w->pushes.count; i++) {
+        Body *b = &w->bodies.data[w->pushes.data[i].body];
         find_pull(b, gravity);
+        b->pushed = b->listed;
     }
     for (int i = 0; i < w->pushes.count; i++) {
         const Push *p = &w->pushes.data[i];
@@ -180,7 +181,7 @@ static bool find_reach(World *w, Solid *s, const Body *b, Speed v, real dt)
 enum { STRAYED = 1, FAST = 2, INSANE = 4, UNPAIRED = 8, LANDS = 16 };     /* LANDS: near a plane, of which there is no pair yet */
 
 /* gravity: m/s^2, the strongest; found: [awake]; keeps: reaches may be those of an earlier step. */
-typedef struct Sensing { World *w; real dt, gravity; bool pushed, keeps; uint8_t *found; } Sensing;
+typedef struct Sensing { World *w; real dt, gravity; bool keeps; uint8_t *found; } Sensing;
 
 #define SLOW      0.02          /* outer radii: who gets farther in a step would not lie within the same bounds for long */
 #define TOO_FAR   1e6           /* m: of who has travelled farther, a double forgets what it moves by */
@@ -232,8 +233,9 @@ static void sense_share(void *context, int thread, int threads)
         if (i + FETCH_AHEAD < w->awake.count)
             fetch_soon(&w->bodies.data[w->awake.data[i + FETCH_AHEAD]], offsetof(Body, inertia));
         uint8_t found = (uint8_t)((b->paired ? 0 : UNPAIRED) | (body_sane(b) ? 0 : INSANE));
-        if (!n->pushed)
+        if (!b->pushed)
             find_pull(b, n->gravity);
+        b->pushed = false;
         Speed v = speed_of(b);
         real roam = b->travel + n->dt * (v.way + v.turn * b->outer);
         b->alone = false;
@@ -394,11 +396,10 @@ static dig_status sense_bodies(World *w, real dt, bool keeps)
     int count = w->awake.count;
     if (count == 0)
         return ask_all(w);
-    Sensing n = {w, dt, strongest_gravity(w), w->pushes.count > 0, keeps, arena_alloc(&w->scratch, (size_t)count)};
+    Sensing n = {w, dt, strongest_gravity(w), keeps, arena_alloc(&w->scratch, (size_t)count)};
     if (!n.found)
         return world_fail(w, DIG_E_MEMORY, "not enough memory for %d bodies", count);
-    if (n.pushed)
-        find_pulls(w, n.gravity);
+    find_pulls(w, n.gravity);
     team_deal(team_for(w), sense_share, &n);
     for (int i = 0; i < count; i++) {
         Body *b = &w->bodies.data[w->awake.data[i]];

@@ -60,6 +60,7 @@ typedef struct Body {           /* what every step reads comes first            
     bool     paired;            /*        listed, and its pairs are in world->near     */
     bool     rests : 1;         /*        in world->rest there is something of it      */
     bool     alone : 1;         /*        fast, and looked at as if nothing that moves could meet it: flies_alone in step/sense.c */
+    bool     pushed : 1;        /*        its pull is found already                    */
     bool     kept : 1;          /*        the reaches of its solids are of an earlier step: see solid_reach */
     dig_body_kind kind;
     dig_mode mode;

@@ -52,6 +52,10 @@ local acts = {
   end,
   ["a hit"] = at(60, function(w) w:find("box 7 3"):hit{impulse = {0, 0, 9000}} end),
   ["put elsewhere"] = at(60, function(w) w:find("box 2 5"):teleport{ at = { 6.9, 5.5, 0 } } end),
+  ["put down just above"] = at(60, function(w) w:find("box 2 5"):teleport{ at = { -4.4, 1.5501, 0 } } end),
+  ["a strong region comes"] = at(60, function(w)
+    w:region{shape = digbox.box{size = {2, 2, 2}}, at = {-30, 3, 0}, laws = {gravity = {0, -200, 0}}}
+  end),
   ["the shelf goes"] = at(60, function(w) w:find("shelf"):teleport{ at = { -4, 0.5, 0 } } end),
   ["the shelf is removed"] = at(60, function(w) w:find("shelf"):remove() end),
   ["a wall comes"] = at(60, function(w) w:plane{name = "wall", normal = {-1, 0, 0}, at = {36.505, 0, 0}, fixed = true} end),
