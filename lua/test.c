@@ -222,7 +222,7 @@ static int child_lists(lua_State *L, App *app, const TestOptions *o, FILE *resul
     return EXIT_FINE;
 }
 
-/* Writes the report of one scenario. */
+/* Runs one scenario, which writes what there is to say by core.report. */
 static int child_runs(lua_State *L, App *app, const TestOptions *o, int index, FILE *result)
 {
     int code = load_spec(L, app, o);
@@ -235,19 +235,15 @@ static int child_runs(lua_State *L, App *app, const TestOptions *o, int index, F
         fputs(lua_isstring(L, -1) ? lua_tostring(L, -1) : "failed", result);
         return code;
     }
-    lua_getfield(L, -1, "text");
-    fputs(lua_tostring(L, -1), result);
-    lua_getfield(L, -2, "passed");
-    bool passed = lua_toboolean(L, -1);
-    return passed ? EXIT_FINE : EXIT_SCENARIO;
+    return lua_toboolean(L, -1) ? EXIT_FINE : EXIT_SCENARIO;
 }
 
-/* A limit has tripped: its line is the report. */
+/* A limit has tripped: its line is the report, or comes behind that of a failure before. */
 static void report_stop(void *data, int code, const char *text)
 {
     FILE *result = data;
     (void)code;
-    fputs(text, result);
+    fprintf(result, "%s%s", ftell(result) > 0 ? "\n" : "", text);
     fflush(result);
 }
 

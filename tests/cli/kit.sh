@@ -73,6 +73,17 @@ gives 5 'wall time with a world' test --time-limit 4 -o slow slow_spec.lua;     
 printed 'at t = 0.0833333 s, step 5'; printed 'picture: slow/slow_spec-goes_on.png'; printed 'DIGs:    slow/slow_spec-goes_on.dot'
 printed "again:   digbox test slow_spec.lua -k 'goes on'"
 for end in png dot; do holds "a $end of it is there" test -s "slow/slow_spec-goes_on.$end"; done
+# A limit that trips over what is left of a failed scenario does not hide why it failed.
+cat >late_spec.lua <<'LUA'
+local test, runs = require "digbox.test", 0
+test.scenario("fails, and hangs when it is run again for its replay", function()
+  runs = runs + 1
+  while runs > 1 do end
+  test.expect(1):is(2)
+end)
+LUA
+gives 5 'no time for a replay' test --time-limit 3 -o late late_spec.lua
+printed 'late_spec.lua:5: expected 2, got 1'; printed 'late_spec.lua:4: used up its time'
 # A batch of a hundred, of which some hang, lie, print without end or cannot be loaded (B1): all are told, each for itself.
 mkdir -p batch
 { echo 'local test = require "digbox.test"'; for i in $(seq 90); do echo "test.scenario('good $i', function() test.expect(1):is(1) end)"; done; } >batch/good_spec.lua
@@ -89,7 +100,7 @@ LUA
 echo 'local x = = 1' >batch/syntax_spec.lua
 echo 'require "nowhere"' >batch/module_spec.lua
 echo 'while true do end' >batch/loading_spec.lua
-gives 5 'a batch' test -j 2 --time-limit 1 -o batch/out --junit batch.xml batch
+gives 5 'a batch' test -j 2 --time-limit 3 -o batch/out --junit batch.xml batch
 holds 'all are counted' test "$(tail -n 1 out.txt)" = '91 passed, 9 failed'
 for line in 'bad_spec.lua:2: expected 2, got 1' 'bad_spec.lua:4: used up its time' 'bad_spec.lua:5: used up its time' 'ok    batch/bad_spec.lua: prints much' \
     'at.x = nan, must be a finite number' 'syntax_spec.lua:1:' "module 'nowhere' not found" 'loading_spec.lua:1: used up its time'; do printed "$line"; done
