@@ -87,7 +87,7 @@ dig_status bodies_open(Crowd *c)
 {
     Group *g = c->g;
     int threads = g->team ? g->team->threads : 1;
-    size_t n = (size_t)(c->bodies + threads);
+    size_t n = (size_t)crowd_spare(c, threads);
     Six *six = spare_take(&g->spare, g->arena, 4 * n * sizeof *six);         /* in pieces, for what is spare is */
     c->vel = spare_take(&g->spare, g->arena, n * sizeof *six);
     c->move = spare_take(&g->spare, g->arena, n * sizeof *six);

@@ -405,7 +405,45 @@ static int lanes_from(const Rows *r, int i)
     return n;
 }
 
-/* Contacts of one colour, those with most points first, eight by eight. */
+typedef struct Strand { int next, end; } Strand;        /* sorted contacts of a colour with as many points, and so in the order of contacts */
+
+/* Of what the strands begin with, that whose contact comes first; NULL: they are used up. */
+static Strand *first_of(const Rows *r, Strand *strand, int strands)
+{
+    Strand *first = NULL;
+    for (Strand *s = strand; s < strand + strands; s++)
+        if (s->next < s->end && (!first || r->sorted[s->next].contact < r->sorted[first->next].contact))
+            first = s;
+    return first;
+}
+
+/* The batches of one colour: i <= number of a sorted contact < end, those with most points first, eight by eight. They come in the order of
+ * contacts whatever their points (within a colour that is free): a thread has nearly the same bodies in each colour then, where what lies
+ * side by side has numbers near each other. What is alone keeps its order. */
+static dig_status make_phase(const Rows *r, int i, int end)
+{
+    Crowd *c = r->c;
+    const Chosen *x = r->sorted;
+    Phase *p = &c->phase[c->phases++];
+    Strand strand[MANIFOLD_POINTS + 1], *s;
+    int strands = 0;
+    *p = (Phase){.first = c->batches, .alone = x[i].colour == COLOURS};
+    for (int before = i; i < end; before = i, i += lanes_from(r, i)) {
+        if (strands == 0 || (x[i].contact < x[before].contact && !p->alone))
+            strand[strands++].next = i;
+        strand[strands - 1].end = i + lanes_from(r, i);
+    }
+    while ((s = first_of(r, strand, strands)) != NULL) {
+        int n = lanes_from(r, s->next);
+        for (int k = 0; k < n; k++)
+            c->row[x[s->next + k].contact] = c->batches * LANES + k;
+        DIG_TRY(make_batch(c, &c->batch[c->batches++], &x[s->next], n));
+        s->next += n;
+    }
+    p->count = c->batches - p->first;
+    return DIG_OK;
+}
+
 static dig_status make_batches(const Rows *r)
 {
     Crowd *c = r->c;
@@ -417,14 +455,10 @@ static dig_status make_batches(const Rows *r)
     c->phase = arena_alloc(c->g->arena, (2 * (COLOURS + 1) + 1) * sizeof *c->phase);
     if (!c->batch || !c->phase)
         return DIG_E_MEMORY;
-    for (int i = 0, n; i < r->count; i += n) {
-        n = lanes_from(r, i);
-        if (i == 0 || x[i - 1].colour != x[i].colour || x[i - 1].fixed != x[i].fixed)
-            c->phase[c->phases++] = (Phase){.first = c->batches, .alone = x[i].colour == COLOURS};
-        for (int k = 0; k < n; k++)
-            c->row[x[i + k].contact] = c->batches * LANES + k;
-        DIG_TRY(make_batch(c, &c->batch[c->batches++], &x[i], n));
-        c->phase[c->phases - 1].count++;
+    for (int i = 0, end; i < r->count; i = end) {
+        for (end = i + 1; end < r->count && x[end].colour == x[i].colour && x[end].fixed == x[i].fixed;)
+            end++;
+        DIG_TRY(make_phase(r, i, end));
     }
     return DIG_OK;
 }

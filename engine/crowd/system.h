@@ -155,7 +155,7 @@ typedef struct Crowd {
     real   dt;
     int    substeps;
     float  h;                   /* s   of a substep                                            */
-    int    bodies;              /* moving ones; a spare Six for each thread comes after them   */
+    int    bodies;              /* moving ones; spare ones for each thread come after them     */
     Trait *trait;               /* [body_count of g]                                           */
     Frame *frame;
     Six   *vel, *move;          /* scaled velocity; scaled displacement since the start        */
@@ -179,6 +179,9 @@ typedef struct Crowd {
     float  push_most;           /* m/s  at which overlap is corrected at most                  */
     float  bounce_least;        /* m/s  slower approaches do not bounce                        */
 } Crowd;
+
+/* A thread's body that is nobody's, in a cache line of its own; with the number of threads: how many there are in all. */
+static inline int crowd_spare(const Crowd *c, int thread) { return c->bodies + 1 + 2 * thread; }
 
 /* touch.c: contacts of the present poses; points carried on at the end of the step */
 dig_status crowd_touch(Crowd *c);

@@ -140,7 +140,7 @@ INLINE void prepare_twist(const Batch *x, const Axes *a, const Axes *b)
 INLINE void spare(const Crowd *c, int32_t at[LANES], int thread)
 {
     for (int i = 0; i < LANES; i++)
-        at[i] = at[i] < c->bodies ? at[i] : c->bodies + thread;
+        at[i] = at[i] < c->bodies ? at[i] : crowd_spare(c, thread);
 }
 
 /* Ball against ball, or against what does not move: only arms are scaled. */
@@ -505,6 +505,21 @@ INLINE void meet(const Part *me)
         team_meet(me->team);
 }
 
+#define AHEAD 2                 /* batches */
+
+/* Bodies that another thread had in the colour before come from its cache, which takes as long as a batch or two: they are asked for in time. */
+INLINE void ask_for(const Crowd *c, int batch)
+{
+    if (batch >= c->batches)
+        return;
+    const Batch *x = &c->batch[batch];
+    UNROLL
+    for (int i = 0; i < LANES; i++) {
+        __builtin_prefetch(&c->vel[x->a[i]], 1);
+        __builtin_prefetch(&c->vel[x->b[i]], 1);
+    }
+}
+
 /* soft: NULL = a relaxing pass. Returns the worst error of this thread's rates over what matters. */
 INLINE float pass(const Crowd *c, const Part *me, const Soft *soft, float time, bool first)
 {
@@ -515,8 +530,11 @@ INLINE float pass(const Crowd *c, const Part *me, const Soft *soft, float time, 
         k.mass = all(s.mass);
         k.keep = all(s.keep);
         meet_before(c, me, p);
-        MY_BATCHES(c->phase[p], me, i)
+        MY_BATCHES(c->phase[p], me, i) {
+            if (me->threads > 1)
+                ask_for(c, i + AHEAD);
             solve_batch(c, &c->batch[i], &k);
+        }
     }
     float most = 0;
     for (int i = 0; i < LANES; i++)

@@ -8,6 +8,7 @@
 
 #include <pthread.h>
 #include <stdlib.h>
+#include <string.h>
 
 typedef struct Worker { struct Workers *pool; Arena arena; pthread_t thread; int number; } Worker;
 
@@ -17,8 +18,9 @@ struct Workers {
     Worker         *workers;
     TeamPart       *part;           /* of this round                                            */
     void           *context;
-    atomic_uint     round;
-    atomic_int      busy, asleep;
+    _Alignas(TEAM_LINE) atomic_uint round;
+    _Alignas(TEAM_LINE) atomic_int busy;
+    _Alignas(TEAM_LINE) atomic_int asleep;
     atomic_bool     stop;
     pthread_mutex_t lock;           /* for those who sleep                                      */
     pthread_cond_t  start;
@@ -83,14 +85,18 @@ static void run_team(Team *t, TeamPart *part, void *context)
 
 dig_status workers_open(int threads, struct Workers **out)
 {
-    struct Workers *p = calloc(1, sizeof *p);
-    if (!p)
-        return DIG_E_MEMORY;
-    p->workers = calloc((size_t)threads, sizeof *p->workers);
-    if (!p->workers) {
+    struct Workers *p = aligned_alloc(TEAM_LINE, sizeof *p);
+    Worker *workers = calloc((size_t)threads, sizeof *workers);
+    TeamHand *hand = aligned_alloc(TEAM_LINE, (size_t)threads * sizeof *hand);
+    if (!p || !workers || !hand) {
         free(p);
+        free(workers);
+        free(hand);
         return DIG_E_MEMORY;
     }
+    memset(p, 0, sizeof *p);
+    p->workers = workers;
+    p->team.hand = hand;
     pthread_mutex_init(&p->lock, NULL);
     pthread_cond_init(&p->start, NULL);
     for (int i = 0; i < threads - 1; i++) {
@@ -118,6 +124,7 @@ void workers_close(struct Workers *p)
     }
     pthread_cond_destroy(&p->start);
     pthread_mutex_destroy(&p->lock);
+    free(p->team.hand);
     free(p->workers);
     free(p);
 }

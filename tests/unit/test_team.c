@@ -47,6 +47,30 @@ TEST(a_deal_does_each_share_once_with_any_number_of_threads)
     }
 }
 
+/* The first share is over when all others are: those of its own thread, too, which others must have taken. */
+static void wait_for_all(void *context, int share, int shares)
+{
+    Work *w = context;
+    for (int tries = 0; share == 0 && atomic_load(&w->calls) < shares - 1; tries++)
+        team_pause(tries);
+    atomic_fetch_add(&w->calls, 1);
+}
+
+TEST(who_is_done_helps_a_thread_that_is_late)
+{
+    struct Workers *p;
+    CHECK_INT(workers_open(3, &p), DIG_OK);
+    Work *w = calloc(1, sizeof *w);
+    CHECK(w);
+    Team *t = workers_team(p);
+    if (t) {
+        team_deal(t, wait_for_all, w);
+        CHECK_INT(w->calls, team_shares(t));
+    }
+    free(w);
+    workers_close(p);
+}
+
 TEST(shares_of_fewer_things_than_there_are_shares_leave_none_out)
 {
     for (int count = 0; count < 40; count++)
@@ -62,6 +86,6 @@ TEST(shares_of_fewer_things_than_there_are_shares_leave_none_out)
 
 int main(void)
 {
-    RUN_TESTS(unit_test(a_deal_does_each_share_once_with_any_number_of_threads),
+    RUN_TESTS(unit_test(a_deal_does_each_share_once_with_any_number_of_threads), unit_test(who_is_done_helps_a_thread_that_is_late),
               unit_test(shares_of_fewer_things_than_there_are_shares_leave_none_out));
 }
