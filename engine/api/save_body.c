@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-enum { BODY_BYTES = 399, SOLID_BYTES = 125 + SHAPE_PACKED };        /* at least */
+enum { BODY_BYTES = 400, SOLID_BYTES = 125 + SHAPE_PACKED };        /* at least */
 
 /* Follows from the rest: inverses, list membership, the number of shapes, the outer radius and what turning moves of it. */
 static void pack_mass(Pack *p, Body *b)
@@ -125,6 +125,7 @@ static void pack_body(Pack *p, World *w, Body *b)
     pack_real_in(p, &b->trace_step, 0, 1, "traced step of a body");
     pack_u8(p, &b->toil.steps);
     pack_u8(p, &b->toil.pause);
+    pack_u8(p, &b->toil.dear);
     pack_small(p, &b->integrator, DIG_INTEGRATORS, "integrator of a body");
 }
 

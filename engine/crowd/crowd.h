@@ -35,6 +35,8 @@
 
 extern const Way way_crowd;
 extern const Way way_calm;              /* calm.c: what would be a crowd, but lies there */
+extern const Way way_tumble;            /* tumble.c: few that fall over each other, where steps are dear */
+extern const Way way_tumble_late;       /* the same, by sweeps unless they turn out so */
 
 /* What a crowd does not take. The step decides by these, before it gathers anything (step/groups.c). */
 #define CROWD_MASS_RATIO 30.0   /* of the bodies of a group: beyond it, single passes do not carry the load */

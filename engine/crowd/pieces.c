@@ -75,6 +75,9 @@ static void want_share(void *context, int thread, int threads)
 
 dig_status crowd_pieces(const Crowd *c, int *pieces)
 {
+    *pieces = c->g->pieces;
+    if (*pieces > 0)
+        return DIG_OK;
     *pieces = 1;
     if (all_thick(c))
         return DIG_OK;

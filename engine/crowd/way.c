@@ -184,7 +184,9 @@ static dig_status plan_passes(Crowd *c)
     DIG_TRY(limit_hardness(c, &hard));
     bool down = landed(c);
     c->passes_most = down ? int_min(CALM_WORK * hardest, PASSES_MOST) : hardest;
-    c->separations = down ? SEPARATIONS : 0;
+    /* few that tumble: what stays in each other would be lifted when they are swept again */
+    c->separations = down || c->g->pieces > 0 ? SEPARATIONS : 0;
+    c->leaves = c->g->pieces > 0 ? 0 : (float)SHALLOW;
     if (down && settles(c)) {
         hard = int_min(hard, (int)real_max(wanted, SETTLING_HARD));
         wanted = real_max(wanted, SETTLING);

@@ -661,7 +661,7 @@ INLINE void bounce_all(Crowd *c, const Part *me)
 /* ---- what is deep after all ---- */
 
 /* m  Overlap that is nothing to care about. */
-INLINE wide shallow(const Crowd *c, const Batch *x) { return all((float)SHALLOW * c->h) / x->care; }
+INLINE wide shallow(const Crowd *c, const Batch *x) { return all(c->leaves * c->h) / x->care; }
 
 INLINE bool any_of(wide_int which)
 {

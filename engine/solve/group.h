@@ -321,6 +321,9 @@ struct Group {
     bool      again;            /*     the step was tried before: some went farther than foreseen */
     int       strays;           /*     solids that did so now (step/stray.c) */
     Toil      toil;             /*     of its members, the most; after the step, theirs */
+    bool      dear;             /*     this step was: see toil.c                       */
+    int       pieces;           /*     a crowd is to cut its step into; 0 = it says by itself */
+    int       toil_most;        /*     sweeps give up beyond; 0 = they do not          */
     bool      may_pause;        /*     stirred by a mover, or else a crowd: toil.c     */
     bool      driven;           /*     one of its bodies is a mover that moves         */
     bool      trace_failed;     /*     it was tried in this step, and handed on        */
@@ -512,6 +515,8 @@ dig_status group_warm_start(Group *g);  /* the velocities that the rows' impulse
 /* toil.c */
 void toil_gather(Group *g);
 void toil_count(Group *g);              /* after a step of sweeps */
+#define TOIL_DEAR 200                   /* of a step of few bodies; one that follows what it knew takes some dozens */
+int  group_toil(const Group *g);        /* sweeps of this step, and what else is as dear */
 Toil toil_after(const Group *g, Toil of);       /* of a member, after the step */
 static inline bool toil_pauses(const Group *g) { return g->toil.pause > 0; }
 /* Many that lie there, of which a direct solve has not found the forces: see crowd/calm.c. */

@@ -545,10 +545,13 @@ static void begin(Group *g, real part, bool all)
 
 #define SLIVER 1e-9             /* of a substep: what sums of times leave by rounding is no substep of its own */
 
+/* Has it taken more than it may? */
+static bool spent(const Group *g) { return g->toil_most > 0 && group_toil(g) > g->toil_most; }
+
 static dig_status sweep_until(Group *g, real dt, real until)
 {
     real part = dt / parts_of(g);
-    while (g->t < until && !g->woke) {
+    while (g->t < until && !g->woke && !spent(g)) {
         real next = g->t + longest_piece(g, dt);
         DIG_TRY(substep(g, next < until - SLIVER * part ? next : until));
         if (g->woke)
@@ -584,8 +587,10 @@ dig_status sweep_advance(Group *g, real dt)
     begin(g, part, g->looked);              /* a way before has looked farther ahead than the first part needs */
     g->looked = false;
     g->breaks_found = true;
-    for (int k = 0; k < parts_of(g) && !g->woke; k++)
+    for (int k = 0; k < parts_of(g) && !g->woke && !spent(g); k++)
         DIG_TRY(sweep_until(g, dt, k + 1 < parts_of(g) ? part * (k + 1) : dt));
+    if (spent(g))
+        return g->status;
     toil_count(g);
     if (!g->woke) {
         measure(g);

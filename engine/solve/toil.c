@@ -9,6 +9,8 @@
  * What lies calm and would else be a crowd (crowd/calm.c) is solved at once, for it will sleep. Where it toils over and over it does not, and is a
  * crowd while it pauses, whether something stirs it or not.
  *
+ * A step that was dear for few bodies is remembered for some steps: what tumbles is a crowd then (crowd/tumble.c).
+ *
  * 40 balls in a bucket that is moved by 15 cm at 3 rad/s: 1.2 s of processor time a second before, 0.5 with this, once a second is over. What else was
  * measured and tried is in docs/decisions.md.
  */
@@ -20,6 +22,8 @@
 #define MOST_CALM   8           /* of what lies calm: heaps that come to rest have up to four */
 #define TRIES       3           /* after it, before the next */
 #define PAUSE       64          /* steps */
+#define FACTOR_SWEEPS 3         /* a factorisation is as dear */
+#define DEAR        30          /* steps for which that is remembered */
 
 /* Are they many, and is there a mover that moves? Not what joints hold: there it was not tried. What lies calm has a crowd to go back to. */
 static bool may_pause(const Group *g)
@@ -33,7 +37,7 @@ static bool may_pause(const Group *g)
 
 void toil_gather(Group *g)
 {
-    g->toil = (Toil){0, 0};
+    g->toil = (Toil){0, 0, 0};
     g->may_pause = may_pause(g);
     for (int i = 0; g->may_pause && i < g->moving_count; i++) {
         const Body *b = &g->world->bodies.data[g->slots[i]];
@@ -62,10 +66,13 @@ void toil_count(Group *g)
         count(&g->toil, g->sweeps > SWEEPS || g->factors > FACTORS, g->calm ? MOST_CALM : MOST);
 }
 
+int group_toil(const Group *g) { return g->sweeps + FACTOR_SWEEPS * g->factors + g->evaluations; }
+
 Toil toil_after(const Group *g, Toil of)
 {
     if (g->may_pause)
         return g->toil;
     count(&of, false, MOST);
+    of.dear = g->dear || group_toil(g) > TOIL_DEAR ? DEAR : (uint8_t)int_max(0, of.dear - 1);
     return of;
 }

@@ -597,7 +597,7 @@ void body_disable(World *w, uint32_t slot)
     b->inertia = b->inv_inertia = mat3_zero();
     b->round_inertia = b->collided = b->crowded = false;
     b->trace_wait = b->trace_pause = 0;
-    b->toil = (Toil){0, 0};
+    b->toil = (Toil){0, 0, 0};
     b->accuracy = 0;
     b->rate = 1;
     b->move_end = -1;

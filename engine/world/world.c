@@ -189,7 +189,8 @@ static uint64_t hash_body(uint64_t h, const Body *b)
         h = hash_vec3(hash_vec3(h, b->drift.way), b->drift.turn);
     h = hash_u64(h, (uint64_t)b->kind | (uint64_t)b->mode << 8 | (uint64_t)b->awake << 16 | (uint64_t)b->collides << 17);
     h = hash_u64(h, (uint64_t)b->integrator | (uint64_t)b->euler << 8 | (uint64_t)b->accuracy << 16 | (uint64_t)b->trace_wait << 24);
-    h = hash_real(hash_u64(h, (uint64_t)b->trace_pause | (uint64_t)b->toil.steps << 16 | (uint64_t)b->toil.pause << 24), b->trace_step);
+    h = hash_real(hash_u64(h, (uint64_t)b->trace_pause | (uint64_t)b->toil.steps << 16 | (uint64_t)b->toil.pause << 24 | (uint64_t)b->toil.dear << 32),
+                  b->trace_step);
     return hash_real(hash_real(h, b->move_end), b->gravity_scale);
 }
 

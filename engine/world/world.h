@@ -47,8 +47,9 @@ typedef struct BodyWatch {
 /* m, 1  Where a body got to since it was looked at last, and twice the sines of half its turns; step/rest.c. */
 typedef struct Drift { vec3 way, turn; } Drift;
 
-/* Of a group that takes long, see solve/toil.c: steps that did, less those that did not; steps left of its pause. */
-typedef struct Toil { uint8_t steps, pause; } Toil;
+/* Of a group that takes long, see solve/toil.c: steps that did, less those that did not; steps left of its pause; and of the time after a step that
+ * was dear. */
+typedef struct Toil { uint8_t steps, pause, dear; } Toil;
 
 /* Of all groups that could be crowds, see step/debt.c: work beyond that of a frame, of all steps so far; steps left in which they are. */
 typedef struct Debt { uint64_t work; uint32_t pause; } Debt;
@@ -57,7 +58,8 @@ typedef struct Body {           /* what every step reads comes first            
     uint32_t gen;               /*        generation of the handle                     */
     bool     alive, awake, collides, out;   /* out: already reported out of the world  */
     bool     listed;            /*        in world->awake                              */
-    bool     paired;            /*        listed, and its pairs are in world->near     */
+    bool     crowded;           /*        a crowd that may sleep had it last           */
+    bool     paired : 1;        /*        listed, and its pairs are in world->near     */
     bool     rests : 1;         /*        in world->rest there is something of it      */
     bool     alone : 1;         /*        fast, and looked at as if nothing that moves could meet it: flies_alone in step/sense.c */
     bool     pushed : 1;        /*        its pull is found already                    */
@@ -71,7 +73,6 @@ typedef struct Body {           /* what every step reads comes first            
     uint8_t  integrator;        /* dig_integrator                                      */
     bool     round_inertia;     /*        isotropic: no gyroscopic torque              */
     bool     collided, euler;   /*        in the last step: struck; was not in free flight before */
-    bool     crowded;           /*        a crowd that may sleep had it last           */
     Toil     toil;              /*        of the group it is in                        */
     vec3     x;                 /* m      centre of mass, world                        */
     quat     q;                 /* 1      body to world                                */
