@@ -49,7 +49,12 @@ static void pack_contact(Pack *p, World *w, Contact *c)
     pack_vec3(p, &c->force, SAVE_STRONG, "force of a contact");
     pack_vec3(p, &c->point, SAVE_FAR, "place of a contact");
     pack_bool(p, &c->touching);
-    pack_bool(p, &c->sliding);
+    uint8_t how = (uint8_t)(c->sliding | c->grips << 1);
+    pack_small(p, &how, 4, "state of a contact");
+    if (p->reading) {
+        c->sliding = how & 1;
+        c->grips = how >> 1;
+    }
 }
 
 static uint8_t count_contacts(const World *w, const Pair *pair)

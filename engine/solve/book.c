@@ -16,7 +16,7 @@ Vel group_mean_velocity(const Group *g, int body)
 
 Vel group_way_of(const Group *g, int body)
 {
-    if (!g->member[body].implicit_move)
+    if (!g->member[body].implicit_move || !g->member[body].moves)
         return group_mean_velocity(g, body);
     return (Vel){vec3_add(g->vel[body].v, g->lag), g->vel[body].w};
 }
@@ -182,6 +182,17 @@ static void book_lift(Group *g)
         g->lost -= real_clamp((1 - bounce * bounce) * g->lifted, 0, real_max(0, g->lost));
 }
 
+void group_book_pushes(Group *g)
+{
+    for (int i = 0; i < g->push_count; i++) {
+        const GroupPush *p = &g->pushes[i];
+        Vel v = group_way_of(g, p->body);
+        vec3 arm = p->has_at ? quat_rotate(g->pos[p->body].q, p->at) : vec3_zero();
+        real work = g->h * (vec3_dot(p->force, vec3_add(v.v, vec3_cross(v.w, arm))) + vec3_dot(p->torque, v.w));
+        group_book_push(g, p, work);
+    }
+}
+
 void group_book(Group *g)
 {
     book_lift(g);
@@ -196,13 +207,7 @@ void group_book(Group *g)
         Vel v = group_way_of(g, i);
         group_book_apart(g, i, vec3_scale(g->h, v.v), vec3_scale(g->h, v.w), g->h);
     }
-    for (int i = 0; i < g->push_count; i++) {
-        const GroupPush *p = &g->pushes[i];
-        Vel v = group_way_of(g, p->body);
-        vec3 arm = p->has_at ? quat_rotate(g->pos[p->body].q, p->at) : vec3_zero();
-        real work = g->h * (vec3_dot(p->force, vec3_add(v.v, vec3_cross(v.w, arm))) + vec3_dot(p->torque, v.w));
-        group_book_push(g, p, work);
-    }
+    group_book_pushes(g);
 }
 
 void group_forget_idle(Group *g)

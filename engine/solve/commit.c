@@ -200,6 +200,7 @@ static void commit_contact(World *w, const GroupContact *from, real dt)
     }
     contact_rest_set(w, from->slot, (ContactRest){from->rolling, from->lost});
     to->sliding = from->manifold.slides;
+    to->grips = from->grips;
     to->touching = from->touching;
     to->force = vec3_scale(1 / dt, from->impulse);
     to->point = from->point_weight > WEIGHT_LEAST ? vec3_scale(1 / from->point_weight, from->point_sum)

@@ -379,8 +379,10 @@ dig_status group_gather(Group *g, const World *w, const uint32_t *leads, int dig
     DIG_TRY(gather_joints(g, joints));
     DIG_TRY(fuse(g, pair_count));
     DIG_TRY(gather_pairs(g, pairs, pair_count));
-    for (int i = g->moving_count; i < g->body_count; i++)
+    for (int i = g->moving_count; i < g->body_count; i++) {
+        g->movers = g->movers || g->member[i].kinematic;
         g->driven = g->driven || (g->member[i].kinematic && g->member[i].moved);
+    }
     toil_gather(g);
     cover(g);
     DIG_TRY(seams(g, 0));

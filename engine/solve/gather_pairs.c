@@ -98,6 +98,7 @@ static void gather_contact(const World *w, const GroupPair *q, int pair, uint32_
     to->manifold.wide = from->more != NONE;
     to->live = from->count > 0;
     to->manifold.slides = from->sliding;
+    to->grips = from->grips;
     to->rolling = from->rests && !from->idle ? w->contact_rest.data[slot].rolling : vec3_zero();
     to->impulse = to->point_sum = vec3_zero();
     to->last = to->point_weight = to->lost = 0;

@@ -134,6 +134,7 @@ typedef struct GroupContact {
     bool     live;              /* has points                       */
     bool     idle, was_idle;    /* no point, and no force: until group_judge in the world's record, then now; then */
     bool     touching;          /* at the end of the step, by group_judge */
+    bool     grips;             /* movers have closed on what it presses: see grip.c */
     GroupManifold manifold;
     vec3     rolling;           /* N m                              */
     vec3     impulse;           /* N s on b, over the whole step    */
@@ -150,7 +151,18 @@ typedef struct Squeeze {
     real rate;                  /* m/s  it gives way by             */
     real depth;                 /* m    so deep it may stay         */
     int      next;              /* of the contacts by which the same body is pressed, < 0: none */
+    bool     grips;             /* movers that have closed on it still leave it no room */
 } Squeeze;
+
+/* What movers hold by friction goes as they do, and is one of them for the step: see grip.c. */
+typedef struct Carried {
+    int      body;
+    int      first, count;      /* its contacts in Group.jaws       */
+    Vel      before;            /* m/s, rad/s  its velocity, before         */
+    vec3     heals;             /* m    by which it is moved at the end: equally deep in each */
+    vec3     from, force, torque;       /* m, N, N m  its place, and what acts on it, at the start */
+    real     kinetic, time;     /* J, s  then; how long it is held   */
+} Carried;
 
 typedef struct GroupPair {
     uint32_t slot;              /* world pair                       */
@@ -269,6 +281,8 @@ struct Group {
     Squeeze  *squeezed;         /* [contact_count], if anything squeezes; NULL: not looked for */
     int      *pressed;          /* [body_count] a body's first of these */
     bool      squeezes;
+    Carried  *carried;      int carried_count;
+    int      *jaws;         int jaw_count;      /* contacts of those that are held */
     real     *places;       int place_count;    /* of each contact, room for its points first, then for their memories; then of its pair, for
                                                          * a hint, unless with a ball; of those that came in later elsewhere */
     GroupJoint *joints;     int joint_count;
@@ -325,7 +339,8 @@ struct Group {
     int       pieces;           /*     a crowd is to cut its step into; 0 = it says by itself */
     int       toil_most;        /*     sweeps give up beyond; 0 = they do not          */
     bool      may_pause;        /*     stirred by a mover, or else a crowd: toil.c     */
-    bool      driven;           /*     one of its bodies is a mover that moves         */
+    bool      movers;           /*     one of its bodies is a mover                    */
+    bool      driven;           /*     and one of these moves                          */
     bool      trace_failed;     /*     it was tried in this step, and handed on        */
     real      passed;           /* s   that it left to the sweep within this step      */
     bool      breaks_found;     /*     its breaks were found as it went on             */
@@ -488,6 +503,7 @@ real group_mean_rate(const Group *g, const Row *r);     /* m/s or rad/s  of a ro
 real group_blow_speed(const Group *g);                  /* m/s  an approach faster than by what pushes it in a substep, and lost in it, is a blow */
 void group_forget_idle(Group *g);                       /* points that took no part in the solve remember no force */
 void group_book(Group *g);
+void group_book_pushes(Group *g);                       /* their work in a substep */
 real group_kinetic_of(const Group *g, int body);         /* J */
 /* m/s  Slower impacts are no impacts; size: m, of the smallest pair; fall: m/s^2. */
 static inline real close_speed_of(real size, real fall) { return isfinite(size) ? sqrt(2e-5 * size * fall) + 1e-9 * size : 0; }
@@ -542,11 +558,24 @@ void project_back(Group *g);    /* the gaps only: the poses are the caller's. No
 typedef enum Jaws { JAWS_SLIP = 1, JAWS_RUB = 2, JAWS_ALL = 3 } Jaws;
 real contact_depth(const GroupContact *c);              /* m  of its deepest point; -INFINITY: it has none */
 dig_status squeeze_open(Group *g);                      /* room for what it finds */
-void group_squeeze(Group *g, Jaws which);
+void group_squeeze(Group *g, Jaws which, real ahead);       /* s  they may have closed by then */
 real squeeze_missing(const Group *g);                   /* m/s  what rows ask for that cannot be */
 bool squeeze_possible(const Group *g);                  /* is it worth looking? */
-static inline Squeeze squeeze_of(const Group *g, int contact) { return g->squeezes ? g->squeezed[contact] : (Squeeze){0, 0, -1}; }
-static inline bool is_squeezed(const Group *g, int contact) { return g->squeezes && g->squeezed[contact].rate + g->squeezed[contact].depth > 0; }
+static inline Squeeze squeeze_of(const Group *g, int contact) { return g->squeezes ? g->squeezed[contact] : (Squeeze){0, 0, -1, false}; }
+static inline bool is_squeezed(const Group *g, int contact)
+{
+    return g->squeezes && (g->squeezed[contact].rate + g->squeezed[contact].depth > 0 || g->squeezed[contact].grips);
+}
+/* grip.c */
+bool       grip_possible(const Group *g);
+bool       group_grips(const Group *g);                 /* have movers closed on something, as far as is known? */
+/* Whom movers hold for the rest of the step, or will have closed on in `ahead` s: they are movers until grip_give. */
+dig_status grip_take(Group *g, real rest, real ahead);
+void       grip_follow(Group *g, real h);               /* after all have moved straight on for h s: round with what turns */
+void       grip_lead(Group *g);                         /* and its velocity is again that of its place */
+void       grip_give(Group *g);                         /* at its end they are as before */
+bool       grip_let_go(Group *g);                       /* none is held in this step; false: none was */
+dig_status grip_note(Group *g);                         /* then: who has closed on what */
 /* locate.c: s into the substep of the first impact, or INFINITY */
 real locate_impact(Group *g);
 real missing_little(const Group *g, real dt);         /* s  the longest substep that may go without */
@@ -570,6 +599,7 @@ typedef struct Way {
     bool       (*suits)(const Group *g);
     dig_status (*advance)(Group *g, real dt);
     bool        inertias;       /* begins with inverse inertias in world axes: g->mass[].ii */
+    bool        carries;        /* takes groups in which movers hold something */
 } Way;
 
 extern const Way way_wedge;

@@ -12,6 +12,7 @@
 #define BEFORE   1e-6           /* of the size: so far beside each other two points are one before the other */
 #define SLOW     1e-6           /* of the size in a step: so slowly nothing presses that is not to rounding */
 #define DEEP     1e-3           /* the same: less is no more than what pressing leaves */
+#define CLOSED   1e-6           /* the same: so little room between jaws is none */
 
 static bool is_stiff(const Group *g, int body) { return !g->member[body].moves && !g->member[body].dormant; }
 
@@ -72,41 +73,52 @@ static bool before(const GroupContact *c, vec3 p, vec3 n, real near)
     return false;
 }
 
-/* Two contacts of one body. */
-static void squeeze(Group *g, int i, int j, int body, Jaws which)
+static bool by_mover(const Group *g, const GroupContact *c) { return g->member[c->a].kinematic || g->member[c->b].kinematic; }
+
+/* Two contacts of one body. What holds by friction are movers alone: what was made a little too wide for its place between two that are fixed
+ * falls. And movers that open let go, once they will be deep in it no more. */
+static void squeeze(Group *g, int i, int j, int body, Jaws which, real ahead)
 {
     const GroupContact *c = &g->contacts[i], *d = &g->contacts[j];
-    if (!(which & (g->pairs[c->pair].friction > 0 && g->pairs[d->pair].friction > 0 ? JAWS_RUB : JAWS_SLIP)))
+    Jaws kind = g->pairs[c->pair].friction > 0 && g->pairs[d->pair].friction > 0 ? JAWS_RUB : JAWS_SLIP;
+    bool holds = which == JAWS_RUB;
+    if (!(which & kind) || (holds && !by_mover(g, c) && !by_mover(g, d)))
         return;
     vec3 n = inward(c, body), p = mean_point(c), q = mean_point(d);
     real size = real_min(g->pairs[c->pair].size, g->pairs[d->pair].size), deep = contact_depth(c) + contact_depth(d);
-    if (vec3_dot(n, inward(d, body)) > OPPOSITE || deep < -g->touch * size)
+    if (vec3_dot(n, inward(d, body)) > OPPOSITE)
+        return;
+    real rate = presses_by(g, c, body, p) + presses_by(g, d, body, q), way = rate * g->world->def.step;
+    if (deep + ahead * real_max(rate, 0) < -(holds ? CLOSED : g->touch) * size)
         return;
     if (!before(d, p, n, BEFORE * size) && !before(c, q, n, BEFORE * size))
         return;
-    real rate = presses_by(g, c, body, p) + presses_by(g, d, body, q);
-    real yields = rate * g->world->def.step > SLOW * size ? 0.5 * rate : 0, heals = deep > DEEP * size ? 0.5 * deep : 0;
-    if (yields + heals <= 0)
+    real yields = way > SLOW * size ? 0.5 * rate : 0, heals = deep > DEEP * size ? 0.5 * deep : 0;
+    bool opens = holds && way < -SLOW * size && deep + way < DEEP * size, grips = holds && c->grips && d->grips;
+    if (opens || (yields + heals <= 0 && !grips))
         return;
     for (int k = 0; k < 2; k++) {
         Squeeze *to = &g->squeezed[k ? j : i];
         to->rate = real_max(to->rate, yields);
         to->depth = real_max(to->depth, heals);
+        to->grips = to->grips || grips;
     }
     g->squeezes = true;
 }
 
 /* Does it touch, by something stiff that moves, or deeply? Without one there is nothing to be squeezed by. */
-static bool may_squeeze(const Group *g, const GroupContact *c)
+static bool may_squeeze(const Group *g, const GroupContact *c, real ahead)
 {
-    bool moves = g->driven && (g->member[c->a].kinematic || g->member[c->b].kinematic);
-    return contact_depth(c) > (moves ? -g->touch : DEEP) * g->pairs[c->pair].size;
+    if (ahead > 0 && by_mover(g, c))
+        return true;
+    real least = c->grips ? -CLOSED : g->driven && by_mover(g, c) ? -g->touch : DEEP;
+    return contact_depth(c) > least * g->pairs[c->pair].size;
 }
 
 bool squeeze_possible(const Group *g)
 {
     for (int i = 0; i < g->contact_count; i++)
-        if (g->contacts[i].live && pressed_of(g, &g->contacts[i]) >= 0 && may_squeeze(g, &g->contacts[i]))
+        if (g->contacts[i].live && pressed_of(g, &g->contacts[i]) >= 0 && may_squeeze(g, &g->contacts[i], 0))
             return true;
     return false;
 }
@@ -118,25 +130,25 @@ dig_status squeeze_open(Group *g)
     return g->squeezed && g->pressed ? DIG_OK : DIG_E_MEMORY;
 }
 
-void group_squeeze(Group *g, Jaws which)
+void group_squeeze(Group *g, Jaws which, real ahead)
 {
     g->squeezes = false;
-    if (!g->squeezed || !squeeze_possible(g))
+    if (!g->squeezed || !(ahead > 0 || squeeze_possible(g)))
         return;
     memset(g->pressed, 0xff, (size_t)g->body_count * sizeof *g->pressed);
     for (int i = g->contact_count - 1; i >= 0; i--) {
         int body = g->contacts[i].live ? pressed_of(g, &g->contacts[i]) : -1;
-        g->squeezed[i] = (Squeeze){0, 0, body < 0 ? -1 : g->pressed[body]};
+        g->squeezed[i] = (Squeeze){0, 0, body < 0 ? -1 : g->pressed[body], false};
         if (body >= 0)
             g->pressed[body] = i;
     }
     for (int i = 0; i < g->contact_count; i++) {
         int body = g->contacts[i].live ? pressed_of(g, &g->contacts[i]) : -1;
-        if (body < 0 || !may_squeeze(g, &g->contacts[i]))
+        if (body < 0 || !may_squeeze(g, &g->contacts[i], ahead))
             continue;
         for (int j = g->pressed[body]; j >= 0; j = g->squeezed[j].next)
             if (j != i)
-                squeeze(g, i, j, body, which);
+                squeeze(g, i, j, body, which, ahead);
     }
 }
 

@@ -51,6 +51,7 @@ static void move(Group *g)
             g->pos[i].q = quat_unit(quat_mul(quat_exp(vec3_scale(g->h, g->vel[i].w)), g->pos[i].q));
         }
     }
+    grip_follow(g, g->h);
 }
 
 /* Under a load that comes through joints the guess of the last impulses is off by more than a light wheel's weight: an approach that is
@@ -384,6 +385,7 @@ static dig_status substep(Group *g, real until)
     if (g->woke)
         return DIG_OK;          /* this try is thrown away: the sleeper wakes and the step starts again */
     move(g);
+    grip_lead(g);
     if (g->joints_direct) {     /* heals by velocities, which are not to be kept where they did work */
         real taken;
         DIG_TRY(group_hold(g, false, &taken));
@@ -538,7 +540,7 @@ static void begin(Group *g, real part, bool all)
     g->events_left = group_events(g);
     g->h = g->heal_over = part;
     group_touch(g, part, all);
-    group_squeeze(g, JAWS_SLIP);
+    group_squeeze(g, JAWS_SLIP, 0);
     if (g->locate)
         impacts(g);
 }
@@ -547,6 +549,13 @@ static void begin(Group *g, real part, bool all)
 
 /* Has it taken more than it may? */
 static bool spent(const Group *g) { return g->toil_most > 0 && group_toil(g) > g->toil_most; }
+
+/* Movers that close on something within the step hold it from the substep on in which they do. */
+static dig_status close_on(Group *g, real dt, real part)
+{
+    real left = dt - g->t;
+    return g->driven && g->way->carries && left > SLIVER * part ? grip_take(g, left, real_min(part, left)) : DIG_OK;
+}
 
 static dig_status sweep_until(Group *g, real dt, real until)
 {
@@ -561,7 +570,8 @@ static dig_status sweep_until(Group *g, real dt, real until)
         if (worst >= 0)
             group_part(g, worst, share);
         group_touch(g, part, true);
-        group_squeeze(g, JAWS_SLIP);
+        DIG_TRY(close_on(g, dt, part));
+        group_squeeze(g, JAWS_SLIP, 0);
         if (g->locate)
             impacts(g);
         if (g->status != DIG_OK)

@@ -11,7 +11,7 @@ static bool suits_all(const Group *g)
     return true;
 }
 
-static const Way way_sweep = {.name = "sweep", .tally = WAY_SWEPT, .suits = suits_all, .advance = sweep_advance, .inertias = true};
+static const Way way_sweep = {.name = "sweep", .tally = WAY_SWEPT, .suits = suits_all, .advance = sweep_advance, .inertias = true, .carries = true};
 
 static const Way *const ways[] = {&way_tumble, &way_flight, &way_glide, &way_spring, &way_wedge, &way_trace, &way_billiard, &way_conserve,
                                    &way_chain, &way_calm, &way_crowd, &way_tumble_late, &way_sweep};
@@ -23,11 +23,14 @@ static void share_inertias(void *context, int thread, int threads)
         group_refresh_mass(g, i);
 }
 
-dig_status group_advance(Group *g, real dt)
+static dig_status advance(Group *g, real dt)
 {
     bool turned = false;        /* ways put back what they change */
+    bool grips = group_grips(g);
     for (size_t i = 0; i < sizeof ways / sizeof *ways; i++) {
-        if (!ways[i]->suits(g))
+        bool suits = (ways[i]->carries || !grips) && ways[i]->suits(g);
+        grips = grips && (suits || ways[i] != &way_wedge);
+        if (!suits)
             continue;
         if (ways[i] != &way_crowd && !g->mass)
             DIG_TRY(group_weigh(g));
@@ -39,6 +42,15 @@ dig_status group_advance(Group *g, real dt)
         dig_status status = ways[i]->advance(g, dt);
         if (status != DIG_OK || !g->handed_on)
             return status;
+        if (ways[i] == &way_wedge)
+            grips = g->carried_count > 0;
     }
     return DIG_E_ARG;
+}
+
+dig_status group_advance(Group *g, real dt)
+{
+    DIG_TRY(advance(g, dt));
+    grip_give(g);
+    return grip_note(g);
 }

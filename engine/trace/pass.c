@@ -47,7 +47,7 @@ bool trace_squeezed(Tracer *t)
     if (!g->driven || !squeeze_possible(g))
         return false;
     if (squeeze_open(g) == DIG_OK)
-        group_squeeze(g, JAWS_ALL);
+        group_squeeze(g, JAWS_ALL, 0);
     else
         g->status = DIG_E_MEMORY;
     bool any = g->squeezes;

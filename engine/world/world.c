@@ -209,6 +209,7 @@ static uint64_t hash_pair(const World *w, const Pair *p)
         for (int k = 0; k < contact->count; k++)
             h = hash_u64(h, hash_point(&contact_point_seen(w, contact, k)->memory));
         h = hash_vec3(h, contact_rest(w, c).rolling);
+        h = contact->grips ? hash_u64(h, 1) : h;
     }
     return h;
 }

@@ -154,6 +154,7 @@ typedef struct Contact {        /* one manifold of a pair; a convex pair has at 
     uint32_t more;              /* in world->more: room for the points after the first; NONE until there were some */
     bool     idle : 1;          /* no point, and no force in the last step: nothing to gather, mostly nothing to write back */
     bool     rests : 1;         /* in world->contact_rest there is something of it     */
+    bool     grips : 1;         /* movers have closed on what it presses, by this one among others */
     bool     touching, sliding;
     uint8_t  count;             /* points at the end of the last step; see contact_point */
     vec3     normal;            /* 1   unit, from a to b                               */
