@@ -1,6 +1,5 @@
 -- Few bodies that fall over each other are a crowd while they do (engine/crowd/tumble.c): steps take little, nothing stays in anything
 -- else, no energy is made, and they sleep. That what lands stands is held by the spiral in tall_stacks.lua.
--- Only in the plain build: figures of long runs.
 local digbox = require "digbox"
 local test = require "digbox.test"
 local scenario, expect = test.scenario, test.expect
