@@ -40,11 +40,11 @@ static vec3 mean_point(const GroupContact *c)
 
 static vec3 inward(const GroupContact *c, int body) { return c->b == body ? c->manifold.normal : vec3_neg(c->manifold.normal); }
 
-/* m/s  How fast the stiff one comes in, at a point. */
-static real presses_by(const Group *g, const GroupContact *c, int body, vec3 at)
+/* m/s  Of the stiff one, at a point. */
+static vec3 velocity_at(const Group *g, const GroupContact *c, int body, vec3 at)
 {
     int by = c->a == body ? c->b : c->a;
-    return vec3_dot(inward(c, body), vec3_add(g->vel[by].v, vec3_cross(g->vel[by].w, vec3_sub(at, g->pos[by].x))));
+    return vec3_add(g->vel[by].v, vec3_cross(g->vel[by].w, vec3_sub(at, g->pos[by].x)));
 }
 
 /* Along n, does p lie before a triangle? */
@@ -88,10 +88,13 @@ static void squeeze(Group *g, int i, int j, int body, Jaws which, real ahead)
     real size = real_min(g->pairs[c->pair].size, g->pairs[d->pair].size), deep = contact_depth(c) + contact_depth(d);
     if (vec3_dot(n, inward(d, body)) > OPPOSITE)
         return;
-    real rate = presses_by(g, c, body, p) + presses_by(g, d, body, q), way = rate * g->world->def.step;
-    if (deep + ahead * real_max(rate, 0) < -(holds ? CLOSED : g->touch) * size)
+    bool from_c = before(d, p, n, BEFORE * size);
+    if (!from_c && !before(c, q, n, BEFORE * size))
         return;
-    if (!before(d, p, n, BEFORE * size) && !before(c, q, n, BEFORE * size))
+    /* by where they lie before each other, along one normal: what turns as one thing does not close, wherever the middles are */
+    vec3 at = from_c ? p : q;
+    real rate = vec3_dot(n, vec3_sub(velocity_at(g, c, body, at), velocity_at(g, d, body, at))), way = rate * g->world->def.step;
+    if (deep + ahead * real_max(rate, 0) < -(holds ? CLOSED : g->touch) * size)
         return;
     real yields = way > SLOW * size ? 0.5 * rate : 0, heals = deep > DEEP * size ? 0.5 * deep : 0;
     bool opens = holds && way < -SLOW * size && deep + way < DEEP * size, grips = holds && c->grips && d->grips;

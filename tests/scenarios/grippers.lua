@@ -195,3 +195,26 @@ test.scenario("a minute in closed jaws moves nothing", function(s)
     expect(g:held()):near(g.place, 1e-9)
   end
 end)
+
+-- A box between the walls of a guide that turns with w = 3 rad/s slides out: r'' = w^2 r - 2 mu w r'. That the middles of its contacts are
+-- not opposite each other, where one wall is shorter, closes nothing.
+test.each_accuracy("in a guide that fits and turns a box slides", function(s, accuracy)
+  local w, mu, time = 3, 0.05, 0.2
+  local root = math.sqrt(1 + mu * mu)
+  local a, b = w * (root - mu), -w * (root + mu)
+  local far = 0.4 * (a * math.exp(b * time) - b * math.exp(a * time)) / (a - b)
+  for _, apart in ipairs { true, false } do
+    local world = s:world { accuracy = accuracy, gravity = { 0, 0, 0 } }
+    local walls = {}
+    for i, long in ipairs { 0.95, 0.4 } do
+      walls[i] = digbox.box { size = { long, 0.2, 0.1 }, at = { 0.05 + long / 2, 0, 0.45 - 0.3 * i } }
+    end
+    local guide
+    for _, parts in ipairs(apart and { { walls[1] }, { walls[2] } } or { walls }) do
+      guide = world:body { kinematic = true, friction = mu, spin = { 0, w, 0 }, parts = parts }
+    end
+    local box = world:box { size = 0.2, mass = 1, friction = mu, at = { 0.4, 0, 0 }, spin = { 0, w, 0 }, velocity = { 0, 0, -0.4 * w } }
+    world:run(time)
+    expect(guide.rotation:inverse():rotate(box.position).x):near(far, 5e-4)
+  end
+end)
