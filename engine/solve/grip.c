@@ -8,6 +8,7 @@
  * Movers have closed on something where they came at it until it had no room left, or are deep in it. That is kept by their contacts, until they open.
  * What only fits between those that stand is as free as before. What is in its way, and does not move itself, strips it off for as long.
  */
+#include "solve/direction.h"
 #include "solve/group.h"
 
 #define HEAL_SPEED 3.0          /* m/s per sqrt(m): as in project.c */
@@ -154,6 +155,16 @@ static bool is_tied(const Group *g, int body)
     return false;
 }
 
+/* May it go with them? Nothing leaves the plane of its world, nor turns that is made not to. */
+static bool is_free_to(const Group *g, int body)
+{
+    vec3 v = g->vel[body].v, w = g->vel[body].w;
+    dir_mask(g, &v, &w);
+    if (!body_turns(&g->world->bodies.data[g->member[body].slot]))
+        w = vec3_zero();
+    return vec3_distance(v, g->vel[body].v) + vec3_distance(w, g->vel[body].w) == 0;
+}
+
 /* The contacts that squeeze it; false: one of them is looked at anew, or there are none. */
 static bool find_jaws(Group *g, Carried *h)
 {
@@ -228,7 +239,7 @@ dig_status grip_take(Group *g, real rest, real ahead)
         if (!g->member[i].moves || g->member[i].integrator != DIG_AUTO || !find_jaws(g, c) || !move_alike(g, c, rest) || is_tied(g, i))
             continue;
         carry(g, c, rest);
-        if (in_its_way(g, c, rest))
+        if (!is_free_to(g, i) || in_its_way(g, c, rest))
             g->vel[i] = c->before;
         else
             take(g, c);

@@ -218,3 +218,17 @@ test.each_accuracy("in a guide that fits and turns a box slides", function(s, ac
     expect(guide.rotation:inverse():rotate(box.position).x):near(far, 5e-4)
   end
 end)
+
+test.each_accuracy("jaws take nothing out of the plane of its world, nor turn what does not turn", function(s, accuracy)
+  local w = s:world { accuracy = accuracy, plane = "xy" }
+  local flat = gripper({ world = function() return w end }, accuracy, 1 / 60, 2e-3)
+  flat:go({ 0, 0, 0.2 }, 0.2)
+  expect(flat.box.position.z):is(0)
+  local g = gripper(s, accuracy, 1 / 60, 2e-3)
+  local keeps = g.w:box { size = 0.2, mass = 1, friction = 0.5, turns = false, at = { 0, 2, 0 } }
+  local jaws = g.w:body { kinematic = true, friction = 0.5, at = { 0, 2, 0 }, spin = { 0.5, 0, 0 }, parts = {
+    digbox.box { size = { 0.1, 0.2, 0.2 }, at = { 0.149, 0, 0 } }, digbox.box { size = { 0.1, 0.2, 0.2 }, at = { -0.149, 0, 0 } } } }
+  g.w:run(0.2)
+  expect(jaws.rotation.x):above(0.04)
+  expect(math.abs(keeps.rotation.x)):below(1e-6)
+end)
