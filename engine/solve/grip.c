@@ -190,6 +190,8 @@ static void take(Group *g, Carried *h)
     h->from = g->pos[h->body].x;
     h->force = m->force;
     h->torque = m->torque;
+    if (g->apart)
+        h->apart = g->apart[h->body];
     m->moves = false;
     m->kinematic = true;
     m->im = 0;
@@ -278,6 +280,10 @@ static void book(Group *g, const Carried *h, vec3 turned)
 {
     vec3 moved = vec3_sub(g->pos[h->body].x, h->from);
     real gained = group_kinetic_of(g, h->body) - h->kinetic - vec3_dot(h->force, moved) - vec3_dot(h->torque, turned);
+    if (g->apart) {
+        g->apart[h->body] = h->apart;
+        group_book_apart(g, h->body, moved, turned, h->time);
+    }
     g->work_in += real_max(0, gained);
     g->lost += real_max(0, -gained);
 }

@@ -162,6 +162,7 @@ typedef struct Carried {
     vec3     heals;             /* m    by which it is moved at the end: equally deep in each */
     vec3     from, force, torque;       /* m, N, N m  its place, and what acts on it, at the start */
     real     kinetic, time;     /* J, s  then; how long it is held   */
+    Apart    apart;             /*      of that force, what is booked apart */
 } Carried;
 
 typedef struct GroupPair {

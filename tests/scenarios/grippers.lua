@@ -232,3 +232,15 @@ test.each_accuracy("jaws take nothing out of the plane of its world, nor turn wh
   expect(jaws.rotation.x):above(0.04)
   expect(math.abs(keeps.rotation.x)):below(1e-6)
 end)
+
+test.each_accuracy("what wind and water do to what jaws hold is in the books", function(s, accuracy)
+  for _, medium in ipairs { "air", "water" } do
+    local g = gripper(s, accuracy, 1 / 60, 0)
+    if medium == "air" then g.w:air { wind = { 0, 0, 5 } } else g.w:water { level = 2 } end
+    g:go({ 0, 0.3, 0.3 }, 0.5)
+    laid_on(g, 1, 0)
+    g:go({ 0, 0.3, 0.3 }, 0.5)
+    expect(g:held()):near(g.place, 1e-9)
+    expect(math.abs(g.w.energy.numerical)):below(1e-6)
+  end
+end)
