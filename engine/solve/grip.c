@@ -123,21 +123,60 @@ static real closes_by(const Group *g, const Carried *h, const GroupContact *c, c
     return -(c->b == h->body ? 1 : -1) * vec3_dot(c->manifold.normal, vec3_mad(h->heals, dt, vec3_sub(v, u)));
 }
 
-/* Does it go into what else does not move? A sleeper wakes first. */
+#define AHEAD 0.5               /* cosine: such contacts bear what is pushed this way */
+#define NEAR  1e-3              /* of the size: contacts so near bear, and what is so deep in what moves has not been able to push it off */
+
+static bool is_near(const Group *g, const GroupContact *c)
+{
+    real gap = INFINITY;
+    for (int k = 0; c->live && k < c->manifold.count; k++)
+        gap = real_min(gap, c->manifold.points[k].gap);
+    return gap <= NEAR * g->pairs[c->pair].size;
+}
+
+/* Does a body that is pushed along n lie against something that does not move, be it through others? What is carried would crush them. */
+static bool is_backed(const Group *g, int body, vec3 n, int carried)
+{
+    ArenaMark mark = arena_mark(g->arena);
+    uint8_t *pushed = arena_zero(g->arena, (size_t)g->body_count);
+    bool backed = !pushed, more = !backed;
+    if (pushed)
+        pushed[body] = pushed[carried] = true;
+    while (more && !backed) {
+        more = false;
+        for (int i = 0; i < g->contact_count && !backed; i++) {
+            const GroupContact *c = &g->contacts[i];
+            real along = vec3_dot(n, c->manifold.normal);
+            int from = along > 0 ? c->a : c->b, to = along > 0 ? c->b : c->a;
+            if (fabs(along) < AHEAD || from == carried || !pushed[from] || pushed[to] || !is_near(g, c))
+                continue;
+            pushed[to] = more = true;
+            backed = !g->member[to].moves && !g->member[to].dormant;
+        }
+    }
+    arena_rewind(g->arena, mark);
+    return backed;
+}
+
+/* Does it go into what does not move, or cannot? A sleeper wakes first. */
 static bool in_its_way(Group *g, const Carried *h, real dt)
 {
     for (int i = 0; i < g->contact_count; i++) {
         const GroupContact *c = &g->contacts[i];
         if (!c->live || (c->a != h->body && c->b != h->body) || is_jaw(g, h, i))
             continue;
-        Member *by = &g->member[other_of(c, h->body)];
-        for (int k = 0; !by->moves && k < c->manifold.count; k++) {
+        int other = other_of(c, h->body);
+        real size = g->pairs[c->pair].size;
+        for (int k = 0; k < c->manifold.count; k++) {
             const ManifoldPoint *p = &c->manifold.points[k];
-            if (p->gap - closes_by(g, h, c, p, dt) >= real_min(p->gap, 0) - SINKS * g->pairs[c->pair].size)
+            if (p->gap - closes_by(g, h, c, p, dt) >= real_min(p->gap, 0) - SINKS * size)
                 continue;
-            if (!by->dormant)
+            if (g->member[other].moves && p->gap > -NEAR * size &&
+                !is_backed(g, other, c->b == other ? c->manifold.normal : vec3_neg(c->manifold.normal), h->body))
+                continue;
+            if (!g->member[other].dormant)
                 return true;
-            by->pushed = g->woke = true;
+            g->member[other].pushed = g->woke = true;
         }
     }
     return false;

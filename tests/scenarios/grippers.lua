@@ -65,6 +65,30 @@ test.each_accuracy("what jaws hold bears pushes and what is laid or dropped on i
   end)
 end)
 
+-- What lies on the floor cannot give way, and is not crushed: the box slips up between the jaws as it does on the floor itself.
+test.each_accuracy("a box that is put down on a stack of two, 4 mm too low, lies on it", function(s, accuracy)
+  for _, step in ipairs { 1 / 30, 1 / 60 } do
+    local g, deepest = gripper(s, accuracy, step, 1e-4), 0
+    g:go({ 0, 1, 0 }, 0.4)
+    local boxes = {}
+    for i = 1, 2 do boxes[i] = g.w:box { size = 0.2, mass = 1, friction = 0.5, at = { 0.02 * i, 0.2 * i - 0.1, 0 } } end
+    g.w:run(0.2)
+    local low = math.floor((g.box.position.y - 0.5 + 0.004) / 0.2 / step + 0.5) * step
+    g:drive(0, { 0, -0.2, 0 })
+    for _ = 1, math.floor(low / step + 0.5) do
+      g.w:step()
+      deepest = math.max(deepest, g.w:stats().penetration)
+    end
+    g:drive(0)
+    g.w:run(0.3)
+    g:drive(-0.2)
+    g.w:run(1)
+    expect(deepest):below(1e-3)
+    expect(g.box.position):near({ 0, 0.5, 0 }, 1e-3)
+    for i = 1, 2 do expect(boxes[i].position):near({ 0.02 * i, 0.2 * i - 0.1, 0 }, 2e-3) end
+  end
+end)
+
 test.each_accuracy("what jaws hold bears what is welded to it or hangs from it", function(s, accuracy)
   each(s, accuracy, function(g, step)
     local welded = g.w:box { size = 0.05, mass = 1, at = g.box.position + digbox.vec(0, -0.125, 0) }
