@@ -173,7 +173,7 @@ typedef struct Crowd {
     int    pieces;              /* that its step is cut into                                  */
     int    passes, passes_most; /* of a substep, at first; never more                          */
     int    separations;         /* passes at most that put deep overlap apart at the end of the step */
-    float  leaves;              /* of it, as SHALLOW                                   */
+    float  leaves;              /*     what they leave of it, as SHALLOW                       */
     float *worst[2];            /* [threads] error of rates over what matters; of this pass, of the one before */
     real  *stop;                /* [body_count of g] m/s  by how much an impact in this step may change its speed; NULL: there is none */
     real   finest, thinnest;    /* m   size of the smallest solid in a pair; least thickness of a pair */
