@@ -80,6 +80,7 @@ const JointType joint_hinge = {
     .params = hinge_rows,
     .params_size = sizeof(Drive),
     .free_axes = 1,
+    .driven = true,
     .lower_pair = true,
     .rows = rows,
     .coordinate = coordinate,

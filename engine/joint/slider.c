@@ -78,6 +78,7 @@ const JointType joint_slider = {
     .params = slider_rows,
     .params_size = sizeof(Drive),
     .free_axes = 1,
+    .driven = true,
     .lower_pair = true,
     .rows = rows,
     .coordinate = coordinate,

@@ -22,6 +22,7 @@ typedef struct JointType {
     bool             no_axis;       /* the type ignores `axis`                       */
     bool             has_up;        /* params begin with a vec3 (world, at creation; x NaN = any): the u axis of the frame is that way */
     bool             elastic;       /* a part of a structure that gives: its soft rows carry the load, and are to be solved directly */
+    bool             driven;        /* params are a Drive, of the free coordinate */
     bool             lower_pair;    /* what it allows is a group: relative motions that it allows, one after the other, are one */
     bool             fuses;         /* a and b are parts of one thing: where a face of one lies on the other, it is none of its surface */
     bool             two_anchors;   /* params begin with vec3 at_a, at_b (world points at creation; x NaN = centre of mass of that body,

@@ -15,7 +15,7 @@
 
 #include "solve/direction.h"
 
-extern const Way way_flight, way_glide, way_spring, way_trace, way_billiard;
+extern const Way way_flight, way_glide, way_pendulum, way_spring, way_trace, way_billiard;
 
 /* ---- contact features: what touches what, frozen for a step ---- */
 

@@ -1,0 +1,355 @@
+/* trace/pendulum.c - one body on one hinge that hangs on what stands still, by a power series.
+ *
+ * A door, a pendulum or a see-saw has one freedom, the angle f about an axis that stays where it is, and one moment of inertia J about it.
+ * Under a force F that is the same everywhere, a torque T about the axis, friction among it, and a spring k with a damper c,
+ *
+ *     J f'' = A cos f + B sin f + T - k (f + f0) - c f',    A = u . (r x F),  B = u . ((u x r) x F),
+ *
+ * u the axis and r what the centre of mass is off it at f = 0. With x = cos f and y = sin f, x' = -y f' and y' = x f', the terms of each
+ * series give the next ones of the others (Moore, Interval Analysis, 1966, section 11.2): as many as double precision can tell, at less
+ * than one evaluation by rows. A motor, a stop that may be reached, friction that may hold, and anything near are handed on as gathered.
+ */
+#include "math/pair.h"
+#include "trace/trace.h"
+
+#define PAIRS   4               /* most of what is near */
+#define TERMS   30              /* most of them */
+#define LEAST   4
+#define PART    0.5             /* rad: so far a part of the step turns at most, at the rate of its own swing, too */
+#define PARTS   64              /* most of them: what turns faster is the tracer's */
+#define STOPS   1e-6            /* rad: nearer a stop may press */
+#define ENOUGH  1e-17           /* of a radian: terms that follow two smaller ones are no part of the sum */
+#define CLOSED  1e-13           /* of the size: what hangs off its axis by no more is on it    */
+#define DRIFT   1e-2            /* the same, of the tolerance                                   */
+
+static bool is_still(const Group *g, int body)
+{
+    return body < 0 || (!g->member[body].moves && !g->member[body].dormant && vec3_is_zero(g->vel[body].v) && vec3_is_zero(g->vel[body].w));
+}
+
+static bool has_motor(const Drive *d) { return !isnan(d->motor.speed) && d->motor.most > 0; }
+
+static bool suits(const Group *g)
+{
+    if (g->joint_count != 1 || g->moving_count != 1 || g->pair_count > PAIRS || g->push_count > 0 || g->planar || !g->may_trace)
+        return false;
+    for (int i = 0; i < g->pair_count; i++)
+        if (g->pairs[i].was_touching || g->pairs[i].contacts != 1)
+            return false;
+    if (g->own || g->varies || g->drags || g->rules || g->world->region_count > 0 || g->tolerance <= 0)
+        return false;
+    const GroupJoint *j = &g->joints[0];
+    const JointType *t = j->view.type;
+    if (!t->driven || !t->angular || has_motor(j->view.params) || j->breaks_at > 0 || j->broken)
+        return false;
+    const Member *m = &g->member[0];
+    return m->moves && m->integrator == DIG_AUTO && (j->a == 0 ? is_still(g, j->b) : j->b == 0 && is_still(g, j->a));
+}
+
+typedef struct Pendulum {
+    bool is_a;                  /* of its joint; else it is b */
+    vec3 axis, along, across, beyond;   /* r: along the axis, off it, and that turned by a quarter, m */
+    vec3 hinge;                 /* m      what both anchors are to be at */
+    vec3 force, torque;         /* N, N m */
+    real inertia;               /* kg m^2 about the axis */
+    real spin;                  /* rad/s */
+    const Drive *drive;         /* NULL: it is loose */
+    real off, friction;         /* rad, N m  of the spring at the start; with its sign, of what turns on */
+    real turned;                /* rad    since the start */
+    real least, most;           /* rad    no farther does it turn before a stop; NaN: none is there */
+    bool turns_back;            /*        in the step, or it may */
+    real end_spin;              /* rad/s */
+    real damped;                /* J      lost in the damper */
+    vec3 mean;                  /* m      of r, over the step */
+    vec3 own, v;                /* N m s, m/s  angular momentum about the centre of mass and its velocity, at the start */
+} Pendulum;
+
+static JointEnd *own_end(JointView *j, bool is_a) { return is_a ? &j->a : &j->b; }
+
+static vec3 arm(const Pendulum *p, real c, real s) { return vec3_add(p->along, vec3_mad(vec3_scale(c, p->across), s, p->beyond)); }
+
+/* N m s  About the centre of mass, of a spin, rad/s. */
+static vec3 own_momentum(const Group *g, vec3 w)
+{
+    return quat_rotate(g->pos[0].q, mat3_mul_vec(*g->member[0].inertia, quat_unrotate(g->pos[0].q, w)));
+}
+
+/* Is it on its hinge, in place and in velocity? A jerk that puts it there is the tracer's. */
+static bool look(Group *g, Pendulum *p)
+{
+    GroupJoint *j = &g->joints[0];
+    const Member *m = &g->member[0];
+    const Vel *v = &g->vel[0];
+    group_joint_view(g, 0);
+    p->is_a = j->a == 0;
+    const JointEnd *own = own_end(&j->view, p->is_a), *other = own_end(&j->view, !p->is_a);
+    vec3 r = vec3_neg(own->r), u = other->axis;
+    real size = m->outer, pace = sqrt(real_max(g->fall, 1e-3 * size) / size), least = real_max(CLOSED, DRIFT * trace_tolerance(g)) * size;
+    if (!(isfinite(size) && size > 0) || vec3_distance(own->p, other->p) > least || size * vec3_distance(own->axis, u) > least)
+        return false;
+    p->axis = u;
+    p->hinge = other->p;
+    p->spin = vec3_dot(u, v->w);
+    vec3 slip = vec3_add(v->v, vec3_cross(v->w, own->r));
+    if (vec3_length(slip) > least * pace || size * vec3_length(vec3_mad(v->w, -p->spin, u)) > least * pace)
+        return false;
+    p->along = vec3_scale(vec3_dot(u, r), u);
+    p->across = vec3_sub(r, p->along);
+    p->beyond = vec3_cross(u, p->across);
+    vec3 own_axis = quat_unrotate(g->pos[0].q, u);
+    p->inertia = vec3_dot(own_axis, mat3_mul_vec(*m->inertia, own_axis)) + m->mass * vec3_length2(p->across);
+    p->force = m->force;
+    p->torque = m->torque;
+    p->drive = drive_acts(j->view.params) ? j->view.params : NULL;
+    p->own = own_momentum(g, v->w);
+    p->v = v->v;
+    return true;
+}
+
+/* rad/s^2  What turns it, about the axis, over its inertia: see above. */
+typedef struct Equation { real a, b, t, k, c; } Equation;
+
+static Equation law_of(const Pendulum *p)
+{
+    const vec3 u = p->axis;
+    real each = 1 / p->inertia;
+    Equation l = {.a = each * vec3_dot(u, vec3_cross(p->across, p->force)), .b = each * vec3_dot(u, vec3_cross(p->beyond, p->force)),
+                  .t = each * vec3_dot(u, p->torque)};
+    if (p->drive) {
+        l.k = each * p->drive->spring.stiffness;
+        l.c = each * p->drive->spring.damping;
+        l.t -= each * p->friction + l.k * p->off;
+    }
+    return l;
+}
+
+/* Of one part of the step: angle, its rate in radians a part, its cosine and sine, and their means; of its rate squared, the mean. */
+typedef struct Turn { real angle, spin; pair cs, mean; real square; } Turn;
+
+static real largest(pair x) { return real_max(fabs(x[0]), fabs(x[1])); }
+
+static real mean_square(const real *g, int count)
+{
+    real sum = 0;
+    for (int i = 0; i < count; i++)
+        for (int k = 0; k < count; k++)
+            sum += g[i] * g[k] / (i + k + 1);
+    return sum;
+}
+
+/* From angle 0, time in parts. False: the series does not end. */
+static bool turn(const Equation *l, real spin, Turn *out)
+{
+    real g[TERMS];              /* of f' */
+    pair cs[TERMS];             /* of the cosine and the sine */
+    g[0] = spin;
+    cs[0] = (pair){1, 0};
+    *out = (Turn){.angle = spin, .spin = spin, .cs = cs[0], .mean = cs[0]};
+    for (int k = 1; k < TERMS; k++) {
+        pair sum = {0, 0};
+        for (int i = 0; i < k; i++)
+            sum += g[i] * cs[k - 1 - i];
+        real each = 1.0 / k;
+        cs[k] = (pair){-each * sum[1], each * sum[0]};
+        g[k] = each * (l->a * cs[k - 1][0] + l->b * cs[k - 1][1] - l->c * g[k - 1] + (k == 1 ? l->t : -l->k / (k - 1) * g[k - 2]));
+        out->cs += cs[k];
+        out->mean += cs[k] / (k + 1);
+        out->angle += g[k] / (k + 1);
+        out->spin += g[k];
+        if (k >= LEAST && real_max(real_max(largest(cs[k]), largest(cs[k - 1])), real_max(fabs(g[k]), fabs(g[k - 1]))) < ENOUGH) {
+            out->square = l->c > 0 ? mean_square(g, k) : 0;
+            return true;
+        }
+    }
+    return false;
+}
+
+/* rad/s  The rate that keeps the energy where places are rounded; of what loses none. */
+static real kept_spin(const Pendulum *p, vec3 moved, real spin)
+{
+    real work = vec3_dot(p->force, moved) + p->turned * vec3_dot(p->axis, p->torque);
+    if (p->drive)
+        work -= p->drive->spring.stiffness * p->turned * (p->off + 0.5 * p->turned);
+    real square = p->spin * p->spin + 2 * work / p->inertia;
+    return square > 0.25 * spin * spin ? copysign(sqrt(square), spin) : spin;
+}
+
+/* Turns that have the law of the step in another place. */
+static Equation law_at(const Equation *l, real c, real s, real turned, real part)
+{
+    real each = part * part;
+    return (Equation){each * (l->a * c + l->b * s), each * (l->b * c - l->a * s), each * (l->t - l->k * turned), each * l->k, part * l->c};
+}
+
+/* rad/s  No faster does it become, nor does what it follows change. */
+static real fastest(const Equation *l, real spin, real h)
+{
+    real push = hypot(l->a, l->b), swing2 = 2 * push + l->k;
+    return real_max(fabs(spin) + h * (push + fabs(l->t)), sqrt(swing2)) + l->c;
+}
+
+/* False: not in so few parts. */
+static bool swing(Pendulum *p, const Equation *law, real h)
+{
+    real rate = fastest(law, p->spin, h);
+    if (!(rate * h < PART * PARTS))
+        return false;
+    int parts = (int)real_max(1, ceil(rate * h / PART));
+    real part = h / parts, spin = p->spin * part, c = 1, s = 0;
+    vec3 sum = vec3_zero();
+    for (int i = 0; i < parts; i++) {
+        Turn one;
+        Equation now = law_at(law, c, s, p->turned, part);
+        if (!turn(&now, spin, &one))
+            return false;
+        sum = vec3_add(sum, arm(p, c * one.mean[0] - s * one.mean[1], s * one.mean[0] + c * one.mean[1]));
+        p->turned += one.angle;
+        p->turns_back = p->turns_back || !(one.spin * spin > 0);
+        p->damped += p->inertia * law->c / part * one.square;
+        spin = one.spin;
+        real turned = c * one.cs[0] - s * one.cs[1];
+        s = s * one.cs[0] + c * one.cs[1];
+        c = turned;
+    }
+    p->mean = vec3_scale(1.0 / parts, sum);
+    p->end_spin = spin / part;
+    return true;
+}
+
+/* Is there a law for the step, as far as its start tells? Friction is against the motion; a stop is out of reach, or may press. */
+static bool drives(Pendulum *p, const JointView *j)
+{
+    const Drive *d = p->drive;
+    real side = p->is_a ? 1 : -1, angle = j->type->coordinate(j), one = side * (d->limits[0] - angle), other = side * (d->limits[1] - angle);
+    p->least = fmin(one, other);                /* NaN: no stop there */
+    p->most = fmax(one, other);
+    if (p->least > -STOPS || p->most < STOPS || (d->friction > 0 && p->spin == 0))
+        return false;
+    p->off = d->spring.stiffness > 0 ? side * (angle - d->spring.rest) : 0;
+    p->friction = d->friction > 0 ? copysign(d->friction, p->spin) : 0;
+    return true;
+}
+
+/* ... and as its end tells? */
+static bool drove(const Pendulum *p, real h)
+{
+    real beyond = p->turns_back ? h * fabs(p->spin) : 0, low = real_min(0, p->turned) - beyond, high = real_max(0, p->turned) + beyond;
+    return !(p->friction != 0 && p->turns_back) && !(low < p->least + STOPS) && !(high > p->most - STOPS);
+}
+
+static void move(Group *g, const Pendulum *p)
+{
+    const GroupJoint *j = &g->joints[0];
+    vec3 from = g->pos[0].x;
+    g->pos[0].q = quat_unit(quat_mul(quat_exp(vec3_scale(p->turned, p->axis)), g->pos[0].q));
+    vec3 r = vec3_neg(quat_rotate(g->pos[0].q, p->is_a ? j->ra : j->rb));
+    g->pos[0].x = vec3_add(p->hinge, r);
+    bool loses = p->friction != 0 || p->damped > 0;
+    g->vel[0].w = vec3_scale(loses ? p->end_spin : kept_spin(p, vec3_sub(g->pos[0].x, from), p->end_spin), p->axis);
+    g->vel[0].v = vec3_cross(g->vel[0].w, r);
+}
+
+/* N, N m  What the joint does to the body: its force, and its torque without that. */
+typedef struct Load { vec3 force, couple; } Load;
+
+/* At the end of the step. */
+static Load load_now(const Group *g, const Pendulum *p)
+{
+    vec3 w = g->vel[0].w, r = vec3_sub(g->pos[0].x, p->hinge), turning = vec3_add(p->torque, vec3_cross(r, p->force));
+    vec3 alpha = vec3_scale(vec3_dot(p->axis, turning) / p->inertia, p->axis);
+    vec3 acc = vec3_add(vec3_cross(alpha, r), vec3_cross(w, g->vel[0].v));
+    vec3 force = vec3_mad(vec3_neg(p->force), g->member[0].mass, acc);
+    vec3 torque = vec3_sub(vec3_add(own_momentum(g, alpha), vec3_cross(w, own_momentum(g, w))), p->torque);
+    return (Load){force, vec3_add(torque, vec3_cross(r, force))};
+}
+
+/* Of the step: what changed the momenta, less what acted besides. */
+static void book_impulses(Group *g, const Pendulum *p, real h)
+{
+    GroupJoint *j = &g->joints[0];
+    real m = g->member[0].mass;
+    vec3 impulse = vec3_mad(vec3_scale(m, vec3_sub(g->vel[0].v, p->v)), -h, p->force);
+    vec3 about_centre = vec3_mad(vec3_sub(own_momentum(g, g->vel[0].w), p->own), -h, p->torque);
+    if (p->is_a) {
+        j->impulse = impulse;
+        j->angular_impulse = about_centre;
+        return;
+    }
+    if (j->a < 0)
+        return;
+    vec3 first = vec3_add(p->along, p->across), last = vec3_sub(g->pos[0].x, p->hinge);
+    vec3 orbit = vec3_scale(m, vec3_sub(vec3_cross(last, g->vel[0].v), vec3_cross(first, p->v)));
+    vec3 about_hinge = vec3_mad(vec3_add(about_centre, orbit), -h, vec3_cross(p->mean, p->force));
+    j->impulse = vec3_neg(impulse);
+    j->angular_impulse = vec3_neg(vec3_add(about_hinge, vec3_cross(j->view.a.r, impulse)));
+}
+
+static void book(Group *g, const Pendulum *p, real h)
+{
+    GroupJoint *j = &g->joints[0];
+    Row rows[JOINT_SLOTS];
+    RowList list = {rows, 0, JOINT_SLOTS};
+    real side = p->is_a ? 1 : -1;
+    j->memory[0] += side * p->turned;           /* more than half a turn is none too few */
+    group_joint_move(g, 0);
+    j->view.type->rows(&j->view, &list);
+    Load now = load_now(g, p);
+    memset(j->force, 0, sizeof j->force);
+    for (int i = 0; i < list.count; i++) {
+        const Row *r = &rows[i];
+        if (r->kind == ROW_HARD) {
+            j->force[r->slot] = side * (r->angular ? vec3_dot(r->ang[0], now.couple) / vec3_length2(r->ang[0]) : vec3_dot(r->lin[0], now.force));
+            g->joint_error = real_max(g->joint_error, fabs(r->error));
+        } else if (r->kind == ROW_SOFT)
+            j->force[r->slot] = -(r->stiffness * r->error + side * r->damping * p->end_spin);
+        else if (r->kind == ROW_DRY)
+            j->force[r->slot] = -side * p->friction;
+    }
+    book_impulses(g, p, h);
+    real lost = p->damped + p->friction * p->turned;
+    j->lost += lost;
+    g->lost += lost;
+}
+
+/* Does it meet nothing? What was found near is then left behind: the next step looks anew. */
+static bool keeps_apart(Group *g, real h)
+{
+    bool apart = true;
+    for (int i = 0; i < g->pair_count; i++) {
+        group_touch_pair(g, &g->pairs[i], h);
+        apart = apart && !g->contacts[g->pairs[i].contact].live;
+    }
+    g->looked = true;
+    for (int i = 0; i < g->pair_count && apart; i++)
+        g->contacts[g->pairs[i].contact].manifold.count = 0;
+    return apart;
+}
+
+static bool follow(Group *g, Pendulum *p, real h)
+{
+    if (!look(g, p) || (p->drive && !drives(p, &g->joints[0].view)))
+        return false;
+    Equation law = law_of(p);
+    return swing(p, &law, h) && (!p->drive || drove(p, h)) && keeps_apart(g, h);
+}
+
+static dig_status advance(Group *g, real dt)
+{
+    Pendulum p = {.turned = 0};
+    real h = g->h;
+    g->h = dt;
+    DIG_TRY(group_forces(g));
+    if (!follow(g, &p, dt)) {
+        g->h = h;
+        g->handed_on = true;
+        return DIG_OK;
+    }
+    move(g, &p);
+    book(g, &p, dt);
+    g->member[0].constrained = true;
+    g->evaluations = g->substeps = 1;
+    g->t = g->trace_step = dt;
+    return g->stage(g, STAGE_SETTLE);
+}
+
+const Way way_pendulum = {.name = "pendulum", .tally = WAY_TRACED, .suits = suits, .advance = advance};
