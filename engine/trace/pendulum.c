@@ -61,17 +61,17 @@ typedef struct Pendulum {
     real end_spin;              /* rad/s */
     real damped;                /* J      lost in the damper */
     vec3 mean;                  /* m      of r, over the step */
-    vec3 own, v;                /* N m s, m/s  angular momentum about the centre of mass and its velocity, at the start */
+    vec3 first, last, v;        /* kg m^2, m/s  see along_axis, and of the centre of mass: at the start, and the end of the step */
 } Pendulum;
 
 static JointEnd *own_end(JointView *j, bool is_a) { return is_a ? &j->a : &j->b; }
 
 static vec3 arm(const Pendulum *p, real c, real s) { return vec3_add(p->along, vec3_mad(vec3_scale(c, p->across), s, p->beyond)); }
 
-/* N m s  About the centre of mass, of a spin, rad/s. */
-static vec3 own_momentum(const Group *g, vec3 w)
+/* kg m^2  Of the body as it lies: times its spin, its angular momentum about its centre of mass. */
+static vec3 along_axis(const Group *g, vec3 axis)
 {
-    return quat_rotate(g->pos[0].q, mat3_mul_vec(*g->member[0].inertia, quat_unrotate(g->pos[0].q, w)));
+    return quat_rotate(g->pos[0].q, mat3_mul_vec(*g->member[0].inertia, quat_unrotate(g->pos[0].q, axis)));
 }
 
 /* Is it on its hinge, in place and in velocity? A jerk that puts it there is the tracer's. */
@@ -96,12 +96,11 @@ static bool look(Group *g, Pendulum *p)
     p->along = vec3_scale(vec3_dot(u, r), u);
     p->across = vec3_sub(r, p->along);
     p->beyond = vec3_cross(u, p->across);
-    vec3 own_axis = quat_unrotate(g->pos[0].q, u);
-    p->inertia = vec3_dot(own_axis, mat3_mul_vec(*m->inertia, own_axis)) + m->mass * vec3_length2(p->across);
+    p->first = along_axis(g, u);
+    p->inertia = vec3_dot(u, p->first) + m->mass * vec3_length2(p->across);
     p->force = m->force;
     p->torque = m->torque;
     p->drive = drive_acts(j->view.params) ? j->view.params : NULL;
-    p->own = own_momentum(g, v->w);
     p->v = v->v;
     return true;
 }
@@ -237,15 +236,17 @@ static bool drove(const Pendulum *p, real h)
     return !(p->friction != 0 && p->turns_back) && !(low < p->least + STOPS) && !(high > p->most - STOPS);
 }
 
-static void move(Group *g, const Pendulum *p)
+static void move(Group *g, Pendulum *p)
 {
     const GroupJoint *j = &g->joints[0];
     vec3 from = g->pos[0].x;
     g->pos[0].q = quat_unit(quat_mul(quat_exp(vec3_scale(p->turned, p->axis)), g->pos[0].q));
     vec3 r = vec3_neg(quat_rotate(g->pos[0].q, p->is_a ? j->ra : j->rb));
     g->pos[0].x = vec3_add(p->hinge, r);
-    bool loses = p->friction != 0 || p->damped > 0;
-    g->vel[0].w = vec3_scale(loses ? p->end_spin : kept_spin(p, vec3_sub(g->pos[0].x, from), p->end_spin), p->axis);
+    if (p->friction == 0 && !(p->damped > 0))
+        p->end_spin = kept_spin(p, vec3_sub(g->pos[0].x, from), p->end_spin);
+    p->last = along_axis(g, p->axis);
+    g->vel[0].w = vec3_scale(p->end_spin, p->axis);
     g->vel[0].v = vec3_cross(g->vel[0].w, r);
 }
 
@@ -256,10 +257,10 @@ typedef struct Load { vec3 force, couple; } Load;
 static Load load_now(const Group *g, const Pendulum *p)
 {
     vec3 w = g->vel[0].w, r = vec3_sub(g->pos[0].x, p->hinge), turning = vec3_add(p->torque, vec3_cross(r, p->force));
-    vec3 alpha = vec3_scale(vec3_dot(p->axis, turning) / p->inertia, p->axis);
-    vec3 acc = vec3_add(vec3_cross(alpha, r), vec3_cross(w, g->vel[0].v));
+    real alpha = vec3_dot(p->axis, turning) / p->inertia;
+    vec3 acc = vec3_mad(vec3_cross(w, g->vel[0].v), alpha, vec3_cross(p->axis, r));
     vec3 force = vec3_mad(vec3_neg(p->force), g->member[0].mass, acc);
-    vec3 torque = vec3_sub(vec3_add(own_momentum(g, alpha), vec3_cross(w, own_momentum(g, w))), p->torque);
+    vec3 torque = vec3_sub(vec3_add(vec3_scale(alpha, p->last), vec3_scale(p->end_spin, vec3_cross(w, p->last))), p->torque);
     return (Load){force, vec3_add(torque, vec3_cross(r, force))};
 }
 
@@ -269,7 +270,7 @@ static void book_impulses(Group *g, const Pendulum *p, real h)
     GroupJoint *j = &g->joints[0];
     real m = g->member[0].mass;
     vec3 impulse = vec3_mad(vec3_scale(m, vec3_sub(g->vel[0].v, p->v)), -h, p->force);
-    vec3 about_centre = vec3_mad(vec3_sub(own_momentum(g, g->vel[0].w), p->own), -h, p->torque);
+    vec3 about_centre = vec3_mad(vec3_mad(vec3_scale(p->end_spin, p->last), -p->spin, p->first), -h, p->torque);
     if (p->is_a) {
         j->impulse = impulse;
         j->angular_impulse = about_centre;
