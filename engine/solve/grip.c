@@ -13,7 +13,6 @@
 
 #define HEAL_SPEED 3.0          /* m/s per sqrt(m): as in project.c */
 #define SLIPS 1e-6              /* of the size in a step */
-#define SINKS 1e-9              /* of the size: by less it does not go into what else it touches */
 
 static int other_of(const GroupContact *c, int body) { return c->a == body ? c->b : c->a; }
 
@@ -106,10 +105,10 @@ void grip_lead(Group *g)
         g->vel[g->carried[i].body] = mean_of(g, &g->carried[i]);
 }
 
-static bool is_jaw(const Group *g, const Carried *h, int contact)
+bool grip_is_jaw(const Group *g, int first, int count, int contact)
 {
-    for (int k = 0; k < h->count; k++)
-        if (g->jaws[h->first + k] == contact)
+    for (int k = first; k < first + count; k++)
+        if (g->jaws[k] == contact)
             return true;
     return false;
 }
@@ -163,13 +162,13 @@ static bool in_its_way(Group *g, const Carried *h, real dt)
 {
     for (int i = 0; i < g->contact_count; i++) {
         const GroupContact *c = &g->contacts[i];
-        if (!c->live || (c->a != h->body && c->b != h->body) || is_jaw(g, h, i))
+        if (!c->live || (c->a != h->body && c->b != h->body) || grip_is_jaw(g, h->first, h->count, i))
             continue;
         int other = other_of(c, h->body);
         real size = g->pairs[c->pair].size;
         for (int k = 0; k < c->manifold.count; k++) {
             const ManifoldPoint *p = &c->manifold.points[k];
-            if (p->gap - closes_by(g, h, c, p, dt) >= real_min(p->gap, 0) - SINKS * size)
+            if (p->gap - closes_by(g, h, c, p, dt) >= real_min(p->gap, 0) - GRIP_SINKS * size)
                 continue;
             if (g->member[other].moves && p->gap > -NEAR * size &&
                 !is_backed(g, other, c->b == other ? c->manifold.normal : vec3_neg(c->manifold.normal), h->body))

@@ -568,12 +568,14 @@ static inline bool is_squeezed(const Group *g, int contact)
     return g->squeezes && (g->squeezed[contact].rate + g->squeezed[contact].depth > 0 || g->squeezed[contact].grips);
 }
 /* grip.c */
+#define GRIP_SINKS 1e-9         /* of the size: by less what is held does not go into what else it touches */
 bool       grip_possible(const Group *g);
 bool       group_grips(const Group *g);                 /* have movers closed on something, as far as is known? */
 /* Whom movers hold for the rest of the step, or will have closed on in `ahead` s: they are movers until grip_give. */
 dig_status grip_take(Group *g, real rest, real ahead);
 void       grip_follow(Group *g, real h);               /* after all have moved straight on for h s: round with what turns */
 void       grip_lead(Group *g);                         /* and its velocity is again that of its place */
+bool       grip_is_jaw(const Group *g, int first, int count, int contact);     /* is it among so many of Group.jaws? */
 void       grip_give(Group *g);                         /* at its end they are as before */
 bool       grip_let_go(Group *g);                       /* none is held in this step; false: none was */
 dig_status grip_note(Group *g);                         /* then: who has closed on what */

@@ -5,7 +5,6 @@
  */
 #include "solve/group.h"
 
-#define SINKS 1e-9              /* of the size: by less it does not go into what else it touches */
 
 static bool still(const Group *g, int body) { return vec3_is_zero(g->vel[body].v) && vec3_is_zero(g->vel[body].w); }
 
@@ -35,20 +34,12 @@ static void move(Group *g, real dt)
     }
 }
 
-static bool is_jaw(const Group *g, int contact)
-{
-    for (int i = 0; i < g->jaw_count; i++)
-        if (g->jaws[i] == contact)
-            return true;
-    return false;
-}
-
 /* m  The deepest contact beside those that hold. */
 static real depth_of_others(const Group *g)
 {
     real deep = 0;
     for (int i = 0; i < g->contact_count; i++)
-        deep = g->contacts[i].live && !is_jaw(g, i) ? real_max(deep, contact_depth(&g->contacts[i])) : deep;
+        deep = g->contacts[i].live && !grip_is_jaw(g, 0, g->jaw_count, i) ? real_max(deep, contact_depth(&g->contacts[i])) : deep;
     return deep;
 }
 
@@ -61,7 +52,7 @@ static bool came_through(const Group *g, real before)
     for (int i = 0; i < g->carried_count; i++)
         if (vec3_distance(g->pos[g->carried[i].body].x, g->carried[i].from) > g->member[g->carried[i].body].outer)
             return false;
-    return depth_of_others(g) <= before + SINKS * g->member[g->carried[0].body].outer;
+    return depth_of_others(g) <= before + GRIP_SINKS * g->member[g->carried[0].body].outer;
 }
 
 static void book(Group *g)

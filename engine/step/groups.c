@@ -118,7 +118,6 @@ static real room_between(box3 a, box3 b)
     return fabs(vec3_least(vec3_min(low, high)));
 }
 
-#define ROUNDING 1e-12          /* of places: differences of them are that wrong */
 #define DOWN     (1 - 2e-7)     /* a float made of a double is no more than that */
 
 /* Do they meet? What was found is kept until one of them may have got far enough to change it: what lies is only asked how far it got. */
@@ -137,7 +136,7 @@ static bool look_at(const World *w, Pair *p)
     }
     box3 x = reach_now(w, &w->solids.data[p->solid_a], p->dynamic_a), y = reach_now(w, &w->solids.data[p->solid_b], p->dynamic_b);
     p->met = box3_overlap(x, y);
-    real room = room_between(x, y) - ROUNDING * vec3_largest(vec3_max(vec3_abs(p->dynamic_a ? x.low : y.low), vec3_abs(p->dynamic_a ? x.high : y.high)));
+    real room = room_between(x, y) - PLACE_ROUNDING * vec3_largest(vec3_max(vec3_abs(p->dynamic_a ? x.low : y.low), vec3_abs(p->dynamic_a ? x.high : y.high)));
     p->met_until = (float)(DOWN * roams_until(room, a->travel + b->travel, roam));
     return p->met;
 }

@@ -185,7 +185,6 @@ typedef struct Sensing { World *w; real dt, gravity; bool keeps; uint8_t *found;
 
 #define SLOW      0.02          /* outer radii: who gets farther in a step would not lie within the same bounds for long */
 #define TOO_FAR   1e6           /* m: of who has travelled farther, a double forgets what it moves by */
-#define ROUNDING  1e-12         /* of places: differences of them are that wrong */
 
 /* m  So much each face of its reach may move until there may be something to do about the solid. */
 static real room_of(const World *w, uint32_t solid, const Body *b, real dt)
@@ -198,7 +197,7 @@ static real room_of(const World *w, uint32_t solid, const Body *b, real dt)
     real least = vec3_least(vec3_min(low, high)), fresh = sum_of(vec3_sub(s->reach.high, s->reach.low)) + 6 * (LEAF_MARGIN * s->shape.outer + s->struck);
     least = real_min(least, (OVERSIZED_RESTING * fresh - sum_of(wide)) / (6 * OVERSIZED_RESTING));
     least = real_min(least, real_min(0.9 * s->shape.inner - b->pull * dt * dt, plane_room(w, solid)));
-    return s->astray > 0 ? 0 : least - ROUNDING * vec3_largest(vec3_max(vec3_abs(leaf.low), vec3_abs(leaf.high)));
+    return s->astray > 0 ? 0 : least - PLACE_ROUNDING * vec3_largest(vec3_max(vec3_abs(leaf.low), vec3_abs(leaf.high)));
 }
 
 real roams_until(real room, real travel, real roam) { return travel < TOO_FAR ? real_max(0, 0.999 * room + 2 * travel - roam) : 0; }

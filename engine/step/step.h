@@ -42,6 +42,8 @@ typedef struct Step {           /* what the stages hand to each other; lives in 
     bool     *within;           /* of its strikes, which are within a DIG   */
 } Step;
 
+#define PLACE_ROUNDING 1e-12    /* of places: differences of them are that wrong */
+
 /* sense.c */
 dig_status sense_pairs(World *w, real dt);          /* whose boxes may meet in this step                    */
 /* near.c */

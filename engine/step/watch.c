@@ -276,13 +276,7 @@ static uint32_t lighter(const Group *g, int a, int b)
 #define FINE 0.1
 static real fine_of(const Group *g) { return g->crowd ? 1 : FINE; }
 
-static real depth_of(const GroupContact *c)
-{
-    real depth = 0;
-    for (int k = 0; c->live && k < c->manifold.count; k++)
-        depth = real_max(depth, -c->manifold.points[k].gap);
-    return depth;
-}
+static real depth_of(const GroupContact *c) { return c->live ? real_max(0, contact_depth(c)) : 0; }
 
 /* With whom. A plane is solid all through: a body may well have been put beyond its surface. */
 static void warn_overlap(World *w, const GroupPair *q, uint32_t body, real depth, real bound)

@@ -14,11 +14,6 @@
 #define SAME    1e-12           /* cosine, and of the size: levers and directions that differ by less */
 #define FOLLOWS (1 - 1e-9)      /* cosine: friction that points there does where the slip is now */
 
-static bool is_still(const Group *g, int i)
-{
-    return !g->member[i].moves && !g->member[i].dormant && vec3_is_zero(g->vel[i].v) && vec3_is_zero(g->vel[i].w);
-}
-
 static bool held(const GroupContact *c)
 {
     bool all = c->live && c->manifold.count > 0;
@@ -52,7 +47,7 @@ static bool suits(const Group *g)
     if (g->own || g->varies || g->planar || g->world->region_count > 0 || !g->member[0].moves)
         return false;
     for (int i = 1; i < g->body_count; i++)
-        if (!is_still(g, i))
+        if (!member_still(g, i))
             return false;
     return only_contact(g) >= 0 && trace_suits(g);
 }

@@ -22,11 +22,6 @@
 #define CLOSED  1e-13           /* of the size: what hangs off its axis by no more is on it    */
 #define DRIFT   1e-2            /* the same, of the tolerance                                   */
 
-static bool is_still(const Group *g, int body)
-{
-    return body < 0 || (!g->member[body].moves && !g->member[body].dormant && vec3_is_zero(g->vel[body].v) && vec3_is_zero(g->vel[body].w));
-}
-
 static bool has_motor(const Drive *d) { return !isnan(d->motor.speed) && d->motor.most > 0; }
 
 static bool suits(const Group *g)
@@ -43,7 +38,7 @@ static bool suits(const Group *g)
     if (!t->driven || !t->angular || has_motor(j->view.params) || j->breaks_at > 0 || j->broken)
         return false;
     const Member *m = &g->member[0];
-    return m->moves && m->integrator == DIG_AUTO && (j->a == 0 ? is_still(g, j->b) : j->b == 0 && is_still(g, j->a));
+    return m->moves && m->integrator == DIG_AUTO && (j->a == 0 ? member_still(g, j->b) : j->b == 0 && member_still(g, j->a));
 }
 
 typedef struct Pendulum {

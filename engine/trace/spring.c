@@ -14,11 +14,6 @@
 #define SHORT  0.1              /* of the length: nearer its ends do not come, or the line might be another one */
 #define SAME   1e-8             /* rad: roots as near as that are one */
 
-static bool is_still(const Group *g, int body)
-{
-    return body < 0 || (!g->member[body].moves && !g->member[body].dormant && vec3_is_zero(g->vel[body].v) && vec3_is_zero(g->vel[body].w));
-}
-
 static bool is_free(const Group *g, int body) { return body >= 0 && g->member[body].moves; }
 
 static bool suits(const Group *g)
@@ -34,7 +29,7 @@ static bool suits(const Group *g)
     for (int i = 0; i < g->moving_count; i++)
         if (!g->member[i].moves || g->member[i].integrator != DIG_AUTO || (i != j->a && i != j->b))
             return false;
-    return (is_free(g, j->a) || is_still(g, j->a)) && (is_free(g, j->b) || is_still(g, j->b));
+    return (is_free(g, j->a) || member_still(g, j->a)) && (is_free(g, j->b) || member_still(g, j->b));
 }
 
 /* Motion along the line. */

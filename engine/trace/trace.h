@@ -15,6 +15,12 @@
 
 #include "solve/direction.h"
 
+/* Does it not move in this step, nor wake? body < 0: the world */
+static inline bool member_still(const Group *g, int body)
+{
+    return body < 0 || (!g->member[body].moves && !g->member[body].dormant && vec3_is_zero(g->vel[body].v) && vec3_is_zero(g->vel[body].w));
+}
+
 extern const Way way_flight, way_glide, way_pendulum, way_spring, way_trace, way_billiard;
 
 /* ---- contact features: what touches what, frozen for a step ---- */
