@@ -533,6 +533,7 @@ TEST(motors_and_friction_and_near_stops_and_contacts_are_left_to_the_sweep)
     dig_body_def d = body_with(look(0.5, 0), (vec3){0.5, 1, 0}, quat_identity());
     dig_body b = add_body(w, d, "box", &(dig_box_def){{1, 0.1, 0.1}});
     join_bodies(w, "hinge", b, nobody, (vec3){0, 1, 0}, z_axis);
+    join_bodies(w, "ball", add_bob(w, (vec3){1, 1, 0}, 0.1, 0.05), b, (vec3){1, 1, 0}, z_axis);      /* alone it would be a pendulum */
     step(w, 1);
     check_conserved(w);
     int swept = 0;
