@@ -13,8 +13,8 @@ static bool suits_all(const Group *g)
 
 static const Way way_sweep = {.name = "sweep", .tally = WAY_SWEPT, .suits = suits_all, .advance = sweep_advance, .inertias = true, .carries = true};
 
-static const Way *const ways[] = {&way_tumble, &way_flight, &way_glide, &way_spring, &way_pendulum, &way_wedge, &way_trace, &way_billiard,
-                                   &way_conserve, &way_chain, &way_calm, &way_crowd, &way_tumble_late, &way_sweep};
+static const Way *const ways[] = {&way_tumble, &way_flight, &way_glide, &way_spring, &way_pendulum, &way_top, &way_bob, &way_wedge,
+                                   &way_trace, &way_billiard, &way_conserve, &way_chain, &way_calm, &way_crowd, &way_tumble_late, &way_sweep};
 
 static void share_inertias(void *context, int thread, int threads)
 {

@@ -198,13 +198,9 @@ static int terms_of(Bounds b, real h, real enough)
     return terms;
 }
 
-static void fly(Group *g, int i, real h)
+void flight_turn(Group *g, int i, real h)
 {
     const Member *m = &g->member[i];
-    vec3 a = vec3_scale(g->mass[i].im, m->force), none = vec3_zero();
-    dir_mask(g, &a, &none);
-    g->pos[i].x = vec3_mad(vec3_mad(g->pos[i].x, h, g->vel[i].v), 0.5 * h * h, a);
-    g->vel[i].v = vec3_mad(g->vel[i].v, h, a);
     vec3 w = g->vel[i].w;
     if (m->round || g->planar) {
         g->pos[i].q = quat_unit(quat_mul(quat_exp(vec3_scale(h, w)), g->pos[i].q));
@@ -227,6 +223,15 @@ static void fly(Group *g, int i, real h)
     /* refined once: |q| is 1 within rounding only, and that bias would add up to a drift of the angular momentum */
     vec3 off = vec3_sub(l, quat_rotate(q, mat3_mul_vec(*m->inertia, quat_unrotate(q, w))));
     g->vel[i].w = vec3_add(w, quat_rotate(q, mat3_mul_vec(*m->inv_inertia, quat_unrotate(q, off))));
+}
+
+static void fly(Group *g, int i, real h)
+{
+    vec3 a = fall_of(g, i), none = vec3_zero();
+    dir_mask(g, &a, &none);
+    g->pos[i].x = vec3_mad(vec3_mad(g->pos[i].x, h, g->vel[i].v), 0.5 * h * h, a);
+    g->vel[i].v = vec3_mad(g->vel[i].v, h, a);
+    flight_turn(g, i, h);
 }
 
 static dig_status advance(Group *g, real dt)

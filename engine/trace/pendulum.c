@@ -12,37 +12,25 @@
 #include "math/pair.h"
 #include "trace/trace.h"
 
-#define PAIRS   4               /* most of what is near */
 #define TERMS   30              /* most of them */
 #define LEAST   4
 #define PART    0.5             /* rad: so far a part of the step turns at most, at the rate of its own swing, too */
 #define PARTS   64              /* most of them: what turns faster is the tracer's */
 #define STOPS   1e-6            /* rad: nearer a stop may press */
 #define ENOUGH  1e-17           /* of a radian: terms that follow two smaller ones are no part of the sum */
-#define CLOSED  1e-13           /* of the size: what hangs off its axis by no more is on it    */
-#define DRIFT   1e-2            /* the same, of the tolerance                                   */
 
 static bool has_motor(const Drive *d) { return !isnan(d->motor.speed) && d->motor.most > 0; }
 
 static bool suits(const Group *g)
 {
-    if (g->joint_count != 1 || g->moving_count != 1 || g->pair_count > PAIRS || g->push_count > 0 || g->planar || !g->may_trace)
+    if (!hang_suits(g))
         return false;
-    for (int i = 0; i < g->pair_count; i++)
-        if (g->pairs[i].was_touching || g->pairs[i].contacts != 1)
-            return false;
-    if (g->own || g->varies || g->drags || g->rules || g->world->region_count > 0 || g->tolerance <= 0)
-        return false;
-    const GroupJoint *j = &g->joints[0];
-    const JointType *t = j->view.type;
-    if (!t->driven || !t->angular || has_motor(j->view.params) || j->breaks_at > 0 || j->broken)
-        return false;
-    const Member *m = &g->member[0];
-    return m->moves && m->integrator == DIG_AUTO && (j->a == 0 ? member_still(g, j->b) : j->b == 0 && member_still(g, j->a));
+    const JointView *j = &g->joints[0].view;
+    return j->type->driven && j->type->angular && !has_motor(j->params);
 }
 
 typedef struct Pendulum {
-    bool is_a;                  /* of its joint; else it is b */
+    Hang hang;
     vec3 axis, along, across, beyond;   /* r: along the axis, off it, and that turned by a quarter, m */
     vec3 hinge;                 /* m      what both anchors are to be at */
     vec3 force, torque;         /* N, N m */
@@ -56,10 +44,8 @@ typedef struct Pendulum {
     real end_spin;              /* rad/s */
     real damped;                /* J      lost in the damper */
     vec3 mean;                  /* m      of r, over the step */
-    vec3 first, last, v;        /* kg m^2, m/s  see along_axis, and of the centre of mass: at the start, and the end of the step */
+    vec3 first, last;           /* kg m^2  see along_axis: at the start, and the end of the step */
 } Pendulum;
-
-static JointEnd *own_end(JointView *j, bool is_a) { return is_a ? &j->a : &j->b; }
 
 static vec3 arm(const Pendulum *p, real c, real s) { return vec3_add(p->along, vec3_mad(vec3_scale(c, p->across), s, p->beyond)); }
 
@@ -69,24 +55,19 @@ static vec3 along_axis(const Group *g, vec3 axis)
     return quat_rotate(g->pos[0].q, mat3_mul_vec(*g->member[0].inertia, quat_unrotate(g->pos[0].q, axis)));
 }
 
-/* Is it on its hinge, in place and in velocity? A jerk that puts it there is the tracer's. */
+/* Is its axis where that of the hinge is, and does it turn about it? */
 static bool look(Group *g, Pendulum *p)
 {
-    GroupJoint *j = &g->joints[0];
+    const JointView *j = &g->joints[0].view;
     const Member *m = &g->member[0];
-    const Vel *v = &g->vel[0];
-    group_joint_view(g, 0);
-    p->is_a = j->a == 0;
-    const JointEnd *own = own_end(&j->view, p->is_a), *other = own_end(&j->view, !p->is_a);
-    vec3 r = vec3_neg(own->r), u = other->axis;
-    real size = m->outer, pace = sqrt(real_max(g->fall, 1e-3 * size) / size), least = real_max(CLOSED, DRIFT * trace_tolerance(g)) * size;
-    if (!(isfinite(size) && size > 0) || vec3_distance(own->p, other->p) > least || size * vec3_distance(own->axis, u) > least)
+    Hang *hang = &p->hang;
+    if (!hang_look(g, hang) || !hang_holds(hang))
         return false;
+    vec3 r = vec3_neg(hang->own->r), u = hang->other->axis, w = hang->before.w;
     p->axis = u;
-    p->hinge = other->p;
-    p->spin = vec3_dot(u, v->w);
-    vec3 slip = vec3_add(v->v, vec3_cross(v->w, own->r));
-    if (vec3_length(slip) > least * pace || size * vec3_length(vec3_mad(v->w, -p->spin, u)) > least * pace)
+    p->hinge = hang->other->p;
+    p->spin = vec3_dot(u, w);
+    if (m->outer * vec3_distance(hang->own->axis, u) > hang->least || m->outer * vec3_length(vec3_mad(w, -p->spin, u)) > hang->slowest)
         return false;
     p->along = vec3_scale(vec3_dot(u, r), u);
     p->across = vec3_sub(r, p->along);
@@ -95,8 +76,7 @@ static bool look(Group *g, Pendulum *p)
     p->inertia = vec3_dot(u, p->first) + m->mass * vec3_length2(p->across);
     p->force = m->force;
     p->torque = m->torque;
-    p->drive = drive_acts(j->view.params) ? j->view.params : NULL;
-    p->v = v->v;
+    p->drive = drive_acts(j->params) ? j->params : NULL;
     return true;
 }
 
@@ -214,7 +194,7 @@ static bool swing(Pendulum *p, const Equation *law, real h)
 static bool drives(Pendulum *p, const JointView *j)
 {
     const Drive *d = p->drive;
-    real side = p->is_a ? 1 : -1, angle = j->type->coordinate(j), one = side * (d->limits[0] - angle), other = side * (d->limits[1] - angle);
+    real side = p->hang.is_a ? 1 : -1, angle = j->type->coordinate(j), one = side * (d->limits[0] - angle), other = side * (d->limits[1] - angle);
     p->least = fmin(one, other);                /* NaN: no stop there */
     p->most = fmax(one, other);
     if (p->least > -STOPS || p->most < STOPS || (d->friction > 0 && p->spin == 0))
@@ -236,7 +216,7 @@ static void move(Group *g, Pendulum *p)
     const GroupJoint *j = &g->joints[0];
     vec3 from = g->pos[0].x;
     g->pos[0].q = quat_unit(quat_mul(quat_exp(vec3_scale(p->turned, p->axis)), g->pos[0].q));
-    vec3 r = vec3_neg(quat_rotate(g->pos[0].q, p->is_a ? j->ra : j->rb));
+    vec3 r = vec3_neg(quat_rotate(g->pos[0].q, p->hang.is_a ? j->ra : j->rb));
     g->pos[0].x = vec3_add(p->hinge, r);
     if (p->friction == 0 && !(p->damped > 0))
         p->end_spin = kept_spin(p, vec3_sub(g->pos[0].x, from), p->end_spin);
@@ -262,41 +242,24 @@ static Load load_now(const Group *g, const Pendulum *p)
 /* Of the step: what changed the momenta, less what acted besides. */
 static void book_impulses(Group *g, const Pendulum *p, real h)
 {
-    GroupJoint *j = &g->joints[0];
-    real m = g->member[0].mass;
-    vec3 impulse = vec3_mad(vec3_scale(m, vec3_sub(g->vel[0].v, p->v)), -h, p->force);
-    vec3 about_centre = vec3_mad(vec3_mad(vec3_scale(p->end_spin, p->last), -p->spin, p->first), -h, p->torque);
-    if (p->is_a) {
-        j->impulse = impulse;
-        j->angular_impulse = about_centre;
-        return;
-    }
-    if (j->a < 0)
-        return;
-    vec3 first = vec3_add(p->along, p->across), last = vec3_sub(g->pos[0].x, p->hinge);
-    vec3 orbit = vec3_scale(m, vec3_sub(vec3_cross(last, g->vel[0].v), vec3_cross(first, p->v)));
-    vec3 about_hinge = vec3_mad(vec3_add(about_centre, orbit), -h, vec3_cross(p->mean, p->force));
-    j->impulse = vec3_neg(impulse);
-    j->angular_impulse = vec3_neg(vec3_add(about_hinge, vec3_cross(j->view.a.r, impulse)));
+    vec3 impulse = hang_impulse(g, &p->hang, h), first = vec3_add(p->along, p->across), last = vec3_sub(g->pos[0].x, p->hinge);
+    vec3 own = vec3_mad(vec3_mad(vec3_scale(p->end_spin, p->last), -p->spin, p->first), -h, p->torque);
+    vec3 orbit = vec3_scale(g->member[0].mass, vec3_sub(vec3_cross(last, g->vel[0].v), vec3_cross(first, p->hang.before.v)));
+    hang_book_impulses(g, &p->hang, impulse, own, vec3_mad(vec3_add(own, orbit), -h, vec3_cross(p->mean, p->force)));
 }
 
 static void book(Group *g, const Pendulum *p, real h)
 {
     GroupJoint *j = &g->joints[0];
     Row rows[JOINT_SLOTS];
-    RowList list = {rows, 0, JOINT_SLOTS};
-    real side = p->is_a ? 1 : -1;
+    real side = p->hang.is_a ? 1 : -1;
     j->memory[0] += side * p->turned;           /* more than half a turn is none too few */
-    group_joint_move(g, 0);
-    j->view.type->rows(&j->view, &list);
     Load now = load_now(g, p);
-    memset(j->force, 0, sizeof j->force);
-    for (int i = 0; i < list.count; i++) {
+    for (int i = 0, count = hang_rows(g, rows); i < count; i++) {
         const Row *r = &rows[i];
-        if (r->kind == ROW_HARD) {
+        if (r->kind == ROW_HARD)
             j->force[r->slot] = side * (r->angular ? vec3_dot(r->ang[0], now.couple) / vec3_length2(r->ang[0]) : vec3_dot(r->lin[0], now.force));
-            g->joint_error = real_max(g->joint_error, fabs(r->error));
-        } else if (r->kind == ROW_SOFT)
+        else if (r->kind == ROW_SOFT)
             j->force[r->slot] = -(r->stiffness * r->error + side * r->damping * p->end_spin);
         else if (r->kind == ROW_DRY)
             j->force[r->slot] = -side * p->friction;
@@ -307,45 +270,19 @@ static void book(Group *g, const Pendulum *p, real h)
     g->lost += lost;
 }
 
-/* Does it meet nothing? What was found near is then left behind: the next step looks anew. */
-static bool keeps_apart(Group *g, real h)
-{
-    bool apart = true;
-    for (int i = 0; i < g->pair_count; i++) {
-        group_touch_pair(g, &g->pairs[i], h);
-        apart = apart && !g->contacts[g->pairs[i].contact].live;
-    }
-    g->looked = true;
-    for (int i = 0; i < g->pair_count && apart; i++)
-        g->contacts[g->pairs[i].contact].manifold.count = 0;
-    return apart;
-}
-
-static bool follow(Group *g, Pendulum *p, real h)
-{
-    if (!look(g, p) || (p->drive && !drives(p, &g->joints[0].view)))
-        return false;
-    Equation law = law_of(p);
-    return swing(p, &law, h) && (!p->drive || drove(p, h)) && keeps_apart(g, h);
-}
-
-static dig_status advance(Group *g, real dt)
+static bool follow(Group *g, real h)
 {
     Pendulum p = {.turned = 0};
-    real h = g->h;
-    g->h = dt;
-    DIG_TRY(group_forces(g));
-    if (!follow(g, &p, dt)) {
-        g->h = h;
-        g->handed_on = true;
-        return DIG_OK;
-    }
+    if (!look(g, &p) || (p.drive && !drives(&p, &g->joints[0].view)))
+        return false;
+    Equation law = law_of(&p);
+    if (!swing(&p, &law, h) || (p.drive && !drove(&p, h)) || !hang_apart(g, h))
+        return false;
     move(g, &p);
-    book(g, &p, dt);
-    g->member[0].constrained = true;
-    g->evaluations = g->substeps = 1;
-    g->t = g->trace_step = dt;
-    return g->stage(g, STAGE_SETTLE);
+    book(g, &p, h);
+    return true;
 }
+
+static dig_status advance(Group *g, real dt) { return hang_advance(g, dt, follow); }
 
 const Way way_pendulum = {.name = "pendulum", .tally = WAY_TRACED, .suits = suits, .advance = advance};

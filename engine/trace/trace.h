@@ -21,7 +21,30 @@ static inline bool member_still(const Group *g, int body)
     return body < 0 || (!g->member[body].moves && !g->member[body].dormant && vec3_is_zero(g->vel[body].v) && vec3_is_zero(g->vel[body].w));
 }
 
-extern const Way way_flight, way_glide, way_pendulum, way_spring, way_trace, way_billiard;
+/* flight.c: turns a body on that nothing twists, as in free flight */
+void flight_turn(Group *g, int i, real h);
+
+/* ---- hang.c: one body that hangs by one joint on what stands still ---- */
+
+typedef struct Hang {
+    bool is_a;                  /* of its joint; else it is b */
+    const JointEnd *own, *other;
+    Vel  before;                /* m/s, rad/s  at the start of the step */
+    real least, slowest;        /* m, m/s  off its place, or moving off it, by no more it is in it */
+} Hang;
+
+bool hang_suits(const Group *g);                        /* ... which does not break, and nothing but one force drives it */
+bool hang_look(Group *g, Hang *hang);                   /* false: it has no size */
+bool hang_holds(const Hang *hang);                      /* are both anchors one place? What puts them there is a jerk: the tracer's */
+bool hang_apart(Group *g, real h);                      /* does it meet nothing? Then what was found near is left behind: the next step looks anew */
+vec3 hang_impulse(const Group *g, const Hang *hang, real h);    /* N s  of the joint on it, over the step */
+/* N s, N m s  On the body: about its centre of mass, and without that of the impulse. */
+void hang_book_impulses(Group *g, const Hang *hang, vec3 impulse, vec3 about_centre, vec3 couple);
+int  hang_rows(Group *g, Row rows[JOINT_SLOTS]);        /* of the joint, where it is now; its forces are none */
+/* A way's: follow leaves the group as it was if it returns false. */
+dig_status hang_advance(Group *g, real dt, bool (*follow)(Group *g, real h));
+
+extern const Way way_flight, way_glide, way_pendulum, way_bob, way_spring, way_top, way_trace, way_billiard;
 
 /* ---- contact features: what touches what, frozen for a step ---- */
 
