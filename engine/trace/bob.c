@@ -104,7 +104,7 @@ static void move(Group *g, Bob *b, real h)
     g->pos[0].x = vec3_add(b->point, b->r);
     b->v = vec3_mad(b->v, -vec3_dot(line, b->v), line);
     real found = vec3_length2(b->v), wanted = vec3_length2(b->hang.before.v) + 2 * vec3_dot(b->acc, vec3_sub(g->pos[0].x, from));
-    if (fabs(wanted - found) <= KEPT * found)       /* added, not multiplied: the root of what is next to one is one more often than not */
+    if (found > 0 && fabs(wanted - found) <= KEPT * found)       /* added, not multiplied: the root of what is next to one is one more often than not */
         b->v = vec3_mad(b->v, 0.5 * (wanted - found) / found, b->v);
     g->vel[0].v = b->v;
     flight_turn(g, 0, h);

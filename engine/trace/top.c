@@ -130,7 +130,7 @@ static void move(Group *g, const Top *top, const Turning *now)
     vec3 w = quat_rotate(now->q, mat3_mul_vec(top->inverse, now->l));
     g->pos[0] = (Pos){vec3_add(top->point, r), now->q};
     real wanted = kinetic(top, before) + vec3_dot(m->force, vec3_sub(g->pos[0].x, from)), found = kinetic(top, quat_unrotate(now->q, w));
-    if (vec3_is_zero(m->torque) && fabs(wanted - found) <= KEPT * found)
+    if (vec3_is_zero(m->torque) && found > 0 && fabs(wanted - found) <= KEPT * found)
         w = vec3_mad(w, 0.5 * (wanted - found) / found, w);
     g->vel[0] = (Vel){vec3_cross(w, r), w};
 }

@@ -287,3 +287,22 @@ scenario("a bob meets what is in its way", function()
   end
   expect(bob.speed):below(0.05)
 end)
+
+scenario("what hangs at rest stays so, to the last bit, and bears its weight", function()
+  local joints = {
+    function(world, body) return world:hinge { a = body, at = { 0, 1, 0 }, axis = { 0, 0, 1 } } end,
+    function(world, body) return world:ball_joint { a = body, at = { 0, 1, 0 } } end,
+    function(world, body) return world:distance { a = body, at_b = { 0, 1, 0 } } end,
+    function(world, body) return world:rope { a = body, at_b = { 0, 1, 0 }, length = 1 } end,
+  }
+  for _, join in ipairs(joints) do
+    local world = digbox.world { sleeping = false }
+    local body = world:box { size = { 0.2, 0.4, 0.1 }, mass = 2, at = { 0, 0, 0 } }
+    local joint = join(world, body)
+    world:run "1 s"
+    expect(body.position):near({ 0, 0, 0 }, 0)
+    expect(body.velocity):near({ 0, 0, 0 }, 0)
+    expect(joint.force):near({ 0, 2 * 9.81, 0 }, 1e-12)
+    expect(world:stats().evaluations):is(1)
+  end
+end)
