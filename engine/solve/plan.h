@@ -20,7 +20,7 @@ typedef struct AccuracyPlan {
     int         toil_bodies;    /* 1    groups with more moving bodies than this may pause while a mover stirs them: solve/toil.c */
     int         calm_bodies;    /* 1    up to so many are not where they lie calm: they are solved at once, and fall asleep  */
     int         crowd_total;    /* 1    so are all groups beyond trace_total, with more awake bodies and pairs in the world */
-    int         trace_bodies;   /* 1    groups with more moving bodies than this are not traced           */
+    int         trace_bodies;   /* 1    groups with more moving bodies are not traced; 1: nor with joints */
     int         trace_rows;     /* 1    most rows of a traced group's direct solve                        */
     int         trace_total;    /* 1    most bodies and pairs of all traced and conserved groups of a world together */
     int         trace_work;     /* 1    most evaluations of a traced group per step                       */

@@ -67,6 +67,8 @@ bool trace_suits(const Group *g)
     const AccuracyPlan *p = g->plan;
     if (g->moving_count > p->trace_bodies || g->decay_friction || g->trace_wait > 0 || !g->may_trace)
         return false;
+    if (p->trace_bodies == 1 && g->joint_count > 0)     /* one that hangs has ways of its own, or is conserved for less */
+        return false;
     for (int i = 0; i < g->moving_count; i++)
         if (g->member[i].moves && g->member[i].integrator != DIG_AUTO)
             return false;

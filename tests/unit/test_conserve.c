@@ -60,7 +60,7 @@ static vec3 tip(const dig_world *w, dig_body rod)
     return vec3_add(s.position, quat_rotate(s.rotation, (vec3){0.5, 0, 0}));
 }
 
-/* Groups of up to 12 bodies are traced at "play" unless their joints close a loop, and none at "sketch": the worlds here are longer,
+/* Groups of up to 12 bodies are traced at "play" unless their joints close a loop, and with joints none at "sketch": the worlds here are longer,
  * closed, or "sketch". Loops, too, are traced at "study". */
 static void check_conserved(const dig_world *w)
 {
