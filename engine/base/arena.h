@@ -16,7 +16,7 @@
 
 #include "base/base.h"
 
-#define ARENA_ALIGN 32u                 /* bytes: one row of four reals */
+#define ARENA_ALIGN 64u                 /* bytes: a cache line, the longest register */
 #define ARENA_FIRST (256u << 10)        /* bytes: the smallest chunk; only what is written to takes memory, and most worlds need no more */
 
 typedef struct ArenaChunk ArenaChunk;

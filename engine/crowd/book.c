@@ -85,7 +85,7 @@ static Batch *batch_of(const Crowd *c, int contact, int *lane)
     return &c->batch[c->row[contact] / LANES];
 }
 
-static real lane_of(const wide *v, int lane) { return (real)((const float *)v)[lane]; }
+static real lane_of(const Wide *v, int lane) { return (real)v->at[lane]; }
 
 /* Strikes are listed in the order of contacts, and sleepers are marked, by one thread: what concerns more than the contact. */
 static void note_contact(Crowd *c, int contact)

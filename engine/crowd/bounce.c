@@ -11,11 +11,11 @@ static void work_of_movers(const Crowd *c, double *before, double *bounces)
             continue;
         for (int lane = 0; lane < LANES; lane++) {
             for (int k = 0; k < x->points; k++) {
-                *before -= 2 * (double)x->point[k].sum[lane] * (double)x->arms[k].drive[lane];
-                *bounces -= x->bounces ? 2 * (double)x->point[k].room[lane] * (double)x->arms[k].drive[lane] : 0;
+                *before -= 2 * (double)x->point[k].sum.at[lane] * (double)x->arms[k].drive.at[lane];
+                *bounces -= x->bounces ? 2 * (double)x->point[k].room.at[lane] * (double)x->arms[k].drive.at[lane] : 0;
             }
             for (int k = 0; k < 2 && x->patch; k++)
-                *before -= 2 * (double)x->patch->sum[k][lane] * (double)x->patch->drive[k][lane];
+                *before -= 2 * (double)x->patch->sum[k].at[lane] * (double)x->patch->drive[k].at[lane];
         }
     }
 }
@@ -49,7 +49,8 @@ static void take_share(Crowd *c, float share)
     for (int i = 0; i < c->batches; i++)
         for (int k = 0; k < c->batch[i].points && c->batch[i].bounces; k++) {
             WidePoint *p = &c->batch[i].point[k];
-            p->sum += share * p->room;      /* not to j: the next step does not begin with a blow */
+            for (int lane = 0; lane < LANES; lane++)
+                p->sum.at[lane] += share * p->room.at[lane];    /* not to j: the next step does not begin with a blow */
         }
 }
 

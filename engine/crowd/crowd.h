@@ -15,7 +15,7 @@
  *     S S^T = I^-1. A row then needs its Jacobian only: M^-1 J^T = J^T. Half the numbers of a row are gone.
  *   - With J fixed in the step, applying the impulses of the last substep again changes every body by what they changed it
  *     then. Warm starting needs no pass over the rows: a body's velocity goes on by its last difference.
- *   - Eight rows that share no body are solved side by side (wide.c); rows are as large as their number of points.
+ *   - Eight rows that share no body are solved side by side, or sixteen where registers hold so many (wide.c); rows are as large as their number of points.
  *   - Contacts of balls have rows of their own: a normal that turns nobody, and friction as one vector. They are half as large.
  *   - Rows are single precision, and hold differences from the start of the step only; state and positions stay double.
  *   - What a contact of one point has carried for a while by overlap it goes on carrying without (book.c): piles of balls do not sink.

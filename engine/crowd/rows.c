@@ -1,4 +1,4 @@
-/* crowd/rows.c - which contacts act in this step, in batches of eight that share no moving body, and their rows.
+/* crowd/rows.c - which contacts act in this step, in batches of twice eight that share no moving body, and their rows.
  *
  * Batches are found by greedy colouring: a contact takes the lowest colour that neither of its moving bodies has yet. Contacts with
  * what does not move have colours of their own and are solved last in every pass, so that nothing is pushed through the ground.
@@ -189,9 +189,9 @@ static int colour_all(const Rows *r, uint64_t (*taken)[2], int count[KINDS])
 /* ---- filling lanes ---- */
 
 /* Other threads may write to other lanes at the same time: one number is written, not eight. */
-static inline void set(wide *v, int lane, real x) { ((float *)v)[lane] = (float)x; }
+static inline void set(Wide *v, int lane, real x) { v->at[lane] = (float)x; }
 
-static inline void put(wide v[3], int lane, vec3 x)
+static inline void put(Wide v[3], int lane, vec3 x)
 {
     set(&v[0], lane, x.x);
     set(&v[1], lane, x.y);
@@ -200,11 +200,11 @@ static inline void put(wide v[3], int lane, vec3 x)
 
 typedef float reg3_short __attribute__((vector_size(16)));
 
-INLINE void put_reg(wide v[3], int lane, reg3 x)
+INLINE void put_reg(Wide v[3], int lane, reg3 x)
 {
     reg3_short s = __builtin_convertvector(x, reg3_short);
     for (int i = 0; i < 3; i++)
-        ((float *)&v[i])[lane] = s[i];
+        v[i].at[lane] = s[i];
 }
 
 typedef struct Ends {           /* of one contact                                              */
@@ -275,7 +275,7 @@ INLINE void fill_rub(const Crowd *c, const Ends *e, WideRub *r, int lane)
     put_reg(r->j, lane, reg3_all((real)c->h) * reg3_load(&contact_memory(e->c)->tangent));
 }
 
-static void put_matrix(wide *v, int lane, mat3 m)
+static void put_matrix(Wide *v, int lane, mat3 m)
 {
     put(v, lane, m.r0);
     put(v + 3, lane, m.r1);
@@ -332,11 +332,11 @@ INLINE void fill_lane(Crowd *c, Batch *b, int lane, GroupContact *t)
     Ends e = ends_of(c, t);
     b->a[lane] = e.a;
     b->b[lane] = e.b;
-    put(b->n, lane, t->manifold.normal);
-    set(&b->restitution, lane, q->restitution);
+    put(b->of->n, lane, t->manifold.normal);
+    set(&b->of->restitution, lane, q->restitution);
     t->manifold.slides = q->friction > q->friction_dynamic && slides(g, t, q);
-    set(&b->friction, lane, t->manifold.slides ? q->friction_dynamic : q->friction);
-    set(&b->care, lane, (real)(c->h / (float)needed(q, t)));
+    set(&b->of->friction, lane, t->manifold.slides ? q->friction_dynamic : q->friction);
+    set(&b->of->care, lane, (real)(c->h / (float)needed(q, t)));
     for (int k = 0; k < t->manifold.count; k++)
         fill_point(c, &e, &b->point[k], b->arms ? &b->arms[k] : NULL, lane, k);
     if (b->rub)
@@ -357,6 +357,7 @@ static void *room_for(Crowd *c, size_t bytes, dig_status *status)
 /* What not every lane fills must hold 0. */
 static void clear(Batch *b)
 {
+    memset(b->of, 0, sizeof *b->of);
     memset(b->point, 0, (size_t)b->points * sizeof *b->point);
     if (b->arms)
         memset(b->arms, 0, (size_t)b->points * sizeof *b->arms);
@@ -370,37 +371,50 @@ static void clear(Batch *b)
         memset(b->roll, 0, sizeof *b->roll);
 }
 
+/* What a batch of these needs. */
+static Batch kind_of_batch(const Chosen *x, int count)
+{
+    Batch b = {.points = x->points, .fixed = x->fixed, .round = x->round, .halves = 1};
+    for (int i = 0; i < count; i++) {
+        b.whole += x[i].points == x->points;
+        b.rubs = b.rubs || x[i].rubs;
+        b.rolls = b.rolls || x[i].rolls;
+        b.driven = b.driven || x[i].driven;
+        b.bounces = b.bounces || x[i].bounces;
+    }
+    return b;
+}
+
+static bool alike(const Batch *a, const Batch *b)
+{
+    return a->points == b->points && a->round == b->round && a->rubs == b->rubs && a->rolls == b->rolls && a->driven == b->driven &&
+           a->bounces == b->bounces;
+}
+
 /* Room for the rows of a batch. */
-static dig_status make_batch(Crowd *c, Batch *b, const Chosen *x, int count)
+static dig_status make_batch(Crowd *c, Batch *b)
 {
     dig_status status = DIG_OK;
-    bool rubs = false, rolls = false;
-    *b = (Batch){.points = x->points, .fixed = x->fixed, .round = x->round};
-    for (int i = 0; i < count; i++) {
-        rubs = rubs || x[i].rubs;
-        rolls = rolls || x[i].rolls;
-        b->driven = b->driven || x[i].driven;
-        b->bounces = b->bounces || x[i].bounces;
-    }
-    b->point = room_for(c, (size_t)b->points * (sizeof *b->point + (b->round ? 0 : sizeof *b->arms)), &status);
-    b->arms = b->round || !b->point ? NULL : (WideArms *)(void *)(b->point + b->points);
-    b->rub = rubs && b->round ? room_for(c, sizeof *b->rub, &status) : NULL;
-    b->patch = rubs && !b->round ? room_for(c, sizeof *b->patch, &status) : NULL;
-    b->twist = rubs && b->points > 1 ? room_for(c, sizeof *b->twist, &status) : NULL;
-    b->roll = rolls ? room_for(c, sizeof *b->roll, &status) : NULL;
-    for (int k = count; k < LANES; k++)
+    b->of = room_for(c, sizeof *b->of + (size_t)b->points * (sizeof *b->point + (b->round ? 0 : sizeof *b->arms)), &status);
+    if (status != DIG_OK)
+        return status;
+    b->point = (WidePoint *)(void *)(b->of + 1);
+    b->arms = b->round ? NULL : (WideArms *)(void *)(b->point + b->points);
+    b->rub = b->rubs && b->round ? room_for(c, sizeof *b->rub, &status) : NULL;
+    b->patch = b->rubs && !b->round ? room_for(c, sizeof *b->patch, &status) : NULL;
+    b->twist = b->rubs && b->points > 1 ? room_for(c, sizeof *b->twist, &status) : NULL;
+    b->roll = b->rolls ? room_for(c, sizeof *b->roll, &status) : NULL;
+    for (int k = 0; k < LANES; k++)
         b->a[k] = b->b[k] = c->bodies;
-    if (status == DIG_OK && (count < LANES || x[count - 1].points < x->points || b->driven || b->roll))
-        clear(b);
     return status;
 }
 
-/* How many of the sorted contacts, from number i on, are one batch. */
+/* How many of the sorted contacts, from number i on, are one lot. */
 static int lanes_from(const Rows *r, int i)
 {
     const Chosen *x = &r->sorted[i];
     int n = 1;
-    while (n < LANES && i + n < r->count && x->colour < COLOURS && x[n].colour == x->colour && x[n].fixed == x->fixed)
+    while (n < HALF && i + n < r->count && x->colour < COLOURS && x[n].colour == x->colour && x[n].fixed == x->fixed)
         n++;
     return n;
 }
@@ -417,15 +431,44 @@ static Strand *first_of(const Rows *r, Strand *strand, int strands)
     return first;
 }
 
-/* The batches of one colour: i <= number of a sorted contact < end, those with most points first, eight by eight. They come in the order of
- * contacts whatever their points (within a colour that is free): a thread has nearly the same bodies in each colour then, where what lies
- * side by side has numbers near each other. What is alone keeps its order. */
+#define WAITING_MOST 16         /* kinds: more than there are in a pile */
+
+typedef struct Waiting { int batch[WAITING_MOST], count; } Waiting;     /* of a phase, for another half: one of each kind */
+
+/* Puts a lot of contacts into the other half of a batch of its kind, or into a new one. What is alone stays alone. */
+static dig_status add_lot(Crowd *c, const Phase *p, Waiting *w, const Chosen *x, int count)
+{
+    Batch b = kind_of_batch(x, count);
+    int k = 0, at = c->batches, first = 0;
+    while (k < w->count && !alike(&c->batch[w->batch[k]], &b))
+        k++;
+    if (k < w->count) {
+        at = w->batch[k];
+        first = HALF;
+        w->batch[k] = w->batch[--w->count];
+        c->batch[at].halves = 2;
+        c->batch[at].whole += b.whole;
+    } else if (k < WAITING_MOST && !p->alone) {
+        w->batch[w->count++] = at;
+    }
+    for (int i = 0; i < count; i++)
+        c->row[x[i].contact] = at * LANES + first + i;
+    if (first > 0)
+        return DIG_OK;
+    c->batch[c->batches++] = b;
+    return make_batch(c, &c->batch[at]);
+}
+
+/* The batches of one colour: i <= number of a sorted contact < end, those with most points first, eight by eight, and two by two of these. They
+ * come in the order of contacts whatever their points (within a colour that is free): a thread has nearly the same bodies in each colour then,
+ * where what lies side by side has numbers near each other. What is alone keeps its order. */
 static dig_status make_phase(const Rows *r, int i, int end)
 {
     Crowd *c = r->c;
     const Chosen *x = r->sorted;
     Phase *p = &c->phase[c->phases++];
     Strand strand[MANIFOLD_POINTS + 1], *s;
+    Waiting waiting = {.count = 0};
     int strands = 0;
     *p = (Phase){.first = c->batches, .alone = x[i].colour == COLOURS};
     for (int before = i; i < end; before = i, i += lanes_from(r, i)) {
@@ -435,12 +478,13 @@ static dig_status make_phase(const Rows *r, int i, int end)
     }
     while ((s = first_of(r, strand, strands)) != NULL) {
         int n = lanes_from(r, s->next);
-        for (int k = 0; k < n; k++)
-            c->row[x[s->next + k].contact] = c->batches * LANES + k;
-        DIG_TRY(make_batch(c, &c->batch[c->batches++], &x[s->next], n));
+        DIG_TRY(add_lot(c, p, &waiting, &x[s->next], n));
         s->next += n;
     }
     p->count = c->batches - p->first;
+    for (Batch *b = &c->batch[p->first]; b < &c->batch[c->batches]; b++)
+        if (b->whole < LANES || b->driven || b->roll)
+            clear(b);
     return DIG_OK;
 }
 

@@ -17,8 +17,8 @@ typedef enum Width { WIDTH_ANY, WIDTH_PLAIN, WIDTH_AVX2, WIDTH_AVX512 } Width;
 #define AVX2   __attribute__((target("avx2")))
 #if defined(__clang__)
 #define AVX512 __attribute__((target("avx512f,avx512vl,avx512bw,avx512dq")))
-#else           /* twice the registers, as long ones: a wide number fills one */
-#define AVX512 __attribute__((target("avx512f,avx512vl,avx512bw,avx512dq,prefer-vector-width=256")))
+#else
+#define AVX512 __attribute__((target("avx512f,avx512vl,avx512bw,avx512dq,prefer-vector-width=512")))
 #endif
 static inline Width widest(void)
 {
@@ -38,75 +38,91 @@ static inline Width widest(void) { return WIDTH_PLAIN; }
     AVX2 static void name##_avx2(void *context, int thread, int threads) { part(context, thread, threads); } \
     static TeamPart *name(const Crowd *c) { return c->width >= WIDTH_AVX2 ? name##_avx2 : name##_plain; }
 
-/* ---- wide numbers: eight rows side by side ---- */
+/* ---- wide numbers: sixteen rows side by side ---- */
 
-#define LANES 8
-typedef float   wide __attribute__((vector_size(LANES * sizeof(float))));
-typedef int32_t wide_int __attribute__((vector_size(LANES * sizeof(int32_t))));
+#define LANES 16                /* of a batch                                                  */
+#define HALF  8                 /* so many rows are put together; of those alike, two such lots are a batch (rows.c) */
+#ifndef AT_ONCE
+#define AT_ONCE HALF            /* lanes that are computed at once: all where registers are that long (wide16.c) */
+#endif
+typedef float   wide __attribute__((vector_size(AT_ONCE * sizeof(float))));
+typedef int32_t wide_int __attribute__((vector_size(AT_ONCE * sizeof(int32_t))));
+
+typedef union Wide {            /* a number of each row                                        */
+    float at[LANES];
+    wide  own;                  /*      those that are computed at once: by a pointer that may be half way into a batch's */
+} Wide;
 
 /* A body as the rows see it: six scaled coordinates, linear then angular, and two that fill the line. */
-typedef struct Six { float at[LANES]; } Six;
+#define SIX 8
+typedef struct Six { float at[SIX]; } Six;
 
 typedef struct WidePoint {      /* contact points, one a lane                                  */
-    wide mass;                  /* kg   1 / (J M^-1 J^T); 0 = no point in this lane; before that 1, 0 */
-    wide gap, now;              /* m    at the start of the step; at that of the substep       */
-    wide room;                  /* m/s  at which a gap may still close in this substep         */
-    wide j, sum;                /* N s  impulse of this substep, of the whole step             */
-    wide borne;                 /* N s  part of j that a soft row does not yield to            */
-    wide rate_before;           /* m/s  normal velocity at the start of the step               */
+    Wide mass;                  /* kg   1 / (J M^-1 J^T); 0 = no point in this lane; before that 1, 0 */
+    Wide gap, now;              /* m    at the start of the step; at that of the substep       */
+    Wide room;                  /* m/s  at which a gap may still close in this substep         */
+    Wide j, sum;                /* N s  impulse of this substep, of the whole step             */
+    Wide borne;                 /* N s  part of j that a soft row does not yield to            */
+    Wide rate_before;           /* m/s  normal velocity at the start of the step               */
 } WidePoint;
 
 typedef struct WideArms {       /* what spins and movers add to the rate of a point: nothing where contacts are round */
-    wide a[3], b[3];            /* 1/sqrt(kg)  angular Jacobian in scaled spins; until wide.c prepares it m, from the centres of mass */
-    wide drive;                 /* m/s  part of the rate that movers give                      */
+    Wide a[3], b[3];            /* 1/sqrt(kg)  angular Jacobian in scaled spins; until wide.c prepares it m, from the centres of mass */
+    Wide drive;                 /* m/s  part of the rate that movers give                      */
 } WideArms;
 
 typedef struct WideRub {        /* friction of a round contact, as a vector across the normal  */
-    wide a, b;                  /* 1/sqrt(kg)  its arms in scaled spins; until wide.c prepares it m, from the centres of mass along the normal */
-    wide mass;                  /* kg   the same in all directions                             */
-    wide j[3], sum[3];          /* N s                                                         */
+    Wide a, b;                  /* 1/sqrt(kg)  its arms in scaled spins; until wide.c prepares it m, from the centres of mass along the normal */
+    Wide mass;                  /* kg   the same in all directions                             */
+    Wide j[3], sum[3];          /* N s                                                         */
 } WideRub;
 
 typedef struct WidePatch {      /* friction of one contact, at the middle of its points; all but t, drive and j by wide.c */
-    wide t[3];                  /*      first tangent; the second is n x t                     */
-    wide ta[3], tb[3], ua[3], ub[3];
-    wide ktt, kuu, ktu, det;    /* kg   inverse of the 2 x 2 tangential matrix, times det; 1 / det */
-    wide step;                  /* kg   1 / its largest eigenvalue                             */
-    wide drive[2];              /* m/s  of movers                                              */
-    wide j[2], sum[2];          /* N s                                                         */
+    Wide t[3];                  /*      first tangent; the second is n x t                     */
+    Wide ta[3], tb[3], ua[3], ub[3];
+    Wide ktt, kuu, ktu, det;    /* kg   inverse of the 2 x 2 tangential matrix, times det; 1 / det */
+    Wide step;                  /* kg   1 / its largest eigenvalue                             */
+    Wide drive[2];              /* m/s  of movers                                              */
+    Wide j[2], sum[2];          /* N s                                                         */
 } WidePatch;
 
 typedef struct WideTwist {      /* friction about the normal, of contacts of several points; all but j by wide.c */
-    wide a[3], b[3], mass;
-    wide reach;                 /* m    mean distance of the points from the middle            */
-    wide j;                     /* N m s                                                       */
+    Wide a[3], b[3], mass;
+    Wide reach;                 /* m    mean distance of the points from the middle            */
+    Wide j;                     /* N m s                                                       */
 } WideTwist;
 
 typedef struct WideRoll {       /* rolling resistance                                          */
-    wide sa[9], sb[9];          /*      S of the bodies, row by row                            */
-    wide k[6];                  /* kg m^2  inverse of I_a^-1 + I_b^-1: xx xy xz yy yz zz       */
-    wide drive[3];              /* rad/s of movers                                             */
-    wide lever;                 /* m    |torque| <= lever * normal force                       */
-    wide j[3];                  /* N m s                                                       */
+    Wide sa[9], sb[9];          /*      S of the bodies, row by row                            */
+    Wide k[6];                  /* kg m^2  inverse of I_a^-1 + I_b^-1: xx xy xz yy yz zz       */
+    Wide drive[3];              /* rad/s of movers                                             */
+    Wide lever;                 /* m    |torque| <= lever * normal force                       */
+    Wide j[3];                  /* N m s                                                       */
 } WideRoll;
 
-typedef struct Batch {          /* up to eight contacts that share no moving body              */
+typedef struct WideContact {    /* contacts, one a lane                                        */
+    Wide n[3];                  /*      from a to b                                            */
+    Wide ra, rb;                /* 1/sqrt(kg)  roots of the inverse masses; wide.c             */
+    Wide friction, restitution;
+    Wide care;                  /* s/m  one over the error of a rate that does not matter: passes that change less need no other; rows.c */
+} WideContact;
+
+typedef struct Batch {          /* up to sixteen contacts that share no moving body            */
     int32_t a[LANES], b[LANES]; /*      Six of each body; who does not move has a spare one, wide.c */
     int  points;                /*      most points of a lane                                  */
+    int  halves;                /*      lots of eight contacts in it: 1, or 2 that are alike   */
+    int  whole;                 /*      lanes with as many points                              */
     bool fixed;                 /*      one side of each contact does not move                 */
-    bool driven, bounces;
+    bool rubs, rolls, driven, bounces;          /* one of them does                            */
     bool round;                 /* one point each, straight before the centres of balls: it turns none of them, and friction turns them alike
                                  * in all directions. Points have no arms then, and friction is in rub */
-    WidePoint *point;
+    WideContact *of;
+    WidePoint *point;           /* after that                                                  */
     WideArms  *arms;            /* of the points, which they come after; NULL: round           */
     WidePatch *patch;           /* NULL: no friction, or round                                 */
     WideRub   *rub;             /* NULL: no friction, or not round                             */
     WideTwist *twist;           /* NULL: one point each, or no friction                        */
     WideRoll  *roll;            /* NULL: no rolling resistance                                 */
-    wide n[3];                  /*      from a to b                                            */
-    wide ra, rb;                /* 1/sqrt(kg)  roots of the inverse masses; wide.c             */
-    wide friction, restitution;
-    wide care;                  /* s/m  one over the error of a rate that does not matter: passes that change less need no other; rows.c */
 } Batch;
 
 typedef struct Soft {           /* how a pass corrects overlap                                 */
@@ -212,6 +228,7 @@ static inline Carriage *carriage_of(const Crowd *c, int body) { return body < c-
 dig_status rows_open(Crowd *c);
 /* wide.c: the substeps */
 void       wide_solve(Crowd *c);
+void       wide_solve_longest(Crowd *c);       /* wide16.c: the same, where registers hold sixteen numbers */
 /* bounce.c: takes so much of the bounces just made as the energy before them allows */
 void       bounce_share(Crowd *c);
 /* book.c: forces, points, impacts and energy for the group's records; of a piece, and of the whole step after it */

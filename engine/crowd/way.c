@@ -177,7 +177,7 @@ static dig_status plan_passes(Crowd *c)
 {
     int points = 1, threads = c->team ? c->team->threads : 1;
     for (int i = 0; i < c->batches; i++)
-        points += LANES * c->batch[i].points;
+        points += HALF * c->batch[i].halves * c->batch[i].points;
     int hardest = (int)real_clamp(WORK * real_max(1, c->dt / USUAL) / (real)points, 1, PASSES_MOST);
     real wanted = 1 + c->deep - SHALLOW;
     int hard = hardest;

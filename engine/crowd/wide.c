@@ -1,83 +1,16 @@
-/* crowd/wide.c - the substeps, eight rows at a time.
+/* crowd/wide.c - the substeps, eight rows at a time, or sixteen.
  *
- * Written once in vectors of eight floats, which the compiler splits where registers are shorter, and compiled for several sets of
- * instructions. Every lane computes with the same rounded operations in the same order, without fused multiply-adds: the bits are
- * the same on all.
+ * Written once in vectors of so many floats as are computed at once. Those of eight the compiler splits where registers are shorter, and it
+ * is compiled for several sets of instructions; those of sixteen are for AVX-512 (wide16.c). Every lane computes with the same rounded
+ * operations in the same order, without fused multiply-adds: the bits are the same on all.
  */
-#include "crowd/system.h"
-#include "math/pair.h"
-
-INLINE wide pick(wide_int which, wide yes, wide no) { return (wide)((which & (wide_int)yes) | (~which & (wide_int)no)); }
-INLINE wide most(wide a, wide b) { return pick(a > b, a, b); }
-INLINE wide least(wide a, wide b) { return pick(a < b, a, b); }
-INLINE wide dot(const wide a[3], const wide b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-INLINE wide all(float x) { return (wide){x, x, x, x, x, x, x, x}; }
-
-INLINE wide root(wide x)
-{
-    UNROLL
-    for (int i = 0; i < LANES; i++)
-        x[i] = __builtin_sqrtf(x[i]);
-    return x;
-}
-
-#define SHUFFLE __builtin_shufflevector
-
-/* Eight rows of eight become eight columns. */
-INLINE void transpose(wide r[8])
-{
-    wide s[8];
-    UNROLL
-    for (int i = 0; i < 8; i += 2) {
-        s[i] = SHUFFLE(r[i], r[i + 1], 0, 8, 1, 9, 4, 12, 5, 13);
-        s[i + 1] = SHUFFLE(r[i], r[i + 1], 2, 10, 3, 11, 6, 14, 7, 15);
-    }
-    UNROLL
-    for (int i = 0; i < 8; i += 4) {
-        r[i] = SHUFFLE(s[i], s[i + 2], 0, 1, 8, 9, 4, 5, 12, 13);
-        r[i + 1] = SHUFFLE(s[i], s[i + 2], 2, 3, 10, 11, 6, 7, 14, 15);
-        r[i + 2] = SHUFFLE(s[i + 1], s[i + 3], 0, 1, 8, 9, 4, 5, 12, 13);
-        r[i + 3] = SHUFFLE(s[i + 1], s[i + 3], 2, 3, 10, 11, 6, 7, 14, 15);
-    }
-    UNROLL
-    for (int i = 0; i < 4; i++) {
-        wide low = SHUFFLE(r[i], r[i + 4], 0, 1, 2, 3, 8, 9, 10, 11), high = SHUFFLE(r[i], r[i + 4], 4, 5, 6, 7, 12, 13, 14, 15);
-        s[i] = low;
-        s[i + 4] = high;
-    }
-    UNROLL
-    for (int i = 0; i < 8; i++)
-        r[i] = s[i];
-}
-
-INLINE void gather(const Six *from, const int32_t at[LANES], wide to[8])
-{
-    UNROLL
-    for (int i = 0; i < LANES; i++)
-        to[i] = *(const wide *)(const void *)&from[at[i]];
-    transpose(to);
-}
-
-INLINE void scatter(Six *to, const int32_t at[LANES], wide from[8])
-{
-    transpose(from);
-    UNROLL
-    for (int i = 0; i < LANES; i++)
-        *(wide *)(void *)&to[at[i]] = from[i];
-}
+#include "crowd/lanes.h"
 
 /* ---- rows from points ---- */
 
-INLINE void cross(const wide a[3], const wide b[3], wide out[3])
-{
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 typedef struct Axes { wide s[9], root; } Axes;      /* columns of S */
 
-INLINE void gather_axes(const Crowd *c, const int32_t at[LANES], Axes *to)
+INLINE void gather_axes(const Crowd *c, const int32_t at[AT_ONCE], Axes *to)
 {
     wide first[8], second[8];
     gather(c->axes[0], at, first);
@@ -90,16 +23,15 @@ INLINE void gather_axes(const Crowd *c, const int32_t at[LANES], Axes *to)
 }
 
 /* S^T v */
-INLINE void scaled(const Axes *x, const wide v[3], wide out[3])
+INLINE void scaled(const Axes *x, const wide v[3], Wide out[3])
 {
-    wide w[3] = {v[0], v[1], v[2]};
-    out[0] = dot(&x->s[0], w);
-    out[1] = dot(&x->s[3], w);
-    out[2] = dot(&x->s[6], w);
+    out[0].own = dot(&x->s[0], v);
+    out[1].own = dot(&x->s[3], v);
+    out[2].own = dot(&x->s[6], v);
 }
 
 /* Angular Jacobians of direction n at points ra, rb from the centres of mass. */
-INLINE void angular(const Axes *a, const Axes *b, const wide n[3], const wide ra[3], const wide rb[3], wide ja[3], wide jb[3])
+INLINE void angular(const Axes *a, const Axes *b, const wide n[3], const wide ra[3], const wide rb[3], Wide ja[3], Wide jb[3])
 {
     wide ta[3], tb[3];
     cross(n, ra, ta);
@@ -110,58 +42,61 @@ INLINE void angular(const Axes *a, const Axes *b, const wide n[3], const wide ra
 
 INLINE wide inverse_of(wide x) { return all(1) / most(x, all(1e-30f)); }
 
-INLINE void prepare_patch(const Batch *x, const Axes *a, const Axes *b, const wide middle[2][3], wide linear)
+INLINE void prepare_patch(const Lot *x, const Axes *a, const Axes *b, const wide middle[2][3], wide linear)
 {
     WidePatch *f = x->patch;
+    const wide t[3] = THREE(f->t);
     wide u[3];
-    cross(x->n, f->t, u);
-    angular(a, b, f->t, middle[0], middle[1], f->ta, f->tb);
+    cross(x->n, t, u);
+    angular(a, b, t, middle[0], middle[1], f->ta, f->tb);
     angular(a, b, u, middle[0], middle[1], f->ua, f->ub);
-    wide ktt = linear + dot(f->ta, f->ta) + dot(f->tb, f->tb), kuu = linear + dot(f->ua, f->ua) + dot(f->ub, f->ub);
-    wide ktu = dot(f->ta, f->ua) + dot(f->tb, f->ub), half = all(0.5f) * (ktt - kuu);
-    f->ktt = kuu;               /* the inverse of a 2 x 2 matrix exchanges them */
-    f->kuu = ktt;
-    f->ktu = -ktu;
-    f->det = inverse_of(ktt * kuu - ktu * ktu);
-    f->step = inverse_of(all(0.5f) * (ktt + kuu) + root(half * half + ktu * ktu));
-    f->sum[0] = f->sum[1] = all(0);
+    const wide ta[3] = THREE(f->ta), tb[3] = THREE(f->tb), ua[3] = THREE(f->ua), ub[3] = THREE(f->ub);
+    wide ktt = linear + dot(ta, ta) + dot(tb, tb), kuu = linear + dot(ua, ua) + dot(ub, ub);
+    wide ktu = dot(ta, ua) + dot(tb, ub), half = all(0.5f) * (ktt - kuu);
+    f->ktt.own = kuu;               /* the inverse of a 2 x 2 matrix exchanges them */
+    f->kuu.own = ktt;
+    f->ktu.own = -ktu;
+    f->det.own = inverse_of(ktt * kuu - ktu * ktu);
+    f->step.own = inverse_of(all(0.5f) * (ktt + kuu) + root(half * half + ktu * ktu));
+    f->sum[0].own = f->sum[1].own = all(0);
 }
 
-INLINE void prepare_twist(const Batch *x, const Axes *a, const Axes *b)
+INLINE void prepare_twist(const Lot *x, const Axes *a, const Axes *b)
 {
     WideTwist *t = x->twist;
     wide minus[3] = {-x->n[0], -x->n[1], -x->n[2]};
     scaled(a, minus, t->a);
     scaled(b, x->n, t->b);
-    t->mass = inverse_of(dot(t->a, t->a) + dot(t->b, t->b));
+    const wide ja[3] = THREE(t->a), jb[3] = THREE(t->b);
+    t->mass.own = inverse_of(dot(ja, ja) + dot(jb, jb));
 }
 
 /* What does not move is read and written like the rest: each thread has a body that is nobody's. */
-INLINE void spare(const Crowd *c, int32_t at[LANES], int thread)
+INLINE void spare(const Crowd *c, int32_t at[AT_ONCE], int thread)
 {
-    for (int i = 0; i < LANES; i++)
+    for (int i = 0; i < AT_ONCE; i++)
         at[i] = at[i] < c->bodies ? at[i] : crowd_spare(c, thread);
 }
 
 /* Ball against ball, or against what does not move: only arms are scaled. */
-INLINE void prepare_round(Batch *x, const Axes *a, const Axes *b, wide closing)
+INLINE void prepare_round(Lot *x, const Axes *a, const Axes *b, wide closing)
 {
     WidePoint *p = x->point;
-    wide linear = x->ra * x->ra + x->rb * x->rb, present = p->mass;
-    p->mass = present * inverse_of(linear);
-    p->rate_before = present * closing;
-    p->sum = all(0);
+    wide linear = x->ra * x->ra + x->rb * x->rb, present = p->mass.own;
+    p->mass.own = present * inverse_of(linear);
+    p->rate_before.own = present * closing;
+    p->sum.own = all(0);
     if (!x->rub)
         return;
     WideRub *r = x->rub;
-    r->a *= a->s[0];
-    r->b *= b->s[0];
-    r->mass = inverse_of(linear + r->a * r->a + r->b * r->b);
-    r->sum[0] = r->sum[1] = r->sum[2] = all(0);
+    r->a.own *= a->s[0];
+    r->b.own *= b->s[0];
+    r->mass.own = inverse_of(linear + r->a.own * r->a.own + r->b.own * r->b.own);
+    r->sum[0].own = r->sum[1].own = r->sum[2].own = all(0);
 }
 
 /* What is one vector a point becomes its Jacobian, and the middle of the points the place of friction. */
-INLINE void prepare(const Crowd *c, Batch *x, int thread)
+INLINE void prepare_lot(const Crowd *c, Lot *x, int thread)
 {
     spare(c, x->a, thread);
     spare(c, x->b, thread);
@@ -171,8 +106,8 @@ INLINE void prepare(const Crowd *c, Batch *x, int thread)
     gather_axes(c, x->b, &b);
     gather(c->vel, x->a, va);
     gather(c->vel, x->b, vb);
-    x->ra = a.root;
-    x->rb = b.root;
+    x->of->ra.own = x->ra = a.root;
+    x->of->rb.own = x->rb = b.root;
     wide linear = x->ra * x->ra + x->rb * x->rb, closing = all(0);
     UNROLL
     for (int k = 0; k < 3; k++)
@@ -182,13 +117,13 @@ INLINE void prepare(const Crowd *c, Batch *x, int thread)
         return;
     }
     for (int i = 0; i < x->points; i++)
-        count += x->point[i].mass;
+        count += x->point[i].mass.own;
     UNROLL
     for (int k = 0; k < 3; k++) {
         middle[0][k] = middle[1][k] = all(0);
         for (int i = 0; i < x->points; i++) {
-            middle[0][k] += x->arms[i].a[k];
-            middle[1][k] += x->arms[i].b[k];
+            middle[0][k] += x->arms[i].a[k].own;
+            middle[1][k] += x->arms[i].b[k].own;
         }
         middle[0][k] *= inverse_of(count);
         middle[1][k] *= inverse_of(count);
@@ -197,22 +132,32 @@ INLINE void prepare(const Crowd *c, Batch *x, int thread)
         WidePoint *p = &x->point[i];
         WideArms *arm = &x->arms[i];
         wide_int moves = x->ra > 0;
-        wide off[3], present = p->mass;
+        const wide ra[3] = THREE(arm->a), rb[3] = THREE(arm->b);
+        wide off[3], present = p->mass.own;
         UNROLL
         for (int k = 0; k < 3; k++)
-            off[k] = pick(moves, arm->a[k] - middle[0][k], arm->b[k] - middle[1][k]);
+            off[k] = pick(moves, ra[k] - middle[0][k], rb[k] - middle[1][k]);
         reach += present * root(dot(off, off));
-        angular(&a, &b, x->n, arm->a, arm->b, arm->a, arm->b);
-        p->mass = present * inverse_of(linear + dot(arm->a, arm->a) + dot(arm->b, arm->b));
-        wide rate = closing + dot(arm->a, &va[3]) + dot(arm->b, &vb[3]);
-        p->rate_before = present * (x->driven ? rate + arm->drive : rate);
-        p->sum = all(0);
+        angular(&a, &b, x->n, ra, rb, arm->a, arm->b);
+        const wide ja[3] = THREE(arm->a), jb[3] = THREE(arm->b);
+        p->mass.own = present * inverse_of(linear + dot(ja, ja) + dot(jb, jb));
+        wide rate = closing + dot(ja, &va[3]) + dot(jb, &vb[3]);
+        p->rate_before.own = present * (x->driven ? rate + arm->drive.own : rate);
+        p->sum.own = all(0);
     }
     if (x->patch)
         prepare_patch(x, &a, &b, (const wide(*)[3])middle, linear);
     if (x->twist) {
         prepare_twist(x, &a, &b);
-        x->twist->reach = reach * inverse_of(count);
+        x->twist->reach.own = reach * inverse_of(count);
+    }
+}
+
+INLINE void prepare(const Crowd *c, Batch *b, int thread)
+{
+    for (int i = 0; i < lots(b); i++) {
+        Lot x = lot_of(b, i);
+        prepare_lot(c, &x, thread);
     }
 }
 
@@ -221,14 +166,14 @@ INLINE void prepare(const Crowd *c, Batch *x, int thread)
 typedef struct Both { wide a[8], b[8]; } Both;      /* of the two bodies of each lane */
 
 /* b's linear coordinates less a's, as velocities (or displacements). */
-INLINE void between(const Batch *x, const Both *v, wide out[3])
+INLINE void between(const Lot *x, const Both *v, wide out[3])
 {
     UNROLL
     for (int i = 0; i < 3; i++)
         out[i] = x->rb * v->b[i] - x->ra * v->a[i];
 }
 
-INLINE void push_linear(const Batch *x, Both *v, const wide n[3], wide p)
+INLINE void push_linear(const Lot *x, Both *v, const wide n[3], wide p)
 {
     wide pa = p * x->ra, pb = p * x->rb;
     UNROLL
@@ -238,17 +183,17 @@ INLINE void push_linear(const Batch *x, Both *v, const wide n[3], wide p)
     }
 }
 
-INLINE void push_angular(Both *v, const wide a[3], const wide b[3], wide p)
+INLINE void push_angular(Both *v, const Wide a[3], const Wide b[3], wide p)
 {
     UNROLL
     for (int i = 0; i < 3; i++) {
-        v->a[3 + i] += p * a[i];
-        v->b[3 + i] += p * b[i];
+        v->a[3 + i] += p * a[i].own;
+        v->b[3 + i] += p * b[i].own;
     }
 }
 
 /* By a vector across the normal. */
-INLINE void push_rub(const Batch *x, Both *v, const wide p[3])
+INLINE void push_rub(const Lot *x, Both *v, const wide p[3])
 {
     wide turn[3];
     cross(p, x->n, turn);
@@ -256,52 +201,53 @@ INLINE void push_rub(const Batch *x, Both *v, const wide p[3])
     for (int i = 0; i < 3; i++) {
         v->a[i] -= x->ra * p[i];
         v->b[i] += x->rb * p[i];
-        v->a[3 + i] += x->rub->a * turn[i];
-        v->b[3 + i] += x->rub->b * turn[i];
+        v->a[3 + i] += x->rub->a.own * turn[i];
+        v->b[3 + i] += x->rub->b.own * turn[i];
     }
 }
 
-INLINE wide normal_sum(const Batch *x)
+INLINE wide normal_sum(const Lot *x)
 {
-    wide sum = x->point[0].j;
+    wide sum = x->point[0].j.own;
     for (int k = 1; k < x->points; k++)
-        sum += x->point[k].j;
+        sum += x->point[k].j.own;
     return sum;
 }
 
 /* Sticks where the cone allows it; else a step along the slip, back onto the cone: friction then opposes slip for any matrix. */
-INLINE void solve_friction(const Batch *x, Both *v, wide bound)
+INLINE void solve_friction(const Lot *x, Both *v, wide bound)
 {
     WidePatch *f = x->patch;
+    const wide t[3] = THREE(f->t);
     wide d[3], u[3];
-    cross(x->n, f->t, u);
+    cross(x->n, t, u);
     between(x, v, d);
-    wide rt = dot(f->t, d) + dot(f->ta, &v->a[3]) + dot(f->tb, &v->b[3]), ru = dot(u, d) + dot(f->ua, &v->a[3]) + dot(f->ub, &v->b[3]);
+    wide rt = dot(t, d) + dot_of(f->ta, &v->a[3]) + dot_of(f->tb, &v->b[3]), ru = dot(u, d) + dot_of(f->ua, &v->a[3]) + dot_of(f->ub, &v->b[3]);
     if (x->driven) {
-        rt += f->drive[0];
-        ru += f->drive[1];
+        rt += f->drive[0].own;
+        ru += f->drive[1].own;
     }
-    wide st = f->j[0] - f->det * (f->ktt * rt + f->ktu * ru), su = f->j[1] - f->det * (f->ktu * rt + f->kuu * ru);
-    wide gt = f->j[0] - f->step * rt, gu = f->j[1] - f->step * ru;
+    wide st = f->j[0].own - f->det.own * (f->ktt.own * rt + f->ktu.own * ru), su = f->j[1].own - f->det.own * (f->ktu.own * rt + f->kuu.own * ru);
+    wide gt = f->j[0].own - f->step.own * rt, gu = f->j[1].own - f->step.own * ru;
     wide length = root(gt * gt + gu * gu), scale = bound / most(length, all(1e-30f));
     scale = least(scale, all(1));
     wide_int sticks = st * st + su * su <= bound * bound;
     wide jt = pick(sticks, st, gt * scale), ju = pick(sticks, su, gu * scale);
-    wide pt = jt - f->j[0], pu = ju - f->j[1];
-    f->j[0] = jt;
-    f->j[1] = ju;
-    push_linear(x, v, f->t, pt);
+    wide pt = jt - f->j[0].own, pu = ju - f->j[1].own;
+    f->j[0].own = jt;
+    f->j[1].own = ju;
+    push_linear(x, v, t, pt);
     push_linear(x, v, u, pu);
     push_angular(v, f->ta, f->tb, pt);
     push_angular(v, f->ua, f->ub, pu);
 }
 
-INLINE void solve_twist(const Batch *x, Both *v, wide bound)
+INLINE void solve_twist(const Lot *x, Both *v, wide bound)
 {
     WideTwist *t = x->twist;
-    wide rate = dot(t->a, &v->a[3]) + dot(t->b, &v->b[3]), top = bound * t->reach;
-    wide j = least(top, most(-top, t->j - t->mass * rate)), p = j - t->j;
-    t->j = j;
+    wide rate = dot_of(t->a, &v->a[3]) + dot_of(t->b, &v->b[3]), top = bound * t->reach.own;
+    wide j = least(top, most(-top, t->j.own - t->mass.own * rate)), p = j - t->j.own;
+    t->j.own = j;
     push_angular(v, t->a, t->b, p);
 }
 
@@ -311,28 +257,28 @@ INLINE void push_roll(Both *v, const WideRoll *r, const wide p[3])
     for (int i = 0; i < 3; i++) {
         UNROLL
         for (int k = 0; k < 3; k++) {
-            v->a[3 + k] -= r->sa[3 * i + k] * p[i];
-            v->b[3 + k] += r->sb[3 * i + k] * p[i];
+            v->a[3 + k] -= r->sa[3 * i + k].own * p[i];
+            v->b[3 + k] += r->sb[3 * i + k].own * p[i];
         }
     }
 }
 
-INLINE void solve_roll(const Batch *x, Both *v, wide load)
+INLINE void solve_roll(const Lot *x, Both *v, wide load)
 {
     WideRoll *r = x->roll;
     wide rate[3], j[3], p[3];
     UNROLL
     for (int i = 0; i < 3; i++)
-        rate[i] = dot(&r->sb[3 * i], &v->b[3]) - dot(&r->sa[3 * i], &v->a[3]) + r->drive[i];
-    j[0] = r->j[0] - (r->k[0] * rate[0] + r->k[1] * rate[1] + r->k[2] * rate[2]);
-    j[1] = r->j[1] - (r->k[1] * rate[0] + r->k[3] * rate[1] + r->k[4] * rate[2]);
-    j[2] = r->j[2] - (r->k[2] * rate[0] + r->k[4] * rate[1] + r->k[5] * rate[2]);
-    wide scale = least(all(1), r->lever * load / most(root(dot(j, j)), all(1e-30f)));
+        rate[i] = dot_of(&r->sb[3 * i], &v->b[3]) - dot_of(&r->sa[3 * i], &v->a[3]) + r->drive[i].own;
+    j[0] = r->j[0].own - (r->k[0].own * rate[0] + r->k[1].own * rate[1] + r->k[2].own * rate[2]);
+    j[1] = r->j[1].own - (r->k[1].own * rate[0] + r->k[3].own * rate[1] + r->k[4].own * rate[2]);
+    j[2] = r->j[2].own - (r->k[2].own * rate[0] + r->k[4].own * rate[1] + r->k[5].own * rate[2]);
+    wide scale = least(all(1), r->lever.own * load / most(root(dot(j, j)), all(1e-30f)));
     UNROLL
     for (int i = 0; i < 3; i++) {
         j[i] *= scale;
-        p[i] = j[i] - r->j[i];
-        r->j[i] = j[i];
+        p[i] = j[i] - r->j[i].own;
+        r->j[i].own = j[i];
     }
     push_roll(v, r, p);
 }
@@ -345,10 +291,10 @@ INLINE wide pushed_impulse(WidePoint *p, Care *k, wide rate, wide gap, wide care
 {
     wide_int open = gap > 0;
     wide bias = pick(open, gap * k->per_step, most(gap * k->rate, -k->push_most));
-    wide j = p->j - pick(open, p->mass, p->mass * k->mass) * (rate + bias) - pick(open, all(0), (p->j - p->borne) * k->keep);
+    wide j = p->j.own - pick(open, p->mass.own, p->mass.own * k->mass) * (rate + bias) - pick(open, all(0), (p->j.own - p->borne.own) * k->keep);
     j = most(j, all(0));
-    wide by = (j - p->j) / most(p->mass, all(1e-30f));
-    p->room = most(all(0), gap * k->per_step + rate + by);
+    wide by = (j - p->j.own) / most(p->mass.own, all(1e-30f));
+    p->room.own = most(all(0), gap * k->per_step + rate + by);
     k->worst = most(k->worst, most(by, -by) * care);
     return j;
 }
@@ -356,32 +302,32 @@ INLINE wide pushed_impulse(WidePoint *p, Care *k, wide rate, wide gap, wide care
 /* The relaxing pass: what the other one left, less what pushed. */
 INLINE wide relaxed_impulse(WidePoint *p, Care *k, wide rate, wide care)
 {
-    wide j = most(p->j - p->mass * (rate + p->room), all(0));
-    wide by = (j - p->j) / most(p->mass, all(1e-30f));
+    wide j = most(p->j.own - p->mass.own * (rate + p->room.own), all(0));
+    wide by = (j - p->j.own) / most(p->mass.own, all(1e-30f));
     k->worst = most(k->worst, most(by, -by) * care);
-    p->sum += k->first ? j : j - p->j;
+    p->sum.own += k->first ? j : j - p->j.own;
     return j;
 }
 
 /* Returns the change of the impulse of a point whose bodies go apart at this rate. */
-INLINE wide solve_point(const Batch *x, WidePoint *p, Care *k, wide rate)
+INLINE wide solve_point(const Lot *x, WidePoint *p, Care *k, wide rate)
 {
-    wide j = k->push ? pushed_impulse(p, k, rate, p->now, x->care) : relaxed_impulse(p, k, rate, x->care);
-    wide change = j - p->j;
-    p->j = j;
+    wide j = k->push ? pushed_impulse(p, k, rate, p->now.own, x->of->care.own) : relaxed_impulse(p, k, rate, x->of->care.own);
+    wide change = j - p->j.own;
+    p->j.own = j;
     return change;
 }
 
 /* What the centres of mass do along the normal, and what spins and movers add to that at point i: velocities, or displacements in a time. */
-INLINE wide at_point(const Batch *x, int i, const Both *d, wide centres, wide time)
+INLINE wide at_point(const Lot *x, int i, const Both *d, wide centres, wide time)
 {
     if (!x->round)
-        centres = centres + dot(x->arms[i].a, &d->a[3]) + dot(x->arms[i].b, &d->b[3]);
-    return x->driven ? centres + x->arms[i].drive * time : centres;
+        centres = centres + dot_of(x->arms[i].a, &d->a[3]) + dot_of(x->arms[i].b, &d->b[3]);
+    return x->driven ? centres + x->arms[i].drive.own * time : centres;
 }
 
 /* Gaps hold for all passes of a substep that push. */
-INLINE void find_gaps(const Crowd *c, const Batch *x, wide time)
+INLINE void find_gaps(const Crowd *c, const Lot *x, wide time)
 {
     Both d;
     wide b[3];
@@ -391,12 +337,12 @@ INLINE void find_gaps(const Crowd *c, const Batch *x, wide time)
     wide closed = dot(x->n, b);
     for (int i = 0; i < x->points; i++) {
         WidePoint *p = &x->point[i];
-        p->now = at_point(x, i, &d, p->gap + closed, time);
+        p->now.own = at_point(x, i, &d, p->gap.own + closed, time);
     }
 }
 
 /* One direction for all points of a contact: rate along the normal of the centres of mass is kept up by hand. */
-INLINE void solve_points(const Batch *x, Both *v, Care *k)
+INLINE void solve_points(const Lot *x, Both *v, Care *k)
 {
     wide b[3], inverse = x->ra * x->ra + x->rb * x->rb, pushed = all(0);
     between(x, v, b);
@@ -414,62 +360,62 @@ INLINE void solve_points(const Batch *x, Both *v, Care *k)
 
 /* Sticks where the cone allows it, else it opposes the slip, which is what is across the normal: between is the relative velocity of
  * the centres, along that which is along it. */
-INLINE void solve_rub(const Batch *x, Both *v, const Care *k, const wide between[3], wide along, wide bound)
+INLINE void solve_rub(const Lot *x, Both *v, const Care *k, const wide between[3], wide along, wide bound)
 {
     WideRub *r = x->rub;
     wide spin[3], roll[3], f[3], p[3];
     UNROLL
     for (int i = 0; i < 3; i++)
-        spin[i] = r->a * v->a[3 + i] + r->b * v->b[3 + i];
+        spin[i] = r->a.own * v->a[3 + i] + r->b.own * v->b[3 + i];
     cross(x->n, spin, roll);
     UNROLL
     for (int i = 0; i < 3; i++)
-        f[i] = r->j[i] - r->mass * (between[i] - along * x->n[i] + roll[i]);
+        f[i] = r->j[i].own - r->mass.own * (between[i] - along * x->n[i] + roll[i]);
     wide scale = least(all(1), bound / most(root(dot(f, f)), all(1e-30f)));
     UNROLL
     for (int i = 0; i < 3; i++) {
         f[i] *= scale;
-        p[i] = f[i] - r->j[i];
-        r->j[i] = f[i];
+        p[i] = f[i] - r->j[i].own;
+        r->j[i].own = f[i];
         if (!k->push)
-            r->sum[i] += k->first ? f[i] : p[i];
+            r->sum[i].own += k->first ? f[i] : p[i];
     }
     push_rub(x, v, p);
 }
 
 /* Friction is across the normal, and changes nothing along it. */
-INLINE void solve_round(const Batch *x, Both *v, Care *k)
+INLINE void solve_round(const Lot *x, Both *v, Care *k)
 {
     wide b[3];
     between(x, v, b);
     wide along = dot(x->n, b);
     if (x->rub)
-        solve_rub(x, v, k, b, along, x->point->j * x->friction);
+        solve_rub(x, v, k, b, along, x->point->j.own * x->of->friction.own);
     push_linear(x, v, x->n, solve_point(x, x->point, k, along));
 }
 
-INLINE void solve_flat(const Batch *x, Both *v, Care *k)
+INLINE void solve_flat(const Lot *x, Both *v, Care *k)
 {
     wide load = normal_sum(x), before[2] = {all(0), all(0)};
     if (x->roll)
         solve_roll(x, v, load);
     if (x->patch && !k->first) {
-        before[0] = x->patch->j[0];
-        before[1] = x->patch->j[1];
+        before[0] = x->patch->j[0].own;
+        before[1] = x->patch->j[1].own;
     }
     if (x->patch) {
         if (x->twist)
-            solve_twist(x, v, load * x->friction);
-        solve_friction(x, v, load * x->friction);
+            solve_twist(x, v, load * x->of->friction.own);
+        solve_friction(x, v, load * x->of->friction.own);
     }
     solve_points(x, v, k);
     if (x->patch && !k->push) {
-        x->patch->sum[0] += x->patch->j[0] - before[0];
-        x->patch->sum[1] += x->patch->j[1] - before[1];
+        x->patch->sum[0].own += x->patch->j[0].own - before[0];
+        x->patch->sum[1].own += x->patch->j[1].own - before[1];
     }
 }
 
-INLINE void solve_batch(const Crowd *c, const Batch *x, Care *k)
+INLINE void solve_lot(const Crowd *c, const Lot *x, Care *k)
 {
     Both v;
     if (k->push && k->first)
@@ -482,6 +428,14 @@ INLINE void solve_batch(const Crowd *c, const Batch *x, Care *k)
         solve_flat(x, &v, k);
     scatter(c->vel, x->a, v.a);
     scatter(c->vel, x->b, v.b);
+}
+
+INLINE void solve_batch(const Crowd *c, Batch *b, Care *k)
+{
+    for (int i = 0; i < lots(b); i++) {
+        const Lot x = lot_of(b, i);
+        solve_lot(c, &x, k);
+    }
 }
 
 /* The part of one thread in work on all bodies or batches, and whom it meets: who else does so. */
@@ -537,7 +491,7 @@ INLINE float pass(const Crowd *c, const Part *me, const Soft *soft, float time, 
         }
     }
     float most = 0;
-    for (int i = 0; i < LANES; i++)
+    for (int i = 0; i < AT_ONCE; i++)
         most = k.worst[i] > most ? k.worst[i] : most;
     return most;
 }
@@ -564,31 +518,44 @@ INLINE int passes_of(const Crowd *c, const Part *me, bool push, int least, int m
 
 /* ---- the substeps ---- */
 
-INLINE void warm_batch(const Crowd *c, const Batch *x)
+INLINE void warm_lot(const Crowd *c, const Lot *x)
 {
     Both v;
     gather(c->vel, x->a, v.a);
     gather(c->vel, x->b, v.b);
     push_linear(x, &v, x->n, normal_sum(x));
-    if (x->rub)
-        push_rub(x, &v, x->rub->j);
+    if (x->rub) {
+        const wide j[3] = THREE(x->rub->j);
+        push_rub(x, &v, j);
+    }
     for (int k = 0; k < x->points && !x->round; k++)
-        push_angular(&v, x->arms[k].a, x->arms[k].b, x->point[k].j);
+        push_angular(&v, x->arms[k].a, x->arms[k].b, x->point[k].j.own);
     if (x->patch) {
         WidePatch *f = x->patch;
+        const wide t[3] = THREE(f->t);
         wide u[3];
-        cross(x->n, f->t, u);
-        push_linear(x, &v, f->t, f->j[0]);
-        push_linear(x, &v, u, f->j[1]);
-        push_angular(&v, f->ta, f->tb, f->j[0]);
-        push_angular(&v, f->ua, f->ub, f->j[1]);
+        cross(x->n, t, u);
+        push_linear(x, &v, t, f->j[0].own);
+        push_linear(x, &v, u, f->j[1].own);
+        push_angular(&v, f->ta, f->tb, f->j[0].own);
+        push_angular(&v, f->ua, f->ub, f->j[1].own);
     }
     if (x->twist)
-        push_angular(&v, x->twist->a, x->twist->b, x->twist->j);
-    if (x->roll)
-        push_roll(&v, x->roll, x->roll->j);
+        push_angular(&v, x->twist->a, x->twist->b, x->twist->j.own);
+    if (x->roll) {
+        const wide j[3] = THREE(x->roll->j);
+        push_roll(&v, x->roll, j);
+    }
     scatter(c->vel, x->a, v.a);
     scatter(c->vel, x->b, v.b);
+}
+
+INLINE void warm_batch(const Crowd *c, Batch *b)
+{
+    for (int i = 0; i < lots(b); i++) {
+        const Lot x = lot_of(b, i);
+        warm_lot(c, &x);
+    }
 }
 
 INLINE void warm_start(const Crowd *c, const Part *me)
@@ -604,9 +571,9 @@ INLINE void warm_start(const Crowd *c, const Part *me)
 INLINE void speed_up(const Crowd *c, const Part *me, bool first)
 {
     MY_BODIES(c, me, i) {
-        wide *v = (wide *)(void *)&c->vel[i], *last = (wide *)(void *)&c->last[i];
-        wide now = *v;
-        *v = now + (first ? *(const wide *)(const void *)&c->push[i] : now - *last);
+        six *v = (six *)(void *)&c->vel[i], *last = (six *)(void *)&c->last[i];
+        six now = *v;
+        *v = now + (first ? *(const six *)(const void *)&c->push[i] : now - *last);
         *last = now;
     }
 }
@@ -614,11 +581,11 @@ INLINE void speed_up(const Crowd *c, const Part *me, bool first)
 INLINE void move_on(const Crowd *c, const Part *me)
 {
     MY_BODIES(c, me, i)
-        *(wide *)(void *)&c->move[i] += all(c->h) * *(const wide *)(const void *)&c->vel[i];
+        *(six *)(void *)&c->move[i] += c->h * *(const six *)(const void *)&c->vel[i];
 }
 
 /* What approached and was stopped leaves with its share of the approach. */
-INLINE void bounce(const Crowd *c, const Batch *x)
+INLINE void bounce_lot(const Crowd *c, const Lot *x)
 {
     Both v;
     gather(c->vel, x->a, v.a);
@@ -628,16 +595,24 @@ INLINE void bounce(const Crowd *c, const Batch *x)
         wide b[3];
         between(x, &v, b);
         wide rate = at_point(x, i, &v, dot(x->n, b), all(1));
-        wide_int struck = (p->rate_before < all(-c->bounce_least)) & (p->sum > 0);
-        wide j = most(p->j - p->mass * (rate + x->restitution * p->rate_before), all(0));
-        wide change = pick(struck, j - p->j, all(0));
-        p->room = change;
+        wide_int struck = (p->rate_before.own < all(-c->bounce_least)) & (p->sum.own > 0);
+        wide j = most(p->j.own - p->mass.own * (rate + x->of->restitution.own * p->rate_before.own), all(0));
+        wide change = pick(struck, j - p->j.own, all(0));
+        p->room.own = change;
         push_linear(x, &v, x->n, change);
         if (!x->round)
             push_angular(&v, x->arms[i].a, x->arms[i].b, change);
     }
     scatter(c->vel, x->a, v.a);
     scatter(c->vel, x->b, v.b);
+}
+
+INLINE void bounce(const Crowd *c, Batch *b)
+{
+    for (int i = 0; i < lots(b); i++) {
+        const Lot x = lot_of(b, i);
+        bounce_lot(c, &x);
+    }
 }
 
 /* Restitution; what depends on sums over all bodies is one thread's. */
@@ -661,19 +636,19 @@ INLINE void bounce_all(Crowd *c, const Part *me)
 /* ---- what is deep after all ---- */
 
 /* m  Overlap that is nothing to care about. */
-INLINE wide shallow(const Crowd *c, const Batch *x) { return all(c->leaves * c->h) / x->care; }
+INLINE wide shallow(const Crowd *c, const Lot *x) { return all(c->leaves * c->h) / x->of->care.own; }
 
 INLINE bool any_of(wide_int which)
 {
     int found = 0;
-    for (int i = 0; i < LANES; i++)
+    for (int i = 0; i < AT_ONCE; i++)
         found |= which[i];
     return found;
 }
 
 /* Takes from each point of the batch what it overlaps by over what is shallow, by moving its bodies alone, no faster than springs may:
  * velocities and impulses stay. Returns whether there was anything to take. */
-INLINE bool separate_batch(const Crowd *c, const Batch *x)
+INLINE bool separate_lot(const Crowd *c, const Lot *x)
 {
     Both d;
     gather(c->move, x->a, d.a);
@@ -684,8 +659,8 @@ INLINE bool separate_batch(const Crowd *c, const Batch *x)
         const WidePoint *p = &x->point[i];
         wide b[3];
         between(x, &d, b);
-        wide gap = at_point(x, i, &d, p->gap + dot(x->n, b), time);
-        wide j = p->mass * least(most(-gap - bound, all(0)), most_by);      /* no point in a lane: mass 0 */
+        wide gap = at_point(x, i, &d, p->gap.own + dot(x->n, b), time);
+        wide j = p->mass.own * least(most(-gap - bound, all(0)), most_by);      /* no point in a lane: mass 0 */
         any |= j > all(0);
         push_linear(x, &d, x->n, j);
         if (!x->round)
@@ -696,6 +671,16 @@ INLINE bool separate_batch(const Crowd *c, const Batch *x)
     scatter(c->move, x->a, d.a);
     scatter(c->move, x->b, d.b);
     return true;
+}
+
+INLINE bool separate_batch(const Crowd *c, Batch *b)
+{
+    bool any = false;
+    for (int i = 0; i < lots(b); i++) {
+        const Lot x = lot_of(b, i);
+        any |= separate_lot(c, &x);
+    }
+    return any;
 }
 
 INLINE void separate(const Crowd *c, const Part *me)
@@ -750,7 +735,18 @@ INLINE void solve_part(void *context, int thread, int threads)
     solve(c, &(Part){c->team, thread, threads});
 }
 
-FOR_WIDTHS(solve_for, solve_part)
+#if AT_ONCE == 16
 AVX512 static void solve_avx512(void *context, int thread, int threads) { solve_part(context, thread, threads); }
 
-void wide_solve(Crowd *c) { team_run(c->team, c->width == WIDTH_AVX512 ? solve_avx512 : solve_for(c), c); }
+void wide_solve_longest(Crowd *c) { team_run(c->team, solve_avx512, c); }
+#else
+FOR_WIDTHS(solve_for, solve_part)
+
+void wide_solve(Crowd *c)
+{
+    if (c->width == WIDTH_AVX512)
+        wide_solve_longest(c);
+    else
+        team_run(c->team, solve_for(c), c);
+}
+#endif

@@ -396,18 +396,19 @@ TEST(a_heap_gives_the_same_bits_on_all_instructions)
         CHECK(heap(1, width) == plain);
 }
 
-#define BODIES 40
+#define BODIES 80
 #define BATCHES 12
 
 typedef struct Sample {
-    Six       six[7][BODIES + 1];
+    Six       six[7][BODIES + 2];       /* the last is nobody */
     Batch     batch[BATCHES];
-    WidePoint point[BATCHES][4];
-    WideArms  arms[BATCHES][4];
-    WideRub   rub[BATCHES];
-    WidePatch patch[BATCHES];
-    WideTwist twist[BATCHES];
-    WideRoll  roll[BATCHES];
+    _Alignas(ARENA_ALIGN) WideContact of[BATCHES];
+    _Alignas(ARENA_ALIGN) WidePoint point[BATCHES][4];
+    _Alignas(ARENA_ALIGN) WideArms  arms[BATCHES][4];
+    _Alignas(ARENA_ALIGN) WideRub   rub[BATCHES];
+    _Alignas(ARENA_ALIGN) WidePatch patch[BATCHES];
+    _Alignas(ARENA_ALIGN) WideTwist twist[BATCHES];
+    _Alignas(ARENA_ALIGN) WideRoll  roll[BATCHES];
     Phase     phase[BATCHES];
     float     worst[2][1];
 } Sample;
@@ -419,27 +420,42 @@ static void fill(void *to, size_t bytes, uint64_t *rng)
         f[i] = (float)(2 * rng_real(rng) - 1);
 }
 
+static int lanes_in(const Batch *b) { return HALF * b->halves; }
+
+/* Of a batch that has one half, the other holds 0. */
+static void fill_lanes(const Batch *b, void *to, size_t bytes, uint64_t *rng)
+{
+    float *f = to;
+    fill(to, bytes, rng);
+    for (size_t i = 0; i < bytes / sizeof *f; i++)
+        f[i] = (int)(i % LANES) < lanes_in(b) ? f[i] : 0;
+}
+
 /* Batches of numbers that mean nothing, but are rows: no body twice in one, masses positive. */
 static void make_sample(Sample *s, Crowd *c)
 {
     uint64_t rng = 99;
     memset(s, 0, sizeof *s);
     fill(s->six, sizeof s->six, &rng);
+    for (int k = 0; k < 7; k++)
+        s->six[k][BODIES] = s->six[k][BODIES + 1] = (Six){{0}};
     for (int i = 0; i < BATCHES; i++) {
         Batch *b = &s->batch[i];
-        fill(s->point[i], sizeof s->point[i], &rng);
-        fill(s->arms[i], sizeof s->arms[i], &rng);
-        fill(&s->rub[i], sizeof s->rub[i], &rng);
-        fill(&s->patch[i], sizeof s->patch[i], &rng);
-        fill(&s->twist[i], sizeof s->twist[i], &rng);
-        fill(&s->roll[i], sizeof s->roll[i], &rng);
-        fill(b->n, sizeof b->n + 4 * sizeof b->ra, &rng);
+        b->halves = 1 + (i % 3 > 0);
+        fill_lanes(b, s->point[i], sizeof s->point[i], &rng);
+        fill_lanes(b, s->arms[i], sizeof s->arms[i], &rng);
+        fill_lanes(b, &s->rub[i], sizeof s->rub[i], &rng);
+        fill_lanes(b, &s->patch[i], sizeof s->patch[i], &rng);
+        fill_lanes(b, &s->twist[i], sizeof s->twist[i], &rng);
+        fill_lanes(b, &s->roll[i], sizeof s->roll[i], &rng);
+        b->of = &s->of[i];
+        fill_lanes(b, b->of, sizeof *b->of, &rng);
         for (int k = 0; k < LANES; k++) {
-            b->a[k] = (5 * k + i) % BODIES;
-            b->b[k] = i % 2 ? BODIES : (5 * k + i + 2) % BODIES;
-            b->friction[k] = 0.5f;
-            b->restitution[k] = 0.3f;
-            b->care[k] = 1;
+            b->a[k] = k < lanes_in(b) ? (5 * k + i) % BODIES : BODIES;
+            b->b[k] = k >= lanes_in(b) || i % 2 ? BODIES : (5 * k + i + 2) % BODIES;
+            b->of->friction.at[k] = 0.5f;
+            b->of->restitution.at[k] = 0.3f;
+            b->of->care.at[k] = 1;
         }
         b->points = 1 + i % 4;
         b->fixed = i % 2;
@@ -454,8 +470,8 @@ static void make_sample(Sample *s, Crowd *c)
         b->twist = i % 3 && b->points > 1 ? &s->twist[i] : NULL;
         b->roll = i % 4 == 2 ? &s->roll[i] : NULL;
         for (int p = 0; p < 4; p++)
-            for (int k = 0; k < LANES; k++)
-                s->point[i][p].mass[k] = 1;
+            for (int k = 0; k < lanes_in(b); k++)
+                s->point[i][p].mass.at[k] = 1;
     }
     *c = (Crowd){.width = widest(), .dt = STEP, .substeps = 4, .h = (float)(STEP / 4), .bodies = BODIES, .push_most = 3, .bounce_least = 0.1f,
                  .vel = s->six[0], .move = s->six[1], .last = s->six[2], .push = s->six[3], .start = s->six[4],
@@ -470,7 +486,7 @@ TEST(wide_rows_give_the_same_bits_on_all_instructions)
     Sample *s[WIDTH_AVX512 + 1];
     for (Width width = WIDTH_PLAIN; width <= widest(); width++) {
         Crowd c;
-        Sample *x = s[width] = aligned_alloc(32, sizeof *x);
+        Sample *x = s[width] = aligned_alloc(ARENA_ALIGN, sizeof *x);
         assert_non_null(x);
         make_sample(x, &c);
         c.width = width;
@@ -500,8 +516,6 @@ static void make_balls(Sample *s, Crowd *c, bool round)
         s->six[5][i] = (Six){{spin, 0, 0, 0, spin, 0, 0, 0}};
         s->six[6][i] = (Six){{spin, root}};
     }
-    for (int k = 0; k < 7; k++)
-        s->six[k][BODIES] = (Six){{0}};
     for (int i = 0; i < BATCHES; i++) {
         Batch *b = &s->batch[i];
         b->driven = false;
@@ -516,23 +530,23 @@ static void make_balls(Sample *s, Crowd *c, bool round)
         memset(&s->rub[i], 0, sizeof s->rub[i]);
         b->rub = i % 3 && round ? &s->rub[i] : NULL;
         b->patch = i % 3 && !round ? &s->patch[i] : NULL;
-        for (int k = 0; k < LANES; k++) {
+        for (int k = 0; k < lanes_in(b); k++) {
             vec3 n = vec3_unit((vec3){rng_real(&rng) - 0.5, rng_real(&rng) - 0.5, rng_real(&rng) - 0.5}), t, u;
             vec3_basis(n, &t, &u);
             const real place[3] = {n.x, n.y, n.z}, across[3] = {t.x, t.y, t.z};
             for (int x = 0; x < 3; x++) {
-                b->n[x][k] = (float)place[x];
-                s->patch[i].t[x][k] = (float)across[x];
-                s->arms[i][0].a[x][k] = (float)place[x];
-                s->arms[i][0].b[x][k] = b->fixed ? 0 : -(float)place[x];
-                s->rub[i].j[x][k] = (float)(0.02 * across[x]);
+                b->of->n[x].at[k] = (float)place[x];
+                s->patch[i].t[x].at[k] = (float)across[x];
+                s->arms[i][0].a[x].at[k] = (float)place[x];
+                s->arms[i][0].b[x].at[k] = b->fixed ? 0 : -(float)place[x];
+                s->rub[i].j[x].at[k] = (float)(0.02 * across[x]);
             }
-            s->patch[i].j[0][k] = 0.02f;
-            s->rub[i].a[k] = 1;
-            s->rub[i].b[k] = b->fixed ? 0 : 1;
-            s->point[i][0].mass[k] = 1;
-            s->point[i][0].j[k] = 0.1f;
-            s->point[i][0].gap[k] = (float)(0.02 * rng_real(&rng) - 0.01);
+            s->patch[i].j[0].at[k] = 0.02f;
+            s->rub[i].a.at[k] = 1;
+            s->rub[i].b.at[k] = b->fixed ? 0 : 1;
+            s->point[i][0].mass.at[k] = 1;
+            s->point[i][0].j.at[k] = 0.1f;
+            s->point[i][0].gap.at[k] = (float)(0.02 * rng_real(&rng) - 0.01);
         }
     }
 }
@@ -545,9 +559,9 @@ static real overlap_of(const Sample *s, real left)
         for (int k = 0; k < LANES; k++) {
             const Batch *b = &s->batch[i];
             const Six *x = &s->six[1][b->a[k]], *y = &s->six[1][b->b[k]];
-            real gap = (real)s->point[i][0].gap[k];
+            real gap = (real)s->point[i][0].gap.at[k];
             for (int n = 0; n < 3; n++)
-                gap += (real)b->n[n][k] * ((real)b->rb[k] * (real)y->at[n] - (real)b->ra[k] * (real)x->at[n]);
+                gap += (real)b->of->n[n].at[k] * ((real)b->of->rb.at[k] * (real)y->at[n] - (real)b->of->ra.at[k] * (real)x->at[n]);
             sum += real_max(0, -gap - left);
         }
     return sum;
@@ -559,14 +573,14 @@ TEST(what_is_deep_is_put_apart_in_place_alone)
     Sample *s[2];
     for (int i = 0; i < 2; i++) {
         Crowd c;
-        s[i] = aligned_alloc(32, sizeof **s);
+        s[i] = aligned_alloc(ARENA_ALIGN, sizeof **s);
         assert_non_null(s[i]);
         make_balls(s[i], &c, true);
         c.substeps = 1;
         c.separations = 32 * i;
         for (int k = 0; k < BATCHES; k++)
             for (int lane = 0; lane < LANES; lane++)
-                s[i]->batch[k].care[lane] = (float)(SHALLOW * (real)c.h / left);
+                s[i]->batch[k].of->care.at[lane] = (float)(SHALLOW * (real)c.h / left);
         wide_solve(&c);
     }
     CHECK(overlap_of(s[0], left) > 0.01);
@@ -581,7 +595,7 @@ TEST(round_rows_do_to_balls_what_rows_of_any_shape_do)
     Sample *s[2];
     for (int i = 0; i < 2; i++) {
         Crowd c;
-        s[i] = aligned_alloc(32, sizeof **s);
+        s[i] = aligned_alloc(ARENA_ALIGN, sizeof **s);
         assert_non_null(s[i]);
         make_balls(s[i], &c, i == 1);
         c.substeps = 1;         /* gaps that this one closes are none, or by rounding none at all, for the next */
@@ -598,9 +612,9 @@ TEST(round_rows_do_to_balls_what_rows_of_any_shape_do)
     CHECK(moved > 0.1);
     for (int i = 0; i < BATCHES; i++)
         for (int k = 0; k < LANES; k++) {
-            CHECK_NEAR((real)s[1]->point[i][0].sum[k], (real)s[0]->point[i][0].sum[k], 2e-4);
-            vec3 whole = {(real)s[1]->rub[i].sum[0][k], (real)s[1]->rub[i].sum[1][k], (real)s[1]->rub[i].sum[2][k]};
-            CHECK_NEAR(vec3_length(whole), hypot((real)s[0]->patch[i].sum[0][k], (real)s[0]->patch[i].sum[1][k]), 2e-4);
+            CHECK_NEAR((real)s[1]->point[i][0].sum.at[k], (real)s[0]->point[i][0].sum.at[k], 2e-4);
+            vec3 whole = {(real)s[1]->rub[i].sum[0].at[k], (real)s[1]->rub[i].sum[1].at[k], (real)s[1]->rub[i].sum[2].at[k]};
+            CHECK_NEAR(vec3_length(whole), hypot((real)s[0]->patch[i].sum[0].at[k], (real)s[0]->patch[i].sum[1].at[k]), 2e-4);
         }
     free(s[0]);
     free(s[1]);
