@@ -5,6 +5,7 @@
  * update when the ball comes to rest, none per bounce), between two moving
  * bodies one that lives a single step.
  */
+#include "base/block.h"
 #include "step/step.h"
 
 /* What the end of a step asks of a pair whose touch changes: all threads look, for it lies in many places. */
@@ -44,6 +45,15 @@ static void find_spare(Step *s)
     }
 }
 
+/* What lies on each other has two to three touches a body in the end. Once there is more than one, a list that would soon grow again gets room for
+ * all of these, so that nothing grows after a pile has landed; a large list grows without being copied. */
+static int touches_for(const World *w, int needed)
+{
+    int bodies = (int)w->awake.count, pile = 2 * bodies + bodies / 2;
+    bool small = (size_t)pile * sizeof(Touch) < BLOCK_LARGE;
+    return needed > w->touches.capacity && needed > bodies && small ? int_max(needed, pile) : needed;
+}
+
 /* All that regraph and what follows may need: a touch, a link and their events for each pair whose touch changes. */
 dig_status reserve_regraph(World *w, Step *s)
 {
@@ -70,7 +80,7 @@ dig_status reserve_regraph(World *w, Step *s)
     DIG_TRY(contacts_rest(w));
     DIG_TRY(list_reserve(&w->more, slots_for(w->more.count, w->free_more.count, widened), &w->allocations));
     DIG_TRY(list_reserve(&w->free_more, w->more.capacity, &w->allocations));
-    DIG_TRY(list_reserve(&w->touches, slots_for(w->touches.count, w->free_touches.count, changed), &w->allocations));
+    DIG_TRY(list_reserve(&w->touches, touches_for(w, slots_for(w->touches.count, w->free_touches.count, changed)), &w->allocations));
     DIG_TRY(list_reserve(&w->free_touches, w->touches.capacity, &w->allocations));
     DIG_TRY(list_reserve(&w->brief, w->touches.capacity, &w->allocations));
     DIG_TRY(index_reserve(&w->touch_index, w->touches.capacity));
