@@ -555,6 +555,9 @@ void group_turn(Group *g, int i, vec3 mean_w);  /* turns the body on through the
 /* project.c: position errors are removed without touching velocities */
 void project(Group *g);
 void project_back(Group *g);    /* the gaps only: the poses are the caller's. Not those that were looked at anew since */
+/* Part of the size. The points of what overlaps farther say little about where it would press. */
+#define MERGED 0.05
+bool contact_merged(const Group *g, const GroupContact *c);     /* squeeze.c: of two that nothing keeps from parting, deep in each other */
 /* squeeze.c: of the contacts there are now. Rows that are eased press no more than they must: what friction holds would be let slip. */
 typedef enum Jaws { JAWS_SLIP = 1, JAWS_RUB = 2, JAWS_ALL = 3 } Jaws;
 real contact_depth(const GroupContact *c);              /* m  of its deepest point; -INFINITY: it has none */

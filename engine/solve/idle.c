@@ -4,6 +4,7 @@
  * beside the one without it, and sweeps and direct solves alike get there from wherever their first rounds turn the thing against a wall.
  * Bodies that give a little would not: they press each other by as much as something presses them together. So a contact that bore nothing
  * before, and whose bodies do not approach there by what pushes them, takes no part until a solve without it lets them sink into each other.
+ * What is laid into each other is moved apart, and nobody knows where it would press: there any force from before may be such a one.
  */
 #include "solve/direction.h"
 
@@ -113,20 +114,68 @@ static int foresee(Group *g)
     return called;
 }
 
+static bool is_merged(const Group *g, const PointRow *r) { return contact_merged(g, &g->contacts[r->contact]); }
+
+/* Of a contact of points first to end - 1. */
+static bool may_leave(const Group *g, int first, int end)
+{
+    bool idle = true, touch = false, acts = true;
+    for (int k = first; k < end; k++) {
+        idle = idle && is_idle(g, &g->points[k]);
+        touch = touch || touches(g, &g->points[k]);
+        acts = acts && g->points[k].n.k > 0 && g->points[k].blow == 0;
+    }
+    return (idle && touch) || (acts && is_merged(g, &g->points[first]));
+}
+
+/* N s  The impulses that points had, by point. */
+static void *keep_impulses(const Group *g)
+{
+    real (*kept)[3] = arena_alloc(g->arena, (size_t)g->point_count * sizeof *kept);
+    for (int i = 0; i < g->point_count && kept; i++) {
+        const PointRow *r = &g->points[i];
+        kept[i][0] = r->jn;
+        kept[i][1] = r->jt[0];
+        kept[i][2] = r->jt[1];
+    }
+    return kept;
+}
+
+/* Those that were called begin where they were. */
+static void take_up(Group *g, real (*kept)[3])
+{
+    for (int i = 0; i < g->point_count && kept; i++) {
+        PointRow *r = &g->points[i];
+        if (!(r->n.k > 0 && r->jn == 0 && kept[i][0] > 0 && is_merged(g, r)))
+            continue;
+        r->jn = kept[i][0];
+        r->jt[0] = kept[i][1];
+        r->jt[1] = kept[i][2];
+        dir_apply(g, &r->n, r->a, r->b, r->jn);
+        dir_apply(g, &r->t[0], r->a, r->b, r->jt[0]);
+        dir_apply(g, &r->t[1], r->a, r->b, r->jt[1]);
+    }
+}
+
 int idle_leave(Group *g)
 {
     int left = 0;
+    ArenaMark mark = arena_mark(g->arena);
+    void *kept = NULL;
     for (int i = 0, end; i < g->point_count; i = end) {
-        bool idle = true, touch = false;
         end = end_of_contact(g, i);
-        for (int k = i; k < end; k++) {
-            idle = idle && is_idle(g, &g->points[k]);
-            touch = touch || touches(g, &g->points[k]);
-        }
-        for (int k = i; k < end && idle && touch; k++, left++)
+        if (!may_leave(g, i, end))
+            continue;
+        kept = kept || !is_merged(g, &g->points[i]) ? kept : keep_impulses(g);
+        for (int k = i; k < end; k++, left++)
             leave(g, &g->points[k]);
     }
-    return left > 0 ? left - foresee(g) : 0;
+    if (left > 0) {
+        left -= foresee(g);
+        take_up(g, kept);
+    }
+    arena_rewind(g->arena, mark);
+    return left;
 }
 
 int idle_call(Group *g, bool all)

@@ -6,11 +6,11 @@
 /* m/s per sqrt(m): overlaps heal at most as fast as a body would fall by its own size under 10 m/s^2. */
 #define HEAL_SPEED 3.0
 
-/* Part of the size. The points of what overlaps farther say little about where it would press: bodies that do are moved apart without being
- * turned, by any of their contacts. Turned, a row of boxes laid into each other rears up while it heals, and what was lifted falls; and what
- * is deep in a wall on one side and just touched on the other was turned by the touch. */
-#define DEEP 0.05
-#define SLIGHT 1e-3             /* the same: less than this is no more than what pressing and rolling leave */
+/* Part of the size. Bodies that are that deep in something (MERGED) are moved apart without being turned, by any of their contacts. Turned, a row of boxes
+ * laid into each other rears up while it heals, and what was lifted falls; and what is deep in a wall on one side and just touched on the
+ * other was turned by the touch. What nothing keeps from parting is not turned by the last of its overlap either. */
+#define DEEP_FREE 5e-3
+#define SLIGHT    1e-3          /* less than this is no more than what pressing and rolling leave */
 
 /* Works on g->shift in the place of velocities: directions and rows apply to Vel. */
 static real wanted_gap(const Group *g, const PointRow *r)
@@ -73,9 +73,10 @@ typedef struct Kept { Dir n; real jt[2]; } Kept;
 
 static void start_shift(Group *g, real *saved, Kept *kept, bool *deep)
 {
+    bool free = g->joint_count == 0 && !group_top_heavy(g);
     for (int i = 0; i < g->point_count; i++) {
         const PointRow *r = &g->points[i];
-        if (is_deeper(g, r, DEEP))
+        if (is_deeper(g, r, free && g->member[r->a].moves && g->member[r->b].moves ? DEEP_FREE : MERGED))
             deep[r->a] = deep[r->b] = true;
     }
     for (int i = 0; i < g->point_count; i++) {

@@ -30,6 +30,13 @@ real contact_depth(const GroupContact *c)
     return depth;
 }
 
+/* Not where joints hold somebody, who then bears by it what comes down, and not under something heavy, which presses things into each other. */
+bool contact_merged(const Group *g, const GroupContact *c)
+{
+    bool free = g->joint_count == 0 && c->live && g->member[c->a].moves && g->member[c->b].moves;
+    return free && contact_depth(c) > MERGED * g->pairs[c->pair].size && !group_top_heavy(g);
+}
+
 static vec3 mean_point(const GroupContact *c)
 {
     vec3 sum = vec3_zero();

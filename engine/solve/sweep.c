@@ -531,6 +531,15 @@ static real longest_piece(const Group *g, real dt)
     return real_min(longest, real_max(dt / 32, TURN_MOST / real_max(sqrt(fastest), 1e-9)));
 }
 
+/* What is laid into each other parts by being moved: what it strikes meanwhile need not be known to the instant. */
+static bool any_merged(const Group *g)
+{
+    bool merged = false;
+    for (int i = 0; i < g->contact_count && !merged; i++)
+        merged = contact_merged(g, &g->contacts[i]);
+    return merged;
+}
+
 /* What holds for all of a step, and the contacts of its start. */
 static void begin(Group *g, real part, bool all)
 {
@@ -540,6 +549,7 @@ static void begin(Group *g, real part, bool all)
     g->events_left = group_events(g);
     g->h = g->heal_over = part;
     group_touch(g, part, all);
+    g->locate = g->locate && !any_merged(g);
     group_squeeze(g, JAWS_SLIP, 0);
     if (g->locate)
         impacts(g);
