@@ -8,7 +8,9 @@
  * Where shapes turn, supports say more. Let n turn along at the rate W, with neither of them or with one, and c lie between the centres
  * of mass. At first the gap along n grows by n.v + (W x n).c, and a point at r gets nearer by r.(n x (w - W)): after h seconds the points
  * of a core are no farther along n than its support in the direction n + h n x (w - W) and what the second derivatives may add. Two
- * stones of an arch that hinge on an edge are so followed in 3 steps, where each alone turns its corners far into the other's side. */
+ * stones of an arch that hinge on an edge are so followed in 3 steps, where each alone turns its corners far into the other's side.
+ *
+ * And along a normal that stands still, supports at both ends of an arc say what lies between: a rod that whirls before a wall needs two gaps. */
 #include "geom/pair.h"
 
 #define TOLERANCE   1e-10       /* of the size */
@@ -192,12 +194,110 @@ static real sure_step(const Flight *f, const Moment *m, vec3 turn)
     return h;
 }
 
+/* ---- along one normal: arcs ---- */
+
+#define ARC   1.0               /* rad  of one; less than pi                               */
+#define LEAST_ARC 1e-6          /* of that                                                 */
+#define ARCS  32
+#define LOOKS 16                /* at the course of the gap in one                         */
+#define TRIES 4                 /* lengths in which its second derivative is bounded       */
+#define QUICK 0.05              /* rad  what turns less in the time that is left needs none of this */
+#define SHORT 0.125             /* of that time: a step is short                           */
+
+/* m  A core reaches no farther along a direction than this in h seconds of an arc: cosine cos w h + sine sin w h + still. */
+typedef struct Wave { real w, cosine, sine, still; } Wave;
+
+/* Seen from the core the direction goes along an arc, e = [e0 sin(x1 - x) + e1 sin x] / sin x1, and a support is sublinear: no more than the same
+ * of those at both ends. Exact where one corner is the farthest in all of it. The part of e along the spin stands still: what it has
+ * too much of in that sum is taken off by the reach. */
+static Wave wave_of(const Shape *s, const Motion *m, quat q, vec3 d, real reach, real length)
+{
+    real w = vec3_length(m->w), now = reach_along(s, m, q, d), x1 = w * length;
+    if (!(x1 > 0))
+        return (Wave){0, 0, 0, now};
+    real then = reach_along(s, m, quat_mul(quat_exp(vec3_scale(length, m->w)), q), d), still = fabs(vec3_dot(d, m->w)) / w * reach;
+    return (Wave){w, now + still, (then - now * cos(x1)) / sin(x1) + still * tan(0.5 * x1), -still};
+}
+
+/* m  The gap in h seconds of the arc is no less than gap + h rate + h^2 bend / 2 less both waves. */
+typedef struct Course { real gap, rate, bend; Wave wave[2]; real third, enough; } Course;        /* m/s^3: bound of its third derivative */
+
+static Course course_of(const Flight *f, real t, vec3 n, real length)
+{
+    pose a = motion_at(f->ma, t), b = motion_at(f->mb, t);
+    vec3 apart = vec3_sub(pose_point(b, f->mb->centre), pose_point(a, f->ma->centre));
+    Course c = {.gap = vec3_dot(n, apart) - f->a->round - f->b->round - f->target, .rate = vec3_dot(n, vec3_mad(f->v, t, f->acceleration)),
+                .bend = vec3_dot(n, f->acceleration), .enough = 0.5 * TOLERANCE * f->size,
+                .wave = {wave_of(f->a, f->ma, a.q, n, f->reach_a, length), wave_of(f->b, f->mb, b.q, vec3_neg(n), f->reach_b, length)}};
+    for (int i = 0; i < 2; i++) {
+        const Wave *w = &c.wave[i];
+        c.third += w->w * w->w * w->w * hypot(w->cosine, w->sine);
+    }
+    return c;
+}
+
+/* gap, and its first two derivatives */
+static void course_at(const Course *c, real h, real at[3])
+{
+    at[0] = c->gap + h * (c->rate + 0.5 * h * c->bend);
+    at[1] = c->rate + h * c->bend;
+    at[2] = c->bend;
+    for (int i = 0; i < 2; i++) {
+        const Wave *w = &c->wave[i];
+        real cosine = cos(w->w * h), sine = sin(w->w * h), turned = w->cosine * cosine + w->sine * sine;
+        at[0] -= turned + w->still;
+        at[1] -= w->w * (w->sine * cosine - w->cosine * sine);
+        at[2] += w->w * w->w * turned;
+    }
+}
+
+/* s  It stays open for so long: length, or nearly until it closes. */
+static real open_for(const Course *c, real length)
+{
+    real h = 0, at[3];
+    for (int i = 0; i < LOOKS; i++) {
+        real left = length - h, best = 0;
+        course_at(c, h, at);
+        if (!(at[0] > c->enough))
+            return h;
+        for (int k = 0; k < TRIES && best < left; k++, left *= 0.25)
+            best = real_max(best, real_min(left, first_root(-0.5 * (at[2] - left * c->third), -at[1], at[0])));
+        if (!(best < length - h))
+            return length;
+        h += best;
+    }
+    return h;
+}
+
+/* s  The two stay apart along the normal of the moment for so long. Where another corner becomes the farthest, shorter arcs tell more. */
+static real arc_step(const Flight *f, const Moment *m)
+{
+    real end = f->time - m->t, most = ARC / f->turns, arc = most, h = 0;
+    for (int i = 0; i < ARCS && arc > LEAST_ARC * most; i++) {
+        real length = real_min(arc, end - h);
+        Course c = course_of(f, m->t + h, m->normal, length);
+        real open = open_for(&c, length);
+        h += open;
+        if (!(open > 0))
+            break;
+        if (!(h < end * (1 - 1e-12)))
+            return INFINITY;
+        arc = open < length ? arc / 8 : real_min(4 * arc, most);
+    }
+    return h;
+}
+
 /* safe_step, and where that is not enough, what the supports are sure of. */
 static real longest_step(const Flight *f, const Moment *m)
 {
     real h = safe_step(f, m), end = f->time - m->t;
     const vec3 turns[3] = {vec3_zero(), f->ma->w, f->mb->w};
     bool leans = vec3_length2(f->ma->w) * f->reach_a + vec3_length2(f->mb->w) * f->reach_b > 0;
+    if (leans && h <= end && f->turns * end > QUICK && f->a->type->convex && f->b->type->convex) {
+        h = real_max(h, arc_step(f, m));
+        if (h > SHORT * end)
+            return h;
+    }
     for (int i = 0; i < 3 && leans && h <= end; i++)
         if (i == 0 || vec3_length2(turns[i]) > 0)
             h = real_max(h, sure_step(f, m, turns[i]));

@@ -179,6 +179,33 @@ TEST(what_hinges_on_an_edge_takes_few_gaps)
     shape_free(&stone);
 }
 
+/* Its supports along the wall's normal say all; 14 gaps on the way to the wall before, and 79 where an end has just left it. */
+TEST(a_rod_that_whirls_before_a_wall_takes_few_gaps)
+{
+    Shape rod = fixture_box(0.04, 1, 0.04), wall = fixture_box(0.02, 80, 80);
+    Motion stands = still(at_point(0.01, 0, 0));
+    for (int i = 0; i < 40; i++) {
+        Motion flies = motion((pose){{-0.7 - 0.01 * i, 0, 0}, quat_identity()}, (vec3){60, 0, 0}, (vec3){0, 0, 600}, vec3_zero());
+        int count;
+        real t = time_of_impact(&wall, &stands, &rod, &flies, 0, 1.0 / 60, &count);
+        CHECK(count <= 4);
+        CHECK_NEAR(gap_at(&wall, &stands, &rod, &flies, t), 0, 1e-12);
+        CHECK(sampled_impact(&wall, &stands, &rod, &flies, t * (1 - 1e-6), 2000) == INFINITY);
+    }
+    for (int i = 0; i < 40; i++) {          /* an end that points at the wall, and turns away */
+        real w = 20 + 10 * i;
+        quat q = quat_axis_angle((vec3){0, 0, 1}, 0.001 * i - 0.5 * 3.141592653589793);
+        vec3 arm = quat_rotate(q, (vec3){0.02, 0.5, 0});
+        Motion leaves = motion((pose){{-arm.x - 2e-10, 0, 0}, q}, (vec3){-0.025 * w, 0, 0}, (vec3){0, 0, w}, vec3_zero());
+        int count;
+        CHECK(gap_at(&wall, &stands, &rod, &leaves, 0) > 0);
+        time_of_impact(&wall, &stands, &rod, &leaves, 0, 1.0 / 60, &count);
+        CHECK(count <= 4);
+    }
+    shape_free(&rod);
+    shape_free(&wall);
+}
+
 /* A barrel's turn about its own axis moves its surface along itself. */
 TEST(what_rolls_beside_another_takes_one_gap)
 {
@@ -311,7 +338,8 @@ int main(void)
               unit_test(a_thrown_ball_that_does_not_reach_the_ceiling_meets_nothing),
               unit_test(a_turning_rod_meets_a_wall_when_its_end_gets_there), unit_test(fast_spheres_never_pass_a_thin_wall),
               unit_test(spinning_rods_are_never_missed), unit_test(tumbling_shapes_meet_at_the_target_and_not_before),
-              unit_test(what_hinges_on_an_edge_takes_few_gaps), unit_test(what_rolls_beside_another_takes_one_gap),
+              unit_test(what_hinges_on_an_edge_takes_few_gaps), unit_test(a_rod_that_whirls_before_a_wall_takes_few_gaps),
+              unit_test(what_rolls_beside_another_takes_one_gap),
               unit_test(what_spins_about_its_own_axis_meets_at_the_target),
               unit_test(what_starts_at_the_target_counts_only_when_it_approaches),
               unit_test(spheres_fall_on_meshes_and_height_fields_as_on_planes),
