@@ -10,6 +10,7 @@
 #define SLOW 0.05               /* the same: one with such a factor that leaves more is the last of them */
 #define OVERSHOOT 1e-15         /* m  residual down to which such iterations of a precise step gain what those with a factor of their own would */
 #define GUESSED 1.0             /* of the farthest move by joints that were guessed: a residual below it says the guess is good */
+#define SMOOTH 0.1              /* the same: above it joints do not do the like in the steps of a part, and later ones begin without */
 #define TURN_AT_ONCE 0.5        /* rad, of one Newton iteration                              */
 #define TURN_MOST 6.0           /* of the Cayley vector: 143 degrees                         */
 
@@ -204,8 +205,27 @@ static void improve(System *s)
  * which: it would add up from step to step (a door on three hinges at 1 kHz: to 226 times its weight in 20 s). */
 #define KEEPS (1 - 1.0 / 128)
 
-/* Where bodies would get by their momenta and outer forces, and if asked for by what the joints did in the last step. Returns the
- * farthest that the joints' part moves one, m. */
+static bool carries_on(const System *s) { return s->pulls > 0 && s->smooth; }
+
+/* What joints do to bodies is a smooth function of time, whichever way steps go: the polynomial through the steps of a composed part. */
+static void carry_on(System *s)
+{
+    real weight[PULLS], t = s->since + 0.5 * s->h;
+    for (int k = 0; k < s->pulls; k++) {
+        weight[k] = s->h;
+        for (int j = 0; j < s->pulls; j++)
+            weight[k] *= j == k ? 1 : (t - s->pulled[j]) / (s->pulled[k] - s->pulled[j]);
+    }
+    for (int i = 0; i < s->piece_count; i++)
+        for (int k = 0; k < s->pulls; k++) {
+            Piece *b = &s->piece[i];
+            b->push = vec3_mad(b->push, weight[k], b->pull[k]);
+            b->twist = vec3_mad(b->twist, weight[k], b->wrench[k]);
+        }
+}
+
+/* Where bodies would get by their momenta and outer forces, and if asked for by what the joints did in the last step, or do in the steps of a
+ * composed part. Returns the farthest that the joints' part moves one, m. */
 static real predict(System *s, bool joints)
 {
     real farthest = 0;
@@ -213,7 +233,9 @@ static real predict(System *s, bool joints)
         s->p[i] = KEEPS * s->h * s->p_last[i];
     for (int i = 0; i < s->piece_count; i++)
         s->piece[i].push = s->piece[i].twist = vec3_zero();
-    if (joints)
+    if (joints && carries_on(s))
+        carry_on(s);
+    else if (joints)
         parts_guess(s);
     for (int i = 0; i < s->piece_count; i++) {
         Piece *b = &s->piece[i];
@@ -234,14 +256,29 @@ static real predict(System *s, bool joints)
  * would grow from step to step where they are a little off. */
 static bool begin_newton(System *s)
 {
-    if (!s->rings) {
+    if (carries_on(s) || !s->rings) {
         real farthest = predict(s, true);
-        if (evaluate(s) && s->residual < GUESSED * farthest)
+        bool fine = evaluate(s);
+        s->smooth = s->smooth && fine && s->residual < SMOOTH * farthest;
+        if (fine && s->residual < GUESSED * farthest)
             return true;
         s->g->evaluations++;
     }
     predict(s, false);
     return evaluate(s);
+}
+
+static void note_pulls(System *s)
+{
+    if (s->precise && s->pulls < PULLS) {
+        for (int i = 0; i < s->piece_count; i++) {
+            s->piece[i].pull[s->pulls] = vec3_scale(1 / s->h, s->piece[i].push);
+            s->piece[i].wrench[s->pulls] = vec3_scale(1 / s->h, s->piece[i].twist);
+        }
+        s->pulled[s->pulls++] = s->since + 0.5 * s->h;
+        s->smooth = s->pulls == 1 || s->smooth;
+    }
+    s->since += s->h;
 }
 
 /* The velocities from the impulses, not from the poses: momentum is then exact to rounding whatever the tolerance. */
@@ -257,13 +294,15 @@ static void finish(System *s)
     }
     for (int i = 0; i < s->row_count; i++)
         s->p_last[i] = s->p[i] / s->h;
+    note_pulls(s);
 }
 
-/* Is it good enough? last: the residual before; kept: the last iteration went by the factor of one before. */
+/* Is it good enough? last: the residual before; kept: the last iteration went by the factor of one before. A precise step that began well
+ * goes on by the factor of its only one. */
 static bool is_solved(const System *s, real best, real last, bool kept, int iteration)
 {
     if (s->residual < (s->precise ? EXACT : kept ? LEFT : FINE))
-        return !kept || !s->precise || s->residual < OVERSHOOT || s->residual > SLOW * last;
+        return !s->precise || s->residual < OVERSHOOT || (kept ? s->residual > SLOW * last : iteration != 1);
     return (s->residual < FINE && s->residual > 0.01 * best && !kept) || (s->residual < ENOUGH && iteration >= 7);
 }
 

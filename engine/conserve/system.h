@@ -59,6 +59,8 @@ typedef struct Tie {
     real give[TIE_ROWS];        /* m/(N s) and the like: compliance of the row */
 } Tie;
 
+#define PULLS 4                 /* steps of a composed part that others come after */
+
 /* A body; the last one is the world. */
 typedef struct Piece {
     bool moves;
@@ -71,6 +73,7 @@ typedef struct Piece {
     vec3 turn;                  /* rad Cayley vector, world axes */
     vec3 w;                     /* rad/s implied, body axes     */
     vec3 push, twist;           /* N s, N m s  by joints        */
+    vec3 pull[PULLS], wrench[PULLS];    /* N, N m  the same over each step since the part began */
 } Piece;
 
 typedef struct Block { int at, stride; } Block;         /* in System.value */
@@ -114,6 +117,9 @@ typedef struct System {
     Exchange *exchange;         /* [node_count], in order       */
     real   *side;               /* right-hand side, then the solution; 6 per node */
 
+    int     pulls;              /* steps since the part began: of which there are pulls */
+    real    pulled[PULLS], since;       /* s  the middles of these; the end of the last */
+    bool    smooth;             /* and the next is like them    */
     bool    rings;              /* of hard ties                 */
     real    residual;           /* m                            */
     bool    precise;            /* solve to rounding            */

@@ -138,6 +138,8 @@ static int composed_parts(const Group *g, real dt)
 static dig_status part(System *s, real h, bool composed, bool *done)
 {
     *done = true;
+    s->pulls = 0;
+    s->since = 0;
     for (int i = 0; *done && i < (composed ? STAGES : 1); i++) {
         s->h = composed ? stages[i] * h : h;
         DIG_TRY(step_single(s, done));
