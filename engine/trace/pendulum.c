@@ -40,6 +40,7 @@ typedef struct Pendulum {
     real off, friction;         /* rad, N m  of the spring at the start; with its sign, of what turns on */
     real turned;                /* rad    since the start */
     real least, most;           /* rad    no farther does it turn before a stop; NaN: none is there */
+    real low, high;             /* rad    between these it stayed */
     bool turns_back;            /*        in the step, or it may */
     real end_spin;              /* rad/s */
     real damped;                /* J      lost in the damper */
@@ -177,8 +178,12 @@ static bool swing(Pendulum *p, const Equation *law, real h)
         if (!turn(&now, spin, &one))
             return false;
         sum = vec3_add(sum, arm(p, c * one.mean[0] - s * one.mean[1], s * one.mean[0] + c * one.mean[1]));
-        p->turned += one.angle;
-        p->turns_back = p->turns_back || !(one.spin * spin > 0);
+        bool back = !(one.spin * spin > 0);
+        real beyond = back ? fabs(spin) : 0, next = p->turned + one.angle;
+        p->low = real_min(p->low, real_min(p->turned, next) - beyond);
+        p->high = real_max(p->high, real_max(p->turned, next) + beyond);
+        p->turned = next;
+        p->turns_back = p->turns_back || back;
         p->damped += p->inertia * law->c / part * one.square;
         spin = one.spin;
         real turned = c * one.cs[0] - s * one.cs[1];
@@ -204,11 +209,10 @@ static bool drives(Pendulum *p, const JointView *j)
     return true;
 }
 
-/* ... and as its end tells? */
-static bool drove(const Pendulum *p, real h)
+/* ... and as its way tells? */
+static bool drove(const Pendulum *p)
 {
-    real beyond = p->turns_back ? h * fabs(p->spin) : 0, low = real_min(0, p->turned) - beyond, high = real_max(0, p->turned) + beyond;
-    return !(p->friction != 0 && p->turns_back) && !(low < p->least + STOPS) && !(high > p->most - STOPS);
+    return !(p->friction != 0 && p->turns_back) && !(p->low < p->least + STOPS) && !(p->high > p->most - STOPS);
 }
 
 static void move(Group *g, Pendulum *p)
@@ -276,7 +280,7 @@ static bool follow(Group *g, real h)
     if (!look(g, &p) || (p.drive && !drives(&p, &g->joints[0].view)))
         return false;
     Equation law = law_of(&p);
-    if (!swing(&p, &law, h) || (p.drive && !drove(&p, h)) || !hang_apart(g, h))
+    if (!swing(&p, &law, h) || (p.drive && !drove(&p)) || !hang_apart(g, h))
         return false;
     move(g, &p);
     book(g, &p, h);

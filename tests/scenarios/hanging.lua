@@ -110,6 +110,19 @@ scenario("a stop ends a swing where it is, at 1 and at 300 rad/s", function()
   end
 end)
 
+-- 5 mm long, it swings through 2.9 rad and back by half within a step of 0.1 s.
+scenario("a stop ends a swing that comes back within the same step", function()
+  for _, stop in ipairs { -1.8, -2.5 } do
+    local world = digbox.world { step = 0.1 }
+    local rod = world:box { size = { 0.005, 0.0005, 0.0005 }, mass = 1, at = { 0.0025, 0, 0 }, restitution = 0 }
+    local hinge = world:hinge { a = rod, at = { 0, 0, 0 }, axis = { 0, 0, 1 }, limits = { stop, 1 } }
+    world:step()
+    expect(world:stats().evaluations):above(1)
+    world:run "1 s"
+    expect(hinge.angle):between(stop - 1e-9, stop + 0.5)
+  end
+end)
+
 scenario("turns are counted, at 700 rad/s, too", function()
   local world, rod, hinge = rod_on_post({}, {}, { gravity = { 0, 0, 0 } })
   rod:teleport { velocity = { 0, 350, 0 }, spin = { 0, 0, 700 } }
