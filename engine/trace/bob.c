@@ -15,7 +15,6 @@
 #define PARTS    64             /* most of them: what turns faster is the tracer's */
 #define ENOUGH   1e-17          /* of the length: terms that follow two smaller ones are no part of the sum */
 #define CENTRAL  1e-12          /* of the size: an anchor that far from the centre of mass is at it */
-#define CHANGE   0.5            /* of how much the pull of a rope changed in a step: with less it may have been slack meanwhile */
 #define KEPT     1e-6           /* of the energy of motion: more is not made good, for so little is left where it turns back */
 
 static bool suits(const Group *g)
@@ -81,15 +80,28 @@ static bool turn(Bob *b, real h)
     return false;
 }
 
+/* Did a rope pull all the time, from there to here? By v . v - 2 r . F / m, which stays, its pull is least where r . F / m is; and as long as
+ * it pulls that curve bends up, below its tangent it does not go. */
+static bool pulled(const Bob *from, const Bob *to, real h)
+{
+    real first = vec3_dot(from->r, from->acc), sinks = vec3_dot(from->v, from->acc), least = real_min(first, vec3_dot(to->r, from->acc));
+    if (sinks < 0 && vec3_dot(to->v, from->acc) > 0)
+        least = real_min(least, first + h * sinks);
+    return vec3_length2(from->v) + 3 * least - 2 * first > 0;
+}
+
+/* False: not in so few parts, or a rope may go slack. */
 static bool swing(Bob *b, real h)
 {
     real push = vec3_length(b->acc) / b->length, rate = real_max(vec3_length(b->v) / b->length + h * push, sqrt(2 * push));
     if (!(rate * h < PART * PARTS))
         return false;
     int parts = (int)real_max(1, ceil(rate * h / PART));
-    for (int i = 0; i < parts; i++)
-        if (!turn(b, h / parts))
+    for (int i = 0; i < parts; i++) {
+        Bob from = *b;
+        if (!turn(b, h / parts) || (b->rope && !pulled(&from, b, h / parts)))
             return false;
+    }
     return true;
 }
 
@@ -125,11 +137,7 @@ static bool follow(Group *g, real h)
     Bob b;
     if (!look(g, &b))
         return false;
-    real pull = pull_of(&b);
-    if (!swing(&b, h))
-        return false;
-    real least = real_min(pull, pull_of(&b)) - CHANGE * fabs(pull - pull_of(&b));
-    if ((b.rope && !(least > 0)) || !hang_apart(g, h))
+    if (!swing(&b, h) || !hang_apart(g, h))
         return false;
     move(g, &b, h);
     book(g, &b, h);

@@ -289,6 +289,20 @@ scenario("a rope goes slack where its pull ends, and the bob flies on as a parab
   expect(astray(world)):near(0, 1e-6)
 end)
 
+-- On the same circle from 112 degrees on: a centimetre long, it is slack and taut again within a step of 0.07 s, and pulls alike before and after.
+scenario("a rope goes slack in the midst of a step, too", function()
+  local length, angle = 0.01, math.rad(112)
+  local speed = math.sqrt(9.81 * length * (1.5 + 2 * math.cos(angle)))
+  local world = digbox.world { step = 0.07 }
+  local bob = world:ball {
+    radius = 0.0005, mass = 1, at = { length * math.sin(angle), -length * math.cos(angle), 0 }, collides = false,
+    velocity = { speed * math.cos(angle), speed * math.sin(angle), 0 }
+  }
+  world:rope { a = bob, at_b = { 0, 0, 0 }, length = length }
+  world:step()
+  expect(#bob.position):below(0.5 * length)
+end)
+
 scenario("a bob meets what is in its way", function()
   local world = digbox.world {}
   local bob = world:ball { radius = 0.1, mass = 1, at = { 1, 3, 0 }, restitution = 0 }
