@@ -137,7 +137,7 @@ static bool follow(Group *g, real h)
     Bob b;
     if (!look(g, &b))
         return false;
-    if (!swing(&b, h) || !hang_apart(g, h))
+    if (!swing(&b, h) || !hang_apart(g, h, 0))
         return false;
     move(g, &b, h);
     book(g, &b, h);

@@ -40,11 +40,15 @@ bool hang_holds(const Hang *hang)
     return vec3_distance(hang->own->p, hang->other->p) <= hang->least && vec3_length(slip) <= hang->slowest;
 }
 
-bool hang_apart(Group *g, real h)
+bool hang_apart(Group *g, real h, real way)
 {
+    const Member *m = &g->member[0];
+    real foreseen = h * (vec3_length(g->vel[0].v) + m->outer * vec3_length(g->vel[0].w) + h * m->pull);
     bool apart = true;
     for (int i = 0; i < g->pair_count; i++) {
         group_touch_pair(g, &g->pairs[i], h);
+        if (way > foreseen)
+            group_touch_within(g, &g->pairs[i], g->pairs[i].reach + way - foreseen);
         apart = apart && !g->contacts[g->pairs[i].contact].live;
     }
     g->looked = true;

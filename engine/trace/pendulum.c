@@ -41,6 +41,7 @@ typedef struct Pendulum {
     real turned;                /* rad    since the start */
     real least, most;           /* rad    no farther does it turn before a stop; NaN: none is there */
     real low, high;             /* rad    between these it stayed */
+    real way;                   /* rad    it went, to and fro */
     bool turns_back;            /*        in the step, or it may */
     real end_spin;              /* rad/s */
     real damped;                /* J      lost in the damper */
@@ -182,6 +183,7 @@ static bool swing(Pendulum *p, const Equation *law, real h)
         real beyond = back ? fabs(spin) : 0, next = p->turned + one.angle;
         p->low = real_min(p->low, real_min(p->turned, next) - beyond);
         p->high = real_max(p->high, real_max(p->turned, next) + beyond);
+        p->way += back ? fabs(spin) + fabs(one.spin) : fabs(one.angle);
         p->turned = next;
         p->turns_back = p->turns_back || back;
         p->damped += p->inertia * law->c / part * one.square;
@@ -280,7 +282,7 @@ static bool follow(Group *g, real h)
     if (!look(g, &p) || (p.drive && !drives(&p, &g->joints[0].view)))
         return false;
     Equation law = law_of(&p);
-    if (!swing(&p, &law, h) || (p.drive && !drove(&p)) || !hang_apart(g, h))
+    if (!swing(&p, &law, h) || (p.drive && !drove(&p)) || !hang_apart(g, h, p.way * (vec3_length(p.across) + g->member[0].outer)))
         return false;
     move(g, &p);
     book(g, &p, h);

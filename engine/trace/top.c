@@ -44,8 +44,8 @@ static void look(const Group *g, const Hang *hang, Top *t)
     t->inverse = mat3_inverse(t->inertia);
 }
 
-/* What changes in the step, body axes: N m s, N, N m; and by how much it has turned. */
-typedef struct Turning { vec3 l, f, t; quat q; } Turning;
+/* What changes in the step, body axes: N m s, N, N m; to where it has turned; and rad, it turned by no more. */
+typedef struct Turning { vec3 l, f, t; quat q; real way; } Turning;
 
 /* a (w, 0) */
 static inline quat mul_pure(quat a, vec3 w)
@@ -113,9 +113,14 @@ static bool swing(const Top *top, const Member *m, real h, Turning *now)
     if (!(rate * h < PART * PARTS))
         return false;
     int parts = (int)real_max(1, ceil(rate * h / PART));
-    for (int i = 0; i < parts; i++)
-        if (!turn(top, h / parts, now))
+    real spin = vec3_length(top->hang.before.w), part = h / parts;
+    for (int i = 0; i < parts; i++) {
+        if (!turn(top, part, now))
             return false;
+        real next = vec3_length(mat3_mul_vec(top->inverse, now->l));
+        now->way += part * real_max(spin, next);
+        spin = next;
+    }
     return true;
 }
 
@@ -171,8 +176,8 @@ static bool follow(Group *g, real h)
         return false;
     look(g, &hang, &top);
     quat q = g->pos[0].q;
-    Turning now = {mat3_mul_vec(top.inertia, quat_unrotate(q, hang.before.w)), quat_unrotate(q, m->force), quat_unrotate(q, m->torque), q};
-    if (!swing(&top, m, h, &now) || !hang_apart(g, h))
+    Turning now = {mat3_mul_vec(top.inertia, quat_unrotate(q, hang.before.w)), quat_unrotate(q, m->force), quat_unrotate(q, m->torque), q, 0};
+    if (!swing(&top, m, h, &now) || !hang_apart(g, h, now.way * (vec3_length(top.arm) + m->outer)))
         return false;
     move(g, &top, &now);
     book(g, &top, q, h);

@@ -36,7 +36,8 @@ typedef struct Hang {
 bool hang_suits(const Group *g);                        /* ... which does not break, and nothing but one force drives it */
 bool hang_look(Group *g, Hang *hang);                   /* false: it has no size */
 bool hang_holds(const Hang *hang);                      /* are both anchors one place? What puts them there is a jerk: the tracer's */
-bool hang_apart(Group *g, real h);                      /* does it meet nothing? Then what was found near is left behind: the next step looks anew */
+/* Does it meet nothing, of which no point gets farther than way, in metres? Then what was found near is left behind: the next step looks anew. */
+bool hang_apart(Group *g, real h, real way);
 vec3 hang_impulse(const Group *g, const Hang *hang, real h);    /* N s  of the joint on it, over the step */
 /* N s, N m s  On the body: about its centre of mass, and without that of the impulse. */
 void hang_book_impulses(Group *g, const Hang *hang, vec3 impulse, vec3 about_centre, vec3 couple);

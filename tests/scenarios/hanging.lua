@@ -150,6 +150,24 @@ scenario("a swing meets what is in its way", function()
   end
 end)
 
+-- From rest, with 100 N m/rad and more on a third of a kg m^2: through half a radian and more in the first step.
+scenario("what is near is met by what a spring throws at it from rest", function()
+  for _, stiffness in ipairs { 100, 200, 400 } do
+    for _, angle in ipairs { 0.2, 0.4 } do
+      local spring = { stiffness = stiffness, rest = 1 }
+      local world, _, hinge = rod_on_post({ spring = spring }, { restitution = 0 }, { step = 1 / 30, gravity = { 0, 0, 0 } })
+      world:box {
+        size = { 0.9, 0.02, 1 }, at = { 0.9 * math.cos(angle), 5.02 + 0.9 * math.sin(angle), 0 },
+        rotation = { axis = { 0, 0, 1 }, angle = angle }, fixed = true, restitution = 0
+      }
+      for _ = 1, 15 do
+        world:step()
+        expect(hinge.angle):below(angle + 0.02)
+      end
+    end
+  end
+end)
+
 scenario("what a script changes is felt at once", function()
   local world, rod, hinge = rod_on_post()
   world:run "0.2 s"
@@ -289,7 +307,8 @@ scenario("a rope goes slack where its pull ends, and the bob flies on as a parab
   expect(astray(world)):near(0, 1e-6)
 end)
 
--- On the same circle from 112 degrees on: a centimetre long, it is slack and taut again within a step of 0.07 s, and pulls alike before and after.
+-- On the same circle from 112 degrees on: a centimetre long, it is slack and taut again within a step of 0.07 s, and pulls alike
+-- before and after.
 scenario("a rope goes slack in the midst of a step, too", function()
   local length, angle = 0.01, math.rad(112)
   local speed = math.sqrt(9.81 * length * (1.5 + 2 * math.cos(angle)))
