@@ -165,6 +165,12 @@ INLINE void prepare(const Crowd *c, Batch *b, int thread)
 
 typedef struct Both { wide a[8], b[8]; } Both;      /* of the two bodies of each lane */
 
+INLINE void gather_both(const Six *from, const Lot *x, Both *to)
+{
+    gather(from, x->a, to->a);
+    gather(from, x->b, to->b);
+}
+
 /* b's linear coordinates less a's, as velocities (or displacements). */
 INLINE void between(const Lot *x, const Both *v, wide out[3])
 {
@@ -331,8 +337,7 @@ INLINE void find_gaps(const Crowd *c, const Lot *x, wide time)
 {
     Both d;
     wide b[3];
-    gather(c->move, x->a, d.a);
-    gather(c->move, x->b, d.b);
+    gather_both(c->move, x, &d);
     between(x, &d, b);
     wide closed = dot(x->n, b);
     for (int i = 0; i < x->points; i++) {
@@ -420,8 +425,7 @@ INLINE void solve_lot(const Crowd *c, const Lot *x, Care *k)
     Both v;
     if (k->push && k->first)
         find_gaps(c, x, k->time);
-    gather(c->vel, x->a, v.a);
-    gather(c->vel, x->b, v.b);
+    gather_both(c->vel, x, &v);
     if (x->round)
         solve_round(x, &v, k);
     else
@@ -521,8 +525,7 @@ INLINE int passes_of(const Crowd *c, const Part *me, bool push, int least, int m
 INLINE void warm_lot(const Crowd *c, const Lot *x)
 {
     Both v;
-    gather(c->vel, x->a, v.a);
-    gather(c->vel, x->b, v.b);
+    gather_both(c->vel, x, &v);
     push_linear(x, &v, x->n, normal_sum(x));
     if (x->rub) {
         const wide j[3] = THREE(x->rub->j);
@@ -588,8 +591,7 @@ INLINE void move_on(const Crowd *c, const Part *me)
 INLINE void bounce_lot(const Crowd *c, const Lot *x)
 {
     Both v;
-    gather(c->vel, x->a, v.a);
-    gather(c->vel, x->b, v.b);
+    gather_both(c->vel, x, &v);
     for (int i = 0; i < x->points; i++) {
         WidePoint *p = &x->point[i];
         wide b[3];
@@ -651,8 +653,7 @@ INLINE bool any_of(wide_int which)
 INLINE bool separate_lot(const Crowd *c, const Lot *x)
 {
     Both d;
-    gather(c->move, x->a, d.a);
-    gather(c->move, x->b, d.b);
+    gather_both(c->move, x, &d);
     wide most_by = all(c->push_most * c->h), bound = shallow(c, x), time = all((float)c->substeps * c->h);
     wide_int any = {0};
     for (int i = 0; i < x->points; i++) {
