@@ -14,6 +14,13 @@ static inline quat quat_mul(quat a, quat b)
     return (quat){a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
                   a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z};
 }
+/* a (w, 0) */
+static inline quat quat_mul_pure(quat a, vec3 w)
+{
+    return (quat){a.w * w.x + a.y * w.z - a.z * w.y, a.w * w.y + a.z * w.x - a.x * w.z, a.w * w.z + a.x * w.y - a.y * w.x,
+                  -a.x * w.x - a.y * w.y - a.z * w.z};
+}
+static inline quat quat_add(quat a, quat b) { return (quat){a.x + b.x, a.y + b.y, a.z + b.z, a.w + b.w}; }
 static inline real quat_norm2(quat q) { return q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w; }
 static inline bool quat_finite(quat q) { return isfinite(q.x) && isfinite(q.y) && isfinite(q.z) && isfinite(q.w); }
 static inline quat quat_unit(quat q)

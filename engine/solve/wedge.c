@@ -5,7 +5,6 @@
  */
 #include "solve/group.h"
 
-
 static bool still(const Group *g, int body) { return vec3_is_zero(g->vel[body].v) && vec3_is_zero(g->vel[body].w); }
 
 static bool holds_all(const Group *g)

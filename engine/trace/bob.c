@@ -9,10 +9,6 @@
  */
 #include "trace/trace.h"
 
-#define TERMS    30             /* most of them */
-#define LEAST    4
-#define PART     0.5            /* rad: so far a part of the step turns at most, at the rate of its own swing, too */
-#define PARTS    64             /* most of them: what turns faster is the tracer's */
 #define ENOUGH   1e-17          /* of the length: terms that follow two smaller ones are no part of the sum */
 #define CENTRAL  1e-12          /* of the size: an anchor that far from the centre of mass is at it */
 #define KEPT     1e-6           /* of the energy of motion: more is not made good, for so little is left where it turns back */
@@ -57,11 +53,11 @@ static bool look(Group *g, Bob *b)
 /* One part of the step, of h seconds. False: the series do not end. */
 static bool turn(Bob *b, real h)
 {
-    vec3 r[TERMS], v[TERMS];
-    real n[TERMS], small = ENOUGH * b->length, each = -1 / (b->length * b->length);
+    vec3 r[SERIES_TERMS], v[SERIES_TERMS];
+    real n[SERIES_TERMS], small = ENOUGH * b->length, each = -1 / (b->length * b->length);
     r[0] = b->r;
     v[0] = b->v;
-    for (int k = 0; k + 1 < TERMS; k++) {
+    for (int k = 0; k + 1 < SERIES_TERMS; k++) {
         real sum = vec3_dot(r[k], b->acc);
         for (int i = 0; i <= k; i++)
             sum += vec3_dot(v[i], v[k - i]);
@@ -74,7 +70,7 @@ static bool turn(Bob *b, real h)
         r[k + 1] = vec3_scale(next, v[k]);
         b->v = vec3_add(b->v, v[k + 1]);
         b->r = vec3_add(b->r, r[k + 1]);
-        if (k + 1 >= LEAST && vec3_length(r[k + 1]) + vec3_length(r[k]) + h * (vec3_length(v[k + 1]) + vec3_length(v[k])) <= small)
+        if (k + 1 >= SERIES_LEAST && vec3_length(r[k + 1]) + vec3_length(r[k]) + h * (vec3_length(v[k + 1]) + vec3_length(v[k])) <= small)
             return true;
     }
     return false;
@@ -94,9 +90,9 @@ static bool pulled(const Bob *from, const Bob *to, real h)
 static bool swing(Bob *b, real h)
 {
     real push = vec3_length(b->acc) / b->length, rate = real_max(vec3_length(b->v) / b->length + h * push, sqrt(2 * push));
-    if (!(rate * h < PART * PARTS))
+    int parts = hang_parts(rate * h);
+    if (parts == 0)
         return false;
-    int parts = (int)real_max(1, ceil(rate * h / PART));
     for (int i = 0; i < parts; i++) {
         Bob from = *b;
         if (!turn(b, h / parts) || (b->rope && !pulled(&from, b, h / parts)))

@@ -107,13 +107,6 @@ static bool keeps_apart(Group *g, real h)
 
 #define SAME   1e-15            /* moments of inertia that differ by this part turn nothing in a step */
 
-/* a (w, 0) */
-static inline quat mul_pure(quat a, vec3 w)
-{
-    return (quat){a.w * w.x + a.y * w.z - a.z * w.y, a.w * w.y + a.z * w.x - a.x * w.z, a.w * w.z + a.x * w.y - a.y * w.x,
-                  -a.x * w.x - a.y * w.y - a.z * w.z};
-}
-static inline quat add(quat a, quat b) { return (quat){a.x + b.x, a.y + b.y, a.z + b.z, a.w + b.w}; }
 static inline quat scale(real s, quat a) { return (quat){s * a.x, s * a.y, s * a.z, s * a.w}; }
 
 /* The turn of a part of length h, as a power series in the time of the part. In body axes L' = L x w and w = I^-1 L: the terms of L give
@@ -128,9 +121,9 @@ static quat turn(const Member *m, quat q, vec3 momentum, real h, int terms)
         u[k] = vec3_scale(0.5 * h, mat3_mul_vec(*m->inv_inertia, l[k]));
         quat term = {u[k].x, u[k].y, u[k].z, 0};                    /* the first of p is 1 */
         for (int i = 0; i < k; i++)
-            term = add(term, mul_pure(p[i], u[k - 1 - i]));
+            term = quat_add(term, quat_mul_pure(p[i], u[k - 1 - i]));
         p[k] = scale(next, term);
-        sum = add(sum, p[k]);
+        sum = quat_add(sum, p[k]);
         if (k + 1 == terms)
             break;
         vec3 grow = vec3_zero();

@@ -5,6 +5,11 @@
 #define CLOSED 1e-13            /* of the size: what hangs off its place by no more is in it */
 #define DRIFT  1e-2             /* the same, of the tolerance */
 
+#define PART   0.5              /* rad: so far a part of the step turns at most, at the rate of its own swing, too */
+#define PARTS  64               /* most of them: what turns faster is the tracer's */
+
+int hang_parts(real turn) { return turn < PART * PARTS ? (int)real_max(1, ceil(turn / PART)) : 0; }
+
 bool hang_suits(const Group *g)
 {
     if (g->joint_count != 1 || g->moving_count != 1 || g->pair_count > PAIRS || g->push_count > 0 || g->planar || !g->may_trace)

@@ -12,10 +12,6 @@
 #include "math/pair.h"
 #include "trace/trace.h"
 
-#define TERMS   30              /* most of them */
-#define LEAST   4
-#define PART    0.5             /* rad: so far a part of the step turns at most, at the rate of its own swing, too */
-#define PARTS   64              /* most of them: what turns faster is the tracer's */
 #define STOPS   1e-6            /* rad: nearer a stop may press */
 #define ENOUGH  1e-17           /* of a radian: terms that follow two smaller ones are no part of the sum */
 
@@ -116,12 +112,12 @@ static real mean_square(const real *g, int count)
 /* From angle 0, time in parts. False: the series does not end. */
 static bool turn(const Equation *l, real spin, Turn *out)
 {
-    real g[TERMS];              /* of f' */
-    pair cs[TERMS];             /* of the cosine and the sine */
+    real g[SERIES_TERMS];              /* of f' */
+    pair cs[SERIES_TERMS];             /* of the cosine and the sine */
     g[0] = spin;
     cs[0] = (pair){1, 0};
     *out = (Turn){.angle = spin, .spin = spin, .cs = cs[0], .mean = cs[0]};
-    for (int k = 1; k < TERMS; k++) {
+    for (int k = 1; k < SERIES_TERMS; k++) {
         pair sum = {0, 0};
         for (int i = 0; i < k; i++)
             sum += g[i] * cs[k - 1 - i];
@@ -132,7 +128,7 @@ static bool turn(const Equation *l, real spin, Turn *out)
         out->mean += cs[k] / (k + 1);
         out->angle += g[k] / (k + 1);
         out->spin += g[k];
-        if (k >= LEAST && real_max(real_max(largest(cs[k]), largest(cs[k - 1])), real_max(fabs(g[k]), fabs(g[k - 1]))) < ENOUGH) {
+        if (k >= SERIES_LEAST && real_max(real_max(largest(cs[k]), largest(cs[k - 1])), real_max(fabs(g[k]), fabs(g[k - 1]))) < ENOUGH) {
             out->square = l->c > 0 ? mean_square(g, k) : 0;
             return true;
         }
@@ -168,9 +164,9 @@ static real fastest(const Equation *l, real spin, real h)
 static bool swing(Pendulum *p, const Equation *law, real h)
 {
     real rate = fastest(law, p->spin, h);
-    if (!(rate * h < PART * PARTS))
+    int parts = hang_parts(rate * h);
+    if (parts == 0)
         return false;
-    int parts = (int)real_max(1, ceil(rate * h / PART));
     real part = h / parts, spin = p->spin * part, c = 1, s = 0;
     vec3 sum = vec3_zero();
     for (int i = 0; i < parts; i++) {

@@ -11,10 +11,6 @@
  */
 #include "trace/trace.h"
 
-#define TERMS  30               /* most of them */
-#define LEAST  4
-#define PART   0.5              /* rad: so far a part of the step turns at most, at the rate of its own swing, too */
-#define PARTS  64               /* most of them: what turns faster is the tracer's */
 #define ENOUGH 1e-17            /* of what they are added to: terms that follow two smaller ones are no part of the sum */
 #define KEPT   1e-9             /* of the energy of motion: by more the series does not err */
 
@@ -47,21 +43,13 @@ static void look(const Group *g, const Hang *hang, Top *t)
 /* What changes in the step, body axes: N m s, N, N m; to where it has turned; and rad, it turned by no more. */
 typedef struct Turning { vec3 l, f, t; quat q; real way; } Turning;
 
-/* a (w, 0) */
-static inline quat mul_pure(quat a, vec3 w)
-{
-    return (quat){a.w * w.x + a.y * w.z - a.z * w.y, a.w * w.y + a.z * w.x - a.x * w.z, a.w * w.z + a.x * w.y - a.y * w.x,
-                  -a.x * w.x - a.y * w.y - a.z * w.z};
-}
-
-static inline void add_to(quat *sum, quat a) { *sum = (quat){sum->x + a.x, sum->y + a.y, sum->z + a.z, sum->w + a.w}; }
 static real size_of(quat a) { return real_max(real_max(fabs(a.x), fabs(a.y)), real_max(fabs(a.z), fabs(a.w))); }
 
 /* One part of the step, of h seconds. False: the series do not end. */
 static bool turn(const Top *top, real h, Turning *now)
 {
-    vec3 l[TERMS], f[TERMS], t[TERMS], w[TERMS];
-    quat q[TERMS];
+    vec3 l[SERIES_TERMS], f[SERIES_TERMS], t[SERIES_TERMS], w[SERIES_TERMS];
+    quat q[SERIES_TERMS];
     const bool twisted = !vec3_is_zero(now->t);
     const real small = ENOUGH * (vec3_length(now->l) + h * (vec3_length(top->arm) * vec3_length(now->f) + vec3_length(now->t)));
     l[0] = now->l;
@@ -69,14 +57,14 @@ static bool turn(const Top *top, real h, Turning *now)
     t[0] = now->t;
     q[0] = quat_identity();
     quat turned = q[0];
-    for (int k = 0; k + 1 < TERMS; k++) {
+    for (int k = 0; k + 1 < SERIES_TERMS; k++) {
         w[k] = mat3_mul_vec(top->inverse, l[k]);
         vec3 grow = vec3_add(vec3_cross(top->arm, f[k]), t[k]), sway = vec3_zero(), twist = vec3_zero();
         quat spin = {0, 0, 0, 0};
         for (int i = 0; i <= k; i++) {
             grow = vec3_add(grow, vec3_cross(l[i], w[k - i]));
             sway = vec3_add(sway, vec3_cross(f[i], w[k - i]));
-            add_to(&spin, mul_pure(q[i], w[k - i]));
+            spin = quat_add(spin, quat_mul_pure(q[i], w[k - i]));
         }
         for (int i = 0; i <= k && twisted; i++)
             twist = vec3_add(twist, vec3_cross(t[i], w[k - i]));
@@ -88,9 +76,9 @@ static bool turn(const Top *top, real h, Turning *now)
         now->l = vec3_add(now->l, l[k + 1]);
         now->f = vec3_add(now->f, f[k + 1]);
         now->t = vec3_add(now->t, t[k + 1]);
-        add_to(&turned, q[k + 1]);
+        turned = quat_add(turned, q[k + 1]);
         bool least = vec3_length(l[k + 1]) + vec3_length(l[k]) <= small && size_of(q[k + 1]) + size_of(q[k]) <= ENOUGH;
-        if (k + 1 >= LEAST && least) {
+        if (k + 1 >= SERIES_LEAST && least) {
             now->q = quat_unit(quat_mul(now->q, turned));
             return true;
         }
@@ -110,9 +98,9 @@ static real fastest(const Top *t, const Member *m, vec3 spin, real h)
 static bool swing(const Top *top, const Member *m, real h, Turning *now)
 {
     real rate = fastest(top, m, top->hang.before.w, h);
-    if (!(rate * h < PART * PARTS))
+    int parts = hang_parts(rate * h);
+    if (parts == 0)
         return false;
-    int parts = (int)real_max(1, ceil(rate * h / PART));
     real spin = vec3_length(top->hang.before.w), part = h / parts;
     for (int i = 0; i < parts; i++) {
         if (!turn(top, part, now))

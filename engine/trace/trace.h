@@ -33,6 +33,10 @@ typedef struct Hang {
     real least, slowest;        /* m, m/s  off its place, or moving off it, by no more it is in it */
 } Hang;
 
+/* A step is cut into parts, and of each part the terms of a power series are summed. */
+#define SERIES_TERMS 30         /* most of them */
+#define SERIES_LEAST 4
+int  hang_parts(real turn);                             /* rad in the step, or of its own swing: into so many; 0: too many, they are the tracer's */
 bool hang_suits(const Group *g);                        /* ... which does not break, and nothing but one force drives it */
 bool hang_look(Group *g, Hang *hang);                   /* false: it has no size */
 bool hang_holds(const Hang *hang);                      /* are both anchors one place? What puts them there is a jerk: the tracer's */
