@@ -76,7 +76,7 @@ static void gather_body(Group *g, int i, uint32_t slot, bool awake)
     Member *m = &g->member[i];
     memset(m, 0, sizeof *m);
     m->slot = slot;
-    m->struck = (box3){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    m->been = (box3){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
     g->push_work[i] = 0;
     if (slot == NONE) {
         static const mat3 none = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
@@ -378,6 +378,8 @@ dig_status group_gather(Group *g, const World *w, const uint32_t *leads, int dig
     DIG_TRY(gather_bodies(g, pairs, pair_count, &joints));
     DIG_TRY(gather_joints(g, joints));
     DIG_TRY(fuse(g, pair_count));
+    if (pair_count > 0 && !g->crowd)
+        group_find_throws(g);
     DIG_TRY(gather_pairs(g, pairs, pair_count));
     for (int i = g->moving_count; i < g->body_count; i++) {
         g->movers = g->movers || g->member[i].kinematic;

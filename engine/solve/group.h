@@ -41,19 +41,21 @@ typedef struct Member {         /* the rest of a gathered body */
     bool     constrained;       /* a row acts on it in this substep                    */
     bool     implicit_move;     /* move with the end velocity, not the mean            */
     bool     met;               /* something that came at it was stopped at the start of this substep */
-    bool     collided;          /* struck in this step: its centre of mass was in `struck` then */
+    bool     collided;          /* struck in this step: its centre of mass was in `been` then */
     bool     fresh;             /* no history: new, teleported or struck in the last step */
     uint8_t  covered;           /* faces of its box, Covered                           */
     int      integrator;        /* dig_integrator; all but DIG_AUTO are the sweep's alone */
     vec3     centre;            /* m   centre of mass in the body frame                */
     real     pull;              /* m/s^2  gravity and pushes do no more to any point of it */
+    real     thrown, thrown_far;        /* m/s, m  nor do springs and motors, within the step; where something is near */
     real     outer, rim, travel;    /* m                                               */
     real     mass, gravity_scale;
     real     im;                /* 1/kg  0: it does not move                           */
     const mat3 *inertia, *inv_inertia;  /* body axes; the world's, but where time goes at another rate */
     vec3     force, torque;     /* N, N m, of this substep                             */
     Pos      start_pos; Vel start_vel;  /* at the start of the substep                 */
-    box3     struck;            /* m   the blows of this step, by where they found it  */
+    box3     been;              /* m   where its centre of mass was within this step: at blows, at the ends of a swing; empty: where it went is plain */
+    real     swung;             /* rad  so far it may have turned there, to and fro    */
     vec3     swerve;            /* rad/s  change of its spin in the substep by its own turning: in velocities from predict() to move();
                                  *     of a crowd, rad: its turn in this piece of the step */
 } Member;
@@ -459,6 +461,7 @@ real group_thin(const GroupPair *q);       /* m  with its middle so deep in the 
 
 /* joint_rows.c */
 void group_build_joints(Group *g, bool midpoint);
+real group_motor_most(const Group *g, const Row *r);       /* N or N m  no more does the motor of this row give */
 void group_turn_joints(Group *g, const Vel *found);     /* for the velocities at the end, as their bodies will have turned half-way: as they
                                                          * did before, or by the velocities found; [body_count] */
 /* Will the velocities found open a joint? What is thin and turns far in a substep swings its ends off the line that they hold for. */
@@ -549,7 +552,10 @@ bool direct_joints(Group *g);           /* should joints and contacts be solved 
 real direct_wanted(const Group *g);     /* m/s  sweeps that stop above this are to be followed by direct_solve; 0 = never */
 /* turn.c */
 vec3 group_swerve(const Group *g, int i);        /* rad/s  Member.swerve, from the velocities before the substep */
+void group_find_throws(Group *g);                /* throw.c: Member.thrown */
+static inline real member_thrown(const Member *m, real time) { return real_min(m->thrown * time, m->thrown_far); }      /* m */
 void group_note_blow(Group *g, int body);       /* impact.c: where it is it was struck */
+void group_note_swing(Group *g, int body, vec3 x, real turned);        /* there: its centre of mass was at x, having turned by so much, rad */
 quat member_turned(const Member *m, quat q, vec3 l, real h);    /* after h seconds free of torque, with angular momentum l */
 void group_turn(Group *g, int i, vec3 mean_w);  /* turns the body on through the substep */
 /* project.c: position errors are removed without touching velocities */

@@ -175,10 +175,15 @@ static void book_strike(Group *g, const PointRow *r, const real before[3])
 /* Between its blows it goes straight on, or nearly so. */
 void group_note_blow(Group *g, int body)
 {
+    group_note_swing(g, body, g->pos[body].x, 0);
+    g->member[body].collided = true;
+}
+
+void group_note_swing(Group *g, int body, vec3 x, real turned)
+{
     Member *m = &g->member[body];
-    vec3 x = g->pos[body].x;
-    m->struck = box3_union(m->struck, (box3){x, x});
-    m->collided = true;
+    m->been = box3_union(m->been, (box3){x, x});
+    m->swung = real_max(m->swung, fabs(turned));
 }
 
 static void note_strike(Group *g, const PointRow *r, real speed)

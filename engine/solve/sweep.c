@@ -346,6 +346,11 @@ static dig_status solve_unlocated(Group *g, real *until)
     return solve_substep(g);
 }
 
+#define CUTS 16
+
+/* A shorter substep ends where a longer one passed, but where rows too stiff for both take it as far. */
+static bool keeps_its_way(const Group *g) { return g->joint_count == 0 || g->midpoint; }
+
 static dig_status substep(Group *g, real until)
 {
     g->h = g->heal_over = until - g->t;
@@ -360,12 +365,15 @@ static dig_status substep(Group *g, real until)
         DIG_TRY(meet(g));
     DIG_TRY(turn_on(g));
     if (g->locate && g->events_left > 0) {
-        const real hit = locate_impact(g);
-        if (hit < g->h * (1 - 1e-9)) {
+        real hit = locate_impact(g);
+        for (int cut = 0; hit < g->h * (1 - 1e-9) && cut < CUTS; cut++) {
             restore(g);
             g->h = real_max(hit, 1e-9 * g->h);
             until = g->t + g->h;
             DIG_TRY(solve_substep(g));
+            if (keeps_its_way(g))
+                break;
+            hit = locate_impact(g);
         }
         if (hit <= g->h) {
             g->events_left--;

@@ -14,8 +14,8 @@
 #define DEEP 0.02               /* outer radii: by less bodies may end up in each other where blows are not followed */
 
 /* A solid that ends beyond its reach: its centre is there, and was there before; its box. low: m  the box begins here, along the axis of the
- * search. alone: the box is of all its way. */
-typedef struct Stray { const Group *g; uint32_t solid; vec3 at, from; box3 end; real low; bool missed, alone; } Stray;
+ * search. whole: the box is of all its way. */
+typedef struct Stray { const Group *g; uint32_t solid; vec3 at, from; box3 end; real low; bool missed, whole; } Stray;
 
 static int compare_slot(const void *key, const void *left)
 {
@@ -52,20 +52,28 @@ static bool goes_as_foreseen(const World *w, const Body *b, const Pos *p, const 
     return travel_by(vec3_sub(p->x, vec3_mad(b->x, dt, b->v)), b->q, p->q, arm) <= 0.99 * room;
 }
 
-/* Where one that is alone may have been: blows turned it round at known places, and what slides along something bends no farther than its
- * speed lets it. Where it would get was not looked at beforehand (flies_alone in sense.c). */
-static box3 way_alone(const World *w, const Group *g, int member, const Solid *s)
+/* m  What its centre of mass may have been off the straight line from where it was to where it is: it got no faster than at the two ends, and
+ * what it turned by meanwhile, rad, it went round on an arc. */
+static real bulge_of(real chord, real most, real turn)
+{
+    real slack = 0.5 * sqrt(real_max(0, most * most - chord * chord));
+    return real_max(slack, 0.5 * chord * tan(0.25 * turn));
+}
+
+/* Where a solid may have been: blows turned it round at known places, and what slides along something or hangs by joints bends no farther
+ * than its speed and its turn let it. */
+static box3 whole_way(const World *w, const Group *g, int member, const Solid *s)
 {
     const Member *m = &g->member[member];
     const Body *b = &w->bodies.data[m->slot];
     vec3 x = g->pos[member].x;
     real dt = w->def.step, fastest = real_max(vec3_length(b->v), vec3_length(g->vel[member].v)) + b->pull * dt;
-    real chord = vec3_distance(x, b->x), most = fastest * dt, bulge = m->collided ? 0 : 0.5 * sqrt(real_max(0, most * most - chord * chord));
+    real turn = vec3_length(quat_log(quat_mul(g->pos[member].q, quat_conjugate(b->q))));
+    real chord = vec3_distance(x, b->x), bulge = m->collided ? 0 : bulge_of(chord, fastest * dt, turn);
     box3 way = {vec3_min(b->x, x), vec3_max(b->x, x)}, start = s->shape.type->bounds(&s->shape, solid_pose(w, s));
-    if (m->collided)
-        way = box3_union(way, m->struck);
+    way = box3_union(way, m->been);
     real spin = real_max(vec3_length(b->w), vec3_length(g->vel[member].w)), arm = vec3_distance(s->at.p, b->centre) + s->shape.outer;
-    real turned = real_min(2, spin * dt) * arm + bulge, rim = arm + bulge;
+    real turned = real_min(2, real_max(m->swung, real_max(spin * dt, turn))) * arm + bulge, rim = arm + bulge;
     vec3 low = vec3_max(vec3_sub(vec3_sub(start.low, b->x), (vec3){turned, turned, turned}), (vec3){-rim, -rim, -rim});
     vec3 high = vec3_min(vec3_add(vec3_sub(start.high, b->x), (vec3){turned, turned, turned}), (vec3){rim, rim, rim});
     return (box3){vec3_add(way.low, low), vec3_add(way.high, high)};
@@ -81,6 +89,12 @@ static bool alone(const World *w, const Group *g, int member, const Solid *s)
     return far > 0.9 * s->shape.inner;
 }
 
+/* May a joint have swung it round, by a drive's doing or by that of what it holds together? An arc ends elsewhere than it goes through. */
+static bool thrown(const Group *g, const Body *b) { return b->joint_first != NONE && !g->crowd; }
+
+/* Was it elsewhere within the step than its ends tell? */
+static bool turned_back(const Member *m) { return m->been.low.x <= m->been.high.x; }
+
 /* Does it hardly move? Its reach has room for where it was. */
 static bool stays(const Body *b, const Pos *p, real margin)
 {
@@ -95,15 +109,15 @@ static bool strays(const World *w, int member, Stray *out)
     const Solid *s = &w->solids.data[out->solid];
     const Body *b = &w->bodies.data[g->member[member].slot];
     const Pos *p = &g->pos[member];
-    real margin = out->alone ? 0 : margin_of(g, s);
+    real margin = out->whole ? 0 : margin_of(g, s);
     pose at = pose_mul((pose){vec3_sub(p->x, quat_rotate(p->q, b->centre)), p->q}, s->at);
     if (s->leaf < 0 || !vec3_finite(p->x) || !quat_finite(p->q))
         return false;
     out->at = at.p;
     out->from = solid_pose(w, s).p;
     out->end = box3_grow(s->shape.type->bounds(&s->shape, at), -margin);
-    if (out->alone)
-        out->end = way_alone(w, g, member, s);
+    if (out->whole)
+        out->end = whole_way(w, g, member, s);
     return !box3_inside(solid_reach(w, s), out->end);
 }
 
@@ -111,13 +125,15 @@ static bool strays(const World *w, int member, Stray *out)
 static int list_member(const World *w, const Group *g, int member, Stray *out)
 {
     int n = 0;
-    const Body *b = &w->bodies.data[g->member[member].slot];
-    for (uint32_t c = b->shape_first; c != NONE && g->member[member].moves; c = w->solids.data[c].next) {
+    const Member *m = &g->member[member];
+    const Body *b = &w->bodies.data[m->slot];
+    const Pos *p = &g->pos[member];
+    for (uint32_t c = b->shape_first; c != NONE && m->moves; c = w->solids.data[c].next) {
         const Solid *s = &w->solids.data[c];
         bool by_itself = alone(w, g, member, s);
-        if ((!by_itself && stays(b, &g->pos[member], margin_of(g, s))) || goes_as_foreseen(w, b, &g->pos[member], s, by_itself))
+        if (!turned_back(m) && ((!by_itself && stays(b, p, margin_of(g, s))) || goes_as_foreseen(w, b, p, s, by_itself)))
             continue;
-        Stray stray = {.g = g, .solid = c, .alone = by_itself};
+        Stray stray = {.g = g, .solid = c, .whole = by_itself || thrown(g, b)};
         if (!strays(w, member, &stray))
             continue;
         if (out)
@@ -164,7 +180,7 @@ static bool deep(const World *w, const Stray *x, uint32_t other, vec3 at)
 {
     const Solid *s = &w->solids.data[x->solid], *o = &w->solids.data[other];
     real near = s->shape.outer + o->shape.outer - DEEP * real_min(s->shape.outer, o->shape.outer);
-    return x->alone || exact(x->g) || vec3_length2(vec3_sub(at, x->at)) < near * near;
+    return x->whole || exact(x->g) || vec3_length2(vec3_sub(at, x->at)) < near * near;
 }
 
 typedef struct Meeting { World *w; real dt; Stray *stray; } Meeting;
@@ -192,7 +208,7 @@ static bool meets(void *context, uint32_t other)
     pose at = solid_pose(m->w, o);
     at.p = vec3_add(at.p, way_of(m, o));
     m->stray->missed = unwatched(m->w, m->stray->g, m->stray->solid, other) && deep(m->w, m->stray, other, at.p) &&
-                       (m->stray->alone ? box3_overlap(m->stray->end, may_be(m->w, other)) :
+                       (m->stray->whole ? box3_overlap(m->stray->end, may_be(m->w, other)) :
                         exact(m->stray->g) || box3_overlap(m->stray->end, o->shape.type->bounds(&o->shape, at)));
     return !m->stray->missed;
 }

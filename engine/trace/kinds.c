@@ -93,7 +93,7 @@ bool trace_sides(Tracer *t)
     for (int i = 0; i < t->hold_count; i++) {
         Hold *h = &t->holds[i];
         const Row *r = trace_row(t, h->joint, h->slot);
-        if (r && isinf(h->most))
+        if (r && isinf(r->hi))
             hold_at_stop(t, h, r);
         real off = h->target - h->rate;
         bool lags = fabs(off) * (r && r->angular ? t->size : 1) > t->slip_zero;

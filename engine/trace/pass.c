@@ -18,7 +18,8 @@ static void list_drives(Tracer *t)
             if (r->kind == ROW_LIMIT)
                 t->stops[t->stop_count++] = (Stop){.gate.presses = t->g->joints[j].force[r->slot] > 0, .joint = j, .slot = r->slot};
             else if (r->kind == ROW_MOTOR || r->kind == ROW_DRY)
-                t->holds[t->hold_count++] = (Hold){.joint = j, .slot = r->slot, .most = r->hi, .target = r->kind == ROW_MOTOR ? r->rate : 0};
+                t->holds[t->hold_count++] =
+                    (Hold){.joint = j, .slot = r->slot, .most = group_motor_most(t->g, r), .target = r->kind == ROW_MOTOR ? r->rate : 0};
         }
 }
 

@@ -213,10 +213,23 @@ static bool drove(const Pendulum *p)
     return !(p->friction != 0 && p->turns_back) && !(p->low < p->least + STOPS) && !(p->high > p->most - STOPS);
 }
 
+#define ARC 0.25                /* rad, between places that are noted */
+
+/* What came back was elsewhere in between. */
+static void note_turns(Group *g, const Pendulum *p)
+{
+    int count = (int)ceil((p->high - p->low) / ARC);
+    for (int i = 0; i <= count && p->turns_back; i++) {
+        real turned = p->low + (p->high - p->low) * i / int_max(1, count);
+        group_note_swing(g, 0, vec3_add(p->hinge, arm(p, cos(turned), sin(turned))), turned);
+    }
+}
+
 static void move(Group *g, Pendulum *p)
 {
     const GroupJoint *j = &g->joints[0];
     vec3 from = g->pos[0].x;
+    note_turns(g, p);
     g->pos[0].q = quat_unit(quat_mul(quat_exp(vec3_scale(p->turned, p->axis)), g->pos[0].q));
     vec3 r = vec3_neg(quat_rotate(g->pos[0].q, p->hang.is_a ? j->ra : j->rb));
     g->pos[0].x = vec3_add(p->hinge, r);

@@ -10,6 +10,8 @@
  */
 #include "trace/trace.h"
 
+#define PAIRS  4                /* most of what is near */
+#define CLEAR  1e-4             /* of the size: what stays so far apart does not touch */
 #define ACROSS 1e-12            /* of the length: so far may it move across its line in a step, or a body's lever be off that line */
 #define SHORT  0.1              /* of the length: nearer its ends do not come, or the line might be another one */
 #define SAME   1e-8             /* rad: roots as near as that are one */
@@ -18,8 +20,11 @@ static bool is_free(const Group *g, int body) { return body >= 0 && g->member[bo
 
 static bool suits(const Group *g)
 {
-    if (g->joint_count != 1 || g->pair_count > 0 || g->push_count > 0 || g->planar || g->moving_count > 2)
+    if (g->joint_count != 1 || g->pair_count > PAIRS || g->push_count > 0 || g->planar || g->moving_count > 2)
         return false;
+    for (int i = 0; i < g->pair_count; i++)
+        if (g->pairs[i].was_touching || g->pairs[i].contacts != 1)
+            return false;
     if (g->own || g->varies || g->drags || g->rules || g->world->region_count > 0)
         return false;
     const GroupJoint *j = &g->joints[0];
@@ -135,6 +140,72 @@ static real kept_rate(const Swing *s, real from, real to, real rate)
     return square > 0.25 * rate * rate ? copysign(sqrt(square), rate) : rate;
 }
 
+/* m  From the middle, as far as it may swing. */
+static real amplitude(const Swing *s)
+{
+    real w2 = s->mobility * s->row.stiffness, from = s->row.error - s->pull / w2;
+    return sqrt(from * from + s->rate * s->rate / w2);
+}
+
+/* m  So far may a body get along n within the step: by the swing, and by what it does besides. */
+static real farthest(const Group *g, int body, const Swing *s, real side, vec3 n)
+{
+    if (!is_free(g, body))
+        return 0;
+    real h = g->h, part = side * g->mass[body].im / s->mobility, w2 = s->mobility * s->row.stiffness;
+    real from = s->row.error - s->pull / w2, far = amplitude(s), along = part * vec3_dot(n, s->line);
+    vec3 v = vec3_mad(g->vel[body].v, -part * s->rate, s->line), a = vec3_mad(acceleration_of(g, body), -part * s->pull, s->line);
+    return real_max(along * (far - from), along * (-far - from)) + h * (fabs(vec3_dot(n, v)) + 0.5 * h * fabs(vec3_dot(n, a)));
+}
+
+/* What does not turn stays on its side of a plane between the two, across the line on which they are nearest. */
+static bool stays_clear(const Group *g, const GroupPair *q, const Swing *s)
+{
+    const GroupJoint *j = &g->joints[0];
+    const GroupManifold *m = &g->contacts[q->contact].manifold;
+    real gap = INFINITY;
+    for (int k = 0; k < 2; k++) {
+        int body = k == 0 ? q->a : q->b;
+        if (!vec3_is_zero(g->vel[body].w) || (!is_free(g, body) && !member_still(g, body)))
+            return false;
+    }
+    for (int k = 0; k < m->count; k++)
+        gap = real_min(gap, m->points[k].gap);
+    real way = farthest(g, q->a, s, q->a == j->a ? 1 : -1, m->normal) + farthest(g, q->b, s, q->b == j->a ? 1 : -1, vec3_neg(m->normal));
+    return gap - way > CLEAR * q->size;
+}
+
+/* Does nothing meet? What was found near is then left behind: the next step looks anew. */
+static bool keeps_apart(Group *g, const Swing *s)
+{
+    bool apart = true;
+    for (int i = 0; i < g->pair_count; i++) {
+        group_touch_pair(g, &g->pairs[i], g->h);
+        apart = apart && (!g->contacts[g->pairs[i].contact].live || stays_clear(g, &g->pairs[i], s));
+    }
+    g->looked = g->looked || g->pair_count > 0;
+    for (int i = 0; i < g->pair_count && apart; i++) {
+        g->contacts[g->pairs[i].contact].live = false;
+        g->contacts[g->pairs[i].contact].manifold.count = 0;
+    }
+    return apart;
+}
+
+#define TURNS 1.5               /* rad: what swings farther in the step may turn back, and come again */
+
+/* Where it turns back within the step, which its ends do not tell. */
+static void note_turns(Group *g, int body, const Swing *s, real side, vec3 start, real from, real to)
+{
+    real far = amplitude(s);
+    if (!is_free(g, body))
+        return;
+    vec3 line = vec3_scale(side * g->mass[body].im / s->mobility, s->line), end = g->pos[body].x;
+    for (int k = -1; k <= 1; k += 2) {
+        group_note_swing(g, body, vec3_mad(start, k * far - from, line), 0);
+        group_note_swing(g, body, vec3_mad(end, k * far - to, line), 0);
+    }
+}
+
 static void swing(Group *g, const Swing *s)
 {
     GroupJoint *j = &g->joints[0];
@@ -144,9 +215,13 @@ static void swing(Group *g, const Swing *s)
     real to = from * even + (s->rate + b * from) * odd, rate = s->rate * even - (b * s->rate + w2 * from) * odd;
     real gain = rate - s->rate - h * s->pull;
     real way = to - from - h * (s->rate + 0.5 * h * s->pull);
-    vec3 apart = vec3_sub(place_of(g, j->a), place_of(g, j->b));
+    vec3 a = place_of(g, j->a), c = place_of(g, j->b), apart = vec3_sub(a, c);
     carry(g, j->a, s, 1, way, gain);
     carry(g, j->b, s, -1, way, gain);
+    if (s->rate * rate < 0 || w2 * h * h > TURNS * TURNS) {
+        note_turns(g, j->a, s, 1, a, from, to);
+        note_turns(g, j->b, s, -1, c, from, to);
+    }
     if (!(s->row.damping > 0)) {
         to = from + vec3_dot(s->line, vec3_sub(vec3_sub(place_of(g, j->a), place_of(g, j->b)), apart));
         real more = kept_rate(s, from, to, rate) - rate;
@@ -171,7 +246,7 @@ static dig_status advance(Group *g, real dt)
     real h = g->h;
     g->h = dt;
     DIG_TRY(group_forces(g));
-    if (!look(g, dt, &s)) {
+    if (!look(g, dt, &s) || !keeps_apart(g, &s)) {
         g->h = h;
         g->handed_on = true;
         return DIG_OK;

@@ -1,0 +1,172 @@
+-- What springs and motors throw from rest meets what is in its way, however thin that is, and however many of its swings fit into a step;
+-- a motor without a bound is stalled by a wall.
+local digbox = require "digbox"
+local test = require "digbox.test"
+local scenario, expect = test.scenario, test.expect
+
+local function world_of(step, more)
+  local options = { gravity = { 0, 0, 0 }, step = step }
+  for key, value in pairs(more or {}) do options[key] = value end
+  return digbox.world(options)
+end
+
+local function peg(world, x, y) return world:box { size = { 0.02, 0.02, 0.3 }, at = { x, y, 0 }, fixed = true, restitution = 0 } end
+
+-- A rod of 1 m and 1 kg on a hinge at its end, and a peg in its way, `gap` rad on, 0.9 m from the hinge.
+local function rod_and_peg(step, gap, hinge, more)
+  local world = world_of(step, more)
+  local rod = world:box { size = { 1, 0.05, 0.05 }, mass = 1, at = { 0.5, 0, 0 }, restitution = 0 }
+  hinge.a, hinge.at, hinge.axis = rod, { 0, 0, 0 }, { 0, 0, 1 }
+  local joint = world:hinge(hinge)
+  peg(world, 0.9 * math.cos(gap), 0.9 * math.sin(gap))
+  return world, joint, rod
+end
+
+-- where the rod lies against the peg, rad before the peg's middle: its half height and the peg's corner, seen from the hinge
+local function touches_at(gap)
+  local x, y = 0.9 * math.cos(gap), 0.9 * math.sin(gap)
+  local least = math.huge
+  for _, corner in ipairs { { -0.01, -0.01 }, { -0.01, 0.01 }, { 0.01, -0.01 }, { 0.01, 0.01 } } do
+    local cx, cy = x + corner[1], y + corner[2]
+    least = math.min(least, math.atan(cy, cx) - math.asin(0.025 / math.sqrt(cx * cx + cy * cy)))
+  end
+  return least
+end
+
+scenario("a rod that a spring throws from rest does not pass a peg", function()
+  for _, step in ipairs { 1 / 60, 1 / 30 } do
+    for _, gap in ipairs { 0.3, 0.6, 1 } do
+      for _, stiffness in ipairs { 100, 1000, 10000, 30000 } do
+        for _, damping in ipairs { 0, 1 } do
+          local spring = { stiffness = stiffness, rest = 2, damping = damping }
+          local world, hinge = rod_and_peg(step, gap, { spring = spring })
+          for _ = 1, math.ceil(0.2 / step) do
+            world:step()
+            expect(hinge.angle):at_most(touches_at(gap) + 1e-6)
+          end
+        end
+      end
+    end
+  end
+end)
+
+scenario("a motor drives a rod against a peg, and holds it there, with a bound or without", function()
+  for _, accuracy in ipairs { "play", "study" } do
+    for _, gap in ipairs { 0.3, 1.3 } do
+      for _, speed in ipairs { 1, 20, 100 } do
+        for _, most in ipairs { 1e4, math.huge } do
+          local motor = { speed = speed, max_torque = most }
+          local world, hinge = rod_and_peg(1 / 60, gap, { motor = motor }, { accuracy = accuracy })
+          for _ = 1, math.ceil(60 * gap / speed) + 5 do
+            world:step()
+            expect(hinge.angle):at_most(touches_at(gap) + 1e-6)
+          end
+          expect(hinge.angle):near(touches_at(gap), 1e-6)
+          expect(hinge.speed):near(0, 1e-6)
+          expect(#world:warnings()):is(0)
+        end
+      end
+    end
+  end
+end)
+
+scenario("a motor without a bound is at its speed at once", function()
+  local world = world_of(1 / 60)
+  local rod = world:box { size = { 1, 0.05, 0.05 }, mass = 1, at = { 0.5, 0, 0 } }
+  local hinge = world:hinge { a = rod, at = { 0, 0, 0 }, axis = { 0, 0, 1 }, motor = { speed = 30 } }
+  for k = 1, 10 do
+    world:step()
+    expect(hinge.angle):near(0.5 * k, 1e-3)
+    expect(hinge.speed):near(30, 1e-9)
+  end
+end)
+
+scenario("what hangs on what is thrown does not pass either", function()
+  for _, step in ipairs { 1 / 60, 1 / 30 } do
+    for _, gap in ipairs { 0.2, 0.4, 0.6 } do
+      for _, speed in ipairs { 30, 60, 100 } do
+        local world = world_of(step)
+        local arm = world:box { size = { 0.5, 0.05, 0.05 }, mass = 1, at = { 0.25, 0, 0 }, restitution = 0 }
+        local fore = world:box { size = { 0.5, 0.05, 0.05 }, mass = 1, at = { 0.75, 0, 0 }, restitution = 0 }
+        local motor = { speed = speed, max_torque = 3000 }
+        local hinge = world:hinge { a = arm, at = { 0, 0, 0 }, axis = { 0, 0, 1 }, motor = motor }
+        world:weld { a = arm, b = fore }
+        peg(world, 0.9 * math.cos(gap), 0.9 * math.sin(gap))
+        for _ = 1, 10 do
+          world:step()
+          expect(hinge.angle):at_most(touches_at(gap) + 1e-4)
+        end
+      end
+    end
+  end
+end)
+
+-- A ball of 0.1 kg, 0.5 m off its rest, on a spring; a peg in its way.
+local function ball_and_peg(step, gap, kind, stiffness, damping)
+  local world = world_of(step)
+  local ball = world:ball { radius = 0.02, mass = 0.1, at = { 0, 0, 0 }, restitution = 0 }
+  if kind == "spring" then
+    local post = world:box { size = { 0.01, 0.01, 0.01 }, at = { 0, 2, 0 }, fixed = true, collides = false }
+    world:spring { a = ball, b = post, stiffness = stiffness, length = 1.5, damping = damping }
+  else
+    world:slider { a = ball, axis = { 0, 1, 0 }, spring = { stiffness = stiffness, rest = 0.5, damping = damping } }
+  end
+  peg(world, 0, gap)
+  return world, ball
+end
+
+scenario("a ball whose swings are many in a step does not pass a peg between its ends", function()
+  for _, step in ipairs { 1 / 60, 1 / 30 } do
+    for _, gap in ipairs { 0.15, 0.3 } do
+      for _, stiffness in ipairs { 1e3, 1e4, 1e5, 1e6 } do
+        for _, damping in ipairs { 0, 1 } do
+          for _, kind in ipairs { "spring", "slider" } do
+            local world, ball = ball_and_peg(step, gap, kind, stiffness, damping)
+            for _ = 1, 10 do
+              world:step()
+              expect(ball.at.y):at_most(gap - 0.03 + (stiffness < 1e6 and 1e-6 or 3e-3))     -- that strikes at 1500 m/s
+            end
+          end
+        end
+      end
+    end
+  end
+end)
+
+scenario("a peg beyond its swing changes nothing", function()
+  for _, stiffness in ipairs { 1e4, 1e6 } do
+    local near, ball = ball_and_peg(1 / 60, 1.1, "spring", stiffness)
+    local far, other = ball_and_peg(1 / 60, 50, "spring", stiffness)
+    for _ = 1, 30 do
+      near:step()
+      far:step()
+      expect(ball.at.y):near(other.at.y, 1e-9)
+      expect(near:stats().evaluations):is(1)
+    end
+    expect(near.energy.total):near(0.125 * stiffness, 1e-9 * stiffness)
+  end
+end)
+
+scenario("see-saws and free rods meet what they are turned into", function()
+  for _, step in ipairs { 1 / 60, 1 / 30 } do
+    for _, gap in ipairs { 0.15, 0.3, 0.5, 0.8 } do
+      local world = world_of(step)
+      local rod = world:box { size = { 1, 0.05, 0.05 }, mass = 1, at = { 0.4, 0, 0 }, restitution = 0 }
+      local hinge = world:hinge { a = rod, at = { 0, 0, 0 }, axis = { 0, 0, 1 } }
+      local post = world:box { size = { 0.01, 0.01, 0.01 }, at = { -0.1, -1, 0 }, fixed = true, collides = false }
+      world:spring { a = rod, b = post, at_a = { -0.1, 0, 0 }, stiffness = 1e5, length = 0.5 }
+      peg(world, 0.85 * math.cos(gap), 0.85 * math.sin(gap))
+      for _ = 1, 10 do
+        world:step()
+        expect(hinge.angle):at_most(gap)
+      end
+      local free = world_of(step)
+      local turning, hits = free:box { size = { 1, 0.05, 0.05 }, mass = 1, at = { 0, 0, 0 }, restitution = 0 }, 0
+      free:motor { a = turning, axis = { 0, 0, 1 }, speed = 20, max_torque = 1e4 }
+      turning:on("contact_begin", function() hits = hits + 1 end)
+      peg(free, 0.45 * math.cos(gap), 0.45 * math.sin(gap))
+      for _ = 1, math.ceil(gap / 20 / step) do free:step() end
+      expect(hits):above(0)
+    end
+  end
+end)
