@@ -326,8 +326,77 @@ static void book(Group *g, const Carried *h, vec3 turned)
     g->lost += real_max(0, -gained);
 }
 
+/* N s  What a body got from its contacts and joints in this step. */
+static vec3 received(const Group *g, int body)
+{
+    vec3 sum = vec3_zero();
+    for (int i = 0; i < g->contact_count; i++) {
+        const GroupContact *c = &g->contacts[i];
+        if (c->a == body || c->b == body)
+            sum = vec3_mad(sum, c->b == body ? 1 : -1, c->impulse);
+    }
+    for (int i = 0; i < g->joint_count; i++) {
+        const GroupJoint *j = &g->joints[i];
+        if (j->a == body || j->b == body)
+            sum = vec3_mad(sum, j->a == body ? 1 : -1, j->impulse);
+    }
+    return sum;
+}
+
+static bool is_carried(const Group *g, int body)
+{
+    for (int i = 0; i < g->carried_count; i++)
+        if (g->carried[i].body == body)
+            return true;
+    return false;
+}
+
+/* How hard movers squeeze nobody can say; what they bear is what else acts on it does not: across what squeezes by equal shares of friction, along it
+ * by those that push that way. A contact with what is carried itself bears only where there is no other. */
+static void bear(Group *g, const Carried *h, bool by_carried)
+{
+    const GroupContact *first = &g->contacts[g->jaws[h->first]];
+    vec3 n = first->manifold.normal, left = vec3_scale(g->member[h->body].mass, vec3_sub(g->vel[h->body].v, h->before.v));
+    left = vec3_sub(vec3_mad(left, -h->time, h->force), received(g, h->body));
+    vec3 along = vec3_scale(vec3_dot(n, left), n);
+    int holders = 0, pushers = 0;
+    for (int pass = 0; pass < 2; pass++)
+        for (int k = h->first; k < h->first + h->count; k++) {
+            GroupContact *c = &g->contacts[g->jaws[k]];
+            real side = c->b == h->body ? 1 : -1;
+            bool pushes = side * vec3_dot(along, c->manifold.normal) > 0;
+            if (!by_carried && is_carried(g, other_of(c, h->body)))
+                continue;
+            holders += pass == 0;
+            pushers += pass == 0 && pushes;
+            if (pass == 0)
+                continue;
+            vec3 share = vec3_scale(1.0 / holders, vec3_sub(left, along));
+            share = pushes ? vec3_mad(share, 1.0 / pushers, along) : share;
+            c->impulse = vec3_mad(c->impulse, side, share);
+        }
+}
+
+static bool only_by_carried(const Group *g, const Carried *h)
+{
+    for (int k = h->first; k < h->first + h->count; k++)
+        if (!is_carried(g, other_of(&g->contacts[g->jaws[k]], h->body)))
+            return false;
+    return true;
+}
+
+/* Those first that others carry. */
+static void bear_all(Group *g)
+{
+    for (int carried = 1; carried >= 0; carried--)
+        for (int i = 0; i < g->carried_count; i++)
+            if (only_by_carried(g, &g->carried[i]) == carried)
+                bear(g, &g->carried[i], carried);
+}
+
 void grip_give(Group *g)
 {
+    bear_all(g);
     bool healed = false;
     for (int i = 0; i < g->carried_count; i++) {
         Carried *h = &g->carried[i];

@@ -120,6 +120,43 @@ test.each_accuracy("jaws take along what they hold, slowly or not", function(s, 
   end)
 end)
 
+-- N on the box, of each jaw
+local function borne(g)
+  local sum = {}
+  for _, link in ipairs(g.box:links()) do
+    local other = link.a == g.box and link.b or link.a
+    for name, jaw in pairs { left = g.left, right = g.right } do
+      if other == jaw then sum[name] = link.a == g.box and -link.effort or link.effort end
+    end
+  end
+  return sum.left, sum.right
+end
+
+test.each_accuracy("jaws tell what they bear", function(s, accuracy)
+  each(s, accuracy, function(g)
+    local function both_bear(x, y, z)
+      local left, right = borne(g)
+      expect(left):near({ x / 2, y / 2, z / 2 }, 1e-6)
+      expect(right):near({ x / 2, y / 2, z / 2 }, 1e-6)
+    end
+    g.w:run(0.1)
+    both_bear(0, 9.81, 0)
+    g.box:push { force = { 0, -2, 3 }, lasts = 0.2 }
+    g.w:run(0.1)
+    both_bear(0, 11.81, -3)
+    g.w:run(0.2)
+    g.box:push { force = { 5, 0, 0 }, lasts = 0.2 }     -- the right one holds against it
+    g.w:run(0.1)
+    local left, right = borne(g)
+    expect(left):near({ 0, 4.905, 0 }, 1e-6)
+    expect(right):near({ -5, 4.905, 0 }, 1e-6)
+    g.w:run(0.2)
+    laid_on(g, 0.5, 0)
+    g.w:run(1)
+    both_bear(0, 1.5 * 9.81, 0)
+  end)
+end)
+
 test.each_accuracy("jaws that open let go at once", function(s, accuracy)
   each(s, accuracy, function(g, step, squeeze)
     local from = g.box.position.y
