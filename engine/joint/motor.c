@@ -7,7 +7,7 @@ enum { SPIN = 0 };          /* slots */
 static const dig_param motor_rows[] = {
     {.name = "speed", .kind = DIG_REAL, .unit = "rad/s", .doc = "spin wanted of a against b", .fallback = NAN, .min = -1e6,
      .max = 1e6, .offset = offsetof(DriveMotor, speed), .required = true},
-    {.name = "max_torque", .kind = DIG_REAL, .unit = "N*m", .doc = "greatest torque it gives; 0 = off", .fallback = INFINITY,
+    {.name = "max_torque", .kind = DIG_REAL, .unit = "N*m", .doc = "greatest torque it gives; 0 = off, inf = more than anything takes", .fallback = INFINITY,
      .min = 0, .max = INFINITY, .offset = offsetof(DriveMotor, most)},
     {.name = NULL},
 };

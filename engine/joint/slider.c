@@ -10,7 +10,7 @@ enum { LINE = 0, ALIGNED = 2, DRIVE = 5 };          /* slots */
 static const dig_param motor_rows[] = {
     {.name = "speed", .kind = DIG_REAL, .unit = "m/s", .doc = "speed wanted; not given = no motor", .fallback = NAN,
      .min = -1e6, .max = 1e6, .offset = offsetof(DriveMotor, speed)},
-    {.name = "max_force", .kind = DIG_REAL, .unit = "N", .doc = "greatest force it gives; 0 = off", .fallback = INFINITY,
+    {.name = "max_force", .kind = DIG_REAL, .unit = "N", .doc = "greatest force it gives; 0 = off, inf = more than anything takes", .fallback = INFINITY,
      .min = 0, .max = INFINITY, .offset = offsetof(DriveMotor, most)},
     {.name = NULL},
 };

@@ -30,7 +30,7 @@ static const dig_param spring_rows[] = {
 static const dig_param motor_rows[] = {
     {.name = "speed", .kind = DIG_REAL, .unit = "rad/s", .doc = "speed wanted; not given = no motor", .fallback = NAN,
      .min = -1e6, .max = 1e6, .offset = offsetof(DriveMotor, speed)},
-    {.name = "max_torque", .kind = DIG_REAL, .unit = "N*m", .doc = "greatest torque it gives; 0 = off", .fallback = INFINITY,
+    {.name = "max_torque", .kind = DIG_REAL, .unit = "N*m", .doc = "greatest torque it gives; 0 = off, inf = more than anything takes", .fallback = INFINITY,
      .min = 0, .max = INFINITY, .offset = offsetof(DriveMotor, most)},
     {.name = NULL},
 };
