@@ -4,6 +4,7 @@
  * one contact do not change, accelerations are constant, and the centre of mass follows a parabola. That is what the tracer finds, too,
  * with all it has for whatever could happen. Here it is only seen that nothing does: the forces balance at the start, friction keeps its
  * direction, and at the end the same points touch in the same places. Anything else is handed on to the tracer, as it was gathered.
+ * A ball on what moves evenly below it, a turntable or a belt, has a closed form, too (below).
  */
 #include "trace/trace.h"
 
@@ -46,10 +47,14 @@ static bool suits(const Group *g)
         return false;
     if (g->own || g->varies || g->planar || g->world->region_count > 0 || !g->member[0].moves)
         return false;
+    int only = only_contact(g);
+    if (only < 0)
+        return false;
+    const GroupContact *c = &g->contacts[only];
     for (int i = 1; i < g->body_count; i++)
-        if (!member_still(g, i))
+        if (!member_still(g, i) && !(g->member[i].kinematic && (i == c->a || i == c->b)))
             return false;
-    return only_contact(g) >= 0 && trace_suits(g);
+    return trace_suits(g);
 }
 
 typedef struct Glide {
@@ -69,6 +74,10 @@ typedef struct Glide {
     vec3 slip, slip_end;        /* m/s  of b against a, of the first point: of all, where nothing turns */
     vec3 acc, alpha;            /* m/s^2, rad/s^2 */
     Pos  pos; Vel vel;          /* at the start */
+    int  table;                 /* member that carries it and moves, or 0 */
+    Pos  table_pos;             /* at the start */
+    vec3 up, course;            /* m/s  of its centre against the table's, along the plane, at the start */
+    real rate, lean;            /* rad/s  at which that turns; rad/m  by which its spin changes with it */
     ManifoldPoint points[MANIFOLD_POINTS];
 } Glide;
 
@@ -157,6 +166,108 @@ static bool balances(Glide *s)
     return speed >= 2 * s->h * most && vec3_length(vec3_cross(s->slip, s->slip_end)) <= SAME * speed * speed;
 }
 
+/* ---- a ball on what moves evenly ----
+ *
+ * It rolls on a plane with normal n, lever -R n, that moves by V and turns by W about n; what pulls it does so along n:
+ *
+ *   m dv/dt = f,    I dw/dt = -R n x f,    v + R n x w = V + W n x (p - C)
+ *   =>  dc/dt = L W n x c    with c = v - V,  L = I / (I + m R^2),    dw/dt = -(R m / I) n x dc/dt
+ *
+ * so that c turns at an even rate: the circles of a ball on a turntable (A14), a straight line on a belt. */
+
+#define NODE       0.28867513459481287  /* of a part, from its middle: of the Gauss rule of order 4 */
+#define TURN_ERROR 720                  /* h^5 |dw/dt| |w|^3 over this bounds the error of a turn by two of them: 768 was the least of 5000 at random */
+#define PARTS      16
+
+/* Does it roll, held by what friction can give? */
+static bool rolls(Glide *s)
+{
+    const Group *g = s->g;
+    const Member *m = &g->member[0];
+    const Mass *mass = &g->mass[0];
+    const Vel *table = &g->vel[s->table];
+    vec3 up = vec3_scale(s->side, s->normal), at = vec3_add(s->pos.x, s->lever[0]);
+    vec3 under = vec3_add(table->v, vec3_cross(table->w, vec3_sub(at, s->table_pos.x)));
+    vec3 slip = vec3_sub(vec3_add(s->vel.v, vec3_cross(s->vel.w, s->lever[0])), under);
+    real rate = vec3_dot(up, slip), turn = vec3_dot(up, table->w), press = -vec3_dot(up, m->force);
+    real lever = -vec3_dot(up, s->lever[0]), inverse = vec3_dot(up, mat3_mul_vec(mass->ii, up));
+    real zero = BALANCE * (g->fall + 1e-9 * s->scales->size * s->scales->pace * s->scales->pace);
+    bool fits = s->ball && m->round && !s->c->manifold.slides && s->q->friction > 0;
+    if (!fits || vec3_length(vec3_cross(table->w, up)) > SAME * fabs(turn))
+        return false;
+    if (!closed(s, s->points[0].gap) || !closed(s, rate / s->scales->pace) || !(vec3_length(vec3_mad(slip, -rate, up)) <= 1e-3 * s->scales->slip_zero))
+        return false;
+    if (mass->im * vec3_length(vec3_mad(m->force, press, up)) > zero || vec3_length(mat3_mul_vec(mass->ii, m->torque)) * m->outer > zero)
+        return false;
+    vec3 course = vec3_sub(s->vel.v, table->v);
+    s->up = up;
+    s->course = vec3_mad(course, -vec3_dot(up, course), up);
+    s->rate = turn * mass->im / (mass->im + lever * lever * inverse);
+    s->lean = lever * inverse / mass->im;
+    s->force[0].normal = press;
+    s->slip = s->slip_end = vec3_zero();
+    s->slides = false;
+    return fabs(s->rate) * vec3_length(s->course) <= s->q->friction * press * mass->im;
+}
+
+/* m/s  What its velocity gains in a time. */
+static vec3 gained(const Glide *s, real time)
+{
+    real half = sin(0.5 * s->rate * time);
+    return vec3_mad(vec3_scale(sin(s->rate * time), vec3_cross(s->up, s->course)), -2 * half * half, s->course);
+}
+
+static vec3 spin_after(const Glide *s, real time) { return vec3_mad(s->vel.w, -s->lean, vec3_cross(s->up, gained(s, time))); }
+
+/* Two spins of each part, by Magnus' series up to their product. False: it whirls too fast for that. */
+static bool turn_on(Glide *s)
+{
+    Group *g = s->g;
+    real spin = vec3_length(s->vel.w) + 2 * s->lean * vec3_length(s->course) + fabs(s->rate);
+    real off = pow(s->h, 5) * s->lean * fabs(s->rate) * vec3_length(s->course) * spin * spin * spin / TURN_ERROR * g->member[0].outer;
+    int parts = 1;
+    for (; off > 0.1 * s->scales->tolerance; off /= 16)
+        if ((parts *= 2) > PARTS)
+            return false;
+    real part = s->h / parts;
+    quat q = s->pos.q;
+    for (int i = 0; i < parts; i++) {
+        vec3 first = spin_after(s, (i + 0.5 - NODE) * part), second = spin_after(s, (i + 0.5 + NODE) * part);
+        vec3 turn = vec3_mad(vec3_scale(0.5 * part, vec3_add(first, second)), -0.5 * NODE * part * part, vec3_cross(first, second));
+        q = quat_unit(quat_mul(quat_exp(turn), q));
+    }
+    g->pos[0].q = q;
+    return true;
+}
+
+/* Work of the table included. */
+static bool roll_on(Glide *s)
+{
+    Group *g = s->g;
+    const Vel *table = &g->vel[s->table];
+    real h = s->h, turn = s->rate * h, half = sin(0.5 * turn), im = g->mass[0].im;
+    real along = turn != 0 ? sin(turn) / turn - 1 : 0, across = turn != 0 ? 2 * half * half / turn : 0;
+    vec3 aside = vec3_cross(s->up, s->course), gain = gained(s, h);
+    if (!turn_on(s))
+        return false;
+    g->pos[0].x = vec3_mad(vec3_mad(vec3_mad(s->pos.x, h, s->vel.v), h * along, s->course), h * across, aside);
+    g->vel[0] = (Vel){vec3_add(s->vel.v, gain), spin_after(s, h)};
+    g->pos[s->table].x = vec3_mad(s->table_pos.x, h, table->v);
+    g->pos[s->table].q = quat_unit(quat_mul(quat_exp(vec3_scale(h, table->w)), s->table_pos.q));
+    s->force[0].tangent = vec3_scale(s->side * s->rate / im, vec3_add(aside, vec3_cross(s->up, gain)));
+    return true;
+}
+
+/* J  What the table gave: all that its motion gained. */
+static real table_work(const Glide *s)
+{
+    const Group *g = s->g;
+    const Vel *end = &g->vel[0];
+    real linear = vec3_dot(vec3_sub(end->v, s->vel.v), vec3_add(end->v, s->vel.v)) / g->mass[0].im;
+    real angular = vec3_dot(vec3_sub(end->w, s->vel.w), vec3_add(end->w, s->vel.w)) / vec3_dot(s->up, mat3_mul_vec(g->mass[0].ii, s->up));
+    return 0.5 * (linear + angular);
+}
+
 static bool move(Glide *s)
 {
     const Group *g = s->g;
@@ -210,7 +321,8 @@ static void book(const Glide *s)
     for (int k = 0; k < s->count; k++) {
         const PointMemory *f = &s->force[k];
         real press = s->h * f->normal;
-        c->impulse = vec3_mad(c->impulse, s->h, vec3_mad(f->tangent, f->normal, s->normal));
+        vec3 drag = s->table ? vec3_scale(s->side / g->mass[0].im, gained(s, s->h)) : vec3_scale(s->h, f->tangent);
+        c->impulse = vec3_add(c->impulse, vec3_mad(drag, press, s->normal));
         c->point_sum = vec3_mad(c->point_sum, press, own_point(s, &c->manifold.points[k]));
         c->point_weight += press;
         c->lost -= s->h * vec3_dot(f->tangent, way);
@@ -222,6 +334,7 @@ static void book(const Glide *s)
     c->manifold.slides = s->slides;
     c->rolling = vec3_zero();
     g->lost += c->lost;
+    g->work_in += s->table ? table_work(s) : 0;
     g->member[c->a].constrained = g->member[c->b].constrained = true;
 }
 
@@ -231,6 +344,7 @@ static dig_status hand_on(const Glide *s, real h)
     Group *g = s->g;
     g->pos[0] = s->pos;
     g->vel[0] = s->vel;
+    g->pos[s->table] = s->table_pos;
     g->h = h;
     g->evaluations = 0;
     s->c->live = true;
@@ -263,6 +377,8 @@ static dig_status advance(Group *g, real dt)
     s.c = c;
     s.q = &g->pairs[c->pair];
     s.side = c->b == 0 ? 1 : -1;
+    s.table = member_still(g, c->a + c->b) ? 0 : c->a + c->b;
+    s.table_pos = g->pos[s.table];
     trace_scales(&scales);
     g->h = 1e-14;               /* forces are those of this instant */
     look(&s);
@@ -270,7 +386,7 @@ static dig_status advance(Group *g, real dt)
         memory[k] = s.force[k];
     DIG_TRY(group_forces(g));
     g->evaluations = 1;
-    bool goes_on = balances(&s) && others_stay_away(&s) && move(&s);
+    bool goes_on = (s.table ? rolls(&s) : balances(&s)) && others_stay_away(&s) && (s.table ? roll_on(&s) : move(&s));
     if (goes_on) {
         group_touch(g, dt, true);
         goes_on = touches_as_before(&s);

@@ -40,6 +40,70 @@ scenario("a ball that rolls down a slope needs one evaluation a step, and has 5/
   end
 end)
 
+-- A ball of 10 cm at x = 1 m on a table that turns or moves along: what pulls it is 2/7 of what would keep it there (engine/trace/glide.c).
+local function carried(step, drive, velocity, spin)
+  local world = digbox.world { step = step }
+  local table = world:box { kinematic = true, size = { 8, 0.2, 8 }, at = { 0, -0.1, 0 }, friction = 0.5 }
+  table:drive(drive)
+  return world, world:ball { radius = 0.1, mass = 2, friction = 0.5, at = { 1, 0.1, 0 }, velocity = velocity, spin = spin }, table
+end
+
+scenario("a ball on a turntable needs one evaluation a step, and goes round at 2/7 of its rate", function()
+  local rate, velocity, spin = 3.5, { 0, 0, -0.5 }, { 30, 7, 0 }        -- it rolls: -0.5 - 0.1 * 30 = -3.5
+  local world, ball = carried(1 / 60, { spin = { 0, rate, 0 } }, velocity, spin)
+  local fine, twin = carried(1 / 1920, { spin = { 0, rate, 0 } }, velocity, spin)
+  world:step()
+  for k = 2, 120 do
+    world:step()
+    local t = k / 60
+    expect(world:stats().evaluations):is(1)
+    expect(ball.position):near({ 0.5 + 0.5 * math.cos(t), 0.1, -0.5 * math.sin(t) }, 1e-12)
+    expect(ball.spin.y):near(7, 1e-12)
+    expect(ball.force):near({ -math.cos(t - 1 / 120), 0, math.sin(t - 1 / 120) }, 1e-4)      -- 2 kg, 0.5 m/s2; the mean of the step
+  end
+  fine:run "2 s"
+  expect(ball.rotation:rotate { 1, 0, 0 }):near(twin.rotation:rotate { 1, 0, 0 }, 1e-7)
+  for _, w in ipairs { world, fine } do                 -- it keeps its speed; its spin goes round with its course
+    expect(w.energy.numerical):near(0, 1e-10)
+  end
+  expect(world.energy.work_in):near(0.5 * 0.4 * 2 * 0.01 * ((#ball.spin) ^ 2 - 30 ^ 2 - 7 ^ 2), 1e-10)
+end)
+
+scenario("a ball on a belt goes straight on, and one on a tilted turntable across the slope", function()
+  local world, ball = carried(1 / 60, { velocity = { 2, 0, 0 } }, { 3, 0, 0.5 }, { 5, 0, -10 })
+  world:step()
+  for k = 2, 60 do
+    world:step()
+    expect(world:stats().evaluations):is(1)
+    expect(ball.position):near({ 1 + 3 * k / 60, 0.1, 0.5 * k / 60 }, 1e-12)
+    expect(ball.spin):near({ 5, 0, -10 }, 1e-11)
+  end
+  local tilted = digbox.quat { axis = { 0, 0, 1 }, angle = 0.1 }
+  world = digbox.world {}
+  local table = world:box { kinematic = true, size = { 8, 0.2, 8 }, at = tilted:rotate { 0, -0.1, 0 }, rotation = tilted, friction = 0.5 }
+  table:drive { spin = tilted:rotate { 0, 3.5, 0 } }
+  ball = world:ball { radius = 0.1, friction = 0.5, at = tilted:rotate { 0.5, 0.1, 0 }, spin = tilted:rotate { 17.5, 0, 0 } }
+  local pull, t = 5 / 7 * 9.81 * math.sin(0.1), 1       -- across the slope at pull over 2/7 of the rate, 1, and round a circle besides
+  world:run "1 s"
+  expect(tilted:inverse():rotate(ball.position)):near({ 0.5 - pull * (1 - math.cos(t)), 0.1, pull * (t - math.sin(t)) }, 1e-7)
+end)
+
+scenario("a ball is left behind where its table turns too fast for friction, and by one that stops", function()
+  local world, ball, table = carried(1 / 60, { spin = { 0, 3.5, 0 } }, { 0, 0, -0.5 }, { 30, 0, 0 })
+  world:run "0.5 s"
+  table:drive { spin = { 0, 0, 0 } }
+  world:run "1.5 s"
+  local before = ball.velocity
+  expect(world:stats().evaluations):is(1)
+  world:run "0.5 s"
+  expect(ball.velocity):near(before, 1e-12)
+  -- 2/7 of 30 a second times 1 m/s is more than 0.5 g
+  world, ball = carried(1 / 60, { spin = { 0, 30, 0 } }, { 0, 0, -1 }, { 290, 0, 0 })
+  world:step()
+  expect(#ball.force):at_most(0.5 * 2 * 9.81 * 1.0001)
+  expect(world:stats().evaluations):above(1)
+end)
+
 -- By the forces of the step before a change nothing of it would be felt for as long as the body slid on.
 scenario("who slides feels at once what a script changes", function()
   local changes = {
