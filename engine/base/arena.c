@@ -18,6 +18,29 @@ static void poison(void *data, size_t bytes)
 #endif
 }
 
+/* The chunk becomes the current one; NULL: none is. */
+static void go_to(Arena *a, ArenaChunk *c)
+{
+    a->current = c;
+    a->next = c ? c->data + c->used : NULL;
+    a->left = c ? (c->size - c->used) / ARENA_ALIGN * ARENA_ALIGN : 0;
+}
+
+/* Bytes that the current chunk has given. */
+static size_t used_now(const Arena *a) { return a->current ? (size_t)(a->next - a->current->data) : 0; }
+
+size_t arena_live(const Arena *a) { return a->taken + used_now(a); }
+
+/* Notes what is taken now, and returns it. */
+static size_t take_stock(Arena *a)
+{
+    size_t live = arena_live(a);
+    if (a->current)
+        a->current->used = used_now(a);
+    a->high = live > a->high ? live : a->high;
+    return live;
+}
+
 static size_t chunk_bytes(size_t size) { return sizeof(ArenaChunk) + size + ARENA_ALIGN; }
 
 /* Bytes of the first chunk, opened while a world is built, that are written to at once: its first step need not wait for their pages. */
@@ -44,8 +67,9 @@ static void chunks_close(Arena *a)
         next = c->next;
         block_free(c, chunk_bytes(c->size));
     }
-    a->first = a->current = NULL;
-    a->live = a->held = a->written = 0;
+    a->first = NULL;
+    go_to(a, NULL);
+    a->taken = a->held = a->written = 0;
 }
 
 #define LATELY 64               /* resets */
@@ -61,6 +85,7 @@ static ArenaChunk *next_chunk(Arena *a, size_t size)
 {
     ArenaChunk **link = a->current ? &a->current->next : &a->first;
     ArenaChunk *c = *link;
+    size_t live = take_stock(a);
     if (!c || c->size < size) {
         ArenaChunk *full = a->current;
         if (full && full->size - full->used >= REST)    /* earlier steps have written to it */
@@ -73,7 +98,8 @@ static ArenaChunk *next_chunk(Arena *a, size_t size)
         *link = c;
     }
     c->used = 0;
-    a->current = c;
+    a->taken = live;
+    go_to(a, c);
     return c;
 }
 
@@ -82,17 +108,11 @@ void *arena_grow(Arena *a, size_t bytes)
     if (bytes > (size_t)PTRDIFF_MAX / 2)
         return NULL;
     size_t size = bytes ? round_up(bytes) : ARENA_ALIGN;
-    ArenaChunk *c = a->current;
-    if (!c || c->size - c->used < size) {
-        c = next_chunk(a, size);
-        if (!c)
-            return NULL;
-    }
-    void *piece = c->data + c->used;
-    c->used += size;
-    a->live += size;
-    if (a->live > a->high)
-        a->high = a->live;
+    if (a->left < size && !next_chunk(a, size))
+        return NULL;
+    void *piece = a->next;
+    a->next += size;
+    a->left -= size;
     poison(piece, size);
     return piece;
 }
@@ -107,12 +127,13 @@ void *arena_zero(Arena *a, size_t bytes)
 
 void arena_shrink(Arena *a, void *last, size_t bytes)
 {
+    take_stock(a);
     ArenaChunk *c = a->current;
     size_t first = (size_t)((unsigned char *)last - c->data), keep = first + (bytes ? round_up(bytes) : ARENA_ALIGN);
     DIG_ASSERT(first < c->used && keep <= c->used);
     poison(c->data + keep, c->used - keep);
-    a->live -= c->used - keep;
     c->used = keep;
+    go_to(a, c);
 }
 
 #define SPARE_LEAST 1024        /* bytes: less is not worth a look */
@@ -145,12 +166,14 @@ void *spare_take(Spare **list, Arena *a, size_t bytes)
 
 ArenaMark arena_mark(const Arena *a)
 {
-    return (ArenaMark){a->current, a->current ? a->current->used : 0, a->live};
+    return (ArenaMark){a->current, used_now(a), arena_live(a)};
 }
 
 void arena_rewind(Arena *a, ArenaMark m)
 {
-    DIG_ASSERT(m.live <= a->live);
+    size_t live = take_stock(a);
+    DIG_ASSERT(m.live <= live);
+    (void)live;
     ArenaChunk *c = m.chunk ? m.chunk : a->first;
     size_t keep = m.used;                               /* bytes of c that stay */
     while (c && a->current) {
@@ -161,8 +184,8 @@ void arena_rewind(Arena *a, ArenaMark m)
             break;
         c = c->next;
     }
-    a->current = m.chunk;
-    a->live = m.live;
+    go_to(a, m.chunk);
+    a->taken = m.live - m.used;
 }
 
 #define KEPT BLOCK_LARGE        /* bytes, pages are kept up to a multiple of this */

@@ -24,13 +24,15 @@ typedef struct ArenaChunk ArenaChunk;
 struct ArenaChunk {
     ArenaChunk    *next;
     unsigned char *data;        /* first aligned byte                  */
-    size_t         size, used;  /* bytes, multiples of ARENA_ALIGN     */
+    size_t         size, used;  /* bytes; used: once it is no longer the current one */
 };
 
 typedef struct Arena {
+    unsigned char *next;                /* where the next piece begins: in the current chunk,         */
+    size_t   left;                      /* bytes  which has room for so many, a multiple of ARENA_ALIGN */
     ArenaChunk *first, *current;        /* current NULL: nothing taken; chunks after it are kept for reuse */
-    size_t   live;                      /* bytes taken now                         */
-    size_t   high, before;              /* bytes, most taken at the same time of late, and before that */
+    size_t   taken;                     /* bytes, in chunks before the current one */
+    size_t   high, before;              /* bytes, most taken at the same time of late, seen where pieces are given back, and before that */
     size_t   written;                   /* bytes of the first chunk that may take memory */
     int      resets;                    /* since these were last looked at         */
     size_t   held;                      /* bytes of all chunks                     */
@@ -48,19 +50,15 @@ void     *arena_grow(Arena *a, size_t bytes);           /* arena_alloc where the
  * thirty pieces, which were a tenth of it. */
 static inline void *arena_alloc(Arena *a, size_t bytes)
 {
-    ArenaChunk *c = a->current;
-    size_t size = bytes ? (bytes + (ARENA_ALIGN - 1)) & ~(size_t)(ARENA_ALIGN - 1) : ARENA_ALIGN;
 #ifndef DIG_DEBUG
-    if (c && bytes <= c->size && size <= c->size - c->used) {
-        void *piece = c->data + c->used;
-        c->used += size;
-        a->live += size;
-        a->high = a->live > a->high ? a->live : a->high;
+    size_t want = bytes ? bytes : 1;
+    if (want <= a->left) {
+        size_t size = (want + (ARENA_ALIGN - 1)) & ~(size_t)(ARENA_ALIGN - 1);
+        void *piece = a->next;
+        a->next += size;
+        a->left -= size;
         return piece;
     }
-#else
-    (void)c;
-    (void)size;
 #endif
     return arena_grow(a, bytes);
 }
@@ -70,7 +68,7 @@ void     *arena_zero(Arena *a, size_t bytes);           /* the same, filled with
 /* The last piece taken keeps its first `bytes` only; what was taken before it is another matter, and stays as it is. */
 void      arena_shrink(Arena *a, void *last, size_t bytes);
 /* Where the next piece begins if it has room there; NULL: not known. */
-static inline void *arena_next(const Arena *a) { return a->current ? a->current->data + a->current->used : NULL; }
+static inline void *arena_next(const Arena *a) { return a->next; }
 
 /* Scratch memory that was taken and is no longer needed, while what was taken after it still is: a list that lies in that memory itself.
  * Its user forgets it where the arena is rewound before any of it. */
@@ -85,5 +83,6 @@ void      arena_rewind(Arena *a, ArenaMark m);          /* gives back all taken 
 void      arena_reset(Arena *a);                        /* gives back everything; invalidates marks */
 void      arena_close(Arena *a);
 size_t    arena_bytes(const Arena *a);                  /* held */
+size_t    arena_live(const Arena *a);                   /* taken now */
 
 #endif

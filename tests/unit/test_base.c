@@ -37,7 +37,7 @@ TEST(pieces_are_aligned_and_do_not_overlap)
     for (int i = 0; i < COUNT; i++)
         for (size_t k = 0; k < size[i]; k++)
             CHECK_INT(piece[i][k], i & 0xFF);
-    CHECK(a.live <= arena_bytes(&a));
+    CHECK(arena_live(&a) <= arena_bytes(&a));
     arena_close(&a);
     CHECK_INT(arena_bytes(&a), 0);
 }
@@ -67,7 +67,7 @@ TEST(rewinding_gives_back_what_was_taken_since_the_mark_and_keeps_the_rest)
         CHECK(arena_alloc(&a, 10000) != NULL);          /* many chunks */
     arena_rewind(&a, inner);
     arena_rewind(&a, m);
-    CHECK_INT(a.live, 128);
+    CHECK_INT(arena_live(&a), 128);
     CHECK(arena_alloc(&a, 64) == first);
     for (int i = 0; i < 100; i++)
         CHECK_INT(outer[i], 'o');
@@ -83,14 +83,14 @@ TEST(spare_memory_is_used_first_and_its_pieces_do_not_overlap)
     spare_add(&spare, dead + 5, 4096 - 5);              /* its start need not be aligned */
     spare_add(&spare, more, 4096);
     spare_add(&spare, kept, 64);                        /* too small to matter: left as it is */
-    size_t live = a.live;
+    size_t live = arena_live(&a);
     unsigned char *piece[7];
     int fills = 0;
     for (int i = 0; i < 7; i++) {                       /* three fit beside each head: 3 * 1024 + 32 <= 4064 */
         piece[i] = spare_take(&spare, &a, 1000);
         CHECK((uintptr_t)piece[i] % ARENA_ALIGN == 0);
         memset(piece[i], i + 1, 1000);
-        CHECK_INT(a.live > live, i == 6);
+        CHECK_INT(arena_live(&a) > live, i == 6);
         CHECK_INT((piece[i] >= dead && piece[i] + 1000 <= more + 4096), i < 6);
     }
     for (int i = 0; i < 7; i++)
@@ -114,7 +114,7 @@ TEST(after_one_reset_the_same_step_never_allocates_again)
         arena_reset(&a);
         if (step > 0)
             CHECK_INT(a.allocations, before);
-        CHECK_INT(a.live, 0);
+        CHECK_INT(arena_live(&a), 0);
     }
     CHECK_INT(a.high, 1000 * 1024);
     arena_close(&a);
@@ -146,7 +146,7 @@ TEST(a_demand_beyond_all_memory_is_refused_and_changes_nothing)
     CHECK(arena_alloc(&a, SIZE_MAX / 2) == NULL);
     CHECK(arena_zero(&a, SIZE_MAX - 8) == NULL);
     CHECK_INT(arena_bytes(&a), held);
-    CHECK_INT(a.live, ARENA_ALIGN);
+    CHECK_INT(arena_live(&a), ARENA_ALIGN);
     CHECK((char *)arena_alloc(&a, 10) == p + ARENA_ALIGN);
     arena_close(&a);
 }
@@ -299,7 +299,7 @@ static void check_sorted(uint32_t *list, int count, Arena *a)
         mixed_after ^= list[i] * 0x9E3779B97F4A7C15u;
     }
     CHECK(sum == after && mixed == mixed_after);        /* the same numbers */
-    CHECK_INT(a->live, 0);
+    CHECK_INT(arena_live(a), 0);
 }
 
 TEST(numbers_of_any_size_and_count_come_out_ascending)
@@ -376,11 +376,11 @@ TEST(a_shrunk_piece_makes_room_for_the_next_one)
 {
     Arena a = {0};
     char *first = arena_alloc(&a, 100), *piece = arena_alloc(&a, 10000);
-    size_t live = a.live;
+    size_t live = arena_live(&a);
     memset(first, 1, 100);
     memset(piece, 2, 10000);
     arena_shrink(&a, piece, 90);
-    CHECK(a.live < live - 9000);
+    CHECK(arena_live(&a) < live - 9000);
     CHECK(arena_alloc(&a, 50) == piece + 2 * ARENA_ALIGN);
     CHECK_INT(first[99], 1);
     CHECK_INT(piece[89], 2);
