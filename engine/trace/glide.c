@@ -6,6 +6,7 @@
  * direction, and at the end the same points touch in the same places. Anything else is handed on to the tracer, as it was gathered.
  * A ball on what moves evenly below it, a turntable or a belt, has a closed form, too (below).
  */
+#include "math/pair.h"
 #include "trace/trace.h"
 
 #define PAIRS   4               /* most of them; all but one without a point */
@@ -41,20 +42,23 @@ static int only_contact(const Group *g)
     return only;
 }
 
+/* Is it on what moves, and is that where its one contact is? */
+static bool carries(const Group *g, int body)
+{
+    int only = g->driven && g->member[body].kinematic ? only_contact(g) : -1;
+    return only >= 0 && (g->contacts[only].a == body || g->contacts[only].b == body);
+}
+
 static bool suits(const Group *g)
 {
     if (g->moving_count != 1 || g->trace_step <= 0 || g->pair_count == 0 || g->pair_count > PAIRS || g->joint_count + g->push_count > 0)
         return false;
     if (g->own || g->varies || g->planar || g->world->region_count > 0 || !g->member[0].moves)
         return false;
-    int only = only_contact(g);
-    if (only < 0)
-        return false;
-    const GroupContact *c = &g->contacts[only];
     for (int i = 1; i < g->body_count; i++)
-        if (!member_still(g, i) && !(g->member[i].kinematic && (i == c->a || i == c->b)))
+        if (!member_still(g, i) && !carries(g, i))
             return false;
-    return trace_suits(g);
+    return only_contact(g) >= 0 && trace_suits(g);
 }
 
 typedef struct Glide {
@@ -89,7 +93,7 @@ static bool closed(const Glide *s, real gap)
     return fabs(gap) <= real_max(1e-13 * s->scales->size, GATE_DRIFT * s->scales->tolerance);
 }
 
-static void look(Glide *s)
+INLINE void look(Glide *s)
 {
     const Group *g = s->g;
     const GroupManifold *m = &s->c->manifold;
@@ -124,7 +128,7 @@ static bool rub(Glide *s, vec3 *tangent, real normal)
 }
 
 /* Do the forces of the frame before balance? Then they are those of this one. */
-static bool balances(Glide *s)
+INLINE bool balances(Glide *s)
 {
     const Group *g = s->g;
     const Member *m = &g->member[0];
@@ -268,7 +272,7 @@ static real table_work(const Glide *s)
     return 0.5 * (linear + angular);
 }
 
-static bool move(Glide *s)
+INLINE bool move(Glide *s)
 {
     const Group *g = s->g;
     const Vel *v = &s->vel;
@@ -286,7 +290,7 @@ static bool move(Glide *s)
 }
 
 /* Is nothing near that was far, but what touched, and where it did? */
-static bool touches_as_before(const Glide *s)
+INLINE bool touches_as_before(const Glide *s)
 {
     const GroupManifold *m = &s->c->manifold;
     real off = SAME * s->g->member[0].outer;
@@ -299,7 +303,7 @@ static bool touches_as_before(const Glide *s)
 }
 
 /* Pairs without a point stay so in this frame, or they are the tracer's. */
-static bool others_stay_away(const Glide *s)
+INLINE bool others_stay_away(const Glide *s)
 {
     Group *g = s->g;
     for (int i = 0; i < g->pair_count; i++) {
@@ -313,7 +317,7 @@ static bool others_stay_away(const Glide *s)
     return true;
 }
 
-static void book(const Glide *s)
+INLINE void book(const Glide *s)
 {
     Group *g = s->g;
     GroupContact *c = s->c;
@@ -339,7 +343,7 @@ static void book(const Glide *s)
 }
 
 /* As it was gathered. */
-static dig_status hand_on(const Glide *s, real h)
+INLINE dig_status hand_on(const Glide *s, real h)
 {
     Group *g = s->g;
     g->pos[0] = s->pos;
@@ -364,9 +368,9 @@ static dig_status hand_on(const Glide *s, real h)
     return DIG_OK;
 }
 
-static dig_status advance(Group *g, real dt)
+/* table: the member that carries it and moves, or 0. Compiled for each by itself, so that all of a Glide stays in registers. */
+INLINE dig_status go_on(Group *g, GroupContact *c, real dt, int table)
 {
-    GroupContact *c = &g->contacts[only_contact(g)];
     Tracer scales;              /* these alone of it: to clear the rest would cost more than to use it */
     Glide s;
     PointMemory memory[MANIFOLD_POINTS];
@@ -377,7 +381,7 @@ static dig_status advance(Group *g, real dt)
     s.c = c;
     s.q = &g->pairs[c->pair];
     s.side = c->b == 0 ? 1 : -1;
-    s.table = member_still(g, c->a + c->b) ? 0 : c->a + c->b;
+    s.table = table;
     s.table_pos = g->pos[s.table];
     trace_scales(&scales);
     g->h = 1e-14;               /* forces are those of this instant */
@@ -404,6 +408,15 @@ static dig_status advance(Group *g, real dt)
     DIG_TRY(g->stage(g, STAGE_SETTLE));
     g->touch = 1e-7;
     return g->status;
+}
+
+static dig_status go_on_still(Group *g, GroupContact *c, real dt) { return go_on(g, c, dt, 0); }
+static dig_status go_on_table(Group *g, GroupContact *c, real dt) { return go_on(g, c, dt, c->a + c->b); }     /* the one that glides is 0 */
+
+static dig_status advance(Group *g, real dt)
+{
+    GroupContact *c = &g->contacts[only_contact(g)];
+    return g->driven ? go_on_table(g, c, dt) : go_on_still(g, c, dt);
 }
 
 const Way way_glide = {.name = "glide", .tally = WAY_TRACED, .suits = suits, .advance = advance, .inertias = true};
