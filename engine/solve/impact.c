@@ -185,8 +185,8 @@ static bool stick_solve(Stick *s, real enough)
             r[i] = sum;
             worst = real_max(worst, fabs(sum));
         }
-        if (!(worst > enough))
-            return worst <= enough;
+        if (worst == 0)
+            return true;
         for (int i = 0; i < s->n; i++)
             for (int k = 0; k < i; k++)
                 r[i] -= s->f[i][k] * r[k];
@@ -197,6 +197,8 @@ static bool stick_solve(Stick *s, real enough)
                 r[i] -= s->f[k][i] * r[k];
             s->x[i] += r[i];
         }
+        if (worst <= enough)    /* and once more, towards rounding */
+            return true;
     }
     return false;
 }

@@ -139,32 +139,40 @@ static bool factor_symmetric(System *s)
     return true;
 }
 
+static inline void take_off(real *restrict row, real l, const real *restrict top, int from, int n)
+{
+    for (int m = from; m < n; m++)
+        row[m] -= l * top[m];
+}
+
 static bool factor_general(System *s)
 {
     int n = s->count;
-    memcpy(s->f, s->a, (size_t)n * (size_t)n * sizeof *s->f);
+    real *f = s->f;
+    memcpy(f, s->a, (size_t)n * (size_t)n * sizeof *f);
     for (int i = 0; s->redundant && i < n; i++)
-        s->f[i * n + i] *= 1 + SOFTENING;
+        f[i * n + i] *= 1 + SOFTENING;
     for (int i = 0; i < n; i++) {
+        real *top = f + i * n, most = fabs(top[i]);
         int best = i;
         for (int k = i + 1; k < n; k++)
-            if (fabs(s->f[k * n + i]) > fabs(s->f[best * n + i]))
+            if (fabs(f[k * n + i]) > most) {
+                most = fabs(f[k * n + i]);
                 best = k;
-        s->swap[i] = best;
-        if (best != i)
-            for (int k = 0; k < n; k++) {
-                real x = s->f[i * n + k];
-                s->f[i * n + k] = s->f[best * n + k];
-                s->f[best * n + k] = x;
             }
-        real pivot = s->f[i * n + i];
+        s->swap[i] = best;
+        for (int k = 0; k < n && best != i; k++) {
+            real x = top[k];
+            top[k] = f[best * n + k];
+            f[best * n + k] = x;
+        }
+        real pivot = top[i];
         if (!(fabs(pivot) > (s->redundant ? 1e-300 : SINGULAR * fabs(s->a[i * n + i]))))
             return false;
         for (int k = i + 1; k < n; k++) {
-            real l = s->f[k * n + i] /= pivot;
+            real *row = f + k * n, l = row[i] /= pivot;
             if (l != 0)
-                for (int m = i + 1; m < n; m++)
-                    s->f[k * n + m] -= l * s->f[i * n + m];
+                take_off(row, l, top, i + 1, n);
         }
     }
     return true;
@@ -235,13 +243,19 @@ static void back_general(const System *s, real *x)
             x[i] = x[s->swap[i]];
             x[s->swap[i]] = v;
         }
-    for (int i = 0; i < n; i++)
+    const real *f = s->f;
+    for (int i = 0; i < n; i++, f += n) {
+        real sum = x[i];
         for (int k = 0; k < i; k++)
-            x[i] -= s->f[i * n + k] * x[k];
+            sum -= f[k] * x[k];
+        x[i] = sum;
+    }
     for (int i = n - 1; i >= 0; i--) {
+        f -= n;
+        real sum = x[i];
         for (int k = i + 1; k < n; k++)
-            x[i] -= s->f[i * n + k] * x[k];
-        x[i] /= s->f[i * n + i];
+            sum -= f[k] * x[k];
+        x[i] = sum / f[i];
     }
 }
 
