@@ -21,28 +21,36 @@
 
 typedef struct Phase { real s, c, d; } Phase;           /* sn, cn, dn */
 
+typedef struct Means { real mean[HALVES], root[HALVES], end; int last; } Means;         /* arithmetic and geometric, and what both become */
+
 /* m1: 1 - m, above 0 */
-static Phase phase_of(real u, real m1)
+static void find_means(Means *of, real m1)
 {
-    real mean[HALVES], root[HALVES], a = 1, b = sqrt(m1);
+    real a = 1, b = sqrt(m1);
     int n = 0;
     for (;; n++) {
-        mean[n] = a;
-        root[n] = b;
+        of->mean[n] = a;
+        of->root[n] = b;
         if (fabs(a - b) <= 1e-9 * a || n == HALVES - 1)
             break;
         b = sqrt(a * b);
-        a = 0.5 * (a + root[n]);
+        a = 0.5 * (a + of->root[n]);
     }
-    real end = 0.5 * (a + b), s = sin(end * u), c = cos(end * u), d = 1;
+    of->end = 0.5 * (a + b);
+    of->last = n;
+}
+
+static Phase phase_of(const Means *of, real u)
+{
+    real s = sin(of->end * u), c = cos(of->end * u), d = 1;
     if (s == 0)
         return (Phase){0, c, 1};
-    real ratio = c / s, up = end * ratio;
-    for (; n >= 0; n--) {
-        real below = mean[n];
+    real ratio = c / s, up = of->end * ratio;
+    for (int n = of->last; n >= 0; n--) {
+        real below = of->mean[n];
         ratio *= up;
         up *= d;
-        d = (root[n] + ratio) / (below + ratio);
+        d = (of->root[n] + ratio) / (below + ratio);
         ratio = up / below;
     }
     real size = 1 / sqrt(up * up + 1);
@@ -65,18 +73,18 @@ static const real many_at[MANY] = {0.12523340851146891547, 0.3678314989981801937
 static const real many_weight[MANY] = {0.24914704581340278500, 0.23349253653835480876, 0.20316742672306592175,
                                        0.16007832854334622633, 0.10693932599531843096, 0.04717533638651182719};
 
-/* The mean of 1 / (1 + rise dn) over a length of the phase from p on. */
-static real mean_rate(Phase p, real length, real rise, real m, real m1)
+/* The mean of 1 / (1 + rise dn) over a length of the phase, `whole`, from p on. */
+static real mean_rate(const Means *of, Phase p, real length, Phase whole, real rise, real m)
 {
     int panels = (int)ceil(length / (2 * PANEL));
     real half = length / (2 * int_max(panels, 1)), sum = 0;
     bool is_short = half <= SHORT;
     int count = is_short ? FEW : MANY;
     const real *at = is_short ? few_at : many_at, *weight = is_short ? few_weight : many_weight;
-    Phase off[MANY], step = phase_of(2 * half, m1);
+    Phase off[MANY], step = panels > 1 ? phase_of(of, 2 * half) : whole;
     for (int i = 0; i < count; i++)
-        off[i] = phase_of(at[i] * half, m1);
-    p = phase_add(p, phase_of(half, m1), m);
+        off[i] = phase_of(of, at[i] * half);
+    p = phase_add(p, phase_of(of, half), m);
     for (int k = 0; k < int_max(panels, 1); k++) {
         for (int i = 0; i < count; i++) {           /* dn at either side of the middle: (even -+ odd) / all */
             Phase q = off[i];
@@ -116,8 +124,11 @@ bool tumble(const mat3 *inv_inertia, quat *q, vec3 momentum, real h)
     real a = ratio_root(fabs(off), fabs(d1 - d3)), b = ratio_root(fabs(off), fabs(d2 - d3)), c = ratio_root(fabs(rest), fabs(d1 - d3));
     a *= (d2 > d3) == ((mid - one + 3) % 3 == 1) ? way : -way;
     Phase p = b > 0 && a != 0 ? (Phase){l[mid] / b, l[one] / a, fabs(l[three]) / c} : (Phase){0, 1, 1};
-    real angle = h * (size * d3 + off / size * mean_rate(p, length, c / size, m, m1));
-    p = phase_add(p, phase_of(length, m1), m);
+    Means means;
+    find_means(&means, m1);
+    Phase whole = phase_of(&means, length);
+    real angle = h * (size * d3 + off / size * mean_rate(&means, p, length, whole, c / size, m));
+    p = phase_add(p, whole, m);
     real end[3], axis[3] = {0, 0, 0};
     end[one] = a * p.c;
     end[mid] = b * p.s;
