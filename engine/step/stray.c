@@ -109,15 +109,13 @@ static bool strays(const World *w, int member, Stray *out)
     const Solid *s = &w->solids.data[out->solid];
     const Body *b = &w->bodies.data[g->member[member].slot];
     const Pos *p = &g->pos[member];
-    real margin = out->whole ? 0 : margin_of(g, s);
+    real margin = margin_of(g, s);
     pose at = pose_mul((pose){vec3_sub(p->x, quat_rotate(p->q, b->centre)), p->q}, s->at);
     if (s->leaf < 0 || !vec3_finite(p->x) || !quat_finite(p->q))
         return false;
     out->at = at.p;
     out->from = solid_pose(w, s).p;
-    out->end = box3_grow(s->shape.type->bounds(&s->shape, at), -margin);
-    if (out->whole)
-        out->end = whole_way(w, g, member, s);
+    out->end = out->whole ? whole_way(w, g, member, s) : box3_grow(s->shape.type->bounds(&s->shape, at), -margin);
     return !box3_inside(solid_reach(w, s), out->end);
 }
 
