@@ -203,6 +203,33 @@ static void mass_times(const real *m, const real *x, real *y)
     }
 }
 
+/* Less what the impulses of rows do. */
+INLINE void take_impulses(Direct *d)
+{
+    for (int i = 0; i < d->triple_count; i++) {
+        const Triple *t = &d->triples[i];
+        for (int m = 0; m < 2; m++) {
+            if (t->place[m] < 0)
+                continue;
+            real *grad = d->grad + 6 * t->place[m];
+            four sum = part_of(grad);
+            pair more = two(grad + 4);
+            UNROLL
+            for (int k = 0; k < 3; k++) {
+                const real *j = t->j[k] + 6 * m;
+                real change = t->force[k] - t->start[k];
+                sum -= part_of(j) * change;
+                more -= two(j + 4) * change;
+            }
+            FOUR(grad[0]) = sum;
+            PAIR(grad[4]) = more;
+        }
+    }
+}
+
+static void take_plain(Direct *d) { take_impulses(d); }
+WIDE static void take_wide(Direct *d) { take_impulses(d); }
+
 void direct_gradient(Direct *d)
 {
     memset(d->grad, 0, (size_t)d->blocks.n * 6 * sizeof *d->grad);
@@ -212,20 +239,7 @@ void direct_gradient(Direct *d)
             off[k] = d->v[6 * i + k] - d->v0[6 * i + k];
         mass_times(d->mass + 10 * i, off, d->grad + 6 * i);
     }
-    for (int i = 0; i < d->triple_count; i++) {
-        const Triple *t = &d->triples[i];
-        for (int m = 0; m < 2; m++) {
-            if (t->place[m] < 0)
-                continue;
-            real *restrict grad = d->grad + 6 * t->place[m];
-            for (int k = 0; k < 3; k++) {
-                const real *restrict j = t->j[k] + 6 * m;
-                real change = t->force[k] - t->start[k];
-                for (int c = 0; c < 6; c++)
-                    grad[c] -= j[c] * change;
-            }
-        }
-    }
+    (has_wide() ? take_wide : take_plain)(d);
     singles_gradient(d);
 }
 
