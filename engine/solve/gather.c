@@ -378,8 +378,7 @@ dig_status group_gather(Group *g, const World *w, const uint32_t *leads, int dig
     DIG_TRY(gather_bodies(g, pairs, pair_count, &joints));
     DIG_TRY(gather_joints(g, joints));
     DIG_TRY(fuse(g, pair_count));
-    if (pair_count > 0 && !g->crowd)
-        group_find_throws(g);
+    group_find_throws(g);
     DIG_TRY(gather_pairs(g, pairs, pair_count));
     for (int i = g->moving_count; i < g->body_count; i++) {
         g->movers = g->movers || g->member[i].kinematic;

@@ -30,6 +30,9 @@ typedef struct Pos  { vec3 x; quat q; } Pos;                    /* m, 1  centre 
 typedef struct Vel  { vec3 v, w; } Vel;                         /* m/s, rad/s                               */
 typedef struct Mass { real im; mat3 ii; } Mass;                 /* 1/kg, 1/(kg m^2) world axes, now         */
 
+/* All that moves in a group: how far it reaches, and no more than that do gravity, pushes and springs do to it. What a motor without a bound is measured by. */
+typedef struct Bulk { real mass, size, load; } Bulk;        /* kg, m, N */
+
 typedef struct Member {         /* the rest of a gathered body */
     uint32_t slot;              /* in world->bodies; NONE = the world itself           */
     bool     moves;             /* dynamic and awake in this try: impulses move it     */
@@ -245,6 +248,7 @@ struct Group {
     Team     *team;             /* that advances it; NULL: one thread */
     vec3      gravity;          /* m/s^2  of the world */
     real      fall;             /* m/s^2  the largest where its members are: the scale of what weight does */
+    Bulk      bulk;             /* where there are joints */
     uint32_t  effects;          /* bit per effect of the list that this group calls for */
     bool      turns;            /* one of them may turn a sphere                    */
     uint32_t  laws;             /* bit per Law that these stand for                */
@@ -552,7 +556,7 @@ bool direct_joints(Group *g);           /* should joints and contacts be solved 
 real direct_wanted(const Group *g);     /* m/s  sweeps that stop above this are to be followed by direct_solve; 0 = never */
 /* turn.c */
 vec3 group_swerve(const Group *g, int i);        /* rad/s  Member.swerve, from the velocities before the substep */
-void group_find_throws(Group *g);                /* throw.c: Member.thrown */
+void group_find_throws(Group *g);                /* throw.c: Member.thrown, Group.bulk */
 static inline real member_thrown(const Member *m, real time) { return real_min(m->thrown * time, m->thrown_far); }      /* m */
 void group_note_blow(Group *g, int body);       /* impact.c: where it is it was struck */
 void group_note_swing(Group *g, int body, vec3 x, real turned);        /* there: its centre of mass was at x, having turned by so much, rad */

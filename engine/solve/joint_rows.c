@@ -87,24 +87,17 @@ static void finish_soft(const Group *g, JointRow *r)
     r->bias = -r->row.error * h * k / s - (g->midpoint ? start_rate(g, &r->row) : 0);
 }
 
-#define STRONG 1e4              /* times what brings all of the group to the motor's speed in a step, or by its own size */
+#define STRONG 1e4              /* times what brings all of the group to the motor's speed in a step, or by its own size, and what else acts on it */
 
-/* Against a wall a motor without a bound is stalled by any force, and no number is that. Where something is near, it has one that
- * nothing else in the group comes near to. */
+/* Against a wall a motor without a bound is stalled by any force, and no number is that: it has a bound that nothing else in the group comes near to. */
 real group_motor_most(const Group *g, const Row *r)
 {
+    const Bulk *b = &g->bulk;
+    real dt = g->world->def.step;
     if (!isinf(r->hi))
         return r->hi;
-    real dt = g->world->def.step, mass = 0, size = 0, inertia = 0;
-    const int at = r->body[0] >= 0 && g->member[r->body[0]].moves ? r->body[0] : r->body[r->count - 1];
-    for (int i = 0; i < g->moving_count; i++) {
-        const Member *m = &g->member[i];
-        real arm = m->outer + (at >= 0 ? vec3_distance(g->pos[i].x, g->pos[at].x) : 0);
-        mass += m->mass;
-        size = real_max(size, arm);
-        inertia += m->mass * arm * arm;
-    }
-    return STRONG * (r->angular ? inertia * (1 / dt + fabs(r->rate)) : mass * (size / dt + fabs(r->rate))) / dt;
+    return STRONG * (r->angular ? b->size * (b->mass * b->size * (1 / dt + fabs(r->rate)) / dt + b->load) :
+                                  b->mass * (b->size / dt + fabs(r->rate)) / dt + b->load);
 }
 
 #define RIGID 1e3               /* times the impulse that brings it to its speed: no sweep gets to the bound of a motor that gives more */

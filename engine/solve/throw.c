@@ -54,7 +54,7 @@ static bool plain(const JointView *j)
     return (j->type->only_point && j->type->only_point(j->params)) || (j->type->loose && j->type->loose(j->params));
 }
 
-void group_find_throws(Group *g)
+static void throw_all(Group *g)
 {
     for (int i = 0; i < g->joint_count; i++) {
         GroupJoint *j = &g->joints[i];
@@ -71,4 +71,29 @@ void group_find_throws(Group *g)
         for (int k = 0; k < list.count; k++)
             throw_by(g, &rows[k], g->world->def.step);
     }
+}
+
+static Bulk bulk_of(const Group *g)
+{
+    Bulk bulk = {0, 0, 0};
+    box3 all = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    for (int i = 0; i < g->moving_count; i++) {
+        const Member *m = &g->member[i];
+        if (!(m->im > 0))
+            continue;
+        all = box3_union(all, box3_grow((box3){g->pos[i].x, g->pos[i].x}, m->outer));
+        bulk.mass += 1 / m->im;
+        bulk.load += (m->pull + m->thrown / g->world->def.step) / m->im;
+    }
+    if (bulk.mass > 0)
+        bulk.size = vec3_distance(all.low, all.high);
+    return bulk;
+}
+
+void group_find_throws(Group *g)
+{
+    if (!g->crowd)
+        throw_all(g);
+    if (g->joint_count > 0)
+        g->bulk = bulk_of(g);
 }

@@ -170,3 +170,25 @@ scenario("see-saws and free rods meet what they are turned into", function()
     end
   end
 end)
+
+test.each_accuracy("a brake without a bound holds what pushes and springs pull at, however light it is itself", function(s, accuracy)
+  for _, step in ipairs { 1 / 60, 1 / 30 } do
+    for _, push in ipairs { 1e4, 1e6 } do
+      for _, near in ipairs { false, true } do
+        local world = s:world { gravity = { 0, 0, 0 }, step = step, accuracy = accuracy }
+        local brake = world:box { size = 0.02, mass = 0.01, at = { 0, 0, 0 } }
+        world:slider { a = brake, axis = { 1, 0, 0 }, motor = { speed = 0 } }
+        if near then world:box { size = 0.02, at = { 0, 0.0202, 0 }, fixed = true } end
+        brake:push { force = { push, 0, 0 }, lasts = 1 }
+        world:run(0.2)
+        expect(brake.at.x):near(0, 1e-6)
+        local post = world:box { size = 0.01, at = { 2, 0, 0 }, fixed = true, collides = false }
+        local tied = world:box { size = 0.02, mass = 0.01, at = { 0, 1, 0 } }
+        world:slider { a = tied, axis = { 1, 0, 0 }, motor = { speed = 0 } }
+        world:spring { a = tied, b = post, stiffness = push, length = 1 }
+        world:run(0.2)
+        expect(tied.at.x):near(0, 1e-5)
+      end
+    end
+  end
+end)
