@@ -73,6 +73,24 @@ static void throw_all(Group *g)
     }
 }
 
+/* What hangs on what is thrown goes as far. */
+static void spread(Group *g)
+{
+    bool more = g->joint_count > 1;
+    while (more) {
+        more = false;
+        for (int i = 0; i < g->joint_count; i++) {
+            const GroupJoint *j = &g->joints[i];
+            Member *a = j->a < 0 ? NULL : &g->member[j->a], *b = j->b < 0 ? NULL : &g->member[j->b];
+            if (!a || !b || !a->moves || !b->moves || (a->thrown == b->thrown && a->thrown_far == b->thrown_far))
+                continue;
+            a->thrown = b->thrown = real_max(a->thrown, b->thrown);
+            a->thrown_far = b->thrown_far = real_max(a->thrown_far, b->thrown_far);
+            more = true;
+        }
+    }
+}
+
 static Bulk bulk_of(const Group *g)
 {
     Bulk bulk = {0, 0, 0};
@@ -94,6 +112,7 @@ void group_find_throws(Group *g)
 {
     if (!g->crowd)
         throw_all(g);
+    spread(g);
     if (g->joint_count > 0)
         g->bulk = bulk_of(g);
 }

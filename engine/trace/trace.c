@@ -369,6 +369,19 @@ static void go_back(Tracer *t)
     t->dirty = true;            /* the contacts found there are not those of before: their kinds are found anew */
 }
 
+/* What springs and motors throw may come back within the frame: its ends do not tell where it was. */
+static void note_ways(Tracer *t)
+{
+    Group *g = t->g;
+    for (int i = 0; i < g->moving_count && t->t < t->end; i++) {
+        const Member *m = &g->member[i];
+        if (!(m->thrown > 0) || !m->moves)
+            continue;
+        quat turned = quat_mul(t->y1[i].q, quat_conjugate(g->world->bodies.data[m->slot].q));
+        group_note_swing(g, i, t->y1[i].x, vec3_length(quat_log(quat_unit(turned))));
+    }
+}
+
 /* The tried step becomes the state. Contacts are looked for at its end; should something be deep in something that nobody
  * watched, the step is taken back. */
 static bool accept_step(Tracer *t, const Event *e)
@@ -389,6 +402,7 @@ static bool accept_step(Tracer *t, const Event *e)
         go_back(t);
         return trace_touch(t, false);
     }
+    note_ways(t);
     bool before = look && t->relisted;
     trace_book(t, before ? t->old_touch : t->touch, before ? t->old_count : t->touch_count, begin);
     State *old = t->y;

@@ -171,6 +171,31 @@ scenario("see-saws and free rods meet what they are turned into", function()
   end
 end)
 
+-- Two balls of 0.1 kg, 0.3 m apart: the first on a spring, the second on the first; a peg in the way of the second. Of 7100 and 28400 N/m whole
+-- periods fit into a thirtieth of a second.
+scenario("what hangs on what a spring throws does not pass a peg, nor by whole periods within a step", function()
+  for _, step in ipairs { 1 / 60, 1 / 30 } do
+    for _, gap in ipairs { 0.15, 0.3 } do
+      for _, stiffness in ipairs { 1000, 7106, 10000, 28424 } do
+        for _, kind in ipairs { "weld", "slider", "hinge" } do
+          local world, hits = world_of(step), 0
+          local first = world:ball { radius = 0.02, mass = 0.1, at = { 0, 0, 0 }, restitution = 0 }
+          local second = world:ball { radius = 0.02, mass = 0.1, at = { 0.3, 0, 0 }, restitution = 0 }
+          world:slider { a = first, axis = { 0, 1, 0 }, spring = { stiffness = stiffness, rest = 0.5 } }
+          world[kind](world, { a = second, b = first, axis = kind == "slider" and { 1, 0, 0 } or { 0, 0, 1 } })
+          world:box { size = { 0.02, 0.02, 0.3 }, at = { 0.3, gap, 0 }, fixed = true, restitution = 0 }
+          second:on("contact_begin", function() hits = hits + 1 end)
+          for _ = 1, 3 do
+            world:step()
+            expect(second.at.y):at_most(gap)
+          end
+          expect(hits):above(0)
+        end
+      end
+    end
+  end
+end)
+
 test.each_accuracy("a brake without a bound holds what pushes and springs pull at, however light it is itself", function(s, accuracy)
   for _, step in ipairs { 1 / 60, 1 / 30 } do
     for _, push in ipairs { 1e4, 1e6 } do
