@@ -31,7 +31,7 @@ typedef struct Vel  { vec3 v, w; } Vel;                         /* m/s, rad/s   
 typedef struct Mass { real im; mat3 ii; } Mass;                 /* 1/kg, 1/(kg m^2) world axes, now         */
 
 /* All that moves in a group: how far it reaches, and no more than that do gravity, pushes and springs do to it. What a motor without a bound is measured by. */
-typedef struct Bulk { real mass, size, load; } Bulk;        /* kg, m, N */
+typedef struct Bulk { real mass, size, load; } Bulk;        /* kg, m from its middle, N */
 
 typedef struct Member {         /* the rest of a gathered body */
     uint32_t slot;              /* in world->bodies; NONE = the world itself           */

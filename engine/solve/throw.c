@@ -104,7 +104,7 @@ static Bulk bulk_of(const Group *g)
         bulk.load += (m->pull + m->thrown / g->world->def.step) / m->im;
     }
     if (bulk.mass > 0)
-        bulk.size = vec3_distance(all.low, all.high);
+        bulk.size = 0.5 * vec3_distance(all.low, all.high);
     return bulk;
 }
 

@@ -171,8 +171,8 @@ scenario("see-saws and free rods meet what they are turned into", function()
   end
 end)
 
--- Two balls of 0.1 kg, 0.3 m apart: the first on a spring, the second on the first; a peg in the way of the second. Of 7100 and 28400 N/m whole
--- periods fit into a thirtieth of a second.
+-- Two balls of 0.1 kg, 0.3 m apart: the first on a spring, the second on the first; a peg in the way of the second.
+-- Of 7106 and 28424 N/m whole periods fit into a thirtieth of a second.
 scenario("what hangs on what a spring throws does not pass a peg, nor by whole periods within a step", function()
   for _, step in ipairs { 1 / 60, 1 / 30 } do
     for _, gap in ipairs { 0.15, 0.3 } do
