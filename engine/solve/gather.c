@@ -294,7 +294,7 @@ static void gather_joint(Group *g, GroupJoint *j, uint32_t slot)
     j->fa = r->fa;
     j->fb = r->fb;
     j->breaks_at = r->breaks_at;
-    j->broken = false;
+    j->broken = j->lags = false;
     j->broke = j->overload = j->lost = 0;
     j->impulse = j->angular_impulse = vec3_zero();
     j->a = r->a == NONE ? -1 : local_of(g, r->a);
@@ -378,7 +378,8 @@ dig_status group_gather(Group *g, const World *w, const uint32_t *leads, int dig
     DIG_TRY(gather_bodies(g, pairs, pair_count, &joints));
     DIG_TRY(gather_joints(g, joints));
     DIG_TRY(fuse(g, pair_count));
-    group_find_throws(g);
+    if (pair_count > 0 && !g->crowd)
+        group_find_throws(g);
     DIG_TRY(gather_pairs(g, pairs, pair_count));
     for (int i = g->moving_count; i < g->body_count; i++) {
         g->movers = g->movers || g->member[i].kinematic;

@@ -31,7 +31,7 @@ typedef struct Vel  { vec3 v, w; } Vel;                         /* m/s, rad/s   
 typedef struct Mass { real im; mat3 ii; } Mass;                 /* 1/kg, 1/(kg m^2) world axes, now         */
 
 /* All that moves in a group: how far it reaches, and no more than that do gravity, pushes and springs do to it. What a motor without a bound is measured by. */
-typedef struct Bulk { real mass, size, load; } Bulk;        /* kg, m from its middle, N */
+typedef struct Bulk { bool found; real mass, size, load; } Bulk;     /* kg, m from its middle, N */
 
 typedef struct Member {         /* the rest of a gathered body */
     uint32_t slot;              /* in world->bodies; NONE = the world itself           */
@@ -212,6 +212,8 @@ typedef struct GroupJoint {
     int      a, b;
     int      other[2];          /* local joints, < 0 none           */
     bool     broken;            /* in this step, at the time        */
+    bool     lags;              /* its motor without a bound is stalled: it pushed in the last step and is not at its speed, or no velocities obey it and
+                                 * the rest: see group_motor_lag */
     real     broke;             /* s   into it                      */
     real     overload;          /* 1   its share of what it bears, then */
     real     breaks_at;         /* N   0 = never                    */
@@ -248,7 +250,8 @@ struct Group {
     Team     *team;             /* that advances it; NULL: one thread */
     vec3      gravity;          /* m/s^2  of the world */
     real      fall;             /* m/s^2  the largest where its members are: the scale of what weight does */
-    Bulk      bulk;             /* where there are joints */
+    Bulk      bulk;             /* once it was asked for */
+    bool      throws_found;     /* group_find_throws was called */
     uint32_t  effects;          /* bit per effect of the list that this group calls for */
     bool      turns;            /* one of them may turn a sphere                    */
     uint32_t  laws;             /* bit per Law that these stand for                */
@@ -465,7 +468,8 @@ real group_thin(const GroupPair *q);       /* m  with its middle so deep in the 
 
 /* joint_rows.c */
 void group_build_joints(Group *g, bool midpoint);
-real group_motor_most(const Group *g, const Row *r);       /* N or N m  no more does the motor of this row give */
+real group_motor_lag(const Group *g, const Row *r);        /* N or N m  what the motor of this row gives while it is not at its speed; of one without a bound
+                                                            * from Group.bulk */
 void group_turn_joints(Group *g, const Vel *found);     /* for the velocities at the end, as their bodies will have turned half-way: as they
                                                          * did before, or by the velocities found; [body_count] */
 /* Will the velocities found open a joint? What is thin and turns far in a substep swings its ends off the line that they hold for. */
@@ -556,7 +560,9 @@ bool direct_joints(Group *g);           /* should joints and contacts be solved 
 real direct_wanted(const Group *g);     /* m/s  sweeps that stop above this are to be followed by direct_solve; 0 = never */
 /* turn.c */
 vec3 group_swerve(const Group *g, int i);        /* rad/s  Member.swerve, from the velocities before the substep */
-void group_find_throws(Group *g);                /* throw.c: Member.thrown, Group.bulk */
+void group_find_throws(Group *g);                /* throw.c: Member.thrown, GroupJoint.lags */
+bool group_motors_yield(Group *g);                /* there: gives motors without a bound one; false: none was left without */
+void group_find_bulk(Group *g);                  /* there: Group.bulk */
 static inline real member_thrown(const Member *m, real time) { return real_min(m->thrown * time, m->thrown_far); }      /* m */
 void group_note_blow(Group *g, int body);       /* impact.c: where it is it was struck */
 void group_note_swing(Group *g, int body, vec3 x, real turned);        /* there: its centre of mass was at x, having turned by so much, rad */

@@ -89,13 +89,15 @@ static void finish_soft(const Group *g, JointRow *r)
 
 #define STRONG 1e4              /* times what brings all of the group to the motor's speed in a step, or by its own size, and what else acts on it */
 
-/* Against a wall a motor without a bound is stalled by any force, and no number is that: it has a bound that nothing else in the group comes near to. */
-real group_motor_most(const Group *g, const Row *r)
+/* Against a wall a motor without a bound is stalled by any force, and no number is that: while it is not at its speed, it gives what nothing else in
+ * the group comes near to. At its speed it holds whatever comes. */
+real group_motor_lag(const Group *g, const Row *r)
 {
     const Bulk *b = &g->bulk;
     real dt = g->world->def.step;
     if (!isinf(r->hi))
         return r->hi;
+    DIG_ASSERT(b->found);
     return STRONG * (r->angular ? b->size * (b->mass * b->size * (1 / dt + fabs(r->rate)) / dt + b->load) :
                                   b->mass * (b->size / dt + fabs(r->rate)) / dt + b->load);
 }
@@ -104,9 +106,9 @@ real group_motor_most(const Group *g, const Row *r)
 
 /* Where a stop is as near as a substep's way, and the motor has no bound or one that sweeps do not get to, the stop wins: the motor
  * drives no faster than the stop allows, and brakes nothing. That is the stop's to do. */
-static void finish_motor(const Group *g, JointRow *r)
+static void finish_motor(const Group *g, const GroupJoint *j, JointRow *r)
 {
-    real rate = r->row.rate, most = group_motor_most(g, &r->row) * g->h, room = r->row.error;
+    real rate = r->row.rate, most = (j->lags ? group_motor_lag(g, &r->row) : r->row.hi) * g->h, room = r->row.error;
     r->bias = rate;
     r->lo = -most;
     r->hi = most;
@@ -149,7 +151,7 @@ static void finish_row(const Group *g, const GroupJoint *j, JointRow *r, const R
     r->lo = r->row.kind == ROW_LIMIT ? 0 : r->row.kind == ROW_DRY ? -r->row.hi * g->h : -INFINITY;
     r->hi = r->row.kind == ROW_DRY ? r->row.hi * g->h : INFINITY;
     if (r->row.kind == ROW_MOTOR)
-        finish_motor(g, r);
+        finish_motor(g, j, r);
     else if (r->row.kind == ROW_LIMIT)
         r->bias = stop_rate(g, &r->row, start);
     else if (r->row.kind == ROW_SOFT)

@@ -217,7 +217,16 @@ static dig_status solve_with(Group *g, const Vel *found)
     if (!g->joints_direct)
         bounce(g);
     g->residual = 0;
+    int events = g->events_left;
+    bool contradicts = g->contradicts;
     relax_group(g);
+    if (g->residual > VELOCITY_COARSE && group_motors_yield(g)) {
+        g->events_left = events;
+        g->contradicts = contradicts;
+        g->residual = before;
+        restore(g);
+        return solve_with(g, found);
+    }
     if (group_jams(g, heals) || group_throws(g, heals)) {
         g->jammed = true;
         g->residual = before;

@@ -26,26 +26,44 @@ static real rate_of(const Group *g, const Row *r)
     return rate;
 }
 
+/* m/s or rad/s, and m or rad: by so much may the row change its rate, and itself. mobility: 1/kg or 1/(kg m^2) of its ends. */
+typedef struct Throw { real rate, far; } Throw;
+
+static Throw throw_of(const Group *g, const Row *r, real mobility, real time)
+{
+    if (r->kind == ROW_MOTOR) {
+        real rate = real_min(fabs(r->rate - rate_of(g, r)), mobility * r->hi * time);
+        return (Throw){rate, rate * time};
+    }
+    real off = fabs(r->error), rate = off * real_min(sqrt(r->stiffness * mobility), r->stiffness * mobility * time);
+    return (Throw){rate, real_min(rate * time, 2 * off)};
+}
+
 static void throw_by(Group *g, const Row *r, real time)
 {
     real mobility = 0, fastest[ROW_BODIES];
-    if (r->kind != ROW_SOFT && r->kind != ROW_MOTOR)
-        return;
     for (int k = 0; k < r->count; k++)
         mobility += give_of(g, r, k, &fastest[k]);
     if (!(mobility > 0))
         return;
-    bool soft = r->kind == ROW_SOFT;
-    real off = fabs(r->error), rate = soft ? off * real_min(sqrt(r->stiffness * mobility), r->stiffness * mobility * time)
-                                           : real_min(fabs(r->rate - rate_of(g, r)), mobility * r->hi * time);
-    real far = soft ? real_min(rate * time, 2 * off) : rate * time;
+    Throw most = throw_of(g, r, mobility, time);
     for (int k = 0; k < r->count; k++) {
         Member *m = r->body[k] < 0 ? NULL : &g->member[r->body[k]];
         if (!m || !m->moves)
             continue;
-        m->thrown += rate / mobility * fastest[k];
-        m->thrown_far += far / mobility * fastest[k];
+        m->thrown += most.rate / mobility * fastest[k];
+        m->thrown_far += most.far / mobility * fastest[k];
     }
+}
+
+#define LAGS 1e-2               /* of the speed wanted, or of that it has */
+#define STILL 1e-6              /* m/s or rad/s: of one that brakes */
+
+/* It pushed in the last step, and is not at its speed. One that has not pushed yet gets there by a blow. */
+static bool lags(const Group *g, const GroupJoint *j, const Row *r)
+{
+    real now = rate_of(g, r);
+    return j->force[r->slot] != 0 && fabs(r->rate - now) > real_max(STILL, LAGS * real_max(fabs(r->rate), fabs(now)));
 }
 
 /* Can nothing but what holds it act at the joint? */
@@ -68,51 +86,78 @@ static void throw_all(Group *g)
         JointView now = j->view;
         now.memory = memory;
         now.type->rows(&now, &list);
-        for (int k = 0; k < list.count; k++)
-            throw_by(g, &rows[k], g->world->def.step);
-    }
-}
-
-/* What hangs on what is thrown goes as far. */
-static void spread(Group *g)
-{
-    bool more = g->joint_count > 1;
-    while (more) {
-        more = false;
-        for (int i = 0; i < g->joint_count; i++) {
-            const GroupJoint *j = &g->joints[i];
-            Member *a = j->a < 0 ? NULL : &g->member[j->a], *b = j->b < 0 ? NULL : &g->member[j->b];
-            if (!a || !b || !a->moves || !b->moves || (a->thrown == b->thrown && a->thrown_far == b->thrown_far))
-                continue;
-            a->thrown = b->thrown = real_max(a->thrown, b->thrown);
-            a->thrown_far = b->thrown_far = real_max(a->thrown_far, b->thrown_far);
-            more = true;
+        for (int k = 0; k < list.count; k++) {
+            if (rows[k].kind == ROW_SOFT || rows[k].kind == ROW_MOTOR)
+                throw_by(g, &rows[k], g->world->def.step);
+            j->lags = j->lags || (rows[k].kind == ROW_MOTOR && isinf(rows[k].hi) && lags(g, j, &rows[k]));
         }
     }
 }
 
-static Bulk bulk_of(const Group *g)
+static bool share(Group *g, int joint)
 {
-    Bulk bulk = {0, 0, 0};
+    const GroupJoint *j = &g->joints[joint];
+    Member *a = j->a < 0 ? NULL : &g->member[j->a], *b = j->b < 0 ? NULL : &g->member[j->b];
+    if (!a || !b || !a->moves || !b->moves || (a->thrown == b->thrown && a->thrown_far == b->thrown_far))
+        return false;
+    a->thrown = b->thrown = real_max(a->thrown, b->thrown);
+    a->thrown_far = b->thrown_far = real_max(a->thrown_far, b->thrown_far);
+    return true;
+}
+
+/* What hangs on what is thrown goes as far. To and fro: a chain is done in two passes, whichever way it was built. */
+static void spread(Group *g)
+{
+    for (bool more = g->joint_count > 1, back = false; more; back = !back) {
+        more = false;
+        for (int i = 0; i < g->joint_count; i++)
+            more = share(g, back ? g->joint_count - 1 - i : i) || more;
+    }
+}
+
+void group_find_throws(Group *g)
+{
+    bool lags = false;
+    g->throws_found = true;
+    throw_all(g);
+    spread(g);
+    for (int i = 0; i < g->joint_count; i++)
+        lags = lags || g->joints[i].lags;
+    if (lags)
+        group_find_bulk(g);
+}
+
+void group_find_bulk(Group *g)
+{
+    if (g->bulk.found)
+        return;
+    g->bulk.found = true;           /* first: the throws ask for it, too */
+    if (!g->throws_found)
+        group_find_throws(g);
     box3 all = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
     for (int i = 0; i < g->moving_count; i++) {
         const Member *m = &g->member[i];
         if (!(m->im > 0))
             continue;
         all = box3_union(all, box3_grow((box3){g->pos[i].x, g->pos[i].x}, m->outer));
-        bulk.mass += 1 / m->im;
-        bulk.load += (m->pull + m->thrown / g->world->def.step) / m->im;
+        g->bulk.mass += 1 / m->im;
+        g->bulk.load += (m->pull + m->thrown / g->world->def.step) / m->im;
     }
-    if (bulk.mass > 0)
-        bulk.size = 0.5 * vec3_distance(all.low, all.high);
-    return bulk;
+    if (g->bulk.mass > 0)
+        g->bulk.size = 0.5 * vec3_distance(all.low, all.high);
 }
 
-void group_find_throws(Group *g)
+bool group_motors_yield(Group *g)
 {
-    if (!g->crowd)
-        throw_all(g);
-    spread(g);
-    if (g->joint_count > 0)
-        g->bulk = bulk_of(g);
+    bool any = false;
+    for (int i = 0; i < g->block_count; i++)
+        for (int k = 0; k < g->blocks[i].count; k++) {
+            const Row *r = &g->rows[g->blocks[i].first + k].row;
+            GroupJoint *j = &g->joints[g->blocks[i].joint];
+            if (r->kind == ROW_MOTOR && isinf(r->hi) && !j->lags)
+                j->lags = any = true;
+        }
+    if (any)
+        group_find_bulk(g);
+    return any;
 }

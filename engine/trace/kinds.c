@@ -86,21 +86,18 @@ static void hold_at_stop(Tracer *t, Hold *h, const Row *r)
             t->stops[i].gate.presses = false;
 }
 
-/* False: a motor without a bound is not at its speed. It gets there by a blow, which no force that is followed can be. */
-bool trace_sides(Tracer *t)
+/* What is not at its speed pushes with its bound. */
+void trace_sides(Tracer *t)
 {
-    bool fine = true;
     for (int i = 0; i < t->hold_count; i++) {
         Hold *h = &t->holds[i];
         const Row *r = trace_row(t, h->joint, h->slot);
-        if (r && isinf(r->hi))
+        if (r && isinf(h->most))
             hold_at_stop(t, h, r);
         real off = h->target - h->rate;
         bool lags = fabs(off) * (r && r->angular ? t->size : 1) > t->slip_zero;
-        h->side = !lags || isinf(h->most) ? 0 : off > 0 ? 1 : -1;
-        fine = fine && !(lags && isinf(h->most));
+        h->side = !lags ? 0 : off > 0 ? 1 : -1;
     }
-    return fine;
 }
 
 /* One past the last point of the contact that this is the first of. */
@@ -167,7 +164,7 @@ static bool call_idle(Tracer *t, real acc_scale)
     return any;
 }
 
-static bool start_kinds(Tracer *t)
+static void start_kinds(Tracer *t)
 {
     for (int i = 0; i < t->touch_count; i++) {
         Touching *c = &t->touch[i];
@@ -181,11 +178,7 @@ static bool start_kinds(Tracer *t)
         const Row *r = trace_row(t, t->stops[i].joint, t->stops[i].slot);
         close_gate(t, &t->stops[i].gate, r && r->angular ? t->size : 1, BEYOND);
     }
-    if (!trace_sides(t)) {
-        t->fault = "a motor without a bound that is not at its speed";
-        return false;
-    }
-    return true;
+    trace_sides(t);
 }
 
 /* The end is located to the tolerance: a slip that comes to it, too, may have been followed past it by as much, and point the other way. */
@@ -472,8 +465,7 @@ static bool start_slips(Tracer *t, real acc_scale)
 bool trace_kinds(Tracer *t, bool first)
 {
     int n = t->touch_count + t->stop_count + t->hold_count, directions = 0;
-    if (!start_kinds(t))
-        return false;
+    start_kinds(t);
     change_weights(t);          /* by the forces of before: most often they are those of now */
     lock_slow(t, first);
     if (first && (trace_again(t) || trace_joints_again(t)))

@@ -9,6 +9,13 @@
 #define PASS_LEAST (1.0 / 64)   /* of the frame; twice that where it fails again at once, and so on */
 #define FAILED 0.9              /* of the frame: where so much was passed, it is not tried again at once */
 
+static Hold hold_of(Group *g, int joint, const Row *r)
+{
+    if (isinf(r->hi))
+        group_find_bulk(g);
+    return (Hold){.joint = joint, .slot = r->slot, .most = r->hi, .lag = group_motor_lag(g, r), .target = r->kind == ROW_MOTOR ? r->rate : 0};
+}
+
 static void list_drives(Tracer *t)
 {
     t->stop_count = t->hold_count = 0;
@@ -18,8 +25,7 @@ static void list_drives(Tracer *t)
             if (r->kind == ROW_LIMIT)
                 t->stops[t->stop_count++] = (Stop){.gate.presses = t->g->joints[j].force[r->slot] > 0, .joint = j, .slot = r->slot};
             else if (r->kind == ROW_MOTOR || r->kind == ROW_DRY)
-                t->holds[t->hold_count++] =
-                    (Hold){.joint = j, .slot = r->slot, .most = group_motor_most(t->g, r), .target = r->kind == ROW_MOTOR ? r->rate : 0};
+                t->holds[t->hold_count++] = hold_of(t->g, j, r);
         }
 }
 

@@ -199,7 +199,7 @@ void trace_read_forces(Tracer *t)
         t->stops[i].gate.force = t->joint_force[t->stops[i].joint * JOINT_SLOTS + t->stops[i].slot] = 0;
     for (int i = 0; i < t->hold_count; i++) {
         Hold *h = &t->holds[i];
-        h->force = h->side * h->most;
+        h->force = h->side * h->lag;
         t->joint_force[h->joint * JOINT_SLOTS + h->slot] = h->force;
     }
     for (int i = 0; i < t->sys.count; i++) {
@@ -300,8 +300,8 @@ static void push_holds(Tracer *t)
             int b = r->body[k];
             if (!trace_moves(t, b))
                 continue;
-            t->acc[b] = vec3_mad(t->acc[b], h->side * h->most * t->g->mass[b].im, r->lin[k]);
-            t->torque[b] = vec3_mad(t->torque[b], h->side * h->most, r->ang[k]);
+            t->acc[b] = vec3_mad(t->acc[b], h->side * h->lag * t->g->mass[b].im, r->lin[k]);
+            t->torque[b] = vec3_mad(t->torque[b], h->side * h->lag, r->ang[k]);
         }
     }
 }

@@ -369,13 +369,15 @@ static void go_back(Tracer *t)
     t->dirty = true;            /* the contacts found there are not those of before: their kinds are found anew */
 }
 
-/* What springs and motors throw may come back within the frame: its ends do not tell where it was. */
+#define SWINGS 1.5              /* rad in the frame: what swings farther */
+
+/* It may come back within the frame, whose ends do not tell where it was. */
 static void note_ways(Tracer *t)
 {
     Group *g = t->g;
-    for (int i = 0; i < g->moving_count && t->t < t->end; i++) {
+    for (int i = 0; i < g->moving_count && t->t < t->end && t->swing * t->end > SWINGS; i++) {
         const Member *m = &g->member[i];
-        if (!(m->thrown > 0) || !m->moves)
+        if (!m->moves)
             continue;
         quat turned = quat_mul(t->y1[i].q, quat_conjugate(g->world->bodies.data[m->slot].q));
         group_note_swing(g, i, t->y1[i].x, vec3_length(quat_log(quat_unit(turned))));

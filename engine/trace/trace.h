@@ -144,7 +144,8 @@ typedef struct Stop { Gate gate; int joint, slot; } Stop;       /* a LIMIT row o
 
 typedef struct Hold {           /* a motor or dry friction of a joint */
     int  joint, slot, side;     /* side 0: holds its speed; +-1: at its bound             */
-    real most, target, rate, acc, force;
+    real most, target, rate, acc, force;        /* most: N or N m, what it holds its speed with */
+    real lag;                   /* N or N m  what it gives at its bound: of a motor without one, see group_motor_lag */
 } Hold;
 
 typedef struct Bond {           /* a joint that can break              */
@@ -329,7 +330,7 @@ void trace_patch(Tracer *t, int first, bool forces, bool positions);
 /* kinds.c */
 bool trace_kinds(Tracer *t, bool first);        /* who presses, sticks, slides; first: in this frame */
 bool trace_jerk(Tracer *t);                     /* velocities that others left apart, put right where what presses only pushes; false = fault */
-bool trace_sides(Tracer *t);                    /* which motors and dry frictions hold their speed, which push with their bound */
+void trace_sides(Tracer *t);                    /* which motors and dry frictions hold their speed, which push with their bound */
 real trace_acceleration_scale(const Tracer *t); /* m/s^2 */
 bool trace_slow_slip(const Tracer *t, const Touching *c, real h);       /* friction alone would turn it, or end it, within h */
 void trace_align(Tracer *t);                    /* slip directions of one patch */
