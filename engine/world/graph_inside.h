@@ -26,20 +26,25 @@ typedef struct GraphDig {
     uint32_t size;              /* members                                            */
     uint32_t first, last;       /* members; in a free record first is the next free   */
     uint32_t place;             /* in alive[]; NIL = not there                        */
+    uint32_t touched;           /* place in touched[] + 1, within graph_end; 0 = not there */
     uint64_t user;
-    /* The rest is used within graph_end only, in records it touches. */
-    bool     touched;
+} GraphDig;
+
+/* What graph_end asks of the DIGs that its batch touches; these know each other by their places in touched[]. Most batches touch few, and what
+ * is never touched takes no memory. */
+typedef struct GraphTouched {
+    uint32_t dig;               /* its record                                         */
     uint32_t old_id, old_size;  /* before the batch; old_id GRAPH_NONE: split off in it */
-    uint32_t origin;            /* record of the DIG it was part of before            */
+    uint32_t origin;            /* the DIG it was part of before                      */
     uint32_t piece;             /* nodes of that DIG it had when merging began        */
-    uint32_t into;              /* record it was merged into; itself = none           */
+    uint32_t into;              /* it was merged into that one; itself = none         */
     uint32_t overlap;           /* nodes of the DIG whose id the block keeps          */
     uint32_t block;             /* parent in the union-find over blocks; itself = root */
     uint32_t low;               /* lowest member slot, NIL = not known                */
-    uint32_t holder;            /* root: record that had the id the block keeps       */
-    uint32_t winner;            /* root: record that gets it                          */
+    uint32_t holder;            /* root: that which had the id the block keeps        */
+    uint32_t winner;            /* root: that which gets it                           */
     uint64_t kept_user;         /* root: user value that goes with it                 */
-} GraphDig;
+} GraphTouched;
 
 enum { TABLE_NODES, TABLE_DIGS, TABLE_ALIVE, TABLE_TOUCHED, TABLE_QUEUE, TABLE_CHANGES, TABLE_LINKS, TABLE_ADDS, TABLE_REMOVES, GRAPH_TABLES };
 
@@ -47,7 +52,7 @@ struct Graph {
     GraphNode   *nodes;         /* [node_capacity] by slot                            */
     GraphDig    *digs;          /* [node_capacity] there are never more DIGs than nodes */
     uint32_t    *alive;         /* [node_capacity] records with an id, alive_count used */
-    uint32_t    *touched;       /* [node_capacity] records touched in graph_end       */
+    GraphTouched *touched;      /* [node_capacity] of graph_end                       */
     uint32_t    *queue;         /* [node_capacity] of the two searches, one from each end */
     GraphChange *changes;       /* [2 * node_capacity]                                */
     GraphLink   *links;         /* [link_capacity]                                    */

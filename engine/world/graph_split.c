@@ -59,41 +59,39 @@ static void detach(Graph *g, uint32_t link)
 
 /* ---- blocks ---- */
 
-/* Notes what the record was before the batch. */
-static void touch(Graph *g, uint32_t dig)
+/* Notes what the record was before the batch; returns its place in touched[]. */
+static uint32_t touch(Graph *g, uint32_t dig)
 {
     GraphDig *d = &g->digs[dig];
     if (d->touched)
-        return;
-    d->touched = true;
-    d->old_id = d->id;
-    d->old_size = d->piece = d->size;
-    d->origin = d->into = d->block = dig;
-    d->overlap = 0;
-    d->low = d->holder = d->winner = NIL;
-    g->touched[g->touched_count++] = dig;
+        return d->touched - 1;
+    uint32_t at = g->touched_count++;
+    d->touched = at + 1;
+    g->touched[at] = (GraphTouched){.dig = dig, .old_id = d->id, .old_size = d->size, .piece = d->size, .origin = at, .into = at, .block = at,
+                                    .low = NIL, .holder = NIL, .winner = NIL};
+    return at;
 }
 
-static uint32_t block_of(Graph *g, uint32_t dig)
+static uint32_t block_of(Graph *g, uint32_t at)
 {
-    GraphDig *d = g->digs;
-    while (d[dig].block != dig)
-        dig = d[dig].block = d[d[dig].block].block;     /* path halving */
-    return dig;
+    GraphTouched *t = g->touched;
+    while (t[at].block != at)
+        at = t[at].block = t[t[at].block].block;        /* path halving */
+    return at;
 }
 
 /* The DIG that the members of the piece are in now. */
-static uint32_t part_of(Graph *g, uint32_t dig)
+static uint32_t part_of(Graph *g, uint32_t at)
 {
-    GraphDig *d = g->digs;
-    while (d[dig].into != dig)
-        dig = d[dig].into = d[d[dig].into].into;
-    return dig;
+    GraphTouched *t = g->touched;
+    while (t[at].into != at)
+        at = t[at].into = t[t[at].into].into;
+    return at;
 }
 
 static void unite_blocks(Graph *g, uint32_t x, uint32_t y)
 {
-    g->digs[block_of(g, y)].block = block_of(g, x);
+    g->touched[block_of(g, y)].block = block_of(g, x);
 }
 
 /* ---- split ---- */
@@ -182,10 +180,9 @@ static void enter_dig(Graph *g, uint32_t node, uint32_t dig)
 static void split_off(Graph *g, const Search *part)
 {
     uint32_t from = g->nodes[*queue_at(g, part, 0)].dig, to = graph_dig_take(g);
-    touch(g, from);
-    touch(g, to);
-    unite_blocks(g, from, to);
-    g->digs[to].origin = g->digs[from].origin;
+    uint32_t whole = touch(g, from), piece = touch(g, to);
+    unite_blocks(g, whole, piece);
+    g->touched[piece].origin = g->touched[whole].origin;
     for (uint32_t i = 0; i < part->found; i++) {
         uint32_t node = *queue_at(g, part, i);
         leave_dig(g, node);
@@ -214,14 +211,13 @@ static void separate(Graph *g, uint32_t a, uint32_t b)
 /* Moves the members of the smaller to the end of the larger one's list. The empty record stays until settle_ids. */
 static void merge(Graph *g, uint32_t x, uint32_t y)
 {
-    touch(g, x);
-    touch(g, y);
-    unite_blocks(g, x, y);
+    uint32_t tx = touch(g, x), ty = touch(g, y);
+    unite_blocks(g, tx, ty);
     bool y_stays = g->digs[y].size > g->digs[x].size
-                || (g->digs[y].size == g->digs[x].size && g->digs[y].old_id < g->digs[x].old_id);
+                || (g->digs[y].size == g->digs[x].size && g->touched[ty].old_id < g->touched[tx].old_id);
     uint32_t to = y_stays ? y : x;
     GraphDig *large = &g->digs[to], *small = &g->digs[y_stays ? x : y];
-    small->into = to;
+    g->touched[y_stays ? tx : ty].into = y_stays ? ty : tx;
     for (uint32_t node = small->first; node != NIL; node = g->nodes[node].next)
         g->nodes[node].dig = to;
     g->visits += small->size;
@@ -235,30 +231,30 @@ static void merge(Graph *g, uint32_t x, uint32_t y)
 
 /* ---- ids ---- */
 
-static uint32_t lowest_member(Graph *g, uint32_t dig)
+static uint32_t lowest_member(Graph *g, uint32_t at)
 {
-    GraphDig *d = &g->digs[dig];
-    if (d->low == NIL) {
+    GraphTouched *t = &g->touched[at];
+    const GraphDig *d = &g->digs[t->dig];
+    if (t->low == NIL) {
         for (uint32_t node = d->first; node != NIL; node = g->nodes[node].next)
-            d->low = node < d->low ? node : d->low;
+            t->low = node < t->low ? node : t->low;
         g->visits += d->size;
     }
-    return d->low;
+    return t->low;
 }
 
 /* Every block notes which id it keeps: of the largest DIG before, tie: the lower id. */
 static void elect_holders(Graph *g)
 {
     for (uint32_t i = 0; i < g->touched_count; i++) {
-        uint32_t dig = g->touched[i];
-        const GraphDig *d = &g->digs[dig];
-        if (d->old_id == GRAPH_NONE)
+        const GraphTouched *t = &g->touched[i];
+        if (t->old_id == GRAPH_NONE)
             continue;
-        GraphDig *block = &g->digs[block_of(g, dig)];
-        const GraphDig *best = block->holder == NIL ? NULL : &g->digs[block->holder];
-        if (!best || d->old_size > best->old_size || (d->old_size == best->old_size && d->old_id < best->old_id)) {
-            block->holder = dig;
-            block->kept_user = d->user;
+        GraphTouched *block = &g->touched[block_of(g, i)];
+        const GraphTouched *best = block->holder == NIL ? NULL : &g->touched[block->holder];
+        if (!best || t->old_size > best->old_size || (t->old_size == best->old_size && t->old_id < best->old_id)) {
+            block->holder = i;
+            block->kept_user = g->digs[t->dig].user;
         }
     }
 }
@@ -267,17 +263,16 @@ static void elect_holders(Graph *g)
 static void elect_winners(Graph *g)
 {
     for (uint32_t i = 0; i < g->touched_count; i++) {
-        uint32_t dig = g->touched[i];
-        const GraphDig *d = &g->digs[dig];
-        if (d->origin == g->digs[block_of(g, dig)].holder)
-            g->digs[part_of(g, dig)].overlap += d->piece;
+        const GraphTouched *t = &g->touched[i];
+        if (t->origin == g->touched[block_of(g, i)].holder)
+            g->touched[part_of(g, i)].overlap += t->piece;
     }
     for (uint32_t i = 0; i < g->touched_count; i++) {
-        uint32_t dig = g->touched[i], overlap = g->digs[dig].overlap;
-        GraphDig *block = &g->digs[block_of(g, dig)];
-        uint32_t best = block->winner == NIL ? 0 : g->digs[block->winner].overlap;
-        if (overlap > best || (overlap && overlap == best && lowest_member(g, dig) < lowest_member(g, block->winner)))
-            block->winner = dig;
+        uint32_t overlap = g->touched[i].overlap;
+        GraphTouched *block = &g->touched[block_of(g, i)];
+        uint32_t best = block->winner == NIL ? 0 : g->touched[block->winner].overlap;
+        if (overlap > best || (overlap && overlap == best && lowest_member(g, i) < lowest_member(g, block->winner)))
+            block->winner = i;
     }
 }
 
@@ -325,33 +320,30 @@ static void settle_ids(Graph *g)
 {
     elect_holders(g);
     elect_winners(g);
+    const GraphTouched *t = g->touched;
     for (uint32_t i = 0; i < g->touched_count; i++) {
-        uint32_t dig = g->touched[i], root = block_of(g, dig);
-        uint32_t old_id = g->digs[dig].old_id, kept = g->digs[g->digs[root].holder].old_id;
-        if (old_id != GRAPH_NONE && old_id != kept) {
-            map_remove(&g->by_id, map_key(old_id));
-            g->changes[g->change_count++] = (GraphChange){GRAPH_MERGED, kept, old_id};
+        uint32_t kept = t[t[block_of(g, i)].holder].old_id;
+        if (t[i].old_id != GRAPH_NONE && t[i].old_id != kept) {
+            map_remove(&g->by_id, map_key(t[i].old_id));
+            g->changes[g->change_count++] = (GraphChange){GRAPH_MERGED, kept, t[i].old_id};
         }
     }
     sort_changes(g->changes, g->change_count);
+    for (uint32_t i = 0; i < g->touched_count; i++)
+        if (t[i].block == i)
+            hand_over(g, t[t[i].holder].dig, t[t[i].winner].dig, t[t[i].holder].old_id);
     for (uint32_t i = 0; i < g->touched_count; i++) {
-        const GraphDig *root = &g->digs[g->touched[i]];
-        if (root->block == g->touched[i])
-            hand_over(g, root->holder, root->winner, g->digs[root->holder].old_id);
-    }
-    for (uint32_t i = 0; i < g->touched_count; i++) {
-        uint32_t dig = g->touched[i];
-        const GraphDig *root = &g->digs[block_of(g, dig)];
-        g->digs[dig].user = root->kept_user;
-        if (g->digs[dig].size && dig != root->winner) {
-            g->changes[g->change_count++] = (GraphChange){GRAPH_SPLIT, g->digs[root->holder].old_id, g->next_id};
-            graph_id_set(g, dig, g->next_id++);
+        const GraphTouched *root = &t[block_of(g, i)];
+        g->digs[t[i].dig].user = root->kept_user;
+        if (g->digs[t[i].dig].size && i != root->winner) {
+            g->changes[g->change_count++] = (GraphChange){GRAPH_SPLIT, t[root->holder].old_id, g->next_id};
+            graph_id_set(g, t[i].dig, g->next_id++);
         }
     }
     for (uint32_t i = 0; i < g->touched_count; i++) {
-        g->digs[g->touched[i]].touched = false;
-        if (!g->digs[g->touched[i]].size)
-            graph_dig_give(g, g->touched[i]);
+        g->digs[t[i].dig].touched = 0;
+        if (!g->digs[t[i].dig].size)
+            graph_dig_give(g, t[i].dig);
     }
     g->touched_count = 0;
 }
@@ -386,7 +378,7 @@ void graph_apply(Graph *g)
         }
     }
     for (uint32_t i = 0; i < g->touched_count; i++)
-        g->digs[g->touched[i]].piece = g->digs[g->touched[i]].size;
+        g->touched[i].piece = g->digs[g->touched[i].dig].size;
     for (uint32_t i = 0; i < later; i++) {
         const GraphLink *l = &g->links[g->adds[i]];
         attach(g, g->adds[i]);
