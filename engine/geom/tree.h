@@ -12,11 +12,14 @@
 
 #include "math/vec.h"
 
-typedef struct TreeNode {
+typedef struct TreeNode {       /* 64 bytes: a line of the cache */
     box3    box;
-    int32_t parent, child[2];   /* child[0] < 0 for a leaf; free nodes chain through parent */
-    int32_t height;
-    uint32_t user;              /* leaf: the caller's number */
+    int32_t parent;
+    union {
+        int32_t child[2];       /* child[0] < 0 for a leaf */
+        struct { int32_t none; uint32_t user; };        /* of a leaf: none < 0, and the caller's number */
+    };
+    int32_t height;             /* 0: a leaf, -1: a free node; these chain through parent */
 } TreeNode;
 
 typedef struct Tree {

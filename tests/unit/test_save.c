@@ -405,7 +405,7 @@ TEST(every_field_of_the_records_is_known_to_the_file)
     CHECK_INT(sizeof(dig_message), 128);
     CHECK_INT(sizeof(Post), 160);
     CHECK_INT(sizeof(LayerLink), 48);
-    CHECK_INT(sizeof(TreeNode), 72);
+    CHECK_INT(sizeof(TreeNode), 64);
     CHECK_INT(sizeof(GraphLink), 40);
 }
 
