@@ -202,7 +202,7 @@ static void close_link(Group *g, const Links *l, int lane)
     const int body = l->body[lane];
     Member *m = &g->member[body];
     m->start_pos = g->pos[body];
-    m->start_vel = g->vel[body];
+    g->start_vel[body] = g->vel[body];
     m->constrained = m->constrained || l->count[lane] > 0;
     g->pos[body] = (Pos){four3_get(&l->x, lane), four_quat_get(&l->q, lane)};
     vec3 w = four3_get(&l->w, lane);
@@ -241,10 +241,10 @@ static real work_of(Group *g, real dt)
     for (int i = 0; i < g->moving_count; i++)
         if (g->member[i].moves)
             work += vec3_dot(g->member[i].force, vec3_sub(g->pos[i].x, g->member[i].start_pos.x)) +
-                    0.5 * dt * vec3_dot(g->member[i].torque, vec3_add(g->vel[i].w, g->member[i].start_vel.w));
+                    0.5 * dt * vec3_dot(g->member[i].torque, vec3_add(g->vel[i].w, g->start_vel[i].w));
     for (int i = 0; i < g->push_count; i++) {
         const GroupPush *p = &g->pushes[i];
-        vec3 turn = vec3_scale(0.5 * dt, vec3_add(g->vel[p->body].w, g->member[p->body].start_vel.w));
+        vec3 turn = vec3_scale(0.5 * dt, vec3_add(g->vel[p->body].w, g->start_vel[p->body].w));
         vec3 arm = p->has_at ? quat_rotate(g->pos[p->body].q, p->at) : vec3_zero();
         vec3 way = vec3_sub(g->pos[p->body].x, g->member[p->body].start_pos.x);
         real done = vec3_dot(p->force, vec3_add(way, vec3_cross(turn, arm))) + vec3_dot(p->torque, turn);
@@ -336,7 +336,7 @@ static void undo(Group *g)
         if (g->member[i].moves || g->member[i].kinematic)
             g->pos[i] = g->member[i].start_pos;
         if (g->member[i].moves)
-            g->vel[i] = g->member[i].start_vel;
+            g->vel[i] = g->start_vel[i];
         group_refresh_mass(g, i);
     }
 }
@@ -372,7 +372,7 @@ static dig_status finish(const Chain *c, const Saved *s, real dt)
     g->lost += c->lost + given + work_of(g, dt);
     for (int i = 0; i < g->moving_count; i++) {
         const Member *m = &g->member[i];
-        group_book_apart(g, i, vec3_sub(g->pos[i].x, m->start_pos.x), vec3_scale(0.5 * dt, vec3_add(g->vel[i].w, m->start_vel.w)), dt);
+        group_book_apart(g, i, vec3_sub(g->pos[i].x, m->start_pos.x), vec3_scale(0.5 * dt, vec3_add(g->vel[i].w, g->start_vel[i].w)), dt);
     }
     g->t = dt;
     g->close_speed = group_close_speed(g);

@@ -324,7 +324,7 @@ bool step_write_pose(const System *s, int i)
     Member *m = &g->member[i];
     if (p->moves || m->kinematic) {
         m->start_pos = g->pos[i];
-        m->start_vel = g->vel[i];
+        g->start_vel[i] = g->vel[i];
         g->pos[i] = (Pos){p->x, p->q};
     }
     return p->moves;

@@ -47,7 +47,6 @@ static real open_body(Crowd *c, int i)
     Member *m = &g->member[i];
     Frame *f = &c->frame[i];
     m->start_pos = g->pos[i];
-    m->start_vel = g->vel[i];
     *f = (Frame){.root = 0};
     if (!m->moves) {
         open_still(c, i);
@@ -106,6 +105,8 @@ dig_status bodies_open(Crowd *c)
     _Static_assert(sizeof *c->carriage <= 4 * sizeof *six, "there is room for a carriage in the place of four of them");
     for (int i = c->bodies; i < (int)n; i++)
         open_still(c, i);
+    if (g->start_vel)
+        memcpy(g->start_vel, g->vel, (size_t)c->bodies * sizeof *g->vel);
     team_deal(g->team, open_share, c);
     return DIG_OK;
 }

@@ -305,7 +305,7 @@ static Vel mean_velocity(const Group *g, int body)
     const Member *m = &g->member[body];
     if (!m->moves)
         return g->vel[body];
-    return (Vel){vec3_scale(0.5, vec3_add(g->vel[body].v, m->start_vel.v)), vec3_scale(0.5, vec3_add(g->vel[body].w, m->start_vel.w))};
+    return (Vel){vec3_scale(0.5, vec3_add(g->vel[body].v, g->start_vel[body].v)), vec3_scale(0.5, vec3_add(g->vel[body].w, g->start_vel[body].w))};
 }
 
 /* J  What a contact would have taken, were its force even over the step. */

@@ -68,7 +68,9 @@ static dig_status open(Crowd *c)
     g->h = c->dt;
     DIG_TRY(group_forces(g));
     c->trait = spare_take(&g->spare, g->arena, (size_t)g->body_count * sizeof *c->trait);
-    if (!c->trait)
+    if (g->losses && !g->start_vel)
+        g->start_vel = arena_alloc(g->arena, (size_t)g->body_count * sizeof *g->start_vel);
+    if (!c->trait || (g->losses && !g->start_vel))
         return DIG_E_MEMORY;
     team_deal(g->team, trait_share, c);
     DIG_TRY(find_smallest(c));

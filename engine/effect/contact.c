@@ -24,7 +24,7 @@ static EffectCause cause(const Group *g) { return effect_cause_pair(g, &g->pairs
 static real rate_before(const Group *g, const PointRow *r)
 {
     const Member *a = &g->member[r->a], *b = &g->member[r->b];
-    Vel va = a->moves ? a->start_vel : g->vel[r->a], vb = b->moves ? b->start_vel : g->vel[r->b];
+    Vel va = a->moves ? g->start_vel[r->a] : g->vel[r->a], vb = b->moves ? g->start_vel[r->b] : g->vel[r->b];
     return vec3_dot(r->n.n, vec3_sub(vb.v, va.v)) + vec3_dot(r->n.aa, va.w) + vec3_dot(r->n.ab, vb.w);
 }
 
@@ -69,7 +69,7 @@ static bool set_target(const Group *g, const GroupPair *q, PointRow *r, real gap
     return true;
 }
 
-static Vel start_velocity(const Group *g, int body) { return g->member[body].moves ? g->member[body].start_vel : g->vel[body]; }
+static Vel start_velocity(const Group *g, int body) { return g->member[body].moves ? g->start_vel[body] : g->vel[body]; }
 
 /* Where a body will be half a substep on, along its start velocity. */
 static Pos half_way(const Group *g, int body)

@@ -62,8 +62,8 @@ static dig_status rows(const EffectSlot *e, Group *g)
         const GroupPair *q = &g->pairs[g->contacts[r->contact].pair];
         r->friction = q->friction;
         r->friction_dynamic = q->friction_dynamic;
-        Vel va = g->member[r->a].moves ? g->member[r->a].start_vel : g->vel[r->a];
-        Vel vb = g->member[r->b].moves ? g->member[r->b].start_vel : g->vel[r->b];
+        Vel va = g->member[r->a].moves ? g->start_vel[r->a] : g->vel[r->a];
+        Vel vb = g->member[r->b].moves ? g->start_vel[r->b] : g->vel[r->b];
         real slip[2];
         for (int k = 0; k < 2; k++)
             slip[k] = vec3_dot(r->t[k].n, vec3_sub(vb.v, va.v)) + vec3_dot(r->t[k].aa, va.w) + vec3_dot(r->t[k].ab, vb.w);

@@ -8,7 +8,7 @@ static real remembered_over(const Group *g) { return real_max(g->h, 0.01 * g->wo
 
 Vel group_mean_velocity(const Group *g, int body)
 {
-    const Vel *v = &g->vel[body], *start = &g->member[body].start_vel;
+    const Vel *v = &g->vel[body], *start = &g->start_vel[body];
     if (!g->member[body].moves)
         return *v;
     return (Vel){vec3_scale(0.5, vec3_add(v->v, start->v)), vec3_scale(0.5, vec3_add(v->w, start->w))};

@@ -178,7 +178,7 @@ static void commit_body(World *w, const Group *g, int i, real dt)
     b->w = g->vel[i].w;
     b->collided = m->collided;
     b->euler = m->integrator == DIG_AUTO ? m->collided || m->constrained : m->integrator == DIG_SWITCH ? m->collided : m->integrator == DIG_EULER;
-    b->work += g->push_work[i];
+    b->work += m->push_work;
     commit_trace(g, b);
     b->force = vec3_scale(m->mass / dt, vec3_sub(b->v, old_v));
     b->torque = vec3_scale(body_inertness(b) / dt, vec3_sub(pair3_get(l, 1), pair3_get(l, 0)));

@@ -172,7 +172,7 @@ static bool open_direct(Direct *d)
     return masses(d);
 }
 
-static Vel start_velocity(const Group *g, int body) { return g->member[body].moves ? g->member[body].start_vel : g->vel[body]; }
+static Vel start_velocity(const Group *g, int body) { return g->member[body].moves ? g->start_vel[body] : g->vel[body]; }
 
 bool group_top_heavy(const Group *g)
 {
@@ -341,7 +341,7 @@ static void start_from(Direct *d)
     if (d->projects)
         return;
     for (int i = 0; i < d->blocks.n; i++) {
-        const Vel *now = &g->vel[d->body[i]], *before = &g->member[d->body[i]].start_vel;
+        const Vel *now = &g->vel[d->body[i]], *before = &g->start_vel[d->body[i]];
         vec3 change[2] = {vec3_sub(before->v, now->v), vec3_sub(before->w, now->w)};
         memcpy(d->dv + 6 * i, change, sizeof change);
     }

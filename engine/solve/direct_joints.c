@@ -287,7 +287,7 @@ static real rate_at_start(const Direct *d, const Single *t)
 {
     real rate = 0;
     for (int k = 0; k < t->count; k++) {
-        const Vel *v = &d->g->member[d->body[t->place[k]]].start_vel;
+        const Vel *v = &d->g->start_vel[d->body[t->place[k]]];
         const real *j = t->j[k];
         rate += vec3_dot((vec3){j[0], j[1], j[2]}, v->v) + vec3_dot((vec3){j[3], j[4], j[5]}, v->w);
     }
@@ -309,7 +309,7 @@ void singles_write(Direct *d)
         int b = d->body[i];
         const real *v = d->v + 6 * i;
         Vel end = {vec3_add(g->vel[b].v, (vec3){v[0], v[1], v[2]}), vec3_add(g->vel[b].w, (vec3){v[3], v[4], v[5]})};
-        vec3 mean = vec3_scale(0.5, vec3_add(g->member[b].start_vel.w, end.w));
+        vec3 mean = vec3_scale(0.5, vec3_add(g->start_vel[b].w, end.w));
         g->braced += vec3_dot(mat3_mul_vec(d->stiff[b], end.w), mean);
         g->vel[b] = end;
     }

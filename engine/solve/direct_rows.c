@@ -27,7 +27,7 @@ static void set_line(real *j, const Dir *d)
 /* m/s  The same as dir_rate before the substep: guesses of impulses that a break has made void do not count. */
 static real start_rate(const Group *g, const Dir *d, int a, int b)
 {
-    Vel va = g->member[a].moves ? g->member[a].start_vel : g->vel[a], vb = g->member[b].moves ? g->member[b].start_vel : g->vel[b];
+    Vel va = g->member[a].moves ? g->start_vel[a] : g->vel[a], vb = g->member[b].moves ? g->start_vel[b] : g->vel[b];
     return vec3_dot(d->n, vec3_sub(vb.v, va.v)) + vec3_dot(d->aa, va.w) + vec3_dot(d->ab, vb.w);
 }
 

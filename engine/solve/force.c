@@ -90,6 +90,6 @@ void group_book_push(Group *g, const GroupPush *p, real work)
         g->law += work;
         return;
     }
-    g->push_work[p->body] += work;
+    g->member[p->body].push_work += work;
     g->work_in += work;
 }

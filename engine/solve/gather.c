@@ -76,8 +76,6 @@ static void gather_body(Group *g, int i, uint32_t slot, bool awake)
     Member *m = &g->member[i];
     memset(m, 0, sizeof *m);
     m->slot = slot;
-    m->been = (box3){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-    g->push_work[i] = 0;
     if (slot == NONE) {
         static const mat3 none = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
         m->inertia = m->inv_inertia = &none;
@@ -241,9 +239,8 @@ static dig_status gather_bodies(Group *g, const uint32_t *pairs, int pair_count,
     g->pos = arena_alloc(g->arena, total * sizeof *g->pos);
     g->vel = arena_alloc(g->arena, (total + 1) * sizeof *g->vel);        /* a spare one after the last, for fours.c */
     g->member = arena_alloc(g->arena, total * sizeof *g->member);
-    g->push_work = arena_alloc(g->arena, total * sizeof *g->push_work);
     g->inertias = w->region_count > 0 ? arena_alloc(g->arena, 2 * total * sizeof *g->inertias) : NULL;
-    if (!g->pos || !g->vel || !g->member || !g->push_work || (w->region_count > 0 && !g->inertias))
+    if (!g->pos || !g->vel || !g->member || (w->region_count > 0 && !g->inertias))
         return DIG_E_MEMORY;
     team_deal(g->team, gather_share, g);
     for (int i = 0; i < g->moving_count && w->region_count > 0; i++)
@@ -263,7 +260,7 @@ static void weigh_share(void *context, int thread, int threads)
     Group *g = context;
     for (int i = team_first(g->body_count, thread, threads), end = team_end(g->body_count, thread, threads); i < end; i++) {
         g->mass[i] = (Mass){g->member[i].im, mat3_zero()};
-        g->shift[i] = (Vel){vec3_zero(), vec3_zero()};
+        g->shift[i] = g->start_vel[i] = (Vel){vec3_zero(), vec3_zero()};
     }
 }
 
@@ -271,7 +268,9 @@ dig_status group_weigh(Group *g)
 {
     g->mass = arena_alloc(g->arena, (size_t)g->body_count * sizeof *g->mass);
     g->shift = arena_alloc(g->arena, (size_t)(g->body_count + 1) * sizeof *g->shift);        /* takes turns with vel */
-    if (!g->mass || !g->shift)
+    g->start_vel = arena_alloc(g->arena, (size_t)g->body_count * sizeof *g->start_vel);
+    g->been = arena_alloc(g->arena, (size_t)g->body_count * sizeof *g->been);
+    if (!g->mass || !g->shift || !g->start_vel || !g->been)
         return DIG_E_MEMORY;
     team_deal(g->team, weigh_share, g);
     return DIG_OK;

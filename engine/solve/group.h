@@ -44,7 +44,8 @@ typedef struct Member {         /* the rest of a gathered body */
     bool     constrained;       /* a row acts on it in this substep                    */
     bool     implicit_move;     /* move with the end velocity, not the mean            */
     bool     met;               /* something that came at it was stopped at the start of this substep */
-    bool     collided;          /* struck in this step: its centre of mass was in `been` then */
+    bool     collided;          /* struck in this step                                 */
+    bool     been;              /* what Group.been says of it holds; else where it went is plain */
     bool     fresh;             /* no history: new, teleported or struck in the last step */
     uint8_t  covered;           /* faces of its box, Covered                           */
     int      integrator;        /* dig_integrator; all but DIG_AUTO are the sweep's alone */
@@ -56,12 +57,16 @@ typedef struct Member {         /* the rest of a gathered body */
     real     im;                /* 1/kg  0: it does not move                           */
     const mat3 *inertia, *inv_inertia;  /* body axes; the world's, but where time goes at another rate */
     vec3     force, torque;     /* N, N m, of this substep                             */
-    Pos      start_pos; Vel start_vel;  /* at the start of the substep                 */
-    box3     been;              /* m   where its centre of mass was within this step: at blows, at the ends of a swing; empty: where it went is plain */
-    real     swung;             /* rad  so far it may have turned there, to and fro    */
+    Pos      start_pos;         /* at the start of the substep                         */
+    real     push_work;         /* J   of those by hand, in the step                   */
     vec3     swerve;            /* rad/s  change of its spin in the substep by its own turning: in velocities from predict() to move();
                                  *     of a crowd, rad: its turn in this piece of the step */
 } Member;
+
+typedef struct Been {           /* of a member, within this step: at blows, at the ends of a swing */
+    box3     places;            /* m   where its centre of mass was                    */
+    real     swung;             /* rad  so far it may have turned there, to and fro    */
+} Been;
 
 typedef struct Apart {          /* of a member's forces in this substep, what is booked apart */
     vec3     drag, drag_torque; /* N, N m  what takes energy away for good             */
@@ -271,7 +276,10 @@ struct Group {
     Pos      *pos; Vel *vel; Mass *mass; Member *member; int body_count, moving_count;
     mat3     *inertias;         /* [2 body_count] where time may go at another rate: of members, then their inverses */
     Apart    *apart;            /* [moving_count]; NULL: no force of this group can be a drag or a law's */
-    Vel      *shift;            /* m, rad  position correction of a projection; as mass, not there in a crowd, which asks for neither */
+    /* As mass, not there in a crowd, which asks for none of them: */
+    Vel      *shift;            /* m, rad  position correction of a projection */
+    Vel      *start_vel;        /* [body_count] at the start of the substep; in a crowd whose effects ask for losses, too */
+    Been     *been;             /* [body_count] of members that have one */
     GroupPair *pairs;       int pair_count;     /* there is room for those left out, too */
     Left     *left;         int left_count, left_end;       /* see group_gather_struck; the list's end, with those taken since */
     bool     pairs_roll;        /* some pair may have rolling resistance */
@@ -369,7 +377,6 @@ struct Group {
         int   count;            /*     moving bodies                                              */
         int   leavers;          /*     bodies that end up beyond the edge of the world, and were not reported there */
     } watch;
-    real     *push_work;        /* [body_count] J */
     real      effect_us[MAX_EFFECTS], touch_us;     /* us, only in timed steps */
     bool      timed;
     dig_status status;
@@ -401,7 +408,7 @@ static inline pose group_shape_pose(const Group *g, int body, pose local)
 {
     return pose_of_part((pose){g->pos[body].x, g->pos[body].q}, local);
 }
-dig_status group_weigh(Group *g);                       /* mass, but for inertias, and shift */
+dig_status group_weigh(Group *g);                       /* mass, but for inertias, and what is there with it */
 mat3       group_inverse_inertia(const Group *g, int body);     /* in world axes, now */
 void       group_refresh_mass(Group *g, int body);      /* keeps it */
 void       group_joint_view(Group *g, int joint);       /* its ends and those of joints that it couples, from the present positions and velocities */
@@ -441,7 +448,7 @@ int  group_overloaded(Group *g, real dt, real *share);  /* the joint most over i
 typedef struct GroupKept {      /* a group as it was */
     Pos *pos; Vel *vel; Mass *mass; Member *member; GroupPair *pairs; GroupContact *contacts; real *places; GroupJoint *joints;
     Apart *apart;
-    real *push_work;
+    Vel *start_vel; Been *been;
     Group scalars;
 } GroupKept;
 bool group_keep(const Group *g, GroupKept *k);          /* false: out of memory */

@@ -52,9 +52,9 @@ static real most_thrown(const Group *g)
     real most = 0;
     for (int i = 0; i < g->moving_count; i++) {
         const Member *m = &g->member[i];
-        vec3 spin = vec3_sub(g->vel[i].w, m->start_vel.w);
+        vec3 spin = vec3_sub(g->vel[i].w, g->start_vel[i].w);
         if (m->moves)
-            most = real_max(most, vec3_length(vec3_sub(g->vel[i].v, m->start_vel.v)) +
+            most = real_max(most, vec3_length(vec3_sub(g->vel[i].v, g->start_vel[i].v)) +
                                       (vec3_length2(spin) > 0 ? vec3_length(spin) * m->outer : 0));
     }
     return most;
@@ -87,11 +87,11 @@ static real gain_of(const Group *g, real *before)
     real gain = *before = 0;
     for (int i = 0; i < g->moving_count; i++) {
         const Member *m = &g->member[i];
-        vec3 w = quat_unrotate(m->start_pos.q, m->start_vel.w);
+        vec3 w = quat_unrotate(m->start_pos.q, g->start_vel[i].w);
         if (!m->moves)
             continue;
-        real had = 0.5 * m->mass * vec3_length2(m->start_vel.v) + 0.5 * vec3_dot(w, mat3_mul_vec(*m->inertia, w));
-        gain += group_kinetic_of(g, i) - had - 0.5 * g->h * vec3_dot(m->force, vec3_add(m->start_vel.v, g->vel[i].v));
+        real had = 0.5 * m->mass * vec3_length2(g->start_vel[i].v) + 0.5 * vec3_dot(w, mat3_mul_vec(*m->inertia, w));
+        gain += group_kinetic_of(g, i) - had - 0.5 * g->h * vec3_dot(m->force, vec3_add(g->start_vel[i].v, g->vel[i].v));
         *before += had;
     }
     return gain;

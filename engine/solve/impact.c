@@ -303,8 +303,9 @@ void group_note_blow(Group *g, int body)
 void group_note_swing(Group *g, int body, vec3 x, real turned)
 {
     Member *m = &g->member[body];
-    m->been = box3_union(m->been, (box3){x, x});
-    m->swung = real_max(m->swung, fabs(turned));
+    Been before = m->been ? g->been[body] : (Been){{x, x}, 0};
+    g->been[body] = (Been){box3_union(before.places, (box3){x, x}), real_max(before.swung, fabs(turned))};
+    m->been = true;
 }
 
 static void note_strike(Group *g, const PointRow *r, real speed)

@@ -68,7 +68,7 @@ static real start_rate(const Group *g, const Row *r)
         int b = r->body[k];
         if (b < 0)
             continue;
-        Vel v = g->member[b].moves ? g->member[b].start_vel : g->vel[b];
+        Vel v = g->member[b].moves ? g->start_vel[b] : g->vel[b];
         rate += vec3_dot(r->lin[k], v.v) + vec3_dot(r->ang[k], v.w);
     }
     return rate;
@@ -266,7 +266,7 @@ static void shift_half(Group *g, const Vel *found, const Pos *back)
         const Member *m = &g->member[i];
         if (!m->moves && !m->kinematic)
             continue;
-        Vel v = !m->moves ? g->vel[i] : found ? found[i] : m->start_vel;
+        Vel v = !m->moves ? g->vel[i] : found ? found[i] : g->start_vel[i];
         g->pos[i] = back ? back[i] : (Pos){vec3_mad(g->pos[i].x, 0.5 * g->h, v.v),
                                            quat_unit(quat_mul(quat_exp(vec3_scale(0.5 * g->h, v.w)), g->pos[i].q))};
     }

@@ -24,9 +24,9 @@ static void put_back(void *to, const void *from, size_t bytes)
 bool group_keep(const Group *g, GroupKept *k)
 {
     int bodies = g->body_count;
-    size_t bytes = SIZE(pos, bodies) + SIZE(vel, bodies) + SIZE(mass, bodies) + SIZE(member, bodies) + SIZE(push_work, bodies)
+    size_t bytes = SIZE(pos, bodies) + SIZE(vel, bodies) + SIZE(mass, bodies) + SIZE(member, bodies)
         + SIZE(pairs, g->pair_count) + SIZE(contacts, g->contact_count) + SIZE(places, g->place_count) + SIZE(joints, g->joint_count)
-        + SIZE(apart, g->apart ? g->moving_count : 0);
+        + SIZE(apart, g->apart ? g->moving_count : 0) + SIZE(start_vel, bodies) + SIZE(been, bodies);
     unsigned char *to = arena_alloc(g->arena, bytes);
     if (!to)
         return false;
@@ -35,7 +35,8 @@ bool group_keep(const Group *g, GroupKept *k)
     KEEP(vel, bodies);
     KEEP(mass, bodies);
     KEEP(member, bodies);
-    KEEP(push_work, bodies);
+    KEEP(start_vel, bodies);
+    KEEP(been, bodies);
     KEEP(pairs, g->pair_count);
     KEEP(contacts, g->contact_count);
     KEEP(places, g->place_count);
@@ -56,7 +57,8 @@ void group_put_back(Group *g, const GroupKept *k)
     BACK(places, g->place_count);
     BACK(joints, g->joint_count);
     BACK(apart, g->apart ? g->moving_count : 0);
-    BACK(push_work, g->body_count);
+    BACK(start_vel, g->body_count);
+    BACK(been, g->body_count);
     *g = k->scalars;
     g->evaluations = evaluations;
     g->refused = refused;

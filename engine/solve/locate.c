@@ -17,7 +17,7 @@ static Motion body_motion(const Group *g, int body)
         r.w = now.w;
         return r;
     }
-    Vel old = m->start_vel;
+    Vel old = g->start_vel[body];
     r.w = vec3_scale(0.5, vec3_add(old.w, now.w));
     if (m->constrained) {
         const Vel way = group_way_of(g, body);

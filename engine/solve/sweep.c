@@ -24,7 +24,7 @@ static void predict(Group *g)
     for (int i = 0; i < g->moving_count; i++) {
         Member *m = &g->member[i];
         m->start_pos = g->pos[i];
-        m->start_vel = g->vel[i];
+        g->start_vel[i] = g->vel[i];
         m->constrained = m->implicit_move = member_by_euler(m);
         m->met = false;
         m->swerve = vec3_zero();
@@ -126,7 +126,7 @@ static void move_alike(Group *g)
     for (int i = 0; i < g->moving_count; i++) {
         const Member *m = &g->member[i];
         if (m->moves && m->implicit_move && !member_by_euler(m))
-            lost += vec3_dot(m->force, vec3_sub(g->vel[i].v, m->start_vel.v)) + vec3_dot(m->torque, vec3_sub(g->vel[i].w, m->start_vel.w));
+            lost += vec3_dot(m->force, vec3_sub(g->vel[i].v, g->start_vel[i].v)) + vec3_dot(m->torque, vec3_sub(g->vel[i].w, g->start_vel[i].w));
     }
     for (int i = 0; i < g->moving_count && lost < 0; i++)
         if (g->member[i].constrained)
@@ -156,7 +156,7 @@ static void fall_together(Group *g)
         if (!m->moves || !m->implicit_move)
             continue;
         mass += m->mass;
-        gained = vec3_mad(gained, m->mass, vec3_sub(g->vel[i].v, m->start_vel.v));
+        gained = vec3_mad(gained, m->mass, vec3_sub(g->vel[i].v, g->start_vel[i].v));
     }
     if (g->joint_count > 0 && mass > 0 && !any_euler(g) && !held_or_pressed(g))
         g->lag = vec3_scale(-0.5 / mass, gained);
@@ -168,7 +168,7 @@ static void restore(Group *g)
     project_back(g);
     for (int i = 0; i < g->moving_count; i++) {
         g->pos[i] = g->member[i].start_pos;
-        g->vel[i] = g->member[i].start_vel;
+        g->vel[i] = g->start_vel[i];
         group_refresh_mass(g, i);
     }
 }

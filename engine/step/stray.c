@@ -71,9 +71,10 @@ static box3 whole_way(const World *w, const Group *g, int member, const Solid *s
     real turn = vec3_length(quat_log(quat_mul(g->pos[member].q, quat_conjugate(b->q))));
     real chord = vec3_distance(x, b->x), bulge = m->collided ? 0 : bulge_of(chord, fastest * dt, turn);
     box3 way = {vec3_min(b->x, x), vec3_max(b->x, x)}, start = s->shape.type->bounds(&s->shape, solid_pose(w, s));
-    way = box3_union(way, m->been);
+    Been been = m->been ? g->been[member] : (Been){{x, x}, 0};
+    way = box3_union(way, been.places);
     real spin = real_max(vec3_length(b->w), vec3_length(g->vel[member].w)), arm = vec3_distance(s->at.p, b->centre) + s->shape.outer;
-    real turned = real_min(2, real_max(m->swung, real_max(spin * dt, turn))) * arm + bulge, rim = arm + bulge;
+    real turned = real_min(2, real_max(been.swung, real_max(spin * dt, turn))) * arm + bulge, rim = arm + bulge;
     vec3 low = vec3_max(vec3_sub(vec3_sub(start.low, b->x), (vec3){turned, turned, turned}), (vec3){-rim, -rim, -rim});
     vec3 high = vec3_min(vec3_add(vec3_sub(start.high, b->x), (vec3){turned, turned, turned}), (vec3){rim, rim, rim});
     return (box3){vec3_add(way.low, low), vec3_add(way.high, high)};
@@ -93,7 +94,7 @@ static bool alone(const World *w, const Group *g, int member, const Solid *s)
 static bool thrown(const Group *g, const Body *b) { return b->joint_first != NONE && !g->crowd; }
 
 /* Was it elsewhere within the step than its ends tell? */
-static bool turned_back(const Member *m) { return m->been.low.x <= m->been.high.x; }
+static bool turned_back(const Member *m) { return m->been; }
 
 /* Does it hardly move? Its reach has room for where it was. */
 static bool stays(const Body *b, const Pos *p, real margin)

@@ -203,7 +203,7 @@ void trace_book(Tracer *t, const Touching *touch, int count, real begin)
         g->joints[j].angular_impulse = vec3_mad(g->joints[j].angular_impulse, h, (vec3){q[3], q[4], q[5]});
     }
     for (int i = 0; i < g->push_count; i++, q++)
-        g->push_work[g->pushes[i].body] += g->pushes[i].law ? 0 : h * *q;
+        g->member[g->pushes[i].body].push_work += g->pushes[i].law ? 0 : h * *q;
     g->lost += h * q[0];
     g->work_in += h * q[1];
     g->law += h * q[2];
