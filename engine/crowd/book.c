@@ -201,8 +201,9 @@ INLINE bool book_row(const Book *book, int contact)
     for (int k = 0; k < count && !b->patch && !b->rub; k++)
         memory[k].tangent = vec3_zero();
     t->impulse = vec3_mad(t->impulse, sum, t->manifold.normal);
-    t->rolling = b->roll ? vec3_scale(rate, (vec3){lane_of(&b->roll->j[0], lane), lane_of(&b->roll->j[1], lane), lane_of(&b->roll->j[2], lane)})
-                         : vec3_zero();
+    if (g->contact_rest)
+        g->contact_rest[contact].rolling = b->roll ? vec3_scale(rate, (vec3){lane_of(&b->roll->j[0], lane), lane_of(&b->roll->j[1], lane),
+                                                                             lane_of(&b->roll->j[2], lane)}) : vec3_zero();
     return fastest > book->strikes || (q->contacts > 1 && sum > 0) || pushes_sleeper(c, t, sum);
 }
 
@@ -317,7 +318,7 @@ static real even_loss(const Group *g, const GroupContact *c, real dt)
     Vel a = mean_velocity(g, c->a), b = mean_velocity(g, c->b);
     vec3 va = vec3_add(a.v, vec3_cross(a.w, vec3_sub(at, g->member[c->a].start_pos.x)));
     vec3 vb = vec3_add(b.v, vec3_cross(b.w, vec3_sub(at, g->member[c->b].start_pos.x)));
-    return real_max(0, -vec3_dot(c->impulse, vec3_sub(vb, va)) - dt * vec3_dot(c->rolling, vec3_sub(b.w, a.w)));
+    return real_max(0, -vec3_dot(c->impulse, vec3_sub(vb, va)) - dt * vec3_dot(contact_rolling(g, c), vec3_sub(b.w, a.w)));
 }
 
 /* What is lost is known of the crowd as a whole. Where an effect asks for it, each contact is given a share of that. */
@@ -326,10 +327,10 @@ static void share_losses(const Crowd *c, real lost)
     Group *g = c->g;
     real sum = 0;
     for (int i = 0; i < g->contact_count; i++)
-        sum += g->contacts[i].lost = even_loss(g, &g->contacts[i], c->dt);
+        sum += g->contact_rest[i].lost = even_loss(g, &g->contacts[i], c->dt);
     real share = sum > 0 && lost > 0 ? lost / sum : 0;
     for (int i = 0; i < g->contact_count; i++)
-        g->contacts[i].lost *= isfinite(share) ? share : 0;
+        g->contact_rest[i].lost *= isfinite(share) ? share : 0;
 }
 
 dig_status book_close(Crowd *c)

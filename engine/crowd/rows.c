@@ -116,8 +116,8 @@ static void forget(const Group *g, GroupContact *t)
         m->held = 0;
         m->tangent = vec3_zero();
     }
-    if (t->live)
-        t->rolling = vec3_zero();
+    if (t->live && g->contact_rest)
+        contact_rest_of(g, t)->rolling = vec3_zero();
 }
 
 typedef struct Rows { Crowd *c; Chosen *chosen, *sorted; int count; real *deepest; } Rows;     /* deepest: of each thread, see Crowd.deep */
@@ -304,7 +304,7 @@ static void fill_roll(const Crowd *c, const Ends *e, const GroupPair *q, WideRol
         spin = vec3_sub(spin, g->vel[e->c->a].w);
     put(r->drive, lane, spin);
     set(&r->lever, lane, q->rolling * rolling_radius(q));
-    put(r->j, lane, vec3_scale((real)c->h, e->c->rolling));
+    put(r->j, lane, vec3_scale((real)c->h, contact_rolling(g, e->c)));
 }
 
 INLINE Ends ends_of(const Crowd *c, const GroupContact *t)

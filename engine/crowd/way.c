@@ -73,6 +73,8 @@ static dig_status open(Crowd *c)
     if (!c->trait || (g->losses && !g->start_vel))
         return DIG_E_MEMORY;
     team_deal(g->team, trait_share, c);
+    if ((g->pairs_roll || g->losses) && !g->contact_rest)
+        DIG_TRY(group_gather_rest(g));
     DIG_TRY(find_smallest(c));
     c->push_most = (float)(PUSH_MOST * sqrt(c->finest));
     return DIG_OK;

@@ -66,7 +66,7 @@ static dig_status rows(const EffectSlot *e, Group *g)
         *r = (RollRow){.contact = contact, .first = first, .count = i - first, .a = c->a, .b = c->b, .inv_k = inverse};
         r->reach = rolling_radius(q);
         r->lever = q->rolling * r->reach;
-        r->j = vec3_scale(g->h, c->rolling);
+        r->j = vec3_scale(g->h, contact_rolling(g, c));
     }
     return DIG_OK;
 }

@@ -70,7 +70,7 @@ static void book_point(Group *g, PointRow *r, const Means *means)
         strike_report(g, r, -r->rate_before);
     }
     real lost = book_dir(g, &r->n, means, r->jn) + book_dir(g, &r->t[0], means, r->jt[0]) + book_dir(g, &r->t[1], means, r->jt[1]);
-    c->lost += lost;
+    contact_rest_of(g, c)->lost += lost;
     if (r->jn > 0)
         for (int k = 0; k < 2; k++) {
             Member *m = &g->member[k ? r->b : r->a];
@@ -92,11 +92,11 @@ static void book_points(Group *g)
 
 static void book_roll(Group *g, RollRow *r)
 {
-    g->contacts[r->contact].rolling = vec3_scale(1 / remembered_over(g), r->j);
+    g->contact_rest[r->contact].rolling = vec3_scale(1 / remembered_over(g), r->j);
     vec3 wa = group_mean_velocity(g, r->a).w, wb = group_mean_velocity(g, r->b).w;
     real lost = -vec3_dot(r->j, vec3_sub(wb, wa));
     g->lost += lost;
-    g->contacts[r->contact].lost += lost;
+    g->contact_rest[r->contact].lost += lost;
     g->work_in += g->member[r->a].kinematic ? vec3_dot(r->j, wa) : 0;
     g->work_in -= g->member[r->b].kinematic ? vec3_dot(r->j, wb) : 0;
 }

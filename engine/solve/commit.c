@@ -26,10 +26,10 @@ static bool contact_touches(const Group *g, const GroupPair *q, const GroupConta
     return false;
 }
 
-/* Has it no point, and no force that the world's record would hold? */
+/* Has it no point (so that it does not roll either), and no force that the world's record would hold? */
 static bool contact_idle(const GroupContact *c)
 {
-    return c->manifold.count == 0 && vec3_is_zero(c->impulse) && vec3_is_zero(c->rolling) && !c->manifold.slides;
+    return c->manifold.count == 0 && vec3_is_zero(c->impulse) && !c->manifold.slides;
 }
 
 /* Is there a hint to keep of a pair? Meshes have theirs from the start. */
@@ -46,7 +46,8 @@ static void judge_pair(Group *g, int i, real dt, Verdict *v, int *changed, int *
     for (int k = q->contact; k < q->contact + q->contacts; k++) {
         GroupContact *c = &g->contacts[k];
         if (c->manifold.count == 0) {       /* what is over is not remembered */
-            c->rolling = vec3_zero();
+            if (g->contact_rest)
+                g->contact_rest[k].rolling = vec3_zero();
             c->manifold.slides = false;
         }
         c->touching = contact_touches(g, q, c, dt);
@@ -186,8 +187,9 @@ static void commit_body(World *w, const Group *g, int i, real dt)
     b->lies = real_max(b->lies, 0);     /* the pairs have seen that something else acts on it */
 }
 
-static void commit_contact(World *w, const GroupContact *from, real dt)
+static void commit_contact(World *w, const Group *g, int contact, real dt)
 {
+    const GroupContact *from = &g->contacts[contact];
     Contact *to = &w->contacts.data[from->slot];
     to->idle = from->idle;
     to->piece = from->piece;
@@ -198,7 +200,9 @@ static void commit_contact(World *w, const GroupContact *from, real dt)
         p->at = from->manifold.points[k];
         p->memory = contact_memory(from)[k];
     }
-    contact_rest_set(w, from->slot, (ContactRest){from->rolling, from->lost});
+    to->rests = false;
+    if (g->contact_rest)
+        contact_rest_set(w, from->slot, g->contact_rest[contact]);
     to->sliding = from->manifold.slides;
     to->grips = from->grips;
     to->touching = from->touching;
@@ -251,7 +255,7 @@ static void commit_pair(World *w, const Group *g, const GroupPair *q, real dt)
     p->touching = q->touching;
     for (int i = q->contact; i < q->contact + q->contacts; i++)
         if (g->contacts[i].slot != NONE && !(g->contacts[i].idle && g->contacts[i].was_idle))
-            commit_contact(w, &g->contacts[i], dt);
+            commit_contact(w, g, i, dt);
 }
 
 static void commit_joint(World *w, const GroupJoint *j, real dt)

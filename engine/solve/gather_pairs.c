@@ -99,9 +99,8 @@ static void gather_contact(const World *w, const GroupPair *q, int pair, uint32_
     to->live = from->count > 0;
     to->manifold.slides = from->sliding;
     to->grips = from->grips;
-    to->rolling = from->rests && !from->idle ? w->contact_rest.data[slot].rolling : vec3_zero();
     to->impulse = to->point_sum = vec3_zero();
-    to->last = to->point_weight = to->lost = 0;
+    to->last = to->point_weight = 0;
     to->manifold.normal = from->normal;
     to->manifold.count = int_min(from->count, to->manifold.room);
     to->manifold.points = (ManifoldPoint *)(void *)places;
@@ -392,6 +391,7 @@ dig_status group_gather_struck(Group *g, const real *stop, real dt)
     Nearby n = {.g = g, .first = g->pair_count};
     if (g->left_count == 0)
         return DIG_OK;
+    int before = g->contact_count;
     Taking t = {g, stop, dt, NULL, arena_alloc(g->arena, (size_t)team_shares(g->team) * sizeof *t.taken)};
     t.near = n.near = arena_alloc(g->arena, (size_t)g->left_end * sizeof *n.near);
     if (!n.near || !t.taken)
@@ -407,7 +407,23 @@ dig_status group_gather_struck(Group *g, const real *stop, real dt)
     g->pairs_roll = g->pairs_roll || atomic_load(&n.rolls);
     spare_add(&g->spare, n.near, (size_t)n.taken * sizeof *n.near);
     group_leave_out(g, n.first);
+    if (g->contact_rest)        /* none of them has one in the world */
+        memset(g->contact_rest + before, 0, (size_t)(g->contact_count - before) * sizeof *g->contact_rest);
+    else if (g->pairs_roll)
+        DIG_TRY(group_gather_rest(g));
     return seams(g, n.first);
+}
+
+dig_status group_gather_rest(Group *g)
+{
+    const World *w = g->world;
+    g->contact_rest = arena_alloc(g->arena, (size_t)(g->contact_count + g->left_count) * sizeof *g->contact_rest);
+    for (int i = 0; i < g->contact_count && g->contact_rest; i++) {
+        uint32_t slot = g->contacts[i].slot;
+        bool any = slot != NONE && !g->contacts[i].idle && w->contacts.data[slot].rests;
+        g->contact_rest[i] = (ContactRest){.rolling = any ? w->contact_rest.data[slot].rolling : vec3_zero()};
+    }
+    return g->contact_rest ? DIG_OK : DIG_E_MEMORY;
 }
 
 void group_close_left(Group *g)

@@ -146,11 +146,9 @@ typedef struct GroupContact {
     bool     touching;          /* at the end of the step, by group_judge */
     bool     grips;             /* movers have closed on what it presses: see grip.c */
     GroupManifold manifold;
-    vec3     rolling;           /* N m                              */
     vec3     impulse;           /* N s on b, over the whole step    */
     real     last;              /* s   into the step, when force last acted */
     vec3     point_sum; real point_weight;      /* where, weighted by impulse; up to WEIGHT_LEAST: nowhere */
-    real     lost;              /* J   to friction, rolling and blows, over the whole step; of the group's lost */
 } GroupContact;
 
 /* Of its points, which they come after: [room]. */
@@ -296,6 +294,8 @@ struct Group {
     int      *beside_which;     /* of these, by seams */
     real      finest;           /* m   group_judge: size of the smallest solid in a pair; INFINITY: there is no pair */
     GroupContact *contacts; int contact_count;
+    ContactRest *contact_rest;  /* [contact_count] what they lost is of the group's lost, over the whole step. NULL: all is 0, in a crowd where nothing
+                                 * rolls and no effect asks for losses */
     Squeeze  *squeezed;         /* [contact_count], if anything squeezes; NULL: not looked for */
     int      *pressed;          /* [body_count] a body's first of these */
     bool      squeezes;
@@ -387,11 +387,15 @@ struct Group {
     bool      blame;            /* check after each effect, to name the culprit */
 };
 
+static inline ContactRest *contact_rest_of(const Group *g, const GroupContact *c) { return &g->contact_rest[c - g->contacts]; }
+static inline vec3 contact_rolling(const Group *g, const GroupContact *c) { return g->contact_rest ? contact_rest_of(g, c)->rolling : vec3_zero(); }
+
 /* gather.c */
 dig_status group_gather(Group *g, const World *w, const uint32_t *leads, int dig_count, const uint32_t *pairs, int pair_count,
                         Arena *arena);
 /* Gathers pairs left out whose bodies may meet if the speed of each changes by so much: [body_count], m/s. They come last. */
 dig_status group_gather_struck(Group *g, const real *stop, real dt);
+dig_status group_gather_rest(Group *g);                 /* contact_rest, as the world has it */
 void       group_close_left(Group *g);                  /* no more of them come in: their room is spare */
 void       group_leave_out(Group *g, int first);        /* what no effect stands for, of pairs from this on */
 dig_status group_judge(Group *g, real dt);              /* at the end of the step: who touches */
@@ -448,7 +452,7 @@ int  group_overloaded(Group *g, real dt, real *share);  /* the joint most over i
 typedef struct GroupKept {      /* a group as it was */
     Pos *pos; Vel *vel; Mass *mass; Member *member; GroupPair *pairs; GroupContact *contacts; real *places; GroupJoint *joints;
     Apart *apart;
-    Vel *start_vel; Been *been;
+    Vel *start_vel; Been *been; ContactRest *contact_rest;
     Group scalars;
 } GroupKept;
 bool group_keep(const Group *g, GroupKept *k);          /* false: out of memory */

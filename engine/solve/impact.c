@@ -290,7 +290,7 @@ static void book_strike(Group *g, const PointRow *r, const real before[3])
 {
     real after[3];
     find_rates(g, r, after);
-    g->contacts[r->contact].lost -= 0.5 * (r->jn * (before[0] + after[0]) + r->jt[0] * (before[1] + after[1]) + r->jt[1] * (before[2] + after[2]));
+    g->contact_rest[r->contact].lost -= 0.5 * (r->jn * (before[0] + after[0]) + r->jt[0] * (before[1] + after[1]) + r->jt[1] * (before[2] + after[2]));
 }
 
 /* Between its blows it goes straight on, or nearly so. */

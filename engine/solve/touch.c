@@ -20,7 +20,6 @@ static void note_before(const GroupContact *c, Before *old)
     old->count = c->manifold.count;
     old->live = c->live;
     old->piece = c->piece;
-    old->rolling = c->rolling;
     for (int k = 0; k < old->count; k++) {
         old->feature[k] = c->manifold.points[k].feature;
         old->memory[k] = contact_memory(c)[k];
@@ -75,8 +74,10 @@ static void touch_pieces(Group *g, GroupPair *q, const Manifold *found, const ui
     static const Before none = {.count = 0};
     Before old[PIECES];
     int contacts = int_min(q->contacts, PIECES);
-    for (int i = 0; i < contacts; i++)
+    for (int i = 0; i < contacts; i++) {
         note_before(&g->contacts[q->contact + i], &old[i]);
+        old[i].rolling = contact_rolling(g, &g->contacts[q->contact + i]);
+    }
     for (int i = 0; i < contacts; i++) {
         GroupContact *c = &g->contacts[q->contact + i];
         c->live = false;
@@ -85,14 +86,16 @@ static void touch_pieces(Group *g, GroupPair *q, const Manifold *found, const ui
             continue;
         c->piece = pieces[i];
         put_points(c, &found[i]);
-        c->rolling = vec3_zero();
+        vec3 rolling = vec3_zero();
         keep_memory(c, &none);
         for (int k = 0; k < contacts; k++)
             if (old[k].live && old[k].piece == pieces[i]) {
                 keep_memory(c, &old[k]);
-                c->rolling = old[k].rolling;
+                rolling = old[k].rolling;
                 break;
             }
+        if (g->contact_rest)
+            contact_rest_of(g, c)->rolling = rolling;
     }
 }
 

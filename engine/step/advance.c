@@ -127,6 +127,7 @@ static dig_status advance_judged(Group *g, real dt)
     if (!(g->laws >> LAW_CONTACT & 1)) {
         g->pair_count = pairs;
         g->contact_count = contacts;
+        DIG_TRY(group_gather_rest(g));
         group_touch(g, dt, true);
     }
     return group_judge(g, dt);

@@ -148,7 +148,7 @@ static void strike(Billiard *b, int pair, real time)
         c->point_sum = vec3_mad(c->point_sum, j, c->manifold.points[0].a);
         c->point_weight += j;
         c->last = time;
-        c->lost += lost;
+        contact_rest_of(g, c)->lost += lost;
         g->lost += lost;
         group_note_blow(g, q->a);
         group_note_blow(g, q->b);
@@ -265,7 +265,7 @@ static void end_frame(Billiard *b, real dt)
     for (int i = 0; i < g->contact_count; i++) {
         GroupContact *c = &g->contacts[i];
         c->manifold.slides = false;
-        c->rolling = vec3_zero();
+        g->contact_rest[i].rolling = vec3_zero();
         for (int k = 0; k < c->manifold.count; k++)
             contact_memory(c)[k] = (PointMemory){.held = 0};
         for (int k = 0; c->live && k < c->manifold.count; k++)

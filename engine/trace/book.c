@@ -193,7 +193,7 @@ void trace_book(Tracer *t, const Touching *touch, int count, real begin)
         to->point_sum = vec3_mad(to->point_sum, h * q[3], c->k.at);
         to->point_weight += h * q[3];
         to->last = begin + h;
-        to->lost += h * q[4];
+        contact_rest_of(g, to)->lost += h * q[4];
         wake_dormant(g, c->a);
         wake_dormant(g, c->b);
     }
@@ -231,7 +231,7 @@ void trace_remember(Tracer *t)
         contact_memory(to)[c->point].tangent = c->slip.force;
         contact_memory(to)[c->point].held = c->gate.force > 0 ? HELD_SUBSTEPS : 0;
         to->manifold.slides = c->slip.axes && c->slip.grip == GRIP_SLIP;
-        to->rolling = c->roll.force;
+        contact_rest_of(g, to)->rolling = c->roll.force;
     }
 }
 

@@ -170,7 +170,7 @@ static void book(Tracer *t, const Series *s, const Touching *c, real p, vec3 mov
     g->work_in += given;
     real lost = kinetic + forces + given - group_kinetic(g);
     g->lost += lost;
-    to->lost += lost;
+    contact_rest_of(g, to)->lost += lost;
 }
 
 /* The forces at the far end are what they were. */

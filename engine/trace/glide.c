@@ -321,6 +321,7 @@ INLINE void book(const Glide *s)
 {
     Group *g = s->g;
     GroupContact *c = s->c;
+    ContactRest *rest = contact_rest_of(g, c);
     vec3 way = vec3_scale(0.5, vec3_add(s->slip, s->slip_end));
     for (int k = 0; k < s->count; k++) {
         const PointMemory *f = &s->force[k];
@@ -329,15 +330,15 @@ INLINE void book(const Glide *s)
         c->impulse = vec3_add(c->impulse, vec3_mad(drag, press, s->normal));
         c->point_sum = vec3_mad(c->point_sum, press, own_point(s, &c->manifold.points[k]));
         c->point_weight += press;
-        c->lost -= s->h * vec3_dot(f->tangent, way);
+        rest->lost -= s->h * vec3_dot(f->tangent, way);
         contact_memory(c)[k] = *f;
         contact_memory(c)[k].held = f->normal > 0 ? HELD_SUBSTEPS : 0;
         g->penetration = real_max(g->penetration, -c->manifold.points[k].gap);
     }
     c->last = s->h;
     c->manifold.slides = s->slides;
-    c->rolling = vec3_zero();
-    g->lost += c->lost;
+    rest->rolling = vec3_zero();
+    g->lost += rest->lost;
     g->work_in += s->table ? table_work(s) : 0;
     g->member[c->a].constrained = g->member[c->b].constrained = true;
 }

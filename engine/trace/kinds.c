@@ -567,7 +567,7 @@ static void recall_forces(Tracer *t)
         const GroupContact *from = &t->g->contacts[c->contact];
         c->gate.force = contact_memory(from)[c->point].normal;
         c->slip.force = contact_memory(from)[c->point].tangent;
-        c->roll.force = c->roll.axes && from->manifold.count == 1 ? from->rolling : vec3_zero();
+        c->roll.force = c->roll.axes && from->manifold.count == 1 ? contact_rolling(t->g, from) : vec3_zero();
     }
 }
 

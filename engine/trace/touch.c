@@ -33,7 +33,7 @@ static void new_contact(const Tracer *t, Touching *c, const GroupPair *q, const 
     c->roll.axes = q->rolling > 0 && radius > 0 && !t->g->planar ? 3 : 0;
     c->roll.still = c->roll.moving = q->rolling * radius;
     if (c->roll.axes && from->manifold.count == 1)
-        c->roll.force = from->rolling;
+        c->roll.force = contact_rolling(t->g, from);
 }
 
 static bool any_moves(const Group *g, const GroupContact *c) { return g->member[c->a].moves || g->member[c->b].moves; }
