@@ -277,10 +277,14 @@ static dig_status note(const Book *b)
     if (more == 0)
         return DIG_OK;
     Strike *strikes = spare_take(&g->spare, g->arena, (size_t)(g->strike_count + more) * sizeof *strikes);
-    if (!strikes)
+    Impact *impacts = spare_take(&g->spare, g->arena, (size_t)(g->impact_count + more) * sizeof *impacts);
+    if (!strikes || !impacts)
         return DIG_E_MEMORY;
     for (int i = 0; i < g->strike_count; i++)       /* of pieces before this one */
         strikes[i] = g->strikes[i];
+    for (int i = 0; i < g->impact_count; i++)
+        impacts[i] = g->impacts[i];
+    g->impacts = impacts;
     g->strikes = strikes;
     g->strike_capacity = g->strike_count + more;
     for (int i = 0; i < g->contact_count; i++)

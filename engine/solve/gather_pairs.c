@@ -80,8 +80,8 @@ static void gather_pair(Group *g, GroupPair *q, const Near *n, KnownRubs *known)
     q->was_touching = p->touching;
     q->both_moved = g->member[q->a].moved && g->member[q->b].moved;
     q->struck = false;
-    q->strike_first = q->strike = 0;
-    q->speed = q->struck_time = q->struck_impulse = 0;
+    q->impact = 0;
+    q->speed = 0;
 }
 
 /* Only what there is. Points beyond the count stay unwritten. */

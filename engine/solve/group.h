@@ -178,7 +178,7 @@ typedef struct GroupPair {
     uint32_t memory;            /* the world's; NONE: it has none   */
     int      a, b;              /* local bodies                     */
     int      contact, contacts; /* range of the group's contacts    */
-    int      strike_first, strike;      /* its first and last entry of strikes + 1; 0 = none */
+    int      impact;            /* its entry of Group.impacts + 1; 0 = none */
     bool     struck;            /* an impact happened in this step  */
     bool     meets;             /* in this substep, whatever it looks like at its start */
     uint8_t  presses;           /* bits: at which points it presses as it did before, in this substep */
@@ -194,8 +194,12 @@ typedef struct GroupPair {
     real     reach;             /* m   so far ahead its contact looks  */
     real     until;             /* m   see Pair; < 0 but in a crowd    */
     ManifoldCache *hint;        /* in the group's places; NULL: a ball, which needs none */
-    real     struck_time, struck_impulse;
 } GroupPair;
+
+typedef struct Impact {         /* what happened to a pair that was struck in this step */
+    real     time, impulse;     /* s, N s                           */
+    int      first, last;       /* its entries of strikes + 1; 0 = none */
+} Impact;
 
 static inline void pair_approaches(GroupPair *q, real speed) { q->speed = q->struck ? q->speed : real_max(q->speed, speed); }
 
@@ -310,6 +314,7 @@ struct Group {
     JointBlock *blocks;     int block_count;
     JointRow *rows;         int row_count;
     Strike   *strikes;      int strike_count, strike_capacity;
+    Impact   *impacts;      int impact_count;       /* as mass; in a crowd there is room for what it has to note */
 
     real      t, h;             /* s   since the start of the step, this substep */
     bool      jammed;           /*     what heals contradicts itself: for the rest of the step it heals in place, as far as it goes */
@@ -451,7 +456,7 @@ int  group_overloaded(Group *g, real dt, real *share);  /* the joint most over i
 /* keep.c */
 typedef struct GroupKept {      /* a group as it was */
     Pos *pos; Vel *vel; Mass *mass; Member *member; GroupPair *pairs; GroupContact *contacts; real *places; GroupJoint *joints;
-    Apart *apart;
+    Apart *apart; Impact *impacts;
     Vel *start_vel; Been *been; ContactRest *contact_rest;
     Group scalars;
 } GroupKept;
@@ -534,6 +539,7 @@ real group_close_speed(const Group *g);
 /* impact.c: what touches and approaches is struck, now */
 int  group_events(const Group *g);                      /* impacts that may be located in a step */
 void impacts(Group *g);
+Impact *group_impact(Group *g, GroupPair *q);          /* of this step: a new one if it has none */
 void strike_report(Group *g, const PointRow *r, real speed);
 /* relax.c: Gauss-Seidel sweeps over rows; each returns the largest velocity change, m/s */
 real relax_points(Group *g, int first, int count);

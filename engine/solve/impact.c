@@ -346,6 +346,15 @@ static bool rides(const Group *g, const GroupContact *c, real speed)
     return g->driven && g->pairs[c->pair].was_touching && speed <= g->fall * g->world->def.step;
 }
 
+Impact *group_impact(Group *g, GroupPair *q)
+{
+    if (q->impact == 0) {
+        g->impacts[g->impact_count] = (Impact){.time = 0};
+        q->impact = ++g->impact_count;
+    }
+    return &g->impacts[q->impact - 1];
+}
+
 void strike_report(Group *g, const PointRow *r, real speed)
 {
     const GroupContact *c = &g->contacts[r->contact];
@@ -353,22 +362,23 @@ void strike_report(Group *g, const PointRow *r, real speed)
     if (rides(g, c, speed))
         return;
     const ManifoldPoint *p = &c->manifold.points[r->point];
+    Impact *impact = group_impact(g, q);
     if (!q->struck) {
         q->struck = true;
-        q->struck_time = g->t;
+        impact->time = g->t;
         q->speed = speed;
     }
     q->speed = real_max(q->speed, speed);
-    q->struck_impulse += r->jn;
+    impact->impulse += r->jn;
     /* A blow that goes to and fro along a row of touching bodies within one instant is one impact of each pair; where
      * impacts are not located, all of a step's are. */
-    Strike *last = q->strike > 0 && q->strike <= g->strike_count ? &g->strikes[q->strike - 1] : NULL;
+    Strike *last = impact->last > 0 && impact->last <= g->strike_count ? &g->strikes[impact->last - 1] : NULL;
     if (last && last->pair == c->pair && (last->time == g->t || !g->locate)) {
         last->impulse += r->jn;
     } else if (g->strike_count < g->strike_capacity) {
         g->strikes[g->strike_count++] = (Strike){g->t, c->pair, speed, r->jn, p->a, c->manifold.normal};
-        q->strike = g->strike_count;
-        q->strike_first = q->strike_first > 0 ? q->strike_first : q->strike;
+        impact->last = g->strike_count;
+        impact->first = impact->first > 0 ? impact->first : impact->last;
     }
 }
 

@@ -187,9 +187,10 @@ static void change_share(void *context, int thread, int threads)
         const GroupPair *q = &all->g->pairs[all->g->changed[i]];
         const Pair *p = &w->pairs.data[q->slot];
         struct Change *c = &all->change[i];
-        *c = (struct Change){.body_a = p->body_a, .body_b = p->body_b, .strike = q->strike_first, .wall = pair_wall(w, p), .now = q->touching,
-                             .was = q->was_touching, .struck = q->struck, .time = all->start + (q->struck ? q->struck_time : all->g->t),
-                             .speed = q->speed, .impulse = q->struck_impulse};
+        Impact hit = q->impact ? all->g->impacts[q->impact - 1] : (Impact){.time = 0};
+        *c = (struct Change){.body_a = p->body_a, .body_b = p->body_b, .strike = hit.first, .wall = pair_wall(w, p), .now = q->touching,
+                             .was = q->was_touching, .struck = q->struck, .time = all->start + (q->struck ? hit.time : all->g->t),
+                             .speed = q->speed, .impulse = hit.impulse};
         const Touch *t = touch_find(w, c->body_a, c->body_b, c->wall);
         c->touch = t ? (uint32_t)(t - w->touches.data) : NONE;
         c->bounced = q->struck && body_dynamic(w, c->body_a) && body_dynamic(w, c->body_b) &&

@@ -156,11 +156,12 @@ static void book(Tracer *t, const Series *s, const Touching *c, real p, vec3 mov
     to->point_sum = vec3_mad(to->point_sum, p, at);
     to->point_weight += p;
     to->last = t->t;
-    q->struck_impulse += p;
-    if (q->strike > 0 && q->strike <= g->strike_count)      /* told as one with the blow that they follow */
-        g->strikes[q->strike - 1].impulse += p;
+    Impact *impact = group_impact(g, q);
+    impact->impulse += p;
+    if (impact->last > 0 && impact->last <= g->strike_count)        /* told as one with the blow that they follow */
+        g->strikes[impact->last - 1].impulse += p;
     if (rests)
-        q->struck_time = t->t;                              /* when the contact that lasts begins */
+        impact->time = t->t;                                /* when the contact that lasts begins */
     real given = vec3_dot(j, s->mover), forces = s->mass * vec3_dot(t->acc0[0], moved);
     for (int i = 0; i < g->push_count; i++) {
         real work = vec3_dot(g->pushes[i].force, moved);
