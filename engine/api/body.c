@@ -260,8 +260,9 @@ static dig_status do_hit(World *w, dig_body handle, vec3 impulse, vec3 at, bool 
     body_wake(w, handle.slot);
     b->v = vec3_add(b->v, dv);
     b->w = vec3_add(b->w, dw);
-    b->hit_v = vec3_add(b->hit_v, dv);
-    b->hit_w = vec3_add(b->hit_w, dw);
+    BodyRest *rest = body_rest_own(w, b);
+    rest->hit_v = vec3_add(rest->hit_v, dv);
+    rest->hit_w = vec3_add(rest->hit_w, dw);
     real work = body_energy(w, b) - before;
     b->work += work;
     w->ledger.work_in += w->ledger.started ? work : 0;

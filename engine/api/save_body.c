@@ -60,7 +60,7 @@ static void pack_drift(Pack *p, Body *b)
     pack_vec3(p, &b->drift.turn, SAVE_LONG, "drift of a body");
 }
 
-static void pack_motion(Pack *p, Body *b)
+static void pack_motion(Pack *p, Body *b, BodyRest *rest)
 {
     pack_vec3(p, &b->x, SAVE_FAR, "position of a body");
     pack_quat(p, &b->q, "rotation of a body");
@@ -70,8 +70,8 @@ static void pack_motion(Pack *p, Body *b)
     pack_quat(p, &b->prev_q, "last rotation of a body");
     pack_vec3(p, &b->force, SAVE_STRONG, "force on a body");
     pack_vec3(p, &b->torque, SAVE_STRONG, "torque on a body");
-    pack_vec3(p, &b->hit_v, 2 * SAVE_FAST, "hits of a body");
-    pack_vec3(p, &b->hit_w, 2 * SAVE_FAST, "hits of a body");
+    pack_vec3(p, &rest->hit_v, 2 * SAVE_FAST, "hits of a body");
+    pack_vec3(p, &rest->hit_w, 2 * SAVE_FAST, "hits of a body");
     pack_real_in(p, &b->work, -SAVE_MUCH, SAVE_MUCH, "work on a body");
     pack_real_in(p, &b->still, 0, SAVE_LONG, "time a body was still");
     pack_drift(p, b);
@@ -109,7 +109,7 @@ static void pack_body(Pack *p, World *w, Body *b)
     pack_real_in(p, &rest.sheet.x, 0, 1e9, "sheet of a body");
     pack_real_in(p, &rest.sheet.y, 0, 1e9, "sheet of a body");
     pack_real_in(p, &rest.sheet.z, 0, 1e9, "sheet of a body");
-    pack_motion(p, b);
+    pack_motion(p, b, &rest);
     if (b->kind == DIG_KINEMATIC)
         pack_mover(p, b, &rest);
     else if (p->reading)

@@ -167,7 +167,8 @@ static void commit_body(World *w, const Group *g, int i, real dt)
     b->watch.borne = m->moves ? g->watch.part_borne : 0;
     if (!m->moves)
         return;
-    vec3 old_v = vec3_sub(b->v, b->hit_v), old_w = vec3_sub(b->w, b->hit_w);
+    const BodyRest *rest = body_rest(w, b);
+    vec3 old_v = vec3_sub(b->v, rest->hit_v), old_w = vec3_sub(b->w, rest->hit_w);
     pair3 l = spin_momenta(b, b->q, old_w, g->pos[i].q, g->vel[i].w);
     commit_drift(g, b, &g->pos[i]);
     b->prev_x = b->x;
@@ -183,7 +184,8 @@ static void commit_body(World *w, const Group *g, int i, real dt)
     commit_trace(g, b);
     b->force = vec3_scale(m->mass / dt, vec3_sub(b->v, old_v));
     b->torque = vec3_scale(body_inertness(b) / dt, vec3_sub(pair3_get(l, 1), pair3_get(l, 0)));
-    b->hit_v = b->hit_w = vec3_zero();
+    if (b->rests)
+        body_rest_own(w, b)->hit_v = body_rest_own(w, b)->hit_w = vec3_zero();
     b->lies = real_max(b->lies, 0);     /* the pairs have seen that something else acts on it */
 }
 
@@ -296,7 +298,7 @@ static void commit_share(void *context, int thread, int threads)
     real dt = c->w->def.step;
     for (int i = team_first(g->moving_count, thread, threads), end = team_end(g->moving_count, thread, threads); i < end; i++) {
         if (i + BODIES_AHEAD < g->moving_count)
-            fetch_soon(&c->w->bodies.data[g->slots[i + BODIES_AHEAD]], offsetof(Body, watch) + offsetof(BodyWatch, since));
+            fetch_soon(&c->w->bodies.data[g->slots[i + BODIES_AHEAD]], offsetof(Body, watch) + sizeof(BodyWatch));
         commit_body(c->w, g, i, dt);
     }
     for (int i = team_first(g->pair_count, thread, threads), end = team_end(g->pair_count, thread, threads); i < end; i++) {

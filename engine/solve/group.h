@@ -142,9 +142,9 @@ typedef struct GroupContact {
     uint32_t slot;              /* world contact; NONE = spare      */
     uint32_t piece;
     bool     live;              /* has points                       */
-    bool     idle, was_idle;    /* no point, and no force: until group_judge in the world's record, then now; then */
     bool     touching;          /* at the end of the step, by group_judge */
-    bool     grips;             /* movers have closed on what it presses: see grip.c */
+    bool     idle, was_idle : 1;        /* no point, and no force: until group_judge in the world's record, then now; then */
+    bool     grips : 1;         /* movers have closed on what it presses: see grip.c */
     GroupManifold manifold;
     vec3     impulse;           /* N s on b, over the whole step    */
     real     last;              /* s   into the step, when force last acted */

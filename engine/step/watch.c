@@ -139,7 +139,7 @@ static Sum sum_block(const Group *g, int block)
     Sum s = {.smallest = INFINITY, .most = -INFINITY};
     for (int i = block * BLOCK; i < int_min((block + 1) * BLOCK, g->moving_count); i++) {
         if (i + WATCHED_AHEAD < g->moving_count)
-            fetch_soon(&g->world->bodies.data[g->slots[i + WATCHED_AHEAD]].watch, offsetof(BodyWatch, since));
+            fetch_soon(&g->world->bodies.data[g->slots[i + WATCHED_AHEAD]].watch, sizeof(BodyWatch));
         watch_member(g, i, &s);
     }
     return s;
@@ -235,7 +235,7 @@ static void warn(World *w, dig_rule rule, uint32_t slot, real value, real bound,
 /* The rule is broken in this step, too: for long enough? `pause`: steps that may lie between two times. */
 static bool lasts(World *w, dig_rule rule, uint32_t slot, uint64_t pause)
 {
-    BodyWatch *b = &w->bodies.data[slot].watch;
+    Breach *b = &body_rest_own(w, &w->bodies.data[slot])->breach;
     uint32_t now = (uint32_t)w->steps;
     if (b->last[rule] == now)
         return false;               /* by another contact */

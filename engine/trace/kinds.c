@@ -610,7 +610,7 @@ static real smooth_time(const Tracer *t)
     const Group *g = t->g;
     bool moved = false, hit = false;
     for (int i = 0; i < g->moving_count; i++) {
-        const Body *b = &g->world->bodies.data[g->member[i].slot];
+        const BodyRest *b = body_rest(g->world, &g->world->bodies.data[g->member[i].slot]);
         hit = hit || vec3_length2(b->hit_v) > 0 || vec3_length2(b->hit_w) > 0;
     }
     for (int i = g->moving_count; i < g->body_count; i++)

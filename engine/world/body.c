@@ -592,7 +592,7 @@ void body_disable(World *w, uint32_t slot)
     b->mode = DIG_FIXED;
     b->collides = false;
     b->awake = true;
-    b->v = b->w = b->force = b->torque = b->hit_v = b->hit_w = vec3_zero();
+    b->v = b->w = b->force = b->torque = vec3_zero();
     b->mass = b->inv_mass = b->density = b->pull = b->still = b->trace_step = 0;
     b->inertia = b->inv_inertia = mat3_zero();
     b->round_inertia = b->collided = b->crowded = false;
@@ -602,6 +602,11 @@ void body_disable(World *w, uint32_t slot)
     b->rate = 1;
     b->move_end = -1;
     b->watch = (BodyWatch){0};
+    if (b->rests) {
+        BodyRest *rest = body_rest_own(w, b);
+        rest->hit_v = rest->hit_w = vec3_zero();
+        rest->breach = (Breach){{0}, {0}, {0}};
+    }
     body_refit(w, slot);
     event_post(w, DIG_EVENT_DISABLED, slot, NONE);
 }

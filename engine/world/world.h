@@ -40,9 +40,13 @@ typedef struct Surface {        /* what friction and restitution need of a surfa
 typedef struct BodyWatch {
     real     rise;              /* J      its part of what its group got without work, and has not lost since */
     real     borne;             /* J      its part of how much of that may be */
-    uint32_t since[DIG_RULES], last[DIG_RULES];     /* steps, modulo 2^32, in which a rule was broken, first and last time in a row */
-    uint16_t run[DIG_RULES];    /*        times in that row, or the most that it counts; 0 = none */
 } BodyWatch;
+
+/* Of a body that broke a rule. */
+typedef struct Breach {
+    uint32_t since[DIG_RULES], last[DIG_RULES];     /* steps, modulo 2^32, in which a rule was broken, first and last time in a row */
+    uint16_t run[DIG_RULES];    /* times in that row, or the most that it counts; 0 = none */
+} Breach;
 
 /* m, 1  Where a body got to since it was looked at last, and twice the sines of half its turns; step/rest.c. */
 typedef struct Drift { vec3 way, turn; } Drift;
@@ -94,7 +98,6 @@ typedef struct Body {           /* what every step reads comes first            
     mat3     inertia, inv_inertia;      /* kg m^2, body axes, about the centre         */
     vec3     prev_x;  quat prev_q;      /* before the last step                        */
     vec3     force, torque;     /* N, N m mean resultant of the last step              */
-    vec3     hit_v, hit_w;      /* m/s, rad/s change by hits since the last step, for reports */
     real     work;              /* J      received from pushes and hits                */
     uint16_t trace_wait, trace_pause;   /* steps until its group is traced again; how many it was put off for last */
     real     trace_step;        /* s      length of the last step of its traced motion; 0 = none */
@@ -115,6 +118,8 @@ typedef struct BodyRest {
     char     name[64];          /*        "" = it has none                             */
     vec3     sheet;             /* 1      number, column and row, as drawn; number 0 = no particle of a sheet */
     vec3     move_to; quat turn_to;     /* kinematic: where it is on its way to        */
+    vec3     hit_v, hit_w;      /* m/s, rad/s change by hits since the last step, for reports */
+    Breach   breach;            /* step/watch.c; no part of the state                  */
 } BodyRest;
 
 typedef struct Solid {          /* one shape in a body, or of the world itself (body == NONE) */
