@@ -177,7 +177,7 @@ static void fetch_near(const Group *g, const Near *near, int count, int i)
     fetch_more(w, near[i + FETCH_AHEAD / 2].first);
     const Near *n = &near[i + FETCH_AHEAD];
     const Pair *p = &w->pairs.data[n->slot];
-    size_t bytes = (p->memory == NONE ? offsetof(Solid, colour) : offsetof(Solid, centre)) - offsetof(Solid, shape);
+    size_t bytes = (p->memory == NONE ? offsetof(Solid, colour) : offsetof(Solid, arm)) - offsetof(Solid, shape);
     fetch_soon(&w->solids.data[p->solid_a].shape, bytes);
     fetch_soon(&w->solids.data[p->solid_b].shape, bytes);
     fetch_soon(&g->member[n->a], offsetof(Member, pull));

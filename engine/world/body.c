@@ -51,7 +51,6 @@ void solid_ask(World *w, uint32_t slot)
 
 void solid_place(Solid *s, vec3 centre)
 {
-    s->centre = pose_unpoint(s->at, centre);
     s->arm = vec3_sub(s->at.p, centre);
 }
 

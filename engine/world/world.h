@@ -132,8 +132,7 @@ typedef struct Solid {          /* one shape in a body, or of the world itself (
     box3     reach;             /* m   where it may get in this step                   */
     Shape    shape;
     pose     at;                /* in the body frame (origin), or in the world         */
-    vec3     centre;            /* m   centre of mass of the body in the shape's frame */
-    vec3     arm;               /* m   the shape's origin from there, in the body frame */
+    vec3     arm;               /* m   the shape's origin from the centre of mass, in the body frame */
     Surface  surface;
     vec3     colour;
     real     blow;              /* m   of that, what a blow could add                  */
@@ -498,7 +497,7 @@ void       body_set_mass(Body *b, real mass);
 static inline real body_mass_read(const Body *b) { return b->kind == DIG_DYNAMIC ? b->mass : b->told_mass > 0 ? b->told_mass : INFINITY; }
 void       body_refit(World *w, uint32_t slot);         /* its solids' boxes in the tree */
 void       body_measure(const World *w, Body *b);      /* its radii, from where its solids are */
-/* Where its body's centre of mass is, from the shape and from the body. */
+/* Where the shape is from its body's centre of mass. */
 void       solid_place(Solid *s, vec3 centre);
 bool       bodies_may_touch(const World *w, const Solid *a, const Solid *b);
 real       body_energy(const World *w, const Body *b);  /* J, kinetic + potential */
