@@ -258,7 +258,7 @@ TEST(shapes_come_back_bit_for_bit)
             fail_msg("the data of a %s differ", a->shape.type->name);
         CHECK(a->shape.inner == b->shape.inner && a->shape.outer == b->shape.outer);
         CHECK(a->shape.round == b->shape.round && a->shape.rolling == b->shape.rolling);
-        CHECK(memcmp(&a->centre, &b->centre, sizeof a->centre) == 0);
+        CHECK(memcmp(&a->arm, &b->arm, sizeof a->arm) == 0);
         for (int t = 0; shape_types[t]; t++)
             seen |= shape_types[t] == a->shape.type ? 1 << t : 0;
     }
