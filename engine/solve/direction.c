@@ -3,15 +3,18 @@
 #include "base/wide.h"
 #include "solve/four_dir.h"
 
+#define ROUNDED 1e-12           /* of what was there: less than that, left of it, is rounding, and a row of rounding would hold what it must not */
+
 static vec3 masked(const Group *g, vec3 v, bool linear)
 {
     if (!g->planar)
         return v;
-    real *c[3] = {&v.x, &v.y, &v.z};
+    vec3 left = v;
+    real *c[3] = {&left.x, &left.y, &left.z};
     for (int i = 0; i < 3; i++)
         if ((i == g->planar - 1) == linear)
             *c[i] = 0;
-    return v;
+    return vec3_length2(left) > ROUNDED * ROUNDED * vec3_length2(v) ? left : vec3_zero();
 }
 
 void dir_mask(const Group *g, vec3 *linear, vec3 *angular)
