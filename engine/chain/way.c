@@ -289,14 +289,14 @@ static dig_status save(const Group *g, Saved *s)
     return DIG_OK;
 }
 
-/* why: what was tried in vain; NULL: nothing was tried. */
+/* why: what was tried in vain; NULL: nothing was tried. s: nothing was saved where there are no pairs, though there may be room for points. */
 static dig_status hand_on(Group *g, const Saved *s, const char *why)
 {
     if (g->pair_count > 0)
         memcpy(g->pairs, s->pairs, (size_t)g->pair_count * sizeof *s->pairs);
-    if (g->contact_count > 0)
+    if (s->contacts && g->contact_count > 0)
         memcpy(g->contacts, s->contacts, (size_t)g->contact_count * sizeof *s->contacts);
-    if (g->place_count > 0)
+    if (s->places && g->place_count > 0)
         memcpy(g->places, s->places, (size_t)g->place_count * sizeof *s->places);
     for (int i = 0; i < g->moving_count; i++)
         g->member[i].force = g->member[i].torque = vec3_zero();

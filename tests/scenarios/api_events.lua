@@ -274,3 +274,50 @@ scenario("what breaks says where, and who is not there is not found", function()
   expect(select("#", world:find "thread")):is(1)
   expect(world:find "thread"):is(nil)
 end)
+
+scenario("members hear that their DIGs merge and split", function(s)
+  local world = s.world
+  world:floor()
+  local low, high = world:box { size = 0.2, at = { 0, 0.1, 0 } }, world:box { size = 0.2, at = { 0, 0.6, 0 } }
+  local far, heard = world:box { size = 0.2, at = { 5, 0.1, 0 } }, {}
+  for _, body in ipairs { low, high, far } do
+    for _, kind in ipairs { "merged", "split" } do
+      body:on(kind, function(e)
+        expect(e.self):is(body)
+        heard[#heard + 1] = e.event
+      end)
+    end
+  end
+  world:run(1)
+  expect(table.concat(heard, " ")):is "merged merged"
+  high:hit { impulse = { 0, 30, 0 } }
+  world:run(0.2)
+  expect(table.concat(heard, " ")):is "merged merged split split"
+end)
+
+scenario("a message tells where it came from", function(s)
+  local world = s.world
+  local a = world:ball { radius = 0.1, at = { 1, 2, 3 }, gravity_scale = 0 }
+  local b = world:ball { radius = 0.1, at = { 1, 2, 5 }, gravity_scale = 0 }
+  local way
+  b:on("message", function(e) way = e.direction end)
+  a:send(b, "hello", 1)
+  world:step()
+  expect(way):near({ 0, 0, 2 }, 1e-12)
+end)
+
+-- The room for points is there, and no pair: a chain that finds no solution hands on what it never touched.
+scenario("a world whose contacts are switched off in a crowd with a chain goes on", function(s)
+  local world = s.world
+  world:floor { material = "concrete" }
+  for row = 0, 7 do
+    for k = 0, 5 do
+      world:box { material = "brick", size = { 0.1, 0.1, 0.2 }, at = { 0, 0.05 + 0.1 * row, (k - 2.5) * 0.2 + (row % 2) * 0.1 } }
+    end
+  end
+  local ball = world:ball { material = "iron", radius = 0.2, at = { -2.5, 2.5, 0 } }
+  world:rope { a = ball, to = { 0, 3, 0 }, segments = 10, radius = 0.015, mass = 4 }
+  world:effect("contact", false)
+  world:run(1)
+  expect(ball.position.y):below(1)
+end)
