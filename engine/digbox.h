@@ -655,7 +655,7 @@ typedef struct dig_message {
     dig_body from, to;
     char     kind[32];
     real     value[4];
-    vec3     direction;         /* from -> to at a collision, else zero */
+    vec3     direction;         /* m  from -> to; zero where nobody sent it */
 } dig_message;
 
 int dig_messages(const dig_world *w, dig_message *out, int capacity);           /* the last 4096, oldest first */

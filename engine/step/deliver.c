@@ -50,6 +50,7 @@ typedef struct Round {
     bool        told;           /* there is room for a letter for each event, and an event for each letter */
     dig_message letter;
     dig_event   event;
+    const Body *from;           /* who sent it; NULL: nobody that is there */
 } Round;
 
 /* most: to so many. */
@@ -60,6 +61,7 @@ static Round start_round(World *w, const Post *p, int most)
                .letter = {.root = p->root, .time = p->time, .from = d->from, .value = {d->value[0], d->value[1], d->value[2], d->value[3]}},
                .event = {.kind = DIG_EVENT_MESSAGE, .time = p->time, .b = d->from}};
     memcpy(r.letter.kind, d->kind, sizeof r.letter.kind);
+    r.from = world_body(w, d->from);
     return r;
 }
 
@@ -86,6 +88,7 @@ static bool give(Round *r, uint32_t slot, real value)
     m->root = m->root ? m->root : m->id;
     m->to = r->event.a = (dig_body){slot, b->gen};
     m->value[0] = value;
+    m->direction = r->from ? vec3_sub(b->x, r->from->x) : vec3_zero();
     message_append(&w->messages, m);
     remember(w, b, slot, m);
     w->stats.delivered++;

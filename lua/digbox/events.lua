@@ -139,7 +139,9 @@ end
 local function copy_for(e, body)
   local copy = {}
   for k, v in next, e do copy[k] = v end
-  if e.b and (body == e.b or e.wall) then                   -- a wall of the room is no body: it is never self
+  if body and e.other_dig then                              -- of DIGs, whose members all take part
+    copy.self = body
+  elseif e.b and (body == e.b or e.wall) then                   -- a wall of the room is no body: it is never self
     copy.self, copy.other, copy.normal = e.b, e.a, -e.normal
   else
     copy.self, copy.other = e.a, e.b
@@ -151,12 +153,21 @@ local function add_all(to, from)
   for _, sub in ipairs(from or {}) do to[#to + 1] = sub end
 end
 
+-- DIGs merged or split: who is in one of them now.
+local function add_members(list, book, e)
+  for body, subs in next, book.by_body do
+    local dig = body.valid and body:dig_of(e.layer)
+    if dig and (dig == e.dig or dig == e.other_dig) then add_all(list, subs) end
+  end
+end
+
 -- Handlers of one event in the order they were added.
 local function handlers_for(book, e)
   local list = {}
   add_all(list, book.everyone)
   if next(book.by_body) then
     if e.a then add_all(list, book.by_body[e.a]) end
+    if e.event == "merged" or e.event == "split" then add_members(list, book, e) end
     if e.event ~= "message" and e.b and e.b ~= e.a then add_all(list, book.by_body[e.b]) end
     if #list > 1 then table.sort(list, function(p, q) return p.id < q.id end) end
   end

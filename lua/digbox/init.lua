@@ -225,6 +225,15 @@ local function read_command_line(list, declared)
   return given
 end
 
+-- A bare number is in the unit of its argument; that may be a word that is no unit, and then it stays as it is.
+local function in_unit(value, unit)
+  if not unit then return value end
+  local known, one = pcall(core.quantity, "1 " .. unit, unit, "digbox.args")
+  if not known or one == 1 then return value end
+  local ok, result = pcall(core.quantity, ("%.17g %s"):format(value, unit), unit, "digbox.args")
+  return ok and result or value
+end
+
 local function read_argument(name, d, text)
   local default = d.default
   if type(default) == "boolean" then
@@ -235,7 +244,9 @@ local function read_argument(name, d, text)
     return text
   end
   local value = tonumber(text)
-  if not value or value ~= value then
+  if value and value == value then
+    value = in_unit(value, d.unit)
+  else
     local ok, result = pcall(core.quantity, text, d.unit or "1", "argument", name)
     if not ok then core.usage("%s", (result:gsub("^.-:%d+: ", ""):gsub("^argument%.([%w_]+)", "argument '%1'"))) end
     value = result
@@ -243,13 +254,14 @@ local function read_argument(name, d, text)
   return value
 end
 
-core.declare("digbox.args", { "Declares what `digbox run --set` may vary; gives the values, in SI.",
+core.declare("digbox.args", {
+  "Declares what `digbox run --set` may vary; gives the values, in SI; numbers without a unit are in that of their argument.",
   takes = { { "declared", "table", "by name: a default, or {default, unit, help}" } }, gives = "table" })
 local argument_fields = { default = { "any", "the value when nothing is said" }, unit = { "text", "its unit" },
   help = { "text", "what it is" } }
 
 -- digbox.args{height = {default = 0.75, unit = "m", help = "drop height"}} -> {height = 0.75}
--- A value comes from `--set height=0.6` or, after `--`, `--height 0.6`; units are allowed: "60 cm".
+-- A value comes from `--set height=0.6` or, after `--`, `--height 0.6`; units are allowed: "60 cm". 45 of an angle in "deg" is 45 degrees.
 function digbox.args(declared)
   if type(declared) ~= "table" then core.fail("digbox.args wants a table; got %s", core.type(declared)) end
   local names, values = {}, {}
@@ -265,6 +277,7 @@ function digbox.args(declared)
     rawset(declared, name, d)
     values[name] = d.default
     if type(d.default) == "string" and d.unit then values[name] = core.quantity(d.default, d.unit, "digbox.args", name) end
+    if type(d.default) == "number" then values[name] = in_unit(d.default, d.unit) end
   end
   table.sort(names)
   core.args_declared = true

@@ -247,8 +247,8 @@ event("limit_reached", "A joint reached one of its limits.", "time self other jo
 event("out_of_world", "A body left the room, or came 10 km away from the origin where there is none; told once. It goes on.", "time self")
 event("link", "A link came into being; of other layers than the mechanical one with { layer = ... }.", "time self other kind layer dig")
 event("unlink", "A link went away.", "time self other kind layer dig")
-event("merged", "Two DIGs became one.", "time self other dig other_dig layer")
-event("split", "A DIG fell apart.", "time self dig other_dig layer")
+event("merged", "Two DIGs became one: `dig`. Told by body:on to each of its members.", "time self dig other_dig layer")
+event("split", "A DIG fell apart into `dig` and `other_dig`. Told by body:on to each of their members.", "time self dig other_dig layer")
 event("message", "A message arrives; heard by body:on of its receiver, and by world:on.", "time from to kind value values direction")
 
 declare_type("event", "What a handler gets: a copy of its own, safe to keep. Which fields it has depends on the event.", {}, {

@@ -84,6 +84,12 @@ holds 'it has the name of the world' test -s out/drop.png
 for key in Time Step Seed Script-Hash Software; do holds "the picture says $key" grep -qa "$key" out/drop.png; done
 gives 0 'set' run -q --set height=2 --set 'name=x y' drop.lua;              printed 'x y 2.000'
 gives 0 'set with a unit' run -q --set 'height=60 cm' drop.lua;             printed '0.600'
+cat >throw.lua <<'LUA'
+local opt = require("digbox").args { angle = { default = 45, unit = "deg" }, length = { default = 30, unit = "cm" }, heads = { default = 7, unit = "heads" } }
+print(("%.4f %.4f %d"):format(opt.angle, opt.length, opt.heads))
+LUA
+gives 0 'numbers are in the unit of their argument' run -q throw.lua;       printed '0.7854 0.3000 7'
+gives 0 'those of --set too' run -q --set angle=30 --set 'length=1 m' throw.lua;  printed '0.5236 1.0000 7'
 gives 0 'arguments after --' run -q drop.lua -- --height 0.6 --name=b;      printed 'b 0.600'
 gives 0 'help of the world' run -q drop.lua -- --help;                      printed 'drop height (default 1 m)'
 gives 2 'an unknown argument' run --set hieght=2 drop.lua;                  said "unknown argument 'hieght' (did you mean 'height'?)"
