@@ -412,11 +412,26 @@ static bool lies_calm(const World *w, const Step *s, const struct StepGroup *g)
     return fast <= CALM_FAST * g->pair_count;
 }
 
+/* Has it been solved in vain for so long that it pauses (solve/toil.c), while no mover stirs it? */
+static bool toils(const World *w, const Step *s, const struct StepGroup *g)
+{
+    bool any = false;
+    for (int i = 0; i < g->pair_count; i++) {
+        const Pair *p = &w->pairs.data[s->pairs[g->pair_first + i]];
+        const Body *a = p->body_a == NONE ? NULL : &w->bodies.data[p->body_a], *b = p->body_b == NONE ? NULL : &w->bodies.data[p->body_b];
+        if ((a && a->kind == DIG_KINEMATIC) || (b && b->kind == DIG_KINEMATIC))
+            return false;
+        any = any || (a && a->toil.pause > 0) || (b && b->toil.pause > 0);
+    }
+    return any;
+}
+
 /* Of so many bodies: is it for the crowd, by its own size, or because the world has so much else to advance that small groups are no exception? */
 static bool takes_crowd(const World *w, const Step *s, const struct StepGroup *g, int bodies, int total)
 {
     const AccuracyPlan *plan = accuracy_plan(g->accuracy);
-    if ((bodies <= plan->crowd_bodies && total <= plan->crowd_total) || !crowd_allows(w) || !plain_bodies(w, s, g))
+    bool few = bodies <= plan->crowd_bodies && total <= plan->crowd_total;
+    if ((few && !(bodies > plan->toil_bodies && toils(w, s, g))) || !crowd_allows(w) || !plain_bodies(w, s, g))
         return false;
     return bodies > CROWD_LIVELY_MOST * plan->crowd_bodies || !bounces_well(w, s, g);
 }

@@ -156,3 +156,19 @@ test.scenario("a pile of logs comes to rest", function(s)
   test.expect(logs[#logs].position.y):near(top, "15 mm")
   test.expect(world.energy.numerical):below(0.01 * world.energy.initial)
 end)
+
+test.scenario("a Jenga tower that is touched creeps no farther, and falls asleep", function()
+  for _, layers in ipairs { 11, 12, 13, 16 } do
+    local world = digbox.world {}
+    world:floor { material = "oak" }
+    local blocks = jenga(world, layers)
+    world:run(1)
+    blocks[3 * (layers - 1) + 2]:hit { impulse = { 0, 0, 0.02 } }
+    world:run(1)
+    local row = blocks[3 * (layers - 3) + 2]
+    local from = row.position
+    world:run(2)
+    test.expect((row.position - from):length()):below(3e-4)
+    test.expect(world:stats().awake):is(0)
+  end
+end)
