@@ -227,10 +227,50 @@ static dig_status answer_held(Ask *k, real from)
     return DIG_OK;
 }
 
+#define ONWARD 1.2              /* times what starts it, */
+#define INERTIA 0.05            /* and so much of its weight: what takes it all its way in time, and no farther into what is there */
+
+/* a->needs starts it. Does something stop it on its way? */
+static dig_status look_on_its_way(Ask *k, bool *stopped)
+{
+    dig_answer *a = k->a, said = *a;
+    const dig_question *asked = k->q;
+    dig_question pushed = *asked;
+    char start[64];
+    Trial t = {0};
+    *stopped = false;
+    pushed.with = ONWARD * a->needs + INERTIA * ask_weight(k);
+    k->q = &pushed;
+    dig_status status = try_push(k, pushed.with, &t, stopped);
+    *stopped = *stopped && !gets_there(k, &t);
+    if (status == DIG_OK && *stopped) {
+        a->moved = real_max(0, real_min(t.moved, pushed.by));
+        a->time = (real)t.steps * k->copy->def.step;
+        note_moves(k);
+        status = answer_stopped(k);
+        size_t length = (size_t)snprintf(start, sizeof start, "%.4g %s start it: ", said.needs, unit(k));
+        if (length + strlen(a->because) < sizeof a->because) {
+            memmove(a->because + length, a->because, strlen(a->because) + 1);
+            memcpy(a->because, start, length);
+        }
+    } else {
+        said.trials = a->trials;
+        said.steps = a->steps;
+        *a = said;
+    }
+    k->q = asked;
+    return status;
+}
+
 static dig_status answer_how_much(Ask *k)
 {
     dig_answer *a = k->a;
+    bool stopped = false;
     DIG_TRY(ask_needs(k, ask_weight(k), false, &a->needs));
+    if (isfinite(a->needs))
+        DIG_TRY(look_on_its_way(k, &stopped));
+    if (stopped)
+        return DIG_OK;
     if (a->needs > ASK_FREE * ask_weight(k))
         return answer_held(k, 0.5 * a->needs);
     a->verdict = DIG_FREE;

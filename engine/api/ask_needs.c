@@ -8,6 +8,7 @@
 #include "api/ask.h"
 
 #define SHARP 2e-3              /* of the force needed, relative */
+#define GENTLE 0.05             /* of the weight */
 
 /* One more push between those two. */
 static dig_status halve(Ask *k, real push, real *low, real *high, real *rate)
@@ -104,6 +105,15 @@ dig_status ask_needs(Ask *k, real push, bool known, real *needs)
         *needs = INFINITY;
         DIG_TRY(ask_starts(k, most, &does, &rate));
         return does ? search_up(k, push, NAN, needs) : DIG_OK;
+    }
+    if (!known && drawn <= push) {      /* it was drawn along, and that push took it to what is near */
+        *needs = real_max(0, drawn);
+        return DIG_OK;
+    }
+    if (!known && isnan(drawn)) {       /* or a gentle one starts it, that does not */
+        DIG_TRY(ask_starts(k, GENTLE * ask_weight(k), &does, &rate));
+        if (does)
+            return search_down(k, GENTLE * ask_weight(k), rate, needs);
     }
     return search_up(k, push, drawn > push ? drawn : NAN, needs);
 }

@@ -335,6 +335,39 @@ scenario("what a hundred others do does not change the answer", function(s)
   expect(among.steps):below(13)
 end)
 
+scenario("how much it needs counts for all the way", function(s)
+  local world = s:world { gravity = { 0, -g, 0 } }
+  world:floor { friction = 0.5 }
+  for i, gap in ipairs { 0.001, 0.01, 0.0101, 0.05, 0.15 } do
+    local box = world:box { mass = 10, size = 1, at = { 0, 0.5, 3 * i }, friction = 0.5 }
+    local wall = world:box { fixed = true, size = 1, at = { 1 + gap, 0.5, 3 * i } }
+    local short = box:can_move { along = { 1, 0, 0 }, by = 0.9 * gap }
+    expect(short.verdict == "needs" and short.ok):is(true)
+    expect(short.needs):near(5 * g, 0.01)
+    local long = box:can_move { along = { 1, 0, 0 }, by = 0.2 }
+    expect(long.verdict):is "blocked"
+    expect(long.ok):is(false)
+    expect(long.blocked_by):is(wall)
+    expect(long.moved):near(gap, 1e-4)
+    expect(long.because):contains "N start it"
+  end
+  local first = world:box { mass = 100, size = 1, at = { 0, 0.5, 20 }, friction = 0.5 }
+  world:box { mass = 100, size = 1, at = { 1.05, 0.5, 20 }, friction = 0.5 }
+  local both = first:can_move { along = { 1, 0, 0 }, by = 0.2 }
+  expect(both.verdict == "needs" and not both.ok):is(true)
+  expect(both.needs):near(100 * g, 0.5)
+end)
+
+scenario("a door with a wedge behind it opens as far as that", function(s)
+  local world = s:world { gravity = { 0, -g, 0 } }
+  local parts_door = digbox.parts.door(world, { at = { 0, 0, 0 } })
+  local leaf = parts_door.leaf
+  world:box { fixed = true, size = 0.1, at = leaf.position + digbox.vec(0.35, 0, 0.08) }
+  local answer = leaf:can_move { along = { 0, 0, 1 }, at = leaf.position + digbox.vec(0.35, 0, 0), by = "20 cm" }
+  expect(answer.verdict):is "blocked"
+  expect(answer.moved):near(0.0094, 2e-4)
+end)
+
 scenario("bad questions are refused at their line", function(s)
   local world = s.world
   local ball = world:ball { name = "ball", radius = 0.1 }
