@@ -311,6 +311,7 @@ static dig_status answer_push(Ask *k)
     a->ok = true;
     add_self(k);
     snprintf(a->because, sizeof a->because, "it moves %.4g %s in %.3g s", k->q->by, way_unit(k), a->time);
+    ask_add_broken(k, a->because, sizeof a->because);
     return DIG_OK;
 }
 

@@ -65,6 +65,7 @@ dig_status ask_chain(Ask *k, real push);
 void       ask_add_chain(dig_answer *a, dig_part p);
 /* "bolt 'b' and body 'box'", in `text`; of one who holds, who stands firm behind it. */
 const char *ask_name_holders(const Ask *k, char *text, size_t capacity);
+void       ask_add_broken(const Ask *k, char *text, size_t capacity);          /* what broke on its way, to a sentence */
 
 /* ---- ask_linkage.c ---- */
 /* Do gears that hang on this body's hinges contradict each other? Fills the loop's bodies. */

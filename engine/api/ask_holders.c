@@ -278,3 +278,16 @@ const char *ask_name_holders(const Ask *k, char *text, size_t capacity)
         name_backing(k, text + at, capacity - at);
     return text;
 }
+
+void ask_add_broken(const Ask *k, char *text, size_t capacity)
+{
+    size_t at = strlen(text);
+    for (int i = 0, count = 0; i < k->a->consequence_count && at < capacity; i++) {
+        const dig_consequence *c = &k->a->consequences[i];
+        char name[100];
+        if (strcmp(c->what, "broken") != 0)
+            continue;
+        name_part(k, c->who, name, sizeof name);
+        at += (size_t)snprintf(text + at, capacity - at, "%s%s", count++ ? " and " : ", and breaks ", name);
+    }
+}

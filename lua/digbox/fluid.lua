@@ -12,7 +12,9 @@ local function set(world, what, name, fields)
 end
 
 core.declare("world:air", { "Every body feels the drag of air; world:air(false): none does.", with = { "effect drag" }, optional = true })
-core.declare("world:water", { "Bodies float in it; world:water(false): there is none.", with = { "effect buoyancy" }, optional = true })
+core.declare("world:water", {
+  "Bodies float in it, by what their shapes displace: a hollow one by its walls alone; world:water(false): there is none.",
+  with = { "effect buoyancy" }, optional = true })
 
 -- world:air{ density =, wind = }: every body feels the drag of air; world:air(false): none does
 function methods.air(world, fields)

@@ -114,6 +114,7 @@ scenario("pulled harder than the bolt's strength, the answer says that it breaks
   local bolt = world:bolt { name = "bolt", holds = plate, into = wall, strength = "500 N" }
   local answer = plate:can_move { along = { 0, 0, 1 }, by = "1 m", with = "600 N" }
   expect(answer.verdict):is "free"
+  expect(answer.because):contains ", and breaks bolt 'bolt'"
   expect(answer.consequences[1].what):is "broken"
   expect(answer.consequences[1].who):is(bolt)
   expect(bolt.valid):is(true)
