@@ -351,8 +351,8 @@ static bool is_carried(const Group *g, int body)
     return false;
 }
 
-/* How hard movers squeeze nobody can say; what they bear is what else acts on it does not: across what squeezes by equal shares of friction, along it
- * by those that push that way. A contact with what is carried itself bears only where there is no other. */
+/* How hard movers squeeze nobody can say. What they bear is what moves it as it moves, less what else acts on it: across what squeezes by equal
+ * shares of friction, along it by those that push that way. A contact with what is carried itself bears only where there is no other. */
 static void bear(Group *g, const Carried *h, bool by_carried)
 {
     const GroupContact *first = &g->contacts[g->jaws[h->first]];

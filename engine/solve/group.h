@@ -498,6 +498,15 @@ bool group_joints_gape(const Group *g);     /* is one open as its present rows s
 void group_clean_joints(Group *g);
 real joint_row_rate(const Group *g, const Row *r);      /* m/s or rad/s, now */
 void joint_row_warm(Group *g, JointRow *r);
+/* m/s or rad/s  Of a row, now. */
+static inline real group_row_rate(const Group *g, const Row *r)
+{
+    real rate = 0;
+    for (int k = 0; k < r->count; k++)
+        if (r->body[k] >= 0)
+            rate += vec3_dot(r->lin[k], g->vel[r->body[k]].v) + vec3_dot(r->ang[k], g->vel[r->body[k]].w);
+    return rate;
+}
 real group_row_mobility(const Group *g, const Row *r, int k);   /* kg^-1 or (kg m^2)^-1  what a row moves of its k-th body, per unit of impulse */
 
 /* hold.c: after a substep in which poses and velocities of moving members went on from start_pos and start_vel. both: what was lost is

@@ -17,22 +17,13 @@ static real give_of(const Group *g, const Row *r, int k, real *fastest)
     return m->im * vec3_length2(r->lin[k]) + vec3_dot(ang, turn);
 }
 
-static real rate_of(const Group *g, const Row *r)
-{
-    real rate = 0;
-    for (int k = 0; k < r->count; k++)
-        if (r->body[k] >= 0)
-            rate += vec3_dot(r->lin[k], g->vel[r->body[k]].v) + vec3_dot(r->ang[k], g->vel[r->body[k]].w);
-    return rate;
-}
-
 /* m/s or rad/s, and m or rad: by so much may the row change its rate, and itself. mobility: 1/kg or 1/(kg m^2) of its ends. */
 typedef struct Throw { real rate, far; } Throw;
 
 static Throw throw_of(const Group *g, const Row *r, real mobility, real time)
 {
     if (r->kind == ROW_MOTOR) {
-        real rate = real_min(fabs(r->rate - rate_of(g, r)), mobility * r->hi * time);
+        real rate = real_min(fabs(r->rate - group_row_rate(g, r)), mobility * r->hi * time);
         return (Throw){rate, rate * time};
     }
     real off = fabs(r->error), rate = off * real_min(sqrt(r->stiffness * mobility), r->stiffness * mobility * time);
@@ -62,7 +53,7 @@ static void throw_by(Group *g, const Row *r, real time)
 /* It pushed in the last step, and is not at its speed. One that has not pushed yet gets there by a blow. */
 static bool lags(const Group *g, const GroupJoint *j, const Row *r)
 {
-    real now = rate_of(g, r);
+    real now = group_row_rate(g, r);
     return j->force[r->slot] != 0 && fabs(r->rate - now) > real_max(STILL, LAGS * real_max(fabs(r->rate), fabs(now)));
 }
 

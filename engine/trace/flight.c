@@ -14,12 +14,7 @@
 /* Are all pairs of things that did not touch, nor were struck? */
 static bool apart(const Group *g)
 {
-    if (g->crowd || !g->may_trace || g->moving_count > FEW || g->pair_count > FEW)
-        return false;
-    for (int i = 0; i < g->pair_count; i++)
-        if (g->pairs[i].was_touching || g->pairs[i].contacts != 1)
-            return false;
-    return true;
+    return !g->crowd && g->may_trace && g->moving_count <= FEW && trace_untouched(g, FEW);
 }
 
 #define CLOSED 1e-12            /* of the size: what touches by no more overlap has nothing to heal */
@@ -93,10 +88,8 @@ static bool keeps_apart(Group *g, real h)
         apart = apart && (!g->contacts[g->pairs[i].contact].live || stays_clear(g, &g->pairs[i], h));
     }
     g->looked = true;
-    for (int i = 0; i < g->pair_count && apart; i++) {
-        g->contacts[g->pairs[i].contact].live = false;
-        g->contacts[g->pairs[i].contact].manifold.count = 0;
-    }
+    if (apart)
+        trace_leave_pairs(g);
     return apart;
 }
 

@@ -12,13 +12,10 @@ int hang_parts(real turn) { return turn < PART * PARTS ? (int)real_max(1, ceil(t
 
 bool hang_suits(const Group *g)
 {
-    if (g->joint_count != 1 || g->moving_count != 1 || g->pair_count > PAIRS || g->push_count > 0 || g->planar || !g->may_trace)
+    if (g->joint_count != 1 || g->moving_count != 1 || !trace_untouched(g, PAIRS) || g->push_count > 0 || g->planar || !g->may_trace)
         return false;
     if (g->own || g->varies || g->drags || g->rules || g->world->region_count > 0)
         return false;
-    for (int i = 0; i < g->pair_count; i++)
-        if (g->pairs[i].was_touching || g->pairs[i].contacts != 1)
-            return false;
     const GroupJoint *j = &g->joints[0];
     const Member *m = &g->member[0];
     if (j->breaks_at > 0 || j->broken || !m->moves || m->integrator != DIG_AUTO)
@@ -57,8 +54,8 @@ bool hang_apart(Group *g, real h, real way)
         apart = apart && !g->contacts[g->pairs[i].contact].live;
     }
     g->looked = true;
-    for (int i = 0; i < g->pair_count && apart; i++)
-        g->contacts[g->pairs[i].contact].manifold.count = 0;
+    if (apart)
+        trace_leave_pairs(g);
     return apart;
 }
 

@@ -15,14 +15,7 @@ Row *trace_row(const Tracer *t, int joint, int slot)
     return NULL;
 }
 
-real trace_row_rate(const Tracer *t, const Row *r)
-{
-    real rate = 0;
-    for (int k = 0; k < r->count; k++)
-        if (r->body[k] >= 0)
-            rate += vec3_dot(r->lin[k], t->g->vel[r->body[k]].v) + vec3_dot(r->ang[k], t->g->vel[r->body[k]].w);
-    return rate;
-}
+real trace_row_rate(const Tracer *t, const Row *r) { return group_row_rate(t->g, r); }
 
 /* ---- kinematics ---- */
 

@@ -20,11 +20,8 @@ static bool is_free(const Group *g, int body) { return body >= 0 && g->member[bo
 
 static bool suits(const Group *g)
 {
-    if (g->joint_count != 1 || g->pair_count > PAIRS || g->push_count > 0 || g->planar || g->moving_count > 2)
+    if (g->joint_count != 1 || !trace_untouched(g, PAIRS) || g->push_count > 0 || g->planar || g->moving_count > 2)
         return false;
-    for (int i = 0; i < g->pair_count; i++)
-        if (g->pairs[i].was_touching || g->pairs[i].contacts != 1)
-            return false;
     if (g->own || g->varies || g->drags || g->rules || g->world->region_count > 0)
         return false;
     const GroupJoint *j = &g->joints[0];
@@ -183,11 +180,9 @@ static bool keeps_apart(Group *g, const Swing *s)
         group_touch_pair(g, &g->pairs[i], g->h);
         apart = apart && (!g->contacts[g->pairs[i].contact].live || stays_clear(g, &g->pairs[i], s));
     }
-    g->looked = g->looked || g->pair_count > 0;
-    for (int i = 0; i < g->pair_count && apart; i++) {
-        g->contacts[g->pairs[i].contact].live = false;
-        g->contacts[g->pairs[i].contact].manifold.count = 0;
-    }
+    g->looked = true;
+    if (apart)
+        trace_leave_pairs(g);
     return apart;
 }
 

@@ -391,4 +391,22 @@ void trace_mean(Tracer *t);                     /* means of forces and powers ov
 void trace_book(Tracer *t, const Touching *touch, int count, real begin);   /* them into the group; the contacts of that step */
 void trace_finish(Tracer *t);                   /* what the world wants to know of the frame */
 
+/* Is no more than that near, and was none of it touched? Asked of what moves in closed form. */
+static inline bool trace_untouched(const Group *g, int most)
+{
+    for (int i = 0; i < g->pair_count && g->pair_count <= most; i++)
+        if (g->pairs[i].was_touching || g->pairs[i].contacts != 1)
+            return false;
+    return g->pair_count <= most;
+}
+
+/* What was found near, and is not met, is left behind: the next step looks anew. */
+static inline void trace_leave_pairs(Group *g)
+{
+    for (int i = 0; i < g->pair_count; i++) {
+        g->contacts[g->pairs[i].contact].live = false;
+        g->contacts[g->pairs[i].contact].manifold.count = 0;
+    }
+}
+
 #endif
