@@ -142,7 +142,7 @@ declare_type("body", "A body. Its fields as listed under body fields can be read
   name = { "string", "for messages, events and world:find", set = true },
   work_received = { "number", "work of pushes on it", unit = "J" }, world = { "world", "its world" },
   data = { "any", "any value that the script wants to keep with it", set = true } })
-declare("body:push", { "Pushes with a force, from the next step on.", fields = {
+declare("body:push", { "Pushes with a force, from the next step on, held through a step (springs gain energy so: add_effect).", fields = {
   force = { "amount N", "a vector, or how much along `along`", need = true }, along = { "vec", "its direction when force is a number" },
   at = { "vec m", "the point that is pushed", default = "the centre of mass" },
   lasts = { "real s >=0", "for how long", default = "one frame step" } }, gives = "body" })

@@ -115,7 +115,8 @@ end
 core.declare("world:region", { "Makes a part of space with laws of its own.", fields = {
   shape = { "any", "its shape, also as the first item or as sphere = {...}, box = {...}", type = "shape" },
   at = { "vec m", "where it is", default = "{0, 0, 0}" }, rotation = { "quat 1", "how it is turned" },
-  laws = { "any", "laws inside; force = function(body) gives a force in N before each step", with = { "region" }, type = "table" } },
+  laws = { "any", "laws inside; force = function(body) gives N before each step, held through it (springs gain energy: add_effect)",
+    with = { "region" }, type = "table" } },
   gives = "region" })
 
 -- world:region{shape, at=, rotation=, laws={gravity=, drag=, friction_scale=, restitution_scale=, conduct=, time_rate=,
