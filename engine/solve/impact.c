@@ -402,11 +402,25 @@ static real choose_elastic(Group *g, bool *on, const real *rate)
     return fastest;
 }
 
+#define PRESSED 0.1             /* of the weight of the lighter body */
+
+/* Does a contact press by what counts? The balls of a cradle that hang side by side press each other by what their threads are off. */
+static bool presses(const Group *g, const GroupContact *c)
+{
+    const GroupPair *q = &g->pairs[c->pair];
+    const Member *a = &g->member[q->a], *b = &g->member[q->b];
+    real mass = !a->moves ? b->mass : !b->moves ? a->mass : real_min(a->mass, b->mass), force = 0;
+    for (int k = 0; k < c->manifold.count; k++)
+        force += contact_memory(c)[k].normal;
+    return force >= PRESSED * mass * g->fall;
+}
+
 /* A contact that already presses takes its share of a neighbour's blow at once, and does not bounce from it: a ball struck
  * sideways stays on its table, a table struck by a ball stays on its floor. */
 static bool is_held(const Group *g, const PointRow *r, real rate)
 {
-    return contact_memory(&g->contacts[r->contact])[r->point].held > 0 && rate <= 0.1 * g->close_speed;       /* and not leaving already */
+    const GroupContact *c = &g->contacts[r->contact];
+    return contact_memory(c)[r->point].held > 0 && rate <= 0.1 * g->close_speed && presses(g, c);           /* and not leaving already */
 }
 
 /* ---- no blow makes energy ----
