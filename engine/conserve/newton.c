@@ -224,25 +224,30 @@ static void carry_on(System *s)
         }
 }
 
-/* Where bodies would get by their momenta and outer forces, and if asked for by what the joints did in the last step, or do in the steps of a
+typedef enum Guess { GUESS_COASTS, GUESS_FORCED, GUESS_JOINED } Guess;
+
+/* Where bodies would get by their velocities; by outer forces too; and by what the joints did in the last step, or do in the steps of a
  * composed part. Returns the farthest that the joints' part moves one, m. */
-static real predict(System *s, bool joints)
+static real predict(System *s, Guess by)
 {
     real farthest = 0;
     for (int i = 0; i < s->row_count; i++)
         s->p[i] = KEEPS * s->h * s->p_last[i];
     for (int i = 0; i < s->piece_count; i++)
         s->piece[i].push = s->piece[i].twist = vec3_zero();
-    if (joints && carries_on(s))
+    if (by == GUESS_JOINED && carries_on(s))
         carry_on(s);
-    else if (joints)
+    else if (by == GUESS_JOINED)
         parts_guess(s);
     for (int i = 0; i < s->piece_count; i++) {
         Piece *b = &s->piece[i];
         if (!b->moves)
             continue;
-        vec3 v = vec3_scale(1 / b->mass, vec3_add(b->p0, b->push));
-        vec3 w = mat3_mul_vec(b->inv_inertia, mat3_mul_vec(mat3_transpose(b->r0), vec3_add(b->l0, b->twist)));
+        vec3 v = b->v0, w = b->w0;
+        if (by != GUESS_COASTS) {
+            v = vec3_scale(1 / b->mass, vec3_add(b->p0, b->push));
+            w = mat3_mul_vec(b->inv_inertia, mat3_mul_vec(mat3_transpose(b->r0), vec3_add(b->l0, b->twist)));
+        }
         vec3 g = vec3_scale(0.25 * s->h, vec3_add(b->w0, w));
         b->x = vec3_mad(b->x0, 0.5 * s->h, vec3_add(b->v0, v));
         b->q = quat_unit(quat_mul(b->q0, (quat){g.x, g.y, g.z, 1}));
@@ -253,18 +258,25 @@ static real predict(System *s, bool joints)
 
 /* The joints' part counts if joints then fit much better than it moved bodies: light ones between taut joints are thrown about by it.
  * Not in rings: what of a load is shared in many ways is nothing as long as the directions are exactly those of the last step, and
- * would grow from step to step where they are a little off. */
+ * would grow from step to step where they are a little off. Nor do outer forces count that throw a spring over to its other side: struts
+ * that hold 1 g under 1 kN stood on their heads there, in balance, too. */
 static bool begin_newton(System *s)
 {
     if (carries_on(s) || !s->rings) {
-        real farthest = predict(s, true);
+        real farthest = predict(s, GUESS_JOINED);
         bool fine = evaluate(s);
         s->smooth = s->smooth && fine && s->residual < SMOOTH * farthest;
         if (fine && s->residual < GUESSED * farthest)
             return true;
         s->g->evaluations++;
     }
-    predict(s, false);
+    predict(s, GUESS_FORCED);
+    if (!evaluate(s))
+        return false;
+    if (!parts_turn_over(s, false))
+        return true;
+    s->g->evaluations++;
+    predict(s, GUESS_COASTS);
     return evaluate(s);
 }
 
@@ -326,6 +338,8 @@ bool newton_step(System *s)
             return false;
         s->g->evaluations += !kept;
         if (is_solved(s, best, last, kept, i)) {
+            if (parts_turn_over(s, true))
+                return false;
             finish(s);
             return true;
         }

@@ -174,6 +174,24 @@ void parts_evaluate(System *s)
     }
 }
 
+static bool about(real length, real rest) { return length > 0.5 * rest && length < 2 * rest; }
+
+/* What is pressed together may pass through its middle; what stays about as long as it is at rest cannot have. */
+bool parts_turn_over(const System *s, bool rigid)
+{
+    for (int i = 0; i < s->tie_count; i++)
+        for (int k = s->tie[i].part; k < s->tie[i].part + s->tie[i].parts; k++) {
+            const Part *part = &s->part[k];
+            if (!part->soft || part->kind != PART_LENGTH)
+                continue;
+            Arms r = arms_of(s, &s->tie[i]);
+            bool stays = about(vec3_length(r.d0), part->offset) && about(vec3_length(r.d1), part->offset);
+            if (vec3_dot(r.d0, r.d1) < 0 && (stays || !rigid))
+                return true;
+        }
+    return false;
+}
+
 /* The blows of impulses at fixed poses; p has 6 per tie. */
 void parts_push(System *s, const real *p)
 {

@@ -151,6 +151,7 @@ dig_status parts_compile(System *s);
 void   parts_begin(System *s);                  /* start of a step: C0, spring numbers         */
 void   parts_guess(System *s);                  /* adds what the impulses of the rows would do to the pieces at the start */
 void   parts_evaluate(System *s);               /* at the end poses: rows, errors, forces      */
+bool   parts_turn_over(const System *s, bool rigid);        /* does a spring point the other way than at the start? rigid: one that is as long as it was */
 void   parts_push(System *s, const real *p);    /* what impulses do to the pieces, at fixed poses */
 real   parts_across(const System *s, const Tie *t);     /* J  of the motion across its hard rows, one by one  */
 void   parts_give(const System *s, Tie *t);     /* compliance of its hard rows at the end poses */
