@@ -249,6 +249,7 @@ typedef struct Strike {         /* an impact, for events and messages */
 } Strike;
 
 typedef struct Group Group;
+typedef struct GroupKept GroupKept;
 struct Group {
     const World *world;
     const AccuracyPlan *plan;
@@ -367,6 +368,8 @@ struct Group {
     bool      trace_failed;     /*     it was tried in this step, and handed on        */
     real      passed;           /* s   that it left to the sweep within this step      */
     bool      breaks_found;     /*     its breaks were found as it went on             */
+    int       parted_before;    /*     times that a part was done again for them       */
+    GroupKept *before;          /*     the start of the part, where joints can break   */
     bool      conserve_failed;  /*     the same of the way that conserves energy       */
     real      residual, penetration, joint_error;
     real      lost, work_in, law;   /* J */
@@ -451,16 +454,22 @@ void       group_book_push(Group *g, const GroupPush *p, real work);        /* J
 
 /* part.c */
 void group_part(Group *g, int joint, real share);       /* it breaks now: gone for the rest of the step, at that share of what it bears */
+bool group_may_part(const Group *g);                    /* has it joints that can break, and may a part of the step be done again? */
+bool group_keep_before(Group *g);                       /* the start of a part; false: out of memory */
+void group_back_before(Group *g);                       /* there again */
+real group_share(Group *g, int joint, real dt);         /* of its limit, in the mean of the last frame of dt */
 int  group_overloaded(Group *g, real dt, real *share);  /* the joint most over its limit in the mean of the last frame of dt; < 0: none */
 
 /* keep.c */
-typedef struct GroupKept {      /* a group as it was */
+struct GroupKept {      /* a group as it was */
     Pos *pos; Vel *vel; Mass *mass; Member *member; GroupPair *pairs; GroupContact *contacts; real *places; GroupJoint *joints;
     Apart *apart; Impact *impacts;
     Vel *start_vel; Been *been; ContactRest *contact_rest;
     Group scalars;
-} GroupKept;
+    void *block; size_t bytes;  /* where all that lies */
+};
 bool group_keep(const Group *g, GroupKept *k);          /* false: out of memory */
+bool group_keep_in(const Group *g, GroupKept *k);       /* the same, into what it has from before, or was zero */
 void group_put_back(Group *g, const GroupKept *k);      /* but for what the try has cost: evaluations and refused */
 bool group_deep(const Group *g);                        /* does a contact point overlap? */
 bool group_joints_broken(const Group *g);               /* may velocities break joints: were bodies hit or given a speed, or is a joint new? */

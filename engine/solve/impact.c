@@ -403,24 +403,26 @@ static real choose_elastic(Group *g, bool *on, const real *rate)
 }
 
 #define PRESSED 0.1             /* of the weight of the lighter body */
+#define PRESSED_FREE 1e-4       /* of the fastest approach, by what it gives that body in a step, where nothing has weight */
 
 /* Does a contact press by what counts? The balls of a cradle that hang side by side press each other by what their threads are off. */
-static bool presses(const Group *g, const GroupContact *c)
+static bool presses(const Group *g, const GroupContact *c, real approach)
 {
     const GroupPair *q = &g->pairs[c->pair];
     const Member *a = &g->member[q->a], *b = &g->member[q->b];
     real mass = !a->moves ? b->mass : !b->moves ? a->mass : real_min(a->mass, b->mass), force = 0;
     for (int k = 0; k < c->manifold.count; k++)
         force += contact_memory(c)[k].normal;
-    return force >= PRESSED * mass * g->fall;
+    real least = g->fall > 0 ? PRESSED * g->fall : PRESSED_FREE * approach / g->world->def.step;
+    return force >= least * mass;
 }
 
 /* A contact that already presses takes its share of a neighbour's blow at once, and does not bounce from it: a ball struck
  * sideways stays on its table, a table struck by a ball stays on its floor. */
-static bool is_held(const Group *g, const PointRow *r, real rate)
+static bool is_held(const Group *g, const PointRow *r, real rate, real approach)
 {
     const GroupContact *c = &g->contacts[r->contact];
-    return contact_memory(c)[r->point].held > 0 && rate <= 0.1 * g->close_speed && presses(g, c);           /* and not leaving already */
+    return contact_memory(c)[r->point].held > 0 && rate <= 0.1 * g->close_speed && presses(g, c, approach);           /* and not leaving already */
 }
 
 /* ---- no blow makes energy ----
@@ -541,7 +543,7 @@ static bool strike_once(Group *g, bool *on, real *rate, bool allow_elastic)
     for (int i = 0; i < g->point_count; i++) {
         real e = elastic && on[i] ? g->pairs[g->contacts[g->points[i].contact].pair].restitution : 0;
         g->points[i].target = (rate[i] < 0 ? -e * rate[i] : 0) - squeeze_of(g, g->points[i].contact).rate;
-        if (!elastic || is_held(g, &g->points[i], rate[i]))
+        if (!elastic || is_held(g, &g->points[i], rate[i], approach))
             on[i] = true;
     }
     if (struck_by_mover(g, on))

@@ -21,14 +21,18 @@ static void put_back(void *to, const void *from, size_t bytes)
 #define KEEP(field, count) (k->field = copy(&to, g->field, (size_t)(count) * sizeof *g->field))
 #define BACK(field, count) put_back(g->field, k->field, (size_t)(count) * sizeof *g->field)
 
-bool group_keep(const Group *g, GroupKept *k)
+bool group_keep_in(const Group *g, GroupKept *k)
 {
     int bodies = g->body_count;
     size_t bytes = SIZE(pos, bodies) + SIZE(vel, bodies) + SIZE(mass, bodies) + SIZE(member, bodies)
         + SIZE(pairs, g->pair_count) + SIZE(contacts, g->contact_count) + SIZE(places, g->place_count) + SIZE(joints, g->joint_count)
         + SIZE(apart, g->apart ? g->moving_count : 0) + SIZE(start_vel, bodies) + SIZE(been, bodies) + SIZE(contact_rest, g->contact_count)
         + SIZE(impacts, g->impact_count);
-    unsigned char *to = arena_alloc(g->arena, bytes);
+    if (bytes > k->bytes) {
+        k->block = arena_alloc(g->arena, bytes);
+        k->bytes = k->block ? bytes : 0;
+    }
+    unsigned char *to = k->block;
     if (!to)
         return false;
     k->scalars = *g;
@@ -46,6 +50,13 @@ bool group_keep(const Group *g, GroupKept *k)
     KEEP(joints, g->joint_count);
     KEEP(apart, g->apart ? g->moving_count : 0);
     return true;
+}
+
+bool group_keep(const Group *g, GroupKept *k)
+{
+    k->block = NULL;
+    k->bytes = 0;
+    return group_keep_in(g, k);
 }
 
 void group_put_back(Group *g, const GroupKept *k)

@@ -28,7 +28,7 @@ void group_part(Group *g, int joint, real share)
 }
 
 /* Over the frame that ends now. */
-static real mean_share(Group *g, int joint, real dt)
+real group_share(Group *g, int joint, real dt)
 {
     const GroupJoint *j = &g->joints[joint];
     const JointRec *r = &g->world->joints.data[j->slot];
@@ -39,15 +39,41 @@ static real mean_share(Group *g, int joint, real dt)
     return joint_share(&j->view, force, vec3_sub(torque, vec3_cross(j->view.a.r, force)));
 }
 
+#define AGAIN 64                /* times in a step: beyond that a joint is judged by what it bore beside the one that went before */
+
+static bool can_part(const GroupJoint *j) { return !j->broken && (j->breaks_at > 0 || j->view.type->share); }
+
+bool group_may_part(const Group *g)
+{
+    bool any = false;
+    for (int i = 0; i < g->joint_count && !any; i++)
+        any = can_part(&g->joints[i]);
+    return any && g->parted_before < AGAIN;
+}
+
+bool group_keep_before(Group *g)
+{
+    if (!g->before && !(g->before = arena_zero(g->arena, sizeof *g->before)))
+        return false;
+    return group_keep_in(g, g->before);
+}
+
+void group_back_before(Group *g)
+{
+    int times = g->parted_before;
+    group_put_back(g, g->before);
+    g->parted_before = times + 1;
+}
+
 int group_overloaded(Group *g, real dt, real *share)
 {
     int worst = -1;
     *share = 1;
     for (int i = 0; i < g->joint_count; i++) {
         const GroupJoint *j = &g->joints[i];
-        if (j->broken || !(j->breaks_at > 0 || j->view.type->share))
+        if (!can_part(j))
             continue;
-        real s = mean_share(g, i, dt);
+        real s = group_share(g, i, dt);
         if (s > *share) {
             *share = s;
             worst = i;

@@ -584,18 +584,66 @@ static dig_status close_on(Group *g, real dt, real part)
     return g->driven && g->way->carries && left > SLIVER * part ? grip_take(g, left, real_min(part, left)) : DIG_OK;
 }
 
+#define AT_LIMIT 0.05           /* of the strength */
+#define TRIES    6              /* for the time at which it is reached */
+
+/* The joint has let go: where its load came to its limit, or at the start of what was a blow, however short the part. */
+static dig_status part_within(Group *g, real dt, real until, int joint, real share)
+{
+    real low = g->t, low_share = group_share(g, joint, dt), high = until, high_share = share;
+    for (int i = 0; i < TRIES && low_share < 1; i++) {
+        real reached = low + (high - low) * (1 - low_share) / (high_share - low_share);
+        if (reached <= g->t + SLIVER * dt || reached >= until)
+            break;
+        DIG_TRY(substep(g, reached));
+        real now = group_share(g, joint, dt);
+        if (g->woke || fabs(now - 1) <= AT_LIMIT) {
+            group_part(g, joint, share);
+            return DIG_OK;
+        }
+        group_back_before(g);
+        if (now >= high_share)
+            break;
+        *(now < 1 ? &low : &high) = reached;
+        *(now < 1 ? &low_share : &high_share) = now;
+    }
+    group_part(g, joint, share);
+    return DIG_OK;
+}
+
+/* A part in which a joint is found over its limit is done again, as far as it held; what it bore is on others, or on none, before the next is
+ * judged. */
+static dig_status substep_parting(Group *g, real dt, real until)
+{
+    for (;;) {
+        real share;
+        bool again = group_may_part(g);
+        if (again && !group_keep_before(g))
+            return DIG_E_MEMORY;
+        DIG_TRY(substep(g, until));
+        int worst = g->woke ? -1 : group_overloaded(g, dt, &share);
+        if (worst < 0)
+            return DIG_OK;
+        if (!again) {
+            group_part(g, worst, share);
+            return DIG_OK;
+        }
+        group_back_before(g);
+        real start = g->t;
+        DIG_TRY(part_within(g, dt, until, worst, share));
+        if (g->t > start)
+            return DIG_OK;              /* the rest is another part */
+    }
+}
+
 static dig_status sweep_until(Group *g, real dt, real until)
 {
     real part = dt / parts_of(g);
     while (g->t < until && !g->woke && !spent(g)) {
         real next = g->t + longest_piece(g, dt);
-        DIG_TRY(substep(g, next < until - SLIVER * part ? next : until));
+        DIG_TRY(substep_parting(g, dt, next < until - SLIVER * part ? next : until));
         if (g->woke)
             break;
-        real share;
-        int worst = group_overloaded(g, dt, &share);
-        if (worst >= 0)
-            group_part(g, worst, share);
         group_touch(g, part, true);
         DIG_TRY(close_on(g, dt, part));
         group_squeeze(g, JAWS_SLIP, 0);

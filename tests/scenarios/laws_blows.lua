@@ -245,8 +245,9 @@ scenario("a column of 10 g, 100 g and 100 kg that bounces without loss keeps its
   end
 end)
 
--- Newton's cradle: after the first blow those between hang side by side, and press each other by what their threads are off; from the second one
--- on they took it as one block would, and 40 degrees became 20 at "play". What rests on something, as by its weight, still takes its share at once.
+-- Newton's cradle: after the first blow those between hang side by side, and press each other by what their threads are off; from the
+-- second one on they took it as one block would, and 40 degrees became 20 at "play". What rests on something, as by its weight, still takes its
+-- share at once.
 local function cradle(s, options, count, let_go)
   local world, balls, length, angle = s:world(options), {}, 0.5, math.rad(30)
   for i = 1, count do
@@ -278,5 +279,21 @@ scenario("Newton's cradle goes on as it began: as many balls in, as many out, th
         end
       end
     end
+  end
+end)
+
+-- The same without weight, a spring holding the row together by next to nothing.
+scenario("a row of balls that a faint spring presses together hands a blow on, one in, one out", function(s)
+  for _, stiffness in ipairs { 0, 1e-9, 1e-6 } do
+    local world, balls = s:world { gravity = { 0, 0, 0 } }, {}
+    for i = 0, 4 do
+      balls[i] = world:ball { radius = 0.05, mass = 1, restitution = 1, friction = 0, at = { 0.1 * i - (i == 0 and 0.2 or 0), 0, 0 } }
+    end
+    local a, b = balls[1], balls[4]
+    if stiffness > 0 then world:spring { a = a, b = b, at_a = a.position, at_b = b.position, length = 0, stiffness = stiffness } end
+    world:run "0.5 s"
+    balls[0]:hit { impulse = { 1, 0, 0 } }
+    world:run "0.5 s"
+    for i = 0, 4 do expect(balls[i].velocity.x):near(i == 4 and 1 or 0, 1e-5) end
   end
 end)
