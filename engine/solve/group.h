@@ -634,6 +634,7 @@ void       grip_give(Group *g);                         /* at its end they are a
 bool       grip_let_go(Group *g);                       /* none is held in this step; false: none was */
 dig_status grip_note(Group *g);                         /* then: who has closed on what */
 /* locate.c: s into the substep of the first impact, or INFINITY */
+void locate_look(Group *g, real time);                  /* contacts of what lies open, as far ahead: of those kept from the step before nobody knows */
 real locate_impact(Group *g);
 real missing_little(const Group *g, real dt);         /* s  the longest substep that may go without */
 bool overshoots(const Group *g, bool through);  /* would the substep press bodies deep into each other? through: past the middle of the thinner one */

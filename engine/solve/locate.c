@@ -57,6 +57,25 @@ static real healed_by(const Group *g, int body)
     return vec3_distance(g->pos[body].x, m->start_pos.x) + 2 * m->rim * vec3_length((vec3){turn.x, turn.y, turn.z});
 }
 
+/* Does some point touch? */
+static bool is_touching(const Group *g, const GroupPair *q)
+{
+    bool touching = false;
+    for (int k = q->contact; k < q->contact + q->contacts; k++)
+        for (int p = 0; g->contacts[k].live && p < g->contacts[k].manifold.count; p++)
+            touching = touching || g->contacts[k].manifold.points[p].gap <= g->touch * q->size;
+    return touching;
+}
+
+void locate_look(Group *g, real time)
+{
+    for (int i = 0; i < g->pair_count; i++) {
+        GroupPair *q = &g->pairs[i];
+        if (q->reach == 0 && q->contacts == 1 && (g->member[q->a].moves || g->member[q->b].moves) && !is_touching(g, q))
+            group_touch_pair(g, q, time);
+    }
+}
+
 /* m  How far points of a pair may move against each other in this substep. */
 static real most_travel(const Group *g, const GroupPair *q, const Motion *a, const Motion *b)
 {
@@ -176,18 +195,25 @@ static real locate_apart(const Group *g, const GroupPair *q, const Meeting *m)
     return cannot_meet(g, q, &m->a, &m->b) ? INFINITY : meeting(g, q, &m->a, &m->b, g->h);
 }
 
-/* Points that pressed before, and still do after the solve, lie on each other, though rows that hold for a substep let a gap of h^2 grow where
- * bodies turn: they close slower than a blow. */
+/* Points that pressed before lie on each other while one of their contact still does after the solve, though rows that hold for a substep let a gap
+ * of h^2 grow where bodies turn: they close slower than a blow. */
+static bool lies_on(const Group *g, const PointRow *r)
+{
+    const GroupContact *c = &g->contacts[r->contact];
+    return contact_memory(c)[r->point].held > 0 && c->manifold.points[r->point].gap < g->close_speed * g->h;
+}
+
 static void mark_pressed(Group *g)
 {
     for (int i = 0; i < g->pair_count; i++)
         g->pairs[i].presses = 0;
-    for (int i = 0; i < g->point_count; i++) {
-        const PointRow *r = &g->points[i];
-        const GroupContact *c = &g->contacts[r->contact];
-        if (r->jn > 0 && contact_memory(c)[r->point].held > 0 && c->manifold.points[r->point].gap < g->close_speed * g->h)
-            g->pairs[c->pair].presses |= (uint8_t)(1 << r->point);
-    }
+    for (int pass = 0; pass < 2; pass++)
+        for (int i = 0; i < g->point_count; i++) {
+            const PointRow *r = &g->points[i];
+            GroupPair *q = &g->pairs[g->contacts[r->contact].pair];
+            if ((pass == 0 ? r->jn > 0 : q->presses != 0) && lies_on(g, r))
+                q->presses |= (uint8_t)(1 << r->point);
+        }
 }
 
 /* m  By how much the turn of a body bends the way of a point in this substep. */
@@ -220,12 +246,8 @@ real locate_impact(Group *g)
         if ((!ma->moves && !mb->moves) || is_squeezed(g, q->contact))
             continue;
         real tolerance = g->touch * q->size;
-        bool touching = false;
-        for (int k = q->contact; k < q->contact + q->contacts; k++)
-            for (int p = 0; g->contacts[k].live && p < g->contacts[k].manifold.count; p++)
-                touching = touching || g->contacts[k].manifold.points[p].gap <= tolerance;
         Meeting m = meeting_of(g, q);
-        if (!touching) {
+        if (!is_touching(g, q)) {
             first = real_min(first, presses_on(g, q, &m) ? INFINITY : locate_apart(g, q, &m));
             continue;
         }

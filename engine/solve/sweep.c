@@ -567,6 +567,8 @@ static void begin(Group *g, real part, bool all)
     g->h = g->heal_over = part;
     group_touch(g, part, all);
     g->locate = g->locate && !any_merged(g);
+    if (g->locate)
+        locate_look(g, part);
     group_squeeze(g, JAWS_SLIP, 0);
     if (g->locate)
         impacts(g);
