@@ -12,7 +12,7 @@
 
 #define LEAST    3              /* bodies */
 #define FAST     0.25           /* of what the smaller one of a pair gets by falling half its reach: a thirtieth of that height */
-#define PART     3              /* pairs, of which one is fast: an arch that gives way is among them, one that stands is not */
+#define PART     4              /* pairs, of which one is fast: an arch whose hinges turn in earnest (four of 16) is among them, one that stands is not */
 #define STOUT    0.1            /* its least thickness over its reach: of thinner things overlaps of a crowd show */
 /* The step is cut into so many, and if that is not good into more. In one, stones of 9 cm were left up to 2.7 % deep, and 0.08 J of 700 were
  * made when that was lifted; in four it is up to 0.5 %. What is left is put apart in place (way.c). */
@@ -95,7 +95,7 @@ static bool tumbles(const Group *g)
             return false;
         fast += is_fast(g, q);
     }
-    return PART * fast > g->pair_count && !any_runs_past(g, g->world->def.step / PIECES_MOST);
+    return PART * fast >= g->pair_count && !any_runs_past(g, g->world->def.step / PIECES_MOST);
 }
 
 /* Of the poses as they are, found anew: what the rows of a crowd saw of their contacts is straight, and they are of some only. */
