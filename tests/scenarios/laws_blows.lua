@@ -246,8 +246,8 @@ scenario("a column of 10 g, 100 g and 100 kg that bounces without loss keeps its
 end)
 
 -- Newton's cradle: after the first blow those between hang side by side, and press each other by what their threads are off; from the
--- second one on they took it as one block would, and 40 degrees became 20 at "play". What rests on something, as by its weight, still takes its
--- share at once.
+-- second one on they took it as one block would, and 40 degrees became 20 at "play". What rests on something, as by its weight, still takes
+-- its share at once.
 local function cradle(s, options, count, let_go)
   local world, balls, length, angle = s:world(options), {}, 0.5, math.rad(30)
   for i = 1, count do
