@@ -161,14 +161,21 @@ static dig_status open_run(System *s, Group *g, const Run *r)
     return DIG_OK;
 }
 
-/* The joint most over its limit after a part of the step lets go then; the equations of the rest are others. */
-static dig_status part_joints(System *s, Run *r, real dt)
+/* The joint most over its limit after a part of the step lets go at its start, where that was kept (else now): *undone, the part is to be done again
+ * without it, so that what it bore is on others, or on none, before the next is judged. The equations of the rest are others. */
+static dig_status part_joints(System *s, Run *r, real dt, bool kept, bool *undone)
 {
     Group *g = s->g;
     real share;
     int worst = group_overloaded(g, dt, &share);
     if (worst < 0)
         return DIG_OK;
+    *undone = kept;
+    if (kept) {
+        group_back_before(g);
+        r->at -= 1 << (LEVELS - r->level);
+        r->easy = 0;
+    }
     for (int i = 0; i < g->joint_count; i++)
         group_joint_view(g, i);
     step_remember(s);
@@ -190,8 +197,10 @@ static dig_status next_part(System *s, Run *r, real dt)
         return DIG_OK;
     }
     int width = 1 << (LEVELS - r->level), before = g->evaluations;
-    bool done;
+    bool done, undone = false, kept = r->breaks && group_may_part(g);
     g->t = dt * r->at / r->total;
+    if (kept && !group_keep_before(g))
+        return DIG_E_MEMORY;
     DIG_TRY(part(s, dt * width / r->total, r->composed, &done));
     if (!done) {
         g->refused++;
@@ -210,8 +219,8 @@ static dig_status next_part(System *s, Run *r, real dt)
     else if (step_fastest_spin(g) * g->h > 0.5 && !step_watch(g, false))
         r->why = "conserve: a joint met its stop";
     if (r->breaks && !r->why)
-        DIG_TRY(part_joints(s, r, dt));
-    if (r->why)
+        DIG_TRY(part_joints(s, r, dt, kept, &undone));
+    if (r->why || undone)
         return DIG_OK;
     if (r->cut && !r->composed && !r->extrapolated)
         DIG_TRY(step_settle(s));        /* what lies across the joints grows from step to step, and is what has no solution */

@@ -456,12 +456,12 @@ void       group_book_push(Group *g, const GroupPush *p, real work);        /* J
 void group_part(Group *g, int joint, real share);       /* it breaks now: gone for the rest of the step, at that share of what it bears */
 bool group_may_part(const Group *g);                    /* has it joints that can break, and may a part of the step be done again? */
 bool group_keep_before(Group *g);                       /* the start of a part; false: out of memory */
-void group_back_before(Group *g);                       /* there again */
+void group_back_before(Group *g);                       /* there again, but for what the try has cost */
 real group_share(Group *g, int joint, real dt);         /* of its limit, in the mean of the last frame of dt */
 int  group_overloaded(Group *g, real dt, real *share);  /* the joint most over its limit in the mean of the last frame of dt; < 0: none */
 
 /* keep.c */
-struct GroupKept {      /* a group as it was */
+struct GroupKept {              /* a group as it was */
     Pos *pos; Vel *vel; Mass *mass; Member *member; GroupPair *pairs; GroupContact *contacts; real *places; GroupJoint *joints;
     Apart *apart; Impact *impacts;
     Vel *start_vel; Been *been; ContactRest *contact_rest;

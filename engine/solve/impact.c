@@ -422,7 +422,7 @@ static bool presses(const Group *g, const GroupContact *c, real approach)
 static bool is_held(const Group *g, const PointRow *r, real rate, real approach)
 {
     const GroupContact *c = &g->contacts[r->contact];
-    return contact_memory(c)[r->point].held > 0 && rate <= 0.1 * g->close_speed && presses(g, c, approach);           /* and not leaving already */
+    return contact_memory(c)[r->point].held > 0 && rate <= 0.1 * g->close_speed && presses(g, c, approach);       /* and not leaving already */
 }
 
 /* ---- no blow makes energy ----

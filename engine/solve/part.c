@@ -1,8 +1,8 @@
 /* solve/part.c - joints that let go within a step: when, and what is left of them for the rest of it.
  *
  * The load that counts is the mean over the last frame step: a blow is no force. While a step is under way its part that is still
- * to come is that of the step before. The most loaded joint of a group that is over its limit goes first; what it bore is on others
- * before the next is judged.
+ * to come is that of the step before. The most loaded joint of a group that is over its limit goes first; the part in which it is found so
+ * is done again, so that what it bore is on others before the next is judged.
  */
 #include "solve/group.h"
 
@@ -60,9 +60,11 @@ bool group_keep_before(Group *g)
 
 void group_back_before(Group *g)
 {
-    int times = g->parted_before;
+    int times = g->parted_before, sweeps = g->sweeps, factors = g->factors;
     group_put_back(g, g->before);
     g->parted_before = times + 1;
+    g->sweeps = sweeps;             /* what the try has cost */
+    g->factors = factors;
 }
 
 int group_overloaded(Group *g, real dt, real *share)

@@ -162,6 +162,18 @@ scenario("the work of a region's own force is the law's, not that of a push", fu
   expect_books(world, 1e-9)
 end)
 
+-- x'' = -w^2 x, held through each step: the determinant of a step is 1 + w^2 h^2 / 2, the square of what it widens a swing by. (Within 2 %: to the next
+-- order in w h, and where in its swing it ends.)
+scenario("a force that is held through a step widens a swing by exp(w^2 h t / 4)", function(s)
+  local world = s:world { gravity = { 0, 0, 0 } }
+  world:region { box = everywhere, laws = { force = function(b) return -50 * b.mass * b.position end } }
+  local ball = world:ball { radius = 0.1, mass = 2, at = { 0.5, 0, 0 } }
+  local function energy() return ball.velocity:dot(ball.velocity) / 2 + 25 * ball.position:dot(ball.position) end
+  local start = energy()
+  world:run(10)
+  expect(math.sqrt(energy() / start)):near(math.exp(50 * 10 / 60 / 4), 0.15)
+end)
+
 scenario("drag of a region is lost, on a pile, a chain and a spring as on a ball", function(s)
   local world = s:world { accuracy = "sketch" }
   world:region { box = everywhere, laws = { drag = 1, gravity = { 0, -5, 0 } } }

@@ -237,19 +237,21 @@ scenario("light nodes under strong pushes stay on their side of the truss", func
 end)
 
 -- A blow that a frame's mean finds too strong in every link of a rope: all nine let go one after the other, by what each bore beside the
--- first. Now a part of the step in which a joint is found overloaded is done again without it, before the next is judged. (At "sketch" the
--- blow is none of the part: it comes before.)
-scenario("a rope that is jerked snaps in one place", function(s)
+-- first, and at "sketch" two links threw the load back up at 6 m/s, with 84 times what they bear. Now a part of the step in which a joint is
+-- found overloaded is done again without it, before the next is judged. What is left of a rope whips: some snap once more at "study", and up
+-- to twice where it is swept.
+scenario("a rope that is jerked does not shatter, and does not throw its load", function(s)
   for _, segments in ipairs { 2, 8, 16 } do
-    for _, plan in ipairs { "play", "study" } do
+    for _, plan in ipairs { "sketch", "play", "study" } do
       local world, broken = s:world { accuracy = plan }, 0
       local hook = world:box { fixed = true, size = 0.1, at = { 0, 5, 0 } }
       local load = world:box { size = 0.2, mass = 10, at = { 0, 4, 0 } }
       world:rope { a = hook, b = load, length = 3.3, segments = segments, mass = 0.1, breaks_at = "90 N" }
       world:on("broken", function() broken = broken + 1 end)
       world:run "2 s"
-      expect(broken):is(1)
-      expect(load.velocity.y):near(-2 * 9.81, 0.5)          -- the snap takes 1.5 N s, links that hang on the load may take as much again
+      expect(broken):at_least(1)
+      expect(broken):at_most(plan == "study" and 2 or 3)
+      expect(load.velocity.y):near(-2 * 9.81, 0.5)          -- each snap takes up to 1.5 N s
     end
   end
 end)
