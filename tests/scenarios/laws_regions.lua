@@ -162,8 +162,8 @@ scenario("the work of a region's own force is the law's, not that of a push", fu
   expect_books(world, 1e-9)
 end)
 
--- x'' = -w^2 x, held through each step: the determinant of a step is 1 + w^2 h^2 / 2, the square of what it widens a swing by. (Within 2 %: to the next
--- order in w h, and where in its swing it ends.)
+-- x'' = -w^2 x, held through each step: the determinant of a step is 1 + w^2 h^2 / 2, the square of what it widens a swing by. (Within
+-- 2 %: to the next order in w h, and where in its swing it ends.)
 scenario("a force that is held through a step widens a swing by exp(w^2 h t / 4)", function(s)
   local world = s:world { gravity = { 0, 0, 0 } }
   world:region { box = everywhere, laws = { force = function(b) return -50 * b.mass * b.position end } }

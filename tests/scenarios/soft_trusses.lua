@@ -236,10 +236,10 @@ scenario("light nodes under strong pushes stay on their side of the truss", func
   end
 end)
 
--- A blow that a frame's mean finds too strong in every link of a rope: all nine let go one after the other, by what each bore beside the
--- first, and at "sketch" two links threw the load back up at 6 m/s, with 84 times what they bear. Now a part of the step in which a joint is
--- found overloaded is done again without it, before the next is judged. What is left of a rope whips: some snap once more at "study", and up
--- to twice where it is swept.
+-- A blow that a frame's mean finds too strong in every link of a rope: all nine let go one after the other, by what each bore beside
+-- the first, and at "sketch" two links threw the load back up at 6 m/s, with 84 times what they bear. Now a part of the step in which a
+-- joint is found overloaded is done again without it, before the next is judged. What is left of a rope whips: some snap once more at
+-- "study", and up to twice where it is swept.
 scenario("a rope that is jerked does not shatter, and does not throw its load", function(s)
   for _, segments in ipairs { 2, 8, 16 } do
     for _, plan in ipairs { "sketch", "play", "study" } do
