@@ -203,7 +203,7 @@ static inline int crowd_spare(const Crowd *c, int thread) { return c->bodies + 1
 /* touch.c: contacts of the present poses; points carried on at the end of the step */
 dig_status crowd_touch(Crowd *c);
 real       crowd_closing(const Group *g, const GroupContact *t, const ManifoldPoint *p, real *speed);      /* m/s  of a point */
-void       crowd_sign(const Group *g, GroupPair *q);
+void       crowd_sign(const Group *g, GroupPair *q);                     /* if its points span an area */
 static inline vec3 crowd_velocity(const Group *g, int body, vec3 at)
 {
     return vec3_add(g->vel[body].v, vec3_cross(g->vel[body].w, vec3_sub(at, g->pos[body].x)));

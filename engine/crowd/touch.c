@@ -2,8 +2,8 @@
  *
  * A manifold of three or four points whose two sides have hardly moved against each other is not made anew: its points, carried along
  * with their bodies at the end of the last step, still face each other. That they belong to the present poses is told by a sign
- * of the poses, kept where the pair has its hint. Other contacts, and manifolds with a corner that is too high for this, are kept until
- * their bodies have gone too far.
+ * of the poses, kept where the pair has its hint. Other contacts, manifolds with a corner that is too high for this, and those that are
+ * nearly a line, about which bodies may turn with no point moving, are kept until their bodies have gone too far.
  */
 #include "crowd/system.h"
 #include "math/reg3.h"
@@ -11,6 +11,7 @@
 #define CARRIED 0x63617272u     /* kind of a hint that holds a sign; no shape pair has this one   */
 #define SLID    2e-3            /* of the size: points that have slid farther are found anew      */
 #define TILTED  4e-3            /* of the size: so are manifolds whose gaps differ by more        */
+#define NARROW  0.1             /* of the size: what is narrower is a line                        */
 #define STAYS   2e-3            /* of the size: so far may bodies of other contacts go against each other till then */
 #define FARTHER 0.05            /* of the size: so much farther is looked for what is near        */
 #define LOOKS   0.01            /* of the size: what contacts look ahead for in any case          */
@@ -23,9 +24,20 @@ static vec3 sign_of(const Group *g, const GroupPair *q)
     return vec3_add(turns, vec3_mad(b->x, 0.75, a->x));
 }
 
+/* Do its three or four points span no area? They lie in order about it. */
+static bool is_line(const GroupPair *q, const GroupManifold *m)
+{
+    const ManifoldPoint *p = m->points;
+    vec3 d = vec3_sub(p[2].a, p[0].a), e = m->count == 4 ? vec3_sub(p[3].a, p[1].a) : vec3_sub(p[1].a, p[0].a);
+    real longest = real_max(real_max(vec3_length2(d), vec3_length2(e)), m->count == 4 ? 0 : vec3_length2(vec3_sub(p[2].a, p[1].a)));
+    return vec3_length2(vec3_cross(d, e)) < NARROW * NARROW * q->size * q->size * longest;
+}
+
 /* It has three points or more: no ball. */
 void crowd_sign(const Group *g, GroupPair *q)
 {
+    if (q->hint->kind != CARRIED && is_line(q, &g->contacts[q->contact].manifold))      /* found anew in this step */
+        return;
     vec3 s = sign_of(g, q);
     *q->hint = (ManifoldCache){.kind = CARRIED, .axis = {s.x, s.y, s.z}};
 }
@@ -84,7 +96,7 @@ static void note_until(const Crowd *crowd, GroupPair *q, real room)
     real travel = crowd->trait[q->a].travel + crowd->trait[q->b].travel;
     if (!c->live)
         q->until = travel + room - LOOKS * q->size;
-    else if (c->manifold.count >= 3 ? is_tilted(q, &c->manifold)
+    else if (c->manifold.count >= 3 ? is_tilted(q, &c->manifold) || is_line(q, &c->manifold)
                                     : !(q->on_a->shape.round > 0 && q->on_b->shape.round > 0 && c->manifold.room == 1))
         q->until = travel + STAYS * q->size;
 }

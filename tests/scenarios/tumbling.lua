@@ -1,4 +1,4 @@
--- Heaps that a mover stirs are spared solves that come to nothing (engine/solve/toil.c), and behave all the same.
+-- Heaps that a mover stirs are spared solves that come to nothing (engine/solve/toil.c), and behave all the same; what whirls as it lands.
 -- Only in the plain build: figures of long runs; shorter scenes run the same code under sanitizers.
 local digbox = require "digbox"
 local test = require "digbox.test"
@@ -99,4 +99,51 @@ test.scenario("a pile of barrels that is let go makes up nothing", function(s)
       end
     end
   end
+end)
+
+-- m  How far two capsules are in each other. The distance of two segments, each middle +- half along the y axis of its body: the least
+-- over both lines, then over each end against the other segment.
+local function overlap(a, b, half, radius)
+  local d, up = b.position - a.position, digbox.vec(0, 1, 0)
+  local ya, yb = a.rotation * up, b.rotation * up
+  local function clamp(x) return math.max(-half, math.min(half, x)) end
+  local dot = ya:dot(yb)
+  local least = math.huge
+  local function try(s, t) least = math.min(least, (d + t * yb - s * ya):length()) end
+  local across = 1 - dot * dot
+  if across > 1e-9 then
+    local s = (d:dot(ya) - dot * d:dot(yb)) / across
+    local t = dot * s - d:dot(yb)
+    if math.abs(s) <= half and math.abs(t) <= half then try(s, t) end
+  end
+  for _, e in ipairs { -half, half } do
+    try(e, clamp(dot * e - d:dot(yb)))
+    try(clamp(dot * e + d:dot(ya)), e)
+  end
+  return 2 * radius - least
+end
+
+-- Capsules whose ends whirl as they land. A contact knows its point only; while a step was cut by what most of a crowd asks for, an end
+-- that turned in meanwhile was found 32 to 76 mm deep in the next body, over half its radius.
+test.scenario("300 capsules that land in a pen do not turn into each other", function()
+  local world = digbox.world()
+  world:floor()
+  for _, wall in ipairs { { 2.1, 0, 0.1, 4 }, { -2.1, 0, 0.1, 4 }, { 0, 2.1, 4, 0.1 }, { 0, -2.1, 4, 0.1 } } do
+    world:box { fixed = true, size = { wall[3], 2, wall[4] }, at = { wall[1], 1, wall[2] } }
+  end
+  local bodies = {}
+  for i = 1, 300 do
+    bodies[i] = world:capsule { radius = 0.07, length = 0.2, at = { -1.5 + 0.35 * (i % 10), 0.3 + 0.35 * (i // 50),
+                                -1.4 + 0.35 * (i // 10 % 5) + 0.0001 * i + 0.03 * (i * 37 % 101) / 101 } }
+  end
+  local worst = 0
+  for _ = 1, 80 do
+    world:step()
+    for i, a in ipairs(bodies) do
+      for j = i + 1, #bodies do
+        if (a.position - bodies[j].position):length() < 0.34 then worst = math.max(worst, overlap(a, bodies[j], 0.1, 0.07)) end
+      end
+    end
+  end
+  test.expect(worst):below(0.005)
 end)
