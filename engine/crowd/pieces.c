@@ -15,7 +15,9 @@
  * as large piles have it, 300 cones, capsules or mixed solids that land in a pen are up to 60 to 120 mm in each other for a frame or some,
  * with a twentieth 2 to 13, and take no longer but for cones, twice as long. */
 #define SWEPT       0.25        /*      of most contacts */
-#define SWEPT_LEAST 0.05        /*      of every contact, where that asks for no more than WORK */
+#define SWEPT_LEAST 0.05        /*      of every contact, where that asks for no more than WORK and QUICK_MOST */
+#define QUICK_MOST  8           /* pieces: what spins faster was squeezed or shot, and the others need not pay for it */
+#define DRIVEN      INT32_MAX   /* a mover is among them: what it squeezes is thrown the farther, the more pieces and passes there are */
 #define WORK        6000        /* live contacts times pieces: a step of so many takes as long as one of a pile of 2000 */
 #define DEEP        0.05        /* of the thickness: so much overlap asks for a piece more */
 #define SOME        0.05        /* of the contacts may need more pieces than there are, where it is by WORK */
@@ -47,7 +49,7 @@ typedef struct Cut {
     const Crowd *c;
     real  *rim;                         /* [body_count of g] m/s */
     int  (*want)[PIECES_MOST + 1];      /* [shares] contacts that need so many pieces */
-    int   *most;                        /* [shares] pieces, were every rim to go no farther than SWEPT_LEAST in one */
+    int   *most;                        /* [shares] pieces, were every rim to go no farther than SWEPT_LEAST in one; or DRIVEN */
 } Cut;
 
 static void rim_share(void *context, int thread, int threads)
@@ -65,6 +67,7 @@ static void want_share(void *context, int thread, int threads)
     const Cut *x = context;
     const Group *g = x->c->g;
     int *want = x->want[thread], most = 1;
+    bool driven = false;
     for (int i = team_first(g->contact_count, thread, threads), end = team_end(g->contact_count, thread, threads); i < end; i++) {
         const GroupContact *t = &g->contacts[i];
         if (!t->live)
@@ -74,9 +77,10 @@ static void want_share(void *context, int thread, int threads)
             deepest = real_max(deepest, -t->manifold.points[k].gap);
         real sinks = sqrt(g->fall * x->c->dt * x->c->dt / (SAGS * thick)) + deepest / (DEEP * thick);
         want[in_pieces(real_max(swept / SWEPT, sinks))]++;
-        most = int_max(most, in_pieces(real_max(swept / SWEPT_LEAST, sinks)));
+        most = int_max(most, (int)real_clamp(swept / SWEPT_LEAST, 1, QUICK_MOST));
+        driven = driven || x->c->trait[t->a].kinematic || x->c->trait[t->b].kinematic;
     }
-    x->most[thread] = most;
+    x->most[thread] = driven ? DRIVEN : most;
 }
 
 dig_status crowd_pieces(const Crowd *c, int *pieces)
@@ -107,6 +111,7 @@ dig_status crowd_pieces(const Crowd *c, int *pieces)
         if (more > SOME * contacts)
             break;
     }
-    *pieces = int_max(*pieces, int_min(x.most[0], WORK / int_max(1, contacts)));
+    if (x.most[0] < DRIVEN)
+        *pieces = int_max(*pieces, int_min(x.most[0], WORK / int_max(1, contacts)));
     return DIG_OK;
 }
