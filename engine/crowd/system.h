@@ -218,6 +218,9 @@ static inline real crowd_thickness(const GroupPair *q)
 }
 /* pieces.c: into how many pieces this step is cut, each with contacts of its own */
 dig_status crowd_pieces(const Crowd *c, int *pieces);
+/* through.c: may few that are thin pass through each other in a step of so many pieces; did any in this one? */
+bool       crowd_may_pass(const Crowd *c, int pieces);
+bool       crowd_passed(const Crowd *c);
 /* bodies.c */
 dig_status bodies_open(Crowd *c);       /* scaled, from the group's */
 void       bodies_close(Crowd *c);      /* and back */

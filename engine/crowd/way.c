@@ -233,27 +233,57 @@ static dig_status advance_piece(Crowd *c, real until)
     return DIG_OK;
 }
 
+/* As it is, for sweeps, which look at all pairs. */
+static dig_status keep_for_sweeps(Group *g, GroupKept *before)
+{
+    DIG_TRY(take_all(g));
+    group_close_left(g);
+    if (!g->mass)
+        DIG_TRY(group_weigh(g));
+    g->spare = NULL;            /* what is spare of the arena is used up by a try */
+    return group_keep(g, before) ? DIG_OK : DIG_E_MEMORY;
+}
+
+/* before: NULL where nothing may pass through anything. */
+static dig_status advance_pieces(const Crowd *whole, int pieces, const GroupKept *before)
+{
+    Group *g = whole->g;
+    for (int i = 0; i < pieces; i++) {
+        Crowd c = *whole;
+        c.pieces = pieces;
+        c.dt = whole->dt / pieces;
+        c.h = (float)(c.dt / c.substeps);
+        c.bounce_least = (float)(g->close_speed + 2 * g->fall * (real)c.h);
+        if (pieces > 1)
+            look_anew(g);
+        DIG_TRY(advance_piece(&c, i + 1 < pieces ? (i + 1) * c.dt : whole->dt));
+        if (g->woke)
+            return DIG_OK;      /* this try is thrown away: the sleeper wakes and the step starts again */
+        if (before && crowd_passed(&c)) {
+            group_put_back(g, before);
+            g->handed_on = true;
+            return DIG_OK;
+        }
+    }
+    return DIG_OK;
+}
+
 static dig_status advance(Group *g, real dt)
 {
     Width width = (Width)g->world->width;
     Crowd whole = {.g = g, .team = g->team, .width = width == WIDTH_ANY ? widest() : width, .dt = dt, .substeps = g->plan->substeps, .bodies = g->moving_count};
     DIG_TRY(open(&whole));
     int pieces;
+    GroupKept before;
     DIG_TRY(crowd_pieces(&whole, &pieces));
-    if (pieces > 1)
+    bool may_pass = crowd_may_pass(&whole, pieces);
+    if (may_pass)
+        DIG_TRY(keep_for_sweeps(g, &before));
+    else if (pieces > 1)
         DIG_TRY(take_all(g));
-    for (int i = 0; i < pieces; i++) {
-        Crowd c = whole;
-        c.pieces = pieces;
-        c.dt = dt / pieces;
-        c.h = (float)(c.dt / c.substeps);
-        c.bounce_least = (float)(g->close_speed + 2 * g->fall * (real)c.h);
-        if (pieces > 1)
-            look_anew(g);
-        DIG_TRY(advance_piece(&c, i + 1 < pieces ? (i + 1) * c.dt : dt));
-        if (g->woke)
-            return DIG_OK;      /* this try is thrown away: the sleeper wakes and the step starts again */
-    }
+    DIG_TRY(advance_pieces(&whole, pieces, may_pass ? &before : NULL));
+    if (g->woke || g->handed_on)
+        return DIG_OK;
     if (pieces > 1)
         look_anew(g);
     book_step(&whole);

@@ -278,6 +278,17 @@ static real travel_of(const Group *g, const GroupPair *q, const Motion *a, const
 /* Parts of a substep in which what whirls is looked at: what goes through something farther than both are thick may be out again at its end. */
 #define LOOKS 8
 
+/* What goes straight on is past the middle from `most` over its speed on, and for more than as long again: halving the time since they met finds it,
+ * however fast it is. */
+bool group_went_through(const GroupPair *q, const Motion *a, const Motion *b, real h, real most, real travel)
+{
+    real met = time_of_impact(&q->on_a->shape, a, &q->on_b->shape, b, 0, h, NULL);
+    for (real since = h - met; met < h && since * travel > most * h; since *= 0.5)
+        if (depth_at(q, a, b, met + since) > most)
+            return true;
+    return false;
+}
+
 static bool goes_deeper(const Group *g, const GroupPair *q, real most, bool through)
 {
     const GroupContact *c = &g->contacts[q->contact];
@@ -293,7 +304,7 @@ static bool goes_deeper(const Group *g, const GroupPair *q, real most, bool thro
     for (int k = looks; k > 0; k--)
         if (depth_at(q, &a, &b, g->h * k / looks) > depth)
             return true;
-    return false;
+    return through && travel > LOOKS * most && group_went_through(q, &a, &b, g->h, depth, travel);
 }
 
 /* Would a corner that no contact point stands for yet be deep in the other body after this substep? through: past the middle of the thinner

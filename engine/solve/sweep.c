@@ -335,8 +335,9 @@ static bool springs_gain(Group *g)
 /* Velocities found for a substep that do not hold for all of it. What is light flings about when the heavy jerks at it. */
 static bool too_long(Group *g)
 {
-    return overshoots(g, !g->locate) || (turns_on(g) && group_top_heavy(g) && group_joints_open(g)) ||
-        (g->joints_direct && group_elastic(g) && springs_gain(g));
+    bool located = g->locate && g->events_left > 0;
+    return (g->locate && overshoots(g, false)) || (!located && overshoots(g, true)) ||
+        (turns_on(g) && group_top_heavy(g) && group_joints_open(g)) || (g->joints_direct && group_elastic(g) && springs_gain(g));
 }
 
 #define WHIRLS_ON 64            /* times as short as others a substep gets in which a known point carries something that whirls through something thin */
