@@ -11,7 +11,8 @@
 /* What the end of a step asks of a pair whose touch changes: all threads look, for it lies in many places. */
 struct Change {
     uint32_t body_a, body_b, touch;     /* touch: NONE = there was none before */
-    int      strike;                    /* Strike of its group + 1, 0 = none   */
+    int      pair;                      /* of its group                        */
+    int      strike;                    /* Strike of that + 1, 0 = none        */
     uint8_t  wall;
     bool     now, was, struck;
     bool     bounced;                   /* struck, and both of them move       */
@@ -188,14 +189,33 @@ static void change_share(void *context, int thread, int threads)
         const Pair *p = &w->pairs.data[q->slot];
         struct Change *c = &all->change[i];
         Impact hit = q->impact ? all->g->impacts[q->impact - 1] : (Impact){.time = 0};
-        *c = (struct Change){.body_a = p->body_a, .body_b = p->body_b, .strike = hit.first, .wall = pair_wall(w, p), .now = q->touching,
-                             .was = q->was_touching, .struck = q->struck, .time = all->start + (q->struck ? hit.time : all->g->t),
-                             .speed = q->speed, .impulse = hit.impulse};
+        *c = (struct Change){.body_a = p->body_a, .body_b = p->body_b, .pair = all->g->changed[i], .strike = hit.first,
+                             .wall = pair_wall(w, p), .now = q->touching, .was = q->was_touching, .struck = q->struck,
+                             .time = all->start + (q->struck ? hit.time : all->g->t), .speed = q->speed, .impulse = hit.impulse};
         const Touch *t = touch_find(w, c->body_a, c->body_b, c->wall);
         c->touch = t ? (uint32_t)(t - w->touches.data) : NONE;
         c->bounced = q->struck && body_dynamic(w, c->body_a) && body_dynamic(w, c->body_b) &&
                      (q->both_moved || (moves_now(w, c->body_a) && moves_now(w, c->body_b)));
     }
+}
+
+/* Where, and with which normal, a pair touches that was not struck: laid on each other, or come so slowly. The middle of the points of
+ * those pieces that touch, as a force shared evenly would have it. */
+static void find_place(const Group *g, const GroupPair *q, dig_event *e)
+{
+    int count = 0;
+    vec3 sum = vec3_zero(), normal = vec3_zero();
+    for (int i = q->contact; i < q->contact + q->contacts; i++) {
+        const GroupContact *c = &g->contacts[i];
+        for (int k = 0; c->touching && k < c->manifold.count; k++, count++) {
+            sum = vec3_add(sum, c->manifold.points[k].a);
+            normal = vec3_add(normal, c->manifold.normal);
+        }
+    }
+    if (count == 0)
+        return;
+    e->point = vec3_scale(1.0 / count, sum);
+    e->normal = vec3_length2(normal) > 0 ? vec3_unit(normal) : normal;
 }
 
 static void post_begin(World *w, const Group *g, const struct Change *c)
@@ -210,6 +230,8 @@ static void post_begin(World *w, const Group *g, const struct Change *c)
     if (c->strike > 0 && c->strike <= g->strike_count) {
         e->point = g->strikes[c->strike - 1].point;
         e->normal = g->strikes[c->strike - 1].normal;
+    } else {
+        find_place(g, &g->pairs[c->pair], e);
     }
 }
 

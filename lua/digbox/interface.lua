@@ -231,7 +231,8 @@ declare("DIG:accuracy", { "Solves this DIG with another accuracy: care where one
 
 -- ---- events ----
 
-event("contact_begin", "Two bodies begin to touch.", "time self other speed impulse point normal")
+event("contact_begin", "Two bodies begin to touch. What lies there from the start tells it in the first step, at no speed.",
+  "time self other speed impulse point normal")
 event("contact_end", "They do not touch any more.", "time self other point")
 event("impact", "They hit each other. What rides on a mover is not hit by it.", "time self other speed impulse point normal")
 event("broken", "A joint broke.", "time self other joint stress")

@@ -37,6 +37,22 @@ scenario("the normal of an event points away from its body", function(s)
   expect(from_floor):near({ 0, 1, 0 }, 1e-6)
 end)
 
+scenario("what lies there from the start tells where it touches, and that it came with no speed", function(s)
+  local world, seen = s.world, {}
+  local floor = world:floor { name = "floor" }
+  world:on("contact_begin", function(e) seen[#seen + 1] = e end)
+  local box = world:box { size = 0.2, at = { 1, 0.1, 2 } }
+  world:ball { radius = 0.1, at = { 1, 0.3, 2 } }
+  world:step()
+  expect(#seen):is(2)
+  for _, e in ipairs(seen) do
+    local up = e.self == floor and 1 or e.other == floor and -1 or e.self == box and 1 or -1
+    expect(e.point):near({ 1, e.self == floor and 0 or e.other == floor and 0 or 0.2, 2 }, 1e-6)
+    expect(e.normal):near({ 0, up, 0 }, 1e-6)
+    expect(e.speed):is(0.0)
+  end
+end)
+
 scenario("filters keep what is not asked for away", function(s)
   local world = s.world
   local floor, ball = drop(world)
