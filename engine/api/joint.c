@@ -168,7 +168,7 @@ static dig_status add_link(World *w, uint32_t slot)
 }
 
 /* What ranges cannot check; may complete params. */
-static dig_status check_params(const World *w, const JointRec *r, void *params)
+static dig_status check_params(const World *w, const JointRec *r, void *params, bool fresh)
 {
     JointView view, other[2];
     real memory[3][JOINT_MEMORY];
@@ -182,6 +182,8 @@ static dig_status check_params(const World *w, const JointRec *r, void *params)
     }
     view.params = params;
     dig_status s = r->type->check(params, &view, why, sizeof why);
+    if (s == DIG_OK && fresh && r->type->check_new)
+        s = r->type->check_new(params, &view, why, sizeof why);
     return s == DIG_OK ? s : world_fail(w, s, "%s: %s", r->type->name, why);
 }
 
@@ -211,7 +213,7 @@ static dig_status prepare(World *w, const dig_joint_def *def, JointRec *r)
     memcpy(r->name, def->name.s, sizeof r->name);
     r->breaks_at = isfinite(def->breaks_at) ? def->breaks_at : 0;
     r->collides = def->collides || type->couples;
-    return check_params(w, r, r->params);
+    return check_params(w, r, r->params, true);
 }
 
 static dig_status do_create(World *w, const dig_joint_def *def, dig_joint *out)
@@ -392,7 +394,7 @@ static dig_status do_set(World *w, dig_joint handle, const dig_setting *set, int
     param_settle(r->type->params, to.params);
     bool wakes = to.breaks_at != r->breaks_at;      /* at rest it may bear too much for that */
     if (memcmp(to.params, r->params, sizeof to.params) != 0) {
-        DIG_TRY(check_params(w, r, to.params));
+        DIG_TRY(check_params(w, r, to.params, false));
         real before = api_joint_energy(w, handle.slot);
         memcpy(r->params, to.params, sizeof to.params);
         api_book_given(w, api_joint_energy(w, handle.slot) - before);

@@ -13,7 +13,7 @@ typedef struct Rope {
 static const dig_param rope_rows[] = {
     JOINT_END("at_a", "its end on a; default the centre of mass", Rope, at_a),
     JOINT_END("at_b", "its end on b; default the centre of mass", Rope, at_b),
-    {.name = "length", .kind = DIG_REAL, .unit = "m", .doc = "greatest distance of the ends; default as they are",
+    {.name = "length", .kind = DIG_REAL, .unit = "m", .doc = "greatest distance of the ends; default as they are, at least that; to take it in, set it later",
      .fallback = NAN, .min = 1e-6, .max = 1e9, .offset = offsetof(Rope, length)},
     {.name = NULL},
 };
@@ -26,6 +26,20 @@ static dig_status check(void *params, const JointView *now, char *why, size_t ca
     if (rope->length >= 1e-6)
         return DIG_OK;
     snprintf(why, capacity, "its ends are %g m apart, which is no length for a rope: give length", rope->length);
+    return DIG_E_ARG;
+}
+
+#define ROUNDING 1e-9           /* of its length */
+
+/* Its ends would be drawn together from the first step on, at no speed. */
+static dig_status check_new(const void *params, const JointView *now, char *why, size_t capacity)
+{
+    const Rope *rope = params;
+    real apart = joint_length(now);
+    if (rope->length >= apart * (1 - ROUNDING))
+        return DIG_OK;
+    snprintf(why, capacity, "length = %g m, must be at least the distance of its ends (%g m); to take it in, set its length later", rope->length,
+             apart);
     return DIG_E_ARG;
 }
 
@@ -49,6 +63,7 @@ const JointType joint_rope = {
     .no_axis = true,
     .two_anchors = true,
     .check = check,
+    .check_new = check_new,
     .rows = rows,
     .coordinate = joint_length,
     .speed = joint_length_rate,

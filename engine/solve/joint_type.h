@@ -30,6 +30,8 @@ typedef struct JointType {
     /* Checks what ranges cannot (limits against each other, ...). why gets one sentence. May complete params (a length left NaN
      * = the present distance). May be NULL. */
     dig_status (*check)(void *params, const JointView *now, char *why, size_t capacity);
+    /* The same of what must hold when it is made, and may be otherwise later: a winch takes its rope in. May be NULL. */
+    dig_status (*check_new)(const void *params, const JointView *now, char *why, size_t capacity);
     /* Writes the rows of this joint for the present poses. Pure but for j->memory. */
     void       (*rows)(const JointView *j, RowList *out);
     /* Are the rows of rows_point in slots 0..2 all that acts: no stop, motor, spring or friction? NULL = no. */

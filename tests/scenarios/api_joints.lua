@@ -203,6 +203,19 @@ scenario("a plain rope begins at `at` and ends at `to`, as one of segments does"
   expect(expect(function() world:rope { a = a, to = { 0, 5, 0 }, at_b = { 0, 6, 0 } } end):fails()):contains "either to or at_b"
 end)
 
+scenario("a rope is not made shorter than its ends are apart, and may be taken in afterwards", function(s)
+  local world = s.world
+  local a = world:ball { radius = 0.1, at = { 0, 0, 0 }, name = "a" }
+  expect(expect(function() world:rope { a = a, to = { 0, 2, 0 }, length = "50 cm" } end):fails())
+    :contains "world:rope: length = 0.5 m, must be at least the distance of its ends (2 m)"
+  local rope = world:rope { a = a, to = { 0, 2, 0 } }
+  for i = 1, 60 do
+    rope.length = 2 - i / 100
+    world:step()
+  end
+  expect(a.position.y):near(0.6, 1e-3)
+end)
+
 scenario("a rope of segments ends at a point of the world as the plain one does, and is asked as a joint is", function(s)
   local world = s.world
   local ball = world:ball { radius = 0.1, mass = 2, at = { 0, 1, 0 }, name = "bob" }
