@@ -129,8 +129,10 @@ function methods.save(world, path)
   core.save(world, core.out_path(path), core.keep.note(world))
 end
 
-core.declare("world:restore", { "Goes back to a snapshot of this world.", takes = { { "snapshot", "snapshot",
-  "what world:snapshot gave" } } })
+core.declare("world:restore", { "Goes back to a snapshot of this world: bodies, joints, time. What is the script's goes on "
+  .. "as it is: variables, handlers, and tasks, which cannot be put back; one that waits does so "
+  .. "until the world is at the time it waited for.",
+  takes = { { "snapshot", "snapshot", "what world:snapshot gave" } } })
 
 function methods.restore(world, snapshot)
   core.forbid_in_handler(world, "world:restore")

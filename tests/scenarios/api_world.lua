@@ -297,6 +297,24 @@ scenario("what would be outside a room is refused, with the wall and where that 
   expect(#world:warnings()):is(0)
 end)
 
+scenario("tasks go on as they are over a restore, by the time of the world", function(s)
+  local world, woke = s.world, {}
+  local start = world:snapshot()
+  world:spawn(function(task)
+    for i = 1, 4 do
+      task:wait "0.5 s"
+      woke[i] = world.time
+    end
+  end)
+  world:run "1.2 s"
+  world:restore(start)
+  expect(world.tasks):is(1)
+  world:run "1.4 s"
+  expect(#woke):is(2)                                                 -- it waits for 1.5 s
+  world:run "0.8 s"
+  for i = 1, 4 do expect(woke[i]):near(0.5 * i, 1e-6) end
+end)
+
 scenario("a room holds its bodies until a wall is opened", function(s)
   local world = s:world { gravity = { 0, 0, 0 } }
   local room = world:room { size = { 2, 2, 2 }, restitution = 1, friction = 0 }
