@@ -111,6 +111,16 @@ dig_status bodies_open(Crowd *c)
     return DIG_OK;
 }
 
+void bodies_spare(const Crowd *c)
+{
+    Group *g = c->g;
+    size_t n = (size_t)crowd_spare(c, g->team ? g->team->threads : 1);
+    spare_add(&g->spare, c->vel, n * sizeof *c->vel);
+    spare_add(&g->spare, c->move, n * sizeof *c->move);
+    spare_add(&g->spare, c->start, n * sizeof *c->start);
+    spare_add(&g->spare, c->frame, n * sizeof *c->frame);
+}
+
 static vec3 change(const Six *now, const Six *before, int at)
 {
     return (vec3){(real)now->at[at] - (real)before->at[at], (real)now->at[at + 1] - (real)before->at[at + 1],

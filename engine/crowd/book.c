@@ -114,7 +114,7 @@ static void note_contact(Crowd *c, int contact)
 }
 
 /* Friction at the middle becomes forces at the points. */
-INLINE void book_friction(GroupContact *t, const Batch *b, int lane, real h, real load)
+INLINE void book_friction(GroupContact *t, Acted *acted, const Batch *b, int lane, real h, real load)
 {
     const ManifoldPoint *point = t->manifold.points;
     PointMemory *memory = contact_memory(t);
@@ -124,7 +124,7 @@ INLINE void book_friction(GroupContact *t, const Batch *b, int lane, real h, rea
     real part = 1.0 / count, per_load = load > 0 ? 1 / load : 0, rate = 1 / h, spread = 0, twist = b->twist ? lane_of(&b->twist->j, lane) : 0;
     vec3 last = vec3_add(vec3_scale(lane_of(&b->patch->j[0], lane), u), vec3_scale(lane_of(&b->patch->j[1], lane), v));
     vec3 whole = vec3_add(vec3_scale(lane_of(&b->patch->sum[0], lane), u), vec3_scale(lane_of(&b->patch->sum[1], lane), v));
-    t->impulse = vec3_add(t->impulse, whole);
+    acted->impulse = vec3_add(acted->impulse, whole);
     reg3 axis = reg3_of(n), force = reg3_of(vec3_scale(rate, last)), middle = reg3_all(0);
     if (twist != 0) {
         for (int k = 0; k < count; k++)
@@ -142,9 +142,9 @@ INLINE void book_friction(GroupContact *t, const Batch *b, int lane, real h, rea
 }
 
 /* The vector across the normal of a round contact. */
-static void book_rub(GroupContact *t, const WideRub *r, int lane, real h)
+static void book_rub(GroupContact *t, Acted *acted, const WideRub *r, int lane, real h)
 {
-    t->impulse = vec3_add(t->impulse, (vec3){lane_of(&r->sum[0], lane), lane_of(&r->sum[1], lane), lane_of(&r->sum[2], lane)});
+    acted->impulse = vec3_add(acted->impulse, (vec3){lane_of(&r->sum[0], lane), lane_of(&r->sum[1], lane), lane_of(&r->sum[2], lane)});
     contact_memory(t)->tangent = vec3_scale(1 / h, (vec3){lane_of(&r->j[0], lane), lane_of(&r->j[1], lane), lane_of(&r->j[2], lane)});
 }
 
@@ -171,10 +171,11 @@ INLINE bool book_row(const Book *book, int contact)
     GroupPair *q = &g->pairs[t->pair];
     int lane;
     const Batch *b = batch_of(c, contact, &lane);
+    Acted *acted = g->few ? &g->few[b - c->batch][lane] : &g->acted[contact];
     const int count = t->manifold.count;
     PointMemory *memory = contact_memory(t);
-    reg3 at = reg3_of(t->point_sum);
-    real load = 0, sum = 0, weight = t->point_weight, fastest = -INFINITY, h = (real)c->h, rate = 1 / h;
+    reg3 at = reg3_of(acted->point_sum);
+    real load = 0, sum = 0, weight = acted->point_weight, fastest = -INFINITY, h = (real)c->h, rate = 1 / h;
     for (int k = 0; k < count; k++) {
         const WidePoint *p = &b->point[k];
         real j = lane_of(&p->j, lane), whole = lane_of(&p->sum, lane), force = j * rate;
@@ -188,19 +189,19 @@ INLINE bool book_row(const Book *book, int contact)
         if (whole > 0)
             fastest = real_max(fastest, -lane_of(&p->rate_before, lane));
     }
-    t->point_sum = reg3_get(at);
-    t->point_weight = weight;
+    acted->point_sum = reg3_get(at);
+    acted->point_weight = weight;
     if (sum > 0)
-        t->last = g->t;
+        acted->last = g->t;
     if (q->contacts == 1)       /* the pair's other contacts may be in other threads' hands */
         pair_approaches(q, fastest);
     if (b->patch)
-        book_friction(t, b, lane, h, load);
+        book_friction(t, acted, b, lane, h, load);
     else if (b->rub)
-        book_rub(t, b->rub, lane, h);
+        book_rub(t, acted, b->rub, lane, h);
     for (int k = 0; k < count && !b->patch && !b->rub; k++)
         memory[k].tangent = vec3_zero();
-    t->impulse = vec3_mad(t->impulse, sum, t->manifold.normal);
+    acted->impulse = vec3_mad(acted->impulse, sum, t->manifold.normal);
     if (g->contact_rest)
         g->contact_rest[contact].rolling = b->roll ? vec3_scale(rate, (vec3){lane_of(&b->roll->j[0], lane), lane_of(&b->roll->j[1], lane),
                                                                              lane_of(&b->roll->j[2], lane)}) : vec3_zero();
@@ -210,14 +211,15 @@ INLINE bool book_row(const Book *book, int contact)
 /* J  Given by movers through this contact: their velocity is constant. */
 static real movers_work(const Group *g, const GroupContact *c)
 {
+    const Acted *acted = acted_in(g, (int)(c - g->contacts));
     real work = 0;
-    for (int k = 0; k < 2; k++) {
+    for (int k = 0; k < 2 && acted; k++) {
         int body = k ? c->b : c->a;
-        if (!g->member[body].kinematic || !(c->point_weight > WEIGHT_LEAST))
+        if (!g->member[body].kinematic || !(acted->point_weight > WEIGHT_LEAST))
             continue;
-        vec3 at = vec3_scale(1 / c->point_weight, c->point_sum);
+        vec3 at = vec3_scale(1 / acted->point_weight, acted->point_sum);
         vec3 v = vec3_add(g->vel[body].v, vec3_cross(g->vel[body].w, vec3_sub(at, g->pos[body].x)));
-        work += (k ? -1 : 1) * vec3_dot(c->impulse, v);
+        work += (k ? -1 : 1) * vec3_dot(acted->impulse, v);
     }
     return work;
 }
@@ -316,13 +318,14 @@ static Vel mean_velocity(const Group *g, int body)
 /* J  What a contact would have taken, were its force even over the step. */
 static real even_loss(const Group *g, const GroupContact *c, real dt)
 {
-    if (!(c->point_weight > WEIGHT_LEAST))
+    const Acted *acted = acted_in(g, (int)(c - g->contacts));
+    if (!acted || !(acted->point_weight > WEIGHT_LEAST))
         return 0;
-    vec3 at = vec3_scale(1 / c->point_weight, c->point_sum);
+    vec3 at = vec3_scale(1 / acted->point_weight, acted->point_sum);
     Vel a = mean_velocity(g, c->a), b = mean_velocity(g, c->b);
     vec3 va = vec3_add(a.v, vec3_cross(a.w, vec3_sub(at, g->member[c->a].start_pos.x)));
     vec3 vb = vec3_add(b.v, vec3_cross(b.w, vec3_sub(at, g->member[c->b].start_pos.x)));
-    return real_max(0, -vec3_dot(c->impulse, vec3_sub(vb, va)) - dt * vec3_dot(contact_rolling(g, c), vec3_sub(b.w, a.w)));
+    return real_max(0, -vec3_dot(acted->impulse, vec3_sub(vb, va)) - dt * vec3_dot(contact_rolling(g, c), vec3_sub(b.w, a.w)));
 }
 
 /* What is lost is known of the crowd as a whole. Where an effect asks for it, each contact is given a share of that. */
@@ -337,9 +340,29 @@ static void share_losses(const Crowd *c, real lost)
         g->contact_rest[i].lost *= isfinite(share) ? share : 0;
 }
 
+/* Of what acts only, in what the bodies' rows have done with. */
+static dig_status open_few(Crowd *c)
+{
+    _Static_assert(ACTED_BLOCK == LANES, "a contact has the number of its row");
+    Group *g = c->g;
+    bodies_spare(c);
+    g->few = arena_alloc(g->arena, (size_t)c->batches * sizeof *g->few);
+    for (int i = 0; i < c->batches && g->few; i++) {
+        size_t bytes = (size_t)(HALF * c->batch[i].halves) * sizeof **g->few;
+        g->few[i] = spare_take(&g->spare, g->arena, bytes);
+        if (!g->few[i])
+            return DIG_E_MEMORY;
+        memset(g->few[i], 0, bytes);
+    }
+    g->acts = c->row;
+    return g->few ? DIG_OK : DIG_E_MEMORY;
+}
+
 dig_status book_close(Crowd *c)
 {
     Group *g = c->g;
+    if (c->alone)
+        DIG_TRY(open_few(c));
     int shares = team_shares(c->team);
     Book b = {c, strike_speed(c), arena_alloc(g->arena, (size_t)shares * sizeof *b.deepest), arena_alloc(g->arena, (size_t)(g->contact_count + 1))};
     if (!b.deepest || !b.to_note)

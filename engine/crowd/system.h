@@ -183,6 +183,7 @@ typedef struct Crowd {
     int    blocks;
     Batch *batch; int batches;
     int   *row;                 /* [contact_count of g] LANES times its batch, and its lane; < 0: it does not act */
+    bool   alone;               /*     in one piece, and most of the world: Acted are known by row          */
     real   deep;                /* 1    deepest overlap, in changes that matter (rows.c)       */
     Phase *phase; int phases;
     Soft   soft[PASSES_MOST][2];    /* by how many passes there are; between moving bodies; against what does not move */
@@ -224,6 +225,7 @@ bool       crowd_passed(const Crowd *c);
 /* bodies.c */
 dig_status bodies_open(Crowd *c);       /* scaled, from the group's */
 void       bodies_close(Crowd *c);      /* and back */
+void       bodies_spare(const Crowd *c);        /* then what they had but for carriages is spare */
 mat3       body_axes(const Crowd *c, int body);         /* s, of the pose at the start */
 static inline int crowd_index(const Crowd *c, int body) { return body < c->bodies && c->trait[body].moves ? body : c->bodies; }
 static inline Carriage *carriage_of(const Crowd *c, int body) { return body < c->bodies ? &c->carriage[body] : &c->others[body - c->bodies]; }

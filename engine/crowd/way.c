@@ -223,7 +223,7 @@ static dig_status advance_piece(Crowd *c, real until)
     g->sweeps += c->passes;
     bodies_close(c);
     DIG_TRY(book_close(c));
-    if (g->strikes == strikes && g->pair_count == pairs) {  /* nothing of it is needed any more: what comes next finds its room still in the cache */
+    if (g->strikes == strikes && g->pair_count == pairs && !c->alone) {  /* nothing of it is needed any more: what comes next finds its room still in the cache */
         arena_rewind(g->arena, mark);
         g->spare = NULL;        /* some of it is gone */
     } else {
@@ -268,6 +268,9 @@ static dig_status advance_pieces(const Crowd *whole, int pieces, const GroupKept
     return DIG_OK;
 }
 
+/* One group at most has so large a part of what is awake: it does not give back what a piece of its step took until the step is over. */
+#define MOST 2
+
 static dig_status advance(Group *g, real dt)
 {
     Width width = (Width)g->world->width;
@@ -277,6 +280,9 @@ static dig_status advance(Group *g, real dt)
     GroupKept before;
     DIG_TRY(crowd_pieces(&whole, &pieces));
     bool may_pass = crowd_may_pass(&whole, pieces);
+    whole.alone = pieces == 1 && !may_pass && !g->acted && MOST * g->moving_count > g->world->awake.count;
+    if (!whole.alone && !g->acted)
+        DIG_TRY(group_open_acted(g));
     if (may_pass)
         DIG_TRY(keep_for_sweeps(g, &before));
     else if (pieces > 1)

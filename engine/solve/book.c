@@ -45,6 +45,7 @@ real group_blow_speed(const Group *g) { return g->close_speed + 2 * g->fall * g-
 static void book_point(Group *g, PointRow *r, const Means *means)
 {
     GroupContact *c = &g->contacts[r->contact];
+    Acted *acted = contact_acted(g, c);
     const ManifoldPoint *p = &c->manifold.points[r->point];
     PointMemory *memory = &contact_memory(c)[r->point];
     vec3 tangent = vec3_add(vec3_scale(r->jt[0], r->t[0].n), vec3_scale(r->jt[1], r->t[1].n));
@@ -55,13 +56,13 @@ static void book_point(Group *g, PointRow *r, const Means *means)
         pressed = VELOCITY_COARSE / r->n.k;
     }
     memory->normal = pressed / remembered_over(g);
-    c->last = r->jn > 0 ? g->t + g->h : c->last;
+    acted->last = r->jn > 0 ? g->t + g->h : acted->last;
     if (r->jn > 0)              /* what closed a gap still approaches: the next substep is not smooth either */
         memory->held = r->target < -1e-6 ? HELD_SUBSTEPS - 1 : HELD_SUBSTEPS;
     memory->tangent = vec3_scale(rubbed / remembered_over(g), tangent);
-    c->impulse = vec3_add(c->impulse, impulse);
-    c->point_sum = vec3_mad(c->point_sum, r->jn, p->a);
-    c->point_weight += r->jn;
+    acted->impulse = vec3_add(acted->impulse, impulse);
+    acted->point_sum = vec3_mad(acted->point_sum, r->jn, p->a);
+    acted->point_weight += r->jn;
     c->manifold.slides = r->slides;
     /* where impacts are not located, a fast approach that ends in this substep is one */
     if (!g->locate && r->jn > 0 && -r->rate_before > group_blow_speed(g)) {

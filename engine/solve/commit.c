@@ -12,24 +12,37 @@ static bool point_rests(const Group *g, const GroupContact *c, const ManifoldPoi
     return fabs(vec3_dot(c->manifold.normal, vec3_sub(vb, va))) <= 0.1 * g->close_speed;
 }
 
+#define HOP 2e-3                /* of the size */
+
+static bool hops(const Group *g, int contact, real dt)
+{
+    const Acted *acted = acted_in(g, contact);
+    return acted && acted->last > 0.5 * dt;
+}
+
 /* Does it touch? A touch begins with force and ends with distance: a hop of a thousandth of the size is no end while force comes
  * back. */
-static bool contact_touches(const Group *g, const GroupPair *q, const GroupContact *c, real dt)
+static bool contact_touches(const Group *g, const GroupPair *q, int contact, real dt)
 {
-    bool hops = q->was_touching && c->last > 0.5 * dt;
-    real tolerance = (hops ? 2e-3 : 100 * g->touch) * q->size;
+    const GroupContact *c = &g->contacts[contact];
+    real near = 100 * g->touch * q->size;
     for (int k = 0; k < c->manifold.count; k++) {
         const ManifoldPoint *at = &c->manifold.points[k];
-        if (at->gap <= tolerance && (contact_memory(c)[k].normal > 0 || q->was_touching || point_rests(g, c, at)))
+        bool there = at->gap <= near || (q->was_touching && at->gap <= HOP * q->size && hops(g, contact, dt));
+        if (there && (contact_memory(c)[k].normal > 0 || q->was_touching || point_rests(g, c, at)))
             return true;
     }
     return false;
 }
 
 /* Has it no point (so that it does not roll either), and no force that the world's record would hold? */
-static bool contact_idle(const GroupContact *c)
+static bool contact_idle(const Group *g, int contact)
 {
-    return c->manifold.count == 0 && vec3_is_zero(c->impulse) && !c->manifold.slides;
+    const GroupManifold *m = &g->contacts[contact].manifold;
+    if (m->count > 0 || m->slides)
+        return false;
+    const Acted *acted = acted_in(g, contact);
+    return !acted || vec3_is_zero(acted->impulse);
 }
 
 /* Is there a hint to keep of a pair? Meshes have theirs from the start. */
@@ -50,10 +63,10 @@ static void judge_pair(Group *g, int i, real dt, Verdict *v, int *changed, int *
                 g->contact_rest[k].rolling = vec3_zero();
             c->manifold.slides = false;
         }
-        c->touching = contact_touches(g, q, c, dt);
+        c->touching = contact_touches(g, q, k, dt);
         q->touching = q->touching || c->touching;
         c->was_idle = c->idle;
-        c->idle = contact_idle(c);
+        c->idle = contact_idle(g, k);
         bool comes_or_goes = q->contacts == 1 && (c->slot == NONE) != c->idle;
         bool widens = c->manifold.count > 1 && !c->manifold.wide;
         bool remembers = k == q->contact && keeps_memory(q) != (q->memory != NONE);
@@ -208,8 +221,11 @@ static void commit_contact(World *w, const Group *g, int contact, real dt)
     to->sliding = from->manifold.slides;
     to->grips = from->grips;
     to->touching = from->touching;
-    to->force = vec3_scale(1 / dt, from->impulse);
-    to->point = from->point_weight > WEIGHT_LEAST ? vec3_scale(1 / from->point_weight, from->point_sum)
+    static const Acted none;
+    const Acted *acted = acted_in(g, contact);
+    acted = acted ? acted : &none;
+    to->force = vec3_scale(1 / dt, acted->impulse);
+    to->point = acted->point_weight > WEIGHT_LEAST ? vec3_scale(1 / acted->point_weight, acted->point_sum)
                                        : from->manifold.count ? from->manifold.points[0].a : vec3_zero();
 }
 

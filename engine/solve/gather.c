@@ -268,6 +268,8 @@ dig_status group_weigh(Group *g)
 {
     if (!g->contact_rest)
         DIG_TRY(group_gather_rest(g));
+    if (!g->acted)
+        DIG_TRY(group_open_acted(g));
     g->mass = arena_alloc(g->arena, (size_t)g->body_count * sizeof *g->mass);
     g->shift = arena_alloc(g->arena, (size_t)(g->body_count + 1) * sizeof *g->shift);        /* takes turns with vel */
     g->start_vel = arena_alloc(g->arena, (size_t)g->body_count * sizeof *g->start_vel);

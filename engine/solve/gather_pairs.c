@@ -99,8 +99,6 @@ static void gather_contact(const World *w, const GroupPair *q, int pair, uint32_
     to->live = from->count > 0;
     to->manifold.slides = from->sliding;
     to->grips = from->grips;
-    to->impulse = to->point_sum = vec3_zero();
-    to->last = to->point_weight = 0;
     to->manifold.normal = from->normal;
     to->manifold.count = int_min(from->count, to->manifold.room);
     to->manifold.points = (ManifoldPoint *)(void *)places;
@@ -407,6 +405,8 @@ dig_status group_gather_struck(Group *g, const real *stop, real dt)
     g->pairs_roll = g->pairs_roll || atomic_load(&n.rolls);
     spare_add(&g->spare, n.near, (size_t)n.taken * sizeof *n.near);
     group_leave_out(g, n.first);
+    if (g->acted)
+        memset(g->acted + before, 0, (size_t)(g->contact_count - before) * sizeof *g->acted);
     if (g->contact_rest)        /* none of them has one in the world */
         memset(g->contact_rest + before, 0, (size_t)(g->contact_count - before) * sizeof *g->contact_rest);
     else if (g->pairs_roll)
@@ -424,6 +424,14 @@ dig_status group_gather_rest(Group *g)
         g->contact_rest[i] = (ContactRest){.rolling = any ? w->contact_rest.data[slot].rolling : vec3_zero()};
     }
     return g->contact_rest ? DIG_OK : DIG_E_MEMORY;
+}
+
+dig_status group_open_acted(Group *g)
+{
+    g->acted = arena_alloc(g->arena, (size_t)(g->contact_count + g->left_count) * sizeof *g->acted);
+    if (g->acted)
+        memset(g->acted, 0, (size_t)g->contact_count * sizeof *g->acted);
+    return g->acted ? DIG_OK : DIG_E_MEMORY;
 }
 
 void group_close_left(Group *g)

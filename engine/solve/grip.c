@@ -333,7 +333,7 @@ static vec3 received(const Group *g, int body)
     for (int i = 0; i < g->contact_count; i++) {
         const GroupContact *c = &g->contacts[i];
         if (c->a == body || c->b == body)
-            sum = vec3_mad(sum, c->b == body ? 1 : -1, c->impulse);
+            sum = vec3_mad(sum, c->b == body ? 1 : -1, contact_acted(g, c)->impulse);
     }
     for (int i = 0; i < g->joint_count; i++) {
         const GroupJoint *j = &g->joints[i];
@@ -373,7 +373,8 @@ static void bear(Group *g, const Carried *h, bool by_carried)
                 continue;
             vec3 share = vec3_scale(1.0 / holders, vec3_sub(left, along));
             share = pushes ? vec3_mad(share, 1.0 / pushers, along) : share;
-            c->impulse = vec3_mad(c->impulse, side, share);
+            Acted *acted = contact_acted(g, c);
+            acted->impulse = vec3_mad(acted->impulse, side, share);
         }
 }
 
@@ -414,7 +415,7 @@ void grip_give(Group *g)
         GroupContact *c = &g->contacts[g->jaws[i]];
         for (int k = 0; k < c->manifold.count; k++)
             contact_memory(c)[k] = (PointMemory){.held = HELD_SUBSTEPS};
-        c->last = dt;
+        contact_acted(g, c)->last = dt;
         c->manifold.slides = false;
     }
 }

@@ -146,10 +146,16 @@ typedef struct GroupContact {
     bool     idle, was_idle : 1;        /* no point, and no force: until group_judge in the world's record, then now; then */
     bool     grips : 1;         /* movers have closed on what it presses: see grip.c */
     GroupManifold manifold;
-    vec3     impulse;           /* N s on b, over the whole step    */
+} GroupContact;
+
+/* What acted in a contact, over the whole step. */
+typedef struct Acted {
+    vec3     impulse;           /* N s on b                         */
     real     last;              /* s   into the step, when force last acted */
     vec3     point_sum; real point_weight;      /* where, weighted by impulse; up to WEIGHT_LEAST: nowhere */
-} GroupContact;
+} Acted;
+
+#define ACTED_BLOCK 16          /* as a batch of a crowd */
 
 /* Of its points, which they come after: [room]. */
 static inline PointMemory *contact_memory(const GroupContact *c) { return (PointMemory *)(void *)(c->manifold.points + c->manifold.room); }
@@ -301,6 +307,9 @@ struct Group {
     GroupContact *contacts; int contact_count;
     ContactRest *contact_rest;  /* [contact_count] what they lost is of the group's lost, over the whole step. NULL: all is 0, in a crowd where nothing
                                  * rolls and no effect asks for losses */
+    Acted    *acted;            /* [contact_count] NULL: nothing did yet, or it is known by `acts` */
+    Acted    **few;             /* of a large crowd, in blocks of ACTED_BLOCK, that of contacts in which anything may have acted: */
+    const int *acts;            /* [contact_count] its number there, < 0: there is none; NULL: no such crowd */
     Squeeze  *squeezed;         /* [contact_count], if anything squeezes; NULL: not looked for */
     int      *pressed;          /* [body_count] a body's first of these */
     bool      squeezes;
@@ -398,12 +407,23 @@ struct Group {
 static inline ContactRest *contact_rest_of(const Group *g, const GroupContact *c) { return &g->contact_rest[c - g->contacts]; }
 static inline vec3 contact_rolling(const Group *g, const GroupContact *c) { return g->contact_rest ? contact_rest_of(g, c)->rolling : vec3_zero(); }
 
+static inline Acted *contact_acted(const Group *g, const GroupContact *c) { return &g->acted[c - g->contacts]; }
+/* The same by its number, in any group; NULL: nothing acted in it. */
+static inline Acted *acted_in(const Group *g, int contact)
+{
+    if (!g->acts)
+        return g->acted ? &g->acted[contact] : NULL;
+    unsigned i = (unsigned)g->acts[contact];
+    return (int)i < 0 ? NULL : &g->few[i / ACTED_BLOCK][i % ACTED_BLOCK];
+}
+
 /* gather.c */
 dig_status group_gather(Group *g, const World *w, const uint32_t *leads, int dig_count, const uint32_t *pairs, int pair_count,
                         Arena *arena);
 /* Gathers pairs left out whose bodies may meet if the speed of each changes by so much: [body_count], m/s. They come last. */
 dig_status group_gather_struck(Group *g, const real *stop, real dt);
 dig_status group_gather_rest(Group *g);                 /* contact_rest, as the world has it */
+dig_status group_open_acted(Group *g);                  /* acted, of all contacts: nothing yet */
 void       group_close_left(Group *g);                  /* no more of them come in: their room is spare */
 void       group_leave_out(Group *g, int first);        /* what no effect stands for, of pairs from this on */
 dig_status group_judge(Group *g, real dt);              /* at the end of the step: who touches */
@@ -464,7 +484,7 @@ int  group_overloaded(Group *g, real dt, real *share);  /* the joint most over i
 struct GroupKept {              /* a group as it was */
     Pos *pos; Vel *vel; Mass *mass; Member *member; GroupPair *pairs; GroupContact *contacts; real *places; GroupJoint *joints;
     Apart *apart; Impact *impacts;
-    Vel *start_vel; Been *been; ContactRest *contact_rest;
+    Vel *start_vel; Been *been; ContactRest *contact_rest; Acted *acted;
     Group scalars;
     void *block; size_t bytes;  /* where all that lies */
 };

@@ -313,12 +313,13 @@ static void note_strike(Group *g, const PointRow *r, real speed)
     GroupContact *c = &g->contacts[r->contact];
     const ManifoldPoint *p = &c->manifold.points[r->point];
     vec3 impulse = vec3_add(vec3_scale(r->jn, c->manifold.normal), vec3_add(vec3_scale(r->jt[0], r->t[0].n), vec3_scale(r->jt[1], r->t[1].n)));
-    c->impulse = vec3_add(c->impulse, impulse);
-    c->point_sum = vec3_mad(c->point_sum, r->jn, p->a);
-    c->point_weight += r->jn;
+    Acted *acted = contact_acted(g, c);
+    acted->impulse = vec3_add(acted->impulse, impulse);
+    acted->point_sum = vec3_mad(acted->point_sum, r->jn, p->a);
+    acted->point_weight += r->jn;
     if (!(r->jn > 0))
         return;
-    c->last = g->t;
+    acted->last = g->t;
     if (speed > 0.1 * g->close_speed)
         contact_memory(c)[r->point].held = 0;   /* if it bounces, it flies; if not, the next substep holds it */
     group_note_blow(g, c->a);

@@ -27,7 +27,7 @@ bool group_keep_in(const Group *g, GroupKept *k)
     size_t bytes = SIZE(pos, bodies) + SIZE(vel, bodies) + SIZE(mass, bodies) + SIZE(member, bodies)
         + SIZE(pairs, g->pair_count) + SIZE(contacts, g->contact_count) + SIZE(places, g->place_count) + SIZE(joints, g->joint_count)
         + SIZE(apart, g->apart ? g->moving_count : 0) + SIZE(start_vel, bodies) + SIZE(been, bodies) + SIZE(contact_rest, g->contact_count)
-        + SIZE(impacts, g->impact_count);
+        + SIZE(acted, g->contact_count) + SIZE(impacts, g->impact_count);
     if (bytes > k->bytes) {
         k->block = arena_alloc(g->arena, bytes);
         k->bytes = k->block ? bytes : 0;
@@ -43,6 +43,7 @@ bool group_keep_in(const Group *g, GroupKept *k)
     KEEP(start_vel, bodies);
     KEEP(been, bodies);
     KEEP(contact_rest, g->contact_count);
+    KEEP(acted, g->contact_count);
     KEEP(impacts, g->impact_count);
     KEEP(pairs, g->pair_count);
     KEEP(contacts, g->contact_count);
@@ -74,6 +75,7 @@ void group_put_back(Group *g, const GroupKept *k)
     BACK(start_vel, g->body_count);
     BACK(been, g->body_count);
     BACK(contact_rest, g->contact_count);
+    BACK(acted, g->contact_count);
     BACK(impacts, k->scalars.impact_count);
     *g = k->scalars;
     g->evaluations = evaluations;

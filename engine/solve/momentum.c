@@ -219,7 +219,7 @@ void group_mechanisms(const Group *g, int *root, uint8_t *ties)
         }
     }
     for (int i = 0; i < g->contact_count; i++)
-        if (!vec3_is_zero(g->contacts[i].impulse))
+        if (!vec3_is_zero(g->acted[i].impulse))
             tie(g, root, ties, g->contacts[i].a, g->contacts[i].b);
     for (int i = 0; i < g->moving_count; i++) {
         root[i] = forest_root(root, i);

@@ -144,10 +144,11 @@ static void strike(Billiard *b, int pair, real time)
         real e = -rate * q->restitution > g->close_speed ? q->restitution : 0, j = -(1 + e) * rate / im, lost = 0.5 * (1 - e * e) * rate * rate / im;
         g->vel[q->a].v = vec3_mad(g->vel[q->a].v, -j * g->mass[q->a].im, n);
         g->vel[q->b].v = vec3_mad(g->vel[q->b].v, j * g->mass[q->b].im, n);
-        c->impulse = vec3_mad(c->impulse, j, n);
-        c->point_sum = vec3_mad(c->point_sum, j, c->manifold.points[0].a);
-        c->point_weight += j;
-        c->last = time;
+        Acted *acted = contact_acted(g, c);
+        acted->impulse = vec3_mad(acted->impulse, j, n);
+        acted->point_sum = vec3_mad(acted->point_sum, j, c->manifold.points[0].a);
+        acted->point_weight += j;
+        acted->last = time;
         contact_rest_of(g, c)->lost += lost;
         g->lost += lost;
         group_note_blow(g, q->a);

@@ -189,10 +189,11 @@ void trace_book(Tracer *t, const Touching *touch, int count, real begin)
         if (!(q[3] > 0))
             continue;
         GroupContact *to = &g->contacts[c->contact];
-        to->impulse = vec3_mad(to->impulse, h, (vec3){q[0], q[1], q[2]});
-        to->point_sum = vec3_mad(to->point_sum, h * q[3], c->k.at);
-        to->point_weight += h * q[3];
-        to->last = begin + h;
+        Acted *acted = contact_acted(g, to);
+        acted->impulse = vec3_mad(acted->impulse, h, (vec3){q[0], q[1], q[2]});
+        acted->point_sum = vec3_mad(acted->point_sum, h * q[3], c->k.at);
+        acted->point_weight += h * q[3];
+        acted->last = begin + h;
         contact_rest_of(g, to)->lost += h * q[4];
         wake_dormant(g, c->a);
         wake_dormant(g, c->b);

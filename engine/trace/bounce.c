@@ -152,10 +152,11 @@ static void book(Tracer *t, const Series *s, const Touching *c, real p, vec3 mov
     GroupPair *q = &g->pairs[to->pair];
     vec3 j = vec3_scale(p, vec3_mad(s->out, -s->friction, s->d));
     vec3 at = s->ball ? c->k.at : vec3_mad(g->pos[0].x, vec3_dot(vec3_sub(c->k.at, g->pos[0].x), s->out), s->out);
-    to->impulse = vec3_mad(to->impulse, c->b == 0 ? 1 : -1, j);
-    to->point_sum = vec3_mad(to->point_sum, p, at);
-    to->point_weight += p;
-    to->last = t->t;
+    Acted *acted = contact_acted(g, to);
+    acted->impulse = vec3_mad(acted->impulse, c->b == 0 ? 1 : -1, j);
+    acted->point_sum = vec3_mad(acted->point_sum, p, at);
+    acted->point_weight += p;
+    acted->last = t->t;
     Impact *impact = group_impact(g, q);
     impact->impulse += p;
     if (impact->last > 0 && impact->last <= g->strike_count)        /* told as one with the blow that they follow */

@@ -274,7 +274,7 @@ static void join_touching(Tracer *t)
     for (int i = 0; i < g->contact_count; i++) {
         int a = g->contacts[i].a, b = g->contacts[i].b;
         bool one = trace_moves(t, a), other = trace_moves(t, b);
-        if (vec3_is_zero(g->contacts[i].impulse) || !(one || other))
+        if (vec3_is_zero(g->acted[i].impulse) || !(one || other))
             continue;
         if (one && other)
             forest_unite(t->root, a, b);

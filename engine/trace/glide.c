@@ -322,20 +322,21 @@ INLINE void book(const Glide *s)
     Group *g = s->g;
     GroupContact *c = s->c;
     ContactRest *rest = contact_rest_of(g, c);
+    Acted *acted = contact_acted(g, c);
     vec3 way = vec3_scale(0.5, vec3_add(s->slip, s->slip_end));
     for (int k = 0; k < s->count; k++) {
         const PointMemory *f = &s->force[k];
         real press = s->h * f->normal;
         vec3 drag = s->table ? vec3_scale(s->side / g->mass[0].im, gained(s, s->h)) : vec3_scale(s->h, f->tangent);
-        c->impulse = vec3_add(c->impulse, vec3_mad(drag, press, s->normal));
-        c->point_sum = vec3_mad(c->point_sum, press, own_point(s, &c->manifold.points[k]));
-        c->point_weight += press;
+        acted->impulse = vec3_add(acted->impulse, vec3_mad(drag, press, s->normal));
+        acted->point_sum = vec3_mad(acted->point_sum, press, own_point(s, &c->manifold.points[k]));
+        acted->point_weight += press;
         rest->lost -= s->h * vec3_dot(f->tangent, way);
         contact_memory(c)[k] = *f;
         contact_memory(c)[k].held = f->normal > 0 ? HELD_SUBSTEPS : 0;
         g->penetration = real_max(g->penetration, -c->manifold.points[k].gap);
     }
-    c->last = s->h;
+    acted->last = s->h;
     c->manifold.slides = s->slides;
     rest->rolling = vec3_zero();
     g->lost += rest->lost;

@@ -26,6 +26,7 @@ typedef struct Hand {
     GroupPair pairs[1];
     GroupContact contacts[2];
     ContactRest contact_rest[2];
+    Acted  acted[2];
     Impact impacts[1];
     GroupJoint joints[1];
     GroupPush pushes[HAND_PUSHES];
@@ -97,6 +98,7 @@ static inline void hand_open(Hand *h, int moving, int bodies)
     g->pairs = h->pairs;
     g->contacts = h->contacts;
     g->contact_rest = h->contact_rest;
+    g->acted = h->acted;
     g->impacts = h->impacts;
     g->joints = h->joints;
     g->pushes = h->pushes;
