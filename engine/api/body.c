@@ -109,7 +109,7 @@ dig_status dig_body_get(const dig_world *w, dig_body handle, dig_body_state *out
 static void inspect_motion(const World *w, const Body *b, dig_body_debug *out)
 {
     pose at = body_pose(b);
-    mat3 r = quat_matrix(b->q), inverse = mat3_mul(mat3_mul(r, b->inv_inertia), mat3_transpose(r));
+    mat3 r = quat_matrix(b->q), inverse = mat3_mul(mat3_mul(r, body_inertia(b)->inverse), mat3_transpose(r));
     out->floor = b->mode == DIG_RESTING;
     out->collided = b->collided;
     out->euler = b->euler;
@@ -121,10 +121,10 @@ static void inspect_motion(const World *w, const Body *b, dig_body_debug *out)
     out->curr_rot = b->q;
     out->prev_rot = b->prev_q;
     out->next_rot = quat_mul(quat_exp(vec3_scale(w->def.step, b->w)), b->q);
-    write_mat3(out->itensor, b->inertia);
-    write_mat3(out->iti, b->inv_inertia);
+    write_mat3(out->itensor, body_inertia(b)->of);
+    write_mat3(out->iti, body_inertia(b)->inverse);
     write_mat3(out->itiws, inverse);
-    out->mo_inertia = (b->inertia.r0.x + b->inertia.r1.y + b->inertia.r2.z) / 3;
+    out->mo_inertia = (body_inertia(b)->of.r0.x + body_inertia(b)->of.r1.y + body_inertia(b)->of.r2.z) / 3;
     out->res_force = b->force;
     out->torque = b->torque;
     out->c_mass = b->x;
@@ -172,7 +172,7 @@ Body *api_pushable(World *w, dig_body handle, const char *call, dig_status *stat
 static dig_status not_too_strong(World *w, const Body *b, const Push *p, const char *call)
 {
     vec3 force = p->force, torque = vec3_add(p->torque, p->has_at ? vec3_cross(quat_rotate(b->q, p->at), p->force) : vec3_zero());
-    vec3 turn = mat3_mul_vec(b->inv_inertia, quat_unrotate(b->q, torque));
+    vec3 turn = mat3_mul_vec(body_inertia(b)->inverse, quat_unrotate(b->q, torque));
     real gain = w->def.step / body_inertness(b), fast = gain * b->inv_mass * vec3_largest(vec3_abs(force)), spin = gain * vec3_largest(vec3_abs(turn));
     if (fast <= WORLD_FAST && spin <= WORLD_FAST)
         return DIG_OK;
@@ -249,7 +249,7 @@ static dig_status do_hit(World *w, dig_body handle, vec3 impulse, vec3 at, bool 
     if (has_at)
         DIG_TRY(api_finite(w, at, "hit", "at", "m"));
     real before = body_energy(w, b);
-    mat3 r = quat_matrix(b->q), inverse = mat3_mul(mat3_mul(r, b->inv_inertia), mat3_transpose(r));
+    mat3 r = quat_matrix(b->q), inverse = mat3_mul(mat3_mul(r, body_inertia(b)->inverse), mat3_transpose(r));
     real light = 1 / body_inertness(b);
     vec3 dv = vec3_scale(light * b->inv_mass, impulse);
     vec3 dw = has_at ? mat3_mul_vec(mat3_scale(light, inverse), vec3_cross(vec3_sub(at, b->x), impulse)) : vec3_zero();

@@ -31,7 +31,7 @@ static dig_status set_material(World *w, uint32_t slot, const char *name)
         return world_fail(w, DIG_E_ARG, "%s: there is no material '%s'", BODY_TEXT(w, &w->bodies.data[slot]), name);
     Body *b = &w->bodies.data[slot];
     if (b->kind == DIG_DYNAMIC && b->density > 0)
-        body_set_mass(b, b->mass * w->materials.data[material].def.density / b->density);
+        DIG_TRY(body_set_mass(w, b, b->mass * w->materials.data[material].def.density / b->density));
     b->surface.material = material;
     for (uint32_t s = b->shape_first; s != NONE; s = w->solids.data[s].next)
         w->solids.data[s].surface.material = material;
@@ -45,8 +45,7 @@ static dig_status set_mass(World *w, Body *b, real mass)
         return world_fail(w, DIG_E_KIND, "%s is not dynamic: it has no mass to set", BODY_TEXT(w, b));
     if (!(mass > 0 && isfinite(mass)))
         return world_fail(w, DIG_E_ARG, "%s: mass = %g kg, must be > 0 and finite", BODY_TEXT(w, b), mass);
-    body_set_mass(b, mass);
-    return DIG_OK;
+    return body_set_mass(w, b, mass);
 }
 
 static void set_integrator(Body *b, int64_t integrator)

@@ -6,13 +6,16 @@
 enum { BODY_BYTES = 400, SOLID_BYTES = 125 + SHAPE_PACKED };        /* at least */
 
 /* Follows from the rest: inverses, list membership, the number of shapes, the outer radius and what turning moves of it. */
-static void pack_mass(Pack *p, Body *b)
+static void pack_mass(Pack *p, World *w, Body *b)
 {
+    mat3 inertia = body_inertia(b)->of;
     pack_real_in(p, &b->mass, 1e-30, 1e30, "mass of a body");
     pack_real_in(p, &b->density, 0, 1e60, "density of a body");
-    pack_vec3(p, &b->inertia.r0, 1e60, "inertia of a body");
-    pack_vec3(p, &b->inertia.r1, 1e60, "inertia of a body");
-    pack_vec3(p, &b->inertia.r2, 1e60, "inertia of a body");
+    pack_vec3(p, &inertia.r0, 1e60, "inertia of a body");
+    pack_vec3(p, &inertia.r1, 1e60, "inertia of a body");
+    pack_vec3(p, &inertia.r2, 1e60, "inertia of a body");
+    if (p->reading && pack_good(p) && body_inertia_set(w, b, inertia) != DIG_OK)
+        pack_fail_memory(p);
     pack_bool(p, &b->round_inertia);
 }
 
@@ -96,7 +99,7 @@ static void pack_body(Pack *p, World *w, Body *b)
     pack_text(p, rest.name, sizeof rest.name);
     pack_vec3(p, &b->centre, SAVE_FAR, "centre of mass of a body");
     if (b->kind == DIG_DYNAMIC)
-        pack_mass(p, b);
+        pack_mass(p, w, b);
     else
         pack_real_in(p, &b->told_mass, 0, 1e30, "mass of a body");
     pack_real_in(p, &b->gravity_scale, -1000, 1000, "gravity_scale of a body");

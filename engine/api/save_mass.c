@@ -37,7 +37,7 @@ static bool solids_weigh(const World *w, const Body *b, real *least)
  * Half the bound, and a little of the trace for rounding where a body is much longer than thick. */
 static bool inertia_is_possible(const Body *b, real least)
 {
-    mat3 i = b->inertia;
+    mat3 i = body_inertia(b)->of;
     if (!body_turns(b))
         return b->round_inertia && vec3_equal(i.r0, (vec3){i.r0.x, 0, 0}) && vec3_equal(i.r1, (vec3){0, i.r0.x, 0}) &&
                vec3_equal(i.r2, (vec3){0, 0, i.r0.x}) && i.r0.x <= 1e10 * b->mass * b->outer * b->outer;
@@ -63,6 +63,5 @@ bool save_derive_mass(World *w, Body *b)
     if (!solids_weigh(w, b, &least) || !inertia_is_possible(b, least))
         return false;
     b->inv_mass = 1 / b->mass;
-    b->inv_inertia = mat3_inverse(b->inertia);
-    return isfinite(b->inv_mass) && mat3_finite(b->inv_inertia);
+    return isfinite(b->inv_mass) && mat3_finite(body_inertia(b)->inverse);
 }

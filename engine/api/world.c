@@ -236,7 +236,7 @@ dig_energy dig_world_energy(const dig_world *w)
         if (!b->alive || b->kind != DIG_DYNAMIC)
             continue;
         vec3 wl = quat_unrotate(b->q, b->w);
-        e.kinetic += 0.5 * body_inertness(b) * (b->mass * vec3_length2(b->v) + vec3_dot(wl, mat3_mul_vec(b->inertia, wl)));
+        e.kinetic += 0.5 * body_inertness(b) * (b->mass * vec3_length2(b->v) + vec3_dot(wl, mat3_mul_vec(body_inertia(b)->of, wl)));
         e.potential -= b->mass * b->gravity_scale * vec3_dot(w->def.gravity, b->x);
     }
     e.elastic = elastic_energy(w);

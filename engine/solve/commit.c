@@ -153,9 +153,9 @@ static pair3 spin_momenta(const Body *b, quat q0, vec3 w0, quat q1, vec3 w1)
 {
     pair3 w = pair3_of(w0, w1);
     if (b->round_inertia)
-        return pair3_by(&b->inertia, w);
+        return pair3_by(&body_inertia(b)->of, w);
     pair_quat q = pair_quat_of(q0, q1);
-    return pair_quat_rotate(q, pair3_by(&b->inertia, pair_quat_rotate(pair_quat_conjugate(q), w)));
+    return pair_quat_rotate(q, pair3_by(&body_inertia(b)->of, pair_quat_rotate(pair_quat_conjugate(q), w)));
 }
 
 /* What lies in a crowd trembles: where it gets to says more than its speed. */

@@ -60,13 +60,14 @@ static bool body_moving(const Body *b) { return b->mode == DIG_MOVING && (vec3_l
 static void take_inertia(Group *g, int i, const Body *b, real inert)
 {
     Member *m = &g->member[i];
-    m->inertia = &b->inertia;
-    m->inv_inertia = &b->inv_inertia;
+    const Inertia *own = body_inertia(b);
+    m->inertia = &own->of;
+    m->inv_inertia = &own->inverse;
     if (inert == 1)
         return;
     DIG_ASSERT(g->inertias);
-    g->inertias[i] = mat3_scale(inert, b->inertia);
-    g->inertias[g->body_count + i] = mat3_scale(1 / inert, b->inv_inertia);
+    g->inertias[i] = mat3_scale(inert, own->of);
+    g->inertias[g->body_count + i] = mat3_scale(1 / inert, own->inverse);
     m->inertia = &g->inertias[i];
     m->inv_inertia = &g->inertias[g->body_count + i];
 }

@@ -79,7 +79,8 @@ void medium_area(const World *w, uint32_t body, quat q, vec3 along, real *area, 
  * pressure of 1/2 rho c v^2 on its faces (Todorov, Erez & Tassa 2012). */
 static vec3 spin_resistance(const Body *b, vec3 w, real density, real c, real damping, real h)
 {
-    real i[3] = {b->inertia.r0.x, b->inertia.r1.y, b->inertia.r2.z}, d2[3], rate[3] = {w.x, w.y, w.z};
+    const mat3 *own = &body_inertia(b)->of;
+    real i[3] = {own->r0.x, own->r1.y, own->r2.z}, d2[3], rate[3] = {w.x, w.y, w.z};
     for (int k = 0; k < 3; k++)
         d2[k] = real_max(0, 6 / b->mass * (i[(k + 1) % 3] + i[(k + 2) % 3] - i[k]));
     for (int k = 0; k < 3; k++) {

@@ -72,7 +72,7 @@ static bool is_held(const World *w, uint32_t slot, Anchor *known)
 static real stop(Body *b)
 {
     vec3 spin = quat_unrotate(b->q, b->w);
-    real lost = 0.5 * body_inertness(b) * (b->mass * vec3_length2(b->v) + vec3_dot(spin, mat3_mul_vec(b->inertia, spin)));
+    real lost = 0.5 * body_inertness(b) * (b->mass * vec3_length2(b->v) + vec3_dot(spin, mat3_mul_vec(body_inertia(b)->of, spin)));
     b->v = b->w = vec3_zero();
     return lost;
 }

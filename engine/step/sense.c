@@ -82,7 +82,8 @@ static void find_pulls(World *w, real gravity)
         if (b->kind != DIG_DYNAMIC)
             continue;
         real force = vec3_length(p->force), torque = vec3_length(p->torque) + (p->has_at ? vec3_length(p->at) * force : 0);
-        real turned = torque * b->outer * (b->inv_inertia.r0.x + b->inv_inertia.r1.y + b->inv_inertia.r2.z);
+        const mat3 *light = &body_inertia(b)->inverse;
+        real turned = torque * b->outer * (light->r0.x + light->r1.y + light->r2.z);
         b->pull += (force * b->inv_mass + turned) / body_inertness(b);
         b->lies = -1;
     }

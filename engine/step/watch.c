@@ -76,10 +76,10 @@ void watch_start(Group *g)
 static pair kinetic(const Body *b, const Pos *pos, const Vel *vel)
 {
     pair3 v = pair3_of(b->v, vel->v), w = pair3_of(b->w, vel->w);
-    pair spin = b->inertia.r0.x * pair3_dot(w, w);
+    pair spin = body_inertia(b)->of.r0.x * pair3_dot(w, w);
     if (!b->round_inertia) {    /* else it has the same in all axes */
         w = pair_quat_rotate(pair_quat_conjugate(pair_quat_of(b->q, pos->q)), w);
-        spin = pair3_dot(w, pair3_by(&b->inertia, w));
+        spin = pair3_dot(w, pair3_by(&body_inertia(b)->of, w));
     }
     return 0.5 * body_inertness(b) * (b->mass * pair3_dot(v, v) + spin);
 }

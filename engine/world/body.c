@@ -6,6 +6,7 @@
 #include "geom/mass.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 
 /* ---- in messages ---- */
 
@@ -130,15 +131,70 @@ void body_refit(World *w, uint32_t slot)
 
 /* ---- mass ---- */
 
+const Inertia no_inertia;
+
+static Inertia *keep(Inertia *i)
+{
+    if (i)
+        i->users++;
+    return i;
+}
+
+static void drop(Inertia *i)
+{
+    if (i && --i->users == 0)
+        free(i);
+}
+
+void body_inertia_keep(Body *b) { keep(b->inertia); }
+
+void body_inertia_drop(Body *b)
+{
+    drop(b->inertia);
+    b->inertia = NULL;
+}
+
+static bool is_inertia(const Inertia *i, const mat3 *of) { return i && memcmp(&i->of, of, sizeof *of) == 0; }
+
+static Inertia *find_inertia(const World *w, const Body *b, const mat3 *of)
+{
+    if (is_inertia(b->inertia, of))
+        return b->inertia;
+    for (int i = 0; i < INERTIAS_COMMON; i++)
+        if (is_inertia(w->common[i], of))
+            return w->common[i];
+    return NULL;
+}
+
+dig_status body_inertia_set(World *w, Body *b, mat3 inertia)
+{
+    Inertia *i = keep(find_inertia(w, b, &inertia));
+    if (!i) {
+        i = malloc(sizeof *i);
+        if (!i)
+            return DIG_E_MEMORY;
+        w->allocations++;
+        *i = (Inertia){inertia, mat3_inverse(inertia), 1};
+        Inertia **place = &w->common[w->common_next++ % INERTIAS_COMMON];
+        w->common_next %= INERTIAS_COMMON;
+        drop(*place);
+        *place = keep(i);
+    }
+    drop(b->inertia);
+    b->inertia = i;
+    return DIG_OK;
+}
+
 /* Scales mass and inertia to a new mass. */
-void body_set_mass(Body *b, real mass)
+dig_status body_set_mass(World *w, Body *b, real mass)
 {
     real scale = mass / b->mass;
-    b->inertia = mat3_scale(scale, b->inertia);
-    b->inv_inertia = mat3_inverse(b->inertia);
+    if (body_inertia_set(w, b, mat3_scale(scale, body_inertia(b)->of)) != DIG_OK)
+        return world_fail(w, DIG_E_MEMORY, "not enough memory for the inertia of a body");
     b->density *= scale;
     b->mass = mass;
     b->inv_mass = 1 / mass;
+    return DIG_OK;
 }
 
 /* Are the principal moments equal to rounding? Then the body feels no gyroscopic torque. */
@@ -168,7 +224,8 @@ static dig_status set_mass_from_shapes(World *w, Body *b, const dig_body_def *de
     }
     b->centre = sum.centre;
     b->mass = sum.volume;           /* mass_add weighs with density: "volume" is kg here */
-    b->inertia = sum.inertia;
+    if (body_inertia_set(w, b, sum.inertia) != DIG_OK)
+        return world_fail(w, DIG_E_MEMORY, "not enough memory for the inertia of a body");
     b->density = b->mass;
     real volume = 0;
     for (int i = 0; i < def->shape_count; i++) {
@@ -177,8 +234,8 @@ static dig_status set_mass_from_shapes(World *w, Body *b, const dig_body_def *de
         volume += unit.volume;
     }
     b->density = b->mass / volume;
-    body_set_mass(b, isnan(def->mass) ? b->mass : def->mass);
-    b->round_inertia = is_isotropic(b->inertia);
+    DIG_TRY(body_set_mass(w, b, isnan(def->mass) ? b->mass : def->mass));
+    b->round_inertia = is_isotropic(body_inertia(b)->of);
     return DIG_OK;
 }
 
@@ -186,16 +243,16 @@ static dig_status set_mass_from_shapes(World *w, Body *b, const dig_body_def *de
  * that shows: all ways to advance it take that as they take any inertia. */
 #define UNTURNED 1e9
 
-static void keep_from_turning(Body *b)
+static dig_status keep_from_turning(World *w, Body *b)
 {
-    b->inertia = mat3_diagonal(vec3_scale(UNTURNED * b->mass * b->outer * b->outer, (vec3){1, 1, 1}));
-    b->inv_inertia = mat3_inverse(b->inertia);
     b->round_inertia = true;
+    dig_status s = body_inertia_set(w, b, mat3_diagonal(vec3_scale(UNTURNED * b->mass * b->outer * b->outer, (vec3){1, 1, 1})));
+    return s == DIG_OK ? s : world_fail(w, s, "not enough memory for the inertia of a body");
 }
 
 bool body_turns(const Body *b)
 {
-    return b->kind != DIG_DYNAMIC || b->inertia.r0.x < 0.5 * UNTURNED * b->mass * b->outer * b->outer;
+    return b->kind != DIG_DYNAMIC || body_inertia(b)->of.r0.x < 0.5 * UNTURNED * b->mass * b->outer * b->outer;
 }
 
 /* ---- creation ---- */
@@ -366,7 +423,6 @@ static void fill_body(World *w, Body *b, const dig_body_def *def)
     memcpy(rest.name, def->name.s, sizeof rest.name);
     body_rest_set(w, b, &rest);
     b->shape_first = b->joint_first = NONE;
-    b->inertia = b->inv_inertia = mat3_zero();
     b->surface = (Surface){def->material.s[0] ? material_find(w, def->material.s) : 0, def->friction, def->friction_dynamic,
                            def->rolling_friction, def->restitution};
     b->move_end = -1;
@@ -392,7 +448,7 @@ static dig_status finish_body(World *w, uint32_t slot, const dig_body_def *def, 
     if (b->kind == DIG_DYNAMIC && w->has_room)
         DIG_TRY(room_admits(w, &w->room, room_walls(w), b, NEW_BODY_TEXT(def->name.s)));
     if (b->kind == DIG_DYNAMIC && !def->turns)
-        keep_from_turning(b);
+        DIG_TRY(keep_from_turning(w, b));
     DIG_TRY(list_reserve(&w->awake, w->bodies.capacity, &w->allocations));
     while (w->parent.count < w->bodies.capacity) {
         DIG_TRY(list_push(&w->parent, &w->allocations));
@@ -446,6 +502,7 @@ dig_status body_create(World *w, const dig_body_def *given, dig_body *out)
         s = finish_body(w, slot, def, shapes, materials);
         if (s != DIG_OK) {
             detach_solids(w, slot);
+            body_inertia_drop(&w->bodies.data[slot]);
             w->bodies.data[slot].alive = false;
             slot_give(w, &w->free_bodies, slot);
         }
@@ -467,7 +524,7 @@ real body_energy(const World *w, const Body *b)
     if (b->kind != DIG_DYNAMIC)
         return 0;
     vec3 wl = quat_unrotate(b->q, b->w);
-    real kinetic = 0.5 * b->mass * vec3_length2(b->v) + 0.5 * vec3_dot(wl, mat3_mul_vec(b->inertia, wl));
+    real kinetic = 0.5 * b->mass * vec3_length2(b->v) + 0.5 * vec3_dot(wl, mat3_mul_vec(body_inertia(b)->of, wl));
     return body_inertness(b) * kinetic - b->mass * b->gravity_scale * vec3_dot(w->def.gravity, b->x);
 }
 
@@ -574,6 +631,7 @@ void body_remove(World *w, uint32_t slot)
     for (int i = 0; i < w->effect_count; i++)
         column_remove(&w->effects[i].members, slot);
     w->bodies.data[slot].alive = false;
+    body_inertia_drop(&w->bodies.data[slot]);
     slot_give(w, &w->free_bodies, slot);
 }
 
@@ -595,7 +653,7 @@ void body_disable(World *w, uint32_t slot)
     b->awake = true;
     b->v = b->w = b->force = b->torque = vec3_zero();
     b->mass = b->inv_mass = b->density = b->pull = b->still = b->trace_step = 0;
-    b->inertia = b->inv_inertia = mat3_zero();
+    body_inertia_drop(b);
     b->round_inertia = b->collided = b->crowded = false;
     b->trace_wait = b->trace_pause = 0;
     b->toil = (Toil){0, 0, 0};

@@ -90,6 +90,10 @@ void world_close(World *w)
     for (int i = 0; i < w->regions.count; i++)
         if (w->regions.data[i].alive)
             shape_free(&w->regions.data[i].shape);
+    for (int i = 0; i < w->bodies.count; i++)
+        body_inertia_drop(&w->bodies.data[i]);
+    for (int i = 0; i < INERTIAS_COMMON; i++)
+        body_inertia_drop(&(Body){.inertia = w->common[i]});
     free(w->note);
     list_close(&w->regions);
     list_close(&w->free_regions);

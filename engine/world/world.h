@@ -58,6 +58,12 @@ typedef struct Toil { uint8_t steps, pause, dear; } Toil;
 /* Of all groups that could be crowds, see step/debt.c: work beyond that of a frame, of all steps so far; steps left in which they are. */
 typedef struct Debt { uint64_t work; uint32_t pause; } Debt;
 
+/* Of bodies that are alike: made once, never changed. */
+typedef struct Inertia {
+    mat3     of, inverse;       /* kg m^2 and 1 over that, body axes, about the centre */
+    int      users;
+} Inertia;
+
 typedef struct Body {           /* what every step reads comes first                   */
     uint32_t gen;               /*        generation of the handle                     */
     bool     alive, awake, collides, out;   /* out: already reported out of the world  */
@@ -95,7 +101,7 @@ typedef struct Body {           /* what every step reads comes first            
                                  *        roams do from the travel of the earlier one; infinite where it was made longer. No part of the state */
     real     lies;              /* m      with less roam its solids are within their leaves, slow, and new to no plane. 0 = not known, < 0: and
                                  *        what acts on it is not what did. No part of the state */
-    mat3     inertia, inv_inertia;      /* kg m^2, body axes, about the centre         */
+    Inertia *inertia;           /*        shared by all that have the same, copies of the world too; NULL: 0 */
     vec3     prev_x;  quat prev_q;      /* before the last step                        */
     vec3     force, torque;     /* N, N m mean resultant of the last step              */
     real     work;              /* J      received from pushes and hits                */
@@ -301,6 +307,7 @@ typedef struct EffectSlot {     /* one per entry of the effect list             
 } EffectSlot;
 
 #define MAX_EFFECTS 32
+#define INERTIAS_COMMON 8
 #define WORLD_FAR  1e15         /* m            no body gets farther from the origin */
 #define WORLD_FAST 1e12         /* m/s, rad/s   or faster                            */
 #define TRAVEL_MOST 1e60        /* m            of bodies without a size (planes that are turned) */
@@ -367,6 +374,7 @@ struct dig_world {
     Arena    scratch;                   /* of the calling thread                       */
     dig_body culprit;                   /* whose numbers made the last step fail; null: nobody's */
     dig_body poisoned;                  /* dig_world_inject: in the next step its velocity is NaN */
+    Inertia *common[INERTIAS_COMMON]; int common_next;     /* that were made last: who comes next is likely to be the same */
     struct Workers *workers;            /* step/workers.h; NULL for one thread         */
     struct Tap *tap;                    /* api/command.h: who listens to what is done to it; NULL = nobody */
     struct Playback *playback;          /* there: what plays commands in it; NULL = nothing did */
@@ -433,10 +441,12 @@ static inline pose solid_pose(const World *w, const Solid *s)
 {
     return s->body == NONE ? s->at : pose_of_part(body_pose(&w->bodies.data[s->body]), s->at);
 }
+extern const Inertia no_inertia;
+static inline const Inertia *body_inertia(const Body *b) { return b->inertia ? b->inertia : &no_inertia; }
 static inline mat3 body_inertia_world(const Body *b)
 {
     mat3 r = quat_matrix(b->q);
-    return mat3_mul(mat3_mul(r, b->inertia), mat3_transpose(r));
+    return mat3_mul(mat3_mul(r, body_inertia(b)->of), mat3_transpose(r));
 }
 
 /* m  So far at most moves a point at a distance r when the centre moves and q changes: as the centre, and 2 r |change of q|. */
@@ -496,7 +506,10 @@ void       body_wake(World *w, uint32_t slot);          /* its whole DIG */
 void       world_wake_all(World *w);
 void       body_list(World *w, uint32_t slot);          /* into world->awake; there is always room */
 void       touches_wake(World *w, uint32_t slot);       /* all that touches the body or is joined to it */
-void       body_set_mass(Body *b, real mass);
+dig_status body_set_mass(World *w, Body *b, real mass);
+dig_status body_inertia_set(World *w, Body *b, mat3 inertia);           /* DIG_E_MEMORY: as it was, without a word */
+void       body_inertia_keep(Body *b);             /* it is a copy of another that stays */
+void       body_inertia_drop(Body *b);             /* it has none from now on */
 /* kg  As it is read: of one that is not dynamic what was given, or infinite. */
 static inline real body_mass_read(const Body *b) { return b->kind == DIG_DYNAMIC ? b->mass : b->told_mass > 0 ? b->told_mass : INFINITY; }
 void       body_refit(World *w, uint32_t slot);         /* its solids' boxes in the tree */
