@@ -144,7 +144,7 @@ dig_status dig_body_inspect(const dig_world *w, dig_body handle, dig_body_debug 
     inspect_motion(w, b, out);
     out->m_id = b->message_id;
     out->db_id = handle.slot;
-    out->mess_type = b->message_kind;
+    out->mess_type = body_message_kind(w, b);
     out->dig_id = graph_of(w->graph, handle.slot);
     out->mess_time = b->message_time;
     out->mass = body_mass_read(b);

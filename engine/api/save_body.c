@@ -1,6 +1,7 @@
 /* api/save_body.c - the sections of bodies and of their solids. */
 #include "api/save.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 
 enum { BODY_BYTES = 400, SOLID_BYTES = 125 + SHAPE_PACKED };        /* at least */
@@ -43,15 +44,23 @@ static void pack_mover(Pack *p, Body *b, BodyRest *rest)
     pack_turn(p, &rest->turn_to, used);
 }
 
-static void pack_last_message(Pack *p, const World *w, Body *b)
+static void pack_last_message(Pack *p, World *w, Body *b)
 {
+    char kind[sizeof no_rest.message_kind] = "";
     pack_u64(p, &b->message_id);
     if (b->message_id == 0)
         return;
     pack_real_in(p, &b->message_time, -SAVE_LONG, SAVE_LONG, "time of a message");
     save_body_handle(p, w, &b->message_from);
     pack_u64(p, &b->message_root);
-    pack_text(p, b->message_kind, sizeof b->message_kind);
+    if (!p->reading)
+        snprintf(kind, sizeof kind, "%s", body_message_kind(w, b));
+    pack_text(p, kind, sizeof kind);
+    if (!p->reading)
+        return;
+    b->told_blow = strcmp(kind, MESSAGE_BLOW) == 0;
+    if (!b->told_blow)
+        memcpy(body_rest_own(w, b)->message_kind, kind, sizeof kind);
 }
 
 static void pack_drift(Pack *p, Body *b)

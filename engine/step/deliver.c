@@ -18,7 +18,7 @@
 
 static bool has_heard(const World *w, const Body *b, uint32_t slot, const Post *p)
 {
-    if (b->message_id && b->message_time == p->time && b->message_root == p->root && strcmp(b->message_kind, p->what.kind) == 0)
+    if (b->message_id && b->message_time == p->time && b->message_root == p->root && strcmp(body_message_kind(w, b), p->what.kind) == 0)
         return true;
     return mail_heard(&w->mail, p->root, p->what.kind, slot);
 }
@@ -26,12 +26,14 @@ static bool has_heard(const World *w, const Body *b, uint32_t slot, const Post *
 static void remember(World *w, Body *b, uint32_t slot, const dig_message *m)
 {
     if (b->message_id && b->message_time == m->time)
-        mail_note(&w->mail, b->message_root, b->message_kind, slot);
+        mail_note(&w->mail, b->message_root, body_message_kind(w, b), slot);
     b->message_id = m->id;
     b->message_root = m->root;
     b->message_time = m->time;
     b->message_from = m->from;
-    memcpy(b->message_kind, m->kind, sizeof b->message_kind);
+    b->told_blow = strcmp(m->kind, MESSAGE_BLOW) == 0;
+    if (!b->told_blow)
+        memcpy(body_rest_own(w, b)->message_kind, m->kind, sizeof m->kind);
 }
 
 /* Without memory messages are written down, but are no events. */
@@ -71,7 +73,7 @@ static void expect(const World *w, uint32_t slot)
     const Body *b = &w->bodies.data[slot];
     __builtin_prefetch(b);
     __builtin_prefetch(&b->message_id, 1);
-    __builtin_prefetch((const char *)&b->message_kind + sizeof b->message_kind - 1, 1);
+    __builtin_prefetch((const char *)&b->message_from + sizeof b->message_from - 1, 1);
 }
 
 /* Without a root: the first that gets it is the root, from then on it stands there. */

@@ -8,7 +8,7 @@
 
 #include <stdlib.h>
 
-static const char kind[32] = "collision";
+static const char kind[32] = MESSAGE_BLOW;
 
 struct Telling {
     uint64_t id;                /* of the message to the first member; the others' follow in the order of the members */
@@ -73,7 +73,7 @@ static void remember_share(void *context, int thread, int threads)
         b->message_id = b->message_root = h->id;
         b->message_time = t->time;
         b->message_from = body_handle(all->w, t->striker);
-        memcpy(b->message_kind, kind, sizeof b->message_kind);
+        b->told_blow = true;
     }
 }
 

@@ -73,6 +73,7 @@ typedef struct Body {           /* what every step reads comes first            
     bool     rests : 1;         /*        in world->rest there is something of it      */
     bool     alone : 1;         /*        fast, and looked at as if nothing that moves could meet it: flies_alone in step/sense.c */
     bool     pushed : 1;        /*        its pull is found already                    */
+    bool     told_blow : 1;     /*        the last message that it got tells of a collision; else BodyRest says what kind that was */
     bool     kept : 1;          /*        the reaches of its solids are of an earlier step: see solid_reach */
     dig_body_kind kind;
     dig_mode mode;
@@ -116,7 +117,7 @@ typedef struct Body {           /* what every step reads comes first            
     vec3     colour;            /* x < 0 = the material's                              */
     real     opacity;           /* 1      as drawn                                     */
     real     move_start, move_end;      /* s  kinematic: of its way to BodyRest.move_to, end < start = none */
-    uint64_t message_id, message_root; real message_time; dig_body message_from; char message_kind[32];
+    uint64_t message_id, message_root; real message_time; dig_body message_from;       /* the last one that it got */
 } Body;
 
 /* What few bodies have, in a list of its own by their slots: what nobody has (Body.rests) is neither read nor written, and takes no memory. */
@@ -124,6 +125,7 @@ typedef struct BodyRest {
     char     name[64];          /*        "" = it has none                             */
     vec3     sheet;             /* 1      number, column and row, as drawn; number 0 = no particle of a sheet */
     vec3     move_to; quat turn_to;     /* kinematic: where it is on its way to        */
+    char     message_kind[32];  /*        of the last message, but for collisions, which so many are told of */
     vec3     hit_v, hit_w;      /* m/s, rad/s change by hits since the last step, for reports */
     Breach   breach;            /* step/watch.c; no part of the state                  */
 } BodyRest;
@@ -422,6 +424,8 @@ static inline Region *world_region(const World *w, dig_region r)
 extern const BodyRest no_rest;      /* of a body that has none: all of it is 0 */
 static inline const BodyRest *body_rest(const World *w, const Body *b) { return b->rests ? &w->rest.data[b - w->bodies.data] : &no_rest; }
 BodyRest  *body_rest_own(World *w, Body *b);            /* to be written to */
+#define MESSAGE_BLOW "collision"
+static inline const char *body_message_kind(const World *w, const Body *b) { return b->told_blow ? MESSAGE_BLOW : body_rest(w, b)->message_kind; }
 static inline const char *body_name(const World *w, const Body *b) { return body_rest(w, b)->name; }
 /* NONE, the world itself, is not. */
 static inline bool body_dynamic(const World *w, uint32_t slot) { return slot != NONE && w->bodies.data[slot].kind == DIG_DYNAMIC; }
