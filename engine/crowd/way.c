@@ -223,7 +223,8 @@ static dig_status advance_piece(Crowd *c, real until)
     g->sweeps += c->passes;
     bodies_close(c);
     DIG_TRY(book_close(c));
-    if (g->strikes == strikes && g->pair_count == pairs && !c->alone) {  /* nothing of it is needed any more: what comes next finds its room still in the cache */
+    /* nothing of it is needed any more: what comes next finds its room still in the cache */
+    if (g->strikes == strikes && g->pair_count == pairs && !c->alone) {
         arena_rewind(g->arena, mark);
         g->spare = NULL;        /* some of it is gone */
     } else {
