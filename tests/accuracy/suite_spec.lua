@@ -1,6 +1,7 @@
 -- tests/accuracy/suite_spec.lua - the fast part of the accuracy suite: every scene at the default plan stays within its bound.
 --
 -- Bounds are errors in the unit of the scene (its metric). They are never about time. The whole suite: run.lua and judge.lua.
+-- Only in the plain build: errors against bounds; the unit tests run the same code under sanitizers.
 -- Not in RENDER=0: physics alone.
 local test = require "digbox.test"
 local suite = require "suite"

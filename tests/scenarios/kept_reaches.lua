@@ -1,6 +1,7 @@
 -- What lies is not looked at anew in each step: where it may get, and whom it may meet, is that of an earlier one, until it has moved
 -- (engine/step/sense.c). A world that is loaded knows nothing of that and looks at all again, so one that is saved and loaded every few
 -- frames goes the same way, to the last bit, if what was kept was right. Whatever may end that happens here to things that lie.
+-- Only in the plain build: what is compared are bits; tests/unit/test_near.c and test_save.c run the same code under sanitizers.
 local digbox = require "digbox"
 local test = require "digbox.test"
 local scenario, expect = test.scenario, test.expect
