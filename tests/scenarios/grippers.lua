@@ -1,5 +1,5 @@
 -- grippers.lua: two jaws that have closed on a box hold it, whatever else acts on it, until they open.
--- Only in the plain build: figures of long holds; squeezed.lua and tests/unit/test_contact_points.c run the same code under sanitizers.
+-- Only in the plain build: figures of long holds; squeezed.lua runs the same code under sanitizers.
 local digbox = require "digbox"
 local test = require "digbox.test"
 local expect = test.expect
