@@ -2,8 +2,6 @@
 #include "api/api.h"
 #include "api/command.h"
 
-#include <stdio.h>
-
 const char *dig_wall_name(int wall) { return wall_name(wall); }
 
 /* The wall on side i faces inwards; it is a plane of the world itself. */
@@ -48,30 +46,15 @@ static void remove_wall(World *w, int i)
         }
 }
 
-static dig_status holds_all(World *w, const dig_room_def *room)
-{
-    for (int i = 0; i < w->bodies.count; i++) {
-        const Body *b = &w->bodies.data[i];
-        char text[BODY_TEXT_SIZE + 8];
-        if (!b->alive || b->kind != DIG_DYNAMIC)
-            continue;
-        snprintf(text, sizeof text, "room: %s", BODY_TEXT(w, b));
-        DIG_TRY(room_admits(w, room, ROOM_WALLS, b, text));
-    }
-    return DIG_OK;
-}
-
 static dig_status do_set(World *w, const dig_room_def *def)
 {
     char why[256];
     if (param_check(dig_schema_at("room", 0)->rows, def, "room", why, sizeof why) != DIG_OK)
         return world_fail(w, DIG_E_ARG, "%s", why);
-    dig_room_def room = *def;
-    param_settle(dig_schema_at("room", 0)->rows, &room);
-    DIG_TRY(holds_all(w, &room));
     for (int i = 0; i < 6 && w->has_room; i++)
         remove_wall(w, i);
-    w->room = room;
+    w->room = *def;
+    param_settle(dig_schema_at("room", 0)->rows, &w->room);
     w->has_room = true;
     for (int i = 0; i < 6; i++)
         w->room_solid[i] = NONE;

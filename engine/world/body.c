@@ -445,8 +445,6 @@ static dig_status finish_body(World *w, uint32_t slot, const dig_body_def *def, 
     DIG_TRY(attach_solids(w, slot, def, shapes, materials));
     b = &w->bodies.data[slot];
     body_measure(w, b);
-    if (b->kind == DIG_DYNAMIC && w->has_room)
-        DIG_TRY(room_admits(w, &w->room, room_walls(w), b, NEW_BODY_TEXT(def->name.s)));
     if (b->kind == DIG_DYNAMIC && !def->turns)
         DIG_TRY(keep_from_turning(w, b));
     DIG_TRY(list_reserve(&w->awake, w->bodies.capacity, &w->allocations));

@@ -496,10 +496,6 @@ enum { BODY_TEXT_SIZE = 80 };
 const char *body_text(const World *w, const Body *b, char text[BODY_TEXT_SIZE]);
 const char *new_body_text(const char *name, char text[BODY_TEXT_SIZE]);
 const char *wall_name(int wall);                /* as dig_wall_name */
-/* room.c */
-#define ROOM_WALLS 0x3fu                        /* all six, a bit each */
-uint32_t    room_walls(const World *w);         /* those that are there */
-dig_status  room_admits(World *w, const dig_room_def *r, uint32_t walls, const Body *b, const char *name);     /* is it whole beyond none of these? */
 /* Its body, or the wall of the room that it is. */
 const char *solid_text(const World *w, const Solid *s, char text[BODY_TEXT_SIZE]);
 #define BODY_TEXT(w, b)     body_text((w), (b), (char[BODY_TEXT_SIZE]){0})

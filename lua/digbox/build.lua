@@ -108,8 +108,7 @@ core.declare_type("room", "Six walls without a body of their own; a wall is name
   Room, { world = { "world", "its world" } })
 core.declare("room:open", { "That wall lets bodies out.", takes = { { "wall", "text", "which wall", of = walls } }, gives = "room" })
 core.declare("room:close", { "That wall holds again.", takes = { { "wall", "text", "which wall", of = walls } }, gives = "room" })
-core.declare("world:room", { "Six walls without a body of their own. A body that is whole beyond a wall is refused, and so is a room "
-  .. "that leaves one outside.", with = { "room" }, gives = "room" })
+core.declare("world:room", { "Six walls without a body of their own.", with = { "room" }, gives = "room" })
 
 local function check_wall(what, wall)
   if type(wall) ~= "string" or not walls[wall] then core.unknown(what .. ":", "unknown wall", tostring(wall), walls) end

@@ -279,7 +279,7 @@ end)
 -- Every answer of lua/bind_mean.c's examples is a call that works
 scenario("what an error shows can be written", function(s)
   local world = s.world
-  local env = { world = world, digbox = digbox, body = world:ball { radius = 0.1, at = { 0, 2, 0 } } }
+  local env = { world = world, digbox = digbox, body = world:ball { radius = 0.1, at = { 0, 9, 0 } } }
   for _, call in ipairs { "world:ball", "world:sphere", "world:box", "world:capsule", "world:cylinder", "world:cone",
     "world:rod", "world:room",
     "world:floor", "world:plane", "digbox.sphere", "digbox.box", "digbox.capsule", "digbox.cylinder", "body:push", "body:hit", "body:twist",

@@ -280,23 +280,6 @@ scenario("a bucket stands, and keeps what falls into it", function(s)
   expect(bucket.position):near({ 0, 0, 0 }, "2 mm")
 end)
 
-scenario("what would be outside a room is refused, with the wall and where that is", function(s)
-  local world = s.world
-  local ball = world:ball { name = "b", radius = 0.1, at = { 0, 1, 0 } }
-  expect(expect(function() world:room { size = 2, at = { 0, 3, 0 } } end):fails())
-    :contains "body 'b': it is at y = 1 m, all of it beyond wall -y of the room, which goes from 3 to 5 m there"
-  local room = world:room { size = 2 }
-  expect(expect(function() world:ball { radius = 0.1, at = { -1.5, 1, 0 } } end):fails())
-    :contains "world:ball: it is at x = -1.5 m, all of it beyond wall -x of the room, which goes from -1 to 1 m there"
-  expect(#world:bodies()):is(1)
-  world:box { fixed = true, size = 0.1, at = { -1.5, 1, 0 } }        -- what never moves may be anywhere
-  room:open "-x"
-  world:ball { radius = 0.1, at = { -1.5, 1, 0.5 } }                  -- nothing is in the way there now
-  world:run "0.1 s"
-  expect(ball.valid):is(true)
-  expect(#world:warnings()):is(0)
-end)
-
 scenario("tasks go on as they are over a restore, by the time of the world", function(s)
   local world, woke = s.world, {}
   local start = world:snapshot()
@@ -314,7 +297,6 @@ scenario("tasks go on as they are over a restore, by the time of the world", fun
   world:run "0.8 s"
   for i = 1, 4 do expect(woke[i]):near(0.5 * i, 1e-6) end
 end)
-
 scenario("a room holds its bodies until a wall is opened", function(s)
   local world = s:world { gravity = { 0, 0, 0 } }
   local room = world:room { size = { 2, 2, 2 }, restitution = 1, friction = 0 }

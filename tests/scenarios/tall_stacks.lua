@@ -73,7 +73,7 @@ test.scenario("of three heaps of 150 boxes two or more fall asleep", function(s)
   local asleep = 0
   for seed = 1, 3 do
     local world = s:world { seed = seed }
-    world:room { size = { 4, 24, 4 } }
+    world:room { size = { 4, 20, 4 } }
     for i = 1, 150 do
       world:box { size = 0.3, at = { (math.random() - 0.5) * 2.5, 1 + i * 0.15, (math.random() - 0.5) * 2.5 },
                   rotation = { axis = { math.random(), math.random(), math.random() + 0.1 }, angle = math.random() * 3 } }
