@@ -297,6 +297,7 @@ scenario("tasks go on as they are over a restore, by the time of the world", fun
   world:run "0.8 s"
   for i = 1, 4 do expect(woke[i]):near(0.5 * i, 1e-6) end
 end)
+
 scenario("a room holds its bodies until a wall is opened", function(s)
   local world = s:world { gravity = { 0, 0, 0 } }
   local room = world:room { size = { 2, 2, 2 }, restitution = 1, friction = 0 }
