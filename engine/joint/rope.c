@@ -29,7 +29,7 @@ static dig_status check(void *params, const JointView *now, char *why, size_t ca
     return DIG_E_ARG;
 }
 
-#define ROUNDING 1e-9           /* of its length */
+#define ROUNDING 0.01           /* of its length: 1.41 m for a diagonal of 1 m is meant to fit, and is taken in by the first step */
 
 /* Its ends would be drawn together from the first step on, at no speed. */
 static dig_status check_new(const void *params, const JointView *now, char *why, size_t capacity)

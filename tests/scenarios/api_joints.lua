@@ -208,6 +208,7 @@ scenario("a rope is not made shorter than its ends are apart, and may be taken i
   local a = world:ball { radius = 0.1, at = { 0, 0, 0 }, name = "a" }
   expect(expect(function() world:rope { a = a, to = { 0, 2, 0 }, length = "50 cm" } end):fails())
     :contains "world:rope: length = 0.5 m, must be at least the distance of its ends (2 m)"
+  world:rope { a = a, to = { 0, 2, 0 }, length = 1.99 }:remove()         -- rounded
   local rope = world:rope { a = a, to = { 0, 2, 0 } }
   for i = 1, 60 do
     rope.length = 2 - i / 100
