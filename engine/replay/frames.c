@@ -306,27 +306,25 @@ dig_status replay_cameras(Replay *r, int frame, bool arrived, const ReplayCamera
 
 /* ---- the log of commands ---- */
 
-bool replay_start(Replay *r, const void **bytes, size_t *size)
+dig_status replay_start(Replay *r, const void **bytes, size_t *size)
 {
     for (int i = 0; i < r->sections.count; i++)
         if (memcmp(r->sections.data[i].tag, "STRT", 4) == 0) {
-            if (replay_load(r, i, &r->start) != DIG_OK)
-                return false;
+            DIG_TRY(replay_load(r, i, &r->start));
             *bytes = r->start.data;
             *size = r->start.size;
-            return true;
+            return DIG_OK;
         }
-    return false;
+    return replay_fail(r, DIG_E_FORMAT, "it holds no log of commands, so that it cannot be simulated again");
 }
 
-bool replay_commands(Replay *r, int frame, const void **bytes, size_t *size)
+dig_status replay_commands(Replay *r, int frame, const void **bytes, size_t *size)
 {
     for (int i = 0; i < r->sections.count; i++) {
         const Section *s = &r->sections.data[i];
         if (memcmp(s->tag, "CMDS", 4) != 0 || frame < 0 || (uint32_t)frame < s->first || (uint32_t)frame - s->first > s->count)
             continue;
-        if (replay_load(r, i, &r->commands) != DIG_OK)
-            return false;
+        DIG_TRY(replay_load(r, i, &r->commands));
         Pack p = pack_reader(r->commands.data, r->commands.size);
         for (uint32_t k = s->first; p.at < p.size; k++) {
             uint32_t length = 0;
@@ -335,13 +333,11 @@ bool replay_commands(Replay *r, int frame, const void **bytes, size_t *size)
             if (from && k == (uint32_t)frame) {
                 *bytes = from;
                 *size = length;
-                return true;
+                return DIG_OK;
             }
-            if (!pack_good(&p)) {
-                replay_fail(r, DIG_E_FORMAT, "section CMDS: %s", p.why);
-                return false;
-            }
+            if (!pack_good(&p))
+                return replay_fail(r, DIG_E_FORMAT, "section CMDS: %s", p.why);
         }
     }
-    return false;
+    return replay_fail(r, DIG_E_FORMAT, "frame %d: its commands cannot be read", frame);
 }

@@ -123,9 +123,9 @@ dig_status        replay_view(Replay *r, real time, View **out);
 /* Feeds what was in the frames from..frame to a Past (view/past.h), whose last one was from - 1: where bodies were, energies. */
 struct Past;
 dig_status        replay_past(Replay *r, int from, int frame, bool points, bool energies, struct Past *past);
-/* The saved world and the commands that led to a frame; false: there are none, or they cannot be read (replay_error). */
-bool              replay_start(Replay *r, const void **bytes, size_t *size);
-bool              replay_commands(Replay *r, int frame, const void **bytes, size_t *size);
+/* The saved world and the commands that led to a frame; DIG_E_FORMAT: there are none, or they cannot be read. */
+dig_status        replay_start(Replay *r, const void **bytes, size_t *size);
+dig_status        replay_commands(Replay *r, int frame, const void **bytes, size_t *size);
 /* The cameras at a frame: where its step led them (`arrived`), or where the script left them. */
 dig_status        replay_cameras(Replay *r, int frame, bool arrived, const ReplayCamera **out, int *count);
 /* The note of that name that holds at a frame, or NULL; `since` (may be NULL) gets its frame. */

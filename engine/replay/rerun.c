@@ -42,14 +42,13 @@ static dig_status play(dig_world *w, int frame, Log *l, bool start, Rerun *o, ch
 
 static dig_status log_of(Replay *r, int frame, Log *l, char *why, size_t capacity)
 {
-    const void *bytes;
+    const void *bytes = NULL;
+    dig_status s = replay_commands(r, frame, &bytes, &l->size);
+    l->bytes = bytes;
     l->at = 0;
-    if (replay_commands(r, frame, &bytes, &l->size)) {
-        l->bytes = bytes;
-        return DIG_OK;
-    }
-    snprintf(why, capacity, "frame %d: its commands cannot be read", frame);
-    return DIG_E_FORMAT;
+    if (s != DIG_OK)
+        snprintf(why, capacity, "%s", replay_error(r));
+    return s;
 }
 
 static dig_status compare(dig_world *w, Replay *r, int frame, Rerun *o, char *why, size_t capacity)
@@ -95,12 +94,13 @@ dig_status replay_rerun(Replay *r, Rerun *out, char *why, size_t capacity)
     size_t size;
     dig_world *w;
     *out = (Rerun){.differs = -1};
-    if (!replay_start(r, &bytes, &size)) {
-        snprintf(why, capacity, "it holds no log of commands, so that it cannot be simulated again");
-        return DIG_E_FORMAT;
+    dig_status s = replay_start(r, &bytes, &size);
+    if (s != DIG_OK) {
+        snprintf(why, capacity, "%s", replay_error(r));
+        return s;
     }
     DIG_TRY(dig_world_unpack(bytes, size, &w, why, capacity));
-    dig_status s = play_frames(w, r, out, why, capacity);
+    s = play_frames(w, r, out, why, capacity);
     dig_world_close(w);
     return s;
 }

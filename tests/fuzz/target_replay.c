@@ -155,7 +155,7 @@ static void ask_frame(Replay *r, int frame)
     look_between(r, f->time);
     look_between(r, f->time + 0.3 * info->step);
     replay_note(r, "said", frame, NULL);
-    if (replay_commands(r, frame, &bytes, &size) && size > 0)
+    if (replay_commands(r, frame, &bytes, &size) == DIG_OK && size > 0)
         dig_command_look(bytes, size, NULL);
 }
 

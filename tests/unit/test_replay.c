@@ -435,12 +435,12 @@ TEST(notes_and_commands_belong_to_frames)
     CHECK_INT(since, 400);                              /* said again at 600: nothing new */
     CHECK_TEXT(replay_note(p, "odd", 300, &since), "{\"before\":400}");
     CHECK_INT(since, 100);
-    CHECK(replay_start(p, &bytes, &size) && size == 5 && memcmp(bytes, "start", 5) == 0);
+    CHECK(replay_start(p, &bytes, &size) == DIG_OK && size == 5 && memcmp(bytes, "start", 5) == 0);
     for (int i = 600; i >= 1; i--)
-        CHECK(replay_commands(p, i, &bytes, &size) && size == sizeof i && memcmp(bytes, &i, size) == 0);
-    CHECK(replay_commands(p, 0, &bytes, &size) && size == 0);
-    CHECK(replay_commands(p, 601, &bytes, &size) && size == 4 && memcmp(bytes, "last", 4) == 0);
-    CHECK(!replay_commands(p, 602, &bytes, &size));
+        CHECK(replay_commands(p, i, &bytes, &size) == DIG_OK && size == sizeof i && memcmp(bytes, &i, size) == 0);
+    CHECK(replay_commands(p, 0, &bytes, &size) == DIG_OK && size == 0);
+    CHECK(replay_commands(p, 601, &bytes, &size) == DIG_OK && size == 4 && memcmp(bytes, "last", 4) == 0);
+    CHECK_INT(replay_commands(p, 602, &bytes, &size), DIG_E_FORMAT);
     replay_close(p);
     dig_world_close(w);
     remove(path);
