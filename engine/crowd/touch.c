@@ -11,7 +11,7 @@
 #define CARRIED 0x63617272u     /* kind of a hint that holds a sign; no shape pair has this one   */
 #define SLID    2e-3            /* of the size: points that have slid farther are found anew      */
 #define TILTED  4e-3            /* of the size: so are manifolds whose gaps differ by more        */
-#define NARROW  0.1             /* of the size: what is narrower is a line                        */
+#define NARROW  0.1             /* of the size: three points that are narrower are a line, four that are half as wide */
 #define STAYS   2e-3            /* of the size: so far may bodies of other contacts go against each other till then */
 #define FARTHER 0.05            /* of the size: so much farther is looked for what is near        */
 #define LOOKS   0.01            /* of the size: what contacts look ahead for in any case          */

@@ -237,6 +237,7 @@ static dig_status advance_piece(Crowd *c, real until)
 /* As it is, for sweeps, which look at all pairs. */
 static dig_status keep_for_sweeps(Group *g, GroupKept *before)
 {
+    DIG_ASSERT(!g->mass || g->left_count == 0);         /* it has room for impacts of the pairs that there were */
     DIG_TRY(take_all(g));
     group_close_left(g);
     if (!g->mass)
