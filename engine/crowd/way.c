@@ -271,7 +271,7 @@ static dig_status advance_pieces(const Crowd *whole, int pieces, const GroupKept
 }
 
 /* One group at most has so large a part of what is awake: it does not give back what a piece of its step took until the step is over. */
-#define MOST 2
+#define HALF_AWAKE 2
 
 static dig_status advance(Group *g, real dt)
 {
@@ -282,7 +282,7 @@ static dig_status advance(Group *g, real dt)
     GroupKept before;
     DIG_TRY(crowd_pieces(&whole, &pieces));
     bool may_pass = crowd_may_pass(&whole, pieces);
-    whole.alone = pieces == 1 && !may_pass && !g->acted && MOST * g->moving_count > g->world->awake.count;
+    whole.alone = pieces == 1 && !may_pass && !g->acted && HALF_AWAKE * g->moving_count > g->world->awake.count;
     if (!whole.alone && !g->acted)
         DIG_TRY(group_open_acted(g));
     if (may_pass)
