@@ -17,7 +17,7 @@
 #endif
 
 #if defined(MREMAP_MAYMOVE) && !defined(CHECKED)
-static bool from_pages(size_t bytes) { return bytes >= BLOCK_PAGES; }
+static bool from_pages(size_t bytes) { return bytes >= BLOCK_LARGE; }
 
 #define WIDE_PAGE ((size_t)2 << 20)     /* bytes of the larger pages that most systems have */
 
@@ -66,7 +66,7 @@ void block_forget(void *part, size_t bytes)
 #elif defined(CHECKED)
 #define HEADER 16               /* bytes: what malloc's blocks are aligned to */
 
-static bool from_pages(size_t bytes) { return bytes >= BLOCK_PAGES; }
+static bool from_pages(size_t bytes) { return bytes >= BLOCK_LARGE; }
 
 static void *pages_open(size_t bytes)
 {

@@ -4,7 +4,7 @@
  * the memory of a pile of 8000 balls. Pages are given back at once, go along when a block grows (nothing is copied), and take no memory
  * until they are written to: room that is kept ready costs nothing, but for the rest of a wide page (two megabytes, where the system has them).
  *
- * Invariant: a block stays where it was obtained from as long as its size is on the same side of BLOCK_PAGES: hand in the size it has.
+ * Invariant: a block stays where it was obtained from as long as its size is on the same side of BLOCK_LARGE: hand in the size it has.
  * Floor:     base.
  */
 #ifndef DIG_BLOCK_H
@@ -12,8 +12,7 @@
 
 #include "base/base.h"
 
-#define BLOCK_PAGES ((size_t)64 << 10)          /* bytes: from here on a block lies in pages of its own */
-#define BLOCK_LARGE ((size_t)256 << 10)         /* bytes: such a list grows by little, for that costs a call to the system only */
+#define BLOCK_LARGE ((size_t)256 << 10)         /* bytes */
 
 /* From `old` bytes to `bytes`, either may be 0 (data is NULL then); what is new is 0. NULL: no memory, or bytes = 0; without memory
  * the old block is as it was. */

@@ -348,7 +348,7 @@ TEST(a_trimmed_list_keeps_what_it_holds_and_little_more)
 /* Back and forth across the size from which blocks are the system's pages. */
 TEST(a_list_of_any_size_keeps_its_items_and_what_is_new_is_zero)
 {
-    const int large = (int)(BLOCK_PAGES / sizeof(uint32_t));
+    const int large = (int)(BLOCK_LARGE / sizeof(uint32_t));
     const int room[] = {100, large - 1, large, 5 * large, 3 * large + 7, 4 * large, large - 1, 10, large + 1, 2 * large};
     LIST(uint32_t) list = {NULL, 0, 0};
     for (int r = 0; r < (int)(sizeof room / sizeof *room); r++) {
