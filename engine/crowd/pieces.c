@@ -13,7 +13,7 @@
 #define THICK       0.2         /*      of that: by the springs of way.c it takes 200 of such things to press one in by DEEP */
 /* Of the thickness: so far may a rim go by its turn in a piece. A row knows its point only, not the corner that turns in meanwhile: with a quarter,
  * as large piles have it, 300 cones, capsules or mixed solids that land in a pen are up to 60 to 120 mm in each other for a frame or some,
- * with a twentieth 2 to 13, and take no longer but for cones, twice as long. */
+ * with a twentieth, in at most eight pieces, 1 to 7, and take no longer but for cones, twice as long. */
 #define SWEPT       0.25        /*      of most contacts */
 #define SWEPT_LEAST 0.05        /*      of every contact, where that asks for no more than WORK and QUICK_MOST */
 #define QUICK_MOST  8           /* pieces: what spins faster was squeezed or shot, and the others need not pay for it */

@@ -9,21 +9,29 @@
 
 #define FEW 64                  /* bodies: more are not swept for it */
 
-/* m  By so much two may move against each other in a piece. */
-static real may_travel(const Crowd *c, const GroupPair *q, real dt)
+static Motion rates_of(const Crowd *c, int body)
 {
-    const Group *g = c->g;
-    const Vel *a = &g->vel[q->a], *b = &g->vel[q->b];
-    real turn = (c->trait[q->a].moves ? vec3_length(a->w) * g->member[q->a].rim : 0) + (c->trait[q->b].moves ? vec3_length(b->w) * g->member[q->b].rim : 0);
-    return dt * (vec3_distance(a->v, b->v) + turn);
+    const Vel *v = &c->g->vel[body];
+    return (Motion){.v = v->v, .w = c->trait[body].moves ? v->w : vec3_zero()};
+}
+
+/* Does it move farther than both are thick? */
+static bool is_fast(const Crowd *c, const GroupPair *q, const Motion *a, const Motion *b, real dt, real *travel)
+{
+    *travel = group_travel(c->g, q, a, b, dt);
+    return q->contacts == 1 && *travel > q->on_a->shape.inner + q->on_b->shape.inner;
 }
 
 bool crowd_may_pass(const Crowd *c, int pieces)
 {
     const Group *g = c->g;
-    for (int i = 0; i < g->pair_count && c->bodies <= FEW && g->pieces == 0; i++) {
+    if (c->bodies > FEW || g->pieces > 0)
+        return false;
+    for (int i = 0; i < g->pair_count; i++) {
         const GroupPair *q = &g->pairs[i];
-        if (q->contacts == 1 && may_travel(c, q, c->dt / pieces) > q->on_a->shape.inner + q->on_b->shape.inner)
+        Motion a = rates_of(c, q->a), b = rates_of(c, q->b);
+        real travel;
+        if (is_fast(c, q, &a, &b, c->dt / pieces, &travel))
             return true;
     }
     return false;
@@ -45,12 +53,11 @@ bool crowd_passed(const Crowd *c)
     const Group *g = c->g;
     for (int i = 0; i < g->pair_count; i++) {
         const GroupPair *q = &g->pairs[i];
-        if (q->contacts != 1 || !(c->trait[q->a].moves || c->trait[q->b].moves))
+        if (!c->trait[q->a].moves && !c->trait[q->b].moves)
             continue;
         Motion a = chord_of(c, q->a, pair_local(q, false)), b = chord_of(c, q->b, pair_local(q, true));
-        real travel = vec3_distance(a.v, b.v) + vec3_length(a.w) * g->member[q->a].rim + vec3_length(b.w) * g->member[q->b].rim;
-        travel *= c->dt;
-        if (travel > q->on_a->shape.inner + q->on_b->shape.inner && group_went_through(q, &a, &b, c->dt, group_thin(q), travel))
+        real travel;
+        if (is_fast(c, q, &a, &b, c->dt, &travel) && group_went_through(q, &a, &b, c->dt, group_thin(q), travel))
             return true;
     }
     return false;

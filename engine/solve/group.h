@@ -657,6 +657,8 @@ dig_status grip_note(Group *g);                         /* then: who has closed 
 void locate_look(Group *g, real time);                  /* contacts of what lies open, as far ahead: of those kept from the step before nobody knows */
 real locate_impact(Group *g);
 real missing_little(const Group *g, real dt);         /* s  the longest substep that may go without */
+/* m  How far points of a pair move against each other in h seconds, at most. */
+real group_travel(const Group *g, const GroupPair *q, const Motion *a, const Motion *b, real h);
 /* Moves a pair by h seconds and `travel` metres at most: is one deeper than `most` (m) in the other at some instant after they meet? */
 bool group_went_through(const GroupPair *q, const Motion *a, const Motion *b, real h, real most, real travel);
 bool overshoots(const Group *g, bool through);  /* would the substep press bodies deep into each other? through: past the middle of the thinner one */

@@ -267,12 +267,11 @@ static real depth_at(const GroupPair *q, const Motion *a, const Motion *b, real 
     return -shape_distance(&q->on_a->shape, motion_at(a, t), &q->on_b->shape, motion_at(b, t), 0, NULL, NULL, NULL);
 }
 
-/* m  How far points of a pair move against each other in the substep, at most. */
-static real travel_of(const Group *g, const GroupPair *q, const Motion *a, const Motion *b)
+real group_travel(const Group *g, const GroupPair *q, const Motion *a, const Motion *b, real h)
 {
-    real travel = g->h * (vec3_length(vec3_sub(b->v, a->v)) + vec3_length(vec3_sub(b->a, a->a)) * g->h);
-    travel += isfinite(q->on_a->shape.outer) ? g->h * vec3_length(a->w) * g->member[q->a].rim : 0;
-    return travel + (isfinite(q->on_b->shape.outer) ? g->h * vec3_length(b->w) * g->member[q->b].rim : 0);
+    real travel = h * (vec3_length(vec3_sub(b->v, a->v)) + vec3_length(vec3_sub(b->a, a->a)) * h);
+    travel += isfinite(q->on_a->shape.outer) ? h * vec3_length(a->w) * g->member[q->a].rim : 0;
+    return travel + (isfinite(q->on_b->shape.outer) ? h * vec3_length(b->w) * g->member[q->b].rim : 0);
 }
 
 /* Parts of a substep in which what whirls is looked at: what goes through something farther than both are thick may be out again at its end. */
@@ -293,7 +292,7 @@ static bool goes_deeper(const Group *g, const GroupPair *q, real most, bool thro
 {
     const GroupContact *c = &g->contacts[q->contact];
     Motion a = body_motion(g, q->a), b = body_motion(g, q->b);
-    real travel = travel_of(g, q, &a, &b), depth = most;
+    real travel = group_travel(g, q, &a, &b, g->h), depth = most;
     if (travel <= most)
         return false;
     a = motion_of(g, q->a, pair_local(q, false), a);
