@@ -7,15 +7,15 @@ static void work_of_movers(const Crowd *c, double *before, double *bounces)
     *before = *bounces = 0;
     for (int i = 0; i < c->batches; i++) {
         const Batch *x = &c->batch[i];
-        if (!x->driven)
+        if (!x->drive)
             continue;
         for (int lane = 0; lane < LANES; lane++) {
             for (int k = 0; k < x->points; k++) {
-                *before -= 2 * (double)x->point[k].sum.at[lane] * (double)x->arms[k].drive.at[lane];
-                *bounces -= x->bounces ? 2 * (double)x->point[k].room.at[lane] * (double)x->arms[k].drive.at[lane] : 0;
+                *before -= 2 * (double)x->point[k].sum.at[lane] * (double)x->drive[k].at[lane];
+                *bounces -= x->bounces ? 2 * (double)x->point[k].room.at[lane] * (double)x->drive[k].at[lane] : 0;
             }
             for (int k = 0; k < 2 && x->patch; k++)
-                *before -= 2 * (double)x->patch->sum[k].at[lane] * (double)x->patch->drive[k].at[lane];
+                *before -= 2 * (double)x->patch->sum[k].at[lane] * (double)x->drive[x->points + k].at[lane];
         }
     }
 }

@@ -122,11 +122,12 @@ INLINE void put(const wide v[3], Wide to[3])
 typedef struct Lot {
     int32_t *a, *b;             /* [AT_ONCE] */
     int   points;
-    bool  driven, round;
+    bool  round;
     WideContact *of;
     wide  n[3], ra, rb;         /*      of that */
     WidePoint *point;
     WideArms  *arms;
+    Wide      *drive;
     WidePatch *patch;
     WideRub   *rub;
     WideTwist *twist;
@@ -143,9 +144,10 @@ INLINE Lot lot_of(Batch *b, int i)
 {
     const int lane = i * AT_ONCE;
     WideContact *of = FROM(b->of, lane);
-    Lot x = {.a = b->a + lane, .b = b->b + lane, .points = b->points, .driven = b->driven, .round = b->round, .of = of, .n = THREE(of->n),
+    Lot x = {.a = b->a + lane, .b = b->b + lane, .points = b->points, .round = b->round, .of = of, .n = THREE(of->n),
              .ra = of->ra.own, .rb = of->rb.own, .point = FROM(b->point, lane)};
     x.arms = b->arms ? FROM(b->arms, lane) : NULL;
+    x.drive = b->drive ? FROM(b->drive, lane) : NULL;
     x.patch = b->patch ? FROM(b->patch, lane) : NULL;
     x.rub = b->rub ? FROM(b->rub, lane) : NULL;
     x.twist = b->twist ? FROM(b->twist, lane) : NULL;

@@ -225,11 +225,13 @@ static vec3 driven_velocity(const Crowd *c, const Ends *e, vec3 at)
     return v;
 }
 
-INLINE void fill_point(const Crowd *c, const Ends *e, WidePoint *p, WideArms *arms, int lane, int k)
+INLINE void fill_point(const Crowd *c, const Ends *e, const Batch *b, int lane, int k)
 {
     const ManifoldPoint *m = &e->c->manifold.points[k];
     const PointMemory *memory = &contact_memory(e->c)[k];
-    if (arms) {
+    WidePoint *p = &b->point[k];
+    if (b->arms) {
+        WideArms *arms = &b->arms[k];
         put_reg(arms->a, lane, e->a < c->bodies ? reg3_load(&m->a) - e->xa : reg3_all(0));
         put_reg(arms->b, lane, e->b < c->bodies ? reg3_load(&m->b) - e->xb : reg3_all(0));
     }
@@ -237,12 +239,13 @@ INLINE void fill_point(const Crowd *c, const Ends *e, WidePoint *p, WideArms *ar
     set(&p->gap, lane, m->gap);
     set(&p->j, lane, (real)((float)memory->normal * c->h));
     set(&p->borne, lane, (real)(memory->borne * c->h));
-    if (e->driven)              /* then it has arms */
-        set(&arms->drive, lane, vec3_dot(e->c->manifold.normal, driven_velocity(c, e, m->a)));
+    if (b->drive && e->driven)
+        set(&b->drive[k], lane, vec3_dot(e->c->manifold.normal, driven_velocity(c, e, m->a)));
 }
 
-INLINE void fill_patch(const Crowd *c, const Ends *e, WidePatch *p, WideTwist *turn, int lane)
+INLINE void fill_patch(const Crowd *c, const Ends *e, const Batch *b, int lane)
 {
+    WidePatch *p = b->patch;
     const GroupManifold *m = &e->c->manifold;
     const PointMemory *memory = contact_memory(e->c);
     vec3 t, u;
@@ -258,11 +261,11 @@ INLINE void fill_patch(const Crowd *c, const Ends *e, WidePatch *p, WideTwist *t
     for (int k = 0; k < m->count; k++)          /* of what the points remember, about their middle */
         torque = torque + reg3_cross(reg3_load(&m->points[k].a) - middle, reg3_load(&memory[k].tangent));
     if (m->count > 1)
-        set(&turn->j, lane, (real)((float)reg3_dot(reg3_of(m->normal), torque) * c->h));
+        set(&b->twist->j, lane, (real)((float)reg3_dot(reg3_of(m->normal), torque) * c->h));
     if (e->driven) {
         vec3 v = driven_velocity(c, e, reg3_get(middle));
-        set(&p->drive[0], lane, vec3_dot(v, t));
-        set(&p->drive[1], lane, vec3_dot(v, u));
+        set(&b->drive[b->points], lane, vec3_dot(v, t));
+        set(&b->drive[b->points + 1], lane, vec3_dot(v, u));
     }
 }
 
@@ -338,11 +341,11 @@ INLINE void fill_lane(Crowd *c, Batch *b, int lane, GroupContact *t)
     set(&b->of->friction, lane, t->manifold.slides ? q->friction_dynamic : q->friction);
     set(&b->of->care, lane, (real)(c->h / (float)needed(q, t)));
     for (int k = 0; k < t->manifold.count; k++)
-        fill_point(c, &e, &b->point[k], b->arms ? &b->arms[k] : NULL, lane, k);
+        fill_point(c, &e, b, lane, k);
     if (b->rub)
         fill_rub(c, &e, b->rub, lane);
     if (b->patch)
-        fill_patch(c, &e, b->patch, b->twist, lane);
+        fill_patch(c, &e, b, lane);
     if (b->roll && q->rolling > 0 && rolling_radius(q) > 0)
         fill_roll(c, &e, q, b->roll, lane);
 }
@@ -354,6 +357,8 @@ static void *room_for(Crowd *c, size_t bytes, dig_status *status)
     return p;
 }
 
+static size_t drive_bytes(const Batch *b) { return (size_t)(b->points + 2) * sizeof *b->drive; }
+
 /* What not every lane fills must hold 0. */
 static void clear(Batch *b)
 {
@@ -361,6 +366,8 @@ static void clear(Batch *b)
     memset(b->point, 0, (size_t)b->points * sizeof *b->point);
     if (b->arms)
         memset(b->arms, 0, (size_t)b->points * sizeof *b->arms);
+    if (b->drive)
+        memset(b->drive, 0, drive_bytes(b));
     if (b->rub)
         memset(b->rub, 0, sizeof *b->rub);
     if (b->patch)
@@ -401,6 +408,7 @@ static dig_status make_batch(Crowd *c, Batch *b)
     b->point = (WidePoint *)(void *)(b->of + 1);
     b->arms = b->round ? NULL : (WideArms *)(void *)(b->point + b->points);
     b->rub = b->rubs && b->round ? room_for(c, sizeof *b->rub, &status) : NULL;
+    b->drive = b->driven ? room_for(c, drive_bytes(b), &status) : NULL;
     b->patch = b->rubs && !b->round ? room_for(c, sizeof *b->patch, &status) : NULL;
     b->twist = b->rubs && b->points > 1 ? room_for(c, sizeof *b->twist, &status) : NULL;
     b->roll = b->rolls ? room_for(c, sizeof *b->roll, &status) : NULL;

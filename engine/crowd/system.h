@@ -66,9 +66,8 @@ typedef struct WidePoint {      /* contact points, one a lane                   
     Wide rate_before;           /* m/s  normal velocity at the start of the step               */
 } WidePoint;
 
-typedef struct WideArms {       /* what spins and movers add to the rate of a point: nothing where contacts are round */
+typedef struct WideArms {       /* what spins add to the rate of a point: nothing where contacts are round */
     Wide a[3], b[3];            /* 1/sqrt(kg)  angular Jacobian in scaled spins; until wide.c prepares it m, from the centres of mass */
-    Wide drive;                 /* m/s  part of the rate that movers give                      */
 } WideArms;
 
 typedef struct WideRub {        /* friction of a round contact, as a vector across the normal  */
@@ -77,12 +76,11 @@ typedef struct WideRub {        /* friction of a round contact, as a vector acro
     Wide j[3], sum[3];          /* N s                                                         */
 } WideRub;
 
-typedef struct WidePatch {      /* friction of one contact, at the middle of its points; all but t, drive and j by wide.c */
+typedef struct WidePatch {      /* friction of one contact, at the middle of its points; all but t and j by wide.c */
     Wide t[3];                  /*      first tangent; the second is n x t                     */
     Wide ta[3], tb[3], ua[3], ub[3];
     Wide ktt, kuu, ktu, det;    /* kg   inverse of the 2 x 2 tangential matrix, times det; 1 / det */
     Wide step;                  /* kg   1 / its largest eigenvalue                             */
-    Wide drive[2];              /* m/s  of movers                                              */
     Wide j[2], sum[2];          /* N s                                                         */
 } WidePatch;
 
@@ -119,6 +117,7 @@ typedef struct Batch {          /* up to sixteen contacts that share no moving b
     WideContact *of;
     WidePoint *point;           /* after that                                                  */
     WideArms  *arms;            /* of the points, which they come after; NULL: round           */
+    Wide      *drive;           /* m/s  parts of the rates of points, then of friction, that movers give; NULL: no movers */
     WidePatch *patch;           /* NULL: no friction, or round                                 */
     WideRub   *rub;             /* NULL: no friction, or not round                             */
     WideTwist *twist;           /* NULL: one point each, or no friction                        */

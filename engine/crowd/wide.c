@@ -142,7 +142,7 @@ INLINE void prepare_lot(const Crowd *c, Lot *x, int thread)
         const wide ja[3] = THREE(arm->a), jb[3] = THREE(arm->b);
         p->mass.own = present * inverse_of(linear + dot(ja, ja) + dot(jb, jb));
         wide rate = closing + dot(ja, &va[3]) + dot(jb, &vb[3]);
-        p->rate_before.own = present * (x->driven ? rate + arm->drive.own : rate);
+        p->rate_before.own = present * (x->drive ? rate + x->drive[i].own : rate);
         p->sum.own = all(0);
     }
     if (x->patch)
@@ -229,9 +229,9 @@ INLINE void solve_friction(const Lot *x, Both *v, wide bound)
     cross(x->n, t, u);
     between(x, v, d);
     wide rt = dot(t, d) + dot_of(f->ta, &v->a[3]) + dot_of(f->tb, &v->b[3]), ru = dot(u, d) + dot_of(f->ua, &v->a[3]) + dot_of(f->ub, &v->b[3]);
-    if (x->driven) {
-        rt += f->drive[0].own;
-        ru += f->drive[1].own;
+    if (x->drive) {
+        rt += x->drive[x->points].own;
+        ru += x->drive[x->points + 1].own;
     }
     wide st = f->j[0].own - f->det.own * (f->ktt.own * rt + f->ktu.own * ru), su = f->j[1].own - f->det.own * (f->ktu.own * rt + f->kuu.own * ru);
     wide gt = f->j[0].own - f->step.own * rt, gu = f->j[1].own - f->step.own * ru;
@@ -329,7 +329,7 @@ INLINE wide at_point(const Lot *x, int i, const Both *d, wide centres, wide time
 {
     if (!x->round)
         centres = centres + dot_of(x->arms[i].a, &d->a[3]) + dot_of(x->arms[i].b, &d->b[3]);
-    return x->driven ? centres + x->arms[i].drive.own * time : centres;
+    return x->drive ? centres + x->drive[i].own * time : centres;
 }
 
 /* Gaps hold for all passes of a substep that push. */
