@@ -183,6 +183,7 @@ typedef struct Crowd {
     Batch *batch; int batches;
     int   *row;                 /* [contact_count of g] LANES times its batch, and its lane; < 0: it does not act */
     bool   alone;               /*     in one piece, and most of the world: Acted are known by row          */
+    bool   presses;             /*     a mover that moves presses something: see warm_most() */
     real   deep;                /* 1    deepest overlap, in changes that matter (rows.c)       */
     Phase *phase; int phases;
     Soft   soft[PASSES_MOST][2];    /* by how many passes there are; between moving bodies; against what does not move */

@@ -147,3 +147,39 @@ test.scenario("300 capsules that land in a pen do not turn into each other", fun
   end
   test.expect(worst):below(0.005)
 end)
+
+-- m/s  The highest speed of two hundred stones that a paddle stirs in a pen, which is little wider than the paddle.
+local function stir(world, seed, spin)
+  local state = seed * 7919
+  local function random()
+    state = (state * 1103515245 + 12345) % 2147483648
+    return state / 2147483648
+  end
+  for _ = 1, 5 do random() end
+  world:floor {}
+  for _, wall in ipairs { { 1.1, 0, 0.1, 2.3 }, { -1.1, 0, 0.1, 2.3 }, { 0, 1.1, 2.1, 0.1 }, { 0, -1.1, 2.1, 0.1 } } do
+    world:box { fixed = true, size = { wall[3], 3, wall[4] }, at = { wall[1], 1.5, wall[2] } }
+  end
+  local stones = {}
+  for i = 1, 200 do
+    local size = 0.12 + 0.08 * random()
+    local at = { (random() - 0.5) * 1.6, 0.35 + 0.012 * i, (random() - 0.5) * 1.6 }
+    if i % 4 == 1 then stones[i] = world:box { size = { size, size * (0.6 + 0.4 * random()), size }, at = at }
+    elseif i % 4 == 2 then stones[i] = world:ball { radius = size / 2, at = at }
+    elseif i % 4 == 3 then stones[i] = world:capsule { radius = size / 4, length = size / 2, at = at }
+    else stones[i] = world:cone { radius = size / 2, height = size, at = at } end
+  end
+  world:box { size = { 1.9, 0.2, 0.1 }, at = { 0, 0.12, 0 }, kinematic = true }:drive { spin = { 0, spin, 0 } }
+  local top = 0
+  for frame = 1, 600 do
+    world:step()
+    for _, stone in ipairs(frame > 90 and stones or {}) do top = math.max(top, stone.speed) end
+  end
+  return top
+end
+
+-- What a paddle drives against a wall was pressed the harder, pass by pass and step by step, and then thrown at 38 and 40 m/s.
+test.scenario("what is squeezed between a paddle and a wall is not thrown out", function(s)
+  test.expect(stir(s:world {}, 1, 6)):below(20)
+  test.expect(stir(s:world {}, 3, 3)):below(15)
+end)
