@@ -119,7 +119,7 @@ static bool masses(Direct *d)
         if (!(m->im > 0) || !(mat3_det(ii) > 0))
             return false;
         mat3 k = d->stiff[d->body[i]], t = mat3_add(mat3_inverse(ii), k);
-        vec3 back = mat3_mul_vec(mat3_inverse(t), mat3_mul_vec(k, g->vel[d->body[i]].w));
+        vec3 back = mat3_mul_vec(mat3_inverse(t), mat3_mul_vec(k, vec3_sub(g->vel[d->body[i]].w, d->round[d->body[i]])));
         real rest[3] = {-back.x, -back.y, -back.z};
         memcpy(d->v0 + 6 * i + 3, rest, sizeof rest);
         d->mass[10 * i] = 1 / m->im;
@@ -535,7 +535,7 @@ bool direct_project(Group *g)
     if (g->point_count > most_points[1] || g->moving_count > MOST_BODIES)
         return false;
     ArenaMark mark = arena_mark(g->arena);
-    Direct d = {.g = g, .heavy = true, .projects = true, .hardened = JOINT_SOFT, .hardest = HARDEST, .most_factors = PROJECT_FACTORS, .accept = INFINITY};
+    Direct d = {.g = g, .heavy = true, .projects = true, .slack = true, .hardened = JOINT_SOFT, .hardest = HARDEST, .most_factors = PROJECT_FACTORS, .accept = INFINITY};
     bool fine = open_direct(&d) && solve_joints(&d);
     real share = fine && !g->joints_direct ? share_of_shift(&d) : 1;
     for (int i = 0; fine && i < d.blocks.n; i++) {
@@ -585,7 +585,7 @@ static bool rescue_joints(Group *g)
 {
     if (g->planar || !g->stalled || g->point_count > most_points[0] || g->moving_count > MOST_BODIES || g->rescues_failed >= MOST_RESCUES)
         return false;
-    Direct d = {.g = g, .hardened = JOINT_SOFT, .hardest = HARDEST, .most_factors = JOINT_FACTORS, .accept = RESCUED * g->residual};
+    Direct d = {.g = g, .slack = true, .hardened = JOINT_SOFT, .hardest = HARDEST, .most_factors = JOINT_FACTORS, .accept = RESCUED * g->residual};
     g->joints_direct = true;
     bool fine = run(&d, g->plan->residual);
     g->joints_direct = false;

@@ -58,6 +58,7 @@ typedef struct Direct {
     Triple *triples; int triple_count;
     Single *singles; int single_count;
     mat3   *stiff;              /* [bodies] kg m^2  h^2 times the geometric stiffness              */
+    vec3   *round;              /* [bodies] rad/s  how what floats turns as one: what pulls at it turns along, and does not brake that */
     int    *place;              /* [bodies] < 0: no unknown                                        */
     bool   *narrow;             /* [bodies] it does not turn                                       */
     int    *body;               /* [places]                                                        */
@@ -65,7 +66,8 @@ typedef struct Direct {
     real   *v, *v0, *dv, *grad; /* [6 places]                                                      */
     Bend   *bends; int bend_count;      /* of the present dv                                       */
     real    level, rise;        /* of the slope along dv, at its start and per step: what is straight in it                         */
-    bool    projects;           /* positions, not velocities: nothing moves so far, nothing is taut */
+    bool    projects;           /* positions, not velocities: nothing moves so far */
+    bool    slack;              /* no geometric stiffness: nothing is taut, and nothing is to brake what whirls */
     bool    heavy;              /* something in the group is heavy on what is light                 */
     bool    kept;               /* the factor is that of the present sets                          */
     bool    late_lift;          /*       lifts are those of the start: what is wedged in something that gives chases them to infinity */

@@ -4,11 +4,13 @@
  * an exact solve of chains and bridges explode when the substep is long against their transverse swing. It is taken implicitly,
  * with the joint's last force F at the arm r:  I + h^2 K in place of I  (Tournier, Nesme, Gilles & Faure 2015, "Stable constrained
  * dynamics", ACM Trans. Graph. 34(4)). The torque (t x r) x F that a turn t gives rise to is -((F . r) 1 - r F^T) t, of which the
- * symmetric part is taken:  K = (F . r) 1 - sym(r F^T). Not where it would hand a turn across a thin rod over to one about the rod, which
+ * symmetric part is taken:  K = (F . r) 1 - sym(r F^T). Of a mechanism that floats, t is a turn against it as one rigid body: F goes round with
+ * that. Not where it would hand a turn across a thin rod over to one about the rod, which
  * has next to no inertia there: a rope of 6 kg that 10 t jerk at got 1e35 J by that.
  */
 #include "math/pair.h"
 #include "solve/direct.h"
+#include "solve/momentum.h"
 
 /* Compliance of the augmented Lagrangian over a row's own effective mass. Equations have no kinks, and may be harder than what
  * has a bound. */
@@ -111,7 +113,7 @@ bool singles_open(Direct *d)
         return false;
     for (int i = 0; i < g->row_count; i++)
         add_single(d, i);
-    for (int i = 0; i < g->block_count && !d->projects; i++)
+    for (int i = 0; i < g->block_count && !d->slack; i++)
         add_line(d, &g->blocks[i]);
     return true;
 }
@@ -310,7 +312,7 @@ void singles_write(Direct *d)
         const real *v = d->v + 6 * i;
         Vel end = {vec3_add(g->vel[b].v, (vec3){v[0], v[1], v[2]}), vec3_add(g->vel[b].w, (vec3){v[3], v[4], v[5]})};
         vec3 mean = vec3_scale(0.5, vec3_add(g->start_vel[b].w, end.w));
-        g->braced += vec3_dot(mat3_mul_vec(d->stiff[b], end.w), mean);
+        g->braced += vec3_dot(mat3_mul_vec(d->stiff[b], vec3_sub(end.w, d->round[b])), mean);
         g->vel[b] = end;
     }
 }
@@ -347,13 +349,35 @@ static bool positive_definite(mat3 m)
     return m.r0.x > 0 && m.r0.x * m.r1.y - m.r0.y * m.r1.x > 0 && mat3_det(m) > 0;
 }
 
+static bool find_round(Direct *d)
+{
+    const Group *g = d->g;
+    d->round = arena_zero(g->arena, (size_t)(g->body_count + 1) * sizeof *d->round);
+    int *root = arena_alloc(g->arena, (size_t)(g->moving_count + 1) * sizeof *root);
+    uint8_t *ties = arena_zero(g->arena, (size_t)g->moving_count + 1);
+    if (!d->round || !root || !ties)
+        return false;
+    if (d->slack || g->block_count == 0)
+        return true;
+    group_mechanisms(g, root, ties);
+    for (int which = 0; which < g->moving_count; which++) {
+        if (!g->member[which].moves || root[which] != which || ties[which] != MECHANISM_TIED)
+            continue;
+        Rigid r;
+        rigid_motion(g, root, which, &r);
+        for (int i = which; i < g->moving_count; i++)
+            d->round[i] = root[i] == which ? r.w : d->round[i];
+    }
+    return true;
+}
+
 bool stiffness_open(Direct *d)
 {
     const Group *g = d->g;
     d->stiff = arena_zero(g->arena, (size_t)(g->body_count + 1) * sizeof *d->stiff);
-    if (!d->stiff)
+    if (!d->stiff || !find_round(d))
         return false;
-    for (int i = 0; i < g->block_count && !d->projects; i++) {
+    for (int i = 0; i < g->block_count && !d->slack; i++) {
         const GroupJoint *j = &g->joints[g->blocks[i].joint];
         vec3 f = joint_pull(g, &g->blocks[i]);
         if (j->a >= 0)
