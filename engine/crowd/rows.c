@@ -161,8 +161,8 @@ static void choose_share(void *context, int thread, int threads)
             continue;
         }
         *x = (Chosen){.contact = i, .a = crowd_index(c, t->a), .b = crowd_index(c, t->b), .points = (uint8_t)t->manifold.count, .acts = true,
-                      .rubs = q->friction > 0 && !g->decay_friction, .rolls = q->rolling > 0 && rolling_radius(q) > 0,
-                      .driven = a->kinematic || b->kinematic, .bounces = q->restitution > 0};
+                      .rubs = q->rub->friction > 0 && !g->decay_friction, .rolls = q->rub->rolling > 0 && rolling_radius(q) > 0,
+                      .driven = a->kinematic || b->kinematic, .bounces = q->rub->restitution > 0};
         x->round = !x->driven && !x->rolls && is_round(c, t);
         real gap = 0;
         for (int k = 0; k < t->manifold.count; k++)
@@ -325,7 +325,7 @@ static void fill_roll(const Crowd *c, const Ends *e, const GroupPair *q, WideRol
     if (c->trait[e->c->a].kinematic)
         spin = vec3_sub(spin, g->vel[e->c->a].w);
     put(r->drive, lane, spin);
-    set(&r->lever, lane, q->rolling * rolling_radius(q));
+    set(&r->lever, lane, q->rub->rolling * rolling_radius(q));
     put(r->j, lane, vec3_scale((real)c->h, contact_rolling(g, e->c)));
 }
 
@@ -356,9 +356,9 @@ INLINE void fill_lane(Crowd *c, Batch *b, int lane, GroupContact *t)
     b->a[lane] = e.a;
     b->b[lane] = e.b;
     put(b->of->n, lane, t->manifold.normal);
-    set(&b->of->restitution, lane, q->restitution);
-    t->manifold.slides = q->friction > q->friction_dynamic && slides(g, t, q);
-    set(&b->of->friction, lane, t->manifold.slides ? q->friction_dynamic : q->friction);
+    set(&b->of->restitution, lane, q->rub->restitution);
+    t->manifold.slides = q->rub->friction > q->rub->friction_dynamic && slides(g, t, q);
+    set(&b->of->friction, lane, t->manifold.slides ? q->rub->friction_dynamic : q->rub->friction);
     set(&b->of->care, lane, (real)(c->h / (float)needed(q, t)));
     for (int k = 0; k < t->manifold.count; k++)
         fill_point(c, &e, b, lane, k);
@@ -366,7 +366,7 @@ INLINE void fill_lane(Crowd *c, Batch *b, int lane, GroupContact *t)
         fill_rub(c, &e, b->rub, lane);
     if (b->patch)
         fill_patch(c, &e, b, lane);
-    if (b->roll && q->rolling > 0 && rolling_radius(q) > 0)
+    if (b->roll && q->rub->rolling > 0 && rolling_radius(q) > 0)
         fill_roll(c, &e, q, b->roll, lane);
 }
 

@@ -173,7 +173,7 @@ INLINE void touch_part(void *context, int thread, int threads)
     int count = g->pair_count - t->first;
     for (int i = t->first + team_first(count, thread, threads), end = t->first + team_end(count, thread, threads); i < end; i++) {
         GroupPair *q = &g->pairs[i];
-        t->ends[i] = (Ends){.a = q->a, .b = q->b, .size = (float)q->size, .restitution = (float)q->restitution};
+        t->ends[i] = (Ends){.a = q->a, .b = q->b, .size = (float)q->size, .restitution = (float)q->rub->restitution};
         bool found = touch_pair(t->c, q);
         note_reach(&t->ends[i], q);
         if (found && q->reach > (BRISK + LOOKS) * q->size)        /* it looked so far ahead, for the pair is fast */

@@ -91,7 +91,7 @@ static bool tumbles(const Group *g)
         return false;
     for (int i = 0; i < g->pair_count; i++) {
         const GroupPair *q = &g->pairs[i];
-        if (!is_stout(q->on_a) || !is_stout(q->on_b) || q->restitution > CROWD_LIVELY)
+        if (!is_stout(q->on_a) || !is_stout(q->on_b) || q->rub->restitution > CROWD_LIVELY)
             return false;
         fast += is_fast(g, q);
     }

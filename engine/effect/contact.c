@@ -65,7 +65,7 @@ static bool set_target(const Group *g, const GroupPair *q, PointRow *r, real gap
             return false;               /* it will be located */
         r->target = -closes_by(g, q->size, gap);
     }
-    r->bounce = g->locate && g->events_left > 0 ? 0 : q->restitution;
+    r->bounce = g->locate && g->events_left > 0 ? 0 : q->rub->restitution;
     return true;
 }
 

@@ -10,7 +10,7 @@ static bool wanted(const World *w, const Group *g)
 {
     (void)w;
     for (int i = 0; i < g->pair_count; i++)
-        if (g->pairs[i].friction > 0)
+        if (g->pairs[i].rub->friction > 0)
             return true;
     return false;
 }
@@ -20,7 +20,7 @@ static int members(const Group *g) { return g->rubbing_count; }
 static EffectCause cause(const Group *g)
 {
     int i = 0;
-    while (i + 1 < g->pair_count && !(g->pairs[i].friction > 0))
+    while (i + 1 < g->pair_count && !(g->pairs[i].rub->friction > 0))
         i++;
     return effect_cause_pair(g, &g->pairs[i]);
 }
@@ -31,7 +31,7 @@ static dig_status decay(Group *g)
         const GroupContact *c = &g->contacts[i];
         if (!c->live || !(contact_memory(c)[0].normal > 0))
             continue;
-        real rate = DECAY_RATE * g->pairs[c->pair].friction_dynamic;
+        real rate = DECAY_RATE * g->pairs[c->pair].rub->friction_dynamic;
         vec3 slip = vec3_sub(g->vel[c->b].v, g->vel[c->a].v);
         slip = vec3_mad(slip, -vec3_dot(slip, c->manifold.normal), c->manifold.normal);
         for (int k = 0; k < 2; k++) {
@@ -60,8 +60,8 @@ static dig_status rows(const EffectSlot *e, Group *g)
     for (int i = 0; i < g->point_count; i++) {
         PointRow *r = &g->points[i];
         const GroupPair *q = &g->pairs[g->contacts[r->contact].pair];
-        r->friction = q->friction;
-        r->friction_dynamic = q->friction_dynamic;
+        r->friction = q->rub->friction;
+        r->friction_dynamic = q->rub->friction_dynamic;
         Vel va = g->member[r->a].moves ? g->start_vel[r->a] : g->vel[r->a];
         Vel vb = g->member[r->b].moves ? g->start_vel[r->b] : g->vel[r->b];
         real slip[2];

@@ -67,9 +67,10 @@ static void scale_pair(Group *g, GroupPair *q)
         restitution *= inside ? region->laws.restitution_scale : 1;
     }
     friction = g->laws >> LAW_FRICTION & 1 ? friction : 0;
-    q->friction = friction * rub.friction;
-    q->friction_dynamic = friction * rub.friction_dynamic;
-    q->restitution = real_min(1, restitution * rub.restitution);
+    Rub *own = &g->rubs[q - g->pairs];          /* where there are regions, each pair has its own */
+    own->friction = friction * rub.friction;
+    own->friction_dynamic = friction * rub.friction_dynamic;
+    own->restitution = real_min(1, restitution * rub.restitution);
 }
 
 static dig_status force(const EffectSlot *e, Group *g)

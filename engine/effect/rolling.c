@@ -2,7 +2,7 @@
 #include "effect/effect.h"
 #include "solve/direction.h"
 
-static bool rolls(const GroupPair *q) { return q->rolling > 0 && (q->on_a->shape.rolling > 0 || q->on_b->shape.rolling > 0); }
+static bool rolls(const GroupPair *q) { return q->rub->rolling > 0 && (q->on_a->shape.rolling > 0 || q->on_b->shape.rolling > 0); }
 
 static bool wanted(const World *w, const Group *g)
 {
@@ -65,7 +65,7 @@ static dig_status rows(const EffectSlot *e, Group *g)
         RollRow *r = &g->rolls[g->roll_count++];
         *r = (RollRow){.contact = contact, .first = first, .count = i - first, .a = c->a, .b = c->b, .inv_k = inverse};
         r->reach = rolling_radius(q);
-        r->lever = q->rolling * r->reach;
+        r->lever = q->rub->rolling * r->reach;
         r->j = vec3_scale(g->h, contact_rolling(g, c));
     }
     return DIG_OK;

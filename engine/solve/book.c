@@ -178,7 +178,7 @@ static void book_lift(Group *g)
     real bounce = 0;
     for (int i = 0; i < g->point_count; i++)
         if (g->points[i].gap < 0)
-            bounce = real_max(bounce, g->pairs[g->contacts[g->points[i].contact].pair].restitution);
+            bounce = real_max(bounce, g->pairs[g->contacts[g->points[i].contact].pair].rub->restitution);
     if (g->row_count == 0 && g->lifted > 0)
         g->lost -= real_clamp((1 - bounce * bounce) * g->lifted, 0, real_max(0, g->lost));
 }

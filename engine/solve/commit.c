@@ -75,7 +75,7 @@ static void judge_pair(Group *g, int i, real dt, Verdict *v, int *changed, int *
         v->widened += widens;
         v->remembered += remembers && q->memory == NONE;
         v->live += c->live;
-        v->rubbing += c->live && q->friction > 0;
+        v->rubbing += c->live && q->rub->friction > 0;
     }
     if (q->touching != q->was_touching || (q->struck && !q->touching))
         changed[v->changed++] = i;

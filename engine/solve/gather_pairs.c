@@ -30,6 +30,8 @@ typedef struct Nearby {
     int    first, taken;        /* of g's pairs: near[0] becomes the first of so many */
     real  *places;              /* room for their points and hints */
     atomic_bool rolls;          /* there is one that has rolling resistance */
+    atomic_bool failed;         /* there was no memory         */
+    atomic_flag taking;         /* a thread takes from the arena */
 } Nearby;
 
 #define POINT_PLACE ((int)(sizeof(ContactPoint) / sizeof(real)))        /* of the group's places */
@@ -38,22 +40,45 @@ _Static_assert(sizeof(ManifoldPoint) + sizeof(PointMemory) == sizeof(ContactPoin
                sizeof(ManifoldCache) % sizeof(real) == 0, "points, memories and hints lie close together in reals");
 
 #define RUBS 16                 /* of two kinds of surfaces each */
-typedef struct KnownRub { Surface a, b; Rub rub; } KnownRub;
-typedef struct KnownRubs { bool known[RUBS]; KnownRub of[RUBS]; } KnownRubs;   /* only what is known is written */
+#define RUBS_ROOM 8             /* that are taken from the arena at once */
+typedef struct KnownRub { Surface a, b; const Rub *rub; } KnownRub;
+typedef struct KnownRubs { bool known[RUBS]; KnownRub of[RUBS]; Rub *room; int left; } KnownRubs;      /* of a share; only what is known is written */
 
-/* Of a pair that has no memory: mostly others have had the same two surfaces before it. */
-static Rub rub_as_before(const World *w, const Solid *a, const Solid *b, KnownRubs *known)
+/* Threads that gather together have one arena: a share seldom asks for more. */
+static Rub *rub_room(Nearby *n, KnownRubs *known)
 {
-    unsigned i = (unsigned)(3 * a->surface.material + b->surface.material) % RUBS;
-    KnownRub *k = &known->of[i];
-    if (!known->known[i] || memcmp(&k->a, &a->surface, sizeof k->a) != 0 || memcmp(&k->b, &b->surface, sizeof k->b) != 0)
-        *k = (KnownRub){a->surface, b->surface, surface_pair(w, &a->surface, &b->surface)};
-    known->known[i] = true;
-    return k->rub;
+    if (known->left == 0) {
+        while (atomic_flag_test_and_set_explicit(&n->taking, memory_order_acquire)) {
+        }
+        known->room = arena_alloc(n->g->arena, RUBS_ROOM * sizeof *known->room);
+        atomic_flag_clear_explicit(&n->taking, memory_order_release);
+        known->left = known->room ? RUBS_ROOM : 0;
+    }
+    return known->left > 0 ? &known->room[RUBS_ROOM - known->left--] : NULL;
 }
 
-static void gather_pair(Group *g, GroupPair *q, const Near *n, KnownRubs *known)
+/* Of a pair that has no memory: mostly others have had the same two surfaces before it. */
+static const Rub *rub_as_before(Nearby *n, const Solid *a, const Solid *b, KnownRubs *known)
 {
+    static const Rub none;
+    unsigned i = (unsigned)(3 * a->surface.material + b->surface.material) % RUBS;
+    KnownRub *k = &known->of[i];
+    if (known->known[i] && memcmp(&k->a, &a->surface, sizeof k->a) == 0 && memcmp(&k->b, &b->surface, sizeof k->b) == 0)
+        return k->rub;
+    Rub *rub = rub_room(n, known);
+    if (!rub) {
+        atomic_store_explicit(&n->failed, true, memory_order_relaxed);
+        return &none;
+    }
+    *rub = surface_pair(n->g->world, &a->surface, &b->surface);
+    *k = (KnownRub){a->surface, b->surface, rub};
+    known->known[i] = true;
+    return rub;
+}
+
+static void gather_pair(Nearby *nearby, GroupPair *q, const Near *n, KnownRubs *known)
+{
+    const Group *g = nearby->g;
     const World *w = g->world;
     const Pair *p = &w->pairs.data[n->slot];
     const Solid *a = &w->solids.data[p->solid_a], *b = &w->solids.data[p->solid_b];
@@ -63,7 +88,7 @@ static void gather_pair(Group *g, GroupPair *q, const Near *n, KnownRubs *known)
     q->on_a = a;
     q->on_b = b;
     const PairMemory *m = p->memory == NONE ? NULL : &w->memories.data[p->memory];
-    Rub rub = m ? m->rub : rub_as_before(w, a, b, known);
+    q->rub = m ? &m->rub : rub_as_before(nearby, a, b, known);
     q->memory = p->memory;
     if (q->hint)
         *q->hint = m ? m->cache : (ManifoldCache){.kind = 0};
@@ -71,10 +96,6 @@ static void gather_pair(Group *g, GroupPair *q, const Near *n, KnownRubs *known)
     q->reach = 0;
     q->until = g->crowd ? p->until : -1;
     q->meets = false;
-    q->friction = rub.friction;
-    q->friction_dynamic = rub.friction_dynamic;
-    q->rolling = rub.rolling;
-    q->restitution = rub.restitution;
     q->size = pair_size(&q->on_a->shape, &q->on_b->shape);
     q->fresh = p->fresh;
     q->was_touching = p->touching;
@@ -206,14 +227,15 @@ static void gather_near(void *context, int thread, int threads)
     Group *g = n->g;
     KnownRubs known;
     memset(known.known, 0, sizeof known.known);
+    known.left = 0;
     for (int i = team_first(n->taken, thread, threads), end = team_end(n->taken, thread, threads); i < end; i++) {
         const Near *near = &n->near[i];
         GroupPair *q = &g->pairs[n->first + i];
         fetch_near(g, n->near, n->taken, i);
         bool round = g->world->pairs.data[near->slot].round;
         q->hint = round ? NULL : (ManifoldCache *)(void *)(n->places + near->place + near->contacts * MANIFOLD_POINTS * POINT_PLACE);
-        gather_pair(g, q, near, &known);
-        if (q->rolling > 0)
+        gather_pair(n, q, near, &known);
+        if (q->rub->rolling > 0)
             atomic_store_explicit(&n->rolls, true, memory_order_relaxed);
         q->contact = near->contact;
         q->contacts = near->contacts;
@@ -320,7 +342,7 @@ static dig_status choose_near(Nearby *n)
  * body was thrown into one that nothing known had brought it to. */
 dig_status gather_pairs(Group *g, const uint32_t *pairs, int pair_count)
 {
-    Nearby n = {.g = g, .pairs = pairs, .count = pair_count};
+    Nearby n = {.g = g, .pairs = pairs, .count = pair_count, .taking = ATOMIC_FLAG_INIT};
     if (pair_count == 0)
         return DIG_OK;
     bool leaves = g->crowd && g->world->region_count == 0 && !g->again;
@@ -339,11 +361,13 @@ dig_status gather_pairs(Group *g, const uint32_t *pairs, int pair_count)
     if (!g->pairs || !g->contacts || !g->places)
         return DIG_E_MEMORY;
     team_deal(g->team, gather_near, &n);
+    if (atomic_load(&n.failed))
+        return DIG_E_MEMORY;
     g->pairs_roll = atomic_load(&n.rolls);
     spare_add(&g->spare, n.near, (size_t)pair_count * sizeof *n.near);
     if (leaves)
         spare_add(&g->spare, n.span, (size_t)g->body_count * sizeof *n.span);
-    return DIG_OK;
+    return g->world->region_count > 0 ? group_own_rubs(g, 0) : DIG_OK;
 }
 
 typedef struct Taking {         /* of those that are left out                       */
@@ -386,7 +410,7 @@ static int take_left(Taking *t)
 
 dig_status group_gather_struck(Group *g, const real *stop, real dt)
 {
-    Nearby n = {.g = g, .first = g->pair_count};
+    Nearby n = {.g = g, .first = g->pair_count, .taking = ATOMIC_FLAG_INIT};
     if (g->left_count == 0)
         return DIG_OK;
     int before = g->contact_count;
@@ -402,9 +426,11 @@ dig_status group_gather_struck(Group *g, const real *stop, real dt)
     if (!n.places)
         return DIG_E_MEMORY;
     team_deal(n.taken < STRUCK_LEAST ? NULL : g->team, gather_near, &n);
+    if (atomic_load(&n.failed))
+        return DIG_E_MEMORY;
     g->pairs_roll = g->pairs_roll || atomic_load(&n.rolls);
     spare_add(&g->spare, n.near, (size_t)n.taken * sizeof *n.near);
-    group_leave_out(g, n.first);
+    DIG_TRY(group_leave_out(g, n.first));
     if (g->acted)
         memset(g->acted + before, 0, (size_t)(g->contact_count - before) * sizeof *g->acted);
     if (g->contact_rest)        /* none of them has one in the world */
@@ -445,10 +471,28 @@ void group_close_left(Group *g)
     spare_add(&g->spare, g->contacts + g->contact_count, (size_t)g->left_count * sizeof *g->contacts);
 }
 
-void group_leave_out(Group *g, int first)
+dig_status group_own_rubs(Group *g, int first)
 {
-    for (int i = first; i < g->pair_count && !(g->laws >> LAW_FRICTION & 1); i++)
-        g->pairs[i].friction = g->pairs[i].friction_dynamic = 0;
-    for (int i = first; i < g->pair_count && g->pairs_roll && !(g->laws >> LAW_ROLLING & 1); i++)
-        g->pairs[i].rolling = 0;
+    if (!g->rubs) {
+        g->rubs = arena_alloc(g->arena, (size_t)(g->pair_count + g->left_count) * sizeof *g->rubs);
+        first = 0;
+    }
+    for (int i = first; i < g->pair_count && g->rubs; i++) {
+        g->rubs[i] = *g->pairs[i].rub;
+        g->pairs[i].rub = &g->rubs[i];
+    }
+    return g->rubs ? DIG_OK : DIG_E_MEMORY;
+}
+
+dig_status group_leave_out(Group *g, int first)
+{
+    bool rubs = g->laws >> LAW_FRICTION & 1, rolls = !g->pairs_roll || g->laws >> LAW_ROLLING & 1;
+    if ((rubs && rolls) || first == g->pair_count)
+        return DIG_OK;
+    DIG_TRY(group_own_rubs(g, first));
+    for (int i = first; i < g->pair_count; i++) {
+        Rub *own = &g->rubs[i];
+        *own = (Rub){rubs ? own->friction : 0, rubs ? own->friction_dynamic : 0, rolls ? own->rolling : 0, own->restitution};
+    }
+    return DIG_OK;
 }

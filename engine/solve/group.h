@@ -185,17 +185,17 @@ typedef struct GroupPair {
     int      a, b;              /* local bodies                     */
     int      contact, contacts; /* range of the group's contacts    */
     int      impact;            /* its entry of Group.impacts + 1; 0 = none */
-    bool     struck;            /* an impact happened in this step  */
-    bool     meets;             /* in this substep, whatever it looks like at its start */
+    bool     struck : 1;        /* an impact happened in this step  */
+    bool     meets : 1;         /* in this substep, whatever it looks like at its start */
+    bool     fresh : 1;         /* the manifold must be made anew  */
+    bool     was_touching : 1;  /* at the end of the last step     */
+    bool     touching : 1;      /* of this one, by group_judge     */
+    bool     both_moved : 1;    /* neither was at rest before      */
     uint8_t  presses;           /* bits: at which points it presses as it did before, in this substep */
-    bool     fresh;             /* the manifold must be made anew  */
-    bool     was_touching;      /* at the end of the last step     */
-    bool     touching;          /* of this one, by group_judge     */
-    bool     both_moved;        /* neither was at rest before      */
     Covered  covered;           /* faces that joints hold to the next piece of the same thing */
+    const Rub *rub;             /* of its two surfaces; many pairs may have one, see group_own_rubs */
     const Solid *on_a, *on_b;   /* the world's, with their shapes      */
     real     speed;             /* m/s  fastest approach seen by the rows; once struck, of its impacts */
-    real     friction, friction_dynamic, rolling, restitution;
     real     size;              /* m   of the smaller solid: scale of tolerances */
     real     reach;             /* m   so far ahead its contact looks  */
     real     until;             /* m   see Pair; < 0 but in a crowd    */
@@ -292,6 +292,7 @@ struct Group {
     GroupPair *pairs;       int pair_count;     /* there is room for those left out, too */
     Left     *left;         int left_count, left_end;       /* see group_gather_struck; the list's end, with those taken since */
     bool     pairs_roll;        /* some pair may have rolling resistance */
+    Rub      *rubs;             /* [pair_count and left_count] each pair's own, that may be changed; NULL: it is what its surfaces are */
     int      *walled;       int walled_count;       /* pairs with something fixed, see seam.c */
     bool     *astray;           /* [moving_count] who got farther than foreseen; NULL: not known */
     Things   *things;           /* NULL: there are none */
@@ -425,7 +426,8 @@ dig_status group_gather_struck(Group *g, const real *stop, real dt);
 dig_status group_gather_rest(Group *g);                 /* contact_rest, as the world has it */
 dig_status group_open_acted(Group *g);                  /* acted, of all contacts: nothing yet */
 void       group_close_left(Group *g);                  /* no more of them come in: their room is spare */
-void       group_leave_out(Group *g, int first);        /* what no effect stands for, of pairs from this on */
+dig_status group_own_rubs(Group *g, int first);         /* rubs: of pairs from this on, and of those that came before */
+dig_status group_leave_out(Group *g, int first);        /* what no effect stands for, of pairs from this on */
 dig_status group_judge(Group *g, real dt);              /* at the end of the step: who touches */
 void       group_commit_records(World *w, Group *g);    /* of contacts; one group at a time */
 void       group_commit(World *w, const Group *g);      /* then what is in them: groups at once */
@@ -483,7 +485,7 @@ int  group_overloaded(Group *g, real dt, real *share);  /* the joint most over i
 /* keep.c */
 struct GroupKept {              /* a group as it was */
     Pos *pos; Vel *vel; Mass *mass; Member *member; GroupPair *pairs; GroupContact *contacts; real *places; GroupJoint *joints;
-    Apart *apart; Impact *impacts;
+    Apart *apart; Impact *impacts; Rub *rubs;
     Vel *start_vel; Been *been; ContactRest *contact_rest; Acted *acted;
     Group scalars;
     void *block; size_t bytes;  /* where all that lies */

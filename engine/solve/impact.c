@@ -58,8 +58,8 @@ static void build_rows(Group *g)
                 continue;
             PointRow *r = &g->points[g->point_count++];
             point_row_make(g, r, i, k);
-            r->friction = q->friction;
-            r->friction_dynamic = q->friction_dynamic;
+            r->friction = q->rub->friction;
+            r->friction_dynamic = q->rub->friction_dynamic;
         }
     }
     group_build_joints(g, false);
@@ -388,13 +388,13 @@ static real choose_elastic(Group *g, bool *on, const real *rate)
 {
     real fastest = 0;
     for (int i = 0; i < g->point_count; i++) {
-        real e = g->pairs[g->contacts[g->points[i].contact].pair].restitution;
+        real e = g->pairs[g->contacts[g->points[i].contact].pair].rub->restitution;
         if (-rate[i] * e > g->close_speed && -rate[i] > fastest)
             fastest = -rate[i];
     }
     for (int i = 0; i < g->point_count && fastest > 0; i++) {
         const PointRow *r = &g->points[i];
-        real e = g->pairs[g->contacts[r->contact].pair].restitution;
+        real e = g->pairs[g->contacts[r->contact].pair].rub->restitution;
         bool tie = -rate[i] * e > g->close_speed && -rate[i] >= fastest * (1 - 1e-7);
         for (int k = 0; tie && k < g->point_count; k++)
             if (g->points[k].a == r->a && g->points[k].b == r->b)
@@ -542,7 +542,7 @@ static bool strike_once(Group *g, bool *on, real *rate, bool allow_elastic)
         return false;
     bool elastic = allow_elastic && choose_elastic(g, on, rate) > 0;
     for (int i = 0; i < g->point_count; i++) {
-        real e = elastic && on[i] ? g->pairs[g->contacts[g->points[i].contact].pair].restitution : 0;
+        real e = elastic && on[i] ? g->pairs[g->contacts[g->points[i].contact].pair].rub->restitution : 0;
         g->points[i].target = (rate[i] < 0 ? -e * rate[i] : 0) - squeeze_of(g, g->points[i].contact).rate;
         if (!elastic || is_held(g, &g->points[i], rate[i], approach))
             on[i] = true;

@@ -27,7 +27,8 @@ bool group_keep_in(const Group *g, GroupKept *k)
     size_t bytes = SIZE(pos, bodies) + SIZE(vel, bodies) + SIZE(mass, bodies) + SIZE(member, bodies)
         + SIZE(pairs, g->pair_count) + SIZE(contacts, g->contact_count) + SIZE(places, g->place_count) + SIZE(joints, g->joint_count)
         + SIZE(apart, g->apart ? g->moving_count : 0) + SIZE(start_vel, bodies) + SIZE(been, bodies) + SIZE(contact_rest, g->contact_count)
-        + SIZE(acted, g->contact_count) + SIZE(impacts, g->impact_count);
+        + SIZE(acted, g->contact_count) + SIZE(impacts, g->impact_count)
+        + SIZE(rubs, g->rubs ? g->pair_count : 0);
     if (bytes > k->bytes) {
         k->block = arena_alloc(g->arena, bytes);
         k->bytes = k->block ? bytes : 0;
@@ -45,6 +46,7 @@ bool group_keep_in(const Group *g, GroupKept *k)
     KEEP(contact_rest, g->contact_count);
     KEEP(acted, g->contact_count);
     KEEP(impacts, g->impact_count);
+    KEEP(rubs, g->rubs ? g->pair_count : 0);
     KEEP(pairs, g->pair_count);
     KEEP(contacts, g->contact_count);
     KEEP(places, g->place_count);
@@ -77,6 +79,7 @@ void group_put_back(Group *g, const GroupKept *k)
     BACK(contact_rest, g->contact_count);
     BACK(acted, g->contact_count);
     BACK(impacts, k->scalars.impact_count);
+    BACK(rubs, g->rubs ? g->pair_count : 0);
     *g = k->scalars;
     g->evaluations = evaluations;
     g->refused = refused;

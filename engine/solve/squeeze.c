@@ -87,7 +87,7 @@ static bool by_mover(const Group *g, const GroupContact *c) { return g->member[c
 static void squeeze(Group *g, int i, int j, int body, Jaws which, real ahead)
 {
     const GroupContact *c = &g->contacts[i], *d = &g->contacts[j];
-    Jaws kind = g->pairs[c->pair].friction > 0 && g->pairs[d->pair].friction > 0 ? JAWS_RUB : JAWS_SLIP;
+    Jaws kind = g->pairs[c->pair].rub->friction > 0 && g->pairs[d->pair].rub->friction > 0 ? JAWS_RUB : JAWS_SLIP;
     bool holds = which == JAWS_RUB;
     if (!(which & kind) || (holds && !by_mover(g, c) && !by_mover(g, d)))
         return;

@@ -88,15 +88,16 @@ static void call_effects(Group *g)
 }
 
 /* What no effect stands for is kept from the ways. Pairs come back when the step is judged: bodies may touch without force. */
-static void leave_out(Group *g)
+static dig_status leave_out(Group *g)
 {
-    group_leave_out(g, 0);
+    DIG_TRY(group_leave_out(g, 0));
     if (!(g->laws >> LAW_JOINTS & 1))
         g->joint_count = 0;
     if (!(g->laws >> LAW_PUSH & 1))
         g->push_count = 0;
     if (!(g->laws >> LAW_CONTACT & 1))
         g->pair_count = g->contact_count = g->left_count = g->left_end = 0;
+    return DIG_OK;
 }
 
 static bool is_sphere(const Body *b) { return b->round_inertia && b->rim == 0; }
@@ -119,7 +120,7 @@ static void keep_spins(Group *g, real dt)
 static dig_status advance_judged(Group *g, real dt)
 {
     int pairs = g->pair_count, contacts = g->contact_count;
-    leave_out(g);
+    DIG_TRY(leave_out(g));
     DIG_TRY(group_apart(g));
     watch_start(g);
     DIG_TRY(group_advance(g, dt));

@@ -46,7 +46,7 @@ static bool suits(const Group *g)
         bool a = is_ball(g, q->a, &q->on_a->shape, pair_local(q, false)), b = is_ball(g, q->b, &q->on_b->shape, pair_local(q, true));
         if (!(a && b) && !(a && is_wall(g, q->b, &q->on_b->shape)) && !(b && is_wall(g, q->a, &q->on_a->shape)))
             return false;
-        if (q->friction > 0 || q->rolling > 0 || q->restitution < LIVELY || q->contacts != 1)
+        if (q->rub->friction > 0 || q->rub->rolling > 0 || q->rub->restitution < LIVELY || q->contacts != 1)
             return false;
         const GroupContact *c = &g->contacts[q->contact];
         if (!(a && b) && c->manifold.count > 0 && contact_memory(c)[0].held > 0)    /* it rests there */
@@ -141,7 +141,7 @@ static void strike(Billiard *b, int pair, real time)
     vec3 n = c->manifold.normal;
     real rate = c->live ? vec3_dot(n, vec3_sub(g->vel[q->b].v, g->vel[q->a].v)) : 0, im = g->mass[q->a].im + g->mass[q->b].im;
     if (rate < 0) {
-        real e = -rate * q->restitution > g->close_speed ? q->restitution : 0, j = -(1 + e) * rate / im, lost = 0.5 * (1 - e * e) * rate * rate / im;
+        real e = -rate * q->rub->restitution > g->close_speed ? q->rub->restitution : 0, j = -(1 + e) * rate / im, lost = 0.5 * (1 - e * e) * rate * rate / im;
         g->vel[q->a].v = vec3_mad(g->vel[q->a].v, -j * g->mass[q->a].im, n);
         g->vel[q->b].v = vec3_mad(g->vel[q->b].v, j * g->mass[q->b].im, n);
         Acted *acted = contact_acted(g, c);

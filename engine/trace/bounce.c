@@ -99,7 +99,7 @@ static bool is_series(const Tracer *t, Series *s)
     s->r = c->gate.rate;
     s->a = -vec3_dot(t->acc0[0], s->out);
     s->along = vec3_mad(t->acc0[0], s->a, s->out);
-    s->e = g->pairs[g->contacts[c->contact].pair].restitution;
+    s->e = g->pairs[g->contacts[c->contact].pair].rub->restitution;
     if (!(s->a > 0 && s->e > 0 && s->e < 1))
         return false;
     s->last = 2 * s->r / (s->a * (1 - s->e));

@@ -35,7 +35,7 @@ static int only_contact(const Group *g)
             return -1;
         if (c->manifold.count == 0 && !c->live)
             continue;
-        if (only >= 0 || q->rolling > 0 || !held(c))
+        if (only >= 0 || q->rub->rolling > 0 || !held(c))
             return -1;
         only = q->contact;
     }
@@ -115,11 +115,11 @@ INLINE void look(Glide *s)
 /* Friction of a point, on b, as its slip wants it. */
 static bool rub(Glide *s, vec3 *tangent, real normal)
 {
-    real speed = vec3_length(s->slip), most = s->q->friction_dynamic * normal;
-    if (!(s->q->friction > 0))
+    real speed = vec3_length(s->slip), most = s->q->rub->friction_dynamic * normal;
+    if (!(s->q->rub->friction > 0))
         return !s->slides && vec3_is_zero(*tangent);
     if (!s->slides)
-        return speed <= 1e-3 * s->scales->slip_zero && vec3_length(*tangent) <= s->q->friction * normal;
+        return speed <= 1e-3 * s->scales->slip_zero && vec3_length(*tangent) <= s->q->rub->friction * normal;
     real length = vec3_length(*tangent);
     if (!(speed > s->scales->slip_zero) || !(vec3_dot(*tangent, s->slip) < -FOLLOWS * length * speed) || !(fabs(length - most) <= SAME * most))
         return false;
@@ -148,7 +148,7 @@ INLINE bool balances(Glide *s)
         vec3 force = vec3_scale(s->side, vec3_mad(f->tangent, f->normal, s->normal));
         s->acc = vec3_mad(s->acc, mass->im, force);
         torque = vec3_add(torque, vec3_cross(s->lever[k], force));
-        bound += s->q->friction_dynamic * f->normal;
+        bound += s->q->rub->friction_dynamic * f->normal;
     }
     s->alpha = mat3_mul_vec(mass->ii, torque);
     bool spins_up = vec3_length(s->alpha) * m->outer > zero;
@@ -161,7 +161,7 @@ INLINE bool balances(Glide *s)
     s->slip_end = vec3_mad(s->slip, s->h, change);
     if (!(fabs(lift) <= ROUNDING * scale))
         return false;
-    if (!(s->q->friction > 0))
+    if (!(s->q->rub->friction > 0))
         return true;
     if (!s->slides)
         return vec3_length(change) <= zero;
@@ -196,7 +196,7 @@ static bool rolls(Glide *s)
     real rate = vec3_dot(up, slip), turn = vec3_dot(up, table->w), press = -vec3_dot(up, m->force);
     real lever = -vec3_dot(up, s->lever[0]), inverse = vec3_dot(up, mat3_mul_vec(mass->ii, up));
     real zero = BALANCE * (g->fall + 1e-9 * s->scales->size * s->scales->pace * s->scales->pace);
-    bool fits = s->ball && m->round && !s->c->manifold.slides && s->q->friction > 0;
+    bool fits = s->ball && m->round && !s->c->manifold.slides && s->q->rub->friction > 0;
     if (!fits || vec3_length(vec3_cross(table->w, up)) > SAME * fabs(turn))
         return false;
     if (!closed(s, s->points[0].gap) || !closed(s, rate / s->scales->pace) || !(vec3_length(vec3_mad(slip, -rate, up)) <= 1e-3 * s->scales->slip_zero))
@@ -211,7 +211,7 @@ static bool rolls(Glide *s)
     s->force[0].normal = press;
     s->slip = s->slip_end = vec3_zero();
     s->slides = false;
-    return fabs(s->rate) * vec3_length(s->course) <= s->q->friction * press * mass->im;
+    return fabs(s->rate) * vec3_length(s->course) <= s->q->rub->friction * press * mass->im;
 }
 
 /* m/s  What its velocity gains in a time. */

@@ -26,12 +26,12 @@ static void new_contact(const Tracer *t, Touching *c, const GroupPair *q, const 
     c->slip.weight = c->roll.weight = 1;
     c->gate.force = memory->normal;
     c->slip.force = memory->tangent;
-    c->slip.axes = q->friction > 0 ? 2 : 0;
-    c->slip.still = q->friction;
-    c->slip.moving = q->friction_dynamic;
+    c->slip.axes = q->rub->friction > 0 ? 2 : 0;
+    c->slip.still = q->rub->friction;
+    c->slip.moving = q->rub->friction_dynamic;
     real a = q->on_a->shape.rolling, b = q->on_b->shape.rolling, radius = a > 0 && b > 0 ? a * b / (a + b) : real_max(a, b);
-    c->roll.axes = q->rolling > 0 && radius > 0 && !t->g->planar ? 3 : 0;
-    c->roll.still = c->roll.moving = q->rolling * radius;
+    c->roll.axes = q->rub->rolling > 0 && radius > 0 && !t->g->planar ? 3 : 0;
+    c->roll.still = c->roll.moving = q->rub->rolling * radius;
     if (c->roll.axes && from->manifold.count == 1)
         c->roll.force = contact_rolling(t->g, from);
 }
