@@ -561,5 +561,5 @@ dig_status crowd_touch(Crowd *c)
     DIG_TRY(look_behind(c, t.ends, most));
     spare_add(&g->spare, t.ends, most * sizeof *t.ends);
     group_close_left(g);
-    return DIG_OK;
+    return g->no_room ? DIG_E_MEMORY : DIG_OK;
 }

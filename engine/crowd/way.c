@@ -270,9 +270,6 @@ static dig_status advance_pieces(const Crowd *whole, int pieces, const GroupKept
     return DIG_OK;
 }
 
-/* One group at most has so large a part of what is awake: it does not give back what a piece of its step took until the step is over. */
-#define HALF_AWAKE 2
-
 static dig_status advance(Group *g, real dt)
 {
     Width width = (Width)g->world->width;
@@ -282,7 +279,9 @@ static dig_status advance(Group *g, real dt)
     GroupKept before;
     DIG_TRY(crowd_pieces(&whole, &pieces));
     bool may_pass = crowd_may_pass(&whole, pieces);
-    whole.alone = pieces == 1 && !may_pass && !g->acted && HALF_AWAKE * g->moving_count > g->world->awake.count;
+    whole.alone = pieces == 1 && !may_pass && !g->acted && group_is_most(g);
+    if (!whole.alone)       /* what a piece takes from the arena may be given back after it */
+        DIG_TRY(group_fill_out(g));
     if (!whole.alone && !g->acted)
         DIG_TRY(group_open_acted(g));
     if (may_pass)

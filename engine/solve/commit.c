@@ -99,7 +99,7 @@ dig_status group_judge(Group *g, real dt)
     Judge j = {.g = g, .dt = dt, .verdict = arena_alloc(g->arena, (size_t)shares * sizeof *j.verdict)};
     g->changed = spare_take(&g->spare, g->arena, (size_t)g->pair_count * sizeof *g->changed);
     g->turned = spare_take(&g->spare, g->arena, (size_t)g->contact_count * sizeof *g->turned);
-    if (!j.verdict || !g->changed || !g->turned)
+    if (!j.verdict || !g->changed || !g->turned || g->no_room)
         return DIG_E_MEMORY;
     team_deal(g->team, judge_share, &j);
     g->changed_count = g->turned_count = g->widened_count = g->remembered_count = g->live_count = g->rubbing_count = 0;
@@ -293,8 +293,10 @@ static void fetch_commit(const World *w, const Group *g, int i)
     const GroupPair *q = &g->pairs[i + FETCH_AHEAD];
     const GroupContact *from = &g->contacts[q->contact];
     uint32_t slot = from->slot;
-    fetch_soon(from->manifold.points, (size_t)from->manifold.count * sizeof(ManifoldPoint));
-    fetch_soon(contact_memory(from), (size_t)from->manifold.count * sizeof(PointMemory));
+    if (from->manifold.count > 0) {
+        fetch_soon(from->manifold.points, (size_t)from->manifold.count * sizeof(ManifoldPoint));
+        fetch_soon(contact_memory(from), (size_t)from->manifold.count * sizeof(PointMemory));
+    }
     fetch_more(w, g->contacts[g->pairs[i + FETCH_AHEAD / 2].contact].slot);
     fetch_soon(&w->pairs.data[q->slot], sizeof(Pair));
     if (q->memory != NONE && q->hint) {

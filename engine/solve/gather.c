@@ -271,6 +271,7 @@ dig_status group_weigh(Group *g)
         DIG_TRY(group_gather_rest(g));
     if (!g->acted)
         DIG_TRY(group_open_acted(g));
+    DIG_TRY(group_fill_out(g));
     g->mass = arena_alloc(g->arena, (size_t)g->body_count * sizeof *g->mass);
     g->shift = arena_alloc(g->arena, (size_t)(g->body_count + 1) * sizeof *g->shift);        /* takes turns with vel */
     g->start_vel = arena_alloc(g->arena, (size_t)g->body_count * sizeof *g->start_vel);

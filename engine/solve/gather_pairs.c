@@ -31,10 +31,8 @@ typedef struct Nearby {
     real  *places;              /* room for their points and hints */
     atomic_bool rolls;          /* there is one that has rolling resistance */
     atomic_bool failed;         /* there was no memory         */
-    atomic_flag taking;         /* a thread takes from the arena */
 } Nearby;
 
-#define POINT_PLACE ((int)(sizeof(ContactPoint) / sizeof(real)))        /* of the group's places */
 #define HINT_PLACE  ((int)(sizeof(ManifoldCache) / sizeof(real)))
 _Static_assert(sizeof(ManifoldPoint) + sizeof(PointMemory) == sizeof(ContactPoint) && sizeof(ContactPoint) % sizeof(real) == 0 &&
                sizeof(ManifoldCache) % sizeof(real) == 0, "points, memories and hints lie close together in reals");
@@ -44,14 +42,21 @@ _Static_assert(sizeof(ManifoldPoint) + sizeof(PointMemory) == sizeof(ContactPoin
 typedef struct KnownRub { Surface a, b; const Rub *rub; } KnownRub;
 typedef struct KnownRubs { bool known[RUBS]; KnownRub of[RUBS]; Rub *room; int left; } KnownRubs;      /* of a share; only what is known is written */
 
-/* Threads that gather together have one arena: a share seldom asks for more. */
+/* Threads of a team have one arena, of which they seldom ask for more. */
+static void begin_taking(Group *g)
+{
+    while (atomic_flag_test_and_set_explicit(&g->taking, memory_order_acquire)) {
+    }
+}
+
+static void end_taking(Group *g) { atomic_flag_clear_explicit(&g->taking, memory_order_release); }
+
 static Rub *rub_room(Nearby *n, KnownRubs *known)
 {
     if (known->left == 0) {
-        while (atomic_flag_test_and_set_explicit(&n->taking, memory_order_acquire)) {
-        }
+        begin_taking(n->g);
         known->room = arena_alloc(n->g->arena, RUBS_ROOM * sizeof *known->room);
-        atomic_flag_clear_explicit(&n->taking, memory_order_release);
+        end_taking(n->g);
         known->left = known->room ? RUBS_ROOM : 0;
     }
     return known->left > 0 ? &known->room[RUBS_ROOM - known->left--] : NULL;
@@ -122,7 +127,7 @@ static void gather_contact(const World *w, const GroupPair *q, int pair, uint32_
     to->grips = from->grips;
     to->manifold.normal = from->normal;
     to->manifold.count = int_min(from->count, to->manifold.room);
-    to->manifold.points = (ManifoldPoint *)(void *)places;
+    to->manifold.points = (ManifoldPoint *)(void *)places;      /* NULL: there is none to remember */
     for (int k = 0; k < to->manifold.count; k++) {
         const ContactPoint *p = contact_point_seen(w, from, k);
         to->manifold.points[k] = p->at;
@@ -185,6 +190,14 @@ static void find_near(void *context, int thread, int threads)
     }
 }
 
+/* Of the group's places: of a sparse one's pair without a record of its contact only what its hint takes. */
+static int places_of(const Group *g, const Near *n)
+{
+    if (!g->sparse || n->first != NONE)
+        return n->place;
+    return n->place == POINT_PLACE ? 0 : HINT_PLACE;
+}
+
 /* Of the pairs that come after number i: the next ones but some, and of the next ones what they name. */
 static void fetch_near(const Group *g, const Near *near, int count, int i)
 {
@@ -213,10 +226,11 @@ static void gather_pair_contacts(const Nearby *n, const Near *near, GroupPair *q
     Group *g = n->g;
     const World *w = g->world;
     uint32_t c = near->first;
+    bool bare = g->sparse && c == NONE;
     for (int k = 0; k < near->contacts; k++) {
         GroupContact *to = &g->contacts[q->contact + k];
         to->manifold.room = q->hint ? MANIFOLD_POINTS : 1;
-        gather_contact(w, q, pair, c, n->places + near->place + k * to->manifold.room * POINT_PLACE, to);
+        gather_contact(w, q, pair, c, bare ? NULL : n->places + near->place + k * to->manifold.room * POINT_PLACE, to);
         c = c == NONE ? NONE : w->contacts.data[c].next;
     }
 }
@@ -233,7 +247,8 @@ static void gather_near(void *context, int thread, int threads)
         GroupPair *q = &g->pairs[n->first + i];
         fetch_near(g, n->near, n->taken, i);
         bool round = g->world->pairs.data[near->slot].round;
-        q->hint = round ? NULL : (ManifoldCache *)(void *)(n->places + near->place + near->contacts * MANIFOLD_POINTS * POINT_PLACE);
+        int points = g->sparse && near->first == NONE ? 0 : near->contacts * MANIFOLD_POINTS * POINT_PLACE;
+        q->hint = round ? NULL : (ManifoldCache *)(void *)(n->places + near->place + points);
         gather_pair(n, q, near, &known);
         if (q->rub->rolling > 0)
             atomic_store_explicit(&n->rolls, true, memory_order_relaxed);
@@ -248,7 +263,7 @@ static int place_near(Group *g, Near *near, int count)
 {
     int places = 0;
     for (int i = 0; i < count; i++) {
-        int needed = near[i].place;
+        int needed = places_of(g, &near[i]);
         near[i].contact = g->contact_count;
         near[i].place = places;
         g->contact_count += near[i].contacts;
@@ -279,7 +294,7 @@ static void sum_share(void *context, int thread, int threads)
         }
         sum.taken++;
         sum.contacts += near->contacts;
-        sum.places += near->place;
+        sum.places += places_of(x->n->g, near);
     }
     x->sum[thread] = sum;
 }
@@ -296,7 +311,7 @@ static void sort_share(void *context, int thread, int threads)
             x->n->g->left[at.left++] = (Left){near.slot, near.a, near.b, near.slack, near.place};
         if (near.contacts <= 0)
             continue;
-        int needed = near.place;
+        int needed = places_of(x->n->g, &near);
         near.contact = at.contacts;
         near.place = at.places;
         at.contacts += near.contacts;
@@ -338,14 +353,17 @@ static dig_status choose_near(Nearby *n)
     return DIG_OK;
 }
 
+#define SPARSE_LEAST 1024        /* pairs: fewer fit a cache anyway */
+
 /* All pairs that are left out may yet come in, and each has one contact. None is where a region has laws of its own for pairs, nor where a
  * body was thrown into one that nothing known had brought it to. */
 dig_status gather_pairs(Group *g, const uint32_t *pairs, int pair_count)
 {
-    Nearby n = {.g = g, .pairs = pairs, .count = pair_count, .taking = ATOMIC_FLAG_INIT};
+    Nearby n = {.g = g, .pairs = pairs, .count = pair_count};
     if (pair_count == 0)
         return DIG_OK;
     bool leaves = g->crowd && g->world->region_count == 0 && !g->again;
+    g->sparse = g->crowd && pair_count >= SPARSE_LEAST && group_is_most(g);
     n.span = leaves ? arena_alloc(g->arena, (size_t)g->body_count * sizeof *n.span) : NULL;
     n.near = arena_alloc(g->arena, (size_t)pair_count * sizeof *n.near);
     if (!n.near || (leaves && !n.span))
@@ -410,7 +428,7 @@ static int take_left(Taking *t)
 
 dig_status group_gather_struck(Group *g, const real *stop, real dt)
 {
-    Nearby n = {.g = g, .first = g->pair_count, .taking = ATOMIC_FLAG_INIT};
+    Nearby n = {.g = g, .first = g->pair_count};
     if (g->left_count == 0)
         return DIG_OK;
     int before = g->contact_count;
@@ -469,6 +487,37 @@ void group_close_left(Group *g)
     g->left_end = g->left_count;
     spare_add(&g->spare, g->pairs + g->pair_count, (size_t)g->left_count * sizeof *g->pairs);
     spare_add(&g->spare, g->contacts + g->contact_count, (size_t)g->left_count * sizeof *g->contacts);
+}
+
+#define ROOM_AT_ONCE 64         /* contacts, that a crowd takes room for from the arena */
+
+bool group_take_room(Group *g, GroupContact *c)
+{
+    int needed = c->manifold.room * POINT_PLACE;
+    begin_taking(g);
+    if (g->room_left < needed) {
+        g->room_left = ROOM_AT_ONCE * needed;
+        g->room = arena_alloc(g->arena, (size_t)g->room_left * sizeof *g->room);
+        if (!g->room) {
+            g->room_left = 0;
+            g->no_room = true;
+        }
+    }
+    if (g->room_left >= needed) {
+        g->room_left -= needed;
+        c->manifold.points = (ManifoldPoint *)(void *)(g->room + g->room_left);
+    }
+    end_taking(g);
+    return c->manifold.points;
+}
+
+dig_status group_fill_out(Group *g)
+{
+    for (int i = 0; i < g->contact_count && g->sparse; i++)
+        if (!group_has_room(g, &g->contacts[i]))
+            return DIG_E_MEMORY;
+    g->sparse = false;
+    return DIG_OK;
 }
 
 dig_status group_own_rubs(Group *g, int first)

@@ -126,7 +126,7 @@ typedef struct JointRow {
 /* A manifold with as many points as its shapes can have. */
 typedef struct GroupManifold {
     vec3     normal;
-    ManifoldPoint *points;      /* in the group's places            */
+    ManifoldPoint *points;      /* in the group's places; NULL: there was none, and there is no room yet (group_points) */
     int      count;
     uint8_t  room;              /* points and memories there can be */
     uint8_t  left;              /* bit per point without a row in this substep: where it closes, that is located as an impact */
@@ -316,6 +316,10 @@ struct Group {
     bool      squeezes;
     Carried  *carried;      int carried_count;
     int      *jaws;         int jaw_count;      /* contacts of those that are held */
+    bool      sparse;           /* contacts that had no point have no room either: of a large crowd that is most of what is awake */
+    atomic_flag taking;         /* a thread of the team takes from the arena, or of these: */
+    real     *room;         int room_left;      /* for points of such contacts */
+    bool      no_room;          /* there was no memory for them     */
     real     *places;       int place_count;    /* of each contact, room for its points first, then for their memories; then of its pair, for
                                                          * a hint, unless with a ball; of those that came in later elsewhere */
     GroupJoint *joints;     int joint_count;
@@ -418,6 +422,9 @@ static inline Acted *acted_in(const Group *g, int contact)
     return (int)i < 0 ? NULL : &g->few[i / ACTED_BLOCK][i % ACTED_BLOCK];
 }
 
+/* One group at most has so large a part of what is awake: as a crowd it does not give back what a piece of its step took until the step is over. */
+static inline bool group_is_most(const Group *g) { return 2 * g->moving_count > g->world->awake.count; }
+
 /* gather.c */
 dig_status group_gather(Group *g, const World *w, const uint32_t *leads, int dig_count, const uint32_t *pairs, int pair_count,
                         Arena *arena);
@@ -426,6 +433,11 @@ dig_status group_gather_struck(Group *g, const real *stop, real dt);
 dig_status group_gather_rest(Group *g);                 /* contact_rest, as the world has it */
 dig_status group_open_acted(Group *g);                  /* acted, of all contacts: nothing yet */
 void       group_close_left(Group *g);                  /* no more of them come in: their room is spare */
+#define POINT_PLACE ((int)(sizeof(ContactPoint) / sizeof(real)))        /* of the group's places */
+/* Room for points that a contact has had none for, by any thread of the group's; false: no memory, and the step will fail. */
+bool       group_take_room(Group *g, GroupContact *c);
+static inline bool group_has_room(Group *g, GroupContact *c) { return c->manifold.points || group_take_room(g, c); }
+dig_status group_fill_out(Group *g);                    /* room for all contacts, where they are sparse */
 dig_status group_own_rubs(Group *g, int first);         /* rubs: of pairs from this on, and of those that came before */
 dig_status group_leave_out(Group *g, int first);        /* what no effect stands for, of pairs from this on */
 dig_status group_judge(Group *g, real dt);              /* at the end of the step: who touches */

@@ -43,10 +43,10 @@ static void keep_memory(GroupContact *c, const Before *old)
     }
 }
 
-static void put_points(GroupContact *c, const Manifold *found)
+static void put_points(Group *g, GroupContact *c, const Manifold *found)
 {
     c->manifold.normal = found->normal;
-    c->manifold.count = int_min(found->count, c->manifold.room);
+    c->manifold.count = found->count > 0 && group_has_room(g, c) ? int_min(found->count, c->manifold.room) : 0;
     c->live = c->manifold.count > 0;
     for (int k = 0; k < c->manifold.count; k++)
         c->manifold.points[k] = found->points[k];
@@ -85,7 +85,7 @@ static void touch_pieces(Group *g, GroupPair *q, const Manifold *found, const ui
         if (i >= count)
             continue;
         c->piece = pieces[i];
-        put_points(c, &found[i]);
+        put_points(g, c, &found[i]);
         vec3 rolling = vec3_zero();
         keep_memory(c, &none);
         for (int k = 0; k < contacts; k++)
@@ -100,7 +100,7 @@ static void touch_pieces(Group *g, GroupPair *q, const Manifold *found, const ui
 }
 
 /* Finds the points anew. False: what was found is hidden, and there may be something nearer than the pair's reach without a point. */
-static bool touch_again(const Group *g, GroupPair *q, GroupContact *c, pose pa, pose pb, bool apart)
+static bool touch_again(Group *g, GroupPair *q, GroupContact *c, pose pa, pose pb, bool apart)
 {
     Manifold found;
     Before old;
@@ -112,7 +112,7 @@ static bool touch_again(const Group *g, GroupPair *q, GroupContact *c, pose pa, 
         manifold_of_parts(&q->on_a->shape, pa, &q->on_b->shape, pb, q->reach, q->covered, q->hint, &found);
         hidden = seam_uncover(g, q, pa, pb, &found);
     }
-    put_points(c, &found);
+    put_points(g, c, &found);
     keep_memory(c, &old);
     return !hidden;
 }
@@ -135,11 +135,11 @@ static vec3 centre_of(const Group *g, int body, vec3 local)
 }
 
 /* Two balls, which most of a large crowd are: as manifold_collide finds it. */
-static real touch_balls(const Group *g, GroupPair *q, GroupContact *c, real reach)
+static real touch_balls(Group *g, GroupPair *q, GroupContact *c, real reach)
 {
     vec3 a = centre_of(g, q->a, q->on_a->arm), b = centre_of(g, q->b, q->on_b->arm), d = vec3_sub(b, a);
     real length = vec3_length(d), gap = length - q->on_a->shape.round - q->on_b->shape.round;
-    c->live = gap <= reach;
+    c->live = gap <= reach && group_has_room(g, c);
     if (!c->live) {
         c->manifold.count = 0;
         return gap;
@@ -154,7 +154,7 @@ static real touch_balls(const Group *g, GroupPair *q, GroupContact *c, real reac
 }
 
 /* A ball and a plane: as manifold_collide finds it, without the ball's turn, of which nothing is seen. */
-static real touch_plane(const Group *g, GroupPair *q, GroupContact *c, real reach)
+static real touch_plane(Group *g, GroupPair *q, GroupContact *c, real reach)
 {
     bool on_a = q->on_a->shape.type == &shape_plane;
     const Solid *ball = on_a ? q->on_b : q->on_a;
@@ -162,7 +162,7 @@ static real touch_plane(const Group *g, GroupPair *q, GroupContact *c, real reac
     pose at = group_shape_pose(g, on_a ? q->a : q->b, pair_local(q, !on_a));
     vec3 n = quat_rotate(at.q, plane->normal), low = vec3_mad(centre_of(g, on_a ? q->b : q->a, ball->arm), -ball->shape.round, n);
     real gap = vec3_dot(n, vec3_sub(low, at.p)) - plane->offset;
-    c->live = gap <= reach;
+    c->live = gap <= reach && group_has_room(g, c);
     if (!c->live) {
         c->manifold.count = 0;
         return gap;
