@@ -71,7 +71,7 @@ static box3 body_bounds(const World *w, const Body *b)
     box3 box = {b->x, b->x};
     for (uint32_t s = b->shape_first; s != NONE; s = w->solids.data[s].next) {
         const Solid *solid = &w->solids.data[s];
-        box = box3_union(box, solid->shape.type->bounds(&solid->shape, solid_pose(w, solid)));
+        box = box3_union(box, solid->form->shape.type->bounds(&solid->form->shape, solid_pose(w, solid)));
     }
     return box;
 }
@@ -151,7 +151,7 @@ dig_status dig_body_inspect(const dig_world *w, dig_body handle, dig_body_debug 
     out->rest = surface_resolve(w, &b->surface).restitution;
     out->origin = b->message_from;
     out->material = w->materials.data[b->surface.material].name;
-    out->object_type = b->shape_first == NONE ? "" : w->solids.data[b->shape_first].shape.type->name;
+    out->object_type = b->shape_first == NONE ? "" : w->solids.data[b->shape_first].form->shape.type->name;
     return DIG_OK;
 }
 

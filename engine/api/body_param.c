@@ -4,24 +4,45 @@
 
 #include <stdio.h>
 
-/* The surfaces of all its solids, too. */
-static void set_surface(World *w, uint32_t slot, const char *name, real value)
+static void change_surface(Surface *s, const char *name, real value)
+{
+    if (strcmp(name, "friction") == 0)
+        s->friction = value;
+    else if (strcmp(name, "friction_dynamic") == 0)
+        s->friction_dynamic = value;
+    else if (strcmp(name, "rolling_friction") == 0)
+        s->rolling = value;
+    else if (strcmp(name, "restitution") == 0)
+        s->restitution = value;
+    else
+        s->material = (int)value;
+}
+
+/* The surfaces of all its solids, too. DIG_E_MEMORY: none changed. */
+static dig_status set_surface(World *w, uint32_t slot, const char *name, real value)
 {
     Body *b = &w->bodies.data[slot];
-    for (uint32_t s = b->shape_first;; s = w->solids.data[s].next) {
-        Surface *surface = s == NONE ? &b->surface : &w->solids.data[s].surface;
-        if (strcmp(name, "friction") == 0)
-            surface->friction = value;
-        else if (strcmp(name, "friction_dynamic") == 0)
-            surface->friction_dynamic = value;
-        else if (strcmp(name, "rolling_friction") == 0)
-            surface->rolling = value;
-        else
-            surface->restitution = value;
-        if (s == NONE)
-            break;
+    ArenaMark mark = arena_mark(&w->scratch);
+    const Form **made = arena_alloc(&w->scratch, (size_t)b->shape_count * sizeof *made);
+    int count = 0;
+    for (uint32_t s = b->shape_first; made && s != NONE; s = w->solids.data[s].next) {
+        Form like = *w->solids.data[s].form;
+        change_surface(&like.surface, name, value);
+        made[count] = form_take(w, w->solids.data[s].form, &like);
+        for (int k = 0; !made[count] && k < count; k++)
+            form_drop(made[k]);
+        made = made[count++] ? made : NULL;
     }
+    for (uint32_t s = b->shape_first, k = 0; made && s != NONE; s = w->solids.data[s].next) {
+        form_drop(w->solids.data[s].form);
+        w->solids.data[s].form = made[k++];
+    }
+    arena_rewind(&w->scratch, mark);
+    if (!made)
+        return world_fail(w, DIG_E_MEMORY, "%s: not enough memory for its surfaces", BODY_TEXT(w, b));
+    change_surface(&b->surface, name, value);
     pairs_refresh_surfaces(w, slot);
+    return DIG_OK;
 }
 
 static dig_status set_material(World *w, uint32_t slot, const char *name)
@@ -32,11 +53,7 @@ static dig_status set_material(World *w, uint32_t slot, const char *name)
     Body *b = &w->bodies.data[slot];
     if (b->kind == DIG_DYNAMIC && b->density > 0)
         DIG_TRY(body_set_mass(w, b, b->mass * w->materials.data[material].def.density / b->density));
-    b->surface.material = material;
-    for (uint32_t s = b->shape_first; s != NONE; s = w->solids.data[s].next)
-        w->solids.data[s].surface.material = material;
-    pairs_refresh_surfaces(w, slot);
-    return DIG_OK;
+    return set_surface(w, slot, "material", material);
 }
 
 static dig_status set_mass(World *w, Body *b, real mass)
@@ -59,8 +76,8 @@ static dig_status set_collides(World *w, Body *b, bool collides)
 {
     for (uint32_t s = b->shape_first; collides && s != NONE; s = w->solids.data[s].next) {
         Solid *solid = &w->solids.data[s];
-        if (solid->leaf < 0 && isfinite(solid->shape.outer) &&
-            tree_insert(&w->tree, solid->shape.type->bounds(&solid->shape, solid_pose(w, solid)), s, &solid->leaf) != DIG_OK)
+        if (solid->leaf < 0 && isfinite(solid->form->shape.outer) &&
+            tree_insert(&w->tree, solid->form->shape.type->bounds(&solid->form->shape, solid_pose(w, solid)), s, &solid->leaf) != DIG_OK)
             return world_fail(w, DIG_E_MEMORY, "%s: not enough memory", BODY_TEXT(w, b));
     }
     b->collides = collides;
@@ -92,7 +109,7 @@ static dig_status do_set(World *w, dig_body handle, const char *name, const void
     else if (strcmp(name, "material") == 0)
         status = set_material(w, handle.slot, ((const dig_text *)value)->s);
     else if (strstr(name, "friction") || strcmp(name, "restitution") == 0)
-        set_surface(w, handle.slot, name, *number);
+        status = set_surface(w, handle.slot, name, *number);
     else if (strcmp(name, "gravity_scale") == 0) {
         b->gravity_scale = *number;
         b->lies = -1;

@@ -50,10 +50,10 @@ bool dig_body_contains(const dig_world *w, dig_body outer, dig_body inner)
         real most = -INFINITY;
         for (uint32_t s = o->shape_first; s != NONE; s = w->solids.data[s].next) {
             const Solid *solid = &w->solids.data[s];
-            if (!solid->shape.type->support)
+            if (!solid->form->shape.type->support)
                 continue;
             pose at = solid_pose(w, solid);
-            vec3 p = vec3_mad(pose_point(at, solid->shape.type->support(&solid->shape, quat_unrotate(at.q, n))), solid->shape.round, n);
+            vec3 p = vec3_mad(pose_point(at, solid->form->shape.type->support(&solid->form->shape, quat_unrotate(at.q, n))), solid->form->shape.round, n);
             if (vec3_dot(p, n) > most) {
                 most = vec3_dot(p, n);
                 best = p;
@@ -83,7 +83,7 @@ static void ray_solid(RayQuery *q, uint32_t slot)
     world_work(q->w, TRY_RAY);
     Ray local = {pose_unpoint(at, q->ray.from), quat_unrotate(at.q, q->ray.along), q->ray.length};
     RayHit hit;
-    if (!s->shape.type->ray || !s->shape.type->ray(&s->shape, &local, &hit) || hit.distance > q->ray.length)
+    if (!s->form->shape.type->ray || !s->form->shape.type->ray(&s->form->shape, &local, &hit) || hit.distance > q->ray.length)
         return;
     dig_hit h = {.body = body_handle(q->w, s->body), .point = pose_point(at, hit.point), .normal = quat_rotate(at.q, hit.normal),
                  .distance = hit.distance, .fraction = q->ray.length > 0 ? hit.distance / q->ray.length : 0};
@@ -148,7 +148,7 @@ static bool overlap_leaf(void *context, uint32_t slot)
     OverlapQuery *q = context;
     const Solid *s = &q->w->solids.data[slot];
     world_work(q->w, TRY_OVERLAP);
-    if (s->body == NONE || shape_distance(q->shape, q->at, &s->shape, solid_pose(q->w, s), 0, NULL, NULL, NULL) > 0)
+    if (s->body == NONE || shape_distance(q->shape, q->at, &s->form->shape, solid_pose(q->w, s), 0, NULL, NULL, NULL) > 0)
         return true;
     q->count = api_add_unique(q->out, q->count, q->capacity, body_handle(q->w, s->body));
     return true;
@@ -184,11 +184,11 @@ static bool sweep_leaf(void *context, uint32_t slot)
     const Solid *s = &q->w->solids.data[slot];
     world_work(q->w, TRY_SWEEP);
     Motion still = {.start = solid_pose(q->w, s)};
-    real t = time_of_impact(q->shape, &q->motion, &s->shape, &still, 0, q->time, NULL);
+    real t = time_of_impact(q->shape, &q->motion, &s->form->shape, &still, 0, q->time, NULL);
     if (!(t <= q->time))
         return true;
     vec3 n, a, b;
-    shape_distance(q->shape, motion_at(&q->motion, t), &s->shape, still.start, INFINITY, &n, &a, &b);
+    shape_distance(q->shape, motion_at(&q->motion, t), &s->form->shape, still.start, INFINITY, &n, &a, &b);
     q->found = true;
     q->time = t;
     *q->out = (dig_hit){.body = body_handle(q->w, s->body), .point = b, .normal = vec3_neg(n), .distance = t};

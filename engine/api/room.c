@@ -20,9 +20,8 @@ static dig_status add_wall(World *w, int i)
     dig_status s = shape_make("plane", &plane, &shape, why, sizeof why);
     if (s == DIG_OK) {
         s = solid_add(w, NONE, &shape, pose_identity(), &surface, (vec3){-1, -1, -1}, &w->room_solid[i]);
-        if (s != DIG_OK)
-            shape_free(&shape);
-        else
+        shape_free(&shape);             /* the solid holds a reference of its own */
+        if (s == DIG_OK)
             w->solids.data[w->room_solid[i]].wall = (uint8_t)(i + 1);
     }
     if (s != DIG_OK)

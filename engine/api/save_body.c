@@ -152,21 +152,27 @@ void save_bodies(Pack *p, World *w)
     free(unused);
 }
 
-static void pack_solid(Pack *p, const World *w, Solid *s)
+static void pack_solid(Pack *p, World *w, Solid *s)
 {
+    Form form = p->reading ? (Form){.users = 0} : *s->form;
     pack_index(p, &s->body, (uint32_t)w->bodies.count, true, "body of a solid");
     pack_index(p, &s->next, (uint32_t)w->solids.count, true, "next solid of a body");
-    save_pose(p, &s->at, "place of a solid");
-    save_surface(p, w, &s->surface);
-    pack_real(p, &s->colour.x);
-    pack_real(p, &s->colour.y);
-    pack_real(p, &s->colour.z);
+    save_pose(p, &form.at, "place of a solid");
+    save_surface(p, w, &form.surface);
+    pack_real(p, &form.colour.x);
+    pack_real(p, &form.colour.y);
+    pack_real(p, &form.colour.z);
     pack_i32(p, &s->leaf);
     pack_small(p, &s->wall, 7, "wall of a solid");
     pack_u32(p, &s->pair_first);
-    shape_pack(p, &s->shape);
-    if (p->reading)
-        s->alive = s->shape.type != NULL;
+    shape_pack(p, &form.shape);
+    if (!p->reading)
+        return;
+    form.arm = vec3_sub(form.at.p, s->body < (uint32_t)w->bodies.count ? w->bodies.data[s->body].centre : vec3_zero());
+    s->alive = form.shape.type && solid_form(w, s, &form) == DIG_OK;
+    if (form.shape.type && !s->alive)
+        pack_fail_memory(p);
+    shape_free(&form.shape);    /* the solid holds a reference of its own */
 }
 
 void save_solids(Pack *p, World *w)

@@ -11,7 +11,7 @@ static bool body_is(const World *w, uint32_t slot) { return slot < (uint32_t)w->
 static bool solid_is(const World *w, uint32_t slot) { return slot < (uint32_t)w->solids.count && w->solids.data[slot].alive; }
 static bool joint_is(const World *w, uint32_t slot) { return slot < (uint32_t)w->joints.count && w->joints.data[slot].alive; }
 static bool touch_is(const World *w, uint32_t slot) { return slot < (uint32_t)w->touches.count && w->touches.data[slot].alive; }
-static bool is_plane(const Solid *s) { return s->shape.type == &shape_plane; }
+static bool is_plane(const Solid *s) { return s->form->shape.type == &shape_plane; }
 
 /* ---- bodies and solids ---- */
 

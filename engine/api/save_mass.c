@@ -21,7 +21,7 @@ static bool solids_weigh(const World *w, const Body *b, real *least)
 {
     *least = INFINITY;
     for (uint32_t s = b->shape_first; s != NONE; s = w->solids.data[s].next) {
-        const Shape *shape = &w->solids.data[s].shape;
+        const Shape *shape = &w->solids.data[s].form->shape;
         MassProps unit = {.volume = 0};
         if (!shape->type->mass || !isfinite(shape->outer))
             return false;
@@ -55,8 +55,6 @@ static bool mat3_finite(mat3 m) { return vec3_finite(m.r0) && vec3_finite(m.r1) 
 bool save_derive_mass(World *w, Body *b)
 {
     real least = 0;
-    for (uint32_t s = b->shape_first; s != NONE; s = w->solids.data[s].next)
-        solid_place(&w->solids.data[s], b->centre);
     body_measure(w, b);
     if (b->kind != DIG_DYNAMIC)
         return true;

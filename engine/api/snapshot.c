@@ -95,7 +95,7 @@ static void free_shapes(World *w)
 {
     for (int i = 0; i < w->solids.count; i++)
         if (w->solids.data[i].alive)
-            shape_free(&w->solids.data[i].shape);
+            form_drop(w->solids.data[i].form);
     for (int i = 0; i < w->regions.count; i++)
         if (w->regions.data[i].alive)
             shape_free(&w->regions.data[i].shape);
@@ -114,7 +114,7 @@ static dig_status copy_shapes(World *to, const World *from)
     DIG_TRY(list_copy(&to->solids, &from->solids, &to->allocations));
     for (int i = 0; i < to->solids.count; i++)
         if (to->solids.data[i].alive)
-            to->solids.data[i].shape = shape_keep(&from->solids.data[i].shape);
+            form_keep(to->solids.data[i].form);
     return DIG_OK;
 }
 

@@ -281,7 +281,7 @@ static bool is_fast(const World *w, const Body *b)
 {
     real inner = INFINITY;
     for (uint32_t s = b->shape_first; s != NONE; s = w->solids.data[s].next)
-        inner = real_min(inner, w->solids.data[s].shape.inner);
+        inner = real_min(inner, w->solids.data[s].form->shape.inner);
     return vec3_distance(b->x, b->prev_x) > inner;
 }
 

@@ -45,7 +45,7 @@ static bool is_plain(const Group *g)
     return heavy <= CROWD_MASS_RATIO * light;
 }
 
-static bool is_stout(const Solid *s) { return s->shape.inner >= STOUT * s->shape.outer || !isfinite(s->shape.outer); }
+static bool is_stout(const Form *s) { return s->shape.inner >= STOUT * s->shape.outer || !isfinite(s->shape.outer); }
 
 static bool may_move(const Member *m) { return m->moves || m->dormant; }
 

@@ -80,11 +80,11 @@ static Displaced displaced(const World *w, uint32_t body, vec3 x, quat q, vec3 u
     Displaced d = {0, 0, {0, 0, 0}};
     for (uint32_t s = b->shape_first; s != NONE; s = w->solids.data[s].next) {
         const Solid *solid = &w->solids.data[s];
-        pose at = pose_mul(origin, solid->at);
-        Wet wet = shape_wet(&solid->shape, quat_unrotate(at.q, up), level - vec3_dot(up, at.p));
+        pose at = pose_mul(origin, solid->form->at);
+        Wet wet = shape_wet(&solid->form->shape, quat_unrotate(at.q, up), level - vec3_dot(up, at.p));
         MassProps mass = {.volume = 0};
-        if (solid->shape.type->mass)
-            solid->shape.type->mass(&solid->shape, &mass);
+        if (solid->form->shape.type->mass)
+            solid->form->shape.type->mass(&solid->form->shape, &mass);
         d.whole += mass.volume;
         if (!(wet.volume > 0))
             continue;

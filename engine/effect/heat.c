@@ -95,7 +95,7 @@ static real surface_of(const World *w, const Body *b)
 {
     real sum = 0;
     for (uint32_t s = b->shape_first; s != NONE; s = w->solids.data[s].next) {
-        const Shape *shape = &w->solids.data[s].shape;
+        const Shape *shape = &w->solids.data[s].form->shape;
         sum += shape->type->area ? shape->type->area(shape) : 0;
     }
     return sum;
@@ -108,9 +108,9 @@ static real mass_of(const World *w, const Body *b)
     for (uint32_t s = b->shape_first; s != NONE && b->kind != DIG_DYNAMIC; s = w->solids.data[s].next) {
         const Solid *solid = &w->solids.data[s];
         MassProps m = {0};
-        if (solid->shape.type->mass)
-            solid->shape.type->mass(&solid->shape, &m);
-        sum += w->materials.data[solid->surface.material].def.density * m.volume;
+        if (solid->form->shape.type->mass)
+            solid->form->shape.type->mass(&solid->form->shape, &m);
+        sum += w->materials.data[solid->form->surface.material].def.density * m.volume;
     }
     return b->kind == DIG_DYNAMIC ? b->mass : sum;
 }
@@ -320,7 +320,7 @@ static real loss_of(const World *w, const Pair *p)
 static real effusivity(const World *w, const EffectSlot *e, uint32_t body, uint32_t solid)
 {
     const Heat *h = column_find(&e->members, body);
-    const dig_material_def *m = &w->materials.data[w->solids.data[solid].surface.material].def;
+    const dig_material_def *m = &w->materials.data[w->solids.data[solid].form->surface.material].def;
     real density = body != NONE && w->bodies.data[body].density > 0 ? w->bodies.data[body].density : m->density;
     return sqrt((h ? h->conductivity * h->heat_capacity : m->conductivity * m->heat_capacity) * density);
 }

@@ -90,7 +90,7 @@ static dig_status hand_over(Recorder *r)
 static void describe_body(const World *w, uint32_t slot, const LookBody *row, KeptBody *out)
 {
     const Body *b = &w->bodies.data[slot];
-    const char *shape = b->shape_first == NONE ? "" : w->solids.data[b->shape_first].shape.type->name;
+    const char *shape = b->shape_first == NONE ? "" : w->solids.data[b->shape_first].form->shape.type->name;
     *out = (KeptBody){.index = row->index, .slot = slot, .gen = row->gen, .kind = (uint32_t)b->kind, .centre = b->centre,
                       .mass = body_mass_read(b)};
     snprintf(out->name, sizeof out->name, "%s", body_name(w, b));

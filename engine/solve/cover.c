@@ -17,17 +17,17 @@ static const Solid *only_box(const Group *g, int body)
     if (b->shape_count != 1)
         return NULL;
     const Solid *s = &w->solids.data[b->shape_first];
-    return s->shape.type == &shape_box ? s : NULL;
+    return s->form->shape.type == &shape_box ? s : NULL;
 }
 
-static pose about_centre(const Group *g, int body, const Solid *s) { return (pose){vec3_sub(s->at.p, g->member[body].centre), s->at.q}; }
+static pose about_centre(const Group *g, int body, const Solid *s) { return (pose){vec3_sub(s->form->at.p, g->member[body].centre), s->form->at.q}; }
 
 typedef struct Side { vec3 half; pose at; } Side;       /* a box, in the frame of the joint at rest */
 
 static Side side_of(const Group *g, int body, const Solid *s, vec3 anchor, quat frame)
 {
     pose at = about_centre(g, body, s);
-    return (Side){((const BoxData *)s->shape.data)->half,
+    return (Side){((const BoxData *)s->form->shape.data)->half,
                   {quat_unrotate(frame, vec3_sub(at.p, anchor)), quat_mul(quat_conjugate(frame), at.q)}};
 }
 

@@ -39,7 +39,7 @@ _Static_assert(sizeof(ManifoldPoint) + sizeof(PointMemory) == sizeof(ContactPoin
 
 #define RUBS 16                 /* of two kinds of surfaces each */
 #define RUBS_ROOM 8             /* that are taken from the arena at once */
-typedef struct KnownRub { Surface a, b; const Rub *rub; } KnownRub;
+typedef struct KnownRub { const Form *a, *b; const Rub *rub; } KnownRub;
 typedef struct KnownRubs { bool known[RUBS]; KnownRub of[RUBS]; Rub *room; int left; } KnownRubs;      /* of a share; only what is known is written */
 
 /* Threads of a team have one arena, of which they seldom ask for more. */
@@ -62,13 +62,15 @@ static Rub *rub_room(Nearby *n, KnownRubs *known)
     return known->left > 0 ? &known->room[RUBS_ROOM - known->left--] : NULL;
 }
 
+static bool same_surface(const Form *a, const Form *b) { return a == b || memcmp(&a->surface, &b->surface, sizeof a->surface) == 0; }
+
 /* Of a pair that has no memory: mostly others have had the same two surfaces before it. */
-static const Rub *rub_as_before(Nearby *n, const Solid *a, const Solid *b, KnownRubs *known)
+static const Rub *rub_as_before(Nearby *n, const Form *a, const Form *b, KnownRubs *known)
 {
     static const Rub none;
     unsigned i = (unsigned)(3 * a->surface.material + b->surface.material) % RUBS;
     KnownRub *k = &known->of[i];
-    if (known->known[i] && memcmp(&k->a, &a->surface, sizeof k->a) == 0 && memcmp(&k->b, &b->surface, sizeof k->b) == 0)
+    if (known->known[i] && same_surface(k->a, a) && same_surface(k->b, b))
         return k->rub;
     Rub *rub = rub_room(n, known);
     if (!rub) {
@@ -76,7 +78,7 @@ static const Rub *rub_as_before(Nearby *n, const Solid *a, const Solid *b, Known
         return &none;
     }
     *rub = surface_pair(n->g->world, &a->surface, &b->surface);
-    *k = (KnownRub){a->surface, b->surface, rub};
+    *k = (KnownRub){a, b, rub};
     known->known[i] = true;
     return rub;
 }
@@ -86,7 +88,7 @@ static void gather_pair(Nearby *nearby, GroupPair *q, const Near *n, KnownRubs *
     const Group *g = nearby->g;
     const World *w = g->world;
     const Pair *p = &w->pairs.data[n->slot];
-    const Solid *a = &w->solids.data[p->solid_a], *b = &w->solids.data[p->solid_b];
+    const Form *a = w->solids.data[p->solid_a].form, *b = w->solids.data[p->solid_b].form;
     q->slot = n->slot;
     q->a = n->a;
     q->b = n->b;
@@ -209,9 +211,8 @@ static void fetch_near(const Group *g, const Near *near, int count, int i)
     fetch_more(w, near[i + FETCH_AHEAD / 2].first);
     const Near *n = &near[i + FETCH_AHEAD];
     const Pair *p = &w->pairs.data[n->slot];
-    size_t bytes = (p->memory == NONE ? offsetof(Solid, colour) : offsetof(Solid, arm)) - offsetof(Solid, shape);
-    fetch_soon(&w->solids.data[p->solid_a].shape, bytes);
-    fetch_soon(&w->solids.data[p->solid_b].shape, bytes);
+    fetch_soon(&w->solids.data[p->solid_a].form, sizeof(Form *));
+    fetch_soon(&w->solids.data[p->solid_b].form, sizeof(Form *));
     fetch_soon(&g->member[n->a], offsetof(Member, pull));
     fetch_soon(&g->member[n->b], offsetof(Member, pull));
     if (p->memory != NONE)

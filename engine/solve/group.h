@@ -194,7 +194,7 @@ typedef struct GroupPair {
     uint8_t  presses;           /* bits: at which points it presses as it did before, in this substep */
     Covered  covered;           /* faces that joints hold to the next piece of the same thing */
     const Rub *rub;             /* of its two surfaces; many pairs may have one, see group_own_rubs */
-    const Solid *on_a, *on_b;   /* the world's, with their shapes      */
+    const Form *on_a, *on_b;    /* of its solids, with their shapes */
     real     speed;             /* m/s  fastest approach seen by the rows; once struck, of its impacts */
     real     size;              /* m   of the smaller solid: scale of tolerances */
     real     reach;             /* m   so far ahead its contact looks  */
@@ -446,8 +446,8 @@ void       group_commit(World *w, const Group *g);      /* then what is in them:
 /* A shape of a pair in its body, about the centre of mass. */
 static inline pose pair_local(const GroupPair *q, bool b)
 {
-    const Solid *s = b ? q->on_b : q->on_a;
-    return (pose){s->arm, s->at.q};
+    const Form *f = b ? q->on_b : q->on_a;
+    return (pose){f->arm, f->at.q};
 }
 /* Pose of a pair's shape a or b from the present positions. */
 static inline pose group_shape_pose(const Group *g, int body, pose local)

@@ -66,10 +66,10 @@ void medium_area(const World *w, uint32_t body, quat q, vec3 along, real *area, 
     *area = *drag = 0;
     for (uint32_t s = w->bodies.data[body].shape_first; s != NONE; s = w->solids.data[s].next) {
         const Solid *solid = &w->solids.data[s];
-        const ShapeType *type = solid->shape.type;
+        const ShapeType *type = solid->form->shape.type;
         if (!type->shadow)
             continue;           /* never moves */
-        real shown = type->shadow(&solid->shape, quat_unrotate(quat_mul(q, solid->at.q), along));
+        real shown = type->shadow(&solid->form->shape, quat_unrotate(quat_mul(q, solid->form->at.q), along));
         *area += shown;
         *drag += type->drag * shown;
     }

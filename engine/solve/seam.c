@@ -43,10 +43,12 @@ static bool meeting_of(const Group *g, int pair, Meeting *m)
     static const box3 everywhere = {{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}};
     const GroupPair *q = &g->pairs[pair];
     bool a = q->a >= g->moving_count;
-    *m = (Meeting){.mover = a ? q->on_b : q->on_a, .fixed = a ? q->on_a : q->on_b, .pair = pair};
-    if (!m->fixed->shape.type->convex && m->fixed->shape.type != &shape_plane)
+    const Pair *p = &g->world->pairs.data[q->slot];
+    const Solid *on_a = &g->world->solids.data[p->solid_a], *on_b = &g->world->solids.data[p->solid_b];
+    *m = (Meeting){.mover = a ? on_b : on_a, .fixed = a ? on_a : on_b, .pair = pair};
+    if (!m->fixed->form->shape.type->convex && m->fixed->form->shape.type != &shape_plane)
         return false;
-    real margin = FLUSH * m->fixed->shape.outer;
+    real margin = FLUSH * m->fixed->form->shape.outer;
     m->box = m->fixed->leaf < 0 ? everywhere : box3_grow(tree_box(&g->world->tree, m->fixed->leaf), margin);
     return true;
 }
@@ -119,15 +121,15 @@ static int compare_meetings(const void *a, const void *b)
     return x->pair - y->pair;
 }
 
-static bool is_plane(const Meeting *m) { return m->fixed->shape.type == &shape_plane; }
+static bool is_plane(const Meeting *m) { return m->fixed->form->shape.type == &shape_plane; }
 
 /* Is the whole solid in the plane's, but for so little that the two are flush? */
 static bool sunk(const World *w, const Solid *plane, const Solid *s)
 {
-    const PlaneData *d = plane->shape.data;
+    const PlaneData *d = plane->form->shape.data;
     pose at = solid_pose(w, plane), of = solid_pose(w, s);
-    vec3 n = quat_rotate(at.q, d->normal), highest = pose_point(of, s->shape.type->support(&s->shape, quat_unrotate(of.q, n)));
-    return vec3_dot(n, vec3_sub(highest, at.p)) + s->shape.round - d->offset <= FLUSH * s->shape.outer;
+    vec3 n = quat_rotate(at.q, d->normal), highest = pose_point(of, s->form->shape.type->support(&s->form->shape, quat_unrotate(of.q, n)));
+    return vec3_dot(n, vec3_sub(highest, at.p)) + s->form->shape.round - d->offset <= FLUSH * s->form->shape.outer;
 }
 
 static bool beside(const World *w, const Meeting *x, const Meeting *y)
@@ -187,7 +189,7 @@ static dig_status link_meetings(Group *g, const Meeting *m, int count)
     if (!g->beside_which || !g->beside)
         return DIG_E_MEMORY;
     for (int i = 0; i < count && links > 0; i++)
-        g->beside[i] = (Beside){&m[i].fixed->shape, solid_pose(g->world, m[i].fixed), m[i].box};
+        g->beside[i] = (Beside){&m[i].fixed->form->shape, solid_pose(g->world, m[i].fixed), m[i].box};
     for (int i = 0, first = 0; i < g->pair_count; i++) {
         first += g->seams[i].count;
         g->seams[i] = (Seams){first - g->seams[i].count, 0};

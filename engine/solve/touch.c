@@ -157,7 +157,7 @@ static real touch_balls(Group *g, GroupPair *q, GroupContact *c, real reach)
 static real touch_plane(Group *g, GroupPair *q, GroupContact *c, real reach)
 {
     bool on_a = q->on_a->shape.type == &shape_plane;
-    const Solid *ball = on_a ? q->on_b : q->on_a;
+    const Form *ball = on_a ? q->on_b : q->on_a;
     const PlaneData *plane = (on_a ? q->on_a : q->on_b)->shape.data;
     pose at = group_shape_pose(g, on_a ? q->a : q->b, pair_local(q, !on_a));
     vec3 n = quat_rotate(at.q, plane->normal), low = vec3_mad(centre_of(g, on_a ? q->b : q->a, ball->arm), -ball->shape.round, n);

@@ -89,7 +89,7 @@ static box3 reach_now(const World *w, const Solid *s, bool listed)
     if (listed)
         return solid_reach(w, s);
     if (s->body != NONE && w->bodies.data[s->body].kind == DIG_DYNAMIC)
-        return s->shape.type->bounds(&s->shape, solid_pose(w, s));
+        return s->form->shape.type->bounds(&s->form->shape, solid_pose(w, s));
     return s->leaf >= 0 ? tree_box(&w->tree, s->leaf) : (box3){{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}};
 }
 

@@ -159,7 +159,7 @@ static real plane_above(const World *w, uint32_t plane, box3 box)
 {
     const Solid *p = &w->solids.data[plane];
     pose at = solid_pose(w, p);
-    const PlaneData *def = p->shape.data;
+    const PlaneData *def = p->form->shape.data;
     vec3 n = quat_rotate(at.q, def->normal);
     vec3 lowest = {n.x > 0 ? box.low.x : box.high.x, n.y > 0 ? box.low.y : box.high.y, n.z > 0 ? box.low.z : box.high.z};
     return vec3_dot(n, vec3_sub(lowest, at.p)) - def->offset;

@@ -98,16 +98,16 @@ static real point_speed(const Body *b, Speed v, real dt) { return v.way + v.turn
 
 static box3 reach_of(const World *w, const Solid *s, const Body *b, Speed v, real dt)
 {
-    box3 box = s->shape.type->bounds(&s->shape, solid_pose(w, s));
+    box3 box = s->form->shape.type->bounds(&s->form->shape, solid_pose(w, s));
     if (b->kind == DIG_STATIC || (b->kind == DIG_DYNAMIC && !b->awake))
         return box;
     vec3 fall = vec3_scale(0.5 * dt * dt * b->gravity_scale, w->def.gravity);
     box = box3_swept(box, vec3_mad(b->kind == DIG_DYNAMIC ? fall : vec3_zero(), dt, b->v));
     real angle = real_min(2, v.turn * dt);
-    real rim = s->shape.type == &shape_sphere ? 0 : s->shape.outer;         /* a ball gets nowhere by turning about its own centre */
-    vec3 off = vec3_sub(s->at.p, b->centre);
+    real rim = s->form->shape.type == &shape_sphere ? 0 : s->form->shape.outer;         /* a ball gets nowhere by turning about its own centre */
+    vec3 off = vec3_sub(s->form->at.p, b->centre);
     real arm = (vec3_is_zero(off) ? 0 : vec3_length(off)) + rim;
-    return box3_grow(box, angle * arm + 0.02 * s->shape.outer + b->pull * dt * dt);
+    return box3_grow(box, angle * arm + 0.02 * s->form->shape.outer + b->pull * dt * dt);
 }
 
 /* Who was listed lately brings its pairs along. */
@@ -127,14 +127,14 @@ static dig_status list_pairs(World *w, Body *b)
 /* m  How far beyond its reach the leaf of a solid is made to last: one of just its reach would be left in each step. */
 static vec3 leaf_ahead(const Solid *s, const Body *b, real speed, real dt)
 {
-    real way = dt * speed, far = real_min(LEAF_STEPS * way, LEAF_FAR * s->shape.outer);
+    real way = dt * speed, far = real_min(LEAF_STEPS * way, LEAF_FAR * s->form->shape.outer);
     return vec3_scale(way > 0 ? dt * real_max(1, far / way) : 0, b->v);
 }
 
 /* The box of its leaf in the tree, that lasts for some steps. */
 static box3 leaf_of(const Solid *s, const Body *b, real dt)
 {
-    return box3_grow(box3_swept(s->reach, leaf_ahead(s, b, vec3_length(b->v), dt)), LEAF_MARGIN * s->shape.outer);
+    return box3_grow(box3_swept(s->reach, leaf_ahead(s, b, vec3_length(b->v), dt)), LEAF_MARGIN * s->form->shape.outer);
 }
 
 static real sum_of(vec3 v) { return fabs(v.x) + fabs(v.y) + fabs(v.z); }
@@ -142,7 +142,7 @@ static real sum_of(vec3 v) { return fabs(v.x) + fabs(v.y) + fabs(v.z); }
 /* Is it left over from faster days? Then it finds too many pairs. */
 static bool oversized(box3 leaf, const Solid *s, const Body *b, real speed, real dt)
 {
-    real margin = LEAF_MARGIN * s->shape.outer, wide = sum_of(vec3_sub(leaf.high, leaf.low));
+    real margin = LEAF_MARGIN * s->form->shape.outer, wide = sum_of(vec3_sub(leaf.high, leaf.low));
     real least = sum_of(vec3_sub(s->reach.high, s->reach.low)) + 6 * (margin + s->struck);     /* of one that does not move */
     if (wide <= OVERSIZED_RESTING * least)
         return false;
@@ -173,7 +173,7 @@ static bool find_reach(World *w, Solid *s, const Body *b, Speed v, real dt)
     if (s->leaf < 0)
         return false;
     if (!box_sane(s->reach))        /* not by its motion so far: the step will find out what does it */
-        s->reach = s->shape.type->bounds(&s->shape, solid_pose(w, s));
+        s->reach = s->form->shape.type->bounds(&s->form->shape, solid_pose(w, s));
     s->blow = 0;
     return !box3_inside(tree_box(&w->tree, s->leaf), s->reach) || oversized(tree_box(&w->tree, s->leaf), s, b, v.way, dt);
 }
@@ -195,9 +195,9 @@ static real room_of(const World *w, uint32_t solid, const Body *b, real dt)
         return INFINITY;
     box3 leaf = tree_box(&w->tree, s->leaf);
     vec3 low = vec3_sub(s->reach.low, leaf.low), high = vec3_sub(leaf.high, s->reach.high), wide = vec3_sub(leaf.high, leaf.low);
-    real least = vec3_least(vec3_min(low, high)), fresh = sum_of(vec3_sub(s->reach.high, s->reach.low)) + 6 * (LEAF_MARGIN * s->shape.outer + s->struck);
+    real least = vec3_least(vec3_min(low, high)), fresh = sum_of(vec3_sub(s->reach.high, s->reach.low)) + 6 * (LEAF_MARGIN * s->form->shape.outer + s->struck);
     least = real_min(least, (OVERSIZED_RESTING * fresh - sum_of(wide)) / (6 * OVERSIZED_RESTING));
-    least = real_min(least, real_min(0.9 * s->shape.inner - b->pull * dt * dt, plane_room(w, solid)));
+    least = real_min(least, real_min(0.9 * s->form->shape.inner - b->pull * dt * dt, plane_room(w, solid)));
     return s->astray > 0 ? 0 : least - PLACE_ROUNDING * vec3_largest(vec3_max(vec3_abs(leaf.low), vec3_abs(leaf.high)));
 }
 
@@ -212,9 +212,9 @@ static uint8_t sense_body(const Sensing *n, Body *b, Speed v, real roam)
     bool astray = false;
     for (uint32_t k = b->shape_first; k != NONE; k = w->solids.data[k].next) {
         Solid *s = &w->solids.data[k];
-        found |= (uint8_t)((find_reach(w, s, b, v, n->dt) ? STRAYED : 0) | (far > 0.9 * s->shape.inner ? FAST : 0) | (plane_new(w, k) ? LANDS : 0));
+        found |= (uint8_t)((find_reach(w, s, b, v, n->dt) ? STRAYED : 0) | (far > 0.9 * s->form->shape.inner ? FAST : 0) | (plane_new(w, k) ? LANDS : 0));
         astray = astray || s->astray > 0;
-        if (s->shape.type->pieces)  /* its box is that of another box, turned, whose corners get farther than it does */
+        if (s->form->shape.type->pieces)  /* its box is that of another box, turned, whose corners get farther than it does */
             room = 0;
         if (room > 0)
             room = real_min(room, room_of(w, k, b, n->dt));
@@ -323,7 +323,7 @@ static void spread_from(World *w, uint32_t solid, const Body *striker, real dt)
         bool dynamic = b && b->kind == DIG_DYNAMIC && b->awake;
         vec3 speed = b ? vec3_sub(striker->v, b->v) : striker->v;
         real far = dt * (vec3_length(speed) + vec3_length(striker->w) * striker->rim + striker->pull * dt);
-        if (far <= 0.9 * s->shape.inner || (o->leaf >= 0 && !box3_overlap(solid_reach(w, s), dynamic ? solid_reach(w, o) : tree_box(&w->tree, o->leaf))))
+        if (far <= 0.9 * s->form->shape.inner || (o->leaf >= 0 && !box3_overlap(solid_reach(w, s), dynamic ? solid_reach(w, o) : tree_box(&w->tree, o->leaf))))
             continue;
         bool mover = striker->kind == DIG_KINEMATIC || (b && b->kind == DIG_KINEMATIC);
         real back = 1 + pair_rub(w, p).restitution;
@@ -361,7 +361,7 @@ static void spread_speed(World *w, uint32_t slot, real dt)
         return;
     real far = dt * point_speed(&w->bodies.data[slot], speed_of(&w->bodies.data[slot]), dt);
     for (uint32_t s = w->bodies.data[slot].shape_first; s != NONE; s = w->solids.data[s].next)
-        if (far > 0.9 * w->solids.data[s].shape.inner)
+        if (far > 0.9 * w->solids.data[s].form->shape.inner)
             spread_from(w, s, &w->bodies.data[slot], dt);
 }
 
@@ -370,9 +370,9 @@ static void wake_if_near(World *w, uint32_t solid, uint32_t other)
     const Solid *s = &w->solids.data[solid], *o = &w->solids.data[other];
     if (!o->alive || o->leaf < 0 || o->body == NONE || w->bodies.data[o->body].kind != DIG_DYNAMIC || w->bodies.data[o->body].awake)
         return;
-    box3 box = o->shape.type->bounds(&o->shape, solid_pose(w, o));
+    box3 box = o->form->shape.type->bounds(&o->form->shape, solid_pose(w, o));
     if (s->leaf < 0 ? plane_near(w, solid, box) && bodies_may_touch(w, s, o)
-                    : box3_overlap(s->shape.type->bounds(&s->shape, solid_pose(w, s)), box))
+                    : box3_overlap(s->form->shape.type->bounds(&s->form->shape, solid_pose(w, s)), box))
         body_wake(w, o->body);
 }
 
@@ -382,7 +382,7 @@ static void wake_near(World *w, uint32_t solid)
     const Solid *s = &w->solids.data[solid];
     if (s->body == NONE || w->bodies.data[s->body].kind == DIG_DYNAMIC || !w->bodies.data[s->body].collides)
         return;
-    if (!isfinite(s->shape.outer))
+    if (!isfinite(s->form->shape.outer))
         for (int i = 0; i < w->solids.count; i++)
             wake_if_near(w, solid, (uint32_t)i);
     for (uint32_t l = s->pair_first; l != NONE; l = w->pairs.data[l / 2].next[l % 2])
@@ -436,7 +436,7 @@ static dig_status ask_moved(World *w, bool *planes)
             w->bodies.data[s->body].kept = false;
             w->bodies.data[s->body].lies = -1;
         }
-        *planes = *planes || !isfinite(s->shape.outer);
+        *planes = *planes || !isfinite(s->form->shape.outer);
     }
     DIG_TRY(ask_all(w));
     for (int i = 0; i < count; i++)

@@ -37,7 +37,7 @@ static bool unwatched(const World *w, const Group *g, uint32_t solid, uint32_t o
 /* Does it follow its blows in time? */
 static bool exact(const Group *g) { return !g->crowd && (g->located > 0 || g->varies); }
 
-static real margin_of(const Group *g, const Solid *s) { return exact(g) ? 0 : DEEP * s->shape.outer; }
+static real margin_of(const Group *g, const Solid *s) { return exact(g) ? 0 : DEEP * s->form->shape.outer; }
 
 /* Its reach has room for a turn at the speed it had, and for by how much else it misses where its speed would have brought it (reach_of in
  * sense.c). A turn may have room enough for a blow: of what is alone the way is looked at then. */
@@ -45,10 +45,10 @@ static bool goes_as_foreseen(const World *w, const Body *b, const Pos *p, const 
 {
     if (b->kind != DIG_DYNAMIC || w->region_count > 0)
         return false;
-    real dt = w->def.step, arm = (vec3_is_zero(s->arm) ? 0 : vec3_length(s->arm)) + (s->shape.type == &shape_sphere ? 0 : s->shape.outer);
+    real dt = w->def.step, arm = (vec3_is_zero(s->form->arm) ? 0 : vec3_length(s->form->arm)) + (s->form->shape.type == &shape_sphere ? 0 : s->form->shape.outer);
     if (alone && arm > 0 && vec3_length2(b->w) > 0)
         return false;
-    real room = real_min(2, vec3_length(b->w) * dt) * arm + 0.02 * s->shape.outer + 0.5 * b->pull * dt * dt;
+    real room = real_min(2, vec3_length(b->w) * dt) * arm + 0.02 * s->form->shape.outer + 0.5 * b->pull * dt * dt;
     return travel_by(vec3_sub(p->x, vec3_mad(b->x, dt, b->v)), b->q, p->q, arm) <= 0.99 * room;
 }
 
@@ -70,10 +70,10 @@ static box3 whole_way(const World *w, const Group *g, int member, const Solid *s
     real dt = w->def.step, fastest = real_max(vec3_length(b->v), vec3_length(g->vel[member].v)) + b->pull * dt;
     real turn = vec3_length(quat_log(quat_mul(g->pos[member].q, quat_conjugate(b->q))));
     real chord = vec3_distance(x, b->x), bulge = m->collided ? 0 : bulge_of(chord, fastest * dt, turn);
-    box3 way = {vec3_min(b->x, x), vec3_max(b->x, x)}, start = s->shape.type->bounds(&s->shape, solid_pose(w, s));
+    box3 way = {vec3_min(b->x, x), vec3_max(b->x, x)}, start = s->form->shape.type->bounds(&s->form->shape, solid_pose(w, s));
     Been been = m->been ? g->been[member] : (Been){{x, x}, 0};
     way = box3_union(way, been.places);
-    real spin = real_max(vec3_length(b->w), vec3_length(g->vel[member].w)), arm = vec3_distance(s->at.p, b->centre) + s->shape.outer;
+    real spin = real_max(vec3_length(b->w), vec3_length(g->vel[member].w)), arm = vec3_distance(s->form->at.p, b->centre) + s->form->shape.outer;
     real turned = real_min(2, real_max(been.swung, real_max(spin * dt, turn))) * arm + bulge, rim = arm + bulge;
     vec3 low = vec3_max(vec3_sub(vec3_sub(start.low, b->x), (vec3){turned, turned, turned}), (vec3){-rim, -rim, -rim});
     vec3 high = vec3_min(vec3_add(vec3_sub(start.high, b->x), (vec3){turned, turned, turned}), (vec3){rim, rim, rim});
@@ -87,7 +87,7 @@ static bool alone(const World *w, const Group *g, int member, const Solid *s)
     if (!b->alone || g->crowd)
         return false;
     real far = w->def.step * (vec3_length(b->v) + vec3_length(b->w) * b->rim + b->pull * w->def.step);
-    return far > 0.9 * s->shape.inner;
+    return far > 0.9 * s->form->shape.inner;
 }
 
 /* May a joint have swung it round, by a drive's doing or by that of what it holds together? An arc ends elsewhere than it goes through. */
@@ -111,12 +111,12 @@ static bool strays(const World *w, int member, Stray *out)
     const Body *b = &w->bodies.data[g->member[member].slot];
     const Pos *p = &g->pos[member];
     real margin = margin_of(g, s);
-    pose at = pose_mul((pose){vec3_sub(p->x, quat_rotate(p->q, b->centre)), p->q}, s->at);
+    pose at = pose_mul((pose){vec3_sub(p->x, quat_rotate(p->q, b->centre)), p->q}, s->form->at);
     if (s->leaf < 0 || !vec3_finite(p->x) || !quat_finite(p->q))
         return false;
     out->at = at.p;
     out->from = solid_pose(w, s).p;
-    out->end = out->whole ? whole_way(w, g, member, s) : box3_grow(s->shape.type->bounds(&s->shape, at), -margin);
+    out->end = out->whole ? whole_way(w, g, member, s) : box3_grow(s->form->shape.type->bounds(&s->form->shape, at), -margin);
     return !box3_inside(solid_reach(w, s), out->end);
 }
 
@@ -178,7 +178,7 @@ static void list_strays(const World *w, const Step *s, Stray *out)
 static bool deep(const World *w, const Stray *x, uint32_t other, vec3 at)
 {
     const Solid *s = &w->solids.data[x->solid], *o = &w->solids.data[other];
-    real near = s->shape.outer + o->shape.outer - DEEP * real_min(s->shape.outer, o->shape.outer);
+    real near = s->form->shape.outer + o->form->shape.outer - DEEP * real_min(s->form->shape.outer, o->form->shape.outer);
     return x->whole || exact(x->g) || vec3_length2(vec3_sub(at, x->at)) < near * near;
 }
 
@@ -197,7 +197,7 @@ static box3 may_be(const World *w, uint32_t other)
 {
     const Solid *o = &w->solids.data[other];
     bool listed = o->body != NONE && w->bodies.data[o->body].listed;
-    return listed ? solid_reach(w, o) : o->shape.type->bounds(&o->shape, solid_pose(w, o));
+    return listed ? solid_reach(w, o) : o->form->shape.type->bounds(&o->form->shape, solid_pose(w, o));
 }
 
 static bool meets(void *context, uint32_t other)
@@ -208,7 +208,7 @@ static bool meets(void *context, uint32_t other)
     at.p = vec3_add(at.p, way_of(m, o));
     m->stray->missed = unwatched(m->w, m->stray->g, m->stray->solid, other) && deep(m->w, m->stray, other, at.p) &&
                        (m->stray->whole ? box3_overlap(m->stray->end, may_be(m->w, other)) :
-                        exact(m->stray->g) || box3_overlap(m->stray->end, o->shape.type->bounds(&o->shape, at)));
+                        exact(m->stray->g) || box3_overlap(m->stray->end, o->form->shape.type->bounds(&o->form->shape, at)));
     return !m->stray->missed;
 }
 
@@ -226,7 +226,7 @@ static bool passes(void *context, uint32_t other)
     Solid *o = &m->w->solids.data[other];
     vec3 way = vec3_sub(vec3_sub(m->stray->at, m->stray->from), way_of(m, o));
     CastHit hit;
-    if (!unwatched(m->w, m->stray->g, m->stray->solid, other) || !cast_ray(&o->shape, solid_pose(m->w, o), m->stray->from, way, 1, &hit))
+    if (!unwatched(m->w, m->stray->g, m->stray->solid, other) || !cast_ray(&o->form->shape, solid_pose(m->w, o), m->stray->from, way, 1, &hit))
         return true;
     m->stray->missed = true;
     if (m->stray->g->crowd)
@@ -305,7 +305,7 @@ static void reach_farther(World *w, Solid *s, box3 end)
 {
     box3 reach = solid_reach(w, s);
     vec3 low = vec3_sub(reach.low, end.low), high = vec3_sub(end.high, reach.high);
-    go_astray(w, s, s->astray + (real_max(vec3_largest(low), vec3_largest(high)) + 0.1 * s->shape.outer));
+    go_astray(w, s, s->astray + (real_max(vec3_largest(low), vec3_largest(high)) + 0.1 * s->form->shape.outer));
 }
 
 dig_status look_for_strays(World *w, Step *s)

@@ -282,8 +282,9 @@ static real depth_of(const GroupContact *c) { return c->live ? real_max(0, conta
 static void warn_overlap(World *w, const GroupPair *q, uint32_t body, real depth, real bound)
 {
     char text[BODY_TEXT_SIZE], why[sizeof((dig_warning *)0)->why];
-    const Solid *other = q->on_a->body == body ? q->on_b : q->on_a;
-    bool beyond = other->shape.type == &shape_plane && depth > w->bodies.data[body].outer;
+    const Pair *p = &w->pairs.data[q->slot];
+    const Solid *other = &w->solids.data[p->body_a == body ? p->solid_b : p->solid_a];
+    bool beyond = other->form->shape.type == &shape_plane && depth > w->bodies.data[body].outer;
     snprintf(why, sizeof why, "%s %s", beyond ? "its middle is beyond" : "with", solid_text(w, other, text));
     warn(w, DIG_RULE_OVERLAP, body, depth, bound, why);
 }

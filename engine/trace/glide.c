@@ -97,7 +97,7 @@ INLINE void look(Glide *s)
 {
     const Group *g = s->g;
     const GroupManifold *m = &s->c->manifold;
-    const Solid *on = s->side > 0 ? s->q->on_b : s->q->on_a;
+    const Form *on = s->side > 0 ? s->q->on_b : s->q->on_a;
     s->count = m->count;
     s->normal = m->normal;
     s->pos = g->pos[0];

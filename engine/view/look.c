@@ -64,9 +64,9 @@ static bool encloses(const box3 *all, const Body *b)
            b->x.z - r >= all->low.z && b->x.z + r <= all->high.z;
 }
 
-static box3 with_solid(box3 all, const World *w, const Solid *s) { return box3_union(all, s->shape.type->bounds(&s->shape, solid_pose(w, s))); }
+static box3 with_solid(box3 all, const World *w, const Solid *s) { return box3_union(all, s->form->shape.type->bounds(&s->form->shape, solid_pose(w, s))); }
 
-static bool has_end(const Solid *s) { return s->alive && isfinite(s->shape.outer); }
+static bool has_end(const Solid *s) { return s->alive && isfinite(s->form->shape.outer); }
 
 /* The bounds of the shapes whose bodies lie farthest out along each axis: they enclose most others. */
 static box3 outermost(const World *w)
@@ -235,15 +235,15 @@ static int pattern_of(const char *name)
 static dig_status take_solid(Look *l, const World *w, const Solid *s, LookSolid *row)
 {
     const Body *b = s->body == NONE ? NULL : &w->bodies.data[s->body];
-    const dig_material_def *m = &w->materials.data[s->surface.material].def;
-    bool own = s->colour.x >= 0, body_own = b && b->colour.x >= 0;
+    const dig_material_def *m = &w->materials.data[s->form->surface.material].def;
+    bool own = s->form->colour.x >= 0, body_own = b && b->colour.x >= 0;
     bool plain = (own || body_own) && strcmp(m->pattern.s, "stripe") != 0;
     uint32_t mesh = row->there ? row->mesh : LOOK_NONE;
-    DIG_TRY(find_mesh(l, &s->shape, &mesh));
-    *row = (LookSolid){.there = 1, .body = s->body, .mesh = mesh, .at = s->at, .roughness = (float)m->roughness, .metallic = (float)m->metallic,
+    DIG_TRY(find_mesh(l, &s->form->shape, &mesh));
+    *row = (LookSolid){.there = 1, .body = s->body, .mesh = mesh, .at = s->form->at, .roughness = (float)m->roughness, .metallic = (float)m->metallic,
                        .clear = b ? (float)(1 - b->opacity) : 0,
                        .pattern = plain ? PATTERN_PLAIN : (uint32_t)pattern_of(m->pattern.s)};
-    write_vec(row->colour, own ? s->colour : body_own ? b->colour : m->colour);
+    write_vec(row->colour, own ? s->form->colour : body_own ? b->colour : m->colour);
     return DIG_OK;
 }
 

@@ -50,27 +50,92 @@ void solid_ask(World *w, uint32_t slot)
     w->asking.data[w->asking.count++] = slot;
 }
 
-void solid_place(Solid *s, vec3 centre)
+void form_keep(const Form *f)
 {
-    s->arm = vec3_sub(s->at.p, centre);
+    if (f)
+        ((Form *)f)->users++;
+}
+
+void form_drop(const Form *f)
+{
+    Form *own = (Form *)f;
+    if (!own || --own->users > 0)
+        return;
+    shape_free(&own->shape);
+    free(own);
+}
+
+static bool is_shape(const Shape *s, const Shape *like)
+{
+    size_t bytes = shape_bytes(s);
+    return s->type == like->type && memcmp(&s->round, &like->round, offsetof(Shape, refs) - offsetof(Shape, round)) == 0 &&
+           bytes == shape_bytes(like) && (s->data == like->data || memcmp(s->data, like->data, bytes) == 0);
+}
+
+static bool is_form(const Form *f, const Form *like)
+{
+    return f && memcmp(&f->at, &like->at, offsetof(Form, users) - offsetof(Form, at)) == 0 && is_shape(&f->shape, &like->shape);
+}
+
+const Form *form_take(World *w, const Form *now, const Form *like)
+{
+    const Form *found = is_form(now, like) ? now : NULL;
+    for (int i = 0; i < FORMS_COMMON && !found; i++)
+        found = is_form(w->forms[i], like) ? w->forms[i] : NULL;
+    form_keep(found);
+    Form *made = found ? NULL : malloc(sizeof *made);
+    if (!made)
+        return found;
+    w->allocations++;
+    *made = *like;
+    made->shape = shape_keep(&like->shape);
+    made->users = 2;            /* it is one of those made last, too */
+    w->forms_next = (w->forms_next + 1) % FORMS_COMMON;
+    form_drop(w->forms[w->forms_next]);
+    w->forms[w->forms_next] = made;
+    return made;
+}
+
+dig_status solid_form(World *w, Solid *s, const Form *like)
+{
+    const Form *f = form_take(w, s->form, like);
+    if (!f)
+        return DIG_E_MEMORY;
+    form_drop(s->form);
+    s->form = f;
+    return DIG_OK;
+}
+
+static dig_status open_solid(World *w, uint32_t slot, const Form *like)
+{
+    Solid *s = &w->solids.data[slot];
+    const Shape *shape = &like->shape;
+    bool collides = s->body == NONE || w->bodies.data[s->body].collides;
+    DIG_TRY(solid_form(w, s, like));
+    /* room for every solid at once, so that asking cannot fail later */
+    DIG_TRY(list_reserve(&w->asking, w->solids.capacity, &w->allocations));
+    if (!isfinite(shape->outer)) {
+        DIG_TRY(list_push(&w->unbounded, &w->allocations));
+        w->unbounded.data[w->unbounded.count - 1] = slot;
+    } else if (collides) {
+        DIG_TRY(tree_insert(&w->tree, shape->type->bounds(shape, solid_pose(w, s)), slot, &s->leaf));
+    }
+    return DIG_OK;
 }
 
 dig_status solid_add(World *w, uint32_t body, const Shape *shape, pose at, const Surface *surface, vec3 colour, uint32_t *slot)
 {
+    vec3 centre = body == NONE ? vec3_zero() : w->bodies.data[body].centre;
+    Form like = {.shape = *shape, .at = at, .arm = vec3_sub(at.p, centre), .surface = *surface, .colour = colour};
     DIG_TRY(world_slot(w, &w->solids, &w->free_solids, slot));
-    Solid *s = &w->solids.data[*slot];
-    *s = (Solid){.alive = true, .body = body, .next = NONE, .shape = *shape, .at = at, .surface = *surface, .colour = colour,
-                 .leaf = -1, .pair_first = NONE};
-    solid_place(s, body == NONE ? vec3_zero() : w->bodies.data[body].centre);
-    bool collides = body == NONE || w->bodies.data[body].collides;
-    if (!isfinite(shape->outer)) {
-        DIG_TRY(list_push(&w->unbounded, &w->allocations));
-        w->unbounded.data[w->unbounded.count - 1] = *slot;
-    } else if (collides) {
-        DIG_TRY(tree_insert(&w->tree, shape->type->bounds(shape, solid_pose(w, s)), *slot, &s->leaf));
+    w->solids.data[*slot] = (Solid){.body = body, .next = NONE, .leaf = -1, .pair_first = NONE};
+    dig_status status = open_solid(w, *slot, &like);
+    if (status != DIG_OK) {
+        form_drop(w->solids.data[*slot].form);
+        slot_give(w, &w->free_solids, *slot);
+        return status;
     }
-    /* room for every solid at once, so that asking cannot fail later */
-    DIG_TRY(list_reserve(&w->asking, w->solids.capacity, &w->allocations));
+    w->solids.data[*slot].alive = true;
     solid_ask(w, *slot);
     w->tally.shapes += shape_bytes(shape);
     return DIG_OK;
@@ -93,8 +158,9 @@ void solid_remove(World *w, uint32_t slot)
         for (int i = 0; i < w->asking.count; i++)
             if (w->asking.data[i] == slot)
                 w->asking.data[i] = w->asking.data[--w->asking.count];
-    w->tally.shapes -= shape_bytes(&s->shape);
-    shape_free(&s->shape);
+    w->tally.shapes -= shape_bytes(&s->form->shape);
+    form_drop(s->form);
+    s->form = NULL;
     s->alive = false;
     slot_give(w, &w->free_solids, slot);
 }
@@ -122,7 +188,7 @@ void body_refit(World *w, uint32_t slot)
     for (uint32_t s = b->shape_first; s != NONE; s = w->solids.data[s].next) {
         Solid *solid = &w->solids.data[s];
         if (solid->leaf >= 0)
-            tree_move(&w->tree, solid->leaf, solid->shape.type->bounds(&solid->shape, solid_pose(w, solid)));
+            tree_move(&w->tree, solid->leaf, solid->form->shape.type->bounds(&solid->form->shape, solid_pose(w, solid)));
         solid_ask(w, s);
         for (uint32_t l = solid->pair_first; l != NONE; l = w->pairs.data[l / 2].next[l % 2])
             pair_stir(&w->pairs.data[l / 2]);
@@ -328,9 +394,9 @@ void body_measure(const World *w, Body *b)
     b->outer = 0;
     for (uint32_t s = b->shape_first; s != NONE; s = w->solids.data[s].next) {
         const Solid *solid = &w->solids.data[s];
-        b->outer = real_max(b->outer, vec3_length(vec3_sub(solid->at.p, b->centre)) + solid->shape.outer);
+        b->outer = real_max(b->outer, vec3_length(vec3_sub(solid->form->at.p, b->centre)) + solid->form->shape.outer);
     }
-    b->rim = only && only->shape.type == &shape_sphere && vec3_equal(only->at.p, b->centre) ? 0 : b->outer;
+    b->rim = only && only->form->shape.type == &shape_sphere && vec3_equal(only->form->at.p, b->centre) ? 0 : b->outer;
 }
 
 /* What the part says, where it does not the body, where that does not (NaN) the material. */
@@ -357,12 +423,9 @@ static dig_status attach_solids(World *w, uint32_t slot, const dig_body_def *def
         Surface surface = surface_of(def, def->shapes[i].surface, materials[i]);
         vec3 colour = def->shapes[i].colour.x >= 0 ? def->shapes[i].colour : def->colour;
         uint32_t solid;
-        Shape kept = shape_keep(&shapes[i]);
-        dig_status s = solid_add(w, slot, &kept, at, &surface, colour, &solid);
-        if (s != DIG_OK) {
-            shape_free(&kept);
+        dig_status s = solid_add(w, slot, &shapes[i], at, &surface, colour, &solid);
+        if (s != DIG_OK)
             return world_fail(w, s, "%s: not enough memory", NEW_BODY_TEXT(def->name.s));
-        }
         *(last == NONE ? &b->shape_first : &w->solids.data[last].next) = solid;
         last = solid;
         b->shape_count++;

@@ -42,7 +42,7 @@ void contact_give(World *w, uint32_t slot)
 
 static Rub rub_of(const World *w, const Pair *p)
 {
-    return surface_pair(w, &w->solids.data[p->solid_a].surface, &w->solids.data[p->solid_b].surface);
+    return surface_pair(w, &w->solids.data[p->solid_a].form->surface, &w->solids.data[p->solid_b].form->surface);
 }
 
 Rub pair_rub(const World *w, const Pair *p) { return p->memory == NONE ? rub_of(w, p) : w->memories.data[p->memory].rub; }
@@ -67,7 +67,7 @@ void pair_sort(const World *w, Pair *p)
     Rub rub = pair_rub(w, p);
     p->smooth = !(rub.friction > 0);
     p->bounces = rub.restitution > 0;
-    const ShapeType *a = w->solids.data[p->solid_a].shape.type, *b = w->solids.data[p->solid_b].shape.type;
+    const ShapeType *a = w->solids.data[p->solid_a].form->shape.type, *b = w->solids.data[p->solid_b].form->shape.type;
     p->dynamic_a = body_dynamic(w, p->body_a);
     p->dynamic_b = body_dynamic(w, p->body_b);
     p->pieces = a->pieces || b->pieces;

@@ -79,7 +79,7 @@ void world_close(World *w)
         return;
     for (int i = 0; i < w->solids.count; i++)
         if (w->solids.data[i].alive)
-            shape_free(&w->solids.data[i].shape);
+            form_drop(w->solids.data[i].form);
     for (int i = 0; i < w->effect_count; i++) {
         EffectOwner *o = w->effects[i].owner;
         free(w->effects[i].world);
@@ -92,6 +92,8 @@ void world_close(World *w)
             shape_free(&w->regions.data[i].shape);
     for (int i = 0; i < w->bodies.count; i++)
         body_inertia_drop(&w->bodies.data[i]);
+    for (int i = 0; i < FORMS_COMMON; i++)
+        form_drop(w->forms[i]);
     for (int i = 0; i < INERTIAS_COMMON; i++)
         body_inertia_drop(&(Body){.inertia = w->common[i]});
     free(w->note);
@@ -163,7 +165,7 @@ Tally world_tally(const World *w)
     for (int i = 0; i < w->pairs.count; i++)
         t.smooth += w->pairs.data[i].alive && w->pairs.data[i].smooth;
     for (int i = 0; i < w->solids.count; i++)
-        t.shapes += w->solids.data[i].alive ? shape_bytes(&w->solids.data[i].shape) : 0;
+        t.shapes += w->solids.data[i].alive ? shape_bytes(&w->solids.data[i].form->shape) : 0;
     return t;
 }
 

@@ -130,6 +130,16 @@ typedef struct BodyRest {
     Breach   breach;            /* step/watch.c; no part of the state                  */
 } BodyRest;
 
+/* What solids that are alike share, copies of the world too: never changed. */
+typedef struct Form {
+    Shape    shape;
+    pose     at;                /* in the body frame (origin), or in the world         */
+    vec3     arm;               /* m   the shape's origin from the centre of mass, in the body frame */
+    Surface  surface;
+    vec3     colour;
+    int      users;
+} Form;
+
 typedef struct Solid {          /* one shape in a body, or of the world itself (body == NONE) */
     bool     alive;
     bool     asks;              /* in world->asking: its box wants to be compared with the tree */
@@ -137,12 +147,8 @@ typedef struct Solid {          /* one shape in a body, or of the world itself (
     uint32_t body, next;
     uint32_t pair_first;        /* list through Pair.next, as 2 * pair + side          */
     int32_t  leaf;              /* in world->tree; < 0: unbounded (planes) or no collisions */
+    const Form *form;
     box3     reach;             /* m   where it may get in this step                   */
-    Shape    shape;
-    pose     at;                /* in the body frame (origin), or in the world         */
-    vec3     arm;               /* m   the shape's origin from the centre of mass, in the body frame */
-    Surface  surface;
-    vec3     colour;
     real     blow;              /* m   of that, what a blow could add                  */
     real     struck;            /* m   the same of a mover's blow, for which its leaf has room */
     real     astray;            /* m   how much farther than foreseen it got in the tries of this step, not kept between steps */
@@ -310,6 +316,7 @@ typedef struct EffectSlot {     /* one per entry of the effect list             
 
 #define MAX_EFFECTS 32
 #define INERTIAS_COMMON 8
+#define FORMS_COMMON 8
 #define WORLD_FAR  1e15         /* m            no body gets farther from the origin */
 #define WORLD_FAST 1e12         /* m/s, rad/s   or faster                            */
 #define TRAVEL_MOST 1e60        /* m            of bodies without a size (planes that are turned) */
@@ -376,6 +383,7 @@ struct dig_world {
     Arena    scratch;                   /* of the calling thread                       */
     dig_body culprit;                   /* whose numbers made the last step fail; null: nobody's */
     dig_body poisoned;                  /* dig_world_inject: in the next step its velocity is NaN */
+    const Form *forms[FORMS_COMMON]; int forms_next;       /* as common */
     Inertia *common[INERTIAS_COMMON]; int common_next;     /* that were made last: who comes next is likely to be the same */
     struct Workers *workers;            /* step/workers.h; NULL for one thread         */
     struct Tap *tap;                    /* api/command.h: who listens to what is done to it; NULL = nobody */
@@ -443,7 +451,7 @@ static inline pose pose_of_part(pose body, pose at)
 }
 static inline pose solid_pose(const World *w, const Solid *s)
 {
-    return s->body == NONE ? s->at : pose_of_part(body_pose(&w->bodies.data[s->body]), s->at);
+    return s->body == NONE ? s->form->at : pose_of_part(body_pose(&w->bodies.data[s->body]), s->form->at);
 }
 extern const Inertia no_inertia;
 static inline const Inertia *body_inertia(const Body *b) { return b->inertia ? b->inertia : &no_inertia; }
@@ -514,8 +522,10 @@ void       body_inertia_drop(Body *b);             /* it has none from now on */
 static inline real body_mass_read(const Body *b) { return b->kind == DIG_DYNAMIC ? b->mass : b->told_mass > 0 ? b->told_mass : INFINITY; }
 void       body_refit(World *w, uint32_t slot);         /* its solids' boxes in the tree */
 void       body_measure(const World *w, Body *b);      /* its radii, from where its solids are */
-/* Where the shape is from its body's centre of mass. */
-void       solid_place(Solid *s, vec3 centre);
+const Form *form_take(World *w, const Form *now, const Form *like);     /* one that is like this, mostly `now` or another's; NULL: no memory */
+void       form_keep(const Form *f);                /* one more user; NULL is none */
+void       form_drop(const Form *f);
+dig_status solid_form(World *w, Solid *s, const Form *like);            /* it is like that now */
 bool       bodies_may_touch(const World *w, const Solid *a, const Solid *b);
 real       body_energy(const World *w, const Body *b);  /* J, kinetic + potential */
 dig_status solid_add(World *w, uint32_t body, const Shape *shape, pose at, const Surface *surface, vec3 colour, uint32_t *slot);

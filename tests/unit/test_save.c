@@ -252,15 +252,15 @@ TEST(shapes_come_back_bit_for_bit)
         CHECK_INT(a->alive, b->alive);
         if (!a->alive)
             continue;
-        CHECK(a->shape.type == b->shape.type);
-        CHECK_INT(shape_bytes(&a->shape), shape_bytes(&b->shape));
-        if (memcmp(a->shape.data, b->shape.data, shape_bytes(&a->shape)) != 0)
-            fail_msg("the data of a %s differ", a->shape.type->name);
-        CHECK(a->shape.inner == b->shape.inner && a->shape.outer == b->shape.outer);
-        CHECK(a->shape.round == b->shape.round && a->shape.rolling == b->shape.rolling);
-        CHECK(memcmp(&a->arm, &b->arm, sizeof a->arm) == 0);
+        CHECK(a->form->shape.type == b->form->shape.type);
+        CHECK_INT(shape_bytes(&a->form->shape), shape_bytes(&b->form->shape));
+        if (memcmp(a->form->shape.data, b->form->shape.data, shape_bytes(&a->form->shape)) != 0)
+            fail_msg("the data of a %s differ", a->form->shape.type->name);
+        CHECK(a->form->shape.inner == b->form->shape.inner && a->form->shape.outer == b->form->shape.outer);
+        CHECK(a->form->shape.round == b->form->shape.round && a->form->shape.rolling == b->form->shape.rolling);
+        CHECK(memcmp(&a->form->arm, &b->form->arm, sizeof a->form->arm) == 0);
         for (int t = 0; shape_types[t]; t++)
-            seen |= shape_types[t] == a->shape.type ? 1 << t : 0;
+            seen |= shape_types[t] == a->form->shape.type ? 1 << t : 0;
     }
     int types = 0;
     while (shape_types[types])
@@ -391,7 +391,8 @@ TEST(every_field_of_the_records_is_known_to_the_file)
 {
     CHECK_INT(sizeof(Body), 600);      /* watch, pull, alone, kept, roam and lies are not saved: they begin anew */
     CHECK_INT(sizeof(BodyRest), 280);   /* breach begins anew */
-    CHECK_INT(sizeof(Solid), 296);      /* arm is made anew; struck begins at zero, its leaf is made anew then */
+    CHECK_INT(sizeof(Solid), 104);      /* struck begins at zero, its leaf is made anew then */
+    CHECK_INT(sizeof(Form), 208);       /* arm is made anew; users are who have it */
     CHECK_INT(sizeof(Pair), 56);        /* met and met_until begin anew */
     CHECK_INT(sizeof(PairMemory), 72);
     CHECK_INT(sizeof(Contact), 192);
@@ -727,6 +728,33 @@ TEST(mutants_of_a_world_with_everything_are_refused_or_sound)
     mutate(w, "mutant.dig", number_from("DIG_MUTANTS", SANITIZED ? 100 : 600), (uint64_t)number_from("DIG_SEED", 2) * 2654435761u);
 }
 
+static const Form *form_of(const dig_world *w, dig_body b) { return w->solids.data[w->bodies.data[b.slot].shape_first].form; }
+
+/* What alike bodies share: a change is one's own, and a snapshot has what it had. */
+TEST(who_changes_a_shared_surface_has_his_own)
+{
+    dig_world *w = open_world(1.0 / 60, "study", true);
+    const dig_sphere_def ball = {0.5}, larger = {0.6};
+    dig_body a = add_body(w, dig_body_defaults(), "sphere", &ball), b = add_body(w, dig_body_defaults(), "sphere", &ball);
+    dig_body c = add_body(w, dig_body_defaults(), "sphere", &larger);
+    CHECK(form_of(w, a) == form_of(w, b) && form_of(w, a) != form_of(w, c));
+    const real least = 0.125, most = 0.75;
+    CHECK(dig_body_set(w, b, "friction", &least) == DIG_OK);
+    CHECK(form_of(w, a) != form_of(w, b) && form_of(w, b)->surface.friction == least && isnan(form_of(w, a)->surface.friction));
+    dig_snapshot *s;
+    CHECK(dig_world_snapshot(w, &s) == DIG_OK);
+    CHECK(dig_body_set(w, b, "friction", &most) == DIG_OK && dig_body_set(w, a, "friction", &most) == DIG_OK);
+    CHECK(form_of(w, a) == form_of(w, b) && form_of(w, a)->surface.friction == most);
+    CHECK(dig_world_restore(w, s) == DIG_OK);
+    CHECK(form_of(w, b)->surface.friction == least && isnan(form_of(w, a)->surface.friction));
+    dig_world *copy = reloaded(w, "forms.dig");
+    CHECK(memcmp(&form_of(copy, b)->surface, &form_of(w, b)->surface, sizeof(Surface)) == 0);
+    CHECK(form_of(copy, a) != form_of(copy, b) && form_of(copy, a)->shape.outer == 0.5);
+    dig_snapshot_free(s);
+    dig_world_close(copy);
+    dig_world_close(w);
+}
+
 int main(void)
 {
     RUN_TESTS(unit_test(saved_loaded_saved_is_the_same_file), unit_test(an_empty_world_is_saved_too),
@@ -743,5 +771,6 @@ int main(void)
               unit_test(every_flipped_bit_of_the_header_is_noticed), unit_test(flipped_bits_elsewhere_are_noticed),
               unit_test(other_formats_are_told_apart), unit_test(a_note_goes_with_the_file),
               unit_test(a_table_that_lies_is_refused), unit_test(counts_beyond_the_file_are_refused),
-              unit_test(mutants_of_a_small_world_are_refused_or_sound), unit_test(mutants_of_a_world_with_everything_are_refused_or_sound));
+              unit_test(mutants_of_a_small_world_are_refused_or_sound), unit_test(mutants_of_a_world_with_everything_are_refused_or_sound),
+              unit_test(who_changes_a_shared_surface_has_his_own));
 }

@@ -232,7 +232,7 @@ static Shape shape_of(Solidity s)
     return shape;
 }
 
-typedef struct Meeting { Hand h; GroupPair pair; Solid on[2]; Manifold m; int count; bool corners; } Meeting;
+typedef struct Meeting { Hand h; GroupPair pair; Form on[2]; Manifold m; int count; bool corners; } Meeting;
 
 /* Its shapes in their bodies. */
 static pose local(const Meeting *m, int side) { return (pose){m->on[side].arm, m->on[side].at.q}; }
@@ -245,8 +245,8 @@ static void set_local(Meeting *m, int side, pose at)
 static void meeting_open(Meeting *m, Solidity a, Solidity b)
 {
     hand_open(&m->h, 2, 2);
-    m->on[0] = (Solid){.shape = shape_of(a), .at.q = quat_identity()};
-    m->on[1] = (Solid){.shape = shape_of(b), .at.q = quat_identity()};
+    m->on[0] = (Form){.shape = shape_of(a), .at.q = quat_identity()};
+    m->on[1] = (Form){.shape = shape_of(b), .at.q = quat_identity()};
     m->pair = (GroupPair){.a = 0, .b = 1, .on_a = &m->on[0], .on_b = &m->on[1], .size = 1};
 }
 
