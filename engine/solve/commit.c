@@ -55,7 +55,7 @@ static void judge_pair(Group *g, int i, real dt, Verdict *v, int *changed, int *
 {
     GroupPair *q = &g->pairs[i];
     v->finest = real_min(v->finest, q->size);
-    q->touching = false;
+    bool touching = false;
     for (int k = q->contact; k < q->contact + q->contacts; k++) {
         GroupContact *c = &g->contacts[k];
         if (c->manifold.count == 0) {       /* what is over is not remembered */
@@ -64,7 +64,7 @@ static void judge_pair(Group *g, int i, real dt, Verdict *v, int *changed, int *
             c->manifold.slides = false;
         }
         c->touching = contact_touches(g, q, k, dt);
-        q->touching = q->touching || c->touching;
+        touching = touching || c->touching;
         c->was_idle = c->idle;
         c->idle = contact_idle(g, k);
         bool comes_or_goes = q->contacts == 1 && (c->slot == NONE) != c->idle;
@@ -77,7 +77,8 @@ static void judge_pair(Group *g, int i, real dt, Verdict *v, int *changed, int *
         v->live += c->live;
         v->rubbing += c->live && q->rub->friction > 0;
     }
-    if (q->touching != q->was_touching || (q->struck && !q->touching))
+    q->touching = touching;
+    if (touching != q->was_touching || (q->struck && !touching))
         changed[v->changed++] = i;
 }
 

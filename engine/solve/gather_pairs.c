@@ -102,12 +102,12 @@ static void gather_pair(Nearby *nearby, GroupPair *q, const Near *n, KnownRubs *
     q->covered = (Covered){0, 0};
     q->reach = 0;
     q->until = g->crowd ? p->until : -1;
-    q->meets = false;
     q->size = pair_size(&q->on_a->shape, &q->on_b->shape);
-    q->fresh = p->fresh;
-    q->was_touching = p->touching;
-    q->both_moved = g->member[q->a].moved && g->member[q->b].moved;
-    q->struck = false;
+    bool fresh = p->fresh, touching = p->touching, moved = g->member[n->a].moved && g->member[n->b].moved;
+    q->struck = q->meets = q->touching = false;         /* side by side: one write for all */
+    q->fresh = fresh;
+    q->was_touching = touching;
+    q->both_moved = moved;
     q->impact = 0;
     q->speed = 0;
 }
@@ -176,6 +176,7 @@ static void find_near(void *context, int thread, int threads)
     const Nearby *n = context;
     const Group *g = n->g;
     const World *w = g->world;
+    bool sparse = g->sparse;
     for (int i = team_first(n->count, thread, threads), end = team_end(n->count, thread, threads); i < end; i++) {
         const Pair *p = &w->pairs.data[n->pairs[i]];
         if (i + FETCH_AHEAD < n->count)
@@ -184,20 +185,13 @@ static void find_near(void *context, int thread, int threads)
         *near = (Near){.slot = n->pairs[i], .a = local_of(g, p->body_a), .b = local_of(g, p->body_b), .first = p->contact, .contacts = 1};
         for (uint32_t c = p->pieces ? w->contacts.data[p->contact].next : NONE; c != NONE; c = w->contacts.data[c].next)
             near->contacts++;
-        near->place = p->round ? near->contacts * POINT_PLACE : near->contacts * MANIFOLD_POINTS * POINT_PLACE + HINT_PLACE;
+        int points = sparse && p->contact == NONE ? 0 : near->contacts * POINT_PLACE;
+        near->place = p->round ? points : points * MANIFOLD_POINTS + HINT_PLACE;
         if (n->span && p->contact == NONE && !p->touching)
             near->slack = (float)slack_of(n, p, near->a, near->b);
         if (near->slack > 0)
             near->contacts = 0;
     }
-}
-
-/* Of the group's places: of a sparse one's pair without a record of its contact only what its hint takes. */
-static int places_of(const Group *g, const Near *n)
-{
-    if (!g->sparse || n->first != NONE)
-        return n->place;
-    return n->place == POINT_PLACE ? 0 : HINT_PLACE;
 }
 
 /* Of the pairs that come after number i: the next ones but some, and of the next ones what they name. */
@@ -221,17 +215,18 @@ static void fetch_near(const Group *g, const Near *near, int count, int i)
         fetch_soon(&w->contacts.data[n->first], sizeof(Contact));
 }
 
-/* The pair's contacts, and its hint after what they have room for. */
+/* The pair's contacts, whose room comes after its hint. */
 static void gather_pair_contacts(const Nearby *n, const Near *near, GroupPair *q, int pair)
 {
     Group *g = n->g;
     const World *w = g->world;
     uint32_t c = near->first;
-    bool bare = g->sparse && c == NONE;
-    for (int k = 0; k < near->contacts; k++) {
+    uint8_t room = q->hint ? MANIFOLD_POINTS : 1;
+    real *places = g->sparse && c == NONE ? NULL : n->places + near->place + (q->hint ? HINT_PLACE : 0);
+    for (int k = 0; k < near->contacts; k++, places = places ? places + room * POINT_PLACE : NULL) {
         GroupContact *to = &g->contacts[q->contact + k];
-        to->manifold.room = q->hint ? MANIFOLD_POINTS : 1;
-        gather_contact(w, q, pair, c, bare ? NULL : n->places + near->place + k * to->manifold.room * POINT_PLACE, to);
+        to->manifold.room = room;
+        gather_contact(w, q, pair, c, places, to);
         c = c == NONE ? NONE : w->contacts.data[c].next;
     }
 }
@@ -248,8 +243,7 @@ static void gather_near(void *context, int thread, int threads)
         GroupPair *q = &g->pairs[n->first + i];
         fetch_near(g, n->near, n->taken, i);
         bool round = g->world->pairs.data[near->slot].round;
-        int points = g->sparse && near->first == NONE ? 0 : near->contacts * MANIFOLD_POINTS * POINT_PLACE;
-        q->hint = round ? NULL : (ManifoldCache *)(void *)(n->places + near->place + points);
+        q->hint = round ? NULL : (ManifoldCache *)(void *)(n->places + near->place);
         gather_pair(n, q, near, &known);
         if (q->rub->rolling > 0)
             atomic_store_explicit(&n->rolls, true, memory_order_relaxed);
@@ -264,7 +258,7 @@ static int place_near(Group *g, Near *near, int count)
 {
     int places = 0;
     for (int i = 0; i < count; i++) {
-        int needed = places_of(g, &near[i]);
+        int needed = near[i].place;
         near[i].contact = g->contact_count;
         near[i].place = places;
         g->contact_count += near[i].contacts;
@@ -295,7 +289,7 @@ static void sum_share(void *context, int thread, int threads)
         }
         sum.taken++;
         sum.contacts += near->contacts;
-        sum.places += places_of(x->n->g, near);
+        sum.places += near->place;
     }
     x->sum[thread] = sum;
 }
@@ -312,7 +306,7 @@ static void sort_share(void *context, int thread, int threads)
             x->n->g->left[at.left++] = (Left){near.slot, near.a, near.b, near.slack, near.place};
         if (near.contacts <= 0)
             continue;
-        int needed = places_of(x->n->g, &near);
+        int needed = near.place;
         near.contact = at.contacts;
         near.place = at.places;
         at.contacts += near.contacts;
@@ -396,6 +390,14 @@ typedef struct Taking {         /* of those that are left out                   
     int *taken;                 /* of each share                                    */
 } Taking;
 
+/* Of a pair that was left out while contacts were sparse, and comes in now: see find_near. */
+static int places_now(const Group *g, int places)
+{
+    if (g->sparse)
+        return places;
+    return places == 0 ? POINT_PLACE : places == HINT_PLACE ? MANIFOLD_POINTS * POINT_PLACE + HINT_PLACE : places;
+}
+
 /* Those that may meet if each body gets so much farther than by itself. */
 static void take_share(void *context, int thread, int threads)
 {
@@ -406,7 +408,7 @@ static void take_share(void *context, int thread, int threads)
         Left *l = &g->left[i];
         if (l->places < 0 || (real)l->slack > t->dt * (t->stop[l->a] + t->stop[l->b]))
             continue;
-        t->near[first + taken++] = (Near){.slot = l->slot, .a = l->a, .b = l->b, .contacts = 1, .first = NONE, .place = l->places};
+        t->near[first + taken++] = (Near){.slot = l->slot, .a = l->a, .b = l->b, .contacts = 1, .first = NONE, .place = places_now(g, l->places)};
         l->places = -1;         /* it was taken, and stays where it is until no more will be */
     }
     t->taken[thread] = taken;

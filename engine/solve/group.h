@@ -320,8 +320,8 @@ struct Group {
     atomic_flag taking;         /* a thread of the team takes from the arena, or of these: */
     real     *room;         int room_left;      /* for points of such contacts */
     bool      no_room;          /* there was no memory for them     */
-    real     *places;       int place_count;    /* of each contact, room for its points first, then for their memories; then of its pair, for
-                                                         * a hint, unless with a ball; of those that came in later elsewhere */
+    real     *places;       int place_count;    /* of each pair, room for a hint, unless with a ball; then of each of its contacts for its
+                                                         * points, then for their memories; of those that came in later elsewhere */
     GroupJoint *joints;     int joint_count;
     GroupPush *pushes;      int push_count;
     PointRow *points;       int point_count, point_capacity;
