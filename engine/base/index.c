@@ -94,20 +94,28 @@ void index_remove(Index *x, MapKey key, uint32_t record)
     x->count--;
 }
 
-void index_renumber(Index *x, const uint32_t *to)
+void index_renumber(Index *x, const uint32_t *to, Arena *scratch)
 {
     uint32_t size = size_for(SMALLEST, x->count);
     for (uint32_t i = 0; i < x->size; i++)
         if (x->entries[i].hash)
             x->entries[i].record = to[x->entries[i].record];
-    Index small = {.size = size};
-    if (size >= x->size || !(small.entries = table_open(size)))
+    if (size >= x->size)
         return;
-    for (uint32_t i = 0; i < x->size; i++)
-        if (x->entries[i].hash)
-            put(&small, x->entries[i]);
-    block_free(x->entries, x->size * sizeof *x->entries);
-    *x = small;
+    ArenaMark mark = arena_mark(scratch);
+    uint32_t before = x->size;
+    IndexEntry *old = arena_alloc(scratch, before * sizeof *old);
+    if (old)
+        memcpy(old, x->entries, before * sizeof *old);
+    IndexEntry *small = old ? block_resize(x->entries, before * sizeof *small, size * sizeof *small) : NULL;
+    if (small) {
+        memset(small, 0, size * sizeof *small);
+        *x = (Index){.entries = small, .size = size};
+        for (uint32_t i = 0; i < before; i++)
+            if (old[i].hash)
+                put(x, old[i]);
+    }
+    arena_rewind(scratch, mark);
 }
 
 dig_status index_copy(Index *to, const Index *from)

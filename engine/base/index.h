@@ -10,6 +10,7 @@
 #ifndef DIG_INDEX_H
 #define DIG_INDEX_H
 
+#include "base/arena.h"
 #include "base/map.h"
 
 typedef struct IndexEntry { uint32_t hash, record; } IndexEntry;        /* hash 0 = free */
@@ -27,7 +28,8 @@ dig_status index_reserve(Index *x, int entries);                    /* DIG_E_MEM
 bool       index_find(const Index *x, MapKey key, IndexSame *same, const void *context, uint32_t *record);
 dig_status index_add(Index *x, MapKey key, uint32_t record);        /* whose key is not there yet; DIG_E_MEMORY: unchanged */
 void       index_remove(Index *x, MapKey key, uint32_t record);     /* which may be in it or not */
-void       index_renumber(Index *x, const uint32_t *to);           /* record r is to[r] from now on; gives back room if there is much */
+/* Record r is to[r] from now on; gives back room if there is much, by way of scratch memory. */
+void       index_renumber(Index *x, const uint32_t *to, Arena *scratch);
 dig_status index_copy(Index *to, const Index *from);                /* same table, entry by entry; DIG_E_MEMORY: unchanged */
 void       index_close(Index *x);
 size_t     index_bytes(const Index *x);

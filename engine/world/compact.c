@@ -80,7 +80,7 @@ static dig_status move_pairs(World *w)
     list_trim(&w->pairs, count + count / 8);
     list_trim(&w->free_pairs, w->pairs.capacity);
     list_trim(&w->near, w->near.count + w->near.count / 8);
-    index_renumber(&w->pair_index, to);     /* last: for a while there are two of it, and this step is often the one that takes most memory */
+    index_renumber(&w->pair_index, to, &w->scratch);
     arena_rewind(&w->scratch, mark);
     return DIG_OK;
 }

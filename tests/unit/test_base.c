@@ -484,7 +484,9 @@ TEST(an_index_finds_records_by_their_keys_and_follows_when_they_move)
     CHECK_INT(x.count, n);
     for (uint32_t i = 0; i < RECORDS; i++)
         CHECK_INT(index_find(&x, key[i], is_record, key, &found), i % 4 == 0);
-    index_renumber(&x, to);
+    Arena scratch = {0};
+    index_renumber(&x, to, &scratch);
+    arena_close(&scratch);
     for (uint32_t i = 0; i < RECORDS; i += 4)
         key[to[i]] = key[i];
     for (uint32_t i = 0; i < n; i++)
