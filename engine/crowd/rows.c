@@ -532,6 +532,7 @@ static dig_status make_batches(const Rows *r)
             end++;
         DIG_TRY(make_phase(r, i, end));
     }
+    spare_add(&c->g->spare, c->batch + c->batches, (size_t)(batches - c->batches) * sizeof *c->batch);     /* two lots are one, mostly */
     return DIG_OK;
 }
 
