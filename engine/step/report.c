@@ -1,4 +1,5 @@
 /* step/report.c - events, residuals, expired pushes, the energy ledger. */
+#include "base/block.h"
 #include "step/step.h"
 
 #include <stdio.h>
@@ -79,6 +80,20 @@ void begin_events(World *w)
         memcpy(w->events.data, w->pending.data, (size_t)w->pending.count * sizeof *w->events.data);
     w->pending.count = 0;
     turn_events(w);
+}
+
+#define FORGET_LEAST ((size_t)64 << 10)         /* bytes, by which there are fewer: less is not worth a call to the system */
+
+/* Of a large list, what a step with more events had written to takes no memory until it is written to again. */
+static void forget_events(World *w)
+{
+    size_t used = (size_t)w->events.count * sizeof *w->events.data, written = (size_t)w->events_written * sizeof *w->events.data;
+    bool large = list_bytes(&w->events) >= BLOCK_LARGE && written <= list_bytes(&w->events);
+    if (large && written >= used + FORGET_LEAST)
+        block_forget((unsigned char *)w->events.data + used, written - used);
+    else if (w->events.count < w->events_written)
+        return;
+    w->events_written = w->events.count;
 }
 
 /* What was waiting is delivered. */
@@ -263,5 +278,6 @@ void report(World *w, const Step *s)
     watch_world(w, s);
     deliver_due(w);
     deliver_events(w);
+    forget_events(w);
     trim_events(w);
 }

@@ -363,6 +363,7 @@ struct dig_world {
     LIST(dig_event) events;             /* of the last step                            */
     LIST(dig_event) pending;            /* of calls since then                         */
     int      events_most;               /* for so many, steps of late have made room   */
+    int      events_written;            /* of the list's room, so many may take memory */
 
     Index    pair_index;                /* by (solid, solid, 0)                        */
     Index    touch_index;               /* by (body, body, wall)                       */
