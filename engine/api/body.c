@@ -148,9 +148,9 @@ dig_status dig_body_inspect(const dig_world *w, dig_body handle, dig_body_debug 
     out->dig_id = graph_of(w->graph, handle.slot);
     out->mess_time = b->message_time;
     out->mass = body_mass_read(b);
-    out->rest = surface_resolve(w, &b->surface).restitution;
+    out->rest = surface_resolve(w, &body_make(b)->surface).restitution;
     out->origin = b->message_from;
-    out->material = w->materials.data[b->surface.material].name;
+    out->material = w->materials.data[body_make(b)->surface.material].name;
     out->object_type = b->shape_first == NONE ? "" : w->solids.data[b->shape_first].form->shape.type->name;
     return DIG_OK;
 }

@@ -33,6 +33,13 @@ static dig_status set_surface(World *w, uint32_t slot, const char *name, real va
             form_drop(made[k]);
         made = made[count++] ? made : NULL;
     }
+    Make make = *body_make(b);
+    change_surface(&make.surface, name, value);
+    if (made && body_make_set(w, b, &make) != DIG_OK) {
+        while (count > 0)
+            form_drop(made[--count]);
+        made = NULL;
+    }
     for (uint32_t s = b->shape_first, k = 0; made && s != NONE; s = w->solids.data[s].next) {
         form_drop(w->solids.data[s].form);
         w->solids.data[s].form = made[k++];
@@ -40,7 +47,6 @@ static dig_status set_surface(World *w, uint32_t slot, const char *name, real va
     arena_rewind(&w->scratch, mark);
     if (!made)
         return world_fail(w, DIG_E_MEMORY, "%s: not enough memory for its surfaces", BODY_TEXT(w, b));
-    change_surface(&b->surface, name, value);
     pairs_refresh_surfaces(w, slot);
     return DIG_OK;
 }
@@ -63,6 +69,18 @@ static dig_status set_mass(World *w, Body *b, real mass)
     if (!(mass > 0 && isfinite(mass)))
         return world_fail(w, DIG_E_ARG, "%s: mass = %g kg, must be > 0 and finite", BODY_TEXT(w, b), mass);
     return body_set_mass(w, b, mass);
+}
+
+static dig_status set_make(World *w, Body *b, const char *name, const void *value)
+{
+    Make make = *body_make(b);
+    if (strcmp(name, "group") == 0)
+        make.group = *(const int64_t *)value;
+    else if (strcmp(name, "colour") == 0)
+        make.colour = *(const vec3 *)value;
+    else
+        make.opacity = *(const real *)value;
+    return body_make_set(w, b, &make);
 }
 
 static void set_integrator(Body *b, int64_t integrator)
@@ -113,18 +131,14 @@ static dig_status do_set(World *w, dig_body handle, const char *name, const void
     else if (strcmp(name, "gravity_scale") == 0) {
         b->gravity_scale = *number;
         b->lies = -1;
-    } else if (strcmp(name, "group") == 0)
-        b->group = *(const int64_t *)value;
+    } else if (strcmp(name, "group") == 0 || strcmp(name, "colour") == 0 || strcmp(name, "opacity") == 0)
+        status = set_make(w, b, name, value);
     else if (strcmp(name, "integrator") == 0)
         set_integrator(b, *(const int64_t *)value);
     else if (strcmp(name, "collides") == 0)
         status = set_collides(w, b, *(const bool *)value);
     else if (strcmp(name, "name") == 0)
         memcpy(body_rest_own(w, b)->name, value, sizeof no_rest.name);
-    else if (strcmp(name, "colour") == 0)
-        b->colour = *(const vec3 *)value;
-    else if (strcmp(name, "opacity") == 0)
-        b->opacity = *number;
     else
         return world_fail(w, DIG_E_ARG, "%s: '%s' is decided when a body is made%s", BODY_TEXT(w, b), name,
                           strcmp(name, "fixed") == 0 ? " (what is held for a while is welded to the world, until the weld is removed)" : "");
@@ -163,7 +177,7 @@ dig_status dig_body_param(const dig_world *w, dig_body handle, const char *name,
     }
     if (!row)
         return world_fail(w, DIG_E_ARG, "%s has no parameter '%s'", BODY_TEXT(w, b), name);
-    Surface s = surface_resolve(w, &b->surface);
+    Surface s = surface_resolve(w, &body_make(b)->surface);
     dig_body_def def = dig_body_defaults();
     memcpy(def.name.s, body_name(w, b), sizeof def.name.s);
     pose at = body_pose(b);
@@ -183,10 +197,10 @@ dig_status dig_body_param(const dig_world *w, dig_body handle, const char *name,
     def.gravity_scale = b->gravity_scale;
     def.collides = b->collides;
     def.turns = body_turns(b);
-    def.group = b->group;
+    def.group = body_make(b)->group;
     def.integrator = b->integrator;
-    def.colour = b->colour.x >= 0 ? b->colour : w->materials.data[s.material].def.colour;
-    def.opacity = b->opacity;
+    def.colour = body_make(b)->colour.x >= 0 ? body_make(b)->colour : w->materials.data[s.material].def.colour;
+    def.opacity = body_make(b)->opacity;
     def.sheet = body_rest(w, b)->sheet;
     memcpy(value, (const char *)&def + row->offset, param_size(row));
     return DIG_OK;

@@ -193,7 +193,7 @@ static dig_status copy_bodies(const World *w, const Part *p)
     for (int i = 0; i < p->bodies.count; i++) {
         Body *b = &to->bodies.data[i];
         *b = w->bodies.data[p->bodies.data[i]];
-        body_inertia_keep(b);
+        body_shares_keep(b);
         if (b->rests)
             to->rest.data[i] = w->rest.data[p->bodies.data[i]];
         b->shape_first = place(&p->solids, b->shape_first);

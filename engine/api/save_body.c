@@ -94,6 +94,19 @@ static void pack_motion(Pack *p, Body *b, BodyRest *rest)
     pack_check(p, !moves || (b->kind != DIG_STATIC && (b->awake || b->kind == DIG_KINEMATIC)), "a body that is asleep or fixed moves");
 }
 
+static void pack_make(Pack *p, World *w, Body *b)
+{
+    Make make = *body_make(b);
+    pack_i64(p, &make.group);
+    save_surface(p, w, &make.surface);
+    pack_real(p, &make.colour.x);
+    pack_real(p, &make.colour.y);
+    pack_real(p, &make.colour.z);
+    pack_real_in(p, &make.opacity, 0, 1, "opacity of a body");
+    if (p->reading && pack_good(p) && body_make_set(w, b, &make) != DIG_OK)
+        pack_fail_memory(p);
+}
+
 static void pack_body(Pack *p, World *w, Body *b)
 {
     BodyRest rest = *body_rest(w, b);
@@ -112,12 +125,7 @@ static void pack_body(Pack *p, World *w, Body *b)
     else
         pack_real_in(p, &b->told_mass, 0, 1e30, "mass of a body");
     pack_real_in(p, &b->gravity_scale, -1000, 1000, "gravity_scale of a body");
-    pack_i64(p, &b->group);
-    save_surface(p, w, &b->surface);
-    pack_real(p, &b->colour.x);
-    pack_real(p, &b->colour.y);
-    pack_real(p, &b->colour.z);
-    pack_real_in(p, &b->opacity, 0, 1, "opacity of a body");
+    pack_make(p, w, b);
     pack_real_in(p, &rest.sheet.x, 0, 1e9, "sheet of a body");
     pack_real_in(p, &rest.sheet.y, 0, 1e9, "sheet of a body");
     pack_real_in(p, &rest.sheet.z, 0, 1e9, "sheet of a body");

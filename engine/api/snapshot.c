@@ -20,10 +20,10 @@ static dig_status copy_tables(World *to, const World *from)
 {
     uint64_t *n = &to->allocations;
     for (int i = 0; i < to->bodies.count; i++)
-        body_inertia_drop(&to->bodies.data[i]);
+        body_shares_drop(&to->bodies.data[i]);
     DIG_TRY(list_copy(&to->bodies, &from->bodies, n));
     for (int i = 0; i < to->bodies.count; i++)
-        body_inertia_keep(&to->bodies.data[i]);
+        body_shares_keep(&to->bodies.data[i]);
     DIG_TRY(bodies_rest(to));
     for (int i = 0; i < from->bodies.count; i++)
         if (from->bodies.data[i].rests)

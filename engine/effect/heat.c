@@ -88,7 +88,7 @@ static NetLine radiation(const NetBranch *b, real xa, real xb, real h)
 
 /* ---- joining ---- */
 
-static const dig_material_def *material_of(const World *w, const Body *b) { return &w->materials.data[b->surface.material].def; }
+static const dig_material_def *material_of(const World *w, const Body *b) { return &w->materials.data[body_make(b)->surface.material].def; }
 
 /* m^2 */
 static real surface_of(const World *w, const Body *b)

@@ -94,7 +94,7 @@ static void describe_body(const World *w, uint32_t slot, const LookBody *row, Ke
     *out = (KeptBody){.index = row->index, .slot = slot, .gen = row->gen, .kind = (uint32_t)b->kind, .centre = b->centre,
                       .mass = body_mass_read(b)};
     snprintf(out->name, sizeof out->name, "%s", body_name(w, b));
-    snprintf(out->material, sizeof out->material, "%s", w->materials.data[b->surface.material].name);
+    snprintf(out->material, sizeof out->material, "%s", w->materials.data[body_make(b)->surface.material].name);
     snprintf(out->shape, sizeof out->shape, "%s", shape);
 }
 

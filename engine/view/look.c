@@ -236,14 +236,14 @@ static dig_status take_solid(Look *l, const World *w, const Solid *s, LookSolid 
 {
     const Body *b = s->body == NONE ? NULL : &w->bodies.data[s->body];
     const dig_material_def *m = &w->materials.data[s->form->surface.material].def;
-    bool own = s->form->colour.x >= 0, body_own = b && b->colour.x >= 0;
+    bool own = s->form->colour.x >= 0, body_own = b && body_make(b)->colour.x >= 0;
     bool plain = (own || body_own) && strcmp(m->pattern.s, "stripe") != 0;
     uint32_t mesh = row->there ? row->mesh : LOOK_NONE;
     DIG_TRY(find_mesh(l, &s->form->shape, &mesh));
     *row = (LookSolid){.there = 1, .body = s->body, .mesh = mesh, .at = s->form->at, .roughness = (float)m->roughness, .metallic = (float)m->metallic,
-                       .clear = b ? (float)(1 - b->opacity) : 0,
+                       .clear = b ? (float)(1 - body_make(b)->opacity) : 0,
                        .pattern = plain ? PATTERN_PLAIN : (uint32_t)pattern_of(m->pattern.s)};
-    write_vec(row->colour, own ? s->form->colour : body_own ? b->colour : m->colour);
+    write_vec(row->colour, own ? s->form->colour : body_own ? body_make(b)->colour : m->colour);
     return DIG_OK;
 }
 

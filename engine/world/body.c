@@ -177,7 +177,7 @@ bool bodies_may_touch(const World *w, const Solid *a, const Solid *b)
         return false;
     if ((ba && !ba->collides) || (bb && !bb->collides))
         return false;
-    if (ba && bb && ba->group < 0 && ba->group == bb->group)
+    if (ba && bb && body_make(ba)->group < 0 && body_make(ba)->group == body_make(bb)->group)
         return false;
     return !(ba && bb && joint_forbids_contact(w, a->body, b->body));
 }
@@ -212,12 +212,63 @@ static void drop(Inertia *i)
         free(i);
 }
 
-void body_inertia_keep(Body *b) { keep(b->inertia); }
+const Make no_make;
 
-void body_inertia_drop(Body *b)
+static const Make *make_keep(const Make *m)
+{
+    if (m)
+        ((Make *)m)->users++;
+    return m;
+}
+
+static void make_drop(const Make *m)
+{
+    if (m && --((Make *)m)->users == 0)
+        free((Make *)m);
+}
+
+static bool is_make(const Make *m, const Make *like) { return m && memcmp(m, like, offsetof(Make, users)) == 0; }
+
+dig_status body_make_set(World *w, Body *b, const Make *like)
+{
+    const Make *m = is_make(b->make, like) ? b->make : NULL;
+    for (int i = 0; i < MAKES_COMMON && !m; i++)
+        m = is_make(w->makes[i], like) ? w->makes[i] : NULL;
+    make_keep(m);
+    if (!m) {
+        Make *made = malloc(sizeof *made);
+        if (!made)
+            return world_fail(w, DIG_E_MEMORY, "not enough memory for what a body is like");
+        w->allocations++;
+        *made = *like;
+        made->users = 1;
+        w->makes_next = (w->makes_next + 1) % MAKES_COMMON;
+        make_drop(w->makes[w->makes_next]);
+        w->makes[w->makes_next] = make_keep(made);
+        m = made;
+    }
+    make_drop(b->make);
+    b->make = m;
+    return DIG_OK;
+}
+
+void body_shares_keep(Body *b)
+{
+    keep(b->inertia);
+    make_keep(b->make);
+}
+
+static void drop_inertia(Body *b)
 {
     drop(b->inertia);
     b->inertia = NULL;
+}
+
+void body_shares_drop(Body *b)
+{
+    drop_inertia(b);
+    make_drop(b->make);
+    b->make = NULL;
 }
 
 static bool is_inertia(const Inertia *i, const mat3 *of) { return i && memcmp(&i->of, of, sizeof *of) == 0; }
@@ -479,15 +530,10 @@ static void fill_body(World *w, Body *b, const dig_body_def *def)
     b->w = def->fixed ? vec3_zero() : def->spin;
     b->gravity_scale = def->gravity_scale;
     b->rate = 1;
-    b->group = def->group;
-    b->colour = def->colour;
-    b->opacity = def->opacity;
     BodyRest rest = {.sheet = {round(def->sheet.x), round(def->sheet.y), round(def->sheet.z)}};
     memcpy(rest.name, def->name.s, sizeof rest.name);
     body_rest_set(w, b, &rest);
     b->shape_first = b->joint_first = NONE;
-    b->surface = (Surface){def->material.s[0] ? material_find(w, def->material.s) : 0, def->friction, def->friction_dynamic,
-                           def->rolling_friction, def->restitution};
     b->move_end = -1;
     b->told_mass = b->kind == DIG_DYNAMIC || isnan(def->mass) ? 0 : def->mass;
     b->integrator = (uint8_t)def->integrator;
@@ -498,6 +544,9 @@ static dig_status finish_body(World *w, uint32_t slot, const dig_body_def *def, 
 {
     Body *b = &w->bodies.data[slot];
     fill_body(w, b, def);
+    Surface surface = {def->material.s[0] ? material_find(w, def->material.s) : 0, def->friction, def->friction_dynamic, def->rolling_friction,
+                       def->restitution};
+    DIG_TRY(body_make_set(w, b, &(Make){.surface = surface, .colour = def->colour, .opacity = def->opacity, .group = def->group}));
     if (b->kind == DIG_DYNAMIC)
         DIG_TRY(set_mass_from_shapes(w, b, def, shapes, materials));
     b->x = vec3_add(def->at, quat_rotate(b->q, b->centre));
@@ -563,7 +612,7 @@ dig_status body_create(World *w, const dig_body_def *given, dig_body *out)
         s = finish_body(w, slot, def, shapes, materials);
         if (s != DIG_OK) {
             detach_solids(w, slot);
-            body_inertia_drop(&w->bodies.data[slot]);
+            body_shares_drop(&w->bodies.data[slot]);
             w->bodies.data[slot].alive = false;
             slot_give(w, &w->free_bodies, slot);
         }
@@ -692,7 +741,7 @@ void body_remove(World *w, uint32_t slot)
     for (int i = 0; i < w->effect_count; i++)
         column_remove(&w->effects[i].members, slot);
     w->bodies.data[slot].alive = false;
-    body_inertia_drop(&w->bodies.data[slot]);
+    body_shares_drop(&w->bodies.data[slot]);
     slot_give(w, &w->free_bodies, slot);
 }
 
@@ -714,7 +763,7 @@ void body_disable(World *w, uint32_t slot)
     b->awake = true;
     b->v = b->w = b->force = b->torque = vec3_zero();
     b->mass = b->inv_mass = b->density = b->pull = b->still = b->trace_step = 0;
-    body_inertia_drop(b);
+    drop_inertia(b);
     b->round_inertia = b->collided = b->crowded = false;
     b->trace_wait = b->trace_pause = 0;
     b->toil = (Toil){0, 0, 0};

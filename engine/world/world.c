@@ -91,11 +91,13 @@ void world_close(World *w)
         if (w->regions.data[i].alive)
             shape_free(&w->regions.data[i].shape);
     for (int i = 0; i < w->bodies.count; i++)
-        body_inertia_drop(&w->bodies.data[i]);
+        body_shares_drop(&w->bodies.data[i]);
+    for (int i = 0; i < MAKES_COMMON; i++)
+        body_shares_drop(&(Body){.make = w->makes[i]});
     for (int i = 0; i < FORMS_COMMON; i++)
         form_drop(w->forms[i]);
     for (int i = 0; i < INERTIAS_COMMON; i++)
-        body_inertia_drop(&(Body){.inertia = w->common[i]});
+        body_shares_drop(&(Body){.inertia = w->common[i]});
     free(w->note);
     list_close(&w->regions);
     list_close(&w->free_regions);

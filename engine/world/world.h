@@ -64,6 +64,15 @@ typedef struct Inertia {
     int      users;
 } Inertia;
 
+/* The same, what hardly any step reads of bodies: who changes it has one of his own (body_make_set). */
+typedef struct Make {
+    Surface  surface;
+    vec3     colour;            /* x < 0 = the material's                              */
+    real     opacity;           /* 1      as drawn                                     */
+    int64_t  group;
+    int      users;
+} Make;
+
 typedef struct Body {           /* what every step reads comes first                   */
     uint32_t gen;               /*        generation of the handle                     */
     bool     alive, awake, collides, out;   /* out: already reported out of the world  */
@@ -112,10 +121,7 @@ typedef struct Body {           /* what every step reads comes first            
     /* What steps hardly ever read comes last. */
     real     density;           /* kg/m^3 mean                                         */
     real     told_mass;         /* kg     as given to one that is not dynamic, 0 = none; no law asks for it */
-    int64_t  group;
-    Surface  surface;
-    vec3     colour;            /* x < 0 = the material's                              */
-    real     opacity;           /* 1      as drawn                                     */
+    const Make *make;           /*        shared; NULL: nobody yet                     */
     real     move_start, move_end;      /* s  kinematic: of its way to BodyRest.move_to, end < start = none */
     uint64_t message_id, message_root; real message_time; dig_body message_from;       /* the last one that it got */
 } Body;
@@ -317,6 +323,7 @@ typedef struct EffectSlot {     /* one per entry of the effect list             
 #define MAX_EFFECTS 32
 #define INERTIAS_COMMON 8
 #define FORMS_COMMON 8
+#define MAKES_COMMON 8
 #define WORLD_FAR  1e15         /* m            no body gets farther from the origin */
 #define WORLD_FAST 1e12         /* m/s, rad/s   or faster                            */
 #define TRAVEL_MOST 1e60        /* m            of bodies without a size (planes that are turned) */
@@ -385,6 +392,7 @@ struct dig_world {
     dig_body culprit;                   /* whose numbers made the last step fail; null: nobody's */
     dig_body poisoned;                  /* dig_world_inject: in the next step its velocity is NaN */
     const Form *forms[FORMS_COMMON]; int forms_next;       /* as common */
+    const Make *makes[MAKES_COMMON]; int makes_next;
     Inertia *common[INERTIAS_COMMON]; int common_next;     /* that were made last: who comes next is likely to be the same */
     struct Workers *workers;            /* step/workers.h; NULL for one thread         */
     struct Tap *tap;                    /* api/command.h: who listens to what is done to it; NULL = nobody */
@@ -454,6 +462,8 @@ static inline pose solid_pose(const World *w, const Solid *s)
 {
     return s->body == NONE ? s->form->at : pose_of_part(body_pose(&w->bodies.data[s->body]), s->form->at);
 }
+extern const Make no_make;
+static inline const Make *body_make(const Body *b) { return b->make ? b->make : &no_make; }
 extern const Inertia no_inertia;
 static inline const Inertia *body_inertia(const Body *b) { return b->inertia ? b->inertia : &no_inertia; }
 static inline mat3 body_inertia_world(const Body *b)
@@ -517,8 +527,9 @@ void       body_list(World *w, uint32_t slot);          /* into world->awake; th
 void       touches_wake(World *w, uint32_t slot);       /* all that touches the body or is joined to it */
 dig_status body_set_mass(World *w, Body *b, real mass);
 dig_status body_inertia_set(World *w, Body *b, mat3 inertia);           /* DIG_E_MEMORY: as it was, without a word */
-void       body_inertia_keep(Body *b);             /* it is a copy of another that stays */
-void       body_inertia_drop(Body *b);             /* it has none from now on */
+void       body_shares_keep(Body *b);              /* it is a copy of another that stays */
+void       body_shares_drop(Body *b);              /* it has neither inertia nor make from now on */
+dig_status body_make_set(World *w, Body *b, const Make *like);          /* DIG_E_MEMORY: as it was, with its sentence */
 /* kg  As it is read: of one that is not dynamic what was given, or infinite. */
 static inline real body_mass_read(const Body *b) { return b->kind == DIG_DYNAMIC ? b->mass : b->told_mass > 0 ? b->told_mass : INFINITY; }
 void       body_refit(World *w, uint32_t slot);         /* its solids' boxes in the tree */

@@ -389,7 +389,8 @@ TEST(handles_of_the_saved_world_are_dead_in_the_loaded_one)
 /* A field that is added to a record must be added to engine/api/save_*.c too, or made anew there; then change the number here. */
 TEST(every_field_of_the_records_is_known_to_the_file)
 {
-    CHECK_INT(sizeof(Body), 600);      /* watch, pull, alone, kept, roam and lies are not saved: they begin anew */
+    CHECK_INT(sizeof(Body), 528);      /* watch, pull, alone, kept, roam and lies are not saved: they begin anew */
+    CHECK_INT(sizeof(Make), 88);        /* users are who have it */
     CHECK_INT(sizeof(BodyRest), 280);   /* breach begins anew */
     CHECK_INT(sizeof(Solid), 104);      /* struck begins at zero, its leaf is made anew then */
     CHECK_INT(sizeof(Form), 208);       /* arm is made anew; users are who have it */
@@ -730,6 +731,8 @@ TEST(mutants_of_a_world_with_everything_are_refused_or_sound)
 
 static const Form *form_of(const dig_world *w, dig_body b) { return w->solids.data[w->bodies.data[b.slot].shape_first].form; }
 
+static const Make *make_of(const dig_world *w, dig_body b) { return w->bodies.data[b.slot].make; }
+
 /* What alike bodies share: a change is one's own, and a snapshot has what it had. */
 TEST(who_changes_a_shared_surface_has_his_own)
 {
@@ -738,8 +741,10 @@ TEST(who_changes_a_shared_surface_has_his_own)
     dig_body a = add_body(w, dig_body_defaults(), "sphere", &ball), b = add_body(w, dig_body_defaults(), "sphere", &ball);
     dig_body c = add_body(w, dig_body_defaults(), "sphere", &larger);
     CHECK(form_of(w, a) == form_of(w, b) && form_of(w, a) != form_of(w, c));
+    CHECK(make_of(w, a) == make_of(w, b) && make_of(w, a) == make_of(w, c));
     const real least = 0.125, most = 0.75;
     CHECK(dig_body_set(w, b, "friction", &least) == DIG_OK);
+    CHECK(make_of(w, a) != make_of(w, b) && make_of(w, b)->surface.friction == least && isnan(make_of(w, a)->surface.friction));
     CHECK(form_of(w, a) != form_of(w, b) && form_of(w, b)->surface.friction == least && isnan(form_of(w, a)->surface.friction));
     dig_snapshot *s;
     CHECK(dig_world_snapshot(w, &s) == DIG_OK);
@@ -747,6 +752,7 @@ TEST(who_changes_a_shared_surface_has_his_own)
     CHECK(form_of(w, a) == form_of(w, b) && form_of(w, a)->surface.friction == most);
     CHECK(dig_world_restore(w, s) == DIG_OK);
     CHECK(form_of(w, b)->surface.friction == least && isnan(form_of(w, a)->surface.friction));
+    CHECK(make_of(w, b)->surface.friction == least && isnan(make_of(w, a)->surface.friction));
     dig_world *copy = reloaded(w, "forms.dig");
     CHECK(memcmp(&form_of(copy, b)->surface, &form_of(w, b)->surface, sizeof(Surface)) == 0);
     CHECK(form_of(copy, a) != form_of(copy, b) && form_of(copy, a)->shape.outer == 0.5);
