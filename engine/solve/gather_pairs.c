@@ -62,10 +62,10 @@ static Rub *rub_room(Nearby *n, KnownRubs *known)
     return known->left > 0 ? &known->room[RUBS_ROOM - known->left--] : NULL;
 }
 
-static bool same_surface(const Form *a, const Form *b) { return a == b || memcmp(&a->surface, &b->surface, sizeof a->surface) == 0; }
+static bool same_surface(const Form *a, const Form *b) { return a == b || surface_same(&a->surface, &b->surface); }
 
-/* Of a pair that has no memory: mostly others have had the same two surfaces before it. */
-static const Rub *rub_as_before(Nearby *n, const Form *a, const Form *b, KnownRubs *known)
+/* Mostly others have had the same two surfaces before. m: NULL, or what is kept of the pair; a pointer to that would not outlive the commit. */
+static const Rub *rub_as_before(Nearby *n, const Form *a, const Form *b, const PairMemory *m, KnownRubs *known)
 {
     static const Rub none;
     unsigned i = (unsigned)(3 * a->surface.material + b->surface.material) % RUBS;
@@ -77,7 +77,7 @@ static const Rub *rub_as_before(Nearby *n, const Form *a, const Form *b, KnownRu
         atomic_store_explicit(&n->failed, true, memory_order_relaxed);
         return &none;
     }
-    *rub = surface_pair(n->g->world, &a->surface, &b->surface);
+    *rub = m ? m->rub : surface_pair(n->g->world, &a->surface, &b->surface);
     *k = (KnownRub){a, b, rub};
     known->known[i] = true;
     return rub;
@@ -95,7 +95,7 @@ static void gather_pair(Nearby *nearby, GroupPair *q, const Near *n, KnownRubs *
     q->on_a = a;
     q->on_b = b;
     const PairMemory *m = p->memory == NONE ? NULL : &w->memories.data[p->memory];
-    q->rub = m ? &m->rub : rub_as_before(nearby, a, b, known);
+    q->rub = rub_as_before(nearby, a, b, m, known);
     q->memory = p->memory;
     if (q->hint)
         *q->hint = m ? m->cache : (ManifoldCache){.kind = 0};

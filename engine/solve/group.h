@@ -193,7 +193,7 @@ typedef struct GroupPair {
     bool     both_moved : 1;    /* neither was at rest before      */
     uint8_t  presses;           /* bits: at which points it presses as it did before, in this substep */
     Covered  covered;           /* faces that joints hold to the next piece of the same thing */
-    const Rub *rub;             /* of its two surfaces; many pairs may have one, see group_own_rubs */
+    const Rub *rub;             /* of its two surfaces, in the step's memory; many pairs may have one, see group_own_rubs */
     const Form *on_a, *on_b;    /* of its solids, with their shapes */
     real     speed;             /* m/s  fastest approach seen by the rows; once struck, of its impacts */
     real     size;              /* m   of the smaller solid: scale of tolerances */

@@ -45,10 +45,11 @@ static bool goes_as_foreseen(const World *w, const Body *b, const Pos *p, const 
 {
     if (b->kind != DIG_DYNAMIC || w->region_count > 0)
         return false;
-    real dt = w->def.step, arm = (vec3_is_zero(s->form->arm) ? 0 : vec3_length(s->form->arm)) + (s->form->shape.type == &shape_sphere ? 0 : s->form->shape.outer);
+    const Form *f = s->form;
+    real dt = w->def.step, arm = (vec3_is_zero(f->arm) ? 0 : vec3_length(f->arm)) + (f->shape.type == &shape_sphere ? 0 : f->shape.outer);
     if (alone && arm > 0 && vec3_length2(b->w) > 0)
         return false;
-    real room = real_min(2, vec3_length(b->w) * dt) * arm + 0.02 * s->form->shape.outer + 0.5 * b->pull * dt * dt;
+    real room = real_min(2, vec3_length(b->w) * dt) * arm + 0.02 * f->shape.outer + 0.5 * b->pull * dt * dt;
     return travel_by(vec3_sub(p->x, vec3_mad(b->x, dt, b->v)), b->q, p->q, arm) <= 0.99 * room;
 }
 

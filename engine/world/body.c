@@ -74,7 +74,8 @@ static bool is_shape(const Shape *s, const Shape *like)
 
 static bool is_form(const Form *f, const Form *like)
 {
-    return f && memcmp(&f->at, &like->at, offsetof(Form, users) - offsetof(Form, at)) == 0 && is_shape(&f->shape, &like->shape);
+    return f && memcmp(&f->at, &like->at, offsetof(Form, surface) - offsetof(Form, at)) == 0 && surface_same(&f->surface, &like->surface) &&
+           memcmp(&f->colour, &like->colour, sizeof like->colour) == 0 && is_shape(&f->shape, &like->shape);
 }
 
 const Form *form_take(World *w, const Form *now, const Form *like)
@@ -227,7 +228,10 @@ static void make_drop(const Make *m)
         free((Make *)m);
 }
 
-static bool is_make(const Make *m, const Make *like) { return m && memcmp(m, like, offsetof(Make, users)) == 0; }
+static bool is_make(const Make *m, const Make *like)
+{
+    return m && surface_same(&m->surface, &like->surface) && memcmp(&m->colour, &like->colour, offsetof(Make, users) - offsetof(Make, colour)) == 0;
+}
 
 dig_status body_make_set(World *w, Body *b, const Make *like)
 {

@@ -36,6 +36,12 @@ typedef struct Surface {        /* what friction and restitution need of a surfa
     real friction, friction_dynamic, rolling, restitution;     /* NaN = the material's  */
 } Surface;
 
+/* NaN is NaN; what pads a record is nothing. */
+static inline bool surface_same(const Surface *a, const Surface *b)
+{
+    return a->material == b->material && memcmp(&a->friction, &b->friction, sizeof *a - offsetof(Surface, friction)) == 0;
+}
+
 /* What step/watch.c remembers about a body; of rules about a whole group, its first. */
 typedef struct BodyWatch {
     real     rise;              /* J      its part of what its group got without work, and has not lost since */
