@@ -196,6 +196,8 @@ static dig_status copy_bodies(const World *w, const Part *p)
         body_shares_keep(b);
         if (b->rests)
             to->rest.data[i] = w->rest.data[p->bodies.data[i]];
+        if (b->crowded)
+            to->drifts.data[i] = w->drifts.data[p->bodies.data[i]];
         b->shape_first = place(&p->solids, b->shape_first);
         b->joint_first = NONE;
         b->message_from = (dig_body){0, 0};

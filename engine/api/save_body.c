@@ -63,16 +63,16 @@ static void pack_last_message(Pack *p, World *w, Body *b)
         memcpy(body_rest_own(w, b)->message_kind, kind, sizeof kind);
 }
 
-static void pack_drift(Pack *p, Body *b)
+static void pack_drift(Pack *p, World *w, Body *b)
 {
     pack_bool(p, &b->crowded);
     if (!b->crowded)
         return;
-    pack_vec3(p, &b->drift.way, SAVE_FAR, "drift of a body");
-    pack_vec3(p, &b->drift.turn, SAVE_LONG, "drift of a body");
+    pack_vec3(p, &body_drift(w, b)->way, SAVE_FAR, "drift of a body");
+    pack_vec3(p, &body_drift(w, b)->turn, SAVE_LONG, "drift of a body");
 }
 
-static void pack_motion(Pack *p, Body *b, BodyRest *rest)
+static void pack_motion(Pack *p, World *w, Body *b, BodyRest *rest)
 {
     pack_vec3(p, &b->x, SAVE_FAR, "position of a body");
     pack_quat(p, &b->q, "rotation of a body");
@@ -86,7 +86,7 @@ static void pack_motion(Pack *p, Body *b, BodyRest *rest)
     pack_vec3(p, &rest->hit_w, 2 * SAVE_FAST, "hits of a body");
     pack_real_in(p, &b->work, -SAVE_MUCH, SAVE_MUCH, "work on a body");
     pack_real_in(p, &b->still, 0, SAVE_LONG, "time a body was still");
-    pack_drift(p, b);
+    pack_drift(p, w, b);
     pack_real_in(p, &b->travel, 0, TRAVEL_MOST, "travel of a body");
     pack_bool(p, &b->collided);
     pack_bool(p, &b->euler);
@@ -129,7 +129,7 @@ static void pack_body(Pack *p, World *w, Body *b)
     pack_real_in(p, &rest.sheet.x, 0, 1e9, "sheet of a body");
     pack_real_in(p, &rest.sheet.y, 0, 1e9, "sheet of a body");
     pack_real_in(p, &rest.sheet.z, 0, 1e9, "sheet of a body");
-    pack_motion(p, b, &rest);
+    pack_motion(p, w, b, &rest);
     if (b->kind == DIG_KINEMATIC)
         pack_mover(p, b, &rest);
     else if (p->reading)

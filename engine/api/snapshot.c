@@ -28,6 +28,9 @@ static dig_status copy_tables(World *to, const World *from)
     for (int i = 0; i < from->bodies.count; i++)
         if (from->bodies.data[i].rests)
             to->rest.data[i] = from->rest.data[i];
+    for (int i = 0; i < from->bodies.count; i++)
+        if (from->bodies.data[i].crowded)
+            to->drifts.data[i] = from->drifts.data[i];
     DIG_TRY(list_copy(&to->pairs, &from->pairs, n));
     DIG_TRY(list_copy(&to->memories, &from->memories, n));
     DIG_TRY(list_copy(&to->contacts, &from->contacts, n));

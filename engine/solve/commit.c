@@ -160,17 +160,18 @@ static pair3 spin_momenta(const Body *b, quat q0, vec3 w0, quat q1, vec3 w1)
 }
 
 /* What lies in a crowd trembles: where it gets to says more than its speed. */
-static void commit_drift(const Group *g, Body *b, const Pos *to)
+static void commit_drift(World *w, const Group *g, Body *b, const Pos *to)
 {
     bool crowded = g->crowd && g->world->def.sleeping;
     if (crowded && (!b->crowded || b->still <= 0))
-        b->drift = (Drift){vec3_zero(), vec3_zero()};
+        *body_drift(w, b) = (Drift){vec3_zero(), vec3_zero()};
     b->crowded = crowded;
     if (!crowded)
         return;
     quat q = quat_mul(to->q, quat_conjugate(b->q));
-    b->drift.way = vec3_add(b->drift.way, vec3_sub(to->x, b->x));
-    b->drift.turn = vec3_mad(b->drift.turn, copysign(2, q.w), (vec3){q.x, q.y, q.z});
+    Drift *d = body_drift(w, b);
+    d->way = vec3_add(d->way, vec3_sub(to->x, b->x));
+    d->turn = vec3_mad(d->turn, copysign(2, q.w), (vec3){q.x, q.y, q.z});
 }
 
 static void commit_body(World *w, const Group *g, int i, real dt)
@@ -184,7 +185,7 @@ static void commit_body(World *w, const Group *g, int i, real dt)
     const BodyRest *rest = body_rest(w, b);
     vec3 old_v = vec3_sub(b->v, rest->hit_v), old_w = vec3_sub(b->w, rest->hit_w);
     pair3 l = spin_momenta(b, b->q, old_w, g->pos[i].q, g->vel[i].w);
-    commit_drift(g, b, &g->pos[i]);
+    commit_drift(w, g, b, &g->pos[i]);
     b->prev_x = b->x;
     b->prev_q = b->q;
     body_travels(b, g->pos[i].x, g->pos[i].q);

@@ -93,15 +93,16 @@ static bool creeps(const World *w, uint32_t slot, real speed)
 }
 
 /* s  For how long it has been slow. Healing moves what has no velocity: who is being moved out of an overlap is not still. */
-static real still_for(Body *b, real speed, real dt)
+static real still_for(World *w, Body *b, real speed, real dt)
 {
     if (!b->crowded)
         return speed < SLEEP_SPEED && vec3_distance(b->x, b->prev_x) < SLEEP_SPEED * dt * b->rate ? b->still + dt : 0;
-    real way = vec3_length(b->drift.way) + vec3_length(b->drift.turn) * b->outer;
+    Drift *d = body_drift(w, b);
+    real way = vec3_length(d->way) + vec3_length(d->turn) * b->outer;
     bool slow = way < real_clamp(DRIFT_PART * b->outer, SLEEP_SPEED * SLEEP_TIME, DRIFT_MOST) * b->rate;
     real still = slow ? b->still + dt : 0;
     if (floor(still / SLEEP_TIME) > floor(b->still / SLEEP_TIME))      /* a creep gets to any place in time */
-        b->drift = (Drift){vec3_zero(), vec3_zero()};
+        *d = (Drift){vec3_zero(), vec3_zero()};
     return still;
 }
 
@@ -110,7 +111,7 @@ static real settle(World *w, uint32_t slot, real dt, Anchor *known)
 {
     Body *b = &w->bodies.data[slot];
     real speed = speed_of(b);
-    b->still = still_for(b, speed, dt);
+    b->still = still_for(w, b, speed, dt);
     if (speed < REST_SPEED && b->still >= 2 * dt && is_held(w, slot, known)) {
         if (speed > 0 && creeps(w, slot, speed))
             return 0;

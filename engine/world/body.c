@@ -491,7 +491,8 @@ static dig_status attach_solids(World *w, uint32_t slot, const dig_body_def *def
 dig_status bodies_rest(World *w)
 {
     DIG_TRY(list_reserve(&w->rest, w->bodies.capacity, &w->allocations));
-    w->rest.count = w->bodies.count;
+    DIG_TRY(list_reserve(&w->drifts, w->bodies.capacity, &w->allocations));
+    w->rest.count = w->drifts.count = w->bodies.count;
     return DIG_OK;
 }
 

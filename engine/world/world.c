@@ -103,6 +103,7 @@ void world_close(World *w)
     list_close(&w->free_regions);
     list_close(&w->bodies);
     list_close(&w->rest);
+    list_close(&w->drifts);
     list_close(&w->solids);
     list_close(&w->pairs);
     list_close(&w->memories);
@@ -145,7 +146,7 @@ size_t world_bytes(const World *w)
 {
     size_t bytes = sizeof *w;
     bytes += list_bytes(&w->bodies) + list_bytes(&w->solids) + list_bytes(&w->pairs) + list_bytes(&w->memories) + list_bytes(&w->contacts);
-    bytes += list_bytes(&w->rest) + list_bytes(&w->contact_rest);
+    bytes += list_bytes(&w->rest) + list_bytes(&w->drifts) + list_bytes(&w->contact_rest);
     bytes += list_bytes(&w->more) + list_bytes(&w->touches) + list_bytes(&w->joints) + list_bytes(&w->pushes) + list_bytes(&w->events)
         + list_bytes(&w->pending);
     bytes += list_bytes(&w->materials) + list_bytes(&w->material_pairs);
@@ -188,13 +189,13 @@ static uint64_t hash_effect(uint64_t h, const EffectSlot *e, const char *name)
     return column_hash(&e->members, h);
 }
 
-static uint64_t hash_body(uint64_t h, const Body *b)
+static uint64_t hash_body(uint64_t h, const World *w, const Body *b)
 {
     h = hash_vec3(hash_quat(hash_vec3(h, b->x), b->q), b->v);
     h = hash_vec3(h, b->w);
     h = hash_real(hash_real(hash_real(h, b->mass), b->still), b->rate);
     if (b->crowded)
-        h = hash_vec3(hash_vec3(h, b->drift.way), b->drift.turn);
+        h = hash_vec3(hash_vec3(h, w->drifts.data[b - w->bodies.data].way), w->drifts.data[b - w->bodies.data].turn);
     h = hash_u64(h, (uint64_t)b->kind | (uint64_t)b->mode << 8 | (uint64_t)b->awake << 16 | (uint64_t)b->collides << 17);
     h = hash_u64(h, (uint64_t)b->integrator | (uint64_t)b->euler << 8 | (uint64_t)b->accuracy << 16 | (uint64_t)b->trace_wait << 24);
     h = hash_real(hash_u64(h, (uint64_t)b->trace_pause | (uint64_t)b->toil.steps << 16 | (uint64_t)b->toil.pause << 24 | (uint64_t)b->toil.dear << 32),
@@ -231,7 +232,7 @@ uint64_t world_hash(const World *w)
     h = hash_vec3(h, w->def.gravity);
     for (int i = 0; i < w->bodies.count; i++)
         if (w->bodies.data[i].alive)
-            h = hash_u64(h, hash_body(hash_u64(HASH_START, (uint64_t)i), &w->bodies.data[i]));
+            h = hash_u64(h, hash_body(hash_u64(HASH_START, (uint64_t)i), w, &w->bodies.data[i]));
     for (int i = 0; i < w->pairs.count; i++) {
         const Pair *p = &w->pairs.data[i];
         contacts_fetch(w, p, w->pairs.data + w->pairs.count);

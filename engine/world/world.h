@@ -83,7 +83,7 @@ typedef struct Body {           /* what every step reads comes first            
     uint32_t gen;               /*        generation of the handle                     */
     bool     alive, awake, collides, out;   /* out: already reported out of the world  */
     bool     listed;            /*        in world->awake                              */
-    bool     crowded;           /*        a crowd that may sleep had it last           */
+    bool     crowded;           /*        a crowd that may sleep had it last: it has a drift in world->drifts */
     bool     paired : 1;        /*        listed, and its pairs are in world->near     */
     bool     rests : 1;         /*        in world->rest there is something of it      */
     bool     alone : 1;         /*        fast, and looked at as if nothing that moves could meet it: flies_alone in step/sense.c */
@@ -111,7 +111,6 @@ typedef struct Body {           /* what every step reads comes first            
     real     rim;               /* m      the same of what turning moves: 0 for a ball about its centre */
     real     pull;              /* m/s^2  gravity and pushes do no more to any point of it in this step; made anew in each */
     real     still;             /* s      time spent slower than the sleep threshold   */
-    Drift    drift;             /*        of one in a crowd                            */
     real     travel;            /* m      no point of it has moved farther so far, added up over steps; for Pair.until */
     real     roam;              /* m      that and its way in this step: no face of its reach differs by more from that of another step than the two
                                  *        roams do from the travel of the earlier one; infinite where it was made longer. No part of the state */
@@ -353,6 +352,7 @@ struct dig_world {
 
     LIST(Body)     bodies;
     LIST(BodyRest) rest;                /* of bodies: as many, or more                 */
+    LIST(Drift)    drifts;              /* the same, of those that are crowded: where nothing may sleep it takes no memory */
     LIST(Solid)    solids;
     LIST(Pair)     pairs;
     LIST(PairMemory) memories;          /* of pairs                                    */
@@ -468,6 +468,7 @@ static inline pose solid_pose(const World *w, const Solid *s)
 {
     return s->body == NONE ? s->form->at : pose_of_part(body_pose(&w->bodies.data[s->body]), s->form->at);
 }
+static inline Drift *body_drift(World *w, const Body *b) { return &w->drifts.data[b - w->bodies.data]; }      /* if it is crowded */
 extern const Make no_make;
 static inline const Make *body_make(const Body *b) { return b->make ? b->make : &no_make; }
 extern const Inertia no_inertia;
