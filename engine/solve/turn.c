@@ -6,6 +6,18 @@ static vec3 spin_of(const Member *m, quat q, vec3 l) { return quat_rotate(q, mat
 
 #define SWERVE_MOST 0.5         /* of the spin: of turns beyond, the rate at the start says ever less, and grows with the spin squared */
 
+#define SWERVE_GROWS 0.25       /* of an error in the spin of a thin body about its own axis: more than all of it would grow from substep to substep */
+
+/* 1  How much of an error e in the spin of a thin body about its axis comes back a substep later. Half a swerve of h w e, which group_turn() takes
+ * off the mean but takes off the end whole, leaves the axis h^2 w e / 2 beside the momentum I w across it, of which as much is about the axis,
+ * where the inertia is I / ratio. The traces bound the ratio: a ball has 9, and there nothing swerves; a thin rod twice its own. */
+static real swerve_grows(const Member *m, real angle)
+{
+    const mat3 *a = m->inertia, *b = m->inv_inertia;
+    real ratio = 0.5 * (a->r0.x + a->r1.y + a->r2.z) * (b->r0.x + b->r1.y + b->r2.z);
+    return 0.5 * ratio * angle * angle;
+}
+
 /* rad/s  By how much a body that nothing holds turns otherwise at the end of the substep, its angular momentum staying as it is. Joint rows
  * are to know of it: they hold for the mean of the velocities before and after, and group_turn() turns it on so. */
 vec3 group_swerve(const Group *g, int i)
@@ -15,7 +27,9 @@ vec3 group_swerve(const Group *g, int i)
     if (g->joint_count == 0 || m->round || g->planar)
         return vec3_zero();
     vec3 by = vec3_scale(g->h, mat3_mul_vec(g->mass[i].ii, vec3_cross(momentum_of(m, g->pos[i].q, w), w)));
-    real most = SWERVE_MOST * vec3_length(w), length = vec3_length(by);
+    real most = SWERVE_MOST * vec3_length(w), length = vec3_length(by), grows = swerve_grows(m, vec3_length(w) * g->h);
+    if (grows > SWERVE_GROWS)
+        by = vec3_scale(SWERVE_GROWS / grows, by);
     return length > most ? vec3_scale(most * most / (length * length), by) : by;
 }
 
