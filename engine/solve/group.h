@@ -636,6 +636,7 @@ static inline real member_thrown(const Member *m, real time) { return real_min(m
 void group_note_blow(Group *g, int body);       /* impact.c: where it is it was struck */
 void group_note_swing(Group *g, int body, vec3 x, real turned);        /* there: its centre of mass was at x, having turned by so much, rad */
 quat member_turned(const Member *m, quat q, vec3 l, real h);    /* after h seconds free of torque, with angular momentum l */
+bool group_spins_off(const Group *g);           /* a substep is too long for something thin at joints */
 void group_turn(Group *g, int i, vec3 mean_w);  /* turns the body on through the substep */
 /* project.c: position errors are removed without touching velocities */
 void project(Group *g);

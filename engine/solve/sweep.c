@@ -337,7 +337,8 @@ static bool too_long(Group *g)
 {
     bool located = g->locate && g->events_left > 0;
     return (g->locate && overshoots(g, false)) || (!located && overshoots(g, true)) ||
-        (turns_on(g) && group_top_heavy(g) && group_joints_open(g)) || (g->joints_direct && group_elastic(g) && springs_gain(g));
+        (turns_on(g) && group_top_heavy(g) && group_joints_open(g)) || (g->joint_count > 0 && group_spins_off(g)) ||
+        (g->joints_direct && group_elastic(g) && springs_gain(g));
 }
 
 #define WHIRLS_ON 64            /* times as short as others a substep gets in which a known point carries something that whirls through something thin */

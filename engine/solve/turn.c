@@ -6,17 +6,19 @@ static vec3 spin_of(const Member *m, quat q, vec3 l) { return quat_rotate(q, mat
 
 #define SWERVE_MOST 0.5         /* of the spin: of turns beyond, the rate at the start says ever less, and grows with the spin squared */
 
+/* 1  Greatest over least moment of inertia, by their traces: of a thin rod, of a ball 4.5. */
+static real thinness(const Member *m)
+{
+    const mat3 *a = m->inertia, *b = m->inv_inertia;
+    return 0.5 * (a->r0.x + a->r1.y + a->r2.z) * (b->r0.x + b->r1.y + b->r2.z);
+}
+
 #define SWERVE_GROWS 0.25       /* of an error in the spin of a thin body about its own axis: more than all of it would grow from substep to substep */
 
 /* 1  How much of an error e in the spin of a thin body about its axis comes back a substep later. Half a swerve of h w e, which group_turn() takes
  * off the mean but takes off the end whole, leaves the axis h^2 w e / 2 beside the momentum I w across it, of which as much is about the axis,
- * where the inertia is I / ratio. The traces bound the ratio: a ball has 9, and there nothing swerves; a thin rod twice its own. */
-static real swerve_grows(const Member *m, real angle)
-{
-    const mat3 *a = m->inertia, *b = m->inv_inertia;
-    real ratio = 0.5 * (a->r0.x + a->r1.y + a->r2.z) * (b->r0.x + b->r1.y + b->r2.z);
-    return 0.5 * ratio * angle * angle;
-}
+ * where the inertia is I / ratio. */
+static real swerve_grows(const Member *m, real angle) { return 0.5 * thinness(m) * angle * angle; }
 
 /* rad/s  By how much a body that nothing holds turns otherwise at the end of the substep, its angular momentum staying as it is. Joint rows
  * are to know of it: they hold for the mean of the velocities before and after, and group_turn() turns it on so. */
@@ -60,6 +62,37 @@ quat member_turned(const Member *m, quat q, vec3 l, real h)
     return q;
 }
 
+/* How the body turns in the substep, and with which spin it ends. */
+static vec3 turned_to(const Group *g, int i, vec3 mean_w, quat *q)
+{
+    const Member *m = &g->member[i];
+    vec3 end = momentum_of(m, *q, vec3_sub(g->vel[i].w, m->swerve)), mean = momentum_of(m, *q, vec3_mad(mean_w, -0.5, m->swerve));
+    *q = member_turned(m, *q, mean, g->h);
+    vec3 w = spin_of(m, *q, end);
+    /* refined once: |q| is 1 within rounding only, and that bias would add up to a drift of the angular momentum */
+    return vec3_add(w, spin_of(m, *q, vec3_sub(end, momentum_of(m, *q, w))));
+}
+
+#define THIN 100.0              /* thinness: a rod 14 times as long as thick */
+#define SPUN 0.05               /* of its spin */
+#define SPUN_LITTLE 1e-3        /* rad in a substep */
+
+/* Do rows give something thin a spin about its axis that they do not know of? Their impulses lie where it will be half way, and what they give is kept
+ * where it was, and where it gets to: of momentum across the axis a share that grows with the square of the substep comes to lie along it. */
+bool group_spins_off(const Group *g)
+{
+    for (int i = 0; i < g->moving_count; i++) {
+        const Member *m = &g->member[i];
+        if (!m->moves || m->round || g->planar || !m->constrained || thinness(m) < THIN)
+            continue;
+        quat q = g->pos[i].q;
+        vec3 off = vec3_sub(turned_to(g, i, group_way_of(g, i).w, &q), g->vel[i].w);
+        if (vec3_length(off) > real_max(SPUN * vec3_length(g->vel[i].w), SPUN_LITTLE / g->h))
+            return true;
+    }
+    return false;
+}
+
 /* The angular momentum that the impulses left is kept while the body turns. */
 void group_turn(Group *g, int i, vec3 mean_w)
 {
@@ -68,11 +101,6 @@ void group_turn(Group *g, int i, vec3 mean_w)
         g->pos[i].q = quat_unit(quat_mul(quat_exp(vec3_scale(g->h, mean_w)), g->pos[i].q));
         return;
     }
-    quat q = g->pos[i].q;
-    vec3 end = momentum_of(m, q, vec3_sub(g->vel[i].w, m->swerve)), mean = momentum_of(m, q, vec3_mad(mean_w, -0.5, m->swerve));
-    g->pos[i].q = q = member_turned(m, q, mean, g->h);
-    vec3 w = spin_of(m, q, end);
-    /* refined once: |q| is 1 within rounding only, and that bias would add up to a drift of the angular momentum */
-    g->vel[i].w = vec3_add(w, spin_of(m, q, vec3_sub(end, momentum_of(m, q, w))));
+    g->vel[i].w = turned_to(g, i, mean_w, &g->pos[i].q);
     group_refresh_mass(g, i);
 }
