@@ -130,6 +130,8 @@ static void pack_pair(Pack *p, World *w, Pair *pair, unsigned char *taken)
     pair->alive = true;
     pack_index(p, &pair->solid_a, (uint32_t)w->solids.count, false, "first solid of a pair");
     pack_index(p, &pair->solid_b, (uint32_t)w->solids.count, false, "second solid of a pair");
+    if (p->reading && pack_good(p))         /* what the two make of each other is asked of them below */
+        pack_check(p, w->solids.data[pair->solid_a].alive && w->solids.data[pair->solid_b].alive, "a pair of shapes that are none");
     pack_real_in(p, &pair->until, -1, 4 * TRAVEL_MOST, "travel of a pair");
     pack_memory(p, &memory);
     pack_u32(p, &pair->next[0]);

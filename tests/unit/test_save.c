@@ -762,6 +762,23 @@ TEST(who_changes_a_shared_surface_has_his_own)
     dig_world_close(w);
 }
 
+TEST(a_pair_of_a_shape_that_is_none_is_refused)
+{
+    char path[512], why[600];
+    dig_world *w = open_with(dig_world_defaults());
+    for (int i = 0; i < 3; i++)
+        add_ball(w, look(0.5, 0), 0.1, 1, (vec3){0.19 * i * i, 0, 0}, vec3_zero());
+    step(w, 1);
+    CHECK(w->pairs.count == 1 && pair_remember(w, w->pairs.data) == DIG_OK);
+    w->memories.data[w->pairs.data->memory].cache.kind = 1;
+    w->pairs.data->solid_b = 2;         /* that of the last ball, which is no more */
+    CHECK(dig_body_remove(w, body_handle(w, 2)) == DIG_OK);
+    save_to(w, scratch_path(path, sizeof path, "lies.dig"));
+    CHECK_INT(try_load(path, why, sizeof why), DIG_E_FORMAT);
+    CHECK(remove(path) == 0);
+    dig_world_close(w);
+}
+
 int main(void)
 {
     RUN_TESTS(unit_test(saved_loaded_saved_is_the_same_file), unit_test(an_empty_world_is_saved_too),
@@ -779,5 +796,5 @@ int main(void)
               unit_test(other_formats_are_told_apart), unit_test(a_note_goes_with_the_file),
               unit_test(a_table_that_lies_is_refused), unit_test(counts_beyond_the_file_are_refused),
               unit_test(mutants_of_a_small_world_are_refused_or_sound), unit_test(mutants_of_a_world_with_everything_are_refused_or_sound),
-              unit_test(who_changes_a_shared_surface_has_his_own));
+              unit_test(who_changes_a_shared_surface_has_his_own), unit_test(a_pair_of_a_shape_that_is_none_is_refused));
 }
