@@ -128,7 +128,9 @@ static dig_status advance_judged(Group *g, real dt)
     if (!(g->laws >> LAW_CONTACT & 1)) {
         g->pair_count = pairs;
         g->contact_count = contacts;
+        g->acts = NULL;         /* what acted was counted of no contact: now there are some, and nothing acted in them */
         DIG_TRY(group_gather_rest(g));
+        DIG_TRY(group_open_acted(g));
         group_touch(g, dt, true);
     }
     return group_judge(g, dt);
