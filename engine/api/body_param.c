@@ -57,9 +57,20 @@ static dig_status set_material(World *w, uint32_t slot, const char *name)
     if (material < 0)
         return world_fail(w, DIG_E_ARG, "%s: there is no material '%s'", BODY_TEXT(w, &w->bodies.data[slot]), name);
     Body *b = &w->bodies.data[slot];
+    Body before = *b;
+    body_shares_keep(&before);
+    dig_status status = DIG_OK;
     if (b->kind == DIG_DYNAMIC && b->density > 0)
-        DIG_TRY(body_set_mass(w, b, b->mass * w->materials.data[material].def.density / b->density));
-    return set_surface(w, slot, "material", material);
+        status = body_set_mass(w, b, b->mass * w->materials.data[material].def.density / b->density);
+    if (status == DIG_OK)
+        status = set_surface(w, slot, "material", material);
+    if (status != DIG_OK) {             /* not the mass of one and the surface of another */
+        Body half = *b;
+        *b = before;
+        before = half;
+    }
+    body_shares_drop(&before);
+    return status;
 }
 
 static dig_status set_mass(World *w, Body *b, real mass)
