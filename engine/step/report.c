@@ -87,9 +87,9 @@ void begin_events(World *w)
 /* Of a large list, what a step with more events had written to takes no memory until it is written to again. */
 static void forget_events(World *w)
 {
+    w->events_written = int_min(w->events_written, w->events.capacity);         /* it may have been trimmed since */
     size_t used = (size_t)w->events.count * sizeof *w->events.data, written = (size_t)w->events_written * sizeof *w->events.data;
-    bool large = list_bytes(&w->events) >= BLOCK_LARGE && written <= list_bytes(&w->events);
-    if (large && written >= used + FORGET_LEAST)
+    if (list_bytes(&w->events) >= BLOCK_LARGE && written >= used + FORGET_LEAST)
         block_forget((unsigned char *)w->events.data + used, written - used);
     else if (w->events.count < w->events_written)
         return;
