@@ -104,6 +104,10 @@ static real rolling_radius(const GroupPair *q)
 static void forget(const Group *g, GroupContact *t)
 {
     bool far = true;
+    if (t->manifold.count == 0) {       /* it may have no room for memories either */
+        t->live = false;
+        return;
+    }
     for (int k = 0; k < t->manifold.count; k++)
         far = far && t->manifold.points[k].gap > g->pairs[t->pair].size;
     if (far) {
