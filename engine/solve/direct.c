@@ -535,7 +535,8 @@ bool direct_project(Group *g)
     if (g->point_count > most_points[1] || g->moving_count > MOST_BODIES)
         return false;
     ArenaMark mark = arena_mark(g->arena);
-    Direct d = {.g = g, .heavy = true, .projects = true, .slack = true, .hardened = JOINT_SOFT, .hardest = HARDEST, .most_factors = PROJECT_FACTORS, .accept = INFINITY};
+    Direct d = {.g = g, .heavy = true, .projects = true, .slack = true, .hardened = JOINT_SOFT, .hardest = HARDEST, .most_factors = PROJECT_FACTORS,
+                .accept = INFINITY};
     bool fine = open_direct(&d) && solve_joints(&d);
     real share = fine && !g->joints_direct ? share_of_shift(&d) : 1;
     for (int i = 0; fine && i < d.blocks.n; i++) {

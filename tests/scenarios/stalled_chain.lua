@@ -37,8 +37,8 @@ test.scenario("a welded chain gains nothing where sweeps stall", function(s)
   test.expect(#world:warnings()):is(0)
 end)
 
--- The direct solve that takes over there reckons with taut joints that turn along with nothing: a plate that whirled at 25 rad/s was braked to 21
--- by a torque from nowhere, within 4 ms (seed 24288 of the random worlds, shrunk).
+-- The direct solve that takes over there reckons with taut joints that turn along with nothing: a plate that whirled at 25 rad/s was
+-- braked to 21 by a torque from nowhere, within 4 ms (seed 24288 of the random worlds, shrunk).
 test.scenario("what whirls keeps its angular momentum where sweeps stall", function()
   local world = digbox.world { gravity = { 0, 0, 0 } }
   local block = world:box { at = { 2.6, 1, -0.03758 }, friction = 0.6, mass = 1, restitution = 0.5, size = { 0.4698, 0.3256, 0.3884 },
@@ -57,8 +57,9 @@ test.scenario("what whirls keeps its angular momentum where sweeps stall", funct
   test.expect((world.angular_momentum - start):length() / start:length()):below(1e-11)
 end)
 
--- Eight rods of 1 and 100 kg in a row that whirls, with something beside it for which it is not traced or conserved at "sketch". What pulls at
--- rods that turn as one turns along; when it was taken to stand still, 2.4 % of the angular momentum went in three frames, and 4.4 % of the energy.
+-- Eight rods of 1 and 100 kg in a row that whirls, with something beside it for which it is not traced or conserved at "sketch". What
+-- pulls at rods that turn as one turns along; when it was taken to stand still, 2.4 % of the angular momentum went in three frames, and
+-- 4.4 % of the energy.
 test.scenario("so does a chain that whirls beside something", function()
   local world, before = digbox.world { gravity = { 0, 0, 0 }, accuracy = "sketch" }, nil
   for i = 1, 8 do
