@@ -107,13 +107,14 @@ static void pack_memory(Pack *p, PairMemory *k)
     pack_real_in(p, &k->rub.restitution, 0, 1, "restitution of a pair");
 }
 
-/* A pair has a memory as long as it has a hint; one with pieces, from the start. */
+/* A pair has a memory as long as it has a hint; one with pieces, from the start. What two surfaces make of each other is made anew, as it is of
+ * pairs without: threads share it, so no pair can have one of its own. */
 static void connect_memory(Pack *p, World *w, Pair *pair, const PairMemory *k)
 {
     if (!pack_good(p) || (count_contacts(w, pair) < 2 && k->cache.kind == 0))
         return;
     if (pair_remember(w, pair) == DIG_OK)
-        w->memories.data[pair->memory] = *k;
+        w->memories.data[pair->memory].cache = k->cache;
     else
         pack_fail_memory(p);
 }
