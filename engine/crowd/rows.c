@@ -234,7 +234,7 @@ static vec3 driven_velocity(const Crowd *c, const Ends *e, vec3 at)
 }
 
 /* What a mover drives against a wall, through stones that leave each other no room, bears impulses that no pass brings to an end, each raises
- * them, to those of 5000 m/s: carried on to normals that have turned a little, they throw somebody out at 40 m/s. So no contact of a crowd
+ * them, to those of 5000 m/s: carried on to normals that have turned a little, they throw somebody out at 40 m/s. So no point in a crowd
  * that a mover presses starts with more than moves the lighter one WARM times as fast as both go and holds up WEIGHTS times its weight. What
  * is borne in earnest is found again by the passes. */
 #define WARM    1.0
