@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { BODY_BYTES = 400, SOLID_BYTES = 125 + SHAPE_PACKED };        /* at least */
+enum { BODY_BYTES = 400, SOLID_BYTES = 133 + SHAPE_PACKED };        /* at least */
 
 /* Follows from the rest: inverses, list membership, the number of shapes, the outer radius and what turning moves of it. */
 static void pack_mass(Pack *p, World *w, Body *b)
@@ -171,6 +171,7 @@ static void pack_solid(Pack *p, World *w, Solid *s)
     pack_real(p, &form.colour.y);
     pack_real(p, &form.colour.z);
     pack_i32(p, &s->leaf);
+    pack_real_in(p, &s->struck, 0, INFINITY, "room of a leaf for blows");
     pack_small(p, &s->wall, 7, "wall of a solid");
     pack_u32(p, &s->pair_first);
     shape_pack(p, &form.shape);

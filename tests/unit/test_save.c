@@ -393,7 +393,7 @@ TEST(every_field_of_the_records_is_known_to_the_file)
     CHECK_INT(sizeof(Drift), 48);
     CHECK_INT(sizeof(Make), 88);        /* users are who have it */
     CHECK_INT(sizeof(BodyRest), 280);   /* breach begins anew */
-    CHECK_INT(sizeof(Solid), 104);      /* struck begins at zero, its leaf is made anew then */
+    CHECK_INT(sizeof(Solid), 104);      /* asks, reach, blow and astray are made anew in each step */
     CHECK_INT(sizeof(Form), 208);       /* arm is made anew; users are who have it */
     CHECK_INT(sizeof(Pair), 56);        /* met and met_until begin anew */
     CHECK_INT(sizeof(PairMemory), 72);
@@ -591,11 +591,11 @@ TEST(other_formats_are_told_apart)
 {
     char want[700];
     Victim *v = open_victim();
-    put_u32(v->b.data + FORMAT_AT, 15);
+    put_u32(v->b.data + FORMAT_AT, 16);
     memset(v->b.data + 24, 0, 16);
     memcpy(v->b.data + 24, "0.9", 3);
     CHECK_INT(load_victim(v), DIG_E_FORMAT);
-    snprintf(want, sizeof want, "%s: made by digbox 0.9 (format 15); this is %s (format 14)", v->path, DIGBOX_VERSION);
+    snprintf(want, sizeof want, "%s: made by digbox 0.9 (format 16); this is %s (format 15)", v->path, DIGBOX_VERSION);
     CHECK_TEXT(v->why, want);
     CHECK_INT(load_bytes(v->path, (const unsigned char *)"-- a script\nreturn 1 + 1 -- of some length\n", 43, v->why, sizeof v->why), DIG_E_FORMAT);
     CHECK(strstr(v->why, "not a world") != NULL);
