@@ -449,7 +449,8 @@ scenario("a tolerance is a number, has the dimension of what is wanted, or is a 
   says(function() expect(1.0):between(2, 1) end, "the lower bound comes first")
 end)
 
--- What a mover may strike has room in its leaf for the blow. A file forgot that, and leaves were made anew: other pairs, and other bits after a step.
+-- What a mover may strike has room in its leaf for the blow. A file forgot that, and leaves were made anew: other pairs, and other bits
+-- after a step.
 scenario("a world with a mover goes on after loading as it would have", function(s)
   local world = s.world
   world:floor {}

@@ -59,8 +59,9 @@ for _, rate in ipairs { 30, 60 } do
   end
 end
 
--- A rod of 2 g between two of two kilograms and a hub of four, welded but for one hinge, falls on the floor. The impulses of a blow were swept 1500 to
--- 22,000 times and still 17 m/s off: 27 of 178 J were gone, booked nowhere. All rows at once are within 1e-6 m/s; 9 J are still unbooked.
+-- A rod of 2 g between two of two kilograms and a hub of four, welded but for one hinge, falls on the floor. The impulses of a blow were
+-- swept 1500 to 22,000 times and still 17 m/s off: 27 of 178 J were gone, booked nowhere. All rows at once are within 1e-6 m/s; 9 J are
+-- still unbooked.
 test.scenario("a blow that goes through a light rod is solved", function(s)
   for _, accuracy in ipairs { "play", "study" } do
     local world = s:world { accuracy = accuracy }
