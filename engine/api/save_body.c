@@ -162,7 +162,9 @@ void save_bodies(Pack *p, World *w)
 
 static void pack_solid(Pack *p, World *w, Solid *s)
 {
-    Form form = p->reading ? (Form){.users = 0} : *s->form;
+    Form form = {.users = 0};
+    if (!p->reading)
+        form = *s->form;
     pack_index(p, &s->body, (uint32_t)w->bodies.count, true, "body of a solid");
     pack_index(p, &s->next, (uint32_t)w->solids.count, true, "next solid of a body");
     save_pose(p, &form.at, "place of a solid");
