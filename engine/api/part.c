@@ -216,7 +216,7 @@ static dig_status copy_solids(const World *w, const Part *p)
     for (int i = 0; i < p->solids.count; i++) {
         Solid *s = &to->solids.data[i];
         *s = w->solids.data[p->solids.data[i]];
-        form_keep(s->form);
+        share_keep(s->form);
         s->body = s->body == NONE ? NONE : place(&p->bodies, s->body);
         s->next = s->next == NONE ? NONE : place(&p->solids, s->next);
         s->pair_first = NONE;

@@ -162,7 +162,7 @@ void save_bodies(Pack *p, World *w)
 
 static void pack_solid(Pack *p, World *w, Solid *s)
 {
-    Form form = {.users = 0};
+    Form form = {.share = {0}};
     if (!p->reading)
         form = *s->form;
     pack_index(p, &s->body, (uint32_t)w->bodies.count, true, "body of a solid");

@@ -117,7 +117,7 @@ static dig_status copy_shapes(World *to, const World *from)
     DIG_TRY(list_copy(&to->solids, &from->solids, &to->allocations));
     for (int i = 0; i < to->solids.count; i++)
         if (to->solids.data[i].alive)
-            form_keep(to->solids.data[i].form);
+            share_keep(to->solids.data[i].form);
     return DIG_OK;
 }
 

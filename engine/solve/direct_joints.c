@@ -4,9 +4,9 @@
  * an exact solve of chains and bridges explode when the substep is long against their transverse swing. It is taken implicitly,
  * with the joint's last force F at the arm r:  I + h^2 K in place of I  (Tournier, Nesme, Gilles & Faure 2015, "Stable constrained
  * dynamics", ACM Trans. Graph. 34(4)). The torque (t x r) x F that a turn t gives rise to is -((F . r) 1 - r F^T) t, of which the
- * symmetric part is taken:  K = (F . r) 1 - sym(r F^T). Of a mechanism that floats, t is a turn against it as one rigid body: F goes round with
- * that. Not where it would hand a turn across a thin rod over to one about the rod, which
- * has next to no inertia there: a rope of 6 kg that 10 t jerk at got 1e35 J by that.
+ * symmetric part is taken:  K = (F . r) 1 - sym(r F^T). Of a mechanism that floats, t is a turn against it as one rigid body: F goes
+ * round with that. Not where it would hand a turn across a thin rod over to one about the rod, which has next to no inertia there: a rope of
+ * 6 kg that 10 t jerk at got 1e35 J by that.
  */
 #include "math/pair.h"
 #include "solve/direct.h"
@@ -353,12 +353,12 @@ static bool find_round(Direct *d)
 {
     const Group *g = d->g;
     d->round = arena_zero(g->arena, (size_t)(g->body_count + 1) * sizeof *d->round);
+    if (!d->round || d->slack || g->block_count == 0)
+        return d->round;
     int *root = arena_alloc(g->arena, (size_t)(g->moving_count + 1) * sizeof *root);
     uint8_t *ties = arena_zero(g->arena, (size_t)g->moving_count + 1);
-    if (!d->round || !root || !ties)
+    if (!root || !ties)
         return false;
-    if (d->slack || g->block_count == 0)
-        return true;
     group_mechanisms(g, root, ties);
     for (int which = 0; which < g->moving_count; which++) {
         if (!g->member[which].moves || root[which] != which || ties[which] != MECHANISM_TIED)

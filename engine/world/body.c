@@ -50,19 +50,12 @@ void solid_ask(World *w, uint32_t slot)
     w->asking.data[w->asking.count++] = slot;
 }
 
-void form_keep(const Form *f)
-{
-    if (f)
-        ((Form *)f)->users++;
-}
-
 void form_drop(const Form *f)
 {
-    Form *own = (Form *)f;
-    if (!own || --own->users > 0)
+    if (!share_drop(f))
         return;
-    shape_free(&own->shape);
-    free(own);
+    shape_free(&((Form *)f)->shape);
+    free((Form *)f);
 }
 
 static bool is_shape(const Shape *s, const Shape *like)
@@ -72,28 +65,24 @@ static bool is_shape(const Shape *s, const Shape *like)
            bytes == shape_bytes(like) && (s->data == like->data || memcmp(s->data, like->data, bytes) == 0);
 }
 
-static bool is_form(const Form *f, const Form *like)
+static bool is_form(const void *record, const void *other)
 {
-    return f && memcmp(&f->at, &like->at, offsetof(Form, surface) - offsetof(Form, at)) == 0 && surface_same(&f->surface, &like->surface) &&
+    const Form *f = record, *like = other;
+    return memcmp(&f->at, &like->at, offsetof(Form, surface) - offsetof(Form, at)) == 0 && surface_same(&f->surface, &like->surface) &&
            memcmp(&f->colour, &like->colour, sizeof like->colour) == 0 && is_shape(&f->shape, &like->shape);
 }
 
 const Form *form_take(World *w, const Form *now, const Form *like)
 {
-    const Form *found = is_form(now, like) ? now : NULL;
-    for (int i = 0; i < FORMS_COMMON && !found; i++)
-        found = is_form(w->forms[i], like) ? w->forms[i] : NULL;
-    form_keep(found);
+    const Form *found = share_keep(share_find(&w->forms, now, like, is_form));
     Form *made = found ? NULL : malloc(sizeof *made);
     if (!made)
         return found;
     w->allocations++;
     *made = *like;
+    made->share.users = 1;
     made->shape = shape_keep(&like->shape);
-    made->users = 2;            /* it is one of those made last, too */
-    w->forms_next = (w->forms_next + 1) % FORMS_COMMON;
-    form_drop(w->forms[w->forms_next]);
-    w->forms[w->forms_next] = made;
+    form_drop(share_note(&w->forms, made));
     return made;
 }
 
@@ -200,66 +189,43 @@ void body_refit(World *w, uint32_t slot)
 
 const Inertia no_inertia;
 
-static Inertia *keep(Inertia *i)
-{
-    if (i)
-        i->users++;
-    return i;
-}
-
-static void drop(Inertia *i)
-{
-    if (i && --i->users == 0)
-        free(i);
-}
-
 const Make no_make;
 
-static const Make *make_keep(const Make *m)
+/* Of an inertia, or a make: nothing but the record is to be freed. */
+static void drop(const void *record)
 {
-    if (m)
-        ((Make *)m)->users++;
-    return m;
+    if (share_drop(record))
+        free((void *)record);
 }
 
-static void make_drop(const Make *m)
+static bool is_make(const void *record, const void *other)
 {
-    if (m && --((Make *)m)->users == 0)
-        free((Make *)m);
-}
-
-static bool is_make(const Make *m, const Make *like)
-{
-    return m && surface_same(&m->surface, &like->surface) && memcmp(&m->colour, &like->colour, offsetof(Make, users) - offsetof(Make, colour)) == 0;
+    const Make *m = record, *like = other;
+    return surface_same(&m->surface, &like->surface) && memcmp(&m->colour, &like->colour, sizeof *m - offsetof(Make, colour)) == 0;
 }
 
 dig_status body_make_set(World *w, Body *b, const Make *like)
 {
-    const Make *m = is_make(b->make, like) ? b->make : NULL;
-    for (int i = 0; i < MAKES_COMMON && !m; i++)
-        m = is_make(w->makes[i], like) ? w->makes[i] : NULL;
-    make_keep(m);
+    const Make *m = share_keep(share_find(&w->makes, b->make, like, is_make));
     if (!m) {
         Make *made = malloc(sizeof *made);
         if (!made)
             return world_fail(w, DIG_E_MEMORY, "not enough memory for what a body is like");
         w->allocations++;
         *made = *like;
-        made->users = 1;
-        w->makes_next = (w->makes_next + 1) % MAKES_COMMON;
-        make_drop(w->makes[w->makes_next]);
-        w->makes[w->makes_next] = make_keep(made);
+        made->share.users = 1;
+        drop(share_note(&w->makes, made));
         m = made;
     }
-    make_drop(b->make);
+    drop(b->make);
     b->make = m;
     return DIG_OK;
 }
 
 void body_shares_keep(Body *b)
 {
-    keep(b->inertia);
-    make_keep(b->make);
+    share_keep(b->inertia);
+    share_keep(b->make);
 }
 
 static void drop_inertia(Body *b)
@@ -271,35 +237,23 @@ static void drop_inertia(Body *b)
 void body_shares_drop(Body *b)
 {
     drop_inertia(b);
-    make_drop(b->make);
+    drop(b->make);
     b->make = NULL;
 }
 
-static bool is_inertia(const Inertia *i, const mat3 *of) { return i && memcmp(&i->of, of, sizeof *of) == 0; }
-
-static Inertia *find_inertia(const World *w, const Body *b, const mat3 *of)
-{
-    if (is_inertia(b->inertia, of))
-        return b->inertia;
-    for (int i = 0; i < INERTIAS_COMMON; i++)
-        if (is_inertia(w->common[i], of))
-            return w->common[i];
-    return NULL;
-}
+static bool is_inertia(const void *record, const void *of) { return memcmp(&((const Inertia *)record)->of, of, sizeof(mat3)) == 0; }
 
 dig_status body_inertia_set(World *w, Body *b, mat3 inertia)
 {
-    Inertia *i = keep(find_inertia(w, b, &inertia));
+    const Inertia *i = share_keep(share_find(&w->inertias, b->inertia, &inertia, is_inertia));
     if (!i) {
-        i = malloc(sizeof *i);
-        if (!i)
+        Inertia *made = malloc(sizeof *made);
+        if (!made)
             return DIG_E_MEMORY;
         w->allocations++;
-        *i = (Inertia){inertia, mat3_inverse(inertia), 1};
-        Inertia **place = &w->common[w->common_next++ % INERTIAS_COMMON];
-        w->common_next %= INERTIAS_COMMON;
-        drop(*place);
-        *place = keep(i);
+        *made = (Inertia){{1}, inertia, mat3_inverse(inertia)};
+        drop(share_note(&w->inertias, made));
+        i = made;
     }
     drop(b->inertia);
     b->inertia = i;

@@ -92,12 +92,10 @@ void world_close(World *w)
             shape_free(&w->regions.data[i].shape);
     for (int i = 0; i < w->bodies.count; i++)
         body_shares_drop(&w->bodies.data[i]);
-    for (int i = 0; i < MAKES_COMMON; i++)
-        body_shares_drop(&(Body){.make = w->makes[i]});
-    for (int i = 0; i < FORMS_COMMON; i++)
-        form_drop(w->forms[i]);
-    for (int i = 0; i < INERTIAS_COMMON; i++)
-        body_shares_drop(&(Body){.inertia = w->common[i]});
+    for (int i = 0; i < SHARES_RECENT; i++) {
+        body_shares_drop(&(Body){.inertia = w->inertias.of[i], .make = w->makes.of[i]});
+        form_drop(w->forms.of[i]);
+    }
     free(w->note);
     list_close(&w->regions);
     list_close(&w->free_regions);

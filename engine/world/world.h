@@ -15,6 +15,7 @@
 #include "base/list.h"
 #include "base/index.h"
 #include "base/map.h"
+#include "base/share.h"
 #include "geom/manifold.h"
 #include "geom/tree.h"
 #include "world/column.h"
@@ -66,17 +67,17 @@ typedef struct Debt { uint64_t work; uint32_t pause; } Debt;
 
 /* Of bodies that are alike: made once, never changed. */
 typedef struct Inertia {
+    Share    share;
     mat3     of, inverse;       /* kg m^2 and 1 over that, body axes, about the centre */
-    int      users;
 } Inertia;
 
 /* The same, what hardly any step reads of bodies: who changes it has one of his own (body_make_set). */
 typedef struct Make {
+    Share    share;
     Surface  surface;
     vec3     colour;            /* x < 0 = the material's                              */
     real     opacity;           /* 1      as drawn                                     */
     int64_t  group;
-    int      users;
 } Make;
 
 typedef struct Body {           /* what every step reads comes first                   */
@@ -116,7 +117,7 @@ typedef struct Body {           /* what every step reads comes first            
                                  *        roams do from the travel of the earlier one; infinite where it was made longer. No part of the state */
     real     lies;              /* m      with less roam its solids are within their leaves, slow, and new to no plane. 0 = not known, < 0: and
                                  *        what acts on it is not what did. No part of the state */
-    Inertia *inertia;           /*        shared by all that have the same, copies of the world too; NULL: 0 */
+    const Inertia *inertia;           /*        shared by all that have the same, copies of the world too; NULL: 0 */
     vec3     prev_x;  quat prev_q;      /* before the last step                        */
     vec3     force, torque;     /* N, N m mean resultant of the last step              */
     real     work;              /* J      received from pushes and hits                */
@@ -143,12 +144,12 @@ typedef struct BodyRest {
 
 /* What solids that are alike share, copies of the world too: never changed. */
 typedef struct Form {
+    Share    share;
     Shape    shape;
     pose     at;                /* in the body frame (origin), or in the world         */
     vec3     arm;               /* m   the shape's origin from the centre of mass, in the body frame */
     Surface  surface;
     vec3     colour;
-    int      users;
 } Form;
 
 typedef struct Solid {          /* one shape in a body, or of the world itself (body == NONE) */
@@ -326,9 +327,6 @@ typedef struct EffectSlot {     /* one per entry of the effect list             
 } EffectSlot;
 
 #define MAX_EFFECTS 32
-#define INERTIAS_COMMON 8
-#define FORMS_COMMON 8
-#define MAKES_COMMON 8
 #define WORLD_FAR  1e15         /* m            no body gets farther from the origin */
 #define WORLD_FAST 1e12         /* m/s, rad/s   or faster                            */
 #define TRAVEL_MOST 1e60        /* m            of bodies without a size (planes that are turned) */
@@ -397,9 +395,7 @@ struct dig_world {
     Arena    scratch;                   /* of the calling thread                       */
     dig_body culprit;                   /* whose numbers made the last step fail; null: nobody's */
     dig_body poisoned;                  /* dig_world_inject: in the next step its velocity is NaN */
-    const Form *forms[FORMS_COMMON]; int forms_next;       /* as common */
-    const Make *makes[MAKES_COMMON]; int makes_next;
-    Inertia *common[INERTIAS_COMMON]; int common_next;     /* that were made last: who comes next is likely to be the same */
+    Recent   inertias, makes, forms;    /* that were made last */
     struct Workers *workers;            /* step/workers.h; NULL for one thread         */
     struct Tap *tap;                    /* api/command.h: who listens to what is done to it; NULL = nobody */
     struct Playback *playback;          /* there: what plays commands in it; NULL = nothing did */
@@ -541,9 +537,8 @@ dig_status body_make_set(World *w, Body *b, const Make *like);          /* DIG_E
 static inline real body_mass_read(const Body *b) { return b->kind == DIG_DYNAMIC ? b->mass : b->told_mass > 0 ? b->told_mass : INFINITY; }
 void       body_refit(World *w, uint32_t slot);         /* its solids' boxes in the tree */
 void       body_measure(const World *w, Body *b);      /* its radii, from where its solids are */
-const Form *form_take(World *w, const Form *now, const Form *like);     /* one that is like this, mostly `now` or another's; NULL: no memory */
-void       form_keep(const Form *f);                /* one more user; NULL is none */
-void       form_drop(const Form *f);
+const Form *form_take(World *w, const Form *now, const Form *like);     /* one that is like this, to be dropped; NULL: no memory */
+void       form_drop(const Form *f);                /* NULL is none */
 dig_status solid_form(World *w, Solid *s, const Form *like);            /* it is like that now */
 bool       bodies_may_touch(const World *w, const Solid *a, const Solid *b);
 real       body_energy(const World *w, const Body *b);  /* J, kinetic + potential */
