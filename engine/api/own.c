@@ -44,7 +44,7 @@ static dig_status ask(const EffectSlot *e, Group *g, real dt)
     const OwnEffect *o = own_of(e);
     char why[400] = "";
     int n = 0;
-    if (!g->parts && !(g->parts = arena_alloc(g->arena, (size_t)g->moving_count * sizeof *g->parts)))
+    if (!g->parts && !(g->parts = arena_alloc(g->lasting, (size_t)g->moving_count * sizeof *g->parts)))
         return DIG_E_MEMORY;
     for (int i = 0; i < g->moving_count; i++)
         if (takes_part(e, g, i))

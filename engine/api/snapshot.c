@@ -275,6 +275,7 @@ static void exchange(World *w, World *other)
     swap_bytes(&w->serial, &other->serial, sizeof w->serial);
     swap_bytes(&w->gen_start, &other->gen_start, sizeof w->gen_start);
     swap_bytes(&w->scratch, &other->scratch, sizeof w->scratch);
+    swap_bytes(&w->group_scratch, &other->group_scratch, sizeof w->group_scratch);
     swap_bytes(&w->workers, &other->workers, sizeof w->workers);
     swap_bytes(&w->error, &other->error, sizeof w->error);
     swap_bytes(&w->tap, &other->tap, sizeof w->tap);

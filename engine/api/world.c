@@ -77,6 +77,8 @@ dig_status dig_world_open(const dig_world_def *def, dig_world **out, char *why, 
     DIG_TRY(world_open(&settled, &w, why, capacity));
     w->accuracy = !isnan(def->tolerance) ? accuracy_for(def->tolerance) : accuracy_find(def->accuracy.s[0] ? def->accuracy.s : "play");
     api_open_effects(w);
+    arena_ready(&w->scratch);
+    arena_ready(&w->group_scratch);
     if (def->threads > 1) {
         dig_status s = workers_open((int)def->threads, &w->workers);
         if (s != DIG_OK) {
@@ -304,7 +306,7 @@ dig_stats dig_world_stats(const dig_world *w)
     s.joints = w->joints.count - w->free_joints.count;
     s.contacts = w->tally.touching;
     s.bytes = world_bytes(w) + (w->workers ? workers_bytes(w->workers) : 0);
-    s.allocations = w->allocations + w->scratch.allocations;
+    s.allocations = w->allocations + w->scratch.allocations + w->group_scratch.allocations;
     return s;
 }
 

@@ -43,9 +43,6 @@ static size_t take_stock(Arena *a)
 
 static size_t chunk_bytes(size_t size) { return sizeof(ArenaChunk) + size + ARENA_ALIGN; }
 
-/* Bytes of the first chunk, opened while a world is built, that are written to at once: its first step need not wait for their pages. */
-#define READY ((size_t)64 << 10)
-
 static ArenaChunk *chunk_open(Arena *a, size_t size)
 {
     ArenaChunk *c = block_open(chunk_bytes(size));
@@ -54,8 +51,6 @@ static ArenaChunk *chunk_open(Arena *a, size_t size)
     unsigned char *data = (unsigned char *)(c + 1);
     data += (ARENA_ALIGN - (uintptr_t)data % ARENA_ALIGN) % ARENA_ALIGN;
     *c = (ArenaChunk){.data = data, .size = size};
-    if (a->allocations == 0)
-        memset(data, 0, size < READY ? size : READY);
     a->held += size;
     a->allocations++;
     return c;
@@ -70,6 +65,14 @@ static void chunks_close(Arena *a)
     a->first = NULL;
     go_to(a, NULL);
     a->taken = a->held = a->written = 0;
+}
+
+#define READY ((size_t)64 << 10)        /* bytes */
+
+void arena_ready(Arena *a)
+{
+    if (!a->first && (a->first = chunk_open(a, ARENA_FIRST)))   /* NULL: the next arena_alloc tries again */
+        memset(a->first->data, 0, READY);
 }
 
 #define LATELY 64               /* resets */

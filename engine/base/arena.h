@@ -78,6 +78,7 @@ struct Spare { Spare *next; size_t bytes; };            /* bytes from here on, a
 void      spare_add(Spare **list, void *at, size_t bytes);
 void     *spare_take(Spare **list, Arena *a, size_t bytes);     /* from the list where it has room, else arena_alloc */
 
+void      arena_ready(Arena *a);                        /* takes memory for what a small step needs: the first one need not wait for its pages */
 ArenaMark arena_mark(const Arena *a);
 void      arena_rewind(Arena *a, ArenaMark m);          /* gives back all taken since the mark; marks nest */
 void      arena_reset(Arena *a);                        /* gives back everything; invalidates marks */

@@ -87,14 +87,14 @@ dig_status bodies_open(Crowd *c)
     Group *g = c->g;
     int threads = g->team ? g->team->threads : 1;
     size_t n = (size_t)crowd_spare(c, threads);
-    Six *six = spare_take(&g->spare, g->arena, 4 * n * sizeof *six);         /* in pieces, for what is spare is */
-    c->vel = spare_take(&g->spare, g->arena, n * sizeof *six);
-    c->move = spare_take(&g->spare, g->arena, n * sizeof *six);
-    c->start = spare_take(&g->spare, g->arena, n * sizeof *six);
-    c->frame = spare_take(&g->spare, g->arena, n * sizeof *c->frame);
+    Six *six = spare_take(&g->spare, g->lasting, 4 * n * sizeof *six);         /* in pieces, for what is spare is */
+    c->vel = spare_take(&g->spare, g->lasting, n * sizeof *six);
+    c->move = spare_take(&g->spare, g->lasting, n * sizeof *six);
+    c->start = spare_take(&g->spare, g->lasting, n * sizeof *six);
+    c->frame = spare_take(&g->spare, g->lasting, n * sizeof *c->frame);
     c->blocks = (c->bodies + BLOCK - 1) / BLOCK;
-    c->lost = arena_alloc(g->arena, (size_t)c->blocks * sizeof *c->lost);
-    c->others = arena_alloc(g->arena, (size_t)(g->body_count - c->bodies) * sizeof *c->others);
+    c->lost = arena_alloc(g->lasting, (size_t)c->blocks * sizeof *c->lost);
+    c->others = arena_alloc(g->lasting, (size_t)(g->body_count - c->bodies) * sizeof *c->others);
     if (!six || !c->vel || !c->move || !c->start || !c->frame || !c->lost || !c->others)
         return DIG_E_MEMORY;
     c->last = six;

@@ -278,8 +278,8 @@ static dig_status note(const Book *b)
         more += b->to_note[i];
     if (more == 0)
         return DIG_OK;
-    Strike *strikes = spare_take(&g->spare, g->arena, (size_t)(g->strike_count + more) * sizeof *strikes);
-    Impact *impacts = spare_take(&g->spare, g->arena, (size_t)(g->impact_count + more) * sizeof *impacts);
+    Strike *strikes = spare_take(&g->spare, g->lasting, (size_t)(g->strike_count + more) * sizeof *strikes);
+    Impact *impacts = spare_take(&g->spare, g->lasting, (size_t)(g->impact_count + more) * sizeof *impacts);
     if (!strikes || !impacts)
         return DIG_E_MEMORY;
     for (int i = 0; i < g->strike_count; i++)       /* of pieces before this one */
@@ -288,7 +288,7 @@ static dig_status note(const Book *b)
         impacts[i] = g->impacts[i];
     g->impacts = impacts;
     g->strikes = strikes;
-    g->strike_capacity = g->strike_count + more;
+    g->strike_room = g->strikes_most = g->strike_count + more;
     for (int i = 0; i < g->contact_count; i++)
         if (b->to_note[i])
             note_contact(b->c, i);
@@ -346,10 +346,10 @@ static dig_status open_few(Crowd *c)
     _Static_assert(ACTED_BLOCK == LANES, "a contact has the number of its row");
     Group *g = c->g;
     bodies_spare(c);
-    g->few = arena_alloc(g->arena, (size_t)c->batches * sizeof *g->few);
+    g->few = arena_alloc(g->lasting, (size_t)c->batches * sizeof *g->few);
     for (int i = 0; i < c->batches && g->few; i++) {
         size_t bytes = (size_t)(HALF * c->batch[i].halves) * sizeof **g->few;
-        g->few[i] = spare_take(&g->spare, g->arena, bytes);
+        g->few[i] = spare_take(&g->spare, g->lasting, bytes);
         if (!g->few[i])
             return DIG_E_MEMORY;
         memset(g->few[i], 0, bytes);
@@ -364,7 +364,7 @@ dig_status book_close(Crowd *c)
     if (c->alone)
         DIG_TRY(open_few(c));
     int shares = team_shares(c->team);
-    Book b = {c, strike_speed(c), arena_alloc(g->arena, (size_t)shares * sizeof *b.deepest), arena_alloc(g->arena, (size_t)(g->contact_count + 1))};
+    Book b = {c, strike_speed(c), arena_alloc(g->lasting, (size_t)shares * sizeof *b.deepest), arena_alloc(g->lasting, (size_t)(g->contact_count + 1))};
     if (!b.deepest || !b.to_note)
         return DIG_E_MEMORY;
     team_deal(c->team, book_share(c), &b);

@@ -93,8 +93,8 @@ dig_status crowd_pieces(const Crowd *c, int *pieces)
         return DIG_OK;
     Group *g = c->g;
     int shares = team_shares(c->team), contacts = 0, more = 0;
-    Cut x = {c, arena_alloc(g->arena, (size_t)g->body_count * sizeof *x.rim), arena_zero(g->arena, (size_t)shares * sizeof *x.want),
-             arena_alloc(g->arena, (size_t)shares * sizeof *x.most)};
+    Cut x = {c, arena_alloc(g->lasting, (size_t)g->body_count * sizeof *x.rim), arena_zero(g->lasting, (size_t)shares * sizeof *x.want),
+             arena_alloc(g->lasting, (size_t)shares * sizeof *x.most)};
     if (!x.rim || !x.want || !x.most)
         return DIG_E_MEMORY;
     team_deal(c->team, rim_share, &x);

@@ -376,7 +376,7 @@ INLINE void fill_lane(Crowd *c, Batch *b, int lane, GroupContact *t)
 
 static void *room_for(Crowd *c, size_t bytes, dig_status *status)
 {
-    void *p = spare_take(&c->g->spare, c->g->arena, bytes);
+    void *p = spare_take(&c->g->spare, c->g->lasting, bytes);
     *status = p ? *status : DIG_E_MEMORY;
     return p;
 }
@@ -527,8 +527,8 @@ static dig_status make_batches(const Rows *r)
     int batches = 0;
     for (int i = 0; i < r->count; i += lanes_from(r, i))
         batches++;
-    c->batch = spare_take(&c->g->spare, c->g->arena, (size_t)batches * sizeof *c->batch);
-    c->phase = arena_alloc(c->g->arena, (2 * (COLOURS + 1) + 1) * sizeof *c->phase);
+    c->batch = spare_take(&c->g->spare, c->g->lasting, (size_t)batches * sizeof *c->batch);
+    c->phase = arena_alloc(c->g->lasting, (2 * (COLOURS + 1) + 1) * sizeof *c->phase);
     if (!c->batch || !c->phase)
         return DIG_E_MEMORY;
     for (int i = 0, end; i < r->count; i = end) {
@@ -557,10 +557,10 @@ dig_status rows_open(Crowd *c)
 {
     Group *g = c->g;
     int shares = team_shares(g->team);
-    Rows r = {.c = c, .chosen = spare_take(&g->spare, g->arena, (size_t)(g->contact_count + 1) * sizeof *r.chosen)};
-    uint64_t (*taken)[2] = arena_zero(g->arena, (size_t)(c->bodies + 1) * sizeof *taken);
-    c->row = spare_take(&g->spare, g->arena, (size_t)(g->contact_count + 1) * sizeof *c->row);
-    r.found = arena_alloc(g->arena, (size_t)shares * sizeof *r.found);
+    Rows r = {.c = c, .chosen = spare_take(&g->spare, g->lasting, (size_t)(g->contact_count + 1) * sizeof *r.chosen)};
+    uint64_t (*taken)[2] = arena_zero(g->lasting, (size_t)(c->bodies + 1) * sizeof *taken);
+    c->row = spare_take(&g->spare, g->lasting, (size_t)(g->contact_count + 1) * sizeof *c->row);
+    r.found = arena_alloc(g->lasting, (size_t)shares * sizeof *r.found);
     if (!r.chosen || !taken || !c->row || !r.found)
         return DIG_E_MEMORY;
     int place[KINDS] = {0};
@@ -570,7 +570,7 @@ dig_status rows_open(Crowd *c)
         c->presses = c->presses || (g->driven && r.found[i].presses);
     }
     r.count = colour_all(&r, taken, place);
-    r.sorted = spare_take(&g->spare, g->arena, (size_t)r.count * sizeof *r.sorted);
+    r.sorted = spare_take(&g->spare, g->lasting, (size_t)r.count * sizeof *r.sorted);
     if (!r.sorted)
         return DIG_E_MEMORY;
     for (int i = 0, sum = 0; i < KINDS; i++) {

@@ -438,14 +438,14 @@ static dig_status open_blows(Blows *s, size_t most)
     Group *g = c->g;
     size_t count = (size_t)g->body_count, words = most / 64 + 1, threads = g->team ? (size_t)g->team->threads : 1;
     s->early = g->pair_count;
-    c->stop = arena_zero(g->arena, count * sizeof *c->stop);
-    s->news = arena_zero(g->arena, count);
-    s->looks[0] = arena_zero(g->arena, 2 * words * sizeof *s->looks[0]);
+    c->stop = arena_zero(g->lasting, count * sizeof *c->stop);
+    s->news = arena_zero(g->lasting, count);
+    s->looks[0] = arena_zero(g->lasting, 2 * words * sizeof *s->looks[0]);
     s->looks[1] = s->looks[0] + words;
-    s->weight = spare_take(&g->spare, g->arena, count * sizeof *s->weight);
-    s->first = spare_take(&g->spare, g->arena, (2 * count + 1) * sizeof *s->first);
-    s->pairs = spare_take(&g->spare, g->arena, 2 * most * sizeof *s->pairs);
-    s->tally = spare_take(&g->spare, g->arena, threads * count * sizeof *s->tally);
+    s->weight = spare_take(&g->spare, g->lasting, count * sizeof *s->weight);
+    s->first = spare_take(&g->spare, g->lasting, (2 * count + 1) * sizeof *s->first);
+    s->pairs = spare_take(&g->spare, g->lasting, 2 * most * sizeof *s->pairs);
+    s->tally = spare_take(&g->spare, g->lasting, threads * count * sizeof *s->tally);
     if (!c->stop || !s->news || !s->looks[0] || !s->weight || !s->first || !s->pairs || !s->tally)
         return DIG_E_MEMORY;
     s->later = s->first + count + 1;
@@ -554,7 +554,7 @@ dig_status crowd_touch(Crowd *c)
 {
     Group *g = c->g;
     size_t most = (size_t)(g->pair_count + g->left_count);
-    Touching t = {.c = c, .ends = spare_take(&g->spare, g->arena, most * sizeof *t.ends)};
+    Touching t = {.c = c, .ends = spare_take(&g->spare, g->lasting, most * sizeof *t.ends)};
     if (!t.ends)
         return DIG_E_MEMORY;
     team_deal(g->team, touch_share(c), &t);

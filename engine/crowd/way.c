@@ -38,7 +38,7 @@ static void smallest_share(void *context, int thread, int threads)
 static dig_status find_smallest(Crowd *c)
 {
     int shares = team_shares(c->team);
-    Smallest s = {c->g, arena_alloc(c->g->arena, (size_t)shares * sizeof *s.least)};
+    Smallest s = {c->g, arena_alloc(c->g->lasting, (size_t)shares * sizeof *s.least)};
     if (!s.least)
         return DIG_E_MEMORY;
     team_deal(c->team, smallest_share, &s);
@@ -67,9 +67,9 @@ static dig_status open(Crowd *c)
     Group *g = c->g;
     g->h = c->dt;
     DIG_TRY(group_forces(g));
-    c->trait = spare_take(&g->spare, g->arena, (size_t)g->body_count * sizeof *c->trait);
+    c->trait = spare_take(&g->spare, g->lasting, (size_t)g->body_count * sizeof *c->trait);
     if (g->losses && !g->start_vel)
-        g->start_vel = arena_alloc(g->arena, (size_t)g->body_count * sizeof *g->start_vel);
+        g->start_vel = arena_alloc(g->lasting, (size_t)g->body_count * sizeof *g->start_vel);
     if (!c->trait || (g->losses && !g->start_vel))
         return DIG_E_MEMORY;
     team_deal(g->team, trait_share, c);
@@ -83,7 +83,7 @@ static dig_status open(Crowd *c)
 /* What was left out, for nothing in a whole step could bring it together by itself, may meet after the first of several pieces. */
 static dig_status take_all(Group *g)
 {
-    real *anything = arena_alloc(g->arena, (size_t)g->body_count * sizeof *anything);
+    real *anything = arena_alloc(g->lasting, (size_t)g->body_count * sizeof *anything);
     if (!anything)
         return DIG_E_MEMORY;
     for (int i = 0; i < g->body_count; i++)
@@ -169,7 +169,7 @@ static dig_status limit_hardness(const Crowd *c, int *hard)
 {
     if (*hard <= MUCH_HARDER)
         return DIG_OK;
-    uint8_t *level = arena_alloc(c->g->arena, (size_t)c->g->body_count);
+    uint8_t *level = arena_alloc(c->g->lasting, (size_t)c->g->body_count);
     if (!level)
         return DIG_E_MEMORY;
     int levels = int_max(levels_of(c, level), ANY_LEVELS);
@@ -200,7 +200,7 @@ static dig_status plan_passes(Crowd *c)
         c->soft[i][0] = soft_of(STIFF * int_min(i + 1, hard), (real)c->h);
         c->soft[i][1] = soft_of(FIRM * int_min(i + 1, hard), (real)c->h);
     }
-    c->worst[0] = arena_zero(c->g->arena, 2 * (size_t)threads * sizeof *c->worst[0]);
+    c->worst[0] = arena_zero(c->g->lasting, 2 * (size_t)threads * sizeof *c->worst[0]);
     c->worst[1] = c->worst[0] + threads;
     return c->worst[0] ? DIG_OK : DIG_E_MEMORY;
 }
@@ -208,7 +208,7 @@ static dig_status plan_passes(Crowd *c)
 static dig_status advance_piece(Crowd *c, real until)
 {
     Group *g = c->g;
-    ArenaMark mark = arena_mark(g->arena);
+    ArenaMark mark = arena_mark(g->lasting);
     int pairs = g->pair_count;
     const Strike *strikes = g->strikes;
     for (int i = g->moving_count; i < g->body_count; i++)
@@ -225,7 +225,7 @@ static dig_status advance_piece(Crowd *c, real until)
     DIG_TRY(book_close(c));
     /* nothing of it is needed any more: what comes next finds its room still in the cache */
     if (g->strikes == strikes && g->pair_count == pairs && !c->alone) {
-        arena_rewind(g->arena, mark);
+        arena_rewind(g->lasting, mark);
         g->spare = NULL;        /* some of it is gone */
     } else {
         spare_add(&g->spare, c->batch, (size_t)c->batches * sizeof *c->batch);

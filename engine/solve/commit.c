@@ -98,8 +98,8 @@ dig_status group_judge(Group *g, real dt)
 {
     int shares = team_shares(g->team);
     Judge j = {.g = g, .dt = dt, .verdict = arena_alloc(g->arena, (size_t)shares * sizeof *j.verdict)};
-    g->changed = spare_take(&g->spare, g->arena, (size_t)g->pair_count * sizeof *g->changed);
-    g->turned = spare_take(&g->spare, g->arena, (size_t)g->contact_count * sizeof *g->turned);
+    g->changed = spare_take(&g->spare, g->lasting, (size_t)g->pair_count * sizeof *g->changed);
+    g->turned = spare_take(&g->spare, g->lasting, (size_t)g->contact_count * sizeof *g->turned);
     if (!j.verdict || !g->changed || !g->turned || g->no_room)
         return DIG_E_MEMORY;
     team_deal(g->team, judge_share, &j);

@@ -26,7 +26,7 @@ static int end_of(const Group *g, int body) { return body < 0 ? g->body_count : 
 /* The lowest body of each one's thing. */
 static int *find_things(const Group *g, bool breakable)
 {
-    int *root = arena_alloc(g->arena, (size_t)(g->body_count + 1) * sizeof *root);
+    int *root = arena_alloc(g->lasting, (size_t)(g->body_count + 1) * sizeof *root);
     for (int i = 0; root && i <= g->body_count; i++)
         root[i] = i;
     for (int i = 0; root && i < g->joint_count; i++)
@@ -72,11 +72,11 @@ dig_status fuse(Group *g, int pair_count)
         any = holds(g, &g->joints[i]);
     if (!any || pair_count == 0)
         return DIG_OK;
-    g->things = arena_alloc(g->arena, sizeof *g->things);
-    g->over = arena_alloc(g->arena, (size_t)pair_count * sizeof *g->over);
+    g->things = arena_alloc(g->lasting, sizeof *g->things);
+    g->over = arena_alloc(g->lasting, (size_t)pair_count * sizeof *g->over);
     if (!g->things || !g->over)
         return DIG_E_MEMORY;
-    *g->things = (Things){find_things(g, false), find_things(g, true), arena_zero(g->arena, (size_t)(g->body_count + 1) * sizeof(bool))};
+    *g->things = (Things){find_things(g, false), find_things(g, true), arena_zero(g->lasting, (size_t)(g->body_count + 1) * sizeof(bool))};
     if (!g->things->firm || !g->things->whole || !g->things->tied)
         return DIG_E_MEMORY;
     find_tied(g);

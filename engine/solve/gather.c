@@ -133,7 +133,7 @@ static dig_status list_moving(Group *g, int *joints)
     bool joined = w->joints.count > w->free_joints.count;       /* else no body is asked for its own */
     for (int d = 0; d < g->dig_count; d++)
         n += graph_fellows(w->graph, g->leads[d]);
-    uint32_t *slots = arena_alloc(g->arena, (size_t)n * sizeof *slots);
+    uint32_t *slots = arena_alloc(g->lasting, (size_t)n * sizeof *slots);
     if (!slots)
         return DIG_E_MEMORY;
     g->slots = slots;
@@ -147,7 +147,7 @@ static dig_status list_moving(Group *g, int *joints)
                 *joints += counts_at(w, j, m);
             }
         }
-    return sort_u32(slots, n, g->arena);
+    return sort_u32(slots, n, g->lasting);
 }
 
 /* The last one noted is mostly the same: the ground. */
@@ -197,8 +197,8 @@ static dig_status list_still(Group *g, const uint32_t *pairs, int pair_count, in
     if (pair_count + joints == 0)
         return DIG_OK;
     Team *team = pair_count < SHARED_LEAST ? NULL : g->team;
-    Standing s = {w, pairs, pair_count, NULL, arena_alloc(g->arena, (size_t)team_shares(team) * sizeof *s.found)};
-    uint32_t *still = s.still = arena_alloc(g->arena, (size_t)(2 * pair_count + joints) * sizeof *still);
+    Standing s = {w, pairs, pair_count, NULL, arena_alloc(g->lasting, (size_t)team_shares(team) * sizeof *s.found)};
+    uint32_t *still = s.still = arena_alloc(g->lasting, (size_t)(2 * pair_count + joints) * sizeof *still);
     if (!still || !s.found)
         return DIG_E_MEMORY;
     int n = list_met(&s, team);
@@ -209,11 +209,11 @@ static dig_status list_still(Group *g, const uint32_t *pairs, int pair_count, in
             if (other != NONE && w->bodies.data[other].kind != DIG_DYNAMIC)
                 note_still(still, &n, other);
         }
-    DIG_TRY(sort_u32(still, n, g->arena));
+    DIG_TRY(sort_u32(still, n, g->lasting));
     for (int i = 0; i < n; i++)
         if (i == 0 || still[i] != still[i - 1])
             still[unique++] = still[i];
-    arena_shrink(g->arena, still, (size_t)unique * sizeof *still);
+    arena_shrink(g->lasting, still, (size_t)unique * sizeof *still);
     g->still = still;
     g->body_count += unique;
     return DIG_OK;
@@ -237,10 +237,10 @@ static dig_status gather_bodies(Group *g, const uint32_t *pairs, int pair_count,
     DIG_TRY(list_moving(g, joints));
     DIG_TRY(list_still(g, pairs, pair_count, *joints));
     size_t total = (size_t)g->body_count;
-    g->pos = arena_alloc(g->arena, total * sizeof *g->pos);
-    g->vel = arena_alloc(g->arena, (total + 1) * sizeof *g->vel);        /* a spare one after the last, for fours.c */
-    g->member = arena_alloc(g->arena, total * sizeof *g->member);
-    g->inertias = w->region_count > 0 ? arena_alloc(g->arena, 2 * total * sizeof *g->inertias) : NULL;
+    g->pos = arena_alloc(g->lasting, total * sizeof *g->pos);
+    g->vel = arena_alloc(g->lasting, (total + 1) * sizeof *g->vel);        /* a spare one after the last, for fours.c */
+    g->member = arena_alloc(g->lasting, total * sizeof *g->member);
+    g->inertias = w->region_count > 0 ? arena_alloc(g->lasting, 2 * total * sizeof *g->inertias) : NULL;
     if (!g->pos || !g->vel || !g->member || (w->region_count > 0 && !g->inertias))
         return DIG_E_MEMORY;
     team_deal(g->team, gather_share, g);
@@ -275,8 +275,8 @@ dig_status group_weigh(Group *g)
     g->mass = arena_alloc(g->arena, (size_t)g->body_count * sizeof *g->mass);
     g->shift = arena_alloc(g->arena, (size_t)(g->body_count + 1) * sizeof *g->shift);        /* takes turns with vel */
     g->start_vel = arena_alloc(g->arena, (size_t)g->body_count * sizeof *g->start_vel);
-    g->been = arena_alloc(g->arena, (size_t)g->body_count * sizeof *g->been);
-    g->impacts = arena_alloc(g->arena, (size_t)g->pair_count * sizeof *g->impacts);
+    g->been = arena_alloc(g->lasting, (size_t)g->body_count * sizeof *g->been);
+    g->impacts = arena_alloc(g->lasting, (size_t)g->pair_count * sizeof *g->impacts);
     if (!g->mass || !g->shift || !g->start_vel || !g->been || !g->impacts)
         return DIG_E_MEMORY;
     team_deal(g->team, weigh_share, g);
@@ -316,7 +316,7 @@ static dig_status gather_joints(Group *g, int joints)
     int count = 0;
     if (joints == 0)
         return DIG_OK;
-    g->joints = arena_alloc(g->arena, (size_t)joints * sizeof *g->joints);
+    g->joints = arena_alloc(g->lasting, (size_t)joints * sizeof *g->joints);
     if (!g->joints)
         return DIG_E_MEMORY;
     for (int i = 0; i < g->moving_count; i++) {
@@ -325,7 +325,7 @@ static dig_status gather_joints(Group *g, int joints)
             if (counts_at(w, s, body))
                 gather_joint(g, &g->joints[count++], s);
     }
-    arena_shrink(g->arena, g->joints, (size_t)count * sizeof *g->joints);
+    arena_shrink(g->lasting, g->joints, (size_t)count * sizeof *g->joints);
     g->joint_count = count;
     for (int i = 0; i < count; i++) {
         const JointRec *r = &w->joints.data[g->joints[i].slot];
@@ -349,7 +349,7 @@ static dig_status gather_pushes(Group *g, real dt)
     const World *w = g->world;
     if (w->pushes.count == 0)
         return DIG_OK;
-    g->pushes = arena_alloc(g->arena, (size_t)w->pushes.count * sizeof *g->pushes);
+    g->pushes = arena_alloc(g->lasting, (size_t)w->pushes.count * sizeof *g->pushes);
     if (!g->pushes)
         return DIG_E_MEMORY;
     real now = world_time(w);
@@ -368,9 +368,11 @@ static dig_status gather_pushes(Group *g, real dt)
 /* The axis across the plane in which a world lies: 1, 2 or 3; 0: in none. */
 static int normal_of(const char *plane) { return plane[0] == '\0' ? 0 : plane[0] == 'y' ? 1 : plane[1] == 'z' ? 2 : 3; }
 
-dig_status group_gather(Group *g, const World *w, const uint32_t *leads, int dig_count, const uint32_t *pairs, int pair_count, Arena *arena)
+dig_status group_gather(Group *g, const World *w, const uint32_t *leads, int dig_count, const uint32_t *pairs, int pair_count, Arena *lasting,
+                        Arena *arena)
 {
     g->world = w;
+    g->lasting = lasting;
     g->arena = arena;
     g->leads = leads;
     g->dig_count = dig_count;

@@ -55,7 +55,7 @@ static Rub *rub_room(Nearby *n, KnownRubs *known)
 {
     if (known->left == 0) {
         begin_taking(n->g);
-        known->room = arena_alloc(n->g->arena, RUBS_ROOM * sizeof *known->room);
+        known->room = arena_alloc(n->g->lasting, RUBS_ROOM * sizeof *known->room);
         end_taking(n->g);
         known->left = known->room ? RUBS_ROOM : 0;
     }
@@ -321,7 +321,7 @@ static dig_status choose_near(Nearby *n)
     Group *g = n->g;
     Team *team = g->things || n->count < SHARED_LEAST ? NULL : g->team;     /* what is fused is listed as well */
     int shares = team_shares(team);
-    Sorting x = {n, arena_alloc(g->arena, (size_t)shares * sizeof *x.sum)};
+    Sorting x = {n, arena_alloc(g->lasting, (size_t)shares * sizeof *x.sum)};
     if (!x.sum)
         return DIG_E_MEMORY;
     for (int i = 0; i < n->count && g->things; i++)
@@ -333,7 +333,7 @@ static dig_status choose_near(Nearby *n)
         x.sum[i] = all;
         all = (Sum){all.taken + own.taken, all.left + own.left, all.contacts + own.contacts, all.places + own.places};
     }
-    g->left = arena_alloc(g->arena, (size_t)all.left * sizeof *g->left);
+    g->left = arena_alloc(g->lasting, (size_t)all.left * sizeof *g->left);
     if (!g->left)
         return DIG_E_MEMORY;
     team_deal(team, sort_share, &x);
@@ -359,8 +359,8 @@ dig_status gather_pairs(Group *g, const uint32_t *pairs, int pair_count)
         return DIG_OK;
     bool leaves = g->crowd && g->world->region_count == 0 && !g->again;
     g->sparse = g->crowd && pair_count >= SPARSE_LEAST && group_is_most(g);
-    n.span = leaves ? arena_alloc(g->arena, (size_t)g->body_count * sizeof *n.span) : NULL;
-    n.near = arena_alloc(g->arena, (size_t)pair_count * sizeof *n.near);
+    n.span = leaves ? arena_alloc(g->lasting, (size_t)g->body_count * sizeof *n.span) : NULL;
+    n.near = arena_alloc(g->lasting, (size_t)pair_count * sizeof *n.near);
     if (!n.near || (leaves && !n.span))
         return DIG_E_MEMORY;
     if (leaves)
@@ -368,9 +368,9 @@ dig_status gather_pairs(Group *g, const uint32_t *pairs, int pair_count)
     team_deal(g->team, find_near, &n);
     DIG_TRY(choose_near(&n));
     size_t most = (size_t)(g->pair_count + g->left_count), contacts = (size_t)(g->contact_count + g->left_count);
-    g->pairs = arena_alloc(g->arena, most * sizeof *g->pairs);
-    g->contacts = arena_alloc(g->arena, contacts * sizeof *g->contacts);
-    g->places = n.places = arena_alloc(g->arena, (size_t)g->place_count * sizeof *g->places);
+    g->pairs = arena_alloc(g->lasting, most * sizeof *g->pairs);
+    g->contacts = arena_alloc(g->lasting, contacts * sizeof *g->contacts);
+    g->places = n.places = arena_alloc(g->lasting, (size_t)g->place_count * sizeof *g->places);
     if (!g->pairs || !g->contacts || !g->places)
         return DIG_E_MEMORY;
     team_deal(g->team, gather_near, &n);
@@ -435,15 +435,15 @@ dig_status group_gather_struck(Group *g, const real *stop, real dt)
     if (g->left_count == 0)
         return DIG_OK;
     int before = g->contact_count;
-    Taking t = {g, stop, dt, NULL, arena_alloc(g->arena, (size_t)team_shares(g->team) * sizeof *t.taken)};
-    t.near = n.near = arena_alloc(g->arena, (size_t)g->left_end * sizeof *n.near);
+    Taking t = {g, stop, dt, NULL, arena_alloc(g->lasting, (size_t)team_shares(g->team) * sizeof *t.taken)};
+    t.near = n.near = arena_alloc(g->lasting, (size_t)g->left_end * sizeof *n.near);
     if (!n.near || !t.taken)
         return DIG_E_MEMORY;
     n.taken = take_left(&t);
-    arena_shrink(g->arena, n.near, (size_t)n.taken * sizeof *n.near);
+    arena_shrink(g->lasting, n.near, (size_t)n.taken * sizeof *n.near);
     if (n.taken == 0)
         return DIG_OK;
-    n.places = arena_alloc(g->arena, (size_t)place_near(g, n.near, n.taken) * sizeof *n.places);
+    n.places = arena_alloc(g->lasting, (size_t)place_near(g, n.near, n.taken) * sizeof *n.places);
     if (!n.places)
         return DIG_E_MEMORY;
     team_deal(n.taken < STRUCK_LEAST ? NULL : g->team, gather_near, &n);
@@ -464,7 +464,7 @@ dig_status group_gather_struck(Group *g, const real *stop, real dt)
 dig_status group_gather_rest(Group *g)
 {
     const World *w = g->world;
-    g->contact_rest = arena_alloc(g->arena, (size_t)(g->contact_count + g->left_count) * sizeof *g->contact_rest);
+    g->contact_rest = arena_alloc(g->lasting, (size_t)(g->contact_count + g->left_count) * sizeof *g->contact_rest);
     for (int i = 0; i < g->contact_count && g->contact_rest; i++) {
         uint32_t slot = g->contacts[i].slot;
         bool any = slot != NONE && !g->contacts[i].idle && w->contacts.data[slot].rests;
@@ -475,7 +475,7 @@ dig_status group_gather_rest(Group *g)
 
 dig_status group_open_acted(Group *g)
 {
-    g->acted = arena_alloc(g->arena, (size_t)(g->contact_count + g->left_count) * sizeof *g->acted);
+    g->acted = arena_alloc(g->lasting, (size_t)(g->contact_count + g->left_count) * sizeof *g->acted);
     if (g->acted)
         memset(g->acted, 0, (size_t)g->contact_count * sizeof *g->acted);
     return g->acted ? DIG_OK : DIG_E_MEMORY;
@@ -500,7 +500,7 @@ bool group_take_room(Group *g, GroupContact *c)
     begin_taking(g);
     if (g->room_left < needed) {
         g->room_left = ROOM_AT_ONCE * needed;
-        g->room = arena_alloc(g->arena, (size_t)g->room_left * sizeof *g->room);
+        g->room = arena_alloc(g->lasting, (size_t)g->room_left * sizeof *g->room);
         if (!g->room) {
             g->room_left = 0;
             g->no_room = true;
@@ -526,7 +526,7 @@ dig_status group_fill_out(Group *g)
 dig_status group_own_rubs(Group *g, int first)
 {
     if (!g->rubs) {
-        g->rubs = arena_alloc(g->arena, (size_t)(g->pair_count + g->left_count) * sizeof *g->rubs);
+        g->rubs = arena_alloc(g->lasting, (size_t)(g->pair_count + g->left_count) * sizeof *g->rubs);
         first = 0;
     }
     for (int i = first; i < g->pair_count && g->rubs; i++) {

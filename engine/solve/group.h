@@ -235,6 +235,7 @@ typedef struct GroupJoint {
     real     force[JOINT_SLOTS];            /* N or N m, warm start */
     vec3     impulse, angular_impulse;      /* on a, over the step  */
     real     lost;              /* J   to its friction and dampers, over the step; of the group's lost */
+    real     off;               /* m   the most that its rows are off, of what was swept: watch.c */
     JointView view;             /* its ends: once group_joint_view was asked for */
 } GroupJoint;
 
@@ -259,8 +260,9 @@ typedef struct GroupKept GroupKept;
 struct Group {
     const World *world;
     const AccuracyPlan *plan;
-    Arena    *arena;
-    Spare    *spare;            /* of it, what the group has done with */
+    Arena    *lasting;          /* until the step is committed */
+    Arena    *arena;            /* while the group is advanced; a crowd's is the other one */
+    Spare    *spare;            /* of lasting, what the group has done with */
     Team     *team;             /* that advances it; NULL: one thread */
     vec3      gravity;          /* m/s^2  of the world */
     real      fall;             /* m/s^2  the largest where its members are: the scale of what weight does */
@@ -319,7 +321,7 @@ struct Group {
     bool      sparse;           /* contacts that had no point have no room either: of a large crowd that is most of what is awake */
     atomic_flag taking;         /* a thread of the team takes from the arena, or of these: */
     real     *room;         int room_left;      /* for points of such contacts */
-    bool      no_room;          /* there was no memory for them     */
+    bool      no_room;          /* there was no memory for them, or for strikes */
     real     *places;       int place_count;    /* of each pair, room for a hint, unless with a ball; then of each of its contacts for its
                                                          * points, then for their memories; of those that came in later elsewhere */
     GroupJoint *joints;     int joint_count;
@@ -328,7 +330,7 @@ struct Group {
     RollRow  *rolls;        int roll_count;
     JointBlock *blocks;     int block_count;
     JointRow *rows;         int row_count;
-    Strike   *strikes;      int strike_count, strike_capacity;
+    Strike   *strikes;      int strike_count, strike_room, strikes_most;        /* room: grows up to so many as most */
     Impact   *impacts;      int impact_count;       /* as mass; in a crowd there is room for what it has to note */
 
     real      t, h;             /* s   since the start of the step, this substep */
@@ -398,6 +400,7 @@ struct Group {
         int   gainer;           /*     who gained most                                            */
         int   count;            /*     moving bodies                                              */
         int   leavers;          /*     bodies that end up beyond the edge of the world, and were not reported there */
+        uint32_t misfit;        /*     slot of the body whose velocities fit least, where the residual is too large */
     } watch;
     real      effect_us[MAX_EFFECTS], touch_us;     /* us, only in timed steps */
     bool      timed;
@@ -427,7 +430,7 @@ static inline bool group_is_most(const Group *g) { return 2 * g->moving_count > 
 
 /* gather.c */
 dig_status group_gather(Group *g, const World *w, const uint32_t *leads, int dig_count, const uint32_t *pairs, int pair_count,
-                        Arena *arena);
+                        Arena *lasting, Arena *arena);
 /* Gathers pairs left out whose bodies may meet if the speed of each changes by so much: [body_count], m/s. They come last. */
 dig_status group_gather_struck(Group *g, const real *stop, real dt);
 dig_status group_gather_rest(Group *g);                 /* contact_rest, as the world has it */

@@ -341,7 +341,6 @@ static void note_strike(Group *g, const PointRow *r, real speed)
         strike_report(g, r, speed);
 }
 
-/* An impact is remembered for events and messages. */
 /* Speeds of a mover, one a frame, stand for a smooth motion: what lay on it, or on what does, is not struck by what a frame of free fall makes
  * up for. */
 static bool rides(const Group *g, const GroupContact *c, real speed)
@@ -358,6 +357,29 @@ Impact *group_impact(Group *g, GroupPair *q)
     return &g->impacts[q->impact - 1];
 }
 
+#define STRIKES_FIRST 4         /* most groups have none, and most of the others few */
+
+/* Is there room for one more? */
+static bool strike_room(Group *g)
+{
+    if (g->strike_count < g->strike_room)
+        return true;
+    int room = int_min(g->strike_room > 0 ? 4 * g->strike_room : STRIKES_FIRST, g->strikes_most);
+    if (g->strike_count >= room)
+        return false;
+    Strike *more = arena_alloc(g->lasting, (size_t)room * sizeof *more);
+    if (!more) {
+        g->no_room = true;
+        return false;
+    }
+    if (g->strike_count > 0)
+        memcpy(more, g->strikes, (size_t)g->strike_count * sizeof *more);
+    g->strikes = more;
+    g->strike_room = room;
+    return true;
+}
+
+/* An impact is remembered for events and messages. */
 void strike_report(Group *g, const PointRow *r, real speed)
 {
     const GroupContact *c = &g->contacts[r->contact];
@@ -378,7 +400,7 @@ void strike_report(Group *g, const PointRow *r, real speed)
     Strike *last = impact->last > 0 && impact->last <= g->strike_count ? &g->strikes[impact->last - 1] : NULL;
     if (last && last->pair == c->pair && (last->time == g->t || !g->locate)) {
         last->impulse += r->jn;
-    } else if (g->strike_count < g->strike_capacity) {
+    } else if (strike_room(g)) {
         g->strikes[g->strike_count++] = (Strike){g->t, c->pair, speed, r->jn, p->a, c->manifold.normal};
         impact->last = g->strike_count;
         impact->first = impact->first > 0 ? impact->first : impact->last;

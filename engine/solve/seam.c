@@ -72,8 +72,8 @@ static dig_status list_walled(Group *g, int first)
     int count = g->pair_count - first, known = g->walled_count;
     Team *team = count < SHARED_LEAST ? NULL : g->team;
     int shares = team_shares(team);
-    Walls x = {.g = g, .first = first, .found = arena_alloc(g->arena, (size_t)shares * sizeof *x.found)};
-    int *all = arena_alloc(g->arena, (size_t)(known + count) * sizeof *all);
+    Walls x = {.g = g, .first = first, .found = arena_alloc(g->lasting, (size_t)shares * sizeof *x.found)};
+    int *all = arena_alloc(g->lasting, (size_t)(known + count) * sizeof *all);
     if (!x.found || !all)
         return DIG_E_MEMORY;
     x.pairs = all + known;
@@ -81,10 +81,10 @@ static dig_status list_walled(Group *g, int first)
     for (int i = 0; i < shares; g->walled_count += x.found[i++])
         memmove(all + g->walled_count, x.pairs + team_first(count, i, shares), (size_t)x.found[i] * sizeof *all);
     if (g->walled_count == known) {
-        arena_shrink(g->arena, all, 0);
+        arena_shrink(g->lasting, all, 0);
         return DIG_OK;
     }
-    arena_shrink(g->arena, all, (size_t)g->walled_count * sizeof *all);
+    arena_shrink(g->lasting, all, (size_t)g->walled_count * sizeof *all);
     if (known > 0)
         memcpy(all, g->walled, (size_t)known * sizeof *all);
     g->walled = all;
@@ -94,9 +94,9 @@ static dig_status list_walled(Group *g, int first)
 /* Of bodies that meet two fixed solids or more; -1: out of memory. */
 static int list_meetings(const Group *g, Meeting **list)
 {
-    uint8_t *met = arena_alloc(g->arena, (size_t)g->moving_count);
+    uint8_t *met = arena_alloc(g->lasting, (size_t)g->moving_count);
     int count = 0;
-    *list = arena_alloc(g->arena, (size_t)g->walled_count * sizeof **list);
+    *list = arena_alloc(g->lasting, (size_t)g->walled_count * sizeof **list);
     if (!met || !*list)
         return -1;
     memset(met, 0, (size_t)g->moving_count);
@@ -173,7 +173,7 @@ static int link_all(Group *g, const Meeting *m, int count, bool write)
 static bool open_seams(Group *g)
 {
     size_t bytes = (size_t)(g->pair_count + g->left_count) * sizeof *g->seams;
-    g->seams = arena_alloc(g->arena, bytes);
+    g->seams = arena_alloc(g->lasting, bytes);
     if (g->seams)
         memset(g->seams, 0, bytes);
     return g->seams;
@@ -184,8 +184,8 @@ static dig_status link_meetings(Group *g, const Meeting *m, int count)
     if (!open_seams(g))
         return DIG_E_MEMORY;
     int links = link_all(g, m, count, false);
-    g->beside_which = arena_alloc(g->arena, (size_t)links * sizeof *g->beside_which);
-    g->beside = arena_alloc(g->arena, (size_t)count * sizeof *g->beside);
+    g->beside_which = arena_alloc(g->lasting, (size_t)links * sizeof *g->beside_which);
+    g->beside = arena_alloc(g->lasting, (size_t)count * sizeof *g->beside);
     if (!g->beside_which || !g->beside)
         return DIG_E_MEMORY;
     for (int i = 0; i < count && links > 0; i++)

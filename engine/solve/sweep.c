@@ -421,14 +421,13 @@ static dig_status reserve(Group *g)
     for (int i = 0; i < g->contact_count; i++)
         points += MANIFOLD_POINTS;
     g->point_capacity = points;
-    g->strike_capacity = g->plan->events + g->pair_count;
+    g->strikes_most = g->plan->events + g->pair_count;
     g->points = arena_alloc(g->arena, (size_t)(points + 1) * sizeof *g->points);
     g->rolls = arena_alloc(g->arena, (size_t)(g->contact_count + 1) * sizeof *g->rolls);
     g->blocks = arena_alloc(g->arena, (size_t)(g->joint_count + 1) * sizeof *g->blocks);
     g->rows = arena_alloc(g->arena, (size_t)(g->joint_count * JOINT_SLOTS + 1) * sizeof *g->rows);
     DIG_TRY(squeeze_open(g));
-    g->strikes = arena_alloc(g->arena, (size_t)(g->strike_capacity + 1) * sizeof *g->strikes);
-    return g->points && g->rolls && g->blocks && g->rows && g->strikes ? DIG_OK : DIG_E_MEMORY;
+    return g->points && g->rolls && g->blocks && g->rows ? DIG_OK : DIG_E_MEMORY;
 }
 
 static void measure(Group *g)

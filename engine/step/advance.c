@@ -197,9 +197,9 @@ static bool look_if_sound(Group *g)
 
 typedef struct Context { World *w; Step *s; bool blame, alone; } Context;     /* alone: this is the calling thread, and others wait */
 
-static void advance_one(void *context, int i, Arena *arena)
+/* The group of that part of the step, from the world's records to what a commit would write. */
+static void advance_part(Context *c, int i, Scratch scratch)
 {
-    Context *c = context;
     const struct StepGroup *part = &c->s->parts[i];
     Group *g = &c->s->groups[i];
     memset(g, 0, sizeof *g);
@@ -213,7 +213,8 @@ static void advance_one(void *context, int i, Arena *arena)
     g->stage = run_stage;
     g->blame = c->blame;
     g->timed = c->s->timed;
-    g->status = group_gather(g, c->w, c->s->leads + part->dig_first, part->dig_count, c->s->pairs + part->pair_first, part->pair_count, arena);
+    g->status = group_gather(g, c->w, c->s->leads + part->dig_first, part->dig_count, c->s->pairs + part->pair_first, part->pair_count, scratch.step,
+                             part->crowd ? scratch.step : scratch.group);
     if (g->status != DIG_OK)
         return;
     if (c->w->poisoned.gen != 0)
@@ -228,6 +229,13 @@ static void advance_one(void *context, int i, Arena *arena)
         watch_group(g);
     bool finite = look_if_sound(g);
     g->strays = finite ? count_strays(g) : 0;
+}
+
+static void advance_one(void *context, int i, Scratch scratch)
+{
+    ArenaMark mark = arena_mark(scratch.group);
+    advance_part(context, i, scratch);
+    arena_rewind(scratch.group, mark);
 }
 
 static bool all_finite(const Step *s)
@@ -313,21 +321,21 @@ static dig_status share_out(World *w, Step *s)
 /* The groups that are not done together, each by one thread. */
 static void in_order(World *w, Step *s, Job *job, Context *c)
 {
-    workers_run(w->workers, &w->scratch, job, c, s->count - s->together);
+    workers_run(w->workers, world_scratch(w), job, c, s->count - s->together);
 }
 
 static int turn_of(const Step *s, int i) { return s->order ? s->order[s->together + i] : i; }
 
-static void advance_turn(void *context, int i, Arena *arena)
+static void advance_turn(void *context, int i, Scratch scratch)
 {
     const Context *c = context;
-    advance_one(context, turn_of(c->s, i), arena);
+    advance_one(context, turn_of(c->s, i), scratch);
 }
 
-static void commit_turn(void *context, int i, Arena *arena)
+static void commit_turn(void *context, int i, Scratch scratch)
 {
     const Context *c = context;
-    (void)arena;
+    (void)scratch;
     group_commit(c->w, &c->s->groups[turn_of(c->s, i)]);
 }
 
@@ -348,12 +356,12 @@ dig_status advance_groups(World *w, Step *s)
     Context c = {w, s, false, !workers_team(w->workers)};
     DIG_TRY(share_out(w, s));
     for (int i = 0; i < s->together; i++)
-        advance_one(&c, s->order[i], &w->scratch);
+        advance_one(&c, s->order[i], world_scratch(w));
     in_order(w, s, advance_turn, &c);
     c.alone = true;                     /* effects of the caller's: by this thread, and in the same order for any number of them */
     for (int i = 0; i < s->count; i++)
         if (s->groups[i].waits)
-            advance_one(&c, i, &w->scratch);
+            advance_one(&c, i, world_scratch(w));
     for (int i = 0; i < s->count; i++) {
         dig_status status = s->groups[i].status;
         if (status == DIG_E_MEMORY)
@@ -398,7 +406,7 @@ dig_status check_finite(World *w, Step *s)
             continue;
         }
         Context c = {w, s, true, true};
-        advance_one(&c, i, &w->scratch);
+        advance_one(&c, i, world_scratch(w));
         if (s->groups[i].culprit < 0)
             find_culprit(&s->groups[i], "solver", false);
         w->stats.rejected++;

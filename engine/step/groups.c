@@ -547,11 +547,11 @@ static void join_crowds(const World *w, Step *s)
 
 typedef struct Choosing { const World *w; Step *s; int total; } Choosing;
 
-static void choose_way(void *context, int i, Arena *arena)
+static void choose_way(void *context, int i, Scratch scratch)
 {
     const Choosing *c = context;
     struct StepGroup *g = &c->s->parts[i];
-    (void)arena;
+    (void)scratch;
     g->accuracy = group_accuracy(c->w, c->s->leads + g->dig_first, g->dig_count);
     int bodies = bodies_of(c->w, c->s, g);
     bool many = takes_crowd(c->w, c->s, g, bodies, c->w->debt.pause > 0 ? INT32_MAX : c->total);
@@ -584,7 +584,7 @@ static dig_status cut(World *w, Step *s, const Found *f)
     int total = w->awake.count + f->pair_count;
     Choosing c = {w, s, total};
     DIG_TRY(find_plain(w, s, total < SHARED_LEAST ? NULL : workers_team(w->workers)));
-    workers_run(total < SHARED_LEAST ? NULL : w->workers, &w->scratch, choose_way, &c, s->count);
+    workers_run(total < SHARED_LEAST ? NULL : w->workers, world_scratch(w), choose_way, &c, s->count);
     for (int i = 0; i < s->count; i++) {
         struct StepGroup *g = &s->parts[i];
         g->may_trace = !g->crowd && !g->calm && !takes_chain(w, s, g, total) && within_budget(g, &spent);

@@ -103,11 +103,11 @@ static bool meets(void *context, uint32_t other)
 
 typedef struct Asking { const World *w; Found *found; } Asking;         /* found: by each share of w->asking */
 
-static void ask_share(void *context, int share, Arena *arena)
+static void ask_share(void *context, int share, Scratch scratch)
 {
     const Asking *all = context;
     const World *w = all->w;
-    Ask a = {.w = w, .arena = arena, .found = &all->found[share]};
+    Ask a = {.w = w, .arena = scratch.step, .found = &all->found[share]};
     for (int i = SHARE * share; i < w->asking.count && i < SHARE * (share + 1) && !a.found->failed; i++) {
         a.solid = w->asking.data[i];
         const Solid *s = &w->solids.data[a.solid];
@@ -121,11 +121,11 @@ static void ask_share(void *context, int share, Arena *arena)
 typedef struct Making { const World *w; const Found *found; Pair *made; } Making;
 
 /* What surfaces and bodies make of a new pair is asked by all threads, for these lie far apart. */
-static void make_share(void *context, int share, Arena *arena)
+static void make_share(void *context, int share, Scratch scratch)
 {
     const Making *m = context;
     Pair *to = m->made + m->found[share].first;
-    (void)arena;
+    (void)scratch;
     for (const NearBlock *b = m->found[share].met.first; b; b = b->next)
         for (int k = 0; k < b->count; k += 2)
             *to++ = pair_new(m->w, b->item[k], b->item[k + 1]);
@@ -148,7 +148,7 @@ static dig_status note_all(World *w, Found *found, int shares)
     Making m = {w, found, arena_alloc(&w->scratch, (size_t)count * sizeof *m.made)};
     if (!m.made)
         return DIG_E_MEMORY;
-    workers_run(count < MADE_LEAST ? NULL : w->workers, &w->scratch, make_share, &m, shares);
+    workers_run(count < MADE_LEAST ? NULL : w->workers, world_scratch(w), make_share, &m, shares);
     for (int i = 0; i < count; i++)
         DIG_TRY(pair_add_made(w, &m.made[i]));
     return DIG_OK;
@@ -223,7 +223,7 @@ dig_status ask_all(World *w)
     Asking a = {w, arena_zero(&w->scratch, (size_t)shares * sizeof *a.found)};
     if (!a.found)
         return DIG_E_MEMORY;
-    workers_run(w->workers, &w->scratch, ask_share, &a, shares);
+    workers_run(w->workers, world_scratch(w), ask_share, &a, shares);
     for (int i = 0; i < shares; i++)
         if (a.found[i].failed)
             return DIG_E_MEMORY;

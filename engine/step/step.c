@@ -12,6 +12,7 @@ static void book_time(Step *s, real *us)
 dig_status step_sense(World *w)
 {
     arena_reset(&w->scratch);
+    arena_reset(&w->group_scratch);
     if (w->workers)
         workers_reset(w->workers);
     return sense_pairs(w, w->def.step);

@@ -160,7 +160,7 @@ static void count_share(void *context, int thread, int threads)
 
 int count_strays(Group *g)
 {
-    Count c = {.g = g, .strays = arena_alloc(g->arena, (size_t)g->moving_count)};       /* NULL: all are asked again */
+    Count c = {.g = g, .strays = arena_alloc(g->lasting, (size_t)g->moving_count)};       /* NULL: all are asked again */
     team_deal(g->team, count_share, &c);
     g->astray = c.strays;
     return atomic_load(&c.count);

@@ -185,6 +185,76 @@ static Sum sum_members(Group *g)
     return all;
 }
 
+/* Of two bodies, the lighter one that moves. */
+static uint32_t lighter(const Group *g, int a, int b)
+{
+    bool first = a >= 0 && g->member[a].moves;
+    if (first && b >= 0 && g->member[b].moves)
+        first = g->member[a].mass <= g->member[b].mass;
+    return g->member[first || b < 0 ? a : b].slot;
+}
+
+/* ---- what the rows say, which the group has while it is advanced ---- */
+
+static real joint_size(const Group *g, const GroupJoint *j)
+{
+    real a = j->a >= 0 && g->member[j->a].moves ? g->member[j->a].outer : INFINITY;
+    real b = j->b >= 0 && g->member[j->b].moves ? g->member[j->b].outer : INFINITY;
+    return real_min(a, b);
+}
+
+/* What a hard row or a limit is off, m or rad. */
+static real row_error(const Row *r) { return r->kind == ROW_HARD ? fabs(r->error) : r->kind == ROW_LIMIT ? real_max(0, -r->error) : 0; }
+
+/* The rows are those that the sweeps measured last; the other ways hand on what they cannot hold together. */
+static void look_at_joints(Group *g)
+{
+    for (int i = 0; i < g->joint_count; i++)
+        g->joints[i].off = 0;
+    for (int i = 0; i < g->block_count && g->way->tally == WAY_SWEPT; i++) {
+        const JointBlock *block = &g->blocks[i];
+        GroupJoint *j = &g->joints[block->joint];
+        for (int k = 0; k < block->count; k++) {
+            const Row *r = &g->rows[block->first + k].row;
+            j->off = real_max(j->off, row_error(r) * (r->angular ? joint_size(g, j) : 1));
+        }
+    }
+}
+
+/* Whose velocities fit least: at a joint or a contact. */
+static uint32_t misfit(const Group *g)
+{
+    real worst = -INFINITY;
+    uint32_t body = g->slots[0];
+    for (int i = 0; i < g->block_count; i++)
+        for (int k = 0; k < g->blocks[i].count; k++) {
+            const Row *r = &g->rows[g->blocks[i].first + k].row;
+            real rate = 0;
+            for (int n = 0; n < r->count && r->kind == ROW_HARD; n++)
+                if (r->body[n] >= 0)
+                    rate += vec3_dot(r->lin[n], g->vel[r->body[n]].v) + vec3_dot(r->ang[n], g->vel[r->body[n]].w);
+            if (fabs(rate) > worst && r->kind == ROW_HARD) {
+                worst = fabs(rate);
+                body = lighter(g, g->joints[g->blocks[i].joint].a, g->joints[g->blocks[i].joint].b);
+            }
+        }
+    for (int i = 0; i < g->point_count; i++) {
+        const PointRow *r = &g->points[i];
+        real rate = -dir_rate(g, &r->n, r->a, r->b);
+        if (r->jn > 0 && rate > worst) {
+            worst = rate;
+            body = lighter(g, r->a, r->b);
+        }
+    }
+    return body;
+}
+
+static real residual_bound(const Group *g)
+{
+    real size = g->watch.smallest, fall = sqrt(2 * g->fall * size);
+    return rules[DIG_RULE_RESIDUAL].bound * (fall + size);              /* without gravity: its size in a second */
+}
+
 void watch_group(Group *g)
 {
     struct GroupWatch *watch = &g->watch;
@@ -203,6 +273,9 @@ void watch_group(Group *g)
     watch->rise = real_min(watch->rise, real_max(0, s.motion));     /* what is moved out of an overlap may be lifted */
     watch->borne += rules[DIG_RULE_ENERGY].bound * (end + watch->elastic);
     carry(g, rise_of(g), borne_of(g));
+    look_at_joints(g);
+    if (g->residual > residual_bound(g))
+        watch->misfit = misfit(g);
 }
 
 /* ---- what lasts is recorded ---- */
@@ -262,15 +335,6 @@ static void judge_energy(World *w, const Group *g)
         w->bodies.data[g->slots[i]].watch.rise = 0;
 }
 
-/* Of two bodies, the lighter one that moves. */
-static uint32_t lighter(const Group *g, int a, int b)
-{
-    bool first = a >= 0 && g->member[a].moves;
-    if (first && b >= 0 && g->member[b].moves)
-        first = g->member[a].mass <= g->member[b].mass;
-    return g->member[first || b < 0 ? a : b].slot;
-}
-
 /* Part of the bound for the smallest pair of a group below which nobody looks at its contacts one by one. What a crowd says of its overlap is
  * that of its contacts as they are now. */
 #define FINE 0.1
@@ -304,69 +368,24 @@ static void judge_overlaps(World *w, const Group *g)
     }
 }
 
-static real joint_size(const Group *g, const GroupJoint *j)
-{
-    real a = j->a >= 0 && g->member[j->a].moves ? g->member[j->a].outer : INFINITY;
-    real b = j->b >= 0 && g->member[j->b].moves ? g->member[j->b].outer : INFINITY;
-    return real_min(a, b);
-}
-
-/* What a hard row or a limit is off, m or rad. */
-static real row_error(const Row *r) { return r->kind == ROW_HARD ? fabs(r->error) : r->kind == ROW_LIMIT ? real_max(0, -r->error) : 0; }
-
-/* The rows are those that the sweeps measured last; the other ways hand on what they cannot hold together. */
 static void judge_joints(World *w, const Group *g)
 {
-    if (g->way->tally != WAY_SWEPT)
-        return;
-    for (int i = 0; i < g->block_count; i++) {
-        const JointBlock *block = &g->blocks[i];
-        const GroupJoint *j = &g->joints[block->joint];
-        real worst = 0, bound = rules[DIG_RULE_JOINT].bound * joint_size(g, j);
-        for (int k = 0; k < block->count; k++) {
-            const Row *r = &g->rows[block->first + k].row;
-            worst = real_max(worst, row_error(r) * (r->angular ? joint_size(g, j) : 1));
-        }
+    for (int i = 0; i < g->joint_count; i++) {
+        const GroupJoint *j = &g->joints[i];
+        if (!(j->off > 0))
+            continue;
+        real bound = rules[DIG_RULE_JOINT].bound * joint_size(g, j);
         uint32_t body = lighter(g, j->a, j->b);
-        if (worst > bound && lasts(w, DIG_RULE_JOINT, body, 0))
-            warn(w, DIG_RULE_JOINT, body, worst, bound, w->joints.data[j->slot].type->name);
+        if (j->off > bound && lasts(w, DIG_RULE_JOINT, body, 0))
+            warn(w, DIG_RULE_JOINT, body, j->off, bound, w->joints.data[j->slot].type->name);
     }
-}
-
-/* Whose velocities fit least: at a joint or a contact. */
-static uint32_t misfit(const Group *g)
-{
-    real worst = -INFINITY;
-    uint32_t body = g->slots[0];
-    for (int i = 0; i < g->block_count; i++)
-        for (int k = 0; k < g->blocks[i].count; k++) {
-            const Row *r = &g->rows[g->blocks[i].first + k].row;
-            real rate = 0;
-            for (int n = 0; n < r->count && r->kind == ROW_HARD; n++)
-                if (r->body[n] >= 0)
-                    rate += vec3_dot(r->lin[n], g->vel[r->body[n]].v) + vec3_dot(r->ang[n], g->vel[r->body[n]].w);
-            if (fabs(rate) > worst && r->kind == ROW_HARD) {
-                worst = fabs(rate);
-                body = lighter(g, g->joints[g->blocks[i].joint].a, g->joints[g->blocks[i].joint].b);
-            }
-        }
-    for (int i = 0; i < g->point_count; i++) {
-        const PointRow *r = &g->points[i];
-        real rate = -dir_rate(g, &r->n, r->a, r->b);
-        if (r->jn > 0 && rate > worst) {
-            worst = rate;
-            body = lighter(g, r->a, r->b);
-        }
-    }
-    return body;
 }
 
 static void judge_residual(World *w, const Group *g)
 {
-    real size = g->watch.smallest, fall = sqrt(2 * g->fall * size);
-    real bound = rules[DIG_RULE_RESIDUAL].bound * (fall + size);        /* without gravity: its size in a second */
+    real bound = residual_bound(g);
     if (g->residual > bound && lasts(w, DIG_RULE_RESIDUAL, g->slots[0], 0))
-        warn(w, DIG_RULE_RESIDUAL, misfit(g), g->residual, bound, g->way->name);
+        warn(w, DIG_RULE_RESIDUAL, g->watch.misfit, g->residual, bound, g->way->name);
 }
 
 /* At the default and below, what goes beyond the finest way is swept as a matter of course; who asks for more wants to know. */

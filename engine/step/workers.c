@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct Worker { struct Workers *pool; Arena arena; pthread_t thread; int number; } Worker;
+typedef struct Worker { struct Workers *pool; Arena step, group; pthread_t thread; int number; } Worker;       /* arenas: see Scratch */
 
 struct Workers {
     Team            team;           /* comes first: a Team * of this pool is its address        */
@@ -120,7 +120,8 @@ void workers_close(struct Workers *p)
     wake_sleepers(p);
     for (int i = 0; i < p->count; i++) {
         pthread_join(p->workers[i].thread, NULL);
-        arena_close(&p->workers[i].arena);
+        arena_close(&p->workers[i].step);
+        arena_close(&p->workers[i].group);
     }
     pthread_cond_destroy(&p->start);
     pthread_mutex_destroy(&p->lock);
@@ -131,18 +132,19 @@ void workers_close(struct Workers *p)
 
 Team *workers_team(struct Workers *p) { return p && p->count > 0 ? &p->team : NULL; }
 
-typedef struct Jobs { struct Workers *pool; Arena *own; Job *job; void *context; int count; atomic_int next; } Jobs;
+typedef struct Jobs { struct Workers *pool; Scratch own; Job *job; void *context; int count; atomic_int next; } Jobs;
 
 static void take_jobs(void *context, int thread, int threads)
 {
     Jobs *j = context;
-    Arena *arena = thread == 0 ? j->own : &j->pool->workers[thread - 1].arena;
+    Worker *worker = &j->pool->workers[int_max(thread - 1, 0)];
+    Scratch scratch = thread == 0 ? j->own : (Scratch){&worker->step, &worker->group};
     (void)threads;
     for (int i; (i = atomic_fetch_add(&j->next, 1)) < j->count;)
-        j->job(j->context, i, arena);
+        j->job(j->context, i, scratch);
 }
 
-void workers_run(struct Workers *p, Arena *own, Job *job, void *context, int count)
+void workers_run(struct Workers *p, Scratch own, Job *job, void *context, int count)
 {
     Team *team = count < 2 ? NULL : workers_team(p);
     for (int i = 0; i < count && !team; i++)
@@ -155,14 +157,16 @@ void workers_run(struct Workers *p, Arena *own, Job *job, void *context, int cou
 
 void workers_reset(struct Workers *p)
 {
-    for (int i = 0; i < p->count; i++)
-        arena_reset(&p->workers[i].arena);
+    for (int i = 0; i < p->count; i++) {
+        arena_reset(&p->workers[i].step);
+        arena_reset(&p->workers[i].group);
+    }
 }
 
 size_t workers_bytes(const struct Workers *p)
 {
     size_t bytes = sizeof *p;
     for (int i = 0; i < p->count; i++)
-        bytes += arena_bytes(&p->workers[i].arena);
+        bytes += arena_bytes(&p->workers[i].step) + arena_bytes(&p->workers[i].group);
     return bytes;
 }

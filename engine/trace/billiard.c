@@ -204,12 +204,11 @@ static bool reserve(Billiard *b)
     b->when = arena_alloc(g->arena, (size_t)g->pair_count * sizeof *b->when);
     b->first = arena_zero(g->arena, (size_t)(n + 2) * sizeof *b->first);
     b->pairs = arena_alloc(g->arena, 2 * (size_t)g->pair_count * sizeof *b->pairs);
-    g->strike_capacity = g->plan->events + g->pair_count;
-    g->strikes = arena_alloc(g->arena, (size_t)g->strike_capacity * sizeof *g->strikes);
+    g->strikes_most = g->plan->events + g->pair_count;
     g->point_capacity = g->contact_count * MANIFOLD_POINTS;
     g->points = arena_alloc(g->arena, (size_t)g->point_capacity * sizeof *g->points);
     g->rolls = arena_alloc(g->arena, (size_t)g->contact_count * sizeof *g->rolls);
-    if (!b->at || !b->when || !b->first || !b->pairs || !g->strikes || !g->points || !g->rolls)
+    if (!b->at || !b->when || !b->first || !b->pairs || !g->points || !g->rolls)
         return false;
     for (int i = 0; i < g->pair_count; i++) {
         b->first[g->pairs[i].a + 2]++;

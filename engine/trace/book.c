@@ -74,7 +74,7 @@ static void lay_out_system(Tracer *t, Block *b)
     TAKE(s, run, n);
 }
 
-/* The points, rows and strikes of the shared impact solver. */
+/* The points and rows of the shared impact solver. */
 static void lay_out_impacts(const Tracer *t, Block *b)
 {
     Group *g = t->g;
@@ -82,7 +82,6 @@ static void lay_out_impacts(const Tracer *t, Block *b)
     TAKE(g, rolls, g->contact_count);
     TAKE(g, blocks, g->joint_count);
     TAKE(g, rows, g->joint_count * JOINT_SLOTS);
-    TAKE(g, strikes, g->strike_capacity);
 }
 
 static void lay_out(Tracer *t, Block *b)
@@ -137,7 +136,7 @@ dig_status trace_reserve(Tracer *t)
     int n = g->moving_count, joints = g->joint_count;
     t->touch_capacity = g->point_capacity = g->contact_count * MANIFOLD_POINTS;
     t->sys.capacity = int_min(g->plan->trace_rows, joints * 8 + t->touch_capacity * 6);
-    g->strike_capacity = g->plan->events + g->pair_count;
+    g->strikes_most = g->plan->events + g->pair_count;
     int *queue = arena_alloc(g->arena, (2 * (size_t)n + 4) * sizeof *queue);
     Block b = {arena_next(g->arena), 0};
     lay_out(t, &b);

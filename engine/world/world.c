@@ -137,6 +137,7 @@ void world_close(World *w)
         layer_close(&w->layers[i]);
     mail_close(&w->mail);
     arena_close(&w->scratch);
+    arena_close(&w->group_scratch);
     free(w);
 }
 
@@ -149,7 +150,7 @@ size_t world_bytes(const World *w)
         + list_bytes(&w->pending);
     bytes += list_bytes(&w->materials) + list_bytes(&w->material_pairs);
     bytes += index_bytes(&w->pair_index) + index_bytes(&w->touch_index) + (size_t)w->tree.capacity * sizeof(TreeNode);
-    bytes += list_bytes(&w->near) + graph_bytes(w->graph) + arena_bytes(&w->scratch) + w->note_size;
+    bytes += list_bytes(&w->near) + graph_bytes(w->graph) + arena_bytes(&w->scratch) + arena_bytes(&w->group_scratch) + w->note_size;
     bytes += w->tally.shapes;
     for (int i = 0; i < w->effect_count; i++)
         bytes += effect_bytes(&w->effects[i]);

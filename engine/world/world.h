@@ -392,7 +392,8 @@ struct dig_world {
     Tally    tally;
     dig_stats stats;
     dig_warning warnings[DIG_WARNINGS]; int warning_count;
-    Arena    scratch;                   /* of the calling thread                       */
+    Arena    scratch;                   /* of the calling thread, for a step           */
+    Arena    group_scratch;             /* the same, while one group is advanced       */
     dig_body culprit;                   /* whose numbers made the last step fail; null: nobody's */
     dig_body poisoned;                  /* dig_world_inject: in the next step its velocity is NaN */
     Recent   inertias, makes, forms;    /* that were made last */
