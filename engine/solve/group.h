@@ -261,7 +261,7 @@ struct Group {
     const World *world;
     const AccuracyPlan *plan;
     Arena    *lasting;          /* until the step is committed */
-    Arena    *arena;            /* while the group is advanced; a crowd's is the other one */
+    Arena    *arena;            /* while the group is advanced */
     Spare    *spare;            /* of lasting, what the group has done with */
     Team     *team;             /* that advances it; NULL: one thread */
     vec3      gravity;          /* m/s^2  of the world */

@@ -214,7 +214,7 @@ static void advance_part(Context *c, int i, Scratch scratch)
     g->blame = c->blame;
     g->timed = c->s->timed;
     g->status = group_gather(g, c->w, c->s->leads + part->dig_first, part->dig_count, c->s->pairs + part->pair_first, part->pair_count, scratch.step,
-                             part->crowd ? scratch.step : scratch.group);
+                             scratch.group);
     if (g->status != DIG_OK)
         return;
     if (c->w->poisoned.gen != 0)

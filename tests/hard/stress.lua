@@ -1,6 +1,6 @@
 -- tests/hard/stress.lua - random worlds from seeds against what must always hold; a seed that fails is shrunk and printed as a script.
 --
---   digbox run tests/hard/stress.lua -- --seed 1 --count 20 --seconds 20
+--   digbox run tests/hard/stress.lua -- --seed 1 --count 20 --seconds 20 [--step 1/30] [--accuracy study]
 --   digbox run tests/hard/stress.lua -- --machines true --seed 1 --count 20 --seconds 6
 local digbox = require "digbox"
 local test = require "digbox.test"
@@ -12,6 +12,8 @@ local options = digbox.args {
   seed = { default = 1, help = "the first seed" },
   count = { default = 1, help = "so many seeds from there" },
   seconds = { default = 20, help = "simulated time" },
+  step = { default = "1/60", help = "frame step, s" },
+  accuracy = { default = "play", help = "plan" },
   limit = { default = 20, help = "CPU seconds of one run; beyond it a seed counts as over time" },
   shrink = { default = true, help = "look for the fewest bodies that still fail" },
   machines = { default = false, help = "bridges, carts, figures, ... instead of loose bodies" },
@@ -31,8 +33,13 @@ end
 
 local kinds = options.machines and machines or random
 
+local above, below = options.step:match "^([%d.]+)/?([%d.]*)$"
+local dt = assert(tonumber(above), "--step: a number of seconds, or 1/60") / (tonumber(below) or 1)
+
 test.scenario("random worlds", function(s)
-  local function run(w) return hard.run(kinds.case(w, options.seconds), { clock = s.cpu_seconds, limit = options.limit }) end
+  local function run(w)
+    return hard.run(kinds.case(w, options.seconds), { dt = dt, accuracy = options.accuracy, clock = s.cpu_seconds, limit = options.limit })
+  end
   local counts = { pass = 0, fail = 0, ["over time"] = 0 }
   for seed = options.seed, options.seed + options.count - 1 do
     local w = kinds.world(seed)
