@@ -272,6 +272,25 @@ static void touch_pairs(World *w, const Step *s, const Group *g, real start)
         touch_pair(w, g, &s->changes[i]);
 }
 
+/* Where two that touched have parted: in the middle between the two places where they are nearest now, at the end of the step. */
+static void find_parting(const World *w, const Touch *t, dig_event *e)
+{
+    uint32_t wall = t->wall ? w->room_solid[t->wall - 1] : NONE;
+    uint32_t others = t->body_b != NONE ? w->bodies.data[t->body_b].shape_first : wall;
+    real least = INFINITY;
+    for (uint32_t i = w->bodies.data[t->body_a].shape_first; i != NONE; i = w->solids.data[i].next)
+        for (uint32_t k = others; k != NONE; k = t->body_b != NONE ? w->solids.data[k].next : NONE) {
+            const Solid *a = &w->solids.data[i], *b = &w->solids.data[k];
+            vec3 normal, on_a, on_b;
+            real gap = shape_distance(&a->form->shape, solid_pose(w, a), &b->form->shape, solid_pose(w, b), least, &normal, &on_a, &on_b);
+            if (!(gap < least))
+                continue;
+            least = gap;
+            e->point = vec3_lerp(on_a, on_b, 0.5);
+            e->normal = normal;
+        }
+}
+
 /* Touches that are over give up their link; a bounce of two moving bodies keeps it for one step. */
 static void end_touches(World *w, real start, real dt)
 {
@@ -295,6 +314,7 @@ static void end_touches(World *w, real start, real dt)
         if (e) {
             e->time = start + dt;
             e->wall = t->wall;
+            find_parting(w, t, e);
         }
         t->brief = false;                   /* it is in the part of the list that is left behind */
         touch_remove(w, slot);

@@ -233,7 +233,8 @@ declare("DIG:accuracy", { "Solves this DIG with another accuracy: care where one
 
 event("contact_begin", "Two bodies begin to touch. What lies there from the start tells it in the first step, at no speed.",
   "time self other speed impulse point normal")
-event("contact_end", "They do not touch any more.", "time self other point")
+event("contact_end", "They do not touch any more. `point`: in the middle between where they are nearest now.",
+  "time self other point normal")
 event("impact", "They hit each other. What rides on a mover is not hit by it.", "time self other speed impulse point normal")
 event("broken", "A joint broke.", "time self other joint stress")
 event("moved", "A body moved during the step; told of each that did, in each step, not of what rests.", "time self")

@@ -53,6 +53,17 @@ scenario("what lies there from the start tells where it touches, and that it cam
   end
 end)
 
+scenario("a contact ends in the middle between where its bodies are nearest then", function(s)
+  local world, seen = s.world, {}
+  local _, ball = drop(world)
+  ball:on("contact_end", function(e) seen[#seen + 1] = { e = e, gap = ball.position.y - 0.1 } end)
+  world:run(1)
+  local first = seen[1]
+  expect(first.gap):above(1e-4)
+  expect(first.e.point):near({ 0, first.gap / 2, 0 }, 1e-9)
+  expect(first.e.normal):near({ 0, -1, 0 }, 1e-9)
+end)
+
 scenario("filters keep what is not asked for away", function(s)
   local world = s.world
   local floor, ball = drop(world)
