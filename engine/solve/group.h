@@ -541,7 +541,7 @@ bool group_jams(const Group *g, real heals);            /* could the rows not do
 bool group_throws(const Group *g, real heals);          /* do limbs whirl that are wedged near their joints? */
 void group_unwind(Group *g);               /* all rows begin without an impulse */
 bool group_joints_gape(const Group *g);     /* is one open as its present rows say, so that it could be seen? */
-void group_clean_joints(Group *g);
+bool group_clean_joints(Group *g);          /* true: then strike_stops(), too */
 real joint_row_rate(const Group *g, const Row *r);      /* m/s or rad/s, now */
 void joint_row_warm(Group *g, JointRow *r);
 /* m/s or rad/s  Of a row, now. */
@@ -594,6 +594,7 @@ real group_close_speed(const Group *g);
 /* impact.c: what touches and approaches is struck, now */
 int  group_events(const Group *g);                      /* impacts that may be located in a step */
 void impacts(Group *g);
+void strike_stops(Group *g);                            /* those that the substep, of g->h, would run past */
 Impact *group_impact(Group *g, GroupPair *q);          /* of this step: a new one if it has none */
 void strike_report(Group *g, const PointRow *r, real speed);
 /* relax.c: Gauss-Seidel sweeps over rows; each returns the largest velocity change, m/s */
@@ -625,6 +626,7 @@ static inline bool lies_uneasy(const Group *g) { return g->calm && g->trace_wait
 bool direct_solve(Group *g, real residual);
 bool direct_rescue(Group *g);           /* the same where sweeps have not got there, slower and surer */
 bool direct_project(Group *g);          /* a projection's rows at once, into g->vel, which holds the shift */
+bool direct_project_joints(Group *g);      /* the same, of joints that sweeps are for */
 bool group_top_heavy(const Group *g);   /* is something much heavier than something else? */
 bool group_elastic(const Group *g);     /* do any of its joints give and store energy? */
 bool group_bears_load(const Group *g);  /* do joints carry what is heavy, or give? Else they are limbs that slide and turn */

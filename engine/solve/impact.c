@@ -46,7 +46,8 @@ static real stop_approach(const Group *g)
     return approach;
 }
 
-static void build_rows(Group *g)
+/* ahead: with stops that the substep gets to; else those at hand */
+static void build_rows(Group *g, bool ahead)
 {
     g->point_count = 0;
     g->roll_count = 0;
@@ -65,11 +66,11 @@ static void build_rows(Group *g)
     group_build_joints(g, false);
     for (int i = 0; i < g->row_count; i++) {
         JointRow *r = &g->rows[i];
+        bool stop = r->row.kind == ROW_LIMIT && (ahead || r->row.error <= 1e-9);
         r->p = 0;
-        r->bias = 0;
+        r->bias = ahead && stop ? r->bias : 0;
         r->gamma = 0;
-        bool stops = r->row.kind == ROW_HARD || (r->row.kind == ROW_LIMIT && r->row.error <= 1e-9);
-        if (!stops)
+        if (r->row.kind != ROW_HARD && !stop)
             r->k = 0;           /* springs, motors and dry friction have no time to act */
     }
 }
@@ -610,7 +611,7 @@ void impacts(Group *g)
 {
     if (!g->strikes_stops && !any_approach(g))
         return;
-    build_rows(g);
+    build_rows(g, false);
     ArenaMark mark = arena_mark(g->arena);
     bool *on = arena_alloc(g->arena, (size_t)(g->point_count + 1) * sizeof *on);
     real *rate = arena_alloc(g->arena, (size_t)(4 * g->point_count + 1) * sizeof *rate);
@@ -627,6 +628,52 @@ void impacts(Group *g)
             break;
     }
     g->lost += before - group_kinetic(g);
+    g->point_count = 0;
+    arena_rewind(g->arena, mark);
+}
+
+/* A stop bounds the velocities at the end of a substep, and bodies are moved by the mean of those and its first: what ran into it at 20 rad/s
+ * was half of that way past it. So it is struck at the start, down to what takes a joint no farther than to its stop; what is left of the
+ * speed goes with the next substep. Plastic, and with what touches, which takes its share and does not bounce. */
+void strike_stops(Group *g)
+{
+    build_rows(g, true);
+    ArenaMark mark = arena_mark(g->arena);
+    Outcome start, end;
+    bool *on = arena_zero(g->arena, (size_t)(g->point_count + 1) * sizeof *on);
+    real (*before)[3] = arena_alloc(g->arena, (size_t)(g->point_count + 1) * sizeof *before), had = group_kinetic(g);
+    if (!on || !before || !outcome_open(g, &start) || !outcome_open(g, &end)) {
+        g->status = DIG_E_MEMORY;
+        return;
+    }
+    for (int i = 0; i < g->point_count; i++) {
+        PointRow *r = &g->points[i];
+        find_rates(g, r, before[i]);
+        r->jn = r->jt[0] = r->jt[1] = 0;
+        r->target = real_min(before[i][0], -squeeze_of(g, r->contact).rate);
+        r->slides = hypot(before[i][1], before[i][2]) > 0.1 * g->close_speed;
+        on[i] = true;
+    }
+    keep_outcome(g, &start);
+    memcpy(g->start_vel, g->vel, (size_t)g->body_count * sizeof *g->vel);       /* what a rescue begins with */
+    real worst = g->residual;
+    g->residual = 0;
+    relax(g, impact_sweeps(g), g->plan->residual);
+    if (g->residual > VELOCITY_COARSE)
+        direct_rescue(g);
+    g->residual = real_max(g->residual, worst);
+    g->strikes_stops = true;
+    if (!struck_by_mover(g, on) && !(group_kinetic(g) <= had * ENERGY_KEPT)) {
+        keep_outcome(g, &end);
+        set_capped(g, &start, &end, had);
+    }
+    g->strikes_stops = false;
+    for (int i = 0; i < g->point_count; i++) {
+        book_strike(g, &g->points[i], before[i]);
+        note_strike(g, &g->points[i], real_max(0, -before[i][0]));
+    }
+    note_joints(g);
+    g->lost += had - group_kinetic(g);
     g->point_count = 0;
     arena_rewind(g->arena, mark);
 }

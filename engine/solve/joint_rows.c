@@ -308,16 +308,32 @@ void group_turn_joints(Group *g, const Vel *found)
     build_middle(g, false, found);
 }
 
-/* Velocities that break a joint (a hit, a new joint) would be mirrored for ever by the midpoint rule: they are put right first. */
-void group_clean_joints(Group *g)
+#define RUN_PAST 1e-6           /* m or rad */
+
+static bool runs_past(const Group *g)
+{
+    for (int i = 0; i < g->row_count; i++) {
+        const JointRow *r = &g->rows[i];
+        if (r->row.kind == ROW_LIMIT && joint_row_rate(g, &r->row) < r->bias - RUN_PAST / g->h)
+            return true;
+    }
+    return false;
+}
+
+/* Velocities that break a joint (a hit, a new joint) would be mirrored for ever by the midpoint rule: they are put right first. And where
+ * they get to a stop in this substep, half of them would run past it: true, then it is to be struck. */
+bool group_clean_joints(Group *g)
 {
     if (g->joint_count == 0)
-        return;
+        return false;
     group_build_joints(g, false);
+    bool mean = !any_stiff(g);
     for (int i = 0; i < g->row_count; i++) {
-        g->rows[i].p = g->rows[i].bias = 0;
+        g->rows[i].p = 0;
         if (g->rows[i].row.kind != ROW_HARD)
             g->rows[i].k = 0;
+        if (g->rows[i].row.kind != ROW_LIMIT)
+            g->rows[i].bias = 0;
     }
     real before = group_kinetic(g), given = 0;
     for (int i = 0; i < 200 && relax_joints(g) > g->plan->residual; i++)
@@ -326,6 +342,7 @@ void group_clean_joints(Group *g)
         given -= g->rows[i].p * group_row_driven(g, &g->rows[i].row);
     g->work_in += given;
     g->lost += before + given - group_kinetic(g);       /* the jerk */
+    return mean && runs_past(g);
 }
 
 #define OPENS_MOST 1.5e-3         /* of the smaller body, or of a line: by more no joint may be opened in one substep */

@@ -366,8 +366,8 @@ static dig_status substep(Group *g, real until)
 {
     g->h = g->heal_over = until - g->t;
     int events = g->events_left;
-    if (g->locate)
-        group_clean_joints(g);
+    if (g->locate && group_clean_joints(g))
+        strike_stops(g);
     DIG_TRY(solve_substep(g));
     if (g->locate && events > 0 && g->events_left <= 0 && !g->unsolved)
         DIG_TRY(solve_unlocated(g, &until));
