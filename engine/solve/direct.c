@@ -548,6 +548,14 @@ bool direct_project(Group *g)
     return fine;
 }
 
+bool direct_project_joints(Group *g)
+{
+    g->joints_direct = true;
+    bool fine = !g->planar && direct_project(g);
+    g->joints_direct = false;
+    return fine;
+}
+
 /* Rows that are soft at first. */
 static bool solve_soft(Group *g, real residual, int most_factors, real accept)
 {
@@ -580,11 +588,20 @@ bool direct_solve(Group *g, real residual)
     return fine;
 }
 
+static bool at_stop(const Group *g)
+{
+    for (int i = 0; i < g->row_count; i++)
+        if (g->rows[i].row.kind == ROW_LIMIT && g->rows[i].p > 0)
+            return true;
+    return false;
+}
+
 /* Few joints are left to sweeps. Where these stall far from a solution there may be one all the same: a chain of five joints, two of them
- * welds, was left 1 to 11 m/s off and got 55 J of 40 by it in eight substeps; here it takes two to six factorisations. */
+ * welds, was left 1 to 11 m/s off and got 55 J of 40 by it in eight substeps; here it takes two to six factorisations.
+ * Of what hangs on its stops as one stiff beam each of many sweeps brings a little, and it sinks. */
 static bool rescue_joints(Group *g)
 {
-    if (g->planar || !g->stalled || g->point_count > most_points[0] || g->moving_count > MOST_BODIES || g->rescues_failed >= MOST_RESCUES)
+    if (g->planar || !(g->stalled || at_stop(g)) || g->point_count > most_points[0] || g->moving_count > MOST_BODIES || g->rescues_failed >= MOST_RESCUES)
         return false;
     Direct d = {.g = g, .slack = true, .hardened = JOINT_SOFT, .hardest = HARDEST, .most_factors = JOINT_FACTORS, .accept = RESCUED * g->residual};
     g->joints_direct = true;

@@ -71,6 +71,29 @@ static void drop_levers(const Group *g, const bool *deep, PointRow *r)
 
 typedef struct Kept { Dir n; real jt[2]; } Kept;
 
+/* Of a joint with one coordinate no limit is passed by what heals others: it comes nearer by its room, no more. Not so a cone, or a line: those are others
+ * once their joints are shifted by as much as the swing. */
+static bool has_coordinate(const Group *g, const JointBlock *b) { return g->joints[b->joint].view.type->coordinate_row != NULL; }
+
+static void start_block(Group *g, const JointBlock *b, real *saved)
+{
+    bool bounds = has_coordinate(g, b);
+    for (int i = b->first; i < b->first + b->count; i++) {
+        JointRow *r = &g->rows[i];
+        real *s = saved + 4 * i, most = (r->row.angular ? 20.0 : HEAL_SPEED) * g->heal_over;
+        s[0] = r->p;
+        s[1] = r->bias;
+        s[2] = r->gamma;
+        s[3] = r->k;
+        r->p = 0;
+        r->gamma = 0;
+        bool stop = r->row.kind == ROW_LIMIT && (bounds || r->row.error < 0);
+        r->bias = real_clamp(-r->row.error, stop ? -INFINITY : -most, most);
+        if (r->row.kind != ROW_HARD && !stop)
+            r->k = 0;
+    }
+}
+
 static void start_shift(Group *g, real *saved, Kept *kept, bool *deep)
 {
     bool free = g->joint_count == 0 && !group_top_heavy(g);
@@ -91,21 +114,30 @@ static void start_shift(Group *g, real *saved, Kept *kept, bool *deep)
         r->target = wanted_gap(g, r);
         r->friction = 0;
     }
-    for (int i = 0; i < g->row_count; i++) {
+    for (int i = 0; i < g->block_count; i++)
+        start_block(g, &g->blocks[i], saved + 4 * g->point_count);
+}
+
+/* Of a limit with a coordinate: how far it is to the stop now. */
+static void move_stop(const Group *g, JointRow *r)
+{
+    real room = real_max(0, r->row.error);
+    r->row.error += joint_row_rate(g, &r->row);
+    r->bias += (room - real_max(0, r->row.error)) / g->h;
+}
+
+static void end_block(Group *g, const JointBlock *b, const real *saved)
+{
+    bool bounds = has_coordinate(g, b);
+    for (int i = b->first; i < b->first + b->count; i++) {
         JointRow *r = &g->rows[i];
-        real *s = saved + 4 * g->point_count + 4 * i;
-        s[0] = r->p;
-        s[1] = r->bias;
-        s[2] = r->gamma;
-        s[3] = r->k;
-        r->p = 0;
-        r->gamma = 0;
-        r->bias = -r->row.error;
-        bool acts = r->row.kind == ROW_HARD || (r->row.kind == ROW_LIMIT && r->row.error < 0);
-        real most = (r->row.angular ? 20.0 : HEAL_SPEED) * g->heal_over;
-        r->bias = real_clamp(r->bias, -most, most);
-        if (!acts)
-            r->k = 0;
+        const real *s = saved + 4 * i;
+        r->p = s[0];
+        r->bias = s[1];
+        r->gamma = s[2];
+        r->k = s[3];
+        if (bounds && r->row.kind == ROW_LIMIT)
+            move_stop(g, r);
     }
 }
 
@@ -122,14 +154,8 @@ static void end_shift(Group *g, const real *saved, const Kept *kept)
         r->target = saved[4 * i + 1];
         r->friction = saved[4 * i + 2];
     }
-    for (int i = 0; i < g->row_count; i++) {
-        JointRow *r = &g->rows[i];
-        const real *s = saved + 4 * g->point_count + 4 * i;
-        r->p = s[0];
-        r->bias = s[1];
-        r->gamma = s[2];
-        r->k = s[3];
-    }
+    for (int i = 0; i < g->block_count; i++)
+        end_block(g, &g->blocks[i], saved + 4 * g->point_count);
 }
 
 static void swap_velocities(Group *g)
@@ -139,14 +165,15 @@ static void swap_velocities(Group *g)
     g->shift = t;
 }
 
-/* was: room for velocities, all zero */
-static void relax_shift(Group *g, Vel *was)
+/* was: room for velocities, all zero. Returns what the last sweep changed, m or rad. */
+static real relax_shift(Group *g, Vel *was)
 {
+    real worst = 0;
     int sweeps = (int)real_clamp(20000.0 / (g->point_count + g->row_count + 1), 3, 100), rolls = g->roll_count;
     g->roll_count = 0;          /* nothing rolls here */
     Fours *fours = fours_open(g, 0, false);
     for (int i = 0; i < sweeps; i++) {
-        real worst = relax_joints(g);
+        worst = relax_joints(g);
         worst = real_max(worst, fours ? fours_relax(fours) : relax_points(g, 0, g->point_count));
         if (worst < 1e-13 || relax_in_vain(g, was, worst))
             break;
@@ -155,6 +182,7 @@ static void relax_shift(Group *g, Vel *was)
     if (fours)
         fours_close(fours);
     g->roll_count = rolls;
+    return worst;
 }
 
 /* Sweeps bring what lies in something heavy out of it by a hundredth of its way a substep, or less, and meanwhile it turns and slides off. */
@@ -164,6 +192,35 @@ static bool wants_direct(const Group *g)
     for (int i = 0; i < g->point_count && plain && !g->joints_direct; i++)
         plain = !is_deeper(g, &g->points[i], SLIGHT);
     return g->joints_direct ? !g->jammed : !plain && group_top_heavy(g);
+}
+
+#define UNDONE 1e-6             /* m or rad */
+
+static bool beyond_stop(const Group *g)
+{
+    for (int i = 0; i < g->block_count; i++)
+        for (int k = 0; k < g->blocks[i].count && has_coordinate(g, &g->blocks[i]); k++) {
+            const Row *r = &g->rows[g->blocks[i].first + k].row;
+            if (r->kind == ROW_LIMIT && r->error < 0)
+                return true;
+        }
+    return false;
+}
+
+/* Joints at their stops make a long stiff beam, of which sweeps lift one end by letting the other sink: it was lifted again in each substep,
+ * and fell. was: as of relax_shift(), and room to keep what that has done. */
+static void shift(Group *g, Vel *was)
+{
+    if (!(relax_shift(g, was) > UNDONE) || g->joints_direct || !beyond_stop(g))
+        return;
+    memcpy(was, g->vel, (size_t)g->moving_count * sizeof *was);
+    memset(g->vel, 0, (size_t)g->moving_count * sizeof *g->vel);
+    for (int i = 0; i < g->point_count; i++)
+        g->points[i].jn = 0;
+    for (int i = 0; i < g->row_count; i++)
+        g->rows[i].p = 0;
+    if (!direct_project_joints(g))
+        memcpy(g->vel, was, (size_t)g->moving_count * sizeof *was);
 }
 
 void project(Group *g)
@@ -184,7 +241,7 @@ void project(Group *g)
     swap_velocities(g);
     start_shift(g, saved, kept, deep);
     if (!wants_direct(g) || !direct_project(g))
-        relax_shift(g, was);
+        shift(g, was);
     end_shift(g, saved, kept);
     swap_velocities(g);
     for (int i = 0; i < g->moving_count; i++) {
