@@ -195,7 +195,7 @@ static void move_mechanism(Tracer *t, int root, real gain)
         work += 2 * kinetic_of(&g->member[i], g->pos[i].q, t->acc[i], t->alpha[i]);
         farthest = real_max(farthest, vec3_length(t->acc[i]) + g->member[i].outer * vec3_length(t->alpha[i]));
     }
-    if (!t->held[root] || !(fabs(gain) * farthest <= t->tolerance * work))
+    if (!t->held[root] || !(work > 0) || !(fabs(gain) * farthest <= t->tolerance * work))      /* none: it hangs in balance */
         return;
     real far = gain / work;
     for (int i = root; i < g->moving_count; i++) {
