@@ -595,6 +595,7 @@ real group_close_speed(const Group *g);
 int  group_events(const Group *g);                      /* impacts that may be located in a step */
 void impacts(Group *g);
 void strike_stops(Group *g);                            /* those that the substep, of g->h, would run past */
+bool contact_presses(const Group *g, const GroupContact *c, real approach);    /* by what counts; approach: m/s  of what comes at it */
 Impact *group_impact(Group *g, GroupPair *q);          /* of this step: a new one if it has none */
 void strike_report(Group *g, const PointRow *r, real speed);
 /* relax.c: Gauss-Seidel sweeps over rows; each returns the largest velocity change, m/s */

@@ -432,7 +432,7 @@ static real choose_elastic(Group *g, bool *on, const real *rate)
 #define PRESSED_FREE 1e-4       /* of the fastest approach, by what it gives that body in a step, where nothing has weight */
 
 /* Does a contact press by what counts? The balls of a cradle that hang side by side press each other by what their threads are off. */
-static bool presses(const Group *g, const GroupContact *c, real approach)
+bool contact_presses(const Group *g, const GroupContact *c, real approach)
 {
     const GroupPair *q = &g->pairs[c->pair];
     const Member *a = &g->member[q->a], *b = &g->member[q->b];
@@ -448,7 +448,7 @@ static bool presses(const Group *g, const GroupContact *c, real approach)
 static bool is_held(const Group *g, const PointRow *r, real rate, real approach)
 {
     const GroupContact *c = &g->contacts[r->contact];
-    return contact_memory(c)[r->point].held > 0 && rate <= 0.1 * g->close_speed && presses(g, c, approach);       /* and not leaving already */
+    return contact_memory(c)[r->point].held > 0 && rate <= 0.1 * g->close_speed && contact_presses(g, c, approach);       /* and not leaving already */
 }
 
 /* ---- no blow makes energy ----

@@ -55,10 +55,11 @@ static void move(Group *g)
 }
 
 /* Under a load that comes through joints the guess of the last impulses is off by more than a light wheel's weight: an approach that is
- * none. What presses already does not bounce there. */
-static bool carries_load(const Group *g, const PointRow *r)
+ * none. What presses already does not bounce there; balls that hang side by side do not press, and hand a blow on. */
+static bool carries_load(const Group *g, const PointRow *r, real rate)
 {
-    return g->joints_direct && contact_memory(&g->contacts[r->contact])[r->point].held > 0;
+    const GroupContact *c = &g->contacts[r->contact];
+    return g->joints_direct && contact_memory(c)[r->point].held > 0 && contact_presses(g, c, -rate);
 }
 
 #define BOUNCE_PASSES 64
@@ -74,7 +75,7 @@ static void bounce(Group *g)
             PointRow *r = &g->points[i];
             real rate = r->bounce > 0 ? dir_rate(g, &r->n, r->a, r->b) : 0;
             real gap = g->contacts[r->contact].manifold.points[r->point].gap;
-            if (!(rate < -slow) || gap + g->h * rate >= 0 || !(r->n.k > 0) || carries_load(g, r))
+            if (!(rate < -slow) || gap + g->h * rate >= 0 || !(r->n.k > 0) || carries_load(g, r, rate))
                 continue;
             real p = -(1 + r->bounce) * rate / r->n.k;
             dir_apply(g, &r->n, r->a, r->b, p);

@@ -8,6 +8,7 @@
 #include "math/pair.h"
 #include "trace/trace.h"
 
+#define NOTHING     1e-12       /* of the least force that counts: rounding is more */
 #define BELOW       1e-9        /* of the scale: force and acceleration tests, as in kinds.c    */
 #define SUDDEN      1e-6        /* of the frame: what begins to slip and stops within less did not slip */
 #define PASSES      60
@@ -50,7 +51,7 @@ static real value_at(Tracer *t, const Event *e, real part)
 static real root_of(Tracer *t, const Event *e, real lo, real flo, real hi, real fhi)
 {
     bool slip = e->kind == EVENT_HALT && e->cone;
-    real enough = e->kind == EVENT_CLOSE ? 1e-15 * t->size : slip ? 1e-15 * t->size * t->pace : 0;
+    real enough = e->kind == EVENT_CLOSE ? 1e-15 * t->size : slip ? 1e-15 * t->size * t->pace : e->kind == EVENT_OPEN ? NOTHING * t->gate_least : 0;
     Bracket b = {lo, hi, flo, fhi, 0};
     for (int pass = 1; pass <= PASSES && b.hi - b.lo > 4e-16 * b.hi; pass++) {
         real x = pass % 8 == 0 ? 0.5 * (b.lo + b.hi) : b.lo + (b.hi - b.lo) * b.at_lo / (b.at_lo - b.at_hi);

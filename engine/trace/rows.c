@@ -181,9 +181,20 @@ static void build_lines(Tracer *t, bool forces, bool positions)
 
 /* ---- forces and accelerations ---- */
 
+#define TELLS 1e-4              /* of the largest force on a body: by a part of 1e-9 (kinds.c) of less no one-sided force is told from rounding */
+
+/* N  Balls of a cradle that hang side by side press each other by 1e-31 N or pull by as much: neither is a force. */
+static real least_gate_force(const Tracer *t)
+{
+    real most = 0;
+    for (int i = 0; i < t->g->moving_count; i++)
+        most = real_max(most, t->g->member[i].mass * vec3_length(t->acc0[i]));
+    return TELLS * most;
+}
+
 void trace_read_forces(Tracer *t)
 {
-    t->gate_most = 0;
+    t->gate_most = t->gate_least = least_gate_force(t);
     for (int i = 0; i < t->touch_count; i++) {
         t->touch[i].gate.force = t->touch[i].slip.lateral = 0;
         t->touch[i].slip.force = t->touch[i].roll.force = vec3_zero();

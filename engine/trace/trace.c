@@ -205,6 +205,19 @@ static bool look_farther(Tracer *t)
     return found;
 }
 
+#define LIVELY 0.5              /* restitution: what bounces less comes to rest */
+
+/* Does it bounce on from a blow now? Then each of many blows within an instant is worth its evaluations: swept past, they lose energy. */
+static bool bounces_on(const Tracer *t)
+{
+    for (int i = 0; i < t->touch_count; i++) {
+        const Touching *c = &t->touch[i];
+        if (c->gate.gap <= t->gap_zero && c->gate.rate > t->g->close_speed && t->g->pairs[t->g->contacts[c->contact].pair].rub->restitution >= LIVELY)
+            return true;
+    }
+    return false;
+}
+
 /* Finds the kinds anew at the present state: blows first, then who presses and slides. */
 static bool settle(Tracer *t, bool first)
 {
@@ -231,6 +244,10 @@ static bool settle(Tracer *t, bool first)
         trace_load(t, t->y, t->t);
         trace_kinematics(t);
         end_slips(t);
+        if (bounces_on(t)) {
+            t->mark_work = g->evaluations;
+            t->mark = t->t;
+        }
         if (!look_farther(t) || !trace_bounce(t) || trace_squeezed(t))
             return false;
     }

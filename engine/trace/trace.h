@@ -235,7 +235,7 @@ typedef struct Tracer {
     int   *order;               /* of bodies along chains and stacks       */
     int   *item; int item_count;                /* joints (>= 0) and contacts (-1 - i) in that order */
     real  *joint_force;         /* N or N m, JOINT_SLOTS per joint         */
-    real   gate_most;           /* N   largest one-sided force of the last solve */
+    real   gate_most, gate_least;       /* N   largest one-sided force of the last solve, and the least that it counts as */
 
     vec3  *acc0, *torque0, *acc, *torque, *alpha;       /* per moving body: m/s^2, N m, rad/s^2 */
     vec3  *pull, *twist;        /* m/s^2, N m: what the world's effects do to them */
