@@ -207,12 +207,14 @@ static bool look_farther(Tracer *t)
 
 #define LIVELY 0.5              /* restitution: what bounces less comes to rest */
 
-/* Does it bounce on from a blow now? Then each of many blows within an instant is worth its evaluations: swept past, they lose energy. */
+/* Do two that move bounce on from a blow now? Then each of many blows within an instant is worth its evaluations: swept past, they hand on less.
+ * Not so what clatters on what stands still. */
 static bool bounces_on(const Tracer *t)
 {
     for (int i = 0; i < t->touch_count; i++) {
         const Touching *c = &t->touch[i];
-        if (c->gate.gap <= t->gap_zero && c->gate.rate > t->g->close_speed && t->g->pairs[t->g->contacts[c->contact].pair].rub->restitution >= LIVELY)
+        if (c->gate.gap <= t->gap_zero && c->gate.rate > t->g->close_speed && trace_moves(t, c->a) && trace_moves(t, c->b)
+            && t->g->pairs[t->g->contacts[c->contact].pair].rub->restitution >= LIVELY)
             return true;
     }
     return false;
