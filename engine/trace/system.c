@@ -10,6 +10,7 @@
  * reduced to their rank instead (rank.c). Where rows that should repeat each other
  * differ a little, because the bodies have drifted off a loop, what is left is that difference: it moves nothing.
  */
+#include "base/wide.h"
 #include "math/pair.h"
 #include "trace/system.h"
 #include "trace/trace.h"
@@ -139,44 +140,90 @@ static bool factor_symmetric(System *s)
     return true;
 }
 
-static inline void take_off(real *restrict row, real l, const real *restrict top, int from, int n)
+#define PANEL 4                  /* pivots whose rows are taken off the others at once: one at a time, each number was read and written for two operations */
+#define PANELS_FROM 24           /* rows: fewer are done sooner one at a time */
+
+/* row -= l[0] top[0] - l[1] top[1] ..., one after the other; tops: n apart */
+INLINE void take_off(real *restrict row, const real *l, const real *restrict top, int n, int pivots, int from, int end)
 {
-    for (int m = from; m < n; m++)
-        row[m] -= l * top[m];
+    if (pivots == PANEL)
+        for (int m = from; m < end; m++)
+            row[m] = row[m] - l[0] * top[m] - l[1] * top[n + m] - l[2] * top[2 * n + m] - l[3] * top[3 * n + m];
+    else
+        for (int p = 0; p < pivots; p++, top += n)
+            for (int m = from; m < end; m++)
+                row[m] -= l[p] * top[m];
 }
 
-static bool factor_general(System *s)
+static void swap_rows(real *a, real *b, int n)
+{
+    for (int k = 0; k < n && a != b; k++) {
+        real x = a[k];
+        a[k] = b[k];
+        b[k] = x;
+    }
+}
+
+/* Pivots of the columns from .. end, and these columns of all rows below. False: one vanished. */
+INLINE bool factor_panel(System *s, int from, int end)
+{
+    int n = s->count;
+    for (int i = from; i < end; i++) {
+        real *top = s->f + i * n, most = fabs(top[i]);
+        int best = i;
+        for (int k = i + 1; k < n; k++)
+            if (fabs(s->f[k * n + i]) > most) {
+                most = fabs(s->f[k * n + i]);
+                best = k;
+            }
+        s->swap[i] = best;
+        swap_rows(top, s->f + best * n, n);
+        real pivot = top[i];
+        if (!(fabs(pivot) > (s->redundant ? 1e-300 : SINGULAR * fabs(s->a[i * n + i]))))
+            return false;
+        for (int k = i + 1; k < n; k++) {
+            real *row = s->f + k * n, l = row[i] /= pivot;
+            for (int m = i + 1; m < end; m++)
+                row[m] -= l * top[m];
+        }
+    }
+    return true;
+}
+
+/* L U with partial pivoting. Where not all touch all, most of a row is zero: what comes after the last number of the topmost ones is left alone. */
+INLINE bool factor_lu(System *s)
 {
     int n = s->count;
     real *f = s->f;
     memcpy(f, s->a, (size_t)n * (size_t)n * sizeof *f);
     for (int i = 0; s->redundant && i < n; i++)
         f[i * n + i] *= 1 + SOFTENING;
-    for (int i = 0; i < n; i++) {
-        real *top = f + i * n, most = fabs(top[i]);
-        int best = i;
-        for (int k = i + 1; k < n; k++)
-            if (fabs(f[k * n + i]) > most) {
-                most = fabs(f[k * n + i]);
-                best = k;
-            }
-        s->swap[i] = best;
-        for (int k = 0; k < n && best != i; k++) {
-            real x = top[k];
-            top[k] = f[best * n + k];
-            f[best * n + k] = x;
-        }
-        real pivot = top[i];
-        if (!(fabs(pivot) > (s->redundant ? 1e-300 : SINGULAR * fabs(s->a[i * n + i]))))
+    for (int i = 0, next; i < n; i = next) {
+        next = int_min(i + (n < PANELS_FROM ? 1 : PANEL), n);
+        int end = next;
+        real *top = f + i * n;
+        if (!factor_panel(s, i, next))
             return false;
-        for (int k = i + 1; k < n; k++) {
-            real *row = f + k * n, l = row[i] /= pivot;
-            if (l != 0)
-                take_off(row, l, top, i + 1, n);
+        for (int k = i; k < next; k++) {
+            take_off(f + k * n, f + k * n + i, top, n, k - i, next, n);
+            for (int m = n; m > end; m--)
+                end = f[k * n + m - 1] != 0 ? m : end;
+        }
+        for (int k = next; k < n; k++) {
+            const real *l = f + k * n + i;
+            real sum = 0;
+            for (int p = 0; p < next - i; p++)
+                sum += fabs(l[p]);
+            if (sum > 0)
+                take_off(f + k * n, l, top, n, next - i, next, end);
         }
     }
     return true;
 }
+
+static bool factor_plain(System *s) { return factor_lu(s); }
+WIDE static bool factor_wide(System *s) { return factor_lu(s); }
+static bool factor_general(System *s) { return (s->count >= PANELS_FROM && has_wide() ? factor_wide : factor_plain)(s); }
 
 /* All rows are of the same bodies, and their rank can be told. */
 static bool factor_by_rank(System *s)
@@ -234,6 +281,24 @@ static void back_symmetric(const System *s, real *x)
     }
 }
 
+#define ROWS 4                  /* whose sums go on beside each other: one alone waits for each of its additions */
+
+/* to[i] -= a[i n + k] x[k], k = 0 .. count - 1 in this order, for ROWS rows */
+static void subtract_rows(const real *a, const real *x, real *to, int n, int count)
+{
+    real s0 = to[0], s1 = to[1], s2 = to[2], s3 = to[3];
+    for (int k = 0; k < count; k++) {
+        s0 -= a[k] * x[k];
+        s1 -= a[n + k] * x[k];
+        s2 -= a[2 * n + k] * x[k];
+        s3 -= a[3 * n + k] * x[k];
+    }
+    to[0] = s0;
+    to[1] = s1;
+    to[2] = s2;
+    to[3] = s3;
+}
+
 static void back_general(const System *s, real *x)
 {
     int n = s->count;
@@ -244,12 +309,14 @@ static void back_general(const System *s, real *x)
             x[s->swap[i]] = v;
         }
     const real *f = s->f;
-    for (int i = 0; i < n; i++, f += n) {
-        real sum = x[i];
-        for (int k = 0; k < i; k++)
-            sum -= f[k] * x[k];
-        x[i] = sum;
+    for (int i = 0; i < n; i++) {
+        int whole = n / ROWS * ROWS, done = i < whole ? i / ROWS * ROWS : 0;
+        if (i == done && i < whole)
+            subtract_rows(f + i * n, x, x + i, n, i);
+        for (int k = done; k < i; k++)
+            x[i] -= f[i * n + k] * x[k];
     }
+    f += n * n;
     for (int i = n - 1; i >= 0; i--) {
         f -= n;
         real sum = x[i];
@@ -276,14 +343,13 @@ static void remainder_symmetric(const System *s)
 
 static void remainder_general(const System *s)
 {
-    int n = s->count;
-    const real *a = s->a;
-    for (int i = 0; i < n; i++, a += n) {
-        real sum = s->b[i];
+    int n = s->count, whole = n / ROWS * ROWS;
+    memcpy(s->r, s->b, (size_t)n * sizeof *s->r);
+    for (int i = 0; i < whole; i += ROWS)
+        subtract_rows(s->a + i * n, s->x, s->r + i, n, n);
+    for (int i = whole; i < n; i++)
         for (int k = 0; k < n; k++)
-            sum -= a[k] * s->x[k];
-        s->r[i] = sum;
-    }
+            s->r[i] -= s->a[i * n + k] * s->x[k];
 }
 
 /* Its largest entry. */
