@@ -35,21 +35,32 @@ static real twist_of(const JointView *j)
     return joint_angle(j, &last);
 }
 
-/* The swing grows with the spin of a about d = D / |D|, D = eb x ea. Without swing it has no direction, and no stop is near.
+#define STRAIGHT 1e-9           /* rad  less swing has no direction */
+
+/* The swing grows with the spin of a about d = D / |D|, D = eb x ea.
  *   dD/dt = (wb x eb) x ea + eb x (wa x ea),   dd/dt = (dD/dt - (d . dD/dt) d) / |D|
  * With opposite axes |D| = 0, and any direction normal to them will do: one fixed in b. */
+static Row *swing_row(const JointView *j, RowList *one, vec3 d, vec3 across)
+{
+    vec3 ea = j->a.axis, eb = j->b.axis;
+    vec3 turn = vec3_add(vec3_cross(vec3_cross(j->b.w, eb), ea), vec3_cross(eb, vec3_cross(j->a.w, ea)));
+    real size = vec3_dot(d, across);
+    Row *r = rows_spin(one, j, ROW_SOFT, d, SWING);
+    row_turns(r, j, size > 0 ? vec3_scale(1 / size, vec3_mad(turn, -vec3_dot(d, turn), d)) : vec3_cross(j->b.w, d));
+    return r;
+}
+
+/* Without swing it has no direction, and no stop is near now. But one may be before rows are asked for again: then it is that of the spin. */
 static void add_swing(const JointView *j, const Ball *ball, RowList *out)
 {
     Row like;
     RowList one = {&like, 0, 1};
     real swing = swing_of(j);
-    if (isnan(ball->swing) || !(swing > 1e-9))
+    if (isnan(ball->swing) || !(swing > STRAIGHT || j->followed || j->swept))
         return;
-    vec3 ea = j->a.axis, eb = j->b.axis, across = vec3_cross(eb, ea), d = vec3_unit_or(across, j->b.u);
-    vec3 turn = vec3_add(vec3_cross(vec3_cross(j->b.w, eb), ea), vec3_cross(eb, vec3_cross(j->a.w, ea)));
-    real size = vec3_dot(d, across);
-    row_turns(rows_spin(&one, j, ROW_SOFT, d, SWING), j,
-              size > 0 ? vec3_scale(1 / size, vec3_mad(turn, -vec3_dot(d, turn), d)) : vec3_cross(j->b.w, d));
+    vec3 ea = j->a.axis, across = vec3_cross(j->b.axis, ea), spin = vec3_sub(j->a.w, j->b.w);
+    spin = vec3_mad(spin, -vec3_dot(spin, ea), ea);
+    swing_row(j, &one, vec3_unit_or(swing > STRAIGHT ? across : spin, j->b.u), across);
     rows_limits(out, &like, swing, NAN, ball->swing, SWING);
 }
 

@@ -338,7 +338,7 @@ static dig_status gather_joints(Group *g, int joints)
         j->view.params = r->params;
         j->view.breaks_at = r->breaks_at;
         j->view.memory = j->memory;
-        j->view.passing = j->view.followed = false;
+        j->view.passing = j->view.followed = j->view.swept = false;
     }
     return DIG_OK;
 }

@@ -211,7 +211,9 @@ static void build_joint(Group *g, int joint, const RowStart *starts)
     GroupJoint *j = &g->joints[joint];
     Row rows[JOINT_SLOTS];
     RowList list = {rows, 0, JOINT_SLOTS};
+    j->view.swept = true;
     j->view.type->rows(&j->view, &list);
+    j->view.swept = false;
     sort_hard_first(rows, list.count);
     JointBlock *b = &g->blocks[g->block_count++];
     *b = (JointBlock){.joint = joint, .first = g->row_count};

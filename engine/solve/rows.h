@@ -67,6 +67,7 @@ struct JointView {
     const JointView *other[2];      /* for gear and rack: the joints they couple, else NULL    */
     const struct JointType *type;
     bool        followed;           /* the motion is followed in time: friction is a force against it, not what a substep may take */
+    bool        swept;              /* its rows are for a substep */
     bool        passing;            /* an instant within a step: no angle need be unwound but where something acts by it */
 };
 
