@@ -112,6 +112,17 @@ static bool at_limit(const JointView *j)
     return (cone && at_limits(swing_of(j), NAN, ball->swing)) || (range && at_limits(twist_of(j), ball->twist[0], ball->twist[1]));
 }
 
+static real sways(const JointView *j, const real *force, vec3 couple, vec3 *across)
+{
+    vec3 axle = vec3_cross(j->b.axis, j->a.axis);
+    real sine = vec3_length(axle);
+    if (isnan(((const Ball *)j->params)->swing) || !(sine > STRAIGHT))
+        return 0;
+    *across = vec3_scale(1 / sine, vec3_cross(axle, j->a.axis));
+    real pressed = real_max(force[SWING + 1], -vec3_dot(couple, axle) / sine);
+    return real_max(0, pressed * vec3_dot(j->b.axis, j->a.axis) / sine);        /* over the tangent: none in a cone of a right angle */
+}
+
 const JointType joint_ball = {
     .name = "ball",
     .doc = "a turns freely against b about a point",
@@ -122,4 +133,5 @@ const JointType joint_ball = {
     .rows = rows,
     .only_point = only_point,
     .at_limit = at_limit,
+    .sways = sways,
 };

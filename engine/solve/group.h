@@ -494,6 +494,8 @@ void group_part(Group *g, int joint, real share);       /* it breaks now: gone f
 bool group_may_part(const Group *g);                    /* has it joints that can break, and may a part of the step be done again? */
 bool group_keep_before(Group *g);                       /* the start of a part; false: out of memory */
 void group_back_before(Group *g);                       /* there again, but for what the try has cost */
+void group_mean_load(Group *g, int joint, real dt, vec3 *force, vec3 *couple);      /* N, N m, on a at its anchor, over the frame that ends now */
+real group_sways(Group *g, real dt);       /* rad/s  Of the fastest joint that is pressed against a stop which turns with it: sway.c */
 real group_share(Group *g, int joint, real dt);         /* of its limit, in the mean of the last frame of dt */
 int  group_overloaded(Group *g, real dt, real *share);  /* the joint most over its limit in the mean of the last frame of dt; < 0: none */
 

@@ -53,6 +53,9 @@ typedef struct JointType {
     real       (*share)(const JointView *j, vec3 force, vec3 couple);
     /* At the end of a step, under the mean load of it: what lies past the elastic limit stays (j->memory). J lost. NULL: nothing yields. */
     real       (*settle)(const JointView *j, vec3 force, vec3 couple);
+    /* N m/rad  A stop that turns with what is pressed against it resists being passed across as a pendulum does: how stiffly, by the forces of
+     * its rows or the mean couple on a, and what spin does so (*across, unit). NULL: none does. */
+    real       (*sways)(const JointView *j, const real *force, vec3 couple, vec3 *across);
     /* Is the coordinate at a limit (within 1e-4)? NULL = no limits. */
     bool       (*at_limit)(const JointView *j);
 } JointType;

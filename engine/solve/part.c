@@ -27,16 +27,23 @@ void group_part(Group *g, int joint, real share)
     memset(j->force, 0, sizeof j->force);
 }
 
-/* Over the frame that ends now. */
-real group_share(Group *g, int joint, real dt)
+void group_mean_load(Group *g, int joint, real dt, vec3 *force, vec3 *couple)
 {
     const GroupJoint *j = &g->joints[joint];
     const JointRec *r = &g->world->joints.data[j->slot];
     real rest = real_max(0, dt - g->t);
-    vec3 force = vec3_scale(1 / dt, vec3_mad(j->impulse, rest, r->force));
+    *force = vec3_scale(1 / dt, vec3_mad(j->impulse, rest, r->force));
     vec3 torque = vec3_scale(1 / dt, vec3_mad(j->angular_impulse, rest, r->torque));
     group_joint_view(g, joint);
-    return joint_share(&j->view, force, vec3_sub(torque, vec3_cross(j->view.a.r, force)));
+    *couple = vec3_sub(torque, vec3_cross(j->view.a.r, *force));
+}
+
+/* Over the frame that ends now. */
+real group_share(Group *g, int joint, real dt)
+{
+    vec3 force, couple;
+    group_mean_load(g, joint, dt, &force, &couple);
+    return joint_share(&g->joints[joint].view, force, couple);
 }
 
 #define AGAIN 64                /* times in a step: beyond that a joint is judged by what it bore beside the one that went before */

@@ -525,13 +525,24 @@ static int parts_of(const Group *g)
     return int_max(g->plan->substeps * (tried && g->plan->substeps >= FINE ? FINER : 1), g->joint_count > 0 ? g->whirled_parts : 1);
 }
 
+#define SWAYED     0.5          /* rad  in a part, of what sways at its stops: it gains from 2 on, and joints that share a body at less */
+#define SWAY_WORK  4096.0       /* bodies times parts */
+#define SWAY_PARTS 4            /* of ever so many bodies */
+
+static int swayed_parts(Group *g, real dt)
+{
+    if (g->joint_count == 0 || g->joints_direct)
+        return 1;
+    return (int)real_min(ceil(group_sways(g, dt) * dt / SWAYED), real_clamp(SWAY_WORK / g->moving_count, SWAY_PARTS, FEW_PARTS));
+}
+
 #define SPUN_UP 2               /* times as many parts: a blow within the step made it whirl */
 
 /* s  How long the next substep may be. */
-static real longest_piece(const Group *g, real dt)
+static real longest_piece(Group *g, real dt)
 {
     int whirled = g->joint_count > 0 ? whirled_parts(g, dt) : 0;
-    real longest = whirled > SPUN_UP * parts_of(g) ? dt / whirled : dt;
+    real longest = dt / int_max(whirled > SPUN_UP * parts_of(g) ? whirled : 1, swayed_parts(g, dt));
     if (!g->locate)
         return longest;
     if (g->events_left <= 0)
