@@ -71,13 +71,17 @@ static void drop_levers(const Group *g, const bool *deep, PointRow *r)
 
 typedef struct Kept { Dir n; real jt[2]; } Kept;
 
-/* Of a joint with one coordinate no limit is passed by what heals others: it comes nearer by its room, no more. Not so a cone, or a line: those are others
- * once their joints are shifted by as much as the swing. */
-static bool has_coordinate(const Group *g, const JointBlock *b) { return g->joints[b->joint].view.type->coordinate_row != NULL; }
+/* No stop of an angle or a way is passed by what heals others: it comes nearer by its room, no more. Not so of a line, which is another once its
+ * ends are shifted across it. */
+static bool has_bounds(const Group *g, const JointBlock *b)
+{
+    const JointType *type = g->joints[b->joint].view.type;
+    return type->coordinate_row || type->sways;
+}
 
 static void start_block(Group *g, const JointBlock *b, real *saved)
 {
-    bool bounds = has_coordinate(g, b);
+    bool bounds = has_bounds(g, b);
     for (int i = b->first; i < b->first + b->count; i++) {
         JointRow *r = &g->rows[i];
         real *s = saved + 4 * i, most = (r->row.angular ? 20.0 : HEAL_SPEED) * g->heal_over;
@@ -118,7 +122,7 @@ static void start_shift(Group *g, real *saved, Kept *kept, bool *deep)
         start_block(g, &g->blocks[i], saved + 4 * g->point_count);
 }
 
-/* Of a limit with a coordinate: how far it is to the stop now. */
+/* How far it is to the stop now. */
 static void move_stop(const Group *g, JointRow *r)
 {
     real room = real_max(0, r->row.error);
@@ -128,7 +132,7 @@ static void move_stop(const Group *g, JointRow *r)
 
 static void end_block(Group *g, const JointBlock *b, const real *saved)
 {
-    bool bounds = has_coordinate(g, b);
+    bool bounds = has_bounds(g, b);
     for (int i = b->first; i < b->first + b->count; i++) {
         JointRow *r = &g->rows[i];
         const real *s = saved + 4 * i;
@@ -199,7 +203,7 @@ static bool wants_direct(const Group *g)
 static bool beyond_stop(const Group *g)
 {
     for (int i = 0; i < g->block_count; i++)
-        for (int k = 0; k < g->blocks[i].count && has_coordinate(g, &g->blocks[i]); k++) {
+        for (int k = 0; k < g->blocks[i].count && has_bounds(g, &g->blocks[i]); k++) {
             const Row *r = &g->rows[g->blocks[i].first + k].row;
             if (r->kind == ROW_LIMIT && r->error < 0)
                 return true;
