@@ -658,7 +658,7 @@ static dig_status advance(Group *g, real dt)
             trace_kinematics(t);
         }
         trace_refine(t, t->y);
-        if (t->shifted || t->passes > 0)        /* what was moved into place kept its velocities, not its angular momentum */
+        if (t->shifted || t->passes > 0 || t->stop_count > 0)   /* what was moved into place kept its velocities, not its angular momentum */
             DIG_TRY(group_hold_momenta(g, dt));
         trace_hold_energy(t);
         trace_finish(t);
