@@ -1,4 +1,5 @@
 /* solve/turn.c - how bodies turn within a substep. */
+#include "math/tumble.h"
 #include "solve/group.h"
 
 static vec3 momentum_of(const Member *m, quat q, vec3 w) { return quat_rotate(q, mat3_mul_vec(*m->inertia, quat_unrotate(q, w))); }
@@ -53,10 +54,15 @@ static quat turn(const Member *m, quat q, vec3 l, real h)
     return quat_unit((quat){q.x + h * sum.x, q.y + h * sum.y, q.z + h * sum.z, q.w + h * sum.w});
 }
 
-/* Fast spins are cut into turns of at most 0.1 rad. */
+#define PART       0.1          /* rad  fast spins are cut into turns of this; */
+#define FAR        256          /* from so many on the turn is taken in closed form, */
+#define PARTS_MOST 8192         /* or where it has none, in as many at most */
+
 quat member_turned(const Member *m, quat q, vec3 l, real h)
 {
-    int parts = (int)real_clamp(ceil(vec3_length(spin_of(m, q, l)) * h / 0.1), 1, 256);
+    int parts = (int)real_clamp(ceil(vec3_length(spin_of(m, q, l)) * h / PART), 1, PARTS_MOST);
+    if (parts > FAR && tumble_far(m->inv_inertia, &q, l, h))
+        return q;
     for (int k = 0; k < parts; k++)
         q = turn(m, q, l, h / parts);
     return q;

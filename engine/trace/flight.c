@@ -96,9 +96,8 @@ static bool keeps_apart(Group *g, real h)
 #define ORDERS 24               /* most terms of the series */
 #define LEAST  4
 #define PART   0.5              /* rad: so far a part may turn at most, whichever axis it turns about */
+#define MOST_PARTS 1000
 #define ENOUGH 1e-2             /* of the tolerance: a term bounded by this is the last. Those that follow are smaller by its size and more. */
-
-#define SAME   1e-15            /* moments of inertia that differ by this part turn nothing in a step */
 
 static inline quat scale(real s, quat a) { return (quat){s * a.x, s * a.y, s * a.z, s * a.w}; }
 
@@ -127,27 +126,6 @@ static quat turn(const Member *m, quat q, vec3 momentum, real h, int terms)
     return quat_unit(quat_mul(q, sum));
 }
 
-static bool is_diagonal(const mat3 *i) { return i->r0.y == 0 && i->r0.z == 0 && i->r1.z == 0; }
-
-/* Of what is 1 / I. The axis about which the others are the same within rounding, or -1. */
-static int axis_of_symmetry(const mat3 *i)
-{
-    const real d[3] = {i->r0.x, i->r1.y, i->r2.z};
-    for (int k = 0; k < 3 && is_diagonal(i); k++)
-        if (fabs(d[(k + 1) % 3] - d[(k + 2) % 3]) <= SAME * d[(k + 1) % 3])
-            return k;
-    return -1;
-}
-
-/* w = L / I + e (1 / Ie - 1 / I) L.e, and L.e stays: the first part turns about L in the world, the second about e in the body. */
-static quat turn_about_axis(const Member *m, quat q, vec3 momentum, real h, int axis)
-{
-    const real d[3] = {m->inv_inertia->r0.x, m->inv_inertia->r1.y, m->inv_inertia->r2.z};
-    const vec3 e = {axis == 0, axis == 1, axis == 2};
-    real across = d[(axis + 1) % 3], own = (d[axis] - across) * vec3_dot(e, quat_unrotate(q, momentum));
-    return quat_unit(quat_mul(quat_exp(vec3_scale(h * across, momentum)), quat_mul(q, quat_exp(vec3_scale(h * own, e)))));
-}
-
 /* What a turn keeps bounds how fast it can become. */
 typedef struct Bounds {
     real spin;                  /* rad/s  of the body, about any axis                 */
@@ -162,7 +140,7 @@ typedef struct Bounds {
 static Bounds bounds_of(const mat3 *i, vec3 w, vec3 l)
 {
     real sum = i->r0.x + i->r1.y + i->r2.z, kept = real_max(0, vec3_dot(w, l)), all = sqrt(kept * sum);
-    if (!is_diagonal(i))
+    if (!tumble_principal(i))
         return (Bounds){all, 2 * all, all};
     real a = real_min(i->r0.x, real_min(i->r1.y, i->r2.z)), b = real_max(i->r0.x, real_max(i->r1.y, i->r2.z)), mid = sum - a - b;
     real l2 = vec3_length2(l), spin = sqrt(real_max(0, (a + b) * kept - a * b * l2));
@@ -194,13 +172,14 @@ void flight_turn(Group *g, int i, real h)
     }
     quat q = g->pos[i].q;
     vec3 l = quat_rotate(q, mat3_mul_vec(*m->inertia, quat_unrotate(q, w)));
-    int axis = axis_of_symmetry(m->inv_inertia);
+    int axis = tumble_axis(m->inv_inertia);
     if (axis >= 0)
-        q = turn_about_axis(m, q, l, h, axis);
+        q = tumble_about(m->inv_inertia, q, l, h, axis);
     else {
         Bounds bounds = bounds_of(m->inv_inertia, w, l);
-        int parts = (int)real_clamp(ceil(bounds.safe * h / PART), 1, 1000), terms = terms_of(bounds, h / parts, ENOUGH * g->tolerance);
-        bool done = parts > 1 && is_diagonal(m->inv_inertia) && tumble(m->inv_inertia, &q, l, h);
+        int parts = (int)real_clamp(ceil(bounds.safe * h / PART), 1, MOST_PARTS), terms = terms_of(bounds, h / parts, ENOUGH * g->tolerance);
+        bool done = parts > 1 && tumble_principal(m->inv_inertia) && tumble(m->inv_inertia, &q, l, h);
+        done = done || (parts == MOST_PARTS && tumble_far(m->inv_inertia, &q, l, h));
         for (int k = 0; k < parts && !done; k++)
             q = turn(m, q, l, h / parts, terms);
     }

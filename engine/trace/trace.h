@@ -13,6 +13,7 @@
 #ifndef DIG_TRACE_H
 #define DIG_TRACE_H
 
+#include "math/tumble.h"
 #include "solve/direction.h"
 
 /* Does it not move in this step, nor wake? body < 0: the world */
@@ -363,8 +364,6 @@ real trace_load_on(const Tracer *t, int joint); /* N  now; of types with a share
 void trace_part(Tracer *t, const Event *e);     /* lets go what the event broke */
 /* bounce.c */
 bool trace_bounce(Tracer *t);                   /* after a blow: what follows in closed form, if it can be; false = fault */
-/* tumble.c: a free body of principal axes turns on for h seconds. false: too near the separatrix, and nothing changed */
-bool tumble(const mat3 *inv_inertia, quat *q, vec3 momentum, real h);
 /* trace.c */
 void trace_scales(Tracer *t);                   /* lengths, speeds and the tolerance, of its group */
 void trace_begin(const Tracer *t);              /* its group is set to be traced */

@@ -114,9 +114,45 @@ TEST(what_turns_about_an_axis_does_so_and_a_separatrix_is_left_alone)
     CHECK(!turn_on(inverse, &q, (vec3){INFINITY, 0, 1}, 7));
 }
 
+/* 3000 to 60,000 rad at once, whole periods of which are taken together, as in sixty-four goes. */
+TEST(what_tumbles_very_far_is_where_many_turns_take_it)
+{
+    uint32_t seed = 11;
+    for (int i = 0; i < 40; i++) {
+        vec3 s = some(&seed), inverse = {1 / (1 + 0.5 * s.x), 1 / (2 + 0.3 * s.y), 1 / (3.5 + s.z)}, l = some(&seed);
+        quat q = quat_exp(vec3_scale(3, some(&seed))), at_once = q, little = q;
+        real time = i % 2 ? 6e4 : 3e3;
+        l = vec3_scale(1 / vec3_length(vec3_mul(inverse, quat_unrotate(q, l))), l);     /* 1 rad/s */
+        CHECK(turn_on(inverse, &at_once, l, time));
+        for (int k = 0; k < 64; k++)
+            CHECK(turn_on(inverse, &little, l, time / 64));
+        CHECK_NEAR(angle_between(at_once, little), 0, 1e-14 * time);
+    }
+}
+
+/* Of axes that lie anywhere, and of two that are the same. */
+TEST(what_has_other_axes_tumbles_as_about_its_own)
+{
+    uint32_t seed = 5;
+    for (int i = 0; i < 20; i++) {
+        vec3 inverse = {1, i % 4 == 0 ? 1 : 0.5, 0.3}, l = some(&seed);
+        quat own = quat_exp(vec3_scale(3, some(&seed))), from = quat_exp(vec3_scale(3, some(&seed)));
+        mat3 axes = quat_matrix(own), d = {{inverse.x, 0, 0}, {0, inverse.y, 0}, {0, 0, inverse.z}};
+        mat3 inertia = mat3_mul(axes, mat3_mul(d, mat3_transpose(axes)));
+        quat got = from, want = quat_mul(from, own);
+        CHECK(tumble_far(&inertia, &got, l, 100));
+        if (i % 4 == 0)
+            want = tumble_about(&d, want, l, 100, 2);
+        else
+            CHECK(turn_on(inverse, &want, l, 100));
+        CHECK_NEAR(angle_between(got, quat_mul(want, quat_conjugate(own))), 0, 1e-11);
+    }
+}
+
 int main(void)
 {
-    RUN_TESTS(unit_test(what_tumbles_is_where_small_steps_take_it),
+    RUN_TESTS(unit_test(what_tumbles_very_far_is_where_many_turns_take_it), unit_test(what_has_other_axes_tumbles_as_about_its_own),
+              unit_test(what_tumbles_is_where_small_steps_take_it),
               unit_test(a_rotor_that_tumbles_has_the_digits_of_the_elliptic_functions),
               unit_test(what_turns_about_an_axis_does_so_and_a_separatrix_is_left_alone));
 }

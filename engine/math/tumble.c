@@ -1,4 +1,4 @@
-/* trace/tumble.c - a free body that turns far, in closed form.
+/* math/tumble.c - a free body that turns far, in closed form.
  *
  * In principal axes the angular momentum l goes with Jacobi's elliptic functions of one phase: l = (A cn, B sn, C dn), where 3 is the axis
  * that it goes round, 2 the middle one (Whittaker 1937). They are found once (Bulirsch 1965), and
@@ -9,7 +9,7 @@
  * whose denominator lies between L and 2 L: an integral of a smooth function, by Gauss's points to rounding. Poles of that lie more than
  * a quarter of the other period, pi / 2, off the real axis.
  */
-#include "trace/trace.h"
+#include "math/tumble.h"
 
 #define HALVES   12             /* of an arithmetic-geometric mean, which doubles its digits in each */
 #define FEW      3              /* pairs of points of a panel that is short, and of one that is not: */
@@ -17,7 +17,8 @@
 #define SHORT    0.15           /* half a panel, of the phase: 20 and 4.4 is what each point brings twice */
 #define PANEL    0.75
 #define PARTED   1e-10          /* 1 - m: nearer the separatrix they are lost in rounding */
-#define FARTHEST 1500           /* of the phase */
+#define FAR      1500           /* of the phase: of what goes farther whole periods are taken at once, */
+#define FARTHEST 1e9            /* and the digits of those that are left are worth it */
 
 typedef struct Phase { real s, c, d; } Phase;           /* sn, cn, dn */
 
@@ -96,11 +97,45 @@ static real mean_rate(const Means *of, Phase p, real length, Phase whole, real r
     return sum / int_max(panels, 1);
 }
 
+/* The same over more than a period, 2 K of dn, and the phase it ends with: half a turn of sn and cn in each. */
+static real mean_far(const Means *of, Phase p, real length, Phase *whole, real rise, real m)
+{
+    real period = DIG_PI / of->end, turns = floor(length / period), rest = real_max(0, length - turns * period);
+    real sign = fmod(turns, 2) == 0 ? 1 : -1;
+    *whole = phase_of(of, rest);
+    real sum = turns * period * mean_rate(of, p, period, *whole, rise, m) + rest * mean_rate(of, p, rest, *whole, rise, m);
+    *whole = (Phase){sign * whole->s, sign * whole->c, whole->d};
+    return sum / length;
+}
+
 /* From the direction of l to its axis. */
 static quat to_axis(vec3 l, real size, vec3 axis)
 {
     vec3 turn = vec3_cross(l, axis);
     return quat_unit((quat){turn.x, turn.y, turn.z, size + vec3_dot(l, axis)});
+}
+
+/* 1 / (kg m^2) that differ by this part turn nothing in a step */
+#define SAME 1e-15
+
+bool tumble_principal(const mat3 *inv_inertia) { return inv_inertia->r0.y == 0 && inv_inertia->r0.z == 0 && inv_inertia->r1.z == 0; }
+
+int tumble_axis(const mat3 *inv_inertia)
+{
+    const real d[3] = {inv_inertia->r0.x, inv_inertia->r1.y, inv_inertia->r2.z};
+    for (int k = 0; k < 3 && tumble_principal(inv_inertia); k++)
+        if (fabs(d[(k + 1) % 3] - d[(k + 2) % 3]) <= SAME * d[(k + 1) % 3])
+            return k;
+    return -1;
+}
+
+/* w = L / I + e (1 / Ie - 1 / I) L.e, and L.e stays: the first part turns about L in the world, the second about e in the body. */
+quat tumble_about(const mat3 *inv_inertia, quat q, vec3 momentum, real h, int axis)
+{
+    const real d[3] = {inv_inertia->r0.x, inv_inertia->r1.y, inv_inertia->r2.z};
+    const vec3 e = {axis == 0, axis == 1, axis == 2};
+    real across = d[(axis + 1) % 3], own = (d[axis] - across) * vec3_dot(e, quat_unrotate(q, momentum));
+    return quat_unit(quat_mul(quat_exp(vec3_scale(h * across, momentum)), quat_mul(q, quat_exp(vec3_scale(h * own, e)))));
 }
 
 static inline real ratio_root(real a, real b) { return a > 0 && b > 0 ? sqrt(a / b) : 0; }
@@ -126,8 +161,10 @@ bool tumble(const mat3 *inv_inertia, quat *q, vec3 momentum, real h)
     Phase p = b > 0 && a != 0 ? (Phase){l[mid] / b, l[one] / a, fabs(l[three]) / c} : (Phase){0, 1, 1};
     Means means;
     find_means(&means, m1);
-    Phase whole = phase_of(&means, length);
-    real angle = h * (size * d3 + off / size * mean_rate(&means, p, length, whole, c / size, m));
+    bool far = length >= FAR;
+    Phase whole = far ? (Phase){0, 1, 1} : phase_of(&means, length);
+    real mean = far ? mean_far(&means, p, length, &whole, c / size, m) : mean_rate(&means, p, length, whole, c / size, m);
+    real angle = h * (size * d3 + off / size * mean);
     p = phase_add(p, whole, m);
     real end[3], axis[3] = {0, 0, 0};
     end[one] = a * p.c;
@@ -137,5 +174,21 @@ bool tumble(const mat3 *inv_inertia, quat *q, vec3 momentum, real h)
     vec3 l1 = {end[0], end[1], end[2]}, e = {axis[0], axis[1], axis[2]};
     quat home = quat_conjugate(to_axis(body, size, e)), on = quat_mul(quat_exp(vec3_scale(angle, e)), to_axis(l1, vec3_length(l1), e));
     *q = quat_unit(quat_mul(*q, quat_mul(home, on)));
+    return true;
+}
+
+bool tumble_far(const mat3 *inv_inertia, quat *q, vec3 momentum, real h)
+{
+    vec3 d;
+    mat3 axes;
+    mat3_principal(*inv_inertia, &d, &axes);
+    quat to = quat_from_matrix(axes), turned = quat_mul(*q, to);
+    mat3 inverse = {{d.x, 0, 0}, {0, d.y, 0}, {0, 0, d.z}};
+    int axis = tumble_axis(&inverse);
+    if (axis >= 0)
+        turned = tumble_about(&inverse, turned, momentum, h, axis);
+    else if (!tumble(&inverse, &turned, momentum, h))
+        return false;
+    *q = quat_unit(quat_mul(turned, quat_conjugate(to)));
     return true;
 }
