@@ -82,11 +82,16 @@ typedef struct Motion { pose start; vec3 centre; vec3 v, w, a; } Motion;
 pose motion_at(const Motion *m, real t);
 vec3 motion_velocity(const Motion *m, vec3 at, real t);         /* m/s  of its material that is at this place then */
 Motion motion_from(const Motion *m, real t);                    /* the same motion, begun then */
+/* m/s^2  How the turn bends the way of what is nearest at a point, at first, along the normal there: of a core's point, for rounding does not turn,
+ * and what turns about the shape's own axis leaves its surface where it is. */
+vec3 motion_sway(const Shape *s, const Motion *m, vec3 at, vec3 out);
 
 /* First time in [0, time] at which the gap of the moving shapes falls to `target` (m): conservative advancement (Mirtich
  * 1996) closed by bracketing on the true gap, so that |gap - target| <= 1e-10 * size at the returned time. Returns time of
  * impact, or INFINITY when they stay apart. A pair that starts at or below the target and is separating returns INFINITY; one
  * that starts there and approaches returns 0. Never misses a crossing of convex cores, whatever the speed or spin. */
 real time_of_impact(const Shape *a, const Motion *ma, const Shape *b, const Motion *mb, real target, real time, int *iterations);
+/* Does the middle of one come through the other, a surface, on a straight line from its start to its end? */
+bool surface_crossed(const Shape *a, const Motion *ma, const Shape *b, const Motion *mb, real time);
 
 #endif

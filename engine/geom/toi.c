@@ -11,6 +11,7 @@
  * stones of an arch that hinge on an edge are so followed in 3 steps, where each alone turns its corners far into the other's side.
  *
  * And along a normal that stands still, supports at both ends of an arc say what lies between: a rod that whirls before a wall needs two gaps. */
+#include "geom/cast.h"
 #include "geom/pair.h"
 
 #define TOLERANCE   1e-10       /* of the size */
@@ -462,13 +463,24 @@ static real scale_of(const Shape *s)
     return s->inner > 0 ? s->inner : s->outer > 0 ? s->outer : INFINITY;
 }
 
-/* rad/s  What turns a shape about its own axis, on which its centre of mass lies, leaves its surface where it is: a barrel that rolls beside another
+/* What turns a shape about its own axis, on which its centre of mass lies, leaves its surface where it is: a barrel that rolls beside another
  * comes no nearer. The angle between that axis, y of the shape, and w does not change. */
-static real surface_spin(const Shape *s, const Motion *m)
+static bool is_round(const Shape *s, const Motion *m)
 {
     ShapeKind kind = shape_kind(s);
-    bool round = (kind == KIND_CYLINDER || kind == KIND_CAPSULE || kind == KIND_CONE) && m->centre.x == 0 && m->centre.z == 0;
-    return vec3_length(round ? vec3_cross(quat_rotate(m->start.q, (vec3){0, 1, 0}), m->w) : m->w);
+    return (kind == KIND_CYLINDER || kind == KIND_CAPSULE || kind == KIND_CONE) && m->centre.x == 0 && m->centre.z == 0;
+}
+
+static vec3 axis_of(const Motion *m) { return quat_rotate(m->start.q, (vec3){0, 1, 0}); }
+
+static real surface_spin(const Shape *s, const Motion *m) { return vec3_length(is_round(s, m) ? vec3_cross(axis_of(m), m->w) : m->w); }
+
+vec3 motion_sway(const Shape *s, const Motion *m, vec3 at, vec3 out)
+{
+    vec3 w = m->w, r = vec3_sub(vec3_mad(at, -s->round, out), pose_point(m->start, m->centre));
+    if (is_round(s, m))
+        w = vec3_mad(w, -vec3_dot(axis_of(m), w), axis_of(m));
+    return vec3_cross(w, vec3_cross(w, r));
 }
 
 static real convex_impact(const Shape *a, const Motion *ma, const Shape *b, const Motion *mb, real target, real time, int *iterations)
@@ -542,4 +554,16 @@ real time_of_impact(const Shape *a, const Motion *ma, const Shape *b, const Moti
     if (in_pieces(kb, ka))
         return surface_impact(b, mb, a, ma, target, time, counted);
     return convex_impact(a, ma, b, mb, target, time, counted);
+}
+
+bool surface_crossed(const Shape *a, const Motion *ma, const Shape *b, const Motion *mb, real time)
+{
+    if (a->type->convex == b->type->convex)
+        return false;
+    if (a->type->convex)
+        return surface_crossed(b, mb, a, ma, time);
+    vec3 middle = shape_middle(b);
+    vec3 from = pose_unpoint(ma->start, pose_point(mb->start, middle)), to = pose_unpoint(motion_at(ma, time), pose_point(motion_at(mb, time), middle));
+    CastHit hit;
+    return cast_ray(a, pose_identity(), from, vec3_sub(to, from), 1, &hit);
 }

@@ -346,6 +346,7 @@ struct Group {
     bool      strikes_stops;    /* joints that run into their stops strike, too: see impacts */
     bool      joints_direct;    /* joints and contacts are solved together, directly */
     int       events_left;
+    int       whirls_left;      /* parts of the step that are cut short where something whirls near something */
 
     /* what it took and achieved */
     const struct Way *way;      /* that advanced it                 */
@@ -645,6 +646,9 @@ void group_note_blow(Group *g, int body);       /* impact.c: where it is it was 
 void group_note_swing(Group *g, int body, vec3 x, real turned);        /* there: its centre of mass was at x, having turned by so much, rad */
 quat member_turned(const Member *m, quat q, vec3 l, real h);    /* after h seconds free of torque, with angular momentum l */
 bool group_spins_off(const Group *g);           /* a substep is too long for something thin at joints */
+/* Does it turn so far in a substep that rows, which hold at its start, say nothing of how? Then it turns on as it would free of them, and with what heals it
+ * turns its spin: by the mean of two momenta, or under a spin that stays, its axis comes to lie anywhere to what it has, with any energy. */
+bool group_whirls(const Group *g, int i);
 void group_turn(Group *g, int i, vec3 mean_w);  /* turns the body on through the substep */
 /* project.c: position errors are removed without touching velocities */
 void project(Group *g);

@@ -159,6 +159,25 @@ static real locate_points(const Group *g, const GroupPair *q, const Meeting *m, 
     return first;
 }
 
+/* m/s^2  By how much more a point parts each second, for what turns carries it round its centre. */
+static real parts_more(const GroupPair *q, const Meeting *m, vec3 n, const ManifoldPoint *p)
+{
+    vec3 a = vec3_add(m->a.a, motion_sway(&q->on_a->shape, &m->a, p->a, n));
+    vec3 b = vec3_add(m->b.a, motion_sway(&q->on_b->shape, &m->b, p->b, vec3_neg(n)));
+    return vec3_dot(n, vec3_sub(b, a));
+}
+
+/* s  When a point that touches has parted that far. What a blow has left at rest there is carried off by its turn. INFINITY: it presses on. */
+static real off_at(const Group *g, const GroupPair *q, const Meeting *m, vec3 n, const ManifoldPoint *p, real off, real tolerance)
+{
+    real speed = parts_with(m, n, p), way = off - p->gap, bend = real_max(0, parts_more(q, m, n, p));
+    if (speed > g->close_speed && speed * speed > 2 * bend * way)
+        return way / speed;
+    if (!(bend > 0) || (speed < 0 && speed * speed > 2 * bend * tolerance))
+        return INFINITY;
+    return 2 * way / (speed + sqrt(speed * speed + 2 * bend * way));
+}
+
 /* s  When all points that touch have parted, by as much as the two are thick in this substep: what whirls may then come in with its other
  * end, of which they know nothing. INFINITY: some point presses on, or the two are slow. */
 static real parted_at(const Group *g, const GroupPair *q, const Meeting *m, real tolerance)
@@ -170,12 +189,8 @@ static real parted_at(const Group *g, const GroupPair *q, const Meeting *m, real
         const GroupContact *c = &g->contacts[i];
         for (int k = 0; c->live && k < c->manifold.count; k++) {
             const ManifoldPoint *p = &c->manifold.points[k];
-            real speed = parts_with(m, c->manifold.normal, p);
-            if (p->gap > tolerance)
-                continue;
-            if (!(speed > g->close_speed))
-                return INFINITY;
-            last = real_max(last, (2 * tolerance - p->gap) / speed);
+            if (p->gap <= tolerance)
+                last = real_max(last, off_at(g, q, m, c->manifold.normal, p, 2 * tolerance, tolerance));
         }
     }
     return last;
@@ -306,14 +321,24 @@ static bool goes_deeper(const Group *g, const GroupPair *q, real most, bool thro
     return through && travel > LOOKS * most && group_went_through(q, &a, &b, g->h, depth, travel);
 }
 
+/* Of many pieces nobody knows how deep something is in them. */
+static bool crosses(const Group *g, const GroupPair *q)
+{
+    Motion a = shape_motion(g, q->a, pair_local(q, false)), b = shape_motion(g, q->b, pair_local(q, true));
+    return surface_crossed(&q->on_a->shape, &a, &q->on_b->shape, &b, g->h);
+}
+
 /* Would a corner that no contact point stands for yet be deep in the other body after this substep? through: past the middle of the thinner
  * one, which healing would then take out on the far side, if it is not there already at the end. */
 bool overshoots(const Group *g, bool through)
 {
     for (int i = 0; i < g->pair_count; i++) {
         const GroupPair *q = &g->pairs[i];
-        if (q->contacts != 1 || !g->contacts[q->contact].live || (!g->member[q->a].moves && !g->member[q->b].moves) ||
-            is_squeezed(g, q->contact))
+        if (!g->member[q->a].moves && !g->member[q->b].moves)
+            continue;
+        if (q->contacts != 1 && through && crosses(g, q))
+            return true;
+        if (q->contacts != 1 || !g->contacts[q->contact].live || is_squeezed(g, q->contact))
             continue;
         if (goes_deeper(g, q, through ? group_thin(q) : SINK_MOST * q->size, through))
             return true;

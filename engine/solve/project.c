@@ -253,6 +253,8 @@ void project(Group *g)
             continue;
         g->pos[i].x = vec3_add(g->pos[i].x, g->shift[i].v);
         g->pos[i].q = quat_unit(quat_mul(quat_exp(g->shift[i].w), g->pos[i].q));
+        if (group_whirls(g, i))
+            g->vel[i].w = quat_rotate(quat_exp(g->shift[i].w), g->vel[i].w);
         g->lifted -= vec3_dot(g->member[i].force, g->shift[i].v) + vec3_dot(g->member[i].torque, g->shift[i].w);
     }
     arena_rewind(g->arena, mark);

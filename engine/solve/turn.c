@@ -68,11 +68,20 @@ quat member_turned(const Member *m, quat q, vec3 l, real h)
     return q;
 }
 
+#define WHIRLS 1.0              /* rad */
+
+bool group_whirls(const Group *g, int i)
+{
+    return g->joint_count == 0 && !g->member[i].round && !g->planar && g->h * vec3_length(g->vel[i].w) > WHIRLS;
+}
+
 /* How the body turns in the substep, and with which spin it ends. */
 static vec3 turned_to(const Group *g, int i, vec3 mean_w, quat *q)
 {
     const Member *m = &g->member[i];
     vec3 end = momentum_of(m, *q, vec3_sub(g->vel[i].w, m->swerve)), mean = momentum_of(m, *q, vec3_mad(mean_w, -0.5, m->swerve));
+    if (group_whirls(g, i))
+        mean = end;
     *q = member_turned(m, *q, mean, g->h);
     vec3 w = spin_of(m, *q, end);
     /* refined once: |q| is 1 within rounding only, and that bias would add up to a drift of the angular momentum */

@@ -180,3 +180,71 @@ for _, thing in ipairs(beside) do
     end
   end)
 end
+
+-- A blow off their middle makes them whirl at 10,000 to a million rad/s beside the wall: by up to thousands of radians in a frame.
+local bullets = {
+  { "cylinders", function(w, p, s) p.radius, p.height = 0.01 * s, 0.05 * s return w:cylinder(p) end },
+  { "capsules", function(w, p, s) p.radius, p.length = 0.01 * s, 0.05 * s return w:capsule(p) end },
+  { "cones", function(w, p, s) p.radius, p.height = 0.01 * s, 0.04 * s return w:cone(p) end },
+  { "coins", function(w, p, s) p.radius, p.height = 0.02 * s, 0.002 * s return w:cylinder(p) end },
+  { "rods", function(w, p, s) p.radius, p.height = 0.003 * s, 0.1 * s return w:cylinder(p) end },
+  { "needles", function(w, p, s) p.size = digbox.vec(0.002, 0.002, 0.1) * s return w:box(p) end },
+  { "boxes", function(w, p, s) p.size = digbox.vec(0.02, 0.03, 0.08) * s return w:box(p) end },
+  { "shards", function(w, p, s)
+    p.points = {}
+    for i, q in ipairs(shard) do p.points[i] = digbox.vec(q[1], q[2], 5 * q[3]) * s end
+    return w:hull(p)
+  end },
+}
+local function wall_of(w, kind, friction, restitution)
+  local side, wall = 2000, { fixed = true, friction = friction, restitution = restitution }
+  if kind == "plane" then
+    wall.normal, wall.fixed = { -1, 0, 0 }, nil
+    return w:plane(wall)
+  elseif kind == "sheet" then
+    wall.vertices = { { 0, -side, -side }, { 0, side, -side }, { 0, side, side }, { 0, -side, side } }
+    wall.triangles = { { 1, 2, 3 }, { 1, 3, 4 } }
+    return w:mesh(wall)
+  end
+  local thick = kind == "1 mm" and 0.001 or 0.02
+  wall.size, wall.at = { thick, 2 * side, 2 * side }, { thick / 2, 0, 0 }
+  return w:box(wall)
+end
+
+-- Before, of these 416 shots 25 came through the wall and 10 gained energy, up to 450 times of it: what touched and did not part at first
+-- was taken to press on, though its turn carried it off; blows of what tumbles by many radians were looked for along a spin that stands
+-- still; and turns of over 25 rad in a substep (in free flight 500) were followed in steps too long for that. What presses on may gain
+-- 0.7 % of what is left of it, in one of 600 shots: rows of sweeps are of first order.
+for _, bullet in ipairs(bullets) do
+  test.each_accuracy("what whirls off a wall does not come through it, nor gain energy: " .. bullet[1], function(s, accuracy)
+    local failed = {}
+    for _, kind in ipairs { "plane", "1 mm", "2 cm", "sheet" } do
+      for run = 1, accuracy == "reference" and 1 or 4 do
+        local state = 0
+        for c in (bullet[1] .. kind .. run):gmatch "." do state = (31 * state + c:byte()) % 2147483647 end
+        local function R(a, b)
+          state = state * 48271 % 2147483647
+          return a + (b - a) * state / 2147483647
+        end
+        R(0, 1)
+        local step, speed, angle = ({ 1 / 24, 1 / 30, 1 / 60 })[run % 3 + 1], 100 * 30 ^ R(0, 1), math.rad(R(0, 70))
+        local friction, restitution = R(0, 0.4), run % 2 == 0 and 0 or 0.8
+        local w = s:world { gravity = { 0, 0, 0 }, accuracy = accuracy, step = step }
+        wall_of(w, kind, friction, restitution)
+        local along = digbox.vec(math.cos(angle), math.sin(angle), 0)
+        local body = bullet[2](w, { mass = 0.01, at = along * -(0.2 / along.x + speed * step * R(0, 2)), velocity = along * speed,
+          friction = friction, restitution = restitution, spin = { R(-100, 100), R(-100, 100), R(-100, 100) },
+          rotation = digbox.quat { axis = { R(-1, 1), R(-1, 1), R(-1, 1) }, angle = R(0, 6) } }, R(0.3, 1.3))
+        local energy = w.energy.kinetic
+        for _ = 1, 6 do
+          w:step()
+          local now = w.energy.kinetic
+          if now > energy * 1.01 then failed[#failed + 1] = ("%s, run %d: %g J of %g J"):format(kind, run, now, energy) end
+          if body.centre.x > 0.02 then failed[#failed + 1] = ("%s, run %d: through"):format(kind, run) break end
+          energy = now
+        end
+      end
+    end
+    expect(failed):is_empty()
+  end)
+end
