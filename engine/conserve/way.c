@@ -310,6 +310,45 @@ static dig_status extrapolate(Group *g, real dt, const GroupKept *from, System *
     return DIG_OK;
 }
 
+#define STANDS 1e-3             /* of how far its speed would have taken it */
+#define TURNED 1.0              /* rad in the step: what turns farther may have come round */
+#define WORKED 0.1              /* of the kinetic energy: forces that do so much may have turned it back */
+
+/* Does it stand, by where it was, though it has speed? */
+static bool stands(const Group *g, int i, const Pos *before, real dt)
+{
+    const Member *m = &g->member[i];
+    real speed = vec3_length(g->vel[i].v) + m->outer * vec3_length(g->vel[i].w), turned = vec3_length(g->vel[i].w) * dt;
+    quat turn = quat_mul(g->pos[i].q, quat_conjugate(before->q));
+    real moved = vec3_distance(g->pos[i].x, before->x) + 2 * m->outer * vec3_length((vec3){turn.x, turn.y, turn.z});
+    real work = dt * (fabs(vec3_dot(m->force, g->vel[i].v)) + fabs(vec3_dot(m->torque, g->vel[i].w)));
+    return moved <= STANDS * dt * speed && turned < TURNED && work <= WORKED * group_kinetic_of(g, i);
+}
+
+/* Joints that let nothing move, by less than they are solved to, take a speed as one that they mirror in each single step, for ever: a door on hinges
+ * whose axes are 0.1 mm apart. What stands has none. */
+static void lock(Group *g, const GroupKept *from, real dt)
+{
+    real kinetic = group_kinetic(g);
+    bool still = kinetic > 0;
+    for (int i = 0; i < g->moving_count && still; i++)
+        still = !g->member[i].moves || stands(g, i, &from->pos[i], dt);
+    for (int i = 0; i < g->joint_count && still; i++) {
+        Row rows[JOINT_SLOTS];
+        RowList list = {rows, 0, JOINT_SLOTS};
+        g->joints[i].view.type->rows(&g->joints[i].view, &list);
+        for (int k = 0; k < list.count; k++)
+            still = still && rows[k].kind != ROW_SOFT && rows[k].kind != ROW_MOTOR;
+    }
+    for (int i = 0; i < g->moving_count && still; i++)
+        if (g->member[i].moves)
+            g->vel[i] = (Vel){vec3_zero(), vec3_zero()};
+    if (still) {
+        g->lost += kinetic;
+        g->gave_up = "conserve: joints that let nothing move";
+    }
+}
+
 static dig_status advance(Group *g, real dt)
 {
     GroupKept saved;
@@ -359,6 +398,7 @@ static dig_status advance(Group *g, real dt)
     step_remember(&s);
     if (kind != EXTRAPOLATED)
         DIG_TRY(step_settle(&s));
+    lock(g, &saved, dt);
     DIG_TRY(group_hold_momenta(g, dt));
     DIG_TRY(g->stage(g, STAGE_SETTLE));
     return g->status;
