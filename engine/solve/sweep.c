@@ -491,7 +491,8 @@ static dig_status close_gaps(Group *g, real part)
  * same for few bodies as for one: blows are looked for along a spin that stands still, as that of a box or of a tumbling rod does not. */
 #define TURN_PARTS  32
 #define WHIRL_PARTS 65536
-#define WHIRL_COUNT 4096
+#define WHIRL_COUNT 16384       /* over the square of how many they are, */
+#define WHIRL_MOST  4096        /* and for few so many */
 
 static bool angular_shape(const Shape *s) { return s->outer - s->inner > 0.01 * s->outer; }
 
@@ -620,7 +621,7 @@ static void begin(Group *g, real part, bool all)
     g->joints_direct = direct_joints(g);
     g->locate = g->moving_count <= g->plan->events_bodies && !g->joints_direct;
     g->events_left = group_events(g);
-    g->whirls_left = WHIRL_COUNT / int_max(g->moving_count, 1) / int_max(g->moving_count, 1);
+    g->whirls_left = int_min(WHIRL_MOST, WHIRL_COUNT / int_max(g->moving_count, 1) / int_max(g->moving_count, 1));
     g->h = g->heal_over = part;
     group_touch(g, part, all);
     g->locate = g->locate && !any_merged(g);
