@@ -71,8 +71,10 @@ static void chunks_close(Arena *a)
 
 void arena_ready(Arena *a)
 {
-    if (!a->first && (a->first = chunk_open(a, ARENA_FIRST)))   /* NULL: the next arena_alloc tries again */
-        memset(a->first->data, 0, READY);
+    if (a->first || !(a->first = chunk_open(a, ARENA_FIRST)))   /* NULL: the next arena_alloc tries again */
+        return;
+    memset(a->first->data, 0, READY);
+    go_to(a, a->first);
 }
 
 #define LATELY 64               /* resets */

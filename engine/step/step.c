@@ -12,7 +12,8 @@ static void book_time(Step *s, real *us)
 dig_status step_sense(World *w)
 {
     arena_reset(&w->scratch);
-    arena_reset(&w->group_scratch);
+    if (w->group_scratch.held > ARENA_FIRST)        /* else it is empty and as it should be */
+        arena_reset(&w->group_scratch);
     if (w->workers)
         workers_reset(w->workers);
     return sense_pairs(w, w->def.step);
