@@ -272,23 +272,35 @@ static void touch_pairs(World *w, const Step *s, const Group *g, real start)
         touch_pair(w, g, &s->changes[i]);
 }
 
-/* Where two that touched have parted: in the middle between the two places where they are nearest now, at the end of the step. */
+typedef struct Parting { const World *w; dig_event *event; real least; } Parting;        /* m */
+
+static void look_between(Parting *p, uint32_t solid_a, uint32_t solid_b)
+{
+    const Solid *a = &p->w->solids.data[solid_a], *b = &p->w->solids.data[solid_b];
+    vec3 normal, on_a, on_b;
+    real gap = shape_distance(&a->form->shape, solid_pose(p->w, a), &b->form->shape, solid_pose(p->w, b), p->least, &normal, &on_a, &on_b);
+    if (!(gap < p->least))
+        return;
+    p->least = gap;
+    p->event->point = vec3_lerp(on_a, on_b, 0.5);
+    p->event->normal = normal;
+}
+
+/* Where two that touched have parted: in the middle between the two places where they are nearest now, at the end of the step. Of bodies of
+ * many shapes those that are still pairs are looked at; where none is, the first ones. */
 static void find_parting(const World *w, const Touch *t, dig_event *e)
 {
-    uint32_t wall = t->wall ? w->room_solid[t->wall - 1] : NONE;
-    uint32_t others = t->body_b != NONE ? w->bodies.data[t->body_b].shape_first : wall;
-    real least = INFINITY;
-    for (uint32_t i = w->bodies.data[t->body_a].shape_first; i != NONE; i = w->solids.data[i].next)
-        for (uint32_t k = others; k != NONE; k = t->body_b != NONE ? w->solids.data[k].next : NONE) {
-            const Solid *a = &w->solids.data[i], *b = &w->solids.data[k];
-            vec3 normal, on_a, on_b;
-            real gap = shape_distance(&a->form->shape, solid_pose(w, a), &b->form->shape, solid_pose(w, b), least, &normal, &on_a, &on_b);
-            if (!(gap < least))
-                continue;
-            least = gap;
-            e->point = vec3_lerp(on_a, on_b, 0.5);
-            e->normal = normal;
+    Parting p = {w, e, INFINITY};
+    uint32_t first = w->bodies.data[t->body_a].shape_first, other = t->body_b != NONE ? w->bodies.data[t->body_b].shape_first : w->room_solid[t->wall - 1];
+    for (uint32_t s = first; s != NONE; s = w->solids.data[s].next)
+        for (uint32_t link = w->solids.data[s].pair_first; link != NONE; link = w->pairs.data[link / 2].next[link % 2]) {
+            const Pair *q = &w->pairs.data[link / 2];
+            uint32_t b = link % 2 ? q->solid_a : q->solid_b;
+            if (t->body_b != NONE ? w->solids.data[b].body == t->body_b : b == other)
+                look_between(&p, s, b);
         }
+    if (p.least == INFINITY)
+        look_between(&p, first, other);
 }
 
 /* Touches that are over give up their link; a bounce of two moving bodies keeps it for one step. */
