@@ -64,6 +64,24 @@ scenario("a contact ends in the middle between where its bodies are nearest then
   expect(first.e.normal):near({ 0, -1, 0 }, 1e-9)
 end)
 
+scenario("bodies of many shapes part where two of these do, and from a wall of the room at the wall", function(s)
+  local world, ends = s.world, {}
+  world:room { size = { 10, 10, 10 }, restitution = 0.5 }
+  local low = { size = { 0.2, 0.2, 0.2 }, restitution = 0.5, at = { 0, -0.5, 0 } }
+  local two = world:body { at = { 1, 2, 0 }, parts = { digbox.box { size = { 0.2, 0.2, 0.2 } }, digbox.box(low) } }
+  local ball = world:ball { radius = 0.1, at = { 4, 5, 0 }, velocity = { 20, 0, 0 }, restitution = 0.5 }
+  local start = two.position.y
+  for _, body in ipairs { two, ball } do
+    body:on("contact_end", function(e) ends[body] = ends[body] or { e = e, at = body.position } end)
+  end
+  world:run(1)
+  local gap = 1.4 + ends[two].at.y - start                -- the lower box begins at 1.4 m
+  expect(gap):above(1e-5)
+  expect(ends[two].e.point.y):near(gap / 2, 1e-9)
+  expect(ends[two].e.normal):near({ 0, -1, 0 }, 1e-9)
+  expect(ends[ball].e.point):near({ 5 - (4.9 - ends[ball].at.x) / 2, ends[ball].at.y, 0 }, 1e-9)
+end)
+
 scenario("filters keep what is not asked for away", function(s)
   local world = s.world
   local floor, ball = drop(world)
