@@ -49,6 +49,11 @@ static const real most_work[2] = {1e6, 4e6};                                    
 #define AHEAD         0.1       /*      and of what the estimates were off in the last one: lifts that are still to change throw away what is finer */
 #define LIFT_ALONE    1e-3      /*      of that: rows that are off by less hold, and only lifts change. Harder rows do not bring those nearer. */
 #define LOST          1e-2      /* m/s  a round that ends this far from its minimum has failed, and with it the solve */
+/* From the inside (direct_cone.c): where it ends, and its rows are refined from so soft */
+#define INSIDE_GOOD   1e-3      /* m/s  good enough */
+#define INSIDE_AIM    1e-6      /* m/s  wanted */
+#define INSIDE_SOFT   1e3       /*      times the compliance */
+#define INSIDE_FACTORS 20
 /* With joints */
 #define JOINT_SOFT    1e3       /*      times the compliance of a contact at first */
 /* The same where nothing is heavy, but much slides and turns. There a round is not carried on: the next would begin with all
@@ -174,7 +179,7 @@ static bool open_direct(Direct *d)
 
 static Vel start_velocity(const Group *g, int body) { return g->member[body].moves ? g->start_vel[body] : g->vel[body]; }
 
-bool group_top_heavy(const Group *g)
+real group_mass_ratio(const Group *g)
 {
     real lightest = INFINITY, heaviest = 0;
     for (int i = 0; i < g->moving_count; i++)
@@ -182,8 +187,10 @@ bool group_top_heavy(const Group *g)
             lightest = real_min(lightest, g->member[i].mass);
             heaviest = real_max(heaviest, g->member[i].mass);
         }
-    return heaviest > HEAVY * lightest;
+    return heaviest > 0 ? heaviest / lightest : 1;
 }
+
+bool group_top_heavy(const Group *g) { return group_mass_ratio(g) > HEAVY; }
 
 static bool calm(const Group *g)
 {
@@ -202,8 +209,7 @@ static bool calm(const Group *g)
 
 /* ---- Newton's method ---- */
 
-/* m/s  The velocity change that the gradient stands for, rims included. */
-static real size_of_gradient(const Direct *d)
+real direct_unbalanced(const Direct *d)
 {
     real worst = 0;
     for (int i = 0; i < d->blocks.n; i++) {
@@ -278,7 +284,7 @@ static bool minimise(Direct *d, real enough)
     for (int i = 0; i < most && d->factors < d->most_factors; i++) {
         direct_forces(d);
         direct_gradient(d);
-        real now = size_of_gradient(d);
+        real now = direct_unbalanced(d);
         d->unbalanced = now;
         if (now <= real_max(enough, LOOSE * direct_off(d)) || (worse > 2 && best < GOOD))
             return true;
@@ -293,7 +299,7 @@ static bool minimise(Direct *d, real enough)
     }
     direct_forces(d);
     direct_gradient(d);
-    d->unbalanced = size_of_gradient(d);
+    d->unbalanced = direct_unbalanced(d);
     return true;
 }
 
@@ -442,14 +448,21 @@ static bool solve(Direct *d, real residual)
     for (int i = 0; i < d->triple_count; i++)
         speed = real_max(speed, real_max(fabs(d->triples[i].rate[0]), fabs(d->triples[i].target[0])));
     real enough = real_max(0.1 * residual, 1e-14 * speed);
-    start_from(d);
-    direct_begin(d);
+    bool carries = !d->inside;
+    if (!d->inside) {
+        start_from(d);
+        direct_begin(d);
+    }
     d->error = INFINITY;
     for (int stalled = 0; d->rounds < MOST_ROUNDS && d->error > residual && d->factors < d->most_factors; d->rounds++) {
         real before = d->error, off_before = off;
-        if (!carry_on(d) || !minimise(d, isfinite(before) ? real_max(enough, AHEAD * before) : enough) || d->unbalanced > LOST)
+        real near = isfinite(before) ? real_max(enough, AHEAD * before) : enough;
+        if ((carries && !carry_on(d)) || !minimise(d, near))
             return false;
         off = direct_off(d);
+        if (d->unbalanced > real_max(LOST, real_max(near, LOOSE * off)))
+            return false;
+        carries = true;
         bool soft = d->hardened > 1 || off > 0.1 * off_before, holds = off < real_max(0.1 * residual, LIFT_ALONE * before);
         d->error = direct_round(d, soft && !holds);
         stalled = d->error > 0.5 * before ? stalled + 1 : 0;
@@ -458,6 +471,45 @@ static bool solve(Direct *d, real residual)
             break;
     }
     return finite(d) && real_max(d->error, d->unbalanced) < real_max(d->accept, 1e-9 * speed);
+}
+
+/* m/s  From the inside; where lifts do not come to rest, without any, and what overlaps need not part: between two walls nothing can. Leaves the
+ * impulses as the estimate. */
+static real start_inside(Direct *d)
+{
+    real off = direct_inside(d, false);
+    if (off < INSIDE_GOOD)
+        return off;
+    for (int k = 0; k < 6 * d->blocks.n; k++)
+        d->dv[k] = -d->v[k];
+    direct_changes(d);
+    direct_move(d, 1);
+    for (int i = 0; i < d->triple_count; i++) {
+        Triple *t = &d->triples[i];
+        t->lift = 0;
+        t->target[0] = real_min(t->target[0], 0);
+    }
+    return direct_inside(d, true);
+}
+
+/* What is found from the inside is refined by rounds, and taken as it was where these make it worse. */
+static bool solve_inside(Direct *d, real residual)
+{
+    real (*found)[3] = arena_alloc(d->g->arena, (size_t)(d->triple_count + 1) * sizeof *found);
+    if (!found) {
+        d->g->status = DIG_E_MEMORY;
+        return false;
+    }
+    real off = start_inside(d);
+    for (int i = 0; i < d->triple_count; i++)
+        memcpy(found[i], d->triples[i].prox, sizeof found[i]);
+    d->most_factors += d->factors;
+    if (off < INSIDE_GOOD && solve(d, real_max(residual, INSIDE_AIM)) && d->error < off)
+        return true;
+    for (int i = 0; i < d->triple_count; i++)
+        memcpy(d->triples[i].prox, found[i], sizeof found[i]);
+    d->error = d->unbalanced = off;
+    return finite(d) && off < INSIDE_GOOD;
 }
 
 /* The same for joints, whose rows are solved from soft to hard. Poor is better than what sweeps leave, but what is off by more than
@@ -500,7 +552,7 @@ static bool run(Direct *d, real residual)
     bool open = open_direct(d);
     if (open && g->calm && g->trace_wait == 0)
         d->most_factors = (int)real_clamp(MANY_WORK / d->blocks.work, 1, MANY_FACTORS);
-    bool fine = open && (g->joints_direct ? solve_joints(d) : solve(d, residual));
+    bool fine = open && (g->joints_direct ? solve_joints(d) : d->inside ? solve_inside(d, residual) : solve(d, residual));
     if (fine)
         write_back(d);
     count(d);
@@ -563,12 +615,23 @@ static bool solve_soft(Group *g, real residual, int most_factors, real accept)
     return run(&d, residual);
 }
 
+/* What is heavy on what is light, at kinks that Newton's method does not get over. */
+static bool solve_cones(Group *g, real residual)
+{
+    Direct d = {.g = g, .inside = true, .falls = true, .hardened = INSIDE_SOFT, .hardest = 1, .most_factors = INSIDE_FACTORS, .accept = INSIDE_GOOD};
+    g->from_inside = run(&d, residual);
+    if (g->from_inside)
+        g->residual = d.error;
+    return g->from_inside;
+}
+
 bool direct_solve(Group *g, real residual)
 {
     Direct d = {.g = g, .hardened = 1, .hardest = HARDEST, .most_factors = MOST_FACTORS, .accept = GOOD};
     bool heavy = group_top_heavy(g), light = !heavy && !g->joints_direct, fine = false;
     int before = g->factors;
     residual = real_min(residual, AIM);
+    g->from_inside = false;
     if (g->joints_direct) {
         d.hardened = group_bears_load(g) ? JOINT_SOFT : CROWD_SOFT;
         d.most_factors = JOINT_FACTORS;
@@ -580,8 +643,10 @@ bool direct_solve(Group *g, real residual)
         fine = run(&d, residual);
     if (fine && g->joints_direct)
         g->residual = d.error;
-    g->starts_soft = light && !fine && !(g->calm && g->trace_wait > 0);
-    if (g->starts_soft)
+    g->starts_soft = (light || (heavy && !g->joints_direct)) && !fine && !(g->calm && g->trace_wait > 0);
+    if (g->starts_soft && heavy)
+        fine = solve_cones(g, residual);
+    else if (g->starts_soft)
         fine = solve_soft(g, residual, int_min(SOFT_FACTORS, SOFT_POINTS / g->point_count), SOFT_GOOD);
     g->direct_factors = g->factors - before;
     g->direct_failures = fine && !g->joints_direct ? 0 : g->direct_failures + !fine;
@@ -622,6 +687,12 @@ bool direct_rescue(Group *g)
     if (g->calm || toil_pauses(g) || g->point_count == 0 || g->point_count > most_points[0] || g->moving_count > MOST_BODIES
         || g->rescues_failed >= MOST_RESCUES)
         return false;
+    if (group_top_heavy(g)) {
+        bool fine = solve_cones(g, AIM);
+        g->rescues_failed += !fine;
+        return fine;
+    }
+    g->from_inside = false;
     real accept = RESCUED * g->residual;
     bool fine = solve_soft(g, RESCUED * accept, MOST_FACTORS, accept);
     g->rescues_failed += !fine;

@@ -1,4 +1,4 @@
-/* solve/direct.h - the direct solve of a group's rows: what its two files share.
+/* solve/direct.h - the direct solve of a group's rows: what its files share.
  *
  * Floor:  solve.
  */
@@ -71,6 +71,8 @@ typedef struct Direct {
     bool    heavy;              /* something in the group is heavy on what is light                 */
     bool    kept;               /* the factor is that of the present sets                          */
     bool    late_lift;          /*       lifts are those of the start: what is wedged in something that gives chases them to infinity */
+    bool    inside;             /*       begins from the inside (direct_cone.c)                     */
+    bool    falls;              /*       lifts may only fall                                        */
     bool    swings;             /* rounds go to and fro: lifts go half the way                      */
     int     factors, rounds, most_factors;
     real    hardened, hardest;  /* 1    compliances over what they were at first, and at last      */
@@ -95,6 +97,12 @@ void singles_round(Direct *d, real harder);             /* harder: times the com
 void singles_write(Direct *d);                          /* impulses and velocities into the group */
 bool stiffness_open(Direct *d);                         /* false: out of memory */
 
+/* direct.c: m/s  the change of velocity that the gradient stands for, rims included */
+real direct_unbalanced(const Direct *d);
+
+/* direct_cone.c: from the inside, where no joints are: impulses so far, velocities and lifts; convex: without lifts. m/s  how far off they are. */
+real direct_inside(Direct *d, bool convex);
+
 /* direct_rows.c */
 bool direct_rows(Direct *d);                            /* false: out of memory */
 void direct_changes(Direct *d);                         /* what dv does to the rates */
@@ -105,6 +113,7 @@ void direct_gradient(Direct *d);
 bool direct_assemble(Direct *d, bool fresh);            /* fresh: as the forces answer now, else as at the end of the last round; false: no factor */
 void direct_line(Direct *d);                            /* before direct_slope() is asked along a new dv */
 real direct_slope(const Direct *d, real along);         /* of the merit function, this part of the step on */
+real direct_mobility(const Direct *d, const Triple *t); /* 1/kg  effective, mean of the rows */
 real direct_off(const Direct *d);                       /* m/s  how far off the estimate is */
 /* The impulses are the new estimate, with harder rows if asked. m/s  how far off the last one was; leaves predicted forces. */
 real direct_round(Direct *d, bool harden);

@@ -419,6 +419,8 @@ static void follow_bounds(Direct *d, int i)
     }
 }
 
+real direct_mobility(const Direct *d, const Triple *t) { return t->r / (COMPLIANCE * d->hardened); }
+
 real direct_off(const Direct *d)
 {
     real worst = singles_off(d);
@@ -486,6 +488,8 @@ static real next_triple(Direct *d, int i, real harder)
         lift = t->mu * length_of(t->rate + 1, 2);
     if (d->late_lift)
         lift = t->lift;
+    if (d->falls)
+        lift = real_min(lift, t->lift);
     worst = real_max(worst, fabs(lift - t->lift));
     follow_lift(d, t, lift);
     follow_bounds(d, i);

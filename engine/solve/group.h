@@ -355,6 +355,7 @@ struct Group {
     const char *gave_up;        /* why a finer way failed within its budget in this step; NULL = none did */
     int       substeps, sweeps, located;
     bool      starts_soft;      /*     a direct solve of this step did not get there with rows hard at once */
+    bool      from_inside;      /*     the last direct solve was one from the inside (direct_cone.c): sweeps would only take its impulses apart */
     int       factors;          /*     factorisations of direct solves of this step */
     real      multiplied;       /*     multiplications in them */
     int       direct_failures;  /*     direct solves of this step that did not converge; without joints, one after the other */
@@ -631,6 +632,7 @@ bool direct_solve(Group *g, real residual);
 bool direct_rescue(Group *g);           /* the same where sweeps have not got there, slower and surer */
 bool direct_project(Group *g);          /* a projection's rows at once, into g->vel, which holds the shift */
 bool direct_project_joints(Group *g);      /* the same, of joints that sweeps are for */
+real group_mass_ratio(const Group *g);  /* 1  of what moves, at least 1 */
 bool group_top_heavy(const Group *g);   /* is something much heavier than something else? */
 bool group_elastic(const Group *g);     /* do any of its joints give and store energy? */
 bool group_bears_load(const Group *g);  /* do joints carry what is heavy, or give? Else they are limbs that slide and turn */

