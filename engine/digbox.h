@@ -645,7 +645,7 @@ typedef struct dig_event {
     dig_region region;          /* entered, left                                       */
 } dig_event;
 
-/* Events of the last step in the order (time, kind, lower slot, higher slot). Valid until the next step. */
+/* Events of the last step in the order (time, kind, lower slot, higher slot). Valid until the next step, be it one that fails. */
 int dig_events(const dig_world *w, const dig_event **out);
 void dig_tell_moves(dig_world *w, bool on);         /* from the next step on there are events `moved`: of each body that did, in each step */
 

@@ -376,7 +376,7 @@ INLINE void fill_lane(Crowd *c, Batch *b, int lane, GroupContact *t)
 
 static void *room_for(Crowd *c, size_t bytes, dig_status *status)
 {
-    void *p = spare_take(&c->g->spare, c->g->lasting, bytes);
+    void *p = spare_take(&c->room, c->g->lasting, bytes);
     *status = p ? *status : DIG_E_MEMORY;
     return p;
 }
@@ -528,6 +528,8 @@ static dig_status make_batches(const Rows *r)
     for (int i = 0; i < r->count; i += lanes_from(r, i))
         batches++;
     c->batch = spare_take(&c->g->spare, c->g->lasting, (size_t)batches * sizeof *c->batch);
+    c->room = c->g->spare;
+    spare_add(&c->room, c->g->idle, c->g->idle_bytes);
     c->phase = arena_alloc(c->g->lasting, (2 * (COLOURS + 1) + 1) * sizeof *c->phase);
     if (!c->batch || !c->phase)
         return DIG_E_MEMORY;

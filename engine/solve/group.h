@@ -263,6 +263,7 @@ struct Group {
     Arena    *lasting;          /* until the step is committed */
     Arena    *arena;            /* while the group is advanced */
     Spare    *spare;            /* of lasting, what the group has done with */
+    void     *idle; size_t idle_bytes;          /* nobody's while the group is advanced: what is in it then is lost */
     Team     *team;             /* that advances it; NULL: one thread */
     vec3      gravity;          /* m/s^2  of the world */
     real      fall;             /* m/s^2  the largest where its members are: the scale of what weight does */

@@ -219,6 +219,10 @@ static void advance_part(Context *c, int i, Scratch scratch)
         return;
     if (c->w->poisoned.gen != 0)
         poison(g, c->w->poisoned);
+    if (group_is_most(g)) {         /* at most one is. Not all the room there is: what nobody has written to takes no memory */
+        g->idle = c->w->events.data;
+        g->idle_bytes = (size_t)int_min(c->w->events_written, c->w->events.capacity) * sizeof *c->w->events.data;
+    }
     call_effects(g);
     if (g->own && !c->alone) {
         g->waits = true;

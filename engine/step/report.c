@@ -72,6 +72,8 @@ static void turn_events(World *w)
     w->pending.capacity = capacity;
 }
 
+void end_events(World *w) { w->events.count = w->mail.shown.count = 0; }
+
 /* The room of the last step's events is for those of this one, after what has been waiting: only one of the lists ever gets large. */
 void begin_events(World *w)
 {

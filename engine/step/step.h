@@ -99,6 +99,7 @@ void       count_work(World *w, const Step *s);     /* of one try of the step, w
 void       settle_debt(World *w, const Step *s);    /* of a step that is over, while its groups are as they were */
 /* report.c */
 bool       world_left(const World *w, vec3 x);      /* out of the room, or farther than anyone looks        */
+void       end_events(World *w);                   /* those of the last step: from now on their room is idle */
 void       begin_events(World *w);                 /* before the first one of this step: nothing can fail any more */
 void       report(World *w, const Step *s);
 
