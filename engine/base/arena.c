@@ -143,30 +143,63 @@ void arena_shrink(Arena *a, void *last, size_t bytes)
 
 #define SPARE_LEAST 1024        /* bytes: less is not worth a look */
 
-void spare_add(Spare **list, void *at, size_t bytes)
+static void spare_push(Spare **list, unsigned char *at, size_t bytes)
 {
-    size_t skip = (ARENA_ALIGN - (uintptr_t)at % ARENA_ALIGN) % ARENA_ALIGN;
-    if (bytes < SPARE_LEAST + skip)
+    _Static_assert(sizeof(Spare) <= ARENA_ALIGN, "the head takes one unit");
+    if (bytes < SPARE_LEAST)
         return;
-    Spare *s = (void *)((unsigned char *)at + skip);
-    *s = (Spare){*list, (bytes - skip) / ARENA_ALIGN * ARENA_ALIGN};
+    Spare *s = (void *)at;
+    *s = (Spare){*list, bytes};
     *list = s;
 }
 
-/* From its end, so that its head stays where it is. */
-void *spare_take(Spare **list, Arena *a, size_t bytes)
+static unsigned char *next_unit(void *at) { return (unsigned char *)at + (ARENA_ALIGN - (uintptr_t)at % ARENA_ALIGN) % ARENA_ALIGN; }
+
+void spare_add(Spare **list, void *at, size_t bytes)
 {
-    _Static_assert(sizeof(Spare) <= ARENA_ALIGN, "the head takes one unit");
+    unsigned char *first = next_unit(at), *end = next_unit((unsigned char *)at + bytes);
+    for (Spare **link = list, *s = *link; s; s = *link) {
+        bool before = (unsigned char *)s + s->bytes == first, after = (unsigned char *)s == end;
+        if (before)
+            first = (unsigned char *)s;
+        if (after)
+            end += s->bytes;
+        if (before || after)
+            *link = s->next;
+        else
+            link = &s->next;
+    }
+    spare_push(list, first, (size_t)(end - first));
+}
+
+void spare_lend(Spare **list, void *at, size_t bytes)
+{
+    unsigned char *first = next_unit(at), *end = (unsigned char *)at + bytes;
+    if (first < end)
+        spare_push(list, first, (size_t)(end - first) / ARENA_ALIGN * ARENA_ALIGN);
+}
+
+/* From its end, so that its head stays where it is; or all of it. */
+void *spare_find(Spare **list, size_t bytes)
+{
     size_t size = bytes ? round_up(bytes) : ARENA_ALIGN;
-    for (Spare *s = *list; s; s = s->next) {
-        if (bytes >= s->bytes || size + ARENA_ALIGN > s->bytes)         /* the first: size may have overflowed */
+    for (Spare **link = list, *s = *link; s; link = &s->next, s = *link) {
+        if (bytes > s->bytes || size > s->bytes)        /* the first: size may have overflowed */
             continue;
         s->bytes -= size;
         unsigned char *piece = (unsigned char *)s + s->bytes;
+        if (s->bytes == 0)
+            *link = s->next;
         poison(piece, size);
         return piece;
     }
-    return arena_alloc(a, bytes);
+    return NULL;
+}
+
+void *spare_take(Spare **list, Arena *a, size_t bytes)
+{
+    void *piece = spare_find(list, bytes);
+    return piece ? piece : arena_alloc(a, bytes);
 }
 
 ArenaMark arena_mark(const Arena *a)

@@ -75,7 +75,9 @@ static inline void *arena_next(const Arena *a) { return a->next; }
 typedef struct Spare Spare;
 struct Spare { Spare *next; size_t bytes; };            /* bytes from here on, a multiple of ARENA_ALIGN */
 
-void      spare_add(Spare **list, void *at, size_t bytes);
+void      spare_add(Spare **list, void *at, size_t bytes);         /* of an arena's piece: one is there that ends with it, or all that comes after is spare */
+void      spare_lend(Spare **list, void *at, size_t bytes);        /* of other memory, for as long as that is nobody's; not into a list with an arena's */
+void     *spare_find(Spare **list, size_t bytes);                  /* NULL: none has room */
 void     *spare_take(Spare **list, Arena *a, size_t bytes);     /* from the list where it has room, else arena_alloc */
 
 void      arena_ready(Arena *a);                        /* takes memory for what a small step needs: the first one need not wait for its pages */

@@ -376,7 +376,8 @@ INLINE void fill_lane(Crowd *c, Batch *b, int lane, GroupContact *t)
 
 static void *room_for(Crowd *c, size_t bytes, dig_status *status)
 {
-    void *p = spare_take(&c->room, c->g->lasting, bytes);
+    void *p = spare_find(&c->idle, bytes);
+    p = p ? p : spare_take(&c->g->spare, c->g->lasting, bytes);
     *status = p ? *status : DIG_E_MEMORY;
     return p;
 }
@@ -528,8 +529,8 @@ static dig_status make_batches(const Rows *r)
     for (int i = 0; i < r->count; i += lanes_from(r, i))
         batches++;
     c->batch = spare_take(&c->g->spare, c->g->lasting, (size_t)batches * sizeof *c->batch);
-    c->room = c->g->spare;
-    spare_add(&c->room, c->g->idle, c->g->idle_bytes);
+    c->idle = NULL;
+    spare_lend(&c->idle, c->g->idle, c->g->idle_bytes);
     c->phase = arena_alloc(c->g->lasting, (2 * (COLOURS + 1) + 1) * sizeof *c->phase);
     if (!c->batch || !c->phase)
         return DIG_E_MEMORY;
@@ -572,6 +573,7 @@ dig_status rows_open(Crowd *c)
         c->presses = c->presses || (g->driven && r.found[i].presses);
     }
     r.count = colour_all(&r, taken, place);
+    spare_add(&g->spare, taken, (size_t)(c->bodies + 1) * sizeof *taken);
     r.sorted = spare_take(&g->spare, g->lasting, (size_t)r.count * sizeof *r.sorted);
     if (!r.sorted)
         return DIG_E_MEMORY;

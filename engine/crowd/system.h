@@ -181,7 +181,7 @@ typedef struct Crowd {
     real  *lost;                /* [blocks] J  kinetic energy of a block of bodies, and the work of forces on it, less what it has in the end */
     int    blocks;
     Batch *batch; int batches;
-    Spare *room;                /* for rows: what is idle, then what the group has done with      */
+    Spare *idle;                /* of g's, for rows: nobody asks for them after the piece      */
     int   *row;                 /* [contact_count of g] LANES times its batch, and its lane; < 0: it does not act */
     bool   alone;               /*     in one piece, and most of the world: Acted are known by row          */
     bool   presses;             /*     a mover that moves presses something: see warm_most() */

@@ -67,7 +67,7 @@ static dig_status open(Crowd *c)
     Group *g = c->g;
     g->h = c->dt;
     DIG_TRY(group_forces(g));
-    c->trait = spare_take(&g->spare, g->lasting, (size_t)g->body_count * sizeof *c->trait);
+    c->trait = arena_alloc(g->lasting, (size_t)g->body_count * sizeof *c->trait);          /* not of what is spare: crowd_touch needs all of that */
     if (g->losses && !g->start_vel)
         g->start_vel = arena_alloc(g->lasting, (size_t)g->body_count * sizeof *g->start_vel);
     if (!c->trait || (g->losses && !g->start_vel))

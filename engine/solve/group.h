@@ -191,6 +191,7 @@ typedef struct GroupPair {
     bool     was_touching : 1;  /* at the end of the last step     */
     bool     touching : 1;      /* of this one, by group_judge     */
     bool     both_moved : 1;    /* neither was at rest before      */
+    bool     seamed : 1;        /* something is beside its fixed one: see Group.seams */
     uint8_t  presses;           /* bits: at which points it presses as it did before, in this substep */
     Covered  covered;           /* faces that joints hold to the next piece of the same thing */
     const Rub *rub;             /* of its two surfaces, in the step's memory; many pairs may have one, see group_own_rubs */
@@ -304,7 +305,7 @@ struct Group {
     int       live_count, rubbing_count;        /* group_judge: contacts with points, and those of them with friction */
     int      *turned;       int turned_count;   /* group_judge: contacts whose record in the world, or whose pair's memory, comes, goes, or grows */
     int       widened_count, remembered_count;  /* group_judge: of these, contacts that grow; memories that come */
-    Seams    *seams;            /* [pair_count] what is beside the fixed one of each; NULL: nothing is */
+    Seams    *seams;            /* [walled_count, or fewer] what is beside the fixed one of each of these that is `seamed` */
     Beside   *beside;           /* the fixed ones that movers meet */
     int      *beside_which;     /* of these, by seams */
     real      finest;           /* m   group_judge: size of the smallest solid in a pair; INFINITY: there is no pair */

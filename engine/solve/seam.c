@@ -13,7 +13,7 @@
 /* A pair of something that moves with something fixed. */
 typedef struct Meeting {
     const Solid *mover, *fixed;
-    int   pair;
+    int   wall;                 /* its number in the group's `walled` */
     box3  box;                  /* m  about the fixed one; of planes, infinite */
 } Meeting;
 
@@ -38,14 +38,14 @@ static int mover_of(const Group *g, const GroupPair *q)
     return q->a < g->moving_count ? (is_fixed(g, q->b) ? q->a : -1) : q->b < g->moving_count && is_fixed(g, q->a) ? q->b : -1;
 }
 
-static bool meeting_of(const Group *g, int pair, Meeting *m)
+static bool meeting_of(const Group *g, int wall, Meeting *m)
 {
     static const box3 everywhere = {{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}};
-    const GroupPair *q = &g->pairs[pair];
+    const GroupPair *q = &g->pairs[g->walled[wall]];
     bool a = q->a >= g->moving_count;
     const Pair *p = &g->world->pairs.data[q->slot];
     const Solid *on_a = &g->world->solids.data[p->solid_a], *on_b = &g->world->solids.data[p->solid_b];
-    *m = (Meeting){.mover = a ? on_b : on_a, .fixed = a ? on_a : on_b, .pair = pair};
+    *m = (Meeting){.mover = a ? on_b : on_a, .fixed = a ? on_a : on_b, .wall = wall};
     if (!m->fixed->form->shape.type->convex && m->fixed->form->shape.type != &shape_plane)
         return false;
     real margin = FLUSH * m->fixed->form->shape.outer;
@@ -106,7 +106,7 @@ static int list_meetings(const Group *g, Meeting **list)
     }
     for (int i = 0; i < g->walled_count; i++)
         if (met[mover_of(g, &g->pairs[g->walled[i]])] > 1)
-            count += meeting_of(g, g->walled[i], *list + count);
+            count += meeting_of(g, i, *list + count);
     return count;
 }
 
@@ -118,7 +118,7 @@ static int compare_meetings(const void *a, const void *b)
         return x->mover < y->mover ? -1 : 1;
     if (x->box.low.x != y->box.low.x)
         return x->box.low.x < y->box.low.x ? -1 : 1;
-    return x->pair - y->pair;
+    return x->wall - y->wall;
 }
 
 static bool is_plane(const Meeting *m) { return m->fixed->form->shape.type == &shape_plane; }
@@ -148,7 +148,7 @@ static int link_run(Group *g, const Meeting *m, int from, int end, bool write)
             if (!beside(g->world, &m[i], &m[k]))
                 continue;
             links += 2;
-            Seams *x = &g->seams[m[i].pair], *y = &g->seams[m[k].pair];
+            Seams *x = &g->seams[m[i].wall], *y = &g->seams[m[k].wall];
             if (write) {
                 g->beside_which[x->first + x->count] = k;
                 g->beside_which[y->first + y->count] = i;
@@ -169,19 +169,10 @@ static int link_all(Group *g, const Meeting *m, int count, bool write)
     return links;
 }
 
-/* Room for pairs left out, too: those without a fixed solid come in as they are. */
-static bool open_seams(Group *g)
-{
-    size_t bytes = (size_t)(g->pair_count + g->left_count) * sizeof *g->seams;
-    g->seams = arena_alloc(g->lasting, bytes);
-    if (g->seams)
-        memset(g->seams, 0, bytes);
-    return g->seams;
-}
-
 static dig_status link_meetings(Group *g, const Meeting *m, int count)
 {
-    if (!open_seams(g))
+    g->seams = arena_zero(g->lasting, (size_t)g->walled_count * sizeof *g->seams);
+    if (!g->seams)
         return DIG_E_MEMORY;
     int links = link_all(g, m, count, false);
     g->beside_which = arena_alloc(g->lasting, (size_t)links * sizeof *g->beside_which);
@@ -190,13 +181,13 @@ static dig_status link_meetings(Group *g, const Meeting *m, int count)
         return DIG_E_MEMORY;
     for (int i = 0; i < count && links > 0; i++)
         g->beside[i] = (Beside){&m[i].fixed->form->shape, solid_pose(g->world, m[i].fixed), m[i].box};
-    for (int i = 0, first = 0; i < g->pair_count; i++) {
-        first += g->seams[i].count;
-        g->seams[i] = (Seams){first - g->seams[i].count, 0};
+    for (int i = 0, first = 0; i < g->walled_count; i++) {
+        int own = g->seams[i].count;
+        g->pairs[g->walled[i]].seamed = own > 0;
+        g->seams[i] = (Seams){first, 0};
+        first += own;
     }
     link_all(g, m, count, true);
-    if (links == 0)
-        g->seams = NULL;
     return DIG_OK;
 }
 
@@ -213,14 +204,20 @@ dig_status seams(Group *g, int first)
     if (count < 2)
         return count < 0 ? DIG_E_MEMORY : DIG_OK;
     qsort(m, (size_t)count, sizeof *m, compare_meetings);
-    return link_meetings(g, m, count);
+    dig_status status = link_meetings(g, m, count);
+    spare_add(&g->spare, m, (size_t)count * sizeof *m);
+    return status;
 }
+
+static int compare_pairs(const void *a, const void *b) { return *(const int *)a - *(const int *)b; }
 
 static Neighbours neighbours_of(const Group *g, const GroupPair *q)
 {
-    if (!g->seams)
+    if (!q->seamed)
         return (Neighbours){0};
-    const Seams *s = &g->seams[q - g->pairs];
+    int pair = (int)(q - g->pairs);
+    const int *wall = bsearch(&pair, g->walled, (size_t)g->walled_count, sizeof *g->walled, compare_pairs);
+    const Seams *s = &g->seams[wall - g->walled];
     return (Neighbours){g->beside, g->beside_which + s->first, s->count};
 }
 

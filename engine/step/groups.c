@@ -604,9 +604,11 @@ dig_status form_groups(World *w, Step *s)
                .pairs = arena_alloc(&w->scratch, (size_t)w->near.count * sizeof *f.pairs)};
     if (!f.nodes || !f.pairs)
         return world_fail(w, DIG_E_MEMORY, "not enough memory for the step's groups");
+    ArenaMark mark = arena_mark(&w->scratch);
     dig_status status = list_awake(w, &f);
     if (status == DIG_OK)
         status = collect_pairs(w, &f);
+    arena_rewind(&w->scratch, mark);        /* all that was found is in f */
     if (status == DIG_OK)
         status = cut(w, s, &f);
     for (int i = 0; i < f.node_count; i++)

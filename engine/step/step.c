@@ -16,7 +16,10 @@ dig_status step_sense(World *w)
         arena_reset(&w->group_scratch);
     if (w->workers)
         workers_reset(w->workers);
-    return sense_pairs(w, w->def.step);
+    ArenaMark mark = arena_mark(&w->scratch);
+    dig_status status = sense_pairs(w, w->def.step);
+    arena_rewind(&w->scratch, mark);        /* all that it found is in the world */
+    return status;
 }
 
 static dig_status try_once(World *w, Step *s)

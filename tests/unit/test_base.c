@@ -1,5 +1,7 @@
 /* test_base.c - scratch memory, the hash map and sorting against models of what they should do. */
 #define _DEFAULT_SOURCE         /* sysconf */
+#include <stdlib.h>
+
 #include "check.h"
 #include "resident.h"
 
@@ -78,28 +80,67 @@ TEST(spare_memory_is_used_first_and_its_pieces_do_not_overlap)
 {
     Arena a = {0};
     Spare *spare = NULL;
-    unsigned char *dead = arena_alloc(&a, 4096), *more = arena_alloc(&a, 4096), *kept = arena_alloc(&a, 64);
+    unsigned char *dead = arena_alloc(&a, 4096), *kept = arena_alloc(&a, 64), *more = arena_alloc(&a, 4096);
     memset(kept, 7, 64);
     spare_add(&spare, dead + 5, 4096 - 5);              /* its start need not be aligned */
     spare_add(&spare, more, 4096);
-    spare_add(&spare, kept, 64);                        /* too small to matter: left as it is */
+    spare_add(&spare, kept + 5, 50);                    /* too small to matter: left as it is */
     size_t live = arena_live(&a);
-    unsigned char *piece[7];
+    unsigned char *piece[8];
     int fills = 0;
-    for (int i = 0; i < 7; i++) {                       /* three fit beside each head: 3 * 1024 + 32 <= 4064 */
+    for (int i = 0; i < 8; i++) {                       /* four fit into the one, three into the other: 3 * 1024 <= 4096 - 64 < 4 * 1024 */
         piece[i] = spare_take(&spare, &a, 1000);
         CHECK((uintptr_t)piece[i] % ARENA_ALIGN == 0);
         memset(piece[i], i + 1, 1000);
-        CHECK_INT(arena_live(&a) > live, i == 6);
-        CHECK_INT((piece[i] >= dead && piece[i] + 1000 <= more + 4096), i < 6);
+        CHECK_INT(arena_live(&a) > live, i == 7);
+        CHECK_INT((piece[i] >= dead && piece[i] + 1000 <= more + 4096), i < 7);
     }
-    for (int i = 0; i < 7; i++)
+    for (int i = 0; i < 8; i++)
         for (int k = 0; k < 1000; k++)
             fills += piece[i][k] != i + 1;
     CHECK_INT(fills, 0);
     CHECK_INT(kept[0] + kept[63], 14);
     CHECK(spare_take(&spare, &a, SIZE_MAX - 8) == NULL);
     arena_close(&a);
+}
+
+TEST(spare_memory_side_by_side_is_one_piece_whatever_came_first)
+{
+    for (int first = 0; first < 3; first++)
+        for (int second = 0; second < 3; second++) {
+            if (first == second)
+                continue;
+            Arena a = {0};
+            Spare *spare = NULL;
+            unsigned char *part[3];
+            for (int i = 0; i < 3; i++)
+                part[i] = arena_alloc(&a, 4000);        /* 4032 with what nobody has */
+            spare_add(&spare, part[first], 4000);
+            spare_add(&spare, part[second], 4000);
+            spare_add(&spare, part[3 - first - second], 4000);
+            CHECK(spare_find(&spare, 3 * 4032 + 1) == NULL);
+            CHECK(spare_find(&spare, 3 * 4032) == part[0]);
+            CHECK(spare == NULL);
+            arena_close(&a);
+        }
+}
+
+TEST(lent_memory_is_given_in_whole_units_only)
+{
+    Spare *spare = NULL;
+    unsigned char *lent = malloc(8192), guard = 9;
+    CHECK(lent != NULL);
+    memset(lent, guard, 8192);
+    spare_lend(&spare, lent + 1, 8190);
+    for (unsigned char *p = spare_find(&spare, 100); p; p = spare_find(&spare, 100)) {
+        CHECK((uintptr_t)p % ARENA_ALIGN == 0);
+        memset(p, 1, 128);
+    }
+    CHECK_INT(lent[0] + lent[8191], 2 * guard);
+    spare = NULL;
+    spare_lend(&spare, NULL, 0);
+    CHECK(spare == NULL);
+    free(lent);
 }
 
 TEST(after_one_reset_the_same_step_never_allocates_again)
@@ -547,6 +588,8 @@ int main(void)
         unit_test(zeroed_pieces_are_zero_even_in_used_memory),
         unit_test(rewinding_gives_back_what_was_taken_since_the_mark_and_keeps_the_rest),
         unit_test(spare_memory_is_used_first_and_its_pieces_do_not_overlap),
+        unit_test(spare_memory_side_by_side_is_one_piece_whatever_came_first),
+        unit_test(lent_memory_is_given_in_whole_units_only),
         unit_test(after_one_reset_the_same_step_never_allocates_again),
         unit_test(a_rewound_chain_of_chunks_is_filled_again_without_the_allocator),
         unit_test(a_demand_beyond_all_memory_is_refused_and_changes_nothing),
