@@ -35,7 +35,8 @@ static dig_effect_part part_of(const Group *g, int i)
 {
     const Member *m = &g->member[i];
     const Pos *p = &g->pos[i];
-    return (dig_effect_part){.body = body_handle(g->world, m->slot), .position = vec3_sub(p->x, quat_rotate(p->q, m->centre)), .rotation = p->q,
+    vec3 centre = g->world->bodies.data[m->slot].centre;
+    return (dig_effect_part){.body = body_handle(g->world, m->slot), .position = vec3_sub(p->x, quat_rotate(p->q, centre)), .rotation = p->q,
                              .centre = p->x, .velocity = g->vel[i].v, .spin = g->vel[i].w, .mass = m->mass};
 }
 

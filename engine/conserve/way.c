@@ -40,7 +40,7 @@ static bool may_close(const Group *g, const GroupContact *c, const ManifoldPoint
 {
     vec3 v = vec3_sub(point_velocity(g, c->b, p->b), point_velocity(g, c->a, p->a));
     real closing = real_max(0, -vec3_dot(c->manifold.normal, v)) + vec3_length(v);
-    real thrown = member_thrown(&g->member[c->a], time) + member_thrown(&g->member[c->b], time);
+    real thrown = group_thrown(g, c->a, time) + group_thrown(g, c->b, time);
     return p->gap < closing * time + g->fall * time * time + thrown + 1e-4 * g->pairs[c->pair].size;
 }
 
@@ -60,7 +60,7 @@ static real approach(const Group *g, int body, int other)
 static real comes_round(const Group *g, const GroupContact *c, real time)
 {
     const GroupPair *q = &g->pairs[c->pair];
-    real thrown = member_thrown(&g->member[c->a], time) + member_thrown(&g->member[c->b], time);
+    real thrown = group_thrown(g, c->a, time) + group_thrown(g, c->b, time);
     real way = real_min(approach(g, c->a, c->b), approach(g, c->b, c->a)) * time + g->fall * time * time + thrown;
     return way > q->on_a->shape.inner + q->on_b->shape.inner ? way : -INFINITY;
 }

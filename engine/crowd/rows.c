@@ -19,10 +19,12 @@ typedef struct Chosen {         /* what there is to know of a contact before it 
 } Chosen;
 
 /* One place for each kind of batch: fixed or not, colour, points; round ones come last. */
-#define KINDS (2 * (COLOURS + 1) * (MANIFOLD_POINTS + 1))
+#define KINDS_OF_ONE (MANIFOLD_POINTS + 1)      /* colour, fixed or not: these are a phase */
+#define PHASES (2 * (COLOURS + 1))
+#define KINDS (PHASES * KINDS_OF_ONE)
 static int kind_of(const Chosen *x)
 {
-    return ((int)x->fixed * (COLOURS + 1) + x->colour) * (MANIFOLD_POINTS + 1) + MANIFOLD_POINTS - (x->round ? 0 : x->points);
+    return ((int)x->fixed * (COLOURS + 1) + x->colour) * KINDS_OF_ONE + MANIFOLD_POINTS - (x->round ? 0 : x->points);
 }
 
 /* Does what comes with this velocity, relative to the other, pass by at its side before the gap could close? A row holds for the present
@@ -126,7 +128,9 @@ static void forget(const Group *g, GroupContact *t)
 
 typedef struct Found { real deepest; bool presses; } Found;      /* of a thread's share: see Crowd.deep, Crowd.presses */
 
-typedef struct Rows { Crowd *c; Chosen *chosen, *sorted; int count; Found *found; } Rows;
+typedef struct Rows { Crowd *c; Chosen *chosen; int *sorted, count; Found *found; } Rows;       /* sorted: numbers of those that act, by their kinds */
+
+static const Chosen *chosen_at(const Rows *r, int i) { return &r->chosen[r->sorted[i]]; }
 
 /* m  By how much a pass need not move a point. */
 static real needed(const GroupPair *q, const GroupContact *t) { return (t->manifold.count > crowd_alone(q) ? NEEDED_MANY : NEEDED_ONE) * q->size; }
@@ -403,16 +407,18 @@ static void clear(Batch *b)
         memset(b->roll, 0, sizeof *b->roll);
 }
 
-/* What a batch of these needs. */
-static Batch kind_of_batch(const Chosen *x, int count)
+/* What a batch of so many of the sorted contacts needs, from number i on. */
+static Batch kind_of_batch(const Rows *r, int i, int count)
 {
-    Batch b = {.points = x->points, .fixed = x->fixed, .round = x->round, .halves = 1};
-    for (int i = 0; i < count; i++) {
-        b.whole += x[i].points == x->points;
-        b.rubs = b.rubs || x[i].rubs;
-        b.rolls = b.rolls || x[i].rolls;
-        b.driven = b.driven || x[i].driven;
-        b.bounces = b.bounces || x[i].bounces;
+    const Chosen *first = chosen_at(r, i);
+    Batch b = {.points = first->points, .fixed = first->fixed, .round = first->round, .halves = 1};
+    for (int end = i + count; i < end; i++) {
+        const Chosen *x = chosen_at(r, i);
+        b.whole += x->points == first->points;
+        b.rubs = b.rubs || x->rubs;
+        b.rolls = b.rolls || x->rolls;
+        b.driven = b.driven || x->driven;
+        b.bounces = b.bounces || x->bounces;
     }
     return b;
 }
@@ -442,15 +448,8 @@ static dig_status make_batch(Crowd *c, Batch *b)
     return status;
 }
 
-/* How many of the sorted contacts, from number i on, are one lot. */
-static int lanes_from(const Rows *r, int i)
-{
-    const Chosen *x = &r->sorted[i];
-    int n = 1;
-    while (n < HALF && i + n < r->count && x->colour < COLOURS && x[n].colour == x->colour && x[n].fixed == x->fixed)
-        n++;
-    return n;
-}
+/* So many contacts of a phase that ends there are one lot, from number i on. */
+static int lanes_from(bool alone, int i, int end) { return alone ? 1 : int_min(HALF, end - i); }
 
 typedef struct Strand { int next, end; } Strand;        /* sorted contacts of a colour with as many points, and so in the order of contacts */
 
@@ -459,7 +458,7 @@ static Strand *first_of(const Rows *r, Strand *strand, int strands)
 {
     Strand *first = NULL;
     for (Strand *s = strand; s < strand + strands; s++)
-        if (s->next < s->end && (!first || r->sorted[s->next].contact < r->sorted[first->next].contact))
+        if (s->next < s->end && (!first || r->sorted[s->next] < r->sorted[first->next]))
             first = s;
     return first;
 }
@@ -469,9 +468,10 @@ static Strand *first_of(const Rows *r, Strand *strand, int strands)
 typedef struct Waiting { int batch[WAITING_MOST], count; } Waiting;     /* of a phase, for another half: one of each kind */
 
 /* Puts a lot of contacts into the other half of a batch of its kind, or into a new one. What is alone stays alone. */
-static dig_status add_lot(Crowd *c, const Phase *p, Waiting *w, const Chosen *x, int count)
+static void add_lot(const Rows *r, const Phase *p, Waiting *w, int lot, int count)
 {
-    Batch b = kind_of_batch(x, count);
+    Crowd *c = r->c;
+    Batch b = kind_of_batch(r, lot, count);
     int k = 0, at = c->batches, first = 0;
     while (k < w->count && !alike(&c->batch[w->batch[k]], &b))
         k++;
@@ -485,61 +485,70 @@ static dig_status add_lot(Crowd *c, const Phase *p, Waiting *w, const Chosen *x,
         w->batch[w->count++] = at;
     }
     for (int i = 0; i < count; i++)
-        c->row[x[i].contact] = at * LANES + first + i;
-    if (first > 0)
-        return DIG_OK;
-    c->batch[c->batches++] = b;
-    return make_batch(c, &c->batch[at]);
+        c->row[chosen_at(r, lot + i)->contact] = at * LANES + first + i;
+    if (first == 0)
+        c->batch[c->batches++] = b;
 }
 
 /* The batches of one colour: i <= number of a sorted contact < end, those with most points first, eight by eight, and two by two of these. They
  * come in the order of contacts whatever their points (within a colour that is free): a thread has nearly the same bodies in each colour then,
  * where what lies side by side has numbers near each other. What is alone keeps its order. */
-static dig_status make_phase(const Rows *r, int i, int end)
+static void make_phase(const Rows *r, bool alone, int i, int end)
 {
     Crowd *c = r->c;
-    const Chosen *x = r->sorted;
     Phase *p = &c->phase[c->phases++];
     Strand strand[MANIFOLD_POINTS + 1], *s;
     Waiting waiting = {.count = 0};
     int strands = 0;
-    *p = (Phase){.first = c->batches, .alone = x[i].colour == COLOURS};
-    for (int before = i; i < end; before = i, i += lanes_from(r, i)) {
-        if (strands == 0 || (x[i].contact < x[before].contact && !p->alone))
+    *p = (Phase){.first = c->batches, .alone = alone};
+    for (int before = i; i < end; before = i, i += lanes_from(alone, i, end)) {
+        if (strands == 0 || (r->sorted[i] < r->sorted[before] && !alone))
             strand[strands++].next = i;
-        strand[strands - 1].end = i + lanes_from(r, i);
+        strand[strands - 1].end = i + lanes_from(alone, i, end);
     }
     while ((s = first_of(r, strand, strands)) != NULL) {
-        int n = lanes_from(r, s->next);
-        DIG_TRY(add_lot(c, p, &waiting, &x[s->next], n));
+        int n = lanes_from(alone, s->next, end);
+        add_lot(r, p, &waiting, s->next, n);
         s->next += n;
     }
     p->count = c->batches - p->first;
-    for (Batch *b = &c->batch[p->first]; b < &c->batch[c->batches]; b++)
-        if (b->whole < LANES || b->driven || b->roll)
-            clear(b);
+}
+
+static bool is_alone(int phase) { return phase % (COLOURS + 1) == COLOURS; }
+
+/* Among the sorted contacts. ends: of each kind. */
+static int first_in(const int *ends, int phase) { return phase > 0 ? ends[phase * KINDS_OF_ONE - 1] : 0; }
+
+static dig_status make_batches(const Rows *r, const int *ends)
+{
+    Crowd *c = r->c;
+    Group *g = c->g;
+    int lots = 0;
+    for (int i = 0; i < PHASES; i++) {
+        int count = first_in(ends, i + 1) - first_in(ends, i);
+        lots += is_alone(i) ? count : (count + HALF - 1) / HALF;
+    }
+    c->batch = spare_take(&g->spare, g->lasting, (size_t)lots * sizeof *c->batch);
+    c->phase = arena_alloc(g->lasting, PHASES * sizeof *c->phase);
+    if (!c->batch || !c->phase)
+        return DIG_E_MEMORY;
+    for (int i = 0; i < PHASES; i++)
+        if (first_in(ends, i + 1) > first_in(ends, i))
+            make_phase(r, is_alone(i), first_in(ends, i), first_in(ends, i + 1));
+    spare_add(&g->spare, c->batch + c->batches, (size_t)(lots - c->batches) * sizeof *c->batch);       /* two lots are one, mostly */
     return DIG_OK;
 }
 
-static dig_status make_batches(const Rows *r)
+/* Room for the rows of all batches; what lies idle first. */
+static dig_status open_batches(Crowd *c)
 {
-    Crowd *c = r->c;
-    const Chosen *x = r->sorted;
-    int batches = 0;
-    for (int i = 0; i < r->count; i += lanes_from(r, i))
-        batches++;
-    c->batch = spare_take(&c->g->spare, c->g->lasting, (size_t)batches * sizeof *c->batch);
     c->idle = NULL;
     spare_lend(&c->idle, c->g->idle, c->g->idle_bytes);
-    c->phase = arena_alloc(c->g->lasting, (2 * (COLOURS + 1) + 1) * sizeof *c->phase);
-    if (!c->batch || !c->phase)
-        return DIG_E_MEMORY;
-    for (int i = 0, end; i < r->count; i = end) {
-        for (end = i + 1; end < r->count && x[end].colour == x[i].colour && x[end].fixed == x[i].fixed;)
-            end++;
-        DIG_TRY(make_phase(r, i, end));
+    for (Batch *b = c->batch; b < c->batch + c->batches; b++) {
+        DIG_TRY(make_batch(c, b));
+        if (b->whole < LANES || b->driven || b->roll)
+            clear(b);
     }
-    spare_add(&c->g->spare, c->batch + c->batches, (size_t)(batches - c->batches) * sizeof *c->batch);     /* two lots are one, mostly */
     return DIG_OK;
 }
 
@@ -583,10 +592,11 @@ dig_status rows_open(Crowd *c)
         sum += n;
     }
     for (int i = 0; i < r.count; i++)
-        r.sorted[place[kind_of(&r.chosen[i])]++] = r.chosen[i];
-    spare_add(&g->spare, r.chosen, (size_t)(g->contact_count + 1) * sizeof *r.chosen);
-    DIG_TRY(make_batches(&r));
+        r.sorted[place[kind_of(&r.chosen[i])]++] = i;
+    DIG_TRY(make_batches(&r, place));
     spare_add(&g->spare, r.sorted, (size_t)r.count * sizeof *r.sorted);
+    spare_add(&g->spare, r.chosen, (size_t)(g->contact_count + 1) * sizeof *r.chosen);
+    DIG_TRY(open_batches(c));
     team_deal(g->team, fill_share(c), c);
     return DIG_OK;
 }

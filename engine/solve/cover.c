@@ -20,7 +20,10 @@ static const Solid *only_box(const Group *g, int body)
     return s->form->shape.type == &shape_box ? s : NULL;
 }
 
-static pose about_centre(const Group *g, int body, const Solid *s) { return (pose){vec3_sub(s->form->at.p, g->member[body].centre), s->form->at.q}; }
+static pose about_centre(const Group *g, int body, const Solid *s)
+{
+    return (pose){vec3_sub(s->form->at.p, g->world->bodies.data[g->member[body].slot].centre), s->form->at.q};
+}
 
 typedef struct Side { vec3 half; pose at; } Side;       /* a box, in the frame of the joint at rest */
 

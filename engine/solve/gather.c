@@ -101,7 +101,6 @@ static void gather_body(Group *g, int i, uint32_t slot, bool awake)
     m->integrator = b->integrator;
     m->fresh = b->euler;
     take_inertia(g, i, b, inert);
-    m->centre = b->centre;
     m->outer = b->outer;
     m->rim = b->rim;
     m->travel = b->travel;

@@ -143,7 +143,7 @@ static real way_of(const Group *g, int body)
     const Member *m = &g->member[body];
     const Vel *v = &g->vel[body];
     real dt = g->world->def.step, spin = m->rim > 0 && vec3_length2(v->w) > 0 ? vec3_length(v->w) * m->rim : 0;
-    return dt * (vec3_length(v->v) + spin + m->pull * dt) + member_thrown(m, dt);
+    return dt * (vec3_length(v->v) + spin + m->pull * dt) + group_thrown(g, body, dt);
 }
 
 static void find_spans(void *context, int thread, int threads)

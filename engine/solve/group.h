@@ -49,9 +49,7 @@ typedef struct Member {         /* the rest of a gathered body */
     bool     fresh;             /* no history: new, teleported or struck in the last step */
     uint8_t  covered;           /* faces of its box, Covered                           */
     int      integrator;        /* dig_integrator; all but DIG_AUTO are the sweep's alone */
-    vec3     centre;            /* m   centre of mass in the body frame                */
     real     pull;              /* m/s^2  gravity and pushes do no more to any point of it */
-    real     thrown, thrown_far;        /* m/s, m  nor do springs and motors, within the step; where something is near */
     real     outer, rim, travel;    /* m                                               */
     real     mass, gravity_scale;
     real     im;                /* 1/kg  0: it does not move                           */
@@ -62,6 +60,9 @@ typedef struct Member {         /* the rest of a gathered body */
     vec3     swerve;            /* rad/s  change of its spin in the substep by its own turning: in velocities from predict() to move();
                                  *     of a crowd, rad: its turn in this piece of the step */
 } Member;
+
+/* m/s, m  By so much springs and motors may throw a member within the step; where something is near. */
+typedef struct Throw { real rate, far; } Throw;
 
 typedef struct Been {           /* of a member, within this step: at blows, at the ends of a swing */
     box3     places;            /* m   where its centre of mass was                    */
@@ -288,6 +289,7 @@ struct Group {
 
     Pos      *pos; Vel *vel; Mass *mass; Member *member; int body_count, moving_count;
     mat3     *inertias;         /* [2 body_count] where time may go at another rate: of members, then their inverses */
+    Throw    *throws;           /* [body_count] NULL: nothing throws anything */
     Apart    *apart;            /* [moving_count]; NULL: no force of this group can be a drag or a law's */
     /* As mass, not there in a crowd, which asks for none of them: */
     Vel      *shift;            /* m, rad  position correction of a projection */
@@ -642,10 +644,14 @@ bool direct_joints(Group *g);           /* should joints and contacts be solved 
 real direct_wanted(const Group *g);     /* m/s  sweeps that stop above this are to be followed by direct_solve; 0 = never */
 /* turn.c */
 vec3 group_swerve(const Group *g, int i);        /* rad/s  Member.swerve, from the velocities before the substep */
-void group_find_throws(Group *g);                /* throw.c: Member.thrown, GroupJoint.lags */
+void group_find_throws(Group *g);                /* throw.c: throws, GroupJoint.lags */
 bool group_motors_yield(Group *g);                /* there: gives motors without a bound one; false: none was left without */
 void group_find_bulk(Group *g);                  /* there: Group.bulk */
-static inline real member_thrown(const Member *m, real time) { return real_min(m->thrown * time, m->thrown_far); }      /* m */
+/* m */
+static inline real group_thrown(const Group *g, int body, real time)
+{
+    return g->throws ? real_min(g->throws[body].rate * time, g->throws[body].far) : 0;
+}
 void group_note_blow(Group *g, int body);       /* impact.c: where it is it was struck */
 void group_note_swing(Group *g, int body, vec3 x, real turned);        /* there: its centre of mass was at x, having turned by so much, rad */
 quat member_turned(const Member *m, quat q, vec3 l, real h);    /* after h seconds free of torque, with angular momentum l */

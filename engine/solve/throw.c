@@ -18,8 +18,6 @@ static real give_of(const Group *g, const Row *r, int k, real *fastest)
 }
 
 /* m/s or rad/s, and m or rad: by so much may the row change its rate, and itself. mobility: 1/kg or 1/(kg m^2) of its ends. */
-typedef struct Throw { real rate, far; } Throw;
-
 static Throw throw_of(const Group *g, const Row *r, real mobility, real time)
 {
     if (r->kind == ROW_MOTOR) {
@@ -30,20 +28,28 @@ static Throw throw_of(const Group *g, const Row *r, real mobility, real time)
     return (Throw){rate, real_min(rate * time, 2 * off)};
 }
 
+static bool open_throws(Group *g)
+{
+    if (!g->throws)
+        g->throws = arena_zero(g->lasting, (size_t)g->body_count * sizeof *g->throws);
+    g->no_room = g->no_room || !g->throws;
+    return g->throws;
+}
+
 static void throw_by(Group *g, const Row *r, real time)
 {
     real mobility = 0, fastest[ROW_BODIES];
     for (int k = 0; k < r->count; k++)
         mobility += give_of(g, r, k, &fastest[k]);
-    if (!(mobility > 0))
+    if (!(mobility > 0) || !open_throws(g))
         return;
     Throw most = throw_of(g, r, mobility, time);
     for (int k = 0; k < r->count; k++) {
-        Member *m = r->body[k] < 0 ? NULL : &g->member[r->body[k]];
-        if (!m || !m->moves)
+        if (r->body[k] < 0 || !g->member[r->body[k]].moves)
             continue;
-        m->thrown += most.rate / mobility * fastest[k];
-        m->thrown_far += most.far / mobility * fastest[k];
+        Throw *t = &g->throws[r->body[k]];
+        t->rate += most.rate / mobility * fastest[k];
+        t->far += most.far / mobility * fastest[k];
     }
 }
 
@@ -85,21 +91,22 @@ static void throw_all(Group *g)
     }
 }
 
-static bool share(Group *g, int joint)
+static bool share(const Group *g, int joint)
 {
     const GroupJoint *j = &g->joints[joint];
-    Member *a = j->a < 0 ? NULL : &g->member[j->a], *b = j->b < 0 ? NULL : &g->member[j->b];
-    if (!a || !b || !a->moves || !b->moves || (a->thrown == b->thrown && a->thrown_far == b->thrown_far))
+    if (j->a < 0 || j->b < 0 || !g->member[j->a].moves || !g->member[j->b].moves)
         return false;
-    a->thrown = b->thrown = real_max(a->thrown, b->thrown);
-    a->thrown_far = b->thrown_far = real_max(a->thrown_far, b->thrown_far);
+    Throw *a = &g->throws[j->a], *b = &g->throws[j->b];
+    if (a->rate == b->rate && a->far == b->far)
+        return false;
+    *a = *b = (Throw){real_max(a->rate, b->rate), real_max(a->far, b->far)};
     return true;
 }
 
 /* What hangs on what is thrown goes as far. To and fro: a chain is done in two passes, whichever way it was built. */
-static void spread(Group *g)
+static void spread(const Group *g)
 {
-    for (bool more = g->joint_count > 1, back = false; more; back = !back) {
+    for (bool more = g->throws && g->joint_count > 1, back = false; more; back = !back) {
         more = false;
         for (int i = 0; i < g->joint_count; i++)
             more = share(g, back ? g->joint_count - 1 - i : i) || more;
@@ -132,7 +139,7 @@ void group_find_bulk(Group *g)
             continue;
         all = box3_union(all, box3_grow((box3){g->pos[i].x, g->pos[i].x}, m->outer));
         g->bulk.mass += 1 / m->im;
-        g->bulk.load += (m->pull + m->thrown / g->world->def.step) / m->im;
+        g->bulk.load += (m->pull + (g->throws ? g->throws[i].rate : 0) / g->world->def.step) / m->im;
     }
     if (g->bulk.mass > 0)
         g->bulk.size = 0.5 * vec3_distance(all.low, all.high);

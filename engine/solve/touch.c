@@ -65,7 +65,7 @@ static real pair_reach(const Group *g, const GroupPair *q, real time)
     const Vel *a = &g->vel[q->a], *b = &g->vel[q->b];
     real closing = vec3_length(vec3_sub(b->v, a->v)) + rim_speed(a, &g->member[q->a]) + rim_speed(b, &g->member[q->b]);
     const Member *x = &g->member[q->a], *y = &g->member[q->b];
-    return closing * time + real_max(x->pull, y->pull) * time * time + member_thrown(x, time) + member_thrown(y, time) + 0.01 * q->size;
+    return closing * time + real_max(x->pull, y->pull) * time * time + group_thrown(g, q->a, time) + group_thrown(g, q->b, time) + 0.01 * q->size;
 }
 
 /* A mesh pair has one contact per touching piece; each keeps the memory of its piece. */

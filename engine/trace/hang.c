@@ -45,7 +45,7 @@ bool hang_holds(const Hang *hang)
 bool hang_apart(Group *g, real h, real way)
 {
     const Member *m = &g->member[0];
-    real foreseen = h * (vec3_length(g->vel[0].v) + m->outer * vec3_length(g->vel[0].w) + h * m->pull) + member_thrown(m, h);
+    real foreseen = h * (vec3_length(g->vel[0].v) + m->outer * vec3_length(g->vel[0].w) + h * m->pull) + group_thrown(g, 0, h);
     bool apart = true;
     for (int i = 0; i < g->pair_count; i++) {
         group_touch_pair(g, &g->pairs[i], h);
