@@ -201,7 +201,7 @@ static void close_link(Group *g, const Links *l, int lane)
 {
     const int body = l->body[lane];
     Member *m = &g->member[body];
-    m->start_pos = g->pos[body];
+    g->start_pos[body] = g->pos[body];
     g->start_vel[body] = g->vel[body];
     m->constrained = m->constrained || l->count[lane] > 0;
     g->pos[body] = (Pos){four3_get(&l->x, lane), four_quat_get(&l->q, lane)};
@@ -240,13 +240,13 @@ static real work_of(Group *g, real dt)
     real work = 0;
     for (int i = 0; i < g->moving_count; i++)
         if (g->member[i].moves)
-            work += vec3_dot(g->member[i].force, vec3_sub(g->pos[i].x, g->member[i].start_pos.x)) +
+            work += vec3_dot(g->member[i].force, vec3_sub(g->pos[i].x, g->start_pos[i].x)) +
                     0.5 * dt * vec3_dot(g->member[i].torque, vec3_add(g->vel[i].w, g->start_vel[i].w));
     for (int i = 0; i < g->push_count; i++) {
         const GroupPush *p = &g->pushes[i];
         vec3 turn = vec3_scale(0.5 * dt, vec3_add(g->vel[p->body].w, g->start_vel[p->body].w));
         vec3 arm = p->has_at ? quat_rotate(g->pos[p->body].q, p->at) : vec3_zero();
-        vec3 way = vec3_sub(g->pos[p->body].x, g->member[p->body].start_pos.x);
+        vec3 way = vec3_sub(g->pos[p->body].x, g->start_pos[p->body].x);
         real done = vec3_dot(p->force, vec3_add(way, vec3_cross(turn, arm))) + vec3_dot(p->torque, turn);
         group_book_push(g, p, done);
     }
@@ -321,7 +321,7 @@ static void move_bodies(const Chain *c, real dt)
 {
     Group *g = c->g;
     for (int i = g->moving_count; i < g->body_count; i++) {
-        g->member[i].start_pos = g->pos[i];
+        g->start_pos[i] = g->pos[i];
         if (g->member[i].kinematic)
             g->pos[i] = fixed_pose(g, i, dt);
     }
@@ -334,7 +334,7 @@ static void undo(Group *g)
 {
     for (int i = 0; i < g->body_count; i++) {
         if (g->member[i].moves || g->member[i].kinematic)
-            g->pos[i] = g->member[i].start_pos;
+            g->pos[i] = g->start_pos[i];
         if (g->member[i].moves)
             g->vel[i] = g->start_vel[i];
         group_refresh_mass(g, i);
@@ -370,10 +370,8 @@ static dig_status finish(const Chain *c, const Saved *s, real dt)
         close_tie(c, &c->tie[i]);
     given = g->work_in - given;
     g->lost += c->lost + given + work_of(g, dt);
-    for (int i = 0; i < g->moving_count; i++) {
-        const Member *m = &g->member[i];
-        group_book_apart(g, i, vec3_sub(g->pos[i].x, m->start_pos.x), vec3_scale(0.5 * dt, vec3_add(g->vel[i].w, g->start_vel[i].w)), dt);
-    }
+    for (int i = 0; i < g->moving_count; i++)
+        group_book_apart(g, i, vec3_sub(g->pos[i].x, g->start_pos[i].x), vec3_scale(0.5 * dt, vec3_add(g->vel[i].w, g->start_vel[i].w)), dt);
     g->t = dt;
     g->close_speed = group_close_speed(g);
     forget_contacts(g);

@@ -323,7 +323,7 @@ bool step_write_pose(const System *s, int i)
     const Piece *p = &s->piece[i];
     Member *m = &g->member[i];
     if (p->moves || m->kinematic) {
-        m->start_pos = g->pos[i];
+        g->start_pos[i] = g->pos[i];
         g->start_vel[i] = g->vel[i];
         g->pos[i] = (Pos){p->x, p->q};
     }

@@ -22,7 +22,7 @@ static mat3 spin_root(const Member *m, quat q)
     return mat3_mul(quat_matrix(q), root_of(*m->inv_inertia));
 }
 
-mat3 body_axes(const Crowd *c, int body) { return spin_root(&c->g->member[body], c->g->member[body].start_pos.q); }
+mat3 body_axes(const Crowd *c, int body) { return spin_root(&c->g->member[body], c->g->pos[body].q); }
 
 static vec3 momentum_of(const Member *m, quat q, vec3 w) { return quat_rotate(q, mat3_mul_vec(*m->inertia, quat_unrotate(q, w))); }
 static vec3 spin_of(const Member *m, quat q, vec3 l) { return quat_rotate(q, mat3_mul_vec(*m->inv_inertia, quat_unrotate(q, l))); }
@@ -46,7 +46,8 @@ static real open_body(Crowd *c, int i)
     Group *g = c->g;
     Member *m = &g->member[i];
     Frame *f = &c->frame[i];
-    m->start_pos = g->pos[i];
+    if (g->start_pos)
+        g->start_pos[i] = g->pos[i];
     *f = (Frame){.root = 0};
     if (!m->moves) {
         open_still(c, i);
@@ -127,16 +128,15 @@ static vec3 change(const Six *now, const Six *before, int at)
                   (real)now->at[at + 2] - (real)before->at[at + 2]};
 }
 
-/* By so much has the body turned since the start: in world axes. */
-static void turn_by(Crowd *c, int i, vec3 angle)
+/* By so much has the body turned since the start, where it was at `from`: in world axes. */
+static void turn_by(Crowd *c, int i, vec3 from, vec3 angle)
 {
     Group *g = c->g;
-    quat q = quat_exp(angle);
+    quat q = quat_exp(angle), before = g->pos[i].q;
     g->member[i].swerve = angle;
-    g->pos[i].q = quat_unit(quat_mul(q, g->pos[i].q));
-    const Member *m = &g->member[i];
-    vec3 from = m->start_pos.x, to = g->pos[i].x;
-    *carriage_of(c, i) = (Carriage){quat_matrix(q), from, to, travel_by(vec3_sub(to, from), m->start_pos.q, g->pos[i].q, m->outer)};
+    g->pos[i].q = quat_unit(quat_mul(q, before));
+    vec3 to = g->pos[i].x;
+    *carriage_of(c, i) = (Carriage){quat_matrix(q), from, to, travel_by(vec3_sub(to, from), before, g->pos[i].q, g->member[i].outer)};
 }
 
 /* rad: by so much the middle of the turn may differ from its start, of bodies that are turned in one piece */
@@ -159,13 +159,13 @@ static vec3 without_gain(const Member *m, vec3 l, vec3 turned, quat q, real befo
 
 /* The angular momentum stays, but for that, and is returned. A body that turns far meanwhile does so with the spin that belongs to the middle of its turn;
  * and what is long and thin, whose spin changes much more than its axis in that time, piece by piece. */
-static vec3 turn(Crowd *c, int i, vec3 angle)
+static vec3 turn(Crowd *c, int i, vec3 from, vec3 angle)
 {
     Group *g = c->g;
     const Member *m = &g->member[i];
     quat q = g->pos[i].q;
     if (m->round) {
-        turn_by(c, i, angle);
+        turn_by(c, i, from, angle);
         return mat3_mul_vec(*m->inertia, g->vel[i].w);
     }
     vec3 w = g->vel[i].w, l = momentum_of(m, q, w);
@@ -177,7 +177,7 @@ static vec3 turn(Crowd *c, int i, vec3 angle)
         else
             angle = quat_log(quat_mul(member_turned(m, q, momentum_of(m, q, vec3_scale(1 / c->dt, angle)), c->dt), quat_conjugate(q)));
     }
-    turn_by(c, i, angle);
+    turn_by(c, i, from, angle);
     l = without_gain(m, l, quat_rotate(quat_mul(g->pos[i].q, quat_conjugate(q)), l), g->pos[i].q, vec3_dot(w, l));
     g->vel[i].w = spin_of(m, g->pos[i].q, l);
     return l;
@@ -205,7 +205,7 @@ static real close_body(Crowd *c, int i)
     if (!m->moves)
         return 0;
     m->constrained = f->held;
-    vec3 angle;
+    vec3 from = g->pos[i].x, angle;
     if (f->held) {
         mat3 s = body_axes(c, i);
         g->vel[i].v = vec3_mad(g->vel[i].v, f->root, change(&c->vel[i], &c->start[i], 0));
@@ -215,8 +215,8 @@ static real close_body(Crowd *c, int i)
     } else {
         angle = fly(c, i);
     }
-    vec3 l = turn(c, i, angle);
-    return kinetic_of(m, g->vel[i], l) - vec3_dot(m->force, vec3_sub(g->pos[i].x, m->start_pos.x)) - vec3_dot(m->torque, m->swerve);
+    vec3 l = turn(c, i, from, angle);
+    return kinetic_of(m, g->vel[i], l) - vec3_dot(m->force, vec3_sub(g->pos[i].x, from)) - vec3_dot(m->torque, m->swerve);
 }
 
 static void close_share(void *context, int thread, int threads)
@@ -234,7 +234,8 @@ void bodies_close(Crowd *c)
     for (int i = c->bodies; i < g->body_count; i++) {
         if (!g->member[i].kinematic)
             continue;
-        g->pos[i].x = vec3_mad(g->pos[i].x, c->dt, g->vel[i].v);
-        turn_by(c, i, vec3_scale(c->dt, g->vel[i].w));
+        vec3 from = g->pos[i].x;
+        g->pos[i].x = vec3_mad(from, c->dt, g->vel[i].v);
+        turn_by(c, i, from, vec3_scale(c->dt, g->vel[i].w));
     }
 }

@@ -224,6 +224,13 @@ static real movers_work(const Group *g, const GroupContact *c)
     return work;
 }
 
+/* m  Of its centre of mass. */
+static vec3 way_in_piece(const Crowd *c, int body)
+{
+    const Carriage *k = carriage_that_moves(c, body);
+    return vec3_sub(k->to, k->from);
+}
+
 /* What forces gave, and kinetic energy has not got, is lost. */
 static void book_energy(Crowd *c)
 {
@@ -231,12 +238,12 @@ static void book_energy(Crowd *c)
     for (int i = 0; i < c->blocks; i++)
         g->lost += c->lost[i];
     for (int i = 0; i < g->moving_count && (g->drags || g->rules); i++)
-        group_book_apart(g, i, vec3_sub(g->pos[i].x, g->member[i].start_pos.x), g->member[i].swerve, c->dt);
+        group_book_apart(g, i, way_in_piece(c, i), g->member[i].swerve, c->dt);
     for (int i = 0; i < g->push_count; i++) {
         const GroupPush *p = &g->pushes[i];
         vec3 arm = p->has_at ? quat_rotate(g->pos[p->body].q, p->at) : vec3_zero();
         const Member *m = &g->member[p->body];
-        vec3 way = vec3_add(vec3_sub(g->pos[p->body].x, m->start_pos.x), vec3_cross(m->swerve, arm));
+        vec3 way = vec3_add(way_in_piece(c, p->body), vec3_cross(m->swerve, arm));
         real work = vec3_dot(p->force, way) + vec3_dot(p->torque, m->swerve);
         group_book_push(g, p, work);
     }
@@ -323,8 +330,8 @@ static real even_loss(const Group *g, const GroupContact *c, real dt)
         return 0;
     vec3 at = vec3_scale(1 / acted->point_weight, acted->point_sum);
     Vel a = mean_velocity(g, c->a), b = mean_velocity(g, c->b);
-    vec3 va = vec3_add(a.v, vec3_cross(a.w, vec3_sub(at, g->member[c->a].start_pos.x)));
-    vec3 vb = vec3_add(b.v, vec3_cross(b.w, vec3_sub(at, g->member[c->b].start_pos.x)));
+    vec3 va = vec3_add(a.v, vec3_cross(a.w, vec3_sub(at, g->start_pos[c->a].x)));
+    vec3 vb = vec3_add(b.v, vec3_cross(b.w, vec3_sub(at, g->start_pos[c->b].x)));
     return real_max(0, -vec3_dot(acted->impulse, vec3_sub(vb, va)) - dt * vec3_dot(contact_rolling(g, c), vec3_sub(b.w, a.w)));
 }
 

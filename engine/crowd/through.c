@@ -41,7 +41,7 @@ bool crowd_may_pass(const Crowd *c, int pieces)
 static Motion chord_of(const Crowd *c, int body, pose local)
 {
     const Group *g = c->g;
-    const Pos *from = &g->member[body].start_pos, *to = &g->pos[body];
+    const Pos *from = &g->start_pos[body], *to = &g->pos[body];
     pose start = {vec3_add(from->x, quat_rotate(from->q, local.p)), quat_mul(from->q, local.q)};
     vec3 turn = quat_log(quat_mul(to->q, quat_conjugate(from->q)));
     return (Motion){.start = start, .centre = pose_unpoint(local, vec3_zero()),

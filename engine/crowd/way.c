@@ -68,9 +68,11 @@ static dig_status open(Crowd *c)
     g->h = c->dt;
     DIG_TRY(group_forces(g));
     c->trait = arena_alloc(g->lasting, (size_t)g->body_count * sizeof *c->trait);          /* not of what is spare: crowd_touch needs all of that */
-    if (g->losses && !g->start_vel)
+    if (g->losses && !g->start_vel) {
+        g->start_pos = arena_alloc(g->lasting, (size_t)g->body_count * sizeof *g->start_pos);
         g->start_vel = arena_alloc(g->lasting, (size_t)g->body_count * sizeof *g->start_vel);
-    if (!c->trait || (g->losses && !g->start_vel))
+    }
+    if (!c->trait || (g->losses && (!g->start_pos || !g->start_vel)))
         return DIG_E_MEMORY;
     team_deal(g->team, trait_share, c);
     if ((g->pairs_roll || g->losses) && !g->contact_rest)
@@ -211,8 +213,8 @@ static dig_status advance_piece(Crowd *c, real until)
     ArenaMark mark = arena_mark(g->lasting);
     int pairs = g->pair_count;
     const Strike *strikes = g->strikes;
-    for (int i = g->moving_count; i < g->body_count; i++)
-        g->member[i].start_pos = g->pos[i];
+    for (int i = g->moving_count; i < g->body_count && g->start_pos; i++)
+        g->start_pos[i] = g->pos[i];
     DIG_TRY(crowd_touch(c));
     DIG_TRY(bodies_open(c));
     DIG_TRY(rows_open(c));

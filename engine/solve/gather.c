@@ -261,6 +261,7 @@ static void weigh_share(void *context, int thread, int threads)
     for (int i = team_first(g->body_count, thread, threads), end = team_end(g->body_count, thread, threads); i < end; i++) {
         g->mass[i] = (Mass){g->member[i].im, mat3_zero()};
         g->shift[i] = g->start_vel[i] = (Vel){vec3_zero(), vec3_zero()};
+        g->start_pos[i] = (Pos){vec3_zero(), {0, 0, 0, 0}};
     }
 }
 
@@ -273,10 +274,11 @@ dig_status group_weigh(Group *g)
     DIG_TRY(group_fill_out(g));
     g->mass = arena_alloc(g->arena, (size_t)g->body_count * sizeof *g->mass);
     g->shift = arena_alloc(g->arena, (size_t)(g->body_count + 1) * sizeof *g->shift);        /* takes turns with vel */
+    g->start_pos = arena_alloc(g->arena, (size_t)g->body_count * sizeof *g->start_pos);
     g->start_vel = arena_alloc(g->arena, (size_t)g->body_count * sizeof *g->start_vel);
     g->been = arena_alloc(g->lasting, (size_t)g->body_count * sizeof *g->been);
     g->impacts = arena_alloc(g->lasting, (size_t)g->pair_count * sizeof *g->impacts);
-    if (!g->mass || !g->shift || !g->start_vel || !g->been || !g->impacts)
+    if (!g->mass || !g->shift || !g->start_pos || !g->start_vel || !g->been || !g->impacts)
         return DIG_E_MEMORY;
     team_deal(g->team, weigh_share, g);
     return DIG_OK;

@@ -55,7 +55,6 @@ typedef struct Member {         /* the rest of a gathered body */
     real     im;                /* 1/kg  0: it does not move                           */
     const mat3 *inertia, *inv_inertia;  /* body axes; the world's, but where time goes at another rate */
     vec3     force, torque;     /* N, N m, of this substep                             */
-    Pos      start_pos;         /* at the start of the substep                         */
     real     push_work;         /* J   of those by hand, in the step                   */
     vec3     swerve;            /* rad/s  change of its spin in the substep by its own turning: in velocities from predict() to move();
                                  *     of a crowd, rad: its turn in this piece of the step */
@@ -293,7 +292,8 @@ struct Group {
     Apart    *apart;            /* [moving_count]; NULL: no force of this group can be a drag or a law's */
     /* As mass, not there in a crowd, which asks for none of them: */
     Vel      *shift;            /* m, rad  position correction of a projection */
-    Vel      *start_vel;        /* [body_count] at the start of the substep; in a crowd whose effects ask for losses, too */
+    Pos      *start_pos;        /* [body_count] at the start of the substep, */
+    Vel      *start_vel;        /* the same; in a crowd whose effects ask for losses, too */
     Been     *been;             /* [body_count] of members that have one */
     GroupPair *pairs;       int pair_count;     /* there is room for those left out, too */
     Left     *left;         int left_count, left_end;       /* see group_gather_struck; the list's end, with those taken since */
@@ -509,7 +509,7 @@ int  group_overloaded(Group *g, real dt, real *share);  /* the joint most over i
 struct GroupKept {              /* a group as it was */
     Pos *pos; Vel *vel; Mass *mass; Member *member; GroupPair *pairs; GroupContact *contacts; real *places; GroupJoint *joints;
     Apart *apart; Impact *impacts; Rub *rubs;
-    Vel *start_vel; Been *been; ContactRest *contact_rest; Acted *acted;
+    Pos *start_pos; Vel *start_vel; Been *been; ContactRest *contact_rest; Acted *acted;
     Group scalars;
     void *block; size_t bytes;  /* where all that lies */
 };

@@ -87,7 +87,7 @@ static real gain_of(const Group *g, real *before)
     real gain = *before = 0;
     for (int i = 0; i < g->moving_count; i++) {
         const Member *m = &g->member[i];
-        vec3 w = quat_unrotate(m->start_pos.q, g->start_vel[i].w);
+        vec3 w = quat_unrotate(g->start_pos[i].q, g->start_vel[i].w);
         if (!m->moves)
             continue;
         real had = 0.5 * m->mass * vec3_length2(g->start_vel[i].v) + 0.5 * vec3_dot(w, mat3_mul_vec(*m->inertia, w));

@@ -95,7 +95,7 @@ static Gain gain_of(const Held *h, int root)
         real after = kinetic_of(m, g->pos[i].q, g->vel[i]);
         e.twisted = e.twisted || vec3_length2(m->torque) > 0;
         e.kinetic += after;
-        e.gain += after - kinetic_of(m, m->start_pos.q, g->start_vel[i]) - vec3_dot(m->force, vec3_sub(g->pos[i].x, m->start_pos.x));
+        e.gain += after - kinetic_of(m, g->start_pos[i].q, g->start_vel[i]) - vec3_dot(m->force, vec3_sub(g->pos[i].x, g->start_pos[i].x));
         e.scale += after + vec3_length(m->force) * vec3_length(g->pos[i].x);
     }
     return e;

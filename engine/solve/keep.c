@@ -26,7 +26,8 @@ bool group_keep_in(const Group *g, GroupKept *k)
     int bodies = g->body_count;
     size_t bytes = SIZE(pos, bodies) + SIZE(vel, bodies) + SIZE(mass, bodies) + SIZE(member, bodies)
         + SIZE(pairs, g->pair_count) + SIZE(contacts, g->contact_count) + SIZE(places, g->place_count) + SIZE(joints, g->joint_count)
-        + SIZE(apart, g->apart ? g->moving_count : 0) + SIZE(start_vel, bodies) + SIZE(been, bodies) + SIZE(contact_rest, g->contact_count)
+        + SIZE(apart, g->apart ? g->moving_count : 0) + SIZE(start_pos, bodies) + SIZE(start_vel, bodies) + SIZE(been, bodies)
+        + SIZE(contact_rest, g->contact_count)
         + SIZE(acted, g->contact_count) + SIZE(impacts, g->impact_count)
         + SIZE(rubs, g->rubs ? g->pair_count : 0);
     if (bytes > k->bytes) {
@@ -41,6 +42,7 @@ bool group_keep_in(const Group *g, GroupKept *k)
     KEEP(vel, bodies);
     KEEP(mass, bodies);
     KEEP(member, bodies);
+    KEEP(start_pos, bodies);
     KEEP(start_vel, bodies);
     KEEP(been, bodies);
     KEEP(contact_rest, g->contact_count);
@@ -74,6 +76,7 @@ void group_put_back(Group *g, const GroupKept *k)
     BACK(places, g->place_count);
     BACK(joints, g->joint_count);
     BACK(apart, g->apart ? g->moving_count : 0);
+    BACK(start_pos, g->body_count);
     BACK(start_vel, g->body_count);
     BACK(been, g->body_count);
     BACK(contact_rest, g->contact_count);

@@ -53,8 +53,8 @@ static real healed_by(const Group *g, int body)
     const Member *m = &g->member[body];
     if (!m->moves)
         return 0;
-    quat turn = quat_mul(g->pos[body].q, quat_conjugate(m->start_pos.q));
-    return vec3_distance(g->pos[body].x, m->start_pos.x) + 2 * m->rim * vec3_length((vec3){turn.x, turn.y, turn.z});
+    quat turn = quat_mul(g->pos[body].q, quat_conjugate(g->start_pos[body].q));
+    return vec3_distance(g->pos[body].x, g->start_pos[body].x) + 2 * m->rim * vec3_length((vec3){turn.x, turn.y, turn.z});
 }
 
 /* Does some point touch? */

@@ -23,7 +23,7 @@ static void predict(Group *g)
     g->lag = vec3_zero();
     for (int i = 0; i < g->moving_count; i++) {
         Member *m = &g->member[i];
-        m->start_pos = g->pos[i];
+        g->start_pos[i] = g->pos[i];
         g->start_vel[i] = g->vel[i];
         m->constrained = m->implicit_move = member_by_euler(m);
         m->met = false;
@@ -168,7 +168,7 @@ static void restore(Group *g)
 {
     project_back(g);
     for (int i = 0; i < g->moving_count; i++) {
-        g->pos[i] = g->member[i].start_pos;
+        g->pos[i] = g->start_pos[i];
         g->vel[i] = g->start_vel[i];
         group_refresh_mass(g, i);
     }
