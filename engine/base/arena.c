@@ -143,11 +143,14 @@ void arena_shrink(Arena *a, void *last, size_t bytes)
 
 #define SPARE_LEAST 1024        /* bytes: less is not worth a look */
 
+/* Before larger ones: what is small is used up first, so that there is room for what is large. */
 static void spare_push(Spare **list, unsigned char *at, size_t bytes)
 {
     _Static_assert(sizeof(Spare) <= ARENA_ALIGN, "the head takes one unit");
     if (bytes < SPARE_LEAST)
         return;
+    while (*list && (*list)->bytes < bytes)
+        list = &(*list)->next;
     Spare *s = (void *)at;
     *s = (Spare){*list, bytes};
     *list = s;
@@ -170,6 +173,14 @@ void spare_add(Spare **list, void *at, size_t bytes)
             link = &s->next;
     }
     spare_push(list, first, (size_t)(end - first));
+}
+
+void spare_trim(Spare **list, Arena *a, void *last, size_t bytes, size_t keep)
+{
+    if ((unsigned char *)last + round_up(bytes) == a->next)
+        arena_shrink(a, last, keep);
+    else
+        spare_add(list, (unsigned char *)last + keep, bytes - keep);
 }
 
 void spare_lend(Spare **list, void *at, size_t bytes)

@@ -76,6 +76,7 @@ typedef struct Spare Spare;
 struct Spare { Spare *next; size_t bytes; };            /* bytes from here on, a multiple of ARENA_ALIGN */
 
 void      spare_add(Spare **list, void *at, size_t bytes);         /* of an arena's piece: one is there that ends with it, or all that comes after is spare */
+void      spare_trim(Spare **list, Arena *a, void *last, size_t bytes, size_t keep);     /* of what was taken last, so many bytes, the rest is free */
 void      spare_lend(Spare **list, void *at, size_t bytes);        /* of other memory, for as long as that is nobody's; not into a list with an arena's */
 void     *spare_find(Spare **list, size_t bytes);                  /* NULL: none has room */
 void     *spare_take(Spare **list, Arena *a, size_t bytes);     /* from the list where it has room, else arena_alloc */

@@ -171,7 +171,7 @@ INLINE bool book_row(const Book *book, int contact)
     GroupPair *q = &g->pairs[t->pair];
     int lane;
     const Batch *b = batch_of(c, contact, &lane);
-    Acted *acted = g->few ? &g->few[b - c->batch][lane] : &g->acted[contact];
+    Acted *acted = g->few ? acted_in(g, contact) : &g->acted[contact];
     const int count = t->manifold.count;
     PointMemory *memory = contact_memory(t);
     reg3 at = reg3_of(acted->point_sum);
@@ -347,16 +347,21 @@ static void share_losses(const Crowd *c, real lost)
         g->contact_rest[i].lost *= isfinite(share) ? share : 0;
 }
 
-/* Of what acts only, in what the bodies' rows have done with. */
+/* Of what acts only: of the first half of a batch where its contacts' rows begin, which nobody asks for any more, of the others in what the bodies'
+ * rows have done with. */
 static dig_status open_few(Crowd *c)
 {
-    _Static_assert(ACTED_BLOCK == LANES, "a contact has the number of its row");
+    _Static_assert(2 * ACTED_BLOCK == LANES, "a contact has the number of its row");
+    _Static_assert(ACTED_BLOCK * sizeof(Acted) <= sizeof(WideContact), "it has room there");
     Group *g = c->g;
+    const size_t bytes = ACTED_BLOCK * sizeof **g->few;
     bodies_spare(c);
-    g->few = arena_alloc(g->lasting, (size_t)c->batches * sizeof *g->few);
-    for (int i = 0; i < c->batches && g->few; i++) {
-        size_t bytes = (size_t)(HALF * c->batch[i].halves) * sizeof **g->few;
-        g->few[i] = spare_take(&g->spare, g->lasting, bytes);
+    g->few = arena_alloc(g->lasting, 2 * (size_t)c->batches * sizeof *g->few);
+    for (int i = 0; i < 2 * c->batches && g->few; i++) {
+        const Batch *b = &c->batch[i / 2];
+        if (i % 2 == b->halves)
+            continue;
+        g->few[i] = i % 2 == 0 ? (void *)b->of : spare_take(&g->spare, g->lasting, bytes);
         if (!g->few[i])
             return DIG_E_MEMORY;
         memset(g->few[i], 0, bytes);

@@ -99,6 +99,7 @@ dig_status crowd_pieces(const Crowd *c, int *pieces)
         return DIG_E_MEMORY;
     team_deal(c->team, rim_share, &x);
     team_deal(c->team, want_share, &x);
+    spare_add(&g->spare, x.rim, (size_t)g->body_count * sizeof *x.rim);
     for (int i = 1; i < shares; i++) {
         x.most[0] = int_max(x.most[0], x.most[i]);
         for (int n = 1; n <= PIECES_MOST; n++)

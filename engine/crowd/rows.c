@@ -13,7 +13,7 @@
 #define NEAR    0.01            /* of the size: points nearer than this act in any case           */
 
 typedef struct Chosen {         /* what there is to know of a contact before it has a row; of one that does not act: only that */
-    int     contact, a, b;      /* a, b: the Crowd's bodies; who does not move is none of them */
+    int     a, b;               /* the Crowd's bodies; who does not move is none of them */
     uint8_t colour, points;
     bool    acts : 1, fixed : 1, rubs : 1, rolls : 1, driven : 1, bounces : 1, round : 1;
 } Chosen;
@@ -128,7 +128,7 @@ static void forget(const Group *g, GroupContact *t)
 
 typedef struct Found { real deepest; bool presses; } Found;      /* of a thread's share: see Crowd.deep, Crowd.presses */
 
-typedef struct Rows { Crowd *c; Chosen *chosen; int *sorted, count; Found *found; } Rows;       /* sorted: numbers of those that act, by their kinds */
+typedef struct Rows { Crowd *c; Chosen *chosen; int *sorted; Found *found; } Rows;       /* [contact_count]; sorted: those that act, by their kinds */
 
 static const Chosen *chosen_at(const Rows *r, int i) { return &r->chosen[r->sorted[i]]; }
 
@@ -168,7 +168,7 @@ static void choose_share(void *context, int thread, int threads)
             forget(g, t);
             continue;
         }
-        *x = (Chosen){.contact = i, .a = crowd_index(c, t->a), .b = crowd_index(c, t->b), .points = (uint8_t)t->manifold.count, .acts = true,
+        *x = (Chosen){.a = crowd_index(c, t->a), .b = crowd_index(c, t->b), .points = (uint8_t)t->manifold.count, .acts = true,
                       .rubs = q->rub->friction > 0 && !g->decay_friction, .rolls = q->rub->rolling > 0 && rolling_radius(q) > 0,
                       .driven = a->kinematic || b->kinematic, .bounces = q->rub->restitution > 0};
         x->round = !x->driven && !x->rolls && is_round(c, t);
@@ -181,16 +181,16 @@ static void choose_share(void *context, int thread, int threads)
     r->found[thread] = found;
 }
 
-/* Those that act move to the front, with their colours; returns how many. */
+/* Those that act; returns how many. */
 static int colour_all(const Rows *r, uint64_t (*taken)[2], int count[KINDS])
 {
     int n = 0;
     for (int i = 0; i < r->c->g->contact_count; i++) {
+        Chosen *x = &r->chosen[i];
         r->c->row[i] = -1;
-        if (!r->chosen[i].acts)
+        if (!x->acts)
             continue;
-        Chosen *x = &r->chosen[n++];
-        *x = r->chosen[i];
+        n++;
         colour(r->c, x, taken);
         count[kind_of(x)]++;
     }
@@ -485,7 +485,7 @@ static void add_lot(const Rows *r, const Phase *p, Waiting *w, int lot, int coun
         w->batch[w->count++] = at;
     }
     for (int i = 0; i < count; i++)
-        c->row[chosen_at(r, lot + i)->contact] = at * LANES + first + i;
+        c->row[r->sorted[lot + i]] = at * LANES + first + i;
     if (first == 0)
         c->batch[c->batches++] = b;
 }
@@ -528,14 +528,14 @@ static dig_status make_batches(const Rows *r, const int *ends)
         int count = first_in(ends, i + 1) - first_in(ends, i);
         lots += is_alone(i) ? count : (count + HALF - 1) / HALF;
     }
-    c->batch = spare_take(&g->spare, g->lasting, (size_t)lots * sizeof *c->batch);
     c->phase = arena_alloc(g->lasting, PHASES * sizeof *c->phase);
+    c->batch = spare_take(&g->spare, g->lasting, (size_t)lots * sizeof *c->batch);
     if (!c->batch || !c->phase)
         return DIG_E_MEMORY;
     for (int i = 0; i < PHASES; i++)
         if (first_in(ends, i + 1) > first_in(ends, i))
             make_phase(r, is_alone(i), first_in(ends, i), first_in(ends, i + 1));
-    spare_add(&g->spare, c->batch + c->batches, (size_t)(lots - c->batches) * sizeof *c->batch);       /* two lots are one, mostly */
+    spare_trim(&g->spare, g->lasting, c->batch, (size_t)lots * sizeof *c->batch, (size_t)c->batches * sizeof *c->batch);      /* two lots are one, mostly */
     return DIG_OK;
 }
 
@@ -577,13 +577,16 @@ dig_status rows_open(Crowd *c)
         return DIG_E_MEMORY;
     int place[KINDS] = {0};
     team_deal(g->team, choose_share, &r);
+    if (c->stop)
+        spare_add(&g->spare, c->stop, (size_t)g->body_count * sizeof *c->stop);
+    c->stop = NULL;
     for (int i = 0; i < shares; i++) {
         c->deep = real_max(c->deep, r.found[i].deepest);
         c->presses = c->presses || (g->driven && r.found[i].presses);
     }
-    r.count = colour_all(&r, taken, place);
+    int acting = colour_all(&r, taken, place);
     spare_add(&g->spare, taken, (size_t)(c->bodies + 1) * sizeof *taken);
-    r.sorted = spare_take(&g->spare, g->lasting, (size_t)r.count * sizeof *r.sorted);
+    r.sorted = spare_take(&g->spare, g->lasting, (size_t)acting * sizeof *r.sorted);
     if (!r.sorted)
         return DIG_E_MEMORY;
     for (int i = 0, sum = 0; i < KINDS; i++) {
@@ -591,10 +594,11 @@ dig_status rows_open(Crowd *c)
         place[i] = sum;
         sum += n;
     }
-    for (int i = 0; i < r.count; i++)
-        r.sorted[place[kind_of(&r.chosen[i])]++] = i;
+    for (int i = 0; i < g->contact_count; i++)
+        if (r.chosen[i].acts)
+            r.sorted[place[kind_of(&r.chosen[i])]++] = i;
     DIG_TRY(make_batches(&r, place));
-    spare_add(&g->spare, r.sorted, (size_t)r.count * sizeof *r.sorted);
+    spare_add(&g->spare, r.sorted, (size_t)acting * sizeof *r.sorted);
     spare_add(&g->spare, r.chosen, (size_t)(g->contact_count + 1) * sizeof *r.chosen);
     DIG_TRY(open_batches(c));
     team_deal(g->team, fill_share(c), c);

@@ -155,7 +155,7 @@ typedef struct Acted {
     vec3     point_sum; real point_weight;      /* where, weighted by impulse; up to WEIGHT_LEAST: nowhere */
 } Acted;
 
-#define ACTED_BLOCK 16          /* as a batch of a crowd */
+#define ACTED_BLOCK 8           /* as half a batch of a crowd */
 
 /* Of its points, which they come after: [room]. */
 static inline PointMemory *contact_memory(const GroupContact *c) { return (PointMemory *)(void *)(c->manifold.points + c->manifold.room); }

@@ -87,7 +87,7 @@ dig_status reserve_regraph(World *w, Step *s)
     DIG_TRY(index_reserve(&w->touch_index, w->touches.capacity));
     int events = w->pending.count + 4 * (changed + w->brief.count) + others;
     w->events_most = int_max(w->events_most, events);
-    DIG_TRY(list_reserve(&w->events, events, &w->allocations));     /* see begin_events */
+    DIG_TRY(reserve_events(w, events));
     return graph_reserve(w->graph, w->bodies.capacity, w->touches.capacity + w->joints.capacity);
 }
 

@@ -74,9 +74,21 @@ static void turn_events(World *w)
 
 void end_events(World *w) { w->events.count = w->mail.shown.count = 0; }
 
-/* The room of the last step's events is for those of this one, after what has been waiting: only one of the lists ever gets large. */
+/* In the place of the last ones it stays as it is, for something lies there until the step is committed. */
+dig_status reserve_events(World *w, int count)
+{
+    return w->events.capacity >= count ? DIG_OK : list_reserve(&w->pending, count, &w->allocations);
+}
+
+/* The room of the last step's events is for those of this one, after what has been waiting, unless that has more: only one of the lists ever gets
+ * large. */
 void begin_events(World *w)
 {
+    if (w->pending.capacity > w->events.capacity) {
+        list_close(&w->events);
+        w->events_written = w->pending.count;
+        return;
+    }
     w->events.count = w->pending.count;
     if (w->pending.count > 0)
         memcpy(w->events.data, w->pending.data, (size_t)w->pending.count * sizeof *w->events.data);

@@ -78,8 +78,8 @@ dig_status step_world(World *w)
     DIG_TRY(check_finite(w, &s));       /* 2 all numbers finite, or name the culprit         */
     DIG_TRY(reserve_regraph(w, &s));    /* 3 from here on nothing can fail:                  */
     DIG_TRY(reserve_flow(w, s.dt));     /*   all memory is there                             */
-    begin_events(w);
     commit_groups(w, &s);               /* 4 the copies become the world                     */
+    begin_events(w);
     settle_debt(w, &s);                 /*   did it take longer than a frame may?            */
     move_movers(w, s.dt);               /* 5 kinematic bodies                                */
     w->steps++;

@@ -100,7 +100,8 @@ void       settle_debt(World *w, const Step *s);    /* of a step that is over, w
 /* report.c */
 bool       world_left(const World *w, vec3 x);      /* out of the room, or farther than anyone looks        */
 void       end_events(World *w);                   /* those of the last step: from now on their room is idle */
-void       begin_events(World *w);                 /* before the first one of this step: nothing can fail any more */
+dig_status reserve_events(World *w, int count);    /* for so many of this step, and those that wait     */
+void       begin_events(World *w);                 /* before the first one of this step, when nothing is in that room any more */
 void       report(World *w, const Step *s);
 
 /* Memory of one thread. What is needed while one group is advanced, and no longer, is not taken anew for each: a hundred small groups

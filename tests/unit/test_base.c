@@ -125,6 +125,28 @@ TEST(spare_memory_side_by_side_is_one_piece_whatever_came_first)
         }
 }
 
+TEST(small_spare_pieces_are_used_up_before_large_ones_and_a_piece_gives_back_what_it_does_not_need)
+{
+    Arena a = {0};
+    Spare *spare = NULL;
+    unsigned char *large = arena_alloc(&a, 8192), *other = arena_alloc(&a, 64), *small = arena_alloc(&a, 2048);
+    spare_add(&spare, small, 2048);
+    spare_add(&spare, large, 8192);
+    for (int i = 0; i < 2; i++) {
+        unsigned char *piece = spare_take(&spare, &a, 1024);
+        CHECK(piece >= small && piece < small + 2048);
+    }
+    unsigned char *piece = spare_take(&spare, &a, 4096);
+    CHECK(piece == large + 4096);
+    spare_trim(&spare, &a, piece, 4096, 100);
+    CHECK(spare_find(&spare, 4096 - 128) == piece + 128);
+    unsigned char *last = arena_alloc(&a, 4096);
+    spare_trim(&spare, &a, last, 4096, 100);
+    CHECK(arena_alloc(&a, 64) == last + 128);
+    CHECK(other + 64 == small);
+    arena_close(&a);
+}
+
 TEST(lent_memory_is_given_in_whole_units_only)
 {
     Spare *spare = NULL;
@@ -589,6 +611,7 @@ int main(void)
         unit_test(rewinding_gives_back_what_was_taken_since_the_mark_and_keeps_the_rest),
         unit_test(spare_memory_is_used_first_and_its_pieces_do_not_overlap),
         unit_test(spare_memory_side_by_side_is_one_piece_whatever_came_first),
+        unit_test(small_spare_pieces_are_used_up_before_large_ones_and_a_piece_gives_back_what_it_does_not_need),
         unit_test(lent_memory_is_given_in_whole_units_only),
         unit_test(after_one_reset_the_same_step_never_allocates_again),
         unit_test(a_rewound_chain_of_chunks_is_filled_again_without_the_allocator),
