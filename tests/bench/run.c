@@ -12,17 +12,31 @@
 #include <string.h>
 #include <sys/resource.h>
 #include <time.h>
+#include <unistd.h>
 #include "engine.h"
 
 enum { CANNOT = 77, WARM_STEPS = 300, MOST_THREADS = 64 };
 
-typedef struct { double seconds, *cpu, *wall; int steps; double create_ms, warm_ms, rss_mb; int awake; } Run;
+typedef struct { double seconds, *cpu, *wall; int steps; double create_ms, warm_ms, before_mb, rss_mb; int awake; } Run;
 
 static double clock_ms(clockid_t id)
 {
     struct timespec t;
     clock_gettime(id, &t);
     return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
+}
+
+/* MB that the process holds now: before there is a world, the program and the scene's list. 0: not known. */
+static double resident_mb(void)
+{
+    long size, pages = 0;
+    FILE *f = fopen("/proc/self/statm", "r");
+    if (!f)
+        return 0;
+    if (fscanf(f, "%ld %ld", &size, &pages) != 2)
+        pages = 0;
+    fclose(f);
+    return (double)pages * (double)sysconf(_SC_PAGESIZE) / 1048576;
 }
 
 static int by_number(const void *a, const void *b)
@@ -107,7 +121,7 @@ static void print_row(const BenchScene *s, const Run *r, int threads, const Benc
         moving += !s->body[i].fixed;
     printf("row{scene = '%s', n = %d, engine = '%s', threads = %d, moving = %d, steps = %d, steps_wanted = %d", s->name, s->n,
            bench_engine, threads, moving, r->steps, s->steps);
-    printf(", rss_mb = %.1f, penetration_max_mm = %.4g, penetration_mean_mm = %.4g, overlaps = %d", r->rss_mb,
+    printf(", before_mb = %.1f, rss_mb = %.1f, penetration_max_mm = %.4g, penetration_mean_mm = %.4g, overlaps = %d", r->before_mb, r->rss_mb,
            f->penetration_max * 1e3, f->penetration_mean * 1e3, f->overlaps);
     printf(", top_height_m = %.5g, joint_error_mm = %.4g, lost = %d, create_ms = %.4g", f->top_height, f->joint_error * 1e3, f->lost,
            r->create_ms);
@@ -133,6 +147,7 @@ int main(int argc, char **argv)
     BenchPose *pose = calloc((size_t)scene.bodies, sizeof *pose);
     if (!run.cpu || !run.wall || !pose)
         return 2;
+    run.before_mb = resident_mb();
     double begin = clock_ms(CLOCK_MONOTONIC);
     if (!bench_open(&scene, threads))
         return CANNOT;
