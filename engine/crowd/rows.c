@@ -570,11 +570,12 @@ dig_status rows_open(Crowd *c)
     Group *g = c->g;
     int shares = team_shares(g->team);
     Rows r = {.c = c, .chosen = spare_take(&g->spare, g->lasting, (size_t)(g->contact_count + 1) * sizeof *r.chosen)};
-    uint64_t (*taken)[2] = arena_zero(g->lasting, (size_t)(c->bodies + 1) * sizeof *taken);
+    uint64_t (*taken)[2] = spare_take(&g->spare, g->lasting, (size_t)(c->bodies + 1) * sizeof *taken);
     c->row = spare_take(&g->spare, g->lasting, (size_t)(g->contact_count + 1) * sizeof *c->row);
     r.found = arena_alloc(g->lasting, (size_t)shares * sizeof *r.found);
     if (!r.chosen || !taken || !c->row || !r.found)
         return DIG_E_MEMORY;
+    memset(taken, 0, (size_t)(c->bodies + 1) * sizeof *taken);
     int place[KINDS] = {0};
     team_deal(g->team, choose_share, &r);
     if (c->stop)
