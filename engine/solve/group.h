@@ -608,6 +608,7 @@ Impact *group_impact(Group *g, GroupPair *q);          /* of this step: a new on
 void strike_report(Group *g, const PointRow *r, real speed);
 /* relax.c: Gauss-Seidel sweeps over rows; each returns the largest velocity change, m/s */
 real relax_points(Group *g, int first, int count);
+real relax_patch(Group *g, int first, int count);      /* points of one contact at once */
 void warm_points(Group *g);                              /* what their impulses do to velocities */
 real relax_joints(Group *g);
 real relax_roll(Group *g, RollRow *r);

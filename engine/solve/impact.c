@@ -271,9 +271,11 @@ static void solve_marked(Group *g, const bool *on, bool all, real speed)
         end--;
     for (int sweep = impact_sweeps(g); sweep > 0; sweep--) {
         real worst = relax_joints(g);
-        for (int i = first; i < end; i++)
+        for (int i = first, n; i < end; i += n) {
+            for (n = 1; g->patches && on[i] && i + n < end && on[i + n] && g->points[i + n].contact == g->points[i].contact; n++);
             if (on[i])
-                worst = real_max(worst, relax_points(g, i, 1));
+                worst = real_max(worst, relax_patch(g, i, n));
+        }
         g->sweeps++;
         if (worst <= enough)
             return;
@@ -448,7 +450,10 @@ bool contact_presses(const Group *g, const GroupContact *c, real approach)
 static bool is_held(const Group *g, const PointRow *r, real rate, real approach)
 {
     const GroupContact *c = &g->contacts[r->contact];
-    return contact_memory(c)[r->point].held > 0 && rate <= 0.1 * g->close_speed && contact_presses(g, c, approach);       /* and not leaving already */
+    bool held = false;      /* by any of its points: of the corners of a box that slides, three may bear all there is */
+    for (int k = 0; k < c->manifold.count && !held; k++)
+        held = contact_memory(c)[k].held > 0;
+    return held && rate <= 0.1 * g->close_speed && contact_presses(g, c, approach);       /* and not leaving already */
 }
 
 /* ---- no blow makes energy ----

@@ -133,7 +133,7 @@ static Vel vel_part(Vel to, const Vel *now, const Vel *was, real part)
 /* The points of one contact at once: each meets the same velocities, and takes its share of what it would take alone. One after the
  * other, the first of two corners takes more than the second; and where bodies lean on each other and slide, a blow has outcomes
  * that turn them aside, to which such sweeps lead, in thousands, though all is alike on both sides. */
-static real relax_patch(Group *g, int first, int count)
+real relax_patch(Group *g, int first, int count)
 {
     if (count == 1)
         return relax_points(g, first, 1);
