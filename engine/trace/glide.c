@@ -302,6 +302,20 @@ INLINE bool touches_as_before(const Glide *s)
     return same;
 }
 
+/* Is nothing in its way that what it was on hid before? The next plank of a trough is covered where the ball is nearest to it, until it rolls
+ * against it. */
+INLINE bool meets_nothing(const Glide *s)
+{
+    const Group *g = s->g;
+    for (int i = 0; i < g->pair_count; i++) {
+        const GroupContact *c = &g->contacts[g->pairs[i].contact];
+        for (int k = 0; c != s->c && c->live && k < c->manifold.count; k++)
+            if (c->manifold.points[k].gap < 0 && !closed(s, c->manifold.points[k].gap))
+                return false;
+    }
+    return true;
+}
+
 /* Pairs without a point stay so in this frame, or they are the tracer's. */
 INLINE bool others_stay_away(const Glide *s)
 {
@@ -395,7 +409,7 @@ INLINE dig_status go_on(Group *g, GroupContact *c, real dt, int table)
     bool goes_on = (s.table ? rolls(&s) : balances(&s)) && others_stay_away(&s) && (s.table ? roll_on(&s) : move(&s));
     if (goes_on) {
         group_touch(g, dt, true);
-        goes_on = touches_as_before(&s);
+        goes_on = touches_as_before(&s) && meets_nothing(&s);
     }
     if (!goes_on) {
         hand_on(&s, h);
