@@ -192,6 +192,7 @@ typedef struct GroupPair {
     bool     touching : 1;      /* of this one, by group_judge     */
     bool     both_moved : 1;    /* neither was at rest before      */
     bool     seamed : 1;        /* something is beside its fixed one: see Group.seams */
+    bool     hidden : 1;        /* where the two are nearest a fixed neighbour covers it: there may be a place farther off that nobody watches */
     uint8_t  presses;           /* bits: at which points it presses as it did before, in this substep */
     Covered  covered;           /* faces that joints hold to the next piece of the same thing */
     const Rub *rub;             /* of its two surfaces, in the step's memory; many pairs may have one, see group_own_rubs */

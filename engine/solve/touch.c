@@ -184,7 +184,7 @@ static bool is_ball_on_plane(const Group *g, const GroupPair *q)
 
 static real touch_convex(Group *g, GroupPair *q, real reach, real farther)
 {
-    q->fresh = false;
+    q->fresh = q->hidden = false;
     q->until = -1;
     q->reach = reach;
     if (is_ball(&q->on_a->shape) && is_ball(&q->on_b->shape))
@@ -203,8 +203,8 @@ static real touch_convex(Group *g, GroupPair *q, real reach, real farther)
         c->live = false;
         return room;
     }
-    bool seen = touch_again(g, q, c, pa, pb, apart);
-    return c->live || !seen ? 0 : real_max(room, reach);
+    q->hidden = !touch_again(g, q, c, pa, pb, apart);
+    return c->live || q->hidden ? 0 : real_max(room, reach);
 }
 
 real group_touch_convex(Group *g, GroupPair *q, real time, real farther) { return touch_convex(g, q, pair_reach(g, q, time), farther); }
@@ -217,7 +217,7 @@ real group_touch_within(Group *g, GroupPair *q, real reach)
         return touch_convex(g, q, reach, 0);
     pose pa = group_shape_pose(g, q->a, pair_local(q, false)), pb = group_shape_pose(g, q->b, pair_local(q, true));
     q->reach = reach;
-    q->fresh = false;
+    q->fresh = q->hidden = false;
     q->until = -1;
     Manifold found[PIECES];
     uint32_t pieces[PIECES];

@@ -85,7 +85,7 @@ static bool keeps_apart(Group *g, real h)
     bool apart = true;
     for (int i = 0; i < g->pair_count; i++) {
         group_touch_pair(g, &g->pairs[i], h);
-        apart = apart && (!g->contacts[g->pairs[i].contact].live || stays_clear(g, &g->pairs[i], h));
+        apart = apart && !g->pairs[i].hidden && (!g->contacts[g->pairs[i].contact].live || stays_clear(g, &g->pairs[i], h));
     }
     g->looked = true;
     if (apart)

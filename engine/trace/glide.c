@@ -302,18 +302,17 @@ INLINE bool touches_as_before(const Glide *s)
     return same;
 }
 
-/* Is nothing in its way that what it was on hid before? The next plank of a trough is covered where the ball is nearest to it, until it rolls
- * against it. */
-INLINE bool meets_nothing(const Glide *s)
+/* Does what the fixed thing below covers reach no higher than that? The next tile does not. The next plank of a trough does, or a hump that is
+ * sunk in the floor: there a ball gets to a place of it that nobody watches. */
+static bool lies_below(const Glide *s, const GroupPair *q)
 {
-    const Group *g = s->g;
-    for (int i = 0; i < g->pair_count; i++) {
-        const GroupContact *c = &g->contacts[g->pairs[i].contact];
-        for (int k = 0; c != s->c && c->live && k < c->manifold.count; k++)
-            if (c->manifold.points[k].gap < 0 && !closed(s, c->manifold.points[k].gap))
-                return false;
-    }
-    return true;
+    bool on_b = q->a == 0;
+    const Shape *shape = on_b ? &q->on_b->shape : &q->on_a->shape;
+    if (!shape->type->convex)
+        return false;
+    pose at = group_shape_pose(s->g, on_b ? q->b : q->a, pair_local(q, on_b));
+    vec3 up = vec3_scale(s->side, s->normal), high = pose_point(at, shape->type->support(shape, quat_unrotate(at.q, up)));
+    return closed(s, real_max(0, vec3_dot(up, vec3_sub(high, own_point(s, &s->points[0]))) + shape->round));
 }
 
 /* Pairs without a point stay so in this frame, or they are the tracer's. */
@@ -325,7 +324,7 @@ INLINE bool others_stay_away(const Glide *s)
         if (q == s->q)
             continue;
         group_touch_pair(g, q, s->h);
-        if (g->contacts[q->contact].live)
+        if (g->contacts[q->contact].live || (q->hidden && !lies_below(s, q)))
             return false;
     }
     return true;
@@ -409,7 +408,7 @@ INLINE dig_status go_on(Group *g, GroupContact *c, real dt, int table)
     bool goes_on = (s.table ? rolls(&s) : balances(&s)) && others_stay_away(&s) && (s.table ? roll_on(&s) : move(&s));
     if (goes_on) {
         group_touch(g, dt, true);
-        goes_on = touches_as_before(&s) && meets_nothing(&s);
+        goes_on = touches_as_before(&s);
     }
     if (!goes_on) {
         hand_on(&s, h);

@@ -51,7 +51,7 @@ bool hang_apart(Group *g, real h, real way)
         group_touch_pair(g, &g->pairs[i], h);
         if (way > foreseen)
             group_touch_within(g, &g->pairs[i], g->pairs[i].reach + way - foreseen);
-        apart = apart && !g->contacts[g->pairs[i].contact].live;
+        apart = apart && !g->pairs[i].hidden && !g->contacts[g->pairs[i].contact].live;
     }
     g->looked = true;
     if (apart)

@@ -178,7 +178,7 @@ static bool keeps_apart(Group *g, const Swing *s)
     bool apart = true;
     for (int i = 0; i < g->pair_count; i++) {
         group_touch_pair(g, &g->pairs[i], g->h);
-        apart = apart && (!g->contacts[g->pairs[i].contact].live || stays_clear(g, &g->pairs[i], s));
+        apart = apart && !g->pairs[i].hidden && (!g->contacts[g->pairs[i].contact].live || stays_clear(g, &g->pairs[i], s));
     }
     g->looked = true;
     if (apart)

@@ -39,11 +39,13 @@ static Motion motion_of(const Tracer *t, int body, pose local)
     return r;
 }
 
+#define HIDDEN 0.01     /* of the size: what is in others that are fixed, too, may stick out by as little, and no farther along */
+
 /* Spins are those of the state that was loaded last: about the same all through the step. */
 static bool fast(const Tracer *t, const GroupPair *q)
 {
     const Shape *a = &q->on_a->shape, *b = &q->on_b->shape;
-    real thick = a->inner + b->inner;
+    real thick = seam_near(t->g, q) ? HIDDEN * q->size : a->inner + b->inner;
     return isfinite(thick) && vec3_distance(shift_of(t, q->a), shift_of(t, q->b)) + turn_of(t, q->a) + turn_of(t, q->b) > thick;
 }
 
@@ -80,7 +82,10 @@ static real meeting(const Tracer *t, const GroupPair *q, real from, real until)
     if (!(when < until))
         return INFINITY;
     vec3 n, pa, pb;
-    shape_distance(a, motion_at(&ma, when), b, motion_at(&mb, when), INFINITY, &n, &pa, &pb);
+    real gap = shape_distance(a, motion_at(&ma, when), b, motion_at(&mb, when), INFINITY, &n, &pa, &pb);
+    Manifold there = {.normal = n, .count = 1, .points = {{.a = pa, .b = pb, .gap = gap}}};
+    if (seam_hides(t->g, q, motion_at(&ma, when), motion_at(&mb, when), &there))
+        return INFINITY;
     bool meets = vec3_dot(n, vec3_sub(motion_velocity(&mb, pb, when), motion_velocity(&ma, pa, when))) < -t->g->close_speed;
     return meets && !manifold_covered(a, motion_at(&ma, when), b, motion_at(&mb, when), q->covered, n) ? when : INFINITY;
 }

@@ -279,18 +279,22 @@ scenario("seams: a ball in a bowl of facets strikes the next one where it meets 
   end
 end)
 
--- The next plank is hidden by the one that the ball is on, where it is nearest to it; a ball that rolled on by the forces of the frame before
--- did not see it, was up to 0.5 mm in it at the end of the frame, and was put out of it with 6e-4 of its energy.
+local function trough(world, planks, of)
+  for i = 0, planks - 1 do
+    local a = 180 * (i + 0.5) / planks
+    local width, q = 2.04 * math.tan(math.pi / planks / 2), turn(across, a - 90)
+    world:box(with({ fixed = true, size = { width, 0.04, 1 }, at = q:rotate { 0, -1.02, 0 }, rotation = q }, of))
+  end
+end
+
+-- The next plank is hidden by the one that the ball is on, where it is nearest to it; a ball that rolled on by the forces of the frame
+-- before did not see it, was up to 0.5 mm in it at the end of the frame, and was put out of it with 6e-4 of its energy.
 for _, rate in ipairs { 30, 60, 120 } do
   scenario(("seams: a ball that rolls to and fro in a trough of planks strikes each where it meets it (1/%d s)"):format(rate), function(s)
     for _, planks in ipairs { 16, 22, 27, 40 } do
-      local world = s:world { step = 1 / rate }
-      for i = 0, planks - 1 do
-        local a = 180 * (i + 0.5) / planks
-        local width, q = 2.04 * math.tan(math.pi / planks / 2), turn(across, a - 90)
-        world:box { fixed = true, size = { width, 0.04, 1 }, at = q:rotate { 0, -1.02, 0 }, rotation = q, friction = 0.9, restitution = 0 }
-      end
-      local ball = world:ball { radius = 0.1, at = { -0.6, -0.63, 0 }, friction = 0.9, restitution = 0 }
+      local world, of = s:world { step = 1 / rate }, { friction = 0.9, friction_dynamic = 0.9 }
+      trough(world, planks, of)
+      local ball = world:ball(with({ radius = 0.1, at = { -0.6, -0.63, 0 } }, of))
       local energy, high = world.energy.total, 0
       for _ = 1, 8 * rate do
         world:step()
@@ -300,6 +304,41 @@ for _, rate in ipairs { 30, 60, 120 } do
       expect(world:stats().all_swept):is(0)
       expect(high / (ball.mass * g)):below(1e-9)            -- m
       expect(world:stats().worst_penetration):below(1e-7)
+    end
+  end)
+end
+
+-- The same of one that flies: near a corner of the trough one plank hides the other. Of 40 balls 3 made up, or lost, 5e-4 of their energy.
+scenario("seams: a ball that bounces in a trough of planks without loss keeps its energy", function(s)
+  for planks = 20, 40 do
+    local world, of = s:world { step = 1 / 30 }, { friction = 0, friction_dynamic = 0, restitution = 1 }
+    trough(world, planks, of)
+    local ball = world:ball(with({ radius = 0.08, at = { -0.5, -0.6, 0 } }, of))
+    world:step()
+    local energy = world.energy.total
+    world:run "6 s"
+    expect((world.energy.total - energy) / (ball.mass * g)):near(0, 1e-9)
+    expect(world:stats().worst_penetration):below(1e-7)
+  end
+end)
+
+-- The floor hides all of the hump but its top, which is passed within a frame. Of 400 that flew so 9 flew through it, of 400 that rolled 4.
+for _, way in ipairs { "rolls", "slides", "flies" } do
+  scenario("seams: over a hump that is sunk in the floor nothing gets unseen: what " .. way, function(s)
+    for k = 0, 39 do
+      local radius, high, speed, r = 0.5 + 0.01 * k, 0.0025 + 5e-5 * k, 12 + 0.7 * k, 0.05 + 0.001 * k
+      local rub = way == "rolls" and 0.9 or 0
+      local pull, lift = way == "flies" and 0 or g, way == "flies" and 1e-4 or 0
+      local world, of = s:world { step = 1 / 30, gravity = { 0, -pull, 0 } }, { friction = rub, friction_dynamic = rub }
+      world:box(with({ fixed = true, size = { 40, 2, 4 }, at = { 0, -1, 0 } }, of))
+      local hump = world:cylinder(with({ fixed = true, radius = radius, height = 2, rotation = turn({ 1, 0, 0 }, 90),
+                                         at = { 0, high - radius, 0 } }, of))
+      world:ball(with({ radius = r, at = { -0.5 - speed * (0.07 + 0.001 * k), r + lift, 0 }, velocity = { speed, 0, 0 },
+                        spin = { 0, 0, way == "rolls" and -speed / r or 0 } }, of))
+      local met = false
+      hump:on("contact_begin", function() met = true end)
+      world:run(6 / speed)
+      expect(met):is(true)
     end
   end)
 end
