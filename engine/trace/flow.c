@@ -253,6 +253,16 @@ static bool keeps_direction(const Cone *c)
     return !c->axes || c->grip == GRIP_STICK || (c->grip == GRIP_SLIP && vec3_distance(c->d, c->from) <= TURNED);
 }
 
+/* Does a point that presses move along the body whose face it presses on? Its arm there changes: of the edge of a table, say, under a box. */
+static bool wanders(const Tracer *t, int point, int face, real h)
+{
+    if (!trace_moves(t, face))
+        return false;
+    const Group *g = t->g;
+    vec3 away = vec3_sub(g->vel[point].v, g->vel[face].v), acc = vec3_sub(trace_moves(t, point) ? t->stage[0][point].v : vec3_zero(), t->stage[0][face].v);
+    return h * (vec3_length(away) + h * vec3_length(acc)) > ROUNDING * t->size;
+}
+
 /* Of a step that looks steady, at its end: does nothing turn in it but balls about their centres, and no slip change its direction? Then
  * all arms are what they were, and forces that held at its start hold. */
 static bool glides(const Tracer *t, real h)
@@ -269,7 +279,7 @@ static bool glides(const Tracer *t, real h)
         bool plane_b = c->feature.kind == POINT_PLANE;
         if (!c->gate.presses)
             continue;
-        same = keeps_direction(&c->slip) && keeps_direction(&c->roll);
+        same = keeps_direction(&c->slip) && keeps_direction(&c->roll) && !wanders(t, plane_b ? c->a : c->b, plane_b ? c->b : c->a, h);
         if (any && same)
             same = !turns(t, plane_b ? c->b : c->a, h) &&
                    (vec3_is_zero(plane_b ? c->feature.pa : c->feature.pb) || !turns(t, plane_b ? c->a : c->b, h));

@@ -217,6 +217,16 @@ static real leave_rest(Tracer *t, Event *e, real *from)
     return 0;
 }
 
+/* What touched and did not press, as the corner that a block rocks over after its blow, may have lifted off by its turn when something begins to
+ * push it back: it is open then, and closes when it gets there. */
+static bool lifted_off(Tracer *t, const Event *e)
+{
+    if (e->kind != EVENT_PRESS || !(e->at > 0) || !(value_at(t, &(Event){.kind = EVENT_CLOSE, .gate = e->gate}, e->at) > t->gap_zero))
+        return false;
+    e->gate->closed = false;
+    return true;
+}
+
 static void scan_forces(Tracer *t, Event *first)
 {
     Violated v[3 * WATCHED];        /* a contact point has a gate and two cones */
@@ -227,7 +237,8 @@ static void scan_forces(Tracer *t, Event *first)
             start = leave_rest(t, &v[i].e, &from);
         v[i].e.at = start > 0 ? root_of(t, &v[i].e, from, start, 1, v[i].end) : 0;
         finish_halt(t, &v[i].e);
-        earlier(first, &v[i].e);
+        if (!lifted_off(t, &v[i].e))
+            earlier(first, &v[i].e);
     }
 }
 

@@ -403,6 +403,34 @@ static void note_ways(Tracer *t)
     }
 }
 
+#define OFF       0.25          /* of the smaller size */
+#define OFF_LEAST (1.0 / 64)    /* of the frame: what slides farther in less is followed no finer */
+
+static bool stays(const Tracer *t, const Touching *o)
+{
+    for (int i = 0; i < t->touch_count; i++)
+        if (t->touch[i].contact == o->contact && t->touch[i].id == o->id)
+            return true;
+    return false;
+}
+
+/* Has a point that presses slid so far that it may have lost its hold within the step? A box is over the edge of a table with its middle as it has
+ * slid on by half its length: found with the part of it that is over the edge, its points there tell when it tips. And where such points come
+ * to lie on each other, their forces change signs at once, and tell nothing of what was before. */
+static bool slid_far(const Tracer *t, const Touching *list, int count, bool looked)
+{
+    for (int i = 0; i < count && t->h > OFF_LEAST * t->end; i++) {
+        const Touching *o = &list[i];
+        if (!o->gate.presses || t->h * vec3_length(o->slip.u) <= OFF * t->g->pairs[t->g->contacts[o->contact].pair].size)
+            continue;
+        FeatureKind kind = o->feature.kind;
+        bool on_edge = kind == PLANE_POINT ? trace_moves(t, o->a) : kind == POINT_PLANE ? trace_moves(t, o->b) : kind <= LINE_LINE;
+        if (on_edge || (looked && !stays(t, o)))
+            return true;
+    }
+    return false;
+}
+
 /* The tried step becomes the state. Contacts are looked for at its end; should something be deep in something that nobody
  * watched, the step is taken back. */
 static bool accept_step(Tracer *t, const Event *e)
@@ -416,7 +444,10 @@ static bool accept_step(Tracer *t, const Event *e)
         t->t = begin;
         return false;
     }
-    if (look && trace_missed(t) && t->h > 1e-7 * t->end) {
+    bool before = look && t->relisted;
+    const Touching *list = before ? t->old_touch : t->touch;
+    int count = before ? t->old_count : t->touch_count;
+    if (((look && trace_missed(t)) || slid_far(t, list, count, before)) && t->h > 1e-7 * t->end) {
         t->t = begin;
         t->h_next = 0.5 * t->h;
         g->refused++;
@@ -424,8 +455,7 @@ static bool accept_step(Tracer *t, const Event *e)
         return trace_touch(t, false);
     }
     note_ways(t);
-    bool before = look && t->relisted;
-    trace_book(t, before ? t->old_touch : t->touch, before ? t->old_count : t->touch_count, begin);
+    trace_book(t, list, count, begin);
     State *old = t->y;
     t->y = t->y1;
     t->y1 = old;

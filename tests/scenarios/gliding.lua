@@ -152,6 +152,24 @@ scenario("who slides over an edge tips there, and not before", function()
   expect(box.spin.z):below(-0.5)
 end)
 
+-- Of a frame in which a box got more than half its length over the edge only the end was looked at: it left without tipping, 38 mm off in
+-- 0.4 s. And corners that would have had to pull pressed on: forces that are constant in a frame were taken for those of its end.
+scenario("who slides off a slope tips over its edge as in short steps, however far it gets in one", function()
+  local function leave(rate, before, speed)
+    local world, q = digbox.world { step = 1 / rate }, digbox.quat { axis = { 0, 0, 1 }, angle = "-20 deg" }
+    world:box { fixed = true, size = { 2, 0.1, 1 }, rotation = q, friction = 0.2 }
+    local box = world:box { size = { 0.2, 0.1, 0.2 }, rotation = q, at = q:rotate { 0.6 - before, 0.1, 0 }, friction = 0.2, restitution = 0,
+                            velocity = q:rotate { speed, 0, 0 } }
+    world:run "0.4 s"
+    return box.centre
+  end
+  for k = 0, 19 do
+    for _, speed in ipairs { 1.5, 2.5, 3.5 } do
+      expect(leave(30, 0.013 * k, speed)):near(leave(240, 0.013 * k, speed), 1e-3)
+    end
+  end
+end)
+
 -- Ball and floor are near enough to be a pair in every step. Steps without a blow are flights, each from its start alone.
 scenario("a ball that bounces needs one evaluation in all steps without a blow but those just before one", function()
   local world = digbox.world {}
