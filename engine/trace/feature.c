@@ -183,10 +183,20 @@ static inline void to_world(const Pos *at, vec3 *point, vec3 *d)
     *d = turned ? quat_rotate(at->q, *d) : *d;
 }
 
+/* Where a cylinder's side lies on an edge, its rim is the end of that side: of a distance from the circle, which is none there, nobody knows which
+ * way it points; a cylinder that rolled over the edge of a table hung on it. toward: in the cylinder's frame. */
+static void rim_is_side(Place *rim, const Place *other, vec3 toward)
+{
+    if (rim->spot == SPOT_RIM && other->spot != SPOT_FACE && other->spot != SPOT_RIM && fabs(toward.y) < ALIGNED * vec3_length(toward))
+        rim->spot = SPOT_LINE;
+}
+
 void feature_find(const GroupPair *q, const Sides *s, const ManifoldPoint *p, Feature *out)
 {
     vec3 core_a = vec3_mad(p->a, -q->on_a->shape.round, s->n), core_b = vec3_mad(p->b, q->on_b->shape.round, s->n);
     Place a = place_on(&q->on_a->shape, &s->a, core_a, &s->out_a), b = place_on(&q->on_b->shape, &s->b, core_b, &s->out_b);
+    rim_is_side(&a, &b, s->out_a);
+    rim_is_side(&b, &a, s->out_b);
     out->kind = kind_of(&a, &b);
     out->ra = q->on_a->shape.round + a.round;
     out->rb = q->on_b->shape.round + b.round;

@@ -132,6 +132,10 @@ static int list_watched(Tracer *t, Watch *w)
 static void scan_gaps(Tracer *t, Event *first)
 {
     Watch w[WATCHED];
+    if (t->known != t->y1) {        /* forces and turns were looked for elsewhere in the step: gaps there are not those of its end */
+        trace_load(t, t->y1, t->t + t->h);
+        trace_kinematics(t);
+    }
     int n = list_watched(t, w);
     for (int i = 0; i < n; i++)
         w[i].gaps[3] = w[i].gate->gap;

@@ -272,13 +272,37 @@ bool trace_touch(Tracer *t, bool first)
     return trace_items(t);
 }
 
+#define OFF 0.01    /* of the tolerance: what presses is no farther off */
+
+static bool in_the_air(const Tracer *t, int body)
+{
+    for (int i = 0; i < t->touch_count; i++)
+        if ((t->touch[i].a == body || t->touch[i].b == body) && t->touch[i].gate.gap <= OFF * t->tolerance + t->gap_zero)
+            return false;
+    return trace_moves(t, body);
+}
+
+/* Does a body that pressed touch nothing at all now? No event has ended that, so it has got over an edge within the step: a cylinder that rolls off a
+ * table, whose line touches in other points than before. */
+static bool got_over_edge(const Tracer *t)
+{
+    for (int i = 0; i < t->old_count && t->relisted; i++) {
+        const Touching *o = &t->old_touch[i];
+        if (o->gate.presses && (in_the_air(t, o->a) || in_the_air(t, o->b)))
+            return true;
+    }
+    return false;
+}
+
 bool trace_missed(const Tracer *t)
 {
+    if (got_over_edge(t))
+        return true;
     for (int i = 0; i < t->touch_count; i++) {
         const Gate *g = &t->touch[i].gate;
         if (!g->presses && g->gap < real_min(0, g->gap0) - t->gap_zero)        /* deeper than it was */
             return true;
-        if (g->presses && fabs(g->gap) > 0.01 * t->tolerance + t->gap_zero)     /* it rolled over an edge */
+        if (g->presses && fabs(g->gap) > OFF * t->tolerance + t->gap_zero)      /* it rolled over an edge */
             return true;
     }
     return false;

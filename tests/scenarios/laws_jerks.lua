@@ -198,3 +198,20 @@ scenario("what leans on a stop comes to rest there after a hit, sleeps, and stay
   expect(bar.position.y):is(at.y)
   expect(bar.position.x):is(at.x)
 end)
+
+-- Gaps at the end of a step were read where slips were looked for last, in its middle: a stop that was passed in between was not seen, by
+-- up to 0.017 rad, and 0.8 J were made up as the joint was put back.
+scenario("a seesaw on which a box falls runs into its stop, and not past it", function()
+  for k = 0, 59 do
+    local world = digbox.world { step = 1 / 30 }
+    world:floor {}
+    local plank = world:box { size = { 2, 0.05, 0.3 }, at = { 0, 0.4, 0 }, friction = 0.5 }
+    local hinge = world:hinge { a = plank, at = { 0, 0.4, 0 }, axis = { 0, 0, 1 }, limits = { -0.35, 0.35 } }
+    world:box { size = 0.15, at = { 0.4 + 0.5 * (k * 7 % 60) / 60, 0.6 + 0.01 * k, 0 }, friction = 0.5, density = 300 + 45 * k }
+    for _ = 1, 36 do
+      world:step()
+      expect(hinge.angle):above(-0.35 - 1e-6)
+    end
+    expect(world.energy.numerical):near(0, 1e-4)
+  end
+end)
