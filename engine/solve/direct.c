@@ -615,6 +615,9 @@ static bool solve_soft(Group *g, real residual, int most_factors, real accept)
     return run(&d, residual);
 }
 
+/* Where something is heavy, but for what is stirred and may pause (toil.c): each step has another heap to find forces for. */
+static bool has_cones(const Group *g) { return group_top_heavy(g) && !g->may_pause; }
+
 /* What is heavy on what is light, at kinks that Newton's method does not get over. */
 static bool solve_cones(Group *g, real residual)
 {
@@ -643,8 +646,9 @@ bool direct_solve(Group *g, real residual)
         fine = run(&d, residual);
     if (fine && g->joints_direct)
         g->residual = d.error;
-    g->starts_soft = (light || (heavy && !g->joints_direct)) && !fine && !(g->calm && g->trace_wait > 0);
-    if (g->starts_soft && heavy)
+    bool cones = !g->joints_direct && has_cones(g);
+    g->starts_soft = (light || cones) && !fine && !(g->calm && g->trace_wait > 0);
+    if (g->starts_soft && cones)
         fine = solve_cones(g, residual);
     else if (g->starts_soft)
         fine = solve_soft(g, residual, int_min(SOFT_FACTORS, SOFT_POINTS / g->point_count), SOFT_GOOD);
@@ -687,7 +691,7 @@ bool direct_rescue(Group *g)
     if (g->calm || toil_pauses(g) || g->point_count == 0 || g->point_count > most_points[0] || g->moving_count > MOST_BODIES
         || g->rescues_failed >= MOST_RESCUES)
         return false;
-    if (group_top_heavy(g)) {
+    if (has_cones(g)) {
         bool fine = solve_cones(g, AIM);
         g->rescues_failed += !fine;
         return fine;

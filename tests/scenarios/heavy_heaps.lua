@@ -1,5 +1,6 @@
--- Heaps in which one thing in four is a hundred times as heavy as most, and one a hundred times lighter: they may not sink into each other as they land,
--- nor throw anybody out. Only in the plain build; test_direct.c and test_direct_cone.c run the same code under sanitizers.
+-- Heaps in which one thing in four is a hundred times as heavy as most, and one a hundred times lighter: they may not sink into each
+-- other as they land, nor throw anybody out.
+-- Only in the plain build: figures of large heaps; test_direct_cone.c runs the same code under sanitizers.
 local digbox = require "digbox"
 local test = require "digbox.test"
 local scenario, expect = test.scenario, test.expect
