@@ -34,7 +34,7 @@ typedef struct Cone {
     four off;                           /* m/s  what s is off */
     int  triple, n, row, rows;          /* its last parts are rows row..row + rows - 1 of the triple */
     bool given;                         /* x[0] is */
-    real scale;                         /* 1/mu in speeds and mu in impulses, in the first row */
+    real scale[3];                      /* of rows: times speeds, and impulses are over it: 1/mu of the normal, m of spins */
     real mobility;                      /* 1/kg */
     real lift;                          /* m/s */
 } Cone;
@@ -113,15 +113,26 @@ INLINE void scaling(Cone *c)
 
 /* ---- cones of the group ---- */
 
-static real scale_of(const Cone *c, int row) { return row == 0 ? c->scale : 1; }
 static bool lifts(const Cone *c) { return c->n == 3 && !c->given; }
+static bool spins(const Cone *c) { return c->given && c->row == 0; }
 
 static Cone *add(Inside *in, int triple, int row, int rows, real bound)
 {
     Cone *c = &in->cones[in->count++];
-    *c = (Cone){.triple = triple, .row = row, .rows = rows, .given = bound > 0, .n = rows + (bound > 0), .scale = 1,
+    *c = (Cone){.triple = triple, .row = row, .rows = rows, .given = bound > 0, .n = rows + (bound > 0), .scale = {1, 1, 1},
                 .mobility = direct_mobility(in->d, &in->d->triples[triple])};
     return c;
+}
+
+/* Spins count as speeds of what rolls: a step that suits the ones must suit the others, whatever the size. */
+static void add_spins(Inside *in, int triple)
+{
+    const Triple *t = &in->d->triples[triple];
+    real reach = in->d->g->rolls[t->index].reach;
+    Cone *c = add(in, triple, 0, 3, t->bound / reach);
+    c->scale[0] = c->scale[1] = c->scale[2] = reach;
+    c->mobility *= reach * reach;
+    c->x[0] = t->bound / reach;
 }
 
 static bool open_cones(Inside *in)
@@ -131,25 +142,25 @@ static bool open_cones(Inside *in)
     for (int i = 0; in->cones && i < d->triple_count; i++) {
         const Triple *t = &d->triples[i];
         if (t->set == SET_CONE && t->mu > 0)
-            add(in, i, 0, 3, 0)->scale = 1 / t->mu;
+            add(in, i, 0, 3, 0)->scale[0] = 1 / t->mu;
         else if (t->set != SET_BALL)
             add(in, i, 0, 1, 0);
         if (t->set == SET_DISC && t->bound > 0)
-            add(in, i, 1, 2, t->bound);
+            add(in, i, 1, 2, t->bound)->x[0] = t->bound;
         if (t->set == SET_BALL && t->bound > 0)
-            add(in, i, 0, 3, t->bound);
+            add_spins(in, i);
     }
     return in->count > 0;
 }
 
 /* m/s  What the row does, over what it should. */
-static real speed(const Cone *c, const Triple *t, int row) { return scale_of(c, row) * (t->rate[row] - t->target[row]) + (row == 0 ? c->lift : 0); }
+static real speed(const Cone *c, const Triple *t, int row) { return c->scale[row] * (t->rate[row] - t->target[row]) + (row == 0 ? c->lift : 0); }
 
 /* All products are the same: what carries least has as much to go as what carries most. Impulses and speeds that are the local ones' share begin nearer
  * where much moves, but light things under heavy ones bear a thousand times what they begin with: of 7000 solves of 200 boxes of 1000:1 86 failed, now none. */
 static void begin(Inside *in)
 {
-    real sum = 0, least = INFINITY;
+    real sum = 0, mobility[2] = {INFINITY, INFINITY};       /* the least of what is not given, and of what is: that does not begin by it */
     int rows = 0;
     for (int i = 0; i < in->count; i++) {
         const Cone *c = &in->cones[i];
@@ -158,12 +169,12 @@ static void begin(Inside *in)
             sum += u * u;
         }
         rows += c->rows;
-        least = real_min(least, c->mobility);
+        mobility[c->given] = real_min(mobility[c->given], c->mobility);
     }
-    real fast = real_max(NEAR, sqrt(sum / rows));
+    real fast = real_max(NEAR, sqrt(sum / rows)), least = isfinite(mobility[0]) ? mobility[0] : mobility[1];
     for (int i = 0; i < in->count; i++) {
         Cone *c = &in->cones[i];
-        c->x[0] = c->given ? in->d->triples[c->triple].bound : fast / least;
+        c->x[0] = c->given ? c->x[0] : fast / least;
         c->s[0] = fast * fast / least / c->x[0];
     }
 }
@@ -190,7 +201,7 @@ static real look(Inside *in, int step, bool convex)
         for (int k = 0; k < c->rows; k++) {
             int at = k + c->given;
             c->off[at] = speed(c, &in->d->triples[c->triple], c->row + k) - c->s[at];
-            worst = real_max(worst, fabs(c->off[at]) / scale_of(c, c->row + k));
+            worst = real_max(worst, fabs(c->off[at]) / (spins(c) ? 1 : c->scale[c->row + k]));
         }
         real both = dot(c->x, c->s);
         worst = real_max(worst, both / (c->x[0] + c->s[0] / c->mobility));
@@ -210,7 +221,7 @@ static void put_forces(Inside *in, bool lead)
         four x = lead ? c->x + c->lead - times(c->slope, c->off) : c->x;
         real *force = in->d->triples[c->triple].force;
         for (int k = 0; k < c->rows; k++) {
-            force[c->row + k] = scale_of(c, c->row + k) * x[k + c->given];
+            force[c->row + k] = c->scale[c->row + k] * x[k + c->given];
         }
     }
 }
@@ -249,7 +260,7 @@ static bool factor(Inside *in)
         for (int k = 0; k < c->rows; k++)
             for (int m = 0; m < c->rows; m++)
                 t->w[3 * (c->row + k) + c->row + m] =
-                    t->r * scale_of(c, c->row + k) * scale_of(c, c->row + m) * c->slope[k + c->given][m + c->given];
+                    t->r * c->scale[c->row + k] * c->scale[c->row + m] * c->slope[k + c->given][m + c->given];
     }
     d->factors++;
     return direct_assemble(d, false) && blocks_factor(&d->blocks, false);
@@ -259,7 +270,7 @@ INLINE void change(Cone *c, const Triple *t)
 {
     four ds = c->off;
     for (int k = 0; k < c->rows; k++)
-        ds[k + c->given] += scale_of(c, c->row + k) * t->change[c->row + k];
+        ds[k + c->given] += c->scale[c->row + k] * t->change[c->row + k];
     c->dx = c->lead - times(c->slope, ds);
     if (c->given) {
         c->dx[0] = 0;
@@ -362,7 +373,7 @@ real direct_inside(Direct *d, bool convex)
         memcpy(d->triples[i].prox, d->triples[i].force, sizeof d->triples[i].prox);
     for (int i = 0; i < in.count; i++)
         if (lifts(&in.cones[i]))
-            d->triples[in.cones[i].triple].lift = in.cones[i].lift / in.cones[i].scale;
+            d->triples[in.cones[i].triple].lift = in.cones[i].lift / in.cones[i].scale[0];
     d->kept = false;
     return off;
 }
