@@ -140,8 +140,10 @@ static bool open_direct(Direct *d)
     int n = 0;
     d->place = arena_alloc(g->arena, (size_t)(g->body_count + 1) * sizeof *d->place);
     d->narrow = arena_alloc(g->arena, (size_t)(2 * g->body_count + 1) * sizeof *d->narrow);
-    if (!d->place || !d->narrow)
+    if (!d->place || !d->narrow) {
+        g->status = DIG_E_MEMORY;
         return false;
+    }
     bool *narrow = d->narrow + g->body_count;       /* of the unknowns */
     for (int i = 0; i < g->body_count; i++) {
         bool moves = g->member[i].moves;

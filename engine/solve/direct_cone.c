@@ -139,6 +139,8 @@ static bool open_cones(Inside *in)
 {
     const Direct *d = in->d;
     in->cones = arena_alloc(d->g->arena, (size_t)(2 * d->triple_count + 1) * sizeof *in->cones);
+    if (!in->cones)
+        d->g->status = DIG_E_MEMORY;
     for (int i = 0; in->cones && i < d->triple_count; i++) {
         const Triple *t = &d->triples[i];
         if (t->set == SET_CONE && t->mu > 0)
