@@ -51,9 +51,11 @@ static const real most_work[2] = {1e6, 4e6};                                    
 #define LOST          1e-2      /* m/s  a round that ends this far from its minimum has failed, and with it the solve */
 /* From the inside (direct_cone.c): where it ends, and its rows are refined from so soft */
 #define INSIDE_GOOD   1e-3      /* m/s  good enough */
+#define INSIDE_POOR   1e-2      /* m/s  and where there is nothing better */
 #define INSIDE_AIM    1e-6      /* m/s  wanted */
 #define INSIDE_SOFT   1e3       /*      times the compliance */
 #define INSIDE_FACTORS 20
+#define INSIDE_MOST   4000      /*      factorisations of a step, after which there are no more such solves */
 /* With joints */
 #define JOINT_SOFT    1e3       /*      times the compliance of a contact at first */
 /* The same where nothing is heavy, but much slides and turns. There a round is not carried on: the next would begin with all
@@ -475,13 +477,21 @@ static bool solve(Direct *d, real residual)
     return finite(d) && real_max(d->error, d->unbalanced) < real_max(d->accept, 1e-9 * speed);
 }
 
-/* m/s  From the inside; where lifts do not come to rest, without any, and what overlaps need not part: between two walls nothing can. Leaves the
- * impulses as the estimate. */
-static real start_inside(Direct *d)
+/* m/s  How much faster than Coulomb's law has it contacts part, whose lift is less than their slip asks for; by no more than their impulses do. */
+static real missing_lift(const Direct *d)
 {
-    real off = direct_inside(d, false);
-    if (off < INSIDE_GOOD)
-        return off;
+    real worst = 0;
+    for (int i = 0; i < d->triple_count; i++) {
+        const Triple *t = &d->triples[i];
+        real missing = t->set == SET_CONE ? t->mu * hypot(t->rate[1], t->rate[2]) - t->lift : 0;
+        worst = real_max(worst, real_min(missing, t->prox[0] * direct_mobility(d, t)));
+    }
+    return worst;
+}
+
+/* Once more without lifts, and what overlaps need not part: between two walls nothing can. */
+static real inside_convex(Direct *d)
+{
     for (int k = 0; k < 6 * d->blocks.n; k++)
         d->dv[k] = -d->v[k];
     direct_changes(d);
@@ -494,7 +504,22 @@ static real start_inside(Direct *d)
     return direct_inside(d, true);
 }
 
-/* What is found from the inside is refined by rounds, and taken as it was where these make it worse. */
+static void keep_found(const Direct *d, real (*found)[3])
+{
+    for (int i = 0; i < d->triple_count; i++)
+        memcpy(found[i], d->triples[i].prox, sizeof found[i]);
+}
+
+static bool take_found(Direct *d, real (*found)[3], real off, real most)
+{
+    for (int i = 0; i < d->triple_count; i++)
+        memcpy(d->triples[i].prox, found[i], sizeof found[i]);
+    d->error = d->unbalanced = off;
+    return finite(d) && off < most;
+}
+
+/* From the inside; of lifts that do not come to rest and none at all what is less wrong. It is refined by rounds, and taken as it was where these make it
+ * worse. What is wrong about it is the residual. */
 static bool solve_inside(Direct *d, real residual)
 {
     real (*found)[3] = arena_alloc(d->g->arena, (size_t)(d->triple_count + 1) * sizeof *found);
@@ -502,16 +527,24 @@ static bool solve_inside(Direct *d, real residual)
         d->g->status = DIG_E_MEMORY;
         return false;
     }
-    real off = start_inside(d);
-    for (int i = 0; i < d->triple_count; i++)
-        memcpy(found[i], d->triples[i].prox, sizeof found[i]);
+    real off = direct_inside(d, false), missing = missing_lift(d), first = real_max(off, missing);
+    keep_found(d, found);
+    if (!(first < INSIDE_GOOD)) {
+        off = inside_convex(d);
+        missing = missing_lift(d);
+        if (!(off < INSIDE_GOOD))
+            return take_found(d, found, first, INSIDE_POOR);
+        if (first <= real_max(off, missing))
+            return take_found(d, found, first, INFINITY);
+        keep_found(d, found);
+    }
     d->most_factors += d->factors;
-    if (off < INSIDE_GOOD && solve(d, real_max(residual, INSIDE_AIM)) && d->error < off)
-        return true;
-    for (int i = 0; i < d->triple_count; i++)
-        memcpy(d->triples[i].prox, found[i], sizeof found[i]);
-    d->error = d->unbalanced = off;
-    return finite(d) && off < INSIDE_GOOD;
+    bool better = solve(d, real_max(residual, INSIDE_AIM)) && d->error < off;
+    off = better ? d->error : off;
+    if (!better && !take_found(d, found, off, INSIDE_GOOD))
+        return false;
+    d->error = real_max(off, missing);
+    return true;
 }
 
 /* The same for joints, whose rows are solved from soft to hard. Poor is better than what sweeps leave, but what is off by more than
@@ -618,7 +651,7 @@ static bool solve_soft(Group *g, real residual, int most_factors, real accept)
 }
 
 /* Where something is heavy, but for what is stirred and may pause (toil.c): each step has another heap to find forces for. */
-static bool has_cones(const Group *g) { return group_top_heavy(g) && !g->may_pause; }
+static bool has_cones(const Group *g) { return group_top_heavy(g) && !g->may_pause && g->factors < INSIDE_MOST; }
 
 /* What is heavy on what is light, at kinks that Newton's method does not get over. */
 static bool solve_cones(Group *g, real residual)

@@ -104,7 +104,7 @@ static void gather_pair(Nearby *nearby, GroupPair *q, const Near *n, KnownRubs *
     q->until = g->crowd ? p->until : -1;
     q->size = pair_size(&q->on_a->shape, &q->on_b->shape);
     bool fresh = p->fresh, touching = p->touching, moved = g->member[n->a].moved && g->member[n->b].moved;
-    q->struck = q->meets = q->touching = q->seamed = false;         /* side by side: one write for all */
+    q->struck = q->meets = q->touching = q->seamed = q->hidden = false;         /* side by side: one write for all */
     q->fresh = fresh;
     q->was_touching = touching;
     q->both_moved = moved;

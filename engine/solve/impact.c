@@ -250,7 +250,7 @@ static void solve_all(Group *g, real residual)
     if (!stick(g, residual))
         relax(g, impact_sweeps(g), residual);
     if (g->residual > residual && group_top_heavy(g) && direct_wanted(g) > 0 && direct_solve(g, residual))
-        g->residual = residual;
+        g->residual = g->from_inside ? g->residual : residual;
     if (g->residual > VELOCITY_COARSE && g->row_count > 0)      /* a rod of 2 g between kilograms: 22,000 sweeps left 17 m/s */
         direct_rescue(g);
     g->residual = real_max(g->residual, worst);

@@ -155,11 +155,11 @@ static void solve_rows(Group *g)
         relax(g, LAST_SWEEPS, g->plan->residual);
     }
     int more = sweeps_for(g, 10 * g->plan->sweeps) - sweeps;        /* none: what is left of it stays the residual */
-    if (g->residual > VELOCITY_COARSE && !g->stalled && more > 0) {
+    if (g->residual > VELOCITY_COARSE && !g->stalled && !g->from_inside && more > 0) {
         g->residual = 0;
         relax(g, more, VELOCITY_COARSE);
     }
-    g->unsolved = g->residual > VELOCITY_COARSE && g->stalled;
+    g->unsolved = g->residual > VELOCITY_COARSE && g->stalled && !g->from_inside;
     g->contradicts = g->contradicts || g->unsolved;
     if (g->unsolved || (g->from_inside && lands_as_many(g)) || g->sweeps > int_max(DEAR, DEAR_PLANS * g->plan->substeps * g->plan->sweeps))
         g->events_left = 0;
