@@ -52,9 +52,9 @@ static const real most_work[2] = {1e6, 4e6};                                    
 /* From the inside (direct_cone.c): where it ends, and its rows are refined from so soft */
 #define INSIDE_GOOD   1e-3      /* m/s  good enough */
 #define INSIDE_POOR   1e-2      /* m/s  and where there is nothing better */
-#define INSIDE_AIM    1e-6      /* m/s  wanted */
+#define INSIDE_AIM    1e-5      /* m/s  wanted */
 #define INSIDE_SOFT   1e3       /*      times the compliance */
-#define INSIDE_FACTORS 20
+#define INSIDE_FACTORS 10
 #define INSIDE_MOST   4000      /*      factorisations of a step, after which there are no more such solves */
 /* With joints */
 #define JOINT_SOFT    1e3       /*      times the compliance of a contact at first */
@@ -529,7 +529,7 @@ static bool solve_inside(Direct *d, real residual)
     }
     real off = direct_inside(d, false), missing = missing_lift(d), first = real_max(off, missing);
     keep_found(d, found);
-    if (!(first < INSIDE_GOOD)) {
+    if (!(off < INSIDE_GOOD)) {
         off = inside_convex(d);
         missing = missing_lift(d);
         if (!(off < INSIDE_GOOD))
