@@ -54,7 +54,7 @@ static const real most_work[2] = {1e6, 4e6};                                    
 #define INSIDE_POOR   1e-2      /* m/s  and where there is nothing better */
 #define INSIDE_AIM    1e-5      /* m/s  wanted */
 #define INSIDE_SOFT   1e3       /*      times the compliance */
-#define INSIDE_FACTORS 10
+#define INSIDE_FACTORS 10       /*      of these rounds */
 #define INSIDE_MOST   4000      /*      factorisations of a step, after which there are no more such solves */
 /* With joints */
 #define JOINT_SOFT    1e3       /*      times the compliance of a contact at first */
@@ -656,7 +656,7 @@ static bool has_cones(const Group *g) { return group_top_heavy(g) && !g->may_pau
 /* What is heavy on what is light, at kinks that Newton's method does not get over. */
 static bool solve_cones(Group *g, real residual)
 {
-    Direct d = {.g = g, .inside = true, .falls = true, .hardened = INSIDE_SOFT, .hardest = 1, .most_factors = INSIDE_FACTORS, .accept = INSIDE_GOOD};
+    Direct d = {.g = g, .inside = true, .hardened = INSIDE_SOFT, .hardest = 1, .most_factors = INSIDE_FACTORS, .accept = INSIDE_GOOD};
     g->from_inside = run(&d, residual);
     if (g->from_inside)
         g->residual = d.error;

@@ -71,8 +71,7 @@ typedef struct Direct {
     bool    heavy;              /* something in the group is heavy on what is light                 */
     bool    kept;               /* the factor is that of the present sets                          */
     bool    late_lift;          /*       lifts are those of the start: what is wedged in something that gives chases them to infinity */
-    bool    inside;             /*       begins from the inside (direct_cone.c)                     */
-    bool    falls;              /*       lifts may only fall                                        */
+    bool    inside;             /*       begins from the inside (direct_cone.c); rounds then only let lifts fall                     */
     bool    swings;             /* rounds go to and fro: lifts go half the way                      */
     int     factors, rounds, most_factors;
     real    hardened, hardest;  /* 1    compliances over what they were at first, and at last      */

@@ -488,7 +488,7 @@ static real next_triple(Direct *d, int i, real harder)
         lift = t->mu * length_of(t->rate + 1, 2);
     if (d->late_lift)
         lift = t->lift;
-    if (d->falls)
+    if (d->inside)
         lift = real_min(lift, t->lift);
     worst = real_max(worst, fabs(lift - t->lift));
     follow_lift(d, t, lift);
