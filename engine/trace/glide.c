@@ -262,14 +262,14 @@ static bool roll_on(Glide *s)
     return true;
 }
 
-/* J  What the table gave: all that its motion gained. */
+/* J  What the table gave: all that its motion gained, and what lifting it took. */
 static real table_work(const Glide *s)
 {
     const Group *g = s->g;
     const Vel *end = &g->vel[0];
     real linear = vec3_dot(vec3_sub(end->v, s->vel.v), vec3_add(end->v, s->vel.v)) / g->mass[0].im;
     real angular = vec3_dot(vec3_sub(end->w, s->vel.w), vec3_add(end->w, s->vel.w)) / vec3_dot(s->up, mat3_mul_vec(g->mass[0].ii, s->up));
-    return 0.5 * (linear + angular);
+    return 0.5 * (linear + angular) - vec3_dot(g->member[0].force, vec3_sub(g->pos[0].x, s->pos.x));
 }
 
 INLINE bool move(Glide *s)

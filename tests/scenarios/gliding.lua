@@ -88,6 +88,19 @@ scenario("a ball on a belt goes straight on, and one on a tilted turntable acros
   expect(tilted:inverse():rotate(ball.position)):near({ 0.5 - pull * (1 - math.cos(t)), 0.1, pull * (t - math.sin(t)) }, 1e-7)
 end)
 
+scenario("what lifts a ball gives it its weight times the height", function()
+  local world, ball = carried(1 / 60, { velocity = { 0.3, 1, 0 } }, { 0.3, 1, 0 }, { 0, 4, 0 })
+  world:step()
+  local given, weight = world.energy.work_in, 2 * 9.81
+  for k = 2, 60 do
+    world:step()
+    expect(world:stats().evaluations):is(1)
+    expect(ball.position.y):near(0.1 + k / 60, 1e-12)
+    expect(world.energy.work_in - given):near(weight * (k - 1) / 60, 1e-11)
+    expect(world.energy.numerical):near(0, 1e-11)
+  end
+end)
+
 scenario("a ball is left behind where its table turns too fast for friction, and by one that stops", function()
   local world, ball, table = carried(1 / 60, { spin = { 0, 3.5, 0 } }, { 0, 0, -0.5 }, { 30, 0, 0 })
   world:run "0.5 s"
