@@ -631,6 +631,8 @@ void toil_count(Group *g);              /* after a step of sweeps */
 int  group_toil(const Group *g);        /* sweeps of this step, and what else is as dear */
 Toil toil_after(const Group *g, Toil of);       /* of a member, after the step */
 static inline bool toil_pauses(const Group *g) { return g->toil.pause > 0; }
+/* More than are solved and watched for all that happens whatever it costs: see toil_bodies in plan.h */
+static inline bool group_many(const Group *g) { return g->moving_count > g->plan->toil_bodies; }
 /* Many that lie there, of which a direct solve has not found the forces: see crowd/calm.c. */
 static inline bool lies_uneasy(const Group *g) { return g->calm && g->trace_wait > 0; }
 /* direct.c: all contacts at once, exactly, from the present impulses; false: not for this group, or it failed, and nothing changed */
@@ -695,6 +697,7 @@ dig_status grip_note(Group *g);                         /* then: who has closed 
 /* locate.c: s into the substep of the first impact, or INFINITY */
 void locate_look(Group *g, real time);                  /* contacts of what lies open, as far ahead: of those kept from the step before nobody knows */
 real locate_impact(Group *g);
+real locate_least(const Group *g, const GroupPair *q);   /* m/s  slower blows of a pair are not located */
 real missing_little(const Group *g, real dt);         /* s  the longest substep that may go without */
 /* m  How far points of a pair move against each other in h seconds, at most. */
 real group_travel(const Group *g, const GroupPair *q, const Motion *a, const Motion *b, real h);

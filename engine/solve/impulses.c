@@ -123,7 +123,7 @@ static bool lands_as_many(const Group *g)
     bool bounces = false;
     for (int i = 0; i < g->pair_count && !bounces; i++)
         bounces = g->pairs[i].rub->restitution > 0;
-    return !bounces && g->moving_count > g->plan->toil_bodies;
+    return !bounces && group_many(g);
 }
 
 static void solve_rows(Group *g)
