@@ -213,6 +213,7 @@ static dig_status prepare(World *w, const dig_joint_def *def, JointRec *r)
     memcpy(r->name, def->name.s, sizeof r->name);
     r->breaks_at = isfinite(def->breaks_at) ? def->breaks_at : 0;
     r->collides = def->collides || type->couples;
+    r->at_point = type->at_point;
     return check_params(w, r, r->params, true);
 }
 
@@ -237,10 +238,7 @@ static dig_status do_create(World *w, const dig_joint_def *def, dig_joint *out)
     body_wake(w, r.a);
     if (r.b != NONE)
         body_wake(w, r.b);
-    if (!r.collides && r.b != NONE) {       /* pairs that may no longer touch go at the next step */
-        body_refit(w, r.a);
-        body_refit(w, r.b);
-    }
+    joint_stir_pairs(w, &r);
     api_book_given(w, api_joint_energy(w, slot));
     *out = (dig_joint){slot, r.gen};
     return DIG_OK;
@@ -261,13 +259,8 @@ static dig_status do_remove_joint(World *w, dig_joint j)
     const JointRec *r = api_joint(w, j, "remove");
     if (!r)
         return DIG_E_DEAD;
-    uint32_t a = r->a, b = r->b;
     api_book_given(w, -api_joint_energy(w, j.slot));
     joint_remove(w, j.slot);
-    if (a != NONE && b != NONE) {           /* they may touch again */
-        body_refit(w, a);
-        body_refit(w, b);
-    }
     return DIG_OK;
 }
 
@@ -367,19 +360,15 @@ static dig_status set_one(World *w, const JointRec *r, const dig_setting *set, S
     return DIG_OK;
 }
 
-/* Pairs of its two bodies come and go at the next step. */
 static void set_collides(World *w, JointRec *r, bool collides)
 {
     if (collides == r->collides)
         return;
     r->collides = collides;
-    for (int k = 0; k < 2; k++) {
-        uint32_t body = k ? r->b : r->a;
-        if (r->a != NONE && r->b != NONE) {
-            body_wake(w, body);
-            body_refit(w, body);
-        }
-    }
+    body_wake(w, r->a);
+    if (r->b != NONE)
+        body_wake(w, r->b);
+    joint_stir_pairs(w, r);
 }
 
 static dig_status do_set(World *w, dig_joint handle, const dig_setting *set, int count)

@@ -43,6 +43,7 @@ static void pack_joint(Pack *p, const World *w, JointRec *j)
     if (!pack_good(p))
         return;
     j->alive = true;
+    j->at_point = j->type->at_point;
     pack_bool(p, &j->collides);
     pack_text(p, j->name, sizeof j->name);
     pack_index(p, &j->a, (uint32_t)w->bodies.count, false, "first body of a joint");

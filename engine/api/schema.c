@@ -94,7 +94,7 @@ static const dig_param joint_rows[] = {
      .doc = "breaks when its force exceeds this",
      .fallback = INFINITY, .min = 0, .max = INFINITY, .offset = AT(dig_joint_def, breaks_at)},
     {.name = "collides", .kind = DIG_BOOL, .unit = "",
-     .doc = "its two bodies still touch each other", .max = 1, .offset = AT(dig_joint_def, collides)},
+     .doc = "its two bodies still touch each other, and what else reaches the point that it holds", .max = 1, .offset = AT(dig_joint_def, collides)},
     {.name = NULL},
 };
 

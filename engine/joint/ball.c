@@ -129,6 +129,7 @@ const JointType joint_ball = {
     .params = ball_rows,
     .params_size = sizeof(Ball),
     .free_axes = 3,
+    .at_point = true,
     .lower_pair = true,
     .rows = rows,
     .only_point = only_point,

@@ -80,6 +80,7 @@ const JointType joint_hinge = {
     .params = hinge_rows,
     .params_size = sizeof(Drive),
     .free_axes = 1,
+    .at_point = true,
     .driven = true,
     .lower_pair = true,
     .rows = rows,

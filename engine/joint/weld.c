@@ -17,6 +17,7 @@ const JointType joint_weld = {
     .params = weld_rows,
     .fuses = true,
     .free_axes = 0,
+    .at_point = true,
     .lower_pair = true,
     .no_axis = true,
     .rows = rows,

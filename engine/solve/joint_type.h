@@ -25,6 +25,7 @@ typedef struct JointType {
     bool             driven;        /* params are a Drive, of the free coordinate */
     bool             lower_pair;    /* what it allows is a group: relative motions that it allows, one after the other, are one */
     bool             fuses;         /* a and b are parts of one thing: where a face of one lies on the other, it is none of its surface */
+    bool             at_point;      /* it holds one point of both: what other such joints hold there does not touch, see joint_forbids_contact() */
     bool             two_anchors;   /* params begin with vec3 at_a, at_b (world points at creation; x NaN = centre of mass of that body,
                                      * or the common `at` for a world end): anchors differ */
     /* Checks what ranges cannot (limits against each other, ...). why gets one sentence. May complete params (a length left NaN

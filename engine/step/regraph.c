@@ -422,10 +422,6 @@ static void break_joint(World *w, const GroupJoint *j, real load, real share, re
     joint_remove(w, slot);
     for (int i = first; i < w->pending.count; i++)      /* what follows from it happened with it */
         w->pending.data[i].time = time;
-    if (a != NONE && b != NONE) {           /* they may touch again */
-        body_refit(w, a);
-        body_refit(w, b);
-    }
 }
 
 /* A group that is followed in time, or swept, has found its breaks (solve/part.c). Else the weakest first: of the joints of one group that are over their

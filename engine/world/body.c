@@ -169,7 +169,7 @@ bool bodies_may_touch(const World *w, const Solid *a, const Solid *b)
         return false;
     if (ba && bb && body_make(ba)->group < 0 && body_make(ba)->group == body_make(bb)->group)
         return false;
-    return !(ba && bb && joint_forbids_contact(w, a->body, b->body));
+    return !(ba && bb && joint_forbids_contact(w, a, b));
 }
 
 void body_refit(World *w, uint32_t slot)

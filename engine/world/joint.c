@@ -28,6 +28,14 @@ void joint_attach(World *w, uint32_t joint)
     list_insert(w, joint, w->joints.data[joint].b);
 }
 
+void joint_stir_pairs(World *w, const JointRec *j)
+{
+    if (j->a != NONE)
+        body_refit(w, j->a);
+    if (j->b != NONE)
+        body_refit(w, j->b);
+}
+
 uint32_t joint_next(const World *w, uint32_t joint, uint32_t body)
 {
     const JointRec *j = &w->joints.data[joint];
@@ -52,6 +60,7 @@ void joint_remove(World *w, uint32_t slot)
         body_wake(w, j->a);
     if (j->b != NONE)
         body_wake(w, j->b);
+    joint_stir_pairs(w, j);
     list_remove(w, slot, j->a);
     list_remove(w, slot, j->b);
     if (j->link != NONE) {
@@ -77,6 +86,43 @@ static bool joined(const World *w, uint32_t a, uint32_t b, bool collides)
     return false;
 }
 
-bool joint_forbids_contact(const World *w, uint32_t a, uint32_t b) { return joined(w, a, b, false); }
+/* ---- what is held at one point ---- */
+
+#define SAME_POINT 1e-3         /* of the smaller solid */
+
+/* Is the anchor, from the centre of mass in body axes, in the solid, or on it? */
+static bool reaches(const Solid *s, vec3 anchor)
+{
+    const Shape *shape = &s->form->shape;
+    vec3 local = quat_unrotate(s->form->at.q, vec3_sub(anchor, s->form->arm)), middle = shape_middle(shape);
+    return shape->type->contains(shape, vec3_mad(middle, 1 - SAME_POINT, vec3_sub(local, middle)));
+}
+
+/* Both are held at one point of a third body, or of the world, and reach there: they overlap, and nothing could part them. Ropes at one hook, bars on
+ * one pin. What does not reach there still touches: the bobs of two pendulums that hang from one point. */
+static bool meet_at_point(const World *w, const Solid *a, const Solid *b)
+{
+    real near = SAME_POINT * real_min(a->form->shape.outer, b->form->shape.outer);
+    for (uint32_t s = w->bodies.data[a->body].joint_first; s != NONE; s = joint_next(w, s, a->body)) {
+        const JointRec *j = &w->joints.data[s];
+        bool from = j->a == a->body;
+        uint32_t third = from ? j->b : j->a;
+        for (uint32_t t = w->bodies.data[b->body].joint_first; t != NONE && j->at_point && !j->collides; t = joint_next(w, t, b->body)) {
+            const JointRec *k = &w->joints.data[t];
+            bool to = k->a == b->body;
+            if (k->at_point && !k->collides && (to ? k->b : k->a) == third && vec3_distance(from ? j->rb : j->ra, to ? k->rb : k->ra) <= near &&
+                reaches(a, from ? j->ra : j->rb) && reaches(b, to ? k->ra : k->rb))
+                return true;
+        }
+    }
+    return false;
+}
+
+bool joint_forbids_contact(const World *w, const Solid *a, const Solid *b)
+{
+    if (w->bodies.data[a->body].joint_first == NONE || w->bodies.data[b->body].joint_first == NONE)
+        return false;
+    return joined(w, a->body, b->body, false) || (!joined(w, a->body, b->body, true) && meet_at_point(w, a, b));
+}
 
 bool joint_asks_contact(const World *w, uint32_t a, uint32_t b) { return joined(w, a, b, true); }

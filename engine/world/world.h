@@ -253,6 +253,7 @@ typedef struct JointRec {       /* what every step reads comes first            
     uint32_t gen;
     bool     alive, collides;
     bool     at_limit;
+    bool     at_point;          /* holds one point of both                             */
     uint32_t a, b;              /* body slots; NONE = the world                        */
     uint32_t next_a, next_b;    /* lists of the bodies' joints                         */
     uint32_t other[2];          /* joint slots, for gear and rack                      */
@@ -614,7 +615,8 @@ Touch     *touch_find(const World *w, uint32_t a, uint32_t b, uint8_t wall);
 
 /* joint.c */
 void       joint_remove(World *w, uint32_t slot);
-bool       joint_forbids_contact(const World *w, uint32_t a, uint32_t b);
+void       joint_stir_pairs(World *w, const JointRec *j);   /* those of its bodies that it forbids, or has forbidden, go or come at the next step */
+bool       joint_forbids_contact(const World *w, const Solid *a, const Solid *b);       /* of two bodies */
 bool       joint_asks_contact(const World *w, uint32_t a, uint32_t b);         /* is there one across which they still touch? */
 
 /* event.c */
