@@ -244,14 +244,15 @@ static void yield_near(Tracer *t)
     }
 }
 
-/* The same of points that let go. One that is to press is closed again for its acceleration. */
+/* The same of points that let go, by the load that was on their patch as the step began: where all of it goes, the last is rounding. One that is to
+ * press is closed again for its acceleration. */
 static void open_near(Tracer *t)
 {
     for (int i = 0; i < t->touch_count;) {
         int first = i;
         real most = 0;
         for (int end = end_of_contact(t, first); i < end; i++)
-            most = real_max(most, t->touch[i].gate.presses ? t->touch[i].gate.force : 0);
+            most = real_max(most, t->touch[i].gate.presses ? real_max(t->touch[i].gate.force, t->touch[i].gate.force0) : 0);
         for (int k = first; k < i; k++) {
             Gate *g = &t->touch[k].gate;
             g->presses = g->presses && g->force >= NEAR_ZERO * most;

@@ -165,6 +165,7 @@ static void mark_start(Tracer *t)
         c->gate.gap0 = c->gate.gap;
         c->gate.rate0 = c->gate.rate;
         c->gate.acc0 = c->gate.acc;
+        c->gate.force0 = c->gate.force;
         c->slip.from = c->slip.d;
         c->roll.from = c->roll.d;
     }

@@ -98,7 +98,7 @@ typedef struct Gate {           /* one-sided: a contact's normal or a joint's st
     real gap, rate, acc;        /* m, m/s, m/s^2                                          */
     real force;                 /* N                                                      */
     bool closed, presses;       /* closed: gap and rate are zero; presses: has a row      */
-    real gap0, rate0, acc0;     /* at the start of the step                               */
+    real gap0, rate0, acc0, force0;             /* at the start of the step               */
 } Gate;
 
 typedef struct Cone {           /* friction (2 directions) or rolling resistance (3) of a contact */
