@@ -35,11 +35,14 @@ static void close_gate(const Tracer *t, Gate *g, real unit, real deep)
         g->force = 0;
 }
 
-/* What slid before slides on, however slowly: whether it is coming to rest its acceleration will tell. */
+/* What slid before slides on, however slowly: whether it is coming to rest its acceleration will tell. So does what was on the brink and has not moved:
+ * to stick may serve as well here, where many share a load, and it would be on the brink again at once, with other forces. */
 static void take_grip(Cone *c, real zero)
 {
     real speed = vec3_length(c->u);
     c->locked = false;
+    if (c->axes && c->grip == GRIP_BRINK && speed <= zero)
+        return;
     c->grip = c->axes && (speed > zero || (c->grip == GRIP_SLIP && speed > 1e-6 * zero)) ? GRIP_SLIP : GRIP_STICK;
     if (c->grip == GRIP_SLIP)
         c->d = vec3_scale(1 / speed, c->u);
