@@ -274,21 +274,33 @@ bool trace_touch(Tracer *t, bool first)
 
 #define OFF 0.01    /* of the tolerance: what presses is no farther off */
 
-static bool in_the_air(const Tracer *t, int body)
+static bool pressed_before(const Tracer *t, const Touching *c)
 {
-    for (int i = 0; i < t->touch_count; i++)
-        if ((t->touch[i].a == body || t->touch[i].b == body) && t->touch[i].gate.gap <= OFF * t->tolerance + t->gap_zero)
-            return false;
-    return trace_moves(t, body);
+    for (int i = 0; i < t->old_count; i++)
+        if (t->old_touch[i].contact == c->contact && t->old_touch[i].gate.presses)
+            return true;
+    return false;
 }
 
-/* Does a body that pressed touch nothing at all now? No event has ended that, so it has got over an edge within the step: a cylinder that rolls off a
- * table, whose line touches in other points than before. */
+/* Does a body that pressed at o touch the other one still, or what it did not press before, as the next tile that it slides on? */
+static bool rests_on(const Tracer *t, const Touching *o, int body)
+{
+    for (int i = 0; i < t->touch_count; i++) {
+        const Touching *c = &t->touch[i];
+        if ((c->a == body || c->b == body) && c->gate.gap <= OFF * t->tolerance + t->gap_zero
+            && ((c->a == o->a && c->b == o->b) || !pressed_before(t, c)))
+            return true;
+    }
+    return !trace_moves(t, body);
+}
+
+/* Do two that pressed each other touch no more? No event has ended that, so one has got over an edge within the step: a cylinder that rolls off a table,
+ * whose line touches in other points than before, or a box that is pushed off it, which leans on what pushes. */
 static bool got_over_edge(const Tracer *t)
 {
     for (int i = 0; i < t->old_count && t->relisted; i++) {
         const Touching *o = &t->old_touch[i];
-        if (o->gate.presses && (in_the_air(t, o->a) || in_the_air(t, o->b)))
+        if (o->gate.presses && (!rests_on(t, o, o->a) || !rests_on(t, o, o->b)))
             return true;
     }
     return false;
