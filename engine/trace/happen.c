@@ -12,6 +12,7 @@
 #define BELOW       1e-9        /* of the scale: force and acceleration tests, as in kinds.c    */
 #define SUDDEN      1e-6        /* of the frame: what begins to slip and stops within less did not slip */
 #define PASSES      60
+#define SMOOTH_PASSES 8         /* of these: a smooth function needs no more */
 #define CORRECTIONS 6
 static const real samples[] = {0.25, 0.5, 0.75, 1};
 
@@ -47,11 +48,21 @@ static real value_at(Tracer *t, const Event *e, real part)
     return value_of(t, e);
 }
 
+/* What of an event's function is rounding. Rows that repeat others may share their load to 1e-9 of it, no better: what has not come to an end after
+ * so many passes finds nothing below that. */
+static real rounding_of(const Tracer *t, const Event *e, int pass)
+{
+    if (pass > SMOOTH_PASSES && t->sys.redundant && (e->kind == EVENT_OPEN || (e->kind == EVENT_YIELD && e->cone)))
+        return BELOW * t->gate_most;
+    if (e->kind == EVENT_OPEN)
+        return NOTHING * t->gate_least;
+    bool slip = e->kind == EVENT_HALT && e->cone;
+    return e->kind == EVENT_CLOSE ? 1e-15 * t->size : slip ? 1e-15 * t->size * t->pace : 0;
+}
+
 /* False position with a bisection every eighth pass; f(lo) > 0 >= f(hi). */
 static real root_of(Tracer *t, const Event *e, real lo, real flo, real hi, real fhi)
 {
-    bool slip = e->kind == EVENT_HALT && e->cone;
-    real enough = e->kind == EVENT_CLOSE ? 1e-15 * t->size : slip ? 1e-15 * t->size * t->pace : e->kind == EVENT_OPEN ? NOTHING * t->gate_least : 0;
     Bracket b = {lo, hi, flo, fhi, 0};
     for (int pass = 1; pass <= PASSES && b.hi - b.lo > 4e-16 * b.hi; pass++) {
         real x = pass % 8 == 0 ? 0.5 * (b.lo + b.hi) : b.lo + (b.hi - b.lo) * b.at_lo / (b.at_lo - b.at_hi);
@@ -61,7 +72,7 @@ static real root_of(Tracer *t, const Event *e, real lo, real flo, real hi, real 
         if (!isfinite(f))
             return b.hi;
         bracket_put(&b, x, f);
-        if (fabs(f) <= enough)
+        if (fabs(f) <= rounding_of(t, e, pass))
             return x;
     }
     return b.hi;
@@ -152,13 +163,13 @@ static void scan_gaps(Tracer *t, Event *first)
 
 /* ---- forces and speeds, at the end of the step ---- */
 
-typedef struct Violated { Event e; real end; } Violated;
+typedef struct Violated { Event e; real start, end; } Violated;
 
 INLINE void note(const Tracer *t, Violated *list, int *n, Event e, real below)
 {
     real end = value_of(t, &e);
     if (end < -below)
-        list[(*n)++] = (Violated){e, end};
+        list[(*n)++] = (Violated){e, NAN, end};
 }
 
 static int list_violated(Tracer *t, Violated *v)
@@ -231,12 +242,33 @@ static bool lifted_off(Tracer *t, const Event *e)
     return true;
 }
 
+/* Is it not yet so where another one is known to happen? Then its root, which takes a score of evaluations, is of no use. */
+static bool is_later(Tracer *t, const Event *e, const Event *first)
+{
+    return first->kind != EVENT_NONE && first->kind != EVENT_SHORTER && needs_forces(e->kind) && value_at(t, e, first->at) > 0;
+}
+
+/* The functions of all of them at the start of the step, by one evaluation. */
+static void find_starts(Tracer *t, Violated *v, int n)
+{
+    bool forces = false;
+    for (int i = 0; i < n; i++)
+        forces = forces || needs_forces(v[i].e.kind);
+    Event e = {.kind = forces ? EVENT_OPEN : EVENT_CLOSE, .gate = &(Gate){.gap = 0}};
+    bool failed = n > 0 && !isfinite(value_at(t, &e, 0));
+    for (int i = 0; i < n; i++)
+        v[i].start = failed && needs_forces(v[i].e.kind) ? NAN : value_of(t, &v[i].e);
+}
+
 static void scan_forces(Tracer *t, Event *first)
 {
     Violated v[3 * WATCHED];        /* a contact point has a gate and two cones */
     int n = list_violated(t, v);
-    for (int i = 0; i < n; i++) {
-        real from = 0, start = value_at(t, &v[i].e, 0);
+    find_starts(t, v, n);
+    for (int i = 0; i < n && !(first->kind != EVENT_NONE && first->at <= 0); i++) {         /* none comes before that */
+        if (is_later(t, &v[i].e, first))
+            continue;
+        real from = 0, start = v[i].start;
         if (!(start > 0) && v[i].e.kind == EVENT_HALT && v[i].e.cone)
             start = leave_rest(t, &v[i].e, &from);
         v[i].e.at = start > 0 ? root_of(t, &v[i].e, from, start, 1, v[i].end) : 0;
