@@ -109,6 +109,7 @@ static bool close_all(Tracer *t, bool start, bool *moved)
         if (v.joints <= real_max(least, JOINT_DRIFT * t->tolerance) && v.gates <= real_max(1e-13 * t->size, GATE_DRIFT * t->tolerance))
             return true;
         *moved = true;
+        t->touched = -1;        /* manifolds have other gaps now */
         if (!trace_project(t, true))
             return false;
         trace_store(t, t->y);
@@ -221,8 +222,8 @@ static bool bounces_on(const Tracer *t)
     return false;
 }
 
-/* Finds the kinds anew at the present state: blows first, then who presses and slides. */
-static bool settle(Tracer *t, bool first)
+/* Blows first, then who presses and slides; and these are put right. */
+static bool settle_once(Tracer *t, bool first, bool *moved)
 {
     Group *g = t->g;
     if (!first)
@@ -254,18 +255,29 @@ static bool settle(Tracer *t, bool first)
         if (!look_farther(t) || !trace_bounce(t) || trace_squeezed(t))
             return false;
     }
-    bool moved = false;
+    *moved = false;
     if (first)
         trace_sides(t);         /* what pushes with its bound, does: no jerk stops it */
     if (first && !struck && !trace_jerk(t))
         return false;
-    if (first && !struck && !put_right(t, true, &moved))         /* another way may have left the closed ones a little off; a blow opens some */
+    if (first && !struck && !put_right(t, true, moved))          /* another way may have left the closed ones a little off; a blow opens some */
         return false;
-    t->shifted = t->shifted || moved;
-    moved = false;
+    t->shifted = t->shifted || *moved;
+    *moved = false;
     g->evaluations++;
-    if (!trace_kinds(t, first) || !put_right(t, false, &moved) || (moved && !trace_accelerate(t)))
-        return false;
+    return trace_kinds(t, first) && put_right(t, false, moved) && (!*moved || trace_accelerate(t));
+}
+
+#define ROUNDS 4
+
+/* Finds the kinds anew at the present state. To put right what presses may set another corner going inward, as where the way before left the corners
+ * of a face a little off: that is a blow again. */
+static bool settle(Tracer *t, bool first)
+{
+    bool moved = true;
+    for (int round = 0; round < ROUNDS && moved && (round == 0 || approaching(t)); round++)
+        if (!settle_once(t, first && round == 0, &moved))
+            return false;
     trace_keep(t, 0);
     t->dirty = false;
     t->probe_wait = 0;
