@@ -339,6 +339,22 @@ static bool any_slow_slip(const Tracer *t, real h)
     return false;
 }
 
+/* Rows across the slips of a patch that turns on its place leave it no way to move: then none is held. */
+static bool accelerate_held(Tracer *t)
+{
+    if (trace_accelerate(t))
+        return true;
+    bool any = false;
+    for (int i = 0; i < t->touch_count; i++) {
+        any = any || t->touch[i].slip.locked;
+        t->touch[i].slip.locked = false;
+    }
+    if (!any || t->g->status != DIG_OK)
+        return false;
+    t->fault = NULL;
+    return trace_accelerate(t);
+}
+
 /* A slip so slow that its direction would turn within the step is held in its direction, with a row across it. */
 static bool hold_slow_slips(Tracer *t, real h, bool aim)
 {
@@ -358,7 +374,7 @@ static bool hold_slow_slips(Tracer *t, real h, bool aim)
         return true;
     t->locks = false;
     trace_align(t);
-    if (changed && !trace_accelerate(t))
+    if (changed && !accelerate_held(t))
         return false;
     if (aim && !aim_slips(t))
         return false;
