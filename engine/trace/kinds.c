@@ -234,13 +234,15 @@ static bool change_weights(Tracer *t)
 #define NEAR_ZERO  1e-6         /* of the largest normal force of the patch */
 
 /* Where one point yields, those that are as near to their bound yield with it: one at a time, each would find the other sticking,
- * and at its bound, for ever. Two corners of an edge do, and the two sides of what is alike on both. */
-static void yield_near(Tracer *t)
+ * and at its bound, for ever. Two corners of an edge do, and the two sides of what is alike on both. It itself may be off its bound by the error of
+ * the step that leads there. */
+static void yield_near(Tracer *t, const Event *e)
 {
+    real full = e->cone->still * e->normal->force, near = full > 0 ? real_min(1, vec3_length(e->cone->force) / full) * (1 - NEAR_BOUND) : 1;
     for (int i = 0; i < t->touch_count; i++) {
         Cone *c = &t->touch[i].slip;
         real bound = c->still * t->touch[i].gate.force;
-        if (sticks(&t->touch[i]) && c->weight > 0 && bound > 0 && vec3_length(c->force) >= bound * (1 - NEAR_BOUND)) {
+        if (sticks(&t->touch[i]) && c->weight > 0 && bound > 0 && vec3_length(c->force) >= bound * near) {
             c->grip = GRIP_BRINK;
             c->d = vec3_unit_or(vec3_neg(c->force), c->d);
         }
@@ -277,9 +279,9 @@ static void apply_hint(Tracer *t)
         if (e->cone) {
             if (!(e->cone->weight > 0))
                 break;          /* so little presses there that it was let off its share: see change_weights */
+            yield_near(t, e);
             e->cone->grip = GRIP_BRINK;
             e->cone->d = vec3_unit_or(vec3_neg(e->cone->force), e->cone->d);
-            yield_near(t);
         } else {
             e->hold->side = e->hold->force > 0 ? 1 : -1;
         }

@@ -306,9 +306,10 @@ static bool got_over_edge(const Tracer *t)
     return false;
 }
 
-bool trace_missed(const Tracer *t)
+bool trace_missed(const Tracer *t, bool *over)
 {
-    if (got_over_edge(t))
+    *over = got_over_edge(t);
+    if (*over)
         return true;
     for (int i = 0; i < t->touch_count; i++) {
         const Gate *g = &t->touch[i].gate;

@@ -460,6 +460,8 @@ static bool slid_far(const Tracer *t, const Touching *list, int count, bool look
     return false;
 }
 
+#define EDGE 1e-7               /* of the frame: when something gets over an edge is found to that */
+
 /* The tried step becomes the state. Contacts are looked for at its end; should something be deep in something that nobody
  * watched, the step is taken back. */
 static bool accept_step(Tracer *t, const Event *e)
@@ -476,12 +478,18 @@ static bool accept_step(Tracer *t, const Event *e)
     bool before = look && t->relisted;
     const Touching *list = before ? t->old_touch : t->touch;
     int count = before ? t->old_count : t->touch_count;
-    if (((look && trace_missed(t)) || slid_far(t, list, count, before)) && t->h > 1e-7 * t->end) {
+    bool over = false;
+    if (((look && trace_missed(t, &over)) || slid_far(t, list, count, before)) && t->h > EDGE * t->end) {
+        t->over = over ? end : t->over;
         t->t = begin;
         t->h_next = 0.5 * t->h;
         g->refused++;
         go_back(t);
         return trace_touch(t, false);
+    }
+    if (over) {                 /* what it took to find that was well spent */
+        t->mark_work = g->evaluations;
+        t->mark = t->t;
     }
     note_ways(t);
     trace_book(t, list, count, begin);
@@ -596,6 +604,8 @@ static bool one_step(Tracer *t)
         t->aimed_at = t->t;         /* once from each place: what is refused must get shorter */
     }
     h = rest / ceil(rest / h - 0.01);
+    if (t->over > t->t)
+        h = real_min(h, real_max(0.5 * (t->over - t->t), EDGE * t->end));
     if (!hold_slow_slips(t, h, aim))
         return false;
     mark_start(t);
@@ -640,7 +650,7 @@ static bool one_step(Tracer *t)
 /* So many evaluations for so little of the frame: the place is better passed than followed, or, in a plan without passes, the frame is lost. */
 static bool crawls(Tracer *t)
 {
-    if (t->g->evaluations - t->mark_work <= CRAWL_WORK * t->work)
+    if (t->g->evaluations - t->mark_work <= CRAWL_WORK * t->work || t->over > t->t)
         return false;
     bool slow = t->t - t->mark < CRAWL * t->end;
     t->mark_work = t->g->evaluations;
@@ -701,7 +711,7 @@ static dig_status advance(Group *g, real dt)
     trace_begin(t);
     t->work = work_of(t);
     t->h_next = g->trace_step > 0 ? real_min(g->trace_step, dt) : dt;
-    t->aimed_at = -1;
+    t->over = t->aimed_at = -1;
     DIG_TRY(trace_reserve(t));
     bool fine = run(t);
     if (g->status != DIG_OK)
