@@ -6,6 +6,7 @@
 
 #define RIM 0xf0000000u         /* numbers of rims, apart from those of manifold points */
 
+#define OFF        0.01     /* of the tolerance: what presses is no farther off, nor what leaves deeper */
 #define SAME_SPOT  1e-12    /* of the size */
 #define SAME_PLACE 1e-7     /* of the size: so far a frozen feature may be from the manifold's point that it stands for */
 
@@ -272,8 +273,6 @@ bool trace_touch(Tracer *t, bool first)
     return trace_items(t);
 }
 
-#define OFF 0.01    /* of the tolerance: what presses is no farther off */
-
 static bool pressed_before(const Tracer *t, const Touching *c)
 {
     for (int i = 0; i < t->old_count; i++)
@@ -311,11 +310,13 @@ bool trace_missed(const Tracer *t, bool *over)
     *over = got_over_edge(t);
     if (*over)
         return true;
+    real off = OFF * t->tolerance + t->gap_zero;
     for (int i = 0; i < t->touch_count; i++) {
         const Gate *g = &t->touch[i].gate;
-        if (!g->presses && g->gap < real_min(0, g->gap0) - t->gap_zero)        /* deeper than it was */
+        bool leaves = g->rate > t->speed_zero && g->gap >= -off;        /* a corner that slides off an edge, from the face that is behind that */
+        if (!g->presses && g->gap < real_min(0, g->gap0) - t->gap_zero && !leaves)     /* deeper than it was */
             return true;
-        if (g->presses && fabs(g->gap) > OFF * t->tolerance + t->gap_zero)      /* it rolled over an edge */
+        if (g->presses && fabs(g->gap) > off)       /* it rolled over an edge */
             return true;
     }
     return false;

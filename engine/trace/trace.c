@@ -464,12 +464,13 @@ static bool slid_far(const Tracer *t, const Touching *list, int count, bool look
 
 /* The tried step becomes the state. Contacts are looked for at its end; should something be deep in something that nobody
  * watched, the step is taken back. */
-static bool accept_step(Tracer *t, const Event *e)
+static bool accept_step(Tracer *t, const Event *e, bool *taken)
 {
     Group *g = t->g;
     real end = t->t + t->h >= t->end * (1 - 1e-14) ? t->end : t->t + t->h, begin = t->t;
     bool look = g->pair_count > 0 && (e->kind == EVENT_NONE || e->kind == EVENT_CLOSE);
     trace_mean(t);
+    *taken = false;
     t->t = end;
     if (look && !trace_touch(t, false)) {
         t->t = begin;
@@ -487,10 +488,11 @@ static bool accept_step(Tracer *t, const Event *e)
         go_back(t);
         return trace_touch(t, false);
     }
-    if (over) {                 /* what it took to find that was well spent */
+    if (t->over > begin && t->t >= t->over) {   /* what it took to find that was well spent */
         t->mark_work = g->evaluations;
         t->mark = t->t;
     }
+    *taken = true;
     note_ways(t);
     trace_book(t, list, count, begin);
     State *old = t->y;
@@ -595,6 +597,7 @@ static void rest_on(Tracer *t, real h)
 
 static bool one_step(Tracer *t)
 {
+    bool taken;
     real rest = t->end - t->t, h = real_min(rest, t->h_next);
     if (t->swing * h > SWUNG)
         h = SWUNG / t->swing;
@@ -632,12 +635,16 @@ static bool one_step(Tracer *t)
         t->h_next = grown(t, h, error);
         if (t->known != t->y1)
             trace_load(t, t->y1, t->t + t->h);
-        if (!accept_step(t, &e))
+        if (!accept_step(t, &e, &taken))
             return false;
         t->probe_wait = int_max(0, t->probe_wait - 1);
         return t->dirty || t->t >= t->end ? true : tidy(t);
     }
-    if (!trace_stop_at(t, &e) || !accept_step(t, &e) || !count_event(t, &e))
+    if (!trace_stop_at(t, &e) || !accept_step(t, &e, &taken))
+        return false;
+    if (!taken)                 /* it is found again in a shorter one */
+        return true;
+    if (!count_event(t, &e))
         return false;
     if (e.kind == EVENT_BREAK)
         trace_part(t, &e);
