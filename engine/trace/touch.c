@@ -122,8 +122,8 @@ static bool add_point(Tracer *t, int contact, int point, const Sides *sides, boo
     if (!(id ? place_rim(t, n, q, p, &rim) : place_point(t, n, q, p))) {
         if (p->gap > 1e-6 * q->size)
             return true;        /* the frozen feature is not what the manifold means, and does not touch: it is looked for again when it is nearer */
-        t->fault = "a contact without a frozen feature";
-        return false;
+        t->unplaced = true;
+        return true;
     }
     if (first) {
         n->gate.closed = n->gate.presses = held_before(t, c, point, &n->k, q->size);
@@ -247,6 +247,7 @@ bool trace_touch(Tracer *t, bool first)
     group_touch(g, t->end, !first || !(g->looked || all_held(t)));
     g->looked = false;
     t->touched = t->t;
+    t->unplaced = false;
     t->relisted = first || !same_points(t) || !keep_points(t);
     if (!t->relisted)
         return true;
@@ -270,7 +271,9 @@ bool trace_touch(Tracer *t, bool first)
     }
     if (!first && lost_a_pressing_one(t))
         t->dirty = true;
-    return trace_items(t);
+    if (t->unplaced)
+        t->fault = "a contact without a frozen feature";
+    return !t->unplaced && trace_items(t);
 }
 
 static bool pressed_before(const Tracer *t, const Touching *c)

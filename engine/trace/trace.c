@@ -472,15 +472,18 @@ static bool accept_step(Tracer *t, const Event *e, bool *taken)
     trace_mean(t);
     *taken = false;
     t->t = end;
-    if (look && !trace_touch(t, false)) {
+    bool finer = t->h > EDGE * t->end, found = !look || trace_touch(t, false);
+    if (!found && !(t->unplaced && finer)) {
         t->t = begin;
         return false;
     }
+    if (!found)                 /* edges so deep in each other that they seem to cross elsewhere: earlier they do not */
+        t->fault = NULL;
     bool before = look && t->relisted;
     const Touching *list = before ? t->old_touch : t->touch;
     int count = before ? t->old_count : t->touch_count;
     bool over = false;
-    if (((look && trace_missed(t, &over)) || slid_far(t, list, count, before)) && t->h > EDGE * t->end) {
+    if (finer && (!found || (look && trace_missed(t, &over)) || slid_far(t, list, count, before))) {
         t->over = over ? end : t->over;
         t->t = begin;
         t->h_next = 0.5 * t->h;

@@ -226,6 +226,7 @@ typedef struct Tracer {
     Touching *touch, *old_touch; int touch_count, old_count, touch_capacity;
     real   touched;             /* s  when contacts were last looked for */
     bool   relisted;            /* touch was, when last looked for; else it is as it was, and old_touch says nothing */
+    bool   unplaced;            /* something was found then that no frozen feature stands for */
     Stop  *stops; int stop_count;
     Hold  *holds; int hold_count;
     Bond  *bonds; int bond_count;
