@@ -468,6 +468,44 @@ static bool start_slips(Tracer *t, real acc_scale)
     return weaker;
 }
 
+#define EASED 1e-3              /* of its friction: with less of it what could move does */
+
+/* What has just come to its bound does not move yet. Where it can, it slides from here on, in the direction it is held in; on the brink through a step
+ * it would slide as it likes, with friction in one direction. */
+static bool start_loose(Tracer *t, real acc_scale)
+{
+    real moving[WATCHED][2];        /* of those; else none */
+    bool any = false;
+    for (int i = 0; i < t->touch_count; i++) {
+        Cone *both[2] = {&t->touch[i].slip, &t->touch[i].roll};
+        for (int k = 0; k < 2; k++) {
+            bool loose = t->touch[i].gate.presses && both[k]->axes && both[k]->grip == GRIP_BRINK;
+            moving[i][k] = loose ? both[k]->moving : NAN;
+            if (!loose)
+                continue;
+            any = both[k]->locked = true;
+            both[k]->grip = GRIP_SLIP;
+            both[k]->moving *= 1 - EASED;
+        }
+    }
+    if (!any)
+        return true;
+    bool solved = trace_accelerate(t);
+    for (int i = 0; i < t->touch_count; i++) {
+        Cone *both[2] = {&t->touch[i].slip, &t->touch[i].roll};
+        for (int k = 0; k < 2; k++) {
+            if (isnan(moving[i][k]))
+                continue;
+            both[k]->moving = moving[i][k];
+            both[k]->locked = solved && vec3_dot(both[k]->acc, both[k]->d) > 10 * SINKS * acc_scale / (k ? t->size : 1);
+            both[k]->grip = both[k]->locked ? GRIP_SLIP : GRIP_BRINK;
+        }
+    }
+    if (t->g->status == DIG_OK)
+        t->fault = NULL;
+    return trace_accelerate(t);
+}
+
 bool trace_kinds(Tracer *t, bool first)
 {
     int n = t->touch_count + t->stop_count + t->hold_count, directions = 0;
@@ -497,7 +535,7 @@ bool trace_kinds(Tracer *t, bool first)
             continue;
         }
         if (move == MOVE_NONE)
-            return !start_slips(t, acc_scale) || trace_accelerate(t);
+            return (!start_slips(t, acc_scale) || trace_accelerate(t)) && start_loose(t, acc_scale);
         pivots += move == MOVE_GRIP;
         directions += move == MOVE_DIRECTION;
     }
