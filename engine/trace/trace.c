@@ -355,6 +355,27 @@ static bool accelerate_held(Tracer *t)
     return trace_accelerate(t);
 }
 
+/* What a row across a slip does, over what may be neglected. */
+static real held_by(const Tracer *t, const Touching *c)
+{
+    real press = c->slip.moving * c->gate.force, lateral = fabs(c->slip.lateral);
+    if (!c->slip.locked || !(lateral > 1e-6 * press))
+        return 0;
+    if (!(press > 0))
+        return INFINITY;
+    return vec3_length(c->slip.u) * lateral / (t->tolerance * t->pace * press);
+}
+
+/* The most of it at the end of a tried step: from rest a slip may have got so fast within it that it had to turn. */
+static real held_most(const Tracer *t)
+{
+    real most = 0;
+    for (int i = 0; i < t->touch_count; i++)
+        if (t->touch[i].gate.presses && t->touch[i].gate.force > 0 && t->touch[i].slip.axes)
+            most = real_max(most, held_by(t, &t->touch[i]));
+    return most;
+}
+
 /* A slip so slow that its direction would turn within the step is held in its direction, with a row across it. */
 static bool hold_slow_slips(Tracer *t, real h, bool aim)
 {
@@ -381,8 +402,7 @@ static bool hold_slow_slips(Tracer *t, real h, bool aim)
     bool released = false;
     for (int i = 0; i < t->touch_count && !aim; i++) {
         Touching *c = &t->touch[i];
-        real press = c->slip.moving * c->gate.force;
-        if (c->slip.locked && fabs(c->slip.lateral) > 1e-6 * press && vec3_length(c->slip.u) * fabs(c->slip.lateral) > t->tolerance * t->pace * press) {
+        if (held_by(t, c) > 1) {
             c->slip.locked = false;
             released = true;
         }
@@ -460,6 +480,7 @@ static bool slid_far(const Tracer *t, const Touching *list, int count, bool look
     return false;
 }
 
+#define HELD  (1.0 / 16)        /* of the frame: a step this short may hold a slip wherever it would turn: to follow that from rest takes scores of steps */
 #define EDGE 1e-7               /* of the frame: when something gets over an edge is found to that */
 
 /* The tried step becomes the state. Contacts are looked for at its end; should something be deep in something that nobody
@@ -619,7 +640,9 @@ static bool one_step(Tracer *t)
         rest_on(t, rest);
         return true;
     }
-    real error = trace_try(t, h);
+    real error = trace_try(t, h), held = t->fault ? 0 : held_most(t);
+    if (held > 1 && h > HELD * t->end)
+        return shorten(t, h, real_max(0.2, 0.9 * pow(held, -1.0 / 3)));
     if (t->fault && h > SHORTER_MOST * t->end) {    /* a stage far off its constraints: nearer it will do */
         t->fault = NULL;
         return shorten(t, h, 0.25);
