@@ -387,6 +387,8 @@ typedef enum Move { MOVE_NONE, MOVE_DIRECTION, MOVE_GRIP } Move;
 
 static Move settle_brink(Cone *c, real rho, real acc_zero)
 {
+    if (vec3_length(c->acc) <= acc_zero)        /* it does not move: rounding has no direction */
+        return MOVE_NONE;
     vec3 v = vec3_mad(c->acc, rho, c->d), d = vec3_unit_or(v, c->d);
     if (vec3_distance(d, c->d) > TURNED) {
         c->d = d;
