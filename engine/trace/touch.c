@@ -297,21 +297,30 @@ static bool rests_on(const Tracer *t, const Touching *o, int body)
 }
 
 /* Do two that pressed each other touch no more? No event has ended that, so one has got over an edge within the step: a cylinder that rolls off a table,
- * whose line touches in other points than before, or a box that is pushed off it, which leans on what pushes. */
-static bool got_over_edge(const Tracer *t)
+ * whose line touches in other points than before, or a box that is pushed off it, which leans on what pushes.
+ * Returns that contact, or -1. */
+static int got_over_edge(const Tracer *t)
 {
     for (int i = 0; i < t->old_count && t->relisted; i++) {
         const Touching *o = &t->old_touch[i];
         if (o->gate.presses && (!rests_on(t, o, o->a) || !rests_on(t, o, o->b)))
-            return true;
+            return o->contact;
     }
+    return -1;
+}
+
+bool trace_presses(const Tracer *t, int contact)
+{
+    for (int i = 0; i < t->touch_count; i++)
+        if (t->touch[i].contact == contact && t->touch[i].gate.presses)
+            return true;
     return false;
 }
 
-bool trace_missed(const Tracer *t, bool *over)
+bool trace_missed(const Tracer *t, int *over)
 {
     *over = got_over_edge(t);
-    if (*over)
+    if (*over >= 0)
         return true;
     real off = OFF * t->tolerance + t->gap_zero;
     for (int i = 0; i < t->touch_count; i++) {

@@ -480,6 +480,9 @@ static bool slid_far(const Tracer *t, const Touching *list, int count, bool look
     return false;
 }
 
+/* Does that press still which will have got over an edge? */
+static bool nears_edge(const Tracer *t) { return t->over > t->t && trace_presses(t, t->over_contact); }
+
 #define HELD  (1.0 / 16)        /* of the frame: a step this short may hold a slip wherever it would turn: to follow that from rest takes scores of steps */
 #define EDGE 1e-7               /* of the frame: when something gets over an edge is found to that */
 
@@ -503,16 +506,18 @@ static bool accept_step(Tracer *t, const Event *e, bool *taken)
     bool before = look && t->relisted;
     const Touching *list = before ? t->old_touch : t->touch;
     int count = before ? t->old_count : t->touch_count;
-    bool over = false;
+    int over = -1;
     if (finer && (!found || (look && trace_missed(t, &over)) || slid_far(t, list, count, before))) {
-        t->over = over ? end : t->over;
+        t->over = over >= 0 ? end : t->over;
+        t->over_contact = over >= 0 ? over : t->over_contact;
         t->t = begin;
         t->h_next = 0.5 * t->h;
         g->refused++;
         go_back(t);
         return trace_touch(t, false);
     }
-    if (t->over > begin && t->t >= t->over) {   /* what it took to find that was well spent */
+    if (t->over > begin && !nears_edge(t)) {    /* what it took to find that was well spent */
+        t->over = -1;
         t->mark_work = g->evaluations;
         t->mark = t->t;
     }
@@ -631,7 +636,7 @@ static bool one_step(Tracer *t)
         t->aimed_at = t->t;         /* once from each place: what is refused must get shorter */
     }
     h = rest / ceil(rest / h - 0.01);
-    if (t->over > t->t)
+    if (nears_edge(t))
         h = real_min(h, real_max(0.5 * (t->over - t->t), EDGE * t->end));
     if (!hold_slow_slips(t, h, aim))
         return false;
@@ -683,7 +688,7 @@ static bool one_step(Tracer *t)
 /* So many evaluations for so little of the frame: the place is better passed than followed, or, in a plan without passes, the frame is lost. */
 static bool crawls(Tracer *t)
 {
-    if (t->g->evaluations - t->mark_work <= CRAWL_WORK * t->work || t->over > t->t)
+    if (t->g->evaluations - t->mark_work <= CRAWL_WORK * t->work || nears_edge(t))
         return false;
     bool slow = t->t - t->mark < CRAWL * t->end;
     t->mark_work = t->g->evaluations;

@@ -250,7 +250,8 @@ typedef struct Tracer {
     State *y, *y1, *y2, *kept, *stage[STAGES];         /* states and their rates  */
     const State *known;         /* the state of which the present rows and forces are; NULL: of another one */
     real  *quad[STAGES], *sum;  /* forces and powers to be integrated: see flow.c */
-    real   over;                /* s  where something that pressed was found to have got over an edge: it did so before */
+    real   over;                /* s  where something that pressed... */
+    int    over_contact;        /* ...was found to have got over an edge: it did so before */
     real   aimed_at;            /* s  where the last step began that followed slow slips by their forces */
     real   h, h_next, h_probe;  /* s  of the present step, of the next, of the probe that the present one is part of */
     bool   probed;              /* the present step has constant accelerations */
@@ -372,7 +373,8 @@ void trace_begin(const Tracer *t);              /* its group is set to be traced
 /* touch.c */
 bool trace_touch(Tracer *t, bool first);        /* contacts of the present state; sets dirty when what touches has changed */
 bool trace_items(Tracer *t);                    /* joints and contacts in the order of the rows */
-bool trace_missed(const Tracer *t, bool *over); /* is something deep in something that was not watched, or has it got over an edge? */
+bool trace_missed(const Tracer *t, int *over);  /* is something deep in something that was not watched, or has it got over an edge? over: at that contact */
+bool trace_presses(const Tracer *t, int contact);
 /* pass.c */
 /* Does a mover press something against what does not move? Steps up to there would get ever shorter: that is the fault then. */
 bool trace_squeezed(Tracer *t);
