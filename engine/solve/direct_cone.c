@@ -2,13 +2,16 @@
  *
  * Newton's method of solve/direct.c goes from kink to kink where rows are hard, and in a heap that lands, with masses of 1000:1 and more, it met more
  * of them than its steps: two of three such solves failed. Here impulses x and speeds s of a contact stay inside their cones (impulses in the friction
- * cone, speeds with De Saxce's lift in its dual), the product of both is one number for all, and that goes to nothing: 18 to 30 factorisations of
- * the same matrix, whatever the rows are. Both cones become Lorentz's by a factor mu in their normal parts. Steps are those of Nesterov & Todd 1998
- * with Mehrotra's corrector, as Vandenberghe 2010 ("The CVXOPT linear and quadratic cone program solvers") writes them down; Acary, Armand,
+ * cone, speeds with De Saxce's lift in its dual), the product of both is one number for all, and that goes to nothing: 14 to 30 factorisations of
+ * the same matrix, mostly 18, whatever the rows are. Both cones become Lorentz's by a factor mu in their normal parts. Steps are those of Nesterov &
+ * Todd 1998 with Mehrotra's corrector, as Vandenberghe 2010 ("The CVXOPT linear and quadratic cone program solvers") writes them down; Acary, Armand,
  * Nguyen & Shpakovych 2024 solve friction so.
  *
- * The lift follows the slip from step to step, the corrector's that of the predictor. From step LIVE on it may only fall: lifts that swing keep the
- * method busy for ever, and a contact whose lift is less than its slip asks for parts too fast, but does not sink in. With none at all the
+ * The lift is the slip, and changes with it in the step: Newton's method for Coulomb's law itself. What is linear in that is not symmetric, so that
+ * the factor is one of the rest, and the changes of lifts are found by a few solves with it (conjugate residuals: Eisenstat, Elman & Schultz 1983).
+ * Velocities and impulses agree to the last digit however far these have come; only lifts are a little off. Where that leads to a short step (that
+ * matrix need not be positive definite) lifts stay in it, and follow after it. From step LIVE on they only follow, and only fall: what swings until
+ * then would do so for ever, and a contact whose lift is less than its slip asks for parts too fast, but does not sink in. With none at all the
  * problem is convex, and 98 of 100 are solved in 19 steps.
  *
  * A bound that does not follow the normal impulse (rolling resistance, friction beside a blow) is a cone of which the first part of the impulse is
@@ -17,8 +20,11 @@
 #include "math/four.h"
 #include "solve/direct.h"
 
-#define MOST_STEPS  50
-#define LIVE        24
+#define MOST_STEPS  60
+#define LIVE        36
+#define FOLLOWS     4           /* solves for the changes of lifts, */
+#define FOLLOWED    0.05        /* or until this is left of them */
+#define SHORT       0.2         /* of a step: then lifts do not change in it, but after it */
 #define INSIDE      0.99        /* of the way to where the first cone ends */
 #define NEAR        1e-5        /* m/s  done; rounds take off the rest */
 #define LEAST       1e-3        /* of a step: it is stuck, */
@@ -36,13 +42,18 @@ typedef struct Cone {
     bool given;                         /* x[0] is */
     real scale[3];                      /* of rows: times speeds, and impulses are over it: 1/mu of the normal, m of spins */
     real mobility;                      /* 1/kg */
-    real lift;                          /* m/s */
+    real lift, bend, rise;              /* m/s   and what is not straight of its change in the step, and all of it */
+    four slides;                        /* where the slip goes to: the lift's slope; 0: it only follows */
 } Cone;
 
 typedef struct Inside {
     Direct *d;
     Cone   *cones; int count;
     real    mean;                       /* J  of the products */
+    bool    convex;                     /* without lifts */
+    int     step;
+    /* m/s  changes of lifts that were tried, what they answer, how all moves by them; what is left, and how all moves */
+    real   *ways[FOLLOWS], *answers[FOLLOWS], *moves[FOLLOWS], *left, *all;     /* [count, count, 6 places, count, 6 places] */
 } Inside;
 
 /* ---- Lorentz's cone: |x[1..]| <= x[0] ---- */
@@ -138,10 +149,20 @@ static void add_spins(Inside *in, int triple)
 static bool open_cones(Inside *in)
 {
     const Direct *d = in->d;
-    in->cones = arena_alloc(d->g->arena, (size_t)(2 * d->triple_count + 1) * sizeof *in->cones);
-    if (!in->cones)
+    size_t most = (size_t)(2 * d->triple_count + 1), n = 6 * (size_t)d->blocks.n;
+    in->cones = arena_alloc(d->g->arena, most * sizeof *in->cones);
+    in->left = arena_alloc(d->g->arena, ((2 * FOLLOWS + 1) * most + (FOLLOWS + 1) * n) * sizeof *in->left);
+    if (!in->cones || !in->left) {
         d->g->status = DIG_E_MEMORY;
-    for (int i = 0; in->cones && i < d->triple_count; i++) {
+        return false;
+    }
+    in->all = in->left + most;
+    for (size_t i = 0; i < FOLLOWS; i++) {
+        in->moves[i] = in->all + (i + 1) * n;
+        in->ways[i] = in->all + (FOLLOWS + 1) * n + 2 * i * most;
+        in->answers[i] = in->ways[i] + most;
+    }
+    for (int i = 0; i < d->triple_count; i++) {
         const Triple *t = &d->triples[i];
         if (t->set == SET_CONE && t->mu > 0)
             add(in, i, 0, 3, 0)->scale[0] = 1 / t->mu;
@@ -184,22 +205,32 @@ static void begin(Inside *in)
 /* m/s  By speeds without impulses, this part of the step on. */
 static real slip(const Cone *c, real along) { return tail(c->s + along * c->ds); }
 
-static real next_lift(const Cone *c, int step, real along)
+static real next_lift(const Inside *in, const Cone *c, real along)
 {
     real lift = slip(c, along);
-    return step < LIVE ? lift : real_min(lift, c->lift);
+    return in->step < LIVE ? lift : real_min(lift, c->lift);
+}
+
+static void set_lift(const Inside *in, Cone *c)
+{
+    c->lift = next_lift(in, c, 0);
+    c->slides = (four){0};
+    if (in->step >= LIVE || !(c->lift > 0))
+        return;
+    c->slides = c->s / c->lift;
+    c->slides[0] = 0;
 }
 
 /* ---- one step ---- */
 
 /* m/s  How far rows are off and cones from their ends; and their common product. */
-static real look(Inside *in, int step, bool convex)
+static real look(Inside *in)
 {
     real worst = 0, sum = 0;
     for (int i = 0; i < in->count; i++) {
         Cone *c = &in->cones[i];
-        if (lifts(c) && !convex)
-            c->lift = next_lift(c, step, 0);
+        if (lifts(c) && !in->convex)
+            set_lift(in, c);
         for (int k = 0; k < c->rows; k++) {
             int at = k + c->given;
             c->off[at] = speed(c, &in->d->triples[c->triple], c->row + k) - c->s[at];
@@ -220,7 +251,9 @@ static void put_forces(Inside *in, bool lead)
         memset(in->d->triples[i].force, 0, sizeof in->d->triples[i].force);
     for (int i = 0; i < in->count; i++) {
         const Cone *c = &in->cones[i];
-        four x = lead ? c->x + c->lead - times(c->slope, c->off) : c->x;
+        four off = c->off;
+        off[0] += c->rise;
+        four x = lead ? c->x + c->lead - times(c->slope, off) : c->x;
         real *force = in->d->triples[c->triple].force;
         for (int k = 0; k < c->rows; k++) {
             force[c->row + k] = c->scale[c->row + k] * x[k + c->given];
@@ -271,6 +304,7 @@ static bool factor(Inside *in)
 INLINE void change(Cone *c, const Triple *t)
 {
     four ds = c->off;
+    ds[0] += c->rise;
     for (int k = 0; k < c->rows; k++)
         ds[k + c->given] += c->scale[c->row + k] * t->change[c->row + k];
     c->dx = c->lead - times(c->slope, ds);
@@ -281,19 +315,107 @@ INLINE void change(Cone *c, const Triple *t)
     c->ds = ds;
 }
 
-static void direction(Inside *in)
+/* What velocities change by, with lifts that change so far. */
+static void solve_rows(Inside *in)
 {
     Direct *d = in->d;
-    for (int i = 0; i < in->count; i++)
-        put_lead(&in->cones[i]);
     put_forces(in, true);
     direct_gradient(d);
     for (int k = 0; k < 6 * d->blocks.n; k++)
         d->dv[k] = -d->grad[k];
     blocks_solve(&d->blocks, d->dv);
     direct_changes(d);
+}
+
+INLINE real slip_change(const Cone *c, const Triple *t) { return c->slides[1] * t->change[1] + c->slides[2] * t->change[2]; }
+
+/* What a lift takes from momenta of body m. */
+INLINE void take_lift(const Cone *c, const Triple *t, real lift, int m, real *restrict from)
+{
+    if (t->place[m] < 0)
+        return;
+    real first = c->scale[0] * c->slope[0][0] * lift, second = c->slope[1][0] * lift, third = c->slope[2][0] * lift;
+    const real *j0 = t->j[0] + 6 * m, *j1 = t->j[1] + 6 * m, *j2 = t->j[2] + 6 * m;
+    from += 6 * t->place[m];
+    UNROLL
+    for (int k = 0; k < 6; k++)
+        from[k] -= j0[k] * first + j1[k] * second + j2[k] * third;
+}
+
+/* out = by less the slips that lifts which change by this much lead to */
+static void answer(Inside *in, const real *by, real *out)
+{
+    Direct *d = in->d;
+    memset(d->dv, 0, 6 * (size_t)d->blocks.n * sizeof *d->dv);
+    for (int i = 0; i < in->count; i++) {
+        const Cone *c = &in->cones[i];
+        const Triple *t = &d->triples[c->triple];
+        for (int m = 0; m < 2 && by[i] != 0; m++)
+            take_lift(c, t, by[i], m, d->dv);
+    }
+    blocks_solve(&d->blocks, d->dv);
+    direct_changes(d);
     for (int i = 0; i < in->count; i++)
-        change(&in->cones[i], &d->triples[in->cones[i].triple]);
+        out[i] = by[i] - slip_change(&in->cones[i], &d->triples[in->cones[i].triple]);
+}
+
+static real product(int n, const real *a, const real *b)
+{
+    real sum = 0;
+    for (int i = 0; i < n; i++)
+        sum += a[i] * b[i];
+    return sum;
+}
+
+static void add_part(int n, real *to, real part, const real *what)
+{
+    for (int i = 0; i < n; i++)
+        to[i] += part * what[i];
+}
+
+/* Changes of lifts, and with them of velocities, that are those of their slips: by conjugate residuals. */
+static void follow_slips(Inside *in)
+{
+    Direct *d = in->d;
+    int count = in->count, n = 6 * d->blocks.n;
+    for (int i = 0; i < count; i++) {
+        const Cone *c = &in->cones[i];
+        in->left[i] = dot(c->slides, c->off) + slip_change(c, &d->triples[c->triple]) - (c->rise - c->bend);
+    }
+    memcpy(in->all, d->dv, (size_t)n * sizeof *d->dv);
+    real enough = FOLLOWED * FOLLOWED * product(count, in->left, in->left);
+    for (int m = 0; m < FOLLOWS && product(count, in->left, in->left) > enough; m++) {
+        real *way = in->ways[m], *to = in->answers[m], *move = in->moves[m];
+        memcpy(way, in->left, (size_t)count * sizeof *way);
+        answer(in, way, to);
+        memcpy(move, d->dv, (size_t)n * sizeof *move);
+        for (int k = 0; k < m; k++) {
+            real part = -product(count, to, in->answers[k]) / product(count, in->answers[k], in->answers[k]);
+            add_part(count, to, part, in->answers[k]);
+            add_part(count, way, part, in->ways[k]);
+            add_part(n, move, part, in->moves[k]);
+        }
+        real size = product(count, to, to), part = product(count, in->left, to) / size;
+        if (!(size > 0))
+            break;
+        add_part(count, in->left, -part, to);
+        add_part(n, in->all, part, move);
+        for (int i = 0; i < count; i++)
+            in->cones[i].rise += part * way[i];
+    }
+    memcpy(d->dv, in->all, (size_t)n * sizeof *d->dv);
+    direct_changes(d);
+}
+
+static void direction(Inside *in)
+{
+    for (int i = 0; i < in->count; i++)
+        put_lead(&in->cones[i]);
+    solve_rows(in);
+    if (in->step < LIVE && !in->convex)
+        follow_slips(in);
+    for (int i = 0; i < in->count; i++)
+        change(&in->cones[i], &in->d->triples[in->cones[i].triple]);
 }
 
 static real room(const Inside *in)
@@ -309,12 +431,15 @@ static real room(const Inside *in)
 /* Straight to where all products are nothing. */
 static void predict(Inside *in)
 {
-    for (int i = 0; i < in->count; i++)
+    for (int i = 0; i < in->count; i++) {
         in->cones[i].right = -in->cones[i].lambda;
+        in->cones[i].bend = in->cones[i].rise = 0;
+    }
+    direction(in);
 }
 
 /* To the part of the present product that the prediction suggests, less what bends its way. */
-static void correct(Inside *in, int step, bool convex)
+static void correct(Inside *in)
 {
     real along = real_min(1, room(in)), sum = 0;
     for (int i = 0; i < in->count; i++) {
@@ -327,9 +452,22 @@ static void correct(Inside *in, int step, bool convex)
         four right = -jordan(c->lambda, c->lambda) - jordan(times(c->back, c->ds), times(c->w, c->dx));
         right[0] += aim;
         c->right = jordan_solve(c->lambda, right);
-        if (lifts(c) && !convex)
-            c->off[0] += next_lift(c, step, along) - c->lift;
+        if (lifts(c) && !in->convex)
+            c->rise += c->bend = next_lift(in, c, along) - c->lift - along * dot(c->slides, c->ds);
     }
+    direction(in);
+}
+
+static void aim(Inside *in)
+{
+    predict(in);
+    correct(in);
+    if (in->convex || in->step >= LIVE || room(in) > SHORT)
+        return;
+    for (int i = 0; i < in->count; i++)
+        in->cones[i].slides = (four){0};
+    predict(in);
+    correct(in);
 }
 
 static void go(Inside *in, real along)
@@ -346,24 +484,21 @@ static void go(Inside *in, real along)
 
 real direct_inside(Direct *d, bool convex)
 {
-    Inside in = {.d = d};
+    Inside in = {.d = d, .convex = convex};
     if (!open_cones(&in))
         return INFINITY;
     begin(&in);
     real off = INFINITY;
-    for (int i = 0, stuck = 0; stuck < MOST_LEAST; i++) {
-        off = look(&in, i, convex);
+    for (int stuck = 0; stuck < MOST_LEAST; in.step++) {
+        off = look(&in);
         put_forces(&in, false);
         direct_gradient(d);
         off = real_max(off, direct_unbalanced(d));
-        if (i == MOST_STEPS || off <= NEAR)
+        if (in.step == MOST_STEPS || off <= NEAR)
             break;
         if (!factor(&in))
             break;
-        predict(&in);
-        direction(&in);
-        correct(&in, i, convex);
-        direction(&in);
+        aim(&in);
         real along = real_min(1, INSIDE * room(&in));
         if (!(along > 0))
             break;
