@@ -658,6 +658,7 @@ static bool solve_cones(Group *g, real residual)
 {
     Direct d = {.g = g, .inside = true, .hardened = INSIDE_SOFT, .hardest = 1, .most_factors = INSIDE_FACTORS, .accept = INSIDE_GOOD};
     g->from_inside = run(&d, residual);
+    g->inside_failed = !g->from_inside;
     if (g->from_inside)
         g->residual = d.error;
     return g->from_inside;

@@ -361,6 +361,7 @@ struct Group {
     int       substeps, sweeps, located;
     bool      starts_soft;      /*     a direct solve of this step did not get there with rows hard at once */
     bool      from_inside;      /*     the last direct solve was one from the inside (direct_cone.c): sweeps would only take its impulses apart */
+    bool      inside_failed;    /*     or it failed: a rescue would only ask the same again */
     int       factors;          /*     factorisations of direct solves of this step */
     real      multiplied;       /*     multiplications in them */
     int       direct_failures;  /*     direct solves of this step that did not converge; without joints, one after the other */

@@ -128,7 +128,7 @@ static bool lands_as_many(const Group *g)
 
 static void solve_rows(Group *g)
 {
-    g->unsolved = g->from_inside = false;
+    g->unsolved = g->from_inside = g->inside_failed = false;
     int sweeps = sweeps_for(g, g->plan->sweeps);
     real wanted = lies_uneasy(g) ? 0 : direct_wanted(g);
     if (g->joints_direct && wanted > 0 && direct_solve(g, wanted))
@@ -149,7 +149,7 @@ static void solve_rows(Group *g)
         g->residual = 0;
         relax(g, sweeps - done, g->plan->residual);
     }
-    bool creeps = !g->from_inside && g->residual > (wanted > 0 ? CREEP : VELOCITY_COARSE);
+    bool creeps = !g->from_inside && !g->inside_failed && g->residual > (wanted > 0 ? CREEP : VELOCITY_COARSE);
     if (creeps && direct_rescue(g) && g->row_count == 0 && !g->from_inside) {
         g->residual = 0;
         relax(g, LAST_SWEEPS, g->plan->residual);
