@@ -558,7 +558,7 @@ static bool solve_joints(Direct *d)
     d->error = INFINITY;
     while (d->rounds < JOINT_MOST_ROUNDS && d->factors < d->most_factors && d->error > JOINT_AIM) {
         bool carries = d->rounds == 0 || group_bears_load(d->g);
-        if ((carries && !carry_on(d)) || !minimise(d, 0.1 * AIM))
+        if ((carries && !carry_on(d)) || !minimise(d, 0.1 * AIM) || (d->quits && d->unbalanced > LOST))
             return false;
         real before = moved;
         d->error = direct_off(d);
@@ -568,6 +568,17 @@ static bool solve_joints(Direct *d)
             break;
     }
     return finite(d) && real_max(d->error, d->unbalanced) < real_min(d->accept, real_max(JOINT_POOR, speed));
+}
+
+/* From the inside, with joints. */
+static bool solve_inside_joints(Direct *d)
+{
+    real off = direct_inside(d, false);
+    if (!(off < INSIDE_GOOD))
+        off = inside_convex(d);
+    d->error = real_max(off, missing_lift(d));
+    d->unbalanced = off;
+    return off < INSIDE_POOR && finite(d);
 }
 
 /* A factorisation also counts as a sweep. */
@@ -587,7 +598,8 @@ static bool run(Direct *d, real residual)
     bool open = open_direct(d);
     if (open && g->calm && g->trace_wait == 0)
         d->most_factors = (int)real_clamp(MANY_WORK / d->blocks.work, 1, MANY_FACTORS);
-    bool fine = open && (g->joints_direct ? solve_joints(d) : d->inside ? solve_inside(d, residual) : solve(d, residual));
+    bool fine = open && (g->joints_direct ? d->inside ? solve_inside_joints(d) : solve_joints(d)
+                                          : d->inside ? solve_inside(d, residual) : solve(d, residual));
     if (fine)
         write_back(d);
     count(d);
@@ -650,8 +662,24 @@ static bool solve_soft(Group *g, real residual, int most_factors, real accept)
     return run(&d, residual);
 }
 
-/* Where something is heavy, but for what is stirred and may pause (toil.c): each step has another heap to find forces for. */
-static bool has_cones(const Group *g) { return group_top_heavy(g) && !g->may_pause && g->factors < INSIDE_MOST; }
+/* Where something is heavy, but for what is stirred and may pause (toil.c): each step has another heap to find forces for. With joints, too, where none of
+ * them gives: there lifts are those of the start. */
+static bool has_cones(const Group *g)
+{
+    bool suits = !g->joints_direct || (g->point_count > 0 && !group_elastic(g));
+    return suits && group_top_heavy(g) && !g->may_pause && g->factors < INSIDE_MOST;
+}
+
+/* quits: where a round does not get there, there is another way */
+static bool solve_joined(Group *g, real residual, bool quits)
+{
+    Direct d = {.g = g, .hardened = group_bears_load(g) ? JOINT_SOFT : CROWD_SOFT, .hardest = HARDEST, .most_factors = JOINT_FACTORS, .accept = INFINITY,
+                .quits = quits};
+    bool fine = run(&d, residual);
+    if (fine)
+        g->residual = d.error;
+    return fine;
+}
 
 /* What is heavy on what is light, at kinks that Newton's method does not get over. */
 static bool solve_cones(Group *g, real residual)
@@ -667,29 +695,21 @@ static bool solve_cones(Group *g, real residual)
 bool direct_solve(Group *g, real residual)
 {
     Direct d = {.g = g, .hardened = 1, .hardest = HARDEST, .most_factors = MOST_FACTORS, .accept = GOOD};
-    bool heavy = group_top_heavy(g), light = !heavy && !g->joints_direct, fine = false;
+    bool joints = g->joints_direct, heavy = group_top_heavy(g), cones = has_cones(g), fine = false;
     int before = g->factors;
     residual = real_min(residual, AIM);
     g->from_inside = false;
-    if (g->joints_direct) {
-        d.hardened = group_bears_load(g) ? JOINT_SOFT : CROWD_SOFT;
-        d.most_factors = JOINT_FACTORS;
-        d.accept = INFINITY;
-    } else if (!heavy) {
-        d.most_factors = int_min(MOST_FACTORS, int_max(FEW_FACTORS, FACTOR_POINTS / g->point_count));
-    }
+    if (!heavy)
+        d.most_factors = int_min(MOST_FACTORS, int_max(FEW_FACTORS, FACTOR_POINTS / int_max(g->point_count, 1)));
     if (!g->starts_soft)
-        fine = run(&d, residual);
-    if (fine && g->joints_direct)
-        g->residual = d.error;
-    bool cones = !g->joints_direct && has_cones(g);
-    g->starts_soft = (light || cones) && !fine && !(g->calm && g->trace_wait > 0);
+        fine = joints ? solve_joined(g, residual, cones) : run(&d, residual);
+    g->starts_soft = (cones || (!heavy && !joints)) && !fine && !(g->calm && g->trace_wait > 0);
     if (g->starts_soft && cones)
-        fine = solve_cones(g, residual);
+        fine = solve_cones(g, residual) || (joints && solve_joined(g, residual, false));
     else if (g->starts_soft)
         fine = solve_soft(g, residual, int_min(SOFT_FACTORS, SOFT_POINTS / g->point_count), SOFT_GOOD);
     g->direct_factors = g->factors - before;
-    g->direct_failures = fine && !g->joints_direct ? 0 : g->direct_failures + !fine;
+    g->direct_failures = fine && !joints ? 0 : g->direct_failures + !fine;
     return fine;
 }
 

@@ -72,6 +72,7 @@ typedef struct Direct {
     bool    kept;               /* the factor is that of the present sets                          */
     bool    late_lift;          /*       lifts are those of the start: what is wedged in something that gives chases them to infinity */
     bool    inside;             /*       begins from the inside (direct_cone.c); rounds then only let lifts fall                     */
+    bool    quits;              /*       a round that ends far from its minimum is the last: there is another way */
     bool    swings;             /* rounds go to and fro: lifts go half the way                      */
     int     factors, rounds, most_factors;
     real    hardened, hardest;  /* 1    compliances over what they were at first, and at last      */
@@ -87,6 +88,8 @@ void singles_changes(Direct *d);
 void singles_move(Direct *d, real along);
 bool singles_forces(Direct *d);                         /* false: the factor is not of these any more */
 void singles_begin(Direct *d);
+void singles_free(Direct *d);                            /* forces of what has no bound, or no room in it */
+void singles_keep(Direct *d);                            /* forces are the estimates */
 void singles_gradient(Direct *d);
 void singles_assemble(Direct *d, bool bounded);         /* those with a bound, or those without */
 void singles_line(Direct *d);                           /* adds to level and rise, and notes what bends */
@@ -99,7 +102,7 @@ bool stiffness_open(Direct *d);                         /* false: out of memory 
 /* direct.c: m/s  the change of velocity that the gradient stands for, rims included */
 real direct_unbalanced(const Direct *d);
 
-/* direct_cone.c: from the inside, where no joints are: impulses so far, velocities and lifts; convex: without lifts. m/s  how far off they are. */
+/* direct_cone.c: from the inside: impulses so far, velocities and lifts; convex: without lifts. m/s  how far off they are. */
 real direct_inside(Direct *d, bool convex);
 
 /* direct_rows.c */

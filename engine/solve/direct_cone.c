@@ -14,8 +14,9 @@
  * then would do so for ever, and a contact whose lift is less than its slip asks for parts too fast, but does not sink in. With none at all the
  * problem is convex, and 98 of 100 are solved in 19 steps.
  *
- * A bound that does not follow the normal impulse (rolling resistance, friction beside a blow) is a cone of which the first part of the impulse is
- * given; the first part of the speed is then free, and eliminated.
+ * A bound that does not follow the normal impulse (rolling resistance, friction beside a blow, motors and dry friction of joints) is a cone of which the
+ * first part of the impulse is given; the first part of the speed is then free, and eliminated. Stops are rays. What else a joint has is linear, and
+ * part of the matrix.
  */
 #include "math/four.h"
 #include "solve/direct.h"
@@ -38,7 +39,9 @@ typedef struct Cone {
     four right;                         /* of  W dx + W^-1 ds = right */
     four slope[4], lead;                /* dx = lead - slope ds, without what is free */
     four off;                           /* m/s  what s is off */
-    int  triple, n, row, rows;          /* its last parts are rows row..row + rows - 1 of the triple */
+    int  triple, n, row, rows;          /* its last parts are rows row..row + rows - 1 of the triple, or: */
+    Single *single;                     /* the row of a joint; NULL */
+    real base, hard;                    /* N s  of its impulse, what x counts from; its own compliance */
     bool given;                         /* x[0] is */
     real scale[3];                      /* of rows: times speeds, and impulses are over it: 1/mu of the normal, m of spins */
     real mobility;                      /* 1/kg */
@@ -125,7 +128,7 @@ INLINE void scaling(Cone *c)
 /* ---- cones of the group ---- */
 
 static bool lifts(const Cone *c) { return c->n == 3 && !c->given; }
-static bool spins(const Cone *c) { return c->given && c->row == 0; }
+static bool spins(const Cone *c) { return c->given && c->row == 0 && !c->single; }
 
 static Cone *add(Inside *in, int triple, int row, int rows, real bound)
 {
@@ -146,10 +149,34 @@ static void add_spins(Inside *in, int triple)
     c->x[0] = t->bound / reach;
 }
 
+/* Stops, motors and dry friction. Angular rows count as speeds, by the arm with which they are as easily moved as what they turn. */
+static void add_single(Inside *in, Single *t)
+{
+    const Group *g = in->d->g;
+    const JointRow *p = &g->rows[t->row];
+    real mass = 0, arm = 0;
+    t->answers = t->bounded && t->hi > t->lo;
+    if (!t->answers)
+        return;
+    for (int k = 0; k < p->row.count; k++) {
+        int b = p->row.body[k];
+        mass += b < 0 ? 0 : g->mass[b].im;
+        arm += vec3_length2(p->row.lin[k]);
+    }
+    arm = arm > 0 ? 1 : sqrt(mass / p->k);
+    bool both = t->lo > -INFINITY && t->hi < INFINITY;
+    real half = 0.5 * (t->hi - t->lo);
+    Cone *c = &in->cones[in->count++];
+    *c = (Cone){.single = t, .hard = t->r, .rows = 1, .given = both, .n = 1 + both, .scale = {t->lo > -INFINITY ? arm : -arm}, .mobility = arm * arm * p->k,
+                .base = both ? t->lo + half : t->lo > -INFINITY ? t->lo : t->hi};
+    if (both)
+        c->x[0] = half / arm;
+}
+
 static bool open_cones(Inside *in)
 {
     const Direct *d = in->d;
-    size_t most = (size_t)(2 * d->triple_count + 1), n = 6 * (size_t)d->blocks.n;
+    size_t most = (size_t)(2 * d->triple_count + d->single_count + 1), n = 6 * (size_t)d->blocks.n;
     in->cones = arena_alloc(d->g->arena, most * sizeof *in->cones);
     in->left = arena_alloc(d->g->arena, ((2 * FOLLOWS + 1) * most + (FOLLOWS + 1) * n) * sizeof *in->left);
     if (!in->cones || !in->left) {
@@ -173,11 +200,24 @@ static bool open_cones(Inside *in)
         if (t->set == SET_BALL && t->bound > 0)
             add_spins(in, i);
     }
+    for (int i = 0; i < d->single_count; i++)
+        add_single(in, &d->singles[i]);
     return in->count > 0;
 }
 
-/* m/s  What the row does, over what it should. */
-static real speed(const Cone *c, const Triple *t, int row) { return c->scale[row] * (t->rate[row] - t->target[row]) + (row == 0 ? c->lift : 0); }
+/* m/s  What its row k does, over what it should. */
+static real speed(const Inside *in, const Cone *c, int k)
+{
+    const Triple *t = &in->d->triples[c->triple];
+    int row = c->row + k;
+    real over = c->single ? c->single->rate - c->single->target : t->rate[row] - t->target[row];
+    return c->scale[row] * over + (row == 0 ? c->lift : 0);
+}
+
+INLINE real speed_change(const Inside *in, const Cone *c, int k)
+{
+    return c->scale[c->row + k] * (c->single ? c->single->change : in->d->triples[c->triple].change[c->row + k]);
+}
 
 /* All products are the same: what carries least has as much to go as what carries most. Impulses and speeds that are the local ones' share begin nearer
  * where much moves, but light things under heavy ones bear a thousand times what they begin with: of 7000 solves of 200 boxes of 1000:1 86 failed, now none. */
@@ -187,8 +227,8 @@ static void begin(Inside *in)
     int rows = 0;
     for (int i = 0; i < in->count; i++) {
         const Cone *c = &in->cones[i];
-        for (int k = c->row; k < c->row + c->rows; k++) {
-            real u = speed(c, &in->d->triples[c->triple], k);
+        for (int k = 0; k < c->rows; k++) {
+            real u = speed(in, c, k);
             sum += u * u;
         }
         rows += c->rows;
@@ -233,8 +273,8 @@ static real look(Inside *in)
             set_lift(in, c);
         for (int k = 0; k < c->rows; k++) {
             int at = k + c->given;
-            c->off[at] = speed(c, &in->d->triples[c->triple], c->row + k) - c->s[at];
-            worst = real_max(worst, fabs(c->off[at]) / (spins(c) ? 1 : c->scale[c->row + k]));
+            c->off[at] = speed(in, c, k) - c->s[at];
+            worst = real_max(worst, fabs(c->off[at]) / (spins(c) || c->single ? 1 : c->scale[c->row + k]));
         }
         real both = dot(c->x, c->s);
         worst = real_max(worst, both / (c->x[0] + c->s[0] / c->mobility));
@@ -249,15 +289,15 @@ static void put_forces(Inside *in, bool lead)
 {
     for (int i = 0; i < in->d->triple_count; i++)
         memset(in->d->triples[i].force, 0, sizeof in->d->triples[i].force);
+    singles_free(in->d);
     for (int i = 0; i < in->count; i++) {
         const Cone *c = &in->cones[i];
         four off = c->off;
         off[0] += c->rise;
         four x = lead ? c->x + c->lead - times(c->slope, off) : c->x;
-        real *force = in->d->triples[c->triple].force;
-        for (int k = 0; k < c->rows; k++) {
-            force[c->row + k] = c->scale[c->row + k] * x[k + c->given];
-        }
+        real *force = c->single ? &c->single->force : in->d->triples[c->triple].force;
+        for (int k = 0; k < c->rows; k++)
+            force[c->row + k] = c->base + c->scale[c->row + k] * x[k + c->given];
     }
 }
 
@@ -292,6 +332,10 @@ static bool factor(Inside *in)
         Triple *t = &d->triples[c->triple];
         scaling(c);
         put_slope(c);
+        if (c->single) {
+            c->single->r = 1 / (c->scale[0] * c->scale[0] * c->slope[c->given][c->given]);
+            continue;
+        }
         for (int k = 0; k < c->rows; k++)
             for (int m = 0; m < c->rows; m++)
                 t->w[3 * (c->row + k) + c->row + m] =
@@ -301,12 +345,12 @@ static bool factor(Inside *in)
     return direct_assemble(d, false) && blocks_factor(&d->blocks, false);
 }
 
-INLINE void change(Cone *c, const Triple *t)
+INLINE void change(const Inside *in, Cone *c)
 {
     four ds = c->off;
     ds[0] += c->rise;
     for (int k = 0; k < c->rows; k++)
-        ds[k + c->given] += c->scale[c->row + k] * t->change[c->row + k];
+        ds[k + c->given] += speed_change(in, c, k);
     c->dx = c->lead - times(c->slope, ds);
     if (c->given) {
         c->dx[0] = 0;
@@ -327,7 +371,7 @@ static void solve_rows(Inside *in)
     direct_changes(d);
 }
 
-INLINE real slip_change(const Cone *c, const Triple *t) { return c->slides[1] * t->change[1] + c->slides[2] * t->change[2]; }
+INLINE real slip_change(const Cone *c, const Triple *t) { return lifts(c) ? c->slides[1] * t->change[1] + c->slides[2] * t->change[2] : 0; }
 
 /* What a lift takes from momenta of body m. */
 INLINE void take_lift(const Cone *c, const Triple *t, real lift, int m, real *restrict from)
@@ -415,7 +459,7 @@ static void direction(Inside *in)
     if (in->step < LIVE && !in->convex)
         follow_slips(in);
     for (int i = 0; i < in->count; i++)
-        change(&in->cones[i], &in->d->triples[in->cones[i].triple]);
+        change(in, &in->cones[i]);
 }
 
 static real room(const Inside *in)
@@ -508,8 +552,11 @@ real direct_inside(Direct *d, bool convex)
     put_forces(&in, false);
     for (int i = 0; i < d->triple_count; i++)
         memcpy(d->triples[i].prox, d->triples[i].force, sizeof d->triples[i].prox);
+    singles_keep(d);
     for (int i = 0; i < in.count; i++)
-        if (lifts(&in.cones[i]))
+        if (in.cones[i].single)
+            in.cones[i].single->r = in.cones[i].hard;
+        else if (lifts(&in.cones[i]))
             d->triples[in.cones[i].triple].lift = in.cones[i].lift / in.cones[i].scale[0];
     d->kept = false;
     return off;

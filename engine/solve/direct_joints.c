@@ -176,6 +176,22 @@ bool singles_forces(Direct *d)
     return same;
 }
 
+void singles_free(Direct *d)
+{
+    for (int i = 0; i < d->single_count; i++) {
+        Single *t = &d->singles[i];
+        if (!t->answers || !t->bounded)
+            t->force = t->bounded ? t->lo : wish(t, 0);
+    }
+}
+
+void singles_keep(Direct *d)
+{
+    for (int i = 0; i < d->single_count; i++)
+        if (!d->singles[i].soft)
+            d->singles[i].prox = d->singles[i].force;
+}
+
 void singles_gradient(Direct *d)
 {
     for (int i = 0; i < d->single_count; i++) {

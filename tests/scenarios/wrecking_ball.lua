@@ -1,0 +1,38 @@
+-- A ball of 770 kg on a chain of light links swings into a wall: joints and contacts at once, with masses of 800:1.
+local digbox = require "digbox"
+local test = require "digbox.test"
+local scenario, expect = test.scenario, test.expect
+
+local links, link, hook = 8, 0.4, digbox.vec(0, 5, 0)
+
+local function build()
+  local world, tilt = digbox.world {}, digbox.quat { axis = { 0, 0, 1 }, angle = math.rad(-55) }
+  local function along(way) return hook + tilt:rotate { 0, -way, 0 } end
+  world:floor { friction = 0.6 }
+  local last
+  for i = 1, links do
+    local rod = world:capsule { radius = 0.03, length = 0.3, at = along(link * (i - 0.5)), rotation = tilt, collides = false }
+    world:ball_joint { a = rod, b = last, at = along(link * (i - 1)) }
+    last = rod
+  end
+  local ball = world:ball { radius = 0.4, mass = 770, at = along(link * (links + 1)) }
+  world:ball_joint { a = ball, b = last, at = along(link * links) }
+  for row = 0, 7 do
+    for column = 0, 5 do
+      local z = (column - 2.5) * 0.3 + row % 2 * 0.15
+      world:box { size = { 0.2, 0.15, 0.3 }, at = { 0.4, 0.075 + row * 0.15, z }, friction = 0.6, density = 1800 }
+    end
+  end
+  return world, ball
+end
+
+scenario("a wrecking ball goes through a wall, and its chain holds", function()
+  local world, ball = build()
+  world:run "1.25 s"
+  local stats = world:stats()
+  expect(ball.position.x):above(0.5)
+  expect(ball.velocity.x):above(3)
+  expect(stats.worst_joint_error):below(1e-3)           -- of links of 0.4 m; 33 mm before joints were solved from the inside, too
+  expect(stats.worst_penetration):below(4e-3)
+  expect(world.energy.numerical):between(-10, 10)       -- J, of 12 kJ that move; 480 before
+end)
