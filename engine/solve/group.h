@@ -344,6 +344,7 @@ struct Group {
     vec3      lag;              /* m/s what moves with its end velocity is moved by this, too: see fall_together */
     real      lifted;           /* J   against forces, by healing in this substep */
     real      touch;            /* m   gap at which contacts count as touching, per metre of size */
+    bool      gentle;           /* what lands gently is not located: see locate_least() */
     real      close_speed;      /* m/s below which a bounce is over */
     bool      midpoint;         /* joint rows hold for the mean velocity of the substep */
     bool      locate;           /* impacts are located in time in this group */
