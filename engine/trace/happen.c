@@ -248,6 +248,10 @@ static bool is_later(Tracer *t, const Event *e, const Event *first)
     return first->kind != EVENT_NONE && first->kind != EVENT_SHORTER && needs_forces(e->kind) && value_at(t, e, first->at) > 0;
 }
 
+/* Does it only get less that points the other way? What begins to slide may have a little speed left from before, too slow to count: gone within less
+ * than this step, or in the next. That is not the end of the slip that begins. */
+static bool is_left_over(const Violated *v) { return v->e.kind == EVENT_HALT && v->e.cone && v->start < v->end; }
+
 /* The functions of all of them at the start of the step, by one evaluation. */
 static void find_starts(Tracer *t, Violated *v, int n)
 {
@@ -266,7 +270,7 @@ static void scan_forces(Tracer *t, Event *first)
     int n = list_violated(t, v);
     find_starts(t, v, n);
     for (int i = 0; i < n && !(first->kind != EVENT_NONE && first->at <= 0); i++) {         /* none comes before that */
-        if (is_later(t, &v[i].e, first))
+        if (is_left_over(&v[i]) || is_later(t, &v[i].e, first))
             continue;
         real from = 0, start = v[i].start;
         if (!(start > 0) && v[i].e.kind == EVENT_HALT && v[i].e.cone)
