@@ -6,7 +6,7 @@
 #define CHATTER_TIME  1e-10
 #define GRAZES        8         /* of them after which a friction that lets go and holds again... */
 #define GRAZE         1e-6      /* ...holds this part of its bound more                       */
-#define AIM_WORK      0.25      /* of the budget: past it, slow slips follow their forces, in steps of */
+#define AIM_WORK      0.25      /* of the budget: past it, or where it crawls, slow slips follow their forces, in steps of */
 #define AIM_STEP      (1.0 / 32)        /* the frame; passes and change of direction, rad, that find it:        */
 #define AIMS          8
 #define AIMED         1e-6
@@ -630,7 +630,7 @@ static bool one_step(Tracer *t)
     real rest = t->end - t->t, h = real_min(rest, t->h_next);
     if (t->swing * h > SWUNG)
         h = SWUNG / t->swing;
-    bool aim = t->aimed_at != t->t && t->g->evaluations > AIM_WORK * t->work && any_slow_slip(t, AIM_STEP * t->end);
+    bool aim = t->aimed_at != t->t && (t->crawled || t->g->evaluations > AIM_WORK * t->work) && any_slow_slip(t, AIM_STEP * t->end);
     if (aim) {
         h = real_min(rest, AIM_STEP * t->end);
         t->aimed_at = t->t;         /* once from each place: what is refused must get shorter */
@@ -685,7 +685,8 @@ static bool one_step(Tracer *t)
     return true;
 }
 
-/* So many evaluations for so little of the frame: the place is better passed than followed, or, in a plan without passes, the frame is lost. */
+/* So many evaluations for so little of the frame: the place is better passed than followed, or, in a plan without passes, the frame is lost. Where slow
+ * slips may be what makes the steps short, they follow their forces first. */
 static bool crawls(Tracer *t)
 {
     if (t->g->evaluations - t->mark_work <= CRAWL_WORK * t->work || nears_edge(t))
@@ -693,6 +694,10 @@ static bool crawls(Tracer *t)
     bool slow = t->t - t->mark < CRAWL * t->end;
     t->mark_work = t->g->evaluations;
     t->mark = t->t;
+    if (slow && !t->crawled && any_slow_slip(t, AIM_STEP * t->end)) {
+        t->crawled = true;
+        return false;
+    }
     return slow && (t->passes < t->g->plan->trace_passes || t->g->plan->trace_passes == 0);
 }
 

@@ -252,6 +252,7 @@ typedef struct Tracer {
     real  *quad[STAGES], *sum;  /* forces and powers to be integrated: see flow.c */
     real   over;                /* s  where something that pressed... */
     int    over_contact;        /* ...was found to have got over an edge: it did so before */
+    bool   crawled;             /* its steps remained short where slips were slow: from there on these follow their forces */
     real   aimed_at;            /* s  where the last step began that followed slow slips by their forces */
     real   h, h_next, h_probe;  /* s  of the present step, of the next, of the probe that the present one is part of */
     bool   probed;              /* the present step has constant accelerations */

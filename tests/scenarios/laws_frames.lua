@@ -103,3 +103,21 @@ scenario("what begins to slip may come from the other side", function()
   expect(world:stats().all_swept):is(0)
   expect(world.energy.numerical):at_most(1e-6 * math.abs(world.energy.total))
 end)
+
+-- The slips of a coin that begins to slide are slow for long, and turn all the while: they follow their forces before the frame is given up.
+scenario("a coin that spins on its edge is followed as it starts to slide", function()
+  for _, case in ipairs { { 0.198, 0.0146, 0.6823, 0.22516, 29.5234, -0.13267, 0.004 }, { 0.30145, 0.01503, 0.2975, 0.48278, 30.4374, 0.0745, 0 } } do
+    for _, rate in ipairs { 240, 60, 30 } do
+      local world = digbox.world { step = 1 / rate }
+      local radius, tilt = case[2], case[4]
+      local height = radius * case[3]
+      world:floor { friction = case[1], rolling_friction = 0.004 }
+      world:cylinder { radius = radius, height = height, friction = 0.3, rolling_friction = case[7], spin = { 0, case[5], 0 },
+                       at = { 0, radius * math.cos(tilt) + height / 2 * math.sin(tilt) + 1e-6, 0 }, velocity = { case[6], 0, 0 },
+                       rotation = turn({ 1, 0, 0 }, math.pi / 2 - tilt) }
+      for _ = 1, math.floor(1.5 * rate + 0.5) do world:step() end
+      expect(world:stats().all_swept):is(0)
+      expect(world.energy.numerical):at_most(1e-6 * math.abs(world.energy.total))
+    end
+  end
+end)
