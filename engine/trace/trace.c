@@ -539,7 +539,7 @@ static real grown(const Tracer *t, real h, real error)
 static bool shorten(Tracer *t, real h, real factor)
 {
     t->g->refused++;
-    t->h_next = h * factor;
+    t->h_next = real_min(t->h_next, h * factor);        /* an aimed step may be longer */
     if (t->h_next < STEP_LEAST * t->end)
         t->fault = "steps that become too short";
     go_back(t);

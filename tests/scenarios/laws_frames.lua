@@ -121,3 +121,13 @@ scenario("a coin that spins on its edge is followed as it starts to slide", func
     end
   end
 end)
+
+-- Where that is of no use the step is tried as it was before, not from one so much longer down.
+scenario("a step in which slips follow their forces may fail without much ado", function()
+  local world = digbox.world { step = 1 / 30 }
+  world:floor { friction = 0.5469 }
+  world:cylinder { radius = 0.13928, height = 0.2, at = { 0, 0.25, 0 }, rotation = turn({ 0.73622, 0, 0.12065 }, 0.07388),
+                   spin = { -0.53364, 8.17392, -0.0551 }, velocity = { 0.02148, 0, 0 }, friction = 0.12397 }
+  for _ = 1, 45 do world:step() end
+  expect(world:stats().all_swept):is(0)
+end)
