@@ -271,9 +271,11 @@ bool trace_touch(Tracer *t, bool first)
     }
     if (!first && lost_a_pressing_one(t))
         t->dirty = true;
+    if (!trace_items(t))        /* of what is listed, in any case: that list may be kept when it is looked again */
+        return false;
     if (t->unplaced)
         t->fault = "a contact without a frozen feature";
-    return !t->unplaced && trace_items(t);
+    return !t->unplaced;
 }
 
 static bool pressed_before(const Tracer *t, const Touching *c)
