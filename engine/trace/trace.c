@@ -484,6 +484,7 @@ static bool slid_far(const Tracer *t, const Touching *list, int count, bool look
 static bool nears_edge(const Tracer *t) { return t->over > t->t && trace_presses(t, t->over_contact); }
 
 #define HELD  (1.0 / 16)        /* of the frame: a step this short may hold a slip wherever it would turn: to follow that from rest takes scores of steps */
+#define HELD_AT 1e-6            /* of the size: with this tolerance; what it is off by then goes with the step's third power */
 #define EDGE 1e-7               /* of the frame: when something gets over an edge is found to that */
 
 /* The tried step becomes the state. Contacts are looked for at its end; should something be deep in something that nobody
@@ -646,7 +647,7 @@ static bool one_step(Tracer *t)
         return true;
     }
     real error = trace_try(t, h), held = t->fault ? 0 : held_most(t);
-    if (held > 1 && h > HELD * t->end)
+    if (held > 1 && h > HELD * cbrt(t->tolerance / (HELD_AT * t->size)) * t->end)
         return shorten(t, h, real_max(0.2, 0.9 * pow(held, -1.0 / 3)));
     if (t->fault && h > SHORTER_MOST * t->end) {    /* a stage far off its constraints: nearer it will do */
         t->fault = NULL;

@@ -131,3 +131,21 @@ scenario("a step in which slips follow their forces may fail without much ado", 
   for _ = 1, 45 do world:step() end
   expect(world:stats().all_swept):is(0)
 end)
+
+-- How long a step may hold the direction of a slip goes with the accuracy: it was a part of the frame, whatever that.
+scenario("a finer accuracy follows a slip from rest finer", function()
+  for _, case in ipairs { { "study", 1e-6 }, { "reference", 1e-8 } } do
+    local first
+    for _, rate in ipairs { 240, 60, 30 } do
+      local world = digbox.world { step = 1 / rate, accuracy = case[1] }
+      local radius, height, tilt = 0.19738, 0.06517, 0.52259
+      world:floor { friction = 0.20187 }
+      local disc = world:cylinder { radius = radius, height = height, friction = 0.3, spin = { 0, 10.41193, 0 },
+                                    at = { 0, radius * math.cos(tilt) + height / 2 * math.sin(tilt) + 1e-6, 0 },
+                                    velocity = { -0.11779, 0, 0 }, rotation = turn({ 1, 0, 0 }, math.pi / 2 - tilt) }
+      for _ = 1, math.floor(1.5 * rate + 0.5) do world:step() end
+      first = first or disc.centre
+      expect((disc.centre - first):length()):at_most(case[2])
+    end
+  end
+end)
