@@ -93,7 +93,8 @@ scenario("wheels on a gear that also touch turn on", function()
   end, 4)
 end)
 
--- A slip that starts has a little speed left the other way, which is gone before that could be seen. It was taken to end there, again and again.
+-- A slip that starts has a little speed left the other way, which is gone before that could be seen. It was taken to end there, again and
+-- again.
 scenario("what begins to slip may come from the other side", function()
   local world = digbox.world { step = 1 / 240 }
   world:floor { friction = 0.27411 }
@@ -104,9 +105,11 @@ scenario("what begins to slip may come from the other side", function()
   expect(world.energy.numerical):at_most(1e-6 * math.abs(world.energy.total))
 end)
 
--- The slips of a coin that begins to slide are slow for long, and turn all the while: they follow their forces before the frame is given up.
+-- The slips of a coin that begins to slide are slow for long, and turn all the while: they follow their forces before the frame is given
+-- up.
 scenario("a coin that spins on its edge is followed as it starts to slide", function()
-  for _, case in ipairs { { 0.198, 0.0146, 0.6823, 0.22516, 29.5234, -0.13267, 0.004 }, { 0.30145, 0.01503, 0.2975, 0.48278, 30.4374, 0.0745, 0 } } do
+  for _, case in ipairs { { 0.198, 0.0146, 0.6823, 0.22516, 29.5234, -0.13267, 0.004 },
+                          { 0.30145, 0.01503, 0.2975, 0.48278, 30.4374, 0.0745, 0 } } do
     for _, rate in ipairs { 240, 60, 30 } do
       local world = digbox.world { step = 1 / rate }
       local radius, tilt = case[2], case[4]
