@@ -35,6 +35,16 @@ static void place_row(const Direct *d, Single *t, const Row *row)
     }
 }
 
+/* A row that only turns what does not turn has nothing to answer with: its estimate would grow by what it is off, over next to nothing, in each round. */
+static bool moves_something(const Single *t)
+{
+    for (int k = 0; k < t->count; k++)
+        for (int c = 0; c < 6; c++)
+            if (t->j[k][c] != 0)
+                return true;
+    return false;
+}
+
 static void add_single(Direct *d, int i)
 {
     const Group *g = d->g;
@@ -52,6 +62,8 @@ static void add_single(Direct *d, int i)
         t->prox = 0;
     }
     place_row(d, t, &p->row);
+    if (!moves_something(t))
+        d->single_count--;
 }
 
 /* N  The last force of a joint on the side `a` of it. */
@@ -326,7 +338,8 @@ void singles_write(Direct *d)
     for (int i = 0; i < d->blocks.n; i++) {
         int b = d->body[i];
         const real *v = d->v + 6 * i;
-        Vel end = {vec3_add(g->vel[b].v, (vec3){v[0], v[1], v[2]}), vec3_add(g->vel[b].w, (vec3){v[3], v[4], v[5]})};
+        vec3 w = d->narrow[b] ? vec3_zero() : vec3_add(g->vel[b].w, (vec3){v[3], v[4], v[5]});
+        Vel end = {vec3_add(g->vel[b].v, (vec3){v[0], v[1], v[2]}), w};
         vec3 mean = vec3_scale(0.5, vec3_add(g->start_vel[b].w, end.w));
         g->braced += vec3_dot(mat3_mul_vec(d->stiff[b], vec3_sub(end.w, d->round[b])), mean);
         g->vel[b] = end;
