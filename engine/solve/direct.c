@@ -110,22 +110,29 @@ static bool links(const Direct *d, BlockLinks *of)
     return true;
 }
 
-/* Mass and tensor of inertia, the inverse of what the sweeps use, and what taut joints add to it; 0 in what a planar world keeps still counts as 1: no row
- * reaches there. */
+/* The inverse of what the sweeps use. 0 in what a planar world keeps still counts as 1: no row reaches there. */
+bool direct_tensor(const Group *g, int body, mat3 *tensor)
+{
+    mat3 ii = g->mass[body].ii;
+    if (g->planar) {
+        ii.r0.x += ii.r0.x > 0 ? 0 : 1;
+        ii.r1.y += ii.r1.y > 0 ? 0 : 1;
+        ii.r2.z += ii.r2.z > 0 ? 0 : 1;
+    }
+    *tensor = mat3_inverse(ii);
+    return mat3_det(ii) > 0;
+}
+
+/* Mass and tensor of inertia, and what taut joints add to it. */
 static bool masses(Direct *d)
 {
     const Group *g = d->g;
     for (int i = 0; i < d->blocks.n; i++) {
         const Mass *m = &g->mass[d->body[i]];
-        mat3 ii = m->ii;
-        if (g->planar) {
-            ii.r0.x += ii.r0.x > 0 ? 0 : 1;
-            ii.r1.y += ii.r1.y > 0 ? 0 : 1;
-            ii.r2.z += ii.r2.z > 0 ? 0 : 1;
-        }
-        if (!(m->im > 0) || !(mat3_det(ii) > 0))
+        mat3 k = d->stiff[d->body[i]], t;
+        if (!(m->im > 0) || !direct_tensor(g, d->body[i], &t))
             return false;
-        mat3 k = d->stiff[d->body[i]], t = mat3_add(mat3_inverse(ii), k);
+        t = mat3_add(t, k);
         vec3 back = mat3_mul_vec(mat3_inverse(t), mat3_mul_vec(k, vec3_sub(g->vel[d->body[i]].w, d->round[d->body[i]])));
         real rest[3] = {-back.x, -back.y, -back.z};
         memcpy(d->v0 + 6 * i + 3, rest, sizeof rest);
@@ -400,7 +407,7 @@ bool group_bears_load(const Group *g) { return g->conserve_failed || group_top_h
 
 bool direct_joints(Group *g)
 {
-    if (g->joint_count == 0 || g->planar)
+    if (g->joint_count == 0)
         return false;
     return g->conserve_failed || group_top_heavy(g) || (g->contact_count > 0 && holds_many(g));
 }
@@ -650,7 +657,7 @@ bool direct_project(Group *g)
 bool direct_project_joints(Group *g)
 {
     g->joints_direct = true;
-    bool fine = !g->planar && direct_project(g);
+    bool fine = direct_project(g);
     g->joints_direct = false;
     return fine;
 }
@@ -726,7 +733,7 @@ static bool at_stop(const Group *g)
  * Of what hangs on its stops as one stiff beam each of many sweeps brings a little, and it sinks. */
 static bool rescue_joints(Group *g)
 {
-    if (g->planar || !(g->stalled || at_stop(g)) || g->point_count > most_points[0] || g->moving_count > MOST_BODIES || g->rescues_failed >= MOST_RESCUES)
+    if (!(g->stalled || at_stop(g)) || g->point_count > most_points[0] || g->moving_count > MOST_BODIES || g->rescues_failed >= MOST_RESCUES)
         return false;
     Direct d = {.g = g, .slack = true, .hardened = JOINT_SOFT, .hardest = HARDEST, .most_factors = JOINT_FACTORS, .accept = RESCUED * g->residual};
     g->joints_direct = true;

@@ -99,7 +99,9 @@ void singles_round(Direct *d, real harder);             /* harder: times the com
 void singles_write(Direct *d);                          /* impulses and velocities into the group */
 bool stiffness_open(Direct *d);                         /* false: out of memory */
 
-/* direct.c: m/s  the change of velocity that the gradient stands for, rims included */
+/* direct.c: kg m^2  of a body, without what taut joints add; false: it has none */
+bool direct_tensor(const Group *g, int body, mat3 *tensor);
+/* m/s  the change of velocity that the gradient stands for, rims included */
 real direct_unbalanced(const Direct *d);
 
 /* direct_cone.c: from the inside: impulses so far, velocities and lifts; convex: without lifts. m/s  how far off they are. */

@@ -105,6 +105,7 @@ static void add_line(Direct *d, const JointBlock *b)
             row.lin[k] = k ? vec3_neg(across[i]) : across[i];
             row.ang[k] = vec3_cross(end[k]->r, row.lin[k]);
             row.body[k] = end[k]->body;
+            dir_mask(g, &row.lin[k], &row.ang[k]);
         }
         row.count = 2;
         Single *t = &d->singles[d->single_count++];
@@ -373,6 +374,12 @@ static mat3 uncoupled(const Group *g, int body, mat3 k)
     return mat3_mul(mat3_mul(r, m), mat3_transpose(r));
 }
 
+/* Of what a planar world lets turn. */
+static mat3 in_plane(const Group *g, mat3 k)
+{
+    return mat3_diagonal((vec3){g->planar == 1 ? k.r0.x : 0, g->planar == 2 ? k.r1.y : 0, g->planar == 3 ? k.r2.z : 0});
+}
+
 static bool positive_definite(mat3 m)
 {
     return m.r0.x > 0 && m.r0.x * m.r1.y - m.r0.y * m.r1.x > 0 && mat3_det(m) > 0;
@@ -416,9 +423,11 @@ bool stiffness_open(Direct *d)
     }
     for (int i = 0; i < g->body_count; i++) {
         mat3 *k = &d->stiff[i];
-        *k = uncoupled(g, i, mat3_scale(g->h * g->h, *k));
-        bool pulls = k->r0.x + k->r1.y + k->r2.z > 0 && d->place[i] >= 0 && !g->planar;
-        if (!pulls || !positive_definite(mat3_add(*k, mat3_inverse(g->mass[i].ii))))
+        *k = mat3_scale(g->h * g->h, *k);
+        *k = g->planar ? in_plane(g, *k) : uncoupled(g, i, *k);
+        mat3 tensor;
+        bool pulls = k->r0.x + k->r1.y + k->r2.z > 0 && d->place[i] >= 0;
+        if (!pulls || !direct_tensor(g, i, &tensor) || !positive_definite(mat3_add(*k, tensor)))
             *k = (mat3){vec3_zero(), vec3_zero(), vec3_zero()};
     }
     return true;
