@@ -90,12 +90,16 @@ static bool joined(const World *w, uint32_t a, uint32_t b, bool collides)
 
 #define SAME_POINT 1e-3         /* of the smaller solid */
 
-/* Is the anchor, from the centre of mass in body axes, in the solid, or on it? */
+/* m  How far from a long solid what holds it may be: half as far as it is thick. Links made a little shorter than they are apart end before their pin. */
+static real short_of(const Shape *s) { return isfinite(s->outer) ? real_clamp(0.5 * s->outer - s->inner, 0, s->inner) : 0; }
+
+/* Is the anchor, from the centre of mass in body axes, in the solid, on it, or next to its end? */
 static bool reaches(const Solid *s, vec3 anchor)
 {
     const Shape *shape = &s->form->shape;
-    vec3 local = quat_unrotate(s->form->at.q, vec3_sub(anchor, s->form->arm)), middle = shape_middle(shape);
-    return shape->type->contains(shape, vec3_mad(middle, 1 - SAME_POINT, vec3_sub(local, middle)));
+    vec3 middle = shape_middle(shape), arm = vec3_sub(quat_unrotate(s->form->at.q, vec3_sub(anchor, s->form->arm)), middle);
+    real length = vec3_length(arm), nearer = real_max(SAME_POINT * length, short_of(shape));
+    return shape->type->contains(shape, length > nearer ? vec3_mad(middle, 1 - nearer / length, arm) : middle);
 }
 
 /* Both are held at one point of a third body, or of the world, and reach there: they overlap, and nothing could part them. Ropes at one hook, bars on

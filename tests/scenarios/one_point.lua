@@ -65,3 +65,43 @@ scenario("they touch where their joints say so, and once one is gone", function(
   world:step()
   expect(world:stats().contacts):above(0)
 end)
+
+-- Legs of which the ends miss the top by 5 mm, and links of a chain that hangs there with 300 kg on it
+scenario("legs and links that end before the point that holds them do not press each other", function()
+  local world, apex = digbox.world {}, digbox.vec(0, 2, 0)
+  world:floor { friction = 0.7 }
+  local hub = world:ball { radius = 0.08, mass = 1, at = apex }
+  for k = 0, 2 do
+    local foot = digbox.vec(math.cos(k * 2.0944), 0.05, math.sin(k * 2.0944))
+    local length = #(apex - foot)
+    local turned = digbox.quat { from = { 0, 1, 0 }, to = apex - foot }
+    local leg = world:capsule { radius = 0.05, length = length - 0.11, mass = 3, at = (apex + foot) / 2, rotation = turned }
+    world:weld { a = leg, b = hub, at = apex }
+  end
+  local last, tip = hub, apex
+  for _ = 1, 3 do
+    local link = world:capsule { radius = 0.03, length = 0.22, mass = 0.2, at = tip - digbox.vec(0, 0.15, 0) }
+    world:ball_joint { a = link, b = last, at = tip }
+    last, tip = link, tip - digbox.vec(0, 0.3, 0)
+  end
+  local load = world:box { size = 0.4, mass = 300, at = tip - digbox.vec(0, 0.2, 0) }
+  world:ball_joint { a = load, b = last, at = tip }
+  world:run "2 s"
+  local stats = world:stats()
+  expect(hub.position.y):near(2, 0.06)                  -- its feet are 5 cm above the floor at first
+  expect(stats.worst_joint_error):below(1e-3)           -- 0.2 m, and it fell to pieces, when only what reached the point was let be
+  expect(stats.worst_penetration):below(1e-3)
+  expect(world.energy.numerical):near(0, 0.1)           -- J; 76 to 281 then
+end)
+
+scenario("balls that hang side by side from one pin touch", function()
+  local world = digbox.world {}
+  local balls = {}
+  for k = -1, 1, 2 do
+    local turn = digbox.quat { axis = { 0, 0, 1 }, angle = 0.9 * k }
+    balls[#balls + 1] = world:ball { radius = 0.1, mass = 1, at = turn:rotate { 0, -0.15, 0 } }
+    world:ball_joint { a = balls[#balls], at = { 0, 0, 0 } }
+  end
+  world:run "2 s"
+  expect(#(balls[1].position - balls[2].position)):near(0.2, 1e-3)
+end)
