@@ -508,6 +508,8 @@ static real inside_convex(Direct *d)
         t->lift = 0;
         t->target[0] = real_min(t->target[0], 0);
     }
+    for (int i = 0; i < d->single_count; i++)
+        d->singles[i].prox = d->singles[i].soft ? 0 : d->singles[i].start;      /* what was found had no bound where there is no solution */
     return direct_inside(d, true);
 }
 
@@ -577,12 +579,15 @@ static bool solve_joints(Direct *d)
     return finite(d) && real_max(d->error, d->unbalanced) < real_min(d->accept, real_max(JOINT_POOR, speed));
 }
 
-/* From the inside, with joints. */
+/* From the inside, with joints. What is wedged between parts that joints hold has no solution, and presses until their rows give. */
 static bool solve_inside_joints(Direct *d)
 {
     real off = direct_inside(d, false);
-    if (!(off < INSIDE_GOOD))
+    off = real_max(off, singles_unmet(d));
+    if (!(off < INSIDE_GOOD)) {
         off = inside_convex(d);
+        off = real_max(off, singles_unmet(d));
+    }
     d->error = real_max(off, missing_lift(d));
     d->unbalanced = off;
     return off < INSIDE_POOR && finite(d);

@@ -95,6 +95,7 @@ void singles_assemble(Direct *d, bool bounded);         /* those with a bound, o
 void singles_line(Direct *d);                           /* adds to level and rise, and notes what bends */
 real singles_slope(const Direct *d, real along);        /* of what bends */
 real singles_off(const Direct *d);
+real singles_unmet(const Direct *d);                    /* m/s or rad/s  how far off what they do is, of those without a bound */
 void singles_round(Direct *d, real harder);             /* harder: times the compliance of what has a bound */
 void singles_write(Direct *d);                          /* impulses and velocities into the group */
 bool stiffness_open(Direct *d);                         /* false: out of memory */

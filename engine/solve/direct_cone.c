@@ -153,11 +153,11 @@ static void add_spins(Inside *in, int triple)
 static void add_single(Inside *in, Single *t)
 {
     const Group *g = in->d->g;
+    t->answers = t->bounded && t->hi > t->lo;
+    if (!t->answers)                        /* nor is a line that swings back a row of the group's */
+        return;
     const JointRow *p = &g->rows[t->row];
     real mass = 0, arm = 0;
-    t->answers = t->bounded && t->hi > t->lo;
-    if (!t->answers)
-        return;
     for (int k = 0; k < p->row.count; k++) {
         int b = p->row.body[k];
         mass += b < 0 ? 0 : g->mass[b].im;

@@ -302,6 +302,17 @@ real singles_off(const Direct *d)
     return worst;
 }
 
+real singles_unmet(const Direct *d)
+{
+    real worst = 0;
+    for (int i = 0; i < d->single_count; i++) {
+        const Single *t = &d->singles[i];
+        if (!t->soft && !t->bounded)
+            worst = real_max(worst, fabs(t->rate - t->target));
+    }
+    return worst;
+}
+
 void singles_round(Direct *d, real harder)
 {
     for (int i = 0; i < d->single_count; i++) {
