@@ -704,17 +704,23 @@ static bool solve_cones(Group *g, real residual)
     return g->from_inside;
 }
 
-bool direct_solve(Group *g, real residual)
+/* Rows that are hard at once. */
+static bool solve_hard(Group *g, real residual, bool heavy)
 {
     Direct d = {.g = g, .hardened = 1, .hardest = HARDEST, .most_factors = MOST_FACTORS, .accept = GOOD};
+    if (!heavy)
+        d.most_factors = int_min(MOST_FACTORS, int_max(FEW_FACTORS, FACTOR_POINTS / g->point_count));
+    return run(&d, residual);
+}
+
+bool direct_solve(Group *g, real residual)
+{
     bool joints = g->joints_direct, heavy = group_top_heavy(g), cones = has_cones(g), fine = false;
     int before = g->factors;
     residual = real_min(residual, AIM);
     g->from_inside = false;
-    if (!heavy)
-        d.most_factors = int_min(MOST_FACTORS, int_max(FEW_FACTORS, FACTOR_POINTS / int_max(g->point_count, 1)));
     if (!g->starts_soft)
-        fine = joints ? solve_joined(g, residual, cones) : run(&d, residual);
+        fine = joints ? solve_joined(g, residual, cones) : solve_hard(g, residual, heavy);
     g->starts_soft = (cones || (!heavy && !joints)) && !fine && !(g->calm && g->trace_wait > 0);
     if (g->starts_soft && cones)
         fine = solve_cones(g, residual) || (joints && solve_joined(g, residual, false));
