@@ -59,7 +59,7 @@ static bool set_target(const Group *g, const GroupPair *q, PointRow *r, real gap
             return false;               /* not this substep */
         real closing = real_max(0, r->rate_before - predicted) / g->h;      /* m/s^2 */
         real strike = sqrt(r->rate_before * r->rate_before + 2 * closing * gap);
-        real plastic = carried ? real_max(g->close_speed, 0.1 * sqrt(vec3_length(g->gravity) * q->size)) : locate_least(g, q);
+        real plastic = carried ? real_max(g->close_speed, gentle_speed_of(q->size, vec3_length(g->gravity))) : locate_least(g, q);
         *left = g->locate && g->events_left > 0 && strike > plastic;
         if (*left)
             return false;               /* it will be located */

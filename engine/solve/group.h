@@ -601,6 +601,8 @@ void group_book_pushes(Group *g);                       /* their work in a subst
 real group_kinetic_of(const Group *g, int body);         /* J */
 /* m/s  Slower impacts are no impacts; size: m, of the smallest pair; fall: m/s^2. */
 static inline real close_speed_of(real size, real fall) { return isfinite(size) ? sqrt(2e-5 * size * fall) + 1e-9 * size : 0; }
+/* m/s  What comes so slowly to what it lies on lands gently. */
+static inline real gentle_speed_of(real size, real fall) { return 0.1 * sqrt(fall * size); }
 real group_close_speed(const Group *g);
 /* impact.c: what touches and approaches is struck, now */
 int  group_events(const Group *g);                      /* impacts that may be located in a step */

@@ -109,9 +109,11 @@ static bool meet_at_point(const World *w, const Solid *a, const Solid *b)
     real near = SAME_POINT * real_min(a->form->shape.outer, b->form->shape.outer);
     for (uint32_t s = w->bodies.data[a->body].joint_first; s != NONE; s = joint_next(w, s, a->body)) {
         const JointRec *j = &w->joints.data[s];
+        if (!j->at_point || j->collides)
+            continue;
         bool from = j->a == a->body;
         uint32_t third = from ? j->b : j->a;
-        for (uint32_t t = w->bodies.data[b->body].joint_first; t != NONE && j->at_point && !j->collides; t = joint_next(w, t, b->body)) {
+        for (uint32_t t = w->bodies.data[b->body].joint_first; t != NONE; t = joint_next(w, t, b->body)) {
             const JointRec *k = &w->joints.data[t];
             bool to = k->a == b->body;
             if (k->at_point && !k->collides && (to ? k->b : k->a) == third && vec3_distance(from ? j->rb : j->ra, to ? k->rb : k->ra) <= near &&
