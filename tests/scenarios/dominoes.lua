@@ -22,6 +22,6 @@ scenario("twenty dominoes fall in 1.3 s, at any step, and their rattling is not 
   local fine = run(1 / 240)
   expect(last):near(fine, 1 / 60)
   expect(fine):near(1.3, 0.02)          -- 1.3125 s at study, 1/240 s
-  expect(located):below(200)            -- 361 before, of which three in four were slower than 0.04 m/s
+  expect(located):below(200)            -- 93; 361 when slower ones than 0.04 m/s were, too
   expect(gained):below(0.01)            -- of 5 J that are lost
 end)

@@ -64,6 +64,23 @@ scenario("they touch where their joints say so, and once one is gone", function(
   joint:remove()
   world:step()
   expect(world:stats().contacts):above(0)
+  world = digbox.world { gravity = { 0, 0, 0 } }
+  local pin = world:box { fixed = true, size = 0.02, collides = false }
+  pendulums(world, pin)
+  world:step()
+  expect(world:stats().contacts):is(0)
+  pin:remove()
+  world:step()
+  expect(world:stats().contacts):above(0)
+end)
+
+scenario("a world that is saved and loaded knows what is held at one point", function()
+  local world, file = digbox.world { gravity = { 0, 0, 0 } }, "one_point.dig"
+  pendulums(world)
+  world:save(file)
+  world = digbox.load(file)
+  world:step()
+  expect(world:stats().contacts):is(0)
 end)
 
 -- Legs of which the ends miss the top by 5 mm, and links of a chain that hangs there with 300 kg on it
