@@ -67,7 +67,7 @@ test.scenario("hard cases", function(s)
         print(case.id .. "\t" .. step[1])
       else
         local name = ("%s_%s"):format(case.id, step[1]:gsub("/", "_"))
-        local row = hard.run(case, { dt = step[2], clock = s.cpu_seconds, limit = options.limit, accuracy = options.accuracy,
+        local row = hard.run(case, { dt = step[2], clock = s.cpu_seconds, limit = options.limit, accuracy = options.accuracy, timings = 3,
                                      seconds = options.seconds > 0 and options.seconds or nil,
                                      picture = options.pictures and name .. ".png" or nil })
         print(line(row, step[1]))
