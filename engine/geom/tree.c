@@ -1,4 +1,4 @@
-/* geom/tree.c - the dynamic tree of bounding boxes: insertion by least surface, rotations on the way up, queries without a stack. */
+/* geom/tree.c - the dynamic tree of bounding boxes: insertion by least surface, rotations on the way up, queries. */
 #include "geom/tree.h"
 
 #include "base/block.h"
@@ -257,20 +257,53 @@ static int32_t after(const Tree *t, int32_t i)
     }
 }
 
-void tree_query(const Tree *t, box3 box, TreeHit *hit, void *context)
+/* As box3_overlap, without branches: which side parts two boxes of a tree is anybody's guess. */
+static bool meets(const TreeNode *n, const box3 *box)
+{
+    return (n->box.low.x <= box->high.x) & (box->low.x <= n->box.high.x) & (n->box.low.y <= box->high.y) & (box->low.y <= n->box.high.y) &
+           (n->box.low.z <= box->high.z) & (box->low.z <= n->box.high.z);
+}
+
+#define QUERY_HEIGHT 64         /* as high are trees of 2^40 leaves and more, but for degenerate ones */
+
+/* Both children are looked at from their parent, so that their lines come from memory together. In the order of query_high. */
+static void query_low(const Tree *t, box3 box, TreeHit *hit, void *context)
+{
+    int32_t later[QUERY_HEIGHT], i = t->root;
+    int count = 0;
+    while (i >= 0) {
+        const TreeNode *n = &t->nodes[i];
+        bool leaf = is_leaf(n);
+        if (leaf && !hit(context, n->user))
+            return;
+        bool first = !leaf && meets(&t->nodes[n->child[0]], &box), second = !leaf && meets(&t->nodes[n->child[1]], &box);
+        if (first && second)
+            later[count++] = n->child[1];
+        i = first ? n->child[0] : second ? n->child[1] : count > 0 ? later[--count] : -1;
+    }
+}
+
+static void query_high(const Tree *t, box3 box, TreeHit *hit, void *context)
 {
     int32_t i = t->root;
     while (i >= 0) {
         const TreeNode *n = &t->nodes[i];
-        bool meets = box3_overlap(n->box, box);
-        if (meets && !is_leaf(n)) {
+        bool met = meets(n, &box);
+        if (met && !is_leaf(n)) {
             i = n->child[0];
             continue;
         }
-        if (meets && !hit(context, n->user))
+        if (met && !hit(context, n->user))
             return;
         i = after(t, i);
     }
+}
+
+void tree_query(const Tree *t, box3 box, TreeHit *hit, void *context)
+{
+    if (t->root < 0 || !meets(&t->nodes[t->root], &box))
+        return;
+    (t->nodes[t->root].height < QUERY_HEIGHT ? query_low : query_high)(t, box, hit, context);
 }
 
 /* Does the ray pass the box within its length? Slabs; an axis the ray does not move along only needs to start inside. */

@@ -305,8 +305,12 @@ static void fetch_commit(const World *w, const Group *g, int i)
         fetch_soon(q->hint, sizeof *q->hint);
         fetch_soon(&w->memories.data[q->memory], sizeof(ManifoldCache));
     }
-    if (slot != NONE)
+    if (slot != NONE) {
+        const Acted *acted = acted_in(g, q->contact);
         fetch_soon(&w->contacts.data[slot], sizeof(Contact));
+        if (acted)
+            fetch_soon(acted, sizeof *acted);
+    }
 }
 
 typedef struct Commit { World *w; const Group *g; } Commit;

@@ -103,11 +103,33 @@ static bool meets(void *context, uint32_t other)
 
 typedef struct Asking { const World *w; Found *found; } Asking;         /* found: by each share of w->asking */
 
+/* The pairs of solids lie anywhere in memory, each tells where the next one is: all of these lists at once are through in the time of one. */
+static void fetch_pairs(const World *w, const uint32_t *solid, int count)
+{
+    uint32_t at[SHARE];
+    int left = 0;
+    for (int i = 0; i < count; i++)
+        if (w->solids.data[solid[i]].pair_first != NONE)
+            at[left++] = w->solids.data[solid[i]].pair_first;
+    while (left > 0) {
+        int n = 0;
+        for (int i = 0; i < left; i++) {
+            const Pair *p = &w->pairs.data[at[i] / 2];
+            uint32_t next = p->next[at[i] % 2];
+            fetch_soon(&w->solids.data[at[i] % 2 ? p->solid_a : p->solid_b], sizeof(Solid));
+            if (next != NONE)
+                at[n++] = next;
+        }
+        left = n;
+    }
+}
+
 static void ask_share(void *context, int share, Scratch scratch)
 {
     const Asking *all = context;
     const World *w = all->w;
     Ask a = {.w = w, .arena = scratch.step, .found = &all->found[share]};
+    fetch_pairs(w, w->asking.data + SHARE * share, int_min(SHARE, w->asking.count - SHARE * share));
     for (int i = SHARE * share; i < w->asking.count && i < SHARE * (share + 1) && !a.found->failed; i++) {
         a.solid = w->asking.data[i];
         const Solid *s = &w->solids.data[a.solid];

@@ -292,7 +292,8 @@ static void find_parting(const World *w, const Touch *t, dig_event *e)
 {
     Parting p = {w, e, INFINITY};
     uint32_t first = w->bodies.data[t->body_a].shape_first, other = t->body_b != NONE ? w->bodies.data[t->body_b].shape_first : w->room_solid[t->wall - 1];
-    for (uint32_t s = first; s != NONE; s = w->solids.data[s].next)
+    bool one_each = w->solids.data[first].next == NONE && (t->body_b == NONE || w->solids.data[other].next == NONE);
+    for (uint32_t s = first; s != NONE && !one_each; s = w->solids.data[s].next)
         for (uint32_t link = w->solids.data[s].pair_first; link != NONE; link = w->pairs.data[link / 2].next[link % 2]) {
             const Pair *q = &w->pairs.data[link / 2];
             uint32_t b = link % 2 ? q->solid_a : q->solid_b;

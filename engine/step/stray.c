@@ -23,7 +23,7 @@ static int compare_slot(const void *key, const void *left)
     return a < b ? -1 : a > b;
 }
 
-/* May the two touch, and is that no pair that the group watched? */
+/* May the two touch, and is that no pair that the group watched? Asked last: pairs lie anywhere in memory. */
 static bool unwatched(const World *w, const Group *g, uint32_t solid, uint32_t other)
 {
     uint32_t pair = NONE;
@@ -207,9 +207,10 @@ static bool meets(void *context, uint32_t other)
     const Solid *o = &m->w->solids.data[other];
     pose at = solid_pose(m->w, o);
     at.p = vec3_add(at.p, way_of(m, o));
-    m->stray->missed = unwatched(m->w, m->stray->g, m->stray->solid, other) && deep(m->w, m->stray, other, at.p) &&
+    m->stray->missed = deep(m->w, m->stray, other, at.p) &&
                        (m->stray->whole ? box3_overlap(m->stray->end, may_be(m->w, other)) :
-                        exact(m->stray->g) || box3_overlap(m->stray->end, o->form->shape.type->bounds(&o->form->shape, at)));
+                        exact(m->stray->g) || box3_overlap(m->stray->end, o->form->shape.type->bounds(&o->form->shape, at))) &&
+                       unwatched(m->w, m->stray->g, m->stray->solid, other);
     return !m->stray->missed;
 }
 
@@ -217,6 +218,16 @@ static void go_astray(World *w, Solid *s, real far)
 {
     s->astray = far;
     w->bodies.data[s->body].lies = 0;
+}
+
+#define ROUNDING 1e-9           /* of the size */
+
+/* Is the line nowhere nearer to the centre than the solid is thick? */
+static bool goes_past(vec3 from, vec3 way, vec3 centre, real outer)
+{
+    vec3 to = vec3_sub(centre, from);
+    real along = vec3_length2(way) > 0 ? real_clamp(vec3_dot(to, way) / vec3_length2(way), 0, 1) : 0, near = (1 + ROUNDING) * outer;
+    return vec3_length2(vec3_mad(to, -along, way)) > near * near;
 }
 
 /* Does the straight line from where its centre was to where it ends pass through the other? That will be struck, and may get as far: of
@@ -227,7 +238,7 @@ static bool passes(void *context, uint32_t other)
     Solid *o = &m->w->solids.data[other];
     vec3 way = vec3_sub(vec3_sub(m->stray->at, m->stray->from), way_of(m, o));
     CastHit hit;
-    if (!unwatched(m->w, m->stray->g, m->stray->solid, other) || !cast_ray(&o->form->shape, solid_pose(m->w, o), m->stray->from, way, 1, &hit))
+    if (goes_past(m->stray->from, way, solid_pose(m->w, o).p, o->form->shape.outer) || !unwatched(m->w, m->stray->g, m->stray->solid, other) || !cast_ray(&o->form->shape, solid_pose(m->w, o), m->stray->from, way, 1, &hit))
         return true;
     m->stray->missed = true;
     if (m->stray->g->crowd)
@@ -298,7 +309,7 @@ static void look_at_each_other(const World *w, Stray *list, int count)
     qsort(list, (size_t)count, sizeof *list, compare_low);
     for (int i = 0; i < count; i++)
         for (int k = i + 1; k < count && list[k].low <= vec3_at(list[i].end.high, axis); k++)
-            if (box3_overlap(list[i].end, list[k].end) && unwatched(w, list[i].g, list[i].solid, list[k].solid) && deep(w, &list[i], list[k].solid, list[k].at))
+            if (box3_overlap(list[i].end, list[k].end) && deep(w, &list[i], list[k].solid, list[k].at) && unwatched(w, list[i].g, list[i].solid, list[k].solid))
                 list[i].missed = list[k].missed = true;
 }
 
