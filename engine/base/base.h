@@ -41,6 +41,7 @@
 static inline void fetch_soon(const void *at, size_t bytes)
 {
 #if defined(__GNUC__)
+    __asm__ volatile("");       /* or GCC 12 takes what does nothing else for a function without effects, and leaves out its calls */
     for (size_t i = 0; i < bytes; i += 64)
         __builtin_prefetch((const char *)at + i);
     __builtin_prefetch((const char *)at + bytes - 1);
@@ -49,7 +50,7 @@ static inline void fetch_soon(const void *at, size_t bytes)
     (void)bytes;
 #endif
 }
-#define FETCH_AHEAD 8           /* turns of a loop */
+#define FETCH_AHEAD 16          /* turns of a loop */
 
 static inline real real_min(real a, real b) { return a < b ? a : b; }
 static inline real real_max(real a, real b) { return a > b ? a : b; }
