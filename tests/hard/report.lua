@@ -72,7 +72,7 @@ local function measured(other) return other and other.verdict ~= "none" and othe
 local function peer_cell(row, engine)
   local other = row.peers[engine]
   if not other then return "" end
-  if not measured(other) then return cell("none: " .. other.why) end
+  if not measured(other) then return cell(other.verdict .. ": " .. other.why) end
   local what = other.worst == row.worst and "" or "(" .. other.worst .. ") "
   if other.value == "" then return cell(other.verdict .. ": " .. other.why) end
   return cell(("%s %s%s; %s ms/s"):format(other.verdict, what, short(other.value), short(other.ms)))

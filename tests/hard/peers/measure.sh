@@ -34,8 +34,9 @@ list | while read -r id at; do
                 124|137|152) verdict="over time" why="stopped; " ;;
                 *)       verdict=error why= ;;
             esac
+            [ "$verdict" = error ] && which="head -n 1" || which="tail -n 1"         # a traceback comes after what is wrong
             printf '%s\t%s\t%s\t%s\t\t\t\t\t%s\n' "$id" "$at" "$engine" "$verdict" \
-                "$why$(grep . "$out/errors.txt" | grep -v Aborted | tail -n 1 | tr '\t' ' ')" >"$row"
+                "$why$(grep . "$out/errors.txt" | grep -v Aborted | $which | tr '\t' ' ')" >"$row"
         fi
         cat "$row"
     done

@@ -36,10 +36,18 @@ Vec.__index = function(a, key)
   return vec_methods[key]
 end
 
+-- rad  of a number, or of text: "20 deg", "0.3 rad"
+local function radians(angle)
+  if type(angle) == "number" then return angle end
+  local number, unit = angle:match "^%s*([-+%w.]+)%s+(%a+)%s*$"
+  local each = unit == "rad" and 1 or unit == "deg" and math.pi / 180
+  return assert(tonumber(number) and each and tonumber(number) * each, "no angle: " .. angle)
+end
+
 local function quat(w, x, y, z)
   if type(w) == "table" then
     if getmetatable(w) == Quat then return w end
-    local axis, half = vec(w.axis):normalized(), w.angle / 2
+    local axis, half = vec(w.axis):normalized(), radians(w.angle) / 2
     local s = math.sin(half)
     w, x, y, z = math.cos(half), axis.x * s, axis.y * s, axis.z * s
   end
