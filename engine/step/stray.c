@@ -238,7 +238,8 @@ static bool passes(void *context, uint32_t other)
     Solid *o = &m->w->solids.data[other];
     vec3 way = vec3_sub(vec3_sub(m->stray->at, m->stray->from), way_of(m, o));
     CastHit hit;
-    if (goes_past(m->stray->from, way, solid_pose(m->w, o).p, o->form->shape.outer) || !unwatched(m->w, m->stray->g, m->stray->solid, other) || !cast_ray(&o->form->shape, solid_pose(m->w, o), m->stray->from, way, 1, &hit))
+    if (goes_past(m->stray->from, way, solid_pose(m->w, o).p, o->form->shape.outer) ||
+        !unwatched(m->w, m->stray->g, m->stray->solid, other) || !cast_ray(&o->form->shape, solid_pose(m->w, o), m->stray->from, way, 1, &hit))
         return true;
     m->stray->missed = true;
     if (m->stray->g->crowd)

@@ -31,7 +31,8 @@ local function run(case)
   local cannot = impossible[case.id:sub(1, 3)]
   if cannot then return line(case, nil, "none", cannot) end
   local seconds, steps = step:match "^(%d+)/(%d+)$"
-  local row = hard.run(case, { dt = seconds / steps, clock = module.cpu_seconds, limit = tonumber(limit) or 20, repeats = false, timings = 3 })
+  local row = hard.run(case, { dt = seconds / steps, clock = module.cpu_seconds, limit = tonumber(limit) or 20, repeats = false,
+                               timings = 3 })
   local why = row.error and row.error:match "cannot: (.*)"
   if why then return line(case, nil, "none", why) end
   if row.error then return line(case, row, "error", (row.error:gsub("%s+", " "))) end
