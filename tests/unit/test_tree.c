@@ -226,6 +226,58 @@ TEST(a_query_stops_when_told)
     close_field(f);
 }
 
+/* Boxes one behind the other, each inner node with a leaf and all that is left: `leaves` - 1 high. No sequence of calls is known to make one. */
+static void open_list(Tree *t, int leaves, const box3 *box)
+{
+    tree_open(t);
+    CHECK_INT(tree_reserve(t, leaves), DIG_OK);
+    for (int i = 0; i < leaves - 1; i++)
+        t->nodes[i] = (TreeNode){.parent = i - 1, .child = {leaves - 1 + i, i + 1}};
+    for (int i = 0; i < leaves; i++)
+        t->nodes[leaves - 1 + i] = (TreeNode){.box = box[i], .parent = i < leaves - 1 ? i : leaves - 2, .none = -1, .user = (uint32_t)i};
+    t->nodes[leaves - 2].child[1] = 2 * leaves - 2;
+    for (int i = leaves - 2; i >= 0; i--) {
+        const TreeNode *a = &t->nodes[t->nodes[i].child[0]], *b = &t->nodes[t->nodes[i].child[1]];
+        t->nodes[i].box = box3_union(a->box, b->box);
+        t->nodes[i].height = 1 + (a->height > b->height ? a->height : b->height);
+    }
+    t->root = 0;
+    t->count = 2 * leaves - 1;
+    t->free = -1;
+}
+
+typedef struct Order { uint32_t user[256]; int count; } Order;
+
+static bool note_order(void *context, uint32_t user)
+{
+    Order *o = context;
+    o->user[o->count++] = user;
+    return o->count < 256;
+}
+
+TEST(a_tree_as_high_as_it_has_leaves_is_asked_in_the_same_order)
+{
+    enum { LEAVES = 200 };
+    Random r = {9};
+    box3 box[LEAVES];
+    Tree high;
+    for (int i = 0; i < LEAVES; i++)
+        box[i] = random_box(&r, 5, 2);
+    open_list(&high, LEAVES, box);
+    CHECK_INT(high.nodes[high.root].height, LEAVES - 1);
+    for (int q = 0; q < 100; q++) {
+        box3 ask = random_box(&r, 5, 2);
+        Order order = {.count = 0};
+        int at = 0;
+        tree_query(&high, ask, note_order, &order);
+        for (int i = 0; i < LEAVES; i++)
+            if (box3_overlap(ask, box[i]))
+                CHECK(at < order.count && order.user[at++] == (uint32_t)i);
+        CHECK_INT(order.count, at);
+    }
+    tree_close(&high);
+}
+
 TEST(a_copy_has_the_same_nodes_and_grows_alike)
 {
     Random r = {7};
@@ -272,5 +324,6 @@ int main(void)
               unit_test(moving_and_asking_never_allocate), unit_test(reserve_makes_room_for_that_many_leaves),
               unit_test(sorted_insertion_keeps_the_tree_low), unit_test(rays_meet_the_same_boxes_as_brute_force),
               unit_test(a_shortened_ray_leaves_out_what_lies_behind), unit_test(a_query_stops_when_told),
+              unit_test(a_tree_as_high_as_it_has_leaves_is_asked_in_the_same_order),
               unit_test(a_copy_has_the_same_nodes_and_grows_alike), unit_test(the_check_sees_a_wrong_box));
 }
