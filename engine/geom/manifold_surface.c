@@ -12,6 +12,7 @@
 #define SAME_POINT 1e-9     /* of the smaller shape */
 #define SAME_AXIS  1e-6     /* rad */
 #define BACKWARD   -0.999999    /* cosine: straight through the triangle */
+#define WALK       16       /* most triangles from where something touches to where its middle is */
 
 typedef struct Meeting {
     const Pair *p;          /* a: the surface, b: the convex */
@@ -21,6 +22,8 @@ typedef struct Meeting {
     uint32_t *piece;
     int       count, capacity;
 } Meeting;
+
+static vec3 front_of(const vec3 c[3]) { return vec3_unit_or(vec3_cross(vec3_sub(c[1], c[0]), vec3_sub(c[2], c[0])), vec3_zero()); }
 
 static bool stands_behind(vec3 corner, vec3 from, vec3 n)
 {
@@ -193,7 +196,7 @@ typedef struct Rival { const Shape *surface; const Pair *p; const SurfacePiece *
 static bool is_no_rival(const void *context, const Shape *s, const vec3 c[3])
 {
     const Rival *r = context;
-    vec3 n = vec3_unit_or(vec3_cross(vec3_sub(c[1], c[0]), vec3_sub(c[2], c[0])), vec3_zero()), from = vec3_sub(c[0], r->piece->origin);
+    vec3 n = front_of(c), from = vec3_sub(c[0], r->piece->origin);
     (void)s;
     n = r->turned ? vec3_neg(n) : n;
     for (int k = 0; k < 3; k++)
@@ -231,7 +234,7 @@ static bool rises_from(const Rival *r, uint32_t other, vec3 centre)
     }
     if (!rises || !over_triangle(c, centre))
         return false;
-    vec3 n = vec3_unit_or(vec3_cross(vec3_sub(c[1], c[0]), vec3_sub(c[2], c[0])), vec3_zero());
+    vec3 n = front_of(c);
     return vec3_dot(r->turned ? vec3_neg(n) : n, vec3_sub(centre, c[0])) <= r->p->b->round - r->depth;
 }
 
@@ -296,6 +299,54 @@ static int meet_sharp(const Meeting *meet, const Pair *p, const SurfacePiece *pi
     return meet_flat(p, front, rival, m);
 }
 
+/* The edge of the triangle that q lies farthest beyond; -1: it is over the triangle. */
+static int edge_beyond(const vec3 c[3], vec3 front, vec3 q)
+{
+    int edge = -1;
+    real most = 0;
+    for (int k = 0; k < 3; k++) {
+        vec3 outward = vec3_unit_or(vec3_cross(vec3_sub(c[(k + 1) % 3], c[k]), front), vec3_zero());
+        real beside = vec3_dot(outward, vec3_sub(q, c[k]));
+        if (beside > most) {
+            most = beside;
+            edge = k;
+        }
+    }
+    return edge;
+}
+
+/* Is b behind an open surface, where this piece is? Its middle tells. Where that is beside the triangle, as that of a rod across a ridge, the triangle's plane
+ * does not: the middle is on another side of it without having gone through. So the way to the middle is gone, from triangle to triangle. */
+static bool is_behind(const Pair *p, uint32_t piece)
+{
+    const Shape *s = p->a;
+    vec3 middle = convex_point_b(&p->c, shape_middle(p->b)), c[3];
+    uint32_t at = piece, from = SHAPE_NO_PIECE;
+    bool behind = false, own = false;
+    for (int step = 0; step < WALK; step++) {
+        s->type->piece(s, at, c);
+        vec3 front = front_of(c);
+        bool before = behind;
+        behind = vec3_dot(front, vec3_sub(middle, c[0])) < 0;
+        own = step == 0 ? behind : own;
+        int edge = p->kind_b == KIND_BALL ? -1 : edge_beyond(c, front, middle);
+        uint32_t next = edge < 0 ? SHAPE_NO_PIECE : s->type->neighbour(s, at, edge);
+        if (next == SHAPE_NO_PIECE)
+            return behind;
+        if (next == from) {                 /* beyond the edge of both: out of a ridge, or under a valley */
+            vec3 last[3];
+            s->type->piece(s, from, last);
+            bool ridge = true;
+            for (int k = 0; k < 3; k++)
+                ridge = ridge && stands_behind(last[k], c[edge], front);
+            return ridge ? behind && before : behind || before;
+        }
+        from = at;
+        at = next;
+    }
+    return own;
+}
+
 static bool meet_piece(void *context, const SurfacePiece *piece)
 {
     Meeting *meet = context;
@@ -303,9 +354,9 @@ static bool meet_piece(void *context, const SurfacePiece *piece)
     const vec3 *c = piece->corners;
     Pair p = pair_with_piece(meet->p, &triangle, piece->origin);
     Manifold m;
-    vec3 front = vec3_unit_or(vec3_cross(vec3_sub(c[1], c[0]), vec3_sub(c[2], c[0])), vec3_zero());
+    vec3 front = front_of(c);
     real centre = vec3_dot(front, vec3_sub(convex_point_b(&p.c, shape_middle(p.b)), c[0]));
-    bool turned = !meet->solid && centre < 0;
+    bool turned = !meet->solid && is_behind(meet->p, piece->number);
     if (turned) {
         front = vec3_neg(front);
         centre = -centre;

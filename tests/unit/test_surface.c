@@ -233,6 +233,34 @@ TEST(the_rim_of_an_open_mesh_is_real)
     shape_free(&ball);
 }
 
+static real brink(real x, real z) { return x > 0 ? -2 * x : 0 * z; }
+static real brow(real x, real z) { return -brink(x, z); }
+
+/* A rod that tips over the brink of a plateau has its middle below the plateau's plane, beside it: it has not gone through. The same from below. */
+TEST(what_tips_over_an_edge_of_an_open_mesh_is_on_its_side)
+{
+    Shape ground[2] = {mesh_of(brink), mesh_of(brow)}, rod[2] = {fixture_capsule(0.05, 2), fixture_box(0.1, 2, 0.1)};
+    Manifold m[MANY];
+    uint32_t piece[MANY];
+    for (int k = 0; k < 2; k++)
+        for (int r = 0; r < 2; r++)
+            for (int i = 1; i < 9; i++) {
+                real tilt = 0.12 * i, side = k ? -1 : 1, gap = i % 2 ? 1e-9 : -1e-4, beyond = 0.1 * i;
+                vec3 along = {cos(tilt), -side * sin(tilt), 0}, n = {sin(tilt), side * cos(tilt), 0};
+                pose at = {vec3_mad(vec3_scale(beyond, along), 0.05 + gap, n), quat_axis_angle((vec3){0, 0, 1}, atan2(-along.x, along.y))};
+                at.p.z = 0.13;
+                int count = manifold_collide(&ground[k], pose_identity(), &rod[r], at, 0.01, NULL, m, piece, MANY);
+                CHECK(count > 0);
+                for (int j = 0; j < count; j++)
+                    CHECK(vec3_dot(m[j].normal, n) > 0.5);      /* of a slope, or between them; not into the ground */
+                CHECK_NEAR(deepest_of(m, count), gap, 1e-9);
+            }
+    for (int k = 0; k < 2; k++) {
+        shape_free(&ground[k]);
+        shape_free(&rod[k]);
+    }
+}
+
 /* The corners of a hull lie about any origin: on its lower face, above its upper one, or far beside it. Which side of an open mesh it is on is told
  * by where the hull is. */
 TEST(a_hull_meets_an_open_mesh_wherever_its_origin_is)
@@ -441,7 +469,7 @@ int main(void)
               unit_test(a_ball_in_a_valley_touches_both_sides), unit_test(a_ridge_is_met_across_its_edge_once),
               unit_test(the_rim_of_an_open_mesh_is_real), unit_test(a_ball_that_comes_to_a_crease_knows_both_sides),
               unit_test(what_sank_into_a_height_field_is_pushed_up),
-              unit_test(a_hull_meets_an_open_mesh_wherever_its_origin_is),
+              unit_test(a_hull_meets_an_open_mesh_wherever_its_origin_is), unit_test(what_tips_over_an_edge_of_an_open_mesh_is_on_its_side),
               unit_test(with_little_room_the_deepest_are_kept), unit_test(distances_to_surfaces_equal_the_least_over_all_triangles),
               unit_test(the_nearest_contact_of_a_bumpy_surface_is_never_lost),
               unit_test(a_plane_meets_a_mesh_as_it_meets_its_hull), unit_test(what_lies_under_an_edge_is_not_met_through_the_side));
