@@ -387,12 +387,13 @@ static bool is_gentle(Group *g, int joint)
     return true;
 }
 
+/* Of what bends one will do: a stump of a plank that breaks, swept, has forces in its joints that are not those of how they are bent. */
 static bool holds_many(Group *g)
 {
-    int count = 0;
-    for (int i = 0; i < g->joint_count && count < MANY_JOINTS; i++)
+    int count = 0, many = group_elastic(g) ? 1 : MANY_JOINTS;
+    for (int i = 0; i < g->joint_count && count < many; i++)
         count += !is_gentle(g, i);
-    return count >= MANY_JOINTS;
+    return count >= many;
 }
 
 bool group_elastic(const Group *g)

@@ -79,6 +79,14 @@ static bool has_bounds(const Group *g, const JointBlock *b)
     return type->coordinate_row || type->sways;
 }
 
+/* kg or kg m^2: what a spring resists a shift by, beside the inertia of its ends, were it a way of that time. Moved as if it were not there, pieces of
+ * a steel plank came by 42 kJ in their joints, where 8 moved. */
+static real stiff_of(const Group *g, const JointRow *r) { return g->heal_over * g->heal_over * r->row.stiffness; }
+
+#define SLACK 1e-6              /* less than this part of that inertia is nothing */
+
+static bool is_stiff(const Group *g, const JointRow *r) { return r->row.kind == ROW_SOFT && stiff_of(g, r) * r->k > SLACK; }
+
 static void start_block(Group *g, const JointBlock *b, real *saved)
 {
     bool bounds = has_bounds(g, b);
@@ -91,6 +99,11 @@ static void start_block(Group *g, const JointBlock *b, real *saved)
         s[3] = r->k;
         r->p = 0;
         r->gamma = 0;
+        if (is_stiff(g, r)) {
+            r->bias = 0;
+            r->gamma = 1 / stiff_of(g, r);
+            continue;
+        }
         bool stop = r->row.kind == ROW_LIMIT && (bounds || r->row.error < 0);
         r->bias = real_clamp(-r->row.error, stop ? -INFINITY : -most, most);
         if (r->row.kind != ROW_HARD && !stop)
@@ -130,6 +143,14 @@ static void move_stop(const Group *g, JointRow *r)
     r->bias += (room - real_max(0, r->row.error)) / g->h;
 }
 
+/* How far it is stretched now. */
+static void move_spring(const Group *g, JointRow *r)
+{
+    real way = joint_row_rate(g, &r->row);
+    r->row.error += way;
+    r->bias -= way * g->h * r->row.stiffness * r->gamma;
+}
+
 static void end_block(Group *g, const JointBlock *b, const real *saved)
 {
     bool bounds = has_bounds(g, b);
@@ -142,6 +163,8 @@ static void end_block(Group *g, const JointBlock *b, const real *saved)
         r->k = s[3];
         if (bounds && r->row.kind == ROW_LIMIT)
             move_stop(g, r);
+        if (is_stiff(g, r))
+            move_spring(g, r);
     }
 }
 

@@ -1,5 +1,5 @@
 -- mesh_edges.lua: what lies across an edge of an open mesh may have its middle below the plane of a triangle that it touches, beside it. On
--- which side of the mesh it is does not follow from that plane: before it was asked of the triangle that the middle is over, rods at rest on
+-- which side of the mesh it is does not follow from that plane: before the triangle that the middle is over was asked, rods at rest on
 -- a plateau were 0.5 to 0.8 m deep behind its slope, and were moved by as much.
 local test = require "digbox.test"
 local scenario, expect = test.scenario, test.expect
