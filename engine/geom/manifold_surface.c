@@ -315,9 +315,11 @@ static int edge_beyond(const vec3 c[3], vec3 front, vec3 q)
     return edge;
 }
 
-/* Is b behind an open surface, where this piece is? Its middle tells. Where that is beside the triangle, as that of a rod across a ridge, the triangle's plane
- * does not: the middle is on another side of it without having gone through. So the way to the middle is gone, from triangle to triangle. */
-static bool is_behind(const Pair *p, uint32_t piece)
+typedef enum Side { IN_FRONT, BEHIND_IT, BEYOND_RIM } Side;
+
+/* On which side of an open surface is b, where this piece is? Its middle tells. Where that is beside the triangle, as that of a rod across a ridge, the
+ * triangle's plane does not: the middle is on another side of it without having gone through. So the way to the middle is gone, from triangle to triangle. */
+static Side side_of(const Pair *p, uint32_t piece)
 {
     const Shape *s = p->a;
     vec3 middle = convex_point_b(&p->c, shape_middle(p->b)), c[3];
@@ -332,19 +334,30 @@ static bool is_behind(const Pair *p, uint32_t piece)
         int edge = p->kind_b == KIND_BALL ? -1 : edge_beyond(c, front, middle);
         uint32_t next = edge < 0 ? SHAPE_NO_PIECE : s->type->neighbour(s, at, edge);
         if (next == SHAPE_NO_PIECE)
-            return behind;
+            return edge >= 0 ? BEYOND_RIM : behind ? BEHIND_IT : IN_FRONT;
         if (next == from) {                 /* beyond the edge of both: out of a ridge, or under a valley */
             vec3 last[3];
             s->type->piece(s, from, last);
             bool ridge = true;
             for (int k = 0; k < 3; k++)
                 ridge = ridge && stands_behind(last[k], c[edge], front);
-            return ridge ? behind && before : behind || before;
+            return (ridge ? behind && before : behind || before) ? BEHIND_IT : IN_FRONT;
         }
         from = at;
         at = next;
     }
-    return own;
+    return own ? BEHIND_IT : IN_FRONT;
+}
+
+/* front: of the piece p->a. What hangs over a rim is on the side on which it is nearest. */
+static bool is_behind(const Pair *whole, const Pair *p, uint32_t piece, vec3 front)
+{
+    Side side = side_of(whole, piece);
+    ConvexGap g;
+    if (side != BEYOND_RIM)
+        return side == BEHIND_IT;
+    pair_gap(p, INFINITY, NULL, &g);
+    return vec3_dot(front, g.normal) < 0;
 }
 
 static bool meet_piece(void *context, const SurfacePiece *piece)
@@ -356,7 +369,7 @@ static bool meet_piece(void *context, const SurfacePiece *piece)
     Manifold m;
     vec3 front = front_of(c);
     real centre = vec3_dot(front, vec3_sub(convex_point_b(&p.c, shape_middle(p.b)), c[0]));
-    bool turned = !meet->solid && is_behind(meet->p, piece->number);
+    bool turned = !meet->solid && is_behind(meet->p, &p, piece->number, front);
     if (turned) {
         front = vec3_neg(front);
         centre = -centre;

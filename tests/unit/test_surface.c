@@ -261,6 +261,28 @@ TEST(what_tips_over_an_edge_of_an_open_mesh_is_on_its_side)
     }
 }
 
+/* Beyond a rim nothing is below or above: a rod that hangs over it is on the side on which it touches. */
+TEST(what_tips_over_a_rim_of_an_open_mesh_is_where_it_touches)
+{
+    Shape ground = mesh_of(flat), rod[2] = {fixture_capsule(0.05, 2), fixture_box(0.1, 2, 0.1)};
+    Manifold m[MANY];
+    uint32_t piece[MANY];
+    for (int i = 0; i < 32; i++) {
+        real tilt = 0.12 * (1 + i / 4), side = i & 1 ? -1 : 1, gap = i & 4 ? 1e-9 : -1e-4, beyond = 0.1 * (1 + i / 4);
+        vec3 along = {cos(tilt), -side * sin(tilt), 0}, n = {sin(tilt), side * cos(tilt), 0};
+        vec3 middle = vec3_add((vec3){4, 0, 0.13}, vec3_mad(vec3_scale(beyond, along), 0.05 + gap, n));
+        int count = manifold_collide(&ground, pose_identity(), &rod[i / 2 % 2],
+                                     (pose){middle, quat_axis_angle((vec3){0, 0, 1}, atan2(-along.x, along.y))}, 0.01, NULL, m, piece, MANY);
+        CHECK(count > 0);
+        for (int j = 0; j < count; j++)
+            CHECK(vec3_dot(m[j].normal, n) > 0.5);
+        CHECK_NEAR(deepest_of(m, count), gap, 1e-9);
+    }
+    shape_free(&ground);
+    shape_free(&rod[0]);
+    shape_free(&rod[1]);
+}
+
 /* The corners of a hull lie about any origin: on its lower face, above its upper one, or far beside it. Which side of an open mesh it is on is told
  * by where the hull is. */
 TEST(a_hull_meets_an_open_mesh_wherever_its_origin_is)
@@ -470,6 +492,7 @@ int main(void)
               unit_test(the_rim_of_an_open_mesh_is_real), unit_test(a_ball_that_comes_to_a_crease_knows_both_sides),
               unit_test(what_sank_into_a_height_field_is_pushed_up),
               unit_test(a_hull_meets_an_open_mesh_wherever_its_origin_is), unit_test(what_tips_over_an_edge_of_an_open_mesh_is_on_its_side),
+              unit_test(what_tips_over_a_rim_of_an_open_mesh_is_where_it_touches),
               unit_test(with_little_room_the_deepest_are_kept), unit_test(distances_to_surfaces_equal_the_least_over_all_triangles),
               unit_test(the_nearest_contact_of_a_bumpy_surface_is_never_lost),
               unit_test(a_plane_meets_a_mesh_as_it_meets_its_hull), unit_test(what_lies_under_an_edge_is_not_met_through_the_side));
