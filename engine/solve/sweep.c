@@ -64,9 +64,19 @@ static bool carries_load(const Group *g, const PointRow *r, real rate)
 
 #define BOUNCE_PASSES 64
 
+static bool any_bounces(const Group *g)
+{
+    for (int i = 0; i < g->point_count; i++)
+        if (g->points[i].bounce > 0)
+            return true;
+    return false;
+}
+
 /* Blows that are not located in time: one after the other, each with the speed that those before it have left. A pair that bounces
- * off its present approach never gains energy; all pairs at once off their approaches before the substep would. */
-static void bounce(Group *g)
+ * off its present approach never gains energy; all pairs at once off their approaches before the substep would. bare: velocities
+ * without the guess of impulses. What that holds up does not bounce, and what only the guess of a blow drives together does not either:
+ * the solve takes the guess back, but not the bounce. So each bounces off the slower approach of the two. */
+static void bounce(Group *g, Vel *bare)
 {
     real slow = 2 * g->fall * g->h;
     for (int pass = 0, more = 1; pass < BOUNCE_PASSES && more; pass++) {
@@ -74,15 +84,34 @@ static void bounce(Group *g)
         for (int i = 0; i < g->point_count; i++) {
             PointRow *r = &g->points[i];
             real rate = r->bounce > 0 ? dir_rate(g, &r->n, r->a, r->b) : 0;
+            if (rate < 0 && bare)
+                rate = real_max(rate, dir_rate_between(&r->n, &bare[r->a], &bare[r->b]));
             real gap = g->contacts[r->contact].manifold.points[r->point].gap;
             if (!(rate < -slow) || gap + g->h * rate >= 0 || !(r->n.k > 0) || carries_load(g, r, rate))
                 continue;
             real p = -(1 + r->bounce) * rate / r->n.k;
             dir_apply(g, &r->n, r->a, r->b, p);
+            if (bare)
+                dir_apply_between(&r->n, &bare[r->a], g->mass[r->a].im, &bare[r->b], g->mass[r->b].im, p);
             r->blow += p;
             more = 1;
         }
     }
+}
+
+/* The impulses with which a solve begins, and what bounces. Where all is solved at once the guess may be far off. */
+static dig_status begin_solve(Group *g)
+{
+    if (g->joints_direct)
+        bounce(g, NULL);
+    ArenaMark mark = arena_mark(g->arena);
+    bool bounces = !g->joints_direct && any_bounces(g);
+    Vel *bare = bounces ? group_velocities(g) : NULL;
+    dig_status status = bounces && !bare ? DIG_E_MEMORY : group_warm_start(g);
+    if (bare && status == DIG_OK)
+        bounce(g, bare);
+    arena_rewind(g->arena, mark);
+    return status;
 }
 
 /* Which bodies have rows, and whether the mean velocity is good enough to move them. */
@@ -212,11 +241,7 @@ static dig_status solve_with(Group *g, const Vel *found)
         project(g);
     if (g->jammed)
         group_unwind(g);
-    if (g->joints_direct)
-        bounce(g);
-    DIG_TRY(group_warm_start(g));
-    if (!g->joints_direct)
-        bounce(g);
+    DIG_TRY(begin_solve(g));
     g->residual = 0;
     int events = g->events_left;
     bool contradicts = g->contradicts;
