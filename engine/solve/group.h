@@ -547,6 +547,8 @@ void group_turn_joints(Group *g, const Vel *found);     /* for the velocities at
                                                          * did before, or by the velocities found; [body_count] */
 /* Will the velocities found open a joint? What is thin and turns far in a substep swings its ends off the line that they hold for. */
 bool group_joints_open(const Group *g);
+bool group_may_lever(const Group *g);    /* lever.c: may a mover have to give more than a lever does? */
+void group_ease_levers(Group *g, Vel *before);    /* impulses count by a share where it has; before: velocities without them */
 real group_heal(Group *g);                 /* has the rows take position errors off; returns the fastest, m/s */
 bool group_jams(const Group *g, real heals);            /* could the rows not do both what holds and that? */
 bool group_throws(const Group *g, real heals);          /* do limbs whirl that are wedged near their joints? */

@@ -552,6 +552,17 @@ static void solve_capped(Group *g, const bool *on, bool all, real approach)
     arena_rewind(g->arena, mark);
 }
 
+/* The solve of what a mover strikes. */
+static void solve_driven(Group *g, const bool *on, bool all, real approach)
+{
+    ArenaMark mark = arena_mark(g->arena);
+    Vel *before = group_may_lever(g) ? group_velocities(g) : NULL;
+    solve_marked(g, on, all, approach);
+    if (before)
+        group_ease_levers(g, before);
+    arena_rewind(g->arena, mark);
+}
+
 /* One solve; true when something was left to do. rate: of the points, then all three of each. */
 static bool strike_once(Group *g, bool *on, real *rate, bool allow_elastic)
 {
@@ -578,7 +589,7 @@ static bool strike_once(Group *g, bool *on, real *rate, bool allow_elastic)
             on[i] = true;
     }
     if (struck_by_mover(g, on))
-        solve_marked(g, on, !elastic, approach);
+        solve_driven(g, on, !elastic, approach);
     else
         solve_capped(g, on, !elastic, approach);
     for (int i = 0; i < g->point_count; i++)

@@ -241,6 +241,8 @@ static dig_status solve_with(Group *g, const Vel *found)
         project(g);
     if (g->jammed)
         group_unwind(g);
+    ArenaMark mark = arena_mark(g->arena);
+    Vel *bare = group_may_lever(g) ? group_velocities(g) : NULL;
     DIG_TRY(begin_solve(g));
     g->residual = 0;
     int events = g->events_left;
@@ -259,6 +261,9 @@ static dig_status solve_with(Group *g, const Vel *found)
         restore(g);
         return solve_with(g, found);
     }
+    if (bare)
+        group_ease_levers(g, bare);
+    arena_rewind(g->arena, mark);
     g->residual = real_max(g->residual, before);
     for (int i = 0; i < g->point_count; i++)
         g->points[i].jn += g->points[i].blow;
