@@ -3,8 +3,8 @@
  * A plate that comes down on a row of limbs that stand straight above each other asks them to buckle: at an angle a from straight, at its
  * speed over a, for hundreds of megajoules where they stand straight to rounding; no row sees that they would be out of the way after a
  * millimetre. No lever of everyday things is so long. Where contacts of movers make the group faster than all of it at so many times their
- * speed, by its energy, impulses count by the share that does not: what is left of the way the
- * mover goes on into what it presses; limbs are off their line after that, and the next substeps find them so.
+ * speed, by its energy, impulses count by the share that does not: the mover goes on into what it presses by what is left, limbs are off
+ * their line after that, and the next substeps find them so.
  */
 #include "solve/group.h"
 

@@ -48,7 +48,7 @@ end
 
 for _, case in ipairs { { 50, 1, 0.5 }, { 60, 2, 1.5 }, { 64, 3, 1.5 }, { 72, 4, 0.5 }, { 80, 5, 1.5 } } do
   local count, seed, spread = table.unpack(case)
-  scenario(("%d things that bounce and rub fall on each other and make no energy (densities apart by 10^%g)"):format(count, 2 * spread), function(s)
+  scenario(("%d things that bounce and rub make no energy as they fall (densities apart by 10^%g)"):format(count, 2 * spread), function(s)
     local world = s:world {}
     heap(world, count, seed, spread)
     local worst, most = made(world, 1.2)
