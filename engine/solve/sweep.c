@@ -74,8 +74,8 @@ static bool any_bounces(const Group *g)
 
 /* Blows that are not located in time: one after the other, each with the speed that those before it have left. A pair that bounces
  * off its present approach never gains energy; all pairs at once off their approaches before the substep would. bare: velocities
- * without the guess of impulses. What that holds up does not bounce, and what only the guess of a blow drives together does not either:
- * the solve takes the guess back, but not the bounce. So each bounces off the slower approach of the two. */
+ * without the guess of impulses. What the guess holds up does not bounce; and since the solve takes the guess back, but not the bounce,
+ * none is harder than what turns the approach without it round: what only the guess of a blow drives together does not bounce at all. */
 static void bounce(Group *g, Vel *bare)
 {
     real slow = 2 * g->fall * g->h;
@@ -84,12 +84,13 @@ static void bounce(Group *g, Vel *bare)
         for (int i = 0; i < g->point_count; i++) {
             PointRow *r = &g->points[i];
             real rate = r->bounce > 0 ? dir_rate(g, &r->n, r->a, r->b) : 0;
-            if (rate < 0 && bare)
-                rate = real_max(rate, dir_rate_between(&r->n, &bare[r->a], &bare[r->b]));
             real gap = g->contacts[r->contact].manifold.points[r->point].gap;
             if (!(rate < -slow) || gap + g->h * rate >= 0 || !(r->n.k > 0) || carries_load(g, r, rate))
                 continue;
-            real p = -(1 + r->bounce) * rate / r->n.k;
+            real turn = bare ? dir_rate_between(&r->n, &bare[r->a], &bare[r->b]) : rate;
+            real p = real_min(-(1 + r->bounce) * rate, -2 * turn) / r->n.k;
+            if (!(p > 0))
+                continue;
             dir_apply(g, &r->n, r->a, r->b, p);
             if (bare)
                 dir_apply_between(&r->n, &bare[r->a], g->mass[r->a].im, &bare[r->b], g->mass[r->b].im, p);
