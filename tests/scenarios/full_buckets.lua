@@ -95,3 +95,33 @@ test.scenario("crosses that are thrown into a heavy bucket stay in it", function
   test.expect(world.energy.numerical):below(0.2)
   for _, b in ipairs(crosses) do test.expect(b.position.y):above(0.015) end
 end)
+
+-- A rope that has borne a blow was taken to pull as hard in the next substep, and what it pulls at bounced off what it did not run into: in
+-- 112 of 120 such runs energy rose, within a frame by 3 % of what moves and by up to 25 %, and the books took it for less that was lost.
+test.scenario("what bounces about in a bucket that hangs on three ropes gains nothing", function(s)
+  for seed = 1, 8 do
+    local state = seed * 7 + 3
+    local function number(a, b)
+      state = state * 16807 % 2147483647
+      return a + state / 2147483647 * (b - a)
+    end
+    local world = s:world { step = seed % 2 == 0 and 1 / 30 or 1 / 60 }
+    local bucket = world:bucket { at = { 0, 1.5, 0 }, height = 0.5, top_radius = 0.35, bottom_radius = 0.25, mass = 1 }
+    for i = 0, 2 do
+      local turn = i * 2 * math.pi / 3
+      world:rope { a = bucket, at_a = { 0.34 * math.cos(turn), 1.98, 0.34 * math.sin(turn) }, to = { 0, 3.5, 0 } }
+    end
+    for i = 1, 8 do
+      world:box { size = { number(0.06, 0.15), number(0.06, 0.15), number(0.06, 0.15) }, mass = number(0.5, 9), restitution = 0.3,
+        friction = number(0.1, 0.9), at = { number(-0.1, 0.1), 1.9 + 0.18 * i, number(-0.1, 0.1) },
+        rotation = { axis = { number(-1, 1), number(-1, 1), 1 }, angle = number(0, 3) } }
+    end
+    local before, rise, most = math.huge, 0, 0
+    for _ = 1, math.floor(1.5 / world.frame + 0.5) do
+      world:step()
+      local e = world.energy
+      rise, before, most = math.max(rise, e.kinetic + e.potential - before), e.kinetic + e.potential, math.max(most, e.kinetic)
+    end
+    expect(rise / most):below(1e-4)                         -- 0.001 to 0.25 before
+  end
+end)
