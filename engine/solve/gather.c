@@ -301,7 +301,7 @@ static void gather_joint(Group *g, GroupJoint *j, uint32_t slot)
     j->fa = r->fa;
     j->fb = r->fb;
     j->breaks_at = r->breaks_at;
-    j->broken = j->lags = false;
+    j->broken = j->lags = j->looped = false;
     j->broke = j->overload = j->lost = 0;
     j->impulse = j->angular_impulse = vec3_zero();
     j->a = r->a == NONE ? -1 : local_of(g, r->a);

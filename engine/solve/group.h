@@ -229,6 +229,7 @@ typedef struct GroupJoint {
     bool     broken;            /* in this step, at the time        */
     bool     lags;              /* its motor without a bound is stalled: it pushed in the last step and is not at its speed, or no velocities obey it and
                                  * the rest: see group_motor_lag */
+    bool     looped;            /* its motor has no bound, and other joints hold its ends to each other, too: see group_motor_most */
     real     broke;             /* s   into it                      */
     real     overload;          /* 1   its share of what it bears, then */
     real     breaks_at;         /* N   0 = never                    */
@@ -543,6 +544,7 @@ real group_thin(const GroupPair *q);       /* m  with its middle so deep in the 
 void group_build_joints(Group *g, bool midpoint);
 real group_motor_lag(const Group *g, const Row *r);        /* N or N m  what the motor of this row gives while it is not at its speed; of one without a bound
                                                             * from Group.bulk */
+real group_motor_most(const Group *g, const GroupJoint *j, const Row *r);      /* N or N m  the same, at its speed, too */
 void group_turn_joints(Group *g, const Vel *found);     /* for the velocities at the end, as their bodies will have turned half-way: as they
                                                          * did before, or by the velocities found; [body_count] */
 /* Will the velocities found open a joint? What is thin and turns far in a substep swings its ends off the line that they hold for. */
@@ -655,6 +657,8 @@ real direct_wanted(const Group *g);     /* m/s  sweeps that stop above this are 
 /* turn.c */
 vec3 group_swerve(const Group *g, int i);        /* rad/s  Member.swerve, from the velocities before the substep */
 void group_find_throws(Group *g);                /* throw.c: throws, GroupJoint.lags */
+bool group_in_loop(Group *g, int joint);        /* there: do other joints hold its ends to each other, by themselves or through what does not move? */
+void group_find_loops(Group *g);                /* there: GroupJoint.looped */
 bool group_motors_yield(Group *g);                /* there: gives motors without a bound one; false: none was left without */
 void group_find_bulk(Group *g);                  /* there: Group.bulk */
 /* m */

@@ -102,13 +102,29 @@ real group_motor_lag(const Group *g, const Row *r)
                                   b->mass * (b->size / dt + fabs(r->rate)) / dt + b->load);
 }
 
+#define LOOP_SPEED 10           /* times what brings all of the group to the motor's speed in a step, */
+#define LOOP_LOAD 100           /* and what else acts on it */
+
+/* In a loop, where links come to lie in one line, no torque is enough to go on at its speed, and what turns there is thrown about by whatever there is of it. */
+real group_motor_most(const Group *g, const GroupJoint *j, const Row *r)
+{
+    const Bulk *b = &g->bulk;
+    real dt = g->world->def.step, speed = LOOP_SPEED * fabs(r->rate) / dt;
+    if (!isinf(r->hi) || !(j->looped || j->lags))
+        return r->hi;
+    if (!j->looped)
+        return group_motor_lag(g, r);
+    DIG_ASSERT(b->found);
+    return r->angular ? b->size * (speed * b->size * b->mass + LOOP_LOAD * b->load) : speed * b->mass + LOOP_LOAD * b->load;
+}
+
 #define RIGID 1e3               /* times the impulse that brings it to its speed: no sweep gets to the bound of a motor that gives more */
 
 /* Where a stop is as near as a substep's way, and the motor has no bound or one that sweeps do not get to, the stop wins: the motor
  * drives no faster than the stop allows, and brakes nothing. That is the stop's to do. */
 static void finish_motor(const Group *g, const GroupJoint *j, JointRow *r)
 {
-    real rate = r->row.rate, most = (j->lags ? group_motor_lag(g, &r->row) : r->row.hi) * g->h, room = r->row.error;
+    real rate = r->row.rate, most = group_motor_most(g, j, &r->row) * g->h, room = r->row.error;
     r->bias = rate;
     r->lo = -most;
     r->hi = most;

@@ -759,6 +759,7 @@ dig_status sweep_piece(Group *g, real dt, real until)
 dig_status sweep_advance(Group *g, real dt)
 {
     DIG_TRY(reserve(g));
+    group_find_loops(g);
     g->whirled_parts = whirled_parts(g, dt);
     real part = dt / parts_of(g);
     begin(g, part, g->looked);              /* a way before has looked farther ahead than the first part needs */

@@ -3,6 +3,7 @@
  * A spring that holds still now swings through with what it stores, a motor gets to its speed: a row of stiffness k, off by e, against the
  * mobility u of its ends gives them the rate min(sqrt(k u), k u t) e within t seconds, and moves them by 2 e at most.
  */
+#include "base/forest.h"
 #include "solve/group.h"
 
 /* 1/kg or 1/(kg m^2)  Rate per impulse of the end at the row's k-th body, and what its fastest point gains, m/s per N s or N m s. */
@@ -143,6 +144,53 @@ void group_find_bulk(Group *g)
     }
     if (g->bulk.mass > 0)
         g->bulk.size = 0.5 * vec3_distance(all.low, all.high);
+}
+
+static int end_of(const Group *g, int body) { return body >= 0 && body < g->moving_count && g->member[body].moves ? body : g->moving_count; }
+
+static bool holds(const JointView *j)
+{
+    return j->type->free_axes < 6 && !j->type->couples && !(j->type->only_limits && j->type->only_limits(j->params));
+}
+
+bool group_in_loop(Group *g, int joint)
+{
+    ArenaMark mark = arena_mark(g->arena);
+    int *parent = arena_alloc(g->arena, (size_t)(g->moving_count + 1) * sizeof *parent);
+    for (int i = 0; i <= g->moving_count && parent; i++)
+        parent[i] = i;
+    for (int i = 0; i < g->joint_count && parent; i++)
+        if (i != joint && !g->joints[i].broken && holds(&g->joints[i].view))
+            forest_unite(parent, end_of(g, g->joints[i].a), end_of(g, g->joints[i].b));
+    bool looped = parent && forest_root(parent, end_of(g, g->joints[joint].a)) == forest_root(parent, end_of(g, g->joints[joint].b));
+    arena_rewind(g->arena, mark);
+    return looped;
+}
+
+/* Motors without a bound: of those in loops. */
+void group_find_loops(Group *g)
+{
+    bool any = false;
+    for (int i = 0; i < g->joint_count; i++) {
+        GroupJoint *j = &g->joints[i];
+        Row rows[JOINT_SLOTS];
+        RowList list = {rows, 0, JOINT_SLOTS};
+        real memory[JOINT_MEMORY];
+        bool firm = false;
+        if (j->broken || plain(&j->view))
+            continue;
+        group_joint_view(g, i);
+        memcpy(memory, j->memory, sizeof memory);
+        JointView now = j->view;
+        now.memory = memory;
+        now.type->rows(&now, &list);
+        for (int k = 0; k < list.count; k++)
+            firm = firm || (rows[k].kind == ROW_MOTOR && isinf(rows[k].hi));
+        j->looped = firm && group_in_loop(g, i);
+        any = any || j->looped;
+    }
+    if (any)
+        group_find_bulk(g);
 }
 
 bool group_motors_yield(Group *g)

@@ -11,9 +11,13 @@
 
 static Hold hold_of(Group *g, int joint, const Row *r)
 {
-    if (isinf(r->hi))
+    GroupJoint *j = &g->joints[joint];
+    if (isinf(r->hi)) {
         group_find_bulk(g);
-    return (Hold){.joint = joint, .slot = r->slot, .most = r->hi, .lag = group_motor_lag(g, r), .target = r->kind == ROW_MOTOR ? r->rate : 0};
+        j->looped = group_in_loop(g, joint);
+    }
+    real most = j->looped ? group_motor_most(g, j, r) : r->hi;
+    return (Hold){.joint = joint, .slot = r->slot, .most = most, .lag = j->looped ? most : group_motor_lag(g, r), .target = r->kind == ROW_MOTOR ? r->rate : 0};
 }
 
 static void list_drives(Tracer *t)
