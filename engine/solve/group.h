@@ -229,7 +229,7 @@ typedef struct GroupJoint {
     bool     broken;            /* in this step, at the time        */
     bool     lags;              /* its motor without a bound is stalled: it pushed in the last step and is not at its speed, or no velocities obey it and
                                  * the rest: see group_motor_lag */
-    bool     looped;            /* its motor has no bound, and other joints hold its ends to each other, too: see group_motor_most */
+    bool     looped;            /* its motor drives without a bound, and other joints hold its ends to each other, too: see group_motor_most */
     real     broke;             /* s   into it                      */
     real     overload;          /* 1   its share of what it bears, then */
     real     breaks_at;         /* N   0 = never                    */

@@ -102,20 +102,21 @@ real group_motor_lag(const Group *g, const Row *r)
                                   b->mass * (b->size / dt + fabs(r->rate)) / dt + b->load);
 }
 
-#define LOOP_SPEED 10           /* times what brings all of the group to the motor's speed in a step, */
-#define LOOP_LOAD 100           /* and what else acts on it */
+#define DRIVE_SPEED 10          /* times what brings all of the group to the motor's speed in a step, */
+#define DRIVE_LOAD 100          /* and what else acts on it */
 
-/* In a loop, where links come to lie in one line, no torque is enough to go on at its speed, and what turns there is thrown about by whatever there is of it. */
+/* In a loop, where links come to lie in one line, or jammed between contacts, no torque is enough to go on at its speed, and what turns there is thrown
+ * about by whatever there is of it. What only brakes throws nothing about. */
 real group_motor_most(const Group *g, const GroupJoint *j, const Row *r)
 {
     const Bulk *b = &g->bulk;
-    real dt = g->world->def.step, speed = LOOP_SPEED * fabs(r->rate) / dt;
-    if (!isinf(r->hi) || !(j->looped || j->lags))
+    if (!isinf(r->hi) || !(j->lags || j->looped))
         return r->hi;
-    if (!j->looped)
+    if (r->rate == 0)
         return group_motor_lag(g, r);
     DIG_ASSERT(b->found);
-    return r->angular ? b->size * (speed * b->size * b->mass + LOOP_LOAD * b->load) : speed * b->mass + LOOP_LOAD * b->load;
+    real speed = DRIVE_SPEED * fabs(r->rate) / g->world->def.step;
+    return r->angular ? b->size * (speed * b->size * b->mass + DRIVE_LOAD * b->load) : speed * b->mass + DRIVE_LOAD * b->load;
 }
 
 #define RIGID 1e3               /* times the impulse that brings it to its speed: no sweep gets to the bound of a motor that gives more */

@@ -167,7 +167,7 @@ bool group_in_loop(Group *g, int joint)
     return looped;
 }
 
-/* Motors without a bound: of those in loops. */
+/* Of motors without a bound that drive, and do not only brake. */
 void group_find_loops(Group *g)
 {
     bool any = false;
@@ -185,7 +185,7 @@ void group_find_loops(Group *g)
         now.memory = memory;
         now.type->rows(&now, &list);
         for (int k = 0; k < list.count; k++)
-            firm = firm || (rows[k].kind == ROW_MOTOR && isinf(rows[k].hi));
+            firm = firm || (rows[k].kind == ROW_MOTOR && isinf(rows[k].hi) && rows[k].rate != 0);
         j->looped = firm && group_in_loop(g, i);
         any = any || j->looped;
     }

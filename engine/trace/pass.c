@@ -14,10 +14,10 @@ static Hold hold_of(Group *g, int joint, const Row *r)
     GroupJoint *j = &g->joints[joint];
     if (isinf(r->hi)) {
         group_find_bulk(g);
-        j->looped = group_in_loop(g, joint);
+        j->looped = r->rate != 0 && group_in_loop(g, joint);
     }
-    real most = j->looped ? group_motor_most(g, j, r) : r->hi;
-    return (Hold){.joint = joint, .slot = r->slot, .most = most, .lag = j->looped ? most : group_motor_lag(g, r), .target = r->kind == ROW_MOTOR ? r->rate : 0};
+    real bound = j->looped || j->lags ? group_motor_most(g, j, r) : group_motor_lag(g, r);
+    return (Hold){.joint = joint, .slot = r->slot, .most = j->looped ? bound : r->hi, .lag = bound, .target = r->kind == ROW_MOTOR ? r->rate : 0};
 }
 
 static void list_drives(Tracer *t)

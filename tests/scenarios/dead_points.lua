@@ -80,6 +80,27 @@ for _, step in ipairs { 30, 60, 240 } do
   end
 end
 
+-- A base on the floor, and three links whose motors fold them and press the last one into the ground: it lifts itself, and jams in the end.
+for _, step in ipairs { 30, 60, 240 } do
+  scenario(("an excavator without a bound to its motors lifts itself and jams, 1/%d s"):format(step), function(s)
+    local world = s:world { step = 1 / step }                      -- 1450 and 1850 m/s, 4.5 GJ, 1 m apart at 1/30 and 1/60 s
+    local axis = { 0, 0, 1 }
+    world:floor {}
+    local last, at = world:box { size = { 1, 0.5, 1 }, mass = 200, at = { 0, 0.25, 0 } }, { 0, 0.55, 0 }
+    local m = { rods = { last }, joints = {} }
+    for i, to in ipairs { { 1, 1.3, 0 }, { 1.8, 0.9, 0 }, { 2, 0.5, 0 } } do
+      local rod = world:rod { from = at, to = to, radius = 0.03, mass = ({ 5, 3, 2 })[i] }
+      m.rods[i + 1] = rod
+      m.joints[i] = world:hinge { a = rod, b = last, at = at, axis = axis, motor = { speed = ({ -0.6, -1, -2 })[i] } }
+      last, at = rod, to
+    end
+    local top, apart = run(world, m, 5, 0)
+    expect(top):below "4 m/s"
+    expect(apart):below "1 mm"
+    s:expect_reliable()
+  end)
+end
+
 for _, load in ipairs { 0, 1000 } do
   scenario(("a crank that can turn all round keeps its speed, with %g kg at the rocker"):format(load), function(s)
     local world = s.world
@@ -92,3 +113,13 @@ for _, load in ipairs { 0, 1000 } do
     expect(apart):below "0.1 mm"
   end)
 end
+
+scenario("a brake in a loop holds whatever comes", function(s)
+  local world = s:world { gravity = { 0, 0, 0 } }
+  local m = four_bar(world, 1, 2, 1, 2, math.pi / 2, { speed = 0 })
+  m.rods[1].collides = true
+  world:ball { radius = 0.1, mass = 5, at = { -1, 0.9, 0 }, velocity = { 8, 0, 0 } }
+  local _, apart, off = run(world, m, 2, 0)
+  expect(off):below(1e-6)
+  expect(apart):below "0.1 mm"
+end)
