@@ -4,7 +4,8 @@
  * speed over a, for hundreds of megajoules where they stand straight to rounding; no row sees that they would be out of the way after a
  * millimetre. No lever of everyday things is so long. Where contacts of movers make the group faster than all of it at so many times their
  * speed, by its energy, impulses count by the share that does not: the mover goes on into what it presses by what is left, limbs are off
- * their line after that, and the next substeps find them so.
+ * their line after that, and the next substeps find them so. What falls in a substep counts as speed, too: a mover that lifts a load slowly by
+ * a lever of twenty gives it no more than that, and has to.
  */
 #include "solve/group.h"
 
@@ -34,7 +35,7 @@ static real share_of(Group *g, Vel *before)
         add_driven(g, &g->points[i], &sum);
     for (int i = 0; i < g->moving_count; i++)
         mass += g->member[i].moves ? g->member[i].mass : 0;
-    real most = 0.5 * mass * LEVER * LEVER * sum.fastest * sum.fastest;
+    real speed = LEVER * (sum.fastest + g->fall * g->h), most = 0.5 * mass * speed * speed;
     if (!(sum.work > most) || !(gain > most))
         return 1;
     Vel *after = g->vel;
