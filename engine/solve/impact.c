@@ -556,7 +556,10 @@ static void solve_capped(Group *g, const bool *on, bool all, real approach)
 static void solve_driven(Group *g, const bool *on, bool all, real approach)
 {
     ArenaMark mark = arena_mark(g->arena);
-    Vel *before = group_may_lever(g) ? group_velocities(g) : NULL;
+    bool levers = group_may_lever(g);
+    Vel *before = levers ? group_velocities(g) : NULL;
+    if (levers && !before)
+        g->status = DIG_E_MEMORY;
     solve_marked(g, on, all, approach);
     if (before)
         group_ease_levers(g, before);

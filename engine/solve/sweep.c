@@ -243,7 +243,10 @@ static dig_status solve_with(Group *g, const Vel *found)
     if (g->jammed)
         group_unwind(g);
     ArenaMark mark = arena_mark(g->arena);
-    Vel *bare = group_may_lever(g) ? group_velocities(g) : NULL;
+    bool levers = group_may_lever(g);
+    Vel *bare = levers ? group_velocities(g) : NULL;
+    if (levers && !bare)
+        return DIG_E_MEMORY;
     DIG_TRY(begin_solve(g));
     g->residual = 0;
     int events = g->events_left;
