@@ -70,21 +70,26 @@ static bool plain(const JointView *j)
     return (j->type->only_point && j->type->only_point(j->params)) || (j->type->loose && j->type->loose(j->params));
 }
 
+/* The rows of a joint as it stands; what it remembers stays as it is. Returns how many there are. */
+static int rows_now(Group *g, int joint, Row rows[JOINT_SLOTS])
+{
+    RowList list = {rows, 0, JOINT_SLOTS};
+    real memory[JOINT_MEMORY];
+    group_joint_view(g, joint);
+    JointView now = g->joints[joint].view;
+    memcpy(memory, g->joints[joint].memory, sizeof memory);
+    now.memory = memory;
+    now.type->rows(&now, &list);
+    return list.count;
+}
+
 static void throw_all(Group *g)
 {
     for (int i = 0; i < g->joint_count; i++) {
         GroupJoint *j = &g->joints[i];
-        if (plain(&j->view))
-            continue;
         Row rows[JOINT_SLOTS];
-        RowList list = {rows, 0, JOINT_SLOTS};
-        real memory[JOINT_MEMORY];
-        group_joint_view(g, i);
-        memcpy(memory, j->memory, sizeof memory);
-        JointView now = j->view;
-        now.memory = memory;
-        now.type->rows(&now, &list);
-        for (int k = 0; k < list.count; k++) {
+        int count = plain(&j->view) ? 0 : rows_now(g, i, rows);
+        for (int k = 0; k < count; k++) {
             if (rows[k].kind == ROW_SOFT || rows[k].kind == ROW_MOTOR)
                 throw_by(g, &rows[k], g->world->def.step);
             j->lags = j->lags || (rows[k].kind == ROW_MOTOR && isinf(rows[k].hi) && lags(g, j, &rows[k]));
@@ -174,17 +179,9 @@ void group_find_loops(Group *g)
     for (int i = 0; i < g->joint_count; i++) {
         GroupJoint *j = &g->joints[i];
         Row rows[JOINT_SLOTS];
-        RowList list = {rows, 0, JOINT_SLOTS};
-        real memory[JOINT_MEMORY];
+        int count = j->broken || plain(&j->view) ? 0 : rows_now(g, i, rows);
         bool firm = false;
-        if (j->broken || plain(&j->view))
-            continue;
-        group_joint_view(g, i);
-        memcpy(memory, j->memory, sizeof memory);
-        JointView now = j->view;
-        now.memory = memory;
-        now.type->rows(&now, &list);
-        for (int k = 0; k < list.count; k++)
+        for (int k = 0; k < count; k++)
             firm = firm || (rows[k].kind == ROW_MOTOR && isinf(rows[k].hi) && rows[k].rate != 0);
         j->looped = firm && group_in_loop(g, i);
         any = any || j->looped;
