@@ -256,12 +256,14 @@ static dig_status solve_with(Group *g, const Vel *found)
         g->events_left = events;
         g->contradicts = contradicts;
         g->residual = before;
+        arena_rewind(g->arena, mark);
         restore(g);
         return solve_with(g, found);
     }
     if (group_jams(g, heals) || group_throws(g, heals)) {
         g->jammed = true;
         g->residual = before;
+        arena_rewind(g->arena, mark);
         restore(g);
         return solve_with(g, found);
     }

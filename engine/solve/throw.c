@@ -167,6 +167,8 @@ bool group_in_loop(Group *g, int joint)
     for (int i = 0; i < g->joint_count && parent; i++)
         if (i != joint && !g->joints[i].broken && holds(&g->joints[i].view))
             forest_unite(parent, end_of(g, g->joints[i].a), end_of(g, g->joints[i].b));
+    if (!parent)
+        g->status = DIG_E_MEMORY;
     bool looped = parent && forest_root(parent, end_of(g, g->joints[joint].a)) == forest_root(parent, end_of(g, g->joints[joint].b));
     arena_rewind(g->arena, mark);
     return looped;

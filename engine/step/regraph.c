@@ -287,7 +287,7 @@ static void look_between(Parting *p, uint32_t solid_a, uint32_t solid_b)
 }
 
 /* Where two that touched have parted: in the middle between the two places where they are nearest now, at the end of the step. Of bodies of
- * many shapes those that are still pairs are looked at; where none is, the first ones. */
+ * many shapes those that are still pairs are looked at; where none is, or there is one each, the first ones. */
 static void find_parting(const World *w, const Touch *t, dig_event *e)
 {
     Parting p = {w, e, INFINITY};

@@ -14,7 +14,7 @@ static Hold hold_of(Group *g, int joint, const Row *r)
     GroupJoint *j = &g->joints[joint];
     if (isinf(r->hi)) {
         group_find_bulk(g);
-        j->looped = r->rate != 0 && group_in_loop(g, joint);
+        j->looped = j->looped || (r->rate != 0 && group_in_loop(g, joint));
     }
     real bound = j->looped || j->lags ? group_motor_most(g, j, r) : group_motor_lag(g, r);
     return (Hold){.joint = joint, .slot = r->slot, .most = j->looped ? bound : r->hi, .lag = bound, .target = r->kind == ROW_MOTOR ? r->rate : 0};

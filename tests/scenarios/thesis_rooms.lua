@@ -1,4 +1,4 @@
--- thesis_rooms.lua: rows 4, 5, 76 and 94 of the behaviours: a room in which everything moves, barrels in a rack, a toss over a fence, a
+-- thesis_rooms.lua: rows 4, 5 and 94 of the behaviours: a room in which everything moves, barrels in a rack, a toss over a fence, a
 -- plank that is carried to a door, and what is taken from under a pile.
 local digbox = require "digbox"
 local test = require "digbox.test"
@@ -40,6 +40,8 @@ local function outside(bodies)
   return n
 end
 
+-- Known to fail: with 5 as the seed two bodies get out in the first frame (of 12,000 in twelve such rooms). With restitution 0.2 2.24 mm
+-- are left in two frames running at half a second, and at most 1.4 mm in every third frame from 0.55 s on.
 scenario("row 4: of 1000 bodies at 1 to 200 m/s none passes walls of 10 mm, and after half a second none stays 2 mm in another", function(s)
   local world, between, bodies = s.world, dice(4), {}
   closed_room(world)
@@ -105,6 +107,7 @@ scenario("row 5: nine barrels lie in a rack behind a plank, and roll out when it
   expect(worst):below(0.05)
 end)
 
+-- How much it keeps is how deep it grazes: thrown up at 2.6 m/s instead of 2.65 it keeps 59 %.
 scenario("row 5: a barrel that is thrown over a fence and grazes it keeps its way, and spins", function(s)
   local world = s.world
   world:floor { friction = 0.6 }
