@@ -94,7 +94,8 @@ dig_status bodies_open(Crowd *c)
     c->start = spare_take(&g->spare, g->lasting, n * sizeof *six);
     c->frame = spare_take(&g->spare, g->lasting, n * sizeof *c->frame);
     c->blocks = (c->bodies + BLOCK - 1) / BLOCK;
-    c->lost = arena_alloc(g->lasting, (size_t)c->blocks * sizeof *c->lost);
+    c->lost = arena_alloc(g->lasting, 2 * (size_t)c->blocks * sizeof *c->lost);
+    c->farthest = c->lost + c->blocks;
     c->others = arena_alloc(g->lasting, (size_t)(g->body_count - c->bodies) * sizeof *c->others);
     if (!six || !c->vel || !c->move || !c->start || !c->frame || !c->lost || !c->others)
         return DIG_E_MEMORY;
@@ -202,8 +203,6 @@ static real close_body(Crowd *c, int i)
     Group *g = c->g;
     const Frame *f = &c->frame[i];
     Member *m = &g->member[i];
-    if (!m->moves)
-        return 0;
     m->constrained = f->held;
     vec3 from = g->pos[i].x, angle;
     if (f->held) {
@@ -222,9 +221,15 @@ static real close_body(Crowd *c, int i)
 static void close_share(void *context, int thread, int threads)
 {
     Crowd *c = context;
-    for (int b = team_first(c->blocks, thread, threads), end = team_end(c->blocks, thread, threads); b < end; b++)
-        for (int i = b * BLOCK; i < block_end(c, b); i++)
+    for (int b = team_first(c->blocks, thread, threads), end = team_end(c->blocks, thread, threads); b < end; b++) {
+        c->farthest[b] = 0;
+        for (int i = b * BLOCK; i < block_end(c, b); i++) {
+            if (!c->trait[i].moves)
+                continue;
             c->lost[b] -= close_body(c, i);
+            c->farthest[b] = real_max(c->farthest[b], carriage_of(c, i)->way);
+        }
+    }
 }
 
 void bodies_close(Crowd *c)
@@ -238,4 +243,27 @@ void bodies_close(Crowd *c)
         g->pos[i].x = vec3_mad(from, c->dt, g->vel[i].v);
         turn_by(c, i, from, vec3_scale(c->dt, g->vel[i].w));
     }
+}
+
+real bodies_farthest(const Crowd *c)
+{
+    real way = 0;
+    for (int b = 0; b < c->blocks; b++)
+        way = real_max(way, c->farthest[b]);
+    return way;
+}
+
+/* Its spin turns back with it, and keeps its energy; forces did no work on the way it did not go. */
+void body_hold_back(Crowd *c, int body, real part, vec3 carried)
+{
+    Group *g = c->g;
+    const Member *m = &g->member[body];
+    const Carriage *k = carriage_of(c, body);
+    vec3 from = k->from, less = vec3_mad(carried, part - 1, vec3_sub(k->to, from));
+    vec3 turned = vec3_scale(part, m->swerve), unturned = vec3_sub(turned, m->swerve);
+    c->lost[body / BLOCK] += vec3_dot(m->force, less) + vec3_dot(m->torque, unturned);
+    g->vel[body].w = quat_rotate(quat_exp(unturned), g->vel[body].w);
+    g->pos[body].q = quat_mul(quat_exp(vec3_scale(-1, m->swerve)), g->pos[body].q);
+    g->pos[body].x = vec3_add(g->pos[body].x, less);
+    turn_by(c, body, from, turned);
 }

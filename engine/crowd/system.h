@@ -179,6 +179,7 @@ typedef struct Crowd {
     Six   *axes[2];             /* spin = s * scaled spin: columns of s, root                  */
     Carriage *carriage, *others;    /* at the end of the step: of moving bodies, in the place of last, push and axes; of the group's others */
     real  *lost;                /* [blocks] J  kinetic energy of a block of bodies, and the work of forces on it, less what it has in the end */
+    real  *farthest;            /* [blocks] m  that one of them went                           */
     int    blocks;
     Batch *batch; int batches;
     Spare *idle;                /* of g's, for rows: nobody asks for them after the piece      */
@@ -189,6 +190,7 @@ typedef struct Crowd {
     Phase *phase; int phases;
     Soft   soft[PASSES_MOST][2];    /* by how many passes there are; between moving bodies; against what does not move */
     int    pieces;              /* that its step is cut into                                  */
+    const GroupKept *before;    /*     the step's start, to sweep it should something pass through something; NULL: there are too many */
     int    passes, passes_most; /* of a substep, at first; never more                          */
     int    separations;         /* passes at most that put deep overlap apart at the end of the step */
     float  leaves;              /*     what they leave of it, as SHALLOW                       */
@@ -220,12 +222,16 @@ static inline real crowd_thickness(const GroupPair *q)
 }
 /* pieces.c: into how many pieces this step is cut, each with contacts of its own */
 dig_status crowd_pieces(const Crowd *c, int *pieces);
-/* through.c: may few that are thin pass through each other in a step of so many pieces; did any in this one? */
+/* through.c: may few that are thin pass through each other in a step of so many pieces; did any in this one? Of many, what passed through a wall
+ * is put back to it. Between bodies_close() and book_close() */
 bool       crowd_may_pass(const Crowd *c, int pieces);
 bool       crowd_passed(const Crowd *c);
+dig_status crowd_hold_back(Crowd *c);
 /* bodies.c */
 dig_status bodies_open(Crowd *c);       /* scaled, from the group's */
 void       bodies_close(Crowd *c);      /* and back */
+real       bodies_farthest(const Crowd *c);     /* m  that one went, as Member.travel grows */
+void       body_hold_back(Crowd *c, int body, real part, vec3 carried);     /* 1, m  it gets no farther than this part of its way, and is carried then */
 void       bodies_spare(const Crowd *c);        /* then what they had but for carriages is spare */
 mat3       body_axes(const Crowd *c, int body);         /* s, of the pose at the start */
 static inline int crowd_index(const Crowd *c, int body) { return body < c->bodies && c->trait[body].moves ? body : c->bodies; }

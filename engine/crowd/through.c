@@ -3,7 +3,8 @@
  * Rows are as straight as poses were at the start of a piece, and what turns by a radian within one goes by where they do not hold: 12 of 6000
  * hulls of 1 cm that came at 200 m/s on a wall of 1 mm got through at "sketch". So where few are fast for how thin they are, each piece is looked
  * at when it is done, along the chord of what each body did in it. If something was past the middle of the thinner one the step is put back, and
- * swept: there substeps are halved until nothing is (solve/sweep.c).
+ * swept: there substeps are halved until nothing is (solve/sweep.c). Many are not swept for one: what went through something that does not give
+ * way is put back along its chord to where they met, with the velocity it has. The next piece has a contact there, which stops it.
  */
 #include "crowd/system.h"
 
@@ -37,15 +38,29 @@ bool crowd_may_pass(const Crowd *c, int pieces)
     return false;
 }
 
-/* From where it was at the start of the piece straight to where it is. */
+/* Straight to where it is from where it was at the start of the piece. */
 static Motion chord_of(const Crowd *c, int body, pose local)
 {
-    const Group *g = c->g;
-    const Pos *from = &g->start_pos[body], *to = &g->pos[body];
-    pose start = {vec3_add(from->x, quat_rotate(from->q, local.p)), quat_mul(from->q, local.q)};
-    vec3 turn = quat_log(quat_mul(to->q, quat_conjugate(from->q)));
-    return (Motion){.start = start, .centre = pose_unpoint(local, vec3_zero()),
-                    .v = vec3_scale(1 / c->dt, vec3_sub(to->x, from->x)), .w = vec3_scale(1 / c->dt, turn)};
+    const Member *m = &c->g->member[body];
+    const Pos *to = &c->g->pos[body];
+    if (!m->moves && !m->kinematic)
+        return (Motion){.start = pose_mul((pose){to->x, to->q}, local), .centre = pose_unpoint(local, vec3_zero())};
+    const Carriage *k = carriage_of(c, body);
+    quat from = quat_mul(quat_exp(vec3_scale(-1, m->swerve)), to->q);
+    return (Motion){.start = pose_mul((pose){k->from, from}, local), .centre = pose_unpoint(local, vec3_zero()),
+                    .v = vec3_scale(1 / c->dt, vec3_sub(k->to, k->from)), .w = vec3_scale(1 / c->dt, m->swerve)};
+}
+
+/* met: s into the piece; it may be NULL. */
+static bool went_through(const Crowd *c, const GroupPair *q, real *met)
+{
+    Motion a = chord_of(c, q->a, pair_local(q, false)), b = chord_of(c, q->b, pair_local(q, true));
+    real travel;
+    if (!is_fast(c, q, &a, &b, c->dt, &travel) || !group_went_through(q, &a, &b, c->dt, group_thin(q), travel))
+        return false;
+    if (met)
+        *met = time_of_impact(&q->on_a->shape, &a, &q->on_b->shape, &b, 0, c->dt, NULL);
+    return true;
 }
 
 bool crowd_passed(const Crowd *c)
@@ -53,12 +68,45 @@ bool crowd_passed(const Crowd *c)
     const Group *g = c->g;
     for (int i = 0; i < g->pair_count; i++) {
         const GroupPair *q = &g->pairs[i];
-        if (!c->trait[q->a].moves && !c->trait[q->b].moves)
-            continue;
-        Motion a = chord_of(c, q->a, pair_local(q, false)), b = chord_of(c, q->b, pair_local(q, true));
-        real travel;
-        if (is_fast(c, q, &a, &b, c->dt, &travel) && group_went_through(q, &a, &b, c->dt, group_thin(q), travel))
+        if ((c->trait[q->a].moves || c->trait[q->b].moves) && went_through(c, q, NULL))
             return true;
     }
     return false;
+}
+
+typedef struct Passing { const Crowd *c; uint8_t *passed; } Passing;       /* [pair_count of g] */
+
+/* Is the other what cannot give way, and no plane or mesh, which are deep all the way? */
+static bool is_wall(const Crowd *c, const GroupPair *q)
+{
+    return c->trait[q->a].moves != c->trait[q->b].moves && q->on_a->shape.inner > 0 && q->on_b->shape.inner > 0;
+}
+
+static void passed_share(void *context, int thread, int threads)
+{
+    const Passing *x = context;
+    const Group *g = x->c->g;
+    for (int i = team_first(g->pair_count, thread, threads), end = team_end(g->pair_count, thread, threads); i < end; i++)
+        x->passed[i] = is_wall(x->c, &g->pairs[i]) && went_through(x->c, &g->pairs[i], NULL);
+}
+
+dig_status crowd_hold_back(Crowd *c)
+{
+    Group *g = c->g;
+    if (!(bodies_farthest(c) > c->thinnest))        /* both insides of a pair make that at least */
+        return DIG_OK;
+    Passing x = {c, arena_alloc(g->lasting, (size_t)g->pair_count + 1)};
+    if (!x.passed)
+        return DIG_E_MEMORY;
+    team_deal(c->team, passed_share, &x);
+    for (int i = 0; i < g->pair_count; i++) {
+        const GroupPair *q = &g->pairs[i];
+        int body = c->trait[q->a].moves ? q->a : q->b, wall = body == q->a ? q->b : q->a;
+        real met;
+        if (!x.passed[i] || !went_through(c, q, &met))      /* another wall may have held it back already */
+            continue;
+        Motion motion = chord_of(c, wall, pose_identity());
+        body_hold_back(c, body, met / c->dt, vec3_scale(c->dt - met, motion_velocity(&motion, g->pos[body].x, met)));
+    }
+    return DIG_OK;
 }

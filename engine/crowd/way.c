@@ -224,6 +224,13 @@ static dig_status advance_piece(Crowd *c, real until)
     g->substeps += c->substeps;
     g->sweeps += c->passes;
     bodies_close(c);
+    if (c->before && crowd_passed(c)) {
+        group_put_back(g, c->before);
+        g->handed_on = true;
+        return DIG_OK;
+    }
+    if (!c->before)
+        DIG_TRY(crowd_hold_back(c));
     DIG_TRY(book_close(c));
     /* nothing of it is needed any more: what comes next finds its room still in the cache */
     if (g->strikes == strikes && g->pair_count == pairs && !c->alone) {
@@ -248,8 +255,7 @@ static dig_status keep_for_sweeps(Group *g, GroupKept *before)
     return group_keep(g, before) ? DIG_OK : DIG_E_MEMORY;
 }
 
-/* before: NULL where nothing may pass through anything. */
-static dig_status advance_pieces(const Crowd *whole, int pieces, const GroupKept *before)
+static dig_status advance_pieces(const Crowd *whole, int pieces)
 {
     Group *g = whole->g;
     for (int i = 0; i < pieces; i++) {
@@ -261,13 +267,8 @@ static dig_status advance_pieces(const Crowd *whole, int pieces, const GroupKept
         if (pieces > 1)
             look_anew(g);
         DIG_TRY(advance_piece(&c, i + 1 < pieces ? (i + 1) * c.dt : whole->dt));
-        if (g->woke)
-            return DIG_OK;      /* this try is thrown away: the sleeper wakes and the step starts again */
-        if (before && crowd_passed(&c)) {
-            group_put_back(g, before);
-            g->handed_on = true;
-            return DIG_OK;
-        }
+        if (g->woke || g->handed_on)
+            return DIG_OK;      /* this try is thrown away: the sleeper wakes and the step starts again; or it is swept */
     }
     return DIG_OK;
 }
@@ -286,11 +287,13 @@ static dig_status advance(Group *g, real dt)
         DIG_TRY(group_fill_out(g));
     if (!whole.alone && !g->acted)
         DIG_TRY(group_open_acted(g));
-    if (may_pass)
+    if (may_pass) {
         DIG_TRY(keep_for_sweeps(g, &before));
-    else if (pieces > 1)
+        whole.before = &before;
+    } else if (pieces > 1) {
         DIG_TRY(take_all(g));
-    DIG_TRY(advance_pieces(&whole, pieces, may_pass ? &before : NULL));
+    }
+    DIG_TRY(advance_pieces(&whole, pieces));
     if (g->woke || g->handed_on)
         return DIG_OK;
     if (pieces > 1)
