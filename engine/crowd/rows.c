@@ -126,14 +126,17 @@ static void forget(const Group *g, GroupContact *t)
         contact_rest_of(g, t)->rolling = vec3_zero();
 }
 
-typedef struct Found { real deepest; bool presses; } Found;      /* of a thread's share: see Crowd.deep, Crowd.presses */
+typedef struct Found { real deepest, sags; bool presses; } Found;      /* of a thread's share: see Crowd.deep, sags, presses */
 
 typedef struct Rows { Crowd *c; Chosen *chosen; int *sorted; Found *found; } Rows;       /* [contact_count]; sorted: those that act, by their kinds */
 
 static const Chosen *chosen_at(const Rows *r, int i) { return &r->chosen[r->sorted[i]]; }
 
+/* Do several points carry its load together? */
+static bool shares_load(const GroupPair *q, const GroupContact *t) { return t->manifold.count > crowd_alone(q); }
+
 /* m  By how much a pass need not move a point. */
-static real needed(const GroupPair *q, const GroupContact *t) { return (t->manifold.count > crowd_alone(q) ? NEEDED_MANY : NEEDED_ONE) * q->size; }
+static real needed(const GroupPair *q, const GroupContact *t) { return (shares_load(q, t) ? NEEDED_MANY : NEEDED_ONE) * q->size; }
 
 #define STRAIGHT 1e-9           /* rad: rounding */
 
@@ -157,7 +160,7 @@ static void choose_share(void *context, int thread, int threads)
     const Rows *r = context;
     Crowd *c = r->c;
     Group *g = c->g;
-    Found found = {0, false};
+    Found found = {0, 0, false};
     for (int i = team_first(g->contact_count, thread, threads), end = team_end(g->contact_count, thread, threads); i < end; i++) {
         GroupContact *t = &g->contacts[i];
         const GroupPair *q = &g->pairs[t->pair];
@@ -175,7 +178,9 @@ static void choose_share(void *context, int thread, int threads)
         real gap = 0;
         for (int k = 0; k < t->manifold.count; k++)
             gap = real_min(gap, t->manifold.points[k].gap);
-        found.deepest = gap < 0 ? real_max(found.deepest, -gap / needed(q, t)) : found.deepest;
+        real deep = gap < 0 ? -gap / needed(q, t) : 0;
+        found.deepest = real_max(found.deepest, deep);
+        found.sags = real_max(found.sags, shares_load(q, t) ? deep : 0);
         found.presses = found.presses || x->driven;
     }
     r->found[thread] = found;
@@ -583,6 +588,7 @@ dig_status rows_open(Crowd *c)
     c->stop = NULL;
     for (int i = 0; i < shares; i++) {
         c->deep = real_max(c->deep, r.found[i].deepest);
+        c->sags = real_max(c->sags, r.found[i].sags);
         c->presses = c->presses || (g->driven && r.found[i].presses);
     }
     int acting = colour_all(&r, taken, place);

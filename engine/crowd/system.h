@@ -186,12 +186,13 @@ typedef struct Crowd {
     int   *row;                 /* [contact_count of g] LANES times its batch, and its lane; < 0: it does not act */
     bool   alone;               /*     in one piece, and most of the world: Acted are known by row          */
     bool   presses;             /*     a mover that moves presses something: see warm_most() */
-    real   deep;                /* 1    deepest overlap, in changes that matter (rows.c)       */
+    real   deep, sags;          /* 1    deepest overlap, in changes that matter (rows.c); of contacts that share a load */
     Phase *phase; int phases;
     Soft   soft[PASSES_MOST][2];    /* by how many passes there are; between moving bodies; against what does not move */
     int    pieces;              /* that its step is cut into                                  */
     const GroupKept *before;    /*     the step's start, to sweep it should something pass through something; NULL: there are too many */
     int    passes, passes_most; /* of a substep, at first; never more                          */
+    bool   settles;             /*     it is about to come to rest                             */
     int    separations;         /* passes at most that put deep overlap apart at the end of the step */
     float  leaves;              /*     what they leave of it, as SHALLOW                       */
     float *worst[2];            /* [threads] error of rates over what matters; of this pass, of the one before */

@@ -127,7 +127,9 @@ static bool landed(const Crowd *c) { return slower(c, BRISK * c->finest / real_m
  * half as many are not enough. Rows as hard as for all of these would have thin things thrown up and a pyramid tremble; as soft as for one, those
  * heaps stir at 10 to 20 mm/s. */
 #define SETTLING 32             /* passes of a substep, where it can sleep, nearly all is slow and there is work for so many */
-#define SETTLING_HARD 4         /* its rows are as hard as for so many */
+#define SETTLING_HARD 4         /* its rows are as hard as for so many, */
+#define SETTLING_PUSH 4e-4      /* m/s  but carry what they carry without overlap, and push what there is apart no faster: a wall of twelve rows that had
+                                 * sunk into itself by 24 mm was thrown up by the harder rows at 0.28 m/s, once a second for ever */
 #define SLOW     0.02           /* m/s */
 #define NEARLY   0.95           /* of all bodies */
 
@@ -136,6 +138,12 @@ static bool settles(const Crowd *c)
 {
     return c->passes_most >= SETTLING && c->pieces == 1 && c->g->world->def.sleeping && slower(c, SLOW, NEARLY);
 }
+
+/* Contacts of several points carry their load by overlap for good. One pass a substep hands it on by a row, warm as it starts: a wall of a hundred bricks
+ * that has been hit bobs up and down on its rows by centimetres, and what is put apart in place at the end of each step keeps it going. With some
+ * passes, as hard as one, it does not. */
+#define SAGS   1.5              /* times what a pass need not change: so deep, which leaves some room below SHALLOW */
+#define STEADY 4                /* passes, where there is work for so many */
 
 /* How hard rows may be at most where a load comes down through so many contacts. What pushes a tower apart adds up to its top, and what
  * relaxes it again gets no farther than its passes: with rows as hard as there is work for, a column of sixty boxes threw its top
@@ -189,11 +197,17 @@ static dig_status plan_passes(Crowd *c)
     int hard = hardest;
     DIG_TRY(limit_hardness(c, &hard));
     bool down = landed(c);
+    if (c->sags > SAGS && wanted < STEADY && hardest >= STEADY) {
+        hard = int_min(hard, (int)real_max(wanted, 1));
+        wanted = STEADY;
+    }
     c->passes_most = down ? int_min(CALM_WORK * hardest, PASSES_MOST) : hardest;
     /* few that tumble: what stays in each other would be lifted when they are swept again */
     c->separations = down || c->g->pieces > 0 ? SEPARATIONS : 0;
     c->leaves = c->g->pieces > 0 ? 0 : (float)SHALLOW;
-    if (down && settles(c)) {
+    c->settles = down && settles(c);
+    if (c->settles) {
+        c->push_most = (float)SETTLING_PUSH;
         hard = int_min(hard, (int)real_max(wanted, SETTLING_HARD));
         wanted = real_max(wanted, SETTLING);
     }

@@ -700,11 +700,24 @@ INLINE void separate(const Crowd *c, const Part *me)
     }
 }
 
+/* What comes to rest carries what it carries without overlap. */
+INLINE void bear(Batch *b)
+{
+    for (int i = 0; i < lots(b); i++) {
+        const Lot x = lot_of(b, i);
+        for (int k = 0; k < x.points; k++)
+            x.point[k].borne.own = x.point[k].j.own;
+    }
+}
+
 INLINE void solve(Crowd *c, const Part *me)
 {
     for (int p = 0; p < c->phases; p++)
-        MY_BATCHES(c->phase[p], me, i)
+        MY_BATCHES(c->phase[p], me, i) {
             prepare(c, &c->batch[i], me->thread);
+            if (c->settles)
+                bear(&c->batch[i]);
+        }
     meet(me);
     int passes = c->passes, all_passes = 0;
     for (int s = 0; s < c->substeps; s++) {
