@@ -617,6 +617,8 @@ Impact *group_impact(Group *g, GroupPair *q);          /* of this step: a new on
 void strike_report(Group *g, const PointRow *r, real speed);
 /* relax.c: Gauss-Seidel sweeps over rows; each returns the largest velocity change, m/s */
 real relax_points(Group *g, int first, int count);
+/* A blow of points[first..end) that are on (all, where on is NULL) as it ends where they stick or part, within `enough`, m/s. */
+bool stick(Group *g, const bool *on, int first, int end, real enough);
 real relax_patch(Group *g, int first, int count);      /* points of one contact at once */
 void warm_points(Group *g);                              /* what their impulses do to velocities */
 real relax_joints(Group *g);

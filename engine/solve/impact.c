@@ -122,132 +122,12 @@ static int impact_sweeps(const Group *g)
     return (int)real_clamp((toil_pauses(g) ? WORK_PAUSED : WORK) / (g->point_count + g->row_count + 1), 40, IMPACT_SWEEPS);
 }
 
-/* ---- what sticks where it strikes ----
- *
- * Where a block comes down on an edge, the points that strike mostly neither slip nor part afterwards, and those that part have no part in
- * it. Then the impulses follow from linear equations, which are singular, since such points repeat each other: softened a little and refined,
- * they give those of least norm, alike on both sides, as the sweeps of patches do. */
-
-#define STICK_ROWS (3 * MANIFOLD_POINTS)
-#define STICK_SOFT 1e-7         /* part of the diagonal */
-#define STICK_PASSES 10
-
-typedef struct Stick {
-    int  n, owner[STICK_ROWS];  /* of rows; the point of each                     */
-    const Dir *dir[STICK_ROWS];
-    real a[STICK_ROWS][STICK_ROWS], f[STICK_ROWS][STICK_ROWS];      /* 1/kg       */
-    real b[STICK_ROWS], x[STICK_ROWS];                              /* m/s, N s   */
-} Stick;
-
-static void stick_add(Group *g, Stick *s, int point)
-{
-    const PointRow *r = &g->points[point];
-    const Dir *dirs[3] = {&r->n, &r->t[0], &r->t[1]};
-    for (int k = 0; k < 3; k++) {
-        int i = s->n++;
-        s->owner[i] = point;
-        s->dir[i] = dirs[k];
-        s->b[i] = (k == 0 ? r->target : 0) - dir_rate(g, dirs[k], r->a, r->b);
-        for (int j = 0; j <= i; j++)
-            s->a[i][j] = s->a[j][i] = dir_coupling(g, s->dir[i], s->dir[j], r->a, r->b);
-    }
-}
-
-/* L D L^T, the inverse of D on its diagonal. */
-static void stick_factor(Stick *s)
-{
-    for (int i = 0; i < s->n; i++) {
-        real pivot = s->a[i][i] * (1 + STICK_SOFT);
-        for (int j = 0; j < i; j++) {
-            real sum = s->a[i][j];
-            for (int k = 0; k < j; k++)
-                sum -= s->f[i][k] * s->f[j][k];
-            s->f[i][j] = sum;               /* (L D)_ij */
-        }
-        for (int j = 0; j < i; j++) {
-            real l = s->f[i][j] * s->f[j][j];
-            pivot -= l * s->f[i][j];
-            s->f[i][j] = l;
-        }
-        s->f[i][i] = 1 / pivot;
-    }
-}
-/* False: it does not come within `enough`, m/s. */
-static bool stick_solve(Stick *s, real enough)
-{
-    stick_factor(s);
-    memset(s->x, 0, sizeof s->x);
-    for (int pass = 0; pass < STICK_PASSES; pass++) {
-        real r[STICK_ROWS], worst = 0;
-        for (int i = 0; i < s->n; i++) {
-            real sum = s->b[i];
-            for (int k = 0; k < s->n; k++)
-                sum -= s->a[i][k] * s->x[k];
-            r[i] = sum;
-            worst = real_max(worst, fabs(sum));
-        }
-        if (worst == 0)
-            return true;
-        for (int i = 0; i < s->n; i++)
-            for (int k = 0; k < i; k++)
-                r[i] -= s->f[i][k] * r[k];
-        for (int i = 0; i < s->n; i++)
-            r[i] *= s->f[i][i];
-        for (int i = s->n - 1; i >= 0; i--) {
-            for (int k = i + 1; k < s->n; k++)
-                r[i] -= s->f[k][i] * r[k];
-            s->x[i] += r[i];
-        }
-        if (worst <= enough)    /* and once more, towards rounding */
-            return true;
-    }
-    return false;
-}
-
-/* The points that approach stick. False: one of them would pull or slip, or another comes in; then nothing has changed. */
-static bool stick(Group *g, real enough)
-{
-    PointRow *first = g->points, *last = first + g->point_count - 1;
-    if (!g->patches || g->row_count + g->roll_count > 0 || g->point_count == 0 || g->point_count > MANIFOLD_POINTS || first->contact != last->contact)
-        return false;
-    Stick s;
-    s.n = 0;
-    for (const PointRow *r = first; r <= last; r++)
-        if (dir_rate(g, &r->n, r->a, r->b) < r->target - enough)
-            stick_add(g, &s, (int)(r - first));
-    if (s.n == 0 || !stick_solve(&s, enough))
-        return false;
-    for (int i = 0; i < s.n; i += 3) {
-        const PointRow *r = first + s.owner[i];
-        real most = (r->slides ? r->friction_dynamic : r->friction) * s.x[i];
-        if (!(s.x[i] > 0) || !(hypot(s.x[i + 1], s.x[i + 2]) < most))
-            return false;
-    }
-    Vel a = g->vel[first->a], b = g->vel[first->b];
-    for (int i = 0; i < s.n; i++)
-        dir_apply(g, s.dir[i], first->a, first->b, s.x[i]);
-    for (const PointRow *r = first; r <= last; r++)
-        if (!(dir_rate(g, &r->n, r->a, r->b) >= r->target - 2 * enough)) {
-            g->vel[first->a] = a;
-            g->vel[first->b] = b;
-            return false;
-        }
-    for (int i = 0; i < s.n; i += 3) {
-        PointRow *r = first + s.owner[i];
-        r->jn = s.x[i];
-        r->jt[0] = s.x[i + 1];
-        r->jt[1] = s.x[i + 2];
-    }
-    g->sweeps++;
-    return true;
-}
-
 /* Where something is heavy, what sweeps do not get to is solved at once. */
 static void solve_all(Group *g, real residual)
 {
     real worst = g->residual;
     g->residual = 0;
-    if (!stick(g, residual))
+    if (!stick(g, NULL, 0, g->point_count, residual))
         relax(g, impact_sweeps(g), residual);
     if (g->residual > residual && group_top_heavy(g) && direct_wanted(g) > 0 && direct_solve(g, residual))
         g->residual = g->from_inside ? g->residual : residual;
@@ -269,6 +149,8 @@ static void solve_marked(Group *g, const bool *on, bool all, real speed)
         first++;
     while (end > first && !on[end - 1])
         end--;
+    if (stick(g, on, first, end, enough))
+        return;
     for (int sweep = impact_sweeps(g); sweep > 0; sweep--) {
         real worst = relax_joints(g);
         for (int i = first, n; i < end; i += n) {

@@ -69,6 +69,14 @@ static void drop_levers(const Group *g, const bool *deep, PointRow *r)
         r->n.k = (g->mass[r->a].im + g->mass[r->b].im) * vec3_length2(r->n.n) + vec3_dot(r->n.aa, r->n.ia) + vec3_dot(r->n.ab, r->n.ib);
 }
 
+static bool any_merged(const Group *g)
+{
+    for (int i = 0; i < g->point_count; i++)
+        if (is_deeper(g, &g->points[i], MERGED))
+            return true;
+    return false;
+}
+
 typedef struct Kept { Dir n; real jt[2]; } Kept;
 
 /* No stop of an angle or a way is passed by what heals others: it comes nearer by its room, no more. Not so of a line, which is another once its
@@ -192,6 +200,32 @@ static void swap_velocities(Group *g)
     g->shift = t;
 }
 
+/* Neither of its bodies is turned: its points all ask for one and the same way along the normal, and the deepest has the last word. */
+static bool is_one_way(const Group *g, const bool *deep, const PointRow *r)
+{
+    return (deep[r->a] || !g->member[r->a].moves) && (deep[r->b] || !g->member[r->b].moves);
+}
+
+/* Points to sweep: of such contacts the deepest alone. */
+static void list_ways(Group *g, const bool *deep, PointRow *to)
+{
+    int count = 0;
+    for (int i = 0, n; i < g->point_count; i += n) {
+        const PointRow *r = &g->points[i];
+        int best = i;
+        for (n = 1; i + n < g->point_count && g->points[i + n].contact == r->contact; n++)
+            best = g->points[i + n].target > g->points[best].target ? i + n : best;
+        if (is_one_way(g, deep, r)) {
+            to[count++] = g->points[best];
+            continue;
+        }
+        memcpy(to + count, r, (size_t)n * sizeof *to);
+        count += n;
+    }
+    g->points = to;
+    g->point_count = count;
+}
+
 /* was: room for velocities, all zero. Returns what the last sweep changed, m or rad. */
 static real relax_shift(Group *g, Vel *was)
 {
@@ -250,6 +284,18 @@ static void shift(Group *g, Vel *was)
         memcpy(g->vel, was, (size_t)g->moving_count * sizeof *was);
 }
 
+/* The same, of what is as good as in one place by as few rows as tell it; impulses of shifts are of no use afterwards. */
+static void shift_ways(Group *g, const bool *deep, Vel *was)
+{
+    PointRow *all = g->points, *some = any_merged(g) ? arena_alloc(g->arena, (size_t)(g->point_count + 1) * sizeof *some) : NULL;
+    int count = g->point_count;
+    if (some)                   /* else all are swept */
+        list_ways(g, deep, some);
+    shift(g, was);
+    g->points = all;
+    g->point_count = count;
+}
+
 void project(Group *g)
 {
     if (!needed(g))
@@ -268,7 +314,7 @@ void project(Group *g)
     swap_velocities(g);
     start_shift(g, saved, kept, deep);
     if (!wants_direct(g) || !direct_project(g))
-        shift(g, was);
+        shift_ways(g, deep, was);
     end_shift(g, saved, kept);
     swap_velocities(g);
     for (int i = 0; i < g->moving_count; i++) {

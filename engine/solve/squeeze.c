@@ -91,10 +91,11 @@ static void squeeze(Group *g, int i, int j, int body, Jaws which, real ahead)
     bool holds = which == JAWS_RUB;
     if (!(which & kind) || (holds && !by_mover(g, c) && !by_mover(g, d)))
         return;
-    vec3 n = inward(c, body), p = mean_point(c), q = mean_point(d);
-    real size = real_min(g->pairs[c->pair].size, g->pairs[d->pair].size), deep = contact_depth(c) + contact_depth(d);
+    vec3 n = inward(c, body);
     if (vec3_dot(n, inward(d, body)) > OPPOSITE)
         return;
+    vec3 p = mean_point(c), q = mean_point(d);
+    real size = real_min(g->pairs[c->pair].size, g->pairs[d->pair].size), deep = contact_depth(c) + contact_depth(d);
     bool from_c = before(d, p, n, BEFORE * size);
     if (!from_c && !before(c, q, n, BEFORE * size))
         return;

@@ -332,6 +332,28 @@ static inline Turning turning_of(const Spin *a, const Spin *b, const Feature *f)
     return between(pa, material(a, pa), pb, material(b, pb), f->ra, f->rb);
 }
 
+bool feature_turns(const Feature *f, bool b)
+{
+    bool point = b ? f->kind == POINT_POINT || f->kind == PLANE_POINT : f->kind == POINT_POINT || f->kind == POINT_PLANE;
+    return !point || !vec3_is_zero(b ? f->pb : f->pa);
+}
+
+real feature_gap(const Feature *f, const Pos *a, const Pos *b)
+{
+    static const Vel still = {{0, 0, 0}, {0, 0, 0}};
+    if (f->kind == PLANE_POINT || f->kind == POINT_PLANE) {
+        bool on_a = f->kind == PLANE_POINT;
+        vec3 o = on_a ? f->pa : f->pb, n = on_a ? f->da : f->db;
+        if (!f->fixed)
+            to_world(on_a ? a : b, &o, &n);
+        return vec3_dot(n, vec3_sub(place_of(on_a ? b : a, on_a ? f->pb : f->pa), o)) - (on_a ? f->rb : f->ra);
+    }
+    if (f->kind == POINT_POINT)
+        return vec3_length(vec3_sub(place_of(b, f->pb), place_of(a, f->pa))) - f->ra - f->rb;
+    Spin sa = {a, &still}, sb = {b, &still};
+    return turning_of(&sa, &sb, f).gap;
+}
+
 /* A point on a plane of what does not move, o on it: what most contacts are. The terms that are left, in the order of the general way. */
 INLINE void move_on_still(vec3 o, vec3 n, const Pos *x, const Vel *v, const Feature *f, Kinematics *k)
 {

@@ -7,6 +7,8 @@
 #include "math/pair.h"
 #include "trace/trace.h"
 
+#include <stddef.h>
+
 #define EVEN 1e-9       /* normals that differ by less are one: see patch.c */
 
 static const real node[STAGES] = {0, 1.0 / 5, 3.0 / 10, 4.0 / 5, 8.0 / 9, 1, 1};
@@ -39,6 +41,13 @@ void trace_keep_angles(Tracer *t)
         memcpy(t->unwound[i].memory, t->g->joints[i].memory, sizeof t->unwound[i].memory);
 }
 
+static Pos mover_at(const Tracer *t, int i, real time)
+{
+    const Pos *p = &t->mover_start[i];
+    const Vel *v = &t->g->vel[i];
+    return (Pos){vec3_mad(p->x, time, v->v), quat_unit(quat_mul(quat_exp(vec3_scale(time, v->w)), p->q))};
+}
+
 /* Angles unwind from the start of the step: a stage of a step that is refused may have turned anywhere. What is moved along its own way
  * is where it is at the group's time. */
 void trace_load(Tracer *t, const State *y, real time)
@@ -58,8 +67,7 @@ void trace_load(Tracer *t, const State *y, real time)
             g->vel[i].w = mat3_mul_vec(g->mass[i].ii, y[i].l);
             t->spin_l[i] = y[i].l;
         } else if (m->kinematic && later) {
-            const Pos *p = &t->mover_start[i];
-            g->pos[i] = (Pos){vec3_mad(p->x, time, g->vel[i].v), quat_unit(quat_mul(quat_exp(vec3_scale(time, g->vel[i].w)), p->q))};
+            g->pos[i] = mover_at(t, i, time);
         }
     }
 }
@@ -300,16 +308,21 @@ static bool probe_rate(Tracer *t, const State *y, real h, bool steady)
 
 /* ---- constant accelerations ---- */
 
+INLINE vec3 parabola_at(const State *y, const State *k, real h) { return vec3_mad(vec3_mad(y->x, h, y->v), 0.5 * h * h, k->v); }
+
+/* Magnus: the rotation of an angular velocity that grows evenly. */
+INLINE quat parabola_turn(const Tracer *t, int i, real h)
+{
+    vec3 w = t->spin0[i], al = t->alpha0[i];
+    vec3 turn = vec3_add(vec3_scale(h, w), vec3_add(vec3_scale(0.5 * h * h, al), vec3_scale(h * h * h / 12, vec3_cross(al, w))));
+    return quat_unit(quat_mul(quat_exp(turn), t->y[i].q));
+}
+
 static void parabola(const Tracer *t, real h, State *out)
 {
-    const Group *g = t->g;
-    for (int i = 0; i < g->moving_count; i++) {
+    for (int i = 0; i < t->g->moving_count; i++) {
         const State *y = &t->y[i], *k = &t->stage[0][i];
-        vec3 w = t->spin0[i], al = t->alpha0[i];
-        /* Magnus: the rotation of an angular velocity that grows evenly */
-        vec3 turn = vec3_add(vec3_scale(h, w), vec3_add(vec3_scale(0.5 * h * h, al), vec3_scale(h * h * h / 12, vec3_cross(al, w))));
-        out[i] = (State){vec3_mad(vec3_mad(y->x, h, y->v), 0.5 * h * h, k->v), quat_unit(quat_mul(quat_exp(turn), y->q)),
-                         vec3_mad(y->v, h, k->v), vec3_mad(y->l, h, k->l)};
+        out[i] = (State){parabola_at(y, k, h), parabola_turn(t, i, h), vec3_mad(y->v, h, k->v), vec3_mad(y->l, h, k->l)};
     }
 }
 
@@ -467,20 +480,37 @@ bool trace_stretch(Tracer *t, real more)
     return true;
 }
 
-void trace_dense(const Tracer *t, real part, State *out)
+/* Of the numbers of y from `begin` on. */
+INLINE void dense_of(const Tracer *t, real part, int begin, int n, real *o)
 {
-    if (t->probed) {
-        parabola(t, part * t->h, out);
-        return;
-    }
-    int n = t->g->moving_count * STATE_REALS;
     const real *y0 = (const real *)(const void *)t->y, *y1 = (const real *)(const void *)t->y1;
     const real *first = (const real *)(const void *)t->stage[0], *last = (const real *)(const void *)t->stage[STAGES - 1];
-    real *o = (real *)(void *)out, rest = 1 - part;
-    for (int i = 0; i < n; i++) {
+    real rest = 1 - part;
+    for (int i = begin; i < begin + n; i++) {
         real r2 = y1[i] - y0[i], r3 = t->h * first[i] - r2, r4 = r2 - t->h * last[i] - r3, r5 = 0;
         for (int s = 0; s < STAGES; s++)
             r5 += dense_weight[s] * ((const real *)(const void *)t->stage[s])[i];
-        o[i] = y0[i] + part * (r2 + rest * (r3 + part * (r4 + rest * t->h * r5)));
+        o[i - begin] = y0[i] + part * (r2 + rest * (r3 + part * (r4 + rest * t->h * r5)));
     }
+}
+
+void trace_dense(const Tracer *t, real part, State *out)
+{
+    if (t->probed)
+        parabola(t, part * t->h, out);
+    else
+        dense_of(t, part, 0, t->g->moving_count * STATE_REALS, (real *)(void *)out);
+}
+
+Pos trace_place(const Tracer *t, int i, real part, bool turned)
+{
+    const Member *m = &t->g->member[i];
+    if (!m->moves)
+        return m->kinematic ? mover_at(t, i, t->t + part * t->h) : t->g->pos[i];
+    if (t->probed)
+        return (Pos){parabola_at(&t->y[i], &t->stage[0][i], part * t->h), turned ? quat_unit(parabola_turn(t, i, part * t->h)) : quat_identity()};
+    struct { vec3 x; quat q; } at;
+    _Static_assert(sizeof at == 7 * sizeof(real) && offsetof(State, q) == sizeof(vec3), "as a state begins");
+    dense_of(t, part, i * STATE_REALS, 7, (real *)(void *)&at);
+    return (Pos){at.x, quat_unit(at.q)};
 }

@@ -33,9 +33,26 @@ INLINE real value_of(const Tracer *t, const Event *e)
 
 static bool needs_forces(EventKind k) { return k != EVENT_CLOSE && k != EVENT_HALT; }
 
+/* Where the bodies of a point are at a part of the tried step, of which nothing else is looked at. many: of all points of its contact */
+static void place_both(const Tracer *t, const Touching *c, real part, bool many, Pos *a, Pos *b)
+{
+    *a = trace_place(t, c->a, part, many || feature_turns(&c->feature, false));
+    *b = trace_place(t, c->b, part, many || feature_turns(&c->feature, true));
+}
+
+/* m  The gap there. */
+static real gap_at(const Tracer *t, const Touching *c, real part)
+{
+    Pos a, b;
+    place_both(t, c, part, false, &a, &b);
+    return feature_gap(&c->feature, &a, &b);
+}
+
 /* The event's function at a part of the tried step. */
 static real value_at(Tracer *t, const Event *e, real part)
 {
+    if (e->touch)
+        return gap_at(t, e->touch, part);
     trace_dense(t, part, t->y2);
     trace_load(t, t->y2, t->t + part * t->h);
     trace_kinematics(t);
@@ -87,9 +104,9 @@ static void earlier(Event *first, const Event *e)
 /* ---- gates ---- */
 
 /* An open gate meets at the first sign change after its gap was positive. */
-static void find_closing(Tracer *t, Gate *g, const real gaps[4], Event *first)
+static void find_closing(Tracer *t, Gate *g, const Touching *touch, const real gaps[4], Event *first)
 {
-    Event e = {.kind = EVENT_CLOSE, .gate = g};
+    Event e = {.kind = EVENT_CLOSE, .gate = g, .touch = touch};
     int k = 0;
     while (k < 4 && gaps[k] > 0)
         k++;
@@ -119,7 +136,20 @@ static void find_closing(Tracer *t, Gate *g, const real gaps[4], Event *first)
     earlier(first, &e);
 }
 
-typedef struct Watch { Gate *gate; real gaps[4]; } Watch;
+typedef struct Watch { Gate *gate; const Touching *touch; real gaps[4]; } Watch;       /* touch: NULL of a stop */
+
+/* Points of a contact follow each other, and have the same two bodies. */
+static void sample_touches(const Tracer *t, Watch *w, int count, int s)
+{
+    Pos a, b;
+    for (int i = 0; i < count; i++) {
+        const Touching *c = w[i].touch;
+        bool same = i > 0 && w[i - 1].touch->contact == c->contact, more = i + 1 < count && w[i + 1].touch->contact == c->contact;
+        if (!same)
+            place_both(t, c, samples[s], more, &a, &b);
+        w[i].gaps[s] = feature_gap(&c->feature, &a, &b);
+    }
+}
 
 /* Could it have met within the step, by its rates at both ends? */
 static bool watched(const Tracer *t, const Gate *g)
@@ -128,15 +158,16 @@ static bool watched(const Tracer *t, const Gate *g)
     return !g->closed && isfinite(g->gap) && (g->gap <= 0 || g->gap0 <= reach || g->gap <= reach);
 }
 
-static int list_watched(Tracer *t, Watch *w)
+static int list_watched(Tracer *t, Watch *w, int *touches)
 {
     int n = 0;
     for (int i = 0; i < t->touch_count; i++)
         if (watched(t, &t->touch[i].gate))
-            w[n++].gate = &t->touch[i].gate;
+            w[n++] = (Watch){.gate = &t->touch[i].gate, .touch = &t->touch[i]};
+    *touches = n;
     for (int i = 0; i < t->stop_count; i++)
         if (watched(t, &t->stops[i].gate))
-            w[n++].gate = &t->stops[i].gate;
+            w[n++] = (Watch){.gate = &t->stops[i].gate};
     return n;
 }
 
@@ -147,18 +178,22 @@ static void scan_gaps(Tracer *t, Event *first)
         trace_load(t, t->y1, t->t + t->h);
         trace_kinematics(t);
     }
-    int n = list_watched(t, w);
+    int touches, n = list_watched(t, w, &touches);
     for (int i = 0; i < n; i++)
         w[i].gaps[3] = w[i].gate->gap;
-    for (int s = 0; s < 3 && n > 0; s++) {
+    for (int s = 0; s < 3; s++)
+        sample_touches(t, w, touches, s);
+    for (int s = 0; s < 3 && n > touches; s++) {
         trace_dense(t, samples[s], t->y2);
         trace_load(t, t->y2, t->t + samples[s] * t->h);
         trace_kinematics(t);
-        for (int i = 0; i < n; i++)
+        for (int i = touches; i < n; i++)
             w[i].gaps[s] = w[i].gate->gap;
     }
+    if (n > 0 && !t->probed)
+        t->known = NULL;        /* there the end is made a unit once more */
     for (int i = 0; i < n && !(first->kind == EVENT_SHORTER && first->at <= 0); i++)        /* none comes before that */
-        find_closing(t, w[i].gate, w[i].gaps, first);
+        find_closing(t, w[i].gate, w[i].touch, w[i].gaps, first);
 }
 
 /* ---- forces and speeds, at the end of the step ---- */
@@ -398,7 +433,7 @@ Event trace_scan(Tracer *t)
 /* 1/s  How fast the event's function falls at the root that the dense output has. */
 static real slope_at(Tracer *t, const Event *e)
 {
-    if (e->kind == EVENT_CLOSE)
+    if (e->kind == EVENT_CLOSE)         /* at the end of what was just tried */
         return e->gate->rate != 0 ? e->gate->rate : -1;
     real back = real_min(1e-3, 0.5 * e->at);
     return (value_at(t, e, e->at) - value_at(t, e, e->at - back)) / (back * t->h);

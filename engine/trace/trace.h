@@ -89,6 +89,8 @@ void feature_find(const GroupPair *q, const Sides *s, const ManifoldPoint *p, Fe
 bool feature_kind_known(const Shape *s);
 static inline bool feature_has_rim(const Feature *f) { return f->kind >= RIM_PLANE; }
 void feature_move(const Group *g, const Feature *f, int a, int b, Kinematics *k);
+real feature_gap(const Feature *f, const Pos *a, const Pos *b);        /* m  where its bodies are there; the same bits */
+bool feature_turns(const Feature *f, bool b);           /* does it matter for the gap how that body is turned? not of balls */
 
 /* ---- what may press, slide or hold ---- */
 
@@ -213,7 +215,7 @@ typedef enum EventKind {
     EVENT_SHORTER               /* none, but the step must be shorter to tell               */
 } EventKind;
 
-typedef struct Event { EventKind kind; real at; Gate *gate; Cone *cone; Hold *hold; const Gate *normal; const struct Bond *bond; } Event;
+typedef struct Event { EventKind kind; real at; Gate *gate; const Touching *touch; Cone *cone; Hold *hold; const Gate *normal; const struct Bond *bond; } Event;
 
 typedef struct Tracer {
     Group *g;
@@ -358,6 +360,7 @@ void trace_parabola(Tracer *t, real h);         /* a step whose forces are those
 real trace_try(Tracer *t, real h);              /* one step from y to y1; its error over the tolerance; INFINITY = fault */
 bool trace_stretch(Tracer *t, real more);       /* the tried step by so little, s; false: that is not little */
 void trace_dense(const Tracer *t, real part, State *out);   /* y .. y1 at a part of the tried step */
+Pos  trace_place(const Tracer *t, int body, real part, bool turned);    /* the same of one body; turned: its rotation, too */
 /* happen.c */
 Event trace_scan(Tracer *t);                    /* the first event of the tried step */
 real trace_unseen(Tracer *t, const Event *e);   /* < 1: something passes through something before that event; make a step of this part of it */

@@ -157,10 +157,34 @@ TEST(gap_normal_point_and_velocity_of_a_feature_are_those_of_the_nearest_points)
             Kinematics k;
             feature_move(&h.g, &f, 0, 1, &k);
             check_close("gap", f.kind, k.gap, want.gap, 1e-14);
+            CHECK(feature_gap(&f, &h.pos[0], &h.pos[1]) == k.gap);
             check_close3("normal", f.kind, k.n, want.n, 1e-14);
             check_close3("point", f.kind, k.at, want.at, 1e-13);
             check_close3("velocity", f.kind, k.u, want.u, 1e-13);
         }
+}
+
+/* Where the gap does not depend on how a body is turned, it is the same to the bit; where it is said to, it does. */
+TEST(gaps_of_centres_do_not_depend_on_how_their_bodies_are_turned)
+{
+    Dice d = {2};
+    Hand h;
+    hand_open(&h, 2, 2);
+    int centred = 0;
+    for (int kind = 0; kind < KINDS; kind++)
+        for (int i = 0; i < TRIES; i++) {
+            Feature f = random_meeting(&h, &d, (FeatureKind)kind);
+            f.pa = i % 2 ? vec3_zero() : f.pa;
+            f.pb = i % 3 ? vec3_zero() : f.pb;
+            for (int b = 0; b < 2; b++) {
+                Pos turned[2] = {h.pos[0], h.pos[1]};
+                turned[b].q = dice_quat(&d);
+                bool same = feature_gap(&f, &turned[0], &turned[1]) == feature_gap(&f, &h.pos[0], &h.pos[1]);
+                CHECK(feature_turns(&f, b == 1) || same);
+                centred += !feature_turns(&f, b == 1);
+            }
+        }
+    CHECK(centred > TRIES);
 }
 
 TEST(rate_and_drift_of_a_feature_are_derivatives_along_free_motion)
@@ -546,6 +570,7 @@ TEST(only_the_shapes_with_a_frozen_feature_are_known)
 int main(void)
 {
     RUN_TESTS(unit_test(gap_normal_point_and_velocity_of_a_feature_are_those_of_the_nearest_points),
+              unit_test(gaps_of_centres_do_not_depend_on_how_their_bodies_are_turned),
               unit_test(rate_and_drift_of_a_feature_are_derivatives_along_free_motion),
               unit_test(a_point_that_passes_another_at_a_distance_drifts_away_by_the_centrifugal_acceleration),
               unit_test(features_of_shapes_that_meet_anyhow_have_the_gap_of_the_manifold),
