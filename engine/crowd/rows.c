@@ -126,7 +126,9 @@ static void forget(const Group *g, GroupContact *t)
         contact_rest_of(g, t)->rolling = vec3_zero();
 }
 
-typedef struct Found { real deepest, sags; bool presses; } Found;      /* of a thread's share: see Crowd.deep, sags, presses */
+#define LONE 4                  /* contacts: what fewer are deep by is no load that came down */
+
+typedef struct Found { real deep[LONE], sags; bool presses; } Found;   /* of a thread's share: the deepest, in their order; see Crowd.sags, presses */
 
 typedef struct Rows { Crowd *c; Chosen *chosen; int *sorted; Found *found; } Rows;       /* [contact_count]; sorted: those that act, by their kinds */
 
@@ -155,12 +157,22 @@ static bool is_round(const Crowd *c, const GroupContact *t)
     return m->count == 1 && before_centre(c, t->a, m->normal, m->points[0].a) && before_centre(c, t->b, m->normal, m->points[0].b);
 }
 
+static void note_deep(real *most, real deep)
+{
+    for (int k = 0; k < LONE && deep > most[LONE - 1]; k++)
+        if (deep > most[k]) {
+            real less = most[k];
+            most[k] = deep;
+            deep = less;
+        }
+}
+
 static void choose_share(void *context, int thread, int threads)
 {
     const Rows *r = context;
     Crowd *c = r->c;
     Group *g = c->g;
-    Found found = {0, 0, false};
+    Found found = {.sags = 0};
     for (int i = team_first(g->contact_count, thread, threads), end = team_end(g->contact_count, thread, threads); i < end; i++) {
         GroupContact *t = &g->contacts[i];
         const GroupPair *q = &g->pairs[t->pair];
@@ -179,7 +191,7 @@ static void choose_share(void *context, int thread, int threads)
         for (int k = 0; k < t->manifold.count; k++)
             gap = real_min(gap, t->manifold.points[k].gap);
         real deep = gap < 0 ? -gap / needed(q, t) : 0;
-        found.deepest = real_max(found.deepest, deep);
+        note_deep(found.deep, deep);
         found.sags = real_max(found.sags, shares_load(q, t) ? deep : 0);
         found.presses = found.presses || x->driven;
     }
@@ -586,11 +598,15 @@ dig_status rows_open(Crowd *c)
     if (c->stop)
         spare_add(&g->spare, c->stop, (size_t)g->body_count * sizeof *c->stop);
     c->stop = NULL;
+    real deep[LONE] = {0};
     for (int i = 0; i < shares; i++) {
-        c->deep = real_max(c->deep, r.found[i].deepest);
+        for (int k = 0; k < LONE; k++)
+            note_deep(deep, r.found[i].deep[k]);
         c->sags = real_max(c->sags, r.found[i].sags);
         c->presses = c->presses || (g->driven && r.found[i].presses);
     }
+    c->deep = deep[0];
+    c->load = deep[LONE - 1];
     int acting = colour_all(&r, taken, place);
     spare_add(&g->spare, taken, (size_t)(c->bodies + 1) * sizeof *taken);
     r.sorted = spare_take(&g->spare, g->lasting, (size_t)acting * sizeof *r.sorted);

@@ -187,6 +187,7 @@ typedef struct Crowd {
     bool   alone;               /*     in one piece, and most of the world: Acted are known by row          */
     bool   presses;             /*     a mover that moves presses something: see warm_most() */
     real   deep, sags;          /* 1    deepest overlap, in changes that matter (rows.c); of contacts that share a load */
+    real   load;                /* 1    that of the fourth deepest contact                     */
     Phase *phase; int phases;
     Soft   soft[PASSES_MOST][2];    /* by how many passes there are; between moving bodies; against what does not move */
     int    pieces;              /* that its step is cut into                                  */
