@@ -147,7 +147,7 @@ static bool settles(const Crowd *c)
 
 /* One contact that was found late and is deep says nothing of the load of the others: a wall that fell was thrown apart by rows that were all as hard as
  * one brick needed that was half in another (418 to 1394 J in a frame). */
-#define OUTLIER 4               /* times as deep as the fourth deepest */
+#define OUTLIER 6               /* times as deep as the fourth deepest */
 
 /* How hard rows may be at most where a load comes down through so many contacts. What pushes a tower apart adds up to its top, and what
  * relaxes it again gets no farther than its passes: with rows as hard as there is work for, a column of sixty boxes threw its top
