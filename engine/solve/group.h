@@ -341,6 +341,7 @@ struct Group {
 
     real      t, h;             /* s   since the start of the step, this substep */
     bool      jammed;           /*     what heals contradicts itself: for the rest of the step it heals in place, as far as it goes */
+    bool      stops_kept;       /*     what ran past a stop is not brought back by the velocities of this solve */
     real      heal_over;        /* s   so long overlaps heal in this substep: one cut short by an impact heals as the whole did in which that was found */
     vec3      lag;              /* m/s what moves with its end velocity is moved by this, too: see fall_together */
     real      lifted;           /* J   against forces, by healing in this substep */
@@ -552,6 +553,7 @@ bool group_joints_open(const Group *g);
 bool group_may_lever(const Group *g);    /* lever.c: may a mover have to give more than a lever does? */
 void group_ease_levers(Group *g, Vel *before);    /* impulses count by a share where it has; before: velocities without them */
 real group_heal(Group *g);                 /* has the rows take position errors off; returns the fastest, m/s */
+bool group_stops_passed(const Group *g);    /* is something behind its stop, where a script has set that, and brought back? */
 bool group_jams(const Group *g, real heals);            /* could the rows not do both what holds and that? */
 bool group_throws(const Group *g, real heals);          /* do limbs whirl that are wedged near their joints? */
 void group_unwind(Group *g);               /* all rows begin without an impulse */
@@ -587,6 +589,12 @@ static inline void fetch_more(const World *w, uint32_t contact)
 /* sweep.c: the sub-stepped way */
 dig_status sweep_advance(Group *g, real dt);
 dig_status sweep_piece(Group *g, real dt, real until);  /* from g->t on, of a step of dt; room for rows and strikes is there */
+/* portion.c: parts of a step */
+#define SWEEP_FINE 16         /* substeps of a step: in longer ones what was found first is no good guess of how bodies turn */
+int  sweep_whirls(const Group *g);                      /* Group.whirls_left of a step */
+int  sweep_parts(const Group *g);
+int  sweep_whirled_parts(const Group *g, real dt);
+real sweep_longest_piece(Group *g, real dt);            /* s  how long the next substep may be */
 real group_kinetic(const Group *g);                     /* J */
 /* x' = x + h v' (semi-implicit Euler). All others: x' = x + h (v + v') / 2, which is Verlet's 2 x - x'' + a h^2 written with the
  * velocity: it needs no equal steps and no position before the last impact. */

@@ -13,6 +13,42 @@
 
 static real heal_rate(const Group *g, real error, real most) { return real_clamp(HEAL_PART * error / g->heal_over, -most, most); }
 
+/* Of the smallest body, and rad: no substep runs past a stop of an angle or a way by that. Then the stop was set there. Lines under a load are
+ * longer than they are. */
+#define PASSED 1e-4
+
+static bool has_stops(const Group *g, const JointBlock *b) { return g->joints[b->joint].view.type->coordinate_row; }
+
+static bool is_passed(const Group *g, const JointRow *r)
+{
+    real size = INFINITY;
+    for (int k = 0; k < r->row.count; k++)
+        size = r->row.body[k] < 0 ? size : real_min(size, g->member[r->row.body[k]].outer);
+    return r->row.kind == ROW_LIMIT && r->row.error < -PASSED * (r->row.angular ? 1 : size);
+}
+
+bool group_stops_passed(const Group *g)
+{
+    for (int i = 0; i < g->block_count; i++)
+        for (int k = 0; k < g->blocks[i].count && has_stops(g, &g->blocks[i]); k++) {
+            const JointRow *r = &g->rows[g->blocks[i].first + k];
+            if (r->p > 0 && is_passed(g, r))
+                return true;
+        }
+    return false;
+}
+
+/* They keep what is behind them from going on, and no more. */
+static void keep_stops(Group *g)
+{
+    for (int i = 0; i < g->block_count; i++)
+        for (int k = 0; k < g->blocks[i].count && has_stops(g, &g->blocks[i]); k++) {
+            JointRow *r = &g->rows[g->blocks[i].first + k];
+            if (is_passed(g, r))
+                r->bias += heal_rate(g, r->row.error, r->row.angular ? HEAL_SPIN : HEAL_SPEED);
+        }
+}
+
 real group_heal(Group *g)
 {
     real most = 0;
@@ -35,6 +71,8 @@ real group_heal(Group *g)
         r->target = real_max(r->target, rate);
         most = real_max(most, rate);
     }
+    if (g->stops_kept)
+        keep_stops(g);
     return most;
 }
 

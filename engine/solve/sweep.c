@@ -294,8 +294,6 @@ static dig_status turn_as_found(Group *g)
     return status;
 }
 
-#define FINE 16         /* substeps of a step: in longer ones what was found first is no good guess of how bodies turn */
-
 /* Does all that gives do so along a line? Then it is places that turn it. */
 static bool is_threads(const Group *g)
 {
@@ -307,7 +305,7 @@ static bool is_threads(const Group *g)
 
 static dig_status turn_on(Group *g)
 {
-    bool good = g->joints_direct && group_elastic(g) && (g->plan->substeps >= FINE || is_threads(g));
+    bool good = g->joints_direct && group_elastic(g) && (g->plan->substeps >= SWEEP_FINE || is_threads(g));
     return good && blow_comes(g) ? turn_as_found(g) : DIG_OK;
 }
 
@@ -403,6 +401,45 @@ static dig_status solve_unlocated(Group *g, real *until)
     return solve_substep(g);
 }
 
+/* A stop that a script has set behind what it stops brings that back with more than a motor or a load can hold: what has so been moved keeps none of the
+ * speed. It goes where the solve has found, into `to`, [body_count], and the velocities are those that there are without it. */
+static dig_status keep_speed(Group *g, Pos *to)
+{
+    Pos *from = arena_alloc(g->arena, (size_t)g->body_count * sizeof *from);
+    if (!from)
+        return DIG_E_MEMORY;
+    memcpy(from, g->pos, (size_t)g->body_count * sizeof *from);
+    move(g);
+    memcpy(to, g->pos, (size_t)g->body_count * sizeof *to);
+    memcpy(g->pos, from, (size_t)g->body_count * sizeof *from);
+    restore(g);
+    g->stops_kept = true;
+    dig_status status = solve_substep(g);
+    g->stops_kept = false;
+    return status;
+}
+
+/* Books the substep, and moves all by it. */
+static dig_status finish(Group *g)
+{
+    ArenaMark mark = arena_mark(g->arena);
+    Pos *to = g->joints_direct && group_stops_passed(g) ? arena_alloc(g->arena, (size_t)g->body_count * sizeof *to) : NULL;
+    if (to)
+        DIG_TRY(keep_speed(g, to));
+    group_forget_idle(g);
+    group_book(g);
+    if (!g->woke) {
+        move(g);
+        if (to)
+            memcpy(g->pos, to, (size_t)g->body_count * sizeof *to);
+        for (int i = 0; to && i < g->moving_count; i++)
+            group_refresh_mass(g, i);
+        grip_lead(g);
+    }
+    arena_rewind(g->arena, mark);
+    return g->status;
+}
+
 #define CUTS 16
 
 /* A shorter substep ends where a longer one passed, but where rows too stiff for both take it as far. */
@@ -445,12 +482,9 @@ static dig_status substep(Group *g, real until)
         DIG_TRY(solve_substep(g));
         DIG_TRY(turn_on(g));
     }
-    group_forget_idle(g);
-    group_book(g);
+    DIG_TRY(finish(g));
     if (g->woke)
         return DIG_OK;          /* this try is thrown away: the sleeper wakes and the step starts again */
-    move(g);
-    grip_lead(g);
     if (g->joints_direct) {     /* heals by velocities, which are not to be kept where they did work */
         real taken;
         DIG_TRY(group_hold(g, false, &taken));
@@ -520,127 +554,6 @@ static dig_status close_gaps(Group *g, real part)
     return g->status;
 }
 
-/* rad: what is not round and touches turns no farther in one piece, or its corners would be missed. */
-#define TURN_MOST 0.15
-
-/* Parts of a step that are as short for that as they get. Where what turns is so near that it may strike, they are shorter, as often as that costs about the
- * same for few bodies as for one: blows are looked for along a spin that stands still, as that of a box or of a tumbling rod does not. */
-#define TURN_PARTS  32
-#define WHIRL_PARTS 65536
-#define WHIRL_COUNT 16384       /* over the square of how many they are, */
-#define WHIRL_MOST  4096        /* and for few so many */
-
-static bool angular_shape(const Shape *s) { return s->outer - s->inner > 0.01 * s->outer; }
-
-/* A bounce is over when it would rise less than a hundred-thousandth of the size of what bounces. */
-real group_close_speed(const Group *g)
-{
-    real size = INFINITY;
-    for (int i = 0; i < g->pair_count; i++)
-        size = real_min(size, g->pairs[i].size);
-    return close_speed_of(size, g->fall);
-}
-
-#define FINER        4          /* times as many parts, for so few */
-#define FINER_BODIES 8
-
-#define WHIRLED    0.1          /* rad  in a part: an end of a joint that goes farther round opens it by a two-hundredth of its arm */
-#define MOST_PARTS 32           /* of many bodies; of few as many as cost about the same */
-#define FEW_PARTS  256
-
-/* Parts in which no end of a joint goes farther round than that. What turns about the joint itself, as a wheel on its axle, does not. */
-static int whirled_parts(const Group *g, real dt)
-{
-    real most = 0;                  /* 1/s^2 */
-    for (int i = 0; i < g->joint_count; i++) {
-        const GroupJoint *j = &g->joints[i];
-        const int body[2] = {j->a, j->b};
-        for (int k = 0; k < 2 && !j->broken; k++) {
-            if (body[k] < 0 || !g->member[body[k]].moves)
-                continue;
-            vec3 arm = quat_rotate(g->pos[body[k]].q, k ? j->rb : j->ra);
-            real around = vec3_length2(vec3_cross(g->vel[body[k]].w, arm)), size = g->member[body[k]].outer;
-            most = real_max(most, around / real_max(vec3_length2(arm), 0.01 * size * size));
-        }
-    }
-    return (int)real_min(ceil(sqrt(most) * dt / WHIRLED), real_clamp(1024.0 / g->moving_count, MOST_PARTS, FEW_PARTS));
-}
-
-/* Into how many parts a step is cut. What contacts hold moves on by the velocities at the end of a part: that makes up or loses
- * energy in proportion to the part. Where the traced way was tried in vain, which is far dearer than sweeps of so few, it is to be less.
- * Of many that lie there one part has more of what sweeps there are: they creep the less. */
-static int parts_of(const Group *g)
-{
-    if (lies_uneasy(g))
-        return 1;
-    bool tried = (g->trace_failed || g->trace_wait > 0) && g->moving_count <= FINER_BODIES;
-    return int_max(g->plan->substeps * (tried && g->plan->substeps >= FINE ? FINER : 1), g->joint_count > 0 ? g->whirled_parts : 1);
-}
-
-#define SWAYED     0.5          /* rad  in a part, of what sways at its stops: it gains from 2 on, and joints that share a body at less */
-#define SWAY_WORK  4096.0       /* bodies times parts */
-#define SWAY_PARTS 4            /* of ever so many bodies */
-
-static int swayed_parts(Group *g, real dt)
-{
-    if (g->joint_count == 0 || g->joints_direct)
-        return 1;
-    return (int)real_min(ceil(group_sways(g, dt) * dt / SWAYED), real_clamp(SWAY_WORK / g->moving_count, SWAY_PARTS, FEW_PARTS));
-}
-
-/* rad/s */
-static real turning(const Group *g, int body, const Shape *s) { return angular_shape(s) ? vec3_length(g->vel[body].w) : 0; }
-
-/* m  A shape that turns comes no farther out of where it is. */
-static real play(const Group *g, int body, const Shape *s) { return turning(g, body, s) > 0 ? s->outer - s->inner : 0; }
-
-/* s  For so long the two do not meet, whichever way they turn. */
-static real clear_for(const Group *g, const GroupPair *q)
-{
-    real room = play(g, q->a, &q->on_a->shape) + play(g, q->b, &q->on_b->shape), first = INFINITY;
-    for (int k = q->contact; k < q->contact + q->contacts; k++) {
-        const GroupManifold *m = &g->contacts[k].manifold;
-        real closing = vec3_dot(m->normal, vec3_sub(g->vel[q->a].v, g->vel[q->b].v));
-        for (int p = 0; g->contacts[k].live && p < m->count; p++) {
-            real open = m->points[p].gap - room;
-            first = real_min(first, open <= 0 ? 0 : closing > 0 ? open / closing : INFINITY);
-        }
-    }
-    return first;
-}
-
-#define SPUN_UP 2               /* times as many parts: a blow within the step made it whirl */
-
-/* s  In which what turns near something turns little. late: no more impacts are located; what is clear needs no short pieces then. */
-static real turning_piece(Group *g, real dt, bool late)
-{
-    real piece = INFINITY, part = dt / TURN_PARTS, shortest = g->whirls_left > 0 ? dt / WHIRL_PARTS : part;
-    for (int i = 0; i < g->pair_count; i++) {
-        const GroupPair *q = &g->pairs[i];
-        bool live = false;
-        for (int k = q->contact; k < q->contact + q->contacts; k++)
-            live = live || g->contacts[k].live;
-        real spin = live ? real_max(turning(g, q->a, &q->on_a->shape), turning(g, q->b, &q->on_b->shape)) : 0, turn = TURN_MOST / real_max(spin, 1e-9);
-        if (turn < part)        /* of how deep a corner is in many pieces nobody knows, so that no substep is halved for it */
-            piece = real_min(piece, real_max(real_max(shortest, q->contacts > 1 ? turn / 3 : turn), real_min(late ? dt : part, clear_for(g, q))));
-        else if (!late)
-            piece = real_min(piece, turn);
-    }
-    g->whirls_left -= piece < part;
-    return piece;
-}
-
-/* s  How long the next substep may be. */
-static real longest_piece(Group *g, real dt)
-{
-    int whirled = g->joint_count > 0 ? whirled_parts(g, dt) : 0;
-    real longest = dt / int_max(whirled > SPUN_UP * parts_of(g) ? whirled : 1, swayed_parts(g, dt));
-    if (!g->locate)
-        return longest;
-    bool late = g->events_left <= 0;
-    return real_min(late ? real_min(longest, missing_little(g, dt)) : longest, turning_piece(g, dt, late));
-}
-
 /* What is laid into each other parts by being moved: what it strikes meanwhile need not be known to the instant. */
 static bool any_merged(const Group *g)
 {
@@ -658,7 +571,7 @@ static void begin(Group *g, real part, bool all)
     g->locate = g->moving_count <= g->plan->events_bodies && !g->joints_direct;
     g->gentle = group_many(g) && !group_top_heavy(g);
     g->events_left = group_events(g);
-    g->whirls_left = int_min(WHIRL_MOST, WHIRL_COUNT / int_max(g->moving_count, 1) / int_max(g->moving_count, 1));
+    g->whirls_left = sweep_whirls(g);
     g->h = g->heal_over = part;
     group_touch(g, part, all);
     g->locate = g->locate && !any_merged(g);
@@ -735,9 +648,9 @@ static dig_status substep_parting(Group *g, real dt, real until)
 
 static dig_status sweep_until(Group *g, real dt, real until)
 {
-    real part = dt / parts_of(g);
+    real part = dt / sweep_parts(g);
     while (g->t < until && !g->woke && !spent(g)) {
-        real next = g->t + longest_piece(g, dt);
+        real next = g->t + sweep_longest_piece(g, dt);
         DIG_TRY(substep_parting(g, dt, next < until - SLIVER * part ? next : until));
         if (g->woke)
             break;
@@ -754,7 +667,7 @@ static dig_status sweep_until(Group *g, real dt, real until)
 
 dig_status sweep_piece(Group *g, real dt, real until)
 {
-    real part = real_min(until - g->t, dt / parts_of(g));
+    real part = real_min(until - g->t, dt / sweep_parts(g));
     begin(g, part, true);
     while (g->t < until && !g->woke && g->status == DIG_OK)
         DIG_TRY(sweep_until(g, dt, until - g->t < 1.5 * part ? until : g->t + part));
@@ -765,13 +678,13 @@ dig_status sweep_advance(Group *g, real dt)
 {
     DIG_TRY(reserve(g));
     group_find_loops(g);
-    g->whirled_parts = whirled_parts(g, dt);
-    real part = dt / parts_of(g);
+    g->whirled_parts = sweep_whirled_parts(g, dt);
+    real part = dt / sweep_parts(g);
     begin(g, part, g->looked);              /* a way before has looked farther ahead than the first part needs */
     g->looked = false;
     g->breaks_found = true;
-    for (int k = 0; k < parts_of(g) && !g->woke && !spent(g); k++)
-        DIG_TRY(sweep_until(g, dt, k + 1 < parts_of(g) ? part * (k + 1) : dt));
+    for (int k = 0; k < sweep_parts(g) && !g->woke && !spent(g); k++)
+        DIG_TRY(sweep_until(g, dt, k + 1 < sweep_parts(g) ? part * (k + 1) : dt));
     if (spent(g))
         return g->status;
     toil_count(g);
