@@ -146,7 +146,7 @@ static bool stick_slips(const Stick *s)
 {
     for (int k = 0; k < s->count; k++) {
         const PointRow *r = s->point[k];
-        const real *x = &s->x[s->first[k]];
+        const real *x = s->x + (s->presses[k] ? s->first[k] : 0);
         if (s->presses[k] && r->friction > 0 && !s->central && !(hypot(x[1], x[2]) < (r->slides ? r->friction_dynamic : r->friction) * x[0]))
             return true;
     }
@@ -229,7 +229,7 @@ bool stick(Group *g, const bool *on, int first, int end, real enough)
         done = !more && stick_apply(g, &s, enough);
     }
     for (int k = 0; k < s.count && done; k++) {
-        const real *x = &s.x[s.first[k]];
+        const real *x = s.x + (s.presses[k] ? s.first[k] : 0);       /* what parts has no row */
         PointRow *r = s.point[k];
         r->jn = s.presses[k] ? x[0] : 0;
         bool rubs = s.presses[k] && r->friction > 0 && !s.central;
