@@ -191,7 +191,7 @@ typedef struct Crowd {
     Phase *phase; int phases;
     Soft   soft[PASSES_MOST][2];    /* by how many passes there are; between moving bodies; against what does not move */
     int    pieces;              /* that its step is cut into                                  */
-    const GroupKept *before;    /*     the step's start, to sweep it should something pass through something; NULL: there are too many */
+    const GroupKept *before;    /*     the step's start, to sweep it should something pass through something; NULL: nothing may, or they are too many */
     int    passes, passes_most; /* of a substep, at first; never more                          */
     bool   settles;             /*     it is about to come to rest                             */
     int    separations;         /* passes at most that put deep overlap apart at the end of the step */

@@ -69,7 +69,7 @@ static void drop_levers(const Group *g, const bool *deep, PointRow *r)
         r->n.k = (g->mass[r->a].im + g->mass[r->b].im) * vec3_length2(r->n.n) + vec3_dot(r->n.aa, r->n.ia) + vec3_dot(r->n.ab, r->n.ib);
 }
 
-static bool any_merged(const Group *g)
+static bool any_deep(const Group *g)
 {
     for (int i = 0; i < g->point_count; i++)
         if (is_deeper(g, &g->points[i], MERGED))
@@ -287,7 +287,7 @@ static void shift(Group *g, Vel *was)
 /* The same, of what is as good as in one place by as few rows as tell it; impulses of shifts are of no use afterwards. */
 static void shift_ways(Group *g, const bool *deep, Vel *was)
 {
-    PointRow *all = g->points, *some = any_merged(g) ? arena_alloc(g->arena, (size_t)(g->point_count + 1) * sizeof *some) : NULL;
+    PointRow *all = g->points, *some = any_deep(g) ? arena_alloc(g->arena, (size_t)(g->point_count + 1) * sizeof *some) : NULL;
     int count = g->point_count;
     if (some)                   /* else all are swept */
         list_ways(g, deep, some);

@@ -1,4 +1,5 @@
 /* tests/unit/test_stick.c - blows that are solved directly are solutions of what sweeps solve. */
+#include "base/rng.h"
 #include "physics_fixture.h"
 #include "solve/direction.h"
 
@@ -13,11 +14,7 @@ typedef struct Blow {
     uint64_t seed;
 } Blow;
 
-static real draw(Blow *b, real lo, real hi)
-{
-    b->seed = b->seed * 6364136223846793005u + 1442695040888963407u;
-    return lo + (hi - lo) * (real)(b->seed >> 11) * 0x1p-53;
-}
+static real draw(Blow *b, real lo, real hi) { return lo + (hi - lo) * rng_real(&b->seed); }
 
 static vec3 draw3(Blow *b, real most) { return (vec3){draw(b, -most, most), draw(b, -most, most), draw(b, -most, most)}; }
 
