@@ -15,7 +15,7 @@
 typedef struct Chosen {         /* what there is to know of a contact before it has a row; of one that does not act: only that */
     int     a, b;               /* the Crowd's bodies; who does not move is none of them */
     uint8_t colour, points;
-    bool    acts : 1, fixed : 1, rubs : 1, rolls : 1, driven : 1, bounces : 1, round : 1;
+    bool    acts : 1, fixed : 1, rubs : 1, rolls : 1, driven : 1, bounces : 1, round : 1, shares : 1;
 } Chosen;
 
 /* One place for each kind of batch: fixed or not, colour, points; round ones come last. */
@@ -128,7 +128,8 @@ static void forget(const Group *g, GroupContact *t)
 
 #define LONE 4                  /* contacts: what fewer are deep by is no load that came down */
 
-typedef struct Found { real deep[LONE], sags; bool presses; } Found;   /* of a thread's share: the deepest, in their order; see Crowd.sags, presses */
+/* Of a thread's share: the deepest contacts, in their order, and of those that share a load. */
+typedef struct Found { real deep[LONE], shared[LONE]; bool presses; } Found;
 
 typedef struct Rows { Crowd *c; Chosen *chosen; int *sorted; Found *found; } Rows;       /* [contact_count]; sorted: those that act, by their kinds */
 
@@ -172,7 +173,7 @@ static void choose_share(void *context, int thread, int threads)
     const Rows *r = context;
     Crowd *c = r->c;
     Group *g = c->g;
-    Found found = {.sags = 0};
+    Found found = {.presses = false};
     for (int i = team_first(g->contact_count, thread, threads), end = team_end(g->contact_count, thread, threads); i < end; i++) {
         GroupContact *t = &g->contacts[i];
         const GroupPair *q = &g->pairs[t->pair];
@@ -186,13 +187,14 @@ static void choose_share(void *context, int thread, int threads)
         *x = (Chosen){.a = crowd_index(c, t->a), .b = crowd_index(c, t->b), .points = (uint8_t)t->manifold.count, .acts = true,
                       .rubs = q->rub->friction > 0 && !g->decay_friction, .rolls = q->rub->rolling > 0 && rolling_radius(q) > 0,
                       .driven = a->kinematic || b->kinematic, .bounces = q->rub->restitution > 0};
+        x->shares = shares_load(q, t);
         x->round = !x->driven && !x->rolls && is_round(c, t);
         real gap = 0;
         for (int k = 0; k < t->manifold.count; k++)
             gap = real_min(gap, t->manifold.points[k].gap);
         real deep = gap < 0 ? -gap / needed(q, t) : 0;
         note_deep(found.deep, deep);
-        found.sags = real_max(found.sags, shares_load(q, t) ? deep : 0);
+        note_deep(found.shared, x->shares ? deep : 0);
         found.presses = found.presses || x->driven;
     }
     r->found[thread] = found;
@@ -428,10 +430,11 @@ static void clear(Batch *b)
 static Batch kind_of_batch(const Rows *r, int i, int count)
 {
     const Chosen *first = chosen_at(r, i);
-    Batch b = {.points = first->points, .fixed = first->fixed, .round = first->round, .halves = 1};
+    Batch b = {.points = first->points, .fixed = first->fixed, .round = first->round, .halves = 1, .shares = true};
     for (int end = i + count; i < end; i++) {
         const Chosen *x = chosen_at(r, i);
         b.whole += x->points == first->points;
+        b.shares = b.shares && x->shares;
         b.rubs = b.rubs || x->rubs;
         b.rolls = b.rolls || x->rolls;
         b.driven = b.driven || x->driven;
@@ -443,7 +446,7 @@ static Batch kind_of_batch(const Rows *r, int i, int count)
 static bool alike(const Batch *a, const Batch *b)
 {
     return a->points == b->points && a->round == b->round && a->rubs == b->rubs && a->rolls == b->rolls && a->driven == b->driven &&
-           a->bounces == b->bounces;
+           a->bounces == b->bounces && a->shares == b->shares;
 }
 
 /* Room for the rows of a batch. */
@@ -598,15 +601,18 @@ dig_status rows_open(Crowd *c)
     if (c->stop)
         spare_add(&g->spare, c->stop, (size_t)g->body_count * sizeof *c->stop);
     c->stop = NULL;
-    real deep[LONE] = {0};
+    real deep[LONE] = {0}, shared[LONE] = {0};
     for (int i = 0; i < shares; i++) {
-        for (int k = 0; k < LONE; k++)
+        for (int k = 0; k < LONE; k++) {
             note_deep(deep, r.found[i].deep[k]);
-        c->sags = real_max(c->sags, r.found[i].sags);
+            note_deep(shared, r.found[i].shared[k]);
+        }
         c->presses = c->presses || (g->driven && r.found[i].presses);
     }
     c->deep = deep[0];
     c->load = deep[LONE - 1];
+    c->sags = shared[0];
+    c->shared = shared[LONE - 1];
     int acting = colour_all(&r, taken, place);
     spare_add(&g->spare, taken, (size_t)(c->bodies + 1) * sizeof *taken);
     r.sorted = spare_take(&g->spare, g->lasting, (size_t)acting * sizeof *r.sorted);

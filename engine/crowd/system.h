@@ -112,6 +112,7 @@ typedef struct Batch {          /* up to sixteen contacts that share no moving b
     int  whole;                 /*      lanes with as many points                              */
     bool fixed;                 /*      one side of each contact does not move                 */
     bool rubs, rolls, driven, bounces;          /* one of them does                            */
+    bool shares;                /*     several points carry the load of each                   */
     bool round;                 /* one point each, straight before the centres of balls: it turns none of them, and friction turns them alike
                                  * in all directions. Points have no arms then, and friction is in rub */
     WideContact *of;
@@ -186,15 +187,17 @@ typedef struct Crowd {
     int   *row;                 /* [contact_count of g] LANES times its batch, and its lane; < 0: it does not act */
     bool   alone;               /*     in one piece, and most of the world: Acted are known by row          */
     bool   presses;             /*     a mover that moves presses something: see warm_most() */
-    real   deep, sags;          /* 1    deepest overlap, in changes that matter (rows.c); of contacts that share a load */
-    real   load;                /* 1    that of the fourth deepest contact                     */
+    real   deep, load;          /* 1    deepest overlap, in changes that matter (rows.c); that of the fourth deepest contact */
+    real   sags, shared;        /* 1    the same of contacts of which several points share the load                         */
     Phase *phase; int phases;
-    Soft   soft[PASSES_MOST][2];    /* by how many passes there are; between moving bodies; against what does not move */
+    Soft   soft[PASSES_MOST][2][2];     /* by how many passes there are; does a contact share its load; is one side of it fixed */
     int    pieces;              /* that its step is cut into                                  */
+    real   firm;                /* 1    see crowd_pieces()                                     */
     const GroupKept *before;    /*     the step's start, to sweep it should something pass through something; NULL: nothing may, or they are too many */
     int    passes, passes_most; /* of a substep, at first; never more                          */
     bool   settles;             /*     it is about to come to rest                             */
     int    separations;         /* passes at most that put deep overlap apart at the end of the step */
+    bool   lifts;               /*     they do it where several points share a load, too                    */
     float  leaves;              /*     what they leave of it, as SHALLOW                       */
     float *worst[2];            /* [threads] error of rates over what matters; of this pass, of the one before */
     real  *stop;                /* [body_count of g] m/s  by how much an impact in this step may change its speed; NULL: there is none */
@@ -222,8 +225,8 @@ static inline real crowd_thickness(const GroupPair *q)
     real a = q->on_a->shape.inner > 0 ? q->on_a->shape.inner : INFINITY, b = q->on_b->shape.inner > 0 ? q->on_b->shape.inner : INFINITY;
     return real_min(q->size, 2 * real_min(a, b));
 }
-/* pieces.c: into how many pieces this step is cut, each with contacts of its own */
-dig_status crowd_pieces(const Crowd *c, int *pieces);
+/* pieces.c: into how many pieces this step is cut, each with contacts of its own, and how much of their frequency springs have then */
+dig_status crowd_pieces(const Crowd *c, int *pieces, real *firm);
 /* through.c: may few that are thin pass through each other in a step of so many pieces; did any in this one? Of many, what passed through a wall
  * is put back to it. Between bodies_close() and book_close() */
 bool       crowd_may_pass(const Crowd *c, int pieces);

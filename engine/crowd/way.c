@@ -106,11 +106,12 @@ static void look_anew(Group *g)
 /* A pile that has landed may take more, for what is deep in it, or where a blow or a load that shifts asks for them: little else is to be
  * done then, and it is brief. These make rows no harder, for what lies in them would be thrown up. */
 #define CALM_WORK 8             /* times as many */
+/* What is deep in it all the same, because the load shifts a little in every step or a blow met a single pass, is put apart at the end of
+ * the step, in place alone: springs would need many steps, and harder ones would throw it up. While most still moves only where a contact is alone: what
+ * turned into another at 100 rad/s stayed 2 to 4 mm deep, and a wall that falls and is lifted row by row bobs up and down. */
+#define SEPARATIONS 8
 #define BRISK     0.01          /* of the size: what moves farther in 1/60 s, or in a step that is shorter, has not landed */
 #define LANDED    0.9           /* of all bodies */
-/* What is deep in it all the same, because the load shifts a little in every step or a blow met a single pass, is put apart at the end of
- * the step, in place alone: springs would need many steps, and harder ones would throw it up. */
-#define SEPARATIONS 8
 
 /* Are over such a part of the bodies no faster than that (m/s)? Their spins do not count: balls may roll on the spot. */
 static bool slower(const Crowd *c, real speed, real part)
@@ -191,6 +192,22 @@ static dig_status limit_hardness(const Crowd *c, int *hard)
     return DIG_OK;
 }
 
+/* But for what is deep in a few contacts only. */
+static real without_outliers(real hard, real deep, real load)
+{
+    return deep > OUTLIER * real_max(load, SHALLOW) ? real_min(hard, real_max(1, 1 + load - SHALLOW)) : hard;
+}
+
+/* Of rows whose points share a load. They carry it by overlap for good, a wall of sixteen rows by 5 mm at the ground: harder for what is deep elsewhere,
+ * or for some passes more, they lift all of it in a step (130 to 480 J of 9 to 18 kJ), and it sinks again. So they go by what is deep among
+ * themselves, and before that STEADY passes are to mend it; not in a step in pieces, which thin things need: they would stir. */
+static real shared_hardness(const Crowd *c, real hard)
+{
+    real mended = SHALLOW + (c->pieces > 1 ? 0 : STEADY - 1);
+    hard = without_outliers(hard, c->sags, c->shared);
+    return c->g->pieces > 0 ? hard : real_min(hard, real_max(1, 1 + c->sags - mended));
+}
+
 static dig_status plan_passes(Crowd *c)
 {
     int points = 1, threads = c->team ? c->team->threads : 1;
@@ -198,30 +215,34 @@ static dig_status plan_passes(Crowd *c)
         points += HALF * c->batch[i].halves * c->batch[i].points;
     int hardest = (int)real_clamp(WORK * real_max(1, c->dt / USUAL) / (real)points, 1, PASSES_MOST);
     real wanted = 1 + c->deep - SHALLOW;
-    int hard = hardest;
-    DIG_TRY(limit_hardness(c, &hard));
+    int allowed = hardest;
+    DIG_TRY(limit_hardness(c, &allowed));
     bool down = landed(c);
-    if (c->deep > OUTLIER * real_max(c->load, SHALLOW))
-        hard = int_min(hard, (int)real_max(1, 1 + c->load - SHALLOW));
+    real hard = without_outliers(allowed, c->deep, c->load), shared = shared_hardness(c, allowed);
     if (c->sags > SAGS && wanted < STEADY && hardest >= STEADY) {
-        hard = int_min(hard, (int)real_max(wanted, 1));
+        hard = real_min(hard, real_max(wanted, 1));
         wanted = STEADY;
     }
+    shared = real_min(shared, hard);
     c->passes_most = down ? int_min(CALM_WORK * hardest, PASSES_MOST) : hardest;
+    c->separations = SEPARATIONS;
+    c->lifts = down || c->g->pieces > 0;
     /* few that tumble: what stays in each other would be lifted when they are swept again */
-    c->separations = down || c->g->pieces > 0 ? SEPARATIONS : 0;
     c->leaves = c->g->pieces > 0 ? 0 : (float)SHALLOW;
     c->settles = down && settles(c);
     if (c->settles) {
         c->push_most = (float)SETTLING_PUSH;
-        hard = int_min(hard, (int)real_max(wanted, SETTLING_HARD));
+        hard = real_min(hard, real_max(wanted, SETTLING_HARD));
+        shared = hard;
         wanted = real_max(wanted, SETTLING);
     }
     c->passes = (int)real_clamp(wanted, 1, c->passes_most);
-    for (int i = 0; i < c->passes_most; i++) {
-        c->soft[i][0] = soft_of(STIFF * int_min(i + 1, hard), (real)c->h);
-        c->soft[i][1] = soft_of(FIRM * int_min(i + 1, hard), (real)c->h);
-    }
+    for (int i = 0; i < c->passes_most; i++)
+        for (int k = 0; k < 2; k++) {
+            real harder = c->firm * real_min(i + 1, k ? shared : hard);
+            c->soft[i][k][0] = soft_of(STIFF * harder, (real)c->h);
+            c->soft[i][k][1] = soft_of(FIRM * harder, (real)c->h);
+        }
     c->worst[0] = arena_zero(c->g->lasting, 2 * (size_t)threads * sizeof *c->worst[0]);
     c->worst[1] = c->worst[0] + threads;
     return c->worst[0] ? DIG_OK : DIG_E_MEMORY;
@@ -300,7 +321,7 @@ static dig_status advance(Group *g, real dt)
     DIG_TRY(open(&whole));
     int pieces;
     GroupKept before;
-    DIG_TRY(crowd_pieces(&whole, &pieces));
+    DIG_TRY(crowd_pieces(&whole, &pieces, &whole.firm));
     bool may_pass = crowd_may_pass(&whole, pieces);
     whole.alone = pieces == 1 && !may_pass && !g->acted && group_is_most(g);
     if (!whole.alone)       /* what a piece takes from the arena may be given back after it */

@@ -479,16 +479,16 @@ INLINE void ask_for(const Crowd *c, int batch)
 }
 
 /* soft: NULL = a relaxing pass. Returns the worst error of this thread's rates over what matters. */
-INLINE float pass(const Crowd *c, const Part *me, const Soft *soft, float time, bool first)
+INLINE float pass(const Crowd *c, const Part *me, const Soft (*soft)[2], float time, bool first)
 {
     Care k = {.push_most = all(c->push_most), .per_step = all(1 / c->h), .time = all(time), .worst = all(0), .push = soft != NULL, .first = first};
     for (int p = 0; p < c->phases; p++) {
-        Soft s = soft ? soft[c->batch[c->phase[p].first].fixed] : (Soft){0};        /* the same for the batches of a phase */
-        k.rate = all(s.rate);
-        k.mass = all(s.mass);
-        k.keep = all(s.keep);
         meet_before(c, me, p);
         MY_BATCHES(c->phase[p], me, i) {
+            const Soft s = soft ? soft[c->batch[i].shares][c->batch[i].fixed] : (Soft){0};
+            k.rate = all(s.rate);
+            k.mass = all(s.mass);
+            k.keep = all(s.keep);
             if (me->threads > 1)
                 ask_for(c, i + AHEAD);
             solve_batch(c, &c->batch[i], &k);
@@ -691,7 +691,7 @@ INLINE void separate(const Crowd *c, const Part *me)
         for (int p = 0; p < c->phases; p++) {
             meet_before(c, me, p);
             MY_BATCHES(c->phase[p], me, i)
-                any |= separate_batch(c, &c->batch[i]);
+                any |= (c->lifts || !c->batch[i].shares) && separate_batch(c, &c->batch[i]);
         }
         c->worst[n & 1][me->thread] = any;
         meet(me);

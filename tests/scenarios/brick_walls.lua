@@ -21,24 +21,39 @@ local function wall(s, seed, rows, friction, restitution)
   return world, bricks
 end
 
--- Of 100 such walls (16 rows, friction 1, restitution 0.3, in a pen, too) 83 made up over 1 J in a frame over three seconds after they
--- were struck, up to 2350 J of their 8800, and 67 trembled on at the end. Known to fail: 20 of them still make up 1 to 860 J, and 12 stir.
-local cases = { { 1, 12, 0.5, 0 }, { 2, 12, 0.5, 0 }, { 3, 12, 0.5, 0 }, { 4, 12, 0.5, 0 }, { 1, 12, 1, 0 }, { 1, 12, 0.5, 0.3 } }
-for _, case in ipairs(cases) do
+-- Of 64 such walls (12 and 16 rows, friction 0.5 and 1, restitution 0 and 0.3) over 1 J was made up in a frame in 14, up to 478 J of 12,000,
+-- mostly where they fall over. Known to fail: two of them still make up 2 and 20 J.
+local stand = { { 1, 12, 0.5, 0 }, { 2, 12, 0.5, 0 }, { 3, 12, 0.5, 0 }, { 4, 12, 0.5, 0 }, { 1, 12, 1, 0 }, { 1, 12, 0.5, 0.3 } }
+
+-- J  The most that was made up in a frame in the three seconds after three.
+local function most_made(world)
+  world:run "3 s"
+  local before, rise = world.energy.total, 0
+  for _ = 1, 180 do
+    world:step()
+    local now = world.energy.total
+    rise, before = math.max(rise, now - before), now
+  end
+  return rise
+end
+
+for _, case in ipairs(stand) do
   local seed, rows, friction, restitution = table.unpack(case)
   local name = "a wall of %d rows that is struck comes to rest: seed %d, friction %g, restitution %g"
   scenario(name:format(rows, seed, friction, restitution), function(s)
     local world, bricks = wall(s, seed, rows, friction, restitution)
-    world:run "3 s"
-    local before, rise = world.energy.total, 0
-    for _ = 1, 180 do
-      world:step()
-      local now = world.energy.total
-      rise, before = math.max(rise, now - before), now
-    end
-    expect(rise):below "1 J"          -- what a row of bricks gains when its overlap is put right is 0.27 J
+    expect(most_made(world)):below "1 J"          -- what a row of bricks gains when its overlap is put right is 0.27 J
     local moving = 0
     for _, b in ipairs(bricks) do moving = moving + (b.speed > 0.01 and 1 or 0) end
     expect(moving):at_most(4)         -- one that has rolled off may still rock
+  end)
+end
+
+-- These made up 113, 197, 29, 199, 333 and 35 J: all that had sagged was lifted by rows as hard as one corner needed.
+local thrown = { { 7, 12, 0.5, 0 }, { 2, 16, 0.5, 0 }, { 4, 16, 0.5, 0 }, { 7, 16, 0.5, 0 }, { 6, 12, 0.5, 0.3 }, { 10, 16, 1, 0.3 } }
+for _, case in ipairs(thrown) do
+  local seed, rows, friction, restitution = table.unpack(case)
+  scenario(("a wall of %d rows is not thrown up, falling or not: seed %d"):format(rows, seed), function(s)
+    expect(most_made((wall(s, seed, rows, friction, restitution)))):below "1 J"
   end)
 end
