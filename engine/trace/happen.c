@@ -442,14 +442,18 @@ static real slope_at(Tracer *t, const Event *e)
 /* Those located to the last digit: not by the dense output alone. */
 static bool exact(EventKind k) { return k == EVENT_CLOSE || k == EVENT_BREAK; }
 
-bool trace_stop_at(Tracer *t, const Event *e)
+/* Of the cut step, in tolerances. Its end may be where a corner gives way to another: a stage of it then presses at a point that the step was not tried
+ * with, and what came of that was believed. Where a slip ends, the last stage may be past that, by up to some thousands. */
+#define ROUGH_MOST 1e4
+
+real trace_stop_at(Tracer *t, const Event *e)
 {
     real whole = t->h, h = e->at * whole;
     if (t->probed) {                /* exact at any part */
         trace_dense(t, e->at, t->y1);
         t->h = h;
         trace_load(t, t->y1, t->t + h);
-        return true;
+        return 0;
     }
     real before = NAN, last = NAN, first_slope = e->kind == EVENT_BREAK && h > 0 ? slope_at(t, e) : NAN;
     real enough = e->kind == EVENT_BREAK ? 1e-14 * e->bond->strength : 1e-15 * t->size;
@@ -459,10 +463,13 @@ bool trace_stop_at(Tracer *t, const Event *e)
             memcpy(t->y1, t->y, (size_t)t->g->moving_count * sizeof *t->y);
             t->h = 0;
             trace_load(t, t->y1, t->t);
-            return true;
+            return 0;
         }
-        if (!trace_rate(t, t->y, t->t, 0) || trace_try(t, h) == INFINITY)
-            return false;
+        if (!trace_rate(t, t->y, t->t, 0))
+            return INFINITY;
+        real error = trace_try(t, h);
+        if (!(error <= (exact(e->kind) ? 1 : ROUGH_MOST)))
+            return error;
         real f = value_of(t, e);
         if (!exact(e->kind) || fabs(f) <= enough || f == last)
             break;
@@ -476,5 +483,5 @@ bool trace_stop_at(Tracer *t, const Event *e)
             break;              /* nothing is left to correct */
         h = next;
     }
-    return true;
+    return 0;
 }

@@ -15,6 +15,7 @@
 #define SMALL         4         /* bodies, joints and pairs                                   */
 #define STEP_LEAST    1e-10     /* of the frame: a step this short without an event is none  */
 #define SHORTER_MOST  1e-4      /* of the frame: a step longer than this may fail once more   */
+#define ROUGH         0.5       /* of a cut step: so much of it may do where its own error is too large */
 #define REACH         0.2       /* of a step: the error of one this short tells nothing of it  */
 #define ROUNDED       1e-15     /* of the fastest: joints cannot hold velocities better       */
 #define JOINT_DRIFT   1e-2      /* of the tolerance: a joint that much off is put right       */
@@ -672,7 +673,10 @@ static bool one_step(Tracer *t)
         t->probe_wait = int_max(0, t->probe_wait - 1);
         return t->dirty || t->t >= t->end ? true : tidy(t);
     }
-    if (!trace_stop_at(t, &e) || !accept_step(t, &e, &taken))
+    real rough = trace_stop_at(t, &e);
+    if (rough > 0 && rough < INFINITY)
+        return shorten(t, t->h, ROUGH);
+    if (rough > 0 || !accept_step(t, &e, &taken))
         return false;
     if (!taken)                 /* it is found again in a shorter one */
         return true;

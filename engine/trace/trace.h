@@ -364,7 +364,8 @@ Pos  trace_place(const Tracer *t, int body, real part, bool turned);    /* the s
 /* happen.c */
 Event trace_scan(Tracer *t);                    /* the first event of the tried step */
 real trace_unseen(Tracer *t, const Event *e);   /* < 1: something passes through something before that event; make a step of this part of it */
-bool  trace_stop_at(Tracer *t, const Event *e); /* cuts the tried step at it: y1, t->h */
+/* Cuts the tried step at it: y1, t->h. Else its error, which is more than may be; INFINITY: it cannot be taken at all. */
+real  trace_stop_at(Tracer *t, const Event *e);
 /* bond.c: joints that break */
 void trace_bonds(Tracer *t);                    /* lists them */
 real trace_load_on(const Tracer *t, int joint); /* N  now; of types with a share, that */
