@@ -4,7 +4,8 @@
  * hulls of 1 cm that came at 200 m/s on a wall of 1 mm got through at "sketch". So where few are fast for how thin they are, each piece is looked
  * at when it is done, along the chord of what each body did in it. If something was past the middle of the thinner one the step is put back, and
  * swept: there substeps are halved until nothing is (solve/sweep.c). Many are not swept for one: what went through something that does not give
- * way is put back along its chord to where they met, with the velocity it has. The next piece has a contact there, which stops it.
+ * way is put back along its chord to where they met, with the velocity it has. The next piece has a contact there, which stops it. So is, of many or
+ * few, what crossed a mesh.
  */
 #include "crowd/system.h"
 
@@ -76,18 +77,43 @@ bool crowd_passed(const Crowd *c)
 
 typedef struct Passing { const Crowd *c; uint8_t *passed; } Passing;       /* [pair_count of g] */
 
-/* Is the other what cannot give way, and no plane or mesh, which are deep all the way? */
-static bool is_wall(const Crowd *c, const GroupPair *q)
+/* Can the other not give way? */
+static bool is_wall(const Crowd *c, const GroupPair *q) { return c->trait[q->a].moves != c->trait[q->b].moves; }
+
+/* Meshes and height fields have no inside to be deep in: who was on this side of one with its middle and is on that side went through. What turns
+ * there goes round its middle. It had to stop where as much of it as it is thick was before the surface, along its way. */
+static bool crossed(const Crowd *c, const GroupPair *q, real *met)
 {
-    return c->trait[q->a].moves != c->trait[q->b].moves && q->on_a->shape.inner > 0 && q->on_b->shape.inner > 0;
+    bool first = q->on_a->shape.inner > 0;
+    const Shape *body = first ? &q->on_a->shape : &q->on_b->shape, *surface = first ? &q->on_b->shape : &q->on_a->shape;
+    Motion by_a = chord_of(c, q->a, pair_local(q, false)), by_b = chord_of(c, q->b, pair_local(q, true));
+    const Motion *moves = first ? &by_a : &by_b, *stands = first ? &by_b : &by_a;
+    vec3 from = pose_unpoint(motion_at(stands, 0), pose_point(motion_at(moves, 0), shape_middle(body)));
+    vec3 way = vec3_sub(pose_unpoint(motion_at(stands, c->dt), pose_point(motion_at(moves, c->dt), shape_middle(body))), from);
+    real length = vec3_length(way);
+    RayHit hit;
+    if (!(length > body->inner) || !surface->type->ray(surface, &(Ray){from, vec3_scale(1 / length, way), length}, &hit))
+        return false;
+    *met = c->dt * real_max(0, hit.distance - body->inner) / length;
+    return true;
+}
+
+/* Past what does not give way; planes are deep all the way. In a crowd of few that is kept for sweeps, these are what walls need. */
+static bool passed_wall(const Crowd *c, const GroupPair *q, real *met)
+{
+    real a = q->on_a->shape.inner, b = q->on_b->shape.inner;
+    if (!is_wall(c, q) || !isfinite(a + b))
+        return false;
+    return a > 0 && b > 0 ? !c->before && went_through(c, q, met) : (a > 0 || b > 0) && crossed(c, q, met);
 }
 
 static void passed_share(void *context, int thread, int threads)
 {
     const Passing *x = context;
     const Group *g = x->c->g;
+    real met;
     for (int i = team_first(g->pair_count, thread, threads), end = team_end(g->pair_count, thread, threads); i < end; i++)
-        x->passed[i] = is_wall(x->c, &g->pairs[i]) && went_through(x->c, &g->pairs[i], NULL);
+        x->passed[i] = passed_wall(x->c, &g->pairs[i], &met);
 }
 
 dig_status crowd_hold_back(Crowd *c)
@@ -103,7 +129,7 @@ dig_status crowd_hold_back(Crowd *c)
         const GroupPair *q = &g->pairs[i];
         int body = c->trait[q->a].moves ? q->a : q->b, wall = body == q->a ? q->b : q->a;
         real met;
-        if (!x.passed[i] || !went_through(c, q, &met))      /* another wall may have held it back already */
+        if (!x.passed[i] || !passed_wall(c, q, &met))      /* another wall may have held it back already */
             continue;
         Motion motion = chord_of(c, wall, pose_identity());
         body_hold_back(c, body, met / c->dt, vec3_scale(c->dt - met, motion_velocity(&motion, g->pos[body].x, met)));

@@ -270,8 +270,7 @@ static dig_status advance_piece(Crowd *c, real until)
         g->handed_on = true;
         return DIG_OK;
     }
-    if (!c->before)
-        DIG_TRY(crowd_hold_back(c));
+    DIG_TRY(crowd_hold_back(c));
     DIG_TRY(book_close(c));
     /* nothing of it is needed any more: what comes next finds its room still in the cache */
     if (g->strikes == strikes && g->pair_count == pairs && !c->alone) {

@@ -1,7 +1,8 @@
 -- rims_on_movers.lua: a cylinder that tips until it stands on its base meets what moves as what is fixed: it makes no energy.
 --
--- A traced step in which the base comes flat is cut at that instant, and tried again as far as there. At its end the rim presses at another point
--- than it was tried with, and what came of that, up to 2e11 N and 385 m/s, was believed, though its own error said that it was worth nothing.
+-- A traced step in which the base comes flat is cut at that instant, and tried again as far as there. At its end the rim presses at another
+-- point than it was tried with, and what came of that, 5e8 N and up to 385 m/s, was believed, though its own error said that it was worth
+-- nothing.
 local test = require "digbox.test"
 local scenario, expect = test.scenario, test.expect
 
