@@ -58,7 +58,7 @@ local shapes = {
 
 local function inside(p) return math.abs(p.x) < HALF and math.abs(p.z) < HALF and p.y > 0 and p.y < 2 * HALF end
 
-for _, case in ipairs { 11, 22, 24 } do
+for _, case in ipairs { 11, 22, 24, 54, 63, 84 } do
   local seed = case
   scenario(("fast things stay in a room of triangles: start %d"):format(seed), function(s)
     local world, d, bodies = s:world {}, dice(seed), {}
