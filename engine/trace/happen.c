@@ -198,13 +198,13 @@ static void scan_gaps(Tracer *t, Event *first)
 
 /* ---- forces and speeds, at the end of the step ---- */
 
-typedef struct Violated { Event e; real start, end; } Violated;
+typedef struct Violated { Event e; int contact; real start, end; } Violated;     /* contact: -1 of a joint */
 
-INLINE void note(const Tracer *t, Violated *list, int *n, Event e, real below)
+INLINE void note(const Tracer *t, Violated *list, int *n, Event e, int contact, real below)
 {
     real end = value_of(t, &e);
     if (end < -below)
-        list[(*n)++] = (Violated){e, NAN, end};
+        list[(*n)++] = (Violated){e, contact, NAN, end};
 }
 
 static int list_violated(Tracer *t, Violated *v)
@@ -214,9 +214,9 @@ static int list_violated(Tracer *t, Violated *v)
     for (int i = 0; i < t->touch_count; i++) {
         Touching *c = &t->touch[i];
         if (c->gate.presses)
-            note(t, v, &n, (Event){.kind = EVENT_OPEN, .gate = &c->gate}, force_zero);
+            note(t, v, &n, (Event){.kind = EVENT_OPEN, .gate = &c->gate}, c->contact, force_zero);
         else if (c->gate.closed)
-            note(t, v, &n, (Event){.kind = EVENT_PRESS, .gate = &c->gate}, acc_zero);
+            note(t, v, &n, (Event){.kind = EVENT_PRESS, .gate = &c->gate}, c->contact, acc_zero);
         Cone *both[2] = {&c->slip, &c->roll};
         for (int k = 0; k < 2 && c->gate.presses; k++) {
             if (!both[k]->axes)
@@ -224,19 +224,19 @@ static int list_violated(Tracer *t, Violated *v)
             Event e = {.kind = both[k]->grip == GRIP_STICK ? EVENT_YIELD : both[k]->grip == GRIP_SLIP ? EVENT_HALT : EVENT_GRIP,
                        .cone = both[k], .normal = &c->gate};
             real unit = k ? t->size : 1;
-            note(t, v, &n, e, e.kind == EVENT_YIELD ? force_zero * unit : e.kind == EVENT_GRIP ? acc_zero / unit : 0);
+            note(t, v, &n, e, c->contact, e.kind == EVENT_YIELD ? force_zero * unit : e.kind == EVENT_GRIP ? acc_zero / unit : 0);
         }
     }
     for (int i = 0; i < t->stop_count; i++) {
         Gate *g = &t->stops[i].gate;
         if (g->presses)
-            note(t, v, &n, (Event){.kind = EVENT_OPEN, .gate = g}, force_zero);
+            note(t, v, &n, (Event){.kind = EVENT_OPEN, .gate = g}, -1, force_zero);
         else if (g->closed)
-            note(t, v, &n, (Event){.kind = EVENT_PRESS, .gate = g}, acc_zero);
+            note(t, v, &n, (Event){.kind = EVENT_PRESS, .gate = g}, -1, acc_zero);
     }
     for (int i = 0; i < t->hold_count; i++) {
         Hold *h = &t->holds[i];
-        note(t, v, &n, (Event){.kind = h->side ? EVENT_HALT : EVENT_YIELD, .hold = h}, h->side ? 0 : BELOW * h->most);
+        note(t, v, &n, (Event){.kind = h->side ? EVENT_HALT : EVENT_YIELD, .hold = h}, -1, h->side ? 0 : BELOW * h->most);
     }
     return n;
 }
@@ -277,10 +277,26 @@ static bool lifted_off(Tracer *t, const Event *e)
     return true;
 }
 
-/* Is it not yet so where another one is known to happen? Then its root, which takes a score of evaluations, is of no use. */
-static bool is_later(Tracer *t, const Event *e, const Event *first)
+#define LAST 1e-6               /* of the load on a contact as the step began: the last of it, see open_near in kinds.c */
+
+/* N  The most that pressed a point of it at the start of the step. */
+static real load_at_start(const Tracer *t, int contact)
 {
-    return first->kind != EVENT_NONE && first->kind != EVENT_SHORTER && needs_forces(e->kind) && value_at(t, e, first->at) > 0;
+    real most = 0;
+    for (int i = 0; i < t->touch_count; i++)
+        if (t->touch[i].contact == contact && t->touch[i].gate.presses)
+            most = real_max(most, t->touch[i].gate.force0);
+    return most;
+}
+
+/* Is it not yet so where another one is known to happen? Then its root, which takes a score of evaluations, is of no use. Where a contact lets go,
+ * all its points do, and with the last of its force goes that of its friction: none of these comes before. contact: that of the first; -1: none */
+static bool is_later(Tracer *t, const Violated *v, const Event *first, int contact)
+{
+    if (first->kind == EVENT_NONE || first->kind == EVENT_SHORTER || !needs_forces(v->e.kind))
+        return false;
+    bool same = first->kind == EVENT_OPEN && contact >= 0 && v->contact == contact && (v->e.kind == EVENT_OPEN || v->e.kind == EVENT_YIELD);
+    return value_at(t, &v->e, first->at) > (same ? -LAST * load_at_start(t, contact) : 0);
 }
 
 /* Does it only get less that points the other way? What begins to slide may have a little speed left from before, too slow to count: gone within less
@@ -302,18 +318,20 @@ static void find_starts(Tracer *t, Violated *v, int n)
 static void scan_forces(Tracer *t, Event *first)
 {
     Violated v[3 * WATCHED];        /* a contact point has a gate and two cones */
-    int n = list_violated(t, v);
+    int n = list_violated(t, v), contact = -1;
     find_starts(t, v, n);
     for (int i = 0; i < n && !(first->kind != EVENT_NONE && first->at <= 0); i++) {         /* none comes before that */
-        if (is_left_over(&v[i]) || is_later(t, &v[i].e, first))
+        if (is_left_over(&v[i]) || is_later(t, &v[i], first, contact))
             continue;
         real from = 0, start = v[i].start;
         if (!(start > 0) && v[i].e.kind == EVENT_HALT && v[i].e.cone)
             start = leave_rest(t, &v[i].e, &from);
         v[i].e.at = start > 0 ? root_of(t, &v[i].e, from, start, 1, v[i].end) : 0;
         finish_halt(t, &v[i].e);
-        if (!lifted_off(t, &v[i].e))
-            earlier(first, &v[i].e);
+        if (lifted_off(t, &v[i].e))
+            continue;
+        earlier(first, &v[i].e);
+        contact = first->at == v[i].e.at && first->gate == v[i].e.gate ? v[i].contact : contact;
     }
 }
 
