@@ -623,6 +623,19 @@ static void rest_on(Tracer *t, real h)
     t->h_next = t->end;
 }
 
+/* What comes to rest within a frame is touched where it lies now: else by where it was when that was last looked for, for as long as it rests. */
+static bool rest_here(Tracer *t, real rest)
+{
+    if (t->touched != t->t) {
+        if (!trace_touch(t, false))
+            return false;
+        t->dirty = t->dirty || t->relisted;
+    }
+    if (!t->dirty)
+        rest_on(t, rest);
+    return true;
+}
+
 /* rad  Of the fastest spring, in a step. Where its swing is below the tolerance no error tells of a longer one, which adds to its energy. */
 #define SWUNG 1.0
 
@@ -643,10 +656,8 @@ static bool one_step(Tracer *t)
     if (!hold_slow_slips(t, h, aim))
         return false;
     mark_start(t);
-    if (at_rest(t, rest)) {
-        rest_on(t, rest);
-        return true;
-    }
+    if (at_rest(t, rest))
+        return rest_here(t, rest);
     real error = trace_try(t, h), held = t->fault ? 0 : held_most(t);
     if (held > 1 && h > HELD * cbrt(t->tolerance / (HELD_AT * t->size)) * t->end)
         return shorten(t, h, real_max(0.2, 0.9 * pow(held, -1.0 / 3)));

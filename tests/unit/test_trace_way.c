@@ -526,6 +526,36 @@ TEST(a_sliding_spinning_box_does_the_same_a_kilometre_away)
     dig_world_close(v);
 }
 
+/* m  How far the farthest of a body's contact points is from its own nearest corner. */
+static real off_corners(const dig_world *w, dig_body_state s, vec3 half)
+{
+    real worst = 0;
+    for (int i = 0; i < w->contacts.count; i++)
+        for (int k = 0; k < w->contacts.data[i].count; k++) {
+            vec3 at = contact_point_seen(w, &w->contacts.data[i], k)->at.b, own = quat_unrotate(s.rotation, vec3_sub(at, s.position));
+            worst = fmax(worst, vec3_distance(vec3_abs(own), half));
+        }
+    return worst;
+}
+
+/* It stops within a frame: its contacts are where it stopped, not where it was as the frame began. */
+TEST(what_slides_to_rest_is_touched_where_it_lies)
+{
+    vec3 half = {0.2, 0.05, 0.2};
+    for (real speed = 0.3; speed < 1; speed += 0.1) {
+        dig_world *w = open_world(1.0 / 60, "play", true);
+        add_floor(w, look(0.4, 0));
+        dig_body b = add_box(w, look(0.4, 0), vec3_scale(2, half), 1, (vec3){0, half.y, 0}, quat_identity());
+        fail_unless(w, dig_body_hit(w, b, (vec3){speed, 0, 0}, (vec3){0, half.y, 0}, false), "hit");
+        for (int i = 0; i < 30; i++) {
+            step(w, 1);
+            CHECK_NEAR(off_corners(w, state_of(w, b), half), 0, 1e-12);
+        }
+        CHECK_NEAR(vec3_length(state_of(w, b).velocity), 0, 1e-12);
+        dig_world_close(w);
+    }
+}
+
 int main(void)
 {
     RUN_TESTS(unit_test(the_accuracy_number_grows_as_the_tolerance_shrinks),
@@ -541,5 +571,6 @@ int main(void)
               unit_test(a_group_that_was_handed_on_is_not_tried_again_for_16_steps_then_32),
               unit_test(a_group_that_can_be_traced_again_is),
               unit_test(threads_do_not_change_a_bit_of_traced_groups),
-              unit_test(a_sliding_spinning_box_does_the_same_a_kilometre_away));
+              unit_test(a_sliding_spinning_box_does_the_same_a_kilometre_away),
+              unit_test(what_slides_to_rest_is_touched_where_it_lies));
 }
