@@ -377,6 +377,26 @@ static real held_most(const Tracer *t)
     return most;
 }
 
+#define SHORT_OF 0.49           /* of the time that a slip has left: past half of it the slip would be held in its direction */
+#define LEFT_ASIDE (1.0 / 32)   /* of the tolerance: such a way aside no step notices */
+
+/* s  What drags a slip aside turns it the faster the slower it gets: where it comes to its end a step over that end is refused, and the next one, and
+ * so on. */
+static real short_of_turns(const Tracer *t, real h)
+{
+    for (int i = 0; i < t->touch_count; i++) {
+        const Touching *c = &t->touch[i];
+        real speed = vec3_length(c->slip.u), slows = speed > 0 ? -vec3_dot(c->slip.acc, c->slip.u) / speed : 0;
+        if (!c->gate.presses || !c->slip.axes || c->slip.grip != GRIP_SLIP || !(slows * h > SHORT_OF * speed))
+            continue;
+        real aside = c->slip.locked ? fabs(c->slip.lateral) / (c->slip.moving * c->gate.force)
+                                    : vec3_length(vec3_mad(c->slip.acc, slows / speed, c->slip.u)) / slows;
+        if (aside * speed * speed > LEFT_ASIDE * t->tolerance * slows)
+            h = SHORT_OF * speed / slows;
+    }
+    return h;
+}
+
 /* A slip so slow that its direction would turn within the step is held in its direction, with a row across it. */
 static bool hold_slow_slips(Tracer *t, real h, bool aim)
 {
@@ -650,6 +670,8 @@ static bool one_step(Tracer *t)
         h = real_min(rest, AIM_STEP * t->end);
         t->aimed_at = t->t;         /* once from each place: what is refused must get shorter */
     }
+    else
+        h = short_of_turns(t, h);
     h = rest / ceil(rest / h - 0.01);
     if (nears_edge(t))
         h = real_min(h, real_max(0.5 * (t->over - t->t), EDGE * t->end));
@@ -693,6 +715,8 @@ static bool one_step(Tracer *t)
         return true;
     if (!count_event(t, &e))
         return false;
+    if (e.kind == EVENT_HALT && e.cone)        /* what turned the faster the slower it got does so no more */
+        t->h_next = t->end;
     if (e.kind == EVENT_BREAK)
         trace_part(t, &e);
     else if (e.kind != EVENT_CLOSE && !t->dirty)
