@@ -483,8 +483,6 @@ real trace_stop_at(Tracer *t, const Event *e)
             trace_load(t, t->y1, t->t);
             return 0;
         }
-        if (!trace_rate(t, t->y, t->t, 0))
-            return INFINITY;
         real error = trace_try(t, h);
         if (!(error <= (exact(e->kind) ? 1 : ROUGH_MOST)))
             return error;
