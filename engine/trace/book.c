@@ -155,6 +155,15 @@ dig_status trace_reserve(Tracer *t)
 
 /* ---- sums over the step ---- */
 
+/* Of one of them up to a part of the step, by the dense output. whole: over all of it */
+static real mean_up_to(const Tracer *t, int i, real whole)
+{
+    real first = t->quad[0][i] - whole, last = whole - t->quad[STAGES - 1][i] - first, rest = 1 - t->part, high = 0;
+    for (int s = 0; s < STAGES; s++)
+        high += s == 1 ? 0 : dormand_prince_dense[s] * t->quad[s][i];
+    return whole + rest * (first + t->part * (last + rest * high));
+}
+
 /* Means over the step: the quadrature of the pair is that of its positions; powers of a probed step are linear in time. */
 void trace_mean(Tracer *t)
 {
@@ -168,7 +177,7 @@ void trace_mean(Tracer *t)
         UNROLL
         for (int s = 2; s < STAGES - 1; s++)
             sum += weight[s] * t->quad[s][i];
-        t->sum[i] = sum;
+        t->sum[i] = t->part < 1 ? mean_up_to(t, i, sum) : sum;
     }
 }
 

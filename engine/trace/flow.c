@@ -22,7 +22,7 @@ const real dormand_prince[STAGES][STAGES - 1] = {
     {35.0 / 384, 0, 500.0 / 1113, 125.0 / 192, -2187.0 / 6784, 11.0 / 84},
 };
 static const real error_weight[STAGES] = {71.0 / 57600, 0, -71.0 / 16695, 71.0 / 1920, -17253.0 / 339200, 22.0 / 525, -1.0 / 40};
-static const real dense_weight[STAGES] = {
+const real dormand_prince_dense[STAGES] = {
     -12715105075.0 / 11282082432.0, 0, 87487479700.0 / 32700410799.0, -10690763975.0 / 1880347072.0,
     701980252875.0 / 199316789632.0, -1453857185.0 / 822651844.0, 69997945.0 / 29380423.0,
 };
@@ -334,10 +334,10 @@ void trace_parabola(Tracer *t, real h)
     memcpy(t->quad[STAGES - 1], t->quad[0], (size_t)trace_powers(t) * sizeof *t->quad[0]);
 }
 
-/* Those of the last evaluation and those at the start. */
+/* Those of the last evaluation and those at the start. Many steps to blows may follow each other within a frame. */
 static bool same_accelerations(const Tracer *t, real h)
 {
-    real most = 0.1 * t->tolerance / h * t->pace;
+    real most = (t->aims ? 1e-4 : 0.1) * t->tolerance / h * t->pace;
     for (int i = 0; i < t->g->moving_count; i++) {
         real arm = t->g->member[i].outer;
         if (vec3_distance(t->acc[i], t->stage[0][i].v) > most || arm * vec3_distance(t->alpha[i], t->alpha0[i]) > most)
@@ -416,7 +416,7 @@ static real pair_step(Tracer *t, real h, int first)
 
 /* Bodies that do not turn, or look the same when they do, on planes that do not turn: the forces of contacts are constant while
  * the kinds are. One probe, at the end, shows whether all others are. */
-static bool looks_steady(const Tracer *t, real h)
+bool trace_steady(const Tracer *t, real h)
 {
     const Group *g = t->g;
     if (g->joint_count > 0 || g->varies)
@@ -436,8 +436,9 @@ static bool looks_steady(const Tracer *t, real h)
 real trace_try(Tracer *t, real h)
 {
     t->h = h;
+    t->part = 1;
     t->probed = false;
-    bool may = t->probe_wait == 0 && may_probe(t, h), steady = may && looks_steady(t, h);
+    bool may = t->probe_wait == 0 && may_probe(t, h), steady = may && trace_steady(t, h);
     int first = 1;
     if (!steady) {
         combine(t, dormand_prince[1], 1, h, t->y, t->y2);
@@ -489,7 +490,7 @@ INLINE void dense_of(const Tracer *t, real part, int begin, int n, real *o)
     for (int i = begin; i < begin + n; i++) {
         real r2 = y1[i] - y0[i], r3 = t->h * first[i] - r2, r4 = r2 - t->h * last[i] - r3, r5 = 0;
         for (int s = 0; s < STAGES; s++)
-            r5 += dense_weight[s] * ((const real *)(const void *)t->stage[s])[i];
+            r5 += dormand_prince_dense[s] * ((const real *)(const void *)t->stage[s])[i];
         o[i - begin] = y0[i] + part * (r2 + rest * (r3 + part * (r4 + rest * t->h * r5)));
     }
 }
@@ -500,6 +501,16 @@ void trace_dense(const Tracer *t, real part, State *out)
         parabola(t, part * t->h, out);
     else
         dense_of(t, part, 0, t->g->moving_count * STATE_REALS, (real *)(void *)out);
+}
+
+/* y2 becomes the end of the tried step, which ends at that part of it; mean forces and powers are those up to there. */
+void trace_cut(Tracer *t, real part)
+{
+    for (int i = 0; i < t->g->moving_count; i++) {
+        t->y1[i] = t->y2[i];
+        t->y1[i].q = quat_unit(t->y1[i].q);
+    }
+    t->part = part;
 }
 
 Pos trace_place(const Tracer *t, int i, real part, bool turned)

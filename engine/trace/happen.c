@@ -136,6 +136,31 @@ static void find_closing(Tracer *t, Gate *g, const Touching *touch, const real g
     earlier(first, &e);
 }
 
+#define PAST (1 + 1.0 / 512)    /* times the time to where it will meet */
+
+#define FORESEEN 0.25           /* rad: what turns farther gets there at another time */
+
+static real fastest_turn(const Tracer *t, const Touching *c) { return real_max(vec3_length(t->g->vel[c->a].w), vec3_length(t->g->vel[c->b].w)); }
+
+/* Of a step over a blow all beyond that is in vain, and a short one may have forces that are constant. */
+real trace_aim(const Tracer *t, real h)
+{
+    if (trace_steady(t, h))
+        return h;
+    for (int i = 0; i < t->touch_count; i++) {
+        const Touching *c = &t->touch[i];
+        if (c->gate.closed || c->gate.presses || !(c->gate.gap >= -t->gap_zero))
+            continue;
+        real rate = c->gate.rate, acc = trace_gap_acceleration(t, c), gap = real_max(c->gate.gap, 0), d = rate * rate - 2 * acc * gap;
+        if (d < 0 || !(rate < 0 || acc < 0))
+            continue;
+        real at = rate < 0 ? 2 * gap / (sqrt(d) - rate) : (rate + sqrt(d)) / -acc;
+        if (at > 0 && PAST * at < h && at * fastest_turn(t, c) < FORESEEN)
+            h = PAST * at;
+    }
+    return h;
+}
+
 typedef struct Watch { Gate *gate; const Touching *touch; real gaps[4]; } Watch;       /* touch: NULL of a stop */
 
 /* Points of a contact follow each other, and have the same two bodies. */
@@ -460,6 +485,8 @@ static real slope_at(Tracer *t, const Event *e)
 /* Those located to the last digit: not by the dense output alone. */
 static bool exact(EventKind k) { return k == EVENT_CLOSE || k == EVENT_BREAK; }
 
+#define NEARLY (1 - 1.0 / 128)  /* of the step: off its end the dense output is off by the square of what is left times its own error */
+
 /* Of the cut step, in tolerances. Its end may be where a corner gives way to another: a stage of it then presses at a point that the step was not tried
  * with, and what came of that was believed. Where a slip ends, the last stage may be past that, by up to some thousands. */
 #define ROUGH_MOST 1e4
@@ -467,8 +494,11 @@ static bool exact(EventKind k) { return k == EVENT_CLOSE || k == EVENT_BREAK; }
 real trace_stop_at(Tracer *t, const Event *e)
 {
     real whole = t->h, h = e->at * whole;
-    if (t->probed) {                /* exact at any part */
-        trace_dense(t, e->at, t->y1);
+    bool at_end = e->kind == EVENT_CLOSE && e->at >= NEARLY;
+    if (t->probed || at_end) {      /* exact at any part, or there */
+        trace_dense(t, e->at, t->probed ? t->y1 : t->y2);
+        if (!t->probed)
+            trace_cut(t, e->at);
         t->h = h;
         trace_load(t, t->y1, t->t + h);
         return 0;

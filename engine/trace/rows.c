@@ -262,13 +262,21 @@ real trace_row_acceleration(const Tracer *t, const Row *r)
     return a;
 }
 
+/* Of the bodies at a point, b against a. */
+INLINE vec3 parting_acceleration(const Tracer *t, const Touching *c)
+{
+    return vec3_sub(point_acceleration(t, c->b, c->k.at), point_acceleration(t, c->a, c->k.at));
+}
+
+real trace_gap_acceleration(const Tracer *t, const Touching *c) { return vec3_dot(c->k.n, parting_acceleration(t, c)) + c->k.drift_n; }
+
 void trace_read_accelerations(Tracer *t)
 {
     for (int i = 0; i < t->touch_count; i++) {
         Touching *c = &t->touch[i];
         if (!c->gate.closed)
             continue;
-        vec3 a = vec3_sub(point_acceleration(t, c->b, c->k.at), point_acceleration(t, c->a, c->k.at));
+        vec3 a = parting_acceleration(t, c);
         c->gate.acc = vec3_dot(c->k.n, a) + c->k.drift_n;
         a = vec3_add(a, c->k.drift);
         c->slip.acc = vec3_mad(a, -vec3_dot(c->k.n, a), c->k.n);

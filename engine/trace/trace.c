@@ -675,6 +675,9 @@ static bool one_step(Tracer *t)
     h = rest / ceil(rest / h - 0.01);
     if (nears_edge(t))
         h = real_min(h, real_max(0.5 * (t->over - t->t), EDGE * t->end));
+    real meets = trace_aim(t, h);
+    t->aims = meets < h;
+    h = meets;
     if (!hold_slow_slips(t, h, aim))
         return false;
     mark_start(t);

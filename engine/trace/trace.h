@@ -257,6 +257,8 @@ typedef struct Tracer {
     bool   crawled;             /* its steps remained short where slips were slow: from there on these follow their forces */
     real   aimed_at;            /* s  where the last step began that followed slow slips by their forces */
     real   h, h_next, h_probe;  /* s  of the present step, of the next, of the probe that the present one is part of */
+    real   part;                /* of the tried step, not a probed one, at which it ends */
+    bool   aims;                /* the present step ends where something will meet, or just past it */
     bool   probed;              /* the present step has constant accelerations */
     int    probe_wait, probe_fails;
     bool   passing;             /* an instant within a step: nothing is looked for there */
@@ -324,6 +326,7 @@ bool trace_solve(Tracer *t);                    /* forces for the present kinds,
 bool trace_accelerate(Tracer *t);               /* the same, and the accelerations of contacts, stops and holds */
 void trace_read_forces(Tracer *t);              /* of contacts, stops and holds, from the solved rows */
 bool trace_movers(const Group *g);              /* is any of its bodies kinematic? */
+real trace_gap_acceleration(const Tracer *t, const Touching *c);        /* m/s^2  of any point, by those of the bodies */
 void trace_read_accelerations(Tracer *t);       /* these alone, from those of the bodies */
 vec3 trace_spin_up(const Tracer *t, int body, vec3 torque);     /* rad/s^2 */
 bool trace_project(Tracer *t, bool positions);  /* puts what drifted back on its constraints; false = fault */
@@ -349,6 +352,7 @@ bool trace_again(Tracer *t);                    /* the forces that contacts have
 bool trace_joints_again(Tracer *t);             /* at a frame's start, the same of joints alone: to what the tolerance allows */
 /* flow.c */
 extern const real dormand_prince[STAGES][STAGES - 1];       /* its last row: the weights of the fifth order */
+extern const real dormand_prince_dense[STAGES];
 void trace_keep_angles(Tracer *t);                      /* here a step begins */
 void trace_load(Tracer *t, const State *y, real time);  /* into the group */
 void trace_store(Tracer *t, State *y);                  /* from the group */
@@ -356,12 +360,15 @@ void trace_refine(Tracer *t, const State *y);   /* angular velocities to the las
 void trace_keep(Tracer *t, int stage);          /* rates and powers of the present state, as evaluated */
 void trace_follow(Tracer *t);                   /* slip directions of the present velocities */
 bool trace_rate(Tracer *t, const State *y, real time, int stage);
+bool trace_steady(const Tracer *t, real h);     /* does a step look as if its forces were constant? */
 void trace_parabola(Tracer *t, real h);         /* a step whose forces are those at its start throughout, untried */
 real trace_try(Tracer *t, real h);              /* one step from y to y1; its error over the tolerance; INFINITY = fault */
 bool trace_stretch(Tracer *t, real more);       /* the tried step by so little, s; false: that is not little */
 void trace_dense(const Tracer *t, real part, State *out);   /* y .. y1 at a part of the tried step */
+void trace_cut(Tracer *t, real part);
 Pos  trace_place(const Tracer *t, int body, real part, bool turned);    /* the same of one body; turned: its rotation, too */
 /* happen.c */
+real trace_aim(const Tracer *t, real h);        /* s  to just past where the first open gate will meet; h: none will before */
 Event trace_scan(Tracer *t);                    /* the first event of the tried step */
 real trace_unseen(Tracer *t, const Event *e);   /* < 1: something passes through something before that event; make a step of this part of it */
 /* Cuts the tried step at it: y1, t->h. Else its error, which is more than may be; INFINITY: it cannot be taken at all. */
