@@ -136,8 +136,16 @@ static void find_closing(Tracer *t, Gate *g, const Touching *touch, const real g
     earlier(first, &e);
 }
 
-#define PAST (1 + 1.0 / 512)    /* times the time to where it will meet */
+/* s  When a gap that is not negative will be none, under a constant acceleration; after it was none, if it is now. INFINITY: never. */
+static real meets(real gap, real rate, real acc)
+{
+    real d = rate * rate - 2 * acc * gap;
+    if (d < 0 || !(rate < 0 || acc < 0))
+        return INFINITY;
+    return rate < 0 ? 2 * gap / (sqrt(d) - rate) : (rate + sqrt(d)) / -acc;
+}
 
+#define PAST (1 + 1.0 / 512)    /* times the time to where it will meet */
 #define FORESEEN 0.25           /* rad: what turns farther gets there at another time */
 
 static real fastest_turn(const Tracer *t, const Touching *c) { return real_max(vec3_length(t->g->vel[c->a].w), vec3_length(t->g->vel[c->b].w)); }
@@ -151,14 +159,29 @@ real trace_aim(const Tracer *t, real h)
         const Touching *c = &t->touch[i];
         if (c->gate.closed || c->gate.presses || !(c->gate.gap >= -t->gap_zero))
             continue;
-        real rate = c->gate.rate, acc = trace_gap_acceleration(t, c), gap = real_max(c->gate.gap, 0), d = rate * rate - 2 * acc * gap;
-        if (d < 0 || !(rate < 0 || acc < 0))
-            continue;
-        real at = rate < 0 ? 2 * gap / (sqrt(d) - rate) : (rate + sqrt(d)) / -acc;
+        real at = meets(real_max(c->gate.gap, 0), c->gate.rate, trace_gap_acceleration(t, c));
         if (at > 0 && PAST * at < h && at * fastest_turn(t, c) < FORESEEN)
             h = PAST * at;
     }
     return h;
+}
+
+/* Under constant accelerations the gap of what does not turn, or of a ball, over a fixed plane follows a parabola: where that meets, and whether,
+ * its rates at both ends of the step tell. False: they do not. */
+static bool on_parabola(Tracer *t, Gate *g, const Touching *c, Event *first)
+{
+    const Feature *f = &c->feature;
+    bool plane_a = f->kind == PLANE_POINT, follows = t->probed && f->fixed && !feature_turns(f, plane_a) && g->gap0 >= -t->gap_zero;
+    if (!follows || (g->gap > 0 && g->rate0 < 0 && g->rate > 0))
+        return false;
+    if (g->gap > 0)
+        return true;
+    Event e = {.kind = EVENT_CLOSE, .gate = g, .touch = c};
+    e.at = meets(real_max(g->gap0, 0), g->rate0, (g->rate - g->rate0) / t->h) / t->h;
+    if (!(e.at > 0 && e.at <= 1 && fabs(value_at(t, &e, e.at)) <= rounding_of(t, &e, 1)))
+        return false;
+    earlier(first, &e);
+    return true;
 }
 
 typedef struct Watch { Gate *gate; const Touching *touch; real gaps[4]; } Watch;       /* touch: NULL of a stop */
@@ -183,11 +206,11 @@ static bool watched(const Tracer *t, const Gate *g)
     return !g->closed && isfinite(g->gap) && (g->gap <= 0 || g->gap0 <= reach || g->gap <= reach);
 }
 
-static int list_watched(Tracer *t, Watch *w, int *touches)
+static int list_watched(Tracer *t, Watch *w, int *touches, Event *first)
 {
     int n = 0;
     for (int i = 0; i < t->touch_count; i++)
-        if (watched(t, &t->touch[i].gate))
+        if (watched(t, &t->touch[i].gate) && !on_parabola(t, &t->touch[i].gate, &t->touch[i], first))
             w[n++] = (Watch){.gate = &t->touch[i].gate, .touch = &t->touch[i]};
     *touches = n;
     for (int i = 0; i < t->stop_count; i++)
@@ -203,7 +226,7 @@ static void scan_gaps(Tracer *t, Event *first)
         trace_load(t, t->y1, t->t + t->h);
         trace_kinematics(t);
     }
-    int touches, n = list_watched(t, w, &touches);
+    int touches, n = list_watched(t, w, &touches, first);
     for (int i = 0; i < n; i++)
         w[i].gaps[3] = w[i].gate->gap;
     for (int s = 0; s < 3; s++)
