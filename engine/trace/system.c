@@ -164,23 +164,52 @@ static void swap_rows(real *a, real *b, int n)
     }
 }
 
+/* The largest number of a column from its diagonal down comes onto that. False: it is as good as none. */
+INLINE bool take_pivot(System *s, int i)
+{
+    int n = s->count, best = i;
+    real *top = s->f + i * n, most = fabs(top[i]);
+    for (int k = i + 1; k < n; k++)
+        if (fabs(s->f[k * n + i]) > most) {
+            most = fabs(s->f[k * n + i]);
+            best = k;
+        }
+    s->swap[i] = best;
+    swap_rows(top, s->f + best * n, n);
+    return fabs(top[i]) > (s->redundant ? 1e-300 : SINGULAR * fabs(s->a[i * n + i]));
+}
+
+/* One pivot at a time: what panels do, too, but they are made for long rows. */
+static bool factor_few(System *s)
+{
+    int n = s->count;
+    for (int i = 0; i < n; i++) {
+        if (!take_pivot(s, i))
+            return false;
+        const real *top = s->f + i * n;
+        for (int k = i + 1; k < n; k++) {
+            real *row = s->f + k * n, l = row[i] /= top[i];
+            int m = i + 1;
+            if (l != 0 && (n - m) % 2 == 1) {
+                row[m] -= l * top[m];
+                m++;
+            }
+            for (; l != 0 && m < n; m += 2)
+                PAIR(row[m]) -= (pair){l, l} * two(top + m);
+        }
+    }
+    return true;
+}
+
 /* Pivots of the columns from .. end, and these columns of all rows below. False: one vanished. */
 INLINE bool factor_panel(System *s, int from, int end)
 {
     int n = s->count;
     for (int i = from; i < end; i++) {
-        real *top = s->f + i * n, most = fabs(top[i]);
-        int best = i;
-        for (int k = i + 1; k < n; k++)
-            if (fabs(s->f[k * n + i]) > most) {
-                most = fabs(s->f[k * n + i]);
-                best = k;
-            }
-        s->swap[i] = best;
-        swap_rows(top, s->f + best * n, n);
-        real pivot = top[i];
-        if (!(fabs(pivot) > (s->redundant ? 1e-300 : SINGULAR * fabs(s->a[i * n + i]))))
+        if (!take_pivot(s, i))
             return false;
+        const real *top = s->f + i * n;
+        real pivot = top[i];
         for (int k = i + 1; k < n; k++) {
             real *row = s->f + k * n, l = row[i] /= pivot;
             for (int m = i + 1; m < end; m++)
@@ -198,8 +227,10 @@ INLINE bool factor_lu(System *s)
     memcpy(f, s->a, (size_t)n * (size_t)n * sizeof *f);
     for (int i = 0; s->redundant && i < n; i++)
         f[i * n + i] *= 1 + SOFTENING;
+    if (n < PANELS_FROM)
+        return factor_few(s);
     for (int i = 0, next; i < n; i = next) {
-        next = int_min(i + (n < PANELS_FROM ? 1 : PANEL), n);
+        next = int_min(i + PANEL, n);
         int end = next;
         real *top = f + i * n;
         if (!factor_panel(s, i, next))
