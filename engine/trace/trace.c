@@ -7,9 +7,7 @@
 #define GRAZES        8         /* of them after which a friction that lets go and holds again... */
 #define GRAZE         1e-6      /* ...holds this part of its bound more                       */
 #define AIM_WORK      0.25      /* of the budget: past it, or where it crawls, slow slips follow their forces, in steps of */
-#define AIM_STEP      (1.0 / 32)        /* the frame; passes and change of direction, rad, that find it:        */
-#define AIMS          8
-#define AIMED         1e-6
+#define AIM_STEP      (1.0 / 32)        /* the frame */
 #define CRAWL_WORK    (1.0 / 8) /* of the budget, for less than                               */
 #define CRAWL         (1.0 / 32)        /* of the frame                                       */
 #define SMALL         4         /* bodies, joints and pairs                                   */
@@ -292,149 +290,6 @@ static int work_of(const Tracer *t)
     return (g->moving_count + g->joint_count + g->pair_count <= SMALL ? 4 : 1) * g->plan->trace_work;
 }
 
-/* The direction in which a held slip needs no force across it, and the velocities that go that way. Friction turns so slow a slip
- * there within much less than the step, but steps that follow it would use up the budget. */
-static bool aim_slips(Tracer *t)
-{
-    Group *g = t->g;
-    for (int pass = 0; pass < AIMS; pass++) {
-        real worst = 0;
-        for (int i = 0; i < t->touch_count; i++) {
-            Cone *c = &t->touch[i].slip;
-            if (!t->touch[i].gate.presses || !c->axes || c->grip != GRIP_SLIP || !c->locked)
-                continue;
-            vec3 d = vec3_unit_or(vec3_neg(c->force), c->d);
-            worst = real_max(worst, vec3_distance(d, c->d));
-            c->d = d;
-        }
-        trace_align(t);
-        if (!trace_accelerate(t))
-            return false;
-        if (worst < AIMED)
-            break;
-    }
-    real kinetic = group_kinetic(g);
-    if (!trace_project(t, false))
-        return false;
-    g->work_in += t->given;
-    g->lost += kinetic + t->given - group_kinetic(g);
-    trace_store(t, t->y);
-    trace_load(t, t->y, t->t);
-    trace_kinematics(t);
-    return trace_accelerate(t);
-}
-
-bool trace_slow_slip(const Tracer *t, const Touching *c, real h)
-{
-    if (!c->gate.presses || !c->slip.axes || c->slip.grip != GRIP_SLIP)
-        return false;
-    real press = c->slip.moving * c->gate.force, push = press * (t->g->mass[c->a].im + t->g->mass[c->b].im);
-    return vec3_length2(c->slip.u) < 4 * h * h * real_max(push * push, vec3_length2(c->slip.acc));
-}
-
-static bool any_slow_slip(const Tracer *t, real h)
-{
-    for (int i = 0; i < t->touch_count; i++)
-        if (trace_slow_slip(t, &t->touch[i], h))
-            return true;
-    return false;
-}
-
-/* Rows across the slips of a patch that turns on its place leave it no way to move: then none is held. */
-static bool accelerate_held(Tracer *t)
-{
-    if (trace_accelerate(t))
-        return true;
-    bool any = false;
-    for (int i = 0; i < t->touch_count; i++) {
-        any = any || t->touch[i].slip.locked;
-        t->touch[i].slip.locked = false;
-    }
-    if (!any || t->g->status != DIG_OK)
-        return false;
-    t->fault = NULL;
-    return trace_accelerate(t);
-}
-
-/* What a row across a slip does, over what may be neglected. */
-static real held_by(const Tracer *t, const Touching *c)
-{
-    real press = c->slip.moving * c->gate.force, lateral = fabs(c->slip.lateral);
-    if (!c->slip.locked || !(lateral > 1e-6 * press))
-        return 0;
-    if (!(press > 0))
-        return INFINITY;
-    return vec3_length(c->slip.u) * lateral / (t->tolerance * t->pace * press);
-}
-
-/* The most of it at the end of a tried step: from rest a slip may have got so fast within it that it had to turn. */
-static real held_most(const Tracer *t)
-{
-    real most = 0;
-    for (int i = 0; i < t->touch_count; i++)
-        if (t->touch[i].gate.presses && t->touch[i].gate.force > 0 && t->touch[i].slip.axes)
-            most = real_max(most, held_by(t, &t->touch[i]));
-    return most;
-}
-
-#define SHORT_OF 0.49           /* of the time that a slip has left: past half of it the slip would be held in its direction */
-#define LEFT_ASIDE (1.0 / 32)   /* of the tolerance: such a way aside no step notices */
-
-/* s  What drags a slip aside turns it the faster the slower it gets: where it comes to its end a step over that end is refused, and the next one, and
- * so on. */
-static real short_of_turns(const Tracer *t, real h)
-{
-    for (int i = 0; i < t->touch_count; i++) {
-        const Touching *c = &t->touch[i];
-        real speed = vec3_length(c->slip.u), slows = speed > 0 ? -vec3_dot(c->slip.acc, c->slip.u) / speed : 0;
-        if (!c->gate.presses || !c->slip.axes || c->slip.grip != GRIP_SLIP || !(slows * h > SHORT_OF * speed))
-            continue;
-        real aside = c->slip.locked ? fabs(c->slip.lateral) / (c->slip.moving * c->gate.force)
-                                    : vec3_length(vec3_mad(c->slip.acc, slows / speed, c->slip.u)) / slows;
-        if (aside * speed * speed > LEFT_ASIDE * t->tolerance * slows)
-            h = SHORT_OF * speed / slows;
-    }
-    return h;
-}
-
-/* A slip so slow that its direction would turn within the step is held in its direction, with a row across it. */
-static bool hold_slow_slips(Tracer *t, real h, bool aim)
-{
-    bool changed = false;
-    for (int i = 0; i < t->touch_count; i++) {
-        Touching *c = &t->touch[i];
-        if (!c->gate.presses || !c->slip.axes || c->slip.grip != GRIP_SLIP)
-            continue;
-        bool slow = trace_slow_slip(t, c, h);
-        real speed = vec3_length(c->slip.u);
-        if (slow && !c->slip.locked && speed > 0)
-            c->slip.d = vec3_scale(1 / speed, c->slip.u);
-        changed = changed || slow != c->slip.locked || (aim && slow);
-        c->slip.locked = slow;
-    }
-    if (!changed && !t->locks)
-        return true;
-    t->locks = false;
-    trace_align(t);
-    if (changed && !accelerate_held(t))
-        return false;
-    if (aim && !aim_slips(t))
-        return false;
-    bool released = false;
-    for (int i = 0; i < t->touch_count && !aim; i++) {
-        Touching *c = &t->touch[i];
-        if (held_by(t, c) > 1) {
-            c->slip.locked = false;
-            released = true;
-        }
-    }
-    if (released && !trace_accelerate(t))
-        return false;
-    if (changed || released)
-        trace_keep(t, 0);
-    return true;
-}
-
 /* A force that grazes the bound of its friction and turns while it does may neither stick nor slip in one direction: from one instant
  * to the next it would do both in turn. After a few such it holds a little more. */
 static bool count_event(Tracer *t, const Event *e)
@@ -665,25 +520,25 @@ static bool one_step(Tracer *t)
     real rest = t->end - t->t, h = real_min(rest, t->h_next);
     if (t->swing * h > SWUNG)
         h = SWUNG / t->swing;
-    bool aim = t->aimed_at != t->t && (t->crawled || t->g->evaluations > AIM_WORK * t->work) && any_slow_slip(t, AIM_STEP * t->end);
+    bool aim = t->aimed_at != t->t && (t->crawled || t->g->evaluations > AIM_WORK * t->work) && trace_any_slow_slip(t, AIM_STEP * t->end);
     if (aim) {
         h = real_min(rest, AIM_STEP * t->end);
         t->aimed_at = t->t;         /* once from each place: what is refused must get shorter */
     }
     else
-        h = short_of_turns(t, h);
+        h = trace_short_of_turns(t, h);
     h = rest / ceil(rest / h - 0.01);
     if (nears_edge(t))
         h = real_min(h, real_max(0.5 * (t->over - t->t), EDGE * t->end));
     real meets = trace_aim(t, h);
     t->aims = meets < h;
     h = meets;
-    if (!hold_slow_slips(t, h, aim))
+    if (!trace_hold_slow_slips(t, h, aim))
         return false;
     mark_start(t);
     if (at_rest(t, rest))
         return rest_here(t, rest);
-    real error = trace_try(t, h), held = t->fault ? 0 : held_most(t);
+    real error = trace_try(t, h), held = t->fault ? 0 : trace_held_most(t);
     if (held > 1 && h > HELD * cbrt(t->tolerance / (HELD_AT * t->size)) * t->end)
         return shorten(t, h, real_max(0.2, 0.9 * pow(held, -1.0 / 3)));
     if (t->fault && h > SHORTER_MOST * t->end) {    /* a stage far off its constraints: nearer it will do */
@@ -737,7 +592,7 @@ static bool crawls(Tracer *t)
     bool slow = t->t - t->mark < CRAWL * t->end;
     t->mark_work = t->g->evaluations;
     t->mark = t->t;
-    if (slow && !t->crawled && any_slow_slip(t, AIM_STEP * t->end)) {
+    if (slow && !t->crawled && trace_any_slow_slip(t, AIM_STEP * t->end)) {
         t->crawled = true;
         return false;
     }

@@ -342,8 +342,13 @@ bool trace_kinds(Tracer *t, bool first);        /* who presses, sticks, slides; 
 bool trace_jerk(Tracer *t);                     /* velocities that others left apart, put right where what presses only pushes; false = fault */
 void trace_sides(Tracer *t);                    /* which motors and dry frictions hold their speed, which push with their bound */
 real trace_acceleration_scale(const Tracer *t); /* m/s^2 */
-bool trace_slow_slip(const Tracer *t, const Touching *c, real h);       /* friction alone would turn it, or end it, within h */
 void trace_align(Tracer *t);                    /* slip directions of one patch */
+/* slip.c */
+bool trace_slow_slip(const Tracer *t, const Touching *c, real h);       /* friction alone would turn it, or end it, within h */
+bool trace_any_slow_slip(const Tracer *t, real h);
+real trace_short_of_turns(const Tracer *t, real h);     /* s  h, or less: up to where a slip that turns as it ends can be followed */
+bool trace_hold_slow_slips(Tracer *t, real h, bool aim);        /* in their direction, with a row across each; false = fault */
+real trace_held_most(const Tracer *t);          /* > 1: at the end of the tried step one should have turned */
 /* stay.c */
 void trace_note_rows(Tracer *t, bool regular);  /* they were built and factored just now */
 bool trace_rows_stay(Tracer *t);                /* they are those that were noted; of the present state but for rounding */
