@@ -334,10 +334,13 @@ void trace_parabola(Tracer *t, real h)
     memcpy(t->quad[STAGES - 1], t->quad[0], (size_t)trace_powers(t) * sizeof *t->quad[0]);
 }
 
-/* Those of the last evaluation and those at the start. Many steps to blows may follow each other within a frame. */
+#define SAME  0.1       /* of the tolerance: what accelerations that differ by less do in a step; */
+#define SAME_AIMED 1e-4 /* in one of the many that may lead from blow to blow within a frame      */
+
+/* Those of the last evaluation and those at the start. */
 static bool same_accelerations(const Tracer *t, real h)
 {
-    real most = (t->aims ? 1e-4 : 0.1) * t->tolerance / h * t->pace;
+    real most = (t->aims ? SAME_AIMED : SAME) * t->tolerance / h * t->pace;
     for (int i = 0; i < t->g->moving_count; i++) {
         real arm = t->g->member[i].outer;
         if (vec3_distance(t->acc[i], t->stage[0][i].v) > most || arm * vec3_distance(t->alpha[i], t->alpha0[i]) > most)

@@ -508,6 +508,14 @@ static real slope_at(Tracer *t, const Event *e)
 /* Those located to the last digit: not by the dense output alone. */
 static bool exact(EventKind k) { return k == EVENT_CLOSE || k == EVENT_BREAK; }
 
+/* s  The dense output may be off by so much that a force is not quite gone at the end of the step made anew: its points would press on, and their
+ * friction yield next. By so much longer the step ends just past that. */
+static real time_to_let_go(const Event *e, real force, real h)
+{
+    real gone = e->kind == EVENT_OPEN ? e->gate->force0 - force : 0;
+    return force > 0 && gone > 0 ? 2 * force * h / gone : 0;
+}
+
 #define NEARLY (1 - 1.0 / 128)  /* of the step: off its end the dense output is off by the square of what is left times its own error */
 
 /* Of the cut step, in tolerances. Its end may be where a corner gives way to another: a stage of it then presses at a point that the step was not tried
@@ -540,6 +548,11 @@ real trace_stop_at(Tracer *t, const Event *e)
         if (!(error <= (exact(e->kind) ? 1 : ROUGH_MOST)))
             return error;
         real f = value_of(t, e);
+        real more = time_to_let_go(e, f, h);
+        if (more > 0 && h + more <= whole && !trace_stretch(t, more)) {
+            h += more;
+            continue;
+        }
         if (!exact(e->kind) || fabs(f) <= enough || f == last)
             break;
         real slope = !isnan(last) ? (f - last) / (h - before) : !isnan(first_slope) ? first_slope : slope_at(t, e);
