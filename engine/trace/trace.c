@@ -175,6 +175,7 @@ static void mark_start(Tracer *t)
         g->gap0 = g->gap;
         g->rate0 = g->rate;
         g->acc0 = g->acc;
+        g->force0 = g->force;
     }
     for (int i = 0; i < t->bond_count; i++)
         t->bonds[i].start = trace_load_on(t, t->bonds[i].joint);
@@ -407,9 +408,23 @@ static bool accept_step(Tracer *t, const Event *e, bool *taken)
     return true;
 }
 
-static real grown(const Tracer *t, real h, real error)
+#define HARDER 2.0              /* times, at most: so much more is the error of the next step foreseen to be */
+
+static bool slips(const Tracer *t)
 {
-    real factor = t->probed || !(error > 0) ? 5 : real_clamp(0.9 * pow(error, -0.2), 0.2, 5);
+    for (int i = 0; i < t->touch_count; i++)
+        if (t->touch[i].gate.presses && t->touch[i].slip.axes && t->touch[i].slip.grip == GRIP_SLIP)
+            return true;
+    return false;
+}
+
+/* s  The next step, after one that went well. Where errors grow from step to step, as of a slip that turns ever faster, it is foreseen that they
+ * grow as much again: else each second step would be refused. */
+static real grown(Tracer *t, real h, real error)
+{
+    real rate = error / (h * h * h * h * h), more = t->error_rate > 0 && slips(t) ? real_clamp(rate / t->error_rate, 1, HARDER) : 1;
+    real factor = t->probed || !(error > 0) ? 5 : real_clamp(0.9 * pow(error * more, -0.2), 0.2, 5);
+    t->error_rate = t->probed ? 0 : rate;
     return real_min(t->end, real_max(t->h_next * REACH > h ? t->h_next * real_min(factor, 1) : 0, h * factor));
 }
 
@@ -571,6 +586,7 @@ static bool one_step(Tracer *t)
         return false;
     if (!taken)                 /* it is found again in a shorter one */
         return true;
+    t->error_rate = 0;
     if (!count_event(t, &e))
         return false;
     if (e.kind == EVENT_HALT && e.cone)        /* what turned the faster the slower it got does so no more */

@@ -259,6 +259,7 @@ typedef struct Tracer {
     real   h, h_next, h_probe;  /* s  of the present step, of the next, of the probe that the present one is part of */
     real   part;                /* of the tried step, not a probed one, at which it ends */
     bool   aims;                /* the present step ends where something will meet, or just past it */
+    real   error_rate;          /* 1/s^5  error over the tolerance of the last step that went well, over its length's power; 0: none since the last event */
     bool   probed;              /* the present step has constant accelerations */
     int    probe_wait, probe_fails;
     bool   passing;             /* an instant within a step: nothing is looked for there */
