@@ -65,23 +65,29 @@ static real value_at(Tracer *t, const Event *e, real part)
     return value_of(t, e);
 }
 
-/* What of an event's function is rounding. Rows that repeat others may share their load to 1e-9 of it, no better: what has not come to an end after
- * so many passes finds nothing below that. */
+#define TOLD 1e-10              /* of what pressed, or holds: the step made anew up to where that ends finds it no better */
+
+/* What of an event's function is as good as none. Rows that repeat others may share their load to 1e-9 of it, no better: what has not come to an end
+ * after so many passes finds nothing below that. */
 static real rounding_of(const Tracer *t, const Event *e, int pass)
 {
-    if (pass > SMOOTH_PASSES && t->sys.redundant && (e->kind == EVENT_OPEN || (e->kind == EVENT_YIELD && e->cone)))
-        return BELOW * t->gate_most;
+    bool slip = e->kind == EVENT_HALT && e->cone, yields = e->kind == EVENT_YIELD && e->cone;
+    real least = pass > SMOOTH_PASSES && t->sys.redundant && (e->kind == EVENT_OPEN || yields) ? BELOW * t->gate_most : 0;
     if (e->kind == EVENT_OPEN)
-        return NOTHING * t->gate_least;
-    bool slip = e->kind == EVENT_HALT && e->cone;
+        return real_max(least, real_max(NOTHING * t->gate_least, TOLD * e->gate->force0));
+    if (yields)
+        return real_max(least, TOLD * cone_hold(e->cone, e->normal->force));
     return e->kind == EVENT_CLOSE ? 1e-15 * t->size : slip ? 1e-15 * t->size * t->pace : 0;
 }
+
+#define NARROW 1e-12            /* of the step: of forces that are rounding no more is told of when they end */
 
 /* False position with a bisection every eighth pass; f(lo) > 0 >= f(hi). */
 static real root_of(Tracer *t, const Event *e, real lo, real flo, real hi, real fhi)
 {
     Bracket b = {lo, hi, flo, fhi, 0};
-    for (int pass = 1; pass <= PASSES && b.hi - b.lo > 4e-16 * b.hi; pass++) {
+    real narrow = needs_forces(e->kind) && e->kind != EVENT_BREAK ? NARROW : 0;
+    for (int pass = 1; pass <= PASSES && b.hi - b.lo > real_max(4e-16 * b.hi, narrow); pass++) {
         real x = pass % 8 == 0 ? 0.5 * (b.lo + b.hi) : b.lo + (b.hi - b.lo) * b.at_lo / (b.at_lo - b.at_hi);
         if (!(x > b.lo && x < b.hi))
             x = 0.5 * (b.lo + b.hi);
