@@ -5,7 +5,7 @@
  * 2 m/s, in pieces of a quarter of 1/60 s they lie still within 5 mm/s. Each piece has contacts of its own.
  *
  * Springs are as stiff as substeps are short. Were they that in pieces, a heap that needs five pieces in one step and four in the next would be let
- * down and lifted by a third of its sag each time, for ever (60 rods at 0.2 m/s, 138 of 200 planks at 0.1 m/s and more). So how stiff they are does
+ * down and lifted by a third of its sag each time, for ever (60 rods at 0.02 to 0.08 m/s, 138 to 168 of 200 planks). So how stiff they are does
  * not jump with the number of pieces: it grows with the part of a piece that is wanted beyond it.
  */
 #include "crowd/system.h"
@@ -128,7 +128,7 @@ dig_status crowd_pieces(const Crowd *c, int *pieces, real *firm)
         contacts += x.want[0][n];
     real wanted = pieces_wanted(x.want[0], contacts);
     if (x.most[0] < DRIVEN)
-        wanted = real_max(wanted, real_min(x.most[0], WORK / int_max(1, contacts)));
+        wanted = real_max(wanted, real_min(x.most[0], (real)WORK / int_max(1, contacts)));
     *pieces = (int)wanted;
     *firm = *pieces > 1 ? (wanted - 1) / *pieces : 1;        /* times the pieces: 1 at two, as in one, and never less than one piece fewer has */
     return DIG_OK;

@@ -125,6 +125,10 @@ typedef struct Batch {          /* up to sixteen contacts that share no moving b
     WideRoll  *roll;            /* NULL: no rolling resistance                                 */
 } Batch;
 
+/* How contacts carry a load: balls at a point that stays theirs, others at a point alone, several points together. */
+typedef enum Bearing { BEARS_ROUND, BEARS_ALONE, BEARS_SHARED, BEARINGS } Bearing;
+static inline Bearing bearing_of(const Batch *b) { return b->round ? BEARS_ROUND : b->shares ? BEARS_SHARED : BEARS_ALONE; }
+
 typedef struct Soft {           /* how a pass corrects overlap                                 */
     float rate;                 /* 1/s  overlap lost per time                                  */
     float mass, keep;           /* 1    share of the effective mass; share of the impulse given up */
@@ -190,9 +194,9 @@ typedef struct Crowd {
     real   deep, load;          /* 1    deepest overlap, in changes that matter (rows.c); that of the fourth deepest contact */
     real   sags, shared;        /* 1    the same of contacts of which several points share the load                         */
     Phase *phase; int phases;
-    Soft   soft[PASSES_MOST][2][2];     /* by how many passes there are; does a contact share its load; is one side of it fixed */
+    Soft   soft[PASSES_MOST][BEARINGS][2];      /* by how many passes there are; is one side of a contact fixed */
     int    pieces;              /* that its step is cut into                                  */
-    real   firm;                /* 1    see crowd_pieces()                                     */
+    real   firm;                /* 1    of all but balls: see crowd_pieces()                   */
     const GroupKept *before;    /*     the step's start, to sweep it should something pass through something; NULL: nothing may, or they are too many */
     int    passes, passes_most; /* of a substep, at first; never more                          */
     bool   settles;             /*     it is about to come to rest                             */

@@ -119,7 +119,7 @@ static void passed_share(void *context, int thread, int threads)
 dig_status crowd_hold_back(Crowd *c)
 {
     Group *g = c->g;
-    if (!(bodies_farthest(c) > c->thinnest))        /* both insides of a pair make that at least */
+    if (!(bodies_farthest(c) > 0.5 * c->thinnest))  /* both insides of a pair make all of that at least, one beside a mesh half of it */
         return DIG_OK;
     Passing x = {c, arena_alloc(g->lasting, (size_t)g->pair_count + 1)};
     if (!x.passed)

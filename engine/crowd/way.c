@@ -199,7 +199,7 @@ static real without_outliers(real hard, real deep, real load)
 }
 
 /* Of rows whose points share a load. They carry it by overlap for good, a wall of sixteen rows by 5 mm at the ground: harder for what is deep elsewhere,
- * or for some passes more, they lift all of it in a step (130 to 480 J of 9 to 18 kJ), and it sinks again. So they go by what is deep among
+ * or for some passes more, they lift all of it in a step (up to 478 J of 12 kJ), and it sinks again. So they go by what is deep among
  * themselves, and before that STEADY passes are to mend it; not in a step in pieces, which thin things need: they would stir. */
 static real shared_hardness(const Crowd *c, real hard)
 {
@@ -238,8 +238,8 @@ static dig_status plan_passes(Crowd *c)
     }
     c->passes = (int)real_clamp(wanted, 1, c->passes_most);
     for (int i = 0; i < c->passes_most; i++)
-        for (int k = 0; k < 2; k++) {
-            real harder = c->firm * real_min(i + 1, k ? shared : hard);
+        for (int k = 0; k < BEARINGS; k++) {
+            real harder = (k == BEARS_ROUND ? 1 : c->firm) * real_min(i + 1, k == BEARS_SHARED ? shared : hard);
             c->soft[i][k][0] = soft_of(STIFF * harder, (real)c->h);
             c->soft[i][k][1] = soft_of(FIRM * harder, (real)c->h);
         }

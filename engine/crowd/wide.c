@@ -485,7 +485,7 @@ INLINE float pass(const Crowd *c, const Part *me, const Soft (*soft)[2], float t
     for (int p = 0; p < c->phases; p++) {
         meet_before(c, me, p);
         MY_BATCHES(c->phase[p], me, i) {
-            const Soft s = soft ? soft[c->batch[i].shares][c->batch[i].fixed] : (Soft){0};
+            const Soft s = soft ? soft[bearing_of(&c->batch[i])][c->batch[i].fixed] : (Soft){0};
             k.rate = all(s.rate);
             k.mass = all(s.mass);
             k.keep = all(s.keep);

@@ -580,9 +580,9 @@ static bool one_step(Tracer *t)
         return t->dirty || t->t >= t->end ? true : tidy(t);
     }
     real rough = trace_stop_at(t, &e);
-    if (rough > 0 && rough < INFINITY)
-        return shorten(t, t->h, ROUGH);
-    if (rough > 0 || !accept_step(t, &e, &taken))
+    if (!(rough <= 0))          /* no number either */
+        return rough == INFINITY ? false : shorten(t, t->h, ROUGH);
+    if (!accept_step(t, &e, &taken))
         return false;
     if (!taken)                 /* it is found again in a shorter one */
         return true;
