@@ -477,7 +477,11 @@ static void make_sample(Sample *s, Crowd *c)
                  .vel = s->six[0], .move = s->six[1], .last = s->six[2], .push = s->six[3], .start = s->six[4],
                  .axes = {s->six[5], s->six[6]}, .batch = s->batch, .batches = BATCHES,
                  .phase = s->phase, .phases = BATCHES, .passes = 1, .passes_most = 2,
-                 .soft = {{{9, 0.9f, 0.1f}, {9, 0.9f, 0.1f}}, {{18, 0.95f, 0.05f}, {18, 0.95f, 0.05f}}}, .worst = {s->worst[0], s->worst[1]}};
+                 .worst = {s->worst[0], s->worst[1]}};
+    for (int k = 0; k < 2 * BEARINGS; k++) {
+        c->soft[0][k / 2][k % 2] = (Soft){9, 0.9f, 0.1f};
+        c->soft[1][k / 2][k % 2] = (Soft){18, 0.95f, 0.05f};
+    }
     memset(s->six[1], 0, sizeof s->six[1]);
 }
 
