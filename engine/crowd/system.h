@@ -232,7 +232,7 @@ static inline real crowd_thickness(const GroupPair *q)
 /* pieces.c: into how many pieces this step is cut, each with contacts of its own, and how much of their frequency springs have then */
 dig_status crowd_pieces(const Crowd *c, int *pieces, real *firm);
 /* through.c: may few that are thin pass through each other in a step of so many pieces; did any in this one? Of many, what passed through a wall
- * is put back to it. Between bodies_close() and book_close() */
+ * is put back to it; of few, too, what crossed a mesh. Between bodies_close() and book_close() */
 bool       crowd_may_pass(const Crowd *c, int pieces);
 bool       crowd_passed(const Crowd *c);
 dig_status crowd_hold_back(Crowd *c);

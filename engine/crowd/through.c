@@ -1,4 +1,4 @@
-/* crowd/through.c - does anything pass through what is thin, in a crowd of few bodies?
+/* crowd/through.c - does anything pass through what is thin, or through a mesh, in a crowd?
  *
  * Rows are as straight as poses were at the start of a piece, and what turns by a radian within one goes by where they do not hold: 12 of 6000
  * hulls of 1 cm that came at 200 m/s on a wall of 1 mm got through at "sketch". So where few are fast for how thin they are, each piece is looked

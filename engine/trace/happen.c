@@ -525,7 +525,8 @@ static real time_to_let_go(const Event *e, real force, real h)
 #define NEARLY (1 - 1.0 / 128)  /* of the step: off its end the dense output is off by the square of what is left times its own error */
 
 /* Of the cut step, in tolerances. Its end may be where a corner gives way to another: a stage of it then presses at a point that the step was not tried
- * with, and what came of that was believed. Where a slip ends, the last stage may be past that, by up to some thousands. */
+ * with, and what came of that was believed. Where a slip ends, the last stage may be past that, by up to some thousands; all but what
+ * meets or breaks may be so rough. */
 #define ROUGH_MOST 1e4
 
 real trace_stop_at(Tracer *t, const Event *e)

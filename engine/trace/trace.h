@@ -377,7 +377,8 @@ Pos  trace_place(const Tracer *t, int body, real part, bool turned);    /* the s
 real trace_aim(const Tracer *t, real h);        /* s  to just past where the first open gate will meet; h: none will before */
 Event trace_scan(Tracer *t);                    /* the first event of the tried step */
 real trace_unseen(Tracer *t, const Event *e);   /* < 1: something passes through something before that event; make a step of this part of it */
-/* Cuts the tried step at it: y1, t->h. Else its error, which is more than may be; INFINITY: it cannot be taken at all. */
+/* Cuts the tried step at it: y1, t->h; returns 0. Else the error of the cut step, in tolerances, which is more than may be, or no number; INFINITY: it
+ * cannot be taken at all. */
 real  trace_stop_at(Tracer *t, const Event *e);
 /* bond.c: joints that break */
 void trace_bonds(Tracer *t);                    /* lists them */

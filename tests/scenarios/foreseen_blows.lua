@@ -18,9 +18,9 @@ local function planks(world, lean)
   return list
 end
 
-scenario("where the last of a contact's force goes, its friction does not yield first", function()
+scenario("where the last of a contact's force goes, its friction does not yield first", function(s)
   for _, lean in ipairs { 20, 25, 30, 35 } do
-    local world = digbox.world {}
+    local world = s:world {}
     local pair = planks(world, math.rad(lean))
     local most = 0
     for _ = 1, 180 do
@@ -34,26 +34,25 @@ scenario("where the last of a contact's force goes, its friction does not yield 
   end
 end)
 
+-- A table that turns at 1 rad/s, and a ball on it
+local function turning_table(world, at)
+  local disc = world:cylinder { radius = 2, height = 0.1, kinematic = true, friction = 1, at = { 0, -0.05, 0 }, spin = { 0, 1, 0 } }
+  disc:drive { spin = { 0, 1, 0 } }
+  return world:ball { radius = 0.1, friction = 1, at = { at, 0.1, 0 } }
+end
+
 -- What drags a slip aside turns it the faster the slower it gets: steps over its end were refused one after the other.
-scenario("a ball that is let down on a turning table rolls before the first frame is over", function()
+scenario("a ball that is let down on a turning table rolls before the first frame is over", function(s)
   for _, at in ipairs { 0.2, 0.5, 0.8 } do
-    local world = digbox.world {}
-    local disc = world:cylinder { radius = 2, height = 0.1, kinematic = true, friction = 1, at = { 0, -0.05, 0 }, spin = { 0, 1, 0 } }
-    disc:drive { spin = { 0, 1, 0 } }
-    local ball = world:ball { radius = 0.1, friction = 1, at = { at, 0.1, 0 } }
-    local fine = digbox.world { accuracy = "reference" }
-    local disc2 = fine:cylinder { radius = 2, height = 0.1, kinematic = true, friction = 1, at = { 0, -0.05, 0 }, spin = { 0, 1, 0 } }
-    disc2:drive { spin = { 0, 1, 0 } }
-    local other = fine:ball { radius = 0.1, friction = 1, at = { at, 0.1, 0 } }
+    local world, fine = s:world {}, digbox.world { accuracy = "reference" }
+    local ball, other = turning_table(world, at), turning_table(fine, at)
     world:step(2)
     fine:step(2)
     expect(world:stats().traced):is(1)
     expect(ball.velocity):near(other.velocity, 1e-7)
   end
-  local world = digbox.world {}
-  local disc = world:cylinder { radius = 2, height = 0.1, kinematic = true, friction = 1, at = { 0, -0.05, 0 }, spin = { 0, 1, 0 } }
-  disc:drive { spin = { 0, 1, 0 } }
-  world:ball { radius = 0.1, friction = 1, at = { 0.5, 0.1, 0 } }
+  local world = s:world {}
+  turning_table(world, 0.5)
   world:step()
   expect(world:stats().evaluations):below(100)                            -- 155
 end)
@@ -67,8 +66,8 @@ end
 
 -- Each blow leaves it a part of its spin (Housner 1963), and it rocks on until it is flat: 22 blows in one frame. A step to the end of the
 -- frame over each of them, and each blow's step made anew, took 309 evaluations.
-scenario("a block that rocks is struck where it was foreseen", function()
-  local world, fine = digbox.world {}, digbox.world { accuracy = "reference" }
+scenario("a block that rocks is struck where it was foreseen", function(s)
+  local world, fine = s:world {}, digbox.world { accuracy = "reference" }
   local block, other = rocker(world), rocker(fine)
   local all, most = 0, 0
   for _ = 1, 100 do

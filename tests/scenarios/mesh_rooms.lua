@@ -74,9 +74,11 @@ for _, case in ipairs { 11, 22, 24, 54, 63, 84 } do
       fields.friction, fields.restitution, fields.velocity, fields.spin = 0.4, restitution, velocity, spin
       bodies[#bodies + 1] = world[kind](world, fields)
     end
-    for _ = 1, 30 do
+    for frame = 1, 30 do
       world:step()
-      for _, b in ipairs(bodies) do expect(inside(b.position)):is(true) end
+      for i, b in ipairs(bodies) do
+        expect(inside(b.position), ("thing %d is inside in frame %d, at %s"):format(i, frame, b.position)):is(true)
+      end
     end
   end)
 end

@@ -549,6 +549,8 @@ TEST(what_slides_to_rest_is_touched_where_it_lies)
         fail_unless(w, dig_body_hit(w, b, (vec3){speed, 0, 0}, (vec3){0, half.y, 0}, false), "hit");
         for (int i = 0; i < 30; i++) {
             step(w, 1);
+            CHECK_INT(w->contacts.count, 1);
+            CHECK_INT(w->contacts.data[0].count, 4);
             CHECK_NEAR(off_corners(w, state_of(w, b), half), 0, 1e-12);
         }
         CHECK_NEAR(vec3_length(state_of(w, b).velocity), 0, 1e-12);
