@@ -385,6 +385,7 @@ TEST(a_vector_in_a_register_is_computed_like_one_in_three)
         CHECK(same_bits(reg3_get(ra + reg3_all(n[15]) * rb), vec3_mad(a, n[15], b)));
         CHECK(reg3_dot(ra, rb) == vec3_dot(a, b) && reg3_length2(ra) == vec3_length2(a));
         CHECK(same_bits(room[0], b) && room[1].y == a.y && room[1].z == a.z);
+        CHECK(rb[3] == 0);              /* no integer behind it, read as a subnormal number */
     }
 }
 
