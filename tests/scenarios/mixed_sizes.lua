@@ -1,7 +1,7 @@
 -- tests/scenarios/mixed_sizes.lua - heaps of large and small things cost about what heaps of alike things do.
 --
--- What is large is heavy: of one density a box four times as wide has 64 times the mass. Groups with masses of over 30:1 were no crowds, and
--- were solved at once in each substep: 200 boxes for 54 s instead of 2, for a heap no better to look at (engine/step/groups.c).
+-- What is large is heavy: of one density a box four times as wide has 64 times the mass. Groups with masses of over 30:1 were no crowds
+-- and were solved at once in each substep: 200 boxes for 54 s instead of 2, for a heap no better to look at (engine/step/groups.c).
 -- Only in the plain build: figures of long runs; heaps of alike things run the same code under sanitizers.
 local test = require "digbox.test"
 local expect = test.expect
