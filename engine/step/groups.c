@@ -331,29 +331,14 @@ static void add_plain(Plain *p, const Body *b)
 /* Free bodies of about the same mass, advanced the default way: where all are, it takes one look at each. */
 static bool is_plain(const Plain *p) { return p->free && p->heavy <= CROWD_MASS_RATIO * p->light; }
 
-#define HALVES 128              /* half octaves to either side of 1 kg/m^2: what is beyond counts as the last */
-
-/* Which half octave of mass per area: what a body presses with on what is as wide as itself. */
-static int half_octave(const Body *b)
+/* Are but few of its bodies much lighter than the heaviest? Those find room between the others. What is heavy on a bed of light things is not for a crowd. */
+static bool few_light(const World *w, const Step *s, const struct StepGroup *g, real heaviest)
 {
-    int octave;
-    real part = frexp(b->mass / (b->outer * b->outer), &octave);
-    return int_min(int_max(2 * octave + (part * part >= 0.5), -HALVES), HALVES - 1);
-}
-
-/* Are its bodies' masses per area within the ratio of a crowd, but for a tenth at either end? What is heavy in few places weighs on few, and what is as
- * dense but large lies on many: a crowd carries both. Where heavy and light things are as large as each other, and mixed, it does not. */
-static bool presses_evenly(const World *w, const Step *s, const struct StepGroup *g)
-{
-    int count[2 * HALVES] = {0}, all = 0, low = 0, high = 2 * HALVES - 1;
+    int all = 0, light = 0;
     for (int i = 0; i < g->dig_count; i++)
         for (uint32_t m = s->leads[g->dig_first + i]; m != NONE; m = graph_next(w->graph, m), all++)
-            count[HALVES + half_octave(&w->bodies.data[m])]++;
-    for (int below = count[low]; low < high && below <= all / 10; below += count[low])
-        low++;
-    for (int above = count[high]; low < high && above <= all / 10; above += count[high])
-        high--;
-    return exp2(0.5 * (high - low)) <= CROWD_PRESS_RATIO;
+            light += w->bodies.data[m].mass * CROWD_MASS_RATIO < heaviest;
+    return light <= CROWD_LIGHT * all;
 }
 
 static bool plain_bodies(const World *w, const Step *s, const struct StepGroup *g)
@@ -362,7 +347,7 @@ static bool plain_bodies(const World *w, const Step *s, const struct StepGroup *
     for (int i = 0; i < g->dig_count && !s->plain; i++)
         for (uint32_t m = s->leads[g->dig_first + i]; m != NONE && p.free; m = graph_next(w->graph, m))
             add_plain(&p, &w->bodies.data[m]);
-    return is_plain(&p) || (p.free && presses_evenly(w, s, g));
+    return is_plain(&p) || (p.free && few_light(w, s, g, p.heavy));
 }
 
 typedef struct Everybody { const World *w; Plain *of; } Everybody;      /* of each share of the world's bodies */
