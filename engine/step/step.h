@@ -28,7 +28,11 @@ typedef struct Step {           /* what the stages hand to each other; lives in 
     Stopwatch watch;            /* in a timed step                          */
     uint32_t *leads;            /* first members of the DIGs of all groups, group by group */
     uint32_t *pairs;            /* pairs of all groups, group by group      */
-    struct StepGroup { const AccuracyPlan *plan; int dig_first, dig_count, pair_first, pair_count, accuracy, cost; bool may_trace, crowd, calm, together; } *parts;
+    struct StepGroup {
+        const AccuracyPlan *plan;
+        int dig_first, dig_count, pair_first, pair_count, accuracy, cost;
+        bool may_trace, crowd, calm, together;
+    } *parts;
     Group    *groups;
     int       count;
     int      *order;            /* in which groups are advanced, NULL: in theirs */
