@@ -207,12 +207,6 @@ void *spare_find(Spare **list, size_t bytes)
     return NULL;
 }
 
-void *spare_take(Spare **list, Arena *a, size_t bytes)
-{
-    void *piece = spare_find(list, bytes);
-    return piece ? piece : arena_alloc(a, bytes);
-}
-
 ArenaMark arena_mark(const Arena *a)
 {
     return (ArenaMark){a->current, used_now(a), arena_live(a)};
@@ -223,7 +217,7 @@ void arena_rewind(Arena *a, ArenaMark m)
     size_t live = take_stock(a);
     DIG_ASSERT(m.live <= live);
     (void)live;
-    ArenaChunk *c = m.chunk ? m.chunk : a->first;
+    ArenaChunk *last = m.chunk ? m.chunk : a->first, *c = last;         /* the first is at hand again where nothing stays */
     size_t keep = m.used;                               /* bytes of c that stay */
     while (c && a->current) {
         poison(c->data + keep, c->used - keep);
@@ -233,7 +227,7 @@ void arena_rewind(Arena *a, ArenaMark m)
             break;
         c = c->next;
     }
-    go_to(a, m.chunk);
+    go_to(a, last);
     a->taken = m.live - m.used;
 }
 
@@ -275,6 +269,7 @@ void arena_reset(Arena *a)
         return;
     chunks_close(a);
     a->first = chunk_open(a, size);     /* NULL: the next arena_alloc tries again */
+    go_to(a, a->first);
 }
 
 void arena_close(Arena *a)

@@ -30,7 +30,7 @@ struct ArenaChunk {
 typedef struct Arena {
     unsigned char *next;                /* where the next piece begins: in the current chunk,         */
     size_t   left;                      /* bytes  which has room for so many, a multiple of ARENA_ALIGN */
-    ArenaChunk *first, *current;        /* current NULL: nothing taken; chunks after it are kept for reuse */
+    ArenaChunk *first, *current;        /* current NULL: nothing taken yet; chunks after it are kept for reuse */
     size_t   taken;                     /* bytes, in chunks before the current one */
     size_t   high, before;              /* bytes, most taken at the same time of late, seen where pieces are given back, and before that */
     size_t   written;                   /* bytes of the first chunk that may take memory */
@@ -79,7 +79,12 @@ void      spare_add(Spare **list, void *at, size_t bytes);         /* of an aren
 void      spare_trim(Spare **list, Arena *a, void *last, size_t bytes, size_t keep);     /* of what was taken last, so many bytes, the rest is free */
 void      spare_lend(Spare **list, void *at, size_t bytes);        /* of other memory, for as long as that is nobody's; not into a list with an arena's */
 void     *spare_find(Spare **list, size_t bytes);                  /* NULL: none has room */
-void     *spare_take(Spare **list, Arena *a, size_t bytes);     /* from the list where it has room, else arena_alloc */
+/* From the list where it has room, else arena_alloc. */
+static inline void *spare_take(Spare **list, Arena *a, size_t bytes)
+{
+    void *piece = *list ? spare_find(list, bytes) : NULL;
+    return piece ? piece : arena_alloc(a, bytes);
+}
 
 void      arena_ready(Arena *a);                        /* takes memory for what a small step needs: the first one need not wait for its pages */
 ArenaMark arena_mark(const Arena *a);

@@ -146,6 +146,8 @@ void *block_resize(void *data, size_t old, size_t bytes)
     return moved;
 }
 
+void block_clear(void *record, size_t bytes) { memset(record, 0, bytes); }
+
 void block_free(void *data, size_t bytes)
 {
     if (data && from_pages(bytes))

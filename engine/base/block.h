@@ -22,5 +22,8 @@ void  block_free(void *data, size_t bytes);
 /* A part of a large block that is not needed for now: what pages lie wholly within it take no memory until they are written to again. Its
  * contents are lost. */
 void  block_forget(void *part, size_t bytes);
+/* Fills a record of some hundred bytes with 0. Where it sees how many, the compiler writes an instruction that takes longer than the
+ * library's wide ones. */
+void  block_clear(void *record, size_t bytes);
 
 #endif

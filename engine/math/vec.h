@@ -49,7 +49,14 @@ static inline vec3 vec3_unit_or(vec3 a, vec3 otherwise)
 
 static inline vec3 vec3_unit(vec3 a) { return vec3_unit_or(a, (vec3){0, 1, 0}); }
 
-static inline bool vec3_is_zero(vec3 v) { return v.x == 0 && v.y == 0 && v.z == 0; }
+/* By the bits of all three at once, but for their signs: 0 and -0, and nothing else, have none. */
+static inline bool vec3_is_zero(vec3 v)
+{
+    uint64_t bits[3];
+    _Static_assert(sizeof bits == sizeof v, "no more than its three numbers");
+    memcpy(bits, &v, sizeof bits);
+    return (bits[0] | bits[1] | bits[2]) << 1 == 0;
+}
 
 /* Two unit vectors that make a right-handed frame with the unit vector n: t x u = n. */
 static inline void vec3_basis(vec3 n, vec3 *t, vec3 *u)

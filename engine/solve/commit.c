@@ -108,7 +108,7 @@ dig_status group_judge(Group *g, real dt)
     for (int t = 0; t < shares && g->pair_count > 0; t++) {
         const Verdict *v = &j.verdict[t];
         int first = team_first(g->pair_count, t, shares);
-        if (first < g->pair_count) {
+        if (first > 0 && first < g->pair_count) {        /* those of the first share are where they should be */
             memmove(g->changed + g->changed_count, g->changed + first, (size_t)v->changed * sizeof *g->changed);
             memmove(g->turned + g->turned_count, g->turned + g->pairs[first].contact, (size_t)v->turned * sizeof *g->turned);
         }

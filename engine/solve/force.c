@@ -65,7 +65,7 @@ void group_book_apart(Group *g, int body, vec3 moved, vec3 turned, real h)
 real group_spring_energy(const GroupJoint *j)
 {
     real memory[JOINT_MEMORY];
-    if (!joint_stores(&j->view))
+    if (!j->stores)
         return 0;
     if (j->view.type->two_anchors)      /* what acts along a line unwinds no angle: nothing is written */
         return j->view.type->energy(&j->view);

@@ -180,9 +180,10 @@ static void still_share(void *context, int thread, int threads)
 /* In the order of the pairs; returns how many. */
 static int list_met(Standing *s, Team *team)
 {
-    int shares = team_shares(team), n = 0;
+    int shares = team_shares(team), n;
     team_deal(team, still_share, s);
-    for (int i = 0; i < shares; n += s->found[i++])
+    n = s->found[0];            /* those of the first share are where they should be */
+    for (int i = 1; i < shares; n += s->found[i++])
         memmove(s->still + n, s->still + 2 * team_first(s->count, i, shares), (size_t)s->found[i] * sizeof *s->still);
     return n;
 }
@@ -340,6 +341,7 @@ static dig_status gather_joints(Group *g, int joints)
         j->view.breaks_at = r->breaks_at;
         j->view.memory = j->memory;
         j->view.passing = j->view.followed = j->view.swept = false;
+        j->stores = joint_stores(&j->view);
     }
     return DIG_OK;
 }

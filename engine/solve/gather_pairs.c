@@ -315,10 +315,15 @@ static void sort_share(void *context, int thread, int threads)
     }
 }
 
-/* Parts the pairs into those that are taken, at the front of `near`, and g->left. */
+/* Parts the pairs into those that are taken, at the front of `near`, and g->left. Outside of crowds all are taken, but for what is fused. */
 static dig_status choose_near(Nearby *n)
 {
     Group *g = n->g;
+    if (!n->span && !g->things) {
+        n->taken = n->count;
+        g->place_count = place_near(g, n->near, n->count);
+        return DIG_OK;
+    }
     Team *team = g->things || n->count < SHARED_LEAST ? NULL : g->team;     /* what is fused is listed as well */
     int shares = team_shares(team);
     Sorting x = {n, arena_alloc(g->lasting, (size_t)shares * sizeof *x.sum)};

@@ -424,10 +424,13 @@ dig_status grip_note(Group *g)
 {
     if (!(g->driven || group_grips(g)) || !rubs(g))
         return DIG_OK;
-    DIG_TRY(squeeze_open(g));
-    group_squeeze(g, JAWS_RUB, 0);
+    bool two = g->contact_count > 1;            /* one alone squeezes nothing */
+    if (two) {
+        DIG_TRY(squeeze_open(g));
+        group_squeeze(g, JAWS_RUB, 0);
+    }
     for (int i = 0; i < g->contact_count; i++)
-        g->contacts[i].grips = is_squeezed(g, i);
+        g->contacts[i].grips = two && is_squeezed(g, i);
     g->squeezes = false;
     return DIG_OK;
 }

@@ -229,6 +229,7 @@ typedef struct GroupJoint {
     bool     broken;            /* in this step, at the time        */
     bool     lags;              /* its motor without a bound is stalled: it pushed in the last step and is not at its speed, or no velocities obey it and
                                  * the rest: see group_motor_lag */
+    bool     stores;            /* joint_stores of it               */
     bool     looped;            /* its motor drives without a bound, and other joints hold its ends to each other, too: see group_motor_most */
     real     broke;             /* s   into it                      */
     real     overload;          /* 1   its share of what it bears, then */
@@ -278,6 +279,7 @@ struct Group {
     dig_status (*stage)(Group *g, int stage);           /* runs the effects of one stage (step/step.c) */
     bool      decay_friction;   /* the founding document's alternative to Coulomb */
     bool      varies;           /* forces depend on where bodies are or how they move */
+    bool      settles;          /* an effect acts at the end of the step: it has a STAGE_SETTLE */
     bool      stores;           /* forces have a potential that only their effect knows */
     bool      drags, rules;     /* some forces are drags, or laws of regions: see Apart */
     bool      own;              /* an effect of the caller's takes part: only the calling thread may advance the group */

@@ -24,6 +24,7 @@ void group_part(Group *g, int joint, real share)
     j->broke = g->t;
     j->overload = share;
     j->view.type = &parted;
+    j->stores = false;
     memset(j->force, 0, sizeof j->force);
 }
 

@@ -22,7 +22,14 @@ static bool is_fixed(const Group *g, int body)
     return body >= g->moving_count && (g->member[body].slot == NONE || g->world->bodies.data[g->member[body].slot].kind == DIG_STATIC);
 }
 
-/* Are there two fixed solids at all? Those of the world itself, the walls of its room, are planes, and not beside each other. */
+/* Is a body, or the world itself, nothing but planes? The world's own are the walls of its room. */
+static bool all_plane(const World *w, uint32_t body)
+{
+    const Body *b = body == NONE ? NULL : &w->bodies.data[body];
+    return !b || (b->shape_count == 1 && w->solids.data[b->shape_first].form->shape.type == &shape_plane);
+}
+
+/* Are there two fixed solids at all? */
 static bool two_fixed(const Group *g)
 {
     int count = 0;
@@ -30,6 +37,15 @@ static bool two_fixed(const Group *g)
         if (is_fixed(g, i))
             count += g->member[i].slot == NONE ? 1 : int_min(2, g->world->bodies.data[g->member[i].slot].shape_count);
     return count >= 2;
+}
+
+/* Planes are not beside each other. */
+static bool planes_only(const Group *g)
+{
+    bool planes = true;
+    for (int i = g->moving_count; i < g->body_count && planes; i++)
+        planes = !is_fixed(g, i) || all_plane(g->world, g->member[i].slot);
+    return planes;
 }
 
 /* The body of a pair that moves, where the other is fixed; else -1. */
@@ -194,7 +210,7 @@ static dig_status link_meetings(Group *g, const Meeting *m, int count)
 dig_status seams(Group *g, int first)
 {
     int known = g->walled_count;
-    if (!two_fixed(g))
+    if (!two_fixed(g) || planes_only(g))
         return DIG_OK;
     DIG_TRY(list_walled(g, first));
     if (g->walled_count == known || g->pair_count < 2)

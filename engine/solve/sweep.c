@@ -330,7 +330,7 @@ static real stored(Group *g)
 {
     real sum = 0;
     for (int i = 0; i < g->joint_count; i++)
-        if (joint_stores(&g->joints[i].view)) {
+        if (g->joints[i].stores) {
             group_joint_view(g, i);
             sum += group_spring_energy(&g->joints[i]);
         }

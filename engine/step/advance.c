@@ -1,4 +1,5 @@
 /* step/advance.c - groups are advanced on private copies, in parallel, and checked. */
+#include "base/block.h"
 #include "step/step.h"
 
 #include <stdlib.h>
@@ -26,6 +27,8 @@ static bool find_culprit(Group *g, const char *effect, bool forces)
 static dig_status run_stage(Group *g, int stage)
 {
     const World *w = g->world;
+    if (stage == STAGE_SETTLE && !g->settles && !g->blame)
+        return DIG_OK;
     if (g->blame && find_culprit(g, stage == STAGE_FORCE ? "state" : "solver", false))
         return DIG_E_FINITE;
     for (uint32_t left = g->effects; left; left &= left - 1) {
@@ -84,6 +87,7 @@ static void call_effects(Group *g)
         g->own = g->own || e->owner;
         g->turns = g->turns || !e->type->central;
         g->varies = g->varies || e->type->varies;
+        g->settles = g->settles || e->type->run[STAGE_SETTLE];
     }
 }
 
@@ -125,7 +129,7 @@ static dig_status advance_judged(Group *g, real dt)
     watch_start(g);
     DIG_TRY(group_advance(g, dt));
     keep_spins(g, dt);
-    if (!(g->laws >> LAW_CONTACT & 1)) {
+    if (pairs > 0 && !(g->laws >> LAW_CONTACT & 1)) {
         g->pair_count = pairs;
         g->contact_count = contacts;
         g->acts = NULL;         /* what acted was counted of no contact: now there are some, and nothing acted in them */
@@ -172,12 +176,24 @@ static bool in_range(const Group *g, int i)
     return !g->member[i].moves || (vec3_largest(vec3_abs(g->pos[i].x)) <= WORLD_FAR && fast <= WORLD_FAST);
 }
 
+static bool vec3_within(vec3 v, real most) { return fabs(v.x) <= most && fabs(v.y) <= most && fabs(v.z) <= most; }
+
+/* Both, in one look: what is in range is finite. */
+static bool member_sound(const Group *g, int i)
+{
+    const Pos *p = &g->pos[i];
+    const Vel *v = &g->vel[i];
+    return !g->member[i].moves || (vec3_within(p->x, WORLD_FAR) && vec3_within(v->v, WORLD_FAST) && vec3_within(v->w, WORLD_FAST) && quat_finite(p->q));
+}
+
 typedef struct Soundness { const Group *g; atomic_bool nan, far; } Soundness;      /* of some member: it is no number; it is out of range */
 
 static void sound_share(void *context, int thread, int threads)
 {
     Soundness *s = context;
     for (int i = team_first(s->g->moving_count, thread, threads), end = team_end(s->g->moving_count, thread, threads); i < end; i++) {
+        if (member_sound(s->g, i))
+            continue;
         if (!member_finite(s->g, i))
             atomic_store(&s->nan, true);
         if (!in_range(s->g, i))
@@ -202,8 +218,8 @@ static void advance_part(Context *c, int i, Scratch scratch)
 {
     const struct StepGroup *part = &c->s->parts[i];
     Group *g = &c->s->groups[i];
-    memset(g, 0, sizeof *g);
-    g->plan = accuracy_plan(part->accuracy);
+    block_clear(g, sizeof *g);
+    g->plan = part->plan;
     g->tolerance = accuracy_local(part->accuracy);
     g->may_trace = part->may_trace;
     g->crowd = part->crowd;

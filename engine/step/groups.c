@@ -78,7 +78,8 @@ static dig_status list_awake(World *w, Found *f)
     if (!a.found)
         return DIG_E_MEMORY;
     team_deal(team, node_share, &a);
-    for (int i = 0; i < shares; f->node_count += a.found[i++])
+    f->node_count = a.found[0];         /* those of the first share are where they should be */
+    for (int i = 1; i < shares; f->node_count += a.found[i++])
         memmove(f->nodes + f->node_count, f->nodes + team_first(w->awake.count, i, shares), (size_t)a.found[i] * sizeof *f->nodes);
     return DIG_OK;
 }
@@ -439,7 +440,7 @@ static bool toils(const World *w, const Step *s, const struct StepGroup *g)
 /* Of so many bodies: is it for the crowd, by its own size, or because the world has so much else to advance that small groups are no exception? */
 static bool takes_crowd(const World *w, const Step *s, const struct StepGroup *g, int bodies, int total)
 {
-    const AccuracyPlan *plan = accuracy_plan(g->accuracy);
+    const AccuracyPlan *plan = g->plan;
     bool few = bodies <= plan->crowd_bodies && total <= plan->crowd_total;
     if ((few && !(bodies > plan->toil_bodies && toils(w, s, g))) || !crowd_allows(w) || !plain_bodies(w, s, g))
         return false;
@@ -454,7 +455,7 @@ bool may_crowd(const World *w, const Step *s, const struct StepGroup *g)
 /* Of a crowd: is it to be solved at once (crowd/calm.c)? */
 static bool takes_calm(const World *w, const Step *s, const struct StepGroup *g, int total)
 {
-    const AccuracyPlan *plan = accuracy_plan(g->accuracy);
+    const AccuracyPlan *plan = g->plan;
     int64_t most = (w->def.sleeping ? SLEEPY : 1) * (int64_t)plan->crowd_total;
     return total <= most && bodies_of(w, s, g) <= plan->calm_bodies && lies_calm(w, s, g);
 }
@@ -463,7 +464,7 @@ static bool takes_calm(const World *w, const Step *s, const struct StepGroup *g,
  * The first group fits always: one long chain is a world's main business, not one of a thousand. */
 static bool within_budget(const struct StepGroup *g, int64_t *spent)
 {
-    bool fits = *spent == 0 || *spent + g->cost <= accuracy_plan(g->accuracy)->trace_total;
+    bool fits = *spent == 0 || *spent + g->cost <= g->plan->trace_total;
     *spent += fits ? g->cost : 0;
     return fits;
 }
@@ -473,7 +474,7 @@ static bool within_budget(const struct StepGroup *g, int64_t *spent)
 static bool takes_chain(const World *w, const Step *s, const struct StepGroup *g, int total)
 {
     int joints = 0;
-    if (total <= accuracy_plan(g->accuracy)->crowd_total || 2 * bodies_of(w, s, g) >= w->awake.count)
+    if (total <= g->plan->crowd_total || 2 * bodies_of(w, s, g) >= w->awake.count)
         return false;
     for (int i = 0; i < g->dig_count; i++)
         for (uint32_t m = s->leads[g->dig_first + i]; m != NONE; m = graph_next(w->graph, m))
@@ -563,6 +564,7 @@ static void choose_way(void *context, int i, Scratch scratch)
     struct StepGroup *g = &c->s->parts[i];
     (void)scratch;
     g->accuracy = group_accuracy(c->w, c->s->leads + g->dig_first, g->dig_count);
+    g->plan = accuracy_plan(g->accuracy);
     int bodies = bodies_of(c->w, c->s, g);
     bool many = takes_crowd(c->w, c->s, g, bodies, c->w->debt.pause > 0 ? INT32_MAX : c->total);
     g->calm = many && takes_calm(c->w, c->s, g, c->total);

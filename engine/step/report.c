@@ -74,10 +74,14 @@ static void turn_events(World *w)
 
 void end_events(World *w) { w->events.count = w->mail.shown.count = 0; }
 
-/* In the place of the last ones it stays as it is, for something lies there until the step is committed. */
+/* In the place of the last ones it stays as it is, for something lies there until the step is committed. The other list mostly begins with
+ * nothing: what would be made a little longer in each of many steps grows by a half, as lists do. */
 dig_status reserve_events(World *w, int count)
 {
-    return w->events.capacity >= count ? DIG_OK : list_reserve(&w->pending, count, &w->allocations);
+    if (w->events.capacity >= count)
+        return DIG_OK;
+    bool small = list_bytes(&w->events) < BLOCK_LARGE;
+    return list_reserve(&w->pending, small ? int_max(count, w->events.capacity + w->events.capacity / 2) : count, &w->allocations);
 }
 
 /* The room of the last step's events is for those of this one, after what has been waiting, unless that has more: only one of the lists ever gets
@@ -248,6 +252,18 @@ static int members_of(const Group *g, const EffectSlot *e)
     return n;
 }
 
+/* Of a timed step, or of one in which nothing moves. */
+static void time_effect(const Step *s, EffectSlot *e, int number)
+{
+    e->us = e->flow_us;
+    for (int k = 0; k < s->count; k++)
+        e->us += s->groups[k].effect_us[number];
+    if (s->count > 0) {
+        e->us_sum += e->us;
+        e->us_count++;
+    }
+}
+
 static void count_effects(World *w, const Step *s)
 {
     for (int k = 0; k < s->count; k++)
@@ -258,10 +274,6 @@ static void count_effects(World *w, const Step *s)
         if (i >= w->effect_count)
             break;
         e->bodies = 0;
-        bool timed = s->count > 0 && s->groups[0].timed;
-        e->us = timed || s->count == 0 ? e->flow_us : e->us;
-        for (int k = 0; k < s->count && timed; k++)
-            e->us += s->groups[k].effect_us[i];
         for (int k = 0; k < s->count; k++) {
             const Group *g = &s->groups[k];
             if (!(g->effects & 1u << i))
@@ -273,8 +285,8 @@ static void count_effects(World *w, const Step *s)
                 e->caused = true;
             }
         }
-        e->us_sum += timed ? e->us : 0;
-        e->us_count += timed;
+        if (s->timed || s->count == 0)
+            time_effect(s, e, i);
     }
 }
 

@@ -28,7 +28,11 @@ typedef struct Step {           /* what the stages hand to each other; lives in 
     Stopwatch watch;            /* in a timed step                          */
     uint32_t *leads;            /* first members of the DIGs of all groups, group by group */
     uint32_t *pairs;            /* pairs of all groups, group by group      */
-    struct StepGroup { int dig_first, dig_count, pair_first, pair_count, accuracy, cost; bool may_trace, crowd, calm, together; } *parts;
+    struct StepGroup {
+        const AccuracyPlan *plan;
+        int dig_first, dig_count, pair_first, pair_count, accuracy, cost;
+        bool may_trace, crowd, calm, together;
+    } *parts;
     Group    *groups;
     int       count;
     int      *order;            /* in which groups are advanced, NULL: in theirs */
@@ -116,7 +120,16 @@ typedef void Job(void *context, int i, Scratch scratch);
 dig_status workers_open(int threads, struct Workers **out);
 void       workers_close(struct Workers *p);
 Team      *workers_team(struct Workers *p);         /* all of them; NULL: there is only the caller */
-void       workers_run(struct Workers *p, Scratch own, Job *job, void *context, int count);
+void       workers_share(struct Workers *p, Scratch own, Job *job, void *context, int count);
+/* Inline: where there is one thread, or one thing to do, it is a loop of its caller. */
+static inline void workers_run(struct Workers *p, Scratch own, Job *job, void *context, int count)
+{
+    if (p && count > 1)
+        workers_share(p, own, job, context, count);
+    else
+        for (int i = 0; i < count; i++)
+            job(context, i, own);
+}
 void       workers_reset(struct Workers *p);        /* their memory */
 static inline Scratch world_scratch(World *w) { return (Scratch){&w->scratch, &w->group_scratch}; }
 size_t     workers_bytes(const struct Workers *p);

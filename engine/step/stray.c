@@ -69,13 +69,15 @@ static box3 whole_way(const World *w, const Group *g, int member, const Solid *s
     const Body *b = &w->bodies.data[m->slot];
     vec3 x = g->pos[member].x;
     real dt = w->def.step, fastest = real_max(vec3_length(b->v), vec3_length(g->vel[member].v)) + b->pull * dt;
-    real turn = vec3_length(quat_log(quat_mul(g->pos[member].q, quat_conjugate(b->q))));
-    real chord = vec3_distance(x, b->x), bulge = m->collided ? 0 : bulge_of(chord, fastest * dt, turn);
-    box3 way = {vec3_min(b->x, x), vec3_max(b->x, x)}, start = s->form->shape.type->bounds(&s->form->shape, solid_pose(w, s));
     Been been = m->been ? g->been[member] : (Been){{x, x}, 0};
+    real spin = real_max(vec3_length(b->w), vec3_length(g->vel[member].w)), swung = real_max(been.swung, spin * dt), chord = vec3_distance(x, b->x);
+    bool any = swung >= 2 && (chord == 0 || m->collided);       /* in any direction, and on no arc: what it turned by tells nothing */
+    real turn = any ? 0 : vec3_length(quat_log(quat_mul(g->pos[member].q, quat_conjugate(b->q))));
+    real bulge = m->collided ? 0 : bulge_of(chord, fastest * dt, turn);
+    box3 way = {vec3_min(b->x, x), vec3_max(b->x, x)}, start = s->form->shape.type->bounds(&s->form->shape, solid_pose(w, s));
     way = box3_union(way, been.places);
-    real spin = real_max(vec3_length(b->w), vec3_length(g->vel[member].w)), arm = vec3_distance(s->form->at.p, b->centre) + s->form->shape.outer;
-    real turned = real_min(2, real_max(been.swung, real_max(spin * dt, turn))) * arm + bulge, rim = arm + bulge;
+    real arm = vec3_distance(s->form->at.p, b->centre) + s->form->shape.outer;
+    real turned = real_min(2, real_max(swung, turn)) * arm + bulge, rim = arm + bulge;
     vec3 low = vec3_max(vec3_sub(vec3_sub(start.low, b->x), (vec3){turned, turned, turned}), (vec3){-rim, -rim, -rim});
     vec3 high = vec3_min(vec3_add(vec3_sub(start.high, b->x), (vec3){turned, turned, turned}), (vec3){rim, rim, rim});
     return (box3){vec3_add(way.low, low), vec3_add(way.high, high)};

@@ -56,7 +56,7 @@ static real elastic(const Group *g)
 static void view_joints(Group *g, bool again)
 {
     for (int i = 0; i < g->joint_count; i++) {
-        if (!joint_stores(&g->joints[i].view))
+        if (!g->joints[i].stores)
             continue;
         if (again)
             group_joint_move(g, i);
@@ -134,22 +134,21 @@ static void watch_member(const Group *g, int i, Sum *s)
 
 #define WATCHED_AHEAD 6          /* what the step has read of them is still near, but for what is watched */
 
-static Sum sum_block(const Group *g, int block)
+static void sum_block(const Group *g, int block, Sum *s)
 {
-    Sum s = {.smallest = INFINITY, .most = -INFINITY};
+    *s = (Sum){.smallest = INFINITY, .most = -INFINITY};
     for (int i = block * BLOCK; i < int_min((block + 1) * BLOCK, g->moving_count); i++) {
         if (i + WATCHED_AHEAD < g->moving_count)
             fetch_soon(&g->world->bodies.data[g->slots[i + WATCHED_AHEAD]].watch, sizeof(BodyWatch));
-        watch_member(g, i, &s);
+        watch_member(g, i, s);
     }
-    return s;
 }
 
 static void sum_share(void *context, int thread, int threads)
 {
     const Sums *s = context;
     for (int i = team_first(s->blocks, thread, threads), end = team_end(s->blocks, thread, threads); i < end; i++)
-        s->of[i] = sum_block(s->g, i);
+        sum_block(s->g, i, &s->of[i]);
 }
 
 static void add_block(Sum *to, const Sum *s)
@@ -169,20 +168,23 @@ static void add_block(Sum *to, const Sum *s)
 }
 
 /* Where there is no memory to share it, one thread does it: no step fails for being watched. */
-static Sum sum_members(Group *g)
+static void sum_members(Group *g, Sum *all)
 {
-    if (g->moving_count <= BLOCK)
-        return sum_block(g, 0);
-    Sum all = {.smallest = INFINITY, .most = -INFINITY};
+    if (g->moving_count <= BLOCK) {
+        sum_block(g, 0, all);
+        return;
+    }
+    *all = (Sum){.smallest = INFINITY, .most = -INFINITY};
     Sums s = {.g = g, .blocks = (g->moving_count + BLOCK - 1) / BLOCK};
     s.of = g->team ? arena_alloc(g->arena, (size_t)s.blocks * sizeof *s.of) : NULL;
     if (s.of)
         team_deal(g->team, sum_share, &s);
     for (int i = 0; i < s.blocks; i++) {
-        Sum one = s.of ? s.of[i] : sum_block(g, i);
-        add_block(&all, &one);
+        Sum one;
+        if (!s.of)
+            sum_block(g, i, &one);
+        add_block(all, s.of ? &s.of[i] : &one);
     }
-    return all;
 }
 
 /* Of two bodies, the lighter one that moves. */
@@ -258,7 +260,8 @@ static real residual_bound(const Group *g)
 void watch_group(Group *g)
 {
     struct GroupWatch *watch = &g->watch;
-    Sum s = sum_members(g);
+    Sum s;
+    sum_members(g, &s);
     watch->rise += s.rise;
     watch->borne += s.borne;
     watch->carried += s.carried;

@@ -144,9 +144,9 @@ static void take_jobs(void *context, int thread, int threads)
         j->job(j->context, i, scratch);
 }
 
-void workers_run(struct Workers *p, Scratch own, Job *job, void *context, int count)
+void workers_share(struct Workers *p, Scratch own, Job *job, void *context, int count)
 {
-    Team *team = count < 2 ? NULL : workers_team(p);
+    Team *team = workers_team(p);
     for (int i = 0; i < count && !team; i++)
         job(context, i, own);
     if (!team)

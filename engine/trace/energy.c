@@ -89,7 +89,7 @@ static void add_springs(const Tracer *t, real sign, real *sum)
     for (int j = 0; j < g->joint_count; j++) {
         const GroupJoint *joint = &g->joints[j];
         int body = trace_moves(t, joint->a) ? joint->a : joint->b;
-        if (joint_stores(&joint->view) && trace_moves(t, body))
+        if (joint->stores && trace_moves(t, body))
             sum[t->root[body]] += sign * group_spring_energy(joint);
     }
 }
@@ -297,7 +297,7 @@ void trace_hold_energy(Tracer *t)
         return;
     join_touching(t);
     for (int i = 0; i < g->joint_count; i++)
-        if (joint_stores(&g->joints[i].view))
+        if (g->joints[i].stores)
             group_joint_view(g, i);
     add_springs(t, 1, t->gain);
     for (int i = 0; i < g->moving_count; i++)

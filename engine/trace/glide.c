@@ -82,6 +82,7 @@ typedef struct Glide {
     Pos  table_pos;             /* at the start */
     vec3 up, course;            /* m/s  of its centre against the table's, along the plane, at the start */
     real rate, lean;            /* rad/s  at which that turns; rad/m  by which its spin changes with it */
+    vec3 gain;                  /* m/s  of its velocity, in the step */
     ManifoldPoint points[MANIFOLD_POINTS];
 } Glide;
 
@@ -214,17 +215,16 @@ static bool rolls(Glide *s)
     return fabs(s->rate) * vec3_length(s->course) <= s->q->rub->friction * press * mass->im;
 }
 
-/* m/s  What its velocity gains in a time. */
-static vec3 gained(const Glide *s, real time)
+/* rad/s  In a time. */
+static vec3 spin_after(const Glide *s, vec3 aside, real time)
 {
     real half = sin(0.5 * s->rate * time);
-    return vec3_mad(vec3_scale(sin(s->rate * time), vec3_cross(s->up, s->course)), -2 * half * half, s->course);
+    vec3 gain = vec3_mad(vec3_scale(sin(s->rate * time), aside), -2 * half * half, s->course);
+    return vec3_mad(s->vel.w, -s->lean, vec3_cross(s->up, gain));
 }
 
-static vec3 spin_after(const Glide *s, real time) { return vec3_mad(s->vel.w, -s->lean, vec3_cross(s->up, gained(s, time))); }
-
 /* Two spins of each part, by Magnus' series up to their product. False: it whirls too fast for that. */
-static bool turn_on(Glide *s)
+static bool turn_on(Glide *s, vec3 aside)
 {
     Group *g = s->g;
     real spin = vec3_length(s->vel.w) + 2 * s->lean * vec3_length(s->course) + fabs(s->rate);
@@ -236,7 +236,7 @@ static bool turn_on(Glide *s)
     real part = s->h / parts;
     quat q = s->pos.q;
     for (int i = 0; i < parts; i++) {
-        vec3 first = spin_after(s, (i + 0.5 - NODE) * part), second = spin_after(s, (i + 0.5 + NODE) * part);
+        vec3 first = spin_after(s, aside, (i + 0.5 - NODE) * part), second = spin_after(s, aside, (i + 0.5 + NODE) * part);
         vec3 turn = vec3_mad(vec3_scale(0.5 * part, vec3_add(first, second)), -0.5 * NODE * part * part, vec3_cross(first, second));
         q = quat_unit(quat_mul(quat_exp(turn), q));
     }
@@ -249,16 +249,18 @@ static bool roll_on(Glide *s)
 {
     Group *g = s->g;
     const Vel *table = &g->vel[s->table];
-    real h = s->h, turn = s->rate * h, half = sin(0.5 * turn), im = g->mass[0].im;
-    real along = turn != 0 ? sin(turn) / turn - 1 : 0, across = turn != 0 ? 2 * half * half / turn : 0;
-    vec3 aside = vec3_cross(s->up, s->course), gain = gained(s, h);
-    if (!turn_on(s))
+    real h = s->h, turn = s->rate * h, half = sin(0.5 * turn), whole = sin(turn), im = g->mass[0].im;
+    real along = turn != 0 ? whole / turn - 1 : 0, across = turn != 0 ? 2 * half * half / turn : 0;
+    vec3 aside = vec3_cross(s->up, s->course);
+    if (!turn_on(s, aside))
         return false;
+    s->gain = vec3_mad(vec3_scale(whole, aside), -2 * half * half, s->course);
+    vec3 turned = vec3_cross(s->up, s->gain);
     g->pos[0].x = vec3_mad(vec3_mad(vec3_mad(s->pos.x, h, s->vel.v), h * along, s->course), h * across, aside);
-    g->vel[0] = (Vel){vec3_add(s->vel.v, gain), spin_after(s, h)};
+    g->vel[0] = (Vel){vec3_add(s->vel.v, s->gain), vec3_mad(s->vel.w, -s->lean, turned)};
     g->pos[s->table].x = vec3_mad(s->table_pos.x, h, table->v);
     g->pos[s->table].q = quat_unit(quat_mul(quat_exp(vec3_scale(h, table->w)), s->table_pos.q));
-    s->force[0].tangent = vec3_scale(s->side * s->rate / im, vec3_add(aside, vec3_cross(s->up, gain)));
+    s->force[0].tangent = vec3_scale(s->side * s->rate / im, vec3_add(aside, turned));
     return true;
 }
 
@@ -340,7 +342,7 @@ INLINE void book(const Glide *s)
     for (int k = 0; k < s->count; k++) {
         const PointMemory *f = &s->force[k];
         real press = s->h * f->normal;
-        vec3 drag = s->table ? vec3_scale(s->side / g->mass[0].im, gained(s, s->h)) : vec3_scale(s->h, f->tangent);
+        vec3 drag = s->table ? vec3_scale(s->side / g->mass[0].im, s->gain) : vec3_scale(s->h, f->tangent);
         acted->impulse = vec3_add(acted->impulse, vec3_mad(drag, press, s->normal));
         acted->point_sum = vec3_mad(acted->point_sum, press, own_point(s, &c->manifold.points[k]));
         acted->point_weight += press;

@@ -109,27 +109,49 @@ static real mean_square(const real *g, int count)
     return sum;
 }
 
-/* From angle 0, time in parts. False: the series does not end. */
-static bool turn(const Equation *l, real spin, Turn *out)
+/* The term of order k of g times cs: that of each, in the order of g, two at a time. */
+INLINE pair product_term(const real *g, const pair *cs, int k)
 {
+    pair sum = {0, 0};
+    int i = 0;
+    for (; i + 1 < k; i += 2) {
+        sum += g[i] * cs[k - 1 - i];
+        sum += g[i + 1] * cs[k - 2 - i];
+    }
+    if (i < k)
+        sum += g[i] * cs[k - 1 - i];
+    return sum;
+}
+
+/* From angle 0, time in parts. False: the series does not end. */
+static bool turn(const Equation *law, real start, Turn *out)
+{
+    const Equation l = *law;
     real g[SERIES_TERMS];              /* of f' */
     pair cs[SERIES_TERMS];             /* of the cosine and the sine */
-    g[0] = spin;
+    g[0] = start;
     cs[0] = (pair){1, 0};
-    *out = (Turn){.angle = spin, .spin = spin, .cs = cs[0], .mean = cs[0]};
+    pair at = cs[0], mean = cs[0];
+    real angle = start, spin = start;
+    bool drives = l.c > 0 || l.k > 0;
     for (int k = 1; k < SERIES_TERMS; k++) {
-        pair sum = {0, 0};
-        for (int i = 0; i < k; i++)
-            sum += g[i] * cs[k - 1 - i];
+        pair sum = product_term(g, cs, k);
         real each = 1.0 / k;
         cs[k] = (pair){-each * sum[1], each * sum[0]};
-        g[k] = each * (l->a * cs[k - 1][0] + l->b * cs[k - 1][1] - l->c * g[k - 1] + (k == 1 ? l->t : -l->k / (k - 1) * g[k - 2]));
-        out->cs += cs[k];
-        out->mean += cs[k] / (k + 1);
-        out->angle += g[k] / (k + 1);
-        out->spin += g[k];
+        real push = l.a * cs[k - 1][0] + l.b * cs[k - 1][1];
+        if (drives)
+            push -= l.c * g[k - 1];
+        if (k == 1)
+            push += l.t;
+        else if (drives)
+            push += -l.k / (k - 1) * g[k - 2];
+        g[k] = each * push;
+        at += cs[k];
+        mean += cs[k] / (k + 1);
+        angle += g[k] / (k + 1);
+        spin += g[k];
         if (k >= SERIES_LEAST && real_max(real_max(largest(cs[k]), largest(cs[k - 1])), real_max(fabs(g[k]), fabs(g[k - 1]))) < ENOUGH) {
-            out->square = l->c > 0 ? mean_square(g, k) : 0;
+            *out = (Turn){angle, spin, at, mean, l.c > 0 ? mean_square(g, k) : 0};
             return true;
         }
     }

@@ -52,18 +52,21 @@ static int add_column(const Line *lines, real *f, int n, int p, int rank, Moved 
             own->of[m][c] = root * sum;
         }
     }
-    for (int i = 0; i < n; i++) {
-        real sum = dot_six(&lines[i].j[0].lin.x, own->of[0]);
+    for (int i = 0; i < n; i++, f += RANK_MOST) {
+        const Arrow *j = lines[i].j;
+        real sum = dot_six(&j[0].lin.x, own->of[0]);
         for (int m = 1; m < bodies; m++)
-            sum += dot_six(&lines[i].j[m].lin.x, own->of[m]);
+            sum += dot_six(&j[m].lin.x, own->of[m]);
         sum *= scale[i];
-        f[RANK_MOST * i + rank] = sum;
-        rest[i] = i == p ? 0 : rest[i] - sum * sum;
-        if (rest[i] > most) {
-            most = rest[i];
+        f[rank] = sum;
+        real left = rest[i] - sum * sum;
+        rest[i] = left;
+        if (left > most) {
+            most = left;
             best = i;
         }
     }
+    rest[p] = 0;                /* but for rounding: where that is the most, nothing is left of the others, either */
     return best;
 }
 

@@ -26,7 +26,7 @@ static bool suits(const Group *g)
         return false;
     const GroupJoint *j = &g->joints[0];
     const JointType *t = j->view.type;
-    if (!t->two_anchors || t->elastic || !joint_stores(&j->view) || j->breaks_at > 0 || j->broken)
+    if (!t->two_anchors || t->elastic || !j->stores || j->breaks_at > 0 || j->broken)
         return false;
     for (int i = 0; i < g->moving_count; i++)
         if (!g->member[i].moves || g->member[i].integrator != DIG_AUTO || (i != j->a && i != j->b))

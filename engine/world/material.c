@@ -91,6 +91,17 @@ Surface surface_resolve(const World *w, const Surface *s)
 
 static real pick(real special, real general) { return isnan(special) ? general : special; }
 
+/* Its own row in the table, the last one; NULL: it has none. Most pairs have none, and a row whose numbers add up to another sum is another's. */
+static const MaterialPair *row_of(const World *w, int a, int b)
+{
+    for (int i = w->material_pairs.count - 1; i >= 0; i--) {
+        const MaterialPair *m = &w->material_pairs.data[i];
+        if (m->a + m->b == a + b && (m->a == a || m->a == b))
+            return m;
+    }
+    return NULL;
+}
+
 /* Friction and restitution of two surfaces: a row of the material table of their own, else the geometric mean of the frictions
  * and the larger restitution. A body that gives its own number overrides the table. */
 Rub surface_pair(const World *w, const Surface *a, const Surface *b)
@@ -101,18 +112,15 @@ Rub surface_pair(const World *w, const Surface *a, const Surface *b)
     r.friction_dynamic = real_min(r.friction, sqrt(ra.friction_dynamic * rb.friction_dynamic));
     bool own_friction = !isnan(a->friction) || !isnan(b->friction);
     bool own_restitution = !isnan(a->restitution) || !isnan(b->restitution);
-    for (int i = w->material_pairs.count - 1; i >= 0; i--) {
-        const MaterialPair *m = &w->material_pairs.data[i];
-        if (!((m->a == a->material && m->b == b->material) || (m->a == b->material && m->b == a->material)))
-            continue;
-        if (!own_friction) {
-            r.friction_dynamic = pick(m->friction_dynamic, pick(m->friction, r.friction_dynamic));
-            r.friction = pick(m->friction, r.friction);
-        }
-        r.rolling = isnan(a->rolling) && isnan(b->rolling) ? pick(m->rolling, r.rolling) : r.rolling;
-        if (!own_restitution)
-            r.restitution = pick(m->restitution, r.restitution);
-        break;
+    const MaterialPair *m = row_of(w, a->material, b->material);
+    if (!m)
+        return r;
+    if (!own_friction) {
+        r.friction_dynamic = pick(m->friction_dynamic, pick(m->friction, r.friction_dynamic));
+        r.friction = pick(m->friction, r.friction);
     }
+    r.rolling = isnan(a->rolling) && isnan(b->rolling) ? pick(m->rolling, r.rolling) : r.rolling;
+    if (!own_restitution)
+        r.restitution = pick(m->restitution, r.restitution);
     return r;
 }

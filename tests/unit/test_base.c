@@ -12,6 +12,7 @@
 #include "base/map.h"
 #include "base/sort.h"
 #include "base/text.h"
+#include "math/vec.h"
 
 /* Repeatable noise: x' = x * a + c mod 2^64 (Knuth's MMIX constants), upper half returned. */
 static uint32_t noise(uint64_t *x)
@@ -197,6 +198,31 @@ TEST(a_rewound_chain_of_chunks_is_filled_again_without_the_allocator)
             CHECK(arena_alloc(&a, 50000) != NULL);
     }
     CHECK_INT(a.allocations, allocations);
+    arena_close(&a);
+}
+
+/* A step begins with what the last one gave back: its first piece is taken as quickly as the others. */
+TEST(once_all_is_given_back_the_first_chunk_is_at_hand)
+{
+    Arena a = {0};
+    ArenaMark empty = arena_mark(&a);
+    void *first = arena_alloc(&a, 100);
+    for (int way = 0; way < 2; way++) {
+        for (int i = 0; i < 20; i++)
+            CHECK(arena_alloc(&a, 50000) != NULL);      /* some chunks */
+        if (way == 0)
+            arena_rewind(&a, empty);
+        else
+            arena_reset(&a);
+        CHECK_INT(arena_live(&a), 0);
+        if (way == 0)
+            CHECK(arena_next(&a) == first);
+        CHECK(a.left >= 100);
+        ArenaMark again = arena_mark(&a);
+        CHECK(arena_alloc(&a, 100) != NULL);
+        arena_rewind(&a, again);
+        CHECK_INT(arena_live(&a), 0);
+    }
     arena_close(&a);
 }
 
@@ -603,6 +629,19 @@ TEST(names_are_text_and_messages_are_cleaned)
     CHECK_TEXT(text, "?[2J caf\xc3\xa9 caf? ??31m?");
 }
 
+/* ---- vectors ---- */
+
+/* Told by bits; the reference are comparisons. */
+TEST(a_vector_is_zero_when_each_of_its_numbers_is)
+{
+    const real some[] = {0, -0.0, 5e-324, -5e-324, 1, -1, INFINITY, -INFINITY, NAN, -NAN};
+    const int count = (int)(sizeof some / sizeof *some);
+    for (int i = 0; i < count; i++)
+        for (int j = 0; j < count; j++)
+            for (int k = 0; k < count; k++)
+                CHECK_INT(vec3_is_zero((vec3){some[i], some[j], some[k]}), some[i] == 0 && some[j] == 0 && some[k] == 0);
+}
+
 int main(void)
 {
     RUN_TESTS(
@@ -632,6 +671,8 @@ int main(void)
         unit_test(a_trimmed_list_keeps_what_it_holds_and_little_more),
         unit_test(a_list_of_any_size_keeps_its_items_and_what_is_new_is_zero),
         unit_test(every_character_is_known_and_nothing_else_is_one),
-        unit_test(names_are_text_and_messages_are_cleaned)
+        unit_test(names_are_text_and_messages_are_cleaned),
+        unit_test(once_all_is_given_back_the_first_chunk_is_at_hand),
+        unit_test(a_vector_is_zero_when_each_of_its_numbers_is)
     );
 }
