@@ -147,7 +147,7 @@ static real sway_across(const Group *g, const JointView *v, real pull)
 bool springs_swing(Group *g)
 {
     real h = g->world->def.step / g->plan->substeps;
-    for (int i = 0; i < g->joint_count; i++) {
+    for (int i = 0; i < g->joint_count && g->joint_count > 1; i++) {     /* of one alone the pull goes as it moves: nothing holds against it */
         Row rows[JOINT_SLOTS];
         RowList list = {rows, 0, JOINT_SLOTS};
         group_joint_view(g, i);
