@@ -80,6 +80,16 @@ static Pos half_way(const Group *g, int body)
 
 typedef struct Middle { bool known, found; Pos a, b; Manifold m; } Middle;        /* of a contact: half a substep on */
 
+#define ASIDE 0.01              /* of its radius */
+#define SWUNG 0.01              /* rad  in a substep: what turns by less loses or gains next to nothing */
+
+/* A ball beside the centre of mass of its body turns about that, and the place where it touches with it, be the other flat. */
+static bool swings_round(const Group *g, int body, const Form *f)
+{
+    bool aside = f->shape.type == &shape_sphere && vec3_length(f->arm) > ASIDE * f->shape.outer;
+    return aside && g->h * vec3_length(start_velocity(g, body).w) > SWUNG;
+}
+
 static void find_middle(const Group *g, const GroupPair *q, const GroupContact *c, Middle *mid)
 {
     Vel va = start_velocity(g, c->a), vb = start_velocity(g, c->b);
@@ -96,7 +106,8 @@ static void find_middle(const Group *g, const GroupPair *q, const GroupContact *
     ManifoldCache cache = q->hint ? *q->hint : (ManifoldCache){.kind = 0};
     if (manifold_collide(&q->on_a->shape, pa, &q->on_b->shape, pb, far, &cache, &mid->m, &piece, 1) != 1 || mid->m.count != c->manifold.count)
         return;
-    if (vec3_dot(mid->m.normal, c->manifold.normal) > 1 - 1e-14 || vec3_dot(mid->m.normal, c->manifold.normal) < 0.5)
+    real same = vec3_dot(mid->m.normal, c->manifold.normal);
+    if ((same > 1 - 1e-14 && !swings_round(g, c->a, q->on_a) && !swings_round(g, c->b, q->on_b)) || same < 0.5)
         return;                             /* flat, or another side altogether */
     mid->found = !seam_hides(g, q, pa, pb, &mid->m);
 }

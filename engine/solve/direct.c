@@ -410,7 +410,7 @@ bool direct_joints(Group *g)
 {
     if (g->joint_count == 0)
         return false;
-    return g->conserve_failed || group_top_heavy(g) || (g->contact_count > 0 && holds_many(g));
+    return g->conserve_failed || group_top_heavy(g) || (g->contact_count > 0 && (holds_many(g) || springs_swing(g)));
 }
 
 real direct_wanted(const Group *g)

@@ -116,6 +116,51 @@ static void add_line(Direct *d, const JointBlock *b)
     }
 }
 
+#define SWUNG 1.0               /* rad^2 in a substep, of one spring: sweeps, explicit across it, gain from 4 on, of all that pull at a body */
+
+/* 1/s^2  Of the sway of a spring's ends across it: as of a line, and as its pull brings back an arm that has turned. 0: it does not pull. */
+static real sway_across(const Group *g, const JointView *v, real pull)
+{
+    vec3 line = vec3_sub(v->b.p, v->a.p), across[2];
+    real length = vec3_length(line), most = 0;
+    if (!(pull > 0) || !(length > 0))
+        return 0;
+    line = vec3_scale(1 / length, line);
+    vec3_basis(line, &across[0], &across[1]);
+    const JointEnd *end[2] = {&v->a, &v->b};
+    for (int i = 0; i < 2; i++) {
+        real sway = 0;
+        for (int k = 0; k < 2; k++) {
+            int b = end[k]->body;
+            vec3 turn = vec3_cross(end[k]->r, across[i]);
+            real arm2 = vec3_length2(turn), outward = (k ? -1 : 1) * vec3_dot(line, end[k]->r);
+            if (b < 0 || !g->member[b].moves)
+                continue;
+            real spun = vec3_dot(turn, mat3_mul_vec(g->mass[b].ii, turn));
+            sway += pull / length * (g->mass[b].im + spun) + (arm2 > 0 ? pull * real_max(0, outward) * spun / arm2 : 0);
+        }
+        most = real_max(most, sway);
+    }
+    return most;
+}
+
+bool springs_swing(Group *g)
+{
+    real h = g->world->def.step / g->plan->substeps;
+    for (int i = 0; i < g->joint_count && g->joint_count > 1; i++) {     /* of one alone the pull goes as it moves: nothing holds against it */
+        Row rows[JOINT_SLOTS];
+        RowList list = {rows, 0, JOINT_SLOTS};
+        group_joint_view(g, i);
+        const JointView *v = &g->joints[i].view;
+        if (!v->type->two_anchors || !joint_stores(v) || g->joints[i].broken)
+            continue;
+        v->type->rows(v, &list);
+        if (list.count == 1 && rows[0].kind == ROW_SOFT && h * h * sway_across(g, v, rows[0].stiffness * rows[0].error) > SWUNG)
+            return true;
+    }
+    return false;
+}
+
 bool singles_open(Direct *d)
 {
     const Group *g = d->g;

@@ -277,9 +277,10 @@ dig_status group_weigh(Group *g)
     g->shift = arena_alloc(g->arena, (size_t)(g->body_count + 1) * sizeof *g->shift);        /* takes turns with vel */
     g->start_pos = arena_alloc(g->arena, (size_t)g->body_count * sizeof *g->start_pos);
     g->start_vel = arena_alloc(g->arena, (size_t)g->body_count * sizeof *g->start_vel);
+    g->couples = g->joint_count > 0 ? arena_zero(g->arena, (size_t)g->body_count * sizeof *g->couples) : NULL;
     g->been = arena_alloc(g->lasting, (size_t)g->body_count * sizeof *g->been);
     g->impacts = arena_alloc(g->lasting, (size_t)g->pair_count * sizeof *g->impacts);
-    if (!g->mass || !g->shift || !g->start_pos || !g->start_vel || !g->been || !g->impacts)
+    if (!g->mass || !g->shift || !g->start_pos || !g->start_vel || !g->been || !g->impacts || (g->joint_count > 0 && !g->couples))
         return DIG_E_MEMORY;
     team_deal(g->team, weigh_share, g);
     return DIG_OK;

@@ -298,6 +298,7 @@ struct Group {
     Vel      *shift;            /* m, rad  position correction of a projection */
     Pos      *start_pos;        /* [body_count] at the start of the substep, */
     Vel      *start_vel;        /* the same; in a crowd whose effects ask for losses, too */
+    vec3     *couples;          /* [body_count] N m s  what rows of joints that lie where it will be half-way gave it; NULL: there are no joints */
     Been     *been;             /* [body_count] of members that have one */
     GroupPair *pairs;       int pair_count;     /* there is room for those left out, too */
     Left     *left;         int left_count, left_end;       /* see group_gather_struck; the list's end, with those taken since */
@@ -685,6 +686,7 @@ bool group_spins_off(const Group *g);           /* a substep is too long for som
 /* Does it turn so far in a substep that rows, which hold at its start, say nothing of how? Then it turns on as it would free of them, and with what heals it
  * turns its spin: by the mean of two momenta, or under a spin that stays, its axis comes to lie anywhere to what it has, with any energy. */
 bool group_whirls(const Group *g, int i);
+void group_note_couples(Group *g, bool turned); /* turned: rows of joints lie where their bodies will be half-way */
 void group_turn(Group *g, int i, vec3 mean_w);  /* turns the body on through the substep */
 /* project.c: position errors are removed without touching velocities */
 void project(Group *g);

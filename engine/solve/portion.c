@@ -2,13 +2,15 @@
  */
 #include "solve/group.h"
 
-/* rad: what is not round and touches turns no farther in one piece, or its corners would be missed. */
+/* rad: what is not round about its body's centre of mass and touches turns no farther in one piece, or its corners would be missed. */
 #define TURN_MOST 0.15
 
 /* Parts of a step that are as short for that as they get. Where what turns is so near that it may strike, they are shorter, as often as that costs about the
  * same for few bodies as for one: blows are looked for along a spin that stands still, as that of a box or of a tumbling rod does not. */
 #define TURN_PARTS  32
 #define WHIRL_PARTS 65536
+
+#define ASIDE 0.01              /* of its size */
 
 static bool angular_shape(const Shape *s) { return s->outer - s->inner > 0.01 * s->outer; }
 
@@ -68,16 +70,23 @@ static int swayed_parts(Group *g, real dt)
     return (int)real_min(ceil(group_sways(g, dt) * dt / SWAYED), real_clamp(SWAY_WORK / g->moving_count, SWAY_PARTS, FEW_PARTS));
 }
 
-/* rad/s */
-static real turning(const Group *g, int body, const Shape *s) { return angular_shape(s) ? vec3_length(g->vel[body].w) : 0; }
+/* m  How far a turn may bring it out of where it is: by its corners, or round as it is, since it is beside the centre of mass. */
+static real play_of(const Form *f)
+{
+    real aside = 2 * vec3_length(f->arm);
+    return angular_shape(&f->shape) ? f->shape.outer - f->shape.inner : aside > ASIDE * f->shape.outer ? aside : 0;
+}
 
-/* m  A shape that turns comes no farther out of where it is. */
-static real play(const Group *g, int body, const Shape *s) { return turning(g, body, s) > 0 ? s->outer - s->inner : 0; }
+/* rad/s */
+static real turning(const Group *g, int body, const Form *f) { return play_of(f) > 0 ? vec3_length(g->vel[body].w) : 0; }
+
+/* m */
+static real play(const Group *g, int body, const Form *f) { return turning(g, body, f) > 0 ? play_of(f) : 0; }
 
 /* s  For so long the two do not meet, whichever way they turn. */
 static real clear_for(const Group *g, const GroupPair *q)
 {
-    real room = play(g, q->a, &q->on_a->shape) + play(g, q->b, &q->on_b->shape), first = INFINITY;
+    real room = play(g, q->a, q->on_a) + play(g, q->b, q->on_b), first = INFINITY;
     for (int k = q->contact; k < q->contact + q->contacts; k++) {
         const GroupManifold *m = &g->contacts[k].manifold;
         real closing = vec3_dot(m->normal, vec3_sub(g->vel[q->a].v, g->vel[q->b].v));
@@ -108,7 +117,7 @@ static real turning_piece(Group *g, real dt, bool late)
         bool live = false;
         for (int k = q->contact; k < q->contact + q->contacts; k++)
             live = live || g->contacts[k].live;
-        real spin = live ? real_max(turning(g, q->a, &q->on_a->shape), turning(g, q->b, &q->on_b->shape)) : 0, turn = TURN_MOST / real_max(spin, 1e-9);
+        real spin = live ? real_max(turning(g, q->a, q->on_a), turning(g, q->b, q->on_b)) : 0, turn = TURN_MOST / real_max(spin, 1e-9);
         if (turn < part)        /* of how deep a corner is in many pieces nobody knows, so that no substep is halved for it */
             piece = real_min(piece, real_max(real_max(shortest, q->contacts > 1 ? turn / 3 : turn), real_min(late ? dt : part, clear_for(g, q))));
         else if (!late)

@@ -218,11 +218,28 @@ static bool blow_comes(const Group *g)
 
 #define FEW_POINTS 24
 
+static bool is_held(const Group *g, int body)
+{
+    bool held = false;
+    for (int i = 0; i < g->joint_count && !held && g->member[body].moves; i++)
+        held = g->joints[i].a == body || g->joints[i].b == body;
+    return held;
+}
+
+/* Do contacts press on what joints hold at many points? Not those of bricks that a ball on a chain has struck. */
+static bool pressed_at_many(const Group *g)
+{
+    int count = 0;
+    for (int i = 0; i < g->point_count && count <= FEW_POINTS && g->point_count > FEW_POINTS; i++)
+        count += is_held(g, g->points[i].a) || is_held(g, g->points[i].b);
+    return count > FEW_POINTS;
+}
+
 /* May rows lie where bodies will have turned to? Not where something heavy presses at many points on what joints hold: no solve gets
  * there, and what is found does not turn them so. */
 static bool turns_on(const Group *g)
 {
-    return g->joints_direct && (group_elastic(g) || g->point_count <= FEW_POINTS || !group_top_heavy(g));
+    return g->joints_direct && (group_elastic(g) || !group_top_heavy(g) || !pressed_at_many(g));
 }
 
 /* found: velocities at the end from a solve before; NULL = none. */
@@ -235,7 +252,8 @@ static dig_status solve_with(Group *g, const Vel *found)
     DIG_TRY(g->stage(g, STAGE_ROWS));
     if (g->midpoint && (any_euler(g) || g->joints_direct))
         group_build_joints(g, false);       /* who moves with the new velocity needs rows for it, not for the mean */
-    if (turns_on(g) && (found || !blow_comes(g)))
+    bool turned = turns_on(g) && (found || !blow_comes(g));
+    if (turned)
         group_turn_joints(g, found);        /* a turn straight on from where they are would stretch what bends */
     real heals = g->joints_direct && !g->jammed ? group_heal(g) : 0, before = g->residual;
     if (!g->joints_direct || g->jammed)
@@ -276,6 +294,7 @@ static dig_status solve_with(Group *g, const Vel *found)
     mark_constrained(g);
     move_alike(g);
     fall_together(g);
+    group_note_couples(g, turned);
     return g->status;
 }
 

@@ -75,6 +75,29 @@ bool group_whirls(const Group *g, int i)
     return g->joint_count == 0 && !g->member[i].round && !g->planar && g->h * vec3_length(g->vel[i].w) > WHIRLS;
 }
 
+void group_note_couples(Group *g, bool turned)
+{
+    if (!g->couples)
+        return;
+    memset(g->couples, 0, (size_t)g->body_count * sizeof *g->couples);
+    for (int i = 0; i < g->row_count && turned; i++) {
+        const Row *r = &g->rows[i].row;
+        for (int k = 0; k < r->count; k++)
+            if (r->body[k] >= 0)
+                g->couples[r->body[k]] = vec3_mad(g->couples[r->body[k]], g->rows[i].p, r->ang[k]);
+    }
+}
+
+/* What bodies that move on by their velocities at the end turn farther than by the mean of their spins, by half of what joints gave them, is
+ * no motion but a change of place, and their momentum turns along. Where it stayed, what rows that lie at the middle of the turn gave
+ * across a rod would come to lie along it in part, by h (L x J) / 2I, where there is next to no inertia. */
+static vec3 turned_along(const Group *g, int i, vec3 l)
+{
+    if (!g->couples || !g->member[i].implicit_move)
+        return l;
+    return quat_rotate(quat_exp(vec3_scale(0.5 * g->h, mat3_mul_vec(g->mass[i].ii, g->couples[i]))), l);
+}
+
 /* How the body turns in the substep, and with which spin it ends. */
 static vec3 turned_to(const Group *g, int i, vec3 mean_w, quat *q)
 {
@@ -83,6 +106,7 @@ static vec3 turned_to(const Group *g, int i, vec3 mean_w, quat *q)
     if (group_whirls(g, i))
         mean = end;
     *q = member_turned(m, *q, mean, g->h);
+    end = turned_along(g, i, end);
     vec3 w = spin_of(m, *q, end);
     /* refined once: |q| is 1 within rounding only, and that bias would add up to a drift of the angular momentum */
     return vec3_add(w, spin_of(m, *q, vec3_sub(end, momentum_of(m, *q, w))));
