@@ -62,21 +62,23 @@ for _, case in ipairs {
   end)
 end
 
--- As a crowd it sank in by 7 to 53 mm, made up 150 J a frame and never lay still.
-test.scenario("a car body of 1500 kg drops on gravel of 8 to 14 cm", function(s)
-  local world, chance, things = s.world, chances(5), {}
-  world:floor {}
-  for i = 0, 3 do
-    local x, z = math.cos(i * math.pi / 2), math.sin(i * math.pi / 2)
-    world:box { size = { 0.1 + 2.2 * math.abs(z), 0.6, 0.1 + 2.2 * math.abs(x) }, at = { 1.1 * x, 0.3, 1.1 * z }, fixed = true }
-  end
-  for i = 1, 100 do
-    things[i] = world:box { size = 0.08 + 0.06 * chance(), density = 2500,
-      at = { 1.8 * (chance() - 0.5), 0.1 + 0.002 * i, 1.8 * (chance() - 0.5) } }
-  end
-  things[#things + 1] = world:box { size = { 1.2, 0.4, 0.8 }, mass = 1500, at = { 0, 2.5, 0 } }
-  local r = watch(world, 4, things)
-  expect(r.deep):below(1e-4)
-  expect(r.made):below(1e-3)
-  expect(r.moving):is(0)
-end)
+-- As a crowd it sank in by 0.4 to 53 mm, made up as much as 150 J a frame and did not lie still (in half of eight heaps).
+for seed = 2, 3 do
+  test.scenario(("a car body of 1500 kg drops on gravel of 8 to 14 cm (%d)"):format(seed), function(s)
+    local world, chance, things = s.world, chances(seed), {}
+    world:floor {}
+    for i = 0, 3 do
+      local x, z = math.cos(i * math.pi / 2), math.sin(i * math.pi / 2)
+      world:box { size = { 0.1 + 2.2 * math.abs(z), 0.6, 0.1 + 2.2 * math.abs(x) }, at = { 1.1 * x, 0.3, 1.1 * z }, fixed = true }
+    end
+    for i = 1, 100 do
+      things[i] = world:box { size = 0.08 + 0.06 * chance(), density = 2500,
+        at = { 1.8 * (chance() - 0.5), 0.1 + 0.002 * i, 1.8 * (chance() - 0.5) } }
+    end
+    things[#things + 1] = world:box { size = { 1.2, 0.4, 0.8 }, mass = 1500, at = { 0, 2.5, 0 } }
+    local r = watch(world, 4, things)
+    expect(r.deep):below(1e-4)
+    expect(r.made):below(1e-3)
+    expect(r.moving):is(0)
+  end)
+end
