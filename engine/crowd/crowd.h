@@ -39,7 +39,7 @@ extern const Way way_tumble;            /* tumble.c: few that fall over each oth
 extern const Way way_tumble_late;       /* the same, by sweeps unless they turn out so */
 
 /* What a crowd does not take. The step decides by these, before it gathers anything (step/groups.c). */
-#define CROWD_MASS_RATIO 30.0   /* of the bodies of a group: beyond it, single passes do not carry the load */
+#define CROWD_MASS_RATIO 30.0   /* of the bodies of a group: beyond it, single passes may not carry the load */
 #define CROWD_LIGHT      0.3    /* of the bodies may be lighter than the heaviest by more than that: they bear little of it */
 #define CROWD_LIVELY     0.5    /* restitution: what bounces better deserves better                         */
 #define CROWD_LIVELY_MOST 16    /* times the plan's crowd: larger groups are crowds even if lively     */

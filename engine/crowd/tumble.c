@@ -29,8 +29,8 @@ static bool was_dear(const Group *g)
     return false;
 }
 
-/* What a crowd may take, and nothing but gravity that moves it: then it is known whether energy was won. Not beside a mover, which would stir
- * as a crowd what is swept when it stands still, over and over. */
+/* What a crowd may take, but for light things among heavy ones, and nothing but gravity that moves it: then it is known whether energy was won. Not beside a
+ * mover, which would stir as a crowd what is swept when it stands still, over and over. */
 static bool is_plain(const Group *g)
 {
     real light = INFINITY, heavy = 0;

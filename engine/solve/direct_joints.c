@@ -116,7 +116,9 @@ static void add_line(Direct *d, const JointBlock *b)
     }
 }
 
-#define SWUNG 1.0               /* rad^2 in a substep, of one spring: sweeps, explicit across it, gain from 4 on, of all that pull at a body */
+/* rad^2 in a substep: sweeps, explicit across springs, gain from 4 on, of all that pull at a body */
+#define SWAY_MOST 1.0           /* of one, */
+#define SWAY_ALL  3.0           /* and of all at a body: two side by side are as one of twice the stiffness */
 
 /* 1/s^2  Of the sway of a spring's ends across it: as of a line, and as its pull brings back an arm that has turned. 0: it does not pull. */
 static real sway_across(const Group *g, const JointView *v, real pull)
@@ -144,21 +146,39 @@ static real sway_across(const Group *g, const JointView *v, real pull)
     return most;
 }
 
+/* Is it a spring that pulls? rad^2 in a substep, of its sway; 0 of all else. */
+static real spring_sway(Group *g, int joint, real h)
+{
+    Row rows[JOINT_SLOTS];
+    RowList list = {rows, 0, JOINT_SLOTS};
+    if (!g->joints[joint].stores || !g->joints[joint].view.type->two_anchors)
+        return 0;
+    group_joint_view(g, joint);
+    const JointView *v = &g->joints[joint].view;
+    v->type->rows(v, &list);
+    return list.count == 1 && rows[0].kind == ROW_SOFT ? h * h * sway_across(g, v, rows[0].stiffness * rows[0].error) : 0;
+}
+
 bool springs_swing(Group *g)
 {
+    if (g->joint_count < 2)         /* one alone goes with what it pulls at, and its blows are worth being located */
+        return false;
     real h = g->world->def.step / g->plan->substeps;
-    for (int i = 0; i < g->joint_count && g->joint_count > 1; i++) {     /* of one alone the pull goes as it moves: nothing holds against it */
-        Row rows[JOINT_SLOTS];
-        RowList list = {rows, 0, JOINT_SLOTS};
-        group_joint_view(g, i);
+    bool swings = false;
+    ArenaMark mark = arena_mark(g->arena);
+    real *all = arena_zero(g->arena, (size_t)g->body_count * sizeof *all);
+    for (int i = 0; i < g->joint_count && all && !swings; i++) {
+        real sway = spring_sway(g, i, h);
         const JointView *v = &g->joints[i].view;
-        if (!v->type->two_anchors || !joint_stores(v) || g->joints[i].broken)
-            continue;
-        v->type->rows(v, &list);
-        if (list.count == 1 && rows[0].kind == ROW_SOFT && h * h * sway_across(g, v, rows[0].stiffness * rows[0].error) > SWUNG)
-            return true;
+        const int ends[2] = {v->a.body, v->b.body};
+        swings = sway > SWAY_MOST;
+        for (int k = 0; k < 2 && sway > 0; k++)
+            swings = swings || (ends[k] >= 0 && (all[ends[k]] += sway) > SWAY_ALL);
     }
-    return false;
+    if (!all)
+        g->status = DIG_E_MEMORY;
+    arena_rewind(g->arena, mark);
+    return swings;
 }
 
 bool singles_open(Direct *d)

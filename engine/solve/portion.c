@@ -70,7 +70,8 @@ static int swayed_parts(Group *g, real dt)
     return (int)real_min(ceil(group_sways(g, dt) * dt / SWAYED), real_clamp(SWAY_WORK / g->moving_count, SWAY_PARTS, FEW_PARTS));
 }
 
-/* m  How far a turn may bring it out of where it is: by its corners, or round as it is, since it is beside the centre of mass. */
+/* m  How far a turn may bring it out of where it is: by its corners, or round as it is, since it is beside the centre of mass. That what has corners may
+ * lie aside, too, is left out. */
 static real play_of(const Form *f)
 {
     real aside = 2 * vec3_length(f->arm);

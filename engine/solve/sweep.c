@@ -366,7 +366,8 @@ static bool springs_gain(Group *g)
     real gain = -stored(g), lost = 0;
     ArenaMark mark = arena_mark(g->arena);
     Pos *before = arena_alloc(g->arena, (size_t)g->body_count * sizeof *before);
-    if (!before) {
+    const Vel *found = group_velocities(g);         /* what turns changes its spin, too */
+    if (!before || !found) {
         g->status = DIG_E_MEMORY;
         return false;
     }
@@ -374,6 +375,7 @@ static bool springs_gain(Group *g)
     move(g);
     gain += stored(g);
     memcpy(g->pos, before, (size_t)g->body_count * sizeof *before);
+    memcpy(g->vel, found, (size_t)g->body_count * sizeof *found);
     arena_rewind(g->arena, mark);
     real much = group_kinetic(g);
     for (int i = 0; i < g->moving_count; i++) {

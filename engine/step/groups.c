@@ -329,7 +329,7 @@ static void add_plain(Plain *p, const Body *b)
     p->heavy = real_max(p->heavy, b->mass);
 }
 
-/* Free bodies of about the same mass, advanced the default way: where all are, it takes one look at each. */
+/* Free bodies of about the same mass, advanced the default way. */
 static bool is_plain(const Plain *p) { return p->free && p->heavy <= CROWD_MASS_RATIO * p->light; }
 
 /* Are but few of its bodies much lighter than the heaviest? Those find room between the others. What is heavy on a bed of light things is not for a crowd. */
