@@ -82,7 +82,7 @@ typedef struct Direct {
 } Direct;
 
 /* direct_joints.c: the same for rows of joints, called by what is below */
-bool springs_swing(Group *g);                           /* does one pull so hard that its ends sway across it faster than sweeps follow? */
+bool springs_swing(Group *g);                           /* do springs pull so hard that what they hold sways across them faster than sweeps follow? */
 bool singles_open(Direct *d);                           /* false: out of memory */
 void singles_link(const Direct *d, BlockLinks *of, int *link, bool *late);      /* adds pairs by d->place; late: of rows with a bound */
 void singles_changes(Direct *d);

@@ -146,7 +146,7 @@ static real sway_across(const Group *g, const JointView *v, real pull)
     return most;
 }
 
-/* Is it a spring that pulls? rad^2 in a substep, of its sway; 0 of all else. */
+/* rad^2 in a substep  Of the sway across it, if it is a spring; else 0. */
 static real spring_sway(Group *g, int joint, real h)
 {
     Row rows[JOINT_SLOTS];

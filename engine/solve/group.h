@@ -298,7 +298,7 @@ struct Group {
     Vel      *shift;            /* m, rad  position correction of a projection */
     Pos      *start_pos;        /* [body_count] at the start of the substep, */
     Vel      *start_vel;        /* the same; in a crowd whose effects ask for losses, too */
-    vec3     *couples;          /* [body_count] N m s  what rows of joints that lie where it will be half-way gave it; NULL: there are no joints */
+    vec3     *couples;          /* [body_count] N m s  of the last solve, by joints whose rows lie where bodies will be half-way, else 0; NULL: no joints */
     Been     *been;             /* [body_count] of members that have one */
     GroupPair *pairs;       int pair_count;     /* there is room for those left out, too */
     Left     *left;         int left_count, left_end;       /* see group_gather_struck; the list's end, with those taken since */

@@ -220,17 +220,21 @@ static bool blow_comes(const Group *g)
 
 static bool is_held(const Group *g, int body)
 {
-    bool held = false;
-    for (int i = 0; i < g->joint_count && !held && g->member[body].moves; i++)
-        held = g->joints[i].a == body || g->joints[i].b == body;
-    return held;
+    if (!g->member[body].moves)
+        return false;
+    for (int i = 0; i < g->joint_count; i++)
+        if (g->joints[i].a == body || g->joints[i].b == body)
+            return true;
+    return false;
 }
 
-/* Do contacts press on what joints hold at many points? Not those of bricks that a ball on a chain has struck. */
+/* Has what joints hold many contact points? Those of bricks that a ball on a chain has struck do not count. */
 static bool pressed_at_many(const Group *g)
 {
     int count = 0;
-    for (int i = 0; i < g->point_count && count <= FEW_POINTS && g->point_count > FEW_POINTS; i++)
+    if (g->point_count <= FEW_POINTS)
+        return false;
+    for (int i = 0; i < g->point_count && count <= FEW_POINTS; i++)
         count += is_held(g, g->points[i].a) || is_held(g, g->points[i].b);
     return count > FEW_POINTS;
 }

@@ -90,7 +90,8 @@ void group_note_couples(Group *g, bool turned)
 
 /* What bodies that move on by their velocities at the end turn farther than by the mean of their spins, by half of what joints gave them, is
  * no motion but a change of place, and their momentum turns along. Where it stayed, what rows that lie at the middle of the turn gave
- * across a rod would come to lie along it in part, by h (L x J) / 2I, where there is next to no inertia. */
+ * across a rod would come to lie along it in part, where there is next to no inertia: of momentum L and a couple J of the joints, both across, with
+ * an inertia of I, by h (L x J) / 2I. */
 static vec3 turned_along(const Group *g, int i, vec3 l)
 {
     if (!g->couples || !g->member[i].implicit_move)

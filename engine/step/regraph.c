@@ -366,7 +366,7 @@ static void stir(World *w, uint32_t body)
 static bool is_driven(Group *g, int joint)
 {
     const JointView *v = &g->joints[joint].view;
-    if (!v->type->speed || (v->type->two_anchors && !v->type->at_limit))        /* springs and rods have no motor */
+    if (!v->type->speed || v->type->two_anchors)        /* what acts along a line has no motor */
         return false;
     Row rows[JOINT_SLOTS];
     RowList list = {rows, 0, JOINT_SLOTS};
