@@ -1,4 +1,5 @@
 -- brick_walls.lua: a wall of bricks that balls strike loses some of them, and what is left of it comes to rest.
+-- Only in the plain build: figures of long runs; wrecked_stacks.lua and test_crowd.c run the same code under sanitizers.
 local test = require "digbox.test"
 local scenario, expect = test.scenario, test.expect
 

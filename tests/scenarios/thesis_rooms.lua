@@ -1,5 +1,6 @@
 -- thesis_rooms.lua: rows 4, 5 and 94 of the behaviours: a room in which everything moves, barrels in a rack, a toss over a fence, a
 -- plank that is carried to a door, and what is taken from under a pile.
+-- Only in the plain build: thousands of shots over seconds; mesh_rooms.lua and test_crowd.c run the same code under sanitizers.
 local digbox = require "digbox"
 local test = require "digbox.test"
 local scenario, expect = test.scenario, test.expect

@@ -1,6 +1,7 @@
 -- thin_rods.lua: trees of thin rods and balls on a hub that a motor turns about any axis: joints hold, and nothing comes from nowhere.
 -- About its own axis such a rod has a thousandth or less of the inertia that it has across it: of what its joints give across it, turned a
 -- little, a share is a whirl along it. Before substeps were cut by that, 13 of these 16 runs had joints 6 cm to 7e7 m apart.
+-- Only in the plain build: figures of long runs; wrecking_ball.lua and random_mechanisms.lua run the same code under sanitizers.
 local digbox = require "digbox"
 local test = require "digbox.test"
 local vec, quat = digbox.vec, digbox.quat
