@@ -5,7 +5,8 @@
 #   make hard-cases FILM=1                   with a picture of the end of each run in build/hard/pictures/
 #   make hard-cases LIMIT=20                 CPU seconds that one run may take (60)
 #   make soak [SEED=1] [COUNT=1000] [SOAK_SECONDS=20]   random worlds; a seed that fails is shrunk and printed as a script;
-#                                            then [MACHINES=200] worlds of bridges, carts, figures, heaps, ... for 6 s each, then the properties of DIGs and messages on 1000 worlds each, 10,000 piles that are
+#                                            then [MACHINES=200] worlds of bridges, carts, figures, heaps, ... and [ROOMS=200]
+#                                            of laid tables, stones, bottles, ladders, ... for 6 s each, then the properties of DIGs and messages on 1000 worlds each, 10,000 piles that are
 #                                            knocked, and a room that is stirred for 100,000 frames
 
 #   make hard-peers [CASE=B06] [STEP=1/60] [PEER=ode] [PEER_LIMIT=20]     the same cases on Bullet, ODE and MuJoCo, where installed;
@@ -19,6 +20,7 @@ SEED    ?= 1
 COUNT   ?= 1000
 SOAK_SECONDS ?= 20
 MACHINES ?= 200
+ROOMS ?= 200
 
 hard-cases: all                                 ## the hard cases at every frame step, other engines beside; writes docs/stability.md
 	@BUILD=$(BUILD) LIMIT=$(LIMIT) FILM=$(FILM) sh tests/hard/measure.sh "$(CASE)" "$(STEP)"
@@ -65,5 +67,6 @@ $(hard_dir)/peer_%.so: $(hard_dir)/obj/%.o $(hard_dir)/obj/module-%.o $(patsubst
 soak: all                                       ## 1000 random worlds for 20 s each
 	@BUILD=$(BUILD) sh tests/hard/soak.sh $(SEED) $(COUNT) $(SOAK_SECONDS)
 	@BUILD=$(BUILD) sh tests/hard/soak.sh $(SEED) $(MACHINES) 6 machines
+	@BUILD=$(BUILD) sh tests/hard/soak.sh $(SEED) $(ROOMS) 6 rooms
 	@$(MAKE) unit T=test_properties && DIGBOX_FULL=1 $(BUILD)/unit/test_properties
 	@$(MAKE) $(BUILD)/unit/test_random_stacks && DIGBOX_FULL=1 $(BUILD)/unit/test_random_stacks

@@ -6,6 +6,7 @@ local test = require "digbox.test"
 local hard = require "hard"
 local random = require "random_world"
 local machines = require "random_machines"
+local rooms = require "random_rooms"
 
 local function expect_held(criteria)
   for _, c in ipairs(criteria) do
@@ -119,6 +120,15 @@ end)
 test.scenario("random machines: five seeds for two seconds", function(s)
   for _, seed in ipairs { 1, 6, 13, 14, 20 } do
     local row = hard.run(machines.case(machines.world(seed), 2), { clock = s.cpu_seconds, limit = 60 })
+    test.expect(row.error or ""):is ""
+    expect_held(row.criteria)
+    expect_held(row.always)
+  end
+end)
+
+test.scenario("random rooms: six seeds for two seconds", function(s)
+  for seed = 1, 6 do
+    local row = hard.run(rooms.case(rooms.world(seed), 2), { clock = s.cpu_seconds, limit = 60, repeats = false })
     test.expect(row.error or ""):is ""
     expect_held(row.criteria)
     expect_held(row.always)

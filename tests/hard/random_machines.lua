@@ -3,14 +3,10 @@
 -- Each is drawn with its own sizes, masses, speeds and torques, in a place of its own; now and then a ball of up to three tons is shot
 -- through all of them. Motors and movers drive some, so energy may rise, but never but by what they give.
 local digbox = require "digbox"
-local hard = require "hard"
-local random = require "random_world"
 
-local machines = {}
 local SIDEWAYS = { axis = { 0, 0, 1 }, angle = "90 deg" }
 local ACROSS = { axis = { 1, 0, 0 }, angle = "90 deg" }
 
--- Each gets p, its dice (random.choices), the world, where it may stand, and the list of what is done later: { every = s, act = f(k) }
 local parts = {}
 
 function parts.chain(p, world, x, z)
@@ -197,80 +193,12 @@ function parts.shot(p, world, _, _, later)
   end }
 end
 
-local names = {}
-for name in pairs(parts) do names[#names + 1] = name end
-table.sort(names)
-
--- One world as data: its seed, and which of its parts there are (all, until it is shrunk)
-function machines.world(seed) return { seed = seed, without = {} } end
-
-local function build(w, world)
-  local p, later, used = random.dice(w.seed), {}, {}
+local function ground(p, world)
   world:floor { friction = p.between(0.2, 1) }
   for _, n in ipairs { { 1, 0 }, { -1, 0 }, { 0, 1 }, { 0, -1 } } do world:plane { normal = { n[1], 0, n[2] }, offset = -8 } end
-  for k = 1, p.int(2, 5) do
-    local name, dice = p.of(names), random.dice(w.seed * 8 + k)         -- its own, so that what is left stays what it was
-    if not w.without[k] then
-      used[#used + 1] = name
-      parts[name](dice, world, -6 + ((k - 1) % 2) * 7, -5.5 + ((k - 1) // 2) * 3.5, later)
-    end
-  end
-  for _, l in ipairs(later) do l.done = -1 end
-  return { later = later, used = used, scale = 1e-9, made = 0, low = 0 }
 end
 
-local function act(state, t)
-  for _, l in ipairs(state.later) do
-    local k = math.floor(t / l.every + 1e-9)
-    if k > l.done then
-      l.done = k
-      l.act(k)
-    end
-  end
-end
-
--- Energy made in this frame: what the books call numerical, and losses taken back
-local function frame(state)
-  local e = state.world.energy
-  state.scale = math.max(state.scale, e.kinetic, 0.3 * math.abs(e.potential), e.elastic)
-  if state.books then
-    state.made = math.max(state.made, e.numerical - state.books.numerical, state.books.lost - e.lost)
-  end
-  state.books = e
-  for _, b in ipairs(state.world:bodies()) do
-    local p = b.position
-    if b.kind == "dynamic" then state.low = math.min(state.low, p.y, 8 - math.abs(p.x), 8 - math.abs(p.z)) end
-  end
-end
-
-function machines.case(w, seconds)
-  local case = { id = "seed " .. w.seed, title = "machines", seconds = seconds, chaotic = true, passive = false, top_speed = 100 }
-  function case.build(place)
-    local state = build(w, place.world)
-    case.title = table.concat(state.used, " ")
-    return state
-  end
-  case.act, case.frame = act, frame
-  function case.finish(state)
-    return { hard.most("out of the room, m", -state.low, 0.1), hard.most("energy made in a frame / energy", state.made / state.scale, 0.5) }
-  end
-  return case
-end
-
--- The fewest parts that still fail in the same way; fails(world) says so
-function machines.shrink(w, fails)
-  for k = 1, 5 do
-    local less = { seed = w.seed, without = { [k] = true } }
-    for gone in pairs(w.without) do less.without[gone] = true end
-    if fails(less) then w = less end
-  end
-  return w
-end
-
-function machines.script(w, _, why)
-  local gone = {}
-  for k in pairs(w.without) do gone[#gone + 1] = k end
-  return ("-- machines, seed %d without its parts {%s}: %s"):format(w.seed, table.concat(gone, ", "), why)
-end
-
-return machines
+return require "random_parts".kind {
+  name = "machines", parts = parts, ground = ground, fewest = 2, most = 5, half = 8, depth = 0, potential = 0.3, made = 0.5,
+  where = function(k) return -6 + ((k - 1) % 2) * 7, -5.5 + ((k - 1) // 2) * 3.5 end,
+}

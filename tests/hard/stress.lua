@@ -1,12 +1,10 @@
 -- tests/hard/stress.lua - random worlds from seeds against what must always hold; a seed that fails is shrunk and printed as a script.
 --
 --   digbox run tests/hard/stress.lua -- --seed 1 --count 20 --seconds 20 [--step 1/30] [--accuracy study]
---   digbox run tests/hard/stress.lua -- --machines true --seed 1 --count 20 --seconds 6
+--   digbox run tests/hard/stress.lua -- --kind machines --seed 1 --count 20 --seconds 6      (or rooms)
 local digbox = require "digbox"
 local test = require "digbox.test"
 local hard = require "hard"
-local random = require "random_world"
-local machines = require "random_machines"
 
 local options = digbox.args {
   seed = { default = 1, help = "the first seed" },
@@ -16,7 +14,7 @@ local options = digbox.args {
   accuracy = { default = "play", help = "plan" },
   limit = { default = 20, help = "CPU seconds of one run; beyond it a seed counts as over time" },
   shrink = { default = true, help = "look for the fewest bodies that still fail" },
-  machines = { default = false, help = "bridges, carts, figures, ... instead of loose bodies" },
+  kind = { default = "world", help = "world, machines (bridges, carts) or rooms (laid tables)" },
   dearest = { default = false, help = "a frame of over 20 times the median cost (G7) is a failure, too" },
 }
 
@@ -31,7 +29,8 @@ local function failure(row)
   end
 end
 
-local kinds = options.machines and machines or random
+local files = { world = "random_world", machines = "random_machines", rooms = "random_rooms" }
+local kinds = require(assert(files[options.kind], "--kind: world, machines or rooms"))
 
 local above, below = options.step:match "^([%d.]+)/?([%d.]*)$"
 local dt = assert(tonumber(above), "--step: a number of seconds, or 1/60") / (tonumber(below) or 1)
