@@ -57,9 +57,9 @@ for _, case in ipairs { { 50, 1, 0.5 }, { 60, 2, 1.5 }, { 64, 3, 1.5 }, { 72, 4,
   end)
 end
 
--- A blow is handed to and fro between boxes that bounce on each other; each is solved to the last digit where tracing follows them one by one.
+-- A blow is handed to and fro between boxes that bounce on each other; each is solved to the last digit where tracing follows them.
 for _, mu in ipairs { 0.1, 0.5, 1 } do
-  scenario(("three stacks of five that bounce, on a plate that tilts, take no frame of 200,000 sweeps (friction %g)"):format(mu), function(s)
+  scenario(("stacks of five that bounce, on a plate that tilts, take no frame of 200,000 sweeps (friction %g)"):format(mu), function(s)
     local world = s:world {}
     local plate = world:box { kinematic = true, size = { 6, 0.2, 1.5 }, at = { 0, 1, 0 }, friction = mu }
     for stack = -1, 1 do

@@ -365,10 +365,12 @@ for _, friction in ipairs { 0.1, 0.6 } do
   scenario(("mover: the books have its work on what has left it by the end of the frame (friction %g)"):format(friction), function(s)
     local world = s:world { step = 1 / 30 }
     local d = 0.03
-    local cup = world:bucket { kinematic = true, at = { 0, 0.6, 0 }, height = 0.3, top_radius = 0.12, bottom_radius = 0.09, friction = friction }
+    local cup = world:bucket { kinematic = true, at = { 0, 0.6, 0 }, height = 0.3, top_radius = 0.12, bottom_radius = 0.09,
+      friction = friction }
     for i = 0, 29 do
       local turn = 2.4 * i
-      world:ball { radius = 0.45 * d, friction = friction, restitution = 0.5, at = { 0.05 * math.cos(turn), 0.65 + 0.5 * d * i, 0.05 * math.sin(turn) } }
+      local at = { 0.05 * math.cos(turn), 0.65 + 0.5 * d * i, 0.05 * math.sin(turn) }
+      world:ball { radius = 0.45 * d, friction = friction, restitution = 0.5, at = at }
     end
     world:step(30)
     cup:move_to { at = { 0, 0.9, 0 }, rotation = digbox.quat { axis = { 0, 0, 1 }, angle = "178 deg" }, over = 0.3 }

@@ -281,8 +281,8 @@ for _, case in ipairs { { 30, 1, 12, 5, 1 }, { 30, 1, 6, 1, 1 }, { 30, 2, 12, 1,
     local highest, before = 0, nil
     for frame = 0, 5 * rate - 1 do
       local t = frame / rate
-      local v = t < 0.5 and { 0, 0, 0 } or t < 2 and { 0, speed, 0 } or t < 3 and { speed, 0, 0 } or t < 4 and { 0, -speed, 0 } or { 0, 0, 0 }
-      hook:drive { velocity = v }
+      local up = t >= 0.5 and t < 2 and speed or t >= 3 and t < 4 and -speed or 0
+      hook:drive { velocity = { t >= 2 and t < 3 and speed or 0, up, 0 } }
       world:step()
       local e = world.energy
       highest, before = math.max(highest, e.total - e.work_in - (before or e.total - e.work_in)), e.total - e.work_in
