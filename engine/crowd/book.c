@@ -208,22 +208,6 @@ INLINE bool book_row(const Book *book, int contact)
     return fastest > book->strikes || (q->contacts > 1 && sum > 0) || pushes_sleeper(c, t, sum);
 }
 
-/* J  Given by movers through this contact: their velocity is constant. */
-static real movers_work(const Group *g, const GroupContact *c)
-{
-    const Acted *acted = acted_in(g, (int)(c - g->contacts));
-    real work = 0;
-    for (int k = 0; k < 2 && acted; k++) {
-        int body = k ? c->b : c->a;
-        if (!g->member[body].kinematic || !(acted->point_weight > WEIGHT_LEAST))
-            continue;
-        vec3 at = vec3_scale(1 / acted->point_weight, acted->point_sum);
-        vec3 v = vec3_add(g->vel[body].v, vec3_cross(g->vel[body].w, vec3_sub(at, g->pos[body].x)));
-        work += (k ? -1 : 1) * vec3_dot(acted->impulse, v);
-    }
-    return work;
-}
-
 /* m  Of its centre of mass. */
 static vec3 way_in_piece(const Crowd *c, int body)
 {
@@ -231,10 +215,13 @@ static vec3 way_in_piece(const Crowd *c, int body)
     return vec3_sub(k->to, k->from);
 }
 
-/* What forces gave, and kinetic energy has not got, is lost. */
+/* What forces and movers gave, and kinetic energy has not got, is lost. */
 static void book_energy(Crowd *c)
 {
     Group *g = c->g;
+    real given = crowd_work_of_movers(c);
+    g->work_in += given;
+    g->lost += given;
     for (int i = 0; i < c->blocks; i++)
         g->lost += c->lost[i];
     for (int i = 0; i < g->moving_count && (g->drags || g->rules); i++)
@@ -300,18 +287,6 @@ static dig_status note(const Book *b)
         if (b->to_note[i])
             note_contact(b->c, i);
     return DIG_OK;
-}
-
-static void book_movers(Group *g)
-{
-    bool any = false;
-    for (int i = g->moving_count; i < g->body_count; i++)
-        any = any || g->member[i].kinematic;
-    for (int i = 0; i < g->contact_count && any; i++) {
-        real given = g->contacts[i].live ? movers_work(g, &g->contacts[i]) : 0;
-        g->work_in += given;
-        g->lost += given;
-    }
 }
 
 static Vel mean_velocity(const Group *g, int body)
@@ -392,7 +367,6 @@ dig_status book_close(Crowd *c)
 
 void book_step(const Crowd *c)
 {
-    book_movers(c->g);
     if (c->g->losses)
         share_losses(c, c->g->lost);
 }

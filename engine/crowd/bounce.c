@@ -1,7 +1,7 @@
 /* crowd/bounce.c - how much of all bounces the energy allows. */
 #include "crowd/system.h"
 
-/* J, twice what movers gave: by all impulses before the bounces, and by the bounces. Their speed is what they add to the rates. */
+/* J, twice what movers gave: by all impulses so far, and by the bounces. Their speed is what they add to the rates. */
 static void work_of_movers(const Crowd *c, double *before, double *bounces)
 {
     *before = *bounces = 0;
@@ -52,6 +52,14 @@ static void take_share(Crowd *c, float share)
             for (int lane = 0; lane < LANES; lane++)
                 p->sum.at[lane] += share * p->room.at[lane];    /* not to j: the next step does not begin with a blow */
         }
+}
+
+/* J  By the sums of all impulses, bounces too: after those. What has left a mover by the end of the step had its work, too. */
+real crowd_work_of_movers(const Crowd *c)
+{
+    double all, bounces;
+    work_of_movers(c, &all, &bounces);
+    return 0.5 * all;
 }
 
 void bounce_share(Crowd *c) { take_share(c, allowed_share(c)); }

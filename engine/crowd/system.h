@@ -252,6 +252,8 @@ void       wide_solve(Crowd *c);
 void       wide_solve_longest(Crowd *c);       /* wide16.c: the same, where registers hold sixteen numbers */
 /* bounce.c: takes so much of the bounces just made as the energy before them allows */
 void       bounce_share(Crowd *c);
+/* J  bounce.c: given by movers in this piece */
+real       crowd_work_of_movers(const Crowd *c);
 /* book.c: forces, points, impacts and energy for the group's records; of a piece, and of the whole step after it */
 dig_status book_close(Crowd *c);
 void       book_step(const Crowd *c);

@@ -4,7 +4,8 @@
  * the gap it spans pulls like a string drawn straight: 1e-11 m at each of its forty joints is a joule in every millisecond, and 1e-7 m,
  * as a blow leaves them and healing takes back, is as much as a ton falls by in a metre. What a substep has gained is taken out of the
  * velocities, all by the same share: they obey joints and contacts as before. What hangs on nothing has momenta to keep, and gives it out of
- * how its parts move against each other. Those with springs, motors or movers are left as they are: their joints do work.
+ * how its parts move against each other. What hangs on a mover that does not turn is looked at as the mover sees it, for there its joints do no
+ * work either. Those with springs, motors, movers that turn, or several that do not move alike are left as they are: their joints do work.
  */
 #include "base/forest.h"
 #include "solve/group.h"
@@ -17,6 +18,7 @@ typedef struct Held {
     Group *g;
     int   *root;                /* [moving_count] the lowest body of its mechanism             */
     bool  *held, *driven;       /* by root: by what stands; by what moves as it likes          */
+    int   *mover;               /* by root: by which, one more than its number, where nothing else holds or presses it; 0 = by none */
 } Held;
 
 static bool moves(const Group *g, int body) { return body >= 0 && body < g->moving_count && g->member[body].moves; }
@@ -33,7 +35,27 @@ static void mark(Held *h, int body, int other)
     const Group *g = h->g;
     if (!moves(g, body) || moves(g, other))
         return;
-    *(other >= 0 && g->member[other].kinematic ? &h->driven[h->root[body]] : &h->held[h->root[body]]) = true;
+    int root = h->root[body];
+    bool by_mover = other >= 0 && g->member[other].kinematic;
+    *(by_mover ? &h->driven[root] : &h->held[root]) = true;
+    if (by_mover && h->mover[root] == 0)
+        h->mover[root] = other + 1;
+}
+
+/* m/s  Of those that hold it, where all move alike. */
+static bool frame_of(const Held *h, int root, vec3 *v)
+{
+    const Group *g = h->g;
+    *v = vec3_zero();
+    if (!h->driven[root])
+        return true;
+    *v = g->vel[h->mover[root] - 1].v;
+    if (h->held[root])
+        return false;
+    for (int i = g->moving_count; i < g->body_count; i++)
+        if (g->member[i].kinematic && (!vec3_is_zero(g->vel[i].w) || vec3_length2(vec3_sub(g->vel[i].v, *v)) > 0))
+            return false;
+    return true;
 }
 
 /* What joints hold together, and contacts that press. */
@@ -84,7 +106,10 @@ static real kinetic_of(const Member *m, quat q, Vel v)
 
 typedef struct Gain { real gain, scale, kinetic; bool twisted; } Gain;      /* J, but for the work of forces; twisted: by torques, too */
 
-static Gain gain_of(const Held *h, int root)
+static Vel seen_from(vec3 frame, Vel v) { return (Vel){vec3_sub(v.v, frame), v.w}; }
+
+/* As seen from what moves with `frame`, m/s. */
+static Gain gain_of(const Held *h, int root, vec3 frame)
 {
     const Group *g = h->g;
     Gain e = {0, 0, 0, false};
@@ -92,26 +117,32 @@ static Gain gain_of(const Held *h, int root)
         const Member *m = &g->member[i];
         if (!m->moves || h->root[i] != root)
             continue;
-        real after = kinetic_of(m, g->pos[i].q, g->vel[i]);
+        real after = kinetic_of(m, g->pos[i].q, seen_from(frame, g->vel[i]));
+        vec3 way = vec3_mad(vec3_sub(g->pos[i].x, g->start_pos[i].x), -g->h, frame);
         e.twisted = e.twisted || vec3_length2(m->torque) > 0;
         e.kinetic += after;
-        e.gain += after - kinetic_of(m, g->start_pos[i].q, g->start_vel[i]) - vec3_dot(m->force, vec3_sub(g->pos[i].x, g->start_pos[i].x));
+        e.gain += after - kinetic_of(m, g->start_pos[i].q, seen_from(frame, g->start_vel[i])) - vec3_dot(m->force, way);
         e.scale += after + vec3_length(m->force) * vec3_length(g->pos[i].x);
     }
     return e;
 }
 
-/* J  Taken out of it. */
-static real hold(const Held *h, int root, bool both)
+/* J  Taken out of it. What movers brake by that, they take. */
+static real hold(const Held *h, int root, bool both, vec3 frame)
 {
     Group *g = h->g;
-    Gain e = gain_of(h, root);
+    Gain e = gain_of(h, root, frame);
+    vec3 less = vec3_zero();
     if (e.twisted || !(fabs(e.gain) > HIDDEN * e.scale) || e.gain < (both ? -GENTLE * e.kinetic : 0) || !is_passive(h, root))
         return 0;
     real share = sqrt(real_max(0, 1 - e.gain / e.kinetic));
     for (int i = root; i < g->moving_count; i++)
-        if (g->member[i].moves && h->root[i] == root)
-            g->vel[i] = (Vel){vec3_scale(share, g->vel[i].v), vec3_scale(share, g->vel[i].w)};
+        if (g->member[i].moves && h->root[i] == root) {
+            vec3 v = vec3_sub(g->vel[i].v, frame);
+            less = vec3_mad(less, (1 - share) * g->member[i].mass, v);
+            g->vel[i] = (Vel){vec3_mad(frame, share, v), vec3_scale(share, g->vel[i].w)};
+        }
+    g->work_in -= vec3_dot(less, frame);
     return e.kinetic * (1 - share * share);
 }
 
@@ -119,7 +150,7 @@ static real hold(const Held *h, int root, bool both)
 static real hold_floating(const Held *h, int root)
 {
     Group *g = h->g;
-    Gain e = gain_of(h, root);
+    Gain e = gain_of(h, root, vec3_zero());
     if (e.twisted || !(e.gain > HIDDEN * e.scale) || !is_passive(h, root))
         return 0;
     Rigid r;
@@ -141,14 +172,17 @@ dig_status group_hold(Group *g, bool both, real *taken)
 {
     ArenaMark start = arena_mark(g->arena);
     size_t n = (size_t)g->moving_count;
-    Held h = {g, arena_alloc(g->arena, (n + 1) * sizeof *h.root), arena_zero(g->arena, n + 1), arena_zero(g->arena, n + 1)};
-    if (!h.root || !h.held || !h.driven)
+    Held h = {g, arena_alloc(g->arena, (n + 1) * sizeof *h.root), arena_zero(g->arena, n + 1), arena_zero(g->arena, n + 1),
+              arena_zero(g->arena, (n + 1) * sizeof *h.mover)};
+    if (!h.root || !h.held || !h.driven || !h.mover)
         return DIG_E_MEMORY;
     find(&h);
     *taken = 0;
-    for (int i = 0; i < g->moving_count; i++)
-        if (g->member[i].moves && h.root[i] == i && !h.driven[i])
-            *taken += h.held[i] ? hold(&h, i, both) : both ? 0 : hold_floating(&h, i);
+    for (int i = 0; i < g->moving_count; i++) {
+        vec3 frame;
+        if (g->member[i].moves && h.root[i] == i && frame_of(&h, i, &frame) && !(both && h.driven[i]))
+            *taken += h.held[i] || h.driven[i] ? hold(&h, i, both, frame) : both ? 0 : hold_floating(&h, i);
+    }
     arena_rewind(g->arena, start);
     return DIG_OK;
 }

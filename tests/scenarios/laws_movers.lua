@@ -359,3 +359,30 @@ for _, case in ipairs { { "sketch", 60, 12 }, { "play", 30, 6 }, { "play", 60, 1
     expect(ball.speed):below(2 * speed)         -- at most sqrt(2 w^2 r^2 + 4 g r) of 1 m
   end)
 end
+
+-- A crowd in a bucket that starts with a jerk: at the end of the frame many balls have left it, and it gave them their speed all the same.
+for _, friction in ipairs { 0.1, 0.6 } do
+  scenario(("mover: the books have its work on what has left it by the end of the frame (friction %g)"):format(friction), function(s)
+    local world = s:world { step = 1 / 30 }
+    local d = 0.03
+    local cup = world:bucket { kinematic = true, at = { 0, 0.6, 0 }, height = 0.3, top_radius = 0.12, bottom_radius = 0.09,
+      friction = friction }
+    for i = 0, 29 do
+      local turn = 2.4 * i
+      local at = { 0.05 * math.cos(turn), 0.65 + 0.5 * d * i, 0.05 * math.sin(turn) }
+      world:ball { radius = 0.45 * d, friction = friction, restitution = 0.5, at = at }
+    end
+    world:step(30)
+    cup:move_to { at = { 0, 0.9, 0 }, rotation = digbox.quat { axis = { 0, 0, 1 }, angle = "178 deg" }, over = 0.3 }
+    local most, highest = 0, 0
+    for _ = 1, 30 do
+      local before = world.energy
+      world:step()
+      local after = world.energy
+      most = math.max(most, after.kinetic)
+      highest = math.max(highest, after.total - after.work_in - before.total + before.work_in)
+    end
+    expect(highest / most):below(1e-6)
+    expect(world:warnings()):is_empty()
+  end)
+end
