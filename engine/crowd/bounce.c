@@ -2,20 +2,20 @@
 #include "crowd/system.h"
 
 /* J, twice what movers gave: by all impulses so far, and by the bounces. Their speed is what they add to the rates. */
-static void work_of_movers(const Crowd *c, double *before, double *bounces)
+static void work_of_movers(const Crowd *c, double *all, double *bounces)
 {
-    *before = *bounces = 0;
+    *all = *bounces = 0;
     for (int i = 0; i < c->batches; i++) {
         const Batch *x = &c->batch[i];
         if (!x->drive)
             continue;
         for (int lane = 0; lane < LANES; lane++) {
             for (int k = 0; k < x->points; k++) {
-                *before -= 2 * (double)x->point[k].sum.at[lane] * (double)x->drive[k].at[lane];
+                *all -= 2 * (double)x->point[k].sum.at[lane] * (double)x->drive[k].at[lane];
                 *bounces -= x->bounces ? 2 * (double)x->point[k].room.at[lane] * (double)x->drive[k].at[lane] : 0;
             }
             for (int k = 0; k < 2 && x->patch; k++)
-                *before -= 2 * (double)x->patch->sum[k].at[lane] * (double)x->drive[x->points + k].at[lane];
+                *all -= 2 * (double)x->patch->sum[k].at[lane] * (double)x->drive[x->points + k].at[lane];
         }
     }
 }

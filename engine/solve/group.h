@@ -576,7 +576,7 @@ static inline real group_row_rate(const Group *g, const Row *r)
 real group_row_mobility(const Group *g, const Row *r, int k);   /* kg^-1 or (kg m^2)^-1  what a row moves of its k-th body, per unit of impulse */
 
 /* hold.c: after a substep in which poses and velocities of moving members went on from start_pos and start_vel. both: what was lost is
- * given back, too, where it is little. *taken: J out of their motion */
+ * given back, too, where it is little (not to what hangs on a mover). *taken: J out of their motion; work_in has what movers gave */
 dig_status group_hold(Group *g, bool both, real *taken);
 
 #define BODIES_AHEAD 3          /* turns of a loop, that a body's record is fetched before it is needed */

@@ -18,7 +18,8 @@ typedef struct Held {
     Group *g;
     int   *root;                /* [moving_count] the lowest body of its mechanism             */
     bool  *held, *driven;       /* by root: by what stands; by what moves as it likes          */
-    int   *mover;               /* by root: by which, one more than its number, where nothing else holds or presses it; 0 = by none */
+    vec3   frame;               /* m/s  of the movers of the group                             */
+    bool   alike;               /* all of them have that, and none turns                       */
 } Held;
 
 static bool moves(const Group *g, int body) { return body >= 0 && body < g->moving_count && g->member[body].moves; }
@@ -38,30 +39,35 @@ static void mark(Held *h, int body, int other)
     int root = h->root[body];
     bool by_mover = other >= 0 && g->member[other].kinematic;
     *(by_mover ? &h->driven[root] : &h->held[root]) = true;
-    if (by_mover && h->mover[root] == 0)
-        h->mover[root] = other + 1;
 }
 
-/* m/s  Of those that hold it, where all move alike. */
-static bool frame_of(const Held *h, int root, vec3 *v)
+static void find_frame(Held *h)
 {
     const Group *g = h->g;
-    *v = vec3_zero();
-    if (!h->driven[root])
-        return true;
-    *v = g->vel[h->mover[root] - 1].v;
-    if (h->held[root])
-        return false;
-    for (int i = g->moving_count; i < g->body_count; i++)
-        if (g->member[i].kinematic && (!vec3_is_zero(g->vel[i].w) || vec3_length2(vec3_sub(g->vel[i].v, *v)) > 0))
-            return false;
-    return true;
+    bool any = false;
+    h->alike = true;
+    for (int i = g->moving_count; i < g->body_count; i++) {
+        if (!g->member[i].kinematic)
+            continue;
+        h->frame = any ? h->frame : g->vel[i].v;
+        h->alike = h->alike && vec3_is_zero(g->vel[i].w) && !(vec3_length2(vec3_sub(g->vel[i].v, h->frame)) > 0);
+        any = true;
+    }
+}
+
+/* m/s  Seen from where a mechanism's joints do no work: at rest, or with the movers that hold it, where nothing that stands does as well and all
+ * movers of the group move alike. */
+static bool frame_of(const Held *h, int root, vec3 *v)
+{
+    *v = h->driven[root] ? h->frame : vec3_zero();
+    return !h->driven[root] || (h->alike && !h->held[root]);
 }
 
 /* What joints hold together, and contacts that press. */
 static void find(Held *h)
 {
     const Group *g = h->g;
+    find_frame(h);
     for (int i = 0; i < g->moving_count; i++)
         h->root[i] = i;
     for (int i = 0; i < g->joint_count; i++)
@@ -172,9 +178,8 @@ dig_status group_hold(Group *g, bool both, real *taken)
 {
     ArenaMark start = arena_mark(g->arena);
     size_t n = (size_t)g->moving_count;
-    Held h = {g, arena_alloc(g->arena, (n + 1) * sizeof *h.root), arena_zero(g->arena, n + 1), arena_zero(g->arena, n + 1),
-              arena_zero(g->arena, (n + 1) * sizeof *h.mover)};
-    if (!h.root || !h.held || !h.driven || !h.mover)
+    Held h = {.g = g, .root = arena_alloc(g->arena, (n + 1) * sizeof *h.root), .held = arena_zero(g->arena, n + 1), .driven = arena_zero(g->arena, n + 1)};
+    if (!h.root || !h.held || !h.driven)
         return DIG_E_MEMORY;
     find(&h);
     *taken = 0;

@@ -6,8 +6,7 @@
  */
 #include "solve/direction.h"
 
-/* How a body moves through the substep, without where from: from as it was to where the solve takes it. A substep that ends at what it strikes takes it
- * less far than its new velocity would, and the same blow was located up to nine times. */
+/* How a body moves through the substep, without where from. */
 static Motion body_motion(const Group *g, int body)
 {
     const Member *m = &g->member[body];
@@ -20,12 +19,12 @@ static Motion body_motion(const Group *g, int body)
     }
     Vel old = g->start_vel[body];
     r.w = vec3_scale(0.5, vec3_add(old.w, now.w));
-    r.v = old.v;
     if (m->constrained) {
         const Vel way = group_way_of(g, body);
-        r.a = vec3_scale(2 / g->h, vec3_sub(way.v, old.v));
+        r.v = way.v;
         r.w = way.w;
     } else {
+        r.v = old.v;
         r.a = vec3_scale(1 / g->h, vec3_sub(now.v, old.v));
     }
     return r;

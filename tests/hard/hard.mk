@@ -64,7 +64,7 @@ $(hard_dir)/peer_%.so: $(hard_dir)/obj/%.o $(hard_dir)/obj/module-%.o $(patsubst
 	$(call say,LINK,$@)$(CXX) -shared -o $@ $^ $(hard_libs-$*) -lm
 .SECONDARY: $(patsubst %,$(hard_dir)/obj/%.o,solids bench-check bench-scene $(foreach e,bullet ode mujoco,$(e) module-$(e)))
 
-soak: all                                       ## 1000 random worlds for 20 s each
+soak: all                                       ## 1000 random worlds for 20 s each, 200 of machines, 200 rooms
 	@BUILD=$(BUILD) sh tests/hard/soak.sh $(SEED) $(COUNT) $(SOAK_SECONDS)
 	@BUILD=$(BUILD) sh tests/hard/soak.sh $(SEED) $(MACHINES) 6 machines
 	@BUILD=$(BUILD) sh tests/hard/soak.sh $(SEED) $(ROOMS) 6 rooms

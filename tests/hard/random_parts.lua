@@ -48,7 +48,7 @@ end
 
 local function frame(kind, state)
   look_at_books(state, kind.potential)
-  if state.world.time > 1 then state.deep = math.max(state.deep, state.world:stats().penetration) end
+  if kind.deep and state.world.time > 1 then state.deep = math.max(state.deep, state.world:stats().penetration) end
   for _, b in ipairs(state.world:bodies()) do
     local p = b.position
     if b.kind == "dynamic" then state.low = math.min(state.low, p.y + kind.depth, kind.half - math.abs(p.x), kind.half - math.abs(p.z)) end

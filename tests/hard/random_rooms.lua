@@ -160,7 +160,6 @@ function parts.seesaw(p, world, at)
   end
   thing(p, world, 0.25, at + vec(0.1 * k, 0.6, 0), common)
   thing(p, world, 0.3, at + vec(0.9 * k, p.between(0.7, 2.5), 0), stuff(p))
-  return plank
 end
 
 function parts.ramp(p, world, at)

@@ -83,30 +83,3 @@ scenario("a block that rocks is struck where it was foreseen", function(s)
   expect(all, "evaluations"):below(720)                                   -- 952
   expect(block.position):near({ block.position.x, 0.5, 0 }, 1e-9)
 end)
-
--- A body that slides or rolls down a slope against a wall, swept. Returns blows located in all, and in the first frame that has one.
-local function down_a_slope(s, fields, friction, restitution)
-  local world, turn = s:world {}, digbox.quat { axis = { 0, 0, 1 }, angle = "-30 deg" }
-  world:plane { normal = turn:rotate { 0, 1, 0 }, friction = friction }
-  world:plane { normal = turn:rotate { -1, 0, 0 }, offset = -1, restitution = restitution, friction = 0 }
-  fields.at, fields.rotation, fields.friction, fields.integrator = turn:rotate { 0, 0.1, 0 }, turn, friction, "verlet"
-  world[fields.radius and "ball" or "box"](world, fields)
-  local all, first = 0, nil
-  for _ = 1, 180 do
-    world:step()
-    local located = world:stats().located
-    all, first = all + located, first or (located > 0 and located or nil)
-  end
-  return all, first, world.energy
-end
-
--- What gathers speed got less far in the shorter substep than was foreseen, short of the wall: the same blow was located two to nine times.
-scenario("what gathers speed down a slope strikes the wall once", function(s)
-  local box, ball = { size = 0.2 }, { radius = 0.1 }
-  for _, case in ipairs { { box, 0, 0.5, 9 }, { box, 0.3, 0.5, 6 }, { ball, 0.4, 0.5, 8 }, { box, 0, 0.9, 3 } } do
-    local all, first, energy = down_a_slope(s, case[1], case[2], case[3])
-    expect(first):is(1)                                               -- 2 and 3 before
-    expect(all):at_most(case[4] + 2)                                  -- 30, 15, 27 and 7
-    expect(energy.numerical):near(0, 2e-5)                            -- J; up to 5e-4
-  end
-end)
