@@ -16,6 +16,7 @@ static void work_of_movers(const Crowd *c, double *all, double *bounces)
             }
             for (int k = 0; k < 2 && x->patch; k++)
                 *all -= 2 * (double)x->patch->sum[k].at[lane] * (double)x->drive[x->points + k].at[lane];
+            *all -= x->twist ? 2 * (double)x->twist->sum.at[lane] * (double)x->drive[x->points + 2].at[lane] : 0;
         }
     }
 }

@@ -256,6 +256,17 @@ static vec3 driven_velocity(const Crowd *c, const Ends *e, vec3 at)
     return v;
 }
 
+/* rad/s  The same of their spins. */
+static vec3 driven_spin(const Crowd *c, const GroupContact *t)
+{
+    vec3 w = vec3_zero();
+    if (c->trait[t->b].kinematic)
+        w = vec3_add(w, c->g->vel[t->b].w);
+    if (c->trait[t->a].kinematic)
+        w = vec3_sub(w, c->g->vel[t->a].w);
+    return w;
+}
+
 /* What a mover drives against a wall, through stones that leave each other no room, bears impulses that no pass brings to an end, each raises
  * them, to those of 5000 m/s: carried on to normals that have turned a little, they throw somebody out at 40 m/s. So no point in a crowd
  * that a mover presses starts with more than moves the lighter one WARM times as fast as both go and holds up WEIGHTS times its weight. What
@@ -312,6 +323,7 @@ INLINE void fill_patch(const Crowd *c, const Ends *e, const Batch *b, int lane)
         vec3 v = driven_velocity(c, e, reg3_get(middle));
         set(&b->drive[b->points], lane, vec3_dot(v, t));
         set(&b->drive[b->points + 1], lane, vec3_dot(v, u));
+        set(&b->drive[b->points + 2], lane, vec3_dot(m->normal, driven_spin(c, e->c)));
     }
 }
 
@@ -346,12 +358,7 @@ static void fill_roll(const Crowd *c, const Ends *e, const GroupPair *q, WideRol
     set(&r->k[3], lane, k.r1.y);
     set(&r->k[4], lane, k.r1.z);
     set(&r->k[5], lane, k.r2.z);
-    vec3 spin = vec3_zero();
-    if (c->trait[e->c->b].kinematic)
-        spin = vec3_add(spin, g->vel[e->c->b].w);
-    if (c->trait[e->c->a].kinematic)
-        spin = vec3_sub(spin, g->vel[e->c->a].w);
-    put(r->drive, lane, spin);
+    put(r->drive, lane, driven_spin(c, e->c));
     set(&r->lever, lane, q->rub->rolling * rolling_radius(q));
     put(r->j, lane, vec3_scale((real)c->h, contact_rolling(g, e->c)));
 }
@@ -405,7 +412,7 @@ static void *room_for(Crowd *c, size_t bytes, dig_status *status)
     return p;
 }
 
-static size_t drive_bytes(const Batch *b) { return (size_t)(b->points + 2) * sizeof *b->drive; }
+static size_t drive_bytes(const Batch *b) { return (size_t)(b->points + 3) * sizeof *b->drive; }
 
 /* What not every lane fills must hold 0. */
 static void clear(Batch *b)

@@ -87,7 +87,7 @@ typedef struct WidePatch {      /* friction of one contact, at the middle of its
 typedef struct WideTwist {      /* friction about the normal, of contacts of several points; all but j by wide.c */
     Wide a[3], b[3], mass;
     Wide reach;                 /* m    mean distance of the points from the middle            */
-    Wide j;                     /* N m s                                                       */
+    Wide j, sum;                /* N m s  of this substep, of the whole step                   */
 } WideTwist;
 
 typedef struct WideRoll {       /* rolling resistance                                          */
@@ -118,7 +118,7 @@ typedef struct Batch {          /* up to sixteen contacts that share no moving b
     WideContact *of;
     WidePoint *point;           /* after that                                                  */
     WideArms  *arms;            /* of the points, which they come after; NULL: round           */
-    Wide      *drive;           /* m/s  parts of the rates of points, then of friction, that movers give; NULL: no movers */
+    Wide      *drive;           /* m/s  parts of the rates of points, then of friction, that movers give, and rad/s of the twist; NULL: no movers */
     WidePatch *patch;           /* NULL: no friction, or round                                 */
     WideRub   *rub;             /* NULL: no friction, or not round                             */
     WideTwist *twist;           /* NULL: one point each, or no friction                        */

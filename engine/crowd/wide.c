@@ -69,6 +69,7 @@ INLINE void prepare_twist(const Lot *x, const Axes *a, const Axes *b)
     scaled(b, x->n, t->b);
     const wide ja[3] = THREE(t->a), jb[3] = THREE(t->b);
     t->mass.own = inverse_of(dot(ja, ja) + dot(jb, jb));
+    t->sum.own = all(0);
 }
 
 /* What does not move is read and written like the rest: each thread has a body that is nobody's. */
@@ -252,6 +253,7 @@ INLINE void solve_twist(const Lot *x, Both *v, wide bound)
 {
     WideTwist *t = x->twist;
     wide rate = dot_of(t->a, &v->a[3]) + dot_of(t->b, &v->b[3]), top = bound * t->reach.own;
+    rate = x->drive ? rate + x->drive[x->points + 2].own : rate;
     wide j = least(top, most(-top, t->j.own - t->mass.own * rate)), p = j - t->j.own;
     t->j.own = j;
     push_angular(v, t->a, t->b, p);
@@ -401,12 +403,13 @@ INLINE void solve_round(const Lot *x, Both *v, Care *k)
 
 INLINE void solve_flat(const Lot *x, Both *v, Care *k)
 {
-    wide load = normal_sum(x), before[2] = {all(0), all(0)};
+    wide load = normal_sum(x), before[3] = {all(0), all(0), all(0)};
     if (x->roll)
         solve_roll(x, v, load);
     if (x->patch && !k->first) {
         before[0] = x->patch->j[0].own;
         before[1] = x->patch->j[1].own;
+        before[2] = x->twist ? x->twist->j.own : before[2];
     }
     if (x->patch) {
         if (x->twist)
@@ -417,6 +420,8 @@ INLINE void solve_flat(const Lot *x, Both *v, Care *k)
     if (x->patch && !k->push) {
         x->patch->sum[0].own += x->patch->j[0].own - before[0];
         x->patch->sum[1].own += x->patch->j[1].own - before[1];
+        if (x->twist)
+            x->twist->sum.own += x->twist->j.own - before[2];
     }
 }
 
