@@ -150,12 +150,11 @@ end
 
 function parts.seesaw(p, world, at)
   local common, k = stuff(p), p.between(0.8, 2.5)
-  local plank
   if p.of { true, false } then
     world:cylinder(with(common, { radius = 0.15, height = 0.6, rotation = ACROSS, at = at + vec(k / 2, 0.15, 0) }))
-    plank = world:box(with(common, { size = { k, 0.05, 0.4 }, at = at + vec(k / 2, 0.325, 0) }))
+    world:box(with(common, { size = { k, 0.05, 0.4 }, at = at + vec(k / 2, 0.325, 0) }))
   else
-    plank = world:box(with(common, { size = { k, 0.05, 0.4 }, at = at + vec(k / 2, 0.4, 0) }))
+    local plank = world:box(with(common, { size = { k, 0.05, 0.4 }, at = at + vec(k / 2, 0.4, 0) }))
     world:hinge { a = plank, at = at + vec(k / 2, 0.4, 0), axis = { 0, 0, 1 } }
   end
   thing(p, world, 0.25, at + vec(0.1 * k, 0.6, 0), common)

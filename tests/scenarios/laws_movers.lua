@@ -387,8 +387,8 @@ for _, friction in ipairs { 0.1, 0.6 } do
   end)
 end
 
--- A column on a turntable that starts, as a crowd: it is turned along by friction about the contacts' normal, of which the crowd's rows did not
--- know that the table turns. The table gives I w^2, of which half goes into the slip.
+-- A column on a turntable that starts, as a crowd: friction about the contacts' normal turns it along, whose rows did not know that the
+-- table turns. The table gives I w^2, of which half goes into the slip.
 for _, case in ipairs { { 30, 1 }, { 20, 3 } } do
   local count, rate = case[1], case[2]
   scenario(("mover: a turntable at %g rad/s turns a column of %d plates along"):format(rate, count), function(s)
