@@ -1,4 +1,4 @@
-/* crowd/bounce.c - how much of all bounces the energy allows. */
+/* crowd/bounce.c - what movers give, and how much of all bounces the energy allows. */
 #include "crowd/system.h"
 
 /* J, twice what movers gave: by all impulses so far, and by the bounces. Their speed is what they add to the rates. */
@@ -55,7 +55,7 @@ static void take_share(Crowd *c, float share)
         }
 }
 
-/* J  By the sums of all impulses, bounces too: after those. What has left a mover by the end of the step had its work, too. */
+/* By the sums of all impulses, bounces too: after those. What has left a mover by the end of the step had its work, too. */
 real crowd_work_of_movers(const Crowd *c)
 {
     double all, bounces;

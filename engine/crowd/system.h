@@ -87,7 +87,7 @@ typedef struct WidePatch {      /* friction of one contact, at the middle of its
 typedef struct WideTwist {      /* friction about the normal, of contacts of several points; all but j by wide.c */
     Wide a[3], b[3], mass;
     Wide reach;                 /* m    mean distance of the points from the middle            */
-    Wide j, sum;                /* N m s  of this substep, of the whole step                   */
+    Wide j, sum;                /* N m s  of this substep; of the whole step, by a mover       */
 } WideTwist;
 
 typedef struct WideRoll {       /* rolling resistance                                          */

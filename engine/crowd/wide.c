@@ -404,12 +404,13 @@ INLINE void solve_round(const Lot *x, Both *v, Care *k)
 INLINE void solve_flat(const Lot *x, Both *v, Care *k)
 {
     wide load = normal_sum(x), before[3] = {all(0), all(0), all(0)};
+    bool driven = x->twist && x->drive;         /* nobody asks for the sum of other twists */
     if (x->roll)
         solve_roll(x, v, load);
     if (x->patch && !k->first) {
         before[0] = x->patch->j[0].own;
         before[1] = x->patch->j[1].own;
-        before[2] = x->twist ? x->twist->j.own : before[2];
+        before[2] = driven ? x->twist->j.own : before[2];
     }
     if (x->patch) {
         if (x->twist)
@@ -420,7 +421,7 @@ INLINE void solve_flat(const Lot *x, Both *v, Care *k)
     if (x->patch && !k->push) {
         x->patch->sum[0].own += x->patch->j[0].own - before[0];
         x->patch->sum[1].own += x->patch->j[1].own - before[1];
-        if (x->twist)
+        if (driven)
             x->twist->sum.own += x->twist->j.own - before[2];
     }
 }
