@@ -14,6 +14,7 @@
  */
 #include "chain/system.h"
 #include "base/wide.h"
+#include "math/reg3.h"
 
 #define ITERATIONS 8
 #define TURN_AT_ONCE 0.5        /* rad   of one iteration                                           */
@@ -71,18 +72,16 @@ INLINE void imply(const Chain *c, Links *l, four_int *fine)
         e->r = four33_mul3(&l->r, e->arm);
         e->at = four3_scale(e->side, four3_add(l->x, e->r));
     }
+    if (l->ends > 0)
+        four3_apart(c->ends[l->end].at, four_all(0), l->hung);
 }
 
-/* By how much the joints are off that a link owns. */
-static void part(const Chain *c, const Links *l, int lane)
+/* By how much the joints of an end are off, where the links own them. */
+INLINE four3 miss(const Ends *e)
 {
-    for (int i = l->own[lane]; i < l->count[lane]; i++) {
-        Ends *e = &c->ends[l->end + i];
-        int child = e->child[lane];
-        vec3 other = child < 0 ? vec3_scale(-e->side[lane], c->tie[e->tie[lane]].fixed)
-                               : four3_get(&ends_of(c, first_end(c, child))->at, lane_of(child));
-        four3_put(&e->error, lane, vec3_add(four3_get(&e->at, lane), other));
-    }
+    four rest, other[LANES] = {*e->other[0], *e->other[1], *e->other[2], *e->other[3]};
+    four3 off = four3_add(e->at, four3_together(other, &rest));
+    return (four3){four_where(e->owned, off.x), four_where(e->owned, off.y), four_where(e->owned, off.z)};
 }
 
 /* Arms, and by how much each joint is off; the largest error. INFINITY: a body turned too far. */
@@ -94,9 +93,8 @@ INLINE real place(const Chain *c, const Linkage *t)
         imply(c, &c->links[n], &fine);
     for (int n = t->first; n < t->last; n++) {
         const Links *l = &c->links[n];
-        for (int lane = 0; lane < LANES; lane++)
-            part(c, l, lane);
-        for (const Ends *e = c->ends + l->end; e < c->ends + l->end + l->ends; e++) {
+        for (Ends *e = c->ends + l->end + l->first; e < c->ends + l->end + l->ends; e++) {
+            e->error = miss(e);
             four off = four_most(four_abs(e->error.x), four_most(four_abs(e->error.y), four_abs(e->error.z)));
             fine &= off < four_all(INFINITY);
             worst = four_most(worst, off);
@@ -144,11 +142,22 @@ INLINE four33 free_slope(const Chain *c, const Links *l, four3 spin)
                     {turn.r2.x + spin.y, turn.r2.y - spin.x, turn.r2.z}};
 }
 
+/* The front of one body: three rows for each of its joints, in blocks of three columns for each. A row of a block lies in one register, with
+ * a fourth number: in the first block the right-hand side of the row, in others nothing. Rows are then added, and multiplied into each
+ * other, right-hand sides along with them. */
+typedef struct Front { four *f; int ends; } Front;
+
+INLINE Front front_of(const Chain *c, const Links *l, int lane) { return (Front){front_at(c, l, lane), l->ends}; }
+INLINE four *block_at(const Front *t, int row, int column) { return t->f + (row * t->ends + column) * TIE_ROWS; }
+
+/* The fourth number of `fourth`, the others of `three`. */
+INLINE four with_fourth(four three, four fourth) { return SHUFFLE(three, fourth, 0, 1, 2, 7); }
+
 /* What of the fronts the bodies alone know: the rows, and the errors of the joints that they own. */
 INLINE void fill(const Chain *c, Links *l, int ends)
 {
     four3 end[LINK_ROWS], mid[LINK_ROWS];       /* levers of the rows, body axes */
-    const int rows = ends * TIE_ROWS, stride = rows + 1;
+    const int rows = ends * TIE_ROWS;
     const Ends *e = c->ends + l->end;
     four *f = c->number + l->front, give = c->k * c->h / l->mass;
     four3 *turn = c->turn + l->turn, spin = four33_mul3(&l->inertia, l->w), twist = four3_zero();
@@ -159,129 +168,141 @@ INLINE void fill(const Chain *c, Links *l, int ends)
     l->loose = four33_mul3(&inverse, four3_sub(four3_add(four33_back3(&l->r, l->l0), twist), spin));
     for (int i = 0; i < rows; i++)
         turn[i] = four33_mul3(&inverse, mid[i]);
-    for (int i = 0; i < rows; i++)
-        for (int k = 0; k < rows; k++)
-            f[i * stride + k] = four3_dot(end[i], turn[k]);
-    for (int a = 0; a < ends; a++)
-        for (int b = 0; b < ends; b++)
-            for (int i = 0; i < TIE_ROWS; i++)
-                f[(a * TIE_ROWS + i) * stride + b * TIE_ROWS + i] += e[a].side * e[b].side * give;
-    for (int i = 0; i < rows; i++)
-        f[i * (stride + 1)] *= four_all(1 + SHARE);
     for (int a = 0; a < ends; a++) {
         const four error[TIE_ROWS] = {e[a].error.x, e[a].error.y, e[a].error.z};
-        for (int i = 0; i < TIE_ROWS; i++)
-            f[(a * TIE_ROWS + i) * stride + rows] = -four3_dot(end[a * TIE_ROWS + i], l->loose) - error[i];
+        for (int b = 0; b < ends; b++) {
+            const four both = e[a].side * e[b].side * give;
+            UNROLL
+            for (int i = 0; i < TIE_ROWS; i++) {
+                const int row = a * TIE_ROWS + i;
+                four n[LANES];
+                UNROLL
+                for (int k = 0; k < TIE_ROWS; k++)
+                    n[k] = four3_dot(end[row], turn[b * TIE_ROWS + k]);
+                n[i] += both;
+                if (a == b)
+                    n[i] *= four_all(1 + SHARE);
+                n[TIE_ROWS] = b > 0 ? four_all(0) : -four3_dot(end[row], l->loose) - error[i];
+                four_transpose(n);
+                UNROLL
+                for (int k = 0; k < LANES; k++)
+                    f[((k * ends + a) * ends + b) * TIE_ROWS + i] = n[k];
+            }
+        }
     }
 }
 
 /* ---- along the tree ---- */
 
-/* One lane of the front of four bodies, in blocks of the rows of one joint each. */
-typedef struct Front { four *f; int stride, lane; } Front;
-
-INLINE Front front_of(const Chain *c, int link)
-{
-    const Links *l = links_of(c, link);
-    return (Front){c->number + l->front, l->ends * TIE_ROWS + 1, lane_of(link)};
-}
-INLINE four *block_at(const Front *t, int row, int column) { return t->f + row * TIE_ROWS * t->stride + column * TIE_ROWS; }
-INLINE vec3 get3(const four *f, int lane) { return (vec3){f[0][lane], f[1][lane], f[2][lane]}; }
-INLINE void put3(four *f, int lane, vec3 v)
-{
-    f[0][lane] = v.x;
-    f[1][lane] = v.y;
-    f[2][lane] = v.z;
-}
-INLINE mat3 get_block(const Front *t, int row, int column)
-{
-    const four *f = block_at(t, row, column);
-    return (mat3){get3(f, t->lane), get3(f + t->stride, t->lane), get3(f + 2 * t->stride, t->lane)};
-}
-INLINE void put_block(const Front *t, int row, int column, const mat3 *m)
-{
-    four *f = block_at(t, row, column);
-    put3(f, t->lane, m->r0);
-    put3(f + t->stride, t->lane, m->r1);
-    put3(f + 2 * t->stride, t->lane, m->r2);
-}
-INLINE vec3 get_side(const Front *t, int row)
-{
-    const four *f = block_at(t, row, 0) + t->stride - 1;
-    return (vec3){f[0][t->lane], f[t->stride][t->lane], f[2 * t->stride][t->lane]};
-}
-INLINE void put_side(const Front *t, int row, vec3 v)
-{
-    four *f = block_at(t, row, 0) + t->stride - 1;
-    f[0][t->lane] = v.x;
-    f[t->stride][t->lane] = v.y;
-    f[2 * t->stride][t->lane] = v.z;
-}
-
 /* What the bodies that hang on this one left. */
-INLINE void take_remains(const Chain *c, const Links *l, const Front *t)
+INLINE void take_remains(const Ends *e, int lane, int count, int own, const Front *t)
 {
-    for (int n = l->own[t->lane]; n < l->count[t->lane]; n++) {
-        int child = c->ends[l->end + n].child[t->lane];
-        if (child < 0)
-            continue;
-        const Front left = front_of(c, child);
-        mat3 sum = mat3_add(get_block(t, n, n), get_block(&left, 0, 0));
-        put_block(t, n, n, &sum);
-        put_side(t, n, vec3_add(get_side(t, n), get_side(&left, 0)));
+    for (int n = own; n < count; n++) {
+        const four *left = e[n].below[lane];
+        four *sum = block_at(t, n, n), *side = block_at(t, n, 0);
+        UNROLL
+        for (int i = 0; i < TIE_ROWS && left; i++) {
+            four both = side[i] + left[i];
+            sum[i] += left[i];
+            if (n > 0)
+                side[i] = with_fourth(side[i], both);
+        }
     }
 }
+
+/* A block becomes its inverse by columns, but for the fourth numbers; `rows` is the same by rows. False: it has none. */
+INLINE bool invert(four *block, four rows[LANES])
+{
+    const four r0 = block[0], r1 = block[1], r2 = block[2];
+    rows[0] = reg3_cross(r1, r2);
+    rows[1] = reg3_cross(r2, r0);
+    rows[2] = reg3_cross(r0, r1);
+    rows[3] = four_all(0);
+    const four d = four_all(1 / reg3_dot(r0, rows[0]));
+    UNROLL
+    for (int i = 0; i < TIE_ROWS; i++) {
+        rows[i] *= d;
+        block[i] = with_fourth(rows[i], block[i]);
+    }
+    bool fine = isfinite(rows[0][0]);
+    four_transpose(rows);
+    return fine;
+}
+
+/* Sum of three vectors, each times one of the first three numbers of m. */
+INLINE four times(four m, const four v[TIE_ROWS]) { return four_all(m[0]) * v[0] + four_all(m[1]) * v[1] + four_all(m[2]) * v[2]; }
 
 /* Gauss elimination of the joints that the link owns. False: a pivot vanished. */
 INLINE bool eliminate(const Front *t, int count, int own)
 {
     for (int k = count - 1; k >= own; k--) {
-        mat3 inverse = mat3_inverse(get_block(t, k, k));
-        vec3 side = get_side(t, k);
-        if (!isfinite(inverse.r0.x))
+        four inverse[LANES], share[TIE_ROWS];
+        if (!invert(block_at(t, k, k), inverse))
             return false;
-        put_block(t, k, k, &inverse);
         for (int i = 0; i < k; i++) {
-            mat3 share = mat3_mul(get_block(t, i, k), inverse);
-            for (int n = 0; n < k; n++) {
-                mat3 left = mat3_sub(get_block(t, i, n), mat3_mul(share, get_block(t, k, n)));
-                put_block(t, i, n, &left);
-            }
-            put_side(t, i, vec3_sub(get_side(t, i), mat3_mul_vec(share, side)));
+            UNROLL
+            for (int r = 0; r < TIE_ROWS; r++)
+                share[r] = times(block_at(t, i, k)[r], inverse);
+            for (int n = 0; n < k; n++)
+                UNROLL
+                for (int r = 0; r < TIE_ROWS; r++)
+                    block_at(t, i, n)[r] -= times(share[r], block_at(t, k, n));
         }
     }
     return true;
 }
 
-static bool front(const Chain *c, int link)
+INLINE bool front_rows(const Ends *e, int lane, int count, int own, const Front *t)
 {
-    const Links *l = links_of(c, link);
-    const Front t = front_of(c, link);
-    const int count = l->count[t.lane], own = l->own[t.lane];
-    take_remains(c, l, &t);
-    return count == 2 && own == 1 ? eliminate(&t, 2, 1) : eliminate(&t, count, own);
+    take_remains(e, lane, count, own, t);
+    return eliminate(t, count, own);
 }
 
-/* What the body's own rows change by; the joint towards the root is known. */
-static void substitute(const Chain *c, int link)
+/* Most links have two joints, one towards the root: for these the compiler has no loops left. */
+INLINE bool front(const Chain *c, const Links *l, int lane)
 {
-    vec3 dp[LINK_ENDS];
-    const Links *l = links_of(c, link);
-    const Front t = front_of(c, link);
-    const int own = l->own[t.lane], count = l->count[t.lane];
-    Ends *e = c->ends + l->end;
+    const Ends *e = c->ends + l->end;
+    const Front t = front_of(c, l, lane), two = {t.f, 2};
+    const int count = l->count[lane], own = l->own[lane];
+    return l->ends == 2 && count == 2 && own == 1 ? front_rows(e, lane, 2, 1, &two) : front_rows(e, lane, count, own, &t);
+}
+
+/* By how much a joint's impulse changes is written over the first row of its end's first block, which nobody asks for afterwards. */
+INLINE four *change_of(const Front *t, int end) { return block_at(t, end, 0); }
+
+/* What the body's own rows change by; the joint towards the root is known. */
+INLINE void substitute_rows(const Ends *e, int lane, int count, int own, const Front *t)
+{
+    four dp[LINK_ENDS];
     if (own > 0)
-        dp[0] = four3_get(&e->change, t.lane);
+        dp[0] = *change_of(t, 0);
     for (int k = own; k < count; k++) {
-        vec3 sum = get_side(&t, k);
-        for (int i = 0; i < k; i++)
-            sum = vec3_sub(sum, mat3_mul_vec(get_block(&t, k, i), dp[i]));
-        dp[k] = mat3_mul_vec(get_block(&t, k, k), sum);
-        four3_put(&e[k].change, t.lane, dp[k]);
-        int child = e[k].child[t.lane];
-        if (child >= 0)
-            four3_put(&ends_of(c, first_end(c, child))->change, lane_of(child), dp[k]);
+        const four *side = block_at(t, k, 0);
+        four sum = {side[0][TIE_ROWS], side[1][TIE_ROWS], side[2][TIE_ROWS]};
+        for (int i = 0; i < k; i++) {
+            const four *row = block_at(t, k, i);
+            four by[LANES] = {dp[i] * row[0], dp[i] * row[1], dp[i] * row[2], four_all(0)};
+            four_transpose(by);
+            sum -= by[0] + by[1] + by[2];
+        }
+        dp[k] = *change_of(t, k) = times(sum, block_at(t, k, k));
+        four *below = e[k].below[lane];
+        if (below)
+            *below = dp[k];
     }
+    for (int k = count; k < t->ends; k++)
+        *change_of(t, k) = four_all(0);
+}
+
+INLINE void substitute(const Chain *c, const Links *l, int lane)
+{
+    const Ends *e = c->ends + l->end;
+    const Front t = front_of(c, l, lane), two = {t.f, 2};
+    const int count = l->count[lane], own = l->own[lane];
+    if (l->ends == 2 && count == 2 && own == 1)
+        substitute_rows(e, lane, 2, 1, &two);
+    else
+        substitute_rows(e, lane, count, own, &t);
 }
 
 /* ---- the iteration ---- */
@@ -298,13 +319,16 @@ INLINE four_quat turn_by(four3 by)
 INLINE void improve(const Chain *c, Links *l, four *most)
 {
     const four3 *turn = c->turn + l->turn;
+    const Front t[LANES] = {front_of(c, l, 0), front_of(c, l, 1), front_of(c, l, 2), front_of(c, l, 3)};
     four3 by = l->loose;
     for (int n = 0; n < l->ends; n++) {
         Ends *e = &c->ends[l->end + n];
-        by = four3_mad(by, e->change.x, turn[n * TIE_ROWS]);
-        by = four3_mad(by, e->change.y, turn[n * TIE_ROWS + 1]);
-        by = four3_mad(by, e->change.z, turn[n * TIE_ROWS + 2]);
-        e->p = four3_add(e->p, e->change);
+        four rest, of[LANES] = {*change_of(&t[0], n), *change_of(&t[1], n), *change_of(&t[2], n), *change_of(&t[3], n)};
+        four3 change = four3_together(of, &rest);
+        by = four3_mad(by, change.x, turn[n * TIE_ROWS]);
+        by = four3_mad(by, change.y, turn[n * TIE_ROWS + 1]);
+        by = four3_mad(by, change.z, turn[n * TIE_ROWS + 2]);
+        e->p = four3_add(e->p, change);
     }
     const four once = four_all(TURN_AT_ONCE);
     four length2 = four3_dot(by, by);
@@ -340,11 +364,13 @@ INLINE real iterate(const Chain *c, const Linkage *t)
         else
             fill(c, l, l->ends);
     }
-    for (int n = t->last * LANES - 1; n >= t->first * LANES; n--)
-        if (!front(c, n))
-            return -1;
-    for (int n = t->first * LANES; n < t->last * LANES; n++)
-        substitute(c, n);
+    for (int n = t->last - 1; n >= t->first; n--)
+        for (int lane = LANES - 1; lane >= 0; lane--)
+            if (!front(c, &c->links[n], lane))
+                return -1;
+    for (int n = t->first; n < t->last; n++)
+        for (int lane = 0; lane < LANES; lane++)
+            substitute(c, &c->links[n], lane);
     for (int n = t->first; n < t->last; n++)
         improve(c, &c->links[n], &most);
     return sqrt(real_max(real_max(most[0], most[1]), real_max(most[2], most[3])));

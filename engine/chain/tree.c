@@ -1,171 +1,201 @@
 /* chain/tree.c - the bodies and joints of a group, put in the order in which the step's equations are solved. */
 #include "chain/system.h"
 
-/* A joint at a body, and what it holds it to; < 0: that does not move by itself. */
-typedef struct Next { int joint, body; } Next;
+/* End 2 j + side of the group's joint j. */
+typedef struct End {
+    int body;                   /* < 0: one that does not move by itself */
+    int next;                   /* at that body, ascending; < 0 = none  */
+} End;
 
-/* Joints of each body: from[b] .. from[b + 1] in list. */
-typedef struct Near { int *from; Next *list; } Near;
+/* A body among the joints. */
+typedef struct Node {
+    int first, count;           /* of its ends                          */
+    int link;                   /* its place in the tree; < 0 = none yet */
+    int up;                     /* its end of the joint towards the root; < 0 = none */
+} Node;
 
-static int mover(const Group *g, int body) { return body >= 0 && g->member[body].moves ? body : -1; }
+typedef struct Order { End *end; Node *node; int *body; } Order;        /* body: of each link; < 0 = none */
 
-static dig_status list_joints(const Group *g, Near *near)
+static dig_status reserve(Chain *c, Order *o)
 {
-    near->from = arena_zero(g->arena, (size_t)(g->moving_count + 2) * sizeof *near->from);
-    near->list = arena_alloc(g->arena, (size_t)(2 * g->joint_count + 1) * sizeof *near->list);
-    int (*ends)[2] = arena_alloc(g->arena, (size_t)(g->joint_count + 1) * sizeof *ends);
-    if (!near->from || !near->list || !ends)
-        return DIG_E_MEMORY;
-    int *next = near->from + 1;             /* while filling: where the next joint of body b goes */
-    for (int i = 0; i < g->joint_count; i++)
-        for (int side = 0; side < 2; side++) {
-            int body = ends[i][side] = mover(g, side ? g->joints[i].b : g->joints[i].a);
-            if (body >= 0)
-                next[body + 1]++;
-        }
-    for (int b = 1; b <= g->moving_count; b++)
-        next[b] += next[b - 1];
-    for (int i = 0; i < g->joint_count; i++)
-        for (int side = 0; side < 2; side++)
-            if (ends[i][side] >= 0)
-                near->list[next[ends[i][side]]++] = (Next){i, ends[i][!side]};
-    return DIG_OK;
+    const Group *g = c->g;
+    const size_t bodies = (size_t)g->moving_count, joints = (size_t)g->joint_count;
+    o->end = arena_alloc(g->arena, 2 * joints * sizeof *o->end);
+    o->node = arena_alloc(g->arena, bodies * sizeof *o->node);
+    o->body = arena_alloc(g->arena, bodies * LANES * sizeof *o->body);
+    c->tree = arena_alloc(g->arena, bodies * sizeof *c->tree);
+    c->tie = arena_alloc(g->arena, joints * sizeof *c->tie);
+    c->owned = arena_alloc(g->arena, joints * sizeof *c->owned);
+    return o->end && o->node && o->body && c->tree && c->tie && c->owned ? DIG_OK : DIG_E_MEMORY;
 }
 
-typedef struct Place { int link, joint; } Place;        /* of a body in the tree: its link, the joint towards the root; < 0 = none */
-
-typedef struct Order { Near near; Place *place; int *body; } Order;     /* body: of each link; < 0 = none */
-
-/* Breadth first from a body. False: there is a ring. */
-static bool reach(Chain *c, Order *o, int root)
+static void list_ends(const Chain *c, const Order *o)
 {
-    const int first = c->link_count;
+    const Group *g = c->g;
+    for (int i = 0; i < g->moving_count; i++)
+        o->node[i] = (Node){-1, 0, -1, -1};
+    for (int e = 2 * g->joint_count - 1; e >= 0; e--) {
+        const GroupJoint *j = &g->joints[e / 2];
+        int body = e % 2 ? j->b : j->a;
+        o->end[e] = (End){-1, -1};
+        c->tie[e / 2].end[e % 2] = -1;
+        if (body < 0 || !g->member[body].moves)
+            continue;
+        Node *node = &o->node[body];
+        o->end[e] = (End){body, node->first};
+        node->first = e;
+        node->count++;
+    }
+}
+
+/* Breadth first from a body. False: there is a ring, or a body with too many joints. */
+static bool reach(Chain *c, const Order *o, int root)
+{
+    const int first = c->link_count, ties = c->owned_count;
     o->body[c->link_count] = root;
-    o->place[root] = (Place){c->link_count++, -1};
+    o->node[root].link = c->link_count++;
     for (int n = first; n < c->link_count; n++) {
-        int body = o->body[n];
-        for (int i = o->near.from[body]; i < o->near.from[body + 1]; i++) {
-            const Next to = o->near.list[i];
-            if (to.joint == o->place[body].joint || to.body < 0)
+        const Node *node = &o->node[o->body[n]];
+        if (node->count > LINK_ENDS)
+            return false;
+        for (int e = node->first; e >= 0; e = o->end[e].next) {
+            int to = o->end[e ^ 1].body;
+            if (e == node->up)
                 continue;
-            if (o->place[to.body].link >= 0)
+            c->owned[c->owned_count++] = e / 2;
+            if (to < 0)
+                continue;
+            if (o->node[to].link >= 0)
                 return false;
-            o->body[c->link_count] = to.body;
-            o->place[to.body] = (Place){c->link_count++, to.joint};
+            o->body[c->link_count] = to;
+            o->node[to].link = c->link_count++;
+            o->node[to].up = e ^ 1;
         }
     }
     while (c->link_count % LANES != 0)
         o->body[c->link_count++] = -1;
-    c->tree[c->trees++] = (Linkage){first / LANES, c->link_count / LANES};
+    c->tree[c->trees++] = (Linkage){first / LANES, c->link_count / LANES, ties, c->owned_count};
     return true;
 }
 
-static int ends_at(const Order *o, int body) { return body < 0 ? 0 : o->near.from[body + 1] - o->near.from[body]; }
-
-/* Lanes that no joint takes, or no link owns, are to stay 0. */
-static void clear_end(Ends *e)
-{
-    e->side = four_all(0);
-    e->arm = e->p = e->change = e->error = four3_zero();
-}
-
-/* Where the ends and numbers of each four links are. */
+/* Where the ends and fronts of each four links are. */
 static dig_status reserve_links(Chain *c, const Order *o)
 {
     const int blocks = c->link_count / LANES;
     int ends = 0, numbers = 0, turns = 0;
-    c->links = arena_alloc(c->g->arena, (size_t)(blocks + 1) * sizeof *c->links);
+    c->links = arena_alloc(c->g->arena, (size_t)blocks * sizeof *c->links);
     if (!c->links)
         return DIG_E_MEMORY;
     for (int i = 0; i < blocks; i++) {
         Links *l = &c->links[i];
         l->ends = 0;
         for (int k = 0; k < LANES; k++) {
-            l->ends = int_max(l->ends, ends_at(o, o->body[i * LANES + k]));
-            l->own[k] = l->count[k] = 0;
+            int body = l->body[k] = o->body[i * LANES + k];
+            l->count[k] = body < 0 ? 0 : o->node[body].count;
+            l->own[k] = body >= 0 && o->node[body].up >= 0;
+            l->ends = int_max(l->ends, l->count[k]);
         }
-        int rows = l->ends * TIE_ROWS;
         l->end = ends;
-        l->front = numbers;
         l->turn = turns;
+        l->front = numbers;
         ends += l->ends;
-        numbers += rows * (rows + 1);
-        turns += rows;
+        turns += l->ends * TIE_ROWS;
+        numbers += LANES * l->ends * l->ends * TIE_ROWS;
     }
-    c->ends = arena_alloc(c->g->arena, (size_t)(ends + 1) * sizeof *c->ends);
-    c->number = arena_alloc(c->g->arena, (size_t)(numbers + 1) * sizeof *c->number);
-    c->turn = arena_alloc(c->g->arena, (size_t)(turns + 1) * sizeof *c->turn);
-    for (int i = 0; i < ends && c->ends; i++)
-        clear_end(&c->ends[i]);
+    c->ends = arena_alloc(c->g->arena, (size_t)ends * sizeof *c->ends);
+    c->number = arena_alloc(c->g->arena, (size_t)numbers * sizeof *c->number);
+    c->turn = arena_alloc(c->g->arena, (size_t)turns * sizeof *c->turn);
     return c->ends && c->number && c->turn ? DIG_OK : DIG_E_MEMORY;
 }
 
-static void add_end(Chain *c, int link, int joint, int child)
+/* What is looked at in lanes without a joint that the link owns. */
+static const four nowhere;
+
+/* Lanes that no joint takes, or no link owns, are to stay 0. */
+static void clear_ends(const Chain *c, const Links *l)
 {
-    const GroupJoint *j = &c->g->joints[joint];
-    Links *l = links_of(c, link);
-    int lane = lane_of(link), n = l->end + l->count[lane]++;
-    bool a = j->a == l->body[lane];
-    Ends *e = &c->ends[n];
-    e->tie[lane] = joint;
-    e->child[lane] = child;
-    e->side[lane] = a ? 1 : -1;
-    four3_put(&e->arm, lane, a ? j->ra : j->rb);
-    c->tie[joint].end[!a] = n * LANES + lane;
+    for (int n = 0; n < l->ends; n++) {
+        Ends *e = &c->ends[l->end + n];
+        e->side = four_all(0);
+        e->arm = e->p = e->error = four3_zero();
+        e->owned = (four_int){0};
+        for (int k = 0; k < LANES; k++) {
+            e->other[k] = &nowhere;
+            e->below[k] = NULL;
+        }
+    }
+}
+
+/* End e of the group's joints becomes end n of the link. */
+static void put_end(const Chain *c, const Links *l, int lane, int n, int e)
+{
+    const GroupJoint *j = &c->g->joints[e / 2];
+    Ends *to = &c->ends[l->end + n];
+    to->side[lane] = e % 2 ? -1 : 1;
+    four3_put(&to->arm, lane, e % 2 ? j->rb : j->ra);
+    c->tie[e / 2].end[e % 2] = (l->end + n) * LANES + lane;
+}
+
+/* The same of one whose joint the link owns; child: its node, NULL at an anchor. */
+static void put_own_end(const Chain *c, const Links *l, int lane, int n, int e, const Node *child)
+{
+    Ends *to = &c->ends[l->end + n];
+    put_end(c, l, lane, n, e);
+    to->owned[lane] = -1;
+    to->other[lane] = &c->tie[e / 2].fixed;
+    if (!child)
+        return;
+    Links *below = links_of(c, child->link);
+    to->other[lane] = &below->hung[lane_of(child->link)];
+    to->below[lane] = front_at(c, below, lane_of(child->link));
 }
 
 /* What is eliminated last comes first: the joint towards the root, then what hangs on the body, then anchors. */
-static void list_ends(Chain *c, const Order *o, int link)
+static void put_ends(const Chain *c, const Order *o, const Links *l, int lane)
 {
-    const int body = o->body[link];
-    Links *l = links_of(c, link);
-    l->body[lane_of(link)] = body;
-    if (body < 0)
-        return;
-    if (o->place[body].joint >= 0)
-        add_end(c, link, o->place[body].joint, -1);
-    l->own[lane_of(link)] = l->count[lane_of(link)];
-    for (int anchors = 0; anchors < 2; anchors++)
-        for (int i = o->near.from[body]; i < o->near.from[body + 1]; i++) {
-            const Next to = o->near.list[i];
-            if (to.joint != o->place[body].joint && (to.body < 0) == anchors)
-                add_end(c, link, to.joint, anchors ? -1 : o->place[to.body].link);
+    const Node *node = &o->node[l->body[lane]];
+    int n = 0, anchors = 0;
+    if (node->up >= 0)
+        put_end(c, l, lane, n++, node->up);
+    for (int e = node->first; e >= 0; e = o->end[e].next) {
+        int to = o->end[e ^ 1].body;
+        if (to < 0)
+            anchors++;
+        else if (e != node->up)
+            put_own_end(c, l, lane, n++, e, &o->node[to]);
+    }
+    for (int e = node->first; anchors > 0; e = o->end[e].next)
+        if (o->end[e ^ 1].body < 0) {
+            put_own_end(c, l, lane, n++, e, NULL);
+            anchors--;
         }
 }
 
-static dig_status reserve(Chain *c, Order *o)
+static void fill_links(const Chain *c, const Order *o)
 {
-    Group *g = c->g;
-    DIG_TRY(list_joints(g, &o->near));
-    c->tree = arena_alloc(g->arena, (size_t)g->moving_count * sizeof *c->tree);
-    c->tie = arena_zero(g->arena, (size_t)(g->joint_count + 1) * sizeof *c->tie);
-    o->place = arena_alloc(g->arena, (size_t)g->moving_count * sizeof *o->place);
-    o->body = arena_alloc(g->arena, (size_t)g->moving_count * LANES * sizeof *o->body);
-    if (!c->tree || !c->tie || !o->place || !o->body)
-        return DIG_E_MEMORY;
-    for (int i = 0; i < g->moving_count; i++)
-        o->place[i] = (Place){-1, -1};
-    for (int i = 0; i < g->joint_count; i++) {
-        c->tie[i].joint = i;
-        c->tie[i].end[0] = c->tie[i].end[1] = -1;
+    for (int i = 0; i < c->link_count / LANES; i++) {
+        Links *l = &c->links[i];
+        clear_ends(c, l);
+        l->first = 1;
+        for (int k = 0; k < LANES && l->body[k] >= 0; k++) {
+            put_ends(c, o, l, k);
+            l->first = int_min(l->first, l->own[k]);
+        }
     }
-    return DIG_OK;
 }
 
 dig_status tree_make(Chain *c, bool *fits)
 {
     Order o;
     DIG_TRY(reserve(c, &o));
+    list_ends(c, &o);
     *fits = true;
     for (int i = 0; i < c->g->moving_count && *fits; i++)
-        if (c->g->member[i].moves && o.place[i].link < 0)
+        if (c->g->member[i].moves && o.node[i].link < 0)
             *fits = reach(c, &o, i);
-    for (int i = 0; i < c->link_count && *fits; i++)
-        *fits = ends_at(&o, o.body[i]) <= LINK_ENDS;
     if (!*fits)
         return DIG_OK;
     DIG_TRY(reserve_links(c, &o));
-    for (int i = 0; i < c->link_count; i++)
-        list_ends(c, &o, i);
+    fill_links(c, &o);
     return DIG_OK;
 }

@@ -92,29 +92,31 @@ static real motion_of(const Chain *c, const Linkage *t)
 }
 
 /* Of an anchor that does not move, or is driven, between the times t0 and t1. */
-static void begin_fixed(const Chain *c, Tie *t, int side, real t0, real t1)
+static void begin_fixed(const Chain *c, int joint, int side, real t0, real t1)
 {
-    const GroupJoint *j = &c->g->joints[t->joint];
+    const GroupJoint *j = &c->g->joints[joint];
+    Tie *t = &c->tie[joint];
     int body = side ? j->b : j->a;
     vec3 anchor = side ? j->rb : j->ra;
     Pos p0 = fixed_pose(c->g, body, t0), p1 = fixed_pose(c->g, body, t1);
     vec3 arm = quat_rotate(p1.q, anchor);
-    t->fixed = vec3_add(p1.x, arm);
+    t->fixed = reg3_of(vec3_scale(side ? -1 : 1, vec3_add(p1.x, arm)));
     t->arm = vec3_scale(0.5, vec3_add(quat_rotate(p0.q, anchor), arm));
 }
 
 /* Of b, in which a joint's force is kept from step to step. */
-static quat frame_of(const Chain *c, const Tie *t)
+INLINE quat frame_of(const Chain *c, int joint)
 {
-    const GroupJoint *j = &c->g->joints[t->joint];
-    return quat_mul(t->end[1] >= 0 ? c->g->pos[j->b].q : fixed_pose(c->g, j->b, 0).q, j->fb);
+    const GroupJoint *j = &c->g->joints[joint];
+    return quat_mul(c->tie[joint].end[1] >= 0 ? c->g->pos[j->b].q : fixed_pose(c->g, j->b, 0).q, j->fb);
 }
 
 /* As in the last step, at both ends. */
-static void guess(const Chain *c, Tie *t)
+static void guess(const Chain *c, int joint)
 {
-    const real *force = c->g->joints[t->joint].force;
-    vec3 p = vec3_scale(c->h, quat_rotate(frame_of(c, t), (vec3){force[0], force[1], force[2]}));
+    const real *force = c->g->joints[joint].force;
+    Tie *t = &c->tie[joint];
+    vec3 p = vec3_scale(c->h, quat_rotate(frame_of(c, joint), (vec3){force[0], force[1], force[2]}));
     t->twist = vec3_zero();
     for (int side = 0; side < 2; side++) {
         if (t->end[side] < 0)
@@ -128,31 +130,27 @@ static void begin(const Chain *c, const Linkage *t, real from)
 {
     for (int n = t->first; n < t->last && from == 0; n++)
         open_links(c, &c->links[n]);
-    for (int n = t->first * LANES; n < t->last * LANES; n++) {
-        const Links *l = links_of(c, n);
-        for (int i = l->own[lane_of(n)]; i < l->count[lane_of(n)]; i++) {
-            const Ends *e = &c->ends[l->end + i];
-            Tie *tie = &c->tie[e->tie[lane_of(n)]];
-            tie->h = c->h;
-            if (e->child[lane_of(n)] < 0)
-                begin_fixed(c, tie, e->side[lane_of(n)] > 0, from, from + c->h);
-            if (from == 0)
-                guess(c, tie);
-        }
+    for (int n = t->first_tie; n < t->last_tie; n++) {
+        Tie *tie = &c->tie[c->owned[n]];
+        tie->h = c->h;
+        for (int side = 0; side < 2; side++)
+            if (tie->end[side] < 0)
+                begin_fixed(c, c->owned[n], side, from, from + c->h);
+        if (from == 0)
+            guess(c, c->owned[n]);
     }
 }
 
 /* What the joints of a substep do to bodies that do not move. */
 static void twist_fixed(const Chain *c, const Linkage *t)
 {
-    for (int n = t->first * LANES; n < t->last * LANES; n++) {
-        const Links *l = links_of(c, n);
-        for (int i = l->own[lane_of(n)]; i < l->count[lane_of(n)]; i++) {
-            const Ends *e = &c->ends[l->end + i];
-            Tie *tie = &c->tie[e->tie[lane_of(n)]];
-            if (e->child[lane_of(n)] < 0)
-                tie->twist = vec3_sub(tie->twist, vec3_cross(tie->arm, vec3_scale(e->side[lane_of(n)], four3_get(&e->p, lane_of(n)))));
-        }
+    for (int n = t->first_tie; n < t->last_tie; n++) {
+        Tie *tie = &c->tie[c->owned[n]];
+        int end = tie->end[0] < 0 ? tie->end[1] : tie->end[0];
+        if (tie->end[0] >= 0 && tie->end[1] >= 0)
+            continue;
+        const Ends *e = ends_of(c, end);
+        tie->twist = vec3_sub(tie->twist, vec3_cross(tie->arm, vec3_scale(e->side[lane_of(end)], four3_get(&e->p, lane_of(end)))));
     }
 }
 
@@ -210,10 +208,11 @@ static void close_link(Group *g, const Links *l, int lane)
 }
 
 /* Poses are those of the end. */
-static void close_tie(const Chain *c, const Tie *t)
+static void close_tie(const Chain *c, int joint)
 {
     Group *g = c->g;
-    GroupJoint *j = &g->joints[t->joint];
+    GroupJoint *j = &g->joints[joint];
+    const Tie *t = &c->tie[joint];
     const int own = t->end[0] >= 0 ? 0 : 1, lane = lane_of(t->end[own]);       /* an end that moves */
     const Ends *e = ends_of(c, t->end[own]);
     vec3 impulse = vec3_scale(e->side[lane], four3_get(&e->impulse, lane)), twist[2] = {t->twist, t->twist};
@@ -222,7 +221,7 @@ static void close_tie(const Chain *c, const Tie *t)
             twist[side] = four3_get(&ends_of(c, t->end[side])->twist, lane_of(t->end[side]));
     j->impulse = impulse;
     j->angular_impulse = twist[0];
-    vec3 force = vec3_scale(1 / t->h, quat_unrotate(frame_of(c, t), four3_get(&e->p, lane)));
+    vec3 force = vec3_scale(1 / t->h, quat_unrotate(frame_of(c, joint), four3_get(&e->p, lane)));
     memset(j->force, 0, sizeof j->force);
     j->force[0] = force.x;
     j->force[1] = force.y;
@@ -367,7 +366,7 @@ static dig_status finish(const Chain *c, const Saved *s, real dt)
         }
     }
     for (int i = 0; i < c->ties; i++)
-        close_tie(c, &c->tie[i]);
+        close_tie(c, i);
     given = g->work_in - given;
     g->lost += c->lost + given + work_of(g, dt);
     for (int i = 0; i < g->moving_count; i++)

@@ -22,6 +22,7 @@ typedef struct four_quat { four x, y, z, w; } four_quat;
 
 INLINE four four_all(real x) { return (four){x, x, x, x}; }
 INLINE four four_pick(four_int which, four yes, four no) { return (four)((which & (four_int)yes) | (~which & (four_int)no)); }
+INLINE four four_where(four_int which, four x) { return (four)(which & (four_int)x); }       /* 0 elsewhere */
 INLINE four four_most(four a, four b) { return four_pick(a > b, a, b); }
 INLINE four four_abs(four a) { return four_most(a, -a); }
 
@@ -64,6 +65,22 @@ INLINE void four3_put(four3 *v, int lane, vec3 to)
     v->x[lane] = to.x;
     v->y[lane] = to.y;
     v->z[lane] = to.z;
+}
+
+/* Four vectors, each with a fourth number, from their components; and the other way. */
+INLINE void four3_apart(four3 v, four fourth, four to[LANES])
+{
+    to[0] = v.x;
+    to[1] = v.y;
+    to[2] = v.z;
+    to[3] = fourth;
+    four_transpose(to);
+}
+INLINE four3 four3_together(four from[LANES], four *fourth)
+{
+    four_transpose(from);
+    *fourth = from[3];
+    return (four3){from[0], from[1], from[2]};
 }
 
 INLINE four33 four33_scale(four s, four33 a) { return (four33){four3_scale(s, a.r0), four3_scale(s, a.r1), four3_scale(s, a.r2)}; }
