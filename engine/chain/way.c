@@ -369,7 +369,7 @@ static dig_status finish(const Chain *c, const Saved *s, real dt)
         close_tie(c, i);
     given = g->work_in - given;
     g->lost += c->lost + given + work_of(g, dt);
-    for (int i = 0; i < g->moving_count; i++)
+    for (int i = 0; i < g->moving_count && g->apart; i++)
         group_book_apart(g, i, vec3_sub(g->pos[i].x, g->start_pos[i].x), vec3_scale(0.5 * dt, vec3_add(g->vel[i].w, g->start_vel[i].w)), dt);
     g->t = dt;
     g->close_speed = group_close_speed(g);

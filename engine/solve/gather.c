@@ -124,12 +124,27 @@ static void fetch_joint(const World *w, uint32_t joint)
         fetch_soon(&w->joints.data[joint + JOINTS_AHEAD], offsetof(JointRec, force));
 }
 
+/* How many joints members have, and how many ends of these are at bodies that stand still. */
+typedef struct Joined { int joints, held; } Joined;
+
+static void count_joints(const World *w, uint32_t body, Joined *n)
+{
+    for (uint32_t j = w->bodies.data[body].joint_first; j != NONE; j = joint_next(w, j, body)) {
+        const JointRec *r = &w->joints.data[j];
+        fetch_joint(w, j);
+        uint32_t other = r->a == body ? r->b : r->a;
+        bool dynamic = other != NONE && w->bodies.data[other].kind == DIG_DYNAMIC;
+        n->joints += r->a == body || !dynamic;          /* as counts_at */
+        n->held += other != NONE && !dynamic;
+    }
+}
+
 /* Members of the DIGs, ascending; their joints are counted. */
-static dig_status list_moving(Group *g, int *joints)
+static dig_status list_moving(Group *g, Joined *joined)
 {
     const World *w = g->world;
     int n = 0;
-    bool joined = w->joints.count > w->free_joints.count;       /* else no body is asked for its own */
+    bool any = w->joints.count > w->free_joints.count;          /* else no body is asked for its own */
     for (int d = 0; d < g->dig_count; d++)
         n += graph_fellows(w->graph, g->leads[d]);
     uint32_t *slots = arena_alloc(g->lasting, (size_t)n * sizeof *slots);
@@ -141,10 +156,8 @@ static dig_status list_moving(Group *g, int *joints)
     for (int d = 0; d < g->dig_count; d++)
         for (uint32_t m = g->leads[d]; m != NONE; m = graph_next(w->graph, m)) {
             slots[n++] = m;
-            for (uint32_t j = joined ? w->bodies.data[m].joint_first : NONE; j != NONE; j = joint_next(w, j, m)) {
-                fetch_joint(w, j);
-                *joints += counts_at(w, j, m);
-            }
+            if (any)
+                count_joints(w, m, joined);
         }
     return sort_u32(slots, n, g->lasting);
 }
@@ -189,20 +202,20 @@ static int list_met(Standing *s, Team *team)
 }
 
 /* What stands still and may be met or holds a joint, ascending: NONE, the world itself, comes last. */
-static dig_status list_still(Group *g, const uint32_t *pairs, int pair_count, int joints)
+static dig_status list_still(Group *g, const uint32_t *pairs, int pair_count, int held)
 {
     const World *w = g->world;
     int unique = 0;
     g->body_count = g->moving_count;
-    if (pair_count + joints == 0)
+    if (pair_count + held == 0)
         return DIG_OK;
     Team *team = pair_count < SHARED_LEAST ? NULL : g->team;
     Standing s = {w, pairs, pair_count, NULL, arena_alloc(g->lasting, (size_t)team_shares(team) * sizeof *s.found)};
-    uint32_t *still = s.still = arena_alloc(g->lasting, (size_t)(2 * pair_count + joints) * sizeof *still);
+    uint32_t *still = s.still = arena_alloc(g->lasting, (size_t)(2 * pair_count + held) * sizeof *still);
     if (!still || !s.found)
         return DIG_E_MEMORY;
     int n = list_met(&s, team);
-    for (int i = 0; i < g->moving_count && joints > 0; i++)
+    for (int i = 0; i < g->moving_count && held > 0; i++)
         for (uint32_t j = w->bodies.data[g->slots[i]].joint_first; j != NONE; j = joint_next(w, j, g->slots[i])) {
             const JointRec *r = &w->joints.data[j];
             uint32_t other = r->a == g->slots[i] ? r->b : r->a;
@@ -234,8 +247,10 @@ static void gather_share(void *context, int thread, int threads)
 static dig_status gather_bodies(Group *g, const uint32_t *pairs, int pair_count, int *joints)
 {
     const World *w = g->world;
-    DIG_TRY(list_moving(g, joints));
-    DIG_TRY(list_still(g, pairs, pair_count, *joints));
+    Joined joined = {0, 0};
+    DIG_TRY(list_moving(g, &joined));
+    DIG_TRY(list_still(g, pairs, pair_count, joined.held));
+    *joints = joined.joints;
     size_t total = (size_t)g->body_count;
     g->pos = arena_alloc(g->lasting, total * sizeof *g->pos);
     g->vel = arena_alloc(g->lasting, (total + 1) * sizeof *g->vel);        /* a spare one after the last, for fours.c */
@@ -386,7 +401,7 @@ dig_status group_gather(Group *g, const World *w, const uint32_t *leads, int dig
     g->decay_friction = w->def.friction_law.s[0] == 'd';        /* "decay", not "coulomb" */
     g->touch = 1e-7;
     g->culprit = -1;
-    int joints = 0;                 /* ends of joints at members */
+    int joints = 0;
     DIG_TRY(gather_bodies(g, pairs, pair_count, &joints));
     DIG_TRY(gather_joints(g, joints));
     DIG_TRY(fuse(g, pair_count));

@@ -47,7 +47,8 @@ static real elastic(const Group *g)
     real sum = 0;
     for (int i = 0; i < g->joint_count; i++) {
         const GroupJoint *j = &g->joints[i];
-        sum += j->broken ? 0 : group_spring_energy(j);
+        if (j->stores && !j->broken)
+            sum += group_spring_energy(j);
     }
     return sum;
 }

@@ -36,12 +36,6 @@ void joint_stir_pairs(World *w, const JointRec *j)
         body_refit(w, j->b);
 }
 
-uint32_t joint_next(const World *w, uint32_t joint, uint32_t body)
-{
-    const JointRec *j = &w->joints.data[joint];
-    return j->a == body ? j->next_a : j->next_b;
-}
-
 /* Joints that couple this one (gear, rack) go with it. */
 static void remove_dependants(World *w, uint32_t slot)
 {

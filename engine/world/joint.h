@@ -9,6 +9,11 @@
 #include "world/world.h"
 
 void     joint_attach(World *w, uint32_t joint);                            /* into the lists of its bodies */
-uint32_t joint_next(const World *w, uint32_t joint, uint32_t body);         /* next joint of that body, or NONE */
+/* The next joint of that body, or NONE. */
+static inline uint32_t joint_next(const World *w, uint32_t joint, uint32_t body)
+{
+    const JointRec *j = &w->joints.data[joint];
+    return j->a == body ? j->next_a : j->next_b;
+}
 
 #endif
