@@ -2,6 +2,7 @@
 #include "geom/tree.h"
 
 #include "base/block.h"
+#include "math/pair.h"
 
 /* Half the surface of a box, the measure of how often it is met. */
 static real area_of(box3 b)
@@ -70,29 +71,50 @@ static void give_node(Tree *t, int32_t i)
     t->count--;
 }
 
+/* Two boxes side by side. */
+typedef struct Boxes { pair low_x, low_y, low_z, high_x, high_y, high_z; } Boxes;
+
+INLINE Boxes boxes_of(const box3 *a, const box3 *b)
+{
+    return (Boxes){{a->low.x, b->low.x}, {a->low.y, b->low.y}, {a->low.z, b->low.z}, {a->high.x, b->high.x}, {a->high.y, b->high.y}, {a->high.z, b->high.z}};
+}
+INLINE Boxes boxes_union(Boxes a, Boxes b)
+{
+    return (Boxes){pair_min(a.low_x, b.low_x), pair_min(a.low_y, b.low_y), pair_min(a.low_z, b.low_z),
+                   pair_max(a.high_x, b.high_x), pair_max(a.high_y, b.high_y), pair_max(a.high_z, b.high_z)};
+}
+/* As area_of. */
+INLINE pair boxes_area(Boxes b)
+{
+    pair x = b.high_x - b.low_x, y = b.high_y - b.low_y, z = b.high_z - b.low_z;
+    return x * y + y * z + z * x;
+}
+
+/* Bit k: the boxes of lane k overlap. Without branches: which side parts two boxes of a tree is anybody's guess. */
+INLINE int boxes_meet(Boxes a, Boxes b)
+{
+    return pair_bits((a.low_x <= b.high_x) & (b.low_x <= a.high_x) & (a.low_y <= b.high_y) & (b.low_y <= a.high_y) & (a.low_z <= b.high_z) & (b.low_z <= a.high_z));
+}
+
 /* The node to become the leaf's sibling: goes down as long as the surface added on the way and below is less than the
  * surface of a new parent here. */
 static int32_t best_sibling(const Tree *t, box3 box)
 {
     int32_t i = t->root;
+    const Boxes leaf = boxes_of(&box, &box);
+    real area = area_of(t->nodes[i].box), joined = area_of(box3_union(t->nodes[i].box, box));
     while (!is_leaf(&t->nodes[i])) {
-        const TreeNode *n = &t->nodes[i];
-        real joined = area_of(box3_union(n->box, box));
-        real inherited = joined - area_of(n->box), least = INFINITY;
-        int32_t next = -1;
-
-        for (int k = 0; k < 2; k++) {
-            const TreeNode *c = &t->nodes[n->child[k]];
-            real with = area_of(box3_union(c->box, box));
-            real cost = inherited + (is_leaf(c) ? with : with - area_of(c->box));
-            if (cost < least) {
-                least = cost;
-                next = n->child[k];
-            }
-        }
-        if (joined <= least)
+        const TreeNode *n = &t->nodes[i], *a = &t->nodes[n->child[0]], *b = &t->nodes[n->child[1]];
+        const Boxes both = boxes_of(&a->box, &b->box);
+        pair own = boxes_area(both), with = boxes_area(boxes_union(both, leaf));
+        own = (pair){is_leaf(a) ? 0 : own[0], is_leaf(b) ? 0 : own[1]};         /* a leaf would get a new parent */
+        pair cost = pair_all(joined - area) + (with - own);
+        int k = cost[1] < cost[0];
+        if (joined <= (k ? cost[1] : cost[0]))
             break;
-        i = next;
+        joined = k ? with[1] : with[0];
+        area = k ? own[1] : own[0];
+        i = n->child[k];
     }
     return i;
 }
@@ -120,18 +142,18 @@ static void rotate(Tree *t, int32_t top)
     int side = -1, which = -1;
 
     for (int k = 0; k < 2; k++) {
-        const TreeNode *inner = &n[n[top].child[k]], *other = &n[n[top].child[1 - k]];
+        const TreeNode *inner = &n[n[top].child[k]];
+        const box3 *other = &n[n[top].child[1 - k]].box;
         if (is_leaf(inner))
             continue;
-        real now = area_of(inner->box);
-        for (int g = 0; g < 2; g++) {           /* grandchild g goes up, `other` takes its place */
-            real gain = now - area_of(box3_union(n[inner->child[1 - g]].box, other->box));
-            if (gain > most) {
-                most = gain;
+        const Boxes stays = boxes_of(&n[inner->child[1]].box, &n[inner->child[0]].box);
+        const pair gain = pair_all(area_of(inner->box)) - boxes_area(boxes_union(stays, boxes_of(other, other)));
+        for (int g = 0; g < 2; g++)             /* grandchild g goes up, `other` takes its place */
+            if (gain[g] > most) {
+                most = gain[g];
                 side = k;
                 which = g;
             }
-        }
     }
     if (side < 0)
         return;
@@ -257,7 +279,7 @@ static int32_t after(const Tree *t, int32_t i)
     }
 }
 
-/* As box3_overlap, without branches: which side parts two boxes of a tree is anybody's guess. */
+/* As box3_overlap, without branches. */
 static bool meets(const TreeNode *n, const box3 *box)
 {
     return (n->box.low.x <= box->high.x) & (box->low.x <= n->box.high.x) & (n->box.low.y <= box->high.y) & (box->low.y <= n->box.high.y) &
@@ -271,16 +293,17 @@ static bool meets(const TreeNode *n, const box3 *box)
 static void query_low(const Tree *t, box3 box, TreeHit *hit, void *context)
 {
     int32_t later[QUERY_HEIGHT], i = t->root;
+    const Boxes wanted = boxes_of(&box, &box);
     int count = 0;
     while (i >= 0) {
         const TreeNode *n = &t->nodes[i];
         bool leaf = is_leaf(n);
         if (leaf && !hit(context, n->user))
             return;
-        bool first = !leaf && meets(&t->nodes[n->child[0]], &box), second = !leaf && meets(&t->nodes[n->child[1]], &box);
-        if (first && second)
+        int met = leaf ? 0 : boxes_meet(boxes_of(&t->nodes[n->child[0]].box, &t->nodes[n->child[1]].box), wanted);
+        if (met == 3)
             later[count++] = n->child[1];
-        i = first ? n->child[0] : second ? n->child[1] : count > 0 ? later[--count] : -1;
+        i = met & 1 ? n->child[0] : met ? n->child[1] : count > 0 ? later[--count] : -1;
     }
 }
 

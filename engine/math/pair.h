@@ -17,7 +17,21 @@
 #endif
 
 typedef real pair __attribute__((vector_size(16), aligned(8), may_alias));
+typedef int64_t pair_int __attribute__((vector_size(16)));
 #define PAIR(x) (*(pair *)(void *)&(x))         /* x and its neighbour */
 static inline pair two(const real *x) { return *(const pair *)(const void *)x; }
+INLINE pair pair_all(real x) { return (pair){x, x}; }
+
+/* Bit k: lane k of what a comparison says. */
+INLINE int pair_bits(pair_int which) { return (int)(which[0] & 1) | (int)(which[1] & 2); }
+
+/* Of each lane as real_min and real_max; compilers do not put those together again. */
+#ifdef __SSE2__
+INLINE pair pair_min(pair a, pair b) { return __builtin_ia32_minpd(a, b); }
+INLINE pair pair_max(pair a, pair b) { return __builtin_ia32_maxpd(a, b); }
+#else
+INLINE pair pair_min(pair a, pair b) { return (pair){a[0] < b[0] ? a[0] : b[0], a[1] < b[1] ? a[1] : b[1]}; }
+INLINE pair pair_max(pair a, pair b) { return (pair){a[0] > b[0] ? a[0] : b[0], a[1] > b[1] ? a[1] : b[1]}; }
+#endif
 
 #endif
