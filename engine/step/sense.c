@@ -96,7 +96,7 @@ static Speed speed_of(const Body *b) { return (Speed){vec3_length(b->v), vec3_le
 /* m/s  No place of its surface gets faster in the step, unless something strikes it. */
 static real point_speed(const Body *b, Speed v, real dt) { return v.way + v.turn * b->rim + b->pull * dt; }
 
-static box3 reach_of(const World *w, const Solid *s, const Body *b, Speed v, real dt)
+static inline box3 reach_of(const World *w, const Solid *s, const Body *b, Speed v, real dt)
 {
     box3 box = s->form->shape.type->bounds(&s->form->shape, solid_pose(w, s));
     if (b->kind == DIG_STATIC || (b->kind == DIG_DYNAMIC && !b->awake))
@@ -153,11 +153,7 @@ static bool oversized(box3 leaf, const Solid *s, const Body *b, real speed, real
 /* The tree of boxes must never see NaN or what overflows as an area. */
 #define FARTHEST 1e100
 
-static bool box_sane(box3 b)
-{
-    return (fabs(b.low.x) < FARTHEST) & (fabs(b.low.y) < FARTHEST) & (fabs(b.low.z) < FARTHEST) &
-           (fabs(b.high.x) < FARTHEST) & (fabs(b.high.y) < FARTHEST) & (fabs(b.high.z) < FARTHEST);
-}
+static bool box_sane(box3 b) { return sum_of(b.low) + sum_of(b.high) < FARTHEST; }
 
 static bool body_sane(const Body *b)
 {
@@ -401,21 +397,24 @@ static dig_status sense_bodies(World *w, real dt, bool keeps)
         return world_fail(w, DIG_E_MEMORY, "not enough memory for %d bodies", count);
     find_pulls(w, n.gravity);
     team_deal(team_for(w), sense_share, &n);
-    for (int i = 0; i < count; i++) {
+    uint8_t any = 0;
+    for (int i = 0; i < count; i++)
+        any |= n.found[i];
+    for (int i = 0; i < count && any & (UNPAIRED | INSANE); i++) {
         Body *b = &w->bodies.data[w->awake.data[i]];
         if (n.found[i] & UNPAIRED)
             DIG_TRY(list_pairs(w, b));
         if (n.found[i] & INSANE)
             return insane(w, b);
     }
-    for (int i = 0; i < count; i++)
+    for (int i = 0; i < count && any & STRAYED; i++)
         if (n.found[i] & STRAYED)
             move_leaves(w, &w->bodies.data[w->awake.data[i]], dt);
     DIG_TRY(ask_all(w));
-    for (int i = 0; i < count; i++)
+    for (int i = 0; i < count && any & LANDS; i++)
         for (uint32_t s = n.found[i] & LANDS ? w->bodies.data[w->awake.data[i]].shape_first : NONE; s != NONE; s = w->solids.data[s].next)
             DIG_TRY(ask_planes(w, s));
-    for (int i = 0; i < count; i++)
+    for (int i = 0; i < count && any & FAST; i++)
         if (n.found[i] & FAST)
             spread_speed(w, w->awake.data[i], dt);
     return ask_all(w);
