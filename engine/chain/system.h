@@ -74,6 +74,7 @@ typedef struct Chain {
     Linkage *tree; int trees;
     four  *number;
     four3 *turn;                /* rad/(N s)  inverse angular slope times the lever of a row, body axes */
+    real   spin, motion;        /* rad/s, J  of the last tree that was opened: of the fastest, of all */
     real   lost;                /* J  of motion, by the trees so far    */
     real   error;               /* m  largest of the last substep       */
     real   enough;              /* m  at which an iteration is the last */
@@ -85,6 +86,26 @@ static inline Ends *ends_of(const Chain *c, int end) { return &c->ends[end / LAN
 static inline int lane_of(int n) { return n % LANES; }
 INLINE four *front_at(const Chain *c, const Links *l, int lane) { return c->number + l->front + lane * TIE_ROWS * l->ends * l->ends; }
 
+/* Of a tie that a link owns. */
+static inline int moving_end(const Tie *t) { return t->end[0] >= 0 ? t->end[0] : t->end[1]; }
+
+/* J  Of the links' present motion. */
+INLINE real motion_of(const Chain *c, const Linkage *t)
+{
+    four sum = four_all(0);
+    for (const Links *l = c->links + t->first; l < c->links + t->last; l++)
+        sum += l->mass * four3_dot(l->v, l->v) + four3_dot(l->w, four33_mul3(&l->inertia, l->w));
+    return 0.5 * ((sum[0] + sum[1]) + (sum[2] + sum[3]));
+}
+
+/* way.c: where what does not move by itself is at a time of the step; body < 0: the world */
+Pos fixed_pose(const Group *g, int body, real time);
+/* lanes.c: bodies of the group become links, whose joints push as in the last step; both become the group's again */
+void links_open(Chain *c, const Linkage *t);
+void ties_guess(Chain *c, const Linkage *t);
+void links_close(Chain *c, const Linkage *t);
+void ties_close(Chain *c, const Linkage *t);
+vec3 tie_twist_on_b(const Chain *c, int joint);         /* N m s  of all substeps */
 /* tree.c: the group's joints as trees. *fits: they are */
 dig_status tree_make(Chain *c, bool *fits);
 /* solve.c: one step of a tree; false: no solution was found */

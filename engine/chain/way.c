@@ -42,7 +42,7 @@ static bool suits(const Group *g)
 
 /* ---- one tree ---- */
 
-static Pos fixed_pose(const Group *g, int body, real time)
+Pos fixed_pose(const Group *g, int body, real time)
 {
     if (body < 0)
         return (Pos){vec3_zero(), quat_identity()};
@@ -50,45 +50,6 @@ static Pos fixed_pose(const Group *g, int body, real time)
         return g->pos[body];
     quat turn = quat_exp(vec3_scale(time, g->vel[body].w));
     return (Pos){vec3_mad(g->pos[body].x, time, g->vel[body].v), quat_unit(quat_mul(turn, g->pos[body].q))};
-}
-
-/* A lane without a body stands still. */
-static void open_lane(const Chain *c, Links *l, int lane)
-{
-    const Group *g = c->g;
-    const int body = l->body[lane];
-    const mat3 unit = mat3_identity();
-    const Member *m = body < 0 ? NULL : &g->member[body];
-    const Pos pos = m ? g->pos[body] : (Pos){vec3_zero(), quat_identity()};
-    const Vel vel = m ? g->vel[body] : (Vel){vec3_zero(), vec3_zero()};
-    l->mass[lane] = m ? m->mass : 1;
-    four33_put(&l->inertia, lane, m ? m->inertia : &unit);
-    four33_put(&l->inverse, lane, m ? m->inv_inertia : &unit);
-    four3_put(&l->force, lane, m ? m->force : vec3_zero());
-    four3_put(&l->torque, lane, m ? m->torque : vec3_zero());
-    four3_put(&l->x, lane, pos.x);
-    four_quat_put(&l->q, lane, pos.q);
-    four3_put(&l->v, lane, vel.v);
-    four3_put(&l->w, lane, vel.w);
-}
-
-static void open_links(const Chain *c, Links *l)
-{
-    for (int lane = 0; lane < LANES; lane++)
-        open_lane(c, l, lane);
-    l->r = four_quat_matrix(l->q);
-    l->w = four33_back3(&l->r, l->w);
-    for (Ends *e = c->ends + l->end; e < c->ends + l->end + l->ends; e++)
-        e->impulse = e->twist = four3_zero();
-}
-
-/* J  Of the links' present motion. */
-static real motion_of(const Chain *c, const Linkage *t)
-{
-    four sum = four_all(0);
-    for (const Links *l = c->links + t->first; l < c->links + t->last; l++)
-        sum += l->mass * four3_dot(l->v, l->v) + four3_dot(l->w, four33_mul3(&l->inertia, l->w));
-    return 0.5 * ((sum[0] + sum[1]) + (sum[2] + sum[3]));
 }
 
 /* Of an anchor that does not move, or is driven, between the times t0 and t1. */
@@ -104,41 +65,13 @@ static void begin_fixed(const Chain *c, int joint, int side, real t0, real t1)
     t->arm = vec3_scale(0.5, vec3_add(quat_rotate(p0.q, anchor), arm));
 }
 
-/* Of b, in which a joint's force is kept from step to step. */
-INLINE quat frame_of(const Chain *c, int joint)
+/* From that time on. */
+static void begin_anchors(const Chain *c, const Linkage *t, real from)
 {
-    const GroupJoint *j = &c->g->joints[joint];
-    return quat_mul(c->tie[joint].end[1] >= 0 ? c->g->pos[j->b].q : fixed_pose(c->g, j->b, 0).q, j->fb);
-}
-
-/* As in the last step, at both ends. */
-static void guess(const Chain *c, int joint)
-{
-    const real *force = c->g->joints[joint].force;
-    Tie *t = &c->tie[joint];
-    vec3 p = vec3_scale(c->h, quat_rotate(frame_of(c, joint), (vec3){force[0], force[1], force[2]}));
-    t->twist = vec3_zero();
-    for (int side = 0; side < 2; side++) {
-        if (t->end[side] < 0)
-            continue;
-        Ends *e = ends_of(c, t->end[side]);
-        four3_put(&e->p, lane_of(t->end[side]), p);
-    }
-}
-
-static void begin(const Chain *c, const Linkage *t, real from)
-{
-    for (int n = t->first; n < t->last && from == 0; n++)
-        open_links(c, &c->links[n]);
-    for (int n = t->first_tie; n < t->last_tie; n++) {
-        Tie *tie = &c->tie[c->owned[n]];
-        tie->h = c->h;
+    for (int n = t->first_tie; n < t->last_tie; n++)
         for (int side = 0; side < 2; side++)
-            if (tie->end[side] < 0)
+            if (c->tie[c->owned[n]].end[side] < 0)
                 begin_fixed(c, c->owned[n], side, from, from + c->h);
-        if (from == 0)
-            guess(c, c->owned[n]);
-    }
 }
 
 /* What the joints of a substep do to bodies that do not move. */
@@ -146,22 +79,19 @@ static void twist_fixed(const Chain *c, const Linkage *t)
 {
     for (int n = t->first_tie; n < t->last_tie; n++) {
         Tie *tie = &c->tie[c->owned[n]];
-        int end = tie->end[0] < 0 ? tie->end[1] : tie->end[0];
         if (tie->end[0] >= 0 && tie->end[1] >= 0)
             continue;
+        const int end = moving_end(tie);
         const Ends *e = ends_of(c, end);
         tie->twist = vec3_sub(tie->twist, vec3_cross(tie->arm, vec3_scale(e->side[lane_of(end)], four3_get(&e->p, lane_of(end)))));
     }
 }
 
-static int parts_of(const Chain *c, const Linkage *t, real dt)
+/* Of a tree that was opened. */
+static int parts_of(const Chain *c, real dt)
 {
-    real w = 0;
-    for (int n = t->first * LANES; n < t->last * LANES; n++)
-        if (links_of(c, n)->body[lane_of(n)] >= 0)
-            w = real_max(w, vec3_length2(c->g->vel[links_of(c, n)->body[lane_of(n)]].w));
     int parts = 1;
-    while (parts < PARTS_MOST && sqrt(w) * dt > parts * SPIN_MOST)
+    while (parts < PARTS_MOST && c->spin * dt > parts * SPIN_MOST)
         parts *= 2;
     return parts;
 }
@@ -169,23 +99,23 @@ static int parts_of(const Chain *c, const Linkage *t, real dt)
 /* The whole step of one tree, cut finer until it succeeds. */
 static bool advance_tree(Chain *c, const Linkage *t, real dt)
 {
-    for (int parts = parts_of(c, t, dt); parts <= PARTS_MOST; parts *= 2) {
+    links_open(c, t);
+    for (int parts = parts_of(c, dt); parts <= PARTS_MOST; parts *= 2) {
         bool done = true;
-        real before = 0;
         c->h = dt / parts;
+        ties_guess(c, t);
         for (int i = 0; i < parts && done; i++) {
-            begin(c, t, i * c->h);
-            if (i == 0)
-                before = motion_of(c, t);
+            begin_anchors(c, t, i * c->h);
             done = tree_step(c, t);
             if (done)
                 twist_fixed(c, t);
         }
         if (!done) {
             c->g->refused++;
+            links_open(c, t);
             continue;
         }
-        c->lost += before - motion_of(c, t);
+        c->lost += c->motion - motion_of(c, t);
         c->g->substeps = int_max(c->g->substeps, parts);
         c->g->joint_error = real_max(c->g->joint_error, c->error);
         return true;
@@ -195,42 +125,19 @@ static bool advance_tree(Chain *c, const Linkage *t, real dt)
 
 /* ---- what is kept ---- */
 
-static void close_link(Group *g, const Links *l, int lane)
+/* J  Of movers, by what holds to them: in the order of the joints. */
+static real given_by_movers(const Chain *c)
 {
-    const int body = l->body[lane];
-    Member *m = &g->member[body];
-    g->start_pos[body] = g->pos[body];
-    g->start_vel[body] = g->vel[body];
-    m->constrained = m->constrained || l->count[lane] > 0;
-    g->pos[body] = (Pos){four3_get(&l->x, lane), four_quat_get(&l->q, lane)};
-    vec3 w = four3_get(&l->w, lane);
-    g->vel[body] = (Vel){four3_get(&l->v, lane), quat_rotate(g->pos[body].q, w)};
-}
-
-/* Poses are those of the end. */
-static void close_tie(const Chain *c, int joint)
-{
-    Group *g = c->g;
-    GroupJoint *j = &g->joints[joint];
-    const Tie *t = &c->tie[joint];
-    const int own = t->end[0] >= 0 ? 0 : 1, lane = lane_of(t->end[own]);       /* an end that moves */
-    const Ends *e = ends_of(c, t->end[own]);
-    vec3 impulse = vec3_scale(e->side[lane], four3_get(&e->impulse, lane)), twist[2] = {t->twist, t->twist};
-    for (int side = 0; side < 2; side++)
-        if (t->end[side] >= 0)
-            twist[side] = four3_get(&ends_of(c, t->end[side])->twist, lane_of(t->end[side]));
-    j->impulse = impulse;
-    j->angular_impulse = twist[0];
-    vec3 force = vec3_scale(1 / t->h, quat_unrotate(frame_of(c, joint), four3_get(&e->p, lane)));
-    memset(j->force, 0, sizeof j->force);
-    j->force[0] = force.x;
-    j->force[1] = force.y;
-    j->force[2] = force.z;
-    for (int side = 0; side < 2; side++) {
-        int body = side ? j->b : j->a;
-        if (body >= 0 && g->member[body].kinematic)
-            g->work_in -= (side ? -1 : 1) * vec3_dot(impulse, g->vel[body].v) + vec3_dot(twist[side], g->vel[body].w);
+    const Group *g = c->g;
+    real work = g->work_in;
+    for (int i = 0; i < c->ties && g->movers; i++) {
+        const GroupJoint *j = &g->joints[i];
+        if (j->a >= 0 && g->member[j->a].kinematic)
+            work -= vec3_dot(j->impulse, g->vel[j->a].v) + vec3_dot(j->angular_impulse, g->vel[j->a].w);
+        if (j->b >= 0 && g->member[j->b].kinematic)
+            work -= -vec3_dot(j->impulse, g->vel[j->b].v) + vec3_dot(tie_twist_on_b(c, i), g->vel[j->b].w);
     }
+    return work;
 }
 
 /* J  By forces, since the start of the step. */
@@ -316,7 +223,7 @@ static dig_status apply_forces(Group *g, real dt)
 }
 
 /* Links and driven bodies go where they are at the end of the step. */
-static void move_bodies(const Chain *c, real dt)
+static void move_bodies(Chain *c, real dt)
 {
     Group *g = c->g;
     for (int i = g->moving_count; i < g->body_count; i++) {
@@ -324,9 +231,10 @@ static void move_bodies(const Chain *c, real dt)
         if (g->member[i].kinematic)
             g->pos[i] = fixed_pose(g, i, dt);
     }
-    for (int i = 0; i < c->link_count; i++)
-        if (links_of(c, i)->body[lane_of(i)] >= 0)
-            close_link(g, links_of(c, i), lane_of(i));
+    memcpy(g->start_pos, g->pos, (size_t)g->moving_count * sizeof *g->pos);
+    memcpy(g->start_vel, g->vel, (size_t)g->moving_count * sizeof *g->vel);
+    for (int i = 0; i < c->trees; i++)
+        links_close(c, &c->tree[i]);
 }
 
 static void undo(Group *g)
@@ -353,7 +261,7 @@ static void forget_contacts(Group *g)
 }
 
 /* What was found is the group's, or the group is handed on. */
-static dig_status finish(const Chain *c, const Saved *s, real dt)
+static dig_status finish(Chain *c, const Saved *s, real dt)
 {
     Group *g = c->g;
     real given = g->work_in;
@@ -365,8 +273,9 @@ static dig_status finish(const Chain *c, const Saved *s, real dt)
             return hand_on(g, s, NULL);
         }
     }
-    for (int i = 0; i < c->ties; i++)
-        close_tie(c, i);
+    for (int i = 0; i < c->trees; i++)
+        ties_close(c, &c->tree[i]);
+    g->work_in = given_by_movers(c);
     given = g->work_in - given;
     g->lost += c->lost + given + work_of(g, dt);
     for (int i = 0; i < g->moving_count && g->apart; i++)

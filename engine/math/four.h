@@ -123,6 +123,11 @@ INLINE four_quat four_quat_mul(four_quat a, four_quat b)
     return (four_quat){a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
                        a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z};
 }
+INLINE four3 four_quat_rotate(four_quat q, four3 v)
+{
+    four3 u = {q.x, q.y, q.z}, t = four3_scale(four_all(2), four3_cross(u, v));
+    return four3_add(four3_mad(v, q.w, t), four3_cross(u, t));
+}
 INLINE four_quat four_quat_unit(four_quat q)
 {
     four s = 1.0 / four_root(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
