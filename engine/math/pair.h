@@ -22,6 +22,8 @@ typedef int64_t pair_int __attribute__((vector_size(16)));
 static inline pair two(const real *x) { return *(const pair *)(const void *)x; }
 INLINE pair pair_all(real x) { return (pair){x, x}; }
 
+INLINE pair pair_abs(pair a) { return (pair)((pair_int)a & INT64_MAX); }
+
 /* Bit k: lane k of what a comparison says. */
 INLINE int pair_bits(pair_int which) { return (int)(which[0] & 1) | (int)(which[1] & 2); }
 

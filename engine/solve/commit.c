@@ -149,14 +149,18 @@ static void commit_trace(const Group *g, Body *b)
     b->trace_step = g->trace_step;
 }
 
-/* kg m^2/s  about the centre of mass, turned to q[i] with spin w[i] in lane i; by the time where it is */
-static pair3 spin_momenta(const Body *b, quat q0, vec3 w0, quat q1, vec3 w1)
+/* kg m^2/s  By how much the angular momentum about its centre of mass changed since it had the spin old_w. What is not round was watched (watch.c)
+ * from the spin that the body has. */
+static vec3 spun(const Body *b, const Member *m, vec3 old_w, const Pos *pos, const Vel *vel)
 {
-    pair3 w = pair3_of(w0, w1);
+    const mat3 *inertia = &body_inertia(b)->of;
     if (b->round_inertia)
-        return pair3_by(&body_inertia(b)->of, w);
-    pair_quat q = pair_quat_of(q0, q1);
-    return pair_quat_rotate(q, pair3_by(&body_inertia(b)->of, pair_quat_rotate(pair_quat_conjugate(q), w)));
+        return vec3_sub(mat3_mul_vec(*inertia, vel->w), mat3_mul_vec(*inertia, old_w));
+    if (!b->rests)
+        return m->torque;
+    const pair_quat q = pair_quat_of(b->q, pos->q);
+    pair3 l = pair_quat_rotate(q, pair3_by(inertia, pair_quat_rotate(pair_quat_conjugate(q), pair3_of(old_w, vel->w))));
+    return vec3_sub(pair3_get(l, 1), pair3_get(l, 0));
 }
 
 /* What lies in a crowd trembles: where it gets to says more than its speed. */
@@ -184,7 +188,7 @@ static void commit_body(World *w, const Group *g, int i, real dt)
         return;
     const BodyRest *rest = body_rest(w, b);
     vec3 old_v = vec3_sub(b->v, rest->hit_v), old_w = vec3_sub(b->w, rest->hit_w);
-    pair3 l = spin_momenta(b, b->q, old_w, g->pos[i].q, g->vel[i].w);
+    vec3 turned = spun(b, m, old_w, &g->pos[i], &g->vel[i]);
     commit_drift(w, g, b, &g->pos[i]);
     b->prev_x = b->x;
     b->prev_q = b->q;
@@ -198,7 +202,7 @@ static void commit_body(World *w, const Group *g, int i, real dt)
     b->work += m->push_work;
     commit_trace(g, b);
     b->force = vec3_scale(m->mass / dt, vec3_sub(b->v, old_v));
-    b->torque = vec3_scale(body_inertness(b) / dt, vec3_sub(pair3_get(l, 1), pair3_get(l, 0)));
+    b->torque = vec3_scale(body_inertness(b) / dt, turned);
     if (b->rests)
         body_rest_own(w, b)->hit_v = body_rest_own(w, b)->hit_w = vec3_zero();
     b->lies = real_max(b->lies, 0);     /* the pairs have seen that something else acts on it */

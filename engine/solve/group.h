@@ -54,7 +54,7 @@ typedef struct Member {         /* the rest of a gathered body */
     real     mass, gravity_scale;
     real     im;                /* 1/kg  0: it does not move                           */
     const mat3 *inertia, *inv_inertia;  /* body axes; the world's, but where time goes at another rate */
-    vec3     force, torque;     /* N, N m, of this substep                             */
+    vec3     force, torque;     /* N, N m, of this substep; once it was watched, N m s: change of the angular momentum in the step, if not round */
     real     push_work;         /* J   of those by hand, in the step                   */
     vec3     swerve;            /* rad/s  change of its spin in the substep by its own turning: in velocities from predict() to move();
                                  *     of a crowd, rad: its turn in this piece of the step */

@@ -102,7 +102,7 @@ bool group_joints_broken(const Group *g)
     for (int i = 0; i < g->moving_count; i++) {
         const Body *b = &g->world->bodies.data[g->member[i].slot];
         const BodyRest *rest = body_rest(g->world, b);
-        if (vec3_length2(rest->hit_v) > 0 || vec3_length2(rest->hit_w) > 0 || b->collided)
+        if (b->collided || (b->rests && (vec3_length2(rest->hit_v) > 0 || vec3_length2(rest->hit_w) > 0)))
             return true;
     }
     for (int i = 0; i < g->joint_count; i++) {

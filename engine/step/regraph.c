@@ -362,12 +362,12 @@ static void stir(World *w, uint32_t body)
         w->bodies.data[body].still = 0;
 }
 
+static bool has_motor(const JointType *t) { return t->speed && !t->two_anchors; }       /* what acts along a line has none */
+
 /* Does a motor in it turn or push, slow as it may be? One that is held fast does not. */
 static bool is_driven(Group *g, int joint)
 {
     const JointView *v = &g->joints[joint].view;
-    if (!v->type->speed || v->type->two_anchors)        /* what acts along a line has no motor */
-        return false;
     Row rows[JOINT_SLOTS];
     RowList list = {rows, 0, JOINT_SLOTS};
     group_joint_view(g, joint);
@@ -391,7 +391,7 @@ static void joints_of(World *w, Group *g)
             r->lost += lost;
             memcpy(r->memory, j->memory, sizeof r->memory);
         }
-        if ((is_slow(w, r->a) || is_slow(w, r->b)) && is_driven(g, i)) {    /* the hand of a clock does not rest */
+        if (has_motor(j->view.type) && (is_slow(w, r->a) || is_slow(w, r->b)) && is_driven(g, i)) {    /* the hand of a clock does not rest */
             stir(w, r->a);
             stir(w, r->b);
         }

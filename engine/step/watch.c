@@ -73,14 +73,18 @@ void watch_start(Group *g)
     g->watch.elastic = elastic(g);
 }
 
-/* J  In lane 0 as the world has the body, in lane 1 as the group has it after the step. */
-static pair kinetic(const Body *b, const Pos *pos, const Vel *vel)
+/* J  In lane 0 as the world has the body, in lane 1 as the group has it after the step. On the way its angular momentum is found, and what
+ * that changed by is left for the commit. */
+static pair kinetic(const Body *b, const Pos *pos, const Vel *vel, Member *m)
 {
     pair3 v = pair3_of(b->v, vel->v), w = pair3_of(b->w, vel->w);
     pair spin = body_inertia(b)->of.r0.x * pair3_dot(w, w);
     if (!b->round_inertia) {    /* else it has the same in all axes */
-        w = pair_quat_rotate(pair_quat_conjugate(pair_quat_of(b->q, pos->q)), w);
-        spin = pair3_dot(w, pair3_by(&body_inertia(b)->of, w));
+        const pair_quat q = pair_quat_of(b->q, pos->q);
+        w = pair_quat_rotate(pair_quat_conjugate(q), w);
+        const pair3 l = pair3_by(&body_inertia(b)->of, w), momentum = pair_quat_rotate(q, l);
+        spin = pair3_dot(w, l);
+        m->torque = vec3_sub(pair3_get(momentum, 1), pair3_get(momentum, 0));
     }
     return 0.5 * body_inertness(b) * (b->mass * pair3_dot(v, v) + spin);
 }
@@ -111,12 +115,12 @@ typedef struct Sums { const Group *g; Sum *of; int blocks; } Sums;
 
 static void watch_member(const Group *g, int i, Sum *s)
 {
-    const Member *m = &g->member[i];
+    Member *m = &g->member[i];
     const Body *b = &g->world->bodies.data[m->slot];    /* as it was before the step */
     s->leavers += !b->out && world_left(g->world, g->pos[i].x);
     if (!m->moves)
         return;
-    pair energy = kinetic(b, &g->pos[i], &g->vel[i]);
+    pair energy = kinetic(b, &g->pos[i], &g->vel[i], m);
     real before = energy[0], after = energy[1];
     real gain = after - before - b->mass * b->gravity_scale * vec3_dot(g->gravity, vec3_sub(g->pos[i].x, b->x));
     real slow = STANDS * b->outer, hop = HOP * fabs(b->gravity_scale) * g->fall * b->outer;
