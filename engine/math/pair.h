@@ -27,7 +27,7 @@ INLINE pair pair_abs(pair a) { return (pair)((pair_int)a & INT64_MAX); }
 /* Bit k: lane k of what a comparison says. */
 INLINE int pair_bits(pair_int which) { return (int)(which[0] & 1) | (int)(which[1] & 2); }
 
-/* Of each lane as real_min and real_max; compilers do not put those together again. */
+/* Of each lane real_min and real_max, which compilers do not put together by themselves. */
 #ifdef __SSE2__
 INLINE pair pair_min(pair a, pair b) { return __builtin_ia32_minpd(a, b); }
 INLINE pair pair_max(pair a, pair b) { return __builtin_ia32_maxpd(a, b); }

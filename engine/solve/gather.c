@@ -124,6 +124,11 @@ static void fetch_joint(const World *w, uint32_t joint)
         fetch_soon(&w->joints.data[joint + JOINTS_AHEAD], offsetof(JointRec, force));
 }
 
+static uint32_t across(const JointRec *r, uint32_t body) { return r->a == body ? r->b : r->a; }
+
+/* Is that a body that stands still? */
+static bool held_by(const World *w, uint32_t other) { return other != NONE && w->bodies.data[other].kind != DIG_DYNAMIC; }
+
 /* How many joints members have, and how many ends of these are at bodies that stand still. */
 typedef struct Joined { int joints, held; } Joined;
 
@@ -132,10 +137,10 @@ static void count_joints(const World *w, uint32_t body, Joined *n)
     for (uint32_t j = w->bodies.data[body].joint_first; j != NONE; j = joint_next(w, j, body)) {
         const JointRec *r = &w->joints.data[j];
         fetch_joint(w, j);
-        uint32_t other = r->a == body ? r->b : r->a;
-        bool dynamic = other != NONE && w->bodies.data[other].kind == DIG_DYNAMIC;
-        n->joints += r->a == body || !dynamic;          /* as counts_at */
-        n->held += other != NONE && !dynamic;
+        uint32_t other = across(r, body);
+        bool held = held_by(w, other);
+        n->joints += r->a == body || held || other == NONE;     /* as counts_at */
+        n->held += held;
     }
 }
 
@@ -215,12 +220,13 @@ static dig_status list_still(Group *g, const uint32_t *pairs, int pair_count, in
     if (!still || !s.found)
         return DIG_E_MEMORY;
     int n = list_met(&s, team);
-    for (int i = 0; i < g->moving_count && held > 0; i++)
+    for (int i = 0; i < g->moving_count && held > 0; i++)       /* until all are found */
         for (uint32_t j = w->bodies.data[g->slots[i]].joint_first; j != NONE; j = joint_next(w, j, g->slots[i])) {
-            const JointRec *r = &w->joints.data[j];
-            uint32_t other = r->a == g->slots[i] ? r->b : r->a;
-            if (other != NONE && w->bodies.data[other].kind != DIG_DYNAMIC)
-                note_still(still, &n, other);
+            uint32_t other = across(&w->joints.data[j], g->slots[i]);
+            if (!held_by(w, other))
+                continue;
+            note_still(still, &n, other);
+            held--;
         }
     DIG_TRY(sort_u32(still, n, g->lasting));
     for (int i = 0; i < n; i++)
