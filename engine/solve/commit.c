@@ -131,9 +131,9 @@ dig_status group_judge(Group *g, real dt)
 #define CALM_PAUSE    128       /* of what lies calm: then all of it is solved at once again */
 
 /* A group that the traced way handed on is not tried again for some steps, then twice as many, ...; each that succeeds forgets one. */
-static void commit_trace(const Group *g, Body *b)
+static void commit_trace(const Group *g, Body *b, Toil fresh)
 {
-    b->toil = toil_after(g, b->toil);
+    b->toil = b->toil.steps | b->toil.pause | b->toil.dear ? toil_after(g, b->toil) : fresh;
     if (g->trace_failed) {
         int longest = g->calm ? int_max(CALM_PAUSE, b->trace_pause) : LONGEST_PAUSE;
         int first = int_max(1, int_min(16, FIRST_PAUSE / (g->plan->substeps * g->plan->substeps)));
@@ -178,7 +178,8 @@ static void commit_drift(World *w, const Group *g, Body *b, const Pos *to)
     d->turn = vec3_mad(d->turn, copysign(2, q.w), (vec3){q.x, q.y, q.z});
 }
 
-static void commit_body(World *w, const Group *g, int i, real dt)
+/* fresh: toil_after of what has had none. */
+static void commit_body(World *w, const Group *g, int i, Toil fresh, real dt)
 {
     const Member *m = &g->member[i];
     Body *b = &w->bodies.data[m->slot];
@@ -200,7 +201,7 @@ static void commit_body(World *w, const Group *g, int i, real dt)
     b->collided = m->collided;
     b->euler = m->integrator == DIG_AUTO ? m->collided || m->constrained : m->integrator == DIG_SWITCH ? m->collided : m->integrator == DIG_EULER;
     b->work += m->push_work;
-    commit_trace(g, b);
+    commit_trace(g, b, fresh);
     b->force = vec3_scale(m->mass / dt, vec3_sub(b->v, old_v));
     b->torque = vec3_scale(body_inertness(b) / dt, turned);
     if (b->rests)
@@ -323,11 +324,12 @@ static void commit_share(void *context, int thread, int threads)
 {
     const Commit *c = context;
     const Group *g = c->g;
+    const Toil fresh = toil_after(g, (Toil){0, 0, 0});
     real dt = c->w->def.step;
     for (int i = team_first(g->moving_count, thread, threads), end = team_end(g->moving_count, thread, threads); i < end; i++) {
         if (i + BODIES_AHEAD < g->moving_count)
             fetch_soon(&c->w->bodies.data[g->slots[i + BODIES_AHEAD]], offsetof(Body, watch) + sizeof(BodyWatch));
-        commit_body(c->w, g, i, dt);
+        commit_body(c->w, g, i, fresh, dt);
     }
     for (int i = team_first(g->pair_count, thread, threads), end = team_end(g->pair_count, thread, threads); i < end; i++) {
         fetch_commit(c->w, g, i);
