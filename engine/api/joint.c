@@ -214,6 +214,7 @@ static dig_status prepare(World *w, const dig_joint_def *def, JointRec *r)
     r->breaks_at = isfinite(def->breaks_at) ? def->breaks_at : 0;
     r->collides = def->collides || type->couples;
     r->at_point = type->at_point;
+    r->plain = joint_plain(type, r->params);
     return check_params(w, r, r->params, true);
 }
 
@@ -386,6 +387,7 @@ static dig_status do_set(World *w, dig_joint handle, const dig_setting *set, int
         DIG_TRY(check_params(w, r, to.params, false));
         real before = api_joint_energy(w, handle.slot);
         memcpy(r->params, to.params, sizeof to.params);
+        r->plain = joint_plain(r->type, r->params);
         api_book_given(w, api_joint_energy(w, handle.slot) - before);
         wakes = true;
     }

@@ -59,6 +59,7 @@ static void pack_joint(Pack *p, const World *w, JointRec *j)
     pack_quat(p, &j->fb, "frame of a joint");
     pack_real_in(p, &j->breaks_at, 0, INFINITY, "strength of a joint");
     save_rows(p, w, j->type->params, j->params, j->type->name);
+    j->plain = joint_plain(j->type, j->params);
     pack_joint_state(p, j);
 }
 

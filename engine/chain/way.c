@@ -21,11 +21,9 @@ static bool plain_members(const Group *g)
 
 static bool plain_joints(const Group *g)
 {
-    for (int i = 0; i < g->joint_count; i++) {
-        const JointView *v = &g->joints[i].view;
-        if (!v->type->only_point || !v->type->only_point(v->params))
+    for (int i = 0; i < g->joint_count; i++)
+        if (g->joints[i].broken || !g->world->joints.data[g->joints[i].slot].plain)
             return false;
-    }
     return true;
 }
 

@@ -66,6 +66,8 @@ typedef struct JointType {
     {.name = (key), .kind = DIG_VEC3, .unit = "m", .doc = (text), .fallback = NAN, .min = -1e9, .max = 1e9, \
      .offset = offsetof(params, field)}
 
+/* For JointRec.plain. */
+static inline bool joint_plain(const JointType *t, const void *params) { return t->only_point && t->only_point(params); }
 static inline bool joint_stores(const JointView *j) { return j->type->energy && !(j->type->loose && j->type->loose(j->params)); }
 
 /* Load over what the joint bears, 0 where nothing breaks it. */

@@ -478,11 +478,9 @@ static bool takes_chain(const World *w, const Step *s, const struct StepGroup *g
         return false;
     for (int i = 0; i < g->dig_count; i++)
         for (uint32_t m = s->leads[g->dig_first + i]; m != NONE; m = graph_next(w->graph, m))
-            for (uint32_t j = w->bodies.data[m].joint_first; j != NONE; j = joint_next(w, j, m), joints++) {
-                const JointRec *r = &w->joints.data[j];
-                if (!r->type->only_point || !r->type->only_point(r->params))
+            for (uint32_t j = w->bodies.data[m].joint_first; j != NONE; j = joint_next(w, j, m), joints++)
+                if (!w->joints.data[j].plain)
                     return false;
-            }
     return joints > 0;
 }
 

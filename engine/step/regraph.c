@@ -395,7 +395,7 @@ static void joints_of(World *w, Group *g)
             stir(w, r->a);
             stir(w, r->b);
         }
-        bool limit = type->at_limit && type->at_limit(&j->view);
+        bool limit = type->at_limit && !r->plain && type->at_limit(&j->view);
         if (limit && !r->at_limit) {
             dig_event *e = event_post(w, DIG_EVENT_LIMIT_REACHED, r->a, r->b);
             if (e)

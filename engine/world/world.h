@@ -254,6 +254,7 @@ typedef struct JointRec {       /* what every step reads comes first            
     bool     alive, collides;
     bool     at_limit;
     bool     at_point;          /* holds one point of both                             */
+    bool     plain;             /* and nothing else of it acts: its parameters are far, and most steps ask for no more of them */
     uint32_t a, b;              /* body slots; NONE = the world                        */
     uint32_t next_a, next_b;    /* lists of the bodies' joints                         */
     uint32_t other[2];          /* joint slots, for gear and rack                      */
