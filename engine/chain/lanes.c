@@ -73,7 +73,6 @@ INLINE void open_links(const Chain *c, Links *l)
     l->w = four3_from(&v[0]->w.x, &v[1]->w.x, &v[2]->w.x, &v[3]->w.x);
 }
 
-/* c->spin, c->motion: of the links as they are. */
 INLINE void open_tree(Chain *c, const Linkage *t)
 {
     four most = four_all(0);
@@ -86,7 +85,7 @@ INLINE void open_tree(Chain *c, const Linkage *t)
             e->impulse = e->twist = four3_zero();
     }
     c->spin = sqrt(real_max(real_max(most[0], most[1]), real_max(most[2], most[3])));
-    c->motion = motion_of(c, t);
+    c->began = motion_of(c, t);
 }
 FOR_WIDTHS(links_open, open_tree)
 

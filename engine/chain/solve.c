@@ -388,6 +388,7 @@ INLINE bool solve(Chain *c, const Linkage *t)
         if (c->error < c->enough && turned < (c->k < 1 ? TURN_SMALL : TURN_TINY)) {
             for (int n = t->first; n < t->last; n++)
                 finish(c, &c->links[n]);
+            c->ended = motion_of(c, t);
             return true;
         }
         c->g->evaluations++;

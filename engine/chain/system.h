@@ -74,7 +74,8 @@ typedef struct Chain {
     Linkage *tree; int trees;
     four  *number;
     four3 *turn;                /* rad/(N s)  inverse angular slope times the lever of a row, body axes */
-    real   spin, motion;        /* rad/s, J  of the last tree that was opened: of the fastest, of all */
+    real   spin;                /* rad/s  of the fastest of the last tree that was opened */
+    real   began, ended;        /* J  motion of that tree then, and after its last substep */
     real   lost;                /* J  of motion, by the trees so far    */
     real   error;               /* m  largest of the last substep       */
     real   enough;              /* m  at which an iteration is the last */

@@ -29,6 +29,13 @@ static dig_status reserve(Chain *c, Order *o)
     return o->end && o->node && o->body && c->tree && c->tie && c->owned ? DIG_OK : DIG_E_MEMORY;
 }
 
+/* The first members of a group do, where none of them sleeps (way.c). */
+static bool moves_by_itself(const Group *g, int body)
+{
+    DIG_ASSERT(body < 0 || g->member[body].moves == (body < g->moving_count));
+    return (unsigned)body < (unsigned)g->moving_count;
+}
+
 static void list_ends(const Chain *c, const Order *o)
 {
     const Group *g = c->g;
@@ -39,7 +46,7 @@ static void list_ends(const Chain *c, const Order *o)
         int body = e % 2 ? j->b : j->a;
         o->end[e] = (End){-1, -1};
         c->tie[e / 2].end[e % 2] = -1;
-        if (body < 0 || !g->member[body].moves)
+        if (!moves_by_itself(g, body))
             continue;
         Node *node = &o->node[body];
         o->end[e] = (End){body, node->first};
@@ -191,7 +198,7 @@ dig_status tree_make(Chain *c, bool *fits)
     list_ends(c, &o);
     *fits = true;
     for (int i = 0; i < c->g->moving_count && *fits; i++)
-        if (c->g->member[i].moves && o.node[i].link < 0)
+        if (o.node[i].link < 0)
             *fits = reach(c, &o, i);
     if (!*fits)
         return DIG_OK;

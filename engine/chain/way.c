@@ -113,7 +113,7 @@ static bool advance_tree(Chain *c, const Linkage *t, real dt)
             links_open(c, t);
             continue;
         }
-        c->lost += c->motion - motion_of(c, t);
+        c->lost += c->began - c->ended;
         c->g->substeps = int_max(c->g->substeps, parts);
         c->g->joint_error = real_max(c->g->joint_error, c->error);
         return true;
