@@ -93,7 +93,8 @@ INLINE pair boxes_area(Boxes b)
 /* Bit k: the boxes of lane k overlap. Without branches: which side parts two boxes of a tree is anybody's guess. */
 INLINE int boxes_meet(Boxes a, Boxes b)
 {
-    return pair_bits((a.low_x <= b.high_x) & (b.low_x <= a.high_x) & (a.low_y <= b.high_y) & (b.low_y <= a.high_y) & (a.low_z <= b.high_z) & (b.low_z <= a.high_z));
+    return pair_bits((a.low_x <= b.high_x) & (b.low_x <= a.high_x) & (a.low_y <= b.high_y) & (b.low_y <= a.high_y) &
+                     (a.low_z <= b.high_z) & (b.low_z <= a.high_z));
 }
 
 /* The node to become the leaf's sibling: goes down as long as the surface added on the way and below is less than the
