@@ -24,6 +24,28 @@ scenario("vectors are values", function()
   expect(digbox.vec("4 cm", 0, 0).x):near(0.04, 1e-18)
 end)
 
+-- Squares of 1e-160 lose digits, those of 1e-170 and 1e160 are 0 and infinite.
+scenario("a direction may be as long or short as numbers go", function()
+  for _, long in ipairs { 1e-300, 1e-200, 1e-160, 1e-9, 1, 1e160, 1e300 } do
+    local v = digbox.vec(3 * long, 0, -4 * long)
+    expect(v:length() / long):near(5, 1e-14)
+    expect(v:normalized()):near({ 0.6, 0, -0.8 }, 1e-15)
+    local world = digbox.world { gravity = { 0, 0, 0 } }
+    local ball = world:ball { radius = 0.5, mass = 1 }
+    ball:push { force = "1 N", along = v }
+    ball:hit { impulse = "1 N s", along = v }
+    world:step()
+    expect(ball.velocity):near({ 0.6 * (1 + 1 / 60), 0, -0.8 * (1 + 1 / 60) }, 1e-12)
+    ball:teleport { at = { 0, 0, 0 } }
+    expect(world:ray { from = { -3, 0, 4 }, along = v }[1].distance):near(4.5, 1e-12)
+    expect(world:sweep { sphere = { radius = 0.5 }, from = { -3, 0, 4 }, along = v, length = 9 }.fraction * 9):near(4, 1e-9)
+    expect(ball:can_move { along = v, by = "10 cm", with = "1 N" }.verdict):is "free"
+    expect(world:slider { a = ball, axis = v }.valid):is(true)
+    expect(digbox.quat { axis = v, angle = 1 }.axis):near({ 0.6, 0, -0.8 }, 1e-15)
+  end
+  expect(expect(function() digbox.vec(0, 0, 0):normalized() end):fails()):contains "the vector is zero and has no direction"
+end)
+
 scenario("rotations turn vectors", function()
   local q = digbox.quat { axis = { 0, 0, 1 }, angle = "90 deg" }
   expect(q:rotate { 1, 0, 0 }):near({ 0, 1, 0 }, 1e-15)
@@ -240,6 +262,12 @@ scenario("rays, overlaps and sweeps find what is there", function(s)
   refused({ to = { 0, 0, 0 } }, "world:sweep: from is missing")
   refused({ from = { 0, 0, 0 }, to = { 1, 0, 0 }, velocity = { 1, 0, 0 } }, "wants either from, and to or along, or at and velocity")
   refused({ from = { 1, 0, 0 }, to = { 1, 0, 0 } }, "the way has no direction")
+  for _, length in ipairs { 0, -1 } do
+    local fields = { from = { 0, 0, 0 }, along = { 1, 0, 0 }, length = length }
+    local text = ("length = %d m, must be > 0: for the other way reverse the direction"):format(length)
+    expect(expect(function() world:ray(fields) end):fails()):contains("world:ray: " .. text)
+    refused(fields, "world:sweep: " .. text)
+  end
 end)
 
 scenario("compounds, rods and buckets have the mass and place of their parts", function(s)
