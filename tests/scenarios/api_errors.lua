@@ -301,6 +301,9 @@ scenario("a push that no step could follow is refused at once, and nothing of it
     "push: 1e+30 N would bring body 'crate' to 1.66667e+28 m/s within a step, must be at most 1e+12")
   says(function() crate:push { force = { 0, 1e13, 0 }, at = { 1e3, 0, 0 } } end,
     "push: 1e+16 N m would bring body 'crate' to 2.5e+16 rad/s within a step, must be at most 1e+12")
+  -- No moment now, but as soon as the crate turns: the step after that never ended.
+  says(function() crate:push { force = { 1, 0, 0 }, at = { 1e140, 0.1, 0 }, lasts = 1 } end,
+    "push: 1e+140 N m would bring body 'crate' to 2.5e+140 rad/s within a step, must be at most 1e+12")
   says(function() crate:twist { torque = { 0, 1e30, 0 } } end,
     "twist: 1e+30 N m would bring body 'crate' to 2.5e+30 rad/s within a step, must be at most 1e+12")
   world:run(0.5)
