@@ -482,7 +482,7 @@ static int world_newindex(lua_State *L)
 
 /* ---- the room, and materials ---------------------------------------------------------------- */
 
-/* core.room(world, {size=, at=, friction=, restitution=}) */
+/* core.room(world, {size=, at=, material=, friction=, restitution=}); its name is Lua's */
 static int world_room(lua_State *L)
 {
     WorldRef *ref = bind_check_world(L, 1);
@@ -490,7 +490,8 @@ static int world_room(lua_State *L)
     const dig_param *sets[] = {schema->rows, NULL};
     dig_room_def def;
     luaL_checktype(L, 2, LUA_TTABLE);
-    bind_check_keys(L, 2, "world:room", sets, NULL);
+    static const char *const extras[] = {"name", NULL};
+    bind_check_keys(L, 2, "world:room", sets, extras);
     Fill fill = {L, 2, 2, "world:room", "world:room", ref};
     dig_schema_defaults(schema, &def);
     bind_fill(&fill, schema->rows, &def);

@@ -352,7 +352,7 @@ scenario("a room holds its bodies until a wall is opened", function(s)
   world:on("impact", function(e)
     walls[#walls + 1] = e.wall
     expect(e.self):is(ball)                           -- a wall is no body: it is never self
-    expect(e.other):is(nil)
+    expect(e.other):is(room)
     expect(e.normal):near({ e.wall == "+x" and 1 or -1, 0, 0 }, 1e-9)
   end)
   s:always("inside", "2 s", function() return math.abs(ball.position.x) < 1 end)
@@ -361,6 +361,36 @@ scenario("a room holds its bodies until a wall is opened", function(s)
   room:open "+x"
   s:eventually("outside", "3 s", function() return ball.position.x > 1.2 end)
   expect(function() room:open "x" end):fails()
+end)
+
+-- A handler that says who met whom needs no branch for walls.
+scenario("a room is the other one in events, has a name, and is of a material", function(s)
+  local world = s.world
+  digbox.material_pair { a = "rubber", b = "steel", restitution = 0.25 }
+  local room = world:room { name = "hall", material = "steel", size = { 4, 3, 4 } }
+  local ball = world:ball { name = "ball", material = "rubber", radius = 0.1, at = { 0, 1.1, 0 }, velocity = { 2, 0, 0 } }
+  local log = {}
+  ball:on("contact_begin", { with = room }, function(e)
+    log[#log + 1] = ("%s hits %s at %s"):format(e.self.name, e.other.name, e.wall)
+    if #log == 1 then world:step() end
+  end)
+  expect(expect(function() world:run(1) end):fails()):contains "of body 'ball' and wall -y"
+  expect(log[1]):is "ball hits hall at -y"
+  local v, t = math.sqrt(2 * 9.81), math.sqrt(2 / 9.81)
+  expect(ball.velocity.y):near(0.25 * v - 9.81 * (world.time - t), 1e-6)      -- the pair's, not the greater of the two
+  expect(tostring(room)):is "room 'hall'"
+  expect(room.dig):is(nil)
+  expect(room.mode):is "fixed"
+  expect(expect(function() return room.position end):fails()):contains "room has no field or method 'position'"
+  expect(expect(function() room.name = "x" end):fails()):contains "room.name cannot be assigned"
+  expect(expect(function() world:room { size = 4, material = "stele" } end):fails()):contains "unknown material 'stele' (did you mean 'steel'?)"
+  world:save "hall.world"
+  local copy, other = digbox.load "hall.world", nil
+  copy:find("ball"):on("impact", function(e) other = e.other.name end)
+  copy:run(1)
+  expect(other):is "room"                             -- a name is the script's
+  world:run(1)
+  expect(copy:checksum()):is(world:checksum())
 end)
 
 scenario("the books close: energy comes from somewhere", function(s)
