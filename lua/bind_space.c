@@ -7,6 +7,7 @@
 
 static void push_hit(lua_State *L, const dig_hit *hit)
 {
+    static const char *const sometimes[] = {"body", NULL};          /* a wall of the room is none */
     lua_createtable(L, 0, 5);
     bind_push_body(L, 1, hit->body);
     lua_setfield(L, -2, "body");
@@ -16,6 +17,7 @@ static void push_hit(lua_State *L, const dig_hit *hit)
     lua_setfield(L, -2, "normal");
     bind_set_real(L, "distance", hit->distance);
     bind_set_real(L, "fraction", hit->fraction);
+    bind_record(L, "hit", sometimes, false);
 }
 
 /* The way in the fields from, and to or along and length, of the table at 2: its start, unit direction or not, and length. */
