@@ -383,7 +383,8 @@ scenario("a room is the other one in events, has a name, and is of a material", 
   expect(room.mode):is "fixed"
   expect(expect(function() return room.position end):fails()):contains "room has no field or method 'position'"
   expect(expect(function() room.name = "x" end):fails()):contains "room.name cannot be assigned"
-  expect(expect(function() world:room { size = 4, material = "stele" } end):fails()):contains "unknown material 'stele' (did you mean 'steel'?)"
+  local misspelt = expect(function() world:room { size = 4, material = "stele" } end):fails()
+  expect(misspelt):contains "unknown material 'stele' (did you mean 'steel'?)"
   world:save "hall.world"
   local copy, other = digbox.load "hall.world", nil
   copy:find("ball"):on("impact", function(e) other = e.other.name end)
