@@ -416,12 +416,19 @@ static int core_raise(lua_State *L)
     return lua_error(L);
 }
 
-/* Where the stack still stands: Lua's own words for it have no position, and name what no script sees. */
+/* Where the stack still stands: Lua's own words for it have no position (those of lua/lib_coroutine.c have one), and name what no
+ * script sees. */
 static int handle_yield(lua_State *L)
 {
-    static const char lua_says[] = "attempt to yield across a C-call boundary";
-    const char *text = lua_type(L, 1) == LUA_TSTRING ? lua_tostring(L, 1) : "";
-    if (strncmp(text, lua_says, sizeof lua_says) == 0) {
+    static const char *const lua_says[] = {"attempt to yield across a C-call boundary", "attempt to yield from outside a coroutine"};
+    size_t length = 0;
+    const char *text = lua_type(L, 1) == LUA_TSTRING ? lua_tolstring(L, 1, &length) : "";
+    bool yields = false;
+    for (int i = 0; i < 2; i++) {
+        size_t n = strlen(lua_says[i]);
+        yields = yields || (length >= n && strcmp(text + length - n, lua_says[i]) == 0);
+    }
+    if (yields) {
         bind_where(L);
         lua_pushliteral(L, "cannot yield here: the world waits for this function to return");
         lua_concat(L, 2);

@@ -40,6 +40,8 @@ static void set_consequences(lua_State *L, int world, const dig_answer *a)
     lua_setfield(L, -2, "consequences");
 }
 
+static const char *const sometimes[] = {"needs", "held_by", "blocked_by", NULL};
+
 static int push_answer(lua_State *L, int world, const dig_answer *a)
 {
     lua_newtable(L);
@@ -61,6 +63,7 @@ static int push_answer(lua_State *L, int world, const dig_answer *a)
     bind_set_int(L, "trials", a->trials);
     bind_set_int(L, "steps", a->steps);
     bind_set_text(L, "because", a->because);
+    bind_record(L, "answer", sometimes, false);
     return 1;
 }
 

@@ -75,12 +75,8 @@ static void fill_vec3(const Fill *f, const dig_param *row, vec3 *field)
     check_bounds(f, row, ".x", field->x);
     check_bounds(f, row, ".y", field->y);
     check_bounds(f, row, ".z", field->z);
-    if (row->kind == DIG_DIR) {
-        real length = sqrt(field->x * field->x + field->y * field->y + field->z * field->z);
-        if (!(length > 0))
-            bind_error(L, "%s: %s = {0, 0, 0}, must not be zero: it is a direction", f->subject, row->name);
-        *field = (vec3){field->x / length, field->y / length, field->z / length};
-    }
+    if (row->kind == DIG_DIR && !bind_unit(field))
+        bind_error(L, "%s: %s = {%g, %g, %g}, must not be zero: it is a direction", f->subject, row->name, field->x, field->y, field->z);
 }
 
 /* One sRGB channel to linear light (IEC 61966-2-1). */

@@ -23,6 +23,7 @@ static const char *const link_kinds[] = {"contact", "joint", "port", "range"};
 
 static void push_link(lua_State *L, int world, const dig_link *k)
 {
+    static const char *const sometimes[] = {"a", "b", "joint", NULL};
     lua_createtable(L, 0, 11);
     set_body(L, world, "a", k->a);
     set_body(L, world, "b", k->b);
@@ -42,6 +43,7 @@ static void push_link(lua_State *L, int world, const dig_link *k)
     set_vec3(L, "normal", k->normal);
     lua_pushboolean(L, k->bound);
     lua_setfield(L, -2, "bound");
+    bind_record(L, "link of a body", sometimes, false);
 }
 
 static int push_links(lua_State *L, int world, const dig_link *links, int n)

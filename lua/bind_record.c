@@ -37,6 +37,13 @@ static int record_index(lua_State *L)
     return bind_unknown(L, lua_tostring(L, lua_upvalueindex(1)), "has no field", lua_tostring(L, 2), 3, 4);
 }
 
+/* record() -> record: as a method, too, for what the founding documents write so: body:debug() */
+static int record_call(lua_State *L)
+{
+    lua_settop(L, 1);
+    return 1;
+}
+
 void bind_record(lua_State *L, const char *what, const char *const *empty, bool spelled)
 {
     if (luaL_newmetatable(L, what)) {
@@ -49,6 +56,8 @@ void bind_record(lua_State *L, const char *what, const char *const *empty, bool 
         lua_pushboolean(L, spelled);
         lua_pushcclosure(L, record_index, 3);
         lua_setfield(L, -2, "__index");
+        lua_pushcfunction(L, record_call);
+        lua_setfield(L, -2, "__call");
         lua_pushboolean(L, false);
         lua_setfield(L, -2, "__metatable");
         lua_pushnil(L);

@@ -7,6 +7,7 @@
 
 static void push_hit(lua_State *L, const dig_hit *hit)
 {
+    static const char *const sometimes[] = {"body", NULL};          /* a wall of the room is none */
     lua_createtable(L, 0, 5);
     bind_push_body(L, 1, hit->body);
     lua_setfield(L, -2, "body");
@@ -16,6 +17,7 @@ static void push_hit(lua_State *L, const dig_hit *hit)
     lua_setfield(L, -2, "normal");
     bind_set_real(L, "distance", hit->distance);
     bind_set_real(L, "fraction", hit->fraction);
+    bind_record(L, "hit", sometimes, false);
 }
 
 /* The way in the fields from, and to or along and length, of the table at 2: its start, unit direction or not, and length. */
@@ -30,11 +32,13 @@ static void read_way(lua_State *L, const char *what, vec3 *from, vec3 *along, re
         bind_error(L, "%s wants either to or along", what);
     if (has_to)
         *along = (vec3){to.x - from->x, to.y - from->y, to.z - from->z};
-    real norm = sqrt(along->x * along->x + along->y * along->y + along->z * along->z);
+    real norm = bind_length(*along);
     *length = has_to ? norm : 1e4;
     bind_get_real(L, 2, what, "length", "m", length);
     if (!(norm > 0))
         bind_error(L, "%s: the %s has no direction", what, strcmp(what, "world:ray") == 0 ? "ray" : "way");
+    if (!(*length > 0))
+        bind_error(L, "%s: length = %g m, must be > 0: for the other way reverse the direction", what, *length);
 }
 
 /* world:ray{from=, to=} or {from=, along=, length=} -> hits by distance */
@@ -51,7 +55,9 @@ static int world_ray(lua_State *L)
         hits = lua_newuserdatauv(L, (size_t)n * sizeof *hits, 0);
         n = dig_ray(ref->w, from, along, length, hits, n);
     }
-    bind_push_list(L, n > 0 ? n : 0);
+    if (n < 0)
+        return bind_fail(L, ref->w, DIG_E_ARG);
+    bind_push_list(L, n);
     for (int i = 0; i < n; i++) {
         push_hit(L, &hits[i]);
         lua_rawseti(L, -2, i + 1);
@@ -91,7 +97,7 @@ static int world_sweep(lua_State *L)
         read_way(L, "world:sweep", &from, &along, &length);
         if (moves || bind_get_vec3(L, 2, "world:sweep", "at", "m", &old))
             return bind_error(L, "world:sweep wants either from, and to or along, or at and velocity");
-        real share = length / sqrt(along.x * along.x + along.y * along.y + along.z * along.z);
+        real share = length / bind_length(along);
         at.p = (vec3){at.p.x + from.x, at.p.y + from.y, at.p.z + from.z};
         velocity = (vec3){along.x * share, along.y * share, along.z * share};
     } else if (!moves) {

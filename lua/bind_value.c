@@ -2,6 +2,7 @@
 
 #include "bind.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -180,6 +181,27 @@ vec3 bind_vec3(lua_State *L, int index, const char *unit, const char *what, cons
     return out;
 }
 
+real bind_length(vec3 v)
+{
+    real square = v.x * v.x + v.y * v.y + v.z * v.z;
+    if (square > 1e-280 && square < 1e280)
+        return sqrt(square);
+    real most = fmax(fabs(v.x), fmax(fabs(v.y), fabs(v.z)));
+    if (!(most > 0 && most <= DBL_MAX && square >= 0))      /* zero, inf, NaN */
+        return sqrt(square);
+    real x = v.x / most, y = v.y / most, z = v.z / most;
+    return most * sqrt(x * x + y * y + z * z);
+}
+
+bool bind_unit(vec3 *v)
+{
+    real length = bind_length(*v);
+    if (!(length > 0 && length <= DBL_MAX))
+        return false;
+    *v = (vec3){v->x / length, v->y / length, v->z / length};
+    return true;
+}
+
 /* {axis =, angle =}: sine and cosine of half the angle about the unit axis. Of {from =, to =} nothing is there, only known. */
 static quat from_axis_angle(lua_State *L, int table, const char *what)
 {
@@ -190,7 +212,7 @@ static quat from_axis_angle(lua_State *L, int table, const char *what)
     bind_get_vec3(L, table, what, "axis", "1", &axis);
     bind_get_real(L, table, what, "angle", "rad", &angle);
     remark_degrees(L, table, what);
-    real length = sqrt(axis.x * axis.x + axis.y * axis.y + axis.z * axis.z);
+    real length = bind_length(axis);
     if (!(length > 0) || isinf(length))
         bind_error(L, "%s.axis = {%g, %g, %g}, must not be zero: it is a direction", what, axis.x, axis.y, axis.z);
     if (isinf(angle))
@@ -217,10 +239,9 @@ static vec3 direction(lua_State *L, int table, const char *what, const char *fie
 {
     vec3 v = {0, 1, 0};
     bind_get_vec3(L, table, what, field, "1", &v);
-    real n = sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
-    if (!(n > 0))
-        bind_error(L, "%s.%s = {0, 0, 0}, must not be zero: it is a direction", what, field);
-    return (vec3){v.x / n, v.y / n, v.z / n};
+    if (!bind_unit(&v))
+        bind_error(L, "%s.%s = {%g, %g, %g}, must not be zero: it is a direction", what, field, v.x, v.y, v.z);
+    return v;
 }
 
 /* {from =, to =}: directions before and after */
@@ -359,8 +380,8 @@ vec3 bind_directed(lua_State *L, const char *what, const char *field, const char
     lua_pop(L, 1);
     if (!bind_get_vec3(L, 2, what, "along", "1", &v))
         bind_error(L, "%s: %s is a number; it needs along = {x, y, z}", what, field);
-    real length = sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
-    if (!(length > 0))
-        bind_error(L, "%s.along = {0, 0, 0}, must not be zero: it is a direction", what);
+    real length = bind_length(v);
+    if (!(length > 0) || isinf(length))
+        bind_error(L, "%s.along = {%g, %g, %g}, must not be zero: it is a direction", what, v.x, v.y, v.z);
     return (vec3){amount * v.x / length, amount * v.y / length, amount * v.z / length};
 }

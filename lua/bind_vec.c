@@ -19,11 +19,6 @@ void bind_push_quat(lua_State *L, quat q)
     luaL_setmetatable(L, BIND_QUAT);
 }
 
-static real length_of(vec3 v)
-{
-    return sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
-}
-
 static vec3 cross(vec3 a, vec3 b)
 {
     return (vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
@@ -109,7 +104,7 @@ static int vec_unm(lua_State *L)
 
 static int vec_length(lua_State *L)
 {
-    lua_pushnumber(L, length_of(operand(L, 1)));
+    lua_pushnumber(L, bind_length(operand(L, 1)));
     return 1;
 }
 
@@ -148,10 +143,9 @@ static int vec_cross(lua_State *L)
 static int vec_normalized(lua_State *L)
 {
     vec3 a = operand(L, 1);
-    real n = length_of(a);
-    if (!(n > 0))
-        return bind_error(L, "vector:normalized: the vector is zero and has no direction");
-    bind_push_vec3(L, (vec3){a.x / n, a.y / n, a.z / n});
+    if (!bind_unit(&a))
+        return bind_error(L, "vector:normalized: the vector is %s and has no direction", bind_length(a) > 0 ? "infinite" : "zero");
+    bind_push_vec3(L, a);
     return 1;
 }
 
@@ -240,7 +234,7 @@ static int quat_w(lua_State *L) { lua_pushnumber(L, ((quat *)luaL_checkudata(L, 
 static int quat_angle(lua_State *L)
 {
     const quat *q = luaL_checkudata(L, 1, BIND_QUAT);
-    lua_pushnumber(L, 2 * atan2(length_of((vec3){q->x, q->y, q->z}), fabs(q->w)));
+    lua_pushnumber(L, 2 * atan2(bind_length((vec3){q->x, q->y, q->z}), fabs(q->w)));
     return 1;
 }
 
@@ -248,7 +242,7 @@ static int quat_axis(lua_State *L)
 {
     const quat *q = luaL_checkudata(L, 1, BIND_QUAT);
     vec3 u = q->w < 0 ? (vec3){-q->x, -q->y, -q->z} : (vec3){q->x, q->y, q->z};
-    real n = length_of(u);
+    real n = bind_length(u);
     bind_push_vec3(L, n > 0 ? (vec3){u.x / n, u.y / n, u.z / n} : (vec3){0, 1, 0});
     return 1;
 }

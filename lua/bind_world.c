@@ -461,6 +461,15 @@ static int world_accuracy(lua_State *L) { lua_pushstring(L, dig_world_accuracy(b
 static int world_momentum(lua_State *L) { bind_push_vec3(L, dig_world_momentum(bind_check_world(L, 1)->w)); return 1; }
 static int world_angular(lua_State *L) { bind_push_vec3(L, dig_world_angular_momentum(bind_check_world(L, 1)->w)); return 1; }
 
+/* Of what a world is made with the error says so. */
+static int refuse_to_assign(lua_State *L, const char *key)
+{
+    for (const dig_param *row = dig_schema_at("world", 0)->rows; row->name; row++)
+        if (strcmp(row->name, key) == 0)
+            return bind_error(L, "world.%s is decided when a world is made: digbox.world{ %s = ... }", key, key);
+    return bind_error(L, "world.%s cannot be assigned (gravity and accuracy can)", key);
+}
+
 /* world.gravity = {..}   world.accuracy = "study" */
 static int world_newindex(lua_State *L)
 {
@@ -475,14 +484,14 @@ static int world_newindex(lua_State *L)
         bind_accuracy(L, 3, "digbox.world", &plan, &tolerance);
         s = dig_world_set_accuracy(ref->w, plan.s[0] ? plan.s : NULL, tolerance);
     } else {
-        return bind_error(L, "world.%s cannot be assigned (gravity and accuracy can)", key);
+        return refuse_to_assign(L, key);
     }
     return s == DIG_OK ? 0 : bind_fail(L, ref->w, s);
 }
 
 /* ---- the room, and materials ---------------------------------------------------------------- */
 
-/* core.room(world, {size=, at=, friction=, restitution=}) */
+/* core.room(world, {size=, at=, material=, friction=, restitution=}); its name is Lua's */
 static int world_room(lua_State *L)
 {
     WorldRef *ref = bind_check_world(L, 1);
@@ -490,7 +499,8 @@ static int world_room(lua_State *L)
     const dig_param *sets[] = {schema->rows, NULL};
     dig_room_def def;
     luaL_checktype(L, 2, LUA_TTABLE);
-    bind_check_keys(L, 2, "world:room", sets, NULL);
+    static const char *const extras[] = {"name", NULL};
+    bind_check_keys(L, 2, "world:room", sets, extras);
     Fill fill = {L, 2, 2, "world:room", "world:room", ref};
     dig_schema_defaults(schema, &def);
     bind_fill(&fill, schema->rows, &def);

@@ -143,8 +143,17 @@ static int co_close(lua_State *L)
     return 2;
 }
 
+/* As Lua's, but its refusal says where. */
+static int co_yield(lua_State *L)
+{
+    if (lua_isyieldable(L))
+        return lua_yield(L, lua_gettop(L));
+    bool outermost = lua_pushthread(L) == 1;
+    return luaL_error(L, "attempt to yield %s", outermost ? "from outside a coroutine" : "across a C-call boundary");
+}
+
 const LibEntry lib_coroutine[] = {
     {"close", co_close, false}, {"create", co_create, false},   {"isyieldable", NULL, false}, {"resume", co_resume, false},
-    {"running", NULL, false},   {"status", NULL, false},        {"wrap", co_wrap, false},     {"yield", NULL, false},
+    {"running", NULL, false},   {"status", NULL, false},        {"wrap", co_wrap, false},     {"yield", co_yield, false},
     {NULL, NULL, false},
 };

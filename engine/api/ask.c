@@ -337,7 +337,7 @@ static dig_status check(const World *w, const dig_question *q)
 {
     DIG_TRY(api_finite(w, q->along, "ask", "along", "1"));
     DIG_TRY(api_finite(w, q->at, "ask", "at", "m"));
-    if (!(vec3_length(q->along) > 0))
+    if (!(vec3_largest(vec3_abs(q->along)) > 0))
         return world_fail(w, DIG_E_ARG, "ask: along = {0, 0, 0}, must not be zero: it is a direction");
     if (!(q->by > 0 && q->by <= 1e6))
         return world_fail(w, DIG_E_ARG, "ask: by = %g %s, must be > 0: for the other way reverse %s", q->by, q->turns ? "rad" : "m",

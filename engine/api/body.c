@@ -168,16 +168,18 @@ Body *api_pushable(World *w, dig_body handle, const char *call, dig_status *stat
     return b;
 }
 
-/* A step that it would fail in would not end it either: who pushes is told at once. */
+/* A step that it would fail in would not end it either: who pushes is told at once. The point that a force acts at turns with its body
+ * while it lasts, so what counts is the greatest moment on that lever, not that of now. */
 static dig_status not_too_strong(World *w, const Body *b, const Push *p, const char *call)
 {
-    vec3 force = p->force, torque = vec3_add(p->torque, p->has_at ? vec3_cross(quat_rotate(b->q, p->at), p->force) : vec3_zero());
-    vec3 turn = mat3_mul_vec(body_inertia(b)->inverse, quat_unrotate(b->q, torque));
-    real gain = w->def.step / body_inertness(b), fast = gain * b->inv_mass * vec3_largest(vec3_abs(force)), spin = gain * vec3_largest(vec3_abs(turn));
+    const mat3 *inverse = &body_inertia(b)->inverse;
+    real light = real_max(vec3_largest(vec3_abs(inverse->r0)), real_max(vec3_largest(vec3_abs(inverse->r1)), vec3_largest(vec3_abs(inverse->r2))));
+    real force = vec3_length(p->force), torque = vec3_length(p->torque) + (p->has_at ? vec3_length(p->at) * force : 0);
+    real gain = w->def.step / body_inertness(b), fast = gain * b->inv_mass * force, spin = gain * light * torque;
     if (fast <= WORLD_FAST && spin <= WORLD_FAST)
         return DIG_OK;
     return world_fail(w, DIG_E_ARG, "%s: %g %s would bring %s to %g %s within a step, must be at most %g", call,
-                      fast > WORLD_FAST ? vec3_length(force) : vec3_length(torque), fast > WORLD_FAST ? "N" : "N m", BODY_TEXT(w, b),
+                      fast > WORLD_FAST ? force : torque, fast > WORLD_FAST ? "N" : "N m", BODY_TEXT(w, b),
                       fast > WORLD_FAST ? fast : spin, fast > WORLD_FAST ? "m/s" : "rad/s", WORLD_FAST);
 }
 

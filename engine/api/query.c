@@ -118,7 +118,7 @@ static bool ray_leaf(void *context, uint32_t slot, real *length)
 
 int dig_ray(const dig_world *w, vec3 from, vec3 along, real length, dig_hit *out, int capacity)
 {
-    if (!vec3_finite(from) || !vec3_finite(along) || !(length > 0) || !(vec3_length2(along) > 0)) {
+    if (!vec3_finite(from) || !vec3_finite(along) || !(length > 0) || !(vec3_largest(vec3_abs(along)) > 0)) {
         world_fail(w, DIG_E_ARG, "ray: from and along must be finite, along not zero, length = %g m must be > 0", length);
         return -1;
     }

@@ -4,6 +4,8 @@
 
 const char *dig_wall_name(int wall) { return wall_name(wall); }
 
+static int material_of(const World *w, const dig_room_def *r) { return r->material.s[0] ? material_find(w, r->material.s) : 0; }
+
 /* The wall on side i faces inwards; it is a plane of the world itself. */
 static dig_status add_wall(World *w, int i)
 {
@@ -14,7 +16,9 @@ static dig_status add_wall(World *w, int i)
     vec3 normal = vec3_neg(outward);
     vec3 at = vec3_add(middle, vec3_mul(outward, vec3_scale(0.5, r->size)));
     dig_plane_def plane = {normal, vec3_dot(normal, at)};
-    Surface surface = {0, r->friction, r->friction, NAN, r->restitution};
+    Surface surface = {material_of(w, r), r->friction, r->friction, NAN, r->restitution};
+    if (surface.material < 0)
+        return world_fail(w, DIG_E_ARG, "room: there is no material '%s'", r->material.s);
     Shape shape;
     char why[128];
     dig_status s = shape_make("plane", &plane, &shape, why, sizeof why);
@@ -50,6 +54,8 @@ static dig_status do_set(World *w, const dig_room_def *def)
     char why[256];
     if (param_check(dig_schema_at("room", 0)->rows, def, "room", why, sizeof why) != DIG_OK)
         return world_fail(w, DIG_E_ARG, "%s", why);
+    if (material_of(w, def) < 0)
+        return world_fail(w, DIG_E_ARG, "room: there is no material '%s'", def->material.s);
     for (int i = 0; i < 6 && w->has_room; i++)
         remove_wall(w, i);
     w->room = *def;

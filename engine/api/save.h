@@ -21,7 +21,7 @@
 #include "base/pack.h"
 #include "geom/save.h"
 
-#define SAVE_FORMAT 15u
+#define SAVE_FORMAT 16u
 
 #define SAVE_FAR    WORLD_FAR
 #define SAVE_FAST   WORLD_FAST

@@ -139,9 +139,12 @@ static const dig_param room_rows[] = {
     {.name = "at", .kind = DIG_VEC3, .unit = "m",
      .doc = "centre of its floor", .min = -1e9, .max = 1e9, .offset = AT(dig_room_def, at)},
     {.name = "friction", .kind = DIG_REAL, .unit = "1",
-     .doc = "of its walls", .fallback = 0.5, .min = 0, .max = 100, .offset = AT(dig_room_def, friction)},
+     .doc = "of its walls, at rest and sliding; default that of the material", .fallback = NAN, .min = 0, .max = 100,
+     .offset = AT(dig_room_def, friction)},
     {.name = "restitution", .kind = DIG_REAL, .unit = "1",
-     .doc = "of its walls", .min = 0, .max = 1, .offset = AT(dig_room_def, restitution)},
+     .doc = "of its walls; default that of the material", .fallback = NAN, .min = 0, .max = 1, .offset = AT(dig_room_def, restitution)},
+    {.name = "material", .kind = DIG_MATERIAL, .unit = "",
+     .doc = "of its walls", .offset = AT(dig_room_def, material)},
     {.name = NULL},
 };
 

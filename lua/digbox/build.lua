@@ -95,20 +95,28 @@ end
 
 local Room = {}
 local walls = { ["+x"] = true, ["-x"] = true, ["+y"] = true, ["-y"] = true, ["+z"] = true, ["-z"] = true }
-Room.__index = function(_, key)
-  local method = Room[key]
-  if not method then core.unknown("room", "has no field or method", tostring(key), { open = true, close = true }) end
-  return method
+local room_properties = { world = { "world", "its world" }, name = { "string", "for messages; room if it was given none" },
+  mode = { "string", "fixed" }, dig = { "nil", "it is in none" }, valid = { "boolean", "true" } }
+local room_fields = { name = { "text", "for messages" } }
+local room_has = { open = true, close = true }
+for name in next, room_properties do room_has[name] = true end
+local make_room, open_room, is_room = core.opaque(Room)
+core.is_room = is_room
+Room.__index = function(room, key)
+  if not room_has[key] then core.unknown("room", "has no field or method", tostring(key), room_has) end
+  return Room[key] or open_room(room)[key]
 end
+Room.__newindex = function(_, key) core.fail("room.%s cannot be assigned", tostring(key)) end
 Room.__metatable = false
 Room.__name = "room"
-Room.__tostring = function() return "room" end
+Room.__tostring = function(room) return ("room '%s'"):format(open_room(room).name) end
 
 core.declare_type("room", "Six walls without a body of their own; a wall is named '+x', '-x', '+y', '-y', '+z' or '-z'.",
-  Room, { world = { "world", "its world" } })
+  Room, room_properties)
 core.declare("room:open", { "That wall lets bodies out.", takes = { { "wall", "text", "which wall", of = walls } }, gives = "room" })
 core.declare("room:close", { "That wall holds again.", takes = { { "wall", "text", "which wall", of = walls } }, gives = "room" })
-core.declare("world:room", { "Six walls without a body of their own.", with = { "room" }, gives = "room" })
+core.declare("world:room", { "Six walls without a body of their own. In events they are `other`.", fields = room_fields, with = { "room" },
+  gives = "room" })
 
 local function check_wall(what, wall)
   if type(wall) ~= "string" or not walls[wall] then core.unknown(what .. ":", "unknown wall", tostring(wall), walls) end
@@ -117,21 +125,31 @@ end
 
 -- room:open "+x": that wall lets bodies out
 function Room.open(room, wall)
-  core.room_open(room.world, check_wall("room:open", wall), true)
+  core.room_open(open_room(room).world, check_wall("room:open", wall), true)
   return room
 end
 
 function Room.close(room, wall)
-  core.room_open(room.world, check_wall("room:close", wall), false)
+  core.room_open(open_room(room).world, check_wall("room:close", wall), false)
   return room
 end
 
--- world:room{size=, at=, friction=, restitution=} -> room: six walls without a body
+-- The room of a world: one, as its walls are. That of a world from a file has no other maker than who asks.
+function core.room_of(world)
+  local state = core.lua_state(world)
+  state.room = state.room or make_room { world = world, name = "room", mode = "fixed", valid = true }
+  return state.room
+end
+
+-- world:room{size=, at=, material=, friction=, restitution=, name=} -> room: six walls without a body
 function methods.room(world, fields)
   if type(fields) ~= "table" then core.wants_fields(fields, "world:room") end
   if rawget(fields, "size") == nil and rawget(fields, 1) == nil then core.fail "world:room: size is missing (from wall to wall)" end
+  local name = core.check({ name = rawget(fields, "name") }, "world:room", room_fields).name
   core.room(world, fields)
-  return setmetatable({ world = world }, Room)
+  local room = core.room_of(world)
+  open_room(room).name = name or "room"
+  return room
 end
 
 -- ---- rod ----

@@ -42,7 +42,7 @@ local function book_of(world, state, kind)
 end
 
 local filter_fields = {
-  with = { "any", "only with this body, or one of these; a name: the body that has it now", type = "body|string|(body|string)[]" },
+  with = { "any", "only with this body, or one of these; a name: the body that has it", type = "body|room|string|(body|room|string)[]" },
   faster_than = { "real m/s", "only when they close faster" }, harder_than = { "real N*s", "only when the blow is harder" },
   wall = { "text", "only with this wall of the room", of = { "+x", "-x", "+y", "-y", "+z", "-z" } },
   kind = { "text", "of a link: only of that kind; of a message: only with that name" },
@@ -54,8 +54,9 @@ core.declare("world:on", { "Calls a function at every event of a kind.", takes =
 core.declare("body:on", { "Calls a function at every event of a kind that this body takes part in; it is `self` in the event.",
   takes = on_takes, fields = filter_fields, filter = true, gives = "subscription" })
 
--- The body itself, or the one that has that name now.
+-- The body itself, or the one that has that name now; or the room.
 local function body_called(world, what, given)
+  if core.is_room(given) then return given end
   local body = given
   if type(given) == "string" then
     body = world:find(given)
@@ -68,7 +69,7 @@ end
 local function read_filter(filter, what, world)
   if filter == nil then return nil end
   local f = core.check(filter, what, filter_fields)
-  if type(f.with) == "string" or core.type(f.with) == "body" then
+  if type(f.with) == "string" or core.type(f.with) == "body" or core.is_room(f.with) then
     f.with = { body_called(world, what .. ".with", f.with) }
   elseif f.with ~= nil then
     if type(f.with) ~= "table" then core.fail("%s.with wants a body or a list of bodies; got %s", what, core.type(f.with)) end
@@ -136,7 +137,7 @@ local function accepts(f, e)
   return false
 end
 
-local function copy_for(e, body)
+local function copy_for(e, body, world)
   local copy = {}
   for k, v in next, e do copy[k] = v end
   if body and e.other_dig then                              -- of DIGs, whose members all take part
@@ -146,6 +147,7 @@ local function copy_for(e, body)
   else
     copy.self, copy.other = e.a, e.b
   end
+  if e.wall then copy.other = core.room_of(world) end
   return copy
 end
 
@@ -211,8 +213,8 @@ end
 
 local function who(e)
   local a, b = e.a or e.from, e.b or e.to
-  local other = b and " and " .. tostring(b) or e.wall and " and wall " .. e.wall or ""
-  return a and " of " .. tostring(a) .. other or ""
+  if e.wall then a, b = a or b, "wall " .. e.wall end
+  return a and " of " .. tostring(a) .. (b and " and " .. tostring(b) or "") or ""
 end
 
 -- What handlers get is a copy; a name that no event has is a mistake, such as that of a handler that takes the other body for it.
@@ -223,7 +225,7 @@ end }
 
 local function call(state, sub, e)
   state.in_handler, state.calls = sub.kind, (state.calls or 0) + 1
-  local ok, message = core.call(sub.fn, setmetatable(copy_for(e, sub.body), event_meta))
+  local ok, message = core.call(sub.fn, setmetatable(copy_for(e, sub.body, sub.world), event_meta))
   state.in_handler = nil
   if ok then
     if message == true and e.event == "disabled" then core.forgive(e.a) end
@@ -242,7 +244,7 @@ end
 local function remember(state, events)
   local log = state.event_log
   for _, e in ipairs(events) do
-    local others = e.b and " " .. tostring(e.b) or e.wall and " wall " .. e.wall or ""
+    local others = (e.b and " " .. tostring(e.b) or "") .. (e.wall and " wall " .. e.wall or "")
     log[#log + 1] = ("t = %.4f s  %-13s %s%s%s"):format(e.time, e.event, e.a and tostring(e.a) or "", others,
       e.speed and e.speed > 0 and ("  %.4g m/s"):format(e.speed) or "")
   end
@@ -257,7 +259,7 @@ local function tell(world, state, book, e)
     core.answering(world, e.root)
   end
   for _, sub in ipairs(handlers_for(book, e)) do
-    if sub.active and accepts(sub.filter, copy_for(e, sub.body)) then call(state, sub, e) end
+    if sub.active and accepts(sub.filter, copy_for(e, sub.body, world)) then call(state, sub, e) end
   end
   if e.event == "message" then core.answering(world) end
   if book.stale then drop_stale(book) end

@@ -293,7 +293,11 @@ function digbox.args(declared)
     if not declared[name] then core.usage_unknown("argument", name, declared) end
     values[name] = read_argument(name, declared[name], given[name])
   end
-  return values
+  local known = {}
+  for _, name in ipairs(names) do known[name] = true end
+  return setmetatable(values, { __metatable = false, __index = function(_, name)
+    core.unknown("digbox.args", "has no argument", tostring(name), known)
+  end })
 end
 
 core.guard_methods()

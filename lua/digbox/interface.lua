@@ -255,7 +255,7 @@ event("message", "A message arrives; heard by body:on of its receiver, and by wo
 
 declare_type("event", "What a handler gets: a copy of its own, safe to keep. Which fields it has depends on the event.", {}, {
   event = { "string", "its name" }, time = { "number", "when", unit = "s" }, self = { "body", "the body asked about" },
-  other = { "body|nil", "the body it met" }, speed = { "number", "closing speed", unit = "m/s" },
+  other = { "body|room|nil", "the body it met, or the room" }, speed = { "number", "closing speed", unit = "m/s" },
   a = { "body|nil", "the body with the lower number" }, b = { "body|nil", "the other one" },
   impulse = { "number", "of the blow", unit = "N s" }, stress = { "number", "load over limit of a joint that broke" },
   point = { "vector", "where", unit = "m" }, normal = { "vector", "from self to other" }, joint = { "joint|nil", "the joint" },

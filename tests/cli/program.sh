@@ -94,6 +94,13 @@ gives 0 'arguments after --' run -q drop.lua -- --height 0.6 --name=b;      prin
 gives 0 'help of the world' run -q drop.lua -- --help;                      printed 'drop height (default 1 m)'
 gives 2 'an unknown argument' run --set hieght=2 drop.lua;                  said "unknown argument 'hieght' (did you mean 'height'?)"
 gives 2 'an argument of the wrong dimension' run --set 'height=2 kg' drop.lua;    said "wants a length; '2 kg' is a mass"
+cat >hieght.lua <<'LUA'
+local opt = require("digbox").args { height = 1 }
+for name, value in pairs(opt) do print(name, value) end
+print(2 * opt.hieght)
+LUA
+gives 1 'a script that misspells its argument' run -q hieght.lua; said "hieght.lua:3: digbox.args has no argument 'hieght' (did you mean 'height'?)"
+printed 'height'
 gives 2 'arguments nobody declared' run --set a=1 outer.lua;                said 'declares no arguments'
 gives 0 'options over the script' run -q --accuracy study --seconds 0.25 drop.lua; printed '0.250 study'
 gives 0 'more seconds than the script asks for' run -q --seconds 1 drop.lua

@@ -189,9 +189,28 @@ scenario("a body that was never made has no number, and what would have made it 
     "body 'b': fixed and kinematic exclude each other")
 end)
 
+scenario("what an answer, a hit or a link does not have is no nil", function(s)
+  local world = s.world
+  world:floor {}
+  local box = world:box { size = 1, at = { 0, 0.5, 0 } }
+  world:step()
+  local answer = box:can_move { along = { 0, 1, 0 } }
+  expect(answer.held_by):is(nil)                      -- it may have one
+  says(function() return answer.verdikt end, "answer has no field 'verdikt' (did you mean 'verdict'?)")
+  local hit = world:ray { from = { 0, 3, 0 }, along = { 0, -1, 0 } }[1]
+  expect(hit.body):is(box)
+  says(function() return hit.distanse end, "hit has no field 'distanse' (did you mean 'distance'?)")
+  local link = box:links()[1]
+  expect(link.joint):is(nil)
+  says(function() return link.efort end, "link of a body has no field 'efort' (did you mean 'effort'?)")
+end)
+
 scenario("state cannot be assigned", function(s)
   local ball = s.world:ball { radius = 1 }
   says(function() ball.position = { 0, 1, 0 } end, "body.position is state and cannot be assigned: use :teleport")
+  says(function() s.world.plane = "xy" end, "world.plane is decided when a world is made: digbox.world{ plane = ... }")
+  says(function() s.world.threads = 2 end, "world.threads is decided when a world is made: digbox.world{ threads = ... }")
+  says(function() s.world.time = 2 end, "world.time cannot be assigned (gravity and accuracy can)")
   says(function() ball.velocity = { 0, 1, 0 } end, "body.velocity is state and cannot be assigned: use :teleport")
   says(function() ball.postion = { 0, 1, 0 } end,
     "body has no parameter 'postion' (did you mean 'position'? it is state and cannot be assigned: use :teleport)")
@@ -301,6 +320,9 @@ scenario("a push that no step could follow is refused at once, and nothing of it
     "push: 1e+30 N would bring body 'crate' to 1.66667e+28 m/s within a step, must be at most 1e+12")
   says(function() crate:push { force = { 0, 1e13, 0 }, at = { 1e3, 0, 0 } } end,
     "push: 1e+16 N m would bring body 'crate' to 2.5e+16 rad/s within a step, must be at most 1e+12")
+  -- No moment now, but as soon as the crate turns: the step after that never ended.
+  says(function() crate:push { force = { 1, 0, 0 }, at = { 1e140, 0.1, 0 }, lasts = 1 } end,
+    "push: 1e+140 N m would bring body 'crate' to 2.5e+140 rad/s within a step, must be at most 1e+12")
   says(function() crate:twist { torque = { 0, 1e30, 0 } } end,
     "twist: 1e+30 N m would bring body 'crate' to 2.5e+30 rad/s within a step, must be at most 1e+12")
   world:run(0.5)

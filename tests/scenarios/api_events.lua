@@ -159,6 +159,22 @@ scenario("an error in a handler names the event and the time", function(s)
   world:step()                              -- and the world goes on
 end)
 
+scenario("a handler cannot yield, and is told where it tried", function(s)
+  local world = s.world
+  local _, ball = drop(world)
+  local sub = ball:on("contact_begin", function() coroutine.yield() end)
+  local function refused(message)
+    expect(message):contains "api_events.lua:"
+    expect(message):contains "cannot yield here: the world waits for this function to return (in a handler of 'contact_begin'"
+  end
+  local start = world:snapshot()
+  refused(expect(function() world:run(1) end):fails())
+  world:restore(start)
+  coroutine.wrap(function() refused(expect(function() world:run(1) end):fails()) end)()
+  sub:off()
+  expect(expect(function() table.sort({ 3, 2, 1 }, function() coroutine.yield() end) end):fails()):contains "api_events.lua:"
+end)
+
 scenario("a body falls asleep and wakes", function(s)
   local world = s.world
   world:floor {}

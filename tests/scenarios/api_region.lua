@@ -247,6 +247,7 @@ scenario("the debug record has the founding document's names, as it spells them,
   local b = world:ball { radius = 0.1, name = "b", gravity_scale = 0, at = { 0, 2, 0 }, velocity = { 1, 0, 0 } }
   expect(b.debug.me):is(nil)
   expect(b.debug.origin):is(nil)
+  expect(b:debug().mass):is(b.mass)
   a:send(b, "hello", 1)
   world:step()
   local debug = b.debug

@@ -24,6 +24,28 @@ scenario("vectors are values", function()
   expect(digbox.vec("4 cm", 0, 0).x):near(0.04, 1e-18)
 end)
 
+-- Squares of 1e-160 lose digits, those of 1e-170 and 1e160 are 0 and infinite.
+scenario("a direction may be as long or short as numbers go", function()
+  for _, long in ipairs { 1e-300, 1e-200, 1e-160, 1e-9, 1, 1e160, 1e300 } do
+    local v = digbox.vec(3 * long, 0, -4 * long)
+    expect(v:length() / long):near(5, 1e-14)
+    expect(v:normalized()):near({ 0.6, 0, -0.8 }, 1e-15)
+    local world = digbox.world { gravity = { 0, 0, 0 } }
+    local ball = world:ball { radius = 0.5, mass = 1 }
+    ball:push { force = "1 N", along = v }
+    ball:hit { impulse = "1 N s", along = v }
+    world:step()
+    expect(ball.velocity):near({ 0.6 * (1 + 1 / 60), 0, -0.8 * (1 + 1 / 60) }, 1e-12)
+    ball:teleport { at = { 0, 0, 0 } }
+    expect(world:ray { from = { -3, 0, 4 }, along = v }[1].distance):near(4.5, 1e-12)
+    expect(world:sweep { sphere = { radius = 0.5 }, from = { -3, 0, 4 }, along = v, length = 9 }.fraction * 9):near(4, 1e-9)
+    expect(ball:can_move { along = v, by = "10 cm", with = "1 N" }.verdict):is "free"
+    expect(world:slider { a = ball, axis = v }.valid):is(true)
+    expect(digbox.quat { axis = v, angle = 1 }.axis):near({ 0.6, 0, -0.8 }, 1e-15)
+  end
+  expect(expect(function() digbox.vec(0, 0, 0):normalized() end):fails()):contains "the vector is zero and has no direction"
+end)
+
 scenario("rotations turn vectors", function()
   local q = digbox.quat { axis = { 0, 0, 1 }, angle = "90 deg" }
   expect(q:rotate { 1, 0, 0 }):near({ 0, 1, 0 }, 1e-15)
@@ -240,6 +262,12 @@ scenario("rays, overlaps and sweeps find what is there", function(s)
   refused({ to = { 0, 0, 0 } }, "world:sweep: from is missing")
   refused({ from = { 0, 0, 0 }, to = { 1, 0, 0 }, velocity = { 1, 0, 0 } }, "wants either from, and to or along, or at and velocity")
   refused({ from = { 1, 0, 0 }, to = { 1, 0, 0 } }, "the way has no direction")
+  for _, length in ipairs { 0, -1 } do
+    local fields = { from = { 0, 0, 0 }, along = { 1, 0, 0 }, length = length }
+    local text = ("length = %d m, must be > 0: for the other way reverse the direction"):format(length)
+    expect(expect(function() world:ray(fields) end):fails()):contains("world:ray: " .. text)
+    refused(fields, "world:sweep: " .. text)
+  end
 end)
 
 scenario("compounds, rods and buckets have the mass and place of their parts", function(s)
@@ -324,7 +352,7 @@ scenario("a room holds its bodies until a wall is opened", function(s)
   world:on("impact", function(e)
     walls[#walls + 1] = e.wall
     expect(e.self):is(ball)                           -- a wall is no body: it is never self
-    expect(e.other):is(nil)
+    expect(e.other):is(room)
     expect(e.normal):near({ e.wall == "+x" and 1 or -1, 0, 0 }, 1e-9)
   end)
   s:always("inside", "2 s", function() return math.abs(ball.position.x) < 1 end)
@@ -333,6 +361,37 @@ scenario("a room holds its bodies until a wall is opened", function(s)
   room:open "+x"
   s:eventually("outside", "3 s", function() return ball.position.x > 1.2 end)
   expect(function() room:open "x" end):fails()
+end)
+
+-- A handler that says who met whom needs no branch for walls.
+scenario("a room is the other one in events, has a name, and is of a material", function(s)
+  local world = s.world
+  digbox.material_pair { a = "rubber", b = "steel", restitution = 0.25 }
+  local room = world:room { name = "hall", material = "steel", size = { 4, 3, 4 } }
+  local ball = world:ball { name = "ball", material = "rubber", radius = 0.1, at = { 0, 1.1, 0 }, velocity = { 2, 0, 0 } }
+  local log = {}
+  ball:on("contact_begin", { with = room }, function(e)
+    log[#log + 1] = ("%s hits %s at %s"):format(e.self.name, e.other.name, e.wall)
+    if #log == 1 then world:step() end
+  end)
+  expect(expect(function() world:run(1) end):fails()):contains "of body 'ball' and wall -y"
+  expect(log[1]):is "ball hits hall at -y"
+  local v, t = math.sqrt(2 * 9.81), math.sqrt(2 / 9.81)
+  expect(ball.velocity.y):near(0.25 * v - 9.81 * (world.time - t), 1e-6)      -- the pair's, not the greater of the two
+  expect(tostring(room)):is "room 'hall'"
+  expect(room.dig):is(nil)
+  expect(room.mode):is "fixed"
+  expect(expect(function() return room.position end):fails()):contains "room has no field or method 'position'"
+  expect(expect(function() room.name = "x" end):fails()):contains "room.name cannot be assigned"
+  local misspelt = expect(function() world:room { size = 4, material = "stele" } end):fails()
+  expect(misspelt):contains "unknown material 'stele' (did you mean 'steel'?)"
+  world:save "hall.world"
+  local copy, other = digbox.load "hall.world", nil
+  copy:find("ball"):on("impact", function(e) other = e.other.name end)
+  copy:run(1)
+  expect(other):is "room"                             -- a name is the script's
+  world:run(1)
+  expect(copy:checksum()):is(world:checksum())
 end)
 
 scenario("the books close: energy comes from somewhere", function(s)

@@ -258,7 +258,7 @@ static inline void add_and_remove(dig_world *w)
 /* A room with one of everything. */
 static inline void furnish(dig_world *w)
 {
-    dig_room_def room = {{24, 12, 24}, {0, 0, 0}, 0.5, 0.2};
+    dig_room_def room = {{24, 12, 24}, {0, 0, 0}, 0.5, 0.2, {""}};
     fail_unless(w, dig_room_set(w, &room), "room");
     fail_unless(w, dig_room_open(w, "+y", true), "open");
     add_materials(w);

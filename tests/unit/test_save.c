@@ -591,11 +591,11 @@ TEST(other_formats_are_told_apart)
 {
     char want[700];
     Victim *v = open_victim();
-    put_u32(v->b.data + FORMAT_AT, 16);
+    put_u32(v->b.data + FORMAT_AT, 17);
     memset(v->b.data + 24, 0, 16);
     memcpy(v->b.data + 24, "0.9", 3);
     CHECK_INT(load_victim(v), DIG_E_FORMAT);
-    snprintf(want, sizeof want, "%s: made by digbox 0.9 (format 16); this is %s (format 15)", v->path, DIGBOX_VERSION);
+    snprintf(want, sizeof want, "%s: made by digbox 0.9 (format 17); this is %s (format 16)", v->path, DIGBOX_VERSION);
     CHECK_TEXT(v->why, want);
     CHECK_INT(load_bytes(v->path, (const unsigned char *)"-- a script\nreturn 1 + 1 -- of some length\n", 43, v->why, sizeof v->why), DIG_E_FORMAT);
     CHECK(strstr(v->why, "not a world") != NULL);
