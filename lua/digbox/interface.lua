@@ -174,7 +174,8 @@ declare("body:velocity_at", { "Velocity of the material point there, m/s.", take
 declare("body:neighbours", { "The bodies it is linked with.", fields = { kind = { "text", "only by links of that kind or layer",
   of = KINDS } },
   optional = true, gives = "body[]" })
-declare("body:links", { "Its links: {a, b, kind, effort, flow, power, began, point, normal}; effort times flow is power.",
+declare("body:links", {
+  "Its links: {a, b, kind, effort, flow, power, began, point, normal}; effort times flow is power (of vectors effort:dot(flow)).",
   fields = { kind = { "text", "only of that kind or layer", of = KINDS } }, optional = true, gives = "table[]" })
 declare("body:dig_of", { "The DIG of a layer that it belongs to, or nil.",
   takes = { { "layer", "text", "which layer", optional = true, of = LAYERS, default = "mechanical" } }, gives = "DIG|nil" })
