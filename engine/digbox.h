@@ -506,6 +506,7 @@ dig_body dig_body_find(const dig_world *w, const char *name);                   
 /* at = centre of the floor; of the material, friction and restitution unless they are given (NaN = its own) */
 typedef struct dig_room_def { vec3 size; vec3 at; real friction, restitution; dig_text material; } dig_room_def;
 dig_status dig_room_set(dig_world *w, const dig_room_def *def);
+bool dig_has_room(const dig_world *w);
 dig_status dig_room_open(dig_world *w, const char *wall, bool open);            /* "+x" "-x" "+y" "-y" "+z" "-z" */
 const char *dig_wall_name(int wall);            /* of 1..6, in that order; "" for all other numbers */
 

@@ -256,6 +256,8 @@ void bind_link_kind(lua_State *L, int index, const char *what, uint32_t *layer, 
 real bind_length(vec3 v);
 /* Makes v one long; false, and v as it was, when it has no direction. */
 bool bind_unit(vec3 *v);
+/* The length of a direction; one whose squares are not held is made one long first. 0: it has none. */
+real bind_direction(vec3 *v);
 bool bind_is_vec3(lua_State *L, int index);
 vec3 bind_vec3(lua_State *L, int index, const char *unit, const char *what, const char *field);
 quat bind_quat(lua_State *L, int index, const char *what, const char *field);

@@ -97,7 +97,7 @@ static int world_sweep(lua_State *L)
         read_way(L, "world:sweep", &from, &along, &length);
         if (moves || bind_get_vec3(L, 2, "world:sweep", "at", "m", &old))
             return bind_error(L, "world:sweep wants either from, and to or along, or at and velocity");
-        real share = length / bind_length(along);
+        real share = length / bind_direction(&along);
         at.p = (vec3){at.p.x + from.x, at.p.y + from.y, at.p.z + from.z};
         velocity = (vec3){along.x * share, along.y * share, along.z * share};
     } else if (!moves) {

@@ -193,13 +193,26 @@ real bind_length(vec3 v)
     return most * sqrt(x * x + y * y + z * z);
 }
 
+#define ORDINARY 1e140          /* lengths from its inverse on keep their bits */
+
 bool bind_unit(vec3 *v)
 {
+    real most = fmax(fabs(v->x), fmax(fabs(v->y), fabs(v->z)));
+    if (most > 0 && most <= DBL_MAX && !(most > 1 / ORDINARY && most < ORDINARY))
+        *v = (vec3){v->x / most, v->y / most, v->z / most};
     real length = bind_length(*v);
     if (!(length > 0 && length <= DBL_MAX))
         return false;
     *v = (vec3){v->x / length, v->y / length, v->z / length};
     return true;
+}
+
+real bind_direction(vec3 *v)
+{
+    real length = bind_length(*v);
+    if (length > 1 / ORDINARY && length < ORDINARY)
+        return length;
+    return bind_unit(v) ? 1 : 0;
 }
 
 /* {axis =, angle =}: sine and cosine of half the angle about the unit axis. Of {from =, to =} nothing is there, only known. */
@@ -212,8 +225,8 @@ static quat from_axis_angle(lua_State *L, int table, const char *what)
     bind_get_vec3(L, table, what, "axis", "1", &axis);
     bind_get_real(L, table, what, "angle", "rad", &angle);
     remark_degrees(L, table, what);
-    real length = bind_length(axis);
-    if (!(length > 0) || isinf(length))
+    real length = bind_direction(&axis);
+    if (!(length > 0))
         bind_error(L, "%s.axis = {%g, %g, %g}, must not be zero: it is a direction", what, axis.x, axis.y, axis.z);
     if (isinf(angle))
         bind_error(L, "%s.angle = inf rad, must be a finite number", what);
@@ -380,8 +393,8 @@ vec3 bind_directed(lua_State *L, const char *what, const char *field, const char
     lua_pop(L, 1);
     if (!bind_get_vec3(L, 2, what, "along", "1", &v))
         bind_error(L, "%s: %s is a number; it needs along = {x, y, z}", what, field);
-    real length = bind_length(v);
-    if (!(length > 0) || isinf(length))
+    real length = bind_direction(&v);
+    if (!(length > 0))
         bind_error(L, "%s.along = {%g, %g, %g}, must not be zero: it is a direction", what, v.x, v.y, v.z);
     return (vec3){amount * v.x / length, amount * v.y / length, amount * v.z / length};
 }

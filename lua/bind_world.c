@@ -508,6 +508,13 @@ static int world_room(lua_State *L)
     return s == DIG_OK ? 0 : bind_fail(L, ref->w, s);
 }
 
+/* core.has_room(world) */
+static int world_has_room(lua_State *L)
+{
+    lua_pushboolean(L, dig_has_room(bind_check_world(L, 1)->w));
+    return 1;
+}
+
 /* core.room_open(world, wall, open) */
 static int world_room_open(lua_State *L)
 {
@@ -635,7 +642,7 @@ static const luaL_Reg functions[] = {
     {"world", world_open}, {"load", world_load}, {"state", world_state}, {"is_open", world_is_open}, {"is_free", world_is_free},
     {"step", world_step}, {"steps", world_steps_many}, {"quiet_step", make_quiet_step}, {"save", world_save}, {"noted", world_noted},
     {"gone", world_gone}, {"restore", world_restore},
-    {"close", world_close}, {"room", world_room}, {"room_open", world_room_open},
+    {"close", world_close}, {"room", world_room}, {"room_open", world_room_open}, {"has_room", world_has_room},
     {"material", world_material}, {"material_of", world_material_of}, {"material_pair", world_material_pair},
     {"cpu_seconds", cpu_seconds}, {NULL, NULL},
 };

@@ -168,14 +168,22 @@ Body *api_pushable(World *w, dig_body handle, const char *call, dig_status *stat
     return b;
 }
 
+static real largest_of(mat3 m)
+{
+    return real_max(vec3_largest(vec3_abs(m.r0)), real_max(vec3_largest(vec3_abs(m.r1)), vec3_largest(vec3_abs(m.r2))));
+}
+
 /* A step that it would fail in would not end it either: who pushes is told at once. The point that a force acts at turns with its body
  * while it lasts, so what counts is the greatest moment on that lever, not that of now. */
 static dig_status not_too_strong(World *w, const Body *b, const Push *p, const char *call)
 {
     const mat3 *inverse = &body_inertia(b)->inverse;
-    real light = real_max(vec3_largest(vec3_abs(inverse->r0)), real_max(vec3_largest(vec3_abs(inverse->r1)), vec3_largest(vec3_abs(inverse->r2))));
-    real force = vec3_length(p->force), torque = vec3_length(p->torque) + (p->has_at ? vec3_length(p->at) * force : 0);
-    real gain = w->def.step / body_inertness(b), fast = gain * b->inv_mass * force, spin = gain * light * torque;
+    real force = vec3_length(p->force), torque = vec3_length(p->torque), light = largest_of(*inverse), levered = 0;
+    if (p->has_at && force > 0) {
+        levered = largest_of(mat3_mul(*inverse, mat3_skew(p->at))) * force;
+        torque += vec3_length(p->at) * force;
+    }
+    real gain = w->def.step / body_inertness(b), fast = gain * b->inv_mass * force, spin = gain * (light * vec3_length(p->torque) + levered);
     if (fast <= WORLD_FAST && spin <= WORLD_FAST)
         return DIG_OK;
     return world_fail(w, DIG_E_ARG, "%s: %g %s would bring %s to %g %s within a step, must be at most %g", call,

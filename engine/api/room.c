@@ -80,6 +80,8 @@ dig_status dig_room_set(dig_world *w, const dig_room_def *def)
     return COMMAND(w, COMMAND_ROOM, do_set(w, def), {.what = def});
 }
 
+bool dig_has_room(const dig_world *w) { return w->has_room; }
+
 static dig_status do_open_wall(World *w, const char *wall, bool open)
 {
     if (!w->has_room)

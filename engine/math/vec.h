@@ -34,8 +34,7 @@ static inline real vec3_at(vec3 a, int i) { return i == 0 ? a.x : i == 1 ? a.y :
 static inline real vec3_least(vec3 a) { return real_min(a.x, real_min(a.y, a.z)); }
 static inline real vec3_largest(vec3 a) { return real_max(a.x, real_max(a.y, a.z)); }
 
-/* Unit vector along a, or `otherwise` when a is too short to have a direction.
- * Scales first, so that lengths down to 1e-300 m still work. */
+/* Unit vector along a, or `otherwise` when a is zero or not finite. Scales first, so that any length will do. */
 static inline vec3 vec3_unit_or(vec3 a, vec3 otherwise)
 {
     real m = vec3_largest(vec3_abs(a));
@@ -43,7 +42,7 @@ static inline vec3 vec3_unit_or(vec3 a, vec3 otherwise)
         return otherwise;
     vec3 s = vec3_scale(1 / m, a);
     if (!vec3_finite(s))            /* m is subnormal: 1/m overflowed */
-        return otherwise;
+        s = (vec3){a.x / m, a.y / m, a.z / m};
     return vec3_scale(1 / vec3_length(s), s);
 }
 

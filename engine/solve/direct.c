@@ -17,6 +17,7 @@
 #include "base/bracket.h"
 #include "solve/direct.h"
 
+#define HEAVY         30.0      /*      times the lightest mass: an error that is nothing to what is heavy throws what is light */
 /* Counts that bound the work, without and with something heavy */
 static const int most_points[2] = {1000, 4000}, most_failures[2] = {1, 4};      /* failures in a step, one after the other */
 static const real most_work[2] = {1e6, 4e6};                                    /* multiplications of one factorisation */
@@ -200,7 +201,7 @@ real group_mass_ratio(const Group *g)
     return heaviest > 0 ? heaviest / lightest : 1;
 }
 
-bool group_top_heavy(const Group *g) { return group_mass_ratio(g) > HEAVY_RATIO; }
+bool group_top_heavy(const Group *g) { return group_mass_ratio(g) > HEAVY; }
 
 static bool calm(const Group *g)
 {

@@ -349,6 +349,7 @@ struct Group {
     vec3      lag;              /* m/s what moves with its end velocity is moved by this, too: see fall_together */
     real      lifted;           /* J   against forces, by healing in this substep */
     real      touch;            /* m   gap at which contacts count as touching, per metre of size */
+    bool      gentle;           /* what lands gently is not located: see locate_least() */
     real      close_speed;      /* m/s below which a bounce is over */
     bool      midpoint;         /* joint rows hold for the mean velocity of the substep */
     bool      locate;           /* impacts are located in time in this group */
@@ -660,7 +661,6 @@ bool direct_solve(Group *g, real residual);
 bool direct_rescue(Group *g);           /* the same where sweeps have not got there, slower and surer */
 bool direct_project(Group *g);          /* a projection's rows at once, into g->vel, which holds the shift */
 bool direct_project_joints(Group *g);      /* the same, of joints that sweeps are for */
-#define HEAVY_RATIO 30.0                /* an error that is nothing to what is heavy throws what is lighter by so much */
 real group_mass_ratio(const Group *g);  /* 1  of what moves, at least 1 */
 bool group_top_heavy(const Group *g);   /* is something much heavier than something else? */
 bool group_elastic(const Group *g);     /* do any of its joints give and store energy? */

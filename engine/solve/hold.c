@@ -96,6 +96,7 @@ static bool is_passive(const Held *h, int root)
         RowList list = {rows, 0, JOINT_SLOTS};
         if (!moves(g, body) || h->root[body] != root)
             continue;
+        group_joint_view(h->g, i);
         j->view.type->rows(&j->view, &list);
         for (int k = 0; k < list.count; k++)
             if (rows[k].kind == ROW_SOFT || rows[k].kind == ROW_MOTOR)

@@ -67,18 +67,12 @@ static bool is_touching(const Group *g, const GroupPair *q)
     return touching;
 }
 
-/* What is gentle for something heavy is not for what is light below it. */
-static bool is_uneven(const Group *g, const GroupPair *q)
-{
-    const Member *a = &g->member[q->a], *b = &g->member[q->b];
-    return a->moves && b->moves && real_max(a->mass, b->mass) > HEAVY_RATIO * real_min(a->mass, b->mass);
-}
-
 /* Each blow that is located costs as much as a substep does. What lands gently and does not bounce, rows stop as well where it lands: they take the same
- * from it, by less than a substep too early. Each of 60 dominoes that fell rattled those that lay before it, 30 times a frame. */
+ * from it, by less than a substep too early. Each of 60 dominoes that fell rattled those that lay before it, 30 times a frame. What is gentle for
+ * something heavy is not for what is light below it. */
 real locate_least(const Group *g, const GroupPair *q)
 {
-    if (is_uneven(g, q))
+    if (!g->gentle)
         return g->close_speed;
     real e = q->rub->restitution, gentle = g->plan->gentle * sqrt(g->fall * q->size);
     return real_max(g->close_speed, e * gentle > g->close_speed ? g->close_speed / e : gentle);

@@ -96,7 +96,7 @@ end
 local Room = {}
 local walls = { ["+x"] = true, ["-x"] = true, ["+y"] = true, ["-y"] = true, ["+z"] = true, ["-z"] = true }
 local room_properties = { world = { "world", "its world" }, name = { "string", "for messages; room if it was given none" },
-  mode = { "string", "fixed" }, dig = { "nil", "it is in none" }, valid = { "boolean", "true" } }
+  mode = { "string", "fixed" }, dig = { "nil", "it is in none" }, valid = { "boolean", "its world is open and has it" } }
 local room_fields = { name = { "text", "for messages" } }
 local room_has = { open = true, close = true }
 for name in next, room_properties do room_has[name] = true end
@@ -104,7 +104,9 @@ local make_room, open_room, is_room = core.opaque(Room)
 core.is_room = is_room
 Room.__index = function(room, key)
   if not room_has[key] then core.unknown("room", "has no field or method", tostring(key), room_has) end
-  return Room[key] or open_room(room)[key]
+  local own = open_room(room)
+  if key == "valid" then return core.is_open(own.world) and core.has_room(own.world) end
+  return Room[key] or own[key]
 end
 Room.__newindex = function(_, key) core.fail("room.%s cannot be assigned", tostring(key)) end
 Room.__metatable = false
@@ -137,7 +139,7 @@ end
 -- The room of a world: one, as its walls are. That of a world from a file has no other maker than who asks.
 function core.room_of(world)
   local state = core.lua_state(world)
-  state.room = state.room or make_room { world = world, name = "room", mode = "fixed", valid = true }
+  state.room = state.room or make_room { world = world, name = "room", mode = "fixed" }
   return state.room
 end
 

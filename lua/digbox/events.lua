@@ -72,7 +72,7 @@ local function read_filter(filter, what, world)
   if type(f.with) == "string" or core.type(f.with) == "body" or core.is_room(f.with) then
     f.with = { body_called(world, what .. ".with", f.with) }
   elseif f.with ~= nil then
-    if type(f.with) ~= "table" then core.fail("%s.with wants a body or a list of bodies; got %s", what, core.type(f.with)) end
+    if type(f.with) ~= "table" then core.fail("%s.with wants a body, a room or a list of bodies; got %s", what, core.type(f.with)) end
     local bodies = {}
     for i, b in ipairs(f.with) do bodies[i] = body_called(world, ("%s.with[%d]"):format(what, i), b) end
     f.with = bodies

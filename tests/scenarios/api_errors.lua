@@ -323,6 +323,9 @@ scenario("a push that no step could follow is refused at once, and nothing of it
   -- No moment now, but as soon as the crate turns: the step after that never ended.
   says(function() crate:push { force = { 1, 0, 0 }, at = { 1e140, 0.1, 0 }, lasts = 1 } end,
     "push: 1e+140 N m would bring body 'crate' to 2.5e+140 rad/s within a step, must be at most 1e+12")
+  local wire = world:cylinder { radius = 0.001, height = 1, at = { 5, 5, 0 } }
+  wire:push { force = { 0, 1000, 0 }, at = { 5, 5.5, 0 } }        -- along itself: what is thin gets no moment about its axis
+  wire:push { force = { 0, 0, 0 }, at = { 1e200, 0, 0 } }
   says(function() crate:twist { torque = { 0, 1e30, 0 } } end,
     "twist: 1e+30 N m would bring body 'crate' to 2.5e+30 rad/s within a step, must be at most 1e+12")
   world:run(0.5)
