@@ -42,7 +42,8 @@ local function book_of(world, state, kind)
 end
 
 local filter_fields = {
-  with = { "any", "only with this body, or one of these; a name: the body that has it", type = "body|room|string|(body|room|string)[]" },
+  with = { "any", "only with this body, or one of these; a name: the body that has it now",
+    type = "body|room|string|(body|room|string)[]" },
   faster_than = { "real m/s", "only when they close faster" }, harder_than = { "real N*s", "only when the blow is harder" },
   wall = { "text", "only with this wall of the room", of = { "+x", "-x", "+y", "-y", "+z", "-z" } },
   kind = { "text", "of a link: only of that kind; of a message: only with that name" },

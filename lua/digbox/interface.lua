@@ -196,8 +196,8 @@ declare_type("answer", "What a question found out.", {}, {
   because = { "string", "the reason, in one sentence" }, trials = { "integer", "how many copies were tried" },
   steps = { "integer", "steps of all trials" } })
 declare_type("hit", "A place where a ray or a moving shape meets a body.", {}, {
-  body = { "body", "the body" }, point = { "vector", "where", unit = "m" }, normal = { "vector", "the surface's normal there" },
-  distance = { "number", "from the start", unit = "m" }, fraction = { "number", "share of the way" } })
+  body = { "body", "the body; nil: a wall of the room" }, point = { "vector", "where", unit = "m" },
+  normal = { "vector", "the surface's normal there" }, distance = { "number", "from the start", unit = "m" }, fraction = { "number", "share of the way" } })
 
 -- ---- joints ----
 
