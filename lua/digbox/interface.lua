@@ -197,7 +197,8 @@ declare_type("answer", "What a question found out.", {}, {
   steps = { "integer", "steps of all trials" } })
 declare_type("hit", "A place where a ray or a moving shape meets a body.", {}, {
   body = { "body", "the body; nil: a wall of the room" }, point = { "vector", "where", unit = "m" },
-  normal = { "vector", "the surface's normal there" }, distance = { "number", "from the start", unit = "m" }, fraction = { "number", "share of the way" } })
+  normal = { "vector", "the surface's normal there" }, distance = { "number", "from the start", unit = "m" },
+  fraction = { "number", "share of the way" } })
 
 -- ---- joints ----
 
