@@ -67,14 +67,14 @@ static bool is_touching(const Group *g, const GroupPair *q)
     return touching;
 }
 
-/* Each blow that is located costs as much as a substep does. What lands gently and does not bounce, rows stop as well where it lands: they take the same
- * from it, by less than a substep too early. Each of 60 dominoes that fell rattled those that lay before it, 30 times a frame. What is gentle for
- * something heavy is not for what is light below it. */
+/* Each blow that is located costs many as much as a substep does. What lands gently and does not bounce, rows stop as well where it lands: they take
+ * the same from it, by less than a substep too early. Each of 60 dominoes that fell rattled those that lay before it, 30 times a frame. What is gentle
+ * for something heavy is not for what is light below it. */
 real locate_least(const Group *g, const GroupPair *q)
 {
     if (!g->gentle)
         return g->close_speed;
-    real e = q->rub->restitution, gentle = g->plan->gentle * sqrt(g->fall * q->size);
+    real e = q->rub->restitution, gentle = gentle_speed_of(q->size, g->fall);
     return real_max(g->close_speed, e * gentle > g->close_speed ? g->close_speed / e : gentle);
 }
 

@@ -2,12 +2,12 @@
 #include "solve/plan.h"
 
 const AccuracyPlan accuracy_plans[] = {
-    /*                                                           crowds:                                   traced groups: most
-     * name       sub  sweeps residual events bodies gentle     bodies      toil      calm     total  bodies rows  total    work passes tolerance */
-    {"sketch",     3,   30,   1e-5,   16,     16,    0.1,         16,       12,       512,       256,      1,  120,      256,     60,  0,  1e-1},
-    {"play",       4,  200,   1e-9,   64,     48,    0.1,         48,       12,       512,      1024,     12,  120,      256,    500,  0,  1e-4},
-    {"study",     16,  400,   1e-11, 256,     96,      0,  INT32_MAX, INT32_MAX, INT32_MAX, INT32_MAX,     24,  300,     4096,   5000, 16,  1e-7},
-    {"reference", 64, 1000,   1e-13, 1024,   200,      0,  INT32_MAX, INT32_MAX, INT32_MAX, INT32_MAX,     96, 1200, INT32_MAX,  50000, 32,  1e-10},
+    /*                                                    crowds:                                   traced groups: most
+     * name       sub  sweeps residual events bodies     bodies      toil      calm     total  bodies rows  total    work passes tolerance */
+    {"sketch",     3,   30,   1e-5,   16,     16,         16,       12,       512,       256,      1,  120,      256,     60,  0,  1e-1},
+    {"play",       4,  200,   1e-9,   64,     48,         48,       12,       512,      1024,     12,  120,      256,    500,  0,  1e-4},
+    {"study",     16,  400,   1e-11, 256,     96,  INT32_MAX, INT32_MAX, INT32_MAX, INT32_MAX,     24,  300,     4096,   5000, 16,  1e-7},
+    {"reference", 64, 1000,   1e-13, 1024,   200,  INT32_MAX, INT32_MAX, INT32_MAX, INT32_MAX,     96, 1200, INT32_MAX,  50000, 32,  1e-10},
     {0}
 };
 

@@ -16,9 +16,9 @@ typedef struct AccuracyPlan {
     real        residual;       /* m/s  velocity change per sweep at which a solve stops            */
     int         events;         /* 1    most impacts located in time per group and step             */
     int         events_bodies;  /* 1    groups with more moving bodies than this locate none         */
-    real        gentle;         /* 1    of the speed of a fall by its size: what lands slower and does not bounce is not located (solve/locate.c) */
     int         crowd_bodies;   /* 1    groups with more moving bodies than this are advanced as a crowd   */
-    int         toil_bodies;    /* 1    groups with more moving bodies than this may pause while a mover stirs them, or they are solved in vain: solve/toil.c */
+    int         toil_bodies;    /* 1    groups with more moving bodies than this may pause while a mover stirs them, or they are solved in vain: solve/toil.c;
+                                 *      and what lands gently in them is not located: solve/locate.c */
     int         calm_bodies;    /* 1    up to so many are not where they lie calm: they are solved at once, and fall asleep  */
     int         crowd_total;    /* 1    so are all groups beyond trace_total, with more awake bodies and pairs in the world */
     int         trace_bodies;   /* 1    groups with more moving bodies are not traced; 1: nor with joints */
