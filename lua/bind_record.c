@@ -56,8 +56,10 @@ void bind_record(lua_State *L, const char *what, const char *const *empty, bool 
         lua_pushboolean(L, spelled);
         lua_pushcclosure(L, record_index, 3);
         lua_setfield(L, -2, "__index");
-        lua_pushcfunction(L, record_call);
-        lua_setfield(L, -2, "__call");
+        if (spelled) {
+            lua_pushcfunction(L, record_call);
+            lua_setfield(L, -2, "__call");
+        }
         lua_pushboolean(L, false);
         lua_setfield(L, -2, "__metatable");
         lua_pushnil(L);

@@ -114,10 +114,10 @@ INLINE four_quat frames_of(const Chain *c, const Four *f)
         frame[k] = &j->fb;
         if (c->tie[f->joint[k]].end[1] >= 0) {
             q[k] = &g->pos[j->b].q;
-            continue;
+        } else {
+            fixed[k] = fixed_pose(g, j->b, 0).q;
+            q[k] = &fixed[k];
         }
-        fixed[k] = fixed_pose(g, j->b, 0).q;
-        q[k] = &fixed[k];
     }
     return four_quat_mul(four_quat_from(q[0], q[1], q[2], q[3]), four_quat_from(frame[0], frame[1], frame[2], frame[3]));
 }

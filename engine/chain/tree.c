@@ -116,7 +116,7 @@ static dig_status reserve_links(Chain *c, const Order *o)
 }
 
 /* What is looked at in lanes without a joint that the link owns. */
-static const four nowhere;
+static const four nothing;
 
 /* Lanes that no joint takes, or no link owns, are to stay 0. */
 static void clear_ends(const Chain *c, const Links *l)
@@ -127,7 +127,7 @@ static void clear_ends(const Chain *c, const Links *l)
         e->arm = e->p = e->error = four3_zero();
         e->owned = (four_int){0};
         for (int k = 0; k < LANES; k++) {
-            e->other[k] = &nowhere;
+            e->other[k] = &nothing;
             e->below[k] = NULL;
         }
     }

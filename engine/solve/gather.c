@@ -110,13 +110,6 @@ static void gather_body(Group *g, int i, uint32_t slot, bool awake)
         g->vel[i] = (Vel){vec3_zero(), vec3_zero()};
 }
 
-/* A joint counts once: at its first dynamic body. */
-static bool counts_at(const World *w, uint32_t joint, uint32_t body)
-{
-    const JointRec *r = &w->joints.data[joint];
-    return r->b != body || r->a == NONE || w->bodies.data[r->a].kind != DIG_DYNAMIC;
-}
-
 /* Joints that were made one after the other mostly are at neighbours, too. */
 static void fetch_joint(const World *w, uint32_t joint)
 {
@@ -129,6 +122,9 @@ static uint32_t across(const JointRec *r, uint32_t body) { return r->a == body ?
 /* Is that a body that stands still? */
 static bool held_by(const World *w, uint32_t other) { return other != NONE && w->bodies.data[other].kind != DIG_DYNAMIC; }
 
+/* A joint counts once: at its first dynamic body. held: the other one stands still. */
+static bool counts_at(const JointRec *r, uint32_t body, bool held) { return r->a == body || r->a == NONE || held; }
+
 /* How many joints members have, and how many ends of these are at bodies that stand still. */
 typedef struct Joined { int joints, held; } Joined;
 
@@ -137,9 +133,8 @@ static void count_joints(const World *w, uint32_t body, Joined *n)
     for (uint32_t j = w->bodies.data[body].joint_first; j != NONE; j = joint_next(w, j, body)) {
         const JointRec *r = &w->joints.data[j];
         fetch_joint(w, j);
-        uint32_t other = across(r, body);
-        bool held = held_by(w, other);
-        n->joints += r->a == body || held || other == NONE;     /* as counts_at */
+        bool held = held_by(w, across(r, body));
+        n->joints += counts_at(r, body, held);
         n->held += held;
     }
 }
@@ -345,9 +340,11 @@ static dig_status gather_joints(Group *g, int joints)
         return DIG_E_MEMORY;
     for (int i = 0; i < g->moving_count; i++) {
         uint32_t body = g->member[i].slot;
-        for (uint32_t s = w->bodies.data[body].joint_first; s != NONE && !g->member[i].dormant; s = joint_next(w, s, body))
-            if (counts_at(w, s, body))
+        for (uint32_t s = w->bodies.data[body].joint_first; s != NONE && !g->member[i].dormant; s = joint_next(w, s, body)) {
+            const JointRec *of = &w->joints.data[s];
+            if (counts_at(of, body, held_by(w, across(of, body))))
                 gather_joint(g, &g->joints[count++], s);
+        }
     }
     arena_shrink(g->lasting, g->joints, (size_t)count * sizeof *g->joints);
     g->joint_count = count;

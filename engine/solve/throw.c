@@ -67,7 +67,7 @@ static bool lags(const Group *g, const GroupJoint *j, const Row *r)
 /* Can nothing but what holds it act at the joint? */
 static bool plain(const JointView *j)
 {
-    return (j->type->only_point && j->type->only_point(j->params)) || (j->type->loose && j->type->loose(j->params));
+    return joint_plain(j->type, j->params) || (j->type->loose && j->type->loose(j->params));
 }
 
 /* The rows of a joint as it stands; what it remembers stays as it is. Returns how many there are. */

@@ -391,7 +391,7 @@ static void joints_of(World *w, Group *g)
             r->lost += lost;
             memcpy(r->memory, j->memory, sizeof r->memory);
         }
-        if (has_motor(j->view.type) && (is_slow(w, r->a) || is_slow(w, r->b)) && is_driven(g, i)) {    /* the hand of a clock does not rest */
+        if (has_motor(type) && (is_slow(w, r->a) || is_slow(w, r->b)) && is_driven(g, i)) {    /* the hand of a clock does not rest */
             stir(w, r->a);
             stir(w, r->b);
         }

@@ -19,7 +19,7 @@ static bool suits(const Group *g)
     if (!hang_suits(g))
         return false;
     const JointView *j = &g->joints[0].view;
-    return j->type->only_point && j->type->only_point(j->params);
+    return joint_plain(j->type, j->params);
 }
 
 typedef struct Top {
