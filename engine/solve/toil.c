@@ -21,6 +21,7 @@
 
 #define SWEEPS      2000        /* of a step: more is a toil */
 #define FACTORS     100         /* so are more factorisations */
+#define FACTORS_CALM 15         /* of what lies calm: its forces last, and the next steps take none. Balls that roll on against each other take 20 to 200 in each */
 #define ROUGH       1e-4        /* m/s: what nothing stirs is solved in vain where it is still off by more */
 #define MOST        60          /* toils, before a pause */
 #define MOST_VAIN   20          /* of what nothing stirs */
@@ -67,7 +68,7 @@ static void count(Toil *t, bool toils, int most)
 
 void toil_count(Group *g)
 {
-    bool dear = g->sweeps > SWEEPS || g->factors > FACTORS, in_vain = g->driven || g->calm || g->residual > ROUGH;
+    bool dear = g->sweeps > SWEEPS || g->factors > (g->calm && !g->driven ? FACTORS_CALM : FACTORS), in_vain = g->driven || g->calm || g->residual > ROUGH;
     if (g->may_pause)
         count(&g->toil, dear && in_vain, g->calm ? MOST_CALM : g->driven ? MOST : MOST_VAIN);
 }
