@@ -172,7 +172,7 @@ static void note_still(uint32_t *still, int *count, uint32_t body)
 typedef struct Standing { const World *w; const uint32_t *pairs; int count; uint32_t *still; int *found; } Standing;     /* found: by each share */
 
 /* A share's begin at twice its first pair. */
-static void still_share(void *context, int thread, int threads)
+INLINE void still_share(void *context, int thread, int threads)
 {
     const Standing *s = context;
     int first = team_first(s->count, thread, threads);
@@ -233,7 +233,7 @@ static dig_status list_still(Group *g, const uint32_t *pairs, int pair_count, in
     return DIG_OK;
 }
 
-static void gather_share(void *context, int thread, int threads)
+INLINE void gather_share(void *context, int thread, int threads)
 {
     Group *g = context;
     for (int i = team_first(g->body_count, thread, threads), end = team_end(g->body_count, thread, threads); i < end; i++) {
@@ -272,7 +272,7 @@ static dig_status gather_bodies(Group *g, const uint32_t *pairs, int pair_count,
     return DIG_OK;
 }
 
-static void weigh_share(void *context, int thread, int threads)
+INLINE void weigh_share(void *context, int thread, int threads)
 {
     Group *g = context;
     for (int i = team_first(g->body_count, thread, threads), end = team_end(g->body_count, thread, threads); i < end; i++) {

@@ -192,7 +192,7 @@ static bool member_sound(const Group *g, int i)
 
 typedef struct Soundness { const Group *g; atomic_bool nan, far; } Soundness;      /* of some member: it is no number; it is out of range */
 
-static void sound_share(void *context, int thread, int threads)
+INLINE void sound_share(void *context, int thread, int threads)
 {
     Soundness *s = context;
     for (int i = team_first(s->g->moving_count, thread, threads), end = team_end(s->g->moving_count, thread, threads); i < end; i++) {
