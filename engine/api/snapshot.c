@@ -166,6 +166,7 @@ dig_status api_copy_effects(World *to, const World *from)
 {
     to->flowing = from->flowing;
     to->met = from->met;
+    to->bits.old = true;
     for (int i = 0; i < from->effect_count; i++) {
         EffectSlot *e = &to->effects[i];
         if (i >= to->effect_count)

@@ -328,6 +328,19 @@ typedef struct EffectSlot {     /* one per entry of the effect list             
     char     why[96];           /* what called for it, as the caller said it; "" = it did not  */
 } EffectSlot;
 
+typedef enum Stage { STAGE_FORCE, STAGE_ROWS, STAGE_SETTLE, STAGE_COUNT } Stage;
+
+/* One bit for each of a world's effects; those of a group are asked by them. Found anew (effect/effects.c) before a step after which one of
+ * the effects may have changed: `old`. */
+typedef struct EffectBits {
+    uint32_t called;            /* on, and not only for bodies that there are none of, or options that nobody set */
+    uint32_t own, turns, varies;                /* of these: of the caller; turn spheres; vary over a step */
+    uint32_t flow;              /* of these: act on the world as a whole, and something takes part */
+    uint32_t stage[STAGE_COUNT];                /* of these: have a part in it */
+    bool     losses;            /* one of these asks for what contacts lose */
+    bool     old;
+} EffectBits;
+
 #define MAX_EFFECTS 32
 #define WORLD_FAR  1e15         /* m            no body gets farther from the origin */
 #define WORLD_FAST 1e12         /* m/s, rad/s   or faster                            */
@@ -386,6 +399,7 @@ struct dig_world {
     MessageLog messages;                /* that were delivered                         */
     Mail     mail;                      /* that are on their way                       */
     EffectSlot effects[MAX_EFFECTS]; int effect_count;
+    EffectBits bits;
     uint32_t flowing, met;              /* bits of effects on the world as a whole; of those ever called for, or maybe */
     unsigned char *note; size_t note_size;      /* of the program around it, for its file */
     dig_room_def room; bool has_room; uint32_t room_solid[6];
