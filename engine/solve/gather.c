@@ -23,6 +23,8 @@ static int find_slot(const uint32_t *slots, int count, uint32_t slot)
 
 int local_of(const Group *g, uint32_t slot)
 {
+    if (slot == NONE)           /* the world itself comes last */
+        return g->body_count - 1;
     int i = find_slot(g->slots, g->moving_count, slot);
     if (i >= 0)
         return i;

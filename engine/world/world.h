@@ -386,6 +386,7 @@ struct dig_world {
     LIST(uint32_t) parent;              /* union-find over body slots, NONE between steps */
     LIST(Material) materials;
     LIST(MaterialPair) material_pairs;
+    uint64_t paired;                    /* bits of materials that have a row there, by their numbers modulo 64 */
     LIST(dig_event) events;             /* of the last step                            */
     LIST(dig_event) pending;            /* of calls since then                         */
     int      events_most;               /* for so many, steps of late have made room   */
@@ -644,6 +645,7 @@ void       post_graph_changes(World *w, uint32_t layer);                /* of th
 
 /* material.c */
 dig_status materials_open(World *w);
+void       material_pairs_look(World *w);               /* World.paired, after the table has changed */
 int        material_find(const World *w, const char *name);             /* < 0 = none */
 
 /* compact.c: between steps. DIG_E_MEMORY: nothing moved, or what moved is in its new place */
