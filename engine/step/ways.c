@@ -51,6 +51,8 @@ static dig_status advance(Group *g, real dt)
 dig_status group_advance(Group *g, real dt)
 {
     DIG_TRY(advance(g, dt));
+    if (!g->movers)             /* nothing grips */
+        return DIG_OK;
     grip_give(g);
     return grip_note(g);
 }
