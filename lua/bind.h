@@ -25,6 +25,7 @@ typedef struct WorldRef {
     const BindHost *host;       /* NULL: nobody does                                                */
     uint64_t    charged;        /* of dig_world_work                                                */
     const char *shut;           /* name of the effect whose function runs: nothing else may be done */
+    int         quiet;          /* -1, or nothing is to be done around a step unless world:warnings() gets more entries than this (core.quiet) */
     struct OwnRef *failed;      /* an effect's function did; its error is still to be raised        */
 } WorldRef;
 typedef struct BodyRef  { WorldRef *world; dig_body id; } BodyRef;

@@ -31,7 +31,7 @@ static void weak_table(lua_State *L, const char *name)
 static WorldRef *new_world(lua_State *L)
 {
     WorldRef *ref = lua_newuserdatauv(L, sizeof *ref, 1);
-    *ref = (WorldRef){.host = bind_host(L)};
+    *ref = (WorldRef){.host = bind_host(L), .quiet = -1};
     if (ref->host)
         ref->host->charge(L, OPENING);
     luaL_setmetatable(L, BIND_WORLD);
@@ -169,10 +169,9 @@ static int world_steps_many(lua_State *L)
     return 2;
 }
 
-enum { QUIET = GUARD_UPVALUES + 1, WARNINGS, CORE };         /* upvalues of quiet_step, after those of what is guarded */
+enum { CORE = GUARD_UPVALUES + 1 };     /* upvalue of quiet_step, after those of what is guarded */
 
-/* The world of a call world:step() around whose step there is nothing to be done (state.quiet), with its state on the top of the stack;
- * or NULL. */
+/* The world of a call world:step() around whose step there is nothing to be done, or NULL. */
 static WorldRef *find_quiet(lua_State *L)
 {
     if (lua_gettop(L) != 1 || !lua_isuserdata(L, 1) || !lua_getmetatable(L, 1))
@@ -180,12 +179,7 @@ static WorldRef *find_quiet(lua_State *L)
     if (!lua_rawequal(L, 2, lua_upvalueindex(GUARD_UPVALUES)))
         return NULL;
     WorldRef *ref = lua_touserdata(L, 1);
-    if (!ref->w || ref->shut)
-        return NULL;
-    bind_push_state(L, 1);
-    lua_pushvalue(L, lua_upvalueindex(QUIET));
-    lua_rawget(L, 3);
-    return lua_toboolean(L, 4) ? ref : NULL;
+    return ref->w && !ref->shut && ref->quiet >= 0 ? ref : NULL;
 }
 
 /* Most steps of small worlds go here: a step of one body takes no longer than to ask what methods.step asks, and to get there. */
@@ -198,16 +192,23 @@ static int quiet_step(lua_State *L)
         return bind_guarded(L);
     }
     step_alone(L, ref);
-    lua_pushvalue(L, lua_upvalueindex(WARNINGS));
-    lua_rawget(L, 3);
     int warnings = dig_warnings(ref->w, NULL, 0);
-    if (lua_tointeger(L, -1) == warnings)
+    if (warnings == ref->quiet)
         return 0;
+    ref->quiet = warnings;
     lua_getfield(L, lua_upvalueindex(CORE), "watch");
     lua_pushvalue(L, 1);
-    lua_pushvalue(L, 3);
+    bind_push_state(L, 1);
     lua_pushinteger(L, warnings);
     lua_call(L, 3, 0);
+    return 0;
+}
+
+/* core.quiet(world, warnings or nil): is there nothing to be done around its next steps, as long as world:warnings() has so many entries? */
+static int world_quiet(lua_State *L)
+{
+    WorldRef *ref = luaL_checkudata(L, 1, BIND_WORLD);
+    ref->quiet = (int)luaL_optinteger(L, 2, -1);
     return 0;
 }
 
@@ -216,8 +217,6 @@ static int make_quiet_step(lua_State *L)
 {
     for (int i = 1; i <= GUARD_UPVALUES; i++)
         lua_getupvalue(L, 1, i);
-    lua_pushliteral(L, "quiet");
-    lua_pushliteral(L, "warnings");
     lua_pushvalue(L, 2);
     lua_pushcclosure(L, quiet_step, CORE);
     return 1;
@@ -640,7 +639,7 @@ static const luaL_Reg snapshot_methods[] = {{NULL, NULL}};
 static const luaL_Reg snapshot_meta[] = {{"__gc", snapshot_gc}, {"__tostring", snapshot_tostring}, {NULL, NULL}};
 static const luaL_Reg functions[] = {
     {"world", world_open}, {"load", world_load}, {"state", world_state}, {"is_open", world_is_open}, {"is_free", world_is_free},
-    {"step", world_step}, {"steps", world_steps_many}, {"quiet_step", make_quiet_step}, {"save", world_save}, {"noted", world_noted},
+    {"step", world_step}, {"steps", world_steps_many}, {"quiet", world_quiet}, {"quiet_step", make_quiet_step}, {"save", world_save}, {"noted", world_noted},
     {"gone", world_gone}, {"restore", world_restore},
     {"close", world_close}, {"room", world_room}, {"room_open", world_room_open}, {"has_room", world_has_room},
     {"material", world_material}, {"material_of", world_material_of}, {"material_pair", world_material_pair},

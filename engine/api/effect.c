@@ -7,6 +7,7 @@
 
 void api_open_effects(World *w)
 {
+    w->bits.old = true;
     for (int i = 0; i < MAX_EFFECTS && effect_types[i]; i++) {
         const EffectType *t = effect_types[i];
         w->flowing |= (uint32_t)(t->flow != NULL) << i;
@@ -83,6 +84,7 @@ static dig_status do_switch_by_hand(World *w, const char *name, bool on)
         return unknown(w, name);
     real before = api_effects_stored(w);
     w->effects[i].on = on;
+    w->bits.old = true;
     w->effects[i].forced = true;
     api_book_stored(w, before);
     world_wake_all(w);
@@ -155,6 +157,7 @@ static dig_status join(World *w, int effect, uint32_t body, const void *given, c
     free(member);
     if (s != DIG_OK)
         return s;
+    w->bits.old = true;
     say_why(e, why);
     api_book_stored(w, before);
     body_wake(w, body);
@@ -195,6 +198,7 @@ static dig_status do_leave(World *w, const char *effect, dig_body b)
         return DIG_E_DEAD;
     real before = api_effects_stored(w);
     column_remove(&w->effects[i].members, b.slot);
+    w->bits.old = true;
     api_book_stored(w, before);
     body_wake(w, b.slot);
     return DIG_OK;
@@ -251,6 +255,7 @@ static dig_status do_set_options(World *w, const char *effect, const void *optio
     w->allocations++;
     memcpy(e->world, options, e->world_size);
     e->on = true;
+    w->bits.old = true;
     say_why(e, why);
     api_book_stored(w, before);
     world_wake_all(w);

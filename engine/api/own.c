@@ -148,6 +148,7 @@ static dig_status place(World *w, const dig_effect_def *def)
     w->allocations++;
     w->effects[w->effect_count] = (EffectSlot){.type = &o->type, .name = o->name, .on = true, .members = {.size = sizeof(real)}, .owner = &o->owner};
     EffectSlot *e = &w->effects[w->effect_count++];
+    w->bits.old = true;
     if (def->why)
         snprintf(e->why, sizeof e->why, "%s", def->why);
     return DIG_OK;
@@ -184,6 +185,7 @@ static dig_status do_drop(World *w, const char *name)
     EffectSlot gone = w->effects[i];
     w->effect_count--;
     w->met = UINT32_MAX;                /* places have changed */
+    w->bits.old = true;
     memmove(&w->effects[i], &w->effects[i + 1], (size_t)(w->effect_count - i) * sizeof gone);
     w->effects[w->effect_count] = (EffectSlot){.type = NULL};
     column_close(&gone.members);
@@ -257,6 +259,7 @@ dig_status api_own_join(World *w, int effect, uint32_t body)
     real before = api_effects_stored(w);
     if (column_add(&e->members, body, &none, &w->allocations) != DIG_OK)
         return world_fail(w, DIG_E_MEMORY, "effect '%s': not enough memory", e->name);
+    w->bits.old = true;
     api_book_stored(w, before);
     body_wake(w, body);
     return DIG_OK;

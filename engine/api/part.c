@@ -358,6 +358,7 @@ static dig_status copy_acts(const World *w, const Part *p)
         }
     DIG_TRY(list_copy(&to->materials, &w->materials, NULL));
     DIG_TRY(list_copy(&to->material_pairs, &w->material_pairs, NULL));
+    to->paired = w->paired;
     DIG_TRY(list_reserve(&to->free_regions, w->regions.capacity, NULL));
     DIG_TRY(list_copy(&to->regions, &w->regions, NULL));
     for (int i = 0; i < to->regions.count; i++)

@@ -275,6 +275,7 @@ static dig_status do_add_pair(World *w, const dig_pair_def *def)
     if (list_push(&w->material_pairs, &w->allocations) != DIG_OK)
         return world_fail(w, DIG_E_MEMORY, "not enough memory for a pair of materials");
     w->material_pairs.data[w->material_pairs.count - 1] = (MaterialPair){a, b, values[0], values[1], values[2], values[3]};
+    material_pairs_look(w);
     all_pairs_refresh_surfaces(w);
     return DIG_OK;
 }

@@ -73,6 +73,7 @@ void save_effects(Pack *p, World *w)
 {
     int listed = 0;
     w->met = p->reading ? UINT32_MAX : w->met;
+    w->bits.old = w->bits.old || p->reading;
     while (listed < w->effect_count && !w->effects[listed].owner)       /* those of the caller's come last, and cannot be saved */
         listed++;
     uint32_t count = pack_count(p, (uint32_t)listed, 16, "effects");

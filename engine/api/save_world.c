@@ -127,6 +127,7 @@ void save_materials(Pack *p, World *w)
     w->material_pairs.count = (int)pairs;
     for (uint32_t i = 0; i < pairs; i++)
         pack_material_pair(p, w, &w->material_pairs.data[i]);
+    material_pairs_look(w);
 }
 
 /* ---- lists, tree, graph ---- */

@@ -50,6 +50,7 @@ static dig_status copy_tables(World *to, const World *from)
     DIG_TRY(list_copy(&to->parent, &from->parent, n));
     DIG_TRY(list_copy(&to->materials, &from->materials, n));
     DIG_TRY(list_copy(&to->material_pairs, &from->material_pairs, n));
+    to->paired = from->paired;
     DIG_TRY(list_copy(&to->events, &from->events, n));
     DIG_TRY(list_copy(&to->pending, &from->pending, n));
     DIG_TRY(index_copy(&to->pair_index, &from->pair_index));
@@ -166,6 +167,7 @@ dig_status api_copy_effects(World *to, const World *from)
 {
     to->flowing = from->flowing;
     to->met = from->met;
+    to->bits.old = true;
     for (int i = 0; i < from->effect_count; i++) {
         EffectSlot *e = &to->effects[i];
         if (i >= to->effect_count)

@@ -23,20 +23,15 @@ static void go_to(Arena *a, ArenaChunk *c)
 {
     a->current = c;
     a->next = c ? c->data + c->used : NULL;
-    a->left = c ? (c->size - c->used) / ARENA_ALIGN * ARENA_ALIGN : 0;
+    a->end = c ? c->data + c->size / ARENA_ALIGN * ARENA_ALIGN : NULL;
 }
-
-/* Bytes that the current chunk has given. */
-static size_t used_now(const Arena *a) { return a->current ? (size_t)(a->next - a->current->data) : 0; }
-
-size_t arena_live(const Arena *a) { return a->taken + used_now(a); }
 
 /* Notes what is taken now, and returns it. */
 static size_t take_stock(Arena *a)
 {
     size_t live = arena_live(a);
     if (a->current)
-        a->current->used = used_now(a);
+        a->current->used = arena_used(a);
     a->high = live > a->high ? live : a->high;
     return live;
 }
@@ -113,11 +108,10 @@ void *arena_grow(Arena *a, size_t bytes)
     if (bytes > (size_t)PTRDIFF_MAX / 2)
         return NULL;
     size_t size = bytes ? round_up(bytes) : ARENA_ALIGN;
-    if (a->left < size && !next_chunk(a, size))
+    if ((size_t)(a->end - a->next) < size && !next_chunk(a, size))
         return NULL;
     void *piece = a->next;
     a->next += size;
-    a->left -= size;
     poison(piece, size);
     return piece;
 }
@@ -207,12 +201,7 @@ void *spare_find(Spare **list, size_t bytes)
     return NULL;
 }
 
-ArenaMark arena_mark(const Arena *a)
-{
-    return (ArenaMark){a->current, used_now(a), arena_live(a)};
-}
-
-void arena_rewind(Arena *a, ArenaMark m)
+void arena_go_back(Arena *a, ArenaMark m)
 {
     size_t live = take_stock(a);
     DIG_ASSERT(m.live <= live);
@@ -248,7 +237,7 @@ static void forget_unused(Arena *a)
 
 void arena_reset(Arena *a)
 {
-    arena_rewind(a, (ArenaMark){0});
+    arena_rewind(a, (ArenaMark){.chunk = a->first});
     bool look = ++a->resets >= LATELY;
     if (a->high > a->written)
         a->written = a->high;

@@ -28,8 +28,7 @@ struct ArenaChunk {
 };
 
 typedef struct Arena {
-    unsigned char *next;                /* where the next piece begins: in the current chunk,         */
-    size_t   left;                      /* bytes  which has room for so many, a multiple of ARENA_ALIGN */
+    unsigned char *next, *end;          /* where the next piece begins, and up to where there is room: in the current chunk, whole units */
     ArenaChunk *first, *current;        /* current NULL: nothing taken yet; chunks after it are kept for reuse */
     size_t   taken;                     /* bytes, in chunks before the current one */
     size_t   high, before;              /* bytes, most taken at the same time of late, seen where pieces are given back, and before that */
@@ -52,11 +51,9 @@ static inline void *arena_alloc(Arena *a, size_t bytes)
 {
 #ifndef DIG_DEBUG
     size_t want = bytes ? bytes : 1;
-    if (want <= a->left) {
-        size_t size = (want + (ARENA_ALIGN - 1)) & ~(size_t)(ARENA_ALIGN - 1);
-        void *piece = a->next;
-        a->next += size;
-        a->left -= size;
+    unsigned char *piece = a->next;
+    if (want <= (size_t)(a->end - piece)) {
+        a->next = piece + ((want + (ARENA_ALIGN - 1)) & ~(size_t)(ARENA_ALIGN - 1));
         return piece;
     }
 #endif
@@ -87,11 +84,34 @@ static inline void *spare_take(Spare **list, Arena *a, size_t bytes)
 }
 
 void      arena_ready(Arena *a);                        /* takes memory for what a small step needs: the first one need not wait for its pages */
-ArenaMark arena_mark(const Arena *a);
-void      arena_rewind(Arena *a, ArenaMark m);          /* gives back all taken since the mark; marks nest */
+/* Bytes that the current chunk has given. */
+static inline size_t arena_used(const Arena *a) { return a->current ? (size_t)(a->next - a->current->data) : 0; }
+static inline size_t arena_live(const Arena *a) { return a->taken + arena_used(a); }           /* taken now */
+
+static inline ArenaMark arena_mark(const Arena *a)
+{
+    size_t used = arena_used(a);
+    return (ArenaMark){a->current, used, a->taken + used};
+}
+
+void      arena_go_back(Arena *a, ArenaMark m);         /* arena_rewind past the beginning of a chunk; or to be poisoned */
+
+/* Gives back all taken since the mark; marks nest. Inline: a step of a small world does so five times, mostly within a chunk. */
+static inline void arena_rewind(Arena *a, ArenaMark m)
+{
+#ifndef DIG_DEBUG
+    if (m.chunk && m.chunk == a->current) {
+        size_t live = arena_live(a);
+        a->high = live > a->high ? live : a->high;
+        a->next = m.chunk->data + m.used;
+        return;
+    }
+#endif
+    arena_go_back(a, m);
+}
+
 void      arena_reset(Arena *a);                        /* gives back everything; invalidates marks */
 void      arena_close(Arena *a);
 size_t    arena_bytes(const Arena *a);                  /* held */
-size_t    arena_live(const Arena *a);                   /* taken now */
 
 #endif

@@ -37,6 +37,9 @@
 #define DIG_PRINTF(text, first)
 #endif
 
+/* A function of which each call is a copy. */
+#define INLINE static inline __attribute__((always_inline))
+
 /* Tells the processor of memory that is read soon: in large worlds, records that belong together lie far apart. Changes no result. */
 static inline void fetch_soon(const void *at, size_t bytes)
 {

@@ -44,15 +44,16 @@ static inline int team_shares(const Team *t) { return t ? TEAM_SHARES * t->threa
 void team_share_out(Team *t, TeamPart *part, void *context);
 
 /* As team_run for parts that do not meet, called once for each of team_shares. Each thread begins with its own eighths, which are the same
- * part of the whole in each deal, for what it wrote in one is in its cache in the next; who is done helps those who are not. Inline: without
- * a team the part becomes a loop of its caller. */
-static inline void team_deal(Team *t, TeamPart *part, void *context)
-{
-    if (t)
-        team_share_out(t, part, context);
-    else
-        part(context, 0, 1);
-}
+ * part of the whole in each deal, for what it wrote in one is in its cache in the next; who is done helps those who are not. A macro of
+ * (team, part, context): the part is called by its name, so that one that is INLINE is a loop of its caller where there is no team. */
+#define team_deal(team, part, ...)              \
+    do {                                        \
+        Team *team_ = (team);                   \
+        if (team_)                              \
+            team_share_out(team_, (part), (__VA_ARGS__)); \
+        else                                    \
+            (part)((__VA_ARGS__), 0, 1);        \
+    } while (0)
 
 /* Within a part of team_run: waits until all have come here. What they wrote before is seen by all after. */
 void team_meet(Team *t);

@@ -64,6 +64,9 @@ static inline EffectCause effect_cause_pair(const Group *g, const GroupPair *q)
     return (EffectCause){.body = body_handle(g->world, m->slot)};
 }
 
+/* World.bits, where an effect may have changed. */
+void effects_look(World *w);
+
 extern const EffectType *const effect_types[];      /* NULL-terminated; effects.c; its order is the order within a stage */
 
 #endif

@@ -19,7 +19,7 @@ static EffectCause cause(const Group *g)
     return (EffectCause){.body = body_handle(g->world, g->member[i].slot)};
 }
 
-static void force_share(void *context, int thread, int threads)
+INLINE void force_share(void *context, int thread, int threads)
 {
     Group *g = context;
     for (int i = team_first(g->moving_count, thread, threads), end = team_end(g->moving_count, thread, threads); i < end; i++) {

@@ -7,9 +7,8 @@
 #ifndef DIG_PAIR_H
 #define DIG_PAIR_H
 
-#include "digbox.h"
+#include "base/base.h"
 
-#define INLINE static inline __attribute__((always_inline))
 #if defined(__clang__)
 #define UNROLL _Pragma("clang loop unroll(full)")
 #else

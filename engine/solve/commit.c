@@ -82,7 +82,7 @@ static void judge_pair(Group *g, int i, real dt, Verdict *v, int *changed, int *
         changed[v->changed++] = i;
 }
 
-static void judge_share(void *context, int thread, int threads)
+INLINE void judge_share(void *context, int thread, int threads)
 {
     const Judge *j = context;
     Group *g = j->g;
@@ -320,7 +320,7 @@ static void fetch_commit(const World *w, const Group *g, int i)
 
 typedef struct Commit { World *w; const Group *g; } Commit;
 
-static void commit_share(void *context, int thread, int threads)
+INLINE void commit_share(void *context, int thread, int threads)
 {
     const Commit *c = context;
     const Group *g = c->g;

@@ -9,7 +9,7 @@ dig_status group_apart(Group *g)
     return g->apart ? DIG_OK : DIG_E_MEMORY;
 }
 
-static void clear_share(void *context, int thread, int threads)
+INLINE void clear_share(void *context, int thread, int threads)
 {
     Group *g = context;
     for (int i = team_first(g->moving_count, thread, threads), end = team_end(g->moving_count, thread, threads); i < end; i++) {

@@ -23,6 +23,8 @@ static int find_slot(const uint32_t *slots, int count, uint32_t slot)
 
 int local_of(const Group *g, uint32_t slot)
 {
+    if (slot == NONE)           /* the world itself comes last */
+        return g->body_count - 1;
     int i = find_slot(g->slots, g->moving_count, slot);
     if (i >= 0)
         return i;
@@ -172,7 +174,7 @@ static void note_still(uint32_t *still, int *count, uint32_t body)
 typedef struct Standing { const World *w; const uint32_t *pairs; int count; uint32_t *still; int *found; } Standing;     /* found: by each share */
 
 /* A share's begin at twice its first pair. */
-static void still_share(void *context, int thread, int threads)
+INLINE void still_share(void *context, int thread, int threads)
 {
     const Standing *s = context;
     int first = team_first(s->count, thread, threads);
@@ -233,7 +235,7 @@ static dig_status list_still(Group *g, const uint32_t *pairs, int pair_count, in
     return DIG_OK;
 }
 
-static void gather_share(void *context, int thread, int threads)
+INLINE void gather_share(void *context, int thread, int threads)
 {
     Group *g = context;
     for (int i = team_first(g->body_count, thread, threads), end = team_end(g->body_count, thread, threads); i < end; i++) {
@@ -272,7 +274,7 @@ static dig_status gather_bodies(Group *g, const uint32_t *pairs, int pair_count,
     return DIG_OK;
 }
 
-static void weigh_share(void *context, int thread, int threads)
+INLINE void weigh_share(void *context, int thread, int threads)
 {
     Group *g = context;
     for (int i = team_first(g->body_count, thread, threads), end = team_end(g->body_count, thread, threads); i < end; i++) {

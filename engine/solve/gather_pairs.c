@@ -171,7 +171,7 @@ static real slack_of(const Nearby *n, const Pair *p, int a, int b)
 
 /* Most pairs of a crowd are near each other without a contact, and get none in this step: they are left out, until something strikes one
  * of their bodies. */
-static void find_near(void *context, int thread, int threads)
+INLINE void find_near(void *context, int thread, int threads)
 {
     const Nearby *n = context;
     const Group *g = n->g;
@@ -231,7 +231,7 @@ static void gather_pair_contacts(const Nearby *n, const Near *near, GroupPair *q
     }
 }
 
-static void gather_near(void *context, int thread, int threads)
+INLINE void gather_near(void *context, int thread, int threads)
 {
     Nearby *n = context;
     Group *g = n->g;

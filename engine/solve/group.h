@@ -19,7 +19,6 @@
 #include "world/world.h"
 
 /* When an effect takes part in a substep; SETTLE comes once, at the end of the step. */
-typedef enum Stage { STAGE_FORCE, STAGE_ROWS, STAGE_SETTLE, STAGE_COUNT } Stage;
 
 /* Laws that the ways obey by themselves, from the group's pairs, joints and pushes, as far as an effect stands for them: one that is
  * switched off, or not in the list, is no law of this world. */

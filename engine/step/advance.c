@@ -29,15 +29,11 @@ static bool find_culprit(Group *g, const char *effect, bool forces)
 static dig_status run_stage(Group *g, int stage)
 {
     const World *w = g->world;
-    if (stage == STAGE_SETTLE && !g->settles && !g->blame)
-        return DIG_OK;
     if (g->blame && find_culprit(g, stage == STAGE_FORCE ? "state" : "solver", false))
         return DIG_E_FINITE;
-    for (uint32_t left = g->effects; left; left &= left - 1) {
+    for (uint32_t left = g->effects & w->bits.stage[stage]; left; left &= left - 1) {
         int i = lowest_bit(left);
         const EffectSlot *slot = &w->effects[i];
-        if (!slot->type->run[stage])
-            continue;
         real start = g->timed ? wall_us() : 0;
         DIG_TRY(slot->type->run[stage](slot, g));
         if (g->timed)
@@ -58,39 +54,32 @@ static bool has_member(const Group *g, const Column *members)
     return false;
 }
 
-/* Nobody has a field or an option of it: it need not be asked. */
-static bool is_idle(const EffectSlot *e)
-{
-    return e->members.count == 0 && !e->world && (e->type->body_params || e->type->world_params);
-}
-
-/* Of one that is not idle. */
+/* Of one that may be called for: World.bits. */
 static bool is_wanted(const Group *g, const EffectSlot *e)
 {
-    if (e->owner)
-        return e->owner->all ? g->moving_count > 0 : has_member(g, &e->members);
     if (e->type->wanted)
         return e->type->wanted(g->world, g);
+    if (e->owner)
+        return e->owner->all ? g->moving_count > 0 : has_member(g, &e->members);
     return e->type->body_params ? has_member(g, &e->members) : e->world != NULL;
 }
 
 static void call_effects(Group *g)
 {
     const World *w = g->world;
-    for (int i = 0; i < w->effect_count; i++) {
-        const EffectSlot *e = &w->effects[i];
-        if (!e->on || is_idle(e))
-            continue;
-        g->losses = g->losses || (e->members.count > 0 && e->type->losses);
+    const EffectBits *bits = &w->bits;
+    for (uint32_t left = bits->called; left; left &= left - 1) {
+        const EffectSlot *e = &w->effects[lowest_bit(left)];
         if (!is_wanted(g, e))
             continue;
-        g->effects |= 1u << i;
+        g->effects |= left & -left;
         g->laws |= 1u << e->type->stands;
-        g->own = g->own || e->owner;
-        g->turns = g->turns || !e->type->central;
-        g->varies = g->varies || e->type->varies;
-        g->settles = g->settles || e->type->run[STAGE_SETTLE];
     }
+    g->losses = bits->losses;
+    g->own = g->effects & bits->own;
+    g->turns = g->effects & bits->turns;
+    g->varies = g->effects & bits->varies;
+    g->settles = g->effects & bits->stage[STAGE_SETTLE];
 }
 
 /* What no effect stands for is kept from the ways. Pairs come back when the step is judged: bodies may touch without force. */
@@ -192,7 +181,7 @@ static bool member_sound(const Group *g, int i)
 
 typedef struct Soundness { const Group *g; atomic_bool nan, far; } Soundness;      /* of some member: it is no number; it is out of range */
 
-static void sound_share(void *context, int thread, int threads)
+INLINE void sound_share(void *context, int thread, int threads)
 {
     Soundness *s = context;
     for (int i = team_first(s->g->moving_count, thread, threads), end = team_end(s->g->moving_count, thread, threads); i < end; i++) {

@@ -13,17 +13,7 @@
 #define AFTER   (27 * FRAME)    /* what of it is left after the pause: three frames to try it */
 #define PAUSE   240u            /* steps                                                      */
 
-/* What groups are advanced by the ways that a crowd would spare them. */
-static uint64_t dear_work(const Step *s)
-{
-    uint64_t work = 0;
-    for (int i = 0; i < s->count; i++)
-        if (!s->groups[i].crowd && !s->groups[i].calm)
-            work += work_of(&s->groups[i]);
-    return work;
-}
-
-/* The same of those that may be crowds; 0: too few bodies for one. */
+/* Step.dear_work of those that may be crowds; 0: too few bodies for one. */
 static uint64_t spare_work(const World *w, const Step *s)
 {
     uint64_t work = 0;
@@ -45,7 +35,7 @@ void settle_debt(World *w, const Step *s)
         d->pause--;
         return;
     }
-    uint64_t work = dear_work(s);
+    uint64_t work = s->dear_work;
     if (work > FRAME)
         work = spare_work(w, s);
     d->work = d->work + work > FRAME ? d->work + work - FRAME : 0;

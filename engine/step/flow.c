@@ -1,13 +1,11 @@
 /* step/flow.c - effects on the world as a whole, once a frame step: heat flows on while bodies sleep. */
 #include "step/step.h"
 
-static bool called(const EffectSlot *e) { return e->on && e->type->flow && (e->world || e->members.count > 0); }
-
 dig_status reserve_flow(World *w, real dt)
 {
-    for (uint32_t left = w->flowing; left; left &= left - 1) {
+    for (uint32_t left = w->bits.flow; left; left &= left - 1) {
         EffectSlot *e = &w->effects[lowest_bit(left)];
-        if (called(e) && e->type->reserve)
+        if (e->type->reserve)
             DIG_TRY(e->type->reserve(w, e, dt));
     }
     return DIG_OK;
@@ -27,7 +25,7 @@ void flow(World *w, const Step *s)
     for (uint32_t left = w->flowing; left; left &= left - 1) {
         EffectSlot *e = &w->effects[lowest_bit(left)];
         uint32_t layer = e->type->layer;
-        if (!called(e)) {
+        if (!(w->bits.flow & left & -left)) {
             clear_layer(w, layer);
             continue;
         }

@@ -54,7 +54,7 @@ static uint32_t dig_node(World *w, uint32_t body, Found *f)
 
 typedef struct Awake { World *w; uint32_t *nodes; int *found; } Awake;         /* found: by each share, from where it begins to look */
 
-static void node_share(void *context, int thread, int threads)
+INLINE void node_share(void *context, int thread, int threads)
 {
     const Awake *a = context;
     World *w = a->w;
@@ -181,7 +181,7 @@ static int unite_pair(World *w, const Pair *p)
     return w->bodies.data[p->dynamic_a ? p->body_a : p->body_b].awake ? UNITED : MEETS;
 }
 
-static void look_share(void *context, int thread, int threads)
+INLINE void look_share(void *context, int thread, int threads)
 {
     const Looking *l = context;
     World *w = l->w;
@@ -202,7 +202,7 @@ static void look_share(void *context, int thread, int threads)
 }
 
 /* Where nobody sleeps: those that meet are listed, and what is gone leaves its share of the near ones. */
-static void pack_share(void *context, int thread, int threads)
+INLINE void pack_share(void *context, int thread, int threads)
 {
     const Looking *l = context;
     uint32_t *near = l->w->near.data, *pairs = l->f->pairs + l->count[thread][UNITED], *to = near + team_first(l->w->near.count, thread, threads);

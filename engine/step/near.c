@@ -237,11 +237,9 @@ dig_status ask_planes(World *w, uint32_t solid)
     return DIG_OK;
 }
 
-dig_status ask_all(World *w)
+static dig_status ask_listed(World *w)
 {
     int shares = (w->asking.count + SHARE - 1) / SHARE;
-    if (shares == 0)
-        return DIG_OK;
     Asking a = {w, arena_zero(&w->scratch, (size_t)shares * sizeof *a.found)};
     if (!a.found)
         return DIG_E_MEMORY;
@@ -257,3 +255,5 @@ dig_status ask_all(World *w)
     w->asking.count = 0;
     return DIG_OK;
 }
+
+dig_status ask_all(World *w) { return w->asking.count > 0 ? ask_listed(w) : DIG_OK; }

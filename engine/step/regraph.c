@@ -55,6 +55,22 @@ static int touches_for(const World *w, int needed)
     return needed > w->touches.capacity && needed > bodies && small ? int_max(needed, pile) : needed;
 }
 
+/* For so many new records of pairs, contacts and touches, and what of them is given back. */
+static dig_status reserve_records(World *w, int remembered, int born, int widened, int changed)
+{
+    DIG_TRY(list_reserve(&w->memories, slots_for(w->memories.count, w->free_memories.count, remembered), &w->allocations));
+    DIG_TRY(list_reserve(&w->free_memories, w->memories.capacity, &w->allocations));
+    DIG_TRY(list_reserve(&w->contacts, slots_for(w->contacts.count, w->free_contacts.count, born), &w->allocations));
+    DIG_TRY(list_reserve(&w->free_contacts, w->contacts.capacity, &w->allocations));
+    DIG_TRY(contacts_rest(w));
+    DIG_TRY(list_reserve(&w->more, slots_for(w->more.count, w->free_more.count, widened), &w->allocations));
+    DIG_TRY(list_reserve(&w->free_more, w->more.capacity, &w->allocations));
+    DIG_TRY(list_reserve(&w->touches, touches_for(w, slots_for(w->touches.count, w->free_touches.count, changed)), &w->allocations));
+    DIG_TRY(list_reserve(&w->free_touches, w->touches.capacity, &w->allocations));
+    DIG_TRY(list_reserve(&w->brief, w->touches.capacity, &w->allocations));
+    return index_reserve(&w->touch_index, w->touches.capacity);
+}
+
 /* All that regraph and what follows may need: a touch, a link and their events for each pair whose touch changes. */
 dig_status reserve_regraph(World *w, Step *s)
 {
@@ -74,17 +90,8 @@ dig_status reserve_regraph(World *w, Step *s)
     s->within = strikes ? step_room(w, s, (size_t)strikes * sizeof *s->within) : NULL;
     if ((most && !s->changes) || (strikes && !s->within))
         return world_fail(w, DIG_E_MEMORY, "not enough memory for what %d pairs and %d strikes change", most, strikes);
-    DIG_TRY(list_reserve(&w->memories, slots_for(w->memories.count, w->free_memories.count, remembered), &w->allocations));
-    DIG_TRY(list_reserve(&w->free_memories, w->memories.capacity, &w->allocations));
-    DIG_TRY(list_reserve(&w->contacts, slots_for(w->contacts.count, w->free_contacts.count, born), &w->allocations));
-    DIG_TRY(list_reserve(&w->free_contacts, w->contacts.capacity, &w->allocations));
-    DIG_TRY(contacts_rest(w));
-    DIG_TRY(list_reserve(&w->more, slots_for(w->more.count, w->free_more.count, widened), &w->allocations));
-    DIG_TRY(list_reserve(&w->free_more, w->more.capacity, &w->allocations));
-    DIG_TRY(list_reserve(&w->touches, touches_for(w, slots_for(w->touches.count, w->free_touches.count, changed)), &w->allocations));
-    DIG_TRY(list_reserve(&w->free_touches, w->touches.capacity, &w->allocations));
-    DIG_TRY(list_reserve(&w->brief, w->touches.capacity, &w->allocations));
-    DIG_TRY(index_reserve(&w->touch_index, w->touches.capacity));
+    if (changed + born + widened + remembered + w->brief.count > 0)
+        DIG_TRY(reserve_records(w, remembered, born, widened, changed));
     int events = w->pending.count + 4 * (changed + w->brief.count) + others;
     w->events_most = int_max(w->events_most, events);
     DIG_TRY(reserve_events(w, events));
@@ -454,12 +461,17 @@ static void break_joints(World *w, Group *g, real start)
         break_joint(w, &g->joints[worst], vec3_length(w->joints.data[g->joints[worst].slot].force), share, world_time(w));
 }
 
-void regraph(World *w, Step *s)
+/* Mostly none does. */
+static bool touches_change(const World *w, const Step *s)
 {
-    real start = (real)(w->steps - 1) * s->dt;
-    for (int i = 0; i < s->count; i++)
-        strikes_of(w, s, &s->groups[i], start);
-    tell_all(w, s);
+    bool any = w->brief.count > 0;
+    for (int i = 0; i < s->count && !any; i++)
+        any = s->groups[i].changed_count + s->groups[i].over_count > 0;
+    return any;
+}
+
+static void change_touches(World *w, const Step *s, real start)
+{
     graph_begin(w->graph);
     int first = w->pending.count;
     for (int i = 0; i < s->count; i++) {
@@ -472,7 +484,20 @@ void regraph(World *w, Step *s)
     name_events(w, first);
     graph_end(w->graph);
     post_graph_changes(w, DIG_LAYER_MECHANICAL);
+}
+
+void regraph(World *w, Step *s)
+{
+    real start = (real)(w->steps - 1) * s->dt;
+    for (int i = 0; i < s->count; i++)
+        if (s->groups[i].strike_count > 0)
+            strikes_of(w, s, &s->groups[i], start);
+    tell_all(w, s);
+    if (touches_change(w, s))
+        change_touches(w, s, start);
     for (int i = 0; i < s->count; i++) {
+        if (s->groups[i].joint_count == 0)
+            continue;
         joints_of(w, &s->groups[i]);
         break_joints(w, &s->groups[i], start);
     }

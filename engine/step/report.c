@@ -266,18 +266,13 @@ static void time_effect(const Step *s, EffectSlot *e, int number)
 
 static void count_effects(World *w, const Step *s)
 {
-    for (int k = 0; k < s->count; k++)
-        w->met |= s->groups[k].effects;
-    for (uint32_t left = w->met; left; left &= left - 1) {
-        int i = lowest_bit(left);
-        EffectSlot *e = &w->effects[i];
-        if (i >= w->effect_count)
-            break;
-        e->bodies = 0;
-        for (int k = 0; k < s->count; k++) {
-            const Group *g = &s->groups[k];
-            if (!(g->effects & 1u << i))
-                continue;
+    for (uint32_t left = w->met; left; left &= left - 1)
+        w->effects[lowest_bit(left)].bodies = 0;
+    for (int k = 0; k < s->count; k++) {
+        const Group *g = &s->groups[k];
+        w->met |= g->effects;
+        for (uint32_t left = g->effects; left; left &= left - 1) {
+            EffectSlot *e = &w->effects[lowest_bit(left)];
             e->bodies += members_of(g, e);
             e->calls++;
             if (!e->caused && g->moving_count > 0) {
@@ -285,8 +280,11 @@ static void count_effects(World *w, const Step *s)
                 e->caused = true;
             }
         }
-        if (s->timed || s->count == 0)
-            time_effect(s, e, i);
+    }
+    for (uint32_t left = s->timed || s->count == 0 ? w->met : 0; left; left &= left - 1) {
+        int i = lowest_bit(left);
+        if (i < w->effect_count)
+            time_effect(s, &w->effects[i], i);
     }
 }
 

@@ -181,7 +181,7 @@ static void fall_asleep(World *w, uint32_t lead)
 typedef struct Resting { World *w; real dt, *lost; } Resting;       /* [awake] J; NULL: it goes to the ledger at once */
 
 /* Of another body nothing is asked that changes here. */
-static void rest_share(void *context, int thread, int threads)
+INLINE void rest_share(void *context, int thread, int threads)
 {
     const Resting *r = context;
     World *w = r->w;

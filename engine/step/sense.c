@@ -220,7 +220,7 @@ static uint8_t sense_body(const Sensing *n, Body *b, Speed v, real roam)
     return found;
 }
 
-static void sense_share(void *context, int thread, int threads)
+INLINE void sense_share(void *context, int thread, int threads)
 {
     const Sensing *n = context;
     World *w = n->w;

@@ -72,6 +72,7 @@ dig_status step_world(World *w)
     Step s = {.dt = w->def.step, .timed = w->timed_always || w->steps % TIMED_EVERY == 0};
 
     w->culprit = (dig_body){0, 0};
+    effects_look(w);
     end_events(w);
     DIG_TRY(advance(w, &s));            /* 1 whose boxes may meet, in which groups;          */
                                         /*   each group on private copies                    */

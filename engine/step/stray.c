@@ -147,7 +147,7 @@ static int list_member(const World *w, const Group *g, int member, Stray *out)
 
 typedef struct Count { const Group *g; bool *strays; atomic_int count; } Count;      /* strays: [moving_count] */
 
-static void count_share(void *context, int thread, int threads)
+INLINE void count_share(void *context, int thread, int threads)
 {
     Count *c = context;
     int n = 0;

@@ -149,7 +149,7 @@ static void sum_block(const Group *g, int block, Sum *s)
     }
 }
 
-static void sum_share(void *context, int thread, int threads)
+INLINE void sum_share(void *context, int thread, int threads)
 {
     const Sums *s = context;
     for (int i = team_first(s->blocks, thread, threads), end = team_end(s->blocks, thread, threads); i < end; i++)

@@ -16,7 +16,7 @@ static const Way way_sweep = {.name = "sweep", .tally = WAY_SWEPT, .suits = suit
 static const Way *const ways[] = {&way_tumble, &way_flight, &way_glide, &way_spring, &way_pendulum, &way_top, &way_bob, &way_wedge,
                                    &way_trace, &way_billiard, &way_conserve, &way_chain, &way_calm, &way_crowd, &way_tumble_late, &way_sweep};
 
-static void share_inertias(void *context, int thread, int threads)
+INLINE void share_inertias(void *context, int thread, int threads)
 {
     Group *g = context;
     for (int i = team_first(g->moving_count, thread, threads), end = team_end(g->moving_count, thread, threads); i < end; i++)
@@ -51,6 +51,8 @@ static dig_status advance(Group *g, real dt)
 dig_status group_advance(Group *g, real dt)
 {
     DIG_TRY(advance(g, dt));
+    if (!g->movers)             /* nothing grips */
+        return DIG_OK;
     grip_give(g);
     return grip_note(g);
 }

@@ -16,10 +16,15 @@ uint64_t work_of(const Group *g)
     return done + evaluations * (EVALUATION + TERM * (moving + pairs + rows));
 }
 
-void count_work(World *w, const Step *s)
+void count_work(World *w, Step *s)
 {
     uint64_t sum = STEP + BODY * (uint64_t)w->awake.count;
-    for (int i = 0; i < s->count; i++)
-        sum += work_of(&s->groups[i]);
+    s->dear_work = 0;
+    for (int i = 0; i < s->count; i++) {
+        const Group *g = &s->groups[i];
+        uint64_t work = work_of(g);
+        sum += work;
+        s->dear_work += g->crowd || g->calm ? 0 : work;
+    }
     world_work(w, sum);
 }

@@ -699,6 +699,7 @@ void body_remove(World *w, uint32_t slot)
     detach_solids(w, slot);
     for (int i = 0; i < w->effect_count; i++)
         column_remove(&w->effects[i].members, slot);
+    w->bits.old = true;
     w->bodies.data[slot].alive = false;
     body_shares_drop(&w->bodies.data[slot]);
     slot_give(w, &w->free_bodies, slot);

@@ -58,6 +58,15 @@ int material_find(const World *w, const char *name)
     return -1;
 }
 
+static uint64_t material_bit(int material) { return (uint64_t)1 << (uint32_t)material % 64; }
+
+void material_pairs_look(World *w)
+{
+    w->paired = 0;
+    for (int i = 0; i < w->material_pairs.count; i++)
+        w->paired |= material_bit(w->material_pairs.data[i].a) | material_bit(w->material_pairs.data[i].b);
+}
+
 dig_status materials_open(World *w)
 {
     int count = (int)(sizeof standard / sizeof standard[0]), pairs = (int)(sizeof standard_pairs / sizeof standard_pairs[0]);
@@ -70,6 +79,7 @@ dig_status materials_open(World *w)
                                                    standard_pairs[i].friction, standard_pairs[i].friction_dynamic, NAN,
                                                    standard_pairs[i].restitution > 0 ? standard_pairs[i].restitution : NAN};
     w->material_pairs.count = pairs;
+    material_pairs_look(w);
     return DIG_OK;
 }
 
@@ -91,9 +101,11 @@ Surface surface_resolve(const World *w, const Surface *s)
 
 static real pick(real special, real general) { return isnan(special) ? general : special; }
 
-/* Its own row in the table, the last one; NULL: it has none. Most pairs have none, and a row whose numbers add up to another sum is another's. */
+/* Its own row in the table, the last one; NULL: it has none, as most pairs, of which mostly one material has no row at all. */
 static const MaterialPair *row_of(const World *w, int a, int b)
 {
+    if (!(w->paired & material_bit(a) && w->paired & material_bit(b)))
+        return NULL;
     for (int i = w->material_pairs.count - 1; i >= 0; i--) {
         const MaterialPair *m = &w->material_pairs.data[i];
         if (m->a + m->b == a + b && (m->a == a || m->a == b))

@@ -328,6 +328,19 @@ typedef struct EffectSlot {     /* one per entry of the effect list             
     char     why[96];           /* what called for it, as the caller said it; "" = it did not  */
 } EffectSlot;
 
+typedef enum Stage { STAGE_FORCE, STAGE_ROWS, STAGE_SETTLE, STAGE_COUNT } Stage;
+
+/* One bit for each of a world's effects; those of a group are asked by them. Found anew (effect/effects.c) before a step after which one of
+ * the effects may have changed: `old`. */
+typedef struct EffectBits {
+    uint32_t called;            /* on, and not only for bodies that there are none of, or options that nobody set */
+    uint32_t own, turns, varies;                /* of these: of the caller; turn spheres; vary over a step */
+    uint32_t flow;              /* of these: act on the world as a whole, and something takes part */
+    uint32_t stage[STAGE_COUNT];                /* of these: have a part in it */
+    bool     losses;            /* one of these asks for what contacts lose */
+    bool     old;
+} EffectBits;
+
 #define MAX_EFFECTS 32
 #define WORLD_FAR  1e15         /* m            no body gets farther from the origin */
 #define WORLD_FAST 1e12         /* m/s, rad/s   or faster                            */
@@ -373,6 +386,7 @@ struct dig_world {
     LIST(uint32_t) parent;              /* union-find over body slots, NONE between steps */
     LIST(Material) materials;
     LIST(MaterialPair) material_pairs;
+    uint64_t paired;                    /* bits of materials that have a row there, by their numbers modulo 64 */
     LIST(dig_event) events;             /* of the last step                            */
     LIST(dig_event) pending;            /* of calls since then                         */
     int      events_most;               /* for so many, steps of late have made room   */
@@ -386,6 +400,7 @@ struct dig_world {
     MessageLog messages;                /* that were delivered                         */
     Mail     mail;                      /* that are on their way                       */
     EffectSlot effects[MAX_EFFECTS]; int effect_count;
+    EffectBits bits;
     uint32_t flowing, met;              /* bits of effects on the world as a whole; of those ever called for, or maybe */
     unsigned char *note; size_t note_size;      /* of the program around it, for its file */
     dig_room_def room; bool has_room; uint32_t room_solid[6];
@@ -630,6 +645,7 @@ void       post_graph_changes(World *w, uint32_t layer);                /* of th
 
 /* material.c */
 dig_status materials_open(World *w);
+void       material_pairs_look(World *w);               /* World.paired, after the table has changed */
 int        material_find(const World *w, const char *name);             /* < 0 = none */
 
 /* compact.c: between steps. DIG_E_MEMORY: nothing moved, or what moved is in its new place */

@@ -93,7 +93,7 @@ function methods.add_effect(world, fields)
     end
   end
   local effect = setmetatable({ name = f.name, world = world, data = f.data, time = world.time }, Effect)
-  core.state(world).quiet = nil
+  core.quiet(world)
   core.own_add(world, effect, f.name, f.stage, f.step, f.energy, list == nil, f.law)
   local fine, message = pcall(start, world, effect, list or {}, f.energy)
   if not fine then

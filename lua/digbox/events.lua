@@ -35,7 +35,8 @@ local function book_of(world, state, kind)
   if not book then
     book = { everyone = {}, by_body = {}, stale = false }
     state.handlers[kind] = book
-    state.mask, state.quiet = state.mask | (1 << kinds[kind]), nil
+    state.mask = state.mask | (1 << kinds[kind])
+    core.quiet(world)
     if kind == "moved" then core.tell_moves(world) end
   end
   return book

@@ -311,7 +311,8 @@ local function keep_past(film)
   local world, state = film.world, core.lua_state(film.world)
   local first = core.first_step_of(film.first, film.fps, world.frame)
   if state.past and state.past_first <= math.max(first, world.steps) then return end
-  state.past, state.past_first, state.quiet = core.past(first, world.frame), first, nil
+  state.past, state.past_first = core.past(first, world.frame), first
+  core.quiet(world)
 end
 
 -- As it is now; nil when it is not asked for.
@@ -402,7 +403,8 @@ function methods.record(world, fields)
   if film.pattern then core.begin_frames(film) end
   if shows_past(film.options) then keep_past(film) end
   local state = core.lua_state(world)
-  state.films[#state.films + 1], state.quiet = film, nil
+  state.films[#state.films + 1] = film
+  core.quiet(world)
   state.all_films = state.all_films or {}
   state.all_films[#state.all_films + 1] = film
   changed(state.all_films)

@@ -138,7 +138,7 @@ function methods.restore(world, snapshot)
   core.forbid_in_handler(world, "world:restore")
   core.restore(world, snapshot)
   local state = core.lua_state(world)
-  state.quiet = nil
+  core.quiet(world)
   if state.handlers.moved then core.tell_moves(world) end         -- the handler may be younger than the snapshot
 end
 

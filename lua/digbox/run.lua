@@ -91,7 +91,7 @@ function methods.spawn(world, fn)
   if type(fn) ~= "function" then core.fail("world:spawn wants a function; got %s", core.type(fn)) end
   local state = core.lua_state(world)
   local outer = state.in_task
-  state.quiet = nil
+  core.quiet(world)
   local task = { world = world, done = false, wake = world.time }
   local handle = make_task(task)
   task.thread = create(function() fn(handle) end)
@@ -133,7 +133,8 @@ function methods.region(world, fields)
   local laws = rawget(fields, "laws")
   local force = laws and rawget(laws, "force")
   if force then kept[#kept + 1] = { region = region, force = force } end
-  state.forces, state.quiet = kept, nil
+  state.forces = kept
+  core.quiet(world)
   return region
 end
 
@@ -177,7 +178,7 @@ local function past_end(world)
 end
 
 -- Is nothing to be done or looked at around the next step? A step of a small world costs less than a turn of advance(), and no more than
--- to ask all this: state.quiet keeps a yes, until what would change it takes it away.
+-- to ask all this: core.quiet keeps a yes, until what would change it takes it away.
 local function alone(world, state)
   local options = core.options
   return core.steps and state.mask == 0 and #state.films == 0 and #state.forces == 0 and #state.tasks == 0
@@ -222,7 +223,7 @@ local function step(world, n)
     if core.options.dry or past_end(world) then core.finish_early() end
     n = n - advance_some(world, state, n)
   end
-  state.quiet = not core.options.seconds and alone(world, state)
+  core.quiet(world, not core.options.seconds and alone(world, state) and state.warnings or nil)
 end
 methods.step = core.quiet_step(core.guard(step, "world:step", "world"), core)
 

@@ -280,7 +280,8 @@ local function new_world(s, fields)
   local world = core.digbox.world(copy)
   local state = core.lua_state(world)
   state.scenario = s
-  state.log_mask, state.quiet = 0, nil
+  state.log_mask = 0
+  core.quiet(world)
   for name, kind in next, core.event_kinds do
     if name ~= "moved" and name ~= "link" and name ~= "unlink" and name ~= "message" then
       state.log_mask = state.log_mask | (1 << kind)
