@@ -647,7 +647,7 @@ Vel *group_velocities(const Group *g);  /* a copy, from the arena; NULL: out of 
 dig_status group_warm_start(Group *g);  /* the velocities that the rows' impulses make, or as much of these as does no harm */
 /* toil.c */
 void toil_gather(Group *g);
-void toil_count(Group *g);              /* after a step of sweeps */
+void toil_count(Group *g, real dt);          /* after a step of sweeps */
 #define TOIL_DEAR 200                   /* of a step of few bodies; one that follows what it knew takes some dozens */
 int  group_toil(const Group *g);        /* sweeps of this step, and what else is as dear */
 Toil toil_after(const Group *g, Toil of);       /* of a member, after the step */

@@ -712,7 +712,7 @@ dig_status sweep_advance(Group *g, real dt)
         DIG_TRY(sweep_until(g, dt, k + 1 < sweep_parts(g) ? part * (k + 1) : dt));
     if (spent(g))
         return g->status;
-    toil_count(g);
+    toil_count(g, dt);
     if (!g->woke) {
         measure(g);
         if (g->joints_direct && !group_bears_load(g) && group_joints_gape(g))

@@ -28,7 +28,8 @@
 #define MOST_CALM   8           /* of what lies calm: heaps that come to rest have up to four */
 #define TRIES       3           /* after it, before the next */
 #define STIRRED     1000.0      /* times the lightest mass: 40 boxes of 10,000:1 in a bucket sank by a seventh of their size */
-#define PAUSE       64          /* steps */
+#define PAUSE       64          /* steps, */
+#define PAUSE_TIME  (64 / 60.0) /* s: what nothing stirs shall fall asleep in it, which takes half a second of rest, whatever the step */
 #define FACTOR_SWEEPS 3         /* a factorisation is as dear */
 #define DEAR        30          /* steps for which that is remembered */
 
@@ -54,23 +55,29 @@ void toil_gather(Group *g)
     }
 }
 
-static void count(Toil *t, bool toils, int most)
+static void count(Toil *t, bool toils, int most, int pause)
 {
     if (t->pause > 0) {
         t->pause--;
     } else if (!toils) {
         t->steps = (uint8_t)int_max(0, t->steps - 1);
     } else if (++t->steps >= most) {
-        t->pause = PAUSE;
+        t->pause = (uint8_t)pause;
         t->steps = (uint8_t)(most - TRIES);
     }
 }
 
-void toil_count(Group *g)
+/* Steps. At 1/120 s 64 of them ended before a tower slept, which had sunk meanwhile and was lifted again, on and on. */
+static int pause_of(const Group *g, real dt)
+{
+    return g->driven ? PAUSE : (int)real_clamp(ceil(PAUSE_TIME / dt - 1e-6), PAUSE, UINT8_MAX);
+}
+
+void toil_count(Group *g, real dt)
 {
     bool dear = g->sweeps > SWEEPS || g->factors > (g->calm && !g->driven ? FACTORS_CALM : FACTORS), in_vain = g->driven || g->calm || g->residual > ROUGH;
     if (g->may_pause)
-        count(&g->toil, dear && in_vain, g->calm ? MOST_CALM : g->driven ? MOST : MOST_VAIN);
+        count(&g->toil, dear && in_vain, g->calm ? MOST_CALM : g->driven ? MOST : MOST_VAIN, pause_of(g, dt));
 }
 
 int group_toil(const Group *g) { return g->sweeps + FACTOR_SWEEPS * g->factors + g->evaluations; }
@@ -82,7 +89,7 @@ Toil toil_after(const Group *g, Toil of)
     if (g->may_pause)
         of = (Toil){.steps = g->toil.steps, .pause = g->toil.pause, .dear = of.dear};
     else
-        count(&of, false, MOST);
+        count(&of, false, MOST, PAUSE);
     of.dear = g->dear || group_toil(g) > TOIL_DEAR ? DEAR : (uint8_t)int_max(0, of.dear - 1);
     return of;
 }
