@@ -39,12 +39,13 @@ static bool may_pause(const Group *g)
 {
     if (g->calm)
         return true;
-    return group_many(g) && g->joint_count == 0 && !g->crowd && (!group_top_heavy(g) || (g->driven && group_mass_ratio(g) <= STIRRED));
+    return group_many(g) && g->joint_count == 0 && !g->crowd && (g->only_holds || !group_top_heavy(g) || (g->driven && group_mass_ratio(g) <= STIRRED));
 }
 
 void toil_gather(Group *g)
 {
     g->toil = (Toil){0, 0, 0};
+    lean_find(g, false);
     g->may_pause = may_pause(g);
     for (int i = 0; g->may_pause && i < g->moving_count; i++) {
         const Body *b = &g->world->bodies.data[g->slots[i]];
