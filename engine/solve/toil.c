@@ -21,7 +21,7 @@
 
 #define SWEEPS      2000        /* of a step: more is a toil */
 #define FACTORS     100         /* so are more factorisations */
-#define FACTORS_CALM 15         /* of what lies calm: its forces last, and the next steps take none. Balls that roll on against each other take 20 to 200 in each */
+#define FACTORS_CALM 15         /* of what lies calm: its forces last, and the next steps take none. Balls that roll on take 20 to 200 in each */
 #define ROUGH       1e-4        /* m/s: what nothing stirs is solved in vain where it is still off by more */
 #define MOST        60          /* toils, before a pause */
 #define MOST_VAIN   20          /* of what nothing stirs */
