@@ -150,7 +150,8 @@ test.scenario("of three hundred balls that come to lie in a bucket no step is de
   expect(world:stats().penetration):below("0.1 mm")
 end)
 
--- The bucket is over 30 times as heavy as a ball, but nothing light carries it: what stirs in it is spared dear solves as beside a lighter bucket.
+-- The bucket is over 30 times as heavy as a ball, but nothing light carries it: what stirs in it is spared dear
+-- solves as beside a lighter bucket.
 test.scenario("forty light balls are poured into a bucket that stands free", function(s)
   local world, balls = s.world, {}
   world:floor {}
