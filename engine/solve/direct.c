@@ -17,7 +17,6 @@
 #include "base/bracket.h"
 #include "solve/direct.h"
 
-#define HEAVY         30.0      /*      times the lightest mass: an error that is nothing to what is heavy throws what is light */
 /* Counts that bound the work, without and with something heavy */
 static const int most_points[2] = {1000, 4000}, most_failures[2] = {1, 4};      /* failures in a step, one after the other */
 static const real most_work[2] = {1e6, 4e6};                                    /* multiplications of one factorisation */

@@ -594,11 +594,12 @@ static void begin(Group *g, real part, bool all)
     g->close_speed = group_close_speed(g);
     g->joints_direct = direct_joints(g);
     g->locate = g->moving_count <= g->plan->events_bodies && !g->joints_direct;
-    g->gentle = group_many(g) && !group_top_heavy(g);
     g->events_left = group_events(g);
     g->whirls_left = sweep_whirls(g);
     g->h = g->heal_over = part;
     group_touch(g, part, all);
+    lean_find(g, true);
+    g->gentle = group_many(g) && (g->only_holds || !group_top_heavy(g));
     g->locate = g->locate && !any_merged(g);
     if (g->locate)
         locate_look(g, part);
@@ -712,7 +713,7 @@ dig_status sweep_advance(Group *g, real dt)
         DIG_TRY(sweep_until(g, dt, k + 1 < sweep_parts(g) ? part * (k + 1) : dt));
     if (spent(g))
         return g->status;
-    toil_count(g);
+    toil_count(g, dt);
     if (!g->woke) {
         measure(g);
         if (g->joints_direct && !group_bears_load(g) && group_joints_gape(g))

@@ -21,14 +21,15 @@
 
 #define SWEEPS      2000        /* of a step: more is a toil */
 #define FACTORS     100         /* so are more factorisations */
-#define FACTORS_CALM 15         /* of what lies calm: its forces last, and the next steps take none. Balls that roll on against each other take 20 to 200 in each */
+#define FACTORS_CALM 15         /* of what lies calm: its forces last, and the next steps take none. Balls that roll on take 20 to 200 in each */
 #define ROUGH       1e-4        /* m/s: what nothing stirs is solved in vain where it is still off by more */
 #define MOST        60          /* toils, before a pause */
 #define MOST_VAIN   20          /* of what nothing stirs */
 #define MOST_CALM   8           /* of what lies calm: heaps that come to rest have up to four */
 #define TRIES       3           /* after it, before the next */
 #define STIRRED     1000.0      /* times the lightest mass: 40 boxes of 10,000:1 in a bucket sank by a seventh of their size */
-#define PAUSE       64          /* steps */
+#define PAUSE       64          /* steps, */
+#define PAUSE_TIME  (64 / 60.0) /* s: what nothing stirs shall fall asleep in it, which takes half a second of rest, whatever the step */
 #define FACTOR_SWEEPS 3         /* a factorisation is as dear */
 #define DEAR        30          /* steps for which that is remembered */
 
@@ -38,12 +39,13 @@ static bool may_pause(const Group *g)
 {
     if (g->calm)
         return true;
-    return group_many(g) && g->joint_count == 0 && !g->crowd && (!group_top_heavy(g) || (g->driven && group_mass_ratio(g) <= STIRRED));
+    return group_many(g) && g->joint_count == 0 && !g->crowd && (g->only_holds || !group_top_heavy(g) || (g->driven && group_mass_ratio(g) <= STIRRED));
 }
 
 void toil_gather(Group *g)
 {
     g->toil = (Toil){0, 0, 0};
+    lean_find(g, false);
     g->may_pause = may_pause(g);
     for (int i = 0; g->may_pause && i < g->moving_count; i++) {
         const Body *b = &g->world->bodies.data[g->slots[i]];
@@ -54,23 +56,29 @@ void toil_gather(Group *g)
     }
 }
 
-static void count(Toil *t, bool toils, int most)
+static void count(Toil *t, bool toils, int most, int pause)
 {
     if (t->pause > 0) {
         t->pause--;
     } else if (!toils) {
         t->steps = (uint8_t)int_max(0, t->steps - 1);
     } else if (++t->steps >= most) {
-        t->pause = PAUSE;
+        t->pause = (uint8_t)pause;
         t->steps = (uint8_t)(most - TRIES);
     }
 }
 
-void toil_count(Group *g)
+/* Steps. At 1/120 s 64 of them ended before a tower slept, which had sunk meanwhile and was lifted again, on and on. */
+static int pause_of(const Group *g, real dt)
+{
+    return g->driven ? PAUSE : (int)real_clamp(ceil(PAUSE_TIME / dt - 1e-6), PAUSE, UINT8_MAX);
+}
+
+void toil_count(Group *g, real dt)
 {
     bool dear = g->sweeps > SWEEPS || g->factors > (g->calm && !g->driven ? FACTORS_CALM : FACTORS), in_vain = g->driven || g->calm || g->residual > ROUGH;
     if (g->may_pause)
-        count(&g->toil, dear && in_vain, g->calm ? MOST_CALM : g->driven ? MOST : MOST_VAIN);
+        count(&g->toil, dear && in_vain, g->calm ? MOST_CALM : g->driven ? MOST : MOST_VAIN, pause_of(g, dt));
 }
 
 int group_toil(const Group *g) { return g->sweeps + FACTOR_SWEEPS * g->factors + g->evaluations; }
@@ -82,7 +90,7 @@ Toil toil_after(const Group *g, Toil of)
     if (g->may_pause)
         of = (Toil){.steps = g->toil.steps, .pause = g->toil.pause, .dear = of.dear};
     else
-        count(&of, false, MOST);
+        count(&of, false, MOST, PAUSE);
     of.dear = g->dear || group_toil(g) > TOIL_DEAR ? DEAR : (uint8_t)int_max(0, of.dear - 1);
     return of;
 }

@@ -303,7 +303,10 @@ end
 core.guard_methods()
 setmetatable(digbox, {
   __index = function(_, key)
-    if methods[key] then core.fail("digbox has no function '%s': it is one of a world (world:%s)", key, key) end
+    if methods[key] then
+      local shape = key == "ball" and "; as a shape digbox.sphere" or ""
+      core.fail("digbox has no function '%s': it is one of a world (world:%s)%s", key, key, shape)
+    end
     core.unknown("digbox", "has no function", tostring(key), digbox)
   end,
   __newindex = function(_, key) core.fail("digbox.%s cannot be assigned", tostring(key)) end,

@@ -223,7 +223,8 @@ scenario("what has another name elsewhere is known by its meaning", function(s)
     print) end))):contains "world:spawn(function(task) while true do ... task:wait() end end)"
   expect((message_of(function() world:joint { type = "hinge" } end))):contains "joints are made by their kind"
   expect((message_of(function() ball.onCollision = print end))):contains "body:on('contact_begin', function(e) ... end)"
-  says(function() return digbox.ball { radius = 1 } end, "digbox has no function 'ball': it is one of a world (world:ball)")
+  says(function() return digbox.ball { radius = 1 } end,
+    "digbox has no function 'ball': it is one of a world (world:ball); as a shape digbox.sphere")
   says(function() return digbox:world {} end, "digbox.world is called with a point: digbox.world{...}")
   says(function() world:sun { direction = { 0, -1, 0 } } end, "world:sun: unknown field 'direction' "
     .. "(from = {3, 6, 2} is where its light comes from)")
