@@ -18,8 +18,6 @@
 #include "solve/plan.h"
 #include "world/world.h"
 
-/* When an effect takes part in a substep; SETTLE comes once, at the end of the step. */
-
 /* Laws that the ways obey by themselves, from the group's pairs, joints and pushes, as far as an effect stands for them: one that is
  * switched off, or not in the list, is no law of this world. */
 typedef enum Law { LAW_NONE, LAW_CONTACT, LAW_FRICTION, LAW_ROLLING, LAW_JOINTS, LAW_PUSH } Law;

@@ -328,6 +328,7 @@ typedef struct EffectSlot {     /* one per entry of the effect list             
     char     why[96];           /* what called for it, as the caller said it; "" = it did not  */
 } EffectSlot;
 
+/* When an effect takes part in a substep; SETTLE comes once, at the end of the step. */
 typedef enum Stage { STAGE_FORCE, STAGE_ROWS, STAGE_SETTLE, STAGE_COUNT } Stage;
 
 /* One bit for each of a world's effects; those of a group are asked by them. Found anew (effect/effects.c) before a step after which one of
