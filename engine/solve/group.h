@@ -645,7 +645,7 @@ Vel *group_velocities(const Group *g);  /* a copy, from the arena; NULL: out of 
 dig_status group_warm_start(Group *g);  /* the velocities that the rows' impulses make, or as much of these as does no harm */
 /* toil.c */
 void toil_gather(Group *g);
-void toil_count(Group *g, real dt);          /* after a step of sweeps */
+void toil_count(Group *g, real dt);     /* after a step of sweeps */
 #define TOIL_DEAR 200                   /* of a step of few bodies; one that follows what it knew takes some dozens */
 int  group_toil(const Group *g);        /* sweeps of this step, and what else is as dear */
 Toil toil_after(const Group *g, Toil of);       /* of a member, after the step */
@@ -660,8 +660,9 @@ bool direct_rescue(Group *g);           /* the same where sweeps have not got th
 bool direct_project(Group *g);          /* a projection's rows at once, into g->vel, which holds the shift */
 bool direct_project_joints(Group *g);      /* the same, of joints that sweeps are for */
 real group_mass_ratio(const Group *g);  /* 1  of what moves, at least 1 */
-bool group_top_heavy(const Group *g);   /* is something much heavier than something else, that may carry it? */
+bool group_top_heavy(const Group *g);   /* is something much heavier than something else? */
 #define HEAVY 30.0                      /* times the lightest mass: an error that is nothing to what is heavy throws what is light */
+#define STIRRED 1000.0                  /* times the lightest mass, where things may pause: 40 boxes of 10,000:1 in a bucket sank by a seventh of their size */
 void lean_find(Group *g, bool known);   /* lean.c: g->only_holds; known: the contacts are, else those of the last step's end hold */
 bool group_elastic(const Group *g);     /* do any of its joints give and store energy? */
 bool group_bears_load(const Group *g);  /* do joints carry what is heavy, or give? Else they are limbs that slide and turn */

@@ -91,7 +91,8 @@ static bool nothing_heavy_on_light(const Group *g, Lean *l, bool known)
 void lean_find(Group *g, bool known)
 {
     g->only_holds = false;
-    if (g->joint_count > 0 || g->moving_count <= MANY * g->plan->toil_bodies || !(group_mass_ratio(g) > HEAVY))
+    real ratio = group_mass_ratio(g);
+    if (g->joint_count > 0 || g->moving_count <= (int64_t)MANY * g->plan->toil_bodies || !(ratio > HEAVY && ratio <= STIRRED))
         return;
     real heaviest = 0;
     for (int i = 0; i < g->moving_count; i++)

@@ -27,9 +27,8 @@
 #define MOST_VAIN   20          /* of what nothing stirs */
 #define MOST_CALM   8           /* of what lies calm: heaps that come to rest have up to four */
 #define TRIES       3           /* after it, before the next */
-#define STIRRED     1000.0      /* times the lightest mass: 40 boxes of 10,000:1 in a bucket sank by a seventh of their size */
 #define PAUSE       64          /* steps, */
-#define PAUSE_TIME  (64 / 60.0) /* s: what nothing stirs shall fall asleep in it, which takes half a second of rest, whatever the step */
+#define PAUSE_TIME  (64 / 60.0) /* s: what nothing stirs shall fall asleep in it, which takes half a second of rest; up to 255 steps, 1/239 s each */
 #define FACTOR_SWEEPS 3         /* a factorisation is as dear */
 #define DEAR        30          /* steps for which that is remembered */
 
