@@ -35,15 +35,11 @@ static EffectBits find_bits(const World *w)
     return b;
 }
 
-static bool same_bits(EffectBits a, EffectBits b)
-{
-    return a.called == b.called && a.own == b.own && a.turns == b.turns && a.varies == b.varies && a.flow == b.flow && a.losses == b.losses &&
-           memcmp(a.stage, b.stage, sizeof a.stage) == 0;
-}
-
 void effects_look(World *w)
 {
     if (w->bits.old)
         w->bits = find_bits(w);
-    DIG_ASSERT(same_bits(find_bits(w), w->bits));
+    DIG_ASSERT(find_bits(w).called == w->bits.called && find_bits(w).own == w->bits.own && find_bits(w).turns == w->bits.turns);
+    DIG_ASSERT(find_bits(w).varies == w->bits.varies && find_bits(w).flow == w->bits.flow && find_bits(w).losses == w->bits.losses);
+    DIG_ASSERT(memcmp(find_bits(w).stage, w->bits.stage, sizeof w->bits.stage) == 0);
 }
