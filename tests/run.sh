@@ -18,7 +18,9 @@ set -u
 cd "$(dirname "$0")/.." || exit 2
 export LC_ALL=C BUILD=${BUILD:-build} SANITIZE=${SANITIZE:-0} RENDER=${RENDER:-1} V=${V:-0}
 export DIGBOX=$PWD/$BUILD/digbox
-export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_leaks=1:strict_string_checks=1:detect_stack_use_after_return=1:handle_segv=2:handle_sigbus=2:handle_abort=1}
+# intercept_tls_get_addr: the leak checker of GCC 12 takes a library's thread memory that begins 16 bytes into a page for one of glibc 2.19's,
+# reads its size from before it and ends with signal 11 ("DTLS 6 at 0x2a8"): one page in 256, by chance, of what was allocated before.
+export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_leaks=1:strict_string_checks=1:detect_stack_use_after_return=1:handle_segv=2:handle_sigbus=2:handle_abort=1:intercept_tls_get_addr=0}
 export UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1}
 export LSAN_OPTIONS=${LSAN_OPTIONS:-print_suppressions=0}        # digbox knows its suppressions
 unit_lsan=$LSAN_OPTIONS:suppressions=$PWD/tests/lsan.supp
