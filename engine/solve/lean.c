@@ -10,7 +10,7 @@
 #define GROUND  (-2)            /* what does not move; the others are the group's bodies */
 
 typedef struct Lean {
-    int  *up, *on;              /* by member: towards the first of its heap; of that, what the heap touches */
+    int  *up, *on;              /* by member: towards the first of its heap; of that, what the heap touches; of what is heavy, GROUND where it stands */
     real  light;                /* kg  lighter is light */
 } Lean;
 
@@ -25,7 +25,7 @@ static int heap_of(const Lean *l, int i)
 
 static bool is_light(const Group *g, const Lean *l, int i) { return g->member[i].moves && g->member[i].mass < l->light; }
 
-/* Does it touch something else besides, one of them heavy? */
+/* Notes what the heap touches. Does that make two things, of which one is heavy? */
 static bool bears(Lean *l, int heap, int thing)
 {
     if (l->on[heap] == NOBODY)
@@ -33,6 +33,7 @@ static bool bears(Lean *l, int heap, int thing)
     return thing != NOBODY && l->on[heap] != thing;
 }
 
+/* Of two that touch: heaps become one, or get something that they touch. True: that one now bears something heavy. */
 static bool join(const Group *g, Lean *l, int a, int b)
 {
     bool light_a = is_light(g, l, a), light_b = is_light(g, l, b);
@@ -88,6 +89,9 @@ static bool nothing_heavy_on_light(const Group *g, Lean *l, bool known)
     return heavy_stand(g, l);
 }
 
+bool group_leans(const Group *g) { return group_top_heavy(g) && !g->only_holds; }
+
+/* Without memory for it nothing is known: as if it leant. */
 void lean_find(Group *g, bool known)
 {
     g->only_holds = false;

@@ -599,7 +599,7 @@ static void begin(Group *g, real part, bool all)
     g->h = g->heal_over = part;
     group_touch(g, part, all);
     lean_find(g, true);
-    g->gentle = group_many(g) && (g->only_holds || !group_top_heavy(g));
+    g->gentle = group_many(g) && !group_leans(g);
     g->locate = g->locate && !any_merged(g);
     if (g->locate)
         locate_look(g, part);

@@ -38,7 +38,7 @@ static bool may_pause(const Group *g)
 {
     if (g->calm)
         return true;
-    return group_many(g) && g->joint_count == 0 && !g->crowd && (g->only_holds || !group_top_heavy(g) || (g->driven && group_mass_ratio(g) <= STIRRED));
+    return group_many(g) && g->joint_count == 0 && !g->crowd && (!group_leans(g) || (g->driven && group_mass_ratio(g) <= STIRRED));
 }
 
 void toil_gather(Group *g)

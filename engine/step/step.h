@@ -44,7 +44,7 @@ typedef struct Step {           /* what the stages hand to each other; lives in 
     int       telling_count;
     struct Change *changes;     /* regraph.c: of a group, pairs whose touch changes */
     bool     *within;           /* of its strikes, which are within a DIG   */
-    uint64_t  dear_work;        /* units, of groups that are advanced by the ways that a crowd would spare them */
+    uint64_t  dear_work;        /* units, of groups that are no crowd and do not lie calm: see debt.c */
 } Step;
 
 #define PLACE_ROUNDING 1e-12    /* of places: differences of them are that wrong */
@@ -99,7 +99,7 @@ void       deliver_due(World *w);                   /* what waited until now    
 int        deliver_list(World *w, const Post *p, const dig_body *to, const real *value, int count);
 /* work.c */
 uint64_t   work_of(const Group *g);                 /* units, see world/work.c                              */
-void       count_work(World *w, Step *s);     /* of one try of the step, whatever came of it          */
+void       count_work(World *w, Step *s);           /* of one try of the step, whatever came of it          */
 /* debt.c */
 void       settle_debt(World *w, const Step *s);    /* of a step that is over, while its groups are as they were */
 /* report.c */
