@@ -112,6 +112,7 @@ real direct_inside(Direct *d, bool convex);
 /* direct_rows.c */
 bool direct_rows(Direct *d);                            /* false: out of memory */
 void direct_changes(Direct *d);                         /* what dv does to the rates */
+void triples_changes(Direct *d);                        /* of contacts and rolls alone */
 void direct_move(Direct *d, real along);                /* takes this part of dv */
 void direct_forces(Direct *d);                          /* impulses of the present rates */
 void direct_begin(Direct *d);                           /* forces predicted from the first estimate */

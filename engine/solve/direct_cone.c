@@ -18,6 +18,7 @@
  * first part of the impulse is given; the first part of the speed is then free, and eliminated. Stops are rays. What else a joint has is linear, and
  * part of the matrix.
  */
+#include "base/wide.h"
 #include "math/four.h"
 #include "solve/direct.h"
 
@@ -127,8 +128,8 @@ INLINE void scaling(Cone *c)
 
 /* ---- cones of the group ---- */
 
-static bool lifts(const Cone *c) { return c->n == 3 && !c->given; }
-static bool spins(const Cone *c) { return c->given && c->row == 0 && !c->single; }
+INLINE bool lifts(const Cone *c) { return c->n == 3 && !c->given; }
+INLINE bool spins(const Cone *c) { return c->given && c->row == 0 && !c->single; }
 
 static Cone *add(Inside *in, int triple, int row, int rows, real bound)
 {
@@ -243,15 +244,15 @@ static void begin(Inside *in)
 }
 
 /* m/s  By speeds without impulses, this part of the step on. */
-static real slip(const Cone *c, real along) { return tail(c->s + along * c->ds); }
+INLINE real slip(const Cone *c, real along) { return tail(c->s + along * c->ds); }
 
-static real next_lift(const Inside *in, const Cone *c, real along)
+INLINE real next_lift(const Inside *in, const Cone *c, real along)
 {
     real lift = slip(c, along);
     return in->step < LIVE ? lift : real_min(lift, c->lift);
 }
 
-static void set_lift(const Inside *in, Cone *c)
+INLINE void set_lift(const Inside *in, Cone *c)
 {
     c->lift = next_lift(in, c, 0);
     c->slides = (four){0};
@@ -264,7 +265,7 @@ static void set_lift(const Inside *in, Cone *c)
 /* ---- one step ---- */
 
 /* m/s  How far rows are off and cones from their ends; and their common product. */
-static real look(Inside *in)
+INLINE real look(Inside *in)
 {
     real worst = 0, sum = 0;
     for (int i = 0; i < in->count; i++) {
@@ -285,7 +286,7 @@ static real look(Inside *in)
 }
 
 /* Impulses of the triples are those of their cones; with what they lead to where speeds do not change, if asked. */
-static void put_forces(Inside *in, bool lead)
+INLINE void put_forces(Inside *in, bool lead)
 {
     for (int i = 0; i < in->d->triple_count; i++)
         memset(in->d->triples[i].force, 0, sizeof in->d->triples[i].force);
@@ -320,7 +321,7 @@ INLINE void put_lead(Cone *c)
         c->lead -= times(c->back, c->back[0]) * (c->lead[0] / dot(c->back[0], c->back[0]));
 }
 
-static bool factor(Inside *in)
+INLINE bool factor(Inside *in)
 {
     Direct *d = in->d;
     for (int i = 0; i < d->triple_count; i++) {
@@ -360,7 +361,7 @@ INLINE void change(const Inside *in, Cone *c)
 }
 
 /* What velocities change by, with lifts that change so far. */
-static void solve_rows(Inside *in)
+INLINE void solve_rows(Inside *in)
 {
     Direct *d = in->d;
     put_forces(in, true);
@@ -398,7 +399,7 @@ static void answer(Inside *in, const real *by, real *out)
             take_lift(c, t, by[i], m, d->dv);
     }
     blocks_solve(&d->blocks, d->dv);
-    direct_changes(d);
+    triples_changes(d);
     for (int i = 0; i < in->count; i++)
         out[i] = by[i] - slip_change(&in->cones[i], &d->triples[in->cones[i].triple]);
 }
@@ -451,7 +452,7 @@ static void follow_slips(Inside *in)
     direct_changes(d);
 }
 
-static void direction(Inside *in)
+INLINE void direction(Inside *in)
 {
     for (int i = 0; i < in->count; i++)
         put_lead(&in->cones[i]);
@@ -462,7 +463,7 @@ static void direction(Inside *in)
         change(in, &in->cones[i]);
 }
 
-static real room(const Inside *in)
+INLINE real room(const Inside *in)
 {
     real most = INFINITY;
     for (int i = 0; i < in->count; i++) {
@@ -473,7 +474,7 @@ static real room(const Inside *in)
 }
 
 /* Straight to where all products are nothing. */
-static void predict(Inside *in)
+INLINE void predict(Inside *in)
 {
     for (int i = 0; i < in->count; i++) {
         in->cones[i].right = -in->cones[i].lambda;
@@ -483,7 +484,7 @@ static void predict(Inside *in)
 }
 
 /* To the part of the present product that the prediction suggests, less what bends its way. */
-static void correct(Inside *in)
+INLINE void correct(Inside *in)
 {
     real along = real_min(1, room(in)), sum = 0;
     for (int i = 0; i < in->count; i++) {
@@ -502,19 +503,19 @@ static void correct(Inside *in)
     direction(in);
 }
 
-static void aim(Inside *in)
+INLINE void aim(Inside *in)
 {
-    predict(in);
-    correct(in);
-    if (in->convex || in->step >= LIVE || room(in) > SHORT)
-        return;
-    for (int i = 0; i < in->count; i++)
-        in->cones[i].slides = (four){0};
-    predict(in);
-    correct(in);
+    for (int time = 1; time <= 2; time++) {
+        predict(in);
+        correct(in);
+        if (time == 2 || in->convex || in->step >= LIVE || room(in) > SHORT)
+            return;
+        for (int i = 0; i < in->count; i++)
+            in->cones[i].slides = (four){0};
+    }
 }
 
-static void go(Inside *in, real along)
+INLINE void go(Inside *in, real along)
 {
     direct_move(in->d, along);
     for (int i = 0; i < in->count; i++) {
@@ -526,30 +527,40 @@ static void go(Inside *in, real along)
 
 /* ---- */
 
+/* m/s  How far off its steps end. */
+INLINE real steps(Inside *in)
+{
+    real off = INFINITY;
+    for (int stuck = 0; stuck < MOST_LEAST; in->step++) {
+        off = look(in);
+        put_forces(in, false);
+        direct_gradient(in->d);
+        off = real_max(off, direct_unbalanced(in->d));
+        if (in->step == MOST_STEPS || off <= NEAR)
+            break;
+        if (!factor(in))
+            break;
+        aim(in);
+        real along = real_min(1, INSIDE * room(in));
+        if (!(along > 0))
+            break;
+        stuck = along < LEAST ? stuck + 1 : 0;
+        go(in, along);
+    }
+    put_forces(in, false);
+    return off;
+}
+
+static real steps_plain(Inside *in) { return steps(in); }
+WIDE static real steps_wide(Inside *in) { return steps(in); }
+
 real direct_inside(Direct *d, bool convex)
 {
     Inside in = {.d = d, .convex = convex};
     if (!open_cones(&in))
         return INFINITY;
     begin(&in);
-    real off = INFINITY;
-    for (int stuck = 0; stuck < MOST_LEAST; in.step++) {
-        off = look(&in);
-        put_forces(&in, false);
-        direct_gradient(d);
-        off = real_max(off, direct_unbalanced(d));
-        if (in.step == MOST_STEPS || off <= NEAR)
-            break;
-        if (!factor(&in))
-            break;
-        aim(&in);
-        real along = real_min(1, INSIDE * room(&in));
-        if (!(along > 0))
-            break;
-        stuck = along < LEAST ? stuck + 1 : 0;
-        go(&in, along);
-    }
-    put_forces(&in, false);
+    real off = (has_wide() ? steps_wide : steps_plain)(&in);
     for (int i = 0; i < d->triple_count; i++)
         memcpy(d->triples[i].prox, d->triples[i].force, sizeof d->triples[i].prox);
     singles_keep(d);

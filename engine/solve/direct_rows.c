@@ -111,8 +111,7 @@ bool direct_rows(Direct *d)
 
 static real dot6(const real *a, const real *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5]; }
 
-/* What dv does to the rates. */
-void direct_changes(Direct *d)
+void triples_changes(Direct *d)
 {
     for (int i = 0; i < d->triple_count; i++) {
         Triple *t = &d->triples[i];
@@ -123,6 +122,11 @@ void direct_changes(Direct *d)
                     t->change[k] += dot6(t->j[k] + 6 * m, d->dv + 6 * t->place[m]);
         }
     }
+}
+
+void direct_changes(Direct *d)
+{
+    triples_changes(d);
     singles_changes(d);
 }
 
