@@ -377,6 +377,7 @@ struct Group {
     bool      unsolved;         /*     in this substep, rows that contradict each other */
     bool      contradicts;      /*     the same in some substep of this step            */
     int       evaluations, refused, events;
+    int       kind_turns;       /*     of directions of slip and kinds of contacts, over one an evaluation */
     int       unturned;         /*     spheres whose rotation was not solved: nothing can turn them */
     real      tolerance;        /* 1   local error of the traced way over the size of the bodies */
     real      trace_step;       /* s   its last step length; 0 = none                  */
@@ -521,7 +522,7 @@ struct GroupKept {              /* a group as it was */
 };
 bool group_keep(const Group *g, GroupKept *k);          /* false: out of memory */
 bool group_keep_in(const Group *g, GroupKept *k);       /* the same, into what it has from before, or was zero */
-void group_put_back(Group *g, const GroupKept *k);      /* but for what the try has cost: evaluations and refused */
+void group_put_back(Group *g, const GroupKept *k);      /* but for what the try has cost: evaluations, turns and refused */
 bool group_deep(const Group *g);                        /* does a contact point overlap? */
 bool group_joints_broken(const Group *g);               /* may velocities break joints: were bodies hit or given a speed, or is a joint new? */
 

@@ -66,7 +66,7 @@ bool group_keep(const Group *g, GroupKept *k)
 
 void group_put_back(Group *g, const GroupKept *k)
 {
-    int evaluations = g->evaluations, refused = g->refused;
+    int evaluations = g->evaluations, refused = g->refused, kind_turns = g->kind_turns;
     BACK(pos, g->body_count);
     BACK(vel, g->body_count);
     BACK(mass, g->body_count);
@@ -85,6 +85,7 @@ void group_put_back(Group *g, const GroupKept *k)
     BACK(rubs, g->rubs ? g->pair_count : 0);
     *g = k->scalars;
     g->evaluations = evaluations;
+    g->kind_turns = kind_turns;
     g->refused = refused;
 }
 

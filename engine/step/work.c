@@ -10,7 +10,7 @@ enum { STEP = 200, BODY = 40, GROUP = 150, MOVE = 40, PAIR = 60, SWEEP = 40, ROW
 uint64_t work_of(const Group *g)
 {
     uint64_t moving = (uint64_t)g->moving_count, pairs = (uint64_t)g->pair_count, rows = (uint64_t)(g->point_count + g->row_count);
-    uint64_t substeps = (uint64_t)int_max(g->substeps, 1), sweeps = (uint64_t)g->sweeps, evaluations = (uint64_t)(g->evaluations + g->refused);
+    uint64_t substeps = (uint64_t)int_max(g->substeps, 1), sweeps = (uint64_t)g->sweeps, evaluations = (uint64_t)(g->evaluations + g->kind_turns + g->refused);
     uint64_t factors = (uint64_t)(g->multiplied / MULTIPLICATIONS);
     uint64_t done = GROUP + factors + substeps * (MOVE * moving + PAIR * pairs) + sweeps * (SWEEP + ROW * rows);
     return done + evaluations * (EVALUATION + TERM * (moving + pairs + rows));

@@ -519,7 +519,7 @@ bool trace_kinds(Tracer *t, bool first)
     apply_hint(t);
     t->sys.redundant = false;
     real acc_scale = trace_acceleration_scale(t);
-    for (int pivots = 0; pivots < 20 + 6 * n && directions < DIRECTIONS;) {
+    for (int pivots = 0; pivots < 20 + 6 * n && directions < DIRECTIONS; t->g->kind_turns++) {
         trace_align(t);
         if (!trace_accelerate(t))
             return false;

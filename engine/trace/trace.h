@@ -270,7 +270,7 @@ typedef struct Tracer {
     bool   left;                /* to another way, which serves as well    */
     real     given;             /* J  by movers and motors in the last projection of velocities */
     int    near_events; real event_time;
-    int    passes, work;        /* places swept past in this frame; most evaluations, and sweeps of blows over BLOW_SWEEPS */
+    int    passes, work;        /* places swept past in this frame; most evaluations, sweeps of blows over BLOW_SWEEPS, and turns over TURNS */
     int    mark_work; real mark;                /* evaluations and s, from which on it is looked whether it crawls */
     real   pass, pass_end;      /* s  length and end of the last of them  */
     bool   conserves;           /* nothing in this frame took or gave energy so far: it is held, see energy.c */

@@ -64,3 +64,30 @@ test.scenario("four figures whose joints rub", function(s)
   expect(got.gained):below(0.02 * before)
   expect(got.work):below(1.3e8)               -- 1.56e8, now 0.97e8
 end)
+
+-- Two of them lie where wheels skid under load at 2.5 s. Directions of slip came nearer by little in each turn there: 5800 factorisations in 44
+-- evaluations of the equations of motion, 158 ms of processor time in a frame whose neighbours take 1 to 10.
+test.scenario("six carts on each other", function(s)
+  local world, seed = s.world, 6
+  local function random()
+    seed = (seed * 1103515245 + 12345) % 2147483648
+    return seed / 2147483648
+  end
+  world:floor {}
+  local lying = digbox.quat { axis = { 1, 0, 0 }, angle = math.pi / 2 }
+  for n = 0, 5 do
+    local x, y, z = 0.2 * random(), 0.6 + 0.8 * n, 0.2 * random()
+    local bed = world:box { size = { 1, 0.2, 0.5 }, mass = 30, at = { x, y, z } }
+    for i = -1, 1, 2 do
+      for k = -1, 1, 2 do
+        local at = { x + 0.35 * i, y - 0.1, z + 0.32 * k }
+        local wheel = world:cylinder { radius = 0.15, height = 0.08, mass = 2, at = at, rotation = lying }
+        world:hinge { a = bed, b = wheel, at = at, axis = { 0, 0, 1 }, friction = 0.05 }
+      end
+    end
+  end
+  local got = steps(world, 180)
+  expect(got.gap):below(5e-4)
+  expect(got.gained):below(2)                   -- J of 5800
+  expect(got.dearest):below(7e6)                -- 13.9e6 where turns do not count in its budget, now 3.9e6
+end)
