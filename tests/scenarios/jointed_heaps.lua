@@ -54,7 +54,8 @@ test.scenario("four figures whose joints rub", function(s)
         local upper = world:capsule { radius = 0.05, length = limb.long, mass = 3, at = { lx, top - limb.long / 2, z } }
         local lower = world:capsule { radius = 0.04, length = limb.long, mass = 2, at = { lx, top - 1.5 * limb.long - 0.1, z } }
         world:ball_joint { a = trunk, b = upper, at = { lx, top, z }, swing = 1.2, friction = friction }
-        world:hinge { a = upper, b = lower, at = { lx, top - limb.long - 0.05, z }, axis = { 1, 0, 0 }, limits = { 0, 2.3 }, friction = friction }
+        world:hinge { a = upper, b = lower, at = { lx, top - limb.long - 0.05, z }, axis = { 1, 0, 0 }, limits = { 0, 2.3 },
+                      friction = friction }
       end
     end
   end
@@ -65,8 +66,8 @@ test.scenario("four figures whose joints rub", function(s)
   expect(got.work):below(1.3e8)               -- 1.56e8, now 0.97e8
 end)
 
--- Two of them lie where wheels skid under load at 2.5 s. Directions of slip came nearer by little in each turn there: 5800 factorisations in 44
--- evaluations of the equations of motion, 158 ms of processor time in a frame whose neighbours take 1 to 10.
+-- Two of them lie where wheels skid under load at 2.5 s. Directions of slip came nearer by little in each turn there: 5800 factorisations
+-- in 44 evaluations of the equations of motion, 158 ms of processor time in a frame whose neighbours take 1 to 10.
 test.scenario("six carts on each other", function(s)
   local world, seed = s.world, 6
   local function random()
