@@ -57,7 +57,7 @@ static const real most_work[2] = {1e6, 4e6};                                    
 #define INSIDE_MOST   4000      /*      factorisations of a step, after which there are no more such solves */
 /* With joints */
 #define JOINT_SOFT    1e3       /*      times the compliance of a contact at first */
-#define CROWD_SOFT    1e6       /*      the same where nothing is heavy, but much slides and turns */
+#define CROWD_SOFT    1e5       /*      the same where nothing is heavy, but much slides and turns */
 #define JOINT_FACTORS 300
 #define JOINT_STEPS   75
 #define JOINT_ROUNDS  4         /*      so many, and on while rows are off by more than JOINT_POOR */
@@ -273,7 +273,7 @@ static bool newton(Direct *d, bool fresh)
 
 /* Where the new estimate would lead, were every row to answer as at the end of the last round. Without it a change of the lift
  * throws all contacts open, and hinges across their dry friction, and they come back one by one: up to 75 steps in a round of
- * eight figures that land, where four are enough. */
+ * eight figures that land, where four to eight are enough. */
 static bool carry_on(Direct *d)
 {
     direct_gradient(d);

@@ -24,7 +24,7 @@ typedef struct AccuracyPlan {
     int         trace_bodies;   /* 1    groups with more moving bodies are not traced; 1: nor with joints */
     int         trace_rows;     /* 1    most rows of a traced group's direct solve                        */
     int         trace_total;    /* 1    most bodies and pairs of all traced and conserved groups of a world together */
-    int         trace_work;     /* 1    most evaluations of a traced group per step; 25 sweeps of blows count as one */
+    int         trace_work;     /* 1    most evaluations of a traced group per step; 25 sweeps of blows count as one, so do 4 turns of directions */
     int         trace_passes;   /* 1    most places per step that a traced group is swept past            */
     real        tolerance;      /* m    the promise; picks the plan when a script gives a number    */
 } AccuracyPlan;
