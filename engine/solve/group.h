@@ -664,13 +664,13 @@ real group_mass_ratio(const Group *g);  /* 1  of what moves, at least 1 */
 bool group_top_heavy(const Group *g);   /* is something much heavier than something else? */
 #define HEAVY 30.0                      /* times the lightest mass: an error that is nothing to what is heavy throws what is light */
 #define STIRRED 1000.0                  /* times the lightest mass, where things may pause: 40 boxes of 10,000:1 in a bucket sank by a seventh of their size */
-/* lean.c */
-void lean_find(Group *g, bool known);   /* g->only_holds; known: the contacts are, else those of the last step's end hold */
-bool group_leans(const Group *g);       /* may something heavy press on something light? */
 bool group_elastic(const Group *g);     /* do any of its joints give and store energy? */
 bool group_bears_load(const Group *g);  /* do joints carry what is heavy, or give? Else they are limbs that slide and turn */
 bool direct_joints(Group *g);           /* should joints and contacts be solved together? */
 real direct_wanted(const Group *g);     /* m/s  sweeps that stop above this are to be followed by direct_solve; 0 = never */
+/* lean.c */
+void lean_find(Group *g, bool known);   /* g->only_holds; known: the contacts are, else those of the last step's end hold */
+bool group_leans(const Group *g);       /* may something heavy press on something light? */
 /* turn.c */
 vec3 group_swerve(const Group *g, int i);        /* rad/s  Member.swerve, from the velocities before the substep */
 void group_find_throws(Group *g);                /* throw.c: throws, GroupJoint.lags */
